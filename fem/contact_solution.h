@@ -1,0 +1,40 @@
+#pragma once
+#include <Eigen/Dense>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace tactel::fem {
+
+enum class GapStatus : std::uint8_t { open, stick, slip };
+
+/// How far a step is from satisfying the contact laws, from the final forces alone; all relative (interface.md).
+struct Residual {
+  double penetration = 0;      ///< largest penetration over the largest surface displacement
+  double cone = 0;             ///< largest |t| - mu n, over the largest n (0 if none)
+  double complementarity = 0;  ///< largest |gap| at a node with n > 0, over the largest surface displacement
+  double drift = 0;            ///< largest slip of a sticking node, or slip along (not against) friction, over the largest surface displacement
+  double balance = 0;          ///< |base force + surface force| over the largest of both
+};
+
+/// The state at the end of a load increment. Forces are those of the indenter on the rubber, save base_force (rubber on base).
+struct ContactStep {
+  double indentation = 0, tangential = 0;          ///< mm, where the indenter is
+  double P = 0, Q = 0;                             ///< N/mm, P >= 0; Q > 0 drags the rubber to +x
+  std::optional<double> slip_index;                ///< S = Q / (mu P); none when mu P = 0
+  std::vector<GapStatus> status;                   ///< [columns]
+  Eigen::VectorXd normal_force, tangential_force;  ///< [columns] N/mm; normal >= 0 presses
+  Eigen::VectorXd base_force_x, base_force_y;      ///< [base nodes] N/mm
+  Eigen::VectorXd sigma_y, tau_xy;                 ///< [tactels] MPa
+  bool converged = false;
+  int iterations = 0;
+  Residual residual;
+};
+
+struct ContactSolution {
+  Eigen::VectorXd surface_x, base_x, tactel_x;  ///< mm
+  std::vector<ContactStep> steps;
+  bool sliding = false;  ///< the last step slides as a whole
+};
+
+}  // namespace tactel::fem

@@ -1,0 +1,51 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fem/indenter.h"
+#include "fem/sensor.h"
+
+namespace tactel::fem {
+
+/// What the load asks for. Depth or force for the normal direction, then position or angle for the tangential one.
+struct Load {
+  std::vector<double> indentation{0.15};     ///< mm: targets, each reached in indentation_steps equal increments (usually one target)
+  std::vector<double> normal_force;          ///< N/mm: instead of indentation
+  int indentation_steps = 1;
+  std::vector<double> tangential;            ///< mm: explicit positions after the indentation; or
+  double tangential_step = 0.0;              ///< mm: equal steps (0: none)
+  std::optional<int> tangential_steps;       ///< how many; none with a tangential_step: until the whole contact slides
+  std::optional<double> angle;               ///< degrees, with normal_force: P and Q = P tan(angle) grow together
+};
+
+/// One load increment's target.
+struct LoadStep {
+  bool normal_is_force = false;
+  bool tangential_is_force = false;
+  double normal = 0.0;      ///< indentation, mm, or P, N/mm
+  double tangential = 0.0;  ///< indenter position along x since first touch, mm, or Q, N/mm
+  bool operator==(const LoadStep&) const = default;
+};
+
+/// The increments of a load path. Until sliding: as many as `most_tangential_steps`, and `until_sliding` is set.
+struct LoadPath {
+  std::vector<LoadStep> steps;
+  int indentation_steps = 0;   ///< how many of them belong to the indentation
+  bool until_sliding = false;  ///< stop after the first tangential increment in which every touching node slips
+};
+inline constexpr int most_tangential_steps = 1000;
+
+/// One contact: what a scene file says.
+struct Scene {
+  std::string title;
+  Sensor sensor;
+  Indenter indenter;
+  double friction = 0.5;  ///< mu >= 0
+  Load load;
+  void validate() const;  ///< throws ValueError, keys as in scene files
+};
+
+LoadPath load_path(const Load& load);
+
+}  // namespace tactel::fem

@@ -1,0 +1,34 @@
+#pragma once
+
+namespace tactel::fem {
+
+/// Finite elements of the block. `bbar`: Q4 with mean dilatation (Hughes 1980); `q4`: full 2x2 integration; `q4i`: Q4
+/// with incompatible modes (Taylor, Beresford and Wilson 1976); `q8`: serendipity, 3x3 integration.
+enum class Element { bbar, q4, q4i, q8 };
+
+/// How stress at the base is found: from nodal reactions through the consistent mass of the base edge, or from
+/// stresses extrapolated from the 2x2 Gauss points and averaged at nodes.
+enum class StressRecovery { reaction, element };
+
+/// The rubber layer and its transducers: all that the condensation depends on. Plane strain; x runs along the array
+/// from -length/2 to length/2, y up from the base.
+struct Sensor {
+  double length = 20.0;    ///< mm
+  double thickness = 1.5;  ///< mm
+  double young = 2.0;      ///< MPa
+  double poisson = 0.45;   ///< 0 <= nu < 0.5
+  int columns = 41;        ///< mesh nodes along x (corners of elements; q8 adds its mid-side nodes)
+  int rows = 11;           ///< mesh nodes through the thickness
+  double grading = 4.0;    ///< bottom row height over top row height, geometric in between
+  Element element = Element::bbar;
+  int tactels = 21;        ///< equally spaced over the length, first and last on the ends
+  StressRecovery stress = StressRecovery::reaction;
+
+  bool operator==(const Sensor&) const = default;
+  void validate() const;  ///< throws ValueError, key "sensor.<member>"
+};
+
+const char* name(Element element);
+const char* name(StressRecovery recovery);
+
+}  // namespace tactel::fem
