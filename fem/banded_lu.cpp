@@ -7,8 +7,8 @@
 namespace tactel::fem {
 namespace {
 
-// The diagonal is kept unless another candidate is this much larger: nearly all rows belong to a symmetric positive definite
-// stiffness, which needs no exchange, and each exchange widens the band.
+// The diagonal is kept unless another candidate is this much larger: nearly all rows belong to a symmetric positive
+// definite stiffness, which needs no exchange, and each exchange widens the band.
 constexpr double diagonal_preference = 10.0;
 
 void subtract_multiple(double* target, const double* source, double factor, int count) {
@@ -18,8 +18,12 @@ void subtract_multiple(double* target, const double* source, double factor, int 
 }  // namespace
 
 BandedLu::BandedLu(int size, int band)
-    : size_(size), band_(band), stride_(std::size_t(3 * band + 1)), row_(std::size_t(size) * stride_, 0.0),
-      end_(std::size_t(size)), pivot_(std::size_t(size)) {
+    : size_(size),
+      band_(band),
+      stride_(std::size_t(3 * band + 1)),
+      row_(std::size_t(size) * stride_, 0.0),
+      end_(std::size_t(size)),
+      pivot_(std::size_t(size)) {
   for (int i = 0; i < size; ++i) end_[i] = std::min(size, i + band + 1);
 }
 

@@ -22,15 +22,18 @@ class BandedLu {
   void solve(Eigen::Ref<RowMatrix> right_side) const;
 
  private:
-  std::size_t place(int row, int column) const { return std::size_t(row) * stride_ + std::size_t(column - row + band_); }
+  std::size_t place(int row, int column) const {
+    return std::size_t(row) * stride_ + std::size_t(column - row + band_);
+  }
   int choose_pivot(int column, int last) const;
   void exchange(int row, int other);
 
   int size_, band_;
   std::size_t stride_;
-  std::vector<double> row_;  ///< [size, 3 band + 1]: row i holds columns i - band to i + 2 band; exchanges need the last band
-  std::vector<int> end_;     ///< [size] one past the last column of row i that may hold something
-  std::vector<int> pivot_;   ///< [size] the row that step k exchanged with row k
+  std::vector<double>
+      row_;  ///< [size, 3 band + 1]: row i holds columns i - band to i + 2 band; exchanges need the last band
+  std::vector<int> end_;    ///< [size] one past the last column of row i that may hold something
+  std::vector<int> pivot_;  ///< [size] the row that step k exchanged with row k
 };
 
 }  // namespace tactel::fem

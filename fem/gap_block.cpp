@@ -52,13 +52,33 @@ int band_of(const Eigen::SparseMatrix<double>& stiffness, const ColumnOrder& ord
   return band + 1;  // the y row of a node, one further down, is added to its x row
 }
 
+// K of the free unknowns, in their order.
+Eigen::SparseMatrix<double> ordered(const Eigen::SparseMatrix<double>& stiffness, const ColumnOrder& order) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int j = 0; j < order.size(); ++j) {
+    for (Eigen::SparseMatrix<double>::InnerIterator entry(stiffness, order.dof[j]); entry; ++entry) {
+      if (order.place[entry.row()] >= 0) entries.emplace_back(order.place[entry.row()], j, entry.value());
+    }
+  }
+  Eigen::SparseMatrix<double> result(order.size(), order.size());
+  result.setFromTriplets(entries.begin(), entries.end());
+  return result;
+}
+
 }  // namespace
 
 class GapBlock::System {
  public:
-  System(const GapBlock& block, const std::vector<Trial>& trial, double mu)
-      : block_(block), trial_(trial), mu_(mu), first_(first_touching()), last_(last_touching()),
-        begin_(block.order_.first[first_]), matrix_(block.order_.first[last_ + 1] - begin_, block.band_) {
+  System(GapBlock& block, const std::vector<Trial>& trial, double mu)
+      : block_(block),
+        trial_(trial),
+        mu_(mu),
+        first_(first_touching()),
+        last_(last_touching()),
+        begin_(block.order_.first[first_]),
+        left_end_(block.left_.reduced_block(first_)),
+        right_end_(block.right_.reduced_block(last_)),
+        matrix_(block.order_.first[last_ + 1] - begin_, block.band_) {
     assemble();
     regular_ = matrix_.factor();
   }
@@ -93,8 +113,9 @@ class GapBlock::System {
       std::vector<char> prescribed(order.size(), 0);
       each_touching([&](int i, int x) {
         missing(x + 1, k) -= displacement(order.dof[x + 1], k);
-        missing(x, k) = slips(trial_[i]) ? double(right_side(x, k) - force(x) - friction_sign(trial_[i]) * mu_ * force(x + 1))
-                                         : right_side(x, k) - displacement(order.dof[x], k);
+        missing(x, k) = slips(trial_[i])
+                            ? double(right_side(x, k) - force(x) - friction_sign(trial_[i]) * mu_ * force(x + 1))
+                            : right_side(x, k) - displacement(order.dof[x], k);
         prescribed[x] = prescribed[x + 1] = 1;
       });
       for (int p = 0; p < order.size(); ++p) {
@@ -123,11 +144,14 @@ class GapBlock::System {
     }
   }
 
-  // factor times row `source` of K, into row `target`: the part among the window's columns, but for the outermost columns' own blocks.
+  // factor times row `source` of K, into row `target`: the part among the window's columns, but for the outermost
+  // columns' own blocks.
   void add_row(int target, int source, double factor) {
     const auto& order = block_.order_;
     const auto inside = [&](int c, int p) { return p >= order.first[c] && p < order.first[c + 1]; };
-    const auto reduced = [&](int p) { return (inside(first_, source) && inside(first_, p)) || (inside(last_, source) && inside(last_, p)); };
+    const auto reduced = [&](int p) {
+      return (inside(first_, source) && inside(first_, p)) || (inside(last_, source) && inside(last_, p));
+    };
     for (Eigen::SparseMatrix<double>::InnerIterator entry(block_.stiffness_, order.dof[source]); entry; ++entry) {
       const int p = order.place[entry.row()];
       if (p < begin_ || p >= order.first[last_ + 1]) continue;
@@ -135,10 +159,11 @@ class GapBlock::System {
       const double share = !reduced(p) ? 1 : first_ == last_ ? -1 : 0;
       matrix_.entry(target - begin_, p - begin_) += factor * share * entry.value();
     }
-    for (auto [column, side] : {std::pair(first_, &block_.left_), std::pair(last_, &block_.right_)}) {
+    for (auto [column, end] : {std::pair(first_, &left_end_), std::pair(last_, &right_end_)}) {
       if (!inside(column, source)) continue;
-      const auto row = side->reduced_block(column).row(source - order.first[column]);
-      for (int j = 0; j < row.size(); ++j) matrix_.entry(target - begin_, order.first[column] + j - begin_) += factor * row(j);
+      const auto row = end->row(source - order.first[column]);
+      for (int j = 0; j < row.size(); ++j)
+        matrix_.entry(target - begin_, order.first[column] + j - begin_) += factor * row(j);
     }
   }
 
@@ -159,21 +184,26 @@ class GapBlock::System {
     }
   }
 
-  const GapBlock& block_;
+  GapBlock& block_;
   const std::vector<Trial>& trial_;
   double mu_;
-  int first_, last_;  // outermost columns that touch
-  int begin_;         // first unknown of column first_
+  int first_, last_;                      // outermost columns that touch
+  int begin_;                             // first unknown of column first_
+  Eigen::MatrixXd left_end_, right_end_;  // diagonal blocks of the outermost columns, with all beyond them eliminated
   BandedLu matrix_;
   bool regular_ = false;
 };
 
 GapBlock::GapBlock(Mesh mesh, Eigen::SparseMatrix<double> stiffness)
-    : mesh_(std::move(mesh)), stiffness_(std::move(stiffness)), order_(order_by_column(mesh_)), band_(band_of(stiffness_, order_)),
-      left_(stiffness_, order_, OpenColumns::From::left), right_(stiffness_, order_, OpenColumns::From::right) {}
+    : mesh_(std::move(mesh)),
+      stiffness_(std::move(stiffness)),
+      order_(order_by_column(mesh_)),
+      band_(band_of(stiffness_, order_)),
+      left_(ordered(stiffness_, order_), order_, OpenColumns::From::left),
+      right_(ordered(stiffness_, order_), order_, OpenColumns::From::right) {}
 
 std::optional<Eigen::MatrixXd> GapBlock::displacement(const std::vector<Trial>& trial, double mu,
-                                                      const Eigen::MatrixXd& right_side) const {
+                                                      const Eigen::MatrixXd& right_side) {
   const System system(*this, trial, mu);
   if (!system.regular()) return std::nullopt;
   RowMatrix given = RowMatrix::Zero(order_.size(), right_side.cols());
@@ -201,7 +231,8 @@ long double GapBlock::force(int dof, const Eigen::MatrixXd& displacement, Eigen:
 Eigen::MatrixXd GapBlock::surface_force(const Eigen::MatrixXd& displacement) const {
   Eigen::MatrixXd result(2 * columns(), displacement.cols());
   for (Eigen::Index k = 0; k < displacement.cols(); ++k) {
-    for (int j = 0; j < 2 * columns(); ++j) result(j, k) = double(force(2 * mesh_.surface[j / 2] + j % 2, displacement, k));
+    for (int j = 0; j < 2 * columns(); ++j)
+      result(j, k) = double(force(2 * mesh_.surface[j / 2] + j % 2, displacement, k));
   }
   return result;
 }
@@ -216,6 +247,13 @@ Eigen::MatrixXd GapBlock::surface_part(const Eigen::MatrixXd& displacement) cons
   Eigen::MatrixXd result(2 * columns(), displacement.cols());
   for (int i = 0; i < columns(); ++i) result.middleRows(2 * i, 2) = displacement.middleRows(2 * mesh_.surface[i], 2);
   return result;
+}
+
+double GapBlock::typical_stiffness() const {
+  double sum = 0;
+  for (int node : mesh_.surface)
+    sum += stiffness_.coeff(2 * node, 2 * node) + stiffness_.coeff(2 * node + 1, 2 * node + 1);
+  return sum / (2 * columns());
 }
 
 double GapBlock::force_magnitude(const Eigen::VectorXd& displacement) const {
