@@ -33,7 +33,7 @@ double forbidden_slip(const GapElements& e, Eigen::Index i, GapStatus status) {
 }  // namespace
 
 std::vector<GapStatus> gap_status(const GapElements& e, double rounding) {
-  const double allowance = rounding * e.mu * largest_normal(e);
+  const double allowance = rounding * (1 + e.mu) * largest_normal(e);
   std::vector<GapStatus> status(e.gap.size(), GapStatus::open);
   for (Eigen::Index i = 0; i < e.gap.size(); ++i) {
     if (!(e.normal_force[i] > 0)) continue;

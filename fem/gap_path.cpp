@@ -17,10 +17,9 @@
 namespace tactel::fem {
 namespace {
 
-// A quantity along one piece of the path.
+// A quantity along one piece of the path, from where the piece begins.
 struct Line {
-  double start = 0, slope = 0;  // value = start + lambda slope
-  double at(double lambda) const { return start + lambda * slope; }
+  double start = 0, slope = 0;
   Line operator+(Line other) const { return {start + other.start, slope + other.slope}; }
   Line operator-(Line other) const { return {start - other.start, slope - other.slope}; }
 };
@@ -32,14 +31,18 @@ struct Start {
   Eigen::VectorXd gap_offset, force_offset;  // a [columns] mm, b [columns] N/mm
 };
 
+using Place = Eigen::Vector3d;  // depth, tangential position of the indenter (mm), lambda
+
 struct Piece {
+  Place direction;
   std::vector<Line> gap, slip, n, t;  // [columns] mm, N/mm; gap and n with their offsets
+  void reverse();
 };
 
 struct Change {
-  double lambda;
+  double distance = std::numeric_limits<double>::infinity();
   Eigen::Index element = -1;
-  Trial to = Trial::open;
+  Trial from = Trial::open, to = Trial::open;
 };
 
 void draw_offsets(const GapIncrement& increment, unsigned seed, Start& start) {
@@ -83,23 +86,32 @@ Start start_of(const GapIncrement& increment, unsigned seed) {
   return start;
 }
 
-// (1, depth, tangential, 1 - lambda), at lambda = 0 and its slope, [4, 2]; `force` [2 columns, 4] multiplies it.
-std::optional<Eigen::Matrix<double, 4, 2>> indenter_motion(const GapIncrement& increment, const Start& start,
-                                                           const Eigen::MatrixXd& force) {
-  const LoadStep& to = increment.target;
-  LoadStep from = to;
-  from.normal = to.normal_is_force ? increment.previous.normal_force.sum() : start.depth;
-  from.tangential = to.tangential_is_force ? increment.previous.tangential_force.sum() : increment.previous.tangential;
-  Eigen::MatrixXd with_offsets = force.leftCols(3);
-  with_offsets.col(0) += force.col(3);
-  const auto first = indenter_position(from, with_offsets), last = indenter_position(to, force.leftCols(3));
-  if (!first || !last) return std::nullopt;
-  Eigen::Matrix<double, 4, 2> motion;
-  motion << *first, *last - *first, 1, -1;
-  return motion;
+void Piece::reverse() {
+  direction = -direction;
+  for (auto* lines : {&gap, &slip, &n, &t}) {
+    for (Line& line : *lines) line.slope = -line.slope;
+  }
 }
 
-std::optional<Piece> trace(const GapIncrement& increment, const Start& start, const std::vector<Trial>& trial) {
+// The direction in which the place may move: both loads follow lambda. A load that is a force is a sum over `force` [2
+// columns, 4], which multiplies (1, depth, tangential, 1 - lambda). Where all elements slip under a given Q, the
+// indenter moves at constant lambda.
+Place direction_of(const GapIncrement& increment, const Start& start, const Eigen::MatrixXd& force) {
+  const LoadStep& to = increment.target;
+  const GapPose& previous = increment.previous;
+  Eigen::RowVector4d P = Eigen::RowVector4d::Zero(), Q = P;
+  for (Eigen::Index i = 0; i < force.rows(); i += 2) {
+    Q += force.row(i);
+    P -= force.row(i + 1);
+  }
+  Place normal(1, 0, start.depth - to.normal), tangential(0, 1, previous.tangential - to.tangential);
+  if (to.normal_is_force) normal << P[1], P[2], -P[3] + previous.normal_force.sum() - to.normal;
+  if (to.tangential_is_force) tangential << Q[1], Q[2], -Q[3] + previous.tangential_force.sum() - to.tangential;
+  return normal.stableNormalized().cross(tangential.stableNormalized());
+}
+
+std::optional<Piece> trace(const GapIncrement& increment, const Start& start, const std::vector<Trial>& trial,
+                           const Place& place) {
   const int count = int(trial.size());
   Eigen::MatrixXd right(2 * count, 4);
   right << right_side(increment, trial), Eigen::VectorXd::Zero(2 * count);
@@ -110,18 +122,19 @@ std::optional<Piece> trace(const GapIncrement& increment, const Start& start, co
   const auto response = increment.block.displacement(trial, increment.mu, right);
   if (!response) return std::nullopt;
   const Eigen::MatrixXd force = increment.block.surface_force(*response);
-  const auto motion = indenter_motion(increment, start, force);
-  if (!motion) return std::nullopt;
+  Piece piece;
+  piece.direction = direction_of(increment, start, force);
+  Eigen::Matrix<double, 4, 2> motion;  // of (1, depth, tangential, 1 - lambda): where it is, where it goes
+  motion << 1, 0, place[0], piece.direction[0], place[1], piece.direction[1], 1 - place[2], -piece.direction[2];
 
-  const Eigen::MatrixXd u = increment.block.surface_part(*response) * *motion, f = force * *motion;
+  const Eigen::MatrixXd u = increment.block.surface_part(*response) * motion, f = force * motion;
   const Eigen::VectorXd before = increment.block.surface_part(increment.previous.displacement);
   const auto line = [](const auto& lines, int k) { return Line{lines(k, 0), lines(k, 1)}; };
-  const Line fading = line(*motion, 3);
-  Piece piece;
+  const Line depth = line(motion, 1), tangential = line(motion, 2), fading = line(motion, 3);
   for (int i = 0; i < count; ++i) {
     const Line history{before[2 * i] - increment.previous.tangential, 0}, height{increment.height[i], 0};
-    piece.gap.push_back(height - line(*motion, 1) - line(u, 2 * i + 1) + start.gap_offset[i] * fading);
-    piece.slip.push_back(line(u, 2 * i) - line(*motion, 2) - history);
+    piece.gap.push_back(height - depth - line(u, 2 * i + 1) + start.gap_offset[i] * fading);
+    piece.slip.push_back(line(u, 2 * i) - tangential - history);
     piece.n.push_back(start.force_offset[i] * fading - line(f, 2 * i + 1));
     piece.t.push_back(line(f, 2 * i));
   }
@@ -135,29 +148,35 @@ Line reserve(const Piece& piece, double mu, Eigen::Index i, Trial from, Trial to
   return to == Trial::open ? piece.n[i] : -friction_sign(from) * piece.slip[i];
 }
 
-// What an element may change to. One that closes slips against the slip it has had in this increment.
-std::vector<Trial> alternatives(const Piece& piece, double mu, Eigen::Index i, Trial from, double lambda) {
-  if (from == Trial::open) return {mu > 0 && piece.slip[i].at(lambda) > 0 ? Trial::slip_minus : Trial::slip_plus};
+std::vector<Trial> alternatives(Trial from, double mu) {
+  if (from == Trial::open) return {Trial::slip_plus};  // or slip_minus: decided where it closes
   if (from == Trial::stick) return {Trial::slip_plus, Trial::slip_minus};
   return mu > 0 ? std::vector{Trial::open, Trial::stick} : std::vector{Trial::open};
 }
 
-// The first condition to reach its limit from lambda on, in the given direction (1 or -1).
-Change next_change(const Piece& piece, double mu, const std::vector<Trial>& trial, double lambda, double direction) {
-  Change change{direction * std::numeric_limits<double>::infinity()};
+// The first condition to reach its limit.
+Change next_change(const Piece& piece, double mu, const std::vector<Trial>& trial) {
+  Change change;
   for (Eigen::Index i = 0; i < Eigen::Index(trial.size()); ++i) {
-    for (Trial to : alternatives(piece, mu, i, trial[i], lambda)) {
+    for (Trial to : alternatives(trial[i], mu)) {
       const Line line = reserve(piece, mu, i, trial[i], to);
-      if (!(direction * line.slope < 0)) continue;
-      double limit = -line.start / line.slope;
-      if (direction * (limit - lambda) < 0) limit = lambda;  // passed by rounding
-      if (direction * (limit - change.lambda) < 0) change = {limit, i, to};
+      if (!(line.slope < 0)) continue;
+      const double distance = std::max(0.0, line.start / -line.slope);  // 0: passed by rounding
+      if (distance < change.distance) change = {distance, i, trial[i], to};
     }
   }
-  if (change.element >= 0 && trial[change.element] == Trial::open) {
-    change.to = alternatives(piece, mu, change.element, Trial::open, change.lambda).front();
+  if (change.element >= 0 && change.from == Trial::open && mu > 0) {
+    // An element that closes slips against the way it has gone in this increment.
+    const Line slip = piece.slip[change.element];
+    change.to = slip.start + change.distance * slip.slope > 0 ? Trial::slip_minus : Trial::slip_plus;
   }
   return change;
+}
+
+// Distance to lambda = 1, or backwards to lambda = 0; infinite where lambda does not change.
+double distance_to_end(const Piece& piece, const Place& place) {
+  const double rate = piece.direction[2];
+  return rate > 0 ? (1 - place[2]) / rate : rate < 0 ? -place[2] / rate : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
@@ -165,22 +184,22 @@ Change next_change(const Piece& piece, double mu, const std::vector<Trial>& tria
 std::optional<std::vector<Trial>> follow_path(const GapIncrement& increment, GapSearch& search, unsigned seed) {
   const Start start = start_of(increment, seed);
   std::vector<Trial> trial = start.trial;
-  double lambda = 0, direction = 1;
+  Place place(start.depth, increment.previous.tangential, 0);
   Change change;
-  Trial left = Trial::open;  // what the changed element did before
   while (!search.exhausted()) {
     ++search.iterations;
-    const auto piece = trace(increment, start, trial);
+    auto piece = trace(increment, start, trial, place);
     if (!piece) return std::nullopt;
     // The condition that ended the old status is gone; the one that would bring it back starts from 0 and must grow.
-    if (change.element >= 0) {
-      direction = reserve(*piece, increment.mu, change.element, change.to, left).slope >= 0 ? 1 : -1;
-    }
-    change = next_change(*piece, increment.mu, trial, lambda, direction);
-    if (change.lambda >= 1) return trial;
-    if (change.lambda < 0 || change.element < 0) return std::nullopt;
-    lambda = change.lambda;
-    left = std::exchange(trial[change.element], change.to);
+    const double growth = change.element < 0
+                              ? piece->direction[2]
+                              : reserve(*piece, increment.mu, change.element, change.to, change.from).slope;
+    if (growth < 0) piece->reverse();
+    change = next_change(*piece, increment.mu, trial);
+    const double end = distance_to_end(*piece, place);
+    if (end <= change.distance) return piece->direction[2] > 0 ? std::optional(trial) : std::nullopt;
+    place += change.distance * piece->direction;
+    trial[change.element] = change.to;
   }
   return std::nullopt;
 }
