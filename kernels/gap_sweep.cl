@@ -278,7 +278,7 @@ static inline vreal bracketed(vreal trial, vreal now, vreal low, vreal high, vre
 }
 
 /* Moves the indenter of the active lanes towards the forces asked for. Leaves in in->active those that were not there yet. */
-static inline void aim(Search *s, const Contact *c, Indenter *in, const vreal *p_goal, const vreal *q_goal, const vint *both,
+static inline void aim(Search *s, const Contact *c, Indenter *in, global const vreal *p_goal, global const vreal *q_goal, const vint *both,
                        real tolerance) {
   vreal p[VECTORS], q[VECTORS];
   resultants(c, p, q);
