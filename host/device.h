@@ -1,5 +1,6 @@
 #pragma once
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,6 +38,11 @@ struct DeviceInfo {
 /// Every OpenCL device, in the order that --device counts. Empty when there is none. Before the first OpenCL call of
 /// the process sets POCL_DEVICES to "basic pthread" unless the user has set it.
 std::vector<DeviceInfo> list_devices();
+/// Index of the device that is taken when nobody chooses: $TACTEL_DEVICE, else the best: PoCL's `basic` first (what
+/// answers are tested on), then another CPU, then a GPU. -1 when there is none.
+int default_device(std::span<const DeviceInfo> devices);
+/// What a user without a device can do.
+extern const char* const no_device_advice;
 
 /// A device with its context: what programs, buffers and executors are made on. Cheap to copy; copies share the
 /// context.

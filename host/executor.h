@@ -41,7 +41,11 @@ struct RunReport {
 /// Time spent in a kernel, summed over runs.
 struct KernelTime {
   std::size_t launches = 0, groups = 0;
-  double seconds = 0;  ///< of device work, summed over threads
+  double seconds = 0;  ///< of device work, summed over threads; the first launch contains PoCL's compilation
+  KernelTime& operator+=(const KernelTime& more) {
+    launches += more.launches, groups += more.groups, seconds += more.seconds;
+    return *this;
+  }
 };
 
 /// Sets arguments 1, 2, ... of a kernel; called once for each thread's kernel object, always in the calling thread.
