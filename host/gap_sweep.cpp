@@ -359,12 +359,12 @@ std::vector<std::vector<std::size_t>> launches(std::span<const fem::Scene> scene
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     std::pair key(scenes[i].sensor, by_force(scenes[i]));
     key.first.young = 1;
-    const auto found = std::find(keys.begin(), keys.end(), key);
-    if (found == keys.end()) {
+    const std::size_t group = std::find(keys.begin(), keys.end(), key) - keys.begin();
+    if (group == keys.size()) {
       keys.push_back(key);
       groups.emplace_back();
     }
-    groups[found - keys.begin()].push_back(i);
+    groups[group].push_back(i);
   }
   return groups;
 }

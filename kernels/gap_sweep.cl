@@ -18,6 +18,7 @@
 #define EACH_VECTOR _Pragma("unroll") for (int v = 0; v < VECTORS; ++v)
 #define FAR ((real)1e15)          /* mm: height of a node that carries no gap element, in this lane or yet */
 #define REACH ((real)1.25)        /* gap elements are put to work up to this many indentations; certify adds what that missed */
+#define DAMPED_AFTER 500          /* sweeps; slow but steady ones need fewer down to rounding on the paper's meshes */
 #define MOST_REJOINS 32           /* rounds of adding gap elements in one increment */
 #define MOST_AIMS 60              /* trials of depth (and position) to reach given forces */
 #define ROW_BLOCK 4               /* output rows computed together */
@@ -102,7 +103,7 @@ static inline RowDisplacement row_displacement(const Rules *rules, int i, const 
 
 /* One Gauss-Seidel sweep: at each node the normal force, then the tangential one in the new cone. moving: active lanes whose largest
    change was above tolerance times their largest pressure force. */
-static inline void sweep(const Rules *rules, Contact *c, const Indenter *in, vint *moving) {
+static inline void sweep(const Rules *rules, Contact *c, const Indenter *in, real relaxation, vint *moving) {
   vreal change[VECTORS], largest[VECTORS], dx[VECTORS];
   EACH_VECTOR {
     change[v] = largest[v] = 0;
@@ -111,14 +112,15 @@ static inline void sweep(const Rules *rules, Contact *c, const Indenter *in, vin
   for (int i = c->first; i < c->end; ++i) {
     const RowDisplacement u = row_displacement(rules, i, c->n, c->t, c->first, c->end);
     global const real *node = rules->node + i * NODE_ROWS;
+    const real n_per_uy = relaxation * node[NODE_N_PER_UY], t_per_ux = relaxation * node[NODE_T_PER_UX];
     EACH_VECTOR {
       const vreal n_old = c->n[i][v], t_old = c->t[i][v];
       const vreal inside = u.uy[v] - (c->h[i][v] - in->d[v]);
-      const vreal n_free = fma(inside, ALL_LANES(node[NODE_N_PER_UY]), n_old);
+      const vreal n_free = fma(inside, ALL_LANES(n_per_uy), n_old);
       const vreal n = PICK(in->active[v], LARGER(n_free, ALL_LANES(0)), n_old);
       const vreal slip = fma(ALL_LANES(node[NODE_UX_PER_N]), n - n_old, u.ux[v]) - (c->ux_last[i][v] + dx[v]);
       const vreal cone = in->mu[v] * n;
-      const vreal t_free = fma(-slip, ALL_LANES(node[NODE_T_PER_UX]), t_old);
+      const vreal t_free = fma(-slip, ALL_LANES(t_per_ux), t_old);
       const vreal t = PICK(in->active[v], SMALLER(LARGER(t_free, -cone), cone), t_old);
       c->n[i][v] = n;
       c->t[i][v] = t;
@@ -130,11 +132,12 @@ static inline void sweep(const Rules *rules, Contact *c, const Indenter *in, vin
   EACH_VECTOR { moving[v] = in->active[v] & (change[v] > rules->tolerance * largest[v]); }
 }
 
-/* Sweeps until every active lane has settled, or most_sweeps. Leaves in in->active the lanes that did not settle. */
+/* Sweeps until every active lane has settled, or most_sweeps. Leaves in in->active the lanes that did not settle. Where friction is high and the
+   rubber compressible, plain Gauss-Seidel can go round in circles: lanes that take long go on with damped steps. */
 static inline void settle(const Rules *rules, Contact *c, Indenter *in, vreal *sweeps) {
   for (int k = 0; k < rules->most_sweeps && any_vector(in->active); ++k) {
     vint moving[VECTORS];
-    sweep(rules, c, in, moving);
+    sweep(rules, c, in, k < DAMPED_AFTER ? (real)1 : k < 4 * DAMPED_AFTER ? (real)0.5 : (real)0.2, moving);
     EACH_VECTOR {
       sweeps[v] += PICK(in->active[v], ALL_LANES(1), ALL_LANES(0));
       in->active[v] = moving[v];
