@@ -284,6 +284,14 @@ template <class Real>
 double GapSweep<Real>::Batch::seconds() const { return state_->seconds; }
 
 template <class Real>
+void GapSweep<Real>::Batch::fill_outputs(Real value) {
+  for (const auto* buffer : {&state_->result, &state_->rows, &state_->nodes}) {
+    const auto mapped = buffer->map();
+    std::fill(mapped.view().begin(), mapped.view().end(), value);
+  }
+}
+
+template <class Real>
 double GapSweep<Real>::Batch::result(std::size_t i, int step, int row) const {
   const auto& b = *state_;
   Real value;
