@@ -12,6 +12,7 @@
 
    Built with -D REAL (float | double), LANES (1, 4, 8, 16), VECTORS, NODES, FORCE_CONTROL (0 | 1). */
 // defines: NODES=41 VECTORS=2 FORCE_CONTROL=1
+#include "shared/group.h"
 #include "shared/lanes.h"
 #include "shared/contact_layout.h"
 
@@ -419,7 +420,7 @@ kernel void gap_sweep(uint first_group, global const real *compliance, global co
                       global const vreal *lane_input, global const vreal *profile, global const vreal *path, int steps,
                       real tolerance, real accept, int most_sweeps, global vreal *result,
                       global vreal *rows_out, global vreal *nodes_out, int write_node_rows) {
-  const size_t group = first_group + get_global_id(0);
+  TAKE_GROUP(group);
   const Rules rules = {compliance, node, tolerance, most_sweeps};
   lane_input += group * (LANE_INPUT_ROWS * VECTORS);
   profile += group * (NODES * VECTORS);
