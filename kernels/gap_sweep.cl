@@ -284,11 +284,11 @@ static inline void extrapolate(Contact *c, const Indenter *in, const vreal *rati
 
 #if FORCE_CONTROL
 /* Search for the indenter's place z = (d, x) that gives the forces asked for: f = (P - P_goal, Q - (Q_goal / P_goal) P) = 0, by Broyden's inverse update
-   (Broyden 1965) kept inside brackets, since P grows with d and Q / P with x. */
+   (Broyden 1965). */
 typedef struct {
   vreal b[2][2][VECTORS];                /* inverse Jacobian */
   vreal z[2][VECTORS], g[2][VECTORS];    /* last trial: place; P and Q - (Q_goal / P_goal) P */
-  vreal low[2][VECTORS], high[2][VECTORS];
+  vreal low[VECTORS], high[VECTORS];     /* bracket of d */
 } Search;
 
 /* Inverse update with the trial (z, g) in the given lanes; b stays where the step was too small to tell anything. */
@@ -312,11 +312,10 @@ static inline void learn(Search *s, int v, const vreal *z, const vreal *g, vint 
   }
 }
 
-/* A trial inside the bracket: where Broyden's step leaves it, halfway to the bound, or a stride where there is no bound yet. */
-static inline vreal bracketed(vreal trial, vreal now, vreal low, vreal high, vreal stride) {
-  const vreal upward = PICK(high < FAR, (real)0.5 * (now + high), now + stride);
-  const vreal downward = PICK(low > -FAR, (real)0.5 * (now + low), now - stride);
-  return PICK(trial >= high, upward, PICK(trial <= low, downward, trial));
+/* A trial inside the bracket: where Broyden's step leaves it, halfway to the bound, or twice as deep where there is no bound yet. */
+static inline vreal bracketed(vreal trial, vreal now, vreal low, vreal high) {
+  const vreal deeper = PICK(high < FAR, (real)0.5 * (now + high), 2 * now);
+  return PICK(trial >= high, deeper, PICK(trial <= low, (real)0.5 * (now + low), trial));
 }
 
 /* Moves the indenter of the active lanes towards the forces asked for. Leaves in in->active those that were not there yet. */
@@ -334,13 +333,13 @@ static inline void aim(Search *s, const Contact *c, Indenter *in, global const v
     in->active[v] &= (fabs(miss[0]) > enough) | (fabs(miss[1]) > enough);
     const vreal step[2] = {s->b[0][0][v] * miss[0] + s->b[0][1][v] * miss[1],
                            s->b[1][0][v] * miss[0] + s->b[1][1][v] * miss[1]};
-    vreal next[2];
-    for (int a = 0; a < 2; ++a) {
-      s->low[a][v] = PICK(miss[a] < 0, fmax(s->low[a][v], z[a]), s->low[a][v]);
-      s->high[a][v] = PICK(miss[a] > 0, fmin(s->high[a][v], z[a]), s->high[a][v]);
-      const vreal stride = fmax(fabs(z[a]), (real)0.25 * fabs(in->d[v]));
-      next[a] = bracketed(z[a] - step[a], z[a], s->low[a][v], s->high[a][v], stride);
-    }
+    s->low[v] = PICK(miss[0] < 0, LARGER(z[0], s->low[v]), s->low[v]);
+    s->high[v] = PICK(miss[0] > 0, SMALLER(z[0], s->high[v]), s->high[v]);
+    /* P grows with d alone where x is given: keep inside the bracket. With both unknown the bracket moves: bound the step instead. */
+    const vreal far_d = (real)0.5 * z[0], far_x = LARGER(fabs(z[1]), far_d);
+    const vreal bounded = SMALLER(LARGER(z[0] - step[0], z[0] - far_d), z[0] + 2 * far_d);
+    const vreal next[2] = {PICK(both[v], bounded, bracketed(z[0] - step[0], z[0], s->low[v], s->high[v])),
+                           SMALLER(LARGER(z[1] - step[1], z[1] - far_x), z[1] + far_x)};
     in->d[v] = PICK(in->active[v], next[0], in->d[v]);
     in->x[v] = PICK(in->active[v] & both[v], next[1], in->x[v]);
   }
@@ -481,10 +480,8 @@ kernel void gap_sweep(uint first_group, global const real *compliance, global co
       const vreal first_trial = PICK(in.d[v] > 0, in.d[v], search.b[0][0][v] * d);
       in.d[v] = PICK(normal_force[v], PICK(d > 0, first_trial, ALL_LANES(0)), d);
       in.x[v] = PICK(both[v], in.x[v], x);
-      for (int a = 0; a < 2; ++a) {
-        search.low[a][v] = -FAR;
-        search.high[a][v] = FAR;
-      }
+      search.low[v] = 0;
+      search.high[v] = FAR;
 #else
       in.d[v] = d;
       in.x[v] = x;

@@ -200,7 +200,7 @@ TEST(GapSweep, InvalidNeighboursAreFlaggedAndHarmless) {
     if (i % 2)
       poisoned_scenes[i].friction = nan;
     else
-      poisoned_scenes[i].load.indentation = {nan};
+      poisoned_scenes[i].sensor.young = std::numeric_limits<double>::infinity();
   }
   auto poisoned = sweep.prepare(poisoned_scenes);
   poisoned.run();
@@ -255,7 +255,7 @@ TEST(GapSweep, CertificateIsTrue) {
 }
 
 TEST(GapSweep, UnreachableToleranceIsSaidNotHidden) {
-  auto scenes = random_scenes(paper_mesh('B'), 5, 10);
+  std::vector scenes(5, fem::Scene{"", paper_mesh('B'), {fem::Parabola{10}, 0.0}, 0.5, reversal()});
   host::GapSweepOptions options;
   options.most_sweeps = 2;
   for (const auto& solution : host::solve_gap_sweep(executor(), scenes, host::Precision::fp64, options))
