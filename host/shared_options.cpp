@@ -4,7 +4,7 @@ namespace tactel::host {
 
 void add_shared_options(CLI::App& command, SharedOptions& options) {
   SolveOptions& solve = options.solve;
-  command.add_option("--solver", solve.solver, "who solves: reference (full mesh, fp64)")
+  command.add_option("--solver", solve.solver, "who solves: batched (OpenCL kernels) or reference (full mesh, fp64)")
       ->check(CLI::IsMember(solver_names()))
       ->capture_default_str();
   command.add_option("--precision", solve.precision, "fp32 or fp64 (default: fp64)")->check(CLI::IsMember({"fp32", "fp64"}));

@@ -3,6 +3,7 @@
 #include <random>
 #include <vector>
 
+#include "fem/contact_solution.h"
 #include "fem/scene.h"
 
 namespace tactel::testing {
