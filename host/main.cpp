@@ -39,7 +39,9 @@ int main(int argc, char** argv) {
   app.get_formatter()->column_width(34);
   app.footer("Exit codes: 0 done, 2 wrong input, 3 device or hardware, 4 something did not meet its tolerance.");
   Action action;
+  add_devices_command(app, action);
   add_solve_command(app, action);
+  add_reproduce_command(app, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
