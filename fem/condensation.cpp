@@ -7,9 +7,10 @@ namespace {
 
 Eigen::VectorXd positions(const Mesh& mesh, const std::vector<int>& nodes) { return mesh.node(0, nodes).transpose(); }
 
-/// Everything that a surface load brings about, for unit loads on the unknowns `first` to `first + count` of the surface.
-void condense_columns(const ClampedBlock& block, const std::vector<int>& surface, Eigen::Index first, Eigen::Index count,
-                      const Eigen::SparseMatrix<double>& element_stress, Condensation& result) {
+/// Everything that a surface load brings about, for unit loads on the unknowns `first` to `first + count` of the
+/// surface.
+void condense_columns(const ClampedBlock& block, const std::vector<int>& surface, Eigen::Index first,
+                      Eigen::Index count, const Eigen::SparseMatrix<double>& element_stress, Condensation& result) {
   Eigen::MatrixXd load = Eigen::MatrixXd::Zero(2 * block.mesh().node.cols(), count);
   for (Eigen::Index j = 0; j < count; ++j) load(surface[static_cast<std::size_t>(first + j)], j) = 1;
   const Eigen::MatrixXd u = block.displacement(load);

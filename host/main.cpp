@@ -47,13 +47,16 @@ bool refuse_unknown_command(const CLI::App& app, int argc, char** argv) {
 
 /// CLI11's complaint in the form of ours.
 std::string parse_failure(const CLI::App* app, const CLI::Error& error) {
-  return fmt::format("error: command line: {}\nsee {} --help\n", error.what(), app->get_parent() ? "tactel " + app->get_name() : "tactel COMMAND");
+  return fmt::format("error: command line: {}\nsee {} --help\n", error.what(),
+                     app->get_parent() ? "tactel " + app->get_name() : "tactel COMMAND");
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"tactel: a tactile rubber skin in contact. Units: mm, MPa (N/mm2), N/mm (force per unit depth), s, degrees.", "tactel"};
+  CLI::App app{
+      "tactel: a tactile rubber skin in contact. Units: mm, MPa (N/mm2), N/mm (force per unit depth), s, degrees.",
+      "tactel"};
   app.set_version_flag("--version", "tactel " TACTEL_VERSION);
   app.require_subcommand(1);
   app.get_formatter()->column_width(34);
