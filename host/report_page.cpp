@@ -34,13 +34,15 @@ bool is_number(const std::string& text) {
 }
 
 bool numeric_column(const ReportTable& table, std::size_t column) {
-  return std::ranges::all_of(table.rows, [&](const auto& row) { return column < row.size() && is_number(row[column]); });
+  return std::ranges::all_of(table.rows,
+                             [&](const auto& row) { return column < row.size() && is_number(row[column]); });
 }
 
 std::string row_html(const ReportTable& table, const std::vector<std::string>& cells, const char* tag) {
   std::string out = "<tr>";
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    out += fmt::format("<{}{}>{}</{}>", tag, numeric_column(table, i) ? " class=\"number\"" : "", escaped(cells[i]), tag);
+    out +=
+        fmt::format("<{}{}>{}</{}>", tag, numeric_column(table, i) ? " class=\"number\"" : "", escaped(cells[i]), tag);
   }
   return out + "</tr>\n";
 }
@@ -52,7 +54,8 @@ std::string inline_svg(std::string svg, int number) {
   svg.erase(0, start);
   const std::string mine = fmt::format("f{}-", number);
   for (const std::string mark : {"id='", "id=\"", "xlink:href='#", "xlink:href=\"#", "url(#"}) {
-    for (std::size_t at = svg.find(mark); at != std::string::npos; at = svg.find(mark, at + mark.size() + mine.size())) {
+    for (std::size_t at = svg.find(mark); at != std::string::npos;
+         at = svg.find(mark, at + mark.size() + mine.size())) {
       svg.insert(at + mark.size(), mine);
     }
   }
@@ -65,28 +68,43 @@ std::string escaped(const std::string& text) {
   std::string out;
   for (const char c : text) {
     switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      case '\'': out += "&#39;"; break;
-      default: out += c;
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      case '\'':
+        out += "&#39;";
+        break;
+      default:
+        out += c;
     }
   }
   return out;
 }
 
-ReportTable comparison_table(const std::string& caption, const std::string& name_head, const std::vector<Comparison>& rows, int digits) {
+ReportTable comparison_table(const std::string& caption, const std::string& name_head,
+                             const std::vector<Comparison>& rows, int digits) {
   ReportTable table{.caption = caption, .head = {name_head, "measured", "paper", "difference"}};
   for (const Comparison& row : rows) {
     const double percent = 100 * (row.measured - row.paper) / std::abs(row.paper);
-    const std::string difference = row.paper != 0 ? fmt::format("{:+.1f} %", percent) : fmt::format("{:+.{}f}", row.measured, digits);
-    table.rows.push_back({row.name, fmt::format("{:.{}f}", row.measured, digits), fmt::format("{:.{}f}", row.paper, digits), difference});
+    const std::string difference =
+        row.paper != 0 ? fmt::format("{:+.1f} %", percent) : fmt::format("{:+.{}f}", row.measured, digits);
+    table.rows.push_back({row.name, fmt::format("{:.{}f}", row.measured, digits),
+                          fmt::format("{:.{}f}", row.paper, digits), difference});
   }
   return table;
 }
 
-ReportPage::ReportPage(std::string title, std::string subtitle) : title_(std::move(title)), subtitle_(std::move(subtitle)) {}
+ReportPage::ReportPage(std::string title, std::string subtitle)
+    : title_(std::move(title)), subtitle_(std::move(subtitle)) {}
 
 void ReportPage::section(const std::string& title) {
   sections_.push_back(title);
@@ -98,15 +116,16 @@ void ReportPage::paragraph(const std::string& text) { body_ += "<p>" + escaped(t
 void ReportPage::note(const std::string& text) { body_ += "<p class=\"note\">" + escaped(text) + "</p>\n"; }
 
 void ReportPage::table(const ReportTable& table) {
-  body_ += fmt::format("<div class=\"wide\"><table>\n<caption>Table {}. {}</caption>\n<thead>{}</thead>\n<tbody>\n", ++tables_, escaped(table.caption),
-                       row_html(table, table.head, "th"));
+  body_ += fmt::format("<div class=\"wide\"><table>\n<caption>Table {}. {}</caption>\n<thead>{}</thead>\n<tbody>\n",
+                       ++tables_, escaped(table.caption), row_html(table, table.head, "th"));
   for (const auto& row : table.rows) body_ += row_html(table, row, "td");
   body_ += "</tbody></table></div>\n";
 }
 
 void ReportPage::figure(const Figure& figure, const std::string& caption) {
   ++figures_;
-  body_ += fmt::format("<figure>\n{}\n<figcaption>Figure {}. {}</figcaption>\n</figure>\n", inline_svg(render_svg(figure), figures_), figures_, escaped(caption));
+  body_ += fmt::format("<figure>\n{}\n<figcaption>Figure {}. {}</figcaption>\n</figure>\n",
+                       inline_svg(render_svg(figure), figures_), figures_, escaped(caption));
 }
 
 std::string ReportPage::html() const {
@@ -115,9 +134,12 @@ std::string ReportPage::html() const {
     contents += fmt::format("<li><a href=\"#section-{}\">{}</a></li>\n", i + 1, escaped(sections_[i]));
   }
   return fmt::format(
-      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width\">\n"
-      "<title>{}</title>\n<style>{}</style>\n</head>\n<body><main>\n<h1>{}</h1>\n<p class=\"subtitle\">{}</p>\n{}{}</main></body>\n</html>\n",
-      escaped(title_), style, escaped(title_), escaped(subtitle_), contents.empty() ? "" : "<nav><ol>\n" + contents + "</ol></nav>\n", body_);
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
+      "content=\"width=device-width\">\n"
+      "<title>{}</title>\n<style>{}</style>\n</head>\n<body><main>\n<h1>{}</h1>\n<p "
+      "class=\"subtitle\">{}</p>\n{}{}</main></body>\n</html>\n",
+      escaped(title_), style, escaped(title_), escaped(subtitle_),
+      contents.empty() ? "" : "<nav><ol>\n" + contents + "</ol></nav>\n", body_);
 }
 
 }  // namespace tactel::host

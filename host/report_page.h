@@ -20,7 +20,8 @@ struct Comparison {
   double measured = 0, paper = 0;
 };
 /// name | measured | paper | difference (percent of the paper's figure).
-ReportTable comparison_table(const std::string& caption, const std::string& name_head, const std::vector<Comparison>& rows, int digits);
+ReportTable comparison_table(const std::string& caption, const std::string& name_head,
+                             const std::vector<Comparison>& rows, int digits);
 
 /// A report as one HTML file that needs nothing beside it: inline style, inline SVG. All text is escaped.
 class ReportPage {

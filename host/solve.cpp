@@ -10,9 +10,11 @@ namespace tactel::host {
 namespace {
 
 SolveOutcome solve_reference(const fem::Scene& scene, const SolveOptions& options) {
-  if (options.precision == "fp32") throw ConfigError("command line", "--precision", "fp32", "fp64 with --solver reference");
+  if (options.precision == "fp32")
+    throw ConfigError("command line", "--precision", "fp32", "fp64 with --solver reference");
   if (!options.device.empty())
-    throw ConfigError("command line", "--device", options.device, "left out with --solver reference, which uses no device");
+    throw ConfigError("command line", "--device", options.device,
+                      "left out with --solver reference, which uses no device");
   fem::GapReferenceOptions reference;
   if (options.tolerance) reference.tolerance = *options.tolerance;
   return {fem::solve_gap_reference(scene, reference), "reference", "fp64", "host"};
@@ -27,7 +29,8 @@ SolveOutcome solve_batched(const fem::Scene& scene, const SolveOptions& options)
   GapSweepOptions sweep;
   if (options.tolerance) {
     sweep.accept = *options.tolerance;
-    sweep.tolerance = 0.01 * *options.tolerance;  // a slow lane (contraction 0.99 a sweep) leaves 100 times its last change
+    sweep.tolerance =
+        0.01 * *options.tolerance;  // a slow lane (contraction 0.99 a sweep) leaves 100 times its last change
   }
   auto solutions = solve_gap_sweep(executor, std::span(&scene, 1), precision, sweep);
   return {std::move(solutions.front()), "batched", name(precision), device.name};
