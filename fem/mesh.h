@@ -9,12 +9,16 @@ namespace tactel::fem {
 /// Structured rectangular mesh of the block; degrees of freedom of node k are 2k (x) and 2k + 1 (y).
 struct Mesh {
   Element element;
-  Eigen::Matrix2Xd node;                    ///< [2, nodes] mm; base at y = 0, surface at y = thickness
-  Eigen::Matrix<int, -1, -1, Eigen::RowMajor> cell;  ///< [cells, 4 or 8] node ids: corners counter-clockwise from the lower left, then (q8) mid-sides
-  std::vector<int> surface;                 ///< [columns] corner nodes of the surface, left to right: these carry gap elements
-  std::vector<int> base;                    ///< every clamped node, left to right (q8: mid-sides too)
+  Eigen::Matrix2Xd node;  ///< [2, nodes] mm; base at y = 0, surface at y = thickness
+  Eigen::Matrix<int, -1, -1, Eigen::RowMajor>
+      cell;  ///< [cells, 4 or 8] node ids: corners counter-clockwise from the lower left, then (q8) mid-sides
+  std::vector<int> surface;  ///< [columns] corner nodes of the surface, left to right: these carry gap elements
+  std::vector<int> base;     ///< every clamped node, left to right (q8: mid-sides too)
 };
 
 Mesh make_mesh(const Sensor& sensor);
+
+/// x of the columns, where the gap elements stand, [columns] mm; exactly symmetric about 0.
+Eigen::VectorXd surface_positions(const Sensor& sensor);
 
 }  // namespace tactel::fem

@@ -10,13 +10,14 @@ namespace tactel::fem {
 
 /// What the load asks for. Depth or force for the normal direction, then position or angle for the tangential one.
 struct Load {
-  std::vector<double> indentation{0.15};     ///< mm: targets, each reached in indentation_steps equal increments (usually one target)
-  std::vector<double> normal_force;          ///< N/mm: instead of indentation
+  std::vector<double> indentation{
+      0.15};  ///< mm: targets, each reached in indentation_steps equal increments (usually one target)
+  std::vector<double> normal_force;  ///< N/mm: instead of indentation
   int indentation_steps = 1;
-  std::vector<double> tangential;            ///< mm: explicit positions after the indentation; or
-  double tangential_step = 0.0;              ///< mm: equal steps (0: none)
-  std::optional<int> tangential_steps;       ///< how many; none with a tangential_step: until the whole contact slides
-  std::optional<double> angle;               ///< degrees, with normal_force: P and Q = P tan(angle) grow together
+  std::vector<double> tangential;       ///< mm: explicit positions after the indentation; or
+  double tangential_step = 0.0;         ///< mm: equal steps (0: none)
+  std::optional<int> tangential_steps;  ///< how many; none with a tangential_step: until the whole contact slides
+  std::optional<double> angle;          ///< degrees, with normal_force: P and Q = P tan(angle) grow together
 };
 
 /// One load increment's target.
@@ -35,6 +36,7 @@ struct LoadPath {
   bool until_sliding = false;  ///< stop after the first tangential increment in which every touching node slips
 };
 inline constexpr int most_tangential_steps = 1000;
+inline constexpr int most_indentation_steps = 1000;  // for each target
 
 /// One contact: what a scene file says.
 struct Scene {

@@ -21,12 +21,15 @@ struct Sensor {
   int rows = 11;           ///< mesh nodes through the thickness
   double grading = 4.0;    ///< bottom row height over top row height, geometric in between
   Element element = Element::bbar;
-  int tactels = 21;        ///< equally spaced over the length, first and last on the ends
+  int tactels = 21;  ///< equally spaced over the length, first and last on the ends
   StressRecovery stress = StressRecovery::reaction;
 
   bool operator==(const Sensor&) const = default;
   void validate() const;  ///< throws ValueError, key "sensor.<member>"
 };
+
+// What one block may ask for: beyond these a slip of the pen would ask for more memory than a machine has.
+inline constexpr int most_columns = 2001, most_rows = 1001, most_tactels = 10000;
 
 const char* name(Element element);
 const char* name(StressRecovery recovery);

@@ -1,0 +1,30 @@
+#pragma once
+#include <Eigen/Dense>
+
+#include "fem/sensor.h"
+
+namespace tactel::fem {
+
+/// Isotropic linear elasticity, MPa.
+struct Material {
+  double shear;  ///< G = E / (2 (1 + nu))
+  double bulk;   ///< kappa = E / (3 (1 - 2 nu))
+};
+Material material(const Sensor& sensor);
+
+using ElementNodes = Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, 8>;                     ///< [2, 4 or 8] mm
+using ElementStiffness = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 16, 16>;  ///< [2 nodes, 2 nodes]
+using ElementStress = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 32, 16>;     ///< [4 nodes, 2 nodes]
+
+/// Nodes of one element: 8 for q8, else 4.
+int nodes_per_element(Element element);
+
+/// Stiffness in plane strain per mm of depth, N/mm per mm; displacement of local node k at 2k (x) and 2k + 1 (y).
+/// Exactly symmetric. Nodes as in Mesh::cell; any convex quadrilateral.
+ElementStiffness element_stiffness(Element element, const ElementNodes& node, const Material& material);
+
+/// Stress at the element's nodes from its displacements: found at the 2x2 Gauss points, extrapolated bilinearly.
+/// Rows 4k .. 4k + 3 are sigma_x, sigma_y, tau_xy, sigma_z at local node k; MPa/mm.
+ElementStress element_nodal_stress(Element element, const ElementNodes& node, const Material& material);
+
+}  // namespace tactel::fem

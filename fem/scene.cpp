@@ -1,0 +1,126 @@
+#include "fem/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "fem/mesh.h"
+#include "fem/number_text.h"
+#include "fem/value_error.h"
+
+namespace tactel::fem {
+namespace {
+
+double radians(double degrees) { return degrees * std::numbers::pi / 180; }
+
+void check(bool good, const char* key, double value, const std::string& allowed) {
+  if (!good) throw ValueError(key, number_text(value), allowed);
+}
+
+void check_targets(const std::vector<double>& targets, const char* key, const char* allowed) {
+  for (double target : targets) check(std::isfinite(target) && target >= 0, key, target, allowed);
+}
+
+void check_normal(const Load& load) {
+  check_targets(load.normal_force, "load.normal_force", "a force in N/mm that presses: finite, not below 0");
+  if (load.normal_force.empty()) {
+    check_targets(load.indentation, "load.indentation", "a depth in mm: finite, not below 0");
+    if (load.indentation.empty())
+      throw ValueError("load.indentation", "[]", "at least one depth in mm (or give normal_force)");
+  }
+  check(load.indentation_steps >= 1 && load.indentation_steps <= most_indentation_steps, "load.indentation_steps",
+        load.indentation_steps, "a number of equal increments, 1 to 1000");
+}
+
+void check_tangential(const Load& load) {
+  for (double x : load.tangential) check(std::isfinite(x), "load.tangential", x, "finite positions in mm");
+  check(std::isfinite(load.tangential_step), "load.tangential_step", load.tangential_step,
+        "a finite step in mm, 0 for none");
+  if (!load.tangential.empty())
+    check(load.tangential_step == 0 && !load.tangential_steps, "load.tangential_step", load.tangential_step,
+          "left out where load.tangential lists the positions");
+  if (!load.tangential_steps) return;
+  check(*load.tangential_steps >= 0 && *load.tangential_steps <= most_tangential_steps, "load.tangential_steps",
+        *load.tangential_steps, "a number of steps, 0 to 1000");
+  check(load.tangential_step != 0 || *load.tangential_steps == 0, "load.tangential_step", load.tangential_step,
+        "other than 0 where load.tangential_steps asks for steps");
+}
+
+void check_angle(const Load& load, double friction) {
+  if (!load.angle) return;
+  check(!load.normal_force.empty(), "load.angle", *load.angle, "given together with load.normal_force");
+  check(load.tangential.empty() && load.tangential_step == 0 && !load.tangential_steps, "load.angle", *load.angle,
+        "given without load.tangential and load.tangential_step: the angle sets the tangential force");
+  const double limit = std::atan(friction) * 180 / std::numbers::pi;
+  check(std::abs(*load.angle) < 90 && std::tan(std::abs(radians(*load.angle))) < friction, "load.angle", *load.angle,
+        "within the friction angle, -" + number_text(limit) + " < angle < " + number_text(limit) +
+            " degrees (atan of contact.friction = " + number_text(friction) + "): beyond it the contact slides" +
+            (*load.angle == 0 ? "; leave it out for a purely normal load" : ""));
+}
+
+/// The lowest part of the profile must hang over the rubber, and something of it over a node.
+void check_reach(const Scene& scene) {
+  const double half = scene.sensor.length / 2, position = scene.indenter.position;
+  const Interval lowest = lowest_part(scene.indenter);
+  check(lowest.left <= half + edge_guard && lowest.right >= -half - edge_guard, "indenter.position", position,
+        "such that the lowest part of the indenter, now from " + number_text(lowest.left) + " to " +
+            number_text(lowest.right) + " mm, is over the sensor, from " + number_text(-half) + " to " +
+            number_text(half) + " mm");
+  const Eigen::VectorXd heights = profile_heights(scene.indenter, surface_positions(scene.sensor));
+  check(heights.array().isFinite().any(), "indenter.position", position,
+        "such that a surface node is under the indenter: none is, they are " +
+            number_text(scene.sensor.length / (scene.sensor.columns - 1)) + " mm apart");
+}
+
+void append_indentation(const Load& load, LoadPath& path) {
+  const bool is_force = !load.normal_force.empty();
+  const double tangent = load.angle ? std::tan(radians(*load.angle)) : 0;
+  double from = 0;
+  for (double target : is_force ? load.normal_force : load.indentation) {
+    for (int k = 1; k <= load.indentation_steps; ++k) {
+      const double normal = k == load.indentation_steps ? target : from + (target - from) * k / load.indentation_steps;
+      path.steps.push_back({is_force, load.angle.has_value(), normal, normal * tangent});
+    }
+    from = target;
+  }
+  path.indentation_steps = static_cast<int>(path.steps.size());
+}
+
+void append_tangential(const Load& load, LoadPath& path) {
+  LoadStep step = path.steps.back();
+  const auto drag_to = [&](double position) {
+    step.tangential = position;
+    path.steps.push_back(step);
+  };
+  if (!load.tangential.empty()) {
+    for (double position : load.tangential) drag_to(position);
+  } else if (load.tangential_step != 0) {
+    path.until_sliding = !load.tangential_steps;
+    const int count = load.tangential_steps.value_or(most_tangential_steps);
+    for (int k = 1; k <= count; ++k) drag_to(load.tangential_step * k);
+  }
+}
+
+}  // namespace
+
+void Scene::validate() const {
+  sensor.validate();
+  indenter.validate();
+  check(std::isfinite(friction) && friction >= 0, "contact.friction", friction,
+        "a coefficient of friction, finite and not below 0");
+  check_normal(load);
+  check_tangential(load);
+  check_angle(load, friction);
+  check_reach(*this);
+}
+
+LoadPath load_path(const Load& load) {
+  check_normal(load);
+  check_tangential(load);
+  LoadPath path;
+  append_indentation(load, path);
+  if (!load.angle) append_tangential(load, path);
+  return path;
+}
+
+}  // namespace tactel::fem

@@ -1,0 +1,59 @@
+#include "fem/sensor.h"
+
+#include <cmath>
+
+#include "fem/number_text.h"
+#include "fem/value_error.h"
+
+namespace tactel::fem {
+namespace {
+
+void check(bool good, const char* member, double value, const char* allowed) {
+  if (!good) throw ValueError(std::string("sensor.") + member, number_text(value), allowed);
+}
+
+/// For quantities whose only law is to be positive; infinity and NaN are not.
+bool positive(double value) { return std::isfinite(value) && value > 0; }
+
+bool within(double value, double least, double most) { return value >= least && value <= most; }
+
+}  // namespace
+
+void Sensor::validate() const {
+  // The bounds on sizes are far outside what a tactile skin can be; they keep every later product finite.
+  check(within(length, 1e-6, 1e6), "length", length, "a length in mm, between 1e-6 and 1e6");
+  check(within(thickness, 1e-6, 1e6), "thickness", thickness, "a thickness in mm, between 1e-6 and 1e6");
+  check(positive(young), "young", young, "a Young's modulus in MPa, finite and above 0");
+  check(poisson >= 0 && poisson < 0.5, "poisson", poisson, "a Poisson's ratio, 0 <= poisson < 0.5");
+  check(within(columns, 3, most_columns), "columns", columns, "a number of mesh nodes along x, 3 to 2001");
+  check(within(rows, 2, most_rows), "rows", rows, "a number of mesh nodes through the thickness, 2 to 1001");
+  check(within(grading, 0.01, 100), "grading", grading,
+        "the bottom row's height over the top row's, 0.01 to 100 (1 is uniform)");
+  check(within(tactels, 2, most_tactels), "tactels", tactels, "a number of tactels, 2 to 10000");
+}
+
+const char* name(Element element) {
+  switch (element) {
+    case Element::bbar:
+      return "bbar";
+    case Element::q4:
+      return "q4";
+    case Element::q4i:
+      return "q4i";
+    case Element::q8:
+      return "q8";
+  }
+  throw ValueError("sensor.element", std::to_string(static_cast<int>(element)), "bbar, q4, q4i or q8");
+}
+
+const char* name(StressRecovery recovery) {
+  switch (recovery) {
+    case StressRecovery::reaction:
+      return "reaction";
+    case StressRecovery::element:
+      return "element";
+  }
+  throw ValueError("sensor.stress", std::to_string(static_cast<int>(recovery)), "reaction or element");
+}
+
+}  // namespace tactel::fem
