@@ -1,0 +1,37 @@
+#pragma once
+#include "fem/condensation.h"
+#include "fem/contact_solution.h"
+#include "fem/scene.h"
+
+namespace tactel::fem {
+
+struct GapSweepOptions {
+  double tolerance = 1e-11;   ///< largest change of a force in the last sweep over the largest pressure force
+  double accept = 1e-9;       ///< largest residual of a solved step
+  int most_sweeps = 20000;
+};
+
+/// The twin of kernels/gap_sweep.cl for one scene at a time, driven by depth: block Gauss-Seidel over gap elements on the surface
+/// compliance, in plain Eigen. Shares the algorithm with the kernel, but no code; fem/gap_reference.h is the judge of both.
+template <class Real>
+class GapSweep {
+ public:
+  explicit GapSweep(const Condensation& condensation, const GapSweepOptions& options = {});
+  /// Throws ValueError for a scene that is driven by force.
+  ContactSolution solve(const Scene& scene) const;
+  /// P, Q and tactel stresses alone, what a learning set needs: [steps, 2 + 2 tactels]; for benchmarks.
+  Eigen::MatrixXd solve_tactels(const Scene& scene) const;
+
+ private:
+  template <class Record>
+  void walk(const Scene& scene, const Record& record) const;
+
+  const Condensation& condensation_;
+  GapSweepOptions options_;
+  Eigen::Matrix<Real, -1, -1, Eigen::RowMajor> to_uy_, to_ux_;  ///< [columns, 2 columns]: displacement by n at 2j, by t at 2j + 1, E = 1
+};
+
+extern template class GapSweep<float>;
+extern template class GapSweep<double>;
+
+}  // namespace tactel::fem

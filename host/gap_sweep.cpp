@@ -1,0 +1,364 @@
+#include "host/gap_sweep.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+
+#include "kernels/shared/contact_layout.h"
+
+namespace tactel::host {
+namespace {
+
+constexpr double far_away = 2e15;  ///< mm; above the kernel's FAR: no indenter here
+constexpr int row_block = 4;       ///< ROW_BLOCK of the kernel
+constexpr int vectors = 2;         ///< of LANES scenes a work-item: each number of C that is loaded serves twice
+
+bool by_force(const fem::Scene& scene) { return !scene.load.normal_force.empty(); }
+
+int padded(int rows) { return (rows + row_block - 1) / row_block * row_block; }
+
+template <class Real>
+Buffer<Real> on_device(const Device& device, const std::vector<Real>& values) {
+  return Buffer<Real>(device, std::span<const Real>(values));
+}
+
+/// C of the kernel, [columns][columns][4]: u_y by n, u_y by t, u_x by n, u_x by t, with n pressing down (-y).
+template <class Real>
+std::vector<Real> compliance_table(const Eigen::MatrixXd& c) {
+  const int columns = static_cast<int>(c.rows() / 2);
+  std::vector<Real> table;
+  table.reserve(4 * columns * columns);
+  for (int i = 0; i < columns; ++i)
+    for (int j = 0; j < columns; ++j)
+      for (double value : {-c(2 * i + 1, 2 * j + 1), c(2 * i + 1, 2 * j), -c(2 * i, 2 * j + 1), c(2 * i, 2 * j)})
+        table.push_back(static_cast<Real>(value));
+  return table;
+}
+
+/// Output map of the kernel, [padded rows][columns][2]: by n, by t.
+template <class Real>
+std::vector<Real> output_table(const Eigen::MatrixXd& map) {
+  const int columns = static_cast<int>(map.cols() / 2), rows = static_cast<int>(map.rows());
+  std::vector<Real> table(static_cast<std::size_t>(padded(rows)) * columns * 2, Real(0));
+  for (int r = 0; r < rows; ++r)
+    for (int j = 0; j < columns; ++j) {
+      table[(static_cast<std::size_t>(r) * columns + j) * 2] = static_cast<Real>(-map(r, 2 * j + 1));
+      table[(static_cast<std::size_t>(r) * columns + j) * 2 + 1] = static_cast<Real>(map(r, 2 * j));
+    }
+  return table;
+}
+
+/// Nodes that the rigid profile reaches at the deepest indentation, about: what a lane costs.
+int expected_window(const fem::Scene& scene, const Eigen::VectorXd& surface_x) {
+  const auto& targets = by_force(scene) ? scene.load.normal_force : scene.load.indentation;
+  double depth = *std::max_element(targets.begin(), targets.end());
+  if (by_force(scene)) depth = 0.3 * depth / scene.sensor.young;
+  return static_cast<int>(std::count_if(surface_x.begin(), surface_x.end(), [&](double x) {
+    return fem::profile_height(scene.indenter, x) < 1.25 * depth;
+  }));
+}
+
+}  // namespace
+
+template <class Real>
+struct GapSweep<Real>::State {
+  State(Executor& executor, const fem::Sensor& sensor, const GapSweepOptions& options, const std::filesystem::path& cache)
+      : executor(executor), sensor(sensor), options(options), condensation(fem::condense_cached(sensor, cache)) {
+    constexpr double epsilon = std::numeric_limits<Real>::epsilon();
+    if (this->options.tolerance == 0) this->options.tolerance = sizeof(Real) == 4 ? 1e-5 : 1e-11;
+    if (this->options.accept == 0) this->options.accept = std::max(100 * this->options.tolerance, 200 * epsilon);
+    const Device& device = executor.device();
+    compliance = on_device(device, compliance_table<Real>(condensation.compliance));
+    base_rows = options.base_forces ? static_cast<int>(condensation.base_force.rows()) : 0;
+    rows = base_rows + (options.tactels ? static_cast<int>(condensation.tactel_stress.rows()) : 0);
+    Eigen::MatrixXd outputs(rows, condensation.compliance.cols());
+    if (options.base_forces) outputs.topRows(base_rows) = condensation.base_force;
+    if (options.tactels) outputs.bottomRows(rows - base_rows) = condensation.tactel_stress;
+    map = on_device(device, output_table<Real>(outputs));
+  }
+
+  int columns() const { return static_cast<int>(condensation.surface_x.size()); }
+  Precision precision() const { return sizeof(Real) == 4 ? Precision::fp32 : Precision::fp64; }
+  int lanes() const { return executor.device().lanes(precision()); }
+  int group() const { return lanes() == 1 ? 1 : lanes() * vectors; }
+
+  const Program& program(bool force) {
+    auto& program = programs[force];
+    if (!program) {
+      const auto text = [](int value) { return std::to_string(value); };
+      program = std::make_unique<Program>(executor.device(), "gap_sweep.cl",
+                                          Defines{{"REAL", real_type(precision())},
+                                                  {"LANES", text(lanes())},
+                                                  {"VECTORS", text(group() / lanes())},
+                                                  {"NODES", text(columns())},
+                                                  {"FORCE_CONTROL", text(force)}});
+    }
+    return *program;
+  }
+
+  Executor& executor;
+  fem::Sensor sensor;
+  GapSweepOptions options;
+  fem::Condensation condensation;
+  Buffer<Real> compliance, map;
+  int rows = 0, base_rows = 0;
+  std::unique_ptr<Program> programs[2];
+};
+
+template <class Real>
+struct GapSweep<Real>::Batch::State {
+  std::shared_ptr<GapSweep<Real>::State> sweep;
+  std::vector<std::size_t> place;  ///< [scenes] lane of scene i, counted over all groups
+  std::vector<int> path_steps;     ///< [scenes]
+  std::vector<double> friction;    ///< [scenes]
+  int steps = 0;
+  std::size_t groups = 0;
+  double seconds = 0;
+  Buffer<Real> lane_input, profile, path, result, rows, nodes;
+  Launch launch;
+
+  /// Index of [group][.. `row` of `height` a group ..][lane].
+  std::size_t at(std::size_t scene, std::size_t height, std::size_t row) const {
+    const std::size_t group = sweep->group(), lane = place[scene];
+    return ((lane / group) * height + row) * group + lane % group;
+  }
+
+  void lay_out(std::span<const fem::Scene> scenes);
+  void fill_scene(std::size_t i, const fem::Scene& scene, const fem::LoadPath& path, std::span<Real> input,
+                  std::span<Real> heights, std::span<Real> targets) const;
+  void fill(std::span<const fem::Scene> scenes, std::span<const fem::LoadPath> paths);
+};
+
+/// Scenes of like cost side by side, so that the lanes of a group finish together.
+template <class Real>
+void GapSweep<Real>::Batch::State::lay_out(std::span<const fem::Scene> scenes) {
+  std::vector<std::size_t> order(scenes.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::vector<int> window(scenes.size());
+  for (std::size_t i = 0; i < scenes.size(); ++i) window[i] = expected_window(scenes[i], sweep->condensation.surface_x);
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return std::tuple(window[a], path_steps[a], friction[a], a) > std::tuple(window[b], path_steps[b], friction[b], b);
+  });
+  place.resize(scenes.size());
+  for (std::size_t k = 0; k < order.size(); ++k) place[order[k]] = k;
+}
+
+template <class Real>
+void GapSweep<Real>::Batch::State::fill_scene(std::size_t i, const fem::Scene& scene, const fem::LoadPath& load,
+                                              std::span<Real> input, std::span<Real> heights, std::span<Real> targets) const {
+  const double young = scene.sensor.young;
+  const bool both = by_force(scene) && scene.load.angle.has_value();
+  const auto put = [&](LaneInputRow row, double value) { input[at(i, LANE_INPUT_ROWS, row)] = static_cast<Real>(value); };
+  put(LANE_MU, scene.friction);
+  put(LANE_YOUNG, young);
+  put(LANE_STEPS, static_cast<double>(load.steps.size()));
+  put(LANE_MAY_STOP, load.until_sliding ? load.indentation_steps : 1e6);
+  put(LANE_FORCE, by_force(scene) ? (both ? FORCE_BOTH : FORCE_NORMAL) : FORCE_NONE);
+  for (int node = 0; node < sweep->columns(); ++node) {
+    const double height = fem::profile_height(scene.indenter, sweep->condensation.surface_x[node]);
+    heights[at(i, sweep->columns(), node)] = static_cast<Real>(std::isinf(height) ? far_away : height);
+  }
+  for (std::size_t k = 0; k < load.steps.size(); ++k) {
+    const fem::LoadStep& step = load.steps[k];
+    targets[at(i, steps * PATH_ROWS, k * PATH_ROWS + PATH_NORMAL)] = static_cast<Real>(by_force(scene) ? step.normal / young : step.normal);
+    targets[at(i, steps * PATH_ROWS, k * PATH_ROWS + PATH_TANGENTIAL)] = static_cast<Real>(both ? step.tangential / young : step.tangential);
+  }
+}
+
+template <class Real>
+void GapSweep<Real>::Batch::State::fill(std::span<const fem::Scene> scenes, std::span<const fem::LoadPath> paths) {
+  const auto input = lane_input.map(), heights = profile.map(), targets = path.map();
+  // Lanes beyond the last scene run no step; young = 1 makes their input valid.
+  std::fill(input.view().begin(), input.view().end(), Real(0));
+  std::fill(heights.view().begin(), heights.view().end(), Real(far_away));
+  std::fill(targets.view().begin(), targets.view().end(), Real(0));
+  for (std::size_t i = 0; i < scenes.size(); ++i)
+    fill_scene(i, scenes[i], paths[i], input.view(), heights.view(), targets.view());
+}
+
+template <class Real>
+GapSweep<Real>::GapSweep(Executor& executor, const fem::Sensor& sensor, const GapSweepOptions& options,
+                         const std::filesystem::path& cache)
+    : state_(std::make_shared<State>(executor, sensor, options, cache)) {}
+
+template <class Real>
+const fem::Condensation& GapSweep<Real>::condensation() const { return state_->condensation; }
+
+template <class Real>
+const GapSweepOptions& GapSweep<Real>::options() const { return state_->options; }
+
+template <class Real>
+typename GapSweep<Real>::Batch GapSweep<Real>::prepare(std::span<const fem::Scene> scenes) const {
+  Batch batch;
+  batch.state_ = std::make_shared<typename Batch::State>();
+  auto& b = *batch.state_;
+  b.sweep = state_;
+  std::vector<fem::LoadPath> paths;
+  for (const fem::Scene& scene : scenes) {
+    paths.push_back(fem::load_path(scene.load));
+    b.path_steps.push_back(static_cast<int>(paths.back().steps.size()));
+    b.friction.push_back(scene.friction);
+  }
+  b.steps = scenes.empty() ? 0 : *std::max_element(b.path_steps.begin(), b.path_steps.end());
+  b.lay_out(scenes);
+
+  const std::size_t group = state_->group(), columns = state_->columns();
+  b.groups = (scenes.size() + group - 1) / group;
+  const std::size_t lanes = b.groups * group, lane_steps = lanes * b.steps;
+  const Device& device = state_->executor.device();
+  b.lane_input = Buffer<Real>(device, lanes * LANE_INPUT_ROWS);
+  b.profile = Buffer<Real>(device, lanes * columns);
+  b.path = Buffer<Real>(device, lane_steps * PATH_ROWS);
+  b.result = Buffer<Real>(device, lane_steps * LANE_RESULT_ROWS);
+  b.rows = Buffer<Real>(device, std::max<std::size_t>(lane_steps * state_->rows, 1));
+  b.nodes = Buffer<Real>(device, state_->options.nodes ? lane_steps * 3 * columns : group);
+  b.fill(scenes, paths);
+
+  const GapSweepOptions& o = state_->options;
+  const bool force = !scenes.empty() && by_force(scenes.front());
+  b.launch = state_->executor.prepare(state_->program(force), "gap_sweep", [&](cl::Kernel& kernel) {
+    unsigned next = 1;
+    const auto add = [&](const auto& value) { kernel.setArg(next++, value); };
+    add(state_->compliance.cl_buffer());
+    add(state_->map.cl_buffer());
+    add(cl_int(state_->rows));
+    add(cl_int(state_->base_rows));
+    add(b.lane_input.cl_buffer());
+    add(b.profile.cl_buffer());
+    add(b.path.cl_buffer());
+    add(cl_int(b.steps));
+    add(Real(o.relaxation));
+    add(Real(o.tolerance));
+    add(Real(o.accept));
+    add(cl_int(o.most_sweeps));
+    add(b.result.cl_buffer());
+    add(b.rows.cl_buffer());
+    add(b.nodes.cl_buffer());
+    add(cl_int(o.nodes));
+  });
+  return batch;
+}
+
+template <class Real>
+void GapSweep<Real>::Batch::run(const RunOptions& options) {
+  state_->seconds = state_->sweep->executor.run(state_->launch, state_->groups, options).seconds;
+}
+
+template <class Real>
+std::size_t GapSweep<Real>::Batch::size() const { return state_->place.size(); }
+
+template <class Real>
+int GapSweep<Real>::Batch::steps() const { return state_->steps; }
+
+template <class Real>
+std::size_t GapSweep<Real>::Batch::steps_in_all() const {
+  return std::accumulate(state_->path_steps.begin(), state_->path_steps.end(), std::size_t(0));
+}
+
+template <class Real>
+double GapSweep<Real>::Batch::seconds() const { return state_->seconds; }
+
+template <class Real>
+double GapSweep<Real>::Batch::result(std::size_t i, int step, int row) const {
+  const auto& b = *state_;
+  Real value;
+  b.result.read(std::span(&value, 1), b.at(i, b.steps * LANE_RESULT_ROWS, step * LANE_RESULT_ROWS + row));
+  return value;
+}
+
+template <class Real>
+double GapSweep<Real>::Batch::output(std::size_t i, int step, int row) const {
+  const auto& b = *state_;
+  Real value;
+  b.rows.read(std::span(&value, 1), b.at(i, static_cast<std::size_t>(b.steps) * b.sweep->rows, step * b.sweep->rows + row));
+  return value;
+}
+
+template <class Real>
+fem::ContactSolution GapSweep<Real>::Batch::solution(std::size_t i) const {
+  const auto& b = *state_;
+  const auto& sweep = *b.sweep;
+  const fem::Condensation& c = sweep.condensation;
+  const int columns = sweep.columns(), base_nodes = sweep.base_rows / 2, tactels = (sweep.rows - sweep.base_rows) / 2;
+  const auto result = b.result.map(), rows = b.rows.map(), nodes = b.nodes.map();
+  fem::ContactSolution solution{c.surface_x, c.base_x, c.tactel_x, {}, false};
+  for (int k = 0; k < b.path_steps[i]; ++k) {
+    const auto said = [&](int row) { return static_cast<double>(result[b.at(i, b.steps * LANE_RESULT_ROWS, k * LANE_RESULT_ROWS + row)]); };
+    const auto output = [&](int row) { return static_cast<double>(rows[b.at(i, static_cast<std::size_t>(b.steps) * sweep.rows, k * sweep.rows + row)]); };
+    const auto node = [&](int row) { return static_cast<double>(nodes[b.at(i, static_cast<std::size_t>(b.steps) * 3 * columns, 3 * k * columns + row)]); };
+    const int status = static_cast<int>(said(LANE_STATUS));
+    if (status == LANE_NOT_RUN) break;
+    fem::ContactStep step;
+    step.indentation = said(LANE_INDENTATION);
+    step.tangential = said(LANE_TANGENTIAL);
+    step.P = said(LANE_P);
+    step.Q = said(LANE_Q);
+    if (b.friction[i] * step.P > 0) step.slip_index = said(LANE_SLIP_INDEX);
+    step.converged = status == LANE_SOLVED || status == LANE_SLIDING;
+    step.iterations = static_cast<int>(said(LANE_SWEEPS));
+    step.residual = {said(LANE_PENETRATION), said(LANE_CONE), said(LANE_COMPLEMENTARITY), said(LANE_DRIFT), said(LANE_BALANCE)};
+    if (sweep.options.nodes) {
+      step.normal_force = Eigen::VectorXd::NullaryExpr(columns, [&](auto n) { return node(n); });
+      step.tangential_force = Eigen::VectorXd::NullaryExpr(columns, [&](auto n) { return node(columns + n); });
+      for (int n = 0; n < columns; ++n) step.status.push_back(static_cast<fem::GapStatus>(node(2 * columns + n)));
+    }
+    step.base_force_x = Eigen::VectorXd::NullaryExpr(base_nodes, [&](auto n) { return output(2 * n); });
+    step.base_force_y = Eigen::VectorXd::NullaryExpr(base_nodes, [&](auto n) { return output(2 * n + 1); });
+    step.sigma_y = Eigen::VectorXd::NullaryExpr(tactels, [&](auto n) { return output(sweep.base_rows + n); });
+    step.tau_xy = Eigen::VectorXd::NullaryExpr(tactels, [&](auto n) { return output(sweep.base_rows + tactels + n); });
+    solution.sliding = status == LANE_SLIDING;
+    solution.steps.push_back(std::move(step));
+  }
+  return solution;
+}
+
+template class GapSweep<float>;
+template class GapSweep<double>;
+
+namespace {
+
+template <class Real>
+void solve_alike(Executor& executor, std::span<const fem::Scene> scenes, const std::vector<std::size_t>& which,
+                 const GapSweepOptions& options, std::vector<fem::ContactSolution>& solutions) {
+  std::vector<fem::Scene> alike;
+  for (std::size_t i : which) alike.push_back(scenes[i]);
+  auto batch = GapSweep<Real>(executor, alike.front().sensor, options).prepare(alike);
+  batch.run();
+  for (std::size_t k = 0; k < which.size(); ++k) solutions[which[k]] = batch.solution(k);
+}
+
+/// Scenes that share a launch: same sensor but for E, same kind of load.
+std::vector<std::vector<std::size_t>> launches(std::span<const fem::Scene> scenes) {
+  std::vector<std::vector<std::size_t>> groups;
+  std::vector<std::pair<fem::Sensor, bool>> keys;
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    std::pair key(scenes[i].sensor, by_force(scenes[i]));
+    key.first.young = 1;
+    const auto found = std::find(keys.begin(), keys.end(), key);
+    if (found == keys.end()) {
+      keys.push_back(key);
+      groups.emplace_back();
+    }
+    groups[found - keys.begin()].push_back(i);
+  }
+  return groups;
+}
+
+}  // namespace
+
+std::vector<fem::ContactSolution> solve_gap_sweep(Executor& executor, std::span<const fem::Scene> scenes, Precision precision,
+                                                  const GapSweepOptions& options) {
+  for (const fem::Scene& scene : scenes) scene.validate();
+  std::vector<fem::ContactSolution> solutions(scenes.size());
+  for (const auto& which : launches(scenes)) {
+    if (precision == Precision::fp32)
+      solve_alike<float>(executor, scenes, which, options, solutions);
+    else
+      solve_alike<double>(executor, scenes, which, options, solutions);
+  }
+  return solutions;
+}
+
+}  // namespace tactel::host

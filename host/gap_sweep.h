@@ -1,0 +1,73 @@
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "fem/condensation.h"
+#include "fem/contact_solution.h"
+#include "fem/scene.h"
+#include "host/buffer.h"
+#include "host/executor.h"
+
+namespace tactel::host {
+
+/// Host side of kernels/gap_sweep.cl.
+struct GapSweepOptions {
+  double tolerance = 0;      ///< largest change of a force in the last sweep over the largest pressure force; 0: 1e-11 in fp64, 1e-5 in fp32
+  double accept = 0;         ///< largest residual of a solved step; 0: 100 tolerance, at least 2e-5 in fp32 (rounding of C times force)
+  double relaxation = 1.0;   ///< 1: Gauss-Seidel; up to 2: over-relaxed
+  int most_sweeps = 20000;   ///< an increment that needs more is reported as unsolved
+  bool base_forces = true;   ///< write base nodal forces
+  bool tactels = true;       ///< write stresses at the tactels
+  bool nodes = true;         ///< write forces and statuses of the surface nodes
+};
+
+/// A sensor on a device: condensation, maps and programs for one precision. Cheap to copy.
+template <class Real>
+class GapSweep {
+ public:
+  GapSweep(Executor& executor, const fem::Sensor& sensor, const GapSweepOptions& options = {},
+           const std::filesystem::path& cache_directory = fem::default_cache_directory());
+
+  /// Scenes of this sensor (E may differ) with their load paths, laid out in lanes: [group][..][lane]. All of them are
+  /// driven by depth, or all by force.
+  class Batch {
+   public:
+    void run(const RunOptions& options = {});  ///< one launch
+    std::size_t size() const;                  ///< scenes
+    int steps() const;                         ///< of the longest path
+    std::size_t steps_in_all() const;          ///< load increments of all scenes
+    double seconds() const;                    ///< of the last run
+    /// What the kernel said of scene `i`, in the order the scenes were given.
+    fem::ContactSolution solution(std::size_t i) const;
+    /// One number of LaneResultRow for a scene's increment.
+    double result(std::size_t i, int step, int row) const;
+    /// One output row (base forces, then tactels) for a scene's increment.
+    double output(std::size_t i, int step, int row) const;
+
+   private:
+    friend class GapSweep;
+    struct State;
+    std::shared_ptr<State> state_;
+  };
+
+  Batch prepare(std::span<const fem::Scene> scenes) const;
+  const fem::Condensation& condensation() const;
+  const GapSweepOptions& options() const;
+
+ private:
+  struct State;
+  std::shared_ptr<State> state_;
+};
+
+extern template class GapSweep<float>;
+extern template class GapSweep<double>;
+
+/// Any scenes, any sensors: groups them by sensor and by kind of load, runs a launch for each. A step that did not meet its
+/// tolerance has converged = false. Throws ValueError for a scene that is not valid.
+std::vector<fem::ContactSolution> solve_gap_sweep(Executor& executor, std::span<const fem::Scene> scenes, Precision precision,
+                                                  const GapSweepOptions& options = {});
+
+}  // namespace tactel::host

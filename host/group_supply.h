@@ -1,0 +1,52 @@
+#pragma once
+#include <atomic>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace tactel::host {
+
+/// Consecutive groups of one job.
+struct Chunk {
+  std::size_t job = 0, first = 0, count = 0;
+};
+
+/// The groups of several jobs in a row, drawn in chunks by any number of threads; each group goes to exactly one.
+class GroupSupply {
+ public:
+  explicit GroupSupply(std::span<const std::size_t> groups_of_job);
+  /// Up to `most` groups of one job; nothing when all are drawn.
+  std::optional<Chunk> draw(std::size_t most);
+  void stop() { next_.store(total()); }  ///< what is not drawn yet stays undone
+  std::size_t total() const { return ends_.empty() ? 0 : ends_.back(); }
+  std::size_t remaining() const { return total() - next_.load(std::memory_order_relaxed); }
+
+ private:
+  std::vector<std::size_t> ends_;  ///< [jobs] groups of this job and those before it
+  std::atomic<std::size_t> next_{0};
+};
+
+/// How many groups a thread should draw next. A launch costs some 0.5 us, so a chunk should take much longer than that;
+/// and a chunk cannot be shared, so it should be short beside what remains. Heavy groups may come anywhere: growth is
+/// gradual, and no chunk holds more than a fair share of a quarter of the rest.
+class ChunkPace {
+ public:
+  ChunkPace(std::size_t largest, int threads) : largest_(largest), threads_(threads) {}
+  void expect(double seconds_per_group) {
+    seconds_per_group_ = seconds_per_group;
+  }  ///< from an earlier run; 0: unknown
+  void measured(std::size_t groups, double seconds);
+  std::size_t next(std::size_t remaining) const;
+
+  static constexpr double chunk_seconds = 20e-6;  ///< aimed at: 40 launch costs
+  static constexpr double short_seconds = 30e-6;  ///< what remains is split once when it takes less than this
+
+ private:
+  std::size_t largest_;
+  int threads_;
+  std::size_t last_ = 0;
+  double seconds_per_group_ = 0;
+};
+
+}  // namespace tactel::host

@@ -1,0 +1,16 @@
+#pragma once
+#include <span>
+#include <string_view>
+
+namespace tactel::kernels {
+
+/// A file of this folder as it was when the program was built.
+struct Source {
+  std::string_view name;  ///< relative to kernels/: "gap_sweep.cl", "shared/lanes.h"
+  std::string_view text;
+};
+
+/// Every kernels/*.cl and kernels/shared/*.h.
+std::span<const Source> sources();
+
+}  // namespace tactel::kernels

@@ -1,0 +1,501 @@
+/* Batched contact of rigid indenters with one sensor: block Gauss-Seidel over gap elements on the surface compliance, whole load paths
+   in one launch.
+
+   One work-item carries VECTORS vectors of LANES scenes (GROUP scenes). Surface forces are kept as pressure n >= 0 and traction force t on
+   the rubber. With u = C load / E the kernel works at E = 1, where forces are in mm, and scales what it writes.
+
+   Law at node i, with gap g = h - d - u_y and slip s = (u_x - u_x at the last increment) - (X - X at the last increment):
+     n >= 0,  g >= 0,  n g = 0;   |t| <= mu n,  s = 0 inside the cone,  s t <= 0 on its edge.
+
+   A lane's result depends on nothing but the lane: finished lanes keep their bits, nodes that only its neighbours use add exact zeros,
+   and every sum runs in an order fixed by the node's index.
+
+   Built with -D REAL (float | double), LANES (1, 4, 8, 16), VECTORS, NODES, FORCE_CONTROL (0 | 1). */
+#include "shared/lanes.h"
+#include "shared/contact_layout.h"
+
+#define EACH_VECTOR _Pragma("unroll") for (int v = 0; v < VECTORS; ++v)
+#define FAR ((real)1e15)          /* mm: height of a node that carries no gap element, in this lane or yet */
+#define REACH ((real)1.25)        /* gap elements are put to work up to this many indentations; certify adds what that missed */
+#define MOST_REJOINS 32           /* rounds of adding gap elements in one increment */
+#define MOST_AIMS 60              /* trials of depth (and position) to reach given forces */
+#define ROW_BLOCK 4               /* output rows computed together */
+
+typedef struct {
+  vreal n[NODES][VECTORS];       /* pressure force / E, mm */
+  vreal t[NODES][VECTORS];       /* traction force / E, mm */
+  vreal n_last[NODES][VECTORS];  /* both at the last increment */
+  vreal t_last[NODES][VECTORS];
+  vreal h[NODES][VECTORS];        /* profile height of the gap elements at work, FAR elsewhere, mm */
+  vreal ux_last[NODES][VECTORS];  /* u_x at the last increment where a gap element is at work, mm */
+  vreal ux[NODES][VECTORS], uy[NODES][VECTORS]; /* as certify found them, mm */
+  int first, end;                 /* nodes [first, end): all gap elements at work in any lane */
+} Contact;
+
+/* Where the indenter is, and which lanes iterate. */
+typedef struct {
+  vreal mu[VECTORS];
+  vreal d[VECTORS];     /* indentation, mm */
+  vreal x[VECTORS];     /* tangential position, mm */
+  vreal x_last[VECTORS];
+  vint active[VECTORS];
+} Indenter;
+
+typedef struct {
+  vreal uy[VECTORS], ux[VECTORS];
+} RowDisplacement;
+
+/* Relative figures of fem/contact_solution.h, from the final forces alone. */
+typedef struct {
+  vreal penetration[VECTORS], cone[VECTORS], complementarity[VECTORS], drift[VECTORS];
+} Certificate;
+
+/* What the host chose (host/contact_batch.h). */
+typedef struct {
+  real relaxation, tolerance, accept;
+  int most_sweeps;
+} Rules;
+
+static inline int any_vector(const vint *mask) {
+  vint all = 0;
+  EACH_VECTOR { all |= mask[v]; }
+  return ANY(all);
+}
+
+/* Adds what the forces of nodes [first, end) do to u_y and u_x of the row's node; row: [NODES][4] = u_y by n, u_y by t, u_x by n, u_x by t. */
+static inline void add_forces(global const real *row, const vreal (*n)[VECTORS], const vreal (*t)[VECTORS], int first, int end,
+                              vreal *yn, vreal *yt, vreal *xn, vreal *xt) {
+  for (int j = first; j < end; ++j) {
+    const real c_yn = row[4 * j], c_yt = row[4 * j + 1], c_xn = row[4 * j + 2], c_xt = row[4 * j + 3];
+    EACH_VECTOR {
+      yn[v] = fma(ALL_LANES(c_yn), n[j][v], yn[v]);
+      yt[v] = fma(ALL_LANES(c_yt), t[j][v], yt[v]);
+      xn[v] = fma(ALL_LANES(c_xn), n[j][v], xn[v]);
+      xt[v] = fma(ALL_LANES(c_xt), t[j][v], xt[v]);
+    }
+  }
+}
+
+/* Displacement of node i. The node that a sweep has updated last, i - 1, comes last: its latency hides behind the others. */
+static inline RowDisplacement row_displacement(global const real *compliance, int i, const vreal (*n)[VECTORS],
+                                               const vreal (*t)[VECTORS], int first, int end) {
+  global const real *row = compliance + i * (NODES * 4);
+  vreal yn[VECTORS], yt[VECTORS], xn[VECTORS], xt[VECTORS];
+  EACH_VECTOR { yn[v] = yt[v] = xn[v] = xt[v] = 0; }
+  const int split = clamp(i, first, end);
+  add_forces(row, n, t, split, end, yn, yt, xn, xt);
+  add_forces(row, n, t, first, split, yn, yt, xn, xt);
+  RowDisplacement u;
+  EACH_VECTOR {
+    u.uy[v] = yn[v] + yt[v];
+    u.ux[v] = xn[v] + xt[v];
+  }
+  return u;
+}
+
+/* One Gauss-Seidel sweep: at each node the normal force, then the tangential one in the new cone. moving: active lanes whose largest
+   change was above tolerance times their largest pressure force. */
+static inline void sweep(global const real *compliance, Contact *c, const Indenter *in, const Rules *rules, vint *moving) {
+  vreal change[VECTORS], largest[VECTORS], dx[VECTORS];
+  EACH_VECTOR {
+    change[v] = largest[v] = 0;
+    dx[v] = in->x[v] - in->x_last[v];
+  }
+  for (int i = c->first; i < c->end; ++i) {
+    const RowDisplacement u = row_displacement(compliance, i, c->n, c->t, c->first, c->end);
+    global const real *own = compliance + i * (NODES * 4) + i * 4;
+    const real per_uy = -rules->relaxation / own[0], per_ux = rules->relaxation / own[3], ux_by_n = own[2];
+    EACH_VECTOR {
+      const vreal n_old = c->n[i][v], t_old = c->t[i][v];
+      const vreal inside = u.uy[v] - (c->h[i][v] - in->d[v]);
+      const vreal n = PICK(in->active[v], fmax(fma(inside, ALL_LANES(per_uy), n_old), ALL_LANES(0)), n_old);
+      const vreal slip = fma(ALL_LANES(ux_by_n), n - n_old, u.ux[v]) - (c->ux_last[i][v] + dx[v]);
+      const vreal cone = in->mu[v] * n;
+      const vreal t = PICK(in->active[v], fmin(fmax(fma(-slip, ALL_LANES(per_ux), t_old), -cone), cone), t_old);
+      c->n[i][v] = n;
+      c->t[i][v] = t;
+      change[v] = fmax(change[v], fmax(fabs(n - n_old), fabs(t - t_old)));
+      largest[v] = fmax(largest[v], n);
+    }
+  }
+  EACH_VECTOR { moving[v] = in->active[v] & (change[v] > rules->tolerance * largest[v]); }
+}
+
+/* Sweeps until every active lane has settled, or most_sweeps. Leaves in in->active the lanes that did not settle. */
+static inline void settle(global const real *compliance, Contact *c, Indenter *in, const Rules *rules, vreal *sweeps) {
+  for (int k = 0; k < rules->most_sweeps && any_vector(in->active); ++k) {
+    vint moving[VECTORS];
+    sweep(compliance, c, in, rules, moving);
+    EACH_VECTOR {
+      sweeps[v] += PICK(in->active[v], ALL_LANES(1), ALL_LANES(0));
+      in->active[v] = moving[v];
+    }
+  }
+}
+
+/* Puts a gap element to work at node i in some lanes: it needs its height and where the node was at the last increment. */
+static inline void join(global const real *compliance, global const vreal *profile, Contact *c, int i, const vint *joining) {
+  const RowDisplacement last = row_displacement(compliance, i, c->n_last, c->t_last, c->first, c->end);
+  EACH_VECTOR {
+    c->h[i][v] = PICK(joining[v], profile[i * VECTORS + v], c->h[i][v]);
+    c->ux_last[i][v] = PICK(joining[v], last.ux[v], c->ux_last[i][v]);
+  }
+  c->first = min(c->first, i);
+  c->end = max(c->end, i + 1);
+}
+
+/* Gap elements where the rigid profile comes near the flat surface. */
+static inline void join_reached(global const real *compliance, global const vreal *profile, Contact *c, const Indenter *in) {
+  for (int i = 0; i < NODES; ++i) {
+    vint joining[VECTORS];
+    EACH_VECTOR {
+      joining[v] = in->active[v] & (profile[i * VECTORS + v] <= in->d[v] * REACH) & (c->h[i][v] >= FAR);
+    }
+    if (any_vector(joining)) join(compliance, profile, c, i, joining);
+  }
+}
+
+/* The contact laws at every surface node, from the forces alone. Lanes of `checked` in which a node without a gap element is penetrated
+   get one there and come back in in->active. */
+static inline void certify(global const real *compliance, global const vreal *profile, Contact *c, Indenter *in,
+                           const vint *checked, const Rules *rules, Certificate *k) {
+  vreal largest_uy[VECTORS], largest_n[VECTORS];
+  EACH_VECTOR {
+    k->penetration[v] = k->cone[v] = k->complementarity[v] = k->drift[v] = largest_uy[v] = largest_n[v] = 0;
+    in->active[v] = 0;
+  }
+  for (int i = 0; i < NODES; ++i) {
+    const RowDisplacement u = row_displacement(compliance, i, c->n, c->t, c->first, c->end);
+    EACH_VECTOR {
+      c->uy[i][v] = u.uy[v];
+      c->ux[i][v] = u.ux[v];
+      largest_uy[v] = fmax(largest_uy[v], fabs(u.uy[v]));
+      largest_n[v] = fmax(largest_n[v], c->n[i][v]);
+    }
+  }
+  for (int i = 0; i < NODES; ++i) {
+    vint joining[VECTORS];
+    EACH_VECTOR {
+      const vreal n = c->n[i][v], t = c->t[i][v];
+      const vreal cone = in->mu[v] * n;
+      const vreal inside = c->uy[i][v] - (profile[i * VECTORS + v] - in->d[v]);
+      const vreal slip = c->ux[i][v] - (c->ux_last[i][v] + in->x[v] - in->x_last[v]);
+      const vint pressed = n > 0;
+      const vreal along = PICK(t > 0, slip, PICK(t < 0, -slip, ALL_LANES(0))); /* slip with friction instead of against it */
+      k->penetration[v] = fmax(k->penetration[v], inside);
+      k->complementarity[v] = fmax(k->complementarity[v], PICK(pressed, fabs(inside), ALL_LANES(0)));
+      k->cone[v] = fmax(k->cone[v], fabs(t) - cone);
+      k->drift[v] = fmax(k->drift[v], PICK(pressed, PICK(fabs(t) < cone, fabs(slip), along), ALL_LANES(0)));
+      joining[v] = checked[v] & (inside > rules->tolerance * largest_uy[v]) & (c->h[i][v] >= FAR);
+      in->active[v] |= joining[v];
+    }
+    if (any_vector(joining)) join(compliance, profile, c, i, joining);
+  }
+  EACH_VECTOR {
+    const vreal per_uy = PICK(largest_uy[v] > 0, 1 / largest_uy[v], ALL_LANES(0));
+    k->penetration[v] *= per_uy;
+    k->complementarity[v] *= per_uy;
+    k->drift[v] *= per_uy;
+    k->cone[v] *= PICK(largest_n[v] > 0, 1 / largest_n[v], ALL_LANES(0));
+  }
+}
+
+/* Contact for the indenter where it is, in the active lanes. Returns in `failed` the lanes that ran out of sweeps. */
+static inline void touch(global const real *compliance, global const vreal *profile, Contact *c, Indenter *in, const Rules *rules,
+                         vreal *sweeps, vint *failed, Certificate *k) {
+  vint checked[VECTORS];
+  EACH_VECTOR {
+    checked[v] = in->active[v];
+    failed[v] = 0;
+  }
+  join_reached(compliance, profile, c, in);
+  for (int round = 0; round < MOST_REJOINS; ++round) {
+    settle(compliance, c, in, rules, sweeps);
+    EACH_VECTOR { failed[v] |= in->active[v]; }
+    certify(compliance, profile, c, in, checked, rules, k);
+    if (!any_vector(in->active)) return;
+  }
+  EACH_VECTOR { failed[v] |= in->active[v]; }
+}
+
+static inline void resultants(const Contact *c, vreal *p, vreal *q) {
+  EACH_VECTOR { p[v] = q[v] = 0; }
+  for (int i = c->first; i < c->end; ++i) EACH_VECTOR {
+      p[v] += c->n[i][v];
+      q[v] += c->t[i][v];
+    }
+}
+
+/* A first guess: the last change of the forces goes on in proportion to the load. */
+static inline void extrapolate(Contact *c, const Indenter *in, const vreal *ratio) {
+  for (int i = c->first; i < c->end; ++i) EACH_VECTOR {
+      const vreal n = c->n[i][v], t = c->t[i][v];
+      const vreal n_guess = fmax(fma(ratio[v], n - c->n_last[i][v], n), ALL_LANES(0));
+      const vreal cone = in->mu[v] * n_guess;
+      const vreal t_guess = fmin(fmax(fma(ratio[v], t - c->t_last[i][v], t), -cone), cone);
+      c->n_last[i][v] = n;
+      c->t_last[i][v] = t;
+      c->n[i][v] = PICK(in->active[v], n_guess, n);
+      c->t[i][v] = PICK(in->active[v], t_guess, t);
+    }
+}
+
+#if FORCE_CONTROL
+/* Search for the indenter's place z = (d, x) that gives the forces asked for: f = (P - P_goal, Q - (Q_goal / P_goal) P) = 0, by Broyden's inverse update
+   (Broyden 1965) kept inside brackets, since P grows with d and Q / P with x. */
+typedef struct {
+  vreal b[2][2][VECTORS];                /* inverse Jacobian */
+  vreal z[2][VECTORS], g[2][VECTORS];    /* last trial: place; P and Q - (Q_goal / P_goal) P */
+  vreal low[2][VECTORS], high[2][VECTORS];
+} Search;
+
+/* Inverse update with the trial (z, g) in the given lanes; b stays where the step was too small to tell anything. */
+static inline void learn(Search *s, int v, const vreal *z, const vreal *g, vint lanes) {
+  const vreal dz0 = z[0] - s->z[0][v], dz1 = z[1] - s->z[1][v];
+  const vreal dg0 = g[0] - s->g[0][v], dg1 = g[1] - s->g[1][v];
+  const vreal e0 = dz0 - (s->b[0][0][v] * dg0 + s->b[0][1][v] * dg1);
+  const vreal e1 = dz1 - (s->b[1][0][v] * dg0 + s->b[1][1][v] * dg1);
+  const vreal r0 = dz0 * s->b[0][0][v] + dz1 * s->b[1][0][v];
+  const vreal r1 = dz0 * s->b[0][1][v] + dz1 * s->b[1][1][v];
+  const vreal below = r0 * dg0 + r1 * dg1;
+  const vint use = lanes & (fabs(below) > (real)1e-2 * (dz0 * dz0 + dz1 * dz1));
+  const vreal per = PICK(use, 1 / below, ALL_LANES(0));
+  s->b[0][0][v] = fma(e0 * r0, per, s->b[0][0][v]);
+  s->b[0][1][v] = fma(e0 * r1, per, s->b[0][1][v]);
+  s->b[1][0][v] = fma(e1 * r0, per, s->b[1][0][v]);
+  s->b[1][1][v] = fma(e1 * r1, per, s->b[1][1][v]);
+  for (int a = 0; a < 2; ++a) {
+    s->z[a][v] = PICK(lanes, z[a], s->z[a][v]);
+    s->g[a][v] = PICK(lanes, g[a], s->g[a][v]);
+  }
+}
+
+/* A trial inside the bracket: where Broyden's step leaves it, halfway to the bound, or a stride where there is no bound yet. */
+static inline vreal bracketed(vreal trial, vreal now, vreal low, vreal high, vreal stride) {
+  const vreal upward = PICK(high < FAR, (real)0.5 * (now + high), now + stride);
+  const vreal downward = PICK(low > -FAR, (real)0.5 * (now + low), now - stride);
+  return PICK(trial >= high, upward, PICK(trial <= low, downward, trial));
+}
+
+/* Moves the indenter of the active lanes towards the forces asked for. Leaves in in->active those that were not there yet. */
+static inline void aim(Search *s, const Contact *c, Indenter *in, global const vreal *p_goal, global const vreal *q_goal, const vint *both,
+                       real tolerance) {
+  vreal p[VECTORS], q[VECTORS];
+  resultants(c, p, q);
+  EACH_VECTOR {
+    const vreal ratio = PICK(both[v] & (p_goal[v] > 0), q_goal[v] / p_goal[v], ALL_LANES(0));
+    const vreal z[2] = {in->d[v], in->x[v]};
+    const vreal g[2] = {p[v], PICK(both[v], q[v] - ratio * p[v], ALL_LANES(0))};
+    const vreal miss[2] = {p[v] - p_goal[v], g[1]};
+    const vreal enough = tolerance * p_goal[v];
+    learn(s, v, z, g, in->active[v]);
+    in->active[v] &= (fabs(miss[0]) > enough) | (fabs(miss[1]) > enough);
+    const vreal step[2] = {s->b[0][0][v] * miss[0] + s->b[0][1][v] * miss[1],
+                           s->b[1][0][v] * miss[0] + s->b[1][1][v] * miss[1]};
+    vreal next[2];
+    for (int a = 0; a < 2; ++a) {
+      s->low[a][v] = PICK(miss[a] < 0, fmax(s->low[a][v], z[a]), s->low[a][v]);
+      s->high[a][v] = PICK(miss[a] > 0, fmin(s->high[a][v], z[a]), s->high[a][v]);
+      const vreal stride = fmax(fabs(z[a]), (real)0.25 * fabs(in->d[v]));
+      next[a] = bracketed(z[a] - step[a], z[a], s->low[a][v], s->high[a][v], stride);
+    }
+    in->d[v] = PICK(in->active[v], next[0], in->d[v]);
+    in->x[v] = PICK(in->active[v] & both[v], next[1], in->x[v]);
+  }
+}
+#endif
+
+/* Output rows = map x surface forces, e.g. base forces; map: [rows padded to ROW_BLOCK][NODES][2], by n and by t. */
+static inline void write_rows(global const real *map, int rows, const Contact *c, const vreal *scale, global vreal *out) {
+  for (int r = 0; r < rows; r += ROW_BLOCK) {
+    vreal sum[ROW_BLOCK][VECTORS];
+    _Pragma("unroll") for (int b = 0; b < ROW_BLOCK; ++b) EACH_VECTOR { sum[b][v] = 0; }
+    for (int j = c->first; j < c->end; ++j) {
+      _Pragma("unroll") for (int b = 0; b < ROW_BLOCK; ++b) {
+        const real by_n = map[((r + b) * NODES + j) * 2], by_t = map[((r + b) * NODES + j) * 2 + 1];
+        EACH_VECTOR { sum[b][v] = fma(ALL_LANES(by_t), c->t[j][v], fma(ALL_LANES(by_n), c->n[j][v], sum[b][v])); }
+      }
+    }
+    _Pragma("unroll") for (int b = 0; b < ROW_BLOCK; ++b)
+      if (r + b < rows) EACH_VECTOR { out[(r + b) * VECTORS + v] = sum[b][v] * scale[v]; }
+  }
+}
+
+static inline vreal finite_sum(vreal sum, vreal x) { return fma(ALL_LANES(0), x, sum); } /* stays 0 while every x is finite */
+
+/* Lanes whose input is finite and sensible. */
+static inline void check_input(global const vreal *lane_input, global const vreal *profile, global const vreal *path, int steps,
+                               vint *valid) {
+  EACH_VECTOR {
+    vreal sum = 0;
+    for (int r = 0; r < LANE_INPUT_ROWS; ++r) sum = finite_sum(sum, lane_input[r * VECTORS + v]);
+    for (int i = 0; i < NODES; ++i) sum = finite_sum(sum, profile[i * VECTORS + v]);
+    for (int k = 0; k < steps * PATH_ROWS; ++k) sum = finite_sum(sum, path[k * VECTORS + v]);
+    valid[v] = (sum == 0) & (lane_input[LANE_MU * VECTORS + v] >= 0) & (lane_input[LANE_YOUNG * VECTORS + v] > 0);
+  }
+}
+
+/* Forces and statuses of every node, rows [3 NODES]: n, t (N/mm), NodeStatus. */
+static inline void write_nodes(const Contact *c, const Indenter *in, const vreal *young, global vreal *out) {
+  for (int i = 0; i < NODES; ++i) EACH_VECTOR {
+      const vreal n = c->n[i][v], t = c->t[i][v];
+      out[i * VECTORS + v] = n * young[v];
+      out[(NODES + i) * VECTORS + v] = t * young[v];
+      const vreal touching = PICK(fabs(t) < in->mu[v] * n, ALL_LANES(NODE_STICK), ALL_LANES(NODE_SLIP));
+      out[(2 * NODES + i) * VECTORS + v] = PICK(n > 0, touching, ALL_LANES(NODE_OPEN));
+    }
+}
+
+static inline void count_nodes(const Contact *c, const Indenter *in, vreal *sticking, vreal *slipping) {
+  EACH_VECTOR { sticking[v] = slipping[v] = 0; }
+  for (int i = c->first; i < c->end; ++i) EACH_VECTOR {
+      const vint pressed = c->n[i][v] > 0;
+      const vint sticks = pressed & (fabs(c->t[i][v]) < in->mu[v] * c->n[i][v]);
+      sticking[v] += PICK(sticks, ALL_LANES(1), ALL_LANES(0));
+      slipping[v] += PICK(pressed, ALL_LANES(1), ALL_LANES(0)) - PICK(sticks, ALL_LANES(1), ALL_LANES(0));
+    }
+}
+
+/* |base + surface force| over the largest of both; base forces are the first base_rows of rows_out, x and y in turn. */
+static inline vreal balance(global const vreal *rows_out, int base_rows, int v, vreal p, vreal q) {
+  vreal sum[2] = {0, 0}, largest = fmax(fabs(p), fabs(q));
+  for (int r = 0; r < base_rows; ++r) sum[r & 1] += rows_out[r * VECTORS + v];
+  const vreal off = fmax(fabs(sum[0] - q), fabs(sum[1] + p));
+  return PICK((largest > 0) & (off == off), off / largest, ALL_LANES(0));
+}
+
+/* compliance [NODES][NODES][4]; map [rows padded to a multiple of ROW_BLOCK][NODES][2], base forces first (base_rows of them);
+   lane_input [group][LANE_INPUT_ROWS][lane]; profile [group][NODES][lane] mm, >= FAR where there is no indenter; path [group][steps][PATH_ROWS][lane].
+   Out: result [group][steps][LANE_RESULT_ROWS][lane]; rows_out [group][steps][rows][lane]; nodes_out [group][steps][3 NODES][lane] unless
+   write_node_rows is 0. */
+kernel void gap_sweep(uint first_group, global const real *compliance, global const real *map, int rows, int base_rows,
+                      global const vreal *lane_input, global const vreal *profile, global const vreal *path, int steps,
+                      real relaxation, real tolerance, real accept, int most_sweeps, global vreal *result,
+                      global vreal *rows_out, global vreal *nodes_out, int write_node_rows) {
+  const size_t group = first_group + get_global_id(0);
+  const Rules rules = {relaxation, tolerance, accept, most_sweeps};
+  lane_input += group * (LANE_INPUT_ROWS * VECTORS);
+  profile += group * (NODES * VECTORS);
+  path += group * steps * (PATH_ROWS * VECTORS);
+  result += group * steps * (LANE_RESULT_ROWS * VECTORS);
+  rows_out += group * steps * rows * VECTORS;
+  nodes_out += group * steps * (3 * NODES * VECTORS);
+
+  Contact c;
+  Indenter in;
+  vint valid[VECTORS], running[VECTORS];
+  vreal young[VECTORS], d_change[VECTORS], x_change[VECTORS];
+  check_input(lane_input, profile, path, steps, valid);
+  c.first = NODES;
+  c.end = 0;
+  for (int i = 0; i < NODES; ++i) EACH_VECTOR {
+      c.n[i][v] = c.t[i][v] = c.n_last[i][v] = c.t_last[i][v] = c.ux_last[i][v] = c.ux[i][v] = c.uy[i][v] = 0;
+      c.h[i][v] = FAR;
+    }
+  EACH_VECTOR {
+    in.mu[v] = PICK(valid[v], lane_input[LANE_MU * VECTORS + v], ALL_LANES(0));
+    young[v] = PICK(valid[v], lane_input[LANE_YOUNG * VECTORS + v], ALL_LANES(0));
+    in.d[v] = in.x[v] = in.x_last[v] = d_change[v] = x_change[v] = 0;
+    running[v] = valid[v];
+  }
+#if FORCE_CONTROL
+  Search search;
+  vint normal_force[VECTORS], both[VECTORS];
+  EACH_VECTOR {
+    normal_force[v] = valid[v] & (lane_input[LANE_FORCE * VECTORS + v] >= FORCE_NORMAL);
+    both[v] = valid[v] & (lane_input[LANE_FORCE * VECTORS + v] >= FORCE_BOTH);
+    search.b[0][0][v] = (real)0.3; /* 1 / (width / thickness), about: a start that the first trial corrects */
+    search.b[1][1][v] = 1;
+    search.b[0][1][v] = search.b[1][0][v] = search.z[0][v] = search.z[1][v] = search.g[0][v] = search.g[1][v] = 0;
+  }
+#endif
+
+  for (int k = 0; k < steps; ++k) {
+    global const vreal *goal = path + k * (PATH_ROWS * VECTORS);
+    vreal sweeps[VECTORS], ratio[VECTORS];
+    vint failed[VECTORS];
+    Certificate certificate;
+    EACH_VECTOR {
+      running[v] &= lane_input[LANE_STEPS * VECTORS + v] > (real)k;
+      in.active[v] = running[v];
+      sweeps[v] = 0;
+      const vreal d = PICK(running[v], goal[PATH_NORMAL * VECTORS + v], in.d[v]);
+      const vreal x = PICK(running[v], goal[PATH_TANGENTIAL * VECTORS + v], in.x[v]);
+      const vreal d_now = d - in.d[v], x_now = x - in.x[v];
+      const vint same_d = (d_now == 0) & (d_change[v] == 0), same_x = (x_now == 0) & (x_change[v] == 0);
+      const vreal raw = PICK(same_d & (x_change[v] != 0), x_now / x_change[v], PICK(same_x & (d_change[v] != 0), d_now / d_change[v], ALL_LANES(0)));
+      ratio[v] = PICK((raw > 0) & (raw <= 2), raw, ALL_LANES(0));
+      d_change[v] = d_now;
+      x_change[v] = x_now;
+      in.x_last[v] = in.x[v];
+#if FORCE_CONTROL
+      ratio[v] = PICK(normal_force[v], ALL_LANES(0), ratio[v]);
+      const vreal first_trial = PICK(in.d[v] > 0, in.d[v], search.b[0][0][v] * d);
+      in.d[v] = PICK(normal_force[v], PICK(d > 0, first_trial, ALL_LANES(0)), d);
+      in.x[v] = PICK(both[v], in.x[v], x);
+      for (int a = 0; a < 2; ++a) {
+        search.low[a][v] = -FAR;
+        search.high[a][v] = FAR;
+      }
+#else
+      in.d[v] = d;
+      in.x[v] = x;
+#endif
+    }
+    if (!any_vector(running)) {
+      EACH_VECTOR for (int r = 0; r < LANE_RESULT_ROWS; ++r)
+          result[(k * LANE_RESULT_ROWS + r) * VECTORS + v] =
+              ALL_LANES(0) + PICK(valid[v], ALL_LANES(LANE_NOT_RUN), ALL_LANES(LANE_INVALID)) * (real)(r == LANE_STATUS);
+      continue;
+    }
+    extrapolate(&c, &in, ratio);
+    touch(compliance, profile, &c, &in, &rules, sweeps, failed, &certificate);
+#if FORCE_CONTROL
+    EACH_VECTOR { in.active[v] = running[v] & normal_force[v] & (goal[PATH_NORMAL * VECTORS + v] > 0); }
+    for (int trial = 0; trial < MOST_AIMS; ++trial) {
+      aim(&search, &c, &in, goal + PATH_NORMAL * VECTORS, goal + PATH_TANGENTIAL * VECTORS, both, 10 * tolerance);
+      if (!any_vector(in.active)) break;
+      vint searching[VECTORS], failed_now[VECTORS];
+      EACH_VECTOR { searching[v] = in.active[v]; }
+      touch(compliance, profile, &c, &in, &rules, sweeps, failed_now, &certificate);
+      EACH_VECTOR {
+        failed[v] = (failed[v] & NOT(searching[v])) | failed_now[v];
+        in.active[v] = searching[v];
+      }
+    }
+    EACH_VECTOR { failed[v] |= in.active[v]; }
+#endif
+    vreal p[VECTORS], q[VECTORS], sticking[VECTORS], slipping[VECTORS];
+    resultants(&c, p, q);
+    count_nodes(&c, &in, sticking, slipping);
+    global vreal *row = rows_out + (size_t)k * rows * VECTORS;
+    write_rows(map, rows, &c, young, row);
+    if (write_node_rows) write_nodes(&c, &in, young, nodes_out + (size_t)k * (3 * NODES * VECTORS));
+    EACH_VECTOR {
+      global vreal *out = result + k * (LANE_RESULT_ROWS * VECTORS) + v;
+      const vreal held = in.mu[v] * p[v];
+      const vreal off_balance = balance(row, base_rows, v, p[v] * young[v], q[v] * young[v]);
+      const vreal worst = fmax(fmax(certificate.penetration[v], certificate.cone[v]),
+                               fmax(fmax(certificate.complementarity[v], certificate.drift[v]), off_balance));
+      const vint slides = running[v] & (sticking[v] == 0) & (slipping[v] > 0);
+      const vint solved = NOT(failed[v]) & (worst <= accept);
+      const vreal status = PICK(solved, PICK(slides, ALL_LANES(LANE_SLIDING), ALL_LANES(LANE_SOLVED)), ALL_LANES(LANE_UNSOLVED));
+      out[LANE_INDENTATION * VECTORS] = in.d[v];
+      out[LANE_TANGENTIAL * VECTORS] = in.x[v];
+      out[LANE_P * VECTORS] = p[v] * young[v];
+      out[LANE_Q * VECTORS] = q[v] * young[v];
+      out[LANE_SLIP_INDEX * VECTORS] = PICK(held > 0, q[v] / held, ALL_LANES(0));
+      out[LANE_STICKING * VECTORS] = sticking[v];
+      out[LANE_SLIPPING * VECTORS] = slipping[v];
+      out[LANE_SWEEPS * VECTORS] = sweeps[v];
+      out[LANE_STATUS * VECTORS] = PICK(running[v], status, PICK(valid[v], ALL_LANES(LANE_NOT_RUN), ALL_LANES(LANE_INVALID)));
+      out[LANE_PENETRATION * VECTORS] = certificate.penetration[v];
+      out[LANE_CONE * VECTORS] = certificate.cone[v];
+      out[LANE_COMPLEMENTARITY * VECTORS] = certificate.complementarity[v];
+      out[LANE_DRIFT * VECTORS] = certificate.drift[v];
+      out[LANE_BALANCE * VECTORS] = off_balance;
+      running[v] &= NOT(slides & (lane_input[LANE_MAY_STOP * VECTORS + v] <= (real)k));
+    }
+    for (int i = c.first; i < c.end; ++i) EACH_VECTOR { c.ux_last[i][v] = c.ux[i][v]; }
+  }
+}

@@ -1,0 +1,17 @@
+// Writes sizes and offsets of the shared structs as this device sees them, in the order of SHARED_LAYOUT.
+#include "shared/layout.h"
+
+#define PUT_SIZE(S) numbers[k++] = (uint)sizeof(S);
+#define PUT_OFFSET(S, field)                                                \
+  {                                                                         \
+    S probe;                                                                \
+    numbers[k++] = (uint)((private char *)&probe.field - (private char *)&probe); \
+  }
+
+/* numbers: [structs + fields], bytes */
+kernel void layout_probe(uint first_group, global uint *numbers) {
+  uint k = 0;
+  if (first_group + get_global_id(0) == 0) {
+    SHARED_LAYOUT(PUT_SIZE, PUT_OFFSET)
+  }
+}

@@ -1,0 +1,54 @@
+/* Rows of the contact kernel's arrays. Everything is stored in the kernel's real type. `lane` is the fastest index. */
+#ifndef TACTEL_CONTACT_LAYOUT_H
+#define TACTEL_CONTACT_LAYOUT_H
+
+/* What the kernel says of one lane (one scene) after one load increment: rows of `result`, [group][step][LANE_RESULT_ROWS][lane]. */
+enum LaneResultRow {
+  LANE_INDENTATION = 0,  /* mm */
+  LANE_TANGENTIAL,       /* mm */
+  LANE_P,                /* N/mm, >= 0 */
+  LANE_Q,                /* N/mm, > 0 drags the rubber to +x */
+  LANE_SLIP_INDEX,       /* Q / (mu P); 0 where mu P = 0: ask LANE_STATUS */
+  LANE_STICKING,         /* nodes that stick */
+  LANE_SLIPPING,         /* nodes that slip */
+  LANE_SWEEPS,           /* Gauss-Seidel sweeps of this increment */
+  LANE_STATUS,           /* LaneStatus */
+  LANE_PENETRATION,      /* the certificate, all relative: fem/contact_solution.h says to what */
+  LANE_CONE,
+  LANE_COMPLEMENTARITY,
+  LANE_DRIFT,
+  LANE_BALANCE,
+  LANE_RESULT_ROWS
+};
+
+enum LaneStatus {
+  LANE_SOLVED = 0,   /* met its tolerance */
+  LANE_SLIDING,      /* met its tolerance, and every touching node slips */
+  LANE_UNSOLVED,     /* did not meet its tolerance: its numbers are the last iterate */
+  LANE_INVALID,      /* input not finite: its numbers are zero */
+  LANE_NOT_RUN       /* the path had ended */
+};
+
+/* Load targets, rows of `path`, [group][step][PATH_ROWS][lane]. */
+enum PathRow {
+  PATH_NORMAL = 0,  /* indentation mm, or P / E mm */
+  PATH_TANGENTIAL,  /* indenter position mm, or Q / E mm */
+  PATH_ROWS
+};
+
+/* Rows of `lane_input`, [group][LANE_INPUT_ROWS][lane]. */
+enum LaneInputRow {
+  LANE_MU = 0,
+  LANE_YOUNG,          /* MPa */
+  LANE_STEPS,          /* increments of this lane's path */
+  LANE_MAY_STOP,       /* index of the first increment after which a fully sliding lane stops; a huge number: never */
+  LANE_FORCE,          /* ForceControl */
+  LANE_INPUT_ROWS
+};
+
+/* Which targets of a path are forces. The tangential one can be a force only when the normal one is. */
+enum ForceControl { FORCE_NONE = 0, FORCE_NORMAL = 1, FORCE_BOTH = 2 };
+
+enum NodeStatus { NODE_OPEN = 0, NODE_STICK, NODE_SLIP };
+
+#endif
