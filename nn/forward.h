@@ -15,8 +15,8 @@ using Activations = std::vector<Vector<Scalar>>;
 template <class Scalar>
 using Deltas = std::vector<Vector<Scalar>>;
 
-/// o_j = f(sum_i w_ji o_i + b_j), layer by layer (generalized delta rule, Rumelhart, Hinton and Williams 1986, eq. 2 and 15,
-/// with the activation of the paper).
+/// o_j = f(sum_i w_ji o_i + b_j), layer by layer (generalized delta rule, Rumelhart, Hinton and Williams 1986, eq. 2
+/// and 15, with the activation of the paper).
 template <class Scalar>
 Activations<Scalar> forward(const Weights<Scalar>& weights, const Vector<Scalar>& scaled_frame) {
   Activations<Scalar> o{scaled_frame};

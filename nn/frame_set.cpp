@@ -15,7 +15,8 @@ std::string at(const char* key, Eigen::Index row) { return std::string(key) + "[
 
 void check_labels(const char* key, std::size_t size, Eigen::Index rows) {
   if (size != 0 && size != static_cast<std::size_t>(rows))
-    throw ValueError(key, std::to_string(size) + " entries", "one for each of the " + std::to_string(rows) + " rows, or none");
+    throw ValueError(key, std::to_string(size) + " entries",
+                     "one for each of the " + std::to_string(rows) + " rows, or none");
 }
 
 // Two normal numbers from two words (Box and Muller 1958); the words become the middles of 2^32 cells of (0, 1).
@@ -50,7 +51,8 @@ InputScaling fit_scaling(ScalingKind kind, const FrameSet& set) {
 }
 
 FrameSet with_noise(const FrameSet& set, double fraction, std::uint64_t seed) {
-  if (!(fraction >= 0) || !std::isfinite(fraction)) throw ValueError("noise", std::to_string(fraction), "finite and at least 0");
+  if (!(fraction >= 0) || !std::isfinite(fraction))
+    throw ValueError("noise", std::to_string(fraction), "finite and at least 0");
   FrameSet noisy = set;
   const double deviation = fraction * set.largest_stress();
   if (deviation == 0) return noisy;

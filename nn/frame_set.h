@@ -23,10 +23,10 @@ struct FrameSet {
 /// The scaling that fits this learning set.
 InputScaling fit_scaling(ScalingKind kind, const FrameSet& set);
 
-/// A noise-added copy, as the paper's learning sets (section V.B): each stress plus Gaussian noise with a standard deviation
-/// of `fraction` of the set's largest |stress|. The noise is drawn once: the paper speaks of noise-added sets that
-/// networks were trained with, and a network may then be judged on the very set that it has learnt. Value i = row * inputs + k is
-/// normal number i % 4 of random_words(seed, noise, i / 4) by Box and Muller (1958).
+/// A noise-added copy, as the paper's learning sets (section V.B): each stress plus Gaussian noise with a standard
+/// deviation of `fraction` of the set's largest |stress|. The noise is drawn once: the paper speaks of noise-added sets
+/// that networks were trained with, and a network may then be judged on the very set that it has learnt. Value i = row
+/// * inputs + k is normal number i % 4 of random_words(seed, noise, i / 4) by Box and Muller (1958).
 FrameSet with_noise(const FrameSet& set, double fraction, std::uint64_t seed);
 
 /// What a network is shown: scaled inputs and targets in its own output range.

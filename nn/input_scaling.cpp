@@ -10,10 +10,14 @@ namespace tactel::nn {
 
 const char* name(FrameStatus status) {
   switch (status) {
-    case FrameStatus::ok: return "ok";
-    case FrameStatus::no_stress: return "no stress";
-    case FrameStatus::not_finite: return "not finite";
-    case FrameStatus::overflow: return "overflow";
+    case FrameStatus::ok:
+      return "ok";
+    case FrameStatus::no_stress:
+      return "no stress";
+    case FrameStatus::not_finite:
+      return "not finite";
+    case FrameStatus::overflow:
+      return "overflow";
   }
   return "unknown";
 }
@@ -23,7 +27,8 @@ const char* name(ScalingKind kind) { return kind == ScalingKind::set ? "set" : "
 ScalingKind parse_scaling(std::string_view text) {
   if (text == "set") return ScalingKind::set;
   if (text == "frame") return ScalingKind::frame;
-  throw ValueError("scaling", std::string(text), "set (by the learning set's largest stress) or frame (by each frame's own)");
+  throw ValueError("scaling", std::string(text),
+                   "set (by the learning set's largest stress) or frame (by each frame's own)");
 }
 
 void InputScaling::validate() const {

@@ -7,8 +7,8 @@
 namespace tactel::nn {
 
 /// What a frame in MPa is divided by before the network sees it; part of the network's file.
-/// `set`: the largest |stress| of the learning set (the paper's). `frame`: the frame's own largest |normal stress|, so that
-/// S does not depend on E or on a common factor of all stresses.
+/// `set`: the largest |stress| of the learning set (the paper's). `frame`: the frame's own largest |normal stress|, so
+/// that S does not depend on E or on a common factor of all stresses.
 enum class ScalingKind { set, frame };
 
 const char* name(ScalingKind kind);
@@ -25,8 +25,8 @@ struct InputScaling {
   void validate() const;  ///< throws ValueError, key "scaling"
 };
 
-/// Scales one frame [inputs] MPa, normal stresses first, in fp32 as the kernels do: times the reciprocal of the divisor.
-/// A frame that is not finite, or carries no stress, becomes zeros.
+/// Scales one frame [inputs] MPa, normal stresses first, in fp32 as the kernels do: times the reciprocal of the
+/// divisor. A frame that is not finite, or carries no stress, becomes zeros.
 FrameStatus scale_frame(const InputScaling& scaling, const float* frame, int inputs, float* scaled);
 
 /// The same for every row of [rows, inputs]. Throws ValueError, key "inputs", at the first row that is not finite.

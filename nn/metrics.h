@@ -27,7 +27,8 @@ std::vector<double> absolute_errors(const Vector<Scalar>& slip_index, const Fram
   return errors;
 }
 
-/// Errors of a network on a set, in all and by what may explain them. Rows without a slippage index are not judged but counted.
+/// Errors of a network on a set, in all and by what may explain them. Rows without a slippage index are not judged but
+/// counted.
 struct ErrorReport {
   ErrorSummary all;
   std::map<int, ErrorSummary> by_class;          ///< key: FrameSet::shape_class

@@ -4,9 +4,9 @@
 
 namespace tactel::nn {
 
-/// Philox4x32-10, a counter-based generator: 128 random bits as a function of a counter and a key, without state, so that
-/// any implementation in any order draws the same numbers (Salmon, Moraes, Dror, Shaw, "Parallel random numbers: as easy
-/// as 1, 2, 3", SC'11, section 3.3).
+/// Philox4x32-10, a counter-based generator: 128 random bits as a function of a counter and a key, without state, so
+/// that any implementation in any order draws the same numbers (Salmon, Moraes, Dror, Shaw, "Parallel random numbers:
+/// as easy as 1, 2, 3", SC'11, section 3.3).
 using PhiloxCounter = std::array<std::uint32_t, 4>;
 using PhiloxKey = std::array<std::uint32_t, 2>;
 

@@ -15,7 +15,10 @@ const std::string allowed =
 
 std::string joined(const std::vector<int>& widths) {
   std::string text;
-  for (const int width : widths) text += (text.empty() ? "" : "-") + std::to_string(width);
+  for (const int width : widths) {
+    if (!text.empty()) text += '-';
+    text += std::to_string(width);
+  }
   return text;
 }
 
@@ -48,13 +51,20 @@ Topology Topology::parse(std::string_view text) {
 
 Topology Topology::paper(int number) {
   switch (number) {
-    case 1: return Topology({42, 42, 1});
-    case 2: return Topology({42, 84, 1});
-    case 3: return Topology({42, 21, 1});
-    case 4: return Topology({42, 42, 42, 1});
-    case 5: return Topology({42, 42, 82, 1});
-    case 6: return Topology({42, 42, 21, 1});
-    default: throw ValueError("network", std::to_string(number), allowed);
+    case 1:
+      return Topology({42, 42, 1});
+    case 2:
+      return Topology({42, 84, 1});
+    case 3:
+      return Topology({42, 21, 1});
+    case 4:
+      return Topology({42, 42, 42, 1});
+    case 5:
+      return Topology({42, 42, 82, 1});
+    case 6:
+      return Topology({42, 42, 21, 1});
+    default:
+      throw ValueError("network", std::to_string(number), allowed);
   }
 }
 

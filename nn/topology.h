@@ -6,8 +6,8 @@
 
 namespace tactel::nn {
 
-/// Widths of a network's layers, inputs first. Checked on construction: 1 or 2 hidden layers (the paper's two families),
-/// one output, an even number of inputs (a normal and a shear stress for each tactel).
+/// Widths of a network's layers, inputs first. Checked on construction: 1 or 2 hidden layers (the paper's two
+/// families), one output, an even number of inputs (a normal and a shear stress for each tactel).
 class Topology {
  public:
   static constexpr int widest_layer = 256;

@@ -79,8 +79,8 @@ CycleErrors train_epoch(BatchState<Scalar>& state, const TrainingSet<Scalar>& se
   return errors;
 }
 
-template Weights<float> mean_descent(const Weights<float>&, const TrainingSet<float>&, const std::uint32_t*, std::size_t,
-                                     CycleErrors&);
+template Weights<float> mean_descent(const Weights<float>&, const TrainingSet<float>&, const std::uint32_t*,
+                                     std::size_t, CycleErrors&);
 template Weights<double> mean_descent(const Weights<double>&, const TrainingSet<double>&, const std::uint32_t*,
                                       std::size_t, CycleErrors&);
 template void apply_update(BatchState<float>&, const Weights<float>&, const BatchOptions&);

@@ -16,8 +16,8 @@ BatchRule parse_rule(std::string_view text);
 
 struct BatchOptions {
   BatchRule rule = BatchRule::adam;
-  int batch = 64;       ///< patterns to a change of the weights; the last batch of an epoch takes what is left
-  double rate = 1e-3;   ///< of the mean gradient; Adam's published default
+  int batch = 64;         ///< patterns to a change of the weights; the last batch of an epoch takes what is left
+  double rate = 1e-3;     ///< of the mean gradient; Adam's published default
   double momentum = 0.9;  ///< `delta`
   double beta1 = 0.9, beta2 = 0.999, epsilon = 1e-8;  ///< `adam`: the published defaults
   PresentationOrder order = PresentationOrder::permuted;

@@ -21,26 +21,34 @@ TrainStatus status_after(const CycleErrors& errors, std::uint32_t cycle, const O
                          const Topology& topology) {
   if (!std::isfinite(errors.sse)) return TrainStatus::not_finite;
   if (errors.largest < options.stop_error) return TrainStatus::learnt;
-  return cycle >= static_cast<std::uint32_t>(options.cycles(topology)) ? TrainStatus::cycle_limit : TrainStatus::running;
+  return cycle >= static_cast<std::uint32_t>(options.cycles(topology)) ? TrainStatus::cycle_limit
+                                                                       : TrainStatus::running;
 }
 
 }  // namespace
 
 const char* name(TrainStatus status) {
   switch (status) {
-    case TrainStatus::running: return "running";
-    case TrainStatus::learnt: return "learnt";
-    case TrainStatus::cycle_limit: return "cycle limit";
-    case TrainStatus::not_finite: return "not finite";
+    case TrainStatus::running:
+      return "running";
+    case TrainStatus::learnt:
+      return "learnt";
+    case TrainStatus::cycle_limit:
+      return "cycle limit";
+    case TrainStatus::not_finite:
+      return "not finite";
   }
   return "unknown";
 }
 
 void OnlineOptions::validate() const {
-  if (!(rate > 0) || !std::isfinite(rate)) throw ValueError("training.rate", std::to_string(rate), "finite and above 0");
-  if (!(momentum >= 0 && momentum < 1)) throw ValueError("training.momentum", std::to_string(momentum), "at least 0 and below 1");
+  if (!(rate > 0) || !std::isfinite(rate))
+    throw ValueError("training.rate", std::to_string(rate), "finite and above 0");
+  if (!(momentum >= 0 && momentum < 1))
+    throw ValueError("training.momentum", std::to_string(momentum), "at least 0 and below 1");
   if (!(stop_error >= 0)) throw ValueError("training.stop_error", std::to_string(stop_error), "at least 0");
-  if (cycle_limit < 0) throw ValueError("training.cycle_limit", std::to_string(cycle_limit), "at least 1, or 0 for the paper's");
+  if (cycle_limit < 0)
+    throw ValueError("training.cycle_limit", std::to_string(cycle_limit), "at least 1, or 0 for the paper's");
 }
 
 template <class Scalar>
@@ -72,7 +80,9 @@ CycleErrors train_online(OnlineState<Scalar>& state, const TrainingSet<Scalar>& 
 
 template CycleErrors train_cycle(OnlineState<float>&, const TrainingSet<float>&, const OnlineOptions&, std::uint64_t);
 template CycleErrors train_cycle(OnlineState<double>&, const TrainingSet<double>&, const OnlineOptions&, std::uint64_t);
-template CycleErrors train_online(OnlineState<float>&, const TrainingSet<float>&, const OnlineOptions&, std::uint64_t, int);
-template CycleErrors train_online(OnlineState<double>&, const TrainingSet<double>&, const OnlineOptions&, std::uint64_t, int);
+template CycleErrors train_online(OnlineState<float>&, const TrainingSet<float>&, const OnlineOptions&, std::uint64_t,
+                                  int);
+template CycleErrors train_online(OnlineState<double>&, const TrainingSet<double>&, const OnlineOptions&, std::uint64_t,
+                                  int);
 
 }  // namespace tactel::nn

@@ -44,8 +44,8 @@ struct CycleErrors {
   double largest = 0;  ///< largest |target - output|
 };
 
-/// One cycle: every pattern once; after each, step = rate delta o + momentum step, weights += step (Rumelhart, Hinton and
-/// Williams 1986, eq. 16). Sets state.status when it is time to stop.
+/// One cycle: every pattern once; after each, step = rate delta o + momentum step, weights += step (Rumelhart, Hinton
+/// and Williams 1986, eq. 16). Sets state.status when it is time to stop.
 template <class Scalar>
 CycleErrors train_cycle(OnlineState<Scalar>& state, const TrainingSet<Scalar>& set, const OnlineOptions& options,
                         std::uint64_t seed);

@@ -36,8 +36,8 @@ struct Weights {
 /// description (McClelland and Rumelhart 1988, chapter 5, program bp: wrange = 1, weights within +-0.5).
 inline constexpr float initial_weight_bound = 0.5f;
 
-/// Initial weights, uniform in +-initial_weight_bound, biases included; weight i of network (topology, seed) is the same
-/// everywhere: word i % 4 of draw i / 4.
+/// Initial weights, uniform in +-initial_weight_bound, biases included; weight i of network (topology, seed) is the
+/// same everywhere: word i % 4 of draw i / 4.
 Weights<float> initial_weights(const Topology& topology, std::uint64_t seed);
 
 }  // namespace tactel::nn
