@@ -1,16 +1,37 @@
 #pragma once
 #include "fem/contact_solution.h"
+#include "fem/gap_increment.h"
 #include "fem/scene.h"
 
 namespace tactel::fem {
 
 struct GapReferenceOptions {
-  int most_iterations = 200;   ///< status changes tried per increment, safeguards included
+  int most_iterations = 2000;  ///< linear solves an increment may take, safeguards included; a few do nearly always
   double tolerance = 1e-10;    ///< largest relative residual that counts as converged
 };
 
-/// Contact on the full finite element mesh, fp64: gap elements are open, sticking or slipping; each status iteration solves the
-/// whole block with their conditions as constraints (no condensation), until no status changes. Judges the batched solver.
+/// Contact on the full finite element mesh, fp64: gap elements are open, sticking or slipping; each status iteration
+/// solves the whole block with their conditions as constraints (no condensation), until no status changes. Judges the
+/// batched solver.
 ContactSolution solve_gap_reference(const Scene& scene, const GapReferenceOptions& options = {});
+
+/// The same for many scenes on one sensor: mesh, stiffness and the factors that do not depend on the contact are kept.
+class GapReference {
+ public:
+  explicit GapReference(const Sensor& sensor, const GapReferenceOptions& options = {});
+
+  /// Throws std::invalid_argument where the scene's sensor is another one.
+  ContactSolution solve(const Scene& scene);
+
+ private:
+  ContactStep step_of(const GapIncrement& increment, const GapAnswer& answer) const;
+
+  Sensor sensor_;
+  GapReferenceOptions options_;
+  GapBlock block_;
+  Eigen::VectorXd surface_x_, base_x_, tactel_x_;   ///< mm
+  Eigen::MatrixXd stress_of_reaction_;              ///< [tactels, base nodes] 1/mm, or empty
+  Eigen::SparseMatrix<double> stress_of_elements_;  ///< [2 tactels, 2 nodes] MPa/mm, or empty
+};
 
 }  // namespace tactel::fem

@@ -1,5 +1,6 @@
 #include "host/binary_cache.h"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <cstring>
@@ -50,12 +51,6 @@ std::set<std::string> split(std::string_view text) {
   return words;
 }
 
-std::string hex(std::uint64_t number) {
-  char text[17];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(number));
-  return text;
-}
-
 std::optional<StoredBinary> decode(std::string_view content, std::string_view key) {
   if (!content.starts_with(magic)) return std::nullopt;
   content.remove_prefix(magic.size());
@@ -87,7 +82,8 @@ std::uint64_t fnv1a(std::string_view bytes) {
 }
 
 BinaryCache::BinaryCache(const fs::path& directory, const std::string& name, std::string key)
-    : path_(directory / (fs::path(name).stem().string() + "-" + hex(fnv1a(key)) + ".bin")), key_(std::move(key)) {}
+    : path_(directory / fmt::format("{}-{:016x}.bin", fs::path(name).stem().string(), fnv1a(key))),
+      key_(std::move(key)) {}
 
 std::optional<StoredBinary> BinaryCache::load() const {
   std::ifstream file(path_, std::ios::binary);
@@ -99,8 +95,7 @@ std::optional<StoredBinary> BinaryCache::load() const {
 bool BinaryCache::store(const StoredBinary& stored) const {
   std::error_code error;
   fs::create_directories(path_.parent_path(), error);
-  fs::path temporary = path_;
-  temporary += "." + std::to_string(getpid());
+  const fs::path temporary = fmt::format("{}.{}", path_.string(), getpid());
   {
     std::ofstream file(temporary, std::ios::binary);
     const std::string content = encode(stored, key_);

@@ -12,10 +12,18 @@ namespace tactel {
 class ConfigError : public std::runtime_error {
  public:
   ConfigError(std::string file, std::string key, std::string value, std::string allowed);
+  /// The same where the line of the value is known, from 1; 0 where it is not.
+  ConfigError(const std::string& file, std::string key, std::string value, std::string allowed, int line)
+      : ConfigError(line > 0 ? file + ":" + std::to_string(line) : file, std::move(key), std::move(value),
+                    std::move(allowed)) {
+    this->file = file;
+    this->line = line;
+  }
   /// A value that the model refused, with the file that it came from.
   ConfigError(std::string file, const ValueError& error)
       : ConfigError(std::move(file), error.key, error.value, error.allowed) {}
   std::string file, key, value, allowed;
+  int line = 0;
 };
 
 /// An OpenCL call that failed, or no device to call.

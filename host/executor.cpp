@@ -22,10 +22,13 @@ using Clock = std::chrono::steady_clock;
 
 // Below this much work on one thread, waking another costs more than it brings.
 constexpr double alone_seconds = 4e-6;
-// PoCL compiles a kernel anew for grids of 65536 and more: larger ones go in slices.
-constexpr std::size_t largest_cpu_slice = 32768;
-constexpr std::size_t largest_gpu_slice = std::size_t{1} << 24;
+// PoCL (to 3.1 at least) aborts when two threads launch a kernel and one of them is the first to use so wide a grid. So
+// every kernel is launched once, at its widest, before any run; and nothing wider follows. It also compiles grids of
+// 65536 and more anew.
+constexpr std::size_t widest_cpu_launch = 32768;
+constexpr std::size_t widest_gpu_launch = std::size_t{1} << 24;
 constexpr std::size_t gpu_local_size = 64;
+constexpr cl_uint no_groups = 0xffffffffu;  // NO_GROUPS of kernels/shared/group.h
 // With progress, a device that schedules itself gets its work in so many slices.
 constexpr std::size_t progress_slices = 64;
 
@@ -53,7 +56,8 @@ struct Launch::State {
   const void* executor;             ///< the one that made it
   KernelTime* time;                 ///< its sum there
   double seconds_per_group = 0;     ///< in the last run; 0: not run yet
-  bool noted = false;               ///< the program knows that it was launched
+  bool compiled = false;            ///< by a launch; the program knows
+  std::size_t widest = 1;           ///< groups in one launch
 
   const std::string& device_name() const { return program.device().info().name; }
 };
@@ -105,30 +109,59 @@ struct Executor::State {
       throw std::logic_error("launch " + launch.kernel + " was prepared by another executor");
   }
 
-  void launch(const Launch::State& launch, int thread, std::size_t first, std::size_t count);
+  std::size_t widest_launch() const;
+  void enqueue(Launch::State& launch, int thread, cl_uint first, std::size_t global, std::size_t local);
+  void compile(Launch::State& launch);
+  void launch(Launch::State& launch, int thread, std::size_t first, std::size_t count);
   void work(Run& run, int thread);
+  ChunkPace pace_of(const Run& run, std::size_t job) const;
   void run_on_threads(Run& run);
   void run_on_device(Run& run);
   void run_slices(Run& run, std::size_t job);
   void finish(Run& run);
-  void note(Launch::State& launch);
 };
 
-// Enqueues groups first ... first + count - 1 and waits. OpenCL's own offset stays zero: PoCL aborts when two threads
+std::size_t Executor::State::widest_launch() const {
+  return device.info().type == DeviceType::cpu ? widest_cpu_launch : widest_gpu_launch;
+}
+
+void Executor::State::enqueue(Launch::State& launch, int thread, cl_uint first, std::size_t global, std::size_t local) {
+  if (global == 0) return;
+  launch.kernels[thread].setArg(0, first);
+  queues[thread].enqueueNDRangeKernel(launch.kernels[thread], cl::NullRange, cl::NDRange(global), cl::NDRange(local));
+}
+
+// Launches the kernel at its widest, for nothing. Every thread's run of it comes later.
+void Executor::State::compile(Launch::State& launch) {
+  static std::mutex one_at_a_time;
+  if (launch.compiled) return;
+  const bool cpu = device.info().type == DeviceType::cpu;
+  const std::lock_guard lock(one_at_a_time);
+  if (launch.program.takes_group(launch.kernel)) {
+    launch.widest = widest_launch();
+    translated(device.info().name, [&] {
+      enqueue(launch, 0, no_groups, cpu ? launch.widest : gpu_local_size, cpu ? 1 : gpu_local_size);
+      queues[0].finish();
+    });
+    launch.program.note_launched(launch.kernel);
+  } else {
+    device.log(LogLevel::warning, launch.kernel + " lacks TAKE_GROUP: compiled at its first use, run group by group");
+  }
+  launch.compiled = true;
+}
+
+// Runs groups first ... first + count - 1 and waits. OpenCL's own offset stays zero: PoCL aborts when two threads
 // launch a kernel with and without. On a GPU a ragged end goes in a launch of its own, as OpenCL 1.2 wants whole
 // work-groups.
-void Executor::State::launch(const Launch::State& launch, int thread, std::size_t first, std::size_t count) {
-  cl::Kernel kernel = launch.kernels[thread];
+void Executor::State::launch(Launch::State& launch, int thread, std::size_t first, std::size_t count) {
   const std::size_t local = device.info().type == DeviceType::cpu ? 1 : gpu_local_size;
-  const std::size_t whole = count - count % local;
-  const auto enqueue = [&](std::size_t begin, std::size_t global, std::size_t size) {
-    if (global == 0) return;
-    kernel.setArg(0, static_cast<cl_uint>(begin));
-    queues[thread].enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(global), cl::NDRange(size));
-  };
   translated(device.info().name, [&] {
-    enqueue(first, whole, local);
-    enqueue(first + whole, count - whole, count - whole);
+    for (const std::size_t end = first + count; first < end; first += count) {
+      count = std::min(end - first, launch.widest);
+      const std::size_t whole = count - count % local;
+      enqueue(launch, thread, static_cast<cl_uint>(first), whole, local);
+      enqueue(launch, thread, static_cast<cl_uint>(first + whole), count - whole, count - whole);
+    }
     queues[thread].finish();
   });
 }
@@ -136,30 +169,36 @@ void Executor::State::launch(const Launch::State& launch, int thread, std::size_
 // What each thread does in a run on host threads: draw, launch, until nothing is left.
 void Executor::State::work(Run& run, int thread) try {
   std::vector<KernelTime> times(run.jobs.size());
-  ChunkPace pace(run.options.largest_chunk, team.threads());
-  std::size_t last_job = run.jobs.size();
   std::size_t done = 0;
-  pace.expect(run.jobs.front().launch.state_->seconds_per_group);
-  while (const std::optional<Chunk> chunk = run.supply.draw(pace.next(run.supply.remaining()))) {
+  std::size_t job = run.jobs.size();
+  ChunkPace pace(1, 1);
+  const auto chunk_size = [&](std::size_t next_job) {
+    if (next_job != job) pace = pace_of(run, job = next_job);
+    return pace.next(run.supply.remaining());
+  };
+  while (const std::optional<Chunk> chunk = run.supply.draw(chunk_size)) {
     const auto start = Clock::now();
     launch(*run.jobs[chunk->job].launch.state_, thread, chunk->first, chunk->count);
-    const double seconds = seconds_since(start);
-    if (chunk->job != last_job) pace = ChunkPace(run.options.largest_chunk, team.threads());
-    last_job = chunk->job;
-    pace.measured(chunk->count, seconds);
-    times[chunk->job].launches += 1;
-    times[chunk->job].groups += chunk->count;
-    times[chunk->job].seconds += seconds;
+    const KernelTime time{1, chunk->count, seconds_since(start)};
+    pace.measured(time.groups, time.seconds);
+    times[chunk->job] += time;
     done += chunk->count;
     run.done += chunk->count;
     if (thread == 0 && !run.go_on()) break;
   }
   const std::lock_guard lock(run.merge);
   run.report.groups_by_thread[thread] = done;
-  for (std::size_t job = 0; job < times.size(); ++job) run.times[job] += times[job];
+  for (std::size_t i = 0; i < times.size(); ++i) run.times[i] += times[i];
 } catch (...) {
   run.supply.stop();
   throw;
+}
+
+ChunkPace Executor::State::pace_of(const Run& run, std::size_t job) const {
+  const Launch::State& launch = *run.jobs[job].launch.state_;
+  ChunkPace pace(std::min(std::max<std::size_t>(run.options.largest_chunk, 1), launch.widest), team.threads());
+  pace.expect(launch.seconds_per_group);
+  return pace;
 }
 
 void Executor::State::run_on_threads(Run& run) {
@@ -184,12 +223,12 @@ void Executor::State::run_on_device(Run& run) {
 }
 
 void Executor::State::run_slices(Run& run, std::size_t job) {
-  std::size_t slice = device.info().type == DeviceType::cpu ? largest_cpu_slice : largest_gpu_slice;
+  std::size_t slice = widest_launch();
   if (run.options.progress)
     slice = std::clamp<std::size_t>(run.jobs[job].groups / progress_slices, gpu_local_size, slice);
-  const Launch::State& state = *run.jobs[job].launch.state_;
+  Launch::State& state = *run.jobs[job].launch.state_;
   for (std::size_t left = run.jobs[job].groups; left > 0;) {
-    const Chunk chunk = run.supply.draw(std::min(slice, left)).value();
+    const Chunk chunk = run.supply.draw([&](std::size_t) { return std::min(slice, left); }).value();
     const auto start = Clock::now();
     launch(state, 0, chunk.first, chunk.count);
     run.times[job] += KernelTime{1, chunk.count, seconds_since(start)};
@@ -199,24 +238,17 @@ void Executor::State::run_slices(Run& run, std::size_t job) {
   }
 }
 
-// Books the times and tells programs which kernels are compiled by now.
+// Books the times.
 void Executor::State::finish(Run& run) {
   for (std::size_t job = 0; job < run.jobs.size(); ++job) {
     Launch::State& launch = *run.jobs[job].launch.state_;
     const KernelTime& time = run.times[job];
     if (time.groups == 0) continue;
     *launch.time += time;
-    launch.seconds_per_group = launch.noted ? time.seconds / static_cast<double>(time.groups) : 0;
-    note(launch);
+    launch.seconds_per_group = time.seconds / static_cast<double>(time.groups);
   }
   run.report.groups_done = run.done;
   run.report.cancelled = run.done < run.supply.total();
-}
-
-void Executor::State::note(Launch::State& launch) {
-  if (launch.noted) return;
-  launch.noted = true;
-  launch.program.note_launched(launch.kernel);
 }
 
 Executor::Executor(const Device& device, const ExecutorOptions& options)
@@ -231,7 +263,10 @@ Launch Executor::prepare(const Program& program, const std::string& kernel, cons
   launch.state_ =
       std::make_shared<Launch::State>(Launch::State{program, kernel, {}, state_.get(), &state_->times[kernel]});
   for (int i = 0; i < threads(); ++i) launch.state_->kernels.push_back(program.kernel(kernel));
-  if (bind) launch.bind(bind);
+  if (bind) {
+    launch.bind(bind);
+    state_->compile(*launch.state_);
+  }
   return launch;
 }
 
@@ -255,6 +290,7 @@ RunReport Executor::run(std::span<const Job> jobs, const RunOptions& options) {
   }
   const std::lock_guard lock(state_->turn);
   const auto start = Clock::now();
+  for (const Job& job : jobs) state_->compile(*job.launch.state_);
   Run run(jobs, groups, options);
   if (run.supply.total() > 0)
     state_->device.info().low_latency ? state_->run_on_threads(run) : state_->run_on_device(run);
@@ -268,10 +304,10 @@ void Executor::run_here(const Launch& launch, std::size_t groups) {
   state_->check(state);
   if (groups == 0) return;
   const std::lock_guard lock(state_->turn);
+  state_->compile(state);
   const auto start = Clock::now();
   state_->launch(state, 0, 0, groups);
   *state.time += KernelTime{1, groups, seconds_since(start)};
-  state_->note(state);
 }
 
 const Device& Executor::device() const { return state_->device; }

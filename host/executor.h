@@ -13,11 +13,16 @@
 namespace tactel::host {
 
 /// What a kernel must look like to be run here:
-/// - its first argument is `uint first_group`, set by the executor; the index of the work is first_group +
-/// get_global_id(0);
+/// - its first argument is `uint first_group`, set by the executor; its body begins with `TAKE_GROUP(group);`
+/// (kernels/shared/group.h),
+///   which gives it the index of its work and lets the executor compile it, by a launch that does nothing, before the
+///   work comes;
 /// - one work-item does one group: a vector of LANES scenes (frames, networks); on a GPU, LANES = 1, one of them;
-/// - groups do not talk to each other: no barrier, no local memory, no reqd_work_group_size; index never reaches
-/// `groups`, so no guard is needed. Then results do not depend on threads, chunks or device scheduling.
+/// - groups do not talk to each other: no barrier, no local memory, no reqd_work_group_size. `group` never reaches the
+/// number of groups,
+///   so no guard is needed.
+/// Then results do not depend on threads, chunks or device scheduling. A kernel without TAKE_GROUP runs, too: one group
+/// a launch.
 
 struct ExecutorOptions {
   int threads = 0;              ///< of the host, the calling one included; 0: $TACTEL_THREADS, else all of this machine
@@ -26,9 +31,9 @@ struct ExecutorOptions {
 
 struct RunOptions {
   Progress progress;  ///< groups done of all; called between chunks in the calling thread
-  std::size_t largest_chunk =
-      64;  ///< groups a thread draws at once, at most. Chunks start at 1 and grow while they are short, so
-           ///< that heavy groups side by side still spread over the threads; raise it for groups under 0.3 us
+  /// Groups a thread draws at once, at most. Chunks start at 1 and grow while they are short, so that heavy groups side
+  /// by side still spread over the threads. 1 for the most even spread.
+  std::size_t largest_chunk = 4096;
 };
 
 struct RunReport {
@@ -41,7 +46,7 @@ struct RunReport {
 /// Time spent in a kernel, summed over runs.
 struct KernelTime {
   std::size_t launches = 0, groups = 0;
-  double seconds = 0;  ///< of device work, summed over threads; the first launch contains PoCL's compilation
+  double seconds = 0;  ///< of device work, summed over threads
   KernelTime& operator+=(const KernelTime& more) {
     launches += more.launches, groups += more.groups, seconds += more.seconds;
     return *this;
@@ -82,11 +87,13 @@ class Executor {
   Executor(const Executor&) = delete;
   Executor& operator=(const Executor&) = delete;
 
-  /// Runs groups 0 ... groups - 1 and waits. Exceptions of any thread leave here, after every thread has stopped.
+  /// Runs groups 0 ... groups - 1 and waits. `bind` must set all arguments. Exceptions of any thread leave here, after
+  /// every thread has stopped.
   RunReport run(const Program& program, const std::string& kernel, std::size_t groups, const BindArguments& bind,
                 const RunOptions& options = {});
 
-  /// The same in two parts, for kernels that run again and again.
+  /// The same in two parts, for kernels that run again and again. Preparing with arguments also compiles: no run waits
+  /// for that.
   Launch prepare(const Program& program, const std::string& kernel, const BindArguments& bind = {});
   RunReport run(const Launch& launch, std::size_t groups, const RunOptions& options = {});
 

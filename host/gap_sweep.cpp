@@ -13,11 +13,9 @@ namespace {
 
 constexpr double far_away = 2e15;  ///< mm; above the kernel's FAR: no indenter here
 constexpr int row_block = 4;       ///< ROW_BLOCK of the kernel
-constexpr int vectors = 2;         ///< of LANES scenes a work-item: each number of C that is loaded serves twice
+constexpr int vectors = 3;         ///< of LANES scenes a work-item: each number of C that is loaded serves twice
 
 bool by_force(const fem::Scene& scene) { return !scene.load.normal_force.empty(); }
-
-int padded(int rows) { return (rows + row_block - 1) / row_block * row_block; }
 
 template <class Real>
 Buffer<Real> on_device(const Device& device, const std::vector<Real>& values) {
@@ -37,15 +35,39 @@ std::vector<Real> compliance_table(const Eigen::MatrixXd& c) {
   return table;
 }
 
-/// Output map of the kernel, [padded rows][columns][2]: by n, by t.
+/// Rows of NodeRow for each surface node.
+template <class Real>
+std::vector<Real> node_table(const Eigen::MatrixXd& c) {
+  const int columns = static_cast<int>(c.rows() / 2);
+  std::vector<Real> table(static_cast<std::size_t>(columns) * NODE_ROWS);
+  for (int i = 0; i < columns; ++i) {
+    double rise_by_n = 0, rise_by_t = 0;
+    for (int j = 0; j < columns; ++j) {
+      if (j == i) continue;
+      rise_by_n = std::max(rise_by_n, -c(2 * i + 1, 2 * j + 1));
+      rise_by_t = std::max(rise_by_t, std::abs(c(2 * i + 1, 2 * j)));
+    }
+    constexpr double up = 1 + 1e-5;  // rounding to fp32 must not lower a bound
+    Real* row = &table[static_cast<std::size_t>(i) * NODE_ROWS];
+    row[NODE_N_PER_UY] = static_cast<Real>(1 / c(2 * i + 1, 2 * i + 1));
+    row[NODE_T_PER_UX] = static_cast<Real>(1 / c(2 * i, 2 * i));
+    row[NODE_UX_PER_N] = static_cast<Real>(-c(2 * i, 2 * i + 1));
+    row[NODE_RISE_PER_N] = static_cast<Real>(up * rise_by_n);
+    row[NODE_RISE_PER_T] = static_cast<Real>(up * rise_by_t);
+  }
+  return table;
+}
+
+/// Output map of the kernel, [blocks of rows][columns][row_block][2]: by n, by t; rows beyond the last are zero.
 template <class Real>
 std::vector<Real> output_table(const Eigen::MatrixXd& map) {
-  const int columns = static_cast<int>(map.cols() / 2), rows = static_cast<int>(map.rows());
-  std::vector<Real> table(static_cast<std::size_t>(padded(rows)) * columns * 2, Real(0));
-  for (int r = 0; r < rows; ++r)
-    for (int j = 0; j < columns; ++j) {
-      table[(static_cast<std::size_t>(r) * columns + j) * 2] = static_cast<Real>(-map(r, 2 * j + 1));
-      table[(static_cast<std::size_t>(r) * columns + j) * 2 + 1] = static_cast<Real>(map(r, 2 * j));
+  const std::size_t columns = map.cols() / 2, rows = map.rows(), blocks = (rows + row_block - 1) / row_block;
+  std::vector<Real> table(blocks * columns * row_block * 2, Real(0));
+  for (std::size_t r = 0; r < rows; ++r)
+    for (std::size_t j = 0; j < columns; ++j) {
+      Real* entry = &table[((r / row_block * columns + j) * row_block + r % row_block) * 2];
+      entry[0] = static_cast<Real>(-map(r, 2 * j + 1));
+      entry[1] = static_cast<Real>(map(r, 2 * j));
     }
   return table;
 }
@@ -71,6 +93,7 @@ struct GapSweep<Real>::State {
     if (this->options.accept == 0) this->options.accept = std::max(100 * this->options.tolerance, 200 * epsilon);
     const Device& device = executor.device();
     compliance = on_device(device, compliance_table<Real>(condensation.compliance));
+    node = on_device(device, node_table<Real>(condensation.compliance));
     base_rows = options.base_forces ? static_cast<int>(condensation.base_force.rows()) : 0;
     rows = base_rows + (options.tactels ? static_cast<int>(condensation.tactel_stress.rows()) : 0);
     Eigen::MatrixXd outputs(rows, condensation.compliance.cols());
@@ -102,7 +125,7 @@ struct GapSweep<Real>::State {
   fem::Sensor sensor;
   GapSweepOptions options;
   fem::Condensation condensation;
-  Buffer<Real> compliance, map;
+  Buffer<Real> compliance, node, map;
   int rows = 0, base_rows = 0;
   std::unique_ptr<Program> programs[2];
 };
@@ -222,6 +245,7 @@ typename GapSweep<Real>::Batch GapSweep<Real>::prepare(std::span<const fem::Scen
     unsigned next = 1;
     const auto add = [&](const auto& value) { kernel.setArg(next++, value); };
     add(state_->compliance.cl_buffer());
+    add(state_->node.cl_buffer());
     add(state_->map.cl_buffer());
     add(cl_int(state_->rows));
     add(cl_int(state_->base_rows));
@@ -229,7 +253,6 @@ typename GapSweep<Real>::Batch GapSweep<Real>::prepare(std::span<const fem::Scen
     add(b.profile.cl_buffer());
     add(b.path.cl_buffer());
     add(cl_int(b.steps));
-    add(Real(o.relaxation));
     add(Real(o.tolerance));
     add(Real(o.accept));
     add(cl_int(o.most_sweeps));

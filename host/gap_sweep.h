@@ -17,7 +17,6 @@ namespace tactel::host {
 struct GapSweepOptions {
   double tolerance = 0;      ///< largest change of a force in the last sweep over the largest pressure force; 0: 1e-11 in fp64, 1e-5 in fp32
   double accept = 0;         ///< largest residual of a solved step; 0: 100 tolerance, at least 2e-5 in fp32 (rounding of C times force)
-  double relaxation = 1.0;   ///< 1: Gauss-Seidel; up to 2: over-relaxed
   int most_sweeps = 20000;   ///< an increment that needs more is reported as unsolved
   bool base_forces = true;   ///< write base nodal forces
   bool tactels = true;       ///< write stresses at the tactels

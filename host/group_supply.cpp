@@ -10,17 +10,6 @@ GroupSupply::GroupSupply(std::span<const std::size_t> groups_of_job) {
   for (const std::size_t groups : groups_of_job) ends_.push_back(end += groups);
 }
 
-std::optional<Chunk> GroupSupply::draw(std::size_t most) {
-  std::size_t first = next_.load(std::memory_order_relaxed);
-  while (first < total()) {
-    const std::size_t job = std::upper_bound(ends_.begin(), ends_.end(), first) - ends_.begin();
-    const std::size_t count = std::min(std::max<std::size_t>(most, 1), ends_[job] - first);
-    if (next_.compare_exchange_weak(first, first + count))
-      return Chunk{job, first - (job == 0 ? 0 : ends_[job - 1]), count};
-  }
-  return std::nullopt;
-}
-
 void ChunkPace::measured(std::size_t groups, double seconds) {
   last_ = groups;
   seconds_per_group_ = seconds / static_cast<double>(groups);

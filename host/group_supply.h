@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <optional>
@@ -16,13 +17,24 @@ struct Chunk {
 class GroupSupply {
  public:
   explicit GroupSupply(std::span<const std::size_t> groups_of_job);
-  /// Up to `most` groups of one job; nothing when all are drawn.
-  std::optional<Chunk> draw(std::size_t most);
+  /// The next groups of one job, at most size(job) of them and at least one; nothing when all are drawn.
+  template <class Size>
+  std::optional<Chunk> draw(const Size& size) {
+    std::size_t first = next_.load(std::memory_order_relaxed);
+    while (first < total()) {
+      const std::size_t job = std::upper_bound(ends_.begin(), ends_.end(), first) - ends_.begin();
+      const std::size_t count = std::min(std::max<std::size_t>(size(job), 1), ends_[job] - first);
+      if (next_.compare_exchange_weak(first, first + count)) return Chunk{job, first - begin(job), count};
+    }
+    return std::nullopt;
+  }
   void stop() { next_.store(total()); }  ///< what is not drawn yet stays undone
   std::size_t total() const { return ends_.empty() ? 0 : ends_.back(); }
   std::size_t remaining() const { return total() - next_.load(std::memory_order_relaxed); }
 
  private:
+  std::size_t begin(std::size_t job) const { return job == 0 ? 0 : ends_[job - 1]; }
+
   std::vector<std::size_t> ends_;  ///< [jobs] groups of this job and those before it
   std::atomic<std::size_t> next_{0};
 };

@@ -1,6 +1,8 @@
 #include "host/program.h"
 
+#include <algorithm>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <stdexcept>
 
@@ -73,12 +75,15 @@ std::string expand_includes(const std::string& name, const std::string& text) {
 struct Program::State {
   Device device;
   std::string source, options;
+  std::string text;  ///< as written, without what it includes
   cl::Program program;
   std::optional<BinaryCache> cache;
   bool from_cache = false;
   std::mutex launched_mutex;
   std::set<std::string> launched;  ///< kernels that the stored binary holds compiled
 
+  State(const Device& device, std::string source, std::string options, std::string text)
+      : device(device), source(std::move(source)), options(std::move(options)), text(std::move(text)) {}
   void build(const std::string& text);
   bool build_stored();
   void build_text(const std::string& text);
@@ -121,7 +126,7 @@ Program::Program(const Device& device, const std::string& source, const Defines&
 Program Program::from_text(const Device& device, const std::string& name, const std::string& text,
                            const Defines& defines, const ProgramOptions& options) {
   const std::string whole = expand_includes(name, text);
-  const auto state = std::make_shared<State>(State{.device = device, .source = name, .options = option_text(defines)});
+  const auto state = std::make_shared<State>(device, name, option_text(defines), text);
   if (options.cache) {
     const auto directory =
         options.cache_directory.empty() ? default_cache_directory() / "programs" : options.cache_directory;
@@ -139,6 +144,14 @@ const Device& Program::device() const { return state_->device; }
 const std::string& Program::source() const { return state_->source; }
 const std::string& Program::options() const { return state_->options; }
 bool Program::from_cache() const { return state_->from_cache; }
+
+bool Program::takes_group(const std::string& kernel) const {
+  const std::string& text = state_->text;
+  const std::size_t start = text.find("kernel void " + kernel + "(");
+  if (start == text.npos) return false;
+  const std::size_t next = text.find("kernel void ", start + 1);
+  return text.substr(start, next == text.npos ? next : next - start).find("TAKE_GROUP(") != text.npos;
+}
 
 void Program::note_launched(const std::string& kernel) const {
   const std::lock_guard lock(state_->launched_mutex);

@@ -36,6 +36,10 @@ class Program {
   const std::string& options() const;  ///< as the compiler got them
   bool from_cache() const;             ///< built from a stored binary
 
+  /// Whether a launch of `kernel` with first_group = NO_GROUPS does nothing: its text has TAKE_GROUP
+  /// (kernels/shared/group.h).
+  bool takes_group(const std::string& kernel) const;
+
   /// Tells the cache that `kernel` has now been launched. PoCL compiles a kernel at its first launch, so a binary is
   /// worth storing only after that: the first call for a kernel that the stored binary lacks stores the program anew.
   /// Executor calls it.

@@ -11,6 +11,8 @@
    and every sum runs in an order fixed by the node's index.
 
    Built with -D REAL (float | double), LANES (1, 4, 8, 16), VECTORS, NODES, FORCE_CONTROL (0 | 1). */
+// defines: NODES=41 VECTORS=2 FORCE_CONTROL=1
+#include "shared/group.h"
 #include "shared/lanes.h"
 #include "shared/contact_layout.h"
 
@@ -50,11 +52,17 @@ typedef struct {
   vreal penetration[VECTORS], cone[VECTORS], complementarity[VECTORS], drift[VECTORS];
 } Certificate;
 
-/* What the host chose (host/contact_batch.h). */
+/* The sensor, and what the host chose (host/gap_sweep.h). */
 typedef struct {
-  real relaxation, tolerance, accept;
+  global const real *compliance; /* [NODES][NODES][4]: u_y by n, u_y by t, u_x by n, u_x by t */
+  global const real *node;       /* [NODES][NODE_ROWS] */
+  real tolerance;
   int most_sweeps;
 } Rules;
+
+/* The largest and the smallest; unlike fmax and fmin one instruction, and the second argument where one is not a number. */
+#define LARGER(a, b) PICK((a) > (b), a, b)
+#define SMALLER(a, b) PICK((a) < (b), a, b)
 
 static inline int any_vector(const vint *mask) {
   vint all = 0;
@@ -62,24 +70,24 @@ static inline int any_vector(const vint *mask) {
   return ANY(all);
 }
 
-/* Adds what the forces of nodes [first, end) do to u_y and u_x of the row's node; row: [NODES][4] = u_y by n, u_y by t, u_x by n, u_x by t. */
-static inline void add_forces(global const real *row, const vreal (*n)[VECTORS], const vreal (*t)[VECTORS], int first, int end,
-                              vreal *yn, vreal *yt, vreal *xn, vreal *xt) {
-  for (int j = first; j < end; ++j) {
-    const real c_yn = row[4 * j], c_yt = row[4 * j + 1], c_xn = row[4 * j + 2], c_xt = row[4 * j + 3];
+/* Adds what the forces of nodes [first, end) do to u_y and u_x of one node; c: its row of the compliance. */
+static inline void add_forces(global const real *c, const vreal (*n)[VECTORS], const vreal (*t)[VECTORS], int first, int end, vreal *yn,
+                              vreal *yt, vreal *xn, vreal *xt) {
+  c += 4 * first;
+  for (int j = first; j < end; ++j, c += 4) {
     EACH_VECTOR {
-      yn[v] = fma(ALL_LANES(c_yn), n[j][v], yn[v]);
-      yt[v] = fma(ALL_LANES(c_yt), t[j][v], yt[v]);
-      xn[v] = fma(ALL_LANES(c_xn), n[j][v], xn[v]);
-      xt[v] = fma(ALL_LANES(c_xt), t[j][v], xt[v]);
+      yn[v] = fma(ALL_LANES(c[0]), n[j][v], yn[v]);
+      yt[v] = fma(ALL_LANES(c[1]), t[j][v], yt[v]);
+      xn[v] = fma(ALL_LANES(c[2]), n[j][v], xn[v]);
+      xt[v] = fma(ALL_LANES(c[3]), t[j][v], xt[v]);
     }
   }
 }
 
 /* Displacement of node i. The node that a sweep has updated last, i - 1, comes last: its latency hides behind the others. */
-static inline RowDisplacement row_displacement(global const real *compliance, int i, const vreal (*n)[VECTORS],
-                                               const vreal (*t)[VECTORS], int first, int end) {
-  global const real *row = compliance + i * (NODES * 4);
+static inline RowDisplacement row_displacement(const Rules *rules, int i, const vreal (*n)[VECTORS], const vreal (*t)[VECTORS], int first,
+                                               int end) {
+  global const real *row = rules->compliance + i * (NODES * 4);
   vreal yn[VECTORS], yt[VECTORS], xn[VECTORS], xt[VECTORS];
   EACH_VECTOR { yn[v] = yt[v] = xn[v] = xt[v] = 0; }
   const int split = clamp(i, first, end);
@@ -95,37 +103,39 @@ static inline RowDisplacement row_displacement(global const real *compliance, in
 
 /* One Gauss-Seidel sweep: at each node the normal force, then the tangential one in the new cone. moving: active lanes whose largest
    change was above tolerance times their largest pressure force. */
-static inline void sweep(global const real *compliance, Contact *c, const Indenter *in, const Rules *rules, vint *moving) {
+static inline void sweep(const Rules *rules, Contact *c, const Indenter *in, vint *moving) {
   vreal change[VECTORS], largest[VECTORS], dx[VECTORS];
   EACH_VECTOR {
     change[v] = largest[v] = 0;
     dx[v] = in->x[v] - in->x_last[v];
   }
   for (int i = c->first; i < c->end; ++i) {
-    const RowDisplacement u = row_displacement(compliance, i, c->n, c->t, c->first, c->end);
-    global const real *own = compliance + i * (NODES * 4) + i * 4;
-    const real per_uy = -rules->relaxation / own[0], per_ux = rules->relaxation / own[3], ux_by_n = own[2];
+    const RowDisplacement u = row_displacement(rules, i, c->n, c->t, c->first, c->end);
+    global const real *node = rules->node + i * NODE_ROWS;
     EACH_VECTOR {
       const vreal n_old = c->n[i][v], t_old = c->t[i][v];
       const vreal inside = u.uy[v] - (c->h[i][v] - in->d[v]);
-      const vreal n = PICK(in->active[v], fmax(fma(inside, ALL_LANES(per_uy), n_old), ALL_LANES(0)), n_old);
-      const vreal slip = fma(ALL_LANES(ux_by_n), n - n_old, u.ux[v]) - (c->ux_last[i][v] + dx[v]);
+      const vreal n_free = fma(inside, ALL_LANES(node[NODE_N_PER_UY]), n_old);
+      const vreal n = PICK(in->active[v], LARGER(n_free, ALL_LANES(0)), n_old);
+      const vreal slip = fma(ALL_LANES(node[NODE_UX_PER_N]), n - n_old, u.ux[v]) - (c->ux_last[i][v] + dx[v]);
       const vreal cone = in->mu[v] * n;
-      const vreal t = PICK(in->active[v], fmin(fmax(fma(-slip, ALL_LANES(per_ux), t_old), -cone), cone), t_old);
+      const vreal t_free = fma(-slip, ALL_LANES(node[NODE_T_PER_UX]), t_old);
+      const vreal t = PICK(in->active[v], SMALLER(LARGER(t_free, -cone), cone), t_old);
       c->n[i][v] = n;
       c->t[i][v] = t;
-      change[v] = fmax(change[v], fmax(fabs(n - n_old), fabs(t - t_old)));
-      largest[v] = fmax(largest[v], n);
+      const vreal moved = LARGER(fabs(n - n_old), fabs(t - t_old));
+      change[v] = LARGER(change[v], moved);
+      largest[v] = LARGER(largest[v], n);
     }
   }
   EACH_VECTOR { moving[v] = in->active[v] & (change[v] > rules->tolerance * largest[v]); }
 }
 
 /* Sweeps until every active lane has settled, or most_sweeps. Leaves in in->active the lanes that did not settle. */
-static inline void settle(global const real *compliance, Contact *c, Indenter *in, const Rules *rules, vreal *sweeps) {
+static inline void settle(const Rules *rules, Contact *c, Indenter *in, vreal *sweeps) {
   for (int k = 0; k < rules->most_sweeps && any_vector(in->active); ++k) {
     vint moving[VECTORS];
-    sweep(compliance, c, in, rules, moving);
+    sweep(rules, c, in, moving);
     EACH_VECTOR {
       sweeps[v] += PICK(in->active[v], ALL_LANES(1), ALL_LANES(0));
       in->active[v] = moving[v];
@@ -134,8 +144,8 @@ static inline void settle(global const real *compliance, Contact *c, Indenter *i
 }
 
 /* Puts a gap element to work at node i in some lanes: it needs its height and where the node was at the last increment. */
-static inline void join(global const real *compliance, global const vreal *profile, Contact *c, int i, const vint *joining) {
-  const RowDisplacement last = row_displacement(compliance, i, c->n_last, c->t_last, c->first, c->end);
+static inline void join(const Rules *rules, global const vreal *profile, Contact *c, int i, const vint *joining) {
+  const RowDisplacement last = row_displacement(rules, i, c->n_last, c->t_last, c->first, c->end);
   EACH_VECTOR {
     c->h[i][v] = PICK(joining[v], profile[i * VECTORS + v], c->h[i][v]);
     c->ux_last[i][v] = PICK(joining[v], last.ux[v], c->ux_last[i][v]);
@@ -145,51 +155,80 @@ static inline void join(global const real *compliance, global const vreal *profi
 }
 
 /* Gap elements where the rigid profile comes near the flat surface. */
-static inline void join_reached(global const real *compliance, global const vreal *profile, Contact *c, const Indenter *in) {
+static inline void join_reached(const Rules *rules, global const vreal *profile, Contact *c, const Indenter *in) {
   for (int i = 0; i < NODES; ++i) {
     vint joining[VECTORS];
     EACH_VECTOR {
       joining[v] = in->active[v] & (profile[i * VECTORS + v] <= in->d[v] * REACH) & (c->h[i][v] >= FAR);
     }
-    if (any_vector(joining)) join(compliance, profile, c, i, joining);
+    if (any_vector(joining)) join(rules, profile, c, i, joining);
+  }
+}
+
+/* u_y of nodes [from, to) without gap elements. Rows are left out where in no lane the rubber can rise to the profile, whatever the
+   forces: u_y <= (sum n) (largest rise by n) + (sum |t|) (largest rise by t). */
+static inline void look_outside(const Rules *rules, global const vreal *profile, Contact *c, const Indenter *in, const vreal *sum_n,
+                                const vreal *sum_t, int from, int to) {
+  for (int i = from; i < to; ++i) {
+    global const real *node = rules->node + i * NODE_ROWS;
+    vint near[VECTORS];
+    EACH_VECTOR {
+      const vreal most = fma(sum_n[v], ALL_LANES(node[NODE_RISE_PER_N]), sum_t[v] * node[NODE_RISE_PER_T]);
+      c->uy[i][v] = most;
+      near[v] = profile[i * VECTORS + v] - in->d[v] < most;
+    }
+    if (!any_vector(near)) continue;
+    const RowDisplacement u = row_displacement(rules, i, c->n, c->t, c->first, c->end);
+    EACH_VECTOR { c->uy[i][v] = u.uy[v]; }
   }
 }
 
 /* The contact laws at every surface node, from the forces alone. Lanes of `checked` in which a node without a gap element is penetrated
    get one there and come back in in->active. */
-static inline void certify(global const real *compliance, global const vreal *profile, Contact *c, Indenter *in,
-                           const vint *checked, const Rules *rules, Certificate *k) {
-  vreal largest_uy[VECTORS], largest_n[VECTORS];
+static inline void certify(const Rules *rules, global const vreal *profile, Contact *c, Indenter *in, const vint *checked, Certificate *k) {
+  vreal largest_uy[VECTORS], largest_n[VECTORS], sum_n[VECTORS], sum_t[VECTORS];
   EACH_VECTOR {
-    k->penetration[v] = k->cone[v] = k->complementarity[v] = k->drift[v] = largest_uy[v] = largest_n[v] = 0;
+    k->penetration[v] = k->cone[v] = k->complementarity[v] = k->drift[v] = 0;
+    largest_uy[v] = largest_n[v] = sum_n[v] = sum_t[v] = 0;
     in->active[v] = 0;
   }
-  for (int i = 0; i < NODES; ++i) {
-    const RowDisplacement u = row_displacement(compliance, i, c->n, c->t, c->first, c->end);
-    EACH_VECTOR {
-      c->uy[i][v] = u.uy[v];
-      c->ux[i][v] = u.ux[v];
-      largest_uy[v] = fmax(largest_uy[v], fabs(u.uy[v]));
-      largest_n[v] = fmax(largest_n[v], c->n[i][v]);
-    }
-  }
-  for (int i = 0; i < NODES; ++i) {
-    vint joining[VECTORS];
+  for (int i = c->first; i < c->end; ++i) {
+    const RowDisplacement u = row_displacement(rules, i, c->n, c->t, c->first, c->end);
     EACH_VECTOR {
       const vreal n = c->n[i][v], t = c->t[i][v];
       const vreal cone = in->mu[v] * n;
-      const vreal inside = c->uy[i][v] - (profile[i * VECTORS + v] - in->d[v]);
-      const vreal slip = c->ux[i][v] - (c->ux_last[i][v] + in->x[v] - in->x_last[v]);
-      const vint pressed = n > 0;
+      const vint works = c->h[i][v] < FAR, pressed = n > 0;
+      const vreal inside = u.uy[v] - (c->h[i][v] - in->d[v]); /* below zero by FAR where no gap element works */
+      const vreal slip = u.ux[v] - (c->ux_last[i][v] + in->x[v] - in->x_last[v]);
       const vreal along = PICK(t > 0, slip, PICK(t < 0, -slip, ALL_LANES(0))); /* slip with friction instead of against it */
-      k->penetration[v] = fmax(k->penetration[v], inside);
-      k->complementarity[v] = fmax(k->complementarity[v], PICK(pressed, fabs(inside), ALL_LANES(0)));
-      k->cone[v] = fmax(k->cone[v], fabs(t) - cone);
-      k->drift[v] = fmax(k->drift[v], PICK(pressed, PICK(fabs(t) < cone, fabs(slip), along), ALL_LANES(0)));
-      joining[v] = checked[v] & (inside > rules->tolerance * largest_uy[v]) & (c->h[i][v] >= FAR);
-      in->active[v] |= joining[v];
+      const vreal drift = PICK(pressed, PICK(fabs(t) < cone, fabs(slip), along), ALL_LANES(0));
+      const vreal apart = PICK(pressed, fabs(inside), ALL_LANES(0));
+      const vreal size = PICK(works, fabs(u.uy[v]), ALL_LANES(0));
+      const vreal outside_cone = fabs(t) - cone;
+      c->uy[i][v] = u.uy[v];
+      c->ux[i][v] = u.ux[v];
+      k->penetration[v] = LARGER(inside, k->penetration[v]);
+      k->complementarity[v] = LARGER(apart, k->complementarity[v]);
+      k->cone[v] = LARGER(outside_cone, k->cone[v]);
+      k->drift[v] = LARGER(drift, k->drift[v]);
+      largest_uy[v] = LARGER(size, largest_uy[v]);
+      largest_n[v] = LARGER(n, largest_n[v]);
+      sum_n[v] += n;
+      sum_t[v] += fabs(t);
     }
-    if (any_vector(joining)) join(compliance, profile, c, i, joining);
+  }
+  look_outside(rules, profile, c, in, sum_n, sum_t, 0, c->first);
+  look_outside(rules, profile, c, in, sum_n, sum_t, max(c->first, c->end), NODES);
+  for (int i = 0; i < NODES; ++i) {
+    vint joining[VECTORS];
+    EACH_VECTOR {
+      const vreal inside = c->uy[i][v] - (profile[i * VECTORS + v] - in->d[v]);
+      const vint idle = c->h[i][v] >= FAR;
+      joining[v] = checked[v] & idle & (inside > rules->tolerance * largest_uy[v]);
+      in->active[v] |= joining[v];
+      k->penetration[v] = LARGER(inside, k->penetration[v]);
+    }
+    if (any_vector(joining)) join(rules, profile, c, i, joining);
   }
   EACH_VECTOR {
     const vreal per_uy = PICK(largest_uy[v] > 0, 1 / largest_uy[v], ALL_LANES(0));
@@ -201,18 +240,18 @@ static inline void certify(global const real *compliance, global const vreal *pr
 }
 
 /* Contact for the indenter where it is, in the active lanes. Returns in `failed` the lanes that ran out of sweeps. */
-static inline void touch(global const real *compliance, global const vreal *profile, Contact *c, Indenter *in, const Rules *rules,
+static inline void touch(const Rules *rules, global const vreal *profile, Contact *c, Indenter *in,
                          vreal *sweeps, vint *failed, Certificate *k) {
   vint checked[VECTORS];
   EACH_VECTOR {
     checked[v] = in->active[v];
     failed[v] = 0;
   }
-  join_reached(compliance, profile, c, in);
+  join_reached(rules, profile, c, in);
   for (int round = 0; round < MOST_REJOINS; ++round) {
-    settle(compliance, c, in, rules, sweeps);
+    settle(rules, c, in, sweeps);
     EACH_VECTOR { failed[v] |= in->active[v]; }
-    certify(compliance, profile, c, in, checked, rules, k);
+    certify(rules, profile, c, in, checked, k);
     if (!any_vector(in->active)) return;
   }
   EACH_VECTOR { failed[v] |= in->active[v]; }
@@ -305,15 +344,16 @@ static inline void aim(Search *s, const Contact *c, Indenter *in, global const v
 }
 #endif
 
-/* Output rows = map x surface forces, e.g. base forces; map: [rows padded to ROW_BLOCK][NODES][2], by n and by t. */
+/* Output rows = map x surface forces, e.g. base forces; map: [blocks of rows][NODES][ROW_BLOCK][2], by n and by t. */
 static inline void write_rows(global const real *map, int rows, const Contact *c, const vreal *scale, global vreal *out) {
-  for (int r = 0; r < rows; r += ROW_BLOCK) {
+  for (int r = 0; r < rows; r += ROW_BLOCK, map += NODES * ROW_BLOCK * 2) {
     vreal sum[ROW_BLOCK][VECTORS];
     _Pragma("unroll") for (int b = 0; b < ROW_BLOCK; ++b) EACH_VECTOR { sum[b][v] = 0; }
-    for (int j = c->first; j < c->end; ++j) {
-      _Pragma("unroll") for (int b = 0; b < ROW_BLOCK; ++b) {
-        const real by_n = map[((r + b) * NODES + j) * 2], by_t = map[((r + b) * NODES + j) * 2 + 1];
-        EACH_VECTOR { sum[b][v] = fma(ALL_LANES(by_t), c->t[j][v], fma(ALL_LANES(by_n), c->n[j][v], sum[b][v])); }
+    global const real *m = map + c->first * (ROW_BLOCK * 2);
+    for (int j = c->first; j < c->end; ++j, m += ROW_BLOCK * 2) {
+      _Pragma("unroll") for (int b = 0; b < ROW_BLOCK; ++b) EACH_VECTOR {
+        sum[b][v] = fma(ALL_LANES(m[2 * b]), c->n[j][v], sum[b][v]);
+        sum[b][v] = fma(ALL_LANES(m[2 * b + 1]), c->t[j][v], sum[b][v]);
       }
     }
     _Pragma("unroll") for (int b = 0; b < ROW_BLOCK; ++b)
@@ -358,22 +398,27 @@ static inline void count_nodes(const Contact *c, const Indenter *in, vreal *stic
 
 /* |base + surface force| over the largest of both; base forces are the first base_rows of rows_out, x and y in turn. */
 static inline vreal balance(global const vreal *rows_out, int base_rows, int v, vreal p, vreal q) {
-  vreal sum[2] = {0, 0}, largest = fmax(fabs(p), fabs(q));
-  for (int r = 0; r < base_rows; ++r) sum[r & 1] += rows_out[r * VECTORS + v];
-  const vreal off = fmax(fabs(sum[0] - q), fabs(sum[1] + p));
+  vreal x = 0, y = 0;
+  for (int r = 0; r < base_rows; r += 2) {
+    x += rows_out[r * VECTORS + v];
+    y += rows_out[(r + 1) * VECTORS + v];
+  }
+  const vreal largest = fmax(fabs(p), fabs(q));
+  const vreal off = fmax(fabs(x - q), fabs(y + p));
   return PICK((largest > 0) & (off == off), off / largest, ALL_LANES(0));
 }
 
-/* compliance [NODES][NODES][4]; map [rows padded to a multiple of ROW_BLOCK][NODES][2], base forces first (base_rows of them);
+/* compliance [NODES][NODES][4]; node [NODES][NODE_ROWS]; map [blocks of ROW_BLOCK rows][NODES][ROW_BLOCK][2], base forces first (base_rows of them);
    lane_input [group][LANE_INPUT_ROWS][lane]; profile [group][NODES][lane] mm, >= FAR where there is no indenter; path [group][steps][PATH_ROWS][lane].
    Out: result [group][steps][LANE_RESULT_ROWS][lane]; rows_out [group][steps][rows][lane]; nodes_out [group][steps][3 NODES][lane] unless
    write_node_rows is 0. */
-kernel void gap_sweep(uint first_group, global const real *compliance, global const real *map, int rows, int base_rows,
+kernel void gap_sweep(uint first_group, global const real *compliance, global const real *node,
+                      global const real *map, int rows, int base_rows,
                       global const vreal *lane_input, global const vreal *profile, global const vreal *path, int steps,
-                      real relaxation, real tolerance, real accept, int most_sweeps, global vreal *result,
+                      real tolerance, real accept, int most_sweeps, global vreal *result,
                       global vreal *rows_out, global vreal *nodes_out, int write_node_rows) {
-  const size_t group = first_group + get_global_id(0);
-  const Rules rules = {relaxation, tolerance, accept, most_sweeps};
+  TAKE_GROUP(group);
+  const Rules rules = {compliance, node, tolerance, most_sweeps};
   lane_input += group * (LANE_INPUT_ROWS * VECTORS);
   profile += group * (NODES * VECTORS);
   path += group * steps * (PATH_ROWS * VECTORS);
@@ -449,7 +494,7 @@ kernel void gap_sweep(uint first_group, global const real *compliance, global co
       continue;
     }
     extrapolate(&c, &in, ratio);
-    touch(compliance, profile, &c, &in, &rules, sweeps, failed, &certificate);
+    touch(&rules, profile, &c, &in, sweeps, failed, &certificate);
 #if FORCE_CONTROL
     EACH_VECTOR { in.active[v] = running[v] & normal_force[v] & (goal[PATH_NORMAL * VECTORS + v] > 0); }
     for (int trial = 0; trial < MOST_AIMS; ++trial) {
@@ -457,7 +502,7 @@ kernel void gap_sweep(uint first_group, global const real *compliance, global co
       if (!any_vector(in.active)) break;
       vint searching[VECTORS], failed_now[VECTORS];
       EACH_VECTOR { searching[v] = in.active[v]; }
-      touch(compliance, profile, &c, &in, &rules, sweeps, failed_now, &certificate);
+      touch(&rules, profile, &c, &in, sweeps, failed_now, &certificate);
       EACH_VECTOR {
         failed[v] = (failed[v] & NOT(searching[v])) | failed_now[v];
         in.active[v] = searching[v];

@@ -46,6 +46,16 @@ enum LaneInputRow {
   LANE_INPUT_ROWS
 };
 
+/* Numbers of one surface node, rows of `node`, [NODES][NODE_ROWS]; E = 1. */
+enum NodeRow {
+  NODE_N_PER_UY = 0,  /* pressure force that takes back a unit of u_y */
+  NODE_T_PER_UX,      /* traction force that adds a unit of u_x */
+  NODE_UX_PER_N,      /* u_x by its own pressure force */
+  NODE_RISE_PER_N,    /* largest u_y that a unit of pressure force at another node can give, >= 0 */
+  NODE_RISE_PER_T,    /* largest u_y that a unit of traction force at another node can give, >= 0 */
+  NODE_ROWS
+};
+
 /* Which targets of a path are forces. The tangential one can be a force only when the normal one is. */
 enum ForceControl { FORCE_NONE = 0, FORCE_NORMAL = 1, FORCE_BOTH = 2 };
 

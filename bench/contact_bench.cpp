@@ -1,0 +1,127 @@
+// Load steps a second: random parabolas and friction, one indentation step and seven of drag, base forces and certificate written
+// out. The batched kernel beside the same algorithm in plain Eigen (one core) and the full-mesh reference.
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+#include <random>
+
+#include "fem/gap_reference.h"
+#include "fem/gap_sweep.h"
+#include "host/gap_sweep.h"
+#include "kernels/shared/contact_layout.h"
+
+namespace {
+
+using namespace tactel;
+
+fem::Sensor mesh(char which) {
+  fem::Sensor sensor;
+  sensor.columns = which == 'A' ? 123 : 41;
+  sensor.rows = which == 'A' ? 33 : 11;
+  return sensor;
+}
+
+std::vector<fem::Scene> random_parabolas(const fem::Sensor& sensor, std::size_t count) {
+  std::mt19937_64 random(1998);
+  std::uniform_real_distribution<double> log_radius(std::log(1.0), std::log(100.0)), friction(0.1, 1.5);
+  fem::Scene scene;
+  scene.sensor = sensor;
+  scene.load.tangential_step = 0.05;
+  scene.load.tangential_steps = 7;
+  std::vector<fem::Scene> scenes(count, scene);
+  for (fem::Scene& s : scenes) {
+    s.indenter.shape = fem::Parabola{std::exp(log_radius(random))};
+    s.friction = friction(random);
+  }
+  return scenes;
+}
+
+/// Largest difference of base forces over the largest of them.
+double difference(const fem::ContactSolution& a, const fem::ContactSolution& b) {
+  double worst = 0;
+  for (std::size_t k = 0; k < a.steps.size(); ++k) {
+    const double scale = b.steps[k].base_force_y.cwiseAbs().maxCoeff();
+    worst = std::max({worst, (a.steps[k].base_force_y - b.steps[k].base_force_y).cwiseAbs().maxCoeff() / scale,
+                      (a.steps[k].base_force_x - b.steps[k].base_force_x).cwiseAbs().maxCoeff() / scale});
+  }
+  return worst;
+}
+
+/// Multiplications and additions that the algorithm needs for nodes that touch, twice the fused operations.
+template <class Batch>
+double useful_flops(const Batch& batch, int columns, int base_rows) {
+  double flops = 0;
+  for (std::size_t i = 0; i < batch.size(); ++i)
+    for (int k = 0; k < batch.steps(); ++k) {
+      const double touching = batch.result(i, k, LANE_STICKING) + batch.result(i, k, LANE_SLIPPING);
+      flops += 8 * touching * (batch.result(i, k, LANE_SWEEPS) * touching + columns) + 4 * touching * base_rows;
+    }
+  return flops;
+}
+
+template <class Real>
+void batched(benchmark::State& state, char which, double tolerance) {
+  host::Executor executor{host::Device()};
+  host::GapSweepOptions options;
+  options.tolerance = tolerance;
+  options.tactels = options.nodes = false;
+  const auto scenes = random_parabolas(mesh(which), which == 'A' ? 8192 : 65536);
+  host::GapSweep<Real> sweep(executor, scenes.front().sensor, options);
+  auto batch = sweep.prepare(scenes);
+  batch.run();
+  fem::GapSweep<double> exact(sweep.condensation());
+  for (std::size_t i = 0; i < scenes.size(); i += scenes.size() / 16)
+    if (difference(batch.solution(i), exact.solve(scenes[i])) > 100 * tolerance) {
+      state.SkipWithError("base forces differ from the Eigen twin's");
+      return;
+    }
+  double unsolved = 0, sweeps = 0;
+  for (std::size_t i = 0; i < scenes.size(); ++i)
+    for (int k = 0; k < batch.steps(); ++k) {
+      unsolved += batch.result(i, k, LANE_STATUS) >= LANE_UNSOLVED;
+      sweeps += batch.result(i, k, LANE_SWEEPS);
+    }
+  for (auto _ : state) batch.run();
+  const double steps = static_cast<double>(batch.steps_in_all());
+  const auto per_second = benchmark::Counter::kIsIterationInvariantRate;
+  state.counters["steps_per_second"] = benchmark::Counter(steps, per_second);
+  state.counters["GFLOP/s"] = benchmark::Counter(
+      1e-9 * useful_flops(batch, scenes[0].sensor.columns, 2 * static_cast<int>(sweep.condensation().base_x.size())), per_second);
+  state.counters["sweeps"] = sweeps / steps;
+  state.counters["unsolved"] = unsolved / steps;
+  state.counters["threads"] = executor.threads();
+  state.SetLabel(executor.device().info().name);
+}
+
+template <class Real>
+void eigen(benchmark::State& state, char which, double tolerance) {
+  const fem::Condensation condensation = fem::condense_cached(mesh(which), fem::default_cache_directory());
+  fem::GapSweepOptions options;
+  options.tolerance = tolerance;
+  const fem::GapSweep<Real> sweep(condensation, options);
+  const auto scenes = random_parabolas(mesh(which), 64);
+  std::size_t next = 0;
+  for (auto _ : state) benchmark::DoNotOptimize(sweep.solve(scenes[next++ % scenes.size()]).steps.back().P);
+  state.counters["steps_per_second"] = benchmark::Counter(8, benchmark::Counter::kIsIterationInvariantRate);
+}
+
+void reference(benchmark::State& state, char which) {
+  const auto scenes = random_parabolas(mesh(which), 8);
+  std::size_t next = 0;
+  for (auto _ : state) benchmark::DoNotOptimize(fem::solve_gap_reference(scenes[next++ % scenes.size()]).steps.back().P);
+  state.counters["steps_per_second"] = benchmark::Counter(8, benchmark::Counter::kIsIterationInvariantRate);
+}
+
+BENCHMARK_CAPTURE(batched<float>, mesh_B, 'B', 1e-4)->Name("contact/mesh_B/fp32")->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(batched<float>, mesh_A, 'A', 1e-4)->Name("contact/mesh_A/fp32")->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(batched<float>, mesh_B, 'B', 1e-6)->Name("contact/mesh_B/fp32/tolerance:1e-6")->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(batched<double>, mesh_B, 'B', 1e-4)->Name("contact/mesh_B/fp64")->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(batched<double>, mesh_A, 'A', 1e-4)->Name("contact/mesh_A/fp64")->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(eigen<float>, mesh_B, 'B', 1e-4)->Name("contact/mesh_B/eigen_fp32")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(eigen<float>, mesh_A, 'A', 1e-4)->Name("contact/mesh_A/eigen_fp32")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(eigen<double>, mesh_B, 'B', 1e-4)->Name("contact/mesh_B/eigen_fp64")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(eigen<double>, mesh_A, 'A', 1e-4)->Name("contact/mesh_A/eigen_fp64")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(reference, mesh_B, 'B')->Name("contact/mesh_B/reference")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(reference, mesh_A, 'A')->Name("contact/mesh_A/reference")->Unit(benchmark::kMillisecond)->Iterations(2);
+
+}  // namespace

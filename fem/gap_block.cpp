@@ -1,0 +1,273 @@
+#include "fem/gap_block.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace tactel::fem {
+namespace {
+
+// Mesh column of a node: the surface node at or next to the right of it. Ordered from left to right.
+int column_of(const Mesh& mesh, int node) {
+  const double spacing = mesh.node(0, mesh.surface[1]) - mesh.node(0, mesh.surface[0]);
+  const double x = mesh.node(0, node) - 1e-6 * spacing;
+  const auto right = std::find_if(mesh.surface.begin(), mesh.surface.end(), [&](int s) { return mesh.node(0, s) > x; });
+  return int(right - mesh.surface.begin());
+}
+
+ColumnOrder order_by_column(const Mesh& mesh) {
+  const int nodes = int(mesh.node.cols());
+  std::vector<int> column(nodes);
+  for (int k = 0; k < nodes; ++k) column[k] = column_of(mesh, k);
+  for (int k : mesh.base) column[k] = -1;  // clamped
+  std::vector<int> by_column(nodes);
+  std::iota(by_column.begin(), by_column.end(), 0);
+  const auto key = [&](int k) { return std::tuple(column[k], mesh.node(1, k), mesh.node(0, k)); };
+  std::sort(by_column.begin(), by_column.end(), [&](int a, int b) { return key(a) < key(b); });
+
+  ColumnOrder order;
+  order.place.assign(2 * nodes, -1);
+  for (int k : by_column) {
+    if (column[k] < 0) continue;
+    while (int(order.first.size()) <= column[k]) order.first.push_back(int(order.dof.size()));
+    for (int dof : {2 * k, 2 * k + 1}) {
+      order.place[dof] = int(order.dof.size());
+      order.dof.push_back(dof);
+    }
+  }
+  order.first.push_back(int(order.dof.size()));
+  return order;
+}
+
+// Diagonals that K, the dense blocks which open columns leave, and the combined rows of slipping nodes need.
+int band_of(const Eigen::SparseMatrix<double>& stiffness, const ColumnOrder& order) {
+  int band = 0;
+  for (int j = 0; j < order.size(); ++j) {
+    for (Eigen::SparseMatrix<double>::InnerIterator entry(stiffness, order.dof[j]); entry; ++entry) {
+      const int i = order.place[entry.row()];
+      if (i >= 0) band = std::max(band, std::abs(i - j));
+    }
+  }
+  for (int c = 0; c < order.columns(); ++c) band = std::max(band, order.first[c + 1] - order.first[c] - 1);
+  return band + 1;  // the y row of a node, one further down, is added to its x row
+}
+
+// K of the free unknowns, in their order.
+Eigen::SparseMatrix<double> ordered(const Eigen::SparseMatrix<double>& stiffness, const ColumnOrder& order) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int j = 0; j < order.size(); ++j) {
+    for (Eigen::SparseMatrix<double>::InnerIterator entry(stiffness, order.dof[j]); entry; ++entry) {
+      if (order.place[entry.row()] >= 0) entries.emplace_back(order.place[entry.row()], j, entry.value());
+    }
+  }
+  Eigen::SparseMatrix<double> result(order.size(), order.size());
+  result.setFromTriplets(entries.begin(), entries.end());
+  return result;
+}
+
+}  // namespace
+
+class GapBlock::System {
+ public:
+  System(GapBlock& block, const std::vector<Trial>& trial, double mu)
+      : block_(block),
+        trial_(trial),
+        mu_(mu),
+        first_(first_touching()),
+        last_(last_touching()),
+        begin_(block.order_.first[first_]),
+        left_end_(block.left_.reduced_block(first_)),
+        right_end_(block.right_.reduced_block(last_)),
+        matrix_(block.order_.first[last_ + 1] - begin_, block.band_) {
+    assemble();
+    regular_ = matrix_.factor();
+  }
+
+  bool regular() const { return regular_; }
+
+  /// Right sides of all rows [unknowns, k], as the class comment of GapBlock gives them, become displacements.
+  void solve(RowMatrix& right_side) const {
+    const RowMatrix given = right_side;
+    each_touching([&](int, int x) { right_side.middleRows(x, 2).setZero(); });
+    block_.left_.eliminate(first_, right_side);
+    block_.right_.eliminate(last_, right_side);
+    each_touching([&](int i, int x) {
+      if (slips(trial_[i])) {
+        right_side.row(x) += friction_sign(trial_[i]) * mu_ * right_side.row(x + 1) + given.row(x);
+      } else {
+        right_side.row(x) = stiffness_at(x) * given.row(x);
+      }
+      right_side.row(x + 1) = stiffness_at(x + 1) * given.row(x + 1);
+    });
+    matrix_.solve(right_side.middleRows(begin_, block_.order_.first[last_ + 1] - begin_));
+    block_.left_.substitute(first_, right_side);
+    block_.right_.substitute(last_, right_side);
+  }
+
+  /// What is missing in each row, [unknowns, k].
+  RowMatrix residual(const RowMatrix& right_side, const Eigen::MatrixXd& displacement) const {
+    RowMatrix missing = right_side;
+    const auto& order = block_.order_;
+    for (Eigen::Index k = 0; k < missing.cols(); ++k) {
+      const auto force = [&](int p) { return block_.force(order.dof[p], displacement, k); };
+      std::vector<char> prescribed(order.size(), 0);
+      each_touching([&](int i, int x) {
+        missing(x + 1, k) -= displacement(order.dof[x + 1], k);
+        missing(x, k) = slips(trial_[i])
+                            ? double(right_side(x, k) - force(x) - friction_sign(trial_[i]) * mu_ * force(x + 1))
+                            : right_side(x, k) - displacement(order.dof[x], k);
+        prescribed[x] = prescribed[x + 1] = 1;
+      });
+      for (int p = 0; p < order.size(); ++p) {
+        if (!prescribed[p]) missing(p, k) = double(right_side(p, k) - force(p));
+      }
+    }
+    return missing;
+  }
+
+ private:
+  int first_touching() const {
+    const auto first = std::find_if(trial_.begin(), trial_.end(), touches);
+    return first == trial_.end() ? 0 : int(first - trial_.begin());
+  }
+  int last_touching() const {
+    const auto last = std::find_if(trial_.rbegin(), trial_.rend(), touches);
+    return last == trial_.rend() ? 0 : int(trial_.rend() - last) - 1;
+  }
+  double stiffness_at(int p) const { return block_.stiffness_.coeff(block_.order_.dof[p], block_.order_.dof[p]); }
+
+  // action(node, unknown of its x)
+  template <class Action>
+  void each_touching(Action action) const {
+    for (int i = first_; i <= last_; ++i) {
+      if (touches(trial_[i])) action(i, block_.order_.place[2 * block_.mesh_.surface[i]]);
+    }
+  }
+
+  // factor times row `source` of K, into row `target`: the part among the window's columns, but for the outermost
+  // columns' own blocks.
+  void add_row(int target, int source, double factor) {
+    const auto& order = block_.order_;
+    const auto inside = [&](int c, int p) { return p >= order.first[c] && p < order.first[c + 1]; };
+    const auto reduced = [&](int p) {
+      return (inside(first_, source) && inside(first_, p)) || (inside(last_, source) && inside(last_, p));
+    };
+    for (Eigen::SparseMatrix<double>::InnerIterator entry(block_.stiffness_, order.dof[source]); entry; ++entry) {
+      const int p = order.place[entry.row()];
+      if (p < begin_ || p >= order.first[last_ + 1]) continue;
+      // One column alone stands between both ends: K + (left - K) + (right - K).
+      const double share = !reduced(p) ? 1 : first_ == last_ ? -1 : 0;
+      matrix_.entry(target - begin_, p - begin_) += factor * share * entry.value();
+    }
+    for (auto [column, end] : {std::pair(first_, &left_end_), std::pair(last_, &right_end_)}) {
+      if (!inside(column, source)) continue;
+      const auto row = end->row(source - order.first[column]);
+      for (int j = 0; j < row.size(); ++j)
+        matrix_.entry(target - begin_, order.first[column] + j - begin_) += factor * row(j);
+    }
+  }
+
+  void assemble() {
+    std::vector<char> prescribed(block_.order_.size(), 0);
+    each_touching([&](int i, int x) {
+      prescribed[x] = prescribed[x + 1] = 1;
+      matrix_.entry(x + 1 - begin_, x + 1 - begin_) = stiffness_at(x + 1);  // scaled like its neighbours
+      if (!slips(trial_[i])) {
+        matrix_.entry(x - begin_, x - begin_) = stiffness_at(x);
+      } else {
+        add_row(x, x, 1);
+        if (mu_ != 0) add_row(x, x + 1, friction_sign(trial_[i]) * mu_);
+      }
+    });
+    for (int p = begin_; p < block_.order_.first[last_ + 1]; ++p) {
+      if (!prescribed[p]) add_row(p, p, 1);
+    }
+  }
+
+  GapBlock& block_;
+  const std::vector<Trial>& trial_;
+  double mu_;
+  int first_, last_;                      // outermost columns that touch
+  int begin_;                             // first unknown of column first_
+  Eigen::MatrixXd left_end_, right_end_;  // diagonal blocks of the outermost columns, with all beyond them eliminated
+  BandedLu matrix_;
+  bool regular_ = false;
+};
+
+GapBlock::GapBlock(Mesh mesh, Eigen::SparseMatrix<double> stiffness)
+    : mesh_(std::move(mesh)),
+      stiffness_(std::move(stiffness)),
+      order_(order_by_column(mesh_)),
+      band_(band_of(stiffness_, order_)),
+      left_(ordered(stiffness_, order_), order_, OpenColumns::From::left),
+      right_(ordered(stiffness_, order_), order_, OpenColumns::From::right) {}
+
+std::optional<Eigen::MatrixXd> GapBlock::displacement(const std::vector<Trial>& trial, double mu,
+                                                      const Eigen::MatrixXd& right_side) {
+  const System system(*this, trial, mu);
+  if (!system.regular()) return std::nullopt;
+  RowMatrix given = RowMatrix::Zero(order_.size(), right_side.cols());
+  for (int i = 0; i < columns(); ++i) {
+    given.middleRows(order_.place[2 * mesh_.surface[i]], 2) = right_side.middleRows(2 * i, 2);
+  }
+  Eigen::MatrixXd displacement = Eigen::MatrixXd::Zero(stiffness_.rows(), right_side.cols());
+  RowMatrix missing = given;
+  for (int pass = 0; pass < 2; ++pass) {  // the solve, then one refinement
+    if (pass > 0) missing = system.residual(given, displacement);
+    system.solve(missing);
+    for (int p = 0; p < order_.size(); ++p) displacement.row(order_.dof[p]) += missing.row(p);
+  }
+  return displacement;
+}
+
+long double GapBlock::force(int dof, const Eigen::MatrixXd& displacement, Eigen::Index side) const {
+  long double sum = 0;
+  for (Eigen::SparseMatrix<double>::InnerIterator entry(stiffness_, dof); entry; ++entry) {
+    sum += static_cast<long double>(entry.value()) * displacement(entry.row(), side);
+  }
+  return sum;
+}
+
+Eigen::MatrixXd GapBlock::surface_force(const Eigen::MatrixXd& displacement) const {
+  Eigen::MatrixXd result(2 * columns(), displacement.cols());
+  for (Eigen::Index k = 0; k < displacement.cols(); ++k) {
+    for (int j = 0; j < 2 * columns(); ++j)
+      result(j, k) = double(force(2 * mesh_.surface[j / 2] + j % 2, displacement, k));
+  }
+  return result;
+}
+
+Eigen::VectorXd GapBlock::base_force(const Eigen::VectorXd& displacement) const {
+  Eigen::VectorXd result(2 * mesh_.base.size());
+  for (int j = 0; j < result.size(); ++j) result(j) = double(-force(2 * mesh_.base[j / 2] + j % 2, displacement, 0));
+  return result;
+}
+
+Eigen::MatrixXd GapBlock::surface_part(const Eigen::MatrixXd& displacement) const {
+  Eigen::MatrixXd result(2 * columns(), displacement.cols());
+  for (int i = 0; i < columns(); ++i) result.middleRows(2 * i, 2) = displacement.middleRows(2 * mesh_.surface[i], 2);
+  return result;
+}
+
+double GapBlock::typical_stiffness() const {
+  double sum = 0;
+  for (int node : mesh_.surface)
+    sum += stiffness_.coeff(2 * node, 2 * node) + stiffness_.coeff(2 * node + 1, 2 * node + 1);
+  return sum / (2 * columns());
+}
+
+double GapBlock::force_magnitude(const Eigen::VectorXd& displacement) const {
+  double largest = 0;
+  for (int node : mesh_.surface) {
+    for (int dof : {2 * node, 2 * node + 1}) {
+      double sum = 0;
+      for (Eigen::SparseMatrix<double>::InnerIterator entry(stiffness_, dof); entry; ++entry) {
+        sum += std::abs(entry.value() * displacement(entry.row()));
+      }
+      largest = std::max(largest, sum);
+    }
+  }
+  return largest;
+}
+
+}  // namespace tactel::fem

@@ -1,0 +1,53 @@
+#pragma once
+#include <Eigen/Dense>
+#include <Eigen/Sparse>
+#include <vector>
+
+#include "fem/banded_lu.h"
+
+namespace tactel::fem {
+
+/// Free unknowns of the block, one mesh column after another and through the thickness in each, so that K is banded and
+/// block tridiagonal. The mid-side nodes of q8 belong to the column on their right.
+struct ColumnOrder {
+  std::vector<int> dof;    ///< [unknowns] degree of freedom of the mesh
+  std::vector<int> place;  ///< [2 nodes] where that degree of freedom stands among the unknowns; -1 if clamped
+  std::vector<int> first;  ///< [columns + 1] first unknown of each column
+  int columns() const { return static_cast<int>(first.size()) - 1; }
+  int size() const { return static_cast<int>(dof.size()); }
+};
+
+/// Block Cholesky elimination of mesh columns without contact, from one end of the block inwards. What it leaves does
+/// not depend on the contact, so each column is eliminated once a block; only the columns between the outermost nodes
+/// in contact are factored anew in each status iteration.
+class OpenColumns {
+ public:
+  enum class From { left, right };
+  OpenColumns(Eigen::SparseMatrix<double> stiffness, ColumnOrder order, From from);
+
+  /// Diagonal block of `column` after the elimination of all columns outside of it: [n, n], n unknowns of that column.
+  Eigen::MatrixXd reduced_block(int column);
+
+  /// Right sides [unknowns, k]: eliminates the columns outside of `column`.
+  void eliminate(int column, RowMatrix& right_side);
+
+  /// The columns outside of `column` follow from the solution in it.
+  void substitute(int column, RowMatrix& solution);
+
+ private:
+  int outermost() const { return from_ == From::left ? 0 : order_.columns() - 1; }
+  int outwards() const { return from_ == From::left ? -1 : 1; }
+  void reach(int column);
+  Eigen::MatrixXd reduce(int column) const;
+  Eigen::Block<RowMatrix> rows(RowMatrix& all, int column) const;
+  Eigen::SparseMatrix<double> coupling(int column) const;
+
+  Eigen::SparseMatrix<double> stiffness_;  ///< [unknowns, unknowns] in their order, N/mm per mm
+  ColumnOrder order_;
+  From from_;
+  int eliminated_ = 0;  ///< how many columns are factored so far, from the outermost on
+  std::vector<Eigen::LLT<Eigen::MatrixXd>>
+      factor_;  ///< [columns] of D_c = K_cc - K_co D_o^-1 K_oc, o next outwards of c
+};
+
+}  // namespace tactel::fem

@@ -1,0 +1,31 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fem/contact_solution.h"
+#include "fem/scene.h"
+
+namespace tactel::host {
+
+/// The solvers of this build.
+std::vector<std::string> solver_names();
+
+/// Who solves a contact, and how well: what --solver, --precision, --device and --tolerance say.
+struct SolveOptions {
+  std::string solver = "reference";  ///< one of solver_names()
+  std::string precision;             ///< "fp32", "fp64"; empty: the solver's own choice
+  std::string device;                ///< name or index of an OpenCL device; empty: the best there is
+  std::optional<double> tolerance;   ///< largest relative residual that counts as converged; none: the solver's own
+};
+
+/// An answer and who gave it.
+struct SolveOutcome {
+  fem::ContactSolution solution;
+  std::string solver, precision, device;
+};
+
+/// Solves one scene. Throws ConfigError for options that do not go together.
+SolveOutcome solve(const fem::Scene& scene, const SolveOptions& options);
+
+}  // namespace tactel::host

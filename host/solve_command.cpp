@@ -1,0 +1,101 @@
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "host/atomic_file.h"
+#include "host/command.h"
+#include "host/contact_figure.h"
+#include "host/errors.h"
+#include "host/scene_file.h"
+#include "host/scene_json.h"
+#include "host/solution_table.h"
+#include "host/stress_field.h"
+
+namespace tactel::host {
+namespace {
+
+struct SolveRequest {
+  SharedOptions shared;
+  std::string scene, json, plot, field;
+  std::optional<int> step;
+};
+
+/// Everything that could make the results unwritable, before the work and not after it.
+void check_outputs(const SolveRequest& request) {
+  if (!request.json.empty() && request.json != "-") check_writable("--json", request.json);
+  if (!request.plot.empty()) check_figure_path("--plot", request.plot);
+  if (!request.field.empty()) check_writable("--field", request.field);
+}
+
+/// Index of the step that --step names, from 1; the last by default.
+std::size_t chosen_step(const SolveRequest& request, const fem::ContactSolution& solution) {
+  const int count = static_cast<int>(solution.steps.size());
+  const int step = request.step.value_or(count);
+  if (step < 1 || step > count) {
+    throw ConfigError("command line", "--step", std::to_string(step), fmt::format("a load step of this scene, 1 to {}", count));
+  }
+  return static_cast<std::size_t>(step - 1);
+}
+
+void warn(const SolveRequest& request, const std::string& text) {
+  if (!request.shared.quiet) fmt::print(stderr, "warning: {}\n", text);
+}
+
+void warn_of_depth(const SolveRequest& request, const fem::Scene& scene, const fem::ContactSolution& solution) {
+  double deepest = 0.0;
+  for (const fem::ContactStep& step : solution.steps) deepest = std::max(deepest, step.indentation);
+  const double share = deepest / scene.sensor.thickness;
+  if (share <= linear_strain_limit) return;
+  warn(request, fmt::format("the indenter is {:.3g} mm deep, {:.0f} % of the thickness; rubber was measured to be linear up to {:.0f} %",
+                            deepest, 100 * share, 100 * linear_strain_limit));
+}
+
+void warn_of_strain(const SolveRequest& request, const StressField& field) {
+  Eigen::Index node = 0;
+  const double most = field.strain.maxCoeff(&node);
+  if (most <= linear_strain_limit) return;
+  warn(request, fmt::format("the strain reaches {:.0f} % at x = {:.3g} mm, y = {:.3g} mm; rubber was measured to be linear up to {:.0f} %",
+                            100 * most, field.mesh.node(0, node), field.mesh.node(1, node), 100 * linear_strain_limit));
+}
+
+void write_results(const SolveRequest& request, const fem::Scene& scene, const SolveOutcome& outcome) {
+  const std::size_t step = chosen_step(request, outcome.solution);
+  if (request.json == "-") {
+    fmt::print("{}\n", to_json(scene, outcome).dump(1));
+  } else {
+    if (!request.json.empty()) write_file("--json", request.json, to_json(scene, outcome).dump(1) + "\n");
+    fmt::print("{}", solution_table(scene, outcome));
+  }
+  if (!request.plot.empty()) write_figure("--plot", request.plot, contact_figure(scene, outcome.solution, step));
+  if (request.field.empty()) return;
+  const StressField field = stress_field(scene.sensor, outcome.solution.steps[step]);
+  write_file("--field", request.field, to_vtu(field));
+  warn_of_strain(request, field);
+}
+
+int run_solve(const SolveRequest& request) {
+  const fem::Scene scene = read_scene(request.scene);
+  check_outputs(request);
+  const SolveOutcome outcome = solve(scene, request.shared.solve);
+  warn_of_depth(request, scene, outcome.solution);
+  write_results(request, scene, outcome);
+  const bool converged = std::ranges::all_of(outcome.solution.steps, &fem::ContactStep::converged);
+  if (!converged) warn(request, "not every step met its tolerance: see the column `converged`");
+  return converged ? done : not_converged;
+}
+
+}  // namespace
+
+void add_solve_command(CLI::App& app, Action& action) {
+  auto request = std::make_shared<SolveRequest>();
+  CLI::App* command = app.add_subcommand("solve", "one contact: a line per load step, or the whole answer");
+  command->add_option("scene", request->scene, "scene file (TOML; mm, MPa, N/mm, degrees)")->type_name("SCENE.toml")->required();
+  command->add_option("--json", request->json, "write the whole answer as JSON; - for standard output, instead of the table")->type_name("FILE");
+  command->add_option("--plot", request->plot, "draw tractions on the surface (MPa), stress at the tactels (MPa) and S, over x (mm)")->type_name("FILE.svg|FILE.png");
+  command->add_option("--field", request->field, "write displacement (mm) and stress (MPa) in the block, for ParaView")->type_name("FILE.vtu");
+  command->add_option("--step", request->step, "the load step that --plot and --field show, from 1 (default: the last)")->type_name("K");
+  add_shared_options(*command, request->shared);
+  command->callback([request, &action] { action = [request] { return run_solve(*request); }; });
+}
+
+}  // namespace tactel::host

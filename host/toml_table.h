@@ -1,0 +1,76 @@
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <string>
+#include <toml++/toml.h>
+#include <vector>
+
+#include "fem/value_error.h"
+#include "host/errors.h"
+
+namespace tactel::host {
+
+/// A TOML file, its text kept so that an error can quote a value as it was written.
+class TomlFile {
+ public:
+  explicit TomlFile(const std::filesystem::path& path);
+
+  const std::filesystem::path& path() const { return path_; }
+  const toml::table& root() const { return root_; }
+
+  /// The error about a value of this file. `node` (may be null) gives line and value.
+  ConfigError error(const std::string& key, const toml::node* node, const std::string& allowed) const;
+  /// The same from an error of the model, whose key is a path such as "sensor.poisson".
+  ConfigError error(const ValueError& error) const;
+
+ private:
+  std::string as_written(const toml::node& node) const;
+
+  std::filesystem::path path_;
+  std::string text_;
+  toml::table root_;
+};
+
+/// One table of a file, read strictly: a value of the wrong type is an error, and so is a key that nobody asked for.
+/// `read` leaves `value` as it is where the key is absent; `what` says what is allowed, unit included.
+class TomlTable {
+ public:
+  /// The table `name` of the file, which may be absent; the root table for an empty name.
+  TomlTable(const TomlFile& file, const std::string& name);
+
+  bool has(const std::string& key) const;
+  bool read(const std::string& key, double& value, const std::string& what);
+  bool read(const std::string& key, int& value, const std::string& what);
+  bool read(const std::string& key, std::string& value, const std::string& what);
+  /// An array of numbers.
+  bool read(const std::string& key, std::vector<double>& value, const std::string& what);
+  bool read(const std::string& key, std::vector<int>& value, const std::string& what);
+  /// One number, or an array of at least one.
+  bool read_one_or_more(const std::string& key, std::vector<double>& value, const std::string& what);
+  /// One word of `words`; gives its place among them.
+  std::optional<std::size_t> read_choice(const std::string& key, const std::vector<std::string>& words);
+  /// A table inside: only said to be known here, read by a TomlTable of its own.
+  void expect_table(const std::string& key);
+
+  /// Throws: `key` must be `allowed`.
+  [[noreturn]] void refuse(const std::string& key, const std::string& allowed) const;
+  [[noreturn]] void refuse_missing(const std::string& key, const std::string& allowed) const;
+  /// The keys present, in the order of the file.
+  std::vector<std::string> keys() const;
+  /// Throws on the first key that nobody asked for, with the nearest that somebody did.
+  void finish() const;
+
+ private:
+  const toml::node* find(const std::string& key);
+  std::string full(const std::string& key) const { return name_.empty() ? key : name_ + "." + key; }
+  double number(const toml::node& node, const std::string& key, const std::string& what) const;
+  int whole(const toml::node& node, const std::string& key, const std::string& what) const;
+
+  const TomlFile& file_;
+  std::string name_;
+  const toml::table* table_ = nullptr;
+  std::set<std::string> asked_;
+};
+
+}  // namespace tactel::host
