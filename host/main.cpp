@@ -33,7 +33,9 @@ int guarded(const Action& action) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"tactel: a tactile rubber skin in contact. Units: mm, MPa (N/mm2), N/mm (force per unit depth), s, degrees.", "tactel"};
+  CLI::App app{
+      "tactel: a tactile rubber skin in contact. Units: mm, MPa (N/mm2), N/mm (force per unit depth), s, degrees.",
+      "tactel"};
   app.set_version_flag("--version", "tactel " TACTEL_VERSION);
   app.require_subcommand(1);
   app.get_formatter()->column_width(34);

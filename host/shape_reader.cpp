@@ -55,7 +55,8 @@ void read_shape(ShapeKeys& keys, fem::Profile& profile) {
   const bool has_x = in.read("x", profile.x, "an array of mm, increasing");
   const bool has_y = in.read("y", profile.y, "an array of mm, as many as x");
   if (from_file && (has_x || has_y)) in.refuse("file", "left out, because the profile's x and y are given too");
-  if (!from_file && !has_x) in.refuse_missing("x", "given, an array of mm, increasing (or file, a CSV file with columns x,y)");
+  if (!from_file && !has_x)
+    in.refuse_missing("x", "given, an array of mm, increasing (or file, a CSV file with columns x,y)");
   if (!from_file && !has_y) in.refuse_missing("y", "given, an array of mm, as many as x");
   if (!from_file) return;
   const std::filesystem::path path = keys.file.path().parent_path() / name;
@@ -90,7 +91,9 @@ std::vector<std::string> shape_names() {
   return names;
 }
 
-bool holds(const std::vector<std::string>& keys, const std::string& key) { return std::ranges::find(keys, key) != keys.end(); }
+bool holds(const std::vector<std::string>& keys, const std::string& key) {
+  return std::ranges::find(keys, key) != keys.end();
+}
 
 /// A key that only makes sense for another shape: says for which.
 void refuse_foreign_keys(const TomlTable& in, const ShapeName& chosen) {
@@ -101,7 +104,8 @@ void refuse_foreign_keys(const TomlTable& in, const ShapeName& chosen) {
       if (holds(shape.keys, key)) owners.push_back(shape.name);
     }
     if (owners.empty()) continue;
-    in.refuse(key, "left out: it belongs to shape " + listed(owners) + "; the keys of shape " + chosen.name + " are " + listed(chosen.keys));
+    in.refuse(key, "left out: it belongs to shape " + listed(owners) + "; the keys of shape " + chosen.name + " are " +
+                       listed(chosen.keys));
   }
 }
 

@@ -35,7 +35,8 @@ std::string trimmed(std::string text) {
 }
 
 std::string shortened(std::string text) {
-  std::replace_if(text.begin(), text.end(), [](unsigned char c) { return std::iscntrl(c) != 0; }, ' ');
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return std::iscntrl(c) != 0; }, ' ');
   return text.size() > longest_quote ? text.substr(0, longest_quote) + "..." : text;
 }
 
@@ -48,7 +49,8 @@ std::string line_of(const std::string& text, std::size_t number) {
   return line;
 }
 
-/// Where a place in the file, line and column from 1, lies in its text. Columns count code points: continuation bytes of UTF-8 do not.
+/// Where a place in the file, line and column from 1, lies in its text. Columns count code points: continuation bytes
+/// of UTF-8 do not.
 std::size_t offset_of(const std::string& text, toml::source_position place) {
   std::size_t at = 0;
   for (std::size_t line = 1; line < place.line && at < text.size(); ++at) line += text[at] == '\n';
