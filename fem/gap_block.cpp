@@ -7,6 +7,10 @@
 namespace tactel::fem {
 namespace {
 
+// A factorization in double leaves errors of cond(K) rounding errors, 1e-8 at worst; each further pass takes as many
+// digits again.
+constexpr int passes = 3;
+
 // Mesh column of a node: the surface node at or next to the right of it. Ordered from left to right.
 int column_of(const Mesh& mesh, int node) {
   const double spacing = mesh.node(0, mesh.surface[1]) - mesh.node(0, mesh.surface[0]);
@@ -78,7 +82,8 @@ class GapBlock::System {
         begin_(block.order_.first[first_]),
         left_end_(block.left_.reduced_block(first_)),
         right_end_(block.right_.reduced_block(last_)),
-        matrix_(block.order_.first[last_ + 1] - begin_, block.band_) {
+        matrix_(block.order_.first[last_ + 1] - begin_, block.band_),
+        prescribed_(block.order_.size(), 0) {
     assemble();
     regular_ = matrix_.factor();
   }
@@ -105,21 +110,21 @@ class GapBlock::System {
   }
 
   /// What is missing in each row, [unknowns, k].
-  RowMatrix residual(const RowMatrix& right_side, const Eigen::MatrixXd& displacement) const {
-    RowMatrix missing = right_side;
+  RowMatrix residual(const Extended& right_side, const Extended& displacement) const {
     const auto& order = block_.order_;
+    RowMatrix missing(order.size(), right_side.cols());
     for (Eigen::Index k = 0; k < missing.cols(); ++k) {
       const auto force = [&](int p) { return block_.force(order.dof[p], displacement, k); };
-      std::vector<char> prescribed(order.size(), 0);
-      each_touching([&](int i, int x) {
-        missing(x + 1, k) -= displacement(order.dof[x + 1], k);
-        missing(x, k) = slips(trial_[i])
-                            ? double(right_side(x, k) - force(x) - friction_sign(trial_[i]) * mu_ * force(x + 1))
-                            : right_side(x, k) - displacement(order.dof[x], k);
-        prescribed[x] = prescribed[x + 1] = 1;
-      });
       for (int p = 0; p < order.size(); ++p) {
-        if (!prescribed[p]) missing(p, k) = double(right_side(p, k) - force(p));
+        if (!prescribed_[p]) missing(p, k) = double(-force(p));
+      }
+      for (int i = 0; i < int(trial_.size()); ++i) {
+        const int x = block_.unknown_of(i);
+        const auto u = [&](int p) { return displacement(order.dof[p], k); };
+        const long double given_x = right_side(2 * i, k), given_y = right_side(2 * i + 1, k);
+        const long double friction = friction_sign(trial_[i]) * mu_;
+        missing(x, k) = double(given_x - (trial_[i] == Trial::stick ? u(x) : force(x) + friction * force(x + 1)));
+        missing(x + 1, k) = double(given_y - (touches(trial_[i]) ? u(x + 1) : force(x + 1)));
       }
     }
     return missing;
@@ -140,7 +145,7 @@ class GapBlock::System {
   template <class Action>
   void each_touching(Action action) const {
     for (int i = first_; i <= last_; ++i) {
-      if (touches(trial_[i])) action(i, block_.order_.place[2 * block_.mesh_.surface[i]]);
+      if (touches(trial_[i])) action(i, block_.unknown_of(i));
     }
   }
 
@@ -168,9 +173,8 @@ class GapBlock::System {
   }
 
   void assemble() {
-    std::vector<char> prescribed(block_.order_.size(), 0);
     each_touching([&](int i, int x) {
-      prescribed[x] = prescribed[x + 1] = 1;
+      prescribed_[x] = prescribed_[x + 1] = 1;
       matrix_.entry(x + 1 - begin_, x + 1 - begin_) = stiffness_at(x + 1);  // scaled like its neighbours
       if (!slips(trial_[i])) {
         matrix_.entry(x - begin_, x - begin_) = stiffness_at(x);
@@ -180,7 +184,7 @@ class GapBlock::System {
       }
     });
     for (int p = begin_; p < block_.order_.first[last_ + 1]; ++p) {
-      if (!prescribed[p]) add_row(p, p, 1);
+      if (!prescribed_[p]) add_row(p, p, 1);
     }
   }
 
@@ -191,6 +195,7 @@ class GapBlock::System {
   int begin_;                             // first unknown of column first_
   Eigen::MatrixXd left_end_, right_end_;  // diagonal blocks of the outermost columns, with all beyond them eliminated
   BandedLu matrix_;
+  std::vector<char> prescribed_;  // [unknowns] rows of touching nodes
   bool regular_ = false;
 };
 
@@ -202,49 +207,41 @@ GapBlock::GapBlock(Mesh mesh, Eigen::SparseMatrix<double> stiffness)
       left_(ordered(stiffness_, order_), order_, OpenColumns::From::left),
       right_(ordered(stiffness_, order_), order_, OpenColumns::From::right) {}
 
-std::optional<Eigen::MatrixXd> GapBlock::displacement(const std::vector<Trial>& trial, double mu,
-                                                      const Eigen::MatrixXd& right_side) {
+std::optional<Extended> GapBlock::displacement(const std::vector<Trial>& trial, double mu, const Extended& right_side) {
   const System system(*this, trial, mu);
   if (!system.regular()) return std::nullopt;
-  RowMatrix given = RowMatrix::Zero(order_.size(), right_side.cols());
-  for (int i = 0; i < columns(); ++i) {
-    given.middleRows(order_.place[2 * mesh_.surface[i]], 2) = right_side.middleRows(2 * i, 2);
-  }
-  Eigen::MatrixXd displacement = Eigen::MatrixXd::Zero(stiffness_.rows(), right_side.cols());
-  RowMatrix missing = given;
-  for (int pass = 0; pass < 2; ++pass) {  // the solve, then one refinement
-    if (pass > 0) missing = system.residual(given, displacement);
-    system.solve(missing);
-    for (int p = 0; p < order_.size(); ++p) displacement.row(order_.dof[p]) += missing.row(p);
+  Extended displacement = Extended::Zero(stiffness_.rows(), right_side.cols());
+  for (int pass = 0; pass < passes; ++pass) {
+    RowMatrix correction = system.residual(right_side, displacement);
+    system.solve(correction);
+    for (int p = 0; p < order_.size(); ++p) displacement.row(order_.dof[p]) += correction.row(p).cast<long double>();
   }
   return displacement;
 }
 
-long double GapBlock::force(int dof, const Eigen::MatrixXd& displacement, Eigen::Index side) const {
+long double GapBlock::force(int dof, const Extended& displacement, Eigen::Index side) const {
   long double sum = 0;
   for (Eigen::SparseMatrix<double>::InnerIterator entry(stiffness_, dof); entry; ++entry) {
-    sum += static_cast<long double>(entry.value()) * displacement(entry.row(), side);
+    sum += entry.value() * displacement(entry.row(), side);
   }
   return sum;
 }
 
-Eigen::MatrixXd GapBlock::surface_force(const Eigen::MatrixXd& displacement) const {
-  Eigen::MatrixXd result(2 * columns(), displacement.cols());
-  for (Eigen::Index k = 0; k < displacement.cols(); ++k) {
-    for (int j = 0; j < 2 * columns(); ++j)
-      result(j, k) = double(force(2 * mesh_.surface[j / 2] + j % 2, displacement, k));
+Extended GapBlock::forces(const std::vector<int>& nodes, const Extended& displacement) const {
+  Extended result(2 * nodes.size(), displacement.cols());
+  for (Eigen::Index k = 0; k < result.cols(); ++k) {
+    for (Eigen::Index j = 0; j < result.rows(); ++j)
+      result(j, k) = force(2 * nodes[j / 2] + int(j % 2), displacement, k);
   }
   return result;
 }
 
-Eigen::VectorXd GapBlock::base_force(const Eigen::VectorXd& displacement) const {
-  Eigen::VectorXd result(2 * mesh_.base.size());
-  for (int j = 0; j < result.size(); ++j) result(j) = double(-force(2 * mesh_.base[j / 2] + j % 2, displacement, 0));
-  return result;
-}
+Extended GapBlock::surface_force(const Extended& displacement) const { return forces(mesh_.surface, displacement); }
 
-Eigen::MatrixXd GapBlock::surface_part(const Eigen::MatrixXd& displacement) const {
-  Eigen::MatrixXd result(2 * columns(), displacement.cols());
+Extended GapBlock::base_force(const Extended& displacement) const { return -forces(mesh_.base, displacement); }
+
+Extended GapBlock::surface_part(const Extended& displacement) const {
+  Extended result(2 * columns(), displacement.cols());
   for (int i = 0; i < columns(); ++i) result.middleRows(2 * i, 2) = displacement.middleRows(2 * mesh_.surface[i], 2);
   return result;
 }
@@ -254,20 +251,6 @@ double GapBlock::typical_stiffness() const {
   for (int node : mesh_.surface)
     sum += stiffness_.coeff(2 * node, 2 * node) + stiffness_.coeff(2 * node + 1, 2 * node + 1);
   return sum / (2 * columns());
-}
-
-double GapBlock::force_magnitude(const Eigen::VectorXd& displacement) const {
-  double largest = 0;
-  for (int node : mesh_.surface) {
-    for (int dof : {2 * node, 2 * node + 1}) {
-      double sum = 0;
-      for (Eigen::SparseMatrix<double>::InnerIterator entry(stiffness_, dof); entry; ++entry) {
-        sum += std::abs(entry.value() * displacement(entry.row()));
-      }
-      largest = std::max(largest, sum);
-    }
-  }
-  return largest;
 }
 
 }  // namespace tactel::fem

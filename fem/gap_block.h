@@ -10,6 +10,11 @@
 
 namespace tactel::fem {
 
+/// Displacements and the sums over them are kept in extended precision (64 bits of mantissa on x86): near nu = 0.5
+/// forces are small differences of large products K_ij u_j, and rounding of u alone would cost them four digits at nu =
+/// 0.4999.
+using Extended = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+
 /// What a gap element is assumed to do in one trial; slip_plus: friction on the rubber points to +x and has reached its
 /// limit.
 enum class Trial : std::uint8_t { open, stick, slip_plus, slip_minus };
@@ -35,31 +40,27 @@ class GapBlock {
   int columns() const { return int(mesh_.surface.size()); }
 
   /// Displacements of all nodes [2 nodes, k] mm for k right sides r [2 columns, k] (x at 2i, y at 2i + 1); none where
-  /// the system is singular. Refined once with a residual in extended precision: accurate to rounding although K is
-  /// ill-conditioned near nu = 0.5.
-  std::optional<Eigen::MatrixXd> displacement(const std::vector<Trial>& trial, double mu,
-                                              const Eigen::MatrixXd& right_side);
+  /// the system is singular. Factored in double, refined to extended precision.
+  std::optional<Extended> displacement(const std::vector<Trial>& trial, double mu, const Extended& right_side);
 
   /// K u at the surface nodes: force on the rubber [2 columns, k] N/mm.
-  Eigen::MatrixXd surface_force(const Eigen::MatrixXd& displacement) const;
+  Extended surface_force(const Extended& displacement) const;
 
-  /// -K u at the base nodes: force of the rubber on the base [2 base nodes] N/mm.
-  Eigen::VectorXd base_force(const Eigen::VectorXd& displacement) const;
+  /// -K u at the base nodes: force of the rubber on the base [2 base nodes, k] N/mm.
+  Extended base_force(const Extended& displacement) const;
 
   /// [2 columns, k] of displacements [2 nodes, k].
-  Eigen::MatrixXd surface_part(const Eigen::MatrixXd& displacement) const;
+  Extended surface_part(const Extended& displacement) const;
 
   /// Mean of K's diagonal at the surface nodes, N/mm per mm.
   double typical_stiffness() const;
 
-  /// Largest sum of |K_ij u_j| at a surface node: forces from K u are uncertain by rounding of this, N/mm.
-  double force_magnitude(const Eigen::VectorXd& displacement) const;
-
  private:
-  class System;  ///< one trial's factored system
+  int unknown_of(int column) const { return order_.place[2 * mesh_.surface[column]]; }  ///< its surface node's x
+  class System;                                                                         ///< one trial's factored system
 
-  /// (K u) at a degree of freedom, in extended precision: near nu = 0.5 the sum cancels to a small part of its terms.
-  long double force(int dof, const Eigen::MatrixXd& displacement, Eigen::Index side) const;
+  long double force(int dof, const Extended& displacement, Eigen::Index side) const;
+  Extended forces(const std::vector<int>& nodes, const Extended& displacement) const;
 
   Mesh mesh_;
   Eigen::SparseMatrix<double> stiffness_;

@@ -8,9 +8,31 @@
 namespace tactel::fem {
 namespace {
 
-// Poses are refined to rounding of K u and u; a law is violated beyond a multiple of it, so that ties (n = 0 at gap =
-// 0, |t| = mu n at slip = 0) count as met by either status and cannot make the iteration cycle.
+// Poses are exact to rounding of what they are given; a law is violated beyond a multiple of it, so that ties (n = 0 at
+// gap = 0, |t| = mu n at slip = 0) count as met by either status and cannot make the iteration cycle.
 constexpr double tie = 64 * std::numeric_limits<double>::epsilon();
+
+GapPose pose_at(const GapIncrement& increment, const std::vector<Trial>& trial, const Eigen::Vector3d& position,
+                Extended displacement) {
+  const GapBlock& block = increment.block;
+  const Extended u = block.surface_part(displacement), f = block.surface_force(displacement);
+  const Extended before = block.surface_part(increment.previous.displacement);
+  const int n = block.columns();
+  GapPose pose;
+  pose.trial = trial;
+  pose.depth = position[1], pose.tangential = position[2];
+  pose.displacement = std::move(displacement);
+  pose.gap.resize(n), pose.slip.resize(n), pose.normal_force.resize(n), pose.tangential_force.resize(n);
+  for (int i = 0; i < n; ++i) {
+    pose.gap[i] = double(static_cast<long double>(increment.height[i]) - pose.depth - u(2 * i + 1));
+    pose.slip[i] = double(u(2 * i) - before(2 * i) - pose.tangential + increment.previous.tangential);
+    pose.tangential_force[i] = double(f(2 * i));
+    pose.normal_force[i] = double(-f(2 * i + 1));
+  }
+  pose.force_tie = tie * double(f.cwiseAbs().maxCoeff());
+  pose.length_tie = tie * (double(u.cwiseAbs().maxCoeff()) + std::abs(pose.depth) + std::abs(pose.tangential));
+  return pose;
+}
 
 Trial next(const GapIncrement& increment, const GapPose& pose, Eigen::Index i) {
   const Trial trial = pose.trial[i];
@@ -35,31 +57,31 @@ GapPose undeformed(const GapBlock& block, const Eigen::VectorXd& height) {
   GapPose pose;
   pose.trial.assign(block.columns(), Trial::open);
   pose.depth = height.minCoeff();
-  pose.displacement = Eigen::VectorXd::Zero(block.mesh().node.size());
+  pose.displacement = Extended::Zero(block.mesh().node.size(), 1);
   pose.gap = height.array() - pose.depth;
   pose.slip = pose.normal_force = pose.tangential_force = zero;
   return pose;
 }
 
-Eigen::MatrixXd right_side(const GapIncrement& increment, const std::vector<Trial>& trial) {
+Extended right_side(const GapIncrement& increment, const std::vector<Trial>& trial) {
   const GapPose& previous = increment.previous;
-  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(2 * trial.size(), 3);
+  Extended result = Extended::Zero(2 * trial.size(), 3);
   for (int i = 0; i < int(trial.size()); ++i) {
     if (!touches(trial[i])) continue;
     result.row(2 * i + 1) << increment.height[i], -1, 0;
     if (slips(trial[i])) continue;
-    const double before = previous.displacement[2 * increment.block.mesh().surface[i]];
+    const long double before = previous.displacement(2 * increment.block.mesh().surface[i]);
     result.row(2 * i) << before - previous.tangential, 0, 1;
   }
   return result;
 }
 
-std::optional<Eigen::Vector3d> indenter_position(const LoadStep& target, const Eigen::MatrixXd& force) {
+std::optional<Eigen::Vector3d> indenter_position(const LoadStep& target, const Extended& force) {
   Eigen::Matrix3d equations = Eigen::Matrix3d::Identity();
   Eigen::Vector3d values(1, target.normal, target.tangential);
   const auto sum = [&](int direction) -> Eigen::RowVector3d {
     Eigen::RowVector3d total = Eigen::RowVector3d::Zero();
-    for (Eigen::Index i = direction; i < force.rows(); i += 2) total += force.row(i);
+    for (Eigen::Index i = direction; i < force.rows(); i += 2) total += force.row(i).cast<double>();
     return total;
   };
   if (target.normal_is_force) equations.row(1) = -sum(1);  // pressure points down
@@ -78,30 +100,19 @@ std::optional<Eigen::Vector3d> indenter_position(const LoadStep& target, const E
 
 std::optional<GapPose> pose_of(const GapIncrement& increment, const std::vector<Trial>& trial) {
   GapBlock& block = increment.block;
-  const auto displacement = block.displacement(trial, increment.mu, right_side(increment, trial));
-  if (!displacement) return std::nullopt;
-  const Eigen::MatrixXd force = block.surface_force(*displacement);
-  const auto position = indenter_position(increment.target, force);
-  if (!position) return std::nullopt;
-
-  GapPose pose;
-  pose.trial = trial;
-  pose.depth = (*position)[1];
-  pose.tangential = (*position)[2];
-  pose.displacement = *displacement * *position;
-  const Eigen::VectorXd u = block.surface_part(pose.displacement), f = block.surface_force(pose.displacement);
-  const Eigen::VectorXd before = block.surface_part(increment.previous.displacement);
-  const int n = block.columns();
-  pose.gap.resize(n), pose.slip.resize(n), pose.normal_force.resize(n), pose.tangential_force.resize(n);
-  for (int i = 0; i < n; ++i) {
-    pose.gap[i] = increment.height[i] - pose.depth - u[2 * i + 1];
-    pose.slip[i] = u[2 * i] - before[2 * i] - (pose.tangential - increment.previous.tangential);
-    pose.tangential_force[i] = f[2 * i];
-    pose.normal_force[i] = -f[2 * i + 1];
+  const LoadStep& to = increment.target;
+  Extended right = right_side(increment, trial);
+  std::optional<Eigen::Vector3d> position;
+  if (!to.normal_is_force && !to.tangential_is_force) {
+    position = Eigen::Vector3d(1, to.normal, to.tangential);
+    right = (right * position->cast<long double>()).eval();
   }
-  pose.force_tie = tie * block.force_magnitude(pose.displacement);
-  pose.length_tie = tie * (u.cwiseAbs().maxCoeff() + std::abs(pose.depth) + std::abs(pose.tangential));
-  return pose;
+  const auto response = block.displacement(trial, increment.mu, right);
+  if (!response) return std::nullopt;
+  if (position) return pose_at(increment, trial, *position, *response);
+  position = indenter_position(to, block.surface_force(*response));
+  if (!position) return std::nullopt;
+  return pose_at(increment, trial, *position, *response * position->cast<long double>());
 }
 
 std::vector<Trial> next_trial(const GapIncrement& increment, const GapPose& pose) {
@@ -111,11 +122,11 @@ std::vector<Trial> next_trial(const GapIncrement& increment, const GapPose& pose
 }
 
 GapElements elements_of(const GapIncrement& increment, const GapPose& pose) {
-  const Eigen::VectorXd base = increment.block.base_force(pose.displacement);
+  const Eigen::VectorXd base = increment.block.base_force(pose.displacement).cast<double>();
   GapElements elements{increment.mu, pose.gap, pose.slip, pose.normal_force, pose.tangential_force};
   elements.base_force = base.reshaped(2, base.size() / 2).rowwise().sum();
-  elements.largest_displacement =
-      increment.block.surface_part(pose.displacement).reshaped(2, pose.gap.size()).colwise().norm().maxCoeff();
+  const Extended u = increment.block.surface_part(pose.displacement);
+  elements.largest_displacement = double(u.reshaped(2, pose.gap.size()).colwise().norm().maxCoeff());
   for (Eigen::Index i = 0; i < pose.gap.size(); ++i) {
     // Open elements bear nothing; what K u shows there, and a pull within rounding, is rounding.
     const bool bears = touches(pose.trial[i]) && (pose.normal_force[i] > 0 || pose.normal_force[i] < -pose.force_tie);
@@ -167,8 +178,8 @@ std::optional<GapPose> search_pose(const GapIncrement& increment, GapSearch& sea
     return pose;
   }
   if (auto pose = switch_statuses(increment, increment.previous.trial, search)) return pose;
-  for (unsigned seed : {1u, 2u, 3u}) {
-    const auto trial = follow_path(increment, search, seed);
+  for (double offset_size : {1e-3, 1e3}) {
+    const auto trial = follow_path(increment, search, offset_size);
     if (!trial) continue;
     if (auto pose = switch_statuses(increment, *trial, search)) return pose;
   }

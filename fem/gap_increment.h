@@ -13,7 +13,7 @@ namespace tactel::fem {
 struct GapPose {
   std::vector<Trial> trial;                        ///< [columns]
   double depth = 0, tangential = 0;                ///< mm: where the indenter is
-  Eigen::VectorXd displacement;                    ///< [2 nodes] mm
+  Extended displacement;                           ///< [2 nodes, 1] mm
   Eigen::VectorXd gap, slip;                       ///< [columns] mm, as in GapElements
   Eigen::VectorXd normal_force, tangential_force;  ///< [columns] N/mm
   double force_tie = 0, length_tie = 0;            ///< N/mm, mm: what rounding may have done to forces and lengths
@@ -31,13 +31,13 @@ struct GapIncrement {
 /// The block before any contact: the indenter over it, just touching.
 GapPose undeformed(const GapBlock& block, const Eigen::VectorXd& height);
 
-/// Right sides of GapBlock's rows [2 columns, 3]: multiplied by (1, depth, tangential position) they say what the trial
-/// asks for.
-Eigen::MatrixXd right_side(const GapIncrement& increment, const std::vector<Trial>& trial);
+/// Right sides of GapBlock's rows, [2 columns, 3]: multiplied by (1, depth, tangential position) they say what the
+/// trial asks for.
+Extended right_side(const GapIncrement& increment, const std::vector<Trial>& trial);
 
 /// Indenter position (1, depth, tangential) that gives the target where `force` [2 columns, 3] times it are the forces
 /// on the rubber; none if it does not determine one.
-std::optional<Eigen::Vector3d> indenter_position(const LoadStep& target, const Eigen::MatrixXd& force);
+std::optional<Eigen::Vector3d> indenter_position(const LoadStep& target, const Extended& force);
 
 /// The pose that meets the trial's equations and the load target. With a force for target, the indenter's position is
 /// an unknown and the sum of forces one more equation. None where that system is singular.
@@ -65,7 +65,7 @@ std::optional<GapPose> switch_statuses(const GapIncrement& increment, std::vecto
 /// Follows the solution from the previous pose, one status change after another, as the load grows to its target:
 /// slower, for increments where simultaneous changes cycle. The statuses at the target; none if the path does not get
 /// there.
-std::optional<std::vector<Trial>> follow_path(const GapIncrement& increment, GapSearch& search, unsigned seed);
+std::optional<std::vector<Trial>> follow_path(const GapIncrement& increment, GapSearch& search, double offset_size);
 
 struct GapAnswer {
   GapPose pose;

@@ -45,7 +45,7 @@ struct Change {
   Trial from = Trial::open, to = Trial::open;
 };
 
-void draw_offsets(const GapIncrement& increment, unsigned seed, Start& start) {
+void draw_offsets(const GapIncrement& increment, double size, Start& start) {
   const GapPose& previous = increment.previous;
   const LoadStep& to = increment.target;
   const double stiffness = increment.block.typical_stiffness();
@@ -53,10 +53,9 @@ void draw_offsets(const GapIncrement& increment, unsigned seed, Start& start) {
       to.normal_is_force ? (to.normal - previous.normal_force.sum()) / stiffness : to.normal - start.depth;
   const double tangential = to.tangential_is_force ? (to.tangential - previous.tangential_force.sum()) / stiffness
                                                    : to.tangential - previous.tangential;
-  // Any size would do, since they fade; a small part of the increment keeps the path near that of the load alone.
   const double length =
-      1e-3 * (std::abs(normal) + std::abs(tangential) + 1e-3 * previous.displacement.cwiseAbs().maxCoeff());
-  std::mt19937 generator(seed);
+      size * (std::abs(normal) + std::abs(tangential) + 1e-3 * double(previous.displacement.cwiseAbs().maxCoeff()));
+  std::mt19937 generator(1);
   const auto draw = [&](double scale) { return scale * (0.5 + generator() / (2.0 * std::mt19937::max())); };
   start.gap_offset = start.force_offset = Eigen::VectorXd::Zero(previous.gap.size());
   for (Eigen::Index i = 0; i < previous.gap.size(); ++i) {
@@ -71,7 +70,7 @@ void draw_offsets(const GapIncrement& increment, unsigned seed, Start& start) {
 }
 
 // The previous pose; elements that touch are at rest until the indenter moves. Where none does, the nearest begins to.
-Start start_of(const GapIncrement& increment, unsigned seed) {
+Start start_of(const GapIncrement& increment, double size) {
   const Trial resting = increment.mu == 0 ? Trial::slip_plus : Trial::stick;
   Start start{increment.previous.trial, increment.previous.depth, {}, {}};
   for (Trial& trial : start.trial) {
@@ -82,7 +81,7 @@ Start start_of(const GapIncrement& increment, unsigned seed) {
     start.depth = increment.height.minCoeff(&nearest);
     start.trial[nearest] = resting;
   }
-  draw_offsets(increment, seed, start);
+  draw_offsets(increment, size, start);
   return start;
 }
 
@@ -96,13 +95,13 @@ void Piece::reverse() {
 // The direction in which the place may move: both loads follow lambda. A load that is a force is a sum over `force` [2
 // columns, 4], which multiplies (1, depth, tangential, 1 - lambda). Where all elements slip under a given Q, the
 // indenter moves at constant lambda.
-Place direction_of(const GapIncrement& increment, const Start& start, const Eigen::MatrixXd& force) {
+Place direction_of(const GapIncrement& increment, const Start& start, const Extended& force) {
   const LoadStep& to = increment.target;
   const GapPose& previous = increment.previous;
   Eigen::RowVector4d P = Eigen::RowVector4d::Zero(), Q = P;
   for (Eigen::Index i = 0; i < force.rows(); i += 2) {
-    Q += force.row(i);
-    P -= force.row(i + 1);
+    Q += force.row(i).cast<double>();
+    P -= force.row(i + 1).cast<double>();
   }
   Place normal(1, 0, start.depth - to.normal), tangential(0, 1, previous.tangential - to.tangential);
   if (to.normal_is_force) normal << P[1], P[2], -P[3] + previous.normal_force.sum() - to.normal;
@@ -113,26 +112,26 @@ Place direction_of(const GapIncrement& increment, const Start& start, const Eige
 std::optional<Piece> trace(const GapIncrement& increment, const Start& start, const std::vector<Trial>& trial,
                            const Place& place) {
   const int count = int(trial.size());
-  Eigen::MatrixXd right(2 * count, 4);
-  right << right_side(increment, trial), Eigen::VectorXd::Zero(2 * count);
+  Extended right = Extended::Zero(2 * count, 4);
+  right.leftCols(3) = right_side(increment, trial);
   for (int i = 0; i < count; ++i) {
-    if (trial[i] == Trial::open) right(2 * i + 1, 3) = start.force_offset[i];
+    right(2 * i + 1, 3) = touches(trial[i]) ? start.gap_offset[i] : start.force_offset[i];
     if (slips(trial[i])) right(2 * i, 3) = friction_sign(trial[i]) * increment.mu * start.force_offset[i];
   }
   const auto response = increment.block.displacement(trial, increment.mu, right);
   if (!response) return std::nullopt;
-  const Eigen::MatrixXd force = increment.block.surface_force(*response);
+  const Extended force = increment.block.surface_force(*response);
   Piece piece;
   piece.direction = direction_of(increment, start, force);
-  Eigen::Matrix<double, 4, 2> motion;  // of (1, depth, tangential, 1 - lambda): where it is, where it goes
+  Eigen::Matrix<long double, 4, 2> motion;  // of (1, depth, tangential, 1 - lambda): where it is, where it goes
   motion << 1, 0, place[0], piece.direction[0], place[1], piece.direction[1], 1 - place[2], -piece.direction[2];
 
-  const Eigen::MatrixXd u = increment.block.surface_part(*response) * motion, f = force * motion;
-  const Eigen::VectorXd before = increment.block.surface_part(increment.previous.displacement);
-  const auto line = [](const auto& lines, int k) { return Line{lines(k, 0), lines(k, 1)}; };
+  const Extended u = increment.block.surface_part(*response) * motion, f = force * motion;
+  const Extended before = increment.block.surface_part(increment.previous.displacement);
+  const auto line = [](const auto& lines, int k) { return Line{double(lines(k, 0)), double(lines(k, 1))}; };
   const Line depth = line(motion, 1), tangential = line(motion, 2), fading = line(motion, 3);
   for (int i = 0; i < count; ++i) {
-    const Line history{before[2 * i] - increment.previous.tangential, 0}, height{increment.height[i], 0};
+    const Line history{double(before(2 * i)) - increment.previous.tangential, 0}, height{increment.height[i], 0};
     piece.gap.push_back(height - depth - line(u, 2 * i + 1) + start.gap_offset[i] * fading);
     piece.slip.push_back(line(u, 2 * i) - tangential - history);
     piece.n.push_back(start.force_offset[i] * fading - line(f, 2 * i + 1));
@@ -181,8 +180,8 @@ double distance_to_end(const Piece& piece, const Place& place) {
 
 }  // namespace
 
-std::optional<std::vector<Trial>> follow_path(const GapIncrement& increment, GapSearch& search, unsigned seed) {
-  const Start start = start_of(increment, seed);
+std::optional<std::vector<Trial>> follow_path(const GapIncrement& increment, GapSearch& search, double offset_size) {
+  const Start start = start_of(increment, offset_size);
   std::vector<Trial> trial = start.trial;
   Place place(start.depth, increment.previous.tangential, 0);
   Change change;

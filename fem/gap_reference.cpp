@@ -48,14 +48,14 @@ ContactStep GapReference::step_of(const GapIncrement& increment, const GapAnswer
   step.Q = elements.tangential_force.sum();
   if (increment.mu * step.P > 0) step.slip_index = step.Q / (increment.mu * step.P);
   step.status = gap_status(elements);
-  const Eigen::VectorXd base = block_.base_force(answer.pose.displacement);
+  const Eigen::VectorXd base = block_.base_force(answer.pose.displacement).cast<double>();
   step.base_force_x = base(Eigen::seq(0, Eigen::last, 2));
   step.base_force_y = base(Eigen::seq(1, Eigen::last, 2));
   if (sensor_.stress == StressRecovery::reaction) {
     step.sigma_y = stress_of_reaction_ * step.base_force_y;
     step.tau_xy = stress_of_reaction_ * step.base_force_x;
   } else {
-    const Eigen::VectorXd stress = stress_of_elements_ * answer.pose.displacement;
+    const Eigen::VectorXd stress = stress_of_elements_ * answer.pose.displacement.cast<double>();
     step.sigma_y = stress.head(tactel_x_.size());
     step.tau_xy = stress.tail(tactel_x_.size());
   }

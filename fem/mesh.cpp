@@ -79,4 +79,10 @@ Eigen::VectorXd surface_positions(const Sensor& sensor) {
   return x;
 }
 
+std::vector<int> unknowns_of(const std::vector<int>& nodes) {
+  std::vector<int> unknowns(2 * nodes.size());
+  for (std::size_t i = 0; i < unknowns.size(); ++i) unknowns[i] = 2 * nodes[i / 2] + static_cast<int>(i % 2);
+  return unknowns;
+}
+
 }  // namespace tactel::fem

@@ -21,4 +21,7 @@ Mesh make_mesh(const Sensor& sensor);
 /// x of the columns, where the gap elements stand, [columns] mm; exactly symmetric about 0.
 Eigen::VectorXd surface_positions(const Sensor& sensor);
 
+/// Degrees of freedom of these nodes: 2k, 2k + 1 of each in turn.
+std::vector<int> unknowns_of(const std::vector<int>& nodes);
+
 }  // namespace tactel::fem

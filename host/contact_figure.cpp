@@ -66,13 +66,14 @@ Panel surface_panel(const fem::Scene& scene, const ContactSolution& solution, co
   return panel;
 }
 
-/// The last step before the drag, if the shown one comes after it.
+/// The last step before the drag began, if the shown one comes after it.
 const ContactStep* before_drag(const ContactSolution& solution, std::size_t shown) {
   const ContactStep* before = nullptr;
-  for (std::size_t k = 0; k < shown; ++k) {
-    if (solution.steps[k].tangential == 0.0) before = &solution.steps[k];
+  for (std::size_t k = 0; k <= shown; ++k) {
+    if (solution.steps[k].tangential != 0.0) return before;
+    before = &solution.steps[k];
   }
-  return solution.steps[shown].tangential == 0.0 ? nullptr : before;
+  return nullptr;
 }
 
 Panel base_panel(const ContactSolution& solution, std::size_t shown) {
@@ -103,8 +104,9 @@ Panel path_panel(const ContactSolution& solution, std::size_t shown) {
   const double at = static_cast<double>(shown + 1);
   Panel panel{.title = "Along the path", .x_label = "load step", .y_label = "share"};
   panel.series = {slipping, index, {.x = {at, at}, .y = {-10, 10}, .mark = Mark::dashed, .ink = Ink::grey}};
-  const auto negative = std::ranges::any_of(index.y, [](double s) { return s < 0; });
-  panel.y_range = {negative ? -1.08 : -0.04, 1.08};
+  double lowest = 0.0;
+  for (const double value : index.y) lowest = std::fmin(lowest, value);  // fmin passes over NaN
+  panel.y_range = {lowest - 0.05, 1.08};
   panel.x_range = {0.5, static_cast<double>(solution.steps.size()) + 0.5};
   return panel;
 }

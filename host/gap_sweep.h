@@ -15,14 +15,12 @@ namespace tactel::host {
 
 /// Host side of kernels/gap_sweep.cl.
 struct GapSweepOptions {
-  double tolerance = 0;  ///< largest change of a force in the last sweep over the largest pressure force; 0: 1e-11 in
-                         ///< fp64, 1e-5 in fp32
-  double accept =
-      0;  ///< largest residual of a solved step; 0: 100 tolerance, at least 2e-5 in fp32 (rounding of C times force)
-  int most_sweeps = 20000;  ///< an increment that needs more is reported as unsolved
-  bool base_forces = true;  ///< write base nodal forces
-  bool tactels = true;      ///< write stresses at the tactels
-  bool nodes = true;        ///< write forces and statuses of the surface nodes
+  double tolerance = 0;      ///< largest change of a force in the last sweep over the largest pressure force; 0: 1e-11 in fp64, 1e-5 in fp32
+  double accept = 0;         ///< largest residual of a solved step; 0: 100 tolerance, at least 2e-5 in fp32 (rounding of C times force)
+  int most_sweeps = 20000;   ///< an increment that needs more is reported as unsolved
+  bool base_forces = true;   ///< write base nodal forces
+  bool tactels = true;       ///< write stresses at the tactels
+  bool nodes = true;         ///< write forces and statuses of the surface nodes
 };
 
 /// A sensor on a device: condensation, maps and programs for one precision. Cheap to copy.
@@ -41,6 +39,7 @@ class GapSweep {
     int steps() const;                         ///< of the longest path
     std::size_t steps_in_all() const;          ///< load increments of all scenes
     double seconds() const;                    ///< of the last run
+    void fill_outputs(Real value);             ///< what the outputs hold before a run: tests put NaN there
     /// What the kernel said of scene `i`, in the order the scenes were given.
     fem::ContactSolution solution(std::size_t i) const;
     /// One number of LaneResultRow for a scene's increment.
@@ -66,9 +65,9 @@ class GapSweep {
 extern template class GapSweep<float>;
 extern template class GapSweep<double>;
 
-/// Any scenes, any sensors: groups them by sensor and by kind of load, runs a launch for each. A step that did not meet
-/// its tolerance has converged = false. Throws ValueError for a scene that is not valid.
-std::vector<fem::ContactSolution> solve_gap_sweep(Executor& executor, std::span<const fem::Scene> scenes,
-                                                  Precision precision, const GapSweepOptions& options = {});
+/// Any scenes, any sensors: groups them by sensor and by kind of load, runs a launch for each. A step that did not meet its
+/// tolerance has converged = false. Throws ValueError for a scene that is not valid.
+std::vector<fem::ContactSolution> solve_gap_sweep(Executor& executor, std::span<const fem::Scene> scenes, Precision precision,
+                                                  const GapSweepOptions& options = {});
 
 }  // namespace tactel::host

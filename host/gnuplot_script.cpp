@@ -32,7 +32,7 @@ std::string quoted(const std::string& text) {
   return out + "\"";
 }
 
-std::string bold(const std::string& text, int size) { return quoted(fmt::format("{{/:Bold={} {}}}", size, text)); }
+std::string bold(const std::string& text, double size) { return quoted(fmt::format("{{/:Bold*{} {}}}", size, text)); }
 
 std::string block_name(std::size_t panel, const std::string& what) { return fmt::format("$panel{}_{}", panel, what); }
 
@@ -165,7 +165,7 @@ int legend_rows(const Figure& f, const Panel& p) {
 std::string axes(const Figure& f, const Panel& p) {
   const double title_rows = 0.9 + 1.35 * legend_rows(f, p);  // in heights of a letter
   std::string out = fmt::format("set label 1 {} at graph 0,1 left offset 0,{} textcolor rgb '#15191e'\n",
-                                bold(p.title, 13), title_rows);
+                                bold(p.title, 1.08), title_rows);
   out += "set xlabel " + quoted(p.x_label) + "\nset ylabel " + quoted(p.y_label) + "\n";
   out += range("x", p.x_range ? p.x_range : p.raster ? std::optional(p.raster->x_range) : std::nullopt);
   out += range("y", p.y_range ? p.y_range : p.raster ? std::optional(p.raster->y_range) : std::nullopt);
@@ -173,8 +173,8 @@ std::string axes(const Figure& f, const Panel& p) {
   out += p.log_y ? "set logscale y\nset format y '10^{%L}'\n" : "unset logscale y\nset format y '%g'\n";
   out += p.equal_axes ? "set size ratio -1\n" : "set size noratio\n";
   out += p.zero_line ? "set xzeroaxis lw 1 lc rgb '#9aa0a8'\n" : "unset xzeroaxis\n";
-  return out +
-         (p.raster ? "unset grid\n" + colour_scale(*p.raster) : "set grid lw 0.8 lc rgb '#e3e6ea'\nunset colorbox\n");
+  return out + (p.raster ? "unset grid\n" + colour_scale(*p.raster)
+                         : "set grid lt 1 lw 0.7 lc rgb '#dfe3e7'\nunset colorbox\n");
 }
 
 /// Where the panel's axes stand in the figure, as fractions from its lower left.
@@ -210,6 +210,12 @@ std::string plot_command(const Panel& p, std::size_t index) {
   return fmt::format("plot {}\n", fmt::join(parts, ", \\\n  "));
 }
 
+/// Size and letters; a bitmap gets two pixels for one, to stay sharp.
+std::string terminal_size(const std::string& terminal, int width, int height) {
+  if (terminal == "svg") return fmt::format("size {},{} font 'DejaVu Sans,Verdana,sans-serif,12'", width, height);
+  return fmt::format("size {},{} font 'DejaVu Sans,9' fontscale 2 linewidth 2 pointscale 2", 2 * width, 2 * height);
+}
+
 std::string panel_script(const Figure& f, std::size_t index, int height) {
   const Panel& p = f.panels[index];
   std::string out;
@@ -234,11 +240,8 @@ std::string gnuplot_script(const Figure& figure, const std::string& terminal, co
   const int columns = std::max(1, figure.columns),
             rows = (static_cast<int>(figure.panels.size()) + columns - 1) / columns;
   const int height = rows * figure.panel_height + (figure.title.empty() ? 0 : figure_title_height);
-  const std::string font = "DejaVu Sans,Verdana,sans-serif";
-  std::string out = fmt::format(
-      "set encoding utf8\nset terminal {} enhanced size {},{} font '{},{}' background '#ffffff'\nset output {}\n",
-      terminal, figure.width, height, terminal == "svg" ? font : "DejaVu Sans", terminal == "svg" ? 12 : 10,
-      quoted(output));
+  std::string out = fmt::format("set encoding utf8\nset terminal {} enhanced background '#ffffff' {}\nset output {}\n",
+                                terminal, terminal_size(terminal, figure.width, height), quoted(output));
   out +=
       "set border 3 lw 1 lc rgb '#7b828c'\nset tics nomirror out scale 0.6 textcolor rgb '#3a4048'\n"
       "set xlabel offset 0,0.2 textcolor rgb '#3a4048'\n"
@@ -246,7 +249,7 @@ std::string gnuplot_script(const Figure& figure, const std::string& terminal, co
       "set key at graph 0,1.03 left bottom horizontal Left reverse samplen 1.8 spacing 1.1 width 1 textcolor rgb "
       "'#3a4048'\n";
   out += fmt::format("set multiplot{}\n",
-                     figure.title.empty() ? "" : " title " + bold(figure.title, 15) + " textcolor rgb '#15191e'");
+                     figure.title.empty() ? "" : " title " + bold(figure.title, 1.25) + " textcolor rgb '#15191e'");
   for (std::size_t i = 0; i < figure.panels.size(); ++i) out += panel_script(figure, i, height);
   return out + "unset multiplot\nunset output\n";
 }

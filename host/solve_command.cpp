@@ -6,6 +6,7 @@
 #include "host/command.h"
 #include "host/contact_figure.h"
 #include "host/errors.h"
+#include "host/json_text.h"
 #include "host/scene_file.h"
 #include "host/scene_json.h"
 #include "host/solution_table.h"
@@ -65,9 +66,9 @@ void warn_of_strain(const SolveRequest& request, const StressField& field) {
 void write_results(const SolveRequest& request, const fem::Scene& scene, const SolveOutcome& outcome) {
   const std::size_t step = chosen_step(request, outcome.solution);
   if (request.json == "-") {
-    fmt::print("{}\n", to_json(scene, outcome).dump(1));
+    fmt::print("{}", json_text(to_json(scene, outcome)));
   } else {
-    if (!request.json.empty()) write_file("--json", request.json, to_json(scene, outcome).dump(1) + "\n");
+    if (!request.json.empty()) write_file("--json", request.json, json_text(to_json(scene, outcome)));
     fmt::print("{}", solution_table(scene, outcome));
   }
   if (!request.plot.empty()) write_figure("--plot", request.plot, contact_figure(scene, outcome.solution, step));

@@ -1,0 +1,34 @@
+#pragma once
+#include <Eigen/SparseCholesky>
+#include <vector>
+
+#include "fem/block.h"
+
+namespace tactel::fem {
+
+/// The block with its base clamped, stiffness factored once (sparse Cholesky, fp64): displacements under any nodal
+/// loads.
+class ClampedBlock {
+ public:
+  static constexpr int loads_at_a_time = 32;
+
+  explicit ClampedBlock(const Sensor& sensor);
+
+  const Mesh& mesh() const { return mesh_; }
+
+  /// Displacements of all nodes for several loads on all nodes, [2 nodes, loads] mm and N/mm; loads on the base go into
+  /// the base. One pass over the factor serves `loads_at_a_time` of them.
+  Eigen::MatrixXd displacement(const Eigen::MatrixXd& load) const;
+
+  /// Force of the rubber on the base, -K u there: [2 base nodes, loads] N/mm for displacements [2 nodes, loads] mm of a
+  /// block that is loaded above its base only.
+  Eigen::MatrixXd base_force(const Eigen::MatrixXd& displacement) const;
+
+ private:
+  Mesh mesh_;
+  std::vector<int> order_;  // [free unknowns] in the factor's order: number in the whole block
+  Eigen::SparseMatrix<double, Eigen::RowMajor> base_rows_;  // [2 base nodes, 2 nodes] stiffness
+  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor_;
+};
+
+}  // namespace tactel::fem
