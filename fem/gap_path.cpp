@@ -115,7 +115,7 @@ std::optional<Piece> trace(const GapIncrement& increment, const Start& start, co
   Extended right = Extended::Zero(2 * count, 4);
   right.leftCols(3) = right_side(increment, trial);
   for (int i = 0; i < count; ++i) {
-    if (trial[i] == Trial::open) right(2 * i + 1, 3) = start.force_offset[i];
+    right(2 * i + 1, 3) = touches(trial[i]) ? start.gap_offset[i] : start.force_offset[i];
     if (slips(trial[i])) right(2 * i, 3) = friction_sign(trial[i]) * increment.mu * start.force_offset[i];
   }
   const auto response = increment.block.displacement(trial, increment.mu, right);

@@ -27,7 +27,8 @@ struct CsvLines {
 
   explicit CsvLines(const std::filesystem::path& path) : file(path.string()), in(path) {
     if (!in || std::filesystem::is_directory(path)) {
-      throw ConfigError(file, "indenter.file", file, std::string("a readable CSV file (") + std::strerror(in ? EISDIR : errno) + ")");
+      throw ConfigError(file, "indenter.file", file,
+                        std::string("a readable CSV file (") + std::strerror(in ? EISDIR : errno) + ")");
     }
   }
   /// The next line that holds something; empty at the end.

@@ -39,7 +39,8 @@ std::string only_one(const TomlTable& in, const std::vector<std::string>& keys) 
   std::string present;
   for (const std::string& key : keys) {
     if (!in.has(key)) continue;
-    if (!present.empty()) in.refuse(key, "left out, because load." + present + " is given too: only one of " + listed(keys) + " can be");
+    if (!present.empty())
+      in.refuse(key, "left out, because load." + present + " is given too: only one of " + listed(keys) + " can be");
     present = key;
   }
   return present;
@@ -47,10 +48,13 @@ std::string only_one(const TomlTable& in, const std::vector<std::string>& keys) 
 
 void read_normal_load(TomlTable& in, fem::Load& load, bool preset) {
   const std::string given = only_one(in, {"indentation", "normal_force"});
-  if (given.empty() && !preset) in.refuse_missing("indentation", "given, a number of mm (or load.normal_force, a number of N/mm)");
+  if (given.empty() && !preset)
+    in.refuse_missing("indentation", "given, a number of mm (or load.normal_force, a number of N/mm)");
   if (given == "normal_force") load.indentation.clear();
-  in.read_one_or_more("indentation", load.indentation, "a number of mm, or an array of them: targets reached one after the other");
-  in.read_one_or_more("normal_force", load.normal_force, "a number of N/mm, or an array of them: targets reached one after the other");
+  in.read_one_or_more("indentation", load.indentation,
+                      "a number of mm, or an array of them: targets reached one after the other");
+  in.read_one_or_more("normal_force", load.normal_force,
+                      "a number of N/mm, or an array of them: targets reached one after the other");
   in.read("indentation_steps", load.indentation_steps, "a whole number of steps, at least 1");
 }
 
@@ -61,13 +65,17 @@ void read_tangential_load(TomlTable& in, fem::Load& load, bool preset) {
     load.tangential_steps.reset();
   }
   const bool stepping = given == "tangential_step" || (given.empty() && preset);
-  if (in.has("tangential_steps") && !stepping) in.refuse("tangential_steps", "left out, or given together with load.tangential_step");
+  if (in.has("tangential_steps") && !stepping)
+    in.refuse("tangential_steps", "left out, or given together with load.tangential_step");
   in.read("tangential_step", load.tangential_step, "a number of mm");
-  if (int steps = 0; in.read("tangential_steps", steps, "a whole number of steps, at least 1 (leave it out to go on until the whole contact slides)")) {
+  if (int steps = 0;
+      in.read("tangential_steps", steps,
+              "a whole number of steps, at least 1 (leave it out to go on until the whole contact slides)")) {
     load.tangential_steps = steps;
   }
   in.read("tangential", load.tangential, "an array of positions in mm");
-  if (in.has("tangential") && load.tangential.empty()) in.refuse("tangential", "an array of at least one position in mm");
+  if (in.has("tangential") && load.tangential.empty())
+    in.refuse("tangential", "an array of at least one position in mm");
   if (double angle = 0; in.read("angle", angle, "a number of degrees, with load.normal_force")) {
     if (!in.has("normal_force")) in.refuse("angle", "left out, or given together with load.normal_force");
     load.angle = angle;

@@ -139,7 +139,7 @@ def main():
     mesh_b = dict(columns=41, rows=11, grading=4.0, length=20.0, thickness=1.5, tactels=21)
     mesh_a = dict(mesh_b, columns=123, rows=33)
     odd = dict(columns=8, rows=2, grading=3.0, length=5.5, thickness=2.0, tactels=11)
-    cases = [(mesh_b, nu) for nu in (0.0, 0.3, 0.45, 0.49, 0.4999)] + [(mesh_a, 0.45), (mesh_a, 0.49), (odd, 0.4)]
+    cases = [(mesh_b, nu) for nu in (0.0, 0.3, 0.45, 0.49, 0.4999)] + [(mesh_a, 0.45), (odd, 0.4)]
     for mesh, nu in cases:
         for element in ("q4", "bbar"):
             for stress in ("reaction", "element"):
