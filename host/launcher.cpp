@@ -8,7 +8,7 @@ namespace {
 
 // PoCL (to 3.1 at least) aborts when two threads launch a kernel and one of them brings a wider grid than any before
 // it. So every kernel is launched once, at its widest and for nothing, before any run. PoCL also compiles grids of
-// 65536 and more anew.
+// 65536 and more anew, and forgets the oldest of more than 128 kernels.
 constexpr std::size_t widest_cpu_launch = 32768;
 constexpr std::size_t widest_gpu_launch = std::size_t{1} << 24;
 constexpr std::size_t gpu_local_size = 64;
