@@ -24,7 +24,7 @@ GapPose pose_at(const GapIncrement& increment, const std::vector<Trial>& trial, 
   pose.displacement = std::move(displacement);
   pose.gap.resize(n), pose.slip.resize(n), pose.normal_force.resize(n), pose.tangential_force.resize(n);
   for (int i = 0; i < n; ++i) {
-    pose.gap[i] = double(increment.height[i] - pose.depth - u(2 * i + 1));
+    pose.gap[i] = double(static_cast<long double>(increment.height[i]) - pose.depth - u(2 * i + 1));
     pose.slip[i] = double(u(2 * i) - before(2 * i) - pose.tangential + increment.previous.tangential);
     pose.tangential_force[i] = double(f(2 * i));
     pose.normal_force[i] = double(-f(2 * i + 1));

@@ -31,7 +31,8 @@ struct RoundedFlat {
 };  ///< 0, then (r - half_width)^2 / (2 radius)
 struct Taylor {
   std::vector<int> powers;
-  double scale = 1.0;
+  double scale = 1.0;            ///< mm
+  std::optional<double> height{};  ///< mm: y = height * sum (r / scale)^k; none: scale
 };                ///< y = scale * sum (r / scale)^k, k >= 1; no powers: flat
 struct Profile {  ///< measured: linear between points, nothing beyond the ends; height above the lowest point
   std::vector<double> x, y;  ///< mm, x increasing; x is measured from the indenter's position
