@@ -12,7 +12,9 @@ namespace {
 std::vector<std::string> examples() {
   std::vector<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(source_file("examples"))) {
-    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
+    const bool scene =
+        entry.path().extension() == ".toml" && text_of(entry.path()).find("[sweep]") == std::string::npos;
+    if (scene) names.push_back(entry.path().stem().string());
   }
   std::ranges::sort(names);
   return names;

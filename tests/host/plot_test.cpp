@@ -12,6 +12,7 @@
 #include "host/contour.h"
 #include "host/errors.h"
 #include "host/field_figure.h"
+#include "host/figure_layout.h"
 #include "host/gnuplot_script.h"
 #include "host/report_page.h"
 #include "tests/host/run_tactel.h"
@@ -79,6 +80,24 @@ TEST(Plot, FileNamesMustEndAsPictures) {
   EXPECT_THROW(write_figure("--plot", folder / "a.gif", line_figure()), ConfigError);
   write_figure("--plot", folder / "a.svg", line_figure());
   EXPECT_EQ(folder.files(), 1u);
+}
+
+TEST(FigureLayout, TicksAreRoundAndFit) {
+  EXPECT_DOUBLE_EQ(tick_distance({-10, 10}, 12), 2.0);
+  EXPECT_DOUBLE_EQ(tick_distance({0, 0.5}, 6), 0.1);
+  EXPECT_DOUBLE_EQ(tick_distance({0.2, 1}, 5), 0.2);
+  EXPECT_DOUBLE_EQ(tick_distance({0, 100}, 10), 10.0);  // exactly as many as fit
+  EXPECT_EQ(tick_distance({1, 1}, 5), 0.0);
+  EXPECT_EQ(tick_distance({INFINITY, -INFINITY}, 5), 0.0);  // nothing drawn
+}
+
+TEST(FigureLayout, LegendTakesTheRowsItNeeds) {
+  Figure figure = line_figure();
+  EXPECT_EQ(legend_rows(figure, figure.panels[0]), 1);
+  for (int k = 0; k < 20; ++k) figure.panels[0].series.push_back({.label = "another of many"});
+  EXPECT_GT(legend_rows(figure, figure.panels[0]), 2);
+  figure.panels[0].series.clear();
+  EXPECT_EQ(legend_rows(figure, figure.panels[0]), 0);
 }
 
 TEST(Contour, LineOfALinearFieldIsStraight) {
