@@ -111,14 +111,20 @@ void program_from_cache(benchmark::State& state) {
   for (auto _ : state) first_result();
 }
 
-BENCHMARK_CAPTURE(fma_peak<float>, t1, 1)->Name("device/fma_peak/fp32/threads:1")->UseRealTime();
-BENCHMARK_CAPTURE(fma_peak<float>, t2, 2)->Name("device/fma_peak/fp32/threads:2")->UseRealTime();
-BENCHMARK_CAPTURE(fma_peak<double>, t1, 1)->Name("device/fma_peak/fp64/threads:1")->UseRealTime();
-BENCHMARK_CAPTURE(fma_peak<double>, t2, 2)->Name("device/fma_peak/fp64/threads:2")->UseRealTime();
-BENCHMARK_CAPTURE(launch_here, basic, "basic")->Name("device/launch/basic")->UseRealTime();
-BENCHMARK_CAPTURE(launch_here, pthread, "pthread")->Name("device/launch/pthread")->UseRealTime();
-BENCHMARK_CAPTURE(launch_shared, t1, 1)->Name("device/two_groups/threads:1")->UseRealTime();
-BENCHMARK_CAPTURE(launch_shared, t2, 2)->Name("device/two_groups/threads:2")->UseRealTime();
-BENCHMARK(program_from_cache)->Name("device/program_from_cache")->Unit(benchmark::kMillisecond)->UseRealTime();
+const bool registered = [] {
+  const auto add = [](const char* name, auto&& body) {
+    return benchmark::RegisterBenchmark(name, body)->UseRealTime();
+  };
+  add("device/fma_peak/fp32/threads:1", [](benchmark::State& state) { fma_peak<float>(state, 1); });
+  add("device/fma_peak/fp32/threads:2", [](benchmark::State& state) { fma_peak<float>(state, 2); });
+  add("device/fma_peak/fp64/threads:1", [](benchmark::State& state) { fma_peak<double>(state, 1); });
+  add("device/fma_peak/fp64/threads:2", [](benchmark::State& state) { fma_peak<double>(state, 2); });
+  add("device/launch/basic", [](benchmark::State& state) { launch_here(state, "basic"); });
+  add("device/launch/pthread", [](benchmark::State& state) { launch_here(state, "pthread"); });
+  add("device/two_groups/threads:1", [](benchmark::State& state) { launch_shared(state, 1); });
+  add("device/two_groups/threads:2", [](benchmark::State& state) { launch_shared(state, 2); });
+  add("device/program_from_cache", program_from_cache)->Unit(benchmark::kMillisecond);
+  return true;
+}();
 
 }  // namespace
