@@ -7,7 +7,8 @@ namespace {
 
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
-/// [tactels, base nodes]: value at the tactels of a quantity given at the base nodes, by the edge's own shape functions.
+/// [tactels, base nodes]: value at the tactels of a quantity given at the base nodes, by the edge's own shape
+/// functions.
 Eigen::MatrixXd interpolation_to_tactels(const Mesh& mesh, const Sensor& sensor) {
   const int edges = sensor.columns - 1, gaps = sensor.tactels - 1, per_edge = mesh.element == Element::q8 ? 3 : 2;
   Eigen::MatrixXd value = Eigen::MatrixXd::Zero(sensor.tactels, static_cast<Eigen::Index>(mesh.base.size()));
@@ -32,8 +33,8 @@ Eigen::MatrixXd base_edge_mass(const Mesh& mesh) {
   const auto nodes = static_cast<Eigen::Index>(mesh.base.size());
   Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(nodes, nodes);
   for (Eigen::Index i = 0; i + step < nodes; i += step)
-    mass.block(i, i, step + 1, step + 1) +=
-        edge * (mesh.node(0, mesh.base[static_cast<std::size_t>(i + step)]) - mesh.node(0, mesh.base[static_cast<std::size_t>(i)]));
+    mass.block(i, i, step + 1, step + 1) += edge * (mesh.node(0, mesh.base[static_cast<std::size_t>(i + step)]) -
+                                                    mesh.node(0, mesh.base[static_cast<std::size_t>(i)]));
   return mass;
 }
 

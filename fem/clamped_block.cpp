@@ -47,7 +47,8 @@ Eigen::SparseMatrix<double> principal_part(const Eigen::SparseMatrix<double>& ma
   return part;
 }
 
-Eigen::SparseMatrix<double, Eigen::RowMajor> rows_of(const Eigen::SparseMatrix<double>& matrix, const std::vector<int>& chosen) {
+Eigen::SparseMatrix<double, Eigen::RowMajor> rows_of(const Eigen::SparseMatrix<double>& matrix,
+                                                     const std::vector<int>& chosen) {
   const Eigen::SparseMatrix<double, Eigen::RowMajor> by_rows = matrix;
   Eigen::SparseMatrix<double, Eigen::RowMajor> rows(static_cast<Eigen::Index>(chosen.size()), matrix.cols());
   for (std::size_t i = 0; i < chosen.size(); ++i) rows.row(static_cast<Eigen::Index>(i)) = by_rows.row(chosen[i]);
@@ -59,28 +60,36 @@ Eigen::SparseMatrix<double, Eigen::RowMajor> rows_of(const Eigen::SparseMatrix<d
 ClampedBlock::ClampedBlock(const Sensor& sensor) : mesh_(make_mesh(sensor)) {
   const Eigen::SparseMatrix<double> whole = stiffness(mesh_, sensor);
   const std::vector<int> clamped = unknowns_of(mesh_.base), place = places(clamped, whole.rows());
+  std::vector<int> free;
   for (int i = 0; i < whole.rows(); ++i)
-    if (place[static_cast<std::size_t>(i)] < 0) free_.push_back(i);
+    if (place[static_cast<std::size_t>(i)] < 0) free.push_back(i);
   base_rows_ = rows_of(whole, clamped);
-  factor_.compute(principal_part(whole, free_));
+  factor_.compute(principal_part(whole, free));
   if (factor_.info() != Eigen::Success)
-    throw ValueError("sensor.poisson", number_text(sensor.poisson),
-                     "further from 0.5, or the block less flat: its stiffness has no Cholesky factor in double precision");
+    throw ValueError(
+        "sensor.poisson", number_text(sensor.poisson),
+        "further from 0.5, or the block less flat: its stiffness has no Cholesky factor in double precision");
+  order_.resize(free.size());
+  for (std::size_t i = 0; i < free.size(); ++i)
+    order_[static_cast<std::size_t>(factor_.permutationP().indices()[static_cast<Eigen::Index>(i)])] = free[i];
 }
 
 Eigen::MatrixXd ClampedBlock::displacement(const Eigen::MatrixXd& load) const {
   Eigen::MatrixXd displacement = Eigen::MatrixXd::Zero(load.rows(), load.cols());
   for (Eigen::Index first = 0; first < load.cols(); first += loads_at_a_time) {
     const Eigen::Index count = std::min<Eigen::Index>(loads_at_a_time, load.cols() - first);
-    Loads x = Loads::Zero(static_cast<Eigen::Index>(free_.size()), loads_at_a_time);
-    const Eigen::MatrixXd on_free = load.middleCols(first, count)(free_, Eigen::all);
-    x.leftCols(count) = factor_.permutationP() * on_free;
+    Loads x = Loads::Zero(static_cast<Eigen::Index>(order_.size()), loads_at_a_time);
+    for (std::size_t i = 0; i < order_.size(); ++i)
+      x.row(static_cast<Eigen::Index>(i)).head(count) = load.row(order_[i]).segment(first, count);
     solve_in_place(factor_.matrixL().nestedExpression(), x);
-    displacement.middleCols(first, count)(free_, Eigen::all) = factor_.permutationPinv() * x.leftCols(count);
+    for (std::size_t i = 0; i < order_.size(); ++i)
+      displacement.row(order_[i]).segment(first, count) = x.row(static_cast<Eigen::Index>(i)).head(count);
   }
   return displacement;
 }
 
-Eigen::MatrixXd ClampedBlock::base_force(const Eigen::MatrixXd& displacement) const { return -(base_rows_ * displacement); }
+Eigen::MatrixXd ClampedBlock::base_force(const Eigen::MatrixXd& displacement) const {
+  return -(base_rows_ * displacement);
+}
 
 }  // namespace tactel::fem

@@ -6,7 +6,8 @@
 
 namespace tactel::fem {
 
-/// The block with its base clamped, stiffness factored once (sparse Cholesky, fp64): displacements under any nodal loads.
+/// The block with its base clamped, stiffness factored once (sparse Cholesky, fp64): displacements under any nodal
+/// loads.
 class ClampedBlock {
  public:
   static constexpr int loads_at_a_time = 32;
@@ -15,8 +16,8 @@ class ClampedBlock {
 
   const Mesh& mesh() const { return mesh_; }
 
-  /// Displacements of all nodes for several loads on all nodes, [2 nodes, loads] mm and N/mm; loads on the base go into the base.
-  /// One pass over the factor serves `loads_at_a_time` of them.
+  /// Displacements of all nodes for several loads on all nodes, [2 nodes, loads] mm and N/mm; loads on the base go into
+  /// the base. One pass over the factor serves `loads_at_a_time` of them.
   Eigen::MatrixXd displacement(const Eigen::MatrixXd& load) const;
 
   /// Force of the rubber on the base, -K u there: [2 base nodes, loads] N/mm for displacements [2 nodes, loads] mm of a
@@ -25,7 +26,7 @@ class ClampedBlock {
 
  private:
   Mesh mesh_;
-  std::vector<int> free_;                                   // [free unknowns] number in the whole block
+  std::vector<int> order_;  // [free unknowns] in the factor's order: number in the whole block
   Eigen::SparseMatrix<double, Eigen::RowMajor> base_rows_;  // [2 base nodes, 2 nodes] stiffness
   Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor_;
 };

@@ -1,15 +1,20 @@
 #include "fem/condensation.h"
 
+#include <algorithm>
+
 #include "fem/clamped_block.h"
+#include "fem/number_text.h"
+#include "fem/value_error.h"
 
 namespace tactel::fem {
 namespace {
 
 Eigen::VectorXd positions(const Mesh& mesh, const std::vector<int>& nodes) { return mesh.node(0, nodes).transpose(); }
 
-/// Everything that a surface load brings about, for unit loads on the unknowns `first` to `first + count` of the surface.
-void condense_columns(const ClampedBlock& block, const std::vector<int>& surface, Eigen::Index first, Eigen::Index count,
-                      const Eigen::SparseMatrix<double>& element_stress, Condensation& result) {
+/// Everything that a surface load brings about, for unit loads on the unknowns `first` to `first + count` of the
+/// surface.
+void condense_columns(const ClampedBlock& block, const std::vector<int>& surface, Eigen::Index first,
+                      Eigen::Index count, const Eigen::SparseMatrix<double>& element_stress, Condensation& result) {
   Eigen::MatrixXd load = Eigen::MatrixXd::Zero(2 * block.mesh().node.cols(), count);
   for (Eigen::Index j = 0; j < count; ++j) load(surface[static_cast<std::size_t>(first + j)], j) = 1;
   const Eigen::MatrixXd u = block.displacement(load);
@@ -26,6 +31,30 @@ Eigen::MatrixXd stress_from_reaction(const Mesh& mesh, const Sensor& sensor, con
   Eigen::MatrixXd stress(2 * sensor.tactels, base_force.cols());
   stress << density * along_y, density * along_x;
   return stress;
+}
+
+/// What the block passes to its base must be what the load puts in: the largest force lost, of a unit load. Rounding of
+/// the volumetric stiffness makes it about 1e-15 / (1/2 - nu); it shows before anything else that precision has run
+/// out.
+double imbalance(const Eigen::MatrixXd& base_force) {
+  const Eigen::Map<const Eigen::Matrix2Xd> pairs(base_force.data(), 2, base_force.size() / 2);
+  const Eigen::Index nodes = base_force.rows() / 2;
+  double largest = 0;
+  for (Eigen::Index j = 0; j < base_force.cols(); ++j) {
+    Eigen::Vector2d lost = pairs.middleCols(j * nodes, nodes).rowwise().sum();
+    lost[j % 2] -= 1;
+    largest = std::max(largest, lost.cwiseAbs().maxCoeff());
+  }
+  return largest;
+}
+
+void check_precision(const Sensor& sensor, const Condensation& result) {
+  constexpr double most_lost = 1e-7;  // about what single precision kernels resolve
+  const double lost = imbalance(result.base_force);
+  if (!result.compliance.allFinite() || !result.base_force.allFinite() || !(lost <= most_lost))
+    throw ValueError("sensor.poisson", number_text(sensor.poisson),
+                     "further from 0.5, or the elements less flat: double precision loses " + number_text(lost) +
+                         " of the force between surface and base, " + number_text(most_lost) + " is allowed");
 }
 
 }  // namespace
@@ -47,6 +76,7 @@ Condensation condense(const Sensor& sensor) {
   constexpr Eigen::Index width = ClampedBlock::loads_at_a_time;
   for (Eigen::Index first = 0; first < loads; first += width)
     condense_columns(block, surface, first, std::min(width, loads - first), element_stress, result);
+  check_precision(sensor, result);
   if (reaction) result.tactel_stress = stress_from_reaction(mesh, unit, result.base_force);
   result.compliance = (result.compliance + result.compliance.transpose()).eval() / 2;
   result.surface_x = positions(mesh, mesh.surface);

@@ -3,7 +3,7 @@
 
 namespace tactel::fem {
 
-/// The shortest decimal text that reads back as exactly this number ("0.1", "1e-09", "nan"): for messages and cache
+/// A short decimal text that reads back as exactly this number ("0.1", "1e-09", "41", "nan"): for messages and cache
 /// keys.
 std::string number_text(double value);
 

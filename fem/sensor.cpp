@@ -30,6 +30,8 @@ void Sensor::validate() const {
   check(within(grading, 0.01, 100), "grading", grading,
         "the bottom row's height over the top row's, 0.01 to 100 (1 is uniform)");
   check(within(tactels, 2, most_tactels), "tactels", tactels, "a number of tactels, 2 to 10000");
+  name(element);  // throws on a number that is no element
+  name(stress);
 }
 
 const char* name(Element element) {

@@ -33,9 +33,12 @@ std::pair<double, double> contact_window(const ContactSolution& solution, const 
 }
 
 /// The points of one status out of a curve over the surface.
-Series marked(const ContactSolution& solution, const ContactStep& step, const std::vector<double>& curve, GapStatus status) {
+Series marked(const ContactSolution& solution, const ContactStep& step, const std::vector<double>& curve,
+              GapStatus status) {
   const bool stick = status == GapStatus::stick;
-  Series out{.label = stick ? "stick" : "slip", .mark = stick ? Mark::circles : Mark::triangles, .ink = stick ? Ink::green : Ink::red};
+  Series out{.label = stick ? "stick" : "slip",
+             .mark = stick ? Mark::circles : Mark::triangles,
+             .ink = stick ? Ink::green : Ink::red};
   for (std::size_t i = 0; i < step.status.size(); ++i) {
     if (step.status[i] != status) continue;
     out.x.push_back(solution.surface_x[static_cast<Eigen::Index>(i)]);
@@ -63,13 +66,14 @@ Panel surface_panel(const fem::Scene& scene, const ContactSolution& solution, co
   return panel;
 }
 
-/// The last step before the drag, if the shown one comes after it.
+/// The last step before the drag began, if the shown one comes after it.
 const ContactStep* before_drag(const ContactSolution& solution, std::size_t shown) {
   const ContactStep* before = nullptr;
-  for (std::size_t k = 0; k < shown; ++k) {
-    if (solution.steps[k].tangential == 0.0) before = &solution.steps[k];
+  for (std::size_t k = 0; k <= shown; ++k) {
+    if (solution.steps[k].tangential != 0.0) return before;
+    before = &solution.steps[k];
   }
-  return solution.steps[shown].tangential == 0.0 ? nullptr : before;
+  return nullptr;
 }
 
 Panel base_panel(const ContactSolution& solution, std::size_t shown) {
@@ -90,7 +94,8 @@ Panel path_panel(const ContactSolution& solution, std::size_t shown) {
   Series slipping{.label = "slipping share of the contact", .mark = Mark::line_dots, .ink = Ink::red};
   for (std::size_t k = 0; k < solution.steps.size(); ++k) {
     const ContactStep& step = solution.steps[k];
-    const auto slips = std::ranges::count(step.status, GapStatus::slip), sticks = std::ranges::count(step.status, GapStatus::stick);
+    const auto slips = std::ranges::count(step.status, GapStatus::slip),
+               sticks = std::ranges::count(step.status, GapStatus::stick);
     index.x.push_back(static_cast<double>(k + 1));
     index.y.push_back(step.slip_index.value_or(NAN));
     slipping.x.push_back(static_cast<double>(k + 1));
@@ -99,17 +104,23 @@ Panel path_panel(const ContactSolution& solution, std::size_t shown) {
   const double at = static_cast<double>(shown + 1);
   Panel panel{.title = "Along the path", .x_label = "load step", .y_label = "share"};
   panel.series = {slipping, index, {.x = {at, at}, .y = {-10, 10}, .mark = Mark::dashed, .ink = Ink::grey}};
-  const auto negative = std::ranges::any_of(index.y, [](double s) { return s < 0; });
-  panel.y_range = {negative ? -1.08 : -0.04, 1.08};
+  double lowest = 0.0;
+  for (const double value : index.y) lowest = std::fmin(lowest, value);  // fmin passes over NaN
+  panel.y_range = {lowest - 0.05, 1.08};
   panel.x_range = {0.5, static_cast<double>(solution.steps.size()) + 0.5};
   return panel;
 }
 
-Panel strip(const ContactSolution& solution, const std::string& title, const Eigen::VectorXd ContactStep::* member) {
+Panel strip(const ContactSolution& solution, const std::string& title, const Eigen::VectorXd ContactStep::*member) {
   const Eigen::VectorXd& x = solution.tactel_x;
   const double half = 0.5 * (x[1] - x[0]);
   const int rows = static_cast<int>(solution.steps.size()), columns = static_cast<int>(x.size());
-  Raster raster{.rows = rows, .columns = columns, .x_range = {x[0] - half, x[columns - 1] + half}, .y_range = {0.5, rows + 0.5}, .unit = "MPa", .palette = Palette::diverging};
+  Raster raster{.rows = rows,
+                .columns = columns,
+                .x_range = {x[0] - half, x[columns - 1] + half},
+                .y_range = {0.5, rows + 0.5},
+                .unit = "MPa",
+                .palette = Palette::diverging};
   for (const ContactStep& step : solution.steps) {
     const Eigen::VectorXd& row = step.*member;
     raster.values.insert(raster.values.end(), row.begin(), row.end());
@@ -134,7 +145,8 @@ std::vector<double> traction(const Eigen::VectorXd& force, const Eigen::VectorXd
 Figure contact_figure(const fem::Scene& scene, const ContactSolution& solution, std::size_t shown) {
   const ContactStep& step = solution.steps[shown];
   const std::string what = scene.title.empty() ? fem::shape_name(scene.indenter.shape) : scene.title;
-  Figure figure{.title = fmt::format("{}: depth {:.4g} mm, drag {:.4g} mm", plain(what), step.indentation, step.tangential)};
+  Figure figure{.title =
+                    fmt::format("{}: depth {:.4g} mm, drag {:.4g} mm", plain(what), step.indentation, step.tangential)};
   figure.panels = {surface_panel(scene, solution, step), base_panel(solution, shown)};
   if (solution.steps.size() > 1) figure.panels.push_back(path_panel(solution, shown));
   return figure;
@@ -150,7 +162,11 @@ Figure base_strips(const ContactSolution& solution, const std::string& title) {
 Panel status_strip(const ContactSolution& solution, const std::string& title) {
   const double half = 0.5 * column_width(solution);
   const int rows = static_cast<int>(solution.steps.size()), columns = static_cast<int>(solution.surface_x.size());
-  Raster raster{.rows = rows, .columns = columns, .x_range = {solution.surface_x[0] - half, solution.surface_x[columns - 1] + half}, .y_range = {0.5, rows + 0.5}, .palette = Palette::status};
+  Raster raster{.rows = rows,
+                .columns = columns,
+                .x_range = {solution.surface_x[0] - half, solution.surface_x[columns - 1] + half},
+                .y_range = {0.5, rows + 0.5},
+                .palette = Palette::status};
   for (const ContactStep& step : solution.steps) {
     for (const GapStatus status : step.status) raster.values.push_back(static_cast<double>(status));
   }

@@ -5,8 +5,8 @@
 
 namespace tactel::host {
 
-/// What a solved contact looks like at one of its steps: tractions on the surface with stick and slip marked, stress at the tactels, and
-/// the slippage index along the path.
+/// What a solved contact looks like at one of its steps: tractions on the surface with stick and slip marked, stress at
+/// the tactels, and the slippage index along the path.
 Figure contact_figure(const fem::Scene& scene, const fem::ContactSolution& solution, std::size_t step);
 
 /// Nodal forces [columns] N/mm as tractions, MPa: each node owns half of the distance to its neighbours.

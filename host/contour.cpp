@@ -30,8 +30,8 @@ void add_piece(ContourLine& line, const Point& a, const Point& b) {
   line.y.insert(line.y.end(), {a.y, b.y, nan});
 }
 
-/// The pieces inside one cell, corners counter-clockwise. Two crossed edges are joined; with four, the mean tells which corners
-/// the line cuts off.
+/// The pieces inside one cell, corners counter-clockwise. Two crossed edges are joined; with four, the mean tells which
+/// corners the line cuts off.
 void add_cell(ContourLine& line, const std::array<Point, 4>& corner, double level) {
   std::array<Point, 4> crossed;
   std::size_t count = 0;
@@ -53,14 +53,17 @@ double interpolate(const GridField& f, double x, double y) {
   if (!(x >= f.x.front() && x <= f.x.back() && y >= f.y.front() && y <= f.y.back())) return nan;
   const std::size_t i = interval(f.x, x), j = interval(f.y, y);
   const double s = (x - f.x[i]) / (f.x[i + 1] - f.x[i]), t = (y - f.y[j]) / (f.y[j + 1] - f.y[j]);
-  return (1 - t) * ((1 - s) * f.at(j, i) + s * f.at(j, i + 1)) + t * ((1 - s) * f.at(j + 1, i) + s * f.at(j + 1, i + 1));
+  return (1 - t) * ((1 - s) * f.at(j, i) + s * f.at(j, i + 1)) +
+         t * ((1 - s) * f.at(j + 1, i) + s * f.at(j + 1, i + 1));
 }
 
 ContourLine contour_line(const GridField& f, double level) {
   ContourLine line;
   for (std::size_t j = 0; j + 1 < f.y.size(); ++j) {
     for (std::size_t i = 0; i + 1 < f.x.size(); ++i) {
-      const auto corner = [&](std::size_t row, std::size_t column) { return Point{f.x[column], f.y[row], f.at(row, column)}; };
+      const auto corner = [&](std::size_t row, std::size_t column) {
+        return Point{f.x[column], f.y[row], f.at(row, column)};
+      };
       add_cell(line, {corner(j, i), corner(j, i + 1), corner(j + 1, i + 1), corner(j + 1, i)}, level);
     }
   }

@@ -5,8 +5,8 @@ namespace tactel::host {
 
 /// A field at the corners of a rectilinear grid.
 struct GridField {
-  std::vector<double> x, y;     ///< [columns], [rows] increasing, mm
-  std::vector<double> values;   ///< [rows, columns]
+  std::vector<double> x, y;    ///< [columns], [rows] increasing, mm
+  std::vector<double> values;  ///< [rows, columns]
   double at(std::size_t row, std::size_t column) const { return values[row * x.size() + column]; }
 };
 

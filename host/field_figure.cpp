@@ -9,10 +9,12 @@ namespace {
 
 /// Corner values of a structured mesh as a grid.
 GridField grid_of(const fem::Mesh& mesh, const Eigen::VectorXd& values) {
-  const std::size_t columns = mesh.surface.size(), cells = columns - 1, rows = static_cast<std::size_t>(mesh.cell.rows()) / cells + 1;
+  const std::size_t columns = mesh.surface.size(), cells = columns - 1,
+                    rows = static_cast<std::size_t>(mesh.cell.rows()) / cells + 1;
   GridField grid;
   grid.values.resize(rows * columns);
-  const auto corner = [&](std::size_t j, std::size_t i) {  // a cell lists its corners counter-clockwise from the lower left
+  const auto corner = [&](std::size_t j,
+                          std::size_t i) {  // a cell lists its corners counter-clockwise from the lower left
     const std::size_t row = std::min(j, rows - 2), column = std::min(i, cells - 1);
     const int which = (j == row) ? (i == column ? 0 : 1) : (i == column ? 3 : 2);
     return mesh.cell(static_cast<Eigen::Index>(row * cells + column), which);
@@ -27,7 +29,11 @@ GridField grid_of(const fem::Mesh& mesh, const Eigen::VectorXd& values) {
 
 /// [rows, columns] pixels between two x, the full height of the grid.
 Raster resample(const GridField& grid, std::pair<double, double> x_range, int rows, int columns) {
-  Raster raster{.rows = rows, .columns = columns, .x_range = x_range, .y_range = {grid.y.front(), grid.y.back()}, .palette = Palette::diverging};
+  Raster raster{.rows = rows,
+                .columns = columns,
+                .x_range = x_range,
+                .y_range = {grid.y.front(), grid.y.back()},
+                .palette = Palette::diverging};
   for (int j = 0; j < rows; ++j) {
     for (int i = 0; i < columns; ++i) {
       const double x = x_range.first + (i + 0.5) * (x_range.second - x_range.first) / columns;
@@ -40,8 +46,8 @@ Raster resample(const GridField& grid, std::pair<double, double> x_range, int ro
 
 }  // namespace
 
-Panel field_panel(const StressField& field, const Eigen::VectorXd& values, const std::string& title, const std::string& unit,
-                  std::pair<double, double> x_range) {
+Panel field_panel(const StressField& field, const Eigen::VectorXd& values, const std::string& title,
+                  const std::string& unit, std::pair<double, double> x_range) {
   constexpr int lines = 12, pixel_rows = 150, pixel_columns = 600;
   const GridField grid = grid_of(field.mesh, values);
   Panel panel{.title = title, .x_label = "x (mm)", .y_label = "y (mm)"};

@@ -284,6 +284,14 @@ template <class Real>
 double GapSweep<Real>::Batch::seconds() const { return state_->seconds; }
 
 template <class Real>
+void GapSweep<Real>::Batch::fill_outputs(Real value) {
+  for (const auto* buffer : {&state_->result, &state_->rows, &state_->nodes}) {
+    const auto mapped = buffer->map();
+    std::fill(mapped.view().begin(), mapped.view().end(), value);
+  }
+}
+
+template <class Real>
 double GapSweep<Real>::Batch::result(std::size_t i, int step, int row) const {
   const auto& b = *state_;
   Real value;
@@ -359,12 +367,12 @@ std::vector<std::vector<std::size_t>> launches(std::span<const fem::Scene> scene
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     std::pair key(scenes[i].sensor, by_force(scenes[i]));
     key.first.young = 1;
-    const auto found = std::find(keys.begin(), keys.end(), key);
-    if (found == keys.end()) {
+    const std::size_t group = std::find(keys.begin(), keys.end(), key) - keys.begin();
+    if (group == keys.size()) {
       keys.push_back(key);
       groups.emplace_back();
     }
-    groups[found - keys.begin()].push_back(i);
+    groups[group].push_back(i);
   }
   return groups;
 }

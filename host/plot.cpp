@@ -50,7 +50,8 @@ std::string render(const Figure& figure, const std::string& terminal) {
   const ChildResult result = run_child({"gnuplot", script.string()});
   const std::string drawn = read_file(picture);
   if (result.exit_code == 127) throw PlotError("gnuplot is not installed (apt-get install gnuplot-nox)");
-  if (result.exit_code != 0 || drawn.empty()) throw PlotError(fmt::format("gnuplot ended with {}: {}", result.exit_code, result.err));
+  if (result.exit_code != 0 || drawn.empty())
+    throw PlotError(fmt::format("gnuplot ended with {}: {}", result.exit_code, result.err));
   return drawn;
 }
 
@@ -62,7 +63,8 @@ void check_figure_path(const std::string& option, const fs::path& path) {
   const std::string ending = path.extension().string();
   const auto refuse = [&](const char* allowed) { throw ConfigError("command line", option, path.string(), allowed); };
   if (ending != ".svg" && ending != ".png") refuse("a file name that ends in .svg or .png");
-  if (!program_exists("gnuplot")) refuse("left out, or gnuplot installed (apt-get install gnuplot-nox): it draws the plots");
+  if (!program_exists("gnuplot"))
+    refuse("left out, or gnuplot installed (apt-get install gnuplot-nox): it draws the plots");
   check_writable(option, path);
 }
 

@@ -8,7 +8,8 @@
 
 namespace tactel::host {
 
-/// Pictures by gnuplot, all in one style. A figure is panels in rows; a panel is series over a pair of axes, on top of an optional raster.
+/// Pictures by gnuplot, all in one style. A figure is panels in rows; a panel is series over a pair of axes, on top of
+/// an optional raster.
 
 enum class Mark { line, thin, dashed, dots, circles, triangles, crosses, line_dots, bars, band, whiskers };
 
@@ -16,8 +17,8 @@ enum class Mark { line, thin, dashed, dots, circles, triangles, crosses, line_do
 enum class Ink { blue, orange, green, purple, red, brown, grey, black };
 
 struct Series {
-  std::string label{};            ///< empty: not in the legend
-  std::vector<double> x{}, y{};   ///< NaN in y breaks a line
+  std::string label{};           ///< empty: not in the legend
+  std::vector<double> x{}, y{};  ///< NaN in y breaks a line
   Mark mark = Mark::line;
   Ink ink = Ink::blue;
   std::vector<double> low{}, high{};  ///< for band (between them) and whiskers (about y)
@@ -28,9 +29,9 @@ enum class Palette { sequential, diverging, status };  ///< status: 0 open, 1 st
 /// Values on a regular grid, drawn as an image with a colour scale: maps and heat strips.
 struct Raster {
   int rows = 0, columns = 0;
-  std::vector<double> values{};     ///< [rows, columns], first row at y_range.first; NaN is left blank
+  std::vector<double> values{};                    ///< [rows, columns], first row at y_range.first; NaN is left blank
   std::pair<double, double> x_range{}, y_range{};  ///< outer edges of the image, in axis units
-  std::string unit{};               ///< beside the colour scale
+  std::string unit{};                              ///< beside the colour scale
   Palette palette = Palette::sequential;
   std::optional<std::pair<double, double>> limits{};  ///< of the colour scale; diverging: symmetric about 0 by default
 };
@@ -57,7 +58,8 @@ struct Figure {
 /// The figure as text of an SVG file. Throws PlotError.
 std::string render_svg(const Figure& figure);
 
-/// Writes FILE.svg or FILE.png, as the name ends; `option` names it in errors, as --plot. Throws ConfigError, PlotError.
+/// Writes FILE.svg or FILE.png, as the name ends; `option` names it in errors, as --plot. Throws ConfigError,
+/// PlotError.
 void write_figure(const std::string& option, const std::filesystem::path& path, const Figure& figure);
 
 /// Throws ConfigError when write_figure could not draw to this name: gnuplot is missing, or the ending is another.

@@ -3,12 +3,11 @@
 #include <array>
 
 #include "host/nearest_word.h"
+#include "host/scene_tables.h"
 #include "host/shape_reader.h"
 #include "host/toml_table.h"
 
 namespace tactel::host {
-namespace {
-
 void read_sensor(const TomlFile& file, fem::Sensor& sensor) {
   TomlTable in(file, "sensor");
   in.read("length", sensor.length, "a number of mm above 0");
@@ -34,12 +33,15 @@ void read_contact(const TomlFile& file, double& friction) {
   in.finish();
 }
 
+namespace {
+
 /// The one key of `keys` that is present; empty when none is; two are an error.
 std::string only_one(const TomlTable& in, const std::vector<std::string>& keys) {
   std::string present;
   for (const std::string& key : keys) {
     if (!in.has(key)) continue;
-    if (!present.empty()) in.refuse(key, "left out, because load." + present + " is given too: only one of " + listed(keys) + " can be");
+    if (!present.empty())
+      in.refuse(key, "left out, because load." + present + " is given too: only one of " + listed(keys) + " can be");
     present = key;
   }
   return present;
@@ -47,10 +49,13 @@ std::string only_one(const TomlTable& in, const std::vector<std::string>& keys) 
 
 void read_normal_load(TomlTable& in, fem::Load& load, bool preset) {
   const std::string given = only_one(in, {"indentation", "normal_force"});
-  if (given.empty() && !preset) in.refuse_missing("indentation", "given, a number of mm (or load.normal_force, a number of N/mm)");
+  if (given.empty() && !preset)
+    in.refuse_missing("indentation", "given, a number of mm (or load.normal_force, a number of N/mm)");
   if (given == "normal_force") load.indentation.clear();
-  in.read_one_or_more("indentation", load.indentation, "a number of mm, or an array of them: targets reached one after the other");
-  in.read_one_or_more("normal_force", load.normal_force, "a number of N/mm, or an array of them: targets reached one after the other");
+  in.read_one_or_more("indentation", load.indentation,
+                      "a number of mm, or an array of them: targets reached one after the other");
+  in.read_one_or_more("normal_force", load.normal_force,
+                      "a number of N/mm, or an array of them: targets reached one after the other");
   in.read("indentation_steps", load.indentation_steps, "a whole number of steps, at least 1");
 }
 
@@ -61,18 +66,24 @@ void read_tangential_load(TomlTable& in, fem::Load& load, bool preset) {
     load.tangential_steps.reset();
   }
   const bool stepping = given == "tangential_step" || (given.empty() && preset);
-  if (in.has("tangential_steps") && !stepping) in.refuse("tangential_steps", "left out, or given together with load.tangential_step");
+  if (in.has("tangential_steps") && !stepping)
+    in.refuse("tangential_steps", "left out, or given together with load.tangential_step");
   in.read("tangential_step", load.tangential_step, "a number of mm");
-  if (int steps = 0; in.read("tangential_steps", steps, "a whole number of steps, at least 1 (leave it out to go on until the whole contact slides)")) {
+  if (int steps = 0;
+      in.read("tangential_steps", steps,
+              "a whole number of steps, at least 1 (leave it out to go on until the whole contact slides)")) {
     load.tangential_steps = steps;
   }
   in.read("tangential", load.tangential, "an array of positions in mm");
-  if (in.has("tangential") && load.tangential.empty()) in.refuse("tangential", "an array of at least one position in mm");
+  if (in.has("tangential") && load.tangential.empty())
+    in.refuse("tangential", "an array of at least one position in mm");
   if (double angle = 0; in.read("angle", angle, "a number of degrees, with load.normal_force")) {
     if (!in.has("normal_force")) in.refuse("angle", "left out, or given together with load.normal_force");
     load.angle = angle;
   }
 }
+
+}  // namespace
 
 void read_load(const TomlFile& file, fem::Load& load, bool preset) {
   TomlTable in(file, "load");
@@ -80,8 +91,6 @@ void read_load(const TomlFile& file, fem::Load& load, bool preset) {
   read_tangential_load(in, load, preset);
   in.finish();
 }
-
-}  // namespace
 
 fem::Scene paper_preset() {
   fem::Scene scene;

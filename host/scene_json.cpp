@@ -17,8 +17,10 @@ void add_shape(Json& out, const fem::Parabola& s) { out["radius"] = s.radius; }
 void add_shape(Json& out, const fem::Cylinder& s) { out["radius"] = s.radius; }
 void add_shape(Json& out, const fem::Exponential& s) { out.update({{"height", s.height}, {"rate", s.rate}}); }
 void add_shape(Json& out, const fem::Trapezoid& s) { out.update({{"half_width", s.half_width}, {"slope", s.slope}}); }
-void add_shape(Json& out, const fem::RoundedFlat& s) { out.update({{"half_width", s.half_width}, {"radius", s.radius}}); }
-void add_shape(Json& out, const fem::Taylor& s) { out.update({{"powers", s.powers}, {"scale", s.scale}}); }
+void add_shape(Json& out, const fem::RoundedFlat& s) {
+  out.update({{"half_width", s.half_width}, {"radius", s.radius}});
+}
+void add_shape(Json& out, const fem::Taylor& s) { out.update({{"powers", s.powers}, {"scale", s.scale}, {"height", s.height.value_or(s.scale)}}); }
 void add_shape(Json& out, const fem::Profile& s) {
   if (!s.file.empty()) out["file"] = s.file;
   out.update({{"x", s.x}, {"y", s.y}, {"smooth", s.smooth}});
@@ -32,8 +34,10 @@ Json indenter_json(const fem::Indenter& indenter) {
 }
 
 Json sensor_json(const fem::Sensor& s) {
-  return {{"length", s.length}, {"thickness", s.thickness}, {"young", s.young},     {"poisson", s.poisson},
-          {"columns", s.columns}, {"rows", s.rows},           {"grading", s.grading}, {"element", fem::name(s.element)},
+  return {{"length", s.length},   {"thickness", s.thickness},
+          {"young", s.young},     {"poisson", s.poisson},
+          {"columns", s.columns}, {"rows", s.rows},
+          {"grading", s.grading}, {"element", fem::name(s.element)},
           {"tactels", s.tactels}, {"stress", fem::name(s.stress)}};
 }
 
@@ -57,7 +61,11 @@ const char* status_name(fem::GapStatus status) {
 }
 
 Json residual_json(const fem::Residual& r) {
-  return {{"penetration", r.penetration}, {"cone", r.cone}, {"complementarity", r.complementarity}, {"drift", r.drift}, {"balance", r.balance}};
+  return {{"penetration", r.penetration},
+          {"cone", r.cone},
+          {"complementarity", r.complementarity},
+          {"drift", r.drift},
+          {"balance", r.balance}};
 }
 
 Json step_json(const fem::ContactStep& step) {
@@ -94,14 +102,10 @@ Json to_json(const fem::Scene& scene, const SolveOutcome& outcome) {
   const fem::ContactSolution& solution = outcome.solution;
   Json steps = Json::array();
   for (const fem::ContactStep& step : solution.steps) steps.push_back(step_json(step));
-  return {{"tactel", TACTEL_VERSION},
-          {"scene", to_json(scene)},
-          {"solver", outcome.solver},
-          {"precision", outcome.precision},
-          {"device", outcome.device},
-          {"surface_x", numbers(solution.surface_x)},
-          {"base_x", numbers(solution.base_x)},
-          {"tactel_x", numbers(solution.tactel_x)},
+  return {{"tactel", TACTEL_VERSION},           {"scene", to_json(scene)},
+          {"solver", outcome.solver},           {"precision", outcome.precision},
+          {"device", outcome.device},           {"surface_x", numbers(solution.surface_x)},
+          {"base_x", numbers(solution.base_x)}, {"tactel_x", numbers(solution.tactel_x)},
           {"steps", std::move(steps)}};
 }
 

@@ -46,6 +46,7 @@ void read_shape(ShapeKeys& keys, fem::Taylor& taylor) {
   const char* powers = "an array of whole numbers, each at least 1, such as [1, 3] ([] is flat)";
   if (!keys.in.read("powers", taylor.powers, powers)) keys.in.refuse_missing("powers", std::string("given, ") + powers);
   keys.in.read("scale", taylor.scale, some_mm);
+  if (double height = 0; keys.in.read("height", height, some_mm)) taylor.height = height;
 }
 void read_shape(ShapeKeys& keys, fem::Profile& profile) {
   TomlTable& in = keys.in;
@@ -55,7 +56,8 @@ void read_shape(ShapeKeys& keys, fem::Profile& profile) {
   const bool has_x = in.read("x", profile.x, "an array of mm, increasing");
   const bool has_y = in.read("y", profile.y, "an array of mm, as many as x");
   if (from_file && (has_x || has_y)) in.refuse("file", "left out, because the profile's x and y are given too");
-  if (!from_file && !has_x) in.refuse_missing("x", "given, an array of mm, increasing (or file, a CSV file with columns x,y)");
+  if (!from_file && !has_x)
+    in.refuse_missing("x", "given, an array of mm, increasing (or file, a CSV file with columns x,y)");
   if (!from_file && !has_y) in.refuse_missing("y", "given, an array of mm, as many as x");
   if (!from_file) return;
   const std::filesystem::path path = keys.file.path().parent_path() / name;
@@ -78,7 +80,7 @@ const std::vector<ShapeName>& shapes() {
       {"exponential", {"height", "rate"}, fem::Exponential{}},
       {"trapezoid", {"half_width", "slope"}, fem::Trapezoid{}},
       {"rounded_flat", {"half_width", "radius"}, fem::RoundedFlat{}},
-      {"taylor", {"powers", "scale"}, fem::Taylor{}},
+      {"taylor", {"powers", "scale", "height"}, fem::Taylor{}},
       {"profile", {"x", "y", "file", "smooth"}, fem::Profile{}},
   };
   return all;
@@ -90,7 +92,9 @@ std::vector<std::string> shape_names() {
   return names;
 }
 
-bool holds(const std::vector<std::string>& keys, const std::string& key) { return std::ranges::find(keys, key) != keys.end(); }
+bool holds(const std::vector<std::string>& keys, const std::string& key) {
+  return std::ranges::find(keys, key) != keys.end();
+}
 
 /// A key that only makes sense for another shape: says for which.
 void refuse_foreign_keys(const TomlTable& in, const ShapeName& chosen) {
@@ -101,7 +105,8 @@ void refuse_foreign_keys(const TomlTable& in, const ShapeName& chosen) {
       if (holds(shape.keys, key)) owners.push_back(shape.name);
     }
     if (owners.empty()) continue;
-    in.refuse(key, "left out: it belongs to shape " + listed(owners) + "; the keys of shape " + chosen.name + " are " + listed(chosen.keys));
+    in.refuse(key, "left out: it belongs to shape " + listed(owners) + "; the keys of shape " + chosen.name + " are " +
+                       listed(chosen.keys));
   }
 }
 

@@ -4,12 +4,18 @@ namespace tactel::host {
 
 void add_shared_options(CLI::App& command, SharedOptions& options) {
   SolveOptions& solve = options.solve;
-  command.add_option("--solver", solve.solver, "who solves: reference (full mesh, fp64)")
+  command
+      .add_option("--solver", solve.solver, "who solves: batched (OpenCL) or reference (full mesh, no OpenCL, slow)")
       ->check(CLI::IsMember(solver_names()))
       ->capture_default_str();
-  command.add_option("--precision", solve.precision, "fp32 or fp64 (default: fp64)")->check(CLI::IsMember({"fp32", "fp64"}));
-  command.add_option("--device", solve.device, "OpenCL device, its index or a part of its name")->type_name("NAME|INDEX");
-  command.add_option("--tolerance", solve.tolerance, "largest relative residual that counts as converged, no unit (default: the solver's own)")
+  command
+      .add_option("--precision", solve.precision, "of the arithmetic (default: fp64, or fp32 on a device without it)")
+      ->check(CLI::IsMember({"fp32", "fp64"}));
+  command.add_option("--device", solve.device, "OpenCL device: a part of its name or its index, see `tactel devices`")
+      ->type_name("NAME|INDEX");
+  command
+      .add_option("--tolerance", solve.tolerance,
+                  "largest relative residual that counts as converged, no unit (default: the solver's own)")
       ->check(CLI::PositiveNumber);
   command.add_flag("--quiet", options.quiet, "no progress and no warnings on stderr");
 }

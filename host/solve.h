@@ -13,10 +13,10 @@ std::vector<std::string> solver_names();
 
 /// Who solves a contact, and how well: what --solver, --precision, --device and --tolerance say.
 struct SolveOptions {
-  std::string solver = "reference";  ///< one of solver_names()
-  std::string precision;             ///< "fp32", "fp64"; empty: the solver's own choice
-  std::string device;                ///< name or index of an OpenCL device; empty: the best there is
-  std::optional<double> tolerance;   ///< largest relative residual that counts as converged; none: the solver's own
+  std::string solver = "batched";   ///< one of solver_names()
+  std::string precision;            ///< "fp32", "fp64"; empty: fp64 where there is
+  std::string device;               ///< name or index of an OpenCL device; empty: the best there is
+  std::optional<double> tolerance;  ///< largest relative residual that counts as converged; none: the solver's own
 };
 
 /// An answer and who gave it.

@@ -6,6 +6,7 @@
 #include "host/command.h"
 #include "host/contact_figure.h"
 #include "host/errors.h"
+#include "host/json_text.h"
 #include "host/scene_file.h"
 #include "host/scene_json.h"
 #include "host/solution_table.h"
@@ -32,7 +33,8 @@ std::size_t chosen_step(const SolveRequest& request, const fem::ContactSolution&
   const int count = static_cast<int>(solution.steps.size());
   const int step = request.step.value_or(count);
   if (step < 1 || step > count) {
-    throw ConfigError("command line", "--step", std::to_string(step), fmt::format("a load step of this scene, 1 to {}", count));
+    throw ConfigError("command line", "--step", std::to_string(step),
+                      fmt::format("a load step of this scene, 1 to {}", count));
   }
   return static_cast<std::size_t>(step - 1);
 }
@@ -46,24 +48,27 @@ void warn_of_depth(const SolveRequest& request, const fem::Scene& scene, const f
   for (const fem::ContactStep& step : solution.steps) deepest = std::max(deepest, step.indentation);
   const double share = deepest / scene.sensor.thickness;
   if (share <= linear_strain_limit) return;
-  warn(request, fmt::format("the indenter is {:.3g} mm deep, {:.0f} % of the thickness; rubber was measured to be linear up to {:.0f} %",
-                            deepest, 100 * share, 100 * linear_strain_limit));
+  warn(request,
+       fmt::format(
+           "the indenter is {:.3g} mm deep, {:.0f} % of the thickness; rubber was measured to be linear up to {:.0f} %",
+           deepest, 100 * share, 100 * linear_strain_limit));
 }
 
 void warn_of_strain(const SolveRequest& request, const StressField& field) {
   Eigen::Index node = 0;
   const double most = field.strain.maxCoeff(&node);
   if (most <= linear_strain_limit) return;
-  warn(request, fmt::format("the strain reaches {:.0f} % at x = {:.3g} mm, y = {:.3g} mm; rubber was measured to be linear up to {:.0f} %",
+  warn(request, fmt::format("the strain reaches {:.0f} % at x = {:.3g} mm, y = {:.3g} mm; rubber was measured to be "
+                            "linear up to {:.0f} %",
                             100 * most, field.mesh.node(0, node), field.mesh.node(1, node), 100 * linear_strain_limit));
 }
 
 void write_results(const SolveRequest& request, const fem::Scene& scene, const SolveOutcome& outcome) {
   const std::size_t step = chosen_step(request, outcome.solution);
   if (request.json == "-") {
-    fmt::print("{}\n", to_json(scene, outcome).dump(1));
+    fmt::print("{}", json_text(to_json(scene, outcome)));
   } else {
-    if (!request.json.empty()) write_file("--json", request.json, to_json(scene, outcome).dump(1) + "\n");
+    if (!request.json.empty()) write_file("--json", request.json, json_text(to_json(scene, outcome)));
     fmt::print("{}", solution_table(scene, outcome));
   }
   if (!request.plot.empty()) write_figure("--plot", request.plot, contact_figure(scene, outcome.solution, step));
@@ -89,11 +94,21 @@ int run_solve(const SolveRequest& request) {
 void add_solve_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<SolveRequest>();
   CLI::App* command = app.add_subcommand("solve", "one contact: a line per load step, or the whole answer");
-  command->add_option("scene", request->scene, "scene file (TOML; mm, MPa, N/mm, degrees)")->type_name("SCENE.toml")->required();
-  command->add_option("--json", request->json, "write the whole answer as JSON; - for standard output, instead of the table")->type_name("FILE");
-  command->add_option("--plot", request->plot, "draw tractions on the surface (MPa), stress at the tactels (MPa) and S, over x (mm)")->type_name("FILE.svg|FILE.png");
-  command->add_option("--field", request->field, "write displacement (mm) and stress (MPa) in the block, for ParaView")->type_name("FILE.vtu");
-  command->add_option("--step", request->step, "the load step that --plot and --field show, from 1 (default: the last)")->type_name("K");
+  command->add_option("scene", request->scene, "scene file (TOML; mm, MPa, N/mm, degrees)")
+      ->type_name("SCENE.toml")
+      ->required();
+  command
+      ->add_option("--json", request->json,
+                   "write the whole answer as JSON; - for standard output, instead of the table")
+      ->type_name("FILE");
+  command
+      ->add_option("--plot", request->plot,
+                   "draw tractions on the surface (MPa), stress at the tactels (MPa) and S, over x (mm)")
+      ->type_name("FILE.svg|FILE.png");
+  command->add_option("--field", request->field, "write displacement (mm) and stress (MPa) in the block, for ParaView")
+      ->type_name("FILE.vtu");
+  command->add_option("--step", request->step, "the load step that --plot and --field show, from 1 (default: the last)")
+      ->type_name("K");
   add_shared_options(*command, request->shared);
   command->callback([request, &action] { action = [request] { return run_solve(*request); }; });
 }

@@ -18,19 +18,6 @@ Eigen::VectorXd surface_load(const fem::ContactStep& step) {
   return load;
 }
 
-double von_mises(const Eigen::Vector4d& s) {
-  const double x = s[0], y = s[1], xy = s[2], z = s[3];
-  return std::sqrt(0.5 * ((x - y) * (x - y) + (y - z) * (y - z) + (z - x) * (z - x)) + 3.0 * xy * xy);
-}
-
-/// Hooke's law backwards, then Mohr's circle of strain.
-double largest_principal_strain(const Eigen::Vector4d& s, double young, double nu) {
-  const double ex = (s[0] - nu * (s[1] + s[3])) / young;
-  const double ey = (s[1] - nu * (s[0] + s[3])) / young;
-  const double half_shear = (1.0 + nu) * s[2] / young;
-  return std::abs(0.5 * (ex + ey)) + std::hypot(0.5 * (ex - ey), half_shear);
-}
-
 /// One number as text that reads back to the same bits.
 void append(std::string& out, double value) {
   char text[32];
@@ -62,23 +49,41 @@ std::string cells(const fem::Mesh& mesh) {
   for (Eigen::Index i = 1; i <= count; ++i) offsets.push_back(i * nodes);
   const std::vector<int> types(static_cast<std::size_t>(count), nodes == 8 ? vtk_quadratic_quad : vtk_quad);
   return "      <Cells>\n" + data_array("type=\"Int32\" Name=\"connectivity\"", mesh.cell.reshaped<Eigen::RowMajor>()) +
-         data_array("type=\"Int32\" Name=\"offsets\"", offsets) + data_array("type=\"UInt8\" Name=\"types\"", types) + "      </Cells>\n";
+         data_array("type=\"Int32\" Name=\"offsets\"", offsets) + data_array("type=\"UInt8\" Name=\"types\"", types) +
+         "      </Cells>\n";
 }
 
 std::string point_data(const StressField& field) {
   const Eigen::VectorXi beyond = (field.strain.array() > linear_strain_limit).cast<int>();
   return "      <PointData Vectors=\"displacement\" Scalars=\"sigma_y\">\n" +
          data_array("type=\"Float64\" Name=\"displacement\" NumberOfComponents=\"3\"", in_space(field.displacement)) +
-         scalars("sigma_x", field.stress.row(0)) + scalars("sigma_y", field.stress.row(1)) + scalars("tau_xy", field.stress.row(2)) +
-         scalars("sigma_z", field.stress.row(3)) + scalars("von_mises", field.von_mises) + scalars("strain", field.strain) +
+         scalars("sigma_x", field.stress.row(0)) + scalars("sigma_y", field.stress.row(1)) +
+         scalars("tau_xy", field.stress.row(2)) + scalars("sigma_z", field.stress.row(3)) +
+         scalars("von_mises", field.von_mises) + scalars("strain", field.strain) +
          data_array("type=\"UInt8\" Name=\"beyond_linear\"", beyond) + "      </PointData>\n";
 }
 
 }  // namespace
 
+double von_mises(const Eigen::Vector4d& s) {
+  const double x = s[0], y = s[1], xy = s[2], z = s[3];
+  return std::sqrt(0.5 * ((x - y) * (x - y) + (y - z) * (y - z) + (z - x) * (z - x)) + 3.0 * xy * xy);
+}
+
+double largest_principal_strain(const Eigen::Vector4d& s, double young, double nu) {
+  const double ex = (s[0] - nu * (s[1] + s[3])) / young;
+  const double ey = (s[1] - nu * (s[0] + s[3])) / young;
+  const double half_shear = (1.0 + nu) * s[2] / young;
+  return std::abs(0.5 * (ex + ey)) + std::hypot(0.5 * (ex - ey), half_shear);
+}
+
 StressField stress_field(const fem::Sensor& sensor, const fem::ContactStep& step) {
   const Eigen::VectorXd displacement = fem::block_displacement(sensor, surface_load(step));
-  StressField field{.mesh = fem::make_mesh(sensor), .displacement = displacement.reshaped(2, displacement.size() / 2), .stress = {}, .von_mises = {}, .strain = {}};
+  StressField field{.mesh = fem::make_mesh(sensor),
+                    .displacement = displacement.reshaped(2, displacement.size() / 2),
+                    .stress = {},
+                    .von_mises = {},
+                    .strain = {}};
   field.stress = fem::nodal_stress(field.mesh, sensor, displacement);
   field.von_mises.resize(field.stress.cols());
   field.strain.resize(field.stress.cols());
@@ -92,8 +97,10 @@ StressField stress_field(const fem::Sensor& sensor, const fem::ContactStep& step
 std::string to_vtu(const StressField& field) {
   return "<?xml version=\"1.0\"?>\n<!-- lengths in mm, stresses in MPa -->\n"
          "<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n  <UnstructuredGrid>\n"
-         "    <Piece NumberOfPoints=\"" + std::to_string(field.mesh.node.cols()) + "\" NumberOfCells=\"" + std::to_string(field.mesh.cell.rows()) + "\">\n" +
-         point_data(field) + "      <Points>\n" + data_array("type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\"", in_space(field.mesh.node)) +
+         "    <Piece NumberOfPoints=\"" +
+         std::to_string(field.mesh.node.cols()) + "\" NumberOfCells=\"" + std::to_string(field.mesh.cell.rows()) +
+         "\">\n" + point_data(field) + "      <Points>\n" +
+         data_array("type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\"", in_space(field.mesh.node)) +
          "      </Points>\n" + cells(field.mesh) + "    </Piece>\n  </UnstructuredGrid>\n</VTKFile>\n";
 }
 

@@ -35,7 +35,8 @@ std::string trimmed(std::string text) {
 }
 
 std::string shortened(std::string text) {
-  std::replace_if(text.begin(), text.end(), [](unsigned char c) { return std::iscntrl(c) != 0; }, ' ');
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return std::iscntrl(c) != 0; }, ' ');
   return text.size() > longest_quote ? text.substr(0, longest_quote) + "..." : text;
 }
 
@@ -48,7 +49,8 @@ std::string line_of(const std::string& text, std::size_t number) {
   return line;
 }
 
-/// Where a place in the file, line and column from 1, lies in its text. Columns count code points: continuation bytes of UTF-8 do not.
+/// Where a place in the file, line and column from 1, lies in its text. Columns count code points: continuation bytes
+/// of UTF-8 do not.
 std::size_t offset_of(const std::string& text, toml::source_position place) {
   std::size_t at = 0;
   for (std::size_t line = 1; line < place.line && at < text.size(); ++at) line += text[at] == '\n';
@@ -67,7 +69,7 @@ ConfigError syntax_error(const std::string& file, const std::string& text, const
   const bool pair = equals != std::string::npos;
   const std::string key = pair ? trimmed(written.substr(0, equals)) : "line " + std::to_string(line);
   const std::string value = pair ? trimmed(written.substr(equals + 1)) : written;
-  return ConfigError(file, key, shortened(value), "valid TOML (" + std::string(error.description()) + ")",
+  return ConfigError(file, key, value.empty() ? "(missing)" : shortened(value), "valid TOML (" + std::string(error.description()) + ")",
                      static_cast<int>(line));
 }
 
@@ -125,7 +127,8 @@ void TomlTable::refuse_missing(const std::string& key, const std::string& allowe
 double TomlTable::number(const toml::node& node, const std::string& key, const std::string& what) const {
   const bool numeric = node.is_integer() || node.is_floating_point();
   const double value = numeric ? *node.value<double>() : 0.0;
-  if (!numeric || !std::isfinite(value)) throw file_.error(full(key), &node, what);
+  if (!numeric) throw file_.error(full(key), &node, what);
+  if (!std::isfinite(value)) throw file_.error(full(key), &node, "finite, " + what);
   return value;
 }
 

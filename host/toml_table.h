@@ -1,9 +1,10 @@
 #pragma once
+#include <toml++/toml.h>
+
 #include <filesystem>
 #include <optional>
 #include <set>
 #include <string>
-#include <toml++/toml.h>
 #include <vector>
 
 #include "fem/value_error.h"

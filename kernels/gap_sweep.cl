@@ -12,12 +12,14 @@
 
    Built with -D REAL (float | double), LANES (1, 4, 8, 16), VECTORS, NODES, FORCE_CONTROL (0 | 1). */
 // defines: NODES=41 VECTORS=2 FORCE_CONTROL=1
+#include "shared/group.h"
 #include "shared/lanes.h"
 #include "shared/contact_layout.h"
 
 #define EACH_VECTOR _Pragma("unroll") for (int v = 0; v < VECTORS; ++v)
 #define FAR ((real)1e15)          /* mm: height of a node that carries no gap element, in this lane or yet */
 #define REACH ((real)1.25)        /* gap elements are put to work up to this many indentations; certify adds what that missed */
+#define DAMPED_AFTER 500          /* sweeps; slow but steady ones need fewer down to rounding on the paper's meshes */
 #define MOST_REJOINS 32           /* rounds of adding gap elements in one increment */
 #define MOST_AIMS 60              /* trials of depth (and position) to reach given forces */
 #define ROW_BLOCK 4               /* output rows computed together */
@@ -102,7 +104,7 @@ static inline RowDisplacement row_displacement(const Rules *rules, int i, const 
 
 /* One Gauss-Seidel sweep: at each node the normal force, then the tangential one in the new cone. moving: active lanes whose largest
    change was above tolerance times their largest pressure force. */
-static inline void sweep(const Rules *rules, Contact *c, const Indenter *in, vint *moving) {
+static inline void sweep(const Rules *rules, Contact *c, const Indenter *in, real relaxation, vint *moving) {
   vreal change[VECTORS], largest[VECTORS], dx[VECTORS];
   EACH_VECTOR {
     change[v] = largest[v] = 0;
@@ -111,14 +113,15 @@ static inline void sweep(const Rules *rules, Contact *c, const Indenter *in, vin
   for (int i = c->first; i < c->end; ++i) {
     const RowDisplacement u = row_displacement(rules, i, c->n, c->t, c->first, c->end);
     global const real *node = rules->node + i * NODE_ROWS;
+    const real n_per_uy = relaxation * node[NODE_N_PER_UY], t_per_ux = relaxation * node[NODE_T_PER_UX];
     EACH_VECTOR {
       const vreal n_old = c->n[i][v], t_old = c->t[i][v];
       const vreal inside = u.uy[v] - (c->h[i][v] - in->d[v]);
-      const vreal n_free = fma(inside, ALL_LANES(node[NODE_N_PER_UY]), n_old);
+      const vreal n_free = fma(inside, ALL_LANES(n_per_uy), n_old);
       const vreal n = PICK(in->active[v], LARGER(n_free, ALL_LANES(0)), n_old);
       const vreal slip = fma(ALL_LANES(node[NODE_UX_PER_N]), n - n_old, u.ux[v]) - (c->ux_last[i][v] + dx[v]);
       const vreal cone = in->mu[v] * n;
-      const vreal t_free = fma(-slip, ALL_LANES(node[NODE_T_PER_UX]), t_old);
+      const vreal t_free = fma(-slip, ALL_LANES(t_per_ux), t_old);
       const vreal t = PICK(in->active[v], SMALLER(LARGER(t_free, -cone), cone), t_old);
       c->n[i][v] = n;
       c->t[i][v] = t;
@@ -130,11 +133,12 @@ static inline void sweep(const Rules *rules, Contact *c, const Indenter *in, vin
   EACH_VECTOR { moving[v] = in->active[v] & (change[v] > rules->tolerance * largest[v]); }
 }
 
-/* Sweeps until every active lane has settled, or most_sweeps. Leaves in in->active the lanes that did not settle. */
+/* Sweeps until every active lane has settled, or most_sweeps. Leaves in in->active the lanes that did not settle. Where friction is high and the
+   rubber compressible, plain Gauss-Seidel can go round in circles: lanes that take long go on with damped steps. */
 static inline void settle(const Rules *rules, Contact *c, Indenter *in, vreal *sweeps) {
   for (int k = 0; k < rules->most_sweeps && any_vector(in->active); ++k) {
     vint moving[VECTORS];
-    sweep(rules, c, in, moving);
+    sweep(rules, c, in, k < DAMPED_AFTER ? (real)1 : k < 4 * DAMPED_AFTER ? (real)0.5 : (real)0.2, moving);
     EACH_VECTOR {
       sweeps[v] += PICK(in->active[v], ALL_LANES(1), ALL_LANES(0));
       in->active[v] = moving[v];
@@ -280,11 +284,11 @@ static inline void extrapolate(Contact *c, const Indenter *in, const vreal *rati
 
 #if FORCE_CONTROL
 /* Search for the indenter's place z = (d, x) that gives the forces asked for: f = (P - P_goal, Q - (Q_goal / P_goal) P) = 0, by Broyden's inverse update
-   (Broyden 1965) kept inside brackets, since P grows with d and Q / P with x. */
+   (Broyden 1965). */
 typedef struct {
   vreal b[2][2][VECTORS];                /* inverse Jacobian */
   vreal z[2][VECTORS], g[2][VECTORS];    /* last trial: place; P and Q - (Q_goal / P_goal) P */
-  vreal low[2][VECTORS], high[2][VECTORS];
+  vreal low[VECTORS], high[VECTORS];     /* bracket of d */
 } Search;
 
 /* Inverse update with the trial (z, g) in the given lanes; b stays where the step was too small to tell anything. */
@@ -308,11 +312,10 @@ static inline void learn(Search *s, int v, const vreal *z, const vreal *g, vint 
   }
 }
 
-/* A trial inside the bracket: where Broyden's step leaves it, halfway to the bound, or a stride where there is no bound yet. */
-static inline vreal bracketed(vreal trial, vreal now, vreal low, vreal high, vreal stride) {
-  const vreal upward = PICK(high < FAR, (real)0.5 * (now + high), now + stride);
-  const vreal downward = PICK(low > -FAR, (real)0.5 * (now + low), now - stride);
-  return PICK(trial >= high, upward, PICK(trial <= low, downward, trial));
+/* A trial inside the bracket: where Broyden's step leaves it, halfway to the bound, or twice as deep where there is no bound yet. */
+static inline vreal bracketed(vreal trial, vreal now, vreal low, vreal high) {
+  const vreal deeper = PICK(high < FAR, (real)0.5 * (now + high), 2 * now);
+  return PICK(trial >= high, deeper, PICK(trial <= low, (real)0.5 * (now + low), trial));
 }
 
 /* Moves the indenter of the active lanes towards the forces asked for. Leaves in in->active those that were not there yet. */
@@ -330,13 +333,13 @@ static inline void aim(Search *s, const Contact *c, Indenter *in, global const v
     in->active[v] &= (fabs(miss[0]) > enough) | (fabs(miss[1]) > enough);
     const vreal step[2] = {s->b[0][0][v] * miss[0] + s->b[0][1][v] * miss[1],
                            s->b[1][0][v] * miss[0] + s->b[1][1][v] * miss[1]};
-    vreal next[2];
-    for (int a = 0; a < 2; ++a) {
-      s->low[a][v] = PICK(miss[a] < 0, fmax(s->low[a][v], z[a]), s->low[a][v]);
-      s->high[a][v] = PICK(miss[a] > 0, fmin(s->high[a][v], z[a]), s->high[a][v]);
-      const vreal stride = fmax(fabs(z[a]), (real)0.25 * fabs(in->d[v]));
-      next[a] = bracketed(z[a] - step[a], z[a], s->low[a][v], s->high[a][v], stride);
-    }
+    s->low[v] = PICK(miss[0] < 0, LARGER(z[0], s->low[v]), s->low[v]);
+    s->high[v] = PICK(miss[0] > 0, SMALLER(z[0], s->high[v]), s->high[v]);
+    /* P grows with d alone where x is given: keep inside the bracket. With both unknown the bracket moves: bound the step instead. */
+    const vreal far_d = (real)0.5 * z[0], far_x = LARGER(fabs(z[1]), far_d);
+    const vreal bounded = SMALLER(LARGER(z[0] - step[0], z[0] - far_d), z[0] + 2 * far_d);
+    const vreal next[2] = {PICK(both[v], bounded, bracketed(z[0] - step[0], z[0], s->low[v], s->high[v])),
+                           SMALLER(LARGER(z[1] - step[1], z[1] - far_x), z[1] + far_x)};
     in->d[v] = PICK(in->active[v], next[0], in->d[v]);
     in->x[v] = PICK(in->active[v] & both[v], next[1], in->x[v]);
   }
@@ -416,7 +419,7 @@ kernel void gap_sweep(uint first_group, global const real *compliance, global co
                       global const vreal *lane_input, global const vreal *profile, global const vreal *path, int steps,
                       real tolerance, real accept, int most_sweeps, global vreal *result,
                       global vreal *rows_out, global vreal *nodes_out, int write_node_rows) {
-  const size_t group = first_group + get_global_id(0);
+  TAKE_GROUP(group);
   const Rules rules = {compliance, node, tolerance, most_sweeps};
   lane_input += group * (LANE_INPUT_ROWS * VECTORS);
   profile += group * (NODES * VECTORS);
@@ -477,10 +480,8 @@ kernel void gap_sweep(uint first_group, global const real *compliance, global co
       const vreal first_trial = PICK(in.d[v] > 0, in.d[v], search.b[0][0][v] * d);
       in.d[v] = PICK(normal_force[v], PICK(d > 0, first_trial, ALL_LANES(0)), d);
       in.x[v] = PICK(both[v], in.x[v], x);
-      for (int a = 0; a < 2; ++a) {
-        search.low[a][v] = -FAR;
-        search.high[a][v] = FAR;
-      }
+      search.low[v] = 0;
+      search.high[v] = FAR;
 #else
       in.d[v] = d;
       in.x[v] = x;

@@ -7,6 +7,6 @@
 #define NO_GROUPS 0xffffffffu
 #define TAKE_GROUP(group)              \
   if (first_group == NO_GROUPS) return; \
-  const uint group = first_group + (uint)get_global_id(0)
+  const size_t group = first_group + get_global_id(0)
 
 #endif

@@ -1,0 +1,71 @@
+#pragma once
+#include <cstddef>
+#include <vector>
+
+#include "nn/activation.h"
+#include "nn/input_scaling.h"
+#include "nn/weights.h"
+
+namespace tactel::nn {
+
+/// Outputs of every layer for one pattern: [0] the scaled inputs, then f of each layer's sums.
+template <class Scalar>
+using Activations = std::vector<Vector<Scalar>>;
+/// d E / d z of every layer of weights with the sign turned, E = 1/2 (target - output)^2: the rule's delta.
+template <class Scalar>
+using Deltas = std::vector<Vector<Scalar>>;
+
+/// o_j = f(sum_i w_ji o_i + b_j), layer by layer (generalized delta rule, Rumelhart, Hinton and Williams 1986, eq. 2
+/// and 15, with the activation of the paper).
+template <class Scalar>
+Activations<Scalar> forward(const Weights<Scalar>& weights, const Vector<Scalar>& scaled_frame) {
+  Activations<Scalar> o{scaled_frame};
+  for (int l = 0; l < weights.topology.layers(); ++l) {
+    const auto w = weights.layer(l);
+    const int in = weights.topology.fan_in(l);
+    const Vector<Scalar> z = w.leftCols(in) * o.back() + w.col(in);
+    o.push_back(z.unaryExpr([](Scalar x) { return activation(x); }));
+  }
+  return o;
+}
+
+/// delta_out = (target - output) f'; delta_j = f'_j sum_k delta_k w_kj (same source, eq. 13 and 14).
+template <class Scalar>
+Deltas<Scalar> backward(const Weights<Scalar>& weights, const Activations<Scalar>& o, Scalar error) {
+  const int layers = weights.topology.layers();
+  const auto slope = [](Scalar f) { return activation_slope(f); };
+  Deltas<Scalar> delta(layers);
+  delta[layers - 1] = error * o[layers].unaryExpr(slope);
+  for (int l = layers - 1; l > 0; --l) {
+    const Vector<Scalar> back = weights.layer(l).leftCols(weights.topology.fan_in(l)).transpose() * delta[l];
+    delta[l - 1] = o[l].unaryExpr(slope).cwiseProduct(back);
+  }
+  return delta;
+}
+
+/// sums += factor * delta_j o_i of one pattern, in the shape of the weights (the bias sees 1).
+template <class Scalar>
+void add_outer(const Activations<Scalar>& o, const Deltas<Scalar>& delta, Scalar factor, Weights<Scalar>& sums) {
+  for (int l = 0; l < sums.topology.layers(); ++l) {
+    auto w = sums.layer(l);
+    const int in = sums.topology.fan_in(l);
+    w.leftCols(in).noalias() += (factor * delta[l]) * o[l].transpose();
+    w.col(in) += factor * delta[l];
+  }
+}
+
+/// Slippage index of many frames and what became of each.
+template <class Scalar>
+struct Recall {
+  Vector<Scalar> slip_index;        ///< [rows] 0..1; NaN where the status says that there is none
+  std::vector<FrameStatus> status;  ///< [rows]
+};
+
+/// The reference of recall: frames [rows, inputs] in MPa, normal stresses first. Scaled in fp32, as live frames are.
+template <class Scalar>
+Recall<Scalar> recall(const Weights<Scalar>& weights, const InputScaling& scaling, const RowMatrix<float>& frames);
+
+extern template Recall<float> recall(const Weights<float>&, const InputScaling&, const RowMatrix<float>&);
+extern template Recall<double> recall(const Weights<double>&, const InputScaling&, const RowMatrix<float>&);
+
+}  // namespace tactel::nn

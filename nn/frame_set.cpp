@@ -1,0 +1,73 @@
+#include "nn/frame_set.h"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "fem/value_error.h"
+#include "nn/philox.h"
+
+namespace tactel::nn {
+namespace {
+
+std::string at(const char* key, Eigen::Index row) { return std::string(key) + "[" + std::to_string(row) + "]"; }
+
+void check_labels(const char* key, std::size_t size, Eigen::Index rows) {
+  if (size != 0 && size != static_cast<std::size_t>(rows))
+    throw ValueError(key, std::to_string(size) + " entries",
+                     "one for each of the " + std::to_string(rows) + " rows, or none");
+}
+
+// Two normal numbers from two words (Box and Muller 1958); the words become the middles of 2^32 cells of (0, 1).
+std::array<double, 2> normal_pair(std::uint32_t a, std::uint32_t b) {
+  const double radius = std::sqrt(-2.0 * std::log((a + 0.5) * 0x1p-32));
+  const double angle = 2.0 * std::numbers::pi * (b + 0.5) * 0x1p-32;
+  return {radius * std::cos(angle), radius * std::sin(angle)};
+}
+
+}  // namespace
+
+float FrameSet::largest_stress() const { return frames.size() == 0 ? 0.0f : frames.cwiseAbs().maxCoeff(); }
+
+void FrameSet::validate() const {
+  if (rows() < 1) throw ValueError("inputs", "no rows", "at least one row");
+  if (slip_index.size() != rows())
+    throw ValueError("slip_index", std::to_string(slip_index.size()) + " entries",
+                     "one for each of the " + std::to_string(rows()) + " rows");
+  check_labels("shape_class", shape_class.size(), rows());
+  check_labels("contact_nodes", contact_nodes.size(), rows());
+  for (Eigen::Index row = 0; row < rows(); ++row) {
+    if (!frames.row(row).allFinite()) throw ValueError(at("inputs", row), "NaN or infinity", "finite");
+    if (!(std::abs(slip_index(row)) <= 1e3f))
+      throw ValueError(at("slip_index", row), std::to_string(slip_index(row)), "finite, usually 0 to 1");
+  }
+}
+
+InputScaling fit_scaling(ScalingKind kind, const FrameSet& set) {
+  InputScaling scaling{kind, kind == ScalingKind::set ? set.largest_stress() : 1.0f};
+  scaling.validate();
+  return scaling;
+}
+
+FrameSet with_noise(const FrameSet& set, double fraction, std::uint64_t seed) {
+  if (!(fraction >= 0) || !std::isfinite(fraction))
+    throw ValueError("noise", std::to_string(fraction), "finite and at least 0");
+  FrameSet noisy = set;
+  const double deviation = fraction * set.largest_stress();
+  if (deviation == 0) return noisy;
+  float* value = noisy.frames.data();
+  std::array<double, 4> normal{};
+  for (Eigen::Index i = 0; i < noisy.frames.size(); ++i) {
+    if (i % 4 == 0) {
+      const PhiloxCounter words = random_words(seed, RandomStream::noise, static_cast<std::uint32_t>(i / 4));
+      const auto [n0, n1] = normal_pair(words[0], words[1]);
+      const auto [n2, n3] = normal_pair(words[2], words[3]);
+      normal = {n0, n1, n2, n3};
+    }
+    value[i] += static_cast<float>(deviation * normal[i % 4]);
+  }
+  return noisy;
+}
+
+}  // namespace tactel::nn

@@ -1,0 +1,65 @@
+#include "nn/input_scaling.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "fem/value_error.h"
+
+namespace tactel::nn {
+
+const char* name(FrameStatus status) {
+  switch (status) {
+    case FrameStatus::ok:
+      return "ok";
+    case FrameStatus::no_stress:
+      return "no stress";
+    case FrameStatus::not_finite:
+      return "not finite";
+    case FrameStatus::overflow:
+      return "overflow";
+  }
+  return "unknown";
+}
+
+const char* name(ScalingKind kind) { return kind == ScalingKind::set ? "set" : "frame"; }
+
+ScalingKind parse_scaling(std::string_view text) {
+  if (text == "set") return ScalingKind::set;
+  if (text == "frame") return ScalingKind::frame;
+  throw ValueError("scaling", std::string(text),
+                   "set (by the learning set's largest stress) or frame (by each frame's own)");
+}
+
+void InputScaling::validate() const {
+  if (!(largest_stress >= smallest_stress) || !std::isfinite(largest_stress))
+    throw ValueError("scaling.largest_stress", std::to_string(largest_stress), "finite and at least 1e-12 MPa");
+}
+
+FrameStatus scale_frame(const InputScaling& scaling, const float* frame, int inputs, float* scaled) {
+  const auto not_finite = [](float x) { return !std::isfinite(x); };
+  std::fill(scaled, scaled + inputs, 0.0f);
+  if (std::any_of(frame, frame + inputs, not_finite)) return FrameStatus::not_finite;
+  float divisor = scaling.largest_stress;
+  if (scaling.kind == ScalingKind::frame) {
+    divisor = 0.0f;
+    for (int k = 0; k < inputs / 2; ++k) divisor = std::max(divisor, std::abs(frame[k]));
+    if (divisor < InputScaling::smallest_stress) return FrameStatus::no_stress;
+  }
+  const float factor = 1.0f / divisor;
+  std::transform(frame, frame + inputs, scaled, [factor](float x) { return x * factor; });
+  return FrameStatus::ok;
+}
+
+RowMatrix<float> scale_frames(const InputScaling& scaling, const RowMatrix<float>& frames) {
+  RowMatrix<float> scaled(frames.rows(), frames.cols());
+  for (Eigen::Index row = 0; row < frames.rows(); ++row) {
+    const FrameStatus status =
+        scale_frame(scaling, frames.row(row).data(), static_cast<int>(frames.cols()), scaled.row(row).data());
+    if (status == FrameStatus::not_finite || !scaled.row(row).allFinite())
+      throw ValueError("inputs[" + std::to_string(row) + "]", "NaN or infinity", "finite, also after scaling");
+  }
+  return scaled;
+}
+
+}  // namespace tactel::nn

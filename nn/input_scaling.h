@@ -1,0 +1,35 @@
+#pragma once
+#include <string_view>
+
+#include "nn/frame_status.h"
+#include "nn/weights.h"
+
+namespace tactel::nn {
+
+/// What a frame in MPa is divided by before the network sees it; part of the network's file.
+/// `set`: the largest |stress| of the learning set (the paper's). `frame`: the frame's own largest |normal stress|, so
+/// that S does not depend on E or on a common factor of all stresses.
+enum class ScalingKind { set, frame };
+
+const char* name(ScalingKind kind);
+/// "set" or "frame". Throws ValueError, key "scaling".
+ScalingKind parse_scaling(std::string_view text);
+
+struct InputScaling {
+  ScalingKind kind = ScalingKind::set;
+  float largest_stress = 1.0f;  ///< MPa, > 0: the divisor of `set`; unused by `frame`
+
+  /// MPa: a frame whose normal stresses all lie below this carries no stress (`frame` only).
+  static constexpr float smallest_stress = 1e-12f;
+  bool operator==(const InputScaling&) const = default;
+  void validate() const;  ///< throws ValueError, key "scaling"
+};
+
+/// Scales one frame [inputs] MPa, normal stresses first, in fp32 as the kernels do: times the reciprocal of the
+/// divisor. A frame that is not finite, or carries no stress, becomes zeros.
+FrameStatus scale_frame(const InputScaling& scaling, const float* frame, int inputs, float* scaled);
+
+/// The same for every row of [rows, inputs]. Throws ValueError, key "inputs", at the first row that is not finite.
+RowMatrix<float> scale_frames(const InputScaling& scaling, const RowMatrix<float>& frames);
+
+}  // namespace tactel::nn

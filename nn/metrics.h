@@ -1,0 +1,46 @@
+#pragma once
+#include <cstdint>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "nn/frame_set.h"
+
+namespace tactel::nn {
+
+/// Absolute errors of S over some rows, as the paper's Table II gives them.
+struct ErrorSummary {
+  std::size_t count = 0;  ///< rows that have an error: status ok or no stress
+  double max = 0;
+  double mean = 0;
+  double std = 0;  ///< standard deviation of the absolute error over these rows (division by count)
+};
+
+ErrorSummary summarize(std::span<const double> absolute_errors);
+
+/// |S of the network - S of the set|, row by row; NaN where the network gave none. slip_index: [rows].
+template <class Scalar>
+std::vector<double> absolute_errors(const Vector<Scalar>& slip_index, const FrameSet& set) {
+  std::vector<double> errors(set.rows());
+  for (Eigen::Index row = 0; row < set.rows(); ++row)
+    errors[row] = std::abs(static_cast<double>(slip_index(row)) - static_cast<double>(set.slip_index(row)));
+  return errors;
+}
+
+/// Errors of a network on a set, in all and by what may explain them. Rows without a slippage index are not judged but
+/// counted.
+struct ErrorReport {
+  ErrorSummary all;
+  std::map<int, ErrorSummary> by_class;          ///< key: FrameSet::shape_class
+  std::map<int, ErrorSummary> by_contact_nodes;  ///< key: FrameSet::contact_nodes
+  std::size_t without_answer = 0;                ///< rows whose error is NaN
+};
+
+/// errors: [rows], as absolute_errors returns them.
+ErrorReport report_errors(std::span<const double> errors, const FrameSet& set);
+
+/// Quantile q in 0..1 of the values, linear between order statistics (definition 7 of Hyndman and Fan 1996).
+/// Throws ValueError for an empty list or q outside 0..1.
+double quantile(std::vector<double> values, double q);
+
+}  // namespace tactel::nn

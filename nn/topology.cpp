@@ -1,0 +1,79 @@
+#include "nn/topology.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include "fem/value_error.h"
+
+namespace tactel::nn {
+namespace {
+
+const std::string allowed =
+    "1 to 6 (the paper's networks), or widths such as 42-42-21-1: an even number of inputs, one or two hidden layers, "
+    "each 1 to " +
+    std::to_string(Topology::widest_layer) + " wide, one output";
+
+std::string joined(const std::vector<int>& widths) {
+  std::string text;
+  for (const int width : widths) {
+    if (!text.empty()) text += '-';
+    text += std::to_string(width);
+  }
+  return text;
+}
+
+// The whole of `text` as a number of at most four digits.
+bool read_number(std::string_view text, int& number) {
+  if (text.empty() || text.size() > 4 || text.front() == '-') return false;
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), number);
+  return result.ec == std::errc() && result.ptr == text.data() + text.size();
+}
+
+}  // namespace
+
+Topology::Topology(std::vector<int> widths) : widths_(std::move(widths)) {
+  bool good = widths_.size() == 3 || widths_.size() == 4;
+  for (const int width : widths_) good = good && width >= 1 && width <= widest_layer;
+  if (!good || widths_.front() % 2 != 0 || widths_.back() != 1) throw ValueError("network", joined(widths_), allowed);
+}
+
+Topology Topology::parse(std::string_view text) {
+  std::vector<int> widths;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find('-', begin), text.size());
+    int width = 0;
+    if (!read_number(text.substr(begin, end - begin), width)) throw ValueError("network", std::string(text), allowed);
+    widths.push_back(width);
+    begin = end + 1;
+  }
+  return widths.size() == 1 ? paper(widths.front()) : Topology(widths);
+}
+
+Topology Topology::paper(int number) {
+  switch (number) {
+    case 1:
+      return Topology({42, 42, 1});
+    case 2:
+      return Topology({42, 84, 1});
+    case 3:
+      return Topology({42, 21, 1});
+    case 4:
+      return Topology({42, 42, 42, 1});
+    case 5:
+      return Topology({42, 42, 82, 1});
+    case 6:
+      return Topology({42, 42, 21, 1});
+    default:
+      throw ValueError("network", std::to_string(number), allowed);
+  }
+}
+
+std::size_t Topology::layer_offset(int layer) const {
+  std::size_t offset = 0;
+  for (int l = 0; l < layer; ++l) offset += static_cast<std::size_t>(fan_out(l)) * (fan_in(l) + 1);
+  return offset;
+}
+
+std::string Topology::text() const { return joined(widths_); }
+
+}  // namespace tactel::nn

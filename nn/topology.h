@@ -1,0 +1,43 @@
+#pragma once
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tactel::nn {
+
+/// Widths of a network's layers, inputs first. Checked on construction: 1 or 2 hidden layers (the paper's two
+/// families), one output, an even number of inputs (a normal and a shear stress for each tactel).
+class Topology {
+ public:
+  static constexpr int widest_layer = 256;
+
+  /// Throws ValueError, key "network".
+  explicit Topology(std::vector<int> widths);
+  /// A number of the paper, "1" ... "6", or widths joined by hyphens, "42-42-21-1". Throws ValueError, key "network".
+  static Topology parse(std::string_view text);
+  /// Network 1 ... 6 of the paper (section V.A). Throws ValueError, key "network".
+  static Topology paper(int number);
+
+  const std::vector<int>& widths() const { return widths_; }
+  int inputs() const { return widths_.front(); }
+  int layers() const { return static_cast<int>(widths_.size()) - 1; }  ///< of weights: hidden layers + 1
+  int hidden_layers() const { return layers() - 1; }
+  int fan_in(int layer) const { return widths_[layer]; }
+  int fan_out(int layer) const { return widths_[layer + 1]; }
+
+  /// Weights are stored [layer][out][in + 1], the bias last.
+  std::size_t layer_offset(int layer) const;
+  std::size_t weight_count() const { return layer_offset(layers()); }
+
+  /// The paper's limit of learning cycles: 10 000; 15 000 for two hidden layers (section V.B).
+  int cycle_limit() const { return hidden_layers() > 1 ? 15000 : 10000; }
+  /// "42-42-21-1".
+  std::string text() const;
+  bool operator==(const Topology&) const = default;
+
+ private:
+  std::vector<int> widths_;
+};
+
+}  // namespace tactel::nn

@@ -1,0 +1,89 @@
+#include "fem/mesh.h"
+
+#include <gmock/gmock.h>
+
+#include "fem/block.h"
+#include "sensors.h"
+
+namespace tactel::fem {
+namespace {
+
+using testing::ElementsAre;
+
+Sensor small(Element element = Element::q4) {
+  Sensor sensor;
+  sensor.length = 4;
+  sensor.thickness = 7;
+  sensor.columns = 3;
+  sensor.rows = 4;
+  sensor.grading = 4;
+  sensor.element = element;
+  return sensor;
+}
+
+TEST(Mesh, RowsFallGeometricallyFromTheBase) {
+  // Heights 4, 2, 1: ratio 1/2, bottom over top 4, sum 7.
+  const Mesh mesh = make_mesh(small());
+  EXPECT_DOUBLE_EQ(mesh.node(1, 0), 0);
+  EXPECT_DOUBLE_EQ(mesh.node(1, 3), 4);
+  EXPECT_DOUBLE_EQ(mesh.node(1, 6), 6);
+  EXPECT_EQ(mesh.node(1, 9), 7);  // exactly the thickness
+}
+
+TEST(Mesh, BottomOverTopIsTheGradingExactly) {
+  for (double grading : {0.5, 1.0, 2.75, 4.0, 100.0}) {
+    Sensor sensor = mesh_a();
+    sensor.grading = grading;
+    const Mesh mesh = make_mesh(sensor);
+    const auto y = [&](int row) { return mesh.node(1, row * sensor.columns); };
+    // Top rows are differences of numbers near 1.5: 2e-16 over a height of 0.002 to 0.05.
+    EXPECT_NEAR((y(1) - y(0)) / (y(32) - y(31)), grading, 1e-12 * grading);
+  }
+}
+
+TEST(Mesh, OneRowIsTheWholeThickness) {
+  Sensor sensor = small();
+  sensor.rows = 2;
+  const Mesh mesh = make_mesh(sensor);
+  EXPECT_EQ(mesh.node(1, 0), 0);
+  EXPECT_EQ(mesh.node(1, 3), 7);
+}
+
+TEST(Mesh, ColumnsAreEquallySpacedAndMirrored) {
+  const Eigen::VectorXd x = surface_positions(mesh_a());
+  EXPECT_EQ(x[0], -10);
+  EXPECT_EQ(x[122], 10);
+  for (int i = 0; i < 123; ++i) {
+    EXPECT_EQ(x[i], -x[122 - i]);
+    EXPECT_NEAR(x[i], -10 + 20.0 * i / 122, 1e-14);  // two roundings of numbers up to 20
+  }
+}
+
+TEST(Mesh, CellsAreCounterClockwiseFromTheLowerLeft) {
+  const Mesh mesh = make_mesh(small());
+  ASSERT_EQ(mesh.cell.rows(), 6);
+  EXPECT_EQ(mesh.cell.row(0), Eigen::RowVector4i(0, 1, 4, 3));
+  EXPECT_EQ(mesh.cell.row(5), Eigen::RowVector4i(7, 8, 11, 10));
+  EXPECT_THAT(mesh.base, ElementsAre(0, 1, 2));
+  EXPECT_THAT(mesh.surface, ElementsAre(9, 10, 11));
+}
+
+TEST(Mesh, MidSideNodesStandInTheMiddles) {
+  const Mesh mesh = make_mesh(small(Element::q8));
+  ASSERT_EQ(mesh.node.cols(), 12 + 2 * 4 + 3 * 3);
+  EXPECT_THAT(mesh.surface, ElementsAre(9, 10, 11));  // corners only: these carry gap elements
+  EXPECT_EQ(mesh.base.size(), 5u);
+  for (std::size_t k = 0; k < 5; ++k) EXPECT_EQ(mesh.node.col(mesh.base[k]), Eigen::Vector2d(-2.0 + double(k), 0));
+  for (const auto& cell : mesh.cell.rowwise())
+    for (int side = 0; side < 4; ++side)
+      EXPECT_EQ(mesh.node.col(cell[4 + side]), (mesh.node.col(cell[side]) + mesh.node.col(cell[(side + 1) % 4])) / 2);
+}
+
+TEST(Mesh, TactelsStandFromEndToEnd) {
+  const Eigen::VectorXd x = tactel_positions(mesh_b());
+  ASSERT_EQ(x.size(), 21);
+  for (int t = 0; t < 21; ++t) EXPECT_DOUBLE_EQ(x[t], -10.0 + t);
+}
+
+}  // namespace
+}  // namespace tactel::fem

@@ -1,0 +1,76 @@
+#pragma once
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "fem/contact_solution.h"
+#include "fem/scene.h"
+
+namespace tactel::testing {
+
+/// Every kind of indenter, at sizes that touch from one node to all of them.
+inline std::vector<fem::Shape> all_shapes() {
+  using namespace fem;
+  return {Flat{},
+          Flat{4.0},
+          Wedge{120},
+          Parabola{10},
+          Cylinder{30},
+          Exponential{0.1, 0.5},
+          Trapezoid{2, 0.5},
+          RoundedFlat{2, 10},
+          Taylor{{1, 3}, 10.0, {}},
+          Profile{{-6, -3, -1, 0, 1, 3, 6}, {0.9, 0.2, 0.02, 0, 0.02, 0.2, 0.9}, 0.0, ""}};
+}
+
+inline fem::Sensor paper_mesh(char which) {
+  fem::Sensor sensor;
+  sensor.columns = which == 'A' ? 123 : 41;
+  sensor.rows = which == 'A' ? 33 : 11;
+  return sensor;
+}
+
+/// Press in two steps, drag, go back through zero, and forth again.
+inline fem::Load reversal() {
+  fem::Load load;
+  load.indentation_steps = 2;
+  load.tangential = {0.05, 0.1, 0.2, 0.1, -0.1, -0.05};
+  return load;
+}
+
+/// Random shapes, places, friction, depths and paths on one sensor.
+inline std::vector<fem::Scene> random_scenes(const fem::Sensor& sensor, std::size_t count, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  const auto uniform = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+  const auto shapes = all_shapes();
+  std::vector<fem::Scene> scenes(count);
+  for (fem::Scene& scene : scenes) {
+    scene.sensor = sensor;
+    scene.sensor.young = std::exp(uniform(std::log(0.1), std::log(10.0)));
+    scene.indenter.shape = shapes[random() % shapes.size()];
+    scene.indenter.position = uniform(-4, 4);
+    scene.friction = uniform(0.05, 1.5);
+    scene.load.indentation = {uniform(0.02, 0.3)};
+    scene.load.indentation_steps = 1 + static_cast<int>(random() % 3);
+    for (int k = static_cast<int>(random() % 7); k > 0; --k) scene.load.tangential.push_back(uniform(-0.3, 0.3));
+  }
+  return scenes;
+}
+
+/// Largest difference of base nodal forces over the largest of them, over all steps.
+inline double base_force_difference(const fem::ContactSolution& a, const fem::ContactSolution& b) {
+  if (a.steps.size() != b.steps.size()) return INFINITY;
+  double worst = 0;
+  for (std::size_t k = 0; k < a.steps.size(); ++k) {
+    const auto &p = a.steps[k], &q = b.steps[k];
+    const double scale = std::max(q.base_force_x.cwiseAbs().maxCoeff(), q.base_force_y.cwiseAbs().maxCoeff());
+    if (scale == 0) continue;
+    const double x = (p.base_force_x - q.base_force_x).cwiseAbs().maxCoeff() / scale;
+    const double y = (p.base_force_y - q.base_force_y).cwiseAbs().maxCoeff() / scale;
+    if (!(x <= worst)) worst = x;  // keeps a NaN
+    if (!(y <= worst)) worst = y;
+  }
+  return worst;
+}
+
+}  // namespace tactel::testing

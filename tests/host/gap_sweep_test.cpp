@@ -1,0 +1,271 @@
+// The batched contact kernel against the full-mesh reference, against its Eigen twin, and against laws that neither knows.
+#include "host/gap_sweep.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "contact_cases.h"
+#include "fem/gap_reference.h"
+#include "fem/gap_sweep.h"
+#include "fem/value_error.h"
+#include "kernels/shared/contact_layout.h"
+
+namespace {
+
+using namespace tactel;
+using tactel::testing::all_shapes;
+using tactel::testing::base_force_difference;
+using tactel::testing::paper_mesh;
+using tactel::testing::random_scenes;
+using tactel::testing::reversal;
+
+host::Executor& executor() {
+  static host::Executor executor{host::Device()};
+  return executor;
+}
+
+const std::vector<double> all_nu{0, 0.3, 0.45, 0.49, 0.4999}, all_mu{0, 0.2, 0.5, 1, 5};
+
+std::string describe(const fem::Scene& s) {
+  return std::string(fem::shape_name(s.indenter.shape)) + " at " + std::to_string(s.indenter.position) + ", nu " +
+         std::to_string(s.sensor.poisson) + ", mu " + std::to_string(s.friction);
+}
+
+/// Agreement that is asked of fp64 and fp32, over the largest base force: fp64 sweeps to a last change of 1e-11, and slow lanes (contraction
+/// 0.99 a sweep) leave some 100 times that; fp32 stores C to 6e-8 with condition up to 511, and stops at 1e-5.
+constexpr double agree_fp64 = 1e-8, agree_fp32 = 1e-3;
+
+void expect_reference(const std::vector<fem::Scene>& scenes) {
+  const auto fp64 = host::solve_gap_sweep(executor(), scenes, host::Precision::fp64);
+  const auto fp32 = host::solve_gap_sweep(executor(), scenes, host::Precision::fp32);
+  fem::GapReference reference(scenes.front().sensor);
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const auto truth = reference.solve(scenes[i]);
+    EXPECT_LE(base_force_difference(fp64[i], truth), agree_fp64) << describe(scenes[i]);
+    EXPECT_LE(base_force_difference(fp32[i], truth), agree_fp32) << describe(scenes[i]);
+    for (std::size_t k = 0; k < truth.steps.size(); ++k) {
+      EXPECT_TRUE(truth.steps[k].converged && fp64[i].steps[k].converged && fp32[i].steps[k].converged) << describe(scenes[i]) << ", step " << k;
+      EXPECT_EQ(fp64[i].steps[k].slip_index.has_value(), truth.steps[k].slip_index.has_value());
+    }
+  }
+}
+
+class EveryShape : public ::testing::TestWithParam<double> {};
+
+TEST_P(EveryShape, MeshBMatchesReferenceForEveryFriction) {
+  std::vector<fem::Scene> scenes;
+  for (double mu : all_mu)
+    for (const auto& shape : all_shapes()) {
+      fem::Scene scene{"", paper_mesh('B'), {shape, 0.0}, mu, reversal()};
+      scene.sensor.poisson = GetParam();
+      scenes.push_back(scene);
+    }
+  expect_reference(scenes);
+}
+
+/// On mesh A the reference takes about a second a scene: each shape meets each nu once, with friction going round.
+TEST_P(EveryShape, MeshAMatchesReference) {
+  std::vector<fem::Scene> scenes;
+  const std::size_t row = std::find(all_nu.begin(), all_nu.end(), GetParam()) - all_nu.begin();
+  const auto shapes = all_shapes();
+  for (std::size_t k = 0; k < shapes.size(); ++k) {
+    fem::Scene scene{"", paper_mesh('A'), {shapes[k], 0.0}, all_mu[(k + row) % all_mu.size()], reversal()};
+    scene.sensor.poisson = GetParam();
+    scenes.push_back(scene);
+  }
+  expect_reference(scenes);
+}
+
+INSTANTIATE_TEST_SUITE_P(Poisson, EveryShape, ::testing::ValuesIn(all_nu));
+
+TEST(GapSweep, EveryElementMatchesReference) {
+  for (auto element : {fem::Element::q4, fem::Element::q4i, fem::Element::q8})
+    for (auto stress : {fem::StressRecovery::reaction, fem::StressRecovery::element}) {
+      fem::Scene scene{"", paper_mesh('B'), {fem::Parabola{10}, 1.3}, 0.6, reversal()};
+      scene.sensor.element = element;
+      scene.sensor.stress = stress;
+      const auto batched = host::solve_gap_sweep(executor(), std::vector{scene}, host::Precision::fp64)[0];
+      const auto truth = fem::solve_gap_reference(scene);
+      EXPECT_LE(base_force_difference(batched, truth), agree_fp64) << fem::name(element);
+      for (std::size_t k = 0; k < truth.steps.size(); ++k) {
+        const double scale = truth.steps[k].sigma_y.cwiseAbs().maxCoeff();
+        EXPECT_LE((batched.steps[k].sigma_y - truth.steps[k].sigma_y).cwiseAbs().maxCoeff(), agree_fp64 * scale) << fem::name(element);
+        EXPECT_LE((batched.steps[k].tau_xy - truth.steps[k].tau_xy).cwiseAbs().maxCoeff(), agree_fp64 * scale) << fem::name(element);
+      }
+    }
+}
+
+/// Normal force, normal force with drag, and both forces by an angle. The search stops at 10 times the sweeps' tolerance in force.
+TEST(GapSweep, ForceControlMatchesReference) {
+  for (char mesh : {'B', 'A'})
+    for (int kind = 0; kind < 3; ++kind) {
+      fem::Scene scene{"", paper_mesh(mesh), {fem::Cylinder{20}, 0.7}, 0.5, {}};
+      scene.load.indentation.clear();
+      scene.load.normal_force = {0.3};
+      scene.load.indentation_steps = 3;
+      if (kind == 1) scene.load.tangential = {0.05, 0.1, -0.05};
+      if (kind == 2) scene.load.angle = 20.0;
+      const auto fp64 = host::solve_gap_sweep(executor(), std::vector{scene}, host::Precision::fp64)[0];
+      const auto fp32 = host::solve_gap_sweep(executor(), std::vector{scene}, host::Precision::fp32)[0];
+      const auto truth = fem::solve_gap_reference(scene);
+      EXPECT_LE(base_force_difference(fp64, truth), agree_fp64) << "kind " << kind;
+      EXPECT_LE(base_force_difference(fp32, truth), agree_fp32) << "kind " << kind;
+      for (std::size_t k = 0; k < truth.steps.size(); ++k) {
+        EXPECT_TRUE(fp64.steps[k].converged) << "kind " << kind << ", step " << k;
+        EXPECT_NEAR(fp64.steps[k].indentation, truth.steps[k].indentation, 1e-8) << "kind " << kind;
+        EXPECT_NEAR(fp64.steps[k].tangential, truth.steps[k].tangential, 1e-8) << "kind " << kind;
+      }
+    }
+}
+
+TEST(GapSweep, GoesOnUntilTheContactSlides) {
+  fem::Scene scene{"", paper_mesh('B'), {fem::Parabola{10}, 0.0}, 0.4, {}};
+  scene.load.tangential_step = 0.05;
+  const auto batched = host::solve_gap_sweep(executor(), std::vector{scene}, host::Precision::fp64)[0];
+  const auto truth = fem::solve_gap_reference(scene);
+  ASSERT_EQ(batched.steps.size(), truth.steps.size());
+  EXPECT_TRUE(batched.sliding);
+  EXPECT_NEAR(*batched.steps.back().slip_index, 1.0, 1e-12);
+  EXPECT_LT(*batched.steps[batched.steps.size() - 2].slip_index, 1.0);
+}
+
+/// Ragged sizes around a group; outputs hold NaN before the run.
+class Ragged : public ::testing::TestWithParam<int> {};
+
+template <class Real>
+void expect_twin(int count, double tolerance) {
+  const auto scenes = random_scenes(paper_mesh('B'), count, 20 + count);
+  host::GapSweep<Real> sweep(executor(), scenes.front().sensor);
+  auto batch = sweep.prepare(scenes);
+  batch.fill_outputs(std::numeric_limits<Real>::quiet_NaN());
+  batch.run();
+  const fem::GapSweep<double> twin(sweep.condensation());
+  for (int i = 0; i < count; ++i)
+    ASSERT_LE(base_force_difference(batch.solution(i), twin.solve(scenes[i])), tolerance) << "lane " << i << ": " << describe(scenes[i]);
+}
+
+TEST_P(Ragged, Fp64MatchesTwin) { expect_twin<double>(GetParam(), agree_fp64); }
+TEST_P(Ragged, Fp32MatchesTwin) { expect_twin<float>(GetParam(), agree_fp32); }
+INSTANTIATE_TEST_SUITE_P(AroundGroup, Ragged, ::testing::Values(1, 15, 16, 17, 23, 24, 25, 47, 48, 49, 500));
+
+/// All that the kernel says of a scene, as bits.
+template <class Real>
+std::vector<Real> bits(const typename host::GapSweep<Real>::Batch& batch, std::size_t i, int steps, int rows) {
+  std::vector<Real> all;
+  for (int k = 0; k < steps; ++k) {
+    for (int r = 0; r < LANE_RESULT_ROWS; ++r) all.push_back(static_cast<Real>(batch.result(i, k, r)));
+    for (int r = 0; r < rows; ++r) all.push_back(static_cast<Real>(batch.output(i, k, r)));
+  }
+  return all;
+}
+
+template <class Real>
+void expect_same_bits() {
+  auto scenes = random_scenes(paper_mesh('B'), 200, 7);
+  host::GapSweep<Real> sweep(executor(), scenes.front().sensor);
+  const int rows = static_cast<int>(sweep.condensation().base_force.rows() + sweep.condensation().tactel_stress.rows());
+  auto together = sweep.prepare(scenes);
+  together.run();
+  std::vector<fem::Scene> backwards(scenes.rbegin(), scenes.rend());
+  host::Executor one_thread(executor().device(), {.threads = 1});
+  auto permuted = host::GapSweep<Real>(one_thread, scenes.front().sensor).prepare(backwards);
+  permuted.run();
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const int steps = static_cast<int>(fem::load_path(scenes[i].load).steps.size());
+    const auto here = bits<Real>(together, i, steps, rows);
+    ASSERT_EQ(here, (bits<Real>(permuted, scenes.size() - 1 - i, steps, rows))) << describe(scenes[i]);
+    if (i % 20) continue;
+    auto alone = sweep.prepare(std::span(&scenes[i], 1));
+    alone.run();
+    ASSERT_EQ(here, (bits<Real>(alone, 0, steps, rows))) << describe(scenes[i]);
+  }
+}
+
+TEST(GapSweep, SameBitsAloneTogetherPermutedAndOnOneThreadFp64) { expect_same_bits<double>(); }
+TEST(GapSweep, SameBitsAloneTogetherPermutedAndOnOneThreadFp32) { expect_same_bits<float>(); }
+
+/// A neighbour whose input is not a number is flagged and changes nobody else's bits.
+TEST(GapSweep, InvalidNeighboursAreFlaggedAndHarmless) {
+  auto scenes = random_scenes(paper_mesh('B'), 100, 8);
+  host::GapSweep<float> sweep(executor(), scenes.front().sensor);
+  auto clean = sweep.prepare(scenes);
+  clean.run();
+  auto poisoned_scenes = scenes;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t i = 0; i < scenes.size(); i += 3) {
+    if (i % 2)
+      poisoned_scenes[i].friction = nan;
+    else
+      poisoned_scenes[i].sensor.young = std::numeric_limits<double>::infinity();
+  }
+  auto poisoned = sweep.prepare(poisoned_scenes);
+  poisoned.run();
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    if (i % 3 == 0) {
+      EXPECT_EQ(poisoned.result(i, 0, LANE_STATUS), double(LANE_INVALID));
+      EXPECT_EQ(poisoned.result(i, 0, LANE_P), 0);
+      EXPECT_FALSE(poisoned.solution(i).steps.front().converged);
+    } else {
+      const int steps = static_cast<int>(fem::load_path(scenes[i].load).steps.size());
+      EXPECT_EQ((bits<float>(clean, i, steps, 124)), (bits<float>(poisoned, i, steps, 124)));
+    }
+  }
+}
+
+/// The certificate, worked out again in fp64 from the forces that were written and C: what the kernel says must be true.
+TEST(GapSweep, CertificateIsTrue) {
+  const auto scenes = random_scenes(paper_mesh('B'), 200, 9);
+  const auto solutions = host::solve_gap_sweep(executor(), scenes, host::Precision::fp64);
+  const auto condensation = fem::condense(scenes.front().sensor);
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    Eigen::VectorXd last_ux = Eigen::VectorXd::Zero(condensation.surface_x.size());
+    double last_x = 0;
+    for (const auto& step : solutions[i].steps) {
+      Eigen::VectorXd load(2 * condensation.surface_x.size());
+      load(Eigen::seq(0, Eigen::last, 2)) = step.tangential_force;
+      load(Eigen::seq(1, Eigen::last, 2)) = -step.normal_force;
+      const Eigen::VectorXd u = condensation.compliance * load / scenes[i].sensor.young;
+      const Eigen::VectorXd ux = u(Eigen::seq(0, Eigen::last, 2)), uy = u(Eigen::seq(1, Eigen::last, 2));
+      const double scale = uy.cwiseAbs().maxCoeff();
+      for (Eigen::Index n = 0; n < ux.size(); ++n) {
+        const double gap = fem::profile_height(scenes[i].indenter, condensation.surface_x[n]) - step.indentation - uy[n];
+        const double slip = ux[n] - last_ux[n] - (step.tangential - last_x);
+        ASSERT_GE(gap, -1e-9 * scale);
+        if (step.status[n] == fem::GapStatus::open) {
+          ASSERT_EQ(step.normal_force[n], 0);
+          continue;
+        }
+        ASSERT_LE(std::abs(gap), 1e-9 * scale);
+        ASSERT_LE(std::abs(step.tangential_force[n]), scenes[i].friction * step.normal_force[n] * (1 + 1e-14));
+        if (step.status[n] == fem::GapStatus::stick)
+          ASSERT_LE(std::abs(slip), 1e-9 * scale);
+        else
+          ASSERT_LE(slip * step.tangential_force[n], 1e-9 * scale * std::abs(step.tangential_force[n]));
+      }
+      ASSERT_NEAR(step.base_force_y.sum(), -step.P, 1e-11 * step.P);
+      ASSERT_NEAR(step.base_force_x.sum(), step.Q, 1e-11 * step.P);
+      last_ux = ux;
+      last_x = step.tangential;
+    }
+  }
+}
+
+TEST(GapSweep, UnreachableToleranceIsSaidNotHidden) {
+  std::vector scenes(5, fem::Scene{"", paper_mesh('B'), {fem::Parabola{10}, 0.0}, 0.5, reversal()});
+  host::GapSweepOptions options;
+  options.most_sweeps = 2;
+  for (const auto& solution : host::solve_gap_sweep(executor(), scenes, host::Precision::fp64, options))
+    EXPECT_FALSE(solution.steps.front().converged);
+}
+
+TEST(GapSweep, RefusesAnInvalidScene) {
+  auto scenes = random_scenes(paper_mesh('B'), 2, 11);
+  scenes[1].sensor.poisson = 0.5;
+  EXPECT_THROW(host::solve_gap_sweep(executor(), scenes, host::Precision::fp64), ValueError);
+}
+
+}  // namespace

@@ -1,0 +1,94 @@
+#include "nn/input_scaling.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "fem/value_error.h"
+#include "nn/frame_set.h"
+
+using namespace tactel;
+using namespace tactel::nn;
+using testing::Each;
+using testing::ElementsAre;
+
+namespace {
+constexpr float inf = std::numeric_limits<float>::infinity();
+constexpr float not_a_number = std::numeric_limits<float>::quiet_NaN();
+
+struct Scaled {
+  FrameStatus status;
+  std::vector<float> values;
+};
+Scaled scale(const InputScaling& scaling, const std::vector<float>& frame) {
+  std::vector<float> scaled(frame.size(), not_a_number);
+  return {scale_frame(scaling, frame.data(), static_cast<int>(frame.size()), scaled.data()), scaled};
+}
+const InputScaling by_frame{ScalingKind::frame, 1.0f};
+}  // namespace
+
+TEST(InputScaling, BySetDividesByTheSetsLargestStress) {
+  FrameSet set;
+  set.frames = RowMatrix<float>{{1, -2, 0.5, 0}, {0.25, 0, -4, 1}};
+  set.slip_index = Vector<float>::Zero(2);
+  const InputScaling scaling = fit_scaling(ScalingKind::set, set);
+  EXPECT_EQ(scaling.largest_stress, 4.0f);
+  EXPECT_THAT(scale(scaling, {1, -2, 0.5, 0}).values, ElementsAre(0.25f, -0.5f, 0.125f, 0.0f));
+  EXPECT_EQ(scale(scaling, {0, 0, 0, 0}).status, FrameStatus::ok);
+}
+
+TEST(InputScaling, ByFrameDividesByItsLargestNormalStress) {
+  EXPECT_THAT(scale(by_frame, {1, -2, 8, 0}).values, ElementsAre(0.5f, -1.0f, 4.0f, 0.0f));
+}
+
+TEST(InputScaling, ByFrameSaysWhenThereIsNoStress) {
+  for (const std::vector<float>& frame :
+       {std::vector<float>{0, 0, 0, 0}, {0, 0, 3, -3}, {1e-13f, 0, 1, 0}, {-0.0f, 0, 0, 0}}) {
+    const Scaled scaled = scale(by_frame, frame);
+    EXPECT_EQ(scaled.status, FrameStatus::no_stress);
+    EXPECT_THAT(scaled.values, Each(0.0f));
+  }
+}
+
+TEST(InputScaling, FramesThatAreNotFiniteBecomeZeros) {
+  for (const InputScaling& scaling : {by_frame, InputScaling{}}) {
+    for (const std::vector<float>& frame :
+         {std::vector<float>{1, not_a_number, 0, 0}, {inf, 0, 0, 0}, {1, 0, 0, -inf}}) {
+      const Scaled scaled = scale(scaling, frame);
+      EXPECT_EQ(scaled.status, FrameStatus::not_finite);
+      EXPECT_THAT(scaled.values, Each(0.0f));
+    }
+  }
+}
+
+TEST(InputScaling, RefusesWhatCannotScale) {
+  EXPECT_THROW(parse_scaling("max"), ValueError);
+  EXPECT_EQ(parse_scaling("frame"), ScalingKind::frame);
+  for (const float divisor : {0.0f, -1.0f, not_a_number, inf, 1e-13f})
+    EXPECT_THROW((InputScaling{ScalingKind::set, divisor}.validate()), ValueError) << divisor;
+  FrameSet zeros;
+  zeros.frames = RowMatrix<float>::Zero(3, 4);
+  zeros.slip_index = Vector<float>::Zero(3);
+  EXPECT_THROW(fit_scaling(ScalingKind::set, zeros), ValueError);
+}
+
+TEST(FrameSet, NamesTheRowThatIsWrong) {
+  FrameSet set;
+  set.frames = RowMatrix<float>::Ones(3, 4);
+  set.slip_index = Vector<float>::Zero(3);
+  EXPECT_NO_THROW(set.validate());
+  set.slip_index(1) = not_a_number;
+  try {
+    set.validate();
+    ADD_FAILURE();
+  } catch (const ValueError& error) {
+    EXPECT_EQ(error.key, "slip_index[1]");
+  }
+  set.slip_index(1) = 0;
+  set.frames(2, 3) = inf;
+  EXPECT_THROW(set.validate(), ValueError);
+  set.frames(2, 3) = 0;
+  set.shape_class = {1, 2};
+  EXPECT_THROW(set.validate(), ValueError);
+}

@@ -1,0 +1,104 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "fem/value_error.h"
+#include "nn/frame_set.h"
+#include "nn/philox.h"
+#include "nn/presentation_order.h"
+#include "nn/weights.h"
+
+using namespace tactel;
+using namespace tactel::nn;
+using testing::ElementsAre;
+
+// Known answers published with the generator (Random123, kat_vectors, philox4x32 10).
+TEST(Philox, GivesThePublishedAnswers) {
+  EXPECT_THAT(philox4x32({0, 0, 0, 0}, {0, 0}), ElementsAre(0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8));
+  EXPECT_THAT(philox4x32({~0u, ~0u, ~0u, ~0u}, {~0u, ~0u}),
+              ElementsAre(0x408f276d, 0x41c83b0e, 0xa20bc7c6, 0x6d5451fd));
+  EXPECT_THAT(philox4x32({0x243f6a88, 0x85a308d3, 0x13198a2e, 0x03707344}, {0xa4093822, 0x299f31d0}),
+              ElementsAre(0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1));
+}
+
+// The numbers below come from a separate program (Python integers) that follows the headers' descriptions.
+TEST(InitialWeights, AreTheSameEverywhere) {
+  const Weights<float> weights = initial_weights(Topology::paper(1), 20);
+  ASSERT_EQ(weights.values.size(), 1849u);
+  EXPECT_EQ(weights.values[0], 0x1.af00a6p-2f);
+  EXPECT_EQ(weights.values[1], 0x1.932a12p-2f);
+  EXPECT_EQ(weights.values[2], -0x1.869d5p-5f);
+  EXPECT_EQ(weights.values[4], 0x1.0b259cp-3f);
+  EXPECT_EQ(weights.values[1848], 0x1.0b151ep-2f);
+}
+
+TEST(InitialWeights, AreUniformWithinTheBound) {
+  double mean = 0, square = 0;
+  int count = 0;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    for (const float w : initial_weights(Topology::paper(5), seed).values) {
+      ASSERT_LT(std::abs(w), initial_weight_bound);
+      mean += w;
+      square += double{w} * w;
+      ++count;
+    }
+  }
+  // Uniform in +-b: variance b^2 / 3; the mean of n draws has a deviation of b / sqrt(3 n), that of the squares less. 5
+  // of them.
+  const double b = initial_weight_bound, bound = 5 * b / std::sqrt(3.0 * count);
+  EXPECT_NEAR(mean / count, 0, bound);
+  EXPECT_NEAR(square / count, b * b / 3, bound);
+}
+
+TEST(PresentationOrder, FollowsItsDescription) {
+  const std::uint64_t seed = (std::uint64_t{7} << 32) + 5;
+  EXPECT_THAT(presentation_order(PresentationOrder::permuted, seed, 0, 10), ElementsAre(4, 6, 0, 2, 5, 8, 3, 7, 9, 1));
+  EXPECT_THAT(presentation_order(PresentationOrder::permuted, seed, 3, 10), ElementsAre(3, 6, 2, 0, 1, 9, 7, 4, 8, 5));
+  EXPECT_THAT(presentation_order(PresentationOrder::sequential, seed, 3, 4), ElementsAre(0, 1, 2, 3));
+  EXPECT_THAT(presentation_order(PresentationOrder::permuted, seed, 3, 1), ElementsAre(0));
+}
+
+TEST(PresentationOrder, ShowsEveryRowOnce) {
+  for (const std::uint32_t rows : {2u, 5u, 700u}) {
+    std::vector<std::uint32_t> shown = presentation_order(PresentationOrder::permuted, 1, 2, rows);
+    EXPECT_FALSE(rows == 700 && std::is_sorted(shown.begin(), shown.end()));
+    std::sort(shown.begin(), shown.end());
+    for (std::uint32_t row = 0; row < rows; ++row) EXPECT_EQ(shown[row], row);
+  }
+}
+
+namespace {
+
+FrameSet flat_set(Eigen::Index rows, int inputs, float stress) {
+  FrameSet set;
+  set.frames = RowMatrix<float>::Zero(rows, inputs);
+  set.frames(rows - 1, inputs - 1) = -stress;
+  set.slip_index = Vector<float>::Constant(rows, 0.5f);
+  return set;
+}
+
+}  // namespace
+
+TEST(Noise, FollowsItsDescription) {
+  // Deviation 0.1 * 2 = 0.2 of the numbers that the separate program gave for seed 3; rounded once to float: 1 part in
+  // 2^24.
+  const FrameSet noisy = with_noise(flat_set(2, 4, 2.0f), 0.1, 3);
+  const double expected[] = {-1.73845781718002,    1.4030233941601737, 0.7615151944903205,
+                             -0.18383147735246008, 0.9459535599627411, 0.5541504463411119};
+  for (int i = 0; i < 6; ++i)
+    EXPECT_NEAR(noisy.frames.data()[i], 0.2 * expected[i], 0.2 * std::abs(expected[i]) * 0x1p-24);
+}
+
+TEST(Noise, HasTheDeviationAskedFor) {
+  const FrameSet clean = flat_set(1000, 42, 5.0f);
+  const RowMatrix<double> added = (with_noise(clean, 0.1, 9).frames - clean.frames).cast<double>();
+  const double n = static_cast<double>(added.size());
+  // Deviation 0.5: mean within 5 * 0.5 / sqrt(n), deviation within 5 * 0.5 / sqrt(2 n).
+  EXPECT_NEAR(added.mean(), 0, 2.5 / std::sqrt(n));
+  EXPECT_NEAR(std::sqrt((added.array() - added.mean()).square().mean()), 0.5, 2.5 / std::sqrt(2 * n));
+  EXPECT_EQ(with_noise(clean, 0.0, 9).frames, clean.frames);
+  EXPECT_NE(with_noise(clean, 0.1, 10).frames, with_noise(clean, 0.1, 9).frames);
+  EXPECT_THROW(with_noise(clean, -0.1, 9), ValueError);
+}

@@ -1,0 +1,43 @@
+#include "nn/topology.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "fem/value_error.h"
+
+using namespace tactel;
+using namespace tactel::nn;
+
+// Weights counted by hand: (in + 1) out for each layer.
+TEST(Topology, KnowsThePapersNetworks) {
+  const char* text[] = {"42-42-1", "42-84-1", "42-21-1", "42-42-42-1", "42-42-82-1", "42-42-21-1"};
+  const std::size_t weights[] = {1849, 3697, 925, 3655, 5415, 2731};
+  for (int number = 1; number <= 6; ++number) {
+    const Topology network = Topology::parse(std::to_string(number));
+    EXPECT_EQ(network.text(), text[number - 1]);
+    EXPECT_EQ(network, Topology::parse(text[number - 1]));
+    EXPECT_EQ(network.weight_count(), weights[number - 1]);
+    EXPECT_EQ(network.cycle_limit(), number < 4 ? 10000 : 15000);
+  }
+}
+
+TEST(Topology, TakesAnyWidths) {
+  const Topology network = Topology::parse("16-16-8-1");
+  EXPECT_EQ(network.inputs(), 16);
+  EXPECT_EQ(network.layers(), 3);
+  EXPECT_EQ(network.layer_offset(1), 16u * 17);
+  EXPECT_EQ(network.layer_offset(2), 16u * 17 + 8 * 17);
+}
+
+TEST(Topology, SaysWhatIsWrong) {
+  for (const char* bad : {"", "0", "7", "42", "42-1", "42-42-2", "41-42-1", "42-0-1", "42--1", "42-42-1-", "-42-42-1",
+                          "42-42-42-42-1", "42-257-1", "42-x-1", "42 -42-1", "99999-42-1"}) {
+    try {
+      Topology::parse(bad);
+      ADD_FAILURE() << "accepted \"" << bad << '"';
+    } catch (const ValueError& error) {
+      EXPECT_EQ(error.key, "network");
+      EXPECT_THAT(error.allowed, testing::HasSubstr("42-42-21-1"));
+    }
+  }
+}
