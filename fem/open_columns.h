@@ -4,18 +4,9 @@
 #include <vector>
 
 #include "fem/banded_lu.h"
+#include "fem/column_order.h"
 
 namespace tactel::fem {
-
-/// Free unknowns of the block, one mesh column after another and through the thickness in each, so that K is banded and
-/// block tridiagonal. The mid-side nodes of q8 belong to the column on their right.
-struct ColumnOrder {
-  std::vector<int> dof;    ///< [unknowns] degree of freedom of the mesh
-  std::vector<int> place;  ///< [2 nodes] where that degree of freedom stands among the unknowns; -1 if clamped
-  std::vector<int> first;  ///< [columns + 1] first unknown of each column
-  int columns() const { return static_cast<int>(first.size()) - 1; }
-  int size() const { return static_cast<int>(dof.size()); }
-};
 
 /// Block Cholesky elimination of mesh columns without contact, from one end of the block inwards. What it leaves does
 /// not depend on the contact, so each column is eliminated once a block; only the columns between the outermost nodes

@@ -3,7 +3,7 @@
 surface nodes, and compares base nodal forces. It shares no line with the program, only the conventions (mm, N/mm, x along the array,
 y up; forces of the rubber on the base).
 
-usage: independent_contact.py CASES.json    exit 0 if every case agrees, 1 if not, 77 without numpy
+usage: independent_contact.py CASES.json    exit 0 if every case agrees, 1 if not, 2 without numpy
 
 CASES.json: {"agreement": largest allowed difference over the largest base force, "cases": [{
   "name", "sensor": {length, thickness, young, poisson, columns, rows, grading, element: "q4" | "bbar"},
@@ -18,7 +18,7 @@ try:
     import numpy as np
 except ImportError:
     print("independent_contact.py needs numpy (Debian: python3-numpy)")
-    sys.exit(77)
+    sys.exit(2)
 
 
 def mesh_lines(sensor):
