@@ -13,6 +13,7 @@ enum ExitCode { done = 0, wrong_input = 2, device_failed = 3, not_converged = 4 
 using Action = std::function<int()>;
 
 void add_solve_command(CLI::App& app, Action& action);
+void add_generate_command(CLI::App& app, Action& action);
 void add_reproduce_command(CLI::App& app, Action& action);
 
 /// Options of every command that computes.

@@ -74,6 +74,7 @@ int main(int argc, char** argv) {
   Action action;
   add_devices_command(app, action);
   add_solve_command(app, action);
+  add_generate_command(app, action);
   add_reproduce_command(app, action);
   app.failure_message(parse_failure);
   if (refuse_unknown_command(app, argc, argv)) return wrong_input;

@@ -96,12 +96,24 @@ TEST(GapBlock, SaysThatASystemIsSingular) {
   mesh.node << 0, 1, 0, 1, 0, 0, 1, 1;
   mesh.base = {0, 1};
   mesh.surface = {2, 3};
-  Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(8, 8);
-  matrix.block<2, 2>(4, 4) << 1, -0.5, -0.5, 1;
+  Eigen::Matrix2d spring;
+  spring << 1, -0.5, -0.5, 1;
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(8, 8);
+  for (int column : {0, 2}) {
+    matrix.block<2, 2>(column, column) = matrix.block<2, 2>(column + 4, column + 4) = spring;
+    matrix.block<2, 2>(column, column + 4) = matrix.block<2, 2>(column + 4, column) = -spring;
+  }
   GapBlock block(mesh, matrix.sparseView());
   const std::vector<Trial> trial{Trial::slip_plus, Trial::open};
   EXPECT_FALSE(block.displacement(trial, 2, Extended::Zero(4, 1)));
   EXPECT_TRUE(block.displacement(trial, 1, Extended::Zero(4, 1)));
+}
+
+TEST(GapBlock, RefusesAStiffnessThatResistsTranslation) {
+  const Sensor sensor;
+  Eigen::SparseMatrix<double> matrix = stiffness(make_mesh(sensor), sensor);
+  matrix.coeffRef(100, 100) *= 1.001;
+  EXPECT_THROW(GapBlock(make_mesh(sensor), matrix), std::invalid_argument);
 }
 
 INSTANTIATE_TEST_SUITE_P(Elements, GapBlockTest,

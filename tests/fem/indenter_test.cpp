@@ -67,6 +67,7 @@ TEST(IndenterShape, Taylor) {
   EXPECT_DOUBLE_EQ(at(Taylor{{1, 3}, 1, {}}, 2), 10);  // 2 + 8
   EXPECT_DOUBLE_EQ(at(Taylor{{1, 3}, 2, {}}, 4), 20);  // 2 (2 + 8)
   EXPECT_DOUBLE_EQ(at(Taylor{{1, 2, 3, 4, 5}, 1, {}}, 1), 5);
+  EXPECT_DOUBLE_EQ(at(Taylor{{1, 3}, 2, 0.25}, 4), 2.5);  // 0.25 (2 + 8)
 }
 
 TEST(IndenterShape, MeasuredProfile) {
@@ -167,6 +168,7 @@ TEST(Indenter, NamesWhatItRejects) {
     rejects(Exponential{1, bad}, "indenter.rate", "", "1/mm");
     rejects(Trapezoid{1, bad}, "indenter.slope", "", "slope");
     rejects(Taylor{{1}, bad, {}}, "indenter.scale", "", "length in mm");
+    rejects(Taylor{{1}, 1, bad}, "indenter.height", "", "length in mm");
   }
   rejects(Trapezoid{-1, 1}, "indenter.half_width", "-1", "0 or a length");
   rejects(RoundedFlat{-1, 1}, "indenter.half_width", "-1", "0 or a length");
