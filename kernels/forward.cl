@@ -1,0 +1,199 @@
+/* Slippage index S of frames: scaling, network, shift by 0.5. Two kernels, one arithmetic, so that a frame gets the same bits alone, in a batch
+   of any size and at any place of it:
+     z_j = b_j, then z_j = fma(w_ji, o_i, z_j) for i = 0, 1, ...;  o = f(z);  the output neuron in four interleaved sums.
+   `forward` has frames in the lanes, for batches; `forward_one` neurons, so that a single frame uses whole vectors.
+
+   Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer). */
+// defines: INPUTS=42 HIDDEN1=42 HIDDEN2=21
+#include "shared/activation.h"
+#include "shared/frame_status.h"
+#include "shared/group.h"
+#include "shared/lane_sums.h"
+#include "shared/transpose.h"
+
+#define VECTORS 2                               /* of frames in a group */
+#define TILE (VECTORS * LANES)                  /* frames in a group */
+#define ROWS (sizeof(vreal) == 64 ? 14 : 6)     /* neurons taken together: ROWS VECTORS sums and an operand or two fill the registers */
+#define LAST (HIDDEN2 ? HIDDEN2 : HIDDEN1)
+#define LAYER1 (HIDDEN1 * (INPUTS + 1))
+#define LAYER2 (HIDDEN2 * (HIDDEN1 + 1))
+#define NETWORK_WEIGHTS (LAYER1 + LAYER2 + LAST + 1)
+#define V1 VECTORS_OF(HIDDEN1)
+#define V2 VECTORS_OF(HIDDEN2)
+#define EACH(v, n) UNROLL for (int v = 0; v < (n); ++v)
+#define INLINE static inline __attribute__((always_inline))
+
+#if LANES == 1
+#define LOAD_FLOATS(p) ((real)*(p))
+#else
+#define LOAD_FLOATS(p) JOIN(convert_, JOIN(REAL, LANES))(JOIN(vload, LANES)(0, p))
+#endif
+
+/* How frames in MPa become inputs. */
+typedef struct {
+  int by_frame; /* divide by the frame's own largest |normal stress|; else by the set's largest stress */
+  real factor;  /* 1 / the set's largest stress, 1/MPa */
+} Scaling;
+
+/* NaN or infinite where any of the numbers was. */
+INLINE vreal note_not_finite(vreal noted, vreal x) { return fma(x, ALL_LANES(0), noted); }
+
+/* LANES frames from `first` on, lanes beyond the last row repeating it: x[k] is input k of each. */
+INLINE void load_frames(global const float *frames, uint first, uint rows, int v, vreal (*x)[VECTORS]) {
+#if INPUTS >= LANES
+  UNROLL for (int begin = 0; begin < INPUTS; begin += LANES) {
+    const int from = min(begin, INPUTS - LANES); /* the last block overlaps the one before */
+    vreal block[LANES];
+    EACH(lane, LANES) { block[lane] = LOAD_FLOATS(frames + (size_t)min(first + lane, rows - 1) * INPUTS + from); }
+    transpose(block);
+    EACH(k, LANES) { x[from + k][v] = block[k]; }
+  }
+#else
+  for (int lane = 0; lane < LANES; ++lane) {
+    global const float *frame = frames + (size_t)min(first + lane, rows - 1) * INPUTS;
+    for (int k = 0; k < INPUTS; ++k) ((real *)&x[k][v])[lane] = frame[k];
+  }
+#endif
+}
+
+/* Scales the inputs of LANES frames; marks those that are not finite or carry no stress, and gives the network zeros for them. */
+INLINE void scale_frames(Scaling scaling, int v, vreal (*x)[VECTORS], vint *not_finite, vint *no_stress) {
+  vreal noted = 0, largest = 0;
+  for (int k = 0; k < INPUTS; ++k) noted = note_not_finite(noted, x[k][v]);
+  *not_finite = noted != noted;
+  *no_stress = 0;
+  vreal factor = ALL_LANES(scaling.factor);
+  if (scaling.by_frame) {
+    for (int k = 0; k < INPUTS / 2; ++k) largest = fmax(largest, fabs(x[k][v]));
+    *no_stress = largest < ALL_LANES(SMALLEST_STRESS);
+    factor = ALL_LANES(1) / largest;
+  }
+  const vint zero = *not_finite | *no_stress;
+  for (int k = 0; k < INPUTS; ++k) x[k][v] = PICK(zero, ALL_LANES(0), x[k][v] * factor);
+}
+
+/* `rows` neurons from n on of a layer with `fan_in` inputs; w: [out][fan_in + 1]. */
+INLINE void forward_rows(const int rows, const int fan_in, int n, global const real *w, const vreal (*x)[VECTORS], vreal (*o)[VECTORS]) {
+  vreal z[ROWS][VECTORS];
+  w += n * (fan_in + 1);
+  EACH(r, rows) { EACH(v, VECTORS) { z[r][v] = ALL_LANES(w[r * (fan_in + 1) + fan_in]); } }
+  for (int k = 0; k < fan_in; ++k) {
+    EACH(r, rows) { EACH(v, VECTORS) { z[r][v] = fma(ALL_LANES(w[r * (fan_in + 1) + k]), x[k][v], z[r][v]); } }
+  }
+  EACH(r, rows) { EACH(v, VECTORS) { o[n + r][v] = activation(z[r][v]); } }
+}
+
+INLINE void forward_layer(const int fan_in, const int fan_out, global const real *w, const vreal (*x)[VECTORS], vreal (*o)[VECTORS]) {
+  for (int n = 0; n + ROWS <= fan_out; n += ROWS) forward_rows(ROWS, fan_in, n, w, x, o);
+  if (fan_out % ROWS) forward_rows(fan_out % ROWS, fan_in, fan_out - fan_out % ROWS, w, x, o);
+}
+
+/* S from the output's four sums; NaN, with a status, where there is no answer. */
+INLINE vreal slippage_index(const vreal *sum, vint not_finite, vint *overflow) {
+  const vreal output = activation((sum[0] + sum[1]) + (sum[2] + sum[3]));
+  *overflow = output != output;
+  return PICK(not_finite, ALL_LANES(NAN), output + ALL_LANES(0.5f));
+}
+
+INLINE vreal output_of_frames(global const real *w, const vreal (*o)[VECTORS], int v, vint not_finite, vint *overflow) {
+  vreal sum[4] = {ALL_LANES(w[LAST]), 0, 0, 0};
+  UNROLL for (int k = 0; k < LAST; ++k) sum[k % 4] = fma(ALL_LANES(w[k]), o[k][v], sum[k % 4]);
+  return slippage_index(sum, not_finite, overflow);
+}
+
+INLINE vreal output_of_one(global const real *w, const real *o, vint not_finite, vint *overflow) {
+  vreal sum[4] = {ALL_LANES(w[LAST]), 0, 0, 0};
+  UNROLL for (int k = 0; k < LAST; ++k) sum[k % 4] = fma(ALL_LANES(w[k]), ALL_LANES(o[k]), sum[k % 4]);
+  return slippage_index(sum, not_finite, overflow);
+}
+
+INLINE uchar status_of(int not_finite, int no_stress, int overflow) {
+  return not_finite ? FRAME_NOT_FINITE : overflow ? FRAME_OVERFLOW : no_stress ? FRAME_NO_STRESS : FRAME_OK;
+}
+
+/* Group g: tile g % tiles of the frames, for network g / tiles.
+   weights: [networks][NETWORK_WEIGHTS], each [layer][out][in + 1] with the bias last
+   frames:  [rows][INPUTS] MPa, normal stresses first
+   slip_index, status: [networks][rows] */
+kernel void forward(uint first_group, global const real *weights, global const float *frames, global real *slip_index, global uchar *status,
+                    uint rows, uint tiles, int by_frame, real factor) {
+  TAKE_GROUP(group);
+  const size_t network = group / tiles;
+  const uint first = (uint)(group % tiles) * TILE;
+  global const real *w = weights + network * NETWORK_WEIGHTS;
+  const Scaling scaling = {by_frame, factor};
+  vreal x[INPUTS][VECTORS], o1[HIDDEN1][VECTORS];
+  vint not_finite[VECTORS], no_stress[VECTORS];
+  EACH(v, VECTORS) {
+    load_frames(frames, first + v * LANES, rows, v, x);
+    scale_frames(scaling, v, x, not_finite + v, no_stress + v);
+  }
+  forward_layer(INPUTS, HIDDEN1, w, x, o1);
+#if HIDDEN2
+  vreal last[HIDDEN2][VECTORS];
+  forward_layer(HIDDEN1, HIDDEN2, w + LAYER1, o1, last);
+#else
+  const vreal(*last)[VECTORS] = o1;
+#endif
+  slip_index += network * rows;
+  status += network * rows;
+  EACH(v, VECTORS) {
+    vint overflow;
+    const vreal s = output_of_frames(w + LAYER1 + LAYER2, last, v, not_finite[v], &overflow);
+    for (uint lane = 0; lane < LANES && first + v * LANES + lane < rows; ++lane) {
+      const uint row = first + v * LANES + lane;
+      slip_index[row] = ((const real *)&s)[lane];
+      status[row] = status_of(((const REAL_INT *)(not_finite + v))[lane] != 0, ((const REAL_INT *)(no_stress + v))[lane] != 0,
+                              ((const REAL_INT *)&overflow)[lane] != 0);
+    }
+  }
+}
+
+/* Outputs of one layer for one frame. w: [fan_in + 1][vectors][LANES]; x: [fan_in]; o: [vectors]. */
+INLINE void forward_one_layer(const int fan_in, const int vectors, global const real *w, const real *x, vreal *o) {
+  EACH(v, vectors) { o[v] = LOAD(w + (fan_in * vectors + v) * LANES); }
+  for (int k = 0; k < fan_in; ++k) {
+    EACH(v, vectors) { o[v] = fma(LOAD(w + (k * vectors + v) * LANES), ALL_LANES(x[k]), o[v]); }
+  }
+  EACH(v, vectors) { o[v] = activation(o[v]); }
+}
+
+/* Frame `group` by itself.
+   weights: hidden layers [fan_in + 1][vectors of neurons][LANES], the bias last; then the output neuron, [LAST + 1]
+   frames:  [rows][VECTORS_OF(INPUTS)][LANES] MPa, zeros behind the inputs
+   slip_index, status: [rows] */
+kernel void forward_one(uint first_group, global const real *weights, global const float *frames, global real *slip_index,
+                        global uchar *status, int by_frame, real factor) {
+  TAKE_GROUP(group);
+  vreal x[VECTORS_OF(INPUTS)], o1[V1], noted = 0, largest = 0;
+  frames += group * (VECTORS_OF(INPUTS) * LANES);
+  EACH(v, VECTORS_OF(INPUTS)) {
+    x[v] = LOAD_FLOATS(frames + v * LANES);
+    noted = note_not_finite(noted, x[v]);
+  }
+  noted = ALL_LANES(lane_sum(noted));
+  const vint not_finite = noted != noted;
+  vint no_stress = 0, overflow;
+  vreal scale = ALL_LANES(factor);
+  if (by_frame) {
+    const real *normal = (const real *)x;
+    real most[4] = {0, 0, 0, 0};
+    UNROLL for (int k = 0; k < INPUTS / 2; ++k) most[k % 4] = fmax(most[k % 4], fabs(normal[k]));
+    largest = ALL_LANES(fmax(fmax(most[0], most[1]), fmax(most[2], most[3])));
+    no_stress = largest < ALL_LANES(SMALLEST_STRESS);
+    scale = ALL_LANES(1) / largest;
+  }
+  EACH(v, VECTORS_OF(INPUTS)) { x[v] = PICK(not_finite | no_stress, ALL_LANES(0), x[v] * scale); }
+  forward_one_layer(INPUTS, V1, weights, (const real *)x, o1);
+  weights += (INPUTS + 1) * V1 * LANES;
+#if HIDDEN2
+  vreal last[V2];
+  forward_one_layer(HIDDEN1, V2, weights, (const real *)o1, last);
+  weights += (HIDDEN1 + 1) * V2 * LANES;
+#else
+  const vreal *last = o1;
+#endif
+  const vreal s = output_of_one(weights, (const real *)last, not_finite, &overflow);
+  slip_index[group] = ((const real *)&s)[0];
+  status[group] = status_of(ANY(not_finite), ANY(no_stress), ANY(overflow));
+}
