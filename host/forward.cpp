@@ -5,6 +5,7 @@
 
 #include "fem/value_error.h"
 #include "kernels/shared/frame_status.h"
+#include "kernels/shared/one_frame.h"
 
 namespace tactel::host {
 namespace {
@@ -136,39 +137,30 @@ nn::Recall<Real> Forward<Real>::recall(const nn::RowMatrix<float>& frames) {
 
 template <class Real>
 ForwardOne<Real>::ForwardOne(Executor& executor, const nn::Weights<Real>& weights, const nn::InputScaling& scaling)
-    : executor_(&executor), topology_(weights.topology) {
+    : executor_(&executor), topology_(weights.topology), frame_(topology_.inputs()) {
   scaling.validate();
   const Device& device = executor.device();
   const int lanes = device.lanes(precision_of<Real>);
+  std::vector<Real> all(ONE_FRAME + vectors_of(topology_.inputs(), lanes) * lanes, Real(0));
+  all[ONE_BY_FRAME] = scaling.kind == nn::ScalingKind::frame;
+  all[ONE_FACTOR] = factor_of<Real>(scaling);
   const std::vector<Real> packed = neurons_in_lanes(weights, lanes);
-  weights_ = Buffer<Real>(device, std::span<const Real>(packed));
-  const std::vector<float> zeros(vectors_of(topology_.inputs(), lanes) * lanes, 0.0f);
-  frame_ = Buffer<float>(device, std::span<const float>(zeros));
-  slip_index_ = Buffer<Real>(device, 1);
-  status_ = Buffer<std::uint8_t>(device, 1);
+  all.insert(all.end(), packed.begin(), packed.end());
+  all_ = Buffer<Real>(device, std::span<const Real>(all));
   const Program program(device, "forward.cl", network_defines(topology_, lanes, precision_of<Real>));
-  launch_ = executor.prepare(program, "forward_one", [&](cl::Kernel& kernel) {
-    cl_uint i = 1;
-    kernel.setArg(i++, weights_.cl_buffer());
-    kernel.setArg(i++, frame_.cl_buffer());
-    kernel.setArg(i++, slip_index_.cl_buffer());
-    kernel.setArg(i++, status_.cl_buffer());
-    kernel.setArg(i++, cl_int{scaling.kind == nn::ScalingKind::frame});
-    kernel.setArg(i++, factor_of<Real>(scaling));
-  });
+  launch_ = executor.prepare(program, "forward_one", [&](cl::Kernel& kernel) { kernel.setArg(1, all_.cl_buffer()); });
 }
 
 template <class Real>
 FrameAnswer<Real> ForwardOne<Real>::operator()(std::span<const float> frame) {
   check_width(topology_, frame.size());
-  frame_.write(frame);
+  std::copy(frame.begin(), frame.end(), frame_.begin());
+  all_.write(frame_, ONE_FRAME);
   executor_->run_here(launch_);
-  FrameAnswer<Real> answer;
-  std::uint8_t status = 0;
-  slip_index_.read(std::span(&answer.slip_index, 1));
-  status_.read(std::span(&status, 1));
-  answer.status = static_cast<nn::FrameStatus>(status);
-  return answer;
+  Real answer[2];
+  static_assert(ONE_SLIP_INDEX == 0 && ONE_STATUS == 1);
+  all_.read(answer);
+  return {answer[0], static_cast<nn::FrameStatus>(static_cast<int>(answer[1]))};
 }
 
 template class Forward<float>;

@@ -70,9 +70,8 @@ class ForwardOne {
  private:
   Executor* executor_;
   nn::Topology topology_;
-  Buffer<Real> weights_, slip_index_;
-  Buffer<float> frame_;
-  Buffer<std::uint8_t> status_;
+  std::vector<Real> frame_;  ///< scratch, [inputs]
+  Buffer<Real> all_;         ///< answer, scaling, frame and weights (kernels/shared/one_frame.h)
   Launch launch_;
 };
 

@@ -9,6 +9,7 @@
 #include "shared/frame_status.h"
 #include "shared/group.h"
 #include "shared/lane_sums.h"
+#include "shared/one_frame.h"
 #include "shared/transpose.h"
 
 #define VECTORS 2                               /* of frames in a group */
@@ -20,6 +21,7 @@
 #define NETWORK_WEIGHTS (LAYER1 + LAYER2 + LAST + 1)
 #define V1 VECTORS_OF(HIDDEN1)
 #define V2 VECTORS_OF(HIDDEN2)
+#define ROLLED _Pragma("nounroll")
 #define EACH(v, n) UNROLL for (int v = 0; v < (n); ++v)
 #define INLINE static inline __attribute__((always_inline))
 
@@ -41,7 +43,7 @@ INLINE vreal note_not_finite(vreal noted, vreal x) { return fma(x, ALL_LANES(0),
 /* LANES frames from `first` on, lanes beyond the last row repeating it: x[k] is input k of each. */
 INLINE void load_frames(global const float *frames, uint first, uint rows, int v, vreal (*x)[VECTORS]) {
 #if INPUTS >= LANES
-  UNROLL for (int begin = 0; begin < INPUTS; begin += LANES) {
+  ROLLED for (int begin = 0; begin < INPUTS; begin += LANES) {
     const int from = min(begin, INPUTS - LANES); /* the last block overlaps the one before */
     vreal block[LANES];
     EACH(lane, LANES) { block[lane] = LOAD_FLOATS(frames + (size_t)min(first + lane, rows - 1) * INPUTS + from); }
@@ -56,20 +58,21 @@ INLINE void load_frames(global const float *frames, uint first, uint rows, int v
 #endif
 }
 
-/* Scales the inputs of LANES frames; marks those that are not finite or carry no stress, and gives the network zeros for them. */
-INLINE void scale_frames(Scaling scaling, int v, vreal (*x)[VECTORS], vint *not_finite, vint *no_stress) {
+/* Scales the inputs of LANES frames; a frame that is not finite or carries no stress becomes zeros, and its status says so. */
+INLINE vint scale_frames(Scaling scaling, int v, vreal (*x)[VECTORS]) {
   vreal noted = 0, largest = 0;
-  for (int k = 0; k < INPUTS; ++k) noted = note_not_finite(noted, x[k][v]);
-  *not_finite = noted != noted;
-  *no_stress = 0;
+  ROLLED for (int k = 0; k < INPUTS; ++k) noted = note_not_finite(noted, x[k][v]);
+  const vint not_finite = noted != noted;
+  vint no_stress = 0;
   vreal factor = ALL_LANES(scaling.factor);
   if (scaling.by_frame) {
-    for (int k = 0; k < INPUTS / 2; ++k) largest = fmax(largest, fabs(x[k][v]));
-    *no_stress = largest < ALL_LANES(SMALLEST_STRESS);
+    ROLLED for (int k = 0; k < INPUTS / 2; ++k) largest = fmax(largest, fabs(x[k][v]));
+    no_stress = largest < ALL_LANES(SMALLEST_STRESS);
     factor = ALL_LANES(1) / largest;
   }
-  const vint zero = *not_finite | *no_stress;
-  for (int k = 0; k < INPUTS; ++k) x[k][v] = PICK(zero, ALL_LANES(0), x[k][v] * factor);
+  const vint zero = not_finite | no_stress;
+  ROLLED for (int k = 0; k < INPUTS; ++k) x[k][v] = PICK(zero, ALL_LANES(0), x[k][v] * factor);
+  return PICK(not_finite, (vint)(FRAME_NOT_FINITE), PICK(no_stress, (vint)(FRAME_NO_STRESS), (vint)(FRAME_OK)));
 }
 
 /* `rows` neurons from n on of a layer with `fan_in` inputs; w: [out][fan_in + 1]. */
@@ -80,35 +83,37 @@ INLINE void forward_rows(const int rows, const int fan_in, int n, global const r
   for (int k = 0; k < fan_in; ++k) {
     EACH(r, rows) { EACH(v, VECTORS) { z[r][v] = fma(ALL_LANES(w[r * (fan_in + 1) + k]), x[k][v], z[r][v]); } }
   }
-  EACH(r, rows) { EACH(v, VECTORS) { o[n + r][v] = activation(z[r][v]); } }
+  EACH(r, rows) { EACH(v, VECTORS) { o[n + r][v] = z[r][v]; } }
+  ROLLED for (int r = 0; r < rows; ++r) {
+    EACH(v, VECTORS) { o[n + r][v] = activation(o[n + r][v]); }
+  }
 }
 
 INLINE void forward_layer(const int fan_in, const int fan_out, global const real *w, const vreal (*x)[VECTORS], vreal (*o)[VECTORS]) {
-  for (int n = 0; n + ROWS <= fan_out; n += ROWS) forward_rows(ROWS, fan_in, n, w, x, o);
+  ROLLED for (int n = 0; n + ROWS <= fan_out; n += ROWS) forward_rows(ROWS, fan_in, n, w, x, o);
   if (fan_out % ROWS) forward_rows(fan_out % ROWS, fan_in, fan_out - fan_out % ROWS, w, x, o);
 }
 
-/* S from the output's four sums; NaN, with a status, where there is no answer. */
-INLINE vreal slippage_index(const vreal *sum, vint not_finite, vint *overflow) {
-  const vreal output = activation((sum[0] + sum[1]) + (sum[2] + sum[3]));
-  *overflow = output != output;
-  return PICK(not_finite, ALL_LANES(NAN), output + ALL_LANES(0.5f));
-}
-
-INLINE vreal output_of_frames(global const real *w, const vreal (*o)[VECTORS], int v, vint not_finite, vint *overflow) {
+/* S of the frames in vector v: the output neuron in four sums. NaN when a sum overflowed. */
+INLINE vreal output_of_frames(global const real *w, const vreal (*o)[VECTORS], int v) {
   vreal sum[4] = {ALL_LANES(w[LAST]), 0, 0, 0};
-  UNROLL for (int k = 0; k < LAST; ++k) sum[k % 4] = fma(ALL_LANES(w[k]), o[k][v], sum[k % 4]);
-  return slippage_index(sum, not_finite, overflow);
+  int k = 0;
+  ROLLED for (; k + 4 <= LAST; k += 4) { EACH(i, 4) { sum[i] = fma(ALL_LANES(w[k + i]), o[k + i][v], sum[i]); } }
+  EACH(i, LAST % 4) { sum[i] = fma(ALL_LANES(w[LAST - LAST % 4 + i]), o[LAST - LAST % 4 + i][v], sum[i]); }
+  return activation((sum[0] + sum[1]) + (sum[2] + sum[3])) + ALL_LANES(0.5f);
 }
 
-INLINE vreal output_of_one(global const real *w, const real *o, vint not_finite, vint *overflow) {
-  vreal sum[4] = {ALL_LANES(w[LAST]), 0, 0, 0};
-  UNROLL for (int k = 0; k < LAST; ++k) sum[k % 4] = fma(ALL_LANES(w[k]), ALL_LANES(o[k]), sum[k % 4]);
-  return slippage_index(sum, not_finite, overflow);
+/* The same for one frame; in every lane. */
+INLINE vreal output_of_one(global const real *w, const real *o) {
+  real sum[4] = {w[LAST], 0, 0, 0};
+  UNROLL for (int k = 0; k < LAST; ++k) sum[k % 4] = fma(w[k], o[k], sum[k % 4]);
+  return activation(ALL_LANES((sum[0] + sum[1]) + (sum[2] + sum[3]))) + ALL_LANES(0.5f);
 }
 
-INLINE uchar status_of(int not_finite, int no_stress, int overflow) {
-  return not_finite ? FRAME_NOT_FINITE : overflow ? FRAME_OVERFLOW : no_stress ? FRAME_NO_STRESS : FRAME_OK;
+/* What is said of a frame: NaN and a status where there is no answer. */
+INLINE real answer(real s, int status_before, int *status) {
+  *status = status_before == FRAME_OK && isnan(s) ? FRAME_OVERFLOW : status_before;
+  return status_before == FRAME_NOT_FINITE ? (real)NAN : s;
 }
 
 /* Group g: tile g % tiles of the frames, for network g / tiles.
@@ -119,14 +124,16 @@ kernel void forward(uint first_group, global const real *weights, global const f
                     uint rows, uint tiles, int by_frame, real factor) {
   TAKE_GROUP(group);
   const size_t network = group / tiles;
-  const uint first = (uint)(group % tiles) * TILE;
+  const uint first = (uint)(group % tiles) * TILE, end = min(first + TILE, rows);
   global const real *w = weights + network * NETWORK_WEIGHTS;
   const Scaling scaling = {by_frame, factor};
-  vreal x[INPUTS][VECTORS], o1[HIDDEN1][VECTORS];
-  vint not_finite[VECTORS], no_stress[VECTORS];
-  EACH(v, VECTORS) {
+  slip_index += network * rows;
+  status += network * rows;
+  vreal x[INPUTS][VECTORS], o1[HIDDEN1][VECTORS], s[VECTORS];
+  ROLLED for (int v = 0; v < VECTORS; ++v) {
     load_frames(frames, first + v * LANES, rows, v, x);
-    scale_frames(scaling, v, x, not_finite + v, no_stress + v);
+    const vint found = scale_frames(scaling, v, x);
+    for (uint row = first + v * LANES, lane = 0; lane < LANES && row < end; ++lane, ++row) status[row] = (uchar)((const REAL_INT *)&found)[lane];
   }
   forward_layer(INPUTS, HIDDEN1, w, x, o1);
 #if HIDDEN2
@@ -135,17 +142,11 @@ kernel void forward(uint first_group, global const real *weights, global const f
 #else
   const vreal(*last)[VECTORS] = o1;
 #endif
-  slip_index += network * rows;
-  status += network * rows;
-  EACH(v, VECTORS) {
-    vint overflow;
-    const vreal s = output_of_frames(w + LAYER1 + LAYER2, last, v, not_finite[v], &overflow);
-    for (uint lane = 0; lane < LANES && first + v * LANES + lane < rows; ++lane) {
-      const uint row = first + v * LANES + lane;
-      slip_index[row] = ((const real *)&s)[lane];
-      status[row] = status_of(((const REAL_INT *)(not_finite + v))[lane] != 0, ((const REAL_INT *)(no_stress + v))[lane] != 0,
-                              ((const REAL_INT *)&overflow)[lane] != 0);
-    }
+  ROLLED for (int v = 0; v < VECTORS; ++v) s[v] = output_of_frames(w + LAYER1 + LAYER2, last, v);
+  for (uint row = first; row < end; ++row) {
+    int final_status;
+    slip_index[row] = answer(((const real *)s)[row - first], status[row], &final_status);
+    status[row] = (uchar)final_status;
   }
 }
 
@@ -158,42 +159,42 @@ INLINE void forward_one_layer(const int fan_in, const int vectors, global const 
   EACH(v, vectors) { o[v] = activation(o[v]); }
 }
 
-/* Frame `group` by itself.
-   weights: hidden layers [fan_in + 1][vectors of neurons][LANES], the bias last; then the output neuron, [LAST + 1]
-   frames:  [rows][VECTORS_OF(INPUTS)][LANES] MPa, zeros behind the inputs
-   slip_index, status: [rows] */
-kernel void forward_one(uint first_group, global const real *weights, global const float *frames, global real *slip_index,
-                        global uchar *status, int by_frame, real factor) {
+/* Largest |normal stress| of one frame. */
+INLINE real largest_normal(const real *x) {
+  real most[4] = {0, 0, 0, 0};
+  UNROLL for (int k = 0; k < INPUTS / 2; ++k) most[k % 4] = fmax(most[k % 4], fabs(x[k]));
+  return fmax(fmax(most[0], most[1]), fmax(most[2], most[3]));
+}
+
+/* One frame by itself. As each argument costs time in a launch, there is one: numbers at the places of shared/one_frame.h, then
+   the hidden layers, [fan_in + 1][vectors of neurons][LANES] with the bias last, then the output neuron, [LAST + 1]. */
+kernel void forward_one(uint first_group, global real *all) {
   TAKE_GROUP(group);
-  vreal x[VECTORS_OF(INPUTS)], o1[V1], noted = 0, largest = 0;
-  frames += group * (VECTORS_OF(INPUTS) * LANES);
+  global const real *w = all + ONE_FRAME + VECTORS_OF(INPUTS) * LANES;
+  vreal x[VECTORS_OF(INPUTS)], o1[V1], noted = 0;
   EACH(v, VECTORS_OF(INPUTS)) {
-    x[v] = LOAD_FLOATS(frames + v * LANES);
+    x[v] = LOAD(all + ONE_FRAME + v * LANES);
     noted = note_not_finite(noted, x[v]);
   }
-  noted = ALL_LANES(lane_sum(noted));
-  const vint not_finite = noted != noted;
-  vint no_stress = 0, overflow;
-  vreal scale = ALL_LANES(factor);
-  if (by_frame) {
-    const real *normal = (const real *)x;
-    real most[4] = {0, 0, 0, 0};
-    UNROLL for (int k = 0; k < INPUTS / 2; ++k) most[k % 4] = fmax(most[k % 4], fabs(normal[k]));
-    largest = ALL_LANES(fmax(fmax(most[0], most[1]), fmax(most[2], most[3])));
-    no_stress = largest < ALL_LANES(SMALLEST_STRESS);
-    scale = ALL_LANES(1) / largest;
+  const real sum = lane_sum(noted);
+  int status = sum != sum ? FRAME_NOT_FINITE : FRAME_OK;
+  real factor = all[ONE_FACTOR];
+  if (all[ONE_BY_FRAME] != 0) {
+    const real largest = largest_normal((const real *)x);
+    if (status == FRAME_OK && largest < SMALLEST_STRESS) status = FRAME_NO_STRESS;
+    factor = 1 / largest;
   }
-  EACH(v, VECTORS_OF(INPUTS)) { x[v] = PICK(not_finite | no_stress, ALL_LANES(0), x[v] * scale); }
-  forward_one_layer(INPUTS, V1, weights, (const real *)x, o1);
-  weights += (INPUTS + 1) * V1 * LANES;
+  EACH(v, VECTORS_OF(INPUTS)) { x[v] = status == FRAME_OK ? x[v] * factor : ALL_LANES(0); }
+  forward_one_layer(INPUTS, V1, w, (const real *)x, o1);
+  w += (INPUTS + 1) * V1 * LANES;
 #if HIDDEN2
   vreal last[V2];
-  forward_one_layer(HIDDEN1, V2, weights, (const real *)o1, last);
-  weights += (HIDDEN1 + 1) * V2 * LANES;
+  forward_one_layer(HIDDEN1, V2, w, (const real *)o1, last);
+  w += (HIDDEN1 + 1) * V2 * LANES;
 #else
   const vreal *last = o1;
 #endif
-  const vreal s = output_of_one(weights, (const real *)last, not_finite, &overflow);
-  slip_index[group] = ((const real *)&s)[0];
-  status[group] = status_of(ANY(not_finite), ANY(no_stress), ANY(overflow));
+  const vreal s = output_of_one(w, (const real *)last);
+  all[ONE_SLIP_INDEX + group] = answer(((const real *)&s)[0], status, &status);
+  all[ONE_STATUS] = status;
 }
