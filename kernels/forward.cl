@@ -1,29 +1,23 @@
-/* Slippage index S of frames: scaling, network, shift by 0.5. Two kernels, one arithmetic, so that a frame gets the same bits alone, in a batch
-   of any size and at any place of it:
-     z_j = b_j, then z_j = fma(w_ji, o_i, z_j) for i = 0, 1, ...;  o = f(z);  the output neuron in four interleaved sums.
-   `forward` has frames in the lanes, for batches; `forward_one` neurons, so that a single frame uses whole vectors.
+/* Slippage index S of frames: scaling, network, shift by 0.5. Two kernels, one arithmetic (shared/forward_layer.h), so that a frame gets the
+   same bits alone, in a batch of any size and at any place of it. `forward` has frames in the lanes, for batches; `forward_one` neurons,
+   so that a single frame uses whole vectors.
 
    Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer). */
 // defines: INPUTS=42 HIDDEN1=42 HIDDEN2=21
-#include "shared/activation.h"
+#include "shared/forward_layer.h"
 #include "shared/frame_status.h"
 #include "shared/group.h"
 #include "shared/lane_sums.h"
 #include "shared/one_frame.h"
 #include "shared/transpose.h"
 
-#define VECTORS 2                               /* of frames in a group */
-#define TILE (VECTORS * LANES)                  /* frames in a group */
-#define ROWS (sizeof(vreal) == 64 ? 14 : 6)     /* neurons taken together: ROWS VECTORS sums and an operand or two fill the registers */
+#define TILE (VECTORS * LANES) /* frames in a group */
 #define LAST (HIDDEN2 ? HIDDEN2 : HIDDEN1)
 #define LAYER1 (HIDDEN1 * (INPUTS + 1))
 #define LAYER2 (HIDDEN2 * (HIDDEN1 + 1))
 #define NETWORK_WEIGHTS (LAYER1 + LAYER2 + LAST + 1)
 #define V1 VECTORS_OF(HIDDEN1)
 #define V2 VECTORS_OF(HIDDEN2)
-#define ROLLED _Pragma("nounroll")
-#define EACH(v, n) UNROLL for (int v = 0; v < (n); ++v)
-#define INLINE static inline __attribute__((always_inline))
 
 #if LANES == 1
 #define LOAD_FLOATS(p) ((real)*(p))
@@ -75,39 +69,11 @@ INLINE vint scale_frames(Scaling scaling, int v, vreal (*x)[VECTORS]) {
   return PICK(not_finite, (vint)(FRAME_NOT_FINITE), PICK(no_stress, (vint)(FRAME_NO_STRESS), (vint)(FRAME_OK)));
 }
 
-/* `rows` neurons from n on of a layer with `fan_in` inputs; w: [out][fan_in + 1]. */
-INLINE void forward_rows(const int rows, const int fan_in, int n, global const real *w, const vreal (*x)[VECTORS], vreal (*o)[VECTORS]) {
-  vreal z[ROWS][VECTORS];
-  w += n * (fan_in + 1);
-  EACH(r, rows) { EACH(v, VECTORS) { z[r][v] = ALL_LANES(w[r * (fan_in + 1) + fan_in]); } }
-  for (int k = 0; k < fan_in; ++k) {
-    EACH(r, rows) { EACH(v, VECTORS) { z[r][v] = fma(ALL_LANES(w[r * (fan_in + 1) + k]), x[k][v], z[r][v]); } }
-  }
-  EACH(r, rows) { EACH(v, VECTORS) { o[n + r][v] = z[r][v]; } }
-  ROLLED for (int r = 0; r < rows; ++r) {
-    EACH(v, VECTORS) { o[n + r][v] = activation(o[n + r][v]); }
-  }
-}
-
-INLINE void forward_layer(const int fan_in, const int fan_out, global const real *w, const vreal (*x)[VECTORS], vreal (*o)[VECTORS]) {
-  ROLLED for (int n = 0; n + ROWS <= fan_out; n += ROWS) forward_rows(ROWS, fan_in, n, w, x, o);
-  if (fan_out % ROWS) forward_rows(fan_out % ROWS, fan_in, fan_out - fan_out % ROWS, w, x, o);
-}
-
-/* S of the frames in vector v: the output neuron in four sums. NaN when a sum overflowed. */
-INLINE vreal output_of_frames(global const real *w, const vreal (*o)[VECTORS], int v) {
-  vreal sum[4] = {ALL_LANES(w[LAST]), 0, 0, 0};
-  int k = 0;
-  ROLLED for (; k + 4 <= LAST; k += 4) { EACH(i, 4) { sum[i] = fma(ALL_LANES(w[k + i]), o[k + i][v], sum[i]); } }
-  EACH(i, LAST % 4) { sum[i] = fma(ALL_LANES(w[LAST - LAST % 4 + i]), o[LAST - LAST % 4 + i][v], sum[i]); }
-  return activation((sum[0] + sum[1]) + (sum[2] + sum[3])) + ALL_LANES(0.5f);
-}
-
-/* The same for one frame; in every lane. */
+/* The output neuron of one frame as forward_output has it, in every lane. */
 INLINE vreal output_of_one(global const real *w, const real *o) {
   real sum[4] = {w[LAST], 0, 0, 0};
   UNROLL for (int k = 0; k < LAST; ++k) sum[k % 4] = fma(w[k], o[k], sum[k % 4]);
-  return activation(ALL_LANES((sum[0] + sum[1]) + (sum[2] + sum[3]))) + ALL_LANES(0.5f);
+  return activation(ALL_LANES((sum[0] + sum[1]) + (sum[2] + sum[3])));
 }
 
 /* What is said of a frame: NaN and a status where there is no answer. */
@@ -135,14 +101,14 @@ kernel void forward(uint first_group, global const real *weights, global const f
     const vint found = scale_frames(scaling, v, x);
     for (uint row = first + v * LANES, lane = 0; lane < LANES && row < end; ++lane, ++row) status[row] = (uchar)((const REAL_INT *)&found)[lane];
   }
-  forward_layer(INPUTS, HIDDEN1, w, x, o1);
+  forward_layer(INPUTS, HIDDEN1, INPUTS + 1, w, x, o1);
 #if HIDDEN2
   vreal last[HIDDEN2][VECTORS];
-  forward_layer(HIDDEN1, HIDDEN2, w + LAYER1, o1, last);
+  forward_layer(HIDDEN1, HIDDEN2, HIDDEN1 + 1, w + LAYER1, o1, last);
 #else
   const vreal(*last)[VECTORS] = o1;
 #endif
-  ROLLED for (int v = 0; v < VECTORS; ++v) s[v] = output_of_frames(w + LAYER1 + LAYER2, last, v);
+  ROLLED for (int v = 0; v < VECTORS; ++v) s[v] = forward_output(LAST, w + LAYER1 + LAYER2, last, v) + ALL_LANES(0.5f);
   for (uint row = first; row < end; ++row) {
     int final_status;
     slip_index[row] = answer(((const real *)s)[row - first], status[row], &final_status);
@@ -194,7 +160,7 @@ kernel void forward_one(uint first_group, global real *all) {
 #else
   const vreal *last = o1;
 #endif
-  const vreal s = output_of_one(w, (const real *)last);
+  const vreal s = output_of_one(w, (const real *)last) + ALL_LANES(0.5f);
   all[ONE_SLIP_INDEX + group] = answer(((const real *)&s)[0], status, &status);
   all[ONE_STATUS] = status;
 }

@@ -31,8 +31,6 @@
 #define VL VECTORS_OF(LAST)
 #define TOGETHER 3                           /* vectors of neurons that the first layer's products take together */
 #define ORDER_STREAM 2                       /* nn::RandomStream::order */
-#define EACH(v, n) UNROLL for (int v = 0; v < (n); ++v)
-#define INLINE static inline __attribute__((always_inline))
 
 typedef struct {
   vreal w, s; /* weight and last step */

@@ -2,10 +2,10 @@
 #ifndef TACTEL_SHARED_LANE_SUMS_H
 #define TACTEL_SHARED_LANE_SUMS_H
 #include "shared/lanes.h"
+#include "shared/unroll.h"
 
 /* How many vectors hold n numbers. */
 #define VECTORS_OF(n) (((n) + LANES - 1) / LANES)
-#define UNROLL _Pragma("unroll")
 
 /* Of two vectors that hold sums in pieces of n lanes, one with pieces of n / 2: the halves of each piece are added. */
 #if LANES >= 2
