@@ -52,8 +52,7 @@ TEST_P(ForwardTopology, MatchesReference) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Topologies, ForwardTopology,
-                         ::testing::Values("1", "2", "5", "6", "16-16-8-1", "2-1-1", "30-31-33-1"));
+INSTANTIATE_TEST_SUITE_P(Topologies, ForwardTopology, ::testing::Values("1", "5", "16-16-8-1", "2-1-1", "30-31-33-1"));
 
 class ForwardBatch : public ::testing::TestWithParam<int> {};
 

@@ -81,8 +81,93 @@ TEST_P(TrainOnlineTest, Fp32WeightsAfter100CyclesMatchReferenceToItsPrecision) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Topologies, TrainOnlineTest,
-                         ::testing::Values("1", "2", "3", "4", "5", "6", "16-16-8-1", "2-1-1", "4-3-5-1", "14-15-16-1",
-                                           "30-31-33-1"));
+INSTANTIATE_TEST_SUITE_P(Topologies, TrainOnlineTest, ::testing::Values("1", "6", "16-16-8-1", "2-1-1", "14-15-17-1"));
+
+// Sets that end inside a block of patterns, at its edge, or before it; learning rates and orders that are not the
+// defaults.
+TEST(TrainOnlineRule, HoldsForAnySetAndOptions) {
+  const std::vector<OnlineMember> members{{7, 0}};
+  for (const int rows : {1, 2, 7, 8, 9, 64}) {
+    for (nn::OnlineOptions options :
+         {nn::OnlineOptions{}, nn::OnlineOptions{.momentum = 0}, nn::OnlineOptions{.rate = 0.5, .momentum = 0.99},
+          nn::OnlineOptions{.order = nn::PresentationOrder::sequential}}) {
+      options.stop_error = 0;
+      const auto c = make_case<double>("16-16-8-1", rows, options);
+      TrainOnline<double> device = c.device(members);
+      const OnlineReport before = device.reports()[0];
+      device.run(20);
+      nn::CycleErrors last;
+      const nn::OnlineState<double> reference = c.reference<double>(members[0], 20, &last);
+      EXPECT_LT(largest_difference(device.state(0).weights.values, reference.weights.values), 1e-10)
+          << rows << " rows, momentum " << options.momentum;
+      const std::vector<nn::CycleErrors> curve = device.curve(0, before);
+      ASSERT_EQ(curve.size(), 20u);
+      EXPECT_NEAR(curve.back().sse, last.sse, 1e-10);
+      EXPECT_NEAR(curve.back().largest, last.largest, 1e-10);
+      EXPECT_NEAR(device.reports()[0].largest, last.largest, 1e-6);  // fp32 in the report
+    }
+  }
+}
+
+// Bits: free of what else is trained, of the number of threads, and of where training was interrupted and taken up
+// again.
+TEST(TrainOnlineBits, DependOnTheNetworkAlone) {
+  const auto c = make_case<float>("16-16-8-1", 45);
+  std::vector<OnlineMember> many;
+  for (std::uint32_t i = 0; i < 19; ++i) many.push_back({i, i % 2});
+  TrainOnline<float> together = c.device(many);
+  together.run(60);
+  Executor single(executor().device(), {.threads = 1});
+  for (const std::size_t i : {0u, 1u, 18u}) {
+    const std::vector<OnlineMember> one{many[i]};
+    TrainOnline<float> alone(single, c.topology, c.inputs, one, c.options);
+    alone.run(13);
+    TrainOnline<float> resumed(single, c.topology, c.inputs, one, c.options);
+    resumed.set_state(0, alone.state(0));
+    resumed.run(40);
+    resumed.run(7);
+    EXPECT_EQ(resumed.state(0).cycle, 60u);
+    EXPECT_EQ(resumed.state(0).weights.values, together.state(i).weights.values) << i;
+    EXPECT_EQ(resumed.state(0).step.values, together.state(i).step.values) << i;
+  }
+}
+
+// Each network ends by itself, and stays as it ended.
+TEST(TrainOnlineStop, WhenLearntAtTheLimitOrNotFinite) {
+  auto c = make_case<float>("16-16-8-1", 12, {.cycle_limit = 40});
+  TrainOnline<float> limited = c.device({{1, 0}, {2, 0}, {3, 0}});
+  nn::OnlineState<float> broken = limited.state(1);
+  broken.weights.values[5] = NAN;
+  limited.set_state(1, broken);
+  for (int run = 0; run < 3; ++run) limited.run(25);
+  const std::vector<OnlineReport> reports = limited.reports();
+  EXPECT_EQ(reports[0].status, ONLINE_CYCLE_LIMIT);
+  EXPECT_EQ(reports[0].cycle, 40u);
+  EXPECT_EQ(reports[1].status, ONLINE_NOT_FINITE);
+  EXPECT_EQ(reports[1].cycle, 1u);
+  EXPECT_EQ(reports[2].status, ONLINE_CYCLE_LIMIT);
+
+  c.options = {.rate = 0.5};
+  TrainOnline<float> learning = c.device({{1, 0}});
+  while (learning.reports()[0].status == ONLINE_RUNNING) learning.run(500);
+  const OnlineReport report = learning.reports()[0];
+  EXPECT_EQ(report.status, ONLINE_LEARNT);
+  EXPECT_LT(report.largest, 0.01f);
+  EXPECT_GT(report.cycle, 10u);
+  const nn::OnlineState<float> state = learning.state(0);
+  learning.run(500);  // nothing more happens
+  EXPECT_EQ(learning.state(0).weights.values, state.weights.values);
+  EXPECT_EQ(learning.reports()[0].cycle, report.cycle);
+}
+
+TEST(TrainOnlineRefuses, WhatDoesNotFit) {
+  const auto c = make_case<float>("16-16-8-1", 5);
+  const std::vector<OnlineMember> one{{1, 0}};
+  EXPECT_THROW(TrainOnline<float>(executor(), nn::Topology::paper(1), c.inputs, one), ValueError);
+  EXPECT_THROW(TrainOnline<float>(executor(), c.topology, c.inputs, one, {.momentum = 1.0}), ValueError);
+  nn::FrameSet bad = c.set;
+  bad.frames(2, 3) = INFINITY;
+  EXPECT_THROW(LearningInputs<float>(executor().device(), bad, c.scaling, c.variants), ValueError);
+}
 
 }  // namespace
