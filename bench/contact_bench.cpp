@@ -78,7 +78,7 @@ void batched(benchmark::State& state, char which, double tolerance) {
   double unsolved = 0, sweeps = 0;
   for (std::size_t i = 0; i < scenes.size(); ++i)
     for (int k = 0; k < batch.steps(); ++k) {
-      unsolved += batch.result(i, k, LANE_STATUS) >= LANE_UNSOLVED;
+      unsolved += static_cast<int>(batch.result(i, k, LANE_STATUS)) >= LANE_UNSOLVED;
       sweeps += batch.result(i, k, LANE_SWEEPS);
     }
   for (auto _ : state) batch.run();
@@ -112,16 +112,22 @@ void reference(benchmark::State& state, char which) {
   state.counters["steps_per_second"] = benchmark::Counter(8, benchmark::Counter::kIsIterationInvariantRate);
 }
 
-BENCHMARK_CAPTURE(batched<float>, mesh_B, 'B', 1e-4)->Name("contact/mesh_B/fp32")->UseRealTime()->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(batched<float>, mesh_A, 'A', 1e-4)->Name("contact/mesh_A/fp32")->UseRealTime()->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(batched<float>, mesh_B, 'B', 1e-6)->Name("contact/mesh_B/fp32/tolerance:1e-6")->UseRealTime()->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(batched<double>, mesh_B, 'B', 1e-4)->Name("contact/mesh_B/fp64")->UseRealTime()->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(batched<double>, mesh_A, 'A', 1e-4)->Name("contact/mesh_A/fp64")->UseRealTime()->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(eigen<float>, mesh_B, 'B', 1e-4)->Name("contact/mesh_B/eigen_fp32")->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(eigen<float>, mesh_A, 'A', 1e-4)->Name("contact/mesh_A/eigen_fp32")->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(eigen<double>, mesh_B, 'B', 1e-4)->Name("contact/mesh_B/eigen_fp64")->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(eigen<double>, mesh_A, 'A', 1e-4)->Name("contact/mesh_A/eigen_fp64")->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(reference, mesh_B, 'B')->Name("contact/mesh_B/reference")->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(reference, mesh_A, 'A')->Name("contact/mesh_A/reference")->Unit(benchmark::kMillisecond)->Iterations(2);
+const bool registered = [] {
+  const auto add = [](const char* name, void (*body)(benchmark::State&)) {
+    return benchmark::RegisterBenchmark(name, body)->Unit(benchmark::kMillisecond);
+  };
+  add("contact/mesh_B/fp32", [](benchmark::State& state) { batched<float>(state, 'B', 1e-4); })->UseRealTime();
+  add("contact/mesh_A/fp32", [](benchmark::State& state) { batched<float>(state, 'A', 1e-4); })->UseRealTime();
+  add("contact/mesh_B/fp32/tolerance:1e-6", [](benchmark::State& state) { batched<float>(state, 'B', 1e-6); })->UseRealTime();
+  add("contact/mesh_B/fp64", [](benchmark::State& state) { batched<double>(state, 'B', 1e-4); })->UseRealTime();
+  add("contact/mesh_A/fp64", [](benchmark::State& state) { batched<double>(state, 'A', 1e-4); })->UseRealTime();
+  add("contact/mesh_B/eigen_fp32", [](benchmark::State& state) { eigen<float>(state, 'B', 1e-4); });
+  add("contact/mesh_A/eigen_fp32", [](benchmark::State& state) { eigen<float>(state, 'A', 1e-4); });
+  add("contact/mesh_B/eigen_fp64", [](benchmark::State& state) { eigen<double>(state, 'B', 1e-4); });
+  add("contact/mesh_A/eigen_fp64", [](benchmark::State& state) { eigen<double>(state, 'A', 1e-4); });
+  add("contact/mesh_B/reference", [](benchmark::State& state) { reference(state, 'B'); });
+  add("contact/mesh_A/reference", [](benchmark::State& state) { reference(state, 'A'); })->Iterations(2);
+  return true;
+}();
 
 }  // namespace

@@ -49,7 +49,7 @@ double imbalance(const Eigen::MatrixXd& base_force) {
 }
 
 void check_precision(const Sensor& sensor, const Condensation& result) {
-  constexpr double most_lost = 1e-7;  // a tenth of what single precision kernels resolve
+  constexpr double most_lost = 1e-7;  // about what single precision kernels resolve
   const double lost = imbalance(result.base_force);
   if (!result.compliance.allFinite() || !result.base_force.allFinite() || !(lost <= most_lost))
     throw ValueError("sensor.poisson", number_text(sensor.poisson),

@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <stdexcept>
 
 namespace tactel::fem {
 namespace {
 
-// A factorization in double leaves errors of cond(K) rounding errors, 1e-8 at worst; each further pass takes as many
-// digits again.
-constexpr int passes = 3;
+// A factorization in double leaves errors of cond(K) rounding errors, 1e-8 on fine meshes near nu = 0.5; each further
+// pass takes as many digits again, until displacements are good to this, far below what double resolves.
+constexpr double refined = 1e-19;
+constexpr int most_passes = 6;
 
 // Mesh column of a node: the surface node at or next to the right of it. Ordered from left to right.
 int column_of(const Mesh& mesh, int node) {
@@ -54,6 +56,27 @@ int band_of(const Eigen::SparseMatrix<double>& stiffness, const ColumnOrder& ord
   }
   for (int c = 0; c < order.columns(); ++c) band = std::max(band, order.first[c + 1] - order.first[c] - 1);
   return band + 1;  // the y row of a node, one further down, is added to its x row
+}
+
+// Rounding of K's entries leaves rigid translations with forces of 1e-16 K u, u the motion of the whole block: 1e-9 of
+// the contact's forces on fine meshes near nu = 0.5. Here each row's sum over the nodes, x and y apart, is brought to 0
+// by the node's own entries.
+Eigen::SparseMatrix<long double, Eigen::RowMajor> without_rigid_forces(const Eigen::SparseMatrix<double>& stiffness) {
+  Eigen::SparseMatrix<long double, Eigen::RowMajor> exact = stiffness.cast<long double>();
+  for (int row = 0; row < exact.rows(); ++row) {
+    long double sum[2] = {0, 0}, largest = 0;  // sums over the columns for x and for y
+    for (decltype(exact)::InnerIterator entry(exact, row); entry; ++entry) {
+      sum[entry.col() % 2] += entry.value();
+      largest = std::max(largest, std::abs(entry.value()));
+    }
+    for (int direction : {0, 1}) {
+      if (!(std::abs(sum[direction]) <= 1e-8L * largest)) {
+        throw std::invalid_argument("GapBlock: the stiffness resists a rigid translation");
+      }
+      exact.coeffRef(row, row / 2 * 2 + direction) -= sum[direction];
+    }
+  }
+  return exact;
 }
 
 // K of the free unknowns, in their order.
@@ -202,6 +225,7 @@ class GapBlock::System {
 GapBlock::GapBlock(Mesh mesh, Eigen::SparseMatrix<double> stiffness)
     : mesh_(std::move(mesh)),
       stiffness_(std::move(stiffness)),
+      exact_stiffness_(without_rigid_forces(stiffness_)),
       order_(order_by_column(mesh_)),
       band_(band_of(stiffness_, order_)),
       left_(ordered(stiffness_, order_), order_, OpenColumns::From::left),
@@ -211,18 +235,22 @@ std::optional<Extended> GapBlock::displacement(const std::vector<Trial>& trial, 
   const System system(*this, trial, mu);
   if (!system.regular()) return std::nullopt;
   Extended displacement = Extended::Zero(stiffness_.rows(), right_side.cols());
-  for (int pass = 0; pass < passes; ++pass) {
+  double before = 1;
+  for (int pass = 0; pass < most_passes; ++pass) {
     RowMatrix correction = system.residual(right_side, displacement);
     system.solve(correction);
     for (int p = 0; p < order_.size(); ++p) displacement.row(order_.dof[p]) += correction.row(p).cast<long double>();
+    const double size = correction.norm() / std::max(1e-300, double(displacement.norm()));
+    if (size * size < refined * before) break;  // the next correction shrinks by as much as this one did
+    before = size;
   }
   return displacement;
 }
 
 long double GapBlock::force(int dof, const Extended& displacement, Eigen::Index side) const {
   long double sum = 0;
-  for (Eigen::SparseMatrix<double>::InnerIterator entry(stiffness_, dof); entry; ++entry) {
-    sum += entry.value() * displacement(entry.row(), side);
+  for (decltype(exact_stiffness_)::InnerIterator entry(exact_stiffness_, dof); entry; ++entry) {
+    sum += entry.value() * displacement(entry.col(), side);
   }
   return sum;
 }

@@ -33,7 +33,8 @@ inline double friction_sign(Trial trial) { return trial == Trial::slip_plus ? 1 
 /// object serves one thread.
 class GapBlock {
  public:
-  /// `stiffness` [2 nodes, 2 nodes] with the base not yet clamped, as stiffness() returns it.
+  /// `stiffness` [2 nodes, 2 nodes] with the base not yet clamped, as stiffness() returns it. Throws
+  /// std::invalid_argument where it resists rigid translations by more than rounding.
   GapBlock(Mesh mesh, Eigen::SparseMatrix<double> stiffness);
 
   const Mesh& mesh() const { return mesh_; }
@@ -64,6 +65,7 @@ class GapBlock {
 
   Mesh mesh_;
   Eigen::SparseMatrix<double> stiffness_;
+  Eigen::SparseMatrix<long double, Eigen::RowMajor> exact_stiffness_;  ///< rigid translations cost nothing, to 1e-19
   ColumnOrder order_;
   int band_;                  ///< diagonals of the system on either side of the main one
   OpenColumns left_, right_;  ///< grow as trials ask for more

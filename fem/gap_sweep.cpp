@@ -18,7 +18,10 @@ using Vector = Eigen::Matrix<Real, -1, 1>;
 template <class Real>
 struct Contact {
   explicit Contact(int columns)
-      : force(Vector<Real>::Zero(2 * columns)), last_force(force), ux_last(Vector<Real>::Zero(columns)), works(columns, false) {}
+      : force(Vector<Real>::Zero(2 * columns)),
+        last_force(force),
+        ux_last(Vector<Real>::Zero(columns)),
+        works(columns, false) {}
 
   Vector<Real> force, last_force;  ///< [2 columns]
   Vector<Real> ux_last;            ///< [columns] mm
@@ -64,15 +67,18 @@ GapSweep<Real>::GapSweep(const Condensation& condensation, const GapSweepOptions
     }
 }
 
-/// Goes along the load path; calls record(contact, sweeps, settled, profile) after each increment, which says whether to go on.
+/// Goes along the load path; calls record(contact, sweeps, settled, profile) after each increment, which says whether
+/// to go on.
 template <class Real>
 template <class Record>
 void GapSweep<Real>::walk(const Scene& scene, const Record& record) const {
-  if (!scene.load.normal_force.empty()) throw ValueError("load.normal_force", "given", "absent: this solver is driven by depth");
+  if (!scene.load.normal_force.empty())
+    throw ValueError("load.normal_force", "given", "absent: this solver is driven by depth");
   const LoadPath path = load_path(scene.load);
   const int columns = static_cast<int>(condensation_.surface_x.size());
   Vector<Real> profile(columns);
-  for (int i = 0; i < columns; ++i) profile[i] = static_cast<Real>(profile_height(scene.indenter, condensation_.surface_x[i]));
+  for (int i = 0; i < columns; ++i)
+    profile[i] = static_cast<Real>(profile_height(scene.indenter, condensation_.surface_x[i]));
 
   Contact<Real> c(columns);
   c.mu = static_cast<Real>(scene.friction);
@@ -105,7 +111,8 @@ void GapSweep<Real>::walk(const Scene& scene, const Record& record) const {
     Real largest_uy = 0;
     for (int i = 0; i < columns; ++i) largest_uy = std::max(largest_uy, std::abs(uy(i, c.force)));
     for (int i = 0; i < columns; ++i)
-      if (!c.works[i] && uy(i, c.force) - (profile[i] - c.d) > static_cast<Real>(options_.tolerance) * largest_uy) penetrated.push_back(i);
+      if (!c.works[i] && uy(i, c.force) - (profile[i] - c.d) > static_cast<Real>(options_.tolerance) * largest_uy)
+        penetrated.push_back(i);
     for (int i : penetrated) join(i);
     return !penetrated.empty();
   };

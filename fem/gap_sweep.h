@@ -6,13 +6,14 @@
 namespace tactel::fem {
 
 struct GapSweepOptions {
-  double tolerance = 1e-11;   ///< largest change of a force in the last sweep over the largest pressure force
-  double accept = 1e-9;       ///< largest residual of a solved step
+  double tolerance = 1e-11;  ///< largest change of a force in the last sweep over the largest pressure force
+  double accept = 1e-9;      ///< largest residual of a solved step
   int most_sweeps = 20000;
 };
 
-/// The twin of kernels/gap_sweep.cl for one scene at a time, driven by depth: block Gauss-Seidel over gap elements on the surface
-/// compliance, in plain Eigen. Shares the algorithm with the kernel, but no code; fem/gap_reference.h is the judge of both.
+/// The twin of kernels/gap_sweep.cl for one scene at a time, driven by depth: block Gauss-Seidel over gap elements on
+/// the surface compliance, in plain Eigen. Shares the algorithm with the kernel, but no code; fem/gap_reference.h is
+/// the judge of both.
 template <class Real>
 class GapSweep {
  public:
@@ -28,7 +29,8 @@ class GapSweep {
 
   const Condensation& condensation_;
   GapSweepOptions options_;
-  Eigen::Matrix<Real, -1, -1, Eigen::RowMajor> to_uy_, to_ux_;  ///< [columns, 2 columns]: displacement by n at 2j, by t at 2j + 1, E = 1
+  Eigen::Matrix<Real, -1, -1, Eigen::RowMajor> to_uy_,
+      to_ux_;  ///< [columns, 2 columns]: displacement by n at 2j, by t at 2j + 1, E = 1
 };
 
 extern template class GapSweep<float>;

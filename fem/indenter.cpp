@@ -40,7 +40,7 @@ double height(const RoundedFlat& s, double d) {
 double height(const Taylor& s, double d) {
   double sum = 0;
   for (int k : s.powers) sum += std::pow(std::abs(d) / s.scale, k);
-  return s.scale * sum;
+  return s.height.value_or(s.scale) * sum;
 }
 double height(const Profile& s, double d) { return height_between_points(s, d); }
 
@@ -96,6 +96,7 @@ void check_shape(const RoundedFlat& s) {
 void check_shape(const Taylor& s) {
   for (int k : s.powers) check(k >= 1 && k <= 100, "powers", k, "whole numbers from 1 to 100");
   check(length(s.scale), "scale", s.scale, length_text);
+  if (s.height) check(length(*s.height), "height", *s.height, length_text);
 }
 void check_shape(const Profile& s) { fem::validate(s); }
 

@@ -8,32 +8,45 @@
 namespace tactel::fem {
 
 // Profiles of a rigid indenter: height y [mm] above its lowest point at distance r = |x - position| [mm].
+
+/// 0 up to half_width, nothing beyond; no half_width: wider than the sensor.
 struct Flat {
-  std::optional<double> half_width;
-};  ///< 0 up to half_width, nothing beyond; no half_width: wider than the sensor
+  std::optional<double> half_width;  ///< mm
+};
+/// y = r / tan(edge_angle / 2).
 struct Wedge {
-  double edge_angle = 120.0;
-};  ///< full angle in degrees, 0 < edge_angle < 180: y = r / tan(edge_angle / 2)
+  double edge_angle = 120.0;  ///< full angle in degrees, above 0 and below 180
+};
+/// y = r^2 / (2 radius).
 struct Parabola {
-  double radius = 10.0;
-};  ///< y = r^2 / (2 radius)
+  double radius = 10.0;  ///< mm
+};
+/// y = radius - sqrt(radius^2 - r^2), nothing beyond r = radius.
 struct Cylinder {
-  double radius = 10.0;
-};  ///< y = radius - sqrt(radius^2 - r^2), nothing beyond r = radius
+  double radius = 10.0;  ///< mm
+};
+/// y = height (e^(rate r) - 1).
 struct Exponential {
-  double height = 0.1, rate = 0.5;
-};  ///< y = height (e^(rate r) - 1), rate in 1/mm
+  double height = 0.1;  ///< mm
+  double rate = 0.5;    ///< 1/mm
+};
+/// 0 up to half_width, then slope (r - half_width).
 struct Trapezoid {
-  double half_width = 2.0, slope = 1.0;
-};  ///< 0, then slope (r - half_width)
+  double half_width = 2.0;  ///< mm
+  double slope = 1.0;       ///< height over distance
+};
+/// 0 up to half_width, then (r - half_width)^2 / (2 radius).
 struct RoundedFlat {
-  double half_width = 2.0, radius = 10.0;
-};  ///< 0, then (r - half_width)^2 / (2 radius)
+  double half_width = 2.0, radius = 10.0;  ///< mm
+};
+/// y = height * sum of (r / scale)^k over the powers; no powers: flat.
 struct Taylor {
-  std::vector<int> powers;
-  double scale = 1.0;
-};                ///< y = scale * sum (r / scale)^k, k >= 1; no powers: flat
-struct Profile {  ///< measured: linear between points, nothing beyond the ends; height above the lowest point
+  std::vector<int> powers;         ///< each 1 or more
+  double scale = 1.0;              ///< mm
+  std::optional<double> height{};  ///< mm; none: scale
+};
+/// Measured: linear between the points, nothing beyond the ends; heights count from the lowest point.
+struct Profile {
   std::vector<double> x, y;  ///< mm, x increasing; x is measured from the indenter's position
   double smooth = 0.0;       ///< mm: largest non-convexity that is accepted (and lifted to the lower convex hull)
   std::string file;          ///< where the points came from, for messages

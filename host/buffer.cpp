@@ -80,6 +80,9 @@ void RawBuffer::unmap(void* host) const {
   });
 }
 
-const cl::Buffer& RawBuffer::cl_buffer() const { return state_->buffer; }
+const cl::Buffer& RawBuffer::cl_buffer() const {
+  if (!state_) throw std::logic_error("a buffer without a device");
+  return state_->buffer;
+}
 
 }  // namespace tactel::host

@@ -12,8 +12,8 @@ enum ExitCode { done = 0, wrong_input = 2, device_failed = 3, not_converged = 4 
 /// What the chosen command does, and the exit code it ends with. Set by the command's callback, run after parsing.
 using Action = std::function<int()>;
 
-void add_devices_command(CLI::App& app, Action& action);
 void add_solve_command(CLI::App& app, Action& action);
+void add_generate_command(CLI::App& app, Action& action);
 void add_reproduce_command(CLI::App& app, Action& action);
 
 /// Options of every command that computes.

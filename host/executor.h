@@ -13,16 +13,14 @@
 namespace tactel::host {
 
 /// What a kernel must look like to be run here:
-/// - its first argument is `uint first_group`, set by the executor; its body begins with `TAKE_GROUP(group);`
-/// (kernels/shared/group.h),
-///   which gives it the index of its work and lets the executor compile it, by a launch that does nothing, before the
-///   work comes;
-/// - one work-item does one group: a vector of LANES scenes (frames, networks); on a GPU, LANES = 1, one of them;
-/// - groups do not talk to each other: no barrier, no local memory, no reqd_work_group_size. `group` never reaches the
-/// number of groups,
-///   so no guard is needed.
-/// Then results do not depend on threads, chunks or device scheduling. A kernel without TAKE_GROUP runs, too: one group
-/// a launch.
+/// - Its first argument is `uint first_group`, set by the executor. Its body begins with `TAKE_GROUP(group);` from
+///   kernels/shared/group.h: that gives the index of the work, and lets the executor have it compiled before work
+///   comes.
+/// - One work-item does one group: a vector of LANES scenes (frames, networks); on a GPU, LANES = 1, one of them.
+/// - Groups do not talk to each other: no barrier, no local memory, no reqd_work_group_size. `group` never reaches the
+///   number of groups, so no guard is needed.
+/// Then results do not depend on threads, chunks or device scheduling. A kernel without TAKE_GROUP runs, too: compiled
+/// at its first use, and one group a launch.
 
 struct ExecutorOptions {
   int threads = 0;              ///< of the host, the calling one included; 0: $TACTEL_THREADS, else all of this machine
@@ -30,7 +28,7 @@ struct ExecutorOptions {
 };
 
 struct RunOptions {
-  Progress progress;  ///< groups done of all; called between chunks in the calling thread
+  Progress progress{};  ///< groups done of all; called between chunks in the calling thread, and at the end
   /// Groups a thread draws at once, at most. Chunks start at 1 and grow while they are short, so that heavy groups side
   /// by side still spread over the threads. 1 for the most even spread.
   std::size_t largest_chunk = 4096;
@@ -68,6 +66,7 @@ class Launch {
 
  private:
   friend class Executor;
+  friend class Launcher;
   struct State;
   std::shared_ptr<State> state_;
 };
@@ -101,7 +100,7 @@ class Executor {
   /// each other.
   RunReport run(std::span<const Job> jobs, const RunOptions& options = {});
 
-  /// One small launch in the calling thread, without waking others: the shortest way (0.3 us on `basic`).
+  /// One small launch in the calling thread, without waking others: the shortest way (under a microsecond on `basic`).
   void run_here(const Launch& launch, std::size_t groups = 1);
 
   const Device& device() const;

@@ -5,13 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/figure_layout.h"
+
 namespace tactel::host {
 namespace {
 
-// Margins around the axes of a panel, pixels: room for tick labels and title, and for the colour scale where there is
-// one.
-constexpr int left_margin = 86, right_margin = 24, scale_margin = 104, bottom_margin = 54, title_margin = 36;
-constexpr int figure_title_height = 34, legend_row_height = 20;
 constexpr int small_raster = 4000;  // up to so many values a raster is drawn as rectangles, which no viewer smoothes
 
 const char* colour(Ink ink) {
@@ -139,27 +137,23 @@ std::string range(const char* axis, const std::optional<std::pair<double, double
            : fmt::format("set {}range [*:*]\n", axis);
 }
 
-std::string ticks(const Panel& p) {
-  if (p.x_ticks.empty()) return "set xtics autofreq\n";
+std::string tick_words(std::pair<double, double> shown, int pixels, int pixels_each) {
+  const double distance = tick_distance(shown, pixels / pixels_each);
+  return distance > 0 ? number(distance) : "autofreq";
+}
+
+std::string x_ticks(const Figure& f, const Panel& p) {
+  constexpr int pixels_each = 56;
+  if (p.x_ticks.empty())
+    return "set xtics " + (p.log_x ? "autofreq" : tick_words(shown_x(p), axes_width(f, p), pixels_each)) + "\n";
   std::string out;
   for (const auto& [place, name] : p.x_ticks) out += (out.empty() ? "" : ", ") + quoted(name) + " " + number(place);
   return "set xtics (" + out + ")\n";
 }
 
-int axes_width(const Figure& f, const Panel& p) {
-  return f.width / std::max(1, f.columns) - left_margin - (p.raster ? scale_margin : right_margin);
-}
-
-/// Rows of the legend over the axes: gnuplot gives every entry the room of the longest.
-int legend_rows(const Figure& f, const Panel& p) {
-  constexpr int sample = 70, letter = 7;  // pixels
-  int entries = 0, longest = 0;
-  for (const Series& s : p.series) {
-    entries += s.label.empty() ? 0 : 1;
-    longest = std::max(longest, static_cast<int>(s.label.size()));
-  }
-  const int beside = std::max(1, axes_width(f, p) / (sample + letter * longest));
-  return (entries + beside - 1) / beside;
+std::string y_ticks(const Figure& f, const Panel& p) {
+  constexpr int pixels_each = 26;
+  return "set ytics " + (p.log_y ? "autofreq" : tick_words(shown_y(p), axes_height(f, p), pixels_each)) + "\n";
 }
 
 std::string axes(const Figure& f, const Panel& p) {
@@ -169,7 +163,8 @@ std::string axes(const Figure& f, const Panel& p) {
   out += "set xlabel " + quoted(p.x_label) + "\nset ylabel " + quoted(p.y_label) + "\n";
   out += range("x", p.x_range ? p.x_range : p.raster ? std::optional(p.raster->x_range) : std::nullopt);
   out += range("y", p.y_range ? p.y_range : p.raster ? std::optional(p.raster->y_range) : std::nullopt);
-  out += ticks(p) + (p.log_x ? "set logscale x\nset format x '10^{%L}'\n" : "unset logscale x\nset format x '%g'\n");
+  out += x_ticks(f, p) + y_ticks(f, p) +
+         (p.log_x ? "set logscale x\nset format x '10^{%L}'\n" : "unset logscale x\nset format x '%g'\n");
   out += p.log_y ? "set logscale y\nset format y '10^{%L}'\n" : "unset logscale y\nset format y '%g'\n";
   out += p.equal_axes ? "set size ratio -1\n" : "set size noratio\n";
   out += p.zero_line ? "set xzeroaxis lw 1 lc rgb '#9aa0a8'\n" : "unset xzeroaxis\n";
@@ -185,13 +180,12 @@ std::string place(const Figure& f, std::size_t index, int height) {
   const int head = f.title.empty() ? 0 : figure_title_height;
   const double top = height - head - row * f.panel_height;
   const double left = column * panel_width + left_margin;
-  const int above = title_margin + legend_row_height * legend_rows(f, f.panels[index]);
   const auto across = [&](double pixels) { return pixels / f.width; };
   const auto up = [&](double pixels) { return pixels / height; };
   return fmt::format(
       "set lmargin at screen {:.5f}\nset rmargin at screen {:.5f}\nset tmargin at screen {:.5f}\nset bmargin at screen "
       "{:.5f}\n",
-      across(left), across(left + axes_width(f, f.panels[index])), up(top - above),
+      across(left), across(left + axes_width(f, f.panels[index])), up(top - top_margin(f, f.panels[index])),
       up(top - f.panel_height + bottom_margin));
 }
 
@@ -237,9 +231,7 @@ std::string plain(const std::string& text) {
 }
 
 std::string gnuplot_script(const Figure& figure, const std::string& terminal, const std::string& output) {
-  const int columns = std::max(1, figure.columns),
-            rows = (static_cast<int>(figure.panels.size()) + columns - 1) / columns;
-  const int height = rows * figure.panel_height + (figure.title.empty() ? 0 : figure_title_height);
+  const int height = figure_height(figure);
   std::string out = fmt::format("set encoding utf8\nset terminal {} enhanced background '#ffffff' {}\nset output {}\n",
                                 terminal, terminal_size(terminal, figure.width, height), quoted(output));
   out +=

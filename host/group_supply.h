@@ -40,25 +40,31 @@ class GroupSupply {
 };
 
 /// How many groups a thread should draw next. A launch costs some 0.5 us, so a chunk should take much longer than that;
-/// and a chunk cannot be shared, so it should be short beside what remains. Heavy groups may come anywhere: growth is
-/// gradual, and no chunk holds more than a fair share of a quarter of the rest.
+/// but a chunk cannot be shared, so it should be short beside what remains. Heavy groups may come anywhere, also many
+/// side by side: chunks grow gradually, no chunk is larger than earlier runs of the kernel make advisable on average,
+/// and without such a run none is longer than a small part of what this run has shown so far.
 class ChunkPace {
  public:
-  ChunkPace(std::size_t largest, int threads) : largest_(largest), threads_(threads) {}
-  void expect(double seconds_per_group) {
-    seconds_per_group_ = seconds_per_group;
-  }  ///< from an earlier run; 0: unknown
+  /// `expected`: seconds a group took in an earlier run, 0 if there was none.
+  ChunkPace(std::size_t largest, int threads, double expected)
+      : largest_(largest), threads_(threads), expected_(expected) {}
   void measured(std::size_t groups, double seconds);
   std::size_t next(std::size_t remaining) const;
 
-  static constexpr double chunk_seconds = 20e-6;  ///< aimed at: 40 launch costs
-  static constexpr double short_seconds = 30e-6;  ///< what remains is split once when it takes less than this
+  static constexpr double chunk_seconds = 20e-6;    ///< aimed at: 40 launch costs
+  static constexpr double cautious_seconds = 3e-6;  ///< the same at the start of a first run
+  static constexpr double cautious_part = 0.02;     ///< a first run's chunk may take this part of the time so far
+  static constexpr double short_seconds = 30e-6;    ///< what remains is split once when it takes less than this
 
  private:
+  double aim() const;
+
   std::size_t largest_;
   int threads_;
-  std::size_t last_ = 0;
-  double seconds_per_group_ = 0;
+  double expected_;
+  std::size_t last_groups_ = 0;
+  double last_seconds_ = 0;  ///< a group
+  double busy_seconds_ = 0;  ///< all chunks
 };
 
 }  // namespace tactel::host

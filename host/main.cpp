@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <exception>
+#include <iostream>
+#include <memory>
 #include <vector>
 
 #include "host/command.h"
+#include "host/devices_command.h"
 #include "host/errors.h"
 #include "host/nearest_word.h"
 #include "host/plot.h"
@@ -31,6 +34,13 @@ int guarded(const Action& action) {
     fmt::print(stderr, "error: {}\n", error.what());
     return device_failed;
   }
+}
+
+void add_devices_command(CLI::App& app, Action& action) {
+  auto json = std::make_shared<bool>(false);
+  CLI::App* command = app.add_subcommand("devices", "OpenCL devices, with the lanes and precision that would be used");
+  command->add_flag("--json", *json, "as JSON");
+  command->callback([json, &action] { action = [json] { return devices_command(*json, std::cout, std::cerr); }; });
 }
 
 /// Says that a first word is no command, and which are; CLI11 would only say that one is missing.
@@ -64,6 +74,7 @@ int main(int argc, char** argv) {
   Action action;
   add_devices_command(app, action);
   add_solve_command(app, action);
+  add_generate_command(app, action);
   add_reproduce_command(app, action);
   app.failure_message(parse_failure);
   if (refuse_unknown_command(app, argc, argv)) return wrong_input;

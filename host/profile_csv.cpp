@@ -18,6 +18,8 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
+constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // spreadsheets write it before UTF-8
+
 /// The file being read, line by line, and errors about its current line.
 struct CsvLines {
   std::string file;
@@ -34,8 +36,9 @@ struct CsvLines {
   /// The next line that holds something; empty at the end.
   std::string_view next() {
     while (std::getline(in, line)) {
-      ++number;
-      const std::string_view text = trimmed(line);
+      std::string_view text = line;
+      if (++number == 1 && text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
+      text = trimmed(text);
       if (!text.empty() && text.front() != '#') return text;
     }
     return {};
@@ -54,9 +57,7 @@ double number(const CsvLines& lines, const std::string& column, std::string_view
 }
 
 void read_header(CsvLines& lines) {
-  std::string_view header = lines.next();
-  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
-  if (header.starts_with(byte_order_mark)) header.remove_prefix(byte_order_mark.size());
+  const std::string_view header = lines.next();
   const auto comma = header.find(',');
   const bool known = comma != std::string_view::npos && trimmed(header.substr(0, comma)) == "x" &&
                      trimmed(header.substr(comma + 1)) == "y";

@@ -6,8 +6,8 @@
 #include <set>
 #include <stdexcept>
 
+#include "fem/condensation.h"
 #include "host/binary_cache.h"
-#include "host/cache_directory.h"
 #include "kernels/embedded.h"
 
 namespace tactel::host {
@@ -129,7 +129,7 @@ Program Program::from_text(const Device& device, const std::string& name, const 
   const auto state = std::make_shared<State>(device, name, option_text(defines), text);
   if (options.cache) {
     const auto directory =
-        options.cache_directory.empty() ? default_cache_directory() / "programs" : options.cache_directory;
+        options.cache_directory.empty() ? fem::default_cache_directory() / "programs" : options.cache_directory;
     state->cache.emplace(directory, name, cache_key(device, state->options, whole));
   }
   translated(device.info().name, [&] { state->build(whole); });

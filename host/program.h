@@ -13,8 +13,9 @@ namespace tactel::host {
 using Defines = std::vector<std::pair<std::string, std::string>>;
 
 struct ProgramOptions {
-  std::filesystem::path cache_directory;  ///< of program binaries; empty: "programs" in fem::default_cache_directory()
-  bool cache = true;                      ///< false: always compile, store nothing
+  std::filesystem::path
+      cache_directory{};  ///< of program binaries; empty: "programs" in fem::default_cache_directory()
+  bool cache = true;      ///< false: always compile, store nothing
 };
 
 /// An embedded kernel source (kernels/NAME.cl) built for a device: always with -cl-std=CL1.2, and without any option

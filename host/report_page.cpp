@@ -17,12 +17,12 @@ h1 { font-size: 1.9rem; line-height: 1.2; margin: 0 0 .3rem; }
 h2 { font-size: 1.3rem; margin: 2.6rem 0 .8rem; padding-top: 1rem; border-top: 1px solid #dfe3e7; }
 .subtitle { color: #5b636d; margin: 0 0 1.4rem; }
 nav ol { padding-left: 1.4rem; columns: 2; } a { color: #1f5fa8; }
-table { border-collapse: collapse; margin: 1rem 0 1.6rem; font-variant-numeric: tabular-nums; font-size: .94rem; }
-caption, figcaption { text-align: left; color: #3a4048; font-size: .92rem; padding: 0 0 .5rem; }
+table { border-collapse: collapse; margin: .3rem 0 0; font-variant-numeric: tabular-nums; font-size: .94rem; }
+figcaption { text-align: left; color: #3a4048; font-size: .92rem; padding: .3rem 0; }
 th, td { padding: .32rem .9rem .32rem 0; text-align: left; border-bottom: 1px solid #e6e9ec; vertical-align: top; }
-th { border-bottom: 2px solid #7b828c; font-weight: 600; } td.number, th.number { text-align: right; padding-left: .6rem; }
+th { border-bottom: 2px solid #7b828c; font-weight: 600; } td.number, th.number { text-align: right; padding-left: .6rem; } .short { white-space: nowrap; }
 .wide { overflow-x: auto; } figure { margin: 1.2rem 0 1.8rem; } figure svg { max-width: 100%; height: auto; }
-figcaption { padding-top: .3rem; } .note { border-left: 4px solid #d9660a; background: #fdf5ee; padding: .6rem 1rem; margin: 1rem 0; }
+.note { border-left: 4px solid #d9660a; background: #fdf5ee; padding: .6rem 1rem; margin: 1rem 0; }
 )";
 
 bool is_number(const std::string& text) {
@@ -33,16 +33,20 @@ bool is_number(const std::string& text) {
   return end != text.c_str() && (rest.empty() || rest == " %" || rest == "%");
 }
 
+/// Most of its cells are numbers; a remark in between does not change that.
 bool numeric_column(const ReportTable& table, std::size_t column) {
-  return std::ranges::all_of(table.rows,
-                             [&](const auto& row) { return column < row.size() && is_number(row[column]); });
+  const auto numbers =
+      std::ranges::count_if(table.rows, [&](const auto& row) { return column < row.size() && is_number(row[column]); });
+  return 2 * static_cast<std::size_t>(numbers) > table.rows.size();
 }
 
-std::string row_html(const ReportTable& table, const std::vector<std::string>& cells, const char* tag) {
+std::string row_html(const ReportTable& table, const std::vector<std::string>& cells, const std::string& tag) {
+  constexpr std::size_t short_cell = 20;  // letters that stay on one line
   std::string out = "<tr>";
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    out +=
-        fmt::format("<{}{}>{}</{}>", tag, numeric_column(table, i) ? " class=\"number\"" : "", escaped(cells[i]), tag);
+    const bool together = tag == "td" && cells[i].size() <= short_cell;
+    const std::string classes = std::string(numeric_column(table, i) ? "number " : "") + (together ? "short" : "");
+    out += fmt::format("<{} class=\"{}\">{}</{}>", tag, classes, escaped(cells[i]), tag);
   }
   return out + "</tr>\n";
 }
@@ -116,10 +120,11 @@ void ReportPage::paragraph(const std::string& text) { body_ += "<p>" + escaped(t
 void ReportPage::note(const std::string& text) { body_ += "<p class=\"note\">" + escaped(text) + "</p>\n"; }
 
 void ReportPage::table(const ReportTable& table) {
-  body_ += fmt::format("<div class=\"wide\"><table>\n<caption>Table {}. {}</caption>\n<thead>{}</thead>\n<tbody>\n",
-                       ++tables_, escaped(table.caption), row_html(table, table.head, "th"));
+  body_ +=
+      fmt::format("<figure class=\"wide\"><figcaption>Table {}. {}</figcaption>\n<table>\n<thead>{}</thead>\n<tbody>\n",
+                  ++tables_, escaped(table.caption), row_html(table, table.head, "th"));
   for (const auto& row : table.rows) body_ += row_html(table, row, "td");
-  body_ += "</tbody></table></div>\n";
+  body_ += "</tbody></table></figure>\n";
 }
 
 void ReportPage::figure(const Figure& figure, const std::string& caption) {

@@ -3,12 +3,11 @@
 #include <array>
 
 #include "host/nearest_word.h"
+#include "host/scene_tables.h"
 #include "host/shape_reader.h"
 #include "host/toml_table.h"
 
 namespace tactel::host {
-namespace {
-
 void read_sensor(const TomlFile& file, fem::Sensor& sensor) {
   TomlTable in(file, "sensor");
   in.read("length", sensor.length, "a number of mm above 0");
@@ -33,6 +32,8 @@ void read_contact(const TomlFile& file, double& friction) {
   in.read("friction", friction, "a number, mu >= 0");
   in.finish();
 }
+
+namespace {
 
 /// The one key of `keys` that is present; empty when none is; two are an error.
 std::string only_one(const TomlTable& in, const std::vector<std::string>& keys) {
@@ -82,14 +83,14 @@ void read_tangential_load(TomlTable& in, fem::Load& load, bool preset) {
   }
 }
 
+}  // namespace
+
 void read_load(const TomlFile& file, fem::Load& load, bool preset) {
   TomlTable in(file, "load");
   read_normal_load(in, load, preset);
   read_tangential_load(in, load, preset);
   in.finish();
 }
-
-}  // namespace
 
 fem::Scene paper_preset() {
   fem::Scene scene;

@@ -5,7 +5,7 @@
 
 namespace tactel::host {
 
-/// Reads a scene file (README of this folder: every key, unit and default), strictly: an unknown key, a wrong type, a
+/// Reads a scene file (docs/scenes.md: every key, unit and default), strictly: an unknown key, a wrong type, a
 /// key of another shape, two keys that exclude each other, or a value that the model refuses throws ConfigError with
 /// file, line, key, value and what is allowed.
 fem::Scene read_scene(const std::filesystem::path& path);

@@ -46,6 +46,7 @@ void read_shape(ShapeKeys& keys, fem::Taylor& taylor) {
   const char* powers = "an array of whole numbers, each at least 1, such as [1, 3] ([] is flat)";
   if (!keys.in.read("powers", taylor.powers, powers)) keys.in.refuse_missing("powers", std::string("given, ") + powers);
   keys.in.read("scale", taylor.scale, some_mm);
+  if (double height = 0; keys.in.read("height", height, some_mm)) taylor.height = height;
 }
 void read_shape(ShapeKeys& keys, fem::Profile& profile) {
   TomlTable& in = keys.in;
@@ -79,7 +80,7 @@ const std::vector<ShapeName>& shapes() {
       {"exponential", {"height", "rate"}, fem::Exponential{}},
       {"trapezoid", {"half_width", "slope"}, fem::Trapezoid{}},
       {"rounded_flat", {"half_width", "radius"}, fem::RoundedFlat{}},
-      {"taylor", {"powers", "scale"}, fem::Taylor{}},
+      {"taylor", {"powers", "scale", "height"}, fem::Taylor{}},
       {"profile", {"x", "y", "file", "smooth"}, fem::Profile{}},
   };
   return all;

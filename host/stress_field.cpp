@@ -18,19 +18,6 @@ Eigen::VectorXd surface_load(const fem::ContactStep& step) {
   return load;
 }
 
-double von_mises(const Eigen::Vector4d& s) {
-  const double x = s[0], y = s[1], xy = s[2], z = s[3];
-  return std::sqrt(0.5 * ((x - y) * (x - y) + (y - z) * (y - z) + (z - x) * (z - x)) + 3.0 * xy * xy);
-}
-
-/// Hooke's law backwards, then Mohr's circle of strain.
-double largest_principal_strain(const Eigen::Vector4d& s, double young, double nu) {
-  const double ex = (s[0] - nu * (s[1] + s[3])) / young;
-  const double ey = (s[1] - nu * (s[0] + s[3])) / young;
-  const double half_shear = (1.0 + nu) * s[2] / young;
-  return std::abs(0.5 * (ex + ey)) + std::hypot(0.5 * (ex - ey), half_shear);
-}
-
 /// One number as text that reads back to the same bits.
 void append(std::string& out, double value) {
   char text[32];
@@ -77,6 +64,18 @@ std::string point_data(const StressField& field) {
 }
 
 }  // namespace
+
+double von_mises(const Eigen::Vector4d& s) {
+  const double x = s[0], y = s[1], xy = s[2], z = s[3];
+  return std::sqrt(0.5 * ((x - y) * (x - y) + (y - z) * (y - z) + (z - x) * (z - x)) + 3.0 * xy * xy);
+}
+
+double largest_principal_strain(const Eigen::Vector4d& s, double young, double nu) {
+  const double ex = (s[0] - nu * (s[1] + s[3])) / young;
+  const double ey = (s[1] - nu * (s[0] + s[3])) / young;
+  const double half_shear = (1.0 + nu) * s[2] / young;
+  return std::abs(0.5 * (ex + ey)) + std::hypot(0.5 * (ex - ey), half_shear);
+}
 
 StressField stress_field(const fem::Sensor& sensor, const fem::ContactStep& step) {
   const Eigen::VectorXd displacement = fem::block_displacement(sensor, surface_load(step));

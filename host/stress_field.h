@@ -20,6 +20,11 @@ struct StressField {
   Eigen::VectorXd strain;         ///< [nodes] largest principal strain in the plane, by magnitude
 };
 
+/// Stresses [4] as the columns of StressField::stress.
+double von_mises(const Eigen::Vector4d& stress);
+/// Hooke's law backwards, then Mohr's circle: the larger magnitude of the two principal strains in the plane.
+double largest_principal_strain(const Eigen::Vector4d& stress, double young, double poisson);
+
 /// A fresh solve of the whole block under the step's surface forces.
 StressField stress_field(const fem::Sensor& sensor, const fem::ContactStep& step);
 

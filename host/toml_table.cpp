@@ -69,7 +69,7 @@ ConfigError syntax_error(const std::string& file, const std::string& text, const
   const bool pair = equals != std::string::npos;
   const std::string key = pair ? trimmed(written.substr(0, equals)) : "line " + std::to_string(line);
   const std::string value = pair ? trimmed(written.substr(equals + 1)) : written;
-  return ConfigError(file, key, shortened(value), "valid TOML (" + std::string(error.description()) + ")",
+  return ConfigError(file, key, value.empty() ? "(missing)" : shortened(value), "valid TOML (" + std::string(error.description()) + ")",
                      static_cast<int>(line));
 }
 
@@ -127,7 +127,8 @@ void TomlTable::refuse_missing(const std::string& key, const std::string& allowe
 double TomlTable::number(const toml::node& node, const std::string& key, const std::string& what) const {
   const bool numeric = node.is_integer() || node.is_floating_point();
   const double value = numeric ? *node.value<double>() : 0.0;
-  if (!numeric || !std::isfinite(value)) throw file_.error(full(key), &node, what);
+  if (!numeric) throw file_.error(full(key), &node, what);
+  if (!std::isfinite(value)) throw file_.error(full(key), &node, "finite, " + what);
   return value;
 }
 

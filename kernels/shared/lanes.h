@@ -1,7 +1,7 @@
 /* Vectors of lanes for kernels: LANES and REAL come from the build. Device only.
    vreal: LANES numbers of type REAL; vint: as many integers of the same width, the type of comparisons.
-   LANES = 1 gives scalars, for GPUs; there a comparison yields 1, not -1, and select works all the same, because
-   PICK tests a scalar for non-zero. Write masks with LESS, BOTH, EITHER, PICK and the same text serves every width. */
+   LANES = 1 gives scalars, for GPUs; there a comparison yields 1, not -1. Take masks apart with PICK, ANY, ALL, NOT, join them with
+   & and |, and the same text serves every width. */
 #ifndef TACTEL_SHARED_LANES_H
 #define TACTEL_SHARED_LANES_H
 

@@ -25,14 +25,17 @@ Mesh two_columns() {
   return mesh;
 }
 
-// `free` [4, 4]: stiffness among a and b (a_x, a_y, b_x, b_y). The base bears what they pass on.
+// `free` [4, 4]: stiffness among a and b (a_x, a_y, b_x, b_y). The base node under each holds what keeps rigid
+// translations free.
 GapBlock make_block(const Eigen::Matrix4d& free) {
   Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(8, 8);
   stiffness.bottomRightCorner(4, 4) = free;
-  for (int direction = 0; direction < 2; ++direction) {
-    stiffness.block(direction, 4, 1, 4) = -(free.row(direction) + free.row(2 + direction));
+  for (int node : {0, 2}) {
+    const Eigen::Matrix2d total = free.block<2, 2>(node, 0) + free.block<2, 2>(node, 2);
+    stiffness.block<2, 2>(4 + node, node) = -total;
+    stiffness.block<2, 2>(node, 4 + node) = -total.transpose();
+    stiffness.block<2, 2>(node, node) = total.transpose();
   }
-  stiffness.bottomLeftCorner(4, 4) = stiffness.topRightCorner(4, 4).transpose();
   return {two_columns(), stiffness.sparseView()};
 }
 

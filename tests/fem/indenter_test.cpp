@@ -63,10 +63,11 @@ TEST(IndenterShape, ExponentialTrapezoidRoundedFlat) {
 }
 
 TEST(IndenterShape, Taylor) {
-  EXPECT_EQ(at(Taylor{{}, 1}, 7), 0);
-  EXPECT_DOUBLE_EQ(at(Taylor{{1, 3}, 1}, 2), 10);  // 2 + 8
-  EXPECT_DOUBLE_EQ(at(Taylor{{1, 3}, 2}, 4), 20);  // 2 (2 + 8)
-  EXPECT_DOUBLE_EQ(at(Taylor{{1, 2, 3, 4, 5}, 1}, 1), 5);
+  EXPECT_EQ(at(Taylor{{}, 1, {}}, 7), 0);
+  EXPECT_DOUBLE_EQ(at(Taylor{{1, 3}, 1, {}}, 2), 10);  // 2 + 8
+  EXPECT_DOUBLE_EQ(at(Taylor{{1, 3}, 2, {}}, 4), 20);  // 2 (2 + 8)
+  EXPECT_DOUBLE_EQ(at(Taylor{{1, 2, 3, 4, 5}, 1, {}}, 1), 5);
+  EXPECT_DOUBLE_EQ(at(Taylor{{1, 3}, 2, 0.25}, 4), 2.5);  // 0.25 (2 + 8)
 }
 
 TEST(IndenterShape, MeasuredProfile) {
@@ -99,8 +100,8 @@ TEST(IndenterShape, LowestPart) {
   EXPECT_EQ(lowest(Parabola{}), std::pair(3.0, 3.0));
   EXPECT_EQ(lowest(Trapezoid{1, 1}), std::pair(2.0, 4.0));
   EXPECT_EQ(lowest(RoundedFlat{1, 1}), std::pair(2.0, 4.0));
-  EXPECT_EQ(lowest(Taylor{{}, 1}), std::pair(-infinity, infinity));
-  EXPECT_EQ(lowest(Taylor{{2}, 1}), std::pair(3.0, 3.0));
+  EXPECT_EQ(lowest(Taylor{{}, 1, {}}), std::pair(-infinity, infinity));
+  EXPECT_EQ(lowest(Taylor{{2}, 1, {}}), std::pair(3.0, 3.0));
   EXPECT_EQ(lowest(Profile{{-2, 0, 1, 2}, {1, 0, 0, 4}, 0, ""}), std::pair(3.0, 4.0));
 }
 
@@ -166,11 +167,12 @@ TEST(Indenter, NamesWhatItRejects) {
     rejects(Exponential{bad, 1}, "indenter.height", "", "length in mm");
     rejects(Exponential{1, bad}, "indenter.rate", "", "1/mm");
     rejects(Trapezoid{1, bad}, "indenter.slope", "", "slope");
-    rejects(Taylor{{1}, bad}, "indenter.scale", "", "length in mm");
+    rejects(Taylor{{1}, bad, {}}, "indenter.scale", "", "length in mm");
+    rejects(Taylor{{1}, 1, bad}, "indenter.height", "", "length in mm");
   }
   rejects(Trapezoid{-1, 1}, "indenter.half_width", "-1", "0 or a length");
   rejects(RoundedFlat{-1, 1}, "indenter.half_width", "-1", "0 or a length");
-  rejects(Taylor{{1, 0}, 1}, "indenter.powers", "0", "1 to 100");
+  rejects(Taylor{{1, 0}, 1, {}}, "indenter.powers", "0", "1 to 100");
   expect_value_error([] { Indenter{Parabola{}, nan}.validate(); }, "indenter.position", "nan", "position in mm");
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <ostream>
 #include <string>
 
 #include "fem/sensor.h"
@@ -26,5 +27,10 @@ inline std::string describe(const Sensor& s) {
   return std::string(name(s.element)) + "_" + std::to_string(s.columns) + "x" + std::to_string(s.rows) + "_nu" +
          std::to_string(static_cast<int>(s.poisson * 1e4 + 0.5)) + "_" + name(s.stress);
 }
+
+/// What a test prints when it fails.
+inline void PrintTo(const Sensor& sensor, std::ostream* out) { *out << describe(sensor); }
+inline void PrintTo(Element element, std::ostream* out) { *out << name(element); }
+inline void PrintTo(StressRecovery recovery, std::ostream* out) { *out << name(recovery); }
 
 }  // namespace tactel::fem

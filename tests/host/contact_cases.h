@@ -19,7 +19,7 @@ inline std::vector<fem::Shape> all_shapes() {
           Exponential{0.1, 0.5},
           Trapezoid{2, 0.5},
           RoundedFlat{2, 10},
-          Taylor{{1, 3}, 10.0},
+          Taylor{{1, 3}, 10.0, {}},
           Profile{{-6, -3, -1, 0, 1, 3, 6}, {0.9, 0.2, 0.02, 0, 0.02, 0.2, 0.9}, 0.0, ""}};
 }
 

@@ -1,0 +1,130 @@
+// The roof that other figures are held against: FMA peak through PoCL with explicit vectors; and what a launch costs.
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+
+#include "host/buffer.h"
+#include "host/executor.h"
+
+namespace {
+
+using namespace tactel;
+using namespace tactel::host;
+using Clock = std::chrono::steady_clock;
+
+const Device& device(const char* choice) {
+  static std::map<std::string, Device> opened;
+  const auto found = opened.find(choice);
+  return found != opened.end() ? found->second : opened.emplace(choice, Device(choice)).first->second;
+}
+
+Program peak_program(const Device& device, Precision precision) {
+  return Program(device, "fma_peak.cl",
+                 {{"LANES", std::to_string(device.lanes(precision))}, {"REAL", real_type(precision)}});
+}
+
+/// fma_peak on some groups, with its output.
+template <class Real>
+struct Peak {
+  static constexpr Precision precision = sizeof(Real) == 4 ? Precision::fp32 : Precision::fp64;
+  Executor executor;
+  Buffer<Real> out;
+  Launch launch;
+  std::size_t groups;
+  double flops;  ///< of a run
+
+  Peak(const Device& device, int threads, std::size_t groups, int rounds)
+      : executor(device, {.threads = threads}),
+        out(device, groups * device.lanes(precision)),
+        launch(executor.prepare(peak_program(device, precision), "fma_peak",
+                                [&](cl::Kernel& kernel) {
+                                  kernel.setArg(1, out.cl_buffer());
+                                  kernel.setArg(2, rounds);
+                                })),
+        groups(groups),
+        flops(24.0 * rounds * static_cast<double>(out.size())) {}
+
+  bool right() {
+    executor.run(launch, groups);
+    const auto map = out.map();
+    return std::ranges::all_of(map.view(), [](Real sum) { return sum == Real(12); });
+  }
+};
+
+template <class Real>
+void fma_peak(benchmark::State& state, int threads) {
+  Peak<Real> peak(device("basic"), threads, 256, 8192);
+  if (!peak.right()) return state.SkipWithError("the accumulators did not converge to 1");
+  for (auto _ : state) peak.executor.run(peak.launch, peak.groups);
+  state.counters["GFLOP/s"] = benchmark::Counter(1e-9 * peak.flops, benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["threads"] = threads;
+  state.SetLabel(peak.executor.device().info().name);
+}
+
+/// Median and tails of one call, us, beside the mean that the benchmark itself reports.
+template <class Call>
+void latency(benchmark::State& state, const Call& call) {
+  std::vector<double> us;
+  for (auto _ : state) {
+    const auto start = Clock::now();
+    call();
+    us.push_back(std::chrono::duration<double, std::micro>(Clock::now() - start).count());
+  }
+  std::ranges::sort(us);
+  const auto quantile = [&](double part) {
+    return us[static_cast<std::size_t>(part * static_cast<double>(us.size() - 1))];
+  };
+  state.counters["p50_us"] = quantile(0.5);
+  state.counters["p99_us"] = quantile(0.99);
+  state.counters["p99.9_us"] = quantile(0.999);
+}
+
+void launch_here(benchmark::State& state, const char* choice) {
+  Peak<float> peak(device(choice), 1, 1, 1);
+  latency(state, [&] { peak.executor.run_here(peak.launch); });
+}
+
+// Two groups of some 50 us of work each: what sharing it costs beyond half of it.
+void launch_shared(benchmark::State& state, int threads) {
+  Peak<float> peak(device("basic"), threads, 2, 1 << 14);
+  if (!peak.right()) return state.SkipWithError("the accumulators did not converge to 1");
+  latency(state, [&] { peak.executor.run(peak.launch, peak.groups); });
+}
+
+// A program whose binary is stored, from its name to the first result.
+void program_from_cache(benchmark::State& state) {
+  const Device& basic = device("basic");
+  Executor executor(basic);
+  Buffer<float> out(basic, 16);
+  const auto first_result = [&] {
+    const Program program = peak_program(basic, Precision::fp32);
+    executor.run(program, "fma_peak", 1, [&](cl::Kernel& kernel) {
+      kernel.setArg(1, out.cl_buffer());
+      kernel.setArg(2, 1);
+    });
+    return program.from_cache();
+  };
+  first_result();
+  if (!first_result()) return state.SkipWithError("the binary was not stored");
+  for (auto _ : state) first_result();
+}
+
+const bool registered = [] {
+  const auto add = [](const char* name, auto&& body) {
+    return benchmark::RegisterBenchmark(name, body)->UseRealTime();
+  };
+  add("device/fma_peak/fp32/threads:1", [](benchmark::State& state) { fma_peak<float>(state, 1); });
+  add("device/fma_peak/fp32/threads:2", [](benchmark::State& state) { fma_peak<float>(state, 2); });
+  add("device/fma_peak/fp64/threads:1", [](benchmark::State& state) { fma_peak<double>(state, 1); });
+  add("device/fma_peak/fp64/threads:2", [](benchmark::State& state) { fma_peak<double>(state, 2); });
+  add("device/launch/basic", [](benchmark::State& state) { launch_here(state, "basic"); });
+  add("device/launch/pthread", [](benchmark::State& state) { launch_here(state, "pthread"); });
+  add("device/two_groups/threads:1", [](benchmark::State& state) { launch_shared(state, 1); });
+  add("device/two_groups/threads:2", [](benchmark::State& state) { launch_shared(state, 2); });
+  add("device/program_from_cache", program_from_cache)->Unit(benchmark::kMillisecond);
+  return true;
+}();
+
+}  // namespace

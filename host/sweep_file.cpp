@@ -1,0 +1,55 @@
+#include "host/sweep_file.h"
+
+#include <fstream>
+#include <sstream>
+
+#include "host/scene_file.h"
+#include "host/scene_tables.h"
+
+namespace tactel::host {
+namespace {
+
+std::string text_of(const std::filesystem::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+/// The paper's choices with `preset = "paper"`, else the sensor that scene files start from; the load is the sets' own.
+fem::Scene base_scene(const TomlFile& file) {
+  TomlTable root(file, "");
+  fem::Scene base = paper_set_scene();
+  if (!root.read_choice("preset", {"paper"})) base.sensor = {};
+  root.read("title", base.title, "a text");
+  for (const char* table : {"sweep", "sensor", "contact", "load"}) root.expect_table(table);
+  if (root.has("indenter")) root.refuse("indenter", "left out: sweep.set says which indenters there are");
+  root.finish();
+  read_sensor(file, base.sensor);
+  read_contact(file, base.friction);
+  read_load(file, base.load, true);
+  return base;
+}
+
+}  // namespace
+
+Sweep read_sweep(const std::filesystem::path& path) {
+  const TomlFile file(path);
+  const std::vector<std::string> sets = {"paper-learning", "paper-recall"};
+  const fem::Scene base = base_scene(file);
+  TomlTable in(file, "sweep");
+  const auto set = in.read_choice("set", sets);
+  if (!set) in.refuse_missing("set", "given: \"paper-learning\" or \"paper-recall\"");
+  double scale = 10.0, height = 10.0;
+  if (*set == 0) {
+    in.read("scale", scale, "a number of mm above 0");
+    in.read("height", height, "a number of mm above 0");
+  }
+  in.finish();
+  try {
+    return {text_of(path), sets[*set], *set == 0 ? paper_learning_family(base, scale, height) : paper_recall_family(base)};
+  } catch (const ValueError& error) {
+    throw file.error(error);
+  }
+}
+
+}  // namespace tactel::host

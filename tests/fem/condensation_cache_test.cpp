@@ -1,0 +1,273 @@
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include "fem/condensation.h"
+#include "sensors.h"
+
+namespace tactel::fem {
+namespace {
+
+namespace fs = std::filesystem;
+
+Sensor little() {
+  Sensor sensor;
+  sensor.columns = 9;
+  sensor.rows = 3;
+  sensor.tactels = 5;
+  return sensor;
+}
+
+bool same_bits(const Condensation& a, const Condensation& b) {
+  const auto same = [](const auto& p, const auto& q) {
+    return p.rows() == q.rows() && p.cols() == q.cols() &&
+           std::memcmp(p.data(), q.data(), sizeof(double) * static_cast<std::size_t>(p.size())) == 0;
+  };
+  return same(a.compliance, b.compliance) && same(a.base_force, b.base_force) &&
+         same(a.tactel_stress, b.tactel_stress) && same(a.surface_x, b.surface_x) && same(a.base_x, b.base_x) &&
+         same(a.tactel_x, b.tactel_x);
+}
+
+std::string read(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+void write(const fs::path& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
+
+/// FNV-1a as published: offset basis 14695981039346656037, prime 1099511628211.
+std::uint64_t fnv(const std::string& bytes) {
+  std::uint64_t hash = 14695981039346656037u;
+  for (unsigned char byte : bytes) {
+    hash ^= byte;
+    hash *= 1099511628211u;
+  }
+  return hash;
+}
+/// The same bytes with the checksum, which comes last, made right again.
+std::string resealed(std::string bytes) {
+  bytes.resize(bytes.size() - 8);
+  const std::uint64_t sum = fnv(bytes);
+  return bytes.append(reinterpret_cast<const char*>(&sum), 8);
+}
+
+class CondensationCache : public testing::Test {
+ protected:
+  CondensationCache() {
+    std::string name = (fs::temp_directory_path() / "tactel-cache-test-XXXXXX").string();
+    directory = mkdtemp(name.data());
+  }
+  ~CondensationCache() override { fs::remove_all(directory); }
+  std::vector<fs::path> files() const {
+    std::vector<fs::path> found;
+    if (fs::exists(directory))
+      for (const auto& entry : fs::directory_iterator(directory)) found.push_back(entry.path());
+    return found;
+  }
+  fs::path only_file() const {
+    EXPECT_EQ(files().size(), 1u);
+    return files().at(0);
+  }
+
+  fs::path directory;
+  const Condensation computed = condense(little());
+};
+
+TEST_F(CondensationCache, FnvIsThePublishedOne) {
+  // Test vectors of the FNV specification (RFC 9923).
+  EXPECT_EQ(fnv(""), 0xcbf29ce484222325u);
+  EXPECT_EQ(fnv("a"), 0xaf63dc4c8601ec8cu);
+  EXPECT_EQ(fnv("foobar"), 0x85944171f73967e8u);
+}
+
+TEST_F(CondensationCache, AHitIsWhatWasComputedBitForBit) {
+  EXPECT_TRUE(same_bits(condense_cached(little(), directory), computed));  // miss
+  const std::string bytes = read(only_file());
+  EXPECT_TRUE(same_bits(condense_cached(little(), directory), computed));  // hit
+  EXPECT_EQ(read(only_file()), bytes);
+}
+
+TEST_F(CondensationCache, AHitIsReadFromTheFile) {
+  // A value changed under a right checksum comes back: so the cache was asked, not the solver.
+  condense_cached(little(), directory);
+  std::string bytes = read(only_file());
+  const double marker = 12345;
+  std::memcpy(bytes.data() + bytes.size() - 16, &marker, 8);  // the last tactel's place
+  write(only_file(), resealed(bytes));
+  EXPECT_EQ(condense_cached(little(), directory).tactel_x[4], marker);
+}
+
+TEST_F(CondensationCache, MakesItsDirectory) {
+  condense_cached(little(), directory / "a" / "b");
+  EXPECT_EQ(std::distance(fs::directory_iterator(directory / "a" / "b"), {}), 1);
+}
+
+TEST_F(CondensationCache, AnyFlippedByteIsFoundAndMended) {
+  condense_cached(little(), directory);
+  const fs::path file = only_file();
+  const std::string good = read(file);
+  // Every byte of the header and of the checksum; of the payload every 97th.
+  const std::size_t header = 700;
+  for (std::size_t k = 0; k < good.size(); k += (k < header || k + 16 > good.size()) ? 1 : 97) {
+    std::string bad = good;
+    bad[k] = static_cast<char>(bad[k] ^ (1 << (k % 8)));
+    write(file, bad);
+    ASSERT_TRUE(same_bits(condense_cached(little(), directory), computed)) << "byte " << k;
+    ASSERT_EQ(read(file), good) << "byte " << k;
+  }
+}
+
+TEST_F(CondensationCache, AWrongHeaderUnderARightChecksumIsForeign) {
+  // Magic, format version, byte order, length of the key, key, sizes: whoever sealed the file, it is not ours.
+  condense_cached(little(), directory);
+  const fs::path file = only_file();
+  const std::string good = read(file);
+  const std::size_t values = 18 * 18 + 18 * 18 + 10 * 18 + 9 + 9 + 5, header = good.size() - 8 * values - 8;
+  for (std::size_t k = 0; k < header; ++k) {
+    std::string bad = good;
+    bad[k] = static_cast<char>(bad[k] + 1);
+    write(file, resealed(bad));
+    ASSERT_TRUE(same_bits(condense_cached(little(), directory), computed)) << "byte " << k;
+    ASSERT_EQ(read(file), good) << "byte " << k;
+  }
+}
+
+TEST_F(CondensationCache, TruncatedLongerAndForeignFilesAreMended) {
+  condense_cached(little(), directory);
+  const fs::path file = only_file();
+  const std::string good = read(file);
+  for (const std::string& bad :
+       {std::string(), good.substr(0, 8), good.substr(0, good.size() / 2), good.substr(0, good.size() - 1), good + "x",
+        std::string("not a cache file\n"), std::string(good.size(), '\0')}) {
+    write(file, bad);
+    EXPECT_TRUE(same_bits(condense_cached(little(), directory), computed)) << bad.size() << " bytes";
+    EXPECT_EQ(read(file), good);
+  }
+}
+
+TEST_F(CondensationCache, AFileUnderAnotherSensorsNameIsNotBelieved) {
+  Sensor other = little();
+  other.poisson = 0.3;
+  condense_cached(little(), directory);
+  const fs::path mine = only_file();
+  condense_cached(other, directory / "other");
+  const fs::path theirs = fs::directory_iterator(directory / "other")->path();
+  fs::copy_file(mine, theirs, fs::copy_options::overwrite_existing);
+  EXPECT_TRUE(same_bits(condense_cached(other, directory / "other"), condense(other)));
+}
+
+TEST_F(CondensationCache, ADirectoryThatCannotBeWrittenCostsOnlyTheCaching) {
+  write(directory / "file", "in the way");
+  EXPECT_TRUE(same_bits(condense_cached(little(), directory / "file"), computed));
+  EXPECT_TRUE(same_bits(condense_cached(little(), directory / "file" / "below"), computed));
+  EXPECT_TRUE(same_bits(condense_cached(little(), "/proc/no-such-place"), computed));
+  EXPECT_TRUE(same_bits(condense_cached(little(), ""), computed));
+  fs::permissions(directory, fs::perms::owner_read | fs::perms::owner_exec);
+  EXPECT_TRUE(same_bits(condense_cached(little(), directory), computed));
+  fs::permissions(directory, fs::perms::owner_all);
+}
+
+TEST_F(CondensationCache, AFileThatCannotBeReplacedCostsOnlyTheCaching) {
+  condense_cached(little(), directory);
+  const fs::path file = only_file();
+  fs::remove(file);
+  fs::create_directories(file / "in the way");  // a directory of that name: rename fails even for root
+  EXPECT_TRUE(same_bits(condense_cached(little(), directory), computed));
+  EXPECT_EQ(files().size(), 1u) << "no temporary file may stay behind";
+}
+
+TEST_F(CondensationCache, EveryMemberButYoungIsInTheKey) {
+  const auto count_after = [&](auto change) {
+    Sensor sensor = little();
+    change(sensor);
+    EXPECT_TRUE(same_bits(condense_cached(sensor, directory), condense(sensor)));
+    return files().size();
+  };
+  EXPECT_EQ(count_after([](Sensor&) {}), 1u);
+  EXPECT_EQ(count_after([](Sensor& s) { s.young = 3; }), 1u) << "E only scales";
+  EXPECT_EQ(count_after([](Sensor& s) { s.length = std::nextafter(s.length, 100); }), 2u) << "to the last digit";
+  EXPECT_EQ(count_after([](Sensor& s) { s.thickness = 1.25; }), 3u);
+  EXPECT_EQ(count_after([](Sensor& s) { s.poisson = 0.3; }), 4u);
+  EXPECT_EQ(count_after([](Sensor& s) { s.columns = 11; }), 5u);
+  EXPECT_EQ(count_after([](Sensor& s) { s.rows = 4; }), 6u);
+  EXPECT_EQ(count_after([](Sensor& s) { s.grading = 2; }), 7u);
+  EXPECT_EQ(count_after([](Sensor& s) { s.element = Element::q4; }), 8u);
+  EXPECT_EQ(count_after([](Sensor& s) { s.element = Element::q4i; }), 9u);
+  EXPECT_EQ(count_after([](Sensor& s) { s.element = Element::q8; }), 10u);
+  EXPECT_EQ(count_after([](Sensor& s) { s.tactels = 4; }), 11u);
+  EXPECT_EQ(count_after([](Sensor& s) { s.stress = StressRecovery::element; }), 12u);
+  // A member added to Sensor must be added to the key and here.
+  static_assert(sizeof(Sensor) == sizeof(double) * 4 + sizeof(int) * 2 + sizeof(double) + sizeof(int) * 3 + 4);
+}
+
+TEST_F(CondensationCache, ProcessesAndThreadsShareItSafely) {
+  // Four processes of two threads fight over three files; a fifth hand keeps spoiling them.
+  const auto work = [&] {
+    bool good = true;
+    for (int k = 0; k < 30; ++k) {
+      Sensor sensor = little();
+      sensor.rows = 3 + k % 3;
+      good = good && same_bits(condense_cached(sensor, directory), condense(sensor));
+    }
+    return good;
+  };
+  std::vector<pid_t> children;
+  for (int p = 0; p < 4; ++p) {
+    children.push_back(fork());
+    ASSERT_GE(children.back(), 0);
+    if (children.back() == 0) {
+      bool beside = false;
+      std::thread other([&] { beside = work(); });
+      const bool good = work();
+      other.join();
+      _exit(good && beside ? 0 : 1);
+    }
+  }
+  for (int k = 0; k < 50; ++k) {
+    std::error_code error;
+    for (const auto& entry : fs::directory_iterator(directory, error))
+      if (entry.path().extension() == ".condensation")
+        fs::resize_file(entry.path(), 100 + 7 * static_cast<std::uintmax_t>(k), error);
+    usleep(200);
+  }
+  for (pid_t child : children) {
+    int status = 0;
+    waitpid(child, &status, 0);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  }
+  EXPECT_TRUE(work());
+  EXPECT_EQ(files().size(), 3u) << "no temporary file may stay behind";
+}
+
+TEST(CacheDirectory, FollowsTheEnvironment) {
+  const auto with = [](const char* own, const char* cache, const char* home) {
+    const auto set = [](const char* name, const char* value) { value ? setenv(name, value, 1) : unsetenv(name); };
+    std::string saved[3];
+    const char* names[] = {"TACTEL_CACHE_DIR", "XDG_CACHE_HOME", "HOME"};
+    bool was[3];
+    for (int i = 0; i < 3; ++i) {
+      const char* value = getenv(names[i]);
+      was[i] = value;
+      saved[i] = value ? value : "";
+    }
+    set(names[0], own), set(names[1], cache), set(names[2], home);
+    const fs::path result = default_cache_directory();
+    for (int i = 0; i < 3; ++i) set(names[i], was[i] ? saved[i].c_str() : nullptr);
+    return result;
+  };
+  EXPECT_EQ(with("/a", "/b", "/c"), "/a");
+  EXPECT_EQ(with("", "/b", "/c"), "/b/tactel");
+  EXPECT_EQ(with(nullptr, nullptr, "/c"), "/c/.cache/tactel");
+  EXPECT_EQ(with(nullptr, "", nullptr), "");
+}
+
+}  // namespace
+}  // namespace tactel::fem
