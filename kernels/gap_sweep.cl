@@ -289,6 +289,8 @@ typedef struct {
   vreal b[2][2][VECTORS];                /* inverse Jacobian */
   vreal z[2][VECTORS], g[2][VECTORS];    /* last trial: place; P and Q - (Q_goal / P_goal) P */
   vreal low[VECTORS], high[VECTORS];     /* bracket of d */
+  vreal p_goal[VECTORS], q_goal[VECTORS];
+  vint by_force[VECTORS], both[VECTORS]; /* lanes whose normal goal is a force, whose tangential one is too */
 } Search;
 
 /* Inverse update with the trial (z, g) in the given lanes; b stays where the step was too small to tell anything. */
@@ -319,16 +321,15 @@ static inline vreal bracketed(vreal trial, vreal now, vreal low, vreal high) {
 }
 
 /* Moves the indenter of the active lanes towards the forces asked for. Leaves in in->active those that were not there yet. */
-static inline void aim(Search *s, const Contact *c, Indenter *in, global const vreal *p_goal, global const vreal *q_goal, const vint *both,
-                       real tolerance) {
+static inline void aim(Search *s, const Contact *c, Indenter *in, real tolerance) {
   vreal p[VECTORS], q[VECTORS];
   resultants(c, p, q);
   EACH_VECTOR {
-    const vreal ratio = PICK(both[v] & (p_goal[v] > 0), q_goal[v] / p_goal[v], ALL_LANES(0));
+    const vreal ratio = PICK(s->both[v] & (s->p_goal[v] > 0), s->q_goal[v] / s->p_goal[v], ALL_LANES(0));
     const vreal z[2] = {in->d[v], in->x[v]};
-    const vreal g[2] = {p[v], PICK(both[v], q[v] - ratio * p[v], ALL_LANES(0))};
-    const vreal miss[2] = {p[v] - p_goal[v], g[1]};
-    const vreal enough = tolerance * p_goal[v];
+    const vreal g[2] = {p[v], PICK(s->both[v], q[v] - ratio * p[v], ALL_LANES(0))};
+    const vreal miss[2] = {p[v] - s->p_goal[v], g[1]};
+    const vreal enough = tolerance * s->p_goal[v];
     learn(s, v, z, g, in->active[v]);
     in->active[v] &= (fabs(miss[0]) > enough) | (fabs(miss[1]) > enough);
     const vreal step[2] = {s->b[0][0][v] * miss[0] + s->b[0][1][v] * miss[1],
@@ -338,10 +339,10 @@ static inline void aim(Search *s, const Contact *c, Indenter *in, global const v
     /* P grows with d alone where x is given: keep inside the bracket. With both unknown the bracket moves: bound the step instead. */
     const vreal far_d = (real)0.5 * z[0], far_x = LARGER(fabs(z[1]), far_d);
     const vreal bounded = SMALLER(LARGER(z[0] - step[0], z[0] - far_d), z[0] + 2 * far_d);
-    const vreal next[2] = {PICK(both[v], bounded, bracketed(z[0] - step[0], z[0], s->low[v], s->high[v])),
+    const vreal next[2] = {PICK(s->both[v], bounded, bracketed(z[0] - step[0], z[0], s->low[v], s->high[v])),
                            SMALLER(LARGER(z[1] - step[1], z[1] - far_x), z[1] + far_x)};
     in->d[v] = PICK(in->active[v], next[0], in->d[v]);
-    in->x[v] = PICK(in->active[v] & both[v], next[1], in->x[v]);
+    in->x[v] = PICK(in->active[v] & s->both[v], next[1], in->x[v]);
   }
 }
 #endif
@@ -410,15 +411,151 @@ static inline vreal balance(global const vreal *rows_out, int base_rows, int v, 
   return PICK((largest > 0) & (off == off), off / largest, ALL_LANES(0));
 }
 
+/* A lane on its way along its load path. */
+typedef struct {
+  vint valid[VECTORS], running[VECTORS];
+  vreal young[VECTORS];
+  vreal d_change[VECTORS], x_change[VECTORS]; /* of the last increment's goal, mm */
+  vreal sweeps[VECTORS];                      /* of this increment */
+  vint failed[VECTORS];                       /* it did not settle, or not at the forces asked for */
+  Certificate certificate;
+} Walk;
+
+static inline void start(global const vreal *lane_input, Contact *c, Indenter *in, Walk *w) {
+  c->first = NODES;
+  c->end = 0;
+  for (int i = 0; i < NODES; ++i) EACH_VECTOR {
+      c->n[i][v] = c->t[i][v] = c->n_last[i][v] = c->t_last[i][v] = c->ux_last[i][v] = c->ux[i][v] = c->uy[i][v] = 0;
+      c->h[i][v] = FAR;
+    }
+  EACH_VECTOR {
+    in->mu[v] = PICK(w->valid[v], lane_input[LANE_MU * VECTORS + v], ALL_LANES(0));
+    w->young[v] = PICK(w->valid[v], lane_input[LANE_YOUNG * VECTORS + v], ALL_LANES(0));
+    in->d[v] = in->x[v] = in->x_last[v] = w->d_change[v] = w->x_change[v] = 0;
+    w->running[v] = w->valid[v];
+  }
+}
+
+/* Goal of increment k: (d, x), mm; lanes beyond their path stop and stay where they are. ratio: this change of the goal over the last one, 0 where
+   both d and x change, or the way turns, or the load is a force. */
+static inline void next_goal(global const vreal *lane_input, global const vreal *path, int k, const Indenter *in, Walk *w, vreal *d,
+                             vreal *x, vreal *ratio) {
+  global const vreal *goal = path + k * (PATH_ROWS * VECTORS);
+  EACH_VECTOR {
+    w->running[v] &= lane_input[LANE_STEPS * VECTORS + v] > (real)k;
+    w->sweeps[v] = 0;
+    d[v] = PICK(w->running[v], goal[PATH_NORMAL * VECTORS + v], in->d[v]);
+    x[v] = PICK(w->running[v], goal[PATH_TANGENTIAL * VECTORS + v], in->x[v]);
+    const vreal d_now = d[v] - in->d[v], x_now = x[v] - in->x[v];
+    const vint same_d = (d_now == 0) & (w->d_change[v] == 0), same_x = (x_now == 0) & (w->x_change[v] == 0);
+    const vreal along_d = PICK(same_x & (w->d_change[v] != 0), d_now / w->d_change[v], ALL_LANES(0));
+    const vreal along = PICK(same_d & (w->x_change[v] != 0), x_now / w->x_change[v], along_d);
+    const vint by_depth = lane_input[LANE_FORCE * VECTORS + v] < FORCE_NORMAL;
+    ratio[v] = PICK(by_depth & (along > 0) & (along <= 2), along, ALL_LANES(0));
+    w->d_change[v] = d_now;
+    w->x_change[v] = x_now;
+  }
+}
+
+static inline void move_to(Indenter *in, const Walk *w, const vreal *d, const vreal *x) {
+  EACH_VECTOR {
+    in->active[v] = w->running[v];
+    in->x_last[v] = in->x[v];
+    in->d[v] = d[v];
+    in->x[v] = x[v];
+  }
+}
+
+#if FORCE_CONTROL
+static inline void start_search(global const vreal *lane_input, Search *s) {
+  EACH_VECTOR {
+    s->by_force[v] = lane_input[LANE_FORCE * VECTORS + v] >= FORCE_NORMAL;
+    s->both[v] = lane_input[LANE_FORCE * VECTORS + v] >= FORCE_BOTH;
+    s->b[0][0][v] = (real)0.3; /* thickness / width, about: a start that the first trial corrects */
+    s->b[1][1][v] = 1;
+    s->b[0][1][v] = s->b[1][0][v] = s->z[0][v] = s->z[1][v] = s->g[0][v] = s->g[1][v] = 0;
+  }
+}
+
+/* Where goals are forces: keeps them in the search, and puts the indenter where it is, or to a first guess, instead. */
+static inline void first_trial(Search *s, const Indenter *in, vreal *d, vreal *x) {
+  EACH_VECTOR {
+    const vreal guess = PICK(in->d[v] > 0, in->d[v], s->b[0][0][v] * d[v]);
+    s->p_goal[v] = d[v];
+    s->q_goal[v] = x[v];
+    s->low[v] = 0;
+    s->high[v] = FAR;
+    d[v] = PICK(s->by_force[v], PICK(d[v] > 0, guess, ALL_LANES(0)), d[v]);
+    x[v] = PICK(s->both[v], in->x[v], x[v]);
+  }
+}
+
+static inline void reach_forces(const Rules *rules, global const vreal *profile, Search *s, Contact *c, Indenter *in, Walk *w) {
+  EACH_VECTOR { in->active[v] = w->running[v] & s->by_force[v] & (s->p_goal[v] > 0); }
+  for (int trial = 0; trial < MOST_AIMS; ++trial) {
+    aim(s, c, in, 10 * rules->tolerance);
+    if (!any_vector(in->active)) return;
+    vint searching[VECTORS], failed[VECTORS];
+    EACH_VECTOR { searching[v] = in->active[v]; }
+    touch(rules, profile, c, in, w->sweeps, failed, &w->certificate);
+    EACH_VECTOR {
+      w->failed[v] = (w->failed[v] & NOT(searching[v])) | failed[v];
+      in->active[v] = searching[v];
+    }
+  }
+  EACH_VECTOR { w->failed[v] |= in->active[v]; }
+}
+#endif
+
+/* What this increment came to, LaneResultRow by row; lanes that slide where they may stop are done. rows_out: the output rows of this increment. */
+static inline void report(global const vreal *lane_input, int k, const Contact *c, const Indenter *in, real accept, int base_rows,
+                          global const vreal *rows_out, Walk *w, global vreal *result) {
+  vreal p[VECTORS], q[VECTORS], sticking[VECTORS], slipping[VECTORS];
+  resultants(c, p, q);
+  count_nodes(c, in, sticking, slipping);
+  EACH_VECTOR {
+    global vreal *out = result + v;
+    const Certificate *said = &w->certificate;
+    const vreal held = in->mu[v] * p[v];
+    const vreal off_balance = balance(rows_out, base_rows, v, p[v] * w->young[v], q[v] * w->young[v]);
+    const vreal worst = fmax(fmax(fmax(said->penetration[v], said->cone[v]), fmax(said->complementarity[v], said->drift[v])), off_balance);
+    const vint slides = w->running[v] & (sticking[v] == 0) & (slipping[v] > 0);
+    const vint solved = NOT(w->failed[v]) & (worst <= accept);
+    const vreal good = PICK(slides, ALL_LANES(LANE_SLIDING), ALL_LANES(LANE_SOLVED));
+    const vreal idle = PICK(w->valid[v], ALL_LANES(LANE_NOT_RUN), ALL_LANES(LANE_INVALID));
+    out[LANE_INDENTATION * VECTORS] = in->d[v];
+    out[LANE_TANGENTIAL * VECTORS] = in->x[v];
+    out[LANE_P * VECTORS] = p[v] * w->young[v];
+    out[LANE_Q * VECTORS] = q[v] * w->young[v];
+    out[LANE_SLIP_INDEX * VECTORS] = PICK(held > 0, q[v] / held, ALL_LANES(0));
+    out[LANE_STICKING * VECTORS] = sticking[v];
+    out[LANE_SLIPPING * VECTORS] = slipping[v];
+    out[LANE_SWEEPS * VECTORS] = w->sweeps[v];
+    out[LANE_STATUS * VECTORS] = PICK(w->running[v], PICK(solved, good, ALL_LANES(LANE_UNSOLVED)), idle);
+    out[LANE_PENETRATION * VECTORS] = said->penetration[v];
+    out[LANE_CONE * VECTORS] = said->cone[v];
+    out[LANE_COMPLEMENTARITY * VECTORS] = said->complementarity[v];
+    out[LANE_DRIFT * VECTORS] = said->drift[v];
+    out[LANE_BALANCE * VECTORS] = off_balance;
+    w->running[v] &= NOT(slides & (lane_input[LANE_MAY_STOP * VECTORS + v] <= (real)k));
+  }
+}
+
+static inline void report_idle(const Walk *w, global vreal *result) {
+  for (int r = 0; r < LANE_RESULT_ROWS; ++r) EACH_VECTOR {
+      const vreal idle = PICK(w->valid[v], ALL_LANES(LANE_NOT_RUN), ALL_LANES(LANE_INVALID));
+      result[r * VECTORS + v] = r == LANE_STATUS ? idle : ALL_LANES(0);
+    }
+}
+
 /* compliance [NODES][NODES][4]; node [NODES][NODE_ROWS]; map [blocks of ROW_BLOCK rows][NODES][ROW_BLOCK][2], base forces first (base_rows of them);
    lane_input [group][LANE_INPUT_ROWS][lane]; profile [group][NODES][lane] mm, >= FAR where there is no indenter; path [group][steps][PATH_ROWS][lane].
    Out: result [group][steps][LANE_RESULT_ROWS][lane]; rows_out [group][steps][rows][lane]; nodes_out [group][steps][3 NODES][lane] unless
    write_node_rows is 0. */
-kernel void gap_sweep(uint first_group, global const real *compliance, global const real *node,
-                      global const real *map, int rows, int base_rows,
-                      global const vreal *lane_input, global const vreal *profile, global const vreal *path, int steps,
-                      real tolerance, real accept, int most_sweeps, global vreal *result,
-                      global vreal *rows_out, global vreal *nodes_out, int write_node_rows) {
+kernel void gap_sweep(uint first_group, global const real *compliance, global const real *node, global const real *map, int rows,
+                      int base_rows, global const vreal *lane_input, global const vreal *profile, global const vreal *path, int steps,
+                      real tolerance, real accept, int most_sweeps, global vreal *result, global vreal *rows_out,
+                      global vreal *nodes_out, int write_node_rows) {
   TAKE_GROUP(group);
   const Rules rules = {compliance, node, tolerance, most_sweeps};
   lane_input += group * (LANE_INPUT_ROWS * VECTORS);
@@ -430,117 +567,35 @@ kernel void gap_sweep(uint first_group, global const real *compliance, global co
 
   Contact c;
   Indenter in;
-  vint valid[VECTORS], running[VECTORS];
-  vreal young[VECTORS], d_change[VECTORS], x_change[VECTORS];
-  check_input(lane_input, profile, path, steps, valid);
-  c.first = NODES;
-  c.end = 0;
-  for (int i = 0; i < NODES; ++i) EACH_VECTOR {
-      c.n[i][v] = c.t[i][v] = c.n_last[i][v] = c.t_last[i][v] = c.ux_last[i][v] = c.ux[i][v] = c.uy[i][v] = 0;
-      c.h[i][v] = FAR;
-    }
-  EACH_VECTOR {
-    in.mu[v] = PICK(valid[v], lane_input[LANE_MU * VECTORS + v], ALL_LANES(0));
-    young[v] = PICK(valid[v], lane_input[LANE_YOUNG * VECTORS + v], ALL_LANES(0));
-    in.d[v] = in.x[v] = in.x_last[v] = d_change[v] = x_change[v] = 0;
-    running[v] = valid[v];
-  }
+  Walk w;
+  check_input(lane_input, profile, path, steps, w.valid);
+  start(lane_input, &c, &in, &w);
 #if FORCE_CONTROL
   Search search;
-  vint normal_force[VECTORS], both[VECTORS];
-  EACH_VECTOR {
-    normal_force[v] = valid[v] & (lane_input[LANE_FORCE * VECTORS + v] >= FORCE_NORMAL);
-    both[v] = valid[v] & (lane_input[LANE_FORCE * VECTORS + v] >= FORCE_BOTH);
-    search.b[0][0][v] = (real)0.3; /* 1 / (width / thickness), about: a start that the first trial corrects */
-    search.b[1][1][v] = 1;
-    search.b[0][1][v] = search.b[1][0][v] = search.z[0][v] = search.z[1][v] = search.g[0][v] = search.g[1][v] = 0;
-  }
+  start_search(lane_input, &search);
 #endif
-
   for (int k = 0; k < steps; ++k) {
-    global const vreal *goal = path + k * (PATH_ROWS * VECTORS);
-    vreal sweeps[VECTORS], ratio[VECTORS];
-    vint failed[VECTORS];
-    Certificate certificate;
-    EACH_VECTOR {
-      running[v] &= lane_input[LANE_STEPS * VECTORS + v] > (real)k;
-      in.active[v] = running[v];
-      sweeps[v] = 0;
-      const vreal d = PICK(running[v], goal[PATH_NORMAL * VECTORS + v], in.d[v]);
-      const vreal x = PICK(running[v], goal[PATH_TANGENTIAL * VECTORS + v], in.x[v]);
-      const vreal d_now = d - in.d[v], x_now = x - in.x[v];
-      const vint same_d = (d_now == 0) & (d_change[v] == 0), same_x = (x_now == 0) & (x_change[v] == 0);
-      const vreal raw = PICK(same_d & (x_change[v] != 0), x_now / x_change[v], PICK(same_x & (d_change[v] != 0), d_now / d_change[v], ALL_LANES(0)));
-      ratio[v] = PICK((raw > 0) & (raw <= 2), raw, ALL_LANES(0));
-      d_change[v] = d_now;
-      x_change[v] = x_now;
-      in.x_last[v] = in.x[v];
+    vreal d[VECTORS], x[VECTORS], ratio[VECTORS];
+    next_goal(lane_input, path, k, &in, &w, d, x, ratio);
+    if (any_vector(w.running)) {
 #if FORCE_CONTROL
-      ratio[v] = PICK(normal_force[v], ALL_LANES(0), ratio[v]);
-      const vreal first_trial = PICK(in.d[v] > 0, in.d[v], search.b[0][0][v] * d);
-      in.d[v] = PICK(normal_force[v], PICK(d > 0, first_trial, ALL_LANES(0)), d);
-      in.x[v] = PICK(both[v], in.x[v], x);
-      search.low[v] = 0;
-      search.high[v] = FAR;
-#else
-      in.d[v] = d;
-      in.x[v] = x;
+      first_trial(&search, &in, d, x);
 #endif
-    }
-    if (!any_vector(running)) {
-      EACH_VECTOR for (int r = 0; r < LANE_RESULT_ROWS; ++r)
-          result[(k * LANE_RESULT_ROWS + r) * VECTORS + v] =
-              ALL_LANES(0) + PICK(valid[v], ALL_LANES(LANE_NOT_RUN), ALL_LANES(LANE_INVALID)) * (real)(r == LANE_STATUS);
-      continue;
-    }
-    extrapolate(&c, &in, ratio);
-    touch(&rules, profile, &c, &in, sweeps, failed, &certificate);
+      move_to(&in, &w, d, x);
+      extrapolate(&c, &in, ratio);
+      touch(&rules, profile, &c, &in, w.sweeps, w.failed, &w.certificate);
 #if FORCE_CONTROL
-    EACH_VECTOR { in.active[v] = running[v] & normal_force[v] & (goal[PATH_NORMAL * VECTORS + v] > 0); }
-    for (int trial = 0; trial < MOST_AIMS; ++trial) {
-      aim(&search, &c, &in, goal + PATH_NORMAL * VECTORS, goal + PATH_TANGENTIAL * VECTORS, both, 10 * tolerance);
-      if (!any_vector(in.active)) break;
-      vint searching[VECTORS], failed_now[VECTORS];
-      EACH_VECTOR { searching[v] = in.active[v]; }
-      touch(&rules, profile, &c, &in, sweeps, failed_now, &certificate);
-      EACH_VECTOR {
-        failed[v] = (failed[v] & NOT(searching[v])) | failed_now[v];
-        in.active[v] = searching[v];
-      }
-    }
-    EACH_VECTOR { failed[v] |= in.active[v]; }
+      reach_forces(&rules, profile, &search, &c, &in, &w);
 #endif
-    vreal p[VECTORS], q[VECTORS], sticking[VECTORS], slipping[VECTORS];
-    resultants(&c, p, q);
-    count_nodes(&c, &in, sticking, slipping);
-    global vreal *row = rows_out + (size_t)k * rows * VECTORS;
-    write_rows(map, rows, &c, young, row);
-    if (write_node_rows) write_nodes(&c, &in, young, nodes_out + (size_t)k * (3 * NODES * VECTORS));
-    EACH_VECTOR {
-      global vreal *out = result + k * (LANE_RESULT_ROWS * VECTORS) + v;
-      const vreal held = in.mu[v] * p[v];
-      const vreal off_balance = balance(row, base_rows, v, p[v] * young[v], q[v] * young[v]);
-      const vreal worst = fmax(fmax(certificate.penetration[v], certificate.cone[v]),
-                               fmax(fmax(certificate.complementarity[v], certificate.drift[v]), off_balance));
-      const vint slides = running[v] & (sticking[v] == 0) & (slipping[v] > 0);
-      const vint solved = NOT(failed[v]) & (worst <= accept);
-      const vreal status = PICK(solved, PICK(slides, ALL_LANES(LANE_SLIDING), ALL_LANES(LANE_SOLVED)), ALL_LANES(LANE_UNSOLVED));
-      out[LANE_INDENTATION * VECTORS] = in.d[v];
-      out[LANE_TANGENTIAL * VECTORS] = in.x[v];
-      out[LANE_P * VECTORS] = p[v] * young[v];
-      out[LANE_Q * VECTORS] = q[v] * young[v];
-      out[LANE_SLIP_INDEX * VECTORS] = PICK(held > 0, q[v] / held, ALL_LANES(0));
-      out[LANE_STICKING * VECTORS] = sticking[v];
-      out[LANE_SLIPPING * VECTORS] = slipping[v];
-      out[LANE_SWEEPS * VECTORS] = sweeps[v];
-      out[LANE_STATUS * VECTORS] = PICK(running[v], status, PICK(valid[v], ALL_LANES(LANE_NOT_RUN), ALL_LANES(LANE_INVALID)));
-      out[LANE_PENETRATION * VECTORS] = certificate.penetration[v];
-      out[LANE_CONE * VECTORS] = certificate.cone[v];
-      out[LANE_COMPLEMENTARITY * VECTORS] = certificate.complementarity[v];
-      out[LANE_DRIFT * VECTORS] = certificate.drift[v];
-      out[LANE_BALANCE * VECTORS] = off_balance;
-      running[v] &= NOT(slides & (lane_input[LANE_MAY_STOP * VECTORS + v] <= (real)k));
+      write_rows(map, rows, &c, w.young, rows_out);
+      if (write_node_rows) write_nodes(&c, &in, w.young, nodes_out);
+      report(lane_input, k, &c, &in, accept, base_rows, rows_out, &w, result);
+      for (int i = c.first; i < c.end; ++i) EACH_VECTOR { c.ux_last[i][v] = c.ux[i][v]; }
+    } else {
+      report_idle(&w, result);
     }
-    for (int i = c.first; i < c.end; ++i) EACH_VECTOR { c.ux_last[i][v] = c.ux[i][v]; }
+    result += LANE_RESULT_ROWS * VECTORS;
+    rows_out += rows * VECTORS;
+    nodes_out += 3 * NODES * VECTORS;
   }
 }

@@ -15,10 +15,10 @@ Recall<Scalar> recall(const Weights<Scalar>& weights, const InputScaling& scalin
     throw ValueError("inputs", std::to_string(frames.cols()) + " a frame",
                      std::to_string(inputs) + " for the network " + weights.topology.text());
   Recall<Scalar> result{Vector<Scalar>(frames.rows()), std::vector<FrameStatus>(frames.rows())};
-  Vector<float> scaled(inputs);
+  Vector<Scalar> scaled(inputs);
   for (Eigen::Index row = 0; row < frames.rows(); ++row) {
     FrameStatus status = scale_frame(scaling, frames.row(row).data(), inputs, scaled.data());
-    const Scalar output = forward<Scalar>(weights, scaled.cast<Scalar>()).back()(0);
+    const Scalar output = forward(weights, scaled).back()(0);
     if (status != FrameStatus::not_finite && std::isnan(output)) status = FrameStatus::overflow;
     const bool none = status == FrameStatus::not_finite || status == FrameStatus::overflow;
     result.slip_index(row) = none ? std::numeric_limits<Scalar>::quiet_NaN() : output + Scalar(0.5);

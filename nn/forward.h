@@ -61,7 +61,7 @@ struct Recall {
   std::vector<FrameStatus> status;  ///< [rows]
 };
 
-/// The reference of recall: frames [rows, inputs] in MPa, normal stresses first. Scaled in fp32, as live frames are.
+/// The reference of recall: frames [rows, inputs] in MPa, normal stresses first.
 template <class Scalar>
 Recall<Scalar> recall(const Weights<Scalar>& weights, const InputScaling& scaling, const RowMatrix<float>& frames);
 

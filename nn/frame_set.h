@@ -36,13 +36,13 @@ struct TrainingSet {
   Vector<Scalar> target;     ///< [rows] S - 0.5
 };
 
-/// Scaled in fp32, then converted. Throws ValueError as FrameSet::validate.
+/// Throws ValueError as FrameSet::validate.
 template <class Scalar>
 TrainingSet<Scalar> training_set(const FrameSet& set, const InputScaling& scaling) {
   set.validate();
   scaling.validate();
-  const Vector<float> target = set.slip_index.array() - 0.5f;
-  return {scale_frames(scaling, set.frames).cast<Scalar>(), target.cast<Scalar>()};
+  const Vector<Scalar> target = set.slip_index.template cast<Scalar>().array() - Scalar(0.5);
+  return {scale_frames<Scalar>(scaling, set.frames), target};
 }
 
 }  // namespace tactel::nn

@@ -36,9 +36,10 @@ void InputScaling::validate() const {
     throw ValueError("scaling.largest_stress", std::to_string(largest_stress), "finite and at least 1e-12 MPa");
 }
 
-FrameStatus scale_frame(const InputScaling& scaling, const float* frame, int inputs, float* scaled) {
+template <class Scalar>
+FrameStatus scale_frame(const InputScaling& scaling, const float* frame, int inputs, Scalar* scaled) {
   const auto not_finite = [](float x) { return !std::isfinite(x); };
-  std::fill(scaled, scaled + inputs, 0.0f);
+  std::fill(scaled, scaled + inputs, Scalar(0));
   if (std::any_of(frame, frame + inputs, not_finite)) return FrameStatus::not_finite;
   float divisor = scaling.largest_stress;
   if (scaling.kind == ScalingKind::frame) {
@@ -46,13 +47,14 @@ FrameStatus scale_frame(const InputScaling& scaling, const float* frame, int inp
     for (int k = 0; k < inputs / 2; ++k) divisor = std::max(divisor, std::abs(frame[k]));
     if (divisor < InputScaling::smallest_stress) return FrameStatus::no_stress;
   }
-  const float factor = 1.0f / divisor;
-  std::transform(frame, frame + inputs, scaled, [factor](float x) { return x * factor; });
+  const Scalar factor = Scalar(1) / Scalar(divisor);
+  std::transform(frame, frame + inputs, scaled, [factor](float x) { return Scalar(x) * factor; });
   return FrameStatus::ok;
 }
 
-RowMatrix<float> scale_frames(const InputScaling& scaling, const RowMatrix<float>& frames) {
-  RowMatrix<float> scaled(frames.rows(), frames.cols());
+template <class Scalar>
+RowMatrix<Scalar> scale_frames(const InputScaling& scaling, const RowMatrix<float>& frames) {
+  RowMatrix<Scalar> scaled(frames.rows(), frames.cols());
   for (Eigen::Index row = 0; row < frames.rows(); ++row) {
     const FrameStatus status =
         scale_frame(scaling, frames.row(row).data(), static_cast<int>(frames.cols()), scaled.row(row).data());
@@ -61,5 +63,10 @@ RowMatrix<float> scale_frames(const InputScaling& scaling, const RowMatrix<float
   }
   return scaled;
 }
+
+template FrameStatus scale_frame(const InputScaling&, const float*, int, float*);
+template FrameStatus scale_frame(const InputScaling&, const float*, int, double*);
+template RowMatrix<float> scale_frames(const InputScaling&, const RowMatrix<float>&);
+template RowMatrix<double> scale_frames(const InputScaling&, const RowMatrix<float>&);
 
 }  // namespace tactel::nn

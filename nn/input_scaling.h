@@ -25,11 +25,18 @@ struct InputScaling {
   void validate() const;  ///< throws ValueError, key "scaling"
 };
 
-/// Scales one frame [inputs] MPa, normal stresses first, in fp32 as the kernels do: times the reciprocal of the
-/// divisor. A frame that is not finite, or carries no stress, becomes zeros.
-FrameStatus scale_frame(const InputScaling& scaling, const float* frame, int inputs, float* scaled);
+/// Scales one frame [inputs] MPa, normal stresses first, as the kernels do: times the reciprocal of the divisor, both
+/// in Scalar. A frame that is not finite, or carries no stress, becomes zeros.
+template <class Scalar>
+FrameStatus scale_frame(const InputScaling& scaling, const float* frame, int inputs, Scalar* scaled);
 
-/// The same for every row of [rows, inputs]. Throws ValueError, key "inputs", at the first row that is not finite.
-RowMatrix<float> scale_frames(const InputScaling& scaling, const RowMatrix<float>& frames);
+/// The same for every row of [rows, inputs]. Throws ValueError, key "inputs[row]", at the first row that is not finite.
+template <class Scalar>
+RowMatrix<Scalar> scale_frames(const InputScaling& scaling, const RowMatrix<float>& frames);
+
+extern template FrameStatus scale_frame(const InputScaling&, const float*, int, float*);
+extern template FrameStatus scale_frame(const InputScaling&, const float*, int, double*);
+extern template RowMatrix<float> scale_frames(const InputScaling&, const RowMatrix<float>&);
+extern template RowMatrix<double> scale_frames(const InputScaling&, const RowMatrix<float>&);
 
 }  // namespace tactel::nn

@@ -3,11 +3,17 @@
 #ifndef TACTEL_SHARED_LAYOUT_H
 #define TACTEL_SHARED_LAYOUT_H
 #include "shared/lane_result.h"
+#include "shared/online_report.h"
 
 #define SHARED_LAYOUT(STRUCT, FIELD) \
   STRUCT(LaneResult)                 \
   FIELD(LaneResult, status)          \
   FIELD(LaneResult, sweeps)          \
-  FIELD(LaneResult, residual)
+  FIELD(LaneResult, residual)        \
+  STRUCT(OnlineReport)               \
+  FIELD(OnlineReport, status)        \
+  FIELD(OnlineReport, cycle)         \
+  FIELD(OnlineReport, sse)           \
+  FIELD(OnlineReport, largest)
 
 #endif

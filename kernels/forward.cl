@@ -1,0 +1,166 @@
+/* Slippage index S of frames: scaling, network, shift by 0.5. Two kernels, one arithmetic (shared/forward_layer.h), so that a frame gets the
+   same bits alone, in a batch of any size and at any place of it. `forward` has frames in the lanes, for batches; `forward_one` neurons,
+   so that a single frame uses whole vectors.
+
+   Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer). */
+// defines: INPUTS=42 HIDDEN1=42 HIDDEN2=21
+#include "shared/forward_layer.h"
+#include "shared/frame_status.h"
+#include "shared/group.h"
+#include "shared/lane_sums.h"
+#include "shared/one_frame.h"
+#include "shared/transpose.h"
+
+#define TILE (VECTORS * LANES) /* frames in a group */
+#define LAST (HIDDEN2 ? HIDDEN2 : HIDDEN1)
+#define LAYER1 (HIDDEN1 * (INPUTS + 1))
+#define LAYER2 (HIDDEN2 * (HIDDEN1 + 1))
+#define NETWORK_WEIGHTS (LAYER1 + LAYER2 + LAST + 1)
+#define V1 VECTORS_OF(HIDDEN1)
+#define V2 VECTORS_OF(HIDDEN2)
+
+#if LANES == 1
+#define LOAD_FLOATS(p) ((real)*(p))
+#else
+#define LOAD_FLOATS(p) JOIN(convert_, JOIN(REAL, LANES))(JOIN(vload, LANES)(0, p))
+#endif
+
+/* How frames in MPa become inputs. */
+typedef struct {
+  int by_frame; /* divide by the frame's own largest |normal stress|; else by the set's largest stress */
+  real factor;  /* 1 / the set's largest stress, 1/MPa */
+} Scaling;
+
+/* NaN or infinite where any of the numbers was. */
+INLINE vreal note_not_finite(vreal noted, vreal x) { return fma(x, ALL_LANES(0), noted); }
+
+/* LANES frames from `first` on, lanes beyond the last row repeating it: x[k] is input k of each. */
+INLINE void load_frames(global const float *frames, uint first, uint rows, int v, vreal (*x)[VECTORS]) {
+#if INPUTS >= LANES
+  ROLLED for (int begin = 0; begin < INPUTS; begin += LANES) {
+    const int from = min(begin, INPUTS - LANES); /* the last block overlaps the one before */
+    vreal block[LANES];
+    EACH(lane, LANES) { block[lane] = LOAD_FLOATS(frames + (size_t)min(first + lane, rows - 1) * INPUTS + from); }
+    transpose(block);
+    EACH(k, LANES) { x[from + k][v] = block[k]; }
+  }
+#else
+  for (int lane = 0; lane < LANES; ++lane) {
+    global const float *frame = frames + (size_t)min(first + lane, rows - 1) * INPUTS;
+    for (int k = 0; k < INPUTS; ++k) ((real *)&x[k][v])[lane] = frame[k];
+  }
+#endif
+}
+
+/* Scales the inputs of LANES frames; a frame that is not finite or carries no stress becomes zeros, and its status says so. */
+INLINE vint scale_frames(Scaling scaling, int v, vreal (*x)[VECTORS]) {
+  vreal noted = 0, largest = 0;
+  ROLLED for (int k = 0; k < INPUTS; ++k) noted = note_not_finite(noted, x[k][v]);
+  const vint not_finite = noted != noted;
+  vint no_stress = 0;
+  vreal factor = ALL_LANES(scaling.factor);
+  if (scaling.by_frame) {
+    ROLLED for (int k = 0; k < INPUTS / 2; ++k) largest = fmax(largest, fabs(x[k][v]));
+    no_stress = largest < ALL_LANES(SMALLEST_STRESS);
+    factor = ALL_LANES(1) / largest;
+  }
+  const vint zero = not_finite | no_stress;
+  ROLLED for (int k = 0; k < INPUTS; ++k) x[k][v] = PICK(zero, ALL_LANES(0), x[k][v] * factor);
+  return PICK(not_finite, (vint)(FRAME_NOT_FINITE), PICK(no_stress, (vint)(FRAME_NO_STRESS), (vint)(FRAME_OK)));
+}
+
+/* The output neuron of one frame as forward_output has it, in every lane. */
+INLINE vreal output_of_one(global const real *w, const real *o) {
+  real sum[4] = {w[LAST], 0, 0, 0};
+  UNROLL for (int k = 0; k < LAST; ++k) sum[k % 4] = fma(w[k], o[k], sum[k % 4]);
+  return activation(ALL_LANES((sum[0] + sum[1]) + (sum[2] + sum[3])));
+}
+
+/* What is said of a frame: NaN and a status where there is no answer. */
+INLINE real answer(real s, int status_before, int *status) {
+  *status = status_before == FRAME_OK && isnan(s) ? FRAME_OVERFLOW : status_before;
+  return status_before == FRAME_NOT_FINITE ? (real)NAN : s;
+}
+
+/* Group g: tile g % tiles of the frames, for network g / tiles.
+   weights: [networks][NETWORK_WEIGHTS], each [layer][out][in + 1] with the bias last
+   frames:  [rows][INPUTS] MPa, normal stresses first
+   slip_index, status: [networks][rows] */
+kernel void forward(uint first_group, global const real *weights, global const float *frames, global real *slip_index, global uchar *status,
+                    uint rows, uint tiles, int by_frame, real factor) {
+  TAKE_GROUP(group);
+  const size_t network = group / tiles;
+  const uint first = (uint)(group % tiles) * TILE, end = min(first + TILE, rows);
+  global const real *w = weights + network * NETWORK_WEIGHTS;
+  const Scaling scaling = {by_frame, factor};
+  slip_index += network * rows;
+  status += network * rows;
+  vreal x[INPUTS][VECTORS], o1[HIDDEN1][VECTORS], s[VECTORS];
+  ROLLED for (int v = 0; v < VECTORS; ++v) {
+    load_frames(frames, first + v * LANES, rows, v, x);
+    const vint found = scale_frames(scaling, v, x);
+    for (uint row = first + v * LANES, lane = 0; lane < LANES && row < end; ++lane, ++row) status[row] = (uchar)((const REAL_INT *)&found)[lane];
+  }
+  forward_layer(INPUTS, HIDDEN1, INPUTS + 1, w, x, o1);
+#if HIDDEN2
+  vreal last[HIDDEN2][VECTORS];
+  forward_layer(HIDDEN1, HIDDEN2, HIDDEN1 + 1, w + LAYER1, o1, last);
+#else
+  const vreal(*last)[VECTORS] = o1;
+#endif
+  ROLLED for (int v = 0; v < VECTORS; ++v) s[v] = forward_output(LAST, w + LAYER1 + LAYER2, last, v) + ALL_LANES(0.5f);
+  for (uint row = first; row < end; ++row) {
+    int final_status;
+    slip_index[row] = answer(((const real *)s)[row - first], status[row], &final_status);
+    status[row] = (uchar)final_status;
+  }
+}
+
+/* Outputs of one layer for one frame. w: [fan_in + 1][vectors][LANES]; x: [fan_in]; o: [vectors]. */
+INLINE void forward_one_layer(const int fan_in, const int vectors, global const real *w, const real *x, vreal *o) {
+  EACH(v, vectors) { o[v] = LOAD(w + (fan_in * vectors + v) * LANES); }
+  for (int k = 0; k < fan_in; ++k) {
+    EACH(v, vectors) { o[v] = fma(LOAD(w + (k * vectors + v) * LANES), ALL_LANES(x[k]), o[v]); }
+  }
+  EACH(v, vectors) { o[v] = activation(o[v]); }
+}
+
+/* Largest |normal stress| of one frame. */
+INLINE real largest_normal(const real *x) {
+  real most[4] = {0, 0, 0, 0};
+  UNROLL for (int k = 0; k < INPUTS / 2; ++k) most[k % 4] = fmax(most[k % 4], fabs(x[k]));
+  return fmax(fmax(most[0], most[1]), fmax(most[2], most[3]));
+}
+
+/* One frame by itself. As each argument costs time in a launch, there is one: numbers at the places of shared/one_frame.h, then
+   the hidden layers, [fan_in + 1][vectors of neurons][LANES] with the bias last, then the output neuron, [LAST + 1]. */
+kernel void forward_one(uint first_group, global real *all) {
+  TAKE_GROUP(group);
+  global const real *w = all + ONE_FRAME + VECTORS_OF(INPUTS) * LANES;
+  vreal x[VECTORS_OF(INPUTS)], o1[V1], noted = 0;
+  EACH(v, VECTORS_OF(INPUTS)) {
+    x[v] = LOAD(all + ONE_FRAME + v * LANES);
+    noted = note_not_finite(noted, x[v]);
+  }
+  const real sum = lane_sum(noted);
+  int status = sum != sum ? FRAME_NOT_FINITE : FRAME_OK;
+  real factor = all[ONE_FACTOR];
+  if (all[ONE_BY_FRAME] != 0) {
+    const real largest = largest_normal((const real *)x);
+    if (status == FRAME_OK && largest < SMALLEST_STRESS) status = FRAME_NO_STRESS;
+    factor = 1 / largest;
+  }
+  EACH(v, VECTORS_OF(INPUTS)) { x[v] = status == FRAME_OK ? x[v] * factor : ALL_LANES(0); }
+  forward_one_layer(INPUTS, V1, w, (const real *)x, o1);
+  w += (INPUTS + 1) * V1 * LANES;
+#if HIDDEN2
+  vreal last[V2];
+  forward_one_layer(HIDDEN1, V2, w, (const real *)o1, last);
+  w += (HIDDEN1 + 1) * V2 * LANES;
+#else
+  const vreal *last = o1;
+#endif
+  const vreal s = output_of_one(w, (const real *)last) + ALL_LANES(0.5f);
+  all[ONE_SLIP_INDEX + group] = answer(((const real *)&s)[0], status, &status);
+  all[ONE_STATUS] = status;
+}

@@ -1,0 +1,10 @@
+/* Loops that must be unrolled, so that arrays live in registers, and loops that must not, so that compiling stays short. Device only. */
+#ifndef TACTEL_SHARED_UNROLL_H
+#define TACTEL_SHARED_UNROLL_H
+
+#define UNROLL _Pragma("unroll")
+#define ROLLED _Pragma("nounroll")
+#define EACH(i, n) UNROLL for (int i = 0; i < (n); ++i)
+#define INLINE static inline __attribute__((always_inline))
+
+#endif

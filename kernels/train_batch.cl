@@ -1,0 +1,273 @@
+/* Mini-batch training: the mean over a batch of what the delta rule asks of each weight, delta_j o_i, then one change of the weights, by the delta
+   rule with momentum or by Adam (Kingma and Ba 2015, algorithm 1). Twin of nn/train_batch.cpp.
+
+   Frames are in the lanes, a tile of VECTORS LANES of them at a time; the outer products have a layer's inputs in the lanes, so that no sum
+   over lanes is needed. Order of sums: over the frames of a slice one by one, then over slices in order. So nothing depends on the number of threads.
+
+   Three kernels:
+     train_batch    batches of at most one slice, many of them in one launch; a work-item trains a network
+     batch_descent  one slice of a larger batch
+     batch_update   the sum over slices and the change of the weights; a work-item takes some of the weights
+
+   A network's numbers: [layer][out][padded row], a padded row having fan_in weights, the bias and zeros up to whole vectors.
+   Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer). */
+// defines: INPUTS=42 HIDDEN1=42 HIDDEN2=21
+#include "shared/forward_layer.h"
+#include "shared/group.h"
+#include "shared/lane_sums.h"
+#include "shared/transpose.h"
+
+#define TILE (VECTORS * LANES)
+#define LAST (HIDDEN2 ? HIDDEN2 : HIDDEN1)
+#define ROW0 (VECTORS_OF(INPUTS + 1) * LANES)  /* padded rows: of inputs */
+#define ROW1 (VECTORS_OF(HIDDEN1 + 1) * LANES) /* of first hidden layer outputs */
+#define ROWL (VECTORS_OF(LAST + 1) * LANES)    /* of last hidden layer outputs */
+#define LAYER2 (HIDDEN1 * ROW0)                /* where layers begin */
+#define LAYER3 (LAYER2 + (HIDDEN2 ? HIDDEN2 * ROW1 : 0))
+#define NUMBERS (LAYER3 + ROWL)                /* in a network */
+#define UPDATE_VECTORS 16                      /* that a work-item of batch_update takes */
+#define OUTER_ROWS (sizeof(vreal) == 64 ? 7 : 3) /* rows and vectors of an outer product that are summed together */
+#define OUTER_VECTORS 3
+
+/* The rule's numbers; see nn::BatchOptions. */
+typedef struct {
+  int adam;
+  real rate, momentum, beta1, beta2, epsilon;
+} Rule;
+
+/* What a tile needs. Lanes beyond the slice's end show the row of zeros and have no error. */
+typedef struct {
+  real rows[TILE][ROW0];                  /* inputs, a frame in a row, then 1 for the bias, zeros */
+  vreal target[VECTORS], counts[VECTORS]; /* S - 0.5; 1 where there is a frame, 0 where there is none */
+  vreal x[ROW0][VECTORS];                 /* the same, a frame in a lane */
+  vreal o1[ROW1][VECTORS], d1[HIDDEN1][VECTORS];
+#if HIDDEN2
+  vreal o2[HIDDEN2][VECTORS], d2[HIDDEN2][VECTORS];
+  real o1_rows[TILE][ROW1];
+#endif
+  vreal d_out[VECTORS];
+} Tile;
+
+/* `numbers` columns, whole vectors, of a tile: a frame in a row becomes a frame in a lane. */
+INLINE void rows_to_frames(const int numbers, const real *rows, vreal (*columns)[VECTORS]) {
+  ROLLED for (int v = 0; v < VECTORS; ++v) {
+    ROLLED for (int begin = 0; begin < numbers; begin += LANES) {
+      vreal block[LANES];
+      EACH(lane, LANES) { block[lane] = LOAD(rows + (v * LANES + lane) * numbers + begin); }
+      transpose(block);
+      EACH(k, LANES) { columns[begin + k][v] = block[k]; }
+    }
+  }
+}
+
+#if HIDDEN2
+/* And back. */
+INLINE void frames_to_rows(const int numbers, const vreal (*columns)[VECTORS], real *rows) {
+  ROLLED for (int v = 0; v < VECTORS; ++v) {
+    ROLLED for (int begin = 0; begin < numbers; begin += LANES) {
+      vreal block[LANES];
+      EACH(k, LANES) { block[k] = columns[begin + k][v]; }
+      transpose(block);
+      EACH(lane, LANES) { STORE(block[lane], rows + (v * LANES + lane) * numbers + begin); }
+    }
+  }
+}
+#endif
+
+/* inputs: [rows + 1][ROW0]; shown: [count], which rows; zero_row: the row of zeros. */
+INLINE void load_tile(Tile *tile, global const real *inputs, global const real *targets, global const uint *shown, uint count, uint zero_row) {
+  ROLLED for (uint f = 0; f < TILE; ++f) {
+    const uint row = f < count ? shown[f] : zero_row;
+    EACH(v, ROW0 / LANES) { STORE(LOAD(inputs + (size_t)row * ROW0 + v * LANES), tile->rows[f] + v * LANES); }
+    ((real *)tile->target)[f] = targets[row];
+    ((real *)tile->counts)[f] = f < count;
+  }
+  rows_to_frames(ROW0, tile->rows[0], tile->x);
+}
+
+#if HIDDEN2
+/* back_k = sum_n w_nk d_n for `rows` neurons k; times the slope there. w: [fan_out][stride], from neuron k on. */
+INLINE void backward_rows(const int rows, const int fan_out, const int stride, global const real *w, const vreal (*d)[VECTORS],
+                          const vreal (*o)[VECTORS], vreal (*d_below)[VECTORS]) {
+  vreal back[ROWS][VECTORS];
+  EACH(r, rows) { EACH(v, VECTORS) { back[r][v] = 0; } }
+  ROLLED for (int n = 0; n < fan_out; ++n) {
+    EACH(r, rows) { EACH(v, VECTORS) { back[r][v] = fma(ALL_LANES(w[n * stride + r]), d[n][v], back[r][v]); } }
+  }
+  EACH(r, rows) { EACH(v, VECTORS) { d_below[r][v] = activation_slope(o[r][v]) * back[r][v]; } }
+}
+
+INLINE void backward_layer(const int fan_in, const int fan_out, const int stride, global const real *w, const vreal (*d)[VECTORS],
+                           const vreal (*o)[VECTORS], vreal (*d_below)[VECTORS]) {
+  ROLLED for (int k = 0; k + ROWS <= fan_in; k += ROWS) backward_rows(ROWS, fan_out, stride, w + k, d, o + k, d_below + k);
+  const int rest = fan_in - fan_in % ROWS;
+  if (fan_in % ROWS) backward_rows(fan_in % ROWS, fan_out, stride, w + rest, d, o + rest, d_below + rest);
+}
+#endif
+
+/* sums[r][k] += d[r][f] x[f][k] over the tile's frames, for `rows` rows and `vectors` vectors of k. d: [rows][TILE]; x: [TILE][stride];
+   sums: [rows][stride]. */
+INLINE void outer_block(const int rows, const int vectors, const int stride, const real *d, const real *x, global real *sums) {
+  vreal sum[OUTER_ROWS][OUTER_VECTORS];
+  EACH(r, rows) { EACH(v, vectors) { sum[r][v] = LOAD(sums + r * stride + v * LANES); } }
+  ROLLED for (int f = 0; f < TILE; ++f) {
+    vreal input[OUTER_VECTORS];
+    EACH(v, vectors) { input[v] = LOAD(x + f * stride + v * LANES); }
+    EACH(r, rows) { EACH(v, vectors) { sum[r][v] = fma(ALL_LANES(d[r * TILE + f]), input[v], sum[r][v]); } }
+  }
+  EACH(r, rows) { EACH(v, vectors) { STORE(sum[r][v], sums + r * stride + v * LANES); } }
+}
+
+/* The same for every k. */
+INLINE void outer_rows(const int rows, const int stride, const real *d, const real *x, global real *sums) {
+  const int vectors = stride / LANES, rest = vectors % OUTER_VECTORS, begin = (vectors - rest) * LANES;
+  ROLLED for (int k = 0; k + OUTER_VECTORS * LANES <= stride; k += OUTER_VECTORS * LANES) {
+    outer_block(rows, OUTER_VECTORS, stride, d, x + k, sums + k);
+  }
+  if (rest) outer_block(rows, rest, stride, d, x + begin, sums + begin);
+}
+
+/* And for every row: what a layer's weights are asked to change by. d: [fan_out][VECTORS]. */
+INLINE void outer_layer(const int fan_out, const int stride, const vreal (*d)[VECTORS], const real *x, global real *sums) {
+  ROLLED for (int n = 0; n + OUTER_ROWS <= fan_out; n += OUTER_ROWS) {
+    outer_rows(OUTER_ROWS, stride, (const real *)(d + n), x, sums + n * stride);
+  }
+  const int rest = fan_out - fan_out % OUTER_ROWS;
+  if (fan_out % OUTER_ROWS) outer_rows(fan_out % OUTER_ROWS, stride, (const real *)(d + rest), x, sums + rest * stride);
+}
+
+/* The output neuron's: sums[k] += sum over frames of d_out o_k; the bias at LAST. */
+INLINE void outer_output(const vreal (*o)[VECTORS], const vreal *d_out, global real *sums) {
+  ROLLED for (int begin = 0; begin < ROWL; begin += LANES) {
+    vreal product[LANES];
+    ROLLED for (int i = 0; i < LANES; ++i) {
+      product[i] = 0;
+      if (begin + i < LAST) {
+        EACH(v, VECTORS) { product[i] = fma(o[begin + i][v], d_out[v], product[i]); }
+      } else if (begin + i == LAST) {
+        EACH(v, VECTORS) { product[i] += d_out[v]; }
+      }
+    }
+    STORE(LOAD(sums + begin) + lane_sums(product), sums + begin);
+  }
+}
+
+/* Forward, errors, backward, outer products of one tile. errors: sum of squares and largest, by lane. */
+INLINE void learn_tile(Tile *t, global const real *w, global real *sums, vreal *errors) {
+  forward_layer(INPUTS, HIDDEN1, ROW0, w, t->x, t->o1);
+#if HIDDEN2
+  forward_layer(HIDDEN1, HIDDEN2, ROW1, w + LAYER2, t->o1, t->o2);
+  const vreal(*last)[VECTORS] = t->o2;
+  vreal(*d_last)[VECTORS] = t->d2;
+#else
+  const vreal(*last)[VECTORS] = t->o1;
+  vreal(*d_last)[VECTORS] = t->d1;
+#endif
+  EACH(v, VECTORS) {
+    const vreal output = forward_output(LAST, w + LAYER3, last, v);
+    const vreal error = (t->target[v] - output) * t->counts[v];
+    errors[0] = fma(error, error, errors[0]);
+    errors[1] = fmax(errors[1], fabs(error));
+    t->d_out[v] = error * activation_slope(output);
+  }
+  ROLLED for (int k = 0; k < LAST; ++k) {
+    EACH(v, VECTORS) { d_last[k][v] = activation_slope(last[k][v]) * (ALL_LANES(w[LAYER3 + k]) * t->d_out[v]); }
+  }
+#if HIDDEN2
+  backward_layer(HIDDEN1, HIDDEN2, ROW1, w + LAYER2, t->d2, t->o1, t->d1);
+  ROLLED for (int k = HIDDEN1; k < ROW1; ++k) {
+    EACH(v, VECTORS) { t->o1[k][v] = ALL_LANES(k == HIDDEN1); }
+  }
+  frames_to_rows(ROW1, t->o1, t->o1_rows[0]);
+  outer_layer(HIDDEN2, ROW1, t->d2, t->o1_rows[0], sums + LAYER2);
+#endif
+  outer_layer(HIDDEN1, ROW0, t->d1, t->rows[0], sums);
+  outer_output(last, t->d_out, sums + LAYER3);
+}
+
+/* Sums over the frames of one slice, [NUMBERS], and its errors, [2]. */
+INLINE void learn_slice(global const real *w, global const real *inputs, global const real *targets, global const uint *shown, uint count,
+                        uint zero_row, global real *sums, global real *errors) {
+  Tile tile;
+  vreal lane_errors[2] = {0, 0};
+  ROLLED for (int i = 0; i < NUMBERS; i += LANES) STORE(ALL_LANES(0), sums + i);
+  for (uint first = 0; first < count; first += TILE) {
+    load_tile(&tile, inputs, targets, shown + first, count - first, zero_row);
+    learn_tile(&tile, w, sums, lane_errors);
+  }
+  errors[0] = lane_sum(lane_errors[0]);
+  errors[1] = 0;
+  for (int lane = 0; lane < LANES; ++lane) errors[1] = fmax(errors[1], ((const real *)(lane_errors + 1))[lane]);
+}
+
+/* One vector of weights: descent is the mean over the batch; unbias: Adam's 1 / (1 - beta1^t) and 1 / (1 - beta2^t). */
+INLINE void update_vector(const Rule *rule, vreal descent, global real *w, global real *first, global real *second, global const real *unbias) {
+  vreal m = LOAD(first);
+  if (rule->adam) {
+    m = fma(ALL_LANES(rule->beta1), m, (1 - rule->beta1) * descent);
+    const vreal s = fma(ALL_LANES(rule->beta2), LOAD(second), (1 - rule->beta2) * descent * descent);
+    STORE(s, second);
+    STORE(LOAD(w) + rule->rate * (m * unbias[0]) / (sqrt(s * unbias[1]) + rule->epsilon), w);
+  } else {
+    m = fma(ALL_LANES(rule->momentum), m, rule->rate * descent);
+    STORE(LOAD(w) + m, w);
+  }
+  STORE(m, first);
+}
+
+/* Trains network `group` on `batches` batches of at most one slice.
+   weights, first, second: [networks][NUMBERS], changed in place; first: last change or first moment, second: second moment
+   sums:    [networks][NUMBERS]    scratch
+   errors:  [networks][batches][2] sum of squared errors and largest error of each batch, as it was shown
+   unbias:  [batches][2]
+   inputs:  [sets][rows + 1][ROW0] scaled, 1 at place INPUTS, then zeros; row `rows` all zeros;  set_of: [networks]
+   targets: [rows + 1]             S - 0.5; the last unused
+   order:   [networks][rows]       rows as this epoch shows them; the launch begins at place `begin` */
+kernel void train_batch(uint first_group, global real *weights, global real *first, global real *second, global real *sums, global real *errors,
+                        global const real *unbias, global const real *inputs, global const uint *set_of, global const real *targets,
+                        global const uint *order, uint rows, uint begin, uint batch, uint batches, int adam, real rate, real momentum,
+                        real beta1, real beta2, real epsilon) {
+  TAKE_GROUP(group);
+  const Rule rule = {adam, rate, momentum, beta1, beta2, epsilon};
+  const size_t at = group * NUMBERS;
+  inputs += (size_t)set_of[group] * (rows + 1) * ROW0;
+  order += group * rows;
+  errors += group * batches * 2;
+  for (uint b = 0; b < batches; ++b) {
+    const uint from = begin + b * batch, count = min(batch, rows - from);
+    learn_slice(weights + at, inputs, targets, order + from, count, rows, sums + at, errors + 2 * b);
+    const real share = 1 / (real)count;
+    ROLLED for (size_t i = at; i < at + NUMBERS; i += LANES) {
+      update_vector(&rule, LOAD(sums + i) * share, weights + i, first + i, second + i, unbias + 2 * b);
+    }
+  }
+}
+
+/* Slice `group` of the batch that is order[begin ... begin + count - 1], for one network.
+   sums: [slices][NUMBERS];  errors: [slices][2];  the others as above */
+kernel void batch_descent(uint first_group, global const real *weights, global real *sums, global real *errors, global const real *inputs,
+                          global const uint *set_of, global const real *targets, global const uint *order, uint rows, uint network, uint begin,
+                          uint count, uint slice) {
+  TAKE_GROUP(group);
+  const uint from = (uint)group * slice;
+  inputs += (size_t)set_of[network] * (rows + 1) * ROW0;
+  order += (size_t)network * rows + begin + from;
+  learn_slice(weights + (size_t)network * NUMBERS, inputs, targets, order, min(slice, count - from), rows, sums + group * NUMBERS,
+              errors + 2 * group);
+}
+
+/* Vectors group * UPDATE_VECTORS ... of one network's weights, after the batch's `slices` slices. unbias: [2]. */
+kernel void batch_update(uint first_group, global real *weights, global real *first, global real *second, global const real *sums,
+                         uint network, uint slices, uint count, global const real *unbias, int adam, real rate, real momentum, real beta1,
+                         real beta2, real epsilon) {
+  TAKE_GROUP(group);
+  const Rule rule = {adam, rate, momentum, beta1, beta2, epsilon};
+  const size_t at = (size_t)network * NUMBERS;
+  const size_t begin = group * UPDATE_VECTORS * LANES, end = min(begin + UPDATE_VECTORS * LANES, (size_t)NUMBERS);
+  const real share = 1 / (real)count;
+  ROLLED for (size_t i = begin; i < end; i += LANES) {
+    vreal sum = LOAD(sums + i);
+    for (uint s = 1; s < slices; ++s) sum += LOAD(sums + s * NUMBERS + i);
+    update_vector(&rule, sum * share, weights + at + i, first + at + i, second + at + i, unbias);
+  }
+}
