@@ -157,7 +157,7 @@ nn::Model read_onnx(const fs::path& path) {
   onnx::ModelProto proto;
   const bool parsed = !bytes.empty() && proto.ParsePartialFromString(bytes) && proto.has_graph();
   const Reader reader(path.string(), proto);
-  if (!parsed) reader.fail(bytes.empty() ? "absent or empty" : "cut short, or no ONNX file", "a network file (ONNX)");
+  if (!parsed) reader.fail(bytes.empty() ? "empty" : "cut short, or no ONNX file", "a network file (ONNX)");
   if (proto.producer_name() != "tactel")
     reader.fail("a model by \"" + proto.producer_name() + '"', "a network that tactel wrote");
   if (reader.text(checksum_key) != checksum(proto.graph(), reader.metadata()))
