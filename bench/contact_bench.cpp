@@ -1,5 +1,6 @@
-// Load steps a second: random parabolas and friction, one indentation step and seven of drag, base forces and certificate written
-// out. The batched kernel beside the same algorithm in plain Eigen (one core) and the full-mesh reference.
+// Load steps a second: random parabolas and friction, one indentation step and seven of drag, base forces and
+// certificate written out. The batched kernel beside the same algorithm in plain Eigen (one core) and the full-mesh
+// reference.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -86,7 +87,8 @@ void batched(benchmark::State& state, char which, double tolerance) {
   const auto per_second = benchmark::Counter::kIsIterationInvariantRate;
   state.counters["steps_per_second"] = benchmark::Counter(steps, per_second);
   state.counters["GFLOP/s"] = benchmark::Counter(
-      1e-9 * useful_flops(batch, scenes[0].sensor.columns, 2 * static_cast<int>(sweep.condensation().base_x.size())), per_second);
+      1e-9 * useful_flops(batch, scenes[0].sensor.columns, 2 * static_cast<int>(sweep.condensation().base_x.size())),
+      per_second);
   state.counters["sweeps"] = sweeps / steps;
   state.counters["unsolved"] = unsolved / steps;
   state.counters["threads"] = executor.threads();
@@ -108,7 +110,8 @@ void eigen(benchmark::State& state, char which, double tolerance) {
 void reference(benchmark::State& state, char which) {
   const auto scenes = random_parabolas(mesh(which), 8);
   std::size_t next = 0;
-  for (auto _ : state) benchmark::DoNotOptimize(fem::solve_gap_reference(scenes[next++ % scenes.size()]).steps.back().P);
+  for (auto _ : state)
+    benchmark::DoNotOptimize(fem::solve_gap_reference(scenes[next++ % scenes.size()]).steps.back().P);
   state.counters["steps_per_second"] = benchmark::Counter(8, benchmark::Counter::kIsIterationInvariantRate);
 }
 
@@ -118,7 +121,9 @@ const bool registered = [] {
   };
   add("contact/mesh_B/fp32", [](benchmark::State& state) { batched<float>(state, 'B', 1e-4); })->UseRealTime();
   add("contact/mesh_A/fp32", [](benchmark::State& state) { batched<float>(state, 'A', 1e-4); })->UseRealTime();
-  add("contact/mesh_B/fp32/tolerance:1e-6", [](benchmark::State& state) { batched<float>(state, 'B', 1e-6); })->UseRealTime();
+  add("contact/mesh_B/fp32/tolerance:1e-6", [](benchmark::State& state) {
+    batched<float>(state, 'B', 1e-6);
+  })->UseRealTime();
   add("contact/mesh_B/fp64", [](benchmark::State& state) { batched<double>(state, 'B', 1e-4); })->UseRealTime();
   add("contact/mesh_A/fp64", [](benchmark::State& state) { batched<double>(state, 'A', 1e-4); })->UseRealTime();
   add("contact/mesh_B/eigen_fp32", [](benchmark::State& state) { eigen<float>(state, 'B', 1e-4); });

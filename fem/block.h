@@ -10,11 +10,13 @@ namespace tactel::fem {
 Eigen::SparseMatrix<double> stiffness(const Mesh& mesh, const Sensor& sensor);
 
 /// Map from base nodal forces to stress at the tactels, `reaction` recovery: consistent mass of the base edge,
-/// then the edge's own interpolation. [tactels, base nodes] 1/mm; the same for sigma_y from forces in y and for tau_xy from x.
+/// then the edge's own interpolation. [tactels, base nodes] 1/mm; the same for sigma_y from forces in y and for tau_xy
+/// from x.
 Eigen::MatrixXd base_stress_from_reaction(const Mesh& mesh, const Sensor& sensor);
 
-/// Map from all displacements to stress at the tactels, `element` recovery (Gauss stresses extrapolated, averaged at the base nodes,
-/// then interpolated along the edge). [2 tactels, 2 nodes] MPa/mm: sigma_y of every tactel first, then tau_xy.
+/// Map from all displacements to stress at the tactels, `element` recovery (Gauss stresses extrapolated, averaged at
+/// the base nodes, then interpolated along the edge). [2 tactels, 2 nodes] MPa/mm: sigma_y of every tactel first, then
+/// tau_xy.
 Eigen::SparseMatrix<double> base_stress_from_elements(const Mesh& mesh, const Sensor& sensor);
 
 /// Stress inside the block for given displacements [2 nodes], extrapolated from Gauss points and averaged at nodes:

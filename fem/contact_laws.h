@@ -20,9 +20,9 @@ struct GapElements {
   double largest_displacement = 0;      ///< mm, of the surface nodes
 };
 
-/// What counts as rounding of a force, of (1 + mu) times the largest normal force: a node this close to |t| = mu n slips, and the
-/// friction of a node that bears less shows no direction. In fp64 rounding is 1e-12 at nu = 0.4999; load increments do
-/// far more than 1e-10.
+/// What counts as rounding of a force, of (1 + mu) times the largest normal force: a node this close to |t| = mu n
+/// slips, and the friction of a node that bears less shows no direction. In fp64 rounding is 1e-12 at nu = 0.4999; load
+/// increments do far more than 1e-10.
 inline constexpr double force_rounding = 1e-10;
 
 /// Open where n = 0; slip where |t| reaches mu n (always, if mu = 0); stick elsewhere. [columns]

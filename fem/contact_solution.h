@@ -13,11 +13,13 @@ struct Residual {
   double penetration = 0;      ///< largest penetration over the largest surface displacement
   double cone = 0;             ///< largest |t| - mu n, over the largest n (0 if none)
   double complementarity = 0;  ///< largest |gap| at a node with n > 0, over the largest surface displacement
-  double drift = 0;            ///< largest slip of a sticking node, or slip along (not against) friction, over the largest surface displacement
-  double balance = 0;          ///< |base force + surface force| over the largest of both
+  double drift = 0;    ///< largest slip of a sticking node, or slip along (not against) friction, over the largest
+                       ///< surface displacement
+  double balance = 0;  ///< |base force + surface force| over the largest of both
 };
 
-/// The state at the end of a load increment. Forces are those of the indenter on the rubber, save base_force (rubber on base).
+/// The state at the end of a load increment. Forces are those of the indenter on the rubber, save base_force (rubber on
+/// base).
 struct ContactStep {
   double indentation = 0, tangential = 0;          ///< mm, where the indenter is
   double P = 0, Q = 0;                             ///< N/mm, P >= 0; Q > 0 drags the rubber to +x

@@ -10,7 +10,9 @@ class ValueError : public std::invalid_argument {
  public:
   ValueError(std::string key, std::string value, std::string allowed)
       : std::invalid_argument(key + " = " + value + ": must be " + allowed),
-        key(std::move(key)), value(std::move(value)), allowed(std::move(allowed)) {}
+        key(std::move(key)),
+        value(std::move(value)),
+        allowed(std::move(allowed)) {}
   std::string key, value, allowed;
 };
 

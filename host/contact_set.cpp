@@ -35,15 +35,25 @@ void silence_hdf5() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
 template <class T>
 hid_t type_of();
 template <>
-hid_t type_of<float>() { return H5T_IEEE_F32LE; }
+hid_t type_of<float>() {
+  return H5T_IEEE_F32LE;
+}
 template <>
-hid_t type_of<std::uint8_t>() { return H5T_STD_U8LE; }
+hid_t type_of<std::uint8_t>() {
+  return H5T_STD_U8LE;
+}
 template <>
-hid_t type_of<std::uint16_t>() { return H5T_STD_U16LE; }
+hid_t type_of<std::uint16_t>() {
+  return H5T_STD_U16LE;
+}
 template <>
-hid_t type_of<std::uint32_t>() { return H5T_STD_U32LE; }
+hid_t type_of<std::uint32_t>() {
+  return H5T_STD_U32LE;
+}
 template <>
-hid_t type_of<std::uint64_t>() { return H5T_STD_U64LE; }
+hid_t type_of<std::uint64_t>() {
+  return H5T_STD_U64LE;
+}
 
 /// Calls visit(name, values, columns, unit) for every dataset; columns 0: a plain list.
 template <class Set, class Visit>
@@ -77,7 +87,8 @@ bool write_values(hid_t file, const char* name, const std::vector<T>& values, in
   const Handle plain(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   H5Pset_obj_track_times(plain, false);  // the same set gives the same bytes
   const Handle data(H5Dcreate2(file, name, type_of<T>(), space, H5P_DEFAULT, plain, H5P_DEFAULT), H5Dclose);
-  return data.open() && (values.empty() || H5Dwrite(data, type_of<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) >= 0) &&
+  return data.open() &&
+         (values.empty() || H5Dwrite(data, type_of<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) >= 0) &&
          write_text(data, "unit", unit);
 }
 
@@ -111,9 +122,13 @@ bool write_all(const std::string& path, const ContactSet& set) {
 
 class Reader {
  public:
-  explicit Reader(const std::filesystem::path& path) : path_(path), file_(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose) {
-    if (!file_.open()) refuse("(file)", std::filesystem::exists(path) ? "not HDF5, or damaged" : "not there", "an HDF5 file written by tactel generate");
-    if (text("format") != "tactel contact set 1") refuse("format", text("format"), "tactel contact set 1: a file written by tactel generate");
+  explicit Reader(const std::filesystem::path& path)
+      : path_(path), file_(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose) {
+    if (!file_.open())
+      refuse("(file)", std::filesystem::exists(path) ? "not HDF5, or damaged" : "not there",
+             "an HDF5 file written by tactel generate");
+    if (text("format") != "tactel contact set 1")
+      refuse("format", text("format"), "tactel contact set 1: a file written by tactel generate");
   }
 
   std::string text(const char* name) const {
@@ -133,7 +148,8 @@ class Reader {
     if (!data.open()) refuse(name, "missing", "a dataset of the set");
     const Handle space(H5Dget_space(data), H5Sclose);
     hsize_t extent[2] = {0, 1};
-    if (H5Sget_simple_extent_ndims(space) != (matrix ? 2 : 1)) refuse(name, "of another rank", matrix ? "[rows, inputs]" : "[rows]");
+    if (H5Sget_simple_extent_ndims(space) != (matrix ? 2 : 1))
+      refuse(name, "of another rank", matrix ? "[rows, inputs]" : "[rows]");
     H5Sget_simple_extent_dims(space, extent, nullptr);
     values.resize(extent[0] * extent[1]);
     if (!values.empty() && H5Dread(data, type_of<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
@@ -169,7 +185,8 @@ void write_contact_set(const std::filesystem::path& path, const ContactSet& set)
   if (good) std::filesystem::rename(temporary, path, error);
   if (good && !error) return;
   std::filesystem::remove(temporary, error);
-  throw ConfigError("command line", "--output", path.string(), "a file that can be written, on a disk with room for it");
+  throw ConfigError("command line", "--output", path.string(),
+                    "a file that can be written, on a disk with room for it");
 }
 
 ContactSet read_contact_set(const std::filesystem::path& path) {
@@ -182,7 +199,8 @@ ContactSet read_contact_set(const std::filesystem::path& path) {
   });
   each_dataset(set, [&](const char* name, auto& values, int columns, const char*) {
     const std::size_t rows = columns ? values.size() / columns : values.size();
-    if (rows != set.rows()) in.refuse(name, fmt::format("{} rows", rows), fmt::format("{} rows, as slip_index", set.rows()));
+    if (rows != set.rows())
+      in.refuse(name, fmt::format("{} rows", rows), fmt::format("{} rows, as slip_index", set.rows()));
   });
   set.sweep = in.text("sweep");
   set.device = in.text("device");

@@ -10,18 +10,18 @@ namespace tactel::host {
 
 /// A set of contacts as it stands in a set file (interface.md): one row a load step; HDF5, plain datasets.
 struct ContactSet {
-  int inputs = 0;                           ///< 2 tactels
-  std::vector<float> frames;                ///< `/inputs` [rows, inputs] MPa: normal stress of every tactel, then shear
-  std::vector<float> slip_index;            ///< [rows] S = Q / (mu P)
+  int inputs = 0;                 ///< 2 tactels
+  std::vector<float> frames;      ///< `/inputs` [rows, inputs] MPa: normal stress of every tactel, then shear
+  std::vector<float> slip_index;  ///< [rows] S = Q / (mu P)
   std::vector<float> normal_force, tangential_force;  ///< [rows] P, Q, N/mm
-  std::vector<float> friction;              ///< [rows] mu
-  std::vector<float> stick_fraction;        ///< [rows] stuck length over contact length
-  std::vector<std::uint16_t> contact_nodes; ///< [rows] surface nodes that touch
-  std::vector<std::uint64_t> contact;       ///< [rows] which contact of the sweep
-  std::vector<std::uint32_t> step;          ///< [rows] which load step of it, from 0
-  std::vector<std::uint16_t> indenter;      ///< [rows] which kind of indenter: a place in indenter_names
-  std::vector<std::uint8_t> status;         ///< [rows] LaneStatus: 0 solved, 1 sliding, 2 over tolerance
-  std::vector<float> residual;              ///< [rows] largest relative residual
+  std::vector<float> friction;                        ///< [rows] mu
+  std::vector<float> stick_fraction;                  ///< [rows] stuck length over contact length
+  std::vector<std::uint16_t> contact_nodes;           ///< [rows] surface nodes that touch
+  std::vector<std::uint64_t> contact;                 ///< [rows] which contact of the sweep
+  std::vector<std::uint32_t> step;                    ///< [rows] which load step of it, from 0
+  std::vector<std::uint16_t> indenter;                ///< [rows] which kind of indenter: a place in indenter_names
+  std::vector<std::uint8_t> status;                   ///< [rows] LaneStatus: 0 solved, 1 sliding, 2 over tolerance
+  std::vector<float> residual;                        ///< [rows] largest relative residual
 
   std::vector<std::string> indenter_names;  ///< attribute
   std::string sweep;                        ///< attribute: text of the sweep file

@@ -1,10 +1,16 @@
 #include "host/device.h"
 
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cctype>
 #include <charconv>
 #include <cstdlib>
+#include <filesystem>
 #include <mutex>
+
+#include "fem/condensation.h"
 
 namespace tactel::host {
 namespace {
@@ -19,11 +25,31 @@ bool contains(std::string_view text, std::string_view part) {
   return std::search(text.begin(), text.end(), part.begin(), part.end(), same) != text.end();
 }
 
-// PoCL offers only its `pthread` device unless told otherwise; `basic` is the one that launches in a third of a
-// microsecond.
-void ask_pocl_for_both_devices() {
+// Where PoCL keeps what it compiled, and loads it from: beside our other caches, or else in a temporary directory that
+// nobody but this user can write. Empty: neither.
+std::filesystem::path pocl_cache_directory() {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::path own = fem::default_cache_directory() / "pocl";
+  fs::create_directories(own, error);
+  if (!error && access(own.c_str(), W_OK) == 0) return own;
+  const fs::path temporary = fs::temp_directory_path(error) / ("tactel-" + std::to_string(getuid()));
+  mkdir(temporary.c_str(), S_IRWXU);
+  struct stat status {};
+  const bool ours = lstat(temporary.c_str(), &status) == 0 && S_ISDIR(status.st_mode) && status.st_uid == getuid();
+  return ours && (status.st_mode & (S_IRWXG | S_IRWXO)) == 0 ? temporary : fs::path();
+}
+
+// PoCL offers only its `pthread` device unless told otherwise; `basic` is the one that launches in under a microsecond.
+// What the user has set stays.
+void set_up_pocl() {
   static std::once_flag once;
-  std::call_once(once, [] { setenv("POCL_DEVICES", "basic pthread", 0); });
+  std::call_once(once, [] {
+    setenv("POCL_DEVICES", "basic pthread", 0);
+    if (std::getenv("POCL_CACHE_DIR")) return;
+    const std::filesystem::path cache = pocl_cache_directory();  // PoCL offers no device where it cannot write
+    if (!cache.empty()) setenv("POCL_CACHE_DIR", cache.c_str(), 0);
+  });
 }
 
 DeviceType type_of(cl_device_type type) {
@@ -57,7 +83,7 @@ DeviceInfo describe(const cl::Platform& platform, const cl::Device& device, int 
 }
 
 std::vector<FoundDevice> find_devices() {
-  ask_pocl_for_both_devices();
+  set_up_pocl();
   std::vector<cl::Platform> platforms;
   try {
     cl::Platform::get(&platforms);

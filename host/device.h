@@ -36,7 +36,8 @@ struct DeviceInfo {
 };
 
 /// Every OpenCL device, in the order that --device counts. Empty when there is none. Before the first OpenCL call of
-/// the process sets POCL_DEVICES to "basic pthread" unless the user has set it.
+/// the process sets, unless the user has, POCL_DEVICES to "basic pthread" and POCL_CACHE_DIR to "pocl" in
+/// fem::default_cache_directory(): there PoCL keeps compiled kernels. (It does not check them: delete a damaged cache.)
 std::vector<DeviceInfo> list_devices();
 /// Index of the device that is taken when nobody chooses: $TACTEL_DEVICE, else the best: PoCL's `basic` first (what
 /// answers are tested on), then another CPU, then a GPU. -1 when there is none.

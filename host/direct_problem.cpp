@@ -10,8 +10,8 @@
 namespace tactel::host {
 namespace {
 
-/// `y` over `x` (equally spaced), read at `at` through the interpolating cubic spline; knots as Eigen averages them, which for equal
-/// spacing are the points but the second and the last but one ("not a knot").
+/// `y` over `x` (equally spaced), read at `at` through the interpolating cubic spline; knots as Eigen averages them,
+/// which for equal spacing are the points but the second and the last but one ("not a knot").
 Eigen::VectorXd through_spline(const Eigen::VectorXd& x, const Eigen::VectorXd& y, const Eigen::VectorXd& at) {
   const double from = x[0], length = x[x.size() - 1] - from;
   const Eigen::RowVectorXd parameter = ((x.array() - from) / length).matrix().transpose();
@@ -20,7 +20,8 @@ Eigen::VectorXd through_spline(const Eigen::VectorXd& x, const Eigen::VectorXd& 
 }
 
 /// Equations (6) and (7), percent.
-std::vector<double> error(const Eigen::VectorXd& x_B, const Eigen::VectorXd& B, const Eigen::VectorXd& x_A, const Eigen::VectorXd& A) {
+std::vector<double> error(const Eigen::VectorXd& x_B, const Eigen::VectorXd& B, const Eigen::VectorXd& x_A,
+                          const Eigen::VectorXd& A) {
   const Eigen::VectorXd difference = 100 * (through_spline(x_B, B, x_A) - A).cwiseAbs() / A.cwiseAbs().maxCoeff();
   return {difference.begin(), difference.end()};
 }
@@ -40,23 +41,28 @@ struct Variant {
 /// The choice with one parameter at a time at other values; the chosen value is among them.
 std::vector<Variant> variants(const fem::Scene& choice) {
   std::vector<Variant> all;
-  const auto add = [&](const std::string& parameter, const std::string& value, const std::function<void(fem::Scene&)>& change) {
+  const auto add = [&](const std::string& parameter, const std::string& value,
+                       const std::function<void(fem::Scene&)>& change) {
     all.push_back({parameter, value, with(choice, change)});
   };
   for (double nu : {0.3, 0.45, 0.48, 0.49, 0.495, 0.4999})
     add("Poisson's ratio", fmt::format("{}", nu), [=](fem::Scene& s) { s.sensor.poisson = nu; });
   for (double grading : {1.0, 2.0, 2.75, 4.0, 8.0})
-    add("grading, bottom row over top row", fmt::format("{}", grading), [=](fem::Scene& s) { s.sensor.grading = grading; });
+    add("grading, bottom row over top row", fmt::format("{}", grading),
+        [=](fem::Scene& s) { s.sensor.grading = grading; });
   for (double radius : {10.0, 30.0, 60.0, 97.0, 150.0})
-    add("radius of the parabola, mm", fmt::format("{}", radius), [=](fem::Scene& s) { s.indenter.shape = fem::Parabola{radius}; });
-  for (double mu : {0.2, 0.3, 0.4, 0.5, 1.0}) add("friction", fmt::format("{}", mu), [=](fem::Scene& s) { s.friction = mu; });
+    add("radius of the parabola, mm", fmt::format("{}", radius),
+        [=](fem::Scene& s) { s.indenter.shape = fem::Parabola{radius}; });
+  for (double mu : {0.2, 0.3, 0.4, 0.5, 1.0})
+    add("friction", fmt::format("{}", mu), [=](fem::Scene& s) { s.friction = mu; });
   for (auto stress : {fem::StressRecovery::element, fem::StressRecovery::reaction})
     for (auto element : {fem::Element::q4i, fem::Element::q4, fem::Element::bbar, fem::Element::q8})
       add("element, base stress", fmt::format("{}, {}", fem::name(element), fem::name(stress)), [=](fem::Scene& s) {
         s.sensor.element = element;
         s.sensor.stress = stress;
       });
-  for (int steps : {1, 2, 5, 10, 20}) add("indentation steps", fmt::format("{}", steps), [=](fem::Scene& s) { s.load.indentation_steps = steps; });
+  for (int steps : {1, 2, 5, 10, 20})
+    add("indentation steps", fmt::format("{}", steps), [=](fem::Scene& s) { s.load.indentation_steps = steps; });
   return all;
 }
 
@@ -68,7 +74,8 @@ bool same_choice(const fem::Scene& a, const fem::Scene& b) {
 }  // namespace
 
 const TableOne& paper_table_one() {
-  static const TableOne table{{{0, 3.46, 11.05}, {0.075, 4.73, 10.10}, {0.15, 6.19, 9.74}, {0.225, 7.81, 9.36}, {0.3, 9.34, 8.55}}};
+  static const TableOne table{
+      {{0, 3.46, 11.05}, {0.075, 4.73, 10.10}, {0.15, 6.19, 9.74}, {0.225, 7.81, 9.36}, {0.3, 9.34, 8.55}}};
   return table;
 }
 
@@ -94,7 +101,8 @@ fem::Scene on_mesh(fem::Scene choice, char mesh) {
   choice.load.tangential_step = 0;
   choice.load.tangential_steps.reset();
   choice.load.tangential.clear();
-  for (std::size_t row = 1; row < paper_table_one().size(); ++row) choice.load.tangential.push_back(paper_table_one()[row].u_x);
+  for (std::size_t row = 1; row < paper_table_one().size(); ++row)
+    choice.load.tangential.push_back(paper_table_one()[row].u_x);
   return choice;
 }
 
@@ -108,7 +116,8 @@ std::vector<DirectProblem> solve_direct_problems(Executor& executor, const std::
     DirectProblem p{scenes[i], scenes[i + 1], solutions[i], solutions[i + 1], {}};
     for (const auto* solution : {&p.A, &p.B})
       for (const fem::ContactStep& step : solution->steps)
-        if (!step.converged) throw std::runtime_error("the paper's direct problem: a load step did not meet its tolerance");
+        if (!step.converged)
+          throw std::runtime_error("the paper's direct problem: a load step did not meet its tolerance");
     for (std::size_t row = 0; row < p.step.size(); ++row) p.step[row] = p.scene_A.load.indentation_steps - 1 + row;
     problems.push_back(std::move(p));
   }

@@ -43,7 +43,7 @@ struct SensitivityRow {
   std::string parameter, value;
   bool chosen = false;  ///< the value of the preset
   TableOne table{};
-  double worst = 0;  ///< largest difference from the paper's ten figures, relative
+  double worst = 0;       ///< largest difference from the paper's ten figures, relative
   double slip_index = 0;  ///< S on mesh A at the last displacement
 };
 

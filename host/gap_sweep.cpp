@@ -86,7 +86,8 @@ int expected_window(const fem::Scene& scene, const Eigen::VectorXd& surface_x) {
 
 template <class Real>
 struct GapSweep<Real>::State {
-  State(Executor& executor, const fem::Sensor& sensor, const GapSweepOptions& options, const std::filesystem::path& cache)
+  State(Executor& executor, const fem::Sensor& sensor, const GapSweepOptions& options,
+        const std::filesystem::path& cache)
       : executor(executor), sensor(sensor), options(options), condensation(fem::condense_cached(sensor, cache)) {
     constexpr double epsilon = std::numeric_limits<Real>::epsilon();
     if (this->options.tolerance == 0) this->options.tolerance = sizeof(Real) == 4 ? 1e-5 : 1e-11;
@@ -170,10 +171,13 @@ void GapSweep<Real>::Batch::State::lay_out(std::span<const fem::Scene> scenes) {
 
 template <class Real>
 void GapSweep<Real>::Batch::State::fill_scene(std::size_t i, const fem::Scene& scene, const fem::LoadPath& load,
-                                              std::span<Real> input, std::span<Real> heights, std::span<Real> targets) const {
+                                              std::span<Real> input, std::span<Real> heights,
+                                              std::span<Real> targets) const {
   const double young = scene.sensor.young;
   const bool both = by_force(scene) && scene.load.angle.has_value();
-  const auto put = [&](LaneInputRow row, double value) { input[at(i, LANE_INPUT_ROWS, row)] = static_cast<Real>(value); };
+  const auto put = [&](LaneInputRow row, double value) {
+    input[at(i, LANE_INPUT_ROWS, row)] = static_cast<Real>(value);
+  };
   put(LANE_MU, scene.friction);
   put(LANE_YOUNG, young);
   put(LANE_STEPS, static_cast<double>(load.steps.size()));
@@ -185,8 +189,10 @@ void GapSweep<Real>::Batch::State::fill_scene(std::size_t i, const fem::Scene& s
   }
   for (std::size_t k = 0; k < load.steps.size(); ++k) {
     const fem::LoadStep& step = load.steps[k];
-    targets[at(i, steps * PATH_ROWS, k * PATH_ROWS + PATH_NORMAL)] = static_cast<Real>(by_force(scene) ? step.normal / young : step.normal);
-    targets[at(i, steps * PATH_ROWS, k * PATH_ROWS + PATH_TANGENTIAL)] = static_cast<Real>(both ? step.tangential / young : step.tangential);
+    targets[at(i, steps * PATH_ROWS, k * PATH_ROWS + PATH_NORMAL)] =
+        static_cast<Real>(by_force(scene) ? step.normal / young : step.normal);
+    targets[at(i, steps * PATH_ROWS, k * PATH_ROWS + PATH_TANGENTIAL)] =
+        static_cast<Real>(both ? step.tangential / young : step.tangential);
   }
 }
 
@@ -207,10 +213,14 @@ GapSweep<Real>::GapSweep(Executor& executor, const fem::Sensor& sensor, const Ga
     : state_(std::make_shared<State>(executor, sensor, options, cache)) {}
 
 template <class Real>
-const fem::Condensation& GapSweep<Real>::condensation() const { return state_->condensation; }
+const fem::Condensation& GapSweep<Real>::condensation() const {
+  return state_->condensation;
+}
 
 template <class Real>
-const GapSweepOptions& GapSweep<Real>::options() const { return state_->options; }
+const GapSweepOptions& GapSweep<Real>::options() const {
+  return state_->options;
+}
 
 template <class Real>
 typename GapSweep<Real>::Batch GapSweep<Real>::prepare(std::span<const fem::Scene> scenes) const {
@@ -270,10 +280,14 @@ void GapSweep<Real>::Batch::run(const RunOptions& options) {
 }
 
 template <class Real>
-std::size_t GapSweep<Real>::Batch::size() const { return state_->place.size(); }
+std::size_t GapSweep<Real>::Batch::size() const {
+  return state_->place.size();
+}
 
 template <class Real>
-int GapSweep<Real>::Batch::steps() const { return state_->steps; }
+int GapSweep<Real>::Batch::steps() const {
+  return state_->steps;
+}
 
 template <class Real>
 std::size_t GapSweep<Real>::Batch::steps_in_all() const {
@@ -281,7 +295,9 @@ std::size_t GapSweep<Real>::Batch::steps_in_all() const {
 }
 
 template <class Real>
-double GapSweep<Real>::Batch::seconds() const { return state_->seconds; }
+double GapSweep<Real>::Batch::seconds() const {
+  return state_->seconds;
+}
 
 template <class Real>
 void GapSweep<Real>::Batch::fill_outputs(Real value) {
@@ -303,7 +319,8 @@ template <class Real>
 double GapSweep<Real>::Batch::output(std::size_t i, int step, int row) const {
   const auto& b = *state_;
   Real value;
-  b.rows.read(std::span(&value, 1), b.at(i, static_cast<std::size_t>(b.steps) * b.sweep->rows, step * b.sweep->rows + row));
+  b.rows.read(std::span(&value, 1),
+              b.at(i, static_cast<std::size_t>(b.steps) * b.sweep->rows, step * b.sweep->rows + row));
   return value;
 }
 
@@ -316,9 +333,16 @@ fem::ContactSolution GapSweep<Real>::Batch::solution(std::size_t i) const {
   const auto result = b.result.map(), rows = b.rows.map(), nodes = b.nodes.map();
   fem::ContactSolution solution{c.surface_x, c.base_x, c.tactel_x, {}, false};
   for (int k = 0; k < b.path_steps[i]; ++k) {
-    const auto said = [&](int row) { return static_cast<double>(result[b.at(i, b.steps * LANE_RESULT_ROWS, k * LANE_RESULT_ROWS + row)]); };
-    const auto output = [&](int row) { return static_cast<double>(rows[b.at(i, static_cast<std::size_t>(b.steps) * sweep.rows, k * sweep.rows + row)]); };
-    const auto node = [&](int row) { return static_cast<double>(nodes[b.at(i, static_cast<std::size_t>(b.steps) * 3 * columns, 3 * k * columns + row)]); };
+    const auto said = [&](int row) {
+      return static_cast<double>(result[b.at(i, b.steps * LANE_RESULT_ROWS, k * LANE_RESULT_ROWS + row)]);
+    };
+    const auto output = [&](int row) {
+      return static_cast<double>(rows[b.at(i, static_cast<std::size_t>(b.steps) * sweep.rows, k * sweep.rows + row)]);
+    };
+    const auto node = [&](int row) {
+      return static_cast<double>(
+          nodes[b.at(i, static_cast<std::size_t>(b.steps) * 3 * columns, 3 * k * columns + row)]);
+    };
     const int status = static_cast<int>(said(LANE_STATUS));
     if (status == LANE_NOT_RUN) break;
     fem::ContactStep step;
@@ -329,7 +353,8 @@ fem::ContactSolution GapSweep<Real>::Batch::solution(std::size_t i) const {
     if (b.friction[i] * step.P > 0) step.slip_index = said(LANE_SLIP_INDEX);
     step.converged = status == LANE_SOLVED || status == LANE_SLIDING;
     step.iterations = static_cast<int>(said(LANE_SWEEPS));
-    step.residual = {said(LANE_PENETRATION), said(LANE_CONE), said(LANE_COMPLEMENTARITY), said(LANE_DRIFT), said(LANE_BALANCE)};
+    step.residual = {said(LANE_PENETRATION), said(LANE_CONE), said(LANE_COMPLEMENTARITY), said(LANE_DRIFT),
+                     said(LANE_BALANCE)};
     if (sweep.options.nodes) {
       step.normal_force = Eigen::VectorXd::NullaryExpr(columns, [&](auto n) { return node(n); });
       step.tangential_force = Eigen::VectorXd::NullaryExpr(columns, [&](auto n) { return node(columns + n); });
@@ -379,8 +404,8 @@ std::vector<std::vector<std::size_t>> launches(std::span<const fem::Scene> scene
 
 }  // namespace
 
-std::vector<fem::ContactSolution> solve_gap_sweep(Executor& executor, std::span<const fem::Scene> scenes, Precision precision,
-                                                  const GapSweepOptions& options) {
+std::vector<fem::ContactSolution> solve_gap_sweep(Executor& executor, std::span<const fem::Scene> scenes,
+                                                  Precision precision, const GapSweepOptions& options) {
   for (const fem::Scene& scene : scenes) scene.validate();
   std::vector<fem::ContactSolution> solutions(scenes.size());
   for (const auto& which : launches(scenes)) {

@@ -15,12 +15,14 @@ namespace tactel::host {
 
 /// Host side of kernels/gap_sweep.cl.
 struct GapSweepOptions {
-  double tolerance = 0;      ///< largest change of a force in the last sweep over the largest pressure force; 0: 1e-11 in fp64, 1e-5 in fp32
-  double accept = 0;         ///< largest residual of a solved step; 0: 100 tolerance, at least 2e-5 in fp32 (rounding of C times force)
-  int most_sweeps = 20000;   ///< an increment that needs more is reported as unsolved
-  bool base_forces = true;   ///< write base nodal forces
-  bool tactels = true;       ///< write stresses at the tactels
-  bool nodes = true;         ///< write forces and statuses of the surface nodes
+  double tolerance = 0;  ///< largest change of a force in the last sweep over the largest pressure force; 0: 1e-11 in
+                         ///< fp64, 1e-5 in fp32
+  double accept =
+      0;  ///< largest residual of a solved step; 0: 100 tolerance, at least 2e-5 in fp32 (rounding of C times force)
+  int most_sweeps = 20000;  ///< an increment that needs more is reported as unsolved
+  bool base_forces = true;  ///< write base nodal forces
+  bool tactels = true;      ///< write stresses at the tactels
+  bool nodes = true;        ///< write forces and statuses of the surface nodes
 };
 
 /// A sensor on a device: condensation, maps and programs for one precision. Cheap to copy.
@@ -65,9 +67,9 @@ class GapSweep {
 extern template class GapSweep<float>;
 extern template class GapSweep<double>;
 
-/// Any scenes, any sensors: groups them by sensor and by kind of load, runs a launch for each. A step that did not meet its
-/// tolerance has converged = false. Throws ValueError for a scene that is not valid.
-std::vector<fem::ContactSolution> solve_gap_sweep(Executor& executor, std::span<const fem::Scene> scenes, Precision precision,
-                                                  const GapSweepOptions& options = {});
+/// Any scenes, any sensors: groups them by sensor and by kind of load, runs a launch for each. A step that did not meet
+/// its tolerance has converged = false. Throws ValueError for a scene that is not valid.
+std::vector<fem::ContactSolution> solve_gap_sweep(Executor& executor, std::span<const fem::Scene> scenes,
+                                                  Precision precision, const GapSweepOptions& options = {});
 
 }  // namespace tactel::host

@@ -17,7 +17,8 @@ struct GenerateRequest {
 
 void refuse_existing(const GenerateRequest& request) {
   if (!request.force && std::filesystem::exists(request.output))
-    throw ConfigError("command line", "--output", request.output, "a file that is not there yet, or --force to write over it");
+    throw ConfigError("command line", "--output", request.output,
+                      "a file that is not there yet, or --force to write over it");
 }
 
 int run_generate(const GenerateRequest& request) {
@@ -28,14 +29,16 @@ int run_generate(const GenerateRequest& request) {
   Executor executor{Device(solve.device)};
   const bool fp32 = solve.precision == "fp32" || (solve.precision.empty() && !executor.device().info().fp64);
   const auto start = std::chrono::steady_clock::now();
-  ContactSet set = simulate_family(executor, sweep.family, fp32 ? Precision::fp32 : Precision::fp64, 0.01 * solve.tolerance.value_or(0));
+  ContactSet set = simulate_family(executor, sweep.family, fp32 ? Precision::fp32 : Precision::fp64,
+                                   0.01 * solve.tolerance.value_or(0));
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   set.sweep = sweep.text;
   set.rung = fp32 ? "fp32" : "fp64";
   write_contact_set(request.output, set);
   const auto unsolved = std::count(set.status.begin(), set.status.end(), std::uint8_t(2));
   if (!request.shared.quiet)
-    fmt::print("{}: {} load steps of {} contacts in {:.2f} s, {} over tolerance\n", request.output, set.rows(), sweep.family.scenes.size(), seconds, unsolved);
+    fmt::print("{}: {} load steps of {} contacts in {:.2f} s, {} over tolerance\n", request.output, set.rows(),
+               sweep.family.scenes.size(), seconds, unsolved);
   return unsolved ? not_converged : done;
 }
 

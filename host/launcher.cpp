@@ -43,7 +43,6 @@ void Launcher::compile(Launch::State& launch) {
       enqueue(launch, 0, no_groups, global, local_size());
       queues_[0].finish();
     });
-    launch.program.note_launched(launch.kernel);
   } else {
     device_.log(LogLevel::warning, launch.kernel + " lacks TAKE_GROUP: compiled at its first use, run group by group");
   }

@@ -13,22 +13,23 @@ namespace tactel::host {
 /// Scenes that share everything but the indenter, and what kind of indenter each has.
 struct SceneFamily {
   std::vector<fem::Scene> scenes;
-  std::vector<std::uint16_t> kind;       ///< [scenes] place in kind_names
+  std::vector<std::uint16_t> kind;  ///< [scenes] place in kind_names
   std::vector<std::string> kind_names;
 };
 
-/// The 32 Taylor shapes: y = height * sum (r / scale)^k over every subset of the powers 1 ... 5 (mm). The paper gives no units: 10 and 10 are its sums
-/// with x and y in centimetres.
+/// The 32 Taylor shapes: y = height * sum (r / scale)^k over every subset of the powers 1 ... 5 (mm). The paper gives
+/// no units: 10 and 10 are its sums with x and y in centimetres.
 SceneFamily paper_learning_family(const fem::Scene& base, double scale, double height);
 
 /// Seven common shapes, four examples of each; the paper names the classes (section V.D), the sizes are our choice.
 SceneFamily paper_recall_family(const fem::Scene& base);
 
-/// What the paper's sets share unless a file says otherwise: its preset, 0.15 mm deep, dragged by 0.05 mm until the contact slides.
+/// What the paper's sets share unless a file says otherwise: its preset, 0.15 mm deep, dragged by 0.05 mm until the
+/// contact slides.
 fem::Scene paper_set_scene();
 
-/// Simulates a family; rows are the load steps from full indentation on, so that the indenter presses as deep in all of them. Steps without a
-/// slippage index (mu P = 0) give no row.
+/// Simulates a family; rows are the load steps from full indentation on, so that the indenter presses as deep in all of
+/// them. Steps without a slippage index (mu P = 0) give no row.
 ContactSet simulate_family(Executor& executor, const SceneFamily& family, Precision precision, double tolerance);
 
 }  // namespace tactel::host

@@ -1,13 +1,9 @@
 #include "host/program.h"
 
 #include <algorithm>
-#include <mutex>
-#include <optional>
 #include <set>
 #include <stdexcept>
 
-#include "fem/condensation.h"
-#include "host/binary_cache.h"
 #include "kernels/embedded.h"
 
 namespace tactel::host {
@@ -57,12 +53,6 @@ std::string option_text(const Defines& defines) {
   return text;
 }
 
-// All that a binary depends on.
-std::string cache_key(const Device& device, const std::string& options, const std::string& text) {
-  const DeviceInfo& info = device.info();
-  return info.platform + "\n" + info.name + "\n" + info.driver + "\n" + options + "\n" + text;
-}
-
 }  // namespace
 
 std::string expand_includes(const std::string& name, const std::string& text) {
@@ -77,62 +67,27 @@ struct Program::State {
   std::string source, options;
   std::string text;  ///< as written, without what it includes
   cl::Program program;
-  std::optional<BinaryCache> cache;
-  bool from_cache = false;
-  std::mutex launched_mutex;
-  std::set<std::string> launched;  ///< kernels that the stored binary holds compiled
 
-  State(const Device& device, std::string source, std::string options, std::string text)
-      : device(device), source(std::move(source)), options(std::move(options)), text(std::move(text)) {}
-  void build(const std::string& text);
-  bool build_stored();
-  void build_text(const std::string& text);
+  void build() {
+    program = cl::Program(device.context(), expand_includes(source, text));
+    try {
+      program.build(options.c_str());
+    } catch (const cl::BuildError& error) {
+      std::string log;
+      for (const auto& [each, lines] : error.getBuildLog()) log += lines;
+      throw KernelBuildError(source, options, log);
+    }
+    device.log(LogLevel::debug, source + " built, " + options);
+  }
 };
 
-bool Program::State::build_stored() {
-  const std::optional<StoredBinary> stored = cache->load();
-  if (!stored) return false;
-  try {
-    program = cl::Program(device.context(), {device.cl_device()}, {stored->binary});
-    program.build(options.c_str());
-  } catch (const cl::Error& error) {
-    device.log(LogLevel::warning, source + ": stored binary refused (" + cl_code_name(error.err()) + "), compiling");
-    return false;
-  }
-  launched = stored->kernels;
-  return true;
-}
-
-void Program::State::build_text(const std::string& text) {
-  program = cl::Program(device.context(), text);
-  try {
-    program.build(options.c_str());
-  } catch (const cl::BuildError& error) {
-    std::string log;
-    for (const auto& [each, lines] : error.getBuildLog()) log += lines;
-    throw KernelBuildError(source, options, log);
-  }
-}
-
-void Program::State::build(const std::string& text) {
-  from_cache = cache && build_stored();
-  if (!from_cache) build_text(text);
-  device.log(LogLevel::debug, source + (from_cache ? ": from the cache" : ": compiled") + ", " + options);
-}
-
-Program::Program(const Device& device, const std::string& source, const Defines& defines, const ProgramOptions& options)
-    : Program(from_text(device, source, std::string(embedded(source).text), defines, options)) {}
+Program::Program(const Device& device, const std::string& source, const Defines& defines)
+    : Program(from_text(device, source, std::string(embedded(source).text), defines)) {}
 
 Program Program::from_text(const Device& device, const std::string& name, const std::string& text,
-                           const Defines& defines, const ProgramOptions& options) {
-  const std::string whole = expand_includes(name, text);
-  const auto state = std::make_shared<State>(device, name, option_text(defines), text);
-  if (options.cache) {
-    const auto directory =
-        options.cache_directory.empty() ? fem::default_cache_directory() / "programs" : options.cache_directory;
-    state->cache.emplace(directory, name, cache_key(device, state->options, whole));
-  }
-  translated(device.info().name, [&] { state->build(whole); });
+                           const Defines& defines) {
+  const auto state = std::make_shared<State>(State{device, name, option_text(defines), text, {}});
+  translated(device.info().name, [&] { state->build(); });
   return Program(state);
 }
 
@@ -143,24 +98,12 @@ cl::Kernel Program::kernel(const std::string& name) const {
 const Device& Program::device() const { return state_->device; }
 const std::string& Program::source() const { return state_->source; }
 const std::string& Program::options() const { return state_->options; }
-bool Program::from_cache() const { return state_->from_cache; }
-
 bool Program::takes_group(const std::string& kernel) const {
   const std::string& text = state_->text;
   const std::size_t start = text.find("kernel void " + kernel + "(");
   if (start == text.npos) return false;
   const std::size_t next = text.find("kernel void ", start + 1);
   return text.substr(start, next == text.npos ? next : next - start).find("TAKE_GROUP(") != text.npos;
-}
-
-void Program::note_launched(const std::string& kernel) const {
-  const std::lock_guard lock(state_->launched_mutex);
-  if (!state_->launched.insert(kernel).second || !state_->cache) return;
-  const auto binaries =
-      translated(device().info().name, [&] { return state_->program.getInfo<CL_PROGRAM_BINARIES>(); });
-  const bool stored = !binaries.empty() && state_->cache->store({state_->launched, binaries.front()});
-  if (!stored)
-    device().log(LogLevel::warning, state_->source + ": binary not stored in " + state_->cache->path().string());
 }
 
 }  // namespace tactel::host

@@ -20,7 +20,9 @@ void add_shape(Json& out, const fem::Trapezoid& s) { out.update({{"half_width", 
 void add_shape(Json& out, const fem::RoundedFlat& s) {
   out.update({{"half_width", s.half_width}, {"radius", s.radius}});
 }
-void add_shape(Json& out, const fem::Taylor& s) { out.update({{"powers", s.powers}, {"scale", s.scale}, {"height", s.height.value_or(s.scale)}}); }
+void add_shape(Json& out, const fem::Taylor& s) {
+  out.update({{"powers", s.powers}, {"scale", s.scale}, {"height", s.height.value_or(s.scale)}});
+}
 void add_shape(Json& out, const fem::Profile& s) {
   if (!s.file.empty()) out["file"] = s.file;
   out.update({{"x", s.x}, {"y", s.y}, {"smooth", s.smooth}});

@@ -46,7 +46,8 @@ Sweep read_sweep(const std::filesystem::path& path) {
   }
   in.finish();
   try {
-    return {text_of(path), sets[*set], *set == 0 ? paper_learning_family(base, scale, height) : paper_recall_family(base)};
+    return {text_of(path), sets[*set],
+            *set == 0 ? paper_learning_family(base, scale, height) : paper_recall_family(base)};
   } catch (const ValueError& error) {
     throw file.error(error);
   }

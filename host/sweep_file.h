@@ -8,8 +8,8 @@ namespace tactel::host {
 
 /// What a sweep file asks for.
 struct Sweep {
-  std::string text;      ///< the file as it was read
-  std::string set;       ///< "paper-learning" or "paper-recall"
+  std::string text;  ///< the file as it was read
+  std::string set;   ///< "paper-learning" or "paper-recall"
   SceneFamily family;
 };
 

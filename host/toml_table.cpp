@@ -69,8 +69,8 @@ ConfigError syntax_error(const std::string& file, const std::string& text, const
   const bool pair = equals != std::string::npos;
   const std::string key = pair ? trimmed(written.substr(0, equals)) : "line " + std::to_string(line);
   const std::string value = pair ? trimmed(written.substr(equals + 1)) : written;
-  return ConfigError(file, key, value.empty() ? "(missing)" : shortened(value), "valid TOML (" + std::string(error.description()) + ")",
-                     static_cast<int>(line));
+  return ConfigError(file, key, value.empty() ? "(missing)" : shortened(value),
+                     "valid TOML (" + std::string(error.description()) + ")", static_cast<int>(line));
 }
 
 }  // namespace

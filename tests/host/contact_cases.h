@@ -41,7 +41,9 @@ inline fem::Load reversal() {
 /// Random shapes, places, friction, depths and paths on one sensor.
 inline std::vector<fem::Scene> random_scenes(const fem::Sensor& sensor, std::size_t count, std::uint64_t seed) {
   std::mt19937_64 random(seed);
-  const auto uniform = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
   const auto shapes = all_shapes();
   std::vector<fem::Scene> scenes(count);
   for (fem::Scene& scene : scenes) {

@@ -45,7 +45,8 @@ TEST(PaperSets, SevenClassesOfFourShapesDraggedUntilTheySlide) {
   std::set<std::pair<int, std::uint64_t>> contacts;
   for (std::size_t row = 0; row < set.rows(); ++row) {
     contacts.emplace(set.indenter[row], set.contact[row]);
-    EXPECT_NEAR(set.slip_index[row], set.tangential_force[row] / (set.friction[row] * set.normal_force[row]), 1e-6);  // fp32 storage
+    EXPECT_NEAR(set.slip_index[row], set.tangential_force[row] / (set.friction[row] * set.normal_force[row]),
+                1e-6);  // fp32 storage
     const bool last = row + 1 == set.rows() || set.contact[row + 1] != set.contact[row];
     EXPECT_EQ(set.status[row] == 1, last) << row;  // slides in its last row, and only there
     EXPECT_EQ(set.stick_fraction[row] == 0, last) << row;

@@ -126,5 +126,25 @@ TEST_F(FreshProcessDeathTest, TheUsersPoclDevicesWin) {
   EXPECT_EXIT(with_pthread_only(), testing::ExitedWithCode(0), "");
 }
 
+TEST_F(FreshProcessDeathTest, PoclKeepsItsCacheBesideOurs) {
+  const auto where = [] {
+    unsetenv("POCL_CACHE_DIR");
+    setenv("TACTEL_CACHE_DIR", (testing::TempDir() + "tactel_device_test").c_str(), 1);
+    if (list_devices().empty()) std::exit(1);
+    std::cerr << "[" << std::getenv("POCL_CACHE_DIR") << "]";
+    std::exit(0);
+  };
+  EXPECT_EXIT(where(), testing::ExitedWithCode(0), "tactel_device_test/pocl]");
+}
+
+TEST_F(FreshProcessDeathTest, WithoutAPlaceForCachesThereAreStillDevices) {
+  const auto without_cache = [] {
+    unsetenv("POCL_CACHE_DIR");
+    setenv("TACTEL_CACHE_DIR", "/dev/null/no/place", 1);
+    std::exit(list_devices().empty() ? 1 : 0);
+  };
+  EXPECT_EXIT(without_cache(), testing::ExitedWithCode(0), "");
+}
+
 }  // namespace
 }  // namespace tactel::host

@@ -47,7 +47,8 @@ TEST(DirectProblem, EveryOpenParameterMovesTableOne) {
     }
   }
   EXPECT_EQ(chosen, 6);  // once for each parameter
-  for (const char* parameter : {"Poisson's ratio", "grading, bottom row over top row", "radius of the parabola, mm", "friction", "element, base stress", "indentation steps"}) {
+  for (const char* parameter : {"Poisson's ratio", "grading, bottom row over top row", "radius of the parabola, mm",
+                                "friction", "element, base stress", "indentation steps"}) {
     double worst = 0;
     for (const SensitivityRow& row : rows)
       if (row.parameter == parameter) worst = std::max(worst, row.worst);

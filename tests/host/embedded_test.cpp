@@ -27,7 +27,7 @@ std::string content(const fs::path& path) {
 
 std::string log_of(const std::string& text, const Defines& defines) {
   try {
-    Program::from_text(device(), "broken.cl", text, defines, {.cache = false});
+    Program::from_text(device(), "broken.cl", text, defines);
   } catch (const KernelBuildError& error) {
     EXPECT_EQ(error.source, "broken.cl");
     EXPECT_THAT(error.what(), HasSubstr(error.log));
@@ -91,7 +91,7 @@ TEST(Embedded, BuildLogNamesFileAndLine) {
 
 TEST(Embedded, BuildErrorNamesTheOptions) {
   try {
-    Program::from_text(device(), "broken.cl", "?", {{"LANES", "16"}, {"REAL", "float"}}, {.cache = false});
+    Program::from_text(device(), "broken.cl", "?", {{"LANES", "16"}, {"REAL", "float"}});
     FAIL();
   } catch (const KernelBuildError& error) {
     EXPECT_EQ(error.options, "-cl-std=CL1.2 -DLANES=16 -DREAL=float");

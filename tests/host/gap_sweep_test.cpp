@@ -1,4 +1,5 @@
-// The batched contact kernel against the full-mesh reference, against its Eigen twin, and against laws that neither knows.
+// The batched contact kernel against the full-mesh reference, against its Eigen twin, and against laws that neither
+// knows.
 #include "host/gap_sweep.h"
 
 #include <gmock/gmock.h>
@@ -35,8 +36,9 @@ std::string describe(const fem::Scene& s) {
          std::to_string(s.sensor.poisson) + ", mu " + std::to_string(s.friction);
 }
 
-/// Agreement that is asked of fp64 and fp32, over the largest base force: fp64 sweeps to a last change of 1e-11, and slow lanes (contraction
-/// 0.99 a sweep) leave some 100 times that; fp32 stores C to 6e-8 with condition up to 511, and stops at 1e-5.
+/// Agreement that is asked of fp64 and fp32, over the largest base force: fp64 sweeps to a last change of 1e-11, and
+/// slow lanes (contraction 0.99 a sweep) leave some 100 times that; fp32 stores C to 6e-8 with condition up to 511, and
+/// stops at 1e-5.
 constexpr double agree_fp64 = 1e-8, agree_fp32 = 1e-3;
 
 void expect_reference(const std::vector<fem::Scene>& scenes) {
@@ -48,7 +50,8 @@ void expect_reference(const std::vector<fem::Scene>& scenes) {
     EXPECT_LE(base_force_difference(fp64[i], truth), agree_fp64) << describe(scenes[i]);
     EXPECT_LE(base_force_difference(fp32[i], truth), agree_fp32) << describe(scenes[i]);
     for (std::size_t k = 0; k < truth.steps.size(); ++k) {
-      EXPECT_TRUE(truth.steps[k].converged && fp64[i].steps[k].converged && fp32[i].steps[k].converged) << describe(scenes[i]) << ", step " << k;
+      EXPECT_TRUE(truth.steps[k].converged && fp64[i].steps[k].converged && fp32[i].steps[k].converged)
+          << describe(scenes[i]) << ", step " << k;
       EXPECT_EQ(fp64[i].steps[k].slip_index.has_value(), truth.steps[k].slip_index.has_value());
     }
   }
@@ -93,13 +96,16 @@ TEST(GapSweep, EveryElementMatchesReference) {
       EXPECT_LE(base_force_difference(batched, truth), agree_fp64) << fem::name(element);
       for (std::size_t k = 0; k < truth.steps.size(); ++k) {
         const double scale = truth.steps[k].sigma_y.cwiseAbs().maxCoeff();
-        EXPECT_LE((batched.steps[k].sigma_y - truth.steps[k].sigma_y).cwiseAbs().maxCoeff(), agree_fp64 * scale) << fem::name(element);
-        EXPECT_LE((batched.steps[k].tau_xy - truth.steps[k].tau_xy).cwiseAbs().maxCoeff(), agree_fp64 * scale) << fem::name(element);
+        EXPECT_LE((batched.steps[k].sigma_y - truth.steps[k].sigma_y).cwiseAbs().maxCoeff(), agree_fp64 * scale)
+            << fem::name(element);
+        EXPECT_LE((batched.steps[k].tau_xy - truth.steps[k].tau_xy).cwiseAbs().maxCoeff(), agree_fp64 * scale)
+            << fem::name(element);
       }
     }
 }
 
-/// Normal force, normal force with drag, and both forces by an angle. The search stops at 10 times the sweeps' tolerance in force.
+/// Normal force, normal force with drag, and both forces by an angle. The search stops at 10 times the sweeps'
+/// tolerance in force.
 TEST(GapSweep, ForceControlMatchesReference) {
   for (char mesh : {'B', 'A'})
     for (int kind = 0; kind < 3; ++kind) {
@@ -145,7 +151,8 @@ void expect_twin(int count, double tolerance) {
   batch.run();
   const fem::GapSweep<double> twin(sweep.condensation());
   for (int i = 0; i < count; ++i)
-    ASSERT_LE(base_force_difference(batch.solution(i), twin.solve(scenes[i])), tolerance) << "lane " << i << ": " << describe(scenes[i]);
+    ASSERT_LE(base_force_difference(batch.solution(i), twin.solve(scenes[i])), tolerance)
+        << "lane " << i << ": " << describe(scenes[i]);
 }
 
 TEST_P(Ragged, Fp64MatchesTwin) { expect_twin<double>(GetParam(), agree_fp64); }
@@ -216,7 +223,8 @@ TEST(GapSweep, InvalidNeighboursAreFlaggedAndHarmless) {
   }
 }
 
-/// The certificate, worked out again in fp64 from the forces that were written and C: what the kernel says must be true.
+/// The certificate, worked out again in fp64 from the forces that were written and C: what the kernel says must be
+/// true.
 TEST(GapSweep, CertificateIsTrue) {
   const auto scenes = random_scenes(paper_mesh('B'), 200, 9);
   const auto solutions = host::solve_gap_sweep(executor(), scenes, host::Precision::fp64);
@@ -232,7 +240,8 @@ TEST(GapSweep, CertificateIsTrue) {
       const Eigen::VectorXd ux = u(Eigen::seq(0, Eigen::last, 2)), uy = u(Eigen::seq(1, Eigen::last, 2));
       const double scale = uy.cwiseAbs().maxCoeff();
       for (Eigen::Index n = 0; n < ux.size(); ++n) {
-        const double gap = fem::profile_height(scenes[i].indenter, condensation.surface_x[n]) - step.indentation - uy[n];
+        const double gap =
+            fem::profile_height(scenes[i].indenter, condensation.surface_x[n]) - step.indentation - uy[n];
         const double slip = ux[n] - last_ux[n] - (step.tangential - last_x);
         ASSERT_GE(gap, -1e-9 * scale);
         if (step.status[n] == fem::GapStatus::open) {
