@@ -100,9 +100,15 @@ std::vector<OnlineReport> TrainOnline<Real>::reports() const {
 }
 
 template <class Real>
+OnlineReport TrainOnline<Real>::report(std::size_t network) const {
+  OnlineReport report{};
+  reports_.read(std::span(&report, 1), network);
+  return report;
+}
+
+template <class Real>
 std::vector<nn::CycleErrors> TrainOnline<Real>::curve(std::size_t network, const OnlineReport& from) const {
-  OnlineReport now{};
-  reports_.read(std::span(&now, 1), network);
+  const OnlineReport now = report(network);
   std::vector<Real> numbers(2 * (now.cycle - from.cycle));
   curve_.read(numbers, network * curve_cycles_ * 2);
   std::vector<nn::CycleErrors> errors;
@@ -132,13 +138,12 @@ std::size_t TrainOnline<Real>::network_size() const {
 
 template <class Real>
 nn::OnlineState<Real> TrainOnline<Real>::state(std::size_t network) const {
-  OnlineReport report{};
-  reports_.read(std::span(&report, 1), network);
+  const OnlineReport now = report(network);
   std::vector<Real> numbers(network_size());
   weights_.read(numbers, network * network_size());
   nn::OnlineState<Real> state{nn::Weights<float>(topology_)};
-  state.cycle = report.cycle;
-  state.status = static_cast<nn::TrainStatus>(report.status);
+  state.cycle = now.cycle;
+  state.status = static_cast<nn::TrainStatus>(now.status);
   for (int l = 0; l < topology_.layers(); ++l) {
     auto weights = state.weights.layer(l), steps = state.step.layer(l);
     for (int neuron = 0; neuron < topology_.fan_out(l); ++neuron) {

@@ -36,6 +36,7 @@ class TrainOnline {
   const nn::Topology& topology() const { return topology_; }
   std::uint32_t cycle_limit() const;
   std::vector<OnlineReport> reports() const;  ///< [networks]
+  OnlineReport report(std::size_t network) const;
   /// Errors of the cycles that the last run added to a network; `from` is the network's report before that run.
   std::vector<nn::CycleErrors> curve(std::size_t network, const OnlineReport& from) const;
 

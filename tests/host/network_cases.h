@@ -32,8 +32,8 @@ inline nn::FrameSet bumps(int rows, int inputs, std::uint32_t seed) {
   return set;
 }
 
-template <class Values>
-double largest_difference(const Values& a, const Values& b) {
+template <class A, class B>
+double largest_difference(const A& a, const B& b) {
   double largest = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     const double difference = std::abs(static_cast<double>(a[i]) - static_cast<double>(b[i]));

@@ -1,0 +1,40 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/network_sweep.h"
+
+namespace tactel::host {
+
+/// All of one network that a stopped sweep needs to go on to the same bits.
+template <class Real>
+struct NetworkRecord {
+  SweepNetwork network;              ///< topology, seed and noise are the plan's and not stored
+  std::vector<Real> weights, steps;  ///< [layer][out][in + 1]
+};
+
+/// Writes under a temporary name, then renames. `plan` is all that the records depend on, as text. Throws ConfigError
+/// when the file cannot be written.
+template <class Real>
+void write_checkpoint(const std::filesystem::path& path, const std::string& plan,
+                      std::span<const NetworkRecord<Real>> records);
+
+/// Fills records whose networks name their topologies. None when there is no such file. Throws ConfigError for a file
+/// that is damaged, cut short, or of another plan.
+template <class Real>
+bool read_checkpoint(const std::filesystem::path& path, const std::string& plan,
+                     std::span<NetworkRecord<Real>> records);
+
+extern template void write_checkpoint(const std::filesystem::path&, const std::string&,
+                                      std::span<const NetworkRecord<float>>);
+extern template void write_checkpoint(const std::filesystem::path&, const std::string&,
+                                      std::span<const NetworkRecord<double>>);
+extern template bool read_checkpoint(const std::filesystem::path&, const std::string&, std::span<NetworkRecord<float>>);
+extern template bool read_checkpoint(const std::filesystem::path&, const std::string&,
+                                     std::span<NetworkRecord<double>>);
+
+}  // namespace tactel::host
