@@ -6,7 +6,7 @@
 #include <map>
 
 #include "fem/value_error.h"
-#include "host/binary_cache.h"
+#include "host/checksum.h"
 #include "host/forward.h"
 #include "host/sweep_checkpoint.h"
 
@@ -39,8 +39,8 @@ std::uint64_t set_hash(const nn::FrameSet& set) {
   const auto bytes = [](const float* data, Eigen::Index count) {
     return std::string_view(reinterpret_cast<const char*>(data), static_cast<std::size_t>(count) * sizeof(float));
   };
-  return fnv1a(bytes(set.frames.data(), set.frames.size())) ^
-         (fnv1a(bytes(set.slip_index.data(), set.slip_index.size())) << 1);
+  return checksum(bytes(set.frames.data(), set.frames.size())) ^
+         (checksum(bytes(set.slip_index.data(), set.slip_index.size())) << 1);
 }
 
 /// All that a sweep's bits depend on.

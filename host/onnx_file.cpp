@@ -10,7 +10,7 @@
 #include <optional>
 
 #include "fem/value_error.h"
-#include "host/binary_cache.h"
+#include "host/checksum.h"
 #include "host/errors.h"
 #include "host/onnx_graph.h"
 
@@ -31,18 +31,12 @@ std::string exact(Number number) {
   return {text, std::to_chars(text, text + sizeof text, number).ptr};
 }
 
-std::string hex(std::uint64_t number) {
-  char text[17];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(number));
-  return text;
-}
-
 // Of the graph and of all metadata but the checksum itself.
-std::string checksum(const onnx::GraphProto& graph, const Metadata& metadata) {
+std::string checksum_of(const onnx::GraphProto& graph, const Metadata& metadata) {
   std::string all = graph.SerializeAsString();
   for (const auto& [key, value] : metadata)
     if (key != checksum_key) all += '\n' + key + '=' + value;
-  return hex(fnv1a(all));
+  return checksum_text(all);
 }
 
 Metadata metadata_of(const nn::Model& model, const onnx::GraphProto& graph, const std::string& version) {
@@ -58,7 +52,7 @@ Metadata metadata_of(const nn::Model& model, const onnx::GraphProto& graph, cons
                     {"error_mean", exact(model.learning_errors.mean)},
                     {"error_std", exact(model.learning_errors.std)},
                     {"tactel", version}};
-  metadata[checksum_key] = checksum(graph, metadata);
+  metadata[checksum_key] = checksum_of(graph, metadata);
   return metadata;
 }
 
@@ -160,7 +154,7 @@ nn::Model read_onnx(const fs::path& path) {
   if (!parsed) reader.fail(bytes.empty() ? "empty" : "cut short, or no ONNX file", "a network file (ONNX)");
   if (proto.producer_name() != "tactel")
     reader.fail("a model by \"" + proto.producer_name() + '"', "a network that tactel wrote");
-  if (reader.text(checksum_key) != checksum(proto.graph(), reader.metadata()))
+  if (reader.text(checksum_key) != checksum_of(proto.graph(), reader.metadata()))
     reader.fail("damaged (its checksum does not match)", "whole");
   const nn::Model model = read_model(reader, proto.graph());
   if (bytes_of(model, reader.text("tactel")) != bytes)

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "host/binary_cache.h"
+#include "host/checksum.h"
 #include "host/errors.h"
 
 namespace tactel::host {
@@ -26,8 +26,8 @@ class Writer {
     body_.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
   }
   std::string content() const {
-    const std::uint64_t checksum = fnv1a(body_);
-    return std::string(magic) + std::string(reinterpret_cast<const char*>(&checksum), sizeof checksum) + body_;
+    const std::uint64_t sum = checksum(body_);
+    return std::string(magic) + std::string(reinterpret_cast<const char*>(&sum), sizeof sum) + body_;
   }
 
  private:
@@ -37,13 +37,13 @@ class Writer {
 class Reader {
  public:
   Reader(std::string_view content, std::string file) : rest_(content), file_(std::move(file)) {
-    std::uint64_t checksum = 0;
+    std::uint64_t sum = 0;
     if (!rest_.starts_with(magic)) fail("not a checkpoint of a training", "a checkpoint");
     rest_.remove_prefix(magic.size());
-    if (rest_.size() < sizeof checksum) fail("cut short", "whole");
-    std::memcpy(&checksum, rest_.data(), sizeof checksum);
-    rest_.remove_prefix(sizeof checksum);
-    if (fnv1a(rest_) != checksum) fail("damaged", "whole; delete it to start anew");
+    if (rest_.size() < sizeof sum) fail("cut short", "whole");
+    std::memcpy(&sum, rest_.data(), sizeof sum);
+    rest_.remove_prefix(sizeof sum);
+    if (checksum(rest_) != sum) fail("damaged", "whole; delete it to start anew");
   }
   template <class T>
   std::vector<T> take() {
