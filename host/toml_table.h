@@ -19,6 +19,7 @@ class TomlFile {
 
   const std::filesystem::path& path() const { return path_; }
   const toml::table& root() const { return root_; }
+  toml::table& root() { return root_; }
 
   /// The error about a value of this file. `node` (may be null) gives line and value.
   ConfigError error(const std::string& key, const toml::node* node, const std::string& allowed) const;
