@@ -293,6 +293,7 @@ typedef struct {
   vreal b[2][2][VECTORS];                /* inverse Jacobian */
   vreal z[2][VECTORS], g[2][VECTORS];    /* last trial: place; P and Q - (Q_goal / P_goal) P */
   vreal low[VECTORS], high[VECTORS];     /* bracket of d */
+  vreal nearest[VECTORS];                /* depth at which the undeformed surface is touched */
   vreal p_goal[VECTORS], q_goal[VECTORS];
   vint by_force[VECTORS], both[VECTORS]; /* lanes whose normal goal is a force, whose tangential one is too */
 } Search;
@@ -478,13 +479,16 @@ static inline void move_to(Indenter *in, const Walk *w, const vreal *d, const vr
 }
 
 #if FORCE_CONTROL
-static inline void start_search(global const vreal *lane_input, Search *s) {
+static inline void start_search(global const vreal *lane_input, global const vreal *profile, Search *s) {
+  EACH_VECTOR { s->nearest[v] = FAR; }
+  for (int i = 0; i < NODES; ++i) EACH_VECTOR { s->nearest[v] = SMALLER(profile[i * VECTORS + v], s->nearest[v]); }
   EACH_VECTOR {
     s->by_force[v] = lane_input[LANE_FORCE * VECTORS + v] >= FORCE_NORMAL;
     s->both[v] = lane_input[LANE_FORCE * VECTORS + v] >= FORCE_BOTH;
     s->b[0][0][v] = (real)0.3; /* thickness / width, about: a start that the first trial corrects */
     s->b[1][1][v] = 1;
-    s->b[0][1][v] = s->b[1][0][v] = s->z[0][v] = s->z[1][v] = s->g[0][v] = s->g[1][v] = 0;
+    s->z[0][v] = s->nearest[v];
+    s->b[0][1][v] = s->b[1][0][v] = s->z[1][v] = s->g[0][v] = s->g[1][v] = 0;
   }
 }
 
@@ -500,7 +504,7 @@ static inline void lift_off(const Search *s, Contact *c, const Walk *w) {
 /* Where goals are forces: keeps them in the search, and puts the indenter where it is, or to a first guess, instead. */
 static inline void first_trial(Search *s, const Indenter *in, vreal *d, vreal *x) {
   EACH_VECTOR {
-    const vreal guess = PICK(in->d[v] > 0, in->d[v], s->b[0][0][v] * d[v]);
+    const vreal guess = PICK(in->d[v] > s->nearest[v], in->d[v], fma(s->b[0][0][v], d[v], s->nearest[v]));
     s->p_goal[v] = d[v];
     s->q_goal[v] = x[v];
     s->low[v] = 0;
@@ -593,7 +597,7 @@ kernel void gap_sweep(uint first_group, global const real *compliance, global co
   start(lane_input, &c, &in, &w);
 #if FORCE_CONTROL
   Search search;
-  start_search(lane_input, &search);
+  start_search(lane_input, profile, &search);
 #endif
   for (int k = 0; k < steps; ++k) {
     vreal d[VECTORS], x[VECTORS], ratio[VECTORS];
