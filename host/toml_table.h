@@ -42,6 +42,7 @@ class TomlTable {
   TomlTable(const TomlFile& file, const std::string& name);
 
   bool has(const std::string& key) const;
+  bool has_text(const std::string& key) const;  ///< a text, where another type would do, too
   bool read(const std::string& key, double& value, const std::string& what);
   bool read(const std::string& key, int& value, const std::string& what);
   bool read(const std::string& key, std::string& value, const std::string& what);
