@@ -6,7 +6,7 @@
 
 namespace tactel::host {
 
-/// How the program ends; users' scripts rely on these. Stopped by a signal: StopSignal::exit_code.
+/// How the program ends; users' scripts rely on these. Stopped by a signal: interrupt.h.
 enum ExitCode { done = 0, wrong_input = 2, device_failed = 3, not_converged = 4 };
 
 /// What the chosen command does, and the exit code it ends with. Set by the command's callback, run after parsing.

@@ -217,17 +217,24 @@ double NetworkSweep<Real>::seconds() const {
 }
 
 template <class Real>
-std::vector<nn::ErrorReport> NetworkSweep<Real>::recall(const nn::FrameSet& set) const {
+std::vector<std::vector<double>> NetworkSweep<Real>::absolute_errors(const nn::FrameSet& set) const {
   const DeviceFrames frames(state_->executor.device(), set.frames);
-  std::vector<nn::ErrorReport> reports;
-  while (reports.size() < state_->networks.size()) {
+  std::vector<std::vector<double>> errors;
+  while (errors.size() < state_->networks.size()) {
     std::vector<nn::Weights<Real>> weights;
-    for (std::size_t i = 0; i < state_->per_topology(); ++i) weights.push_back(state_->weights(reports.size() + i));
+    for (std::size_t i = 0; i < state_->per_topology(); ++i) weights.push_back(state_->weights(errors.size() + i));
     Forward<Real> forward(state_->executor, std::span<const nn::Weights<Real>>(weights), state_->scaling);
     forward.run(frames);
     for (std::size_t i = 0; i < weights.size(); ++i)
-      reports.push_back(nn::report_errors(nn::absolute_errors(forward.result(i).slip_index, set), set));
+      errors.push_back(nn::absolute_errors(forward.result(i).slip_index, set));
   }
+  return errors;
+}
+
+template <class Real>
+std::vector<nn::ErrorReport> NetworkSweep<Real>::recall(const nn::FrameSet& set) const {
+  std::vector<nn::ErrorReport> reports;
+  for (const std::vector<double>& errors : absolute_errors(set)) reports.push_back(nn::report_errors(errors, set));
   return reports;
 }
 

@@ -71,6 +71,8 @@ class NetworkSweep {
   double patterns() const;
   double seconds() const;
 
+  /// |S of a network - S of the set|: [networks][rows], NaN where the network gave none.
+  std::vector<std::vector<double>> absolute_errors(const nn::FrameSet& set) const;
   /// Errors of every network: on a set, or each on the set that it learnt, noise included.
   std::vector<nn::ErrorReport> recall(const nn::FrameSet& set) const;
   std::vector<nn::ErrorReport> recall_learning_set() const;

@@ -60,8 +60,8 @@ SceneFamily paper_learning_family(const fem::Scene& base, double scale, double h
 
 SceneFamily paper_recall_family(const fem::Scene& base) {
   SceneFamily family;
-  family.kind_names = {
-      "flat", "triangular", "parabolic", "spherical", "exponential", "trapezoidal", "flat with parabolic edges"};
+  family.kind_names = {"flat",        "triangular",           "parabolic", "spherical", "exponential",
+                       "trapezoidal", "flat, parabolic edges"};
   for (double half_width : {2.0, 3.0, 4.0, 5.0}) add(family, base, fem::Flat{half_width}, 0);
   for (double edge_angle : {120.0, 140.0, 160.0, 170.0}) add(family, base, fem::Wedge{edge_angle}, 1);
   for (double radius : {5.0, 10.0, 20.0, 40.0}) add(family, base, fem::Parabola{radius}, 2);

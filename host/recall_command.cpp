@@ -5,10 +5,10 @@
 #include "host/atomic_file.h"
 #include "host/command.h"
 #include "host/errors.h"
+#include "host/interrupt.h"
 #include "host/json_text.h"
 #include "host/network_report.h"
 #include "host/progress_line.h"
-#include "host/stop_signal.h"
 
 namespace tactel::host {
 namespace {
@@ -27,12 +27,13 @@ void check_outputs(const RecallRequest& request) {
 
 /// All networks on all rows; nothing after Ctrl-C.
 std::optional<std::vector<NetworkResult>> recall(const RecallRequest& request, std::span<const NamedNetwork> networks,
-                                                 const nn::FrameSet& set, const StopSignal& stop) {
+                                                 const nn::FrameSet& set) {
   Executor executor{Device(request.shared.device)};
-  ProgressLine line(request.shared.quiet);
+  const Interrupt interrupt;
+  ProgressLine line("recall", "frames", request.shared.quiet);
   const auto progress = [&](std::size_t done, std::size_t all) {
-    if (line.due()) line.show(done, all, fmt::format("{} networks on {} rows", networks.size(), set.rows()));
-    return stop.caught() == 0;
+    line.show(done, all);
+    return !interrupt.requested();
   };
   const bool keep_rows = !request.rows.empty();
   if (request.shared.precision == "fp64") return recall_networks<double>(executor, networks, set, keep_rows, progress);
@@ -85,9 +86,8 @@ int run_recall(const RecallRequest& request) {
   const std::vector<NamedNetwork> networks = read_networks(request.networks);
   const ContactSet set = read_contact_set(request.set);
   const AnsweredRows rows = answered_rows(set, request.set);
-  const StopSignal stop;
-  const auto results = recall(request, networks, rows.frames, stop);
-  if (!results) return stop.exit_code();
+  const auto results = recall(request, networks, rows.frames);
+  if (!results) return interrupted;
   if (!request.rows.empty()) write_file("--rows", request.rows, rows_csv(networks, *results, rows));
   const Json report = report_json(request, networks, *results, set, rows);
   if (request.json == "-") {

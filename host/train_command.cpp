@@ -8,13 +8,13 @@
 #include "host/checksum.h"
 #include "host/command.h"
 #include "host/errors.h"
+#include "host/interrupt.h"
 #include "host/json_text.h"
 #include "host/learning_curves.h"
 #include "host/network_report.h"
 #include "host/network_sweep.h"
 #include "host/onnx_file.h"
 #include "host/progress_line.h"
-#include "host/stop_signal.h"
 #include "host/training_directory.h"
 
 namespace tactel::host {
@@ -102,7 +102,8 @@ std::vector<nn::Topology> topologies_of(const TrainRequest& request) {
 
 SweepPlan plan_of(const TrainRequest& request) try {
   refuse_unless_batch(request);
-  SweepPlan plan{.topologies = topologies_of(request), .seeds = {}};
+  SweepPlan plan;
+  plan.topologies = topologies_of(request);
   if (request.seeds > 1'000'000) throw ValueError("seeds", std::to_string(request.seeds), "at most a million");
   for (std::uint64_t i = 0; i < request.seeds; ++i) plan.seeds.push_back(request.first_seed + i);
   if (!request.noises.empty()) plan.noises = request.noises;
@@ -169,8 +170,8 @@ class Training {
     }
     if (request_.force) directory_.clear();
     if (request_.resume) sweep_.load(directory_.checkpoint());
-    const StopSignal stop;
-    if (!train(stop)) return say_stopped(stop);
+    const Interrupt interrupt;
+    if (!train(interrupt)) return say_stopped();
     finish(fingerprint, recall_set);
     return say_diverged();
   }
@@ -180,31 +181,28 @@ class Training {
     if (!request_.shared.quiet) fmt::print("{}", text);
   }
 
-  bool train(const StopSignal& stop) {
-    ProgressLine line(request_.shared.quiet);
+  bool train(const Interrupt& interrupt) {
+    ProgressLine line("training", "weight updates", request_.shared.quiet);
     const auto progress = [&](std::size_t done, std::size_t all) {
       last_share_ = static_cast<double>(done) / static_cast<double>(all);
-      if (line.due()) line.show(done, all, progress_text_now());
-      return stop.caught() == 0;
+      line.show(done, all, pace_text());
+      return !interrupt.requested();
     };
     return sweep_.run({.progress = progress,
                        .checkpoint = directory_.checkpoint(),
                        .checkpoint_seconds = request_.checkpoint_seconds});
   }
 
-  std::string progress_text_now() const {
-    const auto running = std::ranges::count(sweep_.networks(), nn::TrainStatus::running, &SweepNetwork::status);
-    return fmt::format("{:.3g} patterns/s, {} of {} networks running", pace(), running, sweep_.networks().size());
-  }
+  std::string pace_text() const { return with_prefix(pace()) + " patterns/s"; }
 
   double pace() const { return sweep_.seconds() > 0 ? sweep_.patterns() / sweep_.seconds() : 0; }
 
-  int say_stopped(const StopSignal& stop) const {
+  int say_stopped() const {
     if (!request_.shared.quiet)
       fmt::print(stderr,
                  "stopped after {:.1f} % of the cycles at most; the same command with --resume goes on from {}\n",
                  100 * last_share_, directory_.checkpoint().string());
-    return stop.exit_code();
+    return interrupted;
   }
 
   int say_diverged() const {
@@ -279,8 +277,8 @@ class Training {
   std::string summary() const {
     std::map<nn::TrainStatus, int> count;
     for (const SweepNetwork& network : sweep_.networks()) ++count[network.status];
-    std::string text = fmt::format("{}: {} networks learnt {} rows in {:.2f} s, {:.3g} patterns/s:", request_.output,
-                                   networks_.size(), set_.rows.frames.rows(), sweep_.seconds(), pace());
+    std::string text = fmt::format("{}: {} networks learnt {} rows in {:.2f} s, {}:", request_.output, networks_.size(),
+                                   set_.rows.frames.rows(), sweep_.seconds(), pace_text());
     for (const auto& [status, many] : count) text += fmt::format(" {} {},", many, nn::name(status));
     text.back() = '\n';
     if (set_.rows.left_out > 0)

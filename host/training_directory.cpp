@@ -51,7 +51,7 @@ void TrainingDirectory::check(bool resume, bool force) const {
            "a directory without an interrupted training, or --resume to go on with it, or --force to train anew");
   const std::vector<std::string> own = own_networks();
   for (const fs::directory_entry& entry : fs::directory_iterator(path_))
-    if (entry.path().extension() == ".onnx" && std::ranges::find(own, entry.path().filename()) == own.end())
+    if (entry.path().extension() == ".onnx" && std::ranges::find(own, entry.path().filename().string()) == own.end())
       refuse(path_, "a directory without networks of another origin (" + entry.path().filename().string() + ")");
 }
 
