@@ -20,14 +20,12 @@ Buffer<Real> on_device(const Device& device, const std::vector<Real>& values) {
   return Buffer<Real>(device, std::span<const Real>(values));
 }
 
-/// Nodes that the rigid profile reaches at the deepest indentation, about: what a lane costs.
-int expected_window(const fem::Scene& scene, const Eigen::VectorXd& surface_x) {
+/// Nodes that the rigid profile reaches at the deepest indentation, about: what a lane costs. heights: [columns] mm.
+int expected_window(const fem::Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& heights) {
   const auto& targets = by_force(scene) ? scene.load.normal_force : scene.load.indentation;
   double depth = *std::max_element(targets.begin(), targets.end());
   if (by_force(scene)) depth = 0.3 * depth / scene.sensor.young;
-  return static_cast<int>(std::count_if(surface_x.begin(), surface_x.end(), [&](double x) {
-    return fem::profile_height(scene.indenter, x) < 1.25 * depth;
-  }));
+  return static_cast<int>((heights.array() < 1.25 * depth).count());
 }
 
 }  // namespace
@@ -43,12 +41,24 @@ struct GapSweep<Real>::State {
     const Device& device = executor.device();
     compliance = on_device(device, compliance_table<Real>(condensation.compliance));
     node = on_device(device, node_table<Real>(condensation.compliance));
-    base_rows = options.base_forces ? static_cast<int>(condensation.base_force.rows()) : 0;
+    const Eigen::MatrixXd base = base_outputs();
+    base_rows = static_cast<int>(base.rows());
     rows = base_rows + (options.tactels ? static_cast<int>(condensation.tactel_stress.rows()) : 0);
     Eigen::MatrixXd outputs(rows, condensation.compliance.cols());
-    if (options.base_forces) outputs.topRows(base_rows) = condensation.base_force;
+    outputs.topRows(base_rows) = base;
     if (options.tactels) outputs.bottomRows(rows - base_rows) = condensation.tactel_stress;
     map = on_device(device, output_table<Real>(outputs));
+  }
+
+  /// Base forces as options want them [rows, 2 columns]: x and y take turns.
+  Eigen::MatrixXd base_outputs() const {
+    const Eigen::MatrixXd& all = condensation.base_force;
+    if (options.base_sums) {
+      Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(2, all.cols());
+      for (Eigen::Index row = 0; row < all.rows(); ++row) sums.row(row % 2) += all.row(row);
+      return sums;
+    }
+    return options.base_forces ? all : Eigen::MatrixXd(0, all.cols());
   }
 
   int columns() const { return static_cast<int>(condensation.surface_x.size()); }
@@ -83,6 +93,7 @@ template <class Real>
 struct GapSweep<Real>::Batch::State {
   std::shared_ptr<GapSweep<Real>::State> sweep;
   std::vector<std::size_t> place;  ///< [scenes] lane of scene i, counted over all groups
+  std::vector<std::size_t> order;  ///< [scenes] scene in a lane: the inverse of place
   std::vector<int> path_steps;     ///< [scenes]
   std::vector<double> friction;    ///< [scenes]
   int steps = 0;
@@ -97,19 +108,20 @@ struct GapSweep<Real>::Batch::State {
     return ((lane / group) * height + row) * group + lane % group;
   }
 
-  void lay_out(std::span<const fem::Scene> scenes);
+  void lay_out(std::span<const fem::Scene> scenes, const Eigen::MatrixXd& profiles);
   void fill_scene(std::size_t i, const fem::Scene& scene, const fem::LoadPath& path, std::span<Real> input,
-                  std::span<Real> heights, std::span<Real> targets) const;
-  void fill(std::span<const fem::Scene> scenes, std::span<const fem::LoadPath> paths);
+                  std::span<Real> targets) const;
+  void fill(std::span<const fem::Scene> scenes, std::span<const fem::LoadPath> paths, const Eigen::MatrixXd& profiles);
 };
 
 /// Scenes of like cost side by side, so that the lanes of a group finish together.
 template <class Real>
-void GapSweep<Real>::Batch::State::lay_out(std::span<const fem::Scene> scenes) {
-  std::vector<std::size_t> order(scenes.size());
+void GapSweep<Real>::Batch::State::lay_out(std::span<const fem::Scene> scenes, const Eigen::MatrixXd& profiles) {
+  order.resize(scenes.size());
   std::iota(order.begin(), order.end(), 0);
   std::vector<int> window(scenes.size());
-  for (std::size_t i = 0; i < scenes.size(); ++i) window[i] = expected_window(scenes[i], sweep->condensation.surface_x);
+  for (std::size_t i = 0; i < scenes.size(); ++i)
+    window[i] = expected_window(scenes[i], profiles.col(static_cast<Eigen::Index>(i)));
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return std::tuple(window[a], path_steps[a], friction[a], a) > std::tuple(window[b], path_steps[b], friction[b], b);
   });
@@ -119,8 +131,7 @@ void GapSweep<Real>::Batch::State::lay_out(std::span<const fem::Scene> scenes) {
 
 template <class Real>
 void GapSweep<Real>::Batch::State::fill_scene(std::size_t i, const fem::Scene& scene, const fem::LoadPath& load,
-                                              std::span<Real> input, std::span<Real> heights,
-                                              std::span<Real> targets) const {
+                                              std::span<Real> input, std::span<Real> targets) const {
   const double young = scene.sensor.young;
   const bool both = by_force(scene) && scene.load.angle.has_value();
   const auto put = [&](LaneInputRow row, double value) {
@@ -131,10 +142,6 @@ void GapSweep<Real>::Batch::State::fill_scene(std::size_t i, const fem::Scene& s
   put(LANE_STEPS, static_cast<double>(load.steps.size()));
   put(LANE_MAY_STOP, load.until_sliding ? load.indentation_steps : 1e6);
   put(LANE_FORCE, by_force(scene) ? (both ? FORCE_BOTH : FORCE_NORMAL) : FORCE_NONE);
-  for (int node = 0; node < sweep->columns(); ++node) {
-    const double height = fem::profile_height(scene.indenter, sweep->condensation.surface_x[node]);
-    heights[at(i, sweep->columns(), node)] = static_cast<Real>(std::isinf(height) ? far_away : height);
-  }
   for (std::size_t k = 0; k < load.steps.size(); ++k) {
     const fem::LoadStep& step = load.steps[k];
     targets[at(i, steps * PATH_ROWS, k * PATH_ROWS + PATH_NORMAL)] =
@@ -145,14 +152,21 @@ void GapSweep<Real>::Batch::State::fill_scene(std::size_t i, const fem::Scene& s
 }
 
 template <class Real>
-void GapSweep<Real>::Batch::State::fill(std::span<const fem::Scene> scenes, std::span<const fem::LoadPath> paths) {
+void GapSweep<Real>::Batch::State::fill(std::span<const fem::Scene> scenes, std::span<const fem::LoadPath> paths,
+                                        const Eigen::MatrixXd& profiles) {
   const auto input = lane_input.map(), heights = profile.map(), targets = path.map();
   // Lanes beyond the last scene run no step; young = 1 makes their input valid.
   std::fill(input.view().begin(), input.view().end(), Real(0));
   std::fill(heights.view().begin(), heights.view().end(), Real(far_away));
   std::fill(targets.view().begin(), targets.view().end(), Real(0));
-  for (std::size_t i = 0; i < scenes.size(); ++i)
-    fill_scene(i, scenes[i], paths[i], input.view(), heights.view(), targets.view());
+  for (const std::size_t i : order) {  // in the order of lanes, for the memory's sake
+    fill_scene(i, scenes[i], paths[i], input.view(), targets.view());
+    const std::size_t first = at(i, sweep->columns(), 0);
+    for (int node = 0; node < sweep->columns(); ++node) {
+      const double height = profiles(node, static_cast<Eigen::Index>(i));
+      heights[first + node * sweep->group()] = static_cast<Real>(std::isinf(height) ? far_away : height);
+    }
+  }
 }
 
 template <class Real>
@@ -183,7 +197,11 @@ typename GapSweep<Real>::Batch GapSweep<Real>::prepare(std::span<const fem::Scen
     b.friction.push_back(scene.friction);
   }
   b.steps = scenes.empty() ? 0 : *std::max_element(b.path_steps.begin(), b.path_steps.end());
-  b.lay_out(scenes);
+  Eigen::MatrixXd profiles(state_->columns(), static_cast<Eigen::Index>(scenes.size()));  // mm
+  for (std::size_t i = 0; i < scenes.size(); ++i)
+    profiles.col(static_cast<Eigen::Index>(i)) =
+        fem::profile_heights(scenes[i].indenter, state_->condensation.surface_x);
+  b.lay_out(scenes, profiles);
 
   const std::size_t group = state_->group(), columns = state_->columns();
   b.groups = (scenes.size() + group - 1) / group;
@@ -195,7 +213,7 @@ typename GapSweep<Real>::Batch GapSweep<Real>::prepare(std::span<const fem::Scen
   b.result = Buffer<Real>(device, lane_steps * LANE_RESULT_ROWS);
   b.rows = Buffer<Real>(device, std::max<std::size_t>(lane_steps * state_->rows, 1));
   b.nodes = Buffer<Real>(device, state_->options.nodes ? lane_steps * 3 * columns : group);
-  b.fill(scenes, paths);
+  b.fill(scenes, paths, profiles);
 
   const GapSweepOptions& o = state_->options;
   const bool force = !scenes.empty() && by_force(scenes.front());
@@ -273,6 +291,33 @@ double GapSweep<Real>::Batch::output(std::size_t i, int step, int row) const {
 }
 
 template <class Real>
+GapSweep<Real>::Batch::View::View(const Batch& batch)
+    : state_(batch.state_), results_(state_->result.map()), rows_(state_->rows.map()) {}
+
+template <class Real>
+int GapSweep<Real>::Batch::View::path_steps(std::size_t i) const {
+  return state_->path_steps[i];
+}
+
+template <class Real>
+std::span<const std::size_t> GapSweep<Real>::Batch::View::by_lane() const {
+  return state_->order;
+}
+
+template <class Real>
+Real GapSweep<Real>::Batch::View::result(std::size_t i, int step, int row) const {
+  return results_[state_->at(i, state_->steps * LANE_RESULT_ROWS, step * LANE_RESULT_ROWS + row)];
+}
+
+template <class Real>
+void GapSweep<Real>::Batch::View::tactels(std::size_t i, int step, std::span<float> stress) const {
+  const auto& sweep = *state_->sweep;
+  const std::size_t height = static_cast<std::size_t>(state_->steps) * sweep.rows;
+  const std::size_t first = state_->at(i, height, static_cast<std::size_t>(step) * sweep.rows + sweep.base_rows);
+  for (std::size_t k = 0; k < stress.size(); ++k) stress[k] = static_cast<float>(rows_[first + k * sweep.group()]);
+}
+
+template <class Real>
 fem::ContactSolution GapSweep<Real>::Batch::solution(std::size_t i) const {
   const auto& b = *state_;
   const auto& sweep = *b.sweep;
@@ -298,8 +343,7 @@ fem::ContactSolution GapSweep<Real>::Batch::solution(std::size_t i) const {
     step.tangential = said(LANE_TANGENTIAL);
     step.P = said(LANE_P);
     step.Q = said(LANE_Q);
-    if (b.friction[i] * step.P > 0)
-      step.slip_index = b.friction[i] < fem::largest_friction ? said(LANE_SLIP_INDEX) : 0;
+    if (b.friction[i] * step.P > 0) step.slip_index = b.friction[i] < fem::largest_friction ? said(LANE_SLIP_INDEX) : 0;
     step.converged = status == LANE_SOLVED || status == LANE_SLIDING;
     step.iterations = static_cast<int>(said(LANE_SWEEPS));
     step.residual = {said(LANE_PENETRATION), said(LANE_CONE), said(LANE_COMPLEMENTARITY), said(LANE_DRIFT),

@@ -2,9 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "host/gap_sweep.h"
 #include "host/scene_file.h"
-#include "kernels/shared/contact_layout.h"
+#include "host/set_simulator.h"
 
 namespace tactel::host {
 namespace {
@@ -22,26 +21,6 @@ std::string sum_of_powers(const std::vector<int>& powers) {
   std::string text;
   for (int k : powers) text += fmt::format("{}x{}", text.empty() ? "" : " + ", k == 1 ? "" : fmt::format("^{}", k));
   return text;
-}
-
-void add_row(ContactSet& set, const fem::ContactStep& step, const fem::Scene& scene, std::size_t contact,
-             std::size_t index, std::uint16_t kind) {
-  for (double value : step.sigma_y) set.frames.push_back(static_cast<float>(value));
-  for (double value : step.tau_xy) set.frames.push_back(static_cast<float>(value));
-  const auto sticking = std::count(step.status.begin(), step.status.end(), fem::GapStatus::stick);
-  const auto slipping = std::count(step.status.begin(), step.status.end(), fem::GapStatus::slip);
-  const fem::Residual& r = step.residual;
-  set.slip_index.push_back(static_cast<float>(*step.slip_index));
-  set.normal_force.push_back(static_cast<float>(step.P));
-  set.tangential_force.push_back(static_cast<float>(step.Q));
-  set.friction.push_back(static_cast<float>(scene.friction));
-  set.stick_fraction.push_back(static_cast<float>(sticking) / static_cast<float>(sticking + slipping));
-  set.contact_nodes.push_back(static_cast<std::uint16_t>(sticking + slipping));
-  set.contact.push_back(contact);
-  set.step.push_back(static_cast<std::uint32_t>(index));
-  set.indenter.push_back(kind);
-  set.status.push_back(!step.converged ? LANE_UNSOLVED : sticking ? LANE_SOLVED : LANE_SLIDING);
-  set.residual.push_back(static_cast<float>(std::max({r.penetration, r.cone, r.complementarity, r.drift, r.balance})));
 }
 
 }  // namespace
@@ -79,23 +58,11 @@ fem::Scene paper_set_scene() {
   return scene;
 }
 
+SceneSource source_of(const SceneFamily& family) { return {family.scenes, family.kind, family.kind_names}; }
+
 ContactSet simulate_family(Executor& executor, const SceneFamily& family, Precision precision, double tolerance) {
-  GapSweepOptions options;
-  options.tolerance = tolerance;
-  const auto solutions = solve_gap_sweep(executor, family.scenes, precision, options);
-  ContactSet set;
-  set.inputs = 2 * family.scenes.front().sensor.tactels;
-  set.indenter_names = family.kind_names;
-  set.device = executor.device().info().name;
-  for (std::size_t i = 0; i < solutions.size(); ++i) {
-    const fem::Scene& scene = family.scenes[i];
-    const auto& steps = solutions[i].steps;
-    set.fell_back += solutions[i].fell_back;
-    set.unsolved += !steps.back().converged;
-    for (std::size_t k = fem::load_path(scene.load).indentation_steps - 1; k < steps.size(); ++k)
-      if (steps[k].slip_index) add_row(set, steps[k], scene, i, k, family.kind[i]);
-  }
-  return set;
+  const SceneSource source = source_of(family);
+  return SetSimulator(executor, source, {precision, tolerance}).simulate(0, source.contacts());
 }
 
 }  // namespace tactel::host

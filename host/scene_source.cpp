@@ -79,7 +79,12 @@ SceneSource::Contact SceneSource::contact(std::uint64_t k) const {
   if (indenter.profile) scene.indenter.shape = draw_profile(*indenter.profile, key);
   if (load.slip_index)
     scene.load.angle = std::atan(draw_number(*load.slip_index, key) * scene.friction) * 180 / std::numbers::pi;
-  scene.validate();
+  try {
+    scene.validate();
+  } catch (const ValueError& error) {
+    throw ValueError(error.key, error.value,
+                     error.allowed + ", as contact " + std::to_string(k) + " of the sweep drew it");
+  }
   return drawn;
 }
 
