@@ -369,14 +369,17 @@ static inline void write_rows(global const real *map, int rows, const Contact *c
   }
 }
 
-/* Lanes whose input is finite and sensible. */
+/* Lanes whose input is finite and sensible, as far as their own path goes. */
 static inline void check_input(global const vreal *lane_input, global const vreal *profile, global const vreal *path, int steps,
                                vint *valid) {
   EACH_VECTOR {
     vreal sum = 0;
     for (int r = 0; r < LANE_INPUT_ROWS; ++r) sum = finite_sum(sum, lane_input[r * VECTORS + v]);
     for (int i = 0; i < NODES; ++i) sum = finite_sum(sum, profile[i * VECTORS + v]);
-    for (int k = 0; k < steps * PATH_ROWS; ++k) sum = finite_sum(sum, path[k * VECTORS + v]);
+    for (int k = 0; k < steps * PATH_ROWS; ++k) {
+      const vint own = lane_input[LANE_STEPS * VECTORS + v] > (real)(k / PATH_ROWS);
+      sum = PICK(own, finite_sum(sum, path[k * VECTORS + v]), sum);
+    }
     valid[v] = (sum == 0) & (lane_input[LANE_MU * VECTORS + v] >= 0) & (lane_input[LANE_YOUNG * VECTORS + v] > 0);
   }
 }
