@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include <random>
+#include <limits>
 
 #include "fem/gap_reference.h"
 
