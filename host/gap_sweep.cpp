@@ -104,7 +104,10 @@ struct GapSweep<Real>::Batch::State {
 
   /// Index of [group][.. `row` of `height` a group ..][lane].
   std::size_t at(std::size_t scene, std::size_t height, std::size_t row) const {
-    const std::size_t group = sweep->group(), lane = place[scene];
+    return at_lane(place[scene], height, row);
+  }
+  std::size_t at_lane(std::size_t lane, std::size_t height, std::size_t row) const {
+    const std::size_t group = sweep->group();
     return ((lane / group) * height + row) * group + lane % group;
   }
 
@@ -270,6 +273,24 @@ void GapSweep<Real>::Batch::fill_outputs(Real value) {
   for (const auto* buffer : {&state_->result, &state_->rows, &state_->nodes}) {
     const auto mapped = buffer->map();
     std::fill(mapped.view().begin(), mapped.view().end(), value);
+  }
+}
+
+template <class Real>
+void GapSweep<Real>::Batch::fill_unused(Real value) {
+  const auto& b = *state_;
+  const std::size_t lanes = b.groups * b.sweep->group(), scenes = b.place.size();
+  const auto input = b.lane_input.map(), heights = b.profile.map(), targets = b.path.map();
+  const auto fill = [&](std::span<Real> buffer, std::size_t lane, std::size_t height, std::size_t from) {
+    for (std::size_t row = from; row < height; ++row) buffer[b.at_lane(lane, height, row)] = value;
+  };
+  for (std::size_t lane = 0; lane < lanes; ++lane) {
+    const std::size_t scene = std::find(b.place.begin(), b.place.end(), lane) - b.place.begin();
+    const std::size_t own_steps = scene < scenes ? b.path_steps[scene] : 0;
+    fill(targets.view(), lane, b.steps * PATH_ROWS, own_steps * PATH_ROWS);
+    if (scene < scenes) continue;
+    fill(input.view(), lane, LANE_INPUT_ROWS, 0);
+    fill(heights.view(), lane, b.sweep->columns(), 0);
   }
 }
 

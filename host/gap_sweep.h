@@ -46,6 +46,7 @@ class GapSweep {
     std::size_t steps_in_all() const;          ///< load increments of all scenes
     double seconds() const;                    ///< of the last run
     void fill_outputs(Real value);             ///< what the outputs hold before a run: tests put NaN there
+    void fill_unused(Real value);              ///< the same for lanes without a scene and goals behind a path's end
     /// What the kernel said of scene `i`, in the order the scenes were given.
     fem::ContactSolution solution(std::size_t i) const;
     /// One number of LaneResultRow for a scene's increment.

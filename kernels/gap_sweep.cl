@@ -205,7 +205,7 @@ static inline void certify(const Rules *rules, global const vreal *profile, Cont
       const vreal cone = in->mu[v] * n;
       const vint works = c->h[i][v] < FAR, pressed = n > 0;
       const vreal inside = u.uy[v] - (c->h[i][v] - in->d[v]); /* below zero by FAR where no gap element works */
-      const vreal slip = u.ux[v] - (c->ux_last[i][v] + in->x[v] - in->x_last[v]);
+      const vreal slip = u.ux[v] - (c->ux_last[i][v] + (in->x[v] - in->x_last[v]));
       const vreal along = PICK(t > 0, slip, PICK(t < 0, -slip, ALL_LANES(0))); /* slip with friction instead of against it */
       const vreal drift = PICK(pressed, PICK(fabs(t) < cone, fabs(slip), along), ALL_LANES(0));
       const vreal apart = PICK(pressed, fabs(inside), ALL_LANES(0));
@@ -369,14 +369,17 @@ static inline void write_rows(global const real *map, int rows, const Contact *c
   }
 }
 
-/* Lanes whose input is finite and sensible. */
+/* Lanes whose input is finite and sensible, as far as their own path goes. */
 static inline void check_input(global const vreal *lane_input, global const vreal *profile, global const vreal *path, int steps,
                                vint *valid) {
   EACH_VECTOR {
     vreal sum = 0;
     for (int r = 0; r < LANE_INPUT_ROWS; ++r) sum = finite_sum(sum, lane_input[r * VECTORS + v]);
     for (int i = 0; i < NODES; ++i) sum = finite_sum(sum, profile[i * VECTORS + v]);
-    for (int k = 0; k < steps * PATH_ROWS; ++k) sum = finite_sum(sum, path[k * VECTORS + v]);
+    for (int k = 0; k < steps * PATH_ROWS; ++k) {
+      const vint own = lane_input[LANE_STEPS * VECTORS + v] > (real)(k / PATH_ROWS);
+      sum = PICK(own, finite_sum(sum, path[k * VECTORS + v]), sum);
+    }
     valid[v] = (sum == 0) & (lane_input[LANE_MU * VECTORS + v] >= 0) & (lane_input[LANE_YOUNG * VECTORS + v] > 0);
   }
 }
@@ -469,9 +472,10 @@ static inline void next_goal(global const vreal *lane_input, global const vreal 
   }
 }
 
+/* Lanes whose goal is where they are rest as they are: that is a solution, and so a held contact does not creep by rounding. */
 static inline void move_to(Indenter *in, const Walk *w, const vreal *d, const vreal *x) {
   EACH_VECTOR {
-    in->active[v] = w->running[v];
+    in->active[v] = w->running[v] & ((d[v] != in->d[v]) | (x[v] != in->x[v]));
     in->x_last[v] = in->x[v];
     in->d[v] = d[v];
     in->x[v] = x[v];
