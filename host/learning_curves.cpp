@@ -63,6 +63,7 @@ std::vector<Series> curves_of(const Members& members, Errors errors, Ink ink) {
   }
   band.x = line.x;
   band.y = line.y;
+  if (std::ranges::all_of(line.y, [](double y) { return std::isnan(y); })) return {};
   if (members.size() == 1) return {line};
   return {band, line};
 }
@@ -73,6 +74,7 @@ Panel panel_of(std::span<const Members> all, Errors errors, const std::string& t
   for (std::size_t i = 0; i < all.size(); ++i)
     for (Series& series : curves_of(all[i], errors, static_cast<Ink>(i % inks)))
       panel.series.push_back(std::move(series));
+  if (panel.series.empty()) panel.y_range = {0.1, 1};  // every network diverged at once
   return panel;
 }
 

@@ -29,4 +29,4 @@ with h5py.File(sys.argv[1], "r") as file:
     # What the base carries balances P and Q; a sum over tactels integrates to a few percent.
     assert np.median(np.abs(-pitch * normal.sum(axis=1) / p - 1)) < 0.05
     assert np.median(np.abs(pitch * shear.sum(axis=1)[s > 0.5] / q[s > 0.5] - 1)) < 0.05
-    assert len(file.attrs["indenter_names"].split("\n")) > file["indenter"][:].max()
+    assert len(file.attrs["indenter_names"].decode().split("\n")) > file["indenter"][:].max()

@@ -118,7 +118,7 @@ TEST(TrainCommand, SaysThatANetworkDiverged) {
     const ChildResult result = train(
         folder / schedule, {"--network", "3", "--learning-rate", "1e38", "--schedule", schedule, "--stop-error", "0"});
     const json network = json::parse(text_of(folder / schedule / "training.json"))["networks"][0];
-    if (network["status"] != "not finite") continue;
+    EXPECT_EQ(network["status"], "not finite") << schedule;
     EXPECT_EQ(result.exit_code, 4) << schedule;
     EXPECT_THAT(result.err, HasSubstr("1 of 1 networks diverged"));
     EXPECT_TRUE(network["file"].is_null());
@@ -246,7 +246,9 @@ TEST_F(BadFiles, SetsThatNothingCanBeLearntFrom) {
   const std::string unanswered = written("unanswered.h5", set);
   expect_refusal({"train", unanswered, "--output", net}, {"unanswered.h5: slip_index", "none of them solved"});
   expect_refusal({"recall", trained() / "set", unanswered}, {"unanswered.h5: slip_index"});
-  const std::string empty = written("empty.h5", {.inputs = 42});
+  ContactSet none;
+  none.inputs = 42;
+  const std::string empty = written("empty.h5", none);
   expect_refusal({"train", empty, "--output", net}, {"empty.h5: slip_index = 0 rows"});
   expect_refusal({"recall", trained() / "set", empty}, {"empty.h5: slip_index = 0 rows"});
   EXPECT_FALSE(fs::exists(net));

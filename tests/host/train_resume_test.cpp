@@ -1,5 +1,6 @@
 // The program itself, stopped and killed while it trains: what it writes in the end has the bits of a training that
 // nothing disturbed.
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <signal.h>
 #include <spawn.h>
@@ -105,7 +106,7 @@ TEST_P(TrainResume, ToTheSameBitsAfterCtrlC) {
 TEST_P(TrainResume, ToTheSameBitsAfterKills) {
   const auto expected = undisturbed();
   int kills = 0;
-  for (int turn = 0; turn < 4; ++turn) {
+  for (int turn = 0; turn < 3; ++turn) {
     Running program(command("killed", true), folder_ / "messages");
     const std::chrono::milliseconds more(std::uniform_int_distribution(0, 150)(random_));
     if (wait_for_progress(program, folder_ / "killed" / "checkpoint", more)) {
@@ -123,13 +124,13 @@ TEST_P(TrainResume, ToTheSameBitsAfterKills) {
 INSTANTIATE_TEST_SUITE_P(Schedules, TrainResume,
                          ::testing::Values(ResumeCase{"Online",
                                                       {"--network", "6", "--network", "1", "--seeds", "2", "--noise",
-                                                       "0.1", "--cycles", "2500"}},
+                                                       "0.1", "--cycles", "800"}},
                                            ResumeCase{"SmallBatches",
                                                       {"--network", "6", "--network", "1", "--noise", "0", "--noise",
-                                                       "0.1", "--schedule", "batch", "--epochs", "6000"}},
+                                                       "0.1", "--schedule", "batch", "--epochs", "3000"}},
                                            ResumeCase{"LargeBatches",
                                                       {"--network", "6", "--schedule", "batch", "--batch", "200",
-                                                       "--optimizer", "delta", "--epochs", "6000"}}),
+                                                       "--optimizer", "delta", "--epochs", "3000"}}),
                          [](const auto& info) { return info.param.name; });
 
 }  // namespace
