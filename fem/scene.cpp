@@ -106,8 +106,7 @@ void append_tangential(const Load& load, LoadPath& path) {
 void Scene::validate() const {
   sensor.validate();
   indenter.validate();
-  check(std::isfinite(friction) && friction >= 0, "contact.friction", friction,
-        "a coefficient of friction, finite and not below 0");
+  check(friction >= 0, "contact.friction", friction, "a coefficient of friction, not below 0, or \"bonded\"");
   check_normal(load);
   check_tangential(load);
   check_angle(load, friction);

@@ -114,6 +114,8 @@ bool write_all(const std::string& path, const ContactSet& set) {
   });
   good = good && write_text(file, "tactel", TACTEL_VERSION) && write_text(file, "format", "tactel contact set 1") &&
          write_text(file, "sweep", set.sweep) && write_text(file, "seed", std::to_string(set.seed)) &&
+         write_text(file, "fallback_contacts", std::to_string(set.fell_back)) &&
+         write_text(file, "unsolved_contacts", std::to_string(set.unsolved)) &&
          write_text(file, "device", set.device) && write_text(file, "rung", set.rung) &&
          write_text(file, "indenter_names", joined(set.indenter_names)) &&
          write_text(file, "units", "mm, MPa, N/mm; sigma_y < 0 is compression, tau_xy > 0 drags towards +x");
@@ -206,7 +208,10 @@ ContactSet read_contact_set(const std::filesystem::path& path) {
   set.device = in.text("device");
   set.rung = in.text("rung");
   set.indenter_names = split(in.text("indenter_names"));
-  set.seed = std::strtoull(in.text("seed").c_str(), nullptr, 10);
+  const auto number = [&](const char* name) { return std::strtoull(in.text(name).c_str(), nullptr, 10); };
+  set.seed = number("seed");
+  set.fell_back = number("fallback_contacts");
+  set.unsolved = number("unsolved_contacts");
   return set;
 }
 

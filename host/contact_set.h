@@ -27,6 +27,8 @@ struct ContactSet {
   std::string sweep;                        ///< attribute: text of the sweep file
   std::string device, rung;                 ///< attributes: who simulated, how finely
   std::uint64_t seed = 0;                   ///< attribute
+  std::uint64_t fell_back = 0;  ///< attribute: contacts that the sweeps gave up and the exact fallback took over
+  std::uint64_t unsolved = 0;   ///< attribute: contacts with a load step over tolerance all the same
 
   std::size_t rows() const { return slip_index.size(); }
   /// What networks learn from or are judged by.

@@ -3,73 +3,21 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <numeric>
 
+#include "fem/contact_laws.h"
+#include "host/gap_sweep_tables.h"
 #include "kernels/shared/contact_layout.h"
 
 namespace tactel::host {
 namespace {
 
 constexpr double far_away = 2e15;  ///< mm; above the kernel's FAR: no indenter here
-constexpr int row_block = 4;       ///< ROW_BLOCK of the kernel
-constexpr int vectors = 3;         ///< of LANES scenes a work-item: each number of C that is loaded serves twice
-
-bool by_force(const fem::Scene& scene) { return !scene.load.normal_force.empty(); }
+constexpr int vectors = 3;         ///< of LANES scenes a work-item: each number of C that is loaded serves thrice
 
 template <class Real>
 Buffer<Real> on_device(const Device& device, const std::vector<Real>& values) {
   return Buffer<Real>(device, std::span<const Real>(values));
-}
-
-/// C of the kernel, [columns][columns][4]: u_y by n, u_y by t, u_x by n, u_x by t, with n pressing down (-y).
-template <class Real>
-std::vector<Real> compliance_table(const Eigen::MatrixXd& c) {
-  const int columns = static_cast<int>(c.rows() / 2);
-  std::vector<Real> table;
-  table.reserve(4 * columns * columns);
-  for (int i = 0; i < columns; ++i)
-    for (int j = 0; j < columns; ++j)
-      for (double value : {-c(2 * i + 1, 2 * j + 1), c(2 * i + 1, 2 * j), -c(2 * i, 2 * j + 1), c(2 * i, 2 * j)})
-        table.push_back(static_cast<Real>(value));
-  return table;
-}
-
-/// Rows of NodeRow for each surface node.
-template <class Real>
-std::vector<Real> node_table(const Eigen::MatrixXd& c) {
-  const int columns = static_cast<int>(c.rows() / 2);
-  std::vector<Real> table(static_cast<std::size_t>(columns) * NODE_ROWS);
-  for (int i = 0; i < columns; ++i) {
-    double rise_by_n = 0, rise_by_t = 0;
-    for (int j = 0; j < columns; ++j) {
-      if (j == i) continue;
-      rise_by_n = std::max(rise_by_n, -c(2 * i + 1, 2 * j + 1));
-      rise_by_t = std::max(rise_by_t, std::abs(c(2 * i + 1, 2 * j)));
-    }
-    constexpr double up = 1 + 1e-5;  // rounding to fp32 must not lower a bound
-    Real* row = &table[static_cast<std::size_t>(i) * NODE_ROWS];
-    row[NODE_N_PER_UY] = static_cast<Real>(1 / c(2 * i + 1, 2 * i + 1));
-    row[NODE_T_PER_UX] = static_cast<Real>(1 / c(2 * i, 2 * i));
-    row[NODE_UX_PER_N] = static_cast<Real>(-c(2 * i, 2 * i + 1));
-    row[NODE_RISE_PER_N] = static_cast<Real>(up * rise_by_n);
-    row[NODE_RISE_PER_T] = static_cast<Real>(up * rise_by_t);
-  }
-  return table;
-}
-
-/// Output map of the kernel, [blocks of rows][columns][row_block][2]: by n, by t; rows beyond the last are zero.
-template <class Real>
-std::vector<Real> output_table(const Eigen::MatrixXd& map) {
-  const std::size_t columns = map.cols() / 2, rows = map.rows(), blocks = (rows + row_block - 1) / row_block;
-  std::vector<Real> table(blocks * columns * row_block * 2, Real(0));
-  for (std::size_t r = 0; r < rows; ++r)
-    for (std::size_t j = 0; j < columns; ++j) {
-      Real* entry = &table[((r / row_block * columns + j) * row_block + r % row_block) * 2];
-      entry[0] = static_cast<Real>(-map(r, 2 * j + 1));
-      entry[1] = static_cast<Real>(map(r, 2 * j));
-    }
-  return table;
 }
 
 /// Nodes that the rigid profile reaches at the deepest indentation, about: what a lane costs.
@@ -178,7 +126,7 @@ void GapSweep<Real>::Batch::State::fill_scene(std::size_t i, const fem::Scene& s
   const auto put = [&](LaneInputRow row, double value) {
     input[at(i, LANE_INPUT_ROWS, row)] = static_cast<Real>(value);
   };
-  put(LANE_MU, scene.friction);
+  put(LANE_MU, std::min(scene.friction, fem::largest_friction));
   put(LANE_YOUNG, young);
   put(LANE_STEPS, static_cast<double>(load.steps.size()));
   put(LANE_MAY_STOP, load.until_sliding ? load.indentation_steps : 1e6);
@@ -350,7 +298,8 @@ fem::ContactSolution GapSweep<Real>::Batch::solution(std::size_t i) const {
     step.tangential = said(LANE_TANGENTIAL);
     step.P = said(LANE_P);
     step.Q = said(LANE_Q);
-    if (b.friction[i] * step.P > 0) step.slip_index = said(LANE_SLIP_INDEX);
+    if (b.friction[i] * step.P > 0)
+      step.slip_index = b.friction[i] < fem::largest_friction ? said(LANE_SLIP_INDEX) : 0;
     step.converged = status == LANE_SOLVED || status == LANE_SLIDING;
     step.iterations = static_cast<int>(said(LANE_SWEEPS));
     step.residual = {said(LANE_PENETRATION), said(LANE_CONE), said(LANE_COMPLEMENTARITY), said(LANE_DRIFT),
@@ -372,49 +321,5 @@ fem::ContactSolution GapSweep<Real>::Batch::solution(std::size_t i) const {
 
 template class GapSweep<float>;
 template class GapSweep<double>;
-
-namespace {
-
-template <class Real>
-void solve_alike(Executor& executor, std::span<const fem::Scene> scenes, const std::vector<std::size_t>& which,
-                 const GapSweepOptions& options, std::vector<fem::ContactSolution>& solutions) {
-  std::vector<fem::Scene> alike;
-  for (std::size_t i : which) alike.push_back(scenes[i]);
-  auto batch = GapSweep<Real>(executor, alike.front().sensor, options).prepare(alike);
-  batch.run();
-  for (std::size_t k = 0; k < which.size(); ++k) solutions[which[k]] = batch.solution(k);
-}
-
-/// Scenes that share a launch: same sensor but for E, same kind of load.
-std::vector<std::vector<std::size_t>> launches(std::span<const fem::Scene> scenes) {
-  std::vector<std::vector<std::size_t>> groups;
-  std::vector<std::pair<fem::Sensor, bool>> keys;
-  for (std::size_t i = 0; i < scenes.size(); ++i) {
-    std::pair key(scenes[i].sensor, by_force(scenes[i]));
-    key.first.young = 1;
-    const std::size_t group = std::find(keys.begin(), keys.end(), key) - keys.begin();
-    if (group == keys.size()) {
-      keys.push_back(key);
-      groups.emplace_back();
-    }
-    groups[group].push_back(i);
-  }
-  return groups;
-}
-
-}  // namespace
-
-std::vector<fem::ContactSolution> solve_gap_sweep(Executor& executor, std::span<const fem::Scene> scenes,
-                                                  Precision precision, const GapSweepOptions& options) {
-  for (const fem::Scene& scene : scenes) scene.validate();
-  std::vector<fem::ContactSolution> solutions(scenes.size());
-  for (const auto& which : launches(scenes)) {
-    if (precision == Precision::fp32)
-      solve_alike<float>(executor, scenes, which, options, solutions);
-    else
-      solve_alike<double>(executor, scenes, which, options, solutions);
-  }
-  return solutions;
-}
 
 }  // namespace tactel::host

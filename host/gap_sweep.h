@@ -20,9 +20,10 @@ struct GapSweepOptions {
   double accept =
       0;  ///< largest residual of a solved step; 0: 100 tolerance, at least 2e-5 in fp32 (rounding of C times force)
   int most_sweeps = 20000;  ///< an increment that needs more is reported as unsolved
-  bool base_forces = true;  ///< write base nodal forces
+  bool base_forces = true;  ///< write base nodal forces; without them the certificate has no balance
   bool tactels = true;      ///< write stresses at the tactels
   bool nodes = true;        ///< write forces and statuses of the surface nodes
+  bool fallback = true;     ///< solve_gap_sweep solves once more, exactly, what the sweeps did not
 };
 
 /// A sensor on a device: condensation, maps and programs for one precision. Cheap to copy.
@@ -67,8 +68,10 @@ class GapSweep {
 extern template class GapSweep<float>;
 extern template class GapSweep<double>;
 
-/// Any scenes, any sensors: groups them by sensor and by kind of load, runs a launch for each. A step that did not meet
-/// its tolerance has converged = false. Throws ValueError for a scene that is not valid.
+/// Any scenes, any sensors: groups them by sensor and by kind of load, runs a launch for each. A contact of which a step
+/// did not meet its tolerance is solved once more, exactly, on the host (fem/gap_condensed.h, fp64), from the first step
+/// on, and has fell_back = true; steps that still miss their tolerance have converged = false. Throws ValueError for a
+/// scene that is not valid.
 std::vector<fem::ContactSolution> solve_gap_sweep(Executor& executor, std::span<const fem::Scene> scenes,
                                                   Precision precision, const GapSweepOptions& options = {});
 

@@ -35,11 +35,10 @@ int run_generate(const GenerateRequest& request) {
   set.sweep = sweep.text;
   set.rung = fp32 ? "fp32" : "fp64";
   write_contact_set(request.output, set);
-  const auto unsolved = std::count(set.status.begin(), set.status.end(), std::uint8_t(2));
   if (!request.shared.quiet)
-    fmt::print("{}: {} load steps of {} contacts in {:.2f} s, {} over tolerance\n", request.output, set.rows(),
-               sweep.family.scenes.size(), seconds, unsolved);
-  return unsolved ? not_converged : done;
+    fmt::print("{}: {} load steps of {} contacts in {:.2f} s; {} by the exact fallback, {} unsolved\n", request.output,
+               set.rows(), sweep.family.scenes.size(), seconds, set.fell_back, set.unsolved);
+  return set.unsolved ? not_converged : done;
 }
 
 }  // namespace

@@ -161,7 +161,7 @@ TEST(GapRegimes, LiftingOffLeavesNothingBehind) {
   contact.move(-0.5, 2);
   EXPECT_EQ(contact.status(0), GapStatus::open);
   expect_forces(contact, 0, 0, 0);
-  EXPECT_EQ(double(contact.answer().pose.displacement.cwiseAbs().maxCoeff()), 0);
+  EXPECT_EQ(double(contact.answer().pose.state.cwiseAbs().maxCoeff()), 0);
 }
 
 TEST(GapRegimes, GrazingIsNoViolation) {
