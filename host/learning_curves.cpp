@@ -63,6 +63,7 @@ std::vector<Series> curves_of(const Members& members, Errors errors, Ink ink) {
   }
   band.x = line.x;
   band.y = line.y;
+  if (std::ranges::all_of(line.y, [](double y) { return std::isnan(y); })) return {};
   if (members.size() == 1) return {line};
   return {band, line};
 }
@@ -73,6 +74,7 @@ Panel panel_of(std::span<const Members> all, Errors errors, const std::string& t
   for (std::size_t i = 0; i < all.size(); ++i)
     for (Series& series : curves_of(all[i], errors, static_cast<Ink>(i % inks)))
       panel.series.push_back(std::move(series));
+  if (panel.series.empty()) panel.y_range = {0.1, 1};  // every network diverged at once
   return panel;
 }
 
@@ -80,7 +82,7 @@ Panel panel_of(std::span<const Members> all, Errors errors, const std::string& t
 
 Figure learning_curves(std::span<const SweepNetwork> networks, double stop_error) {
   Figure figure{.title = "Learning curves", .columns = 2, .width = 1000, .panel_height = 340};
-  double last = 1;
+  double last = 2;
   std::size_t most_seeds = 0;
   for (const SweepNetwork& network : networks) last = std::max(last, static_cast<double>(network.cycles));
   for (const double noise : noises_of(networks)) {
@@ -93,6 +95,7 @@ Figure learning_curves(std::span<const SweepNetwork> networks, double stop_error
       figure.panels.back().series.push_back(
           {.x = {1, last}, .y = {stop_error, stop_error}, .mark = Mark::dashed, .ink = Ink::grey});
   }
+  for (Panel& panel : figure.panels) panel.x_range = {1, last};
   if (most_seeds > 1) figure.title += fmt::format(": median of up to {} seeds, 5 to 95 %", most_seeds);
   return figure;
 }

@@ -112,11 +112,11 @@ std::string lines_by_kind(std::span<const NetworkResult> results, const std::vec
   std::map<int, std::size_t> rows;
   for (const NetworkResult& result : results)
     for (const auto& [kind, errors] : result.errors.*kinds) rows[kind] = std::max(rows[kind], errors.count);
-  std::string text = fmt::format("{:<18}{:>8}", title, "rows");
+  std::string text = fmt::format("{:<21}{:>8}", title, "rows");
   for (const Group& group : groups) text += fmt::format("{:>{}}", group.label, width);
   text += '\n';
   for (const auto& [kind, count] : rows) {
-    text += fmt::format("{:<18}{:>8}", name(kind), count);
+    text += fmt::format("{:<21}{:>8}", name(kind), count);
     for (const Group& group : groups) {
       const auto mean = median_of_mean(group, results, kinds, kind);
       text += fmt::format("{:>{}}", mean ? fmt::format("{:.5f}", *mean) : "-", width);

@@ -242,15 +242,17 @@ template <class Real>
 std::vector<nn::ErrorReport> NetworkSweep<Real>::recall_learning_set() const {
   std::vector<nn::ErrorReport> reports = recall(state_->set);
   std::optional<Forward<Real>> forward;  // of one topology after the other
+  std::optional<nn::Topology> its_topology;
   for (std::size_t i = 0; i < reports.size(); ++i) {
     const SweepNetwork& network = state_->networks[i];
     if (network.noise == 0) continue;
     const nn::FrameSet noisy = nn::with_noise(state_->set, network.noise, network.seed);
     const nn::Weights<Real> own = weights(i);
-    if (i > 0 && forward && state_->networks[i - 1].topology == network.topology)
+    if (its_topology == network.topology)
       forward->set_network(0, own);
     else
       forward.emplace(state_->executor, std::span(&own, 1), state_->scaling);
+    its_topology = network.topology;
     reports[i] = nn::report_errors(nn::absolute_errors(forward->recall(noisy.frames).slip_index, noisy), noisy);
   }
   return reports;

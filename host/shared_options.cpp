@@ -32,7 +32,7 @@ void add_network_options(CLI::App& command, NetworkOptions& options) {
       ->check(CLI::IsMember({"fp32", "fp64"}))
       ->capture_default_str();
   add_device_option(command, options.device);
-  command.add_flag("--quiet", options.quiet, "no progress, no summary and no warnings");
+  command.add_flag("--quiet", options.quiet, "no progress and no warnings; from train no summary either");
 }
 
 }  // namespace tactel::host

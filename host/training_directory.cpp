@@ -17,11 +17,11 @@ using nlohmann::json;
   throw ConfigError("command line", "--output", path.string(), allowed);
 }
 
-// Null where it is missing or damaged.
+// Empty where it is missing or damaged.
 json read_json(const fs::path& path) {
   std::ifstream in(path);
   json value = json::parse(in, nullptr, false);
-  return value.is_object() ? value : json();
+  return value.is_object() ? value : json::object();
 }
 
 }  // namespace
