@@ -31,21 +31,46 @@ static inline vreal add_pairs(vreal a, vreal b) {
 }
 #endif
 
-/* Lane i: the sum over the lanes of rows[i]; halves first. Overwrites rows [LANES]. */
-static inline vreal lane_sums(vreal *rows) {
+/* Vectors are taken as `piece` lanes wide pieces, LANES / piece of them. Piece i: the sum over the pieces of rows[i], lane by lane; halves
+   first. Overwrites rows [LANES / piece]. */
+INLINE vreal piece_sums(const int piece, vreal *rows) {
+  const int pieces = LANES / piece;
+  (void)pieces;
 #if LANES >= 2
-  UNROLL for (int i = 0; i < LANES / 2; ++i) rows[i] = add_halves(rows[i], rows[i + LANES / 2]);
+  if (pieces >= 2) EACH(i, pieces / 2) { rows[i] = add_halves(rows[i], rows[i + pieces / 2]); }
 #endif
 #if LANES >= 16
-  UNROLL for (int i = 0; i < 4; ++i) rows[i] = add_eights(rows[i], rows[i + 4]);
+  if (pieces >= 4) EACH(i, pieces / 4) { rows[i] = add_eights(rows[i], rows[i + pieces / 4]); }
 #endif
 #if LANES >= 8
-  UNROLL for (int i = 0; i < 2; ++i) rows[i] = add_quads(rows[i], rows[i + 2]);
+  if (2 * pieces >= LANES) EACH(i, 2 * pieces / LANES) { rows[i] = add_quads(rows[i], rows[i + 2 * pieces / LANES]); }
 #endif
 #if LANES >= 4
-  rows[0] = add_pairs(rows[0], rows[1]);
+  if (pieces == LANES) rows[0] = add_pairs(rows[0], rows[1]);
 #endif
   return rows[0];
+}
+
+/* Lane i: the sum over the lanes of rows[i]; halves first. Overwrites rows [LANES]. */
+static inline vreal lane_sums(vreal *rows) { return piece_sums(1, rows); }
+
+/* Every piece: the sum over the pieces, lane by lane. */
+INLINE vreal piece_sum(const int piece, vreal v) {
+  (void)piece;
+#if LANES >= 2
+  if (piece <= LANES / 2) v += (vreal)(v.hi, v.lo);
+#endif
+#if LANES == 16
+  if (piece <= 4) v += v.s45670123cdef89ab;
+  if (piece <= 2) v += v.s23016745ab89efcd;
+  if (piece == 1) v += v.s1032547698badcfe;
+#elif LANES == 8
+  if (piece <= 2) v += v.s23016745;
+  if (piece == 1) v += v.s10325476;
+#elif LANES == 4
+  if (piece == 1) v += v.s1032;
+#endif
+  return v;
 }
 
 /* The sum over the lanes of one vector, in the same order. */
