@@ -20,7 +20,7 @@ constexpr int rows = 700;  ///< patterns in the set
 constexpr float rate = 0.1f, momentum = 0.9f;
 
 const nn::FrameSet& set() {
-  static const nn::FrameSet set = nn::with_noise(testing::bumps(rows, 42, 3), 1e-3, 1);
+  static const nn::FrameSet set = testing::bumps(rows, 42, 3);
   return set;
 }
 const nn::InputScaling& scaling() {

@@ -1,7 +1,6 @@
 #include "host/train_online.h"
 
 #include <algorithm>
-#include <cstdlib>
 
 #include "fem/value_error.h"
 #include "host/forward.h"
@@ -31,8 +30,6 @@ std::size_t layer_size(const nn::Topology& topology, int layer, std::size_t lane
 // second layers, which every pattern reads and writes, have to fit the first-level cache.
 template <class Real>
 std::size_t networks_together(const nn::Topology& topology, std::size_t lanes) {
-  static const char* force = std::getenv("TOGETHER_N");
-  if (force) return std::atoi(force);
   constexpr std::size_t most = 4, cache = 36 << 10;
   std::size_t together = std::min(lanes, most);
   while (together > 1 && topology.layers() > 2 && layer_size(topology, 1, lanes, together) * sizeof(Real) > cache)

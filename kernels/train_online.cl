@@ -22,9 +22,8 @@
 #include "shared/online_report.h"
 #include "shared/philox.h"
 
-#ifndef BLOCK
-#define BLOCK 8                               /* patterns that the first layer takes together */
-#endif
+#define BLOCK 8                               /* patterns that the first layer takes together, */
+#define PART 8                                /* and so many of them at a time when it is updated */
 #define PAIRS (BLOCK * (BLOCK - 1) / 2)
 #define NEURONS (LANES / NETWORKS)            /* of each network in a vector */
 #define NEURON_VECTORS(n) (((n) + NEURONS - 1) / NEURONS)
@@ -33,9 +32,6 @@
 #define V1 NEURON_VECTORS(HIDDEN1)
 #define V2 NEURON_VECTORS(HIDDEN2)
 #define VL NEURON_VECTORS(LAST)
-#ifndef TOGETHER
-#define TOGETHER 1                            /* vectors of neurons that the first layer's products take together */
-#endif
 #define ORDER_STREAM 2                        /* nn::RandomStream::order */
 #define NO_NETWORK 0xffffffffu                /* in a slot */
 
@@ -128,15 +124,15 @@ INLINE void interleave_rows(global const real *const *rows, vreal *x) {
 /* Dots of every pair of rows in the block. */
 INLINE void multiply_rows(Group *g) {
   vreal product[NEURON_VECTORS(PAIRS) * NEURONS];
-  EACH(t, BLOCK) {
-    EACH(s, t) {
+  ROLLED for (int t = 1; t < BLOCK; ++t) {
+    ROLLED for (int s = 0; s < t; ++s) {
       vreal p = g->x[s][0] * g->x[t][0];
       UNROLL for (int v = 1; v < NEURON_VECTORS(INPUTS + 1); ++v) p = fma(g->x[s][v], g->x[t][v], p);
       product[t * (t - 1) / 2 + s] = p;
     }
   }
-  UNROLL for (int pair = PAIRS; pair < NEURON_VECTORS(PAIRS) * NEURONS; ++pair) product[pair] = 0;
-  EACH(v, NEURON_VECTORS(PAIRS)) { g->dots[v] = piece_sums(NETWORKS, product + v * NEURONS); }
+  for (int pair = PAIRS; pair < NEURON_VECTORS(PAIRS) * NEURONS; ++pair) product[pair] = 0;
+  ROLLED for (int v = 0; v < NEURON_VECTORS(PAIRS); ++v) g->dots[v] = piece_sums(NETWORKS, product + v * NEURONS);
 }
 
 /* u(t) = W x(t) + m a_t S x(t) . */
@@ -163,27 +159,34 @@ INLINE void multiply_layer1(Group *g, const Rule *rule) {
   }
 }
 
+/* Adds what patterns from `first` on, PART of them, change in vector v of the first layer's weights and steps. First of all these go on
+   by themselves for `count` patterns: W + m a_count S, m^count S. */
+INLINE void update_part(Group *g, const Rule *rule, int v, int first, int count) {
+  const vreal old_step = ALL_LANES(first ? 0 : rule->momentum * rule->a[count]), decay = ALL_LANES(first ? 1 : rule->power[count]);
+  const real *x = (const real *)g->x[first];
+  global Weight *weight = g->layer1 + v * (INPUTS + 1);
+  vreal to_w[PART], to_s[PART];
+  EACH(t, PART) {
+    const int left = count - first - t;
+    to_w[t] = left > 0 ? g->u[first + t][v] * rule->a[left] : ALL_LANES(0);
+    to_s[t] = left > 0 ? g->u[first + t][v] * rule->power[left - 1] : ALL_LANES(0);
+  }
+  ROLLED for (int k = 0; k <= INPUTS; ++k) {
+    vreal w = fma(old_step, weight[k].s, weight[k].w), s = weight[k].s * decay;
+    EACH(t, PART) {
+      const vreal input = each_network(x + t * (ROW * NETWORKS * LANES) + k * NETWORKS);
+      w = fma(to_w[t], input, w);
+      s = fma(to_s[t], input, s);
+    }
+    weight[k].w = w;
+    weight[k].s = s;
+  }
+}
+
 /* The first layer's weights and steps after the block's `count` patterns. */
 INLINE void update_layer1(Group *g, const Rule *rule, int count) {
-  const real old_step = rule->momentum * rule->a[count], decay = rule->power[count];
-  const real *x = (const real *)g->x[0];
   ROLLED for (int v = 0; v < V1; ++v) {
-    vreal to_w[BLOCK], to_s[BLOCK];
-    EACH(t, BLOCK) {
-      to_w[t] = t < count ? g->u[t][v] * rule->a[count - t] : ALL_LANES(0);
-      to_s[t] = t < count ? g->u[t][v] * rule->power[count - 1 - t] : ALL_LANES(0);
-    }
-    global Weight *weight = g->layer1 + v * (INPUTS + 1);
-    ROLLED for (int k = 0; k <= INPUTS; ++k, ++weight) {
-      vreal w = fma(ALL_LANES(old_step), weight->s, weight->w), s = weight->s * decay;
-      EACH(t, BLOCK) {
-        const vreal input = each_network(x + t * (ROW * NETWORKS * LANES) + k * NETWORKS);
-        w = fma(to_w[t], input, w);
-        s = fma(to_s[t], input, s);
-      }
-      weight->w = w;
-      weight->s = s;
-    }
+    ROLLED for (int first = 0; first < count; first += PART) update_part(g, rule, v, first, count);
   }
 }
 
