@@ -19,15 +19,27 @@ enum Argument : unsigned { curve_argument = 3, most_cycles_argument = 12 };
 
 std::size_t vectors_of(std::size_t numbers, std::size_t in_each) { return (numbers + in_each - 1) / in_each; }
 
-std::size_t round_up(std::size_t number, std::size_t to) { return vectors_of(number, to) * to; }
+// Numbers of a group's weights of one layer, steps included.
+std::size_t layer_size(const nn::Topology& topology, int layer, std::size_t lanes, std::size_t together) {
+  return 2 * lanes * (topology.fan_in(layer) + 1) * vectors_of(topology.fan_out(layer), lanes / together);
+}
+
+// Networks in the lanes of a group, when there are enough. Side by side they fill the lanes better, and hide each
+// other's latency; but their second layers, which every pattern reads and writes, have to fit the first-level cache.
+template <class Real>
+std::size_t networks_together(const nn::Topology& topology, std::size_t lanes) {
+  constexpr std::size_t most = 4, cache = 36 << 10;
+  const std::size_t together = std::min(lanes, most);
+  return topology.layers() > 2 && layer_size(topology, 1, lanes, together) * sizeof(Real) > cache ? 1 : together;
+}
 
 // Numbers of a group's weights of one layer, steps included.
 std::size_t layer_size(const nn::Topology& topology, int layer, std::size_t lanes, std::size_t together) {
   return 2 * lanes * (topology.fan_in(layer) + 1) * vectors_of(topology.fan_out(layer), lanes / together);
 }
 
-// Networks in the lanes of a group. Side by side they fill the lanes better, and hide each other's latency; but their
-// second layers, which every pattern reads and writes, have to fit the first-level cache.
+// Networks in the lanes of a group, when there are enough. Side by side they fill the lanes better, and hide each
+// other's latency; but their second layers, which every pattern reads and writes, have to fit the first-level cache.
 template <class Real>
 std::size_t networks_together(const nn::Topology& topology, std::size_t lanes) {
   constexpr std::size_t most = 4, cache = 36 << 10;
@@ -62,10 +74,12 @@ TrainOnline<Real>::TrainOnline(Executor& executor, const nn::Topology& topology,
                      "a network with " + std::to_string(inputs.inputs()) + " inputs, as the set has");
   const Device& device = executor.device();
   const int lanes = device.lanes(precision_of<Real>);
-  const std::size_t slots = round_up(members_.size(), together_);
+  const std::size_t slots = vectors_of(members_.size(), together_) * together_;
   weights_ = Buffer<Real>(device, members_.size() * 2 * topology.weight_count());
   reports_ = Buffer<OnlineReport>(device, members_.size());
-  vectors_ = Buffer<Real>(device, slots / together_ * group_size(topology, lanes, together_));
+  vectors_ = Buffer<Real>(device, std::max(slots / together_ * group_size(topology, lanes, together_),
+                                           2 * together_ * group_size(topology, lanes, 1)));
+  curve_ = Buffer<Real>(device, 0);
   order_ = Buffer<std::uint32_t>(device, slots * inputs.rows());
   slots_ = Buffer<std::uint32_t>(device, slots);
   std::vector<std::uint32_t> set_of;
@@ -78,11 +92,18 @@ TrainOnline<Real>::TrainOnline(Executor& executor, const nn::Topology& topology,
   seeds_ = Buffer<std::uint64_t>(device, std::span<const std::uint64_t>(seeds));
   for (std::size_t i = 0; i < members_.size(); ++i)
     set_state(i, nn::OnlineState<Real>(nn::initial_weights(topology, members_[i].seed)));
-  Defines defines = network_defines(topology, lanes, precision_of<Real>);
-  defines.emplace_back("NETWORKS", std::to_string(together_));
+  launch(together_);
+}
+
+// The launch with so many networks side by side, compiled when it is first asked for.
+template <class Real>
+Launch& TrainOnline<Real>::launch(std::size_t together) {
+  if (const auto found = launches_.find(together); found != launches_.end()) return found->second;
+  const Device& device = executor_->device();
+  Defines defines = network_defines(topology_, device.lanes(precision_of<Real>), precision_of<Real>);
+  defines.emplace_back("NETWORKS", std::to_string(together));
   const Program program(device, "train_online.cl", defines);
-  curve_ = Buffer<Real>(device, 0);
-  launch_ = executor.prepare(program, "train_online", [&](cl::Kernel& kernel) {
+  const Launch launch = executor_->prepare(program, "train_online", [&](cl::Kernel& kernel) {
     cl_uint i = 1;
     kernel.setArg(i++, weights_.cl_buffer());
     kernel.setArg(i++, reports_.cl_buffer());
@@ -102,6 +123,7 @@ TrainOnline<Real>::TrainOnline(Executor& executor, const nn::Topology& topology,
     kernel.setArg(i++, static_cast<Real>(options_.momentum));
     kernel.setArg(i++, static_cast<Real>(options_.stop_error));
   });
+  return launches_.emplace(together, launch).first->second;
 }
 
 template <class Real>
@@ -114,14 +136,16 @@ Job TrainOnline<Real>::job(std::uint32_t most_cycles) {
   if (most_cycles != curve_cycles_) {
     curve_cycles_ = most_cycles;
     curve_ = Buffer<Real>(executor_->device(), members_.size() * most_cycles * 2);
-    launch_.set(curve_argument, curve_.cl_buffer());
-    launch_.set(most_cycles_argument, cl_uint{most_cycles});
   }
   std::vector<std::uint32_t> slots = running();
-  const std::size_t groups = vectors_of(slots.size(), together_);
+  const std::size_t together = slots.size() < 2 * together_ ? 1 : together_;  // half empty groups gain nothing
+  const std::size_t groups = vectors_of(slots.size(), together);
   slots.resize(slots_.size(), no_network);
   slots_.write(slots);
-  return {launch_, groups};
+  Launch& next = launch(together);
+  next.set(curve_argument, curve_.cl_buffer());
+  next.set(most_cycles_argument, cl_uint{most_cycles});
+  return {next, groups};
 }
 
 // Networks that have stopped leave their lanes to others.

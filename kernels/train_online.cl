@@ -21,6 +21,7 @@
 #include "shared/lane_sums.h"
 #include "shared/online_report.h"
 #include "shared/philox.h"
+#include "shared/transpose.h"
 
 #define BLOCK 8                               /* patterns that the first layer takes together, */
 #define PART 8                                /* and so many of them at a time when it is updated */
@@ -99,23 +100,29 @@ INLINE void make_rule(Rule *rule, real rate, real momentum) {
   }
 }
 
+/* Sums over a network's neurons or inputs of a b, [vectors]; what is left to add are the pieces of the vector. In LANES parts, number i mod LANES
+   in part i, then halves of the parts first: so that a network's bits do not depend on NETWORKS. */
+INLINE vreal parts_of_dot(const int vectors, const vreal *a, const vreal *b) {
+  vreal part[NETWORKS];
+  EACH(i, NETWORKS) { part[i] = i < vectors ? a[i] * b[i] : ALL_LANES(0); }
+  UNROLL for (int v = NETWORKS; v < vectors; ++v) part[v % NETWORKS] = fma(a[v], b[v], part[v % NETWORKS]);
+  UNROLL for (int rest = NETWORKS / 2; rest > 0; rest /= 2) {
+    EACH(i, rest) { part[i] += part[i + rest]; }
+  }
+  return part[0];
+}
+
 /* Rows of NETWORKS networks, [ROW] vectors each, become x, [input][network]. */
 INLINE void interleave_rows(global const real *const *rows, vreal *x) {
   EACH(v, ROW) {
-    vreal a[NETWORKS], b[NETWORKS];
+    vreal a[NETWORKS];
     EACH(n, NETWORKS) { a[n] = LOAD(rows[n] + v * LANES); }
 #if NETWORKS > 1
-    UNROLL for (int width = NETWORKS; width > 1; width /= 2) {
-      EACH(n, NETWORKS / 2) {
-        b[2 * n].even = a[n].lo;
-        b[2 * n].odd = a[n + NETWORKS / 2].lo;
-        b[2 * n + 1].even = a[n].hi;
-        b[2 * n + 1].odd = a[n + NETWORKS / 2].hi;
-      }
+    UNROLL for (int count = NETWORKS; count > 1; count /= 2) {
+      vreal b[NETWORKS];
+      interleave(NETWORKS, a, b);
       EACH(n, NETWORKS) { a[n] = b[n]; }
     }
-#else
-    (void)b;
 #endif
     EACH(n, NETWORKS) { x[v * NETWORKS + n] = a[n]; }
   }
@@ -126,9 +133,7 @@ INLINE void multiply_rows(Group *g) {
   vreal product[NEURON_VECTORS(PAIRS) * NEURONS];
   ROLLED for (int t = 1; t < BLOCK; ++t) {
     ROLLED for (int s = 0; s < t; ++s) {
-      vreal p = g->x[s][0] * g->x[t][0];
-      UNROLL for (int v = 1; v < NEURON_VECTORS(INPUTS + 1); ++v) p = fma(g->x[s][v], g->x[t][v], p);
-      product[t * (t - 1) / 2 + s] = p;
+      product[t * (t - 1) / 2 + s] = parts_of_dot(NEURON_VECTORS(INPUTS + 1), g->x[s], g->x[t]);
     }
   }
   for (int pair = PAIRS; pair < NEURON_VECTORS(PAIRS) * NEURONS; ++pair) product[pair] = 0;
@@ -227,8 +232,9 @@ INLINE void step_layer2(Group *g, const real *o, vreal *z) {
 INLINE vreal back_vector(const int count, global const Weight *weight, const vreal *g) {
   vreal row[NEURONS];
   EACH(i, NEURONS) {
-    row[i] = 0;
-    if (i < count) EACH(v, V2) { row[i] = fma(weight[i * V2 + v].w, g[v], row[i]); }
+    vreal w[V2];
+    EACH(v, V2) { w[v] = weight[min(i, count - 1) * V2 + v].w; }
+    row[i] = i < count ? parts_of_dot(V2, w, g) : ALL_LANES(0);
   }
   return piece_sums(NETWORKS, row);
 }
@@ -254,9 +260,9 @@ INLINE void forward_layer1(const Group *g, const Rule *rule, int t, vreal *f) {
 
 /* The output neuron for inputs f [VL]: its error is noted, its step made; returns eta delta. */
 INLINE vreal learn_output(Group *g, const Rule *rule, const vreal *f, vreal target) {
-  vreal z = f[0] * g->out[0].w;
-  UNROLL for (int v = 1; v < VL; ++v) z = fma(f[v], g->out[v].w, z);
-  const vreal output = activation(piece_sum(NETWORKS, z) + g->out_bias.w);
+  vreal w[VL];
+  EACH(v, VL) { w[v] = g->out[v].w; }
+  const vreal output = activation(piece_sum(NETWORKS, parts_of_dot(VL, f, w)) + g->out_bias.w);
   const vreal error = target - output;
   const vreal step = error * activation_slope(output) * rule->rate;
   g->sse = fma(error, error, g->sse);
