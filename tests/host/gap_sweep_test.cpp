@@ -163,6 +163,7 @@ TEST(GapSweep, UnreachableToleranceIsSaidNotHidden) {
   std::vector scenes(5, fem::Scene{"", paper_mesh('B'), {fem::Parabola{10}, 0.0}, 0.5, reversal()});
   host::GapSweepOptions options;
   options.most_sweeps = 2;
+  options.fallback = false;
   for (const auto& solution : host::solve_gap_sweep(executor(), scenes, host::Precision::fp64, options))
     EXPECT_FALSE(solution.steps.front().converged);
 }
