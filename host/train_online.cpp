@@ -33,22 +33,6 @@ std::size_t networks_together(const nn::Topology& topology, std::size_t lanes) {
   return topology.layers() > 2 && layer_size(topology, 1, lanes, together) * sizeof(Real) > cache ? 1 : together;
 }
 
-// Numbers of a group's weights of one layer, steps included.
-std::size_t layer_size(const nn::Topology& topology, int layer, std::size_t lanes, std::size_t together) {
-  return 2 * lanes * (topology.fan_in(layer) + 1) * vectors_of(topology.fan_out(layer), lanes / together);
-}
-
-// Networks in the lanes of a group, when there are enough. Side by side they fill the lanes better, and hide each
-// other's latency; but their second layers, which every pattern reads and writes, have to fit the first-level cache.
-template <class Real>
-std::size_t networks_together(const nn::Topology& topology, std::size_t lanes) {
-  constexpr std::size_t most = 4, cache = 36 << 10;
-  std::size_t together = std::min(lanes, most);
-  while (together > 1 && topology.layers() > 2 && layer_size(topology, 1, lanes, together) * sizeof(Real) > cache)
-    together /= 2;
-  return together;
-}
-
 // Numbers of a group's weights, steps included; those into the output neuron are an input to a lane.
 std::size_t group_size(const nn::Topology& topology, std::size_t lanes, std::size_t together) {
   const int last = topology.layers() - 1;
