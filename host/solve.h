@@ -28,4 +28,7 @@ struct SolveOutcome {
 /// Solves one scene. Throws ConfigError for options that do not go together.
 SolveOutcome solve(const fem::Scene& scene, const SolveOptions& options);
 
+/// What to say of an indentation beyond the share of the thickness to which rubber is linear; none within it.
+std::optional<std::string> depth_warning(const fem::Scene& scene, const fem::ContactSolution& solution);
+
 }  // namespace tactel::host
