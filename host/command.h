@@ -15,6 +15,7 @@ using Action = std::function<int()>;
 void add_solve_command(CLI::App& app, Action& action);
 void add_generate_command(CLI::App& app, Action& action);
 void add_reproduce_command(CLI::App& app, Action& action);
+void add_tradeoff_command(CLI::App& app, Action& action);
 
 /// Options of every command that computes.
 struct SharedOptions {

@@ -76,6 +76,7 @@ int main(int argc, char** argv) {
   add_solve_command(app, action);
   add_generate_command(app, action);
   add_reproduce_command(app, action);
+  add_tradeoff_command(app, action);
   app.failure_message(parse_failure);
   if (refuse_unknown_command(app, argc, argv)) return wrong_input;
   try {
