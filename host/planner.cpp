@@ -12,16 +12,16 @@ namespace {
 /// What the reference may be off by, of its difference from the rung below: its error halves with the mesh at worst.
 constexpr double reference_factor = 1;
 
-/// Rung `low` beside the one above it, on all scenes: the 95 % quantiles.
+/// Rung `low` beside a finer one, on all scenes: the 95 % quantiles.
 PlanTrial compare(std::span<const fem::Scene> scenes, std::size_t low, const std::vector<fem::ContactSolution>& answers,
-                  const std::vector<fem::ContactSolution>& next) {
-  const auto& rungs = ladder();
+                  const std::vector<fem::ContactSolution>& finer) {
+  const Rung &rung = ladder()[low], &next = ladder()[finer_rung(low)];
   std::vector<double> differences, estimates;
   for (std::size_t i = 0; i < scenes.size(); ++i) {
-    differences.push_back(answer_error(scenes[i], answers[i], rungs[low], next[i], rungs[low + 1]).S);
+    differences.push_back(answer_error(scenes[i], answers[i], rung, finer[i], next).S);
     estimates.push_back(expected_error(measured_ladder()[low], differences.back(), touching_nodes(answers[i])));
   }
-  return {rungs[low].name, rungs[low + 1].name, quantile(differences, 0.95), quantile(estimates, 0.95)};
+  return {rung.name, next.name, quantile(differences, 0.95), quantile(estimates, 0.95)};
 }
 
 }  // namespace
@@ -41,20 +41,33 @@ double expected_error(const MeasuredRung& rung, double difference, int touching)
   return std::max(rung.factor * difference, rung.least[touching_class(touching)]);
 }
 
+std::size_t finer_rung(std::size_t low) {
+  const auto& rungs = ladder();
+  std::size_t next = low + 1;
+  while (next + 1 < rungs.size() && rungs[next].columns <= rungs[low].columns) ++next;
+  return next;
+}
+
 Plan plan(std::span<const fem::Scene> scenes, double accuracy, const SolveRung& solve) {
   const auto& rungs = ladder();
-  Plan result{.accuracy = accuracy, .rung = rungs.front(), .answers = solve(rungs.front())};
+  std::vector<std::optional<std::vector<fem::ContactSolution>>> known(rungs.size());
+  const auto answers = [&](std::size_t place) -> std::vector<fem::ContactSolution>& {
+    if (!known[place]) known[place] = solve(rungs[place]);
+    return *known[place];
+  };
+  Plan result{.accuracy = accuracy, .rung = rungs.back()};
   for (std::size_t low = 0; low + 1 < rungs.size(); ++low) {
-    auto next = solve(rungs[low + 1]);
-    result.trials.push_back(compare(scenes, low, result.answers, next));
+    result.trials.push_back(compare(scenes, low, answers(low), answers(finer_rung(low))));
     result.estimate = result.trials.back().estimate;
     result.kept = result.estimate <= accuracy;
-    if (result.kept) return result;
-    result.rung = rungs[low + 1];
-    result.answers = std::move(next);
+    if (!result.kept) continue;
+    result.rung = rungs[low];
+    result.answers = std::move(answers(low));
+    return result;
   }
   result.estimate = reference_factor * result.trials.back().difference;
   result.kept = result.estimate <= accuracy;
+  result.answers = std::move(answers(rungs.size() - 1));
   return result;
 }
 

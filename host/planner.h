@@ -22,10 +22,13 @@ struct MeasuredRung {
   const char* name;
   double steps_per_second;  ///< load increments asked for, on the machine that measured
   double median, most95;    ///< of the error in S
-  double factor;            ///< error in S over the difference in S from the next rung: 90 % of the scenes have less
+  double factor;            ///< error in S over the difference in S from its finer_rung: 90 % of the scenes have less
   ByTouching least;         ///< median error in S by touching_class: two rungs may agree by chance, but not so often
 };
 std::span<const MeasuredRung> measured_ladder();
+
+/// The rung that tells how good rung `low` is: the next with a finer contact mesh.
+std::size_t finer_rung(std::size_t low);
 
 /// Error in S to expect of a rung where the next one differs from it by `difference`.
 double expected_error(const MeasuredRung& rung, double difference, int touching);
@@ -52,7 +55,7 @@ nlohmann::ordered_json to_json(const Plan& plan);
 using SolveRung = std::function<std::vector<fem::ContactSolution>(const Rung&)>;
 
 /// The cheapest rung that is expected to keep `accuracy` in S on these scenes (in 95 % of them): tries rungs from the
-/// cheapest on, each beside the next finer one.
+/// cheapest on, each beside its finer_rung.
 Plan plan(std::span<const fem::Scene> scenes, double accuracy, const SolveRung& solve);
 
 }  // namespace tactel::host

@@ -137,8 +137,12 @@ MeasuredRung planner_row(const Study& study, const MeasuredModel& model, const A
     if (difference[i].S > 0) ratio.push_back(error[i].S / difference[i].S);
     by_class[touching_class(touching_nodes(answers[i]))].push_back(error[i].S);
   }
-  MeasuredRung row{model.rung.name.c_str(), model.steps_per_second, model.error.median.S,
-                   model.error.most95.S,    quantile(ratio, 0.9),   {}};
+  MeasuredRung row{rung_named(model.rung.name).name.c_str(),
+                   model.steps_per_second,
+                   model.error.median.S,
+                   model.error.most95.S,
+                   quantile(ratio, 0.9),
+                   {}};
   for (std::size_t c = 0; c < by_class.size(); ++c)  // a class that the mix has hardly any of: the rung's median
     row.least[c] = by_class[c].size() < 5 ? model.error.median.S : quantile(by_class[c], 0.5);
   return row;
@@ -230,8 +234,8 @@ Tradeoff measure_tradeoff(Executor& executor, const TradeoffOptions& options) {
     result.models.back().steps_per_second = steps_per_second(executor, rung);
   }
   for (std::size_t k = 0; k + 1 < named.size(); ++k)
-    result.planner.push_back(
-        planner_row(study, result.models[k], rung_answers[k], rung_answers[k + 1], named[k + 1], truth));
+    result.planner.push_back(planner_row(study, result.models[k], rung_answers[k], rung_answers[finer_rung(k)],
+                                         named[finer_rung(k)], truth));
   for (const Rung& rung : others) {
     result.models.push_back(study.measured(rung, study.answers(rung), reference, truth));
     result.models.back().steps_per_second = steps_per_second(executor, rung);
