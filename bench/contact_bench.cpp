@@ -76,11 +76,13 @@ void batched(benchmark::State& state, char which, double tolerance) {
       state.SkipWithError("base forces differ from the Eigen twin's");
       return;
     }
-  double unsolved = 0, sweeps = 0;
+  double unsolved = 0, sweeps = 0, residual = 0;
   for (std::size_t i = 0; i < scenes.size(); ++i)
     for (int k = 0; k < batch.steps(); ++k) {
       unsolved += static_cast<int>(batch.result(i, k, LANE_STATUS)) >= LANE_UNSOLVED;
       sweeps += batch.result(i, k, LANE_SWEEPS);
+      for (int row : {LANE_PENETRATION, LANE_CONE, LANE_COMPLEMENTARITY, LANE_DRIFT, LANE_BALANCE})
+        residual = std::max(residual, batch.result(i, k, row));
     }
   for (auto _ : state) batch.run();
   const double steps = static_cast<double>(batch.steps_in_all());
@@ -91,6 +93,7 @@ void batched(benchmark::State& state, char which, double tolerance) {
       per_second);
   state.counters["sweeps"] = sweeps / steps;
   state.counters["unsolved"] = unsolved / steps;
+  state.counters["worst_residual"] = residual;
   state.counters["threads"] = executor.threads();
   state.SetLabel(executor.device().info().name);
 }

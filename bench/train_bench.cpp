@@ -115,16 +115,17 @@ std::unique_ptr<LearnOne> fann_learner(const nn::Topology& topology) {
 }
 #endif
 
-// One network on one thread.
-void online_one(benchmark::State& state, int network) {
+// Networks of one topology on one thread.
+void online_one(benchmark::State& state, int network, int seeds) {
   host::Executor executor(testing::executor().device(), {.threads = 1});
   const nn::Topology topology = nn::Topology::paper(network);
-  const std::vector<OnlineMember> members{{0, 0}};
+  std::vector<OnlineMember> members;
+  for (int seed = 0; seed < seeds; ++seed) members.push_back({static_cast<std::uint64_t>(seed), 0});
   host::TrainOnline<float> training(executor, topology, inputs(), members, {.stop_error = 0, .cycle_limit = 1 << 30});
   if (!learns_like_reference(training, 0)) return state.SkipWithError("weights differ from the reference");
   const host::Job job = training.job(10);
   for (auto _ : state) executor.run(std::span(&job, 1));
-  count(state, 10.0 * rows, 10 * rows * flops_of_pattern(topology), 1);
+  count(state, 10.0 * rows * seeds, 10 * rows * seeds * flops_of_pattern(topology), 1);
 }
 
 template <class Make>
@@ -237,7 +238,8 @@ const bool registered = [] {
 #endif
   for (const int network : {1, 2, 3, 4, 5, 6}) {
     const std::string name = "train/online/" + nn::Topology::paper(network).text();
-    add(name + "/kernel", [=](benchmark::State& s) { online_one(s, network); });
+    add(name + "/kernel/seeds:1", [=](benchmark::State& s) { online_one(s, network, 1); });
+    add(name + "/kernel/seeds:16", [=](benchmark::State& s) { online_one(s, network, 16); });
     add(name + "/eigen", [=](benchmark::State& s) { online_one_peer(s, network, eigen_learner); });
 #ifdef TACTEL_FANN
     add(name + "/fann", [=](benchmark::State& s) { online_one_peer(s, network, fann_learner); });

@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Dense>
+#include <optional>
 #include <vector>
 
 #include "fem/contact_solution.h"
@@ -19,6 +20,13 @@ struct GapElements {
   Eigen::Vector2d base_force = {0, 0};  ///< N/mm: sum of the rubber's forces on the base, x and y
   double largest_displacement = 0;      ///< mm, of the surface nodes
 };
+
+/// Friction that counts as unlimited ("bonded"): what touches sticks until it lifts off. Solvers put this in infinity's
+/// place, for infinity times a pressure of 0 is no number.
+inline constexpr double largest_friction = 1e15;
+
+/// S = Q / (mu P); none where mu P = 0, 0 where friction is unlimited.
+std::optional<double> slip_index(double mu, double P, double Q);
 
 /// What counts as rounding of a force, of (1 + mu) times the largest normal force: a node this close to |t| = mu n
 /// slips, and the friction of a node that bears less shows no direction. In fp64 rounding is 1e-12 at nu = 0.4999; load

@@ -28,7 +28,7 @@ struct ContactStep {
   Eigen::VectorXd normal_force, tangential_force;  ///< [columns] N/mm; normal >= 0 presses
   Eigen::VectorXd base_force_x, base_force_y;      ///< [base nodes] N/mm
   Eigen::VectorXd sigma_y, tau_xy;                 ///< [tactels] MPa
-  bool converged = false;
+  bool converged = false;  ///< and so are all steps before, on which it rests
   int iterations = 0;
   Residual residual;
 };
@@ -36,7 +36,8 @@ struct ContactStep {
 struct ContactSolution {
   Eigen::VectorXd surface_x, base_x, tactel_x;  ///< mm
   std::vector<ContactStep> steps;
-  bool sliding = false;  ///< the last step slides as a whole
+  bool sliding = false;    ///< the last step slides as a whole
+  bool fell_back = false;  ///< the solver that was asked gave up; another, exact one answered
 };
 
 }  // namespace tactel::fem

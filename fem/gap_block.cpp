@@ -172,7 +172,7 @@ GapBlock::GapBlock(Mesh mesh, Eigen::SparseMatrix<double> stiffness)
       left_(ordered(stiffness_, order_), order_, OpenColumns::From::left),
       right_(ordered(stiffness_, order_), order_, OpenColumns::From::right) {}
 
-std::optional<Extended> GapBlock::displacement(const std::vector<Trial>& trial, double mu, const Extended& right_side) {
+std::optional<Extended> GapBlock::solve(const std::vector<Trial>& trial, double mu, const Extended& right_side) {
   const System system(*this, trial, mu);
   if (!system.regular()) return std::nullopt;
   Extended displacement = Extended::Zero(stiffness_.rows(), right_side.cols());
@@ -209,7 +209,7 @@ Extended GapBlock::surface_force(const Extended& displacement) const { return fo
 
 Extended GapBlock::base_force(const Extended& displacement) const { return -forces(mesh_.base, displacement); }
 
-Extended GapBlock::surface_part(const Extended& displacement) const {
+Extended GapBlock::surface_displacement(const Extended& displacement) const {
   Extended result(2 * columns(), displacement.cols());
   for (int i = 0; i < columns(); ++i) result.middleRows(2 * i, 2) = displacement.middleRows(2 * mesh_.surface[i], 2);
   return result;

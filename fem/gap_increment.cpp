@@ -13,15 +13,15 @@ namespace {
 constexpr double tie = 64 * std::numeric_limits<double>::epsilon();
 
 GapPose pose_at(const GapIncrement& increment, const std::vector<Trial>& trial, const Eigen::Vector3d& position,
-                Extended displacement) {
-  const GapBlock& block = increment.block;
-  const Extended u = block.surface_part(displacement), f = block.surface_force(displacement);
-  const Extended before = block.surface_part(increment.previous.displacement);
-  const int n = block.columns();
+                Extended state) {
+  const GapSystem& system = increment.system;
+  const Extended u = system.surface_displacement(state), f = system.surface_force(state);
+  const Extended before = system.surface_displacement(increment.previous.state);
+  const int n = system.columns();
   GapPose pose;
   pose.trial = trial;
   pose.depth = position[1], pose.tangential = position[2];
-  pose.displacement = std::move(displacement);
+  pose.state = std::move(state);
   pose.gap.resize(n), pose.slip.resize(n), pose.normal_force.resize(n), pose.tangential_force.resize(n);
   for (int i = 0; i < n; ++i) {
     pose.gap[i] = double(static_cast<long double>(increment.height[i]) - pose.depth - u(2 * i + 1));
@@ -52,12 +52,12 @@ Trial next(const GapIncrement& increment, const GapPose& pose, Eigen::Index i) {
 
 }  // namespace
 
-GapPose undeformed(const GapBlock& block, const Eigen::VectorXd& height) {
-  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(block.columns());
+GapPose undeformed(const GapSystem& system, const Eigen::VectorXd& height) {
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(system.columns());
   GapPose pose;
-  pose.trial.assign(block.columns(), Trial::open);
+  pose.trial.assign(system.columns(), Trial::open);
   pose.depth = height.minCoeff();
-  pose.displacement = Extended::Zero(block.mesh().node.size(), 1);
+  pose.state = Extended::Zero(system.state_size(), 1);
   pose.gap = height.array() - pose.depth;
   pose.slip = pose.normal_force = pose.tangential_force = zero;
   return pose;
@@ -65,13 +65,13 @@ GapPose undeformed(const GapBlock& block, const Eigen::VectorXd& height) {
 
 Extended right_side(const GapIncrement& increment, const std::vector<Trial>& trial) {
   const GapPose& previous = increment.previous;
+  const Extended before = increment.system.surface_displacement(previous.state);
   Extended result = Extended::Zero(2 * trial.size(), 3);
   for (int i = 0; i < int(trial.size()); ++i) {
     if (!touches(trial[i])) continue;
     result.row(2 * i + 1) << increment.height[i], -1, 0;
     if (slips(trial[i])) continue;
-    const long double before = previous.displacement(2 * increment.block.mesh().surface[i]);
-    result.row(2 * i) << before - previous.tangential, 0, 1;
+    result.row(2 * i) << before(2 * i) - previous.tangential, 0, 1;
   }
   return result;
 }
@@ -99,7 +99,7 @@ std::optional<Eigen::Vector3d> indenter_position(const LoadStep& target, const E
 }
 
 std::optional<GapPose> pose_of(const GapIncrement& increment, const std::vector<Trial>& trial) {
-  GapBlock& block = increment.block;
+  GapSystem& system = increment.system;
   const LoadStep& to = increment.target;
   Extended right = right_side(increment, trial);
   std::optional<Eigen::Vector3d> position;
@@ -107,10 +107,10 @@ std::optional<GapPose> pose_of(const GapIncrement& increment, const std::vector<
     position = Eigen::Vector3d(1, to.normal, to.tangential);
     right = (right * position->cast<long double>()).eval();
   }
-  const auto response = block.displacement(trial, increment.mu, right);
+  const auto response = system.solve(trial, increment.mu, right);
   if (!response) return std::nullopt;
   if (position) return pose_at(increment, trial, *position, *response);
-  position = indenter_position(to, block.surface_force(*response));
+  position = indenter_position(to, system.surface_force(*response));
   if (!position) return std::nullopt;
   return pose_at(increment, trial, *position, *response * position->cast<long double>());
 }
@@ -122,10 +122,10 @@ std::vector<Trial> next_trial(const GapIncrement& increment, const GapPose& pose
 }
 
 GapElements elements_of(const GapIncrement& increment, const GapPose& pose) {
-  const Eigen::VectorXd base = increment.block.base_force(pose.displacement).cast<double>();
+  const Eigen::VectorXd base = increment.system.base_force(pose.state).cast<double>();
   GapElements elements{increment.mu, pose.gap, pose.slip, pose.normal_force, pose.tangential_force};
   elements.base_force = base.reshaped(2, base.size() / 2).rowwise().sum();
-  const Extended u = increment.block.surface_part(pose.displacement);
+  const Extended u = increment.system.surface_displacement(pose.state);
   elements.largest_displacement = double(u.reshaped(2, pose.gap.size()).colwise().norm().maxCoeff());
   for (Eigen::Index i = 0; i < pose.gap.size(); ++i) {
     // Open elements bear nothing; what K u shows there, and a pull within rounding, is rounding.
@@ -173,7 +173,7 @@ bool meets_target(const GapIncrement& increment, const GapElements& elements, do
 std::optional<GapPose> search_pose(const GapIncrement& increment, GapSearch& search) {
   const LoadStep& to = increment.target;
   if (to.normal_is_force && to.normal == 0) {  // nobody touches: the depth is free, the least is taken
-    GapPose pose = undeformed(increment.block, increment.height);
+    GapPose pose = undeformed(increment.system, increment.height);
     pose.tangential = to.tangential_is_force ? increment.previous.tangential : to.tangential;
     return pose;
   }

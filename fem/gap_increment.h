@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "fem/contact_laws.h"
-#include "fem/gap_block.h"
+#include "fem/gap_system.h"
 #include "fem/scene.h"
 
 namespace tactel::fem {
@@ -13,7 +13,7 @@ namespace tactel::fem {
 struct GapPose {
   std::vector<Trial> trial;                        ///< [columns]
   double depth = 0, tangential = 0;                ///< mm: where the indenter is
-  Extended displacement;                           ///< [2 nodes, 1] mm
+  Extended state;                                  ///< [state_size, 1] of the system
   Eigen::VectorXd gap, slip;                       ///< [columns] mm, as in GapElements
   Eigen::VectorXd normal_force, tangential_force;  ///< [columns] N/mm
   double force_tie = 0, length_tie = 0;            ///< N/mm, mm: what rounding may have done to forces and lengths
@@ -21,7 +21,7 @@ struct GapPose {
 
 /// One load increment: what stays while statuses are tried.
 struct GapIncrement {
-  GapBlock& block;
+  GapSystem& system;
   double mu;
   const Eigen::VectorXd& height;  ///< [columns] mm: profile over each surface node; +infinity where there is none
   LoadStep target;
@@ -29,9 +29,9 @@ struct GapIncrement {
 };
 
 /// The block before any contact: the indenter over it, just touching.
-GapPose undeformed(const GapBlock& block, const Eigen::VectorXd& height);
+GapPose undeformed(const GapSystem& system, const Eigen::VectorXd& height);
 
-/// Right sides of GapBlock's rows, [2 columns, 3]: multiplied by (1, depth, tangential position) they say what the
+/// Right sides of GapSystem's rows, [2 columns, 3]: multiplied by (1, depth, tangential position) they say what the
 /// trial asks for.
 Extended right_side(const GapIncrement& increment, const std::vector<Trial>& trial);
 
@@ -79,7 +79,7 @@ struct GapAnswer {
 /// the nearest pose found.
 GapAnswer solve_increment(const GapIncrement& increment, int most_iterations, double tolerance);
 
-/// The elements of a pose as contact_residual wants them; the base's force is that of the block, nothing assumed.
+/// The elements of a pose as contact_residual wants them; the base's force is that of the rubber, nothing assumed.
 GapElements elements_of(const GapIncrement& increment, const GapPose& pose);
 
 }  // namespace tactel::fem

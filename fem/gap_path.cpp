@@ -48,13 +48,13 @@ struct Change {
 void draw_offsets(const GapIncrement& increment, double size, Start& start) {
   const GapPose& previous = increment.previous;
   const LoadStep& to = increment.target;
-  const double stiffness = increment.block.typical_stiffness();
+  const double stiffness = increment.system.typical_stiffness();
   const double normal =
       to.normal_is_force ? (to.normal - previous.normal_force.sum()) / stiffness : to.normal - start.depth;
   const double tangential = to.tangential_is_force ? (to.tangential - previous.tangential_force.sum()) / stiffness
                                                    : to.tangential - previous.tangential;
   const double length =
-      size * (std::abs(normal) + std::abs(tangential) + 1e-3 * double(previous.displacement.cwiseAbs().maxCoeff()));
+      size * (std::abs(normal) + std::abs(tangential) + 1e-3 * double(previous.state.cwiseAbs().maxCoeff()));
   std::mt19937 generator(1);
   const auto draw = [&](double scale) { return scale * (0.5 + generator() / (2.0 * std::mt19937::max())); };
   start.gap_offset = start.force_offset = Eigen::VectorXd::Zero(previous.gap.size());
@@ -118,16 +118,16 @@ std::optional<Piece> trace(const GapIncrement& increment, const Start& start, co
     right(2 * i + 1, 3) = touches(trial[i]) ? start.gap_offset[i] : start.force_offset[i];
     if (slips(trial[i])) right(2 * i, 3) = friction_sign(trial[i]) * increment.mu * start.force_offset[i];
   }
-  const auto response = increment.block.displacement(trial, increment.mu, right);
+  const auto response = increment.system.solve(trial, increment.mu, right);
   if (!response) return std::nullopt;
-  const Extended force = increment.block.surface_force(*response);
+  const Extended force = increment.system.surface_force(*response);
   Piece piece;
   piece.direction = direction_of(increment, start, force);
   Eigen::Matrix<long double, 4, 2> motion;  // of (1, depth, tangential, 1 - lambda): where it is, where it goes
   motion << 1, 0, place[0], piece.direction[0], place[1], piece.direction[1], 1 - place[2], -piece.direction[2];
 
-  const Extended u = increment.block.surface_part(*response) * motion, f = force * motion;
-  const Extended before = increment.block.surface_part(increment.previous.displacement);
+  const Extended u = increment.system.surface_displacement(*response) * motion, f = force * motion;
+  const Extended before = increment.system.surface_displacement(increment.previous.state);
   const auto line = [](const auto& lines, int k) { return Line{double(lines(k, 0)), double(lines(k, 1))}; };
   const Line depth = line(motion, 1), tangential = line(motion, 2), fading = line(motion, 3);
   for (int i = 0; i < count; ++i) {

@@ -1,14 +1,8 @@
 #pragma once
-#include "fem/contact_solution.h"
-#include "fem/gap_increment.h"
-#include "fem/scene.h"
+#include "fem/gap_block.h"
+#include "fem/gap_walk.h"
 
 namespace tactel::fem {
-
-struct GapReferenceOptions {
-  int most_iterations = 2000;  ///< linear solves an increment may take, safeguards included; a few do nearly always
-  double tolerance = 1e-10;    ///< largest relative residual that counts as converged
-};
 
 /// Contact on the full finite element mesh, fp64: gap elements are open, sticking or slipping; each status iteration
 /// solves the whole block with their conditions as constraints (no condensation), until no status changes. Judges the
@@ -24,7 +18,7 @@ class GapReference {
   ContactSolution solve(const Scene& scene);
 
  private:
-  ContactStep step_of(const GapIncrement& increment, const GapAnswer& answer) const;
+  Eigen::VectorXd tactel_stress(const Extended& displacement, const Eigen::VectorXd& base_force) const;
 
   Sensor sensor_;
   GapReferenceOptions options_;

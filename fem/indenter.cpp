@@ -39,7 +39,8 @@ double height(const RoundedFlat& s, double d) {
 }
 double height(const Taylor& s, double d) {
   double sum = 0;
-  for (int k : s.powers) sum += std::pow(std::abs(d) / s.scale, k);
+  for (std::size_t i = 0; i < s.powers.size(); ++i)
+    sum += (s.coefficients.empty() ? 1 : s.coefficients[i]) * std::pow(std::abs(d) / s.scale, s.powers[i]);
   return s.height.value_or(s.scale) * sum;
 }
 double height(const Profile& s, double d) { return height_between_points(s, d); }
@@ -50,7 +51,10 @@ Interval bottom(const Flat& s) {
 }
 Interval bottom(const Trapezoid& s) { return {-s.half_width, s.half_width}; }
 Interval bottom(const RoundedFlat& s) { return {-s.half_width, s.half_width}; }
-Interval bottom(const Taylor& s) { return s.powers.empty() ? Interval{-infinity, infinity} : Interval{0, 0}; }
+Interval bottom(const Taylor& s) {
+  const bool flat = std::ranges::all_of(s.coefficients, [](double c) { return c == 0; });
+  return s.powers.empty() || (flat && !s.coefficients.empty()) ? Interval{-infinity, infinity} : Interval{0, 0};
+}
 Interval bottom(const Profile& s) {
   const Profile hull = convex_profile(s);
   Interval lowest{infinity, -infinity};
@@ -97,6 +101,9 @@ void check_shape(const Taylor& s) {
   for (int k : s.powers) check(k >= 1 && k <= 100, "powers", k, "whole numbers from 1 to 100");
   check(length(s.scale), "scale", s.scale, length_text);
   if (s.height) check(length(*s.height), "height", *s.height, length_text);
+  check(s.coefficients.empty() || s.coefficients.size() == s.powers.size(), "coefficients",
+        static_cast<double>(s.coefficients.size()), "as many as powers");
+  for (double c : s.coefficients) check(c >= 0 && c <= 1e9, "coefficients", c, "numbers from 0 to 1e9");
 }
 void check_shape(const Profile& s) { fem::validate(s); }
 

@@ -39,11 +39,12 @@ struct Trapezoid {
 struct RoundedFlat {
   double half_width = 2.0, radius = 10.0;  ///< mm
 };
-/// y = height * sum of (r / scale)^k over the powers; no powers: flat.
+/// y = height * sum of c_k (r / scale)^k over the powers; no powers: flat.
 struct Taylor {
-  std::vector<int> powers;         ///< each 1 or more
-  double scale = 1.0;              ///< mm
-  std::optional<double> height{};  ///< mm; none: scale
+  std::vector<int> powers;             ///< each 1 or more
+  double scale = 1.0;                  ///< mm
+  std::optional<double> height{};      ///< mm; none: scale
+  std::vector<double> coefficients{};  ///< [powers] c_k, none below 0 so that the profile is convex; empty: all 1
 };
 /// Measured: linear between the points, nothing beyond the ends; heights count from the lowest point.
 struct Profile {

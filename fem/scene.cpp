@@ -13,7 +13,7 @@ namespace {
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
-void check(bool good, const char* key, double value, const std::string& allowed) {
+void check(bool good, const char* key, double value, const char* allowed) {
   if (!good) throw ValueError(key, number_text(value), allowed);
 }
 
@@ -52,24 +52,28 @@ void check_angle(const Load& load, double friction) {
   check(load.tangential.empty() && load.tangential_step == 0 && !load.tangential_steps, "load.angle", *load.angle,
         "given without load.tangential and load.tangential_step: the angle sets the tangential force");
   const double limit = std::atan(friction) * 180 / std::numbers::pi;
-  check(std::abs(*load.angle) < 90 && std::tan(std::abs(radians(*load.angle))) < friction, "load.angle", *load.angle,
-        "within the friction angle, -" + number_text(limit) + " < angle < " + number_text(limit) +
-            " degrees (atan of contact.friction = " + number_text(friction) + "): beyond it the contact slides" +
-            (*load.angle == 0 ? "; leave it out for a purely normal load" : ""));
+  if (std::abs(*load.angle) < 90 && std::tan(std::abs(radians(*load.angle))) < friction) return;
+  throw ValueError("load.angle", number_text(*load.angle),
+                   "within the friction angle, -" + number_text(limit) + " < angle < " + number_text(limit) +
+                       " degrees (atan of contact.friction = " + number_text(friction) +
+                       "): beyond it the contact slides" +
+                       (*load.angle == 0 ? "; leave it out for a purely normal load" : ""));
 }
 
 /// The lowest part of the profile must hang over the rubber, and something of it over a node.
 void check_reach(const Scene& scene) {
   const double half = scene.sensor.length / 2, position = scene.indenter.position;
   const Interval lowest = lowest_part(scene.indenter);
-  check(lowest.left <= half + edge_guard && lowest.right >= -half - edge_guard, "indenter.position", position,
-        "such that the lowest part of the indenter, now from " + number_text(lowest.left) + " to " +
-            number_text(lowest.right) + " mm, is over the sensor, from " + number_text(-half) + " to " +
-            number_text(half) + " mm");
+  if (!(lowest.left <= half + edge_guard && lowest.right >= -half - edge_guard))
+    throw ValueError("indenter.position", number_text(position),
+                     "such that the lowest part of the indenter, now from " + number_text(lowest.left) + " to " +
+                         number_text(lowest.right) + " mm, is over the sensor, from " + number_text(-half) + " to " +
+                         number_text(half) + " mm");
   const Eigen::VectorXd heights = profile_heights(scene.indenter, surface_positions(scene.sensor));
-  check(heights.array().isFinite().any(), "indenter.position", position,
-        "such that a surface node is under the indenter: none is, they are " +
-            number_text(scene.sensor.length / (scene.sensor.columns - 1)) + " mm apart");
+  if (!heights.array().isFinite().any())
+    throw ValueError("indenter.position", number_text(position),
+                     "such that a surface node is under the indenter: none is, they are " +
+                         number_text(scene.sensor.length / (scene.sensor.columns - 1)) + " mm apart");
 }
 
 void append_indentation(const Load& load, LoadPath& path) {
@@ -106,8 +110,7 @@ void append_tangential(const Load& load, LoadPath& path) {
 void Scene::validate() const {
   sensor.validate();
   indenter.validate();
-  check(std::isfinite(friction) && friction >= 0, "contact.friction", friction,
-        "a coefficient of friction, finite and not below 0");
+  check(friction >= 0, "contact.friction", friction, "a coefficient of friction, not below 0, or \"bonded\"");
   check_normal(load);
   check_tangential(load);
   check_angle(load, friction);

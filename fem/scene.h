@@ -43,11 +43,14 @@ struct Scene {
   std::string title;
   Sensor sensor;
   Indenter indenter;
-  double friction = 0.5;  ///< mu >= 0
+  double friction = 0.5;  ///< mu >= 0; infinite: what touches sticks until it lifts off ("bonded")
   Load load;
   void validate() const;  ///< throws ValueError, keys as in scene files
 };
 
 LoadPath load_path(const Load& load);
+
+/// Whether the scene's normal load is a force instead of a depth.
+inline bool by_force(const Scene& scene) { return !scene.load.normal_force.empty(); }
 
 }  // namespace tactel::fem

@@ -6,7 +6,7 @@
 
 namespace tactel::host {
 
-/// How the program ends; users' scripts rely on these.
+/// How the program ends; users' scripts rely on these. Stopped by a signal: interrupt.h.
 enum ExitCode { done = 0, wrong_input = 2, device_failed = 3, not_converged = 4 };
 
 /// What the chosen command does, and the exit code it ends with. Set by the command's callback, run after parsing.
@@ -14,8 +14,11 @@ using Action = std::function<int()>;
 
 void add_solve_command(CLI::App& app, Action& action);
 void add_generate_command(CLI::App& app, Action& action);
+void add_train_command(CLI::App& app, Action& action);
+void add_recall_command(CLI::App& app, Action& action);
 void add_reproduce_command(CLI::App& app, Action& action);
 void add_tradeoff_command(CLI::App& app, Action& action);
+void add_extremes_command(CLI::App& app, Action& action);
 
 /// Options of every command that computes.
 struct SharedOptions {
@@ -23,5 +26,12 @@ struct SharedOptions {
   bool quiet = false;
 };
 void add_shared_options(CLI::App& command, SharedOptions& options);
+
+/// Options of the commands that train and use networks.
+struct NetworkOptions {
+  std::string device, precision = "fp32";
+  bool quiet = false;
+};
+void add_network_options(CLI::App& command, NetworkOptions& options);
 
 }  // namespace tactel::host

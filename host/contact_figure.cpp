@@ -59,8 +59,9 @@ Panel surface_panel(const fem::Scene& scene, const ContactSolution& solution, co
   Panel panel{.title = "On the surface, where it touches", .x_label = "x (mm)", .y_label = "traction (MPa)"};
   panel.series = {curve("pressure p", solution.surface_x, pressure, Mark::line, Ink::blue),
                   curve("shear q", solution.surface_x, shear, Mark::line, Ink::orange),
-                  curve(step.Q < 0 ? "-µp" : "µp", solution.surface_x, limit, Mark::dashed, Ink::grey),
                   marked(solution, step, shear, GapStatus::stick), marked(solution, step, shear, GapStatus::slip)};
+  if (std::isfinite(scene.friction))
+    panel.series.push_back(curve(step.Q < 0 ? "-µp" : "µp", solution.surface_x, limit, Mark::dashed, Ink::grey));
   panel.x_range = contact_window(solution, step);
   panel.zero_line = true;
   return panel;

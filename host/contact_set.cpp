@@ -16,13 +16,14 @@ namespace {
 class Handle {
  public:
   Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
-  ~Handle() {
-    if (id_ >= 0) close_(id_);
-  }
+  ~Handle() { close(); }
+  Handle(Handle&& other) : id_(std::exchange(other.id_, H5I_INVALID_HID)), close_(other.close_) {}
   Handle(const Handle&) = delete;
   Handle& operator=(const Handle&) = delete;
   operator hid_t() const { return id_; }
   bool open() const { return id_ >= 0; }
+  /// False when the library could not close it: what it still held back is lost.
+  bool close() { return id_ < 0 || close_(std::exchange(id_, H5I_INVALID_HID)) >= 0; }
 
  private:
   hid_t id_;
@@ -55,23 +56,6 @@ hid_t type_of<std::uint64_t>() {
   return H5T_STD_U64LE;
 }
 
-/// Calls visit(name, values, columns, unit) for every dataset; columns 0: a plain list.
-template <class Set, class Visit>
-void each_dataset(Set& set, const Visit& visit) {
-  visit("inputs", set.frames, set.inputs, "MPa; normal stress of every tactel, then shear");
-  visit("slip_index", set.slip_index, 0, "1; Q / (mu P)");
-  visit("normal_force", set.normal_force, 0, "N/mm");
-  visit("tangential_force", set.tangential_force, 0, "N/mm");
-  visit("friction", set.friction, 0, "1");
-  visit("stick_fraction", set.stick_fraction, 0, "1; stuck length over contact length");
-  visit("contact_nodes", set.contact_nodes, 0, "surface nodes that touch");
-  visit("contact", set.contact, 0, "which contact");
-  visit("step", set.step, 0, "which load step of the contact");
-  visit("indenter", set.indenter, 0, "place in the attribute indenter_names");
-  visit("status", set.status, 0, "0 solved, 1 sliding, 2 over tolerance");
-  visit("residual", set.residual, 0, "1; largest relative residual");
-}
-
 bool write_text(hid_t where, const char* name, const std::string& text) {
   const Handle type(H5Tcopy(H5T_C_S1), H5Tclose), space(H5Screate(H5S_SCALAR), H5Sclose);
   H5Tset_size(type, text.size() + 1);
@@ -80,16 +64,29 @@ bool write_text(hid_t where, const char* name, const std::string& text) {
   return attribute.open() && H5Awrite(attribute, type, text.c_str()) >= 0;
 }
 
+/// An empty dataset of its final size, its unit beside it.
 template <class T>
-bool write_values(hid_t file, const char* name, const std::vector<T>& values, int columns, const char* unit) {
-  const hsize_t extent[2] = {columns ? values.size() / columns : values.size(), static_cast<hsize_t>(columns)};
+bool create_dataset(hid_t file, const char* name, std::size_t rows, int columns, const char* unit) {
+  const hsize_t extent[2] = {rows, static_cast<hsize_t>(columns)};
   const Handle space(H5Screate_simple(columns ? 2 : 1, extent, nullptr), H5Sclose);
   const Handle plain(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   H5Pset_obj_track_times(plain, false);  // the same set gives the same bytes
+  H5Pset_fill_time(plain, H5D_FILL_TIME_NEVER);
   const Handle data(H5Dcreate2(file, name, type_of<T>(), space, H5P_DEFAULT, plain, H5P_DEFAULT), H5Dclose);
-  return data.open() &&
-         (values.empty() || H5Dwrite(data, type_of<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) >= 0) &&
-         write_text(data, "unit", unit);
+  return data.open() && write_text(data, "unit", unit);
+}
+
+/// Rows `first` and on of a dataset.
+template <class T>
+bool write_rows(hid_t file, const char* name, std::size_t first, const std::vector<T>& values, int columns) {
+  if (values.empty()) return true;
+  const Handle data(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose);
+  const Handle space(H5Dget_space(data), H5Sclose);
+  const hsize_t start[2] = {first, 0};
+  const hsize_t count[2] = {columns ? values.size() / columns : values.size(), static_cast<hsize_t>(columns)};
+  const Handle memory(H5Screate_simple(columns ? 2 : 1, count, nullptr), H5Sclose);
+  return data.open() && H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, count, nullptr) >= 0 &&
+         H5Dwrite(data, type_of<T>(), memory, space, H5P_DEFAULT, values.data()) >= 0;
 }
 
 std::string joined(const std::vector<std::string>& names) { return fmt::format("{}", fmt::join(names, "\n")); }
@@ -104,20 +101,21 @@ std::vector<std::string> split(const std::string& text) {
   return names;
 }
 
-bool write_all(const std::string& path, const ContactSet& set) {
-  const Handle plain(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
-  H5Pset_obj_track_times(plain, false);
-  const Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, plain, H5P_DEFAULT), H5Fclose);
-  bool good = file.open();
-  each_dataset(set, [&](const char* name, const auto& values, int columns, const char* unit) {
-    good = good && write_values(file, name, values, columns, unit);
-  });
-  good = good && write_text(file, "tactel", TACTEL_VERSION) && write_text(file, "format", "tactel contact set 1") &&
+bool write_attributes(hid_t file, const ContactSet& set) {
+  return write_text(file, "tactel", TACTEL_VERSION) && write_text(file, "format", "tactel contact set 1") &&
          write_text(file, "sweep", set.sweep) && write_text(file, "seed", std::to_string(set.seed)) &&
          write_text(file, "device", set.device) && write_text(file, "rung", set.rung) &&
+         write_text(file, "fallback_contacts", std::to_string(set.fell_back)) &&
+         write_text(file, "unsolved_contacts", std::to_string(set.unsolved)) &&
          write_text(file, "indenter_names", joined(set.indenter_names)) &&
          write_text(file, "units", "mm, MPa, N/mm; sigma_y < 0 is compression, tau_xy > 0 drags towards +x");
-  return good && H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0;
+}
+
+/// A new file whose bytes do not depend on the hour.
+Handle create_file(const std::string& path) {
+  const Handle plain(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
+  H5Pset_obj_track_times(plain, false);
+  return Handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, plain, H5P_DEFAULT), H5Fclose);
 }
 
 class Reader {
@@ -177,16 +175,70 @@ nn::FrameSet ContactSet::frames_with_answers() const {
   return out;
 }
 
-void write_contact_set(const std::filesystem::path& path, const ContactSet& set) {
+struct ContactSetWriter::State {
+  State(const std::filesystem::path& path)
+      : path(path), temporary(fmt::format("{}.{}.part", path.string(), getpid())), file(create_file(temporary)) {}
+
+  std::filesystem::path path;
+  std::string temporary;
+  Handle file;
+  std::size_t written = 0;  ///< rows
+  bool finished = false;
+};
+
+ContactSetWriter::ContactSetWriter(const std::filesystem::path& path, int inputs, std::size_t rows) {
   silence_hdf5();
-  const std::string temporary = fmt::format("{}.{}.part", path.string(), getpid());
+  state_ = std::make_unique<State>(path);
+  ContactSet nothing;
+  nothing.inputs = inputs;
+  bool good = state_->file.open();
+  each_dataset(nothing, [&](const char* name, const auto& values, int columns, const char* unit) {
+    using T = typename std::remove_cvref_t<decltype(values)>::value_type;
+    good = good && create_dataset<T>(state_->file, name, rows, columns, unit);
+  });
+  if (!good) fail();
+}
+
+ContactSetWriter::~ContactSetWriter() {
+  if (!state_ || state_->finished) return;
   std::error_code error;
-  const bool good = write_all(temporary, set);
-  if (good) std::filesystem::rename(temporary, path, error);
-  if (good && !error) return;
-  std::filesystem::remove(temporary, error);
-  throw ConfigError("command line", "--output", path.string(),
+  std::filesystem::remove(state_->temporary, error);
+}
+
+void ContactSetWriter::fail() const {
+  std::error_code error;
+  std::filesystem::remove(state_->temporary, error);
+  throw ConfigError("command line", "--output", state_->path.string(),
                     "a file that can be written, on a disk with room for it");
+}
+
+void ContactSetWriter::append(const ContactSet& rows) {
+  bool good = true;
+  each_dataset(rows, [&](const char* name, const auto& values, int columns, const char*) {
+    good = good && write_rows(state_->file, name, state_->written, values, columns);
+  });
+  if (!good) fail();
+  state_->written += rows.rows();
+}
+
+void ContactSetWriter::finish(const ContactSet& set) {
+  bool good = write_attributes(state_->file, set) && H5Fflush(state_->file, H5F_SCOPE_GLOBAL) >= 0;
+  good = state_->file.close() && good;
+  std::error_code error;
+  if (good) std::filesystem::rename(state_->temporary, state_->path, error);
+  if (!good || error) fail();
+  state_->finished = true;
+}
+
+void write_contact_set(const std::filesystem::path& path, const ContactSet& set) {
+  ContactSetWriter writer(path, set.inputs, set.rows());
+  writer.append(set);
+  writer.finish(set);
+}
+
+std::string contact_set_sweep(const std::filesystem::path& path) {
+  silence_hdf5();
+  return Reader(path).text("sweep");
 }
 
 ContactSet read_contact_set(const std::filesystem::path& path) {
@@ -206,7 +258,10 @@ ContactSet read_contact_set(const std::filesystem::path& path) {
   set.device = in.text("device");
   set.rung = in.text("rung");
   set.indenter_names = split(in.text("indenter_names"));
-  set.seed = std::strtoull(in.text("seed").c_str(), nullptr, 10);
+  const auto number = [&](const char* name) { return std::strtoull(in.text(name).c_str(), nullptr, 10); };
+  set.seed = number("seed");
+  set.fell_back = number("fallback_contacts");
+  set.unsolved = number("unsolved_contacts");
   return set;
 }
 

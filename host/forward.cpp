@@ -102,6 +102,12 @@ Forward<Real>::Forward(Executor& executor, std::span<const nn::Weights<Real>> ne
 }
 
 template <class Real>
+void Forward<Real>::set_network(std::size_t network, const nn::Weights<Real>& weights) {
+  if (weights.topology != topology_) throw std::invalid_argument("a network of another topology");
+  weights_.write(weights.values, network * weights.values.size());
+}
+
+template <class Real>
 void Forward<Real>::run(const DeviceFrames& frames, const RunOptions& options) {
   check_width(topology_, static_cast<std::size_t>(frames.inputs()));
   const std::uint32_t tile = vectors * static_cast<std::uint32_t>(executor_->device().lanes(precision_of<Real>));

@@ -32,6 +32,9 @@ class Forward {
  public:
   Forward(Executor& executor, std::span<const nn::Weights<Real>> networks, const nn::InputScaling& scaling);
 
+  /// Another network of the same topology in the place of one. Throws std::invalid_argument for another topology.
+  void set_network(std::size_t network, const nn::Weights<Real>& weights);
+
   /// Every network on every frame. Throws ValueError for frames of another width.
   void run(const DeviceFrames& frames, const RunOptions& options = {});
   /// What the last run found for a network.

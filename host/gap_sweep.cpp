@@ -3,84 +3,30 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <numeric>
 
+#include "fem/contact_laws.h"
 #include "fem/spread.h"
+#include "host/gap_sweep_tables.h"
 #include "kernels/shared/contact_layout.h"
 
 namespace tactel::host {
 namespace {
 
 constexpr double far_away = 2e15;  ///< mm; above the kernel's FAR: no indenter here
-constexpr int row_block = 4;       ///< ROW_BLOCK of the kernel
-constexpr int vectors = 3;         ///< of LANES scenes a work-item: each number of C that is loaded serves twice
-
-bool by_force(const fem::Scene& scene) { return !scene.load.normal_force.empty(); }
+constexpr int vectors = 3;         ///< of LANES scenes a work-item: each number of C that is loaded serves thrice
 
 template <class Real>
 Buffer<Real> on_device(const Device& device, const std::vector<Real>& values) {
   return Buffer<Real>(device, std::span<const Real>(values));
 }
 
-/// C of the kernel, [columns][columns][4]: u_y by n, u_y by t, u_x by n, u_x by t, with n pressing down (-y).
-template <class Real>
-std::vector<Real> compliance_table(const Eigen::MatrixXd& c) {
-  const int columns = static_cast<int>(c.rows() / 2);
-  std::vector<Real> table;
-  table.reserve(4 * columns * columns);
-  for (int i = 0; i < columns; ++i)
-    for (int j = 0; j < columns; ++j)
-      for (double value : {-c(2 * i + 1, 2 * j + 1), c(2 * i + 1, 2 * j), -c(2 * i, 2 * j + 1), c(2 * i, 2 * j)})
-        table.push_back(static_cast<Real>(value));
-  return table;
-}
-
-/// Rows of NodeRow for each surface node.
-template <class Real>
-std::vector<Real> node_table(const Eigen::MatrixXd& c) {
-  const int columns = static_cast<int>(c.rows() / 2);
-  std::vector<Real> table(static_cast<std::size_t>(columns) * NODE_ROWS);
-  for (int i = 0; i < columns; ++i) {
-    double rise_by_n = 0, rise_by_t = 0;
-    for (int j = 0; j < columns; ++j) {
-      if (j == i) continue;
-      rise_by_n = std::max(rise_by_n, -c(2 * i + 1, 2 * j + 1));
-      rise_by_t = std::max(rise_by_t, std::abs(c(2 * i + 1, 2 * j)));
-    }
-    constexpr double up = 1 + 1e-5;  // rounding to fp32 must not lower a bound
-    Real* row = &table[static_cast<std::size_t>(i) * NODE_ROWS];
-    row[NODE_N_PER_UY] = static_cast<Real>(1 / c(2 * i + 1, 2 * i + 1));
-    row[NODE_T_PER_UX] = static_cast<Real>(1 / c(2 * i, 2 * i));
-    row[NODE_UX_PER_N] = static_cast<Real>(-c(2 * i, 2 * i + 1));
-    row[NODE_RISE_PER_N] = static_cast<Real>(up * rise_by_n);
-    row[NODE_RISE_PER_T] = static_cast<Real>(up * rise_by_t);
-  }
-  return table;
-}
-
-/// Output map of the kernel, [blocks of rows][columns][row_block][2]: by n, by t; rows beyond the last are zero.
-template <class Real>
-std::vector<Real> output_table(const Eigen::MatrixXd& map) {
-  const std::size_t columns = map.cols() / 2, rows = map.rows(), blocks = (rows + row_block - 1) / row_block;
-  std::vector<Real> table(blocks * columns * row_block * 2, Real(0));
-  for (std::size_t r = 0; r < rows; ++r)
-    for (std::size_t j = 0; j < columns; ++j) {
-      Real* entry = &table[((r / row_block * columns + j) * row_block + r % row_block) * 2];
-      entry[0] = static_cast<Real>(-map(r, 2 * j + 1));
-      entry[1] = static_cast<Real>(map(r, 2 * j));
-    }
-  return table;
-}
-
-/// Nodes that the rigid profile reaches at the deepest indentation, about: what a lane costs.
-int expected_window(const fem::Scene& scene, const Eigen::VectorXd& surface_x) {
+/// Nodes that the rigid profile reaches at the deepest indentation, about: what a lane costs. heights: [columns] mm.
+int expected_window(const fem::Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& heights) {
   const auto& targets = by_force(scene) ? scene.load.normal_force : scene.load.indentation;
   double depth = *std::max_element(targets.begin(), targets.end());
   if (by_force(scene)) depth = 0.3 * depth / scene.sensor.young;
-  return static_cast<int>(std::count_if(surface_x.begin(), surface_x.end(), [&](double x) {
-    return fem::profile_height(scene.indenter, x) < 1.25 * depth;
-  }));
+  return static_cast<int>((heights.array() < 1.25 * depth).count());
 }
 
 }  // namespace
@@ -89,19 +35,34 @@ template <class Real>
 struct GapSweep<Real>::State {
   State(Executor& executor, const fem::Sensor& sensor, const GapSweepOptions& options,
         const std::filesystem::path& cache)
-      : executor(executor), sensor(sensor), options(options), condensation(fem::spread(fem::condense_cached(sensor, cache), options.spread)) {
+      : executor(executor),
+        sensor(sensor),
+        options(options),
+        condensation(fem::spread(fem::condense_cached(sensor, cache), options.spread)) {
     constexpr double epsilon = std::numeric_limits<Real>::epsilon();
     if (this->options.tolerance == 0) this->options.tolerance = sizeof(Real) == 4 ? 1e-5 : 1e-11;
     if (this->options.accept == 0) this->options.accept = std::max(100 * this->options.tolerance, 200 * epsilon);
     const Device& device = executor.device();
     compliance = on_device(device, compliance_table<Real>(condensation.compliance));
     node = on_device(device, node_table<Real>(condensation.compliance));
-    base_rows = options.base_forces ? static_cast<int>(condensation.base_force.rows()) : 0;
+    const Eigen::MatrixXd base = base_outputs();
+    base_rows = static_cast<int>(base.rows());
     rows = base_rows + (options.tactels ? static_cast<int>(condensation.tactel_stress.rows()) : 0);
     Eigen::MatrixXd outputs(rows, condensation.compliance.cols());
-    if (options.base_forces) outputs.topRows(base_rows) = condensation.base_force;
+    outputs.topRows(base_rows) = base;
     if (options.tactels) outputs.bottomRows(rows - base_rows) = condensation.tactel_stress;
     map = on_device(device, output_table<Real>(outputs));
+  }
+
+  /// Base forces as options want them [rows, 2 columns]: x and y take turns.
+  Eigen::MatrixXd base_outputs() const {
+    const Eigen::MatrixXd& all = condensation.base_force;
+    if (options.base_sums) {
+      Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(2, all.cols());
+      for (Eigen::Index row = 0; row < all.rows(); ++row) sums.row(row % 2) += all.row(row);
+      return sums;
+    }
+    return options.base_forces ? all : Eigen::MatrixXd(0, all.cols());
   }
 
   int columns() const { return static_cast<int>(condensation.surface_x.size()); }
@@ -136,6 +97,7 @@ template <class Real>
 struct GapSweep<Real>::Batch::State {
   std::shared_ptr<GapSweep<Real>::State> sweep;
   std::vector<std::size_t> place;  ///< [scenes] lane of scene i, counted over all groups
+  std::vector<std::size_t> order;  ///< [scenes] scene in a lane: the inverse of place
   std::vector<int> path_steps;     ///< [scenes]
   std::vector<double> friction;    ///< [scenes]
   int steps = 0;
@@ -146,23 +108,27 @@ struct GapSweep<Real>::Batch::State {
 
   /// Index of [group][.. `row` of `height` a group ..][lane].
   std::size_t at(std::size_t scene, std::size_t height, std::size_t row) const {
-    const std::size_t group = sweep->group(), lane = place[scene];
+    return at_lane(place[scene], height, row);
+  }
+  std::size_t at_lane(std::size_t lane, std::size_t height, std::size_t row) const {
+    const std::size_t group = sweep->group();
     return ((lane / group) * height + row) * group + lane % group;
   }
 
-  void lay_out(std::span<const fem::Scene> scenes);
+  void lay_out(std::span<const fem::Scene> scenes, const Eigen::MatrixXd& profiles);
   void fill_scene(std::size_t i, const fem::Scene& scene, const fem::LoadPath& path, std::span<Real> input,
-                  std::span<Real> heights, std::span<Real> targets) const;
-  void fill(std::span<const fem::Scene> scenes, std::span<const fem::LoadPath> paths);
+                  std::span<Real> targets) const;
+  void fill(std::span<const fem::Scene> scenes, std::span<const fem::LoadPath> paths, const Eigen::MatrixXd& profiles);
 };
 
 /// Scenes of like cost side by side, so that the lanes of a group finish together.
 template <class Real>
-void GapSweep<Real>::Batch::State::lay_out(std::span<const fem::Scene> scenes) {
-  std::vector<std::size_t> order(scenes.size());
+void GapSweep<Real>::Batch::State::lay_out(std::span<const fem::Scene> scenes, const Eigen::MatrixXd& profiles) {
+  order.resize(scenes.size());
   std::iota(order.begin(), order.end(), 0);
   std::vector<int> window(scenes.size());
-  for (std::size_t i = 0; i < scenes.size(); ++i) window[i] = expected_window(scenes[i], sweep->condensation.surface_x);
+  for (std::size_t i = 0; i < scenes.size(); ++i)
+    window[i] = expected_window(scenes[i], profiles.col(static_cast<Eigen::Index>(i)));
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return std::tuple(window[a], path_steps[a], friction[a], a) > std::tuple(window[b], path_steps[b], friction[b], b);
   });
@@ -172,22 +138,17 @@ void GapSweep<Real>::Batch::State::lay_out(std::span<const fem::Scene> scenes) {
 
 template <class Real>
 void GapSweep<Real>::Batch::State::fill_scene(std::size_t i, const fem::Scene& scene, const fem::LoadPath& load,
-                                              std::span<Real> input, std::span<Real> heights,
-                                              std::span<Real> targets) const {
+                                              std::span<Real> input, std::span<Real> targets) const {
   const double young = scene.sensor.young;
   const bool both = by_force(scene) && scene.load.angle.has_value();
   const auto put = [&](LaneInputRow row, double value) {
     input[at(i, LANE_INPUT_ROWS, row)] = static_cast<Real>(value);
   };
-  put(LANE_MU, scene.friction);
+  put(LANE_MU, std::min(scene.friction, fem::largest_friction));
   put(LANE_YOUNG, young);
   put(LANE_STEPS, static_cast<double>(load.steps.size()));
   put(LANE_MAY_STOP, load.until_sliding ? load.indentation_steps : 1e6);
   put(LANE_FORCE, by_force(scene) ? (both ? FORCE_BOTH : FORCE_NORMAL) : FORCE_NONE);
-  for (int node = 0; node < sweep->columns(); ++node) {
-    const double height = fem::profile_height(scene.indenter, sweep->condensation.surface_x[node]);
-    heights[at(i, sweep->columns(), node)] = static_cast<Real>(std::isinf(height) ? far_away : height);
-  }
   for (std::size_t k = 0; k < load.steps.size(); ++k) {
     const fem::LoadStep& step = load.steps[k];
     targets[at(i, steps * PATH_ROWS, k * PATH_ROWS + PATH_NORMAL)] =
@@ -198,14 +159,21 @@ void GapSweep<Real>::Batch::State::fill_scene(std::size_t i, const fem::Scene& s
 }
 
 template <class Real>
-void GapSweep<Real>::Batch::State::fill(std::span<const fem::Scene> scenes, std::span<const fem::LoadPath> paths) {
+void GapSweep<Real>::Batch::State::fill(std::span<const fem::Scene> scenes, std::span<const fem::LoadPath> paths,
+                                        const Eigen::MatrixXd& profiles) {
   const auto input = lane_input.map(), heights = profile.map(), targets = path.map();
   // Lanes beyond the last scene run no step; young = 1 makes their input valid.
   std::fill(input.view().begin(), input.view().end(), Real(0));
   std::fill(heights.view().begin(), heights.view().end(), Real(far_away));
   std::fill(targets.view().begin(), targets.view().end(), Real(0));
-  for (std::size_t i = 0; i < scenes.size(); ++i)
-    fill_scene(i, scenes[i], paths[i], input.view(), heights.view(), targets.view());
+  for (const std::size_t i : order) {  // in the order of lanes, for the memory's sake
+    fill_scene(i, scenes[i], paths[i], input.view(), targets.view());
+    const std::size_t first = at(i, sweep->columns(), 0);
+    for (int node = 0; node < sweep->columns(); ++node) {
+      const double height = profiles(node, static_cast<Eigen::Index>(i));
+      heights[first + node * sweep->group()] = static_cast<Real>(std::isinf(height) ? far_away : height);
+    }
+  }
 }
 
 template <class Real>
@@ -236,7 +204,11 @@ typename GapSweep<Real>::Batch GapSweep<Real>::prepare(std::span<const fem::Scen
     b.friction.push_back(scene.friction);
   }
   b.steps = scenes.empty() ? 0 : *std::max_element(b.path_steps.begin(), b.path_steps.end());
-  b.lay_out(scenes);
+  Eigen::MatrixXd profiles(state_->columns(), static_cast<Eigen::Index>(scenes.size()));  // mm
+  for (std::size_t i = 0; i < scenes.size(); ++i)
+    profiles.col(static_cast<Eigen::Index>(i)) =
+        fem::profile_heights(scenes[i].indenter, state_->condensation.surface_x);
+  b.lay_out(scenes, profiles);
 
   const std::size_t group = state_->group(), columns = state_->columns();
   b.groups = (scenes.size() + group - 1) / group;
@@ -248,7 +220,7 @@ typename GapSweep<Real>::Batch GapSweep<Real>::prepare(std::span<const fem::Scen
   b.result = Buffer<Real>(device, lane_steps * LANE_RESULT_ROWS);
   b.rows = Buffer<Real>(device, std::max<std::size_t>(lane_steps * state_->rows, 1));
   b.nodes = Buffer<Real>(device, state_->options.nodes ? lane_steps * 3 * columns : group);
-  b.fill(scenes, paths);
+  b.fill(scenes, paths, profiles);
 
   const GapSweepOptions& o = state_->options;
   const bool force = !scenes.empty() && by_force(scenes.front());
@@ -309,6 +281,24 @@ void GapSweep<Real>::Batch::fill_outputs(Real value) {
 }
 
 template <class Real>
+void GapSweep<Real>::Batch::fill_unused(Real value) {
+  const auto& b = *state_;
+  const std::size_t lanes = b.groups * b.sweep->group(), scenes = b.place.size();
+  const auto input = b.lane_input.map(), heights = b.profile.map(), targets = b.path.map();
+  const auto fill = [&](std::span<Real> buffer, std::size_t lane, std::size_t height, std::size_t from) {
+    for (std::size_t row = from; row < height; ++row) buffer[b.at_lane(lane, height, row)] = value;
+  };
+  for (std::size_t lane = 0; lane < lanes; ++lane) {
+    const std::size_t scene = std::find(b.place.begin(), b.place.end(), lane) - b.place.begin();
+    const std::size_t own_steps = scene < scenes ? b.path_steps[scene] : 0;
+    fill(targets.view(), lane, b.steps * PATH_ROWS, own_steps * PATH_ROWS);
+    if (scene < scenes) continue;
+    fill(input.view(), lane, LANE_INPUT_ROWS, 0);
+    fill(heights.view(), lane, b.sweep->columns(), 0);
+  }
+}
+
+template <class Real>
 double GapSweep<Real>::Batch::result(std::size_t i, int step, int row) const {
   const auto& b = *state_;
   Real value;
@@ -323,6 +313,33 @@ double GapSweep<Real>::Batch::output(std::size_t i, int step, int row) const {
   b.rows.read(std::span(&value, 1),
               b.at(i, static_cast<std::size_t>(b.steps) * b.sweep->rows, step * b.sweep->rows + row));
   return value;
+}
+
+template <class Real>
+GapSweep<Real>::Batch::View::View(const Batch& batch)
+    : state_(batch.state_), results_(state_->result.map()), rows_(state_->rows.map()) {}
+
+template <class Real>
+int GapSweep<Real>::Batch::View::path_steps(std::size_t i) const {
+  return state_->path_steps[i];
+}
+
+template <class Real>
+std::span<const std::size_t> GapSweep<Real>::Batch::View::by_lane() const {
+  return state_->order;
+}
+
+template <class Real>
+Real GapSweep<Real>::Batch::View::result(std::size_t i, int step, int row) const {
+  return results_[state_->at(i, state_->steps * LANE_RESULT_ROWS, step * LANE_RESULT_ROWS + row)];
+}
+
+template <class Real>
+void GapSweep<Real>::Batch::View::tactels(std::size_t i, int step, std::span<float> stress) const {
+  const auto& sweep = *state_->sweep;
+  const std::size_t height = static_cast<std::size_t>(state_->steps) * sweep.rows;
+  const std::size_t first = state_->at(i, height, static_cast<std::size_t>(step) * sweep.rows + sweep.base_rows);
+  for (std::size_t k = 0; k < stress.size(); ++k) stress[k] = static_cast<float>(rows_[first + k * sweep.group()]);
 }
 
 template <class Real>
@@ -351,7 +368,7 @@ fem::ContactSolution GapSweep<Real>::Batch::solution(std::size_t i) const {
     step.tangential = said(LANE_TANGENTIAL);
     step.P = said(LANE_P);
     step.Q = said(LANE_Q);
-    if (b.friction[i] * step.P > 0) step.slip_index = said(LANE_SLIP_INDEX);
+    if (b.friction[i] * step.P > 0) step.slip_index = b.friction[i] < fem::largest_friction ? said(LANE_SLIP_INDEX) : 0;
     step.converged = status == LANE_SOLVED || status == LANE_SLIDING;
     step.iterations = static_cast<int>(said(LANE_SWEEPS));
     step.residual = {said(LANE_PENETRATION), said(LANE_CONE), said(LANE_COMPLEMENTARITY), said(LANE_DRIFT),
@@ -373,49 +390,5 @@ fem::ContactSolution GapSweep<Real>::Batch::solution(std::size_t i) const {
 
 template class GapSweep<float>;
 template class GapSweep<double>;
-
-namespace {
-
-template <class Real>
-void solve_alike(Executor& executor, std::span<const fem::Scene> scenes, const std::vector<std::size_t>& which,
-                 const GapSweepOptions& options, std::vector<fem::ContactSolution>& solutions) {
-  std::vector<fem::Scene> alike;
-  for (std::size_t i : which) alike.push_back(scenes[i]);
-  auto batch = GapSweep<Real>(executor, alike.front().sensor, options).prepare(alike);
-  batch.run();
-  for (std::size_t k = 0; k < which.size(); ++k) solutions[which[k]] = batch.solution(k);
-}
-
-/// Scenes that share a launch: same sensor but for E, same kind of load.
-std::vector<std::vector<std::size_t>> launches(std::span<const fem::Scene> scenes) {
-  std::vector<std::vector<std::size_t>> groups;
-  std::vector<std::pair<fem::Sensor, bool>> keys;
-  for (std::size_t i = 0; i < scenes.size(); ++i) {
-    std::pair key(scenes[i].sensor, by_force(scenes[i]));
-    key.first.young = 1;
-    const std::size_t group = std::find(keys.begin(), keys.end(), key) - keys.begin();
-    if (group == keys.size()) {
-      keys.push_back(key);
-      groups.emplace_back();
-    }
-    groups[group].push_back(i);
-  }
-  return groups;
-}
-
-}  // namespace
-
-std::vector<fem::ContactSolution> solve_gap_sweep(Executor& executor, std::span<const fem::Scene> scenes,
-                                                  Precision precision, const GapSweepOptions& options) {
-  for (const fem::Scene& scene : scenes) scene.validate();
-  std::vector<fem::ContactSolution> solutions(scenes.size());
-  for (const auto& which : launches(scenes)) {
-    if (precision == Precision::fp32)
-      solve_alike<float>(executor, scenes, which, options, solutions);
-    else
-      solve_alike<double>(executor, scenes, which, options, solutions);
-  }
-  return solutions;
-}
 
 }  // namespace tactel::host

@@ -21,9 +21,11 @@ struct GapSweepOptions {
       0;  ///< largest residual of a solved step; 0: 100 tolerance, at least 2e-5 in fp32 (rounding of C times force)
   int most_sweeps = 20000;  ///< an increment that needs more is reported as unsolved
   int spread = 1;  ///< columns of the block to one gap element, whose force acts on the block as a hat (fem/spread.h)
-  bool base_forces = true;  ///< write base nodal forces
+  bool base_forces = true;  ///< write base nodal forces; without them or their sums the certificate has no balance
+  bool base_sums = false;   ///< instead of base_forces: write only their sums in x and y
   bool tactels = true;      ///< write stresses at the tactels
   bool nodes = true;        ///< write forces and statuses of the surface nodes
+  bool fallback = true;     ///< solve_gap_sweep solves once more, exactly, what the sweeps did not
 };
 
 /// A sensor on a device: condensation, maps and programs for one precision. Cheap to copy.
@@ -36,6 +38,8 @@ class GapSweep {
   /// Scenes of this sensor (E may differ) with their load paths, laid out in lanes: [group][..][lane]. All of them are
   /// driven by depth, or all by force.
   class Batch {
+    struct State;
+
    public:
     void run(const RunOptions& options = {});  ///< one launch
     std::size_t size() const;                  ///< scenes
@@ -43,6 +47,7 @@ class GapSweep {
     std::size_t steps_in_all() const;          ///< load increments of all scenes
     double seconds() const;                    ///< of the last run
     void fill_outputs(Real value);             ///< what the outputs hold before a run: tests put NaN there
+    void fill_unused(Real value);              ///< the same for lanes without a scene and goals behind a path's end
     /// What the kernel said of scene `i`, in the order the scenes were given.
     fem::ContactSolution solution(std::size_t i) const;
     /// One number of LaneResultRow for a scene's increment.
@@ -50,9 +55,25 @@ class GapSweep {
     /// One output row (base forces, then tactels) for a scene's increment.
     double output(std::size_t i, int step, int row) const;
 
+    /// The outputs in place, without copies. The batch must not run while one lives.
+    class View {
+     public:
+      explicit View(const Batch& batch);
+      /// One number of LaneResultRow for a scene's increment; increments after the last that ran: LANE_NOT_RUN.
+      Real result(std::size_t i, int step, int row) const;
+      int path_steps(std::size_t i) const;
+      /// The scenes as they lie in memory: the order in which to read many.
+      std::span<const std::size_t> by_lane() const;
+      /// [2 tactels]: sigma_y of every tactel, then tau_xy, MPa.
+      void tactels(std::size_t i, int step, std::span<float> stress) const;
+
+     private:
+      std::shared_ptr<State> state_;
+      typename Buffer<Real>::Mapping results_, rows_;
+    };
+
    private:
     friend class GapSweep;
-    struct State;
     std::shared_ptr<State> state_;
   };
 
@@ -68,8 +89,10 @@ class GapSweep {
 extern template class GapSweep<float>;
 extern template class GapSweep<double>;
 
-/// Any scenes, any sensors: groups them by sensor and by kind of load, runs a launch for each. A step that did not meet
-/// its tolerance has converged = false. Throws ValueError for a scene that is not valid.
+/// Any scenes, any sensors: groups them by sensor and by kind of load, runs a launch for each. A contact of which a
+/// step did not meet its tolerance is solved once more, exactly, on the host (fem/gap_condensed.h, fp64), from the
+/// first step on, and has fell_back = true; steps that still miss their tolerance have converged = false. Throws
+/// ValueError for a scene that is not valid.
 std::vector<fem::ContactSolution> solve_gap_sweep(Executor& executor, std::span<const fem::Scene> scenes,
                                                   Precision precision, const GapSweepOptions& options = {});
 

@@ -1,9 +1,16 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <optional>
 
+#include "host/atomic_file.h"
 #include "host/command.h"
 #include "host/errors.h"
+#include "host/interrupt.h"
+#include "host/planner.h"
+#include "host/progress_line.h"
+#include "host/ranks.h"
+#include "host/set_production.h"
 #include "host/sweep_file.h"
 
 namespace tactel::host {
@@ -12,34 +19,135 @@ namespace {
 struct GenerateRequest {
   SharedOptions shared;
   std::string sweep, output;
-  bool force = false;
+  std::vector<std::string> devices;
+  bool force = false, resume = false;
 };
 
-void refuse_existing(const GenerateRequest& request) {
-  if (!request.force && std::filesystem::exists(request.output))
+ProductionOptions production_options(const GenerateRequest& request) {
+  const SolveOptions& solve = request.shared.solve;
+  if (solve.solver != "batched") throw ConfigError("command line", "--solver", solve.solver, "batched for sets");
+  ProductionOptions options;
+  options.set.precision = solve.precision == "fp64" ? Precision::fp64 : Precision::fp32;
+  options.set.tolerance = 0.01 * solve.tolerance.value_or(0);
+  if (!solve.device.empty()) options.devices = {solve.device};
+  if (!request.devices.empty())
+    options.devices.insert(options.devices.end(), request.devices.begin(), request.devices.end());
+  return options;
+}
+
+/// The rung that --rung names, or that --accuracy takes for a sample of the contacts; none: as the file says.
+std::optional<Rung> modelling(const GenerateRequest& request, const SceneSource& source) {
+  const SolveOptions& solve = request.shared.solve;
+  check_modelling(solve);
+  if (!solve.rung.empty()) return rung_named(solve.rung);
+  if (!solve.accuracy) return std::nullopt;
+  std::vector<fem::Scene> sample;
+  const std::uint64_t count = std::min<std::uint64_t>(source.contacts(), 64);
+  for (std::uint64_t k = 0; k < count; ++k) sample.push_back(source.contact(k * source.contacts() / count).scene);
+  Executor executor{Device(solve.device)};
+  const Plan chosen =
+      plan(sample, *solve.accuracy, [&](const Rung& rung) { return solve_on_rung(executor, sample, rung); });
+  if (!request.shared.quiet)
+    fmt::print(stderr, "{}, in 95 % of {} contacts tried{}\n", chosen.why(), count,
+               chosen.kept ? "" : "; no rung is known to keep this accuracy");
+  return chosen.rung;
+}
+
+/// What --precision and --tolerance do not say, the rung does.
+void model_on(const Rung& rung, const SolveOptions& solve, Sweep& sweep, SetOptions& options) {
+  sweep.source.model_on(rung);
+  if (solve.precision.empty()) options.precision = rung.precision;
+  if (!solve.tolerance) options.tolerance = rung.tolerance;
+}
+
+/// All that the rows depend on.
+std::string plan_of(const Sweep& sweep, const ProductionOptions& options, const std::optional<Rung>& rung) {
+  return fmt::format("tactel " TACTEL_VERSION "\nrung {}\nprecision {}\ntolerance {:a}\nchunk {}\n{}",
+                     rung ? rung->name : "as the file says", options.set.precision == Precision::fp32 ? "fp32" : "fp64",
+                     options.set.tolerance, chunk_contacts, sweep.text);
+}
+
+/// True where a complete set is there already and may stand.
+bool already_there(const GenerateRequest& request, const Sweep& sweep) {
+  if (request.force || !std::filesystem::exists(request.output)) return false;
+  if (!request.resume)
     throw ConfigError("command line", "--output", request.output,
                       "a file that is not there yet, or --force to write over it");
+  if (contact_set_sweep(request.output) != sweep.text)
+    throw ConfigError("command line", "--resume", request.output, "a set of this sweep file: it was made from another");
+  return true;
+}
+
+std::string report_text(const GenerateRequest& request, const ContactSet& set, const std::vector<double>& sums,
+                        std::uint64_t rows, double seconds, double assemble_seconds) {
+  const auto [contacts, steps, kernel, write, bytes] = std::tuple(sums[0], sums[1], sums[2], sums[3], sums[4]);
+  std::string text = fmt::format("{}: {} rows; {} contacts by the exact fallback, {} unsolved\n", request.output, rows,
+                                 set.fell_back, set.unsolved);
+  if (contacts > 0)
+    text += fmt::format(
+        "{:.0f} contacts, {} load steps in {:.2f} s: {} steps/s, in kernels {} steps/s; kept at {} B/s, put together "
+        "in "
+        "{:.2f} s\n",
+        contacts, with_prefix(steps), seconds, with_prefix(steps / seconds), with_prefix(steps / kernel),
+        with_prefix(bytes / write), assemble_seconds);
+  return text;
 }
 
 int run_generate(const GenerateRequest& request) {
-  const Sweep sweep = read_sweep(request.sweep);
-  refuse_existing(request);
-  const SolveOptions& solve = request.shared.solve;
-  if (solve.solver != "batched") throw ConfigError("command line", "--solver", solve.solver, "batched for sets");
-  Executor executor{Device(solve.device)};
-  const bool fp32 = solve.precision == "fp32" || (solve.precision.empty() && !executor.device().info().fp64);
+  Sweep sweep = read_sweep(request.sweep);
+  ProductionOptions options = production_options(request);
+  const std::optional<Rung> rung = modelling(request, sweep.source);
+  if (rung) model_on(*rung, request.shared.solve, sweep, options.set);
+  const Ranks ranks;
+  options.rank = ranks.rank(), options.ranks = ranks.count();
+  if (ranks.first()) {
+    if (already_there(request, sweep)) {
+      if (!request.shared.quiet) fmt::print("{}: complete already\n", request.output);
+      return done;
+    }
+    check_writable("--output", request.output);
+    if (request.force) SetSpool::discard(request.output);
+  }
+  const std::string plan = plan_of(sweep, options, rung);
+  std::optional<SetSpool> spool;
+  if (ranks.first())
+    spool.emplace(request.output, plan, 0, request.resume ? SetSpool::Open::resume : SetSpool::Open::fresh);
+  ranks.barrier();
+  if (!ranks.first()) spool.emplace(request.output, plan, ranks.rank(), SetSpool::Open::join);
+  if (ranks.first() && !request.shared.quiet && request.resume)
+    fmt::print("{} of {} chunks are there{}\n", spool->chunks().size(), chunk_count(sweep.source),
+               spool->torn() ? "; one was torn and is made again" : "");
+
+  const Interrupt interrupt;
+  ProgressLine line("contacts", "contacts", request.shared.quiet || !ranks.first(), chunk_contacts);
+  options.progress = [&](std::size_t chunks_done, std::size_t all) {
+    line.show(chunks_done, all);
+    return !interrupt.requested();
+  };
+  const ProductionReport report = produce_set(sweep.source, *spool, options);
+  line.clear();
+  const std::vector<double> sums =
+      ranks.sum({static_cast<double>(report.contacts), static_cast<double>(report.steps), report.kernel_seconds,
+                 report.write_seconds, static_cast<double>(spool->bytes()), report.finished ? 0.0 : 1.0});
+  if (sums.back() > 0) {
+    if (ranks.first())
+      fmt::print(stderr, "stopped; the chunks that are done are kept in {}: the same command with --resume goes on\n",
+                 SetSpool::folder(request.output).string());
+    return interrupted;
+  }
+  if (!ranks.first()) return done;
   const auto start = std::chrono::steady_clock::now();
-  ContactSet set = simulate_family(executor, sweep.family, fp32 ? Precision::fp32 : Precision::fp64,
-                                   0.01 * solve.tolerance.value_or(0));
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  ContactSet set;
+  set.inputs = 2 * sweep.source.tactels();
   set.sweep = sweep.text;
-  set.rung = fp32 ? "fp32" : "fp64";
-  write_contact_set(request.output, set);
-  const auto unsolved = std::count(set.status.begin(), set.status.end(), std::uint8_t(2));
-  if (!request.shared.quiet)
-    fmt::print("{}: {} load steps of {} contacts in {:.2f} s, {} over tolerance\n", request.output, set.rows(),
-               sweep.family.scenes.size(), seconds, unsolved);
-  return unsolved ? not_converged : done;
+  set.seed = sweep.source.seed();
+  set.indenter_names = sweep.source.kind_names();
+  set.device = fmt::format("{}", fmt::join(report.devices, ", "));
+  set.rung = rung ? fmt::format("{}: {}", rung->name, description(*rung)) : name(options.set.precision);
+  spool->assemble(chunk_count(sweep.source), set);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (!request.shared.quiet) fmt::print("{}", report_text(request, set, sums, spool->rows(), report.seconds, seconds));
+  return set.unsolved ? not_converged : done;
 }
 
 }  // namespace
@@ -49,7 +157,10 @@ void add_generate_command(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("generate", "a set of many contacts, as HDF5");
   command->add_option("sweep", request->sweep, "sweep file (TOML; mm, MPa)")->type_name("SWEEP.toml")->required();
   command->add_option("--output", request->output, "the set to write")->type_name("SET.h5")->required();
-  command->add_flag("--force", request->force, "write over an existing file");
+  auto* force = command->add_flag("--force", request->force, "write over an existing file, drop an interrupted run");
+  command->add_flag("--resume", request->resume, "go on with an interrupted run")->excludes(force);
+  command->add_option("--also-device", request->devices, "one more device to share the work (repeatable)")
+      ->type_name("NAME|INDEX");
   add_shared_options(*command, request->shared);
   command->callback([request, &action] { action = [request] { return run_generate(*request); }; });
 }

@@ -69,6 +69,7 @@ std::vector<fem::ContactSolution> solve_on_rung(Executor& executor, std::span<co
   options.tolerance = rung.tolerance;
   options.spread = rung.spread;
   options.nodes = nodes;
+  options.fallback = rung.spread == 1;  // which solves the block's own gap elements
   return solve_gap_sweep(executor, modelled, rung.precision, options);
 }
 

@@ -70,13 +70,17 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", "tactel " TACTEL_VERSION);
   app.require_subcommand(1);
   app.get_formatter()->column_width(34);
-  app.footer("Exit codes: 0 done, 2 wrong input, 3 device or hardware, 4 something did not meet its tolerance.");
+  app.footer(
+      "Exit codes: 0 done, 2 wrong input, 3 device or hardware, 4 something did not meet its tolerance, 130 Ctrl-C.");
   Action action;
   add_devices_command(app, action);
   add_solve_command(app, action);
   add_generate_command(app, action);
+  add_train_command(app, action);
+  add_recall_command(app, action);
   add_reproduce_command(app, action);
   add_tradeoff_command(app, action);
+  add_extremes_command(app, action);
   app.failure_message(parse_failure);
   if (refuse_unknown_command(app, argc, argv)) return wrong_input;
   try {

@@ -3,31 +3,22 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <map>
 
 #include "fem/value_error.h"
 #include "host/checksum.h"
 #include "host/forward.h"
 #include "host/sweep_checkpoint.h"
+#include "host/sweep_schedule.h"
 
 namespace tactel::host {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double round_seconds = 0.5;          ///< aimed at: progress, checkpoints and Ctrl-C wait for a round
-constexpr std::uint32_t longest_round = 1024;  ///< cycles; the kernel's curve buffer holds a round
-
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-// Cycles that a learning curve keeps: the first ten, then a tenth apart.
+// The cycle that a learning curve keeps after this one.
 std::uint32_t next_point(std::uint32_t cycle) { return cycle < 10 ? cycle + 1 : cycle + cycle / 10; }
-
-void note_cycle(LearningCurve& curve, std::uint32_t cycle, const nn::CycleErrors& errors) {
-  curve.cycle.push_back(cycle);
-  curve.sse.push_back(static_cast<float>(errors.sse));
-  curve.largest.push_back(static_cast<float>(errors.largest));
-}
 
 std::string exact(double number) {
   char text[32];
@@ -43,6 +34,13 @@ std::uint64_t set_hash(const nn::FrameSet& set) {
          (checksum(bytes(set.slip_index.data(), set.slip_index.size())) << 1);
 }
 
+std::string describe(const nn::BatchOptions& options) {
+  std::string text = std::string(" batch ") + nn::name(options.rule) + ' ' + std::to_string(options.batch);
+  for (const double number : {options.rate, options.momentum, options.beta1, options.beta2, options.epsilon})
+    text += ' ' + exact(number);
+  return text + ' ' + nn::name(options.order);
+}
+
 /// All that a sweep's bits depend on.
 template <class Real>
 std::string describe(const SweepPlan& plan, const nn::FrameSet& set, int lanes) {
@@ -55,11 +53,24 @@ std::string describe(const SweepPlan& plan, const nn::FrameSet& set, int lanes) 
   text += " noises";
   for (const double noise : plan.noises) text += ' ' + exact(noise);
   const nn::OnlineOptions& options = plan.options;
-  return text + " rate " + exact(options.rate) + " momentum " + exact(options.momentum) + " stop " +
-         exact(options.stop_error) + " limit " + std::to_string(options.cycle_limit) + ' ' + nn::name(options.order);
+  const std::string limits = " stop " + exact(options.stop_error) + " limit " + std::to_string(options.cycle_limit);
+  if (plan.batch) return text + limits + describe(*plan.batch);
+  return text + " rate " + exact(options.rate) + " momentum " + exact(options.momentum) + limits + ' ' +
+         nn::name(options.order);
 }
 
 }  // namespace
+
+void note_cycle(SweepNetwork& network, const nn::CycleErrors& errors, bool last) {
+  ++network.cycles;
+  network.sse = static_cast<float>(errors.sse);
+  network.largest = static_cast<float>(errors.largest);
+  LearningCurve& curve = network.curve;
+  if (!last && network.cycles != next_point(curve.cycle.empty() ? 0 : curve.cycle.back())) return;
+  curve.cycle.push_back(network.cycles);
+  curve.sse.push_back(network.sse);
+  curve.largest.push_back(network.largest);
+}
 
 void SweepPlan::validate() const {
   if (topologies.empty()) throw ValueError("network", "none", "at least one network");
@@ -69,6 +80,7 @@ void SweepPlan::validate() const {
     if (!(noise >= 0) || !std::isfinite(noise))
       throw ValueError("noise", std::to_string(noise), "finite and at least 0");
   options.validate();
+  if (batch) batch->validate();
 }
 
 template <class Real>
@@ -77,20 +89,17 @@ struct NetworkSweep<Real>::State {
   SweepPlan plan;
   nn::FrameSet set;
   nn::InputScaling scaling;
-  std::vector<SweepNetwork> networks;        ///< [topologies][noises][seeds]
-  std::vector<TrainOnline<Real>> trainings;  ///< [topologies]
-  std::uint32_t round_cycles = 4;
-  double patterns = 0, seconds = 0;
+  std::vector<SweepNetwork> networks;  ///< [topologies][noises][seeds]
+  std::unique_ptr<SweepSchedule<Real>> schedule;
+  double seconds = 0;
 
   State(Executor& executor, const nn::FrameSet& set, const SweepPlan& plan);
   std::size_t per_topology() const { return plan.noises.size() * plan.seeds.size(); }
-  TrainOnline<Real>& training_of(std::size_t network) { return trainings[network / per_topology()]; }
-  std::size_t place(std::size_t network) const { return network % per_topology(); }
   bool running() const;
   std::size_t work_done() const;
   std::size_t work_of_all() const;
   bool run_round(const SweepRunOptions& options);
-  void collect(std::size_t network);
+  nn::Weights<Real> weights(std::size_t network) const { return schedule->weights(network); }
   std::string description() const { return describe<Real>(plan, set, executor.device().lanes(precision_of<Real>)); }
 };
 
@@ -100,20 +109,20 @@ NetworkSweep<Real>::State::State(Executor& executor, const nn::FrameSet& set, co
   plan.validate();
   set.validate();
   std::vector<SetVariant> variants{{}};  // the clean set serves every seed; noise is drawn for each
-  std::vector<OnlineMember> members;
+  SweepMembers members{plan.topologies, {}};
   for (const double noise : plan.noises) {
     for (const std::uint64_t seed : plan.seeds) {
       if (noise != 0) variants.push_back({noise, seed});
-      members.push_back({seed, noise == 0 ? 0 : static_cast<std::uint32_t>(variants.size() - 1)});
+      members.members.push_back({seed, noise == 0 ? 0 : static_cast<std::uint32_t>(variants.size() - 1)});
     }
   }
   const LearningInputs<Real> inputs(executor.device(), set, scaling, variants);
-  for (const nn::Topology& topology : plan.topologies) {
-    trainings.emplace_back(executor, topology, inputs, members, plan.options);
+  schedule = plan.batch ? batch_schedule(executor, inputs, members, *plan.batch, plan.options)
+                        : online_schedule(executor, inputs, members, plan.options);
+  for (const nn::Topology& topology : plan.topologies)
     for (const double noise : plan.noises)
       for (const std::uint64_t seed : plan.seeds)
         networks.push_back({.topology = topology, .seed = seed, .noise = noise, .curve = {}});
-  }
 }
 
 template <class Real>
@@ -141,46 +150,21 @@ std::size_t NetworkSweep<Real>::State::work_of_all() const {
   return all;
 }
 
-// Reads what the last round did to a network.
-template <class Real>
-void NetworkSweep<Real>::State::collect(std::size_t i) {
-  SweepNetwork& network = networks[i];
-  const OnlineReport from{0, network.cycles, 0, 0};
-  const OnlineReport now = training_of(i).report(place(i));
-  if (now.cycle == network.cycles) return;
-  const std::vector<nn::CycleErrors> errors = training_of(i).curve(place(i), from);
-  network.status = static_cast<nn::TrainStatus>(now.status);
-  for (const nn::CycleErrors& cycle : errors) {
-    ++network.cycles;
-    const bool last = network.cycles == now.cycle && network.status != nn::TrainStatus::running;
-    const std::uint32_t before = network.curve.cycle.empty() ? 0 : network.curve.cycle.back();
-    if (last || network.cycles == next_point(before)) note_cycle(network.curve, network.cycles, cycle);
-  }
-  network.sse = now.sse;
-  network.largest = now.largest;
-  patterns += static_cast<double>(errors.size()) * static_cast<double>(set.rows());
-}
-
-// Some cycles of every network; largest networks first, so that the threads end together.
+// Returns whether to go on.
 template <class Real>
 bool NetworkSweep<Real>::State::run_round(const SweepRunOptions& options) {
-  std::vector<TrainOnline<Real>*> order;
-  for (TrainOnline<Real>& training : trainings) order.push_back(&training);
-  std::stable_sort(order.begin(), order.end(), [](const auto* a, const auto* b) {
-    return a->topology().weight_count() > b->topology().weight_count();
-  });
-  std::vector<Job> jobs;
-  for (TrainOnline<Real>* training : order) jobs.push_back(training->job(round_cycles));
-  RunOptions run{.progress = {}, .largest_chunk = 1};
   const std::size_t done = work_done(), all = work_of_all();
-  if (options.progress) run.progress = [&](std::size_t, std::size_t) { return options.progress(done, all); };
-  const RunReport report = executor.run(jobs, run);
+  bool going = true;
+  std::function<bool()> go_on;
+  if (options.progress) go_on = [&] { return going = going && options.progress(done, all); };
+  std::vector<std::uint32_t> cycles;
+  for (const SweepNetwork& network : networks) cycles.push_back(network.cycles);
+  const auto start = Clock::now();
+  schedule->run_round(networks, go_on);
+  seconds += seconds_since(start);
   for (std::size_t i = 0; i < networks.size(); ++i)
-    if (networks[i].status == nn::TrainStatus::running) collect(i);
-  seconds += report.seconds;
-  const double pace = round_seconds / std::max(report.seconds, 1e-3);
-  round_cycles = std::clamp(static_cast<std::uint32_t>(round_cycles * std::min(pace, 4.0)), 1u, longest_round);
-  return !report.cancelled;
+    if (networks[i].cycles != cycles[i]) networks[i].seconds = seconds;
+  return going && (!options.progress || options.progress(work_done(), all));
 }
 
 template <class Real>
@@ -202,7 +186,6 @@ bool NetworkSweep<Real>::run(const SweepRunOptions& options) {
     }
   }
   if (!options.checkpoint.empty()) save(options.checkpoint);
-  if (going && options.progress) options.progress(state_->work_of_all(), state_->work_of_all());
   return !state_->running();
 }
 
@@ -213,7 +196,7 @@ const std::vector<SweepNetwork>& NetworkSweep<Real>::networks() const {
 
 template <class Real>
 nn::Weights<Real> NetworkSweep<Real>::weights(std::size_t network) const {
-  return state_->training_of(network).state(state_->place(network)).weights;
+  return state_->weights(network);
 }
 
 template <class Real>
@@ -223,7 +206,9 @@ const nn::InputScaling& NetworkSweep<Real>::scaling() const {
 
 template <class Real>
 double NetworkSweep<Real>::patterns() const {
-  return state_->patterns;
+  double cycles = 0;
+  for (const SweepNetwork& network : state_->networks) cycles += network.cycles;
+  return cycles * static_cast<double>(state_->set.rows());
 }
 
 template <class Real>
@@ -232,30 +217,43 @@ double NetworkSweep<Real>::seconds() const {
 }
 
 template <class Real>
-std::vector<nn::ErrorReport> NetworkSweep<Real>::recall(const nn::FrameSet& set) const {
+std::vector<std::vector<double>> NetworkSweep<Real>::absolute_errors(const nn::FrameSet& set) const {
   const DeviceFrames frames(state_->executor.device(), set.frames);
-  std::vector<nn::ErrorReport> reports;
-  for (std::size_t t = 0; t < state_->trainings.size(); ++t) {
+  std::vector<std::vector<double>> errors;
+  while (errors.size() < state_->networks.size()) {
     std::vector<nn::Weights<Real>> weights;
-    for (std::size_t i = 0; i < state_->per_topology(); ++i) weights.push_back(state_->trainings[t].state(i).weights);
+    for (std::size_t i = 0; i < state_->per_topology(); ++i) weights.push_back(state_->weights(errors.size() + i));
     Forward<Real> forward(state_->executor, std::span<const nn::Weights<Real>>(weights), state_->scaling);
     forward.run(frames);
     for (std::size_t i = 0; i < weights.size(); ++i)
-      reports.push_back(nn::report_errors(nn::absolute_errors(forward.result(i).slip_index, set), set));
+      errors.push_back(nn::absolute_errors(forward.result(i).slip_index, set));
   }
+  return errors;
+}
+
+template <class Real>
+std::vector<nn::ErrorReport> NetworkSweep<Real>::recall(const nn::FrameSet& set) const {
+  std::vector<nn::ErrorReport> reports;
+  for (const std::vector<double>& errors : absolute_errors(set)) reports.push_back(nn::report_errors(errors, set));
   return reports;
 }
 
 template <class Real>
 std::vector<nn::ErrorReport> NetworkSweep<Real>::recall_learning_set() const {
   std::vector<nn::ErrorReport> reports = recall(state_->set);
+  std::optional<Forward<Real>> forward;  // of one topology after the other
+  std::optional<nn::Topology> its_topology;
   for (std::size_t i = 0; i < reports.size(); ++i) {
     const SweepNetwork& network = state_->networks[i];
     if (network.noise == 0) continue;
     const nn::FrameSet noisy = nn::with_noise(state_->set, network.noise, network.seed);
     const nn::Weights<Real> own = weights(i);
-    Forward<Real> forward(state_->executor, std::span(&own, 1), state_->scaling);
-    reports[i] = nn::report_errors(nn::absolute_errors(forward.recall(noisy.frames).slip_index, noisy), noisy);
+    if (its_topology == network.topology)
+      forward->set_network(0, own);
+    else
+      forward.emplace(state_->executor, std::span(&own, 1), state_->scaling);
+    its_topology = network.topology;
+    reports[i] = nn::report_errors(nn::absolute_errors(forward->recall(noisy.frames).slip_index, noisy), noisy);
   }
   return reports;
 }
@@ -266,18 +264,34 @@ nn::Model NetworkSweep<Real>::model(std::size_t i, const std::string& learning_s
   const nn::FrameSet shown = nn::with_noise(state_->set, network.noise, network.seed);
   const nn::Weights<Real> own = weights(i);
   Forward<Real> forward(state_->executor, std::span(&own, 1), state_->scaling);
-  const nn::ErrorReport errors =
-      nn::report_errors(nn::absolute_errors(forward.recall(shown.frames).slip_index, shown), shown);
-  return {nn::Weights<float>(own), state_->scaling, network.seed, network.noise, learning_set,
-          network.cycles,          errors.all};
+  const nn::Recall<Real> answer = forward.recall(shown.frames);
+  return model(i, learning_set, nn::report_errors(nn::absolute_errors(answer.slip_index, shown), shown).all);
+}
+
+template <class Real>
+nn::Model NetworkSweep<Real>::model(std::size_t i, const std::string& learning_set,
+                                    const nn::ErrorSummary& learning_errors) const {
+  const SweepNetwork& network = state_->networks[i];
+  return {nn::Weights<float>(weights(i)),
+          state_->scaling,
+          network.seed,
+          network.noise,
+          learning_set,
+          network.cycles,
+          learning_errors};
+}
+
+template <class Real>
+std::string NetworkSweep<Real>::description() const {
+  return state_->description();
 }
 
 template <class Real>
 void NetworkSweep<Real>::save(const std::filesystem::path& checkpoint) const {
   std::vector<NetworkRecord<Real>> records;
   for (std::size_t i = 0; i < state_->networks.size(); ++i) {
-    nn::OnlineState<Real> state = state_->training_of(i).state(state_->place(i));
-    records.push_back({state_->networks[i], std::move(state.weights.values), std::move(state.step.values)});
+    records.push_back({state_->networks[i], {}, {}, {}});
+    state_->schedule->store(i, records.back());
   }
   write_checkpoint<Real>(checkpoint, state_->description(), records);
 }
@@ -285,16 +299,15 @@ void NetworkSweep<Real>::save(const std::filesystem::path& checkpoint) const {
 template <class Real>
 bool NetworkSweep<Real>::load(const std::filesystem::path& checkpoint) {
   std::vector<NetworkRecord<Real>> records;
-  for (const SweepNetwork& network : state_->networks) records.push_back({network, {}, {}});
+  for (const SweepNetwork& network : state_->networks) {
+    records.push_back({network, {}, {}, {}});
+    state_->schedule->store(records.size() - 1, records.back());  // for its sizes
+  }
   if (!read_checkpoint<Real>(checkpoint, state_->description(), records)) return false;
+  state_->schedule->restore(records);
   for (std::size_t i = 0; i < records.size(); ++i) {
-    nn::OnlineState<Real> state{nn::Weights<float>(records[i].network.topology)};
-    state.weights.values = std::move(records[i].weights);
-    state.step.values = std::move(records[i].steps);
-    state.cycle = records[i].network.cycles;
-    state.status = records[i].network.status;
-    state_->training_of(i).set_state(state_->place(i), state);
     state_->networks[i] = records[i].network;
+    state_->seconds = std::max(state_->seconds, records[i].network.seconds);
   }
   return true;
 }

@@ -36,12 +36,6 @@ class Builder {
            sizeof(std::int64_t));
   }
   void scalar(const std::string& name, float value) { numbers(name, {}, &value); }
-  static void attribute(onnx::NodeProto& node, const std::string& name, float value) {
-    onnx::AttributeProto& attribute = *node.add_attribute();
-    attribute.set_name(name);
-    attribute.set_type(onnx::AttributeProto::FLOAT);
-    attribute.set_f(value);
-  }
   static void attribute(onnx::NodeProto& node, const std::string& name, std::int64_t value) {
     onnx::AttributeProto& attribute = *node.add_attribute();
     attribute.set_name(name);
@@ -103,7 +97,8 @@ void add_frame_scaling(Builder& builder, int inputs) {
   builder.node("Where", {"no_stress", "zero", "relative"}, "scaled");
 }
 
-// f(z) = 1/2 tanh(z/2): Gemm gives z/2.
+// f(z) = 1/2 tanh(z/2). The halving has a node of its own, because not every runtime heeds Gemm's alpha and beta
+// (OpenCV 4.6 does not).
 void add_layer(Builder& builder, const nn::Weights<float>& weights, int l, const std::string& input) {
   const std::string name = std::to_string(l + 1);
   const int in = weights.topology.fan_in(l), out = weights.topology.fan_out(l);
@@ -111,10 +106,9 @@ void add_layer(Builder& builder, const nn::Weights<float>& weights, int l, const
   const nn::Vector<float> b = weights.layer(l).col(in);
   builder.numbers(weight_name(l), {out, in}, w.data());
   builder.numbers(bias_name(l), {out}, b.data());
-  onnx::NodeProto& gemm = builder.node("Gemm", {input, weight_name(l), bias_name(l)}, "half_sum" + name);
-  Builder::attribute(gemm, "alpha", 0.5f);
-  Builder::attribute(gemm, "beta", 0.5f);
+  onnx::NodeProto& gemm = builder.node("Gemm", {input, weight_name(l), bias_name(l)}, "sum" + name);
   Builder::attribute(gemm, "transB", std::int64_t{1});
+  builder.node("Mul", {"sum" + name, "half"}, "half_sum" + name);
   builder.node("Tanh", {"half_sum" + name}, "tanh" + name);
   builder.node("Mul", {"tanh" + name, "half"}, "output" + name);
 }

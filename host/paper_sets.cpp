@@ -2,9 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "host/gap_sweep.h"
 #include "host/scene_file.h"
-#include "kernels/shared/contact_layout.h"
+#include "host/set_simulator.h"
 
 namespace tactel::host {
 namespace {
@@ -24,26 +23,6 @@ std::string sum_of_powers(const std::vector<int>& powers) {
   return text;
 }
 
-void add_row(ContactSet& set, const fem::ContactStep& step, const fem::Scene& scene, std::size_t contact,
-             std::size_t index, std::uint16_t kind) {
-  for (double value : step.sigma_y) set.frames.push_back(static_cast<float>(value));
-  for (double value : step.tau_xy) set.frames.push_back(static_cast<float>(value));
-  const auto sticking = std::count(step.status.begin(), step.status.end(), fem::GapStatus::stick);
-  const auto slipping = std::count(step.status.begin(), step.status.end(), fem::GapStatus::slip);
-  const fem::Residual& r = step.residual;
-  set.slip_index.push_back(static_cast<float>(*step.slip_index));
-  set.normal_force.push_back(static_cast<float>(step.P));
-  set.tangential_force.push_back(static_cast<float>(step.Q));
-  set.friction.push_back(static_cast<float>(scene.friction));
-  set.stick_fraction.push_back(static_cast<float>(sticking) / static_cast<float>(sticking + slipping));
-  set.contact_nodes.push_back(static_cast<std::uint16_t>(sticking + slipping));
-  set.contact.push_back(contact);
-  set.step.push_back(static_cast<std::uint32_t>(index));
-  set.indenter.push_back(kind);
-  set.status.push_back(!step.converged ? LANE_UNSOLVED : sticking ? LANE_SOLVED : LANE_SLIDING);
-  set.residual.push_back(static_cast<float>(std::max({r.penetration, r.cone, r.complementarity, r.drift, r.balance})));
-}
-
 }  // namespace
 
 SceneFamily paper_learning_family(const fem::Scene& base, double scale, double height) {
@@ -60,8 +39,8 @@ SceneFamily paper_learning_family(const fem::Scene& base, double scale, double h
 
 SceneFamily paper_recall_family(const fem::Scene& base) {
   SceneFamily family;
-  family.kind_names = {
-      "flat", "triangular", "parabolic", "spherical", "exponential", "trapezoidal", "flat with parabolic edges"};
+  family.kind_names = {"flat",        "triangular",           "parabolic", "spherical", "exponential",
+                       "trapezoidal", "flat, parabolic edges"};
   for (double half_width : {2.0, 3.0, 4.0, 5.0}) add(family, base, fem::Flat{half_width}, 0);
   for (double edge_angle : {120.0, 140.0, 160.0, 170.0}) add(family, base, fem::Wedge{edge_angle}, 1);
   for (double radius : {5.0, 10.0, 20.0, 40.0}) add(family, base, fem::Parabola{radius}, 2);
@@ -79,22 +58,11 @@ fem::Scene paper_set_scene() {
   return scene;
 }
 
+SceneSource source_of(const SceneFamily& family) { return {family.scenes, family.kind, family.kind_names}; }
+
 ContactSet simulate_family(Executor& executor, const SceneFamily& family, Precision precision, double tolerance) {
-  GapSweepOptions options;
-  options.tolerance = tolerance;
-  options.base_forces = true;  // the certificate's balance needs them
-  const auto solutions = solve_gap_sweep(executor, family.scenes, precision, options);
-  ContactSet set;
-  set.inputs = 2 * family.scenes.front().sensor.tactels;
-  set.indenter_names = family.kind_names;
-  set.device = executor.device().info().name;
-  for (std::size_t i = 0; i < solutions.size(); ++i) {
-    const fem::Scene& scene = family.scenes[i];
-    const auto& steps = solutions[i].steps;
-    for (std::size_t k = fem::load_path(scene.load).indentation_steps - 1; k < steps.size(); ++k)
-      if (steps[k].slip_index) add_row(set, steps[k], scene, i, k, family.kind[i]);
-  }
-  return set;
+  const SceneSource source = source_of(family);
+  return SetSimulator(executor, source, {precision, tolerance}).simulate(0, source.contacts());
 }
 
 }  // namespace tactel::host

@@ -5,6 +5,7 @@
 #include "fem/scene.h"
 #include "host/contact_set.h"
 #include "host/executor.h"
+#include "host/scene_source.h"
 
 namespace tactel::host {
 
@@ -28,8 +29,10 @@ SceneFamily paper_recall_family(const fem::Scene& base);
 /// contact slides.
 fem::Scene paper_set_scene();
 
-/// Simulates a family; rows are the load steps from full indentation on, so that the indenter presses as deep in all of
-/// them. Steps without a slippage index (mu P = 0) give no row.
+/// A family as the contacts of a set.
+SceneSource source_of(const SceneFamily& family);
+
+/// Simulates a family as SetSimulator does.
 ContactSet simulate_family(Executor& executor, const SceneFamily& family, Precision precision, double tolerance);
 
 }  // namespace tactel::host

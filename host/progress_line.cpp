@@ -22,14 +22,15 @@ ProgressLine::ProgressLine(std::string job, std::string unit, bool quiet, double
 
 ProgressLine::~ProgressLine() { clear(); }
 
-void ProgressLine::show(std::size_t done, std::size_t total) {
+void ProgressLine::show(std::size_t done, std::size_t total, const std::string& rate_text) {
   const auto now = Clock::now();
   if (start_ == Clock::time_point{}) start_ = now, first_done_ = done;
   if (!visible_ || total == 0 || (shown_ && seconds(now - last_) < show_every)) return;
   const double rate = static_cast<double>(done - first_done_) / std::max(seconds(now - start_), 1e-9);
   std::string line = fmt::format("{}: {:.1f} %", job_, 100.0 * static_cast<double>(done) / static_cast<double>(total));
   if (done > first_done_)
-    line += fmt::format(", {} {}/s, {} left", with_prefix(rate * per_count_), unit_,
+    line += fmt::format(", {}, {} left",
+                        rate_text.empty() ? with_prefix(rate * per_count_) + " " + unit_ + "/s" : rate_text,
                         duration_text(static_cast<double>(total - done) / rate));
   fmt::print(stderr, "{}{}", clear_line, line);
   std::fflush(stderr);

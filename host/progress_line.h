@@ -13,7 +13,8 @@ class ProgressLine {
   /// `job` begins the line; `unit` is what is counted, `per_count` how many of it one count of the job is.
   ProgressLine(std::string job, std::string unit, bool quiet, double per_count = 1);
   ~ProgressLine();  ///< clears the line
-  void show(std::size_t done, std::size_t total);
+  /// `rate`: what to say in place of the line's own rate.
+  void show(std::size_t done, std::size_t total, const std::string& rate = "");
   void clear();
 
  private:

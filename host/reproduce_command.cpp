@@ -6,13 +6,18 @@
 #include "host/command.h"
 #include "host/direct_problem_report.h"
 #include "host/errors.h"
+#include "host/interrupt.h"
+#include "host/inverse_problem_report.h"
 #include "host/json_text.h"
+#include "host/progress_line.h"
 
 namespace tactel::host {
 namespace {
 
 struct ReproduceRequest {
   std::string output = "report", device;
+  std::size_t seeds = 100;
+  int cycles = 0;
   bool quiet = false;
 };
 
@@ -22,6 +27,34 @@ void make_directory(const std::filesystem::path& path) {
   if (error)
     throw ConfigError("command line", "--output", path.string(),
                       "a directory that can be made (" + error.message() + ")");
+}
+
+/// Section V. False when Ctrl-C stopped it.
+bool reproduce_networks(const ReproduceRequest& request, Executor& executor, ReportPage& page) {
+  const std::filesystem::path directory = request.output;
+  InverseChoice choice = inverse_choice();
+  choice.options.cycle_limit = request.cycles;
+  const std::filesystem::path checkpoint = directory / "networks.checkpoint";
+  Interrupt interrupt;
+  ProgressLine line("training the six networks", "weight updates", request.quiet);
+  const auto problem = solve_inverse_problem(executor, choice, request.seeds,
+                                             {.progress =
+                                                  [&](std::size_t done, std::size_t total) {
+                                                    line.show(done, total);
+                                                    return !interrupt.requested();
+                                                  },
+                                              .checkpoint = checkpoint});
+  line.clear();
+  if (!problem) {
+    fmt::print(stderr, "stopped; the same command goes on from {}\n", checkpoint.string());
+    return false;
+  }
+  const auto sensitivity = inverse_sensitivity(executor, choice, std::min<std::size_t>(request.seeds, 4),
+                                               request.cycles > 0 ? std::min(request.cycles, 2000) : 2000);
+  report_inverse_problem(page, *problem, choice, sensitivity);
+  write_file("--output", directory / "table2.json", json_text(table_two_json(*problem)));
+  std::filesystem::remove(checkpoint);
+  return true;
 }
 
 int run_reproduce(const ReproduceRequest& request) {
@@ -35,6 +68,7 @@ int run_reproduce(const ReproduceRequest& request) {
                       executor.device().info().name);
   const auto table_one = report_direct_problem(executor, page);
   write_file("--output", directory / "table1.json", json_text(table_one));
+  if (!reproduce_networks(request, executor, page)) return interrupted;
   write_file("--output", directory / "index.html", page.html());
   if (!request.quiet)
     fmt::print("report: {}\n", std::filesystem::absolute(directory / "index.html").lexically_normal().string());
@@ -46,10 +80,16 @@ int run_reproduce(const ReproduceRequest& request) {
 void add_reproduce_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<ReproduceRequest>();
   CLI::App* command =
-      app.add_subcommand("reproduce", "the paper: Table I and Figures 3 to 5, as an HTML page and JSON");
+      app.add_subcommand("reproduce", "the paper: Tables I and II and Figures 3 to 5, as an HTML page and JSON");
   command->add_option("--output", request->output, "directory of the report")->type_name("DIR")->capture_default_str();
   command->add_option("--device", request->device, "OpenCL device, its index or a part of its name")
       ->type_name("NAME|INDEX");
+  command->add_option("--seeds", request->seeds, "initial weights that each network of Table II is trained from")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command->add_option("--cycles", request->cycles, "fewer learning cycles than the paper, for a quick look; 0: as many")
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
   command->add_flag("--quiet", request->quiet, "say nothing but errors");
   command->callback([request, &action] { action = [request] { return run_reproduce(*request); }; });
 }

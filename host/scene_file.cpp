@@ -1,6 +1,7 @@
 #include "host/scene_file.h"
 
 #include <array>
+#include <limits>
 
 #include "host/nearest_word.h"
 #include "host/scene_tables.h"
@@ -29,7 +30,12 @@ void read_sensor(const TomlFile& file, fem::Sensor& sensor) {
 
 void read_contact(const TomlFile& file, double& friction) {
   TomlTable in(file, "contact");
-  in.read("friction", friction, "a number, mu >= 0");
+  if (in.has_text("friction")) {
+    in.read_choice("friction", {"bonded"});
+    friction = std::numeric_limits<double>::infinity();
+  } else {
+    in.read("friction", friction, "a number, mu >= 0, or \"bonded\"");
+  }
   in.finish();
 }
 

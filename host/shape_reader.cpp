@@ -47,6 +47,7 @@ void read_shape(ShapeKeys& keys, fem::Taylor& taylor) {
   if (!keys.in.read("powers", taylor.powers, powers)) keys.in.refuse_missing("powers", std::string("given, ") + powers);
   keys.in.read("scale", taylor.scale, some_mm);
   if (double height = 0; keys.in.read("height", height, some_mm)) taylor.height = height;
+  keys.in.read("coefficients", taylor.coefficients, "an array of numbers not below 0, one for each power");
 }
 void read_shape(ShapeKeys& keys, fem::Profile& profile) {
   TomlTable& in = keys.in;
@@ -80,7 +81,7 @@ const std::vector<ShapeName>& shapes() {
       {"exponential", {"height", "rate"}, fem::Exponential{}},
       {"trapezoid", {"half_width", "slope"}, fem::Trapezoid{}},
       {"rounded_flat", {"half_width", "radius"}, fem::RoundedFlat{}},
-      {"taylor", {"powers", "scale", "height"}, fem::Taylor{}},
+      {"taylor", {"powers", "scale", "height", "coefficients"}, fem::Taylor{}},
       {"profile", {"x", "y", "file", "smooth"}, fem::Profile{}},
   };
   return all;

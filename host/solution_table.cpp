@@ -46,6 +46,7 @@ std::string solution_table(const fem::Scene& scene, const SolveOutcome& outcome)
   const auto& steps = outcome.solution.steps;
   for (std::size_t k = 0; k < steps.size(); ++k) out += row(k + 1, steps[k]);
   if (outcome.solution.sliding) out += "the whole contact slides\n";
+  if (outcome.solution.fell_back) out += "the sweeps gave up: solved on the host by the exact fallback, in fp64\n";
   return out;
 }
 

@@ -1,7 +1,5 @@
 #include "host/sweep_checkpoint.h"
 
-#include <unistd.h>
-
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -13,10 +11,10 @@ namespace tactel::host {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::string_view magic = "tactel checkpoint 1\n";
+constexpr std::string_view magic = "tactel checkpoint 2\n";
 
 // File: magic, checksum of all that follows (8 bytes), then items, each with its number of bytes (8) before it: the
-// plan; for each network its report, curve, weights, steps. Byte order is the machine's.
+// plan; for each network its report, seconds, curve, weights, moments. Byte order is the machine's.
 class Writer {
  public:
   template <class T>
@@ -66,7 +64,7 @@ class Reader {
 };
 
 void write_file(const fs::path& path, const std::string& content) {
-  const fs::path temporary = path.string() + "." + std::to_string(getpid());
+  const fs::path temporary = path.string() + ".part";
   {
     std::ofstream file(temporary, std::ios::binary);
     file.write(content.data(), static_cast<std::streamsize>(content.size()));
@@ -87,11 +85,12 @@ void write_checkpoint(const fs::path& path, const std::string& plan, std::span<c
     const SweepNetwork& network = record.network;
     const OnlineReport report{static_cast<std::int32_t>(network.status), network.cycles, network.sse, network.largest};
     writer.put(std::span<const OnlineReport>(&report, 1));
+    writer.put(std::span<const double>(&network.seconds, 1));
     writer.put(std::span<const std::uint32_t>(network.curve.cycle));
     writer.put(std::span<const float>(network.curve.sse));
     writer.put(std::span<const float>(network.curve.largest));
-    writer.put(std::span<const Real>(record.weights));
-    writer.put(std::span<const Real>(record.steps));
+    for (const auto* numbers : {&record.weights, &record.first, &record.second})
+      writer.put(std::span<const Real>(*numbers));
   }
   write_file(path, writer.content());
 }
@@ -109,15 +108,20 @@ bool read_checkpoint(const fs::path& path, const std::string& plan, std::span<Ne
   for (NetworkRecord<Real>& record : records) {
     SweepNetwork& network = record.network;
     const std::vector<OnlineReport> report = reader.take<OnlineReport>();
+    const std::vector<double> seconds = reader.take<double>();
     network.curve.cycle = reader.take<std::uint32_t>();
     network.curve.sse = reader.take<float>();
     network.curve.largest = reader.take<float>();
-    record.weights = reader.take<Real>();
-    record.steps = reader.take<Real>();
-    const std::size_t points = network.curve.cycle.size(), count = network.topology.weight_count();
-    if (report.size() != 1 || network.curve.sse.size() != points || network.curve.largest.size() != points ||
-        record.weights.size() != count || record.steps.size() != count)
-      reader.fail("damaged", "whole; delete it to start anew");
+    const std::size_t points = network.curve.cycle.size();
+    bool fits = report.size() == 1 && seconds.size() == 1 && network.curve.sse.size() == points &&
+                network.curve.largest.size() == points;
+    for (auto* numbers : {&record.weights, &record.first, &record.second}) {
+      const std::size_t expected = numbers->size();
+      *numbers = reader.take<Real>();
+      fits = fits && numbers->size() == expected;
+    }
+    if (!fits) reader.fail("damaged", "whole; delete it to start anew");
+    network.seconds = seconds[0];
     network.status = static_cast<nn::TrainStatus>(report[0].status);
     network.cycles = report[0].cycle;
     network.sse = report[0].sse;

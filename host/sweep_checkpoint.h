@@ -13,8 +13,9 @@ namespace tactel::host {
 /// All of one network that a stopped sweep needs to go on to the same bits.
 template <class Real>
 struct NetworkRecord {
-  SweepNetwork network;              ///< topology, seed and noise are the plan's and not stored
-  std::vector<Real> weights, steps;  ///< [layer][out][in + 1]
+  SweepNetwork network;               ///< topology, seed and noise are the plan's and not stored
+  std::vector<Real> weights;          ///< [layer][out][in + 1]
+  std::vector<Real> first, second{};  ///< the same: momentum's steps, or a BatchState's moments; second may be empty
 };
 
 /// Writes under a temporary name, then renames. `plan` is all that the records depend on, as text. Throws ConfigError
@@ -23,8 +24,8 @@ template <class Real>
 void write_checkpoint(const std::filesystem::path& path, const std::string& plan,
                       std::span<const NetworkRecord<Real>> records);
 
-/// Fills records whose networks name their topologies. None when there is no such file. Throws ConfigError for a file
-/// that is damaged, cut short, or of another plan.
+/// Fills records that have the sizes that the file's must have. False when there is no such file. Throws ConfigError
+/// for a file that is damaged, cut short, or of another plan.
 template <class Real>
 bool read_checkpoint(const std::filesystem::path& path, const std::string& plan,
                      std::span<NetworkRecord<Real>> records);

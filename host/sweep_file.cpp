@@ -30,27 +30,30 @@ fem::Scene base_scene(const TomlFile& file) {
   return base;
 }
 
-}  // namespace
-
-Sweep read_sweep(const std::filesystem::path& path) {
-  const TomlFile file(path);
+SceneSource paper_source(const TomlFile& file) {
   const std::vector<std::string> sets = {"paper-learning", "paper-recall"};
   const fem::Scene base = base_scene(file);
   TomlTable in(file, "sweep");
-  const auto set = in.read_choice("set", sets);
-  if (!set) in.refuse_missing("set", "given: \"paper-learning\" or \"paper-recall\"");
+  const std::size_t set = in.read_choice("set", sets).value();
   double scale = 10.0, height = 10.0;
-  if (*set == 0) {
+  if (set == 0) {
     in.read("scale", scale, "a number of mm above 0");
     in.read("height", height, "a number of mm above 0");
   }
   in.finish();
   try {
-    return {text_of(path), sets[*set],
-            *set == 0 ? paper_learning_family(base, scale, height) : paper_recall_family(base)};
+    return source_of(set == 0 ? paper_learning_family(base, scale, height) : paper_recall_family(base));
   } catch (const ValueError& error) {
     throw file.error(error);
   }
+}
+
+}  // namespace
+
+Sweep read_sweep(const std::filesystem::path& path) {
+  const TomlFile file(path);
+  TomlTable sweep(file, "sweep");
+  return {text_of(path), sweep.has("set") ? paper_source(file) : SceneSource::read(path)};
 }
 
 }  // namespace tactel::host

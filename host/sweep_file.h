@@ -9,11 +9,11 @@ namespace tactel::host {
 /// What a sweep file asks for.
 struct Sweep {
   std::string text;  ///< the file as it was read
-  std::string set;   ///< "paper-learning" or "paper-recall"
-  SceneFamily family;
+  SceneSource source;
 };
 
-/// Reads a sweep file: a scene file's [sensor], [contact] and [load] tables, which may be left out, and
+/// Reads a sweep file: SceneSource says what it may hold; or one of the paper's sets, with a scene file's [sensor],
+/// [contact] and [load] tables, which may be left out, and
 ///   [sweep]
 ///   set = "paper-learning" | "paper-recall"
 ///   scale = 10.0, height = 10.0    # mm, of the Taylor shapes of paper-learning

@@ -111,6 +111,8 @@ TomlTable::TomlTable(const TomlFile& file, const std::string& name) : file_(file
 
 bool TomlTable::has(const std::string& key) const { return table_ != nullptr && table_->contains(key); }
 
+bool TomlTable::has_text(const std::string& key) const { return has(key) && table_->get(key)->is_string(); }
+
 const toml::node* TomlTable::find(const std::string& key) {
   asked_.insert(key);
   return table_ != nullptr ? table_->get(key) : nullptr;

@@ -19,6 +19,7 @@ class TomlFile {
 
   const std::filesystem::path& path() const { return path_; }
   const toml::table& root() const { return root_; }
+  toml::table& root() { return root_; }
 
   /// The error about a value of this file. `node` (may be null) gives line and value.
   ConfigError error(const std::string& key, const toml::node* node, const std::string& allowed) const;
@@ -41,6 +42,7 @@ class TomlTable {
   TomlTable(const TomlFile& file, const std::string& name);
 
   bool has(const std::string& key) const;
+  bool has_text(const std::string& key) const;  ///< a text, where another type would do, too
   bool read(const std::string& key, double& value, const std::string& what);
   bool read(const std::string& key, int& value, const std::string& what);
   bool read(const std::string& key, std::string& value, const std::string& what);

@@ -139,7 +139,7 @@ Figure tradeoff_figure(const Tradeoff& tradeoff) {
   std::size_t ink = 0;
   for (const MeasuredModel& model : tradeoff.models) {
     if (model.rung.name.empty() || model.rung.name == "reference") continue;
-    Series rung{.label = model.rung.name, .mark = Mark::dots, .ink = inks[ink++ % std::size(inks)]};
+    Series rung{.label = model.rung.name, .mark = Mark::triangles, .ink = inks[ink++ % std::size(inks)]};
     add_point(rung, model);
     panel.series.push_back(std::move(rung));
   }

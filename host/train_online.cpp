@@ -12,10 +12,36 @@ static_assert(int(nn::TrainStatus::running) == ONLINE_RUNNING && int(nn::TrainSt
 static_assert(int(nn::TrainStatus::cycle_limit) == ONLINE_CYCLE_LIMIT);
 static_assert(int(nn::TrainStatus::not_finite) == ONLINE_NOT_FINITE);
 
-// Places of the kernel's arguments that change from run to run.
-enum Argument : unsigned { curve_argument = 3, most_cycles_argument = 10 };
+constexpr std::uint32_t no_network = 0xffffffffu;  ///< NO_NETWORK of the kernel
 
-int vectors_of(int numbers, int lanes) { return (numbers + lanes - 1) / lanes; }
+// Places of the kernel's arguments that change from run to run.
+enum Argument : unsigned { curve_argument = 3, most_cycles_argument = 12 };
+
+std::size_t vectors_of(std::size_t numbers, std::size_t in_each) { return (numbers + in_each - 1) / in_each; }
+
+// Numbers of a group's weights of one layer, steps included.
+std::size_t layer_size(const nn::Topology& topology, int layer, std::size_t lanes, std::size_t together) {
+  return 2 * lanes * (topology.fan_in(layer) + 1) * vectors_of(topology.fan_out(layer), lanes / together);
+}
+
+// Networks in the lanes of a group, when there are enough. Side by side they fill the lanes better, and hide each
+// other's latency; but their second layers, which every pattern reads and writes, have to fit the first-level cache.
+template <class Real>
+std::size_t networks_together(const nn::Topology& topology, std::size_t lanes) {
+  constexpr std::size_t most = 4, cache = 36 << 10;
+  std::size_t together = std::min(lanes, most);
+  while (together > 1 && topology.layers() > 2 && layer_size(topology, 1, lanes, together) * sizeof(Real) > cache)
+    together /= 2;
+  return together;
+}
+
+// Numbers of a group's weights, steps included; those into the output neuron are an input to a lane.
+std::size_t group_size(const nn::Topology& topology, std::size_t lanes, std::size_t together) {
+  const int last = topology.layers() - 1;
+  std::size_t size = 2 * lanes * (vectors_of(topology.fan_in(last), lanes / together) + 1);
+  for (int l = 0; l < last; ++l) size += layer_size(topology, l, lanes, together);
+  return size;
+}
 
 }  // namespace
 
@@ -27,15 +53,21 @@ TrainOnline<Real>::TrainOnline(Executor& executor, const nn::Topology& topology,
       options_(options),
       inputs_(inputs),
       members_(members.begin(), members.end()),
-      lanes_(executor.device().lanes(precision_of<Real>)) {
+      together_(networks_together<Real>(topology, executor.device().lanes(precision_of<Real>))) {
   options.validate();
   if (inputs.inputs() != topology.inputs())
     throw ValueError("network", topology.text(),
                      "a network with " + std::to_string(inputs.inputs()) + " inputs, as the set has");
   const Device& device = executor.device();
-  weights_ = Buffer<Real>(device, members_.size() * network_size());
+  const int lanes = device.lanes(precision_of<Real>);
+  const std::size_t slots = vectors_of(members_.size(), together_) * together_;
+  weights_ = Buffer<Real>(device, members_.size() * 2 * topology.weight_count());
   reports_ = Buffer<OnlineReport>(device, members_.size());
-  order_ = Buffer<std::uint32_t>(device, members_.size() * inputs.rows());
+  vectors_ = Buffer<Real>(device, std::max(slots / together_ * group_size(topology, lanes, together_),
+                                           2 * together_ * group_size(topology, lanes, 1)));
+  curve_ = Buffer<Real>(device, 0);
+  order_ = Buffer<std::uint32_t>(device, slots * inputs.rows());
+  slots_ = Buffer<std::uint32_t>(device, slots);
   std::vector<std::uint32_t> set_of;
   std::vector<std::uint64_t> seeds;
   for (const OnlineMember& member : members_) {
@@ -46,14 +78,25 @@ TrainOnline<Real>::TrainOnline(Executor& executor, const nn::Topology& topology,
   seeds_ = Buffer<std::uint64_t>(device, std::span<const std::uint64_t>(seeds));
   for (std::size_t i = 0; i < members_.size(); ++i)
     set_state(i, nn::OnlineState<Real>(nn::initial_weights(topology, members_[i].seed)));
-  const Program program(device, "train_online.cl", network_defines(topology, lanes_, precision_of<Real>));
-  curve_ = Buffer<Real>(device, 0);
-  launch_ = executor.prepare(program, "train_online", [&](cl::Kernel& kernel) {
+  launch(together_);
+}
+
+// The launch with so many networks side by side, compiled when it is first asked for.
+template <class Real>
+Launch& TrainOnline<Real>::launch(std::size_t together) {
+  if (const auto found = launches_.find(together); found != launches_.end()) return found->second;
+  const Device& device = executor_->device();
+  Defines defines = network_defines(topology_, device.lanes(precision_of<Real>), precision_of<Real>);
+  defines.emplace_back("NETWORKS", std::to_string(together));
+  const Program program(device, "train_online.cl", defines);
+  const Launch launch = executor_->prepare(program, "train_online", [&](cl::Kernel& kernel) {
     cl_uint i = 1;
     kernel.setArg(i++, weights_.cl_buffer());
     kernel.setArg(i++, reports_.cl_buffer());
     kernel.setArg(i++, curve_.cl_buffer());
+    kernel.setArg(i++, vectors_.cl_buffer());
     kernel.setArg(i++, order_.cl_buffer());
+    kernel.setArg(i++, slots_.cl_buffer());
     kernel.setArg(i++, seeds_.cl_buffer());
     kernel.setArg(i++, inputs_.rows_buffer().cl_buffer());
     kernel.setArg(i++, set_of_.cl_buffer());
@@ -66,6 +109,7 @@ TrainOnline<Real>::TrainOnline(Executor& executor, const nn::Topology& topology,
     kernel.setArg(i++, static_cast<Real>(options_.momentum));
     kernel.setArg(i++, static_cast<Real>(options_.stop_error));
   });
+  return launches_.emplace(together, launch).first->second;
 }
 
 template <class Real>
@@ -78,10 +122,26 @@ Job TrainOnline<Real>::job(std::uint32_t most_cycles) {
   if (most_cycles != curve_cycles_) {
     curve_cycles_ = most_cycles;
     curve_ = Buffer<Real>(executor_->device(), members_.size() * most_cycles * 2);
-    launch_.set(curve_argument, curve_.cl_buffer());
-    launch_.set(most_cycles_argument, cl_uint{most_cycles});
   }
-  return {launch_, members_.size()};
+  std::vector<std::uint32_t> slots = running();
+  const std::size_t together = slots.size() < 2 * together_ ? 1 : together_;  // half empty groups gain nothing
+  const std::size_t groups = vectors_of(slots.size(), together);
+  slots.resize(slots_.size(), no_network);
+  slots_.write(slots);
+  Launch& next = launch(together);
+  next.set(curve_argument, curve_.cl_buffer());
+  next.set(most_cycles_argument, cl_uint{most_cycles});
+  return {next, groups};
+}
+
+// Networks that have stopped leave their lanes to others.
+template <class Real>
+std::vector<std::uint32_t> TrainOnline<Real>::running() const {
+  std::vector<std::uint32_t> running;
+  const std::vector<OnlineReport> now = reports();
+  for (std::uint32_t i = 0; i < now.size(); ++i)
+    if (now[i].status == ONLINE_RUNNING) running.push_back(i);
+  return running;
 }
 
 template <class Real>
@@ -116,62 +176,23 @@ std::vector<nn::CycleErrors> TrainOnline<Real>::curve(std::size_t network, const
   return errors;
 }
 
-// Where the kernel keeps weight (layer, neuron, input), in numbers from the network's beginning; its step follows
-// `lanes` later. An input equal to the layer's fan-in is the bias.
-template <class Real>
-std::size_t TrainOnline<Real>::place(int layer, int neuron, int input) const {
-  std::size_t vector = 0;
-  for (int l = 0; l < layer; ++l)
-    vector += std::size_t(topology_.fan_in(l) + 1) * vectors_of(topology_.fan_out(l), lanes_);
-  const bool output = layer == topology_.layers() - 1;
-  const int fan_in = topology_.fan_in(layer);
-  if (output && input == fan_in) return (vector + vectors_of(fan_in, lanes_)) * 2 * lanes_;
-  const int lane = (output ? input : neuron) % lanes_;
-  vector += output ? input / lanes_ : input * vectors_of(topology_.fan_out(layer), lanes_) + neuron / lanes_;
-  return vector * 2 * lanes_ + lane;
-}
-
-template <class Real>
-std::size_t TrainOnline<Real>::network_size() const {
-  return place(topology_.layers() - 1, 0, topology_.fan_in(topology_.layers() - 1)) + 2 * lanes_;
-}
-
 template <class Real>
 nn::OnlineState<Real> TrainOnline<Real>::state(std::size_t network) const {
   const OnlineReport now = report(network);
-  std::vector<Real> numbers(network_size());
-  weights_.read(numbers, network * network_size());
   nn::OnlineState<Real> state{nn::Weights<float>(topology_)};
+  const std::size_t count = topology_.weight_count();
+  weights_.read(state.weights.values, 2 * network * count);
+  weights_.read(state.step.values, (2 * network + 1) * count);
   state.cycle = now.cycle;
   state.status = static_cast<nn::TrainStatus>(now.status);
-  for (int l = 0; l < topology_.layers(); ++l) {
-    auto weights = state.weights.layer(l), steps = state.step.layer(l);
-    for (int neuron = 0; neuron < topology_.fan_out(l); ++neuron) {
-      for (int input = 0; input <= topology_.fan_in(l); ++input) {
-        weights(neuron, input) = numbers[place(l, neuron, input)];
-        steps(neuron, input) = numbers[place(l, neuron, input) + lanes_];
-      }
-    }
-  }
   return state;
 }
 
 template <class Real>
 void TrainOnline<Real>::set_state(std::size_t network, const nn::OnlineState<Real>& state) {
-  std::vector<Real> numbers(network_size(), Real(0));
-  for (int l = 0; l < topology_.layers(); ++l) {
-    const auto weights = state.weights.layer(l), steps = state.step.layer(l);
-    for (int neuron = 0; neuron < topology_.fan_out(l); ++neuron) {
-      for (int input = 0; input <= topology_.fan_in(l); ++input) {
-        numbers[place(l, neuron, input)] = weights(neuron, input);
-        numbers[place(l, neuron, input) + lanes_] = steps(neuron, input);
-      }
-    }
-  }
-  // The output's bias is the same in every lane.
-  std::fill(numbers.end() - 2 * lanes_, numbers.end() - lanes_, numbers[numbers.size() - 2 * lanes_]);
-  std::fill(numbers.end() - lanes_, numbers.end(), numbers[numbers.size() - lanes_]);
-  weights_.write(numbers, network * network_size());
+  const std::size_t count = topology_.weight_count();
+  weights_.write(state.weights.values, 2 * network * count);
+  weights_.write(state.step.values, (2 * network + 1) * count);
   const OnlineReport report{static_cast<std::int32_t>(state.status), state.cycle, 0, 0};
   reports_.write(std::span(&report, 1), network);
 }

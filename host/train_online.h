@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -44,22 +45,23 @@ class TrainOnline {
   void set_state(std::size_t network, const nn::OnlineState<Real>& state);
 
  private:
-  std::size_t place(int layer, int neuron, int input) const;
-  std::size_t network_size() const;
+  Launch& launch(std::size_t together);
+  std::vector<std::uint32_t> running() const;
 
   Executor* executor_;
   nn::Topology topology_;
   nn::OnlineOptions options_;
   LearningInputs<Real> inputs_;
   std::vector<OnlineMember> members_;
-  int lanes_;
-  Buffer<Real> weights_;          ///< [networks][vectors][weight, step][lanes]
+  std::size_t together_;          ///< networks in the lanes of a group, when there are many
+  Buffer<Real> weights_;          ///< [networks][weights, steps], each as nn::Weights
   Buffer<OnlineReport> reports_;  ///< [networks]
   Buffer<Real> curve_;            ///< [networks][cycles of the last run][2]
-  Buffer<std::uint32_t> order_, set_of_;
+  Buffer<Real> vectors_;          ///< scratch
+  Buffer<std::uint32_t> order_, slots_, set_of_;
   Buffer<std::uint64_t> seeds_;
   std::uint32_t curve_cycles_ = 0;
-  Launch launch_;
+  std::map<std::size_t, Launch> launches_;  ///< by networks in the lanes of a group
 };
 
 extern template class TrainOnline<float>;

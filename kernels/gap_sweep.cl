@@ -65,6 +65,9 @@ typedef struct {
 #define LARGER(a, b) PICK((a) > (b), a, b)
 #define SMALLER(a, b) PICK((a) < (b), a, b)
 
+/* Goes on being a number while every x is finite: NaN must not get lost in LARGER, SMALLER and fmax. */
+static inline vreal finite_sum(vreal sum, vreal x) { return fma(ALL_LANES(0), x, sum); }
+
 static inline int any_vector(const vint *mask) {
   vint all = 0;
   EACH_VECTOR { all |= mask[v]; }
@@ -189,10 +192,10 @@ static inline void look_outside(const Rules *rules, global const vreal *profile,
 /* The contact laws at every surface node, from the forces alone. Lanes of `checked` in which a node without a gap element is penetrated
    get one there and come back in in->active. */
 static inline void certify(const Rules *rules, global const vreal *profile, Contact *c, Indenter *in, const vint *checked, Certificate *k) {
-  vreal largest_uy[VECTORS], largest_n[VECTORS], sum_n[VECTORS], sum_t[VECTORS];
+  vreal largest_uy[VECTORS], largest_n[VECTORS], sum_n[VECTORS], sum_t[VECTORS], finite[VECTORS];
   EACH_VECTOR {
     k->penetration[v] = k->cone[v] = k->complementarity[v] = k->drift[v] = 0;
-    largest_uy[v] = largest_n[v] = sum_n[v] = sum_t[v] = 0;
+    largest_uy[v] = largest_n[v] = sum_n[v] = sum_t[v] = finite[v] = 0;
     in->active[v] = 0;
   }
   for (int i = c->first; i < c->end; ++i) {
@@ -202,7 +205,7 @@ static inline void certify(const Rules *rules, global const vreal *profile, Cont
       const vreal cone = in->mu[v] * n;
       const vint works = c->h[i][v] < FAR, pressed = n > 0;
       const vreal inside = u.uy[v] - (c->h[i][v] - in->d[v]); /* below zero by FAR where no gap element works */
-      const vreal slip = u.ux[v] - (c->ux_last[i][v] + in->x[v] - in->x_last[v]);
+      const vreal slip = u.ux[v] - (c->ux_last[i][v] + (in->x[v] - in->x_last[v]));
       const vreal along = PICK(t > 0, slip, PICK(t < 0, -slip, ALL_LANES(0))); /* slip with friction instead of against it */
       const vreal drift = PICK(pressed, PICK(fabs(t) < cone, fabs(slip), along), ALL_LANES(0));
       const vreal apart = PICK(pressed, fabs(inside), ALL_LANES(0));
@@ -218,6 +221,7 @@ static inline void certify(const Rules *rules, global const vreal *profile, Cont
       largest_n[v] = LARGER(n, largest_n[v]);
       sum_n[v] += n;
       sum_t[v] += fabs(t);
+      finite[v] = finite_sum(finite_sum(finite[v], u.uy[v]), u.ux[v]);
     }
   }
   look_outside(rules, profile, c, in, sum_n, sum_t, 0, c->first);
@@ -235,7 +239,7 @@ static inline void certify(const Rules *rules, global const vreal *profile, Cont
   }
   EACH_VECTOR {
     const vreal per_uy = PICK(largest_uy[v] > 0, 1 / largest_uy[v], ALL_LANES(0));
-    k->penetration[v] *= per_uy;
+    k->penetration[v] = fma(k->penetration[v], per_uy, finite[v]);
     k->complementarity[v] *= per_uy;
     k->drift[v] *= per_uy;
     k->cone[v] *= PICK(largest_n[v] > 0, 1 / largest_n[v], ALL_LANES(0));
@@ -289,6 +293,7 @@ typedef struct {
   vreal b[2][2][VECTORS];                /* inverse Jacobian */
   vreal z[2][VECTORS], g[2][VECTORS];    /* last trial: place; P and Q - (Q_goal / P_goal) P */
   vreal low[VECTORS], high[VECTORS];     /* bracket of d */
+  vreal nearest[VECTORS];                /* depth at which the undeformed surface is touched */
   vreal p_goal[VECTORS], q_goal[VECTORS];
   vint by_force[VECTORS], both[VECTORS]; /* lanes whose normal goal is a force, whose tangential one is too */
 } Search;
@@ -364,16 +369,17 @@ static inline void write_rows(global const real *map, int rows, const Contact *c
   }
 }
 
-static inline vreal finite_sum(vreal sum, vreal x) { return fma(ALL_LANES(0), x, sum); } /* stays 0 while every x is finite */
-
-/* Lanes whose input is finite and sensible. */
+/* Lanes whose input is finite and sensible, as far as their own path goes. */
 static inline void check_input(global const vreal *lane_input, global const vreal *profile, global const vreal *path, int steps,
                                vint *valid) {
   EACH_VECTOR {
     vreal sum = 0;
     for (int r = 0; r < LANE_INPUT_ROWS; ++r) sum = finite_sum(sum, lane_input[r * VECTORS + v]);
     for (int i = 0; i < NODES; ++i) sum = finite_sum(sum, profile[i * VECTORS + v]);
-    for (int k = 0; k < steps * PATH_ROWS; ++k) sum = finite_sum(sum, path[k * VECTORS + v]);
+    for (int k = 0; k < steps * PATH_ROWS; ++k) {
+      const vint own = lane_input[LANE_STEPS * VECTORS + v] > (real)(k / PATH_ROWS);
+      sum = PICK(own, finite_sum(sum, path[k * VECTORS + v]), sum);
+    }
     valid[v] = (sum == 0) & (lane_input[LANE_MU * VECTORS + v] >= 0) & (lane_input[LANE_YOUNG * VECTORS + v] > 0);
   }
 }
@@ -399,21 +405,29 @@ static inline void count_nodes(const Contact *c, const Indenter *in, vreal *stic
     }
 }
 
-/* |base + surface force| over the largest of both; base forces are the first base_rows of rows_out, x and y in turn. */
+/* |base + surface force| over the largest of both; base forces are the first base_rows of rows_out, x and y in turn. 0 where none are written. */
 static inline vreal balance(global const vreal *rows_out, int base_rows, int v, vreal p, vreal q) {
+  if (base_rows == 0) return 0;
   vreal x = 0, y = 0;
   for (int r = 0; r < base_rows; r += 2) {
     x += rows_out[r * VECTORS + v];
     y += rows_out[(r + 1) * VECTORS + v];
   }
   const vreal largest = fmax(fabs(p), fabs(q));
-  const vreal off = fmax(fabs(x - q), fabs(y + p));
-  return PICK((largest > 0) & (off == off), off / largest, ALL_LANES(0));
+  const vreal off = finite_sum(fmax(fabs(x - q), fabs(y + p)), x + y);
+  return PICK(largest > 0, off / largest, off);
+}
+
+/* Every figure within bounds; no comparison holds for NaN. */
+static inline vint within(const Certificate *said, int v, vreal off_balance, real accept) {
+  return (said->penetration[v] <= accept) & (said->cone[v] <= accept) & (said->complementarity[v] <= accept) & (said->drift[v] <= accept) &
+         (off_balance <= accept);
 }
 
 /* A lane on its way along its load path. */
 typedef struct {
   vint valid[VECTORS], running[VECTORS];
+  vint lost[VECTORS];                         /* an increment was not solved: those that follow have no history to rest on */
   vreal young[VECTORS];
   vreal d_change[VECTORS], x_change[VECTORS]; /* of the last increment's goal, mm */
   vreal sweeps[VECTORS];                      /* of this increment */
@@ -433,6 +447,7 @@ static inline void start(global const vreal *lane_input, Contact *c, Indenter *i
     w->young[v] = PICK(w->valid[v], lane_input[LANE_YOUNG * VECTORS + v], ALL_LANES(0));
     in->d[v] = in->x[v] = in->x_last[v] = w->d_change[v] = w->x_change[v] = 0;
     w->running[v] = w->valid[v];
+    w->lost[v] = 0;
   }
 }
 
@@ -457,9 +472,10 @@ static inline void next_goal(global const vreal *lane_input, global const vreal 
   }
 }
 
+/* Lanes whose goal is where they are rest as they are: that is a solution, and so a held contact does not creep by rounding. */
 static inline void move_to(Indenter *in, const Walk *w, const vreal *d, const vreal *x) {
   EACH_VECTOR {
-    in->active[v] = w->running[v];
+    in->active[v] = w->running[v] & ((d[v] != in->d[v]) | (x[v] != in->x[v]));
     in->x_last[v] = in->x[v];
     in->d[v] = d[v];
     in->x[v] = x[v];
@@ -467,20 +483,32 @@ static inline void move_to(Indenter *in, const Walk *w, const vreal *d, const vr
 }
 
 #if FORCE_CONTROL
-static inline void start_search(global const vreal *lane_input, Search *s) {
+static inline void start_search(global const vreal *lane_input, global const vreal *profile, Search *s) {
+  EACH_VECTOR { s->nearest[v] = FAR; }
+  for (int i = 0; i < NODES; ++i) EACH_VECTOR { s->nearest[v] = SMALLER(profile[i * VECTORS + v], s->nearest[v]); }
   EACH_VECTOR {
     s->by_force[v] = lane_input[LANE_FORCE * VECTORS + v] >= FORCE_NORMAL;
     s->both[v] = lane_input[LANE_FORCE * VECTORS + v] >= FORCE_BOTH;
     s->b[0][0][v] = (real)0.3; /* thickness / width, about: a start that the first trial corrects */
     s->b[1][1][v] = 1;
-    s->b[0][1][v] = s->b[1][0][v] = s->z[0][v] = s->z[1][v] = s->g[0][v] = s->g[1][v] = 0;
+    s->z[0][v] = s->nearest[v];
+    s->b[0][1][v] = s->b[1][0][v] = s->z[1][v] = s->g[0][v] = s->g[1][v] = 0;
   }
+}
+
+/* A goal of no force: nothing touches, the rubber is as it was at first, and depth 0 will do. */
+static inline void lift_off(const Search *s, Contact *c, const Walk *w) {
+  for (int i = c->first; i < c->end; ++i) EACH_VECTOR {
+      const vint lifted = w->running[v] & s->by_force[v] & (s->p_goal[v] <= 0);
+      c->n[i][v] = PICK(lifted, ALL_LANES(0), c->n[i][v]);
+      c->t[i][v] = PICK(lifted, ALL_LANES(0), c->t[i][v]);
+    }
 }
 
 /* Where goals are forces: keeps them in the search, and puts the indenter where it is, or to a first guess, instead. */
 static inline void first_trial(Search *s, const Indenter *in, vreal *d, vreal *x) {
   EACH_VECTOR {
-    const vreal guess = PICK(in->d[v] > 0, in->d[v], s->b[0][0][v] * d[v]);
+    const vreal guess = PICK(in->d[v] > s->nearest[v], in->d[v], fma(s->b[0][0][v], d[v], s->nearest[v]));
     s->p_goal[v] = d[v];
     s->q_goal[v] = x[v];
     s->low[v] = 0;
@@ -518,9 +546,9 @@ static inline void report(global const vreal *lane_input, int k, const Contact *
     const Certificate *said = &w->certificate;
     const vreal held = in->mu[v] * p[v];
     const vreal off_balance = balance(rows_out, base_rows, v, p[v] * w->young[v], q[v] * w->young[v]);
-    const vreal worst = fmax(fmax(fmax(said->penetration[v], said->cone[v]), fmax(said->complementarity[v], said->drift[v])), off_balance);
     const vint slides = w->running[v] & (sticking[v] == 0) & (slipping[v] > 0);
-    const vint solved = NOT(w->failed[v]) & (worst <= accept);
+    const vint finite = finite_sum(0, (p[v] + fabs(q[v])) * w->young[v]) == 0;
+    const vint solved = NOT(w->lost[v] | w->failed[v]) & finite & within(said, v, off_balance, accept);
     const vreal good = PICK(slides, ALL_LANES(LANE_SLIDING), ALL_LANES(LANE_SOLVED));
     const vreal idle = PICK(w->valid[v], ALL_LANES(LANE_NOT_RUN), ALL_LANES(LANE_INVALID));
     out[LANE_INDENTATION * VECTORS] = in->d[v];
@@ -537,6 +565,7 @@ static inline void report(global const vreal *lane_input, int k, const Contact *
     out[LANE_COMPLEMENTARITY * VECTORS] = said->complementarity[v];
     out[LANE_DRIFT * VECTORS] = said->drift[v];
     out[LANE_BALANCE * VECTORS] = off_balance;
+    w->lost[v] |= NOT(solved);
     w->running[v] &= NOT(slides & (lane_input[LANE_MAY_STOP * VECTORS + v] <= (real)k));
   }
 }
@@ -572,7 +601,7 @@ kernel void gap_sweep(uint first_group, global const real *compliance, global co
   start(lane_input, &c, &in, &w);
 #if FORCE_CONTROL
   Search search;
-  start_search(lane_input, &search);
+  start_search(lane_input, profile, &search);
 #endif
   for (int k = 0; k < steps; ++k) {
     vreal d[VECTORS], x[VECTORS], ratio[VECTORS];
@@ -583,6 +612,9 @@ kernel void gap_sweep(uint first_group, global const real *compliance, global co
 #endif
       move_to(&in, &w, d, x);
       extrapolate(&c, &in, ratio);
+#if FORCE_CONTROL
+      lift_off(&search, &c, &w);
+#endif
       touch(&rules, profile, &c, &in, w.sweeps, w.failed, &w.certificate);
 #if FORCE_CONTROL
       reach_forces(&rules, profile, &search, &c, &in, &w);

@@ -15,53 +15,79 @@
    deltas are g = f' w_out times one number, so its backward pass does not wait for the output.
 
    Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer). */
-// defines: INPUTS=42 HIDDEN1=42 HIDDEN2=21
+// defines: INPUTS=42 HIDDEN1=42 HIDDEN2=21 NETWORKS=1
 #include "shared/activation.h"
 #include "shared/group.h"
 #include "shared/lane_sums.h"
 #include "shared/online_report.h"
 #include "shared/philox.h"
+#include "shared/transpose.h"
 
-#define BLOCK 8
+#define BLOCK 8                               /* patterns that the first layer takes together, */
+#define PART 8                                /* and so many of them at a time when it is updated */
 #define PAIRS (BLOCK * (BLOCK - 1) / 2)
-#define LAST (HIDDEN2 ? HIDDEN2 : HIDDEN1)   /* width of the last hidden layer */
-#define ROW VECTORS_OF(INPUTS + 1)           /* vectors in a padded row of inputs: inputs, 1 for the bias, zeros */
-#define V1 VECTORS_OF(HIDDEN1)
-#define V2 VECTORS_OF(HIDDEN2)
-#define VL VECTORS_OF(LAST)
-#define TOGETHER 3                           /* vectors of neurons that the first layer's products take together */
-#define ORDER_STREAM 2                       /* nn::RandomStream::order */
+#define NEURONS (LANES / NETWORKS)            /* of each network in a vector */
+#define NEURON_VECTORS(n) (((n) + NEURONS - 1) / NEURONS)
+#define LAST (HIDDEN2 ? HIDDEN2 : HIDDEN1)    /* width of the last hidden layer */
+#define ROW VECTORS_OF(INPUTS + 1)            /* vectors in a padded row of inputs: inputs, 1 for the bias, zeros */
+#define V1 NEURON_VECTORS(HIDDEN1)
+#define V2 NEURON_VECTORS(HIDDEN2)
+#define VL NEURON_VECTORS(LAST)
+#define ORDER_STREAM 2                        /* nn::RandomStream::order */
+#define NO_NETWORK 0xffffffffu                /* in a slot */
 
 typedef struct {
   vreal w, s; /* weight and last step */
 } Weight;
 
-/* A network's weights in memory: Weight [INPUTS + 1][V1], [HIDDEN1 + 1][V2], [VL], [1]; lanes are the neurons of the layer, the bias
-   comes last (of the last layer: the bias alone, in every lane). Neurons that only fill a vector have zero weights and stay so. */
+/* A group's weights: Weight [INPUTS + 1][V1], [HIDDEN1 + 1][V2], [VL], [1]. The bias comes last (of the last layer: the bias alone, in
+   every lane). Neurons that only fill a vector have zero weights and stay so. */
 #define LAYER1 ((INPUTS + 1) * V1)
 #define LAYER2 (HIDDEN2 ? (HIDDEN1 + 1) * V2 : 0)
-#define NETWORK_WEIGHTS (LAYER1 + LAYER2 + VL + 1)
+#define GROUP_WEIGHTS (LAYER1 + LAYER2 + VL + 1)
+/* And of a network in memory, [layer][out][in + 1]. */
+#define COUNT1 (HIDDEN1 * (INPUTS + 1))
+#define COUNT2 (HIDDEN2 * (HIDDEN1 + 1))
+#define NETWORK_WEIGHTS (COUNT1 + COUNT2 + LAST + 1)
 
 typedef struct {
   global Weight *layer1, *layer2, *layer3;
-  global const real *x[BLOCK];   /* rows of inputs that the block shows */
-  real target[BLOCK];
-  vreal dots[VECTORS_OF(PAIRS)]; /* x(s).x(t), s < t < BLOCK, at t (t - 1) / 2 + s */
-  vreal u[BLOCK][V1];            /* first the product of the block's weights with x(t), then eta d(t) */
+  vreal x[BLOCK][ROW * NETWORKS];            /* inputs that the block shows, [input][network]; zeros behind the block's end */
+  vreal target[BLOCK];
+  vreal dots[NEURON_VECTORS(PAIRS)];         /* x(s).x(t), s < t < BLOCK, [t (t - 1) / 2 + s][network] */
+  vreal u[BLOCK][V1];                        /* first the product of the block's weights with x(t), then eta d(t) */
   Weight out[VL], out_bias;
 #if HIDDEN2
-  vreal d2[V2];                  /* eta d of the last pattern, its step still to be made */
-  vreal o1[V1 + 1];              /* and the layer's inputs then; 1 after neuron HIDDEN1 - 1 */
-  real m2, moving;               /* momentum and 1 while a step is to be made, 1 and 0 when there is none */
+  vreal d2[V2];                              /* eta d of the last pattern, its step still to be made */
+  vreal o1[V1 + 1];                          /* and the layer's inputs then, [neuron][network]; 1 after neuron HIDDEN1 - 1 */
+  real m2, moving;                           /* momentum and 1 while a step is to be made, 1 and 0 when there is none */
 #endif
-  real sse, largest;
-} Network;
+  vreal sse, largest;
+} Group;
 
 typedef struct {
   real rate, momentum;
   real a[BLOCK + 1];     /* a_k */
   real power[BLOCK + 1]; /* m^k */
 } Rule;
+
+/* Numbers that are one for each network, in the lanes of all its neurons. p: [NETWORKS]. */
+INLINE vreal each_network(const real *p) {
+#if NETWORKS == LANES
+  return *(const vreal *)p;
+#elif NETWORKS == 1
+  return ALL_LANES(*p);
+#else
+  const JOIN(REAL, NETWORKS) n = *(const JOIN(REAL, NETWORKS) *)p;
+#if NEURONS == 2
+  return (vreal)(n, n);
+#elif NEURONS == 4
+  return (vreal)(n, n, n, n);
+#else
+  return (vreal)(n, n, n, n, n, n, n, n);
+#endif
+#endif
+}
 
 INLINE void make_rule(Rule *rule, real rate, real momentum) {
   rule->rate = rate;
@@ -74,69 +100,98 @@ INLINE void make_rule(Rule *rule, real rate, real momentum) {
   }
 }
 
+/* Sums over a network's neurons or inputs of a b, [vectors]; what is left to add are the pieces of the vector. In LANES parts, number i mod LANES
+   in part i, then halves of the parts first: so that a network's bits do not depend on NETWORKS. */
+INLINE vreal parts_of_dot(const int vectors, const vreal *a, const vreal *b) {
+  vreal part[NETWORKS];
+  EACH(i, NETWORKS) { part[i] = i < vectors ? a[i] * b[i] : ALL_LANES(0); }
+  UNROLL for (int v = NETWORKS; v < vectors; ++v) part[v % NETWORKS] = fma(a[v], b[v], part[v % NETWORKS]);
+  UNROLL for (int rest = NETWORKS / 2; rest > 0; rest /= 2) {
+    EACH(i, rest) { part[i] += part[i + rest]; }
+  }
+  return part[0];
+}
+
+/* Rows of NETWORKS networks, [ROW] vectors each, become x, [input][network]. */
+INLINE void interleave_rows(global const real *const *rows, vreal *x) {
+  EACH(v, ROW) {
+    vreal a[NETWORKS];
+    EACH(n, NETWORKS) { a[n] = LOAD(rows[n] + v * LANES); }
+#if NETWORKS > 1
+    UNROLL for (int count = NETWORKS; count > 1; count /= 2) {
+      vreal b[NETWORKS];
+      interleave(NETWORKS, a, b);
+      EACH(n, NETWORKS) { a[n] = b[n]; }
+    }
+#endif
+    EACH(n, NETWORKS) { x[v * NETWORKS + n] = a[n]; }
+  }
+}
+
 /* Dots of every pair of rows in the block. */
-INLINE void multiply_rows(Network *net) {
-  vreal product[VECTORS_OF(PAIRS) * LANES];
-  EACH(t, BLOCK) {
-    EACH(s, t) {
-      vreal p = LOAD(net->x[s]) * LOAD(net->x[t]);
-      UNROLL for (int v = 1; v < ROW; ++v) p = fma(LOAD(net->x[s] + v * LANES), LOAD(net->x[t] + v * LANES), p);
-      product[t * (t - 1) / 2 + s] = p;
+INLINE void multiply_rows(Group *g) {
+  vreal product[NEURON_VECTORS(PAIRS) * NEURONS];
+  ROLLED for (int t = 1; t < BLOCK; ++t) {
+    ROLLED for (int s = 0; s < t; ++s) {
+      product[t * (t - 1) / 2 + s] = parts_of_dot(NEURON_VECTORS(INPUTS + 1), g->x[s], g->x[t]);
     }
   }
-  UNROLL for (int pair = PAIRS; pair < VECTORS_OF(PAIRS) * LANES; ++pair) product[pair] = 0;
-  EACH(v, VECTORS_OF(PAIRS)) { net->dots[v] = lane_sums(product + v * LANES); }
+  for (int pair = PAIRS; pair < NEURON_VECTORS(PAIRS) * NEURONS; ++pair) product[pair] = 0;
+  ROLLED for (int v = 0; v < NEURON_VECTORS(PAIRS); ++v) g->dots[v] = piece_sums(NETWORKS, product + v * NEURONS);
 }
 
-/* u(t) = W x(t) + m a_t S x(t) for `vectors` vectors of neurons from `first` on. */
-INLINE void multiply_layer1_some(const int vectors, int first, Network *net, const Rule *rule) {
-  vreal sum[BLOCK][TOGETHER];
-  global const Weight *layer1 = net->layer1 + first;
-  global const real *x[BLOCK];
-  EACH(t, BLOCK) { x[t] = net->x[t]; }
-  EACH(t, BLOCK) { EACH(v, vectors) { sum[t][v] = 0; } }
-  for (int k = 0; k <= INPUTS; ++k) {
-    vreal s[TOGETHER];
-    EACH(v, vectors) { s[v] = layer1[k * V1 + v].s; }
-    EACH(t, BLOCK) { EACH(v, vectors) { sum[t][v] = fma(s[v], ALL_LANES(x[t][k]), sum[t][v]); } }
+/* u(t) = W x(t) + m a_t S x(t) . */
+INLINE void multiply_layer1(Group *g, const Rule *rule) {
+  const real *x = (const real *)g->x[0];
+  ROLLED for (int v = 0; v < V1; ++v) {
+    global const Weight *weight = g->layer1 + v * (INPUTS + 1);
+    vreal sum[BLOCK];
+    EACH(t, BLOCK) { sum[t] = 0; }
+    ROLLED for (int k = 0; k <= INPUTS; ++k) {
+      UNROLL for (int t = 1; t < BLOCK; ++t) {
+        const vreal input = each_network(x + t * (ROW * NETWORKS * LANES) + k * NETWORKS);
+        sum[t] = fma(weight[k].s, input, sum[t]);
+      }
+    }
+    EACH(t, BLOCK) { sum[t] *= ALL_LANES(rule->momentum * rule->a[t]); }
+    ROLLED for (int k = 0; k <= INPUTS; ++k) {
+      EACH(t, BLOCK) {
+        const vreal input = each_network(x + t * (ROW * NETWORKS * LANES) + k * NETWORKS);
+        sum[t] = fma(weight[k].w, input, sum[t]);
+      }
+    }
+    EACH(t, BLOCK) { g->u[t][v] = sum[t]; }
   }
-  EACH(t, BLOCK) { EACH(v, vectors) { sum[t][v] *= ALL_LANES(rule->momentum * rule->a[t]); } }
-  for (int k = 0; k <= INPUTS; ++k) {
-    vreal w[TOGETHER];
-    EACH(v, vectors) { w[v] = layer1[k * V1 + v].w; }
-    EACH(t, BLOCK) { EACH(v, vectors) { sum[t][v] = fma(w[v], ALL_LANES(x[t][k]), sum[t][v]); } }
-  }
-  EACH(t, BLOCK) { EACH(v, vectors) { net->u[t][first + v] = sum[t][v]; } }
 }
 
-INLINE void multiply_layer1(Network *net, const Rule *rule) {
-  for (int v = 0; v + TOGETHER <= V1; v += TOGETHER) multiply_layer1_some(TOGETHER, v, net, rule);
-  if (V1 % TOGETHER) multiply_layer1_some(V1 % TOGETHER, V1 - V1 % TOGETHER, net, rule);
+/* Adds what patterns from `first` on, PART of them, change in vector v of the first layer's weights and steps. First of all these go on
+   by themselves for `count` patterns: W + m a_count S, m^count S. */
+INLINE void update_part(Group *g, const Rule *rule, int v, int first, int count) {
+  const vreal old_step = ALL_LANES(first ? 0 : rule->momentum * rule->a[count]), decay = ALL_LANES(first ? 1 : rule->power[count]);
+  const real *x = (const real *)g->x[first];
+  global Weight *weight = g->layer1 + v * (INPUTS + 1);
+  vreal to_w[PART], to_s[PART];
+  EACH(t, PART) {
+    const int left = count - first - t;
+    to_w[t] = left > 0 ? g->u[first + t][v] * rule->a[left] : ALL_LANES(0);
+    to_s[t] = left > 0 ? g->u[first + t][v] * rule->power[left - 1] : ALL_LANES(0);
+  }
+  ROLLED for (int k = 0; k <= INPUTS; ++k) {
+    vreal w = fma(old_step, weight[k].s, weight[k].w), s = weight[k].s * decay;
+    EACH(t, PART) {
+      const vreal input = each_network(x + t * (ROW * NETWORKS * LANES) + k * NETWORKS);
+      w = fma(to_w[t], input, w);
+      s = fma(to_s[t], input, s);
+    }
+    weight[k].w = w;
+    weight[k].s = s;
+  }
 }
 
 /* The first layer's weights and steps after the block's `count` patterns. */
-INLINE void update_layer1(Network *net, const Rule *rule, int count) {
-  const real old_step = rule->momentum * rule->a[count], decay = rule->power[count];
-  global Weight *layer1 = net->layer1;
-  global const real *x[BLOCK];
-  EACH(t, BLOCK) { x[t] = net->x[t]; }
-  for (int v = 0; v < V1; ++v) {
-    vreal to_w[BLOCK], to_s[BLOCK];
-    EACH(t, BLOCK) {
-      to_w[t] = t < count ? net->u[t][v] * rule->a[count - t] : ALL_LANES(0);
-      to_s[t] = t < count ? net->u[t][v] * rule->power[count - 1 - t] : ALL_LANES(0);
-    }
-    for (int k = 0; k <= INPUTS; ++k) {
-      global Weight *weight = layer1 + k * V1 + v;
-      vreal w = fma(ALL_LANES(old_step), weight->s, weight->w), s = weight->s * decay;
-      EACH(t, BLOCK) {
-        const vreal input = ALL_LANES(x[t][k]);
-        w = fma(to_w[t], input, w);
-        s = fma(to_s[t], input, s);
-      }
-      weight->w = w;
-      weight->s = s;
-    }
+INLINE void update_layer1(Group *g, const Rule *rule, int count) {
+  ROLLED for (int v = 0; v < V1; ++v) {
+    ROLLED for (int first = 0; first < count; first += PART) update_part(g, rule, v, first, count);
   }
 }
 
@@ -144,106 +199,108 @@ INLINE void update_layer1(Network *net, const Rule *rule, int count) {
 /* A step of the second layer that is due: what it needs. */
 typedef struct {
   vreal d[V2];
-  const real *o; /* [HIDDEN1 + 1] */
+  const real *o; /* [HIDDEN1 + 1][NETWORKS] */
   real momentum, moving;
 } Step;
 
 /* Makes the step for input k, and adds what the new weight does to z. */
-INLINE void step_input(global Weight *weight, const Step *step, int k, real o, vreal *z) {
+INLINE void step_input(global Weight *weight, const Step *step, int k, const real *o, vreal *z) {
+  const vreal before = each_network(step->o + k * NETWORKS), now = each_network(o + k * NETWORKS);
   EACH(v, V2) {
-    const vreal s = fma(step->d[v], ALL_LANES(step->o[k]), weight[k * V2 + v].s * step->momentum);
+    const vreal s = fma(step->d[v], before, weight[k * V2 + v].s * step->momentum);
     const vreal w = fma(ALL_LANES(step->moving), s, weight[k * V2 + v].w);
     weight[k * V2 + v].s = s;
     weight[k * V2 + v].w = w;
-    z[v] = fma(w, ALL_LANES(o), z[v]);
+    z[v] = fma(w, now, z[v]);
   }
 }
 
-/* The due step, and z = W o; o: [HIDDEN1 + 1], the last 1. */
-INLINE void step_layer2(Network *net, const real *o, vreal *z) {
-  global Weight *weight = net->layer2;
-  Step step = {.o = (const real *)net->o1, .momentum = net->m2, .moving = net->moving};
+/* The due step, and z = W o; o: [HIDDEN1 + 1][NETWORKS], the last 1. */
+INLINE void step_layer2(Group *g, const real *o, vreal *z) {
+  global Weight *weight = g->layer2;
+  Step step = {.o = (const real *)g->o1, .momentum = g->m2, .moving = g->moving};
   vreal sum[V2];
   EACH(v, V2) {
-    step.d[v] = net->d2[v];
+    step.d[v] = g->d2[v];
     sum[v] = 0;
   }
-  for (int k = 0; k <= HIDDEN1; ++k) step_input(weight, &step, k, o[k], sum);
+  ROLLED for (int k = 0; k <= HIDDEN1; ++k) step_input(weight, &step, k, o, sum);
   EACH(v, V2) { z[v] = sum[v]; }
 }
 
 /* (W' g) of `count` neurons of the first layer, in the lanes of one vector; zero in lanes that only fill it. weight: of the first one. */
 INLINE vreal back_vector(const int count, global const Weight *weight, const vreal *g) {
-  vreal row[LANES];
-  EACH(i, LANES) {
-    row[i] = 0;
-    if (i < count) EACH(v, V2) { row[i] = fma(weight[i * V2 + v].w, g[v], row[i]); }
+  vreal row[NEURONS];
+  EACH(i, NEURONS) {
+    vreal w[V2];
+    EACH(v, V2) { w[v] = weight[min(i, count - 1) * V2 + v].w; }
+    row[i] = i < count ? parts_of_dot(V2, w, g) : ALL_LANES(0);
   }
-  return lane_sums(row);
+  return piece_sums(NETWORKS, row);
 }
 
 /* back = W' g, [V1]. */
-INLINE void back_layer2(const Network *net, const vreal *g, vreal *back) {
-  for (int b = 0; b < HIDDEN1 / LANES; ++b) back[b] = back_vector(LANES, net->layer2 + b * LANES * V2, g);
-  if (HIDDEN1 % LANES) back[V1 - 1] = back_vector(HIDDEN1 % LANES, net->layer2 + (HIDDEN1 - HIDDEN1 % LANES) * V2, g);
+INLINE void back_layer2(const Group *group, const vreal *g, vreal *back) {
+  ROLLED for (int b = 0; b < HIDDEN1 / NEURONS; ++b) back[b] = back_vector(NEURONS, group->layer2 + b * NEURONS * V2, g);
+  const int rest = HIDDEN1 % NEURONS;
+  if (rest) back[V1 - 1] = back_vector(rest, group->layer2 + (HIDDEN1 - rest) * V2, g);
 }
 #endif
 
 /* Outputs of the first layer for pattern t of the block. */
-INLINE void forward_layer1(const Network *net, const Rule *rule, int t, vreal *f) {
-  const real *dots = (const real *)net->dots + t * (t - 1) / 2;
-  EACH(v, V1) { f[v] = net->u[t][v]; }
-  for (int s = 0; s < t; ++s) {
-    const vreal factor = ALL_LANES(dots[s] * rule->a[t - s]);
-    EACH(v, V1) { f[v] = fma(factor, net->u[s][v], f[v]); }
+INLINE void forward_layer1(const Group *g, const Rule *rule, int t, vreal *f) {
+  const real *dots = (const real *)g->dots + t * (t - 1) / 2 * NETWORKS;
+  EACH(v, V1) { f[v] = g->u[t][v]; }
+  ROLLED for (int s = 0; s < t; ++s) {
+    const vreal factor = each_network(dots + s * NETWORKS) * rule->a[t - s];
+    EACH(v, V1) { f[v] = fma(factor, g->u[s][v], f[v]); }
   }
   EACH(v, V1) { f[v] = activation(f[v]); }
 }
 
-/* The output neuron for inputs f [VL]: its error is noted, its step made; returns eta delta, in every lane. */
-INLINE vreal learn_output(Network *net, const Rule *rule, const vreal *f, real target) {
-  vreal z = f[0] * net->out[0].w;
-  UNROLL for (int v = 1; v < VL; ++v) z = fma(f[v], net->out[v].w, z);
-  const vreal output = activation(ALL_LANES(lane_sum(z)) + net->out_bias.w);
-  const vreal error = ALL_LANES(target) - output;
+/* The output neuron for inputs f [VL]: its error is noted, its step made; returns eta delta. */
+INLINE vreal learn_output(Group *g, const Rule *rule, const vreal *f, vreal target) {
+  vreal w[VL];
+  EACH(v, VL) { w[v] = g->out[v].w; }
+  const vreal output = activation(piece_sum(NETWORKS, parts_of_dot(VL, f, w)) + g->out_bias.w);
+  const vreal error = target - output;
   const vreal step = error * activation_slope(output) * rule->rate;
-  const real e = ((const real *)&error)[0];
-  net->sse = fma(e, e, net->sse);
-  net->largest = fmax(net->largest, fabs(e));
+  g->sse = fma(error, error, g->sse);
+  g->largest = fmax(g->largest, fabs(error));
   EACH(v, VL) {
-    net->out[v].s = fma(step, f[v], net->out[v].s * rule->momentum);
-    net->out[v].w += net->out[v].s;
+    g->out[v].s = fma(step, f[v], g->out[v].s * rule->momentum);
+    g->out[v].w += g->out[v].s;
   }
-  net->out_bias.s = fma(ALL_LANES(rule->momentum), net->out_bias.s, step);
-  net->out_bias.w += net->out_bias.s;
+  g->out_bias.s = fma(ALL_LANES(rule->momentum), g->out_bias.s, step);
+  g->out_bias.w += g->out_bias.s;
   return step;
 }
 
 /* Shows pattern t of the block and learns from it; leaves eta d(t) in u(t). */
-INLINE void learn_pattern(Network *net, const Rule *rule, int t) {
+INLINE void learn_pattern(Group *group, const Rule *rule, int t) {
   vreal f1[V1];
-  forward_layer1(net, rule, t, f1);
+  forward_layer1(group, rule, t, f1);
 #if HIDDEN2
   vreal o[V1 + 1], f2[V2], g[V2], back[V1];
   EACH(v, V1) { o[v] = f1[v]; }
-  ((real *)o)[HIDDEN1] = 1;
-  step_layer2(net, (const real *)o, f2);
+  EACH(n, NETWORKS) { ((real *)o)[HIDDEN1 * NETWORKS + n] = 1; }
+  step_layer2(group, (const real *)o, f2);
   EACH(v, V2) {
     f2[v] = activation(f2[v]);
-    g[v] = activation_slope(f2[v]) * net->out[v].w;
+    g[v] = activation_slope(f2[v]) * group->out[v].w;
   }
-  back_layer2(net, g, back);
-  const vreal step = learn_output(net, rule, f2, net->target[t]);
-  EACH(v, V1 + 1) { net->o1[v] = o[v]; }
-  EACH(v, V2) { net->d2[v] = step * g[v]; }
-  EACH(v, V1) { net->u[t][v] = step * activation_slope(f1[v]) * back[v]; }
-  net->m2 = rule->momentum;
-  net->moving = 1;
+  back_layer2(group, g, back);
+  const vreal step = learn_output(group, rule, f2, group->target[t]);
+  EACH(v, V1 + 1) { group->o1[v] = o[v]; }
+  EACH(v, V2) { group->d2[v] = step * g[v]; }
+  EACH(v, V1) { group->u[t][v] = step * activation_slope(f1[v]) * back[v]; }
+  group->m2 = rule->momentum;
+  group->moving = 1;
 #else
   vreal g[V1];
-  EACH(v, V1) { g[v] = activation_slope(f1[v]) * net->out[v].w; }
-  const vreal step = learn_output(net, rule, f1, net->target[t]);
-  EACH(v, V1) { net->u[t][v] = step * g[v]; }
+  EACH(v, V1) { g[v] = activation_slope(f1[v]) * group->out[v].w; }
+  const vreal step = learn_output(group, rule, f1, group->target[t]);
+  EACH(v, V1) { group->u[t][v] = step * g[v]; }
 #endif
 }
 
@@ -266,87 +323,164 @@ INLINE void shuffle(global uint *order, uint rows, ulong seed, uint cycle) {
   }
 }
 
-/* One cycle over all rows. inputs: [rows + 1][ROW][LANES], the last row zeros. */
-INLINE void learn_cycle(Network *net, const Rule *rule, global const real *inputs, global const real *targets,
-                        global const uint *order, uint rows) {
-  net->sse = net->largest = 0;
-  for (uint first = 0; first < rows; first += BLOCK) {
-    const int count = (int)min(rows - first, (uint)BLOCK);
-    for (int t = 0; t < BLOCK; ++t) {
-      const uint row = t < count ? order[first + t] : rows;
-      net->x[t] = inputs + (size_t)row * (ROW * LANES);
-      net->target[t] = targets[row];
+/* What the networks of a group learn: [NETWORKS] each. */
+typedef struct {
+  global const real *inputs[NETWORKS]; /* [rows + 1][ROW][LANES], the last row zeros */
+  global const real *targets;
+  global uint *order;                  /* [NETWORKS][rows] */
+  uint rows;
+} Lesson;
+
+/* The block of `count` patterns from place `first` on. */
+INLINE void show_block(Group *g, const Lesson *lesson, uint first, int count) {
+  for (int t = 0; t < BLOCK; ++t) {
+    global const real *rows[NETWORKS];
+    vreal target;
+    EACH(n, NETWORKS) {
+      const uint row = t < count ? lesson->order[n * lesson->rows + first + t] : lesson->rows;
+      rows[n] = lesson->inputs[n] + (size_t)row * (ROW * LANES);
+      ((real *)&target)[n] = lesson->targets[row];
     }
-    multiply_rows(net);
-    multiply_layer1(net, rule);
-    for (int t = 0; t < count; ++t) learn_pattern(net, rule, t);
-    update_layer1(net, rule, count);
+    interleave_rows(rows, g->x[t]);
+    g->target[t] = each_network((const real *)&target);
   }
 }
 
-INLINE void open_network(Network *net, global Weight *weights) {
-  net->layer1 = weights;
-  net->layer2 = weights + LAYER1;
-  net->layer3 = weights + LAYER1 + LAYER2;
-  EACH(v, VL) { net->out[v] = net->layer3[v]; }
-  net->out_bias = net->layer3[VL];
-#if HIDDEN2
-  EACH(v, V2) { net->d2[v] = 0; }
-  EACH(v, V1 + 1) { net->o1[v] = 0; }
-  net->m2 = 1;
-  net->moving = 0;
-#endif
+/* One cycle over all rows. */
+INLINE void learn_cycle(Group *g, const Rule *rule, const Lesson *lesson) {
+  g->sse = g->largest = 0;
+  for (uint first = 0; first < lesson->rows; first += BLOCK) {
+    const int count = (int)min(lesson->rows - first, (uint)BLOCK);
+    show_block(g, lesson, first, count);
+    multiply_rows(g);
+    multiply_layer1(g, rule);
+    for (int t = 0; t < count; ++t) learn_pattern(g, rule, t);
+    update_layer1(g, rule, count);
+  }
 }
 
-/* Everything back to memory, steps that are due included: a later launch goes on to the same bits. */
-INLINE void close_network(Network *net) {
+/* Moves weight (neuron, input) of one network between the group's vectors and memory; `place`: the vector. */
+INLINE void move_weight(int keep, global Weight *at, int neuron, int n, global real *w, global real *s) {
+  global real *lane = (global real *)at + neuron * NETWORKS + n;
+  if (keep) {
+    *w = lane[0];
+    *s = lane[LANES];
+  } else {
+    lane[0] = *w;
+    lane[LANES] = *s;
+  }
+}
+
+INLINE void move_layer(int keep, global Weight *layer, int to_input, int to_vector, int fan_in, int fan_out, int n, global real *w, global real *s) {
+  ROLLED for (int neuron = 0; neuron < fan_out; ++neuron) {
+    ROLLED for (int k = 0; k <= fan_in; ++k, ++w, ++s)
+      move_weight(keep, layer + k * to_input + neuron / NEURONS * to_vector, neuron % NEURONS, n, w, s);
+  }
+}
+
+/* All weights of the group's network n: from memory, or (keep) to it. network: weights, then steps. */
+INLINE void move_network(int keep, Group *g, int n, global real *network) {
+  global real *w = network, *s = network + NETWORK_WEIGHTS;
+  move_layer(keep, g->layer1, 1, INPUTS + 1, INPUTS, HIDDEN1, n, w, s);
+#if HIDDEN2
+  move_layer(keep, g->layer2, V2, 1, HIDDEN1, HIDDEN2, n, w + COUNT1, s + COUNT1);
+#endif
+  w += COUNT1 + COUNT2;
+  s += COUNT1 + COUNT2;
+  for (int k = 0; k < LAST; ++k) move_weight(keep, g->layer3 + k / NEURONS, k % NEURONS, n, w + k, s + k);
+  for (int neuron = 0; neuron < NEURONS; ++neuron) move_weight(keep, g->layer3 + VL, neuron, n, w + LAST, s + LAST);
+}
+
+/* Everything into the group's vectors in memory, steps that are due included: a later launch goes on to the same bits. */
+INLINE void settle(Group *g) {
 #if HIDDEN2
   vreal z[V2];
-  step_layer2(net, (const real *)net->o1, z);
+  step_layer2(g, (const real *)g->o1, z);
+  g->m2 = 1;
+  g->moving = 0;
+  EACH(v, V2) { g->d2[v] = 0; }
 #endif
-  EACH(v, VL) { net->layer3[v] = net->out[v]; }
-  net->layer3[VL] = net->out_bias;
+  EACH(v, VL) { g->layer3[v] = g->out[v]; }
+  g->layer3[VL] = g->out_bias;
+}
+
+INLINE void open_group(Group *g, global Weight *vectors, global const uint *slots, global real *weights) {
+  g->layer1 = vectors;
+  g->layer2 = vectors + LAYER1;
+  g->layer3 = vectors + LAYER1 + LAYER2;
+  const Weight none = {0, 0};
+  for (int i = 0; i < GROUP_WEIGHTS; ++i) vectors[i] = none;
+  for (int n = 0; n < NETWORKS; ++n) {
+    if (slots[n] != NO_NETWORK) move_network(0, g, n, weights + (size_t)slots[n] * (2 * NETWORK_WEIGHTS));
+  }
+  EACH(v, VL) { g->out[v] = g->layer3[v]; }
+  g->out_bias = g->layer3[VL];
+#if HIDDEN2
+  EACH(v, V2) { g->d2[v] = 0; }
+  EACH(v, V1 + 1) { g->o1[v] = 0; }
+  g->m2 = 1;
+  g->moving = 0;
+#endif
 }
 
 /* The stop rules of nn/train_online.cpp. */
-INLINE int status_after(const Network *net, uint cycle, uint cycle_limit, real stop_error) {
-  if (!isfinite(net->sse)) return ONLINE_NOT_FINITE;
-  if (net->largest < stop_error) return ONLINE_LEARNT;
+INLINE int status_after(real sse, real largest, uint cycle, uint cycle_limit, real stop_error) {
+  if (!isfinite(sse)) return ONLINE_NOT_FINITE;
+  if (largest < stop_error) return ONLINE_LEARNT;
   return cycle >= cycle_limit ? ONLINE_CYCLE_LIMIT : ONLINE_RUNNING;
 }
 
-/* Trains network `group` for at most `most_cycles` cycles, or until it stops by itself.
-   weights: [networks][NETWORK_WEIGHTS]          changed in place
-   reports: [networks]                           changed in place; a network that is not running is left alone
+/* Trains the networks of slots [group] for at most `most_cycles` cycles, or until they stop by themselves.
+   weights: [networks][weights, steps][NETWORK_WEIGHTS]  changed in place, [layer][out][in + 1]
+   reports: [networks]                           changed in place
    curve:   [networks][most_cycles][2]           sum of squared errors and largest error of each cycle done here
-   order:   [networks][rows]                     scratch
+   vectors: [groups][GROUP_WEIGHTS]              scratch
+   order:   [groups][NETWORKS][rows]             scratch
+   slots:   [groups][NETWORKS]                   networks that are running, or NO_NETWORK
    seeds:   [networks]
    inputs:  [sets][rows + 1][ROW][LANES]         scaled, 1 at place INPUTS, then zeros; row `rows` all zeros
    set_of:  [networks]                           which of the sets it learns
    targets: [rows + 1]                           S - 0.5; the last unused */
-kernel void train_online(uint first_group, global Weight *weights, global OnlineReport *reports, global real *curve, global uint *order,
-                         global const ulong *seeds, global const real *inputs, global const uint *set_of, global const real *targets,
-                         uint rows, uint most_cycles, uint cycle_limit, int permuted, real rate, real momentum, real stop_error) {
+kernel void train_online(uint first_group, global real *weights, global OnlineReport *reports, global real *curve, global Weight *vectors,
+                         global uint *order, global const uint *slots, global const ulong *seeds, global const real *inputs,
+                         global const uint *set_of, global const real *targets, uint rows, uint most_cycles, uint cycle_limit,
+                         int permuted, real rate, real momentum, real stop_error) {
   TAKE_GROUP(group);
-  OnlineReport report = reports[group];
-  if (report.status != ONLINE_RUNNING) return;
-  Network net;
+  Group g;
   Rule rule;
+  Lesson lesson = {.targets = targets, .order = order + group * NETWORKS * rows, .rows = rows};
+  slots += group * NETWORKS;
   make_rule(&rule, rate, momentum);
-  open_network(&net, weights + group * NETWORK_WEIGHTS);
-  order += group * rows;
-  curve += group * most_cycles * 2;
-  inputs += (size_t)set_of[group] * (rows + 1) * (ROW * LANES);
-  if (!permuted) for (uint row = 0; row < rows; ++row) order[row] = row;
-  for (uint done = 0; done < most_cycles && report.status == ONLINE_RUNNING; ++done) {
-    if (permuted) shuffle(order, rows, seeds[group], report.cycle);
-    learn_cycle(&net, &rule, inputs, targets, order, rows);
-    report.status = status_after(&net, ++report.cycle, cycle_limit, stop_error);
-    curve[2 * done] = net.sse;
-    curve[2 * done + 1] = net.largest;
+  open_group(&g, vectors + group * GROUP_WEIGHTS, slots, weights);
+  uint running = 0; /* a bit for each network */
+  for (int n = 0; n < NETWORKS; ++n) {
+    const uint network = slots[n];
+    lesson.inputs[n] = inputs + (network == NO_NETWORK ? 0 : (size_t)set_of[network] * (rows + 1) * (ROW * LANES));
+    if (network != NO_NETWORK && reports[network].status == ONLINE_RUNNING) running |= 1u << n;
+    for (uint row = 0; row < rows; ++row) lesson.order[n * rows + row] = row;
   }
-  close_network(&net);
-  report.sse = net.sse;
-  report.largest = net.largest;
-  reports[group] = report;
+  for (uint done = 0; done < most_cycles && running; ++done) {
+    for (int n = 0; permuted && n < NETWORKS; ++n) {
+      if (running >> n & 1) shuffle(lesson.order + n * rows, rows, seeds[slots[n]], reports[slots[n]].cycle);
+    }
+    learn_cycle(&g, &rule, &lesson);
+    uint stopping = 0;
+    for (int n = 0; n < NETWORKS; ++n) {
+      if (!(running >> n & 1)) continue;
+      global OnlineReport *report = reports + slots[n];
+      const real sse = ((const real *)&g.sse)[n], largest = ((const real *)&g.largest)[n];
+      report->sse = sse;
+      report->largest = largest;
+      report->status = status_after(sse, largest, ++report->cycle, cycle_limit, stop_error);
+      global real *point = curve + ((size_t)slots[n] * most_cycles + done) * 2;
+      point[0] = sse;
+      point[1] = largest;
+      if (report->status != ONLINE_RUNNING || done + 1 == most_cycles) stopping |= 1u << n;
+    }
+    if (stopping) settle(&g);
+    for (int n = 0; n < NETWORKS; ++n) {
+      if (stopping >> n & 1) move_network(1, &g, n, weights + (size_t)slots[n] * (2 * NETWORK_WEIGHTS));
+    }
+    running &= ~stopping;
+  }
 }

@@ -7,45 +7,94 @@
 /* How many vectors hold n numbers. */
 #define VECTORS_OF(n) (((n) + LANES - 1) / LANES)
 
-/* Of two vectors that hold sums in pieces of n lanes, one with pieces of n / 2: the halves of each piece are added. */
-#if LANES >= 2
-static inline vreal add_halves(vreal a, vreal b) { return (vreal)(a.lo, b.lo) + (vreal)(a.hi, b.hi); }
-#endif
-#if LANES == 4
-static inline vreal add_pairs(vreal a, vreal b) { return (vreal)(a.s0, b.s0, a.s2, b.s2) + (vreal)(a.s1, b.s1, a.s3, b.s3); }
-#elif LANES == 8
-static inline vreal add_quads(vreal a, vreal b) { return (vreal)(a.s01, b.s01, a.s45, b.s45) + (vreal)(a.s23, b.s23, a.s67, b.s67); }
-static inline vreal add_pairs(vreal a, vreal b) {
-  return (vreal)(a.s0, b.s0, a.s2, b.s2, a.s4, b.s4, a.s6, b.s6) + (vreal)(a.s1, b.s1, a.s3, b.s3, a.s5, b.s5, a.s7, b.s7);
+/* Of two vectors that hold sums in pieces of 2 n lanes, one with pieces of n: the halves of each piece are added. Clang's shuffle becomes one
+   instruction, where a literal of OpenCL C becomes three or four. */
+#if LANES == 2
+static inline vreal add_halves(vreal a, vreal b) {
+  return __builtin_shufflevector(a, b, 0, 2) +
+         __builtin_shufflevector(a, b, 1, 3);
 }
-#elif LANES == 16
-static inline vreal add_eights(vreal a, vreal b) {
-  return (vreal)(a.s0123, b.s0123, a.s89ab, b.s89ab) + (vreal)(a.s4567, b.s4567, a.scdef, b.scdef);
+#elif LANES == 4
+static inline vreal add_halves(vreal a, vreal b) {
+  return __builtin_shufflevector(a, b, 0, 1, 4, 5) +
+         __builtin_shufflevector(a, b, 2, 3, 6, 7);
+}
+static inline vreal add_pairs(vreal a, vreal b) {
+  return __builtin_shufflevector(a, b, 0, 4, 2, 6) +
+         __builtin_shufflevector(a, b, 1, 5, 3, 7);
+}
+#elif LANES == 8
+static inline vreal add_halves(vreal a, vreal b) {
+  return __builtin_shufflevector(a, b, 0, 1, 2, 3, 8, 9, 10, 11) +
+         __builtin_shufflevector(a, b, 4, 5, 6, 7, 12, 13, 14, 15);
 }
 static inline vreal add_quads(vreal a, vreal b) {
-  return (vreal)(a.s01, b.s01, a.s45, b.s45, a.s89, b.s89, a.scd, b.scd) + (vreal)(a.s23, b.s23, a.s67, b.s67, a.sab, b.sab, a.sef, b.sef);
+  return __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13) +
+         __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15);
 }
 static inline vreal add_pairs(vreal a, vreal b) {
-  return (vreal)(a.s0, b.s0, a.s2, b.s2, a.s4, b.s4, a.s6, b.s6, a.s8, b.s8, a.sa, b.sa, a.sc, b.sc, a.se, b.se) +
-         (vreal)(a.s1, b.s1, a.s3, b.s3, a.s5, b.s5, a.s7, b.s7, a.s9, b.s9, a.sb, b.sb, a.sd, b.sd, a.sf, b.sf);
+  return __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14) +
+         __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
+}
+#elif LANES == 16
+static inline vreal add_halves(vreal a, vreal b) {
+  return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 20, 21, 22, 23) +
+         __builtin_shufflevector(a, b, 8, 9, 10, 11, 12, 13, 14, 15, 24, 25, 26, 27, 28, 29, 30, 31);
+}
+static inline vreal add_eights(vreal a, vreal b) {
+  return __builtin_shufflevector(a, b, 0, 1, 2, 3, 16, 17, 18, 19, 8, 9, 10, 11, 24, 25, 26, 27) +
+         __builtin_shufflevector(a, b, 4, 5, 6, 7, 20, 21, 22, 23, 12, 13, 14, 15, 28, 29, 30, 31);
+}
+static inline vreal add_quads(vreal a, vreal b) {
+  return __builtin_shufflevector(a, b, 0, 1, 16, 17, 4, 5, 20, 21, 8, 9, 24, 25, 12, 13, 28, 29) +
+         __builtin_shufflevector(a, b, 2, 3, 18, 19, 6, 7, 22, 23, 10, 11, 26, 27, 14, 15, 30, 31);
+}
+static inline vreal add_pairs(vreal a, vreal b) {
+  return __builtin_shufflevector(a, b, 0, 16, 2, 18, 4, 20, 6, 22, 8, 24, 10, 26, 12, 28, 14, 30) +
+         __builtin_shufflevector(a, b, 1, 17, 3, 19, 5, 21, 7, 23, 9, 25, 11, 27, 13, 29, 15, 31);
 }
 #endif
 
-/* Lane i: the sum over the lanes of rows[i]; halves first. Overwrites rows [LANES]. */
-static inline vreal lane_sums(vreal *rows) {
+/* Vectors are taken as `piece` lanes wide pieces, LANES / piece of them. Piece i: the sum over the pieces of rows[i], lane by lane; halves
+   first. Overwrites rows [LANES / piece]. */
+INLINE vreal piece_sums(const int piece, vreal *rows) {
+  const int pieces = LANES / piece;
+  (void)pieces;
 #if LANES >= 2
-  UNROLL for (int i = 0; i < LANES / 2; ++i) rows[i] = add_halves(rows[i], rows[i + LANES / 2]);
+  if (pieces >= 2) EACH(i, pieces / 2) { rows[i] = add_halves(rows[i], rows[i + pieces / 2]); }
 #endif
 #if LANES >= 16
-  UNROLL for (int i = 0; i < 4; ++i) rows[i] = add_eights(rows[i], rows[i + 4]);
+  if (pieces >= 4) EACH(i, pieces / 4) { rows[i] = add_eights(rows[i], rows[i + pieces / 4]); }
 #endif
 #if LANES >= 8
-  UNROLL for (int i = 0; i < 2; ++i) rows[i] = add_quads(rows[i], rows[i + 2]);
+  if (2 * pieces >= LANES) EACH(i, 2 * pieces / LANES) { rows[i] = add_quads(rows[i], rows[i + 2 * pieces / LANES]); }
 #endif
 #if LANES >= 4
-  rows[0] = add_pairs(rows[0], rows[1]);
+  if (pieces == LANES) rows[0] = add_pairs(rows[0], rows[1]);
 #endif
   return rows[0];
+}
+
+/* Lane i: the sum over the lanes of rows[i]; halves first. Overwrites rows [LANES]. */
+static inline vreal lane_sums(vreal *rows) { return piece_sums(1, rows); }
+
+/* Every piece: the sum over the pieces, lane by lane. */
+INLINE vreal piece_sum(const int piece, vreal v) {
+  (void)piece;
+#if LANES >= 2
+  if (piece <= LANES / 2) v += (vreal)(v.hi, v.lo);
+#endif
+#if LANES == 16
+  if (piece <= 4) v += v.s45670123cdef89ab;
+  if (piece <= 2) v += v.s23016745ab89efcd;
+  if (piece == 1) v += v.s1032547698badcfe;
+#elif LANES == 8
+  if (piece <= 2) v += v.s23016745;
+  if (piece == 1) v += v.s10325476;
+#elif LANES == 4
+  if (piece == 1) v += v.s1032;
+#endif
+  return v;
 }
 
 /* The sum over the lanes of one vector, in the same order. */

@@ -57,7 +57,7 @@ TEST_P(GapBlockTest, AgreesWithADenseSolveForRandomStatuses) {
     for (Trial& each : trial) each = int(generator_() % 12) < round ? Trial(generator_() % 4) : Trial::open;
     if (round == 1) trial[4] = Trial::slip_plus;  // one node alone
     const Extended right = Extended::NullaryExpr(2 * sensor_.columns, 2, [&] { return uniform(generator_); });
-    const auto found = block.displacement(trial, 0.7, right);
+    const auto found = block.solve(trial, 0.7, right);
     ASSERT_TRUE(found);
     const Eigen::MatrixXd expected = dense_solution(mesh, matrix, trial, 0.7, right.cast<double>());
     // The dense solve loses cond(K), 1e3 to 1e7, of 1e-16.
@@ -72,7 +72,7 @@ TEST_P(GapBlockTest, SurfaceAndBaseForcesBalance) {
   std::vector<Trial> trial(sensor_.columns, Trial::open);
   trial[3] = Trial::stick;
   trial[4] = Trial::slip_minus;
-  const auto u = block.displacement(trial, 0.4, Extended::Constant(2 * sensor_.columns, 1, -0.1L));
+  const auto u = block.solve(trial, 0.4, Extended::Constant(2 * sensor_.columns, 1, -0.1L));
   ASSERT_TRUE(u);
   const Extended surface = block.surface_force(*u), base = block.base_force(*u);
   const Extended lost =
@@ -105,8 +105,8 @@ TEST(GapBlock, SaysThatASystemIsSingular) {
   }
   GapBlock block(mesh, matrix.sparseView());
   const std::vector<Trial> trial{Trial::slip_plus, Trial::open};
-  EXPECT_FALSE(block.displacement(trial, 2, Extended::Zero(4, 1)));
-  EXPECT_TRUE(block.displacement(trial, 1, Extended::Zero(4, 1)));
+  EXPECT_FALSE(block.solve(trial, 2, Extended::Zero(4, 1)));
+  EXPECT_TRUE(block.solve(trial, 1, Extended::Zero(4, 1)));
 }
 
 TEST(GapBlock, RefusesAStiffnessThatResistsTranslation) {

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "fem/block.h"
+#include "fem/gap_block.h"
 #include "fem/gap_increment.h"
 
 namespace tactel::fem {

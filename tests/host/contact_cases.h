@@ -1,5 +1,6 @@
 #pragma once
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -55,6 +56,23 @@ inline std::vector<fem::Scene> random_scenes(const fem::Sensor& sensor, std::siz
     scene.load.indentation = {uniform(0.02, 0.3)};
     scene.load.indentation_steps = 1 + static_cast<int>(random() % 3);
     for (int k = static_cast<int>(random() % 7); k > 0; --k) scene.load.tangential.push_back(uniform(-0.3, 0.3));
+  }
+  return scenes;
+}
+
+/// The same with forces for goals, P, or P and Q by an angle up to 9/10 of the friction angle.
+inline std::vector<fem::Scene> random_force_scenes(const fem::Sensor& sensor, std::size_t count, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  auto scenes = random_scenes(sensor, count, seed + 1);
+  for (fem::Scene& scene : scenes) {
+    scene.load.indentation.clear();
+    scene.load.normal_force = {scene.sensor.young * std::exp(uniform(std::log(0.005), std::log(0.5)))};
+    if (random() % 2) continue;
+    scene.load.tangential.clear();
+    scene.load.angle = uniform(-0.9, 0.9) * std::atan(scene.friction) * 180 / std::numbers::pi;
   }
   return scenes;
 }

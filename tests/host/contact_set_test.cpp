@@ -9,6 +9,7 @@
 
 #include "host/errors.h"
 #include "host/paper_sets.h"
+#include "tests/host/run_tactel.h"
 
 namespace {
 
@@ -70,6 +71,14 @@ TEST(ContactSetFile, GivesBackWhatWasWritten) {
   EXPECT_EQ(back.indenter_names, set.indenter_names);
   EXPECT_EQ(back.sweep, set.sweep);
   EXPECT_EQ(back.seed, set.seed);
+}
+
+TEST(ContactSetFile, OpensInH5pyAsDocumented) {
+  const std::string path = scratch("python.h5");
+  ASSERT_EQ(run_tactel({"generate", source_file("examples/paper_recall.toml"), "--output", path, "--force"}).exit_code,
+            0);
+  const ChildResult result = run_child({"/usr/bin/python3", source_file("tests/host/open_set.py"), path});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
 }
 
 TEST(ContactSetFile, RefusesWhatIsNoSet) {

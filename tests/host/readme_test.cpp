@@ -29,8 +29,8 @@ TEST(Readme, TableIsWhatTheProgramPrints) {
 
 TEST(Readme, FilesItNamesAreThere) {
   const std::string readme = text_of(source_file("README.md"));
-  for (const char* name : {"docs/parabola.svg", "docs/scenes.md", "examples", "fem", "kernels", "host", "nn", "hw",
-                           "CHANGELOG.md", "LICENSE", "scripts/run", "scripts/test"}) {
+  for (const char* name : {"docs/parabola.svg", "docs/scenes.md", "docs/networks.md", "examples", "fem", "kernels",
+                           "host", "nn", "hw", "CHANGELOG.md", "LICENSE", "scripts/run", "scripts/test"}) {
     EXPECT_NE(readme.find(name), std::string::npos) << name;
     EXPECT_TRUE(std::filesystem::exists(source_file(name))) << name;
   }

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "fem/value_error.h"
 #include "network_cases.h"
 
@@ -47,17 +49,20 @@ OnlineCase<Real> make_case(const char* topology, int rows, nn::OnlineOptions opt
   return {network, bumps(rows, network.inputs(), 3), options};
 }
 
+// More than fit side by side in a vector, so that some stand in the last lanes and some in a group that is not full.
+const std::vector<OnlineMember> some{{7, 0}, {8, 1}, {9, 1}, {10, 0}, {11, 1}};
+
 class TrainOnlineTest : public ::testing::TestWithParam<const char*> {};
 
 // fp64: the block form of the rule differs from the reference in the order of sums alone. 100 cycles of 37 rows are
 // 3700 steps, each of some 1e-16; training may carry a difference further, by how much is measured below.
 TEST_P(TrainOnlineTest, Fp64WeightsAfter100CyclesMatchReference) {
   const auto c = make_case<double>(GetParam(), 37);
-  TrainOnline<double> device = c.device({{7, 0}, {8, 1}});
+  TrainOnline<double> device = c.device(some);
   device.run(100);
-  for (const OnlineMember member : {OnlineMember{7, 0}, OnlineMember{8, 1}}) {
-    const nn::OnlineState<double> reference = c.reference<double>(member, 100);
-    const nn::OnlineState<double> state = device.state(member.variant);
+  for (std::size_t i = 0; i < some.size(); ++i) {
+    const nn::OnlineState<double> reference = c.reference<double>(some[i], 100);
+    const nn::OnlineState<double> state = device.state(i);
     EXPECT_EQ(state.cycle, 100u);
     EXPECT_LT(largest_difference(state.weights.values, reference.weights.values), 1e-10);
     EXPECT_LT(largest_difference(state.step.values, reference.step.values), 1e-10);
@@ -69,12 +74,12 @@ TEST_P(TrainOnlineTest, Fp64WeightsAfter100CyclesMatchReference) {
 // within a factor of 4.
 TEST_P(TrainOnlineTest, Fp32WeightsAfter100CyclesMatchReferenceToItsPrecision) {
   const auto c = make_case<float>(GetParam(), 37);
-  TrainOnline<float> device = c.device({{7, 0}, {8, 1}});
+  TrainOnline<float> device = c.device(some);
   device.run(100);
-  for (const OnlineMember member : {OnlineMember{7, 0}, OnlineMember{8, 1}}) {
-    const nn::Weights<double> truth = c.reference<double>(member, 100).weights;
-    const nn::Weights<double> eigen(c.reference<float>(member, 100).weights);
-    const nn::Weights<double> kernel(device.state(member.variant).weights);
+  for (std::size_t i = 0; i < some.size(); ++i) {
+    const nn::Weights<double> truth = c.reference<double>(some[i], 100).weights;
+    const nn::Weights<double> eigen(c.reference<float>(some[i], 100).weights);
+    const nn::Weights<double> kernel(device.state(i).weights);
     const double yardstick = largest_difference(eigen.values, truth.values);
     EXPECT_LT(largest_difference(kernel.values, truth.values), 4 * yardstick);
     EXPECT_LT(yardstick, 1e-3);
@@ -158,6 +163,33 @@ TEST(TrainOnlineStop, WhenLearntAtTheLimitOrNotFinite) {
   learning.run(500);  // nothing more happens
   EXPECT_EQ(learning.state(0).weights.values, state.weights.values);
   EXPECT_EQ(learning.reports()[0].cycle, report.cycle);
+}
+
+// A network that has learnt, or broke, shares vectors with others that go on: their bits must not notice.
+TEST(TrainOnlineStop, LeavesNeighboursAlone) {
+  for (const char* topology : {"16-16-1", "16-16-8-1"}) {
+    const auto c = make_case<float>(topology, 12, {.rate = 0.5, .cycle_limit = 3000});
+    std::vector<OnlineMember> members;
+    for (std::uint32_t i = 0; i < 6; ++i) members.push_back({i, 0});
+    TrainOnline<float> together = c.device(members);
+    nn::OnlineState<float> broken = together.state(2);
+    broken.weights.values[5] = NAN;
+    together.set_state(2, broken);
+    for (int run = 0; run < 2; ++run) together.run(1500);
+    std::vector<std::uint32_t> ends;
+    for (const std::size_t i : {0u, 1u, 3u, 4u, 5u}) {
+      const std::vector<OnlineMember> one{members[i]};
+      TrainOnline<float> alone(executor(), c.topology, c.inputs, one, c.options);
+      alone.run(3000);
+      EXPECT_EQ(together.report(i).cycle, alone.report(0).cycle) << i;
+      EXPECT_EQ(together.report(i).status, alone.report(0).status) << i;
+      EXPECT_EQ(together.state(i).weights.values, alone.state(0).weights.values) << i;
+      EXPECT_EQ(together.state(i).step.values, alone.state(0).step.values) << i;
+      ends.push_back(alone.report(0).cycle);
+    }
+    EXPECT_EQ(together.report(2).status, ONLINE_NOT_FINITE);
+    EXPECT_NE(*std::max_element(ends.begin(), ends.end()), *std::min_element(ends.begin(), ends.end()));
+  }
 }
 
 TEST(TrainOnlineRefuses, WhatDoesNotFit) {

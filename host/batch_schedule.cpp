@@ -1,0 +1,159 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <optional>
+
+#include "host/sweep_schedule.h"
+#include "host/train_batch.h"
+
+namespace tactel::host {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// An epoch that can be broken off keeps a copy of all networks: not worth it for epochs shorter than this.
+constexpr double long_epoch_seconds = 0.2;
+
+template <class Real>
+class BatchSchedule : public SweepSchedule<Real> {
+ public:
+  BatchSchedule(Executor& executor, const LearningInputs<Real>& inputs, const SweepMembers& members,
+                const nn::BatchOptions& options, const nn::OnlineOptions& limits)
+      : executor_(executor), inputs_(inputs), members_(members), options_(options), limits_(limits) {
+    for (std::size_t network = 0; network < members.size(); ++network) {
+      states_.emplace_back(nn::initial_weights(topology_of(network), member_of(network).seed));
+      if (network % members.members.size() == 0) families_.push_back({});
+      families_.back().running.push_back(network);
+    }
+    for (Family& family : families_) gather(family);
+  }
+
+  void run_round(std::vector<SweepNetwork>& networks, const std::function<bool()>& go_on) override {
+    for (Family& family : families_) {
+      if (!family.training) continue;
+      if (!run_epoch(family, networks, go_on)) return;
+    }
+  }
+
+  nn::Weights<Real> weights(std::size_t network) const override { return state(network).weights; }
+
+  void store(std::size_t network, NetworkRecord<Real>& record) const override {
+    nn::BatchState<Real> now = state(network);
+    record.weights = std::move(now.weights.values);
+    record.first = std::move(now.first.values);
+    record.second = std::move(now.second.values);
+  }
+
+  void restore(std::span<const NetworkRecord<Real>> records) override {
+    for (Family& family : families_) family.running.clear();
+    for (std::size_t i = 0; i < records.size(); ++i) {
+      nn::BatchState<Real>& state = states_[i];
+      state.weights.values = records[i].weights;
+      state.first.values = records[i].first;
+      state.second.values = records[i].second;
+      state.epoch = records[i].network.cycles;
+      state.updates = std::uint64_t{state.epoch} * updates_of_an_epoch();
+      if (records[i].network.status == nn::TrainStatus::running)
+        families_[i / members_.members.size()].running.push_back(i);
+    }
+    for (Family& family : families_) gather(family);
+  }
+
+ private:
+  /// Networks of one topology that are still running, all at the same epoch.
+  struct Family {
+    std::vector<std::size_t> running{};
+    std::optional<TrainBatch<Real>> training{};  ///< of those; none when none is left
+    double epoch_seconds = 0;                    ///< of the last one
+  };
+
+  const nn::Topology& topology_of(std::size_t network) const {
+    return members_.topologies[network / members_.members.size()];
+  }
+  const OnlineMember& member_of(std::size_t network) const {
+    return members_.members[network % members_.members.size()];
+  }
+  std::uint64_t updates_of_an_epoch() const {
+    const auto batch = static_cast<std::uint64_t>(options_.batch);
+    return (inputs_.rows() + batch - 1) / batch;
+  }
+
+  // Puts the running networks on the device.
+  void gather(Family& family) {
+    family.training.reset();
+    if (family.running.empty()) return;
+    std::vector<OnlineMember> members;
+    for (const std::size_t network : family.running) members.push_back(member_of(network));
+    family.training.emplace(executor_, topology_of(family.running[0]), inputs_, members, options_);
+    for (std::size_t i = 0; i < members.size(); ++i) family.training->set_state(i, states_[family.running[i]]);
+  }
+
+  nn::BatchState<Real> state(std::size_t network) const {
+    const Family& family = families_[network / members_.members.size()];
+    const auto found = std::ranges::find(family.running, network);
+    if (found == family.running.end()) return states_[network];
+    return family.training->state(static_cast<std::size_t>(found - family.running.begin()));
+  }
+
+  bool run_epoch(Family& family, std::vector<SweepNetwork>& networks, const std::function<bool()>& go_on) {
+    const auto start = Clock::now();
+    Progress progress;
+    if (go_on && family.epoch_seconds > long_epoch_seconds)
+      progress = [&](std::size_t, std::size_t) { return go_on(); };
+    const auto errors = family.training->train_epoch(progress);
+    family.epoch_seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    if (!errors) return false;
+    bool some_stopped = false;
+    for (std::size_t i = 0; i < family.running.size(); ++i)
+      some_stopped |= note_epoch(networks[family.running[i]], (*errors)[i]);
+    if (some_stopped) take_out_stopped(family, networks);
+    return true;
+  }
+
+  // Returns whether it was the network's last.
+  bool note_epoch(SweepNetwork& network, const nn::CycleErrors& errors) const {
+    const auto epoch = static_cast<int>(network.cycles) + 1;
+    if (!std::isfinite(errors.sse) || !std::isfinite(errors.largest))
+      network.status = nn::TrainStatus::not_finite;
+    else if (errors.largest < limits_.stop_error)
+      network.status = nn::TrainStatus::learnt;
+    else if (epoch >= limits_.cycles(network.topology))
+      network.status = nn::TrainStatus::cycle_limit;
+    const bool last = network.status != nn::TrainStatus::running;
+    note_cycle(network, errors, last);
+    return last;
+  }
+
+  void take_out_stopped(Family& family, const std::vector<SweepNetwork>& networks) {
+    for (std::size_t i = 0; i < family.running.size(); ++i) states_[family.running[i]] = family.training->state(i);
+    std::erase_if(family.running,
+                  [&](std::size_t network) { return networks[network].status != nn::TrainStatus::running; });
+    gather(family);
+  }
+
+  Executor& executor_;
+  LearningInputs<Real> inputs_;
+  SweepMembers members_;
+  nn::BatchOptions options_;
+  nn::OnlineOptions limits_;
+  std::vector<Family> families_;              ///< [topologies]
+  std::vector<nn::BatchState<Real>> states_;  ///< [networks]; of running ones, the training's are newer
+};
+
+}  // namespace
+
+template <class Real>
+std::unique_ptr<SweepSchedule<Real>> batch_schedule(Executor& executor, const LearningInputs<Real>& inputs,
+                                                    const SweepMembers& members, const nn::BatchOptions& options,
+                                                    const nn::OnlineOptions& limits) {
+  return std::make_unique<BatchSchedule<Real>>(executor, inputs, members, options, limits);
+}
+
+template std::unique_ptr<SweepSchedule<float>> batch_schedule(Executor&, const LearningInputs<float>&,
+                                                              const SweepMembers&, const nn::BatchOptions&,
+                                                              const nn::OnlineOptions&);
+template std::unique_ptr<SweepSchedule<double>> batch_schedule(Executor&, const LearningInputs<double>&,
+                                                               const SweepMembers&, const nn::BatchOptions&,
+                                                               const nn::OnlineOptions&);
+
+}  // namespace tactel::host

@@ -1,0 +1,67 @@
+#include <algorithm>
+
+#include "fem/gap_condensed.h"
+#include "host/gap_sweep.h"
+
+namespace tactel::host {
+namespace {
+
+std::ptrdiff_t solved_steps(const fem::ContactSolution& solution) {
+  return std::ranges::count_if(solution.steps, &fem::ContactStep::converged);
+}
+
+bool solved(const fem::ContactSolution& solution) {
+  return solved_steps(solution) == static_cast<std::ptrdiff_t>(solution.steps.size());
+}
+
+template <class Real>
+void solve_alike(Executor& executor, std::span<const fem::Scene> scenes, const std::vector<std::size_t>& which,
+                 const GapSweepOptions& options, std::vector<fem::ContactSolution>& solutions) {
+  std::vector<fem::Scene> alike;
+  for (std::size_t i : which) alike.push_back(scenes[i]);
+  const GapSweep<Real> sweep(executor, alike.front().sensor, options);
+  auto batch = sweep.prepare(alike);
+  batch.run();
+  const fem::GapCondensed exact(sweep.condensation(), {.tolerance = sweep.options().accept});
+  for (std::size_t k = 0; k < which.size(); ++k) {
+    fem::ContactSolution& solution = solutions[which[k]] = batch.solution(k);
+    if (!options.fallback || solved(solution)) continue;
+    fem::ContactSolution again = exact.solve(alike[k]);
+    if (solved(again) || solved_steps(again) > solved_steps(solution)) solution = std::move(again);
+    solution.fell_back = true;
+  }
+}
+
+/// Scenes that share a launch: same sensor but for E, same kind of load.
+std::vector<std::vector<std::size_t>> launches(std::span<const fem::Scene> scenes) {
+  std::vector<std::vector<std::size_t>> groups;
+  std::vector<std::pair<fem::Sensor, bool>> keys;
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    std::pair key(scenes[i].sensor, by_force(scenes[i]));
+    key.first.young = 1;
+    const std::size_t group = std::find(keys.begin(), keys.end(), key) - keys.begin();
+    if (group == keys.size()) {
+      keys.push_back(key);
+      groups.emplace_back();
+    }
+    groups[group].push_back(i);
+  }
+  return groups;
+}
+
+}  // namespace
+
+std::vector<fem::ContactSolution> solve_gap_sweep(Executor& executor, std::span<const fem::Scene> scenes,
+                                                  Precision precision, const GapSweepOptions& options) {
+  for (const fem::Scene& scene : scenes) scene.validate();
+  std::vector<fem::ContactSolution> solutions(scenes.size());
+  for (const auto& which : launches(scenes)) {
+    if (precision == Precision::fp32)
+      solve_alike<float>(executor, scenes, which, options, solutions);
+    else
+      solve_alike<double>(executor, scenes, which, options, solutions);
+  }
+  return solutions;
+}
+
+}  // namespace tactel::host

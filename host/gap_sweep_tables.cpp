@@ -1,0 +1,69 @@
+#include "host/gap_sweep_tables.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernels/shared/contact_layout.h"
+
+namespace tactel::host {
+namespace {
+
+constexpr int row_block = 4;  ///< ROW_BLOCK of the kernel
+
+}  // namespace
+
+template <class Real>
+std::vector<Real> compliance_table(const Eigen::MatrixXd& c) {
+  const int columns = static_cast<int>(c.rows() / 2);
+  std::vector<Real> table;
+  table.reserve(4 * columns * columns);
+  for (int i = 0; i < columns; ++i)
+    for (int j = 0; j < columns; ++j)
+      for (double value : {-c(2 * i + 1, 2 * j + 1), c(2 * i + 1, 2 * j), -c(2 * i, 2 * j + 1), c(2 * i, 2 * j)})
+        table.push_back(static_cast<Real>(value));
+  return table;
+}
+
+template <class Real>
+std::vector<Real> node_table(const Eigen::MatrixXd& c) {
+  const int columns = static_cast<int>(c.rows() / 2);
+  std::vector<Real> table(static_cast<std::size_t>(columns) * NODE_ROWS);
+  for (int i = 0; i < columns; ++i) {
+    double rise_by_n = 0, rise_by_t = 0;
+    for (int j = 0; j < columns; ++j) {
+      if (j == i) continue;
+      rise_by_n = std::max(rise_by_n, -c(2 * i + 1, 2 * j + 1));
+      rise_by_t = std::max(rise_by_t, std::abs(c(2 * i + 1, 2 * j)));
+    }
+    constexpr double up = 1 + 1e-5;  // rounding to fp32 must not lower a bound
+    Real* row = &table[static_cast<std::size_t>(i) * NODE_ROWS];
+    row[NODE_N_PER_UY] = static_cast<Real>(1 / c(2 * i + 1, 2 * i + 1));
+    row[NODE_T_PER_UX] = static_cast<Real>(1 / c(2 * i, 2 * i));
+    row[NODE_UX_PER_N] = static_cast<Real>(-c(2 * i, 2 * i + 1));
+    row[NODE_RISE_PER_N] = static_cast<Real>(up * rise_by_n);
+    row[NODE_RISE_PER_T] = static_cast<Real>(up * rise_by_t);
+  }
+  return table;
+}
+
+template <class Real>
+std::vector<Real> output_table(const Eigen::MatrixXd& map) {
+  const std::size_t columns = map.cols() / 2, rows = map.rows(), blocks = (rows + row_block - 1) / row_block;
+  std::vector<Real> table(blocks * columns * row_block * 2, Real(0));
+  for (std::size_t r = 0; r < rows; ++r)
+    for (std::size_t j = 0; j < columns; ++j) {
+      Real* entry = &table[((r / row_block * columns + j) * row_block + r % row_block) * 2];
+      entry[0] = static_cast<Real>(-map(r, 2 * j + 1));
+      entry[1] = static_cast<Real>(map(r, 2 * j));
+    }
+  return table;
+}
+
+template std::vector<float> compliance_table(const Eigen::MatrixXd&);
+template std::vector<double> compliance_table(const Eigen::MatrixXd&);
+template std::vector<float> node_table(const Eigen::MatrixXd&);
+template std::vector<double> node_table(const Eigen::MatrixXd&);
+template std::vector<float> output_table(const Eigen::MatrixXd&);
+template std::vector<double> output_table(const Eigen::MatrixXd&);
+
+}  // namespace tactel::host

@@ -1,0 +1,18 @@
+#pragma once
+#include <nlohmann/json.hpp>
+
+#include "host/inverse_problem.h"
+#include "host/report_page.h"
+
+namespace tactel::host {
+
+/// table2.json (interface.md): for each network and noise the medians over seeds of max, mean and standard deviation,
+/// learning and recalling, with the 5 and 95 % quantiles as "low" and "high".
+nlohmann::ordered_json table_two_json(const InverseProblem& problem);
+
+/// Table II as a distribution, learning curves, errors by class and by nodes in contact, the effect of noise, and of
+/// what the paper leaves open.
+void report_inverse_problem(ReportPage& page, const InverseProblem& problem, const InverseChoice& choice,
+                            const std::vector<InverseSensitivityRow>& sensitivity);
+
+}  // namespace tactel::host

@@ -1,0 +1,27 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+namespace tactel::host {
+
+/// The processes of one run: several under mpirun (where tactel was built with MPI), else this one alone. One object
+/// a program, in the main thread; an exception that passes its end stops the other processes, too.
+class Ranks {
+ public:
+  Ranks();
+  ~Ranks();
+  Ranks(const Ranks&) = delete;
+  Ranks& operator=(const Ranks&) = delete;
+  int rank() const { return rank_; }
+  int count() const { return count_; }
+  bool first() const { return rank_ == 0; }
+  void barrier() const;
+  /// Element by element over all processes.
+  std::vector<double> sum(std::vector<double> values) const;
+
+ private:
+  bool started_ = false;
+  int rank_ = 0, count_ = 1;
+};
+
+}  // namespace tactel::host

@@ -1,0 +1,85 @@
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fem/scene.h"
+#include "host/distribution.h"
+#include "host/ladder.h"
+
+namespace tactel::host {
+
+/// The contacts of a sweep file: contact k is a function of the file, its seed and k alone.
+///   [sweep]  contacts = 100000, seed = 7, sensors = 16
+///   [sensor], [indenter], [contact], [load] as in a scene file; any of them may be several ([[indenter]] ...), of
+///   which each contact draws one in proportion to its `weight` (1 by default); numbers may be distributions.
+/// A [sensor] with distributions stands for `sensors` sensors drawn once: each costs a condensation.
+class SceneSource {
+ public:
+  /// Throws ConfigError with file, line, key, value and what is allowed.
+  static SceneSource read(const std::filesystem::path& path);
+  /// Listed scenes, as the paper's sets are; `kinds`: [scenes] places in kind_names.
+  SceneSource(std::vector<fem::Scene> scenes, std::vector<std::uint16_t> kinds, std::vector<std::string> kind_names);
+
+  std::uint64_t contacts() const { return contacts_; }
+  std::uint64_t seed() const { return seed_; }
+  int tactels() const;
+  /// What kinds of indenters there are: one for each [[indenter]].
+  const std::vector<std::string>& kind_names() const { return kind_names_; }
+
+  struct Contact {
+    fem::Scene scene;
+    std::uint16_t kind = 0;  ///< place in kind_names
+  };
+  /// Contact k < contacts(). Throws ValueError where drawn numbers do not fit each other.
+  Contact contact(std::uint64_t k) const;
+  /// From now on contacts and sensors are as the rung models them.
+  void model_on(const Rung& rung);
+  /// Every sensor that contacts may have.
+  const std::vector<fem::Sensor>& sensors() const { return sensors_; }
+
+  /// A number to draw and where it goes. `number` tells the draws of a contact apart.
+  struct NumberDraw {
+    std::uint32_t number = 0;
+    Distribution distribution;
+    double& (*place)(fem::Scene&, int) = nullptr;
+    int index = 0;
+  };
+  /// A random convex profile: `points` over 2 half_width, slopes in increasing order, the highest point at `height`.
+  struct RandomProfile {
+    int points = 0;
+    std::uint32_t number = 0;
+    NumberDraw half_width, height;
+  };
+  /// One of several tables of a name.
+  struct Alternative {
+    fem::Scene scene;  ///< of which the table's own part counts
+    std::vector<NumberDraw> draws;
+    std::optional<RandomProfile> profile;
+    std::optional<NumberDraw> slip_index;  ///< load.slip_index: the angle is the one that gives this S
+  };
+  /// All tables of a name, with their weights.
+  struct Part {
+    std::vector<Alternative> alternatives;
+    std::vector<double> weights;
+    std::uint32_t number = 0;
+  };
+
+ private:
+  friend class SweepReader;
+  SceneSource() = default;
+
+  Contact drawn_contact(std::uint64_t k) const;
+
+  std::optional<Rung> rung_;
+  std::uint64_t contacts_ = 0, seed_ = 0;
+  std::vector<std::string> kind_names_;
+  std::vector<fem::Scene> listed_;
+  std::vector<std::uint16_t> listed_kinds_;
+  Part indenter_, contact_, load_;
+  std::vector<fem::Sensor> sensors_;
+  std::vector<double> sensor_weights_;
+};
+
+}  // namespace tactel::host
