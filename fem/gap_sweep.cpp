@@ -141,7 +141,10 @@ void GapSweep<Real>::walk(const Scene& scene, const Record& record) const {
     } while (settled && join_penetrated());
     if (!record(c, step, sweeps, settled, profile)) return;
     Vector<Real> now = c.ux_last;
-    for (int i = c.first; i < c.end; ++i) now[i] = ux(i, c.force);
+    for (int i = c.first; i < c.end; ++i) {
+      const bool sticks = std::abs(c.force[2 * i + 1]) < c.mu * c.force[2 * i];
+      now[i] = sticks ? c.ux_last[i] + (c.x - c.x_last) : ux(i, c.force);  // what convergence left does not add up
+    }
     c.ux_last = now;
     c.x_last = c.x;
     before = last;

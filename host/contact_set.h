@@ -75,6 +75,21 @@ class ContactSetWriter {
 /// A whole set at once.
 void write_contact_set(const std::filesystem::path& path, const ContactSet& set);
 
+/// Reads parts of a set file. Throws ConfigError as read_contact_set.
+class ContactSetReader {
+ public:
+  explicit ContactSetReader(const std::filesystem::path& path);
+  ~ContactSetReader();
+  std::uint64_t rows() const;
+  int inputs() const;
+  /// Rows first ... first + count - 1, which must be there; no attributes but indenter_names.
+  ContactSet read(std::uint64_t first, std::uint64_t count) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
 /// Throws ConfigError where the file cannot be read, is no set, or holds datasets of the wrong shape.
 ContactSet read_contact_set(const std::filesystem::path& path);
 /// The text of the sweep file that a set was made from. Throws as read_contact_set.

@@ -14,8 +14,8 @@ std::vector<Real> compliance_table(const Eigen::MatrixXd& compliance);
 template <class Real>
 std::vector<Real> node_table(const Eigen::MatrixXd& compliance);
 
-/// Of a map from surface loads to output rows: [blocks of rows][columns][ROW_BLOCK][2], by n, by t; rows beyond the last
-/// are zero.
+/// Of a map from surface loads to output rows: [blocks of rows][columns][ROW_BLOCK][2], by n, by t; rows beyond the
+/// last are zero.
 template <class Real>
 std::vector<Real> output_table(const Eigen::MatrixXd& map);
 

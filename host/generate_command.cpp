@@ -85,7 +85,7 @@ std::string report_text(const GenerateRequest& request, const ContactSet& set, c
                                  set.fell_back, set.unsolved);
   if (contacts > 0)
     text += fmt::format(
-        "{:.0f} contacts, {} load steps in {:.2f} s: {} steps/s, in kernels {} steps/s; kept at {} B/s, put together "
+        "{:.0f} contacts, {} load steps in {:.2f} s: {} steps/s, in kernels {} steps/s; kept at {}B/s, put together "
         "in "
         "{:.2f} s\n",
         contacts, with_prefix(steps), seconds, with_prefix(steps / seconds), with_prefix(steps / kernel),

@@ -29,35 +29,30 @@ void take_up(NetworkSweep<float>& sweep, const std::filesystem::path& checkpoint
   }
 }
 
-/// The results of a finished sweep [networks 1 ... 6][noises][seeds], noise-free networks first.
-std::vector<NetworkStudy> studies_of(const NetworkSweep<float>& sweep, const SweepPlan& plan,
-                                     const nn::FrameSet& recall) {
+/// The results of a finished sweep [networks 1 ... 6][seeds].
+void add_studies(const NetworkSweep<float>& sweep, const SweepPlan& plan, InverseProblem& problem) {
+  const nn::FrameSet& recall = problem.sets.recall;
   const auto learning = sweep.recall_learning_set();
   const auto errors = sweep.absolute_errors(recall);
   const auto noisy = sweep.recall(nn::with_noise(recall, paper_noise, recall_noise_seed));
-  std::vector<NetworkStudy> studies;
-  for (std::size_t k = 0; k < plan.noises.size(); ++k) {
-    for (std::size_t t = 0; t < plan.topologies.size(); ++t) {
-      NetworkStudy study{.number = static_cast<int>(t) + 1,
-                         .topology = plan.topologies[t],
-                         .noise = plan.noises[k],
-                         .networks = {},
-                         .learning = {},
-                         .recalling = {},
-                         .recalling_noisy = {},
-                         .recall_errors = {}};
-      for (std::size_t s = 0; s < plan.seeds.size(); ++s) {
-        const std::size_t i = (t * plan.noises.size() + k) * plan.seeds.size() + s;
-        study.networks.push_back(sweep.networks()[i]);
-        study.learning.push_back(learning[i]);
-        study.recalling.push_back(nn::report_errors(errors[i], recall));
-        study.recalling_noisy.push_back(noisy[i]);
-        study.recall_errors.push_back(errors[i]);
-      }
-      studies.push_back(std::move(study));
+  for (std::size_t t = 0; t < plan.topologies.size(); ++t) {
+    NetworkStudy study{.number = static_cast<int>(t) + 1,
+                       .topology = plan.topologies[t],
+                       .noise = plan.noises[0],
+                       .networks = {},
+                       .learning = {},
+                       .recalling = {},
+                       .recalling_noisy = {},
+                       .recall_errors = {}};
+    for (std::size_t i = t * plan.seeds.size(); i < (t + 1) * plan.seeds.size(); ++i) {
+      study.networks.push_back(sweep.networks()[i]);
+      study.learning.push_back(learning[i]);
+      study.recalling.push_back(nn::report_errors(errors[i], recall));
+      study.recalling_noisy.push_back(noisy[i]);
+      study.recall_errors.push_back(errors[i]);
     }
+    problem.studies.push_back(std::move(study));
   }
-  return studies;
 }
 
 struct Variant {
@@ -110,19 +105,17 @@ InverseSets simulate_sets(Executor& executor, const InverseChoice& choice) {
           recall.kind_names};
 }
 
-std::optional<InverseProblem> solve_inverse_problem(Executor& executor, const InverseChoice& choice, std::size_t seeds,
-                                                    const SweepRunOptions& options) {
-  InverseProblem problem;
-  problem.sets = simulate_sets(executor, choice);
+bool train_and_recall(Executor& executor, const InverseChoice& choice, double noise, std::size_t seeds,
+                      const SweepRunOptions& options, InverseProblem& problem) {
   SweepPlan plan = paper_plan(choice, {1, 2, 3, 4, 5, 6}, seeds);
-  plan.noises = {0.0, paper_noise};
+  plan.noises = {noise};
   NetworkSweep<float> sweep(executor, problem.sets.learning, plan);
   take_up(sweep, options.checkpoint);
-  if (!sweep.run(options)) return std::nullopt;
-  problem.studies = studies_of(sweep, plan, problem.sets.recall);
-  problem.patterns = sweep.patterns();
-  problem.seconds = sweep.seconds();
-  return problem;
+  if (!sweep.run(options)) return false;
+  add_studies(sweep, plan, problem);
+  problem.patterns += sweep.patterns();
+  problem.seconds += sweep.seconds();
+  return true;
 }
 
 Spread spread(const std::vector<nn::ErrorReport>& reports,

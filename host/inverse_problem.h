@@ -48,13 +48,18 @@ struct InverseProblem {
   double patterns = 0, seconds = 0;   ///< of training
 };
 
+/// Cycles that learn from noise are cut to: by then they know their noisy set by heart, and recall no better after the
+/// paper's 10 000 or 15 000 (`tactel reproduce --noise-cycles 0` takes all).
+inline constexpr int enough_noise_cycles = 4000;
+
 /// 10 % of the largest stress (section V.B).
 inline constexpr double paper_noise = 0.1;
 
-/// Trains the six networks without and with noise from seeds 1 ... `seeds`. Progress and checkpoint as in
-/// NetworkSweep::run; a checkpoint of the same training is taken up. None when progress stopped it.
-std::optional<InverseProblem> solve_inverse_problem(Executor& executor, const InverseChoice& choice, std::size_t seeds,
-                                                    const SweepRunOptions& options);
+/// Trains the six networks on the problem's sets at one noise level from seeds 1 ... `seeds`, and adds their studies.
+/// Progress and checkpoint as in NetworkSweep::run; a checkpoint of the same training is taken up. False when progress
+/// stopped it.
+bool train_and_recall(Executor& executor, const InverseChoice& choice, double noise, std::size_t seeds,
+                      const SweepRunOptions& options, InverseProblem& problem);
 
 /// Median over seeds with the 5 and 95 % quantiles.
 struct Spread {

@@ -17,7 +17,7 @@ namespace {
 struct ReproduceRequest {
   std::string output = "report", device;
   std::size_t seeds = 100;
-  int cycles = 0;
+  int cycles = 0, noise_cycles = enough_noise_cycles;
   bool quiet = false;
 };
 
@@ -29,31 +29,41 @@ void make_directory(const std::filesystem::path& path) {
                       "a directory that can be made (" + error.message() + ")");
 }
 
+/// Trains at one noise level, with progress and checkpoint. False when Ctrl-C stopped it.
+bool train_networks(const ReproduceRequest& request, Executor& executor, const InverseChoice& choice, double noise,
+                    InverseProblem& problem) {
+  const Interrupt interrupt;
+  const std::string job = noise == 0 ? "networks without noise" : "networks with noise";
+  ProgressLine line(job, "weight updates", request.quiet);
+  const auto checkpoint = std::filesystem::path(request.output) / fmt::format("networks-{}.checkpoint", noise);
+  const auto progress = [&](std::size_t done, std::size_t total) {
+    line.show(done, total);
+    return !interrupt.requested();
+  };
+  const bool finished = train_and_recall(executor, choice, noise, request.seeds,
+                                         {.progress = progress, .checkpoint = checkpoint}, problem);
+  line.clear();
+  if (!finished) fmt::print(stderr, "stopped; the same command goes on from {}\n", checkpoint.string());
+  return finished;
+}
+
 /// Section V. False when Ctrl-C stopped it.
 bool reproduce_networks(const ReproduceRequest& request, Executor& executor, ReportPage& page) {
   const std::filesystem::path directory = request.output;
   InverseChoice choice = inverse_choice();
   choice.options.cycle_limit = request.cycles;
-  const std::filesystem::path checkpoint = directory / "networks.checkpoint";
-  Interrupt interrupt;
-  ProgressLine line("training the six networks", "weight updates", request.quiet);
-  const auto problem = solve_inverse_problem(executor, choice, request.seeds,
-                                             {.progress =
-                                                  [&](std::size_t done, std::size_t total) {
-                                                    line.show(done, total);
-                                                    return !interrupt.requested();
-                                                  },
-                                              .checkpoint = checkpoint});
-  line.clear();
-  if (!problem) {
-    fmt::print(stderr, "stopped; the same command goes on from {}\n", checkpoint.string());
-    return false;
-  }
+  InverseChoice noisy = choice;
+  if (request.cycles == 0) noisy.options.cycle_limit = request.noise_cycles;
+  InverseProblem problem;
+  problem.sets = simulate_sets(executor, choice);
+  if (!train_networks(request, executor, choice, 0, problem)) return false;
+  if (!train_networks(request, executor, noisy, paper_noise, problem)) return false;
   const auto sensitivity = inverse_sensitivity(executor, choice, std::min<std::size_t>(request.seeds, 4),
                                                request.cycles > 0 ? std::min(request.cycles, 2000) : 2000);
-  report_inverse_problem(page, *problem, choice, sensitivity);
-  write_file("--output", directory / "table2.json", json_text(table_two_json(*problem)));
-  std::filesystem::remove(checkpoint);
+  report_inverse_problem(page, problem, choice, sensitivity);
+  write_file("--output", directory / "table2.json", json_text(table_two_json(problem)));
+  for (double noise : {0.0, paper_noise})
+    std::filesystem::remove(directory / fmt::format("networks-{}.checkpoint", noise));
   return true;
 }
 
@@ -88,6 +98,9 @@ void add_reproduce_command(CLI::App& app, Action& action) {
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
   command->add_option("--cycles", request->cycles, "fewer learning cycles than the paper, for a quick look; 0: as many")
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
+  command->add_option("--noise-cycles", request->noise_cycles, "learning cycles with noise; 0: as many as the paper")
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
   command->add_flag("--quiet", request->quiet, "say nothing but errors");

@@ -23,6 +23,8 @@ class SceneSource {
   SceneSource(std::vector<fem::Scene> scenes, std::vector<std::uint16_t> kinds, std::vector<std::string> kind_names);
 
   std::uint64_t contacts() const { return contacts_; }
+  /// Whether contact(k) goes on beyond contacts(): drawn contacts do, listed ones do not.
+  bool endless() const { return listed_.empty(); }
   std::uint64_t seed() const { return seed_; }
   int tactels() const;
   /// What kinds of indenters there are: one for each [[indenter]].
@@ -32,7 +34,7 @@ class SceneSource {
     fem::Scene scene;
     std::uint16_t kind = 0;  ///< place in kind_names
   };
-  /// Contact k < contacts(). Throws ValueError where drawn numbers do not fit each other.
+  /// Contact k < contacts(), or any where endless(). Throws ValueError where drawn numbers do not fit each other.
   Contact contact(std::uint64_t k) const;
   /// From now on contacts and sensors are as the rung models them.
   void model_on(const Rung& rung);

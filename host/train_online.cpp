@@ -29,10 +29,8 @@ std::size_t layer_size(const nn::Topology& topology, int layer, std::size_t lane
 template <class Real>
 std::size_t networks_together(const nn::Topology& topology, std::size_t lanes) {
   constexpr std::size_t most = 4, cache = 36 << 10;
-  std::size_t together = std::min(lanes, most);
-  while (together > 1 && topology.layers() > 2 && layer_size(topology, 1, lanes, together) * sizeof(Real) > cache)
-    together /= 2;
-  return together;
+  const std::size_t together = std::min(lanes, most);
+  return topology.layers() > 2 && layer_size(topology, 1, lanes, together) * sizeof(Real) > cache ? 1 : together;
 }
 
 // Numbers of a group's weights, steps included; those into the output neuron are an input to a lane.

@@ -30,7 +30,7 @@ typedef struct {
   vreal n_last[NODES][VECTORS];  /* both at the last increment */
   vreal t_last[NODES][VECTORS];
   vreal h[NODES][VECTORS];        /* profile height of the gap elements at work, FAR elsewhere, mm */
-  vreal ux_last[NODES][VECTORS];  /* u_x at the last increment where a gap element is at work, mm */
+  vreal ux_last[NODES][VECTORS];  /* u_x at the last increment where a gap element is at work, mm; of a sticking node what it should have been */
   vreal ux[NODES][VECTORS], uy[NODES][VECTORS]; /* as certify found them, mm */
   int first, end;                 /* nodes [first, end): all gap elements at work in any lane */
 } Contact;
@@ -42,6 +42,7 @@ typedef struct {
   vreal x[VECTORS];     /* tangential position, mm */
   vreal x_last[VECTORS];
   vint active[VECTORS];
+  vint held[VECTORS];   /* lanes that are where they were at the last increment */
 } Indenter;
 
 typedef struct {
@@ -205,7 +206,8 @@ static inline void certify(const Rules *rules, global const vreal *profile, Cont
       const vreal cone = in->mu[v] * n;
       const vint works = c->h[i][v] < FAR, pressed = n > 0;
       const vreal inside = u.uy[v] - (c->h[i][v] - in->d[v]); /* below zero by FAR where no gap element works */
-      const vreal slip = u.ux[v] - (c->ux_last[i][v] + (in->x[v] - in->x_last[v]));
+      const vreal moved = u.ux[v] - (c->ux_last[i][v] + (in->x[v] - in->x_last[v]));
+      const vreal slip = PICK(in->held[v], ALL_LANES(0), moved);
       const vreal along = PICK(t > 0, slip, PICK(t < 0, -slip, ALL_LANES(0))); /* slip with friction instead of against it */
       const vreal drift = PICK(pressed, PICK(fabs(t) < cone, fabs(slip), along), ALL_LANES(0));
       const vreal apart = PICK(pressed, fabs(inside), ALL_LANES(0));
@@ -337,6 +339,7 @@ static inline void aim(Search *s, const Contact *c, Indenter *in, real tolerance
     const vreal enough = tolerance * s->p_goal[v];
     learn(s, v, z, g, in->active[v]);
     in->active[v] &= (fabs(miss[0]) > enough) | (fabs(miss[1]) > enough);
+    in->held[v] &= NOT(in->active[v]);
     const vreal step[2] = {s->b[0][0][v] * miss[0] + s->b[0][1][v] * miss[1],
                            s->b[1][0][v] * miss[0] + s->b[1][1][v] * miss[1]};
     s->low[v] = PICK(miss[0] < 0, LARGER(z[0], s->low[v]), s->low[v]);
@@ -475,7 +478,8 @@ static inline void next_goal(global const vreal *lane_input, global const vreal 
 /* Lanes whose goal is where they are rest as they are: that is a solution, and so a held contact does not creep by rounding. */
 static inline void move_to(Indenter *in, const Walk *w, const vreal *d, const vreal *x) {
   EACH_VECTOR {
-    in->active[v] = w->running[v] & ((d[v] != in->d[v]) | (x[v] != in->x[v]));
+    in->held[v] = (d[v] == in->d[v]) & (x[v] == in->x[v]);
+    in->active[v] = w->running[v] & NOT(in->held[v]);
     in->x_last[v] = in->x[v];
     in->d[v] = d[v];
     in->x[v] = x[v];
@@ -570,6 +574,15 @@ static inline void report(global const vreal *lane_input, int k, const Contact *
   }
 }
 
+/* History for the next increment. A sticking node counts as having followed the indenter: what convergence left of it is then made good by the next
+   increment instead of adding up over thousands of them. */
+static inline void remember(Contact *c, const Indenter *in) {
+  for (int i = c->first; i < c->end; ++i) EACH_VECTOR {
+      const vint sticks = (c->n[i][v] > 0) & (fabs(c->t[i][v]) < in->mu[v] * c->n[i][v]);
+      c->ux_last[i][v] = PICK(sticks, c->ux_last[i][v] + (in->x[v] - in->x_last[v]), c->ux[i][v]);
+    }
+}
+
 static inline void report_idle(const Walk *w, global vreal *result) {
   for (int r = 0; r < LANE_RESULT_ROWS; ++r) EACH_VECTOR {
       const vreal idle = PICK(w->valid[v], ALL_LANES(LANE_NOT_RUN), ALL_LANES(LANE_INVALID));
@@ -622,7 +635,7 @@ kernel void gap_sweep(uint first_group, global const real *compliance, global co
       write_rows(map, rows, &c, w.young, rows_out);
       if (write_node_rows) write_nodes(&c, &in, w.young, nodes_out);
       report(lane_input, k, &c, &in, accept, base_rows, rows_out, &w, result);
-      for (int i = c.first; i < c.end; ++i) EACH_VECTOR { c.ux_last[i][v] = c.ux[i][v]; }
+      remember(&c, &in);
     } else {
       report_idle(&w, result);
     }

@@ -1,6 +1,7 @@
 /* Pattern-by-pattern training by the generalized delta rule with momentum (Rumelhart, Hinton and Williams 1986, eq. 16). One work-item
-   trains one network; the lanes of its vectors are neurons. Many networks (topology x seed x noise) are many work-items: each stops by itself,
-   and one network's weights and steps fit the first-level cache, where those of LANES networks side by side would not.
+   trains a group of NETWORKS networks of one topology: LANES / NETWORKS neurons of each share a vector, lane = neuron NETWORKS + network. Each
+   network has its own weights, set, order and end; its bits depend neither on its neighbours nor on NETWORKS, because every sum over
+   lanes is taken in the same LANES parts.
 
    The rule, for a layer with inputs x(t) and deltas d(t):  S(t+1) = m S(t) + eta d(t) x(t)',  W(t+1) = W(t) + S(t+1).
 
@@ -14,7 +15,7 @@
    Second hidden layer. Its step for pattern t - 1 is made in the same pass that takes it forward for pattern t. As there is one output, its
    deltas are g = f' w_out times one number, so its backward pass does not wait for the output.
 
-   Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer). */
+   Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer), NETWORKS (a power of two, at most LANES). */
 // defines: INPUTS=42 HIDDEN1=42 HIDDEN2=21 NETWORKS=1
 #include "shared/activation.h"
 #include "shared/group.h"
@@ -23,8 +24,7 @@
 #include "shared/philox.h"
 #include "shared/transpose.h"
 
-#define BLOCK 8                               /* patterns that the first layer takes together, */
-#define PART 8                                /* and so many of them at a time when it is updated */
+#define BLOCK 8                               /* patterns that the first layer takes together */
 #define PAIRS (BLOCK * (BLOCK - 1) / 2)
 #define NEURONS (LANES / NETWORKS)            /* of each network in a vector */
 #define NEURON_VECTORS(n) (((n) + NEURONS - 1) / NEURONS)
@@ -40,7 +40,7 @@ typedef struct {
   vreal w, s; /* weight and last step */
 } Weight;
 
-/* A group's weights: Weight [INPUTS + 1][V1], [HIDDEN1 + 1][V2], [VL], [1]. The bias comes last (of the last layer: the bias alone, in
+/* A group's weights: Weight [V1][INPUTS + 1], [HIDDEN1 + 1][V2], [VL], [1]. The bias comes last (of the last layer: the bias alone, in
    every lane). Neurons that only fill a vector have zero weights and stay so. */
 #define LAYER1 ((INPUTS + 1) * V1)
 #define LAYER2 (HIDDEN2 ? (HIDDEN1 + 1) * V2 : 0)
@@ -140,7 +140,7 @@ INLINE void multiply_rows(Group *g) {
   ROLLED for (int v = 0; v < NEURON_VECTORS(PAIRS); ++v) g->dots[v] = piece_sums(NETWORKS, product + v * NEURONS);
 }
 
-/* u(t) = W x(t) + m a_t S x(t) . */
+/* u(t) = W x(t) + m a_t S x(t). A vector of neurons at a time: its weights lie in a row. */
 INLINE void multiply_layer1(Group *g, const Rule *rule) {
   const real *x = (const real *)g->x[0];
   ROLLED for (int v = 0; v < V1; ++v) {
@@ -164,34 +164,27 @@ INLINE void multiply_layer1(Group *g, const Rule *rule) {
   }
 }
 
-/* Adds what patterns from `first` on, PART of them, change in vector v of the first layer's weights and steps. First of all these go on
-   by themselves for `count` patterns: W + m a_count S, m^count S. */
-INLINE void update_part(Group *g, const Rule *rule, int v, int first, int count) {
-  const vreal old_step = ALL_LANES(first ? 0 : rule->momentum * rule->a[count]), decay = ALL_LANES(first ? 1 : rule->power[count]);
-  const real *x = (const real *)g->x[first];
-  global Weight *weight = g->layer1 + v * (INPUTS + 1);
-  vreal to_w[PART], to_s[PART];
-  EACH(t, PART) {
-    const int left = count - first - t;
-    to_w[t] = left > 0 ? g->u[first + t][v] * rule->a[left] : ALL_LANES(0);
-    to_s[t] = left > 0 ? g->u[first + t][v] * rule->power[left - 1] : ALL_LANES(0);
-  }
-  ROLLED for (int k = 0; k <= INPUTS; ++k) {
-    vreal w = fma(old_step, weight[k].s, weight[k].w), s = weight[k].s * decay;
-    EACH(t, PART) {
-      const vreal input = each_network(x + t * (ROW * NETWORKS * LANES) + k * NETWORKS);
-      w = fma(to_w[t], input, w);
-      s = fma(to_s[t], input, s);
-    }
-    weight[k].w = w;
-    weight[k].s = s;
-  }
-}
-
 /* The first layer's weights and steps after the block's `count` patterns. */
 INLINE void update_layer1(Group *g, const Rule *rule, int count) {
+  const vreal old_step = ALL_LANES(rule->momentum * rule->a[count]), decay = ALL_LANES(rule->power[count]);
+  const real *x = (const real *)g->x[0];
   ROLLED for (int v = 0; v < V1; ++v) {
-    ROLLED for (int first = 0; first < count; first += PART) update_part(g, rule, v, first, count);
+    global Weight *weight = g->layer1 + v * (INPUTS + 1);
+    vreal to_w[BLOCK], to_s[BLOCK];
+    EACH(t, BLOCK) {
+      to_w[t] = t < count ? g->u[t][v] * rule->a[count - t] : ALL_LANES(0);
+      to_s[t] = t < count ? g->u[t][v] * rule->power[count - 1 - t] : ALL_LANES(0);
+    }
+    ROLLED for (int k = 0; k <= INPUTS; ++k) {
+      vreal w = fma(old_step, weight[k].s, weight[k].w), s = weight[k].s * decay;
+      EACH(t, BLOCK) {
+        const vreal input = each_network(x + t * (ROW * NETWORKS * LANES) + k * NETWORKS);
+        w = fma(to_w[t], input, w);
+        s = fma(to_s[t], input, s);
+      }
+      weight[k].w = w;
+      weight[k].s = s;
+    }
   }
 }
 

@@ -1,5 +1,5 @@
-// What the kernel says of its own answers, worked out again in fp64 from the forces that it wrote and C; and what becomes
-// of answers that are not good enough.
+// What the kernel says of its own answers, worked out again in fp64 from the forces that it wrote and C; and what
+// becomes of answers that are not good enough.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -51,7 +51,9 @@ class Auditor {
     const Eigen::Vector2d off(step.base_force_x.sum() - load(Eigen::seq(0, Eigen::last, 2)).sum(),
                               step.base_force_y.sum() - load(Eigen::seq(1, Eigen::last, 2)).sum());
     residual_.balance = off.cwiseAbs().maxCoeff() / or_one(std::max(std::abs(step.P), std::abs(step.Q)));
-    last_ux_ = ux;
+    // Nodes that stick are held to where they were when they began to: errors of convergence must not add up.
+    for (Eigen::Index i = 0; i < ux.size(); ++i)
+      last_ux_[i] = step.status[i] == fem::GapStatus::stick ? last_ux_[i] + (step.tangential - last_x_) : ux[i];
     last_x_ = step.tangential;
   }
   const fem::Residual& residual() const { return residual_; }

@@ -94,7 +94,7 @@ TEST(Embedded, BuildErrorNamesTheOptions) {
     Program::from_text(device(), "broken.cl", "?", {{"LANES", "16"}, {"REAL", "float"}});
     FAIL();
   } catch (const KernelBuildError& error) {
-    EXPECT_EQ(error.options, "-cl-std=CL1.2 -DLANES=16 -DREAL=float");
+    EXPECT_EQ(error.options, "-cl-std=CL1.2 -cl-denorms-are-zero -DLANES=16 -DREAL=float");
     EXPECT_THAT(error.what(), HasSubstr(error.options));
   }
 }

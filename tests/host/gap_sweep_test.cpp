@@ -161,10 +161,14 @@ INSTANTIATE_TEST_SUITE_P(AroundGroup, Ragged, ::testing::Values(1, 15, 16, 17, 2
 
 TEST(GapSweep, UnreachableToleranceIsSaidNotHidden) {
   std::vector scenes(5, fem::Scene{"", paper_mesh('B'), {fem::Parabola{10}, 0.0}, 0.5, reversal()});
-  host::GapSweepOptions options;
-  options.most_sweeps = 2;
-  for (const auto& solution : host::solve_gap_sweep(executor(), scenes, host::Precision::fp64, options))
+  for (const auto& solution :
+       host::solve_gap_sweep(executor(), scenes, host::Precision::fp64, {.most_sweeps = 2, .fallback = false}))
     EXPECT_FALSE(solution.steps.front().converged);
+  // Less than rounding: the fallback cannot, either.
+  for (const auto& solution : host::solve_gap_sweep(executor(), scenes, host::Precision::fp64, {.accept = 1e-30})) {
+    EXPECT_TRUE(solution.fell_back);
+    EXPECT_FALSE(solution.steps.back().converged);
+  }
 }
 
 TEST(GapSweep, RefusesAnInvalidScene) {

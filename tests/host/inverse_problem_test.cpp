@@ -80,18 +80,22 @@ TEST(InverseProblem, GoesOnFromItsCheckpoint) {
   const ScratchFolder folder;
   InverseChoice choice = inverse_choice();
   choice.options.cycle_limit = 30;
-  const auto whole = solve_inverse_problem(executor(), choice, 2, {});
-  ASSERT_TRUE(whole);
+  InverseProblem whole, resumed;
+  whole.sets = resumed.sets = simulate_sets(executor(), choice);
+  ASSERT_TRUE(train_and_recall(executor(), choice, paper_noise, 2, {}, whole));
   SweepRunOptions options{.progress = {}, .checkpoint = folder / "checkpoint"};
   options.progress = [](std::size_t done, std::size_t all) { return done < all / 2; };
-  EXPECT_FALSE(solve_inverse_problem(executor(), choice, 2, options));
-  EXPECT_TRUE(std::filesystem::exists(options.checkpoint));
-  options.progress = {};
-  const auto resumed = solve_inverse_problem(executor(), choice, 2, options);
-  ASSERT_TRUE(resumed);
-  ASSERT_EQ(resumed->studies.size(), 12u);
-  EXPECT_LT(resumed->patterns, whole->patterns);  // so it did go on, and not start anew
-  for (std::size_t i = 0; i < 12; ++i) EXPECT_EQ(resumed->studies[i].recall_errors, whole->studies[i].recall_errors);
+  EXPECT_FALSE(train_and_recall(executor(), choice, paper_noise, 2, options, resumed));
+  EXPECT_TRUE(resumed.studies.empty());
+  bool started_anew = false;
+  options.progress = [&](std::size_t done, std::size_t all) {
+    started_anew = started_anew || done < all / 2;
+    return true;
+  };
+  ASSERT_TRUE(train_and_recall(executor(), choice, paper_noise, 2, options, resumed));
+  EXPECT_FALSE(started_anew);
+  ASSERT_EQ(resumed.studies.size(), 6u);
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(resumed.studies[i].recall_errors, whole.studies[i].recall_errors);
 }
 
 TEST(InverseProblem, ReproduceWritesTableTwo) {
@@ -112,7 +116,7 @@ TEST(InverseProblem, ReproduceWritesTableTwo) {
       }
   }
   EXPECT_EQ(rows.size(), 12u);
-  EXPECT_FALSE(std::filesystem::exists(report + "/networks.checkpoint"));
+  EXPECT_FALSE(std::filesystem::exists(report + "/networks-0.checkpoint"));
   EXPECT_NE(text_of(report + "/index.html").find("The inverse problem"), std::string::npos);
 }
 

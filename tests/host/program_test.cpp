@@ -30,7 +30,7 @@ TEST(Program, DefinesMakeDifferentPrograms) {
   EXPECT_EQ(fifth(three), 15);
   EXPECT_EQ(fifth(four), 20);
   EXPECT_EQ(fifth(program("3")), 15);
-  EXPECT_EQ(three.options(), "-cl-std=CL1.2 -DFACTOR=3");
+  EXPECT_EQ(three.options(), "-cl-std=CL1.2 -cl-denorms-are-zero -DFACTOR=3");
 }
 
 TEST(Program, KnowsWhichKernelsTakeTheirGroup) {
@@ -63,7 +63,7 @@ TEST(Program, TheLogSinkHearsOfBuildsAndOfKernelsThatCannotBeCompiledAhead) {
   const Device logging("basic", [&](LogLevel, std::string_view message) { heard.emplace_back(message); });
   const Program built = Program::from_text(logging, "scale.cl", text, {{"FACTOR", "2"}});
   ASSERT_EQ(heard.size(), 1u);
-  EXPECT_EQ(heard[0], "scale.cl built, -cl-std=CL1.2 -DFACTOR=2");
+  EXPECT_EQ(heard[0], "scale.cl built, -cl-std=CL1.2 -cl-denorms-are-zero -DFACTOR=2");
   Executor executor(logging);
   Buffer<int> out(logging, 1);
   executor.run(built, "without", 1, [&](cl::Kernel& kernel) { kernel.setArg(1, out.cl_buffer()); });
