@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "fem/contact_laws.h"
+#include "fem/spread.h"
 #include "host/gap_sweep_tables.h"
 #include "kernels/shared/contact_layout.h"
 
@@ -34,7 +35,10 @@ template <class Real>
 struct GapSweep<Real>::State {
   State(Executor& executor, const fem::Sensor& sensor, const GapSweepOptions& options,
         const std::filesystem::path& cache)
-      : executor(executor), sensor(sensor), options(options), condensation(fem::condense_cached(sensor, cache)) {
+      : executor(executor),
+        sensor(sensor),
+        options(options),
+        condensation(fem::spread(fem::condense_cached(sensor, cache), options.spread)) {
     constexpr double epsilon = std::numeric_limits<Real>::epsilon();
     if (this->options.tolerance == 0) this->options.tolerance = sizeof(Real) == 4 ? 1e-5 : 1e-11;
     if (this->options.accept == 0) this->options.accept = std::max(100 * this->options.tolerance, 200 * epsilon);

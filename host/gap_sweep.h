@@ -20,6 +20,7 @@ struct GapSweepOptions {
   double accept =
       0;  ///< largest residual of a solved step; 0: 100 tolerance, at least 2e-5 in fp32 (rounding of C times force)
   int most_sweeps = 20000;  ///< an increment that needs more is reported as unsolved
+  int spread = 1;  ///< columns of the block to one gap element, whose force acts on the block as a hat (fem/spread.h)
   bool base_forces = true;  ///< write base nodal forces; without them or their sums the certificate has no balance
   bool base_sums = false;   ///< instead of base_forces: write only their sums in x and y
   bool tactels = true;      ///< write stresses at the tactels

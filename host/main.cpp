@@ -79,6 +79,7 @@ int main(int argc, char** argv) {
   add_train_command(app, action);
   add_recall_command(app, action);
   add_reproduce_command(app, action);
+  add_tradeoff_command(app, action);
   add_extremes_command(app, action);
   app.failure_message(parse_failure);
   if (refuse_unknown_command(app, argc, argv)) return wrong_input;
