@@ -5,64 +5,22 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 
 #include "host/errors.h"
 #include "host/gap_sweep.h"
 #include "host/set_simulator.h"
 #include "host/sweep_file.h"
-#include "network_cases.h"
 #include "run_tactel.h"
+#include "transducer_cases.h"
 
 namespace {
 
 using namespace tactel;
 using namespace tactel::host;
+using tactel::testing::all_parts;
 using tactel::testing::executor;
 using tactel::testing::largest_difference;
-using Contact = TransducerChain::Contact;
-
-const nn::Transducer everything{.gain_spread = 0.1,
-                                .time_constant = 1,
-                                .step_time = 0.05,
-                                .offset_spread = 0.02,
-                                .noise = 0.03,
-                                .range = 0.8,
-                                .instances = 3,
-                                .seed = 5};
-
-/// Contacts of ragged lengths with stresses up to 1 MPa, some contacts beyond 2^32.
-struct Case {
-  std::vector<Contact> contacts;
-  std::vector<float> stress;
-
-  Case(int count, int channels) {
-    std::mt19937 random(7);
-    std::uniform_real_distribution<float> uniform(-1, 1);
-    for (int c = 0; c < count; ++c)
-      contacts.push_back({c * 3000000001ull, static_cast<std::uint32_t>((c * 7 + 3) % 11)});
-    std::uint32_t steps = 0;
-    for (const Contact& contact : contacts) steps += contact.steps;
-    stress.resize(std::size_t{steps} * channels);
-    for (float& s : stress) s = uniform(random);
-  }
-  std::vector<float> on_device(const nn::Transducer& t, int channels) const {
-    std::vector<float> signal = stress;
-    TransducerChain(executor(), t, 11, channels).run(contacts, signal);
-    return signal;
-  }
-  std::vector<double> by_twin(const nn::Transducer& t, int channels) const {
-    std::vector<double> all;
-    std::size_t at = 0;
-    for (const Contact& contact : contacts) {
-      const auto in = Eigen::Map<const nn::RowMatrix<float>>(&stress[at], contact.steps, channels);
-      const auto out = nn::transducer_chain(t, 11, contact.number, in.cast<double>());
-      all.insert(all.end(), out.data(), out.data() + out.size());
-      at += in.size();
-    }
-    return all;
-  }
-};
+using tactel::testing::TransducerCase;
 
 class TransducerChannels : public ::testing::TestWithParam<int> {};
 
@@ -71,15 +29,15 @@ class TransducerChannels : public ::testing::TestWithParam<int> {};
 TEST_P(TransducerChannels, MatchesTwin) {
   const int channels = GetParam();
   for (const int contacts : {1, 2, 15, 16, 17, 100}) {
-    const Case some(contacts, channels);
-    EXPECT_LT(largest_difference(some.on_device(everything, channels), some.by_twin(everything, channels)), 3e-6);
+    const TransducerCase some(contacts, channels);
+    EXPECT_LT(largest_difference(some.on_device(all_parts, channels), some.by_twin(all_parts, channels)), 3e-6);
   }
 }
 
 // Each part by itself.
 TEST_P(TransducerChannels, PartsMatchTwin) {
   const int channels = GetParam();
-  const Case some(17, channels);
+  const TransducerCase some(17, channels);
   for (const nn::Transducer& t :
        {nn::Transducer{}, nn::Transducer{.gain_spread = 0.3}, nn::Transducer{.time_constant = 2, .step_time = 1},
         nn::Transducer{.offset_spread = 0.3}, nn::Transducer{.noise = 0.3}, nn::Transducer{.range = 0.5}})
@@ -92,8 +50,8 @@ TEST_P(TransducerChannels, PartsMatchTwin) {
 // (3e-6 of the test above over a quantum of 0.0004, both ways: one in 60 at most).
 TEST_P(TransducerChannels, ConvertsAsTwin) {
   const int channels = GetParam();
-  const Case some(100, channels);
-  nn::Transducer t = everything;
+  const TransducerCase some(100, channels);
+  nn::Transducer t = all_parts;
   t.bits = 12;
   const auto reading = some.on_device(t, channels);
   const auto truth = some.by_twin(t, channels);
@@ -112,9 +70,9 @@ TEST_P(TransducerChannels, ConvertsAsTwin) {
 // A contact's bits: the same alone, in any batch and at any place of it.
 TEST_P(TransducerChannels, BitsDoNotDependOnTheBatch) {
   const int channels = GetParam();
-  const Case some(100, channels);
-  const auto together = some.on_device(everything, channels);
-  TransducerChain chain(executor(), everything, 11, channels);
+  const TransducerCase some(100, channels);
+  const auto together = some.on_device(all_parts, channels);
+  TransducerChain chain(executor(), all_parts, 11, channels);
   std::size_t at = together.size();
   for (int c = 99; c >= 0; --c) {
     const std::size_t size = std::size_t{some.contacts[c].steps} * channels;
@@ -201,6 +159,26 @@ TEST(TransducerTable, NamesWhatItRejects) {
   EXPECT_THAT(message_of("width = 1\n"), ::testing::HasSubstr("sensor.tactel_width"));
   EXPECT_THAT(message_of("noize = 1\n"), ::testing::HasSubstr("noise"));
   EXPECT_EQ(message_of("noise_fraction = 0.1\nrange = 1\n"), "no error");
+}
+
+TEST(TransducerTable, GoesWithThePapersSets) {
+  const ScratchFolder folder;
+  const Sweep sweep =
+      read_sweep(folder.write("sweep.toml", "[sweep]\nset = \"paper-recall\"\nseed = 5\n[transducer]\nnoise = 0.1\n"));
+  EXPECT_EQ(sweep.source.seed(), 5u);
+  EXPECT_EQ(sweep.source.transducer(), (nn::Transducer{.noise = 0.1, .seed = 5}));
+}
+
+TEST(TransducerTable, PlacesAndWidthsAreTheSensors) {
+  const ScratchFolder folder;
+  std::string text = small_sweep;
+  text.insert(text.find("columns"), "tactel_span = 17.5\ntactel_width = { uniform = [0.5, 2] }\n");
+  const Sweep sweep = read_sweep(folder.write("sweep.toml", text));
+  EXPECT_EQ(sweep.source.sensors().size(), 16u);
+  for (const fem::Sensor& sensor : sweep.source.sensors()) {
+    EXPECT_EQ(sensor.tactel_span, 17.5);
+    EXPECT_THAT(sensor.tactel_width, ::testing::AllOf(::testing::Ge(0.5), ::testing::Le(2)));
+  }
 }
 
 }  // namespace
