@@ -185,7 +185,8 @@ fem::Condensation fold(const fem::Condensation& full) {
 void symmetric(benchmark::State& state, bool half) {
   const fem::Condensation full = fem::condense_cached(mesh('B'), fem::default_cache_directory());
   const Scenes scenes = parabolas(mesh('B'), 64, pressed(4));
-  const fem::GapSweep<float> whole(full, {.tolerance = tolerance}), right(fold(full), {.tolerance = tolerance});
+  const fem::Condensation folded = fold(full);
+  const fem::GapSweep<float> whole(full, {.tolerance = tolerance}), right(folded, {.tolerance = tolerance});
   const auto solve = [&](const fem::GapSweep<float>& sweep) {
     Solutions answers;
     for (const fem::Scene& scene : scenes) answers.push_back(sweep.solve(scene));

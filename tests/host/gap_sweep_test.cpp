@@ -176,14 +176,16 @@ TEST(GapSweep, FrictionlessIsTheLimitOfLittleFriction) {
   }
   for (auto precision : {host::Precision::fp32, host::Precision::fp64}) {
     const auto solutions = host::solve_gap_sweep(executor(), scenes, precision);
+    std::size_t touching = 0;
     for (std::size_t i = 0; i < count; ++i)
       for (std::size_t k = 0; k < solutions[i].steps.size(); ++k) {
         const fem::ContactStep &none = solutions[i].steps[k], &little = solutions[count + i].steps[k];
-        ASSERT_GT(none.P, 0);
+        touching += none.P > 0;
         ASSERT_EQ(none.P, little.P) << describe(scenes[i]) << ", step " << k;
         ASSERT_EQ(none.iterations, little.iterations) << describe(scenes[i]) << ", step " << k;
         ASSERT_FALSE(none.slip_index);
       }
+    EXPECT_GT(touching, count);  // steps; sharp indenters between two nodes touch none
   }
 }
 
@@ -200,7 +202,7 @@ TEST(GapSweep, FrictionlessDragsChangeNothing) {
       EXPECT_EQ(step.Q, 0);
       EXPECT_EQ(step.sigma_y, pressed.sigma_y);
       EXPECT_EQ(step.iterations, 0);
-      EXPECT_EQ(step.tangential, reversal().tangential[k - 2]);
+      EXPECT_EQ(step.tangential, static_cast<float>(reversal().tangential[k - 2]));
     }
   }
 }
