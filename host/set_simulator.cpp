@@ -140,11 +140,11 @@ void put_rows(ContactSet& set, std::size_t at, const View<Real>& view, std::size
   }
 }
 
-/// Contacts that share a launch: same sensor but for E, same kind of load.
+/// Contacts that share a launch: same sensor but for E, same kind.
 template <class Real>
 struct SharedLaunch {
   std::size_t sensor = 0;
-  bool force = false;
+  ContactKind kind;
   int steps = 0;  ///< of the longest path
   std::vector<fem::Scene> scenes{};
   std::vector<std::uint64_t> which{};  ///< [scenes] contact, counted from the range's first
@@ -164,13 +164,13 @@ struct RangeOf : SetSimulator::Range {
   std::vector<SharedLaunch<Real>> launches;
 
   /// The launch that a contact goes to; a new one where the last of its kind is full.
-  SharedLaunch<Real>& launch_for(std::size_t sensor, bool force, int steps) {
+  SharedLaunch<Real>& launch_for(std::size_t sensor, ContactKind kind, int steps) {
     for (auto launch = launches.rbegin(); launch != launches.rend(); ++launch) {
-      if (launch->sensor != sensor || launch->force != force) continue;
+      if (launch->sensor != sensor || launch->kind != kind) continue;
       if ((launch->scenes.size() + 1) * std::max(steps, launch->steps) <= most_lane_steps) return *launch;
       break;
     }
-    launches.push_back({.sensor = sensor, .force = force});
+    launches.push_back({.sensor = sensor, .kind = kind});
     return launches.back();
   }
 };
@@ -234,7 +234,7 @@ std::unique_ptr<SetSimulator::Range> SetSimulator::State::prepare(std::uint64_t 
     const int steps = static_cast<int>(path.steps.size());
     range->first_step.push_back(path.indentation_steps - 1);
     const auto sensor = std::ranges::find(sensors, without_young(scene.sensor)) - sensors.begin();
-    SharedLaunch<Real>& launch = range->launch_for(static_cast<std::size_t>(sensor), by_force(scene), steps);
+    SharedLaunch<Real>& launch = range->launch_for(static_cast<std::size_t>(sensor), kind_of(scene), steps);
     launch.steps = std::max(launch.steps, steps);
     launch.scenes.push_back(scene);
     launch.which.push_back(k);
