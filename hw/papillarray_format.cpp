@@ -14,6 +14,8 @@ constexpr std::size_t longest_payload = 2000;  // 801 B for two sensors, and roo
 
 enum BlockType : std::uint64_t { hub = 1, pillar_data = 3, global_data = 4, pillar_slip = 5, sensor_slip = 6 };
 
+std::uint64_t sum_of(Bytes bytes) { return std::accumulate(bytes.begin(), bytes.end(), 0u) & 0xFFFF; }
+
 /// Walks through a payload without leaving it: what it could not read for want of bytes, or must not, it remembers.
 class Walk {
  public:
@@ -60,10 +62,13 @@ class PapillarrayFormat final : public WireFormat {
     for (std::size_t end = contents.end; end <= last; ++end) {
       if (payload.size() < end + 2 + marks) return {Verdict::incomplete};
       if (begins_with(payload.subspan(end + 2), tail) != Verdict::whole) continue;
-      const std::uint64_t sum = std::accumulate(payload.begin(), payload.begin() + static_cast<long>(end), 0u) & 0xFFFF;
-      if (sum == unsigned_at(payload, end, 2)) return {Verdict::whole, marks + end + 2 + marks};
+      if (sum_of(payload.first(end)) == unsigned_at(payload, end, 2)) return {Verdict::whole, marks + end + 2 + marks};
+      // The next frame right behind it: this was the end, with a wrong checksum.
+      const auto next = begins_with(payload.subspan(end + 2 + marks), head);
+      if (next == Verdict::incomplete) return {next};
+      if (next == Verdict::whole) return {Verdict::damaged, marks + end + 2 + marks};
     }
-    return {Verdict::damaged, contents.unknown_types ? 0 : marks + last + 2 + marks};
+    return {Verdict::damaged};
   }
 
   FrameHeader read(Bytes frame, std::span<double> values) const override {
@@ -84,7 +89,7 @@ class PapillarrayFormat final : public WireFormat {
   }
 
   std::size_t channels() const override { return sensors_ * pillars * per_pillar; }
-  std::size_t longest_frame() const override { return marks + longest_payload + 2 + marks; }
+  std::size_t longest_frame() const override { return marks + longest_payload + 2 + marks + marks; }
   int confirmations() const override { return 1; }  // four marks each side and a sum of 16 bits
   int counter_bits() const override { return 32; }
   int clock_bits() const override { return 64; }
