@@ -30,7 +30,8 @@ int run_extremes(const std::string& device, const ExtremesOptions& options) {
 void add_extremes_command(CLI::App& app, Action& action) {
   auto options = std::make_shared<ExtremesOptions>();
   auto device = std::make_shared<std::string>();
-  CLI::App* command = app.add_subcommand("extremes", "what the solvers do at the ends of what a scene may say, as a table");
+  CLI::App* command =
+      app.add_subcommand("extremes", "what the solvers do at the ends of what a scene may say, as a table");
   command->add_flag("--quick", options->quick, "shorter paths and no mesh beyond 123 x 33: seconds instead of minutes");
   command->add_option("--device", *device, "OpenCL device: a part of its name or its index, see `tactel devices`")
       ->type_name("NAME|INDEX");

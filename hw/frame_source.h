@@ -29,6 +29,11 @@ class SourceError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A recording that cannot be used.
+class RecordingError : public SourceError {
+  using SourceError::SourceError;
+};
+
 /// Where the bytes of frames come from: a device, a recording, a simulation. Only the wire format knows what they mean.
 class FrameSource {
  public:

@@ -98,7 +98,7 @@ void RecordingWriter::put(const std::vector<std::uint8_t>& bytes) {
 }
 
 void RecordingWriter::check() const {
-  if (!file_) throw SourceError(path_.string() + ": the recording cannot be written: " + std::strerror(errno));
+  if (!file_) throw RecordingError(path_.string() + ": the recording cannot be written: " + std::strerror(errno));
 }
 
 struct ReplaySource::State {
@@ -112,7 +112,7 @@ struct ReplaySource::State {
   Clock::time_point handed_out = Clock::now();
   TransportCounts counts;
 
-  [[noreturn]] void fail(const std::string& what) const { throw SourceError(path + ": " + what); }
+  [[noreturn]] void fail(const std::string& what) const { throw RecordingError(path + ": " + what); }
 
   /// Reads a record into `record`; false at the end of the file, and where the file was cut off.
   bool read_record() {

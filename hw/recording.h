@@ -12,11 +12,11 @@ namespace tactel::hw {
 /// program dies.
 class RecordingWriter {
  public:
-  /// description: how to read the bytes, for whoever replays them (a device profile). Throws SourceError.
+  /// description: how to read the bytes, for whoever replays them (a device profile). Throws RecordingError.
   RecordingWriter(const std::filesystem::path& path, const std::string& description);
   /// frames: how many were decoded before this packet, for the index.
   void write(const Packet& packet, std::uint64_t frames);
-  /// Writes the index. Throws SourceError when the file is not whole on the disk.
+  /// Writes the index. Throws RecordingError when the file is not whole on the disk.
   void finish();
 
  private:
@@ -31,7 +31,7 @@ class RecordingWriter {
 /// A recording, packet by packet.
 class ReplaySource final : public FrameSource {
  public:
-  /// real_time: hand the packets out at the pace they came; else as fast as they are taken. Throws SourceError.
+  /// real_time: hand the packets out at the pace they came; else as fast as they are taken. Throws RecordingError.
   explicit ReplaySource(const std::filesystem::path& path, bool real_time = false);
   ~ReplaySource() override;
 
@@ -39,7 +39,7 @@ class ReplaySource final : public FrameSource {
   /// The file ends without its index: whoever recorded it was cut off. Known once finished.
   bool cut_short() const;
 
-  /// Throws SourceError at a damaged packet.
+  /// Throws RecordingError at a damaged packet.
   std::optional<Packet> wait(double timeout) override;
   bool finished() const override;
   bool live() const override { return false; }
