@@ -30,10 +30,10 @@ struct MonitorSummary {
 
 /// What happens besides frames. Empty functions are allowed.
 struct MonitorEvents {
-  std::function<void(const MonitorLine&)> line;
-  std::function<void(const MonitorSummary&)> second;  ///< about once a second
-  std::function<void(double seconds)> silence;        ///< nothing came for so long
-  std::function<bool()> stop;                         ///< true ends it
+  std::function<void(const MonitorLine&)> line{};
+  std::function<void(const MonitorSummary&)> second{};  ///< about once a second
+  std::function<void(double seconds)> silence{};        ///< nothing came for so long
+  std::function<bool()> stop{};                         ///< true ends it
 };
 
 /// Frames from a source to slippage indices, in the calling thread: single frames the shortest way, many waiting ones
