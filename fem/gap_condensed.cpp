@@ -28,7 +28,8 @@ class CondensedSystem : public GapSystem {
   const Extended& base_force_;  ///< [2 base nodes, 2 columns]
 };
 
-/// Rows: displacement where it is prescribed, forces on the cone's edge (in units of a displacement) where the node slips.
+/// Rows: displacement where it is prescribed, forces on the cone's edge (in units of a displacement) where the node
+/// slips.
 Extended CondensedSystem::matrix(const std::vector<Trial>& trial, double mu, const std::vector<int>& unknowns) const {
   Extended matrix = compliance_(unknowns, unknowns);
   for (int k = 0; k < int(unknowns.size()); k += 2) {
@@ -48,8 +49,7 @@ std::optional<Extended> refined_solution(const Extended& matrix, const Extended&
   const auto pivots = lu.matrixLU().diagonal().cwiseAbs();
   if (!(pivots.minCoeff() > 1e-15 * pivots.maxCoeff())) return std::nullopt;
   Extended x = Extended::Zero(matrix.rows(), right_side.cols());
-  for (int pass = 0; pass < 4; ++pass)
-    x += lu.solve((right_side - matrix * x).cast<double>()).cast<long double>();
+  for (int pass = 0; pass < 4; ++pass) x += lu.solve((right_side - matrix * x).cast<double>()).cast<long double>();
   return x;
 }
 
@@ -90,8 +90,9 @@ ContactSolution GapCondensed::solve(const Scene& scene) const {
   const auto stress = [&](const Extended& state, const Eigen::VectorXd&) -> Eigen::VectorXd {
     return condensation_.tactel_stress * system.surface_force(state).cast<double>();
   };
-  return walk_load_path(system, scene, {condensation_.surface_x, condensation_.base_x, condensation_.tactel_x, {}, false},
-                        options_, stress);
+  return walk_load_path(system, scene,
+                        {condensation_.surface_x, condensation_.base_x, condensation_.tactel_x, {}, false}, options_,
+                        stress);
 }
 
 }  // namespace tactel::fem

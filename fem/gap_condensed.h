@@ -7,8 +7,8 @@
 namespace tactel::fem {
 
 /// Exact contact on the surface compliance, fp64: the reference's status iteration, with C in place of the mesh. Far
-/// quicker than the reference on fine meshes; it takes over scenes on which the batched solver's sweeps gave up. Keeps a
-/// reference to the condensation.
+/// quicker than the reference on fine meshes; it takes over scenes on which the batched solver's sweeps gave up. Keeps
+/// a reference to the condensation.
 class GapCondensed {
  public:
   explicit GapCondensed(const Condensation& condensation, const GapReferenceOptions& options = {});

@@ -32,7 +32,8 @@ class GapSystem {
   virtual int columns() const = 0;
   virtual Eigen::Index state_size() const = 0;
 
-  /// States [state_size, k] for k right sides r [2 columns, k] (x at 2i, y at 2i + 1); none where the system is singular.
+  /// States [state_size, k] for k right sides r [2 columns, k] (x at 2i, y at 2i + 1); none where the system is
+  /// singular.
   virtual std::optional<Extended> solve(const std::vector<Trial>& trial, double mu, const Extended& right_side) = 0;
 
   /// Displacement [2 columns, k] mm and force [2 columns, k] N/mm of the surface nodes; force of the rubber on the base

@@ -15,8 +15,8 @@ struct GapReferenceOptions {
 /// sigma_y, then tau_xy [2 tactels] MPa, of a state of the system and its base forces [2 base nodes] N/mm.
 using TactelStress = std::function<Eigen::VectorXd(const Extended& state, const Eigen::VectorXd& base_force)>;
 
-/// Solves the increments of the scene's load path one after the other. `positions`: an empty solution with the places of
-/// nodes and tactels.
+/// Solves the increments of the scene's load path one after the other. `positions`: an empty solution with the places
+/// of nodes and tactels.
 ContactSolution walk_load_path(GapSystem& system, const Scene& scene, ContactSolution positions,
                                const GapReferenceOptions& options, const TactelStress& stress);
 

@@ -22,8 +22,9 @@ class BatchSchedule : public SweepSchedule<Real> {
       : executor_(executor), inputs_(inputs), members_(members), options_(options), limits_(limits) {
     for (std::size_t network = 0; network < members.size(); ++network) {
       states_.emplace_back(nn::initial_weights(topology_of(network), member_of(network).seed));
+      stopped_.push_back(false);
       if (network % members.members.size() == 0) families_.push_back({});
-      families_.back().running.push_back(network);
+      families_.back().networks.push_back(network);
     }
     for (Family& family : families_) gather(family);
   }
@@ -45,7 +46,7 @@ class BatchSchedule : public SweepSchedule<Real> {
   }
 
   void restore(std::span<const NetworkRecord<Real>> records) override {
-    for (Family& family : families_) family.running.clear();
+    for (Family& family : families_) family.networks.clear();
     for (std::size_t i = 0; i < records.size(); ++i) {
       nn::BatchState<Real>& state = states_[i];
       state.weights.values = records[i].weights;
@@ -53,17 +54,17 @@ class BatchSchedule : public SweepSchedule<Real> {
       state.second.values = records[i].second;
       state.epoch = records[i].network.cycles;
       state.updates = std::uint64_t{state.epoch} * updates_of_an_epoch();
-      if (records[i].network.status == nn::TrainStatus::running)
-        families_[i / members_.members.size()].running.push_back(i);
+      stopped_[i] = records[i].network.status != nn::TrainStatus::running;
+      if (!stopped_[i]) families_[i / members_.members.size()].networks.push_back(i);
     }
     for (Family& family : families_) gather(family);
   }
 
  private:
-  /// Networks of one topology that are still running, all at the same epoch.
+  /// Networks of one topology. Those that run are at the same epoch.
   struct Family {
-    std::vector<std::size_t> running{};
-    std::optional<TrainBatch<Real>> training{};  ///< of those; none when none is left
+    std::vector<std::size_t> networks{};         ///< on the device
+    std::optional<TrainBatch<Real>> training{};  ///< of those; none when all have stopped
     double epoch_seconds = 0;                    ///< of the last one
   };
 
@@ -78,21 +79,21 @@ class BatchSchedule : public SweepSchedule<Real> {
     return (inputs_.rows() + batch - 1) / batch;
   }
 
-  // Puts the running networks on the device.
+  // Puts the family's networks on the device.
   void gather(Family& family) {
     family.training.reset();
-    if (family.running.empty()) return;
+    if (family.networks.empty()) return;
     std::vector<OnlineMember> members;
-    for (const std::size_t network : family.running) members.push_back(member_of(network));
-    family.training.emplace(executor_, topology_of(family.running[0]), inputs_, members, options_);
-    for (std::size_t i = 0; i < members.size(); ++i) family.training->set_state(i, states_[family.running[i]]);
+    for (const std::size_t network : family.networks) members.push_back(member_of(network));
+    family.training.emplace(executor_, topology_of(family.networks[0]), inputs_, members, options_);
+    for (std::size_t i = 0; i < members.size(); ++i) family.training->set_state(i, states_[family.networks[i]]);
   }
 
   nn::BatchState<Real> state(std::size_t network) const {
+    if (stopped_[network]) return states_[network];
     const Family& family = families_[network / members_.members.size()];
-    const auto found = std::ranges::find(family.running, network);
-    if (found == family.running.end()) return states_[network];
-    return family.training->state(static_cast<std::size_t>(found - family.running.begin()));
+    const auto found = std::ranges::find(family.networks, network);
+    return family.training->state(static_cast<std::size_t>(found - family.networks.begin()));
   }
 
   bool run_epoch(Family& family, std::vector<SweepNetwork>& networks, const std::function<bool()>& go_on) {
@@ -103,10 +104,13 @@ class BatchSchedule : public SweepSchedule<Real> {
     const auto errors = family.training->train_epoch(progress);
     family.epoch_seconds = std::chrono::duration<double>(Clock::now() - start).count();
     if (!errors) return false;
-    bool some_stopped = false;
-    for (std::size_t i = 0; i < family.running.size(); ++i)
-      some_stopped |= note_epoch(networks[family.running[i]], (*errors)[i]);
-    if (some_stopped) take_out_stopped(family, networks);
+    for (std::size_t i = 0; i < family.networks.size(); ++i) {
+      const std::size_t network = family.networks[i];
+      if (stopped_[network] || !note_epoch(networks[network], (*errors)[i])) continue;
+      states_[network] = family.training->state(i);
+      stopped_[network] = true;
+    }
+    shrink(family);
     return true;
   }
 
@@ -124,10 +128,13 @@ class BatchSchedule : public SweepSchedule<Real> {
     return last;
   }
 
-  void take_out_stopped(Family& family, const std::vector<SweepNetwork>& networks) {
-    for (std::size_t i = 0; i < family.running.size(); ++i) states_[family.running[i]] = family.training->state(i);
-    std::erase_if(family.running,
-                  [&](std::size_t network) { return networks[network].status != nn::TrainStatus::running; });
+  // Takes stopped networks off the device once they are half of those there: doing so costs more than some epochs.
+  void shrink(Family& family) {
+    const auto stopped = std::ranges::count_if(family.networks, [&](std::size_t network) { return stopped_[network]; });
+    if (2 * static_cast<std::size_t>(stopped) < family.networks.size()) return;
+    for (std::size_t i = 0; i < family.networks.size(); ++i)
+      if (!stopped_[family.networks[i]]) states_[family.networks[i]] = family.training->state(i);
+    std::erase_if(family.networks, [&](std::size_t network) { return stopped_[network]; });
     gather(family);
   }
 
@@ -137,7 +144,8 @@ class BatchSchedule : public SweepSchedule<Real> {
   nn::BatchOptions options_;
   nn::OnlineOptions limits_;
   std::vector<Family> families_;              ///< [topologies]
-  std::vector<nn::BatchState<Real>> states_;  ///< [networks]; of running ones, the training's are newer
+  std::vector<bool> stopped_;                 ///< [networks]
+  std::vector<nn::BatchState<Real>> states_;  ///< [networks] of stopped ones; others' are on the device
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <functional>
+#include <tuple>
 #include <utility>
 
 #include "host/errors.h"
@@ -105,6 +106,7 @@ bool write_attributes(hid_t file, const ContactSet& set) {
   return write_text(file, "tactel", TACTEL_VERSION) && write_text(file, "format", "tactel contact set 1") &&
          write_text(file, "sweep", set.sweep) && write_text(file, "seed", std::to_string(set.seed)) &&
          write_text(file, "device", set.device) && write_text(file, "rung", set.rung) &&
+         write_text(file, "transducer", set.transducer) &&
          write_text(file, "fallback_contacts", std::to_string(set.fell_back)) &&
          write_text(file, "unsolved_contacts", std::to_string(set.unsolved)) &&
          write_text(file, "indenter_names", joined(set.indenter_names)) &&
@@ -153,6 +155,31 @@ class Reader {
     if (!values.empty() && H5Dread(data, type_of<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
       refuse(name, "unreadable", "numbers that can be read: the file is damaged");
     return static_cast<int>(extent[1]);
+  }
+
+  /// Rows first ... first + count - 1.
+  template <class T>
+  void read_rows(const char* name, std::vector<T>& values, int columns, std::uint64_t first,
+                 std::uint64_t count) const {
+    const Handle data(H5Dopen2(file_, name, H5P_DEFAULT), H5Dclose);
+    if (!data.open()) refuse(name, "missing", "a dataset of the set");
+    const Handle space(H5Dget_space(data), H5Sclose);
+    const hsize_t start[2] = {first, 0}, size[2] = {count, static_cast<hsize_t>(columns)};
+    const Handle memory(H5Screate_simple(columns ? 2 : 1, size, nullptr), H5Sclose);
+    values.resize(count * std::max(columns, 1));
+    if (H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, size, nullptr) < 0 ||
+        H5Dread(data, type_of<T>(), memory, space, H5P_DEFAULT, values.data()) < 0)
+      refuse(name, "unreadable", "numbers that can be read: the file is damaged");
+  }
+
+  /// [rows] or [rows, columns] of a dataset.
+  std::pair<std::uint64_t, int> extent(const char* name) const {
+    const Handle data(H5Dopen2(file_, name, H5P_DEFAULT), H5Dclose);
+    if (!data.open()) refuse(name, "missing", "a dataset of the set");
+    const Handle space(H5Dget_space(data), H5Sclose);
+    hsize_t size[H5S_MAX_RANK] = {0, 0};
+    H5Sget_simple_extent_dims(space, size, nullptr);
+    return {size[0], static_cast<int>(size[1])};
   }
 
   [[noreturn]] void refuse(const std::string& key, const std::string& value, const std::string& allowed) const {
@@ -236,6 +263,40 @@ void write_contact_set(const std::filesystem::path& path, const ContactSet& set)
   writer.finish(set);
 }
 
+struct ContactSetReader::State {
+  explicit State(const std::filesystem::path& path) : in(path) {
+    std::tie(rows, inputs) = in.extent("inputs");
+    ContactSet set;
+    each_dataset(set, [&](const char* name, auto&, int, const char*) {
+      if (in.extent(name).first != rows)
+        in.refuse(name, fmt::format("{} rows", in.extent(name).first), fmt::format("{} rows, as inputs", rows));
+    });
+  }
+
+  Reader in;
+  std::uint64_t rows = 0;
+  int inputs = 0;
+};
+
+ContactSetReader::ContactSetReader(const std::filesystem::path& path) {
+  silence_hdf5();
+  state_ = std::make_unique<State>(path);
+}
+
+ContactSetReader::~ContactSetReader() = default;
+std::uint64_t ContactSetReader::rows() const { return state_->rows; }
+int ContactSetReader::inputs() const { return state_->inputs; }
+
+ContactSet ContactSetReader::read(std::uint64_t first, std::uint64_t count) const {
+  ContactSet set;
+  set.inputs = state_->inputs;
+  set.indenter_names = split(state_->in.text("indenter_names"));
+  each_dataset(set, [&](const char* name, auto& values, int columns, const char*) {
+    state_->in.read_rows(name, values, columns, first, count);
+  });
+  return set;
+}
+
 std::string contact_set_sweep(const std::filesystem::path& path) {
   silence_hdf5();
   return Reader(path).text("sweep");
@@ -257,6 +318,7 @@ ContactSet read_contact_set(const std::filesystem::path& path) {
   set.sweep = in.text("sweep");
   set.device = in.text("device");
   set.rung = in.text("rung");
+  set.transducer = in.text("transducer");
   set.indenter_names = split(in.text("indenter_names"));
   const auto number = [&](const char* name) { return std::strtoull(in.text(name).c_str(), nullptr, 10); };
   set.seed = number("seed");

@@ -27,6 +27,7 @@ struct ContactSet {
   std::vector<std::string> indenter_names;  ///< attribute
   std::string sweep;                        ///< attribute: text of the sweep file
   std::string device, rung;                 ///< attributes: who simulated, how finely
+  std::string transducer;                   ///< attribute: what became of the stresses, nn::description
   std::uint64_t seed = 0;                   ///< attribute
   std::uint64_t fell_back = 0;  ///< attribute: contacts that the sweeps gave up and the exact fallback took over
   std::uint64_t unsolved = 0;   ///< attribute: contacts with a load step over tolerance all the same
@@ -74,6 +75,21 @@ class ContactSetWriter {
 
 /// A whole set at once.
 void write_contact_set(const std::filesystem::path& path, const ContactSet& set);
+
+/// Reads parts of a set file. Throws ConfigError as read_contact_set.
+class ContactSetReader {
+ public:
+  explicit ContactSetReader(const std::filesystem::path& path);
+  ~ContactSetReader();
+  std::uint64_t rows() const;
+  int inputs() const;
+  /// Rows first ... first + count - 1, which must be there; no attributes but indenter_names.
+  ContactSet read(std::uint64_t first, std::uint64_t count) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 /// Throws ConfigError where the file cannot be read, is no set, or holds datasets of the wrong shape.
 ContactSet read_contact_set(const std::filesystem::path& path);

@@ -40,7 +40,9 @@ ExtremeFinding reversals(Executor& executor, int count) {
   const auto batch = run_alone<Real>(executor, scene);
   double drift = 0;
   for (int k = 21; k + 1 < batch.steps(); ++k) {
-    const auto change = [&](int row) { return std::abs(batch.result(0, k, row) - batch.result(0, 21 + (k - 21) % 2, row)); };
+    const auto change = [&](int row) {
+      return std::abs(batch.result(0, k, row) - batch.result(0, 21 + (k - 21) % 2, row));
+    };
     drift = std::max(drift, std::max(change(LANE_P), change(LANE_Q)) / batch.result(0, k, LANE_P));
   }
   const bool fp32 = sizeof(Real) == 4, solved = all_solved(batch);
@@ -61,8 +63,8 @@ ExtremeFinding holding(Executor& executor, double drag, int count) {
     drift = std::max(drift, batch.result(0, k, LANE_DRIFT));
     for (int row : {LANE_P, LANE_Q, LANE_STICKING}) same = same && batch.result(0, k, row) == batch.result(0, 1, row);
   }
-  return {fmt::format("held at S = {:.3f} for {} increments, {}: stick drift?", batch.result(0, 1, LANE_SLIP_INDEX), count,
-                      sizeof(Real) == 4 ? "fp32" : "fp64"),
+  return {fmt::format("held at S = {:.3f} for {} increments, {}: stick drift?", batch.result(0, 1, LANE_SLIP_INDEX),
+                      count, sizeof(Real) == 4 ? "fp32" : "fp64"),
           fmt::format("{:g}; P and Q {}", drift, same ? "are the same bits" : "CHANGE"),
           drift == 0 && same && all_solved(batch)};
 }
@@ -100,9 +102,10 @@ ExtremeFinding several_solutions(Executor& executor, double mu, int count) {
     const double off = std::abs(sweeps[i].steps.back().P - P) + std::abs(sweeps[i].steps.back().Q - Q);
     different += solved(sweeps[i]) && solved(other) && off > 1e-6 * (std::abs(P) + std::abs(Q));
   }
-  return {fmt::format("mu = {:g}, {} random drags: one solution?", mu, count),
-          fmt::format("{} with two certified solutions; {} by the fallback, {} unsolved", different, fell_back, unsolved),
-          unsolved == 0 && (mu > 3 || different == 0)};
+  return {
+      fmt::format("mu = {:g}, {} random drags: one solution?", mu, count),
+      fmt::format("{} with two certified solutions; {} by the fallback, {} unsolved", different, fell_back, unsolved),
+      unsolved == 0 && (mu > 3 || different == 0)};
 }
 
 ExtremeFinding refused(const std::string& what, void (*change)(fem::Scene&)) {
@@ -119,7 +122,8 @@ ExtremeFinding refused(const std::string& what, void (*change)(fem::Scene&)) {
 }  // namespace
 
 std::vector<ExtremeFinding> extreme_findings(Executor& executor, const ExtremesOptions& options) {
-  const int turns = options.quick ? 300 : 10000, holds = options.quick ? 1000 : 100000, scenes = options.quick ? 40 : 500;
+  const int turns = options.quick ? 300 : 10000, holds = options.quick ? 1000 : 100000,
+            scenes = options.quick ? 40 : 500;
   std::vector<ExtremeFinding> found = {reversals<float>(executor, turns), reversals<double>(executor, turns)};
   for (double drag : {0.1148, 0.236}) {
     found.push_back(holding<float>(executor, drag, holds));

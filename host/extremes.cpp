@@ -53,7 +53,8 @@ constexpr double another_solution = 1e-6;
 
 std::string told(const fem::Scene& scene, const Timed& fp32, const Timed& fp64, const Timed& reference) {
   std::vector<std::string> words;
-  if (auto warning = depth_warning(scene, fp64.solution)) words.push_back("warning: depth beyond 20 % of the thickness");
+  if (auto warning = depth_warning(scene, fp64.solution))
+    words.push_back("warning: depth beyond 20 % of the thickness");
   const auto none = [](const ContactStep& step) { return !step.slip_index; };
   const auto missing = std::ranges::count_if(fp64.solution.steps, none);
   if (missing) words.push_back(fmt::format("S null in {} of {} steps", missing, fp64.solution.steps.size()));
@@ -75,13 +76,13 @@ Extreme solve_extreme(Executor& executor, const ExtremeScene& extreme) {
   const Timed reference = timed([&] { return fem::solve_gap_reference(extreme.scene); });
   fp32.answer.off = difference(fp32.solution, reference.solution);
   fp64.answer.off = difference(fp64.solution, reference.solution);
-  return {extreme.group,    extreme.name,     fp32.answer, fp64.answer,
-          reference.answer, told(extreme.scene, fp32, fp64, reference)};
+  return {extreme.group, extreme.name,     fp32.answer,
+          fp64.answer,   reference.answer, told(extreme.scene, fp32, fp64, reference)};
 }
 
 std::string columns_of(const ExtremeAnswer& answer) {
-  return fmt::format("{:>6}{} {:>7.0e} {:>7.0e}", answer.iterations, answer.solved ? (answer.fell_back ? "*" : " ") : "!",
-                     answer.residual, answer.off);
+  return fmt::format("{:>6}{} {:>7.0e} {:>7.0e}", answer.iterations,
+                     answer.solved ? (answer.fell_back ? "*" : " ") : "!", answer.residual, answer.off);
 }
 
 }  // namespace
@@ -97,14 +98,16 @@ std::vector<Extreme> scene_extremes(Executor& executor, const ExtremesOptions& o
 }
 
 std::string extremes_table(const std::vector<Extreme>& extremes) {
-  std::string out = fmt::format("{:<19} {:<22} {:^23} {:^23} {:^14}\n{:<19} {:<22} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>6} {:>8}  {}\n",
-                                "", "", "fp32", "fp64", "reference", "what", "how far", "sweeps", "resid.", "off", "sweeps",
-                                "resid.", "off", "trials", "resid.", "what the user is told");
+  std::string out = fmt::format(
+      "{:<19} {:<22} {:^23} {:^23} {:^14}\n{:<19} {:<22} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>6} {:>8}  {}\n", "", "",
+      "fp32", "fp64", "reference", "what", "how far", "sweeps", "resid.", "off", "sweeps", "resid.", "off", "trials",
+      "resid.", "what the user is told");
   for (const Extreme& e : extremes)
-    out += fmt::format("{:<19} {:<22} {} {} {:>6} {:>8.0e}  {}\n", e.group, e.name, columns_of(e.fp32), columns_of(e.fp64),
-                       e.reference.iterations, e.reference.residual, e.told);
+    out += fmt::format("{:<19} {:<22} {} {} {:>6} {:>8.0e}  {}\n", e.group, e.name, columns_of(e.fp32),
+                       columns_of(e.fp64), e.reference.iterations, e.reference.residual, e.told);
   return out +
-         "sweeps, trials: most in one load step; resid.: worst of the certificate; off: base forces beside the reference's;\n"
+         "sweeps, trials: most in one load step; resid.: worst of the certificate; off: base forces beside the "
+         "reference's;\n"
          "*: the sweeps gave up, the exact fallback answered; !: not converged\n";
 }
 

@@ -83,6 +83,7 @@ int main(int argc, char** argv) {
   add_train_command(app, action);
   add_recall_command(app, action);
   add_reproduce_command(app, action);
+  add_tradeoff_command(app, action);
   add_extremes_command(app, action);
   add_monitor_command(app, action);
   add_record_command(app, action);

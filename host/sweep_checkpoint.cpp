@@ -1,5 +1,6 @@
 #include "host/sweep_checkpoint.h"
 
+#include <array>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -86,6 +87,7 @@ void write_checkpoint(const fs::path& path, const std::string& plan, std::span<c
     const OnlineReport report{static_cast<std::int32_t>(network.status), network.cycles, network.sse, network.largest};
     writer.put(std::span<const OnlineReport>(&report, 1));
     writer.put(std::span<const double>(&network.seconds, 1));
+    writer.put(std::span<const std::uint64_t>(std::array{record.rows, record.updates}));
     writer.put(std::span<const std::uint32_t>(network.curve.cycle));
     writer.put(std::span<const float>(network.curve.sse));
     writer.put(std::span<const float>(network.curve.largest));
@@ -109,12 +111,13 @@ bool read_checkpoint(const fs::path& path, const std::string& plan, std::span<Ne
     SweepNetwork& network = record.network;
     const std::vector<OnlineReport> report = reader.take<OnlineReport>();
     const std::vector<double> seconds = reader.take<double>();
+    const std::vector<std::uint64_t> counters = reader.take<std::uint64_t>();
     network.curve.cycle = reader.take<std::uint32_t>();
     network.curve.sse = reader.take<float>();
     network.curve.largest = reader.take<float>();
     const std::size_t points = network.curve.cycle.size();
-    bool fits = report.size() == 1 && seconds.size() == 1 && network.curve.sse.size() == points &&
-                network.curve.largest.size() == points;
+    bool fits = report.size() == 1 && seconds.size() == 1 && counters.size() == 2 &&
+                network.curve.sse.size() == points && network.curve.largest.size() == points;
     for (auto* numbers : {&record.weights, &record.first, &record.second}) {
       const std::size_t expected = numbers->size();
       *numbers = reader.take<Real>();
@@ -122,6 +125,8 @@ bool read_checkpoint(const fs::path& path, const std::string& plan, std::span<Ne
     }
     if (!fits) reader.fail("damaged", "whole; delete it to start anew");
     network.seconds = seconds[0];
+    record.rows = counters[0];
+    record.updates = counters[1];
     network.status = static_cast<nn::TrainStatus>(report[0].status);
     network.cycles = report[0].cycle;
     network.sse = report[0].sse;

@@ -1,12 +1,29 @@
 #include "host/command.h"
+#include "host/errors.h"
 #include "host/plot.h"
+#include "host/stream_training.h"
 #include "host/training.h"
 #include "host/training_directory.h"
 
 namespace tactel::host {
 namespace {
 
+/// A stream of frames, or a set that does not fit memory: mini-batches, one pass after the other.
+int run_train_stream(TrainRequest request) {
+  request.schedule = "batch";
+  const SweepPlan plan = plan_of(request);
+  if (plan.noises.size() > 1)
+    throw ConfigError("command line", "--noise", "several levels", "one level with --stream or --block");
+  TrainingDirectory(request.output).check(request.resume, request.force);
+  check_figure_path("--output", TrainingDirectory(request.output).figure());
+  return run_stream_training(request, plan);
+}
+
 int run_train(const TrainRequest& request) {
+  if (request.set.empty() == request.stream.empty())
+    throw ConfigError("command line", "SET.h5", request.set.empty() ? "(missing)" : request.set,
+                      "given, or --stream SWEEP.toml instead of it");
+  if (!request.stream.empty() || request.block) return run_train_stream(request);
   const SweepPlan plan = plan_of(request);
   const NamedSet set = read_learning_set(request);
   check_width(plan, set);
@@ -51,7 +68,7 @@ void add_training_options(CLI::App& command, TrainRequest& request) {
 void add_train_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<TrainRequest>();
   CLI::App* command = app.add_subcommand("train", "networks that read S from the stresses, with learning curves");
-  command->add_option("set", request->set, "learning set (HDF5), see tactel generate")->type_name("SET.h5")->required();
+  command->add_option("set", request->set, "learning set (HDF5), see tactel generate")->type_name("SET.h5");
   command->add_option("--output", request->output, "directory for the networks, their report and figure")
       ->type_name("DIR")
       ->required();
@@ -77,6 +94,16 @@ void add_train_command(CLI::App& app, Action& action) {
       ->check(CLI::IsMember({"set", "frame"}))
       ->capture_default_str();
   add_training_options(*command, *request);
+  command
+      ->add_option("--stream", request->stream,
+                   "instead of a set: contacts of this sweep file, simulated as they are needed and never stored")
+      ->type_name("SWEEP.toml");
+  command->add_option("--rows", request->rows, "of --stream or --block to learn from in all")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--block", request->block, "read the set so many rows at a time: for sets larger than memory")
+      ->check(CLI::Range(1, 100'000'000))
+      ->type_name("ROWS");
   command->add_option("--recall", request->recall_set, "another set to judge the networks by")->type_name("SET.h5");
   command->add_option("--checkpoint-seconds", request->checkpoint_seconds, "s between two writings of DIR/checkpoint")
       ->check(CLI::NonNegativeNumber)

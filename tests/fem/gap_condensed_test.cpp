@@ -45,7 +45,8 @@ TEST(GapCondensed, AgreesWithTheWholeMesh) {
           EXPECT_TRUE(found.steps[k].converged) << shape_name(shape) << ", mu " << mu << ", step " << k;
           EXPECT_TRUE(truth.steps[k].converged) << shape_name(shape) << ", mu " << mu << ", step " << k;
           // C is formed in double with errors of some 1e-13 at nu = 0.49, and cond(C) is some 100.
-          EXPECT_LE(difference(found.steps[k], truth.steps[k]), 1e-10) << shape_name(shape) << ", mu " << mu << ", step " << k;
+          EXPECT_LE(difference(found.steps[k], truth.steps[k]), 1e-10)
+              << shape_name(shape) << ", mu " << mu << ", step " << k;
           EXPECT_NEAR(found.steps[k].indentation, truth.steps[k].indentation, 1e-11);
           const double stress = truth.steps[k].sigma_y.cwiseAbs().maxCoeff();
           EXPECT_LE((found.steps[k].tau_xy - truth.steps[k].tau_xy).cwiseAbs().maxCoeff(), 1e-10 * stress);

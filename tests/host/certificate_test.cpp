@@ -1,5 +1,5 @@
-// What the kernel says of its own answers, worked out again in fp64 from the forces that it wrote and C; and what becomes
-// of answers that are not good enough.
+// What the kernel says of its own answers, worked out again in fp64 from the forces that it wrote and C; and what
+// becomes of answers that are not good enough.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <set>
 
 #include "fem/value_error.h"
 #include "network_cases.h"
@@ -46,6 +47,22 @@ class NetworkSweepTest : public ::testing::Test {
     return "no error";
   }
 
+  /// A stop error that half of a plan's networks reach, by what the reference does with mini-batches.
+  double stop_of_half(const SweepPlan& plan) const {
+    const nn::InputScaling scaling = nn::fit_scaling(plan.scaling, set_);
+    std::vector<double> smallest;
+    for (const nn::Topology& topology : plan.topologies)
+      for (const double noise : plan.noises)
+        for (const std::uint64_t seed : plan.seeds) {
+          const auto shown = nn::training_set<double>(nn::with_noise(set_, noise, seed), scaling);
+          nn::BatchState<double> state(nn::initial_weights(topology, seed));
+          smallest.push_back(1);
+          while (state.epoch < static_cast<std::uint32_t>(plan.options.cycle_limit))
+            smallest.back() = std::min(smallest.back(), nn::train_epoch(state, shown, *plan.batch, seed).largest);
+        }
+    return nn::quantile(smallest, 0.5);
+  }
+
   fs::path directory_;
   nn::FrameSet set_ = bumps(40, 16, 3);
 };
@@ -78,6 +95,73 @@ TEST_F(NetworkSweepTest, TrainsEveryNetworkOnItsOwnSet) {
     EXPECT_EQ(network.curve.sse.back(), network.sse);
   }
   EXPECT_EQ(sweep.patterns(), 12.0 * 150 * 40);
+}
+
+// The same by mini-batches. With a stop error that some of them reach, networks leave the sweep at different epochs and
+// must still be what the reference makes of them alone; fp64, see train_batch_test.cpp.
+TEST_F(NetworkSweepTest, TrainsByMiniBatches) {
+  SweepPlan plan = small_plan();
+  plan.options.cycle_limit = 60;
+  plan.batch = nn::BatchOptions{.batch = 16, .rate = 0.02};
+  const double stop = plan.options.stop_error = stop_of_half(plan);
+  NetworkSweep<double> sweep(executor(), set_, plan);
+  EXPECT_TRUE(sweep.run());
+  std::set<nn::TrainStatus> seen;
+  for (std::size_t i = 0; i < 12; ++i) {
+    const SweepNetwork& network = sweep.networks()[i];
+    const auto shown = nn::training_set<double>(nn::with_noise(set_, network.noise, network.seed), sweep.scaling());
+    nn::BatchState<double> reference(nn::initial_weights(network.topology, network.seed));
+    nn::CycleErrors last{.sse = 0, .largest = 1};
+    while (reference.epoch < 60 && last.largest >= stop)
+      last = nn::train_epoch(reference, shown, *plan.batch, network.seed);
+    EXPECT_EQ(network.cycles, reference.epoch) << i;
+    EXPECT_EQ(network.status, last.largest < stop ? nn::TrainStatus::learnt : nn::TrainStatus::cycle_limit) << i;
+    EXPECT_LT(tactel::testing::largest_difference(sweep.weights(i).values, reference.weights.values), 1e-9) << i;
+    EXPECT_NEAR(network.sse, last.sse, 1e-6 * last.sse) << i;  // kept as float
+    EXPECT_EQ(network.curve.cycle.back(), network.cycles) << i;
+    seen.insert(network.status);
+  }
+  EXPECT_EQ(seen.size(), 2u);
+}
+
+TEST_F(NetworkSweepTest, MiniBatchesResumeToTheSameBits) {
+  SweepPlan plan = small_plan();
+  plan.options.cycle_limit = 60;
+  plan.batch = nn::BatchOptions{.batch = 16, .rate = 0.02};
+  plan.options.stop_error = stop_of_half(plan);
+  NetworkSweep<float> whole(executor(), set_, plan), stopped(executor(), set_, plan), resumed(executor(), set_, plan);
+  EXPECT_TRUE(whole.run());
+  int calls = 0;  // one a round: some networks have stopped by then, others have epochs left
+  const auto some = [&calls](std::size_t, std::size_t) { return ++calls < 58; };
+  EXPECT_FALSE(stopped.run({.progress = some, .checkpoint = checkpoint()}));
+  EXPECT_TRUE(resumed.load(checkpoint()));
+  std::set<nn::TrainStatus> seen;
+  for (const SweepNetwork& network : resumed.networks()) seen.insert(network.status);
+  EXPECT_EQ(seen, (std::set{nn::TrainStatus::running, nn::TrainStatus::learnt}));
+  EXPECT_TRUE(resumed.run());
+  EXPECT_TRUE(stopped.run());
+  for (std::size_t i = 0; i < 12; ++i) {
+    EXPECT_EQ(resumed.weights(i).values, whole.weights(i).values) << i;
+    EXPECT_EQ(stopped.weights(i).values, whole.weights(i).values) << i;
+    EXPECT_EQ(resumed.networks()[i].curve.sse, whole.networks()[i].curve.sse) << i;
+    EXPECT_EQ(resumed.networks()[i].cycles, whole.networks()[i].cycles) << i;
+  }
+  EXPECT_EQ(resumed.patterns(), whole.patterns());
+  plan.batch->rate = 0.01;
+  EXPECT_THAT(message_of_load(plan, set_), ::testing::HasSubstr("of another training"));
+}
+
+// A single network is a single group of work: it, too, must hear that it shall stop.
+TEST_F(NetworkSweepTest, StopsASingleNetwork) {
+  SweepPlan plan = small_plan();
+  plan.topologies.resize(1, nn::Topology::parse("16-16-8-1"));
+  plan.seeds = {3};
+  plan.noises = {0};
+  plan.options.stop_error = 0;
+  plan.options.cycle_limit = 1'000'000;
+  NetworkSweep<float> sweep(executor(), set_, plan);
+  EXPECT_FALSE(sweep.run({.progress = [](std::size_t, std::size_t) { return false; }, .checkpoint = {}}));
+  EXPECT_LT(sweep.networks()[0].cycles, 1'000'000u);
 }
 
 // Stopped at any time, written, read by another sweep and finished: the same bits as never stopped, curves included.

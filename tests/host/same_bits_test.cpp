@@ -1,6 +1,6 @@
-// What a lane computes depends on the lane alone: not on the batch's size, its place, its neighbours, what unused memory
-// holds, the number of threads, or how groups are dealt out to them. Compared by hashes of all that a contact's solution
-// says.
+// What a lane computes depends on the lane alone: not on the batch's size, its place, its neighbours, what unused
+// memory holds, the number of threads, or how groups are dealt out to them. Compared by hashes of all that a contact's
+// solution says.
 #include <gtest/gtest.h>
 #include <xxhash.h>
 
@@ -27,7 +27,8 @@ std::uint64_t hash(const fem::ContactSolution& solution) {
     said.insert(said.end(), {s.indentation, s.tangential, s.P, s.Q, s.slip_index.value_or(-1), double(s.converged),
                              double(s.iterations), s.residual.penetration, s.residual.cone, s.residual.complementarity,
                              s.residual.drift, s.residual.balance});
-    for (const auto* values : {&s.normal_force, &s.tangential_force, &s.base_force_x, &s.base_force_y, &s.sigma_y, &s.tau_xy})
+    for (const auto* values :
+         {&s.normal_force, &s.tangential_force, &s.base_force_x, &s.base_force_y, &s.sigma_y, &s.tau_xy})
       said.insert(said.end(), values->begin(), values->end());
     for (fem::GapStatus status : s.status) said.push_back(double(status));
   }
@@ -48,14 +49,24 @@ Hashes hashes(const host::GapSweep<Real>& sweep, std::span<const fem::Scene> sce
 
 struct Case {
   const char* name;
-  bool fp32, force;
+  bool fp32, force, friction = true;
 };
 
 class SameBits : public ::testing::TestWithParam<Case> {
  protected:
   static constexpr std::size_t count = 150;  ///< four groups in fp32, seven in fp64, the last one ragged
-  const std::vector<fem::Scene> scenes_ = GetParam().force ? tactel::testing::random_force_scenes(paper_mesh('B'), count, 7)
-                                                           : tactel::testing::random_scenes(paper_mesh('B'), count, 7);
+  const std::vector<fem::Scene> scenes_ = random_scenes(7);
+
+  static std::vector<fem::Scene> random_scenes(std::uint64_t seed) {
+    auto scenes = GetParam().force ? tactel::testing::random_force_scenes(paper_mesh('B'), count, seed)
+                                   : tactel::testing::random_scenes(paper_mesh('B'), count, seed);
+    for (fem::Scene& scene : scenes) {
+      if (GetParam().friction) continue;
+      scene.friction = 0;
+      scene.load.angle.reset();
+    }
+    return scenes;
+  }
 
   const host::GapSweepOptions options_{.most_sweeps = 500};  ///< no need to solve all strangers
 
@@ -83,7 +94,8 @@ TEST_P(SameBits, AnyThreadsAnyChunksAnyDevice) {
       for (std::size_t chunk : {1, 4096}) {
         host::Executor executor{host::Device(device), {.threads = threads}};
         with_sweep(executor, [&](const auto& sweep) {
-          EXPECT_EQ(hashes(sweep, scenes_, chunk), expected) << device << ", " << threads << " threads, chunks of " << chunk;
+          EXPECT_EQ(hashes(sweep, scenes_, chunk), expected)
+              << device << ", " << threads << " threads, chunks of " << chunk;
         });
       }
 }
@@ -119,15 +131,16 @@ TEST_P(SameBits, SplitIntoBatchesOfAnySize) {
 /// Other scenes before, between and behind: longer paths, deeper, softer, and such as are no scenes at all.
 TEST_P(SameBits, AmongStrangersAndBrokenNeighbours) {
   const Hashes expected = plain();
-  auto strangers = GetParam().force ? tactel::testing::random_force_scenes(paper_mesh('B'), count, 70)
-                                    : tactel::testing::random_scenes(paper_mesh('B'), count, 70);
+  auto strangers = random_scenes(70);
   for (std::size_t i = 0; i < count; ++i) {
     fem::Scene& s = strangers[i];
     const auto& goal = GetParam().force ? s.load.normal_force : s.load.indentation;
     if (i % 4 == 0) s.sensor.young = i % 8 ? 1e-30 : infinity;
-    if (i % 4 == 1) s.friction = i % 8 == 1 ? nan : 1e30;
+    if (i % 4 == 1 && GetParam().friction) s.friction = i % 8 == 1 ? nan : 1e30;
+    if (i % 4 == 1 && !GetParam().friction) (i % 8 == 1 ? s.sensor.young : s.indenter.position) = nan;
     if (i % 4 == 2 && !s.load.angle) s.load.tangential.assign(12, 1e3);
-    if (i % 4 == 3) s.indenter.shape = fem::Profile{{-30, 0, 30}, {goal.front(), i % 8 == 3 ? nan : 0.0, 1e30}, 0.0, ""};
+    if (i % 4 == 3)
+      s.indenter.shape = fem::Profile{{-30, 0, 30}, {goal.front(), i % 8 == 3 ? nan : 0.0, 1e30}, 0.0, ""};
   }
   std::vector<fem::Scene> mixed;
   for (std::size_t i = 0; i < count; ++i) mixed.insert(mixed.end(), {strangers[i], scenes_[i]});
@@ -142,7 +155,8 @@ TEST_P(SameBits, AmongStrangersAndBrokenNeighbours) {
       invalid += batch.result(2 * i, 0, LANE_STATUS) == double(LANE_INVALID);
       // Never NaN in disguise: what counts as solved is a number.
       for (const fem::ContactStep& step : stranger.steps)
-        ASSERT_TRUE(!step.converged || (std::isfinite(step.P) && std::isfinite(step.Q) && step.sigma_y.allFinite())) << i;
+        ASSERT_TRUE(!step.converged || (std::isfinite(step.P) && std::isfinite(step.Q) && step.sigma_y.allFinite()))
+            << i;
     }
     EXPECT_GE(invalid, count / 4);  // E infinite, mu or a height not a number: an eighth each
   });
@@ -150,7 +164,9 @@ TEST_P(SameBits, AmongStrangersAndBrokenNeighbours) {
 
 INSTANTIATE_TEST_SUITE_P(GapSweep, SameBits,
                          ::testing::Values(Case{"fp32_depth", true, false}, Case{"fp64_depth", false, false},
-                                           Case{"fp32_force", true, true}, Case{"fp64_force", false, true}),
+                                           Case{"fp32_force", true, true}, Case{"fp64_force", false, true},
+                                           Case{"fp32_frictionless", true, false, false},
+                                           Case{"fp64_frictionless_force", false, true, false}),
                          [](const auto& info) { return info.param.name; });
 
 }  // namespace
