@@ -11,6 +11,7 @@
 #include "host/progress_line.h"
 #include "host/ranks.h"
 #include "host/set_production.h"
+#include "host/stress_field.h"
 #include "host/sweep_file.h"
 
 namespace tactel::host {
@@ -93,6 +94,15 @@ std::string report_text(const GenerateRequest& request, const ContactSet& set, c
   return text;
 }
 
+void warn_of_depth(std::uint64_t too_deep, std::uint64_t contacts) {
+  if (too_deep == 0) return;
+  const double limit = 100 * linear_strain_limit;
+  fmt::print(stderr,
+             "warning: in {} of {} contacts the indenter is deeper than {:.0f} % of the thickness; rubber was measured "
+             "to be linear up to {:.0f} %\n",
+             too_deep, contacts, limit, limit);
+}
+
 int run_generate(const GenerateRequest& request) {
   Sweep sweep = read_sweep(request.sweep);
   ProductionOptions options = production_options(request);
@@ -147,7 +157,10 @@ int run_generate(const GenerateRequest& request) {
   set.rung = rung ? fmt::format("{}: {}", rung->name, description(*rung)) : name(options.set.precision);
   spool->assemble(chunk_count(sweep.source), set);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (!request.shared.quiet) fmt::print("{}", report_text(request, set, sums, spool->rows(), report.seconds, seconds));
+  if (!request.shared.quiet) {
+    warn_of_depth(set.too_deep, sweep.source.contacts());
+    fmt::print("{}", report_text(request, set, sums, spool->rows(), report.seconds, seconds));
+  }
   return set.unsolved ? not_converged : done;
 }
 

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "fem/contact_laws.h"
+#include "host/solve.h"
 #include "host/transducer_chain.h"
 #include "kernels/shared/contact_layout.h"
 
@@ -113,7 +114,21 @@ bool solved(const View<Real>& view, std::size_t i) {
   return true;
 }
 
-/// The same of a contact that the sweeps solved.
+double deepest(const fem::ContactSolution& solution) {
+  double most = 0;  // mm
+  for (const fem::ContactStep& step : solution.steps) most = std::max(most, step.indentation);
+  return most;
+}
+
+template <class Real>
+double deepest(const View<Real>& view, std::size_t i) {
+  double most = 0;  // mm
+  for (int k = 0; k < view.path_steps(i) && status_of<Real>(view, i, k) != LANE_NOT_RUN; ++k)
+    most = std::max(most, static_cast<double>(view.result(i, k, LANE_INDENTATION)));
+  return most;
+}
+
+/// Which steps of a contact that the sweeps solved become rows.
 template <class Real>
 std::vector<int> rows_of(const View<Real>& view, std::size_t i, int first, double mu) {
   std::vector<int> steps;
@@ -315,13 +330,15 @@ ContactSet SetSimulator::State::collect(RangeOf<Real>& range) {
   for (std::size_t l = 0; l < views.size(); ++l) {
     for (const std::size_t i : views[l].by_lane()) {
       const std::uint64_t k = range.launches[l].which[i];
-      if (!fallen.contains(k))
-        put_rows<Real>(set, rows[k], views[l], i, range.first_step[k], range.contacts[k], range.first + k);
+      if (fallen.contains(k)) continue;
+      put_rows<Real>(set, rows[k], views[l], i, range.first_step[k], range.contacts[k], range.first + k);
+      set.too_deep += too_deep(range.contacts[k].scene.sensor, deepest<Real>(views[l], i));
     }
   }
   for (const auto& [k, solution] : fallen) {
     put_rows(set, rows[k], solution, range.first_step[k], range.contacts[k], range.first + k);
     set.fell_back += solution.fell_back;
+    set.too_deep += too_deep(range.contacts[k].scene.sensor, deepest(solution));
     set.unsolved += std::ranges::any_of(solution.steps, [](const auto& step) { return !step.converged; });
   }
   for (std::size_t l = 0; chain && l < views.size(); ++l)

@@ -58,12 +58,16 @@ SolveOutcome solve_to_accuracy(const fem::Scene& scene, const SolveOptions& opti
 
 }  // namespace
 
+bool too_deep(const fem::Sensor& sensor, double indentation) {
+  constexpr double rounding = 1e-6;  // of a depth in fp32
+  return indentation > linear_strain_limit * (1 + rounding) * sensor.thickness;
+}
+
 std::optional<std::string> depth_warning(const fem::Scene& scene, const fem::ContactSolution& solution) {
   double deepest = 0;
   for (const fem::ContactStep& step : solution.steps) deepest = std::max(deepest, step.indentation);
   const double share = deepest / scene.sensor.thickness;
-  constexpr double rounding = 1e-6;  // of a depth in fp32
-  if (share <= linear_strain_limit * (1 + rounding)) return std::nullopt;
+  if (!too_deep(scene.sensor, deepest)) return std::nullopt;
   return fmt::format(
       "the indenter is {:.3g} mm deep, {:.0f} % of the thickness; rubber was measured to be linear up to {:.0f} %",
       deepest, 100 * share, 100 * linear_strain_limit);

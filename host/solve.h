@@ -37,7 +37,9 @@ void check_modelling(const SolveOptions& options);
 /// Solves one scene. Throws ConfigError for options that do not go together.
 SolveOutcome solve(const fem::Scene& scene, const SolveOptions& options);
 
-/// What to say of an indentation beyond the share of the thickness to which rubber is linear; none within it.
+/// Whether an indentation, mm, is beyond the share of the thickness to which rubber is linear.
+bool too_deep(const fem::Sensor& sensor, double indentation);
+/// What to say of an indentation that is too deep; none of others.
 std::optional<std::string> depth_warning(const fem::Scene& scene, const fem::ContactSolution& solution);
 
 }  // namespace tactel::host

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "host/scene_json.h"
 #include "tests/host/run_tactel.h"
 
@@ -99,6 +101,14 @@ TEST(SceneFile, EveryShape) {
   const auto profile = std::get<fem::Profile>(shape_of("shape = \"profile\"\nx = [-1, 0, 1]\ny = [0.2, 0, 0.2]"));
   EXPECT_EQ(profile.x, (std::vector{-1.0, 0.0, 1.0}));
   EXPECT_EQ(profile.y, (std::vector{0.2, 0.0, 0.2}));
+}
+
+TEST(SceneFile, FrictionMayBeBonded) {
+  const std::string rest = "[indenter]\nshape = \"flat\"\n[load]\nindentation = 0.1\n";
+  const fem::Scene scene = read_text("[contact]\nfriction = \"bonded\"\n" + rest);
+  EXPECT_TRUE(std::isinf(scene.friction) && scene.friction > 0);
+  EXPECT_EQ(to_json(scene)["contact"]["friction"], "bonded");
+  EXPECT_EQ(read_text("[contact]\nfriction = 0.25\n" + rest).friction, 0.25);
 }
 
 TEST(SceneFile, LoadsMayBeSequences) {
