@@ -1,12 +1,10 @@
 // Only what a scene requires: each thing that a scene can do without, with it and without it, in one run. Lines called
-// `needed` model what the scene requires, lines called `all` what any scene might. load steps a second, all threads
+// `needed` model what the scene requires, lines called `all` what any scene might. Load steps a second, all threads
 // unless said otherwise.
 #include <benchmark/benchmark.h>
 
-#include <chrono>
 #include <cmath>
 #include <functional>
-#include <map>
 #include <random>
 
 #include "fem/gap_sweep.h"
@@ -88,7 +86,7 @@ void report(benchmark::State& state, double steps) {
   state.counters["steps_per_second"] = benchmark::Counter(steps, benchmark::Counter::kIsIterationInvariantRate);
 }
 
-/// Launches of one kind, beside the same contacts modelled otherwise; the clock runs over `timed` alone.
+/// Contacts for one launch, and how far the window of gap elements reaches.
 struct Model {
   Scenes scenes;
   double reach = host::GapSweepOptions{}.reach;
@@ -108,6 +106,7 @@ Solutions sample(const host::GapSweep<float>::Batch& batch) {
   return some;
 }
 
+/// The clock runs over `timed` alone; `other` is the same contacts modelled otherwise.
 void launches(benchmark::State& state, const Model& timed, const Model& other) {
   auto batch = timed.batch();
   auto judge = other.batch();
@@ -125,7 +124,7 @@ Scenes with_friction(Scenes scenes, double mu) {
 
 /// Scenes of several sensors: one C for each sensor, or one for each scene (out of the cache on disk).
 void mixed_sensors(benchmark::State& state, bool one_for_all) {
-  Scenes scenes = parabolas(mesh('B'), 96, dragged());
+  Scenes scenes = parabolas(mesh('B'), 24, dragged());
   for (std::size_t i = 0; i < scenes.size(); ++i) scenes[i].sensor.poisson = i % 2 ? 0.45 : 0.49;
   const auto solve = [&](bool together) {
     if (together) return host::solve_gap_sweep(executor(), scenes, host::Precision::fp32, {.tolerance = tolerance});
