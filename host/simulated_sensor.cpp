@@ -142,7 +142,8 @@ std::optional<hw::Packet> SimulatedSensor::wait(double timeout) {
 void SimulatedSensor::append_frame() {
   std::normal_distribution<double> noise(0.0, 1.0);
   const double t = due(frame_);
-  play_.at(std::fmod(t, play_.duration()), stress_);
+  const double played = std::min(std::floor(t / play_.duration()), options_.repeat - 1.0);  // the end is not a new start
+  play_.at(t - played * play_.duration(), stress_);
   for (std::size_t i = 0; i < codes_.size(); ++i) {
     const double measured = amplifiers_[i](gain_[i] * stress_[static_cast<Eigen::Index>(i)]);
     codes_[i] = converter_(measured + options_.noise * converter_.full_scale * noise(random_));
