@@ -95,6 +95,7 @@ int run_rank_training(const Ranks& ranks, TrainRequest request, SweepPlan plan, 
   const std::string output = request.output;
   if (ranks.first()) {
     TrainingDirectory(output).check(request.resume, request.force);
+    check_figure_path("--output", TrainingDirectory(output).figure());
     if (request.resume && TrainingDirectory(output).finished())
       throw ConfigError("command line", "--resume", output, "an unfinished training: this one is done");
   }
