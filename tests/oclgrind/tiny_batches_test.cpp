@@ -1,4 +1,4 @@
-// Every kernel on a few items, for oclgrind, which looks at each access to memory (scripts/sanitize oclgrind). Answers are
+// Every kernel that computes, on a few items, for oclgrind, which looks at each access to memory (scripts/sanitize oclgrind). Answers are
 // checked, too: what the kernels then did is what they do elsewhere. Executors are no statics: oclgrind's own are gone
 // before them.
 #include <dlfcn.h>
@@ -9,8 +9,10 @@
 #include "host/gap_sweep.h"
 #include "host/train_batch.h"
 #include "host/train_online.h"
+#include "host/transducer_chain.h"
 #include "tests/host/contact_cases.h"
 #include "tests/host/network_cases.h"
+#include "tests/host/transducer_cases.h"
 
 namespace {
 cl_uint lanes_fp32 = 1;
@@ -31,9 +33,11 @@ namespace {
 
 using namespace tactel;
 using namespace tactel::host;
+using tactel::testing::all_parts;
 using tactel::testing::base_force_difference;
 using tactel::testing::bumps;
 using tactel::testing::largest_difference;
+using tactel::testing::TransducerCase;
 
 /// By lanes in fp32: a GPU's, and those of AVX-512.
 struct TinyBatches : ::testing::TestWithParam<int> {
@@ -174,6 +178,14 @@ TEST_P(TinyBatches, TrainBatchByDelta) {
 TEST_P(TinyBatches, TrainBatchByAdam) {
   expect_batches<float>(executor, nn::BatchRule::adam);
   expect_batches<double>(executor, nn::BatchRule::adam);
+}
+
+/// Tolerance as in transducer_chain_test. 6 channels: a part of a vector.
+TEST_P(TinyBatches, TransducerChain) {
+  const TransducerCase some(5, 6);
+  std::vector<float> signal = some.stress;
+  TransducerChain(executor, all_parts, 11, 6).run(some.contacts, signal);
+  EXPECT_LT(largest_difference(signal, some.by_twin(all_parts, 6)), 3e-6);
 }
 
 }  // namespace
