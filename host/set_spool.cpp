@@ -140,7 +140,8 @@ void SetSpool::scan(const fs::path& file, bool cut) {
     payload.resize(header.bytes);
     if (!in.read(payload.data(), static_cast<std::streamsize>(payload.size()))) break;
     if (checksum(payload) != header.payload_sum) break;
-    chunks_[header.chunk] = {file, offset, header.bytes, header.rows, header.fell_back, header.unsolved, header.too_deep};
+    chunks_[header.chunk] = {file,           offset, header.bytes, header.rows, header.fell_back, header.unsolved,
+                             header.too_deep};
     offset += sizeof header + header.bytes;
   }
   if (offset == fs::file_size(file) || !cut) return;
@@ -192,8 +193,9 @@ void SetSpool::append(std::uint64_t chunk, const ContactSet& rows) {
                                    why, chunks_.size(), folder_.string()));
   }
   bytes_ += sizeof header + payload.size();
-  chunks_[chunk] = {own_,           static_cast<std::uint64_t>(before), header.bytes, header.rows, header.fell_back,
-                    header.unsolved, header.too_deep};
+  chunks_[chunk] = {
+      own_,           static_cast<std::uint64_t>(before), header.bytes, header.rows, header.fell_back, header.unsolved,
+      header.too_deep};
 }
 
 ContactSet SetSpool::load(const Place& place, int inputs) const {

@@ -34,8 +34,8 @@ TEST(SolveCommand, TableHasALineAStep) {
 
 TEST(SolveCommand, JsonHasTheDocumentedKeys) {
   const json answer = json::parse(run_tactel({"solve", parabola, "--json", "-"}).out);
-  EXPECT_THAT(keys(answer), testing::UnorderedElementsAre("tactel", "scene", "solver", "precision", "device", "fallback",
-                                                          "surface_x", "base_x", "tactel_x", "steps"));
+  EXPECT_THAT(keys(answer), testing::UnorderedElementsAre("tactel", "scene", "solver", "precision", "device",
+                                                          "fallback", "surface_x", "base_x", "tactel_x", "steps"));
   ASSERT_EQ(answer["steps"].size(), 9u);
   const json& step = answer["steps"][4];
   EXPECT_THAT(keys(step),

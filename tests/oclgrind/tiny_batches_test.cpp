@@ -1,6 +1,6 @@
-// Every kernel on a few items, for oclgrind, which looks at each access to memory (scripts/sanitize oclgrind). Answers are
-// checked, too: what the kernels then did is what they do elsewhere. Executors are no statics: oclgrind's own are gone
-// before them.
+// Every kernel that computes, on a few items, for oclgrind, which looks at each access to memory (scripts/sanitize
+// oclgrind). Answers are checked, too: what the kernels then did is what they do elsewhere. Executors are no statics:
+// oclgrind's own are gone before them.
 #include <dlfcn.h>
 #include <gtest/gtest.h>
 
@@ -9,16 +9,19 @@
 #include "host/gap_sweep.h"
 #include "host/train_batch.h"
 #include "host/train_online.h"
+#include "host/transducer_chain.h"
 #include "tests/host/contact_cases.h"
 #include "tests/host/network_cases.h"
+#include "tests/host/transducer_cases.h"
 
 namespace {
 cl_uint lanes_fp32 = 1;
 }
 
-/// oclgrind's device has no vectors of its own; kernels shall run as on a processor that has. The program's symbol comes
-/// before the library's.
-extern "C" cl_int clGetDeviceInfo(cl_device_id device, cl_device_info what, size_t size, void* value, size_t* size_out) {
+/// oclgrind's device has no vectors of its own; kernels shall run as on a processor that has. The program's symbol
+/// comes before the library's.
+extern "C" cl_int clGetDeviceInfo(cl_device_id device, cl_device_info what, size_t size, void* value,
+                                  size_t* size_out) {
   static const auto library = reinterpret_cast<decltype(&clGetDeviceInfo)>(dlsym(RTLD_NEXT, "clGetDeviceInfo"));
   const cl_int code = library(device, what, size, value, size_out);
   const bool fp64 = what == CL_DEVICE_NATIVE_VECTOR_WIDTH_DOUBLE;
@@ -31,9 +34,11 @@ namespace {
 
 using namespace tactel;
 using namespace tactel::host;
+using tactel::testing::all_parts;
 using tactel::testing::base_force_difference;
 using tactel::testing::bumps;
 using tactel::testing::largest_difference;
+using tactel::testing::TransducerCase;
 
 /// By lanes in fp32: a GPU's, and those of AVX-512.
 struct TinyBatches : ::testing::TestWithParam<int> {
@@ -47,7 +52,7 @@ struct TinyBatches : ::testing::TestWithParam<int> {
 INSTANTIATE_TEST_SUITE_P(Lanes, TinyBatches, ::testing::Values(1, 16));
 
 /// A sensor of few nodes; scenes that touch one node, some, and all of them.
-std::vector<fem::Scene> few_scenes(bool by_force) {
+std::vector<fem::Scene> few_scenes(bool by_force, double friction) {
   fem::Sensor sensor;
   sensor.length = 6;
   sensor.columns = 9;
@@ -55,7 +60,7 @@ std::vector<fem::Scene> few_scenes(bool by_force) {
   sensor.tactels = 4;
   std::vector<fem::Scene> scenes;
   for (const fem::Shape& shape : {fem::Shape(fem::Parabola{10}), fem::Shape(fem::Wedge{120}), fem::Shape(fem::Flat{})})
-    scenes.push_back({"", sensor, {shape, 0.0}, 0.4, {}});
+    scenes.push_back({"", sensor, {shape, 0.0}, friction, {}});
   for (fem::Scene& scene : scenes) {
     scene.load.indentation_steps = 2;
     scene.load.tangential = {0.05, -0.05};
@@ -63,14 +68,14 @@ std::vector<fem::Scene> few_scenes(bool by_force) {
     scene.load.indentation.clear();
     scene.load.normal_force = {0.2};
   }
-  if (by_force) scenes.back().load.tangential.clear(), scenes.back().load.angle = 10.0;
+  if (by_force && friction > 0) scenes.back().load.tangential.clear(), scenes.back().load.angle = 10.0;
   return scenes;
 }
 
 /// Tolerances as in gap_sweep_test: what the sweeps' own tolerance leaves.
 template <class Real>
-void expect_contacts(Executor& executor, bool by_force) {
-  const auto scenes = few_scenes(by_force);
+void expect_contacts(Executor& executor, bool by_force, double friction) {
+  const auto scenes = few_scenes(by_force, friction);
   const GapSweep<Real> sweep(executor, scenes.front().sensor);
   auto batch = sweep.prepare(scenes);
   batch.run();
@@ -80,10 +85,14 @@ void expect_contacts(Executor& executor, bool by_force) {
         << i;
 }
 
-TEST_P(TinyBatches, GapSweepByDepthFp32) { expect_contacts<float>(executor, false); }
-TEST_P(TinyBatches, GapSweepByDepthFp64) { expect_contacts<double>(executor, false); }
-TEST_P(TinyBatches, GapSweepByForceFp32) { expect_contacts<float>(executor, true); }
-TEST_P(TinyBatches, GapSweepByForceFp64) { expect_contacts<double>(executor, true); }
+TEST_P(TinyBatches, GapSweepByDepthFp32) { expect_contacts<float>(executor, false, 0.4); }
+TEST_P(TinyBatches, GapSweepByDepthFp64) { expect_contacts<double>(executor, false, 0.4); }
+TEST_P(TinyBatches, GapSweepByForceFp32) { expect_contacts<float>(executor, true, 0.4); }
+TEST_P(TinyBatches, GapSweepByForceFp64) { expect_contacts<double>(executor, true, 0.4); }
+TEST_P(TinyBatches, GapSweepFrictionless) {  // a program of its own
+  expect_contacts<float>(executor, false, 0);
+  expect_contacts<double>(executor, true, 0);
+}
 
 /// Tolerances as in forward_test. 35 frames: whole tiles and a ragged end.
 template <class Real>
@@ -97,7 +106,8 @@ void expect_recall(Executor& executor, const nn::InputScaling& scaling) {
   forward.run(DeviceFrames(executor.device(), frames));
   for (std::size_t i = 0; i < networks.size(); ++i) {
     const nn::Recall<double> truth = nn::recall(nn::Weights<double>(networks[i]), scaling, frames);
-    EXPECT_LT((forward.result(i).slip_index.template cast<double>() - truth.slip_index).cwiseAbs().maxCoeff(), tolerance);
+    EXPECT_LT((forward.result(i).slip_index.template cast<double>() - truth.slip_index).cwiseAbs().maxCoeff(),
+              tolerance);
     ForwardOne<Real> one(executor, networks[i], scaling);
     const FrameAnswer<Real> answer = one(std::span<const float>(frames.row(7).data(), 6));
     EXPECT_NEAR(static_cast<double>(answer.slip_index), truth.slip_index(7), tolerance);
@@ -174,6 +184,14 @@ TEST_P(TinyBatches, TrainBatchByDelta) {
 TEST_P(TinyBatches, TrainBatchByAdam) {
   expect_batches<float>(executor, nn::BatchRule::adam);
   expect_batches<double>(executor, nn::BatchRule::adam);
+}
+
+/// Tolerance as in transducer_chain_test. 6 channels: a part of a vector.
+TEST_P(TinyBatches, TransducerChain) {
+  const TransducerCase some(5, 6);
+  std::vector<float> signal = some.stress;
+  TransducerChain(executor, all_parts, 11, 6).run(some.contacts, signal);
+  EXPECT_LT(largest_difference(signal, some.by_twin(all_parts, 6)), 3e-6);
 }
 
 }  // namespace
