@@ -23,7 +23,7 @@ Eigen::SparseMatrix<double> base_stress_from_elements(const Mesh& mesh, const Se
 /// rows sigma_x, sigma_y, tau_xy, sigma_z; [4, nodes] MPa.
 Eigen::Matrix4Xd nodal_stress(const Mesh& mesh, const Sensor& sensor, const Eigen::VectorXd& displacement);
 
-/// x of the tactels, [tactels] mm.
+/// x of the middles of the tactels, [tactels] mm.
 Eigen::VectorXd tactel_positions(const Sensor& sensor);
 
 }  // namespace tactel::fem

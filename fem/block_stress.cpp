@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <cmath>
+
 #include "fem/block.h"
 #include "fem/elements.h"
 #include "fem/shape_functions.h"
@@ -7,17 +10,45 @@ namespace {
 
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
-/// [tactels, base nodes]: value at the tactels of a quantity given at the base nodes, by the edge's own shape
-/// functions.
-Eigen::MatrixXd interpolation_to_tactels(const Mesh& mesh, const Sensor& sensor) {
-  const int edges = sensor.columns - 1, gaps = sensor.tactels - 1, per_edge = mesh.element == Element::q8 ? 3 : 2;
+/// [tactels, base nodes]: mean over the width of each tactel of a quantity given at the base nodes, by the edge's own
+/// shape functions. Two Gauss points an edge are exact up to cubics.
+Eigen::MatrixXd mean_over_tactels(const Mesh& mesh, const Sensor& sensor) {
+  const int edges = sensor.columns - 1, per_edge = mesh.element == Element::q8 ? 3 : 2;
+  const double edge_length = sensor.length / edges;
+  const Eigen::VectorXd middle = tactel_positions(sensor);
+  Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(sensor.tactels, static_cast<Eigen::Index>(mesh.base.size()));
+  for (int t = 0; t < sensor.tactels; ++t) {
+    const double from = (middle[t] - sensor.tactel_width / 2 + sensor.length / 2) / edge_length;  // in edges
+    const double to = from + sensor.tactel_width / edge_length;
+    for (int edge = std::max(0, static_cast<int>(from)); edge < edges && edge < to; ++edge) {
+      const double left = std::max(0.0, from - edge), right = std::min(1.0, to - edge);
+      for (const double gauss : {-1 / std::sqrt(3.0), 1 / std::sqrt(3.0)})
+        mean.block(t, edge * (per_edge - 1), 1, per_edge) +=
+            (right - left) / 2 * edge_functions(per_edge, left + right - 1 + (right - left) * gauss);
+    }
+    mean.row(t) /= mean.row(t).sum();
+  }
+  return mean;
+}
+
+/// [tactels, base nodes]: value at the middle of each tactel. A tactel at a node, but for rounding, takes the value of
+/// that node and of no other.
+Eigen::MatrixXd value_at_tactels(const Mesh& mesh, const Sensor& sensor) {
+  const int edges = sensor.columns - 1, per_edge = mesh.element == Element::q8 ? 3 : 2;
+  const Eigen::VectorXd middle = tactel_positions(sensor);
   Eigen::MatrixXd value = Eigen::MatrixXd::Zero(sensor.tactels, static_cast<Eigen::Index>(mesh.base.size()));
-  for (int t = 0; t <= gaps; ++t) {
-    // In whole numbers, so that a tactel at a node takes the value of that node and of no other.
-    const int edge = std::min(t * edges / gaps, edges - 1), beyond = t * edges - edge * gaps;
-    value.block(t, edge * (per_edge - 1), 1, per_edge) = edge_functions(per_edge, (2.0 * beyond - gaps) / gaps);
+  for (int t = 0; t < sensor.tactels; ++t) {
+    const double place = (middle[t] / sensor.length + 0.5) * edges, node = std::round(place);  // in edges
+    const double at = std::abs(place - node) < 1e-9 ? node : place;
+    const int edge = std::clamp(static_cast<int>(at), 0, edges - 1);
+    value.block(t, edge * (per_edge - 1), 1, per_edge) = edge_functions(per_edge, 2 * (at - edge) - 1);
   }
   return value;
+}
+
+/// [tactels, base nodes]: what the tactels feel of a quantity given at the base nodes.
+Eigen::MatrixXd interpolation_to_tactels(const Mesh& mesh, const Sensor& sensor) {
+  return sensor.tactel_width > 0 ? mean_over_tactels(mesh, sensor) : value_at_tactels(mesh, sensor);
 }
 
 /// Consistent mass of the base edge, integral of N_i N_j dx, [base nodes, base nodes] mm.
@@ -80,7 +111,7 @@ Eigen::SparseMatrix<double> base_node_stress(const Mesh& mesh, const Sensor& sen
 Eigen::VectorXd tactel_positions(const Sensor& sensor) {
   const int gaps = sensor.tactels - 1;
   Eigen::VectorXd x(sensor.tactels);
-  for (int t = 0; t <= gaps; ++t) x[t] = sensor.length * (2 * t - gaps) / (2.0 * gaps);
+  for (int t = 0; t <= gaps; ++t) x[t] = sensor.span() * (2 * t - gaps) / (2.0 * gaps);
   return x;
 }
 

@@ -42,7 +42,8 @@ std::string key_text(const Sensor& s) {
   return "tactel condensation\nbuild " TACTEL_FEM_FINGERPRINT "\nlength " + number_text(s.length) + "\nthickness " +
          number_text(s.thickness) + "\npoisson " + number_text(s.poisson) + "\ncolumns " + std::to_string(s.columns) +
          "\nrows " + std::to_string(s.rows) + "\ngrading " + number_text(s.grading) + "\nelement " + name(s.element) +
-         "\ntactels " + std::to_string(s.tactels) + "\nstress " + name(s.stress) + "\n";
+         "\ntactels " + std::to_string(s.tactels) + "\nspan " + number_text(s.span()) + "\nwidth " +
+         number_text(s.tactel_width) + "\nstress " + name(s.stress) + "\n";
 }
 
 /// A result of the right sizes for this sensor, to be filled.

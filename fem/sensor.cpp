@@ -30,6 +30,13 @@ void Sensor::validate() const {
   check(within(grading, 0.01, 100), "grading", grading,
         "the bottom row's height over the top row's, 0.01 to 100 (1 is uniform)");
   check(within(tactels, 2, most_tactels), "tactels", tactels, "a number of tactels, 2 to 10000");
+  check(within(tactel_width, 0, length / tactels), "tactel_width", tactel_width,
+        "a width in mm, 0 (a point) to the sensor's length over the number of tactels");
+  // Transducers side by side, on the rubber; a hair's breadth for what decimal numbers lose in binary.
+  const double hair = 1e-12 * length;
+  check(within(span(), tactel_width * (tactels - 1) - hair, length - tactel_width + hair) && span() > 0, "tactel_span",
+        span(),
+        "a length in mm, first to last tactel's middle: room for the tactels' widths between, none beyond the rubber");
   name(element);  // throws on a number that is no element
   name(stress);
 }

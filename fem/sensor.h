@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 
 namespace tactel::fem {
 
@@ -21,10 +22,13 @@ struct Sensor {
   int rows = 11;           ///< mesh nodes through the thickness
   double grading = 4.0;    ///< bottom row height over top row height, geometric in between
   Element element = Element::bbar;
-  int tactels = 21;  ///< equally spaced over the length, first and last on the ends
+  int tactels = 21;                   ///< equally spaced
+  std::optional<double> tactel_span;  ///< mm from the first one's middle to the last one's; none: all that fits
+  double tactel_width = 0;            ///< mm along x, over which a tactel averages the stress; 0: a point
   StressRecovery stress = StressRecovery::reaction;
 
   bool operator==(const Sensor&) const = default;
+  double span() const { return tactel_span.value_or(length - tactel_width); }
   void validate() const;  ///< throws ValueError, key "sensor.<member>"
 };
 

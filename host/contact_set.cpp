@@ -106,6 +106,7 @@ bool write_attributes(hid_t file, const ContactSet& set) {
   return write_text(file, "tactel", TACTEL_VERSION) && write_text(file, "format", "tactel contact set 1") &&
          write_text(file, "sweep", set.sweep) && write_text(file, "seed", std::to_string(set.seed)) &&
          write_text(file, "device", set.device) && write_text(file, "rung", set.rung) &&
+         write_text(file, "transducer", set.transducer) &&
          write_text(file, "fallback_contacts", std::to_string(set.fell_back)) &&
          write_text(file, "unsolved_contacts", std::to_string(set.unsolved)) &&
          write_text(file, "indenter_names", joined(set.indenter_names)) &&
@@ -317,6 +318,7 @@ ContactSet read_contact_set(const std::filesystem::path& path) {
   set.sweep = in.text("sweep");
   set.device = in.text("device");
   set.rung = in.text("rung");
+  set.transducer = in.text("transducer");
   set.indenter_names = split(in.text("indenter_names"));
   const auto number = [&](const char* name) { return std::strtoull(in.text(name).c_str(), nullptr, 10); };
   set.seed = number("seed");

@@ -27,6 +27,7 @@ struct ContactSet {
   std::vector<std::string> indenter_names;  ///< attribute
   std::string sweep;                        ///< attribute: text of the sweep file
   std::string device, rung;                 ///< attributes: who simulated, how finely
+  std::string transducer;                   ///< attribute: what became of the stresses, nn::description
   std::uint64_t seed = 0;                   ///< attribute
   std::uint64_t fell_back = 0;  ///< attribute: contacts that the sweeps gave up and the exact fallback took over
   std::uint64_t unsolved = 0;   ///< attribute: contacts with a load step over tolerance all the same

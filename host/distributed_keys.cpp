@@ -25,6 +25,8 @@ const std::vector<Entry>& entries() {
       {"", "sensor.young", [](S& s, int) -> double& { return s.sensor.young; }},
       {"", "sensor.poisson", [](S& s, int) -> double& { return s.sensor.poisson; }},
       {"", "sensor.grading", [](S& s, int) -> double& { return s.sensor.grading; }},
+      {"", "sensor.tactel_span", [](S& s, int) -> double& { return s.sensor.tactel_span.value(); }},
+      {"", "sensor.tactel_width", [](S& s, int) -> double& { return s.sensor.tactel_width; }},
       {"", "indenter.position", [](S& s, int) -> double& { return s.indenter.position; }},
       {"flat", "indenter.half_width", [](S& s, int) -> double& { return as<fem::Flat>(s).half_width.value(); }},
       {"wedge", "indenter.edge_angle", [](S& s, int) -> double& { return as<fem::Wedge>(s).edge_angle; }},

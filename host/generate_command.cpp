@@ -142,6 +142,7 @@ int run_generate(const GenerateRequest& request) {
   set.sweep = sweep.text;
   set.seed = sweep.source.seed();
   set.indenter_names = sweep.source.kind_names();
+  set.transducer = nn::description(sweep.source.transducer());
   set.device = fmt::format("{}", fmt::join(report.devices, ", "));
   set.rung = rung ? fmt::format("{}: {}", rung->name, description(*rung)) : name(options.set.precision);
   spool->assemble(chunk_count(sweep.source), set);

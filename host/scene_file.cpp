@@ -22,6 +22,9 @@ void read_sensor(const TomlFile& file, fem::Sensor& sensor) {
     sensor.element = std::array{fem::Element::bbar, fem::Element::q4, fem::Element::q4i, fem::Element::q8}[*choice];
   }
   in.read("tactels", sensor.tactels, "a whole number of tactels, at least 2");
+  if (double span = 0; in.read("tactel_span", span, "a number of mm, from the first tactel's middle to the last one's"))
+    sensor.tactel_span = span;
+  in.read("tactel_width", sensor.tactel_width, "a number of mm, 0 (a point) or more");
   if (const auto choice = in.read_choice("stress", {"reaction", "element"})) {
     sensor.stress = std::array{fem::StressRecovery::reaction, fem::StressRecovery::element}[*choice];
   }

@@ -38,11 +38,18 @@ Json indenter_json(const fem::Indenter& indenter) {
 }
 
 Json sensor_json(const fem::Sensor& s) {
-  return {{"length", s.length},   {"thickness", s.thickness},
-          {"young", s.young},     {"poisson", s.poisson},
-          {"columns", s.columns}, {"rows", s.rows},
-          {"grading", s.grading}, {"element", fem::name(s.element)},
-          {"tactels", s.tactels}, {"stress", fem::name(s.stress)}};
+  return {{"length", s.length},
+          {"thickness", s.thickness},
+          {"young", s.young},
+          {"poisson", s.poisson},
+          {"columns", s.columns},
+          {"rows", s.rows},
+          {"grading", s.grading},
+          {"element", fem::name(s.element)},
+          {"tactels", s.tactels},
+          {"tactel_span", s.span()},
+          {"tactel_width", s.tactel_width},
+          {"stress", fem::name(s.stress)}};
 }
 
 Json load_json(const fem::Load& load) {

@@ -7,6 +7,7 @@
 #include "fem/scene.h"
 #include "host/distribution.h"
 #include "host/ladder.h"
+#include "nn/transducer_chain.h"
 
 namespace tactel::host {
 
@@ -21,12 +22,15 @@ class SceneSource {
   static SceneSource read(const std::filesystem::path& path);
   /// Listed scenes, as the paper's sets are; `kinds`: [scenes] places in kind_names.
   SceneSource(std::vector<fem::Scene> scenes, std::vector<std::uint16_t> kinds, std::vector<std::string> kind_names);
+  /// What the contacts' stresses become before a set holds them; `seed` draws its noise.
+  void measure_with(const nn::Transducer& transducer, std::uint64_t seed) { transducer_ = transducer, seed_ = seed; }
 
   std::uint64_t contacts() const { return contacts_; }
   /// Whether contact(k) goes on beyond contacts(): drawn contacts do, listed ones do not.
   bool endless() const { return listed_.empty(); }
   std::uint64_t seed() const { return seed_; }
   int tactels() const;
+  const nn::Transducer& transducer() const { return transducer_; }
   /// What kinds of indenters there are: one for each [[indenter]].
   const std::vector<std::string>& kind_names() const { return kind_names_; }
 
@@ -76,6 +80,7 @@ class SceneSource {
 
   std::optional<Rung> rung_;
   std::uint64_t contacts_ = 0, seed_ = 0;
+  nn::Transducer transducer_;
   std::vector<std::string> kind_names_;
   std::vector<fem::Scene> listed_;
   std::vector<std::uint16_t> listed_kinds_;

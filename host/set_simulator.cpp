@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "fem/contact_laws.h"
+#include "host/transducer_chain.h"
 #include "kernels/shared/contact_layout.h"
 
 namespace tactel::host {
@@ -78,6 +79,11 @@ std::vector<int> rows_of(const fem::ContactSolution& solution, int first) {
   return steps;
 }
 
+void put_stress(const fem::ContactStep& step, std::span<float> frame) {
+  std::ranges::copy(step.sigma_y.cast<float>(), frame.begin());
+  std::ranges::copy(step.tau_xy.cast<float>(), frame.begin() + step.sigma_y.size());
+}
+
 void put_rows(ContactSet& set, std::size_t at, const fem::ContactSolution& solution, int first,
               const SceneSource::Contact& contact, std::uint64_t number) {
   for (const int k : rows_of(solution, first)) {
@@ -88,9 +94,7 @@ void put_rows(ContactSet& set, std::size_t at, const fem::ContactSolution& solut
     row.status = !step.converged ? LANE_UNSOLVED : row.sticking ? LANE_SOLVED : LANE_SLIDING;
     const fem::Residual& r = step.residual;
     row.residual = std::max({r.penetration, r.cone, r.complementarity, r.drift, r.balance});
-    const auto frame = put_row(set, at++, row, contact, number, k);
-    std::ranges::copy(step.sigma_y.cast<float>(), frame.begin());
-    std::ranges::copy(step.tau_xy.cast<float>(), frame.begin() + step.sigma_y.size());
+    put_stress(step, put_row(set, at++, row, contact, number, k));
   }
 }
 
@@ -147,6 +151,9 @@ struct SharedLaunch {
   std::optional<typename GapSweep<Real>::Batch> batch{};
 };
 
+/// Contacts that the exact fallback solved, by their place in the range.
+using Fallen = std::map<std::uint64_t, fem::ContactSolution>;
+
 /// Lanes times load steps of a launch, at most: some 60 MB of results.
 constexpr std::size_t most_lane_steps = 1u << 18;
 
@@ -185,6 +192,8 @@ struct SetSimulator::State {
       else
         sweeps64.emplace_back(executor, sensor, sweep);
     }
+    if (source.transducer().present())
+      chain.emplace(executor, source.transducer(), source.seed(), 2 * source.tactels());
   }
 
   template <class Real>
@@ -200,7 +209,10 @@ struct SetSimulator::State {
   template <class Real>
   void run(RangeOf<Real>& range, const RunOptions& options) const;
   template <class Real>
-  ContactSet collect(RangeOf<Real>& range) const;
+  ContactSet collect(RangeOf<Real>& range);
+  template <class Real>
+  void measure(ContactSet& set, const std::vector<std::size_t>& rows, const SharedLaunch<Real>& launch,
+               const View<Real>& view, const Fallen& fallen, std::uint64_t first);
 
   Executor& executor;
   const SceneSource& source;
@@ -208,6 +220,7 @@ struct SetSimulator::State {
   std::vector<fem::Sensor> sensors;        ///< distinct ones
   std::vector<GapSweep<float>> sweeps32;   ///< [sensors] or empty
   std::vector<GapSweep<double>> sweeps64;  ///< [sensors] or empty
+  std::optional<TransducerChain> chain;    ///< where there is more than bare stresses; used by collect alone
 };
 
 template <class Real>
@@ -241,11 +254,46 @@ void SetSimulator::State::run(RangeOf<Real>& range, const RunOptions& run_option
   }
 }
 
+/// Readings in place of stresses, in the rows of a launch's contacts. They depend on all load steps up to them, so
+/// these go through the chain, rows or not.
 template <class Real>
-ContactSet SetSimulator::State::collect(RangeOf<Real>& range) const {
+void SetSimulator::State::measure(ContactSet& set, const std::vector<std::size_t>& rows,
+                                  const SharedLaunch<Real>& launch, const View<Real>& view, const Fallen& fallen,
+                                  std::uint64_t first) {
+  const std::size_t inputs = set.inputs;
+  std::vector<TransducerChain::Contact> contacts;
+  std::size_t steps = 0;
+  for (const std::size_t i : view.by_lane()) {
+    const std::uint64_t k = launch.which[i];
+    contacts.push_back({first + k, rows[k] == rows[k + 1] ? 0 : set.step[rows[k + 1] - 1] + 1});
+    steps += contacts.back().steps;
+  }
+  std::vector<float> signal(steps * inputs);
+  auto at = signal.begin();
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    const std::size_t i = view.by_lane()[c];
+    const auto solution = fallen.find(launch.which[i]);
+    for (std::uint32_t step = 0; step < contacts[c].steps; ++step, at += inputs) {
+      if (solution == fallen.end())
+        view.tactels(i, static_cast<int>(step), std::span(at, inputs));
+      else
+        put_stress(solution->second.steps[step], std::span(at, inputs));
+    }
+  }
+  chain->run(contacts, signal);
+  auto reading = signal.begin();
+  for (std::size_t c = 0; c < contacts.size(); reading += contacts[c++].steps * inputs) {
+    const std::uint64_t k = launch.which[view.by_lane()[c]];
+    for (std::size_t row = rows[k]; row < rows[k + 1]; ++row)
+      std::copy_n(reading + set.step[row] * inputs, inputs, set.frames.begin() + row * inputs);
+  }
+}
+
+template <class Real>
+ContactSet SetSimulator::State::collect(RangeOf<Real>& range) {
   std::deque<View<Real>> views;                       // they cannot be moved
   std::vector<std::size_t> rows(range.count + 1, 0);  // of contact k: rows[k] ... rows[k + 1] - 1
-  std::map<std::uint64_t, fem::ContactSolution> fallen;
+  Fallen fallen;
   for (const SharedLaunch<Real>& launch : range.launches) {
     const View<Real>& view = views.emplace_back(*launch.batch);
     for (const std::size_t i : view.by_lane()) {
@@ -276,6 +324,8 @@ ContactSet SetSimulator::State::collect(RangeOf<Real>& range) const {
     set.fell_back += solution.fell_back;
     set.unsolved += std::ranges::any_of(solution.steps, [](const auto& step) { return !step.converged; });
   }
+  for (std::size_t l = 0; chain && l < views.size(); ++l)
+    measure<Real>(set, rows, range.launches[l], views[l], fallen, range.first);
   return set;
 }
 
@@ -300,6 +350,7 @@ ContactSet SetSimulator::collect(Range& range) const {
   ContactSet set = state_->options.precision == Precision::fp32 ? state_->collect(static_cast<RangeOf<float>&>(range))
                                                                 : state_->collect(static_cast<RangeOf<double>&>(range));
   set.indenter_names = state_->source.kind_names();
+  set.transducer = nn::description(state_->source.transducer());
   set.device = state_->executor.device().info().name;
   set.seed = state_->source.seed();
   return set;

@@ -5,6 +5,7 @@
 
 #include "host/scene_file.h"
 #include "host/scene_tables.h"
+#include "host/transducer_table.h"
 
 namespace tactel::host {
 namespace {
@@ -21,7 +22,7 @@ fem::Scene base_scene(const TomlFile& file) {
   fem::Scene base = paper_set_scene();
   if (!root.read_choice("preset", {"paper"})) base.sensor = {};
   root.read("title", base.title, "a text");
-  for (const char* table : {"sweep", "sensor", "contact", "load"}) root.expect_table(table);
+  for (const char* table : {"sweep", "transducer", "sensor", "contact", "load"}) root.expect_table(table);
   if (root.has("indenter")) root.refuse("indenter", "left out: sweep.set says which indenters there are");
   root.finish();
   read_sensor(file, base.sensor);
@@ -36,13 +37,17 @@ SceneSource paper_source(const TomlFile& file) {
   TomlTable in(file, "sweep");
   const std::size_t set = in.read_choice("set", sets).value();
   double scale = 10.0, height = 10.0;
+  int seed = 0;
+  if (in.read("seed", seed, "a whole number, at least 0") && seed < 0) in.refuse("seed", "a whole number, at least 0");
   if (set == 0) {
     in.read("scale", scale, "a number of mm above 0");
     in.read("height", height, "a number of mm above 0");
   }
   in.finish();
   try {
-    return source_of(set == 0 ? paper_learning_family(base, scale, height) : paper_recall_family(base));
+    SceneSource source = source_of(set == 0 ? paper_learning_family(base, scale, height) : paper_recall_family(base));
+    source.measure_with(read_transducer(file, static_cast<std::uint64_t>(seed)), static_cast<std::uint64_t>(seed));
+    return source;
   } catch (const ValueError& error) {
     throw file.error(error);
   }

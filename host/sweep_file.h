@@ -17,6 +17,7 @@ struct Sweep {
 ///   [sweep]
 ///   set = "paper-learning" | "paper-recall"
 ///   scale = 10.0, height = 10.0    # mm, of the Taylor shapes of paper-learning
+///   seed = 0                       # of the noise, where there is a [transducer]
 /// Throws ConfigError as read_scene does.
 Sweep read_sweep(const std::filesystem::path& path);
 

@@ -8,6 +8,7 @@
 #include "host/scene_file.h"
 #include "host/scene_tables.h"
 #include "host/shape_reader.h"
+#include "host/transducer_table.h"
 
 namespace tactel::host {
 namespace {
@@ -95,7 +96,7 @@ double SweepReader::weight(const string& name, const toml::table& table) const {
 /// each distribution.
 TomlFile SweepReader::concrete(const string& name, std::size_t chosen) const {
   TomlFile file(file_.path());
-  file.root().erase("sweep");
+  for (const char* own : {"sweep", "transducer"}) file.root().erase(own);
   for (const string part : part_names) {
     toml::node* node = file.root().get(part);
     if (node == nullptr) continue;
@@ -248,7 +249,7 @@ SceneSource SweepReader::read() {
     sweep.refuse("sensors", "how many sensors to draw from a [sensor] with distributions, 1 to 10000");
   sweep.finish();
   source.contacts_ = static_cast<std::uint64_t>(contacts);
-  source.seed_ = static_cast<std::uint64_t>(seed);
+  source.measure_with(read_transducer(file_, static_cast<std::uint64_t>(seed)), static_cast<std::uint64_t>(seed));
   read_sensors(source, sensors);
   source.indenter_ = part("indenter");
   source.contact_ = part("contact");

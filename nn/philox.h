@@ -23,7 +23,16 @@ constexpr PhiloxCounter philox4x32(PhiloxCounter counter, PhiloxKey key) {
 }
 
 /// What a draw is for: the third word of the counter keeps the streams of one seed apart.
-enum class RandomStream : std::uint32_t { weights = 1, order = 2, noise = 3, contact = 4, sensor = 5 };
+enum class RandomStream : std::uint32_t {
+  weights = 1,
+  order = 2,
+  noise = 3,
+  contact = 4,
+  sensor = 5,
+  reading = 6,   ///< noise of a reading
+  gain = 7,      ///< gain and offset of a transducer
+  instance = 8,  ///< which sensor a contact meets
+};
 
 /// Four random words: `index` and `outer` count inside the stream (the weight; the step and the cycle; the value).
 constexpr PhiloxCounter random_words(std::uint64_t seed, RandomStream stream, std::uint32_t index,

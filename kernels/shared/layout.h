@@ -2,6 +2,7 @@
    and offsets. Add a struct here when you add one to kernels/shared; a forgotten field is noticed by the sum of sizes. */
 #ifndef TACTEL_SHARED_LAYOUT_H
 #define TACTEL_SHARED_LAYOUT_H
+#include "shared/chain_settings.h"
 #include "shared/lane_result.h"
 #include "shared/online_report.h"
 
@@ -14,6 +15,19 @@
   FIELD(OnlineReport, status)        \
   FIELD(OnlineReport, cycle)         \
   FIELD(OnlineReport, sse)           \
-  FIELD(OnlineReport, largest)
+  FIELD(OnlineReport, largest)       \
+  STRUCT(ChainSettings)              \
+  FIELD(ChainSettings, reading_seed) \
+  FIELD(ChainSettings, instance_seed) \
+  FIELD(ChainSettings, instances)    \
+  FIELD(ChainSettings, high_pass)    \
+  FIELD(ChainSettings, decay)        \
+  FIELD(ChainSettings, pass)         \
+  FIELD(ChainSettings, gain_spread)  \
+  FIELD(ChainSettings, offset_spread) \
+  FIELD(ChainSettings, noise)        \
+  FIELD(ChainSettings, low)          \
+  FIELD(ChainSettings, high)         \
+  FIELD(ChainSettings, quantum)
 
 #endif

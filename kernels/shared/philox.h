@@ -9,13 +9,12 @@ typedef uint vuint;
 typedef JOIN(uint, LANES) vuint;
 #endif
 
-/* Four words for each of LANES counters {index, outer, stream, 0} under a 64-bit seed. */
+/* Four words for each of LANES counters; under a 64-bit seed. */
 typedef struct {
   vuint word[4];
 } RandomWords;
 
-static inline RandomWords random_words(ulong seed, uint stream, vuint index, uint outer) {
-  RandomWords c = {{index, (vuint)(outer), (vuint)(stream), (vuint)(0)}};
+static inline RandomWords philox(RandomWords c, ulong seed) {
   uint key0 = (uint)seed, key1 = (uint)(seed >> 32);
   for (int round = 0; round < 10; ++round) {
     const vuint a = c.word[0], b = c.word[2];
@@ -27,6 +26,18 @@ static inline RandomWords random_words(ulong seed, uint stream, vuint index, uin
     key1 += 0xBB67AE85u;
   }
   return c;
+}
+
+/* Counters {index, outer, stream, 0}. */
+static inline RandomWords random_words(ulong seed, uint stream, vuint index, uint outer) {
+  const RandomWords counter = {{index, (vuint)(outer), (vuint)(stream), (vuint)(0)}};
+  return philox(counter, seed);
+}
+
+/* Counters {item, item's upper half, stream, which}. */
+static inline RandomWords words_of_item(ulong seed, uint stream, ulong item, vuint which) {
+  const RandomWords counter = {{(vuint)((uint)item), (vuint)((uint)(item >> 32)), (vuint)(stream), which}};
+  return philox(counter, seed);
 }
 
 #endif

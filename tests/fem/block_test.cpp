@@ -81,24 +81,67 @@ TEST_P(Block, ReactionRecoveryHoldsConstantShear) {
   for (int t = 0; t < sensor.tactels; ++t) EXPECT_NEAR(tau[t], G * 0.03, 1e-12);
 }
 
-TEST_P(Block, TactelsBetweenNodesTakeTheEdgesInterpolation) {
-  // Forces that are consistent with a density linear in x (quadratic for q8) give it back between the nodes too.
-  sensor.tactels = 8;
-  mesh = make_mesh(sensor);
-  const bool quadratic = GetParam() == Element::q8;
-  const auto density = [&](double x) { return 1 + 0.3 * x + (quadratic ? 0.1 * x * x : 0); };
-  const Eigen::VectorXd load = consistent_surface_load(mesh, [&](double x) { return Eigen::Vector2d(0, density(x)); });
+/// Forces at the base nodes that are consistent with a density 1 + 0.3 x + 0.1 curvature x^2.
+Eigen::VectorXd base_load(const Mesh& mesh, const Sensor& sensor, double curvature) {
+  const Eigen::VectorXd load = consistent_surface_load(
+      mesh, [&](double x) { return Eigen::Vector2d(0, 1 + 0.3 * x + 0.1 * curvature * x * x); });
   // The base edge is the surface edge moved down: same columns, same functions.
   std::vector<int> top = mesh.surface;
-  if (quadratic) {
+  if (mesh.element == Element::q8) {
     top.clear();
     for (const auto& cell : mesh.cell.bottomRows(sensor.columns - 1).rowwise())
       top.insert(top.end(), {cell[3], cell[6]});
     top.push_back(mesh.surface.back());
   }
-  const Eigen::VectorXd stress = base_stress_from_reaction(mesh, sensor) * part(load, top, 1);
-  const Eigen::VectorXd x = tactel_positions(sensor);
-  for (int t = 0; t < 8; ++t) EXPECT_NEAR(stress[t], density(x[t]), 1e-12) << "tactel at " << x[t];
+  return part(load, top, 1);
+}
+
+TEST_P(Block, TactelsBetweenNodesTakeTheEdgesInterpolation) {
+  // A density linear in x (quadratic for q8) comes back between the nodes too.
+  const double curvature = GetParam() == Element::q8;
+  sensor.tactels = 8;
+  for (const std::optional<double> span : {std::optional<double>(), std::optional(12.3)}) {
+    sensor.tactel_span = span;
+    const Eigen::VectorXd stress = base_stress_from_reaction(mesh, sensor) * base_load(mesh, sensor, curvature);
+    for (int t = 0; t < 8; ++t) {
+      const double x = span.value_or(20) * (t / 7.0 - 0.5);
+      EXPECT_NEAR(stress[t], 1 + 0.3 * x + 0.1 * curvature * x * x, 1e-12) << "tactel at " << x;
+    }
+  }
+}
+
+TEST_P(Block, WideTactelsTakeTheMean) {
+  // The mean of a + b x + c x^2 over x - w/2 ... x + w/2 is its value at x plus c w^2 / 12.
+  const double curvature = GetParam() == Element::q8;
+  for (const int tactels : {8, 21}) {
+    for (const double width : {0.01, 0.25, 0.5, 20.0 / 21}) {
+      sensor.tactels = tactels, sensor.tactel_width = width;
+      const Eigen::VectorXd stress = base_stress_from_reaction(mesh, sensor) * base_load(mesh, sensor, curvature);
+      for (int t = 0; t < tactels; ++t) {
+        const double x = (20 - width) * (t / (tactels - 1.0) - 0.5);  // the outer ones end on the ends
+        EXPECT_NEAR(stress[t], 1 + 0.3 * x + 0.1 * curvature * (x * x + width * width / 12), 1e-12)
+            << "tactel at " << x << ", width " << width;
+      }
+    }
+  }
+}
+
+TEST_P(Block, TactelsSideBySideFeelTheWholeForce) {
+  // Whatever the stress: means over the whole base, times their widths, are the force. By either recovery.
+  sensor.tactels = 13, sensor.tactel_width = 20.0 / 13;
+  std::srand(5);
+  const Eigen::VectorXd force = Eigen::VectorXd::Random(static_cast<Eigen::Index>(mesh.base.size()));
+  const double felt = (base_stress_from_reaction(mesh, sensor) * force).sum() * sensor.tactel_width;
+  EXPECT_NEAR(felt, force.sum(), 1e-11);  // 40 nodal stresses of some 10, each to 1e-14
+  const Eigen::VectorXd u = Eigen::VectorXd::Random(2 * mesh.node.cols());
+  Sensor points = sensor;  // at the ends and the middle of every edge, for Simpson's rule
+  points.tactels = 2 * sensor.columns - 1, points.tactel_width = 0;
+  const Eigen::VectorXd wide = base_stress_from_elements(mesh, sensor) * u;
+  const Eigen::VectorXd at_points = base_stress_from_elements(mesh, points) * u;
+  double expected = 0;
+  for (int k = 0; k + 2 < points.tactels; k += 2)
+    expected += 0.5 / 6 * (at_points[k] + 4 * at_points[k + 1] + at_points[k + 2]);
+  EXPECT_NEAR(wide.head(13).sum() * sensor.tactel_width, expected, 1e-13 * at_points.cwiseAbs().sum());
 }
 
 TEST_P(Block, FieldAndTactelsTellTheSame) {

@@ -204,8 +204,10 @@ TEST_F(CondensationCache, EveryMemberButYoungIsInTheKey) {
   EXPECT_EQ(count_after([](Sensor& s) { s.element = Element::q8; }), 10u);
   EXPECT_EQ(count_after([](Sensor& s) { s.tactels = 4; }), 11u);
   EXPECT_EQ(count_after([](Sensor& s) { s.stress = StressRecovery::element; }), 12u);
+  EXPECT_EQ(count_after([](Sensor& s) { s.tactel_span = 12; }), 13u);
+  EXPECT_EQ(count_after([](Sensor& s) { s.tactel_width = 1; }), 14u);
   // A member added to Sensor must be added to the key and here.
-  static_assert(sizeof(Sensor) == sizeof(double) * 4 + sizeof(int) * 2 + sizeof(double) + sizeof(int) * 3 + 4);
+  static_assert(sizeof(Sensor) == sizeof(double) * 6 + sizeof(int) * 6 + sizeof(std::optional<double>));
 }
 
 TEST_F(CondensationCache, ProcessesAndThreadsShareItSafely) {

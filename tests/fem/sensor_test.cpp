@@ -42,6 +42,9 @@ TEST(Sensor, NamesWhatItRejects) {
   rejects(&Sensor::columns, 1000000, "sensor.columns", "1000000", "3 to 2001");
   rejects(&Sensor::rows, 1, "sensor.rows", "1", "2 to 1001");
   rejects(&Sensor::tactels, 1, "sensor.tactels", "1", "2 to 10000");
+  for (double bad : {-0.1, 1.0, nan}) rejects(&Sensor::tactel_width, bad, "sensor.tactel_width", "", "0 (a point)");
+  for (double bad : {0.0, -1.0, 20.1, nan, infinity})
+    rejects(&Sensor::tactel_span, bad, "sensor.tactel_span", "", "length in mm");
   rejects(&Sensor::element, static_cast<Element>(9), "sensor.element", "9", "q8");
   rejects(&Sensor::stress, static_cast<StressRecovery>(9), "sensor.stress", "9", "reaction");
 }

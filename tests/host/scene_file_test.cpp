@@ -48,7 +48,17 @@ tangential_step = -0.02
 tangential_steps = 6
 )");
   EXPECT_EQ(scene.title, "all of it");
-  const fem::Sensor expected{18.0, 2.5, 3.5, 0.3, 31, 9, 2.0, fem::Element::q8, 8, fem::StressRecovery::element};
+  const fem::Sensor expected{.length = 18.0,
+                             .thickness = 2.5,
+                             .young = 3.5,
+                             .poisson = 0.3,
+                             .columns = 31,
+                             .rows = 9,
+                             .grading = 2.0,
+                             .element = fem::Element::q8,
+                             .tactels = 8,
+                             .tactel_span = {},
+                             .stress = fem::StressRecovery::element};
   EXPECT_EQ(scene.sensor, expected);
   EXPECT_EQ(std::get<fem::Cylinder>(scene.indenter.shape).radius, 7.0);
   EXPECT_EQ(scene.indenter.position, -1.25);

@@ -1,0 +1,125 @@
+#include "nn/transducer_chain.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <sstream>
+#include <vector>
+
+#include "fem/value_error.h"
+#include "nn/philox.h"
+
+namespace tactel::nn {
+namespace {
+
+constexpr int most_bits = 24;  // readings in single precision are whole multiples of the quantum
+
+void check(bool good, const char* member, double value, const char* allowed) {
+  std::ostringstream text;
+  text << value;
+  if (!good) throw ValueError(std::string("transducer.") + member, text.str(), allowed);
+}
+
+bool at_least_0(double value) { return std::isfinite(value) && value >= 0; }
+
+PhiloxCounter words(std::uint64_t seed, RandomStream stream, std::uint64_t item, std::uint32_t which) {
+  return philox4x32({static_cast<std::uint32_t>(item), static_cast<std::uint32_t>(item >> 32),
+                     static_cast<std::uint32_t>(stream), which},
+                    {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)});
+}
+
+/// Box and Muller (1958). A word's upper 23 bits make the middle of a cell of (0, 1) that single precision holds
+/// exactly.
+std::array<double, 2> normal_pair(std::uint32_t a, std::uint32_t b) {
+  const auto unit = [](std::uint32_t word) { return ((word >> 9) + 0.5) * 0x1p-23; };
+  const double radius = std::sqrt(-2 * std::log(unit(a))), angle = 2 * std::numbers::pi * unit(b);
+  return {radius * std::cos(angle), radius * std::sin(angle)};
+}
+
+/// Which sensor a contact meets.
+std::uint64_t instance_of(const Transducer& t, std::uint64_t contact) {
+  if (t.instances == 0) return contact;
+  return std::uint64_t{words(t.seed, RandomStream::instance, contact, 0)[0]} * t.instances >> 32;
+}
+
+/// tau y' + y = tau x' for x that grows evenly between samples, exactly: y_k = e y_{k-1} + (tau / h)(1 - e)(x_k -
+/// x_{k-1}), e = exp(-h / tau), x and y zero before the first.
+std::vector<double> high_pass(const Transducer& t, const std::vector<double>& x) {
+  if (t.time_constant == 0) return x;
+  const double decay = std::exp(-t.step_time / t.time_constant);
+  const double pass = t.time_constant / t.step_time * (1 - decay);
+  std::vector<double> y(x.size());
+  for (std::size_t k = 0; k < x.size(); ++k) y[k] = (k ? decay * y[k - 1] : 0) + pass * (x[k] - (k ? x[k - 1] : 0));
+  return y;
+}
+
+double converted(const Transducer& t, double reading) {
+  if (t.range == 0) return reading;
+  if (t.bits == 0) return std::isnan(reading) ? reading : std::clamp(reading, -t.range, t.range);
+  const double half = std::ldexp(1.0, t.bits - 1), code = std::rint(reading / t.quantum());
+  return std::isnan(code) ? code : std::clamp(code, -half, half - 1) * t.quantum();
+}
+
+}  // namespace
+
+bool Transducer::present() const {
+  return gain_spread > 0 || offset_spread > 0 || noise > 0 || time_constant > 0 || range > 0;
+}
+
+double Transducer::quantum() const { return bits == 0 ? 0 : std::ldexp(range, 1 - bits); }
+
+void Transducer::validate() const {
+  check(at_least_0(gain_spread), "gain_spread", gain_spread,
+        "a standard deviation of gains about 1, finite, 0 or more");
+  check(at_least_0(offset_spread), "offset_spread", offset_spread, "a standard deviation in MPa, finite, 0 or more");
+  check(at_least_0(noise), "noise", noise, "a standard deviation in MPa, finite, 0 or more");
+  check(at_least_0(range), "range", range, "a stress in MPa, finite, above 0");
+  check(bits == 0 || (bits >= 2 && bits <= most_bits), "bits", bits, "a whole number of bits, 2 to 24");
+  check(bits == 0 || range > 0, "range", range, "given with transducer.bits: the largest stress in MPa");
+  check(at_least_0(time_constant), "time_constant", time_constant, "a time in s, finite, above 0");
+  check(at_least_0(step_time), "step_time", step_time, "a time in s, finite, above 0");
+  // Beyond these bounds exp(-h / tau) is 0 or 1, and the filter is not what it says.
+  check((time_constant == 0) == (step_time == 0), "step_time", step_time, "given with transducer.time_constant, in s");
+  check(time_constant == 0 || (step_time >= 1e-6 * time_constant && step_time <= 50 * time_constant), "step_time",
+        step_time, "between 1e-6 and 50 of transducer.time_constant, in s");
+}
+
+std::string description(const Transducer& t) {
+  std::ostringstream text;
+  const auto say = [&](const char* name, double value, const char* unit) {
+    if (value != 0) text << (text.tellp() > 0 ? ", " : "") << name << ' ' << value << unit;
+  };
+  say("gain_spread", t.gain_spread, "");
+  say("time_constant", t.time_constant, " s");
+  say("step_time", t.step_time, " s");
+  say("offset_spread", t.offset_spread, " MPa");
+  say("noise", t.noise, " MPa");
+  say("range", t.range, " MPa");
+  say("bits", t.bits, "");
+  say("instances", t.instances, "");
+  if (t.gain_spread > 0 || t.offset_spread > 0) text << ", seed " << t.seed;
+  return t.present() ? text.str() : "none";
+}
+
+RowMatrix<double> transducer_chain(const Transducer& t, std::uint64_t seed, std::uint64_t contact,
+                                   const RowMatrix<double>& stress) {
+  const auto channels = static_cast<std::uint32_t>(stress.cols());
+  const std::uint64_t instance = instance_of(t, contact);
+  RowMatrix<double> reading(stress.rows(), stress.cols());
+  for (std::uint32_t channel = 0; channel < channels; ++channel) {
+    const PhiloxCounter drawn = words(t.seed, RandomStream::gain, instance, channel);
+    const auto [gain, offset] = normal_pair(drawn[0], drawn[1]);
+    std::vector<double> x(stress.rows());
+    for (std::size_t k = 0; k < x.size(); ++k) x[k] = (1 + t.gain_spread * gain) * stress(k, channel);
+    const std::vector<double> y = high_pass(t, x);
+    for (std::uint32_t k = 0; k < y.size(); ++k) {
+      const PhiloxCounter noise = words(seed, RandomStream::reading, contact, k / 4 * channels + channel);
+      const double normal = normal_pair(noise[k % 4 / 2 * 2], noise[k % 4 / 2 * 2 + 1])[k % 2];
+      reading(k, channel) = converted(t, y[k] + t.offset_spread * offset + t.noise * normal);
+    }
+  }
+  return reading;
+}
+
+}  // namespace tactel::nn
