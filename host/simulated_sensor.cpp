@@ -116,7 +116,8 @@ std::string SimulatedSensor::profile_text() const {
       fmt::join(middle, channels.end(), ", "), converter_.zero(), converter_.step());
 }
 
-double SimulatedSensor::now() const { return std::chrono::duration<double>(Clock::now() - zero_).count(); }
+// Without pace the clock begins anew at each frame's own time, when it is handed out.
+double SimulatedSensor::now() const { return zero_time_ + std::chrono::duration<double>(Clock::now() - zero_).count(); }
 
 // What is overdue comes at once in one packet, as from a device whose bytes were not fetched in time.
 std::optional<hw::Packet> SimulatedSensor::wait(double timeout) {
@@ -124,7 +125,9 @@ std::optional<hw::Packet> SimulatedSensor::wait(double timeout) {
   packet_.clear();
   if (!options_.paced) {
     append_frame();
-    return hw::Packet{packet_, due(frame_ - 1)};
+    zero_time_ = due(frame_ - 1);
+    zero_ = Clock::now();
+    return hw::Packet{packet_, zero_time_};
   }
   const double asked = now();
   if (due(frame_) > asked + timeout) {
@@ -142,7 +145,8 @@ std::optional<hw::Packet> SimulatedSensor::wait(double timeout) {
 void SimulatedSensor::append_frame() {
   std::normal_distribution<double> noise(0.0, 1.0);
   const double t = due(frame_);
-  const double played = std::min(std::floor(t / play_.duration()), options_.repeat - 1.0);  // the end is not a new start
+  const double played =
+      std::min(std::floor(t / play_.duration()), options_.repeat - 1.0);  // the end is not a new start
   play_.at(t - played * play_.duration(), stress_);
   for (std::size_t i = 0; i < codes_.size(); ++i) {
     const double measured = amplifiers_[i](gain_[i] * stress_[static_cast<Eigen::Index>(i)]);

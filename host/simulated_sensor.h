@@ -74,6 +74,7 @@ class SimulatedSensor final : public hw::FrameSource {
   std::vector<double> codes_;
   std::vector<std::uint8_t> packet_;
   std::uint64_t frame_ = 0, frames_;
+  double zero_time_ = 0;  ///< s, what now() said at zero_
   std::chrono::steady_clock::time_point zero_;
   hw::TransportCounts counts_;
 };

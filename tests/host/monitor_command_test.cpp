@@ -203,22 +203,27 @@ TEST(SimulatedSensor, TheChainWithoutItsFaultsGivesTheSceneBack) {
 }
 
 TEST(SimulatedSensor, GainsSpreadAndNoiseAsAsked) {
-  const auto readings = [](const std::string& options) {
-    OpenSource opened = open_source("simulate:" + scene + "?paced=0&" + options, "", "");
-    hw::Decoder decoder(opened.profile.format());
+  const fem::ContactSolution solution = solve(read_scene(scene), {}).solution;
+  const auto readings = [&](SimulationOptions options) {
+    options.paced = false;
+    SimulatedSensor sensor(ScenePlay(solution, 1, options), options);
+    hw::Decoder decoder(parse_profile(sensor.profile_text(), "test").format());
     std::vector<std::vector<double>> all;
-    while (const auto packet = opened.source->wait(0))
-      decoder.feed(packet->bytes,
-                   [&](const hw::DecodedFrame& f) { all.emplace_back(f.values.begin(), f.values.end()); });
+    const hw::FrameSink keep = [&](const hw::DecodedFrame& f) { all.emplace_back(f.values.begin(), f.values.end()); };
+    while (const auto packet = sensor.wait(0)) decoder.feed(packet->bytes, keep);
     return all;
   };
-  EXPECT_EQ(readings("seed=3"), readings("seed=3"));
-  EXPECT_NE(readings("seed=3"), readings("seed=4"));
+  EXPECT_EQ(readings({.seed = 3}), readings({.seed = 3}));
+  EXPECT_NE(readings({.seed = 3}), readings({.seed = 4}));
   // Before contact only noise is there: 42 channels of the first frame, 0.01 of 2048 steps.
+  const auto noisy = readings({.noise = 0.01});
   double squares = 0;
-  for (const double code : readings("noise=0.01").front()) squares += (code - 2048) * (code - 2048);
+  for (const double code : noisy.front()) squares += (code - 2048) * (code - 2048);
   EXPECT_NEAR(std::sqrt(squares / 42), 20.48, 20.48 * 0.45);  // four standard errors of 42 samples
-  EXPECT_EQ(readings("tactels=8").front().size(), 16u);
+}
+
+TEST(SimulatedSensor, TakesAsManyTactelsAsAsked) {
+  EXPECT_EQ(open_source(simulation + "&tactels=8", "", "").profile.map.tactels(), 8u);
 }
 
 }  // namespace
