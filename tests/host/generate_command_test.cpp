@@ -218,7 +218,7 @@ TEST_F(Generate, WarnsOnceOfDeepIndentersWithTheirCount) {
   EXPECT_EQ(run_tactel({"generate", deep, "--output", output("quiet.h5"), "--quiet"}).err, "");
   run_child(
       {"sh", "-c",
-       "trap '' XFSZ; ulimit -f 4000; " TACTEL_PROGRAM " generate " + deep + " --output " + output("resumed.h5")});
+       "trap '' XFSZ; ulimit -f 3000; " TACTEL_PROGRAM " generate " + deep + " --output " + output("resumed.h5")});
   ASSERT_FALSE(std::filesystem::exists(output("resumed.h5")));
   const ChildResult resumed = run_tactel({"generate", deep, "--output", output("resumed.h5"), "--resume"});
   EXPECT_THAT(resumed.out, HasSubstr("1 of 2 chunks are there"));

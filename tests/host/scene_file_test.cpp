@@ -186,7 +186,8 @@ TEST(SceneJson, DefaultsFilledIn) {
   const auto expected = nlohmann::ordered_json::parse(R"({
     "title": "t",
     "sensor": {"length": 20.0, "thickness": 1.5, "young": 2.0, "poisson": 0.45, "columns": 41, "rows": 11,
-               "grading": 4.0, "element": "bbar", "tactels": 21, "stress": "reaction"},
+               "grading": 4.0, "element": "bbar", "tactels": 21, "tactel_span": 20.0, "tactel_width": 0.0,
+               "stress": "reaction"},
     "indenter": {"shape": "parabola", "radius": 10.0, "position": 0.0},
     "contact": {"friction": 0.5},
     "load": {"indentation": 0.15, "indentation_steps": 1}})");
