@@ -25,9 +25,9 @@ OpenSource open_source(const std::string& source, const std::string& profile, co
 
 /// A frame as the network takes it.
 struct LiveFrame {
-  std::uint64_t number = 0;           ///< from 0, in the order of decoding
+  std::uint64_t number = 0;             ///< from 0, in the order of decoding
   std::optional<double> device_time{};  ///< s
-  double arrival = 0;                 ///< s
+  double arrival = 0;                   ///< s
 };
 
 /// Decoded frames that wait for their slippage index: a ring of fixed size. When it is full the oldest go.

@@ -1,6 +1,7 @@
 // Written by `tactel tradeoff --scenes 96 --seed 1998 --planner-source FILE`; do not edit.
-// 96 contacts drawn with seed 1998: 8 shapes in turn, -4 to 4 mm off centre, nu 0.3, 0.45, 0.49 or 0.499, mu 0.1 to 1.5, 0.05 to 0.3 mm deep, eight drags of which one scene in four turns back.
-// Device: basic-skylake-avx512-Intel(R) Xeon(R) Processor
+// 96 contacts drawn with seed 1998: 8 shapes in turn, -4 to 4 mm off centre, nu 0.3, 0.45, 0.49 or 0.499, mu 0.1
+// to 1.5, 0.05 to 0.3 mm deep, eight drags of which one scene in four turns back. Device: basic-skylake-avx512-Intel(R)
+// Xeon(R) Processor
 #include "host/planner.h"
 
 namespace tactel::host {

@@ -22,9 +22,7 @@ using Json = nlohmann::ordered_json;
 
 fs::path rank_directory(const std::string& output, int rank) { return fs::path(output) / fmt::format("rank-{}", rank); }
 
-Json report_of(const fs::path& directory) {
-  return Json::parse(std::ifstream(TrainingDirectory(directory).report()));
-}
+Json report_of(const fs::path& directory) { return Json::parse(std::ifstream(TrainingDirectory(directory).report())); }
 
 /// What the figure needs of a network's part of the report.
 SweepNetwork network_of(const Json& json) {
@@ -50,8 +48,8 @@ void sort_networks(Json& networks, const SweepPlan& plan) {
   networks = all;
 }
 
-/// Moves the networks of all processes to DIR and joins their reports; training.json comes last, then the processes' own
-/// directories go.
+/// Moves the networks of all processes to DIR and joins their reports; training.json comes last, then the processes'
+/// own directories go.
 void put_together(const TrainRequest& request, const SweepPlan& plan, int ranks) {
   const TrainingDirectory directory(request.output);
   if (request.force) directory.clear();
@@ -62,8 +60,8 @@ void put_together(const TrainRequest& request, const SweepPlan& plan, int ranks)
     Json part = report_of(from);
     for (const Json& network : part["networks"])
       if (network["file"].is_string())
-        fs::copy_file(from / network["file"].get<std::string>(),
-                      directory.network(network["file"].get<std::string>()), fs::copy_options::overwrite_existing);
+        fs::copy_file(from / network["file"].get<std::string>(), directory.network(network["file"].get<std::string>()),
+                      fs::copy_options::overwrite_existing);
     if (report.is_null()) {
       report = std::move(part);
       continue;

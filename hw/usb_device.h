@@ -17,8 +17,8 @@ struct UsbDevice {
   Transport transport = Transport::bulk;
   int interface =
       -1;  ///< whose IN endpoint carries frames; -1: the first interface with a bulk or interrupt IN endpoint
-  int endpoint = -1;                ///< address; -1: the first IN endpoint of that interface, by descriptor
-  int baud = 115200;                ///< of a serial port behind the bridge
+  int endpoint = -1;                  ///< address; -1: the first IN endpoint of that interface, by descriptor
+  int baud = 115200;                  ///< of a serial port behind the bridge
   std::vector<std::uint8_t> start{};  ///< bytes sent once it is open
 };
 

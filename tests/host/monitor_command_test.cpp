@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "host/scene_file.h"
 #include "host/forward.h"
 #include "host/live_monitor.h"
 #include "host/onnx_file.h"
