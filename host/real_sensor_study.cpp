@@ -13,11 +13,13 @@ std::vector<RealSensorCase> all_cases() {
   for (RealData data : {RealData::ideal, RealData::recorded})
     for (nn::ScalingKind scaling : {nn::ScalingKind::set, nn::ScalingKind::frame}) cases.push_back({data, scaling});
   for (RealData data : {RealData::ideal, RealData::recorded})
-    for (std::size_t examples : {10, 50, 94}) cases.push_back({data, nn::ScalingKind::frame, examples});
+    for (std::size_t examples : {10, 50, 94}) cases.push_back({data, nn::ScalingKind::set, examples});
   return cases;
 }
 
-bool as_paper(const RealSensorCase& what) { return what.examples == paper_examples; }
+std::size_t draws_of(const RealSensorCase& what, const RealSensorOptions& options) {
+  return what.examples == paper_examples ? options.draws : options.other_draws;
+}
 
 SweepPlan plan_of(const RealSensorCase& what, std::size_t seeds, const nn::OnlineOptions& training) {
   SweepPlan plan;
@@ -60,8 +62,7 @@ class Counter {
 
 std::size_t networks_of(const std::vector<RealSensorCase>& cases, const RealSensorOptions& options) {
   std::size_t all = 0;
-  for (const RealSensorCase& what : cases)
-    all += as_paper(what) ? options.draws * options.seeds : options.other_draws * options.other_seeds;
+  for (const RealSensorCase& what : cases) all += draws_of(what, options) * options.seeds;
   return all;
 }
 
@@ -73,9 +74,8 @@ bool train_draw(Executor& executor, RealSensorStudy& study, std::uint64_t draw, 
   if (draw == 1) study.records = std::move(records);
   const auto contacts = static_cast<std::uint32_t>(study.contacts.size());
   for (RealSensorResult& result : study.results) {
-    const bool main = as_paper(result.what);
-    if (draw > (main ? options.draws : options.other_draws)) continue;
-    const SweepPlan plan = plan_of(result.what, main ? options.seeds : options.other_seeds, options.training);
+    if (draw > draws_of(result.what, options)) continue;
+    const SweepPlan plan = plan_of(result.what, options.seeds, options.training);
     const nn::FrameSet& set = result.what.data == RealData::ideal ? study.ideal : recorded;
     if (!train_case(executor, set, draw_contacts(draw, contacts, result.what.examples), plan, counter.options(),
                     result))

@@ -42,8 +42,9 @@ struct RealSensorResult {
 };
 
 struct RealSensorOptions {
-  std::size_t draws = 20, seeds = 8;              ///< of the cases with the paper's 25 examples
-  std::size_t other_draws = 10, other_seeds = 4;  ///< of those with fewer or more
+  std::size_t draws = 20;       ///< of the cases with the paper's 25 examples
+  std::size_t other_draws = 5;  ///< of those with fewer or more
+  std::size_t seeds = 8;        ///< initial weights on each draw
   nn::OnlineOptions training;
   Progress progress;  ///< networks done of all; false stops
 };
@@ -54,7 +55,7 @@ struct RealSensorStudy {
   std::vector<fem::ContactSolution> solutions;  ///< [contacts]
   nn::FrameSet ideal;                           ///< [contacts]
   std::vector<float> records;                   ///< read_records of the first draw
-  std::vector<RealSensorResult> results;        ///< 25 examples: both data, both scalings; then other numbers
+  std::vector<RealSensorResult> results;        ///< 25 examples: both data, both scalings; then other numbers of them
   std::vector<nn::ErrorReport> angle_alone;     ///< [draws] of the recall sets
   RealSensorOptions options;
   double seconds = 0;

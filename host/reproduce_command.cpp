@@ -55,7 +55,6 @@ bool reproduce_real_sensor(const ReproduceRequest& request, Executor& executor, 
   RealSensorOptions options;
   options.training.cycle_limit = request.cycles;
   options.seeds = std::min(options.seeds, request.seeds);
-  options.other_seeds = std::min(options.other_seeds, request.seeds);
   options.progress = [&](std::size_t done, std::size_t total) {
     line.show(done, total);
     return !interrupt.requested();

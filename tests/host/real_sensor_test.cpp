@@ -201,7 +201,7 @@ TEST(RealSensorStudy, TheAngleAloneLeavesTwoChoices) {
 }
 
 RealSensorOptions few() {
-  RealSensorOptions options{.draws = 2, .seeds = 2, .other_draws = 1, .other_seeds = 1, .training = {}, .progress = {}};
+  RealSensorOptions options{.draws = 2, .other_draws = 1, .seeds = 2, .training = {}, .progress = {}};
   options.training.cycle_limit = 20;
   return options;
 }
@@ -215,7 +215,7 @@ TEST(RealSensorStudy, JudgesEveryDrawAndSeed) {
   std::map<std::size_t, int> cases;
   for (const auto& result : study->results) {
     ++cases[result.what.examples];
-    const std::size_t networks = result.what.examples == 25 ? 4 : 1;
+    const std::size_t networks = result.what.examples == 25 ? 4 : 2;
     for (const auto* reports : {&result.learning, &result.recalling, &result.unseen})
       EXPECT_EQ(reports->size(), networks);
     EXPECT_EQ(result.learning[0].all.count, result.what.examples);
@@ -230,7 +230,7 @@ TEST(RealSensorStudy, JudgesEveryDrawAndSeed) {
 TEST(RealSensorStudy, StopsWhenToldTo) {
   RealSensorOptions options = few();
   options.progress = [](std::size_t, std::size_t all) {
-    EXPECT_EQ(all, 4 * 4 + 6u);
+    EXPECT_EQ(all, 4 * 4 + 6 * 2u);
     return false;
   };
   EXPECT_FALSE(study_real_sensor(executor(), real_sensor_choice(), options));
