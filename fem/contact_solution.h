@@ -28,7 +28,7 @@ struct ContactStep {
   Eigen::VectorXd normal_force, tangential_force;  ///< [columns] N/mm; normal >= 0 presses
   Eigen::VectorXd base_force_x, base_force_y;      ///< [base nodes] N/mm
   Eigen::VectorXd sigma_y, tau_xy;                 ///< [tactels] MPa
-  bool converged = false;  ///< and so are all steps before, on which it rests
+  bool converged = false;                          ///< and so are all steps before, on which it rests
   int iterations = 0;
   Residual residual;
 };

@@ -17,7 +17,11 @@ void add_generate_command(CLI::App& app, Action& action);
 void add_train_command(CLI::App& app, Action& action);
 void add_recall_command(CLI::App& app, Action& action);
 void add_reproduce_command(CLI::App& app, Action& action);
+void add_tradeoff_command(CLI::App& app, Action& action);
 void add_extremes_command(CLI::App& app, Action& action);
+void add_monitor_command(CLI::App& app, Action& action);
+void add_record_command(CLI::App& app, Action& action);
+void add_tare_command(CLI::App& app, Action& action);
 
 /// Options of every command that computes.
 struct SharedOptions {
@@ -32,5 +36,8 @@ struct NetworkOptions {
   bool quiet = false;
 };
 void add_network_options(CLI::App& command, NetworkOptions& options);
+
+/// Options of the commands that read a sensor.
+void add_source_options(CLI::App& command, std::string& source, std::string& profile, std::string& calibration);
 
 }  // namespace tactel::host

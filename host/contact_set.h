@@ -31,6 +31,7 @@ struct ContactSet {
   std::uint64_t seed = 0;                   ///< attribute
   std::uint64_t fell_back = 0;  ///< attribute: contacts that the sweeps gave up and the exact fallback took over
   std::uint64_t unsolved = 0;   ///< attribute: contacts with a load step over tolerance all the same
+  std::uint64_t too_deep = 0;   ///< contacts indented beyond the depth to which rubber is linear; not in the file
 
   std::size_t rows() const { return slip_index.size(); }
   /// What networks learn from or are judged by.

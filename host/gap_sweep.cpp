@@ -4,8 +4,10 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <stdexcept>
 
 #include "fem/contact_laws.h"
+#include "fem/spread.h"
 #include "host/gap_sweep_tables.h"
 #include "kernels/shared/contact_layout.h"
 
@@ -30,16 +32,20 @@ int expected_window(const fem::Scene& scene, const Eigen::Ref<const Eigen::Vecto
 
 }  // namespace
 
+ContactKind kind_of(const fem::Scene& scene) { return {.force = by_force(scene), .friction = scene.friction != 0}; }
+
 template <class Real>
 struct GapSweep<Real>::State {
   State(Executor& executor, const fem::Sensor& sensor, const GapSweepOptions& options,
         const std::filesystem::path& cache)
-      : executor(executor), sensor(sensor), options(options), condensation(fem::condense_cached(sensor, cache)) {
+      : executor(executor),
+        sensor(sensor),
+        options(options),
+        condensation(fem::spread(fem::condense_cached(sensor, cache), options.spread)) {
     constexpr double epsilon = std::numeric_limits<Real>::epsilon();
     if (this->options.tolerance == 0) this->options.tolerance = sizeof(Real) == 4 ? 1e-5 : 1e-11;
     if (this->options.accept == 0) this->options.accept = std::max(100 * this->options.tolerance, 200 * epsilon);
     const Device& device = executor.device();
-    compliance = on_device(device, compliance_table<Real>(condensation.compliance));
     node = on_device(device, node_table<Real>(condensation.compliance));
     const Eigen::MatrixXd base = base_outputs();
     base_rows = static_cast<int>(base.rows());
@@ -66,8 +72,15 @@ struct GapSweep<Real>::State {
   int lanes() const { return executor.device().lanes(precision()); }
   int group() const { return lanes() == 1 ? 1 : lanes() * vectors; }
 
-  const Program& program(bool force) {
-    auto& program = programs[force];
+  const Buffer<Real>& compliance(bool friction) {
+    auto& table = compliances[friction];
+    if (table.size() == 0)
+      table = on_device(executor.device(), compliance_table<Real>(condensation.compliance, friction));
+    return table;
+  }
+
+  const Program& program(ContactKind kind) {
+    auto& program = programs[kind.force][kind.friction];
     if (!program) {
       const auto text = [](int value) { return std::to_string(value); };
       program = std::make_unique<Program>(executor.device(), "gap_sweep.cl",
@@ -75,7 +88,8 @@ struct GapSweep<Real>::State {
                                                   {"LANES", text(lanes())},
                                                   {"VECTORS", text(group() / lanes())},
                                                   {"NODES", text(columns())},
-                                                  {"FORCE_CONTROL", text(force)}});
+                                                  {"FORCE_CONTROL", text(kind.force)},
+                                                  {"FRICTION", text(kind.friction)}});
     }
     return *program;
   }
@@ -84,9 +98,10 @@ struct GapSweep<Real>::State {
   fem::Sensor sensor;
   GapSweepOptions options;
   fem::Condensation condensation;
-  Buffer<Real> compliance, node, map;
+  Buffer<Real> node, map;
+  Buffer<Real> compliances[2];  ///< [friction], made when first asked for
   int rows = 0, base_rows = 0;
-  std::unique_ptr<Program> programs[2];
+  std::unique_ptr<Program> programs[2][2];  ///< [force][friction]
 };
 
 template <class Real>
@@ -189,6 +204,9 @@ const GapSweepOptions& GapSweep<Real>::options() const {
 
 template <class Real>
 typename GapSweep<Real>::Batch GapSweep<Real>::prepare(std::span<const fem::Scene> scenes) const {
+  const ContactKind kind = scenes.empty() ? ContactKind{} : kind_of(scenes.front());
+  if (!std::ranges::all_of(scenes, [&](const fem::Scene& scene) { return kind_of(scene) == kind; }))
+    throw std::invalid_argument("GapSweep::prepare: scenes of different kinds in one batch");
   Batch batch;
   batch.state_ = std::make_shared<typename Batch::State>();
   auto& b = *batch.state_;
@@ -219,11 +237,10 @@ typename GapSweep<Real>::Batch GapSweep<Real>::prepare(std::span<const fem::Scen
   b.fill(scenes, paths, profiles);
 
   const GapSweepOptions& o = state_->options;
-  const bool force = !scenes.empty() && by_force(scenes.front());
-  b.launch = state_->executor.prepare(state_->program(force), "gap_sweep", [&](cl::Kernel& kernel) {
+  b.launch = state_->executor.prepare(state_->program(kind), "gap_sweep", [&](cl::Kernel& kernel) {
     unsigned next = 1;
     const auto add = [&](const auto& value) { kernel.setArg(next++, value); };
-    add(state_->compliance.cl_buffer());
+    add(state_->compliance(kind.friction).cl_buffer());
     add(state_->node.cl_buffer());
     add(state_->map.cl_buffer());
     add(cl_int(state_->rows));
@@ -235,6 +252,7 @@ typename GapSweep<Real>::Batch GapSweep<Real>::prepare(std::span<const fem::Scen
     add(Real(o.tolerance));
     add(Real(o.accept));
     add(cl_int(o.most_sweeps));
+    add(Real(o.reach));
     add(b.result.cl_buffer());
     add(b.rows.cl_buffer());
     add(b.nodes.cl_buffer());

@@ -20,12 +20,25 @@ struct GapSweepOptions {
   double accept =
       0;  ///< largest residual of a solved step; 0: 100 tolerance, at least 2e-5 in fp32 (rounding of C times force)
   int most_sweeps = 20000;  ///< an increment that needs more is reported as unsolved
+  double reach = 1.25;      ///< gap elements are put to work where the rigid profile is up to this many indentations
+                            ///< above its lowest point; a larger one costs time and gains nothing: nodes that it
+                            ///< missed are added
+  int spread = 1;  ///< columns of the block to one gap element, whose force acts on the block as a hat (fem/spread.h)
   bool base_forces = true;  ///< write base nodal forces; without them or their sums the certificate has no balance
   bool base_sums = false;   ///< instead of base_forces: write only their sums in x and y
   bool tactels = true;      ///< write stresses at the tactels
   bool nodes = true;        ///< write forces and statuses of the surface nodes
   bool fallback = true;     ///< solve_gap_sweep solves once more, exactly, what the sweeps did not
 };
+
+/// What the scenes of a launch have in common: each kind has its own program, so that none pays for what it lacks, and
+/// a scene takes its kind's program whatever its neighbours are.
+struct ContactKind {
+  bool force = false;    ///< driven by force, not by depth
+  bool friction = true;  ///< mu > 0
+  bool operator==(const ContactKind&) const = default;
+};
+ContactKind kind_of(const fem::Scene& scene);
 
 /// A sensor on a device: condensation, maps and programs for one precision. Cheap to copy.
 template <class Real>
@@ -34,8 +47,8 @@ class GapSweep {
   GapSweep(Executor& executor, const fem::Sensor& sensor, const GapSweepOptions& options = {},
            const std::filesystem::path& cache_directory = fem::default_cache_directory());
 
-  /// Scenes of this sensor (E may differ) with their load paths, laid out in lanes: [group][..][lane]. All of them are
-  /// driven by depth, or all by force.
+  /// Scenes of this sensor (E may differ) with their load paths, laid out in lanes: [group][..][lane]; all of one
+  /// ContactKind.
   class Batch {
     struct State;
 
@@ -76,6 +89,7 @@ class GapSweep {
     std::shared_ptr<State> state_;
   };
 
+  /// Throws std::invalid_argument where scenes differ in kind.
   Batch prepare(std::span<const fem::Scene> scenes) const;
   const fem::Condensation& condensation() const;
   const GapSweepOptions& options() const;
@@ -88,7 +102,7 @@ class GapSweep {
 extern template class GapSweep<float>;
 extern template class GapSweep<double>;
 
-/// Any scenes, any sensors: groups them by sensor and by kind of load, runs a launch for each. A contact of which a
+/// Any scenes, any sensors: groups them by sensor and kind, runs a launch for each. A contact of which a
 /// step did not meet its tolerance is solved once more, exactly, on the host (fem/gap_condensed.h, fp64), from the
 /// first step on, and has fell_back = true; steps that still miss their tolerance have converged = false. Throws
 /// ValueError for a scene that is not valid.

@@ -32,12 +32,12 @@ void solve_alike(Executor& executor, std::span<const fem::Scene> scenes, const s
   }
 }
 
-/// Scenes that share a launch: same sensor but for E, same kind of load.
+/// Scenes that share a launch: same sensor but for E, same kind.
 std::vector<std::vector<std::size_t>> launches(std::span<const fem::Scene> scenes) {
   std::vector<std::vector<std::size_t>> groups;
-  std::vector<std::pair<fem::Sensor, bool>> keys;
+  std::vector<std::pair<fem::Sensor, ContactKind>> keys;
   for (std::size_t i = 0; i < scenes.size(); ++i) {
-    std::pair key(scenes[i].sensor, by_force(scenes[i]));
+    std::pair key(scenes[i].sensor, kind_of(scenes[i]));
     key.first.young = 1;
     const std::size_t group = std::find(keys.begin(), keys.end(), key) - keys.begin();
     if (group == keys.size()) {

@@ -13,14 +13,16 @@ constexpr int row_block = 4;  ///< ROW_BLOCK of the kernel
 }  // namespace
 
 template <class Real>
-std::vector<Real> compliance_table(const Eigen::MatrixXd& c) {
+std::vector<Real> compliance_table(const Eigen::MatrixXd& c, bool friction) {
   const int columns = static_cast<int>(c.rows() / 2);
+  const std::size_t parts = friction ? 4 : 1;
   std::vector<Real> table;
-  table.reserve(4 * columns * columns);
+  table.reserve(parts * columns * columns);
   for (int i = 0; i < columns; ++i)
-    for (int j = 0; j < columns; ++j)
-      for (double value : {-c(2 * i + 1, 2 * j + 1), c(2 * i + 1, 2 * j), -c(2 * i, 2 * j + 1), c(2 * i, 2 * j)})
-        table.push_back(static_cast<Real>(value));
+    for (int j = 0; j < columns; ++j) {
+      const double pair[] = {-c(2 * i + 1, 2 * j + 1), c(2 * i + 1, 2 * j), -c(2 * i, 2 * j + 1), c(2 * i, 2 * j)};
+      for (std::size_t part = 0; part < parts; ++part) table.push_back(static_cast<Real>(pair[part]));
+    }
   return table;
 }
 
@@ -59,8 +61,8 @@ std::vector<Real> output_table(const Eigen::MatrixXd& map) {
   return table;
 }
 
-template std::vector<float> compliance_table(const Eigen::MatrixXd&);
-template std::vector<double> compliance_table(const Eigen::MatrixXd&);
+template std::vector<float> compliance_table(const Eigen::MatrixXd&, bool);
+template std::vector<double> compliance_table(const Eigen::MatrixXd&, bool);
 template std::vector<float> node_table(const Eigen::MatrixXd&);
 template std::vector<double> node_table(const Eigen::MatrixXd&);
 template std::vector<float> output_table(const Eigen::MatrixXd&);

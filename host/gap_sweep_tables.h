@@ -6,9 +6,10 @@ namespace tactel::host {
 
 /// What kernels/gap_sweep.cl reads of a sensor, from fem::Condensation, for E = 1.
 
-/// Of C: [columns][columns][4], u_y by n, u_y by t, u_x by n, u_x by t, with n pressing down (-y).
+/// Of C: [columns][columns][4], u_y by n, u_y by t, u_x by n, u_x by t, with n pressing down (-y). Without friction the
+/// first of them alone: [columns][columns].
 template <class Real>
-std::vector<Real> compliance_table(const Eigen::MatrixXd& compliance);
+std::vector<Real> compliance_table(const Eigen::MatrixXd& compliance, bool friction);
 
 /// Rows of NodeRow for each surface node: [columns][NODE_ROWS].
 template <class Real>

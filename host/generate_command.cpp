@@ -7,9 +7,11 @@
 #include "host/command.h"
 #include "host/errors.h"
 #include "host/interrupt.h"
+#include "host/planner.h"
 #include "host/progress_line.h"
 #include "host/ranks.h"
 #include "host/set_production.h"
+#include "host/stress_field.h"
 #include "host/sweep_file.h"
 
 namespace tactel::host {
@@ -34,11 +36,36 @@ ProductionOptions production_options(const GenerateRequest& request) {
   return options;
 }
 
+/// The rung that --rung names, or that --accuracy takes for a sample of the contacts; none: as the file says.
+std::optional<Rung> modelling(const GenerateRequest& request, const SceneSource& source) {
+  const SolveOptions& solve = request.shared.solve;
+  check_modelling(solve);
+  if (!solve.rung.empty()) return rung_named(solve.rung);
+  if (!solve.accuracy) return std::nullopt;
+  std::vector<fem::Scene> sample;
+  const std::uint64_t count = std::min<std::uint64_t>(source.contacts(), 64);
+  for (std::uint64_t k = 0; k < count; ++k) sample.push_back(source.contact(k * source.contacts() / count).scene);
+  Executor executor{Device(solve.device)};
+  const Plan chosen =
+      plan(sample, *solve.accuracy, [&](const Rung& rung) { return solve_on_rung(executor, sample, rung); });
+  if (!request.shared.quiet)
+    fmt::print(stderr, "{}, in 95 % of {} contacts tried{}\n", chosen.why(), count,
+               chosen.kept ? "" : "; no rung is known to keep this accuracy");
+  return chosen.rung;
+}
+
+/// What --precision and --tolerance do not say, the rung does.
+void model_on(const Rung& rung, const SolveOptions& solve, Sweep& sweep, SetOptions& options) {
+  sweep.source.model_on(rung);
+  if (solve.precision.empty()) options.precision = rung.precision;
+  if (!solve.tolerance) options.tolerance = rung.tolerance;
+}
+
 /// All that the rows depend on.
-std::string plan_of(const Sweep& sweep, const ProductionOptions& options) {
-  return fmt::format("tactel " TACTEL_VERSION "\nprecision {}\ntolerance {:a}\nchunk {}\n{}",
-                     options.set.precision == Precision::fp32 ? "fp32" : "fp64", options.set.tolerance, chunk_contacts,
-                     sweep.text);
+std::string plan_of(const Sweep& sweep, const ProductionOptions& options, const std::optional<Rung>& rung) {
+  return fmt::format("tactel " TACTEL_VERSION "\nrung {}\nprecision {}\ntolerance {:a}\nchunk {}\n{}",
+                     rung ? rung->name : "as the file says", options.set.precision == Precision::fp32 ? "fp32" : "fp64",
+                     options.set.tolerance, chunk_contacts, sweep.text);
 }
 
 /// True where a complete set is there already and may stand.
@@ -67,9 +94,20 @@ std::string report_text(const GenerateRequest& request, const ContactSet& set, c
   return text;
 }
 
+void warn_of_depth(std::uint64_t too_deep, std::uint64_t contacts) {
+  if (too_deep == 0) return;
+  const double limit = 100 * linear_strain_limit;
+  fmt::print(stderr,
+             "warning: in {} of {} contacts the indenter is deeper than {:.0f} % of the thickness; rubber was measured "
+             "to be linear up to {:.0f} %\n",
+             too_deep, contacts, limit, limit);
+}
+
 int run_generate(const GenerateRequest& request) {
-  const Sweep sweep = read_sweep(request.sweep);
+  Sweep sweep = read_sweep(request.sweep);
   ProductionOptions options = production_options(request);
+  const std::optional<Rung> rung = modelling(request, sweep.source);
+  if (rung) model_on(*rung, request.shared.solve, sweep, options.set);
   const Ranks ranks;
   options.rank = ranks.rank(), options.ranks = ranks.count();
   if (ranks.first()) {
@@ -80,7 +118,7 @@ int run_generate(const GenerateRequest& request) {
     check_writable("--output", request.output);
     if (request.force) SetSpool::discard(request.output);
   }
-  const std::string plan = plan_of(sweep, options);
+  const std::string plan = plan_of(sweep, options, rung);
   std::optional<SetSpool> spool;
   if (ranks.first())
     spool.emplace(request.output, plan, 0, request.resume ? SetSpool::Open::resume : SetSpool::Open::fresh);
@@ -116,10 +154,13 @@ int run_generate(const GenerateRequest& request) {
   set.indenter_names = sweep.source.kind_names();
   set.transducer = nn::description(sweep.source.transducer());
   set.device = fmt::format("{}", fmt::join(report.devices, ", "));
-  set.rung = options.set.precision == Precision::fp32 ? "fp32" : "fp64";
+  set.rung = rung ? fmt::format("{}: {}", rung->name, description(*rung)) : name(options.set.precision);
   spool->assemble(chunk_count(sweep.source), set);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (!request.shared.quiet) fmt::print("{}", report_text(request, set, sums, spool->rows(), report.seconds, seconds));
+  if (!request.shared.quiet) {
+    warn_of_depth(set.too_deep, sweep.source.contacts());
+    fmt::print("{}", report_text(request, set, sums, spool->rows(), report.seconds, seconds));
+  }
   return set.unsolved ? not_converged : done;
 }
 

@@ -11,6 +11,7 @@
 #include "host/errors.h"
 #include "host/nearest_word.h"
 #include "host/plot.h"
+#include "hw/frame_source.h"
 
 namespace {
 
@@ -29,6 +30,9 @@ int guarded(const Action& action) {
     return wrong_input;
   } catch (const PlotError& error) {
     fmt::print(stderr, "error: no plot: {}\n", error.what());
+    return wrong_input;
+  } catch (const hw::RecordingError& error) {
+    fmt::print(stderr, "error: {}\n", error.what());
     return wrong_input;
   } catch (const std::exception& error) {
     fmt::print(stderr, "error: {}\n", error.what());
@@ -79,7 +83,11 @@ int main(int argc, char** argv) {
   add_train_command(app, action);
   add_recall_command(app, action);
   add_reproduce_command(app, action);
+  add_tradeoff_command(app, action);
   add_extremes_command(app, action);
+  add_monitor_command(app, action);
+  add_record_command(app, action);
+  add_tare_command(app, action);
   app.failure_message(parse_failure);
   if (refuse_unknown_command(app, argc, argv)) return wrong_input;
   try {

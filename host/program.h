@@ -12,8 +12,9 @@ namespace tactel::host {
 using Defines = std::vector<std::pair<std::string, std::string>>;
 
 /// An embedded kernel source (kernels/NAME.cl) built for a device: always with -cl-std=CL1.2, and without any option
-/// that loosens arithmetic but one: denormal numbers are zero. Cheap to copy; copies share the program. Building takes a second or more when it is new,
-/// some 50 ms when PoCL has it in its cache (device.h): make it once, before the clock starts.
+/// that loosens arithmetic but one: denormal numbers are zero. Cheap to copy; copies share the program. Building takes
+/// a second or more when it is new, some 50 ms when PoCL has it in its cache (device.h): make it once, before the clock
+/// starts.
 class Program {
  public:
   /// Throws KernelBuildError with the compiler's log; std::out_of_range for an unknown source name (a mistake in the

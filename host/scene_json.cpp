@@ -113,11 +113,14 @@ Json to_json(const fem::Scene& scene, const SolveOutcome& outcome) {
   const fem::ContactSolution& solution = outcome.solution;
   Json steps = Json::array();
   for (const fem::ContactStep& step : solution.steps) steps.push_back(step_json(step));
-  return {{"tactel", TACTEL_VERSION},           {"scene", to_json(scene)},
-          {"solver", outcome.solver},           {"precision", outcome.precision},
-          {"device", outcome.device},           {"surface_x", numbers(solution.surface_x)},
-          {"base_x", numbers(solution.base_x)}, {"tactel_x", numbers(solution.tactel_x)},
-          {"fallback", solution.fell_back},     {"steps", std::move(steps)}};
+  Json out = {{"tactel", TACTEL_VERSION},           {"scene", to_json(scene)},
+              {"solver", outcome.solver},           {"precision", outcome.precision},
+              {"device", outcome.device},           {"surface_x", numbers(solution.surface_x)},
+              {"base_x", numbers(solution.base_x)}, {"tactel_x", numbers(solution.tactel_x)},
+              {"fallback", solution.fell_back},     {"steps", std::move(steps)}};
+  if (!outcome.rung.empty()) out["rung"] = outcome.rung;
+  if (outcome.plan) out["planner"] = to_json(*outcome.plan);
+  return out;
 }
 
 }  // namespace tactel::host

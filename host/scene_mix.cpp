@@ -13,7 +13,9 @@ namespace {
 class Draw {
  public:
   Draw(std::uint64_t seed, std::size_t place) : random_(seed * 1000003 + place) {}
-  double uniform(double low, double high) { return low + (high - low) * static_cast<double>(random_() >> 11) * 0x1p-53; }
+  double uniform(double low, double high) {
+    return low + (high - low) * static_cast<double>(random_() >> 11) * 0x1p-53;
+  }
   double log_uniform(double low, double high) { return std::exp(uniform(std::log(low), std::log(high))); }
 
  private:
@@ -27,9 +29,9 @@ fem::Shape shape(std::size_t kind, Draw& draw) {
     case 0:
       return fem::Flat{draw.uniform(1, 4)};
     case 1:
-      return fem::Wedge{draw.uniform(120, 176)};
+      return fem::Wedge{draw.uniform(140, 176)};
     case 2:
-      return fem::Parabola{draw.log_uniform(1, 100)};
+      return fem::Parabola{draw.log_uniform(2, 100)};
     case 3:
       return fem::Cylinder{draw.log_uniform(3, 100)};
     case 4:
@@ -39,7 +41,7 @@ fem::Shape shape(std::size_t kind, Draw& draw) {
     case 6:
       return fem::RoundedFlat{draw.uniform(0.5, 4), draw.log_uniform(3, 30)};
     default:
-      return fem::Taylor{{1 + static_cast<int>(draw.uniform(0, 2)), 3, 5}, 10.0, draw.log_uniform(1, 10)};
+      return fem::Taylor{{1 + static_cast<int>(draw.uniform(0, 2)), 3, 5}, 10.0, draw.log_uniform(0.5, 4)};
   }
 }
 
@@ -60,7 +62,7 @@ fem::Scene mixed_scene(std::uint64_t seed, std::size_t place) {
   scene.indenter.shape = shape(place % kinds, draw);
   scene.indenter.position = draw.uniform(-4, 4);
   scene.friction = draw.log_uniform(0.1, 1.5);
-  const double depth = draw.log_uniform(0.03, 0.3);
+  const double depth = draw.log_uniform(0.05, 0.3);
   scene.load.indentation = {depth};
   scene.load.tangential = drag(scene.friction, depth, draw.uniform(0, 1) < 0.25, draw);
   scene.title = fmt::format("scene {} of seed {}", place, seed);
@@ -77,8 +79,9 @@ std::vector<fem::Scene> mixed_scenes(std::uint64_t seed, std::size_t count) {
 
 std::string mix_description(std::uint64_t seed, std::size_t count) {
   return fmt::format(
-      "{} contacts drawn with seed {}: {} shapes in turn, -4 to 4 mm off centre, nu 0.3, 0.45, 0.49 or 0.499, mu 0.1 to "
-      "1.5, 0.03 to 0.3 mm deep, eight drags of which one scene in four turns back",
+      "{} contacts drawn with seed {}: {} shapes in turn, -4 to 4 mm off centre, nu 0.3, 0.45, 0.49 or 0.499, mu 0.1 "
+      "to "
+      "1.5, 0.05 to 0.3 mm deep, eight drags of which one scene in four turns back",
       count, seed, kinds);
 }
 

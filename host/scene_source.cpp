@@ -63,7 +63,22 @@ SceneSource::SceneSource(std::vector<fem::Scene> scenes, std::vector<std::uint16
 
 int SceneSource::tactels() const { return sensors_.front().tactels; }
 
+void SceneSource::model_on(const Rung& rung) {
+  rung_ = rung;
+  for (fem::Sensor& sensor : sensors_) {
+    fem::Scene scene;
+    scene.sensor = sensor;
+    sensor = on_rung(scene, rung).sensor;
+  }
+}
+
 SceneSource::Contact SceneSource::contact(std::uint64_t k) const {
+  Contact contact = drawn_contact(k);
+  if (rung_) contact.scene = on_rung(contact.scene, *rung_);
+  return contact;
+}
+
+SceneSource::Contact SceneSource::drawn_contact(std::uint64_t k) const {
   if (!listed_.empty()) return {listed_[k], listed_kinds_[k]};
   const DrawKey key{seed_, nn::RandomStream::contact, k};
   const Alternative& indenter = draw_alternative(indenter_, key);

@@ -6,6 +6,7 @@
 
 #include "fem/scene.h"
 #include "host/distribution.h"
+#include "host/ladder.h"
 #include "nn/transducer_chain.h"
 
 namespace tactel::host {
@@ -39,6 +40,8 @@ class SceneSource {
   };
   /// Contact k < contacts(), or any where endless(). Throws ValueError where drawn numbers do not fit each other.
   Contact contact(std::uint64_t k) const;
+  /// From now on contacts and sensors are as the rung models them.
+  void model_on(const Rung& rung);
   /// Every sensor that contacts may have.
   const std::vector<fem::Sensor>& sensors() const { return sensors_; }
 
@@ -73,6 +76,9 @@ class SceneSource {
   friend class SweepReader;
   SceneSource() = default;
 
+  Contact drawn_contact(std::uint64_t k) const;
+
+  std::optional<Rung> rung_;
   std::uint64_t contacts_ = 0, seed_ = 0;
   nn::Transducer transducer_;
   std::vector<std::string> kind_names_;

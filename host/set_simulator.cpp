@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "fem/contact_laws.h"
+#include "host/solve.h"
 #include "host/transducer_chain.h"
 #include "kernels/shared/contact_layout.h"
 
@@ -113,7 +114,21 @@ bool solved(const View<Real>& view, std::size_t i) {
   return true;
 }
 
-/// The same of a contact that the sweeps solved.
+double deepest(const fem::ContactSolution& solution) {
+  double most = 0;  // mm
+  for (const fem::ContactStep& step : solution.steps) most = std::max(most, step.indentation);
+  return most;
+}
+
+template <class Real>
+double deepest(const View<Real>& view, std::size_t i) {
+  double most = 0;  // mm
+  for (int k = 0; k < view.path_steps(i) && status_of<Real>(view, i, k) != LANE_NOT_RUN; ++k)
+    most = std::max(most, static_cast<double>(view.result(i, k, LANE_INDENTATION)));
+  return most;
+}
+
+/// Which steps of a contact that the sweeps solved become rows.
 template <class Real>
 std::vector<int> rows_of(const View<Real>& view, std::size_t i, int first, double mu) {
   std::vector<int> steps;
@@ -140,11 +155,11 @@ void put_rows(ContactSet& set, std::size_t at, const View<Real>& view, std::size
   }
 }
 
-/// Contacts that share a launch: same sensor but for E, same kind of load.
+/// Contacts that share a launch: same sensor but for E, same kind.
 template <class Real>
 struct SharedLaunch {
   std::size_t sensor = 0;
-  bool force = false;
+  ContactKind kind;
   int steps = 0;  ///< of the longest path
   std::vector<fem::Scene> scenes{};
   std::vector<std::uint64_t> which{};  ///< [scenes] contact, counted from the range's first
@@ -164,13 +179,13 @@ struct RangeOf : SetSimulator::Range {
   std::vector<SharedLaunch<Real>> launches;
 
   /// The launch that a contact goes to; a new one where the last of its kind is full.
-  SharedLaunch<Real>& launch_for(std::size_t sensor, bool force, int steps) {
+  SharedLaunch<Real>& launch_for(std::size_t sensor, ContactKind kind, int steps) {
     for (auto launch = launches.rbegin(); launch != launches.rend(); ++launch) {
-      if (launch->sensor != sensor || launch->force != force) continue;
+      if (launch->sensor != sensor || launch->kind != kind) continue;
       if ((launch->scenes.size() + 1) * std::max(steps, launch->steps) <= most_lane_steps) return *launch;
       break;
     }
-    launches.push_back({.sensor = sensor, .force = force});
+    launches.push_back({.sensor = sensor, .kind = kind});
     return launches.back();
   }
 };
@@ -234,7 +249,7 @@ std::unique_ptr<SetSimulator::Range> SetSimulator::State::prepare(std::uint64_t 
     const int steps = static_cast<int>(path.steps.size());
     range->first_step.push_back(path.indentation_steps - 1);
     const auto sensor = std::ranges::find(sensors, without_young(scene.sensor)) - sensors.begin();
-    SharedLaunch<Real>& launch = range->launch_for(static_cast<std::size_t>(sensor), by_force(scene), steps);
+    SharedLaunch<Real>& launch = range->launch_for(static_cast<std::size_t>(sensor), kind_of(scene), steps);
     launch.steps = std::max(launch.steps, steps);
     launch.scenes.push_back(scene);
     launch.which.push_back(k);
@@ -315,13 +330,15 @@ ContactSet SetSimulator::State::collect(RangeOf<Real>& range) {
   for (std::size_t l = 0; l < views.size(); ++l) {
     for (const std::size_t i : views[l].by_lane()) {
       const std::uint64_t k = range.launches[l].which[i];
-      if (!fallen.contains(k))
-        put_rows<Real>(set, rows[k], views[l], i, range.first_step[k], range.contacts[k], range.first + k);
+      if (fallen.contains(k)) continue;
+      put_rows<Real>(set, rows[k], views[l], i, range.first_step[k], range.contacts[k], range.first + k);
+      set.too_deep += too_deep(range.contacts[k].scene.sensor, deepest<Real>(views[l], i));
     }
   }
   for (const auto& [k, solution] : fallen) {
     put_rows(set, rows[k], solution, range.first_step[k], range.contacts[k], range.first + k);
     set.fell_back += solution.fell_back;
+    set.too_deep += too_deep(range.contacts[k].scene.sensor, deepest(solution));
     set.unsolved += std::ranges::any_of(solution.steps, [](const auto& step) { return !step.converged; });
   }
   for (std::size_t l = 0; chain && l < views.size(); ++l)

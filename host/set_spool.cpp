@@ -21,11 +21,11 @@ namespace fs = std::filesystem;
 
 /// What stands before each chunk's rows. Byte order is the machine's; the folder does not travel.
 struct Header {
-  std::uint64_t magic = 0, chunk = 0, rows = 0, inputs = 0, bytes = 0, fell_back = 0, unsolved = 0;
+  std::uint64_t magic = 0, chunk = 0, rows = 0, inputs = 0, bytes = 0, fell_back = 0, unsolved = 0, too_deep = 0;
   std::uint64_t payload_sum = 0;  ///< checksum of the rows that follow
   std::uint64_t header_sum = 0;   ///< checksum of all above
 };
-constexpr std::uint64_t magic = 0x316c6f6f70736c74;  // "tlspool1"
+constexpr std::uint64_t magic = 0x326c6f6f70736c74;  // "tlspool2"
 
 std::uint64_t sum_of(const Header& header) {
   return checksum({reinterpret_cast<const char*>(&header), offsetof(Header, header_sum)});
@@ -140,7 +140,8 @@ void SetSpool::scan(const fs::path& file, bool cut) {
     payload.resize(header.bytes);
     if (!in.read(payload.data(), static_cast<std::streamsize>(payload.size()))) break;
     if (checksum(payload) != header.payload_sum) break;
-    chunks_[header.chunk] = {file, offset, header.bytes, header.rows, header.fell_back, header.unsolved};
+    chunks_[header.chunk] = {file,           offset, header.bytes, header.rows, header.fell_back, header.unsolved,
+                             header.too_deep};
     offset += sizeof header + header.bytes;
   }
   if (offset == fs::file_size(file) || !cut) return;
@@ -178,6 +179,7 @@ void SetSpool::append(std::uint64_t chunk, const ContactSet& rows) {
                 .bytes = payload.size(),
                 .fell_back = rows.fell_back,
                 .unsolved = rows.unsolved,
+                .too_deep = rows.too_deep,
                 .payload_sum = checksum(payload)};
   header.header_sum = sum_of(header);
   const off_t before = ::lseek(file_, 0, SEEK_END);
@@ -191,8 +193,9 @@ void SetSpool::append(std::uint64_t chunk, const ContactSet& rows) {
                                    why, chunks_.size(), folder_.string()));
   }
   bytes_ += sizeof header + payload.size();
-  chunks_[chunk] = {own_,           static_cast<std::uint64_t>(before), header.bytes, header.rows, header.fell_back,
-                    header.unsolved};
+  chunks_[chunk] = {
+      own_,           static_cast<std::uint64_t>(before), header.bytes, header.rows, header.fell_back, header.unsolved,
+      header.too_deep};
 }
 
 ContactSet SetSpool::load(const Place& place, int inputs) const {
@@ -219,6 +222,7 @@ void SetSpool::assemble(std::uint64_t count, ContactSet& set) {
     writer.append(load(place, set.inputs));
     set.fell_back += place.fell_back;
     set.unsolved += place.unsolved;
+    set.too_deep += place.too_deep;
   }
   writer.finish(set);
   fs::remove_all(folder_);

@@ -27,7 +27,7 @@ class SetSpool {
   /// Throws ConfigError when the disk is full; what was there before stays whole.
   void append(std::uint64_t chunk, const ContactSet& rows);
   /// Makes the set file of chunks 0 ... count - 1, all of which must be there, and removes the folder. `set`:
-  /// attributes; contacts that fell back or stayed unsolved are summed up into it.
+  /// attributes; contacts that fell back, stayed unsolved or are too deep are summed up into it.
   void assemble(std::uint64_t count, ContactSet& set);
   std::uint64_t rows() const;   ///< of all chunks
   std::size_t torn() const;     ///< places where a file was cut off on opening
@@ -40,7 +40,7 @@ class SetSpool {
  private:
   struct Place {
     std::filesystem::path file;
-    std::uint64_t offset = 0, bytes = 0, rows = 0, fell_back = 0, unsolved = 0;
+    std::uint64_t offset = 0, bytes = 0, rows = 0, fell_back = 0, unsolved = 0, too_deep = 0;
   };
   void check_plan(const std::string& plan, Open how) const;
   void scan(const std::filesystem::path& file, bool cut);

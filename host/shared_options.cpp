@@ -24,6 +24,17 @@ void add_shared_options(CLI::App& command, SharedOptions& options) {
       .add_option("--tolerance", solve.tolerance,
                   "largest relative residual that counts as converged, no unit (default: the solver's own)")
       ->check(CLI::PositiveNumber);
+  command
+      .add_option(
+          "--rung", solve.rung,
+          "how finely to model: a rung of the ladder sets mesh, load steps, precision and tolerance, whatever the "
+          "file says (docs/accuracy.md; default: as the file says)")
+      ->check(CLI::IsMember(rung_names()));
+  command
+      .add_option("--accuracy", solve.accuracy,
+                  "largest error to expect in S: takes the cheapest rung that keeps it, and says which and why")
+      ->type_name("E")
+      ->check(CLI::PositiveNumber);
   command.add_flag("--quiet", options.quiet, "no progress and no warnings on stderr");
 }
 

@@ -68,14 +68,18 @@ void write_results(const SolveRequest& request, const fem::Scene& scene, const S
 }
 
 int run_solve(const SolveRequest& request) {
-  const fem::Scene scene = read_scene(request.scene);
+  const fem::Scene asked = read_scene(request.scene);
   check_outputs(request);
-  const SolveOutcome outcome = solve(scene, request.shared.solve);
+  const SolveOutcome outcome = solve(asked, request.shared.solve);
+  const fem::Scene& scene = outcome.scene;
+  if (outcome.plan && !request.shared.quiet) fmt::print(stderr, "{}\n", outcome.plan->why());
   if (const auto warning = depth_warning(scene, outcome.solution)) warn(request, *warning);
   write_results(request, scene, outcome);
   const bool converged = std::ranges::all_of(outcome.solution.steps, &fem::ContactStep::converged);
   if (!converged) warn(request, "not every step met its tolerance: see the column `converged`");
-  return converged ? done : not_converged;
+  const bool accurate = !outcome.plan || outcome.plan->kept;
+  if (!accurate) warn(request, "no rung is known to keep this accuracy on this scene: the finest was taken");
+  return converged && accurate ? done : not_converged;
 }
 
 }  // namespace

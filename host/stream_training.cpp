@@ -27,7 +27,7 @@ using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 constexpr std::uint64_t contacts_a_block = 8192;
-constexpr double last_rate = 0.01;     ///< of the first
+constexpr double last_rate = 0.01;      ///< of the first
 constexpr double validate_every = 1.5;  ///< each time so many times more rows have been seen
 
 /// A network and its way. `curve.cycle` counts rows in thousands; sse is the mean squared error of a block before it
@@ -81,9 +81,9 @@ class StreamTraining {
 
   /// All that the networks' bits depend on.
   std::string description() const {
-    std::string text = fmt::format("tactel " TACTEL_VERSION " stream rows {} batch {} rate {:a} {} scaling {} noise {:a} networks",
-                                   request_.rows, plan_.batch->batch, plan_.batch->rate, nn::name(plan_.batch->rule),
-                                   nn::name(plan_.scaling), plan_.noises[0]);
+    std::string text = fmt::format(
+        "tactel " TACTEL_VERSION " stream rows {} batch {} rate {:a} {} scaling {} noise {:a} networks", request_.rows,
+        plan_.batch->batch, plan_.batch->rate, nn::name(plan_.batch->rule), nn::name(plan_.scaling), plan_.noises[0]);
     for (const StreamNetwork& n : networks_) text += fmt::format(" {}:{}", n.network.topology.text(), n.network.seed);
     return text + "\n" + stream_->description();
   }
@@ -150,8 +150,13 @@ class StreamTraining {
     return (*recall_networks<float>(executor_, std::span(&named, 1), recall_->rows.frames, false, Progress()))[0];
   }
   nn::Model model_of(const StreamNetwork& n) const {
-    nn::Model model{n.state.weights, scaling_, n.network.seed, n.network.noise,
-                    request_.stream.empty() ? request_.set : request_.stream, static_cast<std::uint32_t>(block_), {}};
+    nn::Model model{n.state.weights,
+                    scaling_,
+                    n.network.seed,
+                    n.network.noise,
+                    request_.stream.empty() ? request_.set : request_.stream,
+                    static_cast<std::uint32_t>(block_),
+                    {}};
     model.learning_errors.count = rows_;
     return model;
   }
@@ -221,13 +226,14 @@ class StreamTraining {
     write_figure("--output", directory_.figure(), figure());
     write_file("--output", directory_.report(), json_text(report));
     directory_.remove_checkpoint();
-    say(fmt::format("{}: {} networks, {} rows in {:.1f} s ({} rows/s)\n", request_.output, networks_.size(), rows_, seconds_,
-                    with_prefix(static_cast<double>(rows_) / seconds_)));
+    say(fmt::format("{}: {} networks, {} rows in {:.1f} s ({} rows/s)\n", request_.output, networks_.size(), rows_,
+                    seconds_, with_prefix(static_cast<double>(rows_) / seconds_)));
     if (recall_) say(fmt::format("errors |S - S of the set| on {}\n{}", recall_->file, error_table(named, results)));
   }
 
   Figure figure() const {
-    constexpr Ink inks[] = {Ink::black, Ink::blue, Ink::green, Ink::orange, Ink::red, Ink::purple, Ink::brown, Ink::grey};
+    constexpr Ink inks[] = {Ink::black, Ink::blue,   Ink::green, Ink::orange,
+                            Ink::red,   Ink::purple, Ink::brown, Ink::grey};
     Panel block{.title = "fresh frames, before they are learnt",
                 .x_label = "rows seen",
                 .y_label = "root mean square error of S",

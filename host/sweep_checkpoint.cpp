@@ -116,8 +116,8 @@ bool read_checkpoint(const fs::path& path, const std::string& plan, std::span<Ne
     network.curve.sse = reader.take<float>();
     network.curve.largest = reader.take<float>();
     const std::size_t points = network.curve.cycle.size();
-    bool fits = report.size() == 1 && seconds.size() == 1 && counters.size() == 2 && network.curve.sse.size() == points &&
-                network.curve.largest.size() == points;
+    bool fits = report.size() == 1 && seconds.size() == 1 && counters.size() == 2 &&
+                network.curve.sse.size() == points && network.curve.largest.size() == points;
     for (auto* numbers : {&record.weights, &record.first, &record.second}) {
       const std::size_t expected = numbers->size();
       *numbers = reader.take<Real>();

@@ -13,9 +13,9 @@ namespace tactel::host {
 /// All of one network that a stopped sweep needs to go on to the same bits.
 template <class Real>
 struct NetworkRecord {
-  SweepNetwork network;               ///< topology, seed and noise are the plan's and not stored
-  std::vector<Real> weights;          ///< [layer][out][in + 1]
-  std::vector<Real> first, second{};  ///< the same: momentum's steps, or a BatchState's moments; second may be empty
+  SweepNetwork network;                 ///< topology, seed and noise are the plan's and not stored
+  std::vector<Real> weights;            ///< [layer][out][in + 1]
+  std::vector<Real> first, second{};    ///< the same: momentum's steps, or a BatchState's moments; second may be empty
   std::uint64_t rows = 0, updates = 0;  ///< of a training on a stream: seen and made so far
 };
 

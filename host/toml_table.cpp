@@ -75,7 +75,9 @@ ConfigError syntax_error(const std::string& file, const std::string& text, const
 
 }  // namespace
 
-TomlFile::TomlFile(const std::filesystem::path& path) : path_(path), text_(read_text(path)) {
+TomlFile::TomlFile(const std::filesystem::path& path) : TomlFile(path, read_text(path)) {}
+
+TomlFile::TomlFile(const std::filesystem::path& path, std::string text) : path_(path), text_(std::move(text)) {
   try {
     root_ = toml::parse(text_, path.string());
   } catch (const toml::parse_error& error) {

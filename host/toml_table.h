@@ -16,6 +16,9 @@ namespace tactel::host {
 class TomlFile {
  public:
   explicit TomlFile(const std::filesystem::path& path);
+  /// A text that did not come from a file of its own; errors name `path`.
+  TomlFile(const std::filesystem::path& path, std::string text);
+  const std::string& text() const { return text_; }
 
   const std::filesystem::path& path() const { return path_; }
   const toml::table& root() const { return root_; }

@@ -1,6 +1,7 @@
 #include "host/command.h"
 #include "host/errors.h"
 #include "host/plot.h"
+#include "host/rank_training.h"
 #include "host/stream_training.h"
 #include "host/training.h"
 #include "host/training_directory.h"
@@ -32,6 +33,8 @@ int run_train(const TrainRequest& request) {
     recall_set = read_set(request.recall_set);
     check_width(plan, *recall_set);
   }
+  const Ranks ranks;
+  if (ranks.count() > 1) return run_rank_training(ranks, request, plan, set, recall_set);
   TrainingDirectory(request.output).check(request.resume, request.force);
   check_figure_path("--output", TrainingDirectory(request.output).figure());
   return run_training(request, plan, set, recall_set);

@@ -14,8 +14,8 @@ namespace tactel::host {
 struct TrainRequest {
   NetworkOptions shared;
   std::string set, stream, recall_set, output;
-  std::optional<std::int64_t> block;   ///< rows of a set file to read at a time
-  std::uint64_t rows = 10'000'000;     ///< of a stream to learn from
+  std::optional<std::int64_t> block;  ///< rows of a set file to read at a time
+  std::uint64_t rows = 10'000'000;    ///< of a stream to learn from
   std::vector<std::string> networks;
   std::vector<double> noises;
   std::uint64_t seeds = 1, first_seed = 1;

@@ -10,15 +10,16 @@
    A lane's result depends on nothing but the lane: finished lanes keep their bits, nodes that only its neighbours use add exact zeros,
    and every sum runs in an order fixed by the node's index.
 
-   Built with -D REAL (float | double), LANES (1, 4, 8, 16), VECTORS, NODES, FORCE_CONTROL (0 | 1). */
-// defines: NODES=41 VECTORS=2 FORCE_CONTROL=1
+   Built with -D REAL (float | double), LANES (1, 4, 8, 16), VECTORS, NODES, FORCE_CONTROL (0 | 1), FRICTION (0 | 1). Without FRICTION all
+   lanes have mu = 0: t stays 0, what the indenter does along x does not matter, there is no history, and C is its n, u_y part alone. */
+// defines: NODES=41 VECTORS=2 FORCE_CONTROL=1 FRICTION=1
 #include "shared/group.h"
 #include "shared/lanes.h"
 #include "shared/contact_layout.h"
 
 #define EACH_VECTOR _Pragma("unroll") for (int v = 0; v < VECTORS; ++v)
+#define C_PARTS (FRICTION ? 4 : 1) /* numbers that the compliance holds of a pair of nodes */
 #define FAR ((real)1e15)          /* mm: height of a node that carries no gap element, in this lane or yet */
-#define REACH ((real)1.25)        /* gap elements are put to work up to this many indentations; certify adds what that missed */
 #define DAMPED_AFTER 500          /* sweeps; slow but steady ones need fewer down to rounding on the paper's meshes */
 #define MOST_REJOINS 32           /* rounds of adding gap elements in one increment */
 #define MOST_AIMS 60              /* trials of depth (and position) to reach given forces */
@@ -56,10 +57,11 @@ typedef struct {
 
 /* The sensor, and what the host chose (host/gap_sweep.h). */
 typedef struct {
-  global const real *compliance; /* [NODES][NODES][4]: u_y by n, u_y by t, u_x by n, u_x by t */
+  global const real *compliance; /* [NODES][NODES][C_PARTS]: u_y by n, u_y by t, u_x by n, u_x by t */
   global const real *node;       /* [NODES][NODE_ROWS] */
   real tolerance;
   int most_sweeps;
+  real reach; /* gap elements are put to work up to this many indentations; certify adds what that missed */
 } Rules;
 
 /* The largest and the smallest; unlike fmax and fmin one instruction, and the second argument where one is not a number. */
@@ -78,10 +80,11 @@ static inline int any_vector(const vint *mask) {
 /* Adds what the forces of nodes [first, end) do to u_y and u_x of one node; c: its row of the compliance. */
 static inline void add_forces(global const real *c, const vreal (*n)[VECTORS], const vreal (*t)[VECTORS], int first, int end, vreal *yn,
                               vreal *yt, vreal *xn, vreal *xt) {
-  c += 4 * first;
-  for (int j = first; j < end; ++j, c += 4) {
+  c += C_PARTS * first;
+  for (int j = first; j < end; ++j, c += C_PARTS) {
     EACH_VECTOR {
       yn[v] = fma(ALL_LANES(c[0]), n[j][v], yn[v]);
+      if (!FRICTION) continue;
       yt[v] = fma(ALL_LANES(c[1]), t[j][v], yt[v]);
       xn[v] = fma(ALL_LANES(c[2]), n[j][v], xn[v]);
       xt[v] = fma(ALL_LANES(c[3]), t[j][v], xt[v]);
@@ -92,7 +95,7 @@ static inline void add_forces(global const real *c, const vreal (*n)[VECTORS], c
 /* Displacement of node i. The node that a sweep has updated last, i - 1, comes last: its latency hides behind the others. */
 static inline RowDisplacement row_displacement(const Rules *rules, int i, const vreal (*n)[VECTORS], const vreal (*t)[VECTORS], int first,
                                                int end) {
-  global const real *row = rules->compliance + i * (NODES * 4);
+  global const real *row = rules->compliance + i * (NODES * C_PARTS);
   vreal yn[VECTORS], yt[VECTORS], xn[VECTORS], xt[VECTORS];
   EACH_VECTOR { yn[v] = yt[v] = xn[v] = xt[v] = 0; }
   const int split = clamp(i, first, end);
@@ -123,13 +126,16 @@ static inline void sweep(const Rules *rules, Contact *c, const Indenter *in, rea
       const vreal inside = u.uy[v] - (c->h[i][v] - in->d[v]);
       const vreal n_free = fma(inside, ALL_LANES(n_per_uy), n_old);
       const vreal n = PICK(in->active[v], LARGER(n_free, ALL_LANES(0)), n_old);
-      const vreal slip = fma(ALL_LANES(node[NODE_UX_PER_N]), n - n_old, u.ux[v]) - (c->ux_last[i][v] + dx[v]);
-      const vreal cone = in->mu[v] * n;
-      const vreal t_free = fma(-slip, ALL_LANES(t_per_ux), t_old);
-      const vreal t = PICK(in->active[v], SMALLER(LARGER(t_free, -cone), cone), t_old);
+      vreal moved = fabs(n - n_old);
       c->n[i][v] = n;
-      c->t[i][v] = t;
-      const vreal moved = LARGER(fabs(n - n_old), fabs(t - t_old));
+      if (FRICTION) {
+        const vreal slip = fma(ALL_LANES(node[NODE_UX_PER_N]), n - n_old, u.ux[v]) - (c->ux_last[i][v] + dx[v]);
+        const vreal cone = in->mu[v] * n;
+        const vreal t_free = fma(-slip, ALL_LANES(t_per_ux), t_old);
+        const vreal t = PICK(in->active[v], SMALLER(LARGER(t_free, -cone), cone), t_old);
+        c->t[i][v] = t;
+        moved = LARGER(moved, fabs(t - t_old));
+      }
       change[v] = LARGER(change[v], moved);
       largest[v] = LARGER(largest[v], n);
     }
@@ -152,10 +158,10 @@ static inline void settle(const Rules *rules, Contact *c, Indenter *in, vreal *s
 
 /* Puts a gap element to work at node i in some lanes: it needs its height and where the node was at the last increment. */
 static inline void join(const Rules *rules, global const vreal *profile, Contact *c, int i, const vint *joining) {
-  const RowDisplacement last = row_displacement(rules, i, c->n_last, c->t_last, c->first, c->end);
-  EACH_VECTOR {
-    c->h[i][v] = PICK(joining[v], profile[i * VECTORS + v], c->h[i][v]);
-    c->ux_last[i][v] = PICK(joining[v], last.ux[v], c->ux_last[i][v]);
+  EACH_VECTOR { c->h[i][v] = PICK(joining[v], profile[i * VECTORS + v], c->h[i][v]); }
+  if (FRICTION) {
+    const RowDisplacement last = row_displacement(rules, i, c->n_last, c->t_last, c->first, c->end);
+    EACH_VECTOR { c->ux_last[i][v] = PICK(joining[v], last.ux[v], c->ux_last[i][v]); }
   }
   c->first = min(c->first, i);
   c->end = max(c->end, i + 1);
@@ -166,7 +172,7 @@ static inline void join_reached(const Rules *rules, global const vreal *profile,
   for (int i = 0; i < NODES; ++i) {
     vint joining[VECTORS];
     EACH_VECTOR {
-      joining[v] = in->active[v] & (profile[i * VECTORS + v] <= in->d[v] * REACH) & (c->h[i][v] >= FAR);
+      joining[v] = in->active[v] & (profile[i * VECTORS + v] <= in->d[v] * rules->reach) & (c->h[i][v] >= FAR);
     }
     if (any_vector(joining)) join(rules, profile, c, i, joining);
   }
@@ -364,7 +370,7 @@ static inline void write_rows(global const real *map, int rows, const Contact *c
     for (int j = c->first; j < c->end; ++j, m += ROW_BLOCK * 2) {
       _Pragma("unroll") for (int b = 0; b < ROW_BLOCK; ++b) EACH_VECTOR {
         sum[b][v] = fma(ALL_LANES(m[2 * b]), c->n[j][v], sum[b][v]);
-        sum[b][v] = fma(ALL_LANES(m[2 * b + 1]), c->t[j][v], sum[b][v]);
+        if (FRICTION) sum[b][v] = fma(ALL_LANES(m[2 * b + 1]), c->t[j][v], sum[b][v]);
       }
     }
     _Pragma("unroll") for (int b = 0; b < ROW_BLOCK; ++b)
@@ -478,7 +484,8 @@ static inline void next_goal(global const vreal *lane_input, global const vreal 
 /* Lanes whose goal is where they are rest as they are: that is a solution, and so a held contact does not creep by rounding. */
 static inline void move_to(Indenter *in, const Walk *w, const vreal *d, const vreal *x) {
   EACH_VECTOR {
-    in->held[v] = (d[v] == in->d[v]) & (x[v] == in->x[v]);
+    in->held[v] = d[v] == in->d[v];
+    if (FRICTION) in->held[v] &= x[v] == in->x[v];
     in->active[v] = w->running[v] & NOT(in->held[v]);
     in->x_last[v] = in->x[v];
     in->d[v] = d[v];
@@ -590,16 +597,16 @@ static inline void report_idle(const Walk *w, global vreal *result) {
     }
 }
 
-/* compliance [NODES][NODES][4]; node [NODES][NODE_ROWS]; map [blocks of ROW_BLOCK rows][NODES][ROW_BLOCK][2], base forces first (base_rows of them);
-   lane_input [group][LANE_INPUT_ROWS][lane]; profile [group][NODES][lane] mm, >= FAR where there is no indenter; path [group][steps][PATH_ROWS][lane].
+/* compliance [NODES][NODES][C_PARTS]; node [NODES][NODE_ROWS]; map [blocks of ROW_BLOCK rows][NODES][ROW_BLOCK][2], base forces first
+   (base_rows of them); lane_input [group][LANE_INPUT_ROWS][lane]; profile [group][NODES][lane] mm, >= FAR where there is no indenter; path [group][steps][PATH_ROWS][lane].
    Out: result [group][steps][LANE_RESULT_ROWS][lane]; rows_out [group][steps][rows][lane]; nodes_out [group][steps][3 NODES][lane] unless
    write_node_rows is 0. */
 kernel void gap_sweep(uint first_group, global const real *compliance, global const real *node, global const real *map, int rows,
                       int base_rows, global const vreal *lane_input, global const vreal *profile, global const vreal *path, int steps,
-                      real tolerance, real accept, int most_sweeps, global vreal *result, global vreal *rows_out,
+                      real tolerance, real accept, int most_sweeps, real reach, global vreal *result, global vreal *rows_out,
                       global vreal *nodes_out, int write_node_rows) {
   TAKE_GROUP(group);
-  const Rules rules = {compliance, node, tolerance, most_sweeps};
+  const Rules rules = {compliance, node, tolerance, most_sweeps, reach};
   lane_input += group * (LANE_INPUT_ROWS * VECTORS);
   profile += group * (NODES * VECTORS);
   path += group * steps * (PATH_ROWS * VECTORS);
@@ -635,7 +642,7 @@ kernel void gap_sweep(uint first_group, global const real *compliance, global co
       write_rows(map, rows, &c, w.young, rows_out);
       if (write_node_rows) write_nodes(&c, &in, w.young, nodes_out);
       report(lane_input, k, &c, &in, accept, base_rows, rows_out, &w, result);
-      remember(&c, &in);
+      if (FRICTION) remember(&c, &in);
     } else {
       report_idle(&w, result);
     }

@@ -3,9 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include <functional>
-
 #include <cmath>
+#include <functional>
 
 #include "tests/host/run_tactel.h"
 

@@ -143,8 +143,10 @@ TEST(GapSweep, GoesOnUntilTheContactSlides) {
 class Ragged : public ::testing::TestWithParam<int> {};
 
 template <class Real>
-void expect_twin(int count, double tolerance) {
-  const auto scenes = random_scenes(paper_mesh('B'), count, 20 + count);
+void expect_twin(int count, double tolerance, bool friction = true) {
+  auto scenes = random_scenes(paper_mesh('B'), count, 20 + count);
+  for (fem::Scene& scene : scenes)
+    if (!friction) scene.friction = 0;
   host::GapSweep<Real> sweep(executor(), scenes.front().sensor);
   auto batch = sweep.prepare(scenes);
   batch.fill_outputs(std::numeric_limits<Real>::quiet_NaN());
@@ -157,7 +159,70 @@ void expect_twin(int count, double tolerance) {
 
 TEST_P(Ragged, Fp64MatchesTwin) { expect_twin<double>(GetParam(), agree_fp64); }
 TEST_P(Ragged, Fp32MatchesTwin) { expect_twin<float>(GetParam(), agree_fp32); }
+TEST_P(Ragged, FrictionlessFp64MatchesTwin) { expect_twin<double>(GetParam(), agree_fp64, false); }
+TEST_P(Ragged, FrictionlessFp32MatchesTwin) { expect_twin<float>(GetParam(), agree_fp32, false); }
 INSTANTIATE_TEST_SUITE_P(AroundGroup, Ragged, ::testing::Values(1, 15, 16, 17, 23, 24, 25, 47, 48, 49, 500));
+
+/// Pressed only. mu = 1e-30 takes the program with tangential unknowns, where tractions of 1e-30 of the pressure are
+/// lost in rounding and leave P as it is without them, bit for bit; also where both kinds come in one call.
+TEST(GapSweep, FrictionlessIsTheLimitOfLittleFriction) {
+  auto scenes = random_scenes(paper_mesh('B'), 60, 5);
+  const std::size_t count = scenes.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    scenes[i].load.tangential.clear();
+    scenes[i].friction = 0;
+    scenes.push_back(scenes[i]);
+    scenes.back().friction = 1e-30;
+  }
+  for (auto precision : {host::Precision::fp32, host::Precision::fp64}) {
+    const auto solutions = host::solve_gap_sweep(executor(), scenes, precision);
+    std::size_t touching = 0;
+    for (std::size_t i = 0; i < count; ++i)
+      for (std::size_t k = 0; k < solutions[i].steps.size(); ++k) {
+        const fem::ContactStep &none = solutions[i].steps[k], &little = solutions[count + i].steps[k];
+        touching += none.P > 0;
+        ASSERT_EQ(none.P, little.P) << describe(scenes[i]) << ", step " << k;
+        ASSERT_EQ(none.iterations, little.iterations) << describe(scenes[i]) << ", step " << k;
+        ASSERT_FALSE(none.slip_index);
+      }
+    EXPECT_GT(touching, count);  // steps; sharp indenters between two nodes touch none
+  }
+}
+
+/// Without friction only depth counts: drags leave every bit as it was, and cost no sweep.
+TEST(GapSweep, FrictionlessDragsChangeNothing) {
+  std::vector<fem::Scene> scenes;
+  for (const auto& shape : all_shapes()) scenes.push_back({"", paper_mesh('B'), {shape, 0.3}, 0.0, reversal()});
+  for (const auto& solution : host::solve_gap_sweep(executor(), scenes, host::Precision::fp32)) {
+    const fem::ContactStep& pressed = solution.steps[1];
+    for (std::size_t k = 2; k < solution.steps.size(); ++k) {
+      const fem::ContactStep& step = solution.steps[k];
+      EXPECT_TRUE(step.converged);
+      EXPECT_EQ(step.P, pressed.P);
+      EXPECT_EQ(step.Q, 0);
+      EXPECT_EQ(step.sigma_y, pressed.sigma_y);
+      EXPECT_EQ(step.iterations, 0);
+      EXPECT_EQ(step.tangential, static_cast<float>(reversal().tangential[k - 2]));
+    }
+  }
+}
+
+TEST(GapSweep, RefusesABatchOfDifferentKinds) {
+  auto scenes = random_scenes(paper_mesh('B'), 2, 11);
+  const host::GapSweep<float> sweep(executor(), scenes.front().sensor);
+  EXPECT_NO_THROW(sweep.prepare(scenes));
+  scenes[1].friction = 0;
+  EXPECT_THROW(sweep.prepare(scenes), std::invalid_argument);
+}
+
+/// Gap elements at every node from the start, or only where the indenter comes near: the same contact.
+TEST(GapSweep, WindowCostsNoAccuracy) {
+  const auto scenes = random_scenes(paper_mesh('B'), 100, 12);
+  const auto windows = host::solve_gap_sweep(executor(), scenes, host::Precision::fp64);
+  const auto all = host::solve_gap_sweep(executor(), scenes, host::Precision::fp64, {.reach = 1e6});
+  for (std::size_t i = 0; i < scenes.size(); ++i)
+    ASSERT_LE(base_force_difference(windows[i], all[i]), agree_fp64) << describe(scenes[i]);
+}
 
 TEST(GapSweep, UnreachableToleranceIsSaidNotHidden) {
   std::vector scenes(5, fem::Scene{"", paper_mesh('B'), {fem::Parabola{10}, 0.0}, 0.5, reversal()});

@@ -197,6 +197,35 @@ TEST_F(Generate, SeveralDevicesShareTheChunks) {
   EXPECT_EQ(one.contact, two.contact);
 }
 
+// Contact k goes down to the depth that the file's seed draws: some 4000 of 10000 beyond 20 % of 1.5 mm, in two chunks,
+// one of which comes from an earlier run. Expected: the draws themselves.
+TEST_F(Generate, WarnsOnceOfDeepIndentersWithTheirCount) {
+  const std::string deep =
+      folder_.write("deep.toml",
+                    "[sweep]\ncontacts = 10000\n[sensor]\ncolumns = 11\nrows = 4\ntactels = 5\n[contact]\n"
+                    "friction = 0.5\n[indenter]\nshape = \"parabola\"\nradius = 10\n[load]\n"
+                    "indentation = { uniform = [0.2, 0.4] }\ntangential = [0.05]\n");
+  const Sweep sweep = read_sweep(deep);
+  int beyond = 0;
+  for (std::uint64_t k = 0; k < 10000; ++k) beyond += sweep.source.contact(k).scene.load.indentation[0] > 0.3;
+  ASSERT_GT(beyond, 1000);
+  const std::string said =
+      "warning: in " + std::to_string(beyond) + " of 10000 contacts the indenter is deeper than 20 %";
+  const ChildResult whole = run_tactel({"generate", deep, "--output", output("deep.h5")});
+  EXPECT_EQ(whole.exit_code, 0);
+  EXPECT_THAT(whole.err, HasSubstr(said));
+  EXPECT_EQ(whole.err.find("warning"), whole.err.rfind("warning"));
+  EXPECT_EQ(run_tactel({"generate", deep, "--output", output("quiet.h5"), "--quiet"}).err, "");
+  run_child(
+      {"sh", "-c",
+       "trap '' XFSZ; ulimit -f 3000; " TACTEL_PROGRAM " generate " + deep + " --output " + output("resumed.h5")});
+  ASSERT_FALSE(std::filesystem::exists(output("resumed.h5")));
+  const ChildResult resumed = run_tactel({"generate", deep, "--output", output("resumed.h5"), "--resume"});
+  EXPECT_THAT(resumed.out, HasSubstr("1 of 2 chunks are there"));
+  EXPECT_THAT(resumed.err, HasSubstr(said));
+  EXPECT_EQ(run({"--output", output("shallow.h5")}).err, "");
+}
+
 const std::string mpirun =
     "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 exec mpirun --oversubscribe --bind-to none -n 3";
 

@@ -49,15 +49,24 @@ Hashes hashes(const host::GapSweep<Real>& sweep, std::span<const fem::Scene> sce
 
 struct Case {
   const char* name;
-  bool fp32, force;
+  bool fp32, force, friction = true;
 };
 
 class SameBits : public ::testing::TestWithParam<Case> {
  protected:
   static constexpr std::size_t count = 150;  ///< four groups in fp32, seven in fp64, the last one ragged
-  const std::vector<fem::Scene> scenes_ = GetParam().force
-                                              ? tactel::testing::random_force_scenes(paper_mesh('B'), count, 7)
-                                              : tactel::testing::random_scenes(paper_mesh('B'), count, 7);
+  const std::vector<fem::Scene> scenes_ = random_scenes(7);
+
+  static std::vector<fem::Scene> random_scenes(std::uint64_t seed) {
+    auto scenes = GetParam().force ? tactel::testing::random_force_scenes(paper_mesh('B'), count, seed)
+                                   : tactel::testing::random_scenes(paper_mesh('B'), count, seed);
+    for (fem::Scene& scene : scenes) {
+      if (GetParam().friction) continue;
+      scene.friction = 0;
+      scene.load.angle.reset();
+    }
+    return scenes;
+  }
 
   const host::GapSweepOptions options_{.most_sweeps = 500};  ///< no need to solve all strangers
 
@@ -122,13 +131,13 @@ TEST_P(SameBits, SplitIntoBatchesOfAnySize) {
 /// Other scenes before, between and behind: longer paths, deeper, softer, and such as are no scenes at all.
 TEST_P(SameBits, AmongStrangersAndBrokenNeighbours) {
   const Hashes expected = plain();
-  auto strangers = GetParam().force ? tactel::testing::random_force_scenes(paper_mesh('B'), count, 70)
-                                    : tactel::testing::random_scenes(paper_mesh('B'), count, 70);
+  auto strangers = random_scenes(70);
   for (std::size_t i = 0; i < count; ++i) {
     fem::Scene& s = strangers[i];
     const auto& goal = GetParam().force ? s.load.normal_force : s.load.indentation;
     if (i % 4 == 0) s.sensor.young = i % 8 ? 1e-30 : infinity;
-    if (i % 4 == 1) s.friction = i % 8 == 1 ? nan : 1e30;
+    if (i % 4 == 1 && GetParam().friction) s.friction = i % 8 == 1 ? nan : 1e30;
+    if (i % 4 == 1 && !GetParam().friction) (i % 8 == 1 ? s.sensor.young : s.indenter.position) = nan;
     if (i % 4 == 2 && !s.load.angle) s.load.tangential.assign(12, 1e3);
     if (i % 4 == 3)
       s.indenter.shape = fem::Profile{{-30, 0, 30}, {goal.front(), i % 8 == 3 ? nan : 0.0, 1e30}, 0.0, ""};
@@ -155,7 +164,9 @@ TEST_P(SameBits, AmongStrangersAndBrokenNeighbours) {
 
 INSTANTIATE_TEST_SUITE_P(GapSweep, SameBits,
                          ::testing::Values(Case{"fp32_depth", true, false}, Case{"fp64_depth", false, false},
-                                           Case{"fp32_force", true, true}, Case{"fp64_force", false, true}),
+                                           Case{"fp32_force", true, true}, Case{"fp64_force", false, true},
+                                           Case{"fp32_frictionless", true, false, false},
+                                           Case{"fp64_frictionless_force", false, true, false}),
                          [](const auto& info) { return info.param.name; });
 
 }  // namespace

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "host/scene_json.h"
 #include "tests/host/run_tactel.h"
 
@@ -48,7 +50,17 @@ tangential_step = -0.02
 tangential_steps = 6
 )");
   EXPECT_EQ(scene.title, "all of it");
-  const fem::Sensor expected{18.0, 2.5, 3.5, 0.3, 31, 9, 2.0, fem::Element::q8, 8, fem::StressRecovery::element};
+  const fem::Sensor expected{.length = 18.0,
+                             .thickness = 2.5,
+                             .young = 3.5,
+                             .poisson = 0.3,
+                             .columns = 31,
+                             .rows = 9,
+                             .grading = 2.0,
+                             .element = fem::Element::q8,
+                             .tactels = 8,
+                             .tactel_span = {},
+                             .stress = fem::StressRecovery::element};
   EXPECT_EQ(scene.sensor, expected);
   EXPECT_EQ(std::get<fem::Cylinder>(scene.indenter.shape).radius, 7.0);
   EXPECT_EQ(scene.indenter.position, -1.25);
@@ -89,6 +101,14 @@ TEST(SceneFile, EveryShape) {
   const auto profile = std::get<fem::Profile>(shape_of("shape = \"profile\"\nx = [-1, 0, 1]\ny = [0.2, 0, 0.2]"));
   EXPECT_EQ(profile.x, (std::vector{-1.0, 0.0, 1.0}));
   EXPECT_EQ(profile.y, (std::vector{0.2, 0.0, 0.2}));
+}
+
+TEST(SceneFile, FrictionMayBeBonded) {
+  const std::string rest = "[indenter]\nshape = \"flat\"\n[load]\nindentation = 0.1\n";
+  const fem::Scene scene = read_text("[contact]\nfriction = \"bonded\"\n" + rest);
+  EXPECT_TRUE(std::isinf(scene.friction) && scene.friction > 0);
+  EXPECT_EQ(to_json(scene)["contact"]["friction"], "bonded");
+  EXPECT_EQ(read_text("[contact]\nfriction = 0.25\n" + rest).friction, 0.25);
 }
 
 TEST(SceneFile, LoadsMayBeSequences) {
@@ -166,7 +186,8 @@ TEST(SceneJson, DefaultsFilledIn) {
   const auto expected = nlohmann::ordered_json::parse(R"({
     "title": "t",
     "sensor": {"length": 20.0, "thickness": 1.5, "young": 2.0, "poisson": 0.45, "columns": 41, "rows": 11,
-               "grading": 4.0, "element": "bbar", "tactels": 21, "stress": "reaction"},
+               "grading": 4.0, "element": "bbar", "tactels": 21, "tactel_span": 20.0, "tactel_width": 0.0,
+               "stress": "reaction"},
     "indenter": {"shape": "parabola", "radius": 10.0, "position": 0.0},
     "contact": {"friction": 0.5},
     "load": {"indentation": 0.15, "indentation_steps": 1}})");

@@ -34,8 +34,8 @@ TEST(SolveCommand, TableHasALineAStep) {
 
 TEST(SolveCommand, JsonHasTheDocumentedKeys) {
   const json answer = json::parse(run_tactel({"solve", parabola, "--json", "-"}).out);
-  EXPECT_THAT(keys(answer), testing::UnorderedElementsAre("tactel", "scene", "solver", "precision", "device", "fallback",
-                                                          "surface_x", "base_x", "tactel_x", "steps"));
+  EXPECT_THAT(keys(answer), testing::UnorderedElementsAre("tactel", "scene", "solver", "precision", "device",
+                                                          "fallback", "surface_x", "base_x", "tactel_x", "steps"));
   ASSERT_EQ(answer["steps"].size(), 9u);
   const json& step = answer["steps"][4];
   EXPECT_THAT(keys(step),
@@ -69,6 +69,19 @@ TEST(SolveCommand, SlipIndexIsNullWithoutFriction) {
   EXPECT_TRUE(answer["steps"][0]["slip_index"].is_null());
   EXPECT_GT(answer["steps"][0]["P"].get<double>(), 0.0);
   EXPECT_TRUE(answer["steps"][1]["slip_index"].is_null());
+}
+
+// Pulled at 99.9 % of the friction angle by force, the sweeps give up, and the fallback answers.
+TEST(SolveCommand, JsonSaysWhenTheFallbackAnswered) {
+  const ScratchFolder folder;
+  // atan 0.5 = 26.5651 degrees
+  const std::string scene = folder.write("scene.toml",
+                                         "[indenter]\nshape = \"parabola\"\nradius = 10\n[contact]\nfriction = 0.5\n"
+                                         "[load]\nnormal_force = 0.5\nangle = 26.5385\n");
+  const json answer = json::parse(run_tactel({"solve", scene, "--json", "-"}).out);
+  EXPECT_EQ(answer["fallback"], true);
+  EXPECT_EQ(answer["steps"].back()["converged"], true);
+  EXPECT_EQ(json::parse(run_tactel({"solve", parabola, "--json", "-"}).out)["fallback"], false);
 }
 
 TEST(SolveCommand, WritesEveryOutput) {

@@ -1,0 +1,67 @@
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/sensor_profile.h"
+#include "hw/decoder.h"
+#include "hw/frame_source.h"
+
+namespace tactel::host {
+
+/// A source, opened, and how to read it.
+struct OpenSource {
+  std::unique_ptr<hw::FrameSource> source;
+  SensorProfile profile;
+};
+
+/// Opens what --source names: "usb:glove", "usb:VID:PID" with a profile, "replay:FILE",
+/// "simulate:SCENE.toml?rate=1000". Empty paths: no such file. Throws ConfigError, hw::SourceError.
+OpenSource open_source(const std::string& source, const std::string& profile, const std::string& calibration);
+
+/// A frame as the network takes it.
+struct LiveFrame {
+  std::uint64_t number = 0;             ///< from 0, in the order of decoding
+  std::optional<double> device_time{};  ///< s
+  double arrival = 0;                   ///< s
+};
+
+/// Decoded frames that wait for their slippage index: a ring of fixed size. When it is full the oldest go.
+class FrameQueue {
+ public:
+  FrameQueue(std::size_t capacity, std::size_t inputs);
+  /// A new last frame; its inputs are to be written to what comes back, [inputs] MPa.
+  std::span<float> push(const LiveFrame& frame);
+  void pop();
+  std::size_t size() const { return size_; }
+  std::size_t dropped() const { return dropped_; }                           ///< because the ring was full
+  const LiveFrame& frame(std::size_t i) const { return frames_[place(i)]; }  ///< 0 is the oldest
+  std::span<const float> inputs(std::size_t i) const;
+
+ private:
+  std::size_t place(std::size_t i) const { return (first_ + i) % frames_.size(); }
+  std::size_t inputs_, first_ = 0, size_ = 0, dropped_ = 0;
+  std::vector<LiveFrame> frames_;  ///< [capacity]
+  std::vector<float> stresses_;    ///< [capacity, inputs] MPa
+};
+
+/// Quantiles of latencies within 1 %, in memory that does not grow.
+class LatencyHistogram {
+ public:
+  LatencyHistogram();
+  void add(double microseconds);
+  double quantile(double share) const;  ///< us; 0 when there is none
+  double largest() const { return largest_; }
+  std::uint64_t count() const { return count_; }
+
+ private:
+  std::vector<std::uint64_t> counts_;
+  std::uint64_t count_ = 0;
+  double largest_ = 0;
+};
+
+}  // namespace tactel::host

@@ -1,0 +1,126 @@
+#include "host/live_monitor.h"
+
+#include <fmt/format.h>
+
+#include "host/errors.h"
+
+namespace tactel::host {
+namespace {
+
+constexpr double longest_wait = 0.05;  // s: how soon Ctrl-C and the watchdog are noticed
+
+void check_width(const nn::Model& model, const SensorProfile& profile) {
+  const std::size_t inputs = 2 * profile.map.tactels();
+  if (static_cast<std::size_t>(model.weights.topology.inputs()) == inputs) return;
+  throw ConfigError(
+      "command line", "--network", model.weights.topology.text(),
+      fmt::format("a network with {} inputs, a normal and a shear stress for each of the {} tactels that the "
+                  "profile of {} maps",
+                  inputs, profile.map.tactels(), profile.name.empty() ? "this source" : profile.name));
+}
+
+}  // namespace
+
+LiveMonitor::LiveMonitor(Executor& executor, const nn::Model& model, const SensorProfile& profile,
+                         const MonitorOptions& options)
+    : options_(options),
+      map_(profile.map),
+      decoder_((check_width(model, profile), profile.format())),
+      queue_(options.queue, 2 * profile.map.tactels()),
+      one_(executor, model.weights, model.scaling),
+      batch_(executor, std::span(&model.weights, 1), model.scaling),
+      device_(&executor.device()) {
+  const std::vector<float> rest(2 * map_.tactels(), 0.0f);
+  one_(rest);
+  batch_.recall(nn::RowMatrix<float>::Zero(static_cast<Eigen::Index>(options.batch_from),
+                                           static_cast<Eigen::Index>(rest.size())));
+  sink_ = [this](const hw::DecodedFrame& frame) {
+    map_.apply(frame.values, queue_.push({decoder_.counts().frames - 1, frame.device_time, arrival_}));
+  };
+}
+
+MonitorSummary LiveMonitor::run(hw::FrameSource& source, const MonitorEvents& events) {
+  last_frame_ = source.now();
+  next_second_ = last_frame_ + 1;
+  while (!source.finished() && !(events.stop && events.stop())) {
+    if (const auto packet = source.wait(longest_wait)) {
+      decode(*packet);
+      answer_waiting(source, events);
+    }
+    watch(source, events);
+  }
+  refresh(source);
+  return summary_;
+}
+
+void LiveMonitor::decode(const hw::Packet& packet) {
+  if (packet.after_gap) decoder_.interrupt();
+  arrival_ = packet.arrival;
+  decoder_.feed(packet.bytes, sink_);
+}
+
+void LiveMonitor::answer_waiting(const hw::FrameSource& source, const MonitorEvents& events) {
+  if (queue_.size() > 0) last_frame_ = arrival_, silent_ = false;
+  if (source.live()) drop_late(source);
+  if (queue_.size() >= options_.batch_from) return answer_batch(source, events);
+  while (queue_.size() > 0) answer_one(source, events);
+}
+
+void LiveMonitor::drop_late(const hw::FrameSource& source) {
+  const double now = source.now();
+  while (queue_.size() > 0 && now - queue_.frame(0).arrival > options_.late) {
+    queue_.pop();
+    ++summary_.late;
+  }
+}
+
+void LiveMonitor::answer_one(const hw::FrameSource& source, const MonitorEvents& events) {
+  const FrameAnswer<float> answer = one_(queue_.inputs(0));
+  tell(0, answer, source.now(), events);
+  queue_.pop();
+}
+
+void LiveMonitor::answer_batch(const hw::FrameSource& source, const MonitorEvents& events) {
+  const std::size_t count = queue_.size();
+  nn::RowMatrix<float> frames(count, 2 * map_.tactels());
+  for (std::size_t i = 0; i < count; ++i)
+    std::ranges::copy(queue_.inputs(i), frames.row(static_cast<Eigen::Index>(i)).data());
+  batch_.run(DeviceFrames(*device_, frames));
+  const nn::Recall<float> recall = batch_.result(0);
+  const double now = source.now();
+  summary_.batched += count;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    tell(i, {recall.slip_index[row], recall.status[i]}, now, events);
+  }
+  for (std::size_t i = 0; i < count; ++i) queue_.pop();
+}
+
+void LiveMonitor::tell(std::size_t i, const FrameAnswer<float>& answer, double now, const MonitorEvents& events) {
+  const LiveFrame& frame = queue_.frame(i);
+  const double latency = 1e6 * (now - frame.arrival);
+  summary_.latency.add(latency);
+  if (events.line) events.line({frame, queue_.inputs(i), answer, latency});
+}
+
+void LiveMonitor::refresh(const hw::FrameSource& source) {
+  summary_.decoder = decoder_.counts();
+  summary_.transport = source.counts();
+  summary_.late += queue_.dropped() - dropped_before_;
+  dropped_before_ = queue_.dropped();
+}
+
+void LiveMonitor::watch(const hw::FrameSource& source, const MonitorEvents& events) {
+  const double now = source.now();
+  if (now >= next_second_) {
+    next_second_ = now + 1;
+    refresh(source);
+    if (events.second) events.second(summary_);
+  }
+  if (!source.live() || silent_ || now - last_frame_ < options_.silence) return;
+  silent_ = true;
+  ++summary_.silences;
+  if (events.silence) events.silence(now - last_frame_);
+}
+
+}  // namespace tactel::host

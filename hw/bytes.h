@@ -1,0 +1,28 @@
+#pragma once
+#include <bit>
+
+#include "hw/wire_format.h"
+
+namespace tactel::hw {
+
+/// `width` bytes (1 to 8) from `at`, unsigned, least or most significant byte first. The caller has checked the length.
+inline std::uint64_t unsigned_at(Bytes bytes, std::size_t at, std::size_t width, bool big_endian = false) {
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < width; ++i) value = value << 8 | bytes[at + (big_endian ? i : width - 1 - i)];
+  return value;
+}
+
+inline double float_at(Bytes bytes, std::size_t at, bool big_endian = false) {
+  return std::bit_cast<float>(static_cast<std::uint32_t>(unsigned_at(bytes, at, 4, big_endian)));
+}
+
+/// Whether `bytes` begin with `mark`, as far as they reach: `whole`, `incomplete` or `nothing`.
+inline Verdict::Kind begins_with(Bytes bytes, Bytes mark) {
+  for (std::size_t i = 0; i < mark.size(); ++i) {
+    if (i == bytes.size()) return Verdict::incomplete;
+    if (bytes[i] != mark[i]) return Verdict::nothing;
+  }
+  return Verdict::whole;
+}
+
+}  // namespace tactel::hw

@@ -1,0 +1,30 @@
+#pragma once
+
+namespace tactel::hw {
+
+/// A charge amplifier with a resistance in parallel to its capacity (the paper, section III): the reading of a constant
+/// stress decays with the time constant RC. v' = x' - v / RC, solved exactly for an input that is linear between
+/// samples. Input and output in MPa.
+class ChargeAmplifier {
+ public:
+  /// time_constant: s, above 0; infinite: no decay. sample_time: s, above 0.
+  ChargeAmplifier(double time_constant, double sample_time);
+  double operator()(double stress);
+
+ private:
+  double decay_;  ///< of the output over a sample
+  double rise_;   ///< of the output by the input's change within the sample
+  double input_ = 0, output_ = 0;
+};
+
+/// An analog-to-digital converter of both signs, offset binary as in the paper's board.
+struct Converter {
+  int bits = 12;            ///< 2 to 24
+  double full_scale = 1.0;  ///< MPa: the reading of the largest code, nearly
+
+  double step() const;                  ///< MPa by code
+  int zero() const;                     ///< code of no stress
+  int operator()(double stress) const;  ///< nearest code; beyond full scale the last one. NaN reads as no stress
+};
+
+}  // namespace tactel::hw

@@ -1,0 +1,202 @@
+#include "hw/recording.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <chrono>
+#include <cstring>
+#include <string_view>
+#include <thread>
+
+#include "hw/bytes.h"
+
+namespace tactel::hw {
+namespace {
+
+constexpr std::string_view magic = "tactel1\n";
+constexpr std::uint8_t description_record = 'D', packet_record = 'P', index_record = 'I';
+constexpr std::size_t record_head = 1 + 4, record_tail = 4;  // kind, length of the body; CRC-32 of both
+constexpr std::size_t packet_head = 8 + 1;                   // arrival, flags
+constexpr std::size_t largest_packet = 1 << 24;
+constexpr std::uint64_t packets_by_index_entry = 256;
+
+using Clock = std::chrono::steady_clock;
+
+void put_number(std::vector<std::uint8_t>& bytes, std::uint64_t value, int width) {
+  for (int i = 0; i < width; ++i) bytes.push_back(static_cast<std::uint8_t>(value >> 8 * i));
+}
+
+/// A record around a body that `fill` appends.
+template <class Fill>
+void make_record(std::vector<std::uint8_t>& record, std::uint8_t kind, std::size_t length, const Fill& fill) {
+  record.clear();
+  record.push_back(kind);
+  put_number(record, length, 4);
+  fill(record);
+  put_number(record, crc32(record), 4);
+}
+
+void put_bytes(std::vector<std::uint8_t>& record, Bytes bytes) { std::ranges::copy(bytes, std::back_inserter(record)); }
+
+}  // namespace
+
+std::uint32_t crc32(Bytes bytes) {
+  static const auto table = [] {
+    std::array<std::uint32_t, 256> remainders{};
+    for (std::uint32_t i = 0; i < 256; ++i) {
+      remainders[i] = i;
+      for (int bit = 0; bit < 8; ++bit) remainders[i] = remainders[i] >> 1 ^ (remainders[i] & 1 ? 0xEDB88320u : 0u);
+    }
+    return remainders;
+  }();
+  std::uint32_t crc = ~0u;
+  for (const std::uint8_t byte : bytes) crc = table[(crc ^ byte) & 0xFF] ^ crc >> 8;
+  return ~crc;
+}
+
+RecordingWriter::RecordingWriter(const std::filesystem::path& path, const std::string& description)
+    : path_(path), file_(path, std::ios::binary | std::ios::trunc) {
+  const auto text = [](std::string_view t) { return Bytes(reinterpret_cast<const std::uint8_t*>(t.data()), t.size()); };
+  scratch_.assign(magic.begin(), magic.end());
+  put(scratch_);
+  make_record(scratch_, description_record, description.size(), [&](auto& r) { put_bytes(r, text(description)); });
+  put(scratch_);
+  file_.flush();
+  check();
+}
+
+void RecordingWriter::write(const Packet& packet, std::uint64_t frames) {
+  if (index_.size() / 24 * packets_by_index_entry <= packets_) {
+    put_number(index_, at_, 8);
+    put_number(index_, frames, 8);
+    put_number(index_, std::bit_cast<std::uint64_t>(packet.arrival), 8);
+  }
+  ++packets_;
+  make_record(scratch_, packet_record, packet_head + packet.bytes.size(), [&](auto& record) {
+    put_number(record, std::bit_cast<std::uint64_t>(packet.arrival), 8);
+    record.push_back(packet.after_gap ? 1 : 0);
+    put_bytes(record, packet.bytes);
+  });
+  put(scratch_);
+}
+
+void RecordingWriter::finish() {
+  const std::uint64_t index_at = at_;
+  make_record(scratch_, index_record, index_.size() + 8, [&](auto& record) {
+    put_bytes(record, index_);
+    put_number(record, index_at, 8);
+  });
+  put(scratch_);
+  file_.close();
+  check();
+}
+
+void RecordingWriter::put(const std::vector<std::uint8_t>& bytes) {
+  file_.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  at_ += bytes.size();
+  if (!file_) check();
+}
+
+void RecordingWriter::check() const {
+  if (!file_) throw RecordingError(path_.string() + ": the recording cannot be written: " + std::strerror(errno));
+}
+
+struct ReplaySource::State {
+  std::string path, description;
+  std::ifstream file;
+  bool real_time = false, finished = false, cut_short = false;
+  std::vector<std::uint8_t> record;
+  std::optional<Clock::time_point> zero;
+  bool held = false;  ///< the record in hand waits for its time
+  double last_arrival = 0;
+  Clock::time_point handed_out = Clock::now();
+  TransportCounts counts;
+
+  [[noreturn]] void fail(const std::string& what) const { throw RecordingError(path + ": " + what); }
+
+  /// Reads a record into `record`; false at the end of the file, and where the file was cut off.
+  bool read_record() {
+    record.resize(record_head);
+    if (!read_into(0, record_head)) return false;
+    const std::size_t length = unsigned_at(record, 1, 4);
+    if (length > largest_packet) fail("damaged: a record of " + std::to_string(length) + " bytes");
+    record.resize(record_head + length + record_tail);
+    if (!read_into(record_head, length + record_tail)) return false;
+    const std::size_t end = record_head + length;
+    if (crc32(Bytes(record).first(end)) != unsigned_at(record, end, 4)) fail("damaged: a checksum does not match");
+    return true;
+  }
+
+  bool read_into(std::size_t at, std::size_t count) {
+    file.read(reinterpret_cast<char*>(record.data() + at), static_cast<std::streamsize>(count));
+    return file.gcount() == static_cast<std::streamsize>(count);
+  }
+
+  Bytes body() const { return Bytes(record).subspan(record_head, record.size() - record_head - record_tail); }
+
+  void open(const std::filesystem::path& from) {
+    path = from.string();
+    file.open(from, std::ios::binary);
+    if (!file) fail("cannot be read: " + std::string(std::strerror(errno)));
+    record.resize(magic.size());
+    if (!read_into(0, magic.size()) || std::memcmp(record.data(), magic.data(), magic.size()) != 0)
+      fail("no recording of tactel");
+    if (!read_record() || record[0] != description_record) fail("damaged: no description at its beginning");
+    description.assign(body().begin(), body().end());
+  }
+
+  /// The next packet into `record`; false at the end.
+  bool next() {
+    const bool there = !finished && read_record();
+    if (there && record[0] == packet_record && body().size() >= packet_head) return true;
+    if (there && record[0] != index_record) fail("damaged: an unknown record");
+    cut_short = cut_short || (!there && !finished);
+    finished = true;
+    return false;
+  }
+
+  double arrival() const { return std::bit_cast<double>(unsigned_at(body(), 0, 8)); }
+
+  /// Waits for the packet's time; false when that is not within `timeout`.
+  bool due(double timeout) {
+    if (!real_time) return true;
+    const auto seconds = [](double s) {
+      return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
+    };
+    const auto now = Clock::now();
+    if (!zero) zero = now - seconds(arrival());
+    const auto time = *zero + seconds(arrival());
+    std::this_thread::sleep_until(std::min(time, now + seconds(timeout)));
+    return time <= now + seconds(timeout);
+  }
+};
+
+ReplaySource::ReplaySource(const std::filesystem::path& path, bool real_time) : state_(std::make_unique<State>()) {
+  state_->open(path);
+  state_->real_time = real_time;
+}
+ReplaySource::~ReplaySource() = default;
+
+const std::string& ReplaySource::description() const { return state_->description; }
+bool ReplaySource::cut_short() const { return state_->cut_short; }
+bool ReplaySource::finished() const { return state_->finished; }
+TransportCounts ReplaySource::counts() const { return state_->counts; }
+
+double ReplaySource::now() const {
+  return state_->last_arrival + std::chrono::duration<double>(Clock::now() - state_->handed_out).count();
+}
+
+std::optional<Packet> ReplaySource::wait(double timeout) {
+  State& s = *state_;
+  if (!s.held && !s.next()) return std::nullopt;
+  s.held = !s.due(timeout);
+  if (s.held) return std::nullopt;
+  const Bytes bytes = s.body().subspan(packet_head);
+  ++s.counts.packets;
+  s.counts.bytes += bytes.size();
+  s.last_arrival = s.arrival();
+  s.handed_out = Clock::now();
+  return Packet{bytes, s.last_arrival, s.body()[8] != 0};
+}
+
+}  // namespace tactel::hw

@@ -1,0 +1,47 @@
+#include "hw/channel_map.h"
+
+#include <gmock/gmock.h>
+
+#include "hw/profile_error.h"
+
+namespace tactel::hw {
+namespace {
+
+using ::testing::ElementsAre;
+
+ChannelMap three_channels() {
+  return {.normal = {2, 0}, .shear = {1, -1}, .calibration = {.offset = {10, 20, 30}, .gain = {0.5, -1, 0.25}}};
+}
+
+TEST(ChannelMap, PutsCalibratedChannelsWhereTheyBelong) {
+  float frame[4];
+  three_channels().apply(std::vector<double>{14, 21, 38}, frame);
+  EXPECT_THAT(frame, ElementsAre(2, 2, -1, 0));  // (38-30)/4, (14-10)/2, -(21-20), no channel
+}
+
+TEST(ChannelMap, RefusesWhatDoesNotFitTheDevice) {
+  EXPECT_NO_THROW(three_channels().validate(3));
+  const auto refused = [](auto&& change) {
+    ChannelMap map = three_channels();
+    change(map);
+    EXPECT_THROW(map.validate(3), ProfileError);
+  };
+  refused([](ChannelMap& m) { m.normal[0] = 3; });
+  refused([](ChannelMap& m) { m.shear[0] = -2; });
+  refused([](ChannelMap& m) { m.shear.pop_back(); });
+  refused([](ChannelMap& m) { m.normal.clear(), m.shear.clear(); });
+  refused([](ChannelMap& m) { m.calibration.gain.pop_back(); });
+  refused([](ChannelMap& m) { m.calibration.offset[1] = std::nan(""); });
+}
+
+TEST(Tare, TakesTheMeanOfFramesAtRest) {
+  Tare tare(2);
+  EXPECT_THAT(tare.offset(), ElementsAre(0, 0));
+  tare.add(std::vector<double>{1, 10});
+  tare.add(std::vector<double>{2, 30});
+  EXPECT_EQ(tare.frames(), 2u);
+  EXPECT_THAT(tare.offset(), ElementsAre(1.5, 20));
+}
+
+}  // namespace
+}  // namespace tactel::hw

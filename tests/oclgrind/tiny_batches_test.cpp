@@ -1,0 +1,197 @@
+// Every kernel that computes, on a few items, for oclgrind, which looks at each access to memory (scripts/sanitize
+// oclgrind). Answers are checked, too: what the kernels then did is what they do elsewhere. Executors are no statics:
+// oclgrind's own are gone before them.
+#include <dlfcn.h>
+#include <gtest/gtest.h>
+
+#include "fem/gap_reference.h"
+#include "host/forward.h"
+#include "host/gap_sweep.h"
+#include "host/train_batch.h"
+#include "host/train_online.h"
+#include "host/transducer_chain.h"
+#include "tests/host/contact_cases.h"
+#include "tests/host/network_cases.h"
+#include "tests/host/transducer_cases.h"
+
+namespace {
+cl_uint lanes_fp32 = 1;
+}
+
+/// oclgrind's device has no vectors of its own; kernels shall run as on a processor that has. The program's symbol
+/// comes before the library's.
+extern "C" cl_int clGetDeviceInfo(cl_device_id device, cl_device_info what, size_t size, void* value,
+                                  size_t* size_out) {
+  static const auto library = reinterpret_cast<decltype(&clGetDeviceInfo)>(dlsym(RTLD_NEXT, "clGetDeviceInfo"));
+  const cl_int code = library(device, what, size, value, size_out);
+  const bool fp64 = what == CL_DEVICE_NATIVE_VECTOR_WIDTH_DOUBLE;
+  if (value && (fp64 || what == CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT))
+    *static_cast<cl_uint*>(value) = fp64 ? (lanes_fp32 + 1) / 2 : lanes_fp32;
+  return code;
+}
+
+namespace {
+
+using namespace tactel;
+using namespace tactel::host;
+using tactel::testing::all_parts;
+using tactel::testing::base_force_difference;
+using tactel::testing::bumps;
+using tactel::testing::largest_difference;
+using tactel::testing::TransducerCase;
+
+/// By lanes in fp32: a GPU's, and those of AVX-512.
+struct TinyBatches : ::testing::TestWithParam<int> {
+  Device device = [] {
+    lanes_fp32 = static_cast<cl_uint>(GetParam());
+    return Device();
+  }();
+  Executor executor{device, {.threads = 1}};
+};
+
+INSTANTIATE_TEST_SUITE_P(Lanes, TinyBatches, ::testing::Values(1, 16));
+
+/// A sensor of few nodes; scenes that touch one node, some, and all of them.
+std::vector<fem::Scene> few_scenes(bool by_force, double friction) {
+  fem::Sensor sensor;
+  sensor.length = 6;
+  sensor.columns = 9;
+  sensor.rows = 3;
+  sensor.tactels = 4;
+  std::vector<fem::Scene> scenes;
+  for (const fem::Shape& shape : {fem::Shape(fem::Parabola{10}), fem::Shape(fem::Wedge{120}), fem::Shape(fem::Flat{})})
+    scenes.push_back({"", sensor, {shape, 0.0}, friction, {}});
+  for (fem::Scene& scene : scenes) {
+    scene.load.indentation_steps = 2;
+    scene.load.tangential = {0.05, -0.05};
+    if (!by_force) continue;
+    scene.load.indentation.clear();
+    scene.load.normal_force = {0.2};
+  }
+  if (by_force && friction > 0) scenes.back().load.tangential.clear(), scenes.back().load.angle = 10.0;
+  return scenes;
+}
+
+/// Tolerances as in gap_sweep_test: what the sweeps' own tolerance leaves.
+template <class Real>
+void expect_contacts(Executor& executor, bool by_force, double friction) {
+  const auto scenes = few_scenes(by_force, friction);
+  const GapSweep<Real> sweep(executor, scenes.front().sensor);
+  auto batch = sweep.prepare(scenes);
+  batch.run();
+  fem::GapReference reference(scenes.front().sensor);
+  for (std::size_t i = 0; i < scenes.size(); ++i)
+    EXPECT_LE(base_force_difference(batch.solution(i), reference.solve(scenes[i])), sizeof(Real) == 4 ? 1e-3 : 1e-8)
+        << i;
+}
+
+TEST_P(TinyBatches, GapSweepByDepthFp32) { expect_contacts<float>(executor, false, 0.4); }
+TEST_P(TinyBatches, GapSweepByDepthFp64) { expect_contacts<double>(executor, false, 0.4); }
+TEST_P(TinyBatches, GapSweepByForceFp32) { expect_contacts<float>(executor, true, 0.4); }
+TEST_P(TinyBatches, GapSweepByForceFp64) { expect_contacts<double>(executor, true, 0.4); }
+TEST_P(TinyBatches, GapSweepFrictionless) {  // a program of its own
+  expect_contacts<float>(executor, false, 0);
+  expect_contacts<double>(executor, true, 0);
+}
+
+/// Tolerances as in forward_test. 35 frames: whole tiles and a ragged end.
+template <class Real>
+void expect_recall(Executor& executor, const nn::InputScaling& scaling) {
+  const nn::Topology topology = nn::Topology::parse("6-5-3-1");
+  const std::vector networks{nn::Weights<Real>(nn::initial_weights(topology, 1)),
+                             nn::Weights<Real>(nn::initial_weights(topology, 2))};
+  const nn::RowMatrix<float> frames = bumps(35, 6, 4).frames;
+  const double tolerance = sizeof(Real) == 4 ? 1e-6 : 1e-14;
+  Forward<Real> forward(executor, networks, scaling);
+  forward.run(DeviceFrames(executor.device(), frames));
+  for (std::size_t i = 0; i < networks.size(); ++i) {
+    const nn::Recall<double> truth = nn::recall(nn::Weights<double>(networks[i]), scaling, frames);
+    EXPECT_LT((forward.result(i).slip_index.template cast<double>() - truth.slip_index).cwiseAbs().maxCoeff(),
+              tolerance);
+    ForwardOne<Real> one(executor, networks[i], scaling);
+    const FrameAnswer<Real> answer = one(std::span<const float>(frames.row(7).data(), 6));
+    EXPECT_NEAR(static_cast<double>(answer.slip_index), truth.slip_index(7), tolerance);
+  }
+}
+
+TEST_P(TinyBatches, Forward) {
+  for (const nn::InputScaling& scaling :
+       {nn::InputScaling{nn::ScalingKind::set, 1.3f}, nn::InputScaling{nn::ScalingKind::frame, 1.0f}}) {
+    expect_recall<float>(executor, scaling);
+    expect_recall<double>(executor, scaling);
+  }
+}
+
+template <class Real>
+struct Learning {
+  Learning(Executor& executor, const char* topology, int rows)
+      : topology(nn::Topology::parse(topology)),
+        set(bumps(rows, this->topology.inputs(), 3)),
+        inputs(executor.device(), set, scaling(), std::vector<SetVariant>{{0, 0}, {0.1, 5}}) {}
+  nn::InputScaling scaling() const { return nn::fit_scaling(nn::ScalingKind::set, set); }
+
+  nn::Topology topology;
+  nn::FrameSet set;
+  LearningInputs<Real> inputs;
+};
+
+const std::vector<OnlineMember> members{{7, 0}, {8, 1}, {9, 0}};
+
+/// A few cycles only: rounding has not spread, so that one tolerance does for each precision. 11 rows: a block of
+/// patterns and a ragged end.
+template <class Real>
+void expect_online(Executor& executor, const char* topology) {
+  const Learning<Real> c(executor, topology, 11);
+  TrainOnline<Real> device(executor, c.topology, c.inputs, members, {});
+  device.run(2);
+  device.run(1);
+  const auto shown = nn::training_set<double>(c.set, c.scaling());
+  nn::OnlineState<double> reference(nn::initial_weights(c.topology, 7));
+  nn::train_online(reference, shown, {}, 7, 3);
+  EXPECT_LT(largest_difference(device.state(0).weights.values, reference.weights.values),
+            sizeof(Real) == 4 ? 1e-5 : 1e-12);
+  EXPECT_EQ(device.report(1).cycle, 3u);
+}
+
+TEST_P(TinyBatches, TrainOnline) {
+  for (const char* topology : {"6-5-1", "6-5-3-1"}) {
+    expect_online<float>(executor, topology);
+    expect_online<double>(executor, topology);
+  }
+}
+
+/// Batches inside a work-item, and slices of larger ones (more than TrainBatch::slice patterns), with ragged ends.
+template <class Real>
+void expect_batches(Executor& executor, nn::BatchRule rule) {
+  for (const auto& [rows, batch] : {std::pair{11, 4}, {140, 135}}) {
+    const Learning<Real> c(executor, "6-5-3-1", rows);
+    const nn::BatchOptions options{.rule = rule, .batch = batch, .rate = 0.05};
+    TrainBatch<Real> device(executor, c.topology, c.inputs, members, options);
+    ASSERT_TRUE(device.train_epoch());
+    const auto shown = nn::training_set<double>(c.set, c.scaling());
+    nn::BatchState<double> reference(nn::initial_weights(c.topology, 7));
+    nn::train_epoch(reference, shown, options, 7);
+    EXPECT_LT(largest_difference(device.state(0).weights.values, reference.weights.values),
+              sizeof(Real) == 4 ? 1e-4 : 1e-12)
+        << rows << " rows";
+  }
+}
+
+TEST_P(TinyBatches, TrainBatchByDelta) {
+  expect_batches<float>(executor, nn::BatchRule::delta);
+  expect_batches<double>(executor, nn::BatchRule::delta);
+}
+TEST_P(TinyBatches, TrainBatchByAdam) {
+  expect_batches<float>(executor, nn::BatchRule::adam);
+  expect_batches<double>(executor, nn::BatchRule::adam);
+}
+
+/// Tolerance as in transducer_chain_test. 6 channels: a part of a vector.
+TEST_P(TinyBatches, TransducerChain) {
+  const TransducerCase some(5, 6);
+  std::vector<float> signal = some.stress;
+  TransducerChain(executor, all_parts, 11, 6).run(some.contacts, signal);
+  EXPECT_LT(largest_difference(signal, some.by_twin(all_parts, 6)), 3e-6);
+}
+
+}  // namespace
