@@ -2,6 +2,7 @@
 // fuzz_seeds DIR writes DIR/FORMAT/seed.
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iostream>
 
 #include "tests/hw/byte_vectors.h"
@@ -9,8 +10,6 @@
 
 namespace tactel::hw::testing {
 namespace {
-
-constexpr int frames = 5;  // one more than any format wants in a row
 
 ByteVector generic_frame(int i) {
   const GenericLayout layout = counted_layout();
@@ -20,8 +19,9 @@ ByteVector generic_frame(int i) {
   return frame;
 }
 
-/// The first byte says how the stream is split (fuzz_format.cpp): parts of 64 bytes.
-void write(const std::filesystem::path& folder, const std::function<ByteVector(int)>& frame) {
+/// As many frames as the format wants in a row, and more. The first byte says how the stream is split
+/// (fuzz_format.cpp): parts of 64 bytes.
+void write(const std::filesystem::path& folder, int frames, const std::function<ByteVector(int)>& frame) {
   ByteVector stream = {2};
   for (int i = 0; i < frames; ++i) append(stream, frame(i));
   std::filesystem::create_directories(folder);
@@ -39,12 +39,12 @@ int main(int count, char** arguments) {
     return 2;
   }
   const std::filesystem::path folder = arguments[1];
-  write(folder / "glove", glove_frame);
-  write(folder / "papillarray", [](int i) {
+  write(folder / "glove", 2, glove_frame);
+  write(folder / "papillarray", 2, [](int i) {
     return papillarray_frame({.sensors = 2, .counter = static_cast<std::uint32_t>(i), .undocumented = i == 1});
   });
-  write(folder / "anyskin", [](int i) { return anyskin_frame(static_cast<float>(i)); });
-  write(folder / "agni", agni_frame);
-  write(folder / "paxini", [](int i) { return paxini_frame(static_cast<std::uint8_t>(i)); });
-  write(folder / "generic", generic_frame);
+  write(folder / "anyskin", 5, [](int i) { return anyskin_frame(static_cast<float>(i)); });
+  write(folder / "agni", 2, agni_frame);
+  write(folder / "paxini", 3, [](int i) { return paxini_frame(static_cast<std::uint8_t>(i)); });
+  write(folder / "generic", 3, generic_frame);
 }
