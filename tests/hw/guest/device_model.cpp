@@ -15,14 +15,15 @@ ByteVector device_of(Face face) {
 }
 
 // Interface 0: CDC with its interrupt endpoint 82, 8 B. Interface 1: data, endpoints 03 OUT and 83 IN, 64 B.
-const ByteVector serial_port = {9, 2, 67,   0,    2, 1, 0, 0x80, 50,                                              //
-                                9, 4, 0,    0,    1, 2, 2, 1,    0,                                               //
-                                5, 36, 0, 0x10, 0x01, 5, 36, 1, 0, 1, 4, 36, 2, 2, 5, 36, 6, 0, 1,                //
-                                7, 5, 0x82, 3,    8, 0, 16,                                                       //
-                                9, 4, 1,    0,    2, 10, 0, 0,   0,                                               //
-                                7, 5, 0x03, 2,    64, 0, 0, 7, 5, 0x83, 2, 64, 0, 0};
+const ByteVector serial_port = {9, 2,  67,   0,    2,    1,  0,  0x80, 50,                                     //
+                                9, 4,  0,    0,    1,    2,  2,  1,    0,                                      //
+                                5, 36, 0,    0x10, 0x01, 5,  36, 1,    0,  1,    4, 36, 2, 2, 5, 36, 6, 0, 1,  //
+                                7, 5,  0x82, 3,    8,    0,  16,                                               //
+                                9, 4,  1,    0,    2,    10, 0,  0,    0,                                      //
+                                7, 5,  0x03, 2,    64,   0,  0,  7,    5,  0x83, 2, 64, 0, 0};
 // One interface of the vendor's own class, endpoint 81 interrupt IN, 64 B each millisecond.
-const ByteVector interrupt_endpoint = {9, 2, 25, 0, 1, 1, 0, 0x80, 50, 9, 4, 0, 0, 1, 0xFF, 0, 0, 0, 7, 5, 0x81, 3, 64, 0, 1};
+const ByteVector interrupt_endpoint = {9, 2,    25, 0, 1, 1, 0, 0x80, 50, 9,  4, 0, 0,
+                                       1, 0xFF, 0,  0, 0, 7, 5, 0x81, 3,  64, 0, 1};
 
 ByteVector first(const ByteVector& bytes, std::size_t length) {
   return {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(std::min(length, bytes.size()))};

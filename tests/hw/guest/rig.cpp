@@ -29,7 +29,8 @@ void wait_for_device(bool there) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
   while (device_folder().empty() == there) {
     if (std::chrono::steady_clock::now() > end)
-      throw std::runtime_error(there ? "the kernel did not configure the device" : "the kernel did not drop the device");
+      throw std::runtime_error(there ? "the kernel did not configure the device"
+                                     : "the kernel did not drop the device");
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
 }

@@ -1,4 +1,5 @@
-// The URB protocol of usbip (kernel: Documentation/usb/usbip_protocol.rst) on a socket pair whose other end vhci-hcd has.
+// The URB protocol of usbip (kernel: Documentation/usb/usbip_protocol.rst) on a socket pair whose other end vhci-hcd
+// has.
 #include <endian.h>
 #include <poll.h>
 #include <sys/eventfd.h>
@@ -25,7 +26,9 @@ constexpr int full_speed = 2;  // enum usb_device_speed
 /// submit 6: length, 10 and 11: the setup bytes; of an unlink 5: whose; of an answer 5: status, 6: length.
 using Head = std::array<std::uint32_t, 12>;
 
-bool read_all(int socket, void* to, std::size_t length) { return recv(socket, to, length, MSG_WAITALL) == static_cast<ssize_t>(length); }
+bool read_all(int socket, void* to, std::size_t length) {
+  return recv(socket, to, length, MSG_WAITALL) == static_cast<ssize_t>(length);
+}
 
 int status_of(Answer answer) {
   switch (answer) {
@@ -91,7 +94,8 @@ class VhciRig final : public Rig {
   }
 
   void serve() {
-    std::array<pollfd, 3> wanted{pollfd{socket_, POLLIN, 0}, pollfd{stop_, POLLIN, 0}, pollfd{model_.ready_fd(), POLLIN, 0}};
+    std::array<pollfd, 3> wanted{pollfd{socket_, POLLIN, 0}, pollfd{stop_, POLLIN, 0},
+                                 pollfd{model_.ready_fd(), POLLIN, 0}};
     while (poll(wanted.data(), wanted.size(), -1) > 0 || errno == EINTR) {
       if (wanted[1].revents != 0) return;
       if (wanted[0].revents != 0 && !take_message()) {
