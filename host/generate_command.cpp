@@ -36,22 +36,29 @@ ProductionOptions production_options(const GenerateRequest& request) {
   return options;
 }
 
-/// The rung that --rung names, or that --accuracy takes for a sample of the contacts; none: as the file says.
-std::optional<Rung> modelling(const GenerateRequest& request, const SceneSource& source) {
+struct Modelling {
+  std::optional<Rung> rung{};  ///< none: as the file says
+  bool accurate = true;        ///< false: no rung is known to keep --accuracy
+};
+
+/// The rung that --rung names, or that --accuracy takes for a sample of the contacts.
+Modelling modelling(const GenerateRequest& request, const SceneSource& source, bool quiet) {
   const SolveOptions& solve = request.shared.solve;
   check_modelling(solve);
-  if (!solve.rung.empty()) return rung_named(solve.rung);
-  if (!solve.accuracy) return std::nullopt;
+  if (!solve.rung.empty()) return {rung_named(solve.rung)};
+  if (!solve.accuracy) return {};
   std::vector<fem::Scene> sample;
   const std::uint64_t count = std::min<std::uint64_t>(source.contacts(), 64);
   for (std::uint64_t k = 0; k < count; ++k) sample.push_back(source.contact(k * source.contacts() / count).scene);
   Executor executor{Device(solve.device)};
   const Plan chosen =
       plan(sample, *solve.accuracy, [&](const Rung& rung) { return solve_on_rung(executor, sample, rung); });
-  if (!request.shared.quiet)
-    fmt::print(stderr, "{}, in 95 % of {} contacts tried{}\n", chosen.why(), count,
-               chosen.kept ? "" : "; no rung is known to keep this accuracy");
-  return chosen.rung;
+  if (!quiet) {
+    fmt::print(stderr, "{}, in 95 % of {} contacts tried\n", chosen.why(), count);
+    if (!chosen.kept)
+      fmt::print(stderr, "warning: no rung is known to keep this accuracy on these contacts: the finest was taken\n");
+  }
+  return {chosen.rung, chosen.kept};
 }
 
 /// What --precision and --tolerance do not say, the rung does.
@@ -106,9 +113,9 @@ void warn_of_depth(std::uint64_t too_deep, std::uint64_t contacts) {
 int run_generate(const GenerateRequest& request) {
   Sweep sweep = read_sweep(request.sweep);
   ProductionOptions options = production_options(request);
-  const std::optional<Rung> rung = modelling(request, sweep.source);
-  if (rung) model_on(*rung, request.shared.solve, sweep, options.set);
   const Ranks ranks;
+  const auto [rung, accurate] = modelling(request, sweep.source, request.shared.quiet || !ranks.first());
+  if (rung) model_on(*rung, request.shared.solve, sweep, options.set);
   options.rank = ranks.rank(), options.ranks = ranks.count();
   if (ranks.first()) {
     if (already_there(request, sweep)) {
@@ -161,7 +168,7 @@ int run_generate(const GenerateRequest& request) {
     warn_of_depth(set.too_deep, sweep.source.contacts());
     fmt::print("{}", report_text(request, set, sums, spool->rows(), report.seconds, seconds));
   }
-  return set.unsolved ? not_converged : done;
+  return set.unsolved == 0 && accurate ? done : not_converged;
 }
 
 }  // namespace

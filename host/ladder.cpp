@@ -24,7 +24,7 @@ int scaled(int intervals, const fem::Sensor& sensor) {
 const std::vector<Rung>& ladder() {
   using enum Precision;
   static const std::vector<Rung> rungs = {
-      {.name = "draft", .columns = 41, .rows = 6, .steps = 1, .precision = fp32, .tolerance = 1e-2},
+      {.name = "draft", .columns = 41, .rows = 11, .steps = 1, .precision = fp32, .tolerance = 1e-2},
       {.name = "paper", .columns = 41, .rows = 11, .steps = 1, .precision = fp32, .tolerance = 1e-4},
       {.name = "medium", .columns = 81, .rows = 17, .steps = 2, .precision = fp32, .tolerance = 1e-3},
       {.name = "fine", .columns = 161, .rows = 25, .steps = 4, .precision = fp32, .tolerance = 1e-4},

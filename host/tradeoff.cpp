@@ -35,7 +35,7 @@ std::vector<Rung> other_models() {
     return Rung{"", columns, rows, 1, steps, precision, tolerance, fem::Element::bbar};
   };
   std::vector<Rung> models = {
-      model(21, 6, 1, fp32, 1e-2),   model(41, 6, 1, fp32, 1e-3),   model(41, 11, 1, fp32, 1e-2),
+      model(21, 6, 1, fp32, 1e-2),   model(41, 6, 1, fp32, 1e-3),   model(41, 6, 1, fp32, 1e-2),
       model(41, 11, 1, fp64, 1e-9),  model(41, 11, 4, fp32, 1e-3),  model(81, 11, 1, fp32, 1e-2),
       model(81, 11, 1, fp32, 1e-3),  model(81, 17, 4, fp32, 1e-4),  model(123, 33, 1, fp32, 1e-4),
       model(123, 33, 4, fp32, 1e-4), model(161, 17, 2, fp32, 1e-3), model(161, 25, 10, fp32, 1e-5),

@@ -77,6 +77,23 @@ TEST_F(Generate, KilledAtAnyMomentAndResumedGivesTheSameBytes) {
   EXPECT_FALSE(std::filesystem::exists(SetSpool::folder(output("killed.h5"))));
 }
 
+// A tenth of the usual length, so that the finest rungs are small.
+TEST_F(Generate, SaysWhereNoRungKeepsTheAccuracy) {
+  const std::string small = folder_.write("small.toml",
+                                          "[sweep]\ncontacts = 2\nseed = 1\n[sensor]\nlength = 2\n[indenter]\n"
+                                          "shape = \"parabola\"\nradius = 2\n[load]\nindentation = 0.05\n"
+                                          "tangential = [{ uniform = [0.01, 0.02] }]\n");
+  const auto generate = [&](const char* accuracy) {
+    return run_tactel({"generate", small, "--output", output("small.h5"), "--force", "--accuracy", accuracy});
+  };
+  const ChildResult impossible = generate("1e-9");
+  EXPECT_EQ(impossible.exit_code, 4);
+  EXPECT_THAT(impossible.err, HasSubstr("no rung is known to keep this accuracy"));
+  EXPECT_TRUE(std::filesystem::exists(output("small.h5")));
+  const ChildResult easy = generate("0.9");
+  EXPECT_EQ(easy.exit_code, 0) << easy.err;
+}
+
 TEST_F(Generate, InterruptKeepsWhatIsDoneAndSaysHowToGoOn) {
   const ChildResult result = shell("timeout -s INT 0.6", output("set.h5"));
   if (result.exit_code == 124 || result.exit_code == 130) {
