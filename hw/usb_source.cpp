@@ -215,20 +215,15 @@ class Context {
 class UsbSource final : public FrameSource {
  public:
   explicit UsbSource(const UsbDevice& device)
-      : device_(device), opened_(std::make_unique<OpenDevice>(context_.get(), device)), ring_(ring_slots, 1024) {
-    for (Slot& slot : slots_) {
-      slot.source = this;
-      slot.transfer = libusb_alloc_transfer(0);
-      if (slot.transfer == nullptr) throw SourceError("USB: no memory for transfers");
-    }
+      : device_(device), opened_(std::make_unique<OpenDevice>(context_->get(), device)), ring_(ring_slots, 1024) {
+    make_transfers();
     listen_for_arrival();
     thread_ = std::thread([this] { pump(); });
   }
   ~UsbSource() override {
     stopping_ = true;
     thread_.join();
-    for (Slot& slot : slots_)
-      if (!slot.busy) libusb_free_transfer(slot.transfer);  // one that never came back still belongs to libusb
+    free_transfers();
   }
 
   std::optional<Packet> wait(double timeout) override {
@@ -250,6 +245,19 @@ class UsbSource final : public FrameSource {
     std::array<std::uint8_t, 1024> bytes{};
   };
 
+  void make_transfers() {
+    for (Slot& slot : slots_) {
+      slot.source = this;
+      slot.transfer = libusb_alloc_transfer(0);
+      if (slot.transfer == nullptr) throw SourceError("USB: no memory for transfers");
+    }
+  }
+
+  void free_transfers() {
+    for (Slot& slot : slots_)
+      if (!slot.busy) libusb_free_transfer(slot.transfer);  // one that never came back still belongs to libusb
+  }
+
   // Only a hint that makes reopening quicker: libusb may report an arrival twice, or not at all without udev.
   void listen_for_arrival() {
     if (!libusb_has_capability(LIBUSB_CAP_HAS_HOTPLUG)) return;
@@ -257,7 +265,7 @@ class UsbSource final : public FrameSource {
       static_cast<UsbSource*>(self)->arrived_ = true;
       return 0;
     };
-    libusb_hotplug_register_callback(context_.get(), LIBUSB_HOTPLUG_EVENT_DEVICE_ARRIVED, LIBUSB_HOTPLUG_NO_FLAGS,
+    libusb_hotplug_register_callback(context_->get(), LIBUSB_HOTPLUG_EVENT_DEVICE_ARRIVED, LIBUSB_HOTPLUG_NO_FLAGS,
                                      device_.vendor, device_.product, LIBUSB_HOTPLUG_MATCH_ANY, arrived, this, nullptr);
   }
 
@@ -282,7 +290,7 @@ class UsbSource final : public FrameSource {
 
   void handle_events() {
     timeval limit{0, 1000 * poll_ms};
-    libusb_handle_events_timeout_completed(context_.get(), &limit, nullptr);
+    libusb_handle_events_timeout_completed(context_->get(), &limit, nullptr);
   }
 
   void submit_all() {
@@ -368,10 +376,12 @@ class UsbSource final : public FrameSource {
   // While the device is away: at each arrival, and every half second.
   void reopen() {
     const auto now = Clock::now();
-    if (!arrived_.exchange(false) && now < next_try_) return;
+    const bool arrived = arrived_.exchange(false);
+    if (!arrived && now < next_try_) return;
     next_try_ = now + reopen_every;
     try {
-      opened_ = std::make_unique<OpenDevice>(context_.get(), device_);
+      if (!arrived) look_again();
+      opened_ = std::make_unique<OpenDevice>(context_->get(), device_);
     } catch (const SourceError&) {
       return;  // not there yet, or not ready
     }
@@ -382,6 +392,17 @@ class UsbSource final : public FrameSource {
     submit_all();
   }
 
+  // libusb learns of new devices from the udev daemon alone. Where none runs (a container), only a new context sees
+  // them. A transfer keeps hold of the device it was last used for, and that of its context: no transfer may outlive
+  // it.
+  void look_again() {
+    auto fresh = std::make_unique<Context>();
+    free_transfers();
+    context_ = std::move(fresh);
+    make_transfers();
+    listen_for_arrival();
+  }
+
   // Every transfer must have come back before its memory goes.
   void stop() {
     cancelling_ = false;
@@ -390,7 +411,7 @@ class UsbSource final : public FrameSource {
     opened_.reset();
   }
 
-  Context context_;
+  std::unique_ptr<Context> context_ = std::make_unique<Context>();
   UsbDevice device_;
   std::unique_ptr<OpenDevice> opened_;  ///< null while the device is away
   PacketRing ring_;
