@@ -187,6 +187,12 @@ Panel indenter_panel(const RealSensorStudy& study) {
   return panel;
 }
 
+/// Of a case with more draws than the others: the draws that all cases have.
+Reports on_shared_draws(const RealSensorStudy& study, const Reports& reports, std::size_t seeds) {
+  const std::size_t shared = std::min(study.options.draws, study.options.other_draws) * seeds;
+  return {reports.begin(), reports.begin() + static_cast<std::ptrdiff_t>(shared)};
+}
+
 Panel examples_panel(const RealSensorStudy& study) {
   Panel panel{
       .title = "fewer and more examples, 11 recalled", .x_label = "examples learnt", .y_label = "mean error of S"};
@@ -194,10 +200,12 @@ Panel examples_panel(const RealSensorStudy& study) {
     const int place = static_cast<int>(data);
     Series series{.label = words(data), .mark = Mark::whiskers, .ink = data_inks[place]};
     for (const RealSensorResult* result : by_examples(study, data))
-      add_whisker(series, static_cast<double>(result->what.examples) + place, spread(result->recalling, mean_error));
+      add_whisker(series, static_cast<double>(result->what.examples) + place,
+                  spread(on_shared_draws(study, result->recalling, study.options.seeds), mean_error));
     panel.series.push_back(std::move(series));
   }
-  panel.series.push_back(angle_line(5, 100, spread(study.angle_alone, mean_error).median));
+  const Reports by_angle = on_shared_draws(study, study.angle_alone, 1);
+  panel.series.push_back(angle_line(5, 100, spread(by_angle, mean_error).median));
   panel.x_range = {{5, 100}};
   return panel;
 }
@@ -327,11 +335,12 @@ void report_real_sensor(ReportPage& page, const RealSensorStudy& study) {
   page.figure(frame_figure(study),
               "The two contacts of the paper's Fig. 7: what the tactels feel (lines) and the sample taken (crosses).");
   report_errors_table(page, study);
-  page.figure(error_figure(study),
-              fmt::format("Errors of S over draws and initial weights; the networks of a draw stand together. Dashed: "
-                          "who reads the angle of the force perfectly and knows nothing of friction. {} draws with 25 "
-                          "examples, {} with other numbers of them.",
-                          study.options.draws, study.options.other_draws));
+  page.figure(
+      error_figure(study),
+      fmt::format("Errors of S over draws and initial weights; the networks of a draw stand together. Dashed: "
+                  "who reads the angle of the force perfectly and knows nothing of friction. {} draws above, the "
+                  "first {} of them in the middle.",
+                  study.options.draws, study.options.other_draws));
   report_by_indenter(page, study);
   page.note(
       "Of contacts at 0 and 30 degrees S follows from the angle; of those at 15 it is 0.343 or 0.575, as friction is. "

@@ -43,7 +43,7 @@ struct RealSensorResult {
 
 struct RealSensorOptions {
   std::size_t draws = 20;       ///< of the cases with the paper's 25 examples
-  std::size_t other_draws = 5;  ///< of those with fewer or more
+  std::size_t other_draws = 4;  ///< of those with fewer or more
   std::size_t seeds = 8;        ///< initial weights on each draw
   nn::OnlineOptions training;
   Progress progress;  ///< networks done of all; false stops
