@@ -285,6 +285,10 @@ void report_choices(ReportPage& page, const RealSensorStudy& study) {
       "transducer reads the highest compression.",
       choice.record.seconds, choice.record.rate, 100 * choice.chain.gain_spread, choice.chain.time_constant,
       choice.chain.bits, choice.chain.range, choice.chain.noise));
+  std::size_t networks = 0;
+  for (const RealSensorResult& result : study.results) networks += result.learning.size();
+  page.paragraph(
+      fmt::format("{} networks learnt in {:.0f} s, contacts and records included.", networks, study.seconds));
   page.note(
       "The paper gives the errors of this network in a part of its section VII that this report had no copy of: no "
       "figure of it stands beside ours.");
