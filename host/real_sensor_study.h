@@ -26,11 +26,11 @@ ContactDraw draw_contacts(std::uint64_t draw, std::uint32_t contacts, std::size_
 nn::FrameSet chosen_rows(const nn::FrameSet& set, const std::vector<std::uint32_t>& rows);
 
 /// What the networks learn from: the stresses, or records of them.
-enum class RealData { ideal, recorded };
+enum class RealData { stresses, records };
 const char* name(RealData data);
 
 struct RealSensorCase {
-  RealData data = RealData::ideal;
+  RealData data = RealData::stresses;
   nn::ScalingKind scaling = nn::ScalingKind::set;
   std::size_t examples = paper_examples;
 };
