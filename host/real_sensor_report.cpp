@@ -19,8 +19,6 @@ double mean_error(const nn::ErrorReport& r) { return r.all.mean; }
 
 std::string text_of(const Spread& s) { return fmt::format("{:.3f} [{:.3f}, {:.3f}]", s.median, s.low, s.high); }
 
-const char* words(RealData data) { return data == RealData::ideal ? "stresses" : "records"; }
-
 std::vector<const RealSensorResult*> with_25(const RealSensorStudy& study) {
   std::vector<const RealSensorResult*> results;
   for (const RealSensorResult& result : study.results)
@@ -161,8 +159,7 @@ Panel distribution_panel(const RealSensorStudy& study) {
       each.y.push_back(mean_error(result->recalling[i]));
     }
     add_whisker(medians, place, spread(result->recalling, mean_error));
-    panel.x_ticks.push_back(
-        {place, fmt::format("{}, by {}", words(result->what.data), nn::name(result->what.scaling))});
+    panel.x_ticks.push_back({place, fmt::format("{}, by {}", name(result->what.data), nn::name(result->what.scaling))});
   }
   panel.series = {each, medians, angle_line(0.4, 4.6, spread(study.angle_alone, mean_error).median)};
   return panel;
@@ -171,9 +168,9 @@ Panel distribution_panel(const RealSensorStudy& study) {
 Panel indenter_panel(const RealSensorStudy& study) {
   Panel panel{.title = "by indenter, all that were not learnt", .y_label = "mean error of S"};
   const auto indenters = static_cast<int>(real_indenters().size());
-  for (RealData data : {RealData::ideal, RealData::recorded}) {
+  for (RealData data : {RealData::stresses, RealData::records}) {
     const int place = static_cast<int>(data);
-    Series series{.label = words(data), .mark = Mark::whiskers, .ink = data_inks[place]};
+    Series series{.label = name(data), .mark = Mark::whiskers, .ink = data_inks[place]};
     for (const RealSensorResult* result : with_25(study))
       if (result->what.data == data && result->what.scaling == nn::ScalingKind::set)
         for (int i = 0; i < indenters; ++i) add_whisker(series, i + 0.2 * place, of_indenter(*result, i));
@@ -187,17 +184,25 @@ Panel indenter_panel(const RealSensorStudy& study) {
   return panel;
 }
 
+/// Of a case with more draws than the others: the draws that all cases have.
+Reports on_shared_draws(const RealSensorStudy& study, const Reports& reports, std::size_t seeds) {
+  const std::size_t shared = std::min(study.options.draws, study.options.other_draws) * seeds;
+  return {reports.begin(), reports.begin() + static_cast<std::ptrdiff_t>(shared)};
+}
+
 Panel examples_panel(const RealSensorStudy& study) {
   Panel panel{
       .title = "fewer and more examples, 11 recalled", .x_label = "examples learnt", .y_label = "mean error of S"};
-  for (RealData data : {RealData::ideal, RealData::recorded}) {
+  for (RealData data : {RealData::stresses, RealData::records}) {
     const int place = static_cast<int>(data);
-    Series series{.label = words(data), .mark = Mark::whiskers, .ink = data_inks[place]};
+    Series series{.label = name(data), .mark = Mark::whiskers, .ink = data_inks[place]};
     for (const RealSensorResult* result : by_examples(study, data))
-      add_whisker(series, static_cast<double>(result->what.examples) + place, spread(result->recalling, mean_error));
+      add_whisker(series, static_cast<double>(result->what.examples) + place,
+                  spread(on_shared_draws(study, result->recalling, study.options.seeds), mean_error));
     panel.series.push_back(std::move(series));
   }
-  panel.series.push_back(angle_line(5, 100, spread(study.angle_alone, mean_error).median));
+  const Reports by_angle = on_shared_draws(study, study.angle_alone, 1);
+  panel.series.push_back(angle_line(5, 100, spread(by_angle, mean_error).median));
   panel.x_range = {{5, 100}};
   return panel;
 }
@@ -228,7 +233,7 @@ void report_by_indenter(ReportPage& page, const RealSensorStudy& study) {
   ReportTable table{.caption = "By indenter, on the 80 contacts that were not learnt: mean errors, median [5 %, 95 %]",
                     .head = {"indenter", "friction shows at 15°, of the largest stress"}};
   for (const RealSensorResult* result : with_25(study))
-    table.head.push_back(fmt::format("{}, by {}", words(result->what.data), nn::name(result->what.scaling)));
+    table.head.push_back(fmt::format("{}, by {}", name(result->what.data), nn::name(result->what.scaling)));
   for (std::uint16_t i = 0; i < real_indenters().size(); ++i) {
     std::vector<std::string> row{real_indenters()[i].name, fmt::format("{:.2f} %", 100 * friction_shows(study, i))};
     for (const RealSensorResult* result : with_25(study)) row.push_back(text_of(of_indenter(*result, i)));
@@ -242,7 +247,7 @@ void report_errors_table(ReportPage& page, const RealSensorStudy& study) {
                     .head = {"learnt from", "scaled by", "learning: largest", "mean", "11 recalled: largest", "mean",
                              "all not learnt: mean"}};
   for (const RealSensorResult* result : with_25(study))
-    table.rows.push_back({words(result->what.data), nn::name(result->what.scaling),
+    table.rows.push_back({name(result->what.data), nn::name(result->what.scaling),
                           text_of(spread(result->learning, max_error)), text_of(spread(result->learning, mean_error)),
                           text_of(spread(result->recalling, max_error)), text_of(spread(result->recalling, mean_error)),
                           text_of(spread(result->unseen, mean_error))});
@@ -277,6 +282,10 @@ void report_choices(ReportPage& page, const RealSensorStudy& study) {
       "transducer reads the highest compression.",
       choice.record.seconds, choice.record.rate, 100 * choice.chain.gain_spread, choice.chain.time_constant,
       choice.chain.bits, choice.chain.range, choice.chain.noise));
+  std::size_t networks = 0;
+  for (const RealSensorResult& result : study.results) networks += result.learning.size();
+  page.paragraph(
+      fmt::format("{} networks learnt in {:.0f} s, contacts and records included.", networks, study.seconds));
   page.note(
       "The paper gives the errors of this network in a part of its section VII that this report had no copy of: no "
       "figure of it stands beside ours.");
@@ -327,11 +336,12 @@ void report_real_sensor(ReportPage& page, const RealSensorStudy& study) {
   page.figure(frame_figure(study),
               "The two contacts of the paper's Fig. 7: what the tactels feel (lines) and the sample taken (crosses).");
   report_errors_table(page, study);
-  page.figure(error_figure(study),
-              fmt::format("Errors of S over draws and initial weights; the networks of a draw stand together. Dashed: "
-                          "who reads the angle of the force perfectly and knows nothing of friction. {} draws with 25 "
-                          "examples, {} with other numbers of them.",
-                          study.options.draws, study.options.other_draws));
+  page.figure(
+      error_figure(study),
+      fmt::format("Errors of S over draws and initial weights; the networks of a draw stand together. Dashed: "
+                  "who reads the angle of the force perfectly and knows nothing of friction. {} draws above, the "
+                  "first {} of them in the middle.",
+                  study.options.draws, study.options.other_draws));
   report_by_indenter(page, study);
   page.note(
       "Of contacts at 0 and 30 degrees S follows from the angle; of those at 15 it is 0.343 or 0.575, as friction is. "

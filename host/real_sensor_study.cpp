@@ -10,9 +10,9 @@ namespace {
 /// 25 examples: both data, both scalings; then how many examples are enough.
 std::vector<RealSensorCase> all_cases() {
   std::vector<RealSensorCase> cases;
-  for (RealData data : {RealData::ideal, RealData::recorded})
+  for (RealData data : {RealData::stresses, RealData::records})
     for (nn::ScalingKind scaling : {nn::ScalingKind::set, nn::ScalingKind::frame}) cases.push_back({data, scaling});
-  for (RealData data : {RealData::ideal, RealData::recorded})
+  for (RealData data : {RealData::stresses, RealData::records})
     for (std::size_t examples : {10, 50, 94}) cases.push_back({data, nn::ScalingKind::set, examples});
   return cases;
 }
@@ -30,17 +30,24 @@ SweepPlan plan_of(const RealSensorCase& what, std::size_t seeds, const nn::Onlin
   return plan;
 }
 
+/// What the errors on all contacts say of some of them.
+nn::ErrorReport report_of(const std::vector<double>& errors, const nn::FrameSet& set,
+                          const std::vector<std::uint32_t>& rows) {
+  std::vector<double> chosen;
+  for (std::uint32_t row : rows) chosen.push_back(errors[row]);
+  return nn::report_errors(chosen, chosen_rows(set, rows));
+}
+
 /// Trains one case on one draw and adds its errors. False when it was stopped.
 bool train_case(Executor& executor, const nn::FrameSet& set, const ContactDraw& draw, const SweepPlan& plan,
                 const SweepRunOptions& run, RealSensorResult& result) {
   NetworkSweep<float> sweep(executor, chosen_rows(set, draw.learning), plan);
   if (!sweep.run(run)) return false;
-  const auto add = [](std::vector<nn::ErrorReport>& to, const std::vector<nn::ErrorReport>& reports) {
-    to.insert(to.end(), reports.begin(), reports.end());
-  };
-  add(result.learning, sweep.recall_learning_set());
-  add(result.recalling, sweep.recall(chosen_rows(set, draw.recall)));
-  add(result.unseen, sweep.recall(chosen_rows(set, draw.unseen)));
+  for (const std::vector<double>& errors : sweep.absolute_errors(set)) {
+    result.learning.push_back(report_of(errors, set, draw.learning));
+    result.recalling.push_back(report_of(errors, set, draw.recall));
+    result.unseen.push_back(report_of(errors, set, draw.unseen));
+  }
   for (const SweepNetwork& network : sweep.networks()) result.learnt += network.status == nn::TrainStatus::learnt;
   return true;
 }
@@ -76,7 +83,7 @@ bool train_draw(Executor& executor, RealSensorStudy& study, std::uint64_t draw, 
   for (RealSensorResult& result : study.results) {
     if (draw > draws_of(result.what, options)) continue;
     const SweepPlan plan = plan_of(result.what, options.seeds, options.training);
-    const nn::FrameSet& set = result.what.data == RealData::ideal ? study.ideal : recorded;
+    const nn::FrameSet& set = result.what.data == RealData::stresses ? study.ideal : recorded;
     if (!train_case(executor, set, draw_contacts(draw, contacts, result.what.examples), plan, counter.options(),
                     result))
       return false;
@@ -92,7 +99,7 @@ const nn::Topology& real_topology() {
   return topology;
 }
 
-const char* name(RealData data) { return data == RealData::ideal ? "ideal" : "recorded"; }
+const char* name(RealData data) { return data == RealData::stresses ? "stresses" : "records"; }
 
 ContactDraw draw_contacts(std::uint64_t draw, std::uint32_t contacts, std::size_t examples) {
   const auto order = nn::presentation_order(nn::PresentationOrder::permuted, draw, 0, contacts);
@@ -143,10 +150,8 @@ std::optional<RealSensorStudy> study_real_sensor(Executor& executor, const RealS
   const std::vector<double> by_angle = errors_by_angle_alone(study.contacts);
   for (std::uint64_t draw = 1; draw <= std::max(options.draws, options.other_draws); ++draw) {
     if (!train_draw(executor, study, draw, counter)) return std::nullopt;
-    const auto recall = draw_contacts(draw, contacts, paper_examples).recall;
-    std::vector<double> errors;
-    for (std::uint32_t row : recall) errors.push_back(by_angle[row]);
-    study.angle_alone.push_back(nn::report_errors(errors, chosen_rows(study.ideal, recall)));
+    const ContactDraw drawn = draw_contacts(draw, contacts, paper_examples);
+    study.angle_alone.push_back(report_of(by_angle, study.ideal, drawn.recall));
   }
   for (RealSensorResult& result : study.results) result.learnt /= static_cast<double>(result.learning.size());
   study.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -26,11 +26,11 @@ ContactDraw draw_contacts(std::uint64_t draw, std::uint32_t contacts, std::size_
 nn::FrameSet chosen_rows(const nn::FrameSet& set, const std::vector<std::uint32_t>& rows);
 
 /// What the networks learn from: the stresses, or records of them.
-enum class RealData { ideal, recorded };
+enum class RealData { stresses, records };
 const char* name(RealData data);
 
 struct RealSensorCase {
-  RealData data = RealData::ideal;
+  RealData data = RealData::stresses;
   nn::ScalingKind scaling = nn::ScalingKind::set;
   std::size_t examples = paper_examples;
 };
@@ -43,7 +43,7 @@ struct RealSensorResult {
 
 struct RealSensorOptions {
   std::size_t draws = 20;       ///< of the cases with the paper's 25 examples
-  std::size_t other_draws = 5;  ///< of those with fewer or more
+  std::size_t other_draws = 4;  ///< of those with fewer or more
   std::size_t seeds = 8;        ///< initial weights on each draw
   nn::OnlineOptions training;
   Progress progress;  ///< networks done of all; false stops

@@ -62,7 +62,7 @@ bool reproduce_real_sensor(const ReproduceRequest& request, Executor& executor, 
   const auto study = study_real_sensor(executor, real_sensor_choice(), options);
   line.clear();
   if (!study) {
-    fmt::print(stderr, "stopped; the same command does section VI anew, and nothing before it\n");
+    fmt::print(stderr, "stopped; the same command goes on after the networks of section V\n");
     return false;
   }
   report_real_sensor(page, *study);
