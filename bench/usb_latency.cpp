@@ -1,6 +1,7 @@
 // How long a frame takes from its last byte to S: an emulated USB device with a clock of its own, an unmodified libusb,
 // and what `tactel monitor` is made of. Rows of the table are printed one a run, see --help.
 #include <fmt/format.h>
+#include <pthread.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -185,12 +186,15 @@ int run(const Options& options) {
   const Answers answers(model);
   Times times;
   Sender sender(options);
-  hw::testing::EmulatedDevice device(hw::testing::fast_kind());
+  // First what sets environment variables: the emulated device's threads read them.
   host::Executor executor{host::Device(options.device), {.threads = 1}};
   host::LiveMonitor monitor(executor, model, profile(), {});
+  hw::testing::EmulatedDevice device(hw::testing::fast_kind());
   const auto source = hw::open_usb(profile().usb);
   std::atomic<bool> done{false};
   std::thread busy([&] {
+    const sched_param ordinary{};  // also where the rest has real-time priority
+    pthread_setschedparam(pthread_self(), SCHED_OTHER, &ordinary);
     while (options.busy && !done) {
     }
   });
@@ -224,7 +228,7 @@ int main(int count, char** arguments) {
       ->check(CLI::Range(1, 10))
       ->capture_default_str();
   app.add_option("--seconds", options.seconds, "how long")->check(CLI::PositiveNumber)->capture_default_str();
-  app.add_flag("--busy", options.busy, "one more thread that takes all it can of a core");
+  app.add_flag("--busy", options.busy, "one more thread, of ordinary priority, that takes all it can of a core");
   app.add_option("--device", options.device, "OpenCL device, as of tactel monitor");
   CLI11_PARSE(app, count, arguments);
   try {
