@@ -207,7 +207,7 @@ int run(const Options& options) {
   busy.join();
   progress.clear();
   report(options, summary, times, sender, device.lost());
-  return times.wrong == 0 ? 0 : 1;
+  return times.wrong == 0 && times.whole.count() > 0 ? 0 : 1;
 }
 
 }  // namespace
