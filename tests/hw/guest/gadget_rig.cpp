@@ -65,7 +65,9 @@ ByteVector descriptors(const ByteVector& configuration) {
 
 ByteVector no_strings() {
   ByteVector all;
-  for (const int word : {FUNCTIONFS_STRINGS_MAGIC, 16, 0, 0}) put(all, static_cast<std::uint64_t>(word), 4);
+  for (const std::uint64_t word :
+       {std::uint64_t{FUNCTIONFS_STRINGS_MAGIC}, std::uint64_t{16}, std::uint64_t{0}, std::uint64_t{0}})
+    put(all, word, 4);
   return all;
 }
 
