@@ -3,6 +3,9 @@
 
 #include "host/forward.h"
 #include "host/live_frames.h"
+#include "host/sensor_profile.h"
+#include "hw/decoder.h"
+#include "hw/frame_source.h"
 
 namespace tactel::host {
 

@@ -10,6 +10,7 @@
 #include "host/live_monitor.h"
 #include "host/live_view.h"
 #include "host/onnx_file.h"
+#include "host/open_source.h"
 
 namespace tactel::host {
 namespace {
