@@ -1,6 +1,5 @@
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <memory>
@@ -150,17 +149,6 @@ Condensation condense_cached(const Sensor& sensor, const fs::path& directory) {
   Condensation result = condense(sensor);
   if (!directory.empty()) store(path, file_content(sensor, result));
   return result;
-}
-
-fs::path default_cache_directory() {
-  const auto variable = [](const char* name) {
-    const char* value = std::getenv(name);
-    return fs::path(value ? value : "");
-  };
-  if (const fs::path own = variable("TACTEL_CACHE_DIR"); !own.empty()) return own;
-  if (const fs::path cache = variable("XDG_CACHE_HOME"); !cache.empty()) return cache / "tactel";
-  if (const fs::path home = variable("HOME"); !home.empty()) return home / ".cache" / "tactel";
-  return {};
 }
 
 }  // namespace tactel::fem

@@ -1,33 +1,17 @@
 #pragma once
 #include <cstdint>
-#include <functional>
-#include <memory>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
-#include "host/sensor_profile.h"
-#include "hw/decoder.h"
-#include "hw/frame_source.h"
-
 namespace tactel::host {
-
-/// A source, opened, and how to read it.
-struct OpenSource {
-  std::unique_ptr<hw::FrameSource> source;
-  SensorProfile profile;
-};
-
-/// Opens what --source names: "usb:glove", "usb:VID:PID" with a profile, "replay:FILE",
-/// "simulate:SCENE.toml?rate=1000". Empty paths: no such file. Throws ConfigError, hw::SourceError.
-OpenSource open_source(const std::string& source, const std::string& profile, const std::string& calibration);
 
 /// A frame as the network takes it.
 struct LiveFrame {
   std::uint64_t number = 0;             ///< from 0, in the order of decoding
   std::optional<double> device_time{};  ///< s
   double arrival = 0;                   ///< s
+  double decoded = 0;                   ///< s, the same clock
 };
 
 /// Decoded frames that wait for their slippage index: a ring of fixed size. When it is full the oldest go.

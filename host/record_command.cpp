@@ -8,7 +8,8 @@
 #include "host/command.h"
 #include "host/errors.h"
 #include "host/interrupt.h"
-#include "host/live_frames.h"
+#include "host/open_source.h"
+#include "hw/decoder.h"
 #include "hw/recording.h"
 
 namespace tactel::host {

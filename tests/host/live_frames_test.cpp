@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "host/errors.h"
+#include "host/open_source.h"
 #include "hw/frame_source.h"
 #include "tests/host/run_tactel.h"
 

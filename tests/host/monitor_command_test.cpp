@@ -8,6 +8,7 @@
 #include "host/forward.h"
 #include "host/live_monitor.h"
 #include "host/onnx_file.h"
+#include "host/open_source.h"
 #include "host/scene_file.h"
 #include "host/simulated_sensor.h"
 #include "nn/weights.h"

@@ -70,11 +70,17 @@ struct Plugged {
   std::unique_ptr<Rig> rig;
 };
 
-class UsbStack : public ::testing::TestWithParam<MakeRig> {};
-INSTANTIATE_TEST_SUITE_P(Vhci, UsbStack, ::testing::Values(vhci_rig));
+struct RigCase {
+  MakeRig make;
+  int returns;  ///< how often the device is plugged in again and again
+};
+
+class UsbStack : public ::testing::TestWithParam<RigCase> {};
+INSTANTIATE_TEST_SUITE_P(Vhci, UsbStack, ::testing::Values(RigCase{vhci_rig, 50}));
+INSTANTIATE_TEST_SUITE_P(Gadget, UsbStack, ::testing::Values(RigCase{gadget_rig, 10}));
 
 TEST_P(UsbStack, Clean) {
-  Plugged glove(GetParam());
+  Plugged glove(GetParam().make);
   Reader reader;
   const auto source = open_usb(serial_glove);
   EXPECT_TRUE(glove.model.has_dtr());
@@ -87,7 +93,7 @@ TEST_P(UsbStack, Clean) {
 }
 
 TEST_P(UsbStack, Interrupt) {
-  Plugged glove(GetParam(), Face::interrupt_endpoint);
+  Plugged glove(GetParam().make, Face::interrupt_endpoint);
   Reader reader;
   const auto source = open_usb(interrupt_glove);
   glove.model.send(frames(60));
@@ -97,7 +103,7 @@ TEST_P(UsbStack, Interrupt) {
 }
 
 TEST_P(UsbStack, ShortPackets) {
-  Plugged glove(GetParam());
+  Plugged glove(GetParam().make);
   Reader reader;
   const auto source = open_usb(serial_glove);
   glove.model.send(frames(20), 33);  // no divisor of a frame's 320 B
@@ -110,7 +116,7 @@ TEST_P(UsbStack, ShortPackets) {
 }
 
 TEST_P(UsbStack, Dropped) {
-  Plugged glove(GetParam());
+  Plugged glove(GetParam().make);
   Reader reader;
   const auto source = open_usb(serial_glove);
   ByteVector stream = frames(20);
@@ -122,7 +128,7 @@ TEST_P(UsbStack, Dropped) {
 }
 
 TEST_P(UsbStack, Corrupt) {
-  Plugged glove(GetParam());
+  Plugged glove(GetParam().make);
   Reader reader;
   const auto source = open_usb(serial_glove);
   ByteVector stream = frames(20);
@@ -134,7 +140,7 @@ TEST_P(UsbStack, Corrupt) {
 }
 
 TEST_P(UsbStack, Stall) {
-  Plugged glove(GetParam());
+  Plugged glove(GetParam().make);
   Reader reader;
   const auto source = open_usb(serial_glove);
   glove.model.send(frames(10));
@@ -147,7 +153,7 @@ TEST_P(UsbStack, Stall) {
 }
 
 TEST_P(UsbStack, Silence) {
-  Plugged glove(GetParam());
+  Plugged glove(GetParam().make);
   Reader reader;
   const auto source = open_usb(serial_glove);
   EXPECT_FALSE(source->wait(0.2));
@@ -160,7 +166,7 @@ TEST_P(UsbStack, Silence) {
 }  // and the transfers that wait for a silent device are taken back
 
 TEST_P(UsbStack, Unplug) {
-  Plugged glove(GetParam());
+  Plugged glove(GetParam().make);
   Reader reader;
   const auto source = open_usb(serial_glove);
   glove.model.send(frames(10));
@@ -173,7 +179,7 @@ TEST_P(UsbStack, Unplug) {
 }
 
 TEST_P(UsbStack, Replug) {
-  Plugged glove(GetParam());
+  Plugged glove(GetParam().make);
   Reader reader;
   const auto source = open_usb(serial_glove);
   const ByteVector first = frames(1);
@@ -190,23 +196,23 @@ TEST_P(UsbStack, Replug) {
   EXPECT_EQ(source->counts().reconnects, 1u);
 }
 
-TEST_P(UsbStack, FiftyReplugs) {
-  Plugged glove(GetParam());
+TEST_P(UsbStack, ManyReplugs) {
+  Plugged glove(GetParam().make);
   Reader reader;
   const auto source = open_usb(serial_glove);
   std::vector<double> expected;
-  for (int i = 0; i <= 50; ++i) {
+  for (int i = 0; i <= GetParam().returns; ++i) {
     if (i > 0) glove.rig->unplug(), glove.rig->plug_in();
     glove.model.send(frames(2, 10 * i));
     expected = expected + cells(2, 10 * i);
     reader.read(*source, 2 * static_cast<std::uint64_t>(i) + 2);
     ASSERT_EQ(reader.first_cells, expected) << "after return " << i;
   }
-  EXPECT_EQ(source->counts().reconnects, 50u);
+  EXPECT_EQ(source->counts().reconnects, static_cast<std::uint64_t>(GetParam().returns));
 }
 
 TEST_P(UsbStack, Restart) {
-  Plugged glove(GetParam());
+  Plugged glove(GetParam().make);
   for (int i = 0; i < 5; ++i) {
     Reader reader;
     const auto source = open_usb(serial_glove);
@@ -227,7 +233,7 @@ std::string refusal() {
 }
 
 TEST_P(UsbStack, InUse) {
-  Plugged glove(GetParam());
+  Plugged glove(GetParam().make);
   const auto source = open_usb(serial_glove);
   EXPECT_THAT(refusal(), HasSubstr("does another program use it?"));
   Reader reader;  // who has it keeps it
@@ -237,7 +243,7 @@ TEST_P(UsbStack, InUse) {
 }
 
 TEST_P(UsbStack, NoRight) {
-  Plugged glove(GetParam());
+  Plugged glove(GetParam().make);
   const pid_t child = fork();
   if (child == 0) _exit(setuid(65534) == 0 && refusal().find("70-tactel.rules") != std::string::npos ? 0 : 1);
   int status = -1;

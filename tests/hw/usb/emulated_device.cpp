@@ -64,8 +64,7 @@ EmulatedDevice::EmulatedDevice(const DeviceKind& kind) : kind_(kind) {
 }
 
 EmulatedDevice::~EmulatedDevice() {
-  stopping_ = true;
-  if (clock_.joinable()) clock_.join();
+  stop_clock();
   g_object_unref(testbed_);
   g_object_unref(handler_);
 }
@@ -115,6 +114,11 @@ void EmulatedDevice::send_packets(const std::vector<ByteVector>& packets) {
 void EmulatedDevice::send_by_clock(std::chrono::nanoseconds period, std::size_t queue,
                                    std::function<void(std::size_t i, ByteVector& packet)> make) {
   clock_ = std::thread([=, this] { tick(period, queue, make); });
+}
+
+void EmulatedDevice::stop_clock() {
+  stopping_ = true;
+  if (clock_.joinable()) clock_.join();
 }
 
 void EmulatedDevice::tick(std::chrono::nanoseconds period, std::size_t queue,

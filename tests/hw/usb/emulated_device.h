@@ -40,9 +40,10 @@ class EmulatedDevice {
   /// Packets as they are: short, empty, longer than the endpoint's.
   void send_packets(const std::vector<ByteVector>& packets);
   /// From now on a packet every `period`: `make` writes packet i (from 0). Once `queue` packets wait the next is lost,
-  /// as in a device whose memory is full. Until the device goes.
+  /// as in a device whose memory is full.
   void send_by_clock(std::chrono::nanoseconds period, std::size_t queue,
                      std::function<void(std::size_t i, ByteVector& packet)> make);
+  void stop_clock();
 
   /// Before packet number `packet` (from 0, since the last `send`) the fault happens; `drop` swallows the packet, the
   /// others come before it.
