@@ -29,15 +29,6 @@ std::vector<const NetworkStudy*> with_noise(const InverseProblem& problem, bool 
   return chosen;
 }
 
-nlohmann::ordered_json errors_json(const Reports& reports) {
-  const Spread max = spread(reports, max_error), mean = spread(reports, mean_error), std = spread(reports, std_error);
-  return {{"max", max.median},
-          {"mean", mean.median},
-          {"std", std.median},
-          {"low", {{"max", max.low}, {"mean", mean.low}, {"std", std.low}}},
-          {"high", {{"max", max.high}, {"mean", mean.high}, {"std", std.high}}}};
-}
-
 // ---- Table II
 
 void add_rows(ReportTable& table, const NetworkStudy& study, bool learning) {
@@ -287,6 +278,15 @@ void report_choices(ReportPage& page, const InverseProblem& problem, const Inver
 }
 
 }  // namespace
+
+nlohmann::ordered_json errors_json(const Reports& reports) {
+  const Spread max = spread(reports, max_error), mean = spread(reports, mean_error), std = spread(reports, std_error);
+  return {{"max", max.median},
+          {"mean", mean.median},
+          {"std", std.median},
+          {"low", {{"max", max.low}, {"mean", mean.low}, {"std", std.low}}},
+          {"high", {{"max", max.high}, {"mean", mean.high}, {"std", std.high}}}};
+}
 
 nlohmann::ordered_json table_two_json(const InverseProblem& problem) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();

@@ -6,6 +6,9 @@
 
 namespace tactel::host {
 
+/// Medians over the reports of max, mean and standard deviation, with the 5 and 95 % quantiles as "low" and "high".
+nlohmann::ordered_json errors_json(const std::vector<nn::ErrorReport>& reports);
+
 /// table2.json (interface.md): for each network and noise the medians over seeds of max, mean and standard deviation,
 /// learning and recalling, with the 5 and 95 % quantiles as "low" and "high".
 nlohmann::ordered_json table_two_json(const InverseProblem& problem);

@@ -11,6 +11,7 @@ struct LiveFrame {
   std::uint64_t number = 0;             ///< from 0, in the order of decoding
   std::optional<double> device_time{};  ///< s
   double arrival = 0;                   ///< s
+  double decoded = 0;                   ///< s, the same clock
 };
 
 /// Decoded frames that wait for their slippage index: a ring of fixed size. When it is full the oldest go.

@@ -35,11 +35,12 @@ LiveMonitor::LiveMonitor(Executor& executor, const nn::Model& model, const Senso
   batch_.recall(nn::RowMatrix<float>::Zero(static_cast<Eigen::Index>(options.batch_from),
                                            static_cast<Eigen::Index>(rest.size())));
   sink_ = [this](const hw::DecodedFrame& frame) {
-    map_.apply(frame.values, queue_.push({decoder_.counts().frames - 1, frame.device_time, arrival_}));
+    map_.apply(frame.values, queue_.push({decoder_.counts().frames - 1, frame.device_time, arrival_, source_->now()}));
   };
 }
 
 MonitorSummary LiveMonitor::run(hw::FrameSource& source, const MonitorEvents& events) {
+  source_ = &source;
   last_frame_ = source.now();
   next_second_ = last_frame_ + 1;
   while (!source.finished() && !(events.stop && events.stop())) {
@@ -100,7 +101,7 @@ void LiveMonitor::tell(std::size_t i, const FrameAnswer<float>& answer, double n
   const LiveFrame& frame = queue_.frame(i);
   const double latency = 1e6 * (now - frame.arrival);
   summary_.latency.add(latency);
-  if (events.line) events.line({frame, queue_.inputs(i), answer, latency});
+  if (events.line) events.line({frame, queue_.inputs(i), answer, latency, 1e6 * (now - frame.decoded)});
 }
 
 void LiveMonitor::refresh(const hw::FrameSource& source) {

@@ -21,7 +21,8 @@ struct MonitorLine {
   LiveFrame frame;
   std::span<const float> stresses;  ///< [2 tactels] MPa
   FrameAnswer<float> answer;
-  double latency = 0;  ///< us from the frame's last byte to S
+  double latency = 0;      ///< us from the frame's last byte to S
+  double answer_time = 0;  ///< us of it, from the decoded frame to S
 };
 
 struct MonitorSummary {
@@ -65,6 +66,7 @@ class LiveMonitor {
   ForwardOne<float> one_;
   Forward<float> batch_;
   const Device* device_;
+  const hw::FrameSource* source_ = nullptr;  ///< of the run, for its clock
   double arrival_ = 0, last_frame_ = 0, next_second_ = 1;
   std::size_t dropped_before_ = 0;
   bool silent_ = false;

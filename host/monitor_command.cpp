@@ -70,8 +70,8 @@ MonitorEvents make_events(const MonitorRequest& request, LiveView& view, const I
 
 int run_monitor(const MonitorRequest& request) {
   const nn::Model model = read_onnx(request.network);
+  Executor executor{Device(request.device)};  // sets environment variables: before there are other threads
   OpenSource opened = open_source(request.source, request.profile, request.calibration);
-  Executor executor{Device(request.device)};
   LiveMonitor monitor(executor, model, opened.profile, request.options);
   LiveView view;
   const Interrupt interrupt;

@@ -10,6 +10,7 @@
 #include "host/inverse_problem_report.h"
 #include "host/json_text.h"
 #include "host/progress_line.h"
+#include "host/real_sensor_report.h"
 
 namespace tactel::host {
 namespace {
@@ -47,6 +48,28 @@ bool train_networks(const ReproduceRequest& request, Executor& executor, const I
   return finished;
 }
 
+/// Section VI. False when Ctrl-C stopped it.
+bool reproduce_real_sensor(const ReproduceRequest& request, Executor& executor, ReportPage& page) {
+  const Interrupt interrupt;
+  ProgressLine line("networks of the real sensor", "networks", request.quiet);
+  RealSensorOptions options;
+  options.training.cycle_limit = request.cycles;
+  options.seeds = std::min(options.seeds, request.seeds);
+  options.progress = [&](std::size_t done, std::size_t total) {
+    line.show(done, total);
+    return !interrupt.requested();
+  };
+  const auto study = study_real_sensor(executor, real_sensor_choice(), options);
+  line.clear();
+  if (!study) {
+    fmt::print(stderr, "stopped; the same command goes on after the networks of section V\n");
+    return false;
+  }
+  report_real_sensor(page, *study);
+  write_file("--output", std::filesystem::path(request.output) / "section6.json", json_text(real_sensor_json(*study)));
+  return true;
+}
+
 /// Section V. False when Ctrl-C stopped it.
 bool reproduce_networks(const ReproduceRequest& request, Executor& executor, ReportPage& page) {
   const std::filesystem::path directory = request.output;
@@ -62,8 +85,6 @@ bool reproduce_networks(const ReproduceRequest& request, Executor& executor, Rep
                                                request.cycles > 0 ? std::min(request.cycles, 2000) : 2000);
   report_inverse_problem(page, problem, choice, sensitivity);
   write_file("--output", directory / "table2.json", json_text(table_two_json(problem)));
-  for (double noise : {0.0, paper_noise})
-    std::filesystem::remove(directory / fmt::format("networks-{}.checkpoint", noise));
   return true;
 }
 
@@ -78,8 +99,11 @@ int run_reproduce(const ReproduceRequest& request) {
                       executor.device().info().name);
   const auto table_one = report_direct_problem(executor, page);
   write_file("--output", directory / "table1.json", json_text(table_one));
-  if (!reproduce_networks(request, executor, page)) return interrupted;
+  if (!reproduce_networks(request, executor, page) || !reproduce_real_sensor(request, executor, page))
+    return interrupted;
   write_file("--output", directory / "index.html", page.html());
+  for (double noise : {0.0, paper_noise})
+    std::filesystem::remove(directory / fmt::format("networks-{}.checkpoint", noise));
   if (!request.quiet)
     fmt::print("report: {}\n", std::filesystem::absolute(directory / "index.html").lexically_normal().string());
   return done;
@@ -89,8 +113,8 @@ int run_reproduce(const ReproduceRequest& request) {
 
 void add_reproduce_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<ReproduceRequest>();
-  CLI::App* command =
-      app.add_subcommand("reproduce", "the paper: Tables I and II and Figures 3 to 5, as an HTML page and JSON");
+  CLI::App* command = app.add_subcommand(
+      "reproduce", "the paper: Tables I and II, Figures 3 to 5 and section VI, as an HTML page and JSON");
   command->add_option("--output", request->output, "directory of the report")->type_name("DIR")->capture_default_str();
   command->add_option("--device", request->device, "OpenCL device, its index or a part of its name")
       ->type_name("NAME|INDEX");

@@ -1,46 +1,57 @@
 #pragma once
 #include <algorithm>
-#include <atomic>
-#include <cstring>
+#include <mutex>
+#include <optional>
 #include <vector>
 
 #include "hw/frame_source.h"
 
 namespace tactel::hw {
 
-/// Packets from one thread to another without locks or allocation. When it is full the newest is refused: what is in
-/// flight to the reader is never touched.
+/// Packets from one thread to another, without allocation. When it is full the oldest goes: what is read is never older
+/// than the ring is long. Packets are copied in and out under a lock that is held for those bytes alone.
 class PacketRing {
  public:
-  /// slots: a power of two; slot_bytes: the longest packet.
+  /// slot_bytes: the longest packet; what is longer is cut.
   PacketRing(std::size_t slots, std::size_t slot_bytes)
-      : slot_bytes_(slot_bytes), slots_(slots), bytes_(slots * slot_bytes) {}
+      : slot_bytes_(slot_bytes), slots_(slots), bytes_(slots * slot_bytes), taken_(slot_bytes) {}
 
-  /// Producer. False when full.
+  /// Puts a packet last. True when the oldest was dropped for it; then the oldest that is left comes after a gap.
   bool push(const Packet& packet) {
-    const std::size_t end = end_.load(std::memory_order_relaxed);
-    if (end - begin_.load(std::memory_order_acquire) == slots_.size()) return false;
-    const std::size_t at = end % slots_.size(), length = std::min(packet.bytes.size(), slot_bytes_);
-    std::uint8_t* to = bytes_.data() + at * slot_bytes_;
-    if (length > 0) std::memcpy(to, packet.bytes.data(), length);
-    slots_[at] = {{to, length}, packet.arrival, packet.after_gap};
-    end_.store(end + 1, std::memory_order_release);
-    return true;
+    const std::lock_guard lock(mutex_);
+    const bool full = size_ == slots_.size();
+    if (full) drop_oldest();
+    const std::size_t at = place(size_++);
+    slots_[at] = {{bytes_.data() + at * slot_bytes_, std::min(packet.bytes.size(), slot_bytes_)},
+                  packet.arrival,
+                  packet.after_gap};
+    std::ranges::copy(packet.bytes.first(slots_[at].bytes.size()), bytes_.data() + at * slot_bytes_);
+    if (full) slots_[first_].after_gap = true;
+    return full;
   }
 
-  /// Consumer: the oldest packet, or null. It stays valid until pop.
-  const Packet* front() const {
-    const std::size_t begin = begin_.load(std::memory_order_relaxed);
-    return begin == end_.load(std::memory_order_acquire) ? nullptr : &slots_[begin % slots_.size()];
+  /// The oldest packet, or none. Its bytes are valid until the next call; one thread alone takes.
+  std::optional<Packet> take() {
+    const std::lock_guard lock(mutex_);
+    if (size_ == 0) return std::nullopt;
+    const Packet packet = slots_[first_];
+    std::ranges::copy(packet.bytes, taken_.data());
+    drop_oldest();
+    return Packet{Bytes(taken_).first(packet.bytes.size()), packet.arrival, packet.after_gap};
   }
-  void pop() { begin_.store(begin_.load(std::memory_order_relaxed) + 1, std::memory_order_release); }
 
  private:
-  std::size_t slot_bytes_;
-  std::vector<Packet> slots_;
+  std::size_t place(std::size_t i) const { return (first_ + i) % slots_.size(); }
+  void drop_oldest() {
+    first_ = place(1);
+    --size_;
+  }
+
+  std::mutex mutex_;
+  std::size_t slot_bytes_, first_ = 0, size_ = 0;
+  std::vector<Packet> slots_;        ///< [slots]
   std::vector<std::uint8_t> bytes_;  ///< [slots, slot_bytes]
-  alignas(64) std::atomic<std::size_t> begin_{0};
-  alignas(64) std::atomic<std::size_t> end_{0};
+  std::vector<std::uint8_t> taken_;  ///< [slot_bytes] the packet that the reader holds
 };
 
 }  // namespace tactel::hw

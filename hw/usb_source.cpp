@@ -227,10 +227,8 @@ class UsbSource final : public FrameSource {
   }
 
   std::optional<Packet> wait(double timeout) override {
-    if (held_) ring_.pop();
-    held_ = ready_.try_acquire_for(std::chrono::duration<double>(timeout));
-    if (!held_) return std::nullopt;
-    return *ring_.front();
+    if (!ready_.try_acquire_for(std::chrono::duration<double>(timeout))) return std::nullopt;
+    return ring_.take();
   }
   bool finished() const override { return false; }
   bool live() const override { return true; }
@@ -352,13 +350,13 @@ class UsbSource final : public FrameSource {
     if (bytes.empty()) return;
     ++packets_;
     bytes_ += bytes.size();
+    // A dropped packet's permit stands for the new one: there are as many permits as packets.
     if (ring_.push({bytes, now(), gap_})) {
-      gap_ = false;
-      ready_.release();
-    } else {
       ++overruns_;
-      gap_ = true;
+    } else {
+      ready_.release();
     }
+    gap_ = false;
   }
 
   void cancel_all() {
@@ -422,7 +420,6 @@ class UsbSource final : public FrameSource {
   const Clock::time_point zero_ = Clock::now();
   int busy_ = 0, errors_in_a_row_ = 0;
   bool gone_ = false, halted_ = false, cancelling_ = false, gap_ = false;
-  bool held_ = false;  ///< the reader holds the ring's oldest packet
   Clock::time_point next_try_{};
   std::atomic<bool> stopping_{false}, arrived_{false};
   std::atomic<std::uint64_t> packets_{0}, bytes_{0}, overruns_{0}, stalls_{0}, errors_{0}, reconnects_{0};

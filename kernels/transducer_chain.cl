@@ -63,9 +63,13 @@ kernel void transducer_chain(uint first_group, global const ulong *contact, glob
   const uint vector = (uint)(group % vectors), row = first_row[c], steps = first_row[c + 1] - row;
   vuint channel;
   for (uint lane = 0; lane < LANES; ++lane) ((uint *)&channel)[lane] = vector * LANES + lane;
-  const RandomWords drawn = words_of_item(chain.instance_seed, GAIN_STREAM, instance_of(&chain, contact[c]), channel);
-  const NormalPair spread = normal_pair(drawn.word[0], drawn.word[1]);
-  const vreal gain = ALL_LANES(1) + ALL_LANES(chain.gain_spread) * spread.first, offset = ALL_LANES(chain.offset_spread) * spread.second;
+  vreal gain = 1, offset = 0;
+  if (chain.gain_spread > 0 || chain.offset_spread > 0) {
+    const RandomWords drawn = words_of_item(chain.instance_seed, GAIN_STREAM, instance_of(&chain, contact[c]), channel);
+    const NormalPair spread = normal_pair(drawn.word[0], drawn.word[1]);
+    gain += ALL_LANES(chain.gain_spread) * spread.first;
+    offset = ALL_LANES(chain.offset_spread) * spread.second;
+  }
   const vreal per_quantum = ALL_LANES(chain.quantum > 0 ? 1 / chain.quantum : 0);
   NormalPair noise[2];
   vreal x_before = 0, y_before = 0;

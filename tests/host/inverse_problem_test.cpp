@@ -117,7 +117,11 @@ TEST(InverseProblem, ReproduceWritesTableTwo) {
   }
   EXPECT_EQ(rows.size(), 12u);
   EXPECT_FALSE(std::filesystem::exists(report + "/networks-0.checkpoint"));
-  EXPECT_NE(text_of(report + "/index.html").find("The inverse problem"), std::string::npos);
+  const auto section_six = nlohmann::json::parse(text_of(report + "/section6.json"));
+  EXPECT_EQ(section_six["seeds"], 2);
+  EXPECT_EQ(section_six["cases"].size(), 10u);
+  for (const char* section : {"The inverse problem", "A network for the real sensor"})
+    EXPECT_NE(text_of(report + "/index.html").find(section), std::string::npos);
 }
 
 }  // namespace

@@ -19,6 +19,7 @@ struct Case {
   std::function<ByteVector(int)> frame;
   bool checksum;  ///< a damaged frame shows: what is decoded was sent
 };
+void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 
 GenericLayout crc_layout() {
   GenericLayout layout;

@@ -2,48 +2,90 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
 #include <thread>
+#include <vector>
 
 #include "hw/ftdi.h"
 
 namespace tactel::hw {
 namespace {
 
-TEST(PacketRing, RefusesWhatDoesNotFitAndKeepsTheRest) {
+TEST(PacketRing, KeepsOrderAndBytes) {
   PacketRing ring(4, 8);
   const std::uint8_t bytes[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10};
-  EXPECT_EQ(ring.front(), nullptr);
-  for (std::size_t i = 1; i <= 4; ++i) EXPECT_TRUE(ring.push({Bytes(bytes).first(i), static_cast<double>(i)}));
-  EXPECT_FALSE(ring.push({Bytes(bytes), 5}));
-  for (std::size_t i = 1; i <= 4; ++i, ring.pop()) {
-    ASSERT_NE(ring.front(), nullptr);
-    EXPECT_EQ(ring.front()->bytes.size(), i);
-    EXPECT_EQ(ring.front()->bytes[i - 1], i);
+  EXPECT_FALSE(ring.take());
+  for (std::size_t i = 1; i <= 4; ++i) EXPECT_FALSE(ring.push({Bytes(bytes).first(i), static_cast<double>(i)}));
+  for (std::size_t i = 1; i <= 4; ++i) {
+    const auto packet = ring.take();
+    ASSERT_TRUE(packet);
+    EXPECT_EQ(packet->bytes.size(), i);
+    EXPECT_EQ(packet->bytes[i - 1], i);
+    EXPECT_FALSE(packet->after_gap);
   }
-  EXPECT_EQ(ring.front(), nullptr);
-  EXPECT_TRUE(ring.push({Bytes(bytes), 6}));
-  EXPECT_EQ(ring.front()->bytes.size(), 8u) << "a packet is cut at the slot's end, never written beyond";
+  EXPECT_FALSE(ring.take());
+  ring.push({Bytes(bytes), 6, true});
+  const auto packet = ring.take();
+  EXPECT_EQ(packet->bytes.size(), 8u) << "a packet is cut at the slot's end, never written beyond";
+  EXPECT_TRUE(packet->after_gap);
 }
 
-TEST(PacketRing, HandsPacketsFromThreadToThreadInOrder) {
-  PacketRing ring(16, 4);
-  constexpr std::uint32_t count = 200000;
+TEST(PacketRing, WhenFullTheOldestGoesAndLeavesAGap) {
+  PacketRing ring(4, 1);
+  std::uint8_t byte = 0;
+  for (int i = 0; i < 7; ++i, ++byte) EXPECT_EQ(ring.push({{&byte, 1}, static_cast<double>(i)}), i >= 4);
+  for (int i = 3; i < 7; ++i) {
+    const auto packet = ring.take();
+    ASSERT_TRUE(packet);
+    EXPECT_EQ(packet->bytes[0], i);
+    EXPECT_EQ(packet->arrival, i);
+    EXPECT_EQ(packet->after_gap, i == 3);
+  }
+  EXPECT_FALSE(ring.take());
+}
+
+TEST(PacketRing, WhatAReaderHoldsStaysWhileTheRingGoesRound) {
+  PacketRing ring(2, 1);
+  std::uint8_t byte = 7;
+  ring.push({{&byte, 1}, 0});
+  const auto held = ring.take();
+  for (byte = 10; byte < 20; ++byte) ring.push({{&byte, 1}, 0});
+  EXPECT_EQ(held->bytes[0], 7);
+}
+
+// The reader pauses now and then, so that the ring overflows under it. Every packet is read or counted as dropped, none
+// twice, none torn, and a gap is marked exactly where numbers are missing.
+TEST(PacketRing, DropsAndReadsAddUpBetweenThreads) {
+  PacketRing ring(16, 64);
+  constexpr std::uint32_t count = 100000;
+  std::atomic<bool> done{false};
+  std::uint32_t dropped = 0, read = 0, wrong = 0, missing = 0;
   std::thread producer([&] {
     for (std::uint32_t i = 0; i < count; ++i) {
-      const std::uint8_t bytes[] = {static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i >> 8),
-                                    static_cast<std::uint8_t>(i >> 16), 0};
-      while (!ring.push({bytes, static_cast<double>(i)})) std::this_thread::yield();
+      const std::vector<std::uint8_t> bytes(1 + i % 64, static_cast<std::uint8_t>(i));
+      dropped += ring.push({bytes, static_cast<double>(i)});
     }
+    done = true;
   });
-  std::uint32_t wrong = 0;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const Packet* packet;
-    while ((packet = ring.front()) == nullptr) std::this_thread::yield();
-    wrong += packet->arrival != i || packet->bytes[0] != (i & 0xFF) || packet->bytes[1] != (i >> 8 & 0xFF);
-    ring.pop();
+  double expected = 0;
+  for (bool last = false; !last;) {
+    last = done;  // before the last look: what was pushed until then is seen by it
+    while (const auto packet = ring.take()) {
+      const auto number = static_cast<std::uint32_t>(packet->arrival);
+      wrong += packet->bytes.size() != 1 + number % 64 || packet->arrival < expected ||
+               packet->after_gap != (packet->arrival > expected);
+      for (const std::uint8_t byte : packet->bytes) wrong += byte != static_cast<std::uint8_t>(number);
+      missing += static_cast<std::uint32_t>(packet->arrival - expected);
+      expected = packet->arrival + 1;
+      if (++read % 1000 == 0) std::this_thread::sleep_for(std::chrono::microseconds(200));
+    }
   }
   producer.join();
   EXPECT_EQ(wrong, 0u);
+  EXPECT_EQ(missing, dropped);
+  EXPECT_EQ(read + dropped, count);
+  EXPECT_GT(dropped, 0u) << "the reader never fell behind: nothing was shown";
 }
 
 TEST(Ftdi, StripsTheTwoStatusBytes) {

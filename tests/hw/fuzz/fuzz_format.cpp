@@ -5,23 +5,12 @@
 
 #include "hw/decoder.h"
 #include "hw/formats.h"
-#include "hw/generic_format.h"
+#include "tests/hw/fuzz/counted_layout.h"
 
 namespace tactel::hw {
 namespace {
 
-[[maybe_unused]] std::unique_ptr<const WireFormat> counted_format() {
-  GenericLayout layout;
-  layout.sync = {0xA5, 0x5A};
-  layout.header = 8;
-  layout.counter = {2, 2};
-  layout.clock = {4, 4};
-  layout.channels = 4;
-  layout.checksum = Checksum::crc16;
-  layout.trailer = {0x0D};
-  layout.confirmations = 2;
-  return generic_format(layout);
-}
+[[maybe_unused]] std::unique_ptr<const WireFormat> counted_format() { return generic_format(counted_layout()); }
 
 void check(bool met) {
   if (!met) std::abort();

@@ -4,10 +4,11 @@
 #include <gmock/gmock.h>
 
 #include <chrono>
+#include <thread>
 
 #include "hw/formats.h"
 #include "tests/hw/byte_vectors.h"
-#include "tests/hw/usb/emulated_glove.h"
+#include "tests/hw/usb/emulated_device.h"
 
 namespace tactel::hw::testing {
 namespace {
@@ -39,7 +40,7 @@ struct Reader {
 };
 
 TEST(UsbSource, ReadsEveryFrameAndStopsOrderly) {
-  EmulatedGlove device;
+  EmulatedDevice device(glove_kind());
   device.send(frames(200));
   Reader reader;
   {
@@ -47,7 +48,10 @@ TEST(UsbSource, ReadsEveryFrameAndStopsOrderly) {
     reader.read(*source, 200);
     EXPECT_EQ(source->counts().packets, 1000u);
     EXPECT_EQ(source->counts().bytes, 64000u);
-    EXPECT_TRUE(device.has_dtr());
+    // 115200 baud, one stop bit, no parity, 8 data bits; then DTR.
+    EXPECT_THAT(device.control_requests(),
+                ::testing::ElementsAre(ControlRequest{0x21, 0x20, 0, 0, {0x00, 0xC2, 0x01, 0x00, 0, 0, 8}},
+                                       ControlRequest{0x21, 0x22, 1, 0}));
     EXPECT_EQ(device.claimed(), 2u);
   }
   EXPECT_EQ(reader.decoder.counts(), (DecoderCounts{.frames = 200}));
@@ -59,7 +63,7 @@ TEST(UsbSource, ReadsEveryFrameAndStopsOrderly) {
 }
 
 TEST(UsbSource, ADroppedPacketCostsItsFrame) {
-  EmulatedGlove device;
+  EmulatedDevice device(glove_kind());
   device.send(frames(20));
   device.fault_at(52, Fault::drop);
   const auto source = open_usb(glove);
@@ -69,7 +73,7 @@ TEST(UsbSource, ADroppedPacketCostsItsFrame) {
 }
 
 TEST(UsbSource, ClearsAHaltAndGoesOnWithoutLoss) {
-  EmulatedGlove device;
+  EmulatedDevice device(glove_kind());
   device.send(frames(20));
   device.fault_at(50, Fault::stall);  // between two frames
   const auto source = open_usb(glove);
@@ -81,7 +85,7 @@ TEST(UsbSource, ClearsAHaltAndGoesOnWithoutLoss) {
 }
 
 TEST(UsbSource, CountsFailedTransfersAndGoesOn) {
-  EmulatedGlove device;
+  EmulatedDevice device(glove_kind());
   device.send(frames(20));
   device.fault_at(10, Fault::babble);
   device.fault_at(30, Fault::protocol_error);
@@ -92,8 +96,108 @@ TEST(UsbSource, CountsFailedTransfersAndGoesOn) {
   EXPECT_EQ(source->counts().errors, 2u);
 }
 
+TEST(UsbSource, ShortAndEmptyPacketsAreWhatTheyAreAndOverlongOnesAreErrors) {
+  EmulatedDevice device(glove_kind());
+  const ByteVector stream = frames(4);
+  const auto part = [&](int from, int to) { return ByteVector(stream.begin() + from, stream.begin() + to); };
+  device.send_packets({part(0, 1),
+                       part(1, 64),
+                       {},
+                       part(64, 65),
+                       {},
+                       {},
+                       part(65, 100),
+                       part(100, 164),
+                       part(164, 228),
+                       part(228, 292),
+                       part(292, 320),        // a frame in scraps
+                       ByteVector(65, 0x3C),  // more than the endpoint may send
+                       part(320, 384),
+                       part(384, 448),
+                       part(448, 512),
+                       part(512, 576),
+                       part(576, 640)});
+  const auto source = open_usb(glove);
+  Reader reader;
+  reader.read(*source, 2);
+  EXPECT_EQ(reader.decoder.counts(), (DecoderCounts{.frames = 2}));
+  EXPECT_EQ(source->counts().errors, 1u);
+  EXPECT_EQ(source->counts().bytes, 640u);
+  EXPECT_EQ(source->counts().packets, 13u) << "an empty packet is none";
+}
+
+TEST(UsbSource, ReadsAnInterruptEndpoint) {
+  EmulatedDevice device(interrupt_kind());
+  device.send(frames(20));
+  const auto source = open_usb({.vendor = 0x1209, .product = 0x0001});
+  Reader reader;
+  reader.read(*source, 20);
+  EXPECT_EQ(reader.decoder.counts(), (DecoderCounts{.frames = 20}));
+  EXPECT_GE(device.interrupt_requests(), 100u);
+  EXPECT_THAT(device.control_requests(), ::testing::IsEmpty());
+}
+
+// AN_120 and FTDI's D2XX guide: request 0 resets, 3 sets the divisor, 4 the framing, 1 DTR (high byte: which lines to
+// change), 9 the latency timer in ms; the index names the port, from 1. 921600 baud: 3.25, eighths' code 2 at bit 14.
+TEST(UsbSource, PreparesAnFtdiBridgeAndStripsItsStatus) {
+  EmulatedDevice device(ftdi_kind());
+  device.send(frames(20));
+  const auto source = open_usb(
+      {.vendor = 0x0403, .product = 0x6001, .transport = Transport::ftdi, .baud = 921600, .start = {'g', 'o'}});
+  Reader reader;
+  reader.read(*source, 20);
+  EXPECT_EQ(reader.decoder.counts(), (DecoderCounts{.frames = 20}));
+  EXPECT_EQ(source->counts().bytes, 6400u) << "without the status bytes";
+  EXPECT_THAT(device.control_requests(),
+              ::testing::ElementsAre(ControlRequest{0x40, 0, 0, 1}, ControlRequest{0x40, 3, 0x8003, 0},
+                                     ControlRequest{0x40, 4, 8, 1}, ControlRequest{0x40, 1, 0x0101, 1},
+                                     ControlRequest{0x40, 9, 1, 1}));
+  EXPECT_EQ(device.received(), (ByteVector{'g', 'o'}));
+  const std::uint64_t before = source->counts().packets;
+  device.send_packets({{0x01, 0x60}, {0x01, 0x60}});  // an idle bridge
+  EXPECT_FALSE(source->wait(0.1));
+  EXPECT_EQ(source->counts().packets, before);
+}
+
+TEST(UsbSource, WhenNobodyReadsTheOldestPacketsGoAndAreCounted) {
+  EmulatedDevice device(fast_kind());
+  constexpr int sent = 5000, kept = 4096;  // the ring's length
+  std::vector<ByteVector> packets;
+  for (int i = 0; i < sent; ++i) packets.push_back({static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i >> 8)});
+  device.send_packets(packets);
+  const auto source = open_usb({.vendor = 0x1209, .product = 0x0002});
+  for (const auto end = Clock::now() + std::chrono::seconds(20); source->counts().packets < sent && Clock::now() < end;)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  ASSERT_EQ(source->counts().packets, static_cast<std::uint64_t>(sent));
+  EXPECT_EQ(source->counts().overruns, static_cast<std::uint64_t>(sent - kept));
+  int expected = sent - kept;
+  while (const auto packet = source->wait(0.02)) {
+    ASSERT_EQ(packet->bytes[0] | packet->bytes[1] << 8, expected);
+    EXPECT_EQ(packet->after_gap, expected == sent - kept);
+    ++expected;
+  }
+  EXPECT_EQ(expected, sent);
+}
+
+// libusb sleeps until the device has something: a packet takes a submit, a reap, and a reap that finds no more.
+TEST(UsbSource, SleepsBetweenPackets) {
+  EmulatedDevice device(glove_kind());
+  const auto source = open_usb(glove);
+  const std::size_t before = device.ioctls();
+  device.send_by_clock(std::chrono::milliseconds(1), 1000, [](std::size_t i, ByteVector& packet) {
+    packet = glove_frame(static_cast<int>(i / 5));
+    packet.erase(packet.begin(), packet.begin() + static_cast<std::ptrdiff_t>(64 * (i % 5)));
+    packet.resize(64);
+  });
+  Reader reader;
+  reader.read(*source, 60);
+  EXPECT_EQ(device.lost(), 0u);
+  EXPECT_EQ(reader.decoder.counts(), (DecoderCounts{.frames = 60}));
+  EXPECT_LE(device.ioctls() - before, 4 * source->counts().packets + 100);
+}
+
 TEST(UsbSource, SilenceIsNoPacketAndNoError) {
-  EmulatedGlove device;
+  EmulatedDevice device(glove_kind());
   const auto source = open_usb(glove);
   EXPECT_FALSE(source->wait(0.1));
   EXPECT_FALSE(source->finished());
@@ -104,7 +208,7 @@ TEST(UsbSource, SilenceIsNoPacketAndNoError) {
 }
 
 TEST(UsbSource, GoesOnByItselfAfterUnplugAndReturn) {
-  EmulatedGlove device;
+  EmulatedDevice device(glove_kind());
   device.send(frames(10));
   const auto source = open_usb(glove);
   Reader reader;
@@ -120,7 +224,7 @@ TEST(UsbSource, GoesOnByItselfAfterUnplugAndReturn) {
 }
 
 TEST(UsbSource, SaysWhatToCheckWhenNothingIsThere) {
-  EmulatedGlove device;
+  EmulatedDevice device(glove_kind());
   try {
     open_usb({.vendor = 0x04D8, .product = 0x000B});
     FAIL();
