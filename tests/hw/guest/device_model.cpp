@@ -61,11 +61,6 @@ void DeviceModel::forget() {
   halted_ = dtr_ = false;
 }
 
-std::size_t DeviceModel::waiting() const {
-  const std::lock_guard lock(mutex_);
-  return queue_.size();
-}
-
 std::optional<InPacket> DeviceModel::next() {
   const std::lock_guard lock(mutex_);
   if (halted_) return InPacket{.answer = Answer::stall};

@@ -40,7 +40,6 @@ class DeviceModel {
   void forget();                       ///< the power went
 
   bool has_dtr() const { return dtr_; }
-  std::size_t waiting() const;  ///< packets nobody has fetched
 
   /// For a transport: the next packet, none while the device is silent. A halted endpoint stalls.
   std::optional<InPacket> next();
@@ -57,7 +56,7 @@ class DeviceModel {
 
  private:
   void queue(InPacket packet);
-  mutable std::mutex mutex_;
+  std::mutex mutex_;
   std::deque<InPacket> queue_;
   bool halted_ = false;
   std::atomic<bool> dtr_{false};

@@ -98,10 +98,7 @@ class VhciRig final : public Rig {
                                  pollfd{model_.ready_fd(), POLLIN, 0}};
     while (poll(wanted.data(), wanted.size(), -1) > 0 || errno == EINTR) {
       if (wanted[1].revents != 0) return;
-      if (wanted[0].revents != 0 && !take_message()) {
-        poll(&wanted[1], 1, -1);
-        return;
-      }
+      if (wanted[0].revents != 0 && !take_message()) return;
       answer_pending();
       // Nobody asks: what the model has must not wake us until somebody does.
       wanted[2].fd = pending_.empty() ? -1 : model_.ready_fd();
