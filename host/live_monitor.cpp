@@ -46,11 +46,11 @@ MonitorSummary LiveMonitor::run(hw::FrameSource& source, const MonitorEvents& ev
   while (!source.finished() && !(events.stop && events.stop())) {
     if (const auto packet = source.wait(longest_wait)) {
       decode(*packet);
-      answer_waiting(source, events);
+      answer_waiting(events);
     }
-    watch(source, events);
+    watch(events);
   }
-  refresh(source);
+  refresh();
   return summary_;
 }
 
@@ -60,35 +60,35 @@ void LiveMonitor::decode(const hw::Packet& packet) {
   decoder_.feed(packet.bytes, sink_);
 }
 
-void LiveMonitor::answer_waiting(const hw::FrameSource& source, const MonitorEvents& events) {
+void LiveMonitor::answer_waiting(const MonitorEvents& events) {
   if (queue_.size() > 0) last_frame_ = arrival_, silent_ = false;
-  if (source.live()) drop_late(source);
-  if (queue_.size() >= options_.batch_from) return answer_batch(source, events);
-  while (queue_.size() > 0) answer_one(source, events);
+  if (source_->live()) drop_late();
+  if (queue_.size() >= options_.batch_from) return answer_batch(events);
+  while (queue_.size() > 0) answer_one(events);
 }
 
-void LiveMonitor::drop_late(const hw::FrameSource& source) {
-  const double now = source.now();
+void LiveMonitor::drop_late() {
+  const double now = source_->now();
   while (queue_.size() > 0 && now - queue_.frame(0).arrival > options_.late) {
     queue_.pop();
     ++summary_.late;
   }
 }
 
-void LiveMonitor::answer_one(const hw::FrameSource& source, const MonitorEvents& events) {
+void LiveMonitor::answer_one(const MonitorEvents& events) {
   const FrameAnswer<float> answer = one_(queue_.inputs(0));
-  tell(0, answer, source.now(), events);
+  tell(0, answer, source_->now(), events);
   queue_.pop();
 }
 
-void LiveMonitor::answer_batch(const hw::FrameSource& source, const MonitorEvents& events) {
+void LiveMonitor::answer_batch(const MonitorEvents& events) {
   const std::size_t count = queue_.size();
   nn::RowMatrix<float> frames(count, 2 * map_.tactels());
   for (std::size_t i = 0; i < count; ++i)
     std::ranges::copy(queue_.inputs(i), frames.row(static_cast<Eigen::Index>(i)).data());
   batch_.run(DeviceFrames(*device_, frames));
   const nn::Recall<float> recall = batch_.result(0);
-  const double now = source.now();
+  const double now = source_->now();
   summary_.batched += count;
   for (std::size_t i = 0; i < count; ++i) {
     const auto row = static_cast<Eigen::Index>(i);
@@ -104,21 +104,21 @@ void LiveMonitor::tell(std::size_t i, const FrameAnswer<float>& answer, double n
   if (events.line) events.line({frame, queue_.inputs(i), answer, latency, 1e6 * (now - frame.decoded)});
 }
 
-void LiveMonitor::refresh(const hw::FrameSource& source) {
+void LiveMonitor::refresh() {
   summary_.decoder = decoder_.counts();
-  summary_.transport = source.counts();
+  summary_.transport = source_->counts();
   summary_.late += queue_.dropped() - dropped_before_;
   dropped_before_ = queue_.dropped();
 }
 
-void LiveMonitor::watch(const hw::FrameSource& source, const MonitorEvents& events) {
-  const double now = source.now();
+void LiveMonitor::watch(const MonitorEvents& events) {
+  const double now = source_->now();
   if (now >= next_second_) {
     next_second_ = now + 1;
-    refresh(source);
+    refresh();
     if (events.second) events.second(summary_);
   }
-  if (!source.live() || silent_ || now - last_frame_ < options_.silence) return;
+  if (!source_->live() || silent_ || now - last_frame_ < options_.silence) return;
   silent_ = true;
   ++summary_.silences;
   if (events.silence) events.silence(now - last_frame_);

@@ -51,13 +51,13 @@ class LiveMonitor {
 
  private:
   void decode(const hw::Packet& packet);
-  void answer_waiting(const hw::FrameSource& source, const MonitorEvents& events);
-  void drop_late(const hw::FrameSource& source);
-  void answer_one(const hw::FrameSource& source, const MonitorEvents& events);
-  void answer_batch(const hw::FrameSource& source, const MonitorEvents& events);
+  void answer_waiting(const MonitorEvents& events);
+  void drop_late();
+  void answer_one(const MonitorEvents& events);
+  void answer_batch(const MonitorEvents& events);
   void tell(std::size_t i, const FrameAnswer<float>& answer, double now, const MonitorEvents& events);
-  void refresh(const hw::FrameSource& source);
-  void watch(const hw::FrameSource& source, const MonitorEvents& events);
+  void refresh();
+  void watch(const MonitorEvents& events);
 
   MonitorOptions options_;
   hw::ChannelMap map_;

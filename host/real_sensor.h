@@ -28,6 +28,7 @@ struct RealContact {
   double limit_angle = 25, angle = 0;  ///< degrees: of friction; of the force
   double friction() const;             ///< mu = tan(limit_angle)
   double slip_index() const;           ///< S = tan(angle) / tan(limit_angle), equation (5)
+  bool operator==(const RealContact&) const = default;
 };
 /// All 7 x 3 x (2 + 3) = 105: 30 degrees only where the limit is 38, as in the paper.
 std::vector<RealContact> real_contacts();
@@ -35,7 +36,7 @@ std::vector<RealContact> real_contacts();
 /// What the paper leaves open, as chosen.
 struct RealSensorChoice {
   fem::Sensor sensor;
-  /// N/mm, of all contacts: the sharpest edge then goes 0.28 mm deep, within the 20 % of the thickness up to which the
+  /// N/mm, of all contacts: the sharpest edge then goes 0.26 mm deep, within the 20 % of the thickness up to which the
   /// rubber is linear (section IV).
   double normal_force = 0.25;
   int increments = 10;   ///< in which normal and tangential force grow together
