@@ -19,8 +19,12 @@ std::string word_of(const std::filesystem::path& file) {
 }  // namespace
 
 std::string device_folder() {
+  const auto is_hub_or_interface = [](const std::string& name) {
+    return name.starts_with("usb") || name.find(':') != name.npos;
+  };
   for (const auto& entry : std::filesystem::directory_iterator("/sys/bus/usb/devices"))
-    if (word_of(entry.path() / "idVendor") == "04d8" && word_of(entry.path() / "bConfigurationValue") == "1")
+    if (!is_hub_or_interface(entry.path().filename()) && word_of(entry.path() / "idVendor") == "04d8" &&
+        word_of(entry.path() / "bConfigurationValue") == "1")
       return entry.path();
   return {};
 }
@@ -31,7 +35,7 @@ void wait_for_device(bool there) {
     if (std::chrono::steady_clock::now() > end)
       throw std::runtime_error(there ? "the kernel did not configure the device"
                                      : "the kernel did not drop the device");
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
 }
 
