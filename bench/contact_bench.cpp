@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "base_forces.h"
 #include "fem/gap_reference.h"
 #include "fem/gap_sweep.h"
 #include "host/gap_sweep.h"
@@ -37,17 +38,6 @@ std::vector<fem::Scene> random_parabolas(const fem::Sensor& sensor, std::size_t 
   return scenes;
 }
 
-/// Largest difference of base forces over the largest of them.
-double difference(const fem::ContactSolution& a, const fem::ContactSolution& b) {
-  double worst = 0;
-  for (std::size_t k = 0; k < a.steps.size(); ++k) {
-    const double scale = b.steps[k].base_force_y.cwiseAbs().maxCoeff();
-    worst = std::max({worst, (a.steps[k].base_force_y - b.steps[k].base_force_y).cwiseAbs().maxCoeff() / scale,
-                      (a.steps[k].base_force_x - b.steps[k].base_force_x).cwiseAbs().maxCoeff() / scale});
-  }
-  return worst;
-}
-
 /// Multiplications and additions that the algorithm needs for nodes that touch, twice the fused operations.
 template <class Batch>
 double useful_flops(const Batch& batch, int columns, int base_rows) {
@@ -72,7 +62,7 @@ void batched(benchmark::State& state, char which, double tolerance) {
   batch.run();
   fem::GapSweep<double> exact(sweep.condensation());
   for (std::size_t i = 0; i < scenes.size(); i += scenes.size() / 16)
-    if (difference(batch.solution(i), exact.solve(scenes[i])) > 100 * tolerance) {
+    if (!(bench::base_force_difference(batch.solution(i), exact.solve(scenes[i])) <= 100 * tolerance)) {
       state.SkipWithError("base forces differ from the Eigen twin's");
       return;
     }

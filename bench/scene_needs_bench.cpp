@@ -7,6 +7,7 @@
 #include <functional>
 #include <random>
 
+#include "base_forces.h"
 #include "fem/gap_sweep.h"
 #include "host/gap_sweep.h"
 #include "host/ladder.h"
@@ -62,20 +63,9 @@ fem::Load dragged() {
   return load;
 }
 
-double base_difference(const fem::ContactSolution& a, const fem::ContactSolution& b) {
-  if (a.steps.size() != b.steps.size()) return INFINITY;
-  double worst = 0;
-  for (std::size_t k = 0; k < a.steps.size(); ++k) {
-    const double scale = b.steps[k].base_force_y.cwiseAbs().maxCoeff();
-    worst = std::max({worst, (a.steps[k].base_force_y - b.steps[k].base_force_y).cwiseAbs().maxCoeff() / scale,
-                      (a.steps[k].base_force_x - b.steps[k].base_force_x).cwiseAbs().maxCoeff() / scale});
-  }
-  return worst;
-}
-
 bool same_answers(benchmark::State& state, const Solutions& a, const Solutions& b) {
   for (std::size_t i = 0; i < a.size(); ++i)
-    if (const double off = base_difference(a[i], b[i]); !(off <= agree)) {
+    if (const double off = bench::base_force_difference(a[i], b[i]); !(off <= agree)) {
       state.SkipWithError(("base forces of scene " + std::to_string(i) + " differ by " + std::to_string(off)).c_str());
       return false;
     }
