@@ -6,10 +6,10 @@
 #include <cmath>
 #include <random>
 
-#include "base_forces.h"
 #include "fem/gap_reference.h"
 #include "fem/gap_sweep.h"
-#include "host/gap_sweep.h"
+#include "fem/solution_difference.h"
+#include "host/contact/gap_sweep.h"
 #include "kernels/shared/contact_layout.h"
 
 namespace {
@@ -62,7 +62,7 @@ void batched(benchmark::State& state, char which, double tolerance) {
   batch.run();
   fem::GapSweep<double> exact(sweep.condensation());
   for (std::size_t i = 0; i < scenes.size(); i += scenes.size() / 16)
-    if (!(bench::base_force_difference(batch.solution(i), exact.solve(scenes[i])) <= 100 * tolerance)) {
+    if (!(fem::base_force_difference(batch.solution(i), exact.solve(scenes[i])) <= 100 * tolerance)) {
       state.SkipWithError("base forces differ from the Eigen twin's");
       return;
     }

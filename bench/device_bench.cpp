@@ -5,8 +5,8 @@
 #include <chrono>
 #include <memory>
 
-#include "host/buffer.h"
-#include "host/executor.h"
+#include "host/device/buffer.h"
+#include "host/device/executor.h"
 
 namespace {
 
@@ -39,9 +39,9 @@ struct Peak {
       : executor(device, {.threads = threads}),
         out(device, groups * device.lanes(precision)),
         launch(executor.prepare(peak_program(device, precision), "fma_peak",
-                                [&](cl::Kernel& kernel) {
-                                  kernel.setArg(1, out.cl_buffer());
-                                  kernel.setArg(2, rounds);
+                                [&](KernelArguments& kernel) {
+                                  kernel.set(1, out);
+                                  kernel.set(2, rounds);
                                 })),
         groups(groups),
         flops(24.0 * rounds * static_cast<double>(out.size())) {}
@@ -99,9 +99,9 @@ void program_from_cache(benchmark::State& state) {
   Executor executor(basic);
   Buffer<float> out(basic, 16);
   for (auto _ : state)
-    executor.run(peak_program(basic, Precision::fp32), "fma_peak", 1, [&](cl::Kernel& kernel) {
-      kernel.setArg(1, out.cl_buffer());
-      kernel.setArg(2, 1);
+    executor.run(peak_program(basic, Precision::fp32), "fma_peak", 1, [&](KernelArguments& kernel) {
+      kernel.set(1, out);
+      kernel.set(2, 1);
     });
 }
 

@@ -5,10 +5,10 @@
 #include <chrono>
 #include <cmath>
 
-#include "host/forward.h"
+#include "host/networks/forward.h"
 #include "network_peers.h"
 #include "nn/metrics.h"
-#include "tests/host/network_cases.h"
+#include "tests/host/networks/network_cases.h"
 
 namespace {
 

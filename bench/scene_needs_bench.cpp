@@ -7,12 +7,13 @@
 #include <functional>
 #include <random>
 
-#include "base_forces.h"
 #include "fem/gap_sweep.h"
-#include "host/gap_sweep.h"
-#include "host/ladder.h"
-#include "host/planner.h"
-#include "host/rung_error.h"
+#include "fem/solution_difference.h"
+#include "host/contact/gap_sweep.h"
+#include "host/contact/planner.h"
+#include "host/contact/rung_error.h"
+#include "host/contact/solve_on_rung.h"
+#include "host/scenes/ladder.h"
 
 namespace {
 
@@ -65,7 +66,7 @@ fem::Load dragged() {
 
 bool same_answers(benchmark::State& state, const Solutions& a, const Solutions& b) {
   for (std::size_t i = 0; i < a.size(); ++i)
-    if (const double off = bench::base_force_difference(a[i], b[i]); !(off <= agree)) {
+    if (const double off = fem::base_force_difference(a[i], b[i]); !(off <= agree)) {
       state.SkipWithError(("base forces of scene " + std::to_string(i) + " differ by " + std::to_string(off)).c_str());
       return false;
     }

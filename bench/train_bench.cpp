@@ -7,10 +7,10 @@
 #include <functional>
 #include <memory>
 
-#include "host/network_sweep.h"
-#include "host/train_batch.h"
+#include "host/networks/network_training.h"
+#include "host/networks/train_batch.h"
 #include "network_peers.h"
-#include "tests/host/network_cases.h"
+#include "tests/host/networks/network_cases.h"
 
 namespace {
 
@@ -62,7 +62,7 @@ bool learns_like_reference(host::TrainOnline<float>& training, std::uint64_t see
 
 // The six networks with `seeds` seeds each, in one pool.
 void online_sweep(benchmark::State& state, int threads, int seeds) {
-  constexpr int cycles = 4;  // a launch, as sweeps of this size have it between looks at the clock
+  constexpr int cycles = 4;  // a launch, as trainings of this size have it between looks at the clock
   host::Executor executor(testing::executor().device(), {.threads = threads});
   std::vector<OnlineMember> members;
   for (int seed = 0; seed < seeds; ++seed) members.push_back({static_cast<std::uint64_t>(seed), 0});

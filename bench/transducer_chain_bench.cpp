@@ -1,7 +1,7 @@
 // Load steps a second of the transducer chain, copies in and out included; what the parts cost.
 #include <benchmark/benchmark.h>
 
-#include "tests/host/transducer_cases.h"
+#include "tests/host/sets/transducer_cases.h"
 
 namespace {
 

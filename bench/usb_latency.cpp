@@ -13,8 +13,8 @@
 #include <cstring>
 #include <thread>
 
-#include "host/live_monitor.h"
-#include "host/progress_line.h"
+#include "host/live/live_monitor.h"
+#include "host/support/progress_line.h"
 #include "hw/generic_format.h"
 #include "hw/usb_source.h"
 #include "nn/forward.h"

@@ -4,10 +4,11 @@
 
 namespace tactel::fem {
 
-/// Several right-hand sides side by side: [rows, right sides].
+/// Right-hand sides in columns: [rows, right-hand sides].
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// LU factors with row exchanges of a banded matrix, in place (Golub and Van Loan, Matrix Computations, section 4.3.3).
+/// LU factorization with row exchanges of a banded matrix, in place (Golub and Van Loan, Matrix Computations,
+/// section 4.3.3).
 class BandedLu {
  public:
   /// A zero matrix [size, size] with `band` diagonals on either side of the main one.
@@ -15,10 +16,11 @@ class BandedLu {
 
   double& entry(int row, int column) { return row_[place(row, column)]; }
 
-  /// False where a pivot is zero to rounding: the matrix is singular. Entries are lost.
+  /// Factors the matrix and overwrites its entries. Returns false where a pivot is zero to rounding: the matrix
+  /// is singular.
   bool factor();
 
-  /// Right sides [size, k] become solutions.
+  /// Replaces the right-hand sides [size, k] by the solutions.
   void solve(Eigen::Ref<RowMatrix> right_side) const;
 
  private:
@@ -32,7 +34,7 @@ class BandedLu {
   std::size_t stride_;
   std::vector<double>
       row_;  ///< [size, 3 band + 1]: row i holds columns i - band to i + 2 band; exchanges need the last band
-  std::vector<int> end_;    ///< [size] one past the last column of row i that may hold something
+  std::vector<int> end_;    ///< [size] one past the last column of row i that may be nonzero
   std::vector<int> pivot_;  ///< [size] the row that step k exchanged with row k
 };
 

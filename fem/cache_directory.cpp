@@ -9,7 +9,7 @@ std::filesystem::path default_cache_directory() {
     const char* value = std::getenv(name);
     return std::filesystem::path(value ? value : "");
   };
-  if (const std::filesystem::path own = variable("TACTEL_CACHE_DIR"); !own.empty()) return own;
+  if (std::filesystem::path own = variable("TACTEL_CACHE_DIR"); !own.empty()) return own;
   if (const std::filesystem::path cache = variable("XDG_CACHE_HOME"); !cache.empty()) return cache / "tactel";
   if (const std::filesystem::path home = variable("HOME"); !home.empty()) return home / ".cache" / "tactel";
   return {};

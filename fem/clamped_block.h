@@ -6,8 +6,8 @@
 
 namespace tactel::fem {
 
-/// The block with its base clamped, stiffness factored once (sparse Cholesky, fp64): displacements under any nodal
-/// loads.
+/// The block with its base clamped, under any nodal loads. The stiffness is factored once (sparse Cholesky,
+/// fp64).
 class ClampedBlock {
  public:
   static constexpr int loads_at_a_time = 32;
@@ -16,12 +16,12 @@ class ClampedBlock {
 
   const Mesh& mesh() const { return mesh_; }
 
-  /// Displacements of all nodes for several loads on all nodes, [2 nodes, loads] mm and N/mm; loads on the base go into
-  /// the base. One pass over the factor serves `loads_at_a_time` of them.
+  /// Returns the displacements of all nodes [2 nodes, loads] mm for loads on all nodes [2 nodes, loads] N/mm.
+  /// Loads on the base are carried by the base. One pass over the factor serves `loads_at_a_time` loads.
   Eigen::MatrixXd displacement(const Eigen::MatrixXd& load) const;
 
-  /// Force of the rubber on the base, -K u there: [2 base nodes, loads] N/mm for displacements [2 nodes, loads] mm of a
-  /// block that is loaded above its base only.
+  /// Returns the force of the rubber on the base, -K u there: [2 base nodes, loads] N/mm for displacements [2
+  /// nodes, loads] mm. The block must be loaded above its base only.
   Eigen::MatrixXd base_force(const Eigen::MatrixXd& displacement) const;
 
  private:

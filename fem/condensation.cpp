@@ -33,10 +33,21 @@ Eigen::MatrixXd stress_from_reaction(const Mesh& mesh, const Sensor& sensor, con
   return stress;
 }
 
-/// What the block passes to its base must be what the load puts in: the largest force lost, of a unit load. Rounding of
-/// the volumetric stiffness makes it about 1e-15 / (1/2 - nu); it shows before anything else that precision has run
-/// out.
-double imbalance(const Eigen::MatrixXd& base_force) {
+void check_precision(const Sensor& sensor, const Condensation& result) {
+  constexpr double most_lost = 1e-7;  // about what single precision kernels resolve
+  const double lost = lost_force(result);
+  if (!result.compliance.allFinite() || !result.base_force.allFinite() || !(lost <= most_lost))
+    throw ValueError("sensor.poisson", number_text(sensor.poisson),
+                     "further from 0.5, or the elements less flat: double precision loses " + number_text(lost) +
+                         " of the force between surface and base, " + number_text(most_lost) + " is allowed");
+}
+
+}  // namespace
+
+// Rounding of the volumetric stiffness makes it about 1e-15 / (1/2 - nu); it shows before anything else that precision
+// has run out.
+double lost_force(const Condensation& condensation) {
+  const Eigen::MatrixXd& base_force = condensation.base_force;
   const Eigen::Map<const Eigen::Matrix2Xd> pairs(base_force.data(), 2, base_force.size() / 2);
   const Eigen::Index nodes = base_force.rows() / 2;
   double largest = 0;
@@ -47,17 +58,6 @@ double imbalance(const Eigen::MatrixXd& base_force) {
   }
   return largest;
 }
-
-void check_precision(const Sensor& sensor, const Condensation& result) {
-  constexpr double most_lost = 1e-7;  // about what single precision kernels resolve
-  const double lost = imbalance(result.base_force);
-  if (!result.compliance.allFinite() || !result.base_force.allFinite() || !(lost <= most_lost))
-    throw ValueError("sensor.poisson", number_text(sensor.poisson),
-                     "further from 0.5, or the elements less flat: double precision loses " + number_text(lost) +
-                         " of the force between surface and base, " + number_text(most_lost) + " is allowed");
-}
-
-}  // namespace
 
 Condensation condense(const Sensor& sensor) {
   Sensor unit = sensor;

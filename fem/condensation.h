@@ -6,8 +6,8 @@
 
 namespace tactel::fem {
 
-/// All that contact can ask of the block. A surface load is [2 columns]: force on the rubber at surface node i,
-/// x at 2i and y at 2i + 1 (y up: pressure is negative), N/mm.
+/// The block as seen by the contact. A surface load is [2 columns]: force on the rubber at surface node i, x at
+/// 2i and y at 2i + 1 (y up: pressure is negative), N/mm.
 struct Condensation {
   Eigen::MatrixXd
       compliance;  ///< C [2 columns, 2 columns] mm/(N/mm) for E = 1 MPa: displacement of the surface nodes = C load / E
@@ -23,15 +23,22 @@ struct Condensation {
 /// Factors the block in fp64 (sparse Cholesky, base clamped) and solves for the surface columns.
 Condensation condense(const Sensor& sensor);
 
-/// The same through a file cache: `directory` holds one file a key; the key is made of all that the result depends on
-/// (not E) and of a format version. A damaged, truncated or foreign file is detected by checksum and rebuilt. Files are
-/// written to a temporary name, then renamed. An unwritable directory costs the caching, not the answer.
+/// Returns the largest share of a unit load, in x or y, that T does not transmit to the base: the effect of
+/// rounding of the assembled stiffness near nu = 1/2. It is some 1e-14 up to nu = 0.45; above 1e-7 condense
+/// throws.
+double lost_force(const Condensation& condensation);
+
+/// The same through a file cache. `directory` holds one file a key. The key contains all inputs of the result
+/// (not E) and a format version. A damaged, truncated or foreign file is detected by its checksum and rebuilt.
+/// Files are written under a temporary name, then renamed. In an unwritable directory nothing is cached, and the
+/// answer is the same.
 Condensation condense_cached(const Sensor& sensor, const std::filesystem::path& directory);
 
-/// $TACTEL_CACHE_DIR, else $XDG_CACHE_HOME/tactel, else $HOME/.cache/tactel.
+/// Returns $TACTEL_CACHE_DIR, else $XDG_CACHE_HOME/tactel, else $HOME/.cache/tactel.
 std::filesystem::path default_cache_directory();
 
-/// Displacements of all nodes [2 nodes] mm under a surface load [2 columns] N/mm, by a fresh solve of the full block.
+/// Returns the displacements of all nodes [2 nodes] mm under a surface load [2 columns] N/mm, by a new solve of
+/// the full block.
 Eigen::VectorXd block_displacement(const Sensor& sensor, const Eigen::VectorXd& surface_load);
 
 }  // namespace tactel::fem

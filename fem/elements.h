@@ -16,15 +16,15 @@ using ElementNodes = Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, 8>;         
 using ElementStiffness = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 16, 16>;  ///< [2 nodes, 2 nodes]
 using ElementStress = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 32, 16>;     ///< [4 nodes, 2 nodes]
 
-/// Nodes of one element: 8 for q8, else 4.
+/// Returns the number of nodes of an element: 8 for q8, else 4.
 int nodes_per_element(Element element);
 
-/// Stiffness in plane strain per mm of depth, N/mm per mm; displacement of local node k at 2k (x) and 2k + 1 (y).
-/// Exactly symmetric. Nodes as in Mesh::cell; any convex quadrilateral.
+/// Returns the stiffness in plane strain, N/mm per mm of depth, exactly symmetric. Local node k has displacements
+/// 2k (x) and 2k + 1 (y). Nodes are ordered as in Mesh::cell; the element may be any convex quadrilateral.
 ElementStiffness element_stiffness(Element element, const ElementNodes& node, const Material& material);
 
-/// Stress at the element's nodes from its displacements: found at the 2x2 Gauss points, extrapolated bilinearly.
-/// Rows 4k .. 4k + 3 are sigma_x, sigma_y, tau_xy, sigma_z at local node k; MPa/mm.
+/// Returns the map from displacements to stress at the element's nodes, MPa/mm: computed at the 2x2 Gauss points,
+/// extrapolated bilinearly. Rows 4k .. 4k + 3 are sigma_x, sigma_y, tau_xy, sigma_z at local node k.
 ElementStress element_nodal_stress(Element element, const ElementNodes& node, const Material& material);
 
 }  // namespace tactel::fem

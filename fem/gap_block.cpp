@@ -163,9 +163,9 @@ class GapBlock::System {
   bool regular_ = false;
 };
 
-GapBlock::GapBlock(Mesh mesh, Eigen::SparseMatrix<double> stiffness)
+GapBlock::GapBlock(Mesh mesh, const Eigen::SparseMatrix<double>& stiffness)
     : mesh_(std::move(mesh)),
-      stiffness_(std::move(stiffness)),
+      stiffness_(stiffness),
       exact_stiffness_(without_rigid_forces(stiffness_)),
       order_(order_by_column(mesh_)),
       band_(band_of(stiffness_, order_)),

@@ -90,7 +90,7 @@ ContactSolution GapCondensed::solve(const Scene& scene) const {
   const auto stress = [&](const Extended& state, const Eigen::VectorXd&) -> Eigen::VectorXd {
     return condensation_.tactel_stress * system.surface_force(state).cast<double>();
   };
-  return walk_load_path(system, scene,
+  return step_load_path(system, scene,
                         {condensation_.surface_x, condensation_.base_x, condensation_.tactel_x, {}, false}, options_,
                         stress);
 }

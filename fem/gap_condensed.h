@@ -2,18 +2,18 @@
 #include <memory>
 
 #include "fem/condensation.h"
-#include "fem/gap_walk.h"
+#include "fem/load_stepping.h"
 
 namespace tactel::fem {
 
-/// Exact contact on the surface compliance, fp64: the reference's status iteration, with C in place of the mesh. Far
-/// quicker than the reference on fine meshes; it takes over scenes on which the batched solver's sweeps gave up. Keeps
-/// a reference to the condensation.
+/// Exact contact on the surface compliance, fp64: the reference's active-set method with C instead of the mesh.
+/// It is much faster than the reference on fine meshes, and solves scenes that the batched solver could not
+/// solve. Keeps a reference to the condensation.
 class GapCondensed {
  public:
   explicit GapCondensed(const Condensation& condensation, const GapReferenceOptions& options = {});
 
-  /// The scene's sensor must be the condensation's, but for E.
+  /// Solves a scene. Its sensor must equal that of the condensation, except for E.
   ContactSolution solve(const Scene& scene) const;
 
  private:

@@ -152,7 +152,7 @@ std::optional<GapPose> switch_statuses(const GapIncrement& increment, std::vecto
       increment.height.minCoeff(&nearest);
       trial[nearest] = increment.mu == 0 ? Trial::slip_plus : Trial::stick;
     }
-    const auto pose = pose_of(increment, trial);
+    auto pose = pose_of(increment, trial);
     search.record(increment, pose);
     if (!pose) return std::nullopt;
     trial = next_trial(increment, *pose);
@@ -170,13 +170,22 @@ bool meets_target(const GapIncrement& increment, const GapElements& elements, do
          (!to.tangential_is_force || std::abs(elements.tangential_force.sum() - to.tangential) <= scale);
 }
 
+/// The rubber without forces, the indenter at `depth`: a solution where nothing is penetrated. Other solutions, in
+/// which friction wedges the rubber under an indenter that does not press, are left aside.
+GapPose lifted_off(const GapIncrement& increment, double depth) {
+  const LoadStep& to = increment.target;
+  GapPose pose = undeformed(increment.system, increment.height);
+  pose.depth = depth;
+  pose.gap = increment.height.array() - depth;
+  pose.tangential = to.tangential_is_force ? increment.previous.tangential : to.tangential;
+  return pose;
+}
+
 std::optional<GapPose> search_pose(const GapIncrement& increment, GapSearch& search) {
   const LoadStep& to = increment.target;
-  if (to.normal_is_force && to.normal == 0) {  // nobody touches: the depth is free, the least is taken
-    GapPose pose = undeformed(increment.system, increment.height);
-    pose.tangential = to.tangential_is_force ? increment.previous.tangential : to.tangential;
-    return pose;
-  }
+  const double first_touch = increment.height.minCoeff();
+  if (to.normal_is_force && to.normal == 0) return lifted_off(increment, first_touch);  // the depth is free
+  if (!to.normal_is_force && to.normal <= first_touch) return lifted_off(increment, to.normal);
   if (auto pose = switch_statuses(increment, increment.previous.trial, search)) return pose;
   for (double offset_size : {1e-3, 1e3}) {
     const auto trial = follow_path(increment, search, offset_size);

@@ -56,7 +56,9 @@ void draw_offsets(const GapIncrement& increment, double size, Start& start) {
   const double length =
       size * (std::abs(normal) + std::abs(tangential) + 1e-3 * double(previous.state.cwiseAbs().maxCoeff()));
   std::mt19937 generator(1);
-  const auto draw = [&](double scale) { return scale * (0.5 + generator() / (2.0 * std::mt19937::max())); };
+  const auto draw = [&](double scale) {
+    return scale * (0.5 + static_cast<double>(generator()) / (2.0 * std::mt19937::max()));
+  };
   start.gap_offset = start.force_offset = Eigen::VectorXd::Zero(previous.gap.size());
   for (Eigen::Index i = 0; i < previous.gap.size(); ++i) {
     if (!touches(start.trial[i])) {

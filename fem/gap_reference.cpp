@@ -9,8 +9,8 @@ namespace {
 
 GapBlock make_block(const Sensor& sensor) {
   Mesh mesh = make_mesh(sensor);
-  Eigen::SparseMatrix<double> matrix = stiffness(mesh, sensor);
-  return {std::move(mesh), std::move(matrix)};
+  const Eigen::SparseMatrix<double> matrix = stiffness(mesh, sensor);
+  return {std::move(mesh), matrix};
 }
 
 }  // namespace
@@ -42,7 +42,7 @@ ContactSolution GapReference::solve(const Scene& scene) {
   scene.validate();
   if (scene.sensor != sensor_)
     throw std::invalid_argument("GapReference::solve: the scene has another sensor than the solver");
-  return walk_load_path(block_, scene, {surface_x_, base_x_, tactel_x_, {}, false}, options_,
+  return step_load_path(block_, scene, {surface_x_, base_x_, tactel_x_, {}, false}, options_,
                         [this](const auto& state, const auto& base) { return tactel_stress(state, base); });
 }
 

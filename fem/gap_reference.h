@@ -1,20 +1,21 @@
 #pragma once
 #include "fem/gap_block.h"
-#include "fem/gap_walk.h"
+#include "fem/load_stepping.h"
 
 namespace tactel::fem {
 
-/// Contact on the full finite element mesh, fp64: gap elements are open, sticking or slipping; each status iteration
-/// solves the whole block with their conditions as constraints (no condensation), until no status changes. Judges the
-/// batched solver.
+/// Solves contact on the full finite element mesh, fp64: the reference of the batched solver. Gap elements are
+/// open, sticking or slipping. Each iteration of the active-set method solves the whole block, without
+/// condensation, with their conditions as constraints, until no status changes.
 ContactSolution solve_gap_reference(const Scene& scene, const GapReferenceOptions& options = {});
 
-/// The same for many scenes on one sensor: mesh, stiffness and the factors that do not depend on the contact are kept.
+/// The same for many scenes on one sensor. Mesh, stiffness and the factors that do not depend on the contact are
+/// kept.
 class GapReference {
  public:
   explicit GapReference(const Sensor& sensor, const GapReferenceOptions& options = {});
 
-  /// Throws std::invalid_argument where the scene's sensor is another one.
+  /// Throws std::invalid_argument where the scene's sensor differs.
   ContactSolution solve(const Scene& scene);
 
  private:

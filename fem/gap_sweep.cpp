@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "fem/contact_laws.h"
 #include "fem/value_error.h"
 
 namespace tactel::fem {
@@ -21,17 +22,17 @@ struct Contact {
       : force(Vector<Real>::Zero(2 * columns)),
         last_force(force),
         ux_last(Vector<Real>::Zero(columns)),
-        works(columns, false) {}
+        active(columns, false) {}
 
   Vector<Real> force, last_force;  ///< [2 columns]
   Vector<Real> ux_last;            ///< [columns] mm
-  std::vector<bool> works;         ///< [columns] has a gap element
+  std::vector<bool> active;        ///< [columns] has a gap element
   int first = 0, end = 0;          ///< nodes [first, end): all gap elements
   Real mu = 0, d = 0, x = 0, x_last = 0;
 
-  void join(int i) {
+  void activate(int i) {
     if (first == end) first = end = i;
-    works[i] = true;
+    active[i] = true;
     first = std::min(first, i);
     end = std::max(end, i + 1);
   }
@@ -67,11 +68,11 @@ GapSweep<Real>::GapSweep(const Condensation& condensation, const GapSweepOptions
     }
 }
 
-/// Goes along the load path; calls record(contact, sweeps, settled, profile) after each increment, which says whether
+/// Goes along the load path; calls record(contact, sweeps, converged, profile) after each increment, which says whether
 /// to go on.
 template <class Real>
 template <class Record>
-void GapSweep<Real>::walk(const Scene& scene, const Record& record) const {
+void GapSweep<Real>::step_load_path(const Scene& scene, const Record& record) const {
   if (!scene.load.normal_force.empty())
     throw ValueError("load.normal_force", "given", "absent: this solver is driven by depth");
   const LoadPath path = load_path(scene.load);
@@ -81,7 +82,8 @@ void GapSweep<Real>::walk(const Scene& scene, const Record& record) const {
     profile[i] = static_cast<Real>(profile_height(scene.indenter, condensation_.surface_x[i]));
 
   Contact<Real> c(columns);
-  c.mu = static_cast<Real>(scene.friction);
+  c.mu = static_cast<Real>(std::min(scene.friction, largest_friction));
+  const Real first_touch = profile.minCoeff();
   const auto segment = [&](const auto& values) { return values.segment(2 * c.first, 2 * (c.end - c.first)); };
   const auto uy = [&](int i, const Vector<Real>& force) { return segment(to_uy_.row(i)).dot(segment(force)); };
   const auto ux = [&](int i, const Vector<Real>& force) { return segment(to_ux_.row(i)).dot(segment(force)); };
@@ -89,7 +91,7 @@ void GapSweep<Real>::walk(const Scene& scene, const Record& record) const {
   const auto sweep = [&] {  // returns largest change over largest pressure force
     Real change = 0, largest = 0;
     for (int i = c.first; i < c.end; ++i) {
-      if (!c.works[i]) continue;
+      if (!c.active[i]) continue;
       const Real n_old = c.force[2 * i], t_old = c.force[2 * i + 1];
       const Real inside = uy(i, c.force) - (profile[i] - c.d), slip = ux(i, c.force) - (c.ux_last[i] + c.x - c.x_last);
       const Real n = std::max(n_old - inside / to_uy_(i, 2 * i), Real(0));
@@ -102,18 +104,18 @@ void GapSweep<Real>::walk(const Scene& scene, const Record& record) const {
     }
     return largest > 0 ? change / largest : Real(0);
   };
-  const auto join = [&](int i) {
+  const auto activate = [&](int i) {
     c.ux_last[i] = c.first < c.end ? ux(i, c.last_force) : Real(0);
-    c.join(i);
+    c.activate(i);
   };
-  const auto join_penetrated = [&] {
+  const auto activate_penetrated = [&] {
     std::vector<int> penetrated;
     Real largest_uy = 0;
     for (int i = 0; i < columns; ++i) largest_uy = std::max(largest_uy, std::abs(uy(i, c.force)));
     for (int i = 0; i < columns; ++i)
-      if (!c.works[i] && uy(i, c.force) - (profile[i] - c.d) > static_cast<Real>(options_.tolerance) * largest_uy)
+      if (!c.active[i] && uy(i, c.force) - (profile[i] - c.d) > static_cast<Real>(options_.tolerance) * largest_uy)
         penetrated.push_back(i);
-    for (int i : penetrated) join(i);
+    for (int i : penetrated) activate(i);
     return !penetrated.empty();
   };
 
@@ -128,18 +130,19 @@ void GapSweep<Real>::walk(const Scene& scene, const Record& record) const {
       c.force[2 * i] = n;
       c.force[2 * i + 1] = std::clamp(guess[2 * i + 1], -c.mu * n, c.mu * n);
     }
+    if (c.d <= first_touch) c.force.setZero();  // nothing is reached: the rubber without forces is a solution
     for (int i = 0; i < columns; ++i)
-      if (!c.works[i] && profile[i] <= c.d * static_cast<Real>(reach)) join(i);
+      if (!c.active[i] && profile[i] <= c.d * static_cast<Real>(reach)) activate(i);
     int sweeps = 0;
-    bool settled = true;
+    bool converged = true;
     do {
-      settled = false;
-      while (!settled && sweeps < options_.most_sweeps) {
+      converged = false;
+      while (!converged && sweeps < options_.most_sweeps) {
         ++sweeps;
-        settled = sweep() <= static_cast<Real>(options_.tolerance);
+        converged = sweep() <= static_cast<Real>(options_.tolerance);
       }
-    } while (settled && join_penetrated());
-    if (!record(c, step, sweeps, settled, profile)) return;
+    } while (converged && activate_penetrated());
+    if (!record(c, step, sweeps, converged, profile)) return;
     Vector<Real> now = c.ux_last;
     for (int i = c.first; i < c.end; ++i) {
       const bool sticks = std::abs(c.force[2 * i + 1]) < c.mu * c.force[2 * i];
@@ -164,7 +167,7 @@ Eigen::MatrixXd GapSweep<Real>::solve_tactels(const Scene& scene) const {
     map.col(2 * j) = (-condensation_.tactel_stress.col(2 * j + 1)).template cast<Real>();
     map.col(2 * j + 1) = condensation_.tactel_stress.col(2 * j).template cast<Real>();
   }
-  walk(scene, [&](const auto& c, const LoadStep&, int, bool, const auto&) {
+  step_load_path(scene, [&](const auto& c, const LoadStep&, int, bool, const auto&) {
     const int first = 2 * c.first, count = 2 * (c.end - c.first);
     const Vector<Real> stress = map.middleCols(first, count) * c.force.segment(first, count) * young;
     double p = 0, q = 0;
@@ -184,7 +187,7 @@ ContactSolution GapSweep<Real>::solve(const Scene& scene) const {
   ContactSolution solution{condensation_.surface_x, condensation_.base_x, condensation_.tactel_x, {}, false};
   const LoadPath path = load_path(scene.load);
   const int columns = static_cast<int>(condensation_.surface_x.size());
-  walk(scene, [&](const auto& c, const LoadStep& target, int sweeps, bool settled, const auto&) {
+  step_load_path(scene, [&](const auto& c, const LoadStep& target, int sweeps, bool converged, const auto&) {
     ContactStep step;
     Eigen::VectorXd load = Eigen::VectorXd::Zero(2 * columns);
     step.normal_force = step.tangential_force = Eigen::VectorXd::Zero(columns);
@@ -203,7 +206,10 @@ ContactSolution GapSweep<Real>::solve(const Scene& scene) const {
     step.tangential = target.tangential;
     step.P = step.normal_force.sum();
     step.Q = step.tangential_force.sum();
-    if (scene.friction * step.P > 0) step.slip_index = step.Q / (scene.friction * step.P);
+    step.slip_index = slip_index(scene.friction, step.P, step.Q);
+    const Eigen::VectorXd u = condensation_.compliance * load / scene.sensor.young;
+    for (int i = c.first; i < c.end; ++i)
+      if (c.force[2 * i] > 0) step.slip_distance = std::max(step.slip_distance, std::abs(target.tangential - u[2 * i]));
     const Eigen::VectorXd base = condensation_.base_force * load, stress = condensation_.tactel_stress * load;
     const Eigen::Index tactels = stress.size() / 2;
     step.base_force_x = base(Eigen::seq(0, Eigen::last, 2));
@@ -211,12 +217,12 @@ ContactSolution GapSweep<Real>::solve(const Scene& scene) const {
     step.sigma_y = stress.head(tactels);
     step.tau_xy = stress.tail(tactels);
     step.iterations = sweeps;
-    step.converged = settled;
+    step.converged = converged;
     const bool touches = step.P > 0;
     const std::size_t done = solution.steps.size() + 1;
-    solution.sliding = slides && touches;
+    solution.sliding = slides && touches && static_cast<int>(done) > path.indentation_steps;
     solution.steps.push_back(std::move(step));
-    return !(path.until_sliding && solution.sliding && static_cast<int>(done) > path.indentation_steps);
+    return !(path.until_sliding && solution.sliding);
   });
   return solution;
 }

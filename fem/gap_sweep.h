@@ -11,21 +11,22 @@ struct GapSweepOptions {
   int most_sweeps = 20000;
 };
 
-/// The twin of kernels/gap_sweep.cl for one scene at a time, driven by depth: block Gauss-Seidel over gap elements on
-/// the surface compliance, in plain Eigen. Shares the algorithm with the kernel, but no code; fem/gap_reference.h is
-/// the judge of both.
+/// Twin of kernels/gap_sweep.cl for one scene at a time, under depth control: block Gauss-Seidel over gap
+/// elements on the surface compliance, in plain Eigen. It shares the algorithm with the kernel, but no code.
+/// fem/gap_reference.h is the reference of both.
 template <class Real>
 class GapSweep {
  public:
   explicit GapSweep(const Condensation& condensation, const GapSweepOptions& options = {});
   /// Throws ValueError for a scene that is driven by force.
   ContactSolution solve(const Scene& scene) const;
-  /// P, Q and tactel stresses alone, what a learning set needs: [steps, 2 + 2 tactels]; for benchmarks.
+  /// Returns only P, Q and tactel stresses, as a learning set needs them: [steps, 2 + 2 tactels]; for
+  /// benchmarks.
   Eigen::MatrixXd solve_tactels(const Scene& scene) const;
 
  private:
   template <class Record>
-  void walk(const Scene& scene, const Record& record) const;
+  void step_load_path(const Scene& scene, const Record& record) const;
 
   const Condensation& condensation_;
   GapSweepOptions options_;

@@ -18,6 +18,8 @@ template <class... Functions>
 struct Overload : Functions... {
   using Functions::operator()...;
 };
+template <class... Functions>
+Overload(Functions...) -> Overload<Functions...>;  // clang 14 does not find it by itself
 
 // Heights at signed distance d from the indenter's position; all but the measured profile are even. mm
 double height(const Flat& s, double d) {

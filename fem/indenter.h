@@ -9,7 +9,7 @@ namespace tactel::fem {
 
 // Profiles of a rigid indenter: height y [mm] above its lowest point at distance r = |x - position| [mm].
 
-/// 0 up to half_width, nothing beyond; no half_width: wider than the sensor.
+/// 0 up to half_width, no indenter beyond. Without half_width: wider than the sensor.
 struct Flat {
   std::optional<double> half_width;  ///< mm
 };
@@ -21,7 +21,7 @@ struct Wedge {
 struct Parabola {
   double radius = 10.0;  ///< mm
 };
-/// y = radius - sqrt(radius^2 - r^2), nothing beyond r = radius.
+/// y = radius - sqrt(radius^2 - r^2), no indenter beyond r = radius.
 struct Cylinder {
   double radius = 10.0;  ///< mm
 };
@@ -46,11 +46,11 @@ struct Taylor {
   std::optional<double> height{};      ///< mm; none: scale
   std::vector<double> coefficients{};  ///< [powers] c_k, none below 0 so that the profile is convex; empty: all 1
 };
-/// Measured: linear between the points, nothing beyond the ends; heights count from the lowest point.
+/// Measured: linear between the points, no indenter beyond the ends. Heights count from the lowest point.
 struct Profile {
   std::vector<double> x, y;  ///< mm, x increasing; x is measured from the indenter's position
   double smooth = 0.0;       ///< mm: largest non-convexity that is accepted (and lifted to the lower convex hull)
-  std::string file;          ///< where the points came from, for messages
+  std::string file;          ///< source of the points, for messages
 };
 using Shape = std::variant<Flat, Wedge, Parabola, Cylinder, Exponential, Trapezoid, RoundedFlat, Taylor, Profile>;
 
@@ -60,20 +60,20 @@ struct Indenter {
   void validate() const;  ///< throws ValueError, key "indenter.<member>"
 };
 
-/// Height of the profile above its lowest point at x [mm]; +infinity where there is no indenter. An edge reaches
-/// `edge_guard` further than its number says, so that a node that stands on it touches whatever the rounding.
+/// Returns the height of the profile above its lowest point at x [mm]; +infinity beyond the indenter. An edge
+/// extends `edge_guard` beyond its nominal position, so that a node on it touches for any rounding.
 double profile_height(const Indenter& indenter, double x);
-/// The same at many places, [n] mm; a measured profile's hull is built once.
+/// The same at many positions, [n] mm. The hull of a measured profile is built once.
 Eigen::VectorXd profile_heights(const Indenter& indenter, const Eigen::VectorXd& x);
 inline constexpr double edge_guard = 1e-9;  // mm
 
-/// Where the profile is lowest, mm along the array; infinite ends for a flat without half_width.
+/// Lowest part of a profile, mm along the array; infinite ends for a flat without half_width.
 struct Interval {
   double left, right;
 };
 Interval lowest_part(const Indenter& indenter);
 
-/// "flat", "wedge", ... as in scene files.
+/// Returns "flat", "wedge", ... as in scene files.
 const char* shape_name(const Shape& shape);
 
 }  // namespace tactel::fem

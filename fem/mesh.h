@@ -12,16 +12,16 @@ struct Mesh {
   Eigen::Matrix2Xd node;  ///< [2, nodes] mm; base at y = 0, surface at y = thickness
   Eigen::Matrix<int, -1, -1, Eigen::RowMajor>
       cell;  ///< [cells, 4 or 8] node ids: corners counter-clockwise from the lower left, then (q8) mid-sides
-  std::vector<int> surface;  ///< [columns] corner nodes of the surface, left to right: these carry gap elements
+  std::vector<int> surface;  ///< [columns] corner nodes of the surface, left to right: they carry the gap elements
   std::vector<int> base;     ///< every clamped node, left to right (q8: mid-sides too)
 };
 
 Mesh make_mesh(const Sensor& sensor);
 
-/// x of the columns, where the gap elements stand, [columns] mm; exactly symmetric about 0.
+/// Returns x of the columns, which carry the gap elements: [columns] mm, exactly symmetric about 0.
 Eigen::VectorXd surface_positions(const Sensor& sensor);
 
-/// Degrees of freedom of these nodes: 2k, 2k + 1 of each in turn.
+/// Returns the degrees of freedom of these nodes: 2k, 2k + 1 of each in turn.
 std::vector<int> unknowns_of(const std::vector<int>& nodes);
 
 }  // namespace tactel::fem

@@ -3,11 +3,11 @@
 
 namespace tactel::fem {
 
-/// A short decimal text that reads back as exactly this number ("0.1", "1e-09", "41", "nan"): for messages and cache
-/// keys.
+/// Returns a short decimal text that reads back as exactly this number ("0.1", "1e-09", "41", "nan"), for
+/// messages and cache keys.
 std::string number_text(double value);
 
-/// "[0.1, 0.2]", at most `most` of them, then "...".
+/// Returns "[0.1, 0.2]": at most `most` numbers, then "...".
 std::string number_text(const double* values, std::size_t count, std::size_t most = 5);
 
 }  // namespace tactel::fem

@@ -4,8 +4,8 @@
 
 namespace tactel::fem {
 
-OpenColumns::OpenColumns(Eigen::SparseMatrix<double> stiffness, ColumnOrder order, From from)
-    : stiffness_(std::move(stiffness)), order_(std::move(order)), from_(from), factor_(order_.columns()) {}
+OpenColumns::OpenColumns(const Eigen::SparseMatrix<double>& stiffness, ColumnOrder order, From from)
+    : stiffness_(stiffness), order_(std::move(order)), from_(from), factor_(order_.columns()) {}
 
 Eigen::Block<RowMatrix> OpenColumns::rows(RowMatrix& all, int column) const {
   return all.block(order_.first[column], 0, order_.first[column + 1] - order_.first[column], all.cols());

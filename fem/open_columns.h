@@ -8,21 +8,22 @@
 
 namespace tactel::fem {
 
-/// Block Cholesky elimination of mesh columns without contact, from one end of the block inwards. What it leaves does
-/// not depend on the contact, so each column is eliminated once a block; only the columns between the outermost nodes
-/// in contact are factored anew in each status iteration.
+/// Block Cholesky elimination of mesh columns without contact, from one end of the block inwards. The remainder
+/// does not depend on the contact, so each column of a block is eliminated once. Each iteration of the active-set
+/// method factors only the columns between the outermost nodes in contact.
 class OpenColumns {
  public:
   enum class From { left, right };
-  OpenColumns(Eigen::SparseMatrix<double> stiffness, ColumnOrder order, From from);
+  OpenColumns(const Eigen::SparseMatrix<double>& stiffness, ColumnOrder order, From from);
 
-  /// Diagonal block of `column` after the elimination of all columns outside of it: [n, n], n unknowns of that column.
+  /// Returns the diagonal block of `column` after the elimination of all columns outside of it: [n, n], n
+  /// unknowns of that column.
   Eigen::MatrixXd reduced_block(int column);
 
-  /// Right sides [unknowns, k]: eliminates the columns outside of `column`.
+  /// Eliminates the columns outside of `column` from right-hand sides [unknowns, k].
   void eliminate(int column, RowMatrix& right_side);
 
-  /// The columns outside of `column` follow from the solution in it.
+  /// Computes the columns outside of `column` from the solution in it.
   void substitute(int column, RowMatrix& solution);
 
  private:
@@ -36,7 +37,7 @@ class OpenColumns {
   Eigen::SparseMatrix<double> stiffness_;  ///< [unknowns, unknowns] in their order, N/mm per mm
   ColumnOrder order_;
   From from_;
-  int eliminated_ = 0;  ///< how many columns are factored so far, from the outermost on
+  int eliminated_ = 0;  ///< number of columns factored so far, from the outermost on
   std::vector<Eigen::LLT<Eigen::MatrixXd>>
       factor_;  ///< [columns] of D_c = K_cc - K_co D_o^-1 K_oc, o next outwards of c
 };

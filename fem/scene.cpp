@@ -32,6 +32,14 @@ void check_normal(const Load& load) {
         load.indentation_steps, "a number of equal increments, 1 to 1000");
 }
 
+void check_thickness(const Load& load, double thickness) {
+  if (!load.normal_force.empty()) return;
+  for (double depth : load.indentation)
+    if (!(depth < thickness))
+      throw ValueError("load.indentation", number_text(depth),
+                       "a depth in mm below the rubber's thickness, sensor.thickness = " + number_text(thickness));
+}
+
 void check_tangential(const Load& load) {
   for (double x : load.tangential) check(std::isfinite(x), "load.tangential", x, "finite positions in mm");
   check(std::isfinite(load.tangential_step), "load.tangential_step", load.tangential_step,
@@ -112,6 +120,7 @@ void Scene::validate() const {
   indenter.validate();
   check(friction >= 0, "contact.friction", friction, "a coefficient of friction, not below 0, or \"bonded\"");
   check_normal(load);
+  check_thickness(load, sensor.thickness);
   check_tangential(load);
   check_angle(load, friction);
   check_reach(*this);

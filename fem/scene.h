@@ -8,7 +8,7 @@
 
 namespace tactel::fem {
 
-/// What the load asks for. Depth or force for the normal direction, then position or angle for the tangential one.
+/// Targets of the load. The normal direction has depths or forces, the tangential one positions or an angle.
 struct Load {
   std::vector<double> indentation{
       0.15};  ///< mm: targets, each reached in indentation_steps equal increments (usually one target)
@@ -16,11 +16,11 @@ struct Load {
   int indentation_steps = 1;
   std::vector<double> tangential;       ///< mm: explicit positions after the indentation; or
   double tangential_step = 0.0;         ///< mm: equal steps (0: none)
-  std::optional<int> tangential_steps;  ///< how many; none with a tangential_step: until the whole contact slides
+  std::optional<int> tangential_steps;  ///< number of them; none with a tangential_step: until the whole contact slides
   std::optional<double> angle;          ///< degrees, with normal_force: P and Q = P tan(angle) grow together
 };
 
-/// One load increment's target.
+/// Target of one load increment.
 struct LoadStep {
   bool normal_is_force = false;
   bool tangential_is_force = false;
@@ -29,28 +29,28 @@ struct LoadStep {
   bool operator==(const LoadStep&) const = default;
 };
 
-/// The increments of a load path. Until sliding: as many as `most_tangential_steps`, and `until_sliding` is set.
+/// The increments of a load path. A path until sliding has `most_tangential_steps` and `until_sliding` set.
 struct LoadPath {
   std::vector<LoadStep> steps;
-  int indentation_steps = 0;   ///< how many of them belong to the indentation
+  int indentation_steps = 0;   ///< number of them that belong to the indentation
   bool until_sliding = false;  ///< stop after the first tangential increment in which every touching node slips
 };
 inline constexpr int most_tangential_steps = 1000;
 inline constexpr int most_indentation_steps = 1000;  // for each target
 
-/// One contact: what a scene file says.
+/// One contact: the contents of a scene file.
 struct Scene {
   std::string title;
   Sensor sensor;
   Indenter indenter;
-  double friction = 0.5;  ///< mu >= 0; infinite: what touches sticks until it lifts off ("bonded")
+  double friction = 0.5;  ///< mu >= 0; infinite: touching nodes stick until they lift off ("bonded")
   Load load;
   void validate() const;  ///< throws ValueError, keys as in scene files
 };
 
 LoadPath load_path(const Load& load);
 
-/// Whether the scene's normal load is a force instead of a depth.
+/// Returns true where the scene's normal load is a force instead of a depth.
 inline bool by_force(const Scene& scene) { return !scene.load.normal_force.empty(); }
 
 }  // namespace tactel::fem

@@ -7,11 +7,11 @@ namespace tactel::fem {
 /// with incompatible modes (Taylor, Beresford and Wilson 1976); `q8`: serendipity, 3x3 integration.
 enum class Element { bbar, q4, q4i, q8 };
 
-/// How stress at the base is found: from nodal reactions through the consistent mass of the base edge, or from
+/// Recovery of stress at the base: from nodal reactions through the consistent mass of the base edge, or from
 /// stresses extrapolated from the 2x2 Gauss points and averaged at nodes.
 enum class StressRecovery { reaction, element };
 
-/// The rubber layer and its transducers: all that the condensation depends on. Plane strain; x runs along the array
+/// The rubber layer and its transducers: all inputs of the condensation. Plane strain; x runs along the array
 /// from -length/2 to length/2, y up from the base.
 struct Sensor {
   double length = 20.0;    ///< mm
@@ -23,8 +23,8 @@ struct Sensor {
   double grading = 4.0;    ///< bottom row height over top row height, geometric in between
   Element element = Element::bbar;
   int tactels = 21;                   ///< equally spaced
-  std::optional<double> tactel_span;  ///< mm from the first one's middle to the last one's; none: all that fits
-  double tactel_width = 0;            ///< mm along x, over which a tactel averages the stress; 0: a point
+  std::optional<double> tactel_span;  ///< mm from the middle of the first to that of the last; none: all that fits
+  double tactel_width = 0;            ///< mm along x over which a tactel averages the stress; 0: a point
   StressRecovery stress = StressRecovery::reaction;
 
   bool operator==(const Sensor&) const = default;
@@ -32,7 +32,7 @@ struct Sensor {
   void validate() const;  ///< throws ValueError, key "sensor.<member>"
 };
 
-// What one block may ask for: beyond these a slip of the pen would ask for more memory than a machine has.
+// Largest block: a mistyped number beyond these would need more memory than a machine has.
 inline constexpr int most_columns = 2001, most_rows = 1001, most_tactels = 10000;
 
 const char* name(Element element);

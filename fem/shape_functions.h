@@ -12,20 +12,21 @@ struct ShapeFunctions {
   Derivatives derivative;  ///< [2, nodes]: d/dxi, d/deta
 };
 
-/// Bilinear (4 nodes) or serendipity (8 nodes: corners, then the middles of bottom, right, top, left).
-/// Hughes, The Finite Element Method (1987), sections 3.2 and 3.7.
+/// Returns bilinear (4 nodes) or serendipity functions (8 nodes: corners, then the middles of bottom, right, top,
+/// left). Hughes, The Finite Element Method (1987), sections 3.2 and 3.7.
 ShapeFunctions shape_functions(int nodes, double xi, double eta);
 
-/// Interpolation along an edge, -1 <= s <= 1: linear (2 nodes) or quadratic (3 nodes: left, middle, right).
+/// Returns the interpolation along an edge, -1 <= s <= 1: linear (2 nodes) or quadratic (3 nodes: left, middle,
+/// right).
 Eigen::RowVectorXd edge_functions(int nodes, double s);
 
-/// (xi, eta) of an element's nodes, [2, nodes].
+/// Returns (xi, eta) of an element's nodes, [2, nodes].
 Eigen::Matrix2Xd node_coordinates(int nodes);
 
 struct GaussPoint {
   double xi, eta, weight;
 };
-/// Gauss-Legendre points of the square, `per_direction` = 2 or 3, xi running fastest.
+/// Returns the Gauss-Legendre points of the square, `per_direction` = 2 or 3, xi running fastest.
 std::vector<GaussPoint> gauss_points(int per_direction);
 
 }  // namespace tactel::fem

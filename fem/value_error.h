@@ -4,8 +4,8 @@
 
 namespace tactel {
 
-/// A value that the model cannot accept. `key` is the name a user knows it by ("sensor.poisson"); whoever
-/// read it from a file adds the file's name (host/config_error.h).
+/// A value that the model rejects. `key` is its name for the user ("sensor.poisson"). A reader of a file adds the
+/// file's name (host/support/errors.h).
 class ValueError : public std::invalid_argument {
  public:
   ValueError(std::string key, std::string value, std::string allowed)

@@ -5,7 +5,8 @@
 
 namespace tactel::hw {
 
-/// `width` bytes (1 to 8) from `at`, unsigned, least or most significant byte first. The caller has checked the length.
+/// Returns `width` bytes (1 to 8) from `at` as an unsigned number, least or most significant byte first. The
+/// caller checks the length.
 inline std::uint64_t unsigned_at(Bytes bytes, std::size_t at, std::size_t width, bool big_endian = false) {
   std::uint64_t value = 0;
   for (std::size_t i = 0; i < width; ++i) value = value << 8 | bytes[at + (big_endian ? i : width - 1 - i)];
@@ -16,7 +17,7 @@ inline double float_at(Bytes bytes, std::size_t at, bool big_endian = false) {
   return std::bit_cast<float>(static_cast<std::uint32_t>(unsigned_at(bytes, at, 4, big_endian)));
 }
 
-/// Whether `bytes` begin with `mark`, as far as they reach: `whole`, `incomplete` or `nothing`.
+/// Returns `whole` where `bytes` begin with `mark`, `incomplete` where they end within it, else `nothing`.
 inline Verdict::Kind begins_with(Bytes bytes, Bytes mark) {
   for (std::size_t i = 0; i < mark.size(); ++i) {
     if (i == bytes.size()) return Verdict::incomplete;

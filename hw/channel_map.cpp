@@ -40,15 +40,4 @@ void ChannelMap::apply(std::span<const double> values, std::span<float> frame) c
   std::ranges::transform(shear, frame.begin() + static_cast<long>(normal.size()), stress);
 }
 
-void Tare::add(std::span<const double> values) {
-  for (std::size_t i = 0; i < sum_.size(); ++i) sum_[i] += values[i];
-  ++frames_;
-}
-
-std::vector<double> Tare::offset() const {
-  std::vector<double> mean = sum_;
-  for (double& value : mean) value /= static_cast<double>(std::max<std::size_t>(frames_, 1));
-  return mean;
-}
-
 }  // namespace tactel::hw

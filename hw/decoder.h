@@ -7,34 +7,34 @@
 
 namespace tactel::hw {
 
-/// A frame as the device sent it. The values live until the sink returns.
+/// A frame as the device sent it. The values are valid until the sink returns.
 struct DecodedFrame {
   std::span<const double> values;     ///< [channels], the device's units
   std::optional<double> device_time;  ///< s by the device's clock, unwrapped, from the clock's own zero
 };
 using FrameSink = std::function<void(const DecodedFrame&)>;
 
-/// What became of a stream.
+/// Counts of a stream.
 struct DecoderCounts {
-  std::uint64_t frames = 0;          ///< handed on
+  std::uint64_t frames = 0;          ///< passed to the sink
   std::uint64_t lost = 0;            ///< missing by the device's counter
-  std::uint64_t bad = 0;             ///< begun where a frame had to begin, with a wrong checksum or structure
-  std::uint64_t resynchronised = 0;  ///< the beginning of frames found anew, after bytes that belong to none
-  std::uint64_t duplicated = 0;      ///< the same counter twice in a row; the second is not handed on
-  std::uint64_t discarded = 0;       ///< bytes that belong to no good frame
+  std::uint64_t bad = 0;             ///< in sync, but with a wrong checksum or structure
+  std::uint64_t resynchronised = 0;  ///< number of times that sync was found again
+  std::uint64_t duplicated = 0;      ///< repeated counter; the second frame is not passed on
+  std::uint64_t discarded = 0;       ///< bytes that belong to no valid frame
   bool operator==(const DecoderCounts&) const = default;
 };
 
-/// Finds frames in a stream of bytes, however it is split: the same bytes give the same frames and counts. Allocates
+/// Finds frames in a stream of bytes. The same bytes give the same frames and counts for every split. Allocates
 /// nothing after construction.
 class Decoder {
  public:
   explicit Decoder(std::unique_ptr<const WireFormat> format);
 
-  /// The next bytes of the stream. Calls the sink for each frame that they complete.
+  /// Takes the next bytes of the stream. Calls the sink for each frame that they complete.
   void feed(Bytes bytes, const FrameSink& sink);
-  /// The stream is interrupted (the device was away): forgets unfinished bytes, keeps the counts. Where the counter
-  /// goes on, what was missed is counted as lost.
+  /// Marks an interruption of the stream (the device was away): drops unfinished bytes, keeps the counts. Where
+  /// the counter continues, missing frames are counted as lost.
   void interrupt();
 
   const DecoderCounts& counts() const { return counts_; }
@@ -52,7 +52,7 @@ class Decoder {
   Verdict::Kind confirm(Bytes bytes) const;
 
   std::unique_ptr<const WireFormat> format_;
-  std::vector<std::uint8_t> buffer_;  ///< bytes begin_ ... end_ wait for more
+  std::vector<std::uint8_t> buffer_;  ///< bytes begin_ ... end_ are incomplete
   std::size_t begin_ = 0, end_ = 0;
   std::vector<double> values_;  ///< [channels]
   bool in_sync_ = false, was_in_sync_ = false;

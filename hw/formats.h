@@ -3,13 +3,13 @@
 
 #include "hw/wire_format.h"
 
-/// The wire formats of real devices. Layouts from public firmware and drivers, named in hw/README.md; read on published
-/// and synthetic bytes only, not yet on a device.
+/// Wire formats of real devices. The layouts are from public firmware and drivers, named in hw/README.md. They
+/// have been tested on published and synthetic bytes only, not on a device.
 namespace tactel::hw {
 
-/// CITEC tactile glove with PIC18: 64 packets `(3C + ch) 01 hi lo 00`, channel 0 first. Values: 4095 - reading, larger
-/// is more pressure. No checksum; but no other offset of whole packets looks like packets, so that one frame proves
-/// itself.
+/// CITEC tactile glove with PIC18: 64 packets `(3C + ch) 01 hi lo 00`, channel 0 first. Values: 4095 - reading;
+/// larger is more pressure. The frame has no checksum. No other offset of whole packets looks like packets, so a
+/// single frame suffices for sync.
 std::unique_ptr<const WireFormat> glove_format();
 
 /// Contactile PapillArray with 1 or 2 sensors of 9 pillars. Values: for each sensor and pillar Fx, Fy, Fz in N, then
@@ -21,11 +21,11 @@ std::unique_ptr<const WireFormat> anyskin_format();
 
 /// CITEC glove on Teensy, AGNI serial protocol. Values: 64 readings by their id.
 std::unique_ptr<const WireFormat> agni_format();
-/// What the host sends to start it.
+/// Bytes that start the device.
 inline constexpr std::uint8_t agni_start[] = {0xF0, 0xC4, 0x00, 0xF1, 0xC5};
 
-/// PaXini PX-6AX board with `sensors` connected sensors of `points` points each. Values: for each point Fx, Fy, Fz as
-/// sent. The six bytes of total force before them are left out.
+/// PaXini PX-6AX board with `sensors` connected sensors of `points` points each. Values: for each point Fx, Fy,
+/// Fz as sent. The preceding six bytes of total force are omitted.
 std::unique_ptr<const WireFormat> paxini_format(int sensors, int points);
 
 }  // namespace tactel::hw

@@ -8,45 +8,48 @@
 
 namespace tactel::hw {
 
-/// Bytes that came together.
+/// Bytes that arrived together.
 struct Packet {
   Bytes bytes;             ///< valid until the next wait
   double arrival = 0;      ///< s since the source was opened; of a replay: as recorded
-  bool after_gap = false;  ///< the device was away before these bytes: what was unfinished stays so
+  bool after_gap = false;  ///< the device was away before these bytes: unfinished frames stay unfinished
 };
 
-/// What became of the transport below the frames.
+/// Counts of the transport below the frames.
 struct TransportCounts {
   std::uint64_t packets = 0, bytes = 0;
-  std::uint64_t overruns = 0;    ///< packets dropped because nobody took them in time
+  std::uint64_t overruns = 0;    ///< packets dropped because they were not read in time
   std::uint64_t stalls = 0;      ///< endpoint halted, and cleared again
   std::uint64_t errors = 0;      ///< other transfers that failed
   std::uint64_t reconnects = 0;  ///< the device came back after it was away
 };
 
-/// A device or file that cannot be used: what happened, and what the user can do.
+/// A device or file that cannot be used, with the reason and a remedy.
 class SourceError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A recording that cannot be used.
+/// A recording that cannot be read or written.
 class RecordingError : public SourceError {
   using SourceError::SourceError;
 };
 
-/// Where the bytes of frames come from: a device, a recording, a simulation. Only the wire format knows what they mean.
+/// Source of the bytes of frames: a device, a recording, a simulation. Only the wire format interprets them.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
-  /// The next packet; none when nothing came within `timeout` seconds, or at the end. Throws SourceError.
+  /// Returns the next packet. Returns none where no packet arrives within `timeout` seconds, or at the end.
+  /// Throws SourceError.
   virtual std::optional<Packet> wait(double timeout) = 0;
-  /// Nothing more will come.
+  /// Returns true at the end of the source.
   virtual bool finished() const = 0;
-  /// Whether it goes on by the clock: a live source loses what is not taken, the others wait.
+  /// Returns true where the source runs by the clock. A live source loses what is not read; the others wait.
   virtual bool live() const = 0;
-  /// s, the clock of arrivals, now: what has passed since a packet arrived is its age.
+  /// Returns the current time of the clock of arrivals, s. now() - arrival is the age of a packet.
   virtual double now() const = 0;
   virtual TransportCounts counts() const = 0;
+  /// Returns true where the source was truncated, such as a recording that was cut off. Known once finished.
+  virtual bool cut_short() const { return false; }
 };
 
 }  // namespace tactel::hw

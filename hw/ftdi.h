@@ -3,11 +3,12 @@
 
 namespace tactel::hw {
 
-/// What an FTDI bridge adds: two bytes of line status before the data of each packet, even where there is none.
+/// Removes the two bytes of line status that an FTDI bridge puts before the data of each packet, even an empty
+/// one.
 inline Bytes without_ftdi_status(Bytes packet) { return packet.subspan(packet.size() < 2 ? packet.size() : 2); }
 
-/// The divisor of 3 MHz, in eighths, as FTDI's set-baud request takes it: whole part in 14 bits, a code for the eighths
-/// above (FTDI application note AN_120). The two fastest rates have codes of their own.
+/// Returns the divisor of 3 MHz, in eighths, as FTDI's set-baud request takes it: whole part in 14 bits, a code
+/// for the eighths above (FTDI application note AN_120). The two fastest rates have codes of their own.
 constexpr std::uint32_t ftdi_divisor(int baud) {
   constexpr std::uint32_t eighth_code[] = {0, 3, 2, 4, 1, 5, 6, 7};
   if (baud >= 3'000'000) return 0;

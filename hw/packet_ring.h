@@ -1,5 +1,8 @@
 #pragma once
 #include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <exception>
 #include <mutex>
 #include <optional>
 #include <vector>
@@ -8,16 +11,50 @@
 
 namespace tactel::hw {
 
-/// Packets from one thread to another, without allocation. When it is full the oldest goes: what is read is never older
-/// than the ring is long. Packets are copied in and out under a lock that is held for those bytes alone.
+/// Passes packets from one thread to another, without allocation. A full ring drops its oldest packet. Packets
+/// are copied in and out under a lock that is held for those bytes alone.
 class PacketRing {
  public:
-  /// slot_bytes: the longest packet; what is longer is cut.
+  /// slot_bytes: the longest packet; longer ones are truncated.
   PacketRing(std::size_t slots, std::size_t slot_bytes)
       : slot_bytes_(slot_bytes), slots_(slots), bytes_(slots * slot_bytes), taken_(slot_bytes) {}
 
-  /// Puts a packet last. True when the oldest was dropped for it; then the oldest that is left comes after a gap.
+  /// Appends a packet and wakes the reader. Returns true where the oldest packet was dropped; the oldest
+  /// remaining one is then marked as after a gap.
   bool push(const Packet& packet) {
+    const bool dropped = put(packet);
+    arrived_.notify_one();
+    return dropped;
+  }
+
+  /// Records the exception that ended the writing thread. `take` throws it once no packet is left.
+  void fail(std::exception_ptr failure) {
+    {
+      const std::lock_guard lock(mutex_);
+      failure_ = std::move(failure);
+    }
+    arrived_.notify_one();
+  }
+
+  /// Returns the oldest packet; waits up to `timeout` s for one. Its bytes are valid until the next call. Only
+  /// one thread may take packets. Throws the exception that ended the writing thread.
+  std::optional<Packet> take(double timeout = 0) {
+    std::unique_lock lock(mutex_);
+    if (timeout > 0)
+      arrived_.wait_for(lock, std::chrono::duration<double>(std::min(timeout, longest_wait)),
+                        [this] { return size_ > 0 || failure_; });
+    if (size_ == 0 && failure_) std::rethrow_exception(failure_);
+    if (size_ == 0) return std::nullopt;
+    const Packet packet = slots_[first_];
+    std::ranges::copy(packet.bytes, taken_.data());
+    drop_oldest();
+    return Packet{Bytes(taken_).first(packet.bytes.size()), packet.arrival, packet.after_gap};
+  }
+
+ private:
+  static constexpr double longest_wait = 3600;  // s: a longer timeout would leave the clock's range
+
+  bool put(const Packet& packet) {
     const std::lock_guard lock(mutex_);
     const bool full = size_ == slots_.size();
     if (full) drop_oldest();
@@ -29,18 +66,6 @@ class PacketRing {
     if (full) slots_[first_].after_gap = true;
     return full;
   }
-
-  /// The oldest packet, or none. Its bytes are valid until the next call; one thread alone takes.
-  std::optional<Packet> take() {
-    const std::lock_guard lock(mutex_);
-    if (size_ == 0) return std::nullopt;
-    const Packet packet = slots_[first_];
-    std::ranges::copy(packet.bytes, taken_.data());
-    drop_oldest();
-    return Packet{Bytes(taken_).first(packet.bytes.size()), packet.arrival, packet.after_gap};
-  }
-
- private:
   std::size_t place(std::size_t i) const { return (first_ + i) % slots_.size(); }
   void drop_oldest() {
     first_ = place(1);
@@ -48,6 +73,8 @@ class PacketRing {
   }
 
   std::mutex mutex_;
+  std::condition_variable arrived_;  ///< size_ or failure_ changed
+  std::exception_ptr failure_;
   std::size_t slot_bytes_, first_ = 0, size_ = 0;
   std::vector<Packet> slots_;        ///< [slots]
   std::vector<std::uint8_t> bytes_;  ///< [slots, slot_bytes]

@@ -4,7 +4,7 @@
 
 namespace tactel::hw {
 
-/// A description of a device that cannot be meant. `key` as in a profile file.
+/// An invalid description of a device. `key` is that of the profile file.
 class ProfileError : public std::invalid_argument {
  public:
   ProfileError(std::string key, std::string value, std::string allowed)

@@ -5,6 +5,7 @@
 #include <bit>
 #include <chrono>
 #include <cstring>
+#include <fstream>
 #include <string_view>
 #include <thread>
 
@@ -14,11 +15,12 @@ namespace tactel::hw {
 namespace {
 
 constexpr std::string_view magic = "tactel1\n";
-constexpr std::uint8_t description_record = 'D', packet_record = 'P', index_record = 'I';
+constexpr std::uint8_t description_record = 'D', packet_record = 'P', end_record = 'I';
 constexpr std::size_t record_head = 1 + 4, record_tail = 4;  // kind, length of the body; CRC-32 of both
 constexpr std::size_t packet_head = 8 + 1;                   // arrival, flags
-constexpr std::size_t largest_packet = 1 << 24;
-constexpr std::uint64_t packets_by_index_entry = 256;
+constexpr std::size_t largest_body = 1 << 24;                // bytes
+constexpr double latest_arrival = 1e9;  // s, 30 years: no clock that starts with its source shows more
+constexpr double longest_wait = 3600;   // s: a longer timeout would leave the clock's range
 
 using Clock = std::chrono::steady_clock;
 
@@ -40,7 +42,7 @@ void put_bytes(std::vector<std::uint8_t>& record, Bytes bytes) { std::ranges::co
 
 }  // namespace
 
-std::uint32_t crc32(Bytes bytes) {
+std::uint32_t crc32(Bytes bytes, std::uint32_t before) {
   static const auto table = [] {
     std::array<std::uint32_t, 256> remainders{};
     for (std::uint32_t i = 0; i < 256; ++i) {
@@ -49,56 +51,35 @@ std::uint32_t crc32(Bytes bytes) {
     }
     return remainders;
   }();
-  std::uint32_t crc = ~0u;
+  std::uint32_t crc = ~before;
   for (const std::uint8_t byte : bytes) crc = table[(crc ^ byte) & 0xFF] ^ crc >> 8;
   return ~crc;
 }
 
-RecordingWriter::RecordingWriter(const std::filesystem::path& path, const std::string& description)
-    : path_(path), file_(path, std::ios::binary | std::ios::trunc) {
-  const auto text = [](std::string_view t) { return Bytes(reinterpret_cast<const std::uint8_t*>(t.data()), t.size()); };
-  scratch_.assign(magic.begin(), magic.end());
-  put(scratch_);
-  make_record(scratch_, description_record, description.size(), [&](auto& r) { put_bytes(r, text(description)); });
-  put(scratch_);
+RecordingWriter::RecordingWriter(const std::filesystem::path& path, const std::string& description,
+                                 OutputFile::Existing existing)
+    : file_(path, existing) {
+  if (description.size() > largest_body) throw RecordingError(path.string() + ": its profile is larger than 16 MiB");
+  file_.write(magic);
+  const Bytes text(reinterpret_cast<const std::uint8_t*>(description.data()), description.size());
+  make_record(record_, description_record, description.size(), [&](auto& record) { put_bytes(record, text); });
+  file_.write(Bytes(record_));
   file_.flush();
-  check();
 }
 
-void RecordingWriter::write(const Packet& packet, std::uint64_t frames) {
-  if (index_.size() / 24 * packets_by_index_entry <= packets_) {
-    put_number(index_, at_, 8);
-    put_number(index_, frames, 8);
-    put_number(index_, std::bit_cast<std::uint64_t>(packet.arrival), 8);
-  }
-  ++packets_;
-  make_record(scratch_, packet_record, packet_head + packet.bytes.size(), [&](auto& record) {
+void RecordingWriter::write(const Packet& packet) {
+  make_record(record_, packet_record, packet_head + packet.bytes.size(), [&](auto& record) {
     put_number(record, std::bit_cast<std::uint64_t>(packet.arrival), 8);
     record.push_back(packet.after_gap ? 1 : 0);
     put_bytes(record, packet.bytes);
   });
-  put(scratch_);
+  file_.write(Bytes(record_));
 }
 
 void RecordingWriter::finish() {
-  const std::uint64_t index_at = at_;
-  make_record(scratch_, index_record, index_.size() + 8, [&](auto& record) {
-    put_bytes(record, index_);
-    put_number(record, index_at, 8);
-  });
-  put(scratch_);
+  make_record(record_, end_record, 8, [&](auto& record) { put_number(record, file_.size(), 8); });
+  file_.write(Bytes(record_));
   file_.close();
-  check();
-}
-
-void RecordingWriter::put(const std::vector<std::uint8_t>& bytes) {
-  file_.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  at_ += bytes.size();
-  if (!file_) check();
-}
-
-void RecordingWriter::check() const {
-  if (!file_) throw RecordingError(path_.string() + ": the recording cannot be written: " + std::strerror(errno));
 }
 
 struct ReplaySource::State {
@@ -114,21 +95,41 @@ struct ReplaySource::State {
 
   [[noreturn]] void fail(const std::string& what) const { throw RecordingError(path + ": " + what); }
 
-  /// Reads a record into `record`; false at the end of the file, and where the file was cut off.
-  bool read_record() {
+  /// Reads the head of a record; false at the end of the file, and where the file was cut off.
+  bool read_head() {
     record.resize(record_head);
-    if (!read_into(0, record_head)) return false;
-    const std::size_t length = unsigned_at(record, 1, 4);
-    if (length > largest_packet) fail("damaged: a record of " + std::to_string(length) + " bytes");
-    record.resize(record_head + length + record_tail);
-    if (!read_into(record_head, length + record_tail)) return false;
-    const std::size_t end = record_head + length;
+    return read_into(0, record_head);
+  }
+  std::size_t length() const { return unsigned_at(record, 1, 4); }
+
+  /// Reads the rest of a record whose head is there.
+  bool read_body() {
+    const std::size_t end = record_head + length();
+    if (length() > largest_body) fail("damaged: a record of " + std::to_string(length()) + " bytes");
+    record.resize(end + record_tail);
+    if (!read_into(record_head, length() + record_tail)) return false;
     if (crc32(Bytes(record).first(end)) != unsigned_at(record, end, 4)) fail("damaged: a checksum does not match");
+    return true;
+  }
+
+  /// Passes over the last record, of any length: earlier versions kept an index in it. False where it is not whole.
+  bool skip_end() {
+    std::uint32_t crc = crc32(record);
+    for (std::size_t left = length(); left > 0;) {
+      record.resize(std::min<std::size_t>(left, 1 << 16));
+      if (!read_into(0, record.size())) return false;
+      crc = crc32(record, crc);
+      left -= record.size();
+    }
+    record.resize(record_tail);
+    if (!read_into(0, record_tail)) return false;
+    if (crc != unsigned_at(record, 0, record_tail)) fail("damaged: a checksum does not match");
     return true;
   }
 
   bool read_into(std::size_t at, std::size_t count) {
     file.read(reinterpret_cast<char*>(record.data() + at), static_cast<std::streamsize>(count));
+    if (file.bad()) fail("cannot be read: " + std::string(std::strerror(errno)));
     return file.gcount() == static_cast<std::streamsize>(count);
   }
 
@@ -141,18 +142,27 @@ struct ReplaySource::State {
     record.resize(magic.size());
     if (!read_into(0, magic.size()) || std::memcmp(record.data(), magic.data(), magic.size()) != 0)
       fail("no recording of tactel");
-    if (!read_record() || record[0] != description_record) fail("damaged: no description at its beginning");
+    if (!read_head() || record[0] != description_record || !read_body())
+      fail("damaged: no description at its beginning");
     description.assign(body().begin(), body().end());
   }
 
   /// The next packet into `record`; false at the end.
   bool next() {
-    const bool there = !finished && read_record();
-    if (there && record[0] == packet_record && body().size() >= packet_head) return true;
-    if (there && record[0] != index_record) fail("damaged: an unknown record");
-    cut_short = cut_short || (!there && !finished);
-    finished = true;
+    if (finished) return false;
+    if (read_head()) {
+      if (record[0] == packet_record && read_body()) return check_packet();
+      if (record[0] != packet_record && record[0] != end_record) fail("damaged: an unknown record");
+      if (record[0] == end_record && skip_end()) return !(finished = true);
+    }
+    cut_short = finished = true;
     return false;
+  }
+
+  bool check_packet() const {
+    if (length() < packet_head) fail("damaged: a packet without a head");
+    if (!(arrival() >= 0 && arrival() <= latest_arrival)) fail("damaged: a packet whose arrival is no time");
+    return true;
   }
 
   double arrival() const { return std::bit_cast<double>(unsigned_at(body(), 0, 8)); }
@@ -166,8 +176,9 @@ struct ReplaySource::State {
     const auto now = Clock::now();
     if (!zero) zero = now - seconds(arrival());
     const auto time = *zero + seconds(arrival());
-    std::this_thread::sleep_until(std::min(time, now + seconds(timeout)));
-    return time <= now + seconds(timeout);
+    const auto end = now + seconds(std::min(timeout, longest_wait));
+    std::this_thread::sleep_until(std::min(time, end));
+    return time <= end;
   }
 };
 

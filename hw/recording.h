@@ -1,49 +1,47 @@
 #pragma once
 #include <filesystem>
-#include <fstream>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "hw/frame_source.h"
+#include "hw/output_file.h"
 
 namespace tactel::hw {
 
-/// Writes the packets of a source as they came (format: hw/README.md). What was written stays readable when the
-/// program dies.
+/// Writes the packets of a source (format: hw/README.md). Written packets stay readable after a crash of the
+/// program. Every function throws RecordingError where the file cannot be written.
 class RecordingWriter {
  public:
-  /// description: how to read the bytes, for whoever replays them (a device profile). Throws RecordingError.
-  RecordingWriter(const std::filesystem::path& path, const std::string& description);
-  /// frames: how many were decoded before this packet, for the index.
-  void write(const Packet& packet, std::uint64_t frames);
-  /// Writes the index. Throws RecordingError when the file is not whole on the disk.
+  /// description: a device profile, for a later replay.
+  RecordingWriter(const std::filesystem::path& path, const std::string& description,
+                  OutputFile::Existing existing = OutputFile::Existing::refuse);
+  void write(const Packet& packet);
+  /// Writes the end. Returns once the file is on the disk.
   void finish();
 
  private:
-  void put(const std::vector<std::uint8_t>& bytes);
-  void check() const;
-  std::filesystem::path path_;
-  std::ofstream file_;
-  std::uint64_t at_ = 0, packets_ = 0;
-  std::vector<std::uint8_t> index_, scratch_;
+  OutputFile file_;
+  std::vector<std::uint8_t> record_;
 };
 
 /// A recording, packet by packet.
 class ReplaySource final : public FrameSource {
  public:
-  /// real_time: hand the packets out at the pace they came; else as fast as they are taken. Throws RecordingError.
+  /// real_time: returns the packets at their original pace; else as fast as they are read. Throws
+  /// RecordingError.
   explicit ReplaySource(const std::filesystem::path& path, bool real_time = false);
   ~ReplaySource() override;
 
   const std::string& description() const;
-  /// The file ends without its index: whoever recorded it was cut off. Known once finished.
-  bool cut_short() const;
+  /// Returns true where the file ends without its last record: its writer was interrupted.
+  bool cut_short() const override;
 
   /// Throws RecordingError at a damaged packet.
   std::optional<Packet> wait(double timeout) override;
   bool finished() const override;
   bool live() const override { return false; }
-  double now() const override;  ///< goes on from the arrival of the last packet since it was handed out
+  double now() const override;  ///< arrival of the last packet plus the time since wait() returned it
   TransportCounts counts() const override;
 
  private:
@@ -51,7 +49,7 @@ class ReplaySource final : public FrameSource {
   std::unique_ptr<State> state_;
 };
 
-/// CRC-32 as in Ethernet and zip files.
-std::uint32_t crc32(Bytes bytes);
+/// Returns the CRC-32 of Ethernet and zip files. before: CRC-32 of the preceding bytes.
+std::uint32_t crc32(Bytes bytes, std::uint32_t before = 0);
 
 }  // namespace tactel::hw

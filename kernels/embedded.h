@@ -4,13 +4,13 @@
 
 namespace tactel::kernels {
 
-/// A file of this folder as it was when the program was built.
+/// A file of this folder at the time of the build.
 struct Source {
   std::string_view name;  ///< relative to kernels/: "gap_sweep.cl", "shared/lanes.h"
   std::string_view text;
 };
 
-/// Every kernels/*.cl and kernels/shared/*.h.
+/// Returns every kernels/*.cl and kernels/shared/*.h.
 std::span<const Source> sources();
 
 }  // namespace tactel::kernels

@@ -11,7 +11,7 @@
 #include "shared/one_frame.h"
 #include "shared/transpose.h"
 
-#define TILE (VECTORS * LANES) /* frames in a group */
+#define TILE (FRAME_VECTORS * LANES) /* frames in a group */
 #define LAST (HIDDEN2 ? HIDDEN2 : HIDDEN1)
 #define LAYER1 (HIDDEN1 * (INPUTS + 1))
 #define LAYER2 (HIDDEN2 * (HIDDEN1 + 1))
@@ -20,7 +20,7 @@
 #define V2 VECTORS_OF(HIDDEN2)
 
 #if LANES == 1
-#define LOAD_FLOATS(p) ((real)*(p))
+#define LOAD_FLOATS(p) ((real) * (p))
 #else
 #define LOAD_FLOATS(p) JOIN(convert_, JOIN(REAL, LANES))(JOIN(vload, LANES)(0, p))
 #endif
@@ -35,7 +35,7 @@ typedef struct {
 INLINE vreal note_not_finite(vreal noted, vreal x) { return fma(x, ALL_LANES(0), noted); }
 
 /* LANES frames from `first` on, lanes beyond the last row repeating it: x[k] is input k of each. */
-INLINE void load_frames(global const float *frames, uint first, uint rows, int v, vreal (*x)[VECTORS]) {
+INLINE void load_frames(global const float *frames, uint first, uint rows, int v, vreal (*x)[FRAME_VECTORS]) {
 #if INPUTS >= LANES
   ROLLED for (int begin = 0; begin < INPUTS; begin += LANES) {
     const int from = min(begin, INPUTS - LANES); /* the last block overlaps the one before */
@@ -53,7 +53,7 @@ INLINE void load_frames(global const float *frames, uint first, uint rows, int v
 }
 
 /* Scales the inputs of LANES frames; a frame that is not finite or carries no stress becomes zeros, and its status says so. */
-INLINE vint scale_frames(Scaling scaling, int v, vreal (*x)[VECTORS]) {
+INLINE vint scale_frames(Scaling scaling, int v, vreal (*x)[FRAME_VECTORS]) {
   vreal noted = 0, largest = 0;
   ROLLED for (int k = 0; k < INPUTS; ++k) noted = note_not_finite(noted, x[k][v]);
   const vint not_finite = noted != noted;
@@ -62,6 +62,12 @@ INLINE vint scale_frames(Scaling scaling, int v, vreal (*x)[VECTORS]) {
   if (scaling.by_frame) {
     ROLLED for (int k = 0; k < INPUTS / 2; ++k) largest = fmax(largest, fabs(x[k][v]));
     no_stress = largest < ALL_LANES(SMALLEST_STRESS);
+    const vint large = largest > ALL_LANES(LARGE_STRESS);
+    if (ANY(large)) {
+      const vreal scale = PICK(large, ALL_LANES(LARGE_SCALE), ALL_LANES(1));
+      ROLLED for (int k = 0; k < INPUTS; ++k) x[k][v] *= scale;
+      largest *= scale;
+    }
     factor = ALL_LANES(1) / largest;
   }
   const vint zero = not_finite | no_stress;
@@ -95,20 +101,20 @@ kernel void forward(uint first_group, global const real *weights, global const f
   const Scaling scaling = {by_frame, factor};
   slip_index += network * rows;
   status += network * rows;
-  vreal x[INPUTS][VECTORS], o1[HIDDEN1][VECTORS], s[VECTORS];
-  ROLLED for (int v = 0; v < VECTORS; ++v) {
+  vreal x[INPUTS][FRAME_VECTORS], o1[HIDDEN1][FRAME_VECTORS], s[FRAME_VECTORS];
+  ROLLED for (int v = 0; v < FRAME_VECTORS; ++v) {
     load_frames(frames, first + v * LANES, rows, v, x);
     const vint found = scale_frames(scaling, v, x);
     for (uint row = first + v * LANES, lane = 0; lane < LANES && row < end; ++lane, ++row) status[row] = (uchar)((const REAL_INT *)&found)[lane];
   }
   forward_layer(INPUTS, HIDDEN1, INPUTS + 1, w, x, o1);
 #if HIDDEN2
-  vreal last[HIDDEN2][VECTORS];
+  vreal last[HIDDEN2][FRAME_VECTORS];
   forward_layer(HIDDEN1, HIDDEN2, HIDDEN1 + 1, w + LAYER1, o1, last);
 #else
-  const vreal(*last)[VECTORS] = o1;
+  const vreal(*last)[FRAME_VECTORS] = o1;
 #endif
-  ROLLED for (int v = 0; v < VECTORS; ++v) s[v] = forward_output(LAST, w + LAYER1 + LAYER2, last, v) + ALL_LANES(0.5f);
+  ROLLED for (int v = 0; v < FRAME_VECTORS; ++v) s[v] = forward_output(LAST, w + LAYER1 + LAYER2, last, v) + ALL_LANES(0.5f);
   for (uint row = first; row < end; ++row) {
     int final_status;
     slip_index[row] = answer(((const real *)s)[row - first], status[row], &final_status);
@@ -148,7 +154,9 @@ kernel void forward_one(uint first_group, global real *all) {
   if (all[ONE_BY_FRAME] != 0) {
     const real largest = largest_normal((const real *)x);
     if (status == FRAME_OK && largest < SMALLEST_STRESS) status = FRAME_NO_STRESS;
-    factor = 1 / largest;
+    const real scale = largest > LARGE_STRESS ? (real)LARGE_SCALE : (real)1;
+    EACH(v, VECTORS_OF(INPUTS)) { x[v] *= ALL_LANES(scale); }
+    factor = 1 / (largest * scale);
   }
   EACH(v, VECTORS_OF(INPUTS)) { x[v] = status == FRAME_OK ? x[v] * factor : ALL_LANES(0); }
   forward_one_layer(INPUTS, V1, w, (const real *)x, o1);

@@ -18,41 +18,41 @@
 #include "shared/contact_layout.h"
 
 #define EACH_VECTOR _Pragma("unroll") for (int v = 0; v < VECTORS; ++v)
-#define C_PARTS (FRICTION ? 4 : 1) /* numbers that the compliance holds of a pair of nodes */
-#define FAR ((real)1e15)          /* mm: height of a node that carries no gap element, in this lane or yet */
-#define DAMPED_AFTER 500          /* sweeps; slow but steady ones need fewer down to rounding on the paper's meshes */
-#define MOST_REJOINS 32           /* rounds of adding gap elements in one increment */
-#define MOST_AIMS 60              /* trials of depth (and position) to reach given forces */
-#define ROW_BLOCK 4               /* output rows computed together */
+#define C_PARTS (FRICTION ? COMPLIANCE_PARTS : 1)
+#define FAR ((real)NO_GAP_ELEMENT) /* mm: height of a node that carries no gap element, in this lane or yet */
+#define DAMPED_AFTER 500           /* sweeps; slow but steady ones need fewer down to rounding on the paper's meshes */
+#define MOST_ACTIVATIONS 32        /* rounds of adding gap elements in one increment */
+#define MOST_FORCE_TRIALS 60       /* trials of depth (and position) to reach given forces */
 
 typedef struct {
-  vreal n[NODES][VECTORS];       /* pressure force / E, mm */
-  vreal t[NODES][VECTORS];       /* traction force / E, mm */
-  vreal n_last[NODES][VECTORS];  /* both at the last increment */
+  vreal n[NODES][VECTORS];      /* pressure force / E, mm */
+  vreal t[NODES][VECTORS];      /* traction force / E, mm */
+  vreal n_last[NODES][VECTORS]; /* both at the last increment */
   vreal t_last[NODES][VECTORS];
-  vreal h[NODES][VECTORS];        /* profile height of the gap elements at work, FAR elsewhere, mm */
-  vreal ux_last[NODES][VECTORS];  /* u_x at the last increment where a gap element is at work, mm; of a sticking node what it should have been */
+  vreal h[NODES][VECTORS];       /* profile height of active gap elements, FAR elsewhere, mm */
+  vreal ux_last[NODES][VECTORS]; /* u_x at the last increment where a gap element is active, mm; of a sticking node what it should have been */
   vreal ux[NODES][VECTORS], uy[NODES][VECTORS]; /* as certify found them, mm */
-  int first, end;                 /* nodes [first, end): all gap elements at work in any lane */
+  int first, end;                               /* nodes [first, end): all gap elements that are active in any lane */
 } Contact;
 
 /* Where the indenter is, and which lanes iterate. */
 typedef struct {
   vreal mu[VECTORS];
-  vreal d[VECTORS];     /* indentation, mm */
-  vreal x[VECTORS];     /* tangential position, mm */
+  vreal d[VECTORS]; /* indentation, mm */
+  vreal x[VECTORS]; /* tangential position, mm */
   vreal x_last[VECTORS];
   vint active[VECTORS];
-  vint held[VECTORS];   /* lanes that are where they were at the last increment */
+  vint held[VECTORS]; /* lanes that are where they were at the last increment */
 } Indenter;
 
 typedef struct {
   vreal uy[VECTORS], ux[VECTORS];
 } RowDisplacement;
 
-/* Relative figures of fem/contact_solution.h, from the final forces alone. */
+/* Relative figures of fem/contact_solution.h and the slip distance, mm, from the final forces alone. */
 typedef struct {
   vreal penetration[VECTORS], cone[VECTORS], complementarity[VECTORS], drift[VECTORS];
+  vreal slip_distance[VECTORS];
 } Certificate;
 
 /* The sensor, and what the host chose (host/gap_sweep.h). */
@@ -61,7 +61,7 @@ typedef struct {
   global const real *node;       /* [NODES][NODE_ROWS] */
   real tolerance;
   int most_sweeps;
-  real reach; /* gap elements are put to work up to this many indentations; certify adds what that missed */
+  real reach; /* gap elements are activated up to this many indentations; certify adds what that missed */
 } Rules;
 
 /* The largest and the smallest; unlike fmax and fmin one instruction, and the second argument where one is not a number. */
@@ -83,11 +83,11 @@ static inline void add_forces(global const real *c, const vreal (*n)[VECTORS], c
   c += C_PARTS * first;
   for (int j = first; j < end; ++j, c += C_PARTS) {
     EACH_VECTOR {
-      yn[v] = fma(ALL_LANES(c[0]), n[j][v], yn[v]);
+      yn[v] = fma(ALL_LANES(c[COMPLIANCE_UY_BY_N]), n[j][v], yn[v]);
       if (!FRICTION) continue;
-      yt[v] = fma(ALL_LANES(c[1]), t[j][v], yt[v]);
-      xn[v] = fma(ALL_LANES(c[2]), n[j][v], xn[v]);
-      xt[v] = fma(ALL_LANES(c[3]), t[j][v], xt[v]);
+      yt[v] = fma(ALL_LANES(c[COMPLIANCE_UY_BY_T]), t[j][v], yt[v]);
+      xn[v] = fma(ALL_LANES(c[COMPLIANCE_UX_BY_N]), n[j][v], xn[v]);
+      xt[v] = fma(ALL_LANES(c[COMPLIANCE_UX_BY_T]), t[j][v], xt[v]);
     }
   }
 }
@@ -143,9 +143,9 @@ static inline void sweep(const Rules *rules, Contact *c, const Indenter *in, rea
   EACH_VECTOR { moving[v] = in->active[v] & (change[v] > rules->tolerance * largest[v]); }
 }
 
-/* Sweeps until every active lane has settled, or most_sweeps. Leaves in in->active the lanes that did not settle. Where friction is high and the
+/* Sweeps until every iterating lane has converged, or most_sweeps. Leaves in in->active the lanes that did not converge. Where friction is high and the
    rubber compressible, plain Gauss-Seidel can go round in circles: lanes that take long go on with damped steps. */
-static inline void settle(const Rules *rules, Contact *c, Indenter *in, vreal *sweeps) {
+static inline void iterate(const Rules *rules, Contact *c, Indenter *in, vreal *sweeps) {
   for (int k = 0; k < rules->most_sweeps && any_vector(in->active); ++k) {
     vint moving[VECTORS];
     sweep(rules, c, in, k < DAMPED_AFTER ? (real)1 : k < 4 * DAMPED_AFTER ? (real)0.5 : (real)0.2, moving);
@@ -157,24 +157,22 @@ static inline void settle(const Rules *rules, Contact *c, Indenter *in, vreal *s
 }
 
 /* Puts a gap element to work at node i in some lanes: it needs its height and where the node was at the last increment. */
-static inline void join(const Rules *rules, global const vreal *profile, Contact *c, int i, const vint *joining) {
-  EACH_VECTOR { c->h[i][v] = PICK(joining[v], profile[i * VECTORS + v], c->h[i][v]); }
+static inline void activate(const Rules *rules, global const vreal *profile, Contact *c, int i, const vint *activated) {
+  EACH_VECTOR { c->h[i][v] = PICK(activated[v], profile[i * VECTORS + v], c->h[i][v]); }
   if (FRICTION) {
     const RowDisplacement last = row_displacement(rules, i, c->n_last, c->t_last, c->first, c->end);
-    EACH_VECTOR { c->ux_last[i][v] = PICK(joining[v], last.ux[v], c->ux_last[i][v]); }
+    EACH_VECTOR { c->ux_last[i][v] = PICK(activated[v], last.ux[v], c->ux_last[i][v]); }
   }
   c->first = min(c->first, i);
   c->end = max(c->end, i + 1);
 }
 
 /* Gap elements where the rigid profile comes near the flat surface. */
-static inline void join_reached(const Rules *rules, global const vreal *profile, Contact *c, const Indenter *in) {
+static inline void activate_reached(const Rules *rules, global const vreal *profile, Contact *c, const Indenter *in) {
   for (int i = 0; i < NODES; ++i) {
-    vint joining[VECTORS];
-    EACH_VECTOR {
-      joining[v] = in->active[v] & (profile[i * VECTORS + v] <= in->d[v] * rules->reach) & (c->h[i][v] >= FAR);
-    }
-    if (any_vector(joining)) join(rules, profile, c, i, joining);
+    vint activated[VECTORS];
+    EACH_VECTOR { activated[v] = in->active[v] & (profile[i * VECTORS + v] <= in->d[v] * rules->reach) & (c->h[i][v] >= FAR); }
+    if (any_vector(activated)) activate(rules, profile, c, i, activated);
   }
 }
 
@@ -201,7 +199,7 @@ static inline void look_outside(const Rules *rules, global const vreal *profile,
 static inline void certify(const Rules *rules, global const vreal *profile, Contact *c, Indenter *in, const vint *checked, Certificate *k) {
   vreal largest_uy[VECTORS], largest_n[VECTORS], sum_n[VECTORS], sum_t[VECTORS], finite[VECTORS];
   EACH_VECTOR {
-    k->penetration[v] = k->cone[v] = k->complementarity[v] = k->drift[v] = 0;
+    k->penetration[v] = k->cone[v] = k->complementarity[v] = k->drift[v] = k->slip_distance[v] = 0;
     largest_uy[v] = largest_n[v] = sum_n[v] = sum_t[v] = finite[v] = 0;
     in->active[v] = 0;
   }
@@ -210,7 +208,8 @@ static inline void certify(const Rules *rules, global const vreal *profile, Cont
     EACH_VECTOR {
       const vreal n = c->n[i][v], t = c->t[i][v];
       const vreal cone = in->mu[v] * n;
-      const vint works = c->h[i][v] < FAR, pressed = n > 0;
+      const vint works = c->h[i][v] < FAR;
+      const vint pressed = n > 0;
       const vreal inside = u.uy[v] - (c->h[i][v] - in->d[v]); /* below zero by FAR where no gap element works */
       const vreal moved = u.ux[v] - (c->ux_last[i][v] + (in->x[v] - in->x_last[v]));
       const vreal slip = PICK(in->held[v], ALL_LANES(0), moved);
@@ -219,12 +218,14 @@ static inline void certify(const Rules *rules, global const vreal *profile, Cont
       const vreal apart = PICK(pressed, fabs(inside), ALL_LANES(0));
       const vreal size = PICK(works, fabs(u.uy[v]), ALL_LANES(0));
       const vreal outside_cone = fabs(t) - cone;
+      const vreal slid = PICK(pressed, fabs(u.ux[v] - in->x[v]), ALL_LANES(0));
       c->uy[i][v] = u.uy[v];
       c->ux[i][v] = u.ux[v];
       k->penetration[v] = LARGER(inside, k->penetration[v]);
       k->complementarity[v] = LARGER(apart, k->complementarity[v]);
       k->cone[v] = LARGER(outside_cone, k->cone[v]);
       k->drift[v] = LARGER(drift, k->drift[v]);
+      k->slip_distance[v] = LARGER(slid, k->slip_distance[v]);
       largest_uy[v] = LARGER(size, largest_uy[v]);
       largest_n[v] = LARGER(n, largest_n[v]);
       sum_n[v] += n;
@@ -235,15 +236,15 @@ static inline void certify(const Rules *rules, global const vreal *profile, Cont
   look_outside(rules, profile, c, in, sum_n, sum_t, 0, c->first);
   look_outside(rules, profile, c, in, sum_n, sum_t, max(c->first, c->end), NODES);
   for (int i = 0; i < NODES; ++i) {
-    vint joining[VECTORS];
+    vint activated[VECTORS];
     EACH_VECTOR {
       const vreal inside = c->uy[i][v] - (profile[i * VECTORS + v] - in->d[v]);
       const vint idle = c->h[i][v] >= FAR;
-      joining[v] = checked[v] & idle & (inside > rules->tolerance * largest_uy[v]);
-      in->active[v] |= joining[v];
+      activated[v] = checked[v] & idle & (inside > rules->tolerance * largest_uy[v]);
+      in->active[v] |= activated[v];
       k->penetration[v] = LARGER(inside, k->penetration[v]);
     }
-    if (any_vector(joining)) join(rules, profile, c, i, joining);
+    if (any_vector(activated)) activate(rules, profile, c, i, activated);
   }
   EACH_VECTOR {
     const vreal per_uy = PICK(largest_uy[v] > 0, 1 / largest_uy[v], ALL_LANES(0));
@@ -255,16 +256,16 @@ static inline void certify(const Rules *rules, global const vreal *profile, Cont
 }
 
 /* Contact for the indenter where it is, in the active lanes. Returns in `failed` the lanes that ran out of sweeps. */
-static inline void touch(const Rules *rules, global const vreal *profile, Contact *c, Indenter *in,
-                         vreal *sweeps, vint *failed, Certificate *k) {
+static inline void solve_contact(const Rules *rules, global const vreal *profile, Contact *c, Indenter *in, vreal *sweeps, vint *failed,
+                                 Certificate *k) {
   vint checked[VECTORS];
   EACH_VECTOR {
     checked[v] = in->active[v];
     failed[v] = 0;
   }
-  join_reached(rules, profile, c, in);
-  for (int round = 0; round < MOST_REJOINS; ++round) {
-    settle(rules, c, in, sweeps);
+  activate_reached(rules, profile, c, in);
+  for (int round = 0; round < MOST_ACTIVATIONS; ++round) {
+    iterate(rules, c, in, sweeps);
     EACH_VECTOR { failed[v] |= in->active[v]; }
     certify(rules, profile, c, in, checked, k);
     if (!any_vector(in->active)) return;
@@ -295,19 +296,19 @@ static inline void extrapolate(Contact *c, const Indenter *in, const vreal *rati
 }
 
 #if FORCE_CONTROL
-/* Search for the indenter's place z = (d, x) that gives the forces asked for: f = (P - P_goal, Q - (Q_goal / P_goal) P) = 0, by Broyden's inverse update
+/* Search for the indenter's place z = (d, x) that gives the forces asked for: f = (P - P_target, Q - (Q_target / P_target) P) = 0, by Broyden's inverse update
    (Broyden 1965). */
 typedef struct {
-  vreal b[2][2][VECTORS];                /* inverse Jacobian */
-  vreal z[2][VECTORS], g[2][VECTORS];    /* last trial: place; P and Q - (Q_goal / P_goal) P */
-  vreal low[VECTORS], high[VECTORS];     /* bracket of d */
-  vreal nearest[VECTORS];                /* depth at which the undeformed surface is touched */
-  vreal p_goal[VECTORS], q_goal[VECTORS];
-  vint by_force[VECTORS], both[VECTORS]; /* lanes whose normal goal is a force, whose tangential one is too */
+  vreal b[2][2][VECTORS];             /* inverse Jacobian */
+  vreal z[2][VECTORS], g[2][VECTORS]; /* last trial: place; P and Q - (Q_target / P_target) P */
+  vreal low[VECTORS], high[VECTORS];  /* bracket of d */
+  vreal nearest[VECTORS];             /* depth at which the undeformed surface is touched */
+  vreal p_target[VECTORS], q_target[VECTORS];
+  vint by_force[VECTORS], both[VECTORS]; /* lanes whose normal target is a force, whose tangential one is too */
 } Search;
 
 /* Inverse update with the trial (z, g) in the given lanes; b stays where the step was too small to tell anything. */
-static inline void learn(Search *s, int v, const vreal *z, const vreal *g, vint lanes) {
+static inline void broyden_update(Search *s, int v, const vreal *z, const vreal *g, vint lanes) {
   const vreal dz0 = z[0] - s->z[0][v], dz1 = z[1] - s->z[1][v];
   const vreal dg0 = g[0] - s->g[0][v], dg1 = g[1] - s->g[1][v];
   const vreal e0 = dz0 - (s->b[0][0][v] * dg0 + s->b[0][1][v] * dg1);
@@ -334,20 +335,19 @@ static inline vreal bracketed(vreal trial, vreal now, vreal low, vreal high) {
 }
 
 /* Moves the indenter of the active lanes towards the forces asked for. Leaves in in->active those that were not there yet. */
-static inline void aim(Search *s, const Contact *c, Indenter *in, real tolerance) {
+static inline void update_force_control(Search *s, const Contact *c, Indenter *in, real tolerance) {
   vreal p[VECTORS], q[VECTORS];
   resultants(c, p, q);
   EACH_VECTOR {
-    const vreal ratio = PICK(s->both[v] & (s->p_goal[v] > 0), s->q_goal[v] / s->p_goal[v], ALL_LANES(0));
+    const vreal ratio = PICK(s->both[v] & (s->p_target[v] > 0), s->q_target[v] / s->p_target[v], ALL_LANES(0));
     const vreal z[2] = {in->d[v], in->x[v]};
     const vreal g[2] = {p[v], PICK(s->both[v], q[v] - ratio * p[v], ALL_LANES(0))};
-    const vreal miss[2] = {p[v] - s->p_goal[v], g[1]};
-    const vreal enough = tolerance * s->p_goal[v];
-    learn(s, v, z, g, in->active[v]);
+    const vreal miss[2] = {p[v] - s->p_target[v], g[1]};
+    const vreal enough = tolerance * s->p_target[v];
+    broyden_update(s, v, z, g, in->active[v]);
     in->active[v] &= (fabs(miss[0]) > enough) | (fabs(miss[1]) > enough);
     in->held[v] &= NOT(in->active[v]);
-    const vreal step[2] = {s->b[0][0][v] * miss[0] + s->b[0][1][v] * miss[1],
-                           s->b[1][0][v] * miss[0] + s->b[1][1][v] * miss[1]};
+    const vreal step[2] = {s->b[0][0][v] * miss[0] + s->b[0][1][v] * miss[1], s->b[1][0][v] * miss[0] + s->b[1][1][v] * miss[1]};
     s->low[v] = PICK(miss[0] < 0, LARGER(z[0], s->low[v]), s->low[v]);
     s->high[v] = PICK(miss[0] > 0, SMALLER(z[0], s->high[v]), s->high[v]);
     /* P grows with d alone where x is given: keep inside the bracket. With both unknown the bracket moves: bound the step instead. */
@@ -373,14 +373,12 @@ static inline void write_rows(global const real *map, int rows, const Contact *c
         if (FRICTION) sum[b][v] = fma(ALL_LANES(m[2 * b + 1]), c->t[j][v], sum[b][v]);
       }
     }
-    _Pragma("unroll") for (int b = 0; b < ROW_BLOCK; ++b)
-      if (r + b < rows) EACH_VECTOR { out[(r + b) * VECTORS + v] = sum[b][v] * scale[v]; }
+    _Pragma("unroll") for (int b = 0; b < ROW_BLOCK; ++b) if (r + b < rows) EACH_VECTOR { out[(r + b) * VECTORS + v] = sum[b][v] * scale[v]; }
   }
 }
 
 /* Lanes whose input is finite and sensible, as far as their own path goes. */
-static inline void check_input(global const vreal *lane_input, global const vreal *profile, global const vreal *path, int steps,
-                               vint *valid) {
+static inline void check_input(global const vreal *lane_input, global const vreal *profile, global const vreal *path, int steps, vint *valid) {
   EACH_VECTOR {
     vreal sum = 0;
     for (int r = 0; r < LANE_INPUT_ROWS; ++r) sum = finite_sum(sum, lane_input[r * VECTORS + v]);
@@ -436,17 +434,22 @@ static inline vint within(const Certificate *said, int v, vreal off_balance, rea
 /* A lane on its way along its load path. */
 typedef struct {
   vint valid[VECTORS], running[VECTORS];
-  vint lost[VECTORS];                         /* an increment was not solved: those that follow have no history to rest on */
+  vint lost[VECTORS]; /* an increment was not solved: those that follow have no history to rest on */
   vreal young[VECTORS];
-  vreal d_change[VECTORS], x_change[VECTORS]; /* of the last increment's goal, mm */
+  vreal nearest[VECTORS];                     /* depth at which the undeformed surface is touched, mm */
+  vreal d_change[VECTORS], x_change[VECTORS]; /* of the last increment's target, mm */
   vreal sweeps[VECTORS];                      /* of this increment */
-  vint failed[VECTORS];                       /* it did not settle, or not at the forces asked for */
+  vint failed[VECTORS];                       /* it did not converge, or not at the forces asked for */
   Certificate certificate;
-} Walk;
+} LoadStepping;
 
-static inline void start(global const vreal *lane_input, Contact *c, Indenter *in, Walk *w) {
+static inline void start(global const vreal *lane_input, global const vreal *profile, Contact *c, Indenter *in, LoadStepping *w) {
   c->first = NODES;
   c->end = 0;
+  EACH_VECTOR { w->nearest[v] = FAR; }
+  for (int i = 0; i < NODES; ++i) EACH_VECTOR {
+      w->nearest[v] = SMALLER(profile[i * VECTORS + v], w->nearest[v]);
+    }
   for (int i = 0; i < NODES; ++i) EACH_VECTOR {
       c->n[i][v] = c->t[i][v] = c->n_last[i][v] = c->t_last[i][v] = c->ux_last[i][v] = c->ux[i][v] = c->uy[i][v] = 0;
       c->h[i][v] = FAR;
@@ -460,16 +463,16 @@ static inline void start(global const vreal *lane_input, Contact *c, Indenter *i
   }
 }
 
-/* Goal of increment k: (d, x), mm; lanes beyond their path stop and stay where they are. ratio: this change of the goal over the last one, 0 where
+/* Target of increment k: (d, x), mm; lanes beyond their path stop and stay where they are. ratio: this change of the target over the last one, 0 where
    both d and x change, or the way turns, or the load is a force. */
-static inline void next_goal(global const vreal *lane_input, global const vreal *path, int k, const Indenter *in, Walk *w, vreal *d,
-                             vreal *x, vreal *ratio) {
-  global const vreal *goal = path + k * (PATH_ROWS * VECTORS);
+static inline void next_target(global const vreal *lane_input, global const vreal *path, int k, const Indenter *in, LoadStepping *w, vreal *d,
+                               vreal *x, vreal *ratio) {
+  global const vreal *target = path + k * (PATH_ROWS * VECTORS);
   EACH_VECTOR {
     w->running[v] &= lane_input[LANE_STEPS * VECTORS + v] > (real)k;
     w->sweeps[v] = 0;
-    d[v] = PICK(w->running[v], goal[PATH_NORMAL * VECTORS + v], in->d[v]);
-    x[v] = PICK(w->running[v], goal[PATH_TANGENTIAL * VECTORS + v], in->x[v]);
+    d[v] = PICK(w->running[v], target[PATH_NORMAL * VECTORS + v], in->d[v]);
+    x[v] = PICK(w->running[v], target[PATH_TANGENTIAL * VECTORS + v], in->x[v]);
     const vreal d_now = d[v] - in->d[v], x_now = x[v] - in->x[v];
     const vint same_d = (d_now == 0) & (w->d_change[v] == 0), same_x = (x_now == 0) & (w->x_change[v] == 0);
     const vreal along_d = PICK(same_x & (w->d_change[v] != 0), d_now / w->d_change[v], ALL_LANES(0));
@@ -481,8 +484,8 @@ static inline void next_goal(global const vreal *lane_input, global const vreal 
   }
 }
 
-/* Lanes whose goal is where they are rest as they are: that is a solution, and so a held contact does not creep by rounding. */
-static inline void move_to(Indenter *in, const Walk *w, const vreal *d, const vreal *x) {
+/* Lanes whose target is where they are rest as they are: that is a solution, and so a held contact does not creep by rounding. */
+static inline void move_to(Indenter *in, const LoadStepping *w, const vreal *d, const vreal *x) {
   EACH_VECTOR {
     in->held[v] = d[v] == in->d[v];
     if (FRICTION) in->held[v] &= x[v] == in->x[v];
@@ -493,11 +496,27 @@ static inline void move_to(Indenter *in, const Walk *w, const vreal *d, const vr
   }
 }
 
+/* Lanes in `none` bear no forces. */
+static inline void release(Contact *c, const vint *none) {
+  if (!any_vector(none)) return;
+  for (int i = c->first; i < c->end; ++i) EACH_VECTOR {
+      c->n[i][v] = PICK(none[v], ALL_LANES(0), c->n[i][v]);
+      c->t[i][v] = PICK(none[v], ALL_LANES(0), c->t[i][v]);
+    }
+}
+
+/* The indenter, driven by depth, does not reach the undeformed surface: the rubber without forces is a solution. Sweeps would come to it
+   through ever smaller forces only. */
+static inline void lift_off(global const vreal *lane_input, Contact *c, const Indenter *in, const LoadStepping *w) {
+  vint none[VECTORS];
+  EACH_VECTOR { none[v] = w->running[v] & (in->d[v] <= w->nearest[v]) & (lane_input[LANE_FORCE * VECTORS + v] < FORCE_NORMAL); }
+  release(c, none);
+}
+
 #if FORCE_CONTROL
-static inline void start_search(global const vreal *lane_input, global const vreal *profile, Search *s) {
-  EACH_VECTOR { s->nearest[v] = FAR; }
-  for (int i = 0; i < NODES; ++i) EACH_VECTOR { s->nearest[v] = SMALLER(profile[i * VECTORS + v], s->nearest[v]); }
+static inline void start_search(global const vreal *lane_input, const LoadStepping *w, Search *s) {
   EACH_VECTOR {
+    s->nearest[v] = w->nearest[v];
     s->by_force[v] = lane_input[LANE_FORCE * VECTORS + v] >= FORCE_NORMAL;
     s->both[v] = lane_input[LANE_FORCE * VECTORS + v] >= FORCE_BOTH;
     s->b[0][0][v] = (real)0.3; /* thickness / width, about: a start that the first trial corrects */
@@ -507,21 +526,19 @@ static inline void start_search(global const vreal *lane_input, global const vre
   }
 }
 
-/* A goal of no force: nothing touches, the rubber is as it was at first, and depth 0 will do. */
-static inline void lift_off(const Search *s, Contact *c, const Walk *w) {
-  for (int i = c->first; i < c->end; ++i) EACH_VECTOR {
-      const vint lifted = w->running[v] & s->by_force[v] & (s->p_goal[v] <= 0);
-      c->n[i][v] = PICK(lifted, ALL_LANES(0), c->n[i][v]);
-      c->t[i][v] = PICK(lifted, ALL_LANES(0), c->t[i][v]);
-    }
+/* A target of no force: nothing touches, the rubber is as it was at first, and depth 0 will do. */
+static inline void release_unloaded(const Search *s, Contact *c, const LoadStepping *w) {
+  vint none[VECTORS];
+  EACH_VECTOR { none[v] = w->running[v] & s->by_force[v] & (s->p_target[v] <= 0); }
+  release(c, none);
 }
 
-/* Where goals are forces: keeps them in the search, and puts the indenter where it is, or to a first guess, instead. */
+/* Where targets are forces: keeps them in the search, and puts the indenter where it is, or to a first guess, instead. */
 static inline void first_trial(Search *s, const Indenter *in, vreal *d, vreal *x) {
   EACH_VECTOR {
     const vreal guess = PICK(in->d[v] > s->nearest[v], in->d[v], fma(s->b[0][0][v], d[v], s->nearest[v]));
-    s->p_goal[v] = d[v];
-    s->q_goal[v] = x[v];
+    s->p_target[v] = d[v];
+    s->q_target[v] = x[v];
     s->low[v] = 0;
     s->high[v] = FAR;
     d[v] = PICK(s->by_force[v], PICK(d[v] > 0, guess, ALL_LANES(0)), d[v]);
@@ -529,14 +546,14 @@ static inline void first_trial(Search *s, const Indenter *in, vreal *d, vreal *x
   }
 }
 
-static inline void reach_forces(const Rules *rules, global const vreal *profile, Search *s, Contact *c, Indenter *in, Walk *w) {
-  EACH_VECTOR { in->active[v] = w->running[v] & s->by_force[v] & (s->p_goal[v] > 0); }
-  for (int trial = 0; trial < MOST_AIMS; ++trial) {
-    aim(s, c, in, 10 * rules->tolerance);
+static inline void reach_forces(const Rules *rules, global const vreal *profile, Search *s, Contact *c, Indenter *in, LoadStepping *w) {
+  EACH_VECTOR { in->active[v] = w->running[v] & s->by_force[v] & (s->p_target[v] > 0); }
+  for (int trial = 0; trial < MOST_FORCE_TRIALS; ++trial) {
+    update_force_control(s, c, in, 10 * rules->tolerance);
     if (!any_vector(in->active)) return;
     vint searching[VECTORS], failed[VECTORS];
     EACH_VECTOR { searching[v] = in->active[v]; }
-    touch(rules, profile, c, in, w->sweeps, failed, &w->certificate);
+    solve_contact(rules, profile, c, in, w->sweeps, failed, &w->certificate);
     EACH_VECTOR {
       w->failed[v] = (w->failed[v] & NOT(searching[v])) | failed[v];
       in->active[v] = searching[v];
@@ -548,7 +565,7 @@ static inline void reach_forces(const Rules *rules, global const vreal *profile,
 
 /* What this increment came to, LaneResultRow by row; lanes that slide where they may stop are done. rows_out: the output rows of this increment. */
 static inline void report(global const vreal *lane_input, int k, const Contact *c, const Indenter *in, real accept, int base_rows,
-                          global const vreal *rows_out, Walk *w, global vreal *result) {
+                          global const vreal *rows_out, LoadStepping *w, global vreal *result) {
   vreal p[VECTORS], q[VECTORS], sticking[VECTORS], slipping[VECTORS];
   resultants(c, p, q);
   count_nodes(c, in, sticking, slipping);
@@ -576,6 +593,7 @@ static inline void report(global const vreal *lane_input, int k, const Contact *
     out[LANE_COMPLEMENTARITY * VECTORS] = said->complementarity[v];
     out[LANE_DRIFT * VECTORS] = said->drift[v];
     out[LANE_BALANCE * VECTORS] = off_balance;
+    out[LANE_SLIP_DISTANCE * VECTORS] = said->slip_distance[v];
     w->lost[v] |= NOT(solved);
     w->running[v] &= NOT(slides & (lane_input[LANE_MAY_STOP * VECTORS + v] <= (real)k));
   }
@@ -590,7 +608,7 @@ static inline void remember(Contact *c, const Indenter *in) {
     }
 }
 
-static inline void report_idle(const Walk *w, global vreal *result) {
+static inline void report_idle(const LoadStepping *w, global vreal *result) {
   for (int r = 0; r < LANE_RESULT_ROWS; ++r) EACH_VECTOR {
       const vreal idle = PICK(w->valid[v], ALL_LANES(LANE_NOT_RUN), ALL_LANES(LANE_INVALID));
       result[r * VECTORS + v] = r == LANE_STATUS ? idle : ALL_LANES(0);
@@ -601,10 +619,10 @@ static inline void report_idle(const Walk *w, global vreal *result) {
    (base_rows of them); lane_input [group][LANE_INPUT_ROWS][lane]; profile [group][NODES][lane] mm, >= FAR where there is no indenter; path [group][steps][PATH_ROWS][lane].
    Out: result [group][steps][LANE_RESULT_ROWS][lane]; rows_out [group][steps][rows][lane]; nodes_out [group][steps][3 NODES][lane] unless
    write_node_rows is 0. */
-kernel void gap_sweep(uint first_group, global const real *compliance, global const real *node, global const real *map, int rows,
-                      int base_rows, global const vreal *lane_input, global const vreal *profile, global const vreal *path, int steps,
-                      real tolerance, real accept, int most_sweeps, real reach, global vreal *result, global vreal *rows_out,
-                      global vreal *nodes_out, int write_node_rows) {
+kernel void gap_sweep(uint first_group, global const real *compliance, global const real *node, global const real *map, int rows, int base_rows,
+                      global const vreal *lane_input, global const vreal *profile, global const vreal *path, int steps, real tolerance,
+                      real accept, int most_sweeps, real reach, global vreal *result, global vreal *rows_out, global vreal *nodes_out,
+                      int write_node_rows) {
   TAKE_GROUP(group);
   const Rules rules = {compliance, node, tolerance, most_sweeps, reach};
   lane_input += group * (LANE_INPUT_ROWS * VECTORS);
@@ -616,26 +634,27 @@ kernel void gap_sweep(uint first_group, global const real *compliance, global co
 
   Contact c;
   Indenter in;
-  Walk w;
+  LoadStepping w;
   check_input(lane_input, profile, path, steps, w.valid);
-  start(lane_input, &c, &in, &w);
+  start(lane_input, profile, &c, &in, &w);
 #if FORCE_CONTROL
   Search search;
-  start_search(lane_input, profile, &search);
+  start_search(lane_input, &w, &search);
 #endif
   for (int k = 0; k < steps; ++k) {
     vreal d[VECTORS], x[VECTORS], ratio[VECTORS];
-    next_goal(lane_input, path, k, &in, &w, d, x, ratio);
+    next_target(lane_input, path, k, &in, &w, d, x, ratio);
     if (any_vector(w.running)) {
 #if FORCE_CONTROL
       first_trial(&search, &in, d, x);
 #endif
       move_to(&in, &w, d, x);
       extrapolate(&c, &in, ratio);
+      lift_off(lane_input, &c, &in, &w);
 #if FORCE_CONTROL
-      lift_off(&search, &c, &w);
+      release_unloaded(&search, &c, &w);
 #endif
-      touch(&rules, profile, &c, &in, w.sweeps, w.failed, &w.certificate);
+      solve_contact(&rules, profile, &c, &in, w.sweeps, w.failed, &w.certificate);
 #if FORCE_CONTROL
       reach_forces(&rules, profile, &search, &c, &in, &w);
 #endif

@@ -3,9 +3,9 @@
 #include "shared/layout.h"
 
 #define PUT_SIZE(S) numbers[k++] = (uint)sizeof(S);
-#define PUT_OFFSET(S, field)                                                \
-  {                                                                         \
-    S probe;                                                                \
+#define PUT_OFFSET(S, field)                                                      \
+  {                                                                               \
+    S probe;                                                                      \
     numbers[k++] = (uint)((private char *)&probe.field - (private char *)&probe); \
   }
 

@@ -1,7 +1,7 @@
 /* Mini-batch training: the mean over a batch of what the delta rule asks of each weight, delta_j o_i, then one change of the weights, by the delta
    rule with momentum or by Adam (Kingma and Ba 2015, algorithm 1). Twin of nn/train_batch.cpp.
 
-   Frames are in the lanes, a tile of VECTORS LANES of them at a time; the outer products have a layer's inputs in the lanes, so that no sum
+   Frames are in the lanes, a tile of FRAME_VECTORS LANES of them at a time; the outer products have a layer's inputs in the lanes, so that no sum
    over lanes is needed. Order of sums: over the frames of a slice one by one, then over slices in order. So nothing depends on the number of threads.
 
    Three kernels:
@@ -17,15 +17,14 @@
 #include "shared/lane_sums.h"
 #include "shared/transpose.h"
 
-#define TILE (VECTORS * LANES)
+#define TILE (FRAME_VECTORS * LANES)
 #define LAST (HIDDEN2 ? HIDDEN2 : HIDDEN1)
 #define ROW0 (VECTORS_OF(INPUTS + 1) * LANES)  /* padded rows: of inputs */
 #define ROW1 (VECTORS_OF(HIDDEN1 + 1) * LANES) /* of first hidden layer outputs */
 #define ROWL (VECTORS_OF(LAST + 1) * LANES)    /* of last hidden layer outputs */
 #define LAYER2 (HIDDEN1 * ROW0)                /* where layers begin */
 #define LAYER3 (LAYER2 + (HIDDEN2 ? HIDDEN2 * ROW1 : 0))
-#define NUMBERS (LAYER3 + ROWL)                /* in a network */
-#define UPDATE_VECTORS 16                      /* that a work-item of batch_update takes */
+#define NUMBERS (LAYER3 + ROWL)                  /* in a network */
 #define OUTER_ROWS (sizeof(vreal) == 64 ? 7 : 3) /* rows and vectors of an outer product that are summed together */
 #define OUTER_VECTORS 3
 
@@ -37,20 +36,20 @@ typedef struct {
 
 /* What a tile needs. Lanes beyond the slice's end show the row of zeros and have no error. */
 typedef struct {
-  real rows[TILE][ROW0];                  /* inputs, a frame in a row, then 1 for the bias, zeros */
-  vreal target[VECTORS], counts[VECTORS]; /* S - 0.5; 1 where there is a frame, 0 where there is none */
-  vreal x[ROW0][VECTORS];                 /* the same, a frame in a lane */
-  vreal o1[ROW1][VECTORS], d1[HIDDEN1][VECTORS];
+  real rows[TILE][ROW0];                              /* inputs, a frame in a row, then 1 for the bias, zeros */
+  vreal target[FRAME_VECTORS], counts[FRAME_VECTORS]; /* S - 0.5; 1 where there is a frame, 0 where there is none */
+  vreal x[ROW0][FRAME_VECTORS];                       /* the same, a frame in a lane */
+  vreal o1[ROW1][FRAME_VECTORS], d1[HIDDEN1][FRAME_VECTORS];
 #if HIDDEN2
-  vreal o2[HIDDEN2][VECTORS], d2[HIDDEN2][VECTORS];
+  vreal o2[HIDDEN2][FRAME_VECTORS], d2[HIDDEN2][FRAME_VECTORS];
   real o1_rows[TILE][ROW1];
 #endif
-  vreal d_out[VECTORS];
+  vreal d_out[FRAME_VECTORS];
 } Tile;
 
 /* `numbers` columns, whole vectors, of a tile: a frame in a row becomes a frame in a lane. */
-INLINE void rows_to_frames(const int numbers, const real *rows, vreal (*columns)[VECTORS]) {
-  ROLLED for (int v = 0; v < VECTORS; ++v) {
+INLINE void rows_to_frames(const int numbers, const real *rows, vreal (*columns)[FRAME_VECTORS]) {
+  ROLLED for (int v = 0; v < FRAME_VECTORS; ++v) {
     ROLLED for (int begin = 0; begin < numbers; begin += LANES) {
       vreal block[LANES];
       EACH(lane, LANES) { block[lane] = LOAD(rows + (v * LANES + lane) * numbers + begin); }
@@ -62,8 +61,8 @@ INLINE void rows_to_frames(const int numbers, const real *rows, vreal (*columns)
 
 #if HIDDEN2
 /* And back. */
-INLINE void frames_to_rows(const int numbers, const vreal (*columns)[VECTORS], real *rows) {
-  ROLLED for (int v = 0; v < VECTORS; ++v) {
+INLINE void frames_to_rows(const int numbers, const vreal (*columns)[FRAME_VECTORS], real *rows) {
+  ROLLED for (int v = 0; v < FRAME_VECTORS; ++v) {
     ROLLED for (int begin = 0; begin < numbers; begin += LANES) {
       vreal block[LANES];
       EACH(k, LANES) { block[k] = columns[begin + k][v]; }
@@ -87,18 +86,24 @@ INLINE void load_tile(Tile *tile, global const real *inputs, global const real *
 
 #if HIDDEN2
 /* back_k = sum_n w_nk d_n for `rows` neurons k; times the slope there. w: [fan_out][stride], from neuron k on. */
-INLINE void backward_rows(const int rows, const int fan_out, const int stride, global const real *w, const vreal (*d)[VECTORS],
-                          const vreal (*o)[VECTORS], vreal (*d_below)[VECTORS]) {
-  vreal back[ROWS][VECTORS];
-  EACH(r, rows) { EACH(v, VECTORS) { back[r][v] = 0; } }
-  ROLLED for (int n = 0; n < fan_out; ++n) {
-    EACH(r, rows) { EACH(v, VECTORS) { back[r][v] = fma(ALL_LANES(w[n * stride + r]), d[n][v], back[r][v]); } }
+INLINE void backward_rows(const int rows, const int fan_out, const int stride, global const real *w, const vreal (*d)[FRAME_VECTORS],
+                          const vreal (*o)[FRAME_VECTORS], vreal (*d_below)[FRAME_VECTORS]) {
+  vreal back[ROWS][FRAME_VECTORS];
+  EACH(r, rows) {
+    EACH(v, FRAME_VECTORS) { back[r][v] = 0; }
   }
-  EACH(r, rows) { EACH(v, VECTORS) { d_below[r][v] = activation_slope(o[r][v]) * back[r][v]; } }
+  ROLLED for (int n = 0; n < fan_out; ++n) {
+    EACH(r, rows) {
+      EACH(v, FRAME_VECTORS) { back[r][v] = fma(ALL_LANES(w[n * stride + r]), d[n][v], back[r][v]); }
+    }
+  }
+  EACH(r, rows) {
+    EACH(v, FRAME_VECTORS) { d_below[r][v] = activation_slope(o[r][v]) * back[r][v]; }
+  }
 }
 
-INLINE void backward_layer(const int fan_in, const int fan_out, const int stride, global const real *w, const vreal (*d)[VECTORS],
-                           const vreal (*o)[VECTORS], vreal (*d_below)[VECTORS]) {
+INLINE void backward_layer(const int fan_in, const int fan_out, const int stride, global const real *w, const vreal (*d)[FRAME_VECTORS],
+                           const vreal (*o)[FRAME_VECTORS], vreal (*d_below)[FRAME_VECTORS]) {
   ROLLED for (int k = 0; k + ROWS <= fan_in; k += ROWS) backward_rows(ROWS, fan_out, stride, w + k, d, o + k, d_below + k);
   const int rest = fan_in - fan_in % ROWS;
   if (fan_in % ROWS) backward_rows(fan_in % ROWS, fan_out, stride, w + rest, d, o + rest, d_below + rest);
@@ -109,13 +114,19 @@ INLINE void backward_layer(const int fan_in, const int fan_out, const int stride
    sums: [rows][stride]. */
 INLINE void outer_block(const int rows, const int vectors, const int stride, const real *d, const real *x, global real *sums) {
   vreal sum[OUTER_ROWS][OUTER_VECTORS];
-  EACH(r, rows) { EACH(v, vectors) { sum[r][v] = LOAD(sums + r * stride + v * LANES); } }
+  EACH(r, rows) {
+    EACH(v, vectors) { sum[r][v] = LOAD(sums + r * stride + v * LANES); }
+  }
   ROLLED for (int f = 0; f < TILE; ++f) {
     vreal input[OUTER_VECTORS];
     EACH(v, vectors) { input[v] = LOAD(x + f * stride + v * LANES); }
-    EACH(r, rows) { EACH(v, vectors) { sum[r][v] = fma(ALL_LANES(d[r * TILE + f]), input[v], sum[r][v]); } }
+    EACH(r, rows) {
+      EACH(v, vectors) { sum[r][v] = fma(ALL_LANES(d[r * TILE + f]), input[v], sum[r][v]); }
+    }
   }
-  EACH(r, rows) { EACH(v, vectors) { STORE(sum[r][v], sums + r * stride + v * LANES); } }
+  EACH(r, rows) {
+    EACH(v, vectors) { STORE(sum[r][v], sums + r * stride + v * LANES); }
+  }
 }
 
 /* The same for every k. */
@@ -127,8 +138,8 @@ INLINE void outer_rows(const int rows, const int stride, const real *d, const re
   if (rest) outer_block(rows, rest, stride, d, x + begin, sums + begin);
 }
 
-/* And for every row: what a layer's weights are asked to change by. d: [fan_out][VECTORS]. */
-INLINE void outer_layer(const int fan_out, const int stride, const vreal (*d)[VECTORS], const real *x, global real *sums) {
+/* And for every row: what a layer's weights are asked to change by. d: [fan_out][FRAME_VECTORS]. */
+INLINE void outer_layer(const int fan_out, const int stride, const vreal (*d)[FRAME_VECTORS], const real *x, global real *sums) {
   ROLLED for (int n = 0; n + OUTER_ROWS <= fan_out; n += OUTER_ROWS) {
     outer_rows(OUTER_ROWS, stride, (const real *)(d + n), x, sums + n * stride);
   }
@@ -137,15 +148,15 @@ INLINE void outer_layer(const int fan_out, const int stride, const vreal (*d)[VE
 }
 
 /* The output neuron's: sums[k] += sum over frames of d_out o_k; the bias at LAST. */
-INLINE void outer_output(const vreal (*o)[VECTORS], const vreal *d_out, global real *sums) {
+INLINE void outer_output(const vreal (*o)[FRAME_VECTORS], const vreal *d_out, global real *sums) {
   ROLLED for (int begin = 0; begin < ROWL; begin += LANES) {
     vreal product[LANES];
     ROLLED for (int i = 0; i < LANES; ++i) {
       product[i] = 0;
       if (begin + i < LAST) {
-        EACH(v, VECTORS) { product[i] = fma(o[begin + i][v], d_out[v], product[i]); }
+        EACH(v, FRAME_VECTORS) { product[i] = fma(o[begin + i][v], d_out[v], product[i]); }
       } else if (begin + i == LAST) {
-        EACH(v, VECTORS) { product[i] += d_out[v]; }
+        EACH(v, FRAME_VECTORS) { product[i] += d_out[v]; }
       }
     }
     STORE(LOAD(sums + begin) + lane_sums(product), sums + begin);
@@ -157,13 +168,13 @@ INLINE void learn_tile(Tile *t, global const real *w, global real *sums, vreal *
   forward_layer(INPUTS, HIDDEN1, ROW0, w, t->x, t->o1);
 #if HIDDEN2
   forward_layer(HIDDEN1, HIDDEN2, ROW1, w + LAYER2, t->o1, t->o2);
-  const vreal(*last)[VECTORS] = t->o2;
-  vreal(*d_last)[VECTORS] = t->d2;
+  const vreal(*last)[FRAME_VECTORS] = t->o2;
+  vreal(*d_last)[FRAME_VECTORS] = t->d2;
 #else
-  const vreal(*last)[VECTORS] = t->o1;
-  vreal(*d_last)[VECTORS] = t->d1;
+  const vreal(*last)[FRAME_VECTORS] = t->o1;
+  vreal(*d_last)[FRAME_VECTORS] = t->d1;
 #endif
-  EACH(v, VECTORS) {
+  EACH(v, FRAME_VECTORS) {
     const vreal output = forward_output(LAST, w + LAYER3, last, v);
     const vreal error = (t->target[v] - output) * t->counts[v];
     errors[0] = fma(error, error, errors[0]);
@@ -171,12 +182,12 @@ INLINE void learn_tile(Tile *t, global const real *w, global real *sums, vreal *
     t->d_out[v] = error * activation_slope(output);
   }
   ROLLED for (int k = 0; k < LAST; ++k) {
-    EACH(v, VECTORS) { d_last[k][v] = activation_slope(last[k][v]) * (ALL_LANES(w[LAYER3 + k]) * t->d_out[v]); }
+    EACH(v, FRAME_VECTORS) { d_last[k][v] = activation_slope(last[k][v]) * (ALL_LANES(w[LAYER3 + k]) * t->d_out[v]); }
   }
 #if HIDDEN2
   backward_layer(HIDDEN1, HIDDEN2, ROW1, w + LAYER2, t->d2, t->o1, t->d1);
   ROLLED for (int k = HIDDEN1; k < ROW1; ++k) {
-    EACH(v, VECTORS) { t->o1[k][v] = ALL_LANES(k == HIDDEN1); }
+    EACH(v, FRAME_VECTORS) { t->o1[k][v] = ALL_LANES(k == HIDDEN1); }
   }
   frames_to_rows(ROW1, t->o1, t->o1_rows[0]);
   outer_layer(HIDDEN2, ROW1, t->d2, t->o1_rows[0], sums + LAYER2);
@@ -257,9 +268,9 @@ kernel void batch_descent(uint first_group, global const real *weights, global r
 }
 
 /* Vectors group * UPDATE_VECTORS ... of one network's weights, after the batch's `slices` slices. unbias: [2]. */
-kernel void batch_update(uint first_group, global real *weights, global real *first, global real *second, global const real *sums,
-                         uint network, uint slices, uint count, global const real *unbias, int adam, real rate, real momentum, real beta1,
-                         real beta2, real epsilon) {
+kernel void batch_update(uint first_group, global real *weights, global real *first, global real *second, global const real *sums, uint network,
+                         uint slices, uint count, global const real *unbias, int adam, real rate, real momentum, real beta1, real beta2,
+                         real epsilon) {
   TAKE_GROUP(group);
   const Rule rule = {adam, rate, momentum, beta1, beta2, epsilon};
   const size_t at = (size_t)network * NUMBERS;

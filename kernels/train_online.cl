@@ -20,21 +20,21 @@
 #include "shared/activation.h"
 #include "shared/group.h"
 #include "shared/lane_sums.h"
+#include "shared/network_work.h"
 #include "shared/online_report.h"
 #include "shared/philox.h"
+#include "shared/random_streams.h"
 #include "shared/transpose.h"
 
-#define BLOCK 8                               /* patterns that the first layer takes together */
+#define BLOCK 8 /* patterns that the first layer takes together */
 #define PAIRS (BLOCK * (BLOCK - 1) / 2)
-#define NEURONS (LANES / NETWORKS)            /* of each network in a vector */
+#define NEURONS (LANES / NETWORKS) /* of each network in a vector */
 #define NEURON_VECTORS(n) (((n) + NEURONS - 1) / NEURONS)
-#define LAST (HIDDEN2 ? HIDDEN2 : HIDDEN1)    /* width of the last hidden layer */
-#define ROW VECTORS_OF(INPUTS + 1)            /* vectors in a padded row of inputs: inputs, 1 for the bias, zeros */
+#define LAST (HIDDEN2 ? HIDDEN2 : HIDDEN1) /* width of the last hidden layer */
+#define ROW VECTORS_OF(INPUTS + 1)         /* vectors in a padded row of inputs: inputs, 1 for the bias, zeros */
 #define V1 NEURON_VECTORS(HIDDEN1)
 #define V2 NEURON_VECTORS(HIDDEN2)
 #define VL NEURON_VECTORS(LAST)
-#define ORDER_STREAM 2                        /* nn::RandomStream::order */
-#define NO_NETWORK 0xffffffffu                /* in a slot */
 
 typedef struct {
   vreal w, s; /* weight and last step */
@@ -52,15 +52,15 @@ typedef struct {
 
 typedef struct {
   global Weight *layer1, *layer2, *layer3;
-  vreal x[BLOCK][ROW * NETWORKS];            /* inputs that the block shows, [input][network]; zeros behind the block's end */
+  vreal x[BLOCK][ROW * NETWORKS]; /* inputs that the block shows, [input][network]; zeros behind the block's end */
   vreal target[BLOCK];
-  vreal dots[NEURON_VECTORS(PAIRS)];         /* x(s).x(t), s < t < BLOCK, [t (t - 1) / 2 + s][network] */
-  vreal u[BLOCK][V1];                        /* first the product of the block's weights with x(t), then eta d(t) */
+  vreal dots[NEURON_VECTORS(PAIRS)]; /* x(s).x(t), s < t < BLOCK, [t (t - 1) / 2 + s][network] */
+  vreal u[BLOCK][V1];                /* first the product of the block's weights with x(t), then eta d(t) */
   Weight out[VL], out_bias;
 #if HIDDEN2
-  vreal d2[V2];                              /* eta d of the last pattern, its step still to be made */
-  vreal o1[V1 + 1];                          /* and the layer's inputs then, [neuron][network]; 1 after neuron HIDDEN1 - 1 */
-  real m2, moving;                           /* momentum and 1 while a step is to be made, 1 and 0 when there is none */
+  vreal d2[V2];     /* eta d of the last pattern, its step still to be made */
+  vreal o1[V1 + 1]; /* and the layer's inputs then, [neuron][network]; 1 after neuron HIDDEN1 - 1 */
+  real m2, moving;  /* momentum and 1 while a step is to be made, 1 and 0 when there is none */
 #endif
   vreal sse, largest;
 } Group;
@@ -132,9 +132,7 @@ INLINE void interleave_rows(global const real *const *rows, vreal *x) {
 INLINE void multiply_rows(Group *g) {
   vreal product[NEURON_VECTORS(PAIRS) * NEURONS];
   ROLLED for (int t = 1; t < BLOCK; ++t) {
-    ROLLED for (int s = 0; s < t; ++s) {
-      product[t * (t - 1) / 2 + s] = parts_of_dot(NEURON_VECTORS(INPUTS + 1), g->x[s], g->x[t]);
-    }
+    ROLLED for (int s = 0; s < t; ++s) { product[t * (t - 1) / 2 + s] = parts_of_dot(NEURON_VECTORS(INPUTS + 1), g->x[s], g->x[t]); }
   }
   for (int pair = PAIRS; pair < NEURON_VECTORS(PAIRS) * NEURONS; ++pair) product[pair] = 0;
   ROLLED for (int v = 0; v < NEURON_VECTORS(PAIRS); ++v) g->dots[v] = piece_sums(NETWORKS, product + v * NEURONS);
@@ -320,7 +318,7 @@ INLINE void shuffle(global uint *order, uint rows, ulong seed, uint cycle) {
 typedef struct {
   global const real *inputs[NETWORKS]; /* [rows + 1][ROW][LANES], the last row zeros */
   global const real *targets;
-  global uint *order;                  /* [NETWORKS][rows] */
+  global uint *order; /* [NETWORKS][rows] */
   uint rows;
 } Lesson;
 
@@ -364,10 +362,11 @@ INLINE void move_weight(int keep, global Weight *at, int neuron, int n, global r
   }
 }
 
-INLINE void move_layer(int keep, global Weight *layer, int to_input, int to_vector, int fan_in, int fan_out, int n, global real *w, global real *s) {
+INLINE void move_layer(int keep, global Weight *layer, int to_input, int to_vector, int fan_in, int fan_out, int n, global real *w,
+                       global real *s) {
   ROLLED for (int neuron = 0; neuron < fan_out; ++neuron) {
     ROLLED for (int k = 0; k <= fan_in; ++k, ++w, ++s)
-      move_weight(keep, layer + k * to_input + neuron / NEURONS * to_vector, neuron % NEURONS, n, w, s);
+        move_weight(keep, layer + k * to_input + neuron / NEURONS * to_vector, neuron % NEURONS, n, w, s);
   }
 }
 
@@ -436,8 +435,8 @@ INLINE int status_after(real sse, real largest, uint cycle, uint cycle_limit, re
    targets: [rows + 1]                           S - 0.5; the last unused */
 kernel void train_online(uint first_group, global real *weights, global OnlineReport *reports, global real *curve, global Weight *vectors,
                          global uint *order, global const uint *slots, global const ulong *seeds, global const real *inputs,
-                         global const uint *set_of, global const real *targets, uint rows, uint most_cycles, uint cycle_limit,
-                         int permuted, real rate, real momentum, real stop_error) {
+                         global const uint *set_of, global const real *targets, uint rows, uint most_cycles, uint cycle_limit, int permuted,
+                         real rate, real momentum, real stop_error) {
   TAKE_GROUP(group);
   Group g;
   Rule rule;

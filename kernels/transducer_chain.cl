@@ -15,11 +15,8 @@
 #include "shared/group.h"
 #include "shared/lanes.h"
 #include "shared/philox.h"
+#include "shared/random_streams.h"
 #include "shared/unroll.h"
-
-#define READING_STREAM 6 /* nn::RandomStream */
-#define GAIN_STREAM 7
-#define INSTANCE_STREAM 8
 
 #if LANES == 1
 #define TO_REAL JOIN(convert_, REAL)
@@ -56,8 +53,8 @@ INLINE vreal cut_off(vreal x, float low, float high) {
    contact:   [contacts] its number in the sweep
    first_row: [contacts + 1] rows first_row[c] ... first_row[c + 1] - 1 are the load steps of contact c
    signal:    [rows][vectors * LANES] MPa, stress, becomes readings; places beyond `channels` only fill a vector */
-kernel void transducer_chain(uint first_group, global const ulong *contact, global const uint *first_row, global real *signal,
-                             uint vectors, uint channels, ChainSettings chain) {
+kernel void transducer_chain(uint first_group, global const ulong *contact, global const uint *first_row, global real *signal, uint vectors,
+                             uint channels, ChainSettings chain) {
   TAKE_GROUP(group);
   const size_t c = group / vectors;
   const uint vector = (uint)(group % vectors), row = first_row[c], steps = first_row[c + 1] - row;

@@ -11,12 +11,12 @@ namespace tactel::nn {
 /// Outputs of every layer for one pattern: [0] the scaled inputs, then f of each layer's sums.
 template <class Scalar>
 using Activations = std::vector<Vector<Scalar>>;
-/// d E / d z of every layer of weights with the sign turned, E = 1/2 (target - output)^2: the rule's delta.
+/// -d E / d z of every layer of weights, E = 1/2 (target - output)^2: the delta of the rule.
 template <class Scalar>
 using Deltas = std::vector<Vector<Scalar>>;
 
-/// o_j = f(sum_i w_ji o_i + b_j), layer by layer (generalized delta rule, Rumelhart, Hinton and Williams 1986, eq. 2
-/// and 15, with the activation of the paper).
+/// Returns o_j = f(sum_i w_ji o_i + b_j), layer by layer (generalized delta rule, Rumelhart, Hinton and Williams
+/// 1986, eq. 2 and 15, with the activation of the paper).
 template <class Scalar>
 Activations<Scalar> forward(const Weights<Scalar>& weights, const Vector<Scalar>& scaled_frame) {
   Activations<Scalar> o{scaled_frame};
@@ -29,7 +29,7 @@ Activations<Scalar> forward(const Weights<Scalar>& weights, const Vector<Scalar>
   return o;
 }
 
-/// delta_out = (target - output) f'; delta_j = f'_j sum_k delta_k w_kj (same source, eq. 13 and 14).
+/// Returns delta_out = (target - output) f' and delta_j = f'_j sum_k delta_k w_kj (same source, eq. 13 and 14).
 template <class Scalar>
 Deltas<Scalar> backward(const Weights<Scalar>& weights, const Activations<Scalar>& o, Scalar error) {
   const int layers = weights.topology.layers();
@@ -43,7 +43,7 @@ Deltas<Scalar> backward(const Weights<Scalar>& weights, const Activations<Scalar
   return delta;
 }
 
-/// sums += factor * delta_j o_i of one pattern, in the shape of the weights (the bias sees 1).
+/// Adds factor * delta_j o_i of one pattern to `sums`, in the shape of the weights. The input of the bias is 1.
 template <class Scalar>
 void add_outer(const Activations<Scalar>& o, const Deltas<Scalar>& delta, Scalar factor, Weights<Scalar>& sums) {
   for (int l = 0; l < sums.topology.layers(); ++l) {
@@ -54,14 +54,15 @@ void add_outer(const Activations<Scalar>& o, const Deltas<Scalar>& delta, Scalar
   }
 }
 
-/// Slippage index of many frames and what became of each.
+/// Slippage index and status of many frames.
 template <class Scalar>
 struct Recall {
-  Vector<Scalar> slip_index;        ///< [rows] 0..1; NaN where the status says that there is none
+  Vector<Scalar> slip_index;        ///< [rows] 0..1; NaN where the status is not_finite or overflow
   std::vector<FrameStatus> status;  ///< [rows]
 };
 
-/// The reference of recall: frames [rows, inputs] in MPa, normal stresses first.
+/// Evaluates a network on frames [rows, inputs] in MPa, normal stresses first: the reference of
+/// kernels/forward.cl.
 template <class Scalar>
 Recall<Scalar> recall(const Weights<Scalar>& weights, const InputScaling& scaling, const RowMatrix<float>& frames);
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "fem/value_error.h"
-#include "nn/philox.h"
+#include "nn/noise_words.h"
 
 namespace tactel::nn {
 namespace {
@@ -39,7 +39,7 @@ void FrameSet::validate() const {
   check_labels("contact_nodes", contact_nodes.size(), rows());
   for (Eigen::Index row = 0; row < rows(); ++row) {
     if (!frames.row(row).allFinite()) throw ValueError(at("inputs", row), "NaN or infinity", "finite");
-    if (!(std::abs(slip_index(row)) <= 1e3f))
+    if (!(std::abs(slip_index(row)) <= largest_slip_index))
       throw ValueError(at("slip_index", row), std::to_string(slip_index(row)), "finite, usually 0 to 1");
   }
 }
@@ -60,7 +60,7 @@ FrameSet with_noise(const FrameSet& set, double fraction, std::uint64_t seed) {
   std::array<double, 4> normal{};
   for (Eigen::Index i = 0; i < noisy.frames.size(); ++i) {
     if (i % 4 == 0) {
-      const PhiloxCounter words = random_words(seed, RandomStream::noise, static_cast<std::uint32_t>(i / 4));
+      const PhiloxCounter words = noise_words(seed, static_cast<std::uint64_t>(i / 4));
       const auto [n0, n1] = normal_pair(words[0], words[1]);
       const auto [n2, n3] = normal_pair(words[2], words[3]);
       normal = {n0, n1, n2, n3};

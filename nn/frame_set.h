@@ -7,29 +7,32 @@
 
 namespace tactel::nn {
 
-/// Frames with what is known of them: a learning set or a recall set. A row is one load step of one contact.
+/// Frames with their answers: a learning set or a recall set. A row is one load step of one contact.
 struct FrameSet {
   RowMatrix<float> frames;                  ///< [rows, 2 tactels] MPa: normal stresses first, then shear
   Vector<float> slip_index;                 ///< [rows] S = Q / (mu P)
-  std::vector<std::uint16_t> shape_class;   ///< [rows] or empty: which kind of indenter
+  std::vector<std::uint16_t> shape_class;   ///< [rows] or empty: kind of indenter
   std::vector<std::int32_t> contact_nodes;  ///< [rows] or empty: surface nodes that touch
+
+  static constexpr float largest_slip_index = 1e3f;  ///< more is an error of the set
 
   Eigen::Index rows() const { return frames.rows(); }
   float largest_stress() const;  ///< MPa, over all rows; 0 for an empty set
-  /// Throws ValueError, keys "inputs[row]", "slip_index[row]", ..., for what no network can learn from or be judged by.
+  /// Throws ValueError, keys "inputs[row]", "slip_index[row]", ..., for values that no network can learn from
+  /// or be judged by.
   void validate() const;
 };
 
-/// The scaling that fits this learning set.
+/// Returns the scaling for this learning set.
 InputScaling fit_scaling(ScalingKind kind, const FrameSet& set);
 
-/// A noise-added copy, as the paper's learning sets (section V.B): each stress plus Gaussian noise with a standard
-/// deviation of `fraction` of the set's largest |stress|. The noise is drawn once: the paper speaks of noise-added sets
-/// that networks were trained with, and a network may then be judged on the very set that it has learnt. Value i = row
-/// * inputs + k is normal number i % 4 of random_words(seed, noise, i / 4) by Box and Muller (1958).
+/// Returns a noise-added copy, as the paper's learning sets (section V.B): each stress plus Gaussian noise with a
+/// standard deviation of `fraction` of the set's largest |stress|. The noise is drawn once: the paper speaks of
+/// noise-added sets, and a network may be judged on its own learning set. Value i = row * inputs + k is normal
+/// number i % 4 of noise_words(seed, i / 4) by Box and Muller (1958).
 FrameSet with_noise(const FrameSet& set, double fraction, std::uint64_t seed);
 
-/// What a network is shown: scaled inputs and targets in its own output range.
+/// Scaled inputs, and targets in the output range of a network.
 template <class Scalar>
 struct TrainingSet {
   RowMatrix<Scalar> inputs;  ///< [rows, inputs] scaled

@@ -3,15 +3,15 @@
 
 namespace tactel::nn {
 
-/// What became of a frame on its way to a slippage index. No output is NaN with status `ok`.
+/// Status of the evaluation of a frame. No output with status `ok` is NaN.
 enum class FrameStatus : std::uint8_t {
   ok = 0,
-  no_stress = 1,   ///< scaling by the frame's own stress found none; the network saw zeros
-  not_finite = 2,  ///< the frame holds NaN or infinity; no slippage index (NaN)
-  overflow = 3,    ///< the frame is finite, but a sum inside the network was not; no slippage index (NaN)
+  no_stress = 1,   ///< scaling by frame, but the frame has no normal stress; the network received zeros
+  not_finite = 2,  ///< the frame contains NaN or infinity; the slippage index is NaN
+  overflow = 3,    ///< the frame is finite, but a sum inside the network is not; the slippage index is NaN
 };
 
-/// "ok", "no stress", "not finite", "overflow".
+/// Returns "ok", "no stress", "not finite" or "overflow".
 const char* name(FrameStatus status);
 
 }  // namespace tactel::nn

@@ -32,8 +32,8 @@ ScalingKind parse_scaling(std::string_view text) {
 }
 
 void InputScaling::validate() const {
-  if (!(largest_stress >= smallest_stress) || !std::isfinite(largest_stress))
-    throw ValueError("scaling.largest_stress", std::to_string(largest_stress), "finite and at least 1e-12 MPa");
+  if (!(largest_stress >= smallest_stress && largest_stress <= large_stress))
+    throw ValueError("scaling.largest_stress", std::to_string(largest_stress), "1e-12 to 8.5e37 MPa");
 }
 
 template <class Scalar>
@@ -42,13 +42,15 @@ FrameStatus scale_frame(const InputScaling& scaling, const float* frame, int inp
   std::fill(scaled, scaled + inputs, Scalar(0));
   if (std::any_of(frame, frame + inputs, not_finite)) return FrameStatus::not_finite;
   float divisor = scaling.largest_stress;
+  Scalar scale(1);
   if (scaling.kind == ScalingKind::frame) {
     divisor = 0.0f;
     for (int k = 0; k < inputs / 2; ++k) divisor = std::max(divisor, std::abs(frame[k]));
     if (divisor < InputScaling::smallest_stress) return FrameStatus::no_stress;
+    if (divisor > InputScaling::large_stress) scale = Scalar(InputScaling::large_scale);
   }
-  const Scalar factor = Scalar(1) / Scalar(divisor);
-  std::transform(frame, frame + inputs, scaled, [factor](float x) { return Scalar(x) * factor; });
+  const Scalar factor = Scalar(1) / (Scalar(divisor) * scale);
+  std::transform(frame, frame + inputs, scaled, [=](float x) { return Scalar(x) * scale * factor; });
   return FrameStatus::ok;
 }
 

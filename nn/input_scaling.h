@@ -12,21 +12,25 @@ namespace tactel::nn {
 enum class ScalingKind { set, frame };
 
 const char* name(ScalingKind kind);
-/// "set" or "frame". Throws ValueError, key "scaling".
+/// Returns the kind named "set" or "frame". Throws ValueError, key "scaling".
 ScalingKind parse_scaling(std::string_view text);
 
 struct InputScaling {
   ScalingKind kind = ScalingKind::set;
   float largest_stress = 1.0f;  ///< MPa, > 0: the divisor of `set`; unused by `frame`
 
-  /// MPa: a frame whose normal stresses all lie below this carries no stress (`frame` only).
+  /// MPa: below it, a normal stress counts as none. A frame without larger ones carries no stress (`frame`
+  /// only).
   static constexpr float smallest_stress = 1e-12f;
+  /// MPa: the reciprocal of more is no normal number in fp32. No learning set may hold more (`set`); a frame with more
+  /// is first taken times large_scale (`frame`), which keeps its bits.
+  static constexpr float large_stress = 0x1p126f, large_scale = 0x1p-8f;
   bool operator==(const InputScaling&) const = default;
   void validate() const;  ///< throws ValueError, key "scaling"
 };
 
-/// Scales one frame [inputs] MPa, normal stresses first, as the kernels do: times the reciprocal of the divisor, both
-/// in Scalar. A frame that is not finite, or carries no stress, becomes zeros.
+/// Scales one frame [inputs] MPa, normal stresses first, as the kernels do: times the reciprocal of the divisor,
+/// both in Scalar. A frame that is not finite, or carries no stress, becomes zeros.
 template <class Scalar>
 FrameStatus scale_frame(const InputScaling& scaling, const float* frame, int inputs, Scalar* scaled);
 

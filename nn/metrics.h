@@ -8,7 +8,7 @@
 
 namespace tactel::nn {
 
-/// Absolute errors of S over some rows, as the paper's Table II gives them.
+/// Absolute errors of S over some rows, as in Table II of the paper.
 struct ErrorSummary {
   std::size_t count = 0;  ///< rows that have an error: status ok or no stress
   double max = 0;
@@ -18,7 +18,7 @@ struct ErrorSummary {
 
 ErrorSummary summarize(std::span<const double> absolute_errors);
 
-/// |S of the network - S of the set|, row by row; NaN where the network gave none. slip_index: [rows].
+/// Returns |S of the network - S of the set| of every row; NaN where the network gave none. slip_index: [rows].
 template <class Scalar>
 std::vector<double> absolute_errors(const Vector<Scalar>& slip_index, const FrameSet& set) {
   std::vector<double> errors(set.rows());
@@ -27,8 +27,8 @@ std::vector<double> absolute_errors(const Vector<Scalar>& slip_index, const Fram
   return errors;
 }
 
-/// Errors of a network on a set, in all and by what may explain them. Rows without a slippage index are not judged but
-/// counted.
+/// Errors of a network on a set: in all, by kind of indenter and by touching nodes. Rows without a slippage index
+/// are counted, not judged.
 struct ErrorReport {
   ErrorSummary all;
   std::map<int, ErrorSummary> by_class;          ///< key: FrameSet::shape_class
@@ -36,11 +36,11 @@ struct ErrorReport {
   std::size_t without_answer = 0;                ///< rows whose error is NaN
 };
 
-/// errors: [rows], as absolute_errors returns them.
+/// Returns the report of errors [rows], as absolute_errors returns them.
 ErrorReport report_errors(std::span<const double> errors, const FrameSet& set);
 
-/// Quantile q in 0..1 of the values, linear between order statistics (definition 7 of Hyndman and Fan 1996).
-/// Throws ValueError for an empty list or q outside 0..1.
+/// Returns quantile q in 0..1 of the values, linear between order statistics (definition 7 of Hyndman and Fan
+/// 1996). Throws ValueError for an empty list or q outside 0..1.
 double quantile(std::vector<double> values, double q);
 
 }  // namespace tactel::nn

@@ -8,15 +8,15 @@
 
 namespace tactel::nn {
 
-/// A network ready for use, and where it comes from: what a model file holds.
+/// A network with its scaling and origin: the contents of a model file.
 struct Model {
   Weights<float> weights;
   InputScaling scaling;
   std::uint64_t seed = 0;        ///< of initial weights, order and noise
   double noise = 0;              ///< fraction of the largest stress
-  std::string learning_set;      ///< which set it learnt, as the user named it
-  std::uint32_t cycles = 0;      ///< cycles or epochs it learnt for
-  ErrorSummary learning_errors;  ///< on the set that it learnt
+  std::string learning_set;      ///< name of the learning set, as the user gave it
+  std::uint32_t cycles = 0;      ///< cycles or epochs of its training
+  ErrorSummary learning_errors;  ///< on its learning set
 };
 
 }  // namespace tactel::nn

@@ -4,9 +4,9 @@
 
 namespace tactel::nn {
 
-/// Philox4x32-10, a counter-based generator: 128 random bits as a function of a counter and a key, without state, so
-/// that any implementation in any order draws the same numbers (Salmon, Moraes, Dror, Shaw, "Parallel random numbers:
-/// as easy as 1, 2, 3", SC'11, section 3.3).
+/// Philox4x32-10, a counter-based generator: 128 random bits as a function of a counter and a key, without state.
+/// Any implementation in any order therefore draws the same numbers (Salmon, Moraes, Dror, Shaw, "Parallel random
+/// numbers: as easy as 1, 2, 3", SC'11, section 3.3).
 using PhiloxCounter = std::array<std::uint32_t, 4>;
 using PhiloxKey = std::array<std::uint32_t, 2>;
 
@@ -22,7 +22,7 @@ constexpr PhiloxCounter philox4x32(PhiloxCounter counter, PhiloxKey key) {
   return counter;
 }
 
-/// What a draw is for: the third word of the counter keeps the streams of one seed apart.
+/// Purpose of a draw. It is the third word of the counter and separates the streams of one seed.
 enum class RandomStream : std::uint32_t {
   weights = 1,
   order = 2,
@@ -31,10 +31,11 @@ enum class RandomStream : std::uint32_t {
   sensor = 5,
   reading = 6,   ///< noise of a reading
   gain = 7,      ///< gain and offset of a transducer
-  instance = 8,  ///< which sensor a contact meets
+  instance = 8,  ///< sensor that a contact meets
 };
 
-/// Four random words: `index` and `outer` count inside the stream (the weight; the step and the cycle; the value).
+/// Returns four random words. `index` and `outer` count inside the stream: the weight; the step and the cycle;
+/// the value.
 constexpr PhiloxCounter random_words(std::uint64_t seed, RandomStream stream, std::uint32_t index,
                                      std::uint32_t outer = 0) {
   return philox4x32({index, outer, static_cast<std::uint32_t>(stream), 0},

@@ -6,17 +6,18 @@
 
 namespace tactel::nn {
 
-/// Widths of a network's layers, inputs first. Checked on construction: 1 or 2 hidden layers (the paper's two
-/// families), one output, an even number of inputs (a normal and a shear stress for each tactel).
+/// Widths of a network's layers, inputs first. The constructor requires 1 or 2 hidden layers (the paper's two
+/// families), one output, and an even number of inputs (a normal and a shear stress for each tactel).
 class Topology {
  public:
   static constexpr int widest_layer = 256;
 
   /// Throws ValueError, key "network".
   explicit Topology(std::vector<int> widths);
-  /// A number of the paper, "1" ... "6", or widths joined by hyphens, "42-42-21-1". Throws ValueError, key "network".
+  /// Returns the topology of a number of the paper, "1" ... "6", or of widths joined by hyphens, "42-42-21-1".
+  /// Throws ValueError, key "network".
   static Topology parse(std::string_view text);
-  /// Network 1 ... 6 of the paper (section V.A). Throws ValueError, key "network".
+  /// Returns network 1 ... 6 of the paper (section V.A). Throws ValueError, key "network".
   static Topology paper(int number);
 
   const std::vector<int>& widths() const { return widths_; }
@@ -26,11 +27,11 @@ class Topology {
   int fan_in(int layer) const { return widths_[layer]; }
   int fan_out(int layer) const { return widths_[layer + 1]; }
 
-  /// Weights are stored [layer][out][in + 1], the bias last.
+  /// Returns the index of the first weight of a layer. Weights are stored [layer][out][in + 1], the bias last.
   std::size_t layer_offset(int layer) const;
   std::size_t weight_count() const { return layer_offset(layers()); }
 
-  /// The paper's limit of learning cycles: 10 000; 15 000 for two hidden layers (section V.B).
+  /// Returns the paper's limit of learning cycles: 10 000, or 15 000 with two hidden layers (section V.B).
   int cycle_limit() const { return hidden_layers() > 1 ? 15000 : 10000; }
   /// "42-42-21-1".
   std::string text() const;

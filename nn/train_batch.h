@@ -6,17 +6,17 @@
 
 namespace tactel::nn {
 
-/// How the mean gradient of a mini-batch changes the weights. `delta`: the delta rule with momentum; `adam`: Kingma and
-/// Ba, "Adam: a method for stochastic optimization", ICLR 2015, algorithm 1.
+/// Rule that turns the mean gradient of a mini-batch into a change of the weights. `delta`: the delta rule with
+/// momentum; `adam`: Kingma and Ba, "Adam: a method for stochastic optimization", ICLR 2015, algorithm 1.
 enum class BatchRule { delta, adam };
 
 const char* name(BatchRule rule);
-/// "delta" or "adam". Throws ValueError, key "rule".
+/// Returns the rule named "delta" or "adam". Throws ValueError, key "rule".
 BatchRule parse_rule(std::string_view text);
 
 struct BatchOptions {
   BatchRule rule = BatchRule::adam;
-  int batch = 64;         ///< patterns to a change of the weights; the last batch of an epoch takes what is left
+  int batch = 64;         ///< patterns to a change of the weights; the last batch of an epoch holds the remainder
   double rate = 1e-3;     ///< of the mean gradient; Adam's published default
   double momentum = 0.9;  ///< `delta`
   double beta1 = 0.9, beta2 = 0.999, epsilon = 1e-8;  ///< `adam`: the published defaults
@@ -35,17 +35,17 @@ struct BatchState {
   std::uint32_t epoch = 0;
 };
 
-/// Mean over `rows` of delta o, the direction in which the squared error falls: minus the gradient of the mean of
-/// 1/2 (target - output)^2. Adds the rows' errors to `errors`.
+/// Returns the mean over `rows` of delta o: minus the gradient of the mean of 1/2 (target - output)^2. Adds the
+/// errors of the rows to `errors`.
 template <class Scalar>
 Weights<Scalar> mean_descent(const Weights<Scalar>& weights, const TrainingSet<Scalar>& set, const std::uint32_t* rows,
                              std::size_t count, CycleErrors& errors);
 
-/// One change of the weights.
+/// Changes the weights once.
 template <class Scalar>
 void apply_update(BatchState<Scalar>& state, const Weights<Scalar>& descent, const BatchOptions& options);
 
-/// One epoch: every pattern once, in the order of (seed, epoch).
+/// Trains one epoch: every pattern once, in the order of (seed, epoch). Returns its errors.
 template <class Scalar>
 CycleErrors train_epoch(BatchState<Scalar>& state, const TrainingSet<Scalar>& set, const BatchOptions& options,
                         std::uint64_t seed);

@@ -7,9 +7,9 @@
 
 namespace tactel::nn {
 
-/// Why a training ended.
+/// Reason for the end of a training.
 enum class TrainStatus : std::uint8_t {
-  running = 0,      ///< it has not
+  running = 0,      ///< not ended
   learnt = 1,       ///< the largest error of a cycle fell below the stop error
   cycle_limit = 2,  ///< the limit of cycles was reached
   not_finite = 3,   ///< an error became NaN or infinite: the learning rate does not suit the set
@@ -20,7 +20,7 @@ const char* name(TrainStatus status);
 struct OnlineOptions {
   double rate = 0.1;
   double momentum = 0.9;
-  double stop_error = 0.01;  ///< stop after a cycle in which no pattern's |error| reached this; 0 never stops
+  double stop_error = 0.01;  ///< stop after a cycle in which every pattern's |error| is below this; 0 never stops
   int cycle_limit = 0;       ///< 0: the topology's own, 10 000 or 15 000
   PresentationOrder order = PresentationOrder::permuted;
 
@@ -28,7 +28,7 @@ struct OnlineOptions {
   void validate() const;  ///< throws ValueError, keys "training.rate", ...
 };
 
-/// What changes while a network learns: all that is needed to go on later to the same bits.
+/// State of a training: all that a bit-identical resumption needs.
 template <class Scalar>
 struct OnlineState {
   explicit OnlineState(const Weights<float>& initial) : weights(initial), step(initial.topology) {}
@@ -38,19 +38,20 @@ struct OnlineState {
   TrainStatus status = TrainStatus::running;
 };
 
-/// Errors of a cycle, each pattern's as it was shown, before its own change of the weights.
+/// Errors of a cycle. The error of a pattern is taken as it is shown, before its change of the weights.
 struct CycleErrors {
   double sse = 0;      ///< sum of (target - output)^2
   double largest = 0;  ///< largest |target - output|
 };
 
-/// One cycle: every pattern once; after each, step = rate delta o + momentum step, weights += step (Rumelhart, Hinton
-/// and Williams 1986, eq. 16). Sets state.status when it is time to stop.
+/// Trains one cycle: every pattern once. After each pattern, step = rate delta o + momentum step and weights +=
+/// step (Rumelhart, Hinton and Williams 1986, eq. 16). Sets state.status at the end of a training. Returns the
+/// errors of the cycle.
 template <class Scalar>
 CycleErrors train_cycle(OnlineState<Scalar>& state, const TrainingSet<Scalar>& set, const OnlineOptions& options,
                         std::uint64_t seed);
 
-/// Cycles until state.status says stop, at most `most_cycles` of them. Returns the last cycle's errors.
+/// Trains until state.status is set, at most `most_cycles` cycles. Returns the errors of the last cycle.
 template <class Scalar>
 CycleErrors train_online(OnlineState<Scalar>& state, const TrainingSet<Scalar>& set, const OnlineOptions& options,
                          std::uint64_t seed, int most_cycles);

@@ -32,12 +32,19 @@ struct Weights {
   std::vector<Scalar> values;  ///< [layer][out][in + 1]
 };
 
-/// Half width of the interval that initial weights are drawn from: the range of the program that came with the rule's
-/// description (McClelland and Rumelhart 1988, chapter 5, program bp: wrange = 1, weights within +-0.5).
+/// Returns true where every weight is finite.
+template <class Scalar>
+bool all_finite(const Weights<Scalar>& weights) {
+  return Eigen::Map<const Vector<Scalar>>(weights.values.data(), static_cast<Eigen::Index>(weights.values.size()))
+      .allFinite();
+}
+
+/// Half width of the interval of initial weights: the range of the program that came with the description of the
+/// rule (McClelland and Rumelhart 1988, chapter 5, program bp: wrange = 1, weights within +-0.5).
 inline constexpr float initial_weight_bound = 0.5f;
 
-/// Initial weights, uniform in +-initial_weight_bound, biases included; weight i of network (topology, seed) is the
-/// same everywhere: word i % 4 of draw i / 4.
+/// Returns initial weights, uniform in +-initial_weight_bound, biases included. Weight i of network (topology,
+/// seed) is equal on every machine: word i % 4 of draw i / 4.
 Weights<float> initial_weights(const Topology& topology, std::uint64_t seed);
 
 }  // namespace tactel::nn

@@ -5,14 +5,14 @@
 
 typedef struct ChainSettings {
   shared_u64 reading_seed, instance_seed;
-  shared_u32 instances;    /* sensors of which a contact meets one; 0: each its own */
-  shared_i32 high_pass;    /* 1: there is one */
-  float decay, pass;       /* y = decay y_before + pass (x - x_before) */
-  float gain_spread;       /* about 1 */
-  float offset_spread;     /* MPa */
-  float noise;             /* MPa */
-  float low, high;         /* readings are cut off there: in quanta where there are any, else in MPa; may be infinite */
-  float quantum;           /* MPa; 0: none */
+  shared_u32 instances; /* sensors of which a contact meets one; 0: each its own */
+  shared_i32 high_pass; /* 1: there is one */
+  float decay, pass;    /* y = decay y_before + pass (x - x_before) */
+  float gain_spread;    /* about 1 */
+  float offset_spread;  /* MPa */
+  float noise;          /* MPa */
+  float low, high;      /* readings are cut off there: in quanta where there are any, else in MPa; may be infinite */
+  float quantum;        /* MPa; 0: none */
 } ChainSettings;
 
 #endif

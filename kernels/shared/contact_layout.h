@@ -4,55 +4,65 @@
 
 /* What the kernel says of one lane (one scene) after one load increment: rows of `result`, [group][step][LANE_RESULT_ROWS][lane]. */
 enum LaneResultRow {
-  LANE_INDENTATION = 0,  /* mm */
-  LANE_TANGENTIAL,       /* mm */
-  LANE_P,                /* N/mm, >= 0 */
-  LANE_Q,                /* N/mm, > 0 drags the rubber to +x */
-  LANE_SLIP_INDEX,       /* Q / (mu P); 0 where mu P = 0: ask LANE_STATUS */
-  LANE_STICKING,         /* nodes that stick */
-  LANE_SLIPPING,         /* nodes that slip */
-  LANE_SWEEPS,           /* Gauss-Seidel sweeps of this increment */
-  LANE_STATUS,           /* LaneStatus */
-  LANE_PENETRATION,      /* the certificate, all relative: fem/contact_solution.h says to what */
+  LANE_INDENTATION = 0, /* mm */
+  LANE_TANGENTIAL,      /* mm */
+  LANE_P,               /* N/mm, >= 0 */
+  LANE_Q,               /* N/mm, > 0 drags the rubber to +x */
+  LANE_SLIP_INDEX,      /* Q / (mu P); 0 where mu P = 0: ask LANE_STATUS */
+  LANE_STICKING,        /* nodes that stick */
+  LANE_SLIPPING,        /* nodes that slip */
+  LANE_SWEEPS,          /* Gauss-Seidel sweeps of this increment */
+  LANE_STATUS,          /* LaneStatus */
+  LANE_PENETRATION,     /* the certificate, all relative: fem/contact_solution.h says to what */
   LANE_CONE,
   LANE_COMPLEMENTARITY,
   LANE_DRIFT,
   LANE_BALANCE,
+  LANE_SLIP_DISTANCE, /* mm: largest |LANE_TANGENTIAL - u_x| of a node that touches */
   LANE_RESULT_ROWS
 };
 
 enum LaneStatus {
-  LANE_SOLVED = 0,   /* met its tolerance */
-  LANE_SLIDING,      /* met its tolerance, and every touching node slips */
-  LANE_UNSOLVED,     /* did not meet its tolerance: its numbers are the last iterate */
-  LANE_INVALID,      /* input not finite: its numbers are zero */
-  LANE_NOT_RUN       /* the path had ended */
+  LANE_SOLVED = 0, /* met its tolerance */
+  LANE_SLIDING,    /* met its tolerance, and every touching node slips */
+  LANE_UNSOLVED,   /* did not meet its tolerance: its numbers are the last iterate */
+  LANE_INVALID,    /* input not finite: its numbers are zero */
+  LANE_NOT_RUN     /* the path had ended */
 };
+
+/* Height of a node that carries no gap element, mm: a number that no profile reaches, small enough for its square in fp32. */
+#define NO_GAP_ELEMENT 1e15
+
+/* Output rows that the kernel computes together: `map` is [blocks of rows][NODES][ROW_BLOCK][2]. */
+enum { ROW_BLOCK = 4 };
+
+/* Numbers that the compliance holds of a pair of nodes, [NODES][NODES][COMPLIANCE_PARTS]; the first alone where there is no friction. */
+enum CompliancePart { COMPLIANCE_UY_BY_N = 0, COMPLIANCE_UY_BY_T, COMPLIANCE_UX_BY_N, COMPLIANCE_UX_BY_T, COMPLIANCE_PARTS };
 
 /* Load targets, rows of `path`, [group][step][PATH_ROWS][lane]. */
 enum PathRow {
-  PATH_NORMAL = 0,  /* indentation mm, or P / E mm */
-  PATH_TANGENTIAL,  /* indenter position mm, or Q / E mm */
+  PATH_NORMAL = 0, /* indentation mm, or P / E mm */
+  PATH_TANGENTIAL, /* indenter position mm, or Q / E mm */
   PATH_ROWS
 };
 
 /* Rows of `lane_input`, [group][LANE_INPUT_ROWS][lane]. */
 enum LaneInputRow {
   LANE_MU = 0,
-  LANE_YOUNG,          /* MPa */
-  LANE_STEPS,          /* increments of this lane's path */
-  LANE_MAY_STOP,       /* index of the first increment after which a fully sliding lane stops; a huge number: never */
-  LANE_FORCE,          /* ForceControl */
+  LANE_YOUNG,    /* MPa */
+  LANE_STEPS,    /* increments of this lane's path */
+  LANE_MAY_STOP, /* index of the first increment after which a fully sliding lane stops; a huge number: never */
+  LANE_FORCE,    /* ForceControl */
   LANE_INPUT_ROWS
 };
 
 /* Numbers of one surface node, rows of `node`, [NODES][NODE_ROWS]; E = 1. */
 enum NodeRow {
-  NODE_N_PER_UY = 0,  /* pressure force that takes back a unit of u_y */
-  NODE_T_PER_UX,      /* traction force that adds a unit of u_x */
-  NODE_UX_PER_N,      /* u_x by its own pressure force */
-  NODE_RISE_PER_N,    /* largest u_y that a unit of pressure force at another node can give, >= 0 */
-  NODE_RISE_PER_T,    /* largest u_y that a unit of traction force at another node can give, >= 0 */
+  NODE_N_PER_UY = 0, /* pressure force that takes back a unit of u_y */
+  NODE_T_PER_UX,     /* traction force that adds a unit of u_x */
+  NODE_UX_PER_N,     /* u_x by its own pressure force */
+  NODE_RISE_PER_N,   /* largest u_y that a unit of pressure force at another node can give, >= 0 */
+  NODE_RISE_PER_T,   /* largest u_y that a unit of traction force at another node can give, >= 0 */
   NODE_ROWS
 };
 

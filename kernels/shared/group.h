@@ -1,11 +1,11 @@
 /* How a kernel finds its work: `TAKE_GROUP(group);` first in the body of a kernel whose first argument is `uint first_group`.
    A launch with NO_GROUPS does nothing: so the host makes OpenCL compile a kernel, for the widest launch it will need, before any
-   work waits for it. Device only. */
+   work waits for it. The host knows NO_GROUPS from here; TAKE_GROUP is for the device. */
 #ifndef TACTEL_SHARED_GROUP_H
 #define TACTEL_SHARED_GROUP_H
 
 #define NO_GROUPS 0xffffffffu
-#define TAKE_GROUP(group)              \
+#define TAKE_GROUP(group)               \
   if (first_group == NO_GROUPS) return; \
   const size_t group = first_group + get_global_id(0)
 

@@ -4,9 +4,9 @@
 #include "shared/scalars.h"
 
 typedef struct LaneResult {
-  shared_i32 status;  /* 0 solved; what else is named beside the kernel that writes it */
-  shared_i32 sweeps;  /* iterations spent */
-  float residual;     /* largest relative residual */
+  shared_i32 status; /* 0 solved; what else is named beside the kernel that writes it */
+  shared_i32 sweeps; /* iterations spent */
+  float residual;    /* largest relative residual */
 } LaneResult;
 
 #endif

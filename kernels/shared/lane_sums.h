@@ -10,31 +10,21 @@
 /* Of two vectors that hold sums in pieces of 2 n lanes, one with pieces of n: the halves of each piece are added. Clang's shuffle becomes one
    instruction, where a literal of OpenCL C becomes three or four. */
 #if LANES == 2
-static inline vreal add_halves(vreal a, vreal b) {
-  return __builtin_shufflevector(a, b, 0, 2) +
-         __builtin_shufflevector(a, b, 1, 3);
-}
+static inline vreal add_halves(vreal a, vreal b) { return __builtin_shufflevector(a, b, 0, 2) + __builtin_shufflevector(a, b, 1, 3); }
 #elif LANES == 4
 static inline vreal add_halves(vreal a, vreal b) {
-  return __builtin_shufflevector(a, b, 0, 1, 4, 5) +
-         __builtin_shufflevector(a, b, 2, 3, 6, 7);
+  return __builtin_shufflevector(a, b, 0, 1, 4, 5) + __builtin_shufflevector(a, b, 2, 3, 6, 7);
 }
-static inline vreal add_pairs(vreal a, vreal b) {
-  return __builtin_shufflevector(a, b, 0, 4, 2, 6) +
-         __builtin_shufflevector(a, b, 1, 5, 3, 7);
-}
+static inline vreal add_pairs(vreal a, vreal b) { return __builtin_shufflevector(a, b, 0, 4, 2, 6) + __builtin_shufflevector(a, b, 1, 5, 3, 7); }
 #elif LANES == 8
 static inline vreal add_halves(vreal a, vreal b) {
-  return __builtin_shufflevector(a, b, 0, 1, 2, 3, 8, 9, 10, 11) +
-         __builtin_shufflevector(a, b, 4, 5, 6, 7, 12, 13, 14, 15);
+  return __builtin_shufflevector(a, b, 0, 1, 2, 3, 8, 9, 10, 11) + __builtin_shufflevector(a, b, 4, 5, 6, 7, 12, 13, 14, 15);
 }
 static inline vreal add_quads(vreal a, vreal b) {
-  return __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13) +
-         __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15);
+  return __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13) + __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15);
 }
 static inline vreal add_pairs(vreal a, vreal b) {
-  return __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14) +
-         __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
+  return __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14) + __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
 }
 #elif LANES == 16
 static inline vreal add_halves(vreal a, vreal b) {
@@ -61,13 +51,19 @@ INLINE vreal piece_sums(const int piece, vreal *rows) {
   const int pieces = LANES / piece;
   (void)pieces;
 #if LANES >= 2
-  if (pieces >= 2) EACH(i, pieces / 2) { rows[i] = add_halves(rows[i], rows[i + pieces / 2]); }
+  if (pieces >= 2) EACH(i, pieces / 2) {
+      rows[i] = add_halves(rows[i], rows[i + pieces / 2]);
+    }
 #endif
 #if LANES >= 16
-  if (pieces >= 4) EACH(i, pieces / 4) { rows[i] = add_eights(rows[i], rows[i + pieces / 4]); }
+  if (pieces >= 4) EACH(i, pieces / 4) {
+      rows[i] = add_eights(rows[i], rows[i + pieces / 4]);
+    }
 #endif
 #if LANES >= 8
-  if (2 * pieces >= LANES) EACH(i, 2 * pieces / LANES) { rows[i] = add_quads(rows[i], rows[i + 2 * pieces / LANES]); }
+  if (2 * pieces >= LANES) EACH(i, 2 * pieces / LANES) {
+      rows[i] = add_quads(rows[i], rows[i + 2 * pieces / LANES]);
+    }
 #endif
 #if LANES >= 4
   if (pieces == LANES) rows[0] = add_pairs(rows[0], rows[1]);
@@ -107,10 +103,14 @@ static inline real lane_sum(vreal row) {
   const JOIN(REAL, 4) quads = eights.lo + eights.hi;
 #elif LANES >= 8
   const JOIN(REAL, 4) quads = row.lo + row.hi;
-#else
+#elif LANES >= 4
   const JOIN(REAL, 4) quads = row;
 #endif
+#if LANES >= 4
   const JOIN(REAL, 2) pairs = quads.lo + quads.hi;
+#else
+  const JOIN(REAL, 2) pairs = row;
+#endif
   return pairs.x + pairs.y;
 #endif
 }

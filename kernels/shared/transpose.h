@@ -15,8 +15,12 @@ static inline vreal high_by_turns(vreal a, vreal b) { return __builtin_shuffleve
 static inline vreal low_by_turns(vreal a, vreal b) { return __builtin_shufflevector(a, b, 0, 8, 1, 9, 2, 10, 3, 11); }
 static inline vreal high_by_turns(vreal a, vreal b) { return __builtin_shufflevector(a, b, 4, 12, 5, 13, 6, 14, 7, 15); }
 #elif LANES == 16
-static inline vreal low_by_turns(vreal a, vreal b) { return __builtin_shufflevector(a, b, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23); }
-static inline vreal high_by_turns(vreal a, vreal b) { return __builtin_shufflevector(a, b, 8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31); }
+static inline vreal low_by_turns(vreal a, vreal b) {
+  return __builtin_shufflevector(a, b, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+}
+static inline vreal high_by_turns(vreal a, vreal b) {
+  return __builtin_shufflevector(a, b, 8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31);
+}
 #endif
 
 #if LANES > 1

@@ -7,6 +7,7 @@
 #include <iomanip>
 
 #include "fem/gap_reference.h"
+#include "test_paths.h"
 
 namespace tactel::fem {
 namespace {

@@ -34,14 +34,5 @@ TEST(ChannelMap, RefusesWhatDoesNotFitTheDevice) {
   refused([](ChannelMap& m) { m.calibration.offset[1] = std::nan(""); });
 }
 
-TEST(Tare, TakesTheMeanOfFramesAtRest) {
-  Tare tare(2);
-  EXPECT_THAT(tare.offset(), ElementsAre(0, 0));
-  tare.add(std::vector<double>{1, 10});
-  tare.add(std::vector<double>{2, 30});
-  EXPECT_EQ(tare.frames(), 2u);
-  EXPECT_THAT(tare.offset(), ElementsAre(1.5, 20));
-}
-
 }  // namespace
 }  // namespace tactel::hw

@@ -135,7 +135,7 @@ TEST_P(EveryFormat, GoesOnAfterAnInterruption) {
 }
 
 // Random bytes, random cuts of true frames, and what random edits make of them. Under sanitizers a read out of bounds
-// ends the program; a search that does not end meets the time limit. More of it: tests/hw/fuzz.
+// ends the program; a search that does not end meets the time limit. More of it: tests/fuzz.
 TEST_P(EveryFormat, RandomBytesDoNoHarm) {
   std::mt19937 random(20);
   const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };

@@ -4,6 +4,8 @@
 
 #include <atomic>
 #include <chrono>
+#include <cmath>
+#include <limits>
 #include <thread>
 #include <vector>
 
@@ -86,6 +88,58 @@ TEST(PacketRing, DropsAndReadsAddUpBetweenThreads) {
   EXPECT_EQ(missing, dropped);
   EXPECT_EQ(read + dropped, count);
   EXPECT_GT(dropped, 0u) << "the reader never fell behind: nothing was shown";
+}
+
+// A packet at a time to and fro: a wake-up that is lost would cost the whole timeout.
+TEST(PacketRing, WakesTheReaderForEveryPacket) {
+  PacketRing to(4, 1), back(4, 1);
+  constexpr int rounds = 20000;
+  const std::uint8_t byte = 1;
+  std::thread echo([&] {
+    for (int i = 0; i < rounds; ++i)
+      if (const auto packet = to.take(10)) back.push({{&byte, 1}, packet->arrival});
+  });
+  int wrong = 0;
+  const auto start = std::chrono::steady_clock::now();
+  for (int i = 0; i < rounds; ++i) {
+    to.push({{&byte, 1}, static_cast<double>(i)});
+    const auto packet = back.take(10);
+    wrong += !packet || packet->arrival != i;
+  }
+  echo.join();
+  EXPECT_EQ(wrong, 0);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10)) << "a wake-up was lost";
+}
+
+TEST(PacketRing, WaitsNoLongerThanAsked) {
+  PacketRing ring(4, 1);
+  EXPECT_FALSE(ring.take());
+  EXPECT_FALSE(ring.take(0.01));
+  EXPECT_FALSE(ring.take(std::nan("")));
+  const std::uint8_t byte = 1;
+  ring.push({{&byte, 1}, 0});
+  EXPECT_TRUE(ring.take(std::numeric_limits<double>::infinity()));
+}
+
+TEST(PacketRing, TheWritersFailureReachesTheReaderAfterItsPackets) {
+  PacketRing ring(4, 1);
+  const std::uint8_t byte = 1;
+  ring.push({{&byte, 1}, 0});
+  std::thread writer([&] { ring.fail(std::make_exception_ptr(SourceError("no more"))); });
+  writer.join();
+  EXPECT_TRUE(ring.take(1));
+  EXPECT_THROW(ring.take(1), SourceError);
+  EXPECT_THROW(ring.take(), SourceError) << "and it stays so";
+}
+
+TEST(PacketRing, AFailureWakesAReaderWhoWaits) {
+  PacketRing ring(4, 1);
+  std::thread writer([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    ring.fail(std::make_exception_ptr(SourceError("no more")));
+  });
+  EXPECT_THROW(ring.take(60), SourceError);
+  writer.join();
 }
 
 TEST(Ftdi, StripsTheTwoStatusBytes) {

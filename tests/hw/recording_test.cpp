@@ -1,8 +1,15 @@
 #include "hw/recording.h"
 
 #include <gmock/gmock.h>
+#include <sys/resource.h>
 
+#include <bit>
+#include <cmath>
+#include <csignal>
 #include <cstdlib>
+#include <fstream>
+#include <limits>
+#include <vector>
 
 #include "hw/formats.h"
 #include "tests/hw/byte_vectors.h"
@@ -27,7 +34,7 @@ class Recording : public ::testing::Test {
   void record() const {
     RecordingWriter writer(path_, "[device]\nformat = \"glove\"\n");
     for (std::size_t i = 0; i < packets; ++i)
-      writer.write({Bytes(stream_).subspan(17 * i, 17), 0.1 * static_cast<double>(i), i == 100}, i / 19);
+      writer.write({Bytes(stream_).subspan(17 * i, 17), 0.1 * static_cast<double>(i), i == 100});
     writer.finish();
   }
   static ByteVector glove_stream() {
@@ -77,6 +84,145 @@ TEST_F(Recording, IsReadableUpToWhereItWasCutOff) {
   EXPECT_TRUE(source.cut_short());
 }
 
+/// Records by hand, as hw/README.md describes them.
+ByteVector record_of(char kind, const ByteVector& body) {
+  ByteVector bytes{static_cast<std::uint8_t>(kind)};
+  put(bytes, body.size(), 4);
+  append(bytes, body);
+  put(bytes, crc32(bytes), 4);
+  return bytes;
+}
+
+ByteVector packet_of(double arrival, const ByteVector& bytes) {
+  ByteVector body;
+  put(body, std::bit_cast<std::uint64_t>(arrival), 8);
+  body.push_back(0);
+  append(body, bytes);
+  return record_of('P', body);
+}
+
+/// A file of these records behind the magic and an empty description.
+void write_records(const fs::path& path, const std::vector<ByteVector>& records) {
+  ByteVector bytes{'t', 'a', 'c', 't', 'e', 'l', '1', '\n'};
+  append(bytes, record_of('D', {}));
+  for (const ByteVector& record : records) append(bytes, record);
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<long>(bytes.size()));
+}
+
+std::size_t packets_in(FrameSource& source) {
+  std::size_t count = 0;
+  while (source.wait(0)) ++count;
+  return count;
+}
+
+TEST_F(Recording, AnArrivalThatIsNoTimeIsDamage) {
+  for (const double arrival :
+       {std::nan(""), std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(), -1.0, 1e300}) {
+    write_records(path_, {packet_of(0.5, {1}), packet_of(arrival, {2})});
+    for (const bool real_time : {false, true}) {
+      ReplaySource source(path_, real_time);
+      EXPECT_TRUE(source.wait(1));
+      EXPECT_THAT([&] { source.wait(0); }, ThrowsMessage<RecordingError>(HasSubstr("no time"))) << arrival;
+    }
+  }
+}
+
+// Earlier files end with an index, of 24 bytes for every 256th packet.
+TEST_F(Recording, OldFilesWithAnIndexOfAnyLengthAreWhole) {
+  write_records(path_, {packet_of(0.5, {1}), record_of('I', ByteVector((1 << 24) + 24, 7))});
+  ReplaySource source(path_);
+  EXPECT_EQ(packets_in(source), 1u);
+  EXPECT_FALSE(source.cut_short());
+}
+
+TEST_F(Recording, AnEndThatIsNotWholeIsCutOffAndADamagedOneIsDamage) {
+  write_records(path_, {packet_of(0.5, {1}), record_of('I', ByteVector(100000, 7))});
+  const auto size = fs::file_size(path_);
+  damage(static_cast<std::streamoff>(size - 50));
+  ReplaySource damaged(path_);
+  EXPECT_THROW(packets_in(damaged), RecordingError);
+  for (const std::uintmax_t missing : {1u, 4u, 50000u, 100007u, 100008u, 100009u}) {
+    write_records(path_, {packet_of(0.5, {1}), record_of('I', ByteVector(100000, 7))});
+    fs::resize_file(path_, size - missing);
+    ReplaySource source(path_);
+    EXPECT_EQ(packets_in(source), 1u);
+    EXPECT_TRUE(source.cut_short()) << missing << " bytes are missing";
+  }
+}
+
+// Memory and file hold nothing besides the packets, however many they are.
+TEST_F(Recording, GrowsByItsPacketsAlone) {
+  const auto size_with = [&](int packets) {
+    RecordingWriter writer(path_, "", OutputFile::Existing::replace);
+    for (int i = 0; i < packets; ++i) writer.write({Bytes(stream_).first(4), 0.0});
+    writer.finish();
+    return fs::file_size(path_);
+  };
+  EXPECT_EQ(size_with(3000) - size_with(1000), 2000 * (9 + 9 + 4));
+}
+
+TEST_F(Recording, AnotherFileIsNotWrittenOverUnasked) {
+  std::ofstream(path_) << "precious";
+  EXPECT_THAT([&] { RecordingWriter(path_, ""); }, ThrowsMessage<RecordingError>(HasSubstr("not written over")));
+  EXPECT_EQ(fs::file_size(path_), 8u);
+  const fs::path link = path_.parent_path() / "link";
+  fs::create_symlink(path_.parent_path() / "behind", link);
+  EXPECT_THROW(RecordingWriter(link, ""), RecordingError);
+  EXPECT_THROW(RecordingWriter(link, "", OutputFile::Existing::replace), RecordingError);
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_FALSE(fs::exists(path_.parent_path() / "behind"));
+  EXPECT_THROW(RecordingWriter(path_.parent_path(), "", OutputFile::Existing::replace), RecordingError) << "a folder";
+  RecordingWriter(path_, "", OutputFile::Existing::replace).finish();
+  EXPECT_NE(fs::file_size(path_), 8u);
+}
+
+TEST_F(Recording, AFullDiskIsSaidAtOnce) {
+  EXPECT_THAT([] { RecordingWriter("/dev/full", ""); }, ThrowsMessage<RecordingError>(HasSubstr("No space left")));
+}
+
+/// While one lives a file may grow to `bytes`, and then a write fails.
+class FileLimit {
+ public:
+  explicit FileLimit(rlim_t bytes) {
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    rlimit limit = before_;
+    limit.rlim_cur = bytes;
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    handler_ = std::signal(SIGXFSZ, SIG_IGN);
+  }
+  ~FileLimit() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int);
+};
+
+TEST_F(Recording, ADiskThatFillsUpIsSaidAndThePacketsBeforeAreReadable) {
+  const FileLimit limit(20000);
+  RecordingWriter writer(path_, "");
+  EXPECT_THAT(
+      [&] {
+        for (std::size_t i = 0; i < packets; ++i) writer.write({Bytes(stream_).first(100), 0.0});
+        writer.finish();
+      },
+      ThrowsMessage<RecordingError>(HasSubstr("cannot be written")));
+  ReplaySource source(path_);
+  EXPECT_EQ(packets_in(source), (20000u - 8 - 9) / (9 + 9 + 100));
+  EXPECT_TRUE(source.cut_short());
+}
+
+// The last block goes out in finish alone.
+TEST_F(Recording, WhatOnlyTheEndFindsOutIsSaid) {
+  const FileLimit limit(100);
+  RecordingWriter writer(path_, "");
+  writer.write({Bytes(stream_).first(200), 0.0});
+  EXPECT_THROW(writer.finish(), RecordingError);
+}
+
 TEST_F(Recording, DamageIsFound) {
   record();
   damage(5000);
@@ -99,8 +245,8 @@ TEST_F(Recording, OtherFilesAreRefused) {
 
 TEST_F(Recording, PlaysInRealTimeWhenAsked) {
   RecordingWriter writer(path_, "");
-  writer.write({Bytes(stream_).first(4), 5.0}, 0);
-  writer.write({Bytes(stream_).first(4), 5.05}, 0);
+  writer.write({Bytes(stream_).first(4), 5.0});
+  writer.write({Bytes(stream_).first(4), 5.05});
   writer.finish();
   ReplaySource source(path_, true);
   EXPECT_TRUE(source.wait(1));

@@ -42,6 +42,26 @@ TEST(InputScaling, ByFrameDividesByItsLargestNormalStress) {
   EXPECT_THAT(scale(by_frame, {1, -2, 8, 0}).values, ElementsAre(0.5f, -1.0f, 4.0f, 0.0f));
 }
 
+// Above 2^126 the reciprocal of a stress is no normal number in fp32; the answer is nevertheless the exact quotient.
+TEST(InputScaling, ByFrameHoldsUpToTheLargestFloat) {
+  for (const float factor : {0x1p125f, 0x1p126f, 0x1p127f})
+    EXPECT_THAT(scale(by_frame, {0.5f * factor, -1.0f * factor, 0.25f * factor, 0}).values,
+                ElementsAre(0.5f, -1.0f, 0.25f, 0.0f));
+}
+
+TEST(InputScaling, RefusesASetWhoseReciprocalIsNoNormalNumber) {
+  const auto set_with = [](float stress) {
+    FrameSet set;
+    set.frames = RowMatrix<float>{{stress, 0}};
+    set.slip_index = Vector<float>::Zero(1);
+    return set;
+  };
+  EXPECT_NO_THROW(fit_scaling(ScalingKind::set, set_with(0x1p126f)));
+  EXPECT_THROW(fit_scaling(ScalingKind::set, set_with(1e38f)), ValueError);
+  EXPECT_THROW(fit_scaling(ScalingKind::set, set_with(1e-13f)), ValueError);
+  EXPECT_NO_THROW(fit_scaling(ScalingKind::frame, set_with(1e38f)));
+}
+
 TEST(InputScaling, ByFrameSaysWhenThereIsNoStress) {
   for (const std::vector<float>& frame :
        {std::vector<float>{0, 0, 0, 0}, {0, 0, 3, -3}, {1e-13f, 0, 1, 0}, {-0.0f, 0, 0, 0}}) {

@@ -6,6 +6,7 @@
 
 #include "fem/value_error.h"
 #include "nn/frame_set.h"
+#include "nn/noise_words.h"
 #include "nn/philox.h"
 #include "nn/presentation_order.h"
 #include "nn/weights.h"
@@ -21,6 +22,13 @@ TEST(Philox, GivesThePublishedAnswers) {
               ElementsAre(0x408f276d, 0x41c83b0e, 0xa20bc7c6, 0x6d5451fd));
   EXPECT_THAT(philox4x32({0x243f6a88, 0x85a308d3, 0x13198a2e, 0x03707344}, {0xa4093822, 0x299f31d0}),
               ElementsAre(0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1));
+}
+
+// Quad 2^32 + 5 belongs to row 409 million of a set with 42 inputs. From Python integers, too.
+TEST(NoiseWords, GoOnBeyondTheFirst2To32) {
+  EXPECT_THAT(noise_words(7, 5), ElementsAre(0xd132512e, 0x6f5a4d4d, 0xd0cc80b2, 0x742f7fd9));
+  EXPECT_THAT(noise_words(7, (std::uint64_t{1} << 32) + 5),
+              ElementsAre(0xec228467, 0xcba30739, 0x3a706581, 0x2f38d913));
 }
 
 // The numbers below come from a separate program (Python integers) that follows the headers' descriptions.

@@ -5,14 +5,14 @@
 #include <gtest/gtest.h>
 
 #include "fem/gap_reference.h"
-#include "host/forward.h"
-#include "host/gap_sweep.h"
-#include "host/train_batch.h"
-#include "host/train_online.h"
-#include "host/transducer_chain.h"
-#include "tests/host/contact_cases.h"
-#include "tests/host/network_cases.h"
-#include "tests/host/transducer_cases.h"
+#include "host/contact/gap_sweep.h"
+#include "host/networks/forward.h"
+#include "host/networks/train_batch.h"
+#include "host/networks/train_online.h"
+#include "host/sets/transducer_chain.h"
+#include "tests/host/contact/contact_cases.h"
+#include "tests/host/networks/network_cases.h"
+#include "tests/host/sets/transducer_cases.h"
 
 namespace {
 cl_uint lanes_fp32 = 1;
@@ -34,8 +34,8 @@ namespace {
 
 using namespace tactel;
 using namespace tactel::host;
+using fem::base_force_difference;
 using tactel::testing::all_parts;
-using tactel::testing::base_force_difference;
 using tactel::testing::bumps;
 using tactel::testing::largest_difference;
 using tactel::testing::TransducerCase;

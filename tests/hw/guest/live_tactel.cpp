@@ -1,28 +1,7 @@
-// tactel's record and monitor for the guest: the same commands, with the sources that need no solver.
+// tactel's record and monitor for the guest: the same commands.
 #include <fmt/format.h>
 
-#include "host/command.h"
-#include "host/errors.h"
-#include "host/open_source.h"
-#include "hw/recording.h"
-#include "hw/usb_source.h"
-
-namespace tactel::host {
-
-OpenSource open_source(const std::string& source, const std::string&, const std::string&) {
-  if (source == "usb:glove") {
-    SensorProfile profile = built_in_profile("glove");
-    return {hw::open_usb(profile.usb), std::move(profile)};
-  }
-  const std::string replay = "replay:";
-  if (!source.starts_with(replay)) throw ConfigError("command line", "--source", source, "usb:glove or replay:FILE");
-  const std::string path = source.substr(replay.size());
-  auto recording = std::make_unique<hw::ReplaySource>(path);
-  SensorProfile profile = parse_profile(recording->description(), path);
-  return {std::move(recording), std::move(profile)};
-}
-
-}  // namespace tactel::host
+#include "host/commands/command.h"
 
 int main(int argc, char** argv) {
   CLI::App app;

@@ -10,7 +10,7 @@
 #include <set>
 #include <thread>
 
-#include "host/onnx_file.h"
+#include "host/networks/onnx_file.h"
 #include "tests/hw/guest/rig.h"
 
 namespace tactel::hw::testing {

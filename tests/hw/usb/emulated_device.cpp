@@ -14,17 +14,16 @@
 namespace tactel::hw::testing {
 namespace {
 
-constexpr const char* node = "/dev/bus/usb/001/002";
-constexpr const char* in_sysfs = "/sys/devices/usb1/1-1";
 constexpr std::size_t setup_bytes = 8;
+constexpr std::uint8_t get_descriptor = 6, string_descriptor = 3, serial_index = 3;
 
-std::string description(const DeviceKind& kind) {
-  std::string descriptors = kind.descriptors;
-  std::erase(descriptors, ' ');
-  return "P: /devices/usb1/1-1\nN: bus/usb/001/002\nE: SUBSYSTEM=usb\nE: DRIVER=usb\nE: BUSNUM=001\nE: DEVNUM=002\n"
-         "E: DEVNAME=/dev/bus/usb/001/002\nE: DEVTYPE=usb_device\nA: bConfigurationValue=1\\n\nA: busnum=1\\n\n"
-         "A: devnum=2\\n\nA: speed=" +
-         std::to_string(kind.megabits) + "\\n\nH: descriptors=" + descriptors + "\n";
+/// umockdev has one tree of devices at a time: those that live together share it.
+std::shared_ptr<UMockdevTestbed> shared_testbed() {
+  static std::weak_ptr<UMockdevTestbed> alive;
+  if (auto testbed = alive.lock()) return testbed;
+  std::shared_ptr<UMockdevTestbed> fresh(umockdev_testbed_new(), g_object_unref);
+  alive = fresh;
+  return fresh;
 }
 
 template <class T>
@@ -53,31 +52,55 @@ struct EmulatedDevice::Urb {
 };
 
 // Each emulated ioctl ends in usleep(0): with the usual slack of timers that is 50 us. Threads inherit the slack.
-EmulatedDevice::EmulatedDevice(const DeviceKind& kind) : kind_(kind) {
+EmulatedDevice::EmulatedDevice(const DeviceKind& kind, int port, std::string serial)
+    : kind_(kind), port_(port), serial_(std::move(serial)) {
   prctl(PR_SET_TIMERSLACK, 1);
-  testbed_ = umockdev_testbed_new();
+  testbed_ = shared_testbed();
   handler_ = umockdev_ioctl_base_new();
   g_signal_connect(handler_, "handle-ioctl", G_CALLBACK(on_ioctl), this);
   plug_in();
-  GError* error = nullptr;
-  if (!umockdev_testbed_attach_ioctl(testbed_, node, handler_, &error)) throw std::runtime_error(error->message);
 }
 
 EmulatedDevice::~EmulatedDevice() {
   stop_clock();
-  g_object_unref(testbed_);
+  if (!away_) unplug();
+  testbed_.reset();
   g_object_unref(handler_);
+}
+
+std::string EmulatedDevice::node() const { return "/dev/bus/usb/001/00" + std::to_string(port_ + 1); }
+std::string EmulatedDevice::in_sysfs() const { return "/sys/devices/usb1/1-" + std::to_string(port_); }
+
+std::string EmulatedDevice::description() const {
+  std::string descriptors = kind_.descriptors;
+  std::erase(descriptors, ' ');
+  if (!serial_.empty()) descriptors.replace(2 * 16, 2, "03");  // iSerialNumber
+  const std::string number = std::to_string(port_ + 1);
+  return "P: /devices/usb1/1-" + std::to_string(port_) + "\nN: bus/usb/001/00" + number +
+         "\nE: SUBSYSTEM=usb\nE: DRIVER=usb\nE: BUSNUM=001\nE: DEVNUM=00" + number + "\nE: DEVNAME=" + node() +
+         "\nE: DEVTYPE=usb_device\nA: bConfigurationValue=1\\n\nA: busnum=1\\n\n"
+         "A: devnum=" +
+         number + "\\n\nA: speed=" + std::to_string(kind_.megabits) + "\\n\nH: descriptors=" + descriptors + "\n";
+}
+
+void EmulatedDevice::plug_in_at(int port) {
+  port_ = port;
+  plug_in();
 }
 
 void EmulatedDevice::plug_in() {
   GError* error = nullptr;
   const std::lock_guard lock(mutex_);
   away_ = halted_ = false;
-  if (!umockdev_testbed_add_from_string(testbed_, description(kind_).c_str(), &error))
+  if (!umockdev_testbed_add_from_string(testbed_.get(), description().c_str(), &error))
     throw std::runtime_error(error->message);
-  gchar* root = umockdev_testbed_get_root_dir(testbed_);
-  node_ = std::make_unique<TerminalNode>(std::string(root) + node);
+  gchar* root = umockdev_testbed_get_root_dir(testbed_.get());
+  node_ = std::make_unique<TerminalNode>(std::string(root) + node());
   g_free(root);
+  if (attached_.contains(port_)) return;
+  if (!umockdev_testbed_attach_ioctl(testbed_.get(), node().c_str(), handler_, &error))
+    throw std::runtime_error(error->message);
+  attached_.insert(port_);
 }
 
 // What is in flight comes back with the status of a device that went; then there is nothing to open.
@@ -88,8 +111,8 @@ void EmulatedDevice::unplug() {
     serve();
     node_.reset();
   }
-  umockdev_testbed_uevent(testbed_, in_sysfs, "remove");
-  umockdev_testbed_remove_device(testbed_, in_sysfs);
+  umockdev_testbed_uevent(testbed_.get(), in_sysfs().c_str(), "remove");
+  umockdev_testbed_remove_device(testbed_.get(), in_sysfs().c_str());
 }
 
 void EmulatedDevice::send(const ByteVector& stream) {
@@ -184,13 +207,14 @@ void EmulatedDevice::answer(UMockdevIoctlClient* client) {
       break;
     case USBDEVFS_DISCONNECT_CLAIM:
     case USBDEVFS_CLAIMINTERFACE:
+      if (busy_) return umockdev_ioctl_client_complete(client, -1, EBUSY);
       ++claimed_;
       break;
     case USBDEVFS_RELEASEINTERFACE:
       --claimed_;
       break;
     case USBDEVFS_CLEAR_HALT:
-      ++halts_cleared_, halted_ = false;
+      ++halts_cleared_, halted_ = stuck_;
       serve();
       break;
     case USBDEVFS_SETINTERFACE:
@@ -258,8 +282,23 @@ bool EmulatedDevice::complete_control(Urb& urb) {
   const std::uint8_t* setup = urb.buffer->data;
   const auto length = static_cast<std::size_t>(urb.fields().buffer_length);
   const auto number = [&](int at) { return static_cast<std::uint16_t>(setup[at] | setup[at + 1] << 8); };
+  if (setup[0] == 0x80 && setup[1] == get_descriptor && setup[3] == string_descriptor)
+    return complete_string(urb, setup[2]);
   control_.push_back({setup[0], setup[1], number(2), number(4), ByteVector(setup + setup_bytes, setup + length)});
   return urb.end_with(0, length - setup_bytes);
+}
+
+/// USB 2.0, 9.6.7: index 0 lists the languages, the others are UTF-16.
+bool EmulatedDevice::complete_string(Urb& urb, int index) {
+  ByteVector text{0, string_descriptor};
+  if (index == 0) append(text, {0x09, 0x04});
+  if (index == serial_index)
+    for (const char c : serial_) append(text, {static_cast<std::uint8_t>(c), 0});
+  text[0] = static_cast<std::uint8_t>(text.size());
+  const auto room = static_cast<std::size_t>(urb.fields().buffer_length) - setup_bytes;
+  const std::size_t length = std::min(room, text.size());
+  std::copy_n(text.begin(), length, urb.buffer->data + setup_bytes);
+  return urb.end_with(0, length);
 }
 
 bool EmulatedDevice::complete_in(Urb& urb) {

@@ -8,6 +8,8 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <set>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -27,10 +29,11 @@ struct ControlRequest {
 };
 
 /// A device on a bus that is not there: umockdev shows it to an unmodified libusb, and this answers the kernel's
-/// ioctls. Its packets wait in a queue until they are fetched.
+/// ioctls. Its packets wait in a queue until they are fetched. Several may live at once, each at a port of its own.
 class EmulatedDevice {
  public:
-  explicit EmulatedDevice(const DeviceKind& kind);
+  /// port: of the root hub, from 1; serial: a number of at most 30 characters, empty for none.
+  explicit EmulatedDevice(const DeviceKind& kind, int port = 1, std::string serial = "");
   ~EmulatedDevice();
   EmulatedDevice(const EmulatedDevice&) = delete;
   EmulatedDevice& operator=(const EmulatedDevice&) = delete;
@@ -50,6 +53,9 @@ class EmulatedDevice {
   void fault_at(std::size_t packet, Fault fault);
   void unplug();
   void plug_in();
+  void plug_in_at(int port);
+  void set_busy(bool busy) { busy_ = busy; }      ///< another program has claimed its interfaces
+  void set_stuck(bool stuck) { stuck_ = stuck; }  ///< a halt is not cleared, though the request succeeds
 
   std::vector<ControlRequest> control_requests();
   ByteVector received();  ///< by the OUT endpoint
@@ -72,11 +78,17 @@ class EmulatedDevice {
   void serve();
   bool complete(Urb& urb);
   bool complete_control(Urb& urb);
+  bool complete_string(Urb& urb, int index);
+  std::string description() const;
+  std::string node() const;
+  std::string in_sysfs() const;
   bool complete_in(Urb& urb);
   void tick(std::chrono::nanoseconds period, std::size_t queue,
             const std::function<void(std::size_t, ByteVector&)>& make);
 
   const DeviceKind kind_;
+  int port_;
+  const std::string serial_;
   std::mutex mutex_;
   std::deque<Urb> urbs_;
   std::deque<ByteVector> packets_;
@@ -85,12 +97,13 @@ class EmulatedDevice {
   ByteVector received_;
   std::size_t fetched_ = 0;  ///< packets since the last `send`
   bool halted_ = false, away_ = false;
-  std::atomic<bool> stopping_{false};
+  std::atomic<bool> stopping_{false}, busy_{false}, stuck_{false};
   std::atomic<std::size_t> claimed_{0}, halts_cleared_{0}, most_in_flight_{0}, interrupt_requests_{0}, ioctls_{0},
       lost_{0};
-  UMockdevTestbed* testbed_;
+  std::shared_ptr<UMockdevTestbed> testbed_;  ///< of all devices alive
   UMockdevIoctlBase* handler_;
   std::unique_ptr<TerminalNode> node_;
+  std::set<int> attached_;  ///< ports whose node's ioctls come here
   std::thread clock_;
 };
 

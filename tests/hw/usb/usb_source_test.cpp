@@ -84,6 +84,24 @@ TEST(UsbSource, ClearsAHaltAndGoesOnWithoutLoss) {
   EXPECT_EQ(source->counts().stalls, 1u);
 }
 
+// A halt that never clears: the device is given up after 8 in a row, and looked for every half second.
+TEST(UsbSource, GivesUpADeviceThatStallsForEver) {
+  EmulatedDevice device(glove_kind());
+  device.send(frames(20));
+  device.set_stuck(true);
+  device.fault_at(50, Fault::stall);
+  const auto source = open_usb(glove);
+  Reader reader;
+  reader.read(*source, 20, 2.0);
+  EXPECT_EQ(reader.decoder.counts().frames, 10u);
+  EXPECT_GE(source->counts().errors, 1u) << "nothing says that the device does not work";
+  EXPECT_GE(source->counts().stalls, 8u);
+  EXPECT_LE(source->counts().stalls, 8u * 5) << "at 0, 0.5, 1, 1.5 and 2 s";
+  device.set_stuck(false);
+  reader.read(*source, 20);
+  EXPECT_EQ(reader.decoder.counts().frames, 20u) << "it works again";
+}
+
 TEST(UsbSource, CountsFailedTransfersAndGoesOn) {
   EmulatedDevice device(glove_kind());
   device.send(frames(20));
@@ -221,6 +239,129 @@ TEST(UsbSource, GoesOnByItselfAfterUnplugAndReturn) {
   EXPECT_EQ(reader.decoder.counts().frames, 20u);
   EXPECT_EQ(reader.first_cells.back(), 4095 - 109);
   EXPECT_EQ(source->counts().reconnects, 1u);
+}
+
+std::string refusal(const UsbDevice& wanted) {
+  try {
+    open_usb(wanted);
+    return "no refusal";
+  } catch (const SourceError& error) {
+    return error.what();
+  }
+}
+
+UsbDevice glove_at(const std::string& port) {
+  UsbDevice wanted = glove;
+  wanted.port = port;
+  return wanted;
+}
+
+UsbDevice glove_with(const std::string& serial) {
+  UsbDevice wanted = glove;
+  wanted.serial = serial;
+  return wanted;
+}
+
+/// Two gloves, of which the second's frames begin at 1000.
+class TwoGloves : public ::testing::Test {
+ protected:
+  TwoGloves() { send(); }
+  void send() {
+    left_.send(frames(10));
+    right_.send(frames(10, 1000));
+  }
+  /// The number that its first frame carries.
+  static double first_frame(FrameSource& source) {
+    Reader reader;
+    reader.read(source, 10);
+    return reader.first_cells.empty() ? -1 : 4095 - reader.first_cells[0];
+  }
+  EmulatedDevice left_{glove_kind(), 1, "L-7"}, right_{glove_kind(), 2, "R-8"};
+};
+
+TEST_F(TwoGloves, WithoutAChoiceTheFirstIsTakenAndTheOtherNamed) {
+  const auto source = open_usb(glove);
+  EXPECT_EQ(first_frame(*source), 0);
+  EXPECT_EQ(source->choice().taken.port, "1-1");
+  EXPECT_EQ(source->choice().taken.serial, "L-7");
+  ASSERT_EQ(source->choice().others.size(), 1u);
+  EXPECT_EQ(source->choice().others[0].place.port, "1-2");
+  EXPECT_EQ(source->choice().others[0].place.serial, "R-8");
+  EXPECT_EQ(source->choice().others[0].refusal, "");
+  EXPECT_EQ(right_.claimed(), 0u);
+}
+
+TEST_F(TwoGloves, AreChosenBySerialNumberAndByPort) {
+  EXPECT_EQ(first_frame(*open_usb(glove_with("R-8"))), 1000);
+  EXPECT_EQ(first_frame(*open_usb(glove_with("L-7"))), 0);
+  send();
+  EXPECT_EQ(first_frame(*open_usb(glove_at("1-2"))), 1000);
+  EXPECT_EQ(first_frame(*open_usb(glove_at("1-1"))), 0);
+}
+
+TEST_F(TwoGloves, TheFreeOneIsTakenWhereTheFirstIsBusy) {
+  left_.set_busy(true);
+  const auto source = open_usb(glove);
+  EXPECT_EQ(first_frame(*source), 1000);
+  ASSERT_EQ(source->choice().others.size(), 1u);
+  EXPECT_THAT(source->choice().others[0].refusal, ::testing::HasSubstr("BUSY"));
+}
+
+TEST_F(TwoGloves, ARefusalNamesAllThatArePluggedIn) {
+  using ::testing::AllOf;
+  using ::testing::HasSubstr;
+  const auto all = AllOf(HasSubstr("1-1 (serial number L-7)"), HasSubstr("1-2 (serial number R-8)"));
+  EXPECT_THAT(refusal(glove_with("X-9")), AllOf(HasSubstr("X-9"), all));
+  EXPECT_THAT(refusal(glove_at("3-4")), AllOf(HasSubstr("3-4"), all));
+  left_.set_busy(true), right_.set_busy(true);
+  EXPECT_THAT(refusal(glove), AllOf(HasSubstr("none is free"), HasSubstr("BUSY"), all));
+}
+
+// The first of them comes back second: it is known by its number, wherever it is plugged in.
+TEST_F(TwoGloves, TheSameOneIsWaitedForAfterAnUnplug) {
+  const auto source = open_usb(glove);
+  ASSERT_EQ(first_frame(*source), 0);
+  left_.unplug();
+  EXPECT_FALSE(source->wait(1.2)) << "the other one, which was not asked for, was taken";
+  EXPECT_EQ(right_.claimed(), 0u);
+  left_.plug_in_at(3);
+  left_.send(frames(10, 100));
+  EXPECT_EQ(first_frame(*source), 100);
+}
+
+// Without serial numbers the port tells them apart.
+TEST(UsbSource, KnowsADeviceWithoutANumberByItsPort) {
+  EmulatedDevice left(glove_kind(), 1), right(glove_kind(), 2);
+  left.send(frames(10)), right.send(frames(10, 1000));
+  const auto source = open_usb(glove);
+  Reader reader;
+  reader.read(*source, 10);
+  left.unplug();
+  EXPECT_FALSE(source->wait(1.2));
+  left.plug_in();
+  left.send(frames(10, 100));
+  reader.read(*source, 20);
+  EXPECT_EQ(reader.first_cells.back(), 4095 - 109);
+}
+
+// As long as there is no other, it may be plugged in elsewhere.
+TEST(UsbSource, ALoneDeviceWithoutANumberMayChangeItsPort) {
+  EmulatedDevice device(glove_kind());
+  device.send(frames(10));
+  const auto source = open_usb(glove);
+  Reader reader;
+  reader.read(*source, 10);
+  device.unplug();
+  EXPECT_FALSE(source->wait(0.1));
+  device.plug_in_at(4);
+  device.send(frames(10, 100));
+  reader.read(*source, 20);
+  EXPECT_EQ(reader.first_cells.back(), 4095 - 109);
+}
+
+TEST(UsbSource, ASerialNumberHoldsNothingThatATerminalObeys) {
+  EmulatedDevice device(glove_kind(), 1, "A\x1b[2J B");
+  EXPECT_EQ(open_usb(glove)->choice().taken.serial, "A[2JB");
 }
 
 TEST(UsbSource, SaysWhatToCheckWhenNothingIsThere) {

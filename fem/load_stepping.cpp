@@ -1,0 +1,72 @@
+#include "fem/load_stepping.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactel::fem {
+namespace {
+
+bool every_touching_node_slips(const ContactStep& step) {
+  const auto is = [](GapStatus status) { return [status](GapStatus other) { return other == status; }; };
+  return std::any_of(step.status.begin(), step.status.end(), is(GapStatus::slip)) &&
+         std::none_of(step.status.begin(), step.status.end(), is(GapStatus::stick));
+}
+
+/// mm: as ContactStep has it.
+double slip_distance(const GapIncrement& increment, const GapPose& pose, const GapElements& elements) {
+  const Extended u = increment.system.surface_displacement(pose.state);
+  double farthest = 0;
+  for (Eigen::Index i = 0; i < pose.gap.size(); ++i)
+    if (elements.normal_force[i] > 0) farthest = std::max(farthest, std::abs(pose.tangential - double(u(2 * i))));
+  return farthest;
+}
+
+ContactStep step_of(const GapIncrement& increment, const GapAnswer& answer, const TactelStress& stress) {
+  const GapElements elements = elements_of(increment, answer.pose);
+  ContactStep step;
+  step.indentation = answer.pose.depth;
+  step.tangential = answer.pose.tangential;
+  step.normal_force = elements.normal_force;
+  step.tangential_force = elements.tangential_force;
+  step.P = elements.normal_force.sum();
+  step.Q = elements.tangential_force.sum();
+  step.slip_index = slip_index(increment.mu, step.P, step.Q);
+  step.slip_distance = slip_distance(increment, answer.pose, elements);
+  step.status = gap_status(elements);
+  const Eigen::VectorXd base = increment.system.base_force(answer.pose.state).cast<double>();
+  step.base_force_x = base(Eigen::seq(0, Eigen::last, 2));
+  step.base_force_y = base(Eigen::seq(1, Eigen::last, 2));
+  const Eigen::VectorXd tactels = stress(answer.pose.state, base);
+  step.sigma_y = tactels.head(tactels.size() / 2);
+  step.tau_xy = tactels.tail(tactels.size() / 2);
+  step.converged = answer.converged;
+  step.iterations = answer.iterations;
+  step.residual = answer.residual;
+  return step;
+}
+
+}  // namespace
+
+ContactSolution step_load_path(GapSystem& system, const Scene& scene, ContactSolution positions,
+                               const GapReferenceOptions& options, const TactelStress& stress) {
+  scene.validate();
+  const LoadPath path = load_path(scene.load);
+  const Eigen::VectorXd height = profile_heights(scene.indenter, positions.surface_x);
+  const double mu = std::min(scene.friction, largest_friction);
+  ContactSolution solution = std::move(positions);
+  GapPose pose = undeformed(system, height);
+  for (const LoadStep& target : path.steps) {
+    const GapIncrement increment{system, mu, height, target, pose};
+    GapAnswer answer = solve_increment(increment, options.most_iterations, options.tolerance);
+    const bool history = solution.steps.empty() || solution.steps.back().converged;
+    solution.steps.push_back(step_of(increment, answer, stress));
+    solution.steps.back().converged &= history;
+    pose = std::move(answer.pose);
+    const bool tangential = int(solution.steps.size()) > path.indentation_steps;
+    solution.sliding = tangential && every_touching_node_slips(solution.steps.back());
+    if (path.until_sliding && solution.sliding) break;
+  }
+  return solution;
+}
+
+}  // namespace tactel::fem

@@ -1,0 +1,48 @@
+#include <fmt/format.h>
+
+#include "host/commands/command.h"
+#include "host/sets/check_set.h"
+#include "host/support/interrupt.h"
+#include "host/support/progress_line.h"
+
+namespace tactel::host {
+namespace {
+
+struct CheckRequest {
+  std::string set;
+  bool quiet = false;
+};
+
+int run_check(const CheckRequest& request) {
+  const Interrupt interrupt;
+  ProgressLine line("checking", "chunks", request.quiet);
+  const SetCheck check = check_contact_set(request.set, [&](std::size_t read, std::size_t all) {
+    line.show(read, all);
+    return !interrupt.requested();
+  });
+  line.clear();
+  for (const SetDamage& damage : check.damage)
+    fmt::print("{}: {}: rows {} to {}: {}\n", request.set, damage.dataset, damage.first, damage.last, damage.what);
+  if (!check.finished) return interrupted;
+  if (!check.damage.empty()) return not_converged;
+  if (!check.checksums)
+    fmt::print(stderr, "warning: {}: written without checksums: all of it can be read, but damage may go unseen\n",
+               request.set);
+  if (!request.quiet)
+    fmt::print("{}: {} rows in {} chunks, {}B: {}\n", request.set, check.rows, check.chunks,
+               with_prefix(static_cast<double>(check.bytes)), check.checksums ? "all as written" : "readable");
+  return done;
+}
+
+}  // namespace
+
+void add_check_command(CLI::App& app, Action& action) {
+  auto request = std::make_shared<CheckRequest>();
+  CLI::App* command = app.add_subcommand("check", "checks the checksums of a set and names the damaged rows");
+  command->add_option("set", request->set, "a set that tactel generate wrote")->type_name("SET.h5")->required();
+  command->add_flag("--quiet", request->quiet, "print only damage");
+  command->footer("Exit codes: 0 undamaged, 2 no set, 4 damaged.");
+  command->callback([request, &action] { action = [request] { return run_check(*request); }; });
+}
+
+}  // namespace tactel::host

@@ -1,0 +1,60 @@
+#include "host/commands/devices_command.h"
+
+#include <fmt/format.h>
+
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "host/commands/command.h"
+
+namespace tactel::host {
+
+std::string devices_table(std::span<const DeviceInfo> devices) {
+  std::string text = fmt::format("{:>2} {:5} {:>5} {:>10} {:>10}  {}\n", "", "type", "units", "fp32 lanes",
+                                 "fp64 lanes", "name (driver)");
+  const int taken = default_device(devices);
+  for (const DeviceInfo& info : devices)
+    text += fmt::format("{:>2}{}{:5} {:>5} {:>10} {:>10}  {} ({}){}\n", info.index, info.index == taken ? '*' : ' ',
+                        name(info.type), info.compute_units, info.lanes_fp32,
+                        info.fp64 ? std::to_string(info.lanes_fp64) : "-", info.name, info.driver,
+                        info.low_latency ? ", low latency, on host threads" : "");
+  return text + "* taken without --device\n";
+}
+
+std::string devices_json(std::span<const DeviceInfo> devices) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  const int taken = default_device(devices);
+  for (const DeviceInfo& info : devices)
+    list.push_back({{"index", info.index},
+                    {"name", info.name},
+                    {"platform", info.platform},
+                    {"driver", info.driver},
+                    {"type", name(info.type)},
+                    {"compute_units", info.compute_units},
+                    {"fp64", info.fp64},
+                    {"lanes", {{"fp32", info.lanes_fp32}, {"fp64", info.lanes_fp64}}},
+                    {"low_latency", info.low_latency},
+                    {"default", info.index == taken}});
+  return list.dump(2) + "\n";
+}
+
+int devices_command(bool json, std::ostream& out, std::ostream& complaints) {
+  const std::vector<DeviceInfo> devices = list_devices();
+  if (json)
+    out << devices_json(devices);
+  else if (!devices.empty())
+    out << devices_table(devices);
+  if (!devices.empty()) return 0;
+  complaints << "no OpenCL device; " << no_device_advice() << "\n";
+  return 3;
+}
+
+void add_devices_command(CLI::App& app, Action& action) {
+  auto json = std::make_shared<bool>(false);
+  CLI::App* command = app.add_subcommand("devices", "OpenCL devices, with their lanes and precision");
+  command->add_flag("--json", *json, "as JSON");
+  command->callback([json, &action] { action = [json] { return devices_command(*json, std::cout, std::cerr); }; });
+}
+
+}  // namespace tactel::host

@@ -1,0 +1,198 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <optional>
+
+#include "fem/stress_field.h"
+#include "host/commands/shared_options.h"
+#include "host/contact/planner.h"
+#include "host/contact/solve_on_rung.h"
+#include "host/scenes/sweep_file.h"
+#include "host/sets/set_plan.h"
+#include "host/sets/set_production.h"
+#include "host/support/durable_file.h"
+#include "host/support/errors.h"
+#include "host/support/interrupt.h"
+#include "host/support/progress_line.h"
+#include "host/support/ranks.h"
+
+namespace tactel::host {
+namespace {
+
+struct GenerateRequest {
+  SharedOptions shared;
+  std::string sweep, output;
+  std::vector<std::string> devices;
+  bool force = false, resume = false;
+};
+
+ProductionOptions production_options(const GenerateRequest& request) {
+  const SolveOptions& solve = request.shared.solve;
+  if (solve.solver != "batched") throw ConfigError("command line", "--solver", solve.solver, "batched for sets");
+  ProductionOptions options;
+  options.set.precision = solve.precision == "fp64" ? Precision::fp64 : Precision::fp32;
+  options.set.tolerance = 0.01 * solve.tolerance.value_or(0);
+  if (!solve.device.empty()) options.devices = {solve.device};
+  if (!request.devices.empty())
+    options.devices.insert(options.devices.end(), request.devices.begin(), request.devices.end());
+  return options;
+}
+
+struct Modelling {
+  std::optional<Rung> rung{};  ///< none: as the file says
+  bool accurate = true;        ///< false: no rung is known to keep --accuracy
+};
+
+/// The rung that --rung names, or that --accuracy takes for a sample of the contacts.
+Modelling modelling(const GenerateRequest& request, const SceneSource& source, bool quiet) {
+  const SolveOptions& solve = request.shared.solve;
+  check_modelling(solve);
+  if (!solve.rung.empty()) return {rung_named(solve.rung)};
+  if (!solve.accuracy) return {};
+  std::vector<fem::Scene> sample;
+  const std::uint64_t count = std::min<std::uint64_t>(source.contacts(), 64);
+  for (std::uint64_t k = 0; k < count; ++k) sample.push_back(source.contact(k * source.contacts() / count).scene);
+  const StageLine stage(fmt::format("trying rungs on {} contacts", count), quiet);
+  Executor executor{Device(solve.device)};
+  const Plan chosen =
+      plan(sample, *solve.accuracy, [&](const Rung& rung) { return solve_on_rung(executor, sample, rung); });
+  if (!quiet) {
+    fmt::print(stderr, "{}, in 95 % of {} contacts tried\n", chosen.why(), count);
+    if (!chosen.kept)
+      fmt::print(stderr, "warning: no rung is known to keep this accuracy on these contacts: the finest was taken\n");
+  }
+  return {chosen.rung, chosen.kept};
+}
+
+/// What --precision and --tolerance do not say, the rung does.
+void model_on(const Rung& rung, const SolveOptions& solve, Sweep& sweep, SetOptions& options) {
+  sweep.source.model_on(rung);
+  if (solve.precision.empty()) options.precision = rung.precision;
+  if (!solve.tolerance) options.tolerance = rung.tolerance;
+}
+
+/// True where a complete set is there already and may stand.
+bool already_there(const GenerateRequest& request, const SetPlan& plan) {
+  std::error_code error;
+  if (request.force || !std::filesystem::exists(request.output, error)) return false;
+  if (!request.resume)
+    throw ConfigError("command line", "--output", request.output,
+                      "a file that is not there yet, or --force to write over it");
+  expect_made_by(plan, request.output);
+  SetSpool::discard(request.output);  // of a run that was killed after the set was complete
+  return true;
+}
+
+std::string report_text(const GenerateRequest& request, const ContactSet& set, const std::vector<double>& sums,
+                        std::uint64_t rows, double seconds, double assemble_seconds) {
+  const auto [contacts, steps, kernel, write, bytes] = std::tuple(sums[0], sums[1], sums[2], sums[3], sums[4]);
+  std::string text = fmt::format("{}: {} rows; {} contacts by the exact fallback, {} unsolved\n", request.output, rows,
+                                 set.fell_back, set.unsolved);
+  if (set.without_rows > 0)
+    text += fmt::format(
+        "{} of {} contacts have no row: mu P = 0 in all their load steps, and S = Q / (mu P) is not defined\n",
+        set.without_rows, set.contacts);
+  if (contacts > 0)
+    text += fmt::format(
+        "{:.0f} contacts, {} load steps in {:.2f} s: {} steps/s, in kernels {} steps/s; kept at {}B/s, put together "
+        "in "
+        "{:.2f} s\n",
+        contacts, with_prefix(steps), seconds, with_prefix(steps / seconds), with_prefix(steps / kernel),
+        with_prefix(bytes / write), assemble_seconds);
+  return text;
+}
+
+void warn_of_depth(std::uint64_t too_deep, std::uint64_t contacts) {
+  if (too_deep == 0) return;
+  const double limit = 100 * fem::linear_strain_limit;
+  fmt::print(stderr,
+             "warning: in {} of {} contacts the indenter is deeper than {:.0f} % of the thickness; rubber was measured "
+             "to be linear up to {:.0f} %\n",
+             too_deep, contacts, limit, limit);
+}
+
+int run_generate(const GenerateRequest& request) {
+  Sweep sweep = read_sweep(request.sweep);
+  ProductionOptions options = production_options(request);
+  const Ranks ranks;
+  const auto [rung, accurate] = modelling(request, sweep.source, request.shared.quiet || !ranks.first());
+  if (rung) model_on(*rung, request.shared.solve, sweep, options.set);
+  options.rank = ranks.rank(), options.ranks = ranks.count();
+  const SetPlan plan =
+      plan_of(sweep, rung ? rung->name : "as the file says", options.set.precision, options.set.tolerance);
+  const bool complete = ranks.first() && already_there(request, plan);
+  if (ranks.sum({complete ? 1.0 : 0.0})[0] > 0) {  // every process must know
+    if (complete && !request.shared.quiet) fmt::print("{}: complete already\n", request.output);
+    return done;
+  }
+  const int inputs = 2 * sweep.source.tactels();
+  const Interrupt interrupt;  // before there is anything to keep
+  std::optional<SetSpool> spool;
+  if (ranks.first()) {
+    check_writable("--output", request.output);
+    if (request.force) SetSpool::discard(request.output);
+    spool.emplace(request.output, plan.text(), inputs, 0,
+                  request.resume ? SetSpool::Open::resume : SetSpool::Open::fresh);
+  }
+  ranks.barrier();
+  if (!ranks.first()) spool.emplace(request.output, plan.text(), inputs, ranks.rank(), SetSpool::Open::join);
+  if (ranks.first() && !request.shared.quiet && request.resume)
+    fmt::print("{} of {} chunks are there{}\n", spool->chunks().size(), chunk_count(sweep.source),
+               spool->torn() ? "; one was torn and is made again" : "");
+
+  ProgressLine line("contacts", "contacts", request.shared.quiet || !ranks.first(), chunk_contacts);
+  options.progress = [&](std::size_t chunks_done, std::size_t all) {
+    line.show(chunks_done, all);
+    return !interrupt.requested();
+  };
+  const ProductionReport report = produce_set(sweep.source, *spool, options);
+  line.clear();
+  const std::vector<double> sums =
+      ranks.sum({static_cast<double>(report.contacts), static_cast<double>(report.steps), report.kernel_seconds,
+                 report.write_seconds, static_cast<double>(spool->bytes()), report.finished ? 0.0 : 1.0});
+  if (sums.back() > 0) {
+    if (ranks.first())
+      fmt::print(stderr, "stopped; the chunks that are done are kept in {}: the same command with --resume goes on\n",
+                 SetSpool::folder(request.output).string());
+    return interrupted;
+  }
+  if (!ranks.first()) return done;
+  const auto start = std::chrono::steady_clock::now();
+  ContactSet set;
+  set.inputs = inputs;
+  set.sweep = sweep.text;
+  set.plan = plan.conditions;
+  set.contacts = sweep.source.contacts();
+  set.seed = sweep.source.seed();
+  set.indenter_names = sweep.source.kind_names();
+  set.transducer = nn::description(sweep.source.transducer());
+  set.device = fmt::format("{}", fmt::join(report.devices, ", "));
+  set.rung = rung ? fmt::format("{}: {}", rung->name, description(*rung)) : name(options.set.precision);
+  {
+    const StageLine stage("putting together " + request.output, request.shared.quiet);
+    spool->assemble(chunk_count(sweep.source), set);
+  }
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (!request.shared.quiet) {
+    warn_of_depth(set.too_deep, sweep.source.contacts());
+    fmt::print("{}", report_text(request, set, sums, spool->rows(), report.seconds, seconds));
+  }
+  return set.unsolved == 0 && accurate ? done : not_converged;
+}
+
+}  // namespace
+
+void add_generate_command(CLI::App& app, Action& action) {
+  auto request = std::make_shared<GenerateRequest>();
+  CLI::App* command = app.add_subcommand("generate", "a set of many contacts, as HDF5");
+  command->add_option("sweep", request->sweep, "sweep file (TOML; mm, MPa)")->type_name("SWEEP.toml")->required();
+  command->add_option("--output", request->output, "the set to write")->type_name("SET.h5")->required();
+  auto* force = command->add_flag("--force", request->force, "overwrite an existing file, discard an interrupted run");
+  command->add_flag("--resume", request->resume, "resume an interrupted run")->excludes(force);
+  command->add_option("--also-device", request->devices, "one more device to share the work (repeatable)")
+      ->type_name("NAME|INDEX");
+  add_shared_options(*command, request->shared, "fp32, or the rung's with --rung or --accuracy");
+  command->callback([request, &action] { action = [request] { return run_generate(*request); }; });
+}
+
+}  // namespace tactel::host

@@ -1,0 +1,134 @@
+#include "host/commands/help_formatter.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <sstream>
+
+#include "host/support/errors.h"
+#include "host/support/nearest_word.h"
+
+namespace tactel::host {
+namespace {
+
+constexpr std::size_t page_width = 80, name_width = 30;
+
+/// `text` in lines of at most `width` letters, the first of which begins at `column`; the others are indented by
+/// `indent`. A word longer than a line stands alone.
+std::string wrapped(const std::string& text, std::size_t indent, std::size_t column) {
+  std::string out;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    const bool first = out.empty();
+    if (!first && column + 1 + word.size() > page_width) {
+      out += "\n" + std::string(indent, ' ');
+      column = indent;
+    } else if (!first) {
+      out += " ";
+      ++column;
+    }
+    out += word;
+    column += word.size();
+  }
+  return out;
+}
+
+std::string two_columns(const std::string& name, const std::string& text) {
+  std::string out = "  " + name;
+  if (out.size() + 2 > name_width)
+    out += "\n" + std::string(name_width, ' ');
+  else
+    out.resize(name_width, ' ');
+  return out + wrapped(text, name_width, name_width) + "\n";
+}
+
+/// CLI11 says "TEXT:{a,b}", "FLOAT:POSITIVE", "UINT:INT in [1 - 9]"; this "a|b", "NUMBER", "N".
+std::string type_in_words(const std::string& type) {
+  if (const auto open = type.find('{'); open != std::string::npos) {
+    std::string choices = type.substr(open + 1, type.find('}') - open - 1);
+    std::replace(choices.begin(), choices.end(), ',', '|');
+    return choices;
+  }
+  const std::string plain = type.substr(0, type.find(':'));
+  if (plain == "FLOAT") return "NUMBER";
+  return plain == "INT" || plain == "UINT" ? "N" : plain;
+}
+
+/// ", 8 to 100000" of "UINT:INT in [8 - 100000]"; empty of others.
+std::string range_in_words(const std::string& type) {
+  const auto open = type.find(" in ["), between = type.find(" - ", open), close = type.find(']', open);
+  if (open == std::string::npos || between == std::string::npos || close == std::string::npos) return "";
+  return ", " + type.substr(open + 5, between - open - 5) + " to " + type.substr(between + 3, close - between - 3);
+}
+
+class HelpFormatter : public CLI::Formatter {
+ public:
+  std::string make_description(const CLI::App* app) const override { return paragraph(app->get_description()); }
+  std::string make_footer(const CLI::App* app) const override { return paragraph(app->get_footer()); }
+  std::string make_subcommand(const CLI::App* sub) const override {
+    return two_columns(sub->get_name(), sub->get_description());
+  }
+  std::string make_option(const CLI::Option* option, bool positional) const override {
+    const std::string type = option->get_type_name();
+    const bool takes_value = option->get_type_size() != 0;
+    std::string name = positional ? option->get_name(true, false) : option->get_name(false, true);
+    for (std::size_t comma = 0; (comma = name.find(',', comma)) != std::string::npos; comma += 2)
+      name.insert(comma + 1, " ");
+    if (takes_value && !type.empty()) name += " " + type_in_words(type);
+    std::string text = option->get_description() + range_in_words(type);
+    if (takes_value && !option->get_default_str().empty())
+      text += fmt::format(" (default: {})", option->get_default_str());
+    if (option->get_required() && !positional) text += " (required)";
+    return two_columns(name, text);
+  }
+
+ private:
+  static std::string paragraph(const std::string& text) { return text.empty() ? "" : wrapped(text, 0, 0) + "\n"; }
+};
+
+/// Whether the text reads as nan or an infinity, as strtod does.
+bool is_not_finite(const std::string& text) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  return !text.empty() && *end == '\0' && !std::isfinite(value);
+}
+
+bool takes_number(const CLI::Option& option) {
+  const std::string type = option.get_type_name();
+  const auto holds = [&](const char* word) { return type.find(word) != std::string::npos; };
+  return holds("FLOAT") || holds("POSITIVE") || holds("NONNEGATIVE") || type.starts_with("INT") ||
+         type.starts_with("UINT") || holds("INT in [");
+}
+
+}  // namespace
+
+std::shared_ptr<CLI::FormatterBase> help_formatter() { return std::make_shared<HelpFormatter>(); }
+
+void check_numbers(const CLI::App& command) {
+  for (const CLI::Option* option : command.get_options()) {
+    if (!takes_number(*option)) continue;
+    for (const std::string& value : option->results())
+      if (is_not_finite(value)) throw ConfigError("command line", option->get_name(), value, "a finite number");
+  }
+}
+
+std::string unknown_argument(const CLI::App& command) {
+  const std::vector<std::string> extras = command.remaining();
+  const auto is_option = [](const std::string& word) { return word.starts_with("-"); };
+  const auto found = std::ranges::find_if(extras, is_option);
+  if (found == extras.end())
+    return fmt::format("argument = {}: must be left out: tactel {} takes no more", extras.empty() ? "" : extras.back(),
+                       command.get_name());
+  std::vector<std::string> known;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  const std::string word = found->substr(0, found->find('='));
+  const std::string nearest = nearest_word(word, known);
+  return fmt::format("{}: must be an option of tactel {}{}", word, command.get_name(),
+                     nearest.empty() ? "" : "; did you mean " + nearest + "?");
+}
+
+}  // namespace tactel::host

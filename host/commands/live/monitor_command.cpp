@@ -1,0 +1,137 @@
+#include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+
+#include "host/commands/command.h"
+#include "host/commands/live/sensor_session.h"
+#include "host/live/live_monitor.h"
+#include "host/live/live_view.h"
+#include "host/networks/onnx_file.h"
+#include "host/support/errors.h"
+
+namespace tactel::host {
+namespace {
+
+struct MonitorRequest : SensorRequest {
+  std::string network, device;
+  int every = 1;
+  MonitorOptions options;
+  bool view = false;
+};
+
+/// A number as JSON has it: what is not finite is null.
+std::string json_number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : "null"; }
+std::string json_number(float value) { return std::isfinite(value) ? fmt::format("{}", value) : "null"; }
+
+std::string line_text(const MonitorLine& line) {
+  const std::string latency = std::isfinite(line.latency) ? fmt::format("{:.1f}", line.latency) : "null";
+  return fmt::format(
+      "{{\"frame\": {}, \"device_time\": {}, \"arrival\": {}, \"slip_index\": {}, \"latency_us\": {}}}\n",
+      line.frame.number, line.frame.device_time ? json_number(*line.frame.device_time) : "null",
+      json_number(line.frame.arrival), json_number(line.answer.slip_index), latency);
+}
+
+std::string summary_text(const MonitorSummary& all, bool cut_short) {
+  const hw::DecoderCounts& d = all.decoder;
+  return fmt::format(
+      "{{\"frames\": {}, \"lost\": {}, \"bad\": {}, \"resynchronised\": {}, \"late\": {}, \"latency_us\": "
+      "{{\"p50\": {:.1f}, "
+      "\"p99\": {:.1f}, \"p99.9\": {:.1f}, \"max\": {:.1f}}}, \"duplicated\": {}, \"discarded_bytes\": {}, "
+      "\"batched\": {}, \"silences\": {}, \"overruns\": {}, \"stalls\": {}, \"transfer_errors\": {}, "
+      "\"reconnects\": {}, \"cut_short\": {}}}",
+      d.frames, d.lost, d.bad, d.resynchronised, all.late, all.latency.quantile(0.5), all.latency.quantile(0.99),
+      all.latency.quantile(0.999), all.latency.largest(), d.duplicated, d.discarded, all.batched, all.silences,
+      all.transport.overruns, all.transport.stalls, all.transport.errors, all.transport.reconnects, cut_short);
+}
+
+/// Standard output, each piece at once. The first failure ends the reading.
+class Output {
+ public:
+  bool terminal() const { return terminal_; }
+  int columns() const {
+    winsize size{};
+    return terminal_ && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+  }
+  void put(const std::string& text) {
+    if (error_ == 0 && (std::fputs(text.c_str(), stdout) < 0 || std::fflush(stdout) != 0)) error_ = errno;
+  }
+  bool failed() const { return error_ != 0; }
+  void check() const {
+    if (failed())
+      throw ConfigError("standard output", "", "", std::string("a file that can be written: ") + std::strerror(error_));
+  }
+
+ private:
+  bool terminal_ = isatty(STDOUT_FILENO) == 1;
+  int error_ = 0;
+};
+
+/// Where the lines go, and when it ends.
+MonitorEvents make_events(const MonitorRequest& request, LiveView& view, Output& output, const Until& until) {
+  MonitorEvents events;
+  events.line = [&](const MonitorLine& line) {
+    if (line.frame.number % static_cast<std::uint64_t>(request.every) != 0) return;
+    if (!request.view) return output.put(line_text(line));
+    if (const auto picture = view.show(line, output.columns())) output.put(*picture);
+  };
+  events.second = [&](const MonitorSummary& summary) {
+    if (!request.quiet && !request.view) say(summary_text(summary, false));
+  };
+  events.silence = [&](double seconds) {
+    if (!request.quiet) say(fmt::format("warning: no frame for {:.1f} s", seconds));
+  };
+  events.stop = [&] { return output.failed() || until(); };
+  return events;
+}
+
+int run_monitor(const MonitorRequest& request) {
+  const nn::Model model = read_onnx(request.network);
+  Executor executor{Device(request.device)};  // sets environment variables: before there are other threads
+  OpenSource opened = open_for(request);
+  LiveMonitor monitor(executor, model, opened.profile, request.options);
+  Output output;
+  LiveView view(output.terminal());
+  const Until until(request.seconds);
+  const MonitorSummary summary = monitor.run(*opened.source, make_events(request, view, output, until));
+  say_if_cut_short(request, *opened.source);
+  say(summary_text(summary, opened.source->cut_short()));
+  output.check();
+  return until.by_signal() ? static_cast<int>(interrupted) : done;
+}
+
+}  // namespace
+
+void add_monitor_command(CLI::App& app, Action& action) {
+  auto request = std::make_shared<MonitorRequest>();
+  CLI::App* command = app.add_subcommand("monitor", "live slippage index: one JSON line a frame");
+  add_sensor_options(*command, *request);
+  command->add_option("--network", request->network, "network that evaluates the frames, see tactel train")
+      ->type_name("FILE.onnx")
+      ->required();
+  command->add_option("--every", request->every, "print only every N-th frame")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command
+      ->add_option("--seconds", request->seconds,
+                   "stop after this time, s (default: at the end of the source, or Ctrl-C)")
+      ->check(positive_number());
+  command->add_option("--late", request->options.late, "drop and count live frames older than this, s")
+      ->check(positive_number())
+      ->capture_default_str();
+  command->add_flag(
+      "--view", request->view,
+      "a picture instead of lines: S as a bar, the tactels' stresses as blocks, shear with its direction");
+  command
+      ->add_option("--device", request->device, "OpenCL device: a part of its name or its index, see `tactel devices`")
+      ->type_name("NAME|INDEX");
+  command->add_flag("--quiet", request->quiet, "no summary each second and no warnings; the final summary stays");
+  command->callback([request, &action] { action = [request] { return run_monitor(*request); }; });
+}
+
+}  // namespace tactel::host

@@ -1,0 +1,49 @@
+#include "host/commands/live/sensor_session.h"
+
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+
+namespace tactel::host {
+
+const CLI::Validator& positive_number() {
+  static const CLI::Validator validator(
+      [](const std::string& text) -> std::string {
+        double value = 0;
+        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+        const bool number = error == std::errc{} && end == text.data() + text.size();
+        return number && std::isfinite(value) && value > 0 ? "" : text + ": must be a finite number above 0";
+      },
+      "above 0");
+  return validator;
+}
+
+void add_sensor_options(CLI::App& command, SensorRequest& request) {
+  command
+      .add_option("--source", request.source,
+                  "usb:glove, usb:VID:PID, 'usb:...?serial=NUMBER', replay:FILE or 'simulate:SCENE.toml?rate=100' "
+                  "(docs/sensors.md)")
+      ->type_name("SOURCE")
+      ->required();
+  command.add_option("--profile", request.profile, "device profile: wire format and channels")->type_name("FILE.toml");
+  command
+      .add_option("--calibration", request.calibration, "offsets and gains instead of the profile's, see tactel tare")
+      ->type_name("FILE.toml");
+}
+
+OpenSource open_for(const SensorRequest& request) {
+  OpenSource opened = open_source(request.source, request.profile, request.calibration);
+  if (!opened.note.empty() && !request.quiet) say("note: " + opened.note);
+  return opened;
+}
+
+void say_if_cut_short(const SensorRequest& request, const hw::FrameSource& source) {
+  if (source.cut_short() && !request.quiet) say("warning: " + request.source + " was cut off: its end is missing");
+}
+
+void say(const std::string& text) {
+  std::fputs((text + "\n").c_str(), stderr);
+  std::fflush(stderr);
+}
+
+}  // namespace tactel::host

@@ -1,0 +1,121 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <optional>
+
+#include "host/commands/command.h"
+#include "host/commands/live/sensor_session.h"
+#include "host/live/frame_reader.h"
+#include "host/support/durable_file.h"
+#include "host/support/errors.h"
+#include "host/support/progress_line.h"
+#include "hw/tare.h"
+
+namespace tactel::host {
+namespace {
+
+constexpr std::size_t fewest_frames = 8;  // fewer cannot tell rest from motion
+
+struct TareRequest : SensorRequest {
+  std::string output;
+  bool force = false;
+};
+
+/// Readings of --seconds by their arrival: of a recording those of the time when it was made.
+hw::Tare read_rest(const TareRequest& request, hw::FrameSource& source, hw::Decoder& decoder, const Until& until) {
+  hw::Tare tare(decoder.format().channels());
+  std::optional<double> first;
+  bool enough = false;
+  read_frames(source, decoder,
+              {.packet =
+                   [&](const hw::Packet& packet) {
+                     if (!first) first = packet.arrival;
+                     enough = packet.arrival - *first >= request.seconds;
+                   },
+               .frame = [&](const hw::DecodedFrame& frame, double) { tare.add(frame.values); },
+               .stop = [&] { return enough || until(); }});
+  return tare;
+}
+
+/// A channel that a tactel uses: "channel 3 (shear of tactel 0)".
+struct UsedChannel {
+  std::size_t channel = 0;
+  std::string text;
+};
+
+std::vector<UsedChannel> used_channels(const hw::ChannelMap& map) {
+  std::vector<UsedChannel> used;
+  for (const auto& [what, channels] : {std::pair{"normal", &map.normal}, {"shear", &map.shear}})
+    for (std::size_t i = 0; i < channels->size(); ++i)
+      if (const int channel = (*channels)[i]; channel >= 0)
+        used.push_back(
+            {static_cast<std::size_t>(channel), fmt::format("channel {} ({} stress of tactel {})", channel, what, i)});
+  return used;
+}
+
+/// The channel that moved most, as a sentence; empty for a sensor at rest. Throws SourceError for a channel without
+/// readings.
+std::string motion(const hw::Tare& tare, const hw::ChannelMap& map) {
+  std::string worst;
+  double most = 1;
+  for (const UsedChannel& used : used_channels(map)) {
+    const hw::ChannelRest rest = tare.channel(used.channel);
+    if (rest.readings == 0) throw hw::SourceError(used.text + " sends no finite number");
+    const double share = rest.at_rest() ? 0 : (rest.highest - rest.lowest) / rest.allowed;
+    if (share <= most) continue;
+    most = share;
+    worst = fmt::format("{} went from {:.4g} to {:.4g}, with a noise of {:.2g}", used.text, rest.lowest, rest.highest,
+                        rest.noise);
+  }
+  return worst;
+}
+
+int run_tare(const TareRequest& request) {
+  check_writable("--output", request.output);
+  OpenSource opened = open_for(request);
+  hw::Decoder decoder(opened.profile.format());
+  const Until until(opened.source->live() ? request.seconds : 0);  // a recording's time is that of its packets
+  const hw::Tare tare = [&] {
+    const StageLine stage("listening to the sensor at rest", request.quiet);
+    return read_rest(request, *opened.source, decoder, until);
+  }();
+  if (until.by_signal()) {
+    say(request.output + " was not written");
+    return interrupted;
+  }
+  say_if_cut_short(request, *opened.source);
+  if (tare.frames() < fewest_frames)
+    throw hw::SourceError(
+        fmt::format("{} frames came within {} s, and rest needs {}; is the sensor on? --seconds n "
+                    "listens longer",
+                    tare.frames(), request.seconds, fewest_frames));
+  if (const std::string moved = motion(tare, opened.profile.map); !moved.empty() && !request.force) {
+    say("error: the sensor was not at rest: " + moved + "; " + request.output +
+        " was not written; --force takes the mean all the same");
+    return not_converged;
+  }
+  hw::Calibration calibration = opened.profile.map.calibration;
+  calibration.offset = tare.offset();
+  write_file("--output", request.output, calibration_text(calibration));
+  say(fmt::format("the mean of {} frames is in {}", tare.frames(), request.output));
+  return done;
+}
+
+}  // namespace
+
+void add_tare_command(CLI::App& app, Action& action) {
+  auto request = std::make_shared<TareRequest>();
+  request->seconds = 2;
+  CLI::App* command = app.add_subcommand("tare", "offsets of a sensor at rest, as a calibration file");
+  add_sensor_options(*command, *request);
+  command->add_option("--output", request->output, "calibration file, for --calibration")
+      ->type_name("FILE.toml")
+      ->required();
+  command->add_option("--seconds", request->seconds, "time to listen, s")
+      ->check(positive_number())
+      ->capture_default_str();
+  command->add_flag("--force", request->force, "write the file even if the sensor moved");
+  command->callback([request, &action] { action = [request] { return run_tare(*request); }; });
+}
+
+}  // namespace tactel::host

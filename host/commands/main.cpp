@@ -1,0 +1,165 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <new>
+#include <stdexcept>
+#include <system_error>
+#include <vector>
+
+#include "host/commands/command.h"
+#include "host/commands/help_formatter.h"
+#include "host/commands/kernel_line.h"
+#include "host/device/device.h"
+#include "host/figures/plot.h"
+#include "host/support/errors.h"
+#include "host/support/interrupt.h"
+#include "host/support/nearest_word.h"
+#include "host/support/standard_streams.h"
+#include "hw/frame_source.h"
+
+namespace {
+
+using namespace tactel;
+using namespace tactel::host;
+
+constexpr const char* too_large =
+    "not enough memory for what this asks; take a coarser mesh, fewer load steps, fewer rows or a smaller network";
+
+/// Says what went wrong, in one line that begins with "error: "; never throws.
+int complain(ExitCode code, const std::string& message) {
+  std::fputs(("error: " + message + "\n").c_str(), stderr);
+  return code;
+}
+
+/// Runs a command; says what went wrong and turns it into an exit code.
+int guarded(const Action& action) try { return action(); } catch (const ConfigError& error) {
+  return complain(wrong_input, error.what());
+} catch (const ValueError& error) {
+  return complain(wrong_input, error.what());
+} catch (const PlotError& error) {
+  return complain(wrong_input, std::string("no plot: ") + error.what());
+} catch (const hw::RecordingError& error) {
+  return complain(wrong_input, error.what());
+} catch (const KernelBuildError& error) {
+  // The compiler removes its temporary files when a thread takes the signal, and fails then.
+  if (!Interrupt::seen()) return complain(device_failed, error.what());
+  std::fputs("stopped while kernels were compiled; what is done is kept: --resume goes on with it\n", stderr);
+  return interrupted;
+} catch (const Stopped& stopped) {
+  std::fputs((stopped.what() + std::string("\n")).c_str(), stderr);
+  return interrupted;
+} catch (const std::bad_alloc&) {
+  return complain(wrong_input, too_large);
+} catch (const std::length_error&) {
+  return complain(wrong_input, too_large);
+} catch (const std::filesystem::filesystem_error& error) {
+  return complain(wrong_input,
+                  error.path1().string() + ": must be a path that can be used (" + error.code().message() + ")");
+} catch (const std::system_error& error) {
+  if (std::ferror(stdout) != 0) return wrong_input;  // lost_output says why
+  return complain(device_failed, error.what());
+} catch (const std::exception& error) {
+  return complain(device_failed, error.what());
+}
+
+/// Warnings of the library, and what keeps a device busy, unless the command was told to be quiet.
+void show_messages(const CLI::App& command) {
+  const CLI::Option* quiet = command.get_option_no_throw("--quiet");
+  if (quiet != nullptr && quiet->count() > 0) return;
+  set_default_log([busy = kernel_line()](LogLevel level, std::string_view message) {
+    if (level == LogLevel::warning) std::fputs(("warning: " + std::string(message) + "\n").c_str(), stderr);
+    busy(level, message);
+  });
+}
+
+/// The exit code of a run, after all that it printed is out.
+int finished(int code) {
+  const auto lost = lost_output();
+  if (!lost) return code;
+  complain(wrong_input, "standard output: must be writable to its end (" + *lost + "); a part of the output is lost");
+  return code == done ? static_cast<int>(wrong_input) : code;
+}
+
+/// Says that a first word is no command, and which are; CLI11 would only say that one is missing.
+bool refuse_unknown_command(const CLI::App& app, const std::string& word) {
+  std::vector<std::string> known;
+  for (const CLI::App* command : app.get_subcommands({})) known.push_back(command->get_name());
+  if (word.starts_with('-') || std::ranges::find(known, word) != known.end()) return false;
+  const std::string nearest = nearest_word(word, known);
+  complain(wrong_input, fmt::format("command line: command = {}: must be one of {}{}", word, listed(known),
+                                    nearest.empty() ? "" : "; did you mean " + nearest + "?"));
+  return true;
+}
+
+/// CLI11's complaint in the form of ours.
+std::string parse_failure(const CLI::App* app, const CLI::Error& error) {
+  const auto chosen = app->get_subcommands();
+  const CLI::App& command = chosen.empty() ? *app : *chosen.front();
+  const bool extra = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
+  return fmt::format("error: command line: {}\nsee {} --help\n", extra ? unknown_argument(command) : error.what(),
+                     chosen.empty() ? "tactel" : "tactel " + command.get_name());
+}
+
+/// `tactel help [COMMAND]` as `tactel [COMMAND] --help`.
+std::vector<std::string> arguments_of(int argc, char** argv) {
+  std::vector<std::string> words(argv + 1, argv + argc);
+  if (!words.empty() && words.front() == "help") {
+    words.erase(words.begin());
+    words.push_back("--help");
+  }
+  return words;
+}
+
+int run(int argc, char** argv) {
+  CLI::App app{
+      "tactel: a tactile rubber skin in contact. Units: mm, MPa (N/mm2), N/mm (force per unit depth), s, degrees.",
+      "tactel"};
+  app.set_version_flag("-V,--version", "tactel " TACTEL_VERSION);
+  app.formatter(help_formatter());
+  app.require_subcommand(1);
+  app.footer(
+      "Exit codes: 0 done, 2 wrong input, 3 device or hardware, 4 something did not meet its tolerance, 130 Ctrl-C.");
+  Action action;
+  add_devices_command(app, action);
+  add_solve_command(app, action);
+  add_generate_command(app, action);
+  add_check_command(app, action);
+  add_train_command(app, action);
+  add_recall_command(app, action);
+  add_reproduce_command(app, action);
+  add_tradeoff_command(app, action);
+  add_extremes_command(app, action);
+  add_monitor_command(app, action);
+  add_record_command(app, action);
+  add_tare_command(app, action);
+  app.failure_message(parse_failure);
+  std::vector<std::string> words = arguments_of(argc, argv);
+  if (words.empty()) {
+    std::fputs(app.help().c_str(), stderr);
+    return wrong_input;
+  }
+  if (refuse_unknown_command(app, words.front())) return wrong_input;
+  std::ranges::reverse(words);  // CLI11 takes them from the back
+  try {
+    app.parse(words);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? done : wrong_input;
+  }
+  return guarded([&] {
+    for (const CLI::App* command : app.get_subcommands()) {
+      check_numbers(*command);
+      show_messages(*command);
+    }
+    return action();
+  });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  prepare_standard_streams();
+  return finished(run(argc, argv));
+}

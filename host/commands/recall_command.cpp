@@ -1,0 +1,125 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "host/commands/shared_options.h"
+#include "host/support/durable_file.h"
+#include "host/support/errors.h"
+#include "host/support/interrupt.h"
+#include "host/support/json_text.h"
+#include "host/support/progress_line.h"
+#include "host/training/network_report.h"
+
+namespace tactel::host {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct RecallRequest {
+  NetworkOptions shared;
+  std::string networks, set, json, rows;
+};
+
+void check_recall_outputs(const RecallRequest& request) {
+  if (!request.json.empty() && request.json != "-") check_writable("--json", request.json);
+  if (!request.rows.empty()) check_writable("--rows", request.rows);
+}
+
+/// All networks on all rows; nothing after Ctrl-C.
+std::optional<std::vector<NetworkResult>> recall(const RecallRequest& request, std::span<const NamedNetwork> networks,
+                                                 const nn::FrameSet& set) {
+  Executor executor{Device(request.shared.device)};
+  const Interrupt interrupt;
+  ProgressLine line("recall", "frames", request.shared.quiet);
+  const auto progress = [&](std::size_t done, std::size_t all) {
+    line.show(done, all);
+    return !interrupt.requested();
+  };
+  const bool keep_rows = !request.rows.empty();
+  if (request.shared.precision == "fp64") return recall_networks<double>(executor, networks, set, keep_rows, progress);
+  return recall_networks<float>(executor, networks, set, keep_rows, progress);
+}
+
+Json report_json(const RecallRequest& request, std::span<const NamedNetwork> networks,
+                 std::span<const NetworkResult> results, const ContactSet& set, const AnsweredRows& rows) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < networks.size(); ++i) {
+    list.push_back(to_json(networks[i]));
+    list.back().update(to_json(results[i], set.indenter_names));
+  }
+  return {{"tactel", TACTEL_VERSION},
+          {"set", request.set},
+          {"rows", rows.frames.rows()},
+          {"rows_left_out", rows.left_out},
+          {"precision", request.shared.precision},
+          {"networks", list}};
+}
+
+// An empty field where a network gave no answer.
+std::string rows_csv(std::span<const NamedNetwork> networks, std::span<const NetworkResult> results,
+                     const AnsweredRows& rows) {
+  std::string text = "row,slip_index";
+  for (const NamedNetwork& network : networks) text += "," + network.file;
+  text += '\n';
+  for (std::size_t k = 0; k < rows.row.size(); ++k) {
+    text += fmt::format("{},{:.9g}", rows.row[k], rows.frames.slip_index[static_cast<Eigen::Index>(k)]);
+    for (const NetworkResult& result : results)
+      text += std::isnan(result.slip_index[k]) ? "," : fmt::format(",{:.9g}", result.slip_index[k]);
+    text += '\n';
+  }
+  return text;
+}
+
+std::string tables(const RecallRequest& request, std::span<const NamedNetwork> networks,
+                   std::span<const NetworkResult> results, const ContactSet& set, const AnsweredRows& rows) {
+  std::string text = fmt::format("errors |S - S of the set| of {} networks on {} rows of {}\n", networks.size(),
+                                 rows.frames.rows(), request.set);
+  if (rows.left_out > 0)
+    text +=
+        fmt::format("{} rows of the set were left out: over tolerance, or without a slippage index\n", rows.left_out);
+  return text + "\n" + error_table(networks, results) + "\n" +
+         error_table_by_kind(networks, results, set.indenter_names);
+}
+
+int run_recall(const RecallRequest& request) {
+  check_recall_outputs(request);
+  const std::vector<NamedNetwork> networks = read_networks(request.networks);
+  const ContactSet set = [&] {
+    const StageLine stage("reading " + request.set, request.shared.quiet);
+    return read_contact_set(request.set);
+  }();
+  const AnsweredRows rows = answered_rows(set, request.set);
+  const auto results = recall(request, networks, rows.frames);
+  if (!results) return interrupted;
+  if (!request.rows.empty()) write_file("--rows", request.rows, rows_csv(networks, *results, rows));
+  const Json report = report_json(request, networks, *results, set, rows);
+  if (request.json == "-") {
+    fmt::print("{}", json_text(report));
+    return done;
+  }
+  if (!request.json.empty()) write_file("--json", request.json, json_text(report));
+  fmt::print("{}", tables(request, networks, *results, set, rows));
+  return done;
+}
+
+}  // namespace
+
+void add_recall_command(CLI::App& app, Action& action) {
+  auto request = std::make_shared<RecallRequest>();
+  CLI::App* command = app.add_subcommand("recall", "errors of trained networks on a set");
+  command->add_option("networks", request->networks, "directory of tactel train, or one network (*.onnx)")
+      ->type_name("DIR|FILE.onnx")
+      ->required();
+  command->add_option("set", request->set, "set to judge by (HDF5), see tactel generate")
+      ->type_name("SET.h5")
+      ->required();
+  command->add_option("--json", request->json, "write all errors as JSON; - for standard output, instead of the tables")
+      ->type_name("FILE");
+  command->add_option("--rows", request->rows, "write S of the set and of every network, row by row, as CSV")
+      ->type_name("FILE.csv");
+  add_network_options(*command, request->shared);
+  command->callback([request, &action] { action = [request] { return run_recall(*request); }; });
+}
+
+}  // namespace tactel::host

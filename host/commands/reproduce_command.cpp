@@ -1,0 +1,167 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "host/commands/command.h"
+#include "host/studies/paper/direct_problem_report.h"
+#include "host/studies/paper/inverse_problem_report.h"
+#include "host/studies/paper/real_sensor_report.h"
+#include "host/support/durable_file.h"
+#include "host/support/errors.h"
+#include "host/support/interrupt.h"
+#include "host/support/json_text.h"
+#include "host/support/progress_line.h"
+
+namespace tactel::host {
+namespace {
+
+struct ReproduceRequest {
+  std::string output = "report", device;
+  std::size_t seeds = 10;
+  int cycles = 0, noise_cycles = enough_noise_cycles;
+  bool quiet = false, force = false;
+
+  std::filesystem::path checkpoint(double noise) const {
+    return std::filesystem::path(output) / fmt::format("networks-{}.checkpoint", noise);
+  }
+};
+
+void make_directory(const std::filesystem::path& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error)
+    throw ConfigError("command line", "--output", path.string(),
+                      "a directory that can be made (" + error.message() + ")");
+}
+
+void remove_checkpoints(const ReproduceRequest& request) {
+  for (double noise : {0.0, paper_noise}) std::filesystem::remove(request.checkpoint(noise));
+}
+
+/// Asks for the checkpoints of both noise levels before hours of work on the first.
+void expect_own_checkpoints(const ReproduceRequest& request, Executor& executor, const InverseChoice& clean,
+                            const InverseChoice& noisy, const InverseSets& sets) try {
+  expect_own_checkpoint(executor, clean, 0, request.seeds, sets, request.checkpoint(0));
+  expect_own_checkpoint(executor, noisy, paper_noise, request.seeds, sets, request.checkpoint(paper_noise));
+} catch (const ConfigError& error) {
+  throw ConfigError(error.file, error.key, error.value,
+                    "of this training: the same --seeds, --cycles, --noise-cycles and device go on with it; --force "
+                    "trains anew, another --output leaves it alone");
+}
+
+/// Trains at one noise level, with progress and checkpoint. False when Ctrl-C stopped it.
+bool train_networks(const ReproduceRequest& request, Executor& executor, const InverseChoice& choice, double noise,
+                    InverseProblem& problem) {
+  const Interrupt interrupt;
+  ProgressLine line(
+      fmt::format("Table II: networks {} noise, {} seeds each", noise == 0 ? "without" : "with", request.seeds),
+      "weight updates", request.quiet);
+  const std::filesystem::path checkpoint = request.checkpoint(noise);
+  const auto progress = [&](std::size_t done, std::size_t total) {
+    line.show(done, total);
+    return !interrupt.requested();
+  };
+  const bool finished = train_and_recall(executor, choice, noise, request.seeds,
+                                         {.progress = progress, .checkpoint = checkpoint}, problem);
+  line.clear();
+  if (!finished) fmt::print(stderr, "stopped; the same command goes on from {}\n", checkpoint.string());
+  return finished;
+}
+
+/// Section VI. False when Ctrl-C stopped it.
+bool reproduce_real_sensor(const ReproduceRequest& request, Executor& executor, ReportPage& page) {
+  const Interrupt interrupt;
+  ProgressLine line("section VI: networks of the real sensor", "networks", request.quiet);
+  RealSensorOptions options;
+  options.training.cycle_limit = request.cycles;
+  options.seeds = std::min(options.seeds, request.seeds);
+  options.progress = [&](std::size_t done, std::size_t total) {
+    line.show(done, total);
+    return !interrupt.requested();
+  };
+  const auto study = study_real_sensor(executor, real_sensor_choice(), options);
+  line.clear();
+  if (!study) {
+    fmt::print(stderr, "stopped; the same command goes on after the networks of section V\n");
+    return false;
+  }
+  report_real_sensor(page, *study);
+  write_file("--output", std::filesystem::path(request.output) / "section6.json", json_text(real_sensor_json(*study)));
+  return true;
+}
+
+/// Section V. False when Ctrl-C stopped it.
+bool reproduce_networks(const ReproduceRequest& request, Executor& executor, ReportPage& page) {
+  const std::filesystem::path directory = request.output;
+  InverseChoice choice = inverse_choice();
+  choice.options.cycle_limit = request.cycles;
+  InverseChoice noisy = choice;
+  if (request.cycles == 0) noisy.options.cycle_limit = request.noise_cycles;
+  InverseProblem problem;
+  {
+    const StageLine stage("learning and recall sets of section V", request.quiet);
+    problem.sets = simulate_sets(executor, choice);
+  }
+  if (request.force) remove_checkpoints(request);
+  expect_own_checkpoints(request, executor, choice, noisy, problem.sets);
+  if (!train_networks(request, executor, choice, 0, problem)) return false;
+  if (!train_networks(request, executor, noisy, paper_noise, problem)) return false;
+  const StageLine stage("Table II with other choices of what the paper leaves open", request.quiet);
+  const auto sensitivity = inverse_sensitivity(executor, choice, std::min<std::size_t>(request.seeds, 4),
+                                               request.cycles > 0 ? std::min(request.cycles, 2000) : 2000);
+  report_inverse_problem(page, problem, choice, sensitivity);
+  write_file("--output", directory / "table2.json", json_text(table_two_json(problem)));
+  return true;
+}
+
+int run_reproduce(const ReproduceRequest& request) {
+  const std::filesystem::path directory = request.output;
+  make_directory(directory);
+  check_writable("--output", directory / "index.html");
+  Executor executor{Device(request.device)};
+  ReportPage page("tactel: the paper again",
+                  "Detection of incipient object slippage by skin-like sensing and neural network processing (1998), "
+                  "computed by tactel " TACTEL_VERSION " on " +
+                      executor.device().info().name);
+  const auto table_one = [&] {
+    const StageLine stage("Table I and Figures 3 to 5: the direct problem", request.quiet);
+    return report_direct_problem(executor, page);
+  }();
+  write_file("--output", directory / "table1.json", json_text(table_one));
+  if (!reproduce_networks(request, executor, page) || !reproduce_real_sensor(request, executor, page))
+    return interrupted;
+  write_file("--output", directory / "index.html", page.html());
+  remove_checkpoints(request);
+  if (!request.quiet)
+    fmt::print("report: {}\n", std::filesystem::absolute(directory / "index.html").lexically_normal().string());
+  return done;
+}
+
+}  // namespace
+
+void add_reproduce_command(CLI::App& app, Action& action) {
+  auto request = std::make_shared<ReproduceRequest>();
+  CLI::App* command = app.add_subcommand(
+      "reproduce", "the paper: Tables I and II, Figures 3 to 5 and section VI, as an HTML page and JSON");
+  command->add_option("--output", request->output, "directory of the report")->type_name("DIR")->capture_default_str();
+  command->add_option("--device", request->device, "OpenCL device: a part of its name or its index")
+      ->type_name("NAME|INDEX");
+  command
+      ->add_option("--seeds", request->seeds,
+                   "number of initial weights of each network of Table II; 100 give the full statistics")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command
+      ->add_option("--cycles", request->cycles, "learning cycles, fewer than the paper's for a quick look; 0: as many")
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
+  command->add_option("--noise-cycles", request->noise_cycles, "learning cycles with noise; 0: as many as the paper")
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
+  command->add_flag("--force", request->force, "train anew, and discard an interrupted training in DIR");
+  command->add_flag("--quiet", request->quiet, "print only errors");
+  command->callback([request, &action] { action = [request] { return run_reproduce(*request); }; });
+}
+
+}  // namespace tactel::host

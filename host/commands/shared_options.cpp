@@ -1,0 +1,48 @@
+#include "host/commands/shared_options.h"
+
+namespace tactel::host {
+namespace {
+
+void add_device_option(CLI::App& command, std::string& device) {
+  command.add_option("--device", device, "OpenCL device: a part of its name or its index, see `tactel devices`")
+      ->type_name("NAME|INDEX");
+}
+
+}  // namespace
+
+void add_shared_options(CLI::App& command, SharedOptions& options, const char* precision) {
+  SolveOptions& solve = options.solve;
+  command.add_option("--solver", solve.solver, "solver: batched (OpenCL) or reference (full mesh, no OpenCL, slow)")
+      ->check(CLI::IsMember(solver_names()))
+      ->capture_default_str();
+  command
+      .add_option("--precision", solve.precision,
+                  std::string("precision of the arithmetic (default: ") + precision + ")")
+      ->check(CLI::IsMember({"fp32", "fp64"}));
+  add_device_option(command, solve.device);
+  command
+      .add_option("--tolerance", solve.tolerance,
+                  "largest relative residual that counts as converged, no unit (default: the solver's own)")
+      ->check(CLI::PositiveNumber);
+  command
+      .add_option("--rung", solve.rung,
+                  "model: a rung of the ladder sets mesh, load steps, precision and tolerance, and overrides the file "
+                  "(docs/accuracy.md; default: as in the file)")
+      ->check(CLI::IsMember(rung_names()));
+  command
+      .add_option("--accuracy", solve.accuracy,
+                  "largest expected error in S: selects the cheapest rung that keeps it, and reports the choice")
+      ->type_name("E")
+      ->check(CLI::PositiveNumber);
+  command.add_flag("--quiet", options.quiet, "no progress and no warnings on stderr");
+}
+
+void add_network_options(CLI::App& command, NetworkOptions& options) {
+  command.add_option("--precision", options.precision, "precision of the arithmetic; network files hold fp32")
+      ->check(CLI::IsMember({"fp32", "fp64"}))
+      ->capture_default_str();
+  add_device_option(command, options.device);
+  command.add_flag("--quiet", options.quiet, "no progress and no warnings; for train no summary either");
+}
+
+}  // namespace tactel::host

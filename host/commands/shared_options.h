@@ -1,0 +1,19 @@
+#pragma once
+#include "host/commands/command.h"
+#include "host/contact/solve.h"
+#include "host/networks/network_options.h"
+
+namespace tactel::host {
+
+/// Options of every command that computes.
+struct SharedOptions {
+  SolveOptions solve;
+  bool quiet = false;
+};
+/// `precision`: the default, in words.
+void add_shared_options(CLI::App& command, SharedOptions& options,
+                        const char* precision = "fp64, or fp32 on a device without it");
+
+void add_network_options(CLI::App& command, NetworkOptions& options);
+
+}  // namespace tactel::host

@@ -1,0 +1,116 @@
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "fem/stress_field.h"
+#include "host/commands/shared_options.h"
+#include "host/contact/scene_json.h"
+#include "host/contact/solution_table.h"
+#include "host/figures/contact_figure.h"
+#include "host/figures/vtu.h"
+#include "host/scenes/scene_file.h"
+#include "host/support/durable_file.h"
+#include "host/support/errors.h"
+#include "host/support/json_text.h"
+#include "host/support/progress_line.h"
+
+namespace tactel::host {
+namespace {
+
+struct SolveRequest {
+  SharedOptions shared;
+  std::string scene, json, plot, field;
+  std::optional<int> step;
+};
+
+/// Everything that could make the results unwritable, before the work and not after it.
+void check_solve_outputs(const SolveRequest& request) {
+  if (!request.json.empty() && request.json != "-") check_writable("--json", request.json);
+  if (!request.plot.empty()) check_figure_path("--plot", request.plot);
+  if (!request.field.empty()) check_writable("--field", request.field);
+}
+
+/// Index of the step that --step names, from 1; the last by default.
+std::size_t chosen_step(const SolveRequest& request, const fem::ContactSolution& solution) {
+  const int count = static_cast<int>(solution.steps.size());
+  const int step = request.step.value_or(count);
+  if (step < 1 || step > count) {
+    throw ConfigError("command line", "--step", std::to_string(step),
+                      fmt::format("a load step of this scene, 1 to {}", count));
+  }
+  return static_cast<std::size_t>(step - 1);
+}
+
+void warn(const SolveRequest& request, const std::string& text) {
+  if (!request.shared.quiet) fmt::print(stderr, "warning: {}\n", text);
+}
+
+void warn_of_strain(const SolveRequest& request, const fem::StressField& field) {
+  Eigen::Index node = 0;
+  const double most = field.strain.maxCoeff(&node);
+  if (most <= fem::linear_strain_limit) return;
+  warn(request,
+       fmt::format("the strain reaches {:.0f} % at x = {:.3g} mm, y = {:.3g} mm; rubber was measured to be "
+                   "linear up to {:.0f} %",
+                   100 * most, field.mesh.node(0, node), field.mesh.node(1, node), 100 * fem::linear_strain_limit));
+}
+
+void write_results(const SolveRequest& request, const fem::Scene& scene, const SolveOutcome& outcome) {
+  const std::size_t step = chosen_step(request, outcome.solution);
+  if (request.json == "-") {
+    fmt::print("{}", json_text(to_json(scene, outcome)));
+  } else {
+    if (!request.json.empty()) write_file("--json", request.json, json_text(to_json(scene, outcome)));
+    fmt::print("{}", solution_table(scene, outcome));
+  }
+  if (!request.plot.empty()) write_figure("--plot", request.plot, contact_figure(scene, outcome.solution, step));
+  if (request.field.empty()) return;
+  const fem::StressField field = fem::stress_field(scene.sensor, outcome.solution.steps[step]);
+  write_file("--field", request.field, to_vtu(field));
+  warn_of_strain(request, field);
+}
+
+int run_solve(const SolveRequest& request) {
+  const fem::Scene asked = read_scene(request.scene);
+  check_solve_outputs(request);
+  const SolveOutcome outcome = [&] {
+    const StageLine stage("solving " + request.scene, request.shared.quiet);
+    return solve(asked, request.shared.solve);
+  }();
+  const fem::Scene& scene = outcome.scene;
+  if (outcome.plan && !request.shared.quiet) fmt::print(stderr, "{}\n", outcome.plan->why());
+  for (const std::string& warning : warnings(outcome)) warn(request, warning);
+  write_results(request, scene, outcome);
+  const bool converged = std::ranges::all_of(outcome.solution.steps, &fem::ContactStep::converged);
+  if (!converged) warn(request, "not every step met its tolerance: see the column `met`");
+  const bool accurate = !outcome.plan || outcome.plan->kept;
+  if (!accurate) warn(request, "no rung is known to keep this accuracy on this scene: the finest was taken");
+  return converged && accurate && !never_slid(scene, outcome.solution) ? done : not_converged;
+}
+
+}  // namespace
+
+void add_solve_command(CLI::App& app, Action& action) {
+  auto request = std::make_shared<SolveRequest>();
+  CLI::App* command = app.add_subcommand("solve", "one contact: a line per load step, or the whole answer");
+  command->add_option("scene", request->scene, "scene file (TOML; mm, MPa, N/mm, degrees)")
+      ->type_name("SCENE.toml")
+      ->required();
+  command
+      ->add_option("--json", request->json,
+                   "write the whole answer as JSON; - for standard output, instead of the table")
+      ->type_name("FILE");
+  command
+      ->add_option("--plot", request->plot,
+                   "draw tractions on the surface (MPa), stress at the tactels (MPa) and S, over x (mm)")
+      ->type_name("FILE.svg|FILE.png");
+  command->add_option("--field", request->field, "write displacement (mm) and stress (MPa) in the block, for ParaView")
+      ->type_name("FILE.vtu");
+  command->add_option("--step", request->step, "load step of --plot and --field, from 1 (default: the last)")
+      ->type_name("K");
+  add_shared_options(*command, request->shared);
+  command->callback([request, &action] { action = [request] { return run_solve(*request); }; });
+}
+
+}  // namespace tactel::host

@@ -1,0 +1,180 @@
+#include <fmt/format.h>
+
+#include "host/commands/shared_options.h"
+#include "host/figures/plot.h"
+#include "host/support/errors.h"
+#include "host/support/interrupt.h"
+#include "host/support/progress_line.h"
+#include "host/training/rank_training.h"
+#include "host/training/stream_training.h"
+#include "host/training/training.h"
+#include "host/training/training_directory.h"
+
+namespace tactel::host {
+namespace {
+
+void check_training_output(const TrainRequest& request) {
+  TrainingDirectory(request.output).check(request.resume, request.force);
+  check_figure_path("--output", TrainingDirectory(request.output).figure());
+}
+
+std::string how_to_go_on(const TrainRequest& request, const TrainingOutcome& outcome) {
+  if (outcome.checkpoint.empty()) return "stopped; the same command with --resume and as many processes goes on\n";
+  return fmt::format("stopped after {:.1f} % of the {} at most; the same command with --resume goes on from {}\n",
+                     100 * outcome.share, request.streams() ? "rows" : "cycles", outcome.checkpoint.string());
+}
+
+/// Says how a training ended, and turns it into an exit code.
+int say(const TrainRequest& request, const TrainingOutcome& outcome) {
+  const bool quiet = request.shared.quiet;
+  if (outcome.end == TrainingEnd::stopped) {
+    if (!quiet) fmt::print(stderr, "{}", how_to_go_on(request, outcome));
+    return interrupted;
+  }
+  if (outcome.end == TrainingEnd::done_before) {
+    if (!quiet) fmt::print("{}: this training is done\n", request.output);
+    return done;
+  }
+  if (!quiet) {
+    fmt::print("{}", outcome.summary);
+    for (const std::string& table : outcome.tables) fmt::print("\n{}", table);
+  }
+  if (outcome.diverged == 0) return done;
+  if (!quiet)
+    fmt::print(stderr, "warning: {} of {} networks diverged and have no file: a smaller --learning-rate may help\n",
+               outcome.diverged, outcome.networks);
+  return not_converged;
+}
+
+/// Runs a training under Ctrl-C, with a line of progress on a terminal unless `silent`.
+TrainingOutcome run_job(TrainingJob& job, const TrainRequest& request, bool silent = false) {
+  const Interrupt interrupt;
+  ProgressLine line("training", request.streams() ? "rows" : "weight updates", silent || request.shared.quiet);
+  const auto progress = [&](std::size_t done, std::size_t all, double pace) {
+    line.show(done, all, pace > 0 ? with_prefix(pace) + " patterns/s" : "");
+    return !interrupt.requested();
+  };
+  const auto log = [&](LogLevel level, std::string_view message) {
+    if (level == LogLevel::warning && !request.shared.quiet) fmt::print(stderr, "warning: {}\n", message);
+  };
+  return job.run({.progress = progress, .log = log});
+}
+
+/// A stream of frames, or a set that does not fit memory: mini-batches, one pass after the other.
+int run_train_stream(const TrainRequest& request) {
+  const TrainingPlan plan = plan_of(request);
+  if (plan.noises.size() > 1)
+    throw ConfigError("command line", "--noise", "several levels", "one level with --stream or --block");
+  if (const Ranks ranks; ranks.count() > 1)
+    throw ConfigError("command line", request.stream.empty() ? "--block" : "--stream",
+                      fmt::format("with {} processes", ranks.count()), "trained by one process, without mpirun");
+  check_training_output(request);
+  return say(request, run_job(*stream_training(request, plan), request));
+}
+
+int run_train(const TrainRequest& request) {
+  if (request.set.empty() == request.stream.empty())
+    throw ConfigError("command line", "SET.h5", request.set.empty() ? "(missing)" : request.set,
+                      "given, or --stream SWEEP.toml instead of it");
+  if (request.streams()) return run_train_stream(request);
+  const TrainingPlan plan = plan_of(request);
+  std::optional<StageLine> stage(std::in_place, "reading " + request.set, request.shared.quiet);
+  const NamedSet set = read_learning_set(request);
+  check_width(plan, set);
+  std::optional<NamedSet> recall_set;
+  if (!request.recall_set.empty()) {
+    stage.emplace("reading " + request.recall_set, request.shared.quiet);
+    recall_set = read_set(request.recall_set);
+    check_width(plan, *recall_set);
+  }
+  stage.reset();
+  const Ranks ranks;
+  if (ranks.count() == 1) {
+    check_training_output(request);
+    return say(request, run_job(*set_training(request, plan, set, recall_set), request));
+  }
+  const TrainingOutcome outcome = run_job(*rank_training(ranks, request, plan, set, recall_set), request, true);
+  if (ranks.first()) return say(request, outcome);
+  return outcome.end == TrainingEnd::stopped ? interrupted : outcome.diverged > 0 ? not_converged : done;
+}
+
+void add_training_options(CLI::App& command, TrainRequest& request) {
+  command
+      .add_option("--schedule", request.schedule,
+                  "online: pattern by pattern (the paper's); batch: mini-batches, for large sets (default: online; "
+                  "with --stream and --block always batch)")
+      ->check(CLI::IsMember({"online", "batch"}));
+  command.add_option(
+      "--cycles,--epochs", request.cycles,
+      "most passes over the set (default: 10000, 15000 with two hidden layers, 1000 with --schedule batch)");
+  command.add_option("--learning-rate", request.rate, "no unit (default: 0.1, for adam 0.001)");
+  command.add_option("--momentum", request.momentum,
+                     "share of the last step in the next one, 0 to 1 (default: 0.9); not for adam");
+  command.add_option(
+      "--stop-error", request.stop_error,
+      "a network stops when every |error| of S in a cycle is below this, no unit; 0: never (default: 0.01)");
+  command.add_option("--order", request.order, "order of the rows in a cycle")
+      ->check(CLI::IsMember({"permuted", "sequential"}))
+      ->capture_default_str();
+  command.add_option("--batch", request.batch, "rows to a change of the weights, with --schedule batch (default: 64)");
+  command
+      .add_option("--optimizer", request.optimizer,
+                  "with --schedule batch: delta (the delta rule with momentum) or adam (default: adam)")
+      ->check(CLI::IsMember({"delta", "adam"}));
+}
+
+}  // namespace
+
+void add_train_command(CLI::App& app, Action& action) {
+  auto request = std::make_shared<TrainRequest>();
+  CLI::App* command = app.add_subcommand("train", "networks that estimate S from the stresses, with learning curves");
+  command->add_option("set", request->set, "learning set (HDF5), see tactel generate")->type_name("SET.h5");
+  command->add_option("--output", request->output, "directory for the networks, their report and figure")
+      ->type_name("DIR")
+      ->required();
+  command
+      ->add_option("--network", request->networks,
+                   "1 to 6 of the paper, or widths such as 42-42-21-1; repeatable (default: all six)")
+      ->type_name("N|WIDTHS")
+      ->allow_extra_args(false);
+  command->add_option("--seeds", request->seeds, "number of networks of each kind, with consecutive seeds")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--first-seed,--seed", request->first_seed, "first seed of initial weights, order and noise")
+      ->capture_default_str();
+  command
+      ->add_option("--noise", request->noises,
+                   "standard deviation of Gaussian noise on the learning set over its largest |stress|, 0.1 for 10 %; "
+                   "repeatable (default: 0)")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--scaling", request->scaling,
+                   "divisor of the stresses: set, the learning set's largest |stress|; frame, each frame's own largest "
+                   "normal stress")
+      ->check(CLI::IsMember({"set", "frame"}))
+      ->capture_default_str();
+  add_training_options(*command, *request);
+  command
+      ->add_option("--stream", request->stream,
+                   "instead of a set: contacts of this sweep file, simulated on demand and never stored")
+      ->type_name("SWEEP.toml");
+  command
+      ->add_option("--rows", request->rows, "number of rows of --stream or --block to learn from (default: 10000000)")
+      ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--block", request->block, "read the set in blocks of this many rows: for sets larger than memory")
+      ->check(CLI::Range(1, 100'000'000))
+      ->type_name("ROWS");
+  command->add_option("--recall", request->recall_set, "second set to judge the networks by")->type_name("SET.h5");
+  command
+      ->add_option("--checkpoint-seconds", request->checkpoint_seconds,
+                   "interval between two writings of DIR/checkpoint, s")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  CLI::Option* resume = command->add_flag("--resume", request->resume, "resume from DIR/checkpoint, if it exists");
+  command->add_flag("--force", request->force, "train anew and overwrite the files in DIR")->excludes(resume);
+  add_network_options(*command, request->shared);
+  command->callback([request, &action] { action = [request] { return run_train(*request); }; });
+}
+
+}  // namespace tactel::host

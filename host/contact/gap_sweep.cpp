@@ -1,0 +1,418 @@
+#include "host/contact/gap_sweep.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+
+#include "fem/contact_laws.h"
+#include "fem/spread.h"
+#include "host/contact/gap_sweep_tables.h"
+#include "kernels/shared/contact_layout.h"
+
+namespace tactel::host {
+namespace {
+
+constexpr double far_away = 2 * NO_GAP_ELEMENT;  ///< mm: no indenter here
+constexpr int vectors = 3;  ///< of LANES scenes a work-item: each number of C that is loaded serves thrice
+
+template <class Real>
+Buffer<Real> on_device(const Device& device, const std::vector<Real>& values) {
+  return Buffer<Real>(device, std::span<const Real>(values));
+}
+
+/// Nodes that the rigid profile reaches at the deepest indentation, about: what a lane costs. heights: [columns] mm.
+int expected_window(const fem::Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& heights) {
+  const auto& targets = by_force(scene) ? scene.load.normal_force : scene.load.indentation;
+  double depth = *std::max_element(targets.begin(), targets.end());
+  if (by_force(scene)) depth = 0.3 * depth / scene.sensor.young;
+  return static_cast<int>((heights.array() < 1.25 * depth).count());
+}
+
+}  // namespace
+
+std::optional<double> slip_index(double mu, double P, double kernel_index) {
+  if (!fem::slip_index(mu, P, 0)) return std::nullopt;
+  return mu < fem::largest_friction ? kernel_index : 0;
+}
+
+ContactKind kind_of(const fem::Scene& scene) { return {.force = by_force(scene), .friction = scene.friction != 0}; }
+
+template <class Real>
+struct GapSweep<Real>::State {
+  State(Executor& executor, const fem::Sensor& sensor, const GapSweepOptions& options,
+        const std::filesystem::path& cache)
+      : executor(executor),
+        sensor(sensor),
+        options(options),
+        condensation(fem::spread(fem::condense_cached(sensor, cache), options.spread)) {
+    constexpr double epsilon = std::numeric_limits<Real>::epsilon();
+    if (this->options.tolerance == 0) this->options.tolerance = sizeof(Real) == 4 ? 1e-5 : 1e-11;
+    if (this->options.accept == 0) {
+      const double lost = options.spread == 1 ? fem::lost_force(condensation) : 0;
+      this->options.accept = std::max({100 * this->options.tolerance, 200 * epsilon, 2 * lost});
+    }
+    const Device& device = executor.device();
+    node = on_device(device, node_table<Real>(condensation.compliance));
+    const Eigen::MatrixXd base = base_outputs();
+    base_rows = static_cast<int>(base.rows());
+    rows = base_rows + (options.tactels ? static_cast<int>(condensation.tactel_stress.rows()) : 0);
+    Eigen::MatrixXd outputs(rows, condensation.compliance.cols());
+    outputs.topRows(base_rows) = base;
+    if (options.tactels) outputs.bottomRows(rows - base_rows) = condensation.tactel_stress;
+    map = on_device(device, output_table<Real>(outputs));
+  }
+
+  /// Base forces as options want them [rows, 2 columns]: x and y take turns.
+  Eigen::MatrixXd base_outputs() const {
+    const Eigen::MatrixXd& all = condensation.base_force;
+    if (options.base_sums) {
+      Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(2, all.cols());
+      for (Eigen::Index row = 0; row < all.rows(); ++row) sums.row(row % 2) += all.row(row);
+      return sums;
+    }
+    return options.base_forces ? all : Eigen::MatrixXd(0, all.cols());
+  }
+
+  int columns() const { return static_cast<int>(condensation.surface_x.size()); }
+  Precision precision() const { return sizeof(Real) == 4 ? Precision::fp32 : Precision::fp64; }
+  int lanes() const { return executor.device().lanes(precision()); }
+  int group() const { return lanes() == 1 ? 1 : lanes() * vectors; }
+
+  const Buffer<Real>& compliance(bool friction) {
+    auto& table = compliances[friction];
+    if (table.size() == 0)
+      table = on_device(executor.device(), compliance_table<Real>(condensation.compliance, friction));
+    return table;
+  }
+
+  const Program& program(ContactKind kind) {
+    auto& program = programs[kind.force][kind.friction];
+    if (!program) {
+      const auto text = [](int value) { return std::to_string(value); };
+      program = std::make_unique<Program>(executor.device(), "gap_sweep.cl",
+                                          Defines{{"REAL", real_type(precision())},
+                                                  {"LANES", text(lanes())},
+                                                  {"VECTORS", text(group() / lanes())},
+                                                  {"NODES", text(columns())},
+                                                  {"FORCE_CONTROL", text(kind.force)},
+                                                  {"FRICTION", text(kind.friction)}});
+    }
+    return *program;
+  }
+
+  Executor& executor;
+  fem::Sensor sensor;
+  GapSweepOptions options;
+  fem::Condensation condensation;
+  Buffer<Real> node, map;
+  Buffer<Real> compliances[2];  ///< [friction], made when first asked for
+  int rows = 0, base_rows = 0;
+  std::unique_ptr<Program> programs[2][2];  ///< [force][friction]
+};
+
+template <class Real>
+struct GapSweep<Real>::Batch::State {
+  std::shared_ptr<GapSweep<Real>::State> sweep;
+  std::vector<std::size_t> place;      ///< [scenes] lane of scene i, counted over all groups
+  std::vector<std::size_t> order;      ///< [scenes] scene in a lane: the inverse of place
+  std::vector<int> path_steps;         ///< [scenes]
+  std::vector<int> indentation_steps;  ///< [scenes]
+  std::vector<double> friction;        ///< [scenes]
+  int steps = 0;
+  std::size_t groups = 0;
+  double seconds = 0;
+  Buffer<Real> lane_input, profile, path, result, rows, nodes;
+  Launch launch;
+
+  /// Index of [group][.. `row` of `height` a group ..][lane].
+  std::size_t at(std::size_t scene, std::size_t height, std::size_t row) const {
+    return at_lane(place[scene], height, row);
+  }
+  std::size_t at_lane(std::size_t lane, std::size_t height, std::size_t row) const {
+    const std::size_t group = sweep->group();
+    return ((lane / group) * height + row) * group + lane % group;
+  }
+
+  void lay_out(std::span<const fem::Scene> scenes, const Eigen::MatrixXd& profiles);
+  void fill_scene(std::size_t i, const fem::Scene& scene, const fem::LoadPath& path, std::span<Real> input,
+                  std::span<Real> targets) const;
+  void fill(std::span<const fem::Scene> scenes, std::span<const fem::LoadPath> paths, const Eigen::MatrixXd& profiles);
+};
+
+/// Scenes of like cost side by side, so that the lanes of a group finish together.
+template <class Real>
+void GapSweep<Real>::Batch::State::lay_out(std::span<const fem::Scene> scenes, const Eigen::MatrixXd& profiles) {
+  order.resize(scenes.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::vector<int> window(scenes.size());
+  for (std::size_t i = 0; i < scenes.size(); ++i)
+    window[i] = expected_window(scenes[i], profiles.col(static_cast<Eigen::Index>(i)));
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return std::tuple(window[a], path_steps[a], friction[a], a) > std::tuple(window[b], path_steps[b], friction[b], b);
+  });
+  place.resize(scenes.size());
+  for (std::size_t k = 0; k < order.size(); ++k) place[order[k]] = k;
+}
+
+template <class Real>
+void GapSweep<Real>::Batch::State::fill_scene(std::size_t i, const fem::Scene& scene, const fem::LoadPath& load,
+                                              std::span<Real> input, std::span<Real> targets) const {
+  const double young = scene.sensor.young;
+  const bool both = by_force(scene) && scene.load.angle.has_value();
+  const auto put = [&](LaneInputRow row, double value) {
+    input[at(i, LANE_INPUT_ROWS, row)] = static_cast<Real>(value);
+  };
+  put(LANE_MU, std::min(scene.friction, fem::largest_friction));
+  put(LANE_YOUNG, young);
+  put(LANE_STEPS, static_cast<double>(load.steps.size()));
+  put(LANE_MAY_STOP, load.until_sliding ? load.indentation_steps : 1e6);
+  put(LANE_FORCE, by_force(scene) ? (both ? FORCE_BOTH : FORCE_NORMAL) : FORCE_NONE);
+  for (std::size_t k = 0; k < load.steps.size(); ++k) {
+    const fem::LoadStep& step = load.steps[k];
+    targets[at(i, steps * PATH_ROWS, k * PATH_ROWS + PATH_NORMAL)] =
+        static_cast<Real>(by_force(scene) ? step.normal / young : step.normal);
+    targets[at(i, steps * PATH_ROWS, k * PATH_ROWS + PATH_TANGENTIAL)] =
+        static_cast<Real>(both ? step.tangential / young : step.tangential);
+  }
+}
+
+template <class Real>
+void GapSweep<Real>::Batch::State::fill(std::span<const fem::Scene> scenes, std::span<const fem::LoadPath> paths,
+                                        const Eigen::MatrixXd& profiles) {
+  const auto input = lane_input.map(), heights = profile.map(), targets = path.map();
+  // Lanes beyond the last scene run no step; young = 1 makes their input valid.
+  std::fill(input.view().begin(), input.view().end(), Real(0));
+  std::fill(heights.view().begin(), heights.view().end(), Real(far_away));
+  std::fill(targets.view().begin(), targets.view().end(), Real(0));
+  for (const std::size_t i : order) {  // in the order of lanes, for the memory's sake
+    fill_scene(i, scenes[i], paths[i], input.view(), targets.view());
+    const std::size_t first = at(i, sweep->columns(), 0);
+    for (int node = 0; node < sweep->columns(); ++node) {
+      const double height = profiles(node, static_cast<Eigen::Index>(i));
+      heights[first + node * sweep->group()] = static_cast<Real>(std::isinf(height) ? far_away : height);
+    }
+  }
+}
+
+template <class Real>
+GapSweep<Real>::GapSweep(Executor& executor, const fem::Sensor& sensor, const GapSweepOptions& options,
+                         const std::filesystem::path& cache)
+    : state_(std::make_shared<State>(executor, sensor, options, cache)) {}
+
+template <class Real>
+const fem::Condensation& GapSweep<Real>::condensation() const {
+  return state_->condensation;
+}
+
+template <class Real>
+const GapSweepOptions& GapSweep<Real>::options() const {
+  return state_->options;
+}
+
+template <class Real>
+typename GapSweep<Real>::Batch GapSweep<Real>::prepare(std::span<const fem::Scene> scenes) const {
+  const ContactKind kind = scenes.empty() ? ContactKind{} : kind_of(scenes.front());
+  if (!std::ranges::all_of(scenes, [&](const fem::Scene& scene) { return kind_of(scene) == kind; }))
+    throw std::invalid_argument("GapSweep::prepare: scenes of different kinds in one batch");
+  Batch batch;
+  batch.state_ = std::make_shared<typename Batch::State>();
+  auto& b = *batch.state_;
+  b.sweep = state_;
+  std::vector<fem::LoadPath> paths;
+  for (const fem::Scene& scene : scenes) {
+    paths.push_back(fem::load_path(scene.load));
+    b.path_steps.push_back(static_cast<int>(paths.back().steps.size()));
+    b.indentation_steps.push_back(paths.back().indentation_steps);
+    b.friction.push_back(scene.friction);
+  }
+  b.steps = scenes.empty() ? 0 : *std::max_element(b.path_steps.begin(), b.path_steps.end());
+  Eigen::MatrixXd profiles(state_->columns(), static_cast<Eigen::Index>(scenes.size()));  // mm
+  for (std::size_t i = 0; i < scenes.size(); ++i)
+    profiles.col(static_cast<Eigen::Index>(i)) =
+        fem::profile_heights(scenes[i].indenter, state_->condensation.surface_x);
+  b.lay_out(scenes, profiles);
+
+  const std::size_t group = state_->group(), columns = state_->columns();
+  b.groups = (scenes.size() + group - 1) / group;
+  const std::size_t lanes = b.groups * group, lane_steps = lanes * b.steps;
+  const Device& device = state_->executor.device();
+  b.lane_input = Buffer<Real>(device, lanes * LANE_INPUT_ROWS);
+  b.profile = Buffer<Real>(device, lanes * columns);
+  b.path = Buffer<Real>(device, lane_steps * PATH_ROWS);
+  b.result = Buffer<Real>(device, lane_steps * LANE_RESULT_ROWS);
+  b.rows = Buffer<Real>(device, std::max<std::size_t>(lane_steps * state_->rows, 1));
+  b.nodes = Buffer<Real>(device, state_->options.nodes ? lane_steps * 3 * columns : group);
+  b.fill(scenes, paths, profiles);
+
+  const GapSweepOptions& o = state_->options;
+  b.launch = state_->executor.prepare(state_->program(kind), "gap_sweep", [&](KernelArguments& kernel) {
+    kernel.set("compliance", state_->compliance(kind.friction));
+    kernel.set("node", state_->node);
+    kernel.set("map", state_->map);
+    kernel.set("rows", std::int32_t(state_->rows));
+    kernel.set("base_rows", std::int32_t(state_->base_rows));
+    kernel.set("lane_input", b.lane_input);
+    kernel.set("profile", b.profile);
+    kernel.set("path", b.path);
+    kernel.set("steps", std::int32_t(b.steps));
+    kernel.set("tolerance", Real(o.tolerance));
+    kernel.set("accept", Real(o.accept));
+    kernel.set("most_sweeps", std::int32_t(o.most_sweeps));
+    kernel.set("reach", Real(o.reach));
+    kernel.set("result", b.result);
+    kernel.set("rows_out", b.rows);
+    kernel.set("nodes_out", b.nodes);
+    kernel.set("write_node_rows", std::int32_t(o.nodes));
+  });
+  return batch;
+}
+
+template <class Real>
+void GapSweep<Real>::Batch::run(const RunOptions& options) {
+  state_->seconds = state_->sweep->executor.run(state_->launch, state_->groups, options).seconds;
+}
+
+template <class Real>
+std::size_t GapSweep<Real>::Batch::size() const {
+  return state_->place.size();
+}
+
+template <class Real>
+int GapSweep<Real>::Batch::steps() const {
+  return state_->steps;
+}
+
+template <class Real>
+std::size_t GapSweep<Real>::Batch::steps_in_all() const {
+  return std::accumulate(state_->path_steps.begin(), state_->path_steps.end(), std::size_t(0));
+}
+
+template <class Real>
+double GapSweep<Real>::Batch::seconds() const {
+  return state_->seconds;
+}
+
+template <class Real>
+void GapSweep<Real>::Batch::fill_outputs(Real value) {
+  for (const auto* buffer : {&state_->result, &state_->rows, &state_->nodes}) {
+    const auto mapped = buffer->map();
+    std::fill(mapped.view().begin(), mapped.view().end(), value);
+  }
+}
+
+template <class Real>
+void GapSweep<Real>::Batch::fill_unused(Real value) {
+  const auto& b = *state_;
+  const std::size_t lanes = b.groups * b.sweep->group(), scenes = b.place.size();
+  const auto input = b.lane_input.map(), heights = b.profile.map(), targets = b.path.map();
+  const auto fill = [&](std::span<Real> buffer, std::size_t lane, std::size_t height, std::size_t from) {
+    for (std::size_t row = from; row < height; ++row) buffer[b.at_lane(lane, height, row)] = value;
+  };
+  for (std::size_t lane = 0; lane < lanes; ++lane) {
+    const std::size_t scene = std::find(b.place.begin(), b.place.end(), lane) - b.place.begin();
+    const std::size_t own_steps = scene < scenes ? b.path_steps[scene] : 0;
+    fill(targets.view(), lane, b.steps * PATH_ROWS, own_steps * PATH_ROWS);
+    if (scene < scenes) continue;
+    fill(input.view(), lane, LANE_INPUT_ROWS, 0);
+    fill(heights.view(), lane, b.sweep->columns(), 0);
+  }
+}
+
+template <class Real>
+double GapSweep<Real>::Batch::result(std::size_t i, int step, int row) const {
+  const auto& b = *state_;
+  Real value;
+  b.result.read(std::span(&value, 1), b.at(i, b.steps * LANE_RESULT_ROWS, step * LANE_RESULT_ROWS + row));
+  return value;
+}
+
+template <class Real>
+double GapSweep<Real>::Batch::output(std::size_t i, int step, int row) const {
+  const auto& b = *state_;
+  Real value;
+  b.rows.read(std::span(&value, 1),
+              b.at(i, static_cast<std::size_t>(b.steps) * b.sweep->rows, step * b.sweep->rows + row));
+  return value;
+}
+
+template <class Real>
+GapSweep<Real>::Batch::View::View(const Batch& batch)
+    : state_(batch.state_), results_(state_->result.map()), rows_(state_->rows.map()) {}
+
+template <class Real>
+int GapSweep<Real>::Batch::View::path_steps(std::size_t i) const {
+  return state_->path_steps[i];
+}
+
+template <class Real>
+std::span<const std::size_t> GapSweep<Real>::Batch::View::by_lane() const {
+  return state_->order;
+}
+
+template <class Real>
+Real GapSweep<Real>::Batch::View::result(std::size_t i, int step, int row) const {
+  return results_[state_->at(i, state_->steps * LANE_RESULT_ROWS, step * LANE_RESULT_ROWS + row)];
+}
+
+template <class Real>
+void GapSweep<Real>::Batch::View::tactels(std::size_t i, int step, std::span<float> stress) const {
+  const auto& sweep = *state_->sweep;
+  const std::size_t height = static_cast<std::size_t>(state_->steps) * sweep.rows;
+  const std::size_t first = state_->at(i, height, static_cast<std::size_t>(step) * sweep.rows + sweep.base_rows);
+  for (std::size_t k = 0; k < stress.size(); ++k) stress[k] = static_cast<float>(rows_[first + k * sweep.group()]);
+}
+
+template <class Real>
+fem::ContactSolution GapSweep<Real>::Batch::solution(std::size_t i) const {
+  const auto& b = *state_;
+  const auto& sweep = *b.sweep;
+  const fem::Condensation& c = sweep.condensation;
+  const int columns = sweep.columns(), base_nodes = sweep.base_rows / 2, tactels = (sweep.rows - sweep.base_rows) / 2;
+  const auto result = b.result.map(), rows = b.rows.map(), nodes = b.nodes.map();
+  fem::ContactSolution solution{c.surface_x, c.base_x, c.tactel_x, {}, false};
+  for (int k = 0; k < b.path_steps[i]; ++k) {
+    const auto said = [&](int row) {
+      return static_cast<double>(result[b.at(i, b.steps * LANE_RESULT_ROWS, k * LANE_RESULT_ROWS + row)]);
+    };
+    const auto output = [&](int row) {
+      return static_cast<double>(rows[b.at(i, static_cast<std::size_t>(b.steps) * sweep.rows, k * sweep.rows + row)]);
+    };
+    const auto node = [&](int row) {
+      return static_cast<double>(
+          nodes[b.at(i, static_cast<std::size_t>(b.steps) * 3 * columns, 3 * k * columns + row)]);
+    };
+    const int status = static_cast<int>(said(LANE_STATUS));
+    if (status == LANE_NOT_RUN) break;
+    fem::ContactStep step;
+    step.indentation = said(LANE_INDENTATION);
+    step.tangential = said(LANE_TANGENTIAL);
+    step.P = said(LANE_P);
+    step.Q = said(LANE_Q);
+    step.slip_index = slip_index(b.friction[i], step.P, said(LANE_SLIP_INDEX));
+    step.slip_distance = said(LANE_SLIP_DISTANCE);
+    step.converged = status == LANE_SOLVED || status == LANE_SLIDING;
+    step.iterations = static_cast<int>(said(LANE_SWEEPS));
+    step.residual = {said(LANE_PENETRATION), said(LANE_CONE), said(LANE_COMPLEMENTARITY), said(LANE_DRIFT),
+                     said(LANE_BALANCE)};
+    if (sweep.options.nodes) {
+      step.normal_force = Eigen::VectorXd::NullaryExpr(columns, [&](auto n) { return node(n); });
+      step.tangential_force = Eigen::VectorXd::NullaryExpr(columns, [&](auto n) { return node(columns + n); });
+      for (int n = 0; n < columns; ++n)  // a force that E scales down to 0 is none
+        step.status.push_back(node(n) > 0 ? static_cast<fem::GapStatus>(node(2 * columns + n)) : fem::GapStatus::open);
+    }
+    step.base_force_x = Eigen::VectorXd::NullaryExpr(base_nodes, [&](auto n) { return output(2 * n); });
+    step.base_force_y = Eigen::VectorXd::NullaryExpr(base_nodes, [&](auto n) { return output(2 * n + 1); });
+    step.sigma_y = Eigen::VectorXd::NullaryExpr(tactels, [&](auto n) { return output(sweep.base_rows + n); });
+    step.tau_xy = Eigen::VectorXd::NullaryExpr(tactels, [&](auto n) { return output(sweep.base_rows + tactels + n); });
+    solution.sliding = status == LANE_SLIDING && k >= b.indentation_steps[i];
+    solution.steps.push_back(std::move(step));
+  }
+  return solution;
+}
+
+template class GapSweep<float>;
+template class GapSweep<double>;
+
+}  // namespace tactel::host

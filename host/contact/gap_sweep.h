@@ -1,0 +1,124 @@
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "fem/condensation.h"
+#include "fem/contact_solution.h"
+#include "fem/scene.h"
+#include "host/device/buffer.h"
+#include "host/device/executor.h"
+
+namespace tactel::host {
+
+/// Options of the launcher of kernels/gap_sweep.cl.
+struct GapSweepOptions {
+  double tolerance = 0;  ///< largest change of a force in the last sweep over the largest pressure force; 0: 1e-11 in
+                         ///< fp64, 1e-5 in fp32
+  double accept =
+      0;  ///< largest residual of a solved step; 0: 100 tolerance, at least 2e-5 in fp32 (rounding of C times force)
+          ///< and twice what the condensation loses of a load (fem::lost_force: 3e-9 for q8 at nu = 0.49999)
+  int most_sweeps = 20000;  ///< an increment that needs more is reported as unsolved
+  double reach = 1.25;      ///< gap elements are put to work where the rigid profile is up to this many indentations
+                            ///< above its lowest point; a larger one costs time and gains nothing: nodes that it
+                            ///< missed are added
+  int spread = 1;  ///< columns of the block to one gap element, whose force acts on the block as a hat (fem/spread.h)
+  bool base_forces = true;      ///< write base nodal forces; without them or their sums the certificate has no balance
+  bool base_sums = false;       ///< instead of base_forces: write only their sums in x and y
+  bool tactels = true;          ///< write stresses at the tactels
+  bool nodes = true;            ///< write forces and statuses of the surface nodes
+  bool fallback = true;         ///< solve_gap_sweep solves once more, exactly, what the sweeps did not
+  bool audit = true;            ///< solve_gap_sweep works certificates out again in fp64; wants nodes and base_forces
+  bool second_opinion = false;  ///< solve_gap_sweep solves contacts with mu >= several_solutions_from exactly, too
+};
+
+/// S of an increment, from mu, P (N/mm) and the kernel's LANE_SLIP_INDEX, which has its precision: none where mu P = 0,
+/// 0 where friction is unlimited, as fem::slip_index has it.
+std::optional<double> slip_index(double mu, double P, double kernel_index);
+
+/// Common property of the scenes of a launch. Each kind has its own program, so that no scene pays for parts that
+/// it lacks. A scene takes the program of its kind regardless of its neighbours.
+struct ContactKind {
+  bool force = false;    ///< driven by force, not by depth
+  bool friction = true;  ///< mu > 0
+  bool operator==(const ContactKind&) const = default;
+};
+ContactKind kind_of(const fem::Scene& scene);
+
+/// A sensor on a device: condensation, maps and programs for one precision. Cheap to copy.
+template <class Real>
+class GapSweep {
+ public:
+  GapSweep(Executor& executor, const fem::Sensor& sensor, const GapSweepOptions& options = {},
+           const std::filesystem::path& cache_directory = fem::default_cache_directory());
+
+  /// Scenes of this sensor (E may differ) with their load paths, laid out in lanes: [group][..][lane]; all of one
+  /// ContactKind.
+  class Batch {
+    struct State;
+
+   public:
+    void run(const RunOptions& options = {});  ///< one launch
+    std::size_t size() const;                  ///< scenes
+    int steps() const;                         ///< of the longest path
+    std::size_t steps_in_all() const;          ///< load increments of all scenes
+    double seconds() const;                    ///< of the last run
+    void fill_outputs(Real value);             ///< what the outputs hold before a run: tests put NaN there
+    void fill_unused(Real value);              ///< the same for lanes without a scene and targets behind a path's end
+    /// Returns the answer of the kernel for scene `i`, in the order of prepare().
+    fem::ContactSolution solution(std::size_t i) const;
+    /// One number of LaneResultRow for a scene's increment.
+    double result(std::size_t i, int step, int row) const;
+    /// One output row (base forces, then tactels) for a scene's increment.
+    double output(std::size_t i, int step, int row) const;
+
+    /// The outputs in place, without copies. The batch must not run during the life of a view.
+    class View {
+     public:
+      explicit View(const Batch& batch);
+      /// One number of LaneResultRow for a scene's increment; increments after the last that ran: LANE_NOT_RUN.
+      Real result(std::size_t i, int step, int row) const;
+      int path_steps(std::size_t i) const;
+      /// Returns the scenes in the order of memory, in which reading many is fast.
+      std::span<const std::size_t> by_lane() const;
+      /// [2 tactels]: sigma_y of every tactel, then tau_xy, MPa.
+      void tactels(std::size_t i, int step, std::span<float> stress) const;
+
+     private:
+      std::shared_ptr<State> state_;
+      typename Buffer<Real>::Mapping results_, rows_;
+    };
+
+   private:
+    friend class GapSweep;
+    std::shared_ptr<State> state_;
+  };
+
+  /// Throws std::invalid_argument where scenes differ in kind.
+  Batch prepare(std::span<const fem::Scene> scenes) const;
+  const fem::Condensation& condensation() const;
+  const GapSweepOptions& options() const;
+
+ private:
+  struct State;
+  std::shared_ptr<State> state_;
+};
+
+extern template class GapSweep<float>;
+extern template class GapSweep<double>;
+
+/// Friction from which on a contact is known to have several solutions: wide flats at nu >= 0.499, driven by force.
+inline constexpr double several_solutions_from = 1.4;
+
+/// Solves any scenes on any sensors. Groups them by sensor and kind, and runs a launch for each group. A contact
+/// with a step over tolerance is solved again from its first step, exactly, on the host (fem/gap_condensed.h,
+/// fp64), and has fell_back = true. Steps that still miss their tolerance have converged = false. With
+/// second_opinion, contacts for which the exact solver certifies other forces have several = true; of "bonded"
+/// contacts its answer is returned, which is the reference's. Throws ValueError for an invalid scene.
+std::vector<fem::ContactSolution> solve_gap_sweep(Executor& executor, std::span<const fem::Scene> scenes,
+                                                  Precision precision, const GapSweepOptions& options = {});
+
+}  // namespace tactel::host

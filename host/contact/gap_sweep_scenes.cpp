@@ -1,0 +1,98 @@
+#include <algorithm>
+#include <cmath>
+
+#include "fem/contact_laws.h"
+#include "fem/gap_condensed.h"
+#include "host/contact/gap_sweep.h"
+#include "host/contact/gap_sweep_audit.h"
+
+namespace tactel::host {
+namespace {
+
+std::ptrdiff_t solved_steps(const fem::ContactSolution& solution) {
+  return std::ranges::count_if(solution.steps, &fem::ContactStep::converged);
+}
+
+bool solved(const fem::ContactSolution& solution) {
+  return solved_steps(solution) == static_cast<std::ptrdiff_t>(solution.steps.size());
+}
+
+/// Whether two certified answers are different solutions: in P or Q by more than `accept` explains.
+bool differ(const fem::ContactSolution& a, const fem::ContactSolution& b, double accept) {
+  const double allowed = std::max(1e-6, 10 * accept);
+  for (std::size_t k = 0; k < std::min(a.steps.size(), b.steps.size()); ++k) {
+    const fem::ContactStep &p = a.steps[k], &q = b.steps[k];
+    if (std::abs(p.P - q.P) + std::abs(p.Q - q.Q) > allowed * (q.P + std::abs(q.Q))) return true;
+  }
+  return a.steps.size() != b.steps.size();
+}
+
+/// Compares a solved contact with the exact solver's answer, which starts elsewhere.
+void ask_again(const fem::GapCondensed& exact, const fem::Scene& scene, double accept, fem::ContactSolution& solution) {
+  fem::ContactSolution other = exact.solve(scene);
+  if (!solved(other) || !differ(solution, other, accept)) return;
+  if (scene.friction >= fem::largest_friction) solution = std::move(other);
+  solution.several = true;
+}
+
+template <class Real>
+void solve_alike(Executor& executor, std::span<const fem::Scene> scenes, const std::vector<std::size_t>& which,
+                 const GapSweepOptions& options, std::vector<fem::ContactSolution>& solutions) {
+  std::vector<fem::Scene> alike;
+  for (std::size_t i : which) alike.push_back(scenes[i]);
+  const GapSweep<Real> sweep(executor, alike.front().sensor, options);
+  auto batch = sweep.prepare(alike);
+  batch.run();
+  const fem::GapCondensed exact(sweep.condensation(), {.tolerance = sweep.options().accept});
+  for (std::size_t k = 0; k < which.size(); ++k) {
+    fem::ContactSolution& solution = solutions[which[k]] = batch.solution(k);
+    if (options.audit && options.nodes && options.base_forces) {
+      audit_in_fp64(alike[k], sweep.condensation(), sweep.options().accept, solution);
+      if (sizeof(Real) == 4 && solved(solution))
+        solution.base_force_error = base_force_error(alike[k], sweep.condensation(), solution);
+    }
+    if (solved(solution)) {
+      if (options.second_opinion && alike[k].friction >= several_solutions_from)
+        ask_again(exact, alike[k], sweep.options().accept, solution);
+      continue;
+    }
+    if (!options.fallback) continue;
+    fem::ContactSolution again = exact.solve(alike[k]);
+    if (solved(again) || solved_steps(again) > solved_steps(solution)) solution = std::move(again);
+    solution.fell_back = true;
+  }
+}
+
+/// Scenes that share a launch: same sensor but for E, same kind.
+std::vector<std::vector<std::size_t>> launches(std::span<const fem::Scene> scenes) {
+  std::vector<std::vector<std::size_t>> groups;
+  std::vector<std::pair<fem::Sensor, ContactKind>> keys;
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    std::pair key(scenes[i].sensor, kind_of(scenes[i]));
+    key.first.young = 1;
+    const std::size_t group = std::find(keys.begin(), keys.end(), key) - keys.begin();
+    if (group == keys.size()) {
+      keys.push_back(key);
+      groups.emplace_back();
+    }
+    groups[group].push_back(i);
+  }
+  return groups;
+}
+
+}  // namespace
+
+std::vector<fem::ContactSolution> solve_gap_sweep(Executor& executor, std::span<const fem::Scene> scenes,
+                                                  Precision precision, const GapSweepOptions& options) {
+  for (const fem::Scene& scene : scenes) scene.validate();
+  std::vector<fem::ContactSolution> solutions(scenes.size());
+  for (const auto& which : launches(scenes)) {
+    if (precision == Precision::fp32)
+      solve_alike<float>(executor, scenes, which, options, solutions);
+    else
+      solve_alike<double>(executor, scenes, which, options, solutions);
+  }
+  return solutions;
+}
+
+}  // namespace tactel::host

@@ -1,0 +1,68 @@
+#include "host/contact/rung_error.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactel::host {
+namespace {
+
+/// Largest difference and largest value of the second of each pair.
+struct Extent {
+  double difference = 0, scale = 0;
+  void add(double value, double judge) {
+    difference = std::max(difference, std::abs(value - judge));
+    scale = std::max(scale, std::abs(judge));
+  }
+  double relative() const { return difference == 0 ? 0 : scale == 0 ? 1 : difference / scale; }
+};
+
+void add_tactels(Extent& extent, const Eigen::VectorXd& value, const Eigen::VectorXd& judge) {
+  for (Eigen::Index i = 1; i + 1 < value.size(); ++i) extent.add(value[i], judge[i]);
+}
+
+}  // namespace
+
+AnswerError answer_error(const fem::Scene& scene, const fem::ContactSolution& answer, const Rung& rung,
+                         const fem::ContactSolution& judge, const Rung& judge_rung) {
+  const auto places = asked_steps(on_rung(scene, rung).load, answer.steps.size());
+  const auto judge_places = asked_steps(on_rung(scene, judge_rung).load, judge.steps.size());
+  Extent P, Q, sigma, tau;
+  AnswerError error;
+  for (std::size_t k = 0; k < std::min(places.size(), judge_places.size()); ++k) {
+    const fem::ContactStep &a = answer.steps[places[k]], &b = judge.steps[judge_places[k]];
+    if (a.slip_index && b.slip_index)
+      error.S = std::max(error.S, std::abs(*a.slip_index - *b.slip_index));
+    else if (a.slip_index || b.slip_index)
+      error.S = 1;
+    P.add(a.P, b.P);
+    Q.add(a.Q, b.Q);
+    add_tactels(sigma, a.sigma_y, b.sigma_y);
+    add_tactels(tau, a.tau_xy, b.tau_xy);
+  }
+  error.P = P.relative();
+  error.Q = Q.relative();
+  error.sigma = sigma.relative();
+  error.tau = tau.relative();
+  return error;
+}
+
+double covering_value(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  std::ranges::sort(values);
+  const auto count = static_cast<double>(values.size());
+  return values[static_cast<std::size_t>(std::clamp(std::ceil(share * count) - 1, 0.0, count - 1))];
+}
+
+ErrorQuantiles quantiles(const std::vector<AnswerError>& errors) {
+  ErrorQuantiles result;
+  for (const auto member : error_members) {
+    std::vector<double> values;
+    for (const AnswerError& error : errors) values.push_back(error.*member);
+    result.median.*member = covering_value(values, 0.5);
+    result.most95.*member = covering_value(values, 0.95);
+    result.largest.*member = covering_value(values, 1);
+  }
+  return result;
+}
+
+}  // namespace tactel::host

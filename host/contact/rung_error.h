@@ -1,0 +1,38 @@
+#pragma once
+#include <array>
+#include <vector>
+
+#include "fem/contact_solution.h"
+#include "fem/scene.h"
+#include "host/scenes/ladder.h"
+
+namespace tactel::host {
+
+/// Error of an answer: the largest difference from another one over the increments that the load requests.
+struct AnswerError {
+  double S = 0;      ///< of Q / (mu P) itself, which lies between -1 and 1; 1 where only one of the two touches at all
+  double P = 0;      ///< over the path's largest P
+  double Q = 0;      ///< over the path's largest |Q|
+  double sigma = 0;  ///< at any tactel, over the largest |sigma_y| at any of them along the path
+  double tau = 0;    ///< the same of tau_xy
+};
+inline constexpr std::array<double AnswerError::*, 5> error_members = {
+    &AnswerError::S, &AnswerError::P, &AnswerError::Q, &AnswerError::sigma, &AnswerError::tau};
+inline constexpr std::array<const char*, 5> error_names = {"S", "P", "Q", "sigma", "tau"};
+
+/// Returns the error of `answer` on `rung`, beside `judge` on `judge_rung`. The tactels at the very ends are
+/// excluded: there the bonded base meets the free side, and the exact stress is infinite.
+AnswerError answer_error(const fem::Scene& scene, const fem::ContactSolution& answer, const Rung& rung,
+                         const fem::ContactSolution& judge, const Rung& judge_rung);
+
+/// Quantiles over many scenes: median, 95 %, largest.
+struct ErrorQuantiles {
+  AnswerError median, most95, largest;
+};
+ErrorQuantiles quantiles(const std::vector<AnswerError>& errors);
+
+/// Returns the smallest of the values that at least this share of them does not exceed; 0 for no values. It is always
+/// one of them: what is promised is an error that occurred, where nn::quantile would interpolate.
+double covering_value(std::vector<double> values, double share);
+
+}  // namespace tactel::host

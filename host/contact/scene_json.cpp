@@ -1,0 +1,129 @@
+#include "host/contact/scene_json.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace tactel::host {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json numbers(const Eigen::VectorXd& values) { return Json(std::vector<double>(values.begin(), values.end())); }
+
+Json one_or_more(const std::vector<double>& values) { return values.size() == 1 ? Json(values.front()) : Json(values); }
+
+void add_shape(Json& out, const fem::Flat& s) {
+  if (s.half_width) out["half_width"] = *s.half_width;
+}
+void add_shape(Json& out, const fem::Wedge& s) { out["edge_angle"] = s.edge_angle; }
+void add_shape(Json& out, const fem::Parabola& s) { out["radius"] = s.radius; }
+void add_shape(Json& out, const fem::Cylinder& s) { out["radius"] = s.radius; }
+void add_shape(Json& out, const fem::Exponential& s) { out.update({{"height", s.height}, {"rate", s.rate}}); }
+void add_shape(Json& out, const fem::Trapezoid& s) { out.update({{"half_width", s.half_width}, {"slope", s.slope}}); }
+void add_shape(Json& out, const fem::RoundedFlat& s) {
+  out.update({{"half_width", s.half_width}, {"radius", s.radius}});
+}
+void add_shape(Json& out, const fem::Taylor& s) {
+  out.update({{"powers", s.powers}, {"scale", s.scale}, {"height", s.height.value_or(s.scale)}});
+}
+void add_shape(Json& out, const fem::Profile& s) {
+  if (!s.file.empty()) out["file"] = s.file;
+  out.update({{"x", s.x}, {"y", s.y}, {"smooth", s.smooth}});
+}
+
+Json indenter_json(const fem::Indenter& indenter) {
+  Json out = {{"shape", fem::shape_name(indenter.shape)}};
+  std::visit([&](const auto& shape) { add_shape(out, shape); }, indenter.shape);
+  out["position"] = indenter.position;
+  return out;
+}
+
+Json sensor_json(const fem::Sensor& s) {
+  return {{"length", s.length},
+          {"thickness", s.thickness},
+          {"young", s.young},
+          {"poisson", s.poisson},
+          {"columns", s.columns},
+          {"rows", s.rows},
+          {"grading", s.grading},
+          {"element", fem::name(s.element)},
+          {"tactels", s.tactels},
+          {"tactel_span", s.span()},
+          {"tactel_width", s.tactel_width},
+          {"stress", fem::name(s.stress)}};
+}
+
+Json load_json(const fem::Load& load) {
+  Json out;
+  if (load.normal_force.empty()) {
+    out["indentation"] = one_or_more(load.indentation);
+  } else {
+    out["normal_force"] = one_or_more(load.normal_force);
+  }
+  out["indentation_steps"] = load.indentation_steps;
+  if (!load.tangential.empty()) out["tangential"] = load.tangential;
+  if (load.tangential_step != 0.0) out["tangential_step"] = load.tangential_step;
+  if (load.tangential_steps) out["tangential_steps"] = *load.tangential_steps;
+  if (load.angle) out["angle"] = *load.angle;
+  return out;
+}
+
+const char* status_name(fem::GapStatus status) {
+  return status == fem::GapStatus::open ? "open" : status == fem::GapStatus::stick ? "stick" : "slip";
+}
+
+Json residual_json(const fem::Residual& r) {
+  return {{"penetration", r.penetration},
+          {"cone", r.cone},
+          {"complementarity", r.complementarity},
+          {"drift", r.drift},
+          {"balance", r.balance}};
+}
+
+Json step_json(const fem::ContactStep& step) {
+  Json status = Json::array();
+  for (const fem::GapStatus s : step.status) status.push_back(status_name(s));
+  return {{"indentation", step.indentation},
+          {"tangential", step.tangential},
+          {"P", step.P},
+          {"Q", step.Q},
+          {"slip_index", step.slip_index ? Json(*step.slip_index) : Json()},
+          {"slip_distance", step.slip_distance},
+          {"status", std::move(status)},
+          {"normal_force", numbers(step.normal_force)},
+          {"tangential_force", numbers(step.tangential_force)},
+          {"base_force_x", numbers(step.base_force_x)},
+          {"base_force_y", numbers(step.base_force_y)},
+          {"sigma_y", numbers(step.sigma_y)},
+          {"tau_xy", numbers(step.tau_xy)},
+          {"converged", step.converged},
+          {"iterations", step.iterations},
+          {"residual", residual_json(step.residual)}};
+}
+
+}  // namespace
+
+Json to_json(const fem::Scene& scene) {
+  return {{"title", scene.title},
+          {"sensor", sensor_json(scene.sensor)},
+          {"indenter", indenter_json(scene.indenter)},
+          {"contact", {{"friction", std::isinf(scene.friction) ? Json("bonded") : Json(scene.friction)}}},
+          {"load", load_json(scene.load)}};
+}
+
+Json to_json(const fem::Scene& scene, const SolveOutcome& outcome) {
+  const fem::ContactSolution& solution = outcome.solution;
+  Json steps = Json::array();
+  for (const fem::ContactStep& step : solution.steps) steps.push_back(step_json(step));
+  Json out = {{"tactel", TACTEL_VERSION},           {"scene", to_json(scene)},
+              {"solver", outcome.solver},           {"precision", outcome.precision},
+              {"device", outcome.device},           {"surface_x", numbers(solution.surface_x)},
+              {"base_x", numbers(solution.base_x)}, {"tactel_x", numbers(solution.tactel_x)},
+              {"fallback", solution.fell_back},     {"warnings", warnings(outcome)},
+              {"steps", std::move(steps)}};
+  if (!outcome.rung.empty()) out["rung"] = outcome.rung;
+  if (outcome.plan) out["planner"] = to_json(*outcome.plan);
+  return out;
+}
+
+}  // namespace tactel::host

@@ -1,0 +1,67 @@
+#include "host/contact/solution_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "fem/contact_laws.h"
+
+namespace tactel::host {
+namespace {
+
+std::string header(const fem::Scene& scene, const SolveOutcome& outcome) {
+  const fem::Sensor& s = scene.sensor;
+  std::string out = scene.title.empty() ? "" : scene.title + "\n";
+  out += fmt::format("{} on {:g} x {:g} mm of rubber, E = {:g} MPa, nu = {:g}, mu = {:g}\n",
+                     fem::shape_name(scene.indenter.shape), s.length, s.thickness, s.young, s.poisson, scene.friction);
+  out += fmt::format("mesh {} x {} {}, solver {}, {}\n", s.columns, s.rows, fem::name(s.element), outcome.solver,
+                     outcome.precision);
+  return out + fmt::format("{}\n\n", outcome.device);
+}
+
+/// Without the sign of a zero.
+std::string fixed(double value, int digits) {
+  const std::string text = fmt::format("{:.{}f}", value, digits);
+  return text.find_first_not_of("-0.") == std::string::npos && text.front() == '-' ? text.substr(1) : text;
+}
+
+/// Four digits or five, in seven letters where the number is not below 0.01 or above 1000.
+std::string short_number(double value) {
+  const double size = std::abs(value);
+  if (size == 0 || (size >= 0.01 && size < 10)) return fixed(value, 4);
+  if (size >= 1e-3 && size < 0.01) return fixed(value, 6);
+  if (size >= 10 && size < 100) return fixed(value, 3);
+  return size >= 100 && size < 1000 ? fixed(value, 2) : fmt::format("{:.3e}", value);
+}
+
+/// Q beside P: what rounding leaves of 0 is 0.
+double without_rounding(double Q, double P) { return std::abs(Q) < 1e-9 * P ? 0 : Q; }
+
+std::string row(std::size_t number, const fem::ContactStep& step) {
+  const auto count = [&](fem::GapStatus status) { return std::ranges::count(step.status, status); };
+  const std::string index = step.slip_index ? fixed(*step.slip_index, 4) : "-";
+  return fmt::format("{:>4} {:>7} {:>7} {:>7} {:>7} {:>7}{:>5}{:>6}{:>5}{:>6}{:>5}{:>9.1e}\n", number,
+                     short_number(step.indentation), short_number(step.tangential), short_number(step.P),
+                     short_number(without_rounding(step.Q, step.P)), index, count(fem::GapStatus::open),
+                     count(fem::GapStatus::stick), count(fem::GapStatus::slip), step.iterations,
+                     step.converged ? "yes" : "NO", fem::largest(step.residual));
+}
+
+}  // namespace
+
+std::string solution_table(const fem::Scene& scene, const SolveOutcome& outcome) {
+  std::string out = header(scene, outcome);
+  out += fmt::format("{:>4} {:>7} {:>7} {:>7} {:>7} {:>7}{:>5}{:>6}{:>5}{:>6}{:>5}{:>9}\n", "step", "depth", "drag",
+                     "P", "Q", "S", "open", "stick", "slip", "iter", "met", "residual");
+  out += fmt::format("{:>4} {:>7} {:>7} {:>7} {:>7} {:>7}{:>16}{:>20}\n", "", "mm", "mm", "N/mm", "N/mm", "Q/mu P",
+                     "surface nodes", "largest");
+  const auto& steps = outcome.solution.steps;
+  for (std::size_t k = 0; k < steps.size(); ++k) out += row(k + 1, steps[k]);
+  if (outcome.solution.sliding) out += "the whole contact slides\n";
+  if (never_slid(scene, outcome.solution)) out += "the contact does not slide as a whole\n";
+  if (outcome.solution.fell_back) out += "the sweeps gave up: solved on the host by the exact fallback, in fp64\n";
+  return out;
+}
+
+}  // namespace tactel::host

@@ -1,0 +1,168 @@
+#include "host/contact/solve.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <tuple>
+
+#include "fem/gap_reference.h"
+#include "fem/stress_field.h"
+#include "host/contact/gap_sweep.h"
+#include "host/contact/solve_on_rung.h"
+#include "host/scenes/ladder.h"
+#include "host/support/errors.h"
+
+namespace tactel::host {
+namespace {
+
+constexpr int most_columns_asked_twice = 321;  ///< the exact solver takes seconds there
+constexpr double share_of_contact = 0.1;       ///< of its width, over which the indenter may slide
+constexpr double doubtful_forces = 1e-3;       ///< estimated error of base forces from which on fp32 is doubted
+
+SolveOutcome solve_reference(const fem::Scene& scene, const SolveOptions& options) {
+  if (options.precision == "fp32")
+    throw ConfigError("command line", "--precision", "fp32", "fp64 with --solver reference");
+  if (!options.device.empty())
+    throw ConfigError("command line", "--device", options.device,
+                      "left out with --solver reference, which uses no device");
+  fem::GapReferenceOptions reference;
+  if (options.tolerance) reference.tolerance = *options.tolerance;
+  return {fem::solve_gap_reference(scene, reference), "reference", "fp64", "host"};
+}
+
+/// One scene is no work at all: fp64 unless the device lacks it or fp32 is asked for.
+SolveOutcome solve_batched(const fem::Scene& scene, const SolveOptions& options) {
+  Executor executor{Device(options.device)};
+  const DeviceInfo& device = executor.device().info();
+  const Rung* rung = options.rung.empty() ? nullptr : &rung_named(options.rung);
+  const bool wanted = rung ? rung->precision == Precision::fp64 : device.fp64;
+  const bool fp64 = options.precision.empty() ? wanted : options.precision == "fp64";
+  const Precision precision = fp64 ? Precision::fp64 : Precision::fp32;
+  GapSweepOptions sweep;
+  if (rung) sweep.tolerance = rung->tolerance;
+  if (options.tolerance) {
+    sweep.accept = *options.tolerance;
+    sweep.tolerance =
+        0.01 * *options.tolerance;  // a slow lane (contraction 0.99 a sweep) leaves 100 times its last change
+  }
+  sweep.second_opinion = scene.sensor.columns <= most_columns_asked_twice;
+  auto solutions = solve_gap_sweep(executor, std::span(&scene, 1), precision, sweep);
+  return {std::move(solutions.front()), "batched", name(precision), device.name};
+}
+
+SolveOutcome solve_to_accuracy(const fem::Scene& scene, const SolveOptions& options) {
+  scene.validate();
+  Executor executor{Device(options.device)};
+  Plan chosen = plan(std::span(&scene, 1), *options.accuracy,
+                     [&](const Rung& rung) { return solve_on_rung(executor, std::span(&scene, 1), rung); });
+  SolveOutcome outcome{std::move(chosen.answers.front()), "batched", name(chosen.rung.precision),
+                       executor.device().info().name};
+  outcome.scene = on_rung(scene, chosen.rung);
+  outcome.rung = chosen.rung.name;
+  outcome.plan = std::move(chosen);
+  return outcome;
+}
+
+}  // namespace
+
+bool too_deep(const fem::Sensor& sensor, double indentation) {
+  constexpr double rounding = 1e-6;  // of a depth in fp32
+  return indentation > fem::linear_strain_limit * (1 + rounding) * sensor.thickness;
+}
+
+std::optional<std::string> depth_warning(const fem::Scene& scene, const fem::ContactSolution& solution) {
+  double deepest = 0;
+  for (const fem::ContactStep& step : solution.steps) deepest = std::max(deepest, step.indentation);
+  const double share = deepest / scene.sensor.thickness;
+  if (!too_deep(scene.sensor, deepest)) return std::nullopt;
+  return fmt::format(
+      "the indenter is {:.3g} mm deep, {:.0f} % of the thickness; rubber was measured to be linear up to {:.0f} %",
+      deepest, 100 * share, 100 * fem::linear_strain_limit);
+}
+
+double slip_limit(const fem::Sensor& sensor, const fem::ContactStep& step) {
+  const double element = sensor.length / (sensor.columns - 1);
+  const auto touching = static_cast<double>((step.normal_force.array() > 0).count());
+  return element * std::max(1.0, share_of_contact * touching);
+}
+
+std::optional<std::string> slip_warning(const fem::Scene& scene, const fem::ContactSolution& solution) {
+  const auto excess = [&](const fem::ContactStep& step) { return step.slip_distance / slip_limit(scene.sensor, step); };
+  const auto worst = std::ranges::max_element(solution.steps, {}, excess);
+  if (worst == solution.steps.end() || excess(*worst) <= 1) return std::nullopt;
+  return fmt::format(
+      "the indenter slides {:.3g} mm over the rubber, more than {:.3g} mm: displacements are taken as small, its "
+      "profile "
+      "stays over the nodes where it first stood",
+      worst->slip_distance, slip_limit(scene.sensor, *worst));
+}
+
+bool never_slid(const fem::Scene& scene, const fem::ContactSolution& solution) {
+  return fem::load_path(scene.load).until_sliding && !solution.sliding;
+}
+
+std::vector<std::string> warnings(const SolveOutcome& outcome) {
+  const auto& [scene, solution] = std::tie(outcome.scene, outcome.solution);
+  std::vector<std::string> all;
+  if (const auto warning = depth_warning(scene, solution)) all.push_back(*warning);
+  if (const auto warning = slip_warning(scene, solution)) all.push_back(*warning);
+  if (never_slid(scene, solution))
+    all.push_back(fmt::format("the contact does not slide as a whole within {} steps of {:.3g} mm",
+                              fem::most_tangential_steps, scene.load.tangential_step));
+  const auto raised = [](const fem::ContactStep& step) { return step.P > 0 && step.indentation < 0; };
+  if (const auto step = std::ranges::find_if(solution.steps, raised); step != solution.steps.end())
+    all.push_back(
+        fmt::format("in step {} friction holds the indenter {:.3g} mm above its first touch under P = {:.3g} "
+                    "N/mm: other solutions are likely (docs/accuracy.md)",
+                    step - solution.steps.begin() + 1, -step->indentation, step->P));
+  if (solution.several)
+    all.push_back(
+        fmt::format("this contact has several solutions: with friction {:g} Coulomb's law does not determine "
+                    "one (docs/accuracy.md)",
+                    scene.friction));
+  if (solution.base_force_error > doubtful_forces)
+    all.push_back(
+        fmt::format("in fp32 single base forces may be off by some {:.1g} of the largest, more than the residual "
+                    "tells: fp64 resolves them (docs/accuracy.md)",
+                    solution.base_force_error));
+  if (!outcome.rung.empty() && !carries(outcome.scene.sensor, rung_named(outcome.rung)))
+    all.push_back(fmt::format("rung {} asks for more columns than the {} that a mesh may have: its mesh is coarser, {}",
+                              outcome.rung, fem::most_columns,
+                              description(rung_named(outcome.rung), outcome.scene.sensor)));
+  return all;
+}
+
+std::vector<std::string> solver_names() { return {"batched", "reference"}; }
+
+void check_modelling(const SolveOptions& options) {
+  const auto check_positive = [](const char* option, const std::optional<double>& value) {
+    if (value && !(std::isfinite(*value) && *value > 0))
+      throw ConfigError("command line", option, fmt::format("{:g}", *value), "a number above 0");
+  };
+  check_positive("--accuracy", options.accuracy);
+  check_positive("--tolerance", options.tolerance);
+  if (!options.accuracy) return;
+  const auto refuse = [&](const char* other) {
+    throw ConfigError("command line", "--accuracy", fmt::format("{:g}", *options.accuracy),
+                      fmt::format("left out together with {}: it chooses that itself", other));
+  };
+  if (!options.rung.empty()) refuse("--rung");
+  if (options.tolerance) refuse("--tolerance");
+  if (!options.precision.empty()) refuse("--precision");
+  if (options.solver != "batched") refuse("--solver reference");
+}
+
+SolveOutcome solve(const fem::Scene& scene, const SolveOptions& options) {
+  check_modelling(options);
+  if (options.accuracy) return solve_to_accuracy(scene, options);
+  const fem::Scene modelled = options.rung.empty() ? scene : on_rung(scene, rung_named(options.rung));
+  SolveOutcome outcome =
+      options.solver == "reference" ? solve_reference(modelled, options) : solve_batched(modelled, options);
+  outcome.scene = modelled;
+  outcome.rung = options.rung;
+  return outcome;
+}
+
+}  // namespace tactel::host

@@ -1,0 +1,61 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fem/contact_solution.h"
+#include "fem/scene.h"
+#include "host/contact/planner.h"
+
+namespace tactel::host {
+
+/// Returns the solvers of this build.
+std::vector<std::string> solver_names();
+
+/// Solver, precision, device and tolerance: the options --solver, --precision, --device and --tolerance.
+struct SolveOptions {
+  std::string solver = "batched";   ///< one of solver_names()
+  std::string precision;            ///< "fp32", "fp64"; empty: fp64 where there is
+  std::string device;               ///< name or index of an OpenCL device; empty: the best there is
+  std::string rung;                 ///< one of rung_names(): how finely to model; empty: as the scene says
+  std::optional<double> accuracy;   ///< largest error in S: the planner chooses the rung
+  std::optional<double> tolerance;  ///< largest relative residual that counts as converged; none: the solver's own
+};
+
+/// An answer with its solver, precision and device.
+struct SolveOutcome {
+  fem::ContactSolution solution;
+  std::string solver, precision, device;
+  fem::Scene scene{};          ///< as it was modelled
+  std::string rung{};          ///< empty: as the scene says
+  std::optional<Plan> plan{};  ///< reason for the rung, where an accuracy was requested
+};
+
+/// Throws ConfigError where an accuracy is requested together with an option that it decides, and where it or the
+/// tolerance is not a number above 0.
+void check_modelling(const SolveOptions& options);
+
+/// Solves one scene. Throws ConfigError for contradictory options.
+SolveOutcome solve(const fem::Scene& scene, const SolveOptions& options);
+
+/// Returns true where an indentation, mm, exceeds the share of the thickness to which rubber is linear.
+bool too_deep(const fem::Sensor& sensor, double indentation);
+/// Returns a warning about an indentation that is too deep; none for others.
+std::optional<std::string> depth_warning(const fem::Scene& scene, const fem::ContactSolution& solution);
+
+/// Returns the slip of the indenter over the rubber, mm, up to which displacements are small. The profile stays
+/// above the nodes of its first position. The limit is the larger of an element's width and a tenth of the
+/// contact's, at this step.
+double slip_limit(const fem::Sensor& sensor, const fem::ContactStep& step);
+/// Returns a warning where the indenter slides further; none otherwise.
+std::optional<std::string> slip_warning(const fem::Scene& scene, const fem::ContactSolution& solution);
+
+/// Returns true where a drag until sliding ended without sliding.
+bool never_slid(const fem::Scene& scene, const fem::ContactSolution& solution);
+
+/// Returns the warnings about an answer, one line each; usually none. They concern depth, slip, a drag that never
+/// slid, friction that holds the indenter above its first touch, other solutions, forces that fp32 does not
+/// resolve, and a rung cut to the largest mesh.
+std::vector<std::string> warnings(const SolveOutcome& outcome);
+
+}  // namespace tactel::host

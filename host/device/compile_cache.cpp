@@ -1,0 +1,231 @@
+#include "host/device/compile_cache.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "host/support/checksum.h"
+
+namespace tactel::host {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+constexpr const char* list_name = "sealed";
+constexpr const char* lock_name = "compiling";
+constexpr auto patience = 60s;  // far more than a compilation takes
+
+/// A file as the list knows it.
+struct Sealed {
+  std::uint64_t size = 0, changed = 0, sum = 0;  ///< bytes; ns since 1970, 0: no longer listed; checksum of the content
+};
+using List = std::map<std::string, Sealed>;  ///< by path within the folder
+
+class Descriptor {
+ public:
+  Descriptor(const fs::path& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC, 0600)) {}
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+bool sync(const fs::path& path) {
+  const Descriptor file(path, O_RDONLY);
+  return file.get() >= 0 && ::fsync(file.get()) == 0;
+}
+
+std::uint64_t content_sum(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream content;
+  content << in.rdbuf();
+  return checksum(content.str());
+}
+
+std::optional<Sealed> stat_of(const fs::path& path) {
+  struct stat status {};
+  if (::lstat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return {};
+  return Sealed{static_cast<std::uint64_t>(status.st_size),
+                static_cast<std::uint64_t>(status.st_mtim.tv_sec) * 1'000'000'000u +
+                    static_cast<std::uint64_t>(status.st_mtim.tv_nsec),
+                0};
+}
+
+std::string line_of(const std::string& path, const Sealed& file) {
+  const std::string text = fmt::format("{} {} {:016x} {}", file.size, file.changed, file.sum, path);
+  return fmt::format("{:016x} {}\n", checksum(text), text);
+}
+
+/// Lines that are torn or damaged are passed over: their files count as not listed.
+List read_list(const fs::path& folder) {
+  List list;
+  std::ifstream in(folder / list_name, std::ios::binary);
+  for (std::string line; std::getline(in, line);) {
+    std::istringstream words(line);
+    std::uint64_t sum = 0;
+    Sealed file;
+    std::string path;
+    words >> std::hex >> sum >> std::dec >> file.size >> file.changed >> std::hex >> file.sum;
+    words.get();
+    if (!words || !std::getline(words, path) || line_of(path, file) != line + "\n") continue;
+    if (file.changed == 0)
+      list.erase(path);
+    else
+      list[path] = file;
+  }
+  return list;
+}
+
+/// Adds lines to the list and brings it to the disk.
+bool append(const fs::path& folder, std::string lines) {
+  const Descriptor out(folder / list_name, O_WRONLY | O_CREAT | O_APPEND);
+  if (out.get() < 0 || ::flock(out.get(), LOCK_EX) != 0) return false;
+  lines.insert(0, "\n");  // after a line that a power cut has torn
+  return ::write(out.get(), lines.data(), lines.size()) >= 0 && ::fsync(out.get()) == 0;
+}
+
+/// The files of each program: PoCL keeps them in XX/REST, two letters and the rest of a hash. Left out are the stamp
+/// that PoCL touches at each use, and whatever lies elsewhere.
+std::map<fs::path, std::vector<fs::path>> programs_in(const fs::path& folder) {
+  std::map<fs::path, std::vector<fs::path>> programs;
+  std::error_code error;
+  for (const fs::directory_entry& first : fs::directory_iterator(folder, error)) {
+    if (first.path().filename().native().size() != 2 || !first.is_directory(error)) continue;
+    for (const fs::directory_entry& program : fs::directory_iterator(first.path(), error)) {
+      std::vector<fs::path>& files = programs[program.path()];
+      for (fs::recursive_directory_iterator entry(program.path(), error), end; entry != end; entry.increment(error))
+        if (!entry->is_directory(error) && entry->path().filename() != "last_accessed") files.push_back(entry->path());
+    }
+  }
+  return programs;
+}
+
+enum class Verdict { good, unlisted, damaged };
+
+Verdict judge(const fs::path& path, const std::string& name, const List& list) {
+  const auto listed = list.find(name);
+  if (listed == list.end()) return Verdict::unlisted;
+  const auto now = stat_of(path);
+  const bool same = now && now->size == listed->second.size &&
+                    (now->changed == listed->second.changed || content_sum(path) == listed->second.sum);
+  return same ? Verdict::good : Verdict::damaged;
+}
+
+/// Why a folder cannot hold a cache; empty where it can.
+std::string unfit(const fs::path& folder, std::size_t room) {
+  if (::access(folder.c_str(), W_OK | X_OK) != 0) return std::strerror(errno);
+  struct statvfs disk {};
+  if (::statvfs(folder.c_str(), &disk) != 0) return std::strerror(errno);
+  const bool full = disk.f_bavail * disk.f_frsize < room || (disk.f_files > 0 && disk.f_favail < 100);
+  return full ? "the disk is full" : "";
+}
+
+/// A folder in a place that others can write: ours, and closed to others. Empty where that cannot be had.
+std::string unfit_private(const fs::path& folder) {
+  ::mkdir(folder.c_str(), S_IRWXU);
+  struct stat status {};
+  if (::lstat(folder.c_str(), &status) != 0) return std::strerror(errno);
+  if (!S_ISDIR(status.st_mode) || status.st_uid != ::getuid()) return "it belongs to another user";
+  return (status.st_mode & (S_IRWXG | S_IRWXO)) != 0 ? "other users can enter it" : "";
+}
+
+}  // namespace
+
+CachePlace choose_cache(const fs::path& own, std::span<const fs::path> shared_parents, std::size_t room) {
+  CachePlace place;
+  const auto fits = [&](const fs::path& folder, std::string why) {
+    if (why.empty()) why = unfit(folder, room);
+    if (why.empty())
+      place.folder = folder;
+    else
+      place.trouble += (place.trouble.empty() ? "" : ", ") + folder.string() + " (" + why + ")";
+    return why.empty();
+  };
+  std::error_code error;
+  fs::create_directories(own, error);
+  if (fits(own, error ? error.message() : "")) return place;
+  for (const fs::path& parent : shared_parents) {
+    const fs::path folder = parent / ("tactel-" + std::to_string(::getuid()));
+    if (fits(folder, unfit_private(folder))) return place;
+  }
+  return place;
+}
+
+CompileCache::Use::Use(const CompileCache& cache) : folder_(cache.folder_) {
+  lock_ = ::open((folder_ / lock_name).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  const auto end = std::chrono::steady_clock::now() + patience;
+  while (lock_ >= 0 && ::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
+    if ((errno == EWOULDBLOCK || errno == EINTR) && std::chrono::steady_clock::now() < end)
+      std::this_thread::sleep_for(10ms);
+    else
+      ::close(std::exchange(lock_, -1));
+  }
+  if (lock_ >= 0) check();
+}
+
+CompileCache::Use::~Use() {
+  if (lock_ >= 0) ::close(lock_);
+}
+
+void CompileCache::Use::check() {
+  const List list = read_list(folder_);
+  std::error_code error;
+  std::string no_longer;
+  for (const auto& [program, files] : programs_in(folder_)) {
+    Verdict worst = Verdict::good;
+    for (const fs::path& file : files)
+      worst = std::max(worst, judge(file, file.lexically_relative(folder_).string(), list));
+    if (worst == Verdict::good) continue;
+    damaged_ += worst == Verdict::damaged;
+    fs::remove_all(program, error);
+    for (const fs::path& file : files)
+      if (const std::string name = file.lexically_relative(folder_).string(); list.contains(name))
+        no_longer += line_of(name, {});
+  }
+  if (!no_longer.empty()) append(folder_, no_longer);
+}
+
+void CompileCache::Use::seal() const noexcept try {
+  if (lock_ < 0) return;
+  const List list = read_list(folder_);
+  std::string lines;
+  std::set<fs::path> folders;
+  for (const auto& [program, files] : programs_in(folder_))
+    for (const fs::path& file : files) {
+      const std::string name = file.lexically_relative(folder_).string();
+      auto now = stat_of(file);
+      if (!now || list.contains(name) || !sync(file)) continue;
+      for (fs::path parent = file.parent_path(); parent != folder_; parent = parent.parent_path())
+        folders.insert(parent);
+      now->sum = content_sum(file);
+      lines += line_of(name, *now);
+    }
+  if (lines.empty()) return;
+  folders.insert(folder_);
+  for (const fs::path& folder : folders) sync(folder);
+  append(folder_, lines);
+} catch (...) {  // the next run compiles again
+}
+
+}  // namespace tactel::host

@@ -1,0 +1,264 @@
+#include "host/device/device.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cctype>
+#include <charconv>
+#include <cstdlib>
+#include <filesystem>
+#include <mutex>
+
+#include "fem/condensation.h"
+#include "host/device/compile_cache.h"
+#include "host/device/opencl.h"
+#include "host/support/interrupt.h"
+
+namespace tactel::host {
+namespace {
+
+struct FoundDevice {
+  DeviceInfo info;
+  cl::Device device;
+};
+
+bool contains(std::string_view text, std::string_view part) {
+  const auto same = [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); };
+  return std::search(text.begin(), text.end(), part.begin(), part.end(), same) != text.end();
+}
+
+/// What is set up once a process.
+struct Process {
+  std::once_flag once;
+  std::unique_ptr<CompileCache> cache;  ///< none where the user says where kernels are kept
+  std::string trouble;                  ///< with places for the cache
+  LogSink log;
+  std::atomic<bool> reported{false};
+};
+
+Process& process() {
+  static Process* const all = new Process;  // never destroyed: devices may outlive static objects
+  return *all;
+}
+
+void set_up_cache() {
+  namespace fs = std::filesystem;
+  if (std::getenv("POCL_CACHE_DIR")) return;
+  std::error_code error;
+  const std::array<fs::path, 2> shared = {fs::temp_directory_path(error), "/dev/shm"};
+  const CachePlace place = choose_cache(fem::default_cache_directory() / "pocl", shared);
+  process().trouble = place.trouble;
+  if (place.folder.empty()) return;
+  process().cache = std::make_unique<CompileCache>(place.folder);
+  setenv("POCL_CACHE_DIR", place.folder.c_str(), 0);
+}
+
+// PoCL offers only its `pthread` device unless told otherwise; `basic` is the one that launches in under a microsecond.
+// What the user has set stays.
+void set_up_pocl() {
+  std::call_once(process().once, [] {
+    setenv("POCL_DEVICES", "basic pthread", 0);
+    set_up_cache();
+  });
+}
+
+// What the first device to be opened has to say of the cache.
+void report_cache(const LogSink& log) {
+  const Process& all = process();
+  if (!log || process().reported.exchange(true)) return;
+  if (!all.trouble.empty() && all.cache)
+    log(LogLevel::warning,
+        "compiled kernels are kept in " + std::string(std::getenv("POCL_CACHE_DIR")) + ", because of " + all.trouble);
+}
+
+DeviceType type_of(cl_device_type type) {
+  if (type & CL_DEVICE_TYPE_CPU) return DeviceType::cpu;
+  return type & CL_DEVICE_TYPE_GPU ? DeviceType::gpu : DeviceType::other;
+}
+
+// The device's own vector width, as a width that OpenCL C has. GPUs run a lane in each work-item.
+int explicit_lanes(DeviceType type, cl_uint native_width) {
+  if (type != DeviceType::cpu) return 1;
+  int lanes = 1;
+  while (2 * lanes <= static_cast<int>(std::min<cl_uint>(native_width, 16))) lanes *= 2;
+  return lanes;
+}
+
+DeviceInfo describe(const cl::Platform& platform, const cl::Device& device, int index) {
+  DeviceInfo info;
+  info.index = index;
+  info.name = device.getInfo<CL_DEVICE_NAME>();
+  info.platform = platform.getInfo<CL_PLATFORM_NAME>();
+  info.driver = device.getInfo<CL_DRIVER_VERSION>();
+  info.type = type_of(device.getInfo<CL_DEVICE_TYPE>());
+  info.compute_units = static_cast<int>(device.getInfo<CL_DEVICE_MAX_COMPUTE_UNITS>());
+  info.fp64 = device.getInfo<CL_DEVICE_DOUBLE_FP_CONFIG>() != 0;
+  info.lanes_fp32 = explicit_lanes(info.type, device.getInfo<CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT>());
+  info.lanes_fp64 = info.fp64 ? explicit_lanes(info.type, device.getInfo<CL_DEVICE_NATIVE_VECTOR_WIDTH_DOUBLE>()) : 0;
+  const bool pocl_cpu = contains(info.platform, "Portable Computing Language") && info.type == DeviceType::cpu;
+  info.zero_copy = pocl_cpu;
+  info.low_latency = pocl_cpu && (info.name.starts_with("basic") || info.name.starts_with("cpu-minimal"));
+  return info;
+}
+
+std::vector<FoundDevice> find_devices() {
+  set_up_pocl();
+  const HeldSignals held(HeldSignals::always);  // PoCL's threads are made here, and compile later: they keep it
+  std::vector<cl::Platform> platforms;
+  try {
+    cl::Platform::get(&platforms);
+  } catch (const cl::Error&) {
+    return {};  // the loader reports "no platform" as an error
+  }
+  std::vector<FoundDevice> found;
+  for (const cl::Platform& platform : platforms) {
+    std::vector<cl::Device> devices;
+    try {
+      platform.getDevices(CL_DEVICE_TYPE_ALL, &devices);
+    } catch (const cl::Error&) {
+      continue;  // a platform without devices reports that as an error, too
+    }
+    for (const cl::Device& device : devices)
+      found.push_back({describe(platform, device, static_cast<int>(found.size())), device});
+  }
+  return found;
+}
+
+// What is taken without being asked for: the devices that the answers were tested on come first.
+int rank(const DeviceInfo& info) {
+  if (info.low_latency) return 0;
+  if (info.type == DeviceType::cpu) return 1;
+  return info.type == DeviceType::gpu ? 2 : 3;
+}
+
+// The best device with `part` in its name or its platform's, -1 without one. An empty part is in every name.
+int best_match(std::span<const DeviceInfo> devices, std::string_view part) {
+  const DeviceInfo* best = nullptr;
+  for (const DeviceInfo& info : devices) {
+    if (!contains(info.name, part) && !contains(info.platform, part)) continue;
+    if (!best || rank(info) < rank(*best)) best = &info;
+  }
+  return best ? best->index : -1;
+}
+
+// Index of the device that `choice` means, -1 without one.
+int chosen_index(std::span<const DeviceInfo> devices, std::string_view choice) {
+  std::size_t index = 0;
+  const char* end = choice.data() + choice.size();
+  const auto [stop, error] = std::from_chars(choice.data(), end, index);
+  if (choice.empty() || error != std::errc{} || stop != end) return best_match(devices, choice);
+  return index < devices.size() ? static_cast<int>(index) : -1;
+}
+
+std::string_view default_choice() {
+  const char* choice = std::getenv("TACTEL_DEVICE");
+  return choice ? choice : "";
+}
+
+std::vector<DeviceInfo> infos_of(const std::vector<FoundDevice>& found) {
+  std::vector<DeviceInfo> infos;
+  for (const FoundDevice& each : found) infos.push_back(each.info);
+  return infos;
+}
+
+FoundDevice choose(std::string_view choice) {
+  const std::vector<FoundDevice> found = find_devices();
+  if (found.empty()) throw DeviceError("clGetPlatformIDs", "no OpenCL device", "", no_device_advice());
+  const int index = chosen_index(infos_of(found), choice);
+  if (index >= 0) return found[index];
+  std::string names;
+  for (const FoundDevice& each : found) names += "\n  " + std::to_string(each.info.index) + "  " + each.info.name;
+  throw ConfigError("", "device", std::string(choice), "an index or a part of the name of one of" + names);
+}
+
+}  // namespace
+
+std::string no_device_advice() {
+  const char* cache = std::getenv("POCL_CACHE_DIR");
+  if (cache != nullptr && access(cache, W_OK) != 0)
+    return "POCL_CACHE_DIR = " + std::string(cache) + " must be a folder that can be written";
+  if (cache == nullptr && !process().trouble.empty())
+    return "compiled kernels need a folder, and none can be used: " + process().trouble +
+           "; set TACTEL_CACHE_DIR to a folder that can be written";
+  return "install one, for the processor: apt install pocl-opencl-icd; `clinfo -l` lists what OpenCL finds";
+}
+
+void set_default_log(LogSink log) { process().log = std::move(log); }
+
+const char* name(DeviceType type) {
+  if (type == DeviceType::cpu) return "cpu";
+  return type == DeviceType::gpu ? "gpu" : "other";
+}
+
+std::vector<DeviceInfo> list_devices() {
+  return translated("", [] { return infos_of(find_devices()); });
+}
+
+int default_device(std::span<const DeviceInfo> devices) { return chosen_index(devices, default_choice()); }
+
+struct Device::State {
+  DeviceInfo info;
+  cl::Device device;
+  cl::Context context;
+  LogSink log;
+};
+
+Device::Device(std::string_view choice, LogSink log) {
+  const FoundDevice found = translated("", [&] { return choose(choice.empty() ? default_choice() : choice); });
+  if (!log) log = process().log;
+  report_cache(log);
+  const HeldSignals held(HeldSignals::always);
+  const cl::Context context = translated(found.info.name, [&] { return cl::Context(found.device); });
+  state_ = std::make_shared<State>(State{found.info, found.device, context, std::move(log)});
+}
+
+const DeviceInfo& Device::info() const { return state_->info; }
+
+int Device::lanes(Precision precision) const {
+  if (precision == Precision::fp32) return info().lanes_fp32;
+  if (info().fp64) return info().lanes_fp64;
+  throw DeviceError("fp64", "not supported", info().name, "choose --precision fp32 or another --device");
+}
+
+const cl::Device& Device::cl_device() const { return state_->device; }
+const cl::Context& Device::context() const { return state_->context; }
+
+cl::CommandQueue Device::make_queue() const {
+  return translated(info().name, [&] { return cl::CommandQueue(state_->context, state_->device); });
+}
+
+void Device::log(LogLevel level, std::string_view message) const {
+  if (state_->log) state_->log(level, message);
+}
+
+Device Device::with_lanes(int lanes) const {
+  Device other = *this;
+  State state = *state_;
+  state.info.lanes_fp32 = lanes;
+  if (state.info.fp64) state.info.lanes_fp64 = lanes;
+  other.state_ = std::make_shared<State>(std::move(state));
+  return other;
+}
+
+struct Compilation::Use {
+  CompileCache::Use use;
+};
+
+Compilation::Compilation(const Device& device) {
+  if (!process().cache) return;
+  use_ = std::unique_ptr<Use>(new Use{CompileCache::Use(*process().cache)});
+  if (use_->use.damaged() > 0)
+    device.log(LogLevel::warning, "the cache of compiled kernels " + std::string(std::getenv("POCL_CACHE_DIR")) +
+                                      " was damaged: " + std::to_string(use_->use.damaged()) +
+                                      " programs are removed from it and compiled again");
+}
+
+Compilation::~Compilation() = default;
+
+void Compilation::keep() const {
+  if (use_) use_->use.seal();
+}
+
+}  // namespace tactel::host

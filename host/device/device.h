@@ -1,0 +1,108 @@
+#pragma once
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host/support/log.h"
+#include "host/support/precision.h"
+
+namespace cl {
+class Buffer;
+class CommandQueue;
+class Context;
+class Device;
+class Kernel;
+}  // namespace cl
+
+namespace tactel::host {
+
+enum class DeviceType { cpu, gpu, other };
+
+/// "cpu", "gpu", "other".
+const char* name(DeviceType type);
+
+struct DeviceInfo {
+  int index = 0;         ///< index in list_devices()
+  std::string name;      ///< CL_DEVICE_NAME
+  std::string platform;  ///< CL_PLATFORM_NAME
+  std::string driver;    ///< CL_DRIVER_VERSION
+  DeviceType type = DeviceType::other;
+  int compute_units = 0;
+  bool fp64 = false;   ///< double precision in kernels
+  int lanes_fp32 = 1;  ///< scenes (frames, networks) that one work-item carries in an explicit vector; 1 on a GPU
+  int lanes_fp64 = 1;  ///< the same for double; 0 without fp64
+  bool low_latency =
+      false;               ///< runs kernels in the calling thread (PoCL's `basic`): a launch costs under a microsecond
+  bool zero_copy = false;  ///< kernels work on host memory in place
+};
+
+/// Default log of devices without a log of their own; none at first. Set it before other threads exist.
+void set_default_log(LogSink log);
+
+/// Returns every OpenCL device, in the order of --device; empty where there is none. Before the first OpenCL call
+/// of the process it sets POCL_DEVICES to "basic pthread", and POCL_CACHE_DIR to "pocl" in
+/// fem::default_cache_directory(), unless the user has set them. PoCL keeps compiled kernels there; they are
+/// checked first (compile_cache.h). A user who sets POCL_CACHE_DIR is responsible for its content.
+std::vector<DeviceInfo> list_devices();
+/// Returns the index of the default device: $TACTEL_DEVICE, else PoCL's `basic` (on which answers are tested),
+/// another CPU, a GPU. Returns -1 where there is none.
+int default_device(std::span<const DeviceInfo> devices);
+/// Advice for a user without a device: about the folder of compiled kernels where that is the problem.
+std::string no_device_advice();
+
+/// A device with its context, for programs, buffers and executors. Cheap to copy; copies share the context.
+class Device {
+ public:
+  /// `choice`: an index of list_devices(), or (part of) a name, any case. Empty: $TACTEL_DEVICE, else the best: PoCL's
+  /// `basic` first, then another CPU, then a GPU. Throws ConfigError for a choice that names no device or several
+  /// different ones (it lists what there is), DeviceError when there is no device at all. Without `log` it logs to the
+  /// default log.
+  explicit Device(std::string_view choice = {}, LogSink log = {});
+
+  const DeviceInfo& info() const;
+  /// Returns the lanes of explicit vectors in this precision. Throws DeviceError where the device lacks fp64.
+  int lanes(Precision precision) const;
+  const cl::Device& cl_device() const;
+  const cl::Context& context() const;
+  /// Returns a new queue, in order.
+  cl::CommandQueue make_queue() const;
+  void log(LogLevel level, std::string_view message) const;
+  /// Returns the same device with this number of lanes in both precisions, 1, 2, 4, 8 or 16: for tests. Shares
+  /// the context.
+  Device with_lanes(int lanes) const;
+
+ private:
+  struct State;
+  std::shared_ptr<const State> state_;
+};
+
+/// One compilation of kernels, which other threads and processes with the same cache wait for.
+class Compilation {
+ public:
+  explicit Compilation(const Device& device);
+  ~Compilation();
+  Compilation(const Compilation&) = delete;
+  Compilation& operator=(const Compilation&) = delete;
+  /// Keeps what was compiled for later runs.
+  void keep() const;
+
+ private:
+  struct Use;
+  std::unique_ptr<Use> use_;
+};
+
+/// Says `what` to a device's log as LogLevel::busy, and at its end that it is over.
+class BusyMessage {
+ public:
+  BusyMessage(const Device& device, std::string_view what) : device_(device) { device_.log(LogLevel::busy, what); }
+  ~BusyMessage() { device_.log(LogLevel::busy, ""); }
+  BusyMessage(const BusyMessage&) = delete;
+  BusyMessage& operator=(const BusyMessage&) = delete;
+
+ private:
+  const Device device_;
+};
+
+}  // namespace tactel::host

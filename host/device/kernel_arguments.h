@@ -1,0 +1,71 @@
+#pragma once
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "host/device/buffer.h"
+
+namespace tactel::host {
+
+/// A parameter of a kernel as its source declares it.
+struct KernelParameter {
+  std::string type;  ///< "float", "uint", ...; of what it points to where it is a pointer; a struct's name
+  bool pointer = false;
+  std::string name;
+};
+
+/// The parameters of a kernel in a source. `real`: what REAL and its vectors stand for, "float" or "double"; a vector
+/// counts as its element. Empty where the source has no such kernel.
+std::vector<KernelParameter> kernel_parameters(std::string_view source, std::string_view kernel, std::string_view real);
+
+/// OpenCL C's name of a number's type; "" for a struct.
+template <class Value>
+constexpr std::string_view kernel_type() {
+  if constexpr (std::is_same_v<Value, float>) return "float";
+  if constexpr (std::is_same_v<Value, double>) return "double";
+  if constexpr (!std::is_integral_v<Value>) return "";
+  constexpr bool has_sign = std::is_signed_v<Value>;
+  if constexpr (sizeof(Value) == 1) return has_sign ? "char" : "uchar";
+  if constexpr (sizeof(Value) == 2) return has_sign ? "short" : "ushort";
+  if constexpr (sizeof(Value) == 4) return has_sign ? "int" : "uint";
+  return has_sign ? "long" : "ulong";
+}
+
+/// Sets the arguments of one kernel object by name, or by place from 0. OpenCL itself checks sizes alone; here a name
+/// that the kernel lacks and a number of another type than the kernel declares throw std::logic_error (mistakes in the
+/// code). Of structs OpenCL checks the size.
+class KernelArguments {
+ public:
+  KernelArguments(cl::Kernel& kernel, std::span<const KernelParameter> parameters)
+      : kernel_(kernel), parameters_(parameters) {}
+
+  template <class Value>
+  void set(unsigned index, const Value& value) {
+    static_assert(std::is_trivially_copyable_v<Value> && !std::is_pointer_v<Value>);
+    check(index, kernel_type<Value>(), false);
+    set_bytes(index, &value, sizeof value);
+  }
+  template <class T>
+  void set(unsigned index, const Buffer<T>& buffer) {
+    check(index, kernel_type<T>(), true);
+    set_buffer(index, buffer.cl_buffer());
+  }
+  template <class Value>
+  void set(std::string_view name, const Value& value) {
+    set(place(name), value);
+  }
+
+ private:
+  unsigned place(std::string_view name) const;
+  void check(unsigned index, std::string_view type, bool pointer) const;
+  void set_bytes(unsigned index, const void* value, std::size_t size);
+  void set_buffer(unsigned index, const cl::Buffer& buffer);
+
+  cl::Kernel& kernel_;
+  std::span<const KernelParameter> parameters_;
+};
+
+}  // namespace tactel::host

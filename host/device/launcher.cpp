@@ -1,0 +1,74 @@
+#include "host/device/launcher.h"
+
+#include <algorithm>
+#include <mutex>
+#include <optional>
+
+#include "host/support/interrupt.h"
+#include "kernels/shared/group.h"
+
+namespace tactel::host {
+namespace {
+
+// PoCL (to 3.1 at least) aborts when two threads launch a kernel and one of them brings a wider grid than any before
+// it. So every kernel is launched once, at its widest and for nothing, before any run. PoCL also compiles grids of
+// 65536 and more anew, and forgets the oldest of more than 128 kernels.
+constexpr std::size_t widest_cpu_launch = 32768;
+constexpr std::size_t widest_gpu_launch = std::size_t{1} << 24;
+constexpr std::size_t gpu_local_size = 64;
+
+}  // namespace
+
+Launcher::Launcher(const Device& device, int threads) : device_(device) {
+  for (int i = 0; i < threads; ++i) queues_.push_back(device.make_queue());
+}
+
+std::size_t Launcher::widest_launch() const {
+  return device_.info().type == DeviceType::cpu ? widest_cpu_launch : widest_gpu_launch;
+}
+
+std::size_t Launcher::local_size() const { return device_.info().type == DeviceType::cpu ? 1 : gpu_local_size; }
+
+void Launcher::enqueue(Launch::State& launch, int thread, std::size_t first, std::size_t global, std::size_t local) {
+  if (global == 0) return;
+  launch.kernels[thread].setArg(0, static_cast<cl_uint>(first));
+  queues_[thread].enqueueNDRangeKernel(launch.kernels[thread], cl::NullRange, cl::NDRange(global), cl::NDRange(local));
+}
+
+void Launcher::compile(Launch::State& launch) {
+  static std::mutex one_at_a_time;
+  if (launch.compiled) return;
+  const HeldSignals held(HeldSignals::handled);
+  if (launch.program.takes_group(launch.kernel)) {
+    const std::lock_guard lock(one_at_a_time);
+    const BusyMessage busy(device_, "optimizing kernel " + launch.kernel + " for this device (once)");
+    launch.widest = widest_launch();
+    std::optional<Compilation> compilation;
+    if (launch.program.first_use(launch.kernel)) compilation.emplace(device_);
+    const std::size_t global = device_.info().type == DeviceType::cpu ? launch.widest : local_size();
+    translated(device_.info().name, [&] {
+      enqueue(launch, 0, std::size_t{NO_GROUPS}, global, local_size());
+      queues_[0].finish();
+    });
+    if (compilation) compilation->keep();
+  } else {
+    device_.log(LogLevel::warning, launch.kernel + " lacks TAKE_GROUP: compiled at its first use, run group by group");
+  }
+  launch.compiled = true;
+}
+
+// OpenCL's own offset stays zero: PoCL aborts when two threads launch a kernel with and without. On a GPU a ragged end
+// goes in a launch of its own, as OpenCL 1.2 wants whole work-groups.
+void Launcher::launch(Launch::State& launch, int thread, std::size_t first, std::size_t count) {
+  translated(device_.info().name, [&] {
+    for (const std::size_t end = first + count; first < end; first += count) {
+      count = std::min(end - first, launch.widest);
+      const std::size_t ragged = count % local_size();
+      enqueue(launch, thread, first, count - ragged, local_size());
+      enqueue(launch, thread, first + count - ragged, ragged, ragged);
+    }
+    queues_[thread].finish();
+  });
+}
+
+}  // namespace tactel::host

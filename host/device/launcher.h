@@ -1,0 +1,45 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "host/device/executor.h"
+#include "host/device/opencl.h"
+
+// Calls of the executor to OpenCL; not part of its interface.
+namespace tactel::host {
+
+struct Launch::State {
+  Program program;
+  std::string kernel;
+  std::vector<cl::Kernel> kernels;            ///< [threads]
+  const void* executor;                       ///< its owner
+  KernelTime* time;                           ///< its sum in the executor
+  double seconds_per_group = 0;               ///< in the last run; 0: not run yet
+  bool compiled = false;                      ///< by a launch
+  std::size_t widest = 1;                     ///< groups in one launch
+  std::vector<KernelParameter> parameters{};  ///< of the kernel
+
+  const std::string& device_name() const { return program.device().info().name; }
+};
+
+/// Launches groups of a kernel on a device and waits for them, with a queue for each thread.
+class Launcher {
+ public:
+  Launcher(const Device& device, int threads);
+
+  /// Compiles the kernel once, by a launch that does nothing.
+  void compile(Launch::State& launch);
+  /// Runs groups first ... first + count - 1 with the kernel object and queue of this thread.
+  void launch(Launch::State& launch, int thread, std::size_t first, std::size_t count);
+  std::size_t widest_launch() const;  ///< groups
+  const Device& device() const { return device_; }
+
+ private:
+  std::size_t local_size() const;
+  void enqueue(Launch::State& launch, int thread, std::size_t first, std::size_t global, std::size_t local);
+
+  Device device_;
+  std::vector<cl::CommandQueue> queues_;  ///< [threads]
+};
+
+}  // namespace tactel::host

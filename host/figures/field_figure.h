@@ -1,0 +1,15 @@
+#pragma once
+#include <string>
+#include <utility>
+
+#include "fem/stress_field.h"
+#include "host/figures/plot.h"
+
+namespace tactel::host {
+
+/// Returns a panel of one quantity inside the block, coloured, with contour lines. `values` [nodes]; x from..to
+/// of the block, mm.
+Panel field_panel(const fem::StressField& field, const Eigen::VectorXd& values, const std::string& title,
+                  const std::string& unit, std::pair<double, double> x_range);
+
+}  // namespace tactel::host

@@ -1,0 +1,249 @@
+#include "host/figures/gnuplot_script.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/figures/figure_layout.h"
+
+namespace tactel::host {
+namespace {
+
+constexpr int small_raster = 4000;  // up to so many values a raster is drawn as rectangles, which no viewer smoothes
+
+const char* colour(Ink ink) {
+  static constexpr const char* colours[] = {"#1f5fa8", "#d9660a", "#1d8f5a", "#7a55b0",
+                                            "#c8323c", "#8a5a33", "#8a8f98", "#22262b"};
+  return colours[static_cast<int>(ink)];
+}
+
+std::string number(double value) { return std::isfinite(value) ? fmt::format("{:.9g}", value) : "NaN"; }
+
+/// Text in double quotes of a gnuplot program.
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += c == '\n' ? ' ' : c;
+  }
+  return out + "\"";
+}
+
+std::string bold(const std::string& text, double size) { return quoted(fmt::format("{{/:Bold*{} {}}}", size, text)); }
+
+std::string block_name(std::size_t panel, const std::string& what) { return fmt::format("$panel{}_{}", panel, what); }
+
+/// A named data block: one line a point.
+std::string series_data(const std::string& name, const Series& s) {
+  std::string out = name + " << END\n";
+  for (std::size_t i = 0; i < s.x.size(); ++i) {
+    out += number(s.x[i]) + " " + number(i < s.y.size() ? s.y[i] : NAN);
+    if (i < s.low.size() && i < s.high.size()) out += " " + number(s.low[i]) + " " + number(s.high[i]);
+    out += "\n";
+  }
+  return out + "END\n";
+}
+
+std::string raster_data(const std::string& name, const Raster& r) {
+  std::string out = name + " << END\n";
+  const double dx = (r.x_range.second - r.x_range.first) / r.columns,
+               dy = (r.y_range.second - r.y_range.first) / r.rows;
+  for (int i = 0; i < r.rows; ++i) {
+    for (int j = 0; j < r.columns; ++j) {
+      const double value = r.values[static_cast<std::size_t>(i) * r.columns + j];
+      out += number(r.x_range.first + (j + 0.5) * dx) + " " + number(r.y_range.first + (i + 0.5) * dy) + " " +
+             number(value) + "\n";
+    }
+  }
+  return out + "END\n";
+}
+
+std::string style(const Series& s) {
+  const std::string ink = fmt::format("lc rgb '{}'", colour(s.ink));
+  switch (s.mark) {
+    case Mark::line:
+      return "with lines lw 2 " + ink;
+    case Mark::thin:
+      return "with lines lw 1 " + ink;
+    case Mark::dashed:
+      return "with lines lw 1.5 dt (6,5) " + ink;
+    case Mark::dots:
+      return "with points pt 7 ps 0.45 " + ink;
+    case Mark::circles:
+      return "with points pt 7 ps 0.75 " + ink;
+    case Mark::triangles:
+      return "with points pt 9 ps 0.9 " + ink;
+    case Mark::crosses:
+      return "with points pt 2 ps 0.7 lw 1.5 " + ink;
+    case Mark::line_dots:
+      return "with linespoints pt 7 ps 0.55 lw 2 " + ink;
+    case Mark::bars:
+      return "with boxes fs solid 0.75 noborder " + ink;
+    case Mark::band:
+      return "with filledcurves fs transparent solid 0.2 noborder " + ink;
+    case Mark::whiskers:
+      return "with yerrorbars pt 7 ps 0.6 lw 1.5 " + ink;
+  }
+  return "";
+}
+
+const char* columns_of(const Series& s) {
+  if (s.mark == Mark::band) return "1:3:4";
+  return s.mark == Mark::whiskers ? "1:2:3:4" : "1:2";
+}
+
+std::string palette(const Raster& r) {
+  switch (r.palette) {
+    case Palette::sequential:
+      return "set palette maxcolors 0 defined (0 '#fbfcf7', 0.25 '#b9dcc4', 0.5 '#56a9b8', 0.75 '#2a6099', 1 "
+             "'#1c2a5e')\n";
+    case Palette::diverging:
+      return "set palette maxcolors 0 defined (0 '#123a72', 0.22 '#3f83bf', 0.4 '#b8d6e8', 0.5 '#f7f7f5', 0.6 "
+             "'#f4c7a6', 0.78 '#d3622f', 1 '#7c1d16')\n";
+    case Palette::status:
+      return "set palette maxcolors 3 defined (0 '#e9ebee', 1 '#1f5fa8', 2 '#d9660a')\n";
+  }
+  return "";
+}
+
+std::pair<double, double> colour_limits(const Raster& r) {
+  if (r.limits) return *r.limits;
+  if (r.palette == Palette::status) return {-0.5, 2.5};
+  double low = INFINITY, high = -INFINITY;
+  for (const double value : r.values) {
+    if (!std::isfinite(value)) continue;
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  if (!(low <= high)) return {0, 1};
+  if (r.palette == Palette::diverging) high = std::max(std::abs(low), std::abs(high)), low = -high;
+  return low < high ? std::pair(low, high) : std::pair(low - 1, high + 1);
+}
+
+std::string colour_scale(const Raster& r) {
+  const auto [low, high] = colour_limits(r);
+  std::string out = palette(r) + fmt::format(
+                                     "set cbrange [{}:{}]\nset colorbox vertical user origin graph 1.02, graph 0 size "
+                                     "graph 0.025, graph 1 noborder\n",
+                                     number(low), number(high));
+  if (r.palette == Palette::status) return out + "set cbtics ('open' 0, 'stick' 1, 'slip' 2) scale 0\nunset cblabel\n";
+  return out + "set format cb '%g'\nset cbtics autofreq scale 0.4\nset cblabel " + quoted(r.unit) +
+         " offset 1,0 textcolor rgb '#3a4048'\n";
+}
+
+std::string range(const char* axis, const std::optional<std::pair<double, double>>& r) {
+  return r ? fmt::format("set {}range [{}:{}]\n", axis, number(r->first), number(r->second))
+           : fmt::format("set {}range [*:*]\n", axis);
+}
+
+std::string tick_words(std::pair<double, double> shown, int pixels, int pixels_each) {
+  const double distance = tick_distance(shown, pixels / pixels_each);
+  return distance > 0 ? number(distance) : "autofreq";
+}
+
+std::string x_ticks(const Figure& f, const Panel& p) {
+  constexpr int pixels_each = 56;
+  if (p.x_ticks.empty())
+    return "set xtics " + (p.log_x ? "autofreq" : tick_words(shown_x(p), axes_width(f, p), pixels_each)) + "\n";
+  std::string out;
+  for (const auto& [place, name] : p.x_ticks) out += (out.empty() ? "" : ", ") + quoted(name) + " " + number(place);
+  return "set xtics (" + out + ")\n";
+}
+
+std::string y_ticks(const Figure& f, const Panel& p) {
+  constexpr int pixels_each = 26;
+  return "set ytics " + (p.log_y ? "autofreq" : tick_words(shown_y(p), axes_height(f, p), pixels_each)) + "\n";
+}
+
+std::string axes(const Figure& f, const Panel& p) {
+  const double title_rows = 0.9 + 1.35 * legend_rows(f, p);  // in heights of a letter
+  std::string out = fmt::format("set label 1 {} at graph 0,1 left offset 0,{} textcolor rgb '#15191e'\n",
+                                bold(p.title, 1.08), title_rows);
+  out += "set xlabel " + quoted(p.x_label) + "\nset ylabel " + quoted(p.y_label) + "\n";
+  out += range("x", p.x_range ? p.x_range : p.raster ? std::optional(p.raster->x_range) : std::nullopt);
+  out += range("y", p.y_range ? p.y_range : p.raster ? std::optional(p.raster->y_range) : std::nullopt);
+  out += x_ticks(f, p) + y_ticks(f, p) +
+         (p.log_x ? "set logscale x\nset format x '10^{%L}'\n" : "unset logscale x\nset format x '%g'\n");
+  out += p.log_y ? "set logscale y\nset format y '10^{%L}'\n" : "unset logscale y\nset format y '%g'\n";
+  out += p.equal_axes ? "set size ratio -1\n" : "set size noratio\n";
+  out += p.zero_line ? "set xzeroaxis lw 1 lc rgb '#9aa0a8'\n" : "unset xzeroaxis\n";
+  return out + (p.raster ? "unset grid\n" + colour_scale(*p.raster)
+                         : "set grid lt 1 lw 0.7 lc rgb '#dfe3e7'\nunset colorbox\n");
+}
+
+/// Where the panel's axes stand in the figure, as fractions from its lower left.
+std::string place(const Figure& f, std::size_t index, int height) {
+  const int columns = std::max(1, f.columns), row = static_cast<int>(index) / columns,
+            column = static_cast<int>(index) % columns;
+  const double panel_width = static_cast<double>(f.width) / columns;
+  const int head = f.title.empty() ? 0 : figure_title_height;
+  const double top = height - head - row * f.panel_height;
+  const double left = column * panel_width + left_margin;
+  const auto across = [&](double pixels) { return pixels / f.width; };
+  const auto up = [&](double pixels) { return pixels / height; };
+  return fmt::format(
+      "set lmargin at screen {:.5f}\nset rmargin at screen {:.5f}\nset tmargin at screen {:.5f}\nset bmargin at screen "
+      "{:.5f}\n",
+      across(left), across(left + axes_width(f, f.panels[index])), up(top - top_margin(f, f.panels[index])),
+      up(top - f.panel_height + bottom_margin));
+}
+
+std::string plot_command(const Panel& p, std::size_t index) {
+  std::vector<std::string> parts;
+  if (p.raster)
+    parts.push_back(block_name(index, "raster") + " using 1:2:3 with image " +
+                    (p.raster->values.size() <= small_raster ? "pixels " : "") + "notitle");
+  for (std::size_t k = 0; k < p.series.size(); ++k) {
+    const Series& s = p.series[k];
+    const std::string legend = s.label.empty() ? "notitle" : "title " + quoted(s.label);
+    parts.push_back(
+        fmt::format("{} using {} {} {}", block_name(index, std::to_string(k)), columns_of(s), legend, style(s)));
+  }
+  if (parts.empty()) parts.push_back("NaN notitle");
+  return fmt::format("plot {}\n", fmt::join(parts, ", \\\n  "));
+}
+
+/// Size and letters; a bitmap gets two pixels for one, to stay sharp.
+std::string terminal_size(const std::string& terminal, int width, int height) {
+  if (terminal == "svg") return fmt::format("size {},{} font 'DejaVu Sans,Verdana,sans-serif,12'", width, height);
+  return fmt::format("size {},{} font 'DejaVu Sans,9' fontscale 2 linewidth 2 pointscale 2", 2 * width, 2 * height);
+}
+
+std::string panel_script(const Figure& f, std::size_t index, int height) {
+  const Panel& p = f.panels[index];
+  std::string out;
+  if (p.raster) out += raster_data(block_name(index, "raster"), *p.raster);
+  for (std::size_t k = 0; k < p.series.size(); ++k)
+    out += series_data(block_name(index, std::to_string(k)), p.series[k]);
+  return out + axes(f, p) + place(f, index, height) + plot_command(p, index);
+}
+
+}  // namespace
+
+std::string plain(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (std::string("_^{}@&~\\").find(c) != std::string::npos) out += '\\';
+    out += c;
+  }
+  return out;
+}
+
+std::string gnuplot_script(const Figure& figure, const std::string& terminal, const std::string& output) {
+  const int height = figure_height(figure);
+  std::string out = fmt::format("set encoding utf8\nset terminal {} enhanced background '#ffffff' {}\nset output {}\n",
+                                terminal, terminal_size(terminal, figure.width, height), quoted(output));
+  out +=
+      "set border 3 lw 1 lc rgb '#7b828c'\nset tics nomirror out scale 0.6 textcolor rgb '#3a4048'\n"
+      "set xlabel offset 0,0.2 textcolor rgb '#3a4048'\n"
+      "set ylabel textcolor rgb '#3a4048'\nset style fill solid\n"
+      "set key at graph 0,1.03 left bottom horizontal Left reverse samplen 1.8 spacing 1.1 width 1 textcolor rgb "
+      "'#3a4048'\n";
+  out += fmt::format("set multiplot{}\n",
+                     figure.title.empty() ? "" : " title " + bold(figure.title, 1.25) + " textcolor rgb '#15191e'");
+  for (std::size_t i = 0; i < figure.panels.size(); ++i) out += panel_script(figure, i, height);
+  return out + "unset multiplot\nunset output\n";
+}
+
+}  // namespace tactel::host

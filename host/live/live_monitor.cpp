@@ -1,0 +1,135 @@
+#include "host/live/live_monitor.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "host/live/frame_reader.h"
+#include "host/support/errors.h"
+
+namespace tactel::host {
+namespace {
+
+// A pause of the reader (a slow disk, a stopped program) is no silence of the source: a turn counts for no more.
+constexpr double longest_turn = 2 * longest_wait;  // s
+
+void check_width(const nn::Model& model, const SensorProfile& profile) {
+  const std::size_t inputs = 2 * profile.map.tactels();
+  if (static_cast<std::size_t>(model.weights.topology.inputs()) == inputs) return;
+  throw ConfigError(
+      "command line", "--network", model.weights.topology.text(),
+      fmt::format("a network with {} inputs, a normal and a shear stress for each of the {} tactels that the "
+                  "profile of {} maps",
+                  inputs, profile.map.tactels(), profile.name.empty() ? "this source" : profile.name));
+}
+
+}  // namespace
+
+LiveMonitor::LiveMonitor(Executor& executor, const nn::Model& model, const SensorProfile& profile,
+                         const MonitorOptions& options)
+    : options_(options),
+      map_(profile.map),
+      decoder_((check_width(model, profile), profile.format())),
+      queue_(options.queue, 2 * profile.map.tactels()),
+      one_(executor, model.weights, model.scaling),
+      batch_(executor, std::span(&model.weights, 1), model.scaling),
+      device_(&executor.device()) {
+  const std::vector<float> rest(2 * map_.tactels(), 0.0f);
+  one_(rest);
+  batch_.recall(nn::RowMatrix<float>::Zero(static_cast<Eigen::Index>(options.batch_from),
+                                           static_cast<Eigen::Index>(rest.size())));
+}
+
+MonitorSummary LiveMonitor::run(hw::FrameSource& source, const MonitorEvents& events) {
+  source_ = &source;
+  last_turn_ = source.now();
+  next_second_ = last_turn_ + 1;
+  read_frames(source, decoder_,
+              {.frame = [&](const hw::DecodedFrame& frame, double arrival) { queue(frame, arrival); },
+               .turn =
+                   [&] {
+                     answer_waiting(events);
+                     watch(events);
+                   },
+               .stop = events.stop});
+  refresh();
+  return summary_;
+}
+
+void LiveMonitor::queue(const hw::DecodedFrame& frame, double arrival) {
+  map_.apply(frame.values, queue_.push({decoder_.counts().frames - 1, frame.device_time, arrival, source_->now()}));
+}
+
+void LiveMonitor::answer_waiting(const MonitorEvents& events) {
+  if (queue_.size() == 0) return;
+  if (source_->live()) drop_late();
+  if (queue_.size() >= options_.batch_from) return answer_batch(events);
+  while (queue_.size() > 0) answer_one(events);
+}
+
+void LiveMonitor::drop_late() {
+  const double now = source_->now();
+  while (queue_.size() > 0 && now - queue_.frame(0).arrival > options_.late) {
+    queue_.pop();
+    ++summary_.late;
+  }
+}
+
+void LiveMonitor::answer_one(const MonitorEvents& events) {
+  const FrameAnswer<float> answer = one_(queue_.inputs(0));
+  tell(0, answer, source_->now(), events);
+  queue_.pop();
+}
+
+void LiveMonitor::answer_batch(const MonitorEvents& events) {
+  const std::size_t count = queue_.size();
+  nn::RowMatrix<float> frames(count, 2 * map_.tactels());
+  for (std::size_t i = 0; i < count; ++i)
+    std::ranges::copy(queue_.inputs(i), frames.row(static_cast<Eigen::Index>(i)).data());
+  batch_.run(DeviceFrames(*device_, frames));
+  const nn::Recall<float> recall = batch_.result(0);
+  const double now = source_->now();
+  summary_.batched += count;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    tell(i, {recall.slip_index[row], recall.status[i]}, now, events);
+  }
+  for (std::size_t i = 0; i < count; ++i) queue_.pop();
+}
+
+void LiveMonitor::tell(std::size_t i, const FrameAnswer<float>& answer, double now, const MonitorEvents& events) {
+  const LiveFrame& frame = queue_.frame(i);
+  const double latency = 1e6 * (now - frame.arrival);
+  summary_.latency.add(latency);
+  if (events.line) events.line({frame, queue_.inputs(i), answer, latency, 1e6 * (now - frame.decoded)});
+}
+
+void LiveMonitor::refresh() {
+  summary_.decoder = decoder_.counts();
+  summary_.transport = source_->counts();
+  summary_.late += queue_.dropped() - dropped_before_;
+  dropped_before_ = queue_.dropped();
+}
+
+void LiveMonitor::watch(const MonitorEvents& events) {
+  const double now = source_->now();
+  if (now >= next_second_) {
+    next_second_ = now + 1;
+    refresh();
+    if (events.second) events.second(summary_);
+  }
+  if (source_->live()) listen(now, events);
+  last_turn_ = now;
+}
+
+void LiveMonitor::listen(double now, const MonitorEvents& events) {
+  quiet_ += std::min(now - last_turn_, longest_turn);
+  if (decoder_.counts().frames != frames_before_) quiet_ = 0, silent_ = false;
+  frames_before_ = decoder_.counts().frames;
+  if (silent_ || quiet_ < options_.silence) return;
+  silent_ = true;
+  ++summary_.silences;
+  if (events.silence) events.silence(quiet_);
+}
+
+}  // namespace tactel::host

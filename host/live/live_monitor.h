@@ -1,0 +1,80 @@
+#pragma once
+#include <functional>
+
+#include "host/live/live_frames.h"
+#include "host/live/sensor_profile.h"
+#include "host/networks/forward.h"
+#include "hw/decoder.h"
+#include "hw/frame_source.h"
+
+namespace tactel::host {
+
+struct MonitorOptions {
+  double late = 0.1;            ///< s: a live frame older than this is dropped and counted
+  std::size_t queue = 4096;     ///< most frames that wait
+  std::size_t batch_from = 16;  ///< number of waiting frames from which one launch answers all
+  double silence = 1.0;         ///< s of listening to a live source without a frame before a warning
+};
+
+/// The answer to a frame.
+struct MonitorLine {
+  LiveFrame frame;
+  std::span<const float> stresses;  ///< [2 tactels] MPa
+  FrameAnswer<float> answer;
+  double latency = 0;      ///< us from the frame's last byte to S
+  double answer_time = 0;  ///< us of the latency, from the decoded frame to S
+};
+
+struct MonitorSummary {
+  hw::DecoderCounts decoder;
+  hw::TransportCounts transport;
+  std::uint64_t late = 0, batched = 0;
+  std::uint64_t silences = 0;  ///< each counts once, regardless of its length
+  LatencyHistogram latency;
+};
+
+/// Callbacks of LiveMonitor. Empty functions are allowed.
+struct MonitorEvents {
+  std::function<void(const MonitorLine&)> line{};
+  std::function<void(const MonitorSummary&)> second{};  ///< about once a second
+  std::function<void(double seconds)> silence{};        ///< time without a frame
+  std::function<bool()> stop{};                         ///< true ends it
+};
+
+/// Turns frames of a source into slippage indices, in the calling thread. Single frames take the shortest path;
+/// many waiting frames are answered as a batch, with the same bits.
+class LiveMonitor {
+ public:
+  /// Compiles and runs the network once. Throws ConfigError where its inputs do not match the tactels of the
+  /// profile.
+  LiveMonitor(Executor& executor, const nn::Model& model, const SensorProfile& profile, const MonitorOptions& options);
+  /// Runs until the source ends or `stop` returns true.
+  MonitorSummary run(hw::FrameSource& source, const MonitorEvents& events);
+
+ private:
+  void queue(const hw::DecodedFrame& frame, double arrival);
+  void answer_waiting(const MonitorEvents& events);
+  void drop_late();
+  void answer_one(const MonitorEvents& events);
+  void answer_batch(const MonitorEvents& events);
+  void tell(std::size_t i, const FrameAnswer<float>& answer, double now, const MonitorEvents& events);
+  void refresh();
+  void watch(const MonitorEvents& events);
+  void listen(double now, const MonitorEvents& events);
+
+  MonitorOptions options_;
+  hw::ChannelMap map_;
+  hw::Decoder decoder_;
+  FrameQueue queue_;
+  ForwardOne<float> one_;
+  Forward<float> batch_;
+  const Device* device_;
+  const hw::FrameSource* source_ = nullptr;             ///< of the run, for its clock
+  double next_second_ = 1, last_turn_ = 0, quiet_ = 0;  ///< s; quiet_: listened since the last frame
+  std::size_t dropped_before_ = 0;
+  std::uint64_t frames_before_ = 0;  ///< decoded until the last turn
+  bool silent_ = false;
+  MonitorSummary summary_;
+};
+
+}  // namespace tactel::host

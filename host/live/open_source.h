@@ -1,0 +1,22 @@
+#pragma once
+#include <memory>
+#include <string>
+
+#include "host/live/sensor_profile.h"
+#include "hw/frame_source.h"
+
+namespace tactel::host {
+
+/// An open source and its profile.
+struct OpenSource {
+  std::unique_ptr<hw::FrameSource> source;
+  SensorProfile profile;
+  std::string note{};  ///< note for the user: the chosen one of several devices; may be empty
+};
+
+/// Opens the source of --source: "usb:glove", "usb:VID:PID" with a profile, both with "?serial=NUMBER&port=1-2"
+/// for one of several, "replay:FILE", "simulate:SCENE.toml?rate=1000". An empty path means no file. Throws
+/// ConfigError, hw::SourceError.
+OpenSource open_source(const std::string& source, const std::string& profile, const std::string& calibration);
+
+}  // namespace tactel::host

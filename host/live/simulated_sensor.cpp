@@ -1,0 +1,203 @@
+#include "host/live/simulated_sensor.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <thread>
+
+#include "host/live/source_options.h"
+#include "host/scenes/scene_file.h"
+#include "host/support/errors.h"
+
+namespace tactel::host {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::size_t most_frames_a_packet = 64;
+constexpr double most_frames = 1e12;  // 30 years at 1 kHz; a number of frames must fit its type
+constexpr double headroom = 1.5;      // full scale over the largest stress: gains spread, and ramps must not clip
+
+std::uint64_t frame_count(double duration, const SimulationOptions& options) {
+  return static_cast<std::uint64_t>(std::floor(duration * options.repeat * options.rate)) + 1;
+}
+
+hw::GenericLayout layout_of(int channels) {
+  hw::GenericLayout layout;
+  layout.sync = {0xA5, 0x5A};
+  layout.header = 14;
+  layout.counter = {2, 4};
+  layout.clock = {6, 8};
+  layout.channels = channels;
+  layout.checksum = hw::Checksum::crc16;
+  layout.confirmations = 1;
+  return layout;
+}
+
+void require_at_least(const std::string& key, double value, double least, const std::string& what) {
+  if (!(value >= least && std::isfinite(value))) throw ValueError(key, fmt::format("{}", value), what);
+}
+
+}  // namespace
+
+void SimulationOptions::validate() const {
+  if (!(rate > 0 && rate <= 1e6))
+    throw ValueError("rate", fmt::format("{}", rate), "a number of Hz, above 0, at most 1e6");
+  const std::pair<const char*, double> times[] = {{"press", press}, {"hold", hold}, {"drag", drag}, {"slip", slip}};
+  for (const auto& [key, value] : times) require_at_least(key, value, 0, "a number of s, not below 0");
+  require_at_least("gain_spread", gain_spread, 0, "a number, not below 0");
+  require_at_least("noise", noise, 0, "a number, not below 0");
+  require_at_least("time_constant", time_constant, 0, "a number of s, not below 0 (0: no charge amplifier)");
+  require_at_least("bits", bits, 2, "a whole number from 2 to 16");
+  if (bits > 16) throw ValueError("bits", std::to_string(bits), "a whole number from 2 to 16");
+  require_at_least("repeat", repeat, 1, "a whole number, at least 1");
+  if (const double frames = (press + hold + drag + slip) * repeat * rate; !(frames <= most_frames))
+    throw ValueError(
+        "repeat", std::to_string(repeat),
+        fmt::format("so small that at most {:.0e} frames are played, and not {:.0e}", most_frames, frames));
+}
+
+ScenePlay::ScenePlay(const fem::ContactSolution& solution, int indentation_steps, const SimulationOptions& options) {
+  const auto steps = static_cast<int>(solution.steps.size());
+  const auto tactels = solution.tactel_x.size();
+  stress_ = Eigen::MatrixXd::Zero(2 * tactels, steps + 3);
+  time_ = {0.0};
+  int knot = 0;
+  const auto add = [&](double time, int step) {
+    time_.push_back(time);
+    stress_.col(++knot) << solution.steps[static_cast<std::size_t>(step)].sigma_y,
+        solution.steps[static_cast<std::size_t>(step)].tau_xy;
+  };
+  for (int i = 0; i < indentation_steps; ++i) add(options.press * (i + 1) / indentation_steps, i);
+  add(options.press + options.hold, indentation_steps - 1);
+  const int tangential = steps - indentation_steps;
+  for (int i = 0; i < tangential; ++i)
+    add(options.press + options.hold + options.drag * (i + 1) / tangential, indentation_steps + i);
+  add(time_.back() + options.slip, steps - 1);
+}
+
+void ScenePlay::at(double t, Eigen::VectorXd& stress) const {
+  const auto after = std::ranges::upper_bound(time_, t);
+  const auto next = std::clamp<std::ptrdiff_t>(after - time_.begin(), 1, static_cast<std::ptrdiff_t>(time_.size()) - 1);
+  const double from = time_[static_cast<std::size_t>(next - 1)], to = time_[static_cast<std::size_t>(next)];
+  const double share = to > from ? std::clamp((t - from) / (to - from), 0.0, 1.0) : 1.0;
+  stress = (1 - share) * stress_.col(next - 1) + share * stress_.col(next);
+}
+
+SimulatedSensor::SimulatedSensor(ScenePlay play, const SimulationOptions& options)
+    : play_(std::move(play)),
+      options_(options),
+      converter_{.bits = options.bits, .full_scale = headroom * std::max(play_.largest(), 1e-9)},
+      layout_(layout_of(play_.channels())),
+      random_(static_cast<std::uint64_t>(options.seed)),
+      stress_(play_.channels()),
+      codes_(static_cast<std::size_t>(play_.channels())),
+      frames_(frame_count(play_.duration(), options)),
+      zero_(Clock::now()) {
+  const double decay = options.time_constant > 0 ? options.time_constant : std::numeric_limits<double>::infinity();
+  std::normal_distribution<double> spread(1.0, 1.0);
+  for (std::size_t i = 0; i < codes_.size(); ++i) {
+    gain_.push_back(1 + options.gain_spread * (spread(random_) - 1));
+    amplifiers_.emplace_back(decay, 1 / options.rate);
+  }
+  packet_.reserve(most_frames_a_packet * hw::generic_frame_length(layout_));
+}
+
+std::string SimulatedSensor::profile_text() const {
+  std::vector<int> channels(codes_.size());
+  std::iota(channels.begin(), channels.end(), 0);
+  const auto middle = channels.begin() + static_cast<long>(channels.size() / 2);
+  return fmt::format(
+      "[device]\nname = \"simulated sensor\"\n"
+      "[format]\nkind = \"generic\"\nsync = [0xA5, 0x5A]\nheader = {}\ncounter_offset = {}\ncounter_width = {}\n"
+      "clock_offset = {}\nclock_width = {}\nclock_tick = {}\nchannels = {}\nsample = \"u16\"\nchecksum = \"crc16\"\n"
+      "confirmations = {}\n"
+      "[channels]\nnormal = [{}]\nshear = [{}]\n[calibration]\noffset = {}\ngain = {}\n",
+      layout_.header, layout_.counter.offset, layout_.counter.width, layout_.clock.offset, layout_.clock.width,
+      layout_.clock_tick, layout_.channels, layout_.confirmations, fmt::join(channels.begin(), middle, ", "),
+      fmt::join(middle, channels.end(), ", "), converter_.zero(), converter_.step());
+}
+
+// Without pace the clock begins anew at each frame's own time, when it is handed out.
+double SimulatedSensor::now() const { return zero_time_ + std::chrono::duration<double>(Clock::now() - zero_).count(); }
+
+// What is overdue comes at once in one packet, as from a device whose bytes were not fetched in time.
+std::optional<hw::Packet> SimulatedSensor::wait(double timeout) {
+  if (finished()) return std::nullopt;
+  packet_.clear();
+  if (!options_.paced) {
+    append_frame();
+    zero_time_ = due(frame_ - 1);
+    zero_ = Clock::now();
+    return hw::Packet{packet_, zero_time_};
+  }
+  const double asked = now();
+  if (due(frame_) > asked + timeout) {
+    std::this_thread::sleep_for(std::chrono::duration<double>(timeout));
+    return std::nullopt;
+  }
+  if (due(frame_) > asked) std::this_thread::sleep_for(std::chrono::duration<double>(due(frame_) - asked));
+  const bool overdue = due(frame_) <= asked;
+  const double time = now();
+  for (std::size_t i = 0; i < most_frames_a_packet && !finished() && due(frame_) <= time; ++i) append_frame();
+  if (packet_.empty()) return std::nullopt;
+  return hw::Packet{packet_, overdue ? due(frame_ - 1) : now()};
+}
+
+void SimulatedSensor::append_frame() {
+  std::normal_distribution<double> noise(0.0, 1.0);
+  const double t = due(frame_);
+  const double played =
+      std::min(std::floor(t / play_.duration()), options_.repeat - 1.0);  // the end is not a new start
+  play_.at(t - played * play_.duration(), stress_);
+  for (std::size_t i = 0; i < codes_.size(); ++i) {
+    const double measured = amplifiers_[i](gain_[i] * stress_[static_cast<Eigen::Index>(i)]);
+    codes_[i] = converter_(measured + options_.noise * converter_.full_scale * noise(random_));
+  }
+  const std::size_t at = packet_.size();
+  packet_.resize(at + hw::generic_frame_length(layout_));
+  const auto clock = static_cast<std::uint64_t>(std::llround(t / layout_.clock_tick));
+  hw::write_generic_frame(layout_, frame_, clock, codes_, std::span(packet_).subspan(at));
+  ++frame_;
+  ++counts_.packets;
+  counts_.bytes += packet_.size() - at;
+}
+
+std::unique_ptr<SimulatedSensor> open_simulation(const std::string& scene_and_options) {
+  SourceOptions given(scene_and_options);
+  SimulationOptions options;
+  for (const auto& [key, value] : {std::pair<const char*, double*>{"rate", &options.rate},
+                                   {"press", &options.press},
+                                   {"hold", &options.hold},
+                                   {"drag", &options.drag},
+                                   {"slip", &options.slip},
+                                   {"gain_spread", &options.gain_spread},
+                                   {"noise", &options.noise},
+                                   {"time_constant", &options.time_constant}})
+    given.read(key, *value);
+  for (const auto& [key, value] : {std::pair<const char*, int*>{"tactels", &options.tactels},
+                                   {"bits", &options.bits},
+                                   {"seed", &options.seed},
+                                   {"repeat", &options.repeat}})
+    given.read(key, *value);
+  int paced = 1;
+  given.read("paced", paced);
+  options.paced = paced != 0;
+  given.finish();
+  try {
+    options.validate();
+    fem::Scene scene = read_scene(given.path());
+    if (options.tactels != 0) scene.sensor.tactels = options.tactels;
+    scene.validate();
+    const fem::ContactSolution solution = solve(scene, {}).solution;
+    return std::make_unique<SimulatedSensor>(ScenePlay(solution, fem::load_path(scene.load).indentation_steps, options),
+                                             options);
+  } catch (const ValueError& error) {
+    throw ConfigError("--source simulate:", error);
+  }
+}
+
+}  // namespace tactel::host

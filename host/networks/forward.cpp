@@ -1,0 +1,175 @@
+#include "host/networks/forward.h"
+
+#include <limits>
+#include <stdexcept>
+
+#include "fem/value_error.h"
+#include "kernels/shared/frame_status.h"
+#include "kernels/shared/network_work.h"
+#include "kernels/shared/one_frame.h"
+
+namespace tactel::host {
+namespace {
+
+static_assert(int(nn::FrameStatus::ok) == FRAME_OK && int(nn::FrameStatus::no_stress) == FRAME_NO_STRESS);
+static_assert(int(nn::FrameStatus::not_finite) == FRAME_NOT_FINITE && int(nn::FrameStatus::overflow) == FRAME_OVERFLOW);
+static_assert(nn::InputScaling::smallest_stress == SMALLEST_STRESS);
+static_assert(nn::InputScaling::large_stress == LARGE_STRESS && nn::InputScaling::large_scale == LARGE_SCALE);
+
+// Places of the kernels' arguments that change from run to run.
+
+int vectors_of(int numbers, int lanes) { return (numbers + lanes - 1) / lanes; }
+
+void check_width(const nn::Topology& topology, std::size_t inputs) {
+  if (inputs != static_cast<std::size_t>(topology.inputs()))
+    throw ValueError("inputs", std::to_string(inputs) + " a frame",
+                     std::to_string(topology.inputs()) + " for the network " + topology.text());
+}
+
+template <class Real>
+Real factor_of(const nn::InputScaling& scaling) {
+  return Real(1) / static_cast<Real>(scaling.largest_stress);
+}
+
+/// The weights as forward_one reads them: hidden layers [fan_in + 1][vectors][lanes], then the output neuron.
+template <class Real>
+std::vector<Real> neurons_in_lanes(const nn::Weights<Real>& weights, int lanes) {
+  std::vector<Real> packed;
+  const nn::Topology& topology = weights.topology;
+  for (int l = 0; l + 1 < topology.layers(); ++l) {
+    const std::size_t begin = packed.size(), width = vectors_of(topology.fan_out(l), lanes) * lanes;
+    packed.resize(begin + (topology.fan_in(l) + 1) * width, Real(0));
+    for (int k = 0; k <= topology.fan_in(l); ++k)
+      for (int n = 0; n < topology.fan_out(l); ++n) packed[begin + k * width + n] = weights.layer(l)(n, k);
+  }
+  const auto output = weights.layer(topology.layers() - 1);
+  packed.insert(packed.end(), output.data(), output.data() + output.size());
+  return packed;
+}
+
+template <class Real>
+const nn::Topology& common_topology(std::span<const nn::Weights<Real>> networks) {
+  if (networks.empty()) throw std::invalid_argument("no networks");
+  for (const auto& network : networks)
+    if (network.topology != networks[0].topology) throw std::invalid_argument("networks of different topologies");
+  return networks[0].topology;
+}
+
+}  // namespace
+
+Defines network_defines(const nn::Topology& topology, int lanes, Precision precision) {
+  const auto& widths = topology.widths();
+  return {{"LANES", std::to_string(lanes)},
+          {"REAL", real_type(precision)},
+          {"INPUTS", std::to_string(widths[0])},
+          {"HIDDEN1", std::to_string(widths[1])},
+          {"HIDDEN2", std::to_string(topology.hidden_layers() > 1 ? widths[2] : 0)}};
+}
+
+DeviceFrames::DeviceFrames(const Device& device, const nn::RowMatrix<float>& frames)
+    : rows_(static_cast<std::uint32_t>(frames.rows())),
+      inputs_(static_cast<int>(frames.cols())),
+      buffer_(device, std::span<const float>(frames.data(), static_cast<std::size_t>(frames.size()))) {
+  if (frames.rows() >= std::int64_t{1} << 31)
+    throw ValueError("inputs", std::to_string(frames.rows()) + " rows", "fewer than 2^31 rows");
+}
+
+template <class Real>
+Forward<Real>::Forward(Executor& executor, std::span<const nn::Weights<Real>> networks, const nn::InputScaling& scaling)
+    : executor_(&executor), topology_(common_topology(networks)), networks_(networks.size()) {
+  scaling.validate();
+  const Device& device = executor.device();
+  std::vector<Real> all;
+  for (const auto& network : networks) all.insert(all.end(), network.values.begin(), network.values.end());
+  weights_ = Buffer<Real>(device, std::span<const Real>(all));
+  const Buffer<float> no_frames(device, 1);
+  slip_index_ = Buffer<Real>(device, 1);
+  status_ = Buffer<std::uint8_t>(device, 1);
+  const Program program(device, "forward.cl",
+                        network_defines(topology_, device.lanes(precision_of<Real>), precision_of<Real>));
+  launch_ = executor.prepare(program, "forward", [&](KernelArguments& kernel) {
+    kernel.set("weights", weights_);
+    kernel.set("frames", no_frames);
+    kernel.set("slip_index", slip_index_);
+    kernel.set("status", status_);
+    kernel.set("rows", std::uint32_t{1});
+    kernel.set("tiles", std::uint32_t{1});
+    kernel.set("by_frame", std::int32_t{scaling.kind == nn::ScalingKind::frame});
+    kernel.set("factor", factor_of<Real>(scaling));
+  });
+}
+
+template <class Real>
+void Forward<Real>::set_network(std::size_t network, const nn::Weights<Real>& weights) {
+  if (weights.topology != topology_) throw std::invalid_argument("a network of another topology");
+  weights_.write(weights.values, network * weights.values.size());
+}
+
+template <class Real>
+void Forward<Real>::run(const DeviceFrames& frames, const RunOptions& options) {
+  check_width(topology_, static_cast<std::size_t>(frames.inputs()));
+  const std::uint32_t tile = FRAME_VECTORS * static_cast<std::uint32_t>(executor_->device().lanes(precision_of<Real>));
+  const std::uint32_t tiles = (frames.rows() + tile - 1) / tile;
+  if (networks_ * frames.rows() > slip_index_.size() || rows_ != frames.rows()) {
+    slip_index_ = Buffer<Real>(executor_->device(), networks_ * frames.rows());
+    status_ = Buffer<std::uint8_t>(executor_->device(), networks_ * frames.rows());
+  }
+  rows_ = frames.rows();
+  launch_.bind([&](KernelArguments& kernel) {
+    kernel.set("frames", frames.buffer());
+    kernel.set("slip_index", slip_index_);
+    kernel.set("status", status_);
+    kernel.set("rows", std::uint32_t{rows_});
+    kernel.set("tiles", std::uint32_t{tiles});
+  });
+  executor_->run(launch_, networks_ * tiles, options);
+}
+
+template <class Real>
+nn::Recall<Real> Forward<Real>::result(std::size_t network) const {
+  nn::Recall<Real> answer{nn::Vector<Real>(rows_), std::vector<nn::FrameStatus>(rows_)};
+  slip_index_.read(std::span<Real>(answer.slip_index.data(), rows_), network * rows_);
+  status_.read(std::span(reinterpret_cast<std::uint8_t*>(answer.status.data()), rows_), network * rows_);
+  return answer;
+}
+
+template <class Real>
+nn::Recall<Real> Forward<Real>::recall(const nn::RowMatrix<float>& frames) {
+  run(DeviceFrames(executor_->device(), frames));
+  return result(0);
+}
+
+template <class Real>
+ForwardOne<Real>::ForwardOne(Executor& executor, const nn::Weights<Real>& weights, const nn::InputScaling& scaling)
+    : executor_(&executor), topology_(weights.topology), frame_(topology_.inputs()) {
+  scaling.validate();
+  const Device& device = executor.device();
+  const int lanes = device.lanes(precision_of<Real>);
+  std::vector<Real> all(ONE_FRAME + vectors_of(topology_.inputs(), lanes) * lanes, Real(0));
+  all[ONE_BY_FRAME] = scaling.kind == nn::ScalingKind::frame;
+  all[ONE_FACTOR] = factor_of<Real>(scaling);
+  const std::vector<Real> packed = neurons_in_lanes(weights, lanes);
+  all.insert(all.end(), packed.begin(), packed.end());
+  all_ = Buffer<Real>(device, std::span<const Real>(all));
+  const Program program(device, "forward.cl", network_defines(topology_, lanes, precision_of<Real>));
+  launch_ = executor.prepare(program, "forward_one", [&](KernelArguments& kernel) { kernel.set("all", all_); });
+}
+
+template <class Real>
+FrameAnswer<Real> ForwardOne<Real>::operator()(std::span<const float> frame) {
+  check_width(topology_, frame.size());
+  std::copy(frame.begin(), frame.end(), frame_.begin());
+  all_.write(frame_, ONE_FRAME);
+  executor_->run_here(launch_);
+  Real answer[2];
+  static_assert(ONE_SLIP_INDEX == 0 && ONE_STATUS == 1);
+  all_.read(answer);
+  return {answer[0], static_cast<nn::FrameStatus>(static_cast<int>(answer[1]))};
+}
+
+template class Forward<float>;
+template class Forward<double>;
+template class ForwardOne<float>;
+template class ForwardOne<double>;
+
+}  // namespace tactel::host

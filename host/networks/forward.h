@@ -1,0 +1,89 @@
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "host/device/buffer.h"
+#include "host/device/executor.h"
+#include "host/networks/learning_inputs.h"
+#include "nn/forward.h"
+#include "nn/model.h"
+
+namespace tactel::host {
+
+/// Frames on a device: [rows, inputs] in MPa, normal stresses first. Cheap to copy.
+class DeviceFrames {
+ public:
+  DeviceFrames(const Device& device, const nn::RowMatrix<float>& frames);
+  std::uint32_t rows() const { return rows_; }
+  int inputs() const { return inputs_; }
+  const Buffer<float>& buffer() const { return buffer_; }
+
+ private:
+  std::uint32_t rows_;
+  int inputs_;
+  Buffer<float> buffer_;
+};
+
+/// Launcher of kernels/forward.cl for batches: networks of one topology and scaling on a device. The answer to a
+/// frame does not depend on its batch, its position or the number of threads, and equals that of ForwardOne.
+template <class Real>
+class Forward {
+ public:
+  Forward(Executor& executor, std::span<const nn::Weights<Real>> networks, const nn::InputScaling& scaling);
+
+  /// Replaces a network by another of the same topology. Throws std::invalid_argument for another topology.
+  void set_network(std::size_t network, const nn::Weights<Real>& weights);
+
+  /// Evaluates every network on every frame. Throws ValueError for frames of another width.
+  void run(const DeviceFrames& frames, const RunOptions& options = {});
+  /// Returns the answers of a network in the last run.
+  nn::Recall<Real> result(std::size_t network) const;
+  /// Runs the first network and returns its answers.
+  nn::Recall<Real> recall(const nn::RowMatrix<float>& frames);
+
+  std::size_t networks() const { return networks_; }
+
+ private:
+  Executor* executor_;
+  nn::Topology topology_;
+  std::size_t networks_;
+  std::uint32_t rows_ = 0;
+  Buffer<Real> weights_, slip_index_;
+  Buffer<std::uint8_t> status_;
+  Launch launch_;
+};
+
+/// S of one frame.
+template <class Real>
+struct FrameAnswer {
+  Real slip_index = 0;  ///< 0..1; NaN where the status is not_finite or overflow
+  nn::FrameStatus status = nn::FrameStatus::ok;
+};
+
+/// Evaluates one frame at a time in the calling thread: about a microsecond on PoCL's `basic`, copies included.
+template <class Real>
+class ForwardOne {
+ public:
+  ForwardOne(Executor& executor, const nn::Weights<Real>& weights, const nn::InputScaling& scaling);
+  /// Returns the answer to frame [inputs] MPa, normal stresses first. Throws ValueError for another width. Not
+  /// thread-safe.
+  FrameAnswer<Real> operator()(std::span<const float> frame);
+
+ private:
+  Executor* executor_;
+  nn::Topology topology_;
+  std::vector<Real> frame_;  ///< scratch, [inputs]
+  Buffer<Real> all_;         ///< answer, scaling, frame and weights (kernels/shared/one_frame.h)
+  Launch launch_;
+};
+
+extern template class Forward<float>;
+extern template class Forward<double>;
+extern template class ForwardOne<float>;
+extern template class ForwardOne<double>;
+
+/// Returns the compile-time values of the kernels of a network.
+Defines network_defines(const nn::Topology& topology, int lanes, Precision precision);
+
+}  // namespace tactel::host

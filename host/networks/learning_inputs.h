@@ -1,0 +1,46 @@
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "host/device/buffer.h"
+#include "host/device/device.h"
+#include "nn/frame_set.h"
+
+namespace tactel::host {
+
+/// A learning set, without or with added noise (nn::with_noise).
+struct SetVariant {
+  double noise = 0;        ///< standard deviation over the set's largest |stress|
+  std::uint64_t seed = 0;  ///< of the noise
+};
+
+/// Learning sets on a device in the layout of the training kernels: rows scaled and padded to whole vectors.
+/// Cheap to copy.
+template <class Real>
+class LearningInputs {
+ public:
+  /// Uploads the variants of one set, with equal scaling. Throws ValueError for an unusable set.
+  LearningInputs(const Device& device, const nn::FrameSet& set, const nn::InputScaling& scaling,
+                 std::span<const SetVariant> variants);
+
+  std::uint32_t rows() const { return rows_; }
+  std::uint32_t variants() const { return variants_; }
+  int inputs() const { return inputs_; }
+  int row_size() const { return row_size_; }  ///< numbers in a row: inputs, 1 for the bias, zeros to whole vectors
+  const Buffer<Real>& rows_buffer() const { return values_; }  ///< [variants][rows + 1][row_size], the last row zeros
+  const Buffer<Real>& targets_buffer() const { return targets_; }  ///< [rows + 1] S - 0.5; the last unused
+
+ private:
+  std::uint32_t rows_, variants_;
+  int inputs_, row_size_;
+  Buffer<Real> values_, targets_;
+};
+
+template <class Real>
+constexpr Precision precision_of = sizeof(Real) == 8 ? Precision::fp64 : Precision::fp32;
+
+extern template class LearningInputs<float>;
+extern template class LearningInputs<double>;
+
+}  // namespace tactel::host

@@ -1,0 +1,196 @@
+#include "host/networks/onnx_graph.h"
+
+#include <bit>
+#include <cstring>
+#include <initializer_list>
+#include <map>
+#include <string>
+
+#include "host/support/checksum.h"
+
+namespace tactel::host {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "ONNX keeps raw data little-endian");
+
+using Names = std::initializer_list<std::string>;
+
+std::string weight_name(int layer) { return "weight" + std::to_string(layer + 1); }
+std::string bias_name(int layer) { return "bias" + std::to_string(layer + 1); }
+
+/// Adds the parts of a graph one by one.
+class Builder {
+ public:
+  explicit Builder(onnx::GraphProto& graph) : graph_(graph) {}
+
+  onnx::NodeProto& node(const std::string& type, Names inputs, const std::string& output) {
+    onnx::NodeProto& node = *graph_.add_node();
+    node.set_op_type(type);
+    node.set_name(output);
+    for (const std::string& input : inputs) node.add_input(input);
+    node.add_output(output);
+    return node;
+  }
+  void numbers(const std::string& name, std::initializer_list<std::int64_t> shape, const float* values) {
+    tensor(name, onnx::TensorProto::FLOAT, shape, values, sizeof(float));
+  }
+  void integers(const std::string& name, std::initializer_list<std::int64_t> values) {
+    tensor(name, onnx::TensorProto::INT64, {static_cast<std::int64_t>(values.size())}, values.begin(),
+           sizeof(std::int64_t));
+  }
+  void scalar(const std::string& name, float value) { numbers(name, {}, &value); }
+  static void attribute(onnx::NodeProto& node, const std::string& name, std::int64_t value) {
+    onnx::AttributeProto& attribute = *node.add_attribute();
+    attribute.set_name(name);
+    attribute.set_type(onnx::AttributeProto::INT);
+    attribute.set_i(value);
+  }
+  static void axis(onnx::NodeProto& node, std::int64_t axis) {
+    onnx::AttributeProto& attribute = *node.add_attribute();
+    attribute.set_name("axes");
+    attribute.set_type(onnx::AttributeProto::INTS);
+    attribute.add_ints(axis);
+  }
+
+ private:
+  void tensor(const std::string& name, onnx::TensorProto::DataType type, std::initializer_list<std::int64_t> shape,
+              const void* data, std::size_t size) {
+    onnx::TensorProto& tensor = *graph_.add_initializer();
+    tensor.set_name(name);
+    tensor.set_data_type(type);
+    for (const std::int64_t extent : shape) {
+      tensor.add_dims(extent);
+      size *= static_cast<std::size_t>(extent);
+    }
+    tensor.set_raw_data(data, size);
+  }
+
+  onnx::GraphProto& graph_;
+};
+
+void describe_value(onnx::ValueInfoProto& value, const std::string& name, int width) {
+  value.set_name(name);
+  onnx::TypeProto::Tensor& type = *value.mutable_type()->mutable_tensor_type();
+  type.set_elem_type(onnx::TensorProto::FLOAT);
+  type.mutable_shape()->add_dim()->set_dim_param("batch");
+  type.mutable_shape()->add_dim()->set_dim_value(width);
+}
+
+void add_set_scaling(Builder& builder, const nn::InputScaling& scaling) {
+  builder.scalar("factor", 1.0f / scaling.largest_stress);
+  builder.node("Mul", {"frame", "factor"}, "scaled");
+}
+
+// Each frame by its own largest |normal stress|; zeros where there is none.
+void add_frame_scaling(Builder& builder, int inputs) {
+  builder.integers("first_normal", {0});
+  builder.integers("end_of_normal", {inputs / 2});
+  builder.integers("along_frame", {1});
+  builder.scalar("zero", 0.0f);
+  builder.scalar("one", 1.0f);
+  builder.scalar("smallest_stress", nn::InputScaling::smallest_stress);
+  builder.node("Slice", {"frame", "first_normal", "end_of_normal", "along_frame"}, "normal");
+  builder.node("Abs", {"normal"}, "normal_size");
+  onnx::NodeProto& most = builder.node("ReduceMax", {"normal_size"}, "largest_normal");
+  Builder::axis(most, 1);
+  Builder::attribute(most, "keepdims", std::int64_t{1});
+  builder.node("Less", {"largest_normal", "smallest_stress"}, "no_stress");
+  builder.node("Where", {"no_stress", "one", "largest_normal"}, "divisor");
+  builder.node("Div", {"frame", "divisor"}, "relative");
+  builder.node("Where", {"no_stress", "zero", "relative"}, "scaled");
+}
+
+// f(z) = 1/2 tanh(z/2). The halving has a node of its own, because not every runtime heeds Gemm's alpha and beta
+// (OpenCV 4.6 does not).
+void add_layer(Builder& builder, const nn::Weights<float>& weights, int l, const std::string& input) {
+  const std::string name = std::to_string(l + 1);
+  const int in = weights.topology.fan_in(l), out = weights.topology.fan_out(l);
+  const nn::RowMatrix<float> w = weights.layer(l).leftCols(in);
+  const nn::Vector<float> b = weights.layer(l).col(in);
+  builder.numbers(weight_name(l), {out, in}, w.data());
+  builder.numbers(bias_name(l), {out}, b.data());
+  onnx::NodeProto& gemm = builder.node("Gemm", {input, weight_name(l), bias_name(l)}, "sum" + name);
+  Builder::attribute(gemm, "transB", std::int64_t{1});
+  builder.node("Mul", {"sum" + name, "half"}, "half_sum" + name);
+  builder.node("Tanh", {"half_sum" + name}, "tanh" + name);
+  builder.node("Mul", {"tanh" + name, "half"}, "output" + name);
+}
+
+// Appends a text or number so that no other sequence of them gives the same bytes.
+void append(std::string& all, std::string_view text) {
+  const auto size = static_cast<std::uint64_t>(text.size());
+  all.append(reinterpret_cast<const char*>(&size), sizeof size).append(text);
+}
+void append(std::string& all, std::int64_t number) {
+  all.append(reinterpret_cast<const char*>(&number), sizeof number);
+}
+
+bool read_tensor(const onnx::GraphProto& graph, const std::string& name, std::size_t count, std::string& data) {
+  for (const onnx::TensorProto& tensor : graph.initializer()) {
+    if (tensor.name() != name) continue;
+    data = tensor.raw_data();
+    return tensor.data_type() == onnx::TensorProto::FLOAT && data.size() == count * sizeof(float);
+  }
+  return false;
+}
+
+}  // namespace
+
+onnx::GraphProto onnx_graph(const nn::Model& model) {
+  onnx::GraphProto graph;
+  const nn::Topology& topology = model.weights.topology;
+  graph.set_name("tactel_" + topology.text());
+  describe_value(*graph.add_input(), "frame", topology.inputs());
+  describe_value(*graph.add_output(), "slip_index", 1);
+  Builder builder(graph);
+  if (model.scaling.kind == nn::ScalingKind::set)
+    add_set_scaling(builder, model.scaling);
+  else
+    add_frame_scaling(builder, topology.inputs());
+  builder.scalar("half", 0.5f);
+  std::string last = "scaled";
+  for (int l = 0; l < topology.layers(); ++l) {
+    add_layer(builder, model.weights, l, last);
+    last = "output" + std::to_string(l + 1);
+  }
+  builder.node("Add", {last, "half"}, "slip_index");
+  return graph;
+}
+
+bool read_weights(const onnx::GraphProto& graph, nn::Weights<float>& weights) {
+  for (int l = 0; l < weights.topology.layers(); ++l) {
+    const int in = weights.topology.fan_in(l), out = weights.topology.fan_out(l);
+    std::string w, b;
+    if (!read_tensor(graph, weight_name(l), static_cast<std::size_t>(in) * out, w) ||
+        !read_tensor(graph, bias_name(l), out, b))
+      return false;
+    nn::RowMatrix<float> matrix(out, in);
+    nn::Vector<float> bias(out);
+    std::memcpy(matrix.data(), w.data(), w.size());
+    std::memcpy(bias.data(), b.data(), b.size());
+    weights.layer(l).leftCols(in) = matrix;
+    weights.layer(l).col(in) = bias;
+  }
+  return true;
+}
+
+std::string onnx_checksum(const onnx::ModelProto& model) {
+  std::string all;
+  for (const onnx::TensorProto& tensor : model.graph().initializer()) {
+    append(all, tensor.name());
+    append(all, std::int64_t{tensor.data_type()});
+    append(all, std::int64_t{tensor.dims_size()});
+    for (const std::int64_t extent : tensor.dims()) append(all, extent);
+    append(all, tensor.raw_data());
+  }
+  std::map<std::string_view, std::string_view> metadata;
+  for (const onnx::StringStringEntryProto& entry : model.metadata_props()) metadata[entry.key()] = entry.value();
+  metadata.erase(checksum_key);
+  for (const auto& [key, value] : metadata) {
+    append(all, key);
+    append(all, value);
+  }
+  return checksum_text(all);
+}
+
+}  // namespace tactel::host

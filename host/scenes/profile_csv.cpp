@@ -1,0 +1,145 @@
+#include "host/scenes/profile_csv.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <optional>
+#include <string_view>
+
+#include "host/support/errors.h"
+
+namespace tactel::host {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uintmax_t largest_table = std::uintmax_t{16} << 20;
+constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // spreadsheets write it before UTF-8
+constexpr const char* example =
+    "two columns, x and y in mm, separated by comma, semicolon or tab, with or without a header, such as the three "
+    "lines `x,y` `-1.0,0.05` `0.0,0.0`";
+
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t\r");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+/// Only a regular file of a limited size is read: a device may never end.
+void check_file(const fs::path& path) {
+  const auto refuse = [&](const std::string& why) {
+    throw ConfigError(path.string(), "indenter.file", path.string(), "a readable CSV file (" + why + ")");
+  };
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (error || !fs::exists(status)) refuse(std::strerror(error ? error.value() : ENOENT));
+  if (fs::is_directory(status)) refuse(std::strerror(EISDIR));
+  if (!fs::is_regular_file(status)) refuse("it is no regular file");
+  if (fs::file_size(path, error) > largest_table) refuse("it is larger than 16 MiB");
+}
+
+/// The file being read, line by line, and errors about its current line. Its content is quoted only once it has proved
+/// to be a profile: the name of the file may come from a stranger's scene.
+struct CsvLines {
+  std::string file;
+  std::ifstream in;
+  std::string line;
+  int number = 0;
+  bool proved = false;
+  char separator = ',';
+
+  explicit CsvLines(const fs::path& path) : file(path.string()) {
+    check_file(path);
+    in.open(path);
+    if (!in)
+      throw ConfigError(file, "indenter.file", file, std::string("a readable CSV file (") + std::strerror(errno) + ")");
+  }
+  /// The next line that holds something; empty at the end.
+  std::string_view next() {
+    while (std::getline(in, line)) {
+      std::string_view text = line;
+      if (++number == 1 && text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
+      text = trimmed(text);
+      if (!text.empty() && text.front() != '#') return text;
+    }
+    return {};
+  }
+  [[noreturn]] void refuse(const std::string& key, std::string_view value, const std::string& allowed) const {
+    throw ConfigError(file, key, proved ? std::string(value) : "(not shown)", allowed, number);
+  }
+};
+
+/// The two fields of a line; none where it has more or fewer.
+std::optional<std::array<std::string_view, 2>> fields(std::string_view line, char separator) {
+  const auto between = line.find(separator);
+  if (between == std::string_view::npos || line.find(separator, between + 1) != std::string_view::npos) return {};
+  return {{trimmed(line.substr(0, between)), trimmed(line.substr(between + 1))}};
+}
+
+/// A finite number. A comma stands for the decimal point where it does not separate columns.
+std::optional<double> number_in(std::string_view text, char separator) {
+  std::string digits(text);
+  if (separator != ',') std::ranges::replace(digits, ',', '.');
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error != std::errc() || end != digits.data() + digits.size() || !std::isfinite(value)) return {};
+  return value;
+}
+
+double number(const CsvLines& lines, const std::string& column, std::string_view text) {
+  const auto value = number_in(text, lines.separator);
+  if (!value) lines.refuse(column, text, "a finite number of mm, with a decimal point");
+  return *value;
+}
+
+/// Whether a header's field names this column: "x", "X [mm]", "x (mm)", "x_mm".
+bool names_column(std::string_view field, char column) {
+  std::string letters;
+  for (const unsigned char c : field)
+    if (std::isalnum(c)) letters += static_cast<char>(std::tolower(c));
+  return letters == std::string(1, column) || letters == std::string(1, column) + "mm";
+}
+
+/// Takes the separator from the first line. Returns that line where it is one of numbers, else (a header) the next.
+std::string_view begin(CsvLines& lines) {
+  const std::string_view first = lines.next();
+  if (first.empty()) throw ConfigError(lines.file, "points", "(missing)", example);
+  for (const char separator : {';', '\t', ','})
+    if (first.find(separator) != std::string_view::npos) {
+      lines.separator = separator;
+      break;
+    }
+  const auto columns = fields(first, lines.separator);
+  if (!columns) lines.refuse("line", first, example);
+  const bool numbers = number_in((*columns)[0], lines.separator) && number_in((*columns)[1], lines.separator);
+  lines.proved = numbers || (names_column((*columns)[0], 'x') && names_column((*columns)[1], 'y'));
+  if (!lines.proved) lines.refuse("header", first, example);
+  return numbers ? first : lines.next();
+}
+
+}  // namespace
+
+void read_profile_csv(const fs::path& path, fem::Profile& profile) {
+  CsvLines lines(path);
+  profile.x.clear();
+  profile.y.clear();
+  for (std::string_view text = begin(lines); !text.empty(); text = lines.next()) {
+    const auto columns = fields(text, lines.separator);
+    if (!columns) lines.refuse("line", text, "two columns, x and y in mm, separated as on the first line");
+    const double x = number(lines, "x", (*columns)[0]);
+    const double y = number(lines, "y", (*columns)[1]);
+    if (!profile.x.empty() && x <= profile.x.back())
+      lines.refuse("x", (*columns)[0], "greater than the x on the line before");
+    profile.x.push_back(x);
+    profile.y.push_back(y);
+  }
+  if (profile.x.size() < 2)
+    throw ConfigError(lines.file, "points", std::to_string(profile.x.size()), "at least 2 lines of x and y");
+}
+
+}  // namespace tactel::host

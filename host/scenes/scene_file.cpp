@@ -1,0 +1,148 @@
+#include "host/scenes/scene_file.h"
+
+#include <array>
+#include <limits>
+
+#include "host/scenes/scene_tables.h"
+#include "host/scenes/shape_reader.h"
+#include "host/scenes/toml_table.h"
+#include "host/support/nearest_word.h"
+
+namespace tactel::host {
+void read_sensor(const TomlFile& file, fem::Sensor& sensor) {
+  TomlTable in(file, "sensor");
+  in.read("length", sensor.length, "a number of mm above 0");
+  in.read("thickness", sensor.thickness, "a number of mm above 0");
+  in.read("young", sensor.young, "a number of MPa above 0");
+  in.read("poisson", sensor.poisson, "a number with 0 <= poisson < 0.5");
+  in.read("columns", sensor.columns, "a whole number of mesh nodes along x");
+  in.read("rows", sensor.rows, "a whole number of mesh nodes through the thickness");
+  in.read("grading", sensor.grading, "a number above 0 (bottom row height over top row height)");
+  if (const auto choice = in.read_choice("element", {"bbar", "q4", "q4i", "q8"})) {
+    sensor.element = std::array{fem::Element::bbar, fem::Element::q4, fem::Element::q4i, fem::Element::q8}[*choice];
+  }
+  in.read("tactels", sensor.tactels, "a whole number of tactels, at least 2");
+  if (double span = 0; in.read("tactel_span", span, "a number of mm, from the first tactel's middle to the last one's"))
+    sensor.tactel_span = span;
+  in.read("tactel_width", sensor.tactel_width, "a number of mm, 0 (a point) or more");
+  if (const auto choice = in.read_choice("stress", {"reaction", "element"})) {
+    sensor.stress = std::array{fem::StressRecovery::reaction, fem::StressRecovery::element}[*choice];
+  }
+  in.finish();
+}
+
+void read_contact(const TomlFile& file, double& friction) {
+  TomlTable in(file, "contact");
+  if (in.has_text("friction")) {
+    in.read_choice("friction", {"bonded"});
+    friction = std::numeric_limits<double>::infinity();
+  } else {
+    in.read("friction", friction, "a number, mu >= 0, or \"bonded\"");
+  }
+  in.finish();
+}
+
+namespace {
+
+/// The one key of `keys` that is present; empty when none is; two are an error.
+std::string only_one(const TomlTable& in, const std::vector<std::string>& keys) {
+  std::string present;
+  for (const std::string& key : keys) {
+    if (!in.has(key)) continue;
+    if (!present.empty())
+      in.refuse(key, "left out, because load." + present + " is given too: only one of " + listed(keys) + " can be");
+    present = key;
+  }
+  return present;
+}
+
+void read_normal_load(TomlTable& in, fem::Load& load, bool preset) {
+  in.refuse_unknown({"indentation", "normal_force", "indentation_steps", "tangential_step", "tangential_steps",
+                     "tangential", "angle"});
+  const std::string given = only_one(in, {"indentation", "normal_force"});
+  if (given.empty() && !preset)
+    in.refuse_missing("indentation", "given, a number of mm (or load.normal_force, a number of N/mm)");
+  if (given == "normal_force") load.indentation.clear();
+  in.read_one_or_more("indentation", load.indentation,
+                      "a number of mm, or an array of them: targets reached one after the other");
+  in.read_one_or_more("normal_force", load.normal_force,
+                      "a number of N/mm, or an array of them: targets reached one after the other");
+  in.read("indentation_steps", load.indentation_steps, "a whole number of steps, at least 1");
+}
+
+void read_tangential_load(TomlTable& in, fem::Load& load, bool preset) {
+  const std::string given = only_one(in, {"tangential_step", "tangential", "angle"});
+  if (given == "tangential" || given == "angle") {
+    load.tangential_step = 0.0;
+    load.tangential_steps.reset();
+  }
+  const bool stepping = given == "tangential_step" || (given.empty() && preset);
+  if (in.has("tangential_steps") && !stepping)
+    in.refuse("tangential_steps", "left out, or given together with load.tangential_step");
+  in.read("tangential_step", load.tangential_step, "a number of mm");
+  if (int steps = 0;
+      in.read("tangential_steps", steps,
+              "a whole number of steps, at least 1 (leave it out to go on until the whole contact slides)")) {
+    load.tangential_steps = steps;
+  }
+  in.read("tangential", load.tangential, "an array of positions in mm");
+  if (in.has("tangential") && load.tangential.empty())
+    in.refuse("tangential", "an array of at least one position in mm");
+  if (double angle = 0; in.read("angle", angle, "a number of degrees, with load.normal_force")) {
+    if (!in.has("normal_force")) in.refuse("angle", "left out, or given together with load.normal_force");
+    load.angle = angle;
+  }
+}
+
+}  // namespace
+
+void read_load(const TomlFile& file, fem::Load& load, bool preset) {
+  TomlTable in(file, "load");
+  read_normal_load(in, load, preset);
+  read_tangential_load(in, load, preset);
+  in.finish();
+}
+
+fem::Scene paper_preset() {
+  fem::Scene scene;
+  scene.sensor.poisson = 0.49;
+  scene.sensor.grading = 2.75;
+  scene.sensor.element = fem::Element::q4i;
+  scene.sensor.stress = fem::StressRecovery::element;
+  scene.indenter.shape = fem::Parabola{.radius = 97.0};
+  scene.friction = 0.4;
+  scene.load.indentation = {0.15};
+  scene.load.indentation_steps = 10;
+  scene.load.tangential_step = 0.075;
+  scene.load.tangential_steps = 4;
+  return scene;
+}
+
+fem::Scene read_scene(const std::filesystem::path& path) {
+  const TomlFile file(path);
+  TomlTable root(file, "");
+  fem::Scene scene;
+  root.read("title", scene.title, "a text");
+  const bool preset = root.read_choice("preset", {"paper"}).has_value();
+  if (preset) {
+    std::string title = std::move(scene.title);
+    scene = paper_preset();
+    scene.title = std::move(title);
+  }
+  for (const char* table : {"sensor", "indenter", "contact", "load"}) root.expect_table(table);
+  if (root.has("sweep"))
+    root.refuse("sweep", "left out of a scene; a file with [sweep] is for `tactel generate FILE --output SET.h5`");
+  root.finish();
+  read_sensor(file, scene.sensor);
+  read_indenter(file, scene.indenter, preset);
+  read_contact(file, scene.friction);
+  read_load(file, scene.load, preset);
+  try {
+    scene.validate();
+  } catch (const ValueError& error) {
+    throw file.error(error);
+  }
+  return scene;
+}
+
+}  // namespace tactel::host

@@ -1,0 +1,18 @@
+#pragma once
+#include <filesystem>
+
+#include "fem/scene.h"
+
+namespace tactel::host {
+
+/// Reads a scene file strictly (docs/scenes.md: every key, unit and default). Throws ConfigError with file, line,
+/// key, value and what is allowed. Errors are an unknown key, a wrong type, a key of another shape, two keys that
+/// exclude each other, and a value that the model rejects.
+fem::Scene read_scene(const std::filesystem::path& path);
+
+/// Returns the scene of `preset = "paper"`. It chooses the parameters that the paper leaves open: E, nu, grading,
+/// element, parabola, friction, steps. With them Table I is matched within a few percent: a fit, not an
+/// identification.
+fem::Scene paper_preset();
+
+}  // namespace tactel::host

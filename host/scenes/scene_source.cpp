@@ -1,0 +1,120 @@
+#include "host/scenes/scene_source.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "host/scenes/sweep_reader.h"
+#include "host/support/checksum.h"
+
+namespace tactel::host {
+namespace {
+
+using Alternative = SceneSource::Alternative;
+
+double draw_number(const SceneSource::NumberDraw& from, DrawKey key) {
+  key.draw = from.number;
+  return draw(from.distribution, key);
+}
+
+const Alternative& draw_alternative(const SceneSource::Part& part, DrawKey key) {
+  key.draw = part.number;
+  return part.alternatives.size() == 1 ? part.alternatives[0] : part.alternatives[draw_weighted(part.weights, key)];
+}
+
+void draw_numbers(const Alternative& from, fem::Scene& scene, const DrawKey& key) {
+  for (const SceneSource::NumberDraw& number : from.draws) number.place(scene, number.index) = draw_number(number, key);
+}
+
+/// Slopes between -1 and 1 in increasing order make it convex; then it is stretched to its width and height.
+fem::Profile draw_profile(const SceneSource::RandomProfile& from, DrawKey key) {
+  const double half_width = draw_number(from.half_width, key), height = draw_number(from.height, key);
+  const int pieces = from.points - 1;
+  std::vector<double> slopes;
+  key.draw = from.number;
+  for (std::uint32_t attempt = 0; static_cast<int>(slopes.size()) < pieces; ++attempt)
+    for (const std::uint32_t word : random_words(key, attempt))
+      if (static_cast<int>(slopes.size()) < pieces) slopes.push_back(2 * (word + 0.5) * 0x1p-32 - 1);
+  std::ranges::sort(slopes);
+  fem::Profile profile;
+  profile.y = {0};
+  for (const double slope : slopes) profile.y.push_back(profile.y.back() + slope);
+  const auto [least, most] = std::ranges::minmax(profile.y);
+  for (int i = 0; i < from.points; ++i) {
+    profile.x.push_back(half_width * (2.0 * i / pieces - 1));
+    profile.y[i] = height * (profile.y[i] - least) / (most - least);
+  }
+  profile.smooth = 1e-9 * height;  // rounding must not count as a dent
+  return profile;
+}
+
+}  // namespace
+
+SceneSource SceneSource::read(const std::filesystem::path& path) { return SweepReader(path).read(); }
+
+SceneSource::SceneSource(std::vector<fem::Scene> scenes, std::vector<std::uint16_t> kinds,
+                         std::vector<std::string> kind_names)
+    : contacts_(scenes.size()),
+      kind_names_(std::move(kind_names)),
+      listed_(std::move(scenes)),
+      listed_kinds_(std::move(kinds)) {
+  for (const fem::Scene& scene : listed_)
+    if (std::ranges::find(sensors_, scene.sensor) == sensors_.end()) sensors_.push_back(scene.sensor);
+}
+
+int SceneSource::tactels() const { return sensors_.front().tactels; }
+
+void SceneSource::model_on(const Rung& rung) {
+  rung_ = rung;
+  for (fem::Sensor& sensor : sensors_) {
+    fem::Scene scene;
+    scene.sensor = sensor;
+    sensor = on_rung(scene, rung).sensor;
+  }
+}
+
+std::vector<std::pair<std::string, std::string>> SceneSource::files() const {
+  std::vector<std::pair<std::string, std::string>> read;
+  for (const Alternative& indenter : indenter_.alternatives) {
+    const auto* profile = std::get_if<fem::Profile>(&indenter.scene.indenter.shape);
+    if (!profile || profile->file.empty()) continue;
+    RunningChecksum sum;
+    for (const auto* numbers : {&profile->x, &profile->y})
+      sum.add({reinterpret_cast<const char*>(numbers->data()), numbers->size() * sizeof(double)});
+    read.emplace_back(std::filesystem::path(profile->file).filename().string(), sum.text());
+  }
+  return read;
+}
+
+SceneSource::Contact SceneSource::contact(std::uint64_t k) const {
+  Contact contact = drawn_contact(k);
+  if (rung_) contact.scene = on_rung(contact.scene, *rung_);
+  return contact;
+}
+
+SceneSource::Contact SceneSource::drawn_contact(std::uint64_t k) const {
+  if (!listed_.empty()) return {listed_[k], listed_kinds_[k]};
+  const DrawKey key{seed_, nn::RandomStream::contact, k};
+  const Alternative& indenter = draw_alternative(indenter_, key);
+  const Alternative &contact = draw_alternative(contact_, key), &load = draw_alternative(load_, key);
+  Contact drawn;
+  drawn.kind = static_cast<std::uint16_t>(&indenter - indenter_.alternatives.data());
+  fem::Scene& scene = drawn.scene;
+  scene.sensor = sensors_.size() == 1 ? sensors_[0] : sensors_[draw_weighted(sensor_weights_, key)];
+  scene.indenter = indenter.scene.indenter;
+  scene.friction = contact.scene.friction;
+  scene.load = load.scene.load;
+  for (const Alternative* part : {&indenter, &contact, &load}) draw_numbers(*part, scene, key);
+  if (indenter.profile) scene.indenter.shape = draw_profile(*indenter.profile, key);
+  if (load.slip_index)
+    scene.load.angle = std::atan(draw_number(*load.slip_index, key) * scene.friction) * 180 / std::numbers::pi;
+  try {
+    scene.validate();
+  } catch (const ValueError& error) {
+    throw ValueError(error.key, error.value,
+                     error.allowed + ", as contact " + std::to_string(k) + " of the sweep drew it");
+  }
+  return drawn;
+}
+
+}  // namespace tactel::host

@@ -1,0 +1,96 @@
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "fem/scene.h"
+#include "host/scenes/distribution.h"
+#include "host/scenes/ladder.h"
+#include "nn/transducer_chain.h"
+
+namespace tactel::host {
+
+/// The contacts of a sweep file: contact k is a function of the file, its seed and k alone.
+///   [sweep]  contacts = 100000, seed = 7, sensors = 16
+///   [sensor], [indenter], [contact], [load] as in a scene file; any of them may be several ([[indenter]] ...), of
+///   which each contact draws one in proportion to its `weight` (1 by default); numbers may be distributions.
+/// A [sensor] with distributions stands for `sensors` sensors drawn once: each costs a condensation.
+class SceneSource {
+ public:
+  /// Throws ConfigError with file, line, key, value and what is allowed.
+  static SceneSource read(const std::filesystem::path& path);
+  /// Listed scenes, as the sets of the paper; `kinds`: [scenes] indices in kind_names.
+  SceneSource(std::vector<fem::Scene> scenes, std::vector<std::uint16_t> kinds, std::vector<std::string> kind_names);
+  /// Sets the measuring chain of the stresses; `seed` draws its noise.
+  void measure_with(const nn::Transducer& transducer, std::uint64_t seed) { transducer_ = transducer, seed_ = seed; }
+
+  std::uint64_t contacts() const { return contacts_; }
+  /// Returns true where contact(k) is defined beyond contacts(): for drawn contacts, not for listed ones.
+  bool endless() const { return listed_.empty(); }
+  std::uint64_t seed() const { return seed_; }
+  int tactels() const;
+  const nn::Transducer& transducer() const { return transducer_; }
+  /// Returns the kinds of indenters: one for each [[indenter]].
+  const std::vector<std::string>& kind_names() const { return kind_names_; }
+
+  struct Contact {
+    fem::Scene scene;
+    std::uint16_t kind = 0;  ///< index in kind_names
+  };
+  /// Returns contact k < contacts(), or any k where endless(). Throws ValueError where drawn numbers contradict
+  /// each other.
+  Contact contact(std::uint64_t k) const;
+  /// Models contacts and sensors by the rung from now on.
+  void model_on(const Rung& rung);
+  /// Files that the sweep file names, and the checksum of the numbers that were read from each: measured profiles.
+  std::vector<std::pair<std::string, std::string>> files() const;
+  /// Returns every sensor of the contacts.
+  const std::vector<fem::Sensor>& sensors() const { return sensors_; }
+
+  /// A number to draw and its address. `number` distinguishes the draws of a contact.
+  struct NumberDraw {
+    std::uint32_t number = 0;
+    Distribution distribution;
+    double& (*place)(fem::Scene&, int) = nullptr;
+    int index = 0;
+  };
+  /// A random convex profile: `points` over 2 half_width, slopes in increasing order, the highest point at `height`.
+  struct RandomProfile {
+    int points = 0;
+    std::uint32_t number = 0;
+    NumberDraw half_width, height;
+  };
+  /// One of several tables of a name.
+  struct Alternative {
+    fem::Scene scene;  ///< of which the table's own part counts
+    std::vector<NumberDraw> draws;
+    std::optional<RandomProfile> profile;
+    std::optional<NumberDraw> slip_index;  ///< load.slip_index: the angle is the one that gives this S
+  };
+  /// All tables of a name, with their weights.
+  struct Part {
+    std::vector<Alternative> alternatives;
+    std::vector<double> weights;
+    std::uint32_t number = 0;
+  };
+
+ private:
+  friend class SweepReader;
+  SceneSource() = default;
+
+  Contact drawn_contact(std::uint64_t k) const;
+
+  std::optional<Rung> rung_;
+  std::uint64_t contacts_ = 0, seed_ = 0;
+  nn::Transducer transducer_;
+  std::vector<std::string> kind_names_;
+  std::vector<fem::Scene> listed_;
+  std::vector<std::uint16_t> listed_kinds_;
+  Part indenter_, contact_, load_;
+  std::vector<fem::Sensor> sensors_;
+  std::vector<double> sensor_weights_;
+};
+
+}  // namespace tactel::host

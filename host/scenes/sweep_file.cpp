@@ -1,0 +1,55 @@
+#include "host/scenes/sweep_file.h"
+
+#include "host/scenes/scene_file.h"
+#include "host/scenes/scene_tables.h"
+#include "host/scenes/transducer_table.h"
+
+namespace tactel::host {
+namespace {
+
+/// The paper's choices with `preset = "paper"`, else the sensor that scene files start from; the load is the sets' own.
+fem::Scene base_scene(const TomlFile& file) {
+  TomlTable root(file, "");
+  fem::Scene base = paper_set_scene();
+  if (!root.read_choice("preset", {"paper"})) base.sensor = {};
+  root.read("title", base.title, "a text");
+  for (const char* table : {"sweep", "transducer", "sensor", "contact", "load"}) root.expect_table(table);
+  if (root.has("indenter")) root.refuse("indenter", "left out: sweep.set says which indenters there are");
+  root.finish();
+  read_sensor(file, base.sensor);
+  read_contact(file, base.friction);
+  read_load(file, base.load, true);
+  return base;
+}
+
+SceneSource paper_source(const TomlFile& file) {
+  const std::vector<std::string> sets = {"paper-learning", "paper-recall"};
+  const fem::Scene base = base_scene(file);
+  TomlTable in(file, "sweep");
+  const std::size_t set = in.read_choice("set", sets).value();
+  double scale = 10.0, height = 10.0;
+  int seed = 0;
+  if (in.read("seed", seed, "a whole number, at least 0") && seed < 0) in.refuse("seed", "a whole number, at least 0");
+  if (set == 0) {
+    in.read("scale", scale, "a number of mm above 0");
+    in.read("height", height, "a number of mm above 0");
+  }
+  in.finish();
+  try {
+    SceneSource source = source_of(set == 0 ? paper_learning_family(base, scale, height) : paper_recall_family(base));
+    source.measure_with(read_transducer(file, static_cast<std::uint64_t>(seed)), static_cast<std::uint64_t>(seed));
+    return source;
+  } catch (const ValueError& error) {
+    throw file.error(error);
+  }
+}
+
+}  // namespace
+
+Sweep read_sweep(const std::filesystem::path& path) {
+  const TomlFile file(path);
+  TomlTable sweep(file, "sweep");
+  return {file.text(), sweep.has("set") ? paper_source(file) : SceneSource::read(path)};
+}
+
+}  // namespace tactel::host

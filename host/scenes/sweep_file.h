@@ -1,0 +1,24 @@
+#pragma once
+#include <filesystem>
+#include <string>
+
+#include "host/scenes/paper_sets.h"
+
+namespace tactel::host {
+
+/// Contents of a sweep file.
+struct Sweep {
+  std::string text;  ///< the file as it was read
+  SceneSource source;
+};
+
+/// Reads a sweep file: either that of a SceneSource, or one of the paper's sets, with the optional tables [sensor],
+/// [contact] and [load] of a scene file, and
+///   [sweep]
+///   set = "paper-learning" | "paper-recall"
+///   scale = 10.0, height = 10.0    # mm, of the Taylor shapes of paper-learning
+///   seed = 0                       # of the noise, where there is a [transducer]
+/// Throws ConfigError as read_scene does.
+Sweep read_sweep(const std::filesystem::path& path);
+
+}  // namespace tactel::host

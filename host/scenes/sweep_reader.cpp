@@ -1,0 +1,267 @@
+#include "host/scenes/sweep_reader.h"
+
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <array>
+
+#include "host/scenes/distributed_keys.h"
+#include "host/scenes/scene_file.h"
+#include "host/scenes/scene_tables.h"
+#include "host/scenes/shape_reader.h"
+#include "host/scenes/transducer_table.h"
+#include "host/support/nearest_word.h"
+
+namespace tactel::host {
+namespace {
+
+using std::string;
+constexpr std::array part_names{"sensor", "indenter", "contact", "load"};
+constexpr int most_sensors = 10000;
+
+/// Keys of a sweep that scene files do not have.
+bool own_key(const string& table, std::string_view key) {
+  return key == "weight" || (table == "load" && key == "slip_index") ||
+         (table == "indenter" && (key == "points" || key == "name"));
+}
+
+/// A random profile is read as some profile; its half_width and height belong to the sweep.
+bool is_random_profile(const toml::table& table) { return table.contains("points"); }
+
+/// Takes the sweep's own keys out and puts `number(key, index)` in place of every distribution.
+template <class Number>
+void make_plain(const string& name, toml::table& table, const Number& number) {
+  const bool random = name == "indenter" && is_random_profile(table);
+  std::vector<string> keys;
+  for (const auto& [key, node] : table) keys.emplace_back(key.str());
+  for (const string& key : keys) {
+    toml::node& node = *table.get(key);
+    if (own_key(name, key) || (random && (key == "half_width" || key == "height"))) {
+      table.erase(key);
+    } else if (node.is_table()) {
+      table.insert_or_assign(key, number(key, -1));
+    } else if (toml::array* array = node.as_array()) {
+      for (std::size_t i = 0; i < array->size(); ++i)
+        if ((*array)[i].is_table()) array->replace(array->cbegin() + i, number(key, static_cast<int>(i)));
+    }
+  }
+  if (random) {
+    table.insert_or_assign("x", toml::array{-1.0, 0.0, 1.0});
+    table.insert_or_assign("y", toml::array{1.0, 0.0, 1.0});
+  }
+}
+
+}  // namespace
+
+SweepReader::SweepReader(const std::filesystem::path& path) : file_(path) {}
+
+/// [name] once, [[name]] several times, or not at all (one null).
+std::vector<const toml::table*> SweepReader::tables(const string& name) const {
+  const toml::node* node = file_.root().get(name);
+  if (node == nullptr) return {nullptr};
+  if (const toml::table* table = node->as_table()) return {table};
+  std::vector<const toml::table*> all;
+  if (const toml::array* array = node->as_array())
+    for (const toml::node& element : *array) all.push_back(element.as_table());
+  if (all.empty() || std::ranges::find(all, nullptr) != all.end())
+    throw file_.error(name, node, "a table [" + name + "], or several [[" + name + "]]");
+  return all;
+}
+
+std::vector<SweepReader::Found> SweepReader::distributions(const string& name, const toml::table& table) const {
+  std::vector<Found> found;
+  const auto add = [&](const string& key, int index, const toml::node& node) {
+    if (auto distribution = read_distribution(file_, key, node))
+      found.push_back({key, index, std::move(*distribution), &node});
+  };
+  const bool random = name == "indenter" && is_random_profile(table);
+  for (const auto& [key, node] : table) {
+    const string full = name + "." + string(key.str());
+    if (own_key(name, key.str()) || (random && (key == "half_width" || key == "height"))) continue;
+    add(full, -1, node);
+    if (const toml::array* array = node.as_array())
+      for (std::size_t i = 0; i < array->size(); ++i) add(full, static_cast<int>(i), (*array)[i]);
+  }
+  return found;
+}
+
+double SweepReader::weight(const string& name, const toml::table& table) const {
+  const toml::node* node = table.get("weight");
+  if (node == nullptr) return 1;
+  const auto value = node->value<double>();
+  if (!value || !(*value >= 0) || !std::isfinite(*value))
+    throw file_.error(name + ".weight", node, "a number, at least 0: how often this table is drawn beside the others");
+  return *value;
+}
+
+/// The file as a scene file: alternative `chosen` of table `name`, the first of the others; the smallest number for
+/// each distribution.
+TomlFile SweepReader::concrete(const string& name, std::size_t chosen) const {
+  TomlFile file(file_.path(), file_.text());
+  for (const char* own : {"sweep", "transducer"}) file.root().erase(own);
+  for (const string part : part_names) {
+    toml::node* node = file.root().get(part);
+    if (node == nullptr) continue;
+    if (toml::array* array = node->as_array()) {
+      toml::table one = std::move(*(*array)[part == name ? chosen : 0].as_table());
+      file.root().insert_or_assign(part, std::move(one));
+    }
+    toml::table& table = *file.root().get(part)->as_table();
+    const auto found = distributions(part, *tables(part)[part == name ? chosen : 0]);
+    make_plain(part, table, [&](const string& key, int index) {
+      const auto its =
+          std::ranges::find_if(found, [&](const Found& f) { return f.key == part + "." + key && f.index == index; });
+      return ends(its->distribution).first;
+    });
+  }
+  return file;
+}
+
+fem::Scene SweepReader::read_scene(const TomlFile& file) const {
+  TomlTable root(file, "");
+  fem::Scene scene;
+  const bool preset = root.read_choice("preset", {"paper"}).has_value();
+  if (preset) scene = paper_preset();
+  root.read("title", scene.title, "a text");
+  for (const char* table : part_names) root.expect_table(table);
+  root.finish();
+  read_sensor(file, scene.sensor);
+  read_indenter(file, scene.indenter, preset);
+  read_contact(file, scene.friction);
+  read_load(file, scene.load, preset);
+  scene.title.clear();  // of the sweep, not of each contact
+  return scene;
+}
+
+SceneSource::NumberDraw SweepReader::number_draw(const Found& found, const string& shape) {
+  const string table = found.key.substr(0, found.key.find('.'));
+  const NumberPlace place = number_place(found.key, shape);
+  if (place == nullptr)
+    throw file_.error(found.key, found.node,
+                      "a plain value; the keys of [" + table + "] that may be distributions are " +
+                          listed(drawable_keys(table, shape)));
+  return {next_++, found.distribution, place, std::max(found.index, 0)};
+}
+
+/// A number or a distribution of a key that the sweep itself uses.
+SceneSource::NumberDraw SweepReader::whole_draw(const string& key, const toml::node* node, const char* allowed) {
+  const auto value = node != nullptr ? node->value<double>() : std::nullopt;
+  auto distribution = node != nullptr ? read_distribution(file_, key, *node) : std::nullopt;
+  if (!distribution && value) distribution = ChoiceDraw{{*value}, {1}};
+  if (!distribution) throw file_.error(key, node, string("given, ") + allowed);
+  return {next_++, *distribution, nullptr, 0};
+}
+
+void SweepReader::take_random_profile(const toml::table& table, SceneSource::Alternative& into) {
+  constexpr const char* some_mm = "a number of mm above 0, or a distribution";
+  const auto points = table["points"].value<std::int64_t>();
+  if (!table["points"].is_integer() || *points < 3 || *points > 1000)
+    throw file_.error("indenter.points", table.get("points"),
+                      "a whole number of points of a random convex profile, 3 to 1000");
+  SceneSource::RandomProfile profile{.points = static_cast<int>(*points),
+                                     .number = next_++,
+                                     .half_width = whole_draw("indenter.half_width", table.get("half_width"), some_mm),
+                                     .height = whole_draw("indenter.height", table.get("height"), some_mm)};
+  for (const auto& [key, draw] : {std::pair{"half_width", &profile.half_width}, {"height", &profile.height}})
+    if (!(ends(draw->distribution).first > 1e-6))
+      throw file_.error(string("indenter.") + key, table.get(key), "above 1e-6 mm");
+  into.profile = profile;
+}
+
+/// Every distribution at its largest number, the others at their smallest: the model must accept it.
+void SweepReader::check_ends(const SceneSource::Alternative& alternative, const std::vector<Found>& found) const {
+  const auto blame = [&](const ValueError& error) {
+    const auto its = std::ranges::find(found, error.key, &Found::key);
+    return its == found.end() ? file_.error(error) : file_.error(its->key, its->node, error.allowed);
+  };
+  try {
+    alternative.scene.validate();
+    for (const SceneSource::NumberDraw& draw : alternative.draws) {
+      fem::Scene scene = alternative.scene;
+      draw.place(scene, draw.index) = ends(draw.distribution).second;
+      scene.validate();
+    }
+  } catch (const ValueError& error) {
+    throw blame(error);
+  }
+}
+
+SceneSource::Alternative SweepReader::alternative(const string& name, std::size_t chosen, const toml::table& table) {
+  SceneSource::Alternative made;
+  const TomlFile file = concrete(name, chosen);
+  made.scene = read_scene(file);
+  const auto found = distributions(name, table);
+  for (const Found& f : found) made.draws.push_back(number_draw(f, fem::shape_name(made.scene.indenter.shape)));
+  check_ends(made, found);
+  if (name == "indenter" && is_random_profile(table)) take_random_profile(table, made);
+  if (const toml::node* node = table.get("slip_index"); name == "load" && node != nullptr) {
+    made.slip_index = whole_draw("load.slip_index", node, "a number from -1 to 1 (not reached), or a distribution");
+    const auto [low, high] = ends(made.slip_index->distribution);
+    if (!(low > -1 && high < 1)) throw file_.error("load.slip_index", node, "above -1 and below 1");
+    if (made.scene.load.normal_force.empty() || made.scene.load.angle)
+      throw file_.error("load.slip_index", node, "given with load.normal_force and without load.angle");
+  }
+  return made;
+}
+
+SceneSource::Part SweepReader::part(const string& name) {
+  SceneSource::Part part{.alternatives = {}, .weights = {}, .number = next_++};
+  const auto all = tables(name);
+  static const toml::table nothing;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const toml::table& table = all[i] ? *all[i] : nothing;
+    part.weights.push_back(weight(name, table));
+    part.alternatives.push_back(alternative(name, i, table));
+  }
+  if (std::ranges::all_of(part.weights, [](double w) { return w == 0; }))
+    throw file_.error(name + ".weight", nullptr, "above 0 for at least one [[" + name + "]]");
+  return part;
+}
+
+/// Sensors that are given stand as they are; one with distributions is drawn `count` times.
+void SweepReader::read_sensors(SceneSource& source, int count) {
+  const SceneSource::Part part = this->part("sensor");
+  for (std::size_t i = 0; i < part.alternatives.size(); ++i) {
+    const SceneSource::Alternative& from = part.alternatives[i];
+    const int copies = from.draws.empty() ? 1 : count;
+    for (int copy = 0; copy < copies; ++copy) {
+      fem::Scene scene = from.scene;
+      for (const SceneSource::NumberDraw& d : from.draws)
+        d.place(scene, d.index) =
+            draw(d.distribution, {source.seed_, nn::RandomStream::sensor, static_cast<std::uint64_t>(copy), d.number});
+      scene.sensor.validate();
+      if (scene.sensor.tactels != part.alternatives[0].scene.sensor.tactels)
+        throw file_.error("sensor.tactels", nullptr, "the same for every [[sensor]]: a set's frames are of one width");
+      source.sensors_.push_back(scene.sensor);
+      source.sensor_weights_.push_back(part.weights[i] / copies);
+    }
+  }
+}
+
+SceneSource SweepReader::read() {
+  TomlTable sweep(file_, "sweep");
+  SceneSource source;
+  int contacts = 0, seed = 0, sensors = 16;
+  sweep.refuse_unknown({"contacts", "seed", "sensors", "set"});
+  if (!sweep.read("contacts", contacts, "a whole number of contacts, at least 1"))
+    sweep.refuse_missing("contacts",
+                         "given, a whole number of contacts (or set = \"paper-learning\"); a file without [sweep] is a "
+                         "scene, for `tactel solve FILE`");
+  if (contacts < 1) sweep.refuse("contacts", "a whole number of contacts, at least 1");
+  if (sweep.read("seed", seed, "a whole number, at least 0") && seed < 0)
+    sweep.refuse("seed", "a whole number, at least 0");
+  if (sweep.read("sensors", sensors, "a whole number") && (sensors < 1 || sensors > most_sensors))
+    sweep.refuse("sensors", "how many sensors to draw from a [sensor] with distributions, 1 to 10000");
+  sweep.finish();
+  source.contacts_ = static_cast<std::uint64_t>(contacts);
+  source.measure_with(read_transducer(file_, static_cast<std::uint64_t>(seed)), static_cast<std::uint64_t>(seed));
+  read_sensors(source, sensors);
+  source.indenter_ = part("indenter");
+  source.contact_ = part("contact");
+  source.load_ = part("load");
+  for (const SceneSource::Alternative& kind : source.indenter_.alternatives)
+    source.kind_names_.emplace_back(kind.profile ? "random profile" : fem::shape_name(kind.scene.indenter.shape));
+  return source;
+}
+
+}  // namespace tactel::host

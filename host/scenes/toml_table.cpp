@@ -1,0 +1,292 @@
+#include "host/scenes/toml_table.h"
+
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <sstream>
+
+#include "host/support/nearest_word.h"
+
+namespace tactel::host {
+namespace {
+
+constexpr std::size_t longest_quote = 60;
+constexpr std::size_t largest_file = std::size_t{16} << 20;
+constexpr int deepest =
+    16;  // parts of a key; arrays and tables within each other. The parser would go as deep as asked
+
+/// Ends with an error where the file goes on beyond largest_file: a device such as /dev/zero never ends.
+std::string read_text(const std::filesystem::path& path) {
+  const auto unreadable = [&](const std::string& why) {
+    return ConfigError(path.string(), "file", path.string(), "a readable TOML file (" + why + ")");
+  };
+  if (std::filesystem::is_directory(path)) throw unreadable("it is a folder");
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw unreadable(std::strerror(errno));
+  std::string text;
+  for (std::array<char, 65536> piece; in && text.size() <= largest_file;) {
+    in.read(piece.data(), piece.size());
+    text.append(piece.data(), static_cast<std::size_t>(in.gcount()));
+  }
+  if (text.size() > largest_file) throw unreadable("it is larger than 16 MiB");
+  return text;
+}
+
+std::string trimmed_text(std::string text) {
+  const auto blank = [](unsigned char c) { return std::isspace(c) != 0; };
+  text.erase(text.begin(), std::find_if_not(text.begin(), text.end(), blank));
+  text.erase(std::find_if_not(text.rbegin(), text.rend(), blank).base(), text.end());
+  return text;
+}
+
+std::string shortened(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return std::iscntrl(c) != 0; }, ' ');
+  return text.size() > longest_quote ? text.substr(0, longest_quote) + "..." : text;
+}
+
+/// Line `number`, from 1.
+std::string line_of(const std::string& text, std::size_t number) {
+  std::istringstream lines(text);
+  std::string line;
+  for (std::size_t i = 0; i < number && std::getline(lines, line); ++i) {
+  }
+  return line;
+}
+
+/// Where a place in the file, line and column from 1, lies in its text. Columns count code points: continuation bytes
+/// of UTF-8 do not.
+std::size_t offset_of(const std::string& text, toml::source_position place) {
+  std::size_t at = 0;
+  for (std::size_t line = 1; line < place.line && at < text.size(); ++at) line += text[at] == '\n';
+  for (std::size_t column = 1; column < place.column && at < text.size(); ++column) {
+    do ++at;
+    while (at < text.size() && (static_cast<unsigned char>(text[at]) & 0xC0) == 0x80);
+  }
+  return at;
+}
+
+/// TOML's own complaint, as key and value of the line it is about.
+ConfigError syntax_error(const std::string& file, const std::string& text, const toml::parse_error& error) {
+  const auto line = error.source().begin.line;
+  const std::string written = trimmed_text(line_of(text, line));
+  const std::size_t equals = written.find('=');
+  const bool pair = equals != std::string::npos;
+  const std::string key = pair ? trimmed_text(written.substr(0, equals)) : "line " + std::to_string(line);
+  const std::string value = pair ? trimmed_text(written.substr(equals + 1)) : written;
+  return ConfigError(file, key, value.empty() ? "(missing)" : shortened(value),
+                     "valid TOML (" + std::string(error.description()) + ")", static_cast<int>(line));
+}
+
+/// Walks over TOML without understanding it: skips texts and comments, counts brackets and the dots of a key.
+class DepthScan {
+ public:
+  explicit DepthScan(const std::string& text) : text_(text) {}
+  /// The first line, from 1, that goes deeper than `deepest`; 0 where none does.
+  std::size_t too_deep() {
+    for (; at_ < text_.size(); ++at_)
+      if (!step(text_[at_])) return line_;
+    return 0;
+  }
+
+ private:
+  bool step(char c) {
+    if (c == '"' || c == '\'') skip_text(c);
+    if (c == '#') at_ = std::min(text_.find('\n', at_), text_.size()) - 1;
+    if (c == '\n') ++line_;
+    if (c == '[' || c == '{') ++open_;
+    if ((c == ']' || c == '}') && open_ > 0) --open_;
+    if (std::string_view("=,[]{}#\n").find(c) != std::string_view::npos) dots_ = 0;
+    if (c == '.') ++dots_;
+    return open_ <= deepest && dots_ < deepest;
+  }
+  /// From the opening quote to the closing one; to the end of the line where a text of one line lacks it.
+  void skip_text(char quote) {
+    const bool lines = text_.compare(at_, 3, std::string(3, quote)) == 0;
+    const std::size_t width = lines ? 3 : 1;
+    for (at_ += width; at_ < text_.size(); ++at_) {
+      if (quote == '"' && text_[at_] == '\\')
+        ++at_;
+      else if (text_.compare(at_, width, std::string(width, quote)) == 0)
+        break;
+      else if (text_[at_] == '\n' && lines)
+        ++line_;
+      else if (text_[at_] == '\n')
+        return --at_, void();
+    }
+    at_ += width - 1;
+  }
+
+  const std::string& text_;
+  std::size_t at_ = 0, line_ = 1;
+  int open_ = 0, dots_ = 0;
+};
+
+void check_depth(const std::string& file, const std::string& text) {
+  const std::size_t line = DepthScan(text).too_deep();
+  if (line > 0)
+    throw ConfigError(file, "line " + std::to_string(line), shortened(trimmed_text(line_of(text, line))),
+                      "keys of at most 16 parts, and arrays and tables at most 16 within each other",
+                      static_cast<int>(line));
+}
+
+}  // namespace
+
+TomlFile::TomlFile(const std::filesystem::path& path) : TomlFile(path, read_text(path)) {}
+
+TomlFile::TomlFile(const std::filesystem::path& path, std::string text) : path_(path), text_(std::move(text)) {
+  check_depth(path.string(), text_);
+  try {
+    root_ = std::make_unique<toml::table>(toml::parse(text_, path.string()));
+  } catch (const toml::parse_error& error) {
+    throw syntax_error(path.string(), text_, error);
+  }
+}
+
+std::string TomlFile::as_written(const toml::node& node) const {
+  if (node.is_table()) return "(a table)";
+  const std::size_t begin = offset_of(text_, node.source().begin);
+  const std::size_t end = offset_of(text_, node.source().end);
+  return shortened(trimmed_text(text_.substr(begin, end > begin ? end - begin : 0)));
+}
+
+TomlFile::~TomlFile() = default;
+TomlFile::TomlFile(TomlFile&&) noexcept = default;
+
+ConfigError TomlFile::error(const std::string& key, const toml::node* node, const std::string& allowed) const {
+  if (node == nullptr) return ConfigError(path_.string(), key, "(missing)", allowed);
+  return ConfigError(path_.string(), key, as_written(*node), allowed, static_cast<int>(node->source().begin.line));
+}
+
+ConfigError TomlFile::error(const ValueError& error) const {
+  const toml::node* node = root_->at_path(error.key).node();
+  const int line = node != nullptr ? static_cast<int>(node->source().begin.line) : 0;
+  const bool quotable = node != nullptr && node->is_value() && !node->is_string();
+  return ConfigError(path_.string(), error.key, quotable ? as_written(*node) : error.value, error.allowed, line);
+}
+
+TomlTable::TomlTable(const TomlFile& file, const std::string& name) : file_(file), name_(name) {
+  const toml::node* node = name.empty() ? &file.root() : file.root().get(name);
+  if (node == nullptr) return;
+  table_ = node->as_table();
+  if (table_ == nullptr) throw file.error(name, node, "a table, written [" + name + "]");
+}
+
+bool TomlTable::has(const std::string& key) const { return table_ != nullptr && table_->contains(key); }
+
+bool TomlTable::has_text(const std::string& key) const { return has(key) && table_->get(key)->is_string(); }
+
+const toml::node* TomlTable::find(const std::string& key) {
+  asked_.insert(key);
+  return table_ != nullptr ? table_->get(key) : nullptr;
+}
+
+void TomlTable::refuse(const std::string& key, const std::string& allowed) const {
+  throw file_.error(full(key), table_ != nullptr ? table_->get(key) : nullptr, allowed);
+}
+
+void TomlTable::refuse_missing(const std::string& key, const std::string& allowed) const {
+  throw file_.error(full(key), nullptr, allowed);
+}
+
+double TomlTable::number(const toml::node& node, const std::string& key, const std::string& what) const {
+  const bool numeric = node.is_integer() || node.is_floating_point();
+  const double value = numeric ? *node.value<double>() : 0.0;
+  if (!numeric) throw file_.error(full(key), &node, what);
+  if (!std::isfinite(value)) throw file_.error(full(key), &node, "finite, " + what);
+  return value;
+}
+
+int TomlTable::whole(const toml::node& node, const std::string& key, const std::string& what) const {
+  const std::int64_t value = node.is_integer() ? *node.value<std::int64_t>() : 0;
+  constexpr std::int64_t most = std::numeric_limits<int>::max();
+  if (!node.is_integer() || value > most || value < -most) throw file_.error(full(key), &node, what);
+  return static_cast<int>(value);
+}
+
+bool TomlTable::read(const std::string& key, double& value, const std::string& what) {
+  const toml::node* node = find(key);
+  if (node != nullptr) value = number(*node, key, what);
+  return node != nullptr;
+}
+
+bool TomlTable::read(const std::string& key, int& value, const std::string& what) {
+  const toml::node* node = find(key);
+  if (node != nullptr) value = whole(*node, key, what);
+  return node != nullptr;
+}
+
+bool TomlTable::read(const std::string& key, std::string& value, const std::string& what) {
+  const toml::node* node = find(key);
+  if (node == nullptr) return false;
+  if (!node->is_string()) throw file_.error(full(key), node, what);
+  value = *node->value<std::string>();
+  return true;
+}
+
+bool TomlTable::read(const std::string& key, std::vector<double>& value, const std::string& what) {
+  const toml::node* node = find(key);
+  if (node == nullptr) return false;
+  if (!node->is_array()) throw file_.error(full(key), node, what);
+  value.clear();
+  for (const toml::node& entry : *node->as_array()) value.push_back(number(entry, key, what));
+  return true;
+}
+
+bool TomlTable::read(const std::string& key, std::vector<int>& value, const std::string& what) {
+  const toml::node* node = find(key);
+  if (node == nullptr) return false;
+  if (!node->is_array()) throw file_.error(full(key), node, what);
+  value.clear();
+  for (const toml::node& entry : *node->as_array()) value.push_back(whole(entry, key, what));
+  return true;
+}
+
+bool TomlTable::read_one_or_more(const std::string& key, std::vector<double>& value, const std::string& what) {
+  const toml::node* node = find(key);
+  if (node == nullptr) return false;
+  if (node->is_array() && !node->as_array()->empty()) return read(key, value, what);
+  value = {number(*node, key, what)};
+  return true;
+}
+
+std::optional<std::size_t> TomlTable::read_choice(const std::string& key, const std::vector<std::string>& words) {
+  const std::string allowed = "one of " + listed(words);
+  std::string word;
+  if (!read(key, word, allowed)) return std::nullopt;
+  const auto found = std::find(words.begin(), words.end(), word);
+  if (found != words.end()) return static_cast<std::size_t>(found - words.begin());
+  const std::string nearest = nearest_word(word, words);
+  refuse(key, allowed + (nearest.empty() ? "" : "; did you mean " + nearest + "?"));
+}
+
+void TomlTable::expect_table(const std::string& key) { asked_.insert(key); }
+
+std::vector<std::string> TomlTable::keys() const {
+  if (table_ == nullptr) return {};
+  std::vector<std::pair<toml::source_position, std::string>> found;
+  for (const auto& [key, node] : *table_) found.emplace_back(key.source().begin, std::string(key.str()));
+  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<std::string> names;
+  for (const auto& [place, name] : found) names.push_back(name);
+  return names;
+}
+
+void TomlTable::refuse_unknown(std::vector<std::string> known) const {
+  std::ranges::sort(known);
+  for (const std::string& key : keys()) {
+    if (std::ranges::binary_search(known, key)) continue;
+    const std::string nearest = nearest_word(key, known);
+    refuse(key, "a known key, one of " + listed(known) + (nearest.empty() ? "" : "; did you mean " + nearest + "?"));
+  }
+}
+
+void TomlTable::finish() const { refuse_unknown({asked_.begin(), asked_.end()}); }
+
+}  // namespace tactel::host

@@ -1,0 +1,96 @@
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "fem/value_error.h"
+#include "host/support/errors.h"
+
+// Of toml++, whose header is long: only the sources of scenes/ include it.
+namespace toml {
+inline namespace v3 {
+class node;
+class table;
+}  // namespace v3
+}  // namespace toml
+
+namespace tactel::host {
+
+/// A TOML file, its text kept so that an error can quote a value as it was written.
+class TomlFile {
+ public:
+  /// Reads at most 16 MiB. Throws ConfigError for what cannot be read or is no TOML, and for keys or values that are
+  /// nested more than 16 deep.
+  explicit TomlFile(const std::filesystem::path& path);
+  /// Reads a text that is not from a file; errors name `path`.
+  TomlFile(const std::filesystem::path& path, std::string text);
+  ~TomlFile();
+  TomlFile(TomlFile&&) noexcept;
+  const std::string& text() const { return text_; }
+
+  const std::filesystem::path& path() const { return path_; }
+  const toml::table& root() const { return *root_; }
+  toml::table& root() { return *root_; }
+
+  /// Returns the error about a value of this file. `node` (may be null) gives line and value.
+  ConfigError error(const std::string& key, const toml::node* node, const std::string& allowed) const;
+  /// The same from an error of the model, whose key is a path such as "sensor.poisson".
+  ConfigError error(const ValueError& error) const;
+
+ private:
+  std::string as_written(const toml::node& node) const;
+
+  std::filesystem::path path_;
+  std::string text_;
+  std::unique_ptr<toml::table> root_;
+};
+
+/// One table of a file, read strictly. A value of the wrong type is an error, and so is a key that was not read.
+/// `read` leaves `value` unchanged where the key is absent; `what` is the allowed range, with its unit.
+class TomlTable {
+ public:
+  /// The table `name` of the file, which may be absent; the root table for an empty name.
+  TomlTable(const TomlFile& file, const std::string& name);
+
+  bool has(const std::string& key) const;
+  bool has_text(const std::string& key) const;  ///< a text, where another type would do, too
+  bool read(const std::string& key, double& value, const std::string& what);
+  bool read(const std::string& key, int& value, const std::string& what);
+  bool read(const std::string& key, std::string& value, const std::string& what);
+  /// An array of numbers.
+  bool read(const std::string& key, std::vector<double>& value, const std::string& what);
+  bool read(const std::string& key, std::vector<int>& value, const std::string& what);
+  /// One number, or an array of at least one.
+  bool read_one_or_more(const std::string& key, std::vector<double>& value, const std::string& what);
+  /// Reads one word of `words` and returns its index.
+  std::optional<std::size_t> read_choice(const std::string& key, const std::vector<std::string>& words);
+  /// Marks an inner table as known; it is read by a TomlTable of its own.
+  void expect_table(const std::string& key);
+
+  /// Throws: `key` must be `allowed`.
+  [[noreturn]] void refuse(const std::string& key, const std::string& allowed) const;
+  [[noreturn]] void refuse_missing(const std::string& key, const std::string& allowed) const;
+  /// The keys present, in the order of the file.
+  std::vector<std::string> keys() const;
+  /// Throws on the first key that is not among `known`, with the nearest that is. Call it before `refuse_missing`: a
+  /// misspelt key is better named than the one that is missing for it.
+  void refuse_unknown(std::vector<std::string> known) const;
+  /// Throws on the first key that was not read, with the nearest known key.
+  void finish() const;
+
+ private:
+  const toml::node* find(const std::string& key);
+  std::string full(const std::string& key) const { return name_.empty() ? key : name_ + "." + key; }
+  double number(const toml::node& node, const std::string& key, const std::string& what) const;
+  int whole(const toml::node& node, const std::string& key, const std::string& what) const;
+
+  const TomlFile& file_;
+  std::string name_;
+  const toml::table* table_ = nullptr;
+  std::set<std::string> asked_;
+};
+
+}  // namespace tactel::host

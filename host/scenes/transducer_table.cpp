@@ -1,0 +1,47 @@
+#include "host/scenes/transducer_table.h"
+
+namespace tactel::host {
+namespace {
+
+/// `key` of a part that is there: above 0.
+void read_positive(TomlTable& in, const char* key, double& value, const char* what) {
+  if (in.read(key, value, what) && !(value > 0)) in.refuse(key, what);
+}
+
+int read_count(TomlTable& in, const char* key, int least, const char* what) {
+  int value = 0;
+  if (in.read(key, value, what) && value < least) in.refuse(key, what);
+  return value;
+}
+
+}  // namespace
+
+nn::Transducer read_transducer(const TomlFile& file, std::uint64_t seed) {
+  TomlTable in(file, "transducer");
+  nn::Transducer t;
+  if (in.has("width")) in.refuse("width", "left out: sensor.tactel_width is the width of the transducers");
+  in.read("gain_spread", t.gain_spread, "a standard deviation of gains about 1, 0 or more");
+  in.read("offset_spread", t.offset_spread, "a standard deviation in MPa, 0 or more");
+  in.read("noise", t.noise, "a standard deviation in MPa, 0 or more");
+  read_positive(in, "range", t.range, "a stress in MPa above 0: the largest that is read");
+  if (double fraction = 0;
+      in.read("noise_fraction", fraction, "a standard deviation over transducer.range, 0 or more")) {
+    if (in.has("noise")) in.refuse("noise_fraction", "left out, because transducer.noise is given too");
+    if (t.range == 0) in.refuse("noise_fraction", "given with transducer.range, of which it is a fraction");
+    t.noise = fraction * t.range;
+  }
+  read_positive(in, "time_constant", t.time_constant, "a time in s above 0");
+  read_positive(in, "step_time", t.step_time, "a time in s above 0, between load steps");
+  t.bits = read_count(in, "bits", 2, "a whole number of bits, 2 to 24");
+  t.instances = static_cast<std::uint32_t>(read_count(in, "instances", 1, "a whole number of sensors, at least 1"));
+  t.seed = in.has("seed") ? static_cast<std::uint64_t>(read_count(in, "seed", 0, "a whole number, at least 0")) : seed;
+  in.finish();
+  try {
+    t.validate();
+  } catch (const ValueError& error) {
+    throw file.error(error);
+  }
+  return t;
+}
+
+}  // namespace tactel::host

@@ -1,0 +1,115 @@
+#include "host/sets/check_set.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "host/sets/contact_set.h"
+#include "host/sets/set_file.h"
+#include "host/support/checksum.h"
+#include "host/support/errors.h"
+
+namespace tactel::host {
+namespace {
+
+constexpr std::uint64_t rows_at_once = 8192;     ///< of a dataset without chunks
+constexpr std::uint64_t most_bytes = 64u << 20;  ///< of one piece
+
+std::uint64_t rows_of_piece(const SetFile::Column& column, std::size_t value_bytes) {
+  const std::uint64_t fit = most_bytes / (value_bytes * static_cast<std::uint64_t>(std::max(column.columns, 1)));
+  return std::clamp<std::uint64_t>(column.chunk_rows ? column.chunk_rows : rows_at_once, 1,
+                                   std::max<std::uint64_t>(fit, 1));
+}
+
+class Checker {
+ public:
+  Checker(const std::filesystem::path& path, const Progress& progress) : in_(path), progress_(progress) {}
+
+  SetCheck run() {
+    ContactSet set;
+    std::vector<Opened> columns;
+    each_dataset(
+        set, [&](const char* name, const auto& values, int, const char*) { columns.push_back(open(name, values)); });
+    check_.checksums = true;
+    for (const Opened& column : columns)
+      if (column.it) check_.rows = std::max(check_.rows, column.it->rows);
+    for (const Opened& column : columns)
+      if (column.it) all_ += (column.it->rows + column.piece - 1) / column.piece;
+    std::size_t i = 0;
+    each_dataset(set, [&](const char* name, auto& values, int, const char*) { check(name, columns[i++], values); });
+    return check_;
+  }
+
+ private:
+  struct Opened {
+    std::optional<SetFile::Column> it{};
+    std::uint64_t piece = 1;  ///< rows read at once
+    std::string why_not{};
+  };
+
+  template <class T>
+  Opened open(const char* name, const std::vector<T>&) try {
+    Opened opened{in_.column<T>(name, std::string_view(name) == "inputs")};
+    opened.piece = rows_of_piece(*opened.it, sizeof(T));
+    return opened;
+  } catch (const ConfigError& error) {
+    return {.why_not = error.value};
+  }
+
+  template <class T>
+  void check(const char* name, const Opened& opened, std::vector<T>& values) {
+    if (!opened.it) return note(name, 0, check_.rows, opened.why_not);
+    const SetFile::Column& column = *opened.it;
+    if (column.rows < check_.rows) note(name, column.rows, check_.rows, "missing");
+    check_.checksums = check_.checksums && (column.rows == 0 || column.checked());
+    RunningChecksum sum;
+    bool whole = true;
+    for (std::uint64_t first = 0; first < column.rows && check_.finished; first += opened.piece) {
+      const std::uint64_t count = std::min(opened.piece, column.rows - first);
+      if (read(column, first, count, values))
+        sum.add({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)});
+      else
+        whole = false, note(name, first, first + count, "damaged");
+      ++check_.chunks;
+      check_.bytes += values.size() * sizeof(T);
+      if (progress_ && !progress_(check_.chunks, all_)) check_.finished = false;
+    }
+    if (check_.finished && whole && !column.checksum.empty() && column.checksum != sum.text())
+      note(name, 0, column.rows, "not what was written, or in another order");
+  }
+
+  template <class T>
+  bool read(const SetFile::Column& column, std::uint64_t first, std::uint64_t count, std::vector<T>& values) try {
+    in_.read(column, first, count, values);
+    return true;
+  } catch (const ConfigError&) {
+    return false;
+  }
+
+  /// Rows first ... end - 1; those behind a damage of the same kind join it.
+  void note(const std::string& name, std::uint64_t first, std::uint64_t end, const std::string& what) {
+    const std::uint64_t last = std::max<std::uint64_t>(end, 1) - 1;
+    if (!check_.damage.empty()) {
+      SetDamage& before = check_.damage.back();
+      if (before.dataset == name && before.what == what && before.last + 1 == first) {
+        before.last = last;
+        return;
+      }
+    }
+    check_.damage.push_back({name, first, last, what});
+  }
+
+  SetFile in_;
+  const Progress& progress_;
+  std::size_t all_ = 0;  ///< pieces to read
+  SetCheck check_;
+};
+
+}  // namespace
+
+SetCheck check_contact_set(const std::filesystem::path& path, const Progress& progress) {
+  return Checker(path, progress).run();
+}
+
+}  // namespace tactel::host

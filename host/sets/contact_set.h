@@ -1,0 +1,113 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "nn/frame_set.h"
+
+namespace tactel::host {
+
+/// A set of contacts as in a set file (docs/sweeps.md): one row a load step; HDF5, plain datasets.
+struct ContactSet {
+  int inputs = 0;                 ///< 2 tactels
+  std::vector<float> frames;      ///< `/inputs` [rows, inputs] MPa: normal stress of every tactel, then shear
+  std::vector<float> slip_index;  ///< [rows] S = Q / (mu P)
+  std::vector<float> normal_force, tangential_force;  ///< [rows] P, Q, N/mm
+  std::vector<float> friction;                        ///< [rows] mu
+  std::vector<float> stick_fraction;                  ///< [rows] stuck length over contact length
+  std::vector<std::uint16_t> contact_nodes;           ///< [rows] surface nodes that touch
+  std::vector<std::uint64_t> contact;                 ///< [rows] contact of the sweep
+  std::vector<std::uint32_t> step;                    ///< [rows] load step of the contact, from 0
+  std::vector<std::uint16_t> indenter;                ///< [rows] kind of indenter: an index in indenter_names
+  std::vector<std::uint8_t> status;                   ///< [rows] LaneStatus: 0 solved, 1 sliding, 2 over tolerance
+  std::vector<float> residual;                        ///< [rows] largest relative residual
+
+  std::vector<std::string> indenter_names;  ///< attribute
+  std::string version;                      ///< attribute `tactel`: of the program that wrote the file
+  std::string sweep;                        ///< attribute: text of the sweep file
+  std::string device, rung;                 ///< attributes: devices and model
+  std::string transducer;                   ///< attribute: measuring chain of the stresses, nn::description
+  std::uint64_t seed = 0;                   ///< attribute
+  std::uint64_t fell_back = 0;              ///< attribute: contacts solved by the exact fallback
+  std::uint64_t unsolved = 0;               ///< attribute: contacts with a load step over tolerance
+  std::uint64_t contacts = 0;               ///< attribute: contacts that were simulated
+  std::uint64_t without_rows = 0;           ///< attribute: contacts without a row, because mu P = 0 in every step
+  std::string plan;            ///< attribute: conditions of the rows beside the sweep file, SetPlan::conditions
+  std::uint64_t too_deep = 0;  ///< contacts indented beyond the depth to which rubber is linear; not in the file
+
+  std::size_t rows() const { return slip_index.size(); }
+  /// Returns the frames and answers for training and judging networks.
+  nn::FrameSet frames_with_answers() const;
+};
+
+/// Calls visit(name, values, columns, unit) for every dataset of a set; columns 0: a plain list.
+template <class Set, class Visit>
+void each_dataset(Set& set, const Visit& visit) {
+  visit("inputs", set.frames, set.inputs, "MPa; normal stress of every tactel, then shear");
+  visit("slip_index", set.slip_index, 0, "1; Q / (mu P)");
+  visit("normal_force", set.normal_force, 0, "N/mm");
+  visit("tangential_force", set.tangential_force, 0, "N/mm");
+  visit("friction", set.friction, 0, "1");
+  visit("stick_fraction", set.stick_fraction, 0, "1; stuck length over contact length");
+  visit("contact_nodes", set.contact_nodes, 0, "surface nodes that touch");
+  visit("contact", set.contact, 0, "which contact");
+  visit("step", set.step, 0, "which load step of the contact");
+  visit("indenter", set.indenter, 0, "place in the attribute indenter_names");
+  visit("status", set.status, 0, "0 solved, 1 sliding, 2 over tolerance");
+  visit("residual", set.residual, 0, "1; largest relative residual");
+}
+
+/// Returns the bytes of a row in all datasets.
+std::uint64_t row_bytes(int inputs);
+
+/// Writes a set file piece by piece, as a DurableFile: under a temporary name until finish(), and on the disk
+/// after it. Every chunk of the file has a checksum (Fletcher32), and so has every dataset (its attribute
+/// `checksum`). Throws ConfigError naming --output where the file cannot be written, and then leaves no file
+/// behind.
+class ContactSetWriter {
+ public:
+  /// `rows`: rows of all pieces.
+  ContactSetWriter(const std::filesystem::path& path, int inputs, std::size_t rows);
+  ~ContactSetWriter();
+  ContactSetWriter(const ContactSetWriter&) = delete;
+  ContactSetWriter& operator=(const ContactSetWriter&) = delete;
+  void append(const ContactSet& rows);
+  /// Writes the attributes of `set` (its rows are ignored) and gives the file its name.
+  void finish(const ContactSet& set);
+
+ private:
+  [[noreturn]] void fail() const;
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Writes a whole set at once.
+void write_contact_set(const std::filesystem::path& path, const ContactSet& set);
+
+/// Reads parts of a set file. Throws ConfigError as read_contact_set.
+class ContactSetReader {
+ public:
+  explicit ContactSetReader(const std::filesystem::path& path);
+  ~ContactSetReader();
+  std::uint64_t rows() const;
+  int inputs() const;
+  /// Returns rows first ... first + count - 1, which must exist; no attributes except indenter_names.
+  ContactSet read(std::uint64_t first, std::uint64_t count) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Reads a whole set. Throws ConfigError where the file cannot be read, is not a set, is damaged, has datasets of
+/// the wrong rank, type or extent, or exceeds the memory of the machine.
+ContactSet read_contact_set(const std::filesystem::path& path);
+/// Returns the text of the sweep file of a set. Throws as read_contact_set.
+std::string contact_set_sweep(const std::filesystem::path& path);
+
+/// Returns the attributes of a set, without its rows. Throws as read_contact_set.
+ContactSet read_attributes(const std::filesystem::path& path);
+
+}  // namespace tactel::host

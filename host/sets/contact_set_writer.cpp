@@ -1,0 +1,160 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <functional>
+
+#include "host/sets/contact_set.h"
+#include "host/sets/hdf5_handle.h"
+#include "host/support/checksum.h"
+#include "host/support/durable_file.h"
+#include "host/support/errors.h"
+
+namespace tactel::host {
+namespace {
+
+/// Bytes of the largest chunk, at most: HDF5 keeps 1 MiB of chunks of an open dataset in memory.
+constexpr std::uint64_t most_chunk_bytes = 1u << 20;
+constexpr std::uint64_t most_chunk_rows = 8192;
+
+/// Rows of a chunk, the same in every dataset, so that a damaged one takes as few rows as possible along.
+hsize_t chunk_rows(int inputs) {
+  const std::uint64_t fit = most_chunk_bytes / (sizeof(float) * static_cast<std::uint64_t>(std::max(inputs, 1)));
+  return std::clamp<std::uint64_t>(std::bit_floor(fit), 1, most_chunk_rows);
+}
+
+bool write_text(hid_t where, const char* name, const std::string& text) {
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose), space(H5Screate(H5S_SCALAR), H5Sclose);
+  H5Tset_size(type, text.size() + 1);
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  const Handle attribute(H5Acreate2(where, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  return attribute.open() && H5Awrite(attribute, type, text.c_str()) >= 0;
+}
+
+/// A dataset of its final size, its unit beside it, and the checksum of what was written to it.
+struct Column {
+  Handle data;
+  hid_t type;
+  std::size_t value_bytes;
+  int columns;
+  RunningChecksum sum{};
+};
+
+Column create_column(hid_t file, const char* name, hid_t type, std::size_t rows, int columns, hsize_t rows_of_chunk,
+                     const char* unit) {
+  const hsize_t extent[2] = {rows, static_cast<hsize_t>(columns)};
+  const hsize_t chunk[2] = {std::min<hsize_t>(rows, rows_of_chunk), static_cast<hsize_t>(columns)};
+  const int rank = columns ? 2 : 1;
+  const Handle space(H5Screate_simple(rank, extent, nullptr), H5Sclose);
+  const Handle plain(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_obj_track_times(plain, false);  // the same set gives the same bytes
+  if (rows > 0) {
+    H5Pset_chunk(plain, rank, chunk);
+    H5Pset_fletcher32(plain);
+    H5Pset_fill_time(plain, H5D_FILL_TIME_ALLOC);  // what the last chunk does not use is 0
+  }
+  Column column{Handle(H5Dcreate2(file, name, type, space, H5P_DEFAULT, plain, H5P_DEFAULT), H5Dclose), type,
+                H5Tget_size(type), columns};
+  if (column.data.open() && !write_text(column.data, "unit", unit)) column.data.close();
+  return column;
+}
+
+/// Rows `first` and on of a dataset.
+bool write_rows(Column& column, std::size_t first, const void* values, std::size_t count) {
+  if (count == 0) return true;
+  const std::size_t rows = column.columns ? count / static_cast<std::size_t>(column.columns) : count;
+  const Handle space(H5Dget_space(column.data), H5Sclose);
+  const hsize_t start[2] = {first, 0}, size[2] = {rows, static_cast<hsize_t>(column.columns)};
+  const Handle memory(H5Screate_simple(column.columns ? 2 : 1, size, nullptr), H5Sclose);
+  column.sum.add({static_cast<const char*>(values), count * column.value_bytes});
+  return H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, size, nullptr) >= 0 &&
+         H5Dwrite(column.data, column.type, memory, space, H5P_DEFAULT, values) >= 0;
+}
+
+std::string joined(const std::vector<std::string>& names) { return fmt::format("{}", fmt::join(names, "\n")); }
+
+bool write_attributes(hid_t file, const ContactSet& set) {
+  return write_text(file, "tactel", TACTEL_VERSION) && write_text(file, "format", "tactel contact set 1") &&
+         write_text(file, "sweep", set.sweep) && write_text(file, "seed", std::to_string(set.seed)) &&
+         write_text(file, "device", set.device) && write_text(file, "rung", set.rung) &&
+         write_text(file, "transducer", set.transducer) && write_text(file, "plan", set.plan) &&
+         write_text(file, "contacts", std::to_string(set.contacts)) &&
+         write_text(file, "contacts_without_rows", std::to_string(set.without_rows)) &&
+         write_text(file, "fallback_contacts", std::to_string(set.fell_back)) &&
+         write_text(file, "unsolved_contacts", std::to_string(set.unsolved)) &&
+         write_text(file, "indenter_names", joined(set.indenter_names)) &&
+         write_text(file, "units", "mm, MPa, N/mm; sigma_y < 0 is compression, tau_xy > 0 drags towards +x");
+}
+
+/// A new file whose bytes do not depend on the hour. The format of HDF5 1.8: its headers carry checksums, too, and an
+/// attribute may be longer than 64 KiB. The temporary is locked already; HDF5 must not lock it again.
+Handle create_file(const std::filesystem::path& path) {
+  prepare_hdf5();
+  const Handle plain(H5Pcreate(H5P_FILE_CREATE), H5Pclose), access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_obj_track_times(plain, false);
+  H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18);
+  H5Pset_file_locking(access, false, true);
+  return Handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, plain, access), H5Fclose);
+}
+
+}  // namespace
+
+struct ContactSetWriter::State {
+  explicit State(const std::filesystem::path& path)
+      : path(path), whole("--output", path), file(create_file(whole.temporary())) {}
+
+  std::filesystem::path path;
+  DurableFile whole;
+  Handle file;
+  std::vector<Column> columns;  ///< in the order of each_dataset
+  std::size_t written = 0;      ///< rows
+};
+
+ContactSetWriter::ContactSetWriter(const std::filesystem::path& path, int inputs, std::size_t rows)
+    : state_(std::make_unique<State>(path)) {
+  ContactSet nothing;
+  nothing.inputs = inputs;
+  bool good = state_->file.open();
+  each_dataset(nothing, [&](const char* name, const auto& values, int columns, const char* unit) {
+    using T = typename std::remove_cvref_t<decltype(values)>::value_type;
+    if (!good) return;
+    state_->columns.push_back(create_column(state_->file, name, type_of<T>(), rows, columns, chunk_rows(inputs), unit));
+    good = state_->columns.back().data.open();
+  });
+  if (!good) fail();
+}
+
+ContactSetWriter::~ContactSetWriter() = default;
+
+void ContactSetWriter::fail() const {
+  throw ConfigError("command line", "--output", state_->path.string(),
+                    "a file that can be written, on a disk with room for it");
+}
+
+void ContactSetWriter::append(const ContactSet& rows) {
+  auto column = state_->columns.begin();
+  each_dataset(rows, [&](const char*, const auto& values, int, const char*) {
+    if (!write_rows(*column++, state_->written, values.data(), values.size())) fail();
+  });
+  state_->written += rows.rows();
+}
+
+void ContactSetWriter::finish(const ContactSet& set) {
+  bool good = write_attributes(state_->file, set);
+  for (Column& column : state_->columns) {
+    good = good && write_text(column.data, "checksum", column.sum.text());
+    good = column.data.close() && good;
+  }
+  good = good && H5Fflush(state_->file, H5F_SCOPE_GLOBAL) >= 0;
+  good = state_->file.close() && good;
+  if (!good) fail();
+  state_->whole.commit();
+}
+
+void write_contact_set(const std::filesystem::path& path, const ContactSet& set) {
+  ContactSetWriter writer(path, set.inputs, set.rows());
+  writer.append(set);
+  writer.finish(set);
+}
+
+}  // namespace tactel::host

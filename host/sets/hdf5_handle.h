@@ -1,0 +1,60 @@
+#pragma once
+#include <hdf5.h>
+
+#include <cstdint>
+#include <utility>
+
+namespace tactel::host {
+
+/// An HDF5 handle that closes itself.
+class Handle {
+ public:
+  Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
+  ~Handle() { close(); }
+  Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, H5I_INVALID_HID)), close_(other.close_) {}
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  operator hid_t() const { return id_; }
+  bool open() const { return id_ >= 0; }
+  /// Closes the handle. Returns false where the library could not close it: buffered data are then lost.
+  bool close() { return id_ < 0 || close_(std::exchange(id_, H5I_INVALID_HID)) >= 0; }
+
+ private:
+  hid_t id_;
+  herr_t (*close_)(hid_t);
+};
+
+/// Called before any other call of the library. HDF5 prints a stack of its own on every error; our errors say it in our
+/// words. At exit it closes what could not be closed on a full disk a second time, and crashes: every handle here
+/// closes itself, so that nothing is left to do then.
+inline void prepare_hdf5() {
+  static const bool once = H5dont_atexit() >= 0;
+  static_cast<void>(once);
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
+
+/// Returns the HDF5 type of a number.
+template <class T>
+hid_t type_of();
+template <>
+inline hid_t type_of<float>() {
+  return H5T_IEEE_F32LE;
+}
+template <>
+inline hid_t type_of<std::uint8_t>() {
+  return H5T_STD_U8LE;
+}
+template <>
+inline hid_t type_of<std::uint16_t>() {
+  return H5T_STD_U16LE;
+}
+template <>
+inline hid_t type_of<std::uint32_t>() {
+  return H5T_STD_U32LE;
+}
+template <>
+inline hid_t type_of<std::uint64_t>() {
+  return H5T_STD_U64LE;
+}
+
+}  // namespace tactel::host

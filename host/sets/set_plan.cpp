@@ -1,0 +1,85 @@
+#include "host/sets/set_plan.h"
+
+#include <fmt/format.h>
+
+#include <map>
+#include <sstream>
+
+#include "host/sets/contact_set.h"
+#include "host/sets/set_production.h"
+#include "host/support/errors.h"
+
+namespace tactel::host {
+namespace {
+
+/// "name value" lines; a file's line is told from the others by its name, too.
+std::map<std::string, std::string> by_name(const std::string& conditions) {
+  std::map<std::string, std::string> values;
+  std::istringstream lines(conditions);
+  for (std::string line; std::getline(lines, line);) {
+    auto blank = line.find(' ');
+    if (line.starts_with("file ")) blank = line.rfind(' ');
+    values[line.substr(0, blank)] = blank == std::string::npos ? "" : line.substr(blank + 1);
+  }
+  return values;
+}
+
+std::string value_of(const std::map<std::string, std::string>& values, const std::string& name) {
+  const auto value = values.find(name);
+  return value == values.end() ? "unknown" : value->second;
+}
+
+/// "precision fp64 (asked for: fp32), ..."; empty where nothing differs.
+std::string differences(const std::map<std::string, std::string>& asked,
+                        const std::map<std::string, std::string>& made) {
+  std::string text;
+  const auto note = [&](const std::string& name) {
+    const std::string is = value_of(made, name), wanted = value_of(asked, name);
+    if (is != wanted) text += fmt::format("{}{} {} (asked for: {})", text.empty() ? "" : ", ", name, is, wanted);
+  };
+  for (const auto& [name, value] : asked) note(name);
+  for (const auto& [name, value] : made)
+    if (!asked.contains(name)) note(name);
+  return text;
+}
+
+/// What a set says that does not store its plan.
+std::map<std::string, std::string> conditions_of_old(const ContactSet& set) {
+  std::map<std::string, std::string> made = {{"tactel", set.version}};
+  const auto colon = set.rung.find(':');
+  if (colon != std::string::npos)
+    made["rung"] = set.rung.substr(0, colon);
+  else
+    made["rung"] = "as the file says", made["precision"] = set.rung;
+  return made;
+}
+
+[[noreturn]] void refuse(const std::string& path, const std::string& allowed) {
+  throw ConfigError("command line", "--resume", path, allowed + "; --force writes a new one over it");
+}
+
+}  // namespace
+
+SetPlan plan_of(const Sweep& sweep, const std::string& rung, Precision precision, double tolerance) {
+  std::string conditions =
+      fmt::format("tactel " TACTEL_VERSION "\nspool 3\nrung {}\nprecision {}\ntolerance {:a}\nchunk {}\n", rung,
+                  name(precision), tolerance, chunk_contacts);
+  int number = 0;
+  for (const auto& [file, sum] : sweep.source.files())
+    conditions += fmt::format("file {} {} {}\n", number++, file, sum);
+  return {conditions, sweep.text};
+}
+
+void expect_made_by(const SetPlan& plan, const std::string& path) {
+  const ContactSet set = read_attributes(path);
+  if (set.sweep != plan.sweep) refuse(path, "a set of this sweep file: it was made from another");
+  std::map<std::string, std::string> asked = by_name(plan.conditions), made = by_name(set.plan);
+  if (set.plan.empty()) {
+    made = conditions_of_old(set);
+    std::erase_if(asked, [&](const auto& condition) { return !made.contains(condition.first); });
+  }
+  if (const std::string other = differences(asked, made); !other.empty())
+    refuse(path, "a set made as asked for now: it was made with " + other);
+}
+
+}  // namespace tactel::host

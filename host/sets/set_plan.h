@@ -1,0 +1,26 @@
+#pragma once
+#include <string>
+
+#include "host/contact/gap_sweep.h"
+#include "host/scenes/sweep_file.h"
+
+namespace tactel::host {
+
+/// All inputs of the rows of a set.
+struct SetPlan {
+  /// One line each, "name value": version, layout of the spool, rung, precision, tolerance, contacts of a chunk, and
+  /// for every file that the sweep file names the checksum of the numbers read from it.
+  std::string conditions;
+  std::string sweep;  ///< text of the sweep file
+
+  std::string text() const { return conditions + sweep; }
+};
+
+/// `rung`: its name, or "as the file says".
+SetPlan plan_of(const Sweep& sweep, const std::string& rung, Precision precision, double tolerance);
+
+/// Throws ConfigError naming --resume and the difference, where the finished set `path` was made by another plan.
+/// Sets of versions that did not store their plan are compared by sweep file, version and precision or rung.
+void expect_made_by(const SetPlan& plan, const std::string& path);
+
+}  // namespace tactel::host

@@ -1,0 +1,37 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "host/scenes/scene_source.h"
+#include "host/sets/set_simulator.h"
+#include "host/sets/set_spool.h"
+#include "host/support/log.h"
+
+namespace tactel::host {
+
+/// Contacts of a chunk, the unit of simulation, checksum and storage.
+inline constexpr std::uint64_t chunk_contacts = 8192;
+std::uint64_t chunk_count(const SceneSource& source);
+
+struct ProductionOptions {
+  std::vector<std::string> devices{""};  ///< names or indices; several share the chunks
+  SetOptions set;
+  int rank = 0, ranks = 1;  ///< this process simulates the chunks with number mod ranks = rank
+  Progress progress;        ///< chunks of this process; false stops
+};
+
+struct ProductionReport {
+  bool finished = false;  ///< false: stopped by progress
+  std::uint64_t contacts = 0, rows = 0, steps = 0;
+  double seconds = 0;                ///< wall time
+  double kernel_seconds = 0;         ///< in kernels, summed over devices
+  double write_seconds = 0;          ///< appending to the spool
+  std::vector<std::string> devices;  ///< their full names
+};
+
+/// Simulates the missing chunks of the spool. Each device has three threads: one draws the contacts of the next
+/// chunk and lays them out, one runs kernels, one gathers rows and writes them. At most two chunks wait between
+/// them. Rethrows the exception of any thread after all threads have stopped.
+ProductionReport produce_set(const SceneSource& source, SetSpool& spool, const ProductionOptions& options);
+
+}  // namespace tactel::host

@@ -1,0 +1,48 @@
+#pragma once
+#include <vector>
+
+#include "host/contact/gap_sweep.h"
+#include "host/scenes/scene_source.h"
+#include "host/sets/contact_set.h"
+
+namespace tactel::host {
+
+struct SetOptions {
+  Precision precision = Precision::fp32;
+  double tolerance = 0;  ///< as GapSweepOptions
+};
+
+/// Simulates contacts of a source, range by range. The rows of a contact depend on the source and the number of
+/// the contact alone. They do not depend on the range, the number of threads or earlier simulations.
+class SetSimulator {
+ public:
+  /// Condenses in parallel every sensor of the source that the cache does not hold.
+  SetSimulator(Executor& executor, const SceneSource& source, const SetOptions& options);
+  ~SetSimulator();
+
+  /// A range of contacts in the three stages of simulate(). The stages may run in separate threads, on
+  /// different ranges.
+  class Range;
+  std::unique_ptr<Range> prepare(std::uint64_t first, std::uint64_t count) const;
+  void run(Range& range, const RunOptions& options = {}) const;
+  ContactSet collect(Range& range) const;
+
+  /// Returns the rows of contacts first ... first + count - 1, by contact, then load step. The rows are the
+  /// steps from full indentation on that have a slippage index. The exact fallback solves contacts that the
+  /// sweeps did not solve. Throws ValueError for a contact whose drawn numbers contradict each other.
+  ContactSet simulate(std::uint64_t first, std::uint64_t count) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+class SetSimulator::Range {
+ public:
+  virtual ~Range() = default;
+  std::uint64_t first = 0, count = 0;  ///< contacts
+  std::uint64_t steps = 0;             ///< load increments, indentation included
+  double kernel_seconds = 0;
+};
+
+}  // namespace tactel::host

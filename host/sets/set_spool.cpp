@@ -1,0 +1,273 @@
+#include "host/sets/set_spool.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include "host/support/checksum.h"
+#include "host/support/errors.h"
+
+namespace tactel::host {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t magic = 0x336c6f6f70736c74;  // "tlspool3"
+
+std::uint64_t sum_of(const ChunkHeader& header) {
+  return checksum({reinterpret_cast<const char*>(&header), offsetof(ChunkHeader, header_sum)});
+}
+
+/// The rows of a chunk, dataset by dataset.
+std::string payload_of(const ContactSet& rows) {
+  std::string bytes;
+  each_dataset(rows, [&](const char*, const auto& values, int, const char*) {
+    bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(values[0]));
+  });
+  return bytes;
+}
+
+ContactSet rows_from(const std::string& bytes, std::size_t rows, int inputs) {
+  ContactSet set;
+  set.inputs = inputs;
+  std::size_t at = 0;
+  each_dataset(set, [&](const char*, auto& values, int columns, const char*) {
+    values.resize(rows * std::max(columns, 1));
+    const std::size_t size = values.size() * sizeof(values[0]);
+    if (size > 0) std::memcpy(values.data(), bytes.data() + at, size);
+    at += size;
+  });
+  return set;
+}
+
+std::string text_of(const fs::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+ConfigError output_error(const fs::path& output, const std::string& allowed) {
+  return ConfigError("command line", "--output", output.string(), allowed);
+}
+
+FileLock locked(const fs::path& folder, const fs::path& output) {
+  return FileLock::of_file("--output", folder / "lock",
+                           "of a set that no other program is writing: one is at work on " + output.string());
+}
+
+/// Errors of the file system while a folder is listed, measured or removed, as errors of --output.
+template <class Work>
+auto with_output(const fs::path& output, const Work& work) try {
+  return work();
+} catch (const fs::filesystem_error& error) {
+  throw output_error(output, "beside a folder that can be read and written: " + error.path1().string() + " (" +
+                                 error.code().message() + ")");
+}
+
+/// Chunks first, then the plan, then the lock: a kill on the way leaves a folder that the next run understands.
+void remove_spool(const fs::path& folder) {
+  std::vector<fs::path> chunks;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+    if (entry.path().extension() == ".spool") chunks.push_back(entry.path());
+  for (const fs::path& file : chunks) fs::remove(file);
+  fs::remove(folder / "plan");
+  fs::remove_all(folder);
+}
+
+/// What was left of `output` by versions that named their temporary SET.h5.PID.part, if that process is gone.
+void remove_old_leftovers(const fs::path& output) {
+  const fs::path folder = output.has_parent_path() ? output.parent_path() : ".";
+  const std::string begin = output.filename().string() + ".", end = ".part";
+  std::vector<fs::path> left;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), last; !error && entry != last; entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (name.size() <= begin.size() + end.size() || !name.starts_with(begin) || !name.ends_with(end)) continue;
+    const std::string pid = name.substr(begin.size(), name.size() - begin.size() - end.size());
+    if (pid.size() > 9 || pid.find_first_not_of("0123456789") != std::string::npos) continue;
+    if (::kill(std::stoi(pid), 0) != 0 && errno == ESRCH) left.push_back(entry->path());
+  }
+  for (const fs::path& path : left) fs::remove(path, error);
+}
+
+}  // namespace
+
+fs::path SetSpool::folder(const fs::path& output) { return output.string() + ".parts"; }
+
+void SetSpool::discard(const fs::path& output) {
+  with_output(output, [&] {
+    if (!fs::exists(folder(output))) return;
+    const FileLock lock = locked(folder(output), output);
+    remove_spool(folder(output));
+  });
+}
+
+SetSpool::SetSpool(const fs::path& output, const std::string& plan, int inputs, int writer, Open how)
+    : output_(output), folder_(folder(output)), plan_sum_(checksum(plan)), inputs_(inputs) {
+  make_folder("--output", folder_);
+  with_output(output_, [&] {
+    if (how != Open::join) {
+      lock_ = locked(folder_, output_);
+      remove_old_leftovers(output_);
+    }
+    check_plan(plan, how);
+    for (const fs::path& file : files()) scan(file, how != Open::join);
+    open_own_file(writer);
+  });
+}
+
+SetSpool::~SetSpool() {
+  if (file_ >= 0) ::close(file_);
+}
+
+/// Files with chunks, in the order of their names. A symbolic link is none of ours.
+std::vector<fs::path> SetSpool::files() const {
+  std::vector<fs::path> all;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_))
+    if (entry.path().extension() == ".spool" && fs::is_regular_file(entry.symlink_status()))
+      all.push_back(entry.path());
+  std::ranges::sort(all);
+  return all;
+}
+
+void SetSpool::check_plan(const std::string& plan, Open how) const {
+  const fs::path path = folder_ / "plan";
+  const bool there = fs::exists(path);
+  if (how == Open::fresh && there)
+    throw output_error(output_, "a new set: an interrupted run left chunks in " + folder_.string() +
+                                    "; --resume goes on with it, --force starts anew");
+  if (there && (fs::file_size(path) != plan.size() || text_of(path) != plan))
+    throw output_error(output_,
+                       "the set that was begun: " + folder_.string() +
+                           " holds chunks of another sweep file, seed, precision, tolerance or version, or of a file "
+                           "named in it that has changed; --force starts anew");
+  const bool chunks = std::ranges::any_of(files(), [](const fs::path& file) { return fs::file_size(file) > 0; });
+  if (!there && chunks)
+    throw output_error(output_, "a set whose plan is known: " + folder_.string() +
+                                    " holds chunks, but its file `plan` is lost; put it back, or --force starts anew");
+  if (!there) write_file("--output", path, plan);
+}
+
+/// Refuses a chunk of another plan: it was copied in.
+void SetSpool::check(const ChunkHeader& header, const fs::path& file) const {
+  const bool fits = header.plan_sum == plan_sum_ && header.inputs == static_cast<std::uint64_t>(inputs_) &&
+                    header.bytes / row_bytes(inputs_) == header.rows && header.bytes % row_bytes(inputs_) == 0;
+  if (!fits)
+    throw output_error(output_, "made of chunks of one plan: " + file.string() +
+                                    " holds some of another sweep file, seed, precision or version; remove it, or "
+                                    "--force starts anew");
+}
+
+/// Finds the chunks of a file; `cut`: cuts it off behind the last whole one.
+void SetSpool::scan(const fs::path& file, bool cut) {
+  std::ifstream in(file, std::ios::binary);
+  const std::uint64_t size = fs::file_size(file);
+  std::uint64_t offset = 0;
+  ChunkHeader header;
+  std::string payload;
+  while (in.read(reinterpret_cast<char*>(&header), sizeof header)) {
+    if (header.magic != magic || header.header_sum != sum_of(header)) break;
+    check(header, file);
+    if (header.bytes > size - offset - sizeof header) break;
+    payload.resize(header.bytes);
+    if (!in.read(payload.data(), static_cast<std::streamsize>(payload.size()))) break;
+    if (checksum(payload) != header.payload_sum) break;
+    chunks_[header.chunk] = {file, offset, header};
+    offset += sizeof header + header.bytes;
+  }
+  if (offset == size || !cut) return;
+  ++torn_;
+  fs::resize_file(file, offset);
+}
+
+void SetSpool::open_own_file(int writer) {
+  own_ = folder_ / fmt::format("{:04}.spool", writer);
+  file_ = ::open(own_.c_str(), O_CREAT | O_WRONLY | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0666);
+  if (file_ < 0 || !sync_folder(folder_))
+    throw output_error(output_, "a file that can be written (" + std::string(std::strerror(errno)) + ")");
+}
+
+std::set<std::uint64_t> SetSpool::chunks() const {
+  std::set<std::uint64_t> there;
+  for (const auto& [chunk, place] : chunks_) there.insert(chunk);
+  return there;
+}
+
+std::uint64_t SetSpool::rows() const {
+  std::uint64_t all = 0;
+  for (const auto& [chunk, place] : chunks_) all += place.header.rows;
+  return all;
+}
+
+std::size_t SetSpool::torn() const { return torn_; }
+std::uint64_t SetSpool::bytes() const { return bytes_; }
+
+void SetSpool::append(std::uint64_t chunk, const ContactSet& rows) {
+  const std::string payload = payload_of(rows);
+  ChunkHeader header{.magic = magic,
+                     .plan_sum = plan_sum_,
+                     .chunk = chunk,
+                     .rows = rows.rows(),
+                     .inputs = static_cast<std::uint64_t>(rows.inputs),
+                     .bytes = payload.size(),
+                     .fell_back = rows.fell_back,
+                     .unsolved = rows.unsolved,
+                     .too_deep = rows.too_deep,
+                     .without_rows = rows.without_rows,
+                     .payload_sum = checksum(payload)};
+  header.header_sum = sum_of(header);
+  const off_t before = ::lseek(file_, 0, SEEK_END);
+  if (!write_all(file_, {reinterpret_cast<const char*>(&header), sizeof header}) || !write_all(file_, payload) ||
+      (::fdatasync(file_) != 0 && errno != EINVAL)) {  // EINVAL: a file system that cannot
+    const std::string why = std::strerror(errno);
+    if (::ftruncate(file_, before) != 0) ++torn_;  // the next run cuts it off
+    throw output_error(output_,
+                       fmt::format("on a disk with room for it ({}); {} chunks are kept in {}, and --resume goes "
+                                   "on with them",
+                                   why, chunks_.size(), folder_.string()));
+  }
+  bytes_ += sizeof header + payload.size();
+  chunks_[chunk] = {own_, static_cast<std::uint64_t>(before), header};
+}
+
+ContactSet SetSpool::load(const Place& place) const {
+  std::ifstream in(place.file, std::ios::binary);
+  in.seekg(static_cast<std::streamoff>(place.offset));
+  ChunkHeader header;
+  std::string payload(place.header.bytes, '\0');
+  in.read(reinterpret_cast<char*>(&header), sizeof header);
+  in.read(payload.data(), static_cast<std::streamsize>(payload.size()));
+  if (!in || std::memcmp(&header, &place.header, sizeof header) != 0 || checksum(payload) != header.payload_sum)
+    throw output_error(output_, "made of whole chunks: " + place.file.string() +
+                                    " was damaged while it was read; --resume simulates what is damaged again");
+  return rows_from(payload, header.rows, inputs_);
+}
+
+void SetSpool::assemble(std::uint64_t count, ContactSet& set) {
+  with_output(output_, [&] {
+    for (const fs::path& file : files())  // what other writers added
+      if (file != own_) scan(file, false);
+  });
+  if (chunks_.size() != count || (count > 0 && chunks_.rbegin()->first != count - 1))
+    throw output_error(
+        output_, fmt::format("complete: {} of {} chunks are there; --resume makes the others", chunks_.size(), count));
+  ContactSetWriter writer(output_, inputs_, rows());
+  for (const auto& [chunk, place] : chunks_) {
+    writer.append(load(place));
+    set.fell_back += place.header.fell_back;
+    set.unsolved += place.header.unsolved;
+    set.too_deep += place.header.too_deep;
+    set.without_rows += place.header.without_rows;
+  }
+  writer.finish(set);
+  with_output(output_, [&] { remove_spool(folder_); });
+}
+
+}  // namespace tactel::host

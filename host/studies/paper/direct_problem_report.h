@@ -1,0 +1,13 @@
+#pragma once
+#include <nlohmann/json_fwd.hpp>
+
+#include "host/device/executor.h"
+#include "host/figures/report_page.h"
+
+namespace tactel::host {
+
+/// Solves the paper's direct problem and adds it to the report: Table I, Figures 3 to 5, and what the parameters that
+/// the paper leaves open do to Table I. Returns table1.json: [{"u_x" mm, "sigma_y" %, "tau_xy" %}].
+nlohmann::ordered_json report_direct_problem(Executor& executor, ReportPage& page);
+
+}  // namespace tactel::host

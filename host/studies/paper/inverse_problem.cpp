@@ -1,0 +1,158 @@
+#include "host/studies/paper/inverse_problem.h"
+
+#include <fmt/format.h>
+
+#include "host/networks/training_checkpoint.h"
+#include "host/scenes/paper_sets.h"
+#include "host/sets/simulate_family.h"
+#include "kernels/shared/contact_layout.h"
+
+namespace tactel::host {
+namespace {
+
+const std::vector<int> all_numbers = {1, 2, 3, 4, 5, 6};
+constexpr std::uint64_t recall_noise_seed = 1'000'003;  // no network's own
+
+TrainingPlan paper_plan(const InverseChoice& choice, std::vector<int> numbers, std::size_t seeds, double noise = 0) {
+  TrainingPlan plan;
+  plan.noises = {noise};
+  plan.scaling = choice.scaling;
+  plan.options = choice.options;
+  for (int number : numbers) plan.topologies.push_back(nn::Topology::paper(number));
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed) plan.seeds.push_back(seed);
+  return plan;
+}
+
+/// The results of a finished training [networks 1 ... 6][seeds].
+void add_studies(const NetworkTraining<float>& training, const TrainingPlan& plan, InverseProblem& problem) {
+  const nn::FrameSet& recall = problem.sets.recall;
+  const auto learning = training.recall_learning_set();
+  const auto errors = training.absolute_errors(recall);
+  const auto noisy = training.recall(nn::with_noise(recall, paper_noise, recall_noise_seed));
+  for (std::size_t t = 0; t < plan.topologies.size(); ++t) {
+    NetworkStudy study{.number = static_cast<int>(t) + 1,
+                       .topology = plan.topologies[t],
+                       .noise = plan.noises[0],
+                       .networks = {},
+                       .learning = {},
+                       .recalling = {},
+                       .recalling_noisy = {},
+                       .recall_errors = {}};
+    for (std::size_t i = t * plan.seeds.size(); i < (t + 1) * plan.seeds.size(); ++i) {
+      study.networks.push_back(training.networks()[i]);
+      study.learning.push_back(learning[i]);
+      study.recalling.push_back(nn::report_errors(errors[i], recall));
+      study.recalling_noisy.push_back(noisy[i]);
+      study.recall_errors.push_back(errors[i]);
+    }
+    problem.studies.push_back(std::move(study));
+  }
+}
+
+struct ChoiceVariant {
+  std::string parameter, value;
+  InverseChoice choice;
+  bool chosen = false;
+};
+
+/// The choice with one parameter at a time at other values.
+std::vector<ChoiceVariant> choice_variants(const InverseChoice& choice) {
+  std::vector<ChoiceVariant> all{{"(as chosen)", "", choice, true}};
+  const auto add = [&](const std::string& parameter, const std::string& value,
+                       const std::function<void(InverseChoice&)>& change) {
+    all.push_back({parameter, value, choice});
+    change(all.back().choice);
+  };
+  for (const auto& [x, y, name] : {std::tuple{20., 20., "x and y in 20 mm"}, std::tuple{10., 1., "x in cm, y in mm"},
+                                   std::tuple{5., 5., "x and y in 5 mm"}, std::tuple{1., 1., "x and y in mm"}})
+    add("units of the Taylor shapes", name, [&](InverseChoice& c) { c.scale = x, c.height = y; });
+  for (double mu : {0.2, 0.8})
+    add("friction, learning and recall", fmt::format("{}", mu), [=](InverseChoice& c) { c.base.friction = mu; });
+  add("drag", "to 0.3 mm only", [](InverseChoice& c) { c.base.load.tangential_steps = 6; });
+  add("drag", "in steps of 0.025 mm", [](InverseChoice& c) { c.base.load.tangential_step = 0.025; });
+  add("element, base stress", "bbar, reaction", [](InverseChoice& c) {
+    c.base.sensor.element = fem::Element::bbar;
+    c.base.sensor.stress = fem::StressRecovery::reaction;
+  });
+  add("input scaling", "by the frame's largest normal stress",
+      [](InverseChoice& c) { c.scaling = nn::ScalingKind::frame; });
+  add("order of patterns", "the set's own",
+      [](InverseChoice& c) { c.options.order = nn::PresentationOrder::sequential; });
+  return all;
+}
+
+}  // namespace
+
+InverseChoice inverse_choice() { return {.base = paper_set_scene(), .options = {}}; }
+
+InverseSets simulate_sets(Executor& executor, const InverseChoice& choice) {
+  const auto simulate = [&](const SceneFamily& family) {
+    const ContactSet set = simulate_family(executor, family, Precision::fp64, 0);
+    if (std::ranges::count(set.status, LANE_UNSOLVED))
+      throw std::runtime_error("the paper's sets: a load step did not meet its tolerance");
+    return set.frames_with_answers();
+  };
+  const SceneFamily recall = paper_recall_family(choice.base);
+  return {simulate(paper_learning_family(choice.base, choice.scale, choice.height)), simulate(recall),
+          recall.kind_names};
+}
+
+void expect_own_checkpoint(Executor& executor, const InverseChoice& choice, double noise, std::size_t seeds,
+                           const InverseSets& sets, const std::filesystem::path& checkpoint) {
+  const TrainingPlan plan = paper_plan(choice, all_numbers, seeds, noise);
+  expect_checkpoint_of(checkpoint, training_description<float>(executor, sets.learning, plan));
+}
+
+bool train_and_recall(Executor& executor, const InverseChoice& choice, double noise, std::size_t seeds,
+                      const TrainingRunOptions& options, InverseProblem& problem) {
+  const TrainingPlan plan = paper_plan(choice, all_numbers, seeds, noise);
+  NetworkTraining<float> training(executor, problem.sets.learning, plan);
+  if (!options.checkpoint.empty()) training.load(options.checkpoint);
+  if (!training.run(options)) return false;
+  add_studies(training, plan, problem);
+  problem.patterns += training.patterns();
+  problem.seconds += training.seconds();
+  return true;
+}
+
+Spread spread(const std::vector<nn::ErrorReport>& reports,
+              const std::function<double(const nn::ErrorReport&)>& figure) {
+  std::vector<double> values;
+  for (const nn::ErrorReport& report : reports) values.push_back(figure(report));
+  return {nn::quantile(values, 0.5), nn::quantile(values, 0.05), nn::quantile(values, 0.95)};
+}
+
+const TableTwoRow& paper_table_two(int number) {
+  static const std::array<TableTwoRow, 6> rows{{
+      {{0, 0.04922, 0.00264, 0.00438}, {0, 0.27284, 0.03558, 0.03401}},
+      {{0, 0.05606, 0.00355, 0.00506}, {0, 0.43712, 0.04601, 0.04646}},
+      {{0, 0.04602, 0.00253, 0.00416}, {0, 0.26308, 0.03805, 0.03370}},
+      {{0, 0.04221, 0.00250, 0.00334}, {0, 0.19630, 0.03436, 0.02856}},
+      {{0, 0.04311, 0.00236, 0.00351}, {0, 0.18508, 0.03416, 0.02921}},
+      {{0, 0.04082, 0.00130, 0.00258}, {0, 0.17709, 0.03416, 0.02918}},
+  }};
+  return rows.at(static_cast<std::size_t>(number - 1));
+}
+
+InverseSensitivity inverse_sensitivity(Executor& executor, const InverseChoice& choice, std::size_t seeds, int cycles) {
+  InverseSensitivity sensitivity{.seeds = seeds, .cycles = cycles, .rows = {}};
+  for (ChoiceVariant& variant : choice_variants(choice)) {
+    variant.choice.options.cycle_limit = cycles;
+    const InverseSets sets = simulate_sets(executor, variant.choice);
+    NetworkTraining<float> training(executor, sets.learning, paper_plan(variant.choice, {1, 6}, seeds));
+    training.run();
+    const auto learning = training.recall_learning_set(), recalling = training.recall(sets.recall);
+    InverseSensitivityRow row{variant.parameter, variant.value, variant.chosen, sets.learning.rows()};
+    for (std::size_t n = 0; n < 2; ++n) {
+      const auto of = [&](const auto& all) {
+        return std::vector<nn::ErrorReport>(all.begin() + n * seeds, all.begin() + (n + 1) * seeds);
+      };
+      row.learning[n] = spread(of(learning), mean_error);
+      row.recalling[n] = spread(of(recalling), mean_error);
+    }
+    sensitivity.rows.push_back(std::move(row));
+  }
+  return sensitivity;
+}
+
+}  // namespace tactel::host

@@ -1,0 +1,103 @@
+#pragma once
+#include <array>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fem/scene.h"
+#include "host/device/executor.h"
+#include "host/networks/network_training.h"
+
+namespace tactel::host {
+
+/// The paper's section V again: six networks learn the slippage index from 32 Taylor shapes and are judged on shapes
+/// that they have not seen. Initial weights sway the result, so each network is trained from many.
+
+/// What the paper leaves open, as chosen; and its learning rule.
+struct InverseChoice {
+  fem::Scene base;                 ///< all but the indenter
+  double scale = 10, height = 10;  ///< of the Taylor shapes, mm: x and y in centimetres
+  nn::ScalingKind scaling = nn::ScalingKind::set;
+  nn::OnlineOptions options;
+};
+/// The sets' own scene, the rest as above.
+InverseChoice inverse_choice();
+
+/// The sets of a choice, simulated.
+struct InverseSets {
+  nn::FrameSet learning, recall;
+  std::vector<std::string> class_names;  ///< of the recall set
+};
+InverseSets simulate_sets(Executor& executor, const InverseChoice& choice);
+
+/// A network of the paper at a noise level, over seeds.
+struct NetworkStudy {
+  int number = 0;  ///< 1 ... 6
+  nn::Topology topology;
+  double noise = 0;
+  std::vector<TrainedNetwork> networks;              ///< [seeds]
+  std::vector<nn::ErrorReport> learning, recalling;  ///< [seeds]
+  std::vector<nn::ErrorReport> recalling_noisy;      ///< [seeds] on the recall set with 10 % noise
+  std::vector<std::vector<double>> recall_errors;    ///< [seeds][rows of the recall set] |error of S|
+};
+
+struct InverseProblem {
+  InverseSets sets;
+  std::vector<NetworkStudy> studies;  ///< noise-free 1 ... 6, then with noise 1 ... 6
+  double patterns = 0, seconds = 0;   ///< of training
+};
+
+/// Cycles that learn from noise are cut to: by then they know their noisy set by heart, and recall no better after the
+/// paper's 10 000 or 15 000 (`tactel reproduce --noise-cycles 0` takes all).
+inline constexpr int enough_noise_cycles = 4000;
+
+/// 10 % of the largest stress (section V.B).
+inline constexpr double paper_noise = 0.1;
+
+/// Throws ConfigError when `checkpoint` is there and is not of train_and_recall with these arguments on these sets:
+/// asked before the work, which would end by writing over it.
+void expect_own_checkpoint(Executor& executor, const InverseChoice& choice, double noise, std::size_t seeds,
+                           const InverseSets& sets, const std::filesystem::path& checkpoint);
+
+/// Trains the six networks on the problem's sets at one noise level from seeds 1 ... `seeds`, and adds their studies.
+/// Progress and checkpoint as in NetworkTraining::run; a checkpoint of the same training is taken up. False when
+/// progress stopped it. Throws ConfigError for a checkpoint of another training.
+bool train_and_recall(Executor& executor, const InverseChoice& choice, double noise, std::size_t seeds,
+                      const TrainingRunOptions& options, InverseProblem& problem);
+
+/// Of all rows of a report.
+inline double max_error(const nn::ErrorReport& report) { return report.all.max; }
+inline double mean_error(const nn::ErrorReport& report) { return report.all.mean; }
+inline double std_error(const nn::ErrorReport& report) { return report.all.std; }
+
+/// Median over seeds with the 5 and 95 % quantiles.
+struct Spread {
+  double median = 0, low = 0, high = 0;
+};
+/// Of one figure of each report.
+Spread spread(const std::vector<nn::ErrorReport>& reports, const std::function<double(const nn::ErrorReport&)>& figure);
+
+/// A row of Table II as the paper printed it; it does not say which of its rows learnt with noise.
+struct TableTwoRow {
+  nn::ErrorSummary learning, recalling;  ///< without counts
+};
+/// `number`: 1 ... 6.
+const TableTwoRow& paper_table_two(int number);
+
+/// One choice changed: what it does to networks 1 and 6.
+struct InverseSensitivityRow {
+  std::string parameter, value;
+  bool chosen = false;
+  long learning_rows = 0;
+  std::array<Spread, 2> learning{}, recalling{};  ///< mean errors of networks 1 and 6
+};
+struct InverseSensitivity {
+  std::size_t seeds = 0;  ///< of each row
+  int cycles = 0;         ///< at most
+  std::vector<InverseSensitivityRow> rows;
+};
+/// Units of the Taylor shapes, friction, drag, scaling and order, one at a time; few seeds, few cycles.
+InverseSensitivity inverse_sensitivity(Executor& executor, const InverseChoice& choice, std::size_t seeds, int cycles);
+
+}  // namespace tactel::host

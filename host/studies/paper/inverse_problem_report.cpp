@@ -1,0 +1,354 @@
+#include "host/studies/paper/inverse_problem_report.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+
+namespace tactel::host {
+namespace {
+
+constexpr Ink inks[] = {Ink::black, Ink::blue, Ink::green, Ink::orange, Ink::red, Ink::purple, Ink::brown};
+constexpr double large_error = 0.1;  // the paper looked at the examples above it (section V.E)
+
+using Reports = std::vector<nn::ErrorReport>;
+
+std::string text_of(const Spread& s, int digits) {
+  return fmt::format("{:.{}f} [{:.{}f}, {:.{}f}]", s.median, digits, s.low, digits, s.high, digits);
+}
+
+std::vector<const NetworkStudy*> with_noise(const InverseProblem& problem, bool noisy) {
+  std::vector<const NetworkStudy*> chosen;
+  for (const NetworkStudy& study : problem.studies)
+    if ((study.noise != 0) == noisy) chosen.push_back(&study);
+  return chosen;
+}
+
+// ---- Table II
+
+void add_rows(ReportTable& table, const NetworkStudy& study, bool learning) {
+  const Reports& reports = learning ? study.learning : study.recalling;
+  table.rows.push_back({fmt::format("{} ({})", study.number, study.topology.text()),
+                        text_of(spread(reports, max_error), 3), text_of(spread(reports, mean_error), 4),
+                        text_of(spread(reports, std_error), 4)});
+  if (study.noise != 0) return;
+  const TableTwoRow& paper = paper_table_two(study.number);
+  const nn::ErrorSummary& errors = learning ? paper.learning : paper.recalling;
+  table.rows.push_back({"   the paper", fmt::format("{:.3f}", errors.max), fmt::format("{:.4f}", errors.mean),
+                        fmt::format("{:.4f}", errors.std)});
+}
+
+void report_table_two(ReportPage& page, const InverseProblem& problem) {
+  for (bool noisy : {false, true}) {
+    for (bool learning : {true, false}) {
+      ReportTable table{
+          .caption = fmt::format("Table II, {}, learning sets {}: median over seeds [5 %, 95 %]",
+                                 learning ? "learning" : "recalling", noisy ? "with 10 % noise" : "without noise"),
+          .head = {"network", "largest error", "mean error", "standard deviation"}};
+      for (const NetworkStudy* study : with_noise(problem, noisy)) add_rows(table, *study, learning);
+      page.table(table);
+    }
+  }
+}
+
+void report_verdict(ReportPage& page, const InverseProblem& problem) {
+  int below = 0, seeds_below = 0, all = 0;
+  for (const NetworkStudy* study : with_noise(problem, false)) {
+    const double paper = paper_table_two(study->number).recalling.mean;
+    below += spread(study->recalling, mean_error).median <= paper;
+    for (const nn::ErrorReport& report : study->recalling) seeds_below += report.all.mean <= paper, ++all;
+  }
+  page.paragraph(
+      fmt::format("Recalling, without noise: the median mean error is at or below the paper's in {} of 6 networks; so "
+                  "it is in {} of {} single trainings.",
+                  below, seeds_below, all));
+}
+
+// ---- distributions over seeds
+
+Panel distribution(const InverseProblem& problem, bool noisy, bool learning, const std::string& title) {
+  Series seeds{.label = "one seed", .mark = Mark::dots, .ink = Ink::grey};
+  Series median{.label = "median, 5 to 95 %", .mark = Mark::whiskers, .ink = Ink::blue};
+  Series paper{.label = "the paper", .mark = Mark::crosses, .ink = Ink::red};
+  for (const NetworkStudy* study : with_noise(problem, noisy)) {
+    const Reports& reports = learning ? study->learning : study->recalling;
+    for (std::size_t i = 0; i < reports.size(); ++i) {
+      const double spread_out = reports.size() > 1 ? static_cast<double>(i) / (reports.size() - 1) - 0.5 : 0;
+      seeds.x.push_back(study->number + 0.5 * spread_out);
+      seeds.y.push_back(reports[i].all.mean);
+    }
+    const Spread s = spread(reports, mean_error);
+    median.x.push_back(study->number), median.y.push_back(s.median);
+    median.low.push_back(s.low), median.high.push_back(s.high);
+    const TableTwoRow& row = paper_table_two(study->number);
+    paper.x.push_back(study->number), paper.y.push_back((learning ? row.learning : row.recalling).mean);
+  }
+  Panel panel{.title = title,
+              .x_label = "network",
+              .y_label = "mean error of S",
+              .series = {seeds, median},
+              .x_range = std::pair{0.4, 6.6},
+              .log_y = true};
+  if (!noisy) panel.series.push_back(paper);
+  for (int number = 1; number <= 6; ++number) panel.x_ticks.push_back({number, std::to_string(number)});
+  return panel;
+}
+
+Figure distribution_figure(const InverseProblem& problem) {
+  return {.panels = {distribution(problem, false, true, "learning, without noise"),
+                     distribution(problem, false, false, "recalling, without noise"),
+                     distribution(problem, true, true, "learning, 10 % noise"),
+                     distribution(problem, true, false, "recalling, 10 % noise")},
+          .columns = 2,
+          .width = figure_width,
+          .panel_height = 340};
+}
+
+// ---- learning curves
+
+/// The value that a curve had at a cycle; after its end, its last.
+double at_cycle(const TrainedNetwork& network, const std::vector<float>& values, std::uint64_t cycle) {
+  const auto& cycles = network.curve.cycle;
+  const auto after = std::upper_bound(cycles.begin(), cycles.end(), cycle) - cycles.begin();
+  return values[static_cast<std::size_t>(std::max<std::ptrdiff_t>(after - 1, 0))];
+}
+
+Series median_curve(const NetworkStudy& study, std::vector<float> LearningCurve::*values, Ink ink) {
+  const auto longest = std::ranges::max_element(study.networks, {}, &TrainedNetwork::cycles);
+  Series series{.label = fmt::format("{} ({})", study.number, study.topology.text()), .ink = ink};
+  for (std::uint64_t cycle : longest->curve.cycle) {
+    std::vector<double> here;
+    for (const TrainedNetwork& network : study.networks)
+      here.push_back(at_cycle(network, network.curve.*values, cycle));
+    series.x.push_back(static_cast<double>(cycle));
+    series.y.push_back(nn::quantile(here, 0.5));
+  }
+  return series;
+}
+
+Figure curve_figure(const InverseProblem& problem) {
+  Figure figure{.columns = 2, .width = figure_width, .panel_height = 340};
+  for (bool noisy : {false, true}) {
+    Panel sse{.title = noisy ? "10 % noise" : "without noise",
+              .x_label = "cycle",
+              .y_label = "sum of squared errors",
+              .log_x = true,
+              .log_y = true};
+    Panel largest = sse;
+    largest.y_label = "largest error";
+    for (const NetworkStudy* study : with_noise(problem, noisy)) {
+      const Ink ink = inks[study->number - 1];
+      sse.series.push_back(median_curve(*study, &LearningCurve::sse, ink));
+      largest.series.push_back(median_curve(*study, &LearningCurve::largest, ink));
+    }
+    figure.panels.push_back(std::move(sse));
+    figure.panels.push_back(std::move(largest));
+  }
+  return figure;
+}
+
+// ---- which examples go wrong
+
+Panel class_panel(const InverseProblem& problem, const NetworkStudy& study, const std::string& title) {
+  Panel panel{.title = title, .y_label = "mean error of S", .series = {{.mark = Mark::whiskers}}};
+  Series& bars = panel.series[0];
+  for (const auto& [kind, unused] : study.recalling.front().by_class) {
+    const Spread s = spread(study.recalling, [k = kind](const auto& r) { return r.by_class.at(k).mean; });
+    bars.x.push_back(kind), bars.y.push_back(s.median), bars.low.push_back(s.low), bars.high.push_back(s.high);
+    panel.x_ticks.push_back({static_cast<double>(kind), problem.sets.class_names[kind]});
+  }
+  panel.x_range = {{-0.6, panel.x_ticks.size() - 0.4}};
+  panel.y_range = {{0, 1.1 * std::ranges::max(bars.high)}};
+  return panel;
+}
+
+/// Each row of the recall set: its median error over seeds against how many nodes touch.
+Panel nodes_panel(const InverseProblem& problem, const NetworkStudy& study, const std::string& title) {
+  Panel panel{.title = title, .x_label = "nodes in contact", .y_label = "median error of S"};
+  const nn::FrameSet& recall = problem.sets.recall;
+  for (std::size_t kind = 0; kind < problem.sets.class_names.size(); ++kind)
+    panel.series.push_back(
+        {.label = problem.sets.class_names[kind], .mark = Mark::dots, .ink = inks[kind % std::size(inks)]});
+  for (std::size_t row = 0; row < recall.shape_class.size(); ++row) {
+    std::vector<double> errors;
+    for (const auto& network : study.recall_errors) errors.push_back(network[row]);
+    Series& series = panel.series[recall.shape_class[row]];
+    series.x.push_back(recall.contact_nodes[row]);
+    series.y.push_back(nn::quantile(errors, 0.5));
+  }
+  return panel;
+}
+
+Figure class_figure(const InverseProblem& problem) {
+  const auto clean = with_noise(problem, false);
+  Figure figure{.columns = 1, .width = figure_width, .panel_height = 280};
+  figure.panels = {class_panel(problem, *clean[0], "network 1"), class_panel(problem, *clean[5], "network 6"),
+                   nodes_panel(problem, *clean[5], "network 6, row by row")};
+  return figure;
+}
+
+/// Of the recall rows with a large error, over all seeds: how many are of which class, near slipping, on few nodes.
+void report_large_errors(ReportPage& page, const InverseProblem& problem) {
+  const nn::FrameSet& recall = problem.sets.recall;
+  std::vector<std::size_t> by_class(problem.sets.class_names.size()), rows_of_class(by_class.size());
+  std::size_t large = 0, near_slip = 0, all = 0;
+  for (const NetworkStudy* study : with_noise(problem, false)) {
+    for (const auto& errors : study->recall_errors) {
+      for (std::size_t row = 0; row < errors.size(); ++row) {
+        ++all;
+        if (!(errors[row] > large_error)) continue;
+        ++large, ++by_class[recall.shape_class[row]];
+        near_slip += recall.slip_index(static_cast<Eigen::Index>(row)) > 0.8;
+      }
+    }
+  }
+  for (const std::uint16_t kind : recall.shape_class) ++rows_of_class[kind];
+  ReportTable table{.caption = "Errors above 0.1 by class, networks without noise, all seeds",
+                    .head = {"class", "rows of the recall set", "share of all errors above 0.1"}};
+  for (std::size_t kind = 0; kind < by_class.size(); ++kind)
+    table.rows.push_back({problem.sets.class_names[kind], std::to_string(rows_of_class[kind]),
+                          large ? fmt::format("{:.1f} %", 100.0 * by_class[kind] / large) : "-"});
+  page.paragraph(fmt::format(
+      "The paper found that all examples with an error over 10 % were sharp indenters near slipping. Here {:.2f} % of "
+      "all recalled rows err by more; of these, {:.0f} % have S above 0.8.",
+      100.0 * large / all, large ? 100.0 * near_slip / large : 0));
+  page.table(table);
+}
+
+// ---- noise, and what the paper leaves open
+
+void report_noise(ReportPage& page, const InverseProblem& problem) {
+  ReportTable table{.caption = "Mean recall error: which noise the network learnt with, which the recall set carries",
+                    .head = {"network", "learnt without, recalled without", "learnt without, recalled with",
+                             "learnt with, recalled without", "learnt with, recalled with"}};
+  const auto clean = with_noise(problem, false), noisy = with_noise(problem, true);
+  for (std::size_t i = 0; i < clean.size(); ++i) {
+    std::vector<std::string> row{fmt::format("{} ({})", clean[i]->number, clean[i]->topology.text())};
+    for (const NetworkStudy* study : {clean[i], noisy[i]})
+      for (const Reports* reports : {&study->recalling, &study->recalling_noisy})
+        row.push_back(fmt::format("{:.3f}", spread(*reports, mean_error).median));
+    table.rows.push_back(std::move(row));
+  }
+  page.table(table);
+}
+
+std::uint32_t most_cycles(const std::vector<const NetworkStudy*>& studies) {
+  std::uint32_t most = 0;
+  for (const NetworkStudy* study : studies)
+    for (const TrainedNetwork& network : study->networks) most = std::max(most, network.cycles);
+  return most;
+}
+
+void report_network_sensitivity(ReportPage& page, const InverseProblem& problem,
+                                const InverseSensitivity& sensitivity) {
+  const NetworkStudy& first = problem.studies.front();
+  page.paragraph(fmt::format(
+      "Each row is {} seed{} of at most {} cycles, without noise; Table II is {} seed{} of at most {} cycles (network "
+      "6: "
+      "{}). So the row \"as chosen\" has other figures than Table II: compare the rows of this table with each other.",
+      sensitivity.seeds, sensitivity.seeds == 1 ? "" : "s", sensitivity.cycles, first.networks.size(),
+      first.networks.size() == 1 ? "" : "s", most_cycles({&first}), most_cycles({with_noise(problem, false).back()})));
+  ReportTable table{.caption = fmt::format("One choice changed at a time: mean errors, median over {} seed{}, at most "
+                                           "{} cycles",
+                                           sensitivity.seeds, sensitivity.seeds == 1 ? "" : "s", sensitivity.cycles),
+                    .head = {"choice", "value", "learning rows", "network 1, learning", "recalling",
+                             "network 6, learning", "recalling"}};
+  for (const InverseSensitivityRow& row : sensitivity.rows) {
+    std::vector<std::string> cells{row.parameter, row.value, std::to_string(row.learning_rows)};
+    for (std::size_t n = 0; n < 2; ++n)
+      for (const Spread* s : {&row.learning[n], &row.recalling[n]}) cells.push_back(fmt::format("{:.4f}", s->median));
+    table.rows.push_back(std::move(cells));
+  }
+  page.table(table);
+}
+
+/// From so many seeds on the quantiles of Table II say something of their own.
+constexpr std::size_t enough_seeds = 100;
+
+void report_seeds(ReportPage& page, const InverseProblem& problem) {
+  const std::size_t seeds = problem.studies.front().networks.size();
+  std::string text = fmt::format("Each network below is trained from {} seed{}.", seeds, seeds == 1 ? "" : "s");
+  if (seeds < enough_seeds)
+    text += fmt::format(" `tactel reproduce --seeds {}` gives the full statistics.", enough_seeds);
+  page.note(text);
+}
+
+void report_network_choices(ReportPage& page, const InverseProblem& problem, const InverseChoice& choice) {
+  const nn::FrameSet &learning = problem.sets.learning, &recall = problem.sets.recall;
+  page.paragraph(fmt::format(
+      "32 Taylor shapes, all sums of x ... x^5, are pressed {} mm into the sensor of the preset `paper` and dragged by "
+      "{} mm a step until the whole contact slides: {} rows to learn from, and {} of 7 x 4 common shapes to recall. "
+      "The paper gives no units; x and y in centimetres are its sums as they stand. In millimetres every sum with x in "
+      "it touches one or two nodes. Friction is {}, the preset's.",
+      choice.base.load.indentation.front(), choice.base.load.tangential_step, learning.rows(), recall.rows(),
+      choice.base.friction));
+  page.paragraph(fmt::format(
+      "The rule is the paper's: pattern by pattern, learning rate {}, momentum {}, at most 10 000 cycles (15 000 for "
+      "networks 4 to 6), stopped when no error of a cycle reaches {}. Inputs are divided by the learning set's largest "
+      "stress. Each network is trained from {} initial weights, without noise and with Gaussian noise of 10 % of the "
+      "largest stress, drawn once for each seed (at most {} cycles, by which they know the noise by heart): {:.3g} "
+      "pattern updates in {:.0f} s ({:.2f} million "
+      "a second).",
+      choice.options.rate, choice.options.momentum, choice.options.stop_error, problem.studies.front().networks.size(),
+      most_cycles(with_noise(problem, true)), problem.patterns, problem.seconds,
+      problem.patterns / problem.seconds / 1e6));
+}
+
+}  // namespace
+
+nlohmann::ordered_json errors_json(const Reports& reports) {
+  const Spread max = spread(reports, max_error), mean = spread(reports, mean_error), std = spread(reports, std_error);
+  return {{"max", max.median},
+          {"mean", mean.median},
+          {"std", std.median},
+          {"low", {{"max", max.low}, {"mean", mean.low}, {"std", std.low}}},
+          {"high", {{"max", max.high}, {"mean", mean.high}, {"std", std.high}}}};
+}
+
+nlohmann::ordered_json table_two_json(const InverseProblem& problem) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const NetworkStudy& study : problem.studies)
+    json.push_back({{"network", study.number},
+                    {"topology", study.topology.text()},
+                    {"noise", study.noise},
+                    {"seeds", study.networks.size()},
+                    {"learning", errors_json(study.learning)},
+                    {"recalling", errors_json(study.recalling)},
+                    {"recalling_noisy", errors_json(study.recalling_noisy)}});
+  return json;
+}
+
+void report_inverse_problem(ReportPage& page, const InverseProblem& problem, const InverseChoice& choice,
+                            const InverseSensitivity& sensitivity) {
+  page.section("The inverse problem (section V)");
+  report_seeds(page, problem);
+  report_network_choices(page, problem, choice);
+  report_table_two(page, problem);
+  report_verdict(page, problem);
+  page.figure(
+      distribution_figure(problem),
+      "Mean errors of every training. The paper's six rows are one training each; it does not say with which noise.");
+  page.figure(curve_figure(problem), "Learning curves, median over seeds.");
+
+  page.section("Which shapes are hard");
+  report_large_errors(page, problem);
+  page.figure(class_figure(problem), "Recall errors without noise by class, and by the number of nodes that touch.");
+
+  page.section("Noise");
+  report_noise(page, problem);
+  page.note(
+      "Noise of 10 % of the largest stress of the set is as large as the whole stress of a blunt contact. Drawn once, "
+      "as the paper's noise-added learning sets are read here, it is learnt by heart within a thousand cycles.");
+
+  page.section("What the open choices do to Table II");
+  report_network_sensitivity(page, problem, sensitivity);
+  page.note(
+      "The paper's networks learnt their set to a mean error of about 0.003; those with one hidden layer do not come "
+      "that far on ours. Ours spans contacts of one node to the whole surface: divided by the stress of the sharpest, "
+      "the frames of the blunt ones are small, and the rule learns from them slowly. Divided each by its own largest "
+      "stress, the same frames are learnt better (row `input scaling`). Which shapes, and so which stresses, the paper "
+      "had, it does not say.");
+}
+
+}  // namespace tactel::host

@@ -1,0 +1,21 @@
+#pragma once
+#include <nlohmann/json_fwd.hpp>
+
+#include "host/figures/report_page.h"
+#include "host/studies/paper/inverse_problem.h"
+
+namespace tactel::host {
+
+/// Medians over the reports of max, mean and standard deviation, with the 5 and 95 % quantiles as "low" and "high".
+nlohmann::ordered_json errors_json(const std::vector<nn::ErrorReport>& reports);
+
+/// table2.json: for each network and noise the medians over seeds of max, mean and standard deviation,
+/// learning and recalling, with the 5 and 95 % quantiles as "low" and "high".
+nlohmann::ordered_json table_two_json(const InverseProblem& problem);
+
+/// Table II as a distribution, learning curves, errors by class and by nodes in contact, the effect of noise, and of
+/// what the paper leaves open.
+void report_inverse_problem(ReportPage& page, const InverseProblem& problem, const InverseChoice& choice,
+                            const InverseSensitivity& sensitivity);
+
+}  // namespace tactel::host

@@ -1,0 +1,132 @@
+#include "host/studies/paper/real_sensor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "host/contact/gap_sweep.h"
+#include "host/sets/transducer_chain.h"
+
+namespace tactel::host {
+namespace {
+
+double tangent(double degrees) { return std::tan(degrees * std::numbers::pi / 180); }
+
+/// S and labels of every contact; frames of zeros.
+nn::FrameSet labelled(const std::vector<RealContact>& contacts, const std::vector<fem::ContactSolution>& solutions) {
+  const auto rows = static_cast<Eigen::Index>(contacts.size());
+  nn::FrameSet set{nn::RowMatrix<float>::Zero(rows, 2 * solutions[0].tactel_x.size()), nn::Vector<float>(rows), {}, {}};
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    set.slip_index(static_cast<Eigen::Index>(i)) = static_cast<float>(contacts[i].slip_index());
+    set.shape_class.push_back(contacts[i].indenter);
+    const auto& status = solutions[i].steps.back().status;
+    set.contact_nodes.push_back(
+        static_cast<std::int32_t>(status.size() - std::ranges::count(status, fem::GapStatus::open)));
+  }
+  return set;
+}
+
+}  // namespace
+
+const std::vector<RealIndenter>& real_indenters() {
+  static const std::vector<RealIndenter> all{
+      {"flat, 4 mm", fem::Flat{2.0}},           {"flat, 6 mm", fem::Flat{3.0}},
+      {"flat, 10 mm", fem::Flat{5.0}},          {"cylinder, 10 mm", fem::Cylinder{10.0}},
+      {"cylinder, 30 mm", fem::Cylinder{30.0}}, {"edge, 60°", fem::Wedge{60.0}},
+      {"edge, 120°", fem::Wedge{120.0}},
+  };
+  return all;
+}
+
+double RealContact::friction() const { return tangent(limit_angle); }
+double RealContact::slip_index() const { return tangent(angle) / tangent(limit_angle); }
+
+std::vector<RealContact> real_contacts() {
+  std::vector<RealContact> all;
+  for (std::uint16_t indenter = 0; indenter < real_indenters().size(); ++indenter)
+    for (double position : {-2.5, 0.0, 2.5})
+      for (double limit : {25.0, 38.0})
+        for (double angle : {0.0, 15.0, 30.0})
+          if (angle < limit) all.push_back({indenter, position, limit, angle});
+  return all;
+}
+
+RealSensorChoice real_sensor_choice() {
+  RealSensorChoice choice;
+  choice.sensor.columns = 321;  // 0.06 mm apart: three or more stand under the sharpest edge
+  choice.sensor.tactels = 8;
+  choice.sensor.tactel_span = 17.5;  // mm: a pitch of 2.5, the distance between the paper's positions
+  choice.sensor.tactel_width = 2.0;  // mm: two shavings of film of 1 mm side by side (section III)
+  choice.chain = {.gain_spread = 0.2,
+                  .time_constant = 1,
+                  .step_time = 1 / choice.record.rate,
+                  .noise = 0.00075,  // MPa: 0.5 % of the range
+                  .range = 0.15,     // MPa: twice the largest stress, and room for the gains
+                  .bits = 12,
+                  .instances = 1};
+  return choice;
+}
+
+fem::Scene real_scene(const RealSensorChoice& choice, const RealContact& contact) {
+  fem::Scene scene;
+  scene.sensor = choice.sensor;
+  scene.indenter = {real_indenters()[contact.indenter].shape, contact.position};
+  scene.friction = contact.friction();
+  scene.load.normal_force = {choice.normal_force};
+  scene.load.indentation_steps = choice.increments;
+  scene.load.angle = contact.angle;
+  return scene;
+}
+
+std::vector<fem::ContactSolution> solve_real_contacts(Executor& executor, const RealSensorChoice& choice,
+                                                      const std::vector<RealContact>& contacts) {
+  std::vector<fem::Scene> scenes;
+  for (const RealContact& contact : contacts) scenes.push_back(real_scene(choice, contact));
+  auto solutions = solve_gap_sweep(executor, scenes, Precision::fp64);
+  for (const fem::ContactSolution& solution : solutions)
+    if (!solution.steps.back().converged)
+      throw std::runtime_error("the paper's real sensor: a load step did not meet its tolerance");
+  return solutions;
+}
+
+nn::FrameSet ideal_frames(const std::vector<RealContact>& contacts,
+                          const std::vector<fem::ContactSolution>& solutions) {
+  nn::FrameSet set = labelled(contacts, solutions);
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const fem::ContactStep& full = solutions[i].steps.back();
+    set.frames.row(static_cast<Eigen::Index>(i)) << full.sigma_y.cast<float>().transpose(),
+        full.tau_xy.cast<float>().transpose();
+  }
+  return set;
+}
+
+std::vector<float> read_records(Executor& executor, const RealSensorChoice& choice,
+                                const std::vector<fem::ContactSolution>& solutions, std::uint64_t seed) {
+  nn::Transducer sensor = choice.chain;
+  sensor.seed = seed;
+  std::vector<TransducerChain::Contact> contacts;
+  std::vector<float> records;
+  for (std::uint32_t i = 0; i < solutions.size(); ++i) {
+    const auto stress = pressed_record(solutions[i], hand_press(seed, i), choice.record);
+    records.insert(records.end(), stress.begin(), stress.end());
+    contacts.push_back({.number = i, .steps = choice.record.samples()});
+  }
+  TransducerChain(executor, sensor, seed, 2 * choice.sensor.tactels).run(contacts, records);
+  return records;
+}
+
+nn::FrameSet recorded_frames(const std::vector<RealContact>& contacts,
+                             const std::vector<fem::ContactSolution>& solutions, std::span<const float> records) {
+  nn::FrameSet set = labelled(contacts, solutions);
+  const auto channels = static_cast<std::size_t>(set.frames.cols());
+  const std::size_t length = records.size() / contacts.size();
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const std::span<const float> record = records.subspan(i * length, length);
+    const std::size_t sample = highest_normal_sample(record, channels);
+    std::ranges::copy(record.subspan(sample * channels, channels), set.frames.row(static_cast<Eigen::Index>(i)).data());
+  }
+  return set;
+}
+
+}  // namespace tactel::host

@@ -1,0 +1,250 @@
+#include "host/studies/tradeoff/tradeoff_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "host/figures/gnuplot_script.h"
+
+namespace tactel::host {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json rung_json(const Rung& rung) {
+  return {{"name", rung.name},
+          {"columns", rung.columns},
+          {"rows", rung.rows},
+          {"spread", rung.spread},
+          {"element", fem::name(rung.element)},
+          {"indentation_steps", rung.steps},
+          {"precision", name(rung.precision)},
+          {"tolerance", rung.tolerance}};
+}
+
+Json model_json(const MeasuredModel& model) {
+  Json error;
+  for (std::size_t k = 0; k < error_members.size(); ++k)
+    error[error_names[k]] = {{"median", model.error.median.*error_members[k]},
+                             {"most95", model.error.most95.*error_members[k]},
+                             {"largest", model.error.largest.*error_members[k]}};
+  Json out = {{"model", rung_json(model.rung)}, {"error", std::move(error)}, {"unsolved", model.unsolved}};
+  out["sweeps"] = model.sweeps;
+  if (model.steps_per_second > 0) {
+    out["steps_per_second"] = model.steps_per_second;
+    out["front"] = model.front;
+  }
+  return out;
+}
+
+const std::vector<std::string> head = {"model",     "load steps/s", "S, median", "S, 95 %", "S, largest",
+                                       "P, median", "P, 95 %",      "Q, median", "Q, 95 %", "σ, median",
+                                       "σ, 95 %",   "τ, median",    "τ, 95 %",   "unsolved"};
+
+std::string speed_text(double speed) {
+  return speed == 0     ? ""
+         : speed >= 1e6 ? fmt::format("{:.2f} M", speed / 1e6)
+         : speed >= 1e3 ? fmt::format("{:.3g} k", speed / 1e3)
+                        : fmt::format("{:.3g}", speed);
+}
+
+std::string model_name(const MeasuredModel& model) {
+  const std::string name = model.rung.name.empty() ? "" : model.rung.name + ": ";
+  return name + description(model.rung) + (model.front ? " *" : "");
+}
+
+std::vector<std::string> model_row(const MeasuredModel& model) {
+  std::vector<std::string> row = {model_name(model), speed_text(model.steps_per_second)};
+  for (std::size_t k = 0; k < error_members.size(); ++k) {
+    row.push_back(fmt::format("{:.2g}", model.error.median.*error_members[k]));
+    row.push_back(fmt::format("{:.2g}", model.error.most95.*error_members[k]));
+    if (k == 0) row.push_back(fmt::format("{:.2g}", model.error.largest.S));
+  }
+  row.push_back(model.unsolved == 0 ? "0" : fmt::format("{:.1e}", model.unsolved));
+  return row;
+}
+
+/// The model's name where it has one; else what it is.
+void add_point(Series& series, const MeasuredModel& model) {
+  series.x.push_back(model.steps_per_second);
+  series.y.push_back(std::max(model.error.most95.S, 1e-6));
+}
+
+std::vector<MeasuredModel> by_speed(std::vector<MeasuredModel> models) {
+  std::ranges::sort(models, {}, &MeasuredModel::steps_per_second);
+  return models;
+}
+
+const char* const definitions =
+    "Errors are the largest over the load steps that the scene asks for: of S itself; of P and Q over the path's "
+    "largest; "
+    "of σ_y and τ_xy at any tactel over the largest at any of them along the path. The two tactels at the very ends "
+    "are "
+    "left out: there the glued base meets the free side and the exact stress is infinite. Median and 95 % are over the "
+    "scenes. Speed counts load steps that the scene asks for, so that finer increments cost.";
+
+}  // namespace
+
+Json to_json(const Tradeoff& tradeoff) {
+  Json models = Json::array(), sources = Json::array();
+  for (const MeasuredModel& model : tradeoff.models) models.push_back(model_json(model));
+  for (const ErrorSource& source : tradeoff.sources) {
+    Json rows = Json::array();
+    for (const MeasuredModel& model : source.models) rows.push_back(model_json(model));
+    sources.push_back({{"what", source.what}, {"judge", rung_json(source.judge)}, {"models", std::move(rows)}});
+  }
+  return {{"tactel", TACTEL_VERSION},
+          {"device", tradeoff.device},
+          {"scenes", tradeoff.scenes},
+          {"seed", tradeoff.seed},
+          {"mix", tradeoff.mix},
+          {"definitions", definitions},
+          {"reference",
+           {{"error_S_most95", tradeoff.reference_error},
+            {"observed_order", tradeoff.observed_order},
+            {"full_mesh_difference_S", tradeoff.full_mesh_difference},
+            {"full_mesh_steps_per_second", tradeoff.full_mesh_per_second}}},
+          {"models", std::move(models)},
+          {"sources", std::move(sources)}};
+}
+
+Json to_json(const std::vector<Promise>& promises) {
+  Json out = Json::array();
+  for (const Promise& p : promises) {
+    Json chosen;
+    for (std::size_t k = 0; k < p.by_rung.size(); ++k) chosen[ladder()[k].name] = p.by_rung[k];
+    out.push_back({{"accuracy", p.accuracy},
+                   {"scenes", p.scenes},
+                   {"kept", p.kept},
+                   {"sent_to_reference", p.reference},
+                   {"chosen", std::move(chosen)}});
+  }
+  return out;
+}
+
+Figure tradeoff_figure(const Tradeoff& tradeoff) {
+  Series others{.label = "other models", .mark = Mark::circles, .ink = Ink::grey};
+  Series front{.label = "nothing faster is better", .mark = Mark::line, .ink = Ink::orange};
+  for (const MeasuredModel& model : by_speed(tradeoff.models)) {
+    if (model.rung.name == "reference") continue;
+    if (model.front) add_point(front, model);
+    if (model.rung.name.empty()) add_point(others, model);
+  }
+  Panel panel{.x_label = "load steps per second",
+              .y_label = "error in S, 95 % of the scenes",
+              .series = {front, others},
+              .log_x = true,
+              .log_y = true};
+  constexpr Ink inks[] = {Ink::red, Ink::blue, Ink::green, Ink::purple, Ink::brown};
+  std::size_t ink = 0;
+  for (const MeasuredModel& model : tradeoff.models) {
+    if (model.rung.name.empty() || model.rung.name == "reference") continue;
+    Series rung{.label = model.rung.name, .mark = Mark::triangles, .ink = inks[ink++ % std::size(inks)]};
+    add_point(rung, model);
+    panel.series.push_back(std::move(rung));
+  }
+  return {.title = "What an accuracy costs", .panels = {panel}, .width = 820, .panel_height = 420};
+}
+
+Figure sources_figure(const Tradeoff& tradeoff) {
+  Figure figure{.columns = 2, .width = 900, .panel_height = 260};
+  const auto value = [](const ErrorSource& source, const Rung& rung) -> double {
+    if (source.what.starts_with("contact")) return rung.columns;
+    if (source.what.starts_with("block")) return rung.rows;
+    if (source.what.starts_with("load")) return rung.steps;
+    return rung.tolerance;
+  };
+  for (const ErrorSource& source : tradeoff.sources) {
+    Series median{.label = "median", .mark = Mark::line_dots},
+        most{.label = "95 %", .mark = Mark::line_dots, .ink = Ink::orange};
+    for (const MeasuredModel& model : source.models)
+      for (Series* series : {&median, &most}) {
+        series->x.push_back(value(source, model.rung));
+        series->y.push_back(std::max(1e-9, series == &median ? model.error.median.S : model.error.most95.S));
+      }
+    figure.panels.push_back({.x_label = source.what,
+                             .y_label = "error in S",
+                             .series = {median, most},
+                             .y_range = std::pair{1e-7, 1.0},
+                             .log_x = true,
+                             .log_y = true});
+  }
+  return figure;
+}
+
+std::string tradeoff_page(const Tradeoff& tradeoff) {
+  ReportPage page("tactel: speed for accuracy", "tactel " TACTEL_VERSION " on " + tradeoff.device);
+  page.section("The ladder");
+  page.paragraph(tradeoff.mix + ". " + definitions);
+  page.figure(tradeoff_figure(tradeoff), "95 % of the scenes have an error in S below the mark.");
+  ReportTable table{.caption = "Models, named rungs first; * nothing faster is better", .head = head};
+  for (const MeasuredModel& model : tradeoff.models) table.rows.push_back(model_row(model));
+  page.table(table);
+  page.note(fmt::format(
+      "The judge is the rung `reference`. Its own error in S, by extrapolation from the coarser meshes (observed order "
+      "{:.2f}), is below {:.2g} for 95 % of the scenes: smaller errors in the table mean little. On the same mesh, "
+      "the solver of the whole mesh without condensation differs in S by {:.1e} at most ({:.0f} load steps a second).",
+      tradeoff.observed_order, tradeoff.reference_error, tradeoff.full_mesh_difference, tradeoff.full_mesh_per_second));
+  page.section("Where the error comes from");
+  page.paragraph("One thing at a time is coarser than in the judge; all else is equal.");
+  page.figure(sources_figure(tradeoff), "Error in S against the judge of each table below.");
+  for (const ErrorSource& source : tradeoff.sources) {
+    ReportTable rows{.caption = source.what + "; judge: " + description(source.judge), .head = head};
+    for (const MeasuredModel& model : source.models) rows.rows.push_back(model_row(model));
+    page.table(rows);
+  }
+  return page.html();
+}
+
+std::string tradeoff_table(const Tradeoff& tradeoff) {
+  std::string out = tradeoff.mix + "\n\n";
+  const auto add = [&](const std::vector<MeasuredModel>& models) {
+    out += fmt::format("{:<42} {:>8} | {:^23} | {:^15} | {:^15} | {:^15} | {:^15}\n", "", "steps/s",
+                       "S: median, 95 %, largest", "P: median, 95 %", "Q", "sigma", "tau");
+    for (const MeasuredModel& model : models) {
+      out += fmt::format("{:<42} {:>8}", model_name(model), speed_text(model.steps_per_second));
+      for (std::size_t k = 0; k < error_members.size(); ++k) {
+        out += fmt::format(" | {:7.2g} {:7.2g}", model.error.median.*error_members[k],
+                           model.error.most95.*error_members[k]);
+        if (k == 0) out += fmt::format(" {:7.2g}", model.error.largest.S);
+      }
+      out += "\n";
+    }
+  };
+  add(tradeoff.models);
+  out += fmt::format(
+      "\nreference: observed order {:.2f}, own error in S below {:.2g} (95 %); full mesh differs by {:.1e}\n",
+      tradeoff.observed_order, tradeoff.reference_error, tradeoff.full_mesh_difference);
+  for (const ErrorSource& source : tradeoff.sources) {
+    out += fmt::format("\n{}; judge: {}\n", source.what, description(source.judge));
+    add(source.models);
+  }
+  return out;
+}
+
+std::string promise_table(const std::vector<Promise>& promises) {
+  std::string out = fmt::format("{:>8} {:>7} {:>6} {:>9} {:>10}", "accuracy", "scenes", "kept", "share", "reference");
+  for (const Rung& rung : ladder()) out += fmt::format(" {:>9}", rung.name);
+  for (const Promise& p : promises) {
+    const std::size_t judged = p.scenes - p.reference;
+    out += fmt::format("\n{:>8g} {:>7} {:>6} {:>7.1f} % {:>10}", p.accuracy, p.scenes, p.kept,
+                       judged ? 100.0 * static_cast<double>(p.kept) / static_cast<double>(judged) : 100.0, p.reference);
+    for (std::size_t count : p.by_rung) out += fmt::format(" {:>9}", count);
+  }
+  return out + "\n";
+}
+
+std::string planner_source(const Tradeoff& tradeoff, const std::string& command) {
+  std::string out = fmt::format(
+      "// Written by `{}`; do not edit.\n// {}.\n// Device: {}\n#include \"host/planner.h\"\n\n"
+      "namespace tactel::host {{\n\nstd::span<const MeasuredRung> measured_ladder() {{\n"
+      "  static constexpr MeasuredRung rungs[] = {{\n",
+      command, tradeoff.mix, tradeoff.device);
+  for (const MeasuredRung& r : tradeoff.planner)
+    out += fmt::format("      {{\"{}\", {:.3g}, {:.3g}, {:.3g}, {:.3g}, {{{:.3g}}}}},\n", r.name, r.steps_per_second,
+                       r.median, r.most95, r.factor, fmt::join(r.least, ", "));
+  return out + "  };\n  return rungs;\n}\n\n}  // namespace tactel::host\n";
+}
+
+}  // namespace tactel::host

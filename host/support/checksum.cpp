@@ -1,0 +1,33 @@
+#include "host/support/checksum.h"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+namespace tactel::host {
+namespace {
+
+std::string digits(std::uint64_t sum) { return fmt::format("{:016x}", sum); }
+
+struct Free {
+  void operator()(XXH3_state_t* state) const { XXH3_freeState(state); }
+};
+
+}  // namespace
+
+std::uint64_t checksum(std::string_view bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
+
+std::string checksum_text(std::string_view bytes) { return digits(checksum(bytes)); }
+
+struct RunningChecksum::State {
+  std::unique_ptr<XXH3_state_t, Free> sum{XXH3_createState()};
+};
+
+RunningChecksum::RunningChecksum() : state_(std::make_unique<State>()) { XXH3_64bits_reset(state_->sum.get()); }
+RunningChecksum::~RunningChecksum() = default;
+RunningChecksum::RunningChecksum(RunningChecksum&&) noexcept = default;
+
+void RunningChecksum::add(std::string_view bytes) { XXH3_64bits_update(state_->sum.get(), bytes.data(), bytes.size()); }
+
+std::string RunningChecksum::text() const { return digits(XXH3_64bits_digest(state_->sum.get())); }
+
+}  // namespace tactel::host

@@ -1,0 +1,19 @@
+#pragma once
+#include <cstddef>
+#include <functional>
+#include <string_view>
+
+namespace tactel {
+
+/// `busy`: what is done from here on, for seconds perhaps; an empty message ends it. They nest.
+enum class LogLevel { debug, info, warning, busy };
+
+/// Sink of the messages of the library, which prints nothing itself. An empty sink is allowed. May be called from
+/// any thread.
+using LogSink = std::function<void(LogLevel level, std::string_view message)>;
+
+/// Progress of a long job: `done` of `total`, in a unit of the job. Called from the thread that started the job;
+/// false cancels.
+using Progress = std::function<bool(std::size_t done, std::size_t total)>;
+
+}  // namespace tactel

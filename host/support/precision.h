@@ -1,0 +1,13 @@
+#pragma once
+
+namespace tactel::host {
+
+/// Precision of the arithmetic in kernels.
+enum class Precision { fp32, fp64 };
+
+/// Returns "fp32" or "fp64".
+inline const char* name(Precision precision) { return precision == Precision::fp32 ? "fp32" : "fp64"; }
+/// Returns the OpenCL C type, for -DREAL=: "float" or "double".
+inline const char* real_type(Precision precision) { return precision == Precision::fp32 ? "float" : "double"; }
+
+}  // namespace tactel::host

@@ -1,0 +1,54 @@
+#include "host/support/ranks.h"
+
+#include <cstdlib>
+#include <exception>
+
+#ifdef TACTEL_MPI
+#include <mpi.h>
+#endif
+
+namespace tactel::host {
+#ifdef TACTEL_MPI
+namespace {
+
+/// Set by mpirun (Open MPI, MPICH and Slurm's srun); without it MPI is not started.
+bool under_mpi() {
+  for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK"})
+    if (std::getenv(name)) return true;
+  return false;
+}
+
+}  // namespace
+
+Ranks::Ranks() {
+  if (!under_mpi()) return;
+  int given = 0;
+  MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &given);
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
+  MPI_Comm_size(MPI_COMM_WORLD, &count_);
+  started_ = true;
+}
+
+Ranks::~Ranks() {
+  if (!started_) return;
+  if (std::uncaught_exceptions() > 0) return;  // main says what it was, then ends the run by its exit code
+  MPI_Finalize();
+}
+
+void Ranks::barrier() const {
+  if (started_) MPI_Barrier(MPI_COMM_WORLD);
+}
+
+std::vector<double> Ranks::sum(std::vector<double> values) const {
+  if (started_)
+    MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+  return values;
+}
+#else
+Ranks::Ranks() = default;
+Ranks::~Ranks() = default;
+void Ranks::barrier() const {}
+std::vector<double> Ranks::sum(std::vector<double> values) const { return values; }
+#endif
+
+}  // namespace tactel::host

@@ -1,0 +1,28 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+namespace tactel::host {
+
+/// The processes of one run: several under mpirun (where tactel was built with MPI), else this one alone. A
+/// program creates one object, in the main thread. An exception that leaves its scope also stops the other
+/// processes.
+class Ranks {
+ public:
+  Ranks();
+  ~Ranks();
+  Ranks(const Ranks&) = delete;
+  Ranks& operator=(const Ranks&) = delete;
+  int rank() const { return rank_; }
+  int count() const { return count_; }
+  bool first() const { return rank_ == 0; }
+  void barrier() const;
+  /// Returns the sums over all processes, element by element.
+  std::vector<double> sum(std::vector<double> values) const;
+
+ private:
+  bool started_ = false;
+  int rank_ = 0, count_ = 1;
+};
+
+}  // namespace tactel::host

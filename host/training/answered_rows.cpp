@@ -1,0 +1,51 @@
+#include "host/training/answered_rows.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "host/support/errors.h"
+
+namespace tactel::host {
+namespace {
+
+constexpr std::uint8_t over_tolerance = 2;  ///< LaneStatus, as in the set's file
+
+}  // namespace
+
+AnsweredRows find_answered_rows(const ContactSet& set) {
+  AnsweredRows answered;
+  for (std::size_t row = 0; row < set.rows(); ++row)
+    if (set.status[row] != over_tolerance && std::isfinite(set.slip_index[row])) answered.row.push_back(row);
+  answered.left_out = set.rows() - answered.row.size();
+  if (answered.row.empty()) return answered;
+  const nn::FrameSet all = set.frames_with_answers();
+  answered.frames.frames = all.frames(answered.row, Eigen::all);
+  answered.frames.slip_index = all.slip_index(answered.row);
+  for (const std::size_t row : answered.row) {
+    answered.frames.shape_class.push_back(all.shape_class[row]);
+    answered.frames.contact_nodes.push_back(all.contact_nodes[row]);
+  }
+  return answered;
+}
+
+AnsweredRows answered_rows(const ContactSet& set, const std::string& file) {
+  AnsweredRows answered = find_answered_rows(set);
+  if (answered.row.empty())
+    throw ConfigError(file, "slip_index", fmt::format("{} rows, none of them solved with a slippage index", set.rows()),
+                      "at least one row to learn from or to judge by");
+  return answered;
+}
+
+void check_learnable(const AnsweredRows& rows, const std::string& file, std::uint64_t first_row) {
+  for (Eigen::Index i = 0; i < rows.frames.rows(); ++i) {
+    const std::uint64_t row = first_row + rows.row[static_cast<std::size_t>(i)];
+    if (!rows.frames.frames.row(i).allFinite())
+      throw ConfigError(file, fmt::format("inputs[{}]", row), "NaN or infinity", "finite");
+    if (std::abs(rows.frames.slip_index(i)) > nn::FrameSet::largest_slip_index)
+      throw ConfigError(file, fmt::format("slip_index[{}]", row), fmt::format("{}", rows.frames.slip_index(i)),
+                        "finite, usually 0 to 1");
+  }
+}
+
+}  // namespace tactel::host

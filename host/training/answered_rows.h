@@ -1,0 +1,26 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host/sets/contact_set.h"
+
+namespace tactel::host {
+
+/// The rows of a set for training or judging networks: solved within tolerance, with a slippage index.
+struct AnsweredRows {
+  nn::FrameSet frames;
+  std::vector<std::size_t> row;  ///< [frames.rows()] row of the set
+  std::size_t left_out = 0;
+};
+
+/// Returns none where no row has an answer.
+AnsweredRows find_answered_rows(const ContactSet& set);
+/// The same; throws ConfigError naming `file` when no row is left.
+AnsweredRows answered_rows(const ContactSet& set, const std::string& file);
+
+/// Throws ConfigError naming `file` and its row for a frame or slippage index that no network can learn from.
+/// `first_row`: the file's row that the set begins with.
+void check_learnable(const AnsweredRows& rows, const std::string& file, std::uint64_t first_row = 0);
+
+}  // namespace tactel::host

@@ -1,0 +1,39 @@
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "host/device/executor.h"
+#include "host/scenes/scene_source.h"
+#include "host/sets/set_simulator.h"
+#include "nn/frame_set.h"
+#include "nn/presentation_order.h"
+
+namespace tactel::host {
+
+/// Frames in blocks, so that at most one block is in memory. Block k is a function of the stream and k.
+class FrameStream {
+ public:
+  virtual ~FrameStream() = default;
+  /// Without rows where the block has none with an answer. Throws ConfigError, naming file and row, for a frame that
+  /// no network can learn from.
+  virtual nn::FrameSet block(std::uint64_t k) = 0;
+  virtual std::uint64_t blocks() const = 0;  ///< until the same rows come again; 1 for a stream without end
+  virtual int inputs() const = 0;
+  /// Returns all inputs of the blocks, as text.
+  virtual std::string description() const = 0;
+};
+
+/// Returns an endless stream of contacts, simulated on demand and never stored. Block k holds `contacts` new
+/// ones.
+std::unique_ptr<FrameStream> simulated_stream(Executor& executor, const std::filesystem::path& sweep_file,
+                                              std::uint64_t contacts, const SetOptions& options);
+
+/// Returns a stream of the rows of a set file, `rows` at a time. Every pass takes the blocks in the order of the
+/// file, or in another permutation drawn from `seed`. Rows over tolerance or without a finite slippage index are
+/// excluded. Throws ConfigError for a set without rows.
+std::unique_ptr<FrameStream> file_stream(const std::filesystem::path& set_file, std::uint64_t rows, std::uint64_t seed,
+                                         nn::PresentationOrder order = nn::PresentationOrder::permuted);
+
+}  // namespace tactel::host

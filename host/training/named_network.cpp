@@ -1,0 +1,119 @@
+#include "host/training/named_network.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "host/networks/forward.h"
+#include "host/networks/onnx_file.h"
+#include "host/support/errors.h"
+
+namespace tactel::host {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t most_answers = 32 * 1024 * 1024;  ///< networks times rows of one run, for memory's sake
+
+// Topologies with numbers first; then by text, noise, scaling and seed.
+auto order_key(const NamedNetwork& network) {
+  const nn::Model& model = network.model;
+  const int number = paper_number(model.weights.topology);
+  return std::tuple(number == 0 ? 7 : number, model.weights.topology.text(), model.noise, model.scaling.kind,
+                    model.scaling.largest_stress, model.seed, network.file);
+}
+
+std::vector<fs::path> onnx_files(const fs::path& path) {
+  const auto refuse = [&](const std::string& allowed) {
+    throw ConfigError("command line", "networks", path.string(), allowed);
+  };
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status)) refuse("a directory or a file that is there");
+  if (!fs::is_directory(status)) return {path};
+  std::vector<fs::path> files;
+  for (fs::directory_iterator entry(path, error), end; !error && entry != end; entry.increment(error))
+    if (entry->path().extension() == ".onnx") files.push_back(entry->path());
+  if (error) refuse("a directory that can be read (" + error.message() + ")");
+  if (files.empty()) refuse("a directory with networks (*.onnx), as tactel train writes it when it is done");
+  return files;
+}
+
+void check_width(const NamedNetwork& network, const nn::FrameSet& set) {
+  const int inputs = network.model.weights.topology.inputs();
+  if (inputs != set.frames.cols())
+    throw ConfigError(network.file, "topology", network.model.weights.topology.text(),
+                      fmt::format("a network with {} inputs, as many as the set has", set.frames.cols()));
+}
+
+// How many networks from `first` on share topology and scaling, and fit into one run.
+std::size_t run_length(std::span<const NamedNetwork> networks, std::size_t first, std::size_t rows) {
+  const nn::Model& model = networks[first].model;
+  const std::size_t most = std::max<std::size_t>(1, most_answers / rows);
+  std::size_t count = 1;
+  while (count < most && first + count < networks.size() &&
+         networks[first + count].model.weights.topology == model.weights.topology &&
+         networks[first + count].model.scaling == model.scaling)
+    ++count;
+  return count;
+}
+
+template <class Real>
+NetworkResult judge(const nn::Recall<Real>& answer, const nn::FrameSet& set, bool keep_rows) {
+  NetworkResult result{.errors = nn::report_errors(nn::absolute_errors(answer.slip_index, set), set)};
+  for (const nn::FrameStatus status : answer.status) ++result.frames[static_cast<std::size_t>(status)];
+  if (keep_rows) result.slip_index.assign(answer.slip_index.begin(), answer.slip_index.end());
+  return result;
+}
+
+}  // namespace
+
+std::string network_file_name(const nn::Topology& topology, double noise, std::uint64_t seed) {
+  return fmt::format("{}_noise{}_seed{}.onnx", topology.text(), noise, seed);
+}
+
+int paper_number(const nn::Topology& topology) {
+  for (int number = 1; number <= 6; ++number)
+    if (nn::Topology::paper(number) == topology) return number;
+  return 0;
+}
+
+std::vector<NamedNetwork> read_networks(const fs::path& path) {
+  std::vector<NamedNetwork> networks;
+  for (const fs::path& file : onnx_files(path)) networks.push_back({file.filename().string(), read_onnx(file)});
+  std::ranges::sort(networks, {}, order_key);
+  return networks;
+}
+
+template <class Real>
+std::optional<std::vector<NetworkResult>> recall_networks(Executor& executor, std::span<const NamedNetwork> networks,
+                                                          const nn::FrameSet& set, bool keep_rows,
+                                                          const Progress& progress) {
+  for (const NamedNetwork& network : networks) check_width(network, set);
+  const DeviceFrames frames(executor.device(), set.frames);
+  const auto rows = static_cast<std::size_t>(set.rows());
+  std::vector<NetworkResult> results;
+  while (results.size() < networks.size()) {
+    const std::size_t first = results.size(), count = run_length(networks, first, rows);
+    std::vector<nn::Weights<Real>> weights;
+    for (std::size_t i = 0; i < count; ++i) weights.emplace_back(networks[first + i].model.weights);
+    Forward<Real> forward(executor, std::span<const nn::Weights<Real>>(weights), networks[first].model.scaling);
+    bool going = true;
+    const auto ask = [&](std::size_t done, std::size_t all) {
+      return going = progress((first + count * done / std::max<std::size_t>(all, 1)) * rows, networks.size() * rows);
+    };
+    forward.run(frames, {.progress = progress ? Progress(ask) : Progress()});
+    if (!going) return std::nullopt;
+    for (std::size_t i = 0; i < count; ++i) results.push_back(judge(forward.result(i), set, keep_rows));
+  }
+  return results;
+}
+
+template std::optional<std::vector<NetworkResult>> recall_networks<float>(Executor&, std::span<const NamedNetwork>,
+                                                                          const nn::FrameSet&, bool, const Progress&);
+template std::optional<std::vector<NetworkResult>> recall_networks<double>(Executor&, std::span<const NamedNetwork>,
+                                                                           const nn::FrameSet&, bool, const Progress&);
+
+}  // namespace tactel::host

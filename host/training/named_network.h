@@ -1,0 +1,54 @@
+#pragma once
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/device/executor.h"
+#include "host/training/answered_rows.h"
+#include "nn/metrics.h"
+#include "nn/model.h"
+
+namespace tactel::host {
+
+/// A trained network and the name of its file.
+struct NamedNetwork {
+  std::string file;
+  nn::Model model;
+};
+
+/// Returns "42-42-21-1_noise0.1_seed7.onnx".
+std::string network_file_name(const nn::Topology& topology, double noise, std::uint64_t seed);
+/// Returns 1 ... 6 for the paper's topologies, else 0.
+int paper_number(const nn::Topology& topology);
+
+/// Reads one network file, or all *.onnx of a directory: the networks of the paper in its order, then others, by
+/// noise and seed. Throws ConfigError for a path without networks, and as read_onnx.
+std::vector<NamedNetwork> read_networks(const std::filesystem::path& path);
+
+/// Answers of a network to a set.
+struct NetworkResult {
+  nn::ErrorReport errors;
+  std::array<std::size_t, 4> frames{};  ///< number of frames of each nn::FrameStatus
+  std::vector<float> slip_index{};      ///< [rows] if asked for; NaN where the network gave none
+};
+
+/// Evaluates every network on every row, in the order of `networks`. Returns none where progress stops it. Throws
+/// ConfigError, naming the file of the network, for frames of another width.
+template <class Real>
+std::optional<std::vector<NetworkResult>> recall_networks(Executor& executor, std::span<const NamedNetwork> networks,
+                                                          const nn::FrameSet& set, bool keep_rows,
+                                                          const Progress& progress);
+
+extern template std::optional<std::vector<NetworkResult>> recall_networks<float>(Executor&,
+                                                                                 std::span<const NamedNetwork>,
+                                                                                 const nn::FrameSet&, bool,
+                                                                                 const Progress&);
+extern template std::optional<std::vector<NetworkResult>> recall_networks<double>(Executor&,
+                                                                                  std::span<const NamedNetwork>,
+                                                                                  const nn::FrameSet&, bool,
+                                                                                  const Progress&);
+
+}  // namespace tactel::host

@@ -1,0 +1,190 @@
+#include "host/training/network_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+
+namespace tactel::host {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t most_lines = 24;
+
+/// Networks that differ in their seed alone.
+struct Group {
+  std::string label;
+  std::vector<std::size_t> networks;
+};
+
+std::string label_of(const nn::Model& model) {
+  std::string label = model.weights.topology.text();
+  if (model.noise != 0) label += fmt::format(" {:g}%", 100 * model.noise);
+  if (model.scaling.kind == nn::ScalingKind::frame) label += " frame";
+  return label;
+}
+
+std::vector<Group> groups_of(std::span<const NamedNetwork> networks) {
+  std::vector<Group> groups;
+  for (std::size_t i = 0; i < networks.size(); ++i) {
+    const std::string label = label_of(networks[i].model);
+    const auto found = std::ranges::find(groups, label, &Group::label);
+    if (found == groups.end())
+      groups.push_back({label, {i}});
+    else
+      found->networks.push_back(i);
+  }
+  return groups;
+}
+
+std::size_t label_width(const std::vector<Group>& groups) {
+  std::size_t width = 9;
+  for (const Group& group : groups) width = std::max(width, group.label.size() + 2);
+  return width;
+}
+
+std::string number(double value) { return fmt::format("{:10.5f}", value); }
+
+std::string errors_text(const nn::ErrorSummary& errors) {
+  if (errors.count == 0) return fmt::format("{:>10}{:>10}{:>10}", "-", "-", "-");
+  return number(errors.max) + number(errors.mean) + number(errors.std);
+}
+
+/// "median  [5 %, 95 %]" of one figure over the networks of a group that have errors at all.
+std::string quantiles_text(const Group& group, std::span<const NetworkResult> results,
+                           double nn::ErrorSummary::*figure) {
+  std::vector<double> values;
+  for (const std::size_t i : group.networks)
+    if (results[i].errors.all.count > 0) values.push_back(results[i].errors.all.*figure);
+  if (values.empty()) return fmt::format("{:>29}", "-");
+  const auto at = [&](double q) { return nn::quantile(values, q); };
+  return fmt::format("  {:9.5f} [{:7.5f}, {:7.5f}]", at(0.5), at(0.05), at(0.95));
+}
+
+std::string lines_by_network(std::span<const NamedNetwork> networks, std::span<const NetworkResult> results,
+                             const std::vector<Group>& groups) {
+  const std::size_t width = label_width(groups);
+  std::string text = fmt::format("{:<{}}{:>8}{:>9}{:>11}{:>10}{:>10}{:>10}\n", "network", width, "seed", "rows",
+                                 "no answer", "max", "mean", "std");
+  for (std::size_t i = 0; i < networks.size(); ++i) {
+    const nn::ErrorReport& errors = results[i].errors;
+    text += fmt::format("{:<{}}{:>8}{:>9}{:>11}{}\n", label_of(networks[i].model), width, networks[i].model.seed,
+                        errors.all.count, errors.without_answer, errors_text(errors.all));
+  }
+  return text;
+}
+
+std::string lines_by_group(std::span<const NetworkResult> results, const std::vector<Group>& groups) {
+  const std::size_t width = label_width(groups);
+  std::string text = fmt::format("{:<{}}{:>8}{:>11}  {:>29}{:>29}{:>29}\n", "network", width, "seeds", "no answer",
+                                 "max: median [5 %, 95 %]", "mean", "std");
+  for (const Group& group : groups) {
+    std::size_t without_answer = 0;
+    for (const std::size_t i : group.networks) without_answer += results[i].errors.without_answer;
+    text += fmt::format("{:<{}}{:>8}{:>11}  ", group.label, width, group.networks.size(), without_answer);
+    for (const auto figure : {&nn::ErrorSummary::max, &nn::ErrorSummary::mean, &nn::ErrorSummary::std})
+      text += quantiles_text(group, results, figure);
+    text += '\n';
+  }
+  return text;
+}
+
+using Kinds = std::map<int, nn::ErrorSummary>;
+
+std::optional<double> median_of_mean(const Group& group, std::span<const NetworkResult> results,
+                                     Kinds nn::ErrorReport::*kinds, int kind) {
+  std::vector<double> means;
+  for (const std::size_t i : group.networks) {
+    const Kinds& own = results[i].errors.*kinds;
+    if (const auto found = own.find(kind); found != own.end()) means.push_back(found->second.mean);
+  }
+  if (means.empty()) return std::nullopt;
+  return nn::quantile(means, 0.5);
+}
+
+template <class Name>
+std::string lines_by_kind(std::span<const NetworkResult> results, const std::vector<Group>& groups, const char* title,
+                          Kinds nn::ErrorReport::*kinds, const Name& name) {
+  const std::size_t width = label_width(groups);
+  std::map<int, std::size_t> rows;
+  for (const NetworkResult& result : results)
+    for (const auto& [kind, errors] : result.errors.*kinds) rows[kind] = std::max(rows[kind], errors.count);
+  std::string text = fmt::format("{:<21}{:>8}", title, "rows");
+  for (const Group& group : groups) text += fmt::format("{:>{}}", group.label, width);
+  text += '\n';
+  for (const auto& [kind, count] : rows) {
+    text += fmt::format("{:<21}{:>8}", name(kind), count);
+    for (const Group& group : groups) {
+      const auto mean = median_of_mean(group, results, kinds, kind);
+      text += fmt::format("{:>{}}", mean ? fmt::format("{:.5f}", *mean) : "-", width);
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+std::string indenter_name(const std::vector<std::string>& names, int kind) {
+  const auto place = static_cast<std::size_t>(kind);
+  return place < names.size() ? names[place] : fmt::format("kind {}", kind);
+}
+
+}  // namespace
+
+std::string error_table(std::span<const NamedNetwork> networks, std::span<const NetworkResult> results) {
+  const std::vector<Group> groups = groups_of(networks);
+  return networks.size() <= most_lines ? lines_by_network(networks, results, groups) : lines_by_group(results, groups);
+}
+
+std::string error_table_by_kind(std::span<const NamedNetwork> networks, std::span<const NetworkResult> results,
+                                const std::vector<std::string>& indenter_names) {
+  const std::vector<Group> groups = groups_of(networks);
+  const auto name = [&](int kind) { return indenter_name(indenter_names, kind); };
+  return lines_by_kind(results, groups, "mean by indenter", &nn::ErrorReport::by_class, name) + "\n" +
+         lines_by_kind(results, groups, "by nodes touching", &nn::ErrorReport::by_contact_nodes,
+                       [](int nodes) { return std::to_string(nodes); });
+}
+
+Json to_json(const nn::ErrorSummary& errors) {
+  const auto figure = [&](double value) { return errors.count > 0 ? Json(value) : Json(nullptr); };
+  return {
+      {"max", figure(errors.max)}, {"mean", figure(errors.mean)}, {"std", figure(errors.std)}, {"rows", errors.count}};
+}
+
+Json to_json(const NamedNetwork& network) {
+  const nn::Model& model = network.model;
+  const int number = paper_number(model.weights.topology);
+  return {{"file", network.file},
+          {"network", number > 0 ? Json(number) : Json(nullptr)},
+          {"topology", model.weights.topology.text()},
+          {"scaling", nn::name(model.scaling.kind)},
+          {"noise", model.noise},
+          {"seed", model.seed},
+          {"cycles", model.cycles},
+          {"learning_set", model.learning_set},
+          {"learning", to_json(model.learning_errors)}};
+}
+
+Json to_json(const NetworkResult& result, const std::vector<std::string>& indenter_names) {
+  Json by_indenter = Json::array(), by_nodes = Json::array(), frames = Json::object();
+  for (const auto& [kind, errors] : result.errors.by_class) {
+    by_indenter.push_back({{"indenter", indenter_name(indenter_names, kind)}});
+    by_indenter.back().update(to_json(errors));
+  }
+  for (const auto& [nodes, errors] : result.errors.by_contact_nodes) {
+    by_nodes.push_back({{"contact_nodes", nodes}});
+    by_nodes.back().update(to_json(errors));
+  }
+  for (std::size_t status = 0; status < result.frames.size(); ++status)
+    frames[nn::name(static_cast<nn::FrameStatus>(status))] = result.frames[status];
+  return {{"recalling", to_json(result.errors.all)},
+          {"without_answer", result.errors.without_answer},
+          {"frames", frames},
+          {"by_indenter", by_indenter},
+          {"by_contact_nodes", by_nodes}};
+}
+
+}  // namespace tactel::host

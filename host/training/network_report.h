@@ -1,0 +1,31 @@
+#pragma once
+#include <nlohmann/json_fwd.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/training/named_network.h"
+
+namespace tactel::host {
+
+/// Returns the errors |S of the network - S of the set| as a table. Up to 24 networks have a line each. Of more,
+/// those that differ in their seed alone share a line, with the median and the 5 and 95 % quantiles over seeds.
+std::string error_table(std::span<const NamedNetwork> networks, std::span<const NetworkResult> results);
+
+/// Returns a table of mean errors, medians over seeds: a line for each kind of indenter and each number of
+/// touching nodes.
+std::string error_table_by_kind(std::span<const NamedNetwork> networks, std::span<const NetworkResult> results,
+                                const std::vector<std::string>& indenter_names);
+
+/// Returns {"max", "mean", "std", "rows"}; the first three are null where rows is 0.
+nlohmann::ordered_json to_json(const nn::ErrorSummary& errors);
+
+/// Returns the origin of a network: file, number in the paper or null, topology, scaling, seed, noise, cycles,
+/// learning set and the errors on it.
+nlohmann::ordered_json to_json(const NamedNetwork& network);
+
+/// Returns the errors of a network on a set: in all, by kind of indenter and touching nodes; and the frames by
+/// status.
+nlohmann::ordered_json to_json(const NetworkResult& result, const std::vector<std::string>& indenter_names);
+
+}  // namespace tactel::host

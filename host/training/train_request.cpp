@@ -1,0 +1,126 @@
+#include "host/training/train_request.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "host/support/errors.h"
+
+namespace tactel::host {
+namespace {
+
+constexpr int default_epochs = 1000;
+
+/// What the library calls by a name of its own, as the user wrote it.
+[[noreturn]] void blame_option(const ValueError& error) {
+  static const std::map<std::string, std::string> options = {{"training.rate", "--learning-rate"},
+                                                             {"training.momentum", "--momentum"},
+                                                             {"training.stop_error", "--stop-error"},
+                                                             {"training.cycle_limit", "--cycles"},
+                                                             {"training.batch", "--batch"}};
+  const auto found = options.find(error.key);
+  throw ConfigError("command line", found == options.end() ? "--" + error.key : found->second, error.value,
+                    error.allowed);
+}
+
+/// Refuses an option that was given and would not be used.
+template <class Value>
+void refuse(const std::optional<Value>& given, const std::string& option, const std::string& allowed) {
+  if (given) throw ConfigError("command line", option, fmt::format("{}", *given), allowed);
+}
+
+void refuse_beside_stream(const TrainRequest& request) {
+  const std::string beside = " with --stream and --block";
+  if (!request.stream.empty()) refuse(request.block, "--block", "left out with --stream");
+  if (request.schedule == "online") refuse(request.schedule, "--schedule", "batch, or left out," + beside);
+  refuse(request.cycles, "--cycles", "left out" + beside + ": --rows says when to stop");
+  refuse(request.stop_error, "--stop-error", "left out" + beside + ": a stream has no cycles");
+}
+
+void refuse_unused(const TrainRequest& request) {
+  if (request.streams())
+    refuse_beside_stream(request);
+  else
+    refuse(request.rows, "--rows", "left out, or with --stream or --block");
+  if (!request.batches()) {
+    refuse(request.optimizer, "--optimizer", "left out, or with --schedule batch");
+    refuse(request.batch, "--batch", "left out, or with --schedule batch");
+  } else if (request.optimizer.value_or("adam") == "adam") {
+    refuse(request.momentum, "--momentum", "left out, or with --optimizer delta or --schedule online");
+  }
+}
+
+nn::BatchOptions batch_options(const TrainRequest& request) {
+  nn::BatchOptions batch;
+  if (request.optimizer) batch.rule = nn::parse_rule(*request.optimizer);
+  if (request.batch) batch.batch = *request.batch;
+  batch.rate = request.rate.value_or(batch.rule == nn::BatchRule::adam ? 1e-3 : 0.1);
+  if (request.momentum) batch.momentum = *request.momentum;
+  batch.order = nn::parse_order(request.order);
+  return batch;
+}
+
+std::vector<nn::Topology> topologies_of(const TrainRequest& request) {
+  std::vector<std::string> names = request.networks;
+  if (names.empty()) names = {"1", "2", "3", "4", "5", "6"};
+  std::vector<nn::Topology> topologies;
+  for (const std::string& name : names) {
+    topologies.push_back(nn::Topology::parse(name));
+    if (std::ranges::count(topologies, topologies.back()) > 1) throw ValueError("network", name, "named once");
+  }
+  return topologies;
+}
+
+}  // namespace
+
+NamedSet read_set(const std::string& file) {
+  NamedSet set{file, read_contact_set(file), {}};
+  set.rows = answered_rows(set.contacts, file);
+  return set;
+}
+
+NamedSet read_learning_set(const TrainRequest& request) try {
+  NamedSet set = read_set(request.set);
+  check_learnable(set.rows, request.set);
+  set.rows.frames.validate();
+  nn::fit_scaling(nn::parse_scaling(request.scaling), set.rows.frames);
+  return set;
+} catch (const ValueError& error) {
+  throw ConfigError(request.set, error);
+}
+
+TrainingPlan plan_of(const TrainRequest& request) try {
+  refuse_unused(request);
+  TrainingPlan plan;
+  plan.topologies = topologies_of(request);
+  if (request.seeds > 1'000'000) throw ValueError("seeds", std::to_string(request.seeds), "at most a million");
+  for (std::uint64_t i = 0; i < request.seeds; ++i) plan.seeds.push_back(request.first_seed + i);
+  if (!request.noises.empty()) plan.noises = request.noises;
+  if (std::set<double>(plan.noises.begin(), plan.noises.end()).size() < plan.noises.size())
+    throw ValueError("noise", fmt::format("{}", fmt::join(plan.noises, ", ")), "levels that differ");
+  plan.scaling = nn::parse_scaling(request.scaling);
+  plan.options.stop_error = request.stop_error.value_or(plan.options.stop_error);
+  plan.options.cycle_limit = request.cycles.value_or(request.batches() ? default_epochs : 0);
+  plan.options.order = nn::parse_order(request.order);
+  if (request.batches()) {
+    plan.batch = batch_options(request);
+  } else {
+    plan.options.rate = request.rate.value_or(plan.options.rate);
+    plan.options.momentum = request.momentum.value_or(plan.options.momentum);
+  }
+  plan.validate();
+  return plan;
+} catch (const ValueError& error) {
+  blame_option(error);
+}
+
+void check_width(const TrainingPlan& plan, const NamedSet& set) {
+  for (const nn::Topology& topology : plan.topologies)
+    if (topology.inputs() != set.contacts.inputs)
+      throw ConfigError("command line", "--network", topology.text(),
+                        fmt::format("a network with {} inputs, as many as {} has", set.contacts.inputs, set.file));
+}
+
+}  // namespace tactel::host

@@ -1,0 +1,54 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/networks/network_options.h"
+#include "host/networks/network_training.h"
+#include "host/training/named_network.h"
+
+namespace tactel::host {
+
+/// The command line of `tactel train`.
+struct TrainRequest {
+  NetworkOptions shared;
+  std::string set, stream, recall_set, output;
+  std::optional<std::int64_t> block;  ///< rows of a set file to read at a time
+  std::optional<std::uint64_t> rows;  ///< of a stream to learn from; default_rows if not given
+  std::vector<std::string> networks;
+  std::vector<double> noises;
+  std::uint64_t seeds = 1, first_seed = 1;
+  std::string scaling = "set", order = "permuted";
+  std::optional<std::string> schedule;  ///< "online" or "batch"; default: batch for a stream, else online
+  std::optional<double> rate, momentum;
+  std::optional<int> cycles, batch;
+  std::optional<std::string> optimizer;
+  std::optional<double> stop_error;
+  double checkpoint_seconds = 10;
+  bool resume = false, force = false;
+
+  /// Frames block by block: simulated contacts, or a set file larger than memory.
+  bool streams() const { return !stream.empty() || block.has_value(); }
+  bool batches() const { return streams() || schedule == "batch"; }
+};
+inline constexpr std::uint64_t default_rows = 10'000'000;
+
+/// A set's file and the rows of it that count.
+struct NamedSet {
+  std::string file;
+  ContactSet contacts;
+  AnsweredRows rows;
+};
+/// Throws ConfigError as read_contact_set and answered_rows.
+NamedSet read_set(const std::string& file);
+/// The same, and throws ConfigError for a set that nothing can be learnt from.
+NamedSet read_learning_set(const TrainRequest& request);
+
+/// What to train. Throws ConfigError, naming the option, for values that cannot work and for options that the
+/// request's kind of training does not use.
+TrainingPlan plan_of(const TrainRequest& request);
+/// Throws ConfigError when a network has another number of inputs than the set.
+void check_width(const TrainingPlan& plan, const NamedSet& set);
+
+}  // namespace tactel::host

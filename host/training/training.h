@@ -1,0 +1,14 @@
+#pragma once
+#include <memory>
+
+#include "host/training/train_request.h"
+#include "host/training/training_job.h"
+
+namespace tactel::host {
+
+/// Training on a whole set, and judging on another where there is one. All arguments must outlive the job. Throws
+/// ConfigError for a set that the plan cannot learn from.
+std::unique_ptr<TrainingJob> set_training(const TrainRequest& request, const TrainingPlan& plan, const NamedSet& set,
+                                          const std::optional<NamedSet>& recall_set);
+
+}  // namespace tactel::host

@@ -1,0 +1,91 @@
+#include "host/training/training_directory.h"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "host/support/durable_file.h"
+#include "host/support/errors.h"
+
+namespace tactel::host {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+[[noreturn]] void refuse_directory(const fs::path& path, const std::string& allowed) {
+  throw ConfigError("command line", "--output", path.string(), allowed);
+}
+
+// Empty where it is missing or damaged.
+json read_json(const fs::path& path) {
+  std::ifstream in(path);
+  json value = json::parse(in, nullptr, false);
+  return value.is_object() ? value : json::object();
+}
+
+/// Keeps every other process out of the directory until this one ends.
+void lock_until_the_end(const fs::path& path) {
+  static std::map<std::pair<dev_t, ino_t>, FileLock> held;
+  struct stat status {};
+  if (::stat(path.c_str(), &status) == 0 && held.contains({status.st_dev, status.st_ino})) return;
+  FileLock lock = FileLock::of_folder("--output", path, "a directory in which no other program is training");
+  held.emplace(std::pair{status.st_dev, status.st_ino}, std::move(lock));
+}
+
+}  // namespace
+
+bool TrainingDirectory::finished() const { return fs::exists(report()); }
+
+bool TrainingDirectory::interrupted() const { return fs::exists(checkpoint()); }
+
+std::vector<std::string> TrainingDirectory::own_networks() const {
+  std::vector<std::string> files;
+  for (const json& network : read_json(report()).value("networks", json::array()))
+    if (network.is_object() && network.contains("file") && network["file"].is_string())
+      files.push_back(fs::path(network["file"].get<std::string>()).filename());
+  return files;
+}
+
+void TrainingDirectory::check(bool resume, bool force) const {
+  make_folder("--output", path_);
+  lock_until_the_end(path_);
+  check_writable("--output", report());
+  if (resume) return;
+  if (!force && finished())
+    refuse_directory(path_, "a directory without a finished training, or --force to train anew and write over it");
+  if (!force && interrupted())
+    refuse_directory(
+        path_, "a directory without an interrupted training, or --resume to go on with it, or --force to train anew");
+  const std::vector<std::string> own = own_networks();
+  for (const fs::directory_entry& entry : fs::directory_iterator(path_))
+    if (entry.path().extension() == ".onnx" && std::ranges::find(own, entry.path().filename().string()) == own.end())
+      refuse_directory(path_,
+                       "a directory without networks of another origin (" + entry.path().filename().string() + ")");
+}
+
+void TrainingDirectory::expect_same(const std::string& fingerprint) const {
+  const json its_report = read_json(report());
+  if (!its_report.contains("fingerprint") || its_report["fingerprint"] != fingerprint)
+    throw ConfigError(report().string(), "fingerprint", "of another training",
+                      "of this one (same set, networks, seeds, noise, options, precision and device lanes); or --force "
+                      "to train anew, or another --output");
+}
+
+void TrainingDirectory::clear() const {
+  for (const std::string& file : own_networks()) fs::remove(network(file));
+  fs::remove(report());
+  fs::remove(figure());
+  remove_checkpoint();
+}
+
+void TrainingDirectory::remove_checkpoint() const {
+  fs::remove(checkpoint());
+  fs::remove(checkpoint().string() + ".part");  // of a writing that was killed
+}
+
+}  // namespace tactel::host

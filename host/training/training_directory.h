@@ -1,0 +1,36 @@
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace tactel::host {
+
+/// The directory that `tactel train` writes: networks, training.json, learning_curves.svg, and during training
+/// the checkpoint. training.json is written last: its presence means that the training is complete.
+class TrainingDirectory {
+ public:
+  explicit TrainingDirectory(std::filesystem::path path) : path_(std::move(path)) {}
+
+  std::filesystem::path checkpoint() const { return path_ / "checkpoint"; }
+  std::filesystem::path report() const { return path_ / "training.json"; }
+  std::filesystem::path figure() const { return path_ / "learning_curves.svg"; }
+  std::filesystem::path network(const std::string& file) const { return path_ / file; }
+
+  bool finished() const;
+  bool interrupted() const;
+  /// Creates the directory and locks it until the process ends. Throws ConfigError naming --output where that fails, or
+  /// where it holds files that neither --resume nor --force (if given) may change. Removes nothing.
+  void check(bool resume, bool force) const;
+  /// Throws ConfigError where the finished training of this directory has another fingerprint.
+  void expect_same(const std::string& fingerprint) const;
+  /// Removes the files of an earlier training.
+  void clear() const;
+  void remove_checkpoint() const;
+
+ private:
+  std::vector<std::string> own_networks() const;
+
+  std::filesystem::path path_;
+};
+
+}  // namespace tactel::host

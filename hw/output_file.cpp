@@ -1,0 +1,95 @@
+#include "hw/output_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "hw/frame_source.h"
+
+namespace tactel::hw {
+namespace {
+
+constexpr std::size_t block_size = 8192;  // bytes
+
+/// A device or pipe: it holds no file that could be lost.
+bool is_stream(const std::filesystem::path& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) return false;
+  return S_ISCHR(status.st_mode) || S_ISFIFO(status.st_mode);
+}
+
+/// Makes a new file's name durable; a folder that cannot be synchronised is left alone.
+void sync_folder(const std::filesystem::path& path) {
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  ::fsync(descriptor);
+  ::close(descriptor);
+}
+
+}  // namespace
+
+OutputFile::OutputFile(const std::filesystem::path& path, Existing existing) : path_(path) {
+  const bool stream = is_stream(path);
+  if (!stream && existing == Existing::replace) remove_file();
+  const int fresh = O_CREAT | O_EXCL | O_NOFOLLOW;
+  descriptor_ = ::open(path.c_str(), O_WRONLY | O_CLOEXEC | (stream ? 0 : fresh), 0666);
+  if (descriptor_ < 0) fail(errno == EEXIST ? "is not written over" : "cannot be written", errno);
+  block_.reserve(block_size);
+}
+
+/// Removes a regular file: a link may lead to what nobody wants to lose, /dev/stdout is one.
+void OutputFile::remove_file() const {
+  struct stat status {};
+  if (::lstat(path_.c_str(), &status) != 0) {
+    if (errno == ENOENT) return;
+    fail("cannot be replaced", errno);
+  }
+  if (S_ISLNK(status.st_mode))
+    throw RecordingError(path_.string() + ": is a symbolic link, and not written over; name the file that it leads to");
+  if (!S_ISREG(status.st_mode)) throw RecordingError(path_.string() + ": is no regular file, and not written over");
+  if (::unlink(path_.c_str()) != 0) fail("cannot be replaced", errno);
+}
+
+OutputFile::~OutputFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+void OutputFile::write(Bytes bytes) { write({reinterpret_cast<const char*>(bytes.data()), bytes.size()}); }
+
+void OutputFile::write(std::string_view text) {
+  if (block_.size() + text.size() > block_size) flush();
+  block_ += text;
+  size_ += text.size();
+}
+
+void OutputFile::flush() {
+  std::size_t written = 0;
+  while (written < block_.size()) {
+    const ssize_t count = ::write(descriptor_, block_.data() + written, block_.size() - written);
+    if (count > 0) written += static_cast<std::size_t>(count);
+    if (count >= 0 || errno == EINTR) continue;
+    const int error = errno;
+    block_.erase(0, written);  // nothing is written twice
+    fail("cannot be written", error);
+  }
+  block_.clear();
+}
+
+// Only close tells of some full disks. A pipe or device cannot be synchronised: EINVAL.
+void OutputFile::close() {
+  flush();
+  if (::fsync(descriptor_) != 0 && errno != EINVAL && errno != ENOTSUP) fail("cannot be written", errno);
+  if (::close(std::exchange(descriptor_, -1)) != 0) fail("cannot be written", errno);
+  sync_folder(path_);
+}
+
+void OutputFile::fail(const std::string& what, int error) const {
+  throw RecordingError(path_.string() + ": " + what + ": " + std::strerror(error));
+}
+
+}  // namespace tactel::hw

@@ -1,0 +1,10 @@
+/* What a draw is for, in kernels: nn::RandomStream, for host and device. */
+#ifndef TACTEL_SHARED_RANDOM_STREAMS_H
+#define TACTEL_SHARED_RANDOM_STREAMS_H
+
+#define ORDER_STREAM 2    /* order of the patterns in a cycle */
+#define READING_STREAM 6  /* noise of a reading */
+#define GAIN_STREAM 7     /* gain and offset of a transducer */
+#define INSTANCE_STREAM 8 /* which sensor a contact meets */
+
+#endif

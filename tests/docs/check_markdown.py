@@ -1,0 +1,109 @@
+"""Checks Markdown: links and named files exist, commands and options are those of the program, lines hold 100 columns.
+
+Usage: check_markdown.py ROOT [TACTEL]
+Checks every *.md under ROOT. With TACTEL, the program, also each `tactel COMMAND --option` of code and code blocks.
+Prints every problem as FILE:LINE: problem; ends with 1 where there is one."""
+import pathlib
+import re
+import subprocess
+import sys
+
+FOLDERS = ("bench", "docs", "examples", "fem", "host", "hw", "kernels", "nn", "scripts", "tests")
+PLACEHOLDER = re.compile(r"[A-Z]{3,}|\.\.\.")  # host/ROOM/NAME.h
+WIDEST = 100
+
+
+def lines_with_kind(text):
+    """Yields (number, line, kind): "fence", "code" (a block), "table" or "text"."""
+    fenced = False
+    for number, line in enumerate(text.splitlines(), 1):
+        if line.startswith("```"):
+            fenced = not fenced
+            yield number, line, "fence"
+        elif fenced or line.startswith("    "):
+            yield number, line, "code"
+        else:
+            yield number, line, "table" if line.startswith("|") else "text"
+
+
+def exists(name, near, root):
+    """A file or folder, or a pattern that some file matches, beside the document or from the root on."""
+    return any(base.joinpath(name).exists() or ("*" in name and any(base.glob(name))) for base in (near, root))
+
+
+def missing_files(line, near, root, sources):
+    """Names with a folder of the tree or beside the document; and sources without a folder, which may be anywhere."""
+    for name in re.findall(r"`([\w./*-]+)`", line):
+        if PLACEHOLDER.search(name):
+            continue
+        first, slash, _ = name.partition("/")
+        if slash and first and (first in FOLDERS or near.joinpath(first).is_dir()):
+            if not exists(name, near, root):
+                yield name
+        elif not slash and re.fullmatch(r"[a-z]\w*\.(h|cpp|cl)", name) and name not in sources:
+            yield name
+
+
+class Program:
+    """Commands and options of the program, from its --help."""
+
+    def __init__(self, path):
+        self.path = path
+        self.commands = {"help", *re.findall(r"^  ([a-z]+)  ", self.help().split("Subcommands:")[1], re.M)}
+        self.options = {"help": set()}
+
+    def help(self, *command):
+        return subprocess.run([self.path, *command, "--help"], check=True, capture_output=True, text=True).stdout
+
+    def problems(self, code):
+        for command, rest in re.findall(r"(?:^|[/ `])tactel ([a-z]+)\b([^`#|;&]*)", code):
+            if command not in self.commands:
+                yield f"tactel {command}: no such command"
+                continue
+            if command not in self.options:
+                self.options[command] = set(re.findall(r"--[a-z][a-z0-9-]*", self.help(command)))
+            for option in re.findall(r"(?<![\w-])--[a-z][a-z0-9-]*", rest):
+                if option not in self.options[command]:
+                    yield f"tactel {command} {option}: no such option"
+
+
+def code_of(line, kind):
+    return [line] if kind == "code" else re.findall(r"`([^`]*)`", line)
+
+
+def problems(path, root, sources, program):
+    for number, line, kind in lines_with_kind(path.read_text()):
+        found = []
+        if kind == "text" and len(line) > WIDEST and not line.startswith("!["):
+            found.append(f"{len(line)} columns, {WIDEST} at most")
+        if kind in ("text", "table"):
+            for link in re.findall(r"\]\(([^)#]+)[^)]*\)", re.sub(r"`[^`]*`", "", line)):
+                if "://" not in link and not path.parent.joinpath(link).exists():
+                    found.append(f"link to {link}: no such file")
+            found += [f"{name}: no such file" for name in missing_files(line, path.parent, root, sources)]
+        if program and kind != "fence":
+            for code in code_of(line, kind):
+                found += program.problems(code)
+        for problem in found:
+            yield f"{path.relative_to(root)}:{number}: {problem}"
+
+
+def documents(root):
+    """Every *.md outside of build trees, hidden folders and the deliberate mistakes of this test."""
+    for entry in sorted(root.iterdir()):
+        if entry.is_dir() and not entry.name.startswith(("build", ".")):
+            yield from (p for p in sorted(entry.rglob("*.md")) if not p.is_relative_to(root / "tests/docs/wrong"))
+        elif entry.suffix == ".md":
+            yield entry
+
+
+def main(root, tactel=None):
+    program = Program(tactel) if tactel else None
+    sources = {path.name for folder in FOLDERS for path in root.joinpath(folder).rglob("*")}
+    found = [problem for path in documents(root) for problem in problems(path, root, sources, program)]
+    print("\n".join(found))
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(pathlib.Path(sys.argv[1]).resolve(), *sys.argv[2:3]))

@@ -1,0 +1,74 @@
+#include "tests/fuzz/fuzz.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+
+namespace tactel::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct TemporaryFolder {
+  TemporaryFolder() : path(fs::temp_directory_path() / ("tactel_fuzz." + std::to_string(getpid()))) {
+    fs::create_directories(path);
+  }
+  ~TemporaryFolder() {
+    std::error_code error;
+    fs::remove_all(path, error);
+  }
+  fs::path path;
+};
+
+}  // namespace
+
+const fs::path& folder() {
+  static const TemporaryFolder folder;
+  return folder.path;
+}
+
+fs::path write_file(const std::string& name, Bytes bytes) {
+  const fs::path path = folder() / name;
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  check(static_cast<bool>(file), "the input can be written to the temporary directory");
+  return path;
+}
+
+std::string file_bytes(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return std::string(std::istreambuf_iterator<char>(file), {});
+}
+
+void check(bool met, const char* property) {
+  if (met) return;
+  std::fprintf(stderr, "fuzz: does not hold: %s\n", property);
+  std::abort();
+}
+
+void check_message(const std::exception& error) {
+  const std::string text = error.what();
+  const bool one_line = std::ranges::none_of(text, [](unsigned char c) { return c < 0x20 || c == 0x7F; });
+  if (!one_line) std::fprintf(stderr, "fuzz: the message: %s\n", text.c_str());
+  check(!text.empty() && one_line, "an error is one line of text without control characters");
+}
+
+std::uint8_t Choices::byte() {
+  if (rest_.empty()) return 0;
+  const std::uint8_t first = rest_.front();
+  rest_ = rest_.subspan(1);
+  return first;
+}
+
+std::uint32_t Choices::word() {
+  std::uint32_t value = 0;
+  for (int i = 0; i < 4; ++i) value |= static_cast<std::uint32_t>(byte()) << 8 * i;
+  return value;
+}
+
+}  // namespace tactel::fuzz

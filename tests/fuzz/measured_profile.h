@@ -1,0 +1,16 @@
+#pragma once
+#include <string_view>
+
+#include "tests/fuzz/fuzz.h"
+
+namespace tactel::fuzz {
+
+/// Writes folder()/measured.csv once: what `file = "measured.csv"` of a scene names.
+inline void provide_measured_profile() {
+  static const auto path = [] {
+    constexpr std::string_view text = "x,y\n-2,1\n0,0\n2,1\n";
+    return write_file("measured.csv", as_bytes(text));
+  }();
+}
+
+}  // namespace tactel::fuzz

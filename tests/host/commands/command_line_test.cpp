@@ -1,0 +1,274 @@
+// What every command shares: standard streams that fail, help, numbers that are none, and messages about words.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+
+#include "tests/host/support/run_tactel.h"
+
+namespace tactel::host {
+namespace {
+
+using testing::AllOf;
+using testing::AnyOf;
+using testing::HasSubstr;
+using testing::Not;
+
+const std::string parabola = source_file("examples/parabola.toml");
+
+ChildResult shell(const std::string& line) { return run_child({"sh", "-c", line}); }
+
+// An error ends with its own code, whatever becomes of its message: closed, full, closed by its reader.
+TEST(StandardError, ThatTakesNothingChangesNoExitCode) {
+  for (const char* stream : {"2>&-", "2>/dev/full", "2>&1 >/dev/null | true; exit ${PIPESTATUS[0]}"}) {
+    const std::string line = std::string(TACTEL_PROGRAM) + " solve /no/such/scene.toml " + stream;
+    EXPECT_EQ(run_child({"bash", "-c", "trap '' PIPE; " + line}).exit_code, 2) << stream;
+  }
+}
+
+// The scene's warning of its depth cannot be shown: the answer is there, and good.
+TEST(StandardError, AWarningThatCannotBeShownEndsNoRun) {
+  const ScratchFolder folder;
+  const std::string deep = folder.write("deep.toml",
+                                        "[indenter]\nshape = \"parabola\"\nradius = 10\n[contact]\nfriction = 0.5\n"
+                                        "[load]\nindentation = 0.4\n");
+  const std::string run = std::string(TACTEL_PROGRAM) + " solve --solver reference " + deep;
+  ASSERT_THAT(shell(run).err, HasSubstr("warning"));
+  const ChildResult full = shell(run + " 2>/dev/full");
+  EXPECT_EQ(full.exit_code, 0);
+  EXPECT_EQ(full.out, shell(run).out);
+}
+
+// The set is the first file that is opened. With standard error closed it would get number 2, and all messages.
+TEST(StandardError, AFileNeverTakesItsPlace) {
+  const ScratchFolder folder;
+  const std::string answer = folder / "a.json", whole = folder / "b.json";
+  const std::string run = std::string(TACTEL_PROGRAM) + " solve --solver reference " + parabola + " --json ";
+  EXPECT_EQ(shell(run + answer + " 2>&- </dev/null >/dev/null").exit_code, 0);
+  EXPECT_EQ(shell(run + whole).exit_code, 0);
+  EXPECT_EQ(text_of(answer), text_of(whole));
+}
+
+TEST(StandardOutput, ThatTakesNotAllIsAnError) {
+  for (const std::string& command :
+       {"solve --solver reference " + parabola, "solve --solver reference --json - " + parabola, std::string("devices"),
+        std::string("devices --json"), std::string("--help"), std::string("--version")}) {
+    const ChildResult full = shell(std::string(TACTEL_PROGRAM) + " " + command + " >/dev/full");
+    EXPECT_EQ(full.exit_code, 2) << command;
+    EXPECT_THAT(full.err, AllOf(HasSubstr("standard output"),
+                                AnyOf(HasSubstr("No space left on device"), HasSubstr("a write failed"))))
+        << command;
+    EXPECT_EQ(shell(std::string(TACTEL_PROGRAM) + " " + command + " >&-").exit_code, 2) << command;
+  }
+}
+
+TEST(Help, FitsEightyColumnsInWordsOfOurOwn) {
+  const std::string all = run_tactel({"--help"}).out;
+  for (const std::string command : {"", "devices", "solve", "generate", "train", "recall", "reproduce", "tradeoff",
+                                    "extremes", "monitor", "record", "tare"}) {
+    EXPECT_THAT(all, HasSubstr("  " + command));
+    const ChildResult result = command.empty() ? run_tactel({"--help"}) : run_tactel({command, "--help"});
+    EXPECT_EQ(result.exit_code, 0);
+    std::istringstream lines(result.out);
+    for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80u) << command << ": " << line;
+    for (const char* notation : {"TEXT:", "FLOAT", "UINT", "POSITIVE", "Excludes", ":{", " in ["})
+      EXPECT_THAT(result.out, Not(HasSubstr(notation))) << command;
+  }
+  EXPECT_THAT(run_tactel({"solve", "--help"}).out,
+              AllOf(HasSubstr("--precision fp32|fp64"), HasSubstr("--solver batched|reference"),
+                    HasSubstr("(default: batched)")));
+  EXPECT_THAT(run_tactel({"generate", "--help"}).out, HasSubstr("(required)"));
+}
+
+TEST(Help, IsFoundByAnyOfItsNames) {
+  const std::string help = run_tactel({"--help"}).out;
+  EXPECT_EQ(run_tactel({"help"}).out, help);
+  EXPECT_EQ(run_tactel({"help", "solve"}).out, run_tactel({"solve", "--help"}).out);
+  EXPECT_EQ(run_tactel({"-V"}).out, run_tactel({"--version"}).out);
+  const ChildResult nothing = run_tactel({});
+  EXPECT_EQ(nothing.exit_code, 2);
+  EXPECT_EQ(nothing.err, help);
+}
+
+// fp32 is generate's default, fp64 solve's.
+TEST(Help, SaysTheTruthAboutPrecision) {
+  const auto precision_line = [](const std::string& command) {
+    const std::string text = run_tactel({command, "--help"}).out;
+    std::string words;
+    for (const char c : text.substr(text.find("--precision"), 300))
+      if (c != ' ' && c != '\n') words += c;
+    return words;
+  };
+  EXPECT_THAT(precision_line("generate"), HasSubstr("(default:fp32"));
+  EXPECT_THAT(precision_line("solve"), HasSubstr("(default:fp64"));
+}
+
+TEST(Words, AMisspeltOptionIsNamedWithTheOneThatWasMeant) {
+  const ChildResult result = run_tactel({"solve", parabola, "--jsn", "x"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, AllOf(HasSubstr("--jsn: must be an option of tactel solve; did you mean --json?"),
+                                HasSubstr("see tactel solve --help")));
+}
+
+TEST(Words, AFileOfTheOtherKindNamesTheOtherCommand) {
+  const ChildResult sweep = run_tactel({"solve", source_file("examples/random_sweep.toml")});
+  EXPECT_EQ(sweep.exit_code, 2);
+  EXPECT_THAT(sweep.err, HasSubstr("tactel generate"));
+  const ScratchFolder folder;
+  const ChildResult scene = run_tactel({"generate", parabola, "--output", (folder / "a.h5").string()});
+  EXPECT_EQ(scene.exit_code, 2);
+  EXPECT_THAT(scene.err, HasSubstr("tactel solve"));
+}
+
+TEST(Numbers, NanAndInfinityAreRefusedByEveryOption) {
+  const std::vector<std::vector<std::string>> calls = {
+      {"solve", parabola, "--accuracy"},
+      {"solve", parabola, "--tolerance"},
+      {"solve", parabola, "--step"},
+      {"generate", parabola, "--output", "/tmp/x.h5", "--accuracy"},
+      {"train", "/no/set.h5", "--output", "/tmp/x", "--noise"},
+      {"train", "/no/set.h5", "--output", "/tmp/x", "--learning-rate"},
+      {"train", "/no/set.h5", "--output", "/tmp/x", "--checkpoint-seconds"},
+      {"tradeoff", "--accuracy"},
+      {"monitor", "--source", "x", "--network", "y", "--seconds"},
+      {"monitor", "--source", "x", "--network", "y", "--late"},
+      {"record", "--source", "x", "--output", "/tmp/x", "--seconds"},
+      {"tare", "--source", "x", "--output", "/tmp/x", "--seconds"}};
+  for (std::vector<std::string> call : calls) {
+    call.emplace_back();
+    for (const std::string value : {"nan", "inf", "NAN", "infinity", "nan(1)"}) {
+      call.back() = value;
+      const ChildResult result = run_tactel(call);
+      EXPECT_EQ(result.exit_code, 2) << call[call.size() - 2] << " " << value;
+      EXPECT_THAT(result.err, HasSubstr(call[call.size() - 2])) << value;
+    }
+  }
+}
+
+// 2001 x 1001 nodes within 1 GB: no memory, which is the input's fault.
+TEST(Memory, ThatIsNotThereIsSaidInWordsOfTheInput) {
+  const ScratchFolder folder;
+  const std::string scene = folder.write("huge.toml",
+                                         "[sensor]\ncolumns = 2001\nrows = 1001\n[indenter]\nshape = \"parabola\"\n"
+                                         "radius = 10\n[load]\nindentation = 0.1\n");
+  const ChildResult result =
+      shell("ulimit -v 600000; exec " + std::string(TACTEL_PROGRAM) + " solve --solver reference " + scene);
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, AllOf(HasSubstr("error: not enough memory"), Not(HasSubstr("bad_alloc"))));
+}
+
+// A key of 50 000 parts would overflow the stack in the parser, a device would never end.
+TEST(HostileFiles, EndWithTwo) {
+  const ScratchFolder folder;
+  const auto refused = [&](const std::string& text) {
+    const ChildResult result = run_tactel({"solve", folder.write("hostile.toml", text)});
+    EXPECT_EQ(result.exit_code, 2) << text.substr(0, 40);
+    EXPECT_THAT(result.err, HasSubstr("at most 16")) << text.substr(0, 40);
+  };
+  const auto repeated = [](const std::string& part, int count) {
+    std::string text;
+    for (int i = 0; i < count; ++i) text += part;
+    return text;
+  };
+  refused("a" + repeated(".a", 50000) + " = 1\n");
+  refused("[a" + repeated(".a", 50000) + "]\n");
+  refused("\"a\"" + repeated(".\"a.b\"", 20) + " = 1\n");
+  refused("a = " + repeated("[", 50000) + repeated("]", 50000) + "\n");
+  refused("a = " + repeated("{a = ", 200) + "1" + repeated("}", 200) + "\n");
+  const ChildResult endless =
+      run_child({"timeout", "20", "sh", "-c", "ulimit -v 2000000; exec " TACTEL_PROGRAM " solve /dev/zero"});
+  EXPECT_EQ(endless.exit_code, 2);
+  EXPECT_THAT(endless.err, HasSubstr("larger than 16 MiB"));
+}
+
+// Dots and brackets in texts and comments count for nothing.
+TEST(HostileFiles, NothingHarmlessIsRefused) {
+  const ScratchFolder folder;
+  std::string dots(60, '.'), open(60, '[');
+  const std::string scene = folder.write(
+      "scene.toml", "# " + dots + open + "\ntitle = \"" + dots + open + "\\\"" + open + "\" # " + open + "\n" +
+                        "[indenter] # '" + "\nshape = 'parabola'\nradius = 10\n[load]\nindentation = 0.1\n");
+  const ChildResult result = run_tactel({"solve", "--solver", "reference", scene});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr(dots));
+}
+
+class ProfileFile : public testing::Test {
+ protected:
+  ChildResult solve(const std::string& file, const std::string& content = "") {
+    if (!content.empty()) folder_.write(file, content);
+    return run_tactel({"solve", "--solver", "reference",
+                       folder_.write("scene.toml", "[indenter]\nshape = \"profile\"\nfile = \"" + file +
+                                                       "\"\n[load]\nindentation = 0.1\n")});
+  }
+  ScratchFolder folder_;
+};
+
+TEST_F(ProfileFile, OfADeviceIsRefused) {
+  const ChildResult result = solve("/dev/zero");
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("no regular file"));
+}
+
+TEST_F(ProfileFile, ThatIsNoProfileIsNotQuoted) {
+  for (const std::string secret : {"root:$6$topsecret:19000", "topsecret,word", "topsecret\n", "x,topsecret"}) {
+    const ChildResult result = solve("secret.txt", secret);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_THAT(result.err, AllOf(HasSubstr("secret.txt:1: "), Not(HasSubstr("topsecret")), HasSubstr("such as")));
+  }
+}
+
+// The same profile in every spelling that is taken gives the same table.
+TEST_F(ProfileFile, IsReadInTheFormsThatInstrumentsWrite) {
+  const ChildResult plain = solve("a.csv", "x,y\n-1.5,0.25\n0,0\n1.5,0.25\n");
+  ASSERT_EQ(plain.exit_code, 0) << plain.err;
+  for (const std::string content :
+       {"-1.5,0.25\n0,0\n1.5,0.25\n", "x [mm],y [mm]\n-1.5,0.25\n0,0\n1.5,0.25\n", "X;Y\n-1.5;0.25\n0;0\n1.5;0.25\n",
+        "x (mm);y (mm)\r\n-1,5;0,25\r\n0;0\r\n1,5;0,25\r\n", "x_mm\ty_mm\n-1.5\t0.25\n0\t0\n1.5\t0.25\n"}) {
+    const ChildResult other = solve("a.csv", content);
+    EXPECT_EQ(other.exit_code, 0) << other.err;
+    EXPECT_EQ(other.out, plain.out) << content;
+  }
+  EXPECT_THAT(solve("a.csv", "x [um],y [um]\n-1500,250\n0,0\n1500,250\n").err, HasSubstr("in mm"));
+}
+
+// Of two faults in a table the misspelt key is named, not the key that is missing for it.
+TEST(Keys, AMisspeltOneIsNamedBeforeTheOneThatIsMissingForIt) {
+  const ScratchFolder folder;
+  const auto error = [&](const std::string& text) {
+    return run_tactel({"solve", folder.write("scene.toml", text)}).err;
+  };
+  const std::string load = "[load]\nindentation = 0.1\n", shape = "[indenter]\nshape = \"parabola\"\n";
+  EXPECT_THAT(error(shape + "raduis = 10\n" + load),
+              AllOf(HasSubstr(":3: indenter.raduis = 10"), HasSubstr("did you mean radius?")));
+  EXPECT_THAT(error("[indenter]\nshpe = \"parabola\"\nradius = 10\n" + load),
+              AllOf(HasSubstr(":2: indenter.shpe"), HasSubstr("did you mean shape?")));
+  EXPECT_THAT(error(shape + "radius = 10\n[load]\nindentaton = 0.1\n"),
+              AllOf(HasSubstr(":5: load.indentaton"), HasSubstr("did you mean indentation?")));
+  const std::string sweep = folder.write("sweep.toml", "[sweep]\ncontact = 10\n" + shape + "radius = 10\n" + load);
+  EXPECT_THAT(run_tactel({"generate", sweep, "--output", (folder / "a.h5").string()}).err,
+              AllOf(HasSubstr(":2: sweep.contact = 10"), HasSubstr("did you mean contacts?")));
+}
+
+// std::abs of the least int64 is undefined; it passed as 0.
+TEST(Keys, TheLeastIntegerIsNoWholeNumberOfUse) {
+  const ScratchFolder folder;
+  const std::string scene = folder.write("scene.toml",
+                                         "[indenter]\nshape = \"parabola\"\nradius = 10\n[load]\nindentation = 0.1\n"
+                                         "tangential_step = 0.1\ntangential_steps = -9223372036854775808\n");
+  const ChildResult result = run_tactel({"solve", "--solver", "reference", scene});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr(":7: load.tangential_steps = -9223372036854775808: must be a whole number"));
+}
+
+TEST(Tradeoff, InterruptedEndsAsSuch) {
+  const ScratchFolder folder;
+  const ChildResult result = run_child({"timeout", "--preserve-status", "-s", "INT", "1", TACTEL_PROGRAM, "tradeoff",
+                                        "--scenes", "8", "--output", folder / "report"});
+  EXPECT_EQ(result.exit_code, 130) << result.err;
+  EXPECT_THAT(result.err, AllOf(HasSubstr("stopped"), Not(HasSubstr("error"))));
+}
+
+}  // namespace
+}  // namespace tactel::host

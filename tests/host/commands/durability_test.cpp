@@ -1,0 +1,73 @@
+// What the commands write survives a power cut: system calls as strace sees them; and one program at a time writes a
+// folder.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "host/support/durable_file.h"
+#include "tests/host/support/run_tactel.h"
+
+namespace tactel::host {
+namespace {
+
+/// Runs a command of tactel under strace; fails where a target was not written, synced, renamed and its folder synced.
+ChildResult in_order(const std::vector<std::string>& targets, const std::vector<std::string>& command) {
+  std::vector<std::string> all = {"/usr/bin/python3", source_file("tests/host/support/sync_order.py")};
+  all.insert(all.end(), targets.begin(), targets.end());
+  all.insert(all.end(), {"--", TACTEL_PROGRAM});
+  all.insert(all.end(), command.begin(), command.end());
+  return run_child(all);
+}
+
+/// A set of some hundred rows, made as quickly as can be.
+class Durability : public ::testing::Test {
+ protected:
+  static const ScratchFolder& folder() {
+    static const ScratchFolder made;
+    static const std::string sweep =
+        made.write("sweep.toml",
+                   "[sweep]\ncontacts = 100\n[sensor]\ncolumns = 11\nrows = 4\ntactels = 5\n[contact]\nfriction = 0.5\n"
+                   "[indenter]\nshape = \"parabola\"\nradius = 10\n[load]\nindentation = { uniform = [0.1, 0.2] }\n"
+                   "tangential = [0.02, 0.05]\n");
+    static const int code = run_tactel({"generate", sweep, "--output", made / "set.h5"}).exit_code;
+    EXPECT_EQ(code, 0);
+    return made;
+  }
+  static std::string at(const std::string& name) { return (folder() / name).string(); }
+};
+
+TEST_F(Durability, NetworksCheckpointAndReportOfATraining) {
+  const std::string net = at("net");
+  const ChildResult result = in_order(
+      {net + "/checkpoint", net + "/training.json", net + "/learning_curves.svg", net + "/10-3-1_noise0_seed1.onnx"},
+      {"train", at("set.h5"), "--network", "10-3-1", "--cycles", "50", "--checkpoint-seconds", "1e-6", "--output", net,
+       "--quiet"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+}
+
+TEST_F(Durability, Answers) {
+  const ChildResult result =
+      in_order({at("a.json"), at("a.svg"), at("a.vtu")}, {"solve", source_file("examples/parabola.toml"), "--json",
+                                                          at("a.json"), "--plot", at("a.svg"), "--field", at("a.vtu")});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+}
+
+TEST_F(Durability, OneProgramAtATimeTrainsInADirectory) {
+  std::filesystem::create_directory(folder() / "busy");
+  const FileLock lock = FileLock::of_folder("--output", folder() / "busy", "free");
+  const ChildResult result =
+      run_tactel({"train", at("set.h5"), "--network", "10-3-1", "--cycles", "5", "--output", at("busy")});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, testing::HasSubstr("no other program is training"));
+}
+
+// Of a sensor that moves: --force takes it all the same.
+TEST_F(Durability, Calibration) {
+  const ChildResult result = in_order({at("cal.toml")}, {"tare", "--source",
+                                                         "simulate:" + source_file("examples/parabola.toml") +
+                                                             "?paced=0&press=9&hold=0&drag=0&slip=0&noise=0",
+                                                         "--output", at("cal.toml"), "--force"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+}
+
+}  // namespace
+}  // namespace tactel::host

@@ -1,0 +1,510 @@
+// Sets of many contacts through the program: the same rows whatever happened on the way.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "fem/gap_reference.h"
+#include "host/contact/gap_sweep.h"
+#include "host/scenes/sweep_file.h"
+#include "host/sets/set_production.h"
+#include "host/support/checksum.h"
+#include "host/support/errors.h"
+#include "test_paths.h"
+#include "tests/host/device/test_device.h"
+#include "tests/host/support/run_tactel.h"
+
+namespace tactel::host {
+namespace {
+
+using testing::HasSubstr;
+
+// Four chunks, two sensors, depth and force side by side.
+const std::string sweep_text = R"([sweep]
+contacts = 26000
+seed = 11
+[[sensor]]
+[[sensor]]
+poisson = 0.3
+weight = 0.25
+[contact]
+friction = { uniform = [0.1, 1.0] }
+[[indenter]]
+shape = "parabola"
+radius = { log_uniform = [2, 50] }
+position = { uniform = [-3, 3] }
+[[indenter]]
+shape = "wedge"
+edge_angle = { uniform = [120, 170] }
+[[load]]
+indentation = { uniform = [0.05, 0.2] }
+tangential = [0.05, { uniform = [-0.1, 0.1] }]
+[[load]]
+normal_force = { uniform = [0.2, 1.0] }
+slip_index = { uniform = [0.0, 0.8] }
+weight = 0.2
+)";
+
+class Generate : public ::testing::Test {
+ protected:
+  std::string output(const std::string& name) const { return (folder_ / name).string(); }
+  ChildResult run(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), {"generate", sweep_});
+    return run_tactel(arguments);
+  }
+  /// Under a shell, so that it can be killed or kept short of room.
+  ChildResult shell(const std::string& before, const std::string& output, const std::string& options = "") const {
+    return run_child(
+        {"sh", "-c", before + " " + TACTEL_PROGRAM + " generate " + sweep_ + " --output " + output + " " + options});
+  }
+
+  ScratchFolder folder_;
+  std::string sweep_ = folder_.write("sweep.toml", sweep_text);
+};
+
+TEST_F(Generate, KilledAtAnyMomentAndResumedGivesTheSameBytes) {
+  ASSERT_EQ(run({"--output", output("whole.h5")}).exit_code, 0);
+  const std::string whole = text_of(output("whole.h5"));
+  int killed = 0;
+  for (int attempt = 0; attempt < 12; ++attempt) {
+    const std::string name = output("killed.h5");
+    // Later and later: in the set-up, between chunks, while a chunk is written, when the set is put together.
+    const std::string moment = std::to_string(0.1 + 0.12 * attempt);
+    const ChildResult result = shell("timeout -s KILL " + moment, name, "--resume");
+    killed += result.exit_code == 137;
+    EXPECT_THAT(result.exit_code, testing::AnyOf(0, 137)) << result.err;
+  }
+  EXPECT_GT(killed, 0);
+  ASSERT_EQ(run({"--output", output("killed.h5"), "--resume"}).exit_code, 0);
+  EXPECT_EQ(checksum(text_of(output("killed.h5"))), checksum(whole));
+  EXPECT_FALSE(std::filesystem::exists(SetSpool::folder(output("killed.h5"))));
+}
+
+// A tenth of the usual length, so that the finest rungs are small.
+TEST_F(Generate, SaysWhereNoRungKeepsTheAccuracy) {
+  const std::string small = folder_.write("small.toml",
+                                          "[sweep]\ncontacts = 2\nseed = 1\n[sensor]\nlength = 2\n[indenter]\n"
+                                          "shape = \"parabola\"\nradius = 2\n[load]\nindentation = 0.05\n"
+                                          "tangential = [{ uniform = [0.01, 0.02] }]\n");
+  const auto generate = [&](const char* accuracy) {
+    return run_tactel({"generate", small, "--output", output("small.h5"), "--force", "--accuracy", accuracy});
+  };
+  const ChildResult impossible = generate("1e-9");
+  EXPECT_EQ(impossible.exit_code, 4);
+  EXPECT_THAT(impossible.err, HasSubstr("no rung is known to keep this accuracy"));
+  EXPECT_TRUE(std::filesystem::exists(output("small.h5")));
+  const ChildResult easy = generate("0.9");
+  EXPECT_EQ(easy.exit_code, 0) << easy.err;
+}
+
+TEST_F(Generate, InterruptKeepsWhatIsDoneAndSaysHowToGoOn) {
+  const ChildResult result = shell("timeout -s INT 0.6", output("set.h5"));
+  // On a machine with much else to do the signal may come before there is anything to keep.
+  const bool begun = std::filesystem::exists(output("set.h5.parts"));
+  if (begun && (result.exit_code == 124 || result.exit_code == 130)) {
+    EXPECT_THAT(result.err, HasSubstr("--resume goes on"));
+    EXPECT_FALSE(std::filesystem::exists(output("set.h5")));
+    const ChildResult fresh = run({"--output", output("set.h5")});
+    EXPECT_EQ(fresh.exit_code, 2);
+    EXPECT_THAT(fresh.err, HasSubstr("--resume goes on with it, --force starts anew"));
+  }
+  EXPECT_EQ(run({"--output", output("set.h5"), "--resume"}).exit_code, 0);
+  EXPECT_THAT(run({"--output", output("set.h5"), "--resume"}).out, HasSubstr("complete already"));
+}
+
+// `timeout -s INT` sends the signal to the program and to its group. Sent a moment apart, so that the kernel does not
+// make one of them.
+TEST_F(Generate, TwoSignalsInARowStopAsOneDoes) {
+  const ChildResult result =
+      run_child({"sh", "-c",
+                 TACTEL_PROGRAM " generate " + sweep_ + " --output " + output("set.h5") + " & while ! [ -e " +
+                     output("set.h5.parts/plan") +
+                     " ]; do sleep 0.01; done; for i in 1 2 3; do kill -INT $!; sleep 0.02; done; wait $!"});
+  if (result.exit_code == 0) return;  // done before the first of them
+  EXPECT_EQ(result.exit_code, 130);
+  EXPECT_THAT(result.err, HasSubstr("--resume goes on"));
+}
+
+// A limit on the size of files (in blocks of 512 bytes) stands for a full disk: 6 MB hold one chunk of 4.5 MB.
+TEST_F(Generate, FullDiskKeepsWholeChunks) {
+  const ChildResult full = shell("trap '' XFSZ; ulimit -f 12000;", output("set.h5"));
+  EXPECT_EQ(full.exit_code, 2) << full.err;
+  EXPECT_THAT(full.err, HasSubstr("room"));
+  EXPECT_FALSE(std::filesystem::exists(output("set.h5")));
+  const ChildResult rest = run({"--output", output("set.h5"), "--resume"});
+  ASSERT_EQ(rest.exit_code, 0) << rest.err;
+  EXPECT_THAT(rest.out, HasSubstr("1 of 4 chunks are there"));
+  ASSERT_EQ(run({"--output", output("whole.h5")}).exit_code, 0);
+  EXPECT_EQ(checksum(text_of(output("set.h5"))), checksum(text_of(output("whole.h5"))));
+}
+
+TEST_F(Generate, DamagedChunksAreMadeAgain) {
+  ASSERT_EQ(run({"--output", output("whole.h5")}).exit_code, 0);
+  shell("trap '' XFSZ; ulimit -f 12000;", output("set.h5"));
+  const auto spool = SetSpool::folder(output("set.h5")) / "0000.spool";
+  ASSERT_TRUE(std::filesystem::exists(spool));
+  std::fstream file(spool, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(1000);
+  file.put('\x55').put('\x55');
+  file.close();
+  ASSERT_EQ(run({"--output", output("set.h5"), "--resume"}).exit_code, 0);
+  EXPECT_EQ(checksum(text_of(output("set.h5"))), checksum(text_of(output("whole.h5"))));
+}
+
+TEST_F(Generate, RefusesOtherPlansOtherFilesAndOtherWriters) {
+  const std::string set = output("set.h5");
+  shell("trap '' XFSZ; ulimit -f 6000;", set);
+  EXPECT_THAT(run({"--output", set, "--resume", "--precision", "fp64"}).err,
+              HasSubstr("another sweep file, seed, precision"));
+  {
+    SetSpool held(output("held.h5"), "a plan", 42, 0, SetSpool::Open::fresh);
+    EXPECT_THAT(run({"--output", output("held.h5"), "--resume"}).err, HasSubstr("no other program is writing"));
+    EXPECT_THAT(run({"--output", output("held.h5"), "--force"}).err, HasSubstr("no other program is writing"));
+  }
+  const std::string foreign = folder_.write("foreign.h5", "no set");
+  EXPECT_EQ(run({"--output", foreign}).exit_code, 2);
+  EXPECT_THAT(run({"--output", foreign, "--resume"}).err, HasSubstr("not HDF5, or damaged"));
+  EXPECT_EQ(text_of(foreign), "no set");
+  EXPECT_EQ(run({"--output", foreign, "--force"}).exit_code, 0);
+  EXPECT_EQ(run({"--output", output("no/such/folder.h5")}).exit_code, 2);
+}
+
+/// The rows of contacts first ... first + count - 1 of a set.
+std::vector<std::size_t> rows_of(const ContactSet& set, std::uint64_t first, std::uint64_t count) {
+  std::vector<std::size_t> rows;
+  for (std::size_t row = 0; row < set.rows(); ++row)
+    if (set.contact[row] >= first && set.contact[row] < first + count) rows.push_back(row);
+  return rows;
+}
+
+TEST_F(Generate, AnyRangeGivesTheSameRows) {
+  const Sweep sweep = read_sweep(sweep_);
+  Executor executor{Device("")};
+  const SetSimulator simulator(executor, sweep.source, {});
+  const ContactSet all = simulator.simulate(0, 500);
+  for (const auto& [first, count] : {std::pair{0, 1}, {17, 100}, {499, 1}, {250, 49}}) {
+    const ContactSet part = simulator.simulate(first, count);
+    const auto rows = rows_of(all, first, count);
+    ASSERT_EQ(part.rows(), rows.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      EXPECT_EQ(part.slip_index[i], all.slip_index[rows[i]]);
+      for (int k = 0; k < all.inputs; ++k)
+        EXPECT_EQ(part.frames[i * all.inputs + k], all.frames[rows[i] * all.inputs + k]);
+    }
+  }
+}
+
+// Rows against the full-mesh solver, which shares no code with the kernel. fp32: 1e-3 of the largest stress and of S,
+// as in gap_sweep_test.
+TEST_F(Generate, RowsAreThoseOfTheReference) {
+  const Sweep sweep = read_sweep(sweep_);
+  Executor executor{Device("")};
+  const ContactSet set = SetSimulator(executor, sweep.source, {}).simulate(0, 24);
+  std::size_t row = 0;
+  for (std::uint64_t k = 0; k < 24; ++k) {
+    const fem::Scene scene = sweep.source.contact(k).scene;
+    const fem::ContactSolution truth = fem::GapReference(scene.sensor).solve(scene);
+    for (std::size_t s = fem::load_path(scene.load).indentation_steps - 1; s < truth.steps.size(); ++s, ++row) {
+      const fem::ContactStep& step = truth.steps[s];
+      ASSERT_LT(row, set.rows());
+      EXPECT_EQ(set.contact[row], k);
+      EXPECT_EQ(set.step[row], s);
+      EXPECT_NEAR(set.slip_index[row], *step.slip_index, 1e-3);
+      EXPECT_NEAR(set.normal_force[row], step.P, 1e-3 * step.P);
+      const double largest = step.sigma_y.cwiseAbs().maxCoeff();
+      for (int i = 0; i < 21; ++i) {
+        EXPECT_NEAR(set.frames[row * 42 + i], step.sigma_y[i], 1e-3 * largest);
+        EXPECT_NEAR(set.frames[row * 42 + 21 + i], step.tau_xy[i], 1e-3 * largest);
+      }
+    }
+  }
+  EXPECT_EQ(row, set.rows());
+}
+
+TEST_F(Generate, SeveralDevicesShareTheChunks) {
+  ASSERT_EQ(run({"--output", output("one.h5"), "--device", "basic"}).exit_code, 0);
+  const ChildResult result = run({"--output", output("two.h5"), "--device", "basic", "--also-device", "pthread"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const ContactSet one = read_contact_set(output("one.h5")), two = read_contact_set(output("two.h5"));
+  EXPECT_THAT(two.device, HasSubstr(", "));
+  EXPECT_EQ(one.frames, two.frames);
+  EXPECT_EQ(one.slip_index, two.slip_index);
+  EXPECT_EQ(one.contact, two.contact);
+}
+
+// Contact k goes down to the depth that the file's seed draws: some 4000 of 10000 beyond 20 % of 1.5 mm, in two chunks,
+// one of which comes from an earlier run. Expected: the draws themselves.
+TEST_F(Generate, WarnsOnceOfDeepIndentersWithTheirCount) {
+  const std::string deep =
+      folder_.write("deep.toml",
+                    "[sweep]\ncontacts = 10000\n[sensor]\ncolumns = 11\nrows = 4\ntactels = 5\n[contact]\n"
+                    "friction = 0.5\n[indenter]\nshape = \"parabola\"\nradius = 10\n[load]\n"
+                    "indentation = { uniform = [0.2, 0.4] }\ntangential = [0.05]\n");
+  const Sweep sweep = read_sweep(deep);
+  int beyond = 0;
+  for (std::uint64_t k = 0; k < 10000; ++k) beyond += sweep.source.contact(k).scene.load.indentation[0] > 0.3;
+  ASSERT_GT(beyond, 1000);
+  const std::string said =
+      "warning: in " + std::to_string(beyond) + " of 10000 contacts the indenter is deeper than 20 %";
+  const ChildResult whole = run_tactel({"generate", deep, "--output", output("deep.h5")});
+  EXPECT_EQ(whole.exit_code, 0);
+  EXPECT_THAT(whole.err, HasSubstr(said));
+  EXPECT_EQ(whole.err.find("warning"), whole.err.rfind("warning"));
+  EXPECT_EQ(run_tactel({"generate", deep, "--output", output("quiet.h5"), "--quiet"}).err, "");
+  run_child(
+      {"sh", "-c",
+       "trap '' XFSZ; ulimit -f 3000; " TACTEL_PROGRAM " generate " + deep + " --output " + output("resumed.h5")});
+  ASSERT_FALSE(std::filesystem::exists(output("resumed.h5")));
+  const ChildResult resumed = run_tactel({"generate", deep, "--output", output("resumed.h5"), "--resume"});
+  EXPECT_THAT(resumed.out, HasSubstr("1 of 2 chunks are there"));
+  EXPECT_THAT(resumed.err, HasSubstr(said));
+  std::string text = text_of(deep);
+  text.replace(text.find("[0.2, 0.4]"), 10, "[0.1, 0.3]");
+  const std::string shallow = folder_.write("shallow.toml", text);
+  EXPECT_EQ(without_progress(run_tactel({"generate", shallow, "--output", output("shallow.h5")}).err), "");
+}
+
+const std::string mpirun =
+    "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 exec mpirun --oversubscribe --bind-to none -n 3";
+
+TEST_F(Generate, SeveralProcessesGiveTheRowsOfOne) {
+  ASSERT_EQ(run({"--output", output("one.h5")}).exit_code, 0);
+  const ChildResult result = shell(mpirun, output("three.h5"));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(checksum(text_of(output("three.h5"))), checksum(text_of(output("one.h5"))));
+}
+
+// One of three processes is killed: what the others did is kept, and one process alone makes the rest.
+TEST_F(Generate, AProcessThatDiesCostsItsOwnChunksOnly) {
+  const std::string script = folder_.write(
+      "killed.sh", "(" + mpirun + " " TACTEL_PROGRAM " generate " + sweep_ + " --output " + output("three.h5") +
+                       ") &\nsleep 0.6\nkill -KILL $(pgrep -P $! | tail -1)\nwait $!\n");
+  const ChildResult result = run_child({"sh", script});
+  ASSERT_EQ(run({"--output", output("three.h5"), "--resume"}).exit_code, 0) << result.err;
+  ASSERT_EQ(run({"--output", output("one.h5")}).exit_code, 0);
+  EXPECT_EQ(checksum(text_of(output("three.h5"))), checksum(text_of(output("one.h5"))));
+}
+
+// A small sweep: two chunks, 5 tactels.
+std::string small_sweep(const std::string& sweep, const std::string& more = "") {
+  return "[sweep]\ncontacts = 9000\n" + sweep + "[sensor]\ncolumns = 11\nrows = 4\ntactels = 5\n[contact]\n" +
+         (more.empty() ? "friction = 0.5\n[indenter]\nshape = \"parabola\"\nradius = 10\n" : more) +
+         "[load]\nindentation = { uniform = [0.1, 0.2] }\ntangential = [0.05]\n";
+}
+
+class SmallSet : public ::testing::Test {
+ protected:
+  std::string operator/(const std::string& name) const { return (folder_ / name).string(); }
+  std::string sweep(const std::string& name, const std::string& text) const { return folder_.write(name, text); }
+  ChildResult run(const std::string& sweep, const std::string& output, std::vector<std::string> more = {}) const {
+    std::vector<std::string> arguments = {"generate", sweep, "--output", *this / output};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_tactel(arguments);
+  }
+  /// Stopped with one chunk of two in the spool: 8192 contacts of two rows of 81 bytes fit under the limit of 1.408 MB
+  /// for a file, 9000 do not.
+  void stop_half_way(const std::string& sweep, const std::string& output) const {
+    run_child({"sh", "-c",
+               "trap '' XFSZ; ulimit -f 2750; " TACTEL_PROGRAM " generate " + sweep + " --output " + (*this / output)});
+    ASSERT_TRUE(std::filesystem::exists(SetSpool::folder(*this / output) / "0000.spool"));
+  }
+
+  ScratchFolder folder_;
+};
+
+TEST_F(SmallSet, ResumeRefusesAFileOfTheSweepThatHasChanged) {
+  const std::string profile = "friction = 0.5\n[indenter]\nshape = \"profile\"\nfile = \"tip.csv\"\n";
+  const std::string text = sweep("a.toml", small_sweep("", profile));
+  folder_.write("tip.csv", "x,y\n-5,1.25\n0,0\n5,1.25\n");
+  stop_half_way(text, "set.h5");
+  folder_.write("tip.csv", "x,y\n-5,1.5\n0,0\n5,1.5\n");
+  const ChildResult other = run(text, "set.h5", {"--resume"});
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_THAT(other.err, HasSubstr("a file named in it that has changed"));
+  folder_.write("tip.csv", "# measured in May\nx,y\n-5,1.25\n0,0\n5,1.25\n");  // the same numbers
+  EXPECT_EQ(run(text, "set.h5", {"--resume"}).exit_code, 0);
+  EXPECT_EQ(run(text, "set.h5", {"--resume"}).exit_code, 0);
+  folder_.write("tip.csv", "x,y\n-5,1.5\n0,0\n5,1.5\n");
+  const ChildResult complete = run(text, "set.h5", {"--resume"});
+  EXPECT_EQ(complete.exit_code, 2);
+  EXPECT_THAT(complete.err, HasSubstr("file 0 tip.csv"));
+}
+
+TEST_F(SmallSet, RefusesChunksOfAnotherPlan) {
+  const std::string seven = sweep("7.toml", small_sweep("seed = 7\n")),
+                    eight = sweep("8.toml", small_sweep("seed = 8\n"));
+  std::string narrow_text = small_sweep("seed = 7\n");
+  narrow_text.replace(narrow_text.find("tactels = 5"), 11, "tactels = 3");
+  const std::string narrow = sweep("narrow.toml", narrow_text);
+  stop_half_way(seven, "7.h5");
+  for (const std::string& other : {eight, narrow}) {
+    const std::string output = std::filesystem::path(other).stem().string() + ".h5";
+    stop_half_way(other, output);
+    std::filesystem::copy_file(SetSpool::folder(*this / output) / "0000.spool",
+                               SetSpool::folder(*this / "7.h5") / "0001.spool");
+    const ChildResult result = run(seven, "7.h5", {"--resume"});
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_THAT(result.err, HasSubstr("0001.spool holds some of another sweep file, seed"));
+    std::filesystem::remove(SetSpool::folder(*this / "7.h5") / "0001.spool");
+  }
+  const auto plan = SetSpool::folder(*this / "7.h5") / "plan";
+  std::filesystem::rename(plan, *this / "plan");
+  const ChildResult lost = run(seven, "7.h5", {"--resume"});
+  EXPECT_EQ(lost.exit_code, 2);
+  EXPECT_THAT(lost.err, HasSubstr("its file `plan` is lost; put it back, or --force"));
+  std::filesystem::rename(*this / "plan", plan);
+  EXPECT_THAT(run(seven, "7.h5", {"--resume"}).out, HasSubstr("1 of 2 chunks are there"));
+  EXPECT_TRUE(std::filesystem::exists(*this / "7.h5"));
+}
+
+// Both chunks fit under the limit of 1.408 MB (65 bytes a row), the set does not: its chunks have room for 24576 rows.
+TEST_F(SmallSet, AFullDiskInTheAssemblyIsAnErrorAndKeepsTheChunks) {
+  std::string text = small_sweep("");
+  text.replace(text.find("tactels = 5"), 11, "tactels = 3");
+  const std::string narrow = sweep("narrow.toml", text);
+  const ChildResult full = run_child(
+      {"sh", "-c",
+       "trap '' XFSZ; ulimit -f 2750; " TACTEL_PROGRAM " generate " + narrow + " --output " + (*this / "set.h5")});
+  EXPECT_EQ(full.exit_code, 2) << full.err;
+  EXPECT_THAT(full.err, HasSubstr("on a disk with room for it"));
+  const ChildResult rest = run(narrow, "set.h5", {"--resume"});
+  EXPECT_EQ(rest.exit_code, 0);
+  EXPECT_THAT(rest.out, HasSubstr("2 of 2 chunks are there"));
+  ASSERT_EQ(run(narrow, "whole.h5").exit_code, 0);
+  EXPECT_EQ(checksum(text_of(*this / "set.h5")), checksum(text_of(*this / "whole.h5")));
+}
+
+TEST_F(SmallSet, ResumeRefusesACompleteSetMadeOtherwise) {
+  const std::string text = sweep("a.toml", small_sweep(""));
+  ASSERT_EQ(run(text, "set.h5").exit_code, 0);
+  EXPECT_EQ(run(text, "set.h5", {"--resume"}).exit_code, 0);
+  const std::vector<std::vector<std::string>> others = {
+      {"--precision", "fp64"}, {"--tolerance", "1e-3"}, {"--rung", "draft"}};
+  for (std::vector<std::string> other : others) {
+    const std::string name = other[0].substr(2);
+    other.push_back("--resume");
+    const ChildResult result = run(text, "set.h5", other);
+    EXPECT_EQ(result.exit_code, 2) << name;
+    EXPECT_THAT(result.err, HasSubstr("it was made with"));
+    EXPECT_THAT(result.err, HasSubstr(name + " "));
+  }
+  const ChildResult changed = run(sweep("b.toml", small_sweep("seed = 5\n")), "set.h5", {"--resume"});
+  EXPECT_EQ(changed.exit_code, 2);
+  // Another version, and a set of before plans were stored.
+  const std::string python = "import h5py,sys\nwith h5py.File(sys.argv[1], 'r+') as f:\n";
+  const auto edit = [&](const std::string& lines) {
+    return run_child({"/usr/bin/python3", "-c", python + lines, *this / "set.h5"});
+  };
+  ASSERT_EQ(edit("  del f.attrs['plan']\n").exit_code, 0);
+  EXPECT_EQ(run(text, "set.h5", {"--resume"}).exit_code, 0);
+  EXPECT_EQ(run(text, "set.h5", {"--resume", "--precision", "fp64"}).exit_code, 2);
+  ASSERT_EQ(edit("  f.attrs['tactel'] = '0.0.1'\n").exit_code, 0);
+  EXPECT_THAT(run(text, "set.h5", {"--resume"}).err, HasSubstr("tactel 0.0.1"));
+}
+
+TEST_F(SmallSet, ResumeOfACompleteSetEndsInEveryProcess) {
+  const std::string text = sweep("a.toml", small_sweep(""));
+  ASSERT_EQ(run(text, "set.h5").exit_code, 0);
+  const ChildResult result =
+      run_child({"sh", "-c",
+                 "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 exec timeout 120 mpirun "
+                 "--oversubscribe --bind-to none -n 2 " TACTEL_PROGRAM " generate " +
+                     text + " --output " + (*this / "set.h5") + " --resume"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;  // 124: it hung
+  EXPECT_THAT(result.out, HasSubstr("complete already"));
+}
+
+// An error in a thread of the set-up is an error of the program, as it is in `solve`.
+TEST_F(SmallSet, ErrorsOfThreadsReachTheUser) {
+  std::string text = small_sweep("");
+  text.replace(text.find("tactels = 5"), 11, "tactels = 5\npoisson = 0.4999999999");
+  const ChildResult result = run(sweep("a.toml", text), "set.h5");
+  EXPECT_EQ(result.exit_code, 2) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("poisson"));
+}
+
+TEST_F(SmallSet, OutputsThatCannotBeAreWrongInput) {
+  const std::string text = sweep("a.toml", small_sweep(""));
+  for (const std::string& output :
+       {std::string(300, 'x') + ".h5", std::string("a.toml/set.h5"), std::string("no/set.h5")}) {
+    const ChildResult result = run(text, output);
+    EXPECT_EQ(result.exit_code, 2) << output;
+    EXPECT_THAT(result.err, HasSubstr("--output = ")) << output;
+  }
+}
+
+// friction is 0 or 0.5, one as likely as the other; expected: the draws themselves.
+TEST_F(SmallSet, CountsContactsWithoutRows) {
+  const std::string path = sweep(
+      "a.toml", small_sweep("", "friction = { choice = [0, 0.5] }\n[indenter]\nshape = \"parabola\"\nradius = 10\n"));
+  const Sweep drawn = read_sweep(path);
+  std::uint64_t without = 0;
+  for (std::uint64_t k = 0; k < 9000; ++k) without += drawn.source.contact(k).scene.friction == 0;
+  ASSERT_GT(without, 4000u);
+  const ChildResult result = run(path, "set.h5");
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.out, HasSubstr(std::to_string(without) + " of 9000 contacts have no row"));
+  const ContactSet set = read_contact_set(*this / "set.h5");
+  EXPECT_EQ(set.without_rows, without);
+  EXPECT_EQ(set.contacts, 9000u);
+}
+
+/// What is in the folder beside the sweep file.
+std::vector<std::string> outputs_in(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    if (entry.path().extension() != ".toml") names.push_back(entry.path().filename().string());
+  return names;
+}
+
+// Killed as it syncs the set (the first fsync of the temporary), and as it syncs the folder behind the renaming.
+TEST_F(SmallSet, AKillInTheAssemblyLeavesNothingForGood) {
+  const OwnCache cache;  // the programs that run beside it sync kernels that they compile into a shared one
+  const std::string text = sweep("a.toml", small_sweep(""));
+  ASSERT_EQ(run(text, "whole.h5").exit_code, 0);
+  const std::string whole = text_of(*this / "whole.h5");
+  std::filesystem::remove(*this / "whole.h5");
+  int in_assembly = 0;
+  for (int fsync = 1; fsync <= 12; ++fsync) {
+    const ChildResult result =
+        run_child({"sh", "-c",
+                   "strace -f -o /dev/null -e trace=fsync -e inject=fsync:signal=KILL:when=" + std::to_string(fsync) +
+                       " " TACTEL_PROGRAM " generate " + text + " --resume --output " + (*this / "set.h5")});
+    const std::vector<std::string> left = outputs_in(folder_ / "");
+    in_assembly += left.size() > 1;
+    ASSERT_EQ(run(text, "set.h5", {"--resume"}).exit_code, 0);
+    EXPECT_THAT(outputs_in(folder_ / ""), testing::ElementsAre("set.h5")) << "killed at fsync " << fsync;
+    EXPECT_EQ(checksum(text_of(*this / "set.h5")), checksum(whole));
+    std::filesystem::remove(*this / "set.h5");
+    if (result.exit_code == 0) break;  // fewer fsyncs than that
+  }
+  EXPECT_GE(in_assembly, 2);  // a temporary beside the spool, and the spool beside the set
+}
+
+TEST_F(SmallSet, SurvivesAPowerCut) {
+  const std::string text = sweep("a.toml", small_sweep(""));
+  const ChildResult result = run_child({"/usr/bin/python3", source_file("tests/host/support/sync_order.py"),
+                                        *this / "set.h5", SetSpool::folder(*this / "set.h5") / "plan", "--",
+                                        TACTEL_PROGRAM, "generate", text, "--output", *this / "set.h5", "--quiet"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+}
+
+/// The first block of Python in docs/sweeps.md.
+std::string documented_python() {
+  const std::string text = text_of(source_file("docs/sweeps.md")), begin = "```python\n";
+  const auto from = text.find(begin) + begin.size();
+  return text.substr(from, text.find("```", from) - from);
+}
+
+TEST_F(SmallSet, TheDocumentedPythonNamesTheIndenters) {
+  const std::string text = sweep(
+      "a.toml", small_sweep("",
+                            "friction = 0.5\n[[indenter]]\nshape = \"profile\"\npoints = 9\nhalf_width = 4\n"
+                            "height = 0.5\n[[indenter]]\nshape = \"rounded_flat\"\nhalf_width = 1\nradius = 5\n"));
+  ASSERT_EQ(run(text, "random.h5").exit_code, 0);
+  const std::string script = folder_.write("read.py", documented_python());
+  const ChildResult result = run_child({"sh", "-c", "cd " + (*this / "") + " && exec /usr/bin/python3 " + script});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("{0: 'random profile', 1: 'rounded_flat'}"));
+}
+
+}  // namespace
+}  // namespace tactel::host

@@ -1,0 +1,72 @@
+// The program on a cache of compiled kernels that is damaged, and interrupted while it compiles.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/host/support/run_tactel.h"
+
+namespace tactel::host {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+/// `tactel solve` on a cache of its own; `pocl` is where PoCL keeps what it compiled.
+class SolveWithCache : public testing::Test {
+ protected:
+  ChildResult solve() {
+    return run_child({"env", "-u", "POCL_CACHE_DIR", "TACTEL_CACHE_DIR=" + (folder_ / "cache").string(), TACTEL_PROGRAM,
+                      "solve", source_file("examples/parabola.toml")});
+  }
+  ScratchFolder folder_;
+};
+
+TEST_F(SolveWithCache, TruncatedFilesCostACompilationAndAWarning) {
+  const ChildResult first = solve();
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  EXPECT_EQ(without_progress(first.err), "");
+  int truncated = 0;
+  for (const auto& file : fs::recursive_directory_iterator(folder_ / "cache" / "pocl"))
+    if (file.path().extension() == ".so" || file.path().extension() == ".bc") {
+      fs::resize_file(file.path(), 100);
+      ++truncated;
+    }
+  ASSERT_GT(truncated, 1);
+  const ChildResult second = solve();
+  EXPECT_EQ(second.exit_code, 0);
+  EXPECT_EQ(second.out, first.out);
+  EXPECT_THAT(second.err, HasSubstr("was damaged"));
+  const ChildResult third = solve();
+  EXPECT_EQ(without_progress(third.err), "");
+  EXPECT_EQ(third.out, first.out);
+}
+
+// Ended before it could list them, as by a power cut.
+TEST_F(SolveWithCache, FilesThatAreNotListedAreCompiledAnew) {
+  const ChildResult first = solve();
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  fs::remove(folder_ / "cache" / "pocl" / "sealed");
+  for (const auto& file : fs::recursive_directory_iterator(folder_ / "cache" / "pocl"))
+    if (file.path().extension() == ".bc") fs::resize_file(file.path(), 0);
+  const ChildResult second = solve();
+  EXPECT_EQ(second.exit_code, 0) << second.err;
+  EXPECT_EQ(second.out, first.out);
+}
+
+// Ctrl-C reaches the compiler's linker, too: wherever it comes, the run ends as interrupted, or is done.
+TEST_F(SolveWithCache, InterruptedWhileItCompilesEndsAsSuch) {
+  const std::string sweep = folder_.write("sweep.toml",
+                                          "[sweep]\ncontacts = 40000\nseed = 1\n[sensor]\ncolumns = 11\nrows = 4\n"
+                                          "tactels = 5\n[indenter]\nshape = \"parabola\"\nradius = 10\n[contact]\n"
+                                          "friction = 0.5\n[load]\nindentation = 0.1\ntangential = [0.05]\n");
+  for (int tenths = 2; tenths <= 14; tenths += 2) {
+    const std::string name = std::to_string(tenths);
+    const ChildResult result =
+        run_child({"env", "-u", "POCL_CACHE_DIR", "TACTEL_CACHE_DIR=" + (folder_ / ("cache" + name)).string(),
+                   "timeout", "--preserve-status", "-s", "INT", std::to_string(0.1 * tenths), TACTEL_PROGRAM,
+                   "generate", sweep, "--output", (folder_ / (name + ".h5")).string()});
+    EXPECT_THAT(result.exit_code, testing::AnyOf(0, 130)) << tenths << " tenths: " << result.err;
+  }
+}
+
+}  // namespace
+}  // namespace tactel::host

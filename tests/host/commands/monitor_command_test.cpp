@@ -1,0 +1,100 @@
+// tactel monitor as a user runs it, on a simulated sensor.
+#include <gmock/gmock.h>
+
+#include "tests/host/commands/live_command.h"
+
+namespace tactel::host {
+namespace {
+
+using ::testing::HasSubstr;
+
+class Monitor : public LiveCommand {};
+
+TEST_F(Monitor, GivesALineForEachFrameAndASummary) {
+  const ChildResult result = run_tactel({"monitor", "--source", simulation, "--network", network_});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto lines = lines_of(result.out);
+  ASSERT_EQ(lines.size(), 321u);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    EXPECT_EQ(lines[i]["frame"], i);
+    EXPECT_NEAR(lines[i]["device_time"].get<double>(), 0.01 * static_cast<double>(i), 1e-6);
+    EXPECT_GE(lines[i]["latency_us"].get<double>(), 0);
+    const double s = lines[i]["slip_index"];
+    EXPECT_TRUE(s > 0 && s < 1);
+  }
+  const auto summary = lines_of(result.err).back();
+  EXPECT_EQ(summary["frames"], 321);
+  for (const char* key : {"lost", "bad", "resynchronised", "late"}) EXPECT_EQ(summary[key], 0) << key;
+  for (const char* key : {"p50", "p99", "p99.9", "max"}) EXPECT_TRUE(summary["latency_us"].contains(key)) << key;
+}
+
+TEST_F(Monitor, ARecordingReplaysToTheSameFramesAndTheSameS) {
+  const ChildResult recorded =
+      run_tactel({"record", "--source", simulation, "--output", recording_, "--frames", (folder_ / "a.csv").string()});
+  ASSERT_EQ(recorded.exit_code, 0) << recorded.err;
+  const std::string replay = "replay:" + recording_;
+  const ChildResult again = run_tactel({"record", "--source", replay, "--output", (folder_ / "again.tactel").string(),
+                                        "--frames", (folder_ / "b.csv").string()});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(text_of(folder_ / "a.csv"), text_of(folder_ / "b.csv"));
+  EXPECT_EQ(text_of(recording_), text_of(folder_ / "again.tactel"));
+
+  const auto live = lines_of(run_tactel({"monitor", "--source", simulation, "--network", network_}).out);
+  const auto replayed = lines_of(run_tactel({"monitor", "--source", replay, "--network", network_}).out);
+  ASSERT_EQ(live.size(), replayed.size());
+  for (std::size_t i = 0; i < live.size(); ++i) {
+    EXPECT_EQ(live[i]["slip_index"].get<double>(), replayed[i]["slip_index"].get<double>()) << i;
+    EXPECT_EQ(live[i]["device_time"], replayed[i]["device_time"]) << i;
+  }
+}
+
+TEST_F(Monitor, EveryThinsTheLinesAndViewDrawsThem) {
+  const auto thinned =
+      run_tactel({"monitor", "--source", simulation, "--network", network_, "--every", "100", "--quiet"});
+  EXPECT_EQ(lines_of(thinned.out).size(), 4u);
+  const auto view = run_tactel({"monitor", "--source", simulation, "--network", network_, "--view"});
+  EXPECT_EQ(view.exit_code, 0);
+  EXPECT_THAT(view.out, HasSubstr("normal |"));
+  EXPECT_THAT(view.out, ::testing::Not(HasSubstr("\x1b"))) << "escapes belong on terminals alone";
+}
+
+TEST_F(Monitor, WrongInputIsNamed) {
+  write_onnx(folder_ / "eight.onnx", network(8));
+  const auto width = run_tactel({"monitor", "--source", simulation, "--network", (folder_ / "eight.onnx").string()});
+  EXPECT_EQ(width.exit_code, 2);
+  EXPECT_THAT(width.err, HasSubstr("42 inputs"));
+  EXPECT_EQ(run_tactel({"monitor", "--source", "replay:" + network_, "--network", network_}).exit_code, 2);
+  EXPECT_EQ(run_tactel({"monitor", "--source", "usb:mitten", "--network", network_}).exit_code, 2);
+  const auto absent = run_tactel({"monitor", "--source", "usb:glove", "--network", network_});
+  EXPECT_EQ(absent.exit_code, 3) << absent.err;
+  EXPECT_THAT(absent.err, HasSubstr("plugged in"));
+}
+
+/// The program in a shell, for its redirections.
+ChildResult in_shell(const std::string& arguments) {
+  return run_child({"/bin/sh", "-c", std::string(TACTEL_PROGRAM) + " " + arguments});
+}
+
+TEST_F(Monitor, LinesThatCannotBeWrittenAreAnError) {
+  const std::string arguments = "monitor --source '" + simulation + "' --network " + network_;
+  for (const char* view : {"", " --view"}) {
+    const ChildResult full = in_shell(arguments + view + " > /dev/full");
+    EXPECT_EQ(full.exit_code, 2) << full.err;
+    EXPECT_THAT(full.err, HasSubstr("standard output"));
+    EXPECT_THAT(full.err, HasSubstr("No space left"));
+  }
+  EXPECT_EQ(in_shell(arguments + " >&-").exit_code, 2);
+  EXPECT_EQ(in_shell(arguments + " --seconds 600 > " + (folder_ / "lines").string() + " 2> /dev/full").exit_code, 0)
+      << "a full log does not end the monitoring";
+  EXPECT_EQ(lines_of(text_of(folder_ / "lines")).size(), 321u);
+}
+
+TEST_F(Monitor, TimesThatAreNoneAreRefused) {
+  for (const char* option : {"--seconds", "--late"})
+    for (const char* value : {"nan", "inf", "0", "-1", "soon"})
+      EXPECT_EQ(run_tactel({"monitor", "--source", simulation, "--network", network_, option, value}).exit_code, 2)
+          << option << " " << value;
+}
+
+}  // namespace
+}  // namespace tactel::host

@@ -1,0 +1,94 @@
+// tactel record as a user runs it, on a simulated sensor.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "hw/recording.h"
+#include "tests/host/commands/live_command.h"
+
+namespace tactel::host {
+namespace {
+
+using ::testing::HasSubstr;
+
+class Record : public LiveCommand {
+ protected:
+  ChildResult record(std::vector<std::string> more, const std::string& source = simulation) const {
+    std::vector<std::string> arguments{"record", "--source", source, "--quiet"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_tactel(arguments);
+  }
+  ChildResult replay() const {
+    return run_tactel({"monitor", "--source", "replay:" + recording_, "--network", network_});
+  }
+};
+
+TEST_F(Record, AFullDiskIsAnErrorAndTheRecordingStaysWhole) {
+  const ChildResult table = record({"--output", recording_, "--frames", "/dev/full"});
+  EXPECT_EQ(table.exit_code, 2) << table.err;
+  EXPECT_THAT(table.err, HasSubstr("/dev/full"));
+  const ChildResult kept = replay();
+  EXPECT_EQ(kept.exit_code, 0);
+  EXPECT_EQ(lines_of(kept.err).back()["cut_short"], false);
+  const ChildResult full = record({"--output", "/dev/full"});
+  EXPECT_EQ(full.exit_code, 2) << full.err;
+  EXPECT_THAT(full.err, HasSubstr("No space left"));
+}
+
+TEST_F(Record, WritesOverNothingUnasked) {
+  const std::string other = folder_.write("thesis.csv", "precious");
+  for (const char* option : {"--output", "--frames"}) {
+    const std::string output = option == std::string("--output") ? other : recording_;
+    std::vector<std::string> arguments{"--output", output};
+    if (output != other) arguments.insert(arguments.end(), {"--frames", other});
+    const ChildResult refused = record(arguments);
+    EXPECT_EQ(refused.exit_code, 2) << refused.err;
+    EXPECT_THAT(refused.err, HasSubstr("--force"));
+    EXPECT_EQ(text_of(other), "precious");
+    EXPECT_FALSE(std::filesystem::exists(recording_));
+  }
+  EXPECT_EQ(record({"--output", other, "--force"}).exit_code, 0);
+  EXPECT_GT(text_of(other).size(), 8u);
+  EXPECT_EQ(record({"--output", recording_, "--frames", recording_, "--force"}).exit_code, 2) << "two into one file";
+}
+
+TEST_F(Record, NeverWritesOverWhatItReplays) {
+  ASSERT_EQ(record({"--output", recording_}).exit_code, 0);
+  const std::string before = text_of(recording_), link = (folder_ / "link").string();
+  std::filesystem::create_symlink(recording_, link);
+  for (const std::string& output : {recording_, link, (folder_ / "." / "r.tactel").string()})
+    for (const char* option : {"--output", "--frames"}) {
+      std::vector<std::string> arguments{option, output, "--force"};
+      if (option != std::string("--output")) arguments.insert(arguments.end(), {"--output", "/dev/null"});
+      const ChildResult refused = record(arguments, "replay:" + recording_ + "?paced=0");
+      EXPECT_EQ(refused.exit_code, 2) << option << " " << output << refused.err;
+      ASSERT_EQ(text_of(recording_), before);
+    }
+}
+
+TEST_F(Record, ACutOffRecordingSaysSoAtReplay) {
+  ASSERT_EQ(record({"--output", recording_}).exit_code, 0);
+  std::filesystem::resize_file(recording_, std::filesystem::file_size(recording_) / 2);
+  const ChildResult cut = replay();
+  EXPECT_EQ(cut.exit_code, 0) << cut.err;
+  EXPECT_THAT(cut.err, HasSubstr("cut off"));
+  EXPECT_EQ(lines_of(cut.err.substr(cut.err.rfind("\n{") + 1)).back()["cut_short"], true);
+  const ChildResult again =
+      run_tactel({"record", "--source", "replay:" + recording_, "--output", (folder_ / "b").string()});
+  EXPECT_THAT(again.err, HasSubstr("cut off"));
+}
+
+TEST_F(Record, AnArrivalThatIsNoTimeIsNamedAndNotReadAsOne) {
+  hw::RecordingWriter writer(recording_, open_source(simulation, "", "").profile.text);
+  const std::uint8_t bytes[] = {0xA5};
+  writer.write({bytes, std::nan("")});
+  writer.finish();
+  const ChildResult damaged = replay();
+  EXPECT_EQ(damaged.exit_code, 2) << damaged.err;
+  EXPECT_THAT(damaged.err, HasSubstr("no time"));
+  EXPECT_THAT(damaged.err + damaged.out, ::testing::Not(HasSubstr("nan,")));
+}
+
+}  // namespace
+}  // namespace tactel::host

@@ -1,0 +1,239 @@
+// The command line: outputs, exit codes, and messages about options.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "fem/gap_reference.h"
+#include "host/scenes/scene_file.h"
+#include "tests/host/support/run_tactel.h"
+
+namespace tactel::host {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+const std::string parabola = source_file("examples/parabola.toml");
+
+std::vector<std::string> keys(const json& object) {
+  std::vector<std::string> names;
+  for (const auto& [key, value] : object.items()) names.push_back(key);
+  return names;
+}
+
+TEST(SolveCommand, TableHasALineAStep) {
+  const ChildResult result = run_tactel({"solve", parabola});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("parabola on the paper's mesh B\n"));
+  EXPECT_THAT(result.out, HasSubstr("\n   9  0.1500  0.4000 "));
+  std::istringstream lines(result.out);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80u) << line;
+  EXPECT_THAT(result.out, HasSubstr("the whole contact slides"));
+}
+
+TEST(SolveCommand, JsonHasTheDocumentedKeys) {
+  const json answer = json::parse(run_tactel({"solve", parabola, "--json", "-"}).out);
+  EXPECT_THAT(keys(answer),
+              testing::UnorderedElementsAre("tactel", "scene", "solver", "precision", "device", "fallback", "surface_x",
+                                            "base_x", "tactel_x", "steps", "warnings"));
+  ASSERT_EQ(answer["steps"].size(), 9u);
+  const json& step = answer["steps"][4];
+  EXPECT_THAT(keys(step), testing::UnorderedElementsAre("indentation", "tangential", "P", "Q", "slip_index",
+                                                        "slip_distance", "status", "normal_force", "tangential_force",
+                                                        "base_force_x", "base_force_y", "sigma_y", "tau_xy",
+                                                        "converged", "iterations", "residual"));
+  EXPECT_THAT(keys(step["residual"]),
+              testing::UnorderedElementsAre("penetration", "cone", "complementarity", "drift", "balance"));
+  for (const char* key : {"status", "normal_force", "tangential_force"}) EXPECT_EQ(step[key].size(), 41u) << key;
+  for (const char* key : {"base_force_x", "base_force_y"}) EXPECT_EQ(step[key].size(), answer["base_x"].size()) << key;
+  for (const char* key : {"sigma_y", "tau_xy"}) EXPECT_EQ(step[key].size(), 21u) << key;
+  EXPECT_EQ(answer["scene"]["sensor"]["element"], "bbar");
+}
+
+TEST(SolveCommand, JsonNumbersReadBackToTheSameBits) {
+  const json answer = json::parse(run_tactel({"solve", parabola, "--json", "-", "--solver", "reference"}).out);
+  const fem::ContactSolution solution = fem::solve_gap_reference(read_scene(parabola));
+  const fem::ContactStep& step = solution.steps.back();
+  EXPECT_EQ(answer["steps"].back()["P"].get<double>(), step.P);
+  for (Eigen::Index k = 0; k < step.base_force_x.size(); ++k) {
+    ASSERT_EQ(answer["steps"].back()["base_force_x"][static_cast<std::size_t>(k)].get<double>(), step.base_force_x[k]);
+  }
+}
+
+TEST(SolveCommand, SlipIndexIsNullWithoutFriction) {
+  const ScratchFolder folder;
+  const std::string scene = folder.write(
+      "scene.toml",
+      "[indenter]\nshape = \"parabola\"\nradius = 10\n[contact]\nfriction = 0\n[load]\nindentation = [0.1, 0.0]\n");
+  const json answer = json::parse(run_tactel({"solve", scene, "--json", "-", "--solver", "reference"}).out);
+  EXPECT_TRUE(answer["steps"][0]["slip_index"].is_null());
+  EXPECT_GT(answer["steps"][0]["P"].get<double>(), 0.0);
+  EXPECT_TRUE(answer["steps"][1]["slip_index"].is_null());
+}
+
+// Pulled at 99.9 % of the friction angle by force, the sweeps give up, and the fallback answers.
+TEST(SolveCommand, JsonSaysWhenTheFallbackAnswered) {
+  const ScratchFolder folder;
+  // atan 0.5 = 26.5651 degrees
+  const std::string scene = folder.write("scene.toml",
+                                         "[indenter]\nshape = \"parabola\"\nradius = 10\n[contact]\nfriction = 0.5\n"
+                                         "[load]\nnormal_force = 0.5\nangle = 26.5385\n");
+  const json answer = json::parse(run_tactel({"solve", scene, "--json", "-"}).out);
+  EXPECT_EQ(answer["fallback"], true);
+  EXPECT_EQ(answer["steps"].back()["converged"], true);
+  EXPECT_EQ(json::parse(run_tactel({"solve", parabola, "--json", "-"}).out)["fallback"], false);
+}
+
+TEST(SolveCommand, WritesEveryOutput) {
+  const ScratchFolder folder;
+  const std::string answer = folder / "a.json", svg = folder / "a.svg", field = folder / "a.vtu";
+  const ChildResult result =
+      run_tactel({"solve", parabola, "--json", answer, "--plot", svg, "--field", field, "--step", "5"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(json::accept(text_of(answer)));
+  EXPECT_THAT(text_of(svg), HasSubstr("depth 0.15 mm, drag 0.2 mm"));
+  EXPECT_THAT(text_of(field), HasSubstr("<VTKFile type=\"UnstructuredGrid\""));
+  EXPECT_EQ(folder.files(), 3u) << "temporary files are left";
+}
+
+TEST(SolveCommand, PngIsAPng) {
+  const ScratchFolder folder;
+  const std::string png = folder / "a.png";
+  EXPECT_EQ(run_tactel({"solve", parabola, "--plot", png}).exit_code, 0);
+  EXPECT_EQ(text_of(png).substr(0, 8), "\x89PNG\r\n\x1a\n");
+}
+
+TEST(SolveCommand, WarnsOfDeepIndenters) {
+  const ScratchFolder folder;
+  const std::string scene =
+      folder.write("scene.toml", "[indenter]\nshape = \"parabola\"\nradius = 10\n[load]\nindentation = 0.31\n");
+  EXPECT_THAT(run_tactel({"solve", scene}).err,
+              HasSubstr("warning: the indenter is 0.31 mm deep, 21 % of the thickness"));
+  EXPECT_EQ(run_tactel({"solve", scene, "--quiet"}).err, "");
+}
+
+TEST(SolveCommand, MissedToleranceEndsWithFour) {
+  const ChildResult result = run_tactel({"solve", parabola, "--solver", "reference", "--tolerance", "1e-30"});
+  EXPECT_EQ(result.exit_code, 4);
+  EXPECT_THAT(result.out, HasSubstr(" NO "));
+  EXPECT_THAT(result.err, HasSubstr("not every step met its tolerance"));
+}
+
+// At depth 0 nothing touches, and so nothing slides, however far it is dragged.
+TEST(SolveCommand, ADragThatNeverSlidesEndsWithFour) {
+  const std::string scene = source_file("tests/host/contact/scenes/flat_released_and_dragged.toml");
+  const ChildResult result = run_tactel({"solve", scene});
+  EXPECT_EQ(result.exit_code, 4);
+  EXPECT_THAT(result.err, HasSubstr("warning: the contact does not slide as a whole within 1000 steps of 0.462 mm"));
+  EXPECT_THAT(result.out, HasSubstr("the contact does not slide as a whole"));
+}
+
+TEST(SolveCommand, WarnsOfSlidingFar) {
+  const std::string scene = source_file("tests/host/contact/scenes/dragged_far.toml");
+  const ChildResult result = run_tactel({"solve", scene});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.err, HasSubstr("mm over the rubber, more than 0.5 mm"));
+  EXPECT_EQ(run_tactel({"solve", scene, "--quiet"}).err, "");
+}
+
+TEST(SolveCommand, SinglePrecisionSaysSo) {
+  const json answer = json::parse(run_tactel({"solve", parabola, "--json", "-", "--precision", "fp32"}).out);
+  EXPECT_EQ(answer["precision"], "fp32");
+  const json exact = json::parse(run_tactel({"solve", parabola, "--json", "-", "--solver", "reference"}).out);
+  // fp32 carries 6e-8, the condensed compliance amplifies it by its condition of up to 300
+  EXPECT_NEAR(answer["steps"][8]["P"].get<double>(), exact["steps"][8]["P"].get<double>(), 1e-4);
+}
+
+TEST(CommandLine, HelpAndVersionEndWithZero) {
+  EXPECT_EQ(run_tactel({"--version"}).out, "tactel 0.1.0\n");
+  const ChildResult all = run_tactel({"--help"});
+  EXPECT_EQ(all.exit_code, 0);
+  EXPECT_THAT(all.out, testing::AllOf(HasSubstr("devices"), HasSubstr("solve")));
+  const ChildResult solve = run_tactel({"solve", "--help"});
+  EXPECT_EQ(solve.exit_code, 0);
+  EXPECT_THAT(solve.out, testing::AllOf(HasSubstr("--json"), HasSubstr("--plot"), HasSubstr("--field"),
+                                        HasSubstr("MPa"), HasSubstr("default")));
+}
+
+TEST(CommandLine, DevicesAreListed) {
+  const ChildResult result = run_tactel({"devices"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("cpu"));
+  EXPECT_GE(json::parse(run_tactel({"devices", "--json"}).out).size(), 1u);
+}
+
+struct WrongCall {
+  std::string name;
+  std::vector<std::string> arguments;
+  std::string says;
+};
+void PrintTo(const WrongCall& call, std::ostream* out) { *out << call.name; }
+
+class WrongCallTest : public testing::TestWithParam<WrongCall> {};
+
+TEST_P(WrongCallTest, EndsWithTwoAndSaysWhy) {
+  const ChildResult result = run_tactel(GetParam().arguments);
+  EXPECT_EQ(result.exit_code, 2) << result.out;
+  EXPECT_THAT(result.err, HasSubstr(GetParam().says));
+  EXPECT_EQ(result.out, "");
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, WrongCallTest,
+    testing::Values(
+        WrongCall{"Nothing", {}, "Usage: tactel "},
+        WrongCall{"UnknownCommand", {"solv", parabola}, "; did you mean solve?"},
+        WrongCall{"UnknownOption", {"solve", parabola, "--jsn", "x"}, "--jsn"},
+        WrongCall{"NoScene", {"solve"}, "scene"}, WrongCall{"TwoScenes", {"solve", parabola, parabola}, parabola},
+        WrongCall{
+            "UnknownSolver", {"solve", parabola, "--solver", "magic"}, "--solver: magic not in {batched,reference}"},
+        WrongCall{
+            "UnknownPrecision", {"solve", parabola, "--precision", "fp16"}, "--precision: fp16 not in {fp32,fp64}"},
+        WrongCall{"NegativeTolerance", {"solve", parabola, "--tolerance", "-1"}, "--tolerance"},
+        WrongCall{"AccuracyIsNoNumber",
+                  {"solve", parabola, "--accuracy", "nan"},
+                  "--accuracy = nan: must be a finite number"},
+        WrongCall{"AccuracyIsInfinite", {"solve", parabola, "--accuracy", "inf"}, "--accuracy: Value inf not in range"},
+        WrongCall{"ToleranceIsNoNumber",
+                  {"solve", parabola, "--tolerance", "nan"},
+                  "--tolerance = nan: must be a finite number"},
+        WrongCall{"ReferenceInSingle",
+                  {"solve", parabola, "--solver", "reference", "--precision", "fp32"},
+                  "--precision = fp32: must be fp64 with --solver reference"},
+        WrongCall{"ReferenceOnADevice",
+                  {"solve", parabola, "--solver", "reference", "--device", "0"},
+                  "--device = 0: must be left out"},
+        WrongCall{"UnknownDevice", {"solve", parabola, "--device", "abacus"}, "abacus"},
+        WrongCall{"StepBeyondTheLast",
+                  {"solve", parabola, "--step", "10"},
+                  "--step = 10: must be a load step of this scene, 1 to 9"},
+        WrongCall{
+            "StepZero", {"solve", parabola, "--step", "0"}, "--step = 0: must be a load step of this scene, 1 to 9"},
+        WrongCall{"NoSuchFolder",
+                  {"solve", parabola, "--json", "/no/such/folder/a.json"},
+                  "--json = /no/such/folder/a.json: must be a file that can be written (No such file or directory; "
+                  "make the folder first)"},
+        WrongCall{"OutputIsFolder",
+                  {"solve", parabola, "--field", "/tmp"},
+                  "--field = /tmp: must be a file that can be written (it names a folder)"},
+        WrongCall{"PlotAsPdf",
+                  {"solve", parabola, "--plot", "/tmp/a.pdf"},
+                  "--plot = /tmp/a.pdf: must be a file name that ends in .svg or .png"}),
+    [](const auto& info) { return info.param.name; });
+
+TEST(CommandLine, SaysThatGnuplotIsMissing) {
+  const std::string path = ::getenv("PATH");
+  ::setenv("PATH", "/nowhere", 1);
+  const ScratchFolder folder;
+  const ChildResult result = run_tactel({"solve", parabola, "--plot", folder / "a.svg"});
+  ::setenv("PATH", path.c_str(), 1);
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("gnuplot installed (apt-get install gnuplot-nox)"));
+  EXPECT_EQ(folder.files(), 0u);
+}
+
+}  // namespace
+}  // namespace tactel::host

@@ -1,0 +1,59 @@
+// tactel tare as a user runs it, on a simulated sensor.
+#include <gmock/gmock.h>
+
+#include <filesystem>
+
+#include "tests/host/commands/live_command.h"
+
+namespace tactel::host {
+namespace {
+
+using ::testing::HasSubstr;
+
+class TareCommand : public LiveCommand {
+ protected:
+  ChildResult tare(const std::string& source, std::vector<std::string> more = {}) const {
+    std::vector<std::string> arguments{"tare", "--source", source, "--output", calibration_};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_tactel(arguments);
+  }
+  std::string calibration_ = (folder_ / "c.toml").string();
+  // Pressed at once and held, without the amplifiers' decay: constant stresses and noise.
+  const std::string rest_ = "simulate:" + scene + "?paced=0&press=0&hold=9&drag=0&slip=0&time_constant=0";
+};
+
+TEST_F(TareCommand, WritesTheOffsetsAtRest) {
+  const auto tared = tare(rest_);
+  ASSERT_EQ(tared.exit_code, 0) << tared.err;
+  EXPECT_THAT(tared.err, HasSubstr("the mean of 201 frames")) << "2 s at 100 Hz, and the frame at 0";
+  const auto used =
+      run_tactel({"monitor", "--source", simulation, "--network", network_, "--calibration", calibration_});
+  EXPECT_EQ(used.exit_code, 0) << used.err;
+}
+
+TEST_F(TareCommand, AMovingSensorIsNotAtRest) {
+  const auto moving = tare(simulation);
+  EXPECT_EQ(moving.exit_code, 4) << moving.err;
+  EXPECT_THAT(moving.err, HasSubstr("not at rest"));
+  EXPECT_THAT(moving.err, HasSubstr("stress of tactel"));
+  EXPECT_FALSE(std::filesystem::exists(calibration_));
+  EXPECT_EQ(tare(simulation, {"--force"}).exit_code, 0);
+  EXPECT_TRUE(std::filesystem::exists(calibration_));
+}
+
+TEST_F(TareCommand, TooFewFramesTellNothing) {
+  const auto few = tare(rest_ + "&rate=3");
+  EXPECT_EQ(few.exit_code, 3) << few.err;
+  EXPECT_THAT(few.err, HasSubstr("7 frames came"));
+}
+
+TEST_F(TareCommand, CtrlCWritesNoCalibration) {
+  const std::string paced = "simulate:" + scene + "?press=0&hold=90&drag=0&slip=0&time_constant=0";
+  const auto stopped = run_child({"/usr/bin/timeout", "--preserve-status", "--signal=INT", "4", TACTEL_PROGRAM, "tare",
+                                  "--source", paced, "--output", calibration_, "--seconds", "60"});
+  EXPECT_EQ(stopped.exit_code, 130) << stopped.err;
+  EXPECT_FALSE(std::filesystem::exists(calibration_));
+}
+
+}  // namespace
+}  // namespace tactel::host

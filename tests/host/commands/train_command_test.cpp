@@ -1,0 +1,388 @@
+// `tactel train` and `tactel recall` as a user meets them: files, tables, wrong calls, and sets at their extremes.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "host/networks/onnx_file.h"
+#include "tests/host/sets/network_files.h"
+
+namespace {
+
+using namespace tactel;
+using namespace tactel::host;
+using nlohmann::json;
+using tactel::testing::networks_in;
+using tactel::testing::PaperSetFiles;
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+
+constexpr float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+
+ChildResult train(const std::string& directory, std::vector<std::string> options = {}) {
+  std::vector<std::string> all = {"train", PaperSetFiles::learning(), "--output", directory, "--cycles", "20"};
+  all.insert(all.end(), options.begin(), options.end());
+  return run_tactel(all);
+}
+
+/// Two small trainings that several tests look at: scaled by the set and by the frame.
+const ScratchFolder& trained() {
+  static const ScratchFolder folder;
+  static const bool made = [] {
+    EXPECT_EQ(train(folder / "set", {"--network", "6", "--network", "42-5-1"}).exit_code, 0);
+    EXPECT_EQ(train(folder / "frame", {"--network", "6", "--scaling", "frame"}).exit_code, 0);
+    return true;
+  }();
+  EXPECT_TRUE(made);
+  return folder;
+}
+
+json recall_json(const std::string& networks, const std::string& set) {
+  const ChildResult result = run_tactel({"recall", networks, set, "--json", "-"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  return json::parse(result.out);
+}
+
+TEST(TrainCommand, WritesNetworksReportAndFigure) {
+  const ScratchFolder folder;
+  const ChildResult result = train(folder / "net", {"--network", "3", "--network", "42-5-1", "--seeds", "2", "--noise",
+                                                    "0", "--noise", "0.1", "--recall", PaperSetFiles::recall()});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(without_progress(result.err), "");
+  EXPECT_THAT(result.out, HasSubstr("42-5-1 10%"));
+  const json report = json::parse(text_of(folder / "net" / "training.json"));
+  ASSERT_EQ(report["networks"].size(), 8u);
+  EXPECT_EQ(report["patterns"].get<double>(), 8.0 * 20 * report["rows"].get<double>());
+  EXPECT_GT(report["patterns_per_second"].get<double>(), 0);
+  for (const json& network : report["networks"]) {
+    EXPECT_EQ(network["status"], "cycle limit");
+    EXPECT_EQ(network["curve"]["cycle"].back(), 20);
+    EXPECT_GT(network["recalling"]["mean"].get<double>(), 0);
+    const nn::Model model = read_onnx(folder / "net" / network["file"]);
+    EXPECT_EQ(model.weights.topology.text(), network["topology"]);
+    EXPECT_EQ(model.seed, network["seed"]);
+    EXPECT_EQ(model.noise, network["noise"]);
+    EXPECT_EQ(model.learning_errors.mean, network["learning"]["mean"]);
+  }
+  EXPECT_EQ(report["networks"][0]["network"], 3);
+  EXPECT_TRUE(report["networks"][4]["network"].is_null());
+  EXPECT_EQ(networks_in(folder / "net").size(), 8u);
+  EXPECT_THAT(text_of(folder / "net" / "learning_curves.svg"), HasSubstr("median of up to 2 seeds"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder / "net"), {}), 10);  // and no checkpoint
+}
+
+// A network's bits are its own: not its company's.
+TEST(TrainCommand, SixNetworksAreTheDefault) {
+  const ScratchFolder folder;
+  ASSERT_EQ(train(folder / "all", {"--quiet"}).exit_code, 0);
+  const auto all = networks_in(folder / "all"), some = networks_in(trained() / "set");
+  EXPECT_EQ(all.size(), 6u);
+  EXPECT_EQ(all.at("42-42-21-1_noise0_seed1.onnx"), some.at("42-42-21-1_noise0_seed1.onnx"));
+}
+
+TEST(TrainCommand, GuardsWhatADirectoryHolds) {
+  const ScratchFolder folder;
+  const std::string net = folder / "net";
+  ASSERT_EQ(train(net, {"--network", "3"}).exit_code, 0);
+  const auto before = networks_in(net);
+  EXPECT_THAT(train(net, {"--network", "1"}).err, HasSubstr("without a finished training, or --force"));
+  EXPECT_THAT(train(net, {"--network", "1", "--resume"}).err, HasSubstr("of another training"));
+  const ChildResult again = train(net, {"--network", "3", "--resume"});
+  EXPECT_EQ(again.exit_code, 0);
+  EXPECT_THAT(again.out, HasSubstr("this training is done"));
+  EXPECT_EQ(networks_in(net), before);
+
+  EXPECT_EQ(train(net, {"--network", "1", "--force"}).exit_code, 0);
+  EXPECT_EQ(networks_in(net).size(), 1u);
+  EXPECT_EQ(networks_in(net).count("42-42-1_noise0_seed1.onnx"), 1u);
+  fs::copy_file(trained() / "set" / "42-5-1_noise0_seed1.onnx", folder / "net" / "mine.onnx");
+  EXPECT_THAT(train(net, {"--force"}).err, HasSubstr("without networks of another origin (mine.onnx)"));
+  EXPECT_TRUE(fs::exists(folder / "net" / "mine.onnx"));
+}
+
+TEST(TrainCommand, RefusesACheckpointOfAnotherTraining) {
+  const ScratchFolder folder;
+  fs::create_directories(folder / "net");
+  folder.write("net/checkpoint", "something else");
+  EXPECT_THAT(train(folder / "net").err, HasSubstr("without an interrupted training, or --resume"));
+  const ChildResult result = train(folder / "net", {"--resume"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("not a checkpoint"));
+}
+
+TEST(TrainCommand, RefusesAReportThatIsNone) {
+  const ScratchFolder folder;
+  fs::create_directories(folder / "net");
+  for (const char* text : {"", "[", R"({"fingerprint": 7})", R"({"fingerprint": null, "networks": {"file": 1}})"}) {
+    folder.write("net/training.json", text);
+    const ChildResult result = train(folder / "net", {"--resume"});
+    EXPECT_EQ(result.exit_code, 2) << text;
+    EXPECT_THAT(result.err, HasSubstr("of another training")) << text;
+  }
+}
+
+// A learning rate of 1e38 overflows fp32 in the first steps. The network has no file, and the program says so.
+TEST(TrainCommand, SaysThatANetworkDiverged) {
+  const ScratchFolder folder;
+  for (const char* schedule : {"online", "batch"}) {
+    const ChildResult result = train(
+        folder / schedule, {"--network", "3", "--learning-rate", "1e38", "--schedule", schedule, "--stop-error", "0"});
+    const json network = json::parse(text_of(folder / schedule / "training.json"))["networks"][0];
+    EXPECT_EQ(network["status"], "not finite") << schedule;
+    EXPECT_EQ(result.exit_code, 4) << schedule;
+    EXPECT_THAT(result.err, HasSubstr("1 of 1 networks diverged"));
+    EXPECT_TRUE(network["file"].is_null());
+    EXPECT_TRUE(networks_in(folder / schedule).empty());
+  }
+}
+
+TEST(RecallCommand, FiguresAreThoseOfItsRows) {
+  const ScratchFolder folder;
+  const ChildResult result = run_tactel({"recall", trained() / "set", PaperSetFiles::recall(), "--json",
+                                         folder / "a.json", "--rows", folder / "rows.csv"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const json report = json::parse(text_of(folder / "a.json"));
+  const ContactSet set = read_contact_set(PaperSetFiles::recall());
+  std::istringstream rows(text_of(folder / "rows.csv"));
+  std::string line;
+  std::getline(rows, line);
+  EXPECT_EQ(line, "row,slip_index,42-42-21-1_noise0_seed1.onnx,42-5-1_noise0_seed1.onnx");
+  double sum = 0, most = 0;
+  std::size_t count = 0;
+  for (; std::getline(rows, line); ++count) {
+    double row = 0, s = 0, first = 0, second = 0;
+    ASSERT_EQ(std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf", &row, &s, &first, &second), 4) << line;
+    EXPECT_EQ(row, static_cast<double>(count));
+    EXPECT_EQ(static_cast<float>(s), set.slip_index[count]);
+    sum += std::abs(first - s);
+    most = std::max(most, std::abs(first - s));
+  }
+  EXPECT_EQ(count, set.rows());
+  // nine digits of S in the table
+  EXPECT_NEAR(report["networks"][0]["recalling"]["mean"].get<double>(), sum / static_cast<double>(count), 1e-8);
+  EXPECT_NEAR(report["networks"][0]["recalling"]["max"].get<double>(), most, 1e-8);
+  std::size_t by_indenter = 0, by_nodes = 0;
+  for (const json& kind : report["networks"][0]["by_indenter"]) by_indenter += kind["rows"].get<std::size_t>();
+  for (const json& kind : report["networks"][0]["by_contact_nodes"]) by_nodes += kind["rows"].get<std::size_t>();
+  EXPECT_EQ(by_indenter, set.rows());
+  EXPECT_EQ(by_nodes, set.rows());
+  EXPECT_THAT(result.out, HasSubstr("spherical"));
+}
+
+TEST(RecallCommand, TakesOneNetworkAndBothPrecisions) {
+  const std::string file = trained() / "set" / "42-5-1_noise0_seed1.onnx";
+  const json single = recall_json(file, PaperSetFiles::recall());
+  ASSERT_EQ(single["networks"].size(), 1u);
+  const json exact =
+      json::parse(run_tactel({"recall", file, PaperSetFiles::recall(), "--json", "-", "--precision", "fp64"}).out);
+  // sums of 42 products in fp32
+  EXPECT_NEAR(single["networks"][0]["recalling"]["mean"].get<double>(),
+              exact["networks"][0]["recalling"]["mean"].get<double>(), 1e-6);
+}
+
+/// The recall set with frames that no rubber ever gave: rows 0 and 1 not finite, 2 zero, 3 and 4 huge, 5 without S, 6
+/// over tolerance.
+ContactSet extreme_set() {
+  ContactSet set = read_contact_set(PaperSetFiles::recall());
+  const auto frame = [&](std::size_t row) {
+    return set.frames.begin() + static_cast<std::ptrdiff_t>(row) * set.inputs;
+  };
+  *frame(0) = nan;
+  *(frame(1) + 41) = inf;
+  std::fill_n(frame(2), set.inputs, 0.0f);
+  std::fill_n(frame(3), set.inputs, 1e4f);
+  std::fill_n(frame(4), set.inputs, -1e4f);
+  set.slip_index[5] = nan;
+  set.status[6] = 2;
+  return set;
+}
+
+TEST(RecallCommand, FramesAtTheirExtremesHaveAStatus) {
+  const ScratchFolder folder;
+  const ContactSet set = extreme_set();
+  write_contact_set(folder / "extreme.h5", set);
+  for (const char* scaling : {"set", "frame"}) {
+    const std::string networks = trained() / scaling;
+    const json report = recall_json(networks, folder / "extreme.h5");
+    EXPECT_EQ(report["rows"], set.rows() - 2);
+    EXPECT_EQ(report["rows_left_out"], 2);
+    for (const json& network : report["networks"]) {
+      EXPECT_EQ(network["frames"]["not finite"], 2) << scaling;
+      EXPECT_EQ(network["frames"]["no stress"], std::string(scaling) == "frame" ? 1 : 0);
+      EXPECT_EQ(network["without_answer"], 2);
+      EXPECT_EQ(network["recalling"]["rows"], set.rows() - 4);
+      for (const char* figure : {"max", "mean", "std"}) EXPECT_TRUE(network["recalling"][figure].is_number());
+    }
+    ASSERT_EQ(run_tactel({"recall", networks, folder / "extreme.h5", "--rows", folder / "rows.csv"}).exit_code, 0);
+    EXPECT_THAT(text_of(folder / "rows.csv"), ::testing::Not(HasSubstr("nan")));
+  }
+}
+
+TEST(RecallCommand, ASetWithoutAnyGoodFrameHasNoFigures) {
+  const ScratchFolder folder;
+  ContactSet set = read_contact_set(PaperSetFiles::recall());
+  std::fill(set.frames.begin(), set.frames.end(), nan);
+  write_contact_set(folder / "nan.h5", set);
+  const json network = recall_json(trained() / "set", folder / "nan.h5")["networks"][0];
+  EXPECT_TRUE(network["recalling"]["mean"].is_null());
+  EXPECT_EQ(network["recalling"]["rows"], 0);
+  EXPECT_EQ(network["without_answer"], set.rows());
+}
+
+/// Sets that nothing can be learnt from, and networks that are none.
+class BadFiles : public ::testing::Test {
+ protected:
+  std::string written(const std::string& name, const ContactSet& set) const {
+    write_contact_set(folder_ / name, set);
+    return folder_ / name;
+  }
+  /// Exit code 2, and a message that holds all of these.
+  static void expect_refusal(const std::vector<std::string>& arguments, const std::vector<std::string>& says) {
+    const ChildResult result = run_tactel(arguments);
+    EXPECT_EQ(result.exit_code, 2) << result.out;
+    for (const std::string& text : says) EXPECT_THAT(result.err, HasSubstr(text));
+  }
+  ScratchFolder folder_;
+};
+
+TEST_F(BadFiles, SetsThatNothingCanBeLearntFrom) {
+  const std::string net = folder_ / "net";
+  expect_refusal({"train", written("extreme.h5", extreme_set()), "--output", net},
+                 {"extreme.h5: inputs[0] = NaN or infinity: must be finite"});
+  ContactSet set = read_contact_set(PaperSetFiles::recall());
+  std::fill(set.frames.begin(), set.frames.end(), 0.0f);
+  expect_refusal({"train", written("zero.h5", set), "--output", net}, {"zero.h5", "scaling"});
+  std::fill(set.slip_index.begin(), set.slip_index.end(), nan);
+  const std::string unanswered = written("unanswered.h5", set);
+  expect_refusal({"train", unanswered, "--output", net}, {"unanswered.h5: slip_index", "none of them solved"});
+  expect_refusal({"recall", trained() / "set", unanswered}, {"unanswered.h5: slip_index"});
+  ContactSet none;
+  none.inputs = 42;
+  const std::string empty = written("empty.h5", none);
+  expect_refusal({"train", empty, "--output", net}, {"empty.h5: slip_index = 0 rows"});
+  expect_refusal({"recall", trained() / "set", empty}, {"empty.h5: slip_index = 0 rows"});
+  for (const std::string& file : {empty, unanswered})
+    expect_refusal({"train", file, "--output", net, "--block", "100"}, {fs::path(file).filename(), "slip_index"});
+  fs::remove_all(net);
+  EXPECT_FALSE(fs::exists(net));
+}
+
+// Rows are named as the file counts them, though rows without an answer are left out; by the blocks of --block, too.
+TEST_F(BadFiles, FileAndRowOfAFrameThatIsNotFinite) {
+  ContactSet set = read_contact_set(PaperSetFiles::recall());
+  set.status[0] = 2;
+  set.slip_index[3] = nan;
+  set.frames[117 * 42 + 5] = nan;
+  const std::string file = written("odd.h5", set);
+  expect_refusal({"train", file, "--output", folder_ / "net"}, {"odd.h5: inputs[117] = NaN or infinity"});
+  expect_refusal({"train", file, "--output", folder_ / "net", "--block", "50", "--rows", "1000"},
+                 {"odd.h5: inputs[117] = NaN or infinity"});
+  set.frames[117 * 42 + 5] = 0;
+  set.slip_index[118] = 2e3f;
+  expect_refusal({"train", written("far.h5", set), "--output", folder_ / "net"}, {"far.h5: slip_index[118] = 2000"});
+}
+
+// Finite, but the shear stress over the normal one is not, in fp32.
+TEST_F(BadFiles, FileOfAFrameThatOverflowsWhenItIsScaled) {
+  ContactSet set = read_contact_set(PaperSetFiles::recall());
+  std::fill_n(set.frames.begin(), 21, 1e-11f);
+  std::fill_n(set.frames.begin() + 21, 21, 3e38f);
+  const std::string file = written("steep.h5", set);
+  for (const std::vector<std::string>& more : {std::vector<std::string>{}, {"--block", "50", "--rows", "1000"}}) {
+    std::vector<std::string> arguments = {"train", file, "--output", folder_ / "net", "--scaling", "frame"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    expect_refusal(arguments, {"steep.h5: inputs["});
+  }
+}
+
+TEST_F(BadFiles, SetsOfAnotherWidth) {
+  ContactSet set = read_contact_set(PaperSetFiles::recall());
+  set.inputs = 16;
+  set.frames.resize(set.rows() * 16);
+  const std::string narrow = written("narrow.h5", set);
+  expect_refusal({"train", narrow, "--output", folder_ / "net"},
+                 {"--network = 42-42-1: must be a network with 16 inputs, as many as", "narrow.h5"});
+  expect_refusal({"train", PaperSetFiles::learning(), "--output", folder_ / "net", "--recall", narrow},
+                 {"--network = 42-42-1", "narrow.h5"});
+  expect_refusal({"recall", trained() / "frame", narrow},
+                 {"42-42-21-1_noise0_seed1.onnx: topology = 42-42-21-1: must be a network with 16 inputs"});
+  EXPECT_EQ(
+      run_tactel({"train", narrow, "--output", folder_ / "net", "--network", "16-8-1", "--cycles", "3"}).exit_code, 0);
+}
+
+TEST_F(BadFiles, NetworksThatAreNone) {
+  const std::string recall = PaperSetFiles::recall();
+  expect_refusal({"recall", folder_ / "absent", recall}, {"absent: must be a directory or a file that is there"});
+  fs::create_directories(folder_ / "bare");
+  expect_refusal({"recall", folder_ / "bare", recall}, {"a directory with networks (*.onnx)"});
+  const std::string good = text_of(trained() / "set" / "42-5-1_noise0_seed1.onnx");
+  expect_refusal({"recall", folder_.write("cut.onnx", good.substr(0, 900)), recall}, {"cut.onnx"});
+  std::string other = good;
+  other[500] = static_cast<char>(other[500] ^ 1);
+  expect_refusal({"recall", folder_.write("damaged.onnx", other), recall}, {"damaged.onnx"});
+  expect_refusal({"recall", folder_.write("text.onnx", "[sensor]\n"), recall}, {"text.onnx"});
+}
+
+struct WrongTraining {
+  std::string name;
+  std::vector<std::string> options;
+  std::string says;
+};
+void PrintTo(const WrongTraining& wrong, std::ostream* out) { *out << wrong.name; }
+
+class WrongTrainingTest : public ::testing::TestWithParam<WrongTraining> {};
+
+TEST_P(WrongTrainingTest, EndsWithTwoAndSaysWhy) {
+  const ScratchFolder folder;
+  std::vector<std::string> arguments = {"train", PaperSetFiles::learning(), "--output", folder / "net"};
+  arguments.insert(arguments.end(), GetParam().options.begin(), GetParam().options.end());
+  const ChildResult result = run_tactel(arguments);
+  EXPECT_EQ(result.exit_code, 2) << result.out;
+  EXPECT_THAT(result.err, HasSubstr(GetParam().says));
+  EXPECT_EQ(folder.files(), 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, WrongTrainingTest,
+    ::testing::Values(
+        WrongTraining{"SeventhNetwork", {"--network", "7"}, "--network = 7"},
+        WrongTraining{"WrongWidths", {"--network", "42-x-1"}, "--network = 42-x-1"},
+        WrongTraining{"SameNetworkTwice", {"--network", "1", "--network", "42-42-1"}, "named once"},
+        WrongTraining{"SameNoiseTwice", {"--noise", "0.1", "--noise", "0.1"}, "levels that differ"},
+        WrongTraining{"NegativeNoise", {"--noise", "-0.1"}, "--noise = -0.1"},
+        WrongTraining{"NoiseInPercent", {"--noise", "10"}, "--noise = 10"},
+        WrongTraining{"NoiseJustAboveOne", {"--noise", "1.001"}, "0 to 1: 0.1 for 10 %"},
+        WrongTraining{"NoiseNan", {"--noise", "nan"}, "--noise = nan"},
+        WrongTraining{"RowsOfAWholeSet", {"--rows", "100"}, "--rows = 100: must be left out"},
+        WrongTraining{"MomentumOfAdam",
+                      {"--schedule", "batch", "--momentum", "0.5"},
+                      "--momentum = 0.5: must be left out, or with --optimizer delta"},
+        WrongTraining{"OnlineBlocks",
+                      {"--block", "50", "--schedule", "online"},
+                      "--schedule = online: must be batch, or left out, with --stream and --block"},
+        WrongTraining{"CyclesOfBlocks", {"--block", "50", "--cycles", "7"}, "--rows says when to stop"},
+        WrongTraining{
+            "StopErrorOfBlocks", {"--block", "50", "--stop-error", "0.1"}, "--stop-error = 0.1: must be left out"},
+        WrongTraining{"NoSeeds", {"--seeds", "0"}, "--seeds"},
+        WrongTraining{"UnknownScaling", {"--scaling", "row"}, "--scaling: row not in {set,frame}"},
+        WrongTraining{"NegativeCycles", {"--cycles", "-1"}, "--cycles"},
+        WrongTraining{"RateZero", {"--learning-rate", "0"}, "--learning-rate = 0"},
+        WrongTraining{"RateNan", {"--learning-rate", "nan"}, "--learning-rate = nan"},
+        WrongTraining{"MomentumOne", {"--momentum", "1"}, "--momentum = 1"},
+        WrongTraining{"NegativeStop", {"--stop-error", "-1"}, "--stop-error = -1"},
+        WrongTraining{"BatchOnline", {"--batch", "64"}, "--batch = 64: must be left out, or with --schedule batch"},
+        WrongTraining{"OptimizerOnline", {"--optimizer", "adam"}, "--optimizer = adam: must be left out"},
+        WrongTraining{"BatchZero", {"--schedule", "batch", "--batch", "0"}, "--batch = 0"},
+        WrongTraining{"BothWays", {"--resume", "--force"}, "excludes"},
+        WrongTraining{"NoRecallSet", {"--recall", "/nowhere.h5"}, "/nowhere.h5"}),
+    [](const auto& info) { return info.param.name; });
+
+TEST(WrongTrainingOutput, IsRefusedBeforeTheWork) {
+  const ScratchFolder folder;
+  const ChildResult result = train(folder.write("file", "text"));
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("--output"));
+}
+
+}  // namespace

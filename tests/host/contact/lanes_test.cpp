@@ -1,0 +1,48 @@
+// The same bits at every number of lanes that a device may have: 1 on a GPU, 4 with SSE, 8 with AVX, 16 with AVX-512.
+#include <gtest/gtest.h>
+
+#include "host/contact/gap_sweep.h"
+#include "tests/host/contact/contact_cases.h"
+
+namespace tactel::host {
+namespace {
+
+template <class Real>
+class Lanes : public ::testing::Test {};
+using Precisions = ::testing::Types<float, double>;
+TYPED_TEST_SUITE(Lanes, Precisions);
+
+/// Whether all that a step says is the same, bit for bit.
+bool same(const fem::ContactStep& a, const fem::ContactStep& b) {
+  return a.P == b.P && a.Q == b.Q && a.status == b.status && a.iterations == b.iterations &&
+         a.normal_force == b.normal_force && a.tangential_force == b.tangential_force &&
+         a.base_force_x == b.base_force_x && a.base_force_y == b.base_force_y && a.sigma_y == b.sigma_y &&
+         a.tau_xy == b.tau_xy && a.residual.cone == b.residual.cone && a.residual.drift == b.residual.drift;
+}
+
+TYPED_TEST(Lanes, OfAnyNumberGiveTheSameBits) {
+  for (const bool force : {false, true}) {
+    const fem::Sensor sensor = tactel::testing::paper_mesh('B');
+    const auto scenes =
+        force ? tactel::testing::random_force_scenes(sensor, 37, 5) : tactel::testing::random_scenes(sensor, 37, 5);
+    std::vector<fem::ContactSolution> expected;
+    for (const int lanes : {16, 1, 2, 4, 8}) {
+      Executor executor{Device("basic").with_lanes(lanes), {.threads = 1}};
+      auto batch = GapSweep<TypeParam>(executor, sensor, {.most_sweeps = 200}).prepare(scenes);
+      batch.run();
+      for (std::size_t i = 0; i < scenes.size(); ++i) {
+        const fem::ContactSolution found = batch.solution(i);
+        if (lanes == 16) {
+          expected.push_back(found);
+          continue;
+        }
+        ASSERT_EQ(found.steps.size(), expected[i].steps.size());
+        for (std::size_t k = 0; k < found.steps.size(); ++k)
+          ASSERT_TRUE(same(found.steps[k], expected[i].steps[k])) << lanes << " lanes, scene " << i << ", step " << k;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tactel::host

@@ -1,0 +1,114 @@
+#include "host/device/device.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <iostream>
+
+#include "host/device/opencl.h"
+
+namespace tactel::host {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+TEST(Device, PoclOffersBothOfItsDevices) {
+  const auto devices = list_devices();
+  const auto is_basic = [](const DeviceInfo& info) { return info.name.starts_with("basic"); };
+  const auto basic = std::ranges::find_if(devices, is_basic);
+  ASSERT_NE(basic, devices.end()) << "apt install pocl-opencl-icd";
+  EXPECT_TRUE(basic->low_latency);
+  EXPECT_TRUE(basic->zero_copy);
+  EXPECT_TRUE(basic->fp64);
+  EXPECT_EQ(basic->type, DeviceType::cpu);
+  EXPECT_FALSE(Device("pthread").info().low_latency);
+  for (std::size_t i = 0; i < devices.size(); ++i) EXPECT_EQ(devices[i].index, static_cast<int>(i));
+}
+
+// A vector register of the processor, as it says itself: 64 bytes with AVX-512, 32 with AVX, 16 without.
+TEST(Device, LanesFillAVectorRegister) {
+  const int bytes = __builtin_cpu_supports("avx512f") ? 64 : __builtin_cpu_supports("avx") ? 32 : 16;
+  const Device device("basic");
+  EXPECT_EQ(device.lanes(Precision::fp32), bytes / 4);
+  EXPECT_EQ(device.lanes(Precision::fp64), bytes / 8);
+}
+
+TEST(Device, ChosenByIndexPartOfNameOrDefault) {
+  for (const DeviceInfo& info : list_devices()) EXPECT_EQ(Device(std::to_string(info.index)).info().name, info.name);
+  EXPECT_THAT(Device("PTHread").info().name, StartsWith("pthread"));
+  EXPECT_THAT(Device("portable computing").info().name, StartsWith("basic"));  // a platform: its best
+  unsetenv("TACTEL_DEVICE");
+  EXPECT_THAT(Device().info().name, StartsWith("basic"));
+  setenv("TACTEL_DEVICE", "pthread", 1);
+  EXPECT_THAT(Device().info().name, StartsWith("pthread"));
+  EXPECT_THAT(Device("basic").info().name, StartsWith("basic"));
+  unsetenv("TACTEL_DEVICE");
+}
+
+TEST(Device, AnUnknownChoiceListsWhatThereIs) {
+  for (const std::string choice : {"nonesuch", "99", "-1"}) try {
+      const Device device(choice);
+      FAIL() << choice;
+    } catch (const ConfigError& error) {
+      EXPECT_EQ(error.key, "device");
+      EXPECT_EQ(error.value, choice);
+      for (const DeviceInfo& info : list_devices()) EXPECT_THAT(error.what(), HasSubstr(info.name));
+    }
+}
+
+TEST(Device, AFailedCallNamesCallCodeAndDevice) {
+  const Device device("basic");
+  try {
+    translated(device.info().name, [&] { cl::Buffer(device.context(), CL_MEM_READ_WRITE, 0); });
+    FAIL();
+  } catch (const DeviceError& error) {
+    EXPECT_EQ(error.call, "clCreateBuffer");
+    EXPECT_EQ(error.code, "CL_INVALID_BUFFER_SIZE");
+    EXPECT_EQ(error.device, device.info().name);
+    EXPECT_THAT(error.what(), HasSubstr("clCreateBuffer: CL_INVALID_BUFFER_SIZE on device basic"));
+  }
+  EXPECT_EQ(cl_code_name(-54), "CL_INVALID_WORK_GROUP_SIZE");
+  EXPECT_EQ(cl_code_name(-9999), "CL error -9999");
+}
+
+// Settings that must be there before the first OpenCL call: in a process of their own.
+class FreshProcess : public testing::Test {
+ protected:
+  void SetUp() override { GTEST_FLAG_SET(death_test_style, "threadsafe"); }
+};
+using FreshProcessDeathTest = FreshProcess;
+
+TEST_F(FreshProcessDeathTest, TheUsersPoclDevicesWin) {
+  const auto with_pthread_only = [] {
+    setenv("POCL_DEVICES", "pthread", 1);
+    for (const DeviceInfo& info : list_devices())
+      if (info.low_latency) std::exit(1);
+    std::exit(list_devices().empty() ? 2 : 0);
+  };
+  EXPECT_EXIT(with_pthread_only(), testing::ExitedWithCode(0), "");
+}
+
+TEST_F(FreshProcessDeathTest, PoclKeepsItsCacheBesideOurs) {
+  const auto where = [] {
+    unsetenv("POCL_CACHE_DIR");
+    setenv("TACTEL_CACHE_DIR", (testing::TempDir() + "tactel_device_test").c_str(), 1);
+    if (list_devices().empty()) std::exit(1);
+    std::cerr << "[" << std::getenv("POCL_CACHE_DIR") << "]";
+    std::exit(0);
+  };
+  EXPECT_EXIT(where(), testing::ExitedWithCode(0), "tactel_device_test/pocl]");
+}
+
+TEST_F(FreshProcessDeathTest, WithoutAPlaceForCachesThereAreStillDevices) {
+  const auto without_cache = [] {
+    unsetenv("POCL_CACHE_DIR");
+    setenv("TACTEL_CACHE_DIR", "/dev/null/no/place", 1);
+    std::exit(list_devices().empty() ? 1 : 0);
+  };
+  EXPECT_EXIT(without_cache(), testing::ExitedWithCode(0), "");
+}
+
+}  // namespace
+}  // namespace tactel::host

@@ -1,0 +1,294 @@
+// Runs on host threads (basic) and on a device that schedules itself (pthread): every group once, same bits, errors and
+// cancellation that leave the executor usable.
+#include "host/device/executor.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <numeric>
+#include <stdexcept>
+
+#include "host/device/buffer.h"
+#include "tests/host/device/test_device.h"
+
+namespace tactel::host {
+namespace {
+
+constexpr int poison = -1000, twice = -2000;
+
+// mark: out[group] = group, once. chain: a recurrence of `terms` terms, some us each 1000; lanes of any width and
+// precision.
+const char* const text =
+    "#include \"shared/group.h\"\n#include \"shared/lanes.h\"\n"
+    "kernel void mark(uint first_group, global int *out) {\n"
+    "  TAKE_GROUP(group);\n"
+    "  out[group] = out[group] == -1000 ? (int)group : -2000;\n"
+    "}\n"
+    "kernel void mark_unguarded(uint first_group, global int *out) {\n"
+    "  const size_t group = first_group + get_global_id(0);\n"
+    "  out[group] = out[group] == -1000 ? (int)group : -2000;\n"
+    "}\n"
+    "kernel void mark_slowly(uint first_group, global int *out) {\n"
+    "  TAKE_GROUP(group);\n"
+    "  real x = (real)group + 1;\n"
+    "  for (int i = 0; i < 20000; ++i) x = sqrt(x) + exp(-x) / (x + i);\n"
+    "  out[group] = out[group] == -1000 && x > 0 ? (int)group : -2000;\n"
+    "}\n"
+    "kernel void chain(uint first_group, global vreal *out, int terms) {\n"
+    "  TAKE_GROUP(group);\n"
+    "  vreal x = ALL_LANES(group) + 1;\n"
+    "  for (int i = 0; i < terms; ++i) x = sqrt(x) + exp(-x) / (x + i);\n"
+    "  out[group] = x;\n"
+    "}\n";
+
+Program program(const Device& device, Precision precision = Precision::fp32) {
+  return Program::from_text(device, "executor_test.cl", text, lanes_of(device, precision));
+}
+
+/// What `mark` writes into, with guard rows behind.
+class Marks {
+ public:
+  Marks(const Device& device, std::size_t groups) : groups_(groups), buffer_(device, groups + 64) {
+    buffer_.write(std::vector<int>(groups + 64, poison));
+  }
+  BindArguments bind() const {
+    return [this](KernelArguments& kernel) { kernel.set(1, buffer_); };
+  }
+  /// How many groups were done; fails for one done twice or outside.
+  std::size_t done() const {
+    std::vector<int> marks(groups_ + 64);
+    buffer_.read(marks);
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < marks.size(); ++i) {
+      if (marks[i] == poison) continue;
+      EXPECT_LT(i, groups_);
+      EXPECT_EQ(marks[i], static_cast<int>(i)) << (marks[i] == twice ? "done twice" : "wrong index");
+      ++count;
+    }
+    return count;
+  }
+
+ private:
+  std::size_t groups_;
+  Buffer<int> buffer_;
+};
+
+struct Setting {
+  std::string device;
+  int threads;
+  std::size_t groups;
+};
+
+class EveryGroup : public testing::TestWithParam<Setting> {};
+
+TEST_P(EveryGroup, ExactlyOnce) {
+  const auto& [choice, threads, groups] = GetParam();
+  Executor executor(device(choice), {.threads = threads});
+  for (const char* kernel : {"mark", "mark_unguarded"}) {
+    Marks marks(executor.device(), groups);
+    const RunReport report = executor.run(program(executor.device()), kernel, groups, marks.bind());
+    EXPECT_EQ(marks.done(), groups) << kernel;
+    EXPECT_EQ(report.groups_done, groups);
+    EXPECT_FALSE(report.cancelled);
+    EXPECT_EQ(std::accumulate(report.groups_by_thread.begin(), report.groups_by_thread.end(), std::size_t{0}), groups);
+  }
+}
+
+TEST_P(EveryGroup, ExactlyOnceInTheCallingThread) {
+  const auto& [choice, threads, groups] = GetParam();
+  Executor executor(device(choice), {.threads = threads});
+  Marks marks(executor.device(), groups);
+  executor.run_here(executor.prepare(program(executor.device()), "mark", marks.bind()), groups);
+  EXPECT_EQ(marks.done(), groups);
+}
+
+std::vector<Setting> settings() {
+  std::vector<Setting> all;
+  for (const std::size_t groups : {0, 1, 7, 1000, 40000}) {  // 40000: more than one launch takes
+    for (const int threads : {1, 2, 3}) all.push_back({"basic", threads, groups});
+    all.push_back({"pthread", 0, groups});
+  }
+  return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(Ragged, EveryGroup, testing::ValuesIn(settings()), [](const auto& setting) {
+  return setting.param.device + "_" + std::to_string(setting.param.threads) + "_" +
+         std::to_string(setting.param.groups);
+});
+
+/// Bytes that `chain` writes for `groups` groups.
+template <class Real>
+std::vector<char> chained_numbers(Executor& executor, Precision precision, std::size_t groups,
+                                  std::size_t largest_chunk) {
+  const Device& device = executor.device();
+  Buffer<Real> out(device, groups * 64 / sizeof(Real));
+  const auto bind = [&](KernelArguments& kernel) {
+    kernel.set(1, out);
+    kernel.set(2, 20);
+  };
+  executor.run(program(device, precision), "chain", groups, bind, {.largest_chunk = largest_chunk});
+  std::vector<Real> written(out.size());
+  out.read(written);
+  const char* first = reinterpret_cast<const char*>(written.data());
+  return {first, first + groups * 64};
+}
+
+std::vector<char> chained(Executor& executor, Precision precision, std::size_t groups, std::size_t largest_chunk) {
+  return precision == Precision::fp32 ? chained_numbers<float>(executor, precision, groups, largest_chunk)
+                                      : chained_numbers<double>(executor, precision, groups, largest_chunk);
+}
+
+TEST(Executor, SameBitsForAnyThreadsChunksAndDevice) {
+  for (const Precision precision : {Precision::fp32, Precision::fp64}) {
+    Executor one(device("basic"), {.threads = 1}), three(device("basic"), {.threads = 3}), other(device("pthread"));
+    const auto expected = chained(one, precision, 777, 1);
+    EXPECT_EQ(chained(three, precision, 777, 1), expected);
+    EXPECT_EQ(chained(three, precision, 777, 4096), expected);
+    EXPECT_EQ(chained(other, precision, 777, 1), expected);
+    const auto alone = chained(one, precision, 1, 1);
+    EXPECT_EQ(std::memcmp(alone.data(), expected.data(), 64), 0);
+  }
+}
+
+// Slow groups, some 0.2 s in all: every thread comes in time to get one, on a busy machine, too.
+constexpr std::size_t slow_groups = 400;
+
+TEST(Executor, ThreadsShareTheWork) {
+  Executor executor(device("basic"), {.threads = 2});
+  Marks marks(executor.device(), slow_groups);
+  const RunReport report = executor.run(program(executor.device()), "mark_slowly", slow_groups, marks.bind());
+  EXPECT_THAT(report.groups_by_thread, testing::ElementsAre(testing::Gt(0u), testing::Gt(0u)));
+  EXPECT_EQ(marks.done(), slow_groups);
+}
+
+TEST(Executor, AnErrorInAWorkerReachesTheCaller) {
+  Executor executor(device("basic"), {.threads = 2});
+  Marks slow(executor.device(), slow_groups);
+  int bound = 0;
+  const Launch launch = executor.prepare(program(executor.device()), "mark_slowly", [&](KernelArguments& kernel) {
+    if (bound++ == 0) slow.bind()(kernel);  // the second thread's kernel lacks its argument
+  });
+  EXPECT_EQ(bound, 2);
+  try {
+    executor.run(launch, slow_groups);
+    FAIL();
+  } catch (const DeviceError& error) {
+    EXPECT_EQ(error.call, "clEnqueueNDRangeKernel");
+    EXPECT_EQ(error.code, "CL_INVALID_KERNEL_ARGS");
+    EXPECT_THAT(error.device, testing::StartsWith("basic"));
+  }
+  Marks marks(executor.device(), 100);  // and the executor goes on working
+  executor.run(program(executor.device()), "mark", 100, marks.bind());
+  EXPECT_EQ(marks.done(), 100u);
+}
+
+TEST(Executor, AWrongArgumentIsADeviceError) {
+  Executor executor(device());
+  const auto bind = [](KernelArguments& kernel) { kernel.set(7, 1); };
+  try {
+    executor.run(program(device()), "mark", 1, bind);
+    FAIL();
+  } catch (const DeviceError& error) {
+    EXPECT_EQ(error.call, "clSetKernelArg");
+    EXPECT_EQ(error.code, "CL_INVALID_ARG_INDEX");
+  }
+}
+
+class ProgressOn : public testing::TestWithParam<std::string> {};
+
+TEST_P(ProgressOn, GrowsUpToTheTotal) {
+  Executor executor(device(GetParam()), {.threads = 2});
+  Marks marks(executor.device(), slow_groups);
+  std::vector<std::size_t> heard;
+  const auto progress = [&](std::size_t done, std::size_t total) {
+    EXPECT_EQ(total, slow_groups);
+    heard.push_back(done);
+    return true;
+  };
+  executor.run(program(executor.device()), "mark_slowly", slow_groups, marks.bind(), {.progress = progress});
+  EXPECT_GE(heard.size(), 2u);
+  EXPECT_TRUE(std::ranges::is_sorted(heard));
+  EXPECT_EQ(heard.back(), slow_groups);
+  EXPECT_EQ(std::ranges::count(heard, slow_groups), 1);
+}
+
+TEST_P(ProgressOn, FalseCancels) {
+  Executor executor(device(GetParam()), {.threads = 2});
+  Marks marks(executor.device(), slow_groups);
+  const auto progress = [&](std::size_t done, std::size_t) { return done < 20; };
+  const RunReport report =
+      executor.run(program(executor.device()), "mark_slowly", slow_groups, marks.bind(), {.progress = progress});
+  EXPECT_TRUE(report.cancelled);
+  EXPECT_GE(report.groups_done, 20u);
+  EXPECT_LT(report.groups_done, slow_groups);
+  EXPECT_EQ(marks.done(), report.groups_done);  // what was not done was left alone
+}
+
+TEST_P(ProgressOn, AnExceptionEndsTheRun) {
+  Executor executor(device(GetParam()), {.threads = 2});
+  Marks marks(executor.device(), slow_groups);
+  const auto progress = [](std::size_t, std::size_t) -> bool { throw std::runtime_error("enough"); };
+  EXPECT_THROW(
+      executor.run(program(executor.device()), "mark_slowly", slow_groups, marks.bind(), {.progress = progress}),
+      std::runtime_error);
+  EXPECT_LT(marks.done(), slow_groups);
+}
+
+INSTANTIATE_TEST_SUITE_P(Devices, ProgressOn, testing::ValuesIn(tested_devices()));
+
+TEST(Executor, SeveralJobsAreOnePool) {
+  for (const std::string& choice : tested_devices()) {
+    Executor executor(device(choice), {.threads = 2});
+    const Program built = program(executor.device());
+    const Marks first(executor.device(), 3), none(executor.device(), 1), last(executor.device(), 5000);
+    const std::vector<Job> jobs{{executor.prepare(built, "mark", first.bind()), 3},
+                                {executor.prepare(built, "mark", none.bind()), 0},
+                                {executor.prepare(built, "mark_unguarded", last.bind()), 5000}};
+    EXPECT_EQ(executor.run(jobs).groups_done, 5003u);
+    EXPECT_EQ(first.done(), 3u);
+    EXPECT_EQ(none.done(), 0u);
+    EXPECT_EQ(last.done(), 5000u);
+    const auto times = executor.times();
+    EXPECT_EQ(times.at("mark").groups, 3u);
+    EXPECT_EQ(times.at("mark_unguarded").groups, 5000u);
+    EXPECT_GT(times.at("mark_unguarded").seconds, 0.0);
+    executor.clear_times();
+    EXPECT_EQ(executor.times().at("mark").launches, 0u);
+  }
+}
+
+TEST(Executor, ALaunchBelongsToItsExecutor) {
+  Executor one(device()), other(device());
+  const Launch launch = one.prepare(program(device()), "mark");
+  EXPECT_THROW(other.run(launch, 1), std::logic_error);
+  EXPECT_THROW(other.run(Launch(), 1), std::logic_error);
+}
+
+// PoCL 3.1 aborts when threads bring wider and wider grids of one kernel; two executors and ragged runs provoke that.
+TEST(Executor, WidthsMayGrowOnAllThreads) {
+  const Program built = program(device());
+  const auto ragged_runs = [&](int seed) {
+    Executor executor(device(), {.threads = 2});
+    Marks marks(device(), 4096);
+    const Launch launch = executor.prepare(built, "mark", marks.bind());
+    for (std::size_t run = 0; run < 300; ++run) executor.run(launch, 1 + (run * (37 + seed)) % 4096);
+  };
+  std::thread other(ragged_runs, 1);
+  ragged_runs(2);
+  other.join();
+}
+
+TEST(Executor, ThreadsFromTheEnvironment) {
+  setenv("TACTEL_THREADS", "3", 1);
+  EXPECT_EQ(Executor(device()).threads(), 3);
+  EXPECT_EQ(Executor(device(), {.threads = 1}).threads(), 1);
+  for (const char* bad : {"0", "-1", "two", "3x", "99999"}) {
+    setenv("TACTEL_THREADS", bad, 1);
+    EXPECT_THROW(Executor{device()}, ConfigError) << bad;
+  }
+  unsetenv("TACTEL_THREADS");
+}
+
+}  // namespace
+}  // namespace tactel::host

@@ -1,0 +1,129 @@
+#include "host/device/program.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "host/device/buffer.h"
+#include "host/device/opencl.h"
+#include "tests/host/device/test_device.h"
+
+namespace tactel::host {
+namespace {
+
+const char* const text =
+    "#include \"shared/group.h\"\n"
+    "kernel void without(uint first_group, global int *out) { out[first_group + get_global_id(0)] = 7; }\n"
+    "kernel void scale(uint first_group, global int *out) { TAKE_GROUP(group); out[group] = FACTOR * (int)group; }\n";
+
+Program program(const std::string& factor) {
+  return Program::from_text(device(), "scale.cl", text, {{"FACTOR", factor}});
+}
+
+/// out[5] of `scale`.
+int fifth(const Program& program) {
+  Executor executor(device());
+  Buffer<int> out(device(), std::span<const int>(std::vector<int>(6, -1000)));
+  executor.run(program, "scale", 6, [&](KernelArguments& kernel) { kernel.set(1, out); });
+  return out.map()[5];
+}
+
+TEST(Program, DefinesMakeDifferentPrograms) {
+  const Program three = program("3"), four = program("4");
+  EXPECT_EQ(fifth(three), 15);
+  EXPECT_EQ(fifth(four), 20);
+  EXPECT_EQ(fifth(program("3")), 15);
+  EXPECT_EQ(three.options(), "-cl-std=CL1.2 -cl-denorms-are-zero -DFACTOR=3");
+}
+
+TEST(Program, KnowsWhichKernelsTakeTheirGroup) {
+  EXPECT_TRUE(program("1").takes_group("scale"));
+  EXPECT_FALSE(program("1").takes_group("without"));
+  EXPECT_FALSE(program("1").takes_group("nonesuch"));
+}
+
+TEST(Program, AnUnknownKernelIsADeviceError) {
+  try {
+    program("1").kernel("nonesuch");
+    FAIL();
+  } catch (const DeviceError& error) {
+    EXPECT_EQ(error.call, "clCreateKernel");
+    EXPECT_EQ(error.code, "CL_INVALID_KERNEL_NAME");
+  }
+}
+
+TEST(Program, OutlivesItsDeviceHandle) {
+  const Program kept = [] {
+    const Device passing("basic");
+    return Program::from_text(passing, "scale.cl", text, {{"FACTOR", "2"}});
+  }();
+  EXPECT_NO_THROW(kept.kernel("scale"));
+}
+
+// Whoever builds a kernel for nothing hears why.
+TEST(Program, TheLogSinkHearsOfBuildsAndOfKernelsThatCannotBeCompiledAhead) {
+  std::vector<std::string> heard;
+  const Device logging("basic", [&](LogLevel level, std::string_view message) {
+    if (level != LogLevel::busy) heard.emplace_back(message);
+  });
+  const Program built = Program::from_text(logging, "scale.cl", text, {{"FACTOR", "2"}});
+  ASSERT_EQ(heard.size(), 1u);
+  EXPECT_EQ(heard[0], "scale.cl built, -cl-std=CL1.2 -cl-denorms-are-zero -DFACTOR=2");
+  Executor executor(logging);
+  Buffer<int> out(logging, 1);
+  executor.run(built, "without", 1, [&](KernelArguments& kernel) { kernel.set(1, out); });
+  ASSERT_EQ(heard.size(), 2u);
+  EXPECT_EQ(heard[1], "without lacks TAKE_GROUP: compiled at its first use, run group by group");
+}
+
+using Heard = std::vector<std::string>;
+
+Heard busy_messages(const std::function<void(const Device&)>& job) {
+  Heard heard;
+  const Device logging("basic", [&](LogLevel level, std::string_view message) {
+    if (level == LogLevel::busy) heard.emplace_back(message);
+  });
+  job(logging);
+  return heard;
+}
+
+TEST(Program, TheLogSinkHearsThatItIsCompiledAndWhenThatIsOver) {
+  const std::string compiling = "compiling scale.cl for this device (once)";
+  const Heard built = busy_messages([](const Device& device) {
+    Program::from_text(device, "scale.cl", text, {{"FACTOR", "2"}});
+  });
+  EXPECT_EQ(built, (Heard{compiling, ""}));
+  const Heard prepared = busy_messages([](const Device& device) {
+    const Program program = Program::from_text(device, "scale.cl", text, {{"FACTOR", "2"}});
+    Executor executor(device);
+    Buffer<int> out(device, 1);
+    const Launch launch = executor.prepare(program, "scale", [&](KernelArguments& kernel) { kernel.set(1, out); });
+    executor.run_here(launch);  // compiled already
+  });
+  EXPECT_EQ(prepared, (Heard{compiling, "", "optimizing kernel scale for this device (once)", ""}));
+}
+
+TEST(Program, TheLogSinkHearsThatAFailedBuildIsOver) {
+  const Heard heard = busy_messages([](const Device& device) {
+    EXPECT_THROW(Program::from_text(device, "bad.cl", "kernel void bad( {", {}), KernelBuildError);
+  });
+  EXPECT_EQ(heard, (Heard{"compiling bad.cl for this device (once)", ""}));
+}
+
+TEST(Device, LogsToTheDefaultWithoutASinkOfItsOwn) {
+  Heard heard, own;
+  set_default_log([&](LogLevel, std::string_view message) { heard.emplace_back(message); });
+  Device("basic").log(LogLevel::info, "to the default");
+  Device("basic", [&](LogLevel, std::string_view message) {
+    own.emplace_back(message);
+  }).log(LogLevel::info, "to mine");
+  set_default_log({});
+  Device("basic").log(LogLevel::info, "to none");
+  EXPECT_EQ(heard, Heard{"to the default"});
+  EXPECT_EQ(own, Heard{"to mine"});
+}
+
+}  // namespace
+}  // namespace tactel::host

@@ -1,0 +1,23 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "host/device/executor.h"
+
+namespace tactel::host {
+
+/// The devices that tests run on: PoCL's two, whatever else there is. By the beginning of their names.
+inline std::vector<std::string> tested_devices() { return {"basic", "pthread"}; }
+
+/// Opened once a process: a context takes some 50 ms.
+inline const Device& device(const std::string& choice = "basic") {
+  static std::map<std::string, Device> opened;
+  const auto found = opened.find(choice);
+  return found != opened.end() ? found->second : opened.emplace(choice, Device(choice)).first->second;
+}
+
+inline Defines lanes_of(const Device& device, Precision precision) {
+  return {{"LANES", std::to_string(device.lanes(precision))}, {"REAL", real_type(precision)}};
+}
+
+}  // namespace tactel::host

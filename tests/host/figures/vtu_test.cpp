@@ -1,0 +1,60 @@
+// The VTK file of the field inside the block.
+#include "host/figures/vtu.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <sstream>
+
+#include "fem/gap_reference.h"
+
+namespace tactel::host {
+namespace {
+
+fem::Scene small_scene(fem::Element element) {
+  fem::Scene scene;
+  scene.sensor.columns = 21;
+  scene.sensor.rows = 5;
+  scene.sensor.element = element;
+  scene.indenter.shape = fem::Parabola{.radius = 10.0};
+  scene.load.indentation = {0.15};
+  return scene;
+}
+
+class Vtu : public testing::TestWithParam<fem::Element> {};
+
+/// Number of numbers in each DataArray of a VTK file, by name.
+std::map<std::string, std::size_t> counts_in(const std::string& vtu) {
+  std::map<std::string, std::size_t> counts;
+  for (std::size_t at = vtu.find("<DataArray"); at != std::string::npos; at = vtu.find("<DataArray", at + 1)) {
+    const std::size_t name = vtu.find("Name=\"", at) + 6, open = vtu.find('>', at) + 1;
+    std::istringstream numbers(vtu.substr(open, vtu.find("</DataArray>", open) - open));
+    std::size_t& count = counts[vtu.substr(name, vtu.find('"', name) - name)];
+    for (double value = 0; numbers >> value;) ++count;
+  }
+  return counts;
+}
+
+TEST_P(Vtu, HoldsEveryNodeAndCell) {
+  const fem::Scene scene = small_scene(GetParam());
+  const fem::StressField field = fem::stress_field(scene.sensor, fem::solve_gap_reference(scene).steps.back());
+  const std::string vtu = to_vtu(field);
+  const auto nodes = static_cast<std::size_t>(field.mesh.node.cols()),
+             cells = static_cast<std::size_t>(field.mesh.cell.rows());
+  EXPECT_EQ(cells, 20u * 4u);
+  std::map<std::string, std::size_t> counts = counts_in(vtu);
+  for (const char* name : {"sigma_x", "sigma_y", "tau_xy", "sigma_z", "von_mises", "strain", "beyond_linear"})
+    EXPECT_EQ(counts[name], nodes) << name;
+  EXPECT_EQ(counts["displacement"], 3 * nodes);
+  EXPECT_EQ(counts["Points"], 3 * nodes);
+  EXPECT_EQ(counts["connectivity"], cells * static_cast<std::size_t>(field.mesh.cell.cols()));
+  EXPECT_EQ(counts["offsets"], cells);
+  EXPECT_EQ(counts["types"], cells);
+  EXPECT_NE(vtu.find("NumberOfPoints=\"" + std::to_string(nodes) + "\""), std::string::npos);
+}
+
+INSTANTIATE_TEST_SUITE_P(Elements, Vtu, testing::Values(fem::Element::bbar, fem::Element::q4i, fem::Element::q8),
+                         [](const auto& info) { return fem::name(info.param); });
+
+}  // namespace
+}  // namespace tactel::host

@@ -1,0 +1,140 @@
+#include "host/live/live_frames.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <limits>
+
+#include "host/live/open_source.h"
+#include "host/support/errors.h"
+#include "hw/frame_source.h"
+#include "tests/host/support/run_tactel.h"
+
+namespace tactel::host {
+namespace {
+
+using ::testing::ElementsAre;
+
+TEST(FrameQueue, DropsTheOldestWhenFull) {
+  FrameQueue queue(3, 2);
+  for (std::uint64_t i = 0; i < 5; ++i) {
+    const auto inputs = queue.push({.number = i});
+    inputs[0] = static_cast<float>(i), inputs[1] = -1.0f;
+  }
+  EXPECT_EQ(queue.size(), 3u);
+  EXPECT_EQ(queue.dropped(), 2u);
+  EXPECT_EQ(queue.frame(0).number, 2u);
+  EXPECT_THAT(queue.inputs(2), ElementsAre(4.0f, -1.0f));
+  queue.pop();
+  EXPECT_EQ(queue.frame(0).number, 3u);
+  EXPECT_EQ(queue.dropped(), 2u) << "what was answered is not dropped";
+}
+
+TEST(LatencyHistogram, QuantilesWithinOnePercent) {
+  LatencyHistogram histogram;
+  EXPECT_EQ(histogram.quantile(0.5), 0);
+  for (int i = 1; i <= 1000; ++i) histogram.add(i);
+  EXPECT_NEAR(histogram.quantile(0.5), 500, 5.1);  // a bucket is 1 % wide
+  EXPECT_NEAR(histogram.quantile(0.99), 990, 10);
+  EXPECT_EQ(histogram.largest(), 1000);
+  EXPECT_EQ(histogram.quantile(1.0), 1000);
+  histogram.add(1e12);
+  EXPECT_EQ(histogram.largest(), 1e12);
+}
+
+TEST(LatencyHistogram, WhatIsNotFiniteIsLeftOut) {
+  LatencyHistogram histogram;
+  for (const double none :
+       {std::nan(""), std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()})
+    histogram.add(none);
+  EXPECT_EQ(histogram.count(), 0u);
+  EXPECT_EQ(histogram.largest(), 0);
+  histogram.add(-5);  // an arrival in the future of a clock that was set back
+  EXPECT_EQ(histogram.count(), 1u);
+}
+
+std::string profile_text(const std::string& format, const std::string& rest) {
+  return "[device]\nname = \"board\"\nvendor = 0x1209\nproduct = 0x0001\n[format]\n" + format + "\n" + rest;
+}
+const std::string two_channels = "kind = \"generic\"\nsync = [0xA5, 0x5A]\nchannels = 2";
+
+TEST(SensorProfile, ReadsWhatTheFileSays) {
+  const SensorProfile profile = parse_profile(
+      profile_text(two_channels, "[channels]\nnormal = [1]\nshear = [0]\n[calibration]\noffset = [1, 2]\ngain = 0.5\n"),
+      "p.toml");
+  EXPECT_EQ(profile.name, "board");
+  EXPECT_EQ(profile.usb.vendor, 0x1209);
+  EXPECT_EQ(profile.format()->channels(), 2u);
+  EXPECT_THAT(profile.map.normal, ElementsAre(1));
+  EXPECT_THAT(profile.map.calibration.offset, ElementsAre(1, 2));
+  EXPECT_THAT(profile.map.calibration.gain, ElementsAre(0.5, 0.5));
+}
+
+TEST(SensorProfile, TheBuiltInGlove) {
+  const SensorProfile glove = built_in_profile("glove");
+  EXPECT_EQ(glove.usb.vendor, 0x04D8);
+  EXPECT_EQ(glove.usb.product, 0x000A);
+  EXPECT_EQ(glove.usb.transport, hw::Transport::cdc_acm);
+  EXPECT_EQ(glove.map.tactels(), 64u);
+  EXPECT_THROW(built_in_profile("mitten"), ConfigError);
+}
+
+TEST(SensorProfile, EveryMistakeNamesItsKey) {
+  struct {
+    std::string text, key;
+  } const mistakes[] = {
+      {profile_text(two_channels, "[channels]\nnormal = [2]\n"), "channels.normal"},
+      {profile_text(two_channels, "[channels]\nnormal = [0]\nshear = [0, 1]\n"), "channels.shear"},
+      {profile_text(two_channels, ""), "channels.normal"},
+      {profile_text(two_channels, "[channels]\nnormal = [0]\n[calibration]\ngain = [1, 2, 3]\n"), "calibration.gain"},
+      {profile_text("kind = \"generic\"\nsync = [300]\nchannels = 2", ""), "format.sync"},
+      {profile_text("kind = \"generic\"\nchannels = 2", "[channels]\nnormal = [0]\n"), "format.sync"},
+      {profile_text("kind = \"mitten\"", ""), "format.kind"},
+      {profile_text("", ""), "format.kind"},
+      {profile_text("kind = \"papillarray\"\nsensors = 9", "[channels]\nnormal = [0]\n"), "format.sensors"},
+      {profile_text("kind = \"glove\"\nsync = [1]", "[channels]\nnormal = [0]\n"), "format.sync"},
+      {profile_text(two_channels + "\nchecksum = \"md5\"", ""), "format.checksum"},
+      {"[device]\nvendor = 70000\n", "device.vendor"},
+      {"[device]\nendpoint = 2\n", "device.endpoint"},
+      {"[device]\nbaud = 0\n", "device.baud"},
+      {"[devise]\n", "devise"}};
+  for (const auto& mistake : mistakes) {
+    try {
+      parse_profile(mistake.text, "p.toml");
+      FAIL() << "accepted: " << mistake.text;
+    } catch (const ConfigError& error) {
+      EXPECT_EQ(error.key, mistake.key) << error.what();
+    }
+  }
+}
+
+TEST(Calibration, AFileReadsBackToTheSameNumbers) {
+  const ScratchFolder folder;
+  SensorProfile profile = parse_profile(profile_text(two_channels, "[channels]\nnormal = [0]\n"), "p.toml");
+  const hw::Calibration calibration{{0.1, 2048.0 / 3}, {1e-9 / 3, -2}};
+  read_calibration(folder.write("c.toml", calibration_text(calibration)), profile);
+  EXPECT_EQ(profile.map.calibration.offset, calibration.offset);
+  EXPECT_EQ(profile.map.calibration.gain, calibration.gain);
+}
+
+TEST(OpenSource, RefusesWhatItDoesNotKnow) {
+  for (const char* source :
+       {"glove", "usb:", "radio:1", "usb:zzzz:0001", "usb:1209:0001", "simulate:none.toml",
+        "simulate:examples/parabola.toml?rat=5", "simulate:examples/parabola.toml?rate=fast",
+        "simulate:examples/parabola.toml?rate=0", "simulate:examples/parabola.toml?rate=1e6&repeat=2000000000",
+        "usb:glove?serail=3", "usb:glove?serial=", "usb:glove?port"})
+    EXPECT_THROW(open_source(source, "", ""), ConfigError) << source;
+}
+
+// This machine has no such device, and perhaps no USB at all.
+TEST(OpenSource, ADeviceThatIsNotThereSaysWhatToCheck) {
+  try {
+    open_source("usb:glove", "", "");
+    FAIL();
+  } catch (const hw::SourceError& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("lsusb -d 04d8:000a"));
+  }
+}
+
+}  // namespace
+}  // namespace tactel::host

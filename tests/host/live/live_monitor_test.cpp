@@ -1,0 +1,133 @@
+#include "host/live/live_monitor.h"
+
+#include <gmock/gmock.h>
+
+#include <optional>
+
+#include "tests/host/live/simulated_frames.h"
+#include "tests/host/networks/network_cases.h"
+
+namespace tactel::host {
+namespace {
+
+/// A source that hands out what it is given, in one packet, as old as it is told.
+class GivenSource final : public hw::FrameSource {
+ public:
+  GivenSource(std::vector<std::uint8_t> bytes, bool live, double age)
+      : bytes_(std::move(bytes)), live_(live), age_(age) {}
+  std::optional<hw::Packet> wait(double) override {
+    done_ = true;
+    return hw::Packet{bytes_, 0.0};
+  }
+  bool finished() const override { return done_; }
+  bool live() const override { return live_; }
+  double now() const override { return age_; }
+  hw::TransportCounts counts() const override { return {}; }
+
+ private:
+  std::vector<std::uint8_t> bytes_;
+  bool live_, done_ = false;
+  double age_;
+};
+
+std::vector<float> answers(const MonitorOptions& options, hw::FrameSource& source, const SensorProfile& profile,
+                           MonitorSummary& summary) {
+  LiveMonitor monitor(tactel::testing::executor(), network(21), profile, options);
+  std::vector<float> all;
+  summary = monitor.run(source, {.line = [&](const MonitorLine& line) { all.push_back(line.answer.slip_index); }});
+  return all;
+}
+
+TEST(LiveMonitor, ABatchAnswersAsSingleFramesDo) {
+  const auto [bytes, profile] = simulated_bytes();
+  MonitorSummary batched, single;
+  GivenSource first(bytes, false, 0), second(bytes, false, 0);
+  const auto in_batch = answers({}, first, profile, batched);
+  const auto one_by_one = answers({.batch_from = 100000}, second, profile, single);
+  ASSERT_EQ(in_batch.size(), 321u);
+  EXPECT_EQ(batched.batched, 321u);
+  EXPECT_EQ(single.batched, 0u);
+  EXPECT_EQ(in_batch, one_by_one);
+}
+
+TEST(LiveMonitor, LateFramesAreDroppedAndCounted) {
+  const auto [bytes, profile] = simulated_bytes();
+  MonitorSummary summary;
+  GivenSource late(bytes, true, 0.2);  // 0.2 s old, 0.1 s is allowed
+  EXPECT_TRUE(answers({}, late, profile, summary).empty());
+  EXPECT_EQ(summary.late, 321u);
+  EXPECT_EQ(summary.decoder.frames, 321u);
+
+  GivenSource too_many(bytes, true, 0.0);
+  EXPECT_EQ(answers({.queue = 100}, too_many, profile, summary).size(), 100u);
+  EXPECT_EQ(summary.late, 221u);
+
+  GivenSource replayed(bytes, false, 0.2);
+  EXPECT_EQ(answers({}, replayed, profile, summary).size(), 321u) << "a recording is never late";
+}
+
+/// A live source by a script: at each wait the clock goes to a time, and a frame may come that is older.
+class ScriptedSource final : public hw::FrameSource {
+ public:
+  struct Turn {
+    double now = 0;                   ///< s
+    std::optional<double> arrival{};  ///< s, of a frame; none: nothing came
+  };
+  explicit ScriptedSource(std::vector<Turn> turns) : bytes_(simulated_bytes().first), turns_(std::move(turns)) {}
+  std::optional<hw::Packet> wait(double) override {
+    const Turn turn = turns_[turn_++];
+    now_ = turn.now;
+    if (!turn.arrival) return std::nullopt;
+    const std::size_t length = bytes_.size() / 321;  // frames of the simulation
+    return hw::Packet{hw::Bytes(bytes_).subspan(length * frame_++, length), *turn.arrival};
+  }
+  bool finished() const override { return turn_ == turns_.size(); }
+  bool live() const override { return true; }
+  double now() const override { return now_; }
+  hw::TransportCounts counts() const override { return {}; }
+
+ private:
+  std::vector<std::uint8_t> bytes_;
+  std::vector<Turn> turns_;
+  std::size_t turn_ = 0, frame_ = 0;
+  double now_ = 0;
+};
+
+std::uint64_t silences(std::vector<ScriptedSource::Turn> turns) {
+  ScriptedSource source(std::move(turns));
+  MonitorSummary summary;
+  answers({.late = 1e9}, source, simulated_bytes().second, summary);
+  return summary.silences;
+}
+
+/// Waits in vain from `from` to `to` s.
+void wait_in_vain(std::vector<ScriptedSource::Turn>& turns, double from, double to) {
+  for (double now = from + 0.05; now <= to; now += 0.05) turns.push_back({now});
+}
+
+TEST(LiveMonitor, EachSilenceCountsOnce) {
+  std::vector<ScriptedSource::Turn> turns{{0.0, 0.0}};
+  wait_in_vain(turns, 0, 5);
+  turns.push_back({5, 5.0});
+  wait_in_vain(turns, 5, 5.9);
+  turns.push_back({6, 6.0});
+  EXPECT_EQ(silences(turns), 1u);
+  wait_in_vain(turns, 6, 8);
+  EXPECT_EQ(silences(turns), 2u);
+}
+
+// The reader lags by 2 s: the source was never silent.
+TEST(LiveMonitor, AReaderWhoLagsHearsNoSilence) {
+  std::vector<ScriptedSource::Turn> turns;
+  for (int i = 0; i < 200; ++i) turns.push_back({2 + 0.01 * i, 0.01 * i});
+  EXPECT_EQ(silences(turns), 0u);
+}
+
+// The program was stopped for 3 s, twice; what came meanwhile waits.
+TEST(LiveMonitor, APauseOfTheReaderIsNoSilence) {
+  std::vector<ScriptedSource::Turn> turns{{0.0, 0.0}, {3.0}, {3.0, 0.5}, {3.0, 2.9}, {3.05}, {6.0}, {6.0, 3.1}};
+  EXPECT_EQ(silences(turns), 0u);
+}
+
+}  // namespace
+}  // namespace tactel::host

@@ -1,0 +1,63 @@
+#include "host/live/simulated_sensor.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "host/scenes/scene_file.h"
+#include "hw/decoder.h"
+#include "tests/host/live/simulated_frames.h"
+
+namespace tactel::host {
+namespace {
+
+// Without decay, spread and noise the chain gives back the stresses of the solved steps within half a converter step.
+TEST(SimulatedSensor, TheChainWithoutItsFaultsGivesTheSceneBack) {
+  OpenSource opened =
+      open_source("simulate:" + scene + "?rate=1000&paced=0&noise=0&gain_spread=0&time_constant=0", "", "");
+  const fem::ContactSolution solution = solve(read_scene(scene), {}).solution;
+  hw::Decoder decoder(opened.profile.format());
+  std::vector<float> frame(42);
+  const double step = opened.profile.map.calibration.gain[0];
+  const auto compare = [&](const fem::ContactStep& expected) {
+    for (Eigen::Index i = 0; i < 21; ++i) {
+      EXPECT_NEAR(frame[static_cast<std::size_t>(i)], expected.sigma_y[i], 0.51 * step);
+      EXPECT_NEAR(frame[static_cast<std::size_t>(21 + i)], expected.tau_xy[i], 0.51 * step);
+    }
+  };
+  while (const auto packet = opened.source->wait(0)) {
+    decoder.feed(packet->bytes,
+                 [&](const hw::DecodedFrame& decoded) { opened.profile.map.apply(decoded.values, frame); });
+    if (decoder.counts().frames == 501) compare(solution.steps.front());  // pressed in after 0.5 s
+  }
+  compare(solution.steps.back());
+  EXPECT_EQ(decoder.counts().frames, 3201u);
+  EXPECT_EQ(decoder.counts().lost, 0u);
+}
+
+TEST(SimulatedSensor, GainsSpreadAndNoiseAsAsked) {
+  const fem::ContactSolution solution = solve(read_scene(scene), {}).solution;
+  const auto readings = [&](SimulationOptions options) {
+    options.paced = false;
+    SimulatedSensor sensor(ScenePlay(solution, 1, options), options);
+    hw::Decoder decoder(parse_profile(sensor.profile_text(), "test").format());
+    std::vector<std::vector<double>> all;
+    const hw::FrameSink keep = [&](const hw::DecodedFrame& f) { all.emplace_back(f.values.begin(), f.values.end()); };
+    while (const auto packet = sensor.wait(0)) decoder.feed(packet->bytes, keep);
+    return all;
+  };
+  EXPECT_EQ(readings({.seed = 3}), readings({.seed = 3}));
+  EXPECT_NE(readings({.seed = 3}), readings({.seed = 4}));
+  // Before contact only noise is there: 42 channels of the first frame, 0.01 of 2048 steps.
+  const auto noisy = readings({.noise = 0.01});
+  double squares = 0;
+  for (const double code : noisy.front()) squares += (code - 2048) * (code - 2048);
+  EXPECT_NEAR(std::sqrt(squares / 42), 20.48, 20.48 * 0.45);  // four standard errors of 42 samples
+}
+
+TEST(SimulatedSensor, TakesAsManyTactelsAsAsked) {
+  EXPECT_EQ(open_source(simulation + "&tactels=8", "", "").profile.map.tactels(), 8u);
+}
+
+}  // namespace
+}  // namespace tactel::host

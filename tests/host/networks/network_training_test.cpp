@@ -1,0 +1,352 @@
+// Trainings over topologies, seeds and noise: results, checkpoints, cancelling.
+#include "host/networks/network_training.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <set>
+
+#include "fem/value_error.h"
+#include "host/networks/training_checkpoint.h"
+#include "host/support/checksum.h"
+#include "host/support/errors.h"
+#include "tests/host/networks/network_cases.h"
+
+namespace {
+
+using namespace tactel;
+using namespace tactel::host;
+using tactel::testing::bumps;
+using tactel::testing::executor;
+namespace fs = std::filesystem;
+
+TrainingPlan small_plan() {
+  TrainingPlan plan;
+  plan.topologies = {nn::Topology::parse("16-16-8-1"), nn::Topology::parse("16-9-1")};
+  plan.seeds = {3, 4, 11};
+  plan.noises = {0.0, 0.1};
+  plan.options.cycle_limit = 150;
+  return plan;
+}
+
+class NetworkTrainingTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    directory_ = fs::temp_directory_path() /
+                 ("tactel_sweep_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::remove_all(directory_);
+    fs::create_directories(directory_);
+  }
+  void TearDown() override { fs::remove_all(directory_); }
+  fs::path checkpoint() const { return directory_ / "training.checkpoint"; }
+  std::string message_of_load(const TrainingPlan& plan, const nn::FrameSet& set) const {
+    NetworkTraining<float> training(executor(), set, plan);
+    try {
+      training.load(checkpoint());
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  /// A stop error that half of a plan's networks reach, by what the reference does with mini-batches.
+  double stop_of_half(const TrainingPlan& plan) const {
+    const nn::InputScaling scaling = nn::fit_scaling(plan.scaling, set_);
+    std::vector<double> smallest;
+    for (const nn::Topology& topology : plan.topologies)
+      for (const double noise : plan.noises)
+        for (const std::uint64_t seed : plan.seeds) {
+          const auto shown = nn::training_set<double>(nn::with_noise(set_, noise, seed), scaling);
+          nn::BatchState<double> state(nn::initial_weights(topology, seed));
+          smallest.push_back(1);
+          while (state.epoch < static_cast<std::uint32_t>(plan.options.cycle_limit))
+            smallest.back() = std::min(smallest.back(), nn::train_epoch(state, shown, *plan.batch, seed).largest);
+        }
+    return nn::quantile(smallest, 0.5);
+  }
+
+  fs::path directory_;
+  nn::FrameSet set_ = bumps(40, 16, 3);
+};
+
+// A network of a training is what the reference makes of its seed, noise and set. 150 cycles in fp64: see
+// train_online_test.cpp.
+TEST_F(NetworkTrainingTest, TrainsEveryNetworkOnItsOwnSet) {
+  NetworkTraining<double> training(executor(), set_, small_plan());
+  EXPECT_TRUE(training.run());
+  ASSERT_EQ(training.networks().size(), 12u);
+  const std::vector<nn::ErrorReport> learnt = training.recall_learning_set();
+  for (std::size_t i = 0; i < 12; ++i) {
+    const TrainedNetwork& network = training.networks()[i];
+    EXPECT_EQ(network.topology.text(), i < 6 ? "16-16-8-1" : "16-9-1");
+    EXPECT_EQ(network.noise, i % 6 < 3 ? 0.0 : 0.1);
+    EXPECT_EQ(network.seed, small_plan().seeds[i % 3]);
+    EXPECT_EQ(network.status, nn::TrainStatus::cycle_limit);
+    const nn::FrameSet shown = nn::with_noise(set_, network.noise, network.seed);
+    nn::OnlineState<double> reference(nn::initial_weights(network.topology, network.seed));
+    nn::OnlineOptions options{.cycle_limit = 150};
+    const nn::CycleErrors last =
+        nn::train_online(reference, nn::training_set<double>(shown, training.scaling()), options, network.seed, 150);
+    EXPECT_LT(tactel::testing::largest_difference(training.weights(i).values, reference.weights.values), 1e-9);
+    EXPECT_NEAR(network.sse, last.sse, 1e-6 * last.sse);  // kept as float
+    const auto answer = nn::recall(reference.weights, training.scaling(), shown.frames);
+    EXPECT_NEAR(learnt[i].all.mean, nn::report_errors(nn::absolute_errors(answer.slip_index, shown), shown).all.mean,
+                1e-9);
+    EXPECT_EQ(network.curve.cycle.front(), 1u);
+    EXPECT_EQ(network.curve.cycle.back(), 150u);
+    EXPECT_EQ(network.curve.sse.back(), network.sse);
+  }
+  EXPECT_EQ(training.patterns(), 12.0 * 150 * 40);
+}
+
+// The same by mini-batches. With a stop error that some of them reach, networks leave the training at different epochs
+// and must still be what the reference makes of them alone; fp64, see train_batch_test.cpp.
+TEST_F(NetworkTrainingTest, TrainsByMiniBatches) {
+  TrainingPlan plan = small_plan();
+  plan.options.cycle_limit = 60;
+  plan.batch = nn::BatchOptions{.batch = 16, .rate = 0.02};
+  const double stop = plan.options.stop_error = stop_of_half(plan);
+  NetworkTraining<double> training(executor(), set_, plan);
+  EXPECT_TRUE(training.run());
+  std::set<nn::TrainStatus> seen;
+  for (std::size_t i = 0; i < 12; ++i) {
+    const TrainedNetwork& network = training.networks()[i];
+    const auto shown = nn::training_set<double>(nn::with_noise(set_, network.noise, network.seed), training.scaling());
+    nn::BatchState<double> reference(nn::initial_weights(network.topology, network.seed));
+    nn::CycleErrors last{.sse = 0, .largest = 1};
+    while (reference.epoch < 60 && last.largest >= stop)
+      last = nn::train_epoch(reference, shown, *plan.batch, network.seed);
+    EXPECT_EQ(network.cycles, reference.epoch) << i;
+    EXPECT_EQ(network.status, last.largest < stop ? nn::TrainStatus::learnt : nn::TrainStatus::cycle_limit) << i;
+    EXPECT_LT(tactel::testing::largest_difference(training.weights(i).values, reference.weights.values), 1e-9) << i;
+    EXPECT_NEAR(network.sse, last.sse, 1e-6 * last.sse) << i;  // kept as float
+    EXPECT_EQ(network.curve.cycle.back(), network.cycles) << i;
+    seen.insert(network.status);
+  }
+  EXPECT_EQ(seen.size(), 2u);
+}
+
+TEST_F(NetworkTrainingTest, MiniBatchesResumeToTheSameBits) {
+  TrainingPlan plan = small_plan();
+  plan.options.cycle_limit = 60;
+  plan.batch = nn::BatchOptions{.batch = 16, .rate = 0.02};
+  plan.options.stop_error = stop_of_half(plan);
+  NetworkTraining<float> whole(executor(), set_, plan), stopped(executor(), set_, plan),
+      resumed(executor(), set_, plan);
+  EXPECT_TRUE(whole.run());
+  int calls = 0;  // one a round: some networks have stopped by then, others have epochs left
+  const auto some = [&calls](std::size_t, std::size_t) { return ++calls < 58; };
+  EXPECT_FALSE(stopped.run({.progress = some, .checkpoint = checkpoint()}));
+  EXPECT_TRUE(resumed.load(checkpoint()));
+  std::set<nn::TrainStatus> seen;
+  for (const TrainedNetwork& network : resumed.networks()) seen.insert(network.status);
+  EXPECT_EQ(seen, (std::set{nn::TrainStatus::running, nn::TrainStatus::learnt}));
+  EXPECT_TRUE(resumed.run());
+  EXPECT_TRUE(stopped.run());
+  for (std::size_t i = 0; i < 12; ++i) {
+    EXPECT_EQ(resumed.weights(i).values, whole.weights(i).values) << i;
+    EXPECT_EQ(stopped.weights(i).values, whole.weights(i).values) << i;
+    EXPECT_EQ(resumed.networks()[i].curve.sse, whole.networks()[i].curve.sse) << i;
+    EXPECT_EQ(resumed.networks()[i].cycles, whole.networks()[i].cycles) << i;
+  }
+  EXPECT_EQ(resumed.patterns(), whole.patterns());
+  plan.batch->rate = 0.01;
+  EXPECT_THAT(message_of_load(plan, set_), ::testing::HasSubstr("of another training"));
+}
+
+// A single network is a single group of work: it, too, must hear that it shall stop.
+TEST_F(NetworkTrainingTest, StopsASingleNetwork) {
+  TrainingPlan plan = small_plan();
+  plan.topologies.resize(1, nn::Topology::parse("16-16-8-1"));
+  plan.seeds = {3};
+  plan.noises = {0};
+  plan.options.stop_error = 0;
+  plan.options.cycle_limit = 1'000'000;
+  NetworkTraining<float> training(executor(), set_, plan);
+  EXPECT_FALSE(training.run({.progress = [](std::size_t, std::size_t) { return false; }, .checkpoint = {}}));
+  EXPECT_LT(training.networks()[0].cycles, 1'000'000u);
+}
+
+// Stopped at any time, written, read by another training and finished: the same bits as never stopped, curves included.
+TEST_F(NetworkTrainingTest, ResumesToTheSameBits) {
+  NetworkTraining<float> whole(executor(), set_, small_plan());
+  EXPECT_TRUE(whole.run());
+  {
+    NetworkTraining<float> stopped(executor(), set_, small_plan());
+    int calls = 0;
+    EXPECT_FALSE(
+        stopped.run({.progress = [&](std::size_t done, std::size_t all) { return done <= all && ++calls < 20; },
+                     .checkpoint = checkpoint()}));
+  }
+  NetworkTraining<float> resumed(executor(), set_, small_plan());
+  EXPECT_TRUE(resumed.load(checkpoint()));
+  const bool some_left =
+      std::any_of(resumed.networks().begin(), resumed.networks().end(), [](const auto& n) { return n.cycles < 150; });
+  EXPECT_TRUE(some_left);
+  EXPECT_TRUE(resumed.run({.progress = {}, .checkpoint = checkpoint()}));
+  NetworkTraining<float> finished(executor(), set_, small_plan());
+  EXPECT_TRUE(finished.load(checkpoint()));
+  EXPECT_TRUE(finished.run());
+  for (std::size_t i = 0; i < 12; ++i) {
+    EXPECT_EQ(resumed.weights(i).values, whole.weights(i).values) << i;
+    EXPECT_EQ(finished.weights(i).values, whole.weights(i).values) << i;
+    EXPECT_EQ(resumed.networks()[i].curve.cycle, whole.networks()[i].curve.cycle) << i;
+    EXPECT_EQ(resumed.networks()[i].curve.sse, whole.networks()[i].curve.sse) << i;
+    EXPECT_EQ(finished.networks()[i].curve.largest, whole.networks()[i].curve.largest) << i;
+  }
+}
+
+TEST_F(NetworkTrainingTest, RefusesCheckpointsThatAreNotItsOwn) {
+  TrainingPlan plan = small_plan();
+  plan.options.cycle_limit = 2;
+  NetworkTraining<float> training(executor(), set_, plan);
+  EXPECT_FALSE(training.load(checkpoint()));  // there is none
+  training.run({.progress = {}, .checkpoint = checkpoint()});
+  EXPECT_EQ(message_of_load(plan, set_), "no error");
+
+  TrainingPlan other = plan;
+  other.seeds[0] = 5;
+  EXPECT_THAT(message_of_load(other, set_), ::testing::HasSubstr("of another training"));
+  nn::FrameSet other_set = set_;
+  other_set.frames(7, 3) += 1e-3f;
+  EXPECT_THAT(message_of_load(plan, other_set), ::testing::HasSubstr("of another training"));
+
+  const auto size = fs::file_size(checkpoint());
+  fs::resize_file(checkpoint(), size - 5);
+  EXPECT_THAT(message_of_load(plan, set_), ::testing::HasSubstr("damaged"));
+  fs::resize_file(checkpoint(), 22);
+  EXPECT_THAT(message_of_load(plan, set_), ::testing::HasSubstr("cut short"));
+  std::ofstream(checkpoint()) << "[sensor]\nlength = 20\n";
+  EXPECT_THAT(message_of_load(plan, set_), ::testing::HasSubstr("not a checkpoint"));
+  EXPECT_THROW(training.save(directory_ / "nowhere" / "file"), ConfigError);
+}
+
+/// Records as the training of a plan keeps them, to be changed.
+std::vector<NetworkRecord<float>> records_of(const TrainingPlan& plan, std::uint32_t cycles) {
+  std::vector<NetworkRecord<float>> records;
+  for (const nn::Topology& topology : plan.topologies)
+    for (const double noise : plan.noises)
+      for (const std::uint64_t seed : plan.seeds) {
+        NetworkRecord<float> record{
+            .network = {.topology = topology, .seed = seed, .noise = noise, .cycles = cycles, .curve = {}},
+            .state = nn::BatchState<float>(nn::initial_weights(topology, seed))};
+        if (!plan.batch) record.state.second.values.clear();
+        records.push_back(std::move(record));
+      }
+  return records;
+}
+
+struct CraftedCheckpoint {
+  const char* name;
+  bool batch;
+  std::function<void(std::vector<NetworkRecord<float>>&)> change;
+};
+
+// Checkpoints with a right checksum and plan that no training wrote: refused, without a crash, a hang, or memory asked
+// for by a number in the file.
+TEST_F(NetworkTrainingTest, CraftedCheckpointsAreRefused) {
+  using Records = std::vector<NetworkRecord<float>>;
+  const std::vector<CraftedCheckpoint> all = {
+      {"running at the limit", false, [](Records& r) { r[0].network.cycles = 150; }},
+      {"beyond the limit", false, [](Records& r) { r[1].network.cycles = 0xffffffff; }},
+      {"running at the limit", true, [](Records& r) { r[0].network.cycles = 150; }},
+      {"at different epochs", true, [](Records& r) { r[0].network.cycles = 7; }},
+      {"status that is none", false, [](Records& r) { r[2].network.status = static_cast<nn::TrainStatus>(9); }},
+      {"negative status", false, [](Records& r) { r[2].network.status = static_cast<nn::TrainStatus>(255); }},
+      {"seconds NaN", false, [](Records& r) { r[0].network.seconds = std::nan(""); }},
+      {"seconds negative", false, [](Records& r) { r[0].network.seconds = -1; }},
+      {"curve of three lengths", false,
+       [](Records& r) {
+         r[0].network.curve = {.cycle = {1, 2}, .sse = {1}, .largest = {1, 1, 1}};
+       }},
+      {"curve that falls", false,
+       [](Records& r) {
+         r[0].network.curve = {.cycle = {2, 1}, .sse = {1, 1}, .largest = {1, 1}};
+       }},
+      {"curve of the future", false,
+       [](Records& r) { r[0].network.curve = {.cycle = {149}, .sse = {1}, .largest = {1}}; }},
+      {"weights of another", false, [](Records& r) { r[0].state.weights.values.pop_back(); }},
+      {"no weights", true, [](Records& r) { r[0].state.weights.values.clear(); }},
+      {"moments too many", true, [](Records& r) { r[0].state.second.values.resize(10'000); }},
+      {"one network less", false, [](Records& r) { r.pop_back(); }},
+      {"one network more", false, [](Records& r) { r.push_back(r[0]); }},
+  };
+  for (const CraftedCheckpoint& crafted : all) {
+    TrainingPlan plan = small_plan();
+    if (crafted.batch) plan.batch = nn::BatchOptions{.batch = 16, .rate = 0.02};
+    const std::string description = training_description<float>(executor(), set_, plan);
+    std::vector<NetworkRecord<float>> records = records_of(plan, 5);
+    write_checkpoint<float>(checkpoint(), description, records);
+    EXPECT_EQ(message_of_load(plan, set_), "no error") << crafted.name;
+    crafted.change(records);
+    write_checkpoint<float>(checkpoint(), description, records);
+    EXPECT_THAT(message_of_load(plan, set_), ::testing::HasSubstr("must be")) << crafted.name;
+  }
+}
+
+// The length of an item is the file's word: it must not be believed.
+TEST_F(NetworkTrainingTest, LengthsInACheckpointAreNotBelieved) {
+  const TrainingPlan plan = small_plan();
+  const std::string magic = "tactel checkpoint 3\n", text = training_description<float>(executor(), set_, plan);
+  const auto bytes = [](std::uint64_t number) { return std::string(reinterpret_cast<char*>(&number), sizeof number); };
+  for (const std::uint64_t length :
+       {std::uint64_t{1} << 62, ~std::uint64_t{0}, ~std::uint64_t{0} - 7, std::uint64_t{1} << 40}) {
+    for (const std::string& body : {bytes(length), bytes(text.size()) + text + bytes(length) + "1234567890123456"}) {
+      std::ofstream(checkpoint(), std::ios::binary) << magic << bytes(checksum(body)) << body;
+      EXPECT_THAT(message_of_load(plan, set_), ::testing::HasSubstr("cut short"));
+    }
+  }
+  std::ofstream(checkpoint(), std::ios::binary) << "tactel checkpoint 2\n";
+  EXPECT_THAT(message_of_load(plan, set_), ::testing::HasSubstr("another version"));
+  fs::resize_file(checkpoint(), std::uintmax_t{1} << 40);  // a hole: it takes no room
+  EXPECT_THAT(message_of_load(plan, set_), ::testing::HasSubstr("larger than"));
+  fs::remove(checkpoint());
+  fs::create_symlink("/dev/zero", checkpoint());
+  EXPECT_THAT(message_of_load(plan, set_), ::testing::HasSubstr("not a file"));
+  fs::remove(checkpoint());
+  fs::create_directory(checkpoint());
+  EXPECT_THAT(message_of_load(plan, set_), ::testing::HasSubstr("not a file"));
+}
+
+TEST_F(NetworkTrainingTest, JudgesNetworksOnAnotherSet) {
+  TrainingPlan plan = small_plan();
+  plan.options.cycle_limit = 400;
+  plan.noises = {0.0};
+  NetworkTraining<float> training(executor(), set_, plan);
+  training.run();
+  nn::FrameSet other = bumps(25, 16, 8);
+  for (int row = 0; row < 25; ++row) other.shape_class.push_back(static_cast<std::uint16_t>(row % 3));
+  const std::vector<nn::ErrorReport> reports = training.recall(other);
+  ASSERT_EQ(reports.size(), 6u);
+  for (std::size_t i = 0; i < 6; ++i) {
+    const auto answer = nn::recall(training.weights(i), training.scaling(), other.frames);
+    const nn::ErrorReport expected = nn::report_errors(nn::absolute_errors(answer.slip_index, other), other);
+    EXPECT_NEAR(reports[i].all.max, expected.all.max, 1e-6);  // fp32 and the activation's bound
+    EXPECT_EQ(reports[i].by_class.size(), 3u);
+    EXPECT_LT(reports[i].all.mean, 0.2);  // it has learnt something: guessing 0.5 gives 0.25
+  }
+  const nn::Model model = training.model(4, "bumps");
+  EXPECT_EQ(model.weights.values, training.weights(4).values);
+  EXPECT_EQ(model.seed, 4u);
+  EXPECT_EQ(model.cycles, 400u);
+  EXPECT_EQ(model.learning_errors.count, 40u);
+}
+
+TEST_F(NetworkTrainingTest, RefusesPlansThatCannotWork) {
+  TrainingPlan plan = small_plan();
+  plan.seeds.clear();
+  EXPECT_THROW(NetworkTraining<float>(executor(), set_, plan), ValueError);
+  plan = small_plan();
+  for (const double noise : {-0.1, 1.001, std::nan("")}) {
+    plan.noises = {noise};
+    EXPECT_THROW(NetworkTraining<float>(executor(), set_, plan), ValueError);
+  }
+  plan = small_plan();
+  plan.topologies.push_back(nn::Topology::paper(1));
+  EXPECT_THROW(NetworkTraining<float>(executor(), set_, plan), ValueError);
+}
+
+}  // namespace

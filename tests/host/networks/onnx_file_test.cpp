@@ -1,0 +1,299 @@
+// Network files: judged by the standard's own checker, by a runtime that does not know tactel, and read back.
+#include "host/networks/onnx_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <onnx/checker.h>
+
+#include <cstring>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <limits>
+
+#include "host/networks/forward.h"
+#include "host/networks/onnx_graph.h"
+#include "host/support/errors.h"
+#include "tests/host/networks/network_cases.h"
+#include "tests/host/networks/onnx_evaluator.h"
+
+namespace {
+
+using namespace tactel;
+using namespace tactel::host;
+using nn::ScalingKind;
+using tactel::testing::bumps;
+using tactel::testing::executor;
+using tactel::testing::OnnxEvaluator;
+namespace fs = std::filesystem;
+
+nn::Model some_model(const char* topology, ScalingKind kind) {
+  nn::Weights<float> weights = nn::initial_weights(nn::Topology::parse(topology), 7);
+  for (float& w : weights.values) w *= 3;  // S well away from 0.5
+  return {
+      weights, {kind, 1.37f}, 7, 0.1, "bumps, \"quoted\" and \xc2\xb5", 10000, {1234, 0.31, 0.0123456789012345, 0.02}};
+}
+
+onnx::ModelProto parsed(const nn::Model& model) {
+  onnx::ModelProto proto;
+  EXPECT_TRUE(proto.ParseFromString(onnx_bytes(model)));
+  return proto;
+}
+
+class OnnxFile : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    directory_ = fs::temp_directory_path() /
+                 ("tactel_onnx_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::remove_all(directory_);
+    fs::create_directories(directory_);
+    path_ = directory_ / "network.onnx";
+  }
+  void TearDown() override { fs::remove_all(directory_); }
+  void put(const std::string& bytes) const { std::ofstream(path_, std::ios::binary) << bytes; }
+  std::string message() const {
+    try {
+      read_onnx(path_);
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+  fs::path directory_, path_;
+};
+
+}  // namespace
+
+TEST_F(OnnxFile, SatisfiesTheStandardsChecker) {
+  for (const char* topology : {"1", "5", "16-16-8-1", "2-1-1"})
+    for (const ScalingKind kind : {ScalingKind::set, ScalingKind::frame})
+      EXPECT_NO_THROW(onnx::checker::check_model(parsed(some_model(topology, kind))))
+          << topology << ' ' << nn::name(kind);
+}
+
+// Another runtime on the file gives the S of tactel's own recall within 1e-5, on every row, frames without stress
+// included.
+TEST_F(OnnxFile, MeansTheSameToAnotherRuntime) {
+  for (const char* topology : {"6", "16-16-8-1"}) {
+    for (const ScalingKind kind : {ScalingKind::set, ScalingKind::frame}) {
+      const nn::Model model = some_model(topology, kind);
+      const int inputs = model.weights.topology.inputs();
+      nn::RowMatrix<float> frames = bumps(150, inputs, 9).frames;
+      frames.row(3).setZero();
+      frames.row(4) *= 1e4f;
+      frames.row(5) *= 1e-9f;
+      frames.row(6).head(inputs / 2).setZero();
+      const nn::Recall<float> own =
+          Forward<float>(executor(), std::span(&model.weights, 1), model.scaling).recall(frames);
+      const OnnxEvaluator::Tensor input{{150, inputs}, {frames.data(), frames.data() + frames.size()}};
+      const OnnxEvaluator::Tensor s = OnnxEvaluator(parsed(model)).run(input);
+      ASSERT_EQ(s.shape, (std::vector<std::int64_t>{150, 1}));
+      double lowest = 1, highest = 0;
+      for (int row = 0; row < 150; ++row) {
+        EXPECT_NEAR(s.data[row], own.slip_index(row), 1e-5) << topology << ' ' << nn::name(kind) << " row " << row;
+        lowest = std::min(lowest, s.data[row]);
+        highest = std::max(highest, s.data[row]);
+      }
+      EXPECT_GT(highest - lowest, 0.05);
+    }
+  }
+}
+
+TEST_F(OnnxFile, IsReadBackAsItWas) {
+  for (const char* topology : {"6", "16-9-1"}) {
+    for (const ScalingKind kind : {ScalingKind::set, ScalingKind::frame}) {
+      const nn::Model model = some_model(topology, kind);
+      write_onnx(path_, model);
+      const nn::Model read = read_onnx(path_);
+      EXPECT_EQ(read.weights.topology, model.weights.topology);
+      EXPECT_EQ(read.weights.values, model.weights.values);
+      EXPECT_EQ(read.scaling, model.scaling);
+      EXPECT_EQ(read.seed, model.seed);
+      EXPECT_EQ(read.noise, model.noise);
+      EXPECT_EQ(read.learning_set, model.learning_set);
+      EXPECT_EQ(read.cycles, model.cycles);
+      EXPECT_EQ(read.learning_errors.count, model.learning_errors.count);
+      EXPECT_EQ(read.learning_errors.mean, model.learning_errors.mean);
+      EXPECT_EQ(read.learning_errors.std, model.learning_errors.std);
+      EXPECT_EQ(std::distance(fs::directory_iterator(directory_), {}), 1);  // no temporary file is left
+    }
+  }
+}
+
+TEST_F(OnnxFile, SaysWhatIsWrongWithABadFile) {
+  EXPECT_THAT(message(), ::testing::HasSubstr("cannot be read"));
+  put("");
+  EXPECT_THAT(message(), ::testing::HasSubstr("empty"));
+  put("[sensor]\nlength = 20.0\n");
+  EXPECT_THAT(message(), ::testing::HasSubstr("network.onnx"));
+  const std::string good = onnx_bytes(some_model("16-16-8-1", ScalingKind::set));
+  put(good.substr(0, good.size() / 2));
+  EXPECT_THAT(message(), ::testing::HasSubstr("must be"));
+  put(good);
+  EXPECT_EQ(message(), "no error");
+}
+
+// A byte changed anywhere, or an end lost, is noticed.
+TEST_F(OnnxFile, NoticesEveryDamage) {
+  const std::string good = onnx_bytes(some_model("2-1-1", ScalingKind::frame));
+  for (std::size_t i = 0; i < good.size(); i += 7) {  // every byte was tried once
+    std::string bad = good;
+    bad[i] = static_cast<char>(bad[i] ^ 0x10);
+    put(bad);
+    EXPECT_NE(message(), "no error") << "byte " << i;
+    put(good.substr(0, i));
+    EXPECT_NE(message(), "no error") << "first " << i << " bytes";
+  }
+}
+
+TEST_F(OnnxFile, RefusesModelsThatTactelDidNotWrite) {
+  onnx::ModelProto foreign = parsed(some_model("16-16-8-1", ScalingKind::set));
+  foreign.set_producer_name("pytorch");
+  put(foreign.SerializeAsString());
+  EXPECT_THAT(message(), ::testing::HasSubstr("pytorch"));
+
+  onnx::ModelProto bare = parsed(some_model("16-16-8-1", ScalingKind::set));
+  bare.clear_metadata_props();
+  put(bare.SerializeAsString());
+  EXPECT_THAT(message(), ::testing::HasSubstr("metadata"));
+
+  onnx::ModelProto changed = parsed(some_model("16-16-8-1", ScalingKind::set));
+  changed.mutable_graph()->mutable_node(2)->set_op_type("Relu");
+  put(changed.SerializeAsString());
+  EXPECT_THAT(message(), ::testing::HasSubstr("of another form"));
+
+  onnx::ModelProto other = parsed(some_model("16-16-8-1", ScalingKind::set));
+  for (onnx::StringStringEntryProto& entry : *other.mutable_metadata_props())
+    if (entry.key() == "topology") entry.set_value("16-16-9-1");
+  put(other.SerializeAsString());
+  EXPECT_THAT(message(), ::testing::HasSubstr("damaged"));
+
+  onnx::ModelProto newer = parsed(some_model("16-16-8-1", ScalingKind::set));
+  newer.mutable_opset_import(0)->set_version(17);
+  put(newer.SerializeAsString());
+  EXPECT_THAT(message(), ::testing::HasSubstr("another form"));
+}
+
+// Another version of protobuf may put the same message into other bytes; so does joining two halves of it, whose fields
+// then come in another order (protobuf merges what it parses).
+TEST_F(OnnxFile, AsksForTheSameModelNotTheSameBytes) {
+  for (const ScalingKind kind : {ScalingKind::set, ScalingKind::frame}) {
+    const nn::Model model = some_model("16-16-8-1", kind);
+    onnx::ModelProto rest = parsed(model), graph;
+    graph.mutable_graph()->Swap(rest.mutable_graph());
+    rest.clear_graph();
+    put(graph.SerializeAsString() + rest.SerializeAsString());
+    ASSERT_EQ(message(), "no error");
+    EXPECT_EQ(read_onnx(path_).weights.values, model.weights.values);
+  }
+}
+
+/// A model whose graph somebody changed, with the checksum that its content then has.
+struct Crafted {
+  const char* name;
+  std::function<void(onnx::ModelProto&)> change;
+};
+
+onnx::TensorProto& initializer(onnx::ModelProto& model, const std::string& name) {
+  for (onnx::TensorProto& tensor : *model.mutable_graph()->mutable_initializer())
+    if (tensor.name() == name) return tensor;
+  throw std::runtime_error("no initializer " + name);
+}
+
+std::string& metadata(onnx::ModelProto& model, const std::string& key) {
+  for (onnx::StringStringEntryProto& entry : *model.mutable_metadata_props())
+    if (entry.key() == key) return *entry.mutable_value();
+  throw std::runtime_error("no metadata " + key);
+}
+
+// Every one of these once more with a right checksum: what keeps them out is then not the checksum. None may crash,
+// hang, or ask for memory by a number that the file names.
+TEST_F(OnnxFile, CraftedFilesAreRefused) {
+  const std::vector<Crafted> all = {
+      {"huge dimension", [](auto& m) { initializer(m, "weight1").set_dims(0, std::int64_t{1} << 62); }},
+      {"negative dimension", [](auto& m) { initializer(m, "weight1").set_dims(1, -16); }},
+      {"no dimensions", [](auto& m) { initializer(m, "weight2").clear_dims(); }},
+      {"missing weights", [](auto& m) { initializer(m, "weight2").set_name("weight9"); }},
+      {"missing bias", [](auto& m) { m.mutable_graph()->mutable_initializer()->RemoveLast(); }},
+      {"no initializers", [](auto& m) { m.mutable_graph()->clear_initializer(); }},
+      {"too little data", [](auto& m) { initializer(m, "bias1").mutable_raw_data()->resize(3); }},
+      {"too much data", [](auto& m) { initializer(m, "bias1").mutable_raw_data()->append(64, 'x'); }},
+      {"data elsewhere", [](auto& m) { initializer(m, "weight1").clear_raw_data(); }},
+      {"of doubles", [](auto& m) { initializer(m, "weight1").set_data_type(onnx::TensorProto::DOUBLE); }},
+      {"twice the same name", [](auto& m) { *m.mutable_graph()->add_initializer() = initializer(m, "bias1"); }},
+      {"NaN",
+       [](auto& m) {
+         const float nan = std::numeric_limits<float>::quiet_NaN();
+         std::memcpy(initializer(m, "weight1").mutable_raw_data()->data(), &nan, sizeof nan);
+       }},
+      {"infinity",
+       [](auto& m) {
+         const float infinity = std::numeric_limits<float>::infinity();
+         std::memcpy(initializer(m, "bias2").mutable_raw_data()->data(), &infinity, sizeof infinity);
+       }},
+      {"cycle", [](auto& m) { m.mutable_graph()->mutable_node(0)->set_input(0, "slip_index"); }},
+      {"node more", [](auto& m) { *m.mutable_graph()->add_node() = m.graph().node(0); }},
+      {"no nodes", [](auto& m) { m.mutable_graph()->clear_node(); }},
+      {"other operator", [](auto& m) { m.mutable_graph()->mutable_node(2)->set_op_type("Relu"); }},
+      {"no input", [](auto& m) { m.mutable_graph()->clear_input(); }},
+      {"two outputs", [](auto& m) { *m.mutable_graph()->add_output() = m.graph().output(0); }},
+      {"graph in an attribute",
+       [](auto& m) {
+         onnx::AttributeProto& attribute = *m.mutable_graph()->mutable_node(0)->add_attribute();
+         attribute.set_name("body");
+         onnx::GraphProto* inner = attribute.mutable_g();
+         for (int depth = 0; depth < 20; ++depth) inner = inner->add_node()->add_attribute()->mutable_g();
+       }},
+      {"topology of another", [](auto& m) { metadata(m, "topology") = "16-16-9-1"; }},
+      {"huge topology", [](auto& m) { metadata(m, "topology") = "2147483646-9999-1"; }},
+      {"long topology", [](auto& m) { metadata(m, "topology") = std::string(1 << 20, '1'); }},
+      {"seed of text", [](auto& m) { metadata(m, "seed") = "seven"; }},
+      {"seed out of range", [](auto& m) { metadata(m, "seed") = "99999999999999999999999"; }},
+      {"noise NaN", [](auto& m) { metadata(m, "noise") = "nan"; }},
+      {"error infinite", [](auto& m) { metadata(m, "error_mean") = "inf"; }},
+      {"largest stress 0", [](auto& m) { metadata(m, "largest_stress") = "0"; }},
+      {"largest stress negative", [](auto& m) { metadata(m, "largest_stress") = "-1"; }},
+      {"other scaling", [](auto& m) { metadata(m, "scaling") = "sideways"; }},
+      {"metadata twice",
+       [](auto& m) {
+         onnx::StringStringEntryProto& entry = *m.add_metadata_props();
+         entry.set_key("seed");
+         entry.set_value("8");
+       }},
+      {"functions", [](auto& m) { m.add_opset_import()->set_domain("another"); }},
+  };
+  for (const Crafted& crafted : all) {
+    onnx::ModelProto proto = parsed(some_model("16-16-8-1", ScalingKind::set));
+    crafted.change(proto);
+    put(proto.SerializeAsString());
+    EXPECT_THAT(message(), ::testing::HasSubstr("must be")) << crafted.name;
+    metadata(proto, "checksum") = onnx_checksum(proto);
+    put(proto.SerializeAsString());
+    EXPECT_THAT(message(), ::testing::HasSubstr("must be")) << crafted.name << ", right checksum";
+    EXPECT_LT(message().size(), 1000u) << crafted.name;
+  }
+  onnx::ModelProto whole = parsed(some_model("16-16-8-1", ScalingKind::set));
+  metadata(whole, "checksum") = onnx_checksum(whole);
+  put(whole.SerializeAsString());
+  EXPECT_EQ(message(), "no error");
+}
+
+TEST_F(OnnxFile, IsNoDeviceAndNotEndless) {
+  const auto refusal = [](const fs::path& path) {
+    try {
+      read_onnx(path);
+    } catch (const ConfigError& error) {
+      return std::string(error.what());
+    }
+    return std::string("no error");
+  };
+  EXPECT_THAT(refusal("/dev/zero"), ::testing::HasSubstr("must be"));
+  EXPECT_THAT(refusal(directory_), ::testing::HasSubstr("must be"));
+  put(onnx_bytes(some_model("2-1-1", ScalingKind::set)));
+  fs::resize_file(path_, std::uintmax_t{1} << 40);  // a hole: it takes no room
+  EXPECT_THAT(message(), ::testing::HasSubstr("must be"));
+}
+
+TEST_F(OnnxFile, SaysWhenItCannotWrite) {
+  EXPECT_THROW(write_onnx(directory_ / "nowhere" / "network.onnx", some_model("2-1-1", ScalingKind::set)), ConfigError);
+}

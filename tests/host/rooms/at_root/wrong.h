@@ -1,0 +1,1 @@
+#include "host/support/errors.h"

@@ -1,0 +1,3 @@
+namespace {
+int twice(double number) { return 2 * number; }
+}  // namespace

@@ -1,0 +1,3 @@
+namespace {
+int twice(int number) { return 2 * number; }
+}  // namespace

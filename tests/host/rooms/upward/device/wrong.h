@@ -1,0 +1,1 @@
+#include "host/commands/command.h"

@@ -1,0 +1,141 @@
+// Contacts of a sweep file.
+#include "host/scenes/scene_source.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "fem/measured_profile.h"
+#include "host/support/errors.h"
+#include "tests/host/support/run_tactel.h"
+
+namespace tactel::host {
+namespace {
+
+SceneSource source(const std::string& text) {
+  const ScratchFolder folder;
+  return SceneSource::read(folder.write("sweep.toml", text));
+}
+
+std::string message_of(const std::string& text) {
+  try {
+    source(text);
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+const std::string head = "[sweep]\ncontacts = 2000\nseed = 7\n";
+const std::string load = "[load]\nindentation = 0.15\ntangential_step = 0.05\ntangential_steps = 4\n";
+const std::string parabola = "[indenter]\nshape = \"parabola\"\nradius = 10\n";
+
+TEST(SceneSource, PlainNumbersStayAsTheyAre) {
+  const SceneSource plain = source(head + load + parabola + "[contact]\nfriction = 0.7\n");
+  EXPECT_EQ(plain.contacts(), 2000u);
+  EXPECT_EQ(plain.seed(), 7u);
+  const auto contact = plain.contact(1234);
+  EXPECT_EQ(std::get<fem::Parabola>(contact.scene.indenter.shape).radius, 10);
+  EXPECT_EQ(contact.scene.friction, 0.7);
+  EXPECT_EQ(contact.scene.load.indentation, std::vector{0.15});
+}
+
+const std::string mixed =
+    head +
+    "[contact]\nfriction = { uniform = [0.1, 1.5] }\n"
+    "[[indenter]]\nshape = \"parabola\"\nradius = { log_uniform = [1, 100] }\nposition = { uniform = [-2, 2] }\n"
+    "[[indenter]]\nshape = \"flat\"\nhalf_width = { uniform = [1, 3] }\nweight = 3\n"
+    "[[load]]\nindentation = { uniform = [0.05, 0.2] }\ntangential = [{ uniform = [0.1, 0.2] }, -0.05]\n"
+    "[[load]]\nnormal_force = { choice = [0.5, 1.0] }\nslip_index = { uniform = [0, 0.9] }\n";
+
+// 2000 draws: shares spread by at most 0.011, four of these.
+TEST(SceneSource, DrawsAlternativesAndNumbers) {
+  const SceneSource sweep = source(mixed);
+  EXPECT_THAT(sweep.kind_names(), testing::ElementsAre("parabola", "flat"));
+  int flats = 0, forced = 0;
+  for (std::uint64_t k = 0; k < sweep.contacts(); ++k) {
+    const auto contact = sweep.contact(k);
+    const fem::Scene& scene = contact.scene;
+    EXPECT_GE(scene.friction, 0.1);
+    EXPECT_LE(scene.friction, 1.5);
+    flats += contact.kind == 1;
+    if (contact.kind == 1) {
+      const double half_width = *std::get<fem::Flat>(scene.indenter.shape).half_width;
+      EXPECT_THAT(half_width, testing::AllOf(testing::Ge(1), testing::Le(3)));
+    }
+    if (fem::by_force(scene)) {
+      ++forced;
+      const double s = std::tan(*scene.load.angle * 3.14159265358979 / 180) / scene.friction;
+      EXPECT_THAT(s, testing::AllOf(testing::Ge(-1e-12), testing::Le(0.9)));
+    } else {
+      ASSERT_EQ(scene.load.tangential.size(), 2u);
+      EXPECT_THAT(scene.load.tangential[0], testing::AllOf(testing::Ge(0.1), testing::Le(0.2)));
+      EXPECT_EQ(scene.load.tangential[1], -0.05);
+    }
+  }
+  EXPECT_NEAR(flats / 2000.0, 0.75, 0.044);
+  EXPECT_NEAR(forced / 2000.0, 0.5, 0.044);
+}
+
+TEST(SceneSource, AContactDependsOnSeedAndNumberAlone) {
+  std::string more = mixed, other = mixed;
+  more.replace(more.find("2000"), 4, "9000");
+  other.replace(other.find("seed = 7"), 8, "seed = 8");
+  const SceneSource a = source(mixed), b = source(more), c = source(other);
+  int same = 0;
+  for (const std::uint64_t k : {1999u, 0u, 7u, 555u}) {
+    EXPECT_EQ(a.contact(k).scene.friction, b.contact(k).scene.friction);
+    EXPECT_EQ(a.contact(k).kind, b.contact(k).kind);
+    same += a.contact(k).scene.friction == c.contact(k).scene.friction;
+  }
+  EXPECT_EQ(same, 0);
+}
+
+TEST(SceneSource, RandomProfilesAreConvexAndAsLargeAsAsked) {
+  const SceneSource sweep = source(
+      head + load + "[indenter]\nshape = \"profile\"\npoints = 9\nhalf_width = 4\nheight = { uniform = [0.5, 2] }\n");
+  for (std::uint64_t k = 0; k < 200; ++k) {
+    const auto profile = std::get<fem::Profile>(sweep.contact(k).scene.indenter.shape);
+    ASSERT_EQ(profile.x.size(), 9u);
+    EXPECT_EQ(profile.x.front(), -4);
+    EXPECT_EQ(profile.x.back(), 4);
+    const double highest = *std::max_element(profile.y.begin(), profile.y.end());
+    EXPECT_THAT(highest, testing::AllOf(testing::Ge(0.5), testing::Le(2.0)));
+    for (std::size_t i = 1; i + 1 < 9; ++i)  // second differences of equally spaced points, to rounding
+      EXPECT_GE(profile.y[i - 1] - 2 * profile.y[i] + profile.y[i + 1], -1e-12);
+  }
+}
+
+TEST(SceneSource, DistributedSensorsAreDrawnOnce) {
+  const SceneSource sweep = source("[sweep]\ncontacts = 500\nsensors = 5\n" + load + parabola +
+                                   "[sensor]\npoisson = { uniform = [0.3, 0.49] }\nthickness = { uniform = [1, 2] }\n");
+  ASSERT_EQ(sweep.sensors().size(), 5u);
+  std::set<double> seen;
+  for (std::uint64_t k = 0; k < 500; ++k) seen.insert(sweep.contact(k).scene.sensor.poisson);
+  EXPECT_EQ(seen.size(), 5u);
+  for (const fem::Sensor& sensor : sweep.sensors()) EXPECT_TRUE(seen.contains(sensor.poisson));
+}
+
+TEST(SceneSource, RefusesWithFileLineAndKey) {
+  for (const auto& [text, said] : std::vector<std::pair<std::string, std::string>>{
+           {"[sweep]\nseed = 1\n" + load + parabola, "sweep.contacts = (missing)"},
+           {"[sweep]\ncontacts = 0\n" + load + parabola, "sweep.toml:2: sweep.contacts = 0"},
+           {head + load + parabola + "[contact]\nfriction = { uniform = [-1, 1] }\n", ":12: contact.friction"},
+           {head + load + "[indenter]\nshape = \"parabola\"\nradius = { uniform = [-1, 1] }\n", ":10: indenter.radius"},
+           {head + load + "[indenter]\nshape = \"parabola\"\nradius = { uniform = [1, 1e30] }\n",
+            ":10: indenter.radius"},
+           {head + load + parabola + "[sensor]\ncolumns = { choice = [41, 51] }\n", "sensor.columns"},
+           {head + load + parabola + "[sensor]\npoisson = { uniform = [0.4, 0.5] }\n", ":12: sensor.poisson"},
+           {head + load + parabola + "weight = -1\n", "indenter.weight"},
+           {head + load + "[[indenter]]\nshape = \"parabola\"\nradius = 1\nweight = 0\n", "indenter.weight"},
+           {head + load + "[indenter]\nshape = \"profile\"\npoints = 2\nhalf_width = 1\nheight = 1\n",
+            "indenter.points"},
+           {head + parabola + "[load]\nindentation = 0.1\nslip_index = 0.5\n", "load.slip_index"},
+           {head + load + parabola + "[contact]\nfrction = 1\n", "did you mean friction?"},
+           {head + load, "indenter.shape = (missing)"}})
+    EXPECT_NE(message_of(text).find(said), std::string::npos) << text << message_of(text);
+}
+
+}  // namespace
+}  // namespace tactel::host

@@ -1,0 +1,184 @@
+// The transducer chain's kernel against its plain twin, and what sets make of it.
+#include "host/sets/transducer_chain.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "host/contact/gap_sweep.h"
+#include "host/scenes/sweep_file.h"
+#include "host/sets/set_simulator.h"
+#include "host/support/errors.h"
+#include "tests/host/sets/transducer_cases.h"
+#include "tests/host/support/run_tactel.h"
+
+namespace {
+
+using namespace tactel;
+using namespace tactel::host;
+using tactel::testing::all_parts;
+using tactel::testing::executor;
+using tactel::testing::largest_difference;
+using tactel::testing::TransducerCase;
+
+class TransducerChannels : public ::testing::TestWithParam<int> {};
+
+// Stresses of 1 through at most 11 steps, each with a handful of roundings of 6e-8; log, sqrt and cospi of OpenCL are
+// good to 4 units in the last place, on normal numbers of at most 5.8 times 0.03.
+TEST_P(TransducerChannels, MatchesTwin) {
+  const int channels = GetParam();
+  for (const int contacts : {1, 2, 15, 16, 17, 100}) {
+    const TransducerCase some(contacts, channels);
+    EXPECT_LT(largest_difference(some.on_device(all_parts, channels), some.by_twin(all_parts, channels)), 3e-6);
+  }
+}
+
+// Each part by itself.
+TEST_P(TransducerChannels, PartsMatchTwin) {
+  const int channels = GetParam();
+  const TransducerCase some(17, channels);
+  for (const nn::Transducer& t :
+       {nn::Transducer{}, nn::Transducer{.gain_spread = 0.3}, nn::Transducer{.time_constant = 2, .step_time = 1},
+        nn::Transducer{.offset_spread = 0.3}, nn::Transducer{.noise = 0.3}, nn::Transducer{.range = 0.5}})
+    EXPECT_LT(largest_difference(some.on_device(t, channels), some.by_twin(t, channels)), 3e-6) << nn::description(t);
+  const nn::Transducer nothing;
+  EXPECT_EQ(some.on_device(nothing, channels), some.stress);
+}
+
+// Twelve bits: readings are whole quanta within the range, and the twin's but where it stood within 1e-5 of an edge
+// (3e-6 of the test above over a quantum of 0.0004, both ways: one in 60 at most).
+TEST_P(TransducerChannels, ConvertsAsTwin) {
+  const int channels = GetParam();
+  const TransducerCase some(100, channels);
+  nn::Transducer t = all_parts;
+  t.bits = 12;
+  const auto reading = some.on_device(t, channels);
+  const auto truth = some.by_twin(t, channels);
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < reading.size(); ++i) {
+    const double code = reading[i] / t.quantum();
+    ASSERT_NEAR(code, std::rint(code), 2e-4);  // 2048 in single precision
+    ASSERT_LE(std::abs(code + 0.5), 2047.5 + 2e-4);
+    const double apart = std::abs(code - truth[i] / t.quantum());
+    ASSERT_LT(apart, 1.001);
+    different += apart > 0.5;
+  }
+  EXPECT_LT(different, reading.size() / 60);
+}
+
+// A contact's bits: the same alone, in any batch and at any place of it.
+TEST_P(TransducerChannels, BitsDoNotDependOnTheBatch) {
+  const int channels = GetParam();
+  const TransducerCase some(100, channels);
+  const auto together = some.on_device(all_parts, channels);
+  TransducerChain chain(executor(), all_parts, 11, channels);
+  std::size_t at = together.size();
+  for (int c = 99; c >= 0; --c) {
+    const std::size_t size = std::size_t{some.contacts[c].steps} * channels;
+    at -= size;
+    std::vector<float> alone(some.stress.begin() + at, some.stress.begin() + at + size);
+    chain.run(std::span(&some.contacts[c], 1), alone);
+    EXPECT_THAT(alone, ::testing::ElementsAreArray(together.begin() + at, together.begin() + at + size)) << c;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(AroundTheLanes, TransducerChannels, ::testing::Values(4, 16, 30, 32, 34, 42));
+
+const std::string small_sweep =
+    "[sweep]\ncontacts = 40\nseed = 3\n[sensor]\ntactels = 8\ncolumns = 21\nrows = 4\n"
+    "[[indenter]]\nshape = \"parabola\"\nradius = { uniform = [5, 50] }\n"
+    "[load]\nindentation = 0.15\nindentation_steps = 3\ntangential_step = 0.03\ntangential_steps = 5\n";
+const std::string chain_table =
+    "[transducer]\ngain_spread = 0.1\noffset_spread = 0.01\nnoise = 0.02\ntime_constant = 1\nstep_time = 0.2\n"
+    "range = 1\nbits = 12\n";
+
+ContactSet simulated(const std::string& text, std::uint64_t first = 0, std::uint64_t count = 40) {
+  const ScratchFolder folder;
+  const Sweep sweep = read_sweep(folder.write("sweep.toml", text));
+  return SetSimulator(executor(), sweep.source, {}).simulate(first, count);
+}
+
+// Rows are the twin's readings of the contact solved by itself, over all of its load steps: those before full
+// indentation, which have no rows, charge the amplifiers, too.
+TEST(TransducerSet, HoldsReadingsOfAllLoadSteps) {
+  const ScratchFolder folder;
+  const std::string without_bits = chain_table.substr(0, chain_table.find("bits"));
+  const Sweep sweep = read_sweep(folder.write("sweep.toml", small_sweep + without_bits));
+  const ContactSet set = SetSimulator(executor(), sweep.source, {}).simulate(0, 40);
+  EXPECT_EQ(set.transducer,
+            "gain_spread 0.1, time_constant 1 s, step_time 0.2 s, offset_spread 0.01 MPa, "
+            "noise 0.02 MPa, range 1 MPa, seed 3");
+  ASSERT_EQ(set.rows(), 40u * 6);
+  for (std::size_t row = 0; row < set.rows(); row += 6) {
+    const fem::Scene scene = sweep.source.contact(row / 6).scene;
+    const auto steps = solve_gap_sweep(executor(), std::span(&scene, 1), Precision::fp32, {})[0].steps;
+    nn::RowMatrix<double> stress(8, 16);
+    for (int k = 0; k < 8; ++k) stress.row(k) << steps[k].sigma_y.transpose(), steps[k].tau_xy.transpose();
+    const auto reading = nn::transducer_chain(sweep.source.transducer(), 3, row / 6, stress);
+    for (int k = 2; k < 8; ++k)
+      for (int channel = 0; channel < 16; ++channel)
+        EXPECT_NEAR(set.frames[(row + k - 2) * 16 + channel], reading(k, channel), 3e-6);  // as MatchesTwin
+  }
+}
+
+// Answers are what they were; the file says what was done to the stresses.
+TEST(TransducerSet, LeavesTheAnswersAlone) {
+  const ContactSet bare = simulated(small_sweep), read = simulated(small_sweep + chain_table);
+  EXPECT_EQ(bare.slip_index, read.slip_index);
+  EXPECT_EQ(bare.status, read.status);
+  EXPECT_NE(bare.frames, read.frames);
+  EXPECT_EQ(bare.transducer, "none");
+  const ScratchFolder folder;
+  write_contact_set(folder / "set.h5", read);
+  EXPECT_EQ(read_contact_set(folder / "set.h5").transducer, read.transducer);
+}
+
+TEST(TransducerSet, RowsDoNotDependOnTheRange) {
+  const ContactSet all = simulated(small_sweep + chain_table), part = simulated(small_sweep + chain_table, 17, 9);
+  const std::size_t from = std::ranges::find(all.contact, 17u) - all.contact.begin();
+  EXPECT_THAT(part.frames, ::testing::ElementsAreArray(all.frames.begin() + from * 16,
+                                                       all.frames.begin() + (from + part.rows()) * 16));
+}
+
+std::string message_of(const std::string& table) {
+  try {
+    simulated(small_sweep + "[transducer]\n" + table);
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(TransducerTable, NamesWhatItRejects) {
+  EXPECT_THAT(message_of("noise = -1\n"), ::testing::HasSubstr("transducer.noise"));
+  EXPECT_THAT(message_of("noise_fraction = 0.1\n"), ::testing::HasSubstr("given with transducer.range"));
+  EXPECT_THAT(message_of("bits = 12\n"), ::testing::HasSubstr("transducer.range"));
+  EXPECT_THAT(message_of("bits = 1\nrange = 1\n"), ::testing::HasSubstr("2 to 24"));
+  EXPECT_THAT(message_of("time_constant = 1\n"), ::testing::HasSubstr("transducer.step_time"));
+  EXPECT_THAT(message_of("width = 1\n"), ::testing::HasSubstr("sensor.tactel_width"));
+  EXPECT_THAT(message_of("noize = 1\n"), ::testing::HasSubstr("noise"));
+  EXPECT_EQ(message_of("noise_fraction = 0.1\nrange = 1\n"), "no error");
+}
+
+TEST(TransducerTable, GoesWithThePapersSets) {
+  const ScratchFolder folder;
+  const Sweep sweep =
+      read_sweep(folder.write("sweep.toml", "[sweep]\nset = \"paper-recall\"\nseed = 5\n[transducer]\nnoise = 0.1\n"));
+  EXPECT_EQ(sweep.source.seed(), 5u);
+  EXPECT_EQ(sweep.source.transducer(), (nn::Transducer{.noise = 0.1, .seed = 5}));
+}
+
+TEST(TransducerTable, PlacesAndWidthsAreTheSensors) {
+  const ScratchFolder folder;
+  std::string text = small_sweep;
+  text.insert(text.find("columns"), "tactel_span = 17.5\ntactel_width = { uniform = [0.5, 2] }\n");
+  const Sweep sweep = read_sweep(folder.write("sweep.toml", text));
+  EXPECT_EQ(sweep.source.sensors().size(), 16u);
+  for (const fem::Sensor& sensor : sweep.source.sensors()) {
+    EXPECT_EQ(sensor.tactel_span, 17.5);
+    EXPECT_THAT(sensor.tactel_width, ::testing::AllOf(::testing::Ge(0.5), ::testing::Le(2)));
+  }
+}
+
+}  // namespace

@@ -1,0 +1,170 @@
+// The paper's section V: sets, Table II over seeds, the report.
+#include "host/studies/paper/inverse_problem.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "host/studies/paper/inverse_problem_report.h"
+#include "host/support/errors.h"
+#include "tests/host/networks/network_cases.h"
+#include "tests/host/support/run_tactel.h"
+
+namespace tactel::host {
+namespace {
+
+using tactel::testing::executor;
+
+nn::ErrorReport report_with(double max, double mean, double std) {
+  nn::ErrorReport report;
+  report.all = {1, max, mean, std};
+  return report;
+}
+
+// Of 1 ... 5 the median is 3; the 5 % quantile stands a fifth of the way from 1 to 2 (definition 7: place 0.05 x 4).
+TEST(InverseProblem, SpreadIsMedianAndQuantiles) {
+  std::vector<nn::ErrorReport> reports;
+  for (double mean : {5.0, 1.0, 4.0, 2.0, 3.0}) reports.push_back(report_with(0, mean, 0));
+  const Spread s = spread(reports, [](const nn::ErrorReport& r) { return r.all.mean; });
+  EXPECT_DOUBLE_EQ(s.median, 3);
+  EXPECT_DOUBLE_EQ(s.low, 1.2);
+  EXPECT_DOUBLE_EQ(s.high, 4.8);
+}
+
+TEST(InverseProblem, JsonHoldsMediansWithLowAndHigh) {
+  InverseProblem problem;
+  NetworkStudy study{.number = 3,
+                     .topology = nn::Topology::paper(3),
+                     .noise = 0.1,
+                     .networks = {},
+                     .learning = {},
+                     .recalling = {},
+                     .recalling_noisy = {},
+                     .recall_errors = {}};
+  for (double k : {0.0, 1.0, 2.0}) {
+    study.networks.push_back({.topology = nn::Topology::paper(3), .curve = {}});
+    study.learning.push_back(report_with(k, 10 + k, 20 + k));
+    study.recalling.push_back(report_with(30 + k, 40 + k, 50 + k));
+    study.recalling_noisy.push_back(report_with(60 + k, 70 + k, 80 + k));
+  }
+  problem.studies = {study};
+  const auto json = table_two_json(problem);
+  ASSERT_EQ(json.size(), 1u);
+  EXPECT_EQ(json[0]["network"], 3);
+  EXPECT_EQ(json[0]["topology"], "42-21-1");
+  EXPECT_EQ(json[0]["noise"], 0.1);
+  EXPECT_EQ(json[0]["seeds"], 3);
+  EXPECT_DOUBLE_EQ(json[0]["learning"]["mean"], 11);
+  EXPECT_DOUBLE_EQ(json[0]["recalling"]["max"], 31);
+  EXPECT_DOUBLE_EQ(json[0]["recalling"]["low"]["std"], 50.1);
+  EXPECT_DOUBLE_EQ(json[0]["recalling"]["high"]["std"], 51.9);
+}
+
+// Every S of the sets is Q / (mu P) of a contact that is dragged until it slides: each contact starts near 0 and ends
+// at 1.
+TEST(InverseProblem, SetsReachFromStickingToSliding) {
+  const InverseSets sets = simulate_sets(executor(), inverse_choice());
+  EXPECT_EQ(sets.class_names.size(), 7u);
+  for (const nn::FrameSet* set : {&sets.learning, &sets.recall}) {
+    EXPECT_NO_THROW(set->validate());
+    EXPECT_EQ(set->frames.cols(), 42);
+    EXPECT_LT(set->slip_index.minCoeff(), 1e-6);
+    EXPECT_GE(set->slip_index.minCoeff(), -0.02);  // pressing alone leaves a symmetric contact with Q about 0
+    EXPECT_NEAR(set->slip_index.maxCoeff(), 1, 1e-6);
+  }
+  std::set<int> kinds(sets.learning.shape_class.begin(), sets.learning.shape_class.end());
+  EXPECT_EQ(kinds.size(), 32u);
+}
+
+// Stopped and taken up again, the studies are those of a run that was not stopped.
+TEST(InverseProblem, GoesOnFromItsCheckpoint) {
+  const ScratchFolder folder;
+  InverseChoice choice = inverse_choice();
+  choice.options.cycle_limit = 30;
+  InverseProblem whole, resumed;
+  whole.sets = resumed.sets = simulate_sets(executor(), choice);
+  ASSERT_TRUE(train_and_recall(executor(), choice, paper_noise, 2, {}, whole));
+  TrainingRunOptions options{.progress = {}, .checkpoint = folder / "checkpoint"};
+  options.progress = [](std::size_t done, std::size_t all) { return done < all / 2; };
+  EXPECT_FALSE(train_and_recall(executor(), choice, paper_noise, 2, options, resumed));
+  EXPECT_TRUE(resumed.studies.empty());
+  bool started_anew = false;
+  options.progress = [&](std::size_t done, std::size_t all) {
+    started_anew = started_anew || done < all / 2;
+    return true;
+  };
+  ASSERT_TRUE(train_and_recall(executor(), choice, paper_noise, 2, options, resumed));
+  EXPECT_FALSE(started_anew);
+  ASSERT_EQ(resumed.studies.size(), 6u);
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(resumed.studies[i].recall_errors, whole.studies[i].recall_errors);
+}
+
+// Another number of seeds is another training: its checkpoint, hours of work perhaps, is left as it is.
+TEST(InverseProblem, LeavesAForeignCheckpointAlone) {
+  const ScratchFolder folder;
+  InverseChoice choice = inverse_choice();
+  choice.options.cycle_limit = 30;
+  InverseProblem problem;
+  problem.sets = simulate_sets(executor(), choice);
+  TrainingRunOptions options{.progress = [](std::size_t done, std::size_t all) { return done < all / 2; },
+                             .checkpoint = folder / "checkpoint"};
+  EXPECT_FALSE(train_and_recall(executor(), choice, 0, 2, options, problem));
+  const std::string kept = text_of(folder / "checkpoint");
+  for (const std::size_t seeds : {1, 3}) {
+    EXPECT_THROW(expect_own_checkpoint(executor(), choice, 0, seeds, problem.sets, folder / "checkpoint"), ConfigError);
+    EXPECT_THROW(train_and_recall(executor(), choice, 0, seeds, options, problem), ConfigError);
+  }
+  EXPECT_THROW(expect_own_checkpoint(executor(), choice, 0.1, 2, problem.sets, folder / "checkpoint"), ConfigError);
+  EXPECT_NO_THROW(expect_own_checkpoint(executor(), choice, 0, 2, problem.sets, folder / "checkpoint"));
+  EXPECT_NO_THROW(expect_own_checkpoint(executor(), choice, 0, 5, problem.sets, folder / "absent"));
+  EXPECT_EQ(text_of(folder / "checkpoint"), kept);
+}
+
+TEST(InverseProblem, ReproduceRefusesAForeignCheckpoint) {
+  const ScratchFolder folder;
+  for (const char* name : {"networks-0.checkpoint", "networks-0.1.checkpoint"}) {
+    const std::string report = folder / name;
+    std::filesystem::create_directories(report);
+    folder.write(std::string(name) + "/" + name, "hours of work");
+    const ChildResult result = run_tactel({"reproduce", "--output", report, "--seeds", "1", "--cycles", "20"});
+    EXPECT_EQ(result.exit_code, 2);
+    for (const char* says : {name, "the same --seeds", "--force trains anew"})
+      EXPECT_NE(result.err.find(says), std::string::npos) << result.err;
+    EXPECT_EQ(text_of(report + "/" + name), "hours of work");
+  }
+}
+
+TEST(InverseProblem, ReproduceWritesTableTwo) {
+  const ScratchFolder folder;
+  const std::string report = (folder / "report").string();
+  const ChildResult result = run_tactel({"reproduce", "--output", report, "--seeds", "2", "--cycles", "20"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(text_of(report + "/table2.json"));
+  ASSERT_EQ(json.size(), 12u);
+  std::set<std::pair<int, double>> rows;
+  for (const auto& row : json) {
+    rows.insert({row["network"].get<int>(), row["noise"].get<double>()});
+    EXPECT_EQ(row["seeds"], 2);
+    for (const char* phase : {"learning", "recalling"})
+      for (const char* figure : {"max", "mean", "std"}) {
+        EXPECT_LE(row[phase]["low"][figure], row[phase][figure]);
+        EXPECT_LE(row[phase][figure], row[phase]["high"][figure]);
+      }
+  }
+  EXPECT_EQ(rows.size(), 12u);
+  EXPECT_FALSE(std::filesystem::exists(report + "/networks-0.checkpoint"));
+  const auto section_six = nlohmann::json::parse(text_of(report + "/section6.json"));
+  EXPECT_EQ(section_six["seeds"], 2);
+  EXPECT_EQ(section_six["cases"].size(), 10u);
+  for (const char* text :
+       {"The inverse problem", "A network for the real sensor",
+        "Each network below is trained from 2 seeds. `tactel reproduce --seeds 100` gives the full statistics."})
+    EXPECT_NE(text_of(report + "/index.html").find(text), std::string::npos) << text;
+  EXPECT_NE(result.err.find(" ...\n"), std::string::npos) << result.err;  // a stage of more than a second is named
+  // what the table of open choices rests on
+  EXPECT_NE(text_of(report + "/index.html").find("median over 2 seeds, at most 20 cycles"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace tactel::host

@@ -1,0 +1,48 @@
+#!/usr/bin/env python3
+"""Runs a command under strace and checks that every TARGET that it made would survive a power cut: its temporary, made
+with O_EXCL and O_NOFOLLOW, is written, then synced, then renamed, then its folder is synced.
+Usage: sync_order.py TARGET... -- COMMAND..."""
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+middle = sys.argv.index("--")
+targets, command = [os.path.realpath(t) for t in sys.argv[1:middle]], sys.argv[middle + 1:]
+calls = "openat,write,pwrite64,fsync,fdatasync,rename,renameat,renameat2"
+with tempfile.NamedTemporaryFile("r") as log:
+    code = subprocess.run(["strace", "-f", "-y", "-s", "4096", "-e", "trace=" + calls, "-e", "signal=none", "-o", log.name,
+                           *command]).returncode
+    lines = [line.split(maxsplit=1)[1] for line in log]
+if code != 0:
+    sys.exit(f"exit code {code}")
+
+
+def at(pattern, first=0, what=""):
+    """The first line from `first` on that the pattern matches."""
+    for i in range(first, len(lines)):
+        if re.search(pattern, lines[i]):
+            return i
+    sys.exit(f"{target}: {what}")
+
+
+done = r"(\) *= 0| <unfinished)"  # strace splits a call that another thread interrupts
+for target in targets:
+    folder = os.path.dirname(target)
+    renamed = at(rf'^rename\w*\(.*"{re.escape(target)}"', what="never renamed to its name")
+    temporary = re.findall(r'"([^"]+)"', lines[renamed])[0]
+    name = re.escape(temporary)
+    opened = at(rf'^openat\(.*"{name}".*O_CREAT', what="its temporary was never made")
+    for flag in ("O_EXCL", "O_NOFOLLOW"):
+        if flag not in lines[opened]:
+            sys.exit(f"{target}: its temporary was opened without {flag}")
+    synced = at(rf"^f(data)?sync\(\d+<{name}>{done}", opened, "its temporary was never synced")
+    if synced > renamed:
+        sys.exit(f"{target}: renamed before it was synced")
+    if any(re.search(rf"^p?write(64)?\(\d+<{name}>", line) for line in lines[synced:]):
+        sys.exit(f"{target}: written to after it was synced")
+    if not any(re.search(rf"^p?write(64)?\(\d+<{name}>", line) for line in lines[opened:synced]):
+        sys.exit(f"{target}: nothing was written")
+    at(rf"^fsync\(\d+<{re.escape(folder)}>{done}", renamed, "its folder was not synced after the renaming")
+print(len(targets), "as they should be")

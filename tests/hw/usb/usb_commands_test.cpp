@@ -1,0 +1,83 @@
+// tactel itself with two sensors of one kind. Its process has the preloaded library and the tree of devices of this
+// one.
+#include <gmock/gmock.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "test_paths.h"
+#include "tests/hw/usb/emulated_device.h"
+
+namespace tactel::hw::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+ByteVector frames(int first) {
+  ByteVector stream;
+  for (int i = 0; i < 10; ++i) append(stream, glove_frame(first + i));
+  return stream;
+}
+
+class UsbCommands : public ::testing::Test {
+ protected:
+  UsbCommands() {
+    if (::mkdtemp(folder_.data()) == nullptr) throw std::runtime_error("no folder");
+    left_.send(frames(0)), right_.send(frames(1000));
+  }
+  ~UsbCommands() override { std::filesystem::remove_all(folder_); }
+
+  /// Records for a second; what it says on stderr. first_: channel 0 of the first frame, as text.
+  std::string record(const std::string& source) {
+    const std::string at = folder_ + "/", command = std::string(TACTEL_PROGRAM) +
+                                                    " record --seconds 1 --force --source '" + source + "' --output " +
+                                                    at + "r --frames " + at + "f.csv 2> " + at + "err";
+    exit_code_ = WEXITSTATUS(std::system(command.c_str()));
+    std::ifstream table(at + "f.csv");
+    std::string line;
+    std::getline(table, line), std::getline(table, line);
+    std::istringstream cells(line);
+    for (int i = 0; i < 4; ++i) std::getline(cells, first_, ',');
+    std::ostringstream said;
+    said << std::ifstream(at + "err").rdbuf();
+    return said.str();
+  }
+
+  EmulatedDevice left_{glove_kind(), 1, "L-7"}, right_{glove_kind(), 2, "R-8"};
+  std::string folder_ = (std::filesystem::temp_directory_path() / "tactel-usb-XXXXXX").string(), first_;
+  int exit_code_ = -1;
+};
+
+TEST_F(UsbCommands, WithoutAChoiceItSaysWhichItReads) {
+  const std::string said = record("usb:glove");
+  EXPECT_EQ(exit_code_, 0) << said;
+  EXPECT_EQ(first_, "4095");
+  EXPECT_THAT(said, HasSubstr("reads the device at port 1-1 (serial number L-7)"));
+  EXPECT_THAT(said, HasSubstr("also plugged in: port 1-2 (serial number R-8)"));
+}
+
+TEST_F(UsbCommands, TheSourceChooses) {
+  for (const char* source : {"usb:glove?serial=R-8", "usb:glove?port=1-2", "usb:glove?port=1-2&serial=R-8"}) {
+    right_.send(frames(1000));
+    const std::string said = record(source);
+    EXPECT_EQ(exit_code_, 0) << said;
+    EXPECT_EQ(first_, "3095") << source;
+    EXPECT_THAT(said, ::testing::Not(HasSubstr("note")));
+  }
+  EXPECT_THAT(record("usb:glove?serial=X"), HasSubstr("no free one with serial number X"));
+  EXPECT_EQ(exit_code_, 3);
+}
+
+TEST_F(UsbCommands, ABusyDeviceIsPassedOver) {
+  left_.set_busy(true);
+  const std::string said = record("usb:glove");
+  EXPECT_EQ(exit_code_, 0) << said;
+  EXPECT_EQ(first_, "3095");
+  EXPECT_THAT(said, HasSubstr("port 1-1 (serial number L-7), which is not free"));
+}
+
+}  // namespace
+}  // namespace tactel::hw::testing
