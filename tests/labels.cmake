@@ -8,9 +8,9 @@
 # A regular expression of the tests that are slow: `ctest --preset release -LE slow` leaves them out.
 set(slow "^(ClosedForms|GapReferenceRandom|IndependentContact|Extremes|InverseProblem|DirectProblem|StreamTraining|RankTraining|Planner)[.]|EveryShape|CondensationCache.AnyFlippedByte|/100000$")
 
-foreach(program fem nn hw support figures scenes device networks contact sets live training studies commands)
+foreach(program fem layer nn hw support figures scenes device networks contact sets live training studies commands)
   set(labels device)
-  if(program MATCHES "^(fem|nn)$")
+  if(program MATCHES "^(fem|layer|nn)$")
     set(labels unit reference)
   elseif(program MATCHES "^(support|figures|scenes)$")
     set(labels unit)

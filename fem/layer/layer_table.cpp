@@ -1,0 +1,80 @@
+#include "fem/layer/layer_table.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace tactel::fem {
+namespace {
+
+using Row = Eigen::Array<double, 1, LayerTable::functions>;
+
+/// The functions of the table at one place.
+Row values(const LayerKernelValues& k) {
+  Row row;
+  row << k.smooth_integral.yy, k.smooth_integral.xx, k.smooth_integral.xy, k.base.sigma_by_y, k.base.tau_by_x,
+      k.base.tau_by_y, k.base.sigma_by_x, k.base_integral.sigma_by_y, k.base_integral.tau_by_x,
+      k.base_integral.tau_by_y, k.base_integral.sigma_by_x;
+  return row;
+}
+
+/// Their slopes along x / h.
+Row slopes(const LayerKernelValues& k) {
+  Row row;
+  row << k.smooth.yy, k.smooth.xx, k.smooth.xy, k.base_slope.sigma_by_y, k.base_slope.tau_by_x, k.base_slope.tau_by_y,
+      k.base_slope.sigma_by_x, k.base.sigma_by_y, k.base.tau_by_x, k.base.tau_by_y, k.base.sigma_by_x;
+  return row;
+}
+
+/// int_X^x ln y dy, X the table's range.
+double log_integral(double from, double to) { return to * std::log(to) - to - (from * std::log(from) - from); }
+
+}  // namespace
+
+LayerTable::LayerTable(double poisson, double range) : poisson_(poisson) {
+  const LayerKernels kernels(poisson);
+  const auto cells = static_cast<Eigen::Index>(std::ceil(range * cells_a_thickness));
+  coefficients_.resize(cells, 4 * functions);
+  LayerKernelValues left = kernels.at(0);
+  for (Eigen::Index cell = 0; cell < cells; ++cell) {
+    const LayerKernelValues right = kernels.at(static_cast<double>(cell + 1) / cells_a_thickness);
+    const Row from = values(left), rise = values(right) - from;
+    const Row slope = slopes(left) / cells_a_thickness, end_slope = slopes(right) / cells_a_thickness;
+    const Row c2 = 3 * rise - 2 * slope - end_slope, c3 = slope + end_slope - 2 * rise;
+    for (int f = 0; f < functions; ++f) coefficients_.row(cell).segment<4>(4 * f) << from[f], slope[f], c2[f], c3[f];
+    left = right;
+  }
+}
+
+double LayerTable::value(Function function, double x) const {
+  const double place = std::min(x * cells_a_thickness, static_cast<double>(cells()));
+  const Eigen::Index cell = std::min(static_cast<Eigen::Index>(place), cells() - 1);
+  const double q = place - static_cast<double>(cell);
+  const double* c = &coefficients_(cell, 4 * function);
+  return c[0] + q * (c[1] + q * (c[2] + q * c[3]));
+}
+
+SmoothParts LayerTable::smooth_integral(double x) const {
+  const double distance = std::abs(x), sign = x < 0 ? -1 : 1;
+  SmoothParts R{value(Ryy, distance), value(Rxx, distance), value(Rxy, distance)};
+  if (distance > range()) {
+    R.yy += log_integral(range(), distance);
+    R.xx += log_integral(range(), distance);
+    R.xy -= (1 - 2 * poisson_) * std::numbers::pi / 2 * (distance - range());
+  }
+  return {sign * R.yy, sign * R.xx, R.xy};
+}
+
+BaseStress LayerTable::base(double x) const {
+  const double distance = std::abs(x), sign = x < 0 ? -1 : 1;
+  if (distance > range()) return {0, 0, 0, 0};
+  return {value(base_sigma_by_y, distance), value(base_tau_by_x, distance), sign * value(base_tau_by_y, distance),
+          sign * value(base_sigma_by_x, distance)};
+}
+
+BaseStress LayerTable::base_integral(double x) const {
+  const double distance = std::abs(x), sign = x < 0 ? -1 : 1;
+  return {sign * value(integral_sigma_by_y, distance), sign * value(integral_tau_by_x, distance),
+          value(integral_tau_by_y, distance), value(integral_sigma_by_x, distance)};
+}
+
+}  // namespace tactel::fem

@@ -1,0 +1,59 @@
+#pragma once
+#include <Eigen/Dense>
+
+#include "fem/layer/layer_kernels.h"
+
+namespace tactel::fem {
+
+/// The kernels of one Poisson's ratio as piecewise cubics over x / h, for E = 1 MPa. Hermite interpolation of
+/// exact values and slopes: an integral is off by some 1e-8, a difference of two integrals over their distance by
+/// some 1e-6.
+class LayerTable {
+ public:
+  static constexpr int cells_a_thickness = 24;  ///< cells of width h / 24
+  static constexpr double default_range = 44;   ///< h
+
+  /// Functions of the table. Those of an odd kernel are even, and the other way round; the table holds x >= 0.
+  enum Function {
+    Ryy,  ///< int_0^x s_yy, odd
+    Rxx,  ///< int_0^x s_xx, odd
+    Rxy,  ///< int_0^x s_xy, even
+    base_sigma_by_y,
+    base_tau_by_x,
+    base_tau_by_y,
+    base_sigma_by_x,
+    integral_sigma_by_y,  ///< integrals of the base stresses from 0 to x
+    integral_tau_by_x,
+    integral_tau_by_y,
+    integral_sigma_by_x,
+    functions
+  };
+
+  /// 0 <= poisson <= 1/2; `range` in units of h.
+  explicit LayerTable(double poisson, double range = default_range);
+
+  double poisson() const { return poisson_; }
+  Eigen::Index cells() const { return coefficients_.rows(); }
+
+  /// [cells, 4 functions]: with q = 24 x / h - cell in [0, 1], a function is c0 + q (c1 + q (c2 + q c3)); its
+  /// four coefficients stand side by side.
+  using Coefficients = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const Coefficients& coefficients() const { return coefficients_; }
+
+  /// Returns R at any x, in units of h. Beyond the range the layer does not move (its kernels fall like
+  /// e^(-1.2 x)), which gives R in closed form.
+  SmoothParts smooth_integral(double x) const;
+
+  /// Return the base stresses at any x, in units of h, and their integrals from 0 to x; 1/mm times h.
+  BaseStress base(double x) const;
+  BaseStress base_integral(double x) const;
+
+ private:
+  double value(Function function, double x) const;
+  double range() const { return static_cast<double>(cells()) / cells_a_thickness; }
+
+  double poisson_;
+  Coefficients coefficients_;
+};
+
+}  // namespace tactel::fem

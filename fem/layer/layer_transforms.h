@@ -1,0 +1,35 @@
+#pragma once
+
+namespace tactel::fem {
+
+// An elastic layer of thickness h, bonded to a rigid base at y = 0, infinite along x, in plane strain. The force
+// per area on its surface is f e^(iwx): f_y up, f_x to the right, on the rubber. So are all answers. Symbols:
+//
+//     a = |w| h,   k = 3 - 4 nu,   D = k cosh 2a + 2 a^2 + 1 + 4 (1 - nu) (1 - 2 nu),   p = 4 (1 - nu)
+//
+// Surface displacement over f, mm per MPa (E in MPa):
+//     u_y by f_y   2 (1 - nu^2) / (E |w|) yy             yy = (k sinh 2a - 2a) / D
+//     u_x by f_x   2 (1 - nu^2) / (E |w|) xx             xx = (k sinh 2a + 2a) / D
+//     u_x by f_y   -i sgn(w) (1 + nu) / (E |w|) xy       xy = ((1 - 2 nu) k (cosh 2a - 1) - 2 a^2) / D
+//     u_y by f_x   the negative of u_x by f_y
+// Stress at the base over f, without unit and without E:
+//     sigma_y by f_y             sigma_by_y              p (2 (1 - nu) cosh a + a sinh a) / D
+//     tau_xy by f_x              tau_by_x                p (2 (1 - nu) cosh a - a sinh a) / D
+//     tau_xy by f_y              i sgn(w) tau_by_y       p (a cosh a - (1 - 2 nu) sinh a) / D
+//     sigma_y by f_x             i sgn(w) sigma_by_x     p (a cosh a + (1 - 2 nu) sinh a) / D
+//
+// Source: solution of the plane strain equations in exponentials (Papkovich and Neuber) with u = 0 at the base;
+// K. L. Johnson, Contact Mechanics (1985), section 5.8 has the layer's normal part. As h grows yy and xx go to 1
+// and xy to 1 - 2 nu: the half-plane. The formulas hold at nu = 1/2.
+
+/// The layer's answer to one wavenumber, all without unit; the factors are above.
+struct LayerTransforms {
+  double yy, xx, xy;                                  ///< surface displacement
+  double sigma_by_y, tau_by_x, tau_by_y, sigma_by_x;  ///< base stress
+};
+
+/// Returns the transforms at a = |w| h >= 0 for 0 <= poisson <= 1/2. Numerators and D are divided by exp(2a), so
+/// that nothing overflows.
+LayerTransforms layer_transforms(double poisson, double a);
+
+}  // namespace tactel::fem
