@@ -1,0 +1,1119 @@
+/* Batched contact of rigid indenters with a bonded layer, each on its own patch of equal elements: patch search, compliance, load path,
+   certificate and base stress in one launch.
+
+   One work-item carries LANES scenes of one sensor. An element bears a pressure force n >= 0 and a traction force t on the rubber, constant
+   over its width; displacements are those of its middle. The kernel works at E = 1, where forces are in mm, and scales what it writes.
+   Places along x count from the indenter's position: a contact of 2 um keeps its digits in fp32 wherever it is.
+
+   Compliance. C = layer of infinite length in closed form + free sides. With k = i - j, element width w and thickness h
+     C_yy[k] = c_y (-ln(w/h) - c_k + (R_yy((k + 1/2) w) - R_yy((k - 1/2) w)) / w),   C_xx alike,
+     C_xy[k] = c_x ((1 - 2 nu) (pi/2) sgn k + (R_xy((k + 1/2) w) - R_xy((k - 1/2) w)) / w),   C_yx[k] = -C_xy[k],
+   R: integrals of the smooth parts of the layer's kernels, tabulated over x / h. The sides add sum_m sign_m v_m(x_i) v_m(x_j)^T.
+
+   Law at element i, with gap g = h - d - u_y and slip s = (u_x - u_x at the last increment) - (X - X at the last increment):
+     n >= 0,  g >= 0,  n g = 0;   |t| <= mu n,  s = 0 inside the cone,  s t <= 0 on its edge.
+   Sweeps are projected Gauss-Seidel with relaxation RELAXATION, scaled once so that a row is
+     n_i = max(0, b_i + sum A_ij n_j + sum B_ij t_j),   t_i = clip(bt_i + sum D_ij n_j + sum E_ij t_j, -mu n_i, mu n_i).
+
+   The twin (fem/layer) follows the same rules:
+   - Search. The first window is the rigid intersection at the largest depth. SEARCH_ROUNDS rounds of frictionless contact on
+     SEARCH_ELEMENTS elements, without sides, from zero forces, at the sweeps' tolerance. The next window is the pressed extent + 1.5
+     elements a side, or + 25 % of the extent on a side where the outermost element presses, inside the limits (the indenter's edges, the
+     sensor's ends). The patch is the last extent + MARGIN of it a side.
+   - Edges. A side of the patch that reaches the indenter's own edge ends EDGE_PART of an element beyond it. A side that reaches the sensor's
+     end ends there.
+   - Driven by force, the search starts from everything between the limits, takes FORCE_ROUNDS rounds, and finds the depth of the largest force
+     in each by a bracketed secant.
+   - Sweeps go from left to right. The pressure of element i takes the traction of element i - 1 from the sweep before, so that it need not
+     wait for it; everything else is the newest. A sweep is the last when no force changed by more than the tolerance times the
+     largest pressure force. After DAMPED_AFTER sweeps a force moves half of its step, after 4 times as many a fifth.
+   - The first guess of an increment continues the last change of the forces in proportion to the load.
+   - A sticking element's history is its exact position.
+
+   A lane's result depends on nothing but the lane: finished lanes keep their bits, and every sum runs in an order fixed by the element's
+   index.
+
+   Built with -D REAL (float | double), LANES (1, 2, 4, 8, 16), ELEMENTS, FORCE_CONTROL (0 | 1), FRICTION (0 | 1). With FORCE_CONTROL all
+   lanes are driven by force. Without FRICTION all lanes have mu = 0: there is no traction and no history. */
+// defines: ELEMENTS=12 FORCE_CONTROL=1 FRICTION=1
+#include "shared/group.h"
+#include "shared/lanes.h"
+#include "shared/transpose.h"
+#include "shared/unroll.h"
+#include "shared/elementary.h"
+#include "shared/contact_layout.h"
+#include "shared/patch_layout.h"
+
+#define N ELEMENTS
+#define C_PARTS (FRICTION ? 4 : 1)
+#define FAR ((real)NO_GAP_ELEMENT) /* mm: height where there is no indenter or no rubber */
+#define RELAXATION ((real)0.85)
+#define DAMPED_AFTER 60
+#define SEARCH_ELEMENTS 12
+#define SEARCH_ROUNDS 3
+#define FORCE_ROUNDS 10
+#define FORCE_ROUND_TRIALS 12 /* trials of depth in one round of the search */
+#define MARGIN ((real)0.06)
+#define EDGE_PART ((real)0.15)
+#define OUTSIDE 2            /* rows beyond each end of the patch that the certificate looks at */
+#define MOST_FORCE_TRIALS 60 /* trials of depth (and position) to reach given forces */
+
+/* Keeps the compiler from holding loaded numbers of one row for the next, which spills. Empty on GPUs. */
+#if LANES > 1
+#define ROW_BARRIER __asm__ volatile("" ::: "memory")
+#else
+#define ROW_BARRIER
+#endif
+
+/* c_k of the compliance: (k + 1/2) ln|k + 1/2| - (k - 1/2) ln|k - 1/2| - 1. */
+constant real log_part[28] = {
+    (real)-1.6931471805599453, (real)-0.045228747557780772, (real)0.68252916752314109, (real)1.0939435600484003, (real)1.3836778957594453,
+    (real)1.6077662218181055,  (real)1.7905996425490055,    (real)1.9450585042066414,  (real)2.0787897356513159, (real)2.1967096970434024,
+    (real)2.3021681134548118,  (real)2.3975507065293347,    (real)2.4846171471073426,  (real)2.5647026996459878, (real)2.6388446631854856,
+    (real)2.7078649541559481,  (real)2.7724259141172118,    (real)2.8330691313078702,  (real)2.8902431272934675, (real)2.9443235350500078,
+    (real)2.9956280873502593,  (real)3.0444279394133368,    (real)3.0909563518606571,  (real)3.1354154397942369, (real)3.1779814829640299,
+    (real)3.2188091502000099,  (real)3.2580348941009761,    (real)3.2957797042017763};
+
+/* The sensor, and what the host chose. */
+typedef struct {
+  global const real *smooth; /* [cells][PATCH_BLOCK]: LAYER_COEFFICIENTS of R_yy, R_xx, R_xy over x / h */
+  int cells;
+  real cells_per_mm;
+  real thickness; /* mm */
+  real cy, cx, jump; /* factors of C_yy, of C_xy, and (1 - 2 nu) pi/2 */
+  global const real *sides; /* [side_rows][PATCH_BLOCK], from the sensor's left end on */
+  int side_rows;            /* 0: no free sides */
+  real side_rows_per_mm;
+  real sides_from;            /* mm */
+  global const real *signs; /* [SIDE_MODES] */
+} Layer;
+
+/* The indenter's shape in every lane; kinds that no lane has cost nothing. */
+typedef struct {
+  global const real *shapes;
+  vreal left, right, flat, c[5], radius, exp_height, exp_rate;
+  int cylinders, exponentials, terms, points; /* whether any lane has them */
+  int term_count[LANES], terms_at[LANES], point_count[LANES], points_at[LANES];
+} Profile;
+
+typedef struct {
+  vreal c[N][N][C_PARTS]; /* A, B, D, E */
+  vreal n[N], t[N];       /* pressure and traction force / E, mm */
+  vreal n_last[N], t_last[N];
+  vreal b[N], bt[N];   /* constant parts of the rows */
+  vreal h[N];          /* profile heights, mm */
+  vreal wy[N], wx[N];  /* RELAXATION / C_yy[i][i] and C_xx */
+  vreal ux_last[N];    /* wx times u_x at the last increment; of a sticking element what it should have been */
+  vreal ux[N];         /* wx times u_x, as certify found it */
+  vreal outside[2 * OUTSIDE][N][2]; /* u_y of the places beyond the ends, by n and by t */
+  vreal h_outside[2 * OUTSIDE];     /* FAR where there is no indenter or no rubber */
+} Contact;
+
+/* Where the indenter is, and which lanes iterate. */
+typedef struct {
+  vreal mu, d, x, x_last; /* mm */
+  vint active;
+  vint held; /* lanes that are where they were at the last increment */
+} Indenter;
+
+/* Relative figures of fem/contact_solution.h and the slip distance, mm, from the final forces alone. */
+typedef struct {
+  vreal penetration, cone, complementarity, drift, slip_distance;
+  vreal largest_uy;
+} Certificate;
+
+typedef struct {
+  vreal origin, element;   /* of the patch, mm */
+  vreal depth;             /* the largest */
+  vreal depth_per_force;   /* mm / mm, about */
+  vreal sweeps;
+} Patch;
+
+typedef struct {
+  real tolerance;
+  int most_sweeps;
+} Rules;
+
+#define LARGER(a, b) PICK((a) > (b), a, b)
+#define SMALLER(a, b) PICK((a) < (b), a, b)
+
+/* Goes on being a number while every x is finite. */
+static inline vreal finite_sum(vreal sum, vreal x) { return fma(ALL_LANES(0), x, sum); }
+
+/* Cells of a table: the cell of each lane, and how far inside it. */
+typedef struct {
+  int cell[LANES];
+  vreal q;
+} Place;
+
+/* Every place is in the table, numbers that are none too. */
+static inline Place place_in(vreal at, int cells) {
+  const vreal inside = SMALLER(LARGER(at, ALL_LANES(0)), ALL_LANES((real)cells));
+  const vreal whole = SMALLER(TO_VREAL(TO_VINT(inside)), ALL_LANES((real)(cells - 1)));
+  Place place;
+  place.q = inside - whole;
+  real cell[LANES];
+  STORE(whole, cell);
+  EACH(l, LANES) { place.cell[l] = (int)cell[l]; }
+  return place;
+}
+
+/* Row rows[l] of a table of PATCH_BLOCK columns for each lane: column k of all lanes in to[k]. */
+INLINE void gather_rows(global const real *table, const int *rows, vreal *to) {
+  EACH(b, PATCH_BLOCK / LANES) {
+    vreal r[LANES];
+    EACH(l, LANES) { r[l] = LOAD(table + (size_t)rows[l] * PATCH_BLOCK + b * LANES); }
+    transpose(r);
+    EACH(l, LANES) { to[b * LANES + l] = r[l]; }
+  }
+}
+
+INLINE vreal cubic(const vreal *c, vreal q) { return fma(fma(fma(c[3], q, c[2]), q, c[1]), q, c[0]); }
+
+/* R_yy, R_xx and R_xy at x >= 0, over h. */
+static inline void smooth_integrals(const Layer *layer, vreal x, vreal *r) {
+  const Place place = place_in(x * layer->cells_per_mm, layer->cells);
+  vreal c[PATCH_BLOCK];
+  gather_rows(layer->smooth, place.cell, c);
+  r[0] = cubic(c, place.q);
+  r[1] = cubic(c + LAYER_COEFFICIENTS, place.q);
+  r[2] = cubic(c + 2 * LAYER_COEFFICIENTS, place.q);
+}
+
+/* v_y and v_x of the sides' modes at x, mm from the sensor's middle: linear between rows. */
+static inline void side_modes(const Layer *layer, vreal x, vreal *v) {
+  const Place place = place_in((x - layer->sides_from) * layer->side_rows_per_mm, layer->side_rows - 1);
+  vreal next[PATCH_BLOCK];
+  gather_rows(layer->sides, place.cell, v);
+  gather_rows(layer->sides + PATCH_BLOCK, place.cell, next);
+  EACH(m, 2 * SIDE_MODES) { v[m] = fma(place.q, next[m] - v[m], v[m]); }
+}
+
+/* C_yy[k] / c_y or C_xx[k] / c_y: singular part and the difference of R. */
+static inline vreal even_part(vreal log_width, int k, vreal to, vreal from, vreal per_width) {
+  return fma(to - from, per_width, -(log_width + log_part[k]));
+}
+
+static inline vreal term_heights(const Profile *p, vreal q) {
+  vreal sum = 0;
+  int most = 0;
+  EACH(l, LANES) { most = max(most, p->term_count[l]); }
+  for (int k = 0; k < most; ++k) {
+    real coefficient[LANES], power[LANES], per_scale[LANES];
+    EACH(l, LANES) {
+      const int has = k < p->term_count[l];
+      global const real *term = p->shapes + p->terms_at[l] + 3 * k;
+      coefficient[l] = has ? term[0] : 0;
+      power[l] = has ? term[1] : 0;
+      per_scale[l] = has ? term[2] : 0;
+    }
+    vreal square = q * LOAD(per_scale), product = LOAD(coefficient), left = LOAD(power);
+    for (int bit = 0; bit < 7; ++bit) {
+      const vreal halved = TO_VREAL(TO_VINT(left * (real)0.5));
+      product = PICK(left - 2 * halved > (real)0.5, product * square, product);
+      square = PICK(halved > 0, square * square, square);
+      left = halved;
+    }
+    sum += product;
+  }
+  return sum;
+}
+
+/* Linear between the points of a measured profile: (x, height, slope to the next). */
+static inline vreal point_heights(const Profile *p, vreal x, vreal y) {
+  real at[LANES], height[LANES];
+  STORE(x, at);
+  STORE(y, height);
+  for (int l = 0; l < LANES; ++l) {
+    if (p->point_count[l] == 0) continue;
+    global const real *points = p->shapes + p->points_at[l];
+    int low = 0, high = p->point_count[l] - 1;
+    while (high - low > 1) {
+      const int middle = (low + high) / 2;
+      if (points[3 * middle] <= at[l])
+        low = middle;
+      else
+        high = middle;
+    }
+    height[l] = fma(points[3 * low + 2], at[l] - points[3 * low], points[3 * low + 1]);
+  }
+  return LOAD(height);
+}
+
+/* Height of the profile at x, mm; beyond the limits that of the limit. */
+static inline vreal profile_height(const Profile *p, vreal x) {
+  x = SMALLER(LARGER(x, p->left), p->right);
+  const vreal r = fabs(x), q = LARGER(r - p->flat, ALL_LANES(0));
+  vreal y = q * fma(fma(fma(fma(p->c[4], q, p->c[3]), q, p->c[2]), q, p->c[1]), q, p->c[0]);
+  if (p->cylinders) {
+    const vreal inside = SMALLER(r, p->radius);
+    const vreal below = p->radius + sqrt((p->radius - inside) * (p->radius + inside));
+    y += PICK(p->radius > 0, inside * inside / below, ALL_LANES(0));
+  }
+  if (p->exponentials) y += p->exp_height * exp_minus_1(p->exp_rate * r);
+  if (p->terms) y += term_heights(p, q);
+  if (p->points) y = point_heights(p, x, y);
+  return SMALLER(y, ALL_LANES(FAR));
+}
+
+/* One sweep of frictionless contact on the search's elements; a: its scaled row, [0] for the element itself. */
+static inline vint search_sweep(const vreal *a, const vreal *b, vreal *n, vint active, real tolerance) {
+  vreal change = 0, largest = 0;
+  EACH(i, SEARCH_ELEMENTS) {
+    vreal even = b[i], odd = 0;
+    EACH(k, SEARCH_ELEMENTS / 2) {
+      const int j = (i + 2 * k) % SEARCH_ELEMENTS, j1 = (i + 2 * k + 1) % SEARCH_ELEMENTS;
+      even = fma(a[i > j ? i - j : j - i], n[j], even);
+      odd = fma(a[i > j1 ? i - j1 : j1 - i], n[j1], odd);
+    }
+    const vreal old = n[i], now = PICK(active, LARGER(even + odd, ALL_LANES(0)), old);
+    n[i] = now;
+    change = LARGER(change, fabs(now - old));
+    largest = LARGER(largest, now);
+    ROW_BARRIER;
+  }
+  return active & (change > tolerance * largest);
+}
+
+static inline void search_iterate(const Rules *rules, const vreal *a, const vreal *b, vreal *n, vint active, vreal *sweeps) {
+  for (int k = 0; k < rules->most_sweeps && ANY(active); ++k) {
+    *sweeps += PICK(active, ALL_LANES(1), ALL_LANES(0));
+    active = search_sweep(a, b, n, active, rules->tolerance);
+  }
+}
+
+typedef struct {
+  vreal a[SEARCH_ELEMENTS], h[SEARCH_ELEMENTS], b[SEARCH_ELEMENTS], n[SEARCH_ELEMENTS];
+  vreal wy; /* RELAXATION / C_yy[0] */
+} SearchContact;
+
+/* Frictionless contact on elements of this width from `left` on, with no forces yet. */
+static inline void start_round(const Layer *layer, const Profile *profile, vreal left, vreal width, SearchContact *s) {
+  const vreal over_h = width / layer->thickness, per = 1 / over_h, log_width = natural_log(over_h);
+  vreal c[SEARCH_ELEMENTS], last = 0;
+  for (int k = 0; k < SEARCH_ELEMENTS; ++k) {
+    vreal r[3];
+    smooth_integrals(layer, width * ((real)k + (real)0.5), r);
+    c[k] = even_part(log_width, k, r[0], k == 0 ? -r[0] : last, per);
+    last = r[0];
+  }
+  s->wy = RELAXATION / (layer->cy * c[0]);
+  const vreal scale = -RELAXATION / c[0];
+  for (int k = 0; k < SEARCH_ELEMENTS; ++k) {
+    s->a[k] = k == 0 ? ALL_LANES(1 - RELAXATION) : scale * c[k];
+    s->h[k] = profile_height(profile, fma(width, ALL_LANES((real)k + (real)0.5), left));
+    s->n[k] = 0;
+  }
+}
+
+static inline vreal press_to(const Rules *rules, SearchContact *s, vreal d, vint active, vreal *sweeps) {
+  for (int k = 0; k < SEARCH_ELEMENTS; ++k) s->b[k] = (d - s->h[k]) * s->wy;
+  search_iterate(rules, s->a, s->b, s->n, active, sweeps);
+  vreal p = 0;
+  for (int k = 0; k < SEARCH_ELEMENTS; ++k) p += s->n[k];
+  return p;
+}
+
+#if FORCE_CONTROL
+/* The depth that presses with `force` on these elements: secants inside a bracket, to a hundredth of the force. */
+static inline void press_with(const Rules *rules, SearchContact *s, vreal force, vreal nearest, vint searching, Patch *found) {
+  vreal low = nearest, high = FAR, d_last = nearest, p_last = 0;
+  for (int trial = 0; trial < FORCE_ROUND_TRIALS && ANY(searching); ++trial) {
+    const vreal d = found->depth;
+    const vreal p = press_to(rules, s, d, searching, &found->sweeps);
+    const vreal off = p - force;
+    const vint better = searching & (((p > p_last) & (d > d_last)) | ((p < p_last) & (d < d_last)));
+    found->depth_per_force = PICK(better, (d - d_last) / (p - p_last), found->depth_per_force);
+    low = PICK(searching & (off < 0), LARGER(d, low), low);
+    high = PICK(searching & (off > 0), SMALLER(d, high), high);
+    searching &= fabs(off) > (real)0.01 * force;
+    const vreal deeper = PICK(high < FAR, (real)0.5 * (d + high), nearest + 2 * (d - nearest) + force);
+    const vreal next = fma(-off, found->depth_per_force, d);
+    const vreal inside = PICK(next >= high, deeper, PICK(next <= low, (real)0.5 * (d + low), next));
+    d_last = PICK(searching, d, d_last);
+    p_last = PICK(searching, p, p_last);
+    found->depth = PICK(searching, inside, found->depth);
+  }
+}
+#endif
+
+/* The pressed extent of a round becomes [*left, *right]; *from and *to become the next window. Nothing pressed: both stay. */
+static inline void next_window(const Profile *profile, const SearchContact *s, vreal width, vreal *from, vreal *to, vreal *left, vreal *right) {
+  vreal first = FAR, end = 0;
+  for (int k = 0; k < SEARCH_ELEMENTS; ++k) {
+    const vint pressed = s->n[k] > 0;
+    first = PICK(pressed & (first >= FAR), ALL_LANES(k), first);
+    end = PICK(pressed, ALL_LANES(k + 1), end);
+  }
+  const vint any = end > 0;
+  const vreal l = PICK(any, fma(width, first, *from), *left), r = PICK(any, fma(width, end, *from), *right);
+  const vreal part = (real)0.25 * (r - l), elements = (real)1.5 * width;
+  const vreal next_from = l - PICK(first > 0, elements, part);
+  const vreal next_to = r + PICK(end < SEARCH_ELEMENTS, elements, part);
+  *left = l;
+  *right = r;
+  *from = PICK(any, LARGER(next_from, profile->left), *from);
+  *to = PICK(any, SMALLER(next_to, profile->right), *to);
+}
+
+/* The patch from the pressed extent. */
+static inline void lay_patch(const vreal *in, const Profile *profile, vreal left, vreal right, Patch *patch) {
+  const vreal width = right - left;
+  const vreal from = left - (MARGIN + in[PATCH_GROW_LEFT]) * width, to = right + (MARGIN + in[PATCH_GROW_RIGHT]) * width;
+  const vreal part = ALL_LANES(EDGE_PART), none = ALL_LANES(0);
+  const vreal edge_left = PICK((from <= profile->left) & (in[PATCH_LEFT_EDGE] > 0), part, none);
+  const vreal edge_right = PICK((to >= profile->right) & (in[PATCH_RIGHT_EDGE] > 0), part, none);
+  const vreal l = LARGER(from, profile->left), r = SMALLER(to, profile->right);
+  patch->element = (r - l) / ((real)N - (edge_left + edge_right));
+  patch->origin = fma(-edge_left, patch->element, l);
+}
+
+static inline void find_patch(const Layer *layer, const Rules *rules, const Profile *profile, const vreal *in, vint searching, Patch *patch) {
+  vreal from = in[PATCH_FROM], to = in[PATCH_TO], left = from, right = to;
+  patch->sweeps = 0;
+  patch->depth = in[PATCH_MOST];
+  patch->depth_per_force = (real)0.5;
+#if FORCE_CONTROL
+  patch->depth = fma(ALL_LANES((real)0.5), in[PATCH_MOST], in[PATCH_NEAREST]);
+#endif
+  for (int round = 0; round < (FORCE_CONTROL ? FORCE_ROUNDS : SEARCH_ROUNDS); ++round) {
+    SearchContact s;
+    const vreal width = (to - from) / SEARCH_ELEMENTS;
+    start_round(layer, profile, from, width, &s);
+#if FORCE_CONTROL
+    press_with(rules, &s, in[PATCH_MOST], in[PATCH_NEAREST], searching, patch);
+#else
+    press_to(rules, &s, patch->depth, searching, &patch->sweeps);
+#endif
+    next_window(profile, &s, width, &from, &to, &left, &right);
+  }
+  lay_patch(in, profile, left, right, patch);
+}
+
+/* Compliance of elements at distance k, C[k] of elements to the right of their source. */
+typedef struct {
+  vreal yy[N + OUTSIDE], xx[N + OUTSIDE], xy[N + OUTSIDE];
+} LayerRows;
+
+static inline void layer_rows(const Layer *layer, vreal width, LayerRows *rows) {
+  const vreal over_h = width / layer->thickness, per = 1 / over_h, log_width = natural_log(over_h);
+  vreal last[3] = {0, 0, 0};
+  for (int k = 0; k < N + OUTSIDE; ++k) {
+    vreal r[3];
+    smooth_integrals(layer, width * ((real)k + (real)0.5), r);
+    rows->yy[k] = layer->cy * even_part(log_width, k, r[0], k == 0 ? -r[0] : last[0], per);
+    rows->xx[k] = layer->cy * even_part(log_width, k, r[1], k == 0 ? -r[1] : last[1], per);
+    rows->xy[k] = k == 0 ? ALL_LANES(0) : layer->cx * fma(r[2] - last[2], per, ALL_LANES(layer->jump));
+    for (int a = 0; a < 3; ++a) last[a] = r[a];
+  }
+}
+
+/* Adds the sides' part of u_y by f_y, u_x by f_x, u_x(i) by f_y(j) and u_x(j) by f_y(i). vi: modes of place i, with signs. */
+INLINE void add_sides(const vreal *vi, const vreal *vj, vreal *yy, vreal *xx, vreal *xy, vreal *yx) {
+  EACH(m, SIDE_MODES) {
+    *yy = fma(vi[m], vj[m], *yy);
+    *xx = fma(vi[SIDE_MODES + m], vj[SIDE_MODES + m], *xx);
+    *xy = fma(vi[SIDE_MODES + m], vj[m], *xy);
+    *yx = fma(vi[m], vj[SIDE_MODES + m], *yx);
+  }
+}
+
+static inline vreal middle_of(const Patch *patch, int i) { return fma(patch->element, ALL_LANES((real)i + (real)0.5), patch->origin); }
+
+static inline void signed_modes(const Layer *layer, const vreal *v, vreal *to) {
+  EACH(m, SIDE_MODES) {
+    to[m] = layer->signs[m] * v[m];
+    to[SIDE_MODES + m] = layer->signs[m] * v[SIDE_MODES + m];
+  }
+}
+
+/* Rows of the compliance, scaled, and those beyond the ends. */
+static inline void build_compliance(const Layer *layer, const Patch *patch, vreal position, Contact *c) {
+  LayerRows rows;
+  layer_rows(layer, patch->element, &rows);
+  vreal v[N][2 * SIDE_MODES];
+  const int sides = layer->side_rows > 0;
+  for (int i = 0; i < N; ++i) {
+    vreal yy = rows.yy[0], xx = rows.xx[0];
+    if (sides) {
+      side_modes(layer, position + middle_of(patch, i), v[i]);
+      EACH(m, SIDE_MODES) {
+        yy = fma(layer->signs[m] * v[i][m], v[i][m], yy);
+        xx = fma(layer->signs[m] * v[i][SIDE_MODES + m], v[i][SIDE_MODES + m], xx);
+      }
+    }
+    c->wy[i] = RELAXATION / yy;
+    c->wx[i] = RELAXATION / xx;
+  }
+  for (int i = 0; i < N; ++i) {
+    vreal vi[2 * SIDE_MODES];
+    if (sides) signed_modes(layer, v[i], vi);
+    for (int j = 0; j <= i; ++j) {
+      vreal yy = rows.yy[i - j], xx = rows.xx[i - j], xy = rows.xy[i - j], yx = -rows.xy[i - j];
+      if (sides) add_sides(vi, v[j], &yy, &xx, &xy, &yx);
+      c->c[i][j][0] = -c->wy[i] * yy;
+      c->c[j][i][0] = -c->wy[j] * yy;
+#if FRICTION
+      c->c[i][j][1] = c->wy[i] * yx;
+      c->c[j][i][1] = c->wy[j] * xy;
+      c->c[i][j][2] = c->wx[i] * xy;
+      c->c[j][i][2] = c->wx[j] * yx;
+      c->c[i][j][3] = -c->wx[i] * xx;
+      c->c[j][i][3] = -c->wx[j] * xx;
+#endif
+    }
+    c->c[i][i][0] = 1 - RELAXATION;
+#if FRICTION
+    c->c[i][i][3] = 1 - RELAXATION;
+#endif
+  }
+  for (int o = 0; o < 2 * OUTSIDE; ++o) {
+    const int place = o < OUTSIDE ? -1 - o : N + o - OUTSIDE;
+    vreal vo[2 * SIDE_MODES], signed_vo[2 * SIDE_MODES];
+    if (sides) {
+      side_modes(layer, position + middle_of(patch, place), vo);
+      signed_modes(layer, vo, signed_vo);
+    }
+    for (int j = 0; j < N; ++j) {
+      const int k = place < j ? j - place : place - j;
+      vreal yy = rows.yy[k], yx = place < j ? rows.xy[k] : -rows.xy[k];
+      if (sides) EACH(m, SIDE_MODES) {
+          yy = fma(signed_vo[m], v[j][m], yy);
+          yx = fma(signed_vo[m], v[j][SIDE_MODES + m], yx);
+        }
+      c->outside[o][j][0] = -yy;
+      c->outside[o][j][1] = yx;
+    }
+  }
+}
+
+static inline void put_heights(const Profile *profile, const Patch *patch, Contact *c) {
+  for (int i = 0; i < N; ++i) c->h[i] = profile_height(profile, middle_of(patch, i));
+  for (int o = 0; o < 2 * OUTSIDE; ++o) {
+    const vreal x = middle_of(patch, o < OUTSIDE ? -1 - o : N + o - OUTSIDE);
+    c->h_outside[o] = PICK((x >= profile->left) & (x <= profile->right), profile_height(profile, x), ALL_LANES(FAR));
+  }
+}
+
+/* One Gauss-Seidel sweep. Returns the active lanes whose largest change was above tolerance times their largest pressure force. */
+INLINE vint sweep(Contact *c, const Indenter *in, real tolerance) {
+  vreal change = 0, largest = 0, late = 0;
+  (void)late;
+  EACH(i, N) {
+    vreal yn = c->b[i], n = 0;
+    const vreal n_old = c->n[i];
+#if FRICTION
+    vreal yt = 0, xn = c->bt[i], xt = 0;
+    const vreal t_old = c->t[i];
+    EACH(k, N) {
+      const int j = (i + k) % N;
+      yn = fma(c->c[i][j][0], c->n[j], yn);
+      yt = fma(c->c[i][j][1], c->t[j], yt);
+    }
+    if (i > 0) c->t[i - 1] = late;
+    EACH(k, N) {
+      const int j = (i + k) % N;
+      if (k > 0) xn = fma(c->c[i][j][2], c->n[j], xn);
+      xt = fma(c->c[i][j][3], c->t[j], xt);
+    }
+    n = PICK(in->active, LARGER(yn + yt, ALL_LANES(0)), n_old);
+    const vreal cone = in->mu * n, t_free = fma(c->c[i][i][2], n, xn + xt);
+    const vreal t = PICK(in->active, SMALLER(LARGER(t_free, -cone), cone), t_old);
+    late = t;
+    change = LARGER(change, fabs(t - t_old));
+#else
+    vreal odd = 0;
+    EACH(k, N / 2) {
+      const int j = (i + 2 * k) % N, j1 = (i + 2 * k + 1) % N;
+      yn = fma(c->c[i][j][0], c->n[j], yn);
+      odd = fma(c->c[i][j1][0], c->n[j1], odd);
+    }
+    n = PICK(in->active, LARGER(yn + odd, ALL_LANES(0)), n_old);
+#endif
+    c->n[i] = n;
+    change = LARGER(change, fabs(n - n_old));
+    largest = LARGER(largest, n);
+#if N > 12
+    ROW_BARRIER;
+#endif
+  }
+#if FRICTION
+  c->t[N - 1] = late;
+#endif
+  return in->active & (change > tolerance * largest);
+}
+
+/* Sums of the rows of element i over the forces as they are, without the constant parts. */
+static inline void row_sums(const Contact *c, int i, vreal *n_sum, vreal *t_sum) {
+  vreal yn = 0, yt = 0, xn = 0, xt = 0;
+  EACH(j, N) {
+    yn = fma(c->c[i][j][0], c->n[j], yn);
+#if FRICTION
+    yt = fma(c->c[i][j][1], c->t[j], yt);
+    xn = fma(c->c[i][j][2], c->n[j], xn);
+    xt = fma(c->c[i][j][3], c->t[j], xt);
+#endif
+  }
+  *n_sum = yn + yt;
+  *t_sum = xn + xt;
+}
+
+/* The same sweep with steps shortened to `part`; without the late traction. */
+static inline vint damped_sweep(Contact *c, const Indenter *in, real part, real tolerance) {
+  vreal change = 0, largest = 0;
+  for (int i = 0; i < N; ++i) {
+    vreal n_sum, t_sum;
+    row_sums(c, i, &n_sum, &t_sum);
+    (void)t_sum;
+    const vreal n_old = c->n[i], n_free = c->b[i] + n_sum;
+    const vreal n = PICK(in->active, LARGER(fma(part, n_free - n_old, n_old), ALL_LANES(0)), n_old);
+    c->n[i] = n;
+    change = LARGER(change, fabs(n - n_old));
+    largest = LARGER(largest, n);
+#if FRICTION
+    const vreal t_old = c->t[i], cone = in->mu * n;
+    const vreal t_now = c->bt[i] + fma(c->c[i][i][2], n - n_old, t_sum);
+    const vreal t_part = fma(part, t_now - t_old, t_old);
+    const vreal t = PICK(in->active, SMALLER(LARGER(t_part, -cone), cone), t_old);
+    c->t[i] = t;
+    change = LARGER(change, fabs(t - t_old));
+#endif
+  }
+  return in->active & (change > part * tolerance * largest);
+}
+
+/* Sweeps until every active lane has converged. Leaves in in->active the lanes that ran out of sweeps. */
+static inline void iterate(const Rules *rules, Contact *c, Indenter *in, vreal *sweeps) {
+  int k = 0;
+  for (; k < min(rules->most_sweeps, DAMPED_AFTER) && ANY(in->active); ++k) {
+    *sweeps += PICK(in->active, ALL_LANES(1), ALL_LANES(0));
+    in->active = sweep(c, in, rules->tolerance);
+  }
+  for (; k < rules->most_sweeps && ANY(in->active); ++k) {
+    *sweeps += PICK(in->active, ALL_LANES(1), ALL_LANES(0));
+    in->active = damped_sweep(c, in, k < 4 * DAMPED_AFTER ? (real)0.5 : (real)0.2, rules->tolerance);
+  }
+}
+
+/* The contact laws at every element, from the forces alone. */
+static inline void certify(Contact *c, const Indenter *in, Certificate *k) {
+  vreal largest_uy = 0, largest_n = 0, finite = 0;
+  k->penetration = k->cone = k->complementarity = k->drift = k->slip_distance = 0;
+  for (int i = 0; i < N; ++i) {
+    vreal n_sum, t_sum;
+    row_sums(c, i, &n_sum, &t_sum);
+    const vreal n = c->n[i];
+    const vint pressed = n > 0;
+    const vreal uy = (n_sum - n) / c->wy[i];
+    const vreal inside = uy - (c->h[i] - in->d);
+    k->penetration = LARGER(inside, k->penetration);
+    k->complementarity = LARGER(PICK(pressed, fabs(inside), ALL_LANES(0)), k->complementarity);
+    largest_uy = LARGER(fabs(uy), largest_uy);
+    largest_n = LARGER(n, largest_n);
+    finite = finite_sum(finite, uy);
+#if FRICTION
+    const vreal t = c->t[i], cone = in->mu * n, per_wx = 1 / c->wx[i];
+    const vreal ux = t - t_sum; /* wx times u_x */
+    const vreal slip = PICK(in->held, ALL_LANES(0), (ux - c->bt[i]) * per_wx);
+    const vreal along = PICK(t > 0, slip, PICK(t < 0, -slip, ALL_LANES(0))); /* slip with friction instead of against it */
+    const vreal drift = PICK(pressed, PICK(fabs(t) < cone, fabs(slip), along), ALL_LANES(0));
+    const vreal slid = PICK(pressed, fabs(fma(ux, per_wx, -in->x)), ALL_LANES(0));
+    c->ux[i] = ux;
+    k->drift = LARGER(drift, k->drift);
+    k->cone = LARGER(fabs(t) - cone, k->cone);
+    k->slip_distance = LARGER(slid, k->slip_distance);
+    finite = finite_sum(finite, ux);
+#else
+    (void)t_sum;
+    k->slip_distance = PICK(largest_n > 0, fabs(in->x), ALL_LANES(0));
+#endif
+  }
+  k->largest_uy = largest_uy;
+  const vreal per_uy = PICK(largest_uy > 0, 1 / largest_uy, ALL_LANES(0));
+  k->penetration = fma(k->penetration, per_uy, finite);
+  k->complementarity *= per_uy;
+  k->drift *= per_uy;
+  k->cone *= PICK(largest_n > 0, 1 / largest_n, ALL_LANES(0));
+}
+
+/* Largest penetration of the places beyond the left (side 0) or right end (1), relative. */
+static inline vreal penetration_outside(const Contact *c, const Indenter *in, const Certificate *k, int side) {
+  vreal most = 0;
+  for (int o = side * OUTSIDE; o < (side + 1) * OUTSIDE; ++o) {
+    vreal uy = 0;
+    for (int j = 0; j < N; ++j) {
+      uy = fma(c->outside[o][j][0], c->n[j], uy);
+      if (FRICTION) uy = fma(c->outside[o][j][1], c->t[j], uy);
+    }
+    most = LARGER(uy - (c->h_outside[o] - in->d), most);
+  }
+  return PICK(k->largest_uy > 0, most / k->largest_uy, ALL_LANES(0));
+}
+
+static inline void resultants(const Contact *c, vreal *p, vreal *q) {
+  *p = *q = 0;
+  for (int i = 0; i < N; ++i) {
+    *p += c->n[i];
+    if (FRICTION) *q += c->t[i];
+  }
+}
+
+/* Constant parts of the rows for the indenter where it is. */
+static inline void set_indenter(Contact *c, const Indenter *in) {
+  for (int i = 0; i < N; ++i) {
+    c->b[i] = (in->d - c->h[i]) * c->wy[i];
+#if FRICTION
+    c->bt[i] = fma(in->x - in->x_last, c->wx[i], c->ux_last[i]);
+#endif
+  }
+}
+
+/* A first guess: the last change of the forces goes on in proportion to the load. */
+static inline void extrapolate(Contact *c, const Indenter *in, vreal ratio) {
+  for (int i = 0; i < N; ++i) {
+    const vreal n = c->n[i], n_guess = LARGER(fma(ratio, n - c->n_last[i], n), ALL_LANES(0));
+    c->n_last[i] = n;
+    c->n[i] = PICK(in->active, n_guess, n);
+#if FRICTION
+    const vreal t = c->t[i], cone = in->mu * n_guess;
+    const vreal t_guess = SMALLER(LARGER(fma(ratio, t - c->t_last[i], t), -cone), cone);
+    c->t_last[i] = t;
+    c->t[i] = PICK(in->active, t_guess, t);
+#endif
+  }
+}
+
+/* A lane on its way along its load path. */
+typedef struct {
+  vint valid, running;
+  vint both;     /* P and Q are both given */
+  vint lost;     /* an increment was not solved: those that follow have no history to rest on */
+  vint failed;   /* this increment did not converge, or not at the forces asked for */
+  vreal nearest; /* depth at which the undeformed surface is touched, mm */
+  vreal d_change, x_change; /* of the last increment's target, mm */
+  vreal sweeps;             /* since the last report */
+  vreal slots;              /* increments reported */
+  vreal out_left, out_right;
+  Certificate certificate;
+} LoadStepping;
+
+#if FORCE_CONTROL
+/* Search for the indenter's place z = (d, x) that gives the forces asked for: f = (P - P_target, Q - (Q_target / P_target) P) = 0, by
+   Broyden's inverse update (Broyden 1965). */
+typedef struct {
+  vreal b[2][2];     /* inverse Jacobian */
+  vreal z[2], g[2];  /* last trial: place; P and Q - (Q_target / P_target) P */
+  vreal low, high;   /* bracket of d */
+  vreal p_target, q_target;
+} Search;
+
+/* Inverse update with the trial (z, g) in the given lanes; b stays where the step was too small to tell anything. */
+static inline void broyden_update(Search *s, const vreal *z, const vreal *g, vint lanes) {
+  const vreal dz0 = z[0] - s->z[0], dz1 = z[1] - s->z[1];
+  const vreal dg0 = g[0] - s->g[0], dg1 = g[1] - s->g[1];
+  const vreal e0 = dz0 - (s->b[0][0] * dg0 + s->b[0][1] * dg1);
+  const vreal e1 = dz1 - (s->b[1][0] * dg0 + s->b[1][1] * dg1);
+  const vreal r0 = dz0 * s->b[0][0] + dz1 * s->b[1][0];
+  const vreal r1 = dz0 * s->b[0][1] + dz1 * s->b[1][1];
+  const vreal below = r0 * dg0 + r1 * dg1;
+  const vint use = lanes & (fabs(below) > (real)1e-2 * (dz0 * dz0 + dz1 * dz1));
+  const vreal per = PICK(use, 1 / below, ALL_LANES(0));
+  s->b[0][0] = fma(e0 * r0, per, s->b[0][0]);
+  s->b[0][1] = fma(e0 * r1, per, s->b[0][1]);
+  s->b[1][0] = fma(e1 * r0, per, s->b[1][0]);
+  s->b[1][1] = fma(e1 * r1, per, s->b[1][1]);
+  for (int a = 0; a < 2; ++a) {
+    s->z[a] = PICK(lanes, z[a], s->z[a]);
+    s->g[a] = PICK(lanes, g[a], s->g[a]);
+  }
+}
+
+/* A trial inside the bracket: where Broyden's step leaves it, halfway to the bound, or twice as deep where there is no bound yet. */
+static inline vreal bracketed(vreal trial, vreal now, vreal low, vreal high) {
+  const vreal deeper = PICK(high < FAR, (real)0.5 * (now + high), 2 * now);
+  return PICK(trial >= high, deeper, PICK(trial <= low, (real)0.5 * (now + low), trial));
+}
+
+/* Moves the indenter of the active lanes towards the forces asked for. Leaves in in->active those that were not there yet. */
+static inline void update_force_control(Search *s, const Contact *c, Indenter *in, vint both, real tolerance) {
+  vreal p, q;
+  resultants(c, &p, &q);
+  const vreal ratio = PICK(both & (s->p_target > 0), s->q_target / s->p_target, ALL_LANES(0));
+  const vreal z[2] = {in->d, in->x};
+  const vreal g[2] = {p, PICK(both, q - ratio * p, ALL_LANES(0))};
+  const vreal miss[2] = {p - s->p_target, g[1]};
+  const vreal enough = tolerance * s->p_target;
+  broyden_update(s, z, g, in->active);
+  in->active &= (fabs(miss[0]) > enough) | (fabs(miss[1]) > enough);
+  in->held &= NOT(in->active);
+  const vreal step[2] = {s->b[0][0] * miss[0] + s->b[0][1] * miss[1], s->b[1][0] * miss[0] + s->b[1][1] * miss[1]};
+  s->low = PICK(miss[0] < 0, LARGER(z[0], s->low), s->low);
+  s->high = PICK(miss[0] > 0, SMALLER(z[0], s->high), s->high);
+  /* P grows with d alone where x is given: keep inside the bracket. With both unknown the bracket moves: bound the step instead. */
+  const vreal far_d = (real)0.5 * z[0], far_x = LARGER(fabs(z[1]), far_d);
+  const vreal bounded = SMALLER(LARGER(z[0] - step[0], z[0] - far_d), z[0] + 2 * far_d);
+  const vreal next[2] = {PICK(both, bounded, bracketed(z[0] - step[0], z[0], s->low, s->high)),
+                         SMALLER(LARGER(z[1] - step[1], z[1] - far_x), z[1] + far_x)};
+  in->d = PICK(in->active, next[0], in->d);
+  in->x = PICK(in->active & both, next[1], in->x);
+}
+
+static inline void start_search(const LoadStepping *w, const Patch *patch, Search *s) {
+  s->b[0][0] = patch->depth_per_force;
+  s->b[1][1] = 1;
+  s->z[0] = w->nearest;
+  s->b[0][1] = s->b[1][0] = s->z[1] = s->g[0] = s->g[1] = 0;
+}
+
+/* Keeps the targets in the search, and puts the indenter where it is, or to a first guess, instead. */
+static inline void first_trial(Search *s, const Indenter *in, const LoadStepping *w, vreal *d, vreal *x) {
+  const vreal guess = PICK(in->d > w->nearest, in->d, fma(s->b[0][0], *d, w->nearest));
+  s->p_target = *d;
+  s->q_target = *x;
+  s->low = 0;
+  s->high = FAR;
+  *d = PICK(*d > 0, guess, ALL_LANES(0));
+  *x = PICK(w->both, in->x, *x);
+}
+
+static inline void reach_forces(const Rules *rules, Search *s, Contact *c, Indenter *in, LoadStepping *w) {
+  in->active = w->running & (s->p_target > 0);
+  for (int trial = 0; trial < MOST_FORCE_TRIALS; ++trial) {
+    update_force_control(s, c, in, w->both, 10 * rules->tolerance);
+    if (!ANY(in->active)) return;
+    const vint searching = in->active;
+    set_indenter(c, in);
+    iterate(rules, c, in, &w->sweeps);
+    w->failed = (w->failed & NOT(searching)) | in->active;
+    in->active = searching;
+  }
+  w->failed |= in->active;
+}
+#endif
+
+/* Lanes in `none` bear no forces. */
+static inline void release(Contact *c, vint none) {
+  if (!ANY(none)) return;
+  for (int i = 0; i < N; ++i) {
+    c->n[i] = PICK(none, ALL_LANES(0), c->n[i]);
+    if (FRICTION) c->t[i] = PICK(none, ALL_LANES(0), c->t[i]);
+  }
+}
+
+/* Lanes whose input is finite and sensible, as far as their own path and shape go. */
+static inline vint check_input(global const vreal *lane_input, global const vreal *path, int increments, global const real *shapes) {
+  vreal sum = 0;
+  for (int r = 0; r < PATCH_INPUT_ROWS; ++r) sum = finite_sum(sum, lane_input[r]);
+  for (int k = 0; k < increments * PATCH_PATH_ROWS; ++k) {
+    const vint own = lane_input[PATCH_STEPS] > (real)(k / PATCH_PATH_ROWS);
+    sum = PICK(own, finite_sum(sum, path[k]), sum);
+  }
+  const vint counts = (sum == 0) & (lane_input[PATCH_POINTS] > 0);
+  if (ANY(counts)) {
+    real at[LANES], count[LANES], points[LANES];
+    STORE(PICK(counts, lane_input[PATCH_POINTS_AT], ALL_LANES(0)), at);
+    STORE(PICK(counts, lane_input[PATCH_POINTS], ALL_LANES(0)), count);
+    for (int l = 0; l < LANES; ++l) {
+      points[l] = 0;
+      for (int k = 0; k < 3 * (int)count[l]; ++k) points[l] = fma((real)0, shapes[(int)at[l] + k], points[l]);
+    }
+    sum += LOAD(points);
+  }
+  return (sum == 0) & (lane_input[PATCH_MU] >= 0) & (lane_input[PATCH_YOUNG] > 0) & (lane_input[PATCH_FROM] < lane_input[PATCH_TO]);
+}
+
+/* Lane input with harmless numbers in lanes that are not valid. */
+static inline void take_input(global const vreal *lane_input, vint valid, vreal *in) {
+  for (int r = 0; r < PATCH_INPUT_ROWS; ++r) {
+    const real harmless = r == PATCH_LEFT || r == PATCH_FROM ? -1 : r == PATCH_RIGHT || r == PATCH_TO || r == PATCH_NEAREST ? 1 : 0;
+    in[r] = PICK(valid, lane_input[r], ALL_LANES(harmless));
+  }
+}
+
+static inline int store_counts(vreal count, vreal at, int *counts, int *places) {
+  real number[LANES], place[LANES];
+  STORE(count, number);
+  STORE(at, place);
+  int any = 0;
+  EACH(l, LANES) {
+    counts[l] = (int)number[l];
+    places[l] = (int)place[l];
+    any |= counts[l] > 0;
+  }
+  return any;
+}
+
+static inline void take_profile(const vreal *in, global const real *shapes, Profile *p) {
+  p->shapes = shapes;
+  p->left = in[PATCH_LEFT];
+  p->right = in[PATCH_RIGHT];
+  p->flat = in[PATCH_FLAT];
+  EACH(k, 5) { p->c[k] = in[PATCH_C1 + k]; }
+  p->radius = in[PATCH_RADIUS];
+  p->exp_height = in[PATCH_EXP_HEIGHT];
+  p->exp_rate = in[PATCH_EXP_RATE];
+  p->cylinders = ANY(p->radius > 0);
+  p->exponentials = ANY(p->exp_height > 0);
+  p->terms = store_counts(in[PATCH_TERMS], in[PATCH_TERMS_AT], p->term_count, p->terms_at);
+  p->points = store_counts(in[PATCH_POINTS], in[PATCH_POINTS_AT], p->point_count, p->points_at);
+}
+
+/* Target of increment k: (d, x), mm, or forces; lanes beyond their path stop and stay where they are. ratio: this change of the target
+   over the last one, 0 where both d and x change, or the way turns, or the load is a force. */
+static inline void next_target(const vreal *lane, global const vreal *path, int k, const Indenter *in, LoadStepping *w, vreal *d, vreal *x,
+                               vreal *ratio) {
+  global const vreal *target = path + k * PATCH_PATH_ROWS;
+  w->running &= lane[PATCH_STEPS] > (real)k;
+  *d = PICK(w->running, target[PATCH_NORMAL], in->d);
+  *x = PICK(w->running, target[PATCH_TANGENTIAL], in->x);
+  const vreal d_now = *d - in->d, x_now = *x - in->x;
+  const vint same_d = (d_now == 0) & (w->d_change == 0), same_x = (x_now == 0) & (w->x_change == 0);
+  const vreal along_d = PICK(same_x & (w->d_change != 0), d_now / w->d_change, ALL_LANES(0));
+  const vreal along = PICK(same_d & (w->x_change != 0), x_now / w->x_change, along_d);
+  *ratio = FORCE_CONTROL ? ALL_LANES(0) : PICK((along > 0) & (along <= 2), along, ALL_LANES(0));
+  w->d_change = d_now;
+  w->x_change = x_now;
+}
+
+/* Lanes whose target is where they are rest as they are: that is a solution, and so a held contact does not creep by rounding. */
+static inline void move_to(Indenter *in, const LoadStepping *w, vreal d, vreal x) {
+  in->held = d == in->d;
+  if (FRICTION) in->held &= x == in->x;
+  in->active = w->running & NOT(in->held);
+  in->x_last = in->x;
+  in->d = d;
+  in->x = x;
+}
+
+static inline void start(const vreal *lane, Contact *c, Indenter *in, LoadStepping *w) {
+  for (int i = 0; i < N; ++i) c->n[i] = c->t[i] = c->n_last[i] = c->t_last[i] = c->ux_last[i] = c->ux[i] = 0;
+  in->mu = lane[PATCH_MU];
+  in->d = in->x = in->x_last = 0;
+  w->nearest = lane[PATCH_NEAREST];
+  w->both = lane[PATCH_CONTROL] >= FORCE_BOTH;
+  w->d_change = w->x_change = w->sweeps = w->slots = w->out_left = w->out_right = 0;
+  w->running = w->valid;
+  w->lost = w->failed = 0;
+}
+
+static inline void count_elements(const Contact *c, const Indenter *in, vreal *sticking, vreal *slipping) {
+  *sticking = *slipping = 0;
+  for (int i = 0; i < N; ++i) {
+    const vint pressed = c->n[i] > 0;
+    const vint sticks = pressed & (fabs(c->t[i]) < in->mu * c->n[i]);
+    *sticking += PICK(sticks, ALL_LANES(1), ALL_LANES(0));
+    *slipping += PICK(pressed, ALL_LANES(1), ALL_LANES(0)) - PICK(sticks, ALL_LANES(1), ALL_LANES(0));
+  }
+}
+
+/* Block b of PATCH_BLOCK vectors as a row of numbers for each lane, at[l] numbers into `out`; lanes with at[l] < 0 are left out. */
+INLINE void store_rows(const vreal *rows, const long *at, global real *out) {
+  EACH(b, PATCH_BLOCK / LANES) {
+    vreal r[LANES];
+    EACH(l, LANES) { r[l] = rows[b * LANES + l]; }
+    transpose(r);
+    for (int l = 0; l < LANES; ++l)
+      if (at[l] >= 0) STORE(r[l], out + at[l] + b * LANES);
+  }
+}
+
+#define FORCE_ROWS ((2 * N + PATCH_BLOCK - 1) / PATCH_BLOCK * PATCH_BLOCK) /* n of all elements, then t */
+
+/* Results and forces of this increment go to its place among the reported ones, where it is reported. */
+static inline void report(const vreal *lane, vreal slot, int k, size_t group, int slots, const Contact *c, const Indenter *in, real accept,
+                          real accept_outside, LoadStepping *w, global real *result, global real *forces) {
+  vreal p, q, sticking, slipping;
+  resultants(c, &p, &q);
+  count_elements(c, in, &sticking, &slipping);
+  const Certificate *said = &w->certificate;
+  const vint reports = w->running & (slot >= 0);
+  const vint slides = w->running & (sticking == 0) & (slipping > 0);
+  const vreal young = lane[PATCH_YOUNG], cone = in->mu * p;
+  const vreal left = penetration_outside(c, in, said, 0), right = penetration_outside(c, in, said, 1);
+  const vreal outside = LARGER(left, right);
+  const vint finite = finite_sum(0, (p + fabs(q)) * young) == 0;
+  const vint within = (said->penetration <= accept) & (said->cone <= accept) & (said->complementarity <= accept) & (said->drift <= accept);
+  const vint solved = NOT(w->lost | w->failed) & finite & within & (outside <= accept_outside);
+  const vreal good = PICK(slides, ALL_LANES(LANE_SLIDING), ALL_LANES(LANE_SOLVED));
+  w->out_left = PICK(w->running, LARGER(left, w->out_left), w->out_left);
+  w->out_right = PICK(w->running, LARGER(right, w->out_right), w->out_right);
+  if (ANY(reports)) {
+    real place[LANES];
+    long at[LANES];
+    STORE(PICK(reports, slot, ALL_LANES(-1)), place);
+    EACH(l, LANES) { at[l] = place[l] < 0 ? -1 : ((long)(group * LANES + l) * slots + (long)place[l]); }
+    vreal rows[FORCE_ROWS];
+    EACH(r, PATCH_BLOCK) { rows[r] = 0; }
+    rows[LANE_INDENTATION] = in->d;
+    rows[LANE_TANGENTIAL] = in->x;
+    rows[LANE_P] = p * young;
+    rows[LANE_Q] = q * young;
+    rows[LANE_SLIP_INDEX] = PICK(cone > 0, q / cone, ALL_LANES(0));
+    rows[LANE_STICKING] = sticking;
+    rows[LANE_SLIPPING] = slipping;
+    rows[LANE_SWEEPS] = w->sweeps;
+    rows[LANE_STATUS] = PICK(solved, good, ALL_LANES(LANE_UNSOLVED));
+    rows[LANE_PENETRATION] = LARGER(outside, said->penetration);
+    rows[LANE_CONE] = said->cone;
+    rows[LANE_COMPLEMENTARITY] = said->complementarity;
+    rows[LANE_DRIFT] = said->drift;
+    rows[LANE_SLIP_DISTANCE] = said->slip_distance;
+    long row_at[LANES];
+    EACH(l, LANES) { row_at[l] = at[l] < 0 ? -1 : at[l] * PATCH_BLOCK; }
+    store_rows(rows, row_at, result);
+    EACH(i, FORCE_ROWS) { rows[i] = i < N ? c->n[i % N] : i < 2 * N ? c->t[i % N] : ALL_LANES(0); }
+    EACH(b, FORCE_ROWS / PATCH_BLOCK) {
+      EACH(l, LANES) { row_at[l] = at[l] < 0 ? -1 : at[l] * FORCE_ROWS + b * PATCH_BLOCK; }
+      store_rows(rows + b * PATCH_BLOCK, row_at, forces);
+    }
+    w->sweeps = PICK(reports, ALL_LANES(0), w->sweeps);
+    w->slots = PICK(reports, slot + 1, w->slots);
+  }
+  w->lost |= NOT(solved);
+  w->running &= NOT(slides & (lane[PATCH_MAY_STOP] <= (real)k));
+}
+
+/* History for the next increment. A sticking element counts as having followed the indenter: what convergence left of it is then made
+   good by the next increment instead of adding up over thousands of them. */
+static inline void remember(Contact *c, const Indenter *in) {
+  for (int i = 0; i < N; ++i) {
+    const vint sticks = (c->n[i] > 0) & (fabs(c->t[i]) < in->mu * c->n[i]);
+    c->ux_last[i] = PICK(sticks, c->bt[i], c->ux[i]);
+  }
+}
+
+/* Base stress of one lane: its rows of the table at the elements' middles, times the forces of each reported increment. */
+static inline void write_stress(global const real *base, int base_rows, real base_from, real base_rows_per_mm, int outputs, real origin,
+                                real element, real young, int slots, global const real *forces, global real *stress) {
+  int row[N];
+  real part[N];
+  for (int j = 0; j < N; ++j) {
+    const real at = (fma(element, (real)j + (real)0.5, origin) - base_from) * base_rows_per_mm;
+    const real inside = at > 0 ? (at < (real)(base_rows - 1) ? at : (real)(base_rows - 1)) : 0;
+    row[j] = min((int)inside, base_rows - 2);
+    part[j] = inside - (real)row[j];
+  }
+  for (int first = 0; first < outputs; first += LANES) {
+    vreal by_n[N], by_t[N];
+    EACH(j, N) {
+      global const real *here = base + ((size_t)row[j] * 2) * outputs + first, *next = here + 2 * outputs;
+      const vreal n0 = LOAD(here), t0 = LOAD(here + outputs);
+      by_n[j] = fma(ALL_LANES(part[j]), LOAD(next) - n0, n0);
+      by_t[j] = fma(ALL_LANES(part[j]), LOAD(next + outputs) - t0, t0);
+    }
+    for (int k = 0; k < slots; ++k) {
+      global const real *f = forces + k * FORCE_ROWS;
+      vreal n_even = 0, n_odd = 0, t_even = 0, t_odd = 0;
+      EACH(j, N / 2) {
+        n_even = fma(ALL_LANES(f[2 * j]), by_n[2 * j], n_even);
+        n_odd = fma(ALL_LANES(f[2 * j + 1]), by_n[2 * j + 1], n_odd);
+        if (FRICTION) {
+          t_even = fma(ALL_LANES(f[N + 2 * j]), by_t[2 * j], t_even);
+          t_odd = fma(ALL_LANES(f[N + 2 * j + 1]), by_t[2 * j + 1], t_odd);
+        }
+      }
+      STORE(((n_even + n_odd) + (t_even + t_odd)) * young, stress + k * outputs + first);
+    }
+  }
+}
+
+/* The patch of each lane, its base stresses, and a status for increments that did not run. */
+static inline void finish(global const real *base, int base_rows, real base_from, real base_rows_per_mm, int outputs, size_t group, int slots,
+                          const vreal *lane, const Patch *patch, const LoadStepping *w, global real *result, global const real *forces,
+                          global real *stress, global real *patches) {
+  real origin[LANES], element[LANES], position[LANES], young[LANES], done[LANES], idle[LANES];
+  STORE(patch->origin, origin);
+  STORE(patch->element, element);
+  STORE(lane[PATCH_POSITION], position);
+  STORE(lane[PATCH_YOUNG], young);
+  STORE(w->slots, done);
+  STORE(PICK(w->valid, ALL_LANES(LANE_NOT_RUN), ALL_LANES(LANE_INVALID)), idle);
+  vreal rows[PATCH_BLOCK];
+  EACH(r, PATCH_BLOCK) { rows[r] = 0; }
+  rows[PATCH_ORIGIN] = patch->origin;
+  rows[PATCH_ELEMENT] = patch->element;
+  rows[PATCH_OUT_LEFT] = w->out_left;
+  rows[PATCH_OUT_RIGHT] = w->out_right;
+  rows[PATCH_SEARCH_SWEEPS] = patch->sweeps;
+  rows[PATCH_SLOTS] = w->slots;
+  long at[LANES];
+  EACH(l, LANES) { at[l] = (long)(group * LANES + l) * PATCH_BLOCK; }
+  store_rows(rows, at, patches);
+  for (int l = 0; l < LANES; ++l) {
+    const size_t first = (group * LANES + l) * slots;
+    const int own = (int)done[l];
+    write_stress(base, base_rows, base_from, base_rows_per_mm, outputs, position[l] + origin[l], element[l], young[l], own,
+                 forces + first * FORCE_ROWS,
+                 stress + first * outputs);
+    for (int k = own; k < slots; ++k)
+      for (int r = 0; r < PATCH_BLOCK; ++r) result[(first + k) * PATCH_BLOCK + r] = r == LANE_STATUS ? idle[l] : 0;
+  }
+}
+
+/* smooth [cells][PATCH_BLOCK]; sides [side_rows][PATCH_BLOCK], signs [SIDE_MODES]; base [base_rows][2][outputs]: stresses by n, by t of a unit
+   force, outputs a multiple of PATCH_BLOCK; shapes: Taylor terms (coefficient mm, power, 1 / scale) and points that lanes refer to; lane_input [group][PATCH_INPUT_ROWS][lane]; path
+   [group][increments][PATCH_PATH_ROWS][lane].
+   Out: result [group][lane][slots][PATCH_BLOCK]; forces [group][lane][slots][FORCE_ROWS] over E, mm; stress [group][lane][slots][outputs] MPa;
+   patches [group][lane][PATCH_BLOCK]. */
+kernel void patch_contact(uint first_group, global const real *smooth, int cells, real cells_per_mm, real thickness, real cy, real cx,
+                          real jump, global const real *sides, int side_rows, real side_rows_per_mm, real sides_from,
+                          global const real *signs, global const real *base, int base_rows, real base_rows_per_mm, real base_from,
+                          int outputs, global const real *shapes, global const vreal *lane_input, global const vreal *path, int increments,
+                          int slots, real tolerance, real accept, real accept_outside, int most_sweeps, global real *result,
+                          global real *forces, global real *stress, global real *patches) {
+  TAKE_GROUP(group);
+  const Layer layer = {smooth, cells, cells_per_mm, thickness, cy, cx, jump, sides, side_rows, side_rows_per_mm, sides_from, signs};
+  const Rules rules = {tolerance, most_sweeps};
+  lane_input += group * PATCH_INPUT_ROWS;
+  path += group * increments * PATCH_PATH_ROWS;
+
+  Contact c;
+  Indenter in;
+  LoadStepping w;
+  Profile profile;
+  Patch patch;
+  vreal lane[PATCH_INPUT_ROWS];
+  w.valid = check_input(lane_input, path, increments, shapes);
+  take_input(lane_input, w.valid, lane);
+  take_profile(lane, shapes, &profile);
+  start(lane, &c, &in, &w);
+  find_patch(&layer, &rules, &profile, lane, w.valid, &patch);
+  build_compliance(&layer, &patch, lane[PATCH_POSITION], &c);
+  put_heights(&profile, &patch, &c);
+#if FORCE_CONTROL
+  /* Forces are met to 10 times the sweeps' tolerance. */
+  const Rules finer = {(real)0.1 * tolerance, most_sweeps};
+  Search search;
+  start_search(&w, &patch, &search);
+#else
+  const Rules finer = rules;
+#endif
+  for (int k = 0; k < increments; ++k) {
+    vreal d, x, ratio;
+    next_target(lane, path, k, &in, &w, &d, &x, &ratio);
+    if (!ANY(w.running)) break;
+#if FORCE_CONTROL
+    first_trial(&search, &in, &w, &d, &x);
+#endif
+    move_to(&in, &w, d, x);
+    extrapolate(&c, &in, ratio);
+#if FORCE_CONTROL
+    const vint none = w.running & (search.p_target <= 0);
+#else
+    const vint none = w.running & (in.d <= w.nearest);
+#endif
+    release(&c, none);
+    in.active &= NOT(none);
+    set_indenter(&c, &in);
+    iterate(&finer, &c, &in, &w.sweeps);
+    w.failed = in.active;
+#if FORCE_CONTROL
+    reach_forces(&finer, &search, &c, &in, &w);
+    set_indenter(&c, &in);
+#endif
+    certify(&c, &in, &w.certificate);
+    report(lane, path[k * PATCH_PATH_ROWS + PATCH_SLOT], k, group, slots, &c, &in, accept, accept_outside, &w, result, forces);
+    if (FRICTION) remember(&c, &in);
+  }
+  finish(base, base_rows, base_from, base_rows_per_mm, outputs, group, slots, lane, &patch, &w, result, forces, stress, patches);
+}
