@@ -1,0 +1,413 @@
+#include "host/contact/patch_contact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+#include <tuple>
+
+#include "fem/block.h"
+#include "fem/contact_laws.h"
+#include "fem/value_error.h"
+#include "host/contact/patch_contact_lanes.h"
+#include "host/contact/patch_contact_tables.h"
+#include "kernels/shared/contact_layout.h"
+
+namespace tactel::host {
+namespace {
+
+template <class Real>
+Buffer<Real> on_device(const Device& device, const std::vector<double>& values) {
+  std::vector<Real> rounded(values.begin(), values.end());
+  if (rounded.empty()) rounded.resize(1);
+  return Buffer<Real>(device, std::span<const Real>(rounded));
+}
+
+int rounded_up(int count) { return (count + PATCH_BLOCK - 1) / PATCH_BLOCK * PATCH_BLOCK; }
+
+/// Whether the indenter turns back on its way along x.
+bool turns_back(const PatchPath& path) {
+  double direction = 0;
+  for (std::size_t k = 1; k < path.steps.size(); ++k) {
+    const double way = path.steps[k].tangential - path.steps[k - 1].tangential;
+    if (way * direction < 0) return true;
+    if (way != 0) direction = way;
+  }
+  return false;
+}
+
+}  // namespace
+
+template <class Real>
+struct PatchContact<Real>::State {
+  State(Executor& executor, const fem::Sensor& sensor, const PatchContactOptions& options)
+      : executor(executor), sensor(sensor), options(options), tables(patch_tables(sensor)) {
+    for (const int known : {8, 12, 16, 24})
+      if (options.elements == known) elements = known;
+    if (elements == 0) throw ValueError("elements", std::to_string(options.elements), "8, 12, 16 or 24");
+    constexpr double epsilon = std::numeric_limits<Real>::epsilon();
+    if (this->options.accept == 0) this->options.accept = std::max(20 * options.tolerance, 200 * epsilon);
+    if (this->options.accept_outside == 0) this->options.accept_outside = 0.03;
+    const Device& device = executor.device();
+    smooth = on_device<Real>(device, tables.smooth);
+    sides = on_device<Real>(device, tables.sides);
+    signs = on_device<Real>(device, tables.signs);
+    base = on_device<Real>(device, tables.base);
+    tactels = static_cast<int>(fem::tactel_positions(sensor).size());
+  }
+
+  Precision precision() const { return sizeof(Real) == 4 ? Precision::fp32 : Precision::fp64; }
+  int lanes() const { return executor.device().lanes(precision()); }
+  int force_rows() const { return rounded_up(2 * elements); }
+
+  const Program& program(ContactKind kind) {
+    auto& program = programs[kind.force][kind.friction];
+    if (!program) {
+      const auto text = [](int value) { return std::to_string(value); };
+      program = std::make_unique<Program>(executor.device(), "patch_contact.cl",
+                                          Defines{{"REAL", real_type(precision())},
+                                                  {"LANES", text(lanes())},
+                                                  {"ELEMENTS", text(elements)},
+                                                  {"FORCE_CONTROL", text(kind.force)},
+                                                  {"FRICTION", text(kind.friction)}});
+    }
+    return *program;
+  }
+
+  Executor& executor;
+  fem::Sensor sensor;
+  PatchContactOptions options;
+  PatchTables tables;
+  Buffer<Real> smooth, sides, signs, base;
+  int elements = 0, tactels = 0;
+  std::unique_ptr<Program> programs[2][2];  ///< [force][friction]
+};
+
+template <class Real>
+struct PatchContact<Real>::Batch::State {
+  std::shared_ptr<PatchContact<Real>::State> contact;
+  std::vector<std::size_t> place;  ///< [scenes] lane of scene i, counted over all groups
+  std::vector<std::size_t> order;  ///< [scenes] scene in a lane: the inverse of place
+  std::vector<int> path_steps, indentation_steps, increments;  ///< [scenes]
+  std::vector<double> friction, young, position;               ///< [scenes]
+  int slots = 0, most_increments = 0;
+  std::size_t groups = 0;
+  double seconds = 0;
+  Buffer<Real> shapes, lane_input, path, result, forces, stress, patches;
+  Launch launch;
+
+  std::size_t lanes() const { return contact->lanes(); }
+  std::size_t outputs() const { return contact->tables.outputs; }
+  /// Index of [group][.. `row` of `height` a group ..][lane].
+  std::size_t at_lane(std::size_t lane, std::size_t height, std::size_t row) const {
+    return ((lane / lanes()) * height + row) * lanes() + lane % lanes();
+  }
+  /// Index of a scene's load step in [lane][slots].
+  std::size_t slot(std::size_t scene, int step) const { return place[scene] * slots + step; }
+
+  void lay_out(std::span<const fem::Scene> scenes, std::span<const PatchPath> paths);
+  void fill(std::span<const PatchPath> paths, std::span<const PatchLane> lanes, std::span<const Growth> growth,
+            std::span<const fem::Scene> scenes);
+};
+
+/// Scenes of like cost side by side, so that the lanes of a group finish together.
+template <class Real>
+void PatchContact<Real>::Batch::State::lay_out(std::span<const fem::Scene> scenes, std::span<const PatchPath> paths) {
+  using Key = std::tuple<int, std::size_t, bool, double, std::size_t>;
+  std::vector<Key> keys;
+  for (std::size_t i = 0; i < scenes.size(); ++i)
+    keys.emplace_back(-increments[i], scenes[i].indenter.shape.index(), turns_back(paths[i]), std::isnan(friction[i]) ? -1 : friction[i], i);
+  order.resize(scenes.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return keys[a] < keys[b]; });
+  place.resize(scenes.size());
+  for (std::size_t k = 0; k < order.size(); ++k) place[order[k]] = k;
+}
+
+template <class Real>
+void PatchContact<Real>::Batch::State::fill(std::span<const PatchPath> paths, std::span<const PatchLane> lanes,
+                                            std::span<const Growth> growth, std::span<const fem::Scene> scenes) {
+  const auto input = lane_input.map(), targets = path.map(), numbers = shapes.map();
+  std::fill(input.view().begin(), input.view().end(), Real(0));
+  std::fill(targets.view().begin(), targets.view().end(), Real(0));
+  std::size_t shapes_at = 0;
+  for (const std::size_t i : order) {
+    const PatchLane& lane = lanes[i];
+    const auto put = [&](int row, double value) {
+      input[at_lane(place[i], PATCH_INPUT_ROWS, row)] = static_cast<Real>(value);
+    };
+    for (int row = 0; row < PATCH_INPUT_ROWS; ++row) put(row, lane.input[row]);
+    if (!lane.shape.empty()) {
+      put(lane.input[PATCH_POINTS] > 0 ? PATCH_POINTS_AT : PATCH_TERMS_AT, static_cast<double>(shapes_at));
+      for (const double number : lane.shape) numbers[shapes_at++] = static_cast<Real>(number);
+    }
+    if (!growth.empty()) {
+      put(PATCH_GROW_LEFT, growth[i].left);
+      put(PATCH_GROW_RIGHT, growth[i].right);
+    }
+    const bool force = by_force(scenes[i]), both = force && scenes[i].load.angle.has_value();
+    const std::size_t height = static_cast<std::size_t>(most_increments) * PATCH_PATH_ROWS;
+    for (std::size_t k = 0; k < paths[i].steps.size(); ++k) {
+      const PatchStep& step = paths[i].steps[k];
+      const auto target = [&](int row, double value) {
+        targets[at_lane(place[i], height, k * PATCH_PATH_ROWS + row)] = static_cast<Real>(value);
+      };
+      target(PATCH_NORMAL, force ? step.normal / young[i] : step.normal);
+      target(PATCH_TANGENTIAL, both ? step.tangential / young[i] : step.tangential);
+      target(PATCH_SLOT, step.slot);
+    }
+  }
+}
+
+template <class Real>
+PatchContact<Real>::PatchContact(Executor& executor, const fem::Sensor& sensor, const PatchContactOptions& options)
+    : state_(std::make_shared<State>(executor, sensor, options)) {}
+
+template <class Real>
+const PatchContactOptions& PatchContact<Real>::options() const {
+  return state_->options;
+}
+
+template <class Real>
+typename PatchContact<Real>::Batch PatchContact<Real>::prepare(std::span<const fem::Scene> scenes,
+                                                               std::span<const Growth> growth) const {
+  const ContactKind kind = scenes.empty() ? ContactKind{} : kind_of(scenes.front());
+  if (!std::ranges::all_of(scenes, [&](const fem::Scene& scene) { return kind_of(scene) == kind; }))
+    throw std::invalid_argument("PatchContact::prepare: scenes of different kinds in one batch");
+  Batch batch;
+  batch.state_ = std::make_shared<typename Batch::State>();
+  auto& b = *batch.state_;
+  b.contact = state_;
+  std::vector<PatchPath> paths;
+  std::vector<PatchLane> lanes;
+  std::size_t shapes = 0;
+  for (const fem::Scene& scene : scenes) {
+    paths.push_back(patch_path(scene, state_->elements));
+    lanes.push_back(patch_lane(scene, paths.back()));
+    shapes += lanes.back().shape.size();
+    b.path_steps.push_back(paths.back().slots);
+    b.indentation_steps.push_back(paths.back().indentation_slots);
+    b.increments.push_back(static_cast<int>(paths.back().steps.size()));
+    b.friction.push_back(scene.friction);
+    b.young.push_back(scene.sensor.young);
+    b.position.push_back(scene.indenter.position);
+    b.slots = std::max(b.slots, b.path_steps.back());
+    b.most_increments = std::max(b.most_increments, b.increments.back());
+  }
+  b.lay_out(scenes, paths);
+
+  const std::size_t width = state_->lanes();
+  b.groups = (scenes.size() + width - 1) / width;
+  const std::size_t all = b.groups * width, steps = all * b.slots;
+  const Device& device = state_->executor.device();
+  const auto buffer = [&](std::size_t size) { return Buffer<Real>(device, std::max<std::size_t>(size, 1)); };
+  b.shapes = buffer(shapes);
+  b.lane_input = buffer(all * PATCH_INPUT_ROWS);
+  b.path = buffer(all * b.most_increments * PATCH_PATH_ROWS);
+  b.result = buffer(steps * PATCH_BLOCK);
+  b.forces = buffer(steps * state_->force_rows());
+  b.stress = buffer(steps * b.outputs());
+  b.patches = buffer(all * PATCH_BLOCK);
+  b.fill(paths, lanes, growth, scenes);
+
+  const PatchContactOptions& o = state_->options;
+  const PatchTables& t = state_->tables;
+  b.launch = state_->executor.prepare(state_->program(kind), "patch_contact", [&](KernelArguments& kernel) {
+    kernel.set("smooth", state_->smooth);
+    kernel.set("cells", std::int32_t(t.cells()));
+    kernel.set("cells_per_mm", Real(t.cells_per_mm));
+    kernel.set("thickness", Real(state_->sensor.thickness));
+    kernel.set("cy", Real(t.cy));
+    kernel.set("cx", Real(t.cx));
+    kernel.set("jump", Real(t.jump));
+    kernel.set("sides", state_->sides);
+    kernel.set("side_rows", std::int32_t(t.side_rows()));
+    kernel.set("side_rows_per_mm", Real(t.side_rows_per_mm));
+    kernel.set("sides_from", Real(t.sides_from));
+    kernel.set("signs", state_->signs);
+    kernel.set("base", state_->base);
+    kernel.set("base_rows", std::int32_t(t.base_rows()));
+    kernel.set("base_rows_per_mm", Real(t.base_rows_per_mm));
+    kernel.set("base_from", Real(t.base_from));
+    kernel.set("outputs", std::int32_t(t.outputs));
+    kernel.set("shapes", b.shapes);
+    kernel.set("lane_input", b.lane_input);
+    kernel.set("path", b.path);
+    kernel.set("increments", std::int32_t(b.most_increments));
+    kernel.set("slots", std::int32_t(b.slots));
+    kernel.set("tolerance", Real(o.tolerance));
+    kernel.set("accept", Real(o.accept));
+    kernel.set("accept_outside", Real(o.accept_outside));
+    kernel.set("most_sweeps", std::int32_t(o.most_sweeps));
+    kernel.set("result", b.result);
+    kernel.set("forces", b.forces);
+    kernel.set("stress", b.stress);
+    kernel.set("patches", b.patches);
+  });
+  return batch;
+}
+
+template <class Real>
+void PatchContact<Real>::Batch::run(const RunOptions& options) {
+  state_->seconds = state_->contact->executor.run(state_->launch, state_->groups, options).seconds;
+}
+
+template <class Real>
+std::size_t PatchContact<Real>::Batch::size() const {
+  return state_->place.size();
+}
+
+template <class Real>
+int PatchContact<Real>::Batch::steps() const {
+  return state_->slots;
+}
+
+template <class Real>
+std::size_t PatchContact<Real>::Batch::steps_in_all() const {
+  return std::accumulate(state_->path_steps.begin(), state_->path_steps.end(), std::size_t(0));
+}
+
+template <class Real>
+double PatchContact<Real>::Batch::seconds() const {
+  return state_->seconds;
+}
+
+template <class Real>
+void PatchContact<Real>::Batch::fill_outputs(Real value) {
+  for (const auto* buffer : {&state_->result, &state_->forces, &state_->stress, &state_->patches}) {
+    const auto mapped = buffer->map();
+    std::fill(mapped.view().begin(), mapped.view().end(), value);
+  }
+}
+
+template <class Real>
+void PatchContact<Real>::Batch::fill_unused(Real value) {
+  const auto& b = *state_;
+  const auto input = b.lane_input.map(), targets = b.path.map();
+  const auto fill = [&](std::span<Real> buffer, std::size_t lane, std::size_t height, std::size_t from) {
+    for (std::size_t row = from; row < height; ++row) buffer[b.at_lane(lane, height, row)] = value;
+  };
+  for (std::size_t lane = 0; lane < b.groups * b.lanes(); ++lane) {
+    const bool used = lane < b.order.size();
+    const std::size_t own = used ? b.increments[b.order[lane]] : 0;
+    fill(targets.view(), lane, static_cast<std::size_t>(b.most_increments) * PATCH_PATH_ROWS, own * PATCH_PATH_ROWS);
+    if (!used) fill(input.view(), lane, PATCH_INPUT_ROWS, 0);
+  }
+}
+
+template <class Real>
+double PatchContact<Real>::Batch::result(std::size_t i, int step, int row) const {
+  Real value;
+  state_->result.read(std::span(&value, 1), state_->slot(i, step) * PATCH_BLOCK + row);
+  return value;
+}
+
+template <class Real>
+double PatchContact<Real>::Batch::patch(std::size_t i, int row) const {
+  Real value;
+  state_->patches.read(std::span(&value, 1), state_->place[i] * PATCH_BLOCK + row);
+  return value;
+}
+
+template <class Real>
+PatchContact<Real>::Batch::View::View(const Batch& batch)
+    : state_(batch.state_),
+      results_(state_->result.map()),
+      forces_(state_->forces.map()),
+      stresses_(state_->stress.map()),
+      patches_(state_->patches.map()) {}
+
+template <class Real>
+int PatchContact<Real>::Batch::View::path_steps(std::size_t i) const {
+  return state_->path_steps[i];
+}
+
+template <class Real>
+std::span<const std::size_t> PatchContact<Real>::Batch::View::by_lane() const {
+  return state_->order;
+}
+
+template <class Real>
+Real PatchContact<Real>::Batch::View::result(std::size_t i, int step, int row) const {
+  return results_[state_->slot(i, step) * PATCH_BLOCK + row];
+}
+
+template <class Real>
+Real PatchContact<Real>::Batch::View::patch(std::size_t i, int row) const {
+  return patches_[state_->place[i] * PATCH_BLOCK + row];
+}
+
+template <class Real>
+std::span<const Real> PatchContact<Real>::Batch::View::tactels(std::size_t i, int step) const {
+  return stresses_.view().subspan(state_->slot(i, step) * state_->outputs(), 2 * state_->contact->tactels);
+}
+
+template <class Real>
+void PatchContact<Real>::Batch::View::tactels(std::size_t i, int step, std::span<float> stress) const {
+  const auto from = tactels(i, step);
+  std::transform(from.begin(), from.begin() + static_cast<std::ptrdiff_t>(stress.size()), stress.begin(),
+                 [](Real value) { return static_cast<float>(value); });
+}
+
+template <class Real>
+std::span<const Real> PatchContact<Real>::Batch::View::forces(std::size_t i, int step) const {
+  const std::size_t rows = state_->contact->force_rows();
+  return forces_.view().subspan(state_->slot(i, step) * rows, 2 * state_->contact->elements);
+}
+
+template <class Real>
+fem::ContactSolution PatchContact<Real>::Batch::solution(std::size_t i) const {
+  const auto& b = *state_;
+  const View view(*this);
+  const int elements = b.contact->elements, tactels = b.contact->tactels;
+  const double origin = view.patch(i, PATCH_ORIGIN), width = view.patch(i, PATCH_ELEMENT);
+  const Real mu = static_cast<Real>(std::min(b.friction[i], fem::largest_friction));
+  fem::ContactSolution solution;
+  solution.surface_x = Eigen::VectorXd::NullaryExpr(
+      elements, [&](auto n) { return b.position[i] + origin + width * (static_cast<double>(n) + 0.5); });
+  solution.tactel_x = fem::tactel_positions(b.contact->sensor);
+  for (int k = 0; k < b.path_steps[i]; ++k) {
+    const auto said = [&](int row) { return static_cast<double>(view.result(i, k, row)); };
+    const int status = static_cast<int>(said(LANE_STATUS));
+    if (status == LANE_NOT_RUN) break;
+    fem::ContactStep step;
+    step.indentation = said(LANE_INDENTATION);
+    step.tangential = said(LANE_TANGENTIAL);
+    step.P = said(LANE_P);
+    step.Q = said(LANE_Q);
+    step.slip_index = slip_index(b.friction[i], step.P, said(LANE_SLIP_INDEX));
+    step.slip_distance = said(LANE_SLIP_DISTANCE);
+    step.converged = status == LANE_SOLVED || status == LANE_SLIDING;
+    step.iterations = static_cast<int>(said(LANE_SWEEPS));
+    step.residual = {said(LANE_PENETRATION), said(LANE_CONE), said(LANE_COMPLEMENTARITY), said(LANE_DRIFT),
+                     said(LANE_BALANCE)};
+    if (status != LANE_INVALID) {
+      const auto forces = view.forces(i, k), stress = view.tactels(i, k);
+      const auto number = [](std::span<const Real> from, Eigen::Index n) { return static_cast<double>(from[n]); };
+      step.normal_force = Eigen::VectorXd::NullaryExpr(elements, [&](auto n) { return number(forces, n) * b.young[i]; });
+      step.tangential_force =
+          Eigen::VectorXd::NullaryExpr(elements, [&](auto n) { return number(forces, elements + n) * b.young[i]; });
+      for (int n = 0; n < elements; ++n) {
+        const bool sticks = std::abs(forces[elements + n]) < mu * forces[n];
+        step.status.push_back(!(forces[n] > 0) ? fem::GapStatus::open
+                              : sticks         ? fem::GapStatus::stick
+                                               : fem::GapStatus::slip);
+      }
+      step.sigma_y = Eigen::VectorXd::NullaryExpr(tactels, [&](auto n) { return number(stress, n); });
+      step.tau_xy = Eigen::VectorXd::NullaryExpr(tactels, [&](auto n) { return number(stress, tactels + n); });
+    } else {
+      step.normal_force = step.tangential_force = Eigen::VectorXd::Zero(elements);
+      step.sigma_y = step.tau_xy = Eigen::VectorXd::Zero(tactels);
+      step.status.assign(elements, fem::GapStatus::open);
+    }
+    solution.sliding = status == LANE_SLIDING && k >= b.indentation_steps[i];
+    solution.steps.push_back(std::move(step));
+  }
+  return solution;
+}
+
+template class PatchContact<float>;
+template class PatchContact<double>;
+
+}  // namespace tactel::host

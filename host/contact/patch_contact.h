@@ -1,0 +1,94 @@
+#pragma once
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "fem/contact_solution.h"
+#include "fem/scene.h"
+#include "host/contact/gap_sweep.h"
+#include "host/device/buffer.h"
+#include "host/device/executor.h"
+
+namespace tactel::host {
+
+/// Options of the launcher of kernels/patch_contact.cl.
+struct PatchContactOptions {
+  int elements = 12;        ///< of a patch: 8, 12, 16 or 24; each number has its own program
+  double tolerance = 1e-3;  ///< largest change of a force in the last sweep over the largest pressure force
+  double accept = 0;          ///< largest residual of a solved step; 0: 20 tolerance, at least 2e-5 in fp32
+  double accept_outside = 0;  ///< largest penetration beyond the patch, over the largest displacement; 0: 0.03
+  int most_sweeps = 400;      ///< an increment that needs more is reported as unsolved
+  int most_growths = 3;       ///< solve_patch_contact enlarges a patch that is too small this many times
+  bool fallback = true;       ///< solve_patch_contact solves the remaining ones exactly
+};
+
+/// Contact of scenes that share a sensor, each on its own patch of equal elements over what its indenter touches
+/// (kernels/patch_contact.cl). Tables and programs for one precision. Cheap to copy.
+template <class Real>
+class PatchContact {
+ public:
+  /// Throws ValueError for a number of elements that has no program.
+  PatchContact(Executor& executor, const fem::Sensor& sensor, const PatchContactOptions& options = {});
+
+  /// Shares by which the patch of a scene grows beyond what the search found, to the left and to the right.
+  struct Growth {
+    double left = 0, right = 0;
+  };
+
+  /// Scenes of this sensor (E may differ) with their load paths, laid out in lanes; all of one ContactKind.
+  class Batch {
+    struct State;
+
+   public:
+    void run(const RunOptions& options = {});  ///< one launch
+    std::size_t size() const;                  ///< scenes
+    int steps() const;                         ///< load steps of the longest path
+    std::size_t steps_in_all() const;          ///< load steps of all scenes
+    double seconds() const;                    ///< of the last run
+    void fill_outputs(Real value);             ///< what the outputs hold before a run: tests put NaN there
+    void fill_unused(Real value);              ///< the same for lanes without a scene and targets behind a path's end
+    /// Returns the answer of the kernel for scene `i`, in the order of prepare(). Node forces are those of the elements
+    /// of its patch, surface_x their middles; base forces are not known.
+    fem::ContactSolution solution(std::size_t i) const;
+    double result(std::size_t i, int step, int row) const;  ///< one number of LaneResultRow
+    double patch(std::size_t i, int row) const;             ///< one number of PatchRow
+
+    /// The outputs in place, without copies. The batch must not run during the life of a view.
+    class View {
+     public:
+      explicit View(const Batch& batch);
+      Real result(std::size_t i, int step, int row) const;  ///< one number of LaneResultRow
+      Real patch(std::size_t i, int row) const;             ///< one number of PatchRow
+      int path_steps(std::size_t i) const;
+      /// Returns the scenes in the order of memory, in which reading many is fast.
+      std::span<const std::size_t> by_lane() const;
+      /// [2 tactels]: sigma_y of every tactel, then tau_xy, MPa.
+      void tactels(std::size_t i, int step, std::span<float> stress) const;
+      /// [2 tactels], in place.
+      std::span<const Real> tactels(std::size_t i, int step) const;
+      /// [2 elements]: n of every element, then t, over E, mm.
+      std::span<const Real> forces(std::size_t i, int step) const;
+
+     private:
+      std::shared_ptr<State> state_;
+      typename Buffer<Real>::Mapping results_, forces_, stresses_, patches_;
+    };
+
+   private:
+    friend class PatchContact;
+    std::shared_ptr<State> state_;
+  };
+
+  /// `growth`: [scenes], or empty for none. Throws std::invalid_argument where scenes differ in kind.
+  Batch prepare(std::span<const fem::Scene> scenes, std::span<const Growth> growth = {}) const;
+  const PatchContactOptions& options() const;
+
+ private:
+  struct State;
+  std::shared_ptr<State> state_;
+};
+
+extern template class PatchContact<float>;
+extern template class PatchContact<double>;
+
+}  // namespace tactel::host

@@ -1,0 +1,29 @@
+#pragma once
+#include <vector>
+
+#include "fem/sensor.h"
+#include "kernels/shared/patch_layout.h"
+
+namespace tactel::host {
+
+/// Tables of a sensor for kernels/patch_contact.cl, for E = 1.
+struct PatchTables {
+  std::vector<double> smooth;  ///< [cells][PATCH_BLOCK] cubic coefficients of R_yy, R_xx, R_xy over x / h
+  double cells_per_mm = 0;
+  double cy = 0, cx = 0, jump = 0;  ///< factors of C_yy and of C_xy; (1 - 2 nu) pi / 2
+  std::vector<double> sides;        ///< [rows][PATCH_BLOCK] v_y, then v_x of each mode; empty: no free sides
+  std::vector<double> signs;        ///< [SIDE_MODES] of the modes
+  double side_rows_per_mm = 0, sides_from = 0;
+  std::vector<double> base;  ///< [rows][2][outputs] stresses at the tactels, MPa, by n = 1, by t = 1 N/mm at a place
+  double base_rows_per_mm = 0, base_from = 0;
+  int outputs = 0;  ///< sigma_y of all tactels, then tau_xy, then zeros up to a multiple of PATCH_BLOCK
+
+  int cells() const { return static_cast<int>(smooth.size() / PATCH_BLOCK); }
+  int side_rows() const { return static_cast<int>(sides.size() / PATCH_BLOCK); }
+  int base_rows() const { return static_cast<int>(base.size() / (2 * static_cast<std::size_t>(outputs))); }
+};
+
+/// E and the mesh of `sensor` do not count.
+PatchTables patch_tables(const fem::Sensor& sensor);
+
+}  // namespace tactel::host
