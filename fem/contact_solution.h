@@ -44,6 +44,7 @@ struct ContactSolution {
   bool fell_back = false;       ///< the chosen solver failed; the exact fallback answered
   bool several = false;         ///< another certified solution is known: Coulomb's law does not determine this contact
   double base_force_error = 0;  ///< in fp32: estimate of the error of single base forces over the largest; 0: none made
+  Eigen::VectorXd surface_width{};  ///< [elements] mm, of the elements of a patch (fem/layer); empty on a mesh
 };
 
 }  // namespace tactel::fem

@@ -38,6 +38,9 @@ struct LoadPath {
 inline constexpr int most_tangential_steps = 1000;
 inline constexpr int most_indentation_steps = 1000;  // for each target
 
+/// Model of a contact: gap elements on the mesh of the block, or elements on the scene's own patch (fem/layer).
+enum class SurfaceModel { mesh, patch };
+
 /// One contact: the contents of a scene file.
 struct Scene {
   std::string title;
@@ -45,6 +48,7 @@ struct Scene {
   Indenter indenter;
   double friction = 0.5;  ///< mu >= 0; infinite: touching nodes stick until they lift off ("bonded")
   Load load;
+  SurfaceModel model = SurfaceModel::mesh;
   void validate() const;  ///< throws ValueError, keys as in scene files
 };
 

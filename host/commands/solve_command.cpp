@@ -66,6 +66,9 @@ void write_results(const SolveRequest& request, const fem::Scene& scene, const S
   }
   if (!request.plot.empty()) write_figure("--plot", request.plot, contact_figure(scene, outcome.solution, step));
   if (request.field.empty()) return;
+  if (outcome.on_patch())
+    throw ConfigError("command line", "--field", request.field,
+                      "left out, or given with a mesh, such as --rung mesh-161: a patch has no nodes in the block");
   const fem::StressField field = fem::stress_field(scene.sensor, outcome.solution.steps[step]);
   write_file("--field", request.field, to_vtu(field));
   warn_of_strain(request, field);

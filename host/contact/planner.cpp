@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "host/contact/rung_error.h"
@@ -12,11 +11,7 @@
 namespace tactel::host {
 namespace {
 
-/// What the reference may be off by, of its difference from the rung below: its error halves with the mesh at worst.
-constexpr double reference_factor = 1;
-
-/// Whether an answer shows no contact where the load presses. The lowest part of an indenter is always over the rubber,
-/// so its mesh has no node there.
+/// Whether an answer shows no contact where the load presses.
 bool misses_contact(const fem::Scene& scene, const Rung& rung, const fem::ContactSolution& answer) {
   const fem::Load load = on_rung(scene, rung).load;
   const std::vector<fem::LoadStep> path = fem::load_path(load).steps;
@@ -24,13 +19,13 @@ bool misses_contact(const fem::Scene& scene, const Rung& rung, const fem::Contac
                              [&](std::size_t k) { return path[k].normal > 0 && !(answer.steps[k].P > 0); });
 }
 
-/// Rung `low` beside a finer one, on all scenes: the 95 % quantiles.
+/// Rung `low` of the ladder beside the next, on all scenes: the 95 % quantiles.
 PlanTrial compare(std::span<const fem::Scene> scenes, std::size_t low, const std::vector<fem::ContactSolution>& answers,
                   const std::vector<fem::ContactSolution>& finer) {
-  const Rung &rung = ladder()[low], &next = ladder()[finer_rung(low)];
+  const Rung &rung = ladder()[low], &next = ladder()[low + 1];
   PlanTrial trial{rung.name, next.name};
   bool missed = false;
-  std::vector<double> differences, estimates, sigma, tau;
+  std::vector<double> differences, sigma, tau;
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     AnswerError error = answer_error(scenes[i], answers[i], rung, finer[i], next);
     if (misses_contact(scenes[i], rung, answers[i]) || misses_contact(scenes[i], next, finer[i])) {
@@ -38,106 +33,62 @@ PlanTrial compare(std::span<const fem::Scene> scenes, std::size_t low, const std
       missed = true;
     }
     differences.push_back(error.S);
-    estimates.push_back(expected_error(measured_ladder()[low], error.S, touching_nodes(answers[i])));
     sigma.push_back(error.sigma);
     tau.push_back(error.tau);
   }
   trial.difference = covering_value(differences, 0.95);
   trial.missed = missed && trial.difference >= 1;
-  trial.estimate = covering_value(estimates, 0.95);
+  trial.estimate = expected_error(low, trial.difference);
+  trial.next_estimate = expected_next_error(low, trial.difference);
   trial.sigma = covering_value(sigma, 0.95);
   trial.tau = covering_value(tau, 0.95);
   return trial;
 }
 
-/// How many rungs, from the cheapest on, all sensors carry; the cheapest, cut to fem::most_columns, is always taken for
-/// one.
-std::size_t carried_rungs(std::span<const fem::Scene> scenes) {
-  std::size_t count = 0;
-  for (const Rung& rung : ladder()) {
-    if (!std::ranges::all_of(scenes, [&](const fem::Scene& scene) { return carries(scene.sensor, rung); })) break;
-    ++count;
-  }
-  return std::max<std::size_t>(count, 1);
-}
-
-/// The rung on the scenes' sensors; with the default sensor's columns where these differ.
-std::string model_of(std::span<const fem::Scene> scenes, const Rung& rung) {
-  const auto here = [&](const fem::Scene& scene) { return description(rung, scene.sensor); };
-  const bool alike = !scenes.empty() && std::ranges::all_of(scenes, [&](const fem::Scene& scene) {
-    return here(scene) == here(scenes.front());
-  });
-  return alike ? here(scenes.front()) : description(rung) + " to 20 mm of rubber 1.5 mm thick";
-}
-
 }  // namespace
 
-std::size_t touching_class(int nodes) {
-  return static_cast<std::size_t>(std::ranges::count_if(most_touching, [&](int most) { return nodes > most; }));
+double expected_error(std::size_t rung, double difference) {
+  const MeasuredRung& measured = measured_ladder()[rung];
+  return std::max(measured.factor * difference, measured.least);
 }
 
-int touching_nodes(const fem::ContactSolution& solution) {
-  std::ptrdiff_t most = 0;
-  for (const fem::ContactStep& step : solution.steps)
-    most = std::max<std::ptrdiff_t>(most, (step.normal_force.array() > 0).count());
-  return static_cast<int>(most);
-}
-
-double expected_error(const MeasuredRung& rung, double difference, int touching) {
-  return std::max(rung.factor * difference, rung.least[touching_class(touching)]);
-}
-
-std::size_t finer_rung(std::size_t low) {
-  const auto& rungs = ladder();
-  std::size_t next = low + 1;
-  while (next + 1 < rungs.size() && rungs[next].columns <= rungs[low].columns) ++next;
-  return next;
+double expected_next_error(std::size_t rung, double difference) {
+  const double least = rung + 1 < measured_ladder().size() ? measured_ladder()[rung + 1].least : 0;
+  return std::max(measured_ladder()[rung].next_factor * difference, least);
 }
 
 Plan plan(std::span<const fem::Scene> scenes, double accuracy, const SolveRung& solve) {
   const auto& rungs = ladder();
-  std::vector<std::optional<std::vector<fem::ContactSolution>>> known(rungs.size());
-  const auto answers = [&](std::size_t place) -> std::vector<fem::ContactSolution>& {
-    if (!known[place]) known[place] = solve(rungs[place]);
-    return *known[place];
-  };
-  const std::size_t carried = carried_rungs(scenes);
-  Plan result{.accuracy = accuracy, .rung = rungs[carried - 1]};
-  const auto take = [&](std::size_t place) {
-    result.rung = rungs[place];
-    result.model = model_of(scenes, rungs[place]);
-    result.answers = std::move(answers(place));
-    return std::move(result);
-  };
-  for (std::size_t low = 0; low + 1 < carried; ++low) {
-    const std::size_t next = finer_rung(low);
-    if (next >= carried) break;
-    result.trials.push_back(compare(scenes, low, answers(low), answers(next)));
-    result.estimate = result.trials.back().estimate;
-    result.kept = result.estimate <= accuracy;
-    if (result.kept) return take(low);
+  Plan result{.accuracy = accuracy};
+  std::vector<fem::ContactSolution> answers = solve(rungs.front());
+  for (std::size_t low = 0; low + 1 < rungs.size(); ++low) {
+    std::vector<fem::ContactSolution> finer = solve(rungs[low + 1]);
+    const PlanTrial& trial = result.trials.emplace_back(compare(scenes, low, answers, finer));
+    const bool last = low + 2 == rungs.size();
+    const bool enough = trial.estimate <= accuracy, next_enough = trial.next_estimate <= accuracy;
+    if (enough || next_enough || last) {
+      const std::size_t place = enough ? low : low + 1;
+      result.rung = rungs[place];
+      result.model = description(result.rung);
+      result.estimate = enough ? trial.estimate : trial.next_estimate;
+      result.kept = enough || next_enough;
+      result.answers = std::move(enough ? answers : finer);
+      break;
+    }
+    answers = std::move(finer);
   }
-  result.estimate = result.trials.empty() ? std::numeric_limits<double>::infinity()
-                                          : reference_factor * result.trials.back().difference;
-  result.kept = result.estimate <= accuracy;
-  return take(carried - 1);
+  return result;
 }
 
 std::string Plan::why() const {
-  std::string text = fmt::format("rung {} ({})", rung.name, model);
-  if (trials.empty())
-    return text +
-           fmt::format(": this sensor carries no finer rung, so the error in S is not known; asked for {:g}", accuracy);
   const PlanTrial& last = trials.back();
   const std::string& other = last.rung == rung.name ? last.next : last.rung;
-  text += last.rung == rung.name ? ": " : ": the finest; ";
+  std::string text = fmt::format("rung {} ({}): ", rung.name, model);
   if (last.missed)
-    text += fmt::format("the mesh of this rung or of rung {} misses a contact; asked for {:g}", other, accuracy);
-  else if (last.rung == rung.name)
+    text += fmt::format("this rung or rung {} misses a contact; asked for {:g}", other, accuracy);
+  else
     text += fmt::format("S differs by {:.2g} on rung {}; error in S to expect {:.2g}, asked for {:g}", last.difference,
                         other, estimate, accuracy);
-  else
-    text += fmt::format("S differs by {:.2g} on rung {}; asked for {:g}", last.difference, other, accuracy);
   return text + fmt::format("; this promises S alone: there sigma_y differs by {:.2g}, tau_xy by {:.2g} of its largest",
                             last.sigma, last.tau);
 }
@@ -149,6 +100,7 @@ nlohmann::ordered_json to_json(const Plan& plan) {
                       {"next", t.next},
                       {"difference", t.difference},
                       {"estimate", t.estimate},
+                      {"next_estimate", t.next_estimate},
                       {"missed", t.missed},
                       {"sigma_difference", t.sigma},
                       {"tau_difference", t.tau}});
@@ -156,7 +108,7 @@ nlohmann::ordered_json to_json(const Plan& plan) {
           {"promises", "slip_index"},
           {"rung", plan.rung.name},
           {"model", plan.model},
-          {"estimate", std::isfinite(plan.estimate) ? nlohmann::ordered_json(plan.estimate) : nlohmann::ordered_json()},
+          {"estimate", plan.estimate},
           {"kept", plan.kept},
           {"tried", std::move(trials)}};
 }

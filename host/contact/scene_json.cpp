@@ -38,8 +38,9 @@ Json indenter_json(const fem::Indenter& indenter) {
   return out;
 }
 
-Json sensor_json(const fem::Sensor& s) {
-  return {{"length", s.length},
+Json sensor_json(const fem::Sensor& s, fem::SurfaceModel model) {
+  return {{"model", model == fem::SurfaceModel::patch ? "patch" : "mesh"},
+          {"length", s.length},
           {"thickness", s.thickness},
           {"young", s.young},
           {"poisson", s.poisson},
@@ -105,7 +106,7 @@ Json step_json(const fem::ContactStep& step) {
 
 Json to_json(const fem::Scene& scene) {
   return {{"title", scene.title},
-          {"sensor", sensor_json(scene.sensor)},
+          {"sensor", sensor_json(scene.sensor, scene.model)},
           {"indenter", indenter_json(scene.indenter)},
           {"contact", {{"friction", std::isinf(scene.friction) ? Json("bonded") : Json(scene.friction)}}},
           {"load", load_json(scene.load)}};
@@ -117,7 +118,9 @@ Json to_json(const fem::Scene& scene, const SolveOutcome& outcome) {
   for (const fem::ContactStep& step : solution.steps) steps.push_back(step_json(step));
   Json out = {{"tactel", TACTEL_VERSION},           {"scene", to_json(scene)},
               {"solver", outcome.solver},           {"precision", outcome.precision},
-              {"device", outcome.device},           {"surface_x", numbers(solution.surface_x)},
+              {"device", outcome.device},           {"model", model_name(outcome)},
+              {"model_reason", outcome.model_reason}, {"surface_x", numbers(solution.surface_x)},
+              {"surface_width", numbers(solution.surface_width)},
               {"base_x", numbers(solution.base_x)}, {"tactel_x", numbers(solution.tactel_x)},
               {"fallback", solution.fell_back},     {"warnings", warnings(outcome)},
               {"steps", std::move(steps)}};

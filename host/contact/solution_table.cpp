@@ -15,8 +15,7 @@ std::string header(const fem::Scene& scene, const SolveOutcome& outcome) {
   std::string out = scene.title.empty() ? "" : scene.title + "\n";
   out += fmt::format("{} on {:g} x {:g} mm of rubber, E = {:g} MPa, nu = {:g}, mu = {:g}\n",
                      fem::shape_name(scene.indenter.shape), s.length, s.thickness, s.young, s.poisson, scene.friction);
-  out += fmt::format("mesh {} x {} {}, solver {}, {}\n", s.columns, s.rows, fem::name(s.element), outcome.solver,
-                     outcome.precision);
+  out += fmt::format("{}, solver {}, {}\n", model_name(outcome), outcome.solver, outcome.precision);
   return out + fmt::format("{}\n\n", outcome.device);
 }
 

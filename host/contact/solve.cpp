@@ -32,8 +32,50 @@ SolveOutcome solve_reference(const fem::Scene& scene, const SolveOptions& option
   return {fem::solve_gap_reference(scene, reference), "reference", "fp64", "host"};
 }
 
+constexpr double fine_tolerance = 1e-7;  ///< of a single patch in fp64
+constexpr const char* usual_patch = "patch-12";
+
+/// The rung of a scene on a patch: the one asked for; where none is, the usual one, in fp64 where the device has it.
+Rung patch_rung(const SolveOptions& options, const DeviceInfo& device) {
+  Rung rung = rung_named(options.rung.empty() ? usual_patch : options.rung);
+  if (options.rung.empty() && device.fp64) rung.precision = Precision::fp64;
+  if (!options.precision.empty()) rung.precision = options.precision == "fp64" ? Precision::fp64 : Precision::fp32;
+  if (options.rung.empty() && rung.precision == Precision::fp64) rung.tolerance = fine_tolerance;
+  return rung;
+}
+
+std::string rung_reason(const SolveOptions& options) {
+  return options.rung.empty() ? "the scene file names no mesh" : "--rung " + options.rung;
+}
+
+SolveOutcome outcome_on(const Rung& rung, const fem::Scene& scene, fem::ContactSolution solution,
+                        const std::string& device, std::string reason) {
+  SolveOutcome outcome{std::move(solution), rung.exact ? "reference" : "batched", name(rung.precision),
+                       rung.exact ? "host" : device};
+  outcome.scene = on_rung(scene, rung);
+  outcome.rung = rung.name;
+  outcome.model_reason = std::move(reason);
+  if (rung.patch() && !outcome.on_patch()) {
+    outcome.scene.sensor = on_mesh(scene, rung).sensor;
+    outcome.model_reason = "the contact is too wide for a patch";
+  }
+  return outcome;
+}
+
+SolveOutcome solve_on_patch(const fem::Scene& scene, const SolveOptions& options) {
+  scene.validate();
+  Executor executor{Device(options.device)};
+  Rung rung = patch_rung(options, executor.device().info());
+  if (options.tolerance) rung.tolerance = *options.tolerance;
+  auto answers = solve_on_rung(executor, std::span(&scene, 1), rung);
+  SolveOutcome outcome =
+      outcome_on(rung, scene, std::move(answers.front()), executor.device().info().name, rung_reason(options));
+  outcome.rung = options.rung.empty() ? "" : rung.name;
+  return outcome;
+}
+
 /// One scene is no work at all: fp64 unless the device lacks it or fp32 is asked for.
-SolveOutcome solve_batched(const fem::Scene& scene, const SolveOptions& options) {
+SolveOutcome solve_on_mesh(const fem::Scene& scene, const SolveOptions& options) {
   Executor executor{Device(options.device)};
   const DeviceInfo& device = executor.device().info();
   const Rung* rung = options.rung.empty() ? nullptr : &rung_named(options.rung);
@@ -57,10 +99,8 @@ SolveOutcome solve_to_accuracy(const fem::Scene& scene, const SolveOptions& opti
   Executor executor{Device(options.device)};
   Plan chosen = plan(std::span(&scene, 1), *options.accuracy,
                      [&](const Rung& rung) { return solve_on_rung(executor, std::span(&scene, 1), rung); });
-  SolveOutcome outcome{std::move(chosen.answers.front()), "batched", name(chosen.rung.precision),
-                       executor.device().info().name};
-  outcome.scene = on_rung(scene, chosen.rung);
-  outcome.rung = chosen.rung.name;
+  SolveOutcome outcome = outcome_on(chosen.rung, scene, std::move(chosen.answers.front()),
+                                    executor.device().info().name, fmt::format("--accuracy {:g}", *options.accuracy));
   outcome.plan = std::move(chosen);
   return outcome;
 }
@@ -82,21 +122,26 @@ std::optional<std::string> depth_warning(const fem::Scene& scene, const fem::Con
       deepest, 100 * share, 100 * fem::linear_strain_limit);
 }
 
-double slip_limit(const fem::Sensor& sensor, const fem::ContactStep& step) {
-  const double element = sensor.length / (sensor.columns - 1);
-  const auto touching = static_cast<double>((step.normal_force.array() > 0).count());
-  return element * std::max(1.0, share_of_contact * touching);
+double slip_limit(const fem::Sensor& sensor, const fem::ContactSolution& solution, const fem::ContactStep& step) {
+  const double spacing = sensor.length / (sensor.columns - 1);
+  const auto touching = step.normal_force.array() > 0;
+  const double width = solution.surface_width.size() > 0
+                           ? touching.select(solution.surface_width.array(), 0.0).sum()
+                           : spacing * static_cast<double>(touching.count());
+  return std::max(spacing, share_of_contact * width);
 }
 
 std::optional<std::string> slip_warning(const fem::Scene& scene, const fem::ContactSolution& solution) {
-  const auto excess = [&](const fem::ContactStep& step) { return step.slip_distance / slip_limit(scene.sensor, step); };
+  const auto excess = [&](const fem::ContactStep& step) {
+    return step.slip_distance / slip_limit(scene.sensor, solution, step);
+  };
   const auto worst = std::ranges::max_element(solution.steps, {}, excess);
   if (worst == solution.steps.end() || excess(*worst) <= 1) return std::nullopt;
   return fmt::format(
       "the indenter slides {:.3g} mm over the rubber, more than {:.3g} mm: displacements are taken as small, its "
       "profile "
       "stays over the nodes where it first stood",
-      worst->slip_distance, slip_limit(scene.sensor, *worst));
+      worst->slip_distance, slip_limit(scene.sensor, solution, *worst));
 }
 
 bool never_slid(const fem::Scene& scene, const fem::ContactSolution& solution) {
@@ -143,6 +188,9 @@ void check_modelling(const SolveOptions& options) {
   };
   check_positive("--accuracy", options.accuracy);
   check_positive("--tolerance", options.tolerance);
+  if (options.solver == "reference" && !options.rung.empty() && rung_named(options.rung).patch())
+    throw ConfigError("command line", "--rung", options.rung,
+                      "a mesh, with --solver reference; --rung reference is the reference of patches");
   if (!options.accuracy) return;
   const auto refuse = [&](const char* other) {
     throw ConfigError("command line", "--accuracy", fmt::format("{:g}", *options.accuracy),
@@ -154,14 +202,27 @@ void check_modelling(const SolveOptions& options) {
   if (options.solver != "batched") refuse("--solver reference");
 }
 
+std::string model_name(const SolveOutcome& outcome) {
+  const fem::Sensor& s = outcome.scene.sensor;
+  const Eigen::VectorXd& width = outcome.solution.surface_width;
+  if (outcome.on_patch()) return fmt::format("patch of {} elements, {:.3g} mm wide", width.size(), width.sum());
+  return fmt::format("mesh {} x {} {}", s.columns, s.rows, fem::name(s.element));
+}
+
 SolveOutcome solve(const fem::Scene& scene, const SolveOptions& options) {
   check_modelling(options);
   if (options.accuracy) return solve_to_accuracy(scene, options);
-  const fem::Scene modelled = options.rung.empty() ? scene : on_rung(scene, rung_named(options.rung));
-  SolveOutcome outcome =
-      options.solver == "reference" ? solve_reference(modelled, options) : solve_batched(modelled, options);
+  const Rung* rung = options.rung.empty() ? nullptr : &rung_named(options.rung);
+  const bool reference = options.solver == "reference";
+  if (!reference && (rung ? rung->patch() : scene.model == fem::SurfaceModel::patch))
+    return solve_on_patch(scene, options);
+  const fem::Scene modelled = rung ? on_mesh(scene, *rung) : scene;
+  SolveOutcome outcome = reference ? solve_reference(modelled, options) : solve_on_mesh(modelled, options);
   outcome.scene = modelled;
   outcome.rung = options.rung;
+  outcome.model_reason = rung                                          ? "--rung " + options.rung
+                         : scene.model == fem::SurfaceModel::patch     ? "--solver reference solves the mesh"
+                                                                       : "the scene file names a mesh";
   return outcome;
 }
 

@@ -29,6 +29,9 @@ struct SolveOutcome {
   fem::Scene scene{};          ///< as it was modelled
   std::string rung{};          ///< empty: as the scene says
   std::optional<Plan> plan{};  ///< reason for the rung, where an accuracy was requested
+  std::string model_reason{};  ///< why this model, patch or mesh, answered
+
+  bool on_patch() const { return solution.surface_width.size() > 0; }
 };
 
 /// Throws ConfigError where an accuracy is requested together with an option that it decides, and where it or the
@@ -43,10 +46,13 @@ bool too_deep(const fem::Sensor& sensor, double indentation);
 /// Returns a warning about an indentation that is too deep; none for others.
 std::optional<std::string> depth_warning(const fem::Scene& scene, const fem::ContactSolution& solution);
 
+/// Returns "patch of 12 elements, 0.105 mm wide" or "mesh 41 x 11 bbar".
+std::string model_name(const SolveOutcome& outcome);
+
 /// Returns the slip of the indenter over the rubber, mm, up to which displacements are small. The profile stays
-/// above the nodes of its first position. The limit is the larger of an element's width and a tenth of the
-/// contact's, at this step.
-double slip_limit(const fem::Sensor& sensor, const fem::ContactStep& step);
+/// above the nodes of its first position. The limit is the larger of the mesh's spacing and a tenth of the
+/// contact's width, at this step.
+double slip_limit(const fem::Sensor& sensor, const fem::ContactSolution& solution, const fem::ContactStep& step);
 /// Returns a warning where the indenter slides further; none otherwise.
 std::optional<std::string> slip_warning(const fem::Scene& scene, const fem::ContactSolution& solution);
 

@@ -1,19 +1,88 @@
 #include "host/contact/solve_on_rung.h"
 
+#include <algorithm>
+
+#include "fem/layer/layer_table.h"
+#include "fem/layer/patch_reference.h"
 #include "host/contact/gap_sweep.h"
+#include "host/contact/patch_contact.h"
+#include "host/support/side_by_side.h"
 
 namespace tactel::host {
+namespace {
 
-std::vector<fem::ContactSolution> solve_on_rung(Executor& executor, std::span<const fem::Scene> scenes,
-                                                const Rung& rung, bool nodes) {
-  std::vector<fem::Scene> modelled;
-  for (const fem::Scene& scene : scenes) modelled.push_back(on_rung(scene, rung));
+std::vector<fem::ContactSolution> on_meshes(Executor& executor, const std::vector<fem::Scene>& modelled,
+                                            const Rung& rung, bool nodes) {
   GapSweepOptions options;
   options.tolerance = rung.tolerance;
   options.spread = rung.spread;
   options.nodes = nodes;
   options.fallback = rung.spread == 1;  // which solves the block's own gap elements
   return solve_gap_sweep(executor, modelled, rung.precision, options);
+}
+
+std::vector<fem::ContactSolution> on_patches(Executor& executor, std::span<const fem::Scene> scenes, const Rung& rung) {
+  if (!rung.exact) {
+    PatchContactOptions options;
+    options.elements = rung.elements;
+    options.increments = rung.steps;
+    options.tolerance = rung.tolerance;
+    return solve_patch_contact(executor, scenes, rung.precision, options);
+  }
+  std::vector<fem::ContactSolution> answers(scenes.size());
+  side_by_side(scenes.size(), executor.threads(), [&](std::size_t i) {
+    answers[i] = fem::solve_patch_reference(scenes[i], {.elements = rung.elements, .increments = rung.steps});
+  });
+  return answers;
+}
+
+/// Increments on the mesh to one pressing step of the scene.
+int subdivision(const fem::Scene& scene, const Rung& rung) {
+  return (rung.steps + scene.load.indentation_steps - 1) / scene.load.indentation_steps;
+}
+
+/// Keeps the steps that the scene's own load has.
+void keep_own_steps(fem::ContactSolution& answer, const fem::Load& load, int subdivision) {
+  const std::size_t targets = load.normal_force.empty() ? load.indentation.size() : load.normal_force.size();
+  const std::size_t pressed = targets * load.indentation_steps * subdivision;
+  std::vector<fem::ContactStep> own;
+  for (std::size_t k = 0; k < answer.steps.size(); ++k)
+    if (k >= pressed || (k + 1) % subdivision == 0) own.push_back(std::move(answer.steps[k]));
+  answer.steps = std::move(own);
+}
+
+}  // namespace
+
+bool patch_serves(const fem::Sensor& sensor, const fem::ContactSolution& answer) {
+  const Eigen::VectorXd &x = answer.surface_x, &width = answer.surface_width;
+  if (x.size() == 0) return true;
+  const double left = x[0] - width[0] / 2, right = x[x.size() - 1] + width[width.size() - 1] / 2;
+  const double end = sensor.length / 2 * (1 - 1e-6);
+  const bool whole = left <= -end && right >= end;
+  return !whole && right - left <= fem::layer_table_range * sensor.thickness;
+}
+
+std::vector<fem::ContactSolution> solve_on_rung(Executor& executor, std::span<const fem::Scene> scenes,
+                                                const Rung& rung, bool nodes) {
+  std::vector<fem::Scene> modelled;
+  if (!rung.patch()) {
+    for (const fem::Scene& scene : scenes) modelled.push_back(on_mesh(scene, rung));
+    return on_meshes(executor, modelled, rung, nodes);
+  }
+  std::vector<fem::ContactSolution> answers = on_patches(executor, scenes, rung);
+  std::vector<std::size_t> wide;
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    if (patch_serves(scenes[i].sensor, answers[i])) continue;
+    wide.push_back(i);
+    modelled.push_back(on_mesh(scenes[i], rung));
+    modelled.back().load.indentation_steps = scenes[i].load.indentation_steps * subdivision(scenes[i], rung);
+  }
+  std::vector<fem::ContactSolution> meshed = on_meshes(executor, modelled, rung, nodes);
+  for (std::size_t k = 0; k < wide.size(); ++k) {
+    answers[wide[k]] = std::move(meshed[k]);
+    keep_own_steps(answers[wide[k]], scenes[wide[k]].load, subdivision(scenes[wide[k]], rung));
+  }
+  return answers;
 }
 
 }  // namespace tactel::host

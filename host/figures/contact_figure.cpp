@@ -51,9 +51,15 @@ Series curve(const std::string& label, const Eigen::VectorXd& x, std::vector<dou
   return {.label = label, .x = list(x), .y = std::move(y), .mark = mark, .ink = ink};
 }
 
+/// Of a patch, force over the element's width; of a mesh, over the spacing of the nodes.
+std::vector<double> traction_of(const Eigen::VectorXd& force, const ContactSolution& solution) {
+  if (solution.surface_width.size() == 0) return traction(force, solution.surface_x);
+  return list(force.cwiseQuotient(solution.surface_width));
+}
+
 Panel surface_panel(const fem::Scene& scene, const ContactSolution& solution, const ContactStep& step) {
-  const std::vector<double> pressure = traction(step.normal_force, solution.surface_x);
-  const std::vector<double> shear = traction(step.tangential_force, solution.surface_x);
+  const std::vector<double> pressure = traction_of(step.normal_force, solution);
+  const std::vector<double> shear = traction_of(step.tangential_force, solution);
   std::vector<double> limit = pressure;
   for (double& value : limit) value *= step.Q < 0 ? -scene.friction : scene.friction;
   Panel panel{.title = "On the surface, where it touches", .x_label = "x (mm)", .y_label = "traction (MPa)"};

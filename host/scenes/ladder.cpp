@@ -24,50 +24,83 @@ int intervals(const Rung& rung, const fem::Sensor& sensor) {
   return static_cast<int>(std::min<double>(wanted_intervals(rung, sensor), most_intervals(rung)));
 }
 
-std::string described(const Rung& rung, int intervals) {
+std::string solver_text(const Rung& rung) { return fmt::format("{} {:.0e}", name(rung.precision), rung.tolerance); }
+
+std::string mesh_text(const Rung& rung, int intervals) {
   const std::string mesh = rung.spread == 1 ? "" : fmt::format("{} on ", intervals + 1);
-  return fmt::format("{}{} x {} {}, {} step{}, {} {:.0e}", mesh, intervals * rung.spread + 1, rung.rows,
-                     fem::name(rung.element), rung.steps, rung.steps == 1 ? "" : "s", name(rung.precision),
-                     rung.tolerance);
+  return fmt::format("{}{} x {} {}, {} step{}, {}", mesh, intervals * rung.spread + 1, rung.rows,
+                     fem::name(rung.element), rung.steps, rung.steps == 1 ? "" : "s", solver_text(rung));
+}
+
+std::string patch_text(const Rung& rung) {
+  return fmt::format("{} elements, {} increments, {}", rung.elements, rung.steps, solver_text(rung));
+}
+
+/// Other names of rungs.
+const std::vector<std::pair<std::string, std::string>>& other_names() {
+  static const std::vector<std::pair<std::string, std::string>> names = {
+      {"draft", "patch-8"}, {"medium", "patch-12"}, {"fine", "patch-16"}, {"finest", "patch-24"}};
+  return names;
 }
 
 }  // namespace
 
-const std::vector<Rung>& ladder() {
+const std::vector<Rung>& all_rungs() {
   using enum Precision;
   static const std::vector<Rung> rungs = {
-      {.name = "draft", .columns = 41, .rows = 11, .steps = 1, .precision = fp32, .tolerance = 1e-2},
+      {.name = "patch-8", .elements = 8, .columns = 81, .rows = 17, .steps = 2, .precision = fp32, .tolerance = 1e-3},
+      {.name = "patch-12", .elements = 12, .columns = 161, .rows = 25, .steps = 4, .precision = fp32, .tolerance = 1e-3},
+      {.name = "patch-16", .elements = 16, .columns = 161, .rows = 25, .steps = 6, .precision = fp32, .tolerance = 1e-3},
+      {.name = "patch-24", .elements = 24, .columns = 161, .rows = 25, .steps = 8, .precision = fp32, .tolerance = 1e-3},
       {.name = "paper", .columns = 41, .rows = 11, .steps = 1, .precision = fp32, .tolerance = 1e-4},
-      {.name = "medium", .columns = 81, .rows = 17, .steps = 2, .precision = fp32, .tolerance = 1e-3},
-      {.name = "fine", .columns = 161, .rows = 25, .steps = 4, .precision = fp32, .tolerance = 1e-4},
-      {.name = "finest", .columns = 321, .rows = 25, .steps = 10, .precision = fp32, .tolerance = 1e-5},
-      {.name = "reference", .columns = 641, .rows = 25, .steps = 20, .precision = fp64, .tolerance = 1e-7}};
+      {.name = "mesh-41", .columns = 41, .rows = 11, .steps = 1, .precision = fp32, .tolerance = 1e-2},
+      {.name = "mesh-81", .columns = 81, .rows = 17, .steps = 2, .precision = fp32, .tolerance = 1e-3},
+      {.name = "mesh-161", .columns = 161, .rows = 25, .steps = 4, .precision = fp32, .tolerance = 1e-4},
+      {.name = "mesh-321", .columns = 321, .rows = 25, .steps = 10, .precision = fp32, .tolerance = 1e-5},
+      {.name = "mesh-641", .columns = 641, .rows = 25, .steps = 20, .precision = fp64, .tolerance = 1e-7},
+      {.name = "reference", .elements = 240, .columns = 641, .rows = 25, .steps = 20, .precision = fp64,
+       .tolerance = 1e-9, .exact = true}};
+  return rungs;
+}
+
+const std::vector<Rung>& ladder() {
+  static const std::vector<Rung> rungs = [] {
+    std::vector<Rung> climbed;
+    for (const char* name : {"patch-8", "patch-12", "patch-16", "patch-24", "reference"})
+      climbed.push_back(rung_named(name));
+    return climbed;
+  }();
   return rungs;
 }
 
 std::vector<std::string> rung_names() {
   std::vector<std::string> names;
-  for (const Rung& rung : ladder()) names.push_back(rung.name);
+  for (const Rung& rung : all_rungs()) names.push_back(rung.name);
+  for (const auto& [other, rung] : other_names()) names.push_back(other);
   return names;
 }
 
 const Rung& rung_named(const std::string& name) {
-  const auto found = std::ranges::find(ladder(), name, &Rung::name);
-  if (found == ladder().end()) throw ConfigError("command line", "--rung", name, listed(rung_names()));
+  const auto other = std::ranges::find(other_names(), name, &std::pair<std::string, std::string>::first);
+  const std::string& own = other == other_names().end() ? name : other->second;
+  const auto found = std::ranges::find(all_rungs(), own, &Rung::name);
+  if (found == all_rungs().end()) throw ConfigError("command line", "--rung", name, listed(rung_names()));
   return *found;
 }
 
-std::string description(const Rung& rung) { return described(rung, rung.columns - 1); }
+std::string description(const Rung& rung) {
+  return rung.patch() ? patch_text(rung) : mesh_text(rung, rung.columns - 1);
+}
 
 std::string description(const Rung& rung, const fem::Sensor& sensor) {
-  return described(rung, intervals(rung, sensor));
+  return rung.patch() ? patch_text(rung) : mesh_text(rung, intervals(rung, sensor));
 }
 
 bool carries(const fem::Sensor& sensor, const Rung& rung) {
-  return wanted_intervals(rung, sensor) <= most_intervals(rung);
+  return rung.patch() || wanted_intervals(rung, sensor) <= most_intervals(rung);
 }
 
-fem::Scene on_rung(const fem::Scene& scene, const Rung& rung) {
+fem::Scene on_mesh(const fem::Scene& scene, const Rung& rung) {
   fem::Scene result = scene;
   result.sensor.columns = intervals(rung, scene.sensor) * rung.spread + 1;
   result.sensor.rows = rung.rows;
@@ -75,6 +108,8 @@ fem::Scene on_rung(const fem::Scene& scene, const Rung& rung) {
   result.load.indentation_steps = rung.steps;
   return result;
 }
+
+fem::Scene on_rung(const fem::Scene& scene, const Rung& rung) { return rung.patch() ? scene : on_mesh(scene, rung); }
 
 std::vector<std::size_t> asked_steps(const fem::Load& load, std::size_t steps_made) {
   const std::size_t targets = load.normal_force.empty() ? load.indentation.size() : load.normal_force.size();

@@ -9,35 +9,46 @@
 
 namespace tactel::host {
 
-/// Model of a contact: mesh, element, load steps, precision and tolerance. Numbers of nodes are for the default
-/// sensor, 20 mm of rubber 1.5 mm thick; other sensors have the same number of nodes to a thickness.
+/// Model of a contact: the scene's own patch or a mesh, load steps, precision and tolerance. Numbers of nodes are for
+/// the default sensor, 20 mm of rubber 1.5 mm thick; other sensors have the same number of nodes to a thickness.
 struct Rung {
   std::string name;
+  int elements = 0;  ///< of the scene's own patch (fem/layer); 0: a mesh. Of a patch, the mesh below answers the scenes
+                     ///< that a patch cannot serve
   int columns = 41;  ///< gap elements
   int rows = 11;     ///< nodes through the thickness
   int spread = 1;    ///< columns of the block to one gap element (fem/spread.h)
   int steps = 1;     ///< increments to each requested indentation or normal force; drags are unchanged
   Precision precision = Precision::fp64;
-  double tolerance = 1e-7;  ///< GapSweepOptions::tolerance
+  double tolerance = 1e-7;  ///< GapSweepOptions::tolerance, PatchContactOptions::tolerance
   fem::Element element = fem::Element::bbar;
+  bool sides = true;   ///< of a patch: with the sensor's free sides
+  bool exact = false;  ///< solved by the reference solver of the patch, fp64, without a device
+
+  bool patch() const { return elements > 0; }
 };
 
-/// Returns the named rungs, cheapest first. The last is the reference of the others.
+/// Returns all named rungs: patches, the paper's mesh, other meshes, the reference.
+const std::vector<Rung>& all_rungs();
+/// Returns the rungs that the planner climbs, cheapest first. The last is the reference of the others.
 const std::vector<Rung>& ladder();
-/// Throws ConfigError naming --rung.
+/// Returns the rung of a name or of one of its other names. Throws ConfigError naming --rung.
 const Rung& rung_named(const std::string& name);
+/// Returns the names of all rungs and their other names.
 std::vector<std::string> rung_names();
-/// Returns "41 x 11 bbar, 1 step, fp32 1e-4"; with spread: "41 on 81 x 11".
+/// Returns "12 elements, 4 increments, fp32 1e-03" or "41 x 11 bbar, 1 step, fp32 1e-04"; with spread: "41 on 81 x 11".
 std::string description(const Rung& rung);
 /// The same with the columns for this sensor.
 std::string description(const Rung& rung, const fem::Sensor& sensor);
 
 /// Returns true where the rung's mesh on this sensor stays within fem::most_columns. Longer sensors of equal
-/// thickness have fewer rungs.
+/// thickness have fewer meshes. Patches are carried by every sensor.
 bool carries(const fem::Sensor& sensor, const Rung& rung);
 
-/// Returns the scene as the rung models it: the mesh of its sensor, with fem::most_columns at most, and its
+/// Returns the scene as the rung's mesh models it: the mesh of its sensor, with fem::most_columns at most, and its
 /// increments.
+fem::Scene on_mesh(const fem::Scene& scene, const Rung& rung);
+/// Returns the scene whose load steps an answer on this rung has: of a patch the scene itself, else on_mesh.
 fem::Scene on_rung(const fem::Scene& scene, const Rung& rung);
 /// Returns the indices of the requested increments in a solution, at which rungs are compared. Only existing
 /// increments are returned (a path may end with sliding).

@@ -1,5 +1,6 @@
 #include "host/scenes/scene_file.h"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 
@@ -9,8 +10,14 @@
 #include "host/support/nearest_word.h"
 
 namespace tactel::host {
-void read_sensor(const TomlFile& file, fem::Sensor& sensor) {
+void read_sensor(const TomlFile& file, fem::Scene& scene, fem::SurfaceModel usual) {
   TomlTable in(file, "sensor");
+  fem::Sensor& sensor = scene.sensor;
+  const bool names_mesh = std::ranges::any_of(std::array{"columns", "rows", "grading", "element", "stress"},
+                                              [&](const char* key) { return in.has(key); });
+  const auto model = in.read_choice("model", {"auto", "mesh", "patch"});
+  if (names_mesh && model == 2u) in.refuse("model", "auto or mesh, because the table names a mesh");
+  scene.model = names_mesh || model == 1u ? fem::SurfaceModel::mesh : model == 2u ? fem::SurfaceModel::patch : usual;
   in.read("length", sensor.length, "a number of mm above 0");
   in.read("thickness", sensor.thickness, "a number of mm above 0");
   in.read("young", sensor.young, "a number of MPa above 0");
@@ -133,7 +140,7 @@ fem::Scene read_scene(const std::filesystem::path& path) {
   if (root.has("sweep"))
     root.refuse("sweep", "left out of a scene; a file with [sweep] is for `tactel generate FILE --output SET.h5`");
   root.finish();
-  read_sensor(file, scene.sensor);
+  read_sensor(file, scene, preset ? fem::SurfaceModel::mesh : usual_model);
   read_indenter(file, scene.indenter, preset);
   read_contact(file, scene.friction);
   read_load(file, scene.load, preset);

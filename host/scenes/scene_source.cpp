@@ -100,6 +100,7 @@ SceneSource::Contact SceneSource::drawn_contact(std::uint64_t k) const {
   Contact drawn;
   drawn.kind = static_cast<std::uint16_t>(&indenter - indenter_.alternatives.data());
   fem::Scene& scene = drawn.scene;
+  scene.model = model_;
   scene.sensor = sensors_.size() == 1 ? sensors_[0] : sensors_[draw_weighted(sensor_weights_, key)];
   scene.indenter = indenter.scene.indenter;
   scene.friction = contact.scene.friction;

@@ -31,6 +31,8 @@ class SceneSource {
   bool endless() const { return listed_.empty(); }
   std::uint64_t seed() const { return seed_; }
   int tactels() const;
+  /// Returns the model that the file asks for; a rung overrides it.
+  fem::SurfaceModel model() const { return model_; }
   const nn::Transducer& transducer() const { return transducer_; }
   /// Returns the kinds of indenters: one for each [[indenter]].
   const std::vector<std::string>& kind_names() const { return kind_names_; }
@@ -83,6 +85,7 @@ class SceneSource {
   Contact drawn_contact(std::uint64_t k) const;
 
   std::optional<Rung> rung_;
+  fem::SurfaceModel model_ = fem::SurfaceModel::mesh;
   std::uint64_t contacts_ = 0, seed_ = 0;
   nn::Transducer transducer_;
   std::vector<std::string> kind_names_;

@@ -4,8 +4,12 @@
 
 namespace tactel::host {
 
+/// Model of contacts whose file asks for none and names no mesh.
+inline constexpr fem::SurfaceModel usual_model = fem::SurfaceModel::mesh;
+
 /// Read the tables that scene files and sweep files share, each strictly. Absent keys leave `out` unchanged.
-void read_sensor(const TomlFile& file, fem::Sensor& out);
+/// Reads the sensor and the model of the contact. `usual` is the model where the file asks for none and names no mesh.
+void read_sensor(const TomlFile& file, fem::Scene& out, fem::SurfaceModel usual);
 void read_contact(const TomlFile& file, double& friction);
 /// Reads the load. With `defaults`, the load in `out` is the default. Otherwise an indentation or a force is
 /// required.

@@ -16,7 +16,7 @@ fem::Scene base_scene(const TomlFile& file) {
   for (const char* table : {"sweep", "transducer", "sensor", "contact", "load"}) root.expect_table(table);
   if (root.has("indenter")) root.refuse("indenter", "left out: sweep.set says which indenters there are");
   root.finish();
-  read_sensor(file, base.sensor);
+  read_sensor(file, base, fem::SurfaceModel::mesh);
   read_contact(file, base.friction);
   read_load(file, base.load, true);
   return base;

@@ -125,7 +125,7 @@ fem::Scene SweepReader::read_scene(const TomlFile& file) const {
   root.read("title", scene.title, "a text");
   for (const char* table : part_names) root.expect_table(table);
   root.finish();
-  read_sensor(file, scene.sensor);
+  read_sensor(file, scene, preset ? fem::SurfaceModel::mesh : usual_model);
   read_indenter(file, scene.indenter, preset);
   read_contact(file, scene.friction);
   read_load(file, scene.load, preset);
@@ -223,6 +223,9 @@ void SweepReader::read_sensors(SceneSource& source, int count) {
   const SceneSource::Part part = this->part("sensor");
   for (std::size_t i = 0; i < part.alternatives.size(); ++i) {
     const SceneSource::Alternative& from = part.alternatives[i];
+    if (from.scene.model != part.alternatives[0].scene.model)
+      throw file_.error("sensor.model", nullptr, "the same for every [[sensor]], and a mesh named in all or in none");
+    source.model_ = from.scene.model;
     const int copies = from.draws.empty() ? 1 : count;
     for (int copy = 0; copy < copies; ++copy) {
       fem::Scene scene = from.scene;

@@ -1,18 +1,14 @@
 #include "host/sets/set_simulator.h"
 
-#include <atomic>
 #include <deque>
-#include <exception>
 #include <map>
-#include <mutex>
 #include <numeric>
 #include <optional>
-#include <system_error>
-#include <thread>
 
 #include "fem/contact_laws.h"
 #include "host/contact/solve.h"
 #include "host/sets/transducer_chain.h"
+#include "host/support/side_by_side.h"
 #include "kernels/shared/contact_layout.h"
 
 namespace tactel::host {
@@ -31,31 +27,10 @@ std::vector<fem::Sensor> distinct_sensors(const SceneSource& source) {
   return distinct;
 }
 
-/// Fills the condensation cache, one sensor a thread at a time. Throws what the first thread that failed threw.
+/// Fills the condensation cache, one sensor a thread at a time.
 void condense_side_by_side(const std::vector<fem::Sensor>& sensors, int threads) {
-  std::atomic<std::size_t> next = 0;
-  std::mutex mutex;
-  std::exception_ptr error;
-  const auto work = [&] {
-    try {
-      for (std::size_t k = next++; k < sensors.size(); k = next++)
-        fem::condense_cached(sensors[k], fem::default_cache_directory());
-    } catch (...) {
-      const std::lock_guard lock(mutex);
-      if (!error) error = std::current_exception();
-      next = sensors.size();
-    }
-  };
-  {
-    std::vector<std::jthread> team;
-    try {
-      for (int i = 1; i < std::min<int>(threads, static_cast<int>(sensors.size())); ++i) team.emplace_back(work);
-    } catch (const std::system_error&) {
-      // No more threads are to be had: those that are there do all the work.
-    }
-    work();
-  }
-  if (error) std::rethrow_exception(error);
+  side_by_side(sensors.size(), threads,
+               [&](std::size_t k) { fem::condense_cached(sensors[k], fem::default_cache_directory()); });
 }
 
 /// One load step as a row of a set.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <random>
@@ -69,7 +70,96 @@ fem::Scene mixed_scene(std::uint64_t seed, std::size_t place) {
   return scene;
 }
 
+void scale_lengths(fem::Load& load, double factor) {
+  for (auto* numbers : {&load.indentation, &load.tangential})
+    for (double& number : *numbers) number *= factor;
+}
+
+/// A convex profile as a profilometer gives it: 3 to 30 points at uneven places, on 1 to 5 mm a side.
+fem::Profile measured_profile(Draw& draw) {
+  const int pieces = static_cast<int>(draw.uniform(2, 30));
+  const double half_width = draw.uniform(1, 5), height = draw.log_uniform(0.1, 1);
+  std::vector<double> slopes, x = {-half_width};
+  for (int k = 0; k < pieces; ++k) {
+    slopes.push_back(draw.uniform(-1, 1));
+    x.push_back(x.back() + draw.uniform(0.2, 1.8) * 2 * half_width / pieces);
+  }
+  std::ranges::sort(slopes);
+  fem::Profile profile;
+  profile.x = std::move(x);
+  profile.y = {0};
+  for (int k = 0; k < pieces; ++k)
+    profile.y.push_back(profile.y.back() + slopes[k] * (profile.x[k + 1] - profile.x[k]));
+  const auto [least, most] = std::ranges::minmax(profile.y);
+  for (double& y : profile.y) y = height * (y - least) / (most - least);
+  const double lowest = profile.x[std::ranges::min_element(profile.y) - profile.y.begin()];
+  for (double& place : profile.x) place -= lowest;
+  profile.smooth = 1e-9 * height;  // rounding must not count as a dent
+  return profile;
+}
+
+fem::Scene changed(fem::Scene scene, Unlike respect, Draw draw) {
+  switch (respect) {
+    case Unlike::thickness: {
+      const double factor = draw.log_uniform(0.5, 4) / scene.sensor.thickness;
+      scene.sensor.thickness *= factor;
+      scale_lengths(scene.load, factor);
+      break;
+    }
+    case Unlike::length:
+      scene.sensor.length = draw.log_uniform(8, 60);
+      scene.indenter.position *= scene.sensor.length / fem::Sensor{}.length;
+      break;
+    case Unlike::poisson:
+      scene.sensor.poisson = 0.5 - draw.log_uniform(1e-4, 0.5);
+      break;
+    case Unlike::tactels:
+      scene.sensor.tactels = static_cast<int>(draw.uniform(4, 65));
+      scene.sensor.tactel_width = draw.uniform(0, 0.5);
+      scene.sensor.tactel_span = draw.uniform(8, 19);
+      break;
+    case Unlike::force:
+      scene.load.indentation.clear();
+      scene.load.normal_force = {draw.log_uniform(0.01, 0.6)};  // N/mm
+      break;
+    case Unlike::profile:
+      scene.indenter.shape = measured_profile(draw);
+      break;
+    case Unlike::ends:
+      scene.indenter.position = std::copysign(draw.uniform(7, 9.9), scene.indenter.position);
+      break;
+  }
+  return scene;
+}
+
 }  // namespace
+
+const char* description(Unlike respect) {
+  switch (respect) {
+    case Unlike::thickness:
+      return "rubber 0.5 to 4 mm thick";
+    case Unlike::length:
+      return "sensors 8 to 60 mm long";
+    case Unlike::poisson:
+      return "nu from 0 to 0.4999";
+    case Unlike::tactels:
+      return "4 to 64 tactels, up to 0.5 mm wide";
+    case Unlike::force:
+      return "given forces, 0.01 to 0.6 N/mm";
+    case Unlike::profile:
+      return "measured profiles of 3 to 30 points";
+    case Unlike::ends:
+      return "indenters 0.1 to 3 mm from an end";
+  }
+  return "";
+}
+
+std::vector<fem::Scene> unlike_scenes(Unlike respect, std::uint64_t seed, std::size_t count) {
+  std::vector<fem::Scene> scenes = mixed_scenes(seed, count);
+  for (std::size_t place = 0; place < count; ++place)
+    scenes[place] = changed(std::move(scenes[place]), respect, Draw(seed + 1 + static_cast<std::uint64_t>(respect), place));
+  return scenes;
+}
 
 std::vector<fem::Scene> mixed_scenes(std::uint64_t seed, std::size_t count) {
   std::vector<fem::Scene> scenes;

@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <stdexcept>
+#include <map>
+#include <variant>
 
 #include "fem/gap_reference.h"
 #include "host/contact/gap_sweep.h"
+#include "host/contact/patch_contact.h"
 #include "host/contact/solve_on_rung.h"
 #include "host/studies/tradeoff/scene_mix.h"
 
@@ -33,7 +35,7 @@ Rung with(Rung rung, const std::function<void(Rung&)>& change) {
 std::vector<Rung> other_models() {
   using enum Precision;
   const auto model = [](int columns, int rows, int steps, Precision precision, double tolerance) {
-    return Rung{"", columns, rows, 1, steps, precision, tolerance, fem::Element::bbar};
+    return Rung{.columns = columns, .rows = rows, .steps = steps, .precision = precision, .tolerance = tolerance};
   };
   std::vector<Rung> models = {
       model(21, 6, 1, fp32, 1e-2),   model(41, 6, 1, fp32, 1e-3),   model(41, 6, 1, fp32, 1e-2),
@@ -51,11 +53,31 @@ std::vector<Rung> other_models() {
   return models;
 }
 
-std::vector<Source> sources() {
+std::vector<Source> patch_sources() {
+  using enum Precision;
   const Rung& reference = ladder().back();
-  const Rung middle = with(reference, [](Rung& r) { r.columns = 161; });
+  const Rung patch{.elements = 16, .columns = 161, .rows = 25, .steps = 6, .precision = fp64, .tolerance = 1e-8};
+  std::vector<Source> all = {{"elements of a patch", reference, {}},
+                             {"elements of the reference", reference, {}},
+                             {"pressing increments of a patch", with(patch, [](Rung& r) { r.steps = 24; }), {}},
+                             {"tolerance of a patch", patch, {}},
+                             {"free sides of a patch", reference, {}}};
+  for (int elements : {8, 12, 16, 24})
+    all[0].models.push_back(with(patch, [&](Rung& r) { r.elements = elements, r.steps = 20; }));
+  for (int elements : {60, 120}) all[1].models.push_back(with(reference, [&](Rung& r) { r.elements = elements; }));
+  for (int steps : {1, 2, 3, 4, 6, 12}) all[2].models.push_back(with(patch, [&](Rung& r) { r.steps = steps; }));
+  for (double tolerance : {1e-2, 1e-3, 1e-4})
+    all[3].models.push_back(with(patch, [&](Rung& r) { r.tolerance = tolerance, r.precision = fp32; }));
+  for (bool sides : {true, false})
+    all[4].models.push_back(with(rung_named("patch-12"), [&](Rung& r) { r.sides = sides; }));
+  return all;
+}
+
+std::vector<Source> mesh_sources() {
+  const Rung& finest = rung_named("mesh-641");
+  const Rung middle = with(finest, [](Rung& r) { r.columns = 161; });
   std::vector<Source> all = {
-      {"contact mesh (gap elements)", reference, {}},
+      {"contact mesh (gap elements)", finest, {}},
       {"block mesh (nodes through the thickness)", with(middle, [](Rung& r) { r.rows = 49; }), {}},
       {"load steps to an indentation", with(middle, [](Rung& r) { r.steps = 40; }), {}},
       {"tolerance of the iteration", with(middle, [](Rung& r) { r.tolerance = 1e-10; }), {}},
@@ -72,11 +94,19 @@ std::vector<Source> sources() {
   return all;
 }
 
+std::vector<Source> sources() {
+  std::vector<Source> all = patch_sources();
+  for (Source& source : mesh_sources()) all.push_back(std::move(source));
+  return all;
+}
+
 /// Runs models on the mix and says how far it is.
 class Study {
  public:
-  Study(Executor& executor, const TradeoffOptions& options, std::size_t total)
-      : executor_(executor), options_(options), scenes_(mixed_scenes(options.seed, options.scenes)), total_(total) {}
+  /// `done` of `total` models have been run before.
+  Study(Executor& executor, const TradeoffOptions& options, std::vector<fem::Scene> scenes, std::size_t done,
+        std::size_t total)
+      : executor_(executor), options_(options), scenes_(std::move(scenes)), done_(done), total_(total) {}
 
   const std::vector<fem::Scene>& scenes() const { return scenes_; }
 
@@ -116,7 +146,7 @@ class Study {
   Executor& executor_;
   const TradeoffOptions& options_;
   std::vector<fem::Scene> scenes_;
-  std::size_t done_ = 0, total_;
+  std::size_t done_, total_;
 };
 
 /// No other model is faster and better.
@@ -127,31 +157,42 @@ void mark_front(std::vector<MeasuredModel>& models) {
     });
 }
 
-/// A named rung beside the next: what the planner wants to know.
-MeasuredRung planner_row(const Study& study, const MeasuredModel& model, const Answers& answers, const Answers& next,
-                         const Rung& next_rung, const Answers& truth) {
-  const auto error = study.errors(model.rung, answers, ladder().back(), truth);
-  const auto difference = study.errors(model.rung, answers, next_rung, next);
-  std::vector<double> ratio;
-  std::array<std::vector<double>, std::tuple_size_v<ByTouching>> by_class;
+/// Rung `low` of the ladder beside the next: what the planner reads.
+MeasuredRung planner_row(const Study& study, std::size_t low, const std::vector<Answers>& answers) {
+  const auto& rungs = ladder();
+  const Answers& truth = answers.back();
+  const auto error = study.errors(rungs[low], answers[low], rungs.back(), truth);
+  const auto next_error = study.errors(rungs[low + 1], answers[low + 1], rungs.back(), truth);
+  const auto difference = study.errors(rungs[low], answers[low], rungs[low + 1], answers[low + 1]);
+  std::vector<double> ratio, next_ratio, errors;
   for (std::size_t i = 0; i < error.size(); ++i) {
-    if (difference[i].S > 0) ratio.push_back(error[i].S / difference[i].S);
-    by_class[touching_class(touching_nodes(answers[i]))].push_back(error[i].S);
+    errors.push_back(error[i].S);
+    if (!(difference[i].S > 0)) continue;
+    ratio.push_back(error[i].S / difference[i].S);
+    next_ratio.push_back(next_error[i].S / difference[i].S);
   }
-  MeasuredRung row{rung_named(model.rung.name).name.c_str(),
-                   model.steps_per_second,
-                   model.error.median.S,
-                   model.error.most95.S,
-                   covering_value(ratio, 0.9),
-                   {}};
-  for (std::size_t c = 0; c < by_class.size(); ++c)  // a class that the mix has hardly any of: the rung's median
-    row.least[c] = by_class[c].size() < 5 ? model.error.median.S : covering_value(by_class[c], 0.5);
-  return row;
+  return {rungs[low].name.c_str(), covering_value(ratio, 0.95), covering_value(next_ratio, 0.95),
+          covering_value(errors, 0.75)};
+}
+
+/// The finest mesh beside the reference, where the mesh resolves the contact: smooth indenters on wide contacts.
+void compare_finest_mesh(const Study& study, const Answers& mesh, const Answers& truth, Tradeoff& result) {
+  std::vector<AnswerError> errors;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const fem::Scene& scene = study.scenes()[i];
+    const bool smooth = std::holds_alternative<fem::Parabola>(scene.indenter.shape) ||
+                        std::holds_alternative<fem::Cylinder>(scene.indenter.shape) ||
+                        std::holds_alternative<fem::RoundedFlat>(scene.indenter.shape);
+    if (!smooth || truth[i].surface_width.sum() < smooth_width) continue;
+    errors.push_back(answer_error(scene, mesh[i], rung_named("mesh-641"), truth[i], ladder().back()));
+  }
+  result.smooth_scenes = errors.size();
+  result.mesh_agreement = quantiles(errors);
 }
 
 /// The solver on the whole mesh, which has neither condensation nor Gauss-Seidel, beside the condensed one.
 void compare_full_mesh(Executor& executor, const Study& study, Tradeoff& result) {
-  const Rung rung = with(ladder().back(), [](Rung& r) {
+  const Rung rung = with(rung_named("mesh-641"), [](Rung& r) {
     r.columns = 81;
     r.rows = 17;
     r.steps = 2;
@@ -171,20 +212,20 @@ void compare_full_mesh(Executor& executor, const Study& study, Tradeoff& result)
   result.full_mesh_per_second = asked / std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// What halving the columns does to the error in S: the order between the two finest meshes but the judge's own, and
-/// the judge's error by extrapolation with it (but with first order at most).
+/// What halving the elements of the reference does to S, and the reference's own error by extrapolation, with first
+/// order at most.
 void judge_the_reference(Tradeoff& result) {
-  const auto& models = result.sources.front().models;
-  const AnswerError &coarse = models[models.size() - 2].error.median, &fine = models.back().error.median;
+  const auto source = std::ranges::find(result.sources, std::string("elements of the reference"), &ErrorSource::what);
+  const AnswerError &coarse = source->models.front().error.median, &fine = source->models.back().error.median;
   // With error c h^p, and the judge at h: |e(4h) - e(h)| / |e(2h) - e(h)| = (4^p - 1) / (2^p - 1) = 2^p + 1.
   result.observed_order = std::log2(std::max(coarse.S / fine.S - 1, 1e-3));
   const double order = std::clamp(result.observed_order, 0.5, 1.0);
-  result.reference_error = models.back().error.most95.S / (std::exp2(order) - 1);
+  result.reference_error = source->models.back().error.most95.S / (std::exp2(order) - 1);
 }
 
-template <class Real>
-double timed(Executor& executor, const std::vector<fem::Scene>& scenes, const GapSweepOptions& options, int runs) {
-  auto batch = GapSweep<Real>(executor, scenes.front().sensor, options).prepare(scenes);
+template <class Launcher, class Options>
+double timed(Executor& executor, const std::vector<fem::Scene>& scenes, const Options& options, int runs) {
+  auto batch = Launcher(executor, scenes.front().sensor, options).prepare(scenes);
   double best = 1e300;
   for (int run = 0; run < runs; ++run) {
     batch.run();
@@ -193,11 +234,40 @@ double timed(Executor& executor, const std::vector<fem::Scene>& scenes, const Ga
   return best;
 }
 
+double seconds_of(Executor& executor, const std::vector<fem::Scene>& scenes, const Rung& rung, int runs) {
+  const bool fp32 = rung.precision == Precision::fp32;
+  if (rung.patch()) {
+    PatchContactOptions options;
+    options.elements = rung.elements;
+    options.increments = rung.steps;
+    options.tolerance = rung.tolerance;
+    return fp32 ? timed<PatchContact<float>>(executor, scenes, options, runs)
+                : timed<PatchContact<double>>(executor, scenes, options, runs);
+  }
+  GapSweepOptions options;
+  options.tolerance = rung.tolerance;
+  options.spread = rung.spread;
+  options.nodes = false;
+  return fp32 ? timed<GapSweep<float>>(executor, scenes, options, runs)
+              : timed<GapSweep<double>>(executor, scenes, options, runs);
+}
+
+double reference_steps_per_second(Executor& executor, const Rung& rung) {
+  const std::vector<fem::Scene> scenes = mixed_scenes(7, 16);
+  const auto start = std::chrono::steady_clock::now();
+  double asked = 0;
+  const Answers answers = solve_on_rung(executor, scenes, rung);
+  for (std::size_t i = 0; i < scenes.size(); ++i)
+    asked += static_cast<double>(asked_steps(scenes[i].load, answers[i].steps.size()).size());
+  return asked / std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
 }  // namespace
 
 double steps_per_second(Executor& executor, const Rung& rung) {
-  const std::size_t count = rung.columns > 400 ? 48 : rung.columns > 150 ? 192 : 1536;
-  const int runs = rung.columns > 400 ? 1 : 3;
+  if (rung.exact) return reference_steps_per_second(executor, rung);
+  const std::size_t count = rung.patch() ? 16384 : rung.columns > 400 ? 48 : rung.columns > 150 ? 192 : 1536;
+  const int runs = !rung.patch() && rung.columns > 400 ? 1 : 3;
   std::vector<fem::Scene> scenes = mixed_scenes(7, count);
   double asked = 0;
   for (fem::Scene& scene : scenes) {
@@ -206,77 +276,106 @@ double steps_per_second(Executor& executor, const Rung& rung) {
     const std::size_t increments = fem::load_path(scene.load).steps.size();
     asked += static_cast<double>(asked_steps(scene.load, increments).size());
   }
-  GapSweepOptions options;
-  options.tolerance = rung.tolerance;
-  options.spread = rung.spread;
-  options.nodes = false;
-  return asked / (rung.precision == Precision::fp32 ? timed<float>(executor, scenes, options, runs)
-                                                    : timed<double>(executor, scenes, options, runs));
+  return asked / seconds_of(executor, scenes, rung, runs);
 }
 
 Tradeoff measure_tradeoff(Executor& executor, const TradeoffOptions& options) {
-  const auto& named = ladder();
+  const auto& named = all_rungs();
   const auto others = other_models();
   const auto all_sources = sources();
   std::size_t total = named.size() + others.size();
   for (const Source& source : all_sources) total += source.models.size() + 1;
-  Study study(executor, options, total);
+  Study study(executor, options, mixed_scenes(options.seed, options.scenes), 0, total);
   Tradeoff result{.mix = mix_description(options.seed, options.scenes),
                   .device = executor.device().info().name,
                   .scenes = options.scenes,
                   .seed = options.seed};
 
-  const Rung& reference = named.back();
-  const Answers truth = study.answers(reference, true);
-  std::vector<Answers> rung_answers;
+  const Rung& reference = ladder().back();
+  std::map<std::string, Answers> known;  // of the named rungs
+  known[reference.name] = study.answers(reference, true);
+  const Answers& truth = known[reference.name];
   for (const Rung& rung : named) {
-    rung_answers.push_back(rung.name == reference.name ? truth : study.answers(rung, true));
-    result.models.push_back(study.measured(rung, rung_answers.back(), reference, truth));
+    if (!known.contains(rung.name)) known[rung.name] = study.answers(rung, true);
+    result.models.push_back(study.measured(rung, known[rung.name], reference, truth));
     result.models.back().steps_per_second = steps_per_second(executor, rung);
   }
-  for (std::size_t k = 0; k + 1 < named.size(); ++k)
-    result.planner.push_back(planner_row(study, result.models[k], rung_answers[k], rung_answers[finer_rung(k)],
-                                         named[finer_rung(k)], truth));
+  std::vector<Answers> climbed;
+  for (const Rung& rung : ladder()) climbed.push_back(known[rung.name]);
+  for (std::size_t k = 0; k + 1 < climbed.size(); ++k) result.planner.push_back(planner_row(study, k, climbed));
   for (const Rung& rung : others) {
     result.models.push_back(study.measured(rung, study.answers(rung), reference, truth));
     result.models.back().steps_per_second = steps_per_second(executor, rung);
   }
   mark_front(result.models);
   for (const Source& source : all_sources) {
-    const Answers judge = source.judge.columns == reference.columns ? truth : study.answers(source.judge);
+    const Answers judge = source.judge.name.empty() ? study.answers(source.judge) : known[source.judge.name];
     ErrorSource found{source.what, source.judge, {}};
     for (const Rung& rung : source.models)
       found.models.push_back(study.measured(rung, study.answers(rung), source.judge, judge));
     result.sources.push_back(std::move(found));
   }
   judge_the_reference(result);
+  result.planner.push_back({reference.name.c_str(), 0, 0, result.reference_error});
+  compare_finest_mesh(study, known["mesh-641"], truth, result);
   compare_full_mesh(executor, study, result);
   return result;
 }
 
-std::vector<Promise> verify_planner(Executor& executor, const TradeoffOptions& options,
-                                    const std::vector<double>& accuracies) {
+namespace {
+
+/// The planner on scenes of one class.
+std::vector<Promise> promises_on(Study& study, const std::string& what, const std::vector<double>& accuracies) {
   const auto& rungs = ladder();
-  Study study(executor, options, rungs.size());
   std::vector<Answers> answers;
   for (const Rung& rung : rungs) answers.push_back(study.answers(rung, true));
   std::vector<Promise> promises;
   for (double accuracy : accuracies) {
-    Promise promise{.accuracy = accuracy, .scenes = options.scenes, .by_rung = std::vector<std::size_t>(rungs.size())};
-    for (std::size_t i = 0; i < options.scenes; ++i) {
+    Promise promise{.what = what,
+                    .accuracy = accuracy,
+                    .scenes = study.scenes().size(),
+                    .by_rung = std::vector<std::size_t>(rungs.size())};
+    for (std::size_t i = 0; i < promise.scenes; ++i) {
       const std::span scene(&study.scenes()[i], 1);
       const Plan chosen =
           plan(scene, accuracy, [&](const Rung& rung) { return Answers{answers[&rung - rungs.data()][i]}; });
       const std::size_t place = std::ranges::find(rungs, chosen.rung.name, &Rung::name) - rungs.begin();
       ++promise.by_rung[place];
-      if (place + 1 == rungs.size())
-        ++promise.reference;
-      else
-        promise.kept +=
-            answer_error(scene[0], answers[place][i], rungs[place], answers.back()[i], rungs.back()).S <= accuracy;
+      promise.kept +=
+          answer_error(scene[0], answers[place][i], rungs[place], answers.back()[i], rungs.back()).S <= accuracy;
     }
-    promises.push_back(promise);
+    promises.push_back(std::move(promise));
   }
+  return promises;
+}
+
+void add(Promise& sum, const Promise& promise) {
+  sum.scenes += promise.scenes;
+  sum.kept += promise.kept;
+  sum.by_rung.resize(promise.by_rung.size());
+  for (std::size_t k = 0; k < promise.by_rung.size(); ++k) sum.by_rung[k] += promise.by_rung[k];
+}
+
+}  // namespace
+
+std::vector<Promise> verify_planner(Executor& executor, const TradeoffOptions& options,
+                                    const std::vector<double>& accuracies) {
+  constexpr std::size_t classes = std::size(all_unlike);
+  const std::size_t total = (1 + classes) * ladder().size();
+  std::vector<Promise> promises, others(accuracies.size(), {.what = "all unlike the mix"});
+  Study mix(executor, options, mixed_scenes(options.seed, options.scenes), 0, total);
+  promises = promises_on(mix, "the mix", accuracies);
+  for (std::size_t c = 0; c < classes; ++c) {
+    Study study(executor, options, unlike_scenes(all_unlike[c], options.seed, (options.scenes + c) / classes),
+                (1 + c) * ladder().size(), total);
+    for (Promise& promise : promises_on(study, description(all_unlike[c]), accuracies)) {
+      const std::size_t k = std::ranges::find(accuracies, promise.accuracy) - accuracies.begin();
+      others[k].accuracy = promise.accuracy;
+      add(others[k], promise);
+      promises.push_back(std::move(promise));
+    }
+  }
+  promises.insert(promises.end(), others.begin(), others.end());
   return promises;
 }
 

@@ -37,26 +37,30 @@ struct Tradeoff {
   std::size_t scenes = 0;
   std::uint64_t seed = 0;
   double reference_error = 0;           ///< 95 % quantile of the reference's own error in S, by extrapolation
-  double observed_order = 0;            ///< of the median error in S with the contact mesh
+  double observed_order = 0;            ///< of the median error in S with the elements of the reference
+  std::size_t smooth_scenes = 0;        ///< smooth indenters on more than smooth_width mm
+  ErrorQuantiles mesh_agreement;        ///< of these: the finest mesh beside the reference
   double full_mesh_difference = 0;      ///< condensed against full-mesh solver on the same mesh, S, largest
   double full_mesh_per_second = 0;      ///< load increments asked for a second, full mesh, one core
   std::vector<MeasuredModel> models{};  ///< named rungs first
   std::vector<ErrorSource> sources{};
-  std::vector<MeasuredRung> planner{};  ///< for the named rungs
+  std::vector<MeasuredRung> planner{};  ///< for the rungs of the ladder
 };
+inline constexpr double smooth_width = 2;  ///< mm
 
 /// Throws Stopped when progress says no.
 Tradeoff measure_tradeoff(Executor& executor, const TradeoffOptions& options);
 
 /// How the planner did on scenes that it has not been measured on.
 struct Promise {
+  std::string what;  ///< which scenes: "the mix", or what makes them unlike it
   double accuracy = 0;
   std::size_t scenes = 0;              ///< all of them
-  std::size_t reference = 0;           ///< sent to the reference, whose error the mix cannot tell
-  std::size_t kept = 0;                ///< of the others: error in S within the accuracy
+  std::size_t kept = 0;                ///< error in S within the accuracy; scenes sent to the reference count as kept
   std::vector<std::size_t> by_rung{};  ///< [ladder] scenes
 };
-/// Plans each of `options.scenes` scenes by itself for each accuracy and judges the answers by the reference.
+/// Plans each of `options.scenes` scenes of the mix, and as many unlike it, by itself for each accuracy. Judges the
+/// answers by the reference. Returns the promises on the mix, then on each class of the others, then on all others.
 std::vector<Promise> verify_planner(Executor& executor, const TradeoffOptions& options,
                                     const std::vector<double>& accuracies);
 
