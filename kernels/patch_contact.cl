@@ -17,16 +17,17 @@
 
    The twin (fem/layer) follows the same rules:
    - Search. The first window is the rigid intersection at the largest depth. SEARCH_ROUNDS rounds of frictionless contact on
-     SEARCH_ELEMENTS elements, without sides, from zero forces, at the sweeps' tolerance. The next window is the pressed extent + 1.5
-     elements a side, or + 25 % of the extent on a side where the outermost element presses, inside the limits (the indenter's edges, the
-     sensor's ends). The patch is the last extent + MARGIN of it a side.
-   - Edges. A side of the patch that reaches the indenter's own edge ends EDGE_PART of an element beyond it. A side that reaches the sensor's
-     end ends there.
-   - Driven by force, the search starts from everything between the limits, takes FORCE_ROUNDS rounds, and finds the depth of the largest force
-     in each by a bracketed secant.
+     SEARCH_ELEMENTS elements, without sides, by plain sweeps from zero forces to SEARCH_TOLERANCE. The next window is the pressed extent +
+     1.5 elements a side, or + 25 % of the extent on a side where the outermost element presses, inside the limits (the indenter's edges,
+     the sensor's ends). The patch is the last extent + MARGIN of it a side.
+   - Edges. A side of the patch that reaches the indenter's own edge ends EDGE_PART of an element beyond it, on the sensor. A side that
+     reaches the sensor's end ends there.
+   - Driven by force, the search is repeated at depths that follow secants in the logarithms of depth and force. Sweeps then go to a tenth of
+     the tolerance, and forces are met to the tolerance.
    - Sweeps go from left to right. The pressure of element i takes the traction of element i - 1 from the sweep before, so that it need not
      wait for it; everything else is the newest. A sweep is the last when no force changed by more than the tolerance times the
      largest pressure force. After DAMPED_AFTER sweeps a force moves half of its step, after 4 times as many a fifth.
+   - The certificate looks for penetration at OUTSIDE places beyond each end, too. Where the patch is too small the host gives a larger one.
    - The first guess of an increment continues the last change of the forces in proportion to the load.
    - A sticking element's history is its exact position.
 
@@ -51,11 +52,14 @@
 #define DAMPED_AFTER 60
 #define SEARCH_ELEMENTS 12
 #define SEARCH_ROUNDS 3
-#define FORCE_ROUNDS 10
-#define FORCE_ROUND_TRIALS 12 /* trials of depth in one round of the search */
+#define SEARCH_SWEEPS 200
+#define SEARCH_TOLERANCE ((real)1e-3)
+#define SEARCH_DEPTHS 20                /* trials of the depth that gives a force */
+#define SEARCH_FORCE_ERROR ((real)0.02) /* of the force */
+#define BISECTIONS (REAL_IS_DOUBLE ? 60 : 30)
 #define MARGIN ((real)0.06)
 #define EDGE_PART ((real)0.15)
-#define OUTSIDE 2            /* rows beyond each end of the patch that the certificate looks at */
+#define OUTSIDE 3            /* rows beyond each end of the patch that the certificate looks at */
 #define MOST_FORCE_TRIALS 60 /* trials of depth (and position) to reach given forces */
 
 /* Keeps the compiler from holding loaded numbers of one row for the next, which spills. Empty on GPUs. */
@@ -79,7 +83,7 @@ typedef struct {
   global const real *smooth; /* [cells][PATCH_BLOCK]: LAYER_COEFFICIENTS of R_yy, R_xx, R_xy over x / h */
   int cells;
   real cells_per_mm;
-  real thickness; /* mm */
+  real thickness, length; /* mm */
   real cy, cx, jump; /* factors of C_yy, of C_xy, and (1 - 2 nu) pi/2 */
   global const real *sides; /* [side_rows][PATCH_BLOCK], from the sensor's left end on */
   int side_rows;            /* 0: no free sides */
@@ -124,8 +128,6 @@ typedef struct {
 
 typedef struct {
   vreal origin, element;   /* of the patch, mm */
-  vreal depth;             /* the largest */
-  vreal depth_per_force;   /* mm / mm, about */
   vreal sweeps;
 } Patch;
 
@@ -257,7 +259,7 @@ static inline vreal profile_height(const Profile *p, vreal x) {
 }
 
 /* One sweep of frictionless contact on the search's elements; a: its scaled row, [0] for the element itself. */
-static inline vint search_sweep(const vreal *a, const vreal *b, vreal *n, vint active, real tolerance) {
+static inline vint search_sweep(const vreal *a, const vreal *b, vreal *n, vint active) {
   vreal change = 0, largest = 0;
   EACH(i, SEARCH_ELEMENTS) {
     vreal even = b[i], odd = 0;
@@ -272,19 +274,19 @@ static inline vint search_sweep(const vreal *a, const vreal *b, vreal *n, vint a
     largest = LARGER(largest, now);
     ROW_BARRIER;
   }
-  return active & (change > tolerance * largest);
+  return active & (change > SEARCH_TOLERANCE * largest);
 }
 
-static inline void search_iterate(const Rules *rules, const vreal *a, const vreal *b, vreal *n, vint active, vreal *sweeps) {
-  for (int k = 0; k < rules->most_sweeps && ANY(active); ++k) {
+static inline void search_iterate(const vreal *a, const vreal *b, vreal *n, vint active, int most_sweeps, vreal *sweeps) {
+  for (int k = 0; k < most_sweeps && ANY(active); ++k) {
     *sweeps += PICK(active, ALL_LANES(1), ALL_LANES(0));
-    active = search_sweep(a, b, n, active, rules->tolerance);
+    active = search_sweep(a, b, n, active);
   }
 }
 
 typedef struct {
   vreal a[SEARCH_ELEMENTS], h[SEARCH_ELEMENTS], b[SEARCH_ELEMENTS], n[SEARCH_ELEMENTS];
-  vreal wy; /* RELAXATION / C_yy[0] */
+  vreal wy; /* 1 / C_yy[0] */
 } SearchContact;
 
 /* Frictionless contact on elements of this width from `left` on, with no forces yet. */
@@ -297,47 +299,17 @@ static inline void start_round(const Layer *layer, const Profile *profile, vreal
     c[k] = even_part(log_width, k, r[0], k == 0 ? -r[0] : last, per);
     last = r[0];
   }
-  s->wy = RELAXATION / (layer->cy * c[0]);
-  const vreal scale = -RELAXATION / c[0];
+  s->wy = 1 / (layer->cy * c[0]);
+  const vreal scale = -1 / c[0];
   for (int k = 0; k < SEARCH_ELEMENTS; ++k) {
-    s->a[k] = k == 0 ? ALL_LANES(1 - RELAXATION) : scale * c[k];
+    s->a[k] = k == 0 ? ALL_LANES(0) : scale * c[k];
     s->h[k] = profile_height(profile, fma(width, ALL_LANES((real)k + (real)0.5), left));
     s->n[k] = 0;
   }
 }
 
-static inline vreal press_to(const Rules *rules, SearchContact *s, vreal d, vint active, vreal *sweeps) {
-  for (int k = 0; k < SEARCH_ELEMENTS; ++k) s->b[k] = (d - s->h[k]) * s->wy;
-  search_iterate(rules, s->a, s->b, s->n, active, sweeps);
-  vreal p = 0;
-  for (int k = 0; k < SEARCH_ELEMENTS; ++k) p += s->n[k];
-  return p;
-}
-
-#if FORCE_CONTROL
-/* The depth that presses with `force` on these elements: secants inside a bracket, to a hundredth of the force. */
-static inline void press_with(const Rules *rules, SearchContact *s, vreal force, vreal nearest, vint searching, Patch *found) {
-  vreal low = nearest, high = FAR, d_last = nearest, p_last = 0;
-  for (int trial = 0; trial < FORCE_ROUND_TRIALS && ANY(searching); ++trial) {
-    const vreal d = found->depth;
-    const vreal p = press_to(rules, s, d, searching, &found->sweeps);
-    const vreal off = p - force;
-    const vint better = searching & (((p > p_last) & (d > d_last)) | ((p < p_last) & (d < d_last)));
-    found->depth_per_force = PICK(better, (d - d_last) / (p - p_last), found->depth_per_force);
-    low = PICK(searching & (off < 0), LARGER(d, low), low);
-    high = PICK(searching & (off > 0), SMALLER(d, high), high);
-    searching &= fabs(off) > (real)0.01 * force;
-    const vreal deeper = PICK(high < FAR, (real)0.5 * (d + high), nearest + 2 * (d - nearest) + force);
-    const vreal next = fma(-off, found->depth_per_force, d);
-    const vreal inside = PICK(next >= high, deeper, PICK(next <= low, (real)0.5 * (d + low), next));
-    d_last = PICK(searching, d, d_last);
-    p_last = PICK(searching, p, p_last);
-    found->depth = PICK(searching, inside, found->depth);
-  }
-}
-#endif
-
-/* The pressed extent of a round becomes [*left, *right]; *from and *to become the next window. Nothing pressed: both stay. */
+/* The pressed extent of a round becomes [*left, *right]; *from and *to become the next window. Where nothing presses
+   the extent is the window. */
 static inline void next_window(const Profile *profile, const SearchContact *s, vreal width, vreal *from, vreal *to, vreal *left, vreal *right) {
   vreal first = FAR, end = 0;
   for (int k = 0; k < SEARCH_ELEMENTS; ++k) {
@@ -346,48 +318,113 @@ static inline void next_window(const Profile *profile, const SearchContact *s, v
     end = PICK(pressed, ALL_LANES(k + 1), end);
   }
   const vint any = end > 0;
-  const vreal l = PICK(any, fma(width, first, *from), *left), r = PICK(any, fma(width, end, *from), *right);
+  const vreal l = PICK(any, fma(width, first, *from), *from), r = PICK(any, fma(width, end, *from), *to);
   const vreal part = (real)0.25 * (r - l), elements = (real)1.5 * width;
   const vreal next_from = l - PICK(first > 0, elements, part);
   const vreal next_to = r + PICK(end < SEARCH_ELEMENTS, elements, part);
   *left = l;
   *right = r;
-  *from = PICK(any, LARGER(next_from, profile->left), *from);
-  *to = PICK(any, SMALLER(next_to, profile->right), *to);
+  *from = LARGER(next_from, profile->left);
+  *to = SMALLER(next_to, profile->right);
 }
 
-/* The patch from the pressed extent. */
-static inline void lay_patch(const vreal *in, const Profile *profile, vreal left, vreal right, Patch *patch) {
-  const vreal width = right - left;
-  const vreal from = left - (MARGIN + in[PATCH_GROW_LEFT]) * width, to = right + (MARGIN + in[PATCH_GROW_RIGHT]) * width;
+/* Elements over the contact [left, right]. */
+static inline void lay_patch(const Layer *layer, const vreal *in, const Profile *profile, vreal left, vreal right, Patch *patch) {
   const vreal part = ALL_LANES(EDGE_PART), none = ALL_LANES(0);
-  const vreal edge_left = PICK((from <= profile->left) & (in[PATCH_LEFT_EDGE] > 0), part, none);
-  const vreal edge_right = PICK((to >= profile->right) & (in[PATCH_RIGHT_EDGE] > 0), part, none);
-  const vreal l = LARGER(from, profile->left), r = SMALLER(to, profile->right);
-  patch->element = (r - l) / ((real)N - (edge_left + edge_right));
-  patch->origin = fma(-edge_left, patch->element, l);
+  const vreal edge_left = PICK((left <= profile->left) & (in[PATCH_LEFT_EDGE] > 0), part, none);
+  const vreal edge_right = PICK((right >= profile->right) & (in[PATCH_RIGHT_EDGE] > 0), part, none);
+  const vreal l = LARGER(left, profile->left), r = SMALLER(right, profile->right);
+  const vreal element = (r - l) / ((real)N - (edge_left + edge_right));
+  const vreal end = (real)0.5 * layer->length, sensor_left = -end - in[PATCH_POSITION], sensor_right = end - in[PATCH_POSITION];
+  const vreal from = LARGER(fma(-edge_left, element, l), SMALLER(sensor_left, l));
+  const vreal to = SMALLER(fma(edge_right, element, r), LARGER(sensor_right, r));
+  patch->origin = from;
+  patch->element = (to - from) / N;
 }
 
-static inline void find_patch(const Layer *layer, const Rules *rules, const Profile *profile, const vreal *in, vint searching, Patch *patch) {
-  vreal from = in[PATCH_FROM], to = in[PATCH_TO], left = from, right = to;
-  patch->sweeps = 0;
-  patch->depth = in[PATCH_MOST];
-  patch->depth_per_force = (real)0.5;
-#if FORCE_CONTROL
-  patch->depth = fma(ALL_LANES((real)0.5), in[PATCH_MOST], in[PATCH_NEAREST]);
-#endif
-  for (int round = 0; round < (FORCE_CONTROL ? FORCE_ROUNDS : SEARCH_ROUNDS); ++round) {
+/* Rounds of frictionless contact at this depth from the window [from, to] on. Returns the force of the last; [*left, *right]: what
+   presses. */
+static inline vreal search_at(const Layer *layer, const Profile *profile, vreal depth, vreal from, vreal to, vint searching, vreal *left,
+                              vreal *right, vreal *sweeps) {
+  vreal p = 0;
+  *left = from;
+  *right = to;
+  for (int round = 0; round < SEARCH_ROUNDS; ++round) {
     SearchContact s;
     const vreal width = (to - from) / SEARCH_ELEMENTS;
     start_round(layer, profile, from, width, &s);
-#if FORCE_CONTROL
-    press_with(rules, &s, in[PATCH_MOST], in[PATCH_NEAREST], searching, patch);
-#else
-    press_to(rules, &s, patch->depth, searching, &patch->sweeps);
-#endif
-    next_window(profile, &s, width, &from, &to, &left, &right);
+    for (int k = 0; k < SEARCH_ELEMENTS; ++k) s.b[k] = (depth - s.h[k]) * s.wy;
+    search_iterate(s.a, s.b, s.n, searching, SEARCH_SWEEPS, sweeps);
+    p = 0;
+    for (int k = 0; k < SEARCH_ELEMENTS; ++k) p += s.n[k];
+    next_window(profile, &s, width, &from, &to, left, right);
   }
-  lay_patch(in, profile, left, right, patch);
+  return p;
+}
+
+#if FORCE_CONTROL
+/* The farthest place between `inside`, where the profile is below `depth`, and `outside`. */
+static inline vreal last_below(const Profile *profile, vreal depth, vreal inside, vreal outside) {
+  const vint all = profile_height(profile, outside) <= depth;
+  vreal low = inside, high = outside;
+  for (int k = 0; k < BISECTIONS; ++k) {
+    const vreal middle = (real)0.5 * (low + high);
+    const vint below = profile_height(profile, middle) <= depth;
+    low = PICK(below, middle, low);
+    high = PICK(below, high, middle);
+  }
+  return PICK(all, outside, low);
+}
+
+static inline vreal exponential(vreal x) {
+  const vreal e = exp_minus_1(fabs(x)) + 1;
+  return PICK(x < 0, 1 / e, e);
+}
+
+/* The extent that the largest force presses without friction: searches at depths from secants in the logarithms of depth and force. */
+static inline void search_force(const Layer *layer, const Profile *profile, const vreal *in, vint searching, vreal *left, vreal *right,
+                                vreal *sweeps) {
+  const vreal wanted = in[PATCH_MOST];
+  vreal depth = (real)0.3 * wanted, depth_last = depth, p = 0, p_last = 0, power = 1;
+  searching &= wanted > 0;
+  for (int trial = 0; trial < SEARCH_DEPTHS && ANY(searching); ++trial) {
+    if (trial > 0) {
+      const vint learns = (depth != depth_last) & (p > 0) & (p_last > 0);
+      const vreal ratio = PICK(learns, p / p_last, ALL_LANES(2)), way = PICK(learns, depth / depth_last, ALL_LANES(2));
+      const vreal slope = SMALLER(LARGER(natural_log(ratio) / natural_log(way), ALL_LANES((real)0.5)), ALL_LANES(4));
+      if (trial > 1) power = PICK(learns, slope, power);
+      const vreal step = exponential(natural_log(PICK(p > 0, wanted / p, ALL_LANES(1))) / power);
+      const vreal factor = PICK(p > 0, SMALLER(LARGER(step, ALL_LANES((real)0.1)), ALL_LANES(10)), ALL_LANES(10));
+      depth_last = depth;
+      p_last = p;
+      depth = PICK(searching, depth * factor, depth);
+    }
+    vreal trial_left, trial_right;
+    const vreal from = last_below(profile, depth, in[PATCH_LOWEST_LEFT], profile->left);
+    const vreal to = last_below(profile, depth, in[PATCH_LOWEST_RIGHT], profile->right);
+    const vint touches = to > from;
+    const vreal window_from = PICK(touches, from, profile->left), window_to = PICK(touches, to, profile->right);
+    const vreal found = search_at(layer, profile, depth, window_from, window_to, searching & touches, &trial_left, &trial_right, sweeps);
+    p = PICK(searching, found, p);
+    *left = PICK(searching & touches, trial_left, *left);
+    *right = PICK(searching & touches, trial_right, *right);
+    searching &= NOT(fabs(p - wanted) <= SEARCH_FORCE_ERROR * wanted);
+  }
+}
+#endif
+
+/* The patch of each lane, from the search or as it is given. */
+static inline void find_patch(const Layer *layer, const Profile *profile, const vreal *in, vint valid, Patch *patch) {
+  const vint given = in[PATCH_GIVEN] > 0;
+  vreal left = in[PATCH_FROM], right = in[PATCH_TO];
+  patch->sweeps = 0;
+#if FORCE_CONTROL
+  search_force(layer, profile, in, valid & NOT(given), &left, &right, &patch->sweeps);
+#else
+  search_at(layer, profile, in[PATCH_MOST], in[PATCH_FROM], in[PATCH_TO], valid & NOT(given), &left, &right, &patch->sweeps);
+#endif
+  const vreal margin = MARGIN * (right - left);
+  lay_patch(layer, in, profile, PICK(given, in[PATCH_FROM], left - margin), PICK(given, in[PATCH_TO], right + margin), patch);
 }
 
 /* Compliance of elements at distance k, C[k] of elements to the right of their source. */
@@ -426,6 +463,9 @@ static inline void signed_modes(const Layer *layer, const vreal *v, vreal *to) {
     to[SIDE_MODES + m] = layer->signs[m] * v[SIDE_MODES + m];
   }
 }
+
+/* Index of the places beyond the ends: to the left from the patch on, then to the right. */
+static inline int outside_place(int o) { return o < OUTSIDE ? -1 - o : N + o - OUTSIDE; }
 
 /* Rows of the compliance, scaled, and those beyond the ends. */
 static inline void build_compliance(const Layer *layer, const Patch *patch, vreal position, Contact *c) {
@@ -468,7 +508,7 @@ static inline void build_compliance(const Layer *layer, const Patch *patch, vrea
 #endif
   }
   for (int o = 0; o < 2 * OUTSIDE; ++o) {
-    const int place = o < OUTSIDE ? -1 - o : N + o - OUTSIDE;
+    const int place = outside_place(o);
     vreal vo[2 * SIDE_MODES], signed_vo[2 * SIDE_MODES];
     if (sides) {
       side_modes(layer, position + middle_of(patch, place), vo);
@@ -487,12 +527,18 @@ static inline void build_compliance(const Layer *layer, const Patch *patch, vrea
   }
 }
 
-static inline void put_heights(const Profile *profile, const Patch *patch, Contact *c) {
-  for (int i = 0; i < N; ++i) c->h[i] = profile_height(profile, middle_of(patch, i));
+/* Returns the lowest height of an element. */
+static inline vreal put_heights(const Profile *profile, const Patch *patch, Contact *c) {
+  vreal lowest = FAR;
+  for (int i = 0; i < N; ++i) {
+    c->h[i] = profile_height(profile, middle_of(patch, i));
+    lowest = SMALLER(c->h[i], lowest);
+  }
   for (int o = 0; o < 2 * OUTSIDE; ++o) {
-    const vreal x = middle_of(patch, o < OUTSIDE ? -1 - o : N + o - OUTSIDE);
+    const vreal x = middle_of(patch, outside_place(o));
     c->h_outside[o] = PICK((x >= profile->left) & (x <= profile->right), profile_height(profile, x), ALL_LANES(FAR));
   }
+  return lowest;
 }
 
 /* One Gauss-Seidel sweep. Returns the active lanes whose largest change was above tolerance times their largest pressure force. */
@@ -558,28 +604,35 @@ static inline void row_sums(const Contact *c, int i, vreal *n_sum, vreal *t_sum)
   *t_sum = xn + xt;
 }
 
-/* The same sweep with steps shortened to `part`; without the late traction. */
+/* The same sweep with steps shortened to `part`, in a loop: it is rare. */
 static inline vint damped_sweep(Contact *c, const Indenter *in, real part, real tolerance) {
-  vreal change = 0, largest = 0;
+  vreal change = 0, largest = 0, late = 0;
   for (int i = 0; i < N; ++i) {
-    vreal n_sum, t_sum;
-    row_sums(c, i, &n_sum, &t_sum);
-    (void)t_sum;
-    const vreal n_old = c->n[i], n_free = c->b[i] + n_sum;
+    const vreal n_old = c->n[i];
+    vreal n_free = c->b[i];
+    for (int j = 0; j < N; ++j) {
+      n_free = fma(c->c[i][j][0], c->n[j], n_free);
+      if (FRICTION) n_free = fma(c->c[i][j][C_PARTS > 1 ? 1 : 0], c->t[j], n_free);
+    }
     const vreal n = PICK(in->active, LARGER(fma(part, n_free - n_old, n_old), ALL_LANES(0)), n_old);
     c->n[i] = n;
     change = LARGER(change, fabs(n - n_old));
     largest = LARGER(largest, n);
 #if FRICTION
+    if (i > 0) c->t[i - 1] = late;
     const vreal t_old = c->t[i], cone = in->mu * n;
-    const vreal t_now = c->bt[i] + fma(c->c[i][i][2], n - n_old, t_sum);
-    const vreal t_part = fma(part, t_now - t_old, t_old);
-    const vreal t = PICK(in->active, SMALLER(LARGER(t_part, -cone), cone), t_old);
-    c->t[i] = t;
-    change = LARGER(change, fabs(t - t_old));
+    vreal t_free = c->bt[i];
+    for (int j = 0; j < N; ++j) {
+      t_free = fma(c->c[i][j][2], c->n[j], t_free);
+      t_free = fma(c->c[i][j][3], c->t[j], t_free);
+    }
+    const vreal t_part = fma(part, t_free - t_old, t_old);
+    late = PICK(in->active, SMALLER(LARGER(t_part, -cone), cone), t_old);
+    change = LARGER(change, fabs(late - t_old));
 #endif
   }
-  return in->active & (change > part * tolerance * largest);
+  if (FRICTION) c->t[N - 1] = late;
+  return in->active & (change > tolerance * largest);
 }
 
 /* Sweeps until every active lane has converged. Leaves in in->active the lanes that ran out of sweeps. */
@@ -636,18 +689,21 @@ static inline void certify(Contact *c, const Indenter *in, Certificate *k) {
   k->cone *= PICK(largest_n > 0, 1 / largest_n, ALL_LANES(0));
 }
 
-/* Largest penetration of the places beyond the left (side 0) or right end (1), relative. */
-static inline vreal penetration_outside(const Contact *c, const Indenter *in, const Certificate *k, int side) {
-  vreal most = 0;
-  for (int o = side * OUTSIDE; o < (side + 1) * OUTSIDE; ++o) {
+/* How many elements beyond the left (side 0) or right end (1) are penetrated by more than `accept`; adds to the certificate. */
+static inline vreal penetrated_outside(const Contact *c, const Indenter *in, real accept, int side, Certificate *k) {
+  vreal farthest = 0;
+  for (int o = 0; o < OUTSIDE; ++o) {
+    const int place = side * OUTSIDE + o;
     vreal uy = 0;
     for (int j = 0; j < N; ++j) {
-      uy = fma(c->outside[o][j][0], c->n[j], uy);
-      if (FRICTION) uy = fma(c->outside[o][j][1], c->t[j], uy);
+      uy = fma(c->outside[place][j][0], c->n[j], uy);
+      if (FRICTION) uy = fma(c->outside[place][j][1], c->t[j], uy);
     }
-    most = LARGER(uy - (c->h_outside[o] - in->d), most);
+    const vreal inside = uy - (c->h_outside[place] - in->d);
+    farthest = PICK(inside > accept * k->largest_uy, ALL_LANES(o + 1), farthest);
+    k->penetration = LARGER(PICK(k->largest_uy > 0, inside / k->largest_uy, ALL_LANES(0)), k->penetration);
   }
-  return PICK(k->largest_uy > 0, most / k->largest_uy, ALL_LANES(0));
+  return farthest;
 }
 
 static inline void resultants(const Contact *c, vreal *p, vreal *q) {
@@ -689,7 +745,7 @@ typedef struct {
   vint both;     /* P and Q are both given */
   vint lost;     /* an increment was not solved: those that follow have no history to rest on */
   vint failed;   /* this increment did not converge, or not at the forces asked for */
-  vreal nearest; /* depth at which the undeformed surface is touched, mm */
+  vreal nearest; /* depth at which an element's middle is touched, mm */
   vreal d_change, x_change; /* of the last increment's target, mm */
   vreal sweeps;             /* since the last report */
   vreal slots;              /* increments reported */
@@ -758,8 +814,8 @@ static inline void update_force_control(Search *s, const Contact *c, Indenter *i
   in->x = PICK(in->active & both, next[1], in->x);
 }
 
-static inline void start_search(const LoadStepping *w, const Patch *patch, Search *s) {
-  s->b[0][0] = patch->depth_per_force;
+static inline void start_search(const LoadStepping *w, Search *s) {
+  s->b[0][0] = (real)0.3; /* thickness / width, about: a start that the first trial corrects */
   s->b[1][1] = 1;
   s->z[0] = w->nearest;
   s->b[0][1] = s->b[1][0] = s->z[1] = s->g[0] = s->g[1] = 0;
@@ -779,7 +835,7 @@ static inline void first_trial(Search *s, const Indenter *in, const LoadStepping
 static inline void reach_forces(const Rules *rules, Search *s, Contact *c, Indenter *in, LoadStepping *w) {
   in->active = w->running & (s->p_target > 0);
   for (int trial = 0; trial < MOST_FORCE_TRIALS; ++trial) {
-    update_force_control(s, c, in, w->both, 10 * rules->tolerance);
+    update_force_control(s, c, in, w->both, 10 * rules->tolerance); /* 10 times what the sweeps leave */
     if (!ANY(in->active)) return;
     const vint searching = in->active;
     set_indenter(c, in);
@@ -825,7 +881,7 @@ static inline vint check_input(global const vreal *lane_input, global const vrea
 /* Lane input with harmless numbers in lanes that are not valid. */
 static inline void take_input(global const vreal *lane_input, vint valid, vreal *in) {
   for (int r = 0; r < PATCH_INPUT_ROWS; ++r) {
-    const real harmless = r == PATCH_LEFT || r == PATCH_FROM ? -1 : r == PATCH_RIGHT || r == PATCH_TO || r == PATCH_NEAREST ? 1 : 0;
+    const real harmless = r == PATCH_LEFT || r == PATCH_FROM ? -1 : r == PATCH_RIGHT || r == PATCH_TO ? 1 : 0;
     in[r] = PICK(valid, lane_input[r], ALL_LANES(harmless));
   }
 }
@@ -889,7 +945,6 @@ static inline void start(const vreal *lane, Contact *c, Indenter *in, LoadSteppi
   for (int i = 0; i < N; ++i) c->n[i] = c->t[i] = c->n_last[i] = c->t_last[i] = c->ux_last[i] = c->ux[i] = 0;
   in->mu = lane[PATCH_MU];
   in->d = in->x = in->x_last = 0;
-  w->nearest = lane[PATCH_NEAREST];
   w->both = lane[PATCH_CONTROL] >= FORCE_BOTH;
   w->d_change = w->x_change = w->sweeps = w->slots = w->out_left = w->out_right = 0;
   w->running = w->valid;
@@ -921,22 +976,21 @@ INLINE void store_rows(const vreal *rows, const long *at, global real *out) {
 
 /* Results and forces of this increment go to its place among the reported ones, where it is reported. */
 static inline void report(const vreal *lane, vreal slot, int k, size_t group, int slots, const Contact *c, const Indenter *in, real accept,
-                          real accept_outside, LoadStepping *w, global real *result, global real *forces) {
+                          LoadStepping *w, global real *result, global real *forces) {
   vreal p, q, sticking, slipping;
   resultants(c, &p, &q);
   count_elements(c, in, &sticking, &slipping);
-  const Certificate *said = &w->certificate;
+  Certificate *said = &w->certificate;
   const vint reports = w->running & (slot >= 0);
   const vint slides = w->running & (sticking == 0) & (slipping > 0);
   const vreal young = lane[PATCH_YOUNG], cone = in->mu * p;
-  const vreal left = penetration_outside(c, in, said, 0), right = penetration_outside(c, in, said, 1);
-  const vreal outside = LARGER(left, right);
+  const vreal left = penetrated_outside(c, in, accept, 0, said), right = penetrated_outside(c, in, accept, 1, said);
   const vint finite = finite_sum(0, (p + fabs(q)) * young) == 0;
   const vint within = (said->penetration <= accept) & (said->cone <= accept) & (said->complementarity <= accept) & (said->drift <= accept);
-  const vint solved = NOT(w->lost | w->failed) & finite & within & (outside <= accept_outside);
+  const vint solved = NOT(w->lost | w->failed) & finite & within;
   const vreal good = PICK(slides, ALL_LANES(LANE_SLIDING), ALL_LANES(LANE_SOLVED));
-  w->out_left = PICK(w->running, LARGER(left, w->out_left), w->out_left);
-  w->out_right = PICK(w->running, LARGER(right, w->out_right), w->out_right);
+  w->out_left = PICK(reports, LARGER(left, w->out_left), w->out_left);
+  w->out_right = PICK(reports, LARGER(right, w->out_right), w->out_right);
   if (ANY(reports)) {
     real place[LANES];
     long at[LANES];
@@ -953,7 +1007,7 @@ static inline void report(const vreal *lane, vreal slot, int k, size_t group, in
     rows[LANE_SLIPPING] = slipping;
     rows[LANE_SWEEPS] = w->sweeps;
     rows[LANE_STATUS] = PICK(solved, good, ALL_LANES(LANE_UNSOLVED));
-    rows[LANE_PENETRATION] = LARGER(outside, said->penetration);
+    rows[LANE_PENETRATION] = said->penetration;
     rows[LANE_CONE] = said->cone;
     rows[LANE_COMPLEMENTARITY] = said->complementarity;
     rows[LANE_DRIFT] = said->drift;
@@ -969,8 +1023,8 @@ static inline void report(const vreal *lane, vreal slot, int k, size_t group, in
     w->sweeps = PICK(reports, ALL_LANES(0), w->sweeps);
     w->slots = PICK(reports, slot + 1, w->slots);
   }
-  w->lost |= NOT(solved);
-  w->running &= NOT(slides & (lane[PATCH_MAY_STOP] <= (real)k));
+  w->lost |= w->failed | (reports & NOT(solved));
+  w->running &= NOT(reports & slides & (lane[PATCH_MAY_STOP] <= (real)k));
 }
 
 /* History for the next increment. A sticking element counts as having followed the indenter: what convergence left of it is then made
@@ -1055,15 +1109,15 @@ static inline void finish(global const real *base, int base_rows, real base_from
    [group][increments][PATCH_PATH_ROWS][lane].
    Out: result [group][lane][slots][PATCH_BLOCK]; forces [group][lane][slots][FORCE_ROWS] over E, mm; stress [group][lane][slots][outputs] MPa;
    patches [group][lane][PATCH_BLOCK]. */
-kernel void patch_contact(uint first_group, global const real *smooth, int cells, real cells_per_mm, real thickness, real cy, real cx,
+kernel void patch_contact(uint first_group, global const real *smooth, int cells, real cells_per_mm, real thickness, real length, real cy, real cx,
                           real jump, global const real *sides, int side_rows, real side_rows_per_mm, real sides_from,
                           global const real *signs, global const real *base, int base_rows, real base_rows_per_mm, real base_from,
                           int outputs, global const real *shapes, global const vreal *lane_input, global const vreal *path, int increments,
-                          int slots, real tolerance, real accept, real accept_outside, int most_sweeps, global real *result,
+                          int slots, real tolerance, real accept, int most_sweeps, global real *result,
                           global real *forces, global real *stress, global real *patches) {
   TAKE_GROUP(group);
-  const Layer layer = {smooth, cells, cells_per_mm, thickness, cy, cx, jump, sides, side_rows, side_rows_per_mm, sides_from, signs};
-  const Rules rules = {tolerance, most_sweeps};
+  const Layer layer = {smooth, cells, cells_per_mm, thickness, length, cy, cx, jump, sides, side_rows, side_rows_per_mm, sides_from, signs};
+  const Rules rules = {FORCE_CONTROL ? (real)0.1 * tolerance : tolerance, most_sweeps};
   lane_input += group * PATCH_INPUT_ROWS;
   path += group * increments * PATCH_PATH_ROWS;
 
@@ -1077,16 +1131,12 @@ kernel void patch_contact(uint first_group, global const real *smooth, int cells
   take_input(lane_input, w.valid, lane);
   take_profile(lane, shapes, &profile);
   start(lane, &c, &in, &w);
-  find_patch(&layer, &rules, &profile, lane, w.valid, &patch);
+  find_patch(&layer, &profile, lane, w.valid, &patch);
   build_compliance(&layer, &patch, lane[PATCH_POSITION], &c);
-  put_heights(&profile, &patch, &c);
+  w.nearest = put_heights(&profile, &patch, &c);
 #if FORCE_CONTROL
-  /* Forces are met to 10 times the sweeps' tolerance. */
-  const Rules finer = {(real)0.1 * tolerance, most_sweeps};
   Search search;
-  start_search(&w, &patch, &search);
-#else
-  const Rules finer = rules;
+  start_search(&w, &search);
 #endif
   for (int k = 0; k < increments; ++k) {
     vreal d, x, ratio;
@@ -1103,16 +1153,15 @@ kernel void patch_contact(uint first_group, global const real *smooth, int cells
     const vint none = w.running & (in.d <= w.nearest);
 #endif
     release(&c, none);
-    in.active &= NOT(none);
     set_indenter(&c, &in);
-    iterate(&finer, &c, &in, &w.sweeps);
+    iterate(&rules, &c, &in, &w.sweeps);
     w.failed = in.active;
 #if FORCE_CONTROL
-    reach_forces(&finer, &search, &c, &in, &w);
+    reach_forces(&rules, &search, &c, &in, &w);
     set_indenter(&c, &in);
 #endif
     certify(&c, &in, &w.certificate);
-    report(lane, path[k * PATCH_PATH_ROWS + PATCH_SLOT], k, group, slots, &c, &in, accept, accept_outside, &w, result, forces);
+    report(lane, path[k * PATCH_PATH_ROWS + PATCH_SLOT], k, group, slots, &c, &in, accept, &w, result, forces);
     if (FRICTION) remember(&c, &in);
   }
   finish(base, base_rows, base_from, base_rows_per_mm, outputs, group, slots, lane, &patch, &w, result, forces, stress, patches);

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "fem/layer/gauss_points.h"
+#include "fem/layer/legendre_points.h"
 
 namespace tactel::fem {
 namespace {
@@ -30,11 +30,11 @@ double layer_cy(double poisson) { return 2 * (1 - poisson * poisson) / pi; }
 double layer_cx(double poisson) { return (1 + poisson) / pi; }
 
 LayerKernels::LayerKernels(double poisson) : poisson_(poisson) {
-  const std::vector<GaussPoint> gauss = gauss_points(points_a_panel);
+  const std::vector<LegendrePoint> gauss = legendre_points(points_a_panel);
   const std::vector<double> ends = panel_ends();
   for (std::size_t i = 1; i < ends.size(); ++i) {
     const double middle = (ends[i - 1] + ends[i]) / 2, half = (ends[i] - ends[i - 1]) / 2;
-    for (const GaussPoint& g : gauss) {
+    for (const LegendrePoint& g : gauss) {
       const double a = middle + half * g.x, weight = half * g.weight, falling = std::expm1(-a);
       const LayerTransforms t = layer_transforms(poisson, a);
       const double smooth = weight / a, base = weight / pi;

@@ -10,7 +10,6 @@
 #include "fem/block.h"
 #include "fem/contact_laws.h"
 #include "fem/value_error.h"
-#include "host/contact/patch_contact_lanes.h"
 #include "host/contact/patch_contact_tables.h"
 #include "kernels/shared/contact_layout.h"
 
@@ -30,7 +29,7 @@ int rounded_up(int count) { return (count + PATCH_BLOCK - 1) / PATCH_BLOCK * PAT
 bool turns_back(const PatchPath& path) {
   double direction = 0;
   for (std::size_t k = 1; k < path.steps.size(); ++k) {
-    const double way = path.steps[k].tangential - path.steps[k - 1].tangential;
+    const double way = path.steps[k].target.tangential - path.steps[k - 1].target.tangential;
     if (way * direction < 0) return true;
     if (way != 0) direction = way;
   }
@@ -41,20 +40,19 @@ bool turns_back(const PatchPath& path) {
 
 template <class Real>
 struct PatchContact<Real>::State {
-  State(Executor& executor, const fem::Sensor& sensor, const PatchContactOptions& options)
-      : executor(executor), sensor(sensor), options(options), tables(patch_tables(sensor)) {
+  State(Executor& executor, const fem::LayerModel& model, const PatchContactOptions& options)
+      : executor(executor), model(model), options(options), tables(patch_tables(model)) {
     for (const int known : {8, 12, 16, 24})
       if (options.elements == known) elements = known;
     if (elements == 0) throw ValueError("elements", std::to_string(options.elements), "8, 12, 16 or 24");
     constexpr double epsilon = std::numeric_limits<Real>::epsilon();
     if (this->options.accept == 0) this->options.accept = std::max(20 * options.tolerance, 200 * epsilon);
-    if (this->options.accept_outside == 0) this->options.accept_outside = 0.03;
     const Device& device = executor.device();
     smooth = on_device<Real>(device, tables.smooth);
     sides = on_device<Real>(device, tables.sides);
     signs = on_device<Real>(device, tables.signs);
     base = on_device<Real>(device, tables.base);
-    tactels = static_cast<int>(fem::tactel_positions(sensor).size());
+    tactels = model.base.tactels();
   }
 
   Precision precision() const { return sizeof(Real) == 4 ? Precision::fp32 : Precision::fp64; }
@@ -76,7 +74,7 @@ struct PatchContact<Real>::State {
   }
 
   Executor& executor;
-  fem::Sensor sensor;
+  fem::LayerModel model;
   PatchContactOptions options;
   PatchTables tables;
   Buffer<Real> smooth, sides, signs, base;
@@ -107,8 +105,7 @@ struct PatchContact<Real>::Batch::State {
   std::size_t slot(std::size_t scene, int step) const { return place[scene] * slots + step; }
 
   void lay_out(std::span<const fem::Scene> scenes, std::span<const PatchPath> paths);
-  void fill(std::span<const PatchPath> paths, std::span<const PatchLane> lanes, std::span<const Growth> growth,
-            std::span<const fem::Scene> scenes);
+  void fill(std::span<const PatchPath> paths, std::span<const PatchLane> lanes);
 };
 
 /// Scenes of like cost side by side, so that the lanes of a group finish together.
@@ -126,8 +123,7 @@ void PatchContact<Real>::Batch::State::lay_out(std::span<const fem::Scene> scene
 }
 
 template <class Real>
-void PatchContact<Real>::Batch::State::fill(std::span<const PatchPath> paths, std::span<const PatchLane> lanes,
-                                            std::span<const Growth> growth, std::span<const fem::Scene> scenes) {
+void PatchContact<Real>::Batch::State::fill(std::span<const PatchPath> paths, std::span<const PatchLane> lanes) {
   const auto input = lane_input.map(), targets = path.map(), numbers = shapes.map();
   std::fill(input.view().begin(), input.view().end(), Real(0));
   std::fill(targets.view().begin(), targets.view().end(), Real(0));
@@ -142,27 +138,28 @@ void PatchContact<Real>::Batch::State::fill(std::span<const PatchPath> paths, st
       put(lane.input[PATCH_POINTS] > 0 ? PATCH_POINTS_AT : PATCH_TERMS_AT, static_cast<double>(shapes_at));
       for (const double number : lane.shape) numbers[shapes_at++] = static_cast<Real>(number);
     }
-    if (!growth.empty()) {
-      put(PATCH_GROW_LEFT, growth[i].left);
-      put(PATCH_GROW_RIGHT, growth[i].right);
-    }
-    const bool force = by_force(scenes[i]), both = force && scenes[i].load.angle.has_value();
     const std::size_t height = static_cast<std::size_t>(most_increments) * PATCH_PATH_ROWS;
+    int slot = 0;
     for (std::size_t k = 0; k < paths[i].steps.size(); ++k) {
-      const PatchStep& step = paths[i].steps[k];
+      const auto& [step, asked] = paths[i].steps[k];
       const auto target = [&](int row, double value) {
         targets[at_lane(place[i], height, k * PATCH_PATH_ROWS + row)] = static_cast<Real>(value);
       };
-      target(PATCH_NORMAL, force ? step.normal / young[i] : step.normal);
-      target(PATCH_TANGENTIAL, both ? step.tangential / young[i] : step.tangential);
-      target(PATCH_SLOT, step.slot);
+      target(PATCH_NORMAL, step.normal_is_force ? step.normal / young[i] : step.normal);
+      target(PATCH_TANGENTIAL, step.tangential_is_force ? step.tangential / young[i] : step.tangential);
+      target(PATCH_SLOT, asked ? slot++ : -1);
     }
   }
 }
 
 template <class Real>
-PatchContact<Real>::PatchContact(Executor& executor, const fem::Sensor& sensor, const PatchContactOptions& options)
-    : state_(std::make_shared<State>(executor, sensor, options)) {}
+PatchContact<Real>::PatchContact(Executor& executor, const fem::LayerModel& model, const PatchContactOptions& options)
+    : state_(std::make_shared<State>(executor, model, options)) {}
+
+template <class Real>
+const fem::LayerModel& PatchContact<Real>::model() const {
+  return state_->model;
+}
 
 template <class Real>
 const PatchContactOptions& PatchContact<Real>::options() const {
@@ -171,7 +168,7 @@ const PatchContactOptions& PatchContact<Real>::options() const {
 
 template <class Real>
 typename PatchContact<Real>::Batch PatchContact<Real>::prepare(std::span<const fem::Scene> scenes,
-                                                               std::span<const Growth> growth) const {
+                                                               std::span<const Given> given) const {
   const ContactKind kind = scenes.empty() ? ContactKind{} : kind_of(scenes.front());
   if (!std::ranges::all_of(scenes, [&](const fem::Scene& scene) { return kind_of(scene) == kind; }))
     throw std::invalid_argument("PatchContact::prepare: scenes of different kinds in one batch");
@@ -184,7 +181,7 @@ typename PatchContact<Real>::Batch PatchContact<Real>::prepare(std::span<const f
   std::size_t shapes = 0;
   for (const fem::Scene& scene : scenes) {
     paths.push_back(patch_path(scene, state_->elements));
-    lanes.push_back(patch_lane(scene, paths.back()));
+    lanes.push_back(patch_lane(scene, paths.back(), given.empty() ? std::nullopt : given[lanes.size()]));
     shapes += lanes.back().shape.size();
     b.path_steps.push_back(paths.back().slots);
     b.indentation_steps.push_back(paths.back().indentation_slots);
@@ -209,7 +206,7 @@ typename PatchContact<Real>::Batch PatchContact<Real>::prepare(std::span<const f
   b.forces = buffer(steps * state_->force_rows());
   b.stress = buffer(steps * b.outputs());
   b.patches = buffer(all * PATCH_BLOCK);
-  b.fill(paths, lanes, growth, scenes);
+  b.fill(paths, lanes);
 
   const PatchContactOptions& o = state_->options;
   const PatchTables& t = state_->tables;
@@ -217,7 +214,8 @@ typename PatchContact<Real>::Batch PatchContact<Real>::prepare(std::span<const f
     kernel.set("smooth", state_->smooth);
     kernel.set("cells", std::int32_t(t.cells()));
     kernel.set("cells_per_mm", Real(t.cells_per_mm));
-    kernel.set("thickness", Real(state_->sensor.thickness));
+    kernel.set("thickness", Real(state_->model.sensor.thickness));
+    kernel.set("length", Real(state_->model.sensor.length));
     kernel.set("cy", Real(t.cy));
     kernel.set("cx", Real(t.cx));
     kernel.set("jump", Real(t.jump));
@@ -238,7 +236,6 @@ typename PatchContact<Real>::Batch PatchContact<Real>::prepare(std::span<const f
     kernel.set("slots", std::int32_t(b.slots));
     kernel.set("tolerance", Real(o.tolerance));
     kernel.set("accept", Real(o.accept));
-    kernel.set("accept_outside", Real(o.accept_outside));
     kernel.set("most_sweeps", std::int32_t(o.most_sweeps));
     kernel.set("result", b.result);
     kernel.set("forces", b.forces);
@@ -366,7 +363,7 @@ fem::ContactSolution PatchContact<Real>::Batch::solution(std::size_t i) const {
   fem::ContactSolution solution;
   solution.surface_x = Eigen::VectorXd::NullaryExpr(
       elements, [&](auto n) { return b.position[i] + origin + width * (static_cast<double>(n) + 0.5); });
-  solution.tactel_x = fem::tactel_positions(b.contact->sensor);
+  solution.tactel_x = fem::tactel_positions(b.contact->model.sensor);
   for (int k = 0; k < b.path_steps[i]; ++k) {
     const auto said = [&](int row) { return static_cast<double>(view.result(i, k, row)); };
     const int status = static_cast<int>(said(LANE_STATUS));

@@ -4,8 +4,10 @@
 #include <vector>
 
 #include "fem/contact_solution.h"
+#include "fem/layer/layer_model.h"
 #include "fem/scene.h"
 #include "host/contact/gap_sweep.h"
+#include "host/contact/patch_contact_lanes.h"
 #include "host/device/buffer.h"
 #include "host/device/executor.h"
 
@@ -15,11 +17,10 @@ namespace tactel::host {
 struct PatchContactOptions {
   int elements = 12;        ///< of a patch: 8, 12, 16 or 24; each number has its own program
   double tolerance = 1e-3;  ///< largest change of a force in the last sweep over the largest pressure force
-  double accept = 0;          ///< largest residual of a solved step; 0: 20 tolerance, at least 2e-5 in fp32
-  double accept_outside = 0;  ///< largest penetration beyond the patch, over the largest displacement; 0: 0.03
-  int most_sweeps = 400;      ///< an increment that needs more is reported as unsolved
-  int most_growths = 3;       ///< solve_patch_contact enlarges a patch that is too small this many times
-  bool fallback = true;       ///< solve_patch_contact solves the remaining ones exactly
+  double accept = 0;        ///< largest residual of a solved step; 0: 20 tolerance, at least 2e-5 in fp32
+  int most_sweeps = 400;    ///< an increment that needs more is reported as unsolved
+  int most_growths = 4;     ///< solve_patch_contact enlarges a patch that is too small this many times
+  bool fallback = true;     ///< solve_patch_contact solves the remaining ones by the twin, with more sweeps
 };
 
 /// Contact of scenes that share a sensor, each on its own patch of equal elements over what its indenter touches
@@ -28,12 +29,10 @@ template <class Real>
 class PatchContact {
  public:
   /// Throws ValueError for a number of elements that has no program.
-  PatchContact(Executor& executor, const fem::Sensor& sensor, const PatchContactOptions& options = {});
+  PatchContact(Executor& executor, const fem::LayerModel& model, const PatchContactOptions& options = {});
 
-  /// Shares by which the patch of a scene grows beyond what the search found, to the left and to the right.
-  struct Growth {
-    double left = 0, right = 0;
-  };
+  /// The contact that the patch of a scene must cover; none: the kernel searches it.
+  using Given = std::optional<PatchContactExtent>;
 
   /// Scenes of this sensor (E may differ) with their load paths, laid out in lanes; all of one ContactKind.
   class Batch {
@@ -79,8 +78,9 @@ class PatchContact {
     std::shared_ptr<State> state_;
   };
 
-  /// `growth`: [scenes], or empty for none. Throws std::invalid_argument where scenes differ in kind.
-  Batch prepare(std::span<const fem::Scene> scenes, std::span<const Growth> growth = {}) const;
+  /// `given`: [scenes], or empty for none. Throws std::invalid_argument where scenes differ in kind.
+  Batch prepare(std::span<const fem::Scene> scenes, std::span<const Given> given = {}) const;
+  const fem::LayerModel& model() const;
   const PatchContactOptions& options() const;
 
  private:

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "fem/contact_laws.h"
+#include "fem/layer/patch_solver.h"
 #include "fem/measured_profile.h"
 #include "kernels/shared/contact_layout.h"
 
@@ -126,44 +127,23 @@ Interval below(const fem::Profile&, const PatchLane& lane, double depth) {
   return found;
 }
 
-/// Height of the lowest point that the profile has above the rubber between the limits.
-double lowest_height(const fem::Indenter& indenter, double left, double right) {
-  const fem::Interval lowest = fem::lowest_part({indenter.shape, 0});
-  const double nearest = lowest.right < left ? left : lowest.left > right ? right : 0;
-  if (lowest.left <= right && lowest.right >= left) return 0;
-  return fem::profile_height({indenter.shape, 0}, nearest);
-}
-
 }  // namespace
 
 PatchPath patch_path(const fem::Scene& scene, int elements) {
   const fem::LoadPath load = fem::load_path(scene.load);
+  const fem::PatchOptions twin{.elements = elements};
   PatchPath path;
+  path.steps = fem::patch_steps(load, scene.load, twin.increments());
   path.slots = static_cast<int>(load.steps.size());
   path.indentation_slots = load.indentation_steps;
   path.until_sliding = load.until_sliding;
+  for (int slot = 0; slot < path.indentation_slots; ++path.pressing_increments)
+    slot += path.steps[path.pressing_increments].asked;
   for (const fem::LoadStep& step : load.steps) path.most = std::max(path.most, step.normal);
-  fem::LoadStep last;
-  for (int k = 0; k < path.slots; ++k) {
-    const fem::LoadStep& step = load.steps[k];
-    int increments = 1;
-    if (k < load.indentation_steps && path.most > 0) {
-      const double share = std::abs(step.normal - last.normal) / path.most;
-      increments = std::max(1, static_cast<int>(std::ceil(share * elements / 3 - 1e-9)));
-    }
-    for (int i = 1; i < increments; ++i) {
-      const double part = static_cast<double>(i) / increments;
-      path.steps.push_back({last.normal + part * (step.normal - last.normal),
-                            last.tangential + part * (step.tangential - last.tangential), -1});
-    }
-    path.steps.push_back({step.normal, step.tangential, k});
-    if (k < load.indentation_steps) path.pressing_increments = static_cast<int>(path.steps.size());
-    last = step;
-  }
   return path;
 }
 
-PatchLane patch_lane(const fem::Scene& scene, const PatchPath& path) {
+PatchLane patch_lane(const fem::Scene& scene, const PatchPath& path, const std::optional<PatchContactExtent>& given) {
   PatchLane lane;
   double* in = lane.input;
   const fem::Indenter& indenter = scene.indenter;
@@ -181,11 +161,7 @@ PatchLane patch_lane(const fem::Scene& scene, const PatchPath& path) {
   Interval limits{std::max(edges.left, rubber.left), std::min(edges.right, rubber.right)};
   in[PATCH_LEFT_EDGE] = edges.left > rubber.left;
   in[PATCH_RIGHT_EDGE] = edges.right < rubber.right;
-  in[PATCH_NEAREST] = NO_GAP_ELEMENT;
-  if (limits.left < limits.right)
-    in[PATCH_NEAREST] = std::min(lowest_height(indenter, limits.left, limits.right), NO_GAP_ELEMENT);
-  else if (limits.left >= limits.right)
-    limits = {-1, 1};  // not over the rubber: nothing touches
+  if (limits.left >= limits.right) limits = {-1, 1};  // not over the rubber: heights are not finite there
   in[PATCH_LEFT] = limits.left;
   in[PATCH_RIGHT] = limits.right;
   Interval window = limits;
@@ -194,8 +170,13 @@ PatchLane patch_lane(const fem::Scene& scene, const PatchPath& path) {
     window = {std::max(limits.left, inside.left), std::min(limits.right, inside.right)};
     if (window.left >= window.right || window.right - window.left < 1e-30) window = limits;  // nothing touches
   }
+  if (given) window = {given->left, given->right};
+  const fem::Interval lowest = fem::lowest_part({indenter.shape, 0});
+  in[PATCH_GIVEN] = given.has_value();
   in[PATCH_FROM] = window.left;
   in[PATCH_TO] = window.right;
+  in[PATCH_LOWEST_LEFT] = std::clamp(lowest.left, limits.left, limits.right);
+  in[PATCH_LOWEST_RIGHT] = std::clamp(lowest.right, limits.left, limits.right);
   return lane;
 }
 

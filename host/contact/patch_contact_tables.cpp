@@ -4,14 +4,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "fem/block.h"
-#include "fem/layer/layer_table.h"
 
 namespace tactel::host {
 namespace {
 
 constexpr int most_cells = 200000;
-constexpr double rows_a_thickness = 30, fewest_base_rows = 400;  ///< of the base's table
 
 /// Coefficients of the cubic through f(0), f(1/3), f(2/3), f(1).
 void put_cubic(const double (&f)[4], double* c) {
@@ -43,52 +40,47 @@ void put_smooth(const fem::Sensor& sensor, const fem::LayerTable& layer, PatchTa
   }
 }
 
-/// Mean base stress over a tactel, which lies `distance` mm to the right of the load; at a point where it has no width.
-fem::BaseStress tactel_stress(const fem::LayerTable& layer, double h, double width, double distance) {
-  if (width == 0) {
-    const fem::BaseStress s = layer.base(distance / h);
-    return {s.sigma_by_y / h, s.tau_by_x / h, s.tau_by_y / h, s.sigma_by_x / h};
-  }
-  const fem::BaseStress a = layer.base_integral((distance - 0.5 * width) / h),
-                        b = layer.base_integral((distance + 0.5 * width) / h);
-  return {(b.sigma_by_y - a.sigma_by_y) / width, (b.tau_by_x - a.tau_by_x) / width,
-          (b.tau_by_y - a.tau_by_y) / width, (b.sigma_by_x - a.sigma_by_x) / width};
+void put_sides(const fem::FreeSides& sides, PatchTables& tables) {
+  tables.signs.assign(SIDE_MODES, 0);
+  if (sides.endless()) return;
+  static_assert(fem::FreeSides::rank == SIDE_MODES && 2 * SIDE_MODES == PATCH_BLOCK);
+  tables.sides.assign(sides.rows().data(), sides.rows().data() + sides.rows().size());
+  tables.signs.assign(sides.sign().begin(), sides.sign().end());
+  tables.sides_from = sides.left();
+  tables.side_rows_per_mm = 1 / sides.step();
 }
 
-void put_base(const fem::Sensor& sensor, const fem::LayerTable& layer, PatchTables& tables) {
-  const Eigen::VectorXd tactel = fem::tactel_positions(sensor);
-  const int count = static_cast<int>(tactel.size());
+/// From a row per quantity and tactel to a row by n and one by t, each padded.
+void put_base(const fem::BaseStressTable& table, PatchTables& tables) {
+  using Table = fem::BaseStressTable;
+  const int count = table.tactels();
   tables.outputs = (2 * count + PATCH_BLOCK - 1) / PATCH_BLOCK * PATCH_BLOCK;
-  const double rows = std::max(fewest_base_rows, std::ceil(rows_a_thickness * sensor.length / sensor.thickness));
-  tables.base_from = -0.5 * sensor.length;
-  tables.base_rows_per_mm = rows / sensor.length;
-  const int last = static_cast<int>(rows);
-  tables.base.assign((last + 1) * 2 * static_cast<std::size_t>(tables.outputs), 0);
-  for (int row = 0; row <= last; ++row) {
+  tables.base_from = table.left();
+  tables.base_rows_per_mm = 1 / table.step();
+  tables.base.assign(table.rows().rows() * 2 * static_cast<std::size_t>(tables.outputs), 0);
+  for (Eigen::Index row = 0; row < table.rows().rows(); ++row) {
     double* by_n = &tables.base[static_cast<std::size_t>(row) * 2 * tables.outputs];
     double* by_t = by_n + tables.outputs;
-    const double at = tables.base_from + row / tables.base_rows_per_mm;
     for (int k = 0; k < count; ++k) {
-      const fem::BaseStress s = tactel_stress(layer, sensor.thickness, sensor.tactel_width, tactel[k] - at);
-      by_n[k] = -s.sigma_by_y;
-      by_n[count + k] = -s.tau_by_y;
-      by_t[k] = s.sigma_by_x;
-      by_t[count + k] = s.tau_by_x;
+      by_n[k] = table.rows()(row, Table::sigma_by_pressure * count + k);
+      by_n[count + k] = table.rows()(row, Table::tau_by_pressure * count + k);
+      by_t[k] = table.rows()(row, Table::sigma_by_traction * count + k);
+      by_t[count + k] = table.rows()(row, Table::tau_by_traction * count + k);
     }
   }
 }
 
 }  // namespace
 
-PatchTables patch_tables(const fem::Sensor& sensor) {
+PatchTables patch_tables(const fem::LayerModel& model) {
   PatchTables tables;
-  const fem::LayerTable layer(sensor.poisson);
-  tables.cy = fem::layer_cy(sensor.poisson);
-  tables.cx = fem::layer_cx(sensor.poisson);
-  tables.jump = (1 - 2 * sensor.poisson) * std::numbers::pi / 2;
-  put_smooth(sensor, layer, tables);
-  tables.signs.assign(SIDE_MODES, 1);
-  put_base(sensor, layer, tables);
+  const double poisson = model.sensor.poisson;
+  tables.cy = fem::layer_cy(poisson);
+  tables.cx = fem::layer_cx(poisson);
+  tables.jump = (1 - 2 * poisson) * std::numbers::pi / 2;
+  put_smooth(model.sensor, model.table, tables);
+  put_sides(model.sides, tables);
+  put_base(model.base, tables);
   return tables;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "fem/sensor.h"
+#include "fem/layer/layer_model.h"
 #include "kernels/shared/patch_layout.h"
 
 namespace tactel::host {
@@ -23,7 +23,6 @@ struct PatchTables {
   int base_rows() const { return static_cast<int>(base.size() / (2 * static_cast<std::size_t>(outputs))); }
 };
 
-/// E and the mesh of `sensor` do not count.
-PatchTables patch_tables(const fem::Sensor& sensor);
+PatchTables patch_tables(const fem::LayerModel& model);
 
 }  // namespace tactel::host

@@ -26,9 +26,9 @@ enum PatchInputRow {
   PATCH_FROM,        /* where the search starts: the rigid profile at the largest depth, inside the limits */
   PATCH_TO,
   PATCH_MOST,        /* largest depth, mm, or largest P / E, mm */
-  PATCH_NEAREST,     /* height of the profile's lowest point above the sensor, mm: it touches at this depth */
-  PATCH_GROW_LEFT,   /* the final patch grows by this share of its width, 0 at first */
-  PATCH_GROW_RIGHT,
+  PATCH_LOWEST_LEFT, /* ends of the profile's lowest part, inside the limits */
+  PATCH_LOWEST_RIGHT,
+  PATCH_GIVEN,       /* 1: PATCH_FROM and PATCH_TO are the contact that the patch must cover, and nothing is searched */
   PATCH_FLAT,        /* half the width of a flat bottom, mm; beyond it, with q = |x| - flat, the height is the sum of */
   PATCH_C1,          /* c1 q + c2 q^2 + ... + c5 q^5 */
   PATCH_C2,
@@ -57,7 +57,7 @@ enum PatchPathRow {
 enum PatchRow {
   PATCH_ORIGIN = 0, /* left end, mm from the indenter's position */
   PATCH_ELEMENT,    /* width of an element, mm */
-  PATCH_OUT_LEFT,   /* largest penetration to the left of the patch, over the largest surface displacement */
+  PATCH_OUT_LEFT,   /* elements beyond the left end that are penetrated, as far as the certificate looks */
   PATCH_OUT_RIGHT,
   PATCH_SEARCH_SWEEPS,
   PATCH_SLOTS, /* increments reported */

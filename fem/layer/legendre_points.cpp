@@ -1,4 +1,4 @@
-#include "fem/layer/gauss_points.h"
+#include "fem/layer/legendre_points.h"
 
 #include <cmath>
 #include <numbers>
@@ -22,8 +22,8 @@ Legendre legendre(int degree, double x) {
 
 }  // namespace
 
-std::vector<GaussPoint> gauss_points(int count) {
-  std::vector<GaussPoint> points;
+std::vector<LegendrePoint> legendre_points(int count) {
+  std::vector<LegendrePoint> points;
   for (int i = 0; i < count; ++i) {
     double x = -std::cos(std::numbers::pi * (i + 0.75) / (count + 0.5));
     for (int pass = 0; pass < 8; ++pass) {

@@ -3,12 +3,12 @@
 
 namespace tactel::fem {
 
-struct GaussPoint {
+struct LegendrePoint {
   double x, weight;
 };
 
 /// Returns the points of Gauss and Legendre's rule on [-1, 1], left to right; exact for polynomials up to degree
 /// 2 count - 1. Newton's iteration on the Legendre polynomial (Golub and Van Loan, Matrix Computations).
-std::vector<GaussPoint> gauss_points(int count);
+std::vector<LegendrePoint> legendre_points(int count);
 
 }  // namespace tactel::fem

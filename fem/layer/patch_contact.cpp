@@ -1,0 +1,103 @@
+#include "fem/layer/patch_contact.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactel::fem {
+namespace {
+
+// Sweeps after which steps are damped, and by how much: near nu = 1/2 with mu above 1 sweeps may go round in circles.
+constexpr int damped_after = 60, damped_twice_after = 240;
+constexpr double damping = 0.5, damping_twice = 0.2;
+
+}  // namespace
+
+PatchContact::PatchContact(const PatchCompliance& compliance, Eigen::VectorXd height, double mu,
+                           const PatchSweepOptions& options)
+    : compliance_(compliance), height_(std::move(height)), mu_(mu), options_(options) {
+  const Eigen::Index elements = compliance.uy_by_n.cols();
+  n_ = t_ = n_last_ = t_last_ = ux_last_ = Eigen::VectorXd::Zero(elements);
+  first_touch_ = height_.segment(rows_beyond, elements).minCoeff();
+  laws_[0] = patch_laws(compliance, relaxation);
+}
+
+void PatchContact::extrapolate(double ratio) {
+  held_ = false;
+  const Eigen::VectorXd n = n_, t = t_;
+  n_ = (n + ratio * (n - n_last_)).cwiseMax(0);
+  t_ = (t + ratio * (t - t_last_)).cwiseMax(-mu_ * n_).cwiseMin(mu_ * n_);
+  n_last_ = n;
+  t_last_ = t;
+}
+
+void PatchContact::release() {
+  n_.setZero();
+  t_.setZero();
+}
+
+const PatchLaws& PatchContact::laws_at(int sweep) {
+  const int damped = sweep < damped_after ? 0 : sweep < damped_twice_after ? 1 : 2;
+  PatchLaws& laws = laws_[damped];
+  if (laws.A.size() == 0) laws = patch_laws(compliance_, relaxation * (damped == 1 ? damping : damping_twice));
+  return laws;
+}
+
+/// Element by element, left to right: the pressure force, then the traction force in its cone. Returns the largest
+/// change over the largest pressure force.
+double PatchContact::sweep(const PatchLaws& laws) {
+  double change = 0, largest = 0;
+  for (Eigen::Index i = 0; i < n_.size(); ++i) {
+    const double press = laws.n_per_uy[i] * (depth - height_[rows_beyond + i]);
+    const double drag = laws.t_per_ux[i] * (ux_last_[i] + (x - x_last_));
+    const double n = std::max(0.0, press + laws.A.row(i).dot(n_) + laws.B.row(i).dot(t_));
+    change = std::max(change, std::abs(n - n_[i]));
+    n_[i] = n;
+    const double free = drag + laws.D.row(i).dot(n_) + laws.E.row(i).dot(t_);
+    const double t = std::min(std::max(free, -mu_ * n), mu_ * n);
+    change = std::max(change, std::abs(t - t_[i]));
+    t_[i] = t;
+    largest = std::max(largest, n);
+  }
+  return largest > 0 ? change / largest : 0;
+}
+
+bool PatchContact::solve(int& sweeps) {
+  held_ = false;
+  for (int k = 0; k < options_.most_sweeps; ++k) {
+    ++sweeps;
+    if (sweep(laws_at(k)) <= options_.tolerance) return true;
+  }
+  return false;
+}
+
+Eigen::VectorXd PatchContact::ux() const {
+  const auto own = Eigen::seqN(rows_beyond, n_.size());
+  return compliance_.ux_by_n(own, Eigen::all) * n_ + compliance_.ux_by_t(own, Eigen::all) * t_;
+}
+
+GapElements PatchContact::elements() const {
+  const Eigen::VectorXd uy = compliance_.uy_by_n * n_ + compliance_.uy_by_t * t_;
+  const Eigen::Index rows = uy.size(), count = n_.size();
+  GapElements e;
+  e.mu = mu_;
+  e.gap = height_.array() - depth - uy.array();
+  e.slip = e.normal_force = e.tangential_force = Eigen::VectorXd::Zero(rows);
+  if (!held_) e.slip.segment(rows_beyond, count) = (ux() - ux_last_).array() - (x - x_last_);
+  e.normal_force.segment(rows_beyond, count) = n_;
+  e.tangential_force.segment(rows_beyond, count) = t_;
+  // The layer's base bears the sums: that is a property of its kernels, not of a solution.
+  e.base_force = {t_.sum(), -n_.sum()};
+  e.largest_displacement = uy.segment(rows_beyond, count).cwiseAbs().maxCoeff();
+  return e;
+}
+
+void PatchContact::remember() {
+  const Eigen::VectorXd now = ux();
+  for (Eigen::Index i = 0; i < n_.size(); ++i) {
+    const bool sticks = n_[i] > 0 && std::abs(t_[i]) < mu_ * n_[i];
+    ux_last_[i] = sticks ? ux_last_[i] + (x - x_last_) : now[i];
+  }
+  x_last_ = x;
+}
+
+}  // namespace tactel::fem

@@ -1,0 +1,60 @@
+#pragma once
+#include "fem/contact_laws.h"
+#include "fem/layer/patch_laws.h"
+
+namespace tactel::fem {
+
+struct PatchSweepOptions {
+  double tolerance = 1e-3;  ///< largest change of a force in the last sweep over the largest pressure force
+  int most_sweeps = 2000;   ///< of an increment
+};
+
+/// The elements of a patch under one indenter, and where it is. Forces are over E, mm.
+class PatchContact {
+ public:
+  /// `height` [elements + 2 rows_beyond] mm: profile above the surface at the places of PatchCompliance; +infinity
+  /// where there is no indenter or no rubber.
+  PatchContact(const PatchCompliance& compliance, Eigen::VectorXd height, double mu, const PatchSweepOptions& options);
+
+  double depth = 0, x = 0;  ///< mm: position of the indenter; set by the caller
+
+  const Eigen::VectorXd& n() const { return n_; }
+  const Eigen::VectorXd& t() const { return t_; }
+  double first_touch() const { return first_touch_; }  ///< mm: depth at which an element's middle is touched
+
+  /// Starts an increment: keeps the forces, and guesses new ones by going on `ratio` times the last change.
+  void extrapolate(double ratio);
+
+  /// Starts an increment in which nothing moves.
+  void hold() { extrapolate(0), held_ = true; }
+
+  /// Drops all forces.
+  void release();
+
+  /// Sweeps until no force changes by more than the tolerance. Returns false where most_sweeps do not suffice;
+  /// adds the number of sweeps to `sweeps`.
+  bool solve(int& sweeps);
+
+  /// State of the laws at elements and at the places beyond, from the forces alone: [elements + 2 rows_beyond].
+  GapElements elements() const;
+
+  /// Ends an increment. u_x of a sticking element counts as having followed the indenter, so that what the tolerance
+  /// left is made good by the next increment.
+  void remember();
+
+  /// Returns u_x [elements] mm.
+  Eigen::VectorXd ux() const;
+
+ private:
+  double sweep(const PatchLaws& laws);
+  const PatchLaws& laws_at(int sweep);
+
+  const PatchCompliance& compliance_;
+  Eigen::VectorXd height_, n_, t_, n_last_, t_last_, ux_last_;
+  double mu_, x_last_ = 0, first_touch_;
+  bool held_ = false;
+  PatchSweepOptions options_;
+  PatchLaws laws_[3];  ///< plain, damped, damped twice
+};
+
+}  // namespace tactel::fem

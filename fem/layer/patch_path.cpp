@@ -1,0 +1,26 @@
+#include "fem/layer/patch_path.h"
+
+namespace tactel::fem {
+
+std::vector<PatchStep> patch_steps(const LoadPath& path, const Load& load, int pressing_increments) {
+  const int parts = (pressing_increments + load.indentation_steps - 1) / load.indentation_steps;
+  std::vector<PatchStep> steps;
+  LoadStep from = path.steps.front();
+  from.normal = from.tangential = 0;
+  for (std::size_t i = 0; i < path.steps.size(); ++i) {
+    const LoadStep& to = path.steps[i];
+    const bool held = to.normal == from.normal && to.tangential == from.tangential;
+    const int count = static_cast<int>(i) < path.indentation_steps && !held ? parts : 1;
+    for (int k = 1; k < count; ++k) {
+      LoadStep part = to;
+      part.normal = from.normal + (to.normal - from.normal) * k / count;
+      part.tangential = from.tangential + (to.tangential - from.tangential) * k / count;
+      steps.push_back({part, false});
+    }
+    steps.push_back({to, true});
+    from = to;
+  }
+  return steps;
+}
+
+}  // namespace tactel::fem

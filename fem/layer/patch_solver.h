@@ -1,0 +1,48 @@
+#pragma once
+#include "fem/contact_solution.h"
+#include "fem/layer/layer_model.h"
+#include "fem/layer/patch_compliance.h"
+#include "fem/layer/patch_search.h"
+
+namespace tactel::fem {
+
+struct PatchOptions {
+  int elements = 12;
+  double tolerance = 1e-3;      ///< largest change of a force in the last sweep over the largest pressure force
+  double accept = 0;            ///< largest residual of a solved step; 0: 20 tolerance
+  int pressing_increments = 0;  ///< least number of increments to each pressing target; 0: elements / 3
+  int most_sweeps = 2000;       ///< an increment that needs more is not converged
+  int most_growths = 4;         ///< times that a patch may grow
+
+  double accepted() const { return accept > 0 ? accept : 20 * tolerance; }
+  int increments() const { return pressing_increments > 0 ? pressing_increments : (elements + 2) / 3; }
+};
+
+/// Contact on a scene's own patch, fp64, one scene at a time: the twin of the patch kernel. It shares the algorithm
+/// with the kernel, but no code. Block Gauss-Seidel over the elements, left to right, relaxed (patch_laws.h); the
+/// certificate comes from the final forces alone. Where the surface is penetrated beyond an end of the patch, the patch
+/// grows on that side, and the scene is solved again. Keeps a reference to the model.
+class PatchSolver {
+ public:
+  explicit PatchSolver(const LayerModel& model, const PatchOptions& options = {});
+
+  /// Solves a scene. Its sensor must equal the model's in length, thickness, poisson and tactels; the mesh does not
+  /// matter. Nodes of the answer are the elements of the patch (surface_x: their middles); it has no base nodes.
+  /// Throws ValueError for an invalid scene.
+  ContactSolution solve(const Scene& scene) const;
+
+  /// The same on a given patch, which does not grow.
+  ContactSolution solve_on(const Patch& patch, const Scene& scene) const;
+
+  const PatchOptions& options() const { return options_; }
+
+ private:
+  const LayerModel& model_;
+  PatchOptions options_;
+};
+
+/// Returns the patch grown by the elements beyond its ends that are penetrated at most, and half an element more.
+/// `beyond_left` and `beyond_right` are numbers of elements, 0 to rows_beyond.
+Patch grown(const Patch& patch, int beyond_left, int beyond_right, const PatchLimits& limits);
+
+}  // namespace tactel::fem
