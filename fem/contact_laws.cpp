@@ -52,11 +52,12 @@ Residual contact_residual(const GapElements& e, double rounding) {
   if (!all_numbers(e)) return {worst, worst, worst, worst, worst};
   const std::vector<GapStatus> status = gap_status(e, rounding);
   const double normal = largest_normal(e), displacement = e.largest_displacement;
+  const double bonded_rounding = e.mu < largest_friction ? 0 : solved_rounding * e.mu * normal;
   double penetration = 0, cone = 0, complementarity = 0, drift = 0;
   for (Eigen::Index i = 0; i < e.gap.size(); ++i) {
     const double n = e.normal_force[i];
     penetration = std::max(penetration, -e.gap[i]);
-    cone = std::max({cone, std::abs(e.tangential_force[i]) - e.mu * n, -n});
+    cone = std::max({cone, std::abs(e.tangential_force[i]) - e.mu * n - bonded_rounding, -n});
     if (n > 0) complementarity = std::max(complementarity, std::abs(e.gap[i]));
     if (e.mu > 0 && n > rounding * normal) drift = std::max(drift, forbidden_slip(e, i, status[i]));
   }

@@ -34,6 +34,10 @@ std::optional<double> slip_index(double mu, double P, double Q);
 /// increments cause far more than 1e-10.
 inline constexpr double force_rounding = 1e-10;
 
+/// Rounding of a normal force in an exact solution, relative to the largest one. At unlimited friction, mu times it is
+/// all that the cone is known to: the residual counts what exceeds it.
+inline constexpr double solved_rounding = 1e-13;
+
 /// Returns the contact status [columns]: open where n = 0, slip where |t| reaches mu n (always, if mu = 0), stick
 /// elsewhere.
 std::vector<GapStatus> gap_status(const GapElements& elements, double rounding = force_rounding);

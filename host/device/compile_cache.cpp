@@ -29,6 +29,7 @@ using namespace std::chrono_literals;
 
 constexpr const char* list_name = "sealed";
 constexpr const char* lock_name = "compiling";
+constexpr const char* presence_name = "processes";
 constexpr auto patience = 60s;  // far more than a compilation takes
 
 /// A file as the list knows it.
@@ -172,8 +173,21 @@ CachePlace choose_cache(const fs::path& own, std::span<const fs::path> shared_pa
   return place;
 }
 
-CompileCache::Use::Use(const CompileCache& cache) : folder_(cache.folder_) {
-  lock_ = ::open((folder_ / lock_name).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+CompileCache::CompileCache(fs::path folder)
+    : folder_(std::move(folder)),
+      presence_(::open((folder_ / presence_name).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)) {
+  if (presence_ < 0) return;
+  if (::flock(presence_, LOCK_EX | LOCK_NB) == 0) check();
+  while (::flock(presence_, LOCK_SH) != 0 && errno == EINTR) {
+  }
+}
+
+CompileCache::~CompileCache() {
+  if (presence_ >= 0) ::close(presence_);
+}
+
+CompileCache::Use::Use(const CompileCache& cache)
+    : folder_(cache.folder_), lock_(::open((folder_ / lock_name).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)) {
   const auto end = std::chrono::steady_clock::now() + patience;
   while (lock_ >= 0 && ::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
     if ((errno == EWOULDBLOCK || errno == EINTR) && std::chrono::steady_clock::now() < end)
@@ -181,14 +195,13 @@ CompileCache::Use::Use(const CompileCache& cache) : folder_(cache.folder_) {
     else
       ::close(std::exchange(lock_, -1));
   }
-  if (lock_ >= 0) check();
 }
 
 CompileCache::Use::~Use() {
   if (lock_ >= 0) ::close(lock_);
 }
 
-void CompileCache::Use::check() {
+void CompileCache::check() {
   const List list = read_list(folder_);
   std::error_code error;
   std::string no_longer;

@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <span>
 #include <string>
-#include <utility>
 
 namespace tactel::host {
 
@@ -20,35 +19,44 @@ CachePlace choose_cache(const std::filesystem::path& own, std::span<const std::f
 /// PoCL's cache of compiled kernels, guarded: PoCL loads what it finds there and aborts on a damaged file. A list of
 /// the files in it, with sizes and checksums, stands in `sealed`. Files are listed after they have reached the disk, so
 /// that a power cut leaves files that are not listed, never a listed file that is damaged.
+///
+/// A process is in the folder from the construction of its CompileCache to its end. Files are removed only by a process
+/// that is alone in the folder: PoCL compiles some kernels at their first launch and loads files at any time, so no
+/// other moment is safe.
 class CompileCache {
  public:
-  explicit CompileCache(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  /// Enters the folder. Where no other process is in it, removes the programs with a file that is damaged or not
+  /// listed. Cost: one stat a file; content is read only where the time of change differs.
+  explicit CompileCache(std::filesystem::path folder);
+  ~CompileCache();
+  CompileCache(const CompileCache&) = delete;
+  CompileCache& operator=(const CompileCache&) = delete;
 
-  /// The use of the cache for one compilation. One exists at a time, over all threads and processes; others wait.
-  /// Cost: one stat a file; content is read only where the time of change differs.
+  std::size_t damaged() const { return damaged_; }  ///< programs removed because a listed file had changed
+
+  /// One compilation. One exists at a time, over all threads and processes; others wait, so that each finds what the
+  /// one before it compiled.
   class Use {
    public:
-    /// Removes the programs with a file that is damaged or not listed: none is in the making now, so that a file that
-    /// is not listed was left by a process that did not finish.
     explicit Use(const CompileCache& cache);
     ~Use();
     Use(const Use&) = delete;
     Use& operator=(const Use&) = delete;
 
-    std::size_t damaged() const { return damaged_; }  ///< programs removed because a listed file had changed
     /// Brings new files to the disk and lists them. Failure costs the next run a compilation, nothing else.
     void seal() const noexcept;
 
    private:
-    void check();
-
     const std::filesystem::path folder_;
-    int lock_ = -1;  ///< descriptor; -1: the folder cannot be locked, and nothing is removed or listed
-    std::size_t damaged_ = 0;
+    int lock_ = -1;  ///< descriptor; -1: the folder cannot be locked, and nothing is listed
   };
 
  private:
+  void check();
+
   std::filesystem::path folder_;
+  int presence_ = -1;  ///< descriptor with the lock of a process in the folder; -1: none can be had
+  std::size_t damaged_ = 0;
 };
 
 }  // namespace tactel::host

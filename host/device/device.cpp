@@ -68,9 +68,14 @@ void set_up_pocl() {
 void report_cache(const LogSink& log) {
   const Process& all = process();
   if (!log || process().reported.exchange(true)) return;
-  if (!all.trouble.empty() && all.cache)
-    log(LogLevel::warning,
-        "compiled kernels are kept in " + std::string(std::getenv("POCL_CACHE_DIR")) + ", because of " + all.trouble);
+  if (!all.cache) return;
+  const std::string folder = std::getenv("POCL_CACHE_DIR");
+  if (!all.trouble.empty())
+    log(LogLevel::warning, "compiled kernels are kept in " + folder + ", because of " + all.trouble);
+  if (all.cache->damaged() > 0)
+    log(LogLevel::warning, "the cache of compiled kernels " + folder +
+                               " was damaged: " + std::to_string(all.cache->damaged()) +
+                               " programs are removed from it and compiled again");
 }
 
 DeviceType type_of(cl_device_type type) {
@@ -246,13 +251,8 @@ struct Compilation::Use {
   CompileCache::Use use;
 };
 
-Compilation::Compilation(const Device& device) {
-  if (!process().cache) return;
-  use_ = std::unique_ptr<Use>(new Use{CompileCache::Use(*process().cache)});
-  if (use_->use.damaged() > 0)
-    device.log(LogLevel::warning, "the cache of compiled kernels " + std::string(std::getenv("POCL_CACHE_DIR")) +
-                                      " was damaged: " + std::to_string(use_->use.damaged()) +
-                                      " programs are removed from it and compiled again");
+Compilation::Compilation() {
+  if (process().cache) use_ = std::unique_ptr<Use>(new Use{CompileCache::Use(*process().cache)});
 }
 
 Compilation::~Compilation() = default;

@@ -81,7 +81,7 @@ class Device {
 /// One compilation of kernels, which other threads and processes with the same cache wait for.
 class Compilation {
  public:
-  explicit Compilation(const Device& device);
+  Compilation();
   ~Compilation();
   Compilation(const Compilation&) = delete;
   Compilation& operator=(const Compilation&) = delete;

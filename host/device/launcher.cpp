@@ -44,7 +44,7 @@ void Launcher::compile(Launch::State& launch) {
     const BusyMessage busy(device_, "optimizing kernel " + launch.kernel + " for this device (once)");
     launch.widest = widest_launch();
     std::optional<Compilation> compilation;
-    if (launch.program.first_use(launch.kernel)) compilation.emplace(device_);
+    if (launch.program.first_use(launch.kernel)) compilation.emplace();
     const std::size_t global = device_.info().type == DeviceType::cpu ? launch.widest : local_size();
     translated(device_.info().name, [&] {
       enqueue(launch, 0, std::size_t{NO_GROUPS}, global, local_size());

@@ -76,7 +76,7 @@ struct Program::State {
   void build() {
     const BusyMessage busy(device, "compiling " + source + " for this device (once)");
     const HeldSignals held(HeldSignals::handled);
-    const Compilation compilation(device);
+    const Compilation compilation;
     program = cl::Program(device.context(), expand_includes(source, text));
     try {
       program.build(options.c_str());

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 namespace tactel::fem {
@@ -50,6 +51,18 @@ TEST(ContactLaws, ConeIsRelativeToTheLargestNormalForce) {
   e.base_force[0] = -0.3;
   EXPECT_DOUBLE_EQ(contact_residual(e).cone, 0.05);  // (1.2 - 0.5 * 2) / 4
   EXPECT_LT(contact_residual(e).balance, 1e-15);     // rounding of the sums
+}
+
+// n of the last element is 1e-13 of the largest: half of its limit of 4e-7 may be rounding of n.
+TEST(ContactLaws, AtUnlimitedFrictionTheConeIsKnownToTheRoundingOfN) {
+  GapElements e = lawful();
+  e.mu = largest_friction;
+  e.normal_force[3] = 4e-13;
+  for (const double beyond : {2e-7, 8e-7}) {
+    e.tangential_force[3] = 4e-7 + beyond;
+    const double counted = beyond - 4e-7;  // solved_rounding mu 4
+    EXPECT_NEAR(contact_residual(e).cone, std::max(0.0, counted / 4), 1e-15);
+  }
 }
 
 TEST(ContactLaws, APullingNodeViolatesTheCone) {

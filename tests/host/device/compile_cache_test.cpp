@@ -1,4 +1,4 @@
-// The cache of compiled kernels: what PoCL would abort on is found first, and nothing else is thrown away.
+// The cache of compiled kernels: what PoCL would abort on is found first, and nothing else is removed.
 #include "host/device/compile_cache.h"
 
 #include <gmock/gmock.h>
@@ -6,6 +6,12 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include <atomic>
+#include <functional>
+#include <optional>
+#include <stdexcept>
+#include <thread>
 
 #include "tests/host/support/run_tactel.h"
 
@@ -33,11 +39,12 @@ class Cache : public testing::Test {
   fs::path folder() const { return folder_ / "."; }
   /// As a process that compiles both programs.
   void fill() {
-    const CompileCache::Use use{CompileCache(folder())};
+    const CompileCache cache(folder());
+    const CompileCache::Use use(cache);
     SetUp();
     use.seal();
   }
-  std::size_t damaged() const { return CompileCache::Use{CompileCache(folder())}.damaged(); }
+  std::size_t damaged() const { return CompileCache(folder()).damaged(); }
 
   ScratchFolder folder_;
 };
@@ -62,12 +69,13 @@ TEST_P(DamagedCache, LosesThatProgramAlone) {
   fill();
   GetParam().to(folder_ / "AB/FIRST/kernel/1-1-1/kernel.so");
   {
-    const CompileCache::Use found{CompileCache(folder())};
+    const CompileCache found(folder());
     EXPECT_EQ(found.damaged(), 1u);
     EXPECT_FALSE(there("AB/FIRST"));
     EXPECT_TRUE(there("CD/SECOND/program.bc"));
+    const CompileCache::Use use(found);
     add("AB/FIRST/program.bc", "compiled anew");
-    found.seal();
+    use.seal();
   }
   EXPECT_EQ(damaged(), 0u);
   EXPECT_EQ(text_of(folder_ / "AB/FIRST/program.bc"), "compiled anew");
@@ -102,33 +110,93 @@ TEST_F(Cache, BelievesNoDamagedList) {
   EXPECT_FALSE(there("AB/FIRST") || there("CD/SECOND"));
 }
 
-// The files of a compilation are listed when it ends: until then nobody else may take them for leftovers.
-TEST_F(Cache, WaitsForAnotherProcessThatCompiles) {
-  fs::remove_all(folder_ / "AB");
-  fs::remove_all(folder_ / "CD");
-  int ready[2];
-  ASSERT_EQ(pipe(ready), 0);
-  const pid_t other = fork();
-  if (other == 0) {
-    const CompileCache::Use at_work{CompileCache(folder())};
-    SetUp();
-    (void)!write(ready[1], "x", 1);
-    usleep(200'000);
-    at_work.seal();
+/// Another process in the folder, which compiles and ends when it is told to.
+class Other {
+ public:
+  explicit Other(const std::function<void(const CompileCache&)>& compile, const fs::path& folder) {
+    if (pipe(ready_) != 0 || pipe(end_) != 0) throw std::runtime_error("no pipe");
+    child_ = fork();
+    if (child_ != 0) {
+      char byte = 0;
+      if (read(ready_[0], &byte, 1) != 1) throw std::runtime_error("the other process ended");
+      return;
+    }
+    const CompileCache cache(folder);
+    compile(cache);
+    char byte = 'x';
+    (void)!write(ready_[1], &byte, 1);
+    (void)!read(end_[0], &byte, 1);
     _exit(0);
   }
-  char byte = 0;
-  ASSERT_EQ(read(ready[0], &byte, 1), 1);
-  EXPECT_EQ(damaged(), 0u);
-  EXPECT_TRUE(there("AB/FIRST/kernel/1-1-1/kernel.so"));
-  waitpid(other, nullptr, 0);
+  ~Other() {
+    (void)!write(end_[1], "x", 1);
+    waitpid(child_, nullptr, 0);
+    for (const int each : {ready_[0], ready_[1], end_[0], end_[1]}) close(each);
+  }
+  Other(const Other&) = delete;
+  Other& operator=(const Other&) = delete;
+
+ private:
+  int ready_[2], end_[2];
+  pid_t child_;
+};
+
+// PoCL loads and compiles outside of any lock of ours: what another process has is left alone, whatever its state.
+TEST_F(Cache, LeavesTheFilesOfOtherProcesses) {
+  fill();
+  {
+    const Other other(
+        [&](const CompileCache&) {
+          add("EF/THIRD/program.bc", "not listed");
+          add("AB/FIRST/program.bc", "changed by another process");
+        },
+        folder());
+    EXPECT_EQ(damaged(), 0u);
+    EXPECT_TRUE(there("EF/THIRD/program.bc"));
+    EXPECT_TRUE(there("AB/FIRST/program.bc"));
+  }
+  EXPECT_EQ(damaged(), 1u);  // now alone
+  EXPECT_FALSE(there("EF/THIRD"));
+  EXPECT_FALSE(there("AB/FIRST"));
+}
+
+// A file that was listed while another process wrote it counts as damaged later; that costs a compilation.
+TEST_F(Cache, AFileListedTooEarlyIsCompiledAnew) {
+  fill();
+  {
+    const CompileCache cache(folder());
+    const CompileCache::Use use(cache);
+    add("EF/THIRD/kernel.so", "half");
+    use.seal();
+    add("EF/THIRD/kernel.so", "half and half");
+  }
+  EXPECT_EQ(damaged(), 1u);
+  EXPECT_FALSE(there("EF/THIRD"));
+  EXPECT_TRUE(there("AB/FIRST/program.bc"));
+}
+
+// The next compilation waits, and then finds what this one made.
+TEST_F(Cache, OneCompilesAtATime) {
+  const CompileCache cache(folder());
+  std::optional<CompileCache::Use> first(std::in_place, cache);
+  std::atomic<bool> entered{false};
+  std::jthread second([&] {
+    const CompileCache::Use use(cache);
+    entered = true;
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_FALSE(entered);
+  first.reset();
+  second.join();
+  EXPECT_TRUE(entered);
 }
 
 // What a process leaves that is killed as it compiles is not loaded.
 TEST_F(Cache, DropsWhatAKilledCompilationLeft) {
   fill();
   {
-    const CompileCache::Use killed{CompileCache(folder())};
+    const CompileCache cache(folder());
+    const CompileCache::Use killed(cache);
     add("CD/SECOND/kernel/1-1-1/kernel.so", "obj");
   }
   EXPECT_EQ(damaged(), 0u);
