@@ -136,7 +136,7 @@ void contact_mesh(benchmark::State& state, bool planned) {
   const Scenes scenes = parabolas({}, 48, dragged(), 30);
   const auto solve = [&](const host::Rung& rung) { return host::solve_on_rung(executor(), scenes, rung); };
   const host::Plan plan = host::plan(scenes, accuracy, solve);
-  const host::Rung& finest = host::rung_named("finest");
+  const host::Rung& finest = host::rung_named("mesh-321");
   const Solutions truth = solve(finest);
   std::size_t off = 0;
   for (std::size_t i = 0; i < scenes.size(); ++i)

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -68,51 +69,73 @@ TEST(RungError, TouchingOnOneSideOnlyCountsAsAWholeS) {
   EXPECT_EQ(answer_error(pressed(), nothing, one, answer_with(0.4, 1), one).S, 1);
 }
 
-/// Answers whose S is off by 1 / columns: first order.
-std::vector<fem::ContactSolution> first_order(const Rung& rung) {
-  std::vector<fem::ContactSolution> answers(1, answer_with(0.5 + 1.0 / rung.columns, 1));
-  answers[0].steps.insert(answers[0].steps.begin(), rung.steps - 1, answers[0].steps[0]);
-  return answers;
-}
+/// Answers whose S is off by 0.4 / elements: first order.
+std::vector<fem::ContactSolution> first_order(const Rung& rung) { return {answer_with(0.5 + 0.4 / rung.elements, 1)}; }
 
 TEST(Planner, FinerAccuracyNeverTakesACheaperRung) {
   const fem::Scene scene = pressed();
-  int columns = 0;
+  int elements = 0;
   for (const double accuracy : {1.0, 0.1, 0.03, 0.01, 0.003, 1e-6}) {
     const Plan chosen = plan(std::span(&scene, 1), accuracy, first_order);
-    EXPECT_GE(chosen.rung.columns, columns);
+    EXPECT_GE(chosen.rung.elements, elements);
     EXPECT_EQ(chosen.kept, chosen.estimate <= accuracy);
-    EXPECT_LE(1.0 / chosen.rung.columns, chosen.kept ? 2 * accuracy : 1);  // its error
-    columns = chosen.rung.columns;
+    EXPECT_LE(0.4 / chosen.rung.elements, chosen.kept ? 2 * accuracy : 1);  // its error
+    elements = chosen.rung.elements;
   }
-  EXPECT_EQ(columns, ladder().back().columns);
+  EXPECT_EQ(elements, ladder().back().elements);
 }
 
-TEST(Planner, EveryRungButTheReferenceHasBeenMeasured) {
-  ASSERT_EQ(measured_ladder().size() + 1, ladder().size());
+TEST(Planner, EveryRungHasBeenMeasured) {
+  ASSERT_EQ(measured_ladder().size(), ladder().size());
   for (std::size_t k = 0; k < measured_ladder().size(); ++k) {
     EXPECT_EQ(measured_ladder()[k].name, ladder()[k].name);
+    if (k + 1 == ladder().size()) break;
     EXPECT_GT(measured_ladder()[k].factor, 0.5);
-    EXPECT_GT(ladder()[finer_rung(k)].columns, ladder()[k].columns);
+    EXPECT_GT(ladder()[k + 1].elements, ladder()[k].elements);
+    EXPECT_GT(measured_ladder()[k].least, measured_ladder()[k + 1].least);
   }
 }
 
-/// Answers of a wedge whose point stands between two nodes until the contact mesh is fine enough to have one there.
-TEST(Planner, AContactThatBothMeshesMissIsUnknown) {
+/// Two rungs that agree by chance are not believed more than the rung deserves on the mix.
+TEST(Planner, AgreementByChanceIsNoProof) {
   const fem::Scene scene = pressed();
-  const auto missed_below = [&](int columns) {
-    return [&scene, columns](const Rung& rung) {
-      std::vector<fem::ContactSolution> answers = first_order(rung);
-      if (rung.columns >= columns) return answers;
-      for (fem::ContactStep& step : answers[0].steps) {
-        step.P = 0, step.slip_index.reset();
-        step.normal_force.setZero();
-      }
+  const Plan chosen =
+      plan(std::span(&scene, 1), 1e-3, [](const Rung&) { return std::vector{answer_with(0.5, 1)}; });
+  EXPECT_EQ(chosen.trials.front().difference, 0);
+  EXPECT_EQ(chosen.trials.front().estimate, measured_ladder()[0].least);
+  EXPECT_EQ(chosen.trials.front().next_estimate, measured_ladder()[1].least);
+}
+
+/// The finer of two rungs is taken where its own expected error suffices, without a look at the rung after it.
+TEST(Planner, TheFinerOfTwoIsTakenWithoutAThird) {
+  const fem::Scene scene = pressed();
+  std::vector<std::string> solved;
+  const double accuracy = 1.001 * std::max(measured_ladder()[1].least, measured_ladder()[0].next_factor * 0.01);
+  ASSERT_LT(accuracy, expected_error(0, 0.01));
+  const Plan chosen = plan(std::span(&scene, 1), accuracy, [&](const Rung& rung) {
+    solved.push_back(rung.name);
+    return std::vector{answer_with(rung.elements == 8 ? 0.51 : 0.5, 1)};
+  });
+  EXPECT_EQ(chosen.rung.name, "patch-12");
+  EXPECT_TRUE(chosen.kept);
+  EXPECT_EQ(solved.size(), 2u);
+}
+
+/// Answers without contact until the rung is fine enough.
+TEST(Planner, AContactThatBothRungsMissIsUnknown) {
+  const fem::Scene scene = pressed();
+  const auto missed_below = [&](int elements) {
+    return [elements](const Rung& rung) {
+      std::vector<fem::ContactSolution> answers = {answer_with(0.5, 1)};
+      if (rung.elements >= elements) return answers;
+      fem::ContactStep& step = answers[0].steps[0];
+      step.P = 0, step.slip_index.reset();
+      step.normal_force.setZero();
       return answers;
     };
   };
-  const Plan sharp = plan(std::span(&scene, 1), 0.3, missed_below(300));
-  EXPECT_GE(sharp.rung.columns, 300);
+  const Plan sharp = plan(std::span(&scene, 1), 0.3, missed_below(16));
+  EXPECT_GE(sharp.rung.elements, 16);
   EXPECT_TRUE(sharp.trials.front().missed);
   EXPECT_EQ(sharp.trials.front().difference, 1);
   EXPECT_FALSE(sharp.trials.back().missed);
@@ -129,7 +152,7 @@ TEST(Planner, AReleaseIsNoMissedContact) {
     std::vector<fem::ContactSolution> answers = first_order(rung);
     fem::ContactStep released = answers[0].steps[0];
     released.P = 0, released.slip_index.reset();
-    answers[0].steps.insert(answers[0].steps.end(), rung.steps, released);
+    answers[0].steps.push_back(released);
     return answers;
   });
   EXPECT_TRUE(chosen.kept);
@@ -142,7 +165,7 @@ TEST(Planner, StressesAreMeasuredAndNotPromised) {
     std::vector<fem::ContactSolution> answers = first_order(rung);
     for (fem::ContactStep& step : answers[0].steps) {
       step.sigma_y << 0, 0, -2, 0, 0;
-      step.tau_xy << 0, 0, rung.columns == 41 ? 1.5 : 1, 0, 0;
+      step.tau_xy << 0, 0, rung.elements == 8 ? 1.5 : 1, 0, 0;
     }
     return answers;
   });
@@ -156,45 +179,31 @@ TEST(Planner, StressesAreMeasuredAndNotPromised) {
   EXPECT_DOUBLE_EQ(json["tried"].back()["tau_difference"].get<double>(), 0.5);
 }
 
-fem::Scene on_thin_rubber(double length, double thickness) {
-  fem::Scene scene = pressed();
-  scene.sensor.length = length;
-  scene.sensor.thickness = thickness;
-  return scene;
-}
-
 /// 20 mm of rubber 0.4 mm thick takes 3.75 times the default's columns: 641 become 2401, more than a mesh may have.
-TEST(Planner, RungsThatASensorDoesNotCarryAreLeftOut) {
-  const fem::Scene scene = on_thin_rubber(20, 0.4);
-  EXPECT_TRUE(carries(scene.sensor, rung_named("finest")));
-  EXPECT_FALSE(carries(scene.sensor, rung_named("reference")));
-  EXPECT_EQ(on_rung(scene, rung_named("finest")).sensor.columns, 1201);
-  EXPECT_EQ(on_rung(scene, rung_named("reference")).sensor.columns, fem::most_columns);
-  EXPECT_NO_THROW(on_rung(scene, rung_named("reference")).sensor.validate());
-  EXPECT_EQ(description(rung_named("draft"), scene.sensor), "151 x 11 bbar, 1 step, fp32 1e-02");
-  const auto only_carried = [&](const Rung& rung) {
-    EXPECT_NE(rung.name, "reference");
-    return first_order(rung);
-  };
-  const Plan loose = plan(std::span(&scene, 1), 0.1, only_carried);
-  EXPECT_TRUE(loose.kept);
-  EXPECT_EQ(to_json(loose)["model"], description(loose.rung, scene.sensor));
-  const Plan strict = plan(std::span(&scene, 1), 1e-6, only_carried);
-  EXPECT_EQ(strict.rung.name, "finest");
-  EXPECT_FALSE(strict.kept);
-  EXPECT_EQ(strict.answers.size(), 1u);
+TEST(Ladder, MeshesAreCutToTheLargest) {
+  fem::Scene scene = pressed();
+  scene.sensor.thickness = 0.4;
+  EXPECT_TRUE(carries(scene.sensor, rung_named("mesh-321")));
+  EXPECT_FALSE(carries(scene.sensor, rung_named("mesh-641")));
+  EXPECT_TRUE(carries(scene.sensor, rung_named("patch-24")));
+  EXPECT_EQ(on_rung(scene, rung_named("mesh-321")).sensor.columns, 1201);
+  EXPECT_EQ(on_rung(scene, rung_named("mesh-641")).sensor.columns, fem::most_columns);
+  EXPECT_NO_THROW(on_rung(scene, rung_named("mesh-641")).sensor.validate());
+  EXPECT_EQ(description(rung_named("mesh-41"), scene.sensor), "151 x 11 bbar, 1 step, fp32 1e-02");
 }
 
-/// No rung with a finer contact mesh to judge by, and no rung at all: an answer, and that its error is not known.
-TEST(Planner, ASensorThatCarriesOneMeshGetsItWithoutAPromise) {
-  for (const double length : {200.0, 20000.0}) {  // 1501 and 600 001 columns for the cheapest rung
-    const fem::Scene scene = on_thin_rubber(length, length == 200.0 ? 0.4 : 0.1);
-    const Plan only = plan(std::span(&scene, 1), 0.1, first_order);
-    EXPECT_FALSE(only.kept);
-    EXPECT_TRUE(to_json(only)["estimate"].is_null());
-    EXPECT_NE(only.why().find("carries no finer rung"), std::string::npos) << only.why();
-    EXPECT_NO_THROW(on_rung(scene, only.rung).sensor.validate());
-  }
+TEST(Ladder, RungsHaveOtherNames) {
+  EXPECT_EQ(rung_named("draft").name, "patch-8");
+  EXPECT_EQ(rung_named("finest").name, "patch-24");
+  EXPECT_EQ(description(rung_named("medium")), "12 elements, 4 increments, fp32 1e-03");
+}
+
+/// A patch answers with the load steps of the scene; a mesh makes its own.
+TEST(Ladder, APatchKeepsTheScenesOwnSteps) {
+  fem::Scene scene = pressed();
+  scene.load.indentation_steps = 3;
+  EXPECT_EQ(on_rung(scene, rung_named("patch-12")).load.indentation_steps, 3);
+  EXPECT_EQ(on_rung(scene, rung_named("mesh-161")).load.indentation_steps, 4);
 }
 
 TEST(Planner, AccuracyChoosesAlone) {
@@ -204,28 +213,41 @@ TEST(Planner, AccuracyChoosesAlone) {
   EXPECT_THROW(solve(pressed(), options), ConfigError);
 }
 
-/// Scenes that the planner was not measured on, judged by the rung `finest`, which is within 0.014 of the reference in
-/// 95 % of the scenes. `tactel tradeoff --verify 1000` does the same with the reference.
+/// A flat wider than the sensor touches all of it: the mesh answers, with the steps of the scene.
+TEST(SolveOnRung, TheMeshAnswersWhatAPatchCannot) {
+  Executor executor(device());
+  fem::Scene scene = pressed();
+  scene.indenter.shape = fem::Flat{};
+  scene.load.tangential = {0.05, 0.1};
+  const auto answers = solve_on_rung(executor, std::vector{scene, pressed()}, rung_named("patch-8"));
+  EXPECT_EQ(answers[0].surface_width.size(), 0);
+  EXPECT_EQ(answers[0].surface_x.size(), 81);
+  EXPECT_EQ(answers[0].steps.size(), 3u);
+  EXPECT_EQ(answers[1].surface_width.size(), 8);
+  // the rung's mesh with its own increments ends at the same S
+  const auto mesh = solve_on_rung(executor, std::vector{scene}, rung_named("mesh-81"));
+  EXPECT_EQ(answers[0].steps.back().slip_index, mesh[0].steps.back().slip_index);
+}
+
+/// Scenes that the planner was not measured on, judged by the reference. `tactel tradeoff --verify 1000` does the same
+/// with more of them.
 TEST(Planner, KeepsItsPromiseOnHeldOutScenes) {
   Executor executor(device());
-  std::vector<fem::Scene> scenes = mixed_scenes(4242, 24);
-  for (fem::Scene& scene : scenes) scene.sensor.poisson = 0.45;
-  const Rung& judge_rung = rung_named("finest");
+  const std::vector<fem::Scene> scenes = mixed_scenes(4242, 48);
   std::map<std::string, std::vector<fem::ContactSolution>> answers;
-  for (const char* name : {"draft", "paper", "medium", "fine", "finest"})
-    answers[name] = solve_on_rung(executor, scenes, rung_named(name));
-  int judged = 0, broken = 0;
-  for (std::size_t i = 0; i < scenes.size(); ++i) {
-    const Plan chosen = plan(std::span(&scenes[i], 1), 0.1, [&](const Rung& rung) {
-      return std::vector{answers[rung.name == "reference" ? "finest" : rung.name][i]};
-    });
-    if (chosen.rung.columns >= judge_rung.columns) continue;
-    ++judged;
-    broken +=
-        answer_error(scenes[i], answers[chosen.rung.name][i], chosen.rung, answers["finest"][i], judge_rung).S > 0.1;
+  for (const Rung& rung : ladder()) answers[rung.name] = solve_on_rung(executor, scenes, rung);
+  const Rung& judge = ladder().back();
+  for (const double accuracy : {0.05, 0.01}) {
+    int below = 0, broken = 0;
+    for (std::size_t i = 0; i < scenes.size(); ++i) {
+      const Plan chosen = plan(std::span(&scenes[i], 1), accuracy,
+                               [&](const Rung& rung) { return std::vector{answers[rung.name][i]}; });
+      below += chosen.rung.name != judge.name;
+      broken += answer_error(scenes[i], chosen.answers[0], chosen.rung, answers[judge.name][i], judge).S > accuracy;
+    }
+    EXPECT_GE(below, 40);  // a planner that sends everything to the reference promises nothing
+    EXPECT_LE(broken, 5);  // at 5 % a scene, six or more of 48 break in 4 % of all draws; this draw is fixed
   }
-  EXPECT_GE(judged, 16);  // a planner that sends everything to the finest rung promises nothing
-  EXPECT_LE(broken, 2);   // at 5 % a scene, three or more of 24 break in 11 % of all draws; this draw is fixed
 }
 
 }  // namespace
