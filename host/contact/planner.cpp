@@ -25,7 +25,7 @@ PlanTrial compare(std::span<const fem::Scene> scenes, std::size_t low, const std
   const Rung &rung = ladder()[low], &next = ladder()[low + 1];
   PlanTrial trial{rung.name, next.name};
   bool missed = false;
-  std::vector<double> differences, sigma, tau;
+  std::vector<double> differences, sigma, tau, P, Q;
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     AnswerError error = answer_error(scenes[i], answers[i], rung, finer[i], next);
     if (misses_contact(scenes[i], rung, answers[i]) || misses_contact(scenes[i], next, finer[i])) {
@@ -35,6 +35,8 @@ PlanTrial compare(std::span<const fem::Scene> scenes, std::size_t low, const std
     differences.push_back(error.S);
     sigma.push_back(error.sigma);
     tau.push_back(error.tau);
+    P.push_back(error.P);
+    Q.push_back(error.Q);
   }
   trial.difference = covering_value(differences, 0.95);
   trial.missed = missed && trial.difference >= 1;
@@ -42,6 +44,8 @@ PlanTrial compare(std::span<const fem::Scene> scenes, std::size_t low, const std
   trial.next_estimate = expected_next_error(low, trial.difference);
   trial.sigma = covering_value(sigma, 0.95);
   trial.tau = covering_value(tau, 0.95);
+  trial.P = covering_value(P, 0.95);
+  trial.Q = covering_value(Q, 0.95);
   return trial;
 }
 

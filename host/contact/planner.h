@@ -27,6 +27,7 @@ struct PlanTrial {
   double estimate = 0;       ///< expected error in S of `rung`
   double next_estimate = 0;  ///< expected error in S of `next`
   double sigma = 0, tau = 0;  ///< differences of the stresses at the tactels, as AnswerError; no promise
+  double P = 0, Q = 0;        ///< differences of the forces, as AnswerError; no promise
   bool missed = false;        ///< a contact is missed
 };
 

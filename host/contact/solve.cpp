@@ -107,6 +107,11 @@ SolveOutcome solve_to_accuracy(const fem::Scene& scene, const SolveOptions& opti
 
 }  // namespace
 
+std::optional<MeshError> mesh_error(const SolveOutcome& outcome) {
+  if (outcome.plan) return mesh_error(*outcome.plan);
+  return outcome.on_patch() ? std::nullopt : mesh_error(outcome.scene, outcome.solution);
+}
+
 bool too_deep(const fem::Sensor& sensor, double indentation) {
   constexpr double rounding = 1e-6;  // of a depth in fp32
   return indentation > fem::linear_strain_limit * (1 + rounding) * sensor.thickness;
@@ -122,13 +127,15 @@ std::optional<std::string> depth_warning(const fem::Scene& scene, const fem::Con
       deepest, 100 * share, 100 * fem::linear_strain_limit);
 }
 
+double slip_limit(const fem::Sensor& sensor, double contact_width) {
+  return std::max(sensor.length / (sensor.columns - 1), share_of_contact * contact_width);
+}
+
 double slip_limit(const fem::Sensor& sensor, const fem::ContactSolution& solution, const fem::ContactStep& step) {
-  const double spacing = sensor.length / (sensor.columns - 1);
   const auto touching = step.normal_force.array() > 0;
-  const double width = solution.surface_width.size() > 0
-                           ? touching.select(solution.surface_width.array(), 0.0).sum()
-                           : spacing * static_cast<double>(touching.count());
-  return std::max(spacing, share_of_contact * width);
+  if (solution.surface_width.size() > 0)
+    return slip_limit(sensor, touching.select(solution.surface_width.array(), 0.0).sum());
+  return slip_limit(sensor, sensor.length / (sensor.columns - 1) * static_cast<double>(touching.count()));
 }
 
 std::optional<std::string> slip_warning(const fem::Scene& scene, const fem::ContactSolution& solution) {
@@ -153,7 +160,9 @@ std::vector<std::string> warnings(const SolveOutcome& outcome) {
   std::vector<std::string> all;
   if (const auto warning = depth_warning(scene, solution)) all.push_back(*warning);
   if (const auto warning = slip_warning(scene, solution)) all.push_back(*warning);
-  if (never_slid(scene, solution))
+  if (never_slid(scene, solution) && !solution.steps.empty() && !(solution.steps.back().P > 0))
+    all.push_back("the drag until sliding touches nothing: it ends with its first step");
+  else if (never_slid(scene, solution))
     all.push_back(fmt::format("the contact does not slide as a whole within {} steps of {:.3g} mm",
                               fem::most_tangential_steps, scene.load.tangential_step));
   const auto raised = [](const fem::ContactStep& step) { return step.P > 0 && step.indentation < 0; };

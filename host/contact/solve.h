@@ -5,6 +5,7 @@
 
 #include "fem/contact_solution.h"
 #include "fem/scene.h"
+#include "host/contact/mesh_error.h"
 #include "host/contact/planner.h"
 
 namespace tactel::host {
@@ -26,10 +27,11 @@ struct SolveOptions {
 struct SolveOutcome {
   fem::ContactSolution solution;
   std::string solver, precision, device;
-  fem::Scene scene{};          ///< as it was modelled
-  std::string rung{};          ///< empty: as the scene says
-  std::optional<Plan> plan{};  ///< reason for the rung, where an accuracy was requested
-  std::string model_reason{};  ///< why this model, patch or mesh, answered
+  fem::Scene scene{};                     ///< as it was modelled
+  std::string rung{};                     ///< empty: as the scene says
+  std::optional<Plan> plan{};             ///< reason for the rung, where an accuracy was requested
+  std::string model_reason{};             ///< why this model, patch or mesh, answered
+  std::optional<MeshError> mesh_error{};  ///< of solve's command; none: not estimated
 
   bool on_patch() const { return solution.surface_width.size() > 0; }
 };
@@ -41,6 +43,9 @@ void check_modelling(const SolveOptions& options);
 /// Solves one scene. Throws ConfigError for contradictory options.
 SolveOutcome solve(const fem::Scene& scene, const SolveOptions& options);
 
+/// Returns the error to expect of an answer: the planner's, where it chose the rung, else that of the mesh.
+std::optional<MeshError> mesh_error(const SolveOutcome& outcome);
+
 /// Returns true where an indentation, mm, exceeds the share of the thickness to which rubber is linear.
 bool too_deep(const fem::Sensor& sensor, double indentation);
 /// Returns a warning about an indentation that is too deep; none for others.
@@ -51,7 +56,9 @@ std::string model_name(const SolveOutcome& outcome);
 
 /// Returns the slip of the indenter over the rubber, mm, up to which displacements are small. The profile stays
 /// above the nodes of its first position. The limit is the larger of the mesh's spacing and a tenth of the
-/// contact's width, at this step.
+/// contact's width, mm, at this step.
+double slip_limit(const fem::Sensor& sensor, double contact_width);
+/// The same of a step of an answer.
 double slip_limit(const fem::Sensor& sensor, const fem::ContactSolution& solution, const fem::ContactStep& step);
 /// Returns a warning where the indenter slides further; none otherwise.
 std::optional<std::string> slip_warning(const fem::Scene& scene, const fem::ContactSolution& solution);

@@ -4,12 +4,16 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <type_traits>
 
 #include "fem/contact_laws.h"
+#include "host/contact/patch_contact.h"
 #include "host/contact/solve.h"
+#include "host/contact/solve_on_rung.h"
 #include "host/sets/transducer_chain.h"
 #include "host/support/side_by_side.h"
 #include "kernels/shared/contact_layout.h"
+#include "kernels/shared/patch_layout.h"
 
 namespace tactel::host {
 namespace {
@@ -25,12 +29,6 @@ std::vector<fem::Sensor> distinct_sensors(const SceneSource& source) {
   for (const fem::Sensor& sensor : source.sensors())
     if (std::ranges::find(distinct, without_young(sensor)) == distinct.end()) distinct.push_back(without_young(sensor));
   return distinct;
-}
-
-/// Fills the condensation cache, one sensor a thread at a time.
-void condense_side_by_side(const std::vector<fem::Sensor>& sensors, int threads) {
-  side_by_side(sensors.size(), threads,
-               [&](std::size_t k) { fem::condense_cached(sensors[k], fem::default_cache_directory()); });
 }
 
 /// One load step as a row of a set.
@@ -93,20 +91,81 @@ void put_rows(ContactSet& set, std::size_t at, const fem::ContactSolution& solut
   }
 }
 
-template <class Real>
-using View = typename GapSweep<Real>::Batch::View;
+template <class Launcher>
+using View = typename Launcher::Batch::View;
 
-template <class Real>
-int status_of(const View<Real>& view, std::size_t i, int step) {
+template <class Launcher>
+int status_of(const View<Launcher>& view, std::size_t i, int step) {
   return static_cast<int>(view.result(i, step, LANE_STATUS));
 }
 
-template <class Real>
-bool solved(const View<Real>& view, std::size_t i) {
+template <class Launcher>
+bool every_step_solved(const View<Launcher>& view, std::size_t i) {
   for (int k = 0; k < view.path_steps(i); ++k)
-    if (const int status = status_of<Real>(view, i, k); status == LANE_UNSOLVED || status == LANE_INVALID) return false;
+    if (const int status = status_of<Launcher>(view, i, k); status == LANE_UNSOLVED || status == LANE_INVALID)
+      return false;
   return true;
 }
+
+/// What a set does with the mesh alone, or with patches alone.
+template <class Launcher>
+struct Solver;
+
+template <class Real>
+struct Solver<GapSweep<Real>> {
+  using Launcher = GapSweep<Real>;
+
+  static std::vector<Launcher> launchers(Executor& executor, const std::vector<fem::Sensor>& sensors,
+                                         const SetOptions& options) {
+    side_by_side(sensors.size(), executor.threads(),
+                 [&](std::size_t k) { fem::condense_cached(sensors[k], fem::default_cache_directory()); });
+    GapSweepOptions sweep;
+    sweep.tolerance = options.tolerance;
+    sweep.base_forces = false;
+    sweep.base_sums = true;
+    sweep.nodes = false;
+    std::vector<Launcher> all;
+    for (const fem::Sensor& sensor : sensors) all.emplace_back(executor, sensor, sweep);
+    return all;
+  }
+  static bool solved(const fem::Scene&, const View<Launcher>& view, std::size_t i) {
+    return every_step_solved<Launcher>(view, i);
+  }
+  static double element_width(const fem::Scene& scene, const View<Launcher>&, std::size_t) {
+    return mesh_spacing(scene.sensor);
+  }
+  static std::vector<fem::ContactSolution> solve_again(Executor& executor, const std::vector<fem::Scene>& scenes,
+                                                       const SetOptions& options) {
+    return solve_gap_sweep(executor, scenes, options.precision, {.tolerance = options.tolerance, .audit = false});
+  }
+};
+
+template <class Real>
+struct Solver<PatchContact<Real>> {
+  using Launcher = PatchContact<Real>;
+
+  static std::vector<Launcher> launchers(Executor& executor, const std::vector<fem::Sensor>& sensors,
+                                         const SetOptions& options) {
+    std::vector<std::optional<fem::LayerModel>> models(sensors.size());
+    side_by_side(sensors.size(), executor.threads(),
+                 [&](std::size_t k) { models[k] = layer_model(sensors[k], *options.patch); });
+    std::vector<Launcher> all;
+    for (const auto& model : models) all.emplace_back(executor, *model, patch_options(*options.patch));
+    return all;
+  }
+  static bool solved(const fem::Scene& scene, const View<Launcher>& view, std::size_t i) {
+    return every_step_solved<Launcher>(view, i) && view.patch_suffices(i) &&
+           patch_serves(scene.sensor, scene.indenter.position + view.patch(i, PATCH_ORIGIN),
+                        view.patch(i, PATCH_ELEMENT), view.elements());
+  }
+  static double element_width(const fem::Scene&, const View<Launcher>& view, std::size_t i) {
+    return view.patch(i, PATCH_ELEMENT);
+  }
+  static std::vector<fem::ContactSolution> solve_again(Executor& executor, const std::vector<fem::Scene>& scenes,
+                                                       const SetOptions& options) {
+    return solve_on_rung(executor, scenes, *options.patch);
+  }
+};
 
 double deepest(const fem::ContactSolution& solution) {
   double most = 0;  // mm
@@ -114,28 +173,60 @@ double deepest(const fem::ContactSolution& solution) {
   return most;
 }
 
-template <class Real>
-double deepest(const View<Real>& view, std::size_t i) {
+template <class Launcher>
+double deepest(const View<Launcher>& view, std::size_t i) {
   double most = 0;  // mm
-  for (int k = 0; k < view.path_steps(i) && status_of<Real>(view, i, k) != LANE_NOT_RUN; ++k)
+  for (int k = 0; k < view.path_steps(i) && status_of<Launcher>(view, i, k) != LANE_NOT_RUN; ++k)
     most = std::max(most, static_cast<double>(view.result(i, k, LANE_INDENTATION)));
   return most;
 }
 
+double mesh_spacing(const fem::Sensor& sensor) { return sensor.length / (sensor.columns - 1); }
+
+/// Whether the indenter slides further over the rubber than displacements are small.
+bool slides_far(const fem::Scene& scene, const fem::ContactSolution& solution) {
+  const bool patch = solution.surface_width.size() > 0;
+  const double element = patch ? solution.surface_width[0] : mesh_spacing(scene.sensor);
+  return std::ranges::any_of(solution.steps, [&](const fem::ContactStep& step) {
+    const auto touches = [](fem::GapStatus status) { return status != fem::GapStatus::open; };
+    const auto touching = static_cast<double>(std::ranges::count_if(step.status, touches));
+    return step.slip_distance > slip_limit(scene.sensor, element * touching);
+  });
+}
+
+template <class Launcher>
+bool slides_far(const fem::Scene& scene, const View<Launcher>& view, std::size_t i) {
+  const double element = Solver<Launcher>::element_width(scene, view, i);
+  for (int k = 0; k < view.path_steps(i) && status_of<Launcher>(view, i, k) != LANE_NOT_RUN; ++k) {
+    const auto touching = static_cast<double>(view.result(i, k, LANE_STICKING) + view.result(i, k, LANE_SLIPPING));
+    if (static_cast<double>(view.result(i, k, LANE_SLIP_DISTANCE)) > slip_limit(scene.sensor, element * touching))
+      return true;
+  }
+  return false;
+}
+
+/// Whether a drag until sliding went through all its steps: one that slides ends there, and one that touches nothing.
+template <class Launcher>
+bool never_slid(const fem::Scene& scene, const View<Launcher>& view, std::size_t i) {
+  const int last = view.path_steps(i) - 1;
+  const int status = status_of<Launcher>(view, i, last);
+  return fem::load_path(scene.load).until_sliding && status != LANE_NOT_RUN && status != LANE_SLIDING;
+}
+
 /// Which steps of a contact that the sweeps solved become rows.
-template <class Real>
-std::vector<int> rows_of(const View<Real>& view, std::size_t i, int first, double mu) {
+template <class Launcher>
+std::vector<int> rows_of(const View<Launcher>& view, std::size_t i, int first, double mu) {
   std::vector<int> steps;
-  for (int k = first; k < view.path_steps(i) && status_of<Real>(view, i, k) != LANE_NOT_RUN; ++k)
+  for (int k = first; k < view.path_steps(i) && status_of<Launcher>(view, i, k) != LANE_NOT_RUN; ++k)
     if (slip_index(mu, view.result(i, k, LANE_P), 0)) steps.push_back(k);
   return steps;
 }
 
-template <class Real>
-void put_rows(ContactSet& set, std::size_t at, const View<Real>& view, std::size_t i, int first,
+template <class Launcher>
+void put_rows(ContactSet& set, std::size_t at, const View<Launcher>& view, std::size_t i, int first,
               const SceneSource::Contact& contact, std::uint64_t number) {
   const double mu = contact.scene.friction;
-  for (const int k : rows_of<Real>(view, i, first, mu)) {
+  for (const int k : rows_of<Launcher>(view, i, first, mu)) {
     const auto said = [&](int row) { return static_cast<double>(view.result(i, k, row)); };
     const Row row{.slip_index = *slip_index(mu, said(LANE_P), said(LANE_SLIP_INDEX)),
                   .P = said(LANE_P),
@@ -150,14 +241,14 @@ void put_rows(ContactSet& set, std::size_t at, const View<Real>& view, std::size
 }
 
 /// Contacts that share a launch: same sensor but for E, same kind.
-template <class Real>
+template <class Launcher>
 struct SharedLaunch {
   std::size_t sensor = 0;
   ContactKind kind;
   int steps = 0;  ///< of the longest path
   std::vector<fem::Scene> scenes{};
   std::vector<std::uint64_t> which{};  ///< [scenes] contact, counted from the range's first
-  std::optional<typename GapSweep<Real>::Batch> batch{};
+  std::optional<typename Launcher::Batch> batch{};
 };
 
 /// Contacts that the exact fallback solved, by their place in the range.
@@ -166,14 +257,14 @@ using Fallen = std::map<std::uint64_t, fem::ContactSolution>;
 /// Lanes times load steps of a launch, at most: some 60 MB of results.
 constexpr std::size_t most_lane_steps = 1u << 18;
 
-template <class Real>
+template <class Launcher>
 struct RangeOf : SetSimulator::Range {
   std::vector<SceneSource::Contact> contacts;
   std::vector<int> first_step;  ///< [contacts] the step at full indentation
-  std::vector<SharedLaunch<Real>> launches;
+  std::vector<SharedLaunch<Launcher>> launches;
 
   /// The launch that a contact goes to; a new one where the last of its kind is full.
-  SharedLaunch<Real>& launch_for(std::size_t sensor, ContactKind kind, int steps) {
+  SharedLaunch<Launcher>& launch_for(std::size_t sensor, ContactKind kind, int steps) {
     for (auto launch = launches.rbegin(); launch != launches.rend(); ++launch) {
       if (launch->sensor != sensor || launch->kind != kind) continue;
       if ((launch->scenes.size() + 1) * std::max(steps, launch->steps) <= most_lane_steps) return *launch;
@@ -189,52 +280,43 @@ struct RangeOf : SetSimulator::Range {
 struct SetSimulator::State {
   State(Executor& executor, const SceneSource& source, const SetOptions& options)
       : executor(executor), source(source), options(options), sensors(distinct_sensors(source)) {
-    GapSweepOptions sweep;
-    sweep.tolerance = options.tolerance;
-    sweep.base_forces = false;
-    sweep.base_sums = true;
-    sweep.nodes = false;
-    condense_side_by_side(sensors, executor.threads());
-    for (const fem::Sensor& sensor : sensors) {
-      if (options.precision == Precision::fp32)
-        sweeps32.emplace_back(executor, sensor, sweep);
-      else
-        sweeps64.emplace_back(executor, sensor, sweep);
-    }
     if (source.transducer().present())
       chain.emplace(executor, source.transducer(), source.seed(), 2 * source.tactels());
   }
+  virtual ~State() = default;
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
 
-  template <class Real>
-  const std::vector<GapSweep<Real>>& sweeps() const {
-    if constexpr (sizeof(Real) == 4)
-      return sweeps32;
-    else
-      return sweeps64;
-  }
-
-  template <class Real>
-  std::unique_ptr<Range> prepare(std::uint64_t first, std::uint64_t count) const;
-  template <class Real>
-  void run(RangeOf<Real>& range, const RunOptions& options) const;
-  template <class Real>
-  ContactSet collect(RangeOf<Real>& range);
-  template <class Real>
-  void measure(ContactSet& set, const std::vector<std::size_t>& rows, const SharedLaunch<Real>& launch,
-               const View<Real>& view, const Fallen& fallen, std::uint64_t first);
+  virtual std::unique_ptr<Range> prepare(std::uint64_t first, std::uint64_t count) const = 0;
+  virtual void run(Range& range, const RunOptions& run_options) const = 0;
+  virtual ContactSet collect(Range& range) = 0;
 
   Executor& executor;
   const SceneSource& source;
   SetOptions options;
-  std::vector<fem::Sensor> sensors;        ///< distinct ones
-  std::vector<GapSweep<float>> sweeps32;   ///< [sensors] or empty
-  std::vector<GapSweep<double>> sweeps64;  ///< [sensors] or empty
-  std::optional<TransducerChain> chain;    ///< where there is more than bare stresses; used by collect alone
+  std::vector<fem::Sensor> sensors;      ///< distinct ones
+  std::optional<TransducerChain> chain;  ///< where there is more than bare stresses; used by collect alone
 };
 
-template <class Real>
-std::unique_ptr<SetSimulator::Range> SetSimulator::State::prepare(std::uint64_t first, std::uint64_t count) const {
-  auto range = std::make_unique<RangeOf<Real>>();
+namespace {
+
+template <class Launcher>
+struct Simulation : SetSimulator::State {
+  Simulation(Executor& executor, const SceneSource& source, const SetOptions& options)
+      : State(executor, source, options), launchers(Solver<Launcher>::launchers(executor, sensors, options)) {}
+
+  std::unique_ptr<SetSimulator::Range> prepare(std::uint64_t first, std::uint64_t count) const override;
+  void run(SetSimulator::Range& range, const RunOptions& run_options) const override;
+  ContactSet collect(SetSimulator::Range& range) override;
+  void measure(ContactSet& set, const std::vector<std::size_t>& rows, const SharedLaunch<Launcher>& launch,
+               const View<Launcher>& view, const Fallen& fallen, std::uint64_t first);
+
+  std::vector<Launcher> launchers;  ///< [sensors]
+};
+
+template <class Launcher>
+std::unique_ptr<SetSimulator::Range> Simulation<Launcher>::prepare(std::uint64_t first, std::uint64_t count) const {
+  auto range = std::make_unique<RangeOf<Launcher>>();
   range->first = first, range->count = count;
   for (std::uint64_t k = 0; k < count; ++k) {
     range->contacts.push_back(source.contact(first + k));
@@ -243,21 +325,21 @@ std::unique_ptr<SetSimulator::Range> SetSimulator::State::prepare(std::uint64_t 
     const int steps = static_cast<int>(path.steps.size());
     range->first_step.push_back(path.indentation_steps - 1);
     const auto sensor = std::ranges::find(sensors, without_young(scene.sensor)) - sensors.begin();
-    SharedLaunch<Real>& launch = range->launch_for(static_cast<std::size_t>(sensor), kind_of(scene), steps);
+    SharedLaunch<Launcher>& launch = range->launch_for(static_cast<std::size_t>(sensor), kind_of(scene), steps);
     launch.steps = std::max(launch.steps, steps);
     launch.scenes.push_back(scene);
     launch.which.push_back(k);
   }
-  for (SharedLaunch<Real>& launch : range->launches) {
-    launch.batch = sweeps<Real>()[launch.sensor].prepare(launch.scenes);
+  for (SharedLaunch<Launcher>& launch : range->launches) {
+    launch.batch = launchers[launch.sensor].prepare(launch.scenes);
     range->steps += launch.batch->steps_in_all();
   }
   return range;
 }
 
-template <class Real>
-void SetSimulator::State::run(RangeOf<Real>& range, const RunOptions& run_options) const {
-  for (SharedLaunch<Real>& launch : range.launches) {
+template <class Launcher>
+void Simulation<Launcher>::run(SetSimulator::Range& range, const RunOptions& run_options) const {
+  for (SharedLaunch<Launcher>& launch : static_cast<RangeOf<Launcher>&>(range).launches) {
     launch.batch->run(run_options);
     range.kernel_seconds += launch.batch->seconds();
   }
@@ -265,10 +347,10 @@ void SetSimulator::State::run(RangeOf<Real>& range, const RunOptions& run_option
 
 /// Readings in place of stresses, in the rows of a launch's contacts. They depend on all load steps up to them, so
 /// these go through the chain, rows or not.
-template <class Real>
-void SetSimulator::State::measure(ContactSet& set, const std::vector<std::size_t>& rows,
-                                  const SharedLaunch<Real>& launch, const View<Real>& view, const Fallen& fallen,
-                                  std::uint64_t first) {
+template <class Launcher>
+void Simulation<Launcher>::measure(ContactSet& set, const std::vector<std::size_t>& rows,
+                                   const SharedLaunch<Launcher>& launch, const View<Launcher>& view,
+                                   const Fallen& fallen, std::uint64_t first) {
   const std::size_t inputs = set.inputs;
   std::vector<TransducerChain::Contact> contacts;
   std::size_t steps = 0;
@@ -298,23 +380,32 @@ void SetSimulator::State::measure(ContactSet& set, const std::vector<std::size_t
   }
 }
 
-template <class Real>
-ContactSet SetSimulator::State::collect(RangeOf<Real>& range) {
-  std::deque<View<Real>> views;                       // they cannot be moved
+template <class Launcher>
+ContactSet Simulation<Launcher>::collect(SetSimulator::Range& any_range) {
+  auto& range = static_cast<RangeOf<Launcher>&>(any_range);
+  std::deque<View<Launcher>> views;                   // they cannot be moved
   std::vector<std::size_t> rows(range.count + 1, 0);  // of contact k: rows[k] ... rows[k + 1] - 1
-  Fallen fallen;
-  for (const SharedLaunch<Real>& launch : range.launches) {
-    const View<Real>& view = views.emplace_back(*launch.batch);
+  std::vector<std::uint64_t> unsolved;                // contacts, counted from the range's first
+  std::vector<fem::Scene> unsolved_scenes;
+  for (const SharedLaunch<Launcher>& launch : range.launches) {
+    const View<Launcher>& view = views.emplace_back(*launch.batch);
     for (const std::size_t i : view.by_lane()) {
       const std::uint64_t k = launch.which[i];
-      if (solved<Real>(view, i)) {
-        rows[k + 1] = rows_of<Real>(view, i, range.first_step[k], launch.scenes[i].friction).size();
+      if (Solver<Launcher>::solved(launch.scenes[i], view, i)) {
+        rows[k + 1] = rows_of<Launcher>(view, i, range.first_step[k], launch.scenes[i].friction).size();
       } else {
-        auto again = solve_gap_sweep(executor, std::span(&launch.scenes[i], 1), options.precision,
-                                     {.tolerance = options.tolerance, .audit = false});
-        rows[k + 1] = rows_of(again[0], range.first_step[k]).size();
-        fallen[k] = std::move(again[0]);
+        unsolved.push_back(k);
+        unsolved_scenes.push_back(launch.scenes[i]);
       }
+    }
+  }
+  Fallen fallen;
+  if (!unsolved.empty()) {
+    auto again = Solver<Launcher>::solve_again(executor, unsolved_scenes, options);
+    for (std::size_t j = 0; j < unsolved.size(); ++j) {
+      const std::uint64_t k = unsolved[j];
+      rows[k + 1] = rows_of(again[j], range.first_step[k]).size();
+      fallen[k] = std::move(again[j]);
     }
   }
   ContactSet set;
@@ -327,41 +418,53 @@ ContactSet SetSimulator::State::collect(RangeOf<Real>& range) {
     for (const std::size_t i : views[l].by_lane()) {
       const std::uint64_t k = range.launches[l].which[i];
       if (fallen.contains(k)) continue;
-      put_rows<Real>(set, rows[k], views[l], i, range.first_step[k], range.contacts[k], range.first + k);
-      set.too_deep += too_deep(range.contacts[k].scene.sensor, deepest<Real>(views[l], i));
+      const fem::Scene& scene = range.contacts[k].scene;
+      put_rows<Launcher>(set, rows[k], views[l], i, range.first_step[k], range.contacts[k], range.first + k);
+      set.too_deep += too_deep(scene.sensor, deepest<Launcher>(views[l], i));
+      set.far_slip += slides_far<Launcher>(scene, views[l], i);
+      set.never_slid += rows[k] < rows[k + 1] && never_slid<Launcher>(scene, views[l], i);
     }
   }
   for (const auto& [k, solution] : fallen) {
+    const fem::Scene& scene = range.contacts[k].scene;
     put_rows(set, rows[k], solution, range.first_step[k], range.contacts[k], range.first + k);
     set.fell_back += solution.fell_back;
-    set.too_deep += too_deep(range.contacts[k].scene.sensor, deepest(solution));
+    set.too_deep += too_deep(scene.sensor, deepest(solution));
+    set.far_slip += slides_far(scene, solution);
+    set.never_slid += rows[k] < rows[k + 1] && never_slid(scene, solution);
     set.unsolved += std::ranges::any_of(solution.steps, [](const auto& step) { return !step.converged; });
   }
   for (std::size_t l = 0; chain && l < views.size(); ++l)
-    measure<Real>(set, rows, range.launches[l], views[l], fallen, range.first);
+    measure<Launcher>(set, rows, range.launches[l], views[l], fallen, range.first);
   return set;
 }
 
+std::unique_ptr<SetSimulator::State> simulation(Executor& executor, const SceneSource& source,
+                                                const SetOptions& options) {
+  const bool fp32 = options.precision == Precision::fp32;
+  const auto made = [&]<class Launcher>(std::type_identity<Launcher>) -> std::unique_ptr<SetSimulator::State> {
+    return std::make_unique<Simulation<Launcher>>(executor, source, options);
+  };
+  if (options.patch)
+    return fp32 ? made(std::type_identity<PatchContact<float>>()) : made(std::type_identity<PatchContact<double>>());
+  return fp32 ? made(std::type_identity<GapSweep<float>>()) : made(std::type_identity<GapSweep<double>>());
+}
+
+}  // namespace
+
 SetSimulator::SetSimulator(Executor& executor, const SceneSource& source, const SetOptions& options)
-    : state_(std::make_unique<State>(executor, source, options)) {}
+    : state_(simulation(executor, source, options)) {}
 
 SetSimulator::~SetSimulator() = default;
 
 std::unique_ptr<SetSimulator::Range> SetSimulator::prepare(std::uint64_t first, std::uint64_t count) const {
-  return state_->options.precision == Precision::fp32 ? state_->prepare<float>(first, count)
-                                                      : state_->prepare<double>(first, count);
+  return state_->prepare(first, count);
 }
 
-void SetSimulator::run(Range& range, const RunOptions& options) const {
-  if (state_->options.precision == Precision::fp32)
-    state_->run(static_cast<RangeOf<float>&>(range), options);
-  else
-    state_->run(static_cast<RangeOf<double>&>(range), options);
-}
+void SetSimulator::run(Range& range, const RunOptions& options) const { state_->run(range, options); }
 
 ContactSet SetSimulator::collect(Range& range) const {
-  ContactSet set = state_->options.precision == Precision::fp32 ? state_->collect(static_cast<RangeOf<float>&>(range))
-                                                                : state_->collect(static_cast<RangeOf<double>&>(range));
+  ContactSet set = state_->collect(range);
   set.indenter_names = state_->source.kind_names();
   set.transducer = nn::description(state_->source.transducer());
   set.device = state_->executor.device().info().name;

@@ -9,7 +9,9 @@ namespace tactel::host {
 
 struct SetOptions {
   Precision precision = Precision::fp32;
-  double tolerance = 0;  ///< as GapSweepOptions
+  double tolerance = 0;             ///< as GapSweepOptions
+  std::optional<Rung> patch{};      ///< contacts on patches of this rung, with its precision and tolerance; none: on the
+                                    ///< mesh of their sensor
 };
 
 /// Simulates contacts of a source, range by range. The rows of a contact depend on the source and the number of
@@ -23,6 +25,7 @@ class SetSimulator {
   /// A range of contacts in the three stages of simulate(). The stages may run in separate threads, on
   /// different ranges.
   class Range;
+  struct State;
   std::unique_ptr<Range> prepare(std::uint64_t first, std::uint64_t count) const;
   void run(Range& range, const RunOptions& options = {}) const;
   ContactSet collect(Range& range) const;
@@ -33,7 +36,6 @@ class SetSimulator {
   ContactSet simulate(std::uint64_t first, std::uint64_t count) const;
 
  private:
-  struct State;
   std::unique_ptr<State> state_;
 };
 
