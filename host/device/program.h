@@ -29,14 +29,14 @@ class Program {
   cl::Kernel kernel(const std::string& name) const;
   const Device& device() const;
   const std::string& source() const;   ///< "gap_sweep.cl"
-  const std::string& options() const;  ///< as the compiler got them
+  const std::string& options() const;  ///< as passed to the compiler
 
   /// Returns true where a launch of `kernel` with first_group = NO_GROUPS does nothing: its text has TAKE_GROUP
   /// (kernels/shared/group.h).
   bool takes_group(const std::string& kernel) const;
   /// Returns the parameters of a kernel, from the text of the source.
   std::vector<KernelParameter> parameters(const std::string& kernel) const;
-  /// Whether this is the first call for `kernel`. Calls take turns.
+  /// Returns true for the first call with `kernel`. Calls are serialized.
   bool first_use(const std::string& kernel) const;
 
  private:
