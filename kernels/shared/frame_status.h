@@ -1,9 +1,9 @@
-/* What became of a frame: nn::FrameStatus, for host and device. */
+/* Status of the evaluation of a frame: nn::FrameStatus, for host and device. */
 #ifndef TACTEL_SHARED_FRAME_STATUS_H
 #define TACTEL_SHARED_FRAME_STATUS_H
 
 #define FRAME_OK 0
-#define FRAME_NO_STRESS 1  /* scaling by the frame's own stress found none; the network saw zeros */
+#define FRAME_NO_STRESS 1  /* scaling by the frame's own stress found none; the network received zeros */
 #define FRAME_NOT_FINITE 2 /* the frame holds NaN or infinity; S is NaN */
 #define FRAME_OVERFLOW 3   /* a sum inside the network was not finite; S is NaN */
 
