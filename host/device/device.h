@@ -44,7 +44,7 @@ void set_default_log(LogSink log);
 /// Returns every OpenCL device, in the order of --device; empty where there is none. Before the first OpenCL call
 /// of the process it sets POCL_DEVICES to "basic pthread", and POCL_CACHE_DIR to "pocl" in
 /// fem::default_cache_directory(), unless the user has set them. PoCL keeps compiled kernels there; they are
-/// checked first (compile_cache.h). A user who sets POCL_CACHE_DIR is responsible for its content.
+/// checked first (compile_cache.h). The content of a user's own POCL_CACHE_DIR is not checked.
 std::vector<DeviceInfo> list_devices();
 /// Returns the index of the default device: $TACTEL_DEVICE, else PoCL's `basic` (on which answers are tested),
 /// another CPU, a GPU. Returns -1 where there is none.

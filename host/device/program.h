@@ -45,8 +45,8 @@ class Program {
   std::shared_ptr<const State> state_;
 };
 
-/// Returns the text for the compiler: every `#include "..."` of an embedded file replaced by that file (once),
-/// with #line directives, so that the log names the real file and line.
+/// Returns the text for the compiler. Every `#include "..."` of an embedded file is replaced by that file (once).
+/// Because of #line directives the log names the real file and line.
 std::string expand_includes(const std::string& name, const std::string& text);
 
 }  // namespace tactel::host
