@@ -13,8 +13,8 @@ nlohmann::ordered_json errors_json(const std::vector<nn::ErrorReport>& reports);
 /// learning and recalling, with the 5 and 95 % quantiles as "low" and "high".
 nlohmann::ordered_json table_two_json(const InverseProblem& problem);
 
-/// Adds to the report Table II as a distribution, learning curves, errors by class and by nodes in contact, and the
-/// effects of noise and of the parameters that the paper leaves open.
+/// Adds to the report Table II as a distribution, learning curves, and errors by class and by nodes in contact.
+/// Adds the effects of noise and of the parameters that the paper leaves open.
 void report_inverse_problem(ReportPage& page, const InverseProblem& problem, const InverseChoice& choice,
                             const InverseSensitivity& sensitivity);
 
