@@ -25,8 +25,8 @@ class Handle {
 };
 
 /// Call it before any other call of HDF5. Disables the library's own error printing; callers throw ConfigError.
-/// Disables its clean-up at exit, which closes again what a full disk kept from closing, and crashes. Every Handle
-/// closes itself, so that nothing remains for the clean-up.
+/// Disables the library's clean-up at exit: where a full disk made a close fail, the clean-up repeats it and
+/// crashes. Every Handle closes itself, so no clean-up is needed.
 inline void prepare_hdf5() {
   static const bool once = H5dont_atexit() >= 0;
   static_cast<void>(once);

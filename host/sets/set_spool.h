@@ -28,8 +28,8 @@ class SetSpool {
  public:
   enum class Open { fresh, resume, join };  ///< join: another process of the same run has opened it
   /// `plan` is all inputs of the rows, as text; `inputs` the numbers of a frame. Throws ConfigError where another
-  /// run uses the folder, where `fresh` finds chunks to resume, where the folder or a chunk belongs to another
-  /// plan, where chunks exist without a plan, or where the folder cannot be written.
+  /// run uses the folder, or where `fresh` finds chunks to resume. Throws it also where the folder or a chunk
+  /// belongs to another plan, chunks exist without a plan, or the folder cannot be written.
   SetSpool(const std::filesystem::path& output, const std::string& plan, int inputs, int writer, Open how);
   ~SetSpool();
   SetSpool(const SetSpool&) = delete;
