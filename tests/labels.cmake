@@ -6,7 +6,7 @@
 #   nightly    run by scripts/nightly alone
 
 # Regular expressions of test names, by test program. A unit test runs without OpenCL platforms (below): it fails where it needs one.
-foreach(program fem nn hw support figures scenes)
+foreach(program fem layer nn hw support figures scenes)
   set(unit_${program} ".")
 endforeach()
 set(unit_device "^(ThreadTeam|Cache|CachePlace|GroupSupply|Pace|LayoutList)[.]|/(DamagedCache|Balance)[.]|^Embedded[.][EI]|OfADoubleProgram|GoesOnWithTheThreads")
@@ -28,7 +28,7 @@ set(program_commands "^([^D]|Du)")  # all but DevicesCommand
 
 set(slow "^(ClosedForms|GapReferenceRandom|IndependentContact|Extremes|InverseProblem|DirectProblem|StreamTraining|RankTraining)[.]|^Planner[.]K|EveryShape|CondensationCache.AnyFlippedByte|/100000$")
 
-foreach(program fem nn hw support figures scenes device networks contact sets live training studies commands)
+foreach(program fem layer nn hw support figures scenes device networks contact sets live training studies commands)
   foreach(test IN LISTS tactel_${program}_tests_TESTS)
     set(labels device)
     if(test MATCHES "${unit_${program}}")
@@ -47,7 +47,7 @@ foreach(program fem nn hw support figures scenes device networks contact sets li
         set(labels "${labels};program")
       endif()
     endif()
-    if(program MATCHES "^(fem|nn)$")
+    if(program MATCHES "^(fem|layer|nn)$")
       set(labels "${labels};reference")
     elseif(program STREQUAL "hw")
       set(labels "${labels};hw")
