@@ -15,7 +15,7 @@ std::shared_ptr<CLI::FormatterBase> help_formatter();
 /// Throws ConfigError for nan or infinity as the value of an option that takes a number. `command`: parsed.
 void check_numbers(const CLI::App& command);
 
-/// Returns the message about arguments that `command` does not know: the first of them, with the most similar
+/// Returns the message about the unknown arguments of `command`: the first of them, with the most similar
 /// option.
 std::string unknown_argument(const CLI::App& command);
 

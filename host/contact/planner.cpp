@@ -127,19 +127,20 @@ std::string Plan::why() const {
   std::string text = fmt::format("rung {} ({})", rung.name, model);
   if (trials.empty())
     return text +
-           fmt::format(": this sensor carries no finer rung, so the error in S is not known; asked for {:g}", accuracy);
+           fmt::format(": this sensor carries no finer rung, so the error in S is unknown; requested {:g}", accuracy);
   const PlanTrial& last = trials.back();
   const std::string& other = last.rung == rung.name ? last.next : last.rung;
   text += last.rung == rung.name ? ": " : ": the finest; ";
   if (last.missed)
-    text += fmt::format("the mesh of this rung or of rung {} misses a contact; asked for {:g}", other, accuracy);
+    text += fmt::format("the mesh of this rung or of rung {} misses a contact; requested {:g}", other, accuracy);
   else if (last.rung == rung.name)
-    text += fmt::format("S differs by {:.2g} on rung {}; error in S to expect {:.2g}, asked for {:g}", last.difference,
+    text += fmt::format("S differs by {:.2g} on rung {}; expected error in S {:.2g}, requested {:g}", last.difference,
                         other, estimate, accuracy);
   else
-    text += fmt::format("S differs by {:.2g} on rung {}; asked for {:g}", last.difference, other, accuracy);
-  return text + fmt::format("; this promises S alone: there sigma_y differs by {:.2g}, tau_xy by {:.2g} of its largest",
-                            last.sigma, last.tau);
+    text += fmt::format("S differs by {:.2g} on rung {}; requested {:g}", last.difference, other, accuracy);
+  return text +
+         fmt::format("; the accuracy holds for S alone: sigma_y differs by {:.2g}, tau_xy by {:.2g} of its largest",
+                     last.sigma, last.tau);
 }
 
 nlohmann::ordered_json to_json(const Plan& plan) {

@@ -21,7 +21,7 @@ int touching_nodes(const fem::ContactSolution& solution);
 /// holds them.
 struct MeasuredRung {
   const char* name;
-  double steps_per_second;  ///< load increments asked for, on the machine that measured
+  double steps_per_second;  ///< requested load increments, on the machine of the measurement
   double median, most95;    ///< of the error in S
   double factor;            ///< error in S over the difference in S from its finer_rung: 90 % of the scenes have less
   ByTouching least;         ///< median error in S by touching_class: two rungs may agree by chance, but not so often
@@ -47,10 +47,10 @@ struct PlanTrial {
 /// The rung for an accuracy, and the reason. The accuracy holds for S alone; the trials contain the differences
 /// of stresses.
 struct Plan {
-  double accuracy = 0;  ///< largest error in S that is asked for
+  double accuracy = 0;  ///< requested largest error in S
   Rung rung;
   std::string model{};  ///< description of the rung on the scenes' sensor
-  double estimate = 0;  ///< error in S to expect of it; infinite where no finer rung tells
+  double estimate = 0;  ///< expected error in S; infinite without a finer rung for comparison
   bool kept = false;    ///< estimate <= accuracy; the finest rung that the sensors carry is taken where none keeps it
   std::vector<PlanTrial> trials{};
   std::vector<fem::ContactSolution> answers{};  ///< of the scenes on that rung

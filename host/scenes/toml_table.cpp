@@ -21,7 +21,7 @@ constexpr std::size_t largest_file = std::size_t{16} << 20;
 constexpr int deepest =
     16;  // parts of a key; arrays and tables within each other. The parser would go as deep as asked
 
-/// Ends with an error where the file goes on beyond largest_file: a device such as /dev/zero never ends.
+/// Throws where the file is longer than largest_file: a device such as /dev/zero never ends.
 std::string read_text(const std::filesystem::path& path) {
   const auto unreadable = [&](const std::string& why) {
     return ConfigError(path.string(), "file", path.string(), "a readable TOML file (" + why + ")");

@@ -51,7 +51,7 @@ void condense_side_by_side(const std::vector<fem::Sensor>& sensors, int threads)
     try {
       for (int i = 1; i < std::min<int>(threads, static_cast<int>(sensors.size())); ++i) team.emplace_back(work);
     } catch (const std::system_error&) {
-      // No more threads are to be had: those that are there do all the work.
+      // The system creates no more threads: the existing ones do all the work.
     }
     work();
   }

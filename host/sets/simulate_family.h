@@ -5,7 +5,7 @@
 
 namespace tactel::host {
 
-/// Simulates a family in the way of SetSimulator.
+/// Simulates a family by SetSimulator.
 ContactSet simulate_family(Executor& executor, const SceneFamily& family, Precision precision, double tolerance);
 
 }  // namespace tactel::host

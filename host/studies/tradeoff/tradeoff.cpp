@@ -127,7 +127,7 @@ void mark_front(std::vector<MeasuredModel>& models) {
     });
 }
 
-/// A named rung beside the next: what the planner wants to know.
+/// Measures a named rung beside the next, for the planner.
 MeasuredRung planner_row(const Study& study, const MeasuredModel& model, const Answers& answers, const Answers& next,
                          const Rung& next_rung, const Answers& truth) {
   const auto error = study.errors(model.rung, answers, ladder().back(), truth);

@@ -15,17 +15,17 @@ struct TradeoffOptions {
   std::function<bool(const std::string& what, std::size_t done, std::size_t total)> progress{};  ///< false stops
 };
 
-/// A model on the mix: what is wrong with it, and how fast it is.
+/// Error and speed of a model on the mix of scenes.
 struct MeasuredModel {
   Rung rung;
   ErrorQuantiles error;         ///< against the judge
   double unsolved = 0;          ///< share of increments that missed the model's tolerance
   double sweeps = 0;            ///< Gauss-Seidel sweeps an increment, mean
-  double steps_per_second = 0;  ///< load increments asked for, in a batch; 0: not timed
+  double steps_per_second = 0;  ///< requested load increments, in a batch; 0: not timed
   bool front = false;           ///< no other model is as fast with a smaller 95 % error in S
 };
 
-/// One thing changed at a time, everything else as the judge has it.
+/// Models that differ from the judge in one quantity alone.
 struct ErrorSource {
   std::string what;
   Rung judge;
@@ -39,20 +39,20 @@ struct Tradeoff {
   double reference_error = 0;           ///< 95 % quantile of the reference's own error in S, by extrapolation
   double observed_order = 0;            ///< of the median error in S with the contact mesh
   double full_mesh_difference = 0;      ///< condensed against full-mesh solver on the same mesh, S, largest
-  double full_mesh_per_second = 0;      ///< load increments asked for a second, full mesh, one core
+  double full_mesh_per_second = 0;      ///< requested load increments per second, full mesh, one core
   std::vector<MeasuredModel> models{};  ///< named rungs first
   std::vector<ErrorSource> sources{};
   std::vector<MeasuredRung> planner{};  ///< for the named rungs
 };
 
-/// Throws Stopped when progress says no.
+/// Throws Stopped where progress returns false.
 Tradeoff measure_tradeoff(Executor& executor, const TradeoffOptions& options);
 
-/// How the planner did on scenes that it has not been measured on.
+/// Result of the planner on scenes that did not serve to measure it.
 struct Promise {
   double accuracy = 0;
   std::size_t scenes = 0;              ///< all of them
-  std::size_t reference = 0;           ///< sent to the reference, whose error the mix cannot tell
+  std::size_t reference = 0;           ///< planned on the reference, whose error the mix does not measure
   std::size_t kept = 0;                ///< of the others: error in S within the accuracy
   std::vector<std::size_t> by_rung{};  ///< [ladder] scenes
 };
@@ -60,7 +60,7 @@ struct Promise {
 std::vector<Promise> verify_planner(Executor& executor, const TradeoffOptions& options,
                                     const std::vector<double>& accuracies);
 
-/// Load increments asked for a second: scenes of the mix on one sensor in one batch, best of a few runs.
+/// Returns requested load increments per second: scenes of the mix on one sensor in one batch, best of a few runs.
 double steps_per_second(Executor& executor, const Rung& rung);
 
 }  // namespace tactel::host

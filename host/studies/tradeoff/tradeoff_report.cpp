@@ -77,12 +77,12 @@ std::vector<MeasuredModel> by_speed(std::vector<MeasuredModel> models) {
 }
 
 const char* const definitions =
-    "Errors are the largest over the load steps that the scene asks for: of S itself; of P and Q over the path's "
+    "Errors are the largest over the load steps that the scene requests: of S itself; of P and Q over the path's "
     "largest; "
     "of σ_y and τ_xy at any tactel over the largest at any of them along the path. The two tactels at the very ends "
-    "are "
-    "left out: there the glued base meets the free side and the exact stress is infinite. Median and 95 % are over the "
-    "scenes. Speed counts load steps that the scene asks for, so that finer increments cost.";
+    "are excluded: there the bonded base meets the free side and the exact stress is infinite. Median and 95 % are "
+    "over the "
+    "scenes. Speed counts requested load steps; finer increments therefore reduce it.";
 
 }  // namespace
 
@@ -144,7 +144,7 @@ Figure tradeoff_figure(const Tradeoff& tradeoff) {
     add_point(rung, model);
     panel.series.push_back(std::move(rung));
   }
-  return {.title = "What an accuracy costs", .panels = {panel}, .width = 820, .panel_height = 420};
+  return {.title = "Cost of accuracy", .panels = {panel}, .width = 820, .panel_height = 420};
 }
 
 Figure sources_figure(const Tradeoff& tradeoff) {
@@ -174,7 +174,7 @@ Figure sources_figure(const Tradeoff& tradeoff) {
 }
 
 std::string tradeoff_page(const Tradeoff& tradeoff) {
-  ReportPage page("tactel: speed for accuracy", "tactel " TACTEL_VERSION " on " + tradeoff.device);
+  ReportPage page("tactel: speed against accuracy", "tactel " TACTEL_VERSION " on " + tradeoff.device);
   page.section("The ladder");
   page.paragraph(tradeoff.mix + ". " + definitions);
   page.figure(tradeoff_figure(tradeoff), "95 % of the scenes have an error in S below the mark.");
@@ -187,7 +187,7 @@ std::string tradeoff_page(const Tradeoff& tradeoff) {
       "the solver of the whole mesh without condensation differs in S by {:.1e} at most ({:.0f} load steps a second).",
       tradeoff.observed_order, tradeoff.reference_error, tradeoff.full_mesh_difference, tradeoff.full_mesh_per_second));
   page.section("Where the error comes from");
-  page.paragraph("One thing at a time is coarser than in the judge; all else is equal.");
+  page.paragraph("Each row makes one quantity coarser than in the judge; all others are equal.");
   page.figure(sources_figure(tradeoff), "Error in S against the judge of each table below.");
   for (const ErrorSource& source : tradeoff.sources) {
     ReportTable rows{.caption = source.what + "; judge: " + description(source.judge), .head = head};
