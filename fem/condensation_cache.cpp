@@ -8,6 +8,7 @@
 
 #include "fem/condensation.h"
 #include "fem/number_text.h"
+#include "fem/processor.h"
 
 namespace tactel::fem {
 namespace {
@@ -36,13 +37,15 @@ void append(std::string& bytes, const Number& number) {
 }
 
 /// All that C, T and the tactel stresses depend on, to the last digit: not E, which only scales. TACTEL_FEM_FINGERPRINT
-/// is made of the sources that form them and of the compiler's options: another formula or rounding, another key.
+/// is made of the sources that form them and of the compiler's options; the processor orders sums. Another formula or
+/// rounding, another key.
 std::string key_text(const Sensor& s) {
-  return "tactel condensation\nbuild " TACTEL_FEM_FINGERPRINT "\nlength " + number_text(s.length) + "\nthickness " +
-         number_text(s.thickness) + "\npoisson " + number_text(s.poisson) + "\ncolumns " + std::to_string(s.columns) +
-         "\nrows " + std::to_string(s.rows) + "\ngrading " + number_text(s.grading) + "\nelement " + name(s.element) +
-         "\ntactels " + std::to_string(s.tactels) + "\nspan " + number_text(s.span()) + "\nwidth " +
-         number_text(s.tactel_width) + "\nstress " + name(s.stress) + "\n";
+  return "tactel condensation\nbuild " TACTEL_FEM_FINGERPRINT "\nprocessor " + processor_text() + "\nlength " +
+         number_text(s.length) + "\nthickness " + number_text(s.thickness) + "\npoisson " + number_text(s.poisson) +
+         "\ncolumns " + std::to_string(s.columns) + "\nrows " + std::to_string(s.rows) + "\ngrading " +
+         number_text(s.grading) + "\nelement " + name(s.element) + "\ntactels " + std::to_string(s.tactels) +
+         "\nspan " + number_text(s.span()) + "\nwidth " + number_text(s.tactel_width) + "\nstress " + name(s.stress) +
+         "\n";
 }
 
 /// A result of the right sizes for this sensor, to be filled.

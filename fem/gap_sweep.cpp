@@ -219,10 +219,10 @@ ContactSolution GapSweep<Real>::solve(const Scene& scene) const {
     step.iterations = sweeps;
     step.converged = converged;
     const bool touches = step.P > 0;
-    const std::size_t done = solution.steps.size() + 1;
-    solution.sliding = slides && touches && static_cast<int>(done) > path.indentation_steps;
+    const bool dragged = static_cast<int>(solution.steps.size()) >= path.indentation_steps;
+    solution.sliding = slides && touches && dragged;
     solution.steps.push_back(std::move(step));
-    return !(path.until_sliding && solution.sliding);
+    return !(path.until_sliding && slides && dragged);  // where nothing touches, nothing ever will
   });
   return solution;
 }

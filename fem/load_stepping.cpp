@@ -6,10 +6,8 @@
 namespace tactel::fem {
 namespace {
 
-bool every_touching_node_slips(const ContactStep& step) {
-  const auto is = [](GapStatus status) { return [status](GapStatus other) { return other == status; }; };
-  return std::any_of(step.status.begin(), step.status.end(), is(GapStatus::slip)) &&
-         std::none_of(step.status.begin(), step.status.end(), is(GapStatus::stick));
+bool has(const ContactStep& step, GapStatus status) {
+  return std::find(step.status.begin(), step.status.end(), status) != step.status.end();
 }
 
 /// mm: as ContactStep has it.
@@ -63,8 +61,9 @@ ContactSolution step_load_path(GapSystem& system, const Scene& scene, ContactSol
     solution.steps.back().converged &= history;
     pose = std::move(answer.pose);
     const bool tangential = int(solution.steps.size()) > path.indentation_steps;
-    solution.sliding = tangential && every_touching_node_slips(solution.steps.back());
-    if (path.until_sliding && solution.sliding) break;
+    const bool sticks = has(solution.steps.back(), GapStatus::stick);
+    solution.sliding = tangential && !sticks && has(solution.steps.back(), GapStatus::slip);
+    if (path.until_sliding && tangential && !sticks) break;  // where nothing touches, nothing ever will
   }
   return solution;
 }

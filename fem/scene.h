@@ -32,8 +32,9 @@ struct LoadStep {
 /// The increments of a load path. A path until sliding has `most_tangential_steps` and `until_sliding` set.
 struct LoadPath {
   std::vector<LoadStep> steps;
-  int indentation_steps = 0;   ///< number of them that belong to the indentation
-  bool until_sliding = false;  ///< stop after the first tangential increment in which every touching node slips
+  int indentation_steps = 0;  ///< number of them that belong to the indentation
+  bool until_sliding =
+      false;  ///< stop after the first tangential increment in which no node sticks: all that touch slip
 };
 inline constexpr int most_tangential_steps = 1000;
 inline constexpr int most_indentation_steps = 1000;  // for each target

@@ -595,7 +595,8 @@ static inline void report(global const vreal *lane_input, int k, const Contact *
     out[LANE_BALANCE * VECTORS] = off_balance;
     out[LANE_SLIP_DISTANCE * VECTORS] = said->slip_distance[v];
     w->lost[v] |= NOT(solved);
-    w->running[v] &= NOT(slides & (lane_input[LANE_MAY_STOP * VECTORS + v] <= (real)k));
+    // Without a sticking node the contact slides, or there is none: a drag changes neither.
+    w->running[v] &= NOT((sticking[v] == 0) & (lane_input[LANE_MAY_STOP * VECTORS + v] <= (real)k));
   }
 }
 

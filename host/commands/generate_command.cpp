@@ -91,6 +91,14 @@ std::string report_text(const GenerateRequest& request, const ContactSet& set, c
     text += fmt::format(
         "{} of {} contacts have no row: mu P = 0 in all their load steps, and S = Q / (mu P) is not defined\n",
         set.without_rows, set.contacts);
+  if (set.never_slid > 0)
+    text += fmt::format("{} of {} contacts do not slide as a whole within {} steps of their drag\n", set.never_slid,
+                        set.contacts, fem::most_tangential_steps);
+  if (set.far_slip > 0)
+    text += fmt::format(
+        "{} of {} contacts slide further than an element and a tenth of their width: displacements are taken as "
+        "small (docs/scenes.md)\n",
+        set.far_slip, set.contacts);
   if (contacts > 0)
     text += fmt::format(
         "{:.0f} contacts, {} load steps in {:.2f} s: {} steps/s, in kernels {} steps/s; chunks written at {}B/s, set "

@@ -4,12 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
 #include <sstream>
-
-#include "host/support/errors.h"
-#include "host/support/nearest_word.h"
 
 namespace tactel::host {
 namespace {
@@ -89,46 +84,8 @@ class HelpFormatter : public CLI::Formatter {
   static std::string paragraph(const std::string& text) { return text.empty() ? "" : wrapped(text, 0, 0) + "\n"; }
 };
 
-/// Whether the text reads as nan or an infinity, as strtod does.
-bool is_not_finite(const std::string& text) {
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  return !text.empty() && *end == '\0' && !std::isfinite(value);
-}
-
-bool takes_number(const CLI::Option& option) {
-  const std::string type = option.get_type_name();
-  const auto holds = [&](const char* word) { return type.find(word) != std::string::npos; };
-  return holds("FLOAT") || holds("POSITIVE") || holds("NONNEGATIVE") || type.starts_with("INT") ||
-         type.starts_with("UINT") || holds("INT in [");
-}
-
 }  // namespace
 
 std::shared_ptr<CLI::FormatterBase> help_formatter() { return std::make_shared<HelpFormatter>(); }
-
-void check_numbers(const CLI::App& command) {
-  for (const CLI::Option* option : command.get_options()) {
-    if (!takes_number(*option)) continue;
-    for (const std::string& value : option->results())
-      if (is_not_finite(value)) throw ConfigError("command line", option->get_name(), value, "a finite number");
-  }
-}
-
-std::string unknown_argument(const CLI::App& command) {
-  const std::vector<std::string> extras = command.remaining();
-  const auto is_option = [](const std::string& word) { return word.starts_with("-"); };
-  const auto found = std::ranges::find_if(extras, is_option);
-  if (found == extras.end())
-    return fmt::format("argument = {}: must be left out: tactel {} takes no more", extras.empty() ? "" : extras.back(),
-                       command.get_name());
-  std::vector<std::string> known;
-  for (const CLI::Option* option : command.get_options())
-    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
-  const std::string word = found->substr(0, found->find('='));
-  const std::string nearest = nearest_word(word, known);
-  return fmt::format("{}: must be an option of tactel {}{}", word, command.get_name(),
-                     nearest.empty() ? "" : "; did you mean " + nearest + "?");
-}
 
 }  // namespace tactel::host

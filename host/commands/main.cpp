@@ -2,68 +2,22 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <exception>
-#include <filesystem>
-#include <new>
-#include <stdexcept>
-#include <system_error>
+#include <string>
 #include <vector>
 
 #include "host/commands/command.h"
+#include "host/commands/guarded.h"
 #include "host/commands/help_formatter.h"
 #include "host/commands/kernel_line.h"
+#include "host/commands/option_errors.h"
 #include "host/device/device.h"
-#include "host/figures/plot.h"
-#include "host/support/errors.h"
-#include "host/support/interrupt.h"
 #include "host/support/nearest_word.h"
 #include "host/support/standard_streams.h"
-#include "hw/frame_source.h"
 
 namespace {
 
 using namespace tactel;
 using namespace tactel::host;
-
-constexpr const char* too_large =
-    "not enough memory for what this asks; take a coarser mesh, fewer load steps, fewer rows or a smaller network";
-
-/// Says what went wrong, in one line that begins with "error: "; never throws.
-int complain(ExitCode code, const std::string& message) {
-  std::fputs(("error: " + message + "\n").c_str(), stderr);
-  return code;
-}
-
-/// Runs a command; says what went wrong and turns it into an exit code.
-int guarded(const Action& action) try { return action(); } catch (const ConfigError& error) {
-  return complain(wrong_input, error.what());
-} catch (const ValueError& error) {
-  return complain(wrong_input, error.what());
-} catch (const PlotError& error) {
-  return complain(wrong_input, std::string("no plot: ") + error.what());
-} catch (const hw::RecordingError& error) {
-  return complain(wrong_input, error.what());
-} catch (const KernelBuildError& error) {
-  // The compiler removes its temporary files when a thread takes the signal, and fails then.
-  if (!Interrupt::seen()) return complain(device_failed, error.what());
-  std::fputs("stopped while kernels were compiled; what is done is kept: --resume goes on with it\n", stderr);
-  return interrupted;
-} catch (const Stopped& stopped) {
-  std::fputs((stopped.what() + std::string("\n")).c_str(), stderr);
-  return interrupted;
-} catch (const std::bad_alloc&) {
-  return complain(wrong_input, too_large);
-} catch (const std::length_error&) {
-  return complain(wrong_input, too_large);
-} catch (const std::filesystem::filesystem_error& error) {
-  return complain(wrong_input,
-                  error.path1().string() + ": must be a path that can be used (" + error.code().message() + ")");
-} catch (const std::system_error& error) {
-  if (std::ferror(stdout) != 0) return wrong_input;  // lost_output says why
-  return complain(device_failed, error.what());
-} catch (const std::exception& error) {
-  return complain(device_failed, error.what());
-}
 
 /// Warnings of the library, and what keeps a device busy, unless the command was told to be quiet.
 void show_messages(const CLI::App& command) {
@@ -98,8 +52,7 @@ bool refuse_unknown_command(const CLI::App& app, const std::string& word) {
 std::string parse_failure(const CLI::App* app, const CLI::Error& error) {
   const auto chosen = app->get_subcommands();
   const CLI::App& command = chosen.empty() ? *app : *chosen.front();
-  const bool extra = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
-  return fmt::format("error: command line: {}\nsee {} --help\n", extra ? unknown_argument(command) : error.what(),
+  return fmt::format("error: {}\nsee {} --help\n", option_error(command, error),
                      chosen.empty() ? "tactel" : "tactel " + command.get_name());
 }
 

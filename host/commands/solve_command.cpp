@@ -76,7 +76,9 @@ int run_solve(const SolveRequest& request) {
   check_solve_outputs(request);
   const SolveOutcome outcome = [&] {
     const StageLine stage("solving " + request.scene, request.shared.quiet);
-    return solve(asked, request.shared.solve);
+    SolveOutcome solved = solve(asked, request.shared.solve);
+    solved.mesh_error = mesh_error(solved);
+    return solved;
   }();
   const fem::Scene& scene = outcome.scene;
   if (outcome.plan && !request.shared.quiet) fmt::print(stderr, "{}\n", outcome.plan->why());

@@ -30,7 +30,7 @@ PlanTrial compare(std::span<const fem::Scene> scenes, std::size_t low, const std
   const Rung &rung = ladder()[low], &next = ladder()[finer_rung(low)];
   PlanTrial trial{rung.name, next.name};
   bool missed = false;
-  std::vector<double> differences, estimates, sigma, tau;
+  std::vector<double> differences, estimates, sigma, tau, P, Q;
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     AnswerError error = answer_error(scenes[i], answers[i], rung, finer[i], next);
     if (misses_contact(scenes[i], rung, answers[i]) || misses_contact(scenes[i], next, finer[i])) {
@@ -41,12 +41,16 @@ PlanTrial compare(std::span<const fem::Scene> scenes, std::size_t low, const std
     estimates.push_back(expected_error(measured_ladder()[low], error.S, touching_nodes(answers[i])));
     sigma.push_back(error.sigma);
     tau.push_back(error.tau);
+    P.push_back(error.P);
+    Q.push_back(error.Q);
   }
   trial.difference = covering_value(differences, 0.95);
   trial.missed = missed && trial.difference >= 1;
   trial.estimate = covering_value(estimates, 0.95);
   trial.sigma = covering_value(sigma, 0.95);
   trial.tau = covering_value(tau, 0.95);
+  trial.P = covering_value(P, 0.95);
+  trial.Q = covering_value(Q, 0.95);
   return trial;
 }
 

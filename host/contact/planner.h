@@ -41,6 +41,7 @@ struct PlanTrial {
   double difference = 0, estimate = 0;  ///< in S; a contact that either mesh misses, although the load presses, counts
                                         ///< as a difference of 1: nothing is known of its S
   double sigma = 0, tau = 0;            ///< differences of the stresses at the tactels, as AnswerError; no promise
+  double P = 0, Q = 0;                  ///< differences of the forces, as AnswerError; no promise
   bool missed = false;                  ///< this is why the difference is 1
 };
 

@@ -26,10 +26,15 @@ AnswerError answer_error(const fem::Scene& scene, const fem::ContactSolution& an
                          const fem::ContactSolution& judge, const Rung& judge_rung) {
   const auto places = asked_steps(on_rung(scene, rung).load, answer.steps.size());
   const auto judge_places = asked_steps(on_rung(scene, judge_rung).load, judge.steps.size());
+  return answer_error(answer, places, judge, judge_places);
+}
+
+AnswerError answer_error(const fem::ContactSolution& answer, std::span<const std::size_t> steps,
+                         const fem::ContactSolution& judge, std::span<const std::size_t> judge_steps) {
   Extent P, Q, sigma, tau;
   AnswerError error;
-  for (std::size_t k = 0; k < std::min(places.size(), judge_places.size()); ++k) {
-    const fem::ContactStep &a = answer.steps[places[k]], &b = judge.steps[judge_places[k]];
+  for (std::size_t k = 0; k < std::min(steps.size(), judge_steps.size()); ++k) {
+    const fem::ContactStep &a = answer.steps[steps[k]], &b = judge.steps[judge_steps[k]];
     if (a.slip_index && b.slip_index)
       error.S = std::max(error.S, std::abs(*a.slip_index - *b.slip_index));
     else if (a.slip_index || b.slip_index)

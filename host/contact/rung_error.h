@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <span>
 #include <vector>
 
 #include "fem/contact_solution.h"
@@ -24,6 +25,10 @@ inline constexpr std::array<const char*, 5> error_names = {"S", "P", "Q", "sigma
 /// excluded: there the bonded base meets the free side, and the exact stress is infinite.
 AnswerError answer_error(const fem::Scene& scene, const fem::ContactSolution& answer, const Rung& rung,
                          const fem::ContactSolution& judge, const Rung& judge_rung);
+
+/// The same at given steps of both, pair by pair.
+AnswerError answer_error(const fem::ContactSolution& answer, std::span<const std::size_t> steps,
+                         const fem::ContactSolution& judge, std::span<const std::size_t> judge_steps);
 
 /// Quantiles over many scenes: median, 95 %, largest.
 struct ErrorQuantiles {

@@ -101,6 +101,11 @@ Json step_json(const fem::ContactStep& step) {
           {"residual", residual_json(step.residual)}};
 }
 
+Json mesh_error_json(const MeshError& error) {
+  const AnswerError& e = error.expected;
+  return {{"slip_index", e.S}, {"P", e.P}, {"Q", e.Q}, {"sigma_y", e.sigma}, {"tau_xy", e.tau}, {"from", error.finer}};
+}
+
 }  // namespace
 
 Json to_json(const fem::Scene& scene) {
@@ -123,6 +128,7 @@ Json to_json(const fem::Scene& scene, const SolveOutcome& outcome) {
               {"steps", std::move(steps)}};
   if (!outcome.rung.empty()) out["rung"] = outcome.rung;
   if (outcome.plan) out["planner"] = to_json(*outcome.plan);
+  if (outcome.mesh_error) out["discretisation_error"] = mesh_error_json(*outcome.mesh_error);
   return out;
 }
 

@@ -48,6 +48,16 @@ std::string row(std::size_t number, const fem::ContactStep& step) {
                      step.converged ? "yes" : "NO", fem::largest(step.residual));
 }
 
+/// Two digits, as a share of the largest: 2.7 %.
+std::string percent(double share) { return fmt::format("{:.2g} %", 100 * share); }
+
+std::string mesh_error_line(const MeshError& error) {
+  const AnswerError& e = error.expected;
+  return fmt::format(
+      "error of the mesh to expect (from {}): S {:.2g},\n  P {}, Q {}, sigma_y {}, tau_xy {} of the largest\n",
+      error.finer, e.S, percent(e.P), percent(e.Q), percent(e.sigma), percent(e.tau));
+}
+
 }  // namespace
 
 std::string solution_table(const fem::Scene& scene, const SolveOutcome& outcome) {
@@ -60,6 +70,7 @@ std::string solution_table(const fem::Scene& scene, const SolveOutcome& outcome)
   for (std::size_t k = 0; k < steps.size(); ++k) out += row(k + 1, steps[k]);
   if (outcome.solution.sliding) out += "the whole contact slides\n";
   if (never_slid(scene, outcome.solution)) out += "the contact does not slide as a whole\n";
+  if (outcome.mesh_error) out += mesh_error_line(*outcome.mesh_error);
   if (outcome.solution.fell_back)
     out += "the sweeps did not converge: solved on the host by the exact fallback, in fp64\n";
   return out;

@@ -67,6 +67,10 @@ SolveOutcome solve_to_accuracy(const fem::Scene& scene, const SolveOptions& opti
 
 }  // namespace
 
+std::optional<MeshError> mesh_error(const SolveOutcome& outcome) {
+  return outcome.plan ? mesh_error(*outcome.plan) : mesh_error(outcome.scene, outcome.solution);
+}
+
 bool too_deep(const fem::Sensor& sensor, double indentation) {
   constexpr double rounding = 1e-6;  // of a depth in fp32
   return indentation > fem::linear_strain_limit * (1 + rounding) * sensor.thickness;
@@ -82,10 +86,13 @@ std::optional<std::string> depth_warning(const fem::Scene& scene, const fem::Con
       deepest, 100 * share, 100 * fem::linear_strain_limit);
 }
 
-double slip_limit(const fem::Sensor& sensor, const fem::ContactStep& step) {
+double slip_limit(const fem::Sensor& sensor, int touching) {
   const double element = sensor.length / (sensor.columns - 1);
-  const auto touching = static_cast<double>((step.normal_force.array() > 0).count());
   return element * std::max(1.0, share_of_contact * touching);
+}
+
+double slip_limit(const fem::Sensor& sensor, const fem::ContactStep& step) {
+  return slip_limit(sensor, static_cast<int>((step.normal_force.array() > 0).count()));
 }
 
 std::optional<std::string> slip_warning(const fem::Scene& scene, const fem::ContactSolution& solution) {
@@ -107,7 +114,9 @@ std::vector<std::string> warnings(const SolveOutcome& outcome) {
   std::vector<std::string> all;
   if (const auto warning = depth_warning(scene, solution)) all.push_back(*warning);
   if (const auto warning = slip_warning(scene, solution)) all.push_back(*warning);
-  if (never_slid(scene, solution))
+  if (never_slid(scene, solution) && !solution.steps.empty() && !(solution.steps.back().P > 0))
+    all.push_back("the drag until sliding touches nothing: it ends with its first step");
+  else if (never_slid(scene, solution))
     all.push_back(fmt::format("the contact does not slide as a whole within {} steps of {:.3g} mm",
                               fem::most_tangential_steps, scene.load.tangential_step));
   const auto raised = [](const fem::ContactStep& step) { return step.P > 0 && step.indentation < 0; };

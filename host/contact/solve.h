@@ -5,6 +5,7 @@
 
 #include "fem/contact_solution.h"
 #include "fem/scene.h"
+#include "host/contact/mesh_error.h"
 #include "host/contact/planner.h"
 
 namespace tactel::host {
@@ -26,9 +27,10 @@ struct SolveOptions {
 struct SolveOutcome {
   fem::ContactSolution solution;
   std::string solver, precision, device;
-  fem::Scene scene{};          ///< as it was modelled
-  std::string rung{};          ///< empty: the scene's own model
-  std::optional<Plan> plan{};  ///< reason for the rung, where an accuracy was requested
+  fem::Scene scene{};                     ///< as it was modelled
+  std::string rung{};                     ///< empty: the scene's own model
+  std::optional<Plan> plan{};             ///< reason for the rung, where an accuracy was requested
+  std::optional<MeshError> mesh_error{};  ///< of solve's command; none: not estimated
 };
 
 /// Throws ConfigError where an accuracy is requested together with an option that it decides, and where it or the
@@ -37,6 +39,9 @@ void check_modelling(const SolveOptions& options);
 
 /// Solves one scene. Throws ConfigError for contradictory options.
 SolveOutcome solve(const fem::Scene& scene, const SolveOptions& options);
+
+/// Returns the error to expect of an answer: the planner's, where it chose the rung, else that of the mesh.
+std::optional<MeshError> mesh_error(const SolveOutcome& outcome);
 
 /// Returns true where an indentation, mm, exceeds the share of the thickness to which rubber is linear.
 bool too_deep(const fem::Sensor& sensor, double indentation);
@@ -47,6 +52,8 @@ std::optional<std::string> depth_warning(const fem::Scene& scene, const fem::Con
 /// above the nodes of its first position. The limit is the larger of an element's width and a tenth of the
 /// contact's, at this step.
 double slip_limit(const fem::Sensor& sensor, const fem::ContactStep& step);
+/// The same with the number of touching nodes.
+double slip_limit(const fem::Sensor& sensor, int touching);
 /// Returns a warning where the indenter slides further; none otherwise.
 std::optional<std::string> slip_warning(const fem::Scene& scene, const fem::ContactSolution& solution);
 

@@ -10,7 +10,6 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
-#include <fstream>
 #include <map>
 #include <optional>
 #include <set>
@@ -19,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/support/bounded_file.h"
 #include "host/support/checksum.h"
 
 namespace tactel::host {
@@ -30,7 +30,8 @@ using namespace std::chrono_literals;
 constexpr const char* list_name = "sealed";
 constexpr const char* lock_name = "compiling";
 constexpr const char* presence_name = "processes";
-constexpr auto patience = 60s;  // far more than a compilation takes
+constexpr auto patience = 60s;                                    // far more than a compilation takes
+constexpr std::uintmax_t largest_file = std::uintmax_t{1} << 30;  // a compiled kernel takes some MB
 
 /// A file as the list knows it.
 struct Sealed {
@@ -57,12 +58,14 @@ bool sync(const fs::path& path) {
   return file.get() >= 0 && ::fsync(file.get()) == 0;
 }
 
-std::uint64_t content_sum(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream content;
-  content << in.rdbuf();
-  return checksum(content.str());
+/// Empty where it cannot be read.
+std::string content_of(const fs::path& path) try {
+  return read_bounded_file(path, largest_file);
+} catch (const UnreadableFile&) {
+  return "";
 }
+
+std::uint64_t content_sum(const fs::path& path) { return checksum(content_of(path)); }
 
 std::optional<Sealed> stat_of(const fs::path& path) {
   struct stat status {};
@@ -81,7 +84,7 @@ std::string line_of(const std::string& path, const Sealed& file) {
 /// Lines that are torn or damaged are passed over: their files count as not listed.
 List read_list(const fs::path& folder) {
   List list;
-  std::ifstream in(folder / list_name, std::ios::binary);
+  std::istringstream in(content_of(folder / list_name));
   for (std::string line; std::getline(in, line);) {
     std::istringstream words(line);
     std::uint64_t sum = 0;

@@ -4,10 +4,9 @@
 #include <unistd.h>
 
 #include <cstdlib>
-#include <fstream>
-#include <sstream>
 
 #include "host/figures/gnuplot_script.h"
+#include "host/support/bounded_file.h"
 #include "host/support/child_process.h"
 #include "host/support/durable_file.h"
 #include "host/support/errors.h"
@@ -16,6 +15,8 @@ namespace tactel::host {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::uintmax_t largest_picture = std::uintmax_t{1} << 30;
 
 /// A folder of our own under the system's temporary one; gone when this is.
 class TemporaryFolder {
@@ -35,11 +36,11 @@ class TemporaryFolder {
   std::string path_;
 };
 
-std::string read_file(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
+/// Empty where gnuplot drew nothing.
+std::string read_picture(const fs::path& path) try {
+  return read_bounded_file(path, largest_picture);
+} catch (const UnreadableFile&) {
+  return "";
 }
 
 /// The bytes of the picture that gnuplot makes.
@@ -48,7 +49,7 @@ std::string render(const Figure& figure, const std::string& terminal) {
   const fs::path script = folder / "figure.gp", picture = folder / "figure.out";
   write_file("figure", script, gnuplot_script(figure, terminal, picture.string()));
   const ChildResult result = run_child({"gnuplot", script.string()});
-  const std::string drawn = read_file(picture);
+  const std::string drawn = read_picture(picture);
   if (result.exit_code == 127) throw PlotError("gnuplot is not installed (apt-get install gnuplot-nox)");
   if (result.exit_code != 0 || drawn.empty())
     throw PlotError(fmt::format("gnuplot ended with {}: {}", result.exit_code, result.err));

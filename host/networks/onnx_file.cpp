@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <map>
 
 #include "fem/value_error.h"
 #include "host/networks/onnx_graph.h"
+#include "host/support/bounded_file.h"
 #include "host/support/checksum.h"
 #include "host/support/durable_file.h"
 #include "host/support/errors.h"
@@ -121,20 +121,11 @@ class ModelReader {
   Metadata metadata_;
 };
 
-std::string read_bytes(const fs::path& path) {
-  const auto refuse = [&](const std::string& what, const std::string& allowed) {
-    throw ConfigError(path.string(), "network", what, allowed);
-  };
-  std::error_code error;
-  if (!fs::is_regular_file(path, error)) refuse("cannot be read", "a network file (ONNX)");
-  const std::uintmax_t size = fs::file_size(path, error);
-  if (error || size > most_model_bytes)
-    refuse(std::to_string(size) + " bytes", "a network that tactel wrote, at most 4 MiB");
-  std::string bytes(size, '\0');
-  std::ifstream file(path, std::ios::binary);
-  file.read(bytes.data(), static_cast<std::streamsize>(size));
-  if (!file) refuse("cannot be read", "a network file (ONNX)");
-  return bytes;
+std::string read_bytes(const fs::path& path) try {
+  return read_bounded_file(path, most_model_bytes);
+} catch (const UnreadableFile& error) {
+  throw ConfigError(path.string(), "network", std::string("cannot be read (") + error.what() + ")",
+                    "a network that tactel wrote (ONNX, at most 4 MiB)");
 }
 
 nn::Model read_model(const ModelReader& reader, const onnx::GraphProto& graph) try {

@@ -4,11 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <functional>
 #include <limits>
 #include <optional>
 
+#include "host/support/bounded_file.h"
 #include "host/support/checksum.h"
 #include "host/support/durable_file.h"
 #include "host/support/errors.h"
@@ -85,21 +85,12 @@ constexpr std::uintmax_t bytes_of_a_network = 64 << 10;
 constexpr std::uintmax_t most_bytes = std::uintmax_t{1} << 36;  ///< of a file of which only the plan is read
 
 // None where there is no such file.
-std::optional<std::string> content_of(const fs::path& path, std::uintmax_t most) {
-  const auto refuse = [&](const char* what) {
-    throw ConfigError(path.string(), "checkpoint", what, "one of this training, or absent");
-  };
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (!fs::exists(status)) return std::nullopt;
-  if (!fs::is_regular_file(status)) refuse("not a file");
-  const std::uintmax_t size = fs::file_size(path, error);
-  if (error || size > most) refuse("larger than this training's can be");
-  std::ifstream file(path, std::ios::binary);
-  std::string content(size, '\0');
-  file.read(content.data(), static_cast<std::streamsize>(size));
-  if (!file) refuse("cannot be read");
-  return content;
+std::optional<std::string> content_of(const fs::path& path, std::uintmax_t most) try {
+  return read_bounded_file(path, most);
+} catch (const UnreadableFile& error) {
+  if (error.missing) return std::nullopt;
+  throw ConfigError(path.string(), "checkpoint", std::string("cannot be read (") + error.what() + ")",
+                    "one of this training, or absent");
 }
 
 bool rising(std::span<const std::uint64_t> numbers) {

@@ -63,6 +63,8 @@ std::string description(const Rung& rung, const fem::Sensor& sensor) {
   return described(rung, intervals(rung, sensor));
 }
 
+int columns_of(const Rung& rung, const fem::Sensor& sensor) { return intervals(rung, sensor) + 1; }
+
 bool carries(const fem::Sensor& sensor, const Rung& rung) {
   return wanted_intervals(rung, sensor) <= most_intervals(rung);
 }

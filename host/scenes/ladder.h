@@ -32,6 +32,9 @@ std::string description(const Rung& rung);
 /// The same with the columns for this sensor.
 std::string description(const Rung& rung, const fem::Sensor& sensor);
 
+/// Returns the gap elements of the rung on this sensor.
+int columns_of(const Rung& rung, const fem::Sensor& sensor);
+
 /// Returns true where the rung's mesh on this sensor stays within fem::most_columns. Longer sensors of equal
 /// thickness have fewer rungs.
 bool carries(const fem::Sensor& sensor, const Rung& rung);

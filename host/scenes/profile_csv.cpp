@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <optional>
+#include <sstream>
 #include <string_view>
 
+#include "host/support/bounded_file.h"
 #include "host/support/errors.h"
 
 namespace tactel::host {
@@ -30,35 +29,24 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
-/// Only a regular file of a limited size is read: a device may never end.
-void check_file(const fs::path& path) {
-  const auto refuse = [&](const std::string& why) {
-    throw ConfigError(path.string(), "indenter.file", path.string(), "a readable CSV file (" + why + ")");
-  };
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (error || !fs::exists(status)) refuse(std::strerror(error ? error.value() : ENOENT));
-  if (fs::is_directory(status)) refuse(std::strerror(EISDIR));
-  if (!fs::is_regular_file(status)) refuse("it is no regular file");
-  if (fs::file_size(path, error) > largest_table) refuse("it is larger than 16 MiB");
+std::string csv_text(const fs::path& path) try {
+  return read_bounded_file(path, largest_table);
+} catch (const UnreadableFile& error) {
+  throw ConfigError(path.string(), "indenter.file", path.string(),
+                    std::string("a readable CSV file (") + error.what() + ")");
 }
 
 /// The file being read, line by line, and errors about its current line. Its content is quoted only once it has proved
 /// to be a profile: the name of the file may come from a stranger's scene.
 struct CsvLines {
   std::string file;
-  std::ifstream in;
+  std::istringstream in;
   std::string line;
   int number = 0;
   bool proved = false;
   char separator = ',';
 
-  explicit CsvLines(const fs::path& path) : file(path.string()) {
-    check_file(path);
-    in.open(path);
-    if (!in)
-      throw ConfigError(file, "indenter.file", file, std::string("a readable CSV file (") + std::strerror(errno) + ")");
-  }
+  explicit CsvLines(const fs::path& path) : file(path.string()), in(csv_text(path)) {}
   /// The next line that holds something; empty at the end.
   std::string_view next() {
     while (std::getline(in, line)) {

@@ -3,39 +3,26 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
-#include <array>
-#include <cerrno>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <limits>
 #include <sstream>
 
+#include "host/support/bounded_file.h"
 #include "host/support/nearest_word.h"
 
 namespace tactel::host {
 namespace {
 
 constexpr std::size_t longest_quote = 60;
-constexpr std::size_t largest_file = std::size_t{16} << 20;
+constexpr std::uintmax_t largest_file = std::uintmax_t{16} << 20;
 constexpr int deepest =
     16;  // parts of a key; arrays and tables within each other. The parser would go as deep as asked
 
-/// Throws where the file is longer than largest_file: a device such as /dev/zero never ends.
-std::string read_text(const std::filesystem::path& path) {
-  const auto unreadable = [&](const std::string& why) {
-    return ConfigError(path.string(), "file", path.string(), "a readable TOML file (" + why + ")");
-  };
-  if (std::filesystem::is_directory(path)) throw unreadable("it is a folder");
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw unreadable(std::strerror(errno));
-  std::string text;
-  for (std::array<char, 65536> piece; in && text.size() <= largest_file;) {
-    in.read(piece.data(), piece.size());
-    text.append(piece.data(), static_cast<std::size_t>(in.gcount()));
-  }
-  if (text.size() > largest_file) throw unreadable("it is larger than 16 MiB");
-  return text;
+std::string read_text(const std::filesystem::path& path) try {
+  return read_bounded_file(path, largest_file);
+} catch (const UnreadableFile& error) {
+  throw ConfigError(path.string(), "file", path.string(), std::string("a readable TOML file (") + error.what() + ")");
 }
 
 std::string trimmed_text(std::string text) {

@@ -147,6 +147,32 @@ double deepest(const View<Real>& view, std::size_t i) {
   return most;
 }
 
+/// Whether the indenter slides further over the rubber than displacements are small.
+bool slides_far(const fem::Scene& scene, const fem::ContactSolution& solution) {
+  return std::ranges::any_of(solution.steps, [&](const fem::ContactStep& step) {
+    const auto touches = [](fem::GapStatus status) { return status != fem::GapStatus::open; };
+    const auto touching = static_cast<int>(std::ranges::count_if(step.status, touches));
+    return step.slip_distance > slip_limit(scene.sensor, touching);
+  });
+}
+
+template <class Real>
+bool slides_far(const fem::Scene& scene, const View<Real>& view, std::size_t i) {
+  for (int k = 0; k < view.path_steps(i) && status_of<Real>(view, i, k) != LANE_NOT_RUN; ++k) {
+    const auto touching = static_cast<int>(view.result(i, k, LANE_STICKING) + view.result(i, k, LANE_SLIPPING));
+    if (static_cast<double>(view.result(i, k, LANE_SLIP_DISTANCE)) > slip_limit(scene.sensor, touching)) return true;
+  }
+  return false;
+}
+
+/// Whether a drag until sliding went through all its steps: one that slides ends there, and one that touches nothing.
+template <class Real>
+bool never_slid(const fem::Scene& scene, const View<Real>& view, std::size_t i) {
+  const int last = view.path_steps(i) - 1;
+  const int status = status_of<Real>(view, i, last);
+  return fem::load_path(scene.load).until_sliding && status != LANE_NOT_RUN && status != LANE_SLIDING;
+}
+
 /// Which steps of a contact that the sweeps solved become rows.
 template <class Real>
 std::vector<int> rows_of(const View<Real>& view, std::size_t i, int first, double mu) {
@@ -352,14 +378,20 @@ ContactSet SetSimulator::State::collect(RangeOf<Real>& range) {
     for (const std::size_t i : views[l].by_lane()) {
       const std::uint64_t k = range.launches[l].which[i];
       if (fallen.contains(k)) continue;
+      const fem::Scene& scene = range.contacts[k].scene;
       put_rows<Real>(set, rows[k], views[l], i, range.first_step[k], range.contacts[k], range.first + k);
-      set.too_deep += too_deep(range.contacts[k].scene.sensor, deepest<Real>(views[l], i));
+      set.too_deep += too_deep(scene.sensor, deepest<Real>(views[l], i));
+      set.far_slip += slides_far<Real>(scene, views[l], i);
+      set.never_slid += rows[k] < rows[k + 1] && never_slid<Real>(scene, views[l], i);
     }
   }
   for (const auto& [k, solution] : fallen) {
+    const fem::Scene& scene = range.contacts[k].scene;
     put_rows(set, rows[k], solution, range.first_step[k], range.contacts[k], range.first + k);
     set.fell_back += solution.fell_back;
-    set.too_deep += too_deep(range.contacts[k].scene.sensor, deepest(solution));
+    set.too_deep += too_deep(scene.sensor, deepest(solution));
+    set.far_slip += slides_far(scene, solution);
+    set.never_slid += rows[k] < rows[k + 1] && never_slid(scene, solution);
     set.unsolved += std::ranges::any_of(solution.steps, [](const auto& step) { return !step.converged; });
   }
   for (std::size_t l = 0; chain && l < views.size(); ++l)

@@ -9,8 +9,8 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <sstream>
 
+#include "host/support/bounded_file.h"
 #include "host/support/checksum.h"
 #include "host/support/errors.h"
 
@@ -19,7 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t magic = 0x336c6f6f70736c74;  // "tlspool3"
+constexpr std::uint64_t magic = 0x346c6f6f70736c74;  // "tlspool4": the digit is the layout's version
+constexpr std::uint64_t version_bits = 0xff00000000000000;
 
 std::uint64_t sum_of(const ChunkHeader& header) {
   return checksum({reinterpret_cast<const char*>(&header), offsetof(ChunkHeader, header_sum)});
@@ -45,12 +46,6 @@ ContactSet rows_from(const std::string& bytes, std::size_t rows, int inputs) {
     at += size;
   });
   return set;
-}
-
-std::string text_of(const fs::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
 }
 
 ConfigError output_error(const fs::path& output, const std::string& allowed) {
@@ -143,7 +138,14 @@ void SetSpool::check_plan(const std::string& plan, Open how) const {
   if (how == Open::fresh && there)
     throw output_error(output_, "a new set: an interrupted run left chunks in " + folder_.string() +
                                     "; --resume continues it, --force starts anew");
-  if (there && (fs::file_size(path) != plan.size() || text_of(path) != plan))
+  const auto same = [&] {
+    try {
+      return read_bounded_file(path, plan.size()) == plan;
+    } catch (const UnreadableFile&) {  // longer than the plan, or no file
+      return false;
+    }
+  };
+  if (there && !same())
     throw output_error(output_,
                        "the set that was begun: " + folder_.string() +
                            " holds chunks of another sweep file, seed, precision, tolerance or version, or of a file "
@@ -165,8 +167,19 @@ void SetSpool::check(const ChunkHeader& header, const fs::path& file) const {
                                     "--force starts anew");
 }
 
+/// Refuses a file whose first chunk another version wrote, in a layout that this one does not read.
+void SetSpool::check_version(const fs::path& file) const {
+  std::uint64_t first = 0;
+  std::ifstream in(file, std::ios::binary);
+  if (!in.read(reinterpret_cast<char*>(&first), sizeof first)) return;
+  if (first == magic || ((first ^ magic) & ~version_bits) != 0) return;
+  throw output_error(output_, "made of chunks of this version of tactel: " + file.string() +
+                                  " holds some of another; that version goes on with it, and --force starts anew");
+}
+
 /// Finds the chunks of a file; `cut`: cuts it off behind the last whole one.
 void SetSpool::scan(const fs::path& file, bool cut) {
+  check_version(file);
   std::ifstream in(file, std::ios::binary);
   const std::uint64_t size = fs::file_size(file);
   std::uint64_t offset = 0;
@@ -221,6 +234,8 @@ void SetSpool::append(std::uint64_t chunk, const ContactSet& rows) {
                      .unsolved = rows.unsolved,
                      .too_deep = rows.too_deep,
                      .without_rows = rows.without_rows,
+                     .far_slip = rows.far_slip,
+                     .never_slid = rows.never_slid,
                      .payload_sum = checksum(payload)};
   header.header_sum = sum_of(header);
   const off_t before = ::lseek(file_, 0, SEEK_END);
@@ -264,6 +279,8 @@ void SetSpool::assemble(std::uint64_t count, ContactSet& set) {
     set.unsolved += place.header.unsolved;
     set.too_deep += place.header.too_deep;
     set.without_rows += place.header.without_rows;
+    set.far_slip += place.header.far_slip;
+    set.never_slid += place.header.never_slid;
   }
   writer.finish(set);
   with_output(output_, [&] { remove_spool(folder_); });

@@ -15,7 +15,7 @@ namespace tactel::host {
 /// kind.
 struct ChunkHeader {
   std::uint64_t magic = 0, plan_sum = 0, chunk = 0, rows = 0, inputs = 0, bytes = 0;
-  std::uint64_t fell_back = 0, unsolved = 0, too_deep = 0, without_rows = 0;
+  std::uint64_t fell_back = 0, unsolved = 0, too_deep = 0, without_rows = 0, far_slip = 0, never_slid = 0;
   std::uint64_t payload_sum = 0;  ///< checksum of the rows that follow
   std::uint64_t header_sum = 0;   ///< checksum of the preceding members
 };
@@ -40,7 +40,7 @@ class SetSpool {
   /// Appends a chunk. Throws ConfigError where the disk is full; earlier chunks stay whole.
   void append(std::uint64_t chunk, const ContactSet& rows);
   /// Writes the set file from chunks 0 ... count - 1, which must all exist. `set` holds the attributes; the counts
-  /// of contacts that fell back, stayed unsolved, have no rows or are too deep are added to it. Removes the folder
+  /// of contacts that fell back, stayed unsolved, have no rows or are too deep, slid too far or never slid are added to it. Removes the folder
   /// after the set has reached the disk.
   void assemble(std::uint64_t count, ContactSet& set);
   std::uint64_t rows() const;   ///< of all chunks
@@ -60,6 +60,7 @@ class SetSpool {
   void check_plan(const std::string& plan, Open how) const;
   std::vector<std::filesystem::path> files() const;
   void scan(const std::filesystem::path& file, bool cut);
+  void check_version(const std::filesystem::path& file) const;
   void check(const ChunkHeader& header, const std::filesystem::path& file) const;
   void open_own_file(int writer);
   ContactSet load(const Place& place) const;

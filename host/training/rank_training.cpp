@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "host/figures/plot.h"
+#include "host/support/bounded_file.h"
 #include "host/support/durable_file.h"
 #include "host/support/errors.h"
 #include "host/support/json_text.h"
@@ -21,7 +21,7 @@ using Json = nlohmann::ordered_json;
 
 fs::path rank_directory(const std::string& output, int rank) { return fs::path(output) / fmt::format("rank-{}", rank); }
 
-Json report_of(const fs::path& directory) { return Json::parse(std::ifstream(TrainingDirectory(directory).report())); }
+Json report_of(const fs::path& directory) { return Json::parse(read_report(TrainingDirectory(directory).report())); }
 
 // The networks' files lie in a directory itself, whatever its report says.
 fs::path file_of(const Json& network) { return fs::path(network.at("file").get<std::string>()).filename(); }
@@ -50,11 +50,19 @@ void sort_networks(Json& networks, const TrainingPlan& plan) {
   networks = all;
 }
 
-/// Copies a process's networks to DIR and adds its report to that of all.
+constexpr std::uintmax_t largest_network = std::uintmax_t{16} << 20;  ///< bytes of a file
+
+void copy_network(const fs::path& from, const fs::path& to) try {
+  write_file("--output", to, read_bounded_file(from, largest_network));
+} catch (const UnreadableFile& error) {
+  throw ConfigError(from.string(), "network", std::string("cannot be read (") + error.what() + ")",
+                    "there, as this process wrote it; --force trains anew");
+}
+
+/// Copies a process's networks to DIR, so that they survive a power cut, and adds its report to that of all.
 void add_part(const TrainingDirectory& directory, const fs::path& from, Json part, Json& report) {
   for (const Json& network : part["networks"])
-    if (network.at("file").is_string())
-      fs::copy_file(from / file_of(network), directory.network(file_of(network)), fs::copy_options::overwrite_existing);
+    if (network.at("file").is_string()) copy_network(from / file_of(network), directory.network(file_of(network)));
   if (report.is_null()) {
     report = std::move(part);
     return;

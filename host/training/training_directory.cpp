@@ -3,11 +3,11 @@
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "host/support/bounded_file.h"
 #include "host/support/durable_file.h"
 #include "host/support/errors.h"
 
@@ -17,14 +17,15 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
+constexpr std::uintmax_t largest_report = std::uintmax_t{1} << 30;  ///< some 64 kB a network
+
 [[noreturn]] void refuse_directory(const fs::path& path, const std::string& allowed) {
   throw ConfigError("command line", "--output", path.string(), allowed);
 }
 
 // Empty where it is missing or damaged.
 json read_json(const fs::path& path) {
-  std::ifstream in(path);
-  json value = json::parse(in, nullptr, false);
+  json value = json::parse(read_report(path), nullptr, false);
   return value.is_object() ? value : json::object();
 }
 
@@ -38,6 +39,14 @@ void lock_until_the_end(const fs::path& path) {
 }
 
 }  // namespace
+
+std::string read_report(const fs::path& path) try {
+  return read_bounded_file(path, largest_report);
+} catch (const UnreadableFile& error) {
+  if (error.missing) return "";
+  throw ConfigError(path.string(), "report", std::string("cannot be read (") + error.what() + ")",
+                    "one that tactel train wrote, or absent");
+}
 
 bool TrainingDirectory::finished() const { return fs::exists(report()); }
 

@@ -33,4 +33,8 @@ class TrainingDirectory {
   std::filesystem::path path_;
 };
 
+/// Returns the text of a training.json; empty where there is none. Throws ConfigError for what is no regular file, or
+/// larger than 1 GiB.
+std::string read_report(const std::filesystem::path& path);
+
 }  // namespace tactel::host

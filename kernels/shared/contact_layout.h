@@ -51,7 +51,7 @@ enum LaneInputRow {
   LANE_MU = 0,
   LANE_YOUNG,    /* MPa */
   LANE_STEPS,    /* increments of this lane's path */
-  LANE_MAY_STOP, /* index of the first increment after which a fully sliding lane stops; a huge number: never */
+  LANE_MAY_STOP, /* index of the first increment after which a lane without a sticking node stops; a huge number: never */
   LANE_FORCE,    /* ForceControl */
   LANE_INPUT_ROWS
 };

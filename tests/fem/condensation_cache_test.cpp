@@ -105,6 +105,39 @@ TEST_F(CondensationCache, AHitIsReadFromTheFile) {
   EXPECT_EQ(condense_cached(little(), directory).tactel_x[4], marker);
 }
 
+/// The first value of a name in /proc/cpuinfo.
+std::string of_cpuinfo(const std::string& name) {
+  std::istringstream lines(read("/proc/cpuinfo"));
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with(name)) return line.substr(line.find(": ") + 2);
+  return "";
+}
+
+// Eigen blocks its products by the caches, and the C library chooses instructions by the model: a cache that machines
+// share keeps them apart.
+TEST_F(CondensationCache, TheKeyHoldsTheProcessor) {
+  condense_cached(little(), directory);
+  const std::string bytes = read(only_file()), model = of_cpuinfo("model name");
+  const auto at = bytes.find("\nprocessor ");
+  ASSERT_NE(at, std::string::npos);
+  const std::string line = bytes.substr(at + 1, bytes.find('\n', at + 1) - at - 1);
+  EXPECT_NE(line.find(model), std::string::npos) << line << " / " << model;
+  EXPECT_NE(line.find(" " + std::to_string(Eigen::l3CacheSize())), std::string::npos) << line;
+}
+
+// A file of another processor is none of this one's, whatever its checksum.
+TEST_F(CondensationCache, AFileOfAnotherProcessorIsNotRead) {
+  condense_cached(little(), directory);
+  std::string bytes = read(only_file());
+  const std::size_t at = bytes.find("\nprocessor ") + 11;
+  ASSERT_LT(at, bytes.size());
+  bytes[at] ^= 1;
+  const double marker = 12345;
+  std::memcpy(bytes.data() + bytes.size() - 16, &marker, 8);
+  write(only_file(), resealed(bytes));
+  EXPECT_TRUE(same_bits(condense_cached(little(), directory), computed));
+}
+
 TEST_F(CondensationCache, MakesItsDirectory) {
   condense_cached(little(), directory / "a" / "b");
   EXPECT_EQ(std::distance(fs::directory_iterator(directory / "a" / "b"), {}), 1);
@@ -115,7 +148,7 @@ TEST_F(CondensationCache, AnyFlippedByteIsFoundAndMended) {
   const fs::path file = only_file();
   const std::string good = read(file);
   // Every byte of the header and of the checksum; of the payload every 97th.
-  const std::size_t header = 700;
+  const std::size_t header = 900;
   for (std::size_t k = 0; k < good.size(); k += (k < header || k + 16 > good.size()) ? 1 : 97) {
     std::string bad = good;
     bad[k] = static_cast<char>(bad[k] ^ (1 << (k % 8)));

@@ -99,6 +99,7 @@ int run_monitor(const MonitorRequest& request) {
   const Until until(request.seconds);
   const MonitorSummary summary = monitor.run(*opened.source, make_events(request, view, output, until));
   say_if_cut_short(request, *opened.source);
+  say_if_nothing_decoded(request, *opened.source, summary.decoder);
   say(summary_text(summary, opened.source->cut_short()));
   output.check();
   return until.by_signal() ? static_cast<int>(interrupted) : done;

@@ -114,6 +114,7 @@ int run_record(const RecordRequest& request) {
     read_into(writer, table, *opened.source, decoder, until);
   }
   say_if_cut_short(request, *opened.source);
+  say_if_nothing_decoded(request, *opened.source, decoder.counts());
   if (!request.quiet) print_counts(decoder.counts(), opened.source->counts(), until.passed());
   return until.by_signal() ? static_cast<int>(interrupted) : done;
 }

@@ -41,6 +41,17 @@ void say_if_cut_short(const SensorRequest& request, const hw::FrameSource& sourc
   if (source.cut_short() && !request.quiet) say("warning: " + request.source + " was cut off: its end is missing");
 }
 
+void say_if_nothing_decoded(const SensorRequest& request, const hw::FrameSource& source,
+                            const hw::DecoderCounts& counts) {
+  if (counts.frames > 0 || request.quiet) return;
+  const std::uint64_t bytes = source.counts().bytes;
+  if (bytes == 0)
+    say("warning: " + request.source + ": no byte came, so there is no frame; is the sensor on?");
+  else
+    say("warning: " + request.source + ": no frame was found in " + std::to_string(bytes) +
+        " bytes; the wire format of the profile must be that of the sensor (docs/sensors.md)");
+}
+
 void say(const std::string& text) {
   std::fputs((text + "\n").c_str(), stderr);
   std::fflush(stderr);

@@ -5,6 +5,7 @@
 
 #include "host/live/open_source.h"
 #include "host/support/interrupt.h"
+#include "hw/decoder.h"
 
 namespace tactel::host {
 
@@ -22,6 +23,9 @@ const CLI::Validator& positive_number();
 OpenSource open_for(const SensorRequest& request);
 /// Prints a warning about a truncated source, unless quiet.
 void say_if_cut_short(const SensorRequest& request, const hw::FrameSource& source);
+/// Prints a warning about a reading that decoded no frame, unless quiet.
+void say_if_nothing_decoded(const SensorRequest& request, const hw::FrameSource& source,
+                            const hw::DecoderCounts& counts);
 /// Prints a line on stderr. A closed or full stderr does not end a reading.
 void say(const std::string& text);
 

@@ -4,16 +4,20 @@
 #include <gtest/gtest.h>
 
 #include "host/support/durable_file.h"
+#include "tests/host/commands/small_sweep.h"
 #include "tests/host/support/run_tactel.h"
 
 namespace tactel::host {
 namespace {
 
 /// Runs a command of tactel under strace; fails where a target was not written, synced, renamed and its folder synced.
-ChildResult in_order(const std::vector<std::string>& targets, const std::vector<std::string>& command) {
+ChildResult in_order(const std::vector<std::string>& targets, const std::vector<std::string>& command,
+                     const std::vector<std::string>& launcher = {}) {
   std::vector<std::string> all = {"/usr/bin/python3", source_file("tests/host/support/sync_order.py")};
   all.insert(all.end(), targets.begin(), targets.end());
-  all.insert(all.end(), {"--", TACTEL_PROGRAM});
+  all.emplace_back("--");
+  all.insert(all.end(), launcher.begin(), launcher.end());
+  all.emplace_back(TACTEL_PROGRAM);
   all.insert(all.end(), command.begin(), command.end());
   return run_child(all);
 }
@@ -24,10 +28,7 @@ class Durability : public ::testing::Test {
   static const ScratchFolder& folder() {
     static const ScratchFolder made;
     static const std::string sweep =
-        made.write("sweep.toml",
-                   "[sweep]\ncontacts = 100\n[sensor]\ncolumns = 11\nrows = 4\ntactels = 5\n[contact]\nfriction = 0.5\n"
-                   "[indenter]\nshape = \"parabola\"\nradius = 10\n[load]\nindentation = { uniform = [0.1, 0.2] }\n"
-                   "tangential = [0.02, 0.05]\n");
+        made.write("sweep.toml", SmallSweep{.contacts = 100, .drag = "tangential = [0.02, 0.05]"}.text());
     static const int code = run_tactel({"generate", sweep, "--output", made / "set.h5"}).exit_code;
     EXPECT_EQ(code, 0);
     return made;
@@ -42,6 +43,18 @@ TEST_F(Durability, NetworksCheckpointAndReportOfATraining) {
       {"train", at("set.h5"), "--network", "10-3-1", "--cycles", "50", "--checkpoint-seconds", "1e-6", "--output", net,
        "--quiet"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
+}
+
+// Those of two processes, which rank 0 puts together in DIR.
+TEST_F(Durability, NetworksOfSeveralProcesses) {
+  const std::string net = at("ranks");
+  const ChildResult result = in_order(
+      {net + "/training.json", net + "/learning_curves.svg", net + "/10-3-1_noise0_seed1.onnx",
+       net + "/10-3-1_noise0_seed2.onnx"},
+      {"train", at("set.h5"), "--network", "10-3-1", "--seeds", "2", "--cycles", "5", "--output", net, "--quiet"},
+      {"env", "OMPI_ALLOW_RUN_AS_ROOT=1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1", "mpirun", "--oversubscribe", "--bind-to",
+       "none", "-n", "2"});
+  EXPECT_EQ(result.exit_code, 0) << result.err << result.out;
 }
 
 TEST_F(Durability, Answers) {

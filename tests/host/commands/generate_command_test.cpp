@@ -9,6 +9,7 @@
 #include "host/support/checksum.h"
 #include "host/support/errors.h"
 #include "test_paths.h"
+#include "tests/host/commands/small_sweep.h"
 #include "tests/host/device/test_device.h"
 #include "tests/host/support/run_tactel.h"
 
@@ -234,10 +235,7 @@ TEST_F(Generate, SeveralDevicesShareTheChunks) {
 // one of which comes from an earlier run. Expected: the draws themselves.
 TEST_F(Generate, WarnsOnceOfDeepIndentersWithTheirCount) {
   const std::string deep =
-      folder_.write("deep.toml",
-                    "[sweep]\ncontacts = 10000\n[sensor]\ncolumns = 11\nrows = 4\ntactels = 5\n[contact]\n"
-                    "friction = 0.5\n[indenter]\nshape = \"parabola\"\nradius = 10\n[load]\n"
-                    "indentation = { uniform = [0.2, 0.4] }\ntangential = [0.05]\n");
+      folder_.write("deep.toml", SmallSweep{.contacts = 10000, .indentation = "{ uniform = [0.2, 0.4] }"}.text());
   const Sweep sweep = read_sweep(deep);
   int beyond = 0;
   for (std::uint64_t k = 0; k < 10000; ++k) beyond += sweep.source.contact(k).scene.load.indentation[0] > 0.3;
@@ -283,13 +281,6 @@ TEST_F(Generate, AProcessThatDiesCostsItsOwnChunksOnly) {
   EXPECT_EQ(checksum(text_of(output("three.h5"))), checksum(text_of(output("one.h5"))));
 }
 
-// A small sweep: two chunks, 5 tactels.
-std::string small_sweep(const std::string& sweep, const std::string& more = "") {
-  return "[sweep]\ncontacts = 9000\n" + sweep + "[sensor]\ncolumns = 11\nrows = 4\ntactels = 5\n[contact]\n" +
-         (more.empty() ? "friction = 0.5\n[indenter]\nshape = \"parabola\"\nradius = 10\n" : more) +
-         "[load]\nindentation = { uniform = [0.1, 0.2] }\ntangential = [0.05]\n";
-}
-
 class SmallSet : public ::testing::Test {
  protected:
   std::string operator/(const std::string& name) const { return (folder_ / name).string(); }
@@ -311,8 +302,8 @@ class SmallSet : public ::testing::Test {
 };
 
 TEST_F(SmallSet, ResumeRefusesAFileOfTheSweepThatHasChanged) {
-  const std::string profile = "friction = 0.5\n[indenter]\nshape = \"profile\"\nfile = \"tip.csv\"\n";
-  const std::string text = sweep("a.toml", small_sweep("", profile));
+  const std::string profile = "[indenter]\nshape = \"profile\"\nfile = \"tip.csv\"\n";
+  const std::string text = sweep("a.toml", SmallSweep{.indenter = profile}.text());
   folder_.write("tip.csv", "x,y\n-5,1.25\n0,0\n5,1.25\n");
   stop_half_way(text, "set.h5");
   folder_.write("tip.csv", "x,y\n-5,1.5\n0,0\n5,1.5\n");
@@ -329,11 +320,9 @@ TEST_F(SmallSet, ResumeRefusesAFileOfTheSweepThatHasChanged) {
 }
 
 TEST_F(SmallSet, RefusesChunksOfAnotherPlan) {
-  const std::string seven = sweep("7.toml", small_sweep("seed = 7\n")),
-                    eight = sweep("8.toml", small_sweep("seed = 8\n"));
-  std::string narrow_text = small_sweep("seed = 7\n");
-  narrow_text.replace(narrow_text.find("tactels = 5"), 11, "tactels = 3");
-  const std::string narrow = sweep("narrow.toml", narrow_text);
+  const std::string seven = sweep("7.toml", SmallSweep{.sweep = "seed = 7\n"}.text()),
+                    eight = sweep("8.toml", SmallSweep{.sweep = "seed = 8\n"}.text());
+  const std::string narrow = sweep("narrow.toml", SmallSweep{.sweep = "seed = 7\n", .tactels = 3}.text());
   stop_half_way(seven, "7.h5");
   for (const std::string& other : {eight, narrow}) {
     const std::string output = std::filesystem::path(other).stem().string() + ".h5";
@@ -357,9 +346,7 @@ TEST_F(SmallSet, RefusesChunksOfAnotherPlan) {
 
 // Both chunks fit under the limit of 1.408 MB (65 bytes a row), the set does not: its chunks have room for 24576 rows.
 TEST_F(SmallSet, AFullDiskInTheAssemblyIsAnErrorAndKeepsTheChunks) {
-  std::string text = small_sweep("");
-  text.replace(text.find("tactels = 5"), 11, "tactels = 3");
-  const std::string narrow = sweep("narrow.toml", text);
+  const std::string narrow = sweep("narrow.toml", SmallSweep{.tactels = 3}.text());
   const ChildResult full = run_child(
       {"sh", "-c",
        "trap '' XFSZ; ulimit -f 2750; " TACTEL_PROGRAM " generate " + narrow + " --output " + (*this / "set.h5")});
@@ -373,7 +360,7 @@ TEST_F(SmallSet, AFullDiskInTheAssemblyIsAnErrorAndKeepsTheChunks) {
 }
 
 TEST_F(SmallSet, ResumeRefusesACompleteSetMadeOtherwise) {
-  const std::string text = sweep("a.toml", small_sweep(""));
+  const std::string text = sweep("a.toml", SmallSweep{}.text());
   ASSERT_EQ(run(text, "set.h5").exit_code, 0);
   EXPECT_EQ(run(text, "set.h5", {"--resume"}).exit_code, 0);
   const std::vector<std::vector<std::string>> others = {
@@ -386,7 +373,7 @@ TEST_F(SmallSet, ResumeRefusesACompleteSetMadeOtherwise) {
     EXPECT_THAT(result.err, HasSubstr("the requested conditions; it has"));
     EXPECT_THAT(result.err, HasSubstr(name + " "));
   }
-  const ChildResult changed = run(sweep("b.toml", small_sweep("seed = 5\n")), "set.h5", {"--resume"});
+  const ChildResult changed = run(sweep("b.toml", SmallSweep{.sweep = "seed = 5\n"}.text()), "set.h5", {"--resume"});
   EXPECT_EQ(changed.exit_code, 2);
   // Another version, and a set of before plans were stored.
   const std::string python = "import h5py,sys\nwith h5py.File(sys.argv[1], 'r+') as f:\n";
@@ -401,7 +388,7 @@ TEST_F(SmallSet, ResumeRefusesACompleteSetMadeOtherwise) {
 }
 
 TEST_F(SmallSet, ResumeOfACompleteSetEndsInEveryProcess) {
-  const std::string text = sweep("a.toml", small_sweep(""));
+  const std::string text = sweep("a.toml", SmallSweep{}.text());
   ASSERT_EQ(run(text, "set.h5").exit_code, 0);
   const ChildResult result =
       run_child({"sh", "-c",
@@ -414,7 +401,7 @@ TEST_F(SmallSet, ResumeOfACompleteSetEndsInEveryProcess) {
 
 // An error in a thread of the set-up is an error of the program, as it is in `solve`.
 TEST_F(SmallSet, ErrorsOfThreadsReachTheUser) {
-  std::string text = small_sweep("");
+  std::string text = SmallSweep{}.text();
   text.replace(text.find("tactels = 5"), 11, "tactels = 5\npoisson = 0.4999999999");
   const ChildResult result = run(sweep("a.toml", text), "set.h5");
   EXPECT_EQ(result.exit_code, 2) << result.err;
@@ -422,7 +409,7 @@ TEST_F(SmallSet, ErrorsOfThreadsReachTheUser) {
 }
 
 TEST_F(SmallSet, OutputsThatCannotBeAreWrongInput) {
-  const std::string text = sweep("a.toml", small_sweep(""));
+  const std::string text = sweep("a.toml", SmallSweep{}.text());
   for (const std::string& output :
        {std::string(300, 'x') + ".h5", std::string("a.toml/set.h5"), std::string("no/set.h5")}) {
     const ChildResult result = run(text, output);
@@ -433,8 +420,7 @@ TEST_F(SmallSet, OutputsThatCannotBeAreWrongInput) {
 
 // friction is 0 or 0.5, one as likely as the other; expected: the draws themselves.
 TEST_F(SmallSet, CountsContactsWithoutRows) {
-  const std::string path = sweep(
-      "a.toml", small_sweep("", "friction = { choice = [0, 0.5] }\n[indenter]\nshape = \"parabola\"\nradius = 10\n"));
+  const std::string path = sweep("a.toml", SmallSweep{.friction = "{ choice = [0, 0.5] }"}.text());
   const Sweep drawn = read_sweep(path);
   std::uint64_t without = 0;
   for (std::uint64_t k = 0; k < 9000; ++k) without += drawn.source.contact(k).scene.friction == 0;
@@ -445,6 +431,55 @@ TEST_F(SmallSet, CountsContactsWithoutRows) {
   const ContactSet set = read_contact_set(*this / "set.h5");
   EXPECT_EQ(set.without_rows, without);
   EXPECT_EQ(set.contacts, 9000u);
+}
+
+// A drag of 5 mm at mu = 0.1, where the rubber follows by less than 0.1 mm, is far on elements of 2 mm; one of 0.05 mm
+// is not. Which of the two a contact has the sweep draws; expected: the draws themselves.
+TEST_F(SmallSet, CountsContactsThatSlideFar) {
+  const std::string path =
+      sweep("a.toml", SmallSweep{.friction = "0.1", .drag = "tangential = [{ choice = [0.05, 5] }]"}.text());
+  const Sweep drawn = read_sweep(path);
+  std::uint64_t far = 0;
+  for (std::uint64_t k = 0; k < 9000; ++k) far += drawn.source.contact(k).scene.load.tangential[0] == 5;
+  ASSERT_GT(far, 4000u);
+  stop_half_way(path, "set.h5");  // the counts of chunks that are there count, too
+  const ChildResult result = run(path, "set.h5", {"--resume"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.out, HasSubstr(std::to_string(far) + " of 9000 contacts slide further than"));
+  EXPECT_THAT(result.out, testing::Not(HasSubstr("do not slide as a whole")));
+}
+
+// 1000 steps of 1e-6 mm never make mu = 0.5 slide; where nothing touches (mu is any) there is no row, and the drag
+// ends.
+TEST_F(SmallSet, CountsDragsUntilSlidingThatNeverSlide) {
+  const SmallSweep few{.contacts = 40, .indentation = "{ choice = [0, 0.1] }", .drag = "tangential_step = 1e-6"};
+  const std::string path = sweep("a.toml", few.text());
+  const Sweep drawn = read_sweep(path);
+  std::uint64_t pressed = 0;
+  for (std::uint64_t k = 0; k < 40; ++k) pressed += drawn.source.contact(k).scene.load.indentation[0] > 0;
+  ASSERT_GT(pressed, 5u);
+  ASSERT_LT(pressed, 35u);
+  const ChildResult result = run(path, "set.h5");
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.out, HasSubstr(std::to_string(pressed) + " of 40 contacts do not slide as a whole within 1000"));
+  EXPECT_THAT(result.out, HasSubstr(std::to_string(40 - pressed) + " of 40 contacts have no row"));
+  EXPECT_EQ(read_contact_set(*this / "set.h5").rows(), 1001 * pressed);
+}
+
+// What an earlier version left, whose chunks have another layout, is refused and stays as it is.
+TEST_F(SmallSet, RefusesChunksOfAnotherVersion) {
+  const std::string path = sweep("a.toml", SmallSweep{}.text());
+  stop_half_way(path, "set.h5");
+  const auto spool = SetSpool::folder(*this / "set.h5") / "0000.spool";
+  std::string chunks = text_of(spool);
+  ASSERT_EQ(chunks.substr(0, 8), "tlspool4");
+  chunks[7] = '3';
+  std::ofstream(spool, std::ios::binary) << chunks;
+  const ChildResult result = run(path, "set.h5", {"--resume"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("0000.spool holds some of another; that version goes on with it, and --force"));
+  EXPECT_EQ(text_of(spool), chunks);
+  EXPECT_EQ(run(path, "set.h5", {"--force"}).exit_code, 0);
 }
 
 /// What is in the folder beside the sweep file.
@@ -458,7 +493,7 @@ std::vector<std::string> outputs_in(const std::filesystem::path& folder) {
 // Killed as it syncs the set (the first fsync of the temporary), and as it syncs the folder behind the renaming.
 TEST_F(SmallSet, AKillInTheAssemblyLeavesNothingForGood) {
   const OwnCache cache;  // the programs that run beside it sync kernels that they compile into a shared one
-  const std::string text = sweep("a.toml", small_sweep(""));
+  const std::string text = sweep("a.toml", SmallSweep{}.text());
   ASSERT_EQ(run(text, "whole.h5").exit_code, 0);
   const std::string whole = text_of(*this / "whole.h5");
   std::filesystem::remove(*this / "whole.h5");
@@ -480,7 +515,7 @@ TEST_F(SmallSet, AKillInTheAssemblyLeavesNothingForGood) {
 }
 
 TEST_F(SmallSet, SurvivesAPowerCut) {
-  const std::string text = sweep("a.toml", small_sweep(""));
+  const std::string text = sweep("a.toml", SmallSweep{}.text());
   const ChildResult result = run_child({"/usr/bin/python3", source_file("tests/host/support/sync_order.py"),
                                         *this / "set.h5", SetSpool::folder(*this / "set.h5") / "plan", "--",
                                         TACTEL_PROGRAM, "generate", text, "--output", *this / "set.h5", "--quiet"});
@@ -496,9 +531,9 @@ std::string documented_python() {
 
 TEST_F(SmallSet, TheDocumentedPythonNamesTheIndenters) {
   const std::string text = sweep(
-      "a.toml", small_sweep("",
-                            "friction = 0.5\n[[indenter]]\nshape = \"profile\"\npoints = 9\nhalf_width = 4\n"
-                            "height = 0.5\n[[indenter]]\nshape = \"rounded_flat\"\nhalf_width = 1\nradius = 5\n"));
+      "a.toml", SmallSweep{.indenter = "[[indenter]]\nshape = \"profile\"\npoints = 9\nhalf_width = 4\nheight = 0.5\n"
+                                       "[[indenter]]\nshape = \"rounded_flat\"\nhalf_width = 1\nradius = 5\n"}
+                    .text());
   ASSERT_EQ(run(text, "random.h5").exit_code, 0);
   const std::string script = folder_.write("read.py", documented_python());
   const ChildResult result = run_child({"sh", "-c", "cd " + (*this / "") + " && exec /usr/bin/python3 " + script});

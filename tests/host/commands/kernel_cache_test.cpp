@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/host/commands/small_sweep.h"
 #include "tests/host/support/run_tactel.h"
 
 namespace tactel::host {
@@ -54,10 +55,7 @@ TEST_F(SolveWithCache, FilesThatAreNotListedAreCompiledAnew) {
 
 // Ctrl-C reaches the compiler's linker, too: wherever it comes, the run ends as interrupted, or is done.
 TEST_F(SolveWithCache, InterruptedWhileItCompilesEndsAsSuch) {
-  const std::string sweep = folder_.write("sweep.toml",
-                                          "[sweep]\ncontacts = 40000\nseed = 1\n[sensor]\ncolumns = 11\nrows = 4\n"
-                                          "tactels = 5\n[indenter]\nshape = \"parabola\"\nradius = 10\n[contact]\n"
-                                          "friction = 0.5\n[load]\nindentation = 0.1\ntangential = [0.05]\n");
+  const std::string sweep = folder_.write("sweep.toml", SmallSweep{.contacts = 40000, .indentation = "0.1"}.text());
   for (int tenths = 2; tenths <= 14; tenths += 2) {
     const std::string name = std::to_string(tenths);
     const ChildResult result =

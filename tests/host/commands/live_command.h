@@ -13,7 +13,7 @@ namespace tactel::host {
 
 inline std::vector<nlohmann::json> lines_of(const std::string& text) {
   std::vector<nlohmann::json> lines;
-  std::istringstream in(text);
+  std::istringstream in(without_progress(text));
   for (std::string line; std::getline(in, line);) lines.push_back(nlohmann::json::parse(line));
   return lines;
 }

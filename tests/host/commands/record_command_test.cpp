@@ -90,5 +90,26 @@ TEST_F(Record, AnArrivalThatIsNoTimeIsNamedAndNotReadAsOne) {
   EXPECT_THAT(damaged.err + damaged.out, ::testing::Not(HasSubstr("nan,")));
 }
 
+// Bytes without the sync of the simulation's frames, and no byte at all. Neither changes the exit code.
+TEST_F(Record, WarnsWhereNothingWasDecoded) {
+  const std::string profile = open_source(simulation, "", "").profile.text;
+  const std::vector<std::uint8_t> noise(1000, 0x55);
+  for (const bool any : {true, false}) {
+    hw::RecordingWriter writer(recording_, profile, hw::OutputFile::Existing::replace);
+    if (any) writer.write({noise, 0.5});
+    writer.finish();
+    const std::string what = any ? "no frame was found in 1000 bytes" : "no byte came";
+    const ChildResult monitored = replay();
+    EXPECT_EQ(monitored.exit_code, 0);
+    EXPECT_THAT(monitored.err, HasSubstr("warning: replay:" + recording_ + ": " + what));
+    const ChildResult recorded = run_tactel({"record", "--source", "replay:" + recording_, "--output", "/dev/null"});
+    EXPECT_EQ(recorded.exit_code, 0);
+    EXPECT_THAT(recorded.err, HasSubstr("warning: replay:" + recording_ + ": " + what));
+    EXPECT_EQ(record({"--output", "/dev/null"}, "replay:" + recording_).err, "");
+  }
+  EXPECT_THAT(run_tactel({"record", "--source", simulation, "--output", "/dev/null"}).err,
+              ::testing::Not(HasSubstr("warning")));
+}
+
 }  // namespace
 }  // namespace tactel::host

@@ -365,7 +365,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongTraining{
             "StopErrorOfBlocks", {"--block", "50", "--stop-error", "0.1"}, "--stop-error = 0.1: must be left out"},
         WrongTraining{"NoSeeds", {"--seeds", "0"}, "--seeds"},
-        WrongTraining{"UnknownScaling", {"--scaling", "row"}, "--scaling: row not in {set,frame}"},
+        WrongTraining{"UnknownScaling", {"--scaling", "row"}, "--scaling = row: must be one of set, frame"},
         WrongTraining{"NegativeCycles", {"--cycles", "-1"}, "--cycles"},
         WrongTraining{"RateZero", {"--learning-rate", "0"}, "--learning-rate = 0"},
         WrongTraining{"RateNan", {"--learning-rate", "nan"}, "--learning-rate = nan"},
@@ -374,7 +374,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongTraining{"BatchOnline", {"--batch", "64"}, "--batch = 64: must be left out, or with --schedule batch"},
         WrongTraining{"OptimizerOnline", {"--optimizer", "adam"}, "--optimizer = adam: must be left out"},
         WrongTraining{"BatchZero", {"--schedule", "batch", "--batch", "0"}, "--batch = 0"},
-        WrongTraining{"BothWays", {"--resume", "--force"}, "excludes"},
+        WrongTraining{"BothWays", {"--resume", "--force"}, "must be left out with --"},
         WrongTraining{"NoRecallSet", {"--recall", "/nowhere.h5"}, "/nowhere.h5"}),
     [](const auto& info) { return info.param.name; });
 

@@ -56,10 +56,35 @@ TEST(HardScenes, AReleasedFlatNeverSlides) {
   const fem::Scene scene = scene_of("flat_released_and_dragged");
   const SolveOutcome outcome = solve_in(scene, "fp64");
   ASSERT_TRUE(converged(outcome.solution));
-  EXPECT_EQ(outcome.solution.steps.size(), 1002u);
+  EXPECT_EQ(outcome.solution.steps.size(), 3u) << "pressed, released, and one step of the drag";
   EXPECT_EQ(outcome.solution.steps.back().P, 0);
   EXPECT_TRUE(never_slid(scene, outcome.solution));
-  EXPECT_THAT(warnings(outcome), Contains(HasSubstr("does not slide as a whole within 1000 steps")));
+  EXPECT_THAT(warnings(outcome), Contains(HasSubstr("the drag until sliding touches nothing")));
+}
+
+/// No solver goes through 1000 steps of a drag over nothing; a batch of many lanes neither, and what touches goes on.
+TEST(HardScenes, ADragThatTouchesNothingEndsAtOnce) {
+  fem::Scene scene;
+  scene.sensor.columns = 21, scene.sensor.rows = 4;
+  scene.load.indentation = {0.1, 0.0};
+  scene.load.tangential_step = 0.05;
+  fem::Scene touching = scene;
+  touching.load.indentation = {0.1, 0.05};
+  const fem::ContactSolution exact = fem::solve_gap_reference(scene), slid = fem::solve_gap_reference(touching);
+  EXPECT_EQ(exact.steps.size(), 3u);
+  EXPECT_FALSE(exact.sliding);
+  EXPECT_TRUE(slid.sliding);
+  const fem::Scene both[] = {scene, touching};
+  Executor executor{Device()};
+  for (const Precision precision : {Precision::fp32, Precision::fp64}) {
+    const auto solutions = solve_gap_sweep(executor, both, precision, {});
+    EXPECT_EQ(solutions[0].steps.size(), 3u) << name(precision);
+    EXPECT_FALSE(solutions[0].sliding);
+    EXPECT_TRUE(converged(solutions[0]));
+    EXPECT_TRUE(solutions[1].sliding);
+    EXPECT_EQ(solutions[1].steps.size(), slid.steps.size()) << name(precision);
+    EXPECT_GT(solutions[1].steps.size(), 3u);
+  }
 }
 
 class BondedScenes : public ::testing::TestWithParam<const char*> {};

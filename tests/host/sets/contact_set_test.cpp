@@ -43,6 +43,14 @@ TEST(PaperSets, ThirtyTwoTaylorShapes) {
   EXPECT_EQ(powers.size(), 32u);
 }
 
+TEST(PaperSets, WarnOfUnsolvedContacts) {
+  ContactSet set;
+  set.contacts = 28;
+  EXPECT_FALSE(unsolved_warning(set));
+  set.unsolved = 3;
+  EXPECT_EQ(unsolved_warning(set), "3 of 28 contacts have a load step that did not meet its tolerance");
+}
+
 TEST(PaperSets, SevenClassesOfFourShapesDraggedUntilTheySlide) {
   const ContactSet& set = recall_set();
   EXPECT_EQ(set.indenter_names.size(), 7u);

@@ -1,0 +1,24 @@
+#pragma once
+#include <optional>
+#include <string>
+
+#include "host/contact/planner.h"
+#include "host/contact/rung_error.h"
+
+namespace tactel::host {
+
+/// What the mesh of an answer lets its numbers be off by, to expect: S absolutely, P and Q of the largest along the
+/// path, stresses at the tactels of their largest. It is made of the differences from a finer mesh (docs/accuracy.md).
+struct MeshError {
+  AnswerError expected;
+  std::string finer;  ///< the mesh of comparison: "81 x 21"
+};
+
+/// Returns the error to expect of an answer: the reference solves the scene again with half the element size. None
+/// where that would take seconds (more than 81 columns, 33 rows or 100 load steps), and where it fails.
+std::optional<MeshError> mesh_error(const fem::Scene& scene, const fem::ContactSolution& answer);
+
+/// Returns what the planner knows of its answer's error; none where a mesh missed a contact or no rung was compared.
+std::optional<MeshError> mesh_error(const Plan& plan);
+
+}  // namespace tactel::host

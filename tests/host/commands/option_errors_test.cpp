@@ -1,0 +1,114 @@
+// What the program says of options whose value is wrong or missing: one form for all, of every command.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+#include <regex>
+#include <set>
+
+#include "tests/host/support/run_tactel.h"
+
+namespace tactel::host {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+const std::vector<std::string> commands = {"solve",    "generate", "check",   "train",  "recall", "reproduce",
+                                           "tradeoff", "extremes", "monitor", "record", "tare",   "devices"};
+
+/// The error's first line; fails where the exit code is not 2 or standard output holds something.
+std::string error_of(const std::vector<std::string>& arguments) {
+  const ChildResult result = run_tactel(arguments);
+  EXPECT_EQ(result.exit_code, 2) << arguments.back();
+  EXPECT_EQ(result.out, "");
+  EXPECT_THAT(result.err, HasSubstr("\nsee tactel " + arguments.front() + " --help\n"));
+  return result.err.substr(0, result.err.find('\n'));
+}
+
+/// Options of a command, each with its type as the help shows it: "--scaling" "set|frame".
+std::map<std::string, std::string> options_of(const std::string& command) {
+  const std::string help = run_tactel({command, "--help"}).out;
+  std::map<std::string, std::string> options;
+  const std::regex option(R"((?:^|\n)  (?:-\w, )?(--[a-z-]+)(?:, --[a-z-]+)* ([^\s-][^\s]*))");
+  for (std::sregex_iterator one(help.begin(), help.end(), option), end; one != end; ++one)
+    options[(*one)[1]] = (*one)[2];
+  return options;
+}
+
+TEST(OptionErrors, AChoiceNamesAllThatIsAllowed) {
+  const std::regex choices("[a-z0-9]+([|][a-z0-9]+)+");
+  std::set<std::string> found;
+  for (const std::string& command : commands)
+    for (auto [option, type] : options_of(command)) {
+      if (!std::regex_match(type, choices)) continue;
+      found.insert(command + " " + option);
+      const std::string allowed = std::regex_replace(type, std::regex("[|]"), ", ");
+      EXPECT_EQ(error_of({command, option, "row"}),
+                "error: command line: " + option + " = row: must be one of " + allowed);
+      EXPECT_EQ(error_of({command, option}),
+                "error: command line: " + option + " = (missing): must be one of " + allowed);
+    }
+  EXPECT_THAT(found, testing::IsSupersetOf({"solve --solver", "solve --precision", "solve --rung", "generate --rung",
+                                            "generate --precision", "train --scaling", "train --order",
+                                            "train --schedule", "train --optimizer", "recall --precision"}));
+}
+
+TEST(OptionErrors, EveryOptionWithoutItsValueSaysWhatItTakes) {
+  for (const std::string& command : commands)
+    for (const auto& [option, type] : options_of(command))
+      EXPECT_THAT(error_of({command, option}),
+                  AllOf(HasSubstr("error: command line: " + option + " = (missing): must be "), Not(HasSubstr("TEXT")),
+                        Not(HasSubstr("FLOAT")), Not(HasSubstr("INT")), Not(HasSubstr("POSITIVE"))))
+          << command << " " << type;
+}
+
+struct WrongOption {
+  const char* name;
+  std::vector<std::string> arguments;
+  std::string says;
+};
+void PrintTo(const WrongOption& wrong, std::ostream* out) { *out << wrong.name; }
+
+class WrongOptionTest : public testing::TestWithParam<WrongOption> {};
+
+TEST_P(WrongOptionTest, IsNamedWithItsValueAndWhatIsAllowed) {
+  EXPECT_EQ(error_of(GetParam().arguments), "error: command line: " + GetParam().says);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, WrongOptionTest,
+    testing::Values(
+        WrongOption{"Range", {"tradeoff", "--scenes", "3"}, "--scenes = 3: must be a whole number, 8 to 100000"},
+        WrongOption{
+            "RangeOfWords", {"reproduce", "--seeds", "many"}, "--seeds = many: must be a whole number, 1 to 100000"},
+        WrongOption{"Zero", {"train", "--seeds", "0"}, "--seeds = 0: must be a whole number above 0"},
+        WrongOption{"NegativeCount", {"train", "--rows", "-5"}, "--rows = -5: must be a whole number above 0"},
+        WrongOption{"NoCount", {"monitor", "--every", "0"}, "--every = 0: must be a whole number above 0"},
+        WrongOption{"NegativeTime", {"monitor", "--late", "-1"}, "--late = -1: must be a number above 0"},
+        WrongOption{"NoNumber", {"solve", "a.toml", "--accuracy", "x"}, "--accuracy = x: must be a number above 0"},
+        WrongOption{"PartOfANumber", {"solve", "a.toml", "--step", "1.5"}, "--step = 1.5: must be a whole number"},
+        WrongOption{"ManyOfWhichOneIsNone",
+                    {"train", "--noise", "0.1", "--noise", "0.2x", "--noise", "0.3"},
+                    "--noise = 0.2x: must be a number"},
+        WrongOption{"MissingFile", {"solve"}, "SCENE.toml = (missing): must be given"},
+        WrongOption{"MissingSecondFile", {"recall", "net"}, "SET.h5 = (missing): must be given"},
+        WrongOption{"MissingOption", {"train", "a.h5"}, "--output = (missing): must be given as DIR"},
+        WrongOption{"Contradiction",
+                    {"train", "--output", "a", "--resume", "--force"},
+                    "--resume: must be left out with --force"},
+        WrongOption{
+            "FlagWithAValue", {"solve", "a.toml", "--quiet=maybe"}, "--quiet = maybe: must be given without a value"},
+        WrongOption{"Unknown",
+                    {"train", "--sclaing", "set", "--output", "a"},
+                    "--sclaing: must be an option of tactel train; did you mean --scaling?"},
+        WrongOption{
+            "OneTooMany", {"check", "a.h5", "b.h5"}, "argument = b.h5: must be left out: tactel check takes no more"},
+        WrongOption{"ControlCharacters",
+                    {"train", "--scaling", "a\x1b[31m\n"},
+                    "--scaling = a [31m : must be one of set, frame"}),
+    [](const auto& info) { return info.param.name; });
+
+}  // namespace
+}  // namespace tactel::host
