@@ -73,9 +73,8 @@ void report_cache(const LogSink& log) {
   if (!all.trouble.empty())
     log(LogLevel::warning, "compiled kernels are kept in " + folder + ", because of " + all.trouble);
   if (all.cache->damaged() > 0)
-    log(LogLevel::warning, "the cache of compiled kernels " + folder +
-                               " was damaged: " + std::to_string(all.cache->damaged()) +
-                               " programs were removed and are compiled again");
+    log(LogLevel::warning, "the cache of compiled kernels " + folder + " was damaged: " +
+                               std::to_string(all.cache->damaged()) + " programs were removed and are compiled again");
 }
 
 DeviceType type_of(cl_device_type type) {

@@ -40,8 +40,8 @@ class SetSpool {
   /// Appends a chunk. Throws ConfigError where the disk is full; earlier chunks stay whole.
   void append(std::uint64_t chunk, const ContactSet& rows);
   /// Writes the set file from chunks 0 ... count - 1, which must all exist. `set` holds the attributes; the counts
-  /// of contacts that fell back, stayed unsolved, have no rows or are too deep, slid too far or never slid are added to it. Removes the folder
-  /// after the set has reached the disk.
+  /// of contacts that fell back, stayed unsolved, have no rows or are too deep, slid too far or never slid are added to
+  /// it. Removes the folder after the set has reached the disk.
   void assemble(std::uint64_t count, ContactSet& set);
   std::uint64_t rows() const;   ///< of all chunks
   std::size_t torn() const;     ///< places where a file was cut off on opening
