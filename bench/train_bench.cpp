@@ -39,7 +39,7 @@ const host::LearningInputs<float>& inputs() {
   return inputs;
 }
 
-/// What the rule asks for: forward 2, backward 2 (not below the first layer), step and weight 4 operations a weight.
+/// Operations of the rule: forward 2, backward 2 (not below the first layer), step and weight 4 operations a weight.
 double flops_of_pattern(const nn::Topology& topology) {
   const auto all = static_cast<double>(topology.weight_count()), first = static_cast<double>(topology.layer_offset(1));
   return 6 * all + 2 * (all - first);

@@ -14,9 +14,9 @@ struct Residual {
   double cone = 0;             ///< largest |t| - mu n, over the largest n (0 if none)
   double complementarity = 0;  ///< largest |gap| at a node with n > 0, over the largest surface displacement
   double drift = 0;  ///< largest slip of a sticking node, or slip along (not against) friction, over the largest
-                     ///< surface displacement. Slip counts from the increment before, and in batched answers also from
-                     ///< where a node began to stick, so that small errors of many increments do not add up unseen:
-                     ///< the larger of both. The kernel's own figure, which sets hold, is the second alone
+                     ///< surface displacement. Slip counts from the increment before. In batched answers it counts also
+                     ///< from where a node began to stick, and the larger one is taken, so that errors of many
+                     ///< increments do not add up unseen. The kernel's own figure, which sets hold, is the second alone
   double balance = 0;  ///< |base force + surface force| over the largest of both
 };
 

@@ -37,7 +37,7 @@ StrainOperator strain_operator(const Gradients& gradient) {
   return b;
 }
 
-/// [2, 2]: d(x, y)/d(xi, eta), transposed as the chain rule wants it: d/d(xi, eta) = jacobian * d/d(x, y).
+/// [2, 2]: d(x, y)/d(xi, eta), transposed as in the chain rule: d/d(xi, eta) = jacobian * d/d(x, y).
 Eigen::Matrix2d jacobian(const ElementNodes& node, double xi, double eta) {
   return shape_functions(static_cast<int>(node.cols()), xi, eta).derivative * node.transpose();
 }

@@ -142,7 +142,7 @@ std::optional<Piece> trace(const GapIncrement& increment, const Start& start, co
   return piece;
 }
 
-// What must stay >= 0 for an element to go on as `from` rather than as `to`.
+// Quantity that stays >= 0 while an element remains `from` instead of changing to `to`.
 Line reserve(const Piece& piece, double mu, Eigen::Index i, Trial from, Trial to) {
   if (from == Trial::open) return piece.gap[i];
   if (from == Trial::stick) return mu * piece.n[i] - friction_sign(to) * piece.t[i];

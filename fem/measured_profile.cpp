@@ -93,7 +93,7 @@ void validate(const Profile& profile) {
   if (found.empty() || found.front().height <= profile.smooth) return;
   throw ValueError(profile.file.empty() ? "indenter.y" : "indenter.file",
                    profile.file.empty() ? number_text(profile.y.data(), profile.y.size()) : profile.file,
-                   "convex: points stand above the lower convex hull, by " + dents(found) +
+                   "convex: points lie above the lower convex hull, by " + dents(found) +
                        "; smooth = " + number_text(found.front().height) + " (mm) or more accepts them");
 }
 

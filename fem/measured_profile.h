@@ -3,7 +3,7 @@
 
 namespace tactel::fem {
 
-/// A point of a measured profile that stands above the lower convex hull of all points.
+/// A point of a measured profile above the lower convex hull of all points.
 struct NonConvexity {
   double x, height;  ///< mm: position, and height above the hull
 };

@@ -51,7 +51,7 @@ void check_tangential(const Load& load) {
   check(*load.tangential_steps >= 0 && *load.tangential_steps <= most_tangential_steps, "load.tangential_steps",
         *load.tangential_steps, "a number of steps, 0 to 1000");
   check(load.tangential_step != 0 || *load.tangential_steps == 0, "load.tangential_step", load.tangential_step,
-        "other than 0 where load.tangential_steps asks for steps");
+        "other than 0 where load.tangential_steps is above 0");
 }
 
 void check_angle(const Load& load, double friction) {
@@ -68,19 +68,19 @@ void check_angle(const Load& load, double friction) {
                        (*load.angle == 0 ? "; leave it out for a purely normal load" : ""));
 }
 
-/// The lowest part of the profile must hang over the rubber, and something of it over a node.
+/// The lowest part of the profile must be over the rubber, and some part of the profile over a node.
 void check_reach(const Scene& scene) {
   const double half = scene.sensor.length / 2, position = scene.indenter.position;
   const Interval lowest = lowest_part(scene.indenter);
   if (!(lowest.left <= half + edge_guard && lowest.right >= -half - edge_guard))
     throw ValueError("indenter.position", number_text(position),
-                     "such that the lowest part of the indenter, now from " + number_text(lowest.left) + " to " +
-                         number_text(lowest.right) + " mm, is over the sensor, from " + number_text(-half) + " to " +
-                         number_text(half) + " mm");
+                     "a position that puts the lowest part of the indenter, now at " + number_text(lowest.left) +
+                         " to " + number_text(lowest.right) + " mm, over the sensor, from " + number_text(-half) +
+                         " to " + number_text(half) + " mm");
   const Eigen::VectorXd heights = profile_heights(scene.indenter, surface_positions(scene.sensor));
   if (!heights.array().isFinite().any())
     throw ValueError("indenter.position", number_text(position),
-                     "such that a surface node is under the indenter: none is, they are " +
+                     "a position with a surface node under the indenter; the nodes are " +
                          number_text(scene.sensor.length / (scene.sensor.columns - 1)) + " mm apart");
 }
 

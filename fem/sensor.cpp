@@ -36,7 +36,7 @@ void Sensor::validate() const {
   const double hair = 1e-12 * length;
   check(within(span(), tactel_width * (tactels - 1) - hair, length - tactel_width + hair) && span() > 0, "tactel_span",
         span(),
-        "a length in mm, first to last tactel's middle: room for the tactels' widths between, none beyond the rubber");
+        "a length in mm between the middles of the first and last tactel: no tactels overlap, none leaves the rubber");
   name(element);  // throws on a number that is no element
   name(stress);
 }

@@ -11,7 +11,7 @@ namespace {
 constexpr std::uint8_t mark[] = {0xF0, 0xC4};
 constexpr std::size_t head = 7, cells = 64, per_cell = 3, length = head + cells * per_cell + 1;
 
-/// Whether every cell is there once.
+/// Returns true where every cell occurs once.
 bool has_all_cells(Bytes frame) {
   std::bitset<256> seen;
   for (std::size_t i = 0; i < cells; ++i) seen.set(frame[head + per_cell * i]);

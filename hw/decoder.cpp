@@ -74,7 +74,7 @@ bool Decoder::step_searching() {
   return true;
 }
 
-/// Whether as many frames as the format wants stand here one behind the other.
+/// Returns true where as many consecutive frames as the format requires begin here.
 Verdict::Kind Decoder::confirm(Bytes bytes) const {
   for (int i = 0; i < format_->confirmations(); ++i) {
     const Verdict verdict = format_->inspect(bytes);

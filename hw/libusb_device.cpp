@@ -65,7 +65,7 @@ UsbRoute find_route(libusb_device* usb, const UsbDevice& device) {
   for (int i = 0; i < config->bNumInterfaces; ++i)
     if (config->interface[i].num_altsetting > 0) consider(config->interface[i].altsetting[0], device, route);
   libusb_free_config_descriptor(config);
-  if (route.data_interface < 0) fail(device, "no interface with an IN endpoint as its profile says");
+  if (route.data_interface < 0) fail(device, "no interface with the IN endpoint of its profile");
   return route;
 }
 
@@ -115,14 +115,14 @@ std::string listed(const std::vector<UsbChoice::Other>& others) {
 [[noreturn]] void refuse(const UsbDevice& wanted, const std::vector<UsbChoice::Other>& others) {
   if (others.empty())
     fail(wanted, "looking for it", LIBUSB_ERROR_NO_DEVICE,
-         "is it plugged in? `lsusb -d " + id_text(wanted) + "` shows whether the system sees it");
+         "connect it: `lsusb -d " + id_text(wanted) + "` lists it once the system has found it");
   if (others.size() == 1 && !others.front().refusal.empty()) throw SourceError(others.front().refusal);
   const std::string asked = (wanted.serial.empty() ? "" : " with serial number " + wanted.serial) +
                             (wanted.port.empty() ? "" : " at port " + wanted.port);
-  fail(wanted, (asked.empty() ? "none is free" : "no free one" + asked) + "; plugged in are: " + listed(others));
+  fail(wanted, (asked.empty() ? "none is free" : "no free one" + asked) + "; connected are: " + listed(others));
 }
 
-/// Opens the device if it is the one that is wanted; otherwise says in `other` what it is.
+/// Opens the device if it is the wanted one; otherwise describes it in `other`.
 std::unique_ptr<LibusbDevice> try_to_open(libusb_device* usb, const UsbDevice& wanted, UsbChoice::Other& other) {
   if (!wanted.port.empty() && wanted.port != other.place.port) return nullptr;
   try {
@@ -161,8 +161,8 @@ LibusbDevice::LibusbDevice(libusb_device* usb, const UsbDevice& wanted) : wanted
   const int code = libusb_open(usb, &handle_);
   if (code == LIBUSB_ERROR_ACCESS)
     fail(wanted, "opening it", code,
-         "this user may not: copy scripts/70-tactel.rules, with a line for this device, to /etc/udev/rules.d/, "
-         "`udevadm control --reload`, plug it in again");
+         "permission denied: copy scripts/70-tactel.rules, with a line for this device, to /etc/udev/rules.d/, "
+         "run `udevadm control --reload` and reconnect it");
   if (code != 0) fail(wanted, "opening it", code);
 }
 
@@ -198,11 +198,11 @@ void LibusbDevice::claim() {
   for (const int interface : {route_.control_interface, route_.data_interface}) {
     if (interface < 0 || (interface == route_.control_interface && wanted_.transport != Transport::cdc_acm)) continue;
     if (const int code = libusb_claim_interface(handle_, interface); code != 0)
-      fail(wanted_, "claiming interface " + std::to_string(interface), code, "does another program use it?");
+      fail(wanted_, "claiming interface " + std::to_string(interface), code, "another program may use it");
   }
 }
 
-// CDC PSTN 1.2, 6.3.10 and 6.3.12: 8 data bits, no parity, one stop bit; DTR says that somebody listens.
+// CDC PSTN 1.2, 6.3.10 and 6.3.12: 8 data bits, no parity, one stop bit; DTR signals a listening host.
 void LibusbDevice::prepare_cdc() {
   std::array<std::uint8_t, 7> coding{};
   for (std::size_t i = 0; i < 4; ++i) coding[i] = static_cast<std::uint8_t>(wanted_.baud >> 8 * i);
@@ -226,13 +226,13 @@ void LibusbDevice::prepare_ftdi() {
 }
 
 void LibusbDevice::send_start() {
-  if (route_.out == 0) fail(wanted_, "no OUT endpoint for the bytes that start it");
+  if (route_.out == 0) fail(wanted_, "no OUT endpoint for the start bytes");
   auto bytes = wanted_.start;
   int sent = 0;
   const int code =
       libusb_bulk_transfer(handle_, route_.out, bytes.data(), static_cast<int>(bytes.size()), &sent, control_timeout);
-  if (code != 0) fail(wanted_, "sending the bytes that start it", code);
-  if (sent != static_cast<int>(bytes.size())) fail(wanted_, "it took only a part of the bytes that start it");
+  if (code != 0) fail(wanted_, "sending the start bytes", code);
+  if (sent != static_cast<int>(bytes.size())) fail(wanted_, "it accepted only a part of the start bytes");
 }
 
 void LibusbDevice::control(std::uint8_t type, std::uint8_t request, int value, int index, std::uint8_t* data,

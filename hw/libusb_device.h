@@ -1,4 +1,4 @@
-// Finds, opens and prepares a device. No other file than this and usb_source.cpp knows libusb.
+// Finds, opens and prepares a device. Only the files libusb_device and usb_source.cpp use libusb.
 #pragma once
 #include <libusb.h>
 

@@ -38,11 +38,11 @@ OutputFile::OutputFile(const std::filesystem::path& path, Existing existing) : p
   if (!stream && existing == Existing::replace) remove_file();
   const int fresh = O_CREAT | O_EXCL | O_NOFOLLOW;
   descriptor_ = ::open(path.c_str(), O_WRONLY | O_CLOEXEC | (stream ? 0 : fresh), 0666);
-  if (descriptor_ < 0) fail(errno == EEXIST ? "is not written over" : "cannot be written", errno);
+  if (descriptor_ < 0) fail(errno == EEXIST ? "exists and is not overwritten" : "cannot be written", errno);
   block_.reserve(block_size);
 }
 
-/// Removes a regular file: a link may lead to what nobody wants to lose, /dev/stdout is one.
+/// Removes a regular file. A link is kept: its target may be valuable, and /dev/stdout is a link.
 void OutputFile::remove_file() const {
   struct stat status {};
   if (::lstat(path_.c_str(), &status) != 0) {
@@ -50,8 +50,8 @@ void OutputFile::remove_file() const {
     fail("cannot be replaced", errno);
   }
   if (S_ISLNK(status.st_mode))
-    throw RecordingError(path_.string() + ": is a symbolic link, and not written over; name the file that it leads to");
-  if (!S_ISREG(status.st_mode)) throw RecordingError(path_.string() + ": is no regular file, and not written over");
+    throw RecordingError(path_.string() + ": is a symbolic link and is not overwritten; name its target");
+  if (!S_ISREG(status.st_mode)) throw RecordingError(path_.string() + ": is no regular file and is not overwritten");
   if (::unlink(path_.c_str()) != 0) fail("cannot be replaced", errno);
 }
 

@@ -42,7 +42,7 @@ class Walk {
 struct Contents {
   Verdict::Kind kind = Verdict::incomplete;  ///< whole: the fields below hold
   std::size_t end = 0;                       ///< first byte after every block of a known type
-  bool unknown_types = false;                ///< then the payload may go on
+  bool unknown_types = false;                ///< then the payload may continue
   std::size_t hub_at = 0, pillars_at = 0;    ///< where those blocks begin; 0: not there
 };
 

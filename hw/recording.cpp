@@ -102,7 +102,7 @@ struct ReplaySource::State {
   }
   std::size_t length() const { return unsigned_at(record, 1, 4); }
 
-  /// Reads the rest of a record whose head is there.
+  /// Reads the rest of a record after its head.
   bool read_body() {
     const std::size_t end = record_head + length();
     if (length() > largest_body) fail("damaged: a record of " + std::to_string(length()) + " bytes");
@@ -141,7 +141,7 @@ struct ReplaySource::State {
     if (!file) fail("cannot be read: " + std::string(std::strerror(errno)));
     record.resize(magic.size());
     if (!read_into(0, magic.size()) || std::memcmp(record.data(), magic.data(), magic.size()) != 0)
-      fail("no recording of tactel");
+      fail("not a recording of tactel");
     if (!read_head() || record[0] != description_record || !read_body())
       fail("damaged: no description at its beginning");
     description.assign(body().begin(), body().end());

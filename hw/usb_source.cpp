@@ -109,7 +109,7 @@ class LibusbSource final : public UsbSource {
                                      device_.vendor, device_.product, LIBUSB_HOTPLUG_MATCH_ANY, arrived, this, nullptr);
   }
 
-  /// What fails here reaches the reader, who waits in another thread.
+  /// Failures here reach the reader, which waits in another thread.
   void run() {
     try {
       pump();
@@ -161,7 +161,7 @@ class LibusbSource final : public UsbSource {
     if (code == 0) {
       ++busy_;
     } else if (code == LIBUSB_ERROR_NO_MEM || code == LIBUSB_ERROR_BUSY) {
-      ++errors_;  // fewer are in flight, and the rest go on
+      ++errors_;  // fewer are in flight; the others continue
     } else {
       gone_ = true;
     }

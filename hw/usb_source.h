@@ -23,9 +23,9 @@ class UsbSource : public FrameSource {
   virtual const UsbChoice& choice() const = 0;  ///< state at opening
 };
 
-/// Opens the first free device, by port, that matches `device`. Throws SourceError, with what to check, where
-/// there is none or it may not be opened. After an unplug the source waits for the same device: by its serial
-/// number, or by its port where another device could be mistaken for it.
+/// Opens the first free device, by port, that matches `device`. Throws SourceError, with what to check, where there
+/// is none or it may not be opened. After an unplug the source waits for the same device. It identifies it by its
+/// serial number, or by its port where that number is not unique.
 std::unique_ptr<UsbSource> open_usb(const UsbDevice& device);
 
 }  // namespace tactel::hw

@@ -1,4 +1,4 @@
-// What this device can do at most: fused multiply-adds that depend on nothing but themselves.
+// Peak arithmetic of the device: independent fused multiply-adds.
 #include "shared/group.h"
 #include "shared/lanes.h"
 

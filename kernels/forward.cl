@@ -1,6 +1,6 @@
-/* Slippage index S of frames: scaling, network, shift by 0.5. Two kernels, one arithmetic (shared/forward_layer.h), so that a frame gets the
-   same bits alone, in a batch of any size and at any place of it. `forward` has frames in the lanes, for batches; `forward_one` neurons,
-   so that a single frame uses whole vectors.
+/* Slippage index S of frames: scaling, network, shift by 0.5. Two kernels share one arithmetic (shared/forward_layer.h). A frame therefore has
+   equal bits alone, in a batch of any size and at any position. `forward` has frames in the lanes, for batches. `forward_one` has neurons in
+   the lanes, so that a single frame uses whole vectors.
 
    Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer). */
 // defines: INPUTS=42 HIDDEN1=42 HIDDEN2=21
@@ -25,7 +25,7 @@
 #define LOAD_FLOATS(p) JOIN(convert_, JOIN(REAL, LANES))(JOIN(vload, LANES)(0, p))
 #endif
 
-/* How frames in MPa become inputs. */
+/* Conversion of frames in MPa to inputs. */
 typedef struct {
   int by_frame; /* divide by the frame's own largest |normal stress|; else by the set's largest stress */
   real factor;  /* 1 / the set's largest stress, 1/MPa */
@@ -34,7 +34,7 @@ typedef struct {
 /* NaN or infinite where any of the numbers was. */
 INLINE vreal note_not_finite(vreal noted, vreal x) { return fma(x, ALL_LANES(0), noted); }
 
-/* LANES frames from `first` on, lanes beyond the last row repeating it: x[k] is input k of each. */
+/* Loads LANES frames from `first` on: x[k] is input k of each. Lanes beyond the last row repeat it. */
 INLINE void load_frames(global const float *frames, uint first, uint rows, int v, vreal (*x)[FRAME_VECTORS]) {
 #if INPUTS >= LANES
   ROLLED for (int begin = 0; begin < INPUTS; begin += LANES) {
@@ -52,7 +52,7 @@ INLINE void load_frames(global const float *frames, uint first, uint rows, int v
 #endif
 }
 
-/* Scales the inputs of LANES frames; a frame that is not finite or carries no stress becomes zeros, and its status says so. */
+/* Scales the inputs of LANES frames; a frame that is not finite or carries no stress becomes zeros and has a status. */
 INLINE vint scale_frames(Scaling scaling, int v, vreal (*x)[FRAME_VECTORS]) {
   vreal noted = 0, largest = 0;
   ROLLED for (int k = 0; k < INPUTS; ++k) noted = note_not_finite(noted, x[k][v]);
@@ -82,7 +82,7 @@ INLINE vreal output_of_one(global const real *w, const real *o) {
   return activation(ALL_LANES((sum[0] + sum[1]) + (sum[2] + sum[3])));
 }
 
-/* What is said of a frame: NaN and a status where there is no answer. */
+/* Writes the answer to a frame: NaN and a status where it has none. */
 INLINE real answer(real s, int status_before, int *status) {
   *status = status_before == FRAME_OK && isnan(s) ? FRAME_OVERFLOW : status_before;
   return status_before == FRAME_NOT_FINITE ? (real)NAN : s;
@@ -138,7 +138,7 @@ INLINE real largest_normal(const real *x) {
   return fmax(fmax(most[0], most[1]), fmax(most[2], most[3]));
 }
 
-/* One frame by itself. As each argument costs time in a launch, there is one: numbers at the places of shared/one_frame.h, then
+/* Evaluates one frame. Each argument costs time in a launch, so one array holds all: numbers at the places of shared/one_frame.h, then
    the hidden layers, [fan_in + 1][vectors of neurons][LANES] with the bias last, then the output neuron, [LAST + 1]. */
 kernel void forward_one(uint first_group, global real *all) {
   TAKE_GROUP(group);

@@ -1,17 +1,17 @@
-/* Batched contact of rigid indenters with one sensor: block Gauss-Seidel over gap elements on the surface compliance, whole load paths
-   in one launch.
+/* Batched contact of rigid indenters with one sensor: block Gauss-Seidel over gap elements on the surface compliance. One launch solves
+   whole load paths.
 
-   One work-item carries VECTORS vectors of LANES scenes (GROUP scenes). Surface forces are kept as pressure n >= 0 and traction force t on
-   the rubber. With u = C load / E the kernel works at E = 1, where forces are in mm, and scales what it writes.
+   One work-item carries VECTORS vectors of LANES scenes (GROUP scenes). Surface forces are the pressure n >= 0 and the traction force t on
+   the rubber. With u = C load / E the kernel computes at E = 1, where forces are in mm, and scales its outputs.
 
    Law at node i, with gap g = h - d - u_y and slip s = (u_x - u_x at the last increment) - (X - X at the last increment):
      n >= 0,  g >= 0,  n g = 0;   |t| <= mu n,  s = 0 inside the cone,  s t <= 0 on its edge.
 
-   A lane's result depends on nothing but the lane: finished lanes keep their bits, nodes that only its neighbours use add exact zeros,
+   A lane's result depends on the lane alone: finished lanes keep their bits, nodes that only its neighbours use add exact zeros,
    and every sum runs in an order fixed by the node's index.
 
    Built with -D REAL (float | double), LANES (1, 4, 8, 16), VECTORS, NODES, FORCE_CONTROL (0 | 1), FRICTION (0 | 1). Without FRICTION all
-   lanes have mu = 0: t stays 0, what the indenter does along x does not matter, there is no history, and C is its n, u_y part alone. */
+   lanes have mu = 0: t stays 0, the tangential position has no effect, there is no history, and C is its n, u_y part alone. */
 // defines: NODES=41 VECTORS=2 FORCE_CONTROL=1 FRICTION=1
 #include "shared/group.h"
 #include "shared/lanes.h"
@@ -30,19 +30,19 @@ typedef struct {
   vreal n_last[NODES][VECTORS]; /* both at the last increment */
   vreal t_last[NODES][VECTORS];
   vreal h[NODES][VECTORS];       /* profile height of active gap elements, FAR elsewhere, mm */
-  vreal ux_last[NODES][VECTORS]; /* u_x at the last increment where a gap element is active, mm; of a sticking node what it should have been */
-  vreal ux[NODES][VECTORS], uy[NODES][VECTORS]; /* as certify found them, mm */
+  vreal ux_last[NODES][VECTORS]; /* u_x at the last increment where a gap element is active, mm; of a sticking node its exact position */
+  vreal ux[NODES][VECTORS], uy[NODES][VECTORS]; /* as certify computed them, mm */
   int first, end;                               /* nodes [first, end): all gap elements that are active in any lane */
 } Contact;
 
-/* Where the indenter is, and which lanes iterate. */
+/* Position of the indenter, and the lanes that iterate. */
 typedef struct {
   vreal mu[VECTORS];
   vreal d[VECTORS]; /* indentation, mm */
   vreal x[VECTORS]; /* tangential position, mm */
   vreal x_last[VECTORS];
   vint active[VECTORS];
-  vint held[VECTORS]; /* lanes that are where they were at the last increment */
+  vint held[VECTORS]; /* lanes whose position equals that of the last increment */
 } Indenter;
 
 typedef struct {
@@ -55,20 +55,20 @@ typedef struct {
   vreal slip_distance[VECTORS];
 } Certificate;
 
-/* The sensor, and what the host chose (host/gap_sweep.h). */
+/* The sensor, and the host's options (host/contact/gap_sweep.h). */
 typedef struct {
   global const real *compliance; /* [NODES][NODES][C_PARTS]: u_y by n, u_y by t, u_x by n, u_x by t */
   global const real *node;       /* [NODES][NODE_ROWS] */
   real tolerance;
   int most_sweeps;
-  real reach; /* gap elements are activated up to this many indentations; certify adds what that missed */
+  real reach; /* gap elements are activated up to this many indentations; certify adds those that are missing */
 } Rules;
 
 /* The largest and the smallest; unlike fmax and fmin one instruction, and the second argument where one is not a number. */
 #define LARGER(a, b) PICK((a) > (b), a, b)
 #define SMALLER(a, b) PICK((a) < (b), a, b)
 
-/* Goes on being a number while every x is finite: NaN must not get lost in LARGER, SMALLER and fmax. */
+/* Stays a number while every x is finite, and else becomes NaN, which LARGER, SMALLER and fmax would lose. */
 static inline vreal finite_sum(vreal sum, vreal x) { return fma(ALL_LANES(0), x, sum); }
 
 static inline int any_vector(const vint *mask) {
@@ -77,7 +77,7 @@ static inline int any_vector(const vint *mask) {
   return ANY(all);
 }
 
-/* Adds what the forces of nodes [first, end) do to u_y and u_x of one node; c: its row of the compliance. */
+/* Adds the displacement u_y and u_x of one node under the forces of nodes [first, end); c: its row of the compliance. */
 static inline void add_forces(global const real *c, const vreal (*n)[VECTORS], const vreal (*t)[VECTORS], int first, int end, vreal *yn,
                               vreal *yt, vreal *xn, vreal *xt) {
   c += C_PARTS * first;
@@ -156,7 +156,7 @@ static inline void iterate(const Rules *rules, Contact *c, Indenter *in, vreal *
   }
 }
 
-/* Puts a gap element to work at node i in some lanes: it needs its height and where the node was at the last increment. */
+/* Activates the gap element of node i in some lanes: sets its height, and the node's position at the last increment. */
 static inline void activate(const Rules *rules, global const vreal *profile, Contact *c, int i, const vint *activated) {
   EACH_VECTOR { c->h[i][v] = PICK(activated[v], profile[i * VECTORS + v], c->h[i][v]); }
   if (FRICTION) {
@@ -210,7 +210,7 @@ static inline void certify(const Rules *rules, global const vreal *profile, Cont
       const vreal cone = in->mu[v] * n;
       const vint works = c->h[i][v] < FAR;
       const vint pressed = n > 0;
-      const vreal inside = u.uy[v] - (c->h[i][v] - in->d[v]); /* below zero by FAR where no gap element works */
+      const vreal inside = u.uy[v] - (c->h[i][v] - in->d[v]); /* below zero by FAR where no gap element is active */
       const vreal moved = u.ux[v] - (c->ux_last[i][v] + (in->x[v] - in->x_last[v]));
       const vreal slip = PICK(in->held[v], ALL_LANES(0), moved);
       const vreal along = PICK(t > 0, slip, PICK(t < 0, -slip, ALL_LANES(0))); /* slip with friction instead of against it */
@@ -255,7 +255,7 @@ static inline void certify(const Rules *rules, global const vreal *profile, Cont
   }
 }
 
-/* Contact for the indenter where it is, in the active lanes. Returns in `failed` the lanes that ran out of sweeps. */
+/* Solves the contact at the indenter's position, in the active lanes. Returns in `failed` the lanes that ran out of sweeps. */
 static inline void solve_contact(const Rules *rules, global const vreal *profile, Contact *c, Indenter *in, vreal *sweeps, vint *failed,
                                  Certificate *k) {
   vint checked[VECTORS];
@@ -281,7 +281,7 @@ static inline void resultants(const Contact *c, vreal *p, vreal *q) {
     }
 }
 
-/* A first guess: the last change of the forces goes on in proportion to the load. */
+/* Initial guess: extrapolates the last change of the forces in proportion to the load. */
 static inline void extrapolate(Contact *c, const Indenter *in, const vreal *ratio) {
   for (int i = c->first; i < c->end; ++i) EACH_VECTOR {
       const vreal n = c->n[i][v], t = c->t[i][v];
@@ -296,18 +296,18 @@ static inline void extrapolate(Contact *c, const Indenter *in, const vreal *rati
 }
 
 #if FORCE_CONTROL
-/* Search for the indenter's place z = (d, x) that gives the forces asked for: f = (P - P_target, Q - (Q_target / P_target) P) = 0, by Broyden's inverse update
+/* Search for the indenter's position z = (d, x) that gives the target forces: f = (P - P_target, Q - (Q_target / P_target) P) = 0, by Broyden's inverse update
    (Broyden 1965). */
 typedef struct {
   vreal b[2][2][VECTORS];             /* inverse Jacobian */
-  vreal z[2][VECTORS], g[2][VECTORS]; /* last trial: place; P and Q - (Q_target / P_target) P */
+  vreal z[2][VECTORS], g[2][VECTORS]; /* last trial: position; P and Q - (Q_target / P_target) P */
   vreal low[VECTORS], high[VECTORS];  /* bracket of d */
   vreal nearest[VECTORS];             /* depth at which the undeformed surface is touched */
   vreal p_target[VECTORS], q_target[VECTORS];
-  vint by_force[VECTORS], both[VECTORS]; /* lanes whose normal target is a force, whose tangential one is too */
+  vint by_force[VECTORS], both[VECTORS]; /* lanes whose normal target is a force; lanes whose tangential target is also one */
 } Search;
 
-/* Inverse update with the trial (z, g) in the given lanes; b stays where the step was too small to tell anything. */
+/* Inverse update with the trial (z, g) in the given lanes; b is unchanged where the step was too small. */
 static inline void broyden_update(Search *s, int v, const vreal *z, const vreal *g, vint lanes) {
   const vreal dz0 = z[0] - s->z[0][v], dz1 = z[1] - s->z[1][v];
   const vreal dg0 = g[0] - s->g[0][v], dg1 = g[1] - s->g[1][v];
@@ -334,7 +334,7 @@ static inline vreal bracketed(vreal trial, vreal now, vreal low, vreal high) {
   return PICK(trial >= high, deeper, PICK(trial <= low, (real)0.5 * (now + low), trial));
 }
 
-/* Moves the indenter of the active lanes towards the forces asked for. Leaves in in->active those that were not there yet. */
+/* Moves the indenter of the active lanes towards the target forces. Leaves in in->active those that had not reached them. */
 static inline void update_force_control(Search *s, const Contact *c, Indenter *in, real tolerance) {
   vreal p[VECTORS], q[VECTORS];
   resultants(c, p, q);
@@ -377,7 +377,7 @@ static inline void write_rows(global const real *map, int rows, const Contact *c
   }
 }
 
-/* Lanes whose input is finite and sensible, as far as their own path goes. */
+/* Lanes with finite, valid input along their own path. */
 static inline void check_input(global const vreal *lane_input, global const vreal *profile, global const vreal *path, int steps, vint *valid) {
   EACH_VECTOR {
     vreal sum = 0;
@@ -425,21 +425,21 @@ static inline vreal balance(global const vreal *rows_out, int base_rows, int v, 
   return PICK(largest > 0, off / largest, off);
 }
 
-/* Every figure within bounds; no comparison holds for NaN. */
+/* Every residual within bounds; no comparison holds for NaN. */
 static inline vint within(const Certificate *said, int v, vreal off_balance, real accept) {
   return (said->penetration[v] <= accept) & (said->cone[v] <= accept) & (said->complementarity[v] <= accept) & (said->drift[v] <= accept) &
          (off_balance <= accept);
 }
 
-/* A lane on its way along its load path. */
+/* State of a lane along its load path. */
 typedef struct {
   vint valid[VECTORS], running[VECTORS];
-  vint lost[VECTORS]; /* an increment was not solved: those that follow have no history to rest on */
+  vint lost[VECTORS]; /* an increment was not solved, so later ones have no valid history */
   vreal young[VECTORS];
   vreal nearest[VECTORS];                     /* depth at which the undeformed surface is touched, mm */
   vreal d_change[VECTORS], x_change[VECTORS]; /* of the last increment's target, mm */
   vreal sweeps[VECTORS];                      /* of this increment */
-  vint failed[VECTORS];                       /* it did not converge, or not at the forces asked for */
+  vint failed[VECTORS];                       /* it did not converge, or missed the target forces */
   Certificate certificate;
 } LoadStepping;
 
@@ -484,7 +484,7 @@ static inline void next_target(global const vreal *lane_input, global const vrea
   }
 }
 
-/* Lanes whose target is where they are rest as they are: that is a solution, and so a held contact does not creep by rounding. */
+/* Lanes whose target equals their position are not iterated: their state is a solution, and a held contact does not creep by rounding. */
 static inline void move_to(Indenter *in, const LoadStepping *w, const vreal *d, const vreal *x) {
   EACH_VECTOR {
     in->held[v] = d[v] == in->d[v];
@@ -496,7 +496,7 @@ static inline void move_to(Indenter *in, const LoadStepping *w, const vreal *d, 
   }
 }
 
-/* Lanes in `none` bear no forces. */
+/* Clears the forces of the lanes in `none`. */
 static inline void release(Contact *c, const vint *none) {
   if (!any_vector(none)) return;
   for (int i = c->first; i < c->end; ++i) EACH_VECTOR {
@@ -505,8 +505,8 @@ static inline void release(Contact *c, const vint *none) {
     }
 }
 
-/* The indenter, driven by depth, does not reach the undeformed surface: the rubber without forces is a solution. Sweeps would come to it
-   through ever smaller forces only. */
+/* Clears lanes driven by depth whose indenter does not reach the undeformed surface: the rubber without forces is a solution. Sweeps alone
+   would approach it through ever smaller forces. */
 static inline void lift_off(global const vreal *lane_input, Contact *c, const Indenter *in, const LoadStepping *w) {
   vint none[VECTORS];
   EACH_VECTOR { none[v] = w->running[v] & (in->d[v] <= w->nearest[v]) & (lane_input[LANE_FORCE * VECTORS + v] < FORCE_NORMAL); }
@@ -526,14 +526,14 @@ static inline void start_search(global const vreal *lane_input, const LoadSteppi
   }
 }
 
-/* A target of no force: nothing touches, the rubber is as it was at first, and depth 0 will do. */
+/* Target without force: no node touches, the rubber is undeformed, and depth 0 is a solution. */
 static inline void release_unloaded(const Search *s, Contact *c, const LoadStepping *w) {
   vint none[VECTORS];
   EACH_VECTOR { none[v] = w->running[v] & s->by_force[v] & (s->p_target[v] <= 0); }
   release(c, none);
 }
 
-/* Where targets are forces: keeps them in the search, and puts the indenter where it is, or to a first guess, instead. */
+/* Where targets are forces: stores them in the search, and replaces them by the indenter's position or a first guess. */
 static inline void first_trial(Search *s, const Indenter *in, vreal *d, vreal *x) {
   EACH_VECTOR {
     const vreal guess = PICK(in->d[v] > s->nearest[v], in->d[v], fma(s->b[0][0][v], d[v], s->nearest[v]));
@@ -563,7 +563,7 @@ static inline void reach_forces(const Rules *rules, global const vreal *profile,
 }
 #endif
 
-/* What this increment came to, LaneResultRow by row; lanes that slide where they may stop are done. rows_out: the output rows of this increment. */
+/* Writes the result of this increment, LaneResultRow by row; ends lanes that slide where they may stop. rows_out: the output rows of this increment. */
 static inline void report(global const vreal *lane_input, int k, const Contact *c, const Indenter *in, real accept, int base_rows,
                           global const vreal *rows_out, LoadStepping *w, global vreal *result) {
   vreal p[VECTORS], q[VECTORS], sticking[VECTORS], slipping[VECTORS];
@@ -600,8 +600,8 @@ static inline void report(global const vreal *lane_input, int k, const Contact *
   }
 }
 
-/* History for the next increment. A sticking node counts as having followed the indenter: what convergence left of it is then made good by the next
-   increment instead of adding up over thousands of them. */
+/* Stores the history for the next increment. A sticking node is taken to have followed the indenter exactly. The next increment then corrects the
+   error of convergence, which does not accumulate over thousands of increments. */
 static inline void remember(Contact *c, const Indenter *in) {
   for (int i = c->first; i < c->end; ++i) EACH_VECTOR {
       const vint sticks = (c->n[i][v] > 0) & (fabs(c->t[i][v]) < in->mu[v] * c->n[i][v]);

@@ -1,8 +1,8 @@
-/* Mini-batch training: the mean over a batch of what the delta rule asks of each weight, delta_j o_i, then one change of the weights, by the delta
-   rule with momentum or by Adam (Kingma and Ba 2015, algorithm 1). Twin of nn/train_batch.cpp.
+/* Mini-batch training. Each batch gives the mean of delta_j o_i, the descent of each weight, and one change of the weights: by the delta rule with
+   momentum, or by Adam (Kingma and Ba 2015, algorithm 1). Twin of nn/train_batch.cpp.
 
-   Frames are in the lanes, a tile of FRAME_VECTORS LANES of them at a time; the outer products have a layer's inputs in the lanes, so that no sum
-   over lanes is needed. Order of sums: over the frames of a slice one by one, then over slices in order. So nothing depends on the number of threads.
+   Frames are in the lanes, a tile of FRAME_VECTORS LANES of them at a time. The outer products have a layer's inputs in the lanes and need no sum
+   over lanes. Sums run over the frames of a slice one by one, then over slices in order. No result therefore depends on the number of threads.
 
    Three kernels:
      train_batch    batches of at most one slice, many of them in one launch; a work-item trains a network
@@ -34,7 +34,7 @@ typedef struct {
   real rate, momentum, beta1, beta2, epsilon;
 } Rule;
 
-/* What a tile needs. Lanes beyond the slice's end show the row of zeros and have no error. */
+/* Data of a tile. Lanes beyond the slice's end hold the row of zeros and have no error. */
 typedef struct {
   real rows[TILE][ROW0];                              /* inputs, a frame in a row, then 1 for the bias, zeros */
   vreal target[FRAME_VECTORS], counts[FRAME_VECTORS]; /* S - 0.5; 1 where there is a frame, 0 where there is none */
@@ -138,7 +138,7 @@ INLINE void outer_rows(const int rows, const int stride, const real *d, const re
   if (rest) outer_block(rows, rest, stride, d, x + begin, sums + begin);
 }
 
-/* And for every row: what a layer's weights are asked to change by. d: [fan_out][FRAME_VECTORS]. */
+/* The same for every row: the descent of a layer's weights. d: [fan_out][FRAME_VECTORS]. */
 INLINE void outer_layer(const int fan_out, const int stride, const vreal (*d)[FRAME_VECTORS], const real *x, global real *sums) {
   ROLLED for (int n = 0; n + OUTER_ROWS <= fan_out; n += OUTER_ROWS) {
     outer_rows(OUTER_ROWS, stride, (const real *)(d + n), x, sums + n * stride);

@@ -1,19 +1,19 @@
 /* Pattern-by-pattern training by the generalized delta rule with momentum (Rumelhart, Hinton and Williams 1986, eq. 16). One work-item
    trains a group of NETWORKS networks of one topology: LANES / NETWORKS neurons of each share a vector, lane = neuron NETWORKS + network. Each
-   network has its own weights, set, order and end; its bits depend neither on its neighbours nor on NETWORKS, because every sum over
-   lanes is taken in the same LANES parts.
+   network has its own weights, set, order and end. Every sum over lanes is taken in the same LANES parts. The bits of a network therefore
+   depend neither on its neighbours nor on NETWORKS.
 
    The rule, for a layer with inputs x(t) and deltas d(t):  S(t+1) = m S(t) + eta d(t) x(t)',  W(t+1) = W(t) + S(t+1).
 
-   First layer. Its inputs do not depend on the weights, so BLOCK patterns are taken together and the weights are read and written once for all of
-   them. With a_k = 1 + m + ... + m^(k-1) and W, S at the block's start, the rule gives by induction
+   First layer. Its inputs do not depend on the weights. BLOCK patterns are therefore taken together, with one read and one write of the weights.
+   With a_k = 1 + m + ... + m^(k-1) and W, S at the block's start, the rule gives by induction
      W(t) = W + m a_t S + eta sum_{s<t} a_{t-s} d(s) x(s)',
      S(t) = m^t S + eta sum_{s<t} m^(t-1-s) d(s) x(s)';
    hence W(t) x(t) = [W x(t) + m a_t S x(t)] + sum_{s<t} a_{t-s} (x(s).x(t)) eta d(s): a product before the block, a few dots inside it,
-   and one update after it. The same numbers as pattern by pattern, up to rounding.
+   and one update after it. The numbers equal those of pattern by pattern, up to rounding.
 
-   Second hidden layer. Its step for pattern t - 1 is made in the same pass that takes it forward for pattern t. As there is one output, its
-   deltas are g = f' w_out times one number, so its backward pass does not wait for the output.
+   Second hidden layer. One pass makes its step for pattern t - 1 and evaluates it for pattern t. With a single output, its deltas are
+   g = f' w_out times one number. Its backward pass therefore does not wait for the output.
 
    Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer), NETWORKS (a power of two, at most LANES). */
 // defines: INPUTS=42 HIDDEN1=42 HIDDEN2=21 NETWORKS=1
@@ -187,14 +187,14 @@ INLINE void update_layer1(Group *g, const Rule *rule, int count) {
 }
 
 #if HIDDEN2
-/* A step of the second layer that is due: what it needs. */
+/* Data of a pending step of the second layer. */
 typedef struct {
   vreal d[V2];
   const real *o; /* [HIDDEN1 + 1][NETWORKS] */
   real momentum, moving;
 } Step;
 
-/* Makes the step for input k, and adds what the new weight does to z. */
+/* Makes the step for input k, and adds the new weight's part of z. */
 INLINE void step_input(global Weight *weight, const Step *step, int k, const real *o, vreal *z) {
   const vreal before = each_network(step->o + k * NETWORKS), now = each_network(o + k * NETWORKS);
   EACH(v, V2) {
@@ -206,7 +206,7 @@ INLINE void step_input(global Weight *weight, const Step *step, int k, const rea
   }
 }
 
-/* The due step, and z = W o; o: [HIDDEN1 + 1][NETWORKS], the last 1. */
+/* Makes the pending step, then z = W o; o: [HIDDEN1 + 1][NETWORKS], the last 1. */
 INLINE void step_layer2(Group *g, const real *o, vreal *z) {
   global Weight *weight = g->layer2;
   Step step = {.o = (const real *)g->o1, .momentum = g->m2, .moving = g->moving};
@@ -314,7 +314,7 @@ INLINE void shuffle(global uint *order, uint rows, ulong seed, uint cycle) {
   }
 }
 
-/* What the networks of a group learn: [NETWORKS] each. */
+/* Learning sets of the networks of a group: [NETWORKS] each. */
 typedef struct {
   global const real *inputs[NETWORKS]; /* [rows + 1][ROW][LANES], the last row zeros */
   global const real *targets;
@@ -383,7 +383,7 @@ INLINE void move_network(int keep, Group *g, int n, global real *network) {
   for (int neuron = 0; neuron < NEURONS; ++neuron) move_weight(keep, g->layer3 + VL, neuron, n, w + LAST, s + LAST);
 }
 
-/* Everything into the group's vectors in memory, steps that are due included: a later launch goes on to the same bits. */
+/* Stores the group's vectors in memory, pending steps included, so that a later launch resumes bit-identically. */
 INLINE void settle(Group *g) {
 #if HIDDEN2
   vreal z[V2];

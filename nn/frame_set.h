@@ -18,8 +18,8 @@ struct FrameSet {
 
   Eigen::Index rows() const { return frames.rows(); }
   float largest_stress() const;  ///< MPa, over all rows; 0 for an empty set
-  /// Throws ValueError, keys "inputs[row]", "slip_index[row]", ..., for values that no network can learn from
-  /// or be judged by.
+  /// Throws ValueError, keys "inputs[row]", "slip_index[row]", ..., for values that cannot train or judge a
+  /// network.
   void validate() const;
 };
 

@@ -6,9 +6,9 @@
 
 namespace tactel::nn {
 
-/// What a frame in MPa is divided by before the network sees it; part of the network's file.
-/// `set`: the largest |stress| of the learning set (the paper's). `frame`: the frame's own largest |normal stress|, so
-/// that S does not depend on E or on a common factor of all stresses.
+/// Divisor of a frame in MPa, applied before the network; part of the network's file. `set`: the largest |stress|
+/// of the learning set (the paper's). `frame`: the frame's own largest |normal stress|, so that S does not depend
+/// on E or on a common factor of all stresses.
 enum class ScalingKind { set, frame };
 
 const char* name(ScalingKind kind);

@@ -3,9 +3,9 @@
 
 namespace tactel::nn {
 
-/// The words of values 4 quad ... 4 quad + 3 of a set's noise (with_noise). The low half of `quad` counts as it did
-/// when sets were small, the high half goes on in the second word of the counter: no two values of a set share their
-/// words.
+/// Returns the words of values 4 quad ... 4 quad + 3 of a set's noise (with_noise). The low half of `quad` is the
+/// first word of the counter, the high half the second. No two values of a set therefore share their words; sets
+/// below 2^34 values keep the words of earlier versions.
 constexpr PhiloxCounter noise_words(std::uint64_t seed, std::uint64_t quad) {
   return random_words(seed, RandomStream::noise, static_cast<std::uint32_t>(quad),
                       static_cast<std::uint32_t>(quad >> 32));

@@ -1,27 +1,60 @@
 # Read by ctest after the lists of tests that the programs gave: the labels of each.
 #   unit       needs no OpenCL device      device  needs one (PoCL is enough)
+#   program    runs the program `tactel`   slow    takes more than five seconds of a processor
 #   reference  mechanics and networks      hw      sensors
-#   slow       takes more than five seconds of a processor
 #   usb_guest  a kernel in a virtual machine
 #   nightly    run by scripts/nightly alone
 
-# A regular expression of the tests that are slow: `ctest --preset release -LE slow` leaves them out.
-set(slow "^(ClosedForms|GapReferenceRandom|IndependentContact|Extremes|InverseProblem|DirectProblem|StreamTraining|RankTraining|Planner)[.]|EveryShape|CondensationCache.AnyFlippedByte|/100000$")
+# Regular expressions of test names, by test program. A unit test runs without OpenCL platforms (below): it fails where it needs one.
+foreach(program fem layer nn hw support figures scenes)
+  set(unit_${program} ".")
+endforeach()
+set(unit_device "^(ThreadTeam|Cache|CachePlace|GroupSupply|Pace|LayoutList)[.]|/(DamagedCache|Balance)[.]|^Embedded[.][EI]|OfADoubleProgram|GoesOnWithTheThreads")
+set(unit_networks "^OnnxFile[.][^M]")
+set(unit_contact "^(Ladder|RungError)[.]|^Planner[.][^K]|AccuracyAndTolerance")
+set(unit_sets "^(CheckSet|MeasuringChains)[.]|ThirtyTwoTaylor|^TransducerTable[.][GP]")
+set(unit_live "^(FrameQueue|LatencyHistogram|SensorProfile|Calibration|OpenSource|LiveView)[.]")
+set(unit_training "StreamAndBlockExclude")
+set(unit_studies "^HandPress[.]|^InverseProblem[.](Spread|Json)|AllCombinations|SlipIndexIs|DrawsAre|TheAngleAlone")
+set(unit_commands "^(DevicesCommandDeathTest|UnreadableScene|StandardError|Help|Words|Numbers|Memory|HostileFiles|ProfileFile|Keys)[.]|BadScene|WrongCall|^CommandLine[.][HS]|OutputsThatCannotBe|TimesThatAreNone|FilesItNames|^SolveCommand[.](SlipIndex|JsonNumbers|Missed)")
+# Of these, the calls that a device must judge.
+set(device_commands "WrongCall.*/(UnknownDevice|Step)")
+
+set(program_networks "^OnnxRuntime")
+set(program_sets "OpensInH5py|NamesTheRowsOfADamagedChunk")
+set(program_training ".")
+set(program_studies "[.]Reproduce")
+set(program_commands "^([^D]|Du)")  # all but DevicesCommand
+
+set(slow "^(ClosedForms|GapReferenceRandom|IndependentContact|Extremes|InverseProblem|DirectProblem|StreamTraining|RankTraining)[.]|^Planner[.]K|EveryShape|CondensationCache.AnyFlippedByte|/100000$")
 
 foreach(program fem layer nn hw support figures scenes device networks contact sets live training studies commands)
-  set(labels device)
-  if(program MATCHES "^(fem|layer|nn)$")
-    set(labels unit reference)
-  elseif(program MATCHES "^(support|figures|scenes)$")
-    set(labels unit)
-  elseif(program STREQUAL "hw")
-    set(labels unit hw)
-  endif()
   foreach(test IN LISTS tactel_${program}_tests_TESTS)
-    if(test MATCHES "${slow}")
-      set_tests_properties("${test}" PROPERTIES LABELS "${labels};slow")
-    else()
-      set_tests_properties("${test}" PROPERTIES LABELS "${labels}")
+    set(labels device)
+    if(test MATCHES "${unit_${program}}")
+      set(labels unit)
     endif()
+    if(DEFINED device_${program})
+      if(test MATCHES "${device_${program}}")
+        set(labels device)
+      endif()
+    endif()
+    if(labels STREQUAL "unit")
+      set_tests_properties("${test}" PROPERTIES ENVIRONMENT_MODIFICATION OCL_ICD_VENDORS=set:/no/device)
+    endif()
+    if(DEFINED program_${program})
+      if(test MATCHES "${program_${program}}")
+        set(labels "${labels};program")
+      endif()
+    endif()
+    if(program MATCHES "^(fem|layer|nn)$")
+      set(labels "${labels};reference")
+    elseif(program STREQUAL "hw")
+      set(labels "${labels};hw")
+    endif()
+    if(test MATCHES "${slow}")
+      set(labels "${labels};slow")
+    endif()
+    set_tests_properties("${test}" PROPERTIES LABELS "${labels}")
   endforeach()
 endforeach()

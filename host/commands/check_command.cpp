@@ -26,7 +26,7 @@ int run_check(const CheckRequest& request) {
   if (!check.finished) return interrupted;
   if (!check.damage.empty()) return not_converged;
   if (!check.checksums)
-    fmt::print(stderr, "warning: {}: written without checksums: all of it can be read, but damage may go unseen\n",
+    fmt::print(stderr, "warning: {}: written without checksums: it is readable, but damage may remain unseen\n",
                request.set);
   if (!request.quiet)
     fmt::print("{}: {} rows in {} chunks, {}B: {}\n", request.set, check.rows, check.chunks,
@@ -38,10 +38,10 @@ int run_check(const CheckRequest& request) {
 
 void add_check_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<CheckRequest>();
-  CLI::App* command = app.add_subcommand("check", "checks the checksums of a set and names the damaged rows");
+  CLI::App* command = app.add_subcommand("check", "verify the checksums of a set and name the damaged rows");
   command->add_option("set", request->set, "a set that tactel generate wrote")->type_name("SET.h5")->required();
   command->add_flag("--quiet", request->quiet, "print only damage");
-  command->footer("Exit codes: 0 undamaged, 2 no set, 4 damaged.");
+  command->footer("Exit codes: 0 undamaged, 2 not a set, 4 damaged.");
   command->callback([request, &action] { action = [request] { return run_check(*request); }; });
 }
 

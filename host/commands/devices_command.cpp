@@ -19,7 +19,7 @@ std::string devices_table(std::span<const DeviceInfo> devices) {
                         name(info.type), info.compute_units, info.lanes_fp32,
                         info.fp64 ? std::to_string(info.lanes_fp64) : "-", info.name, info.driver,
                         info.low_latency ? ", low latency, on host threads" : "");
-  return text + "* taken without --device\n";
+  return text + "* default device\n";
 }
 
 std::string devices_json(std::span<const DeviceInfo> devices) {
@@ -52,7 +52,7 @@ int devices_command(bool json, std::ostream& out, std::ostream& complaints) {
 
 void add_devices_command(CLI::App& app, Action& action) {
   auto json = std::make_shared<bool>(false);
-  CLI::App* command = app.add_subcommand("devices", "OpenCL devices, with their lanes and precision");
+  CLI::App* command = app.add_subcommand("devices", "list the OpenCL devices, with their lanes and precision");
   command->add_flag("--json", *json, "as JSON");
   command->callback([json, &action] { action = [json] { return devices_command(*json, std::cout, std::cerr); }; });
 }

@@ -7,11 +7,11 @@
 
 namespace tactel::host {
 
-/// `tactel devices`: a table of all devices, or JSON, on `out`. Returns the exit code: 0, or 3 when there is no device
-/// (what to install goes to `complaints`).
+/// `tactel devices`: writes a table of all devices, or JSON, to `out`. Returns the exit code: 0, or 3 where there
+/// is no device; `complaints` then receives the remedy.
 int devices_command(bool json, std::ostream& out, std::ostream& complaints);
 
-/// Index, name, type, lanes and precision of each, one a line; `*` marks the one taken by default.
+/// Returns index, name, type, lanes and precision, a line per device; `*` marks the default one.
 std::string devices_table(std::span<const DeviceInfo> devices);
 /// [{"index", "name", "platform", "driver", "type", "compute_units", "fp64", "lanes": {"fp32", "fp64"}, "low_latency",
 /// "default"}]

@@ -43,8 +43,7 @@ int run_extremes(const ExtremesRequest& request) {
 
 void add_extremes_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<ExtremesRequest>();
-  CLI::App* command =
-      app.add_subcommand("extremes", "behaviour of the solvers at the limits of valid scenes, as a table");
+  CLI::App* command = app.add_subcommand("extremes", "test the solvers at the limits of valid scenes, as a table");
   command->add_flag("--quick", request->options.quick,
                     "shorter paths and no mesh beyond 123 x 33: seconds instead of minutes");
   command

@@ -71,13 +71,12 @@ void model_on(const Rung& rung, const SolveOptions& solve, Sweep& sweep, SetOpti
   if (!solve.tolerance) options.tolerance = rung.tolerance;
 }
 
-/// True where a complete set is there already and may stand.
+/// Returns true where a complete set exists and may stay.
 bool already_there(const GenerateRequest& request, const SetPlan& plan) {
   std::error_code error;
   if (request.force || !std::filesystem::exists(request.output, error)) return false;
   if (!request.resume)
-    throw ConfigError("command line", "--output", request.output,
-                      "a file that is not there yet, or --force to write over it");
+    throw ConfigError("command line", "--output", request.output, "a new file, or --force to overwrite it");
   expect_made_by(plan, request.output);
   SetSpool::discard(request.output);  // of a run that was killed after the set was complete
   return true;
@@ -102,9 +101,8 @@ std::string report_text(const GenerateRequest& request, const ContactSet& set, c
         set.far_slip, set.contacts);
   if (contacts > 0)
     text += fmt::format(
-        "{:.0f} contacts, {} load steps in {:.2f} s: {} steps/s, in kernels {} steps/s; kept at {}B/s, put together "
-        "in "
-        "{:.2f} s\n",
+        "{:.0f} contacts, {} load steps in {:.2f} s: {} steps/s, in kernels {} steps/s; chunks written at {}B/s, set "
+        "assembled in {:.2f} s\n",
         contacts, with_prefix(steps), seconds, with_prefix(steps / seconds), with_prefix(steps / kernel),
         with_prefix(bytes / write), assemble_seconds);
   return text;
@@ -129,7 +127,7 @@ int run_generate(const GenerateRequest& request) {
   const SetPlan plan =
       plan_of(sweep, rung ? rung->name : "as the file says", options.set.precision, options.set.tolerance);
   const bool complete = ranks.first() && already_there(request, plan);
-  if (ranks.sum({complete ? 1.0 : 0.0})[0] > 0) {  // every process must know
+  if (ranks.sum({complete ? 1.0 : 0.0})[0] > 0) {  // all processes must agree
     if (complete && !request.shared.quiet) fmt::print("{}: complete already\n", request.output);
     return done;
   }
@@ -145,8 +143,8 @@ int run_generate(const GenerateRequest& request) {
   ranks.barrier();
   if (!ranks.first()) spool.emplace(request.output, plan.text(), inputs, ranks.rank(), SetSpool::Open::join);
   if (ranks.first() && !request.shared.quiet && request.resume)
-    fmt::print("{} of {} chunks are there{}\n", spool->chunks().size(), chunk_count(sweep.source),
-               spool->torn() ? "; one was torn and is made again" : "");
+    fmt::print("{} of {} chunks exist{}\n", spool->chunks().size(), chunk_count(sweep.source),
+               spool->torn() ? "; one was torn and is generated again" : "");
 
   ProgressLine line("contacts", "contacts", request.shared.quiet || !ranks.first(), chunk_contacts);
   options.progress = [&](std::size_t chunks_done, std::size_t all) {
@@ -160,7 +158,7 @@ int run_generate(const GenerateRequest& request) {
                  report.write_seconds, static_cast<double>(spool->bytes()), report.finished ? 0.0 : 1.0});
   if (sums.back() > 0) {
     if (ranks.first())
-      fmt::print(stderr, "stopped; the chunks that are done are kept in {}: the same command with --resume goes on\n",
+      fmt::print(stderr, "stopped; complete chunks are kept in {}: the same command with --resume continues\n",
                  SetSpool::folder(request.output).string());
     return interrupted;
   }
@@ -177,7 +175,7 @@ int run_generate(const GenerateRequest& request) {
   set.device = fmt::format("{}", fmt::join(report.devices, ", "));
   set.rung = rung ? fmt::format("{}: {}", rung->name, description(*rung)) : name(options.set.precision);
   {
-    const StageLine stage("putting together " + request.output, request.shared.quiet);
+    const StageLine stage("assembling " + request.output, request.shared.quiet);
     spool->assemble(chunk_count(sweep.source), set);
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -192,7 +190,7 @@ int run_generate(const GenerateRequest& request) {
 
 void add_generate_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<GenerateRequest>();
-  CLI::App* command = app.add_subcommand("generate", "a set of many contacts, as HDF5");
+  CLI::App* command = app.add_subcommand("generate", "simulate a set of many contacts, as HDF5");
   command->add_option("sweep", request->sweep, "sweep file (TOML; mm, MPa)")->type_name("SWEEP.toml")->required();
   command->add_option("--output", request->output, "the set to write")->type_name("SET.h5")->required();
   auto* force = command->add_flag("--force", request->force, "overwrite an existing file, discard an interrupted run");

@@ -107,7 +107,7 @@ int run_recall(const RecallRequest& request) {
 
 void add_recall_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<RecallRequest>();
-  CLI::App* command = app.add_subcommand("recall", "errors of trained networks on a set");
+  CLI::App* command = app.add_subcommand("recall", "report the errors of trained networks on a set");
   command->add_option("networks", request->networks, "directory of tactel train, or one network (*.onnx)")
       ->type_name("DIR|FILE.onnx")
       ->required();

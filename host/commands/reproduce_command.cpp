@@ -39,15 +39,16 @@ void remove_checkpoints(const ReproduceRequest& request) {
   for (double noise : {0.0, paper_noise}) std::filesystem::remove(request.checkpoint(noise));
 }
 
-/// Asks for the checkpoints of both noise levels before hours of work on the first.
+/// Checks the checkpoints of both noise levels before hours of work on the first.
 void expect_own_checkpoints(const ReproduceRequest& request, Executor& executor, const InverseChoice& clean,
                             const InverseChoice& noisy, const InverseSets& sets) try {
   expect_own_checkpoint(executor, clean, 0, request.seeds, sets, request.checkpoint(0));
   expect_own_checkpoint(executor, noisy, paper_noise, request.seeds, sets, request.checkpoint(paper_noise));
 } catch (const ConfigError& error) {
-  throw ConfigError(error.file, error.key, error.value,
-                    "of this training: the same --seeds, --cycles, --noise-cycles and device go on with it; --force "
-                    "trains anew, another --output leaves it alone");
+  throw ConfigError(
+      error.file, error.key, error.value,
+      "of this training: its --seeds, --cycles, --noise-cycles and device continue it; --force trains anew, "
+      "another --output keeps it");
 }
 
 /// Trains at one noise level, with progress and checkpoint. False when Ctrl-C stopped it.
@@ -65,7 +66,7 @@ bool train_networks(const ReproduceRequest& request, Executor& executor, const I
   const bool finished = train_and_recall(executor, choice, noise, request.seeds,
                                          {.progress = progress, .checkpoint = checkpoint}, problem);
   line.clear();
-  if (!finished) fmt::print(stderr, "stopped; the same command goes on from {}\n", checkpoint.string());
+  if (!finished) fmt::print(stderr, "stopped; the same command continues from {}\n", checkpoint.string());
   return finished;
 }
 
@@ -83,7 +84,7 @@ bool reproduce_real_sensor(const ReproduceRequest& request, Executor& executor, 
   const auto study = study_real_sensor(executor, real_sensor_choice(), options);
   line.clear();
   if (!study) {
-    fmt::print(stderr, "stopped; the same command goes on after the networks of section V\n");
+    fmt::print(stderr, "stopped; the same command continues after the networks of section V\n");
     return false;
   }
   report_real_sensor(page, *study);
@@ -107,7 +108,7 @@ bool reproduce_networks(const ReproduceRequest& request, Executor& executor, Rep
   expect_own_checkpoints(request, executor, choice, noisy, problem.sets);
   if (!train_networks(request, executor, choice, 0, problem)) return false;
   if (!train_networks(request, executor, noisy, paper_noise, problem)) return false;
-  const StageLine stage("Table II with other choices of what the paper leaves open", request.quiet);
+  const StageLine stage("Table II with other choices of the open parameters", request.quiet);
   const auto sensitivity = inverse_sensitivity(executor, choice, std::min<std::size_t>(request.seeds, 4),
                                                request.cycles > 0 ? std::min(request.cycles, 2000) : 2000);
   report_inverse_problem(page, problem, choice, sensitivity);
@@ -120,7 +121,7 @@ int run_reproduce(const ReproduceRequest& request) {
   make_directory(directory);
   check_writable("--output", directory / "index.html");
   Executor executor{Device(request.device)};
-  ReportPage page("tactel: the paper again",
+  ReportPage page("tactel: the paper reproduced",
                   "Detection of incipient object slippage by skin-like sensing and neural network processing (1998), "
                   "computed by tactel " TACTEL_VERSION " on " +
                       executor.device().info().name);
@@ -143,7 +144,7 @@ int run_reproduce(const ReproduceRequest& request) {
 void add_reproduce_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<ReproduceRequest>();
   CLI::App* command = app.add_subcommand(
-      "reproduce", "the paper: Tables I and II, Figures 3 to 5 and section VI, as an HTML page and JSON");
+      "reproduce", "reproduce the paper: Tables I and II, Figures 3 to 5 and section VI, as HTML and JSON");
   command->add_option("--output", request->output, "directory of the report")->type_name("DIR")->capture_default_str();
   command->add_option("--device", request->device, "OpenCL device: a part of its name or its index")
       ->type_name("NAME|INDEX");

@@ -10,7 +10,7 @@ struct SharedOptions {
   SolveOptions solve;
   bool quiet = false;
 };
-/// `precision`: the default, in words.
+/// `precision`: the default in the help text.
 void add_shared_options(CLI::App& command, SharedOptions& options,
                         const char* precision = "fp64, or fp32 on a device without it");
 

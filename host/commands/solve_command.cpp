@@ -88,7 +88,7 @@ int run_solve(const SolveRequest& request) {
   for (const std::string& warning : warnings(outcome)) warn(request, warning);
   write_results(request, scene, outcome);
   const bool converged = std::ranges::all_of(outcome.solution.steps, &fem::ContactStep::converged);
-  if (!converged) warn(request, "not every step met its tolerance: see the column `met`");
+  if (!converged) warn(request, "some steps missed their tolerance: see the column `met`");
   const bool accurate = !outcome.plan || outcome.plan->kept;
   if (!accurate) warn(request, "no rung is known to keep this accuracy on this scene: the finest was taken");
   return converged && accurate && !never_slid(scene, outcome.solution) ? done : not_converged;
@@ -98,7 +98,7 @@ int run_solve(const SolveRequest& request) {
 
 void add_solve_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<SolveRequest>();
-  CLI::App* command = app.add_subcommand("solve", "one contact: a line per load step, or the whole answer");
+  CLI::App* command = app.add_subcommand("solve", "solve one contact: a line per load step, or the whole answer");
   command->add_option("scene", request->scene, "scene file (TOML; mm, MPa, N/mm, degrees)")
       ->type_name("SCENE.toml")
       ->required();

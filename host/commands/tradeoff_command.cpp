@@ -82,7 +82,7 @@ int run_tradeoff(const TradeoffRequest& request) {
 
 void add_tradeoff_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<TradeoffRequest>();
-  CLI::App* command = app.add_subcommand("tradeoff", "error against speed over the ladder of models");
+  CLI::App* command = app.add_subcommand("tradeoff", "measure error against speed over the ladder of models");
   command->add_option("--output", request->output, "directory of report, JSON and plots")
       ->type_name("DIR")
       ->capture_default_str();

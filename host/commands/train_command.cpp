@@ -19,8 +19,8 @@ void check_training_output(const TrainRequest& request) {
 }
 
 std::string how_to_go_on(const TrainRequest& request, const TrainingOutcome& outcome) {
-  if (outcome.checkpoint.empty()) return "stopped; the same command with --resume and as many processes goes on\n";
-  return fmt::format("stopped after {:.1f} % of the {} at most; the same command with --resume goes on from {}\n",
+  if (outcome.checkpoint.empty()) return "stopped; the same command with --resume and as many processes continues\n";
+  return fmt::format("stopped after {:.1f} % of the {} at most; the same command with --resume continues from {}\n",
                      100 * outcome.share, request.streams() ? "rows" : "cycles", outcome.checkpoint.string());
 }
 
@@ -32,7 +32,7 @@ int say(const TrainRequest& request, const TrainingOutcome& outcome) {
     return interrupted;
   }
   if (outcome.end == TrainingEnd::done_before) {
-    if (!quiet) fmt::print("{}: this training is done\n", request.output);
+    if (!quiet) fmt::print("{}: this training is complete\n", request.output);
     return done;
   }
   if (!quiet) {
@@ -107,7 +107,7 @@ void add_training_options(CLI::App& command, TrainRequest& request) {
   command.add_option(
       "--cycles,--epochs", request.cycles,
       "most passes over the set (default: 10000, 15000 with two hidden layers, 1000 with --schedule batch)");
-  command.add_option("--learning-rate", request.rate, "no unit (default: 0.1, for adam 0.001)");
+  command.add_option("--learning-rate", request.rate, "learning rate, no unit (default: 0.1, for adam 0.001)");
   command.add_option("--momentum", request.momentum,
                      "share of the last step in the next one, 0 to 1 (default: 0.9); not for adam");
   command.add_option(
@@ -127,7 +127,8 @@ void add_training_options(CLI::App& command, TrainRequest& request) {
 
 void add_train_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<TrainRequest>();
-  CLI::App* command = app.add_subcommand("train", "networks that estimate S from the stresses, with learning curves");
+  CLI::App* command =
+      app.add_subcommand("train", "train networks that estimate S from the stresses, with learning curves");
   command->add_option("set", request->set, "learning set (HDF5), see tactel generate")->type_name("SET.h5");
   command->add_option("--output", request->output, "directory for the networks, their report and figure")
       ->type_name("DIR")

@@ -107,7 +107,7 @@ struct GapSweep<Real>::State {
   GapSweepOptions options;
   fem::Condensation condensation;
   Buffer<Real> node, map;
-  Buffer<Real> compliances[2];  ///< [friction], made when first asked for
+  Buffer<Real> compliances[2];  ///< [friction], made at first use
   int rows = 0, base_rows = 0;
   std::unique_ptr<Program> programs[2][2];  ///< [force][friction]
 };

@@ -20,23 +20,23 @@ struct GapSweepOptions {
                          ///< fp64, 1e-5 in fp32
   double accept =
       0;  ///< largest residual of a solved step; 0: 100 tolerance, at least 2e-5 in fp32 (rounding of C times force)
-          ///< and twice what the condensation loses of a load (fem::lost_force: 3e-9 for q8 at nu = 0.49999)
+          ///< and twice the condensation's lost share of a load (fem::lost_force: 3e-9 for q8 at nu = 0.49999)
   int most_sweeps = 20000;  ///< an increment that needs more is reported as unsolved
-  double reach = 1.25;      ///< gap elements are put to work where the rigid profile is up to this many indentations
-                            ///< above its lowest point; a larger one costs time and gains nothing: nodes that it
-                            ///< missed are added
+  double reach = 1.25;      ///< first active set: gap elements where the rigid profile is up to this many indentations
+                            ///< above its lowest point. Missed nodes are activated later; a larger set costs time
+                            ///< and gains nothing
   int spread = 1;  ///< columns of the block to one gap element, whose force acts on the block as a hat (fem/spread.h)
   bool base_forces = true;      ///< write base nodal forces; without them or their sums the certificate has no balance
   bool base_sums = false;       ///< instead of base_forces: write only their sums in x and y
   bool tactels = true;          ///< write stresses at the tactels
   bool nodes = true;            ///< write forces and statuses of the surface nodes
-  bool fallback = true;         ///< solve_gap_sweep solves once more, exactly, what the sweeps did not
-  bool audit = true;            ///< solve_gap_sweep works certificates out again in fp64; wants nodes and base_forces
+  bool fallback = true;         ///< solve_gap_sweep solves contacts exactly where the sweeps did not converge
+  bool audit = true;            ///< solve_gap_sweep recomputes certificates in fp64; requires nodes and base_forces
   bool second_opinion = false;  ///< solve_gap_sweep solves contacts with mu >= several_solutions_from exactly, too
 };
 
-/// S of an increment, from mu, P (N/mm) and the kernel's LANE_SLIP_INDEX, which has its precision: none where mu P = 0,
-/// 0 where friction is unlimited, as fem::slip_index has it.
+/// Returns S of an increment in the kernel's precision, from mu, P (N/mm) and LANE_SLIP_INDEX: none where mu P = 0,
+/// 0 where friction is unlimited, as fem::slip_index.
 std::optional<double> slip_index(double mu, double P, double kernel_index);
 
 /// Common property of the scenes of a launch. Each kind has its own program, so that no scene pays for parts that
@@ -66,20 +66,20 @@ class GapSweep {
     int steps() const;                         ///< of the longest path
     std::size_t steps_in_all() const;          ///< load increments of all scenes
     double seconds() const;                    ///< of the last run
-    void fill_outputs(Real value);             ///< what the outputs hold before a run: tests put NaN there
+    void fill_outputs(Real value);             ///< sets all outputs before a run; tests use NaN
     void fill_unused(Real value);              ///< the same for lanes without a scene and targets behind a path's end
     /// Returns the answer of the kernel for scene `i`, in the order of prepare().
     fem::ContactSolution solution(std::size_t i) const;
-    /// One number of LaneResultRow for a scene's increment.
+    /// Returns one number of LaneResultRow for a scene's increment.
     double result(std::size_t i, int step, int row) const;
-    /// One output row (base forces, then tactels) for a scene's increment.
+    /// Returns one output row (base forces, then tactels) for a scene's increment.
     double output(std::size_t i, int step, int row) const;
 
     /// The outputs in place, without copies. The batch must not run during the life of a view.
     class View {
      public:
       explicit View(const Batch& batch);
-      /// One number of LaneResultRow for a scene's increment; increments after the last that ran: LANE_NOT_RUN.
+      /// Returns one number of LaneResultRow for a scene's increment; LANE_NOT_RUN after the last that ran.
       Real result(std::size_t i, int step, int row) const;
       int path_steps(std::size_t i) const;
       /// Returns the scenes in the order of memory, in which reading many is fast.

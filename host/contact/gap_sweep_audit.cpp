@@ -12,7 +12,7 @@ namespace {
 /// Forces within this share of (1 + mu) times the largest are equal in fp32: |t| = fl(mu n) must count as slip.
 constexpr double equal_forces = 8 * std::numeric_limits<float>::epsilon();
 
-/// [2 columns] N/mm, as fem::Condensation wants it.
+/// [2 columns] N/mm, as fem::Condensation takes it.
 Eigen::VectorXd surface_load(const fem::ContactStep& step) {
   Eigen::VectorXd load(2 * step.normal_force.size());
   load(Eigen::seq(0, Eigen::last, 2)) = step.tangential_force;

@@ -13,9 +13,9 @@ namespace tactel::host {
 void audit_in_fp64(const fem::Scene& scene, const fem::Condensation& condensation, double accept,
                    fem::ContactSolution& solution);
 
-/// Returns an estimate of the error of single base forces over the largest of the step, the largest over the
-/// steps: the effect of closing the remaining gaps and slips, with the statuses of the answer. Residuals do not
-/// show this error: neighbouring nodes of thick, nearly incompressible blocks exchange friction almost freely.
+/// Returns an estimate of the error of single base forces over the largest of the step, the largest over the steps.
+/// The estimate is the effect of closing the remaining gaps and slips, with the statuses of the answer. Residuals do
+/// not show this error: neighbouring nodes of thick, nearly incompressible blocks exchange friction almost freely.
 double base_force_error(const fem::Scene& scene, const fem::Condensation& condensation,
                         const fem::ContactSolution& solution);
 

@@ -89,11 +89,11 @@ std::string Plan::why() const {
   const std::string& other = last.rung == rung.name ? last.next : last.rung;
   std::string text = fmt::format("rung {} ({}): ", rung.name, model);
   if (last.missed)
-    text += fmt::format("this rung or rung {} misses a contact; asked for {:g}", other, accuracy);
+    text += fmt::format("this rung or rung {} misses a contact; requested {:g}", other, accuracy);
   else
-    text += fmt::format("S differs by {:.2g} on rung {}; error in S to expect {:.2g}, asked for {:g}", last.difference,
+    text += fmt::format("S differs by {:.2g} on rung {}; expected error in S {:.2g}, requested {:g}", last.difference,
                         other, estimate, accuracy);
-  return text + fmt::format("; this promises S alone: there sigma_y differs by {:.2g}, tau_xy by {:.2g} of its largest",
+  return text + fmt::format("; the accuracy holds for S alone: sigma_y differs by {:.2g}, tau_xy by {:.2g} of its largest",
                             last.sigma, last.tau);
 }
 

@@ -38,7 +38,7 @@ double expected_next_error(std::size_t rung, double difference);
 /// The rung for an accuracy, and the reason. The accuracy holds for S alone; the trials contain the differences
 /// of stresses.
 struct Plan {
-  double accuracy = 0;  ///< largest error in S that is asked for
+  double accuracy = 0;  ///< requested largest error in S
   Rung rung;
   std::string model{};  ///< description of the rung
   double estimate = 0;  ///< error in S to expect of it

@@ -36,8 +36,8 @@ struct ErrorQuantiles {
 };
 ErrorQuantiles quantiles(const std::vector<AnswerError>& errors);
 
-/// Returns the smallest of the values that at least this share of them does not exceed; 0 for no values. It is always
-/// one of them: what is promised is an error that occurred, where nn::quantile would interpolate.
+/// Returns the smallest of the values that at least this share of them does not exceed; 0 for no values. The result
+/// is always one of the values, so that a promised error is one that occurred; nn::quantile interpolates.
 double covering_value(std::vector<double> values, double share);
 
 }  // namespace tactel::host

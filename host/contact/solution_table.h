@@ -6,7 +6,7 @@
 
 namespace tactel::host {
 
-/// Returns the answer as a table: what was solved, then a line per load step.
+/// Returns the answer as a table: scene, model and solver, then a line per load step.
 std::string solution_table(const fem::Scene& scene, const SolveOutcome& outcome);
 
 }  // namespace tactel::host

@@ -145,9 +145,8 @@ std::optional<std::string> slip_warning(const fem::Scene& scene, const fem::Cont
   const auto worst = std::ranges::max_element(solution.steps, {}, excess);
   if (worst == solution.steps.end() || excess(*worst) <= 1) return std::nullopt;
   return fmt::format(
-      "the indenter slides {:.3g} mm over the rubber, more than {:.3g} mm: displacements are taken as small, its "
-      "profile "
-      "stays over the nodes where it first stood",
+      "the indenter slides {:.3g} mm over the rubber, more than {:.3g} mm: the model assumes small displacements, "
+      "and its profile stays over the nodes of its first position",
       worst->slip_distance, slip_limit(scene.sensor, solution, *worst));
 }
 
@@ -174,15 +173,15 @@ std::vector<std::string> warnings(const SolveOutcome& outcome) {
   if (solution.several)
     all.push_back(
         fmt::format("this contact has several solutions: with friction {:g} Coulomb's law does not determine "
-                    "one (docs/accuracy.md)",
+                    "it uniquely (docs/accuracy.md)",
                     scene.friction));
   if (solution.base_force_error > doubtful_forces)
     all.push_back(
         fmt::format("in fp32 single base forces may be off by some {:.1g} of the largest, more than the residual "
-                    "tells: fp64 resolves them (docs/accuracy.md)",
+                    "shows: fp64 resolves them (docs/accuracy.md)",
                     solution.base_force_error));
   if (!outcome.rung.empty() && !carries(outcome.scene.sensor, rung_named(outcome.rung)))
-    all.push_back(fmt::format("rung {} asks for more columns than the {} that a mesh may have: its mesh is coarser, {}",
+    all.push_back(fmt::format("rung {} requires more than the {} columns that a mesh may have: its mesh is coarser, {}",
                               outcome.rung, fem::most_columns,
                               description(rung_named(outcome.rung), outcome.scene.sensor)));
   return all;
@@ -203,7 +202,7 @@ void check_modelling(const SolveOptions& options) {
   if (!options.accuracy) return;
   const auto refuse = [&](const char* other) {
     throw ConfigError("command line", "--accuracy", fmt::format("{:g}", *options.accuracy),
-                      fmt::format("left out together with {}: it chooses that itself", other));
+                      fmt::format("given without {}, which it determines", other));
   };
   if (!options.rung.empty()) refuse("--rung");
   if (options.tolerance) refuse("--tolerance");

@@ -16,9 +16,9 @@ std::vector<std::string> solver_names();
 /// Solver, precision, device and tolerance: the options --solver, --precision, --device and --tolerance.
 struct SolveOptions {
   std::string solver = "batched";   ///< one of solver_names()
-  std::string precision;            ///< "fp32", "fp64"; empty: fp64 where there is
-  std::string device;               ///< name or index of an OpenCL device; empty: the best there is
-  std::string rung;                 ///< one of rung_names(): how finely to model; empty: as the scene says
+  std::string precision;            ///< "fp32", "fp64"; empty: fp64 where the device has it
+  std::string device;               ///< name or index of an OpenCL device; empty: the default device
+  std::string rung;                 ///< one of rung_names(); empty: the scene's own model
   std::optional<double> accuracy;   ///< largest error in S: the planner chooses the rung
   std::optional<double> tolerance;  ///< largest relative residual that counts as converged; none: the solver's own
 };
@@ -28,7 +28,7 @@ struct SolveOutcome {
   fem::ContactSolution solution;
   std::string solver, precision, device;
   fem::Scene scene{};                     ///< as it was modelled
-  std::string rung{};                     ///< empty: as the scene says
+  std::string rung{};                     ///< empty: the scene's own model
   std::optional<Plan> plan{};             ///< reason for the rung, where an accuracy was requested
   std::string model_reason{};             ///< why this model, patch or mesh, answered
   std::optional<MeshError> mesh_error{};  ///< of solve's command; none: not estimated

@@ -11,7 +11,7 @@
 namespace tactel::host {
 namespace {
 
-// A page: enough for every vector type, and what zero copy asks for.
+// A page: enough for every vector type, and required for zero copy.
 constexpr std::align_val_t alignment{4096};
 
 struct FreeAligned {

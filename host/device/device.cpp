@@ -55,7 +55,7 @@ void set_up_cache() {
   setenv("POCL_CACHE_DIR", place.folder.c_str(), 0);
 }
 
-// PoCL offers only its `pthread` device unless told otherwise; `basic` is the one that launches in under a microsecond.
+// By default PoCL offers only its `pthread` device; its `basic` device launches in under a microsecond.
 // What the user has set stays.
 void set_up_pocl() {
   std::call_once(process().once, [] {
@@ -64,7 +64,7 @@ void set_up_pocl() {
   });
 }
 
-// What the first device to be opened has to say of the cache.
+// Reports the state of the cache to the log of the first device that is opened.
 void report_cache(const LogSink& log) {
   const Process& all = process();
   if (!log || process().reported.exchange(true)) return;
@@ -73,9 +73,8 @@ void report_cache(const LogSink& log) {
   if (!all.trouble.empty())
     log(LogLevel::warning, "compiled kernels are kept in " + folder + ", because of " + all.trouble);
   if (all.cache->damaged() > 0)
-    log(LogLevel::warning, "the cache of compiled kernels " + folder +
-                               " was damaged: " + std::to_string(all.cache->damaged()) +
-                               " programs are removed from it and compiled again");
+    log(LogLevel::warning, "the cache of compiled kernels " + folder + " was damaged: " +
+                               std::to_string(all.cache->damaged()) + " programs were removed and are compiled again");
 }
 
 DeviceType type_of(cl_device_type type) {
@@ -131,7 +130,7 @@ std::vector<FoundDevice> find_devices() {
   return found;
 }
 
-// What is taken without being asked for: the devices that the answers were tested on come first.
+// Default device: the devices on which answers are tested come first.
 int rank(const DeviceInfo& info) {
   if (info.low_latency) return 0;
   if (info.type == DeviceType::cpu) return 1;
@@ -187,7 +186,7 @@ std::string no_device_advice() {
   if (cache == nullptr && !process().trouble.empty())
     return "compiled kernels need a folder, and none can be used: " + process().trouble +
            "; set TACTEL_CACHE_DIR to a folder that can be written";
-  return "install one, for the processor: apt install pocl-opencl-icd; `clinfo -l` lists what OpenCL finds";
+  return "install one, for the processor: apt install pocl-opencl-icd; `clinfo -l` lists the devices";
 }
 
 void set_default_log(LogSink log) { process().log = std::move(log); }

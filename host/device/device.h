@@ -20,7 +20,7 @@ namespace tactel::host {
 
 enum class DeviceType { cpu, gpu, other };
 
-/// "cpu", "gpu", "other".
+/// Returns "cpu", "gpu" or "other".
 const char* name(DeviceType type);
 
 struct DeviceInfo {
@@ -44,21 +44,21 @@ void set_default_log(LogSink log);
 /// Returns every OpenCL device, in the order of --device; empty where there is none. Before the first OpenCL call
 /// of the process it sets POCL_DEVICES to "basic pthread", and POCL_CACHE_DIR to "pocl" in
 /// fem::default_cache_directory(), unless the user has set them. PoCL keeps compiled kernels there; they are
-/// checked first (compile_cache.h). A user who sets POCL_CACHE_DIR is responsible for its content.
+/// checked first (compile_cache.h). The content of a user's own POCL_CACHE_DIR is not checked.
 std::vector<DeviceInfo> list_devices();
 /// Returns the index of the default device: $TACTEL_DEVICE, else PoCL's `basic` (on which answers are tested),
 /// another CPU, a GPU. Returns -1 where there is none.
 int default_device(std::span<const DeviceInfo> devices);
-/// Advice for a user without a device: about the folder of compiled kernels where that is the problem.
+/// Returns the remedy for a missing device; it concerns the folder of compiled kernels where that is the cause.
 std::string no_device_advice();
 
 /// A device with its context, for programs, buffers and executors. Cheap to copy; copies share the context.
 class Device {
  public:
-  /// `choice`: an index of list_devices(), or (part of) a name, any case. Empty: $TACTEL_DEVICE, else the best: PoCL's
-  /// `basic` first, then another CPU, then a GPU. Throws ConfigError for a choice that names no device or several
-  /// different ones (it lists what there is), DeviceError when there is no device at all. Without `log` it logs to the
-  /// default log.
+  /// `choice`: an index of list_devices(), or (part of) a name, any case. Empty: $TACTEL_DEVICE, else the best:
+  /// PoCL's `basic` first, then another CPU, then a GPU. Throws ConfigError, with a list of the devices, for a
+  /// choice that names none or several different ones. Throws DeviceError where there is no device. `log` defaults
+  /// to the default log.
   explicit Device(std::string_view choice = {}, LogSink log = {});
 
   const DeviceInfo& info() const;
@@ -85,7 +85,7 @@ class Compilation {
   ~Compilation();
   Compilation(const Compilation&) = delete;
   Compilation& operator=(const Compilation&) = delete;
-  /// Keeps what was compiled for later runs.
+  /// Stores the compiled kernels for later runs.
   void keep() const;
 
  private:
@@ -93,7 +93,7 @@ class Compilation {
   std::unique_ptr<Use> use_;
 };
 
-/// Says `what` to a device's log as LogLevel::busy, and at its end that it is over.
+/// Sends `what` to a device's log as LogLevel::busy, and ends that announcement at destruction.
 class BusyMessage {
  public:
   BusyMessage(const Device& device, std::string_view what) : device_(device) { device_.log(LogLevel::busy, what); }

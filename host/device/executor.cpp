@@ -86,7 +86,7 @@ struct Executor::State {
       : launcher(device, threads), team(threads, spin_seconds) {
     if (team.threads() < threads)
       device.log(LogLevel::warning, "only " + std::to_string(team.threads()) + " of " + std::to_string(threads) +
-                                        " threads could be made: the work goes on with these");
+                                        " threads could be created: the work continues with these");
   }
 
   void check(const Launch& launch) const {

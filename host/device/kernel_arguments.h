@@ -12,16 +12,16 @@ namespace tactel::host {
 
 /// A parameter of a kernel as its source declares it.
 struct KernelParameter {
-  std::string type;  ///< "float", "uint", ...; of what it points to where it is a pointer; a struct's name
+  std::string type;  ///< "float", "uint", ... or a struct's name; of a pointer, the type that it points to
   bool pointer = false;
   std::string name;
 };
 
-/// The parameters of a kernel in a source. `real`: what REAL and its vectors stand for, "float" or "double"; a vector
-/// counts as its element. Empty where the source has no such kernel.
+/// Returns the parameters of a kernel in a source; none where the source lacks the kernel. `real`: the type of
+/// REAL, "float" or "double". A vector is listed as its element type.
 std::vector<KernelParameter> kernel_parameters(std::string_view source, std::string_view kernel, std::string_view real);
 
-/// OpenCL C's name of a number's type; "" for a struct.
+/// Returns the OpenCL C name of a number's type; "" for a struct.
 template <class Value>
 constexpr std::string_view kernel_type() {
   if constexpr (std::is_same_v<Value, float>) return "float";
@@ -34,9 +34,9 @@ constexpr std::string_view kernel_type() {
   return has_sign ? "long" : "ulong";
 }
 
-/// Sets the arguments of one kernel object by name, or by place from 0. OpenCL itself checks sizes alone; here a name
-/// that the kernel lacks and a number of another type than the kernel declares throw std::logic_error (mistakes in the
-/// code). Of structs OpenCL checks the size.
+/// Sets the arguments of a kernel object by name, or by index from 0. Throws std::logic_error (a mistake in the
+/// code) for an unknown name, and for a number whose type differs from the declared one. OpenCL itself checks only
+/// sizes, also those of structs.
 class KernelArguments {
  public:
   KernelArguments(cl::Kernel& kernel, std::span<const KernelParameter> parameters)

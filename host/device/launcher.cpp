@@ -58,7 +58,7 @@ void Launcher::compile(Launch::State& launch) {
 }
 
 // OpenCL's own offset stays zero: PoCL aborts when two threads launch a kernel with and without. On a GPU a ragged end
-// goes in a launch of its own, as OpenCL 1.2 wants whole work-groups.
+// goes in a launch of its own, as OpenCL 1.2 requires whole work-groups.
 void Launcher::launch(Launch::State& launch, int thread, std::size_t first, std::size_t count) {
   translated(device_.info().name, [&] {
     for (const std::size_t end = first + count; first < end; first += count) {

@@ -29,14 +29,14 @@ class Program {
   cl::Kernel kernel(const std::string& name) const;
   const Device& device() const;
   const std::string& source() const;   ///< "gap_sweep.cl"
-  const std::string& options() const;  ///< as the compiler got them
+  const std::string& options() const;  ///< as passed to the compiler
 
   /// Returns true where a launch of `kernel` with first_group = NO_GROUPS does nothing: its text has TAKE_GROUP
   /// (kernels/shared/group.h).
   bool takes_group(const std::string& kernel) const;
   /// Returns the parameters of a kernel, from the text of the source.
   std::vector<KernelParameter> parameters(const std::string& kernel) const;
-  /// Whether this is the first call for `kernel`. Calls take turns.
+  /// Returns true for the first call with `kernel`. Calls are serialized.
   bool first_use(const std::string& kernel) const;
 
  private:
@@ -45,8 +45,8 @@ class Program {
   std::shared_ptr<const State> state_;
 };
 
-/// Returns the text for the compiler: every `#include "..."` of an embedded file replaced by that file (once),
-/// with #line directives, so that the log names the real file and line.
+/// Returns the text for the compiler. Every `#include "..."` of an embedded file is replaced by that file (once).
+/// Because of #line directives the log names the real file and line.
 std::string expand_includes(const std::string& name, const std::string& text);
 
 }  // namespace tactel::host

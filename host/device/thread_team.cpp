@@ -38,7 +38,7 @@ ThreadTeam::ThreadTeam(int threads, double spin_seconds) : spin_seconds_(spin_se
   workers_.reserve(threads - 1);
   try {
     for (int index = 1; index < threads; ++index) workers_.emplace_back([this, index] { work(index); });
-  } catch (const std::system_error&) {  // a limit on threads or memory: those that are there do the work
+  } catch (const std::system_error&) {  // a limit on threads or memory: the existing threads do the work
   }
 }
 

@@ -9,12 +9,12 @@
 
 namespace tactel::host {
 
-/// Threads that wait for work together with the calling thread. Idle ones listen for `spin_seconds`, then sleep, so
-/// that one short run after another costs no wake-up and an idle program no processor time.
+/// Worker threads beside the calling thread. An idle worker spins for `spin_seconds`, then sleeps. Consecutive
+/// short runs therefore cost no wake-up, and an idle program costs no processor time.
 class ThreadTeam {
  public:
-  /// `threads` includes the one that calls run. Where the system makes no more threads, the team is smaller: see
-  /// threads().
+  /// `threads` includes the thread that calls run. Where the system creates fewer threads, the team is smaller;
+  /// threads() returns its size.
   ThreadTeam(int threads, double spin_seconds);
   ~ThreadTeam();
   ThreadTeam(const ThreadTeam&) = delete;
@@ -22,9 +22,9 @@ class ThreadTeam {
 
   int threads() const { return 1 + static_cast<int>(workers_.size()); }
 
-  /// Calls body(0) here and body(1), body(2), ... in those workers that come before body(0) is back, each at most once;
-  /// so the body must draw its work from a common supply. Waits for those that came; then rethrows the first exception.
-  /// Not reentrant.
+  /// Calls body(0) in the calling thread, and body(1), body(2), ... in the workers that arrive before body(0)
+  /// returns, each at most once. The body must therefore draw its work from a common supply. Waits for these
+  /// workers, then rethrows the first exception. Not reentrant.
   void run(const std::function<void(int)>& body);
 
  private:
@@ -40,7 +40,7 @@ class ThreadTeam {
   static constexpr std::uint64_t inside_ = open_ - 1;
   double spin_seconds_;
   std::atomic<std::uint64_t> gate_{0};
-  std::atomic<std::uint32_t> run_number_{0};  ///< what idle workers listen to; set after the gate is open
+  std::atomic<std::uint32_t> run_number_{0};  ///< polled by idle workers; set after the gate is open
   std::atomic<bool> closing_{false};
   const std::function<void(int)>* body_ = nullptr;
   std::mutex error_mutex_;

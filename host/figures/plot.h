@@ -43,7 +43,7 @@ struct Panel {
   std::optional<std::pair<double, double>> x_range{}, y_range{};
   std::vector<std::pair<double, std::string>> x_ticks{};  ///< labelled positions instead of numbers
   bool log_x = false, log_y = false;
-  bool equal_axes = false;  ///< a mm along x as long as one along y
+  bool equal_axes = false;  ///< equal scales along x and y
   bool zero_line = false;   ///< a thin line at y = 0
 };
 
@@ -51,7 +51,7 @@ struct Figure {
   std::string title{};
   std::vector<Panel> panels{};
   int columns = 1;         ///< panels side by side
-  int width = 820;         ///< pixels, all of it
+  int width = 820;         ///< pixels, of the whole figure
   int panel_height = 300;  ///< pixels
 };
 
@@ -63,7 +63,7 @@ std::string render_svg(const Figure& figure);
 void write_figure(const std::string& option, const std::filesystem::path& path, const Figure& figure);
 
 /// Throws ConfigError where write_figure could not draw to this name: gnuplot is missing, or the extension is
-/// another.
+/// unknown.
 void check_figure_path(const std::string& option, const std::filesystem::path& path);
 
 /// gnuplot failed; the message contains its output.

@@ -16,7 +16,7 @@ struct ReadingEvents {
   std::function<bool()> stop{};                                          ///< true ends the reading
 };
 
-/// Decodes the packets of a source until it ends or `stop` says so. A gap interrupts the decoder. Throws
+/// Decodes the packets of a source until it ends or `stop` returns true. A gap interrupts the decoder. Throws
 /// hw::SourceError.
 void read_frames(hw::FrameSource& source, hw::Decoder& decoder, const ReadingEvents& events);
 

@@ -42,12 +42,11 @@ std::string note_of(const hw::UsbDevice& wanted, const hw::UsbChoice& choice) {
     const bool fits = (wanted.port.empty() || wanted.port == other.place.port) &&
                       (wanted.serial.empty() || wanted.serial == other.place.serial);
     if (!fits) continue;
-    others +=
-        (others.empty() ? "" : ", ") + place_text(other.place) + (other.refusal.empty() ? "" : ", which is not free");
+    others += (others.empty() ? "" : ", ") + place_text(other.place) + (other.refusal.empty() ? "" : " (in use)");
   }
   if (others.empty()) return "";
-  return "reads the device at " + place_text(choice.taken) + "; also plugged in: " + others +
-         "; --source 'usb:...?serial=NUMBER' or '?port=PORT' chooses";
+  return "reads the device at " + place_text(choice.taken) + "; also connected: " + others +
+         "; --source 'usb:...?serial=NUMBER' or '?port=PORT' selects one";
 }
 
 OpenSource open_usb_source(const std::string& given, const std::string& profile) {

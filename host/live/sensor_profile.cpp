@@ -79,8 +79,9 @@ FormatMaker read_format(const TomlFile& file) {
   if (!kind) in.refuse_missing("kind", "generic, glove, papillarray, anyskin, agni or paxini");
   FormatMaker maker;
   int sensors = 1, points = 1;
-  if (kinds[*kind] == "papillarray" || kinds[*kind] == "paxini") in.read("sensors", sensors, "how many are connected");
-  if (kinds[*kind] == "paxini") in.read("points", points, "how many points a sensor has");
+  if (kinds[*kind] == "papillarray" || kinds[*kind] == "paxini")
+    in.read("sensors", sensors, "the number of connected sensors");
+  if (kinds[*kind] == "paxini") in.read("points", points, "the number of points of a sensor");
   switch (*kind) {
     case 0:
       maker = [layout = read_layout(in)] { return hw::generic_format(layout); };

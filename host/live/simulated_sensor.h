@@ -20,7 +20,7 @@ struct SimulationOptions {
   double hold = 0.2;          ///< s between press and drag
   double drag = 2;            ///< s for the tangential steps
   double slip = 0.5;          ///< s held at the end
-  int tactels = 0;            ///< 0: as the scene says
+  int tactels = 0;            ///< 0: those of the scene
   double gain_spread = 0.05;  ///< standard deviation of the transducers' gains, relative
   double noise = 0.001;       ///< standard deviation before the converter, of full scale
   double time_constant = 1;   ///< s of the charge amplifiers; 0: none, the stress itself
@@ -74,7 +74,7 @@ class SimulatedSensor final : public hw::FrameSource {
   std::vector<double> codes_;
   std::vector<std::uint8_t> packet_;
   std::uint64_t frame_ = 0, frames_;
-  double zero_time_ = 0;  ///< s, what now() said at zero_
+  double zero_time_ = 0;  ///< s, now() at zero_
   std::chrono::steady_clock::time_point zero_;
   hw::TransportCounts counts_;
 };

@@ -4,7 +4,7 @@
 
 namespace tactel::host {
 
-/// Reads strictly what follows the colon of --source: "path?key=value&key=value".
+/// Reads strictly the text after the colon of --source: "path?key=value&key=value".
 class SourceOptions {
  public:
   explicit SourceOptions(const std::string& text);

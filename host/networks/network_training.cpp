@@ -155,7 +155,7 @@ std::size_t NetworkTraining<Real>::State::work_of_all() const {
   return all;
 }
 
-// Returns whether to go on.
+// Returns true to continue.
 template <class Real>
 bool NetworkTraining<Real>::State::run_round(const TrainingRunOptions& options) {
   const std::size_t done = work_done(), all = work_of_all();

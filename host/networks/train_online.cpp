@@ -79,7 +79,7 @@ TrainOnline<Real>::TrainOnline(Executor& executor, const nn::Topology& topology,
   launch(together_);
 }
 
-// The launch with so many networks side by side, compiled when it is first asked for.
+// The launch with this number of networks side by side, compiled at its first use.
 template <class Real>
 Launch& TrainOnline<Real>::launch(std::size_t together) {
   if (const auto found = launches_.find(together); found != launches_.end()) return found->second;

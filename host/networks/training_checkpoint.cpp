@@ -82,7 +82,7 @@ class Reader {
 
 // A network's report and curve in a file, at most: a curve has some 230 points on its way to 2^32 cycles.
 constexpr std::uintmax_t bytes_of_a_network = 64 << 10;
-constexpr std::uintmax_t most_bytes = std::uintmax_t{1} << 36;  ///< of a file whose plan alone is asked for
+constexpr std::uintmax_t most_bytes = std::uintmax_t{1} << 36;  ///< of a file of which only the plan is read
 
 // None where there is no such file.
 std::optional<std::string> content_of(const fs::path& path, std::uintmax_t most) try {

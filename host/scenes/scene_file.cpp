@@ -70,10 +70,8 @@ void read_normal_load(TomlTable& in, fem::Load& load, bool preset) {
   if (given.empty() && !preset)
     in.refuse_missing("indentation", "given, a number of mm (or load.normal_force, a number of N/mm)");
   if (given == "normal_force") load.indentation.clear();
-  in.read_one_or_more("indentation", load.indentation,
-                      "a number of mm, or an array of them: targets reached one after the other");
-  in.read_one_or_more("normal_force", load.normal_force,
-                      "a number of N/mm, or an array of them: targets reached one after the other");
+  in.read_one_or_more("indentation", load.indentation, "a number of mm, or an array of successive targets");
+  in.read_one_or_more("normal_force", load.normal_force, "a number of N/mm, or an array of successive targets");
   in.read("indentation_steps", load.indentation_steps, "a whole number of steps, at least 1");
 }
 
@@ -89,7 +87,7 @@ void read_tangential_load(TomlTable& in, fem::Load& load, bool preset) {
   in.read("tangential_step", load.tangential_step, "a number of mm");
   if (int steps = 0;
       in.read("tangential_steps", steps,
-              "a whole number of steps, at least 1 (leave it out to go on until the whole contact slides)")) {
+              "a whole number of steps, at least 1 (without it the drag lasts until the whole contact slides)")) {
     load.tangential_steps = steps;
   }
   in.read("tangential", load.tangential, "an array of positions in mm");

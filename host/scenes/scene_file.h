@@ -6,8 +6,8 @@
 namespace tactel::host {
 
 /// Reads a scene file strictly (docs/scenes.md: every key, unit and default). Throws ConfigError with file, line,
-/// key, value and what is allowed. Errors are an unknown key, a wrong type, a key of another shape, two keys that
-/// exclude each other, and a value that the model rejects.
+/// key, value and the allowed values. Errors are an unknown key, a wrong type, a key of another shape, two keys
+/// that exclude each other, and a value that the model rejects.
 fem::Scene read_scene(const std::filesystem::path& path);
 
 /// Returns the scene of `preset = "paper"`. It chooses the parameters that the paper leaves open: E, nu, grading,

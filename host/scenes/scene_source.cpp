@@ -113,7 +113,7 @@ SceneSource::Contact SceneSource::drawn_contact(std::uint64_t k) const {
     scene.validate();
   } catch (const ValueError& error) {
     throw ValueError(error.key, error.value,
-                     error.allowed + ", as contact " + std::to_string(k) + " of the sweep drew it");
+                     error.allowed + " (drawn for contact " + std::to_string(k) + " of the sweep)");
   }
   return drawn;
 }

@@ -14,12 +14,12 @@ namespace tactel::host {
 
 /// The contacts of a sweep file: contact k is a function of the file, its seed and k alone.
 ///   [sweep]  contacts = 100000, seed = 7, sensors = 16
-///   [sensor], [indenter], [contact], [load] as in a scene file; any of them may be several ([[indenter]] ...), of
-///   which each contact draws one in proportion to its `weight` (1 by default); numbers may be distributions.
-/// A [sensor] with distributions stands for `sensors` sensors drawn once: each costs a condensation.
+///   [sensor], [indenter], [contact], [load] as in a scene file. Of repeated tables ([[indenter]] ...) each contact
+///   draws one, in proportion to its `weight` (defaults to 1). Numbers may be distributions.
+/// A [sensor] with distributions gives `sensors` sensors, drawn once, because each requires a condensation.
 class SceneSource {
  public:
-  /// Throws ConfigError with file, line, key, value and what is allowed.
+  /// Throws ConfigError with file, line, key, value and the allowed values.
   static SceneSource read(const std::filesystem::path& path);
   /// Listed scenes, as the sets of the paper; `kinds`: [scenes] indices in kind_names.
   SceneSource(std::vector<fem::Scene> scenes, std::vector<std::uint16_t> kinds, std::vector<std::string> kind_names);
@@ -44,9 +44,9 @@ class SceneSource {
   /// Returns contact k < contacts(), or any k where endless(). Throws ValueError where drawn numbers contradict
   /// each other.
   Contact contact(std::uint64_t k) const;
-  /// Models contacts and sensors by the rung from now on.
+  /// Models contacts and sensors by the rung, from this call on.
   void model_on(const Rung& rung);
-  /// Files that the sweep file names, and the checksum of the numbers that were read from each: measured profiles.
+  /// Returns the files that the sweep file names (measured profiles), each with the checksum of its numbers.
   std::vector<std::pair<std::string, std::string>> files() const;
   /// Returns every sensor of the contacts.
   const std::vector<fem::Sensor>& sensors() const { return sensors_; }
@@ -69,7 +69,7 @@ class SceneSource {
     fem::Scene scene;  ///< of which the table's own part counts
     std::vector<NumberDraw> draws;
     std::optional<RandomProfile> profile;
-    std::optional<NumberDraw> slip_index;  ///< load.slip_index: the angle is the one that gives this S
+    std::optional<NumberDraw> slip_index;  ///< load.slip_index: the angle is chosen to give this S
   };
   /// All tables of a name, with their weights.
   struct Part {

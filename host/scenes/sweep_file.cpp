@@ -14,7 +14,7 @@ fem::Scene base_scene(const TomlFile& file) {
   if (!root.read_choice("preset", {"paper"})) base.sensor = {};
   root.read("title", base.title, "a text");
   for (const char* table : {"sweep", "transducer", "sensor", "contact", "load"}) root.expect_table(table);
-  if (root.has("indenter")) root.refuse("indenter", "left out: sweep.set says which indenters there are");
+  if (root.has("indenter")) root.refuse("indenter", "left out: sweep.set determines the indenters");
   root.finish();
   read_sensor(file, base, fem::SurfaceModel::mesh);
   read_contact(file, base.friction);

@@ -90,7 +90,7 @@ double SweepReader::weight(const string& name, const toml::table& table) const {
   if (node == nullptr) return 1;
   const auto value = node->value<double>();
   if (!value || !(*value >= 0) || !std::isfinite(*value))
-    throw file_.error(name + ".weight", node, "a number, at least 0: how often this table is drawn beside the others");
+    throw file_.error(name + ".weight", node, "a number, at least 0: relative frequency of this table");
   return *value;
 }
 
@@ -254,7 +254,7 @@ SceneSource SweepReader::read() {
   if (sweep.read("seed", seed, "a whole number, at least 0") && seed < 0)
     sweep.refuse("seed", "a whole number, at least 0");
   if (sweep.read("sensors", sensors, "a whole number") && (sensors < 1 || sensors > most_sensors))
-    sweep.refuse("sensors", "how many sensors to draw from a [sensor] with distributions, 1 to 10000");
+    sweep.refuse("sensors", "a number of sensors, 1 to 10000, drawn from a [sensor] with distributions");
   sweep.finish();
   source.contacts_ = static_cast<std::uint64_t>(contacts);
   source.measure_with(read_transducer(file_, static_cast<std::uint64_t>(seed)), static_cast<std::uint64_t>(seed));

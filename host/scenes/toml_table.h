@@ -9,7 +9,7 @@
 #include "fem/value_error.h"
 #include "host/support/errors.h"
 
-// Of toml++, whose header is long: only the sources of scenes/ include it.
+// Forward declarations of toml++; only the sources of scenes/ include its long header.
 namespace toml {
 inline namespace v3 {
 class node;
@@ -19,10 +19,10 @@ class table;
 
 namespace tactel::host {
 
-/// A TOML file, its text kept so that an error can quote a value as it was written.
+/// A TOML file. It keeps its text, so that errors quote a value as it was written.
 class TomlFile {
  public:
-  /// Reads at most 16 MiB. Throws ConfigError for what cannot be read or is no TOML, and for keys or values that are
+  /// Reads at most 16 MiB. Throws ConfigError for a file that cannot be read or is not TOML, and for keys or values
   /// nested more than 16 deep.
   explicit TomlFile(const std::filesystem::path& path);
   /// Reads a text that is not from a file; errors name `path`.
@@ -56,7 +56,7 @@ class TomlTable {
   TomlTable(const TomlFile& file, const std::string& name);
 
   bool has(const std::string& key) const;
-  bool has_text(const std::string& key) const;  ///< a text, where another type would do, too
+  bool has_text(const std::string& key) const;  ///< for keys that also accept another type
   bool read(const std::string& key, double& value, const std::string& what);
   bool read(const std::string& key, int& value, const std::string& what);
   bool read(const std::string& key, std::string& value, const std::string& what);
@@ -70,15 +70,15 @@ class TomlTable {
   /// Marks an inner table as known; it is read by a TomlTable of its own.
   void expect_table(const std::string& key);
 
-  /// Throws: `key` must be `allowed`.
+  /// Throws ConfigError: `key` must be `allowed`.
   [[noreturn]] void refuse(const std::string& key, const std::string& allowed) const;
   [[noreturn]] void refuse_missing(const std::string& key, const std::string& allowed) const;
-  /// The keys present, in the order of the file.
+  /// Returns the keys present, in the order of the file.
   std::vector<std::string> keys() const;
-  /// Throws on the first key that is not among `known`, with the nearest that is. Call it before `refuse_missing`: a
-  /// misspelt key is better named than the one that is missing for it.
+  /// Throws ConfigError for the first key that is not in `known`, with the nearest known key. Call it before
+  /// `refuse_missing`: the error then names a misspelt key rather than the key that it replaces.
   void refuse_unknown(std::vector<std::string> known) const;
-  /// Throws on the first key that was not read, with the nearest known key.
+  /// Throws ConfigError for the first key that was not read, with the nearest known key.
   void finish() const;
 
  private:

@@ -3,7 +3,7 @@
 namespace tactel::host {
 namespace {
 
-/// `key` of a part that is there: above 0.
+/// Reads `key` of a part that is present: above 0.
 void read_positive(TomlTable& in, const char* key, double& value, const char* what) {
   if (in.read(key, value, what) && !(value > 0)) in.refuse(key, what);
 }

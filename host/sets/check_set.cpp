@@ -76,7 +76,7 @@ class Checker {
       if (progress_ && !progress_(check_.chunks, all_)) check_.finished = false;
     }
     if (check_.finished && whole && !column.checksum.empty() && column.checksum != sum.text())
-      note(name, 0, column.rows, "not what was written, or in another order");
+      note(name, 0, column.rows, "other numbers than those written, or another order");
   }
 
   template <class T>

@@ -57,7 +57,7 @@ struct Columns {
   std::vector<SetFile::Column> all;  ///< in the order of each_dataset, which begins with inputs
 };
 
-/// Throws where so many rows do not fit into memory, before any is asked for.
+/// Throws where so many rows do not fit into memory, before any is allocated.
 void check_memory(const SetFile& in, std::uint64_t rows, int inputs) {
   const double bytes = static_cast<double>(rows) * static_cast<double>(row_bytes(inputs));
   const double memory = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
@@ -67,7 +67,7 @@ void check_memory(const SetFile& in, std::uint64_t rows, int inputs) {
         fmt::format("fewer rows than fit into memory ({:.3g} GB), or read in pieces (train --block)", 1e-9 * memory));
 }
 
-/// Memory that cannot be had, as the error of the file that asks for it.
+/// Turns a failed allocation into the error of the file that requires it.
 template <class Read>
 auto within_memory(const SetFile& in, const Read& read) try {
   return read();

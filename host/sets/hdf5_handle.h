@@ -24,9 +24,9 @@ class Handle {
   herr_t (*close_)(hid_t);
 };
 
-/// Called before any other call of the library. HDF5 prints a stack of its own on every error; our errors say it in our
-/// words. At exit it closes what could not be closed on a full disk a second time, and crashes: every handle here
-/// closes itself, so that nothing is left to do then.
+/// Call it before any other call of HDF5. Disables the library's own error printing; callers throw ConfigError.
+/// Disables the library's clean-up at exit: where a full disk made a close fail, the clean-up repeats it and
+/// crashes. Every Handle closes itself, so no clean-up is needed.
 inline void prepare_hdf5() {
   static const bool once = H5dont_atexit() >= 0;
   static_cast<void>(once);

@@ -82,7 +82,7 @@ hid_t open_to_read(const std::filesystem::path& path) {
 SetFile::SetFile(const std::filesystem::path& path) : path_(path), file_(open_to_read(path), H5Fclose) {
   std::error_code error;
   if (!file_.open())
-    refuse("(file)", std::filesystem::exists(path, error) ? "not HDF5, or damaged" : "not there",
+    refuse("(file)", std::filesystem::exists(path, error) ? "not HDF5, or damaged" : "missing",
            "an HDF5 file written by tactel generate");
   if (const std::string format = text("format"); format != "tactel contact set 1")
     refuse("format", format.empty() ? "(missing)" : format, "tactel contact set 1: a file written by tactel generate");

@@ -10,8 +10,8 @@
 
 namespace tactel::host {
 
-/// A set file open for reading. Rank, type and extent of every dataset and attribute are checked before its
-/// numbers are read. Members throw ConfigError: file, dataset or attribute, the problem, and what is allowed.
+/// A set file open for reading. Rank, type and extent of every dataset and attribute are checked before its numbers
+/// are read. Members throw ConfigError: file, dataset or attribute, the problem and the allowed values.
 class SetFile {
  public:
   explicit SetFile(const std::filesystem::path& path);
@@ -30,7 +30,7 @@ class SetFile {
     std::uint64_t rows = 0;
     int columns = 0;               ///< 0: a plain list
     std::uint64_t chunk_rows = 0;  ///< 0: stored in one piece
-    std::string checksum;          ///< of all numbers in it (checksum_text), where the file says
+    std::string checksum;          ///< of all numbers in it (checksum_text); empty where the file has none
     /// Returns true where chunks have Fletcher32 checksums.
     bool checked() const { return fletcher_ >= 0; }
 

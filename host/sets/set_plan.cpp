@@ -12,7 +12,7 @@
 namespace tactel::host {
 namespace {
 
-/// "name value" lines; a file's line is told from the others by its name, too.
+/// "name value" lines; a line of a file also has the file's name in its key.
 std::map<std::string, std::string> by_name(const std::string& conditions) {
   std::map<std::string, std::string> values;
   std::istringstream lines(conditions);
@@ -29,13 +29,13 @@ std::string value_of(const std::map<std::string, std::string>& values, const std
   return value == values.end() ? "unknown" : value->second;
 }
 
-/// "precision fp64 (asked for: fp32), ..."; empty where nothing differs.
+/// "precision fp64 (requested: fp32), ..."; empty where nothing differs.
 std::string differences(const std::map<std::string, std::string>& asked,
                         const std::map<std::string, std::string>& made) {
   std::string text;
   const auto note = [&](const std::string& name) {
     const std::string is = value_of(made, name), wanted = value_of(asked, name);
-    if (is != wanted) text += fmt::format("{}{} {} (asked for: {})", text.empty() ? "" : ", ", name, is, wanted);
+    if (is != wanted) text += fmt::format("{}{} {} (requested: {})", text.empty() ? "" : ", ", name, is, wanted);
   };
   for (const auto& [name, value] : asked) note(name);
   for (const auto& [name, value] : made)
@@ -55,7 +55,7 @@ std::map<std::string, std::string> conditions_of_old(const ContactSet& set) {
 }
 
 [[noreturn]] void refuse(const std::string& path, const std::string& allowed) {
-  throw ConfigError("command line", "--resume", path, allowed + "; --force writes a new one over it");
+  throw ConfigError("command line", "--resume", path, allowed + "; --force overwrites it");
 }
 
 }  // namespace
@@ -72,14 +72,14 @@ SetPlan plan_of(const Sweep& sweep, const std::string& rung, Precision precision
 
 void expect_made_by(const SetPlan& plan, const std::string& path) {
   const ContactSet set = read_attributes(path);
-  if (set.sweep != plan.sweep) refuse(path, "a set of this sweep file: it was made from another");
+  if (set.sweep != plan.sweep) refuse(path, "a set of this sweep file; it has another");
   std::map<std::string, std::string> asked = by_name(plan.conditions), made = by_name(set.plan);
   if (set.plan.empty()) {
     made = conditions_of_old(set);
     std::erase_if(asked, [&](const auto& condition) { return !made.contains(condition.first); });
   }
   if (const std::string other = differences(asked, made); !other.empty())
-    refuse(path, "a set made as asked for now: it was made with " + other);
+    refuse(path, "a set of the requested conditions; it has " + other);
 }
 
 }  // namespace tactel::host

@@ -8,8 +8,8 @@ namespace tactel::host {
 
 /// All inputs of the rows of a set.
 struct SetPlan {
-  /// One line each, "name value": version, layout of the spool, rung, precision, tolerance, contacts of a chunk, and
-  /// for every file that the sweep file names the checksum of the numbers read from it.
+  /// One line each, "name value": version, layout of the spool, rung, precision, tolerance and contacts of a chunk.
+  /// A further line per file that the sweep file names holds the checksum of its numbers.
   std::string conditions;
   std::string sweep;  ///< text of the sweep file
 

@@ -54,7 +54,7 @@ ConfigError output_error(const fs::path& output, const std::string& allowed) {
 
 FileLock locked(const fs::path& folder, const fs::path& output) {
   return FileLock::of_file("--output", folder / "lock",
-                           "of a set that no other program is writing: one is at work on " + output.string());
+                           "of a set that no other program is writing; another one writes " + output.string());
 }
 
 /// Errors of the file system while a folder is listed, measured or removed, as errors of --output.
@@ -137,7 +137,7 @@ void SetSpool::check_plan(const std::string& plan, Open how) const {
   const bool there = fs::exists(path);
   if (how == Open::fresh && there)
     throw output_error(output_, "a new set: an interrupted run left chunks in " + folder_.string() +
-                                    "; --resume goes on with it, --force starts anew");
+                                    "; --resume continues it, --force starts anew");
   const auto same = [&] {
     try {
       return read_bounded_file(path, plan.size()) == plan;
@@ -243,10 +243,9 @@ void SetSpool::append(std::uint64_t chunk, const ContactSet& rows) {
       (::fdatasync(file_) != 0 && errno != EINVAL)) {  // EINVAL: a file system that cannot
     const std::string why = std::strerror(errno);
     if (::ftruncate(file_, before) != 0) ++torn_;  // the next run cuts it off
-    throw output_error(output_,
-                       fmt::format("on a disk with room for it ({}); {} chunks are kept in {}, and --resume goes "
-                                   "on with them",
-                                   why, chunks_.size(), folder_.string()));
+    throw output_error(output_, fmt::format("on a disk with room for it ({}); {} chunks are kept in {}, and --resume "
+                                            "continues from them",
+                                            why, chunks_.size(), folder_.string()));
   }
   bytes_ += sizeof header + payload.size();
   chunks_[chunk] = {own_, static_cast<std::uint64_t>(before), header};
@@ -261,7 +260,7 @@ ContactSet SetSpool::load(const Place& place) const {
   in.read(payload.data(), static_cast<std::streamsize>(payload.size()));
   if (!in || std::memcmp(&header, &place.header, sizeof header) != 0 || checksum(payload) != header.payload_sum)
     throw output_error(output_, "made of whole chunks: " + place.file.string() +
-                                    " was damaged while it was read; --resume simulates what is damaged again");
+                                    " was damaged while it was read; --resume generates the damaged chunks again");
   return rows_from(payload, header.rows, inputs_);
 }
 
@@ -272,7 +271,7 @@ void SetSpool::assemble(std::uint64_t count, ContactSet& set) {
   });
   if (chunks_.size() != count || (count > 0 && chunks_.rbegin()->first != count - 1))
     throw output_error(
-        output_, fmt::format("complete: {} of {} chunks are there; --resume makes the others", chunks_.size(), count));
+        output_, fmt::format("complete: {} of {} chunks exist; --resume generates the others", chunks_.size(), count));
   ContactSetWriter writer(output_, inputs_, rows());
   for (const auto& [chunk, place] : chunks_) {
     writer.append(load(place));

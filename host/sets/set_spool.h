@@ -27,9 +27,9 @@ struct ChunkHeader {
 class SetSpool {
  public:
   enum class Open { fresh, resume, join };  ///< join: another process of the same run has opened it
-  /// `plan` is all inputs of the rows, as text; `inputs` the numbers of a frame. Throws ConfigError where
-  /// another run uses the folder, where `fresh` meets something to resume, where the folder or a chunk belongs
-  /// to another plan, where chunks exist without a plan, or where the folder cannot be written.
+  /// `plan` is all inputs of the rows, as text; `inputs` the numbers of a frame. Throws ConfigError where another
+  /// run uses the folder, or where `fresh` finds chunks to resume. Throws it also where the folder or a chunk
+  /// belongs to another plan, chunks exist without a plan, or the folder cannot be written.
   SetSpool(const std::filesystem::path& output, const std::string& plan, int inputs, int writer, Open how);
   ~SetSpool();
   SetSpool(const SetSpool&) = delete;
@@ -39,16 +39,16 @@ class SetSpool {
   std::set<std::uint64_t> chunks() const;
   /// Appends a chunk. Throws ConfigError where the disk is full; earlier chunks stay whole.
   void append(std::uint64_t chunk, const ContactSet& rows);
-  /// Makes the set file of chunks 0 ... count - 1, all of which must be there, and removes the folder. `set`:
-  /// attributes; counts of contacts (fell back, unsolved, no rows, too deep, slid too far or never) are added to it.
-  /// The folder goes when the set is on the disk: until then both are there.
+  /// Writes the set file from chunks 0 ... count - 1, which must all exist. `set` holds the attributes; the counts
+  /// of contacts that fell back, stayed unsolved, have no rows or are too deep, slid too far or never slid are added to
+  /// it. Removes the folder after the set has reached the disk.
   void assemble(std::uint64_t count, ContactSet& set);
   std::uint64_t rows() const;   ///< of all chunks
   std::size_t torn() const;     ///< places where a file was cut off on opening
   std::uint64_t bytes() const;  ///< appended by this object
 
   static std::filesystem::path folder(const std::filesystem::path& output);
-  /// Removes an earlier run's folder. Throws ConfigError when that run is still at work.
+  /// Removes an earlier run's folder. Throws ConfigError while that run is still active.
   static void discard(const std::filesystem::path& output);
 
  private:

@@ -8,7 +8,7 @@
 
 namespace tactel::host {
 
-/// Simulates a family in the way of SetSimulator. Warns on the device's log of contacts that stay unsolved.
+/// Simulates a family by SetSimulator. Warns on the device's log of contacts that stay unsolved.
 ContactSet simulate_family(Executor& executor, const SceneFamily& family, Precision precision, double tolerance);
 
 /// Returns a warning about contacts that stayed unsolved, with their count; none where there are none.

@@ -28,7 +28,7 @@ class DurableFile {
   void drop();
 
   std::string option_;
-  std::filesystem::path path_, target_, temporary_;  ///< as given; behind links; empty once there is none
+  std::filesystem::path path_, target_, temporary_;  ///< as given; with links resolved; empty after commit()
   int file_ = -1;
 };
 

@@ -29,13 +29,13 @@ class ConfigError : public std::runtime_error {
 /// An OpenCL call that failed, or a missing device.
 class DeviceError : public std::runtime_error {
  public:
-  /// `call`: "clEnqueueNDRangeKernel"; `code`: "CL_OUT_OF_RESOURCES"; `device`: its name; `advice`: what the user can
-  /// do, may be empty.
+  /// `call`: "clEnqueueNDRangeKernel"; `code`: "CL_OUT_OF_RESOURCES"; `device`: its name; `advice`: the remedy, may
+  /// be empty.
   DeviceError(std::string call, std::string code, std::string device, const std::string& advice = "");
   std::string call, code, device;
 };
 
-/// A long job that its Progress cancelled, in a library without another result.
+/// Thrown by a long job that its Progress cancelled, where the function has no other way to report it.
 class Stopped : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -13,16 +13,16 @@ class Interrupt {
   Interrupt(const Interrupt&) = delete;
   Interrupt& operator=(const Interrupt&) = delete;
   bool requested() const;
-  /// Whether one was asked for while the last Interrupt lived, which may be gone.
+  /// Returns true where a stop was requested during the life of the last Interrupt, also after its end.
   static bool seen();
 };
 
-/// While one lives, SIGINT and SIGTERM wait in this thread, and in the programs and threads that it starts: Ctrl-C goes
-/// to all processes of a terminal, and a compiler whose linker it ends reports a failure. Another thread, or this one
-/// later, takes the signal.
+/// During its life, blocks SIGINT and SIGTERM in this thread and in the programs and threads that it starts. Ctrl-C
+/// reaches all processes of a terminal, and a compiler whose linker it ends reports a failure. Another thread, or
+/// this one later, receives the signal.
 class HeldSignals {
  public:
-  enum When { always, handled };  ///< `handled`: only those that would not end this program at once
+  enum When { always, handled };  ///< `handled`: only signals that do not end this program at once
   explicit HeldSignals(When when);
   ~HeldSignals();
   HeldSignals(const HeldSignals&) = delete;

@@ -5,7 +5,7 @@
 
 namespace tactel {
 
-/// `busy`: what is done from here on, for seconds perhaps; an empty message ends it. They nest.
+/// `busy` announces work that may take seconds; an empty message ends it. Announcements nest.
 enum class LogLevel { debug, info, warning, busy };
 
 /// Sink of the messages of the library, which prints nothing itself. An empty sink is allowed. May be called from

@@ -21,7 +21,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 const std::string clear_line = "\r\x1b[K";
 
-/// Where nobody listens any more (a closed pipe, a full disk) progress is not worth an error.
+/// Ignores failures: a closed pipe or a full disk must not end a job for the sake of its progress.
 void write(const std::string& text) {
   std::fwrite(text.data(), 1, text.size(), stderr);
   std::fflush(stderr);

@@ -7,11 +7,11 @@ namespace tactel::host {
 /// Makes the three standard streams safe to use; call it first in main.
 /// - A stream that is closed is opened on /dev/null in the wrong direction. No file that is opened later takes its
 ///   number, and writing to it fails as before.
-/// - A failed write to `stderr` is forgotten: a message that cannot be shown ends no job.
+/// - A failed write to `stderr` is ignored: a message that cannot be shown does not end a job.
 void prepare_standard_streams();
 
-/// Flushes standard output. Returns why some of what was written to it is lost ("No space left on device"), none where
-/// everything was taken.
+/// Flushes standard output. Returns the reason why output was lost ("No space left on device"), or none where all
+/// of it was written.
 std::optional<std::string> lost_output();
 
 }  // namespace tactel::host

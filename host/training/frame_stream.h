@@ -16,10 +16,10 @@ namespace tactel::host {
 class FrameStream {
  public:
   virtual ~FrameStream() = default;
-  /// Without rows where the block has none with an answer. Throws ConfigError, naming file and row, for a frame that
-  /// no network can learn from.
+  /// Returns block k; without rows where none of them has an answer. Throws ConfigError, naming file and row, for a
+  /// frame that no network can learn from.
   virtual nn::FrameSet block(std::uint64_t k) = 0;
-  virtual std::uint64_t blocks() const = 0;  ///< until the same rows come again; 1 for a stream without end
+  virtual std::uint64_t blocks() const = 0;  ///< until the rows repeat; 1 for an endless stream
   virtual int inputs() const = 0;
   /// Returns all inputs of the blocks, as text.
   virtual std::string description() const = 0;

@@ -116,7 +116,7 @@ Figure learning_curves(std::span<const TrainedNetwork> networks, double stop_err
 
 Figure stream_curves(std::span<const TrainedNetwork> networks, bool validated) {
   constexpr Ink inks[] = {Ink::black, Ink::blue, Ink::green, Ink::orange, Ink::red, Ink::purple, Ink::brown, Ink::grey};
-  Panel block{.title = "fresh frames, before they are learnt",
+  Panel block{.title = "new frames, before the networks learn them",
               .x_label = "rows seen",
               .y_label = "root mean square error of S",
               .log_x = true,

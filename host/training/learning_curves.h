@@ -12,9 +12,10 @@ namespace tactel::host {
 /// drawn as a line.
 Figure learning_curves(std::span<const TrainedNetwork> networks, double stop_error);
 
-/// Errors of networks that learn from a stream over rows seen (`curve.cycle`), on logarithmic axes: root mean square
-/// error of a block before it was learnt (`sse` is its mean square) and, where they were validated, the mean error on
-/// the validation set (`largest`). Networks that differ in their seed alone share a colour.
+/// Returns a figure of the errors of networks that learn from a stream, over rows seen (`curve.cycle`), on
+/// logarithmic axes. It shows the root mean square error of each block before the network learned it (`sse`: its
+/// mean square). Where the networks were validated, it also shows the mean error on the validation set (`largest`).
+/// Networks that differ only in their seed share a colour.
 Figure stream_curves(std::span<const TrainedNetwork> networks, bool validated);
 
 }  // namespace tactel::host

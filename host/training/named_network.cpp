@@ -31,7 +31,7 @@ std::vector<fs::path> onnx_files(const fs::path& path) {
   };
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
-  if (!fs::exists(status)) refuse("a directory or a file that is there");
+  if (!fs::exists(status)) refuse("an existing directory or file");
   if (!fs::is_directory(status)) return {path};
   std::vector<fs::path> files;
   for (fs::directory_iterator entry(path, error), end; !error && entry != end; entry.increment(error))

@@ -32,7 +32,7 @@ std::vector<NamedNetwork> read_networks(const std::filesystem::path& path);
 struct NetworkResult {
   nn::ErrorReport errors;
   std::array<std::size_t, 4> frames{};  ///< number of frames of each nn::FrameStatus
-  std::vector<float> slip_index{};      ///< [rows] if asked for; NaN where the network gave none
+  std::vector<float> slip_index{};      ///< [rows] if requested; NaN where the network gave none
 };
 
 /// Evaluates every network on every row, in the order of `networks`. Returns none where progress stops it. Throws

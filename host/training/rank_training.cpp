@@ -133,7 +133,7 @@ class RankTraining : public TrainingJob {
     directory.check(request_.resume, request_.force);
     check_figure_path("--output", directory.figure());
     if (request_.resume && directory.finished())
-      throw ConfigError("command line", "--resume", request_.output, "an unfinished training: this one is done");
+      throw ConfigError("command line", "--resume", request_.output, "an unfinished training; this one is complete");
   }
 
   const Ranks& ranks_;

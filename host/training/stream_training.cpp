@@ -33,7 +33,7 @@ constexpr double last_rate = 0.01;      ///< of the first
 constexpr double validate_every = 1.5;  ///< each time so many times more rows have been seen
 
 /// Networks [topologies][seeds] on their way. Of each, `curve.cycle` counts rows; sse is the mean squared error of a
-/// block before it was learnt, largest its largest error, or the mean error on the validation set where there is one.
+/// block before training on it, largest its largest error, or the mean error on the validation set where there is one.
 template <class Real>
 class StreamTraining : public TrainingJob {
  public:

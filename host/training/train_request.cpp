@@ -35,7 +35,7 @@ void refuse_beside_stream(const TrainRequest& request) {
   const std::string beside = " with --stream and --block";
   if (!request.stream.empty()) refuse(request.block, "--block", "left out with --stream");
   if (request.schedule == "online") refuse(request.schedule, "--schedule", "batch, or left out," + beside);
-  refuse(request.cycles, "--cycles", "left out" + beside + ": --rows says when to stop");
+  refuse(request.cycles, "--cycles", "left out" + beside + ": --rows sets the end");
   refuse(request.stop_error, "--stop-error", "left out" + beside + ": a stream has no cycles");
 }
 

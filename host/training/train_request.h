@@ -34,7 +34,7 @@ struct TrainRequest {
 };
 inline constexpr std::uint64_t default_rows = 10'000'000;
 
-/// A set's file and the rows of it that count.
+/// A set file and its usable rows.
 struct NamedSet {
   std::string file;
   ContactSet contacts;
@@ -42,13 +42,13 @@ struct NamedSet {
 };
 /// Throws ConfigError as read_contact_set and answered_rows.
 NamedSet read_set(const std::string& file);
-/// The same, and throws ConfigError for a set that nothing can be learnt from.
+/// The same for the learning set. Throws ConfigError also for a set that cannot train a network.
 NamedSet read_learning_set(const TrainRequest& request);
 
-/// What to train. Throws ConfigError, naming the option, for values that cannot work and for options that the
-/// request's kind of training does not use.
+/// Returns the plan of a request. Throws ConfigError, naming the option, for invalid values and for options that
+/// the requested kind of training does not use.
 TrainingPlan plan_of(const TrainRequest& request);
-/// Throws ConfigError when a network has another number of inputs than the set.
+/// Throws ConfigError where a network's number of inputs differs from the set's.
 void check_width(const TrainingPlan& plan, const NamedSet& set);
 
 }  // namespace tactel::host

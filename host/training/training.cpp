@@ -94,7 +94,7 @@ class SetTraining : public TrainingJob {
     directory_.remove_checkpoint();
     TrainingOutcome outcome{.networks = networks_.size(), .summary = summary()};
     for (const NamedNetwork& network : networks_) outcome.diverged += network.file.empty();
-    outcome.tables = {"errors |S - S of the set| on the learning set, as it was shown\n" +
+    outcome.tables = {"errors |S - S of the set| on the learning set, noise included\n" +
                       error_table(networks_, learnt_)};
     if (recall_set_)
       outcome.tables.push_back(fmt::format("the same on {}\n{}", recall_set_->file, error_table(networks_, recalled)));
@@ -151,7 +151,7 @@ class SetTraining : public TrainingJob {
   std::string summary() const {
     std::map<nn::TrainStatus, int> count;
     for (std::size_t i = 0; i < networks_.size(); ++i) ++count[status_of(i)];
-    std::string text = fmt::format("{}: {} networks learnt {} rows in {:.2f} s, {} patterns/s:", request_.output,
+    std::string text = fmt::format("{}: {} networks trained on {} rows in {:.2f} s, {} patterns/s:", request_.output,
                                    networks_.size(), set_.rows.frames.rows(), training_.seconds(), with_prefix(pace()));
     for (const auto& [status, many] : count) text += fmt::format(" {} {},", many, nn::name(status));
     text.back() = '\n';

@@ -6,8 +6,8 @@
 
 namespace tactel::host {
 
-/// Training on a whole set, and judging on another where there is one. All arguments must outlive the job. Throws
-/// ConfigError for a set that the plan cannot learn from.
+/// Returns a job that trains on a whole set and judges the networks on a recall set, where one is given. All
+/// arguments must outlive the job. Throws ConfigError for a set that the plan cannot learn from.
 std::unique_ptr<TrainingJob> set_training(const TrainRequest& request, const TrainingPlan& plan, const NamedSet& set,
                                           const std::optional<NamedSet>& recall_set);
 

@@ -66,10 +66,10 @@ void TrainingDirectory::check(bool resume, bool force) const {
   check_writable("--output", report());
   if (resume) return;
   if (!force && finished())
-    refuse_directory(path_, "a directory without a finished training, or --force to train anew and write over it");
+    refuse_directory(path_, "a directory without a finished training, or --force to train anew and overwrite it");
   if (!force && interrupted())
     refuse_directory(
-        path_, "a directory without an interrupted training, or --resume to go on with it, or --force to train anew");
+        path_, "a directory without an interrupted training, or --resume to continue it, or --force to train anew");
   const std::vector<std::string> own = own_networks();
   for (const fs::directory_entry& entry : fs::directory_iterator(path_))
     if (entry.path().extension() == ".onnx" && std::ranges::find(own, entry.path().filename().string()) == own.end())

@@ -1,4 +1,4 @@
-/* What the transducer chain does, ready for use: nn::Transducer says it in the user's terms. */
+/* Settings of the transducer chain in the kernel's terms; nn::Transducer holds them in the user's. */
 #ifndef TACTEL_SHARED_CHAIN_SETTINGS_H
 #define TACTEL_SHARED_CHAIN_SETTINGS_H
 #include "shared/scalars.h"

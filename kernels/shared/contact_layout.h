@@ -2,18 +2,18 @@
 #ifndef TACTEL_CONTACT_LAYOUT_H
 #define TACTEL_CONTACT_LAYOUT_H
 
-/* What the kernel says of one lane (one scene) after one load increment: rows of `result`, [group][step][LANE_RESULT_ROWS][lane]. */
+/* Result of one lane (one scene) after one load increment: rows of `result`, [group][step][LANE_RESULT_ROWS][lane]. */
 enum LaneResultRow {
   LANE_INDENTATION = 0, /* mm */
   LANE_TANGENTIAL,      /* mm */
   LANE_P,               /* N/mm, >= 0 */
   LANE_Q,               /* N/mm, > 0 drags the rubber to +x */
-  LANE_SLIP_INDEX,      /* Q / (mu P); 0 where mu P = 0: ask LANE_STATUS */
+  LANE_SLIP_INDEX,      /* Q / (mu P); 0 where mu P = 0: see LANE_STATUS */
   LANE_STICKING,        /* nodes that stick */
   LANE_SLIPPING,        /* nodes that slip */
   LANE_SWEEPS,          /* Gauss-Seidel sweeps of this increment */
   LANE_STATUS,          /* LaneStatus */
-  LANE_PENETRATION,     /* the certificate, all relative: fem/contact_solution.h says to what */
+  LANE_PENETRATION,     /* the certificate, relative as in fem/contact_solution.h */
   LANE_CONE,
   LANE_COMPLEMENTARITY,
   LANE_DRIFT,

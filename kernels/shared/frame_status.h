@@ -1,16 +1,16 @@
-/* What became of a frame: nn::FrameStatus, for host and device. */
+/* Status of the evaluation of a frame: nn::FrameStatus, for host and device. */
 #ifndef TACTEL_SHARED_FRAME_STATUS_H
 #define TACTEL_SHARED_FRAME_STATUS_H
 
 #define FRAME_OK 0
-#define FRAME_NO_STRESS 1  /* scaling by the frame's own stress found none; the network saw zeros */
+#define FRAME_NO_STRESS 1  /* scaling by the frame's own stress found none; the network received zeros */
 #define FRAME_NOT_FINITE 2 /* the frame holds NaN or infinity; S is NaN */
 #define FRAME_OVERFLOW 3   /* a sum inside the network was not finite; S is NaN */
 
 #define SMALLEST_STRESS 1e-12f /* MPa: less is no stress (scaling by frame) */
 
-/* Above LARGE_STRESS [MPa] the reciprocal of a stress is no normal number in fp32, and devices may flush it to zero: such a
-   frame is first taken times LARGE_SCALE, a power of two, which keeps its bits. */
+/* Above LARGE_STRESS [MPa] the reciprocal of a stress is no normal number in fp32, and devices may flush it to zero. Such a
+   frame is first multiplied by LARGE_SCALE, a power of two, which keeps its bits. */
 #define LARGE_STRESS 0x1p126f
 #define LARGE_SCALE 0x1p-8f
 

@@ -1,4 +1,4 @@
-/* How the kernels of networks share out their work, for them and for the host that launches them. */
+/* Division of the work in the kernels of networks, for kernels and host. */
 #ifndef TACTEL_SHARED_NETWORK_WORK_H
 #define TACTEL_SHARED_NETWORK_WORK_H
 

@@ -3,7 +3,7 @@
 #define TACTEL_SHARED_ONE_FRAME_H
 
 #define ONE_SLIP_INDEX 0 /* S: the answer */
-#define ONE_STATUS 1     /* and what became of the frame: FRAME_OK, ... */
+#define ONE_STATUS 1     /* status of the frame: FRAME_OK, ... */
 #define ONE_BY_FRAME 2   /* 1: scaled by the frame's own largest |normal stress|; 0: by a factor */
 #define ONE_FACTOR 3     /* that factor, 1/MPa */
 #define ONE_FRAME 16     /* the frame, MPa, in whole vectors of lanes, zeros behind its end; the weights follow */

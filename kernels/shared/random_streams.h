@@ -1,4 +1,4 @@
-/* What a draw is for, in kernels: nn::RandomStream, for host and device. */
+/* Purpose of a draw, in kernels: nn::RandomStream, for host and device. */
 #ifndef TACTEL_SHARED_RANDOM_STREAMS_H
 #define TACTEL_SHARED_RANDOM_STREAMS_H
 

@@ -164,7 +164,8 @@ TEST_F(Recording, GrowsByItsPacketsAlone) {
 
 TEST_F(Recording, AnotherFileIsNotWrittenOverUnasked) {
   std::ofstream(path_) << "precious";
-  EXPECT_THAT([&] { RecordingWriter(path_, ""); }, ThrowsMessage<RecordingError>(HasSubstr("not written over")));
+  EXPECT_THAT([&] { RecordingWriter(path_, ""); },
+              ThrowsMessage<RecordingError>(HasSubstr("exists and is not overwritten")));
   EXPECT_EQ(fs::file_size(path_), 8u);
   const fs::path link = path_.parent_path() / "link";
   fs::create_symlink(path_.parent_path() / "behind", link);
@@ -237,7 +238,7 @@ TEST_F(Recording, DamageIsFound) {
 
 TEST_F(Recording, OtherFilesAreRefused) {
   std::ofstream(path_) << "frame,normal,shear\n1,2,3\n";
-  EXPECT_THAT([&] { ReplaySource{path_}; }, ThrowsMessage<SourceError>(HasSubstr("no recording")));
+  EXPECT_THAT([&] { ReplaySource{path_}; }, ThrowsMessage<SourceError>(HasSubstr("not a recording")));
   EXPECT_THAT([&] { ReplaySource{path_.parent_path() / "none"}; },
               ThrowsMessage<SourceError>(HasSubstr("cannot be read")));
   EXPECT_THROW(RecordingWriter("/no/such/folder/file", ""), SourceError);

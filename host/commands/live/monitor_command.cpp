@@ -109,7 +109,7 @@ int run_monitor(const MonitorRequest& request) {
 
 void add_monitor_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<MonitorRequest>();
-  CLI::App* command = app.add_subcommand("monitor", "live slippage index: one JSON line a frame");
+  CLI::App* command = app.add_subcommand("monitor", "print the slippage index of a live sensor: one JSON line a frame");
   add_sensor_options(*command, *request);
   command->add_option("--network", request->network, "network that evaluates the frames, see tactel train")
       ->type_name("FILE.onnx")

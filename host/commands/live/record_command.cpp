@@ -57,7 +57,7 @@ void check_output(const RecordRequest& request, const std::string& option, const
   const fs::file_status status = fs::status(path, error);
   const bool stream = fs::is_character_file(status) || fs::is_fifo(status);
   if (!request.force && !stream && fs::symlink_status(path, error).type() != fs::file_type::not_found)
-    throw ConfigError("command line", option, path, "a new file: this one exists, and --force writes over it");
+    throw ConfigError("command line", option, path, "a new file, or --force to overwrite it");
 }
 
 bool same_file(const std::string& a, const std::string& b) {
@@ -123,7 +123,8 @@ int run_record(const RecordRequest& request) {
 
 void add_record_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<RecordRequest>();
-  CLI::App* command = app.add_subcommand("record", "raw bytes of a sensor with their arrival times, for replay");
+  CLI::App* command =
+      app.add_subcommand("record", "record the raw bytes of a sensor with their arrival times, for replay");
   add_sensor_options(*command, *request);
   command->add_option("--output", request->output, "the recording, for --source replay:FILE")
       ->type_name("FILE")

@@ -16,7 +16,7 @@ struct SensorRequest {
   bool quiet = false;
 };
 void add_sensor_options(CLI::App& command, SensorRequest& request);
-/// A finite number above 0.
+/// Returns the check for a finite number above 0.
 const CLI::Validator& positive_number();
 
 /// Opens the source. Prints its note on stderr, unless quiet.

@@ -64,7 +64,7 @@ std::string motion(const hw::Tare& tare, const hw::ChannelMap& map) {
     const double share = rest.at_rest() ? 0 : (rest.highest - rest.lowest) / rest.allowed;
     if (share <= most) continue;
     most = share;
-    worst = fmt::format("{} went from {:.4g} to {:.4g}, with a noise of {:.2g}", used.text, rest.lowest, rest.highest,
+    worst = fmt::format("{} moved from {:.4g} to {:.4g}, with a noise of {:.2g}", used.text, rest.lowest, rest.highest,
                         rest.noise);
   }
   return worst;
@@ -86,12 +86,12 @@ int run_tare(const TareRequest& request) {
   say_if_cut_short(request, *opened.source);
   if (tare.frames() < fewest_frames)
     throw hw::SourceError(
-        fmt::format("{} frames came within {} s, and rest needs {}; is the sensor on? --seconds n "
-                    "listens longer",
+        fmt::format("{} frames arrived within {} s, fewer than {}; switch the sensor on, or listen longer "
+                    "(--seconds)",
                     tare.frames(), request.seconds, fewest_frames));
   if (const std::string moved = motion(tare, opened.profile.map); !moved.empty() && !request.force) {
     say("error: the sensor was not at rest: " + moved + "; " + request.output +
-        " was not written; --force takes the mean all the same");
+        " was not written; --force writes the mean nevertheless");
     return not_converged;
   }
   hw::Calibration calibration = opened.profile.map.calibration;
@@ -106,7 +106,7 @@ int run_tare(const TareRequest& request) {
 void add_tare_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<TareRequest>();
   request->seconds = 2;
-  CLI::App* command = app.add_subcommand("tare", "offsets of a sensor at rest, as a calibration file");
+  CLI::App* command = app.add_subcommand("tare", "measure the offsets of a sensor at rest, as a calibration file");
   add_sensor_options(*command, *request);
   command->add_option("--output", request->output, "calibration file, for --calibration")
       ->type_name("FILE.toml")

@@ -14,7 +14,7 @@
 namespace tactel::host {
 namespace {
 
-/// Numbers of LaneResultRow alone: paths of 100 000 increments would fill memory with forces that nobody reads.
+/// Numbers of LaneResultRow alone: paths of 100 000 increments would fill memory with forces that are never read.
 constexpr GapSweepOptions results_only{.base_forces = false, .tactels = false, .nodes = false};
 
 template <class Real>

@@ -15,7 +15,8 @@ struct ExtremeScene {
 /// the mesh of 401 x 101.
 std::vector<ExtremeScene> extreme_scenes(bool finest);
 
-/// Returns the scene that they vary: a parabola on mesh B, pressed in, dragged until it nearly slides, and back.
+/// Returns the scene that the extremes vary: a parabola on mesh B, pressed in, dragged until it nearly slides, and
+/// back.
 fem::Scene ordinary_scene();
 
 }  // namespace tactel::host

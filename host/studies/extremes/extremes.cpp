@@ -90,14 +90,14 @@ std::string extremes_table(const std::vector<Extreme>& extremes) {
   std::string out = fmt::format(
       "{:<19} {:<22} {:^23} {:^23} {:^14}\n{:<19} {:<22} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>6} {:>8}  {}\n", "", "",
       "fp32", "fp64", "reference", "what", "how far", "sweeps", "resid.", "off", "sweeps", "resid.", "off", "trials",
-      "resid.", "what the user is told");
+      "resid.", "message to the user");
   for (const Extreme& e : extremes)
     out += fmt::format("{:<19} {:<22} {} {} {:>6} {:>8.0e}  {}\n", e.group, e.name, columns_of(e.fp32),
                        columns_of(e.fp64), e.reference.iterations, e.reference.residual, e.told);
   return out +
          "sweeps, trials: most in one load step; resid.: worst of the certificate; off: base forces beside the "
          "reference's;\n"
-         "*: the sweeps gave up, the exact fallback answered; !: not converged\n";
+         "*: the sweeps did not converge, the exact fallback answered; !: not converged\n";
 }
 
 }  // namespace tactel::host

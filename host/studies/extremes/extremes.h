@@ -6,15 +6,15 @@
 
 namespace tactel::host {
 
-/// How much of the table of extremes: all of it takes minutes, `quick` a few seconds.
+/// Extent of the table of extremes. The whole table takes minutes, `quick` a few seconds.
 struct ExtremesOptions {
   bool quick = false;  ///< short paths instead of long ones, and no mesh beyond 123 x 33
 };
 
-/// What one solver made of an extreme.
+/// Answer of one solver to an extreme scene.
 struct ExtremeAnswer {
   bool solved = false;     ///< every step met its tolerance
-  bool fell_back = false;  ///< the exact fallback had to help
+  bool fell_back = false;  ///< the exact fallback answered
   int iterations = 0;      ///< most in a step
   double residual = 0;     ///< worst of the certificates
   double off = 0;          ///< base forces beside the reference's (fem::base_force_difference); NaN where one is NaN
@@ -25,16 +25,16 @@ struct ExtremeAnswer {
 struct Extreme {
   std::string group, name;
   ExtremeAnswer fp32, fp64, reference;
-  std::string told;  ///< what the user is told beside the answer
+  std::string told;  ///< warnings to the user beside the answer
 };
 
-/// Every extreme by the batched solver in fp32 and fp64 and by the reference.
+/// Solves every extreme by the batched solver, in fp32 and fp64, and by the reference.
 std::vector<Extreme> scene_extremes(Executor& executor, const ExtremesOptions& options, const Progress& progress = {});
 
-/// Statements about long paths, several solutions, and wrong input: a question, and what came out.
+/// Result of a test of long paths, several solutions or wrong input: its question and its finding.
 struct ExtremeFinding {
   std::string question, found;
-  bool good = false;  ///< as it should be
+  bool good = false;  ///< the finding is the required one
 };
 std::vector<ExtremeFinding> extreme_findings(Executor& executor, const ExtremesOptions& options);
 

@@ -128,9 +128,8 @@ nlohmann::ordered_json report_direct_problem(Executor& executor, ReportPage& pag
       std::get<fem::Parabola>(choice.indenter.shape).radius, choice.friction));
   report_table_one(page, p);
   page.note(
-      "A fit is no identification: four or five free parameters were chosen to meet ten smooth numbers. Other choices "
-      "may do as well; the table of "
-      "sensitivities below shows which parameters the ten numbers feel at all.");
+      "A fit is not an identification: four or five free parameters were fitted to ten smooth numbers. Other choices "
+      "may fit equally well. The table of sensitivities below shows which parameters affect the ten numbers.");
   page.figure(error_figure(p), "The paper's Figure 3: error of mesh B at the base, for five tangential displacements.");
   page.figure(stress_figure(p),
               "The paper's Figure 4: stress at the sensor array, mesh A. σ_y < 0 is compression; τ_xy > 0 where the "
@@ -139,15 +138,15 @@ nlohmann::ordered_json report_direct_problem(Executor& executor, ReportPage& pag
               fmt::format("The paper's Figure 5: stress inside the block, mesh A, at u_x = 0.3 mm (S = {:.2f}).",
                           p.A.steps.back().slip_index.value_or(0)));
 
-  page.section("What the open parameters do to Table I");
+  page.section("Effect of the open parameters on Table I");
   const auto rows = sensitivity_study(executor, choice);
   report_sensitivity(page, rows);
   page.figure(
       sensitivity_figure(rows),
       "The largest of the ten differences from the paper's Table I as one parameter changes; the preset is circled.");
   page.note(
-      "q8 carries gap elements at the corners of its elements only: its surface bulges between them, and the two "
-      "meshes differ more than with any other element.");
+      "q8 has gap elements only at the corners of its elements. Its surface bulges between them, and the two meshes "
+      "differ more than with any other element.");
 
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   for (const TableOneRow& row : p.table())

@@ -6,8 +6,8 @@
 
 namespace tactel::host {
 
-/// Solves the paper's direct problem and adds it to the report: Table I, Figures 3 to 5, and what the parameters that
-/// the paper leaves open do to Table I. Returns table1.json: [{"u_x" mm, "sigma_y" %, "tau_xy" %}].
+/// Solves the paper's direct problem and adds it to the report: Table I, Figures 3 to 5, and the effect on Table I
+/// of the parameters that the paper leaves open. Returns table1.json: [{"u_x" mm, "sigma_y" %, "tau_xy" %}].
 nlohmann::ordered_json report_direct_problem(Executor& executor, ReportPage& page);
 
 }  // namespace tactel::host

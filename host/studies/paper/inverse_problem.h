@@ -11,17 +11,17 @@
 
 namespace tactel::host {
 
-/// The paper's section V again: six networks learn the slippage index from 32 Taylor shapes and are judged on shapes
-/// that they have not seen. Initial weights sway the result, so each network is trained from many.
+/// Section V of the paper: six networks learn the slippage index from 32 Taylor shapes and are judged on other
+/// shapes. The result depends on the initial weights. Each network is therefore trained from many.
 
-/// What the paper leaves open, as chosen; and its learning rule.
+/// Choice of the parameters that the paper leaves open, and its learning rule.
 struct InverseChoice {
   fem::Scene base;                 ///< all but the indenter
   double scale = 10, height = 10;  ///< of the Taylor shapes, mm: x and y in centimetres
   nn::ScalingKind scaling = nn::ScalingKind::set;
   nn::OnlineOptions options;
 };
-/// The sets' own scene, the rest as above.
+/// Returns the defaults, with the scene of the paper's sets (paper_set_scene).
 InverseChoice inverse_choice();
 
 /// The sets of a choice, simulated.
@@ -48,25 +48,25 @@ struct InverseProblem {
   double patterns = 0, seconds = 0;   ///< of training
 };
 
-/// Cycles that learn from noise are cut to: by then they know their noisy set by heart, and recall no better after the
-/// paper's 10 000 or 15 000 (`tactel reproduce --noise-cycles 0` takes all).
+/// Limit of the cycles that train on noise. By then the networks fit their noisy set; their recall is no better
+/// after the paper's 10 000 or 15 000 cycles (`tactel reproduce --noise-cycles 0`).
 inline constexpr int enough_noise_cycles = 4000;
 
-/// 10 % of the largest stress (section V.B).
+/// Noise of the paper's sets, over the largest stress (section V.B).
 inline constexpr double paper_noise = 0.1;
 
-/// Throws ConfigError when `checkpoint` is there and is not of train_and_recall with these arguments on these sets:
-/// asked before the work, which would end by writing over it.
+/// Throws ConfigError where `checkpoint` exists and is not of train_and_recall with these arguments and sets. Call
+/// it before the work, which overwrites the file at its end.
 void expect_own_checkpoint(Executor& executor, const InverseChoice& choice, double noise, std::size_t seeds,
                            const InverseSets& sets, const std::filesystem::path& checkpoint);
 
-/// Trains the six networks on the problem's sets at one noise level from seeds 1 ... `seeds`, and adds their studies.
-/// Progress and checkpoint as in NetworkTraining::run; a checkpoint of the same training is taken up. False when
-/// progress stopped it. Throws ConfigError for a checkpoint of another training.
+/// Trains the six networks on the problem's sets at one noise level from seeds 1 ... `seeds`, and adds their
+/// studies. Progress and checkpoint as in NetworkTraining::run; resumes from a checkpoint of the same training.
+/// Returns false where progress stopped it. Throws ConfigError for a checkpoint of another training.
 bool train_and_recall(Executor& executor, const InverseChoice& choice, double noise, std::size_t seeds,
                       const TrainingRunOptions& options, InverseProblem& problem);
 
-/// Of all rows of a report.
+/// Return an error over all rows of a report.
 inline double max_error(const nn::ErrorReport& report) { return report.all.max; }
 inline double mean_error(const nn::ErrorReport& report) { return report.all.mean; }
 inline double std_error(const nn::ErrorReport& report) { return report.all.std; }
@@ -75,17 +75,17 @@ inline double std_error(const nn::ErrorReport& report) { return report.all.std; 
 struct Spread {
   double median = 0, low = 0, high = 0;
 };
-/// Of one figure of each report.
+/// Returns the spread of one number of each report.
 Spread spread(const std::vector<nn::ErrorReport>& reports, const std::function<double(const nn::ErrorReport&)>& figure);
 
-/// A row of Table II as the paper printed it; it does not say which of its rows learnt with noise.
+/// A row of Table II as printed. The paper does not state which rows were trained with noise.
 struct TableTwoRow {
   nn::ErrorSummary learning, recalling;  ///< without counts
 };
-/// `number`: 1 ... 6.
+/// Returns row `number`, 1 ... 6.
 const TableTwoRow& paper_table_two(int number);
 
-/// One choice changed: what it does to networks 1 and 6.
+/// Effect of one changed choice on networks 1 and 6.
 struct InverseSensitivityRow {
   std::string parameter, value;
   bool chosen = false;
@@ -97,7 +97,7 @@ struct InverseSensitivity {
   int cycles = 0;         ///< at most
   std::vector<InverseSensitivityRow> rows;
 };
-/// Units of the Taylor shapes, friction, drag, scaling and order, one at a time; few seeds, few cycles.
+/// Varies units of the Taylor shapes, friction, drag, scaling and order, one at a time, with few seeds and cycles.
 InverseSensitivity inverse_sensitivity(Executor& executor, const InverseChoice& choice, std::size_t seeds, int cycles);
 
 }  // namespace tactel::host

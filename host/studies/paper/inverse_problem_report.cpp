@@ -219,9 +219,9 @@ void report_large_errors(ReportPage& page, const InverseProblem& problem) {
 // ---- noise, and what the paper leaves open
 
 void report_noise(ReportPage& page, const InverseProblem& problem) {
-  ReportTable table{.caption = "Mean recall error: which noise the network learnt with, which the recall set carries",
-                    .head = {"network", "learnt without, recalled without", "learnt without, recalled with",
-                             "learnt with, recalled without", "learnt with, recalled with"}};
+  ReportTable table{.caption = "Mean recall error, by noise of the learning set and of the recall set",
+                    .head = {"network", "trained without, recalled without", "trained without, recalled with",
+                             "trained with, recalled without", "trained with, recalled with"}};
   const auto clean = with_noise(problem, false), noisy = with_noise(problem, true);
   for (std::size_t i = 0; i < clean.size(); ++i) {
     std::vector<std::string> row{fmt::format("{} ({})", clean[i]->number, clean[i]->topology.text())};
@@ -245,8 +245,7 @@ void report_network_sensitivity(ReportPage& page, const InverseProblem& problem,
   const NetworkStudy& first = problem.studies.front();
   page.paragraph(fmt::format(
       "Each row is {} seed{} of at most {} cycles, without noise; Table II is {} seed{} of at most {} cycles (network "
-      "6: "
-      "{}). So the row \"as chosen\" has other figures than Table II: compare the rows of this table with each other.",
+      "6: {}). The row \"as chosen\" therefore differs from Table II: compare the rows of this table with each other.",
       sensitivity.seeds, sensitivity.seeds == 1 ? "" : "s", sensitivity.cycles, first.networks.size(),
       first.networks.size() == 1 ? "" : "s", most_cycles({&first}), most_cycles({with_noise(problem, false).back()})));
   ReportTable table{.caption = fmt::format("One choice changed at a time: mean errors, median over {} seed{}, at most "
@@ -263,7 +262,7 @@ void report_network_sensitivity(ReportPage& page, const InverseProblem& problem,
   page.table(table);
 }
 
-/// From so many seeds on the quantiles of Table II say something of their own.
+/// Number of seeds from which the quantiles of Table II are meaningful.
 constexpr std::size_t enough_seeds = 100;
 
 void report_seeds(ReportPage& page, const InverseProblem& problem) {
@@ -279,17 +278,16 @@ void report_network_choices(ReportPage& page, const InverseProblem& problem, con
   page.paragraph(fmt::format(
       "32 Taylor shapes, all sums of x ... x^5, are pressed {} mm into the sensor of the preset `paper` and dragged by "
       "{} mm a step until the whole contact slides: {} rows to learn from, and {} of 7 x 4 common shapes to recall. "
-      "The paper gives no units; x and y in centimetres are its sums as they stand. In millimetres every sum with x in "
-      "it touches one or two nodes. Friction is {}, the preset's.",
+      "The paper gives no units; with x and y in centimetres its sums apply unchanged. In millimetres every sum that "
+      "contains x touches one or two nodes. Friction is {}, the preset's.",
       choice.base.load.indentation.front(), choice.base.load.tangential_step, learning.rows(), recall.rows(),
       choice.base.friction));
   page.paragraph(fmt::format(
       "The rule is the paper's: pattern by pattern, learning rate {}, momentum {}, at most 10 000 cycles (15 000 for "
       "networks 4 to 6), stopped when no error of a cycle reaches {}. Inputs are divided by the learning set's largest "
       "stress. Each network is trained from {} initial weights, without noise and with Gaussian noise of 10 % of the "
-      "largest stress, drawn once for each seed (at most {} cycles, by which they know the noise by heart): {:.3g} "
-      "pattern updates in {:.0f} s ({:.2f} million "
-      "a second).",
+      "largest stress, drawn once for each seed (at most {} cycles, after which the networks fit the noise): {:.3g} "
+      "pattern updates in {:.0f} s ({:.2f} million per second).",
       choice.options.rate, choice.options.momentum, choice.options.stop_error, problem.studies.front().networks.size(),
       most_cycles(with_noise(problem, true)), problem.patterns, problem.seconds,
       problem.patterns / problem.seconds / 1e6));
@@ -328,27 +326,28 @@ void report_inverse_problem(ReportPage& page, const InverseProblem& problem, con
   report_verdict(page, problem);
   page.figure(
       distribution_figure(problem),
-      "Mean errors of every training. The paper's six rows are one training each; it does not say with which noise.");
+      "Mean errors of every training. The paper's six rows are one training each; it does not state with which noise.");
   page.figure(curve_figure(problem), "Learning curves, median over seeds.");
 
-  page.section("Which shapes are hard");
+  page.section("Difficult shapes");
   report_large_errors(page, problem);
   page.figure(class_figure(problem), "Recall errors without noise by class, and by the number of nodes that touch.");
 
   page.section("Noise");
   report_noise(page, problem);
   page.note(
-      "Noise of 10 % of the largest stress of the set is as large as the whole stress of a blunt contact. Drawn once, "
-      "as the paper's noise-added learning sets are read here, it is learnt by heart within a thousand cycles.");
+      "Noise of 10 % of the largest stress of the set is as large as the whole stress of a blunt contact. Here the "
+      "noise is drawn once, as in the paper's noise-added learning sets; the networks fit it within a thousand "
+      "cycles.");
 
-  page.section("What the open choices do to Table II");
+  page.section("Effect of the open choices on Table II");
   report_network_sensitivity(page, problem, sensitivity);
   page.note(
-      "The paper's networks learnt their set to a mean error of about 0.003; those with one hidden layer do not come "
-      "that far on ours. Ours spans contacts of one node to the whole surface: divided by the stress of the sharpest, "
-      "the frames of the blunt ones are small, and the rule learns from them slowly. Divided each by its own largest "
-      "stress, the same frames are learnt better (row `input scaling`). Which shapes, and so which stresses, the paper "
-      "had, it does not say.");
+      "The paper's networks reached a mean error of about 0.003 on their learning set; those with one hidden layer do "
+      "not reach it on this set. It spans contacts of one node to the whole surface. Divided by the stress of the "
+      "sharpest contact, the frames of blunt contacts are small, and the rule learns from them slowly. Divided by its "
+      "own largest stress, each frame is learned better (row `input scaling`). The paper does not state its shapes, "
+      "and thus not its stresses.");
 }
 
 }  // namespace tactel::host

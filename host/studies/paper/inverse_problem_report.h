@@ -6,15 +6,15 @@
 
 namespace tactel::host {
 
-/// Medians over the reports of max, mean and standard deviation, with the 5 and 95 % quantiles as "low" and "high".
+/// Returns medians over the reports of max, mean and standard deviation; "low" and "high" are the 5 and 95 % quantiles.
 nlohmann::ordered_json errors_json(const std::vector<nn::ErrorReport>& reports);
 
-/// table2.json: for each network and noise the medians over seeds of max, mean and standard deviation,
+/// Returns table2.json: for each network and noise the medians over seeds of max, mean and standard deviation,
 /// learning and recalling, with the 5 and 95 % quantiles as "low" and "high".
 nlohmann::ordered_json table_two_json(const InverseProblem& problem);
 
-/// Table II as a distribution, learning curves, errors by class and by nodes in contact, the effect of noise, and of
-/// what the paper leaves open.
+/// Adds to the report Table II as a distribution, learning curves, and errors by class and by nodes in contact.
+/// Adds the effects of noise and of the parameters that the paper leaves open.
 void report_inverse_problem(ReportPage& page, const InverseProblem& problem, const InverseChoice& choice,
                             const InverseSensitivity& sensitivity);
 

@@ -117,7 +117,7 @@ Panel distribution_panel(const RealSensorStudy& study) {
 }
 
 Panel indenter_panel(const RealSensorStudy& study) {
-  Panel panel{.title = "by indenter, all that were not learnt", .y_label = "mean error of S"};
+  Panel panel{.title = "by indenter, all outside the learning set", .y_label = "mean error of S"};
   const auto indenters = static_cast<int>(real_indenters().size());
   for (RealData data : {RealData::stresses, RealData::records}) {
     const int place = static_cast<int>(data);
@@ -143,7 +143,7 @@ Reports on_shared_draws(const RealSensorStudy& study, const Reports& reports, st
 
 Panel examples_panel(const RealSensorStudy& study) {
   Panel panel{
-      .title = "fewer and more examples, 11 recalled", .x_label = "examples learnt", .y_label = "mean error of S"};
+      .title = "fewer and more examples, 11 recalled", .x_label = "learning examples", .y_label = "mean error of S"};
   for (RealData data : {RealData::stresses, RealData::records}) {
     const int place = static_cast<int>(data);
     Series series{.label = name(data), .mark = Mark::whiskers, .ink = data_inks[place]};

@@ -12,7 +12,7 @@ Figure frame_figure(const RealSensorStudy& study);
 /// Returns a figure of the errors over draws and seeds, by the number of examples and by indenter.
 Figure error_figure(const RealSensorStudy& study);
 
-// What figures and tables both show.
+// Shared by figures and tables.
 
 /// Returns the results of 25 examples.
 std::vector<const RealSensorResult*> with_25(const RealSensorStudy& study);

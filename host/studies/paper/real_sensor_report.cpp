@@ -43,8 +43,9 @@ double friction_shows(const RealSensorStudy& study, std::uint16_t indenter) {
 }
 
 void report_by_indenter(ReportPage& page, const RealSensorStudy& study) {
-  ReportTable table{.caption = "By indenter, on the 80 contacts that were not learnt: mean errors, median [5 %, 95 %]",
-                    .head = {"indenter", "friction shows at 15°, of the largest stress"}};
+  ReportTable table{
+      .caption = "By indenter, on the 80 contacts outside the learning set: mean errors, median [5 %, 95 %]",
+      .head = {"indenter", "effect of friction at 15°, of the largest stress"}};
   for (const RealSensorResult* result : with_25(study))
     table.head.push_back(fmt::format("{}, by {}", name(result->what.data), nn::name(result->what.scaling)));
   for (std::uint16_t i = 0; i < real_indenters().size(); ++i) {
@@ -57,8 +58,8 @@ void report_by_indenter(ReportPage& page, const RealSensorStudy& study) {
 
 void report_errors_table(ReportPage& page, const RealSensorStudy& study) {
   ReportTable table{.caption = "25 examples: errors of S, median over draws and seeds [5 %, 95 %]",
-                    .head = {"learnt from", "scaled by", "learning: largest", "mean", "11 recalled: largest", "mean",
-                             "all not learnt: mean"}};
+                    .head = {"learning set", "scaled by", "learning: largest", "mean", "11 recalled: largest", "mean",
+                             "all outside the learning set: mean"}};
   for (const RealSensorResult* result : with_25(study))
     table.rows.push_back(
         {name(result->what.data), nn::name(result->what.scaling), spread_text(spread(result->learning, max_error)),
@@ -74,32 +75,33 @@ void report_errors_table(ReportPage& page, const RealSensorStudy& study) {
 void report_sensor_choices(ReportPage& page, const RealSensorStudy& study) {
   const RealSensorChoice& choice = study.choice;
   page.paragraph(
-      fmt::format("Seven indenters at three places, pushed at 0, 15 and 30 degrees with friction of 25 and 38 degrees "
-                  "(30 only with 38): {} contacts, of which the paper took 36 and does not say which. Here {} draws of "
-                  "25 to learn and 11 others to recall, each learnt by a network {} from {} initial weights, by the "
-                  "rule of section V. S = tan θ / tan θ_L takes "
-                  "four values: 0, 0.343, 0.575 and 0.739.",
+      fmt::format("Seven indenters at three places are loaded at 0, 15 and 30 degrees with friction of 25 and 38 "
+                  "degrees (30 only with 38): {} contacts. The paper used 36 of them and does not name these. Here {} "
+                  "draws contain 25 learning contacts and 11 others to recall. The network {} is trained on each draw "
+                  "from {} initial weights, by the rule of section V. S = tan θ / tan θ_L takes four values: 0, 0.343, "
+                  "0.575 and 0.739.",
                   study.contacts.size(), study.options.draws, real_topology().text(), study.options.seeds));
   page.paragraph(fmt::format(
-      "The paper prints neither force nor pitch. All contacts carry {} N/mm, normal and tangential force growing "
-      "together; the sharpest edge goes {:.2f} mm deep, within 20 % of the thickness. Eight tactels of {} mm (two "
-      "shavings of film of 1 mm) stand {} mm apart.",
+      "The paper prints neither force nor pitch. Each contact carries {} N/mm; normal and tangential force grow "
+      "together. The sharpest edge goes {:.2f} mm deep, within 20 % of the thickness. The eight tactels of {} mm (two "
+      "films of 1 mm) are {} mm apart.",
       choice.normal_force, deepest(study), choice.sensor.tactel_width,
       choice.sensor.span() / (choice.sensor.tactels - 1)));
   page.paragraph(fmt::format(
-      "Records last {} s at {} Hz. The hand begins after 2 to 5 s, presses within 0.5 to 1.5 s, holds for 1 to 2 s and "
-      "lifts, each drawn anew. The transducers' gains spread by {:.0f} %, others for each draw; charge amplifiers "
-      "forget within {} s; {} bits over ±{} MPa, with noise of {} MPa. Of each record the sample is taken in which "
-      "any one transducer reads the highest compression.",
+      "Records last {} s at {} Hz. The hand starts after 2 to 5 s, presses within 0.5 to 1.5 s, holds for 1 to 2 s and "
+      "lifts; each time is random. The gains of the transducers spread by {:.0f} % and differ between draws. The "
+      "charge "
+      "amplifiers have a time constant of {} s; the converter has {} bits over ±{} MPa, with noise of {} MPa. The "
+      "sample of a record is the one with the highest compression at any transducer.",
       choice.record.seconds, choice.record.rate, 100 * choice.chain.gain_spread, choice.chain.time_constant,
       choice.chain.bits, choice.chain.range, choice.chain.noise));
   std::size_t networks = 0;
   for (const RealSensorResult& result : study.results) networks += result.learning.size();
   page.paragraph(
-      fmt::format("{} networks learnt in {:.0f} s, contacts and records included.", networks, study.seconds));
+      fmt::format("{} networks were trained in {:.0f} s, contacts and records included.", networks, study.seconds));
   page.note(
-      "The paper gives the errors of this network in a part of its section VII that this report had no copy of: no "
-      "figure of it stands beside ours.");
+      "The paper gives the errors of this network in a part of its section VII that was not available. The report "
+      "therefore contains no comparison with them.");
 }
 
 nlohmann::ordered_json chain_json(const RealSensorChoice& choice) {
@@ -143,23 +145,23 @@ nlohmann::ordered_json real_sensor_json(const RealSensorStudy& study) {
 void report_real_sensor(ReportPage& page, const RealSensorStudy& study) {
   page.section("A network for the real sensor (section VI)");
   report_sensor_choices(page, study);
-  page.figure(record_figure(study), "A record of the two films of a tactel, with the sample that is taken.");
-  page.figure(frame_figure(study),
-              "The two contacts of the paper's Fig. 7: what the tactels feel (lines) and the sample taken (crosses).");
+  page.figure(record_figure(study), "A record of the two films of a tactel, with the selected sample.");
+  page.figure(
+      frame_figure(study),
+      "The two contacts of the paper's Fig. 7: stresses at the tactels (lines) and the selected sample (crosses).");
   report_errors_table(page, study);
   page.figure(
       error_figure(study),
-      fmt::format("Errors of S over draws and initial weights; the networks of a draw stand together. Dashed: "
-                  "who reads the angle of the force perfectly and knows nothing of friction. {} draws above, the "
-                  "first {} of them in the middle.",
+      fmt::format("Errors of S over draws and initial weights; the networks of a draw are adjacent. Dashed: an "
+                  "estimator with a perfect force angle but no knowledge of friction. The upper panel has {} draws, "
+                  "the middle one the first {} of them.",
                   study.options.draws, study.options.other_draws));
   report_by_indenter(page, study);
   page.note(
-      "Of contacts at 0 and 30 degrees S follows from the angle; of those at 15 it is 0.343 or 0.575, as friction is. "
-      "Where normal and tangential force grow together below the friction angle, a smooth contact slips little or not "
-      "at "
-      "all (Mindlin and Deresiewicz 1953; Johnson 1985, section 7.3), so that its frame is the same whatever the "
-      "friction: what the table's second column says. The edges of flats slip and show it.");
+      "At 0 and 30 degrees S follows from the angle; at 15 degrees it is 0.343 or 0.575, depending on friction. Where "
+      "normal and tangential force grow together below the friction angle, a smooth contact slips little or not at all "
+      "(Mindlin and Deresiewicz 1953; Johnson 1985, section 7.3). Its frame then hardly depends on friction, as the "
+      "second column of the table shows. The edges of flats slip, so their frames depend on friction.");
 }
 
 }  // namespace tactel::host

@@ -39,7 +39,7 @@ struct RealSensorCase {
 struct RealSensorResult {
   RealSensorCase what;
   std::vector<nn::ErrorReport> learning, recalling, unseen;
-  double learnt = 0;  ///< share of the networks below the stop error
+  double learnt = 0;  ///< share of the networks that reached the stop error
 };
 
 struct RealSensorOptions {

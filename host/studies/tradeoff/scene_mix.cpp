@@ -171,7 +171,7 @@ std::string mix_description(std::uint64_t seed, std::size_t count) {
   return fmt::format(
       "{} contacts drawn with seed {}: {} shapes in turn, -4 to 4 mm off centre, nu 0.3, 0.45, 0.49 or 0.499, mu 0.1 "
       "to "
-      "1.5, 0.05 to 0.3 mm deep, eight drags of which one scene in four turns back",
+      "1.5, 0.05 to 0.3 mm deep, eight drags, reversed in one scene of four",
       count, seed, kinds);
 }
 

@@ -15,17 +15,17 @@ struct TradeoffOptions {
   std::function<bool(const std::string& what, std::size_t done, std::size_t total)> progress{};  ///< false stops
 };
 
-/// A model on the mix: what is wrong with it, and how fast it is.
+/// Error and speed of a model on the mix of scenes.
 struct MeasuredModel {
   Rung rung;
   ErrorQuantiles error;         ///< against the judge
   double unsolved = 0;          ///< share of increments that missed the model's tolerance
   double sweeps = 0;            ///< Gauss-Seidel sweeps an increment, mean
-  double steps_per_second = 0;  ///< load increments asked for, in a batch; 0: not timed
+  double steps_per_second = 0;  ///< requested load increments, in a batch; 0: not timed
   bool front = false;           ///< no other model is as fast with a smaller 95 % error in S
 };
 
-/// One thing changed at a time, everything else as the judge has it.
+/// Models that differ from the judge in one quantity alone.
 struct ErrorSource {
   std::string what;
   Rung judge;
@@ -41,17 +41,17 @@ struct Tradeoff {
   std::size_t smooth_scenes = 0;        ///< smooth indenters on more than smooth_width mm
   ErrorQuantiles mesh_agreement;        ///< of these: the finest mesh beside the reference
   double full_mesh_difference = 0;      ///< condensed against full-mesh solver on the same mesh, S, largest
-  double full_mesh_per_second = 0;      ///< load increments asked for a second, full mesh, one core
+  double full_mesh_per_second = 0;      ///< requested load increments per second, full mesh, one core
   std::vector<MeasuredModel> models{};  ///< named rungs first
   std::vector<ErrorSource> sources{};
   std::vector<MeasuredRung> planner{};  ///< for the rungs of the ladder
 };
 inline constexpr double smooth_width = 2;  ///< mm
 
-/// Throws Stopped when progress says no.
+/// Throws Stopped where progress returns false.
 Tradeoff measure_tradeoff(Executor& executor, const TradeoffOptions& options);
 
-/// How the planner did on scenes that it has not been measured on.
+/// Result of the planner on scenes that did not serve to measure it.
 struct Promise {
   std::string what;  ///< which scenes: "the mix", or what makes them unlike it
   double accuracy = 0;
@@ -64,7 +64,7 @@ struct Promise {
 std::vector<Promise> verify_planner(Executor& executor, const TradeoffOptions& options,
                                     const std::vector<double>& accuracies);
 
-/// Load increments asked for a second: scenes of the mix on one sensor in one batch, best of a few runs.
+/// Returns requested load increments per second: scenes of the mix on one sensor in one batch, best of a few runs.
 double steps_per_second(Executor& executor, const Rung& rung);
 
 }  // namespace tactel::host

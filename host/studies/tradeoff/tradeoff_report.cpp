@@ -84,12 +84,12 @@ std::vector<MeasuredModel> by_speed(std::vector<MeasuredModel> models) {
 }
 
 const char* const definitions =
-    "Errors are the largest over the load steps that the scene asks for: of S itself; of P and Q over the path's "
+    "Errors are the largest over the load steps that the scene requests: of S itself; of P and Q over the path's "
     "largest; "
     "of σ_y and τ_xy at any tactel over the largest at any of them along the path. The two tactels at the very ends "
-    "are "
-    "left out: there the glued base meets the free side and the exact stress is infinite. Median and 95 % are over the "
-    "scenes. Speed counts load steps that the scene asks for, so that finer increments cost.";
+    "are excluded: there the bonded base meets the free side and the exact stress is infinite. Median and 95 % are "
+    "over the "
+    "scenes. Speed counts requested load steps; finer increments therefore reduce it.";
 
 }  // namespace
 
@@ -148,7 +148,7 @@ Figure tradeoff_figure(const Tradeoff& tradeoff) {
               .series = {others, meshes, paper, patches},
               .log_x = true,
               .log_y = true};
-  return {.title = "What an accuracy costs", .panels = {panel}, .width = 820, .panel_height = 420};
+  return {.title = "Cost of accuracy", .panels = {panel}, .width = 820, .panel_height = 420};
 }
 
 Figure sources_figure(const Tradeoff& tradeoff) {
@@ -180,7 +180,7 @@ Figure sources_figure(const Tradeoff& tradeoff) {
 }
 
 std::string tradeoff_page(const Tradeoff& tradeoff) {
-  ReportPage page("tactel: speed for accuracy", "tactel " TACTEL_VERSION " on " + tradeoff.device);
+  ReportPage page("tactel: speed against accuracy", "tactel " TACTEL_VERSION " on " + tradeoff.device);
   page.section("The ladder");
   page.paragraph(tradeoff.mix + ". " + definitions);
   page.figure(tradeoff_figure(tradeoff), "95 % of the scenes have an error in S below the mark.");
@@ -197,7 +197,7 @@ std::string tradeoff_page(const Tradeoff& tradeoff) {
       tradeoff.mesh_agreement.most95.S, tradeoff.smooth_scenes, smooth_width, tradeoff.full_mesh_difference,
       tradeoff.full_mesh_per_second));
   page.section("Where the error comes from");
-  page.paragraph("One thing at a time is coarser than in the judge; all else is equal.");
+  page.paragraph("Each row makes one quantity coarser than in the judge; all others are equal.");
   page.figure(sources_figure(tradeoff), "Error in S against the judge of each table below.");
   for (const ErrorSource& source : tradeoff.sources) {
     ReportTable rows{.caption = source.what + "; judge: " + description(source.judge), .head = head};

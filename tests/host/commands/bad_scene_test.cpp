@@ -181,7 +181,7 @@ INSTANTIATE_TEST_SUITE_P(
         indenter("OutsideTheSensor", "shape = \"parabola\"\nradius = 10.0\nposition = 12.0", "indenter.position",
                  "12.0", "over the sensor"),
         indenter("BetweenTwoNodes", "shape = \"flat\"\nhalf_width = 0.1\nposition = 0.25", "indenter.position", "0.25",
-                 "a surface node is under")),
+                 "a surface node under")),
     [](const auto& info) { return info.param.name; });
 
 INSTANTIATE_TEST_SUITE_P(

@@ -101,11 +101,11 @@ TEST_F(Generate, InterruptKeepsWhatIsDoneAndSaysHowToGoOn) {
   // On a machine with much else to do the signal may come before there is anything to keep.
   const bool begun = std::filesystem::exists(output("set.h5.parts"));
   if (begun && (result.exit_code == 124 || result.exit_code == 130)) {
-    EXPECT_THAT(result.err, HasSubstr("--resume goes on"));
+    EXPECT_THAT(result.err, HasSubstr("--resume continues"));
     EXPECT_FALSE(std::filesystem::exists(output("set.h5")));
     const ChildResult fresh = run({"--output", output("set.h5")});
     EXPECT_EQ(fresh.exit_code, 2);
-    EXPECT_THAT(fresh.err, HasSubstr("--resume goes on with it, --force starts anew"));
+    EXPECT_THAT(fresh.err, HasSubstr("--resume continues it, --force starts anew"));
   }
   EXPECT_EQ(run({"--output", output("set.h5"), "--resume"}).exit_code, 0);
   EXPECT_THAT(run({"--output", output("set.h5"), "--resume"}).out, HasSubstr("complete already"));
@@ -121,7 +121,7 @@ TEST_F(Generate, TwoSignalsInARowStopAsOneDoes) {
                      " ]; do sleep 0.01; done; for i in 1 2 3; do kill -INT $!; sleep 0.02; done; wait $!"});
   if (result.exit_code == 0) return;  // done before the first of them
   EXPECT_EQ(result.exit_code, 130);
-  EXPECT_THAT(result.err, HasSubstr("--resume goes on"));
+  EXPECT_THAT(result.err, HasSubstr("--resume continues"));
 }
 
 // A limit on the size of files (in blocks of 512 bytes) stands for a full disk: 6 MB hold one chunk of 4.5 MB.
@@ -132,7 +132,7 @@ TEST_F(Generate, FullDiskKeepsWholeChunks) {
   EXPECT_FALSE(std::filesystem::exists(output("set.h5")));
   const ChildResult rest = run({"--output", output("set.h5"), "--resume"});
   ASSERT_EQ(rest.exit_code, 0) << rest.err;
-  EXPECT_THAT(rest.out, HasSubstr("1 of 4 chunks are there"));
+  EXPECT_THAT(rest.out, HasSubstr("1 of 4 chunks exist"));
   ASSERT_EQ(run({"--output", output("whole.h5")}).exit_code, 0);
   EXPECT_EQ(checksum(text_of(output("set.h5"))), checksum(text_of(output("whole.h5"))));
 }
@@ -252,7 +252,7 @@ TEST_F(Generate, WarnsOnceOfDeepIndentersWithTheirCount) {
        "trap '' XFSZ; ulimit -f 3000; " TACTEL_PROGRAM " generate " + deep + " --output " + output("resumed.h5")});
   ASSERT_FALSE(std::filesystem::exists(output("resumed.h5")));
   const ChildResult resumed = run_tactel({"generate", deep, "--output", output("resumed.h5"), "--resume"});
-  EXPECT_THAT(resumed.out, HasSubstr("1 of 2 chunks are there"));
+  EXPECT_THAT(resumed.out, HasSubstr("1 of 2 chunks exist"));
   EXPECT_THAT(resumed.err, HasSubstr(said));
   std::string text = text_of(deep);
   text.replace(text.find("[0.2, 0.4]"), 10, "[0.1, 0.3]");
@@ -340,7 +340,7 @@ TEST_F(SmallSet, RefusesChunksOfAnotherPlan) {
   EXPECT_EQ(lost.exit_code, 2);
   EXPECT_THAT(lost.err, HasSubstr("its file `plan` is lost; put it back, or --force"));
   std::filesystem::rename(*this / "plan", plan);
-  EXPECT_THAT(run(seven, "7.h5", {"--resume"}).out, HasSubstr("1 of 2 chunks are there"));
+  EXPECT_THAT(run(seven, "7.h5", {"--resume"}).out, HasSubstr("1 of 2 chunks exist"));
   EXPECT_TRUE(std::filesystem::exists(*this / "7.h5"));
 }
 
@@ -354,7 +354,7 @@ TEST_F(SmallSet, AFullDiskInTheAssemblyIsAnErrorAndKeepsTheChunks) {
   EXPECT_THAT(full.err, HasSubstr("on a disk with room for it"));
   const ChildResult rest = run(narrow, "set.h5", {"--resume"});
   EXPECT_EQ(rest.exit_code, 0);
-  EXPECT_THAT(rest.out, HasSubstr("2 of 2 chunks are there"));
+  EXPECT_THAT(rest.out, HasSubstr("2 of 2 chunks exist"));
   ASSERT_EQ(run(narrow, "whole.h5").exit_code, 0);
   EXPECT_EQ(checksum(text_of(*this / "set.h5")), checksum(text_of(*this / "whole.h5")));
 }
@@ -370,7 +370,7 @@ TEST_F(SmallSet, ResumeRefusesACompleteSetMadeOtherwise) {
     other.push_back("--resume");
     const ChildResult result = run(text, "set.h5", other);
     EXPECT_EQ(result.exit_code, 2) << name;
-    EXPECT_THAT(result.err, HasSubstr("it was made with"));
+    EXPECT_THAT(result.err, HasSubstr("the requested conditions; it has"));
     EXPECT_THAT(result.err, HasSubstr(name + " "));
   }
   const ChildResult changed = run(sweep("b.toml", SmallSweep{.sweep = "seed = 5\n"}.text()), "set.h5", {"--resume"});

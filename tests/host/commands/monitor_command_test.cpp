@@ -67,7 +67,7 @@ TEST_F(Monitor, WrongInputIsNamed) {
   EXPECT_EQ(run_tactel({"monitor", "--source", "usb:mitten", "--network", network_}).exit_code, 2);
   const auto absent = run_tactel({"monitor", "--source", "usb:glove", "--network", network_});
   EXPECT_EQ(absent.exit_code, 3) << absent.err;
-  EXPECT_THAT(absent.err, HasSubstr("plugged in"));
+  EXPECT_THAT(absent.err, HasSubstr("connect it"));
 }
 
 /// The program in a shell, for its redirections.

@@ -44,7 +44,7 @@ TEST_F(TareCommand, AMovingSensorIsNotAtRest) {
 TEST_F(TareCommand, TooFewFramesTellNothing) {
   const auto few = tare(rest_ + "&rate=3");
   EXPECT_EQ(few.exit_code, 3) << few.err;
-  EXPECT_THAT(few.err, HasSubstr("7 frames came"));
+  EXPECT_THAT(few.err, HasSubstr("7 frames arrived"));
 }
 
 TEST_F(TareCommand, CtrlCWritesNoCalibration) {

@@ -90,7 +90,7 @@ TEST(TrainCommand, GuardsWhatADirectoryHolds) {
   EXPECT_THAT(train(net, {"--network", "1", "--resume"}).err, HasSubstr("of another training"));
   const ChildResult again = train(net, {"--network", "3", "--resume"});
   EXPECT_EQ(again.exit_code, 0);
-  EXPECT_THAT(again.out, HasSubstr("this training is done"));
+  EXPECT_THAT(again.out, HasSubstr("this training is complete"));
   EXPECT_EQ(networks_in(net), before);
 
   EXPECT_EQ(train(net, {"--network", "1", "--force"}).exit_code, 0);
@@ -313,7 +313,7 @@ TEST_F(BadFiles, SetsOfAnotherWidth) {
 
 TEST_F(BadFiles, NetworksThatAreNone) {
   const std::string recall = PaperSetFiles::recall();
-  expect_refusal({"recall", folder_ / "absent", recall}, {"absent: must be a directory or a file that is there"});
+  expect_refusal({"recall", folder_ / "absent", recall}, {"absent: must be an existing directory or file"});
   fs::create_directories(folder_ / "bare");
   expect_refusal({"recall", folder_ / "bare", recall}, {"a directory with networks (*.onnx)"});
   const std::string good = text_of(trained() / "set" / "42-5-1_noise0_seed1.onnx");
@@ -361,7 +361,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongTraining{"OnlineBlocks",
                       {"--block", "50", "--schedule", "online"},
                       "--schedule = online: must be batch, or left out, with --stream and --block"},
-        WrongTraining{"CyclesOfBlocks", {"--block", "50", "--cycles", "7"}, "--rows says when to stop"},
+        WrongTraining{"CyclesOfBlocks", {"--block", "50", "--cycles", "7"}, "--rows sets the end"},
         WrongTraining{
             "StopErrorOfBlocks", {"--block", "50", "--stop-error", "0.1"}, "--stop-error = 0.1: must be left out"},
         WrongTraining{"NoSeeds", {"--seeds", "0"}, "--seeds"},

@@ -171,7 +171,7 @@ TEST(Planner, StressesAreMeasuredAndNotPromised) {
   });
   EXPECT_EQ(chosen.trials.back().sigma, 0);
   EXPECT_DOUBLE_EQ(chosen.trials.back().tau, 0.5);
-  EXPECT_NE(chosen.why().find("promises S alone: there sigma_y differs by 0, tau_xy by 0.5 of its largest"),
+  EXPECT_NE(chosen.why().find("the accuracy holds for S alone: sigma_y differs by 0, tau_xy by 0.5 of its largest"),
             std::string::npos)
       << chosen.why();
   const auto json = to_json(chosen);

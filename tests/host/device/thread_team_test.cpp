@@ -130,7 +130,7 @@ TEST(ThreadTeamDeathTest, AnExecutorSaysThatItHasFewer) {
     const Executor executor(device, {.threads = 1000});
     std::exit(executor.threads() < 1000 ? 0 : 1);
   };
-  EXPECT_EXIT(few_threads(), testing::ExitedWithCode(0), "only [0-9]+ of 1000 threads could be made");
+  EXPECT_EXIT(few_threads(), testing::ExitedWithCode(0), "only [0-9]+ of 1000 threads could be created");
 }
 
 }  // namespace

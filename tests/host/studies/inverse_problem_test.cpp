@@ -129,7 +129,7 @@ TEST(InverseProblem, ReproduceRefusesAForeignCheckpoint) {
     folder.write(std::string(name) + "/" + name, "hours of work");
     const ChildResult result = run_tactel({"reproduce", "--output", report, "--seeds", "1", "--cycles", "20"});
     EXPECT_EQ(result.exit_code, 2);
-    for (const char* says : {name, "the same --seeds", "--force trains anew"})
+    for (const char* says : {name, "its --seeds", "--force trains anew"})
       EXPECT_NE(result.err.find(says), std::string::npos) << result.err;
     EXPECT_EQ(text_of(report + "/" + name), "hours of work");
   }

@@ -97,7 +97,7 @@ TEST_P(TrainResume, ToTheSameBitsAfterCtrlC) {
   ASSERT_TRUE(wait_for_progress(first, folder_ / "stopped" / "checkpoint", 0ms));
   first.send(SIGINT);
   EXPECT_EQ(first.wait(), 130);
-  EXPECT_THAT(text_of(messages), HasSubstr("--resume goes on from"));
+  EXPECT_THAT(text_of(messages), HasSubstr("--resume continues from"));
   EXPECT_TRUE(networks_in(folder_ / "stopped").empty());
   EXPECT_EQ(run_tactel(command("stopped", true)).exit_code, 0);
   EXPECT_EQ(networks_in(folder_ / "stopped"), expected);

@@ -56,7 +56,7 @@ TEST_F(UsbCommands, WithoutAChoiceItSaysWhichItReads) {
   EXPECT_EQ(exit_code_, 0) << said;
   EXPECT_EQ(first_, "4095");
   EXPECT_THAT(said, HasSubstr("reads the device at port 1-1 (serial number L-7)"));
-  EXPECT_THAT(said, HasSubstr("also plugged in: port 1-2 (serial number R-8)"));
+  EXPECT_THAT(said, HasSubstr("also connected: port 1-2 (serial number R-8)"));
 }
 
 TEST_F(UsbCommands, TheSourceChooses) {
