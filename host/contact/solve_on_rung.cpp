@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "fem/layer/layer_table.h"
 #include "fem/layer/patch_reference.h"
 #include "host/contact/gap_sweep.h"
 #include "host/contact/patch_contact.h"
@@ -22,13 +21,7 @@ std::vector<fem::ContactSolution> on_meshes(Executor& executor, const std::vecto
 }
 
 std::vector<fem::ContactSolution> on_patches(Executor& executor, std::span<const fem::Scene> scenes, const Rung& rung) {
-  if (!rung.exact) {
-    PatchContactOptions options;
-    options.elements = rung.elements;
-    options.increments = rung.steps;
-    options.tolerance = rung.tolerance;
-    return solve_patch_contact(executor, scenes, rung.precision, options);
-  }
+  if (!rung.exact) return solve_patch_contact(executor, scenes, rung.precision, patch_options(rung));
   std::vector<fem::ContactSolution> answers(scenes.size());
   side_by_side(scenes.size(), executor.threads(), [&](std::size_t i) {
     answers[i] = fem::solve_patch_reference(scenes[i], {.elements = rung.elements, .increments = rung.steps});
@@ -53,13 +46,24 @@ void keep_own_steps(fem::ContactSolution& answer, const fem::Load& load, int sub
 
 }  // namespace
 
+bool patch_serves(const fem::Sensor& sensor, double left, double right) {
+  const double end = sensor.length / 2 * (1 - 1e-5);  // fp32 places are rounded
+  return left > -end || right < end;
+}
+
 bool patch_serves(const fem::Sensor& sensor, const fem::ContactSolution& answer) {
   const Eigen::VectorXd &x = answer.surface_x, &width = answer.surface_width;
   if (x.size() == 0) return true;
-  const double left = x[0] - width[0] / 2, right = x[x.size() - 1] + width[width.size() - 1] / 2;
-  const double end = sensor.length / 2 * (1 - 1e-6);
-  const bool whole = left <= -end && right >= end;
-  return !whole && right - left <= fem::layer_table_range * sensor.thickness;
+  return patch_serves(sensor, x[0] - width[0] / 2, x[x.size() - 1] + width[width.size() - 1] / 2);
+}
+
+PatchContactOptions patch_options(const Rung& rung) {
+  PatchContactOptions options;
+  options.elements = rung.elements;
+  options.increments = rung.steps;
+  options.sides = rung.sides;
+  options.tolerance = rung.tolerance;
+  return options;
 }
 
 std::vector<fem::ContactSolution> solve_on_rung(Executor& executor, std::span<const fem::Scene> scenes,

@@ -10,16 +10,14 @@
 
 namespace tactel::host {
 
-/// Returns true where a patch serves the contact of this answer: the patch does not reach both ends of the sensor, and
-/// lies within the range of the layer's tables. A mesh resolves wider contacts better.
+/// Returns true where a patch serves the contact of this answer: the patch does not reach both ends of the sensor. A
+/// mesh resolves such contacts better.
 bool patch_serves(const fem::Sensor& sensor, const fem::ContactSolution& answer);
-/// The same of `elements` equal elements that begin at `left`, mm along the array.
-bool patch_serves(const fem::Sensor& sensor, double left, double element, int elements);
+/// The same of a patch from `left` to `right`, mm along the array.
+bool patch_serves(const fem::Sensor& sensor, double left, double right);
 
 /// Returns the launcher's options of a rung on patches.
 PatchContactOptions patch_options(const Rung& rung);
-/// Returns the tables of a sensor that a rung on patches takes.
-fem::LayerModel layer_model(const fem::Sensor& sensor, const Rung& rung);
 
 /// Solves scenes as a rung models them. Contacts that a patch does not serve are solved on the rung's mesh, with the
 /// load steps of the scene; such answers have no surface_width. `nodes`: also return forces and statuses of the gap

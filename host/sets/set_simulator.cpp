@@ -128,7 +128,7 @@ struct Solver<GapSweep<Real>> {
     for (const fem::Sensor& sensor : sensors) all.emplace_back(executor, sensor, sweep);
     return all;
   }
-  static bool solved(const fem::Scene&, const View<Launcher>& view, std::size_t i) {
+  static bool solved(const SetOptions&, const fem::Scene&, const View<Launcher>& view, std::size_t i) {
     return every_step_solved<Launcher>(view, i);
   }
   static double element_width(const fem::Scene& scene, const View<Launcher>&, std::size_t) {
@@ -148,15 +148,16 @@ struct Solver<PatchContact<Real>> {
                                          const SetOptions& options) {
     std::vector<std::optional<fem::LayerModel>> models(sensors.size());
     side_by_side(sensors.size(), executor.threads(),
-                 [&](std::size_t k) { models[k] = layer_model(sensors[k], *options.patch); });
+                 [&](std::size_t k) { models[k] = fem::layer_model(sensors[k]); });
     std::vector<Launcher> all;
     for (const auto& model : models) all.emplace_back(executor, *model, patch_options(*options.patch));
     return all;
   }
-  static bool solved(const fem::Scene& scene, const View<Launcher>& view, std::size_t i) {
-    return every_step_solved<Launcher>(view, i) && view.patch_suffices(i) &&
-           patch_serves(scene.sensor, scene.indenter.position + view.patch(i, PATCH_ORIGIN),
-                        view.patch(i, PATCH_ELEMENT), view.elements());
+  static bool solved(const SetOptions& options, const fem::Scene& scene, const View<Launcher>& view, std::size_t i) {
+    const int elements = options.patch->elements;
+    const double left = scene.indenter.position + view.patch(i, PATCH_ORIGIN);
+    return every_step_solved<Launcher>(view, i) && !grown_contact<Real>(view, i, elements) &&
+           patch_serves(scene.sensor, left, left + elements * view.patch(i, PATCH_ELEMENT));
   }
   static double element_width(const fem::Scene&, const View<Launcher>& view, std::size_t i) {
     return view.patch(i, PATCH_ELEMENT);
@@ -391,7 +392,7 @@ ContactSet Simulation<Launcher>::collect(SetSimulator::Range& any_range) {
     const View<Launcher>& view = views.emplace_back(*launch.batch);
     for (const std::size_t i : view.by_lane()) {
       const std::uint64_t k = launch.which[i];
-      if (Solver<Launcher>::solved(launch.scenes[i], view, i)) {
+      if (Solver<Launcher>::solved(options, launch.scenes[i], view, i)) {
         rows[k + 1] = rows_of<Launcher>(view, i, range.first_step[k], launch.scenes[i].friction).size();
       } else {
         unsolved.push_back(k);
