@@ -47,8 +47,17 @@ struct Modelling {
 Modelling modelling(const GenerateRequest& request, const SceneSource& source, bool quiet) {
   const SolveOptions& solve = request.shared.solve;
   check_modelling(solve);
-  if (!solve.rung.empty()) return {rung_named(solve.rung)};
-  if (!solve.accuracy) return {};
+  if (!solve.rung.empty()) {
+    const Rung& rung = rung_named(solve.rung);
+    if (rung.exact)
+      throw ConfigError("command line", "--rung", solve.rung,
+                        "a rung for sets, such as patch-24 or mesh-641: the reference solves single contacts");
+    return {rung};
+  }
+  if (!solve.accuracy) {
+    if (source.model() == fem::SurfaceModel::patch) return {usual_patch()};
+    return {};
+  }
   std::vector<fem::Scene> sample;
   const std::uint64_t count = std::min<std::uint64_t>(source.contacts(), 64);
   for (std::uint64_t k = 0; k < count; ++k) sample.push_back(source.contact(k * source.contacts() / count).scene);
@@ -58,9 +67,10 @@ Modelling modelling(const GenerateRequest& request, const SceneSource& source, b
       plan(sample, *solve.accuracy, [&](const Rung& rung) { return solve_on_rung(executor, sample, rung); });
   if (!quiet) {
     fmt::print(stderr, "{}, in 95 % of {} contacts tried\n", chosen.why(), count);
-    if (!chosen.kept)
+    if (!chosen.kept || chosen.rung.exact)
       fmt::print(stderr, "warning: no rung is known to keep this accuracy on these contacts: the finest was taken\n");
   }
+  if (chosen.rung.exact) return {ladder()[ladder().size() - 2], false};  // the reference is too slow for sets
   return {chosen.rung, chosen.kept};
 }
 
@@ -69,6 +79,7 @@ void model_on(const Rung& rung, const SolveOptions& solve, Sweep& sweep, SetOpti
   sweep.source.model_on(rung);
   if (solve.precision.empty()) options.precision = rung.precision;
   if (!solve.tolerance) options.tolerance = rung.tolerance;
+  if (rung.patch()) options.patch = rung;
 }
 
 /// Returns true where a complete set exists and may stay.

@@ -32,12 +32,12 @@ SolveOutcome solve_reference(const fem::Scene& scene, const SolveOptions& option
   return {fem::solve_gap_reference(scene, reference), "reference", "fp64", "host"};
 }
 
+constexpr double patch_accept_factor = 20;  ///< PatchContactOptions::accept over its tolerance
 constexpr double fine_tolerance = 1e-7;  ///< of a single patch in fp64
-constexpr const char* usual_patch = "patch-12";
 
 /// The rung of a scene on a patch: the one asked for; where none is, the usual one, in fp64 where the device has it.
 Rung patch_rung(const SolveOptions& options, const DeviceInfo& device) {
-  Rung rung = rung_named(options.rung.empty() ? usual_patch : options.rung);
+  Rung rung = options.rung.empty() ? usual_patch() : rung_named(options.rung);
   if (options.rung.empty() && device.fp64) rung.precision = Precision::fp64;
   if (!options.precision.empty()) rung.precision = options.precision == "fp64" ? Precision::fp64 : Precision::fp32;
   if (options.rung.empty() && rung.precision == Precision::fp64) rung.tolerance = fine_tolerance;
@@ -66,7 +66,7 @@ SolveOutcome solve_on_patch(const fem::Scene& scene, const SolveOptions& options
   scene.validate();
   Executor executor{Device(options.device)};
   Rung rung = patch_rung(options, executor.device().info());
-  if (options.tolerance) rung.tolerance = *options.tolerance;
+  if (options.tolerance) rung.tolerance = *options.tolerance / patch_accept_factor;
   auto answers = solve_on_rung(executor, std::span(&scene, 1), rung);
   SolveOutcome outcome =
       outcome_on(rung, scene, std::move(answers.front()), executor.device().info().name, rung_reason(options));

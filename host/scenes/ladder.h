@@ -32,6 +32,8 @@ struct Rung {
 const std::vector<Rung>& all_rungs();
 /// Returns the rungs that the planner climbs, cheapest first. The last is the reference of the others.
 const std::vector<Rung>& ladder();
+/// Returns the rung of contacts on patches where none is asked for.
+const Rung& usual_patch();
 /// Returns the rung of a name or of one of its other names. Throws ConfigError naming --rung.
 const Rung& rung_named(const std::string& name);
 /// Returns the names of all rungs and their other names.

@@ -440,8 +440,12 @@ ContactSet Simulation<Launcher>::collect(SetSimulator::Range& any_range) {
   return set;
 }
 
-std::unique_ptr<SetSimulator::State> simulation(Executor& executor, const SceneSource& source,
-                                                const SetOptions& options) {
+std::unique_ptr<SetSimulator::State> simulation(Executor& executor, const SceneSource& source, SetOptions options) {
+  if (!options.patch && source.model() == fem::SurfaceModel::patch) options.patch = usual_patch();
+  if (options.patch) {
+    options.patch->precision = options.precision;
+    if (options.tolerance > 0) options.patch->tolerance = options.tolerance;
+  }
   const bool fp32 = options.precision == Precision::fp32;
   const auto made = [&]<class Launcher>(std::type_identity<Launcher>) -> std::unique_ptr<SetSimulator::State> {
     return std::make_unique<Simulation<Launcher>>(executor, source, options);
