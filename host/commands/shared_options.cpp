@@ -26,9 +26,10 @@ void add_shared_options(CLI::App& command, SharedOptions& options, const char* p
       ->check(CLI::PositiveNumber);
   command
       .add_option("--rung", solve.rung,
-                  "model: a rung of the ladder sets mesh, load steps, precision and tolerance, and overrides the file "
-                  "(docs/accuracy.md; default: as in the file)")
-      ->check(CLI::IsMember(rung_names()));
+                  "model, which overrides the file's: patch-8, patch-12, patch-16, patch-24 (also draft, medium, fine, "
+                  "finest), paper, mesh-41, mesh-81, mesh-161, mesh-321, mesh-641, reference (docs/accuracy.md)")
+      ->check(CLI::IsMember(rung_names()))
+      ->type_name("NAME");
   command
       .add_option("--accuracy", solve.accuracy,
                   "largest expected error in S: selects the cheapest rung that keeps it, and reports the choice")
