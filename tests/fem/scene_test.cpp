@@ -155,7 +155,7 @@ TEST(Scene, TheIndenterMustReachTheSensor) {
   };
   accepts(Parabola{}, 10);  // on the very edge
   rejects(stands(Parabola{}, 10.01), "indenter.position", "10.01",
-          "now from 10.01 to 10.01 mm, is over the sensor, from -10 to 10");
+          "now at 10.01 to 10.01 mm, over the sensor, from -10 to 10");
   accepts(Flat{}, 500);  // wider than the sensor, wherever it stands
   accepts(Flat{2.0}, 12);
   rejects(stands(Flat{2.0}, 12.1), "indenter.position", "12.1", "over the sensor");
