@@ -161,9 +161,10 @@ TEST(Scene, TheIndenterMustReachTheSensor) {
   rejects(stands(Flat{2.0}, 12.1), "indenter.position", "12.1", "over the sensor");
   rejects(stands(Flat{2.0}, -12.1), "indenter.position", "-12.1", "over the sensor");
   accepts(Flat{0.1}, 0.5);
-  rejects(stands(Flat{0.1}, 0.25), "indenter.position", "0.25", "none is, they are 0.5 mm apart");
-  rejects(stands(Cylinder{0.2}, 0.25), "indenter.position", "0.25", "none is");
-  rejects(stands(Profile{{1, 2, 3}, {1, 0, 1}, 0, ""}, 9), "indenter.position", "9", "now from 11 to 11");
+  rejects(stands(Flat{0.1}, 0.25), "indenter.position", "0.25",
+          "a surface node under the indenter; the nodes are 0.5 mm apart");
+  rejects(stands(Cylinder{0.2}, 0.25), "indenter.position", "0.25", "a surface node under the indenter");
+  rejects(stands(Profile{{1, 2, 3}, {1, 0, 1}, 0, ""}, 9), "indenter.position", "9", "now at 11 to 11");
 }
 
 }  // namespace
