@@ -7,11 +7,14 @@
 #include <numeric>
 
 #include "fem/gap_reference.h"
+#include "fem/layer/layer_model.h"
+#include "fem/layer/patch_solver.h"
 
 namespace tactel::host {
 namespace {
 
 constexpr int most_columns = 81, most_rows = 33;  ///< the reference takes 0.1 s on twice as many
+constexpr int most_elements = 48;
 constexpr std::size_t most_steps = 100;
 
 /// Error over difference from half the element size: contact converges to first order at worst, and so the error
@@ -34,20 +37,34 @@ AnswerError scaled(const AnswerError& difference, double factor) {
   return error;
 }
 
+MeshError error_beside(const fem::ContactSolution& answer, const fem::ContactSolution& judge, std::string finer) {
+  std::vector<std::size_t> steps(std::min(answer.steps.size(), judge.steps.size()));
+  std::iota(steps.begin(), steps.end(), 0);
+  MeshError error{scaled(answer_error(answer, steps, judge, steps), first_order), std::move(finer)};
+  error.expected.S = std::min(1.0, error.expected.S);
+  return error;
+}
+
+/// The twin of the patch kernel solves the scene again on twice as many elements.
+std::optional<MeshError> patch_error(const fem::Scene& scene, const fem::ContactSolution& answer) {
+  const int elements = 2 * static_cast<int>(answer.surface_width.size());
+  if (elements > most_elements || answer.steps.size() > most_steps) return {};
+  const fem::LayerModel model = fem::layer_model(scene.sensor);
+  const fem::ContactSolution judge = fem::PatchSolver(model, {.elements = elements}).solve(scene);
+  if (!std::ranges::all_of(judge.steps, &fem::ContactStep::converged)) return {};
+  return error_beside(answer, judge, fmt::format("{} elements", elements));
+}
+
 }  // namespace
 
 std::optional<MeshError> mesh_error(const fem::Scene& scene, const fem::ContactSolution& answer) {
+  if (answer.surface_width.size() > 0) return patch_error(scene, answer);
   const fem::Sensor& sensor = scene.sensor;
   if (sensor.columns > most_columns || sensor.rows > most_rows || answer.steps.size() > most_steps) return {};
   const fem::Scene fine = refined(scene, answer);
   const fem::ContactSolution judge = fem::solve_gap_reference(fine);
   if (!std::ranges::all_of(judge.steps, &fem::ContactStep::converged)) return {};
-  std::vector<std::size_t> steps(std::min(answer.steps.size(), judge.steps.size()));
-  std::iota(steps.begin(), steps.end(), 0);
-  const AnswerError difference = answer_error(answer, steps, judge, steps);
-  MeshError error{scaled(difference, first_order), fmt::format("{} x {}", fine.sensor.columns, fine.sensor.rows)};
-  error.expected.S = std::min(1.0, error.expected.S);
-  return error;
+  return error_beside(answer, judge, fmt::format("{} x {}", fine.sensor.columns, fine.sensor.rows));
 }
 
 std::optional<MeshError> mesh_error(const Plan& plan) {

@@ -42,7 +42,7 @@ std::string note_of(const hw::UsbDevice& wanted, const hw::UsbChoice& choice) {
     const bool fits = (wanted.port.empty() || wanted.port == other.place.port) &&
                       (wanted.serial.empty() || wanted.serial == other.place.serial);
     if (!fits) continue;
-    others += (others.empty() ? "" : ", ") + place_text(other.place) + (other.refusal.empty() ? "" : " (in use)");
+    others += (others.empty() ? "" : ", ") + place_text(other.place) + (other.refusal.empty() ? "" : " (not free)");
   }
   if (others.empty()) return "";
   return "reads the device at " + place_text(choice.taken) + "; also connected: " + others +

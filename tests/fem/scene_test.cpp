@@ -155,15 +155,16 @@ TEST(Scene, TheIndenterMustReachTheSensor) {
   };
   accepts(Parabola{}, 10);  // on the very edge
   rejects(stands(Parabola{}, 10.01), "indenter.position", "10.01",
-          "now from 10.01 to 10.01 mm, is over the sensor, from -10 to 10");
+          "now at 10.01 to 10.01 mm, over the sensor, from -10 to 10");
   accepts(Flat{}, 500);  // wider than the sensor, wherever it stands
   accepts(Flat{2.0}, 12);
   rejects(stands(Flat{2.0}, 12.1), "indenter.position", "12.1", "over the sensor");
   rejects(stands(Flat{2.0}, -12.1), "indenter.position", "-12.1", "over the sensor");
   accepts(Flat{0.1}, 0.5);
-  rejects(stands(Flat{0.1}, 0.25), "indenter.position", "0.25", "none is, they are 0.5 mm apart");
-  rejects(stands(Cylinder{0.2}, 0.25), "indenter.position", "0.25", "none is");
-  rejects(stands(Profile{{1, 2, 3}, {1, 0, 1}, 0, ""}, 9), "indenter.position", "9", "now from 11 to 11");
+  rejects(stands(Flat{0.1}, 0.25), "indenter.position", "0.25",
+          "a surface node under the indenter; the nodes are 0.5 mm apart");
+  rejects(stands(Cylinder{0.2}, 0.25), "indenter.position", "0.25", "a surface node under the indenter");
+  rejects(stands(Profile{{1, 2, 3}, {1, 0, 1}, 0, ""}, 9), "indenter.position", "9", "now at 11 to 11");
 }
 
 }  // namespace

@@ -305,10 +305,10 @@ TEST_F(NetworkTrainingTest, LengthsInACheckpointAreNotBelieved) {
   EXPECT_THAT(message_of_load(plan, set_), ::testing::HasSubstr("larger than"));
   fs::remove(checkpoint());
   fs::create_symlink("/dev/zero", checkpoint());
-  EXPECT_THAT(message_of_load(plan, set_), ::testing::HasSubstr("not a file"));
+  EXPECT_THAT(message_of_load(plan, set_), ::testing::HasSubstr("it is no regular file"));
   fs::remove(checkpoint());
   fs::create_directory(checkpoint());
-  EXPECT_THAT(message_of_load(plan, set_), ::testing::HasSubstr("not a file"));
+  EXPECT_THAT(message_of_load(plan, set_), ::testing::HasSubstr("it is a folder"));
 }
 
 TEST_F(NetworkTrainingTest, JudgesNetworksOnAnotherSet) {

@@ -76,7 +76,7 @@ TEST_F(UsbCommands, ABusyDeviceIsPassedOver) {
   const std::string said = record("usb:glove");
   EXPECT_EQ(exit_code_, 0) << said;
   EXPECT_EQ(first_, "3095");
-  EXPECT_THAT(said, HasSubstr("port 1-1 (serial number L-7), which is not free"));
+  EXPECT_THAT(said, HasSubstr("port 1-1 (serial number L-7) (not free)"));
 }
 
 }  // namespace
