@@ -11,11 +11,12 @@ namespace tactel::host {
 /// path, stresses at the tactels of their largest. It is made of the differences from a finer mesh (docs/accuracy.md).
 struct MeshError {
   AnswerError expected;
-  std::string finer;  ///< the mesh of comparison: "81 x 21"
+  std::string finer;  ///< the model of comparison: "81 x 21", "24 elements"
 };
 
-/// Returns the error to expect of an answer: the reference solves the scene again with half the element size. None
-/// where that would take seconds (more than 81 columns, 33 rows or 100 load steps), and where it fails.
+/// Returns the error to expect of an answer: the reference solves the scene again with half the element size, or the
+/// patch's twin with twice the elements. None where that would take seconds (more than 81 columns, 33 rows, 24 elements
+/// or 100 load steps), and where it fails.
 std::optional<MeshError> mesh_error(const fem::Scene& scene, const fem::ContactSolution& answer);
 
 /// Returns what the planner knows of its answer's error; none where a mesh missed a contact or no rung was compared.
