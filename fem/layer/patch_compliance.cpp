@@ -13,7 +13,6 @@ PatchCompliance patch_compliance(const LayerModel& model, const Patch& patch) {
       element_compliance(model.table, model.sensor.thickness, patch.width(), n + rows_beyond);
   std::vector<FreeSides::At> sides;
   for (int i = -rows_beyond; i < n + rows_beyond; ++i) sides.push_back(model.sides.at(patch.place(i)));
-  const FreeSides::Modes& sign = model.sides.sign();
   PatchCompliance c;
   for (auto* part : {&c.uy_by_n, &c.uy_by_t, &c.ux_by_n, &c.ux_by_t}) part->resize(rows, n);
   for (int i = 0; i < rows; ++i)
@@ -21,10 +20,10 @@ PatchCompliance patch_compliance(const LayerModel& model, const Patch& patch) {
       const int k = i - rows_beyond - j;
       const FreeSides::At &at = sides[i], &by = sides[j + rows_beyond];
       const double coupling = k < 0 ? -layer.xy[-k] : layer.xy[k];  // u_x by f_y
-      c.uy_by_n(i, j) = -(layer.yy[std::abs(k)] + (sign * at.y * by.y).sum());
-      c.uy_by_t(i, j) = -coupling + (sign * at.y * by.x).sum();
-      c.ux_by_n(i, j) = -(coupling + (sign * at.x * by.y).sum());
-      c.ux_by_t(i, j) = layer.xx[std::abs(k)] + (sign * at.x * by.x).sum();
+      c.uy_by_n(i, j) = -(layer.yy[std::abs(k)] + model.sides.between(at.y, by.y));
+      c.uy_by_t(i, j) = -coupling + model.sides.between(at.y, by.x);
+      c.ux_by_n(i, j) = -(coupling + model.sides.between(at.x, by.y));
+      c.ux_by_t(i, j) = layer.xx[std::abs(k)] + model.sides.between(at.x, by.x);
     }
   return c;
 }
