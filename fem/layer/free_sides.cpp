@@ -1,11 +1,119 @@
 #include "fem/layer/free_sides.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include "fem/block.h"
 
 namespace tactel::fem {
+namespace {
 
-FreeSides::FreeSides(double left, double right, Eigen::MatrixXd rows, const Modes& sign)
-    : left_(left), step_((right - left) / static_cast<double>(rows.rows() - 1)), rows_(std::move(rows)), sign_(sign) {}
+constexpr int rows_a_node = 4;      // of the table of modes to one of the block
+constexpr int points_a_tactel = 8;  // over which the mean over a tactel's width is taken
+
+/// A place in the block for one on a sensor of another length: as far from the nearer end; none beyond the block's half.
+class ToBlock {
+ public:
+  ToBlock(double block_length, double sensor_length) : shift_((sensor_length - block_length) / 2) {}
+  struct Place {
+    double x;
+    int side;  ///< -1, +1: nearer end; 0: the block is the sensor
+  };
+  std::optional<Place> operator()(double x) const {
+    if (shift_ < 1e-9) return Place{x, 0};
+    const double in_block = std::abs(x) - shift_;
+    if (in_block < 0) return std::nullopt;
+    return Place{std::copysign(in_block, x), x < 0 ? -1 : 1};
+  }
+
+ private:
+  double shift_;
+};
+
+/// Cubic through four neighbouring nodes of a uniform grid (Catmull and Rom); linear beyond the ends.
+Eigen::RowVectorXd between_nodes(const Eigen::VectorXd& x, const Eigen::MatrixXd& rows, double at) {
+  const Eigen::Index last = rows.rows() - 1;
+  const double place = (at - x[0]) / (x[1] - x[0]);
+  const Eigen::Index i = std::clamp<Eigen::Index>(static_cast<Eigen::Index>(std::floor(place)), 0, last - 1);
+  const double q = place - static_cast<double>(i);
+  const Eigen::RowVectorXd from = rows.row(i), to = rows.row(i + 1);
+  if (q < 0 || q > 1 || i == 0 || i + 1 == last) return from + q * (to - from);
+  const Eigen::RowVectorXd slope = (to - rows.row(i - 1)) / 2, end_slope = (rows.row(i + 2) - from) / 2;
+  const Eigen::RowVectorXd rise = to - from;
+  return from + q * (slope + q * (3 * rise - 2 * slope - end_slope + q * (slope + end_slope - 2 * rise)));
+}
+
+/// The largest eigenvalues by magnitude, their vectors scaled by the root of it: [2 nodes, rank].
+struct LowRank {
+  Eigen::MatrixXd vectors;
+  FreeSides::Modes sign;
+};
+
+LowRank largest_modes(const Eigen::MatrixXd& symmetric) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(symmetric);
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(symmetric.rows()));
+  std::iota(order.begin(), order.end(), 0);
+  const auto size = [&](Eigen::Index k) { return std::abs(eigen.eigenvalues()[k]); };
+  std::partial_sort(order.begin(), order.begin() + FreeSides::rank, order.end(),
+                    [&](Eigen::Index a, Eigen::Index b) { return size(a) > size(b); });
+  LowRank low{Eigen::MatrixXd(symmetric.rows(), FreeSides::rank), FreeSides::Modes::Zero()};
+  for (int r = 0; r < FreeSides::rank; ++r) {
+    const Eigen::Index k = order[static_cast<std::size_t>(r)];
+    low.vectors.col(r) = eigen.eigenvectors().col(k) * std::sqrt(size(k));
+    low.sign[r] = eigen.eigenvalues()[k] < 0 ? -1 : 1;
+  }
+  return low;
+}
+
+double block_length(const SideDifference& difference) {
+  return difference.base_x[difference.base_x.size() - 1] - difference.base_x[0];
+}
+
+/// [tactels, base nodes]: mean over the width of every tactel of a quantity at the block's base nodes, and on which
+/// side the tactel lies.
+struct TactelWeights {
+  Eigen::MatrixXd weight;
+  std::vector<int> side;
+};
+
+TactelWeights tactel_weights(const SideDifference& difference, const Sensor& sensor, const ToBlock& to_block) {
+  const Eigen::VectorXd middle = tactel_positions(sensor);
+  const Eigen::Index nodes = difference.base_x.size();
+  const Eigen::MatrixXd unit = Eigen::MatrixXd::Identity(nodes, nodes);
+  TactelWeights tactels{Eigen::MatrixXd::Zero(middle.size(), nodes), {}};
+  for (Eigen::Index k = 0; k < middle.size(); ++k) {
+    const auto place = to_block(middle[k]);
+    tactels.side.push_back(place ? place->side : 2);
+    if (!place) continue;
+    const int points = sensor.tactel_width > 0 ? points_a_tactel : 1;
+    for (int p = 0; p < points; ++p) {
+      const double x = place->x + ((p + 0.5) / points - 0.5) * sensor.tactel_width;
+      tactels.weight.row(k) += between_nodes(difference.base_x, unit, x) / points;
+    }
+  }
+  return tactels;
+}
+
+}  // namespace
+
+FreeSides::FreeSides(const SideDifference& difference, double length) : left_(-length / 2) {
+  const LowRank low = largest_modes(difference.compliance);
+  const Eigen::Index nodes = difference.x.size();
+  Eigen::MatrixXd at_nodes(nodes, 2 * rank);
+  at_nodes << low.vectors(Eigen::seq(1, Eigen::last, 2), Eigen::all),
+      low.vectors(Eigen::seq(0, Eigen::last, 2), Eigen::all);
+  const double spacing = difference.x[1] - difference.x[0];
+  const auto steps = static_cast<Eigen::Index>(std::ceil(length / spacing * rows_a_node));
+  step_ = length / static_cast<double>(steps);
+  const ToBlock to_block(block_length(difference), length);
+  rows_ = Rows::Zero(steps + 1, 2 * rank);
+  sign_ = low.sign;
+  for (Eigen::Index row = 0; row <= steps; ++row)
+    if (const auto place = to_block(left_ + static_cast<double>(row) * step_))
+      rows_.row(row) = between_nodes(difference.x, at_nodes, place->x);
+}
 
 FreeSides::At FreeSides::at(double x) const {
   if (endless()) return {};
@@ -18,6 +126,30 @@ FreeSides::At FreeSides::at(double x) const {
     return from + q * (to - from);
   };
   return {between(0), between(1)};
+}
+
+void add_free_sides(const SideDifference& difference, const Sensor& sensor, BaseStressTable& table) {
+  const ToBlock to_block(block_length(difference), sensor.length);
+  const TactelWeights tactels = tactel_weights(difference, sensor, to_block);
+  const Eigen::Index count = sensor.tactels, nodes = difference.x.size();
+  const auto at_tactels = [&](int component) -> Eigen::MatrixXd {
+    const Eigen::MatrixXd at_nodes = difference.base(Eigen::seq(component, Eigen::last, 2), Eigen::all);
+    return tactels.weight * at_nodes;
+  };
+  const Eigen::MatrixXd tau = at_tactels(0), sigma = at_tactels(1);
+  const auto by = [](const Eigen::MatrixXd& stress, int component) -> Eigen::MatrixXd {
+    return stress(Eigen::all, Eigen::seq(component, Eigen::last, 2)).transpose();
+  };
+  Eigen::MatrixXd rows(nodes, BaseStressTable::quantities * count);
+  rows << -by(sigma, 1), by(sigma, 0), -by(tau, 1), by(tau, 0);  // in the table's order; pressure is -f_y
+  table.add([&](double x) -> Eigen::RowVectorXd {
+    const auto place = to_block(x);
+    if (!place) return Eigen::RowVectorXd::Zero(rows.cols());
+    Eigen::RowVectorXd row = between_nodes(difference.x, rows, place->x);
+    for (Eigen::Index k = 0; k < row.size(); ++k)
+      if (tactels.side[static_cast<std::size_t>(k % count)] != place->side) row[k] = 0;
+    return row;
+  });
 }
 
 }  // namespace tactel::fem

@@ -1,17 +1,21 @@
 #pragma once
 #include <Eigen/Dense>
 
+#include "fem/layer/base_stress_table.h"
+#include "fem/layer/side_difference.h"
+
 namespace tactel::fem {
 
 /// What the free sides of a sensor add to the compliance of an endless layer, at low rank. Displacement and force
 /// are those of the surface; E = 1 MPa, mm/(N/mm):
-///     u_a at x by f_b at x' = sum over the modes r of sign_r v_ra(x) v_rb(x'),   a, b = x or y.
+///     u_a at x by f_b at x' = sum over the modes r of sign_r v_ra(x) v_rb(x'),   a, b = x or y,
+/// the largest eigenvalues of SideDifference::compliance, both components together.
 class FreeSides {
  public:
   static constexpr int rank = 8;
   using Modes = Eigen::Array<double, rank, 1>;
 
-  /// Components of the modes at a place.
+  /// Components of the modes at a place, sqrt(mm/(N/mm)).
   struct At {
     Modes y = Modes::Zero(), x = Modes::Zero();
   };
@@ -19,22 +23,28 @@ class FreeSides {
   /// No sides: an endless layer.
   FreeSides() = default;
 
-  /// Rows [rows, 2 rank] at equal distances from `left` to `right`, v_y of every mode, then v_x; linear between.
-  FreeSides(double left, double right, Eigen::MatrixXd rows, const Modes& sign);
+  /// The sides of a sensor of this length, mm, from the block that side_block gives for it.
+  FreeSides(const SideDifference& difference, double length);
 
   bool endless() const { return rows_.rows() == 0; }
-  At at(double x) const;  ///< x in mm along the array; its first or last row beyond them
+
+  /// Returns the modes at x, mm along the array: linear between rows; beyond them those of the last row.
+  At at(double x) const;
   const Modes& sign() const { return sign_; }
 
-  double left() const { return left_; }
-  double step() const { return step_; }
+  /// [places, 2 rank]: v_y of every mode, then v_x; the first at `left`, `step` apart.
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const Rows& rows() const { return rows_; }
+  double left() const { return left_; }
+  double step() const { return step_; }
 
  private:
   double left_ = 0, step_ = 1;
   Rows rows_;
   Modes sign_ = Modes::Zero();
 };
+
+/// Adds to the table of an endless layer what the free sides change.
+void add_free_sides(const SideDifference& difference, const Sensor& sensor, BaseStressTable& table);
 
 }  // namespace tactel::fem

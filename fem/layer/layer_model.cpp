@@ -1,11 +1,26 @@
 #include "fem/layer/layer_model.h"
 
+#include "fem/number_text.h"
+#include "fem/value_error.h"
+
 namespace tactel::fem {
 
 LayerModel endless_layer(const Sensor& sensor) {
   sensor.validate();
+  if (!(sensor.length <= longest_sensor * sensor.thickness))
+    throw ValueError("sensor.length", number_text(sensor.length),
+                     "at most " + number_text(longest_sensor) +
+                         " times sensor.thickness where contact is solved on patches; use a mesh instead");
   const LayerTable table(sensor.poisson);
   return {sensor, table, FreeSides(), BaseStressTable(sensor, table)};
+}
+
+LayerModel layer_model(const Sensor& sensor, const std::filesystem::path& cache_directory) {
+  LayerModel model = endless_layer(sensor);
+  const SideDifference difference = side_difference(side_block(sensor), cache_directory);
+  model.sides = FreeSides(difference, sensor.length);
+  add_free_sides(difference, sensor, model.base);
+  return model;
 }
 
 }  // namespace tactel::fem

@@ -1,4 +1,7 @@
 #pragma once
+#include <filesystem>
+
+#include "fem/condensation.h"
 #include "fem/layer/base_stress_table.h"
 #include "fem/layer/free_sides.h"
 #include "fem/layer/layer_table.h"
@@ -14,6 +17,14 @@ struct LayerModel {
   FreeSides sides;
   BaseStressTable base;
 };
+
+/// Longest sensor that has tables, in thicknesses.
+inline constexpr double longest_sensor = 200;
+
+/// Returns the tables of a sensor with its free sides: one condensation of a block, through the cache. Throws
+/// ValueError for an invalid sensor, or one longer than `longest_sensor`.
+LayerModel layer_model(const Sensor& sensor,
+                       const std::filesystem::path& cache_directory = default_cache_directory());
 
 /// The sensor without free sides: part of an endless layer.
 LayerModel endless_layer(const Sensor& sensor);
