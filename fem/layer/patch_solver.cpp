@@ -97,7 +97,8 @@ void PatchWalk::move_to(const LoadStep& target) {
   last_change_ = change;
   contact_.depth = depth;
   contact_.x = x;
-  if (change.isZero(0)) {
+  const bool held = change[0] == 0 && (change[1] == 0 || scene_.friction == 0);  // without friction only depth counts
+  if (held) {
     contact_.hold();
   } else {
     contact_.extrapolate(ratio);
