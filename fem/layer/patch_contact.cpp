@@ -42,22 +42,24 @@ const PatchLaws& PatchContact::laws_at(int sweep) {
   return laws;
 }
 
-/// Element by element, left to right: the pressure force, then the traction force in its cone. Returns the largest
-/// change over the largest pressure force.
+/// Element by element, left to right: the pressure force, then the traction force in its cone. The pressure of element
+/// i takes the traction of element i - 1 from the sweep before: in the kernel it need not wait for the new one. Returns
+/// the largest change over the largest pressure force.
 double PatchContact::sweep(const PatchLaws& laws) {
-  double change = 0, largest = 0;
+  double change = 0, largest = 0, late = 0;
   for (Eigen::Index i = 0; i < n_.size(); ++i) {
     const double press = laws.n_per_uy[i] * (depth - height_[rows_beyond + i]);
     const double drag = laws.t_per_ux[i] * (ux_last_[i] + (x - x_last_));
     const double n = std::max(0.0, press + laws.A.row(i).dot(n_) + laws.B.row(i).dot(t_));
     change = std::max(change, std::abs(n - n_[i]));
     n_[i] = n;
+    if (i > 0) t_[i - 1] = late;
     const double free = drag + laws.D.row(i).dot(n_) + laws.E.row(i).dot(t_);
-    const double t = std::min(std::max(free, -mu_ * n), mu_ * n);
-    change = std::max(change, std::abs(t - t_[i]));
-    t_[i] = t;
+    late = std::min(std::max(free, -mu_ * n), mu_ * n);
+    change = std::max(change, std::abs(late - t_[i]));
     largest = std::max(largest, n);
   }
+  t_[t_.size() - 1] = late;
   return largest > 0 ? change / largest : 0;
 }
 

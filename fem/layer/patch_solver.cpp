@@ -60,7 +60,7 @@ class PatchWalk {
         x_(places(patch)),
         compliance_(patch_compliance(model, patch)),
         contact_(compliance_, patch_heights(patch, scene), std::min(scene.friction, largest_friction),
-                 {options.tolerance, options.most_sweeps}),
+                 {by_force(scene) ? options.tolerance / 10 : options.tolerance, options.most_sweeps}),
         force_(contact_.first_touch()),
         base_(model.base) {}
 
@@ -68,7 +68,7 @@ class PatchWalk {
 
  private:
   void move_to(const LoadStep& target);
-  bool reach_forces(const LoadStep& target);
+  bool reach_forces();
   ContactStep step_here(Beyond& beyond) const;
 
   const PatchOptions& options_;
@@ -97,20 +97,21 @@ void PatchWalk::move_to(const LoadStep& target) {
   last_change_ = change;
   contact_.depth = depth;
   contact_.x = x;
-  if (change.isZero(0)) {
+  const bool held = change[0] == 0 && (change[1] == 0 || scene_.friction == 0);  // without friction only depth counts
+  if (held) {
     contact_.hold();
   } else {
     contact_.extrapolate(ratio);
     if (target.normal_is_force ? !(target.normal > 0) : depth <= contact_.first_touch()) contact_.release();
     converged_ &= contact_.solve(sweeps_);
   }
-  if (target.normal_is_force && target.normal > 0) converged_ &= reach_forces(scaled);
+  if (target.normal_is_force && target.normal > 0) converged_ &= reach_forces();
 }
 
-bool PatchWalk::reach_forces(const LoadStep& target) {
+bool PatchWalk::reach_forces() {
   for (int trial = 0; trial < most_force_trials; ++trial) {
     const double P = contact_.n().sum(), Q = contact_.t().sum();
-    if (!force_.move(P, Q, target.normal > 0 ? 10 * options_.tolerance : 0, contact_.depth, contact_.x)) return true;
+    if (!force_.move(P, Q, options_.tolerance, contact_.depth, contact_.x)) return true;
     if (!contact_.solve(sweeps_)) return false;
   }
   return false;

@@ -91,4 +91,30 @@ class PatchContact {
 extern template class PatchContact<float>;
 extern template class PatchContact<double>;
 
+/// What became of the scenes of a solve_patch_contact.
+struct PatchContactReport {
+  std::size_t grown = 0;      ///< scenes whose patch the search found too small
+  std::size_t fell_back = 0;  ///< scenes that the twin solved
+  std::size_t unsolved = 0;   ///< scenes with a step that missed its tolerance all the same
+};
+
+/// Returns the contact that the patch of scene `i` must cover next, where the kernel found its patch too small; none
+/// where it was large enough (fem::grown).
+template <class Real>
+std::optional<PatchContactExtent> grown_contact(const typename PatchContact<Real>::Batch::View& view, std::size_t i,
+                                                int elements);
+
+/// Solves scenes of one sensor (E may differ), of any kinds, in their order. A patch that is too small grows, and its
+/// scene is solved again. A scene with a step over tolerance after that is solved by the twin in fp64 with more sweeps
+/// (fem/layer/patch_solver.h), and has fell_back = true. Steps that still miss their tolerance have converged = false.
+/// Throws ValueError for an invalid scene.
+template <class Real>
+std::vector<fem::ContactSolution> solve_patch_contact(const PatchContact<Real>& contact,
+                                                      std::span<const fem::Scene> scenes,
+                                                      PatchContactReport* report = nullptr);
+
+/// The same for scenes on any sensors, with free sides, in either precision.
+std::vector<fem::ContactSolution> solve_patch_contact(Executor& executor, std::span<const fem::Scene> scenes,
+                                                      Precision precision, const PatchContactOptions& options = {});
+
 }  // namespace tactel::host

@@ -1,0 +1,162 @@
+#include <algorithm>
+
+#include "fem/layer/patch_solver.h"
+#include "host/contact/patch_contact.h"
+#include "kernels/shared/contact_layout.h"
+
+namespace tactel::host {
+namespace {
+
+bool every_step_solved(const fem::ContactSolution& solution) {
+  return std::ranges::all_of(solution.steps, &fem::ContactStep::converged);
+}
+
+/// Scenes that go into one launch: of one kind.
+std::vector<std::vector<std::size_t>> by_kind(std::span<const fem::Scene> scenes) {
+  std::vector<std::vector<std::size_t>> groups(4);
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const ContactKind kind = kind_of(scenes[i]);
+    groups[2 * kind.force + kind.friction].push_back(i);
+  }
+  std::erase_if(groups, [](const auto& group) { return group.empty(); });
+  return groups;
+}
+
+/// Scenes of one kind on patches, solved again on larger ones as long as these are too small.
+template <class Real>
+class GrowingPatches {
+ public:
+  using Given = typename PatchContact<Real>::Given;
+  GrowingPatches(const PatchContact<Real>& contact, std::span<const fem::Scene> scenes,
+                 std::vector<fem::ContactSolution>& solutions)
+      : contact_(contact), scenes_(scenes), solutions_(solutions) {}
+
+  /// Solves the scenes `which`. Returns how many patches grew.
+  std::size_t solve(std::vector<std::size_t> which) {
+    std::vector<Given> given(which.size());
+    std::size_t grew = 0;
+    for (int growths = 0; !which.empty(); ++growths) {
+      std::vector<std::size_t> again;
+      std::vector<Given> larger;
+      run(which, given, again, larger);
+      if (growths == 0) grew = again.size();
+      if (growths == contact_.options().most_growths) break;
+      which = std::move(again);
+      given = std::move(larger);
+    }
+    return grew;
+  }
+
+ private:
+  void run(const std::vector<std::size_t>& which, const std::vector<Given>& given, std::vector<std::size_t>& again,
+           std::vector<Given>& larger) {
+    std::vector<fem::Scene> alike;
+    for (const std::size_t i : which) alike.push_back(scenes_[i]);
+    auto batch = contact_.prepare(alike, given);
+    batch.run();
+    for (std::size_t k = 0; k < which.size(); ++k) {
+      solutions_[which[k]] = batch.solution(k);
+      const typename PatchContact<Real>::Batch::View view(batch);
+      if (auto extent = grown_contact<Real>(view, k, contact_.options().elements)) {
+        again.push_back(which[k]);
+        larger.push_back(extent);
+      }
+    }
+  }
+
+  const PatchContact<Real>& contact_;
+  std::span<const fem::Scene> scenes_;
+  std::vector<fem::ContactSolution>& solutions_;
+};
+
+/// Whether scenes can share a launch: E and the mesh do not count.
+bool same_layer(const fem::Sensor& a, const fem::Sensor& b) {
+  return a.length == b.length && a.thickness == b.thickness && a.poisson == b.poisson && a.tactels == b.tactels &&
+         a.tactel_span == b.tactel_span && a.tactel_width == b.tactel_width;
+}
+
+template <class Real>
+void solve_on_sensor(Executor& executor, std::span<const fem::Scene> scenes, const std::vector<std::size_t>& which,
+                     const PatchContactOptions& options, std::vector<fem::ContactSolution>& solutions) {
+  std::vector<fem::Scene> alike;
+  for (const std::size_t i : which) alike.push_back(scenes[i]);
+  const PatchContact<Real> contact(executor, fem::layer_model(alike.front().sensor), options);
+  auto solved = solve_patch_contact(contact, alike);
+  for (std::size_t k = 0; k < which.size(); ++k) solutions[which[k]] = std::move(solved[k]);
+}
+
+}  // namespace
+
+template <class Real>
+std::optional<PatchContactExtent> grown_contact(const typename PatchContact<Real>::Batch::View& view, std::size_t i,
+                                                int elements) {
+  const double left = view.patch(i, PATCH_OUT_LEFT), right = view.patch(i, PATCH_OUT_RIGHT);
+  if (!(left > 0 || right > 0)) return std::nullopt;
+  const double origin = view.patch(i, PATCH_ORIGIN), width = view.patch(i, PATCH_ELEMENT);
+  const auto more = [&](double beyond) { return beyond > 0 ? (beyond + 0.5) * width : 0; };
+  return PatchContactExtent{origin - more(left), origin + elements * width + more(right)};
+}
+
+template <class Real>
+std::vector<fem::ContactSolution> solve_patch_contact(const PatchContact<Real>& contact,
+                                                      std::span<const fem::Scene> scenes, PatchContactReport* report) {
+  for (const fem::Scene& scene : scenes) scene.validate();
+  std::vector<fem::ContactSolution> solutions(scenes.size());
+  PatchContactReport said;
+  GrowingPatches<Real> patches(contact, scenes, solutions);
+  for (auto& which : by_kind(scenes)) said.grown += patches.solve(std::move(which));
+  const PatchContactOptions& options = contact.options();
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    if (every_step_solved(solutions[i])) continue;
+    if (options.fallback) {
+      constexpr int more_sweeps = 10;
+      const fem::PatchSolver twin(contact.model(), {.elements = options.elements,
+                                                    .tolerance = options.tolerance,
+                                                    .accept = options.accept,
+                                                    .most_sweeps = more_sweeps * options.most_sweeps,
+                                                    .most_growths = options.most_growths});
+      fem::ContactSolution again = twin.solve(scenes[i]);
+      const auto solved = [](const fem::ContactSolution& s) {
+        return std::ranges::count_if(s.steps, &fem::ContactStep::converged);
+      };
+      if (every_step_solved(again) || solved(again) > solved(solutions[i])) solutions[i] = std::move(again);
+      solutions[i].fell_back = true;
+      ++said.fell_back;
+    }
+    said.unsolved += !every_step_solved(solutions[i]);
+  }
+  if (report) *report = said;
+  return solutions;
+}
+
+std::vector<fem::ContactSolution> solve_patch_contact(Executor& executor, std::span<const fem::Scene> scenes,
+                                                      Precision precision, const PatchContactOptions& options) {
+  std::vector<fem::ContactSolution> solutions(scenes.size());
+  std::vector<std::vector<std::size_t>> groups;
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const auto own = std::ranges::find_if(
+        groups, [&](const auto& group) { return same_layer(scenes[group.front()].sensor, scenes[i].sensor); });
+    if (own == groups.end())
+      groups.push_back({i});
+    else
+      own->push_back(i);
+  }
+  for (const auto& which : groups) {
+    if (precision == Precision::fp32)
+      solve_on_sensor<float>(executor, scenes, which, options, solutions);
+    else
+      solve_on_sensor<double>(executor, scenes, which, options, solutions);
+  }
+  return solutions;
+}
+
+template std::optional<PatchContactExtent> grown_contact<float>(const PatchContact<float>::Batch::View&, std::size_t,
+                                                                int);
+template std::optional<PatchContactExtent> grown_contact<double>(const PatchContact<double>::Batch::View&, std::size_t,
+                                                                 int);
+template std::vector<fem::ContactSolution> solve_patch_contact(const PatchContact<float>&, std::span<const fem::Scene>,
+                                                               PatchContactReport*);
+template std::vector<fem::ContactSolution> solve_patch_contact(const PatchContact<double>&, std::span<const fem::Scene>,
+                                                               PatchContactReport*);
+
+}  // namespace tactel::host

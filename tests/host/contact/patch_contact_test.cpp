@@ -1,0 +1,478 @@
+// The patch kernel against its twin, against itself in other lanes, orders and batches, and against laws that neither
+// knows.
+#include "host/contact/patch_contact.h"
+
+#include <gtest/gtest.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <random>
+
+#include "fem/layer/patch_solver.h"
+#include "kernels/shared/contact_layout.h"
+#include "tests/host/contact/contact_cases.h"
+
+namespace tactel::host {
+namespace {
+
+using tactel::testing::all_shapes;
+using tactel::testing::random_force_scenes;
+using tactel::testing::random_scenes;
+using tactel::testing::reversal;
+
+constexpr double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
+
+Executor& executor() {
+  static Executor executor{Device()};
+  return executor;
+}
+
+fem::Sensor sensor_of(double poisson) {
+  fem::Sensor sensor;
+  sensor.poisson = poisson;
+  return sensor;
+}
+
+/// Modes as smooth as those of free sides, of both signs: a layer that is compliant near its ends.
+fem::LayerModel with_sides(const fem::Sensor& sensor) {
+  fem::LayerModel model = fem::endless_layer(sensor);
+  constexpr int rows = 161;
+  const double half = sensor.length / 2;
+  Eigen::MatrixXd modes(rows, 2 * fem::FreeSides::rank);
+  for (int row = 0; row < rows; ++row)
+    for (int m = 0; m < fem::FreeSides::rank; ++m) {
+      const double x = -half + row * sensor.length / (rows - 1), end = m % 2 ? half : -half;
+      const double fall = std::exp(-std::abs(x - end) / sensor.thickness) / (1 + m);
+      modes(row, m) = 0.4 * fall;
+      modes(row, fem::FreeSides::rank + m) = (m % 3 == 0 ? 0.3 : -0.2) * fall;
+    }
+  fem::FreeSides::Modes sign = fem::FreeSides::Modes::Ones();
+  sign[3] = sign[6] = -1;
+  model.sides = fem::FreeSides(-half, half, modes, sign);
+  return model;
+}
+
+/// Scenes of every kind: by depth, force and angle, bonded, frictionless, near the ends.
+std::vector<fem::Scene> mixed_scenes(const fem::Sensor& sensor, std::size_t count, std::uint64_t seed) {
+  auto scenes = random_scenes(sensor, count, seed);
+  const auto forces = random_force_scenes(sensor, count, seed);
+  scenes.insert(scenes.end(), forces.begin(), forces.end());
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    if (i % 7 == 3) scenes[i].friction = infinity;
+    if (i % 5 == 0) scenes[i].friction = 0, scenes[i].load.angle.reset();
+    if (i % 9 == 2) scenes[i].indenter.position *= 2.4;
+    if (i % 11 == 4 && !by_force(scenes[i])) scenes[i].load.indentation.push_back(0.5 * scenes[i].load.indentation[0]);
+  }
+  return scenes;
+}
+
+std::string describe(const fem::Scene& s) {
+  return std::string(fem::shape_name(s.indenter.shape)) + " at " + std::to_string(s.indenter.position) + ", mu " +
+         std::to_string(s.friction) + (by_force(s) ? ", by force" : ", by depth");
+}
+
+/// Scenes of one kind, in their order.
+std::vector<std::vector<fem::Scene>> by_kind(const std::vector<fem::Scene>& scenes) {
+  std::vector<std::vector<fem::Scene>> kinds(4);
+  for (const fem::Scene& scene : scenes) kinds[2 * kind_of(scene).force + kind_of(scene).friction].push_back(scene);
+  return kinds;
+}
+
+template <class Real>
+typename PatchContact<Real>::Batch ran(const PatchContact<Real>& contact, std::span<const fem::Scene> scenes,
+                                       std::size_t largest_chunk = 4096) {
+  auto batch = contact.prepare(scenes);
+  batch.fill_outputs(static_cast<Real>(nan));
+  batch.fill_unused(static_cast<Real>(nan));
+  batch.run({.largest_chunk = largest_chunk});
+  return batch;
+}
+
+/// Largest difference of P, Q and base stress, relative; of steps that both solved.
+double difference(const fem::ContactSolution& a, const fem::ContactSolution& b) {
+  if (a.steps.size() != b.steps.size()) return infinity;
+  double most = 0;
+  for (std::size_t k = 0; k < a.steps.size(); ++k) {
+    const fem::ContactStep &p = a.steps[k], &q = b.steps[k];
+    if (p.converged != q.converged) return infinity;
+    if (!p.converged) break;
+    const double force = q.P + std::abs(q.Q), stress = q.sigma_y.cwiseAbs().maxCoeff();
+    const double off = std::max({std::abs(p.P - q.P), std::abs(p.Q - q.Q)}) / (force > 0 ? force : 1);
+    const double sigma = (p.sigma_y - q.sigma_y).cwiseAbs().maxCoeff(), tau = (p.tau_xy - q.tau_xy).cwiseAbs().maxCoeff();
+    const double of_stress = std::max(sigma, tau) / (stress > 0 ? stress : 1);
+    if (!(off <= most)) most = off;
+    if (!(of_stress <= most)) most = of_stress;
+  }
+  return most;
+}
+
+/// The kernel's windows come from closed forms, the twin's from bisection; else they make the same steps. fp32 rounds C
+/// to 6e-8, and the places of elements under a force to 1e-7.
+constexpr double agree_fp64 = 1e-9, agree_fp32 = 1e-4;
+
+class Twin : public ::testing::TestWithParam<int> {};
+
+template <class Real>
+void expect_twin(int elements, double poisson, double tolerance) {
+  const fem::LayerModel model = with_sides(sensor_of(poisson));
+  const PatchContact<Real> contact(executor(), model, {.elements = elements, .most_growths = 0});
+  const fem::PatchSolver twin(model, {.elements = elements, .most_sweeps = 400, .most_growths = 0});
+  std::size_t solved = 0, scenes_in_all = 0;
+  for (const auto& scenes : by_kind(mixed_scenes(model.sensor, 30, elements))) {
+    const auto batch = ran(contact, scenes);
+    for (std::size_t i = 0; i < scenes.size(); ++i, ++scenes_in_all) {
+      const fem::ContactSolution found = batch.solution(i), expected = twin.solve(scenes[i]);
+      solved += found.steps.back().converged;
+      EXPECT_LE(difference(found, expected), tolerance) << describe(scenes[i]) << ", scene " << i;
+      EXPECT_NEAR(found.surface_x[0], expected.surface_x[0], 1e-4 * model.sensor.thickness) << describe(scenes[i]);
+    }
+  }
+  EXPECT_GE(solved, 0.8 * scenes_in_all);
+}
+
+TEST_P(Twin, Fp64MatchesIt) {
+  for (const double poisson : {0.3, 0.499}) expect_twin<double>(GetParam(), poisson, agree_fp64);
+}
+TEST_P(Twin, Fp32MatchesIt) { expect_twin<float>(GetParam(), 0.45, agree_fp32); }
+INSTANTIATE_TEST_SUITE_P(PatchContact, Twin, ::testing::Values(8, 12, 16, 24));
+
+TEST(PatchContact, EveryShapeMatchesTheTwin) {
+  const fem::LayerModel model = with_sides(sensor_of(0.45));
+  auto shapes = all_shapes();
+  shapes.push_back(fem::Taylor{{2, 4, 5, 9, 20}, 6.0, 0.4, {1, 0.5, 2, 1, 0.25}});
+  shapes.push_back(fem::Taylor{{}, 6.0, {}});
+  shapes.push_back(fem::Profile{{-1, -0.2, 0.5, 1.5}, {0.05, 0, 0.001, 0.02}, 0.0, ""});  // presses beyond its ends
+  shapes.push_back(fem::Cylinder{0.3});
+  std::vector<fem::Scene> scenes;
+  for (const auto& shape : shapes)
+    for (const double position : {0.0, 3.3, -9.2}) scenes.push_back({"", model.sensor, {shape, position}, 0.6, reversal()});
+  const PatchContact<double> contact(executor(), model, {.most_growths = 0});
+  const auto batch = ran(contact, scenes);
+  const fem::PatchSolver twin(model, {.most_sweeps = 400, .most_growths = 0});
+  for (std::size_t i = 0; i < scenes.size(); ++i)
+    EXPECT_LE(difference(batch.solution(i), twin.solve(scenes[i])), agree_fp64) << describe(scenes[i]);
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// Bits
+
+using Hashes = std::vector<std::uint64_t>;
+
+std::uint64_t hash(const fem::ContactSolution& solution) {
+  std::vector<double> said(solution.surface_x.begin(), solution.surface_x.end());
+  for (const fem::ContactStep& s : solution.steps) {
+    said.insert(said.end(),
+                {s.indentation, s.tangential, s.P, s.Q, s.slip_index.value_or(-1), s.slip_distance, double(s.converged),
+                 double(s.iterations), s.residual.penetration, s.residual.cone, s.residual.complementarity,
+                 s.residual.drift, s.residual.balance});
+    for (const auto* values : {&s.normal_force, &s.tangential_force, &s.sigma_y, &s.tau_xy})
+      said.insert(said.end(), values->begin(), values->end());
+    for (const fem::GapStatus status : s.status) said.push_back(double(status));
+  }
+  return XXH3_64bits(said.data(), said.size() * sizeof(double));
+}
+
+/// Of one launch; outputs and all unused inputs hold NaN before it.
+template <class Real>
+Hashes hashes(const PatchContact<Real>& contact, std::span<const fem::Scene> scenes, std::size_t largest_chunk = 4096) {
+  const auto batch = ran(contact, scenes, largest_chunk);
+  Hashes found;
+  for (std::size_t i = 0; i < scenes.size(); ++i) found.push_back(hash(batch.solution(i)));
+  return found;
+}
+
+template <class Real>
+class PatchBits : public ::testing::Test {
+ protected:
+  const fem::LayerModel model_ = with_sides(sensor_of(0.45));
+
+  /// body(scenes) for the scenes of each kind.
+  template <class Body>
+  void each_kind(std::size_t count, const Body& body) const {
+    for (const auto& scenes : by_kind(mixed_scenes(model_.sensor, count, 5))) body(scenes);
+  }
+  PatchContact<Real> on(Executor& executor) const { return {executor, model_, {.most_sweeps = 200}}; }
+};
+using Precisions = ::testing::Types<float, double>;
+TYPED_TEST_SUITE(PatchBits, Precisions);
+
+TYPED_TEST(PatchBits, AreTheSameAtEveryNumberOfLanes) {
+  this->each_kind(24, [&](const auto& scenes) {
+    Hashes expected;
+    for (const int lanes : {16, 1, 2, 4, 8}) {
+      Executor executor{Device("basic").with_lanes(lanes), {.threads = 1}};
+      const Hashes found = hashes(this->on(executor), scenes);
+      if (lanes == 16) expected = found;
+      for (std::size_t i = 0; i < scenes.size(); ++i)
+        ASSERT_EQ(found[i], expected[i]) << lanes << " lanes, " << describe(scenes[i]);
+    }
+  });
+}
+
+TYPED_TEST(PatchBits, AreTheSameForAnyThreadsAndChunks) {
+  this->each_kind(60, [&](const auto& scenes) {
+    Executor one{Device(), {.threads = 1}};
+    const Hashes expected = hashes(this->on(one), scenes);
+    for (const char* device : {"basic", "pthread"})
+      for (const std::size_t chunk : {1, 4096}) {
+        Executor executor{Device(device), {.threads = 3}};
+        EXPECT_EQ(hashes(this->on(executor), scenes, chunk), expected) << device << ", chunks of " << chunk;
+      }
+  });
+}
+
+TYPED_TEST(PatchBits, AreTheSameInAnyOrderAndBatch) {
+  this->each_kind(50, [&](const auto& scenes) {
+    const auto contact = this->on(executor());
+    const Hashes expected = hashes(contact, scenes);
+    std::vector<std::size_t> order(scenes.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::shuffle(order.begin(), order.end(), std::mt19937_64(1));
+    std::vector<fem::Scene> permuted;
+    for (const std::size_t i : order) permuted.push_back(scenes[i]);
+    const Hashes found = hashes(contact, permuted);
+    for (std::size_t k = 0; k < order.size(); ++k) ASSERT_EQ(found[k], expected[order[k]]) << describe(permuted[k]);
+    for (std::size_t from = 0, size = 1; from + size <= scenes.size(); from += size, size += 3) {
+      const Hashes part = hashes(contact, std::span(scenes).subspan(from, size));
+      ASSERT_TRUE(std::equal(part.begin(), part.end(), expected.begin() + static_cast<std::ptrdiff_t>(from))) << size;
+    }
+  });
+}
+
+/// Other scenes beside each: NaN and infinity in every input, hard contacts, long paths.
+TYPED_TEST(PatchBits, AreTheSameBesideBrokenScenes) {
+  this->each_kind(40, [&](const auto& scenes) {
+    if (scenes.empty()) return;
+    const auto contact = this->on(executor());
+    const Hashes expected = hashes(contact, scenes);
+    const bool friction = scenes.front().friction != 0;
+    std::vector<fem::Scene> mixed;
+    for (std::size_t i = 0; i < scenes.size(); ++i) {
+      fem::Scene stranger = scenes[i];
+      if (i % 5 == 0) stranger.sensor.young = i % 2 ? nan : infinity;
+      if (i % 5 == 1) stranger.indenter.position = nan;
+      if (i % 5 == 2) stranger.indenter.shape = fem::Profile{{-30, 0, 30}, {1, nan, 1}, 0.0, ""};
+      if (i % 5 == 3 && friction) stranger.friction = nan;
+      if (i % 5 == 4 && !stranger.load.angle) stranger.load.tangential.assign(12, 1e3);
+      mixed.insert(mixed.end(), {stranger, scenes[i]});
+    }
+    auto batch = ran(contact, mixed);
+    std::size_t invalid = 0;
+    for (std::size_t i = 0; i < scenes.size(); ++i) {
+      ASSERT_EQ(hash(batch.solution(2 * i + 1)), expected[i]) << describe(scenes[i]);
+      invalid += batch.result(2 * i, 0, LANE_STATUS) == double(LANE_INVALID);
+      for (const fem::ContactStep& step : batch.solution(2 * i).steps)
+        ASSERT_TRUE(!step.converged || (std::isfinite(step.P) && std::isfinite(step.Q) && step.sigma_y.allFinite()));
+    }
+    EXPECT_GE(invalid, 3 * scenes.size() / 5);
+  });
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// Certificate and fallback
+
+TEST(PatchContact, TooSmallPatchIsFlaggedAndGrows) {
+  const fem::LayerModel model = fem::endless_layer(sensor_of(0.45));
+  fem::Scene scene{"", model.sensor, {fem::Parabola{10}, 0.4}, 0.5, reversal()};
+  const PatchContact<double> contact(executor(), model);
+  const std::vector<PatchContact<double>::Given> given{PatchContactExtent{-0.9, 0.3}};
+  auto batch = contact.prepare(std::span(&scene, 1), given);
+  batch.run();
+  EXPECT_EQ(batch.result(0, 1, LANE_STATUS), double(LANE_UNSOLVED));
+  EXPECT_GT(batch.result(0, 1, LANE_PENETRATION), 0.02);
+  EXPECT_EQ(batch.patch(0, PATCH_ORIGIN), -0.9);
+  EXPECT_EQ(batch.patch(0, PATCH_OUT_RIGHT), 3);
+  const PatchContact<double>::Batch::View view(batch);
+  const auto grown = grown_contact<double>(view, 0, 12);
+  ASSERT_TRUE(grown);
+  EXPECT_NEAR(grown->right, 0.3 + 3.5 * 0.1, 1e-12);
+}
+
+/// Sides that are much softer than the search knows: patches at the ends grow, and answers are those of larger patches.
+TEST(PatchContact, GrownPatchesAreCertified) {
+  const fem::LayerModel model = with_sides(sensor_of(0.3));
+  std::vector<fem::Scene> scenes = mixed_scenes(model.sensor, 150, 2);
+  PatchContactReport report;
+  const PatchContact<double> contact(executor(), model);
+  const auto solutions = solve_patch_contact(contact, scenes, &report);
+  EXPECT_GT(report.grown, 2u);
+  EXPECT_LE(report.fell_back, scenes.size() / 20);
+  EXPECT_LE(report.unsolved, scenes.size() / 30);
+  const fem::PatchSolver twin(model, {.most_sweeps = 400});
+  for (std::size_t i = 0; i < scenes.size(); ++i)
+    if (!solutions[i].fell_back && solutions[i].steps.back().converged) {
+      EXPECT_LE(difference(solutions[i], twin.solve(scenes[i])), agree_fp64) << describe(scenes[i]);
+    }
+}
+
+TEST(PatchContact, FallsBackWhereSweepsWereCutShort) {
+  const fem::LayerModel model = fem::endless_layer(sensor_of(0.45));
+  std::vector<fem::Scene> scenes;
+  for (const auto& shape : all_shapes()) scenes.push_back({"", model.sensor, {shape, 0.2}, 0.5, reversal()});
+  PatchContactReport report;
+  const PatchContact<float> contact(executor(), model, {.most_sweeps = 3});
+  const auto solutions = solve_patch_contact(contact, scenes, &report);
+  EXPECT_GE(report.fell_back, scenes.size() / 2);
+  EXPECT_EQ(report.unsolved, 0u);
+  for (const auto& solution : solutions)
+    for (const auto& step : solution.steps) EXPECT_TRUE(step.converged);
+}
+
+TEST(PatchContact, ManySensorsInOneCall) {
+  std::vector<fem::Scene> scenes;
+  for (const double poisson : {0.3, 0.45})
+    for (const auto& shape : all_shapes()) scenes.push_back({"", sensor_of(poisson), {shape, 0.0}, 0.5, reversal()});
+  std::shuffle(scenes.begin(), scenes.end(), std::mt19937_64(3));
+  const auto together = solve_patch_contact(executor(), scenes, Precision::fp32);
+  for (std::size_t i = 0; i < scenes.size(); i += 7)
+    EXPECT_EQ(hash(together[i]), hash(solve_patch_contact(executor(), std::span(&scenes[i], 1), Precision::fp32)[0]));
+}
+
+TEST(PatchContact, NumberOfElementsWithoutProgramIsRefused) {
+  EXPECT_THROW(PatchContact<float>(executor(), fem::endless_layer(fem::Sensor{}), {.elements = 10}), ValueError);
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// Laws
+
+fem::ContactSolution solved(const fem::Scene& scene, double tolerance = 1e-12) {
+  const PatchContact<double> contact(executor(), fem::endless_layer(scene.sensor), {.tolerance = tolerance, .accept = 1e-2});
+  const auto batch = ran(contact, std::span(&scene, 1));
+  return batch.solution(0);
+}
+
+/// The layer's base bears what presses and drags on its surface, all of it within some thicknesses: the sensor is long.
+TEST(PatchContact, BaseStressBalancesTheForces) {
+  fem::Sensor sensor = sensor_of(0.45);
+  sensor.length = 60;
+  sensor.tactels = 1201;
+  for (const auto& shape : all_shapes()) {
+    if (std::holds_alternative<fem::Flat>(shape) && !std::get<fem::Flat>(shape).half_width) continue;  // to the ends
+    const fem::ContactSolution solution = solved({"", sensor, {shape, 0.3}, 0.6, reversal()}, 1e-3);
+    const double dx = solution.tactel_x[1] - solution.tactel_x[0];
+    for (const fem::ContactStep& step : solution.steps) {
+      // The table is linear between rows h / 30 apart; the rest is less.
+      EXPECT_NEAR(step.sigma_y.sum() * dx, -step.P, 1e-3 * step.P) << fem::shape_name(shape);
+      EXPECT_NEAR(step.tau_xy.sum() * dx, step.Q, 1e-3 * step.P) << fem::shape_name(shape);
+    }
+  }
+}
+
+/// Mirrored in x, P stays, Q and tau change their sign; tactels count from the other end.
+TEST(PatchContact, MirrorImageOfASceneHasTheMirroredAnswer) {
+  for (const auto& shape : all_shapes()) {
+    fem::Scene scene{"", sensor_of(0.45), {shape, 1.7}, 0.5, reversal()}, mirrored = scene;
+    mirrored.indenter.position = -1.7;
+    for (double& x : mirrored.load.tangential) x = -x;
+    const auto one = solved(scene), other = solved(mirrored);
+    for (std::size_t k = 0; k < one.steps.size(); ++k) {
+      const fem::ContactStep &a = one.steps[k], &b = other.steps[k];
+      ASSERT_TRUE(a.converged && b.converged) << fem::shape_name(shape);
+      EXPECT_NEAR(a.P, b.P, 1e-9 * a.P) << fem::shape_name(shape);
+      EXPECT_NEAR(a.Q, -b.Q, 1e-9 * a.P) << fem::shape_name(shape);
+      EXPECT_LE((a.tau_xy + b.tau_xy.reverse()).cwiseAbs().maxCoeff(), 1e-9 * a.P) << fem::shape_name(shape);
+    }
+  }
+}
+
+/// Forces go with E, and with the size of the whole scene; S with neither.
+TEST(PatchContact, ScalesWithStiffnessAndSize) {
+  fem::Scene scene{"", sensor_of(0.45), {fem::Wedge{150}, 0.7}, 0.5, reversal()}, stiff = scene, large = scene;
+  stiff.sensor.young = 7 * scene.sensor.young;
+  constexpr double size = 3.7;
+  large.sensor.length *= size;
+  large.sensor.thickness *= size;
+  large.indenter.position *= size;
+  for (double& d : large.load.indentation) d *= size;
+  for (double& x : large.load.tangential) x *= size;
+  const auto one = solved(scene), seven = solved(stiff), sized = solved(large);
+  for (std::size_t k = 0; k < one.steps.size(); ++k) {
+    EXPECT_NEAR(seven.steps[k].P, 7 * one.steps[k].P, 1e-12 * seven.steps[k].P);
+    EXPECT_NEAR(seven.steps[k].Q, 7 * one.steps[k].Q, 1e-12 * seven.steps[k].P);
+    EXPECT_NEAR(sized.steps[k].P, size * one.steps[k].P, 1e-9 * sized.steps[k].P);
+    EXPECT_NEAR(sized.steps[k].Q, size * one.steps[k].Q, 1e-9 * sized.steps[k].P);
+    EXPECT_NEAR(*sized.steps[k].slip_index, *one.steps[k].slip_index, 1e-9);
+    EXPECT_LE((sized.steps[k].sigma_y - one.steps[k].sigma_y).cwiseAbs().maxCoeff(), 1e-9 * one.steps[k].P);
+  }
+}
+
+/// A parabola on a layer much thicker than the contact is wide: Hertz's peak pressure (P E* / (pi R))^(1/2), K. L.
+/// Johnson, Contact Mechanics (1985), section 4.2(c).
+TEST(PatchContact, ThickLayerHasTheContactOfHertz) {
+  fem::Sensor sensor = sensor_of(0.45);
+  sensor.thickness = 600;
+  sensor.length = 4000;
+  fem::Scene scene{"", sensor, {fem::Parabola{10}, 0}, 0.0, {}};
+  scene.load.indentation = {0.3};
+  for (const int elements : {12, 24}) {
+    const PatchContact<double> contact(executor(), fem::endless_layer(sensor), {.elements = elements});
+    auto batch = ran(contact, std::span(&scene, 1));
+    const fem::ContactStep step = batch.solution(0).steps.back();
+    const double stiffness = sensor.young / (1 - 0.45 * 0.45);
+    const double peak = std::sqrt(step.P * stiffness / (std::numbers::pi * 10));
+    EXPECT_NEAR(step.normal_force.maxCoeff() / batch.patch(0, PATCH_ELEMENT), peak, 0.01 * peak) << elements;
+  }
+}
+
+/// Forces that a scene gives are met to the tolerance; the angle is theirs.
+TEST(PatchContact, GivenForcesAreMet) {
+  const fem::LayerModel model = fem::endless_layer(sensor_of(0.45));
+  const auto scenes = random_force_scenes(model.sensor, 100, 8);
+  const auto solutions = solve_patch_contact(PatchContact<float>(executor(), model), scenes);
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const fem::ContactStep& last = solutions[i].steps.back();
+    if (!last.converged) continue;
+    const double P = scenes[i].load.normal_force.back();
+    EXPECT_NEAR(last.P, P, 1.1e-3 * P) << describe(scenes[i]);
+    const double ratio = scenes[i].load.angle ? std::tan(*scenes[i].load.angle * std::numbers::pi / 180) : 0;
+    if (scenes[i].load.angle) {
+      EXPECT_NEAR(last.Q, P * ratio, 2.5e-3 * P) << describe(scenes[i]);
+    }
+  }
+}
+
+TEST(PatchContact, GoesOnUntilTheContactSlides) {
+  fem::Scene scene{"", sensor_of(0.45), {fem::Parabola{10}, 0.0}, 0.4, {}};
+  scene.load.tangential_step = 0.05;
+  const auto solution = solved(scene, 1e-3);
+  EXPECT_TRUE(solution.sliding);
+  EXPECT_LT(solution.steps.size(), 30u);
+  EXPECT_NEAR(*solution.steps.back().slip_index, 1.0, 1e-12);
+  EXPECT_LT(*solution.steps[solution.steps.size() - 2].slip_index, 1.0);
+}
+
+/// Without friction only depth counts: drags leave every bit as it was.
+TEST(PatchContact, FrictionlessDragsChangeNothing) {
+  const fem::LayerModel model = fem::endless_layer(sensor_of(0.45));
+  std::vector<fem::Scene> scenes;
+  for (const auto& shape : all_shapes()) scenes.push_back({"", model.sensor, {shape, 0.3}, 0.0, reversal()});
+  const auto batch = ran(PatchContact<float>(executor(), model), scenes);
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const fem::ContactSolution solution = batch.solution(i);
+    for (std::size_t k = 2; k < solution.steps.size(); ++k) {
+      EXPECT_TRUE(solution.steps[k].converged);
+      EXPECT_EQ(solution.steps[k].P, solution.steps[1].P);
+      EXPECT_EQ(solution.steps[k].Q, 0);
+      EXPECT_EQ(solution.steps[k].iterations, 0);
+      EXPECT_FALSE(solution.steps[k].slip_index);
+    }
+  }
+}
+
+/// Lifted off the surface, nothing bears force.
+TEST(PatchContact, LiftedIndenterBearsNothing) {
+  fem::Scene scene{"", sensor_of(0.45), {fem::Flat{3.0}, 0.0}, 0.4, {}};
+  scene.load.indentation = {0.2, 0.0};
+  const auto solution = solved(scene, 1e-3);
+  ASSERT_EQ(solution.steps.size(), 2u);
+  EXPECT_GT(solution.steps[0].P, 0);
+  EXPECT_EQ(solution.steps[1].P, 0);
+  EXPECT_EQ(solution.steps[1].sigma_y.cwiseAbs().maxCoeff(), 0);
+}
+
+}  // namespace
+}  // namespace tactel::host
