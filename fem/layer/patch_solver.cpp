@@ -58,6 +58,7 @@ class PatchWalk {
       : options_(options),
         scene_(scene),
         x_(places(patch)),
+        width_(patch.width()),
         compliance_(patch_compliance(model, patch)),
         contact_(compliance_, patch_heights(patch, scene), std::min(scene.friction, largest_friction),
                  {by_force(scene) ? options.tolerance / 10 : options.tolerance, options.most_sweeps}),
@@ -74,6 +75,7 @@ class PatchWalk {
   const PatchOptions& options_;
   const Scene& scene_;
   Eigen::VectorXd x_;
+  double width_;  ///< of an element, mm
   PatchCompliance compliance_;
   PatchContact contact_;
   PatchForceControl force_;
@@ -151,6 +153,7 @@ bool slides(const ContactStep& step) {
 ContactSolution PatchWalk::walk(Beyond& beyond) {
   ContactSolution solution;
   solution.surface_x = x_;
+  solution.surface_width = Eigen::VectorXd::Constant(x_.size(), width_);
   solution.tactel_x = tactel_positions(scene_.sensor);
   const LoadPath path = load_path(scene_.load);
   for (const PatchStep& increment : patch_steps(path, scene_.load, options_.increments())) {

@@ -176,11 +176,13 @@ typename PatchContact<Real>::Batch PatchContact<Real>::prepare(std::span<const f
   batch.state_ = std::make_shared<typename Batch::State>();
   auto& b = *batch.state_;
   b.contact = state_;
+  const PatchContactOptions& options = this->options();
+  const fem::PatchOptions twin{.elements = options.elements, .pressing_increments = options.increments};
   std::vector<PatchPath> paths;
   std::vector<PatchLane> lanes;
   std::size_t shapes = 0;
   for (const fem::Scene& scene : scenes) {
-    paths.push_back(patch_path(scene, state_->elements));
+    paths.push_back(patch_path(scene, twin.increments()));
     lanes.push_back(patch_lane(scene, paths.back(), given.empty() ? std::nullopt : given[lanes.size()]));
     shapes += lanes.back().shape.size();
     b.path_steps.push_back(paths.back().slots);
@@ -363,6 +365,7 @@ fem::ContactSolution PatchContact<Real>::Batch::solution(std::size_t i) const {
   fem::ContactSolution solution;
   solution.surface_x = Eigen::VectorXd::NullaryExpr(
       elements, [&](auto n) { return b.position[i] + origin + width * (static_cast<double>(n) + 0.5); });
+  solution.surface_width = Eigen::VectorXd::Constant(elements, width);
   solution.tactel_x = fem::tactel_positions(b.contact->model.sensor);
   for (int k = 0; k < b.path_steps[i]; ++k) {
     const auto said = [&](int row) { return static_cast<double>(view.result(i, k, row)); };

@@ -16,6 +16,8 @@ namespace tactel::host {
 /// Options of the launcher of kernels/patch_contact.cl.
 struct PatchContactOptions {
   int elements = 12;        ///< of a patch: 8, 12, 16 or 24; each number has its own program
+  int increments = 0;       ///< to each pressing target, at least; 0: a third of the elements
+  bool sides = true;        ///< solve_patch_contact: with the sensor's free sides
   double tolerance = 1e-3;  ///< largest change of a force in the last sweep over the largest pressure force
   double accept = 0;        ///< largest residual of a solved step; 0: 20 tolerance, at least 2e-5 in fp32
   int most_sweeps = 400;    ///< an increment that needs more is reported as unsolved

@@ -129,11 +129,10 @@ Interval below(const fem::Profile&, const PatchLane& lane, double depth) {
 
 }  // namespace
 
-PatchPath patch_path(const fem::Scene& scene, int elements) {
+PatchPath patch_path(const fem::Scene& scene, int pressing_increments) {
   const fem::LoadPath load = fem::load_path(scene.load);
-  const fem::PatchOptions twin{.elements = elements};
   PatchPath path;
-  path.steps = fem::patch_steps(load, scene.load, twin.increments());
+  path.steps = fem::patch_steps(load, scene.load, pressing_increments);
   path.slots = static_cast<int>(load.steps.size());
   path.indentation_slots = load.indentation_steps;
   path.until_sliding = load.until_sliding;

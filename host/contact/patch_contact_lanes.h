@@ -18,8 +18,8 @@ struct PatchPath {
   double most = 0;  ///< largest depth mm, or largest P N/mm
 };
 
-/// As the twin has it for this number of elements (fem/layer/patch_path.h).
-PatchPath patch_path(const fem::Scene& scene, int elements);
+/// Returns the path with at least this number of increments to each pressing target (fem/layer/patch_path.h).
+PatchPath patch_path(const fem::Scene& scene, int pressing_increments);
 
 /// What the kernel gets of one scene: its rows of PatchInputRow, and its part of `shapes`.
 struct PatchLane {

@@ -80,7 +80,9 @@ void solve_on_sensor(Executor& executor, std::span<const fem::Scene> scenes, con
                      const PatchContactOptions& options, std::vector<fem::ContactSolution>& solutions) {
   std::vector<fem::Scene> alike;
   for (const std::size_t i : which) alike.push_back(scenes[i]);
-  const PatchContact<Real> contact(executor, fem::layer_model(alike.front().sensor), options);
+  const fem::Sensor& sensor = alike.front().sensor;
+  const PatchContact<Real> contact(executor, options.sides ? fem::layer_model(sensor) : fem::endless_layer(sensor),
+                                   options);
   auto solved = solve_patch_contact(contact, alike);
   for (std::size_t k = 0; k < which.size(); ++k) solutions[which[k]] = std::move(solved[k]);
 }
@@ -113,6 +115,7 @@ std::vector<fem::ContactSolution> solve_patch_contact(const PatchContact<Real>& 
       const fem::PatchSolver twin(contact.model(), {.elements = options.elements,
                                                     .tolerance = options.tolerance,
                                                     .accept = options.accept,
+                                                    .pressing_increments = options.increments,
                                                     .most_sweeps = more_sweeps * options.most_sweeps,
                                                     .most_growths = options.most_growths});
       fem::ContactSolution again = twin.solve(scenes[i]);

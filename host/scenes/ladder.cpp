@@ -48,7 +48,7 @@ const std::vector<std::pair<std::string, std::string>>& other_names() {
 const std::vector<Rung>& all_rungs() {
   using enum Precision;
   static const std::vector<Rung> rungs = {
-      {.name = "patch-8", .elements = 8, .columns = 81, .rows = 17, .steps = 2, .precision = fp32, .tolerance = 1e-3},
+      {.name = "patch-8", .elements = 8, .columns = 81, .rows = 17, .steps = 3, .precision = fp32, .tolerance = 1e-3},
       {.name = "patch-12", .elements = 12, .columns = 161, .rows = 25, .steps = 4, .precision = fp32, .tolerance = 1e-3},
       {.name = "patch-16", .elements = 16, .columns = 161, .rows = 25, .steps = 6, .precision = fp32, .tolerance = 1e-3},
       {.name = "patch-24", .elements = 24, .columns = 161, .rows = 25, .steps = 8, .precision = fp32, .tolerance = 1e-3},
