@@ -28,29 +28,35 @@ PatchCompliance patch_compliance(const LayerModel& model, const Patch& patch) {
   return c;
 }
 
-Condensation patch_condensation(const LayerModel& model, const Patch& patch) {
-  const PatchCompliance c = patch_compliance(model, patch);
-  const Eigen::Index n = patch.elements, tactels = model.base.tactels();
+Condensation without_compliance(const LayerModel& model, const Eigen::VectorXd& places) {
+  const Eigen::Index n = places.size(), tactels = model.base.tactels();
   Condensation result;
-  result.surface_x = places(patch);
+  result.surface_x = places;
   result.tactel_x = tactel_positions(model.sensor);
   result.base_x = Eigen::VectorXd::Zero(1);
   result.compliance.resize(2 * n, 2 * n);
   result.base_force = Eigen::MatrixXd::Zero(2, 2 * n);
   result.tactel_stress.resize(2 * tactels, 2 * n);
   for (Eigen::Index j = 0; j < n; ++j) {
-    for (Eigen::Index i = 0; i < n; ++i) {
+    result.base_force.block<2, 2>(0, 2 * j).setIdentity();
+    const Eigen::VectorXd stress = model.base.at(places[j]);
+    const auto part = [&](BaseStressTable::Quantity quantity) { return stress.segment(quantity * tactels, tactels); };
+    result.tactel_stress.col(2 * j) << part(BaseStressTable::sigma_by_traction), part(BaseStressTable::tau_by_traction);
+    result.tactel_stress.col(2 * j + 1) << -part(BaseStressTable::sigma_by_pressure),
+        -part(BaseStressTable::tau_by_pressure);
+  }
+  return result;
+}
+
+Condensation patch_condensation(const LayerModel& model, const Patch& patch) {
+  const PatchCompliance c = patch_compliance(model, patch);
+  Condensation result = without_compliance(model, places(patch));
+  for (Eigen::Index j = 0; j < patch.elements; ++j)
+    for (Eigen::Index i = 0; i < patch.elements; ++i) {
       const Eigen::Index row = i + rows_beyond;
       result.compliance.block<2, 2>(2 * i, 2 * j) << c.ux_by_t(row, j), -c.ux_by_n(row, j), c.uy_by_t(row, j),
           -c.uy_by_n(row, j);
     }
-    result.base_force.block<2, 2>(0, 2 * j).setIdentity();
-    const Eigen::VectorXd stress = model.base.at(result.surface_x[j]);
-    result.tactel_stress.col(2 * j) << stress.segment(BaseStressTable::sigma_by_traction * tactels, tactels),
-        stress.segment(BaseStressTable::tau_by_traction * tactels, tactels);
-    result.tactel_stress.col(2 * j + 1) << -stress.segment(BaseStressTable::sigma_by_pressure * tactels, tactels),
-        -stress.segment(BaseStressTable::tau_by_pressure * tactels, tactels);
-  }
   return result;
 }
 
