@@ -92,6 +92,7 @@ ContactSolution PatchReference::solve(const Scene& scene) const {
     const bool right = !patch.edge_right && !patch.reaches_right && presses(solution, options_.elements - 1);
     if (!(left || right) || growths == options_.most_growths) {
       keep_asked(solution, parts, load_path(fine.load).indentation_steps);
+      solution.surface_width = elements.width;
       return solution;
     }
     const double more = growth * (patch.right - patch.left);
