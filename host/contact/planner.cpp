@@ -63,7 +63,7 @@ double expected_next_error(std::size_t rung, double difference) {
 
 Plan plan(std::span<const fem::Scene> scenes, double accuracy, const SolveRung& solve) {
   const auto& rungs = ladder();
-  Plan result{.accuracy = accuracy};
+  Plan result{.accuracy = accuracy, .rung = rungs.front()};
   std::vector<fem::ContactSolution> answers = solve(rungs.front());
   for (std::size_t low = 0; low + 1 < rungs.size(); ++low) {
     std::vector<fem::ContactSolution> finer = solve(rungs[low + 1]);
@@ -93,8 +93,9 @@ std::string Plan::why() const {
   else
     text += fmt::format("S differs by {:.2g} on rung {}; expected error in S {:.2g}, requested {:g}", last.difference,
                         other, estimate, accuracy);
-  return text + fmt::format("; the accuracy holds for S alone: sigma_y differs by {:.2g}, tau_xy by {:.2g} of its largest",
-                            last.sigma, last.tau);
+  return text +
+         fmt::format("; the accuracy holds for S alone: sigma_y differs by {:.2g}, tau_xy by {:.2g} of its largest",
+                     last.sigma, last.tau);
 }
 
 nlohmann::ordered_json to_json(const Plan& plan) {
@@ -108,13 +109,8 @@ nlohmann::ordered_json to_json(const Plan& plan) {
                       {"missed", t.missed},
                       {"sigma_difference", t.sigma},
                       {"tau_difference", t.tau}});
-  return {{"accuracy", plan.accuracy},
-          {"promises", "slip_index"},
-          {"rung", plan.rung.name},
-          {"model", plan.model},
-          {"estimate", plan.estimate},
-          {"kept", plan.kept},
-          {"tried", std::move(trials)}};
+  return {{"accuracy", plan.accuracy}, {"promises", "slip_index"}, {"rung", plan.rung.name},    {"model", plan.model},
+          {"estimate", plan.estimate}, {"kept", plan.kept},        {"tried", std::move(trials)}};
 }
 
 }  // namespace tactel::host

@@ -23,9 +23,9 @@ std::span<const MeasuredRung> measured_ladder();
 /// quantiles.
 struct PlanTrial {
   std::string rung, next;
-  double difference = 0;     ///< in S; a contact that either misses, although the load presses, counts as 1
-  double estimate = 0;       ///< expected error in S of `rung`
-  double next_estimate = 0;  ///< expected error in S of `next`
+  double difference = 0;      ///< in S; a contact that either misses, although the load presses, counts as 1
+  double estimate = 0;        ///< expected error in S of `rung`
+  double next_estimate = 0;   ///< expected error in S of `next`
   double sigma = 0, tau = 0;  ///< differences of the stresses at the tactels, as AnswerError; no promise
   double P = 0, Q = 0;        ///< differences of the forces, as AnswerError; no promise
   bool missed = false;        ///< a contact is missed

@@ -121,13 +121,19 @@ Json to_json(const fem::Scene& scene, const SolveOutcome& outcome) {
   const fem::ContactSolution& solution = outcome.solution;
   Json steps = Json::array();
   for (const fem::ContactStep& step : solution.steps) steps.push_back(step_json(step));
-  Json out = {{"tactel", TACTEL_VERSION},           {"scene", to_json(scene)},
-              {"solver", outcome.solver},           {"precision", outcome.precision},
-              {"device", outcome.device},           {"model", model_name(outcome)},
-              {"model_reason", outcome.model_reason}, {"surface_x", numbers(solution.surface_x)},
+  Json out = {{"tactel", TACTEL_VERSION},
+              {"scene", to_json(scene)},
+              {"solver", outcome.solver},
+              {"precision", outcome.precision},
+              {"device", outcome.device},
+              {"model", model_name(outcome)},
+              {"model_reason", outcome.model_reason},
+              {"surface_x", numbers(solution.surface_x)},
               {"surface_width", numbers(solution.surface_width)},
-              {"base_x", numbers(solution.base_x)}, {"tactel_x", numbers(solution.tactel_x)},
-              {"fallback", solution.fell_back},     {"warnings", warnings(outcome)},
+              {"base_x", numbers(solution.base_x)},
+              {"tactel_x", numbers(solution.tactel_x)},
+              {"fallback", solution.fell_back},
+              {"warnings", warnings(outcome)},
               {"steps", std::move(steps)}};
   if (!outcome.rung.empty()) out["rung"] = outcome.rung;
   if (outcome.plan) out["planner"] = to_json(*outcome.plan);

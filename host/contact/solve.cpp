@@ -34,7 +34,7 @@ SolveOutcome solve_reference(const fem::Scene& scene, const SolveOptions& option
 }
 
 constexpr double patch_accept_factor = 20;  ///< PatchContactOptions::accept over its tolerance
-constexpr double fine_tolerance = 1e-7;  ///< of a single patch in fp64
+constexpr double fine_tolerance = 1e-7;     ///< of a single patch in fp64
 
 /// The rung of a scene on a patch: the one asked for; where none is, the usual one, in fp64 where the device has it.
 Rung patch_rung(const SolveOptions& options, const DeviceInfo& device) {
@@ -237,9 +237,9 @@ SolveOutcome solve(const fem::Scene& scene, const SolveOptions& options) {
   SolveOutcome outcome = reference ? solve_reference(modelled, options) : solve_on_mesh(modelled, options);
   outcome.scene = modelled;
   outcome.rung = options.rung;
-  outcome.model_reason = rung                                          ? "--rung " + options.rung
-                         : scene.model == fem::SurfaceModel::patch     ? "--solver reference solves the mesh"
-                                                                       : "the scene file names a mesh";
+  outcome.model_reason = rung                                      ? "--rung " + options.rung
+                         : scene.model == fem::SurfaceModel::patch ? "--solver reference solves the mesh"
+                                                                   : "the scene file names a mesh";
   return outcome;
 }
 

@@ -107,6 +107,8 @@ bool every_step_solved(const View<Launcher>& view, std::size_t i) {
   return true;
 }
 
+double mesh_spacing(const fem::Sensor& sensor) { return sensor.length / (sensor.columns - 1); }
+
 /// What a set does with the mesh alone, or with patches alone.
 template <class Launcher>
 struct Solver;
@@ -147,8 +149,7 @@ struct Solver<PatchContact<Real>> {
   static std::vector<Launcher> launchers(Executor& executor, const std::vector<fem::Sensor>& sensors,
                                          const SetOptions& options) {
     std::vector<std::optional<fem::LayerModel>> models(sensors.size());
-    side_by_side(sensors.size(), executor.threads(),
-                 [&](std::size_t k) { models[k] = fem::layer_model(sensors[k]); });
+    side_by_side(sensors.size(), executor.threads(), [&](std::size_t k) { models[k] = fem::layer_model(sensors[k]); });
     std::vector<Launcher> all;
     for (const auto& model : models) all.emplace_back(executor, *model, patch_options(*options.patch));
     return all;
@@ -181,8 +182,6 @@ double deepest(const View<Launcher>& view, std::size_t i) {
     most = std::max(most, static_cast<double>(view.result(i, k, LANE_INDENTATION)));
   return most;
 }
-
-double mesh_spacing(const fem::Sensor& sensor) { return sensor.length / (sensor.columns - 1); }
 
 /// Whether the indenter slides further over the rubber than displacements are small.
 bool slides_far(const fem::Scene& scene, const fem::ContactSolution& solution) {
@@ -432,11 +431,11 @@ ContactSet Simulation<Launcher>::collect(SetSimulator::Range& any_range) {
     set.fell_back += solution.fell_back;
     set.too_deep += too_deep(scene.sensor, deepest(solution));
     set.far_slip += slides_far(scene, solution);
-    set.never_slid += rows[k] < rows[k + 1] && never_slid(scene, solution);
+    set.never_slid += rows[k] < rows[k + 1] && host::never_slid(scene, solution);
     set.unsolved += std::ranges::any_of(solution.steps, [](const auto& step) { return !step.converged; });
   }
   for (std::size_t l = 0; chain && l < views.size(); ++l)
-    measure<Launcher>(set, rows, range.launches[l], views[l], fallen, range.first);
+    measure(set, rows, range.launches[l], views[l], fallen, range.first);
   return set;
 }
 

@@ -9,9 +9,9 @@ namespace tactel::host {
 
 struct SetOptions {
   Precision precision = Precision::fp32;
-  double tolerance = 0;             ///< as GapSweepOptions
-  std::optional<Rung> patch{};      ///< contacts on patches of this rung, with its precision and tolerance; none: on the
-                                    ///< mesh of their sensor
+  double tolerance = 0;         ///< as GapSweepOptions
+  std::optional<Rung> patch{};  ///< contacts on patches of this rung, with its precision and tolerance; none: on the
+                                ///< mesh of their sensor
 };
 
 /// Simulates contacts of a source, range by range. The rows of a contact depend on the source and the number of

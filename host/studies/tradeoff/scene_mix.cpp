@@ -157,7 +157,8 @@ const char* description(Unlike respect) {
 std::vector<fem::Scene> unlike_scenes(Unlike respect, std::uint64_t seed, std::size_t count) {
   std::vector<fem::Scene> scenes = mixed_scenes(seed, count);
   for (std::size_t place = 0; place < count; ++place)
-    scenes[place] = changed(std::move(scenes[place]), respect, Draw(seed + 1 + static_cast<std::uint64_t>(respect), place));
+    scenes[place] =
+        changed(std::move(scenes[place]), respect, Draw(seed + 1 + static_cast<std::uint64_t>(respect), place));
   return scenes;
 }
 

@@ -17,7 +17,7 @@ std::vector<fem::Scene> mixed_scenes(std::uint64_t seed, std::size_t count);
 
 /// Scenes unlike the mix in one respect.
 enum class Unlike { thickness, length, poisson, tactels, force, profile, ends };
-inline constexpr Unlike all_unlike[] = {Unlike::thickness, Unlike::length, Unlike::poisson, Unlike::tactels,
+inline constexpr Unlike all_unlike[] = {Unlike::thickness, Unlike::length,  Unlike::poisson, Unlike::tactels,
                                         Unlike::force,     Unlike::profile, Unlike::ends};
 
 /// Returns "rubber 0.5 to 4 mm thick" and its like.

@@ -35,7 +35,7 @@ Rung with(Rung rung, const std::function<void(Rung&)>& change) {
 std::vector<Rung> other_models() {
   using enum Precision;
   const auto model = [](int columns, int rows, int steps, Precision precision, double tolerance) {
-    return Rung{.columns = columns, .rows = rows, .steps = steps, .precision = precision, .tolerance = tolerance};
+    return Rung{.name = "", .columns = columns, .rows = rows, .steps = steps, .precision = precision, .tolerance = tolerance};
   };
   std::vector<Rung> models = {
       model(21, 6, 1, fp32, 1e-2),   model(41, 6, 1, fp32, 1e-3),   model(41, 6, 1, fp32, 1e-2),
@@ -56,7 +56,7 @@ std::vector<Rung> other_models() {
 std::vector<Source> patch_sources() {
   using enum Precision;
   const Rung& reference = ladder().back();
-  const Rung patch{.elements = 16, .columns = 161, .rows = 25, .steps = 6, .precision = fp64, .tolerance = 1e-8};
+  const Rung patch{.name = "", .elements = 16, .columns = 161, .rows = 25, .steps = 6, .precision = fp64, .tolerance = 1e-8};
   std::vector<Source> all = {{"elements of a patch", reference, {}},
                              {"elements of the reference", reference, {}},
                              {"pressing increments of a patch", with(patch, [](Rung& r) { r.steps = 24; }), {}},
@@ -223,9 +223,9 @@ void judge_the_reference(Tradeoff& result) {
   result.reference_error = source->models.back().error.most95.S / (std::exp2(order) - 1);
 }
 
-template <class Launcher, class Options>
-double timed(Executor& executor, const std::vector<fem::Scene>& scenes, const Options& options, int runs) {
-  auto batch = Launcher(executor, scenes.front().sensor, options).prepare(scenes);
+template <class Launcher>
+double timed(const Launcher& launcher, const std::vector<fem::Scene>& scenes, int runs) {
+  auto batch = launcher.prepare(scenes);
   double best = 1e300;
   for (int run = 0; run < runs; ++run) {
     batch.run();
@@ -236,20 +236,19 @@ double timed(Executor& executor, const std::vector<fem::Scene>& scenes, const Op
 
 double seconds_of(Executor& executor, const std::vector<fem::Scene>& scenes, const Rung& rung, int runs) {
   const bool fp32 = rung.precision == Precision::fp32;
+  const fem::Sensor& sensor = scenes.front().sensor;
   if (rung.patch()) {
-    PatchContactOptions options;
-    options.elements = rung.elements;
-    options.increments = rung.steps;
-    options.tolerance = rung.tolerance;
-    return fp32 ? timed<PatchContact<float>>(executor, scenes, options, runs)
-                : timed<PatchContact<double>>(executor, scenes, options, runs);
+    const PatchContactOptions options = patch_options(rung);
+    const fem::LayerModel model = fem::layer_model(sensor);
+    return fp32 ? timed(PatchContact<float>(executor, model, options), scenes, runs)
+                : timed(PatchContact<double>(executor, model, options), scenes, runs);
   }
   GapSweepOptions options;
   options.tolerance = rung.tolerance;
   options.spread = rung.spread;
   options.nodes = false;
-  return fp32 ? timed<GapSweep<float>>(executor, scenes, options, runs)
-              : timed<GapSweep<double>>(executor, scenes, options, runs);
+  return fp32 ? timed(GapSweep<float>(executor, sensor, options), scenes, runs)
+              : timed(GapSweep<double>(executor, sensor, options), scenes, runs);
 }
 
 double reference_steps_per_second(Executor& executor, const Rung& rung) {

@@ -39,7 +39,7 @@ struct Tradeoff {
   double reference_error = 0;           ///< 95 % quantile of the reference's own error in S, by extrapolation
   double observed_order = 0;            ///< of the median error in S with the elements of the reference
   std::size_t smooth_scenes = 0;        ///< smooth indenters on more than smooth_width mm
-  ErrorQuantiles mesh_agreement;        ///< of these: the finest mesh beside the reference
+  ErrorQuantiles mesh_agreement{};      ///< of these: the finest mesh beside the reference
   double full_mesh_difference = 0;      ///< condensed against full-mesh solver on the same mesh, S, largest
   double full_mesh_per_second = 0;      ///< requested load increments per second, full mesh, one core
   std::vector<MeasuredModel> models{};  ///< named rungs first

@@ -14,12 +14,8 @@ using Json = nlohmann::ordered_json;
 
 Json rung_json(const Rung& rung) {
   if (rung.patch())
-    return {{"name", rung.name},
-            {"elements", rung.elements},
-            {"increments", rung.steps},
-            {"sides", rung.sides},
-            {"precision", name(rung.precision)},
-            {"tolerance", rung.tolerance}};
+    return {{"name", rung.name},   {"elements", rung.elements},         {"increments", rung.steps},
+            {"sides", rung.sides}, {"precision", name(rung.precision)}, {"tolerance", rung.tolerance}};
   return {{"name", rung.name},
           {"columns", rung.columns},
           {"rows", rung.rows},

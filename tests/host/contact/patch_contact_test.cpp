@@ -102,7 +102,8 @@ double difference(const fem::ContactSolution& a, const fem::ContactSolution& b) 
     if (!p.converged) break;
     const double force = q.P + std::abs(q.Q), stress = q.sigma_y.cwiseAbs().maxCoeff();
     const double off = std::max({std::abs(p.P - q.P), std::abs(p.Q - q.Q)}) / (force > 0 ? force : 1);
-    const double sigma = (p.sigma_y - q.sigma_y).cwiseAbs().maxCoeff(), tau = (p.tau_xy - q.tau_xy).cwiseAbs().maxCoeff();
+    const double sigma = (p.sigma_y - q.sigma_y).cwiseAbs().maxCoeff(),
+                 tau = (p.tau_xy - q.tau_xy).cwiseAbs().maxCoeff();
     const double of_stress = std::max(sigma, tau) / (stress > 0 ? stress : 1);
     if (!(off <= most)) most = off;
     if (!(of_stress <= most)) most = of_stress;
@@ -149,7 +150,8 @@ TEST(PatchContact, EveryShapeMatchesTheTwin) {
   shapes.push_back(fem::Cylinder{0.3});
   std::vector<fem::Scene> scenes;
   for (const auto& shape : shapes)
-    for (const double position : {0.0, 3.3, -9.2}) scenes.push_back({"", model.sensor, {shape, position}, 0.6, reversal()});
+    for (const double position : {0.0, 3.3, -9.2})
+      scenes.push_back({"", model.sensor, {shape, position}, 0.6, reversal()});
   const PatchContact<double> contact(executor(), model, {.most_growths = 0});
   const auto batch = ran(contact, scenes);
   const fem::PatchSolver twin(model, {.most_sweeps = 400, .most_growths = 0});
@@ -165,10 +167,9 @@ using Hashes = std::vector<std::uint64_t>;
 std::uint64_t hash(const fem::ContactSolution& solution) {
   std::vector<double> said(solution.surface_x.begin(), solution.surface_x.end());
   for (const fem::ContactStep& s : solution.steps) {
-    said.insert(said.end(),
-                {s.indentation, s.tangential, s.P, s.Q, s.slip_index.value_or(-1), s.slip_distance, double(s.converged),
-                 double(s.iterations), s.residual.penetration, s.residual.cone, s.residual.complementarity,
-                 s.residual.drift, s.residual.balance});
+    said.insert(said.end(), {s.indentation, s.tangential, s.P, s.Q, s.slip_index.value_or(-1), s.slip_distance,
+                             double(s.converged), double(s.iterations), s.residual.penetration, s.residual.cone,
+                             s.residual.complementarity, s.residual.drift, s.residual.balance});
     for (const auto* values : {&s.normal_force, &s.tangential_force, &s.sigma_y, &s.tau_xy})
       said.insert(said.end(), values->begin(), values->end());
     for (const fem::GapStatus status : s.status) said.push_back(double(status));
@@ -340,7 +341,8 @@ TEST(PatchContact, NumberOfElementsWithoutProgramIsRefused) {
 // Laws
 
 fem::ContactSolution solved(const fem::Scene& scene, double tolerance = 1e-12) {
-  const PatchContact<double> contact(executor(), fem::endless_layer(scene.sensor), {.tolerance = tolerance, .accept = 1e-2});
+  const PatchContact<double> contact(executor(), fem::endless_layer(scene.sensor),
+                                     {.tolerance = tolerance, .accept = 1e-2});
   const auto batch = ran(contact, std::span(&scene, 1));
   return batch.solution(0);
 }

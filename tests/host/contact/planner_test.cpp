@@ -99,8 +99,7 @@ TEST(Planner, EveryRungHasBeenMeasured) {
 /// Two rungs that agree by chance are not believed more than the rung deserves on the mix.
 TEST(Planner, AgreementByChanceIsNoProof) {
   const fem::Scene scene = pressed();
-  const Plan chosen =
-      plan(std::span(&scene, 1), 1e-3, [](const Rung&) { return std::vector{answer_with(0.5, 1)}; });
+  const Plan chosen = plan(std::span(&scene, 1), 1e-3, [](const Rung&) { return std::vector{answer_with(0.5, 1)}; });
   EXPECT_EQ(chosen.trials.front().difference, 0);
   EXPECT_EQ(chosen.trials.front().estimate, measured_ladder()[0].least);
   EXPECT_EQ(chosen.trials.front().next_estimate, measured_ladder()[1].least);
