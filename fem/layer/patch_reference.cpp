@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "fem/gap_condensed.h"
 #include "fem/layer/patch_compliance.h"
+#include "fem/layer/patch_exact.h"
 #include "fem/layer/patch_search.h"
 #include "fem/layer/rigid_contact.h"
 #include "fem/layer/strip_compliance.h"
@@ -24,15 +24,6 @@ Interval contact_of(const Patch& patch, const PatchLimits& limits) {
 bool presses(const ContactSolution& solution, Eigen::Index element) {
   return std::any_of(solution.steps.begin(), solution.steps.end(),
                      [&](const ContactStep& step) { return step.normal_force[element] > 0; });
-}
-
-/// Keeps every `parts`-th step of the indentation, and all others.
-void keep_asked(ContactSolution& solution, int parts, int pressing_steps) {
-  std::vector<ContactStep> asked;
-  for (int k = 0; k < static_cast<int>(solution.steps.size()); ++k)
-    if (k >= pressing_steps || (k + 1) % parts == 0)
-      asked.push_back(std::move(solution.steps[static_cast<std::size_t>(k)]));
-  solution.steps = std::move(asked);
 }
 
 }  // namespace
@@ -79,22 +70,17 @@ ContactSolution PatchReference::solve(const Scene& scene) const {
   scene.validate();
   Scene fine = scene;
   fine.indenter = with_hull(scene.indenter);
-  const int parts = (options_.pressing_increments + scene.load.indentation_steps - 1) / scene.load.indentation_steps;
-  fine.load.indentation_steps *= parts;
   const PatchLimits limits = patch_limits(fine);
   Patch patch = find_patch(fine, model_.table, options_.elements).patch;
   for (int growths = 0;; ++growths) {
     const UnequalElements elements =
         graded_elements(contact_of(patch, limits), patch.edge_left, patch.edge_right, options_.elements);
-    const Condensation condensation = elements_condensation(model_, elements);
-    ContactSolution solution = GapCondensed(condensation, options_.exact).solve(fine);
+    ContactSolution solution = solve_in_increments(elements_condensation(model_, elements), fine,
+                                                   options_.pressing_increments, options_.exact);
     const bool left = !patch.edge_left && !patch.reaches_left && presses(solution, 0);
     const bool right = !patch.edge_right && !patch.reaches_right && presses(solution, options_.elements - 1);
-    if (!(left || right) || growths == options_.most_growths) {
-      keep_asked(solution, parts, load_path(fine.load).indentation_steps);
-      solution.surface_width = elements.width;
-      return solution;
-    }
+    solution.surface_width = elements.width;
+    if (!(left || right) || growths == options_.most_growths) return solution;
     const double more = growth * (patch.right - patch.left);
     patch = make_patch({patch.left - (left ? more : 0), patch.right + (right ? more : 0)}, limits, options_.elements);
   }

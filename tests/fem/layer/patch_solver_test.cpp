@@ -10,6 +10,7 @@
 
 #include "fem/contact_laws.h"
 #include "fem/gap_condensed.h"
+#include "fem/layer/patch_exact.h"
 #include "fem/layer/patch_laws.h"
 #include "layer_sensors.h"
 
@@ -205,6 +206,26 @@ TEST(PatchSolver, ALiftedIndenterLeavesTheRubberAlone) {
     EXPECT_TRUE(solution.steps[k].converged);
   }
   EXPECT_FALSE(solution.sliding);
+}
+
+TEST(PatchExact, SolvesWhatSweepsCannot) {
+  // Too few sweeps; and the increments of the sweeps, so that a solved scene has the same answer.
+  const LayerModel& model = endless(0.3);
+  Load load = by_depth({0.1, 0.2}, {0.05, 0.1});
+  load.indentation_steps = 3;
+  const Scene scene = scene_on(model, Parabola{10}, 0, 0.5, load);
+  const Patch patch = find_patch(scene, model.table, 12).patch;
+  EXPECT_FALSE(PatchSolver(model, {.most_sweeps = 3}).solve_on(patch, scene).steps.back().converged);
+  const ContactSolution swept =
+      PatchSolver(model, {.tolerance = 1e-12, .accept = 1e-8, .pressing_increments = 5}).solve_on(patch, scene);
+  const ContactSolution exact = solve_patch_exactly(model, patch, scene, 5);
+  ASSERT_EQ(exact.steps.size(), 8u);
+  ASSERT_EQ(swept.steps.size(), 8u);
+  for (std::size_t k = 0; k < 8; ++k) {
+    EXPECT_TRUE(exact.steps[k].converged);
+    EXPECT_EQ(exact.steps[k].indentation, swept.steps[k].indentation);
+    EXPECT_LT(difference(swept.steps[k], exact.steps[k]), 1e-9) << k;
+  }
 }
 
 TEST(PatchSolver, APatchThatIsTooSmallGrows) {
