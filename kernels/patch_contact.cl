@@ -62,6 +62,9 @@
 #define OUTSIDE 3            /* rows beyond each end of the patch that the certificate looks at */
 #define MOST_FORCE_TRIALS 60 /* trials of depth (and position) to reach given forces */
 
+/* A function of its own: what is unrolled in it exists once. */
+#define OUTLINE static __attribute__((noinline))
+
 /* Keeps the compiler from holding loaded numbers of one row for the next, which spills. Empty on GPUs. */
 #if LANES > 1
 #define ROW_BARRIER __asm__ volatile("" ::: "memory")
@@ -243,7 +246,7 @@ static inline vreal point_heights(const Profile *p, vreal x, vreal y) {
 }
 
 /* Height of the profile at x, mm; beyond the limits that of the limit. */
-static inline vreal profile_height(const Profile *p, vreal x) {
+OUTLINE vreal profile_height(const Profile *p, vreal x) {
   x = SMALLER(LARGER(x, p->left), p->right);
   const vreal r = fabs(x), q = LARGER(r - p->flat, ALL_LANES(0));
   vreal y = q * fma(fma(fma(fma(p->c[4], q, p->c[3]), q, p->c[2]), q, p->c[1]), q, p->c[0]);
@@ -344,7 +347,7 @@ static inline void lay_patch(const Layer *layer, const vreal *in, const Profile 
 
 /* Rounds of frictionless contact at this depth from the window [from, to] on. Returns the force of the last; [*left, *right]: what
    presses. */
-static inline vreal search_at(const Layer *layer, const Profile *profile, vreal depth, vreal from, vreal to, vint searching, vreal *left,
+OUTLINE vreal search_at(const Layer *layer, const Profile *profile, vreal depth, vreal from, vreal to, vint searching, vreal *left,
                               vreal *right, vreal *sweeps) {
   vreal p = 0;
   *left = from;
@@ -468,7 +471,7 @@ static inline void signed_modes(const Layer *layer, const vreal *v, vreal *to) {
 static inline int outside_place(int o) { return o < OUTSIDE ? -1 - o : N + o - OUTSIDE; }
 
 /* Rows of the compliance, scaled, and those beyond the ends. */
-static inline void build_compliance(const Layer *layer, const Patch *patch, vreal position, Contact *c) {
+OUTLINE void build_compliance(const Layer *layer, const Patch *patch, vreal position, Contact *c) {
   LayerRows rows;
   layer_rows(layer, patch->element, &rows);
   vreal v[N][2 * SIDE_MODES];
@@ -636,7 +639,7 @@ static inline vint damped_sweep(Contact *c, const Indenter *in, real part, real 
 }
 
 /* Sweeps until every active lane has converged. Leaves in in->active the lanes that ran out of sweeps. */
-static inline void iterate(const Rules *rules, Contact *c, Indenter *in, vreal *sweeps) {
+OUTLINE void iterate(const Rules *rules, Contact *c, Indenter *in, vreal *sweeps) {
   int k = 0;
   for (; k < min(rules->most_sweeps, DAMPED_AFTER) && ANY(in->active); ++k) {
     *sweeps += PICK(in->active, ALL_LANES(1), ALL_LANES(0));
@@ -649,7 +652,7 @@ static inline void iterate(const Rules *rules, Contact *c, Indenter *in, vreal *
 }
 
 /* The contact laws at every element, from the forces alone. */
-static inline void certify(Contact *c, const Indenter *in, Certificate *k) {
+OUTLINE void certify(Contact *c, const Indenter *in, Certificate *k) {
   vreal largest_uy = 0, largest_n = 0, finite = 0;
   k->penetration = k->cone = k->complementarity = k->drift = k->slip_distance = 0;
   for (int i = 0; i < N; ++i) {

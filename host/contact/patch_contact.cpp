@@ -91,22 +91,21 @@ struct PatchContact<Real>::Batch::State {
   std::vector<int> path_steps, indentation_steps, increments;  ///< [scenes]
   std::vector<double> friction, young, position;               ///< [scenes]
   int slots = 0, most_increments = 0;
-  std::size_t groups = 0;
+  std::size_t groups = 0, lanes = 1;
   double seconds = 0;
   Buffer<Real> shapes, lane_input, path, result, forces, stress, patches;
   Launch launch;
 
-  std::size_t lanes() const { return contact->lanes(); }
   std::size_t outputs() const { return contact->tables.outputs; }
   /// Index of [group][.. `row` of `height` a group ..][lane].
   std::size_t at_lane(std::size_t lane, std::size_t height, std::size_t row) const {
-    return ((lane / lanes()) * height + row) * lanes() + lane % lanes();
+    return ((lane / lanes) * height + row) * lanes + lane % lanes;
   }
   /// Index of a scene's load step in [lane][slots].
   std::size_t slot(std::size_t scene, int step) const { return place[scene] * slots + step; }
 
   void lay_out(std::span<const fem::Scene> scenes, std::span<const PatchPath> paths);
-  void fill(std::span<const PatchPath> paths, std::span<const PatchLane> lanes);
+  void fill(std::span<const PatchPath> paths, std::span<const PatchLane> inputs);
 };
 
 /// Scenes of like cost side by side, so that the lanes of a group finish together.
@@ -125,13 +124,13 @@ void PatchContact<Real>::Batch::State::lay_out(std::span<const fem::Scene> scene
 }
 
 template <class Real>
-void PatchContact<Real>::Batch::State::fill(std::span<const PatchPath> paths, std::span<const PatchLane> lanes) {
+void PatchContact<Real>::Batch::State::fill(std::span<const PatchPath> paths, std::span<const PatchLane> inputs) {
   const auto input = lane_input.map(), targets = path.map(), numbers = shapes.map();
   std::fill(input.view().begin(), input.view().end(), Real(0));
   std::fill(targets.view().begin(), targets.view().end(), Real(0));
   std::size_t shapes_at = 0;
   for (const std::size_t i : order) {
-    const PatchLane& lane = lanes[i];
+    const PatchLane& lane = inputs[i];
     const auto put = [&](int row, double value) {
       input[at_lane(place[i], PATCH_INPUT_ROWS, row)] = static_cast<Real>(value);
     };
@@ -181,12 +180,14 @@ typename PatchContact<Real>::Batch PatchContact<Real>::prepare(std::span<const f
   const PatchContactOptions& options = this->options();
   const fem::PatchOptions twin{.elements = options.elements, .pressing_increments = options.increments};
   std::vector<PatchPath> paths;
-  std::vector<PatchLane> lanes;
+  std::vector<PatchLane> inputs;
+  paths.reserve(scenes.size());
+  inputs.reserve(scenes.size());
   std::size_t shapes = 0;
   for (const fem::Scene& scene : scenes) {
     paths.push_back(patch_path(scene, twin.increments()));
-    lanes.push_back(patch_lane(scene, paths.back(), given.empty() ? std::nullopt : given[lanes.size()]));
-    shapes += lanes.back().shape.size();
+    inputs.push_back(patch_lane(scene, paths.back(), given.empty() ? std::nullopt : given[inputs.size()]));
+    shapes += inputs.back().shape.size();
     b.path_steps.push_back(paths.back().slots);
     b.indentation_steps.push_back(paths.back().indentation_slots);
     b.increments.push_back(static_cast<int>(paths.back().steps.size()));
@@ -198,9 +199,9 @@ typename PatchContact<Real>::Batch PatchContact<Real>::prepare(std::span<const f
   }
   b.lay_out(scenes, paths);
 
-  const std::size_t width = state_->lanes();
-  b.groups = (scenes.size() + width - 1) / width;
-  const std::size_t all = b.groups * width, steps = all * b.slots;
+  b.lanes = state_->lanes();
+  b.groups = (scenes.size() + b.lanes - 1) / b.lanes;
+  const std::size_t all = b.groups * b.lanes, steps = all * b.slots;
   const Device& device = state_->executor.device();
   const auto buffer = [&](std::size_t size) { return Buffer<Real>(device, std::max<std::size_t>(size, 1)); };
   b.shapes = buffer(shapes);
@@ -210,7 +211,7 @@ typename PatchContact<Real>::Batch PatchContact<Real>::prepare(std::span<const f
   b.forces = buffer(steps * state_->force_rows());
   b.stress = buffer(steps * b.outputs());
   b.patches = buffer(all * PATCH_BLOCK);
-  b.fill(paths, lanes);
+  b.fill(paths, inputs);
 
   const PatchContactOptions& o = state_->options;
   const PatchTables& t = state_->tables;
@@ -289,7 +290,7 @@ void PatchContact<Real>::Batch::fill_unused(Real value) {
   const auto fill = [&](std::span<Real> buffer, std::size_t lane, std::size_t height, std::size_t from) {
     for (std::size_t row = from; row < height; ++row) buffer[b.at_lane(lane, height, row)] = value;
   };
-  for (std::size_t lane = 0; lane < b.groups * b.lanes(); ++lane) {
+  for (std::size_t lane = 0; lane < b.groups * b.lanes; ++lane) {
     const bool used = lane < b.order.size();
     const std::size_t own = used ? b.increments[b.order[lane]] : 0;
     fill(targets.view(), lane, static_cast<std::size_t>(b.most_increments) * PATCH_PATH_ROWS, own * PATCH_PATH_ROWS);

@@ -37,25 +37,6 @@ fem::Sensor sensor_of(double poisson) {
   return sensor;
 }
 
-/// Modes as smooth as those of free sides, of both signs: a layer that is compliant near its ends.
-fem::LayerModel with_sides(const fem::Sensor& sensor) {
-  fem::LayerModel model = fem::endless_layer(sensor);
-  constexpr int rows = 161;
-  const double half = sensor.length / 2;
-  Eigen::MatrixXd modes(rows, 2 * fem::FreeSides::rank);
-  for (int row = 0; row < rows; ++row)
-    for (int m = 0; m < fem::FreeSides::rank; ++m) {
-      const double x = -half + row * sensor.length / (rows - 1), end = m % 2 ? half : -half;
-      const double fall = std::exp(-std::abs(x - end) / sensor.thickness) / (1 + m);
-      modes(row, m) = 0.4 * fall;
-      modes(row, fem::FreeSides::rank + m) = (m % 3 == 0 ? 0.3 : -0.2) * fall;
-    }
-  fem::FreeSides::Modes sign = fem::FreeSides::Modes::Ones();
-  sign[3] = sign[6] = -1;
-  model.sides = fem::FreeSides(-half, half, modes, sign);
-  return model;
-}
-
 /// Scenes of every kind: by depth, force and angle, bonded, frictionless, near the ends.
 std::vector<fem::Scene> mixed_scenes(const fem::Sensor& sensor, std::size_t count, std::uint64_t seed) {
   auto scenes = random_scenes(sensor, count, seed);
@@ -119,7 +100,7 @@ class Twin : public ::testing::TestWithParam<int> {};
 
 template <class Real>
 void expect_twin(int elements, double poisson, double tolerance) {
-  const fem::LayerModel model = with_sides(sensor_of(poisson));
+  const fem::LayerModel model = fem::layer_model(sensor_of(poisson));
   const PatchContact<Real> contact(executor(), model, {.elements = elements, .most_growths = 0});
   const fem::PatchSolver twin(model, {.elements = elements, .most_sweeps = 400, .most_growths = 0});
   std::size_t solved = 0, scenes_in_all = 0;
@@ -142,7 +123,7 @@ TEST_P(Twin, Fp32MatchesIt) { expect_twin<float>(GetParam(), 0.45, agree_fp32); 
 INSTANTIATE_TEST_SUITE_P(PatchContact, Twin, ::testing::Values(8, 12, 16, 24));
 
 TEST(PatchContact, EveryShapeMatchesTheTwin) {
-  const fem::LayerModel model = with_sides(sensor_of(0.45));
+  const fem::LayerModel model = fem::layer_model(sensor_of(0.45));
   auto shapes = all_shapes();
   shapes.push_back(fem::Taylor{{2, 4, 5, 9, 20}, 6.0, 0.4, {1, 0.5, 2, 1, 0.25}});
   shapes.push_back(fem::Taylor{{}, 6.0, {}});
@@ -189,7 +170,7 @@ Hashes hashes(const PatchContact<Real>& contact, std::span<const fem::Scene> sce
 template <class Real>
 class PatchBits : public ::testing::Test {
  protected:
-  const fem::LayerModel model_ = with_sides(sensor_of(0.45));
+  const fem::LayerModel model_ = fem::layer_model(sensor_of(0.45));
 
   /// body(scenes) for the scenes of each kind.
   template <class Body>
@@ -293,9 +274,10 @@ TEST(PatchContact, TooSmallPatchIsFlaggedAndGrows) {
   EXPECT_NEAR(grown->right, 0.3 + 3.5 * 0.1, 1e-12);
 }
 
-/// Sides that are much softer than the search knows: patches at the ends grow, and answers are those of larger patches.
+/// Bonded contact spreads beyond what the search without friction finds: patches grow, and answers are those of larger
+/// ones.
 TEST(PatchContact, GrownPatchesAreCertified) {
-  const fem::LayerModel model = with_sides(sensor_of(0.3));
+  const fem::LayerModel model = fem::layer_model(sensor_of(0.3));
   std::vector<fem::Scene> scenes = mixed_scenes(model.sensor, 150, 2);
   PatchContactReport report;
   const PatchContact<double> contact(executor(), model);
