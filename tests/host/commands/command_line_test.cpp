@@ -207,7 +207,7 @@ TEST(HostileFiles, APipeWithoutAWriterIsRefusedByEveryReader) {
         "recall " + (folder / "model").string() + " " + set, "record --source replay:" + pipe + " --output /dev/null",
         "record --source usb:1234:5678 --profile " + pipe + " --output /dev/null",
         "record --source " + simulation + " --calibration " + pipe + " --output /dev/null"}) {
-    const ChildResult result = shell("exec timeout 30 '" TACTEL_PROGRAM "' " " + command);
+    const ChildResult result = shell("exec timeout 30 " TACTEL_PROGRAM " " + command);
     EXPECT_EQ(result.exit_code, 2) << command << "\n" << result.err;
   }
 }
