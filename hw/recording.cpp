@@ -137,6 +137,8 @@ struct ReplaySource::State {
 
   void open(const std::filesystem::path& from) {
     path = from.string();
+    std::error_code error;
+    if (std::filesystem::is_other(from, error)) fail("no regular file");  // a pipe could wait for ever
     file.open(from, std::ios::binary);
     if (!file) fail("cannot be read: " + std::string(std::strerror(errno)));
     record.resize(magic.size());

@@ -68,7 +68,7 @@ std::string allowed_by(const CLI::Option& option) {
     return "one of " + choices;
   }
   if (const std::string range = range_in(type); !range.empty()) return "a whole number, " + range;
-  const std::string number = whole_number(type) ? "a whole number" : "a number";
+  std::string number = whole_number(type) ? "a whole number" : "a number";
   if (holds("NONNEGATIVE")) return number + " of 0 or more";
   if (holds("POSITIVE") || holds("above 0")) return number + " above 0";
   if (type == "UINT") return number + " of 0 or more";

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "tests/host/commands/small_sweep.h"
 #include "tests/host/support/run_tactel.h"
 
 namespace tactel::host {
@@ -180,6 +181,35 @@ TEST(HostileFiles, EndWithTwo) {
       run_child({"timeout", "20", "sh", "-c", "ulimit -v 2000000; exec " TACTEL_PROGRAM " solve /dev/zero"});
   EXPECT_EQ(endless.exit_code, 2);
   EXPECT_THAT(endless.err, HasSubstr("it is no regular file"));
+}
+
+// Every reader of a file ends at once where the name is that of a pipe that nothing writes to.
+TEST(HostileFiles, APipeWithoutAWriterIsRefusedByEveryReader) {
+  const ScratchFolder folder;
+  const std::string pipe = (folder / "pipe").string(), net = (folder / "net").string(), set = folder / "set.h5";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const std::string profile =
+      folder.write("profile.toml", "[indenter]\nshape = \"profile\"\nfile = \"pipe\"\n[load]\nindentation = 0.1\n");
+  const std::string sweep = folder.write("sweep.toml", SmallSweep{.contacts = 50}.text());
+  ASSERT_EQ(run_tactel({"generate", sweep, "--output", set, "--quiet"}).exit_code, 0);
+  for (const char* name : {"report", "checkpoint", "model"}) std::filesystem::create_directories(folder / name);
+  std::filesystem::create_symlink(pipe, folder / "report" / "training.json");
+  std::filesystem::create_symlink(pipe, folder / "checkpoint" / "checkpoint");
+  std::filesystem::create_symlink(pipe, folder / "model" / "a.onnx");
+  std::filesystem::create_directories(folder / "b.h5.parts");
+  std::filesystem::create_symlink(pipe, folder / "b.h5.parts" / "plan");
+  const std::string simulation = "'simulate:" + parabola + "?paced=0'", train = "--network 10-3-1 --cycles 3 --output ";
+  for (const std::string& command :
+       {"solve " + pipe, "solve " + profile, "generate " + pipe + " --output " + set + " --force",
+        "generate " + sweep + " --output " + (folder / "b.h5").string() + " --resume", "check " + pipe,
+        "train " + pipe + " " + train + net, "train " + set + " --resume " + train + (folder / "report").string(),
+        "train " + set + " --resume " + train + (folder / "checkpoint").string(), "recall " + pipe + " " + set,
+        "recall " + (folder / "model").string() + " " + set, "record --source replay:" + pipe + " --output /dev/null",
+        "record --source usb:1234:5678 --profile " + pipe + " --output /dev/null",
+        "record --source " + simulation + " --calibration " + pipe + " --output /dev/null"}) {
+    const ChildResult result = shell("exec timeout 30 " TACTEL_PROGRAM " " + command);
+    EXPECT_EQ(result.exit_code, 2) << command << "\n" << result.err;
+  }
 }
 
 // Dots and brackets in texts and comments count for nothing.

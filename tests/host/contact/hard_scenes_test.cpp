@@ -67,7 +67,7 @@ TEST(HardScenes, ADragThatTouchesNothingEndsAtOnce) {
   fem::Scene scene;
   scene.sensor.columns = 21, scene.sensor.rows = 4;
   scene.load.indentation = {0.1, 0.0};
-  scene.load.tangential_step = 0.05;
+  scene.load.tangential_step = 0.01;
   fem::Scene touching = scene;
   touching.load.indentation = {0.1, 0.05};
   const fem::ContactSolution exact = fem::solve_gap_reference(scene), slid = fem::solve_gap_reference(touching);
