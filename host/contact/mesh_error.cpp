@@ -68,7 +68,7 @@ std::optional<MeshError> mesh_error(const fem::Scene& scene, const fem::ContactS
 }
 
 std::optional<MeshError> mesh_error(const Plan& plan) {
-  if (plan.trials.back().missed) return {};
+  if (plan.trials.empty() || plan.trials.back().missed) return {};
   const PlanTrial& last = plan.trials.back();
   const bool coarser = last.rung == plan.rung.name;  // else the finest, which differs from the rung below
   const AnswerError difference{.P = last.P, .Q = last.Q, .sigma = last.sigma, .tau = last.tau};
