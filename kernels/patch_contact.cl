@@ -73,25 +73,25 @@
 #endif
 
 /* c_k of the compliance: (k + 1/2) ln|k + 1/2| - (k - 1/2) ln|k - 1/2| - 1. */
-constant real log_part[28] = {
-    (real)-1.6931471805599453, (real)-0.045228747557780772, (real)0.68252916752314109, (real)1.0939435600484003, (real)1.3836778957594453,
-    (real)1.6077662218181055,  (real)1.7905996425490055,    (real)1.9450585042066414,  (real)2.0787897356513159, (real)2.1967096970434024,
-    (real)2.3021681134548118,  (real)2.3975507065293347,    (real)2.4846171471073426,  (real)2.5647026996459878, (real)2.6388446631854856,
-    (real)2.7078649541559481,  (real)2.7724259141172118,    (real)2.8330691313078702,  (real)2.8902431272934675, (real)2.9443235350500078,
-    (real)2.9956280873502593,  (real)3.0444279394133368,    (real)3.0909563518606571,  (real)3.1354154397942369, (real)3.1779814829640299,
-    (real)3.2188091502000099,  (real)3.2580348941009761,    (real)3.2957797042017763};
+constant real log_part[28] = {(real)-1.6931471805599453, (real)-0.045228747557780772, (real)0.68252916752314109, (real)1.0939435600484003,
+                              (real)1.3836778957594453,  (real)1.6077662218181055,    (real)1.7905996425490055,  (real)1.9450585042066414,
+                              (real)2.0787897356513159,  (real)2.1967096970434024,    (real)2.3021681134548118,  (real)2.3975507065293347,
+                              (real)2.4846171471073426,  (real)2.5647026996459878,    (real)2.6388446631854856,  (real)2.7078649541559481,
+                              (real)2.7724259141172118,  (real)2.8330691313078702,    (real)2.8902431272934675,  (real)2.9443235350500078,
+                              (real)2.9956280873502593,  (real)3.0444279394133368,    (real)3.0909563518606571,  (real)3.1354154397942369,
+                              (real)3.1779814829640299,  (real)3.2188091502000099,    (real)3.2580348941009761,  (real)3.2957797042017763};
 
 /* The sensor, and what the host chose. */
 typedef struct {
   global const real *smooth; /* [cells][PATCH_BLOCK]: LAYER_COEFFICIENTS of R_yy, R_xx, R_xy over x / h */
   int cells;
   real cells_per_mm;
-  real thickness, length; /* mm */
-  real cy, cx, jump; /* factors of C_yy, of C_xy, and (1 - 2 nu) pi/2 */
+  real thickness, length;   /* mm */
+  real cy, cx, jump;        /* factors of C_yy, of C_xy, and (1 - 2 nu) pi/2 */
   global const real *sides; /* [side_rows][PATCH_BLOCK], from the sensor's left end on */
   int side_rows;            /* 0: no free sides */
   real side_rows_per_mm;
-  real sides_from;            /* mm */
+  real sides_from;          /* mm */
   global const real *signs; /* [SIDE_MODES] */
 } Layer;
 
@@ -107,11 +107,11 @@ typedef struct {
   vreal c[N][N][C_PARTS]; /* A, B, D, E */
   vreal n[N], t[N];       /* pressure and traction force / E, mm */
   vreal n_last[N], t_last[N];
-  vreal b[N], bt[N];   /* constant parts of the rows */
-  vreal h[N];          /* profile heights, mm */
-  vreal wy[N], wx[N];  /* RELAXATION / C_yy[i][i] and C_xx */
-  vreal ux_last[N];    /* wx times u_x at the last increment; of a sticking element what it should have been */
-  vreal ux[N];         /* wx times u_x, as certify found it */
+  vreal b[N], bt[N];                /* constant parts of the rows */
+  vreal h[N];                       /* profile heights, mm */
+  vreal wy[N], wx[N];               /* RELAXATION / C_yy[i][i] and C_xx */
+  vreal ux_last[N];                 /* wx times u_x at the last increment; of a sticking element what it should have been */
+  vreal ux[N];                      /* wx times u_x, as certify found it */
   vreal outside[2 * OUTSIDE][N][2]; /* u_y of the places beyond the ends, by n and by t */
   vreal h_outside[2 * OUTSIDE];     /* FAR where there is no indenter or no rubber */
 } Contact;
@@ -130,7 +130,7 @@ typedef struct {
 } Certificate;
 
 typedef struct {
-  vreal origin, element;   /* of the patch, mm */
+  vreal origin, element; /* of the patch, mm */
   vreal sweeps;
 } Patch;
 
@@ -347,8 +347,8 @@ static inline void lay_patch(const Layer *layer, const vreal *in, const Profile 
 
 /* Rounds of frictionless contact at this depth from the window [from, to] on. Returns the force of the last; [*left, *right]: what
    presses. */
-OUTLINE vreal search_at(const Layer *layer, const Profile *profile, vreal depth, vreal from, vreal to, vint searching, vreal *left,
-                              vreal *right, vreal *sweeps) {
+OUTLINE vreal search_at(const Layer *layer, const Profile *profile, vreal depth, vreal from, vreal to, vint searching, vreal *left, vreal *right,
+                        vreal *sweeps) {
   vreal p = 0;
   *left = from;
   *right = to;
@@ -544,38 +544,48 @@ static inline vreal put_heights(const Profile *profile, const Patch *patch, Cont
   return lowest;
 }
 
+/* Rows are unrolled up to 16 elements; more would not fit the compiler's limits, and C is in the second-level cache there. A row's sums
+   start at its own element when unrolled: the one that was updated last comes last, and its latency hides behind the others. */
+#if N <= 16
+#define EACH_ROW(i) EACH(i, N)
+#define COLUMN(i, k) (((i) + (k)) % N)
+#else
+#define EACH_ROW(i) ROLLED for (int i = 0; i < N; ++i)
+#define COLUMN(i, k) (k)
+#endif
+
 /* One Gauss-Seidel sweep. Returns the active lanes whose largest change was above tolerance times their largest pressure force. */
 INLINE vint sweep(Contact *c, const Indenter *in, real tolerance) {
   vreal change = 0, largest = 0, late = 0;
   (void)late;
-  EACH(i, N) {
+  EACH_ROW(i) {
     vreal yn = c->b[i], n = 0;
     const vreal n_old = c->n[i];
 #if FRICTION
     vreal yt = 0, xn = c->bt[i], xt = 0;
     const vreal t_old = c->t[i];
     EACH(k, N) {
-      const int j = (i + k) % N;
+      const int j = COLUMN(i, k);
       yn = fma(c->c[i][j][0], c->n[j], yn);
       yt = fma(c->c[i][j][1], c->t[j], yt);
     }
     if (i > 0) c->t[i - 1] = late;
     EACH(k, N) {
-      const int j = (i + k) % N;
-      if (k > 0) xn = fma(c->c[i][j][2], c->n[j], xn);
+      const int j = COLUMN(i, k);
+      xn = fma(c->c[i][j][2], c->n[j], xn);
       xt = fma(c->c[i][j][3], c->t[j], xt);
     }
     n = PICK(in->active, LARGER(yn + yt, ALL_LANES(0)), n_old);
-    const vreal cone = in->mu * n, t_free = fma(c->c[i][i][2], n, xn + xt);
+    const vreal cone = in->mu * n, t_free = fma(c->c[i][i][2], n - n_old, xn + xt);
     const vreal t = PICK(in->active, SMALLER(LARGER(t_free, -cone), cone), t_old);
     late = t;
     change = LARGER(change, fabs(t - t_old));
 #else
     vreal odd = 0;
     EACH(k, N / 2) {
-      const int j = (i + 2 * k) % N, j1 = (i + 2 * k + 1) % N;
+      const int j = COLUMN(i, 2 * k), next = COLUMN(i, 2 * k + 1);
       yn = fma(c->c[i][j][0], c->n[j], yn);
-      odd = fma(c->c[i][j1][0], c->n[j1], odd);
+      odd = fma(c->c[i][next][0], c->n[next], odd);
     }
     n = PICK(in->active, LARGER(yn + odd, ALL_LANES(0)), n_old);
 #endif
@@ -745,10 +755,10 @@ static inline void extrapolate(Contact *c, const Indenter *in, vreal ratio) {
 /* A lane on its way along its load path. */
 typedef struct {
   vint valid, running;
-  vint both;     /* P and Q are both given */
-  vint lost;     /* an increment was not solved: those that follow have no history to rest on */
-  vint failed;   /* this increment did not converge, or not at the forces asked for */
-  vreal nearest; /* depth at which an element's middle is touched, mm */
+  vint both;                /* P and Q are both given */
+  vint lost;                /* an increment was not solved: those that follow have no history to rest on */
+  vint failed;              /* this increment did not converge, or not at the forces asked for */
+  vreal nearest;            /* depth at which an element's middle is touched, mm */
   vreal d_change, x_change; /* of the last increment's target, mm */
   vreal sweeps;             /* since the last report */
   vreal slots;              /* increments reported */
@@ -760,9 +770,9 @@ typedef struct {
 /* Search for the indenter's place z = (d, x) that gives the forces asked for: f = (P - P_target, Q - (Q_target / P_target) P) = 0, by
    Broyden's inverse update (Broyden 1965). */
 typedef struct {
-  vreal b[2][2];     /* inverse Jacobian */
-  vreal z[2], g[2];  /* last trial: place; P and Q - (Q_target / P_target) P */
-  vreal low, high;   /* bracket of d */
+  vreal b[2][2];    /* inverse Jacobian */
+  vreal z[2], g[2]; /* last trial: place; P and Q - (Q_target / P_target) P */
+  vreal low, high;  /* bracket of d */
   vreal p_target, q_target;
 } Search;
 
@@ -1100,8 +1110,7 @@ static inline void finish(global const real *base, int base_rows, real base_from
     const size_t first = (group * LANES + l) * slots;
     const int own = (int)done[l];
     write_stress(base, base_rows, base_from, base_rows_per_mm, outputs, position[l] + origin[l], element[l], young[l], own,
-                 forces + first * FORCE_ROWS,
-                 stress + first * outputs);
+                 forces + first * FORCE_ROWS, stress + first * outputs);
     for (int k = own; k < slots; ++k)
       for (int r = 0; r < PATCH_BLOCK; ++r) result[(first + k) * PATCH_BLOCK + r] = r == LANE_STATUS ? idle[l] : 0;
   }
@@ -1112,12 +1121,12 @@ static inline void finish(global const real *base, int base_rows, real base_from
    [group][increments][PATCH_PATH_ROWS][lane].
    Out: result [group][lane][slots][PATCH_BLOCK]; forces [group][lane][slots][FORCE_ROWS] over E, mm; stress [group][lane][slots][outputs] MPa;
    patches [group][lane][PATCH_BLOCK]. */
-kernel void patch_contact(uint first_group, global const real *smooth, int cells, real cells_per_mm, real thickness, real length, real cy, real cx,
-                          real jump, global const real *sides, int side_rows, real side_rows_per_mm, real sides_from,
-                          global const real *signs, global const real *base, int base_rows, real base_rows_per_mm, real base_from,
-                          int outputs, global const real *shapes, global const vreal *lane_input, global const vreal *path, int increments,
-                          int slots, real tolerance, real accept, int most_sweeps, global real *result,
-                          global real *forces, global real *stress, global real *patches) {
+kernel void patch_contact(uint first_group, global const real *smooth, int cells, real cells_per_mm, real thickness, real length, real cy,
+                          real cx, real jump, global const real *sides, int side_rows, real side_rows_per_mm, real sides_from,
+                          global const real *signs, global const real *base, int base_rows, real base_rows_per_mm, real base_from, int outputs,
+                          global const real *shapes, global const vreal *lane_input, global const vreal *path, int increments, int slots,
+                          real tolerance, real accept, int most_sweeps, global real *result, global real *forces, global real *stress,
+                          global real *patches) {
   TAKE_GROUP(group);
   const Layer layer = {smooth, cells, cells_per_mm, thickness, length, cy, cx, jump, sides, side_rows, side_rows_per_mm, sides_from, signs};
   const Rules rules = {FORCE_CONTROL ? (real)0.1 * tolerance : tolerance, most_sweeps};

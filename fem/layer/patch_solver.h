@@ -8,9 +8,9 @@ namespace tactel::fem {
 
 struct PatchOptions {
   int elements = 12;
-  double tolerance = 1e-3;      ///< largest change of a force in the last sweep over the largest pressure force; of given
-                                ///< forces, which a tenth of it serves in the sweeps
-  double accept = 0;            ///< largest residual of a solved step; 0: 20 tolerance
+  double tolerance = 1e-3;  ///< largest change of a force in the last sweep over the largest pressure force; of given
+                            ///< forces, which a tenth of it serves in the sweeps
+  double accept = 0;        ///< largest residual of a solved step; 0: 20 tolerance
   int pressing_increments = 0;  ///< least number of increments to each pressing target; 0: elements / 3
   int most_sweeps = 2000;       ///< an increment that needs more is not converged
   int most_growths = 4;         ///< times that a patch may grow

@@ -85,8 +85,8 @@ struct PatchContact<Real>::State {
 template <class Real>
 struct PatchContact<Real>::Batch::State {
   std::shared_ptr<PatchContact<Real>::State> contact;
-  std::vector<std::size_t> place;  ///< [scenes] lane of scene i, counted over all groups
-  std::vector<std::size_t> order;  ///< [scenes] scene in a lane: the inverse of place
+  std::vector<std::size_t> place;                              ///< [scenes] lane of scene i, counted over all groups
+  std::vector<std::size_t> order;                              ///< [scenes] scene in a lane: the inverse of place
   std::vector<int> path_steps, indentation_steps, increments;  ///< [scenes]
   std::vector<double> friction, young, position;               ///< [scenes]
   int slots = 0, most_increments = 0;
@@ -113,7 +113,8 @@ void PatchContact<Real>::Batch::State::lay_out(std::span<const fem::Scene> scene
   using Key = std::tuple<int, std::size_t, bool, double, std::size_t>;
   std::vector<Key> keys;
   for (std::size_t i = 0; i < scenes.size(); ++i)
-    keys.emplace_back(-increments[i], scenes[i].indenter.shape.index(), turns_back(paths[i]), std::isnan(friction[i]) ? -1 : friction[i], i);
+    keys.emplace_back(-increments[i], scenes[i].indenter.shape.index(), turns_back(paths[i]),
+                      std::isnan(friction[i]) ? -1 : friction[i], i);
   order.resize(scenes.size());
   std::iota(order.begin(), order.end(), 0);
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return keys[a] < keys[b]; });
@@ -383,7 +384,8 @@ fem::ContactSolution PatchContact<Real>::Batch::solution(std::size_t i) const {
     if (status != LANE_INVALID) {
       const auto forces = view.forces(i, k), stress = view.tactels(i, k);
       const auto number = [](std::span<const Real> from, Eigen::Index n) { return static_cast<double>(from[n]); };
-      step.normal_force = Eigen::VectorXd::NullaryExpr(elements, [&](auto n) { return number(forces, n) * b.young[i]; });
+      step.normal_force =
+          Eigen::VectorXd::NullaryExpr(elements, [&](auto n) { return number(forces, n) * b.young[i]; });
       step.tangential_force =
           Eigen::VectorXd::NullaryExpr(elements, [&](auto n) { return number(forces, elements + n) * b.young[i]; });
       for (int n = 0; n < elements; ++n) {

@@ -93,9 +93,7 @@ double half_width(const fem::Cylinder& s, double depth) {
 }
 double half_width(const fem::Exponential& s, double depth) { return std::log1p(depth / s.height) / s.rate; }
 double half_width(const fem::Trapezoid& s, double depth) { return s.half_width + depth / s.slope; }
-double half_width(const fem::RoundedFlat& s, double depth) {
-  return s.half_width + std::sqrt(2 * s.radius * depth);
-}
+double half_width(const fem::RoundedFlat& s, double depth) { return s.half_width + std::sqrt(2 * s.radius * depth); }
 double half_width(const fem::Taylor& s, double depth) {
   const fem::Indenter indenter{s, 0};
   const fem::Interval lowest = fem::lowest_part(indenter);
@@ -166,7 +164,8 @@ PatchLane patch_lane(const fem::Scene& scene, const PatchPath& path, const std::
   in[PATCH_RIGHT] = limits.right;
   Interval window = limits;
   if (!force) {
-    const Interval inside = std::visit([&](const auto& shape) { return below(shape, lane, path.most); }, indenter.shape);
+    const Interval inside =
+        std::visit([&](const auto& shape) { return below(shape, lane, path.most); }, indenter.shape);
     window = {std::max(limits.left, inside.left), std::min(limits.right, inside.right)};
     if (window.left >= window.right || window.right - window.left < 1e-30) window = limits;  // nothing touches
   }

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-
 namespace tactel::host {
 namespace {
 
@@ -21,7 +20,8 @@ void put_cubic(const double (&f)[4], double* c) {
 /// A patch may be as wide as the sensor, and the certificate looks a little beyond its ends.
 void put_smooth(const fem::Sensor& sensor, const fem::LayerTable& layer, PatchTables& tables) {
   constexpr int per = fem::LayerTable::cells_a_thickness;
-  const int wanted = static_cast<int>(std::min(std::ceil(1.5 * sensor.length / sensor.thickness * per), 1.0 * most_cells));
+  const int wanted =
+      static_cast<int>(std::min(std::ceil(1.5 * sensor.length / sensor.thickness * per), 1.0 * most_cells));
   const int cells = std::max(wanted, 2 * per), known = static_cast<int>(layer.cells());
   tables.cells_per_mm = per / sensor.thickness;
   tables.smooth.assign(static_cast<std::size_t>(cells) * PATCH_BLOCK, 0);

@@ -14,34 +14,34 @@ enum { SIDE_MODES = 8 };
 /* Rows of `lane_input`, [group][PATCH_INPUT_ROWS][lane]. Places along x count from the indenter's position, mm. */
 enum PatchInputRow {
   PATCH_MU = 0,
-  PATCH_YOUNG,       /* MPa */
-  PATCH_STEPS,       /* increments of this lane's path */
-  PATCH_MAY_STOP,    /* index of the first increment after which a fully sliding lane stops; a huge number: never */
-  PATCH_CONTROL,     /* ForceControl */
-  PATCH_POSITION,    /* of the indenter on the sensor, mm from the sensor's middle */
-  PATCH_LEFT,        /* left limit of contact: the indenter's own edge or the sensor's end */
+  PATCH_YOUNG,    /* MPa */
+  PATCH_STEPS,    /* increments of this lane's path */
+  PATCH_MAY_STOP, /* index of the first increment after which a fully sliding lane stops; a huge number: never */
+  PATCH_CONTROL,  /* ForceControl */
+  PATCH_POSITION, /* of the indenter on the sensor, mm from the sensor's middle */
+  PATCH_LEFT,     /* left limit of contact: the indenter's own edge or the sensor's end */
   PATCH_RIGHT,
-  PATCH_LEFT_EDGE,   /* 1 where the left limit is the indenter's own edge, 0 where it is the sensor's end */
+  PATCH_LEFT_EDGE, /* 1 where the left limit is the indenter's own edge, 0 where it is the sensor's end */
   PATCH_RIGHT_EDGE,
-  PATCH_FROM,        /* where the search starts: the rigid profile at the largest depth, inside the limits */
+  PATCH_FROM, /* where the search starts: the rigid profile at the largest depth, inside the limits */
   PATCH_TO,
   PATCH_MOST,        /* largest depth, mm, or largest P / E, mm */
   PATCH_LOWEST_LEFT, /* ends of the profile's lowest part, inside the limits */
   PATCH_LOWEST_RIGHT,
-  PATCH_GIVEN,       /* 1: PATCH_FROM and PATCH_TO are the contact that the patch must cover, and nothing is searched */
-  PATCH_FLAT,        /* half the width of a flat bottom, mm; beyond it, with q = |x| - flat, the height is the sum of */
-  PATCH_C1,          /* c1 q + c2 q^2 + ... + c5 q^5 */
+  PATCH_GIVEN, /* 1: PATCH_FROM and PATCH_TO are the contact that the patch must cover, and nothing is searched */
+  PATCH_FLAT,  /* half the width of a flat bottom, mm; beyond it, with q = |x| - flat, the height is the sum of */
+  PATCH_C1,    /* c1 q + c2 q^2 + ... + c5 q^5 */
   PATCH_C2,
   PATCH_C3,
   PATCH_C4,
   PATCH_C5,
-  PATCH_RADIUS,      /* of a cylinder, mm; 0: none */
-  PATCH_EXP_HEIGHT,  /* of an exponential, mm; 0: none */
-  PATCH_EXP_RATE,    /* 1/mm */
-  PATCH_TERMS,       /* number of terms (coefficient, power, 1 / scale) of a Taylor profile beyond c5 */
-  PATCH_TERMS_AT,    /* where they begin in `shapes` */
-  PATCH_POINTS,      /* number of points (x, height, slope to the next) of a measured profile; 0: none */
-  PATCH_POINTS_AT,   /* where they begin in `shapes` */
+  PATCH_RADIUS,     /* of a cylinder, mm; 0: none */
+  PATCH_EXP_HEIGHT, /* of an exponential, mm; 0: none */
+  PATCH_EXP_RATE,   /* 1/mm */
+  PATCH_TERMS,      /* number of terms (coefficient, power, 1 / scale) of a Taylor profile beyond c5 */
+  PATCH_TERMS_AT,   /* where they begin in `shapes` */
+  PATCH_POINTS,     /* number of points (x, height, slope to the next) of a measured profile; 0: none */
+  PATCH_POINTS_AT,  /* where they begin in `shapes` */
   PATCH_INPUT_ROWS
 };
 
