@@ -13,7 +13,8 @@ namespace {
 constexpr int rows_a_node = 4;      // of the table of modes to one of the block
 constexpr int points_a_tactel = 8;  // over which the mean over a tactel's width is taken
 
-/// A place in the block for one on a sensor of another length: as far from the nearer end; none beyond the block's half.
+/// A place in the block for one on a sensor of another length: as far from the nearer end; none beyond the block's
+/// half.
 class ToBlock {
  public:
   ToBlock(double block_length, double sensor_length) : shift_((sensor_length - block_length) / 2) {}
@@ -45,14 +46,15 @@ Eigen::RowVectorXd between_nodes(const Eigen::VectorXd& x, const Eigen::MatrixXd
   return from + q * (slope + q * (3 * rise - 2 * slope - end_slope + q * (slope + end_slope - 2 * rise)));
 }
 
-/// The largest eigenvalues by magnitude, their vectors scaled by the root of it: [2 nodes, rank].
+/// The largest eigenvalues by magnitude of W B W, their vectors scaled by the root of it and divided by W: [2 nodes,
+/// rank].
 struct LowRank {
   Eigen::MatrixXd vectors;
   FreeSides::Modes sign;
 };
 
-LowRank largest_modes(const Eigen::MatrixXd& symmetric) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(symmetric);
+LowRank largest_modes(const Eigen::MatrixXd& symmetric, const Eigen::VectorXd& weight) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(weight.asDiagonal() * symmetric * weight.asDiagonal());
   std::vector<Eigen::Index> order(static_cast<std::size_t>(symmetric.rows()));
   std::iota(order.begin(), order.end(), 0);
   const auto size = [&](Eigen::Index k) { return std::abs(eigen.eigenvalues()[k]); };
@@ -61,7 +63,7 @@ LowRank largest_modes(const Eigen::MatrixXd& symmetric) {
   LowRank low{Eigen::MatrixXd(symmetric.rows(), FreeSides::rank), FreeSides::Modes::Zero()};
   for (int r = 0; r < FreeSides::rank; ++r) {
     const Eigen::Index k = order[static_cast<std::size_t>(r)];
-    low.vectors.col(r) = eigen.eigenvectors().col(k) * std::sqrt(size(k));
+    low.vectors.col(r) = weight.cwiseInverse().asDiagonal() * eigen.eigenvectors().col(k) * std::sqrt(size(k));
     low.sign[r] = eigen.eigenvalues()[k] < 0 ? -1 : 1;
   }
   return low;
@@ -69,6 +71,16 @@ LowRank largest_modes(const Eigen::MatrixXd& symmetric) {
 
 double block_length(const SideDifference& difference) {
   return difference.base_x[difference.base_x.size() - 1] - difference.base_x[0];
+}
+
+/// Share of each unknown in the choice of modes, [2 nodes]: the root of the distance from the nearer end, full from two
+/// thicknesses on. The corner is singular; without a weight the modes would serve it alone.
+Eigen::VectorXd end_weights(const SideDifference& difference) {
+  const double half = block_length(difference) / 2;
+  Eigen::VectorXd weight(difference.compliance.rows());
+  for (Eigen::Index i = 0; i < weight.size(); ++i)
+    weight[i] = std::sqrt(std::min(1.0, (half - std::abs(difference.x[i / 2])) / (2 * difference.thickness)));
+  return weight;
 }
 
 /// [tactels, base nodes]: mean over the width of every tactel of a quantity at the block's base nodes, and on which
@@ -99,7 +111,7 @@ TactelWeights tactel_weights(const SideDifference& difference, const Sensor& sen
 }  // namespace
 
 FreeSides::FreeSides(const SideDifference& difference, double length) : left_(-length / 2) {
-  const LowRank low = largest_modes(difference.compliance);
+  const LowRank low = largest_modes(difference.compliance, end_weights(difference));
   const Eigen::Index nodes = difference.x.size();
   Eigen::MatrixXd at_nodes(nodes, 2 * rank);
   at_nodes << low.vectors(Eigen::seq(1, Eigen::last, 2), Eigen::all),
@@ -126,6 +138,12 @@ FreeSides::At FreeSides::at(double x) const {
     return from + q * (to - from);
   };
   return {between(0), between(1)};
+}
+
+double FreeSides::between(const Modes& to, const Modes& by) const {
+  double sum = 0;
+  for (int r = 0; r < rank; ++r) sum += sign_[r] * to[r] * by[r];
+  return sum;
 }
 
 void add_free_sides(const SideDifference& difference, const Sensor& sensor, BaseStressTable& table) {

@@ -23,8 +23,7 @@ inline constexpr double longest_sensor = 200;
 
 /// Returns the tables of a sensor with its free sides: one condensation of a block, through the cache. Throws
 /// ValueError for an invalid sensor, or one longer than `longest_sensor`.
-LayerModel layer_model(const Sensor& sensor,
-                       const std::filesystem::path& cache_directory = default_cache_directory());
+LayerModel layer_model(const Sensor& sensor, const std::filesystem::path& cache_directory = default_cache_directory());
 
 /// The sensor without free sides: part of an endless layer.
 LayerModel endless_layer(const Sensor& sensor);

@@ -41,7 +41,7 @@ class LayerTable {
   const Coefficients& coefficients() const { return coefficients_; }
 
   /// Returns R at any x, in units of h. Beyond the range the layer does not move (its kernels fall like
-  /// e^(-1.2 x)), which gives R in closed form.
+  /// e^(-0.75 x)), which gives R in closed form.
   SmoothParts smooth_integral(double x) const;
 
   /// Return the base stresses at any x, in units of h, and their integrals from 0 to x; 1/mm times h.

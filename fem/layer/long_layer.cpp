@@ -12,7 +12,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// Answers fall like e^(-1.2 x / h): to rounding within this many thicknesses.
+/// Answers fall like e^(-0.75 x / h): to rounding within this many thicknesses.
 constexpr double reach = 30;
 
 /// Stiffness between the unknowns of one column and of the next, [2 rows, 2 rows]: K(theta) = own + e^(i theta) next +
@@ -70,7 +70,7 @@ LongLayer long_layer(const Sensor& sensor, int columns) {
   const ColumnStiffness column = column_stiffness(sensor);
   LongLayer layer;
   layer.spacing = spacing;
-  Eigen::VectorXd* const results[] = {&layer.yy,         &layer.xx,       &layer.xy,      &layer.sigma_by_y,
+  Eigen::VectorXd* const results[] = {&layer.yy,       &layer.xx,       &layer.xy,        &layer.sigma_by_y,
                                       &layer.tau_by_x, &layer.tau_by_y, &layer.sigma_by_x};
   for (Eigen::VectorXd* result : results) *result = Eigen::VectorXd::Zero(columns + 1);
   for (int m = 0; m <= period / 2; ++m) {

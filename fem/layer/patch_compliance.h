@@ -24,4 +24,7 @@ PatchCompliance patch_compliance(const LayerModel& model, const Patch& patch);
 /// one node, which bears the sums of the forces.
 Condensation patch_condensation(const LayerModel& model, const Patch& patch);
 
+/// The same for gap elements at any places [elements] mm, its compliance [2 elements, 2 elements] still to be filled.
+Condensation without_compliance(const LayerModel& model, const Eigen::VectorXd& places);
+
 }  // namespace tactel::fem

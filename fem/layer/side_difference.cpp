@@ -70,8 +70,8 @@ Sensor side_block(const Sensor& sensor) {
   block.length = std::min(sensor.length, longest_side_block * sensor.thickness);
   block.thickness = sensor.thickness;
   block.poisson = sensor.poisson;
-  block.columns = std::max(least_columns, 2 * static_cast<int>(std::lround(columns_a_thickness / 2 * block.length /
-                                                                           block.thickness)) + 1);
+  block.columns = std::max(
+      least_columns, 2 * static_cast<int>(std::lround(columns_a_thickness / 2 * block.length / block.thickness)) + 1);
   block.rows = rows_of_block;
   block.tactels = 2;
   return block;
@@ -83,8 +83,8 @@ SideDifference side_difference(const Sensor& block, const std::filesystem::path&
   const LongLayer layer = long_layer(block, block.columns);
   const Eigen::MatrixXd compliance = condensed.compliance - endless_compliance(layer, columns);
   const Eigen::MatrixXd base = base_stress(condensed.base_force, layer.spacing) - endless_base(layer, columns);
-  return {condensed.surface_x.segment(1, inner), compliance.block(2, 2, 2 * inner, 2 * inner), condensed.base_x,
-          spread_over_neighbours(base)};
+  return {block.thickness, condensed.surface_x.segment(1, inner), compliance.block(2, 2, 2 * inner, 2 * inner),
+          condensed.base_x, spread_over_neighbours(base)};
 }
 
 }  // namespace tactel::fem

@@ -9,12 +9,13 @@ namespace tactel::fem {
 /// What the free sides of a block change: the block less an endless layer on the same mesh, so that the singular part
 /// and the mesh's own error cancel. It is smooth, and small farther than some 4 thicknesses from the ends. E = 1 MPa.
 struct SideDifference {
+  double thickness = 0;        ///< mm
   Eigen::VectorXd x;           ///< [nodes] mm: surface nodes between the block's ends, without those at the ends
   Eigen::MatrixXd compliance;  ///< [2 nodes, 2 nodes] mm/(N/mm), symmetric; x at 2i, y at 2i + 1
   Eigen::VectorXd base_x;      ///< [base nodes] mm
-  Eigen::MatrixXd base;        ///< [2 base nodes, 2 nodes] 1/mm: tau_xy at 2k and sigma_y at 2k + 1, by `reaction`, each
-                               ///< force spread over three nodes as (1, 2, 1)/4: nodal reactions of bbar near nu = 1/2
-                               ///< wiggle from node to node
+  Eigen::MatrixXd base;  ///< [2 base nodes, 2 nodes] 1/mm: tau_xy at 2k and sigma_y at 2k + 1, by `reaction`, each
+                         ///< force spread over three nodes as (1, 2, 1)/4: nodal reactions of bbar near nu = 1/2
+                         ///< wiggle from node to node
 };
 
 /// Longest block, in thicknesses; sides that are farther apart do not feel each other.

@@ -1,0 +1,88 @@
+#include "fem/layer/patch_reference.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "fem/layer/patch_compliance.h"
+#include "fem/layer/patch_exact.h"
+#include "fem/layer/patch_search.h"
+#include "fem/layer/rigid_contact.h"
+#include "fem/layer/strip_compliance.h"
+
+namespace tactel::fem {
+namespace {
+
+/// Share of its width by which a patch grows on a side whose outermost element presses.
+constexpr double growth = 0.15;
+
+/// Where the elements lie: without the overhang of equal elements beyond an edge.
+Interval contact_of(const Patch& patch, const PatchLimits& limits) {
+  return {patch.edge_left ? limits.indenter.left : patch.left, patch.edge_right ? limits.indenter.right : patch.right};
+}
+
+bool presses(const ContactSolution& solution, Eigen::Index element) {
+  return std::any_of(solution.steps.begin(), solution.steps.end(),
+                     [&](const ContactStep& step) { return step.normal_force[element] > 0; });
+}
+
+}  // namespace
+
+UnequalElements graded_elements(Interval contact, bool edge_left, bool edge_right, int elements) {
+  const double width = contact.right - contact.left, quarter = std::numbers::pi / 2;
+  const auto end = [&](int k) {
+    const double s = static_cast<double>(k) / elements;
+    double share = s;
+    if (edge_left && edge_right) share = (1 - std::cos(2 * quarter * s)) / 2;
+    if (edge_left && !edge_right) share = 1 - std::cos(quarter * s);
+    if (!edge_left && edge_right) share = std::sin(quarter * s);
+    return contact.left + share * width;
+  };
+  UnequalElements result{Eigen::VectorXd(elements), Eigen::VectorXd(elements)};
+  for (int k = 0; k < elements; ++k) {
+    result.middle[k] = (end(k) + end(k + 1)) / 2;
+    result.width[k] = end(k + 1) - end(k);
+  }
+  return result;
+}
+
+Condensation elements_condensation(const LayerModel& model, const UnequalElements& elements) {
+  const Eigen::Index n = elements.middle.size();
+  Condensation result = without_compliance(model, elements.middle);
+  std::vector<FreeSides::At> sides;
+  for (const double x : elements.middle) sides.push_back(model.sides.at(x));
+  for (Eigen::Index j = 0; j < n; ++j)
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const FreeSides::At &at = sides[static_cast<std::size_t>(i)], &by = sides[static_cast<std::size_t>(j)];
+      const SmoothParts c = strip_compliance(model.table, model.sensor.thickness,
+                                             elements.middle[i] - elements.middle[j], elements.width[j]);
+      result.compliance.block<2, 2>(2 * i, 2 * j) << c.xx + model.sides.between(at.x, by.x),
+          c.xy + model.sides.between(at.x, by.y), -c.xy + model.sides.between(at.y, by.x),
+          c.yy + model.sides.between(at.y, by.y);
+    }
+  return result;
+}
+
+PatchReference::PatchReference(const LayerModel& model, const PatchReferenceOptions& options)
+    : model_(model), options_(options) {}
+
+ContactSolution PatchReference::solve(const Scene& scene) const {
+  scene.validate();
+  Scene fine = scene;
+  fine.indenter = with_hull(scene.indenter);
+  const PatchLimits limits = patch_limits(fine);
+  Patch patch = find_patch(fine, model_.table, options_.elements).patch;
+  for (int growths = 0;; ++growths) {
+    const UnequalElements elements =
+        graded_elements(contact_of(patch, limits), patch.edge_left, patch.edge_right, options_.elements);
+    ContactSolution solution = solve_in_increments(elements_condensation(model_, elements), fine,
+                                                   options_.pressing_increments, options_.exact);
+    const bool left = !patch.edge_left && !patch.reaches_left && presses(solution, 0);
+    const bool right = !patch.edge_right && !patch.reaches_right && presses(solution, options_.elements - 1);
+    if (!(left || right) || growths == options_.most_growths) return solution;
+    const double more = growth * (patch.right - patch.left);
+    patch = make_patch({patch.left - (left ? more : 0), patch.right + (right ? more : 0)}, limits, options_.elements);
+  }
+}
+
+}  // namespace tactel::fem

@@ -1,0 +1,44 @@
+#pragma once
+#include "fem/condensation.h"
+#include "fem/contact_solution.h"
+#include "fem/layer/layer_model.h"
+#include "fem/layer/patch.h"
+#include "fem/load_stepping.h"
+
+namespace tactel::fem {
+
+struct PatchReferenceOptions {
+  int elements = 240;
+  int pressing_increments = 20;  ///< least number of increments to each pressing target
+  int most_growths = 8;          ///< times that the patch may grow where its outermost element presses
+  GapReferenceOptions exact = {};
+};
+
+/// The judge of the patch solver's accuracy: many elements, finer towards edges of the indenter, many increments, and
+/// the exact active-set solver (fem/gap_condensed.h) in fp64. A scene takes seconds. Keeps a reference to the model.
+class PatchReference {
+ public:
+  explicit PatchReference(const LayerModel& model, const PatchReferenceOptions& options = {});
+
+  /// Solves a scene; as PatchSolver::solve. Steps that the exact solver could not solve have converged = false: with mu
+  /// above 1 near nu = 1/2 fewer elements may help.
+  ContactSolution solve(const Scene& scene) const;
+
+ private:
+  const LayerModel& model_;
+  PatchReferenceOptions options_;
+};
+
+/// Elements side by side, of any widths.
+struct UnequalElements {
+  Eigen::VectorXd middle, width;  ///< [elements] mm
+};
+
+/// Returns elements over a contact [left, right]: equal ones, or with the spacing of a cosine towards the sides that
+/// are edges of the indenter.
+UnequalElements graded_elements(Interval contact, bool edge_left, bool edge_right, int elements);
+
+/// Returns the elements as the exact solver wants them; as patch_condensation. Their compliance is not symmetric.
+Condensation elements_condensation(const LayerModel& model, const UnequalElements& elements);
+
+}  // namespace tactel::fem
