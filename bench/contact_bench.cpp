@@ -5,11 +5,14 @@
 
 #include <cmath>
 #include <random>
+#include <string>
 
 #include "fem/gap_reference.h"
 #include "fem/gap_sweep.h"
+#include "fem/layer/patch_solver.h"
 #include "fem/solution_difference.h"
 #include "host/contact/gap_sweep.h"
+#include "host/contact/patch_contact.h"
 #include "kernels/shared/contact_layout.h"
 
 namespace {
@@ -108,6 +111,97 @@ void reference(benchmark::State& state, char which) {
   state.counters["steps_per_second"] = benchmark::Counter(8, benchmark::Counter::kIsIterationInvariantRate);
 }
 
+/// The same scenes on patches: 4 increments to press with 12 elements, of which one is asked for, and 7 of drag.
+std::vector<fem::Scene> random_patches(std::size_t count) {
+  std::vector<fem::Scene> scenes = random_parabolas(mesh('B'), count);
+  for (fem::Scene& scene : scenes) scene.load.tangential_step = 0.03;
+  return scenes;
+}
+
+/// Multiplications and additions that the scenes need, twice the fused operations: sweeps and fresh sums of the load
+/// path over all elements of a patch, search, compliance with sides, base stress. Those of lanes that wait do not
+/// count.
+template <class View>
+double patch_flops(const View& view, std::size_t scenes, int elements, int tactels) {
+  constexpr double search_elements = 12, side_modes = 8;
+  const double n = elements, certificates = n / 3 + 7;
+  double flops = 0;
+  for (std::size_t i = 0; i < scenes; ++i) {
+    double sweeps = 0;
+    for (int k = 0; k < view.path_steps(i); ++k) sweeps += view.result(i, k, LANE_SWEEPS);
+    flops += 8 * n * n * (sweeps + certificates) +
+             2 * search_elements * search_elements * view.patch(i, PATCH_SEARCH_SWEEPS) + 4 * n * n * side_modes +
+             8 * n * tactels * view.path_steps(i);
+  }
+  return flops;
+}
+
+template <class Real>
+void patches(benchmark::State& state, int elements) {
+  host::Executor executor{host::Device()};
+  const auto scenes = random_patches(65536);
+  const fem::LayerModel model = fem::layer_model(scenes.front().sensor);
+  const host::PatchContact<Real> contact(executor, model, {.elements = elements});
+  auto batch = contact.prepare(scenes);
+  batch.run();
+  const fem::PatchSolver twin(model, {.elements = elements, .most_sweeps = 400, .most_growths = 0});
+  for (std::size_t i = 0; i < scenes.size(); i += scenes.size() / 16) {
+    const fem::ContactStep found = batch.solution(i).steps.back(), expected = twin.solve(scenes[i]).steps.back();
+    if (!(std::abs(found.P - expected.P) + std::abs(found.Q - expected.Q) <= 3e-5 * expected.P)) {
+      state.SkipWithError("forces differ from the twin's");
+      return;
+    }
+  }
+  double unsolved = 0, sweeps = 0, residual = 0, flops = 0;
+  {
+    const typename host::PatchContact<Real>::Batch::View view(batch);
+    for (std::size_t i = 0; i < scenes.size(); ++i)
+      for (int k = 0; k < view.path_steps(i); ++k) {
+        unsolved += static_cast<int>(view.result(i, k, LANE_STATUS)) >= LANE_UNSOLVED;
+        sweeps += view.result(i, k, LANE_SWEEPS);
+        for (int row : {LANE_PENETRATION, LANE_CONE, LANE_COMPLEMENTARITY, LANE_DRIFT})
+          residual = std::max(residual, static_cast<double>(view.result(i, k, row)));
+      }
+    flops = patch_flops(view, scenes.size(), elements, 2 * scenes.front().sensor.tactels);
+  }
+  for (auto _ : state) batch.run();
+  const double steps = static_cast<double>(batch.steps_in_all());
+  const auto per_second = benchmark::Counter::kIsIterationInvariantRate;
+  state.counters["steps_per_second"] = benchmark::Counter(steps, per_second);
+  state.counters["GFLOP/s"] = benchmark::Counter(1e-9 * flops, per_second);
+  state.counters["sweeps"] = sweeps / steps;
+  state.counters["unsolved"] = unsolved / steps;
+  state.counters["worst_residual"] = residual;
+  state.counters["threads"] = executor.threads();
+  state.SetLabel(executor.device().info().name);
+}
+
+/// From scenes to answers on the host: layout of lanes, launch, views.
+void patches_with_scenes(benchmark::State& state) {
+  host::Executor executor{host::Device()};
+  const auto scenes = random_patches(65536);
+  const host::PatchContact<float> contact(executor, fem::layer_model(scenes.front().sensor));
+  double P = 0;
+  for (auto _ : state) {
+    auto batch = contact.prepare(scenes);
+    batch.run();
+    const host::PatchContact<float>::Batch::View view(batch);
+    for (const std::size_t i : view.by_lane()) P += view.result(i, 0, LANE_P);
+  }
+  benchmark::DoNotOptimize(P);
+  state.counters["steps_per_second"] =
+      benchmark::Counter(8.0 * static_cast<double>(scenes.size()), benchmark::Counter::kIsIterationInvariantRate);
+}
+
+void patch_twin(benchmark::State& state, int elements) {
+  const auto scenes = random_patches(64);
+  const fem::LayerModel model = fem::layer_model(scenes.front().sensor);
+  const fem::PatchSolver twin(model, {.elements = elements});
+  std::size_t next = 0;
+  for (auto _ : state) benchmark::DoNotOptimize(twin.solve(scenes[next++ % scenes.size()]).steps.back().P);
+  state.counters["steps_per_second"] = benchmark::Counter(8, benchmark::Counter::kIsIterationInvariantRate);
+}
+
 const bool registered = [] {
   const auto add = [](const char* name, void (*body)(benchmark::State&)) {
     return benchmark::RegisterBenchmark(name, body)->Unit(benchmark::kMillisecond);
@@ -123,6 +217,16 @@ const bool registered = [] {
   add("contact/mesh_A/eigen_fp32", [](benchmark::State& state) { eigen<float>(state, 'A', 1e-4); });
   add("contact/mesh_B/eigen_fp64", [](benchmark::State& state) { eigen<double>(state, 'B', 1e-4); });
   add("contact/mesh_A/eigen_fp64", [](benchmark::State& state) { eigen<double>(state, 'A', 1e-4); });
+  for (const int elements : {8, 12, 16, 24}) {
+    const auto named = [&](const char* part) { return "contact/patch_" + std::to_string(elements) + "/" + part; };
+    const auto patch = [&](const char* part, auto body) {
+      return benchmark::RegisterBenchmark(named(part).c_str(), body)->Unit(benchmark::kMillisecond);
+    };
+    patch("fp32", [=](benchmark::State& state) { patches<float>(state, elements); })->UseRealTime();
+    patch("fp64", [=](benchmark::State& state) { patches<double>(state, elements); })->UseRealTime();
+    patch("eigen_fp64", [=](benchmark::State& state) { patch_twin(state, elements); });
+  }
+  add("contact/patch_12/fp32/with_scenes", patches_with_scenes)->UseRealTime();
   add("contact/mesh_B/reference", [](benchmark::State& state) { reference(state, 'B'); });
   add("contact/mesh_A/reference", [](benchmark::State& state) { reference(state, 'A'); })->Iterations(2);
   return true;

@@ -347,8 +347,8 @@ static inline void lay_patch(const Layer *layer, const vreal *in, const Profile 
 
 /* Rounds of frictionless contact at this depth from the window [from, to] on. Returns the force of the last; [*left, *right]: what
    presses. */
-OUTLINE vreal search_at(const Layer *layer, const Profile *profile, vreal depth, vreal from, vreal to, vint searching, vreal *left,
-                              vreal *right, vreal *sweeps) {
+OUTLINE vreal search_at(const Layer *layer, const Profile *profile, vreal depth, vreal from, vreal to, vint searching, vreal *left, vreal *right,
+                        vreal *sweeps) {
   vreal p = 0;
   *left = from;
   *right = to;
@@ -544,38 +544,48 @@ static inline vreal put_heights(const Profile *profile, const Patch *patch, Cont
   return lowest;
 }
 
+/* Rows are unrolled up to 16 elements; more would not fit the compiler's limits, and C is in the second-level cache there. A row's sums
+   start at its own element when unrolled: the one that was updated last comes last, and its latency hides behind the others. */
+#if N <= 16
+#define EACH_ROW(i) EACH(i, N)
+#define COLUMN(i, k) (((i) + (k)) % N)
+#else
+#define EACH_ROW(i) ROLLED for (int i = 0; i < N; ++i)
+#define COLUMN(i, k) (k)
+#endif
+
 /* One Gauss-Seidel sweep. Returns the active lanes whose largest change was above tolerance times their largest pressure force. */
 INLINE vint sweep(Contact *c, const Indenter *in, real tolerance) {
   vreal change = 0, largest = 0, late = 0;
   (void)late;
-  EACH(i, N) {
+  EACH_ROW(i) {
     vreal yn = c->b[i], n = 0;
     const vreal n_old = c->n[i];
 #if FRICTION
     vreal yt = 0, xn = c->bt[i], xt = 0;
     const vreal t_old = c->t[i];
     EACH(k, N) {
-      const int j = (i + k) % N;
+      const int j = COLUMN(i, k);
       yn = fma(c->c[i][j][0], c->n[j], yn);
       yt = fma(c->c[i][j][1], c->t[j], yt);
     }
     if (i > 0) c->t[i - 1] = late;
     EACH(k, N) {
-      const int j = (i + k) % N;
-      if (k > 0) xn = fma(c->c[i][j][2], c->n[j], xn);
+      const int j = COLUMN(i, k);
+      xn = fma(c->c[i][j][2], c->n[j], xn);
       xt = fma(c->c[i][j][3], c->t[j], xt);
     }
     n = PICK(in->active, LARGER(yn + yt, ALL_LANES(0)), n_old);
-    const vreal cone = in->mu * n, t_free = fma(c->c[i][i][2], n, xn + xt);
+    const vreal cone = in->mu * n, t_free = fma(c->c[i][i][2], n - n_old, xn + xt);
     const vreal t = PICK(in->active, SMALLER(LARGER(t_free, -cone), cone), t_old);
     late = t;
     change = LARGER(change, fabs(t - t_old));
 #else
     vreal odd = 0;
     EACH(k, N / 2) {
-      const int j = (i + 2 * k) % N, j1 = (i + 2 * k + 1) % N;
+      const int j = COLUMN(i, 2 * k), next = COLUMN(i, 2 * k + 1);
       yn = fma(c->c[i][j][0], c->n[j], yn);
-      odd = fma(c->c[i][j1][0], c->n[j1], odd);
+      odd = fma(c->c[i][next][0], c->n[next], odd);
     }
     n = PICK(in->active, LARGER(yn + odd, ALL_LANES(0)), n_old);
 #endif

@@ -22,7 +22,7 @@ struct PatchContactOptions {
   double accept = 0;        ///< largest residual of a solved step; 0: 20 tolerance, at least 2e-5 in fp32
   int most_sweeps = 400;    ///< an increment that needs more is reported as unsolved
   int most_growths = 4;     ///< solve_patch_contact enlarges a patch that is too small this many times
-  bool fallback = true;     ///< solve_patch_contact solves the remaining ones by the twin, with more sweeps
+  bool fallback = true;     ///< solve_patch_contact solves the remaining ones exactly, or by the twin with more sweeps
 };
 
 /// Contact of scenes that share a sensor, each on its own patch of equal elements over what its indenter touches
@@ -96,7 +96,7 @@ extern template class PatchContact<double>;
 /// What became of the scenes of a solve_patch_contact.
 struct PatchContactReport {
   std::size_t grown = 0;      ///< scenes whose patch the search found too small
-  std::size_t fell_back = 0;  ///< scenes that the twin solved
+  std::size_t fell_back = 0;  ///< scenes that sweeps of the kernel did not solve
   std::size_t unsolved = 0;   ///< scenes with a step that missed its tolerance all the same
 };
 
@@ -107,9 +107,9 @@ std::optional<PatchContactExtent> grown_contact(const typename PatchContact<Real
                                                 int elements);
 
 /// Solves scenes of one sensor (E may differ), of any kinds, in their order. A patch that is too small grows, and its
-/// scene is solved again. A scene with a step over tolerance after that is solved by the twin in fp64 with more sweeps
-/// (fem/layer/patch_solver.h), and has fell_back = true. Steps that still miss their tolerance have converged = false.
-/// Throws ValueError for an invalid scene.
+/// scene is solved again. A scene with a step over tolerance after that is solved in fp64, exactly on the same elements
+/// (fem/layer/patch_exact.h) or by the twin with more sweeps, and has fell_back = true. Steps that still miss their
+/// tolerance have converged = false. Throws ValueError for an invalid scene.
 template <class Real>
 std::vector<fem::ContactSolution> solve_patch_contact(const PatchContact<Real>& contact,
                                                       std::span<const fem::Scene> scenes,

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "fem/layer/patch_exact.h"
 #include "fem/layer/patch_solver.h"
 #include "host/contact/patch_contact.h"
 #include "kernels/shared/contact_layout.h"
@@ -7,8 +8,17 @@
 namespace tactel::host {
 namespace {
 
+std::ptrdiff_t solved_steps(const fem::ContactSolution& solution) {
+  return std::ranges::count_if(solution.steps, &fem::ContactStep::converged);
+}
+
 bool every_step_solved(const fem::ContactSolution& solution) {
-  return std::ranges::all_of(solution.steps, &fem::ContactStep::converged);
+  return solved_steps(solution) == static_cast<std::ptrdiff_t>(solution.steps.size());
+}
+
+/// Keeps the answer that solves more.
+void keep_better(fem::ContactSolution& solution, fem::ContactSolution&& other) {
+  if (every_step_solved(other) || solved_steps(other) > solved_steps(solution)) solution = std::move(other);
 }
 
 /// Scenes that go into one launch: of one kind.
@@ -29,7 +39,10 @@ class GrowingPatches {
   using Given = typename PatchContact<Real>::Given;
   GrowingPatches(const PatchContact<Real>& contact, std::span<const fem::Scene> scenes,
                  std::vector<fem::ContactSolution>& solutions)
-      : contact_(contact), scenes_(scenes), solutions_(solutions) {}
+      : contact_(contact), scenes_(scenes), solutions_(solutions), patches_(scenes.size()) {}
+
+  /// Returns the last patch of a scene.
+  const fem::Patch& patch(std::size_t i) const { return patches_[i]; }
 
   /// Solves the scenes `which`. Returns how many patches grew.
   std::size_t solve(std::vector<std::size_t> which) {
@@ -52,12 +65,15 @@ class GrowingPatches {
            std::vector<Given>& larger) {
     std::vector<fem::Scene> alike;
     for (const std::size_t i : which) alike.push_back(scenes_[i]);
+    const int elements = contact_.options().elements;
     auto batch = contact_.prepare(alike, given);
     batch.run();
     for (std::size_t k = 0; k < which.size(); ++k) {
       solutions_[which[k]] = batch.solution(k);
       const typename PatchContact<Real>::Batch::View view(batch);
-      if (auto extent = grown_contact<Real>(view, k, contact_.options().elements)) {
+      const double left = alike[k].indenter.position + view.patch(k, PATCH_ORIGIN);
+      patches_[which[k]] = {left, left + elements * view.patch(k, PATCH_ELEMENT), elements};
+      if (auto extent = grown_contact<Real>(view, k, elements)) {
         again.push_back(which[k]);
         larger.push_back(extent);
       }
@@ -67,7 +83,26 @@ class GrowingPatches {
   const PatchContact<Real>& contact_;
   std::span<const fem::Scene> scenes_;
   std::vector<fem::ContactSolution>& solutions_;
+  std::vector<fem::Patch> patches_;  ///< [scenes]
 };
+
+/// Solves again what sweeps did not: exactly on the same elements, then by the twin with more sweeps.
+template <class Real>
+void fall_back(const PatchContact<Real>& contact, const fem::Scene& scene, const fem::Patch& patch,
+               fem::ContactSolution& solution) {
+  const PatchContactOptions& options = contact.options();
+  constexpr int more_sweeps = 10;
+  const fem::PatchOptions twin{.elements = options.elements,
+                               .tolerance = options.tolerance,
+                               .accept = options.accept,
+                               .most_sweeps = more_sweeps * options.most_sweeps,
+                               .most_growths = options.most_growths};
+  if (patch.right > patch.left)
+    keep_better(solution, fem::solve_patch_exactly(contact.model(), patch, scene, twin.increments(),
+                                                   {.tolerance = options.accept}));
+  if (!every_step_solved(solution)) keep_better(solution, fem::PatchSolver(contact.model(), twin).solve(scene));
+  solution.fell_back = true;
+}
 
 /// Whether scenes can share a launch: E and the mesh do not count.
 bool same_layer(const fem::Sensor& a, const fem::Sensor& b) {
@@ -107,23 +142,10 @@ std::vector<fem::ContactSolution> solve_patch_contact(const PatchContact<Real>& 
   PatchContactReport said;
   GrowingPatches<Real> patches(contact, scenes, solutions);
   for (auto& which : by_kind(scenes)) said.grown += patches.solve(std::move(which));
-  const PatchContactOptions& options = contact.options();
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     if (every_step_solved(solutions[i])) continue;
-    if (options.fallback) {
-      constexpr int more_sweeps = 10;
-      const fem::PatchSolver twin(contact.model(), {.elements = options.elements,
-                                                    .tolerance = options.tolerance,
-                                                    .accept = options.accept,
-                                                    .pressing_increments = options.increments,
-                                                    .most_sweeps = more_sweeps * options.most_sweeps,
-                                                    .most_growths = options.most_growths});
-      fem::ContactSolution again = twin.solve(scenes[i]);
-      const auto solved = [](const fem::ContactSolution& s) {
-        return std::ranges::count_if(s.steps, &fem::ContactStep::converged);
-      };
-      if (every_step_solved(again) || solved(again) > solved(solutions[i])) solutions[i] = std::move(again);
-      solutions[i].fell_back = true;
+    if (contact.options().fallback) {
+      fall_back(contact, scenes[i], patches.patch(i), solutions[i]);
       ++said.fell_back;
     }
     said.unsolved += !every_step_solved(solutions[i]);

@@ -55,6 +55,8 @@ constexpr Reference references[] = {{0.3,
                                      {.00055, .15727}}};
 constexpr double last_digit = 0.6e-6, last_base_digit = 0.6e-5;
 
+void PrintTo(const Reference& r, std::ostream* out) { *out << "nu " << r.nu; }
+
 class LayerOf : public testing::TestWithParam<Reference> {};
 
 TEST_P(LayerOf, KernelsMatchReference) {

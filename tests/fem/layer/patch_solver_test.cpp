@@ -63,7 +63,13 @@ std::vector<LoadCase> load_cases() {
           {"angle", angle, true}};
 }
 
-class PatchShapes : public testing::TestWithParam<Shape> {};
+/// A shape with a name for test lists.
+struct ShapeCase {
+  Shape shape;
+};
+void PrintTo(const ShapeCase& c, std::ostream* out) { *out << shape_name(c.shape); }
+
+class PatchShapes : public testing::TestWithParam<ShapeCase> {};
 
 TEST_P(PatchShapes, SweepsAgreeWithTheExactSolver) {
   for (const double nu : {0.3, 0.49})
@@ -72,7 +78,7 @@ TEST_P(PatchShapes, SweepsAgreeWithTheExactSolver) {
         if ((c.slides_at_mu_0 && mu == 0) || (c.several_if_bonded && mu == bonded)) continue;
         SCOPED_TRACE(testing::Message() << "nu " << nu << " mu " << mu << " " << c.name);
         const LayerModel& model = endless(nu);
-        const Scene scene = scene_on(model, GetParam(), -0.6, mu, c.load);
+        const Scene scene = scene_on(model, GetParam().shape, -0.6, mu, c.load);
         const Patch patch = find_patch(scene, model.table, 12).patch;
         // Increments as the load has them, so that both take the same path.
         const PatchSolver solver(model,
@@ -90,12 +96,13 @@ TEST_P(PatchShapes, SweepsAgreeWithTheExactSolver) {
       }
 }
 INSTANTIATE_TEST_SUITE_P(Shapes, PatchShapes,
-                         testing::Values(Shape(Flat{2.0}), Shape(Flat{}), Shape(Wedge{150}), Shape(Parabola{10}),
-                                         Shape(Cylinder{30}), Shape(Exponential{.1, 1}), Shape(Trapezoid{1, 0.5}),
-                                         Shape(RoundedFlat{1, 10}), Shape(Taylor{{2, 3}, 10.0, 2.0, {}}),
-                                         Shape(Profile{{-3, -1, 0, 2}, {0.3, 0, 0, 0.5}, 0, ""})),
+                         testing::Values(ShapeCase{Flat{2.0}}, ShapeCase{Flat{}}, ShapeCase{Wedge{150}},
+                                         ShapeCase{Parabola{10}}, ShapeCase{Cylinder{30}},
+                                         ShapeCase{Exponential{.1, 1}}, ShapeCase{Trapezoid{1, 0.5}},
+                                         ShapeCase{RoundedFlat{1, 10}}, ShapeCase{Taylor{{2, 3}, 10.0, 2.0, {}}},
+                                         ShapeCase{Profile{{-3, -1, 0, 2}, {0.3, 0, 0, 0.5}, 0, ""}}),
                          [](const auto& info) {
-                           return std::string(shape_name(info.param)) + std::to_string(info.index);
+                           return std::string(shape_name(info.param.shape)) + std::to_string(info.index);
                          });
 
 TEST(PatchLaws, AnUpdateSolvesAnElementsOwnLaws) {

@@ -73,16 +73,19 @@ typename PatchContact<Real>::Batch ran(const PatchContact<Real>& contact, std::s
   return batch;
 }
 
+/// Whether the same steps are solved in both.
+bool solved_alike(const fem::ContactSolution& a, const fem::ContactSolution& b) {
+  return std::ranges::equal(a.steps, b.steps, {}, &fem::ContactStep::converged, &fem::ContactStep::converged);
+}
+
 /// Largest difference of P, Q and base stress, relative; of steps that both solved.
 double difference(const fem::ContactSolution& a, const fem::ContactSolution& b) {
-  if (a.steps.size() != b.steps.size()) return infinity;
   double most = 0;
-  for (std::size_t k = 0; k < a.steps.size(); ++k) {
+  for (std::size_t k = 0; k < std::min(a.steps.size(), b.steps.size()); ++k) {
     const fem::ContactStep &p = a.steps[k], &q = b.steps[k];
-    if (p.converged != q.converged) return infinity;
-    if (!p.converged) break;
+    if (!p.converged || !q.converged) break;
     const double force = q.P + std::abs(q.Q), stress = q.sigma_y.cwiseAbs().maxCoeff();
-    const double off = std::max({std::abs(p.P - q.P), std::abs(p.Q - q.Q)}) / (force > 0 ? force : 1);
+    const double off = std::max(std::abs(p.P - q.P), std::abs(p.Q - q.Q)) / (force > 0 ? force : 1);
     const double sigma = (p.sigma_y - q.sigma_y).cwiseAbs().maxCoeff(),
                  tau = (p.tau_xy - q.tau_xy).cwiseAbs().maxCoeff();
     const double of_stress = std::max(sigma, tau) / (stress > 0 ? stress : 1);
@@ -94,26 +97,34 @@ double difference(const fem::ContactSolution& a, const fem::ContactSolution& b) 
 
 /// The kernel's windows come from closed forms, the twin's from bisection; else they make the same steps. fp32 rounds C
 /// to 6e-8, and the places of elements under a force to 1e-7.
-constexpr double agree_fp64 = 1e-9, agree_fp32 = 1e-4;
+constexpr double agree_fp64 = 1e-9, agree_fp32 = 3e-5;
 
 class Twin : public ::testing::TestWithParam<int> {};
 
+/// Under forces, rounding decides now and then whether one more trial follows: so the sweeps go further there, and both
+/// end in the same solution. Rounding also decides at the edge of what counts as solved.
 template <class Real>
 void expect_twin(int elements, double poisson, double tolerance) {
   const fem::LayerModel model = fem::layer_model(sensor_of(poisson));
-  const PatchContact<Real> contact(executor(), model, {.elements = elements, .most_growths = 0});
-  const fem::PatchSolver twin(model, {.elements = elements, .most_sweeps = 400, .most_growths = 0});
-  std::size_t solved = 0, scenes_in_all = 0;
+  std::size_t solved = 0, scenes_in_all = 0, not_alike = 0;
   for (const auto& scenes : by_kind(mixed_scenes(model.sensor, 30, elements))) {
+    if (scenes.empty()) continue;
+    const double sweeps_to = !by_force(scenes.front()) ? 1e-3 : sizeof(Real) == 8 ? 1e-11 : 1e-5;
+    const PatchContact<Real> contact(
+        executor(), model, {.elements = elements, .tolerance = sweeps_to, .accept = 2e-2, .most_sweeps = 2000});
+    const fem::PatchSolver twin(
+        model, {.elements = elements, .tolerance = sweeps_to, .accept = 2e-2, .most_sweeps = 2000, .most_growths = 0});
     const auto batch = ran(contact, scenes);
     for (std::size_t i = 0; i < scenes.size(); ++i, ++scenes_in_all) {
       const fem::ContactSolution found = batch.solution(i), expected = twin.solve(scenes[i]);
       solved += found.steps.back().converged;
+      not_alike += !solved_alike(found, expected);
       EXPECT_LE(difference(found, expected), tolerance) << describe(scenes[i]) << ", scene " << i;
       EXPECT_NEAR(found.surface_x[0], expected.surface_x[0], 1e-4 * model.sensor.thickness) << describe(scenes[i]);
     }
   }
-  EXPECT_GE(solved, 0.8 * scenes_in_all);
+  EXPECT_GE(solved, 0.8 * static_cast<double>(scenes_in_all));
+  EXPECT_LE(not_alike, scenes_in_all / 20);
 }
 
 TEST_P(Twin, Fp64MatchesIt) {
