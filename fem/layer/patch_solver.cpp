@@ -131,6 +131,8 @@ ContactStep PatchWalk::step_here(Beyond& beyond) const {
   step.P = step.normal_force.sum();
   step.Q = step.tangential_force.sum();
   step.slip_index = slip_index(scene_.friction, step.P, step.Q);
+  step.base_force_x = Eigen::VectorXd::Constant(1, step.Q);
+  step.base_force_y = Eigen::VectorXd::Constant(1, -step.P);
   const std::vector<GapStatus> status = gap_status(e);
   step.status.assign(status.begin() + rows_beyond, status.end() - rows_beyond);
   const Eigen::VectorXd ux = contact_.ux();
@@ -154,6 +156,7 @@ ContactSolution PatchWalk::walk(Beyond& beyond) {
   ContactSolution solution;
   solution.surface_x = x_;
   solution.surface_width = Eigen::VectorXd::Constant(x_.size(), width_);
+  solution.base_x = Eigen::VectorXd::Zero(1);
   solution.tactel_x = tactel_positions(scene_.sensor);
   const LoadPath path = load_path(scene_.load);
   for (const PatchStep& increment : patch_steps(path, scene_.load, options_.increments())) {
@@ -183,12 +186,15 @@ Patch grown(const Patch& patch, int beyond_left, int beyond_right, const PatchLi
 PatchSolver::PatchSolver(const LayerModel& model, const PatchOptions& options) : model_(model), options_(options) {}
 
 ContactSolution PatchSolver::solve_on(const Patch& patch, const Scene& scene) const {
+  scene.validate();
+  require_sensor_of(model_, scene.sensor);
   Beyond beyond;
   return PatchWalk(model_, options_, patch, scene).walk(beyond);
 }
 
 ContactSolution PatchSolver::solve(const Scene& scene) const {
   scene.validate();
+  require_sensor_of(model_, scene.sensor);
   Scene own = scene;
   own.indenter = with_hull(scene.indenter);
   Patch patch = find_patch(own, model_.table, options_.elements).patch;

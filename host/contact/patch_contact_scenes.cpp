@@ -95,6 +95,7 @@ void fall_back(const PatchContact<Real>& contact, const fem::Scene& scene, const
   const fem::PatchOptions twin{.elements = options.elements,
                                .tolerance = options.tolerance,
                                .accept = options.accept,
+                               .pressing_increments = options.increments,
                                .most_sweeps = more_sweeps * options.most_sweeps,
                                .most_growths = options.most_growths};
   if (patch.right > patch.left)

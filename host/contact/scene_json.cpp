@@ -81,7 +81,8 @@ Json residual_json(const fem::Residual& r) {
           {"balance", r.balance}};
 }
 
-Json step_json(const fem::ContactStep& step) {
+/// `base`: with the forces of base nodes, which a patch lacks.
+Json step_json(const fem::ContactStep& step, bool base) {
   Json status = Json::array();
   for (const fem::GapStatus s : step.status) status.push_back(status_name(s));
   return {{"indentation", step.indentation},
@@ -93,8 +94,8 @@ Json step_json(const fem::ContactStep& step) {
           {"status", std::move(status)},
           {"normal_force", numbers(step.normal_force)},
           {"tangential_force", numbers(step.tangential_force)},
-          {"base_force_x", numbers(step.base_force_x)},
-          {"base_force_y", numbers(step.base_force_y)},
+          {"base_force_x", base ? numbers(step.base_force_x) : Json::array()},
+          {"base_force_y", base ? numbers(step.base_force_y) : Json::array()},
           {"sigma_y", numbers(step.sigma_y)},
           {"tau_xy", numbers(step.tau_xy)},
           {"converged", step.converged},
@@ -120,7 +121,7 @@ Json to_json(const fem::Scene& scene) {
 Json to_json(const fem::Scene& scene, const SolveOutcome& outcome) {
   const fem::ContactSolution& solution = outcome.solution;
   Json steps = Json::array();
-  for (const fem::ContactStep& step : solution.steps) steps.push_back(step_json(step));
+  for (const fem::ContactStep& step : solution.steps) steps.push_back(step_json(step, !outcome.on_patch()));
   Json out = {{"tactel", TACTEL_VERSION},
               {"scene", to_json(scene)},
               {"solver", outcome.solver},
@@ -130,7 +131,7 @@ Json to_json(const fem::Scene& scene, const SolveOutcome& outcome) {
               {"model_reason", outcome.model_reason},
               {"surface_x", numbers(solution.surface_x)},
               {"surface_width", numbers(solution.surface_width)},
-              {"base_x", numbers(solution.base_x)},
+              {"base_x", outcome.on_patch() ? Json::array() : numbers(solution.base_x)},
               {"tactel_x", numbers(solution.tactel_x)},
               {"fallback", solution.fell_back},
               {"warnings", warnings(outcome)},
