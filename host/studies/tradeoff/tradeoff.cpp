@@ -35,7 +35,8 @@ Rung with(Rung rung, const std::function<void(Rung&)>& change) {
 std::vector<Rung> other_models() {
   using enum Precision;
   const auto model = [](int columns, int rows, int steps, Precision precision, double tolerance) {
-    return Rung{.name = "", .columns = columns, .rows = rows, .steps = steps, .precision = precision, .tolerance = tolerance};
+    return Rung{
+        .name = "", .columns = columns, .rows = rows, .steps = steps, .precision = precision, .tolerance = tolerance};
   };
   std::vector<Rung> models = {
       model(21, 6, 1, fp32, 1e-2),   model(41, 6, 1, fp32, 1e-3),   model(41, 6, 1, fp32, 1e-2),
@@ -56,7 +57,8 @@ std::vector<Rung> other_models() {
 std::vector<Source> patch_sources() {
   using enum Precision;
   const Rung& reference = ladder().back();
-  const Rung patch{.name = "", .elements = 16, .columns = 161, .rows = 25, .steps = 6, .precision = fp64, .tolerance = 1e-8};
+  const Rung patch{
+      .name = "", .elements = 16, .columns = 161, .rows = 25, .steps = 6, .precision = fp64, .tolerance = 1e-8};
   std::vector<Source> all = {{"elements of a patch", reference, {}},
                              {"elements of the reference", reference, {}},
                              {"pressing increments of a patch", with(patch, [](Rung& r) { r.steps = 24; }), {}},
