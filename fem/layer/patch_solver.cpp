@@ -68,7 +68,7 @@ class PatchWalk {
 
  private:
   void move_to(const LoadStep& target);
-  bool reach_forces(const LoadStep& target);
+  bool reach_forces(bool solved);
   ContactStep step_here(Beyond& beyond) const;
 
   const PatchOptions& options_;
@@ -97,21 +97,24 @@ void PatchWalk::move_to(const LoadStep& target) {
   last_change_ = change;
   contact_.depth = depth;
   contact_.x = x;
+  bool solved = true;
   if (change.isZero(0)) {
     contact_.hold();
   } else {
     contact_.extrapolate(ratio);
     if (target.normal_is_force ? !(target.normal > 0) : depth <= contact_.first_touch()) contact_.release();
-    converged_ &= contact_.solve(sweeps_);
+    solved = contact_.solve(sweeps_);
   }
-  if (target.normal_is_force && target.normal > 0) converged_ &= reach_forces(scaled);
+  if (target.normal_is_force && target.normal > 0) solved = reach_forces(solved);
+  converged_ &= solved;
 }
 
-bool PatchWalk::reach_forces(const LoadStep& target) {
+/// Of the trials, the last one's sweeps count.
+bool PatchWalk::reach_forces(bool solved) {
   for (int trial = 0; trial < most_force_trials; ++trial) {
     const double P = contact_.n().sum(), Q = contact_.t().sum();
-    if (!force_.move(P, Q, target.normal > 0 ? 10 * options_.tolerance : 0, contact_.depth, contact_.x)) return true;
-    if (!contact_.solve(sweeps_)) return false;
+    if (!force_.move(P, Q, 10 * options_.tolerance, contact_.depth, contact_.x)) return solved;
+    solved = contact_.solve(sweeps_);
   }
   return false;
 }
