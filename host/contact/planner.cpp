@@ -40,8 +40,8 @@ PlanTrial compare(std::span<const fem::Scene> scenes, std::size_t low, const std
   }
   trial.difference = covering_value(differences, 0.95);
   trial.missed = missed && trial.difference >= 1;
-  trial.estimate = expected_error(low, trial.difference);
-  trial.next_estimate = expected_next_error(low, trial.difference);
+  trial.estimate = trial.missed ? 1 : expected_error(low, trial.difference);
+  trial.next_estimate = trial.missed ? 1 : expected_next_error(low, trial.difference);
   trial.sigma = covering_value(sigma, 0.95);
   trial.tau = covering_value(tau, 0.95);
   trial.P = covering_value(P, 0.95);
@@ -57,8 +57,7 @@ double expected_error(std::size_t rung, double difference) {
 }
 
 double expected_next_error(std::size_t rung, double difference) {
-  const double least = rung + 1 < measured_ladder().size() ? measured_ladder()[rung + 1].least : 0;
-  return std::max(measured_ladder()[rung].next_factor * difference, least);
+  return std::max(measured_ladder()[rung].next_factor * difference, measured_ladder()[rung + 1].least);
 }
 
 Plan plan(std::span<const fem::Scene> scenes, double accuracy, const SolveRung& solve) {

@@ -15,7 +15,8 @@ struct MeasuredRung {
   const char* name;
   double factor;       ///< error in S over the difference: 95 % of the scenes have less
   double next_factor;  ///< the next rung's error over the same difference: 95 % have less; 0 where it is the reference
-  double least;        ///< error in S that 75 % of the scenes have less of: two rungs may agree by chance
+  double least;        ///< error in S that 75 % of the scenes have less of: two rungs may agree by chance. Of the
+                       ///< reference, its own error in 95 % of the scenes
 };
 std::span<const MeasuredRung> measured_ladder();
 
