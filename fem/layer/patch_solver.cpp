@@ -69,11 +69,7 @@ class PatchWalk {
 
  private:
   void move_to(const LoadStep& target);
-<<<<<<< HEAD
-  bool reach_forces();
-=======
   bool reach_forces(bool solved);
->>>>>>> layer
   ContactStep step_here(Beyond& beyond) const;
 
   const PatchOptions& options_;
@@ -103,29 +99,15 @@ void PatchWalk::move_to(const LoadStep& target) {
   last_change_ = change;
   contact_.depth = depth;
   contact_.x = x;
-<<<<<<< HEAD
   const bool held = change[0] == 0 && (change[1] == 0 || scene_.friction == 0);  // without friction only depth counts
-  if (held) {
-=======
   bool solved = true;
-  if (change.isZero(0)) {
->>>>>>> layer
+  if (held) {
     contact_.hold();
   } else {
     contact_.extrapolate(ratio);
     if (target.normal_is_force ? !(target.normal > 0) : depth <= contact_.first_touch()) contact_.release();
     solved = contact_.solve(sweeps_);
   }
-<<<<<<< HEAD
-  if (target.normal_is_force && target.normal > 0) converged_ &= reach_forces();
-}
-
-bool PatchWalk::reach_forces() {
-  for (int trial = 0; trial < most_force_trials; ++trial) {
-    const double P = contact_.n().sum(), Q = contact_.t().sum();
-    if (!force_.move(P, Q, options_.tolerance, contact_.depth, contact_.x)) return true;
-    if (!contact_.solve(sweeps_)) return false;
-=======
   if (target.normal_is_force && target.normal > 0) solved = reach_forces(solved);
   converged_ &= solved;
 }
@@ -134,9 +116,8 @@ bool PatchWalk::reach_forces() {
 bool PatchWalk::reach_forces(bool solved) {
   for (int trial = 0; trial < most_force_trials; ++trial) {
     const double P = contact_.n().sum(), Q = contact_.t().sum();
-    if (!force_.move(P, Q, 10 * options_.tolerance, contact_.depth, contact_.x)) return solved;
+    if (!force_.move(P, Q, options_.tolerance, contact_.depth, contact_.x)) return solved;
     solved = contact_.solve(sweeps_);
->>>>>>> layer
   }
   return false;
 }
