@@ -156,7 +156,8 @@ void add_free_sides(const SideDifference& difference, const Sensor& sensor, Base
   };
   const Eigen::MatrixXd tau = at_tactels(0), sigma = at_tactels(1);
   const auto by = [](const Eigen::MatrixXd& stress, int component) -> Eigen::MatrixXd {
-    return stress(Eigen::all, Eigen::seq(component, Eigen::last, 2)).transpose();
+    const Eigen::MatrixXd by_component = stress(Eigen::all, Eigen::seq(component, Eigen::last, 2));
+    return by_component.transpose();
   };
   Eigen::MatrixXd rows(nodes, BaseStressTable::quantities * count);
   rows << -by(sigma, 1), by(sigma, 0), -by(tau, 1), by(tau, 0);  // in the table's order; pressure is -f_y

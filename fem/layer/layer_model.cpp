@@ -1,9 +1,18 @@
 #include "fem/layer/layer_model.h"
 
+#include <stdexcept>
+
 #include "fem/number_text.h"
 #include "fem/value_error.h"
 
 namespace tactel::fem {
+
+void require_sensor_of(const LayerModel& model, const Sensor& sensor) {
+  const Sensor& own = model.sensor;
+  if (sensor.length != own.length || sensor.thickness != own.thickness || sensor.poisson != own.poisson ||
+      sensor.tactels != own.tactels || sensor.span() != own.span() || sensor.tactel_width != own.tactel_width)
+    throw std::invalid_argument("LayerModel: the scene has another sensor; make a model of its own");
+}
 
 LayerModel endless_layer(const Sensor& sensor) {
   sensor.validate();

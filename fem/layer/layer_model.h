@@ -18,6 +18,9 @@ struct LayerModel {
   BaseStressTable base;
 };
 
+/// Throws std::invalid_argument unless this sensor has the model's length, thickness, poisson and tactels.
+void require_sensor_of(const LayerModel& model, const Sensor& sensor);
+
 /// Longest sensor that has tables, in thicknesses.
 inline constexpr double longest_sensor = 200;
 

@@ -68,6 +68,7 @@ PatchReference::PatchReference(const LayerModel& model, const PatchReferenceOpti
 
 ContactSolution PatchReference::solve(const Scene& scene) const {
   scene.validate();
+  require_sensor_of(model_, scene.sensor);
   Scene fine = scene;
   fine.indenter = with_hull(scene.indenter);
   const PatchLimits limits = patch_limits(fine);

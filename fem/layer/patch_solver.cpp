@@ -68,7 +68,7 @@ class PatchWalk {
 
  private:
   void move_to(const LoadStep& target);
-  bool reach_forces();
+  bool reach_forces(bool solved);
   ContactStep step_here(Beyond& beyond) const;
 
   const PatchOptions& options_;
@@ -98,21 +98,24 @@ void PatchWalk::move_to(const LoadStep& target) {
   contact_.depth = depth;
   contact_.x = x;
   const bool held = change[0] == 0 && (change[1] == 0 || scene_.friction == 0);  // without friction only depth counts
+  bool solved = true;
   if (held) {
     contact_.hold();
   } else {
     contact_.extrapolate(ratio);
     if (target.normal_is_force ? !(target.normal > 0) : depth <= contact_.first_touch()) contact_.release();
-    converged_ &= contact_.solve(sweeps_);
+    solved = contact_.solve(sweeps_);
   }
-  if (target.normal_is_force && target.normal > 0) converged_ &= reach_forces();
+  if (target.normal_is_force && target.normal > 0) solved = reach_forces(solved);
+  converged_ &= solved;
 }
 
-bool PatchWalk::reach_forces() {
+/// Of the trials, the last one's sweeps count.
+bool PatchWalk::reach_forces(bool solved) {
   for (int trial = 0; trial < most_force_trials; ++trial) {
     const double P = contact_.n().sum(), Q = contact_.t().sum();
-    if (!force_.move(P, Q, options_.tolerance, contact_.depth, contact_.x)) return true;
-    if (!contact_.solve(sweeps_)) return false;
+    if (!force_.move(P, Q, options_.tolerance, contact_.depth, contact_.x)) return solved;
+    solved = contact_.solve(sweeps_);
   }
   return false;
 }
@@ -129,6 +132,8 @@ ContactStep PatchWalk::step_here(Beyond& beyond) const {
   step.P = step.normal_force.sum();
   step.Q = step.tangential_force.sum();
   step.slip_index = slip_index(scene_.friction, step.P, step.Q);
+  step.base_force_x = Eigen::VectorXd::Constant(1, step.Q);
+  step.base_force_y = Eigen::VectorXd::Constant(1, -step.P);
   const std::vector<GapStatus> status = gap_status(e);
   step.status.assign(status.begin() + rows_beyond, status.end() - rows_beyond);
   const Eigen::VectorXd ux = contact_.ux();
@@ -151,6 +156,7 @@ bool slides(const ContactStep& step) {
 ContactSolution PatchWalk::walk(Beyond& beyond) {
   ContactSolution solution;
   solution.surface_x = x_;
+  solution.base_x = Eigen::VectorXd::Zero(1);
   solution.tactel_x = tactel_positions(scene_.sensor);
   const LoadPath path = load_path(scene_.load);
   for (const PatchStep& increment : patch_steps(path, scene_.load, options_.increments())) {
@@ -180,12 +186,15 @@ Patch grown(const Patch& patch, int beyond_left, int beyond_right, const PatchLi
 PatchSolver::PatchSolver(const LayerModel& model, const PatchOptions& options) : model_(model), options_(options) {}
 
 ContactSolution PatchSolver::solve_on(const Patch& patch, const Scene& scene) const {
+  scene.validate();
+  require_sensor_of(model_, scene.sensor);
   Beyond beyond;
   return PatchWalk(model_, options_, patch, scene).walk(beyond);
 }
 
 ContactSolution PatchSolver::solve(const Scene& scene) const {
   scene.validate();
+  require_sensor_of(model_, scene.sensor);
   Scene own = scene;
   own.indenter = with_hull(scene.indenter);
   Patch patch = find_patch(own, model_.table, options_.elements).patch;

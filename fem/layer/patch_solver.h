@@ -27,9 +27,9 @@ class PatchSolver {
  public:
   explicit PatchSolver(const LayerModel& model, const PatchOptions& options = {});
 
-  /// Solves a scene. Its sensor must equal the model's in length, thickness, poisson and tactels; the mesh does not
-  /// matter. Nodes of the answer are the elements of the patch (surface_x: their middles); it has no base nodes.
-  /// Throws ValueError for an invalid scene.
+  /// Solves a scene on the model's sensor; E and the mesh may differ. Nodes of the answer are the elements of the patch
+  /// (surface_x: their middles). The base is one node, which bears the sums of the forces. Throws ValueError for an
+  /// invalid scene, std::invalid_argument for another sensor.
   ContactSolution solve(const Scene& scene) const;
 
   /// The same on a given patch, which does not grow.

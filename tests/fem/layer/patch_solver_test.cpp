@@ -215,6 +215,20 @@ TEST(PatchSolver, ALiftedIndenterLeavesTheRubberAlone) {
   EXPECT_FALSE(solution.sliding);
 }
 
+TEST(PatchSolver, RefusesAnotherSensor) {
+  Scene scene = scene_on(endless(0.45), Parabola{10}, 0, 0.3, by_depth({0.1}, {}));
+  scene.sensor.young = 7;  // of no matter
+  scene.sensor.columns = 81;
+  const PatchSolver solver(endless(0.45));
+  const ContactSolution solution = solver.solve(scene);
+  EXPECT_EQ(solution.steps[0].base_force_y.sum(), -solution.steps[0].P);
+  scene.sensor.poisson = 0.3;
+  EXPECT_THROW(solver.solve(scene), std::invalid_argument);
+  scene.sensor.poisson = 0.45;
+  scene.sensor.tactels = 20;
+  EXPECT_THROW(solver.solve(scene), std::invalid_argument);
+}
+
 TEST(PatchExact, SolvesWhatSweepsCannot) {
   // Too few sweeps; and the increments of the sweeps, so that a solved scene has the same answer.
   const LayerModel& model = endless(0.3);
