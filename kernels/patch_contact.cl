@@ -103,9 +103,22 @@ typedef struct {
   int term_count[LANES], terms_at[LANES], point_count[LANES], points_at[LANES];
 } Profile;
 
+/* Compliance of 16 elements is kept once for each pair: dense, it would not fit the first-level cache. */
+#define SYMMETRIC (N == 16)
+#define PAIRS (N * (N + 1) / 2)
+#define PAIR(i, j) ((i) > (j) ? (i) * ((i) + 1) / 2 + (j) : (j) * ((j) + 1) / 2 + (i))
+
 typedef struct {
+#if SYMMETRIC
+  vreal yy[PAIRS]; /* - C_yy */
+#if FRICTION
+  vreal xx[PAIRS]; /* - C_xx */
+  vreal xy[N][N];  /* C_xy: u_x of the first by f_y of the second, and u_y of the second by f_x of the first */
+#endif
+#else
   vreal c[N][N][C_PARTS]; /* A, B, D, E */
-  vreal n[N], t[N];       /* pressure and traction force / E, mm */
+#endif
+  vreal n[N], t[N]; /* pressure and traction force / E, mm */
   vreal n_last[N], t_last[N];
   vreal b[N], bt[N];                /* constant parts of the rows */
   vreal h[N];                       /* profile heights, mm */
@@ -494,6 +507,14 @@ OUTLINE void build_compliance(const Layer *layer, const Patch *patch, vreal posi
     for (int j = 0; j <= i; ++j) {
       vreal yy = rows.yy[i - j], xx = rows.xx[i - j], xy = rows.xy[i - j], yx = -rows.xy[i - j];
       if (sides) add_sides(vi, v[j], &yy, &xx, &xy, &yx);
+#if SYMMETRIC
+      c->yy[PAIR(i, j)] = -yy;
+#if FRICTION
+      c->xx[PAIR(i, j)] = -xx;
+      c->xy[i][j] = xy;
+      c->xy[j][i] = yx;
+#endif
+#else
       c->c[i][j][0] = -c->wy[i] * yy;
       c->c[j][i][0] = -c->wy[j] * yy;
 #if FRICTION
@@ -504,10 +525,13 @@ OUTLINE void build_compliance(const Layer *layer, const Patch *patch, vreal posi
       c->c[i][j][3] = -c->wx[i] * xx;
       c->c[j][i][3] = -c->wx[j] * xx;
 #endif
+#endif
     }
+#if !SYMMETRIC
     c->c[i][i][0] = 1 - RELAXATION;
 #if FRICTION
     c->c[i][i][3] = 1 - RELAXATION;
+#endif
 #endif
   }
   for (int o = 0; o < 2 * OUTSIDE; ++o) {
@@ -554,29 +578,52 @@ static inline vreal put_heights(const Profile *profile, const Patch *patch, Cont
 #define COLUMN(i, k) (k)
 #endif
 
+/* Factors of n_j and t_j in the rows of element i, and what finishes a row: its sum becomes the free force without the constant part. */
+#if SYMMETRIC
+#define N_BY_N(c, i, j) (c)->yy[PAIR(i, j)]
+#define N_BY_T(c, i, j) (c)->xy[j][i]
+#define T_BY_N(c, i, j) (c)->xy[i][j]
+#define T_BY_T(c, i, j) (c)->xx[PAIR(i, j)]
+#define FINISH_N(c, i, sum, n_old) fma((c)->wy[i], sum, n_old)
+#define FINISH_T(c, i, sum, t_old) fma((c)->wx[i], sum, t_old)
+#define START(constant) ALL_LANES(0)
+#define CONSTANT(constant) (constant)
+#else
+#define N_BY_N(c, i, j) (c)->c[i][j][0]
+#define N_BY_T(c, i, j) (c)->c[i][j][1]
+#define T_BY_N(c, i, j) (c)->c[i][j][2]
+#define T_BY_T(c, i, j) (c)->c[i][j][3]
+#define FINISH_N(c, i, sum, n_old) (sum)
+#define FINISH_T(c, i, sum, t_old) (sum)
+#define START(constant) (constant)
+#define CONSTANT(constant) ALL_LANES(0)
+#endif
+
 /* One Gauss-Seidel sweep. Returns the active lanes whose largest change was above tolerance times their largest pressure force. */
 INLINE vint sweep(Contact *c, const Indenter *in, real tolerance) {
   vreal change = 0, largest = 0, late = 0;
   (void)late;
   EACH_ROW(i) {
-    vreal yn = c->b[i], n = 0;
+    vreal yn = START(c->b[i]), n = 0;
     const vreal n_old = c->n[i];
 #if FRICTION
-    vreal yt = 0, xn = c->bt[i], xt = 0;
+    vreal yt = 0, xn = START(c->bt[i]), xt = 0;
     const vreal t_old = c->t[i];
     EACH(k, N) {
       const int j = COLUMN(i, k);
-      yn = fma(c->c[i][j][0], c->n[j], yn);
-      yt = fma(c->c[i][j][1], c->t[j], yt);
+      yn = fma(N_BY_N(c, i, j), c->n[j], yn);
+      yt = fma(N_BY_T(c, i, j), c->t[j], yt);
     }
     if (i > 0) c->t[i - 1] = late;
     EACH(k, N) {
       const int j = COLUMN(i, k);
-      xn = fma(c->c[i][j][2], c->n[j], xn);
-      xt = fma(c->c[i][j][3], c->t[j], xt);
+      xn = fma(T_BY_N(c, i, j), c->n[j], xn);
+      xt = fma(T_BY_T(c, i, j), c->t[j], xt);
     }
-    n = PICK(in->active, LARGER(yn + yt, ALL_LANES(0)), n_old);
-    const vreal cone = in->mu * n, t_free = fma(c->c[i][i][2], n - n_old, xn + xt);
+    const vreal n_free = FINISH_N(c, i, yn + yt, n_old + CONSTANT(c->b[i]));
+    n = PICK(in->active, LARGER(n_free, ALL_LANES(0)), n_old);
+    const vreal t_free = FINISH_T(c, i, fma(T_BY_N(c, i, i), n - n_old, xn + xt), t_old + CONSTANT(c->bt[i]));
+    const vreal cone = in->mu * n;
     const vreal t = PICK(in->active, SMALLER(LARGER(t_free, -cone), cone), t_old);
     late = t;
     change = LARGER(change, fabs(t - t_old));
@@ -584,10 +631,11 @@ INLINE vint sweep(Contact *c, const Indenter *in, real tolerance) {
     vreal odd = 0;
     EACH(k, N / 2) {
       const int j = COLUMN(i, 2 * k), next = COLUMN(i, 2 * k + 1);
-      yn = fma(c->c[i][j][0], c->n[j], yn);
-      odd = fma(c->c[i][next][0], c->n[next], odd);
+      yn = fma(N_BY_N(c, i, j), c->n[j], yn);
+      odd = fma(N_BY_N(c, i, next), c->n[next], odd);
     }
-    n = PICK(in->active, LARGER(yn + odd, ALL_LANES(0)), n_old);
+    const vreal n_free = FINISH_N(c, i, yn + odd, n_old + CONSTANT(c->b[i]));
+    n = PICK(in->active, LARGER(n_free, ALL_LANES(0)), n_old);
 #endif
     c->n[i] = n;
     change = LARGER(change, fabs(n - n_old));
@@ -602,19 +650,19 @@ INLINE vint sweep(Contact *c, const Indenter *in, real tolerance) {
   return in->active & (change > tolerance * largest);
 }
 
-/* Sums of the rows of element i over the forces as they are, without the constant parts. */
+/* Free forces of element i from the forces as they are, without the constant parts. */
 static inline void row_sums(const Contact *c, int i, vreal *n_sum, vreal *t_sum) {
   vreal yn = 0, yt = 0, xn = 0, xt = 0;
   EACH(j, N) {
-    yn = fma(c->c[i][j][0], c->n[j], yn);
+    yn = fma(N_BY_N(c, i, j), c->n[j], yn);
 #if FRICTION
-    yt = fma(c->c[i][j][1], c->t[j], yt);
-    xn = fma(c->c[i][j][2], c->n[j], xn);
-    xt = fma(c->c[i][j][3], c->t[j], xt);
+    yt = fma(N_BY_T(c, i, j), c->t[j], yt);
+    xn = fma(T_BY_N(c, i, j), c->n[j], xn);
+    xt = fma(T_BY_T(c, i, j), c->t[j], xt);
 #endif
   }
-  *n_sum = yn + yt;
-  *t_sum = xn + xt;
+  *n_sum = FINISH_N(c, i, yn + yt, c->n[i]);
+  *t_sum = FINISH_T(c, i, xn + xt, c->t[i]);
 }
 
 /* The same sweep with steps shortened to `part`, in a loop: it is rare. */
@@ -622,24 +670,18 @@ static inline vint damped_sweep(Contact *c, const Indenter *in, real part, real 
   vreal change = 0, largest = 0, late = 0;
   for (int i = 0; i < N; ++i) {
     const vreal n_old = c->n[i];
-    vreal n_free = c->b[i];
-    for (int j = 0; j < N; ++j) {
-      n_free = fma(c->c[i][j][0], c->n[j], n_free);
-      if (FRICTION) n_free = fma(c->c[i][j][C_PARTS > 1 ? 1 : 0], c->t[j], n_free);
-    }
-    const vreal n = PICK(in->active, LARGER(fma(part, n_free - n_old, n_old), ALL_LANES(0)), n_old);
+    vreal n_sum, t_sum;
+    row_sums(c, i, &n_sum, &t_sum);
+    const vreal n_part = fma(part, (c->b[i] + n_sum) - n_old, n_old);
+    const vreal n = PICK(in->active, LARGER(n_part, ALL_LANES(0)), n_old);
     c->n[i] = n;
     change = LARGER(change, fabs(n - n_old));
     largest = LARGER(largest, n);
 #if FRICTION
     if (i > 0) c->t[i - 1] = late;
+    row_sums(c, i, &n_sum, &t_sum);
     const vreal t_old = c->t[i], cone = in->mu * n;
-    vreal t_free = c->bt[i];
-    for (int j = 0; j < N; ++j) {
-      t_free = fma(c->c[i][j][2], c->n[j], t_free);
-      t_free = fma(c->c[i][j][3], c->t[j], t_free);
-    }
-    const vreal t_part = fma(part, t_free - t_old, t_old);
+    const vreal t_part = fma(part, (c->bt[i] + t_sum) - t_old, t_old);
     late = PICK(in->active, SMALLER(LARGER(t_part, -cone), cone), t_old);
     change = LARGER(change, fabs(late - t_old));
 #endif

@@ -18,7 +18,7 @@ namespace tactel::host {
 namespace {
 
 template <class Real>
-Buffer<Real> on_device(const Device& device, const std::vector<double>& values) {
+Buffer<Real> table_on_device(const Device& device, const std::vector<double>& values) {
   std::vector<Real> rounded(values.begin(), values.end());
   if (rounded.empty()) rounded.resize(1);
   return Buffer<Real>(device, std::span<const Real>(rounded));
@@ -49,10 +49,10 @@ struct PatchContact<Real>::State {
     constexpr double epsilon = std::numeric_limits<Real>::epsilon();
     if (this->options.accept == 0) this->options.accept = std::max(20 * options.tolerance, 200 * epsilon);
     const Device& device = executor.device();
-    smooth = on_device<Real>(device, tables.smooth);
-    sides = on_device<Real>(device, tables.sides);
-    signs = on_device<Real>(device, tables.signs);
-    base = on_device<Real>(device, tables.base);
+    smooth = table_on_device<Real>(device, tables.smooth);
+    sides = table_on_device<Real>(device, tables.sides);
+    signs = table_on_device<Real>(device, tables.signs);
+    base = table_on_device<Real>(device, tables.base);
     tactels = model.base.tactels();
   }
 

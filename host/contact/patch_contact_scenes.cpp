@@ -8,17 +8,17 @@
 namespace tactel::host {
 namespace {
 
-std::ptrdiff_t solved_steps(const fem::ContactSolution& solution) {
+std::ptrdiff_t count_solved(const fem::ContactSolution& solution) {
   return std::ranges::count_if(solution.steps, &fem::ContactStep::converged);
 }
 
 bool every_step_solved(const fem::ContactSolution& solution) {
-  return solved_steps(solution) == static_cast<std::ptrdiff_t>(solution.steps.size());
+  return count_solved(solution) == static_cast<std::ptrdiff_t>(solution.steps.size());
 }
 
 /// Keeps the answer that solves more.
 void keep_better(fem::ContactSolution& solution, fem::ContactSolution&& other) {
-  if (every_step_solved(other) || solved_steps(other) > solved_steps(solution)) solution = std::move(other);
+  if (every_step_solved(other) || count_solved(other) > count_solved(solution)) solution = std::move(other);
 }
 
 /// Scenes that go into one launch: of one kind.

@@ -333,11 +333,13 @@ TEST(PatchContact, NumberOfElementsWithoutProgramIsRefused) {
 // ---------------------------------------------------------------------------------------------------------------------
 // Laws
 
-fem::ContactSolution solved(const fem::Scene& scene, double tolerance = 1e-12) {
-  const PatchContact<double> contact(executor(), fem::endless_layer(scene.sensor),
-                                     {.tolerance = tolerance, .accept = 1e-2});
-  const auto batch = ran(contact, std::span(&scene, 1));
-  return batch.solution(0);
+/// A launcher for scenes of this sensor, an endless layer, that sweeps to `tolerance`.
+PatchContact<double> endless(const fem::Sensor& sensor, double tolerance = 1e-12) {
+  return {executor(), fem::endless_layer(sensor), {.tolerance = tolerance, .accept = 2e-2}};
+}
+
+fem::ContactSolution solved(const PatchContact<double>& contact, const fem::Scene& scene) {
+  return ran(contact, std::span(&scene, 1)).solution(0);
 }
 
 /// The layer's base bears what presses and drags on its surface, all of it within some thicknesses: the sensor is long.
@@ -345,9 +347,10 @@ TEST(PatchContact, BaseStressBalancesTheForces) {
   fem::Sensor sensor = sensor_of(0.45);
   sensor.length = 60;
   sensor.tactels = 1201;
+  const auto contact = endless(sensor, 1e-3);
   for (const auto& shape : all_shapes()) {
     if (std::holds_alternative<fem::Flat>(shape) && !std::get<fem::Flat>(shape).half_width) continue;  // to the ends
-    const fem::ContactSolution solution = solved({"", sensor, {shape, 0.3}, 0.6, reversal()}, 1e-3);
+    const fem::ContactSolution solution = solved(contact, {"", sensor, {shape, 0.3}, 0.6, reversal()});
     const double dx = solution.tactel_x[1] - solution.tactel_x[0];
     for (const fem::ContactStep& step : solution.steps) {
       // The table is linear between rows h / 30 apart; the rest is less.
@@ -359,11 +362,12 @@ TEST(PatchContact, BaseStressBalancesTheForces) {
 
 /// Mirrored in x, P stays, Q and tau change their sign; tactels count from the other end.
 TEST(PatchContact, MirrorImageOfASceneHasTheMirroredAnswer) {
+  const auto contact = endless(sensor_of(0.45));
   for (const auto& shape : all_shapes()) {
     fem::Scene scene{"", sensor_of(0.45), {shape, 1.7}, 0.5, reversal()}, mirrored = scene;
     mirrored.indenter.position = -1.7;
     for (double& x : mirrored.load.tangential) x = -x;
-    const auto one = solved(scene), other = solved(mirrored);
+    const auto one = solved(contact, scene), other = solved(contact, mirrored);
     for (std::size_t k = 0; k < one.steps.size(); ++k) {
       const fem::ContactStep &a = one.steps[k], &b = other.steps[k];
       ASSERT_TRUE(a.converged && b.converged) << fem::shape_name(shape);
@@ -384,7 +388,8 @@ TEST(PatchContact, ScalesWithStiffnessAndSize) {
   large.indenter.position *= size;
   for (double& d : large.load.indentation) d *= size;
   for (double& x : large.load.tangential) x *= size;
-  const auto one = solved(scene), seven = solved(stiff), sized = solved(large);
+  const auto contact = endless(scene.sensor);
+  const auto one = solved(contact, scene), seven = solved(contact, stiff), sized = solved(endless(large.sensor), large);
   for (std::size_t k = 0; k < one.steps.size(); ++k) {
     EXPECT_NEAR(seven.steps[k].P, 7 * one.steps[k].P, 1e-12 * seven.steps[k].P);
     EXPECT_NEAR(seven.steps[k].Q, 7 * one.steps[k].Q, 1e-12 * seven.steps[k].P);
@@ -433,7 +438,7 @@ TEST(PatchContact, GivenForcesAreMet) {
 TEST(PatchContact, GoesOnUntilTheContactSlides) {
   fem::Scene scene{"", sensor_of(0.45), {fem::Parabola{10}, 0.0}, 0.4, {}};
   scene.load.tangential_step = 0.05;
-  const auto solution = solved(scene, 1e-3);
+  const auto solution = solved(endless(scene.sensor, 1e-3), scene);
   EXPECT_TRUE(solution.sliding);
   EXPECT_LT(solution.steps.size(), 30u);
   EXPECT_NEAR(*solution.steps.back().slip_index, 1.0, 1e-12);
@@ -462,7 +467,7 @@ TEST(PatchContact, FrictionlessDragsChangeNothing) {
 TEST(PatchContact, LiftedIndenterBearsNothing) {
   fem::Scene scene{"", sensor_of(0.45), {fem::Flat{3.0}, 0.0}, 0.4, {}};
   scene.load.indentation = {0.2, 0.0};
-  const auto solution = solved(scene, 1e-3);
+  const auto solution = solved(endless(scene.sensor, 1e-3), scene);
   ASSERT_EQ(solution.steps.size(), 2u);
   EXPECT_GT(solution.steps[0].P, 0);
   EXPECT_EQ(solution.steps[1].P, 0);
