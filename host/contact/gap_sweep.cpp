@@ -7,7 +7,6 @@
 #include <stdexcept>
 
 #include "fem/contact_laws.h"
-#include "fem/spread.h"
 #include "host/contact/gap_sweep_tables.h"
 #include "kernels/shared/contact_layout.h"
 
@@ -43,14 +42,11 @@ template <class Real>
 struct GapSweep<Real>::State {
   State(Executor& executor, const fem::Sensor& sensor, const GapSweepOptions& options,
         const std::filesystem::path& cache)
-      : executor(executor),
-        sensor(sensor),
-        options(options),
-        condensation(fem::spread(fem::condense_cached(sensor, cache), options.spread)) {
+      : executor(executor), sensor(sensor), options(options), condensation(fem::condense_cached(sensor, cache)) {
     constexpr double epsilon = std::numeric_limits<Real>::epsilon();
     if (this->options.tolerance == 0) this->options.tolerance = sizeof(Real) == 4 ? 1e-5 : 1e-11;
     if (this->options.accept == 0) {
-      const double lost = options.spread == 1 ? fem::lost_force(condensation) : 0;
+      const double lost = fem::lost_force(condensation);
       this->options.accept = std::max({100 * this->options.tolerance, 200 * epsilon, 2 * lost});
     }
     const Device& device = executor.device();

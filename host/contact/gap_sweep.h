@@ -25,13 +25,12 @@ struct GapSweepOptions {
   double reach = 1.25;      ///< first active set: gap elements where the rigid profile is up to this many indentations
                             ///< above its lowest point. Missed nodes are activated later; a larger set costs time
                             ///< and gains nothing
-  int spread = 1;  ///< columns of the block to one gap element, whose force acts on the block as a hat (fem/spread.h)
-  bool base_forces = true;      ///< write base nodal forces; without them or their sums the certificate has no balance
-  bool base_sums = false;       ///< instead of base_forces: write only their sums in x and y
-  bool tactels = true;          ///< write stresses at the tactels
-  bool nodes = true;            ///< write forces and statuses of the surface nodes
-  bool fallback = true;         ///< solve_gap_sweep solves contacts exactly where the sweeps did not converge
-  bool audit = true;            ///< solve_gap_sweep recomputes certificates in fp64; requires nodes and base_forces
+  bool base_forces = true;  ///< write base nodal forces; without them or their sums the certificate has no balance
+  bool base_sums = false;   ///< instead of base_forces: write only their sums in x and y
+  bool tactels = true;      ///< write stresses at the tactels
+  bool nodes = true;        ///< write forces and statuses of the surface nodes
+  bool fallback = true;     ///< solve_gap_sweep solves contacts exactly where the sweeps did not converge
+  bool audit = true;        ///< solve_gap_sweep recomputes certificates in fp64; requires nodes and base_forces
   bool second_opinion = false;  ///< solve_gap_sweep solves contacts with mu >= several_solutions_from exactly, too
 };
 

@@ -16,9 +16,7 @@ std::vector<fem::ContactSolution> on_meshes(Executor& executor, const std::vecto
                                             const Rung& rung, bool nodes) {
   GapSweepOptions options;
   options.tolerance = rung.tolerance;
-  options.spread = rung.spread;
   options.nodes = nodes;
-  options.fallback = rung.spread == 1;  // which solves the block's own gap elements
   return solve_gap_sweep(executor, modelled, rung.precision, options);
 }
 

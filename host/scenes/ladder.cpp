@@ -18,18 +18,17 @@ double wanted_intervals(const Rung& rung, const fem::Sensor& sensor) {
   return std::max(2.0, std::round((rung.columns - 1) * ratio));
 }
 
-int most_intervals(const Rung& rung) { return (fem::most_columns - 1) / rung.spread; }
+constexpr int most_intervals = fem::most_columns - 1;
 
 int intervals(const Rung& rung, const fem::Sensor& sensor) {
-  return static_cast<int>(std::min<double>(wanted_intervals(rung, sensor), most_intervals(rung)));
+  return static_cast<int>(std::min<double>(wanted_intervals(rung, sensor), most_intervals));
 }
 
 std::string solver_text(const Rung& rung) { return fmt::format("{} {:.0e}", name(rung.precision), rung.tolerance); }
 
 std::string mesh_text(const Rung& rung, int intervals) {
-  const std::string mesh = rung.spread == 1 ? "" : fmt::format("{} on ", intervals + 1);
-  return fmt::format("{}{} x {} {}, {} step{}, {}", mesh, intervals * rung.spread + 1, rung.rows,
-                     fem::name(rung.element), rung.steps, rung.steps == 1 ? "" : "s", solver_text(rung));
+  return fmt::format("{} x {} {}, {} step{}, {}", intervals + 1, rung.rows, fem::name(rung.element), rung.steps,
+                     rung.steps == 1 ? "" : "s", solver_text(rung));
 }
 
 std::string patch_text(const Rung& rung) {
@@ -123,12 +122,12 @@ std::string description(const Rung& rung, const fem::Sensor& sensor) {
 }
 
 bool carries(const fem::Sensor& sensor, const Rung& rung) {
-  return rung.patch() || wanted_intervals(rung, sensor) <= most_intervals(rung);
+  return rung.patch() || wanted_intervals(rung, sensor) <= most_intervals;
 }
 
 fem::Scene on_mesh(const fem::Scene& scene, const Rung& rung) {
   fem::Scene result = scene;
-  result.sensor.columns = intervals(rung, scene.sensor) * rung.spread + 1;
+  result.sensor.columns = intervals(rung, scene.sensor) + 1;
   result.sensor.rows = rung.rows;
   result.sensor.element = rung.element;
   result.load.indentation_steps = rung.steps;

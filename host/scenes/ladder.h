@@ -17,7 +17,6 @@ struct Rung {
                      ///< that a patch cannot serve
   int columns = 41;  ///< gap elements
   int rows = 11;     ///< nodes through the thickness
-  int spread = 1;    ///< columns of the block to one gap element (fem/spread.h)
   int steps = 1;     ///< increments to each requested indentation or normal force; drags are unchanged
   Precision precision = Precision::fp64;
   double tolerance = 1e-7;  ///< GapSweepOptions::tolerance, PatchContactOptions::tolerance
@@ -38,7 +37,7 @@ const Rung& usual_patch();
 const Rung& rung_named(const std::string& name);
 /// Returns the names of all rungs and their other names.
 std::vector<std::string> rung_names();
-/// Returns "12 elements, 4 increments, fp32 1e-03" or "41 x 11 bbar, 1 step, fp32 1e-04"; with spread: "41 on 81 x 11".
+/// Returns "12 elements, 4 increments, fp32 1e-03" or "41 x 11 bbar, 1 step, fp32 1e-04".
 std::string description(const Rung& rung);
 /// The same with the columns for this sensor.
 std::string description(const Rung& rung, const fem::Sensor& sensor);

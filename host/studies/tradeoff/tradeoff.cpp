@@ -47,10 +47,6 @@ std::vector<Rung> other_models() {
   };
   for (const fem::Element element : {fem::Element::q4, fem::Element::q4i, fem::Element::q8})
     models.push_back(with(rung_named("paper"), [&](Rung& r) { r.element = element; }));
-  for (const auto& [columns, spread] : {std::pair{41, 2}, {41, 4}, {81, 2}}) {
-    models.push_back(model(columns, 11, 1, fp32, 1e-3));
-    models.back().spread = spread;
-  }
   return models;
 }
 
@@ -247,7 +243,6 @@ double seconds_of(Executor& executor, const std::vector<fem::Scene>& scenes, con
   }
   GapSweepOptions options;
   options.tolerance = rung.tolerance;
-  options.spread = rung.spread;
   options.nodes = false;
   return fp32 ? timed(GapSweep<float>(executor, sensor, options), scenes, runs)
               : timed(GapSweep<double>(executor, sensor, options), scenes, runs);

@@ -19,7 +19,6 @@ Json rung_json(const Rung& rung) {
   return {{"name", rung.name},
           {"columns", rung.columns},
           {"rows", rung.rows},
-          {"spread", rung.spread},
           {"element", fem::name(rung.element)},
           {"indentation_steps", rung.steps},
           {"precision", name(rung.precision)},
