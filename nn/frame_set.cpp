@@ -50,23 +50,27 @@ InputScaling fit_scaling(ScalingKind kind, const FrameSet& set) {
   return scaling;
 }
 
+void add_noise(std::span<float> values, double deviation, std::uint64_t seed, std::uint64_t first) {
+  std::array<double, 4> normal{};
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const std::uint64_t i = first + k;
+    if (k == 0 || i % 4 == 0) {
+      const PhiloxCounter words = noise_words(seed, i / 4);
+      const auto [n0, n1] = normal_pair(words[0], words[1]);
+      const auto [n2, n3] = normal_pair(words[2], words[3]);
+      normal = {n0, n1, n2, n3};
+    }
+    values[k] += static_cast<float>(deviation * normal[i % 4]);
+  }
+}
+
 FrameSet with_noise(const FrameSet& set, double fraction, std::uint64_t seed) {
   if (!(fraction >= 0) || !std::isfinite(fraction))
     throw ValueError("noise", std::to_string(fraction), "finite and at least 0");
   FrameSet noisy = set;
   const double deviation = fraction * set.largest_stress();
   if (deviation == 0) return noisy;
-  float* value = noisy.frames.data();
-  std::array<double, 4> normal{};
-  for (Eigen::Index i = 0; i < noisy.frames.size(); ++i) {
-    if (i % 4 == 0) {
-      const PhiloxCounter words = noise_words(seed, static_cast<std::uint64_t>(i / 4));
-      const auto [n0, n1] = normal_pair(words[0], words[1]);
-      const auto [n2, n3] = normal_pair(words[2], words[3]);
-      normal = {n0, n1, n2, n3};
-    }
-    value[i] += static_cast<float>(deviation * normal[i % 4]);
-  }
+  add_noise({noisy.frames.data(), static_cast<std::size_t>(noisy.frames.size())}, deviation, seed, 0);
   return noisy;
 }
 

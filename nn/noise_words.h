@@ -1,4 +1,7 @@
 #pragma once
+#include <cstdint>
+#include <span>
+
 #include "nn/philox.h"
 
 namespace tactel::nn {
@@ -10,5 +13,9 @@ constexpr PhiloxCounter noise_words(std::uint64_t seed, std::uint64_t quad) {
   return random_words(seed, RandomStream::noise, static_cast<std::uint32_t>(quad),
                       static_cast<std::uint32_t>(quad >> 32));
 }
+
+/// Adds Gaussian noise of the standard deviation `deviation` to consecutive values of a set, the first of which is
+/// value `first`. Value i takes normal number i % 4 of noise_words(seed, i / 4) by Box and Muller (1958).
+void add_noise(std::span<float> values, double deviation, std::uint64_t seed, std::uint64_t first);
 
 }  // namespace tactel::nn

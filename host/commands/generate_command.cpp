@@ -185,6 +185,8 @@ int run_generate(const GenerateRequest& request) {
   set.transducer = nn::description(sweep.source.transducer());
   set.device = fmt::format("{}", fmt::join(report.devices, ", "));
   set.rung = rung ? fmt::format("{}: {}", rung->name, description(*rung)) : name(options.set.precision);
+  if (const auto accuracy = request.shared.solve.accuracy)
+    set.rung += fmt::format("; the accuracy of {:g} holds for S alone, not for stresses", *accuracy);
   {
     const StageLine stage("assembling " + request.output, request.shared.quiet);
     spool->assemble(chunk_count(sweep.source), set);

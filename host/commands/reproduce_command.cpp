@@ -119,6 +119,7 @@ bool reproduce_networks(const ReproduceRequest& request, Executor& executor, Rep
 int run_reproduce(const ReproduceRequest& request) {
   const std::filesystem::path directory = request.output;
   make_directory(directory);
+  const FileLock lock = FileLock::of_folder("--output", directory, "a directory in which no other program is training");
   check_writable("--output", directory / "index.html");
   Executor executor{Device(request.device)};
   ReportPage page("tactel: the paper reproduced",

@@ -64,11 +64,19 @@ void set_up_pocl() {
   });
 }
 
+std::string no_cache() {
+  return "compiled kernels need a folder, and none can be used: " + process().trouble +
+         "; set TACTEL_CACHE_DIR to a folder that can be written";
+}
+
 // Reports the state of the cache to the log of the first device that is opened.
 void report_cache(const LogSink& log) {
   const Process& all = process();
   if (!log || process().reported.exchange(true)) return;
-  if (!all.cache) return;
+  if (!all.cache) {
+    if (!all.trouble.empty()) log(LogLevel::warning, no_cache());
+    return;
+  }
   const std::string folder = std::getenv("POCL_CACHE_DIR");
   if (!all.trouble.empty())
     log(LogLevel::warning, "compiled kernels are kept in " + folder + ", because of " + all.trouble);
@@ -183,9 +191,7 @@ std::string no_device_advice() {
   const char* cache = std::getenv("POCL_CACHE_DIR");
   if (cache != nullptr && access(cache, W_OK) != 0)
     return "POCL_CACHE_DIR = " + std::string(cache) + " must be a folder that can be written";
-  if (cache == nullptr && !process().trouble.empty())
-    return "compiled kernels need a folder, and none can be used: " + process().trouble +
-           "; set TACTEL_CACHE_DIR to a folder that can be written";
+  if (cache == nullptr && !process().trouble.empty()) return no_cache();
   return "install one, for the processor: apt install pocl-opencl-icd; `clinfo -l` lists the devices";
 }
 

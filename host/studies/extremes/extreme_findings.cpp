@@ -31,6 +31,16 @@ bool all_solved(const Batch& batch) {
   return true;
 }
 
+template <class Batch>
+ForcePath force_path(const Batch& batch) {
+  ForcePath path;
+  for (int k = 0; k < batch.steps(); ++k) {
+    path.P.push_back(batch.result(0, k, LANE_P));
+    path.Q.push_back(batch.result(0, k, LANE_Q));
+  }
+  return path;
+}
+
 /// A loop of drag, forth and back again and again: after ten rounds Q must come back to where it was at each end.
 template <class Real>
 ExtremeFinding reversals(Executor& executor, int count) {
@@ -38,16 +48,7 @@ ExtremeFinding reversals(Executor& executor, int count) {
   scene.load.tangential.clear();
   for (int k = 0; k < count; ++k) scene.load.tangential.push_back(k % 2 ? -0.15 : 0.15);
   const auto batch = run_alone<Real>(executor, scene);
-  double drift = 0;
-  for (int k = 21; k + 1 < batch.steps(); ++k) {
-    const auto change = [&](int row) {
-      return std::abs(batch.result(0, k, row) - batch.result(0, 21 + (k - 21) % 2, row));
-    };
-    for (int row : {LANE_P, LANE_Q}) {
-      const double off = change(row) / batch.result(0, k, LANE_P);
-      if (!(off <= drift)) drift = off;  // keeps a NaN
-    }
-  }
+  const double drift = loop_drift(force_path(batch), 21);
   const bool fp32 = sizeof(Real) == 4, solved = all_solved(batch);
   return {fmt::format("{} reversals, {}: does the same loop close?", count, fp32 ? "fp32" : "fp64"),
           fmt::format("P and Q at the ends within {:.1e} of P{}", drift, solved ? "" : ", NOT converged"),
@@ -64,19 +65,12 @@ ExtremeFinding holding(Executor& executor, double drag, int count) {
   scene.load.tangential.clear();
   for (int k = 0; k <= count; ++k) scene.load.tangential.push_back(k % 2 ? drag + jiggle : drag);
   const auto batch = run_alone<Real>(executor, scene);
-  double creep = 0;
+  const double creep = loop_drift(force_path(batch), 2);
   int iterated = 0;
-  for (int k = 4; k < batch.steps(); ++k) {
-    iterated += batch.result(0, k, LANE_SWEEPS) > 0;
-    for (int row : {LANE_P, LANE_Q}) {
-      const double change = std::abs(batch.result(0, k, row) - batch.result(0, 2 + k % 2, row));
-      if (!(change <= creep)) creep = change;  // keeps a NaN
-    }
-  }
-  creep /= batch.result(0, 1, LANE_P);
+  for (int k = 2; k < batch.steps(); ++k) iterated += batch.result(0, k, LANE_SWEEPS) > 0;
   return {fmt::format("held at S = {:.3f}, {:g} mm to and fro {} times, {}: does it creep?",
                       batch.result(0, 1, LANE_SLIP_INDEX), jiggle, count, fp32 ? "fp32" : "fp64"),
-          fmt::format("P and Q by {:.1e} of P", creep),
+          fmt::format("P and Q by {:.1e} of P; {} increments iterated", creep, iterated),
           creep <= (fp32 ? 1e-4 : 1e-10) && 10 * iterated > 9 * count && all_solved(batch)};
 }
 
@@ -131,6 +125,18 @@ ExtremeFinding refused(const std::string& what, void (*change)(fem::Scene&)) {
 }
 
 }  // namespace
+
+double loop_drift(const ForcePath& path, std::size_t first) {
+  double drift = 0;
+  for (std::size_t k = first; k < path.P.size(); ++k) {
+    const std::size_t same = first + (k - first) % 2;
+    for (const double off : {path.P[k] - path.P[same], path.Q[k] - path.Q[same]}) {
+      if (std::isnan(off)) return off;
+      drift = std::max(drift, std::abs(off));
+    }
+  }
+  return drift / path.P[first];
+}
 
 std::vector<ExtremeFinding> extreme_findings(Executor& executor, const ExtremesOptions& options) {
   const int turns = options.quick ? 300 : 10000, holds = options.quick ? 1000 : 100000,

@@ -31,6 +31,15 @@ struct Extreme {
 /// Solves every extreme by the batched solver, in fp32 and fp64, and by the reference.
 std::vector<Extreme> scene_extremes(Executor& executor, const ExtremesOptions& options, const Progress& progress = {});
 
+/// P and Q of a contact after each load step. [steps] N/mm
+struct ForcePath {
+  std::vector<double> P, Q;
+};
+
+/// Returns the drift of a path that alternates between two positions from step `first` on: the largest difference of P
+/// or Q from its value in the first round at the same position, over P of step `first`. NaN where a force is NaN.
+double loop_drift(const ForcePath& path, std::size_t first);
+
 /// Result of a test of long paths, several solutions or wrong input: its question and its finding.
 struct ExtremeFinding {
   std::string question, found;

@@ -73,6 +73,33 @@ TEST_F(Durability, OneProgramAtATimeTrainsInADirectory) {
   EXPECT_THAT(result.err, testing::HasSubstr("no other program is training"));
 }
 
+TEST_F(Durability, OneProgramAtATimeReproducesInADirectory) {
+  std::filesystem::create_directory(folder() / "reproduced");
+  const FileLock lock = FileLock::of_folder("--output", folder() / "reproduced", "free");
+  const ChildResult result = run_child(
+      {"timeout", "60", TACTEL_PROGRAM, "reproduce", "--seeds", "1", "--cycles", "5", "--output", at("reproduced")});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, testing::HasSubstr("no other program is training"));
+  EXPECT_TRUE(std::filesystem::is_empty(folder() / "reproduced"));
+}
+
+TEST_F(Durability, Recording) {
+  const ChildResult result =
+      in_order({"in-place:" + at("recording")},
+               {"record", "--source",
+                "simulate:" + source_file("examples/parabola.toml") + "?paced=0&press=0.5&hold=0&drag=0&slip=0&noise=0",
+                "--output", at("recording")});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+}
+
+// The list of compiled kernels: what it names has reached the disk.
+TEST_F(Durability, ListOfCompiledKernels) {
+  const ChildResult result =
+      in_order({"content:" + at("kernels/pocl/sealed")}, {"solve", source_file("examples/parabola.toml")},
+               {"env", "-u", "POCL_CACHE_DIR", "TACTEL_CACHE_DIR=" + at("kernels")});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+}
+
 // Of a sensor that moves: --force takes it all the same.
 TEST_F(Durability, Calibration) {
   const ChildResult result = in_order({at("cal.toml")}, {"tare", "--source",

@@ -53,6 +53,46 @@ TEST_F(SolveWithCache, FilesThatAreNotListedAreCompiledAnew) {
   EXPECT_EQ(second.out, first.out);
 }
 
+/// On a full disk, `full`, beside one with room, `free` (in a mount namespace of its own).
+class OnAFullDisk : public SolveWithCache {
+ protected:
+  void SetUp() override {
+    for (const char* name : {"full", "free"}) fs::create_directory(folder_ / name);
+    if (run_child({"unshare", "--user", "--map-root-user", "--mount", "true"}).exit_code != 0)
+      GTEST_SKIP() << "this user cannot make a mount namespace";
+  }
+  /// The caches of tactel are on the full disk, but for `tmp`, the folder of temporary files; `home` is where PoCL
+  /// keeps kernels if it is not told.
+  ChildResult solve_in(const std::string& tmp, const std::string& home) const {
+    const auto at = [&](const std::string& name) { return (folder_ / name).string(); };
+    const std::string full = at("full");
+    return run_child(
+        {"unshare", "--user", "--map-root-user", "--mount", "sh", "-c",
+         "mount -t tmpfs -o size=1m none " + full + " && mount --bind " + full + " /dev/shm && ! cat /dev/zero > " +
+             full + "/zero && exec env -u POCL_CACHE_DIR -u XDG_CACHE_HOME TACTEL_CACHE_DIR=" + full + " TMPDIR=" +
+             at(tmp) + " HOME=" + at(home) + " " TACTEL_PROGRAM " solve " + source_file("examples/parabola.toml")});
+  }
+  std::string full_cache() const { return (folder_ / "full/pocl").string(); }
+};
+
+TEST_F(OnAFullDisk, AnotherPlaceIsTakenAndNamed) {
+  const ChildResult result = solve_in("free", "full");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("compiled kernels are kept in " + (folder_ / "free/tactel-").string()));
+  EXPECT_THAT(result.err, HasSubstr(full_cache() + " ("));
+}
+
+// PoCL then compiles in its own folder, if that has room.
+TEST_F(OnAFullDisk, WhereNoPlaceIsLeftAWarningSaysWhatToDo) {
+  for (const char* home : {"free", "full"}) {
+    const ChildResult result = solve_in("full", home);
+    EXPECT_EQ(result.exit_code, home == std::string("free") ? 0 : 3) << result.err;
+    EXPECT_THAT(result.err, HasSubstr("warning: compiled kernels need a folder, and none can be used: "));
+    EXPECT_THAT(result.err, HasSubstr(full_cache() + " ("));
+    EXPECT_THAT(result.err, HasSubstr("set TACTEL_CACHE_DIR to a folder that can be written"));
+  }
+}
+
 // Ctrl-C reaches the compiler's linker, too: wherever it comes, the run ends as interrupted, or is done.
 TEST_F(SolveWithCache, InterruptedWhileItCompilesEndsAsSuch) {
   const std::string sweep = folder_.write("sweep.toml", SmallSweep{.contacts = 40000, .indentation = "0.1"}.text());

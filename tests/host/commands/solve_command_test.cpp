@@ -133,6 +133,32 @@ TEST(SolveCommand, ADragThatNeverSlidesEndsWithFour) {
   EXPECT_THAT(result.out, HasSubstr("the contact does not slide as a whole"));
 }
 
+// 1000 steps of 1e-6 mm do not make mu = 0.5 slide: the rubber follows by more than that.
+TEST(SolveCommand, ADragThatTouchesAndNeverSlidesEndsWithFour) {
+  const ScratchFolder folder;
+  const std::string scene = folder.write("scene.toml",
+                                         "[sensor]\ncolumns = 11\nrows = 4\n[indenter]\nshape = \"parabola\"\n"
+                                         "radius = 10\n[contact]\nfriction = 0.5\n"
+                                         "[load]\nindentation = 0.1\ntangential_step = 1e-6\n");
+  const ChildResult result = run_tactel({"solve", scene});
+  EXPECT_EQ(result.exit_code, 4);
+  EXPECT_THAT(result.err, HasSubstr("warning: the contact does not slide as a whole within 1000 steps of 1e-06 mm"));
+  EXPECT_THAT(result.out, HasSubstr("the contact does not slide as a whole"));
+}
+
+// A wide flat driven by force, nearly incompressible rubber and mu = 1.9: sweeps and exact solver certify answers whose
+// Q differ by more than a percent, and that is said.
+TEST(SolveCommand, TwoSolutionsOfAWideFlatAreNamed) {
+  const std::string scene = source_file("tests/host/contact/scenes/wide_flat_with_two_solutions.toml");
+  const ChildResult sweeps = run_tactel({"solve", scene, "--json", "-"}),
+                    exact = run_tactel({"solve", scene, "--solver", "reference", "--json", "-"});
+  ASSERT_EQ(sweeps.exit_code, 0) << sweeps.err;
+  ASSERT_EQ(exact.exit_code, 0) << exact.err;
+  const double one = json::parse(sweeps.out)["steps"].back()["Q"], other = json::parse(exact.out)["steps"].back()["Q"];
+  EXPECT_GT(std::abs(one - other), 0.01 * std::abs(other));
+  EXPECT_THAT(sweeps.err, HasSubstr("warning: this contact has several solutions: with friction 1.9"));
+}
+
 // P of the example is 2.7 % off; the whole answer says so, on the device and on the host, and every other key stays.
 TEST(SolveCommand, SaysWhatTheMeshLeavesUndetermined) {
   for (const char* solver : {"batched", "reference"}) {

@@ -44,6 +44,16 @@ json recall_json(const std::string& networks, const std::string& set) {
   return json::parse(result.out);
 }
 
+TEST(RecallCommand, OutputThatTakesNotAllIsAnError) {
+  for (const char* options : {"", "--json -"}) {
+    const ChildResult full = run_child({"sh", "-c",
+                                        TACTEL_PROGRAM " recall " + (trained() / "set").string() + " " +
+                                            PaperSetFiles::recall() + " " + options + " >/dev/full"});
+    EXPECT_EQ(full.exit_code, 2) << options;
+    EXPECT_THAT(full.err, HasSubstr("standard output")) << options;
+  }
+}
+
 TEST(TrainCommand, WritesNetworksReportAndFigure) {
   const ScratchFolder folder;
   const ChildResult result = train(folder / "net", {"--network", "3", "--network", "42-5-1", "--seeds", "2", "--noise",

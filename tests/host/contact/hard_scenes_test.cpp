@@ -220,8 +220,8 @@ TEST(HardScenes, SeveralSolutionsAreNamed) {
   EXPECT_GE(different, 1);
 }
 
-/// Friction of 1.42 on a wide flat under a given force: the indenter stands above its first touch, and there is another
-/// solution. Both are said.
+/// Friction of 1.42 on a wide flat under a given force: the indenter stands above its first touch, which the
+/// warning names; other solutions are likely then.
 TEST(HardScenes, AnIndenterHeldUpByFrictionIsNamed) {
   const SolveOutcome outcome = solve_in(scene_of("wide_flat_by_force"), "fp64");
   EXPECT_LT(outcome.solution.steps[2].indentation, 0);

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdio>
+#include <sstream>
 
 namespace {
 
@@ -32,7 +34,40 @@ TEST(Extremes, PathsUniquenessAndWrongInput) {
   host::Executor executor{host::Device()};
   const auto findings = host::extreme_findings(executor, {.quick = true});
   std::printf("%s\n", host::findings_table(findings).c_str());
-  for (const host::ExtremeFinding& f : findings) EXPECT_TRUE(f.good) << f.question << " " << f.found;
+  int held = 0;
+  for (const host::ExtremeFinding& f : findings) {
+    EXPECT_TRUE(f.good) << f.question << " " << f.found;
+    if (!f.question.starts_with("held")) continue;
+    // Lanes at rest do not iterate, and so cannot creep: of 1000 increments hardly one may rest.
+    const auto semicolon = f.found.find("; ");
+    ASSERT_NE(semicolon, std::string::npos) << f.found;
+    int iterated = 0;
+    std::string unit;
+    std::istringstream(f.found.substr(semicolon + 2)) >> iterated >> unit;
+    EXPECT_EQ(unit, "increments");
+    EXPECT_GT(iterated, 900) << f.question;
+    ++held;
+  }
+  EXPECT_EQ(held, 4);
+}
+
+// Q alternates between 1 and -1, and drifts by 0.25 at one end and by 0.125 at the other; P = 2.
+TEST(LoopDrift, IsTheLargestChangeAtEitherEnd) {
+  const std::vector<double> P(6, 2.0);
+  EXPECT_EQ(host::loop_drift({P, {9, 1, -1, 1.25, -1.125, 1}}, 1), 0.125);
+  EXPECT_EQ(host::loop_drift({{9, 2, 2, 2, 2.5, 2}, {9, 1, -1, 1, -1, 1}}, 1), 0.25);
+  EXPECT_EQ(host::loop_drift({P, {9, 1, -1, 1, -1, 1}}, 1), 0);
+}
+
+// Wherever it stands, and whatever numbers follow it.
+TEST(LoopDrift, NaNIsNotPassedOver) {
+  const std::vector<double> good(6, 2.0);
+  for (std::size_t k = 1; k < good.size(); ++k) {
+    std::vector<double> bad = good;
+    bad[k] = NAN;
+    EXPECT_TRUE(std::isnan(host::loop_drift({bad, good}, 1))) << k;
+    EXPECT_TRUE(std::isnan(host::loop_drift({good, bad}, 1))) << k;
+  }
 }
 
 }  // namespace

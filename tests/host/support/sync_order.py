@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """Runs a command under strace and checks that every TARGET that it made would survive a power cut: its temporary, made
 with O_EXCL and O_NOFOLLOW, is written, then synced, then renamed, then its folder is synced.
+A TARGET "in-place:PATH" is made and written under its own name: it is synced after its last write, and its folder after
+it was made. Of "content:PATH" the content alone must survive: a list whose loss costs time.
 Usage: sync_order.py TARGET... -- COMMAND..."""
 import os
 import re
@@ -9,7 +11,9 @@ import sys
 import tempfile
 
 middle = sys.argv.index("--")
-targets, command = [os.path.realpath(t) for t in sys.argv[1:middle]], sys.argv[middle + 1:]
+kinds = [t.partition(":")[0] if t.startswith(("in-place:", "content:")) else "" for t in sys.argv[1:middle]]
+targets = [os.path.realpath(t.removeprefix(kind + ":")) for kind, t in zip(kinds, sys.argv[1:middle])]
+command = sys.argv[middle + 1:]
 calls = "openat,write,pwrite64,fsync,fdatasync,rename,renameat,renameat2"
 with tempfile.NamedTemporaryFile("r") as log:
     code = subprocess.run(["strace", "-f", "-y", "-s", "4096", "-e", "trace=" + calls, "-e", "signal=none", "-o", log.name,
@@ -28,8 +32,18 @@ def at(pattern, first=0, what=""):
 
 
 done = r"(\) *= 0| <unfinished)"  # strace splits a call that another thread interrupts
-for target in targets:
+for kind, target in zip(kinds, targets):
     folder = os.path.dirname(target)
+    if kind:
+        name = re.escape(target)
+        opened = at(rf'^openat\(.*"{name}".*O_CREAT', what="never made")
+        writes = [i for i, line in enumerate(lines) if re.search(rf"^p?write(64)?\(\d+<{name}>", line)]
+        if not writes:
+            sys.exit(f"{target}: nothing was written")
+        at(rf"^f(data)?sync\(\d+<{name}>{done}", writes[-1], "not synced after its last write")
+        if kind == "in-place":
+            at(rf"^fsync\(\d+<{re.escape(folder)}>{done}", opened, "its folder was not synced after it was made")
+        continue
     renamed = at(rf'^rename\w*\(.*"{re.escape(target)}"', what="never renamed to its name")
     temporary = re.findall(r'"([^"]+)"', lines[renamed])[0]
     name = re.escape(temporary)

@@ -95,7 +95,49 @@ class StreamTraining : public Stream {
   std::string network(const std::string& output) const {
     return text_of(folder_ / output / "42-21-1_noise0_seed1.onnx");
   }
+  /// training.json but for the time that it took.
+  nlohmann::json report(const std::string& output) const {
+    auto all = nlohmann::json::parse(text_of(folder_ / output / "training.json"));
+    all.erase("seconds");
+    return all;
+  }
 };
+
+// Stopped after any of its blocks of 8192 contacts: the report is that of one run.
+TEST_F(StreamTraining, ResumedReportIsThatOfOneRun) {
+  TrainRequest request;
+  request.stream = sweep_;
+  request.rows = 250'000;
+  request.networks = {"42-5-1"};
+  const TrainingPlan plan = plan_of(request);
+  const auto run = [&](const std::string& output, int blocks) {
+    request.output = folder_ / output;
+    request.resume = std::filesystem::exists(request.output);
+    std::filesystem::create_directories(request.output);
+    const auto progress = [&](std::size_t, std::size_t, double) { return --blocks > 0; };
+    return stream_training(request, plan)->run({.progress = progress}).end;
+  };
+  ASSERT_EQ(run("whole", 1000), TrainingEnd::finished);
+  ASSERT_GT(report("whole")["networks"][0]["curve"]["rows"].size(), 3u);
+  for (const int first : {1, 3, 4}) {
+    const std::string stopped = "stopped" + std::to_string(first);
+    ASSERT_EQ(run(stopped, first), TrainingEnd::stopped);
+    ASSERT_EQ(run(stopped, 1000), TrainingEnd::finished);
+    EXPECT_EQ(report(stopped), report("whole")) << "stopped after " << first;
+    EXPECT_EQ(tactel::testing::networks_in(folder_ / stopped), tactel::testing::networks_in(folder_ / "whole"));
+  }
+}
+
+// A learning rate of 1e38 overflows fp32 in the first steps.
+TEST_F(StreamTraining, ANetworkThatDivergedHasNoFile) {
+  const ChildResult result = run_tactel({"train", "--stream", sweep_, "--rows", "2000", "--network", "42-5-1",
+                                         "--learning-rate", "1e38", "--output", folder_ / "net"});
+  EXPECT_EQ(result.exit_code, 4);
+  EXPECT_THAT(result.err, HasSubstr("1 of 1 networks diverged and have no file"));
+  EXPECT_EQ(report("net")["networks"][0]["status"], "not finite");
+  EXPECT_TRUE(report("net")["networks"][0]["file"].is_null());
+  EXPECT_TRUE(tactel::testing::networks_in(folder_ / "net").empty());
+}
 
 TEST_F(StreamTraining, KilledAndResumedGivesTheSameNetwork) {
   const ChildResult whole = train("whole", "");
@@ -108,6 +150,7 @@ TEST_F(StreamTraining, KilledAndResumedGivesTheSameNetwork) {
   EXPECT_GT(killed, 0);
   ASSERT_EQ(train("killed", "--resume").exit_code, 0);
   EXPECT_EQ(network("killed"), network("whole"));
+  EXPECT_EQ(report("killed"), report("whole"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "killed" / "checkpoint"));
 }
 
