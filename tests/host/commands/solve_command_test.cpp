@@ -38,7 +38,8 @@ TEST(SolveCommand, JsonHasTheDocumentedKeys) {
   const json answer = json::parse(run_tactel({"solve", parabola, "--json", "-"}).out);
   EXPECT_THAT(keys(answer),
               testing::UnorderedElementsAre("tactel", "scene", "solver", "precision", "device", "fallback", "surface_x",
-                                            "base_x", "tactel_x", "steps", "warnings", "discretisation_error"));
+                                            "surface_width", "base_x", "tactel_x", "steps", "warnings", "model",
+                                            "model_reason", "discretisation_error"));
   EXPECT_THAT(keys(answer["discretisation_error"]),
               testing::UnorderedElementsAre("slip_index", "P", "Q", "sigma_y", "tau_xy", "from"));
   ASSERT_EQ(answer["steps"].size(), 9u);
