@@ -186,13 +186,27 @@ TEST(SceneJson, DefaultsFilledIn) {
       read_text("title = \"t\"\n[indenter]\nshape = \"parabola\"\nradius = 10\n[load]\nindentation = 0.15\n");
   const auto expected = nlohmann::ordered_json::parse(R"({
     "title": "t",
-    "sensor": {"length": 20.0, "thickness": 1.5, "young": 2.0, "poisson": 0.45, "columns": 41, "rows": 11,
+    "sensor": {"model": "mesh", "length": 20.0, "thickness": 1.5, "young": 2.0, "poisson": 0.45, "columns": 41, "rows": 11,
                "grading": 4.0, "element": "bbar", "tactels": 21, "tactel_span": 20.0, "tactel_width": 0.0,
                "stress": "reaction"},
     "indenter": {"shape": "parabola", "radius": 10.0, "position": 0.0},
     "contact": {"friction": 0.5},
     "load": {"indentation": 0.15, "indentation_steps": 1}})");
   EXPECT_EQ(to_json(scene), expected);
+}
+
+TEST(SceneFile, ModelIsTheMeshWhereTheFileNamesOne) {
+  const auto model_of = [](const std::string& sensor) {
+    return read_text("[sensor]\n" + sensor +
+                     "[indenter]\nshape = \"parabola\"\nradius = 10\n[load]\nindentation = 0.1\n")
+        .model;
+  };
+  EXPECT_EQ(model_of("model = \"patch\"\n"), fem::SurfaceModel::patch);
+  EXPECT_EQ(model_of("model = \"mesh\"\n"), fem::SurfaceModel::mesh);
+  EXPECT_EQ(model_of("model = \"auto\"\nrows = 6\n"), fem::SurfaceModel::mesh);
+  for (const char* key :
+       {"columns = 41\n", "rows = 6\n", "grading = 2\n", "element = \"q4\"\n", "stress = \"element\"\n"})
+    EXPECT_THROW(model_of(std::string("model = \"patch\"\n") + key), ConfigError) << key;
 }
 
 TEST(SceneJson, EveryKindOfLoad) {
