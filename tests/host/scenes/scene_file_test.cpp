@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/contact/scene_json.h"
+#include "host/support/errors.h"
 #include "tests/host/support/run_tactel.h"
 
 namespace tactel::host {
