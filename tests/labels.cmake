@@ -15,7 +15,7 @@ set(unit_contact "^(Ladder|RungError)[.]|^Planner[.][^K]|AccuracyAndTolerance")
 set(unit_sets "^(CheckSet|MeasuringChains)[.]|ThirtyTwoTaylor|^TransducerTable[.][GP]")
 set(unit_live "^(FrameQueue|LatencyHistogram|SensorProfile|Calibration|OpenSource|LiveView)[.]")
 set(unit_training "StreamAndBlockExclude")
-set(unit_studies "^(HandPress|LoopDrift)[.]|^InverseProblem[.](Spread|Json)|AllCombinations|SlipIndexIs|DrawsAre|TheAngleAlone")
+set(unit_studies "^(HandPress|LoopDrift|SceneMix)[.]|^InverseProblem[.](Spread|Json)|AllCombinations|SlipIndexIs|DrawsAre|TheAngleAlone")
 set(unit_commands "^(DevicesCommandDeathTest|UnreadableScene|StandardError|Help|Words|Numbers|Memory|HostileFiles|ProfileFile|Keys)[.]|BadScene|WrongCall|^CommandLine[.][HS]|OutputsThatCannotBe|TimesThatAreNone|FilesItNames|^SolveCommand[.](SlipIndex|JsonNumbers|Missed)")
 # Of these, the calls that a device must judge.
 set(device_commands "WrongCall.*/(UnknownDevice|Step)")

@@ -115,7 +115,7 @@ fem::Scene changed(fem::Scene scene, Unlike respect, Draw draw) {
       break;
     case Unlike::tactels:
       scene.sensor.tactels = static_cast<int>(draw.uniform(4, 65));
-      scene.sensor.tactel_width = draw.uniform(0, 0.5);
+      scene.sensor.tactel_width = draw.uniform(0, std::min(0.5, 8.0 / scene.sensor.tactels));
       scene.sensor.tactel_span = draw.uniform(8, 19);
       break;
     case Unlike::force:

@@ -1,0 +1,34 @@
+// The mix of scenes on which models are judged, and those unlike it.
+#include "host/studies/tradeoff/scene_mix.h"
+
+#include <gtest/gtest.h>
+
+namespace tactel::host {
+namespace {
+
+TEST(SceneMix, ASmallerOneIsTheBeginningOfALargerOne) {
+  const auto small = mixed_scenes(3, 8), large = mixed_scenes(3, 64);
+  for (std::size_t k = 0; k < small.size(); ++k) {
+    EXPECT_EQ(small[k].indenter.position, large[k].indenter.position);
+    EXPECT_EQ(small[k].load.tangential, large[k].load.tangential);
+  }
+}
+
+TEST(SceneMix, ScenesUnlikeItAreValidAndDifferInThatRespect) {
+  const auto mix = mixed_scenes(5, 200);
+  for (const Unlike respect : all_unlike) {
+    const auto scenes = unlike_scenes(respect, 5, 200);
+    ASSERT_EQ(scenes.size(), mix.size());
+    for (std::size_t k = 0; k < scenes.size(); ++k) {
+      EXPECT_NO_THROW(scenes[k].validate()) << description(respect) << ", scene " << k;
+      const bool same = scenes[k].sensor == mix[k].sensor && scenes[k].load.indentation == mix[k].load.indentation &&
+                        scenes[k].indenter.position == mix[k].indenter.position &&
+                        scenes[k].indenter.shape.index() == mix[k].indenter.shape.index();
+      EXPECT_FALSE(same) << description(respect) << ", scene " << k;
+      EXPECT_EQ(scenes[k].friction, mix[k].friction);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tactel::host
