@@ -18,7 +18,7 @@ set(unit_training "StreamAndBlockExclude")
 set(unit_studies "^(HandPress|LoopDrift|SceneMix)[.]|^InverseProblem[.](Spread|Json)|AllCombinations|SlipIndexIs|DrawsAre|TheAngleAlone")
 set(unit_commands "^(DevicesCommandDeathTest|UnreadableScene|StandardError|Help|Words|Numbers|Memory|HostileFiles|ProfileFile|Keys)[.]|BadScene|WrongCall|^CommandLine[.][HS]|OutputsThatCannotBe|TimesThatAreNone|FilesItNames|^SolveCommand[.](SlipIndex|JsonNumbers|Missed)")
 # Of these, the calls that a device must judge.
-set(device_commands "WrongCall.*/(UnknownDevice|Step)")
+set(device_commands "WrongCall.*/(UnknownDevice|Step)|APipeWithoutAWriter")
 
 set(program_networks "^OnnxRuntime")
 set(program_sets "OpensInH5py|NamesTheRowsOfADamagedChunk")

@@ -9,7 +9,7 @@
 namespace tactel::host {
 namespace {
 
-constexpr std::size_t page_width = 80, name_width = 30;
+constexpr std::size_t page_width = 80, name_width = 30, longest_choices = 60;
 
 /// `text` in lines of at most `width` letters, the first of which begins at `column`; the others are indented by
 /// `indent`. A word longer than a line stands alone.
@@ -40,9 +40,11 @@ std::string two_columns(const std::string& name, const std::string& text) {
   return out + wrapped(text, name_width, name_width) + "\n";
 }
 
-/// CLI11 says "TEXT:{a,b}", "FLOAT:POSITIVE", "UINT:INT in [1 - 9]"; this "a|b", "NUMBER", "N".
+/// CLI11 says "TEXT:{a,b}", "FLOAT:POSITIVE", "UINT:INT in [1 - 9]"; this "a|b", "NUMBER", "N". Choices that do not fit
+/// in a line have their type's name alone: the description lists them.
 std::string type_in_words(const std::string& type) {
-  if (const auto open = type.find('{'); open != std::string::npos) {
+  const auto open = type.find('{');
+  if (open != std::string::npos && type.find('}') - open <= longest_choices) {
     std::string choices = type.substr(open + 1, type.find('}') - open - 1);
     std::replace(choices.begin(), choices.end(), ',', '|');
     return choices;
