@@ -28,7 +28,12 @@ struct SolveRequest {
 void check_solve_outputs(const SolveRequest& request) {
   if (!request.json.empty() && request.json != "-") check_writable("--json", request.json);
   if (!request.plot.empty()) check_figure_path("--plot", request.plot);
-  if (!request.field.empty()) check_writable("--field", request.field);
+  if (request.field.empty()) return;
+  check_writable("--field", request.field);
+  const SolveOptions& solve = request.shared.solve;
+  if (solve.accuracy || (!solve.rung.empty() && rung_named(solve.rung).patch()))
+    throw ConfigError("command line", "--field", request.field,
+                      "left out, or given with a mesh, such as --rung mesh-161: a patch has no nodes in the block");
 }
 
 /// Index of the step that --step names, from 1; the last by default.
@@ -66,9 +71,6 @@ void write_results(const SolveRequest& request, const fem::Scene& scene, const S
   }
   if (!request.plot.empty()) write_figure("--plot", request.plot, contact_figure(scene, outcome.solution, step));
   if (request.field.empty()) return;
-  if (outcome.on_patch())
-    throw ConfigError("command line", "--field", request.field,
-                      "left out, or given with a mesh, such as --rung mesh-161: a patch has no nodes in the block");
   const fem::StressField field = fem::stress_field(scene.sensor, outcome.solution.steps[step]);
   write_file("--field", request.field, to_vtu(field));
   warn_of_strain(request, field);
@@ -79,7 +81,9 @@ int run_solve(const SolveRequest& request) {
   check_solve_outputs(request);
   const SolveOutcome outcome = [&] {
     const StageLine stage("solving " + request.scene, request.shared.quiet);
-    SolveOutcome solved = solve(asked, request.shared.solve);
+    SolveOptions options = request.shared.solve;
+    if (!request.field.empty()) options.mesh_for = "--field";
+    SolveOutcome solved = solve(asked, options);
     solved.mesh_error = mesh_error(solved);
     return solved;
   }();

@@ -231,15 +231,17 @@ SolveOutcome solve(const fem::Scene& scene, const SolveOptions& options) {
   if (options.accuracy) return solve_to_accuracy(scene, options);
   const Rung* rung = options.rung.empty() ? nullptr : &rung_named(options.rung);
   const bool reference = options.solver == "reference";
-  if (!reference && (rung ? rung->patch() : scene.model == fem::SurfaceModel::patch))
+  const bool mesh_wanted = reference || (!rung && !options.mesh_for.empty());
+  if (!mesh_wanted && (rung ? rung->patch() : scene.model == fem::SurfaceModel::patch))
     return solve_on_patch(scene, options);
   const fem::Scene modelled = rung ? on_mesh(scene, *rung) : scene;
   SolveOutcome outcome = reference ? solve_reference(modelled, options) : solve_on_mesh(modelled, options);
   outcome.scene = modelled;
   outcome.rung = options.rung;
-  outcome.model_reason = rung                                      ? "--rung " + options.rung
-                         : scene.model == fem::SurfaceModel::patch ? "--solver reference solves the mesh"
-                                                                   : "the scene file names a mesh";
+  outcome.model_reason = rung                                     ? "--rung " + options.rung
+                         : scene.model == fem::SurfaceModel::mesh ? "the scene file names a mesh"
+                         : reference                              ? "--solver reference solves the mesh"
+                                                                  : options.mesh_for + " needs the mesh";
   return outcome;
 }
 

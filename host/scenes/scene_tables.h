@@ -5,7 +5,7 @@
 namespace tactel::host {
 
 /// Model of contacts whose file asks for none and names no mesh.
-inline constexpr fem::SurfaceModel usual_model = fem::SurfaceModel::mesh;
+inline constexpr fem::SurfaceModel usual_model = fem::SurfaceModel::patch;
 
 /// Read the tables that scene files and sweep files share, each strictly. Absent keys leave `out` unchanged.
 /// Reads the sensor and the model of the contact. `usual` is the model where the file asks for none and names no mesh.
