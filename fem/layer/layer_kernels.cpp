@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "fem/layer/legendre_points.h"
 
@@ -19,8 +20,9 @@ constexpr double first_panel = 1e-4;
 
 std::vector<double> panel_ends() {
   std::vector<double> ends = {0};
-  for (double a = first_panel; a < panel; a *= 2) ends.push_back(a);
-  for (double a = panel; a <= last_wavenumber; a += panel) ends.push_back(a);
+  double a = first_panel;
+  while (a < panel) ends.push_back(std::exchange(a, 2 * a));
+  for (int k = 1; k * panel <= last_wavenumber; ++k) ends.push_back(k * panel);
   return ends;
 }
 

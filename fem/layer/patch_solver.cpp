@@ -72,6 +72,7 @@ class PatchWalk {
   bool reach_forces(bool solved);
   ContactStep step_here(Beyond& beyond) const;
 
+  Eigen::Vector2d last_change_ = {0, 0};  ///< of depth and x in the increment before, mm
   const PatchOptions& options_;
   const Scene& scene_;
   Eigen::VectorXd x_;
@@ -80,9 +81,8 @@ class PatchWalk {
   PatchContact contact_;
   PatchForceControl force_;
   const BaseStressTable& base_;
-  Eigen::Vector2d last_change_ = {0, 0};  ///< of depth and x in the increment before, mm
-  bool converged_ = true;                 ///< this increment and all before it
-  int sweeps_ = 0;                        ///< since the last asked step
+  bool converged_ = true;  ///< this increment and all before it
+  int sweeps_ = 0;         ///< since the last asked step
 };
 
 /// One increment, as kernels/gap_sweep.cl makes it: rest where nothing moves, else a guess, sweeps, and the search for

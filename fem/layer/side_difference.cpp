@@ -70,8 +70,8 @@ Sensor side_block(const Sensor& sensor) {
   block.length = std::min(sensor.length, longest_side_block * sensor.thickness);
   block.thickness = sensor.thickness;
   block.poisson = sensor.poisson;
-  block.columns = std::max(
-      least_columns, 2 * static_cast<int>(std::lround(columns_a_thickness / 2 * block.length / block.thickness)) + 1);
+  constexpr int half = columns_a_thickness / 2;
+  block.columns = std::max(least_columns, 2 * static_cast<int>(std::lround(half * block.length / block.thickness)) + 1);
   block.rows = rows_of_block;
   block.tactels = 2;
   return block;

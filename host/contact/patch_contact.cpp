@@ -42,7 +42,7 @@ bool turns_back(const PatchPath& path) {
 template <class Real>
 struct PatchContact<Real>::State {
   State(Executor& executor, const fem::LayerModel& model, const PatchContactOptions& options)
-      : executor(executor), model(model), options(options), tables(patch_tables(model)) {
+      : model(model), executor(executor), options(options), tables(patch_tables(model)) {
     for (const int known : {8, 12, 16, 24})
       if (options.elements == known) elements = known;
     if (elements == 0) throw ValueError("elements", std::to_string(options.elements), "8, 12, 16 or 24");
@@ -74,8 +74,8 @@ struct PatchContact<Real>::State {
     return *program;
   }
 
-  Executor& executor;
   fem::LayerModel model;
+  Executor& executor;
   PatchContactOptions options;
   PatchTables tables;
   Buffer<Real> smooth, sides, signs, base;

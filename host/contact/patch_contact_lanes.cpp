@@ -64,7 +64,8 @@ class ShapeRows {
       else
         lane_.shape.insert(lane_.shape.end(), {c, static_cast<double>(s.powers[k]), 1 / s.scale});
     }
-    lane_.input[PATCH_TERMS] = static_cast<double>(lane_.shape.size() / 3);
+    const std::size_t terms = lane_.shape.size() / 3;
+    lane_.input[PATCH_TERMS] = static_cast<double>(terms);
     return {-infinity, infinity};
   }
   Interval operator()(const fem::Profile& s) {

@@ -64,6 +64,7 @@ class GrowingPatches {
   void run(const std::vector<std::size_t>& which, const std::vector<Given>& given, std::vector<std::size_t>& again,
            std::vector<Given>& larger) {
     std::vector<fem::Scene> alike;
+    alike.reserve(which.size());
     for (const std::size_t i : which) alike.push_back(scenes_[i]);
     const int elements = contact_.options().elements;
     auto batch = contact_.prepare(alike, given);
@@ -115,6 +116,7 @@ template <class Real>
 void solve_on_sensor(Executor& executor, std::span<const fem::Scene> scenes, const std::vector<std::size_t>& which,
                      const PatchContactOptions& options, std::vector<fem::ContactSolution>& solutions) {
   std::vector<fem::Scene> alike;
+  alike.reserve(which.size());
   for (const std::size_t i : which) alike.push_back(scenes[i]);
   const fem::Sensor& sensor = alike.front().sensor;
   const PatchContact<Real> contact(executor, options.sides ? fem::layer_model(sensor) : fem::endless_layer(sensor),
