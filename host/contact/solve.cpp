@@ -58,7 +58,7 @@ SolveOutcome outcome_on(const Rung& rung, const fem::Scene& scene, fem::ContactS
   outcome.model_reason = std::move(reason);
   if (rung.patch() && !outcome.on_patch()) {
     outcome.scene.sensor = on_mesh(scene, rung).sensor;
-    outcome.model_reason = "the contact is too wide for a patch";
+    outcome.model_reason = "the contact reaches both ends of the sensor, or is not solved on a patch";
   }
   return outcome;
 }

@@ -23,7 +23,9 @@ const std::string sweep_text = R"([sweep]
 contacts = 26000
 seed = 11
 [[sensor]]
+model = "mesh"
 [[sensor]]
+model = "mesh"
 poisson = 0.3
 weight = 0.25
 [contact]
