@@ -93,6 +93,9 @@ class PatchContact {
 extern template class PatchContact<float>;
 extern template class PatchContact<double>;
 
+/// Returns true where every step of a solution has converged.
+bool every_step_converged(const fem::ContactSolution& solution);
+
 /// What became of the scenes of a solve_patch_contact.
 struct PatchContactReport {
   std::size_t grown = 0;      ///< scenes whose patch the search found too small

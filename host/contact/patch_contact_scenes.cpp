@@ -12,13 +12,9 @@ std::ptrdiff_t count_solved(const fem::ContactSolution& solution) {
   return std::ranges::count_if(solution.steps, &fem::ContactStep::converged);
 }
 
-bool every_step_solved(const fem::ContactSolution& solution) {
-  return count_solved(solution) == static_cast<std::ptrdiff_t>(solution.steps.size());
-}
-
 /// Keeps the answer that solves more.
 void keep_better(fem::ContactSolution& solution, fem::ContactSolution&& other) {
-  if (every_step_solved(other) || count_solved(other) > count_solved(solution)) solution = std::move(other);
+  if (every_step_converged(other) || count_solved(other) > count_solved(solution)) solution = std::move(other);
 }
 
 /// Scenes that go into one launch: of one kind.
@@ -102,7 +98,7 @@ void fall_back(const PatchContact<Real>& contact, const fem::Scene& scene, const
   if (patch.right > patch.left)
     keep_better(solution, fem::solve_patch_exactly(contact.model(), patch, scene, twin.increments(),
                                                    {.tolerance = options.accept}));
-  if (!every_step_solved(solution)) keep_better(solution, fem::PatchSolver(contact.model(), twin).solve(scene));
+  if (!every_step_converged(solution)) keep_better(solution, fem::PatchSolver(contact.model(), twin).solve(scene));
   solution.fell_back = true;
 }
 
@@ -127,6 +123,10 @@ void solve_on_sensor(Executor& executor, std::span<const fem::Scene> scenes, con
 
 }  // namespace
 
+bool every_step_converged(const fem::ContactSolution& solution) {
+  return std::ranges::all_of(solution.steps, &fem::ContactStep::converged);
+}
+
 template <class Real>
 std::optional<PatchContactExtent> grown_contact(const typename PatchContact<Real>::Batch::View& view, std::size_t i,
                                                 int elements) {
@@ -146,12 +146,12 @@ std::vector<fem::ContactSolution> solve_patch_contact(const PatchContact<Real>& 
   GrowingPatches<Real> patches(contact, scenes, solutions);
   for (auto& which : by_kind(scenes)) said.grown += patches.solve(std::move(which));
   for (std::size_t i = 0; i < scenes.size(); ++i) {
-    if (every_step_solved(solutions[i])) continue;
+    if (every_step_converged(solutions[i])) continue;
     if (contact.options().fallback) {
       fall_back(contact, scenes[i], patches.patch(i), solutions[i]);
       ++said.fell_back;
     }
-    said.unsolved += !every_step_solved(solutions[i]);
+    said.unsolved += !every_step_converged(solutions[i]);
   }
   if (report) *report = said;
   return solutions;

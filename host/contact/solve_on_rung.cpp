@@ -20,17 +20,13 @@ std::vector<fem::ContactSolution> on_meshes(Executor& executor, const std::vecto
   return solve_gap_sweep(executor, modelled, rung.precision, options);
 }
 
-bool every_step_solved(const fem::ContactSolution& answer) {
-  return std::ranges::all_of(answer.steps, &fem::ContactStep::converged);
-}
-
 /// With much friction near nu = 1/2, many elements may have no solution that meets the tolerance where fewer have one.
 fem::ContactSolution solve_exactly(const fem::LayerModel& model, const fem::Scene& scene, const Rung& rung) {
   fem::ContactSolution answer;
   for (const int share : {1, 2, 4}) {
     const fem::PatchReferenceOptions options{.elements = rung.elements / share, .pressing_increments = rung.steps};
     answer = fem::PatchReference(model, options).solve(scene);
-    if (every_step_solved(answer)) break;
+    if (every_step_converged(answer)) break;
   }
   return answer;
 }
@@ -98,7 +94,7 @@ std::vector<fem::ContactSolution> solve_on_rung(Executor& executor, std::span<co
   std::vector<fem::ContactSolution> answers = on_patches(executor, scenes, rung);
   std::vector<std::size_t> others;
   for (std::size_t i = 0; i < scenes.size(); ++i) {
-    if (patch_serves(scenes[i].sensor, answers[i]) && every_step_solved(answers[i])) continue;
+    if (patch_serves(scenes[i].sensor, answers[i]) && every_step_converged(answers[i])) continue;
     others.push_back(i);
     modelled.push_back(on_mesh(scenes[i], rung));
     modelled.back().load.indentation_steps = scenes[i].load.indentation_steps * subdivision(scenes[i], rung);
@@ -106,7 +102,7 @@ std::vector<fem::ContactSolution> solve_on_rung(Executor& executor, std::span<co
   std::vector<fem::ContactSolution> meshed = on_meshes(executor, modelled, rung, nodes);
   for (std::size_t k = 0; k < others.size(); ++k) {
     const std::size_t i = others[k];
-    if (patch_serves(scenes[i].sensor, answers[i]) && !every_step_solved(meshed[k])) continue;
+    if (patch_serves(scenes[i].sensor, answers[i]) && !every_step_converged(meshed[k])) continue;
     answers[i] = std::move(meshed[k]);
     keep_own_steps(answers[i], scenes[i].load, subdivision(scenes[i], rung));
   }

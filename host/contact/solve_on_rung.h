@@ -20,8 +20,8 @@ bool patch_serves(const fem::Sensor& sensor, double left, double right);
 PatchContactOptions patch_options(const Rung& rung);
 
 /// Solves scenes as a rung models them. Contacts that a patch does not serve, or that are not solved on one, are solved
-/// on the rung's mesh, with the load steps of the scene; such answers have no surface_width. `nodes`: also return forces and statuses of the gap
-/// elements.
+/// on the rung's mesh, with the load steps of the scene; such answers have no surface_width. `nodes`: also return
+/// forces and statuses of the gap elements.
 std::vector<fem::ContactSolution> solve_on_rung(Executor& executor, std::span<const fem::Scene> scenes,
                                                 const Rung& rung, bool nodes = true);
 

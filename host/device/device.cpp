@@ -171,6 +171,7 @@ std::string_view default_choice() {
 
 std::vector<DeviceInfo> infos_of(const std::vector<FoundDevice>& found) {
   std::vector<DeviceInfo> infos;
+  infos.reserve(found.size());
   for (const FoundDevice& each : found) infos.push_back(each.info);
   return infos;
 }

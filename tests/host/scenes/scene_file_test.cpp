@@ -187,7 +187,7 @@ TEST(SceneJson, DefaultsFilledIn) {
       read_text("title = \"t\"\n[indenter]\nshape = \"parabola\"\nradius = 10\n[load]\nindentation = 0.15\n");
   const auto expected = nlohmann::ordered_json::parse(R"({
     "title": "t",
-    "sensor": {"model": "mesh", "length": 20.0, "thickness": 1.5, "young": 2.0, "poisson": 0.45, "columns": 41, "rows": 11,
+    "sensor": {"model": "patch", "length": 20.0, "thickness": 1.5, "young": 2.0, "poisson": 0.45, "columns": 41, "rows": 11,
                "grading": 4.0, "element": "bbar", "tactels": 21, "tactel_span": 20.0, "tactel_width": 0.0,
                "stress": "reaction"},
     "indenter": {"shape": "parabola", "radius": 10.0, "position": 0.0},
