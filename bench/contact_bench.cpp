@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Load steps a second: random parabolas and friction, one indentation step and seven of drag, base forces and
 // certificate written out. The batched kernel beside the same algorithm in plain Eigen (one core) and the full-mesh
 // reference.
@@ -7,12 +9,14 @@
 #include <random>
 #include <string>
 
+#include "bench/fma_peak.h"
 #include "fem/gap_reference.h"
 #include "fem/gap_sweep.h"
 #include "fem/layer/patch_solver.h"
 #include "fem/solution_difference.h"
 #include "host/contact/gap_sweep.h"
 #include "host/contact/patch_contact.h"
+#include "host/studies/tradeoff/scene_mix.h"
 #include "kernels/shared/contact_layout.h"
 
 namespace {
@@ -136,16 +140,30 @@ double patch_flops(const View& view, std::size_t scenes, int elements, int tacte
   return flops;
 }
 
+/// The same scenes, each on a sensor of its own: nu, thickness, E and length drawn.
+std::vector<fem::Scene> random_sensors(std::size_t count, const fem::SensorRange& range) {
+  std::vector<fem::Scene> scenes = random_patches(count);
+  std::mt19937_64 generator(3);
+  const auto uniform = [&](double from, double to) { return std::uniform_real_distribution(from, to)(generator); };
+  for (fem::Scene& scene : scenes) {
+    fem::Sensor& sensor = scene.sensor;
+    sensor.poisson = uniform(range.poisson_low, range.poisson_high);
+    sensor.thickness = uniform(1.4, 1.6);
+    sensor.length = uniform(18, 21);
+    sensor.young = uniform(1, 3);
+  }
+  return scenes;
+}
+
 template <class Real>
-void patches(benchmark::State& state, int elements) {
-  host::Executor executor{host::Device()};
-  const auto scenes = random_patches(65536);
-  const fem::LayerModel model = fem::layer_model(scenes.front().sensor);
-  const host::PatchContact<Real> contact(executor, model, {.elements = elements});
+void patches(benchmark::State& state, const std::vector<fem::Scene>& scenes, const host::PatchContact<Real>& contact,
+             const host::Executor& executor) {
+  const int elements = contact.options().elements;
   auto batch = contact.prepare(scenes);
   batch.run();
-  const fem::PatchSolver twin(model, {.elements = elements, .most_sweeps = 400, .most_growths = 0});
   for (std::size_t i = 0; i < scenes.size(); i += scenes.size() / 16) {
+    const auto model = contact.model_of(scenes[i].sensor);
+    const fem::PatchSolver twin(*model, {.elements = elements, .most_sweeps = 400, .most_growths = 0});
     const fem::ContactStep found = batch.solution(i).steps.back(), expected = twin.solve(scenes[i]).steps.back();
     if (!(std::abs(found.P - expected.P) + std::abs(found.Q - expected.Q) <= 3e-5 * expected.P)) {
       state.SkipWithError("forces differ from the twin's");
@@ -174,6 +192,90 @@ void patches(benchmark::State& state, int elements) {
   state.counters["worst_residual"] = residual;
   state.counters["threads"] = executor.threads();
   state.SetLabel(executor.device().info().name);
+}
+
+template <class Real>
+void patches(benchmark::State& state, int elements) {
+  host::Executor executor{host::Device()};
+  const auto scenes = random_patches(65536);
+  patches<Real>(state, scenes, {executor, fem::layer_model(scenes.front().sensor), {.elements = elements}}, executor);
+}
+
+void patches_on_sensors(benchmark::State& state) {
+  host::Executor executor{host::Device()};
+  constexpr fem::SensorRange range{.poisson_low = 0.3, .poisson_high = 0.499, .longest = 15};
+  patches<float>(state, random_sensors(65536, range), {executor, fem::SensorFamily(range), {.elements = 12}}, executor);
+}
+
+/// Scenes of the ladder's mix (host/studies/tradeoff/scene_mix.h) on the default sensor, as `tactel tradeoff` times
+/// them: 9 load steps each, of which the first takes n / 3 increments.
+std::vector<fem::Scene> mixed_patches(std::size_t count) {
+  std::vector<fem::Scene> scenes = host::mixed_scenes(7, count);
+  for (fem::Scene& scene : scenes) scene.sensor.poisson = fem::Sensor{}.poisson;
+  return scenes;
+}
+
+/// Operations of the load path as the kernel executes it: sweeps of whole groups, and the fresh sums of the
+/// certificate, of 4 n^2 multiply-adds a lane each. Every increment is a load step here, so that the sweeps of each are
+/// known.
+template <class Real>
+double path_flops(const host::PatchContact<Real>& contact, std::vector<fem::Scene> scenes, std::size_t lanes) {
+  const int increments = fem::PatchOptions{.elements = contact.options().elements}.increments();
+  for (fem::Scene& scene : scenes) scene.load.indentation_steps = increments;
+  auto batch = contact.prepare(scenes);
+  batch.run();
+  const typename host::PatchContact<Real>::Batch::View view(batch);
+  const std::span<const std::size_t> order = view.by_lane();
+  double sweeps = 0;  // of a group
+  for (std::size_t first = 0; first < order.size(); first += lanes)
+    for (int k = 0; k < view.path_steps(order[first]); ++k) {
+      Real most = 0;
+      for (std::size_t i = first; i < std::min(first + lanes, order.size()); ++i)
+        most = std::max(most, view.result(order[i], k, LANE_SWEEPS));
+      sweeps += most + 1;
+    }
+  const double n = contact.options().elements;
+  return 8 * n * n * static_cast<double>(lanes) * sweeps;
+}
+
+/// Rate of all stages; time of each in one core's us a scene; the load path beside the peak. All are medians of runs
+/// that take turns in one process.
+template <class Real>
+void mixed(benchmark::State& state, int elements, int threads) {
+  const host::Device device("basic");
+  host::Executor executor(device, {.threads = threads});
+  const auto scenes = mixed_patches(16384);
+  const fem::LayerModel model = fem::layer_model(scenes.front().sensor);
+  const host::PatchContact<Real> contact(executor, model, {.elements = elements});
+  auto batch = contact.prepare(scenes);
+  bench::Peak<Real> peak(device, threads);
+  if (!peak.right()) return state.SkipWithError("the accumulators did not converge to 1");
+  const double flops = path_flops(contact, scenes, device.lanes(peak.precision));
+  const auto seconds = [&](bool path, bool base_stress) {
+    batch.set_parts(path, base_stress);
+    batch.run();
+    return batch.seconds();
+  };
+  seconds(true, true);
+  std::vector<double> all, without_stress, without_path, of_peak;
+  for (auto _ : state) {
+    all.push_back(seconds(true, true));
+    without_stress.push_back(seconds(true, false));
+    without_path.push_back(seconds(false, false));
+    of_peak.push_back(peak.run());
+  }
+  const double whole = bench::median(all), path_end = bench::median(without_stress),
+               set_up = bench::median(without_path);
+  const double path_rate = 1e-9 * flops / (path_end - set_up), roof = 1e-9 * peak.flops / bench::median(of_peak);
+  const double us = 1e6 * threads / static_cast<double>(scenes.size());
+  state.counters["steps_per_second"] = static_cast<double>(batch.steps_in_all()) / whole;
+  state.counters["search_us"] = us * set_up;
+  state.counters["path_us"] = us * (path_end - set_up);
+  state.counters["stress_us"] = us * (whole - path_end);
+  state.counters["path_GFLOP/s"] = path_rate;
+  state.counters["peak_GFLOP/s"] = roof;
+  state.counters["path_of_peak"] = path_rate / roof;
+  state.counters["threads"] = threads;
 }
 
 /// From scenes to answers on the host: layout of lanes, launch, views.
@@ -224,8 +326,13 @@ const bool registered = [] {
     };
     patch("fp32", [=](benchmark::State& state) { patches<float>(state, elements); })->UseRealTime();
     patch("fp64", [=](benchmark::State& state) { patches<double>(state, elements); })->UseRealTime();
+    for (const int threads : {1, 2})
+      patch(("mix/fp32/threads:" + std::to_string(threads)).c_str(), [=](benchmark::State& state) {
+        mixed<float>(state, elements, threads);
+      })->UseRealTime();
     patch("eigen_fp64", [=](benchmark::State& state) { patch_twin(state, elements); });
   }
+  add("contact/patch_12_sensors/fp32", patches_on_sensors)->UseRealTime();
   add("contact/patch_12/fp32/with_scenes", patches_with_scenes)->UseRealTime();
   add("contact/mesh_B/reference", [](benchmark::State& state) { reference(state, 'B'); });
   add("contact/mesh_A/reference", [](benchmark::State& state) { reference(state, 'A'); })->Iterations(2);

@@ -1,17 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The roof that other figures are held against: FMA peak through PoCL with explicit vectors; and what a launch costs.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
 #include <chrono>
-#include <memory>
 
-#include "host/device/buffer.h"
-#include "host/device/executor.h"
+#include "bench/fma_peak.h"
 
 namespace {
 
 using namespace tactel;
 using namespace tactel::host;
+using tactel::bench::Peak;
+using tactel::bench::peak_program;
 using Clock = std::chrono::steady_clock;
 
 const Device& device(const char* choice) {
@@ -20,45 +22,13 @@ const Device& device(const char* choice) {
   return found != opened.end() ? found->second : opened.emplace(choice, Device(choice)).first->second;
 }
 
-Program peak_program(const Device& device, Precision precision) {
-  return Program(device, "fma_peak.cl",
-                 {{"LANES", std::to_string(device.lanes(precision))}, {"REAL", real_type(precision)}});
-}
-
-/// fma_peak on some groups, with its output.
-template <class Real>
-struct Peak {
-  static constexpr Precision precision = sizeof(Real) == 4 ? Precision::fp32 : Precision::fp64;
-  Executor executor;
-  Buffer<Real> out;
-  Launch launch;
-  std::size_t groups;
-  double flops;  ///< of a run
-
-  Peak(const Device& device, int threads, std::size_t groups, int rounds)
-      : executor(device, {.threads = threads}),
-        out(device, groups * device.lanes(precision)),
-        launch(executor.prepare(peak_program(device, precision), "fma_peak",
-                                [&](KernelArguments& kernel) {
-                                  kernel.set(1, out);
-                                  kernel.set(2, rounds);
-                                })),
-        groups(groups),
-        flops(24.0 * rounds * static_cast<double>(out.size())) {}
-
-  bool right() {
-    executor.run(launch, groups);
-    const auto map = out.map();
-    return std::ranges::all_of(map.view(), [](Real sum) { return sum == Real(12); });
-  }
-};
-
 template <class Real>
 void fma_peak(benchmark::State& state, int threads) {
-  Peak<Real> peak(device("basic"), threads, 256, 8192);
+  Peak<Real> peak(device("basic"), threads);
   if (!peak.right()) return state.SkipWithError("the accumulators did not converge to 1");
-  for (auto _ : state) peak.executor.run(peak.launch, peak.groups);
-  state.counters["GFLOP/s"] = benchmark::Counter(1e-9 * peak.flops, benchmark::Counter::kIsIterationInvariantRate);
+  std::vector<double> seconds;
+  for (auto _ : state) seconds.push_back(peak.run());
+  state.counters["GFLOP/s"] = 1e-9 * peak.flops / bench::median(seconds);
   state.counters["threads"] = threads;
   state.SetLabel(peak.executor.device().info().name);
 }

@@ -1,11 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Frames a second and the time of a single frame: the forward kernels beside the same network written by hand in Eigen,
 // fp32, on the same threads.
 #include <benchmark/benchmark.h>
+#include <tactel/infer.h>
 
 #include <chrono>
 #include <cmath>
 
 #include "host/networks/forward.h"
+#include "host/networks/onnx_file.h"
 #include "network_peers.h"
 #include "nn/metrics.h"
 #include "tests/host/networks/network_cases.h"
@@ -108,6 +112,19 @@ void one_frame(benchmark::State& state, int network) {
   state.SetLabel(testing::executor().device().info().name);
 }
 
+// The same network through tactel::infer.
+void one_frame_infer(benchmark::State& state, int network) {
+  const Case c(network, 1024);
+  const std::string bytes = host::onnx_bytes({c.weights, scaling, 1, 0, "bumps", 0, {}});
+  const SlipEstimator estimator = SlipEstimator::parse(std::as_bytes(std::span(bytes)));
+  const auto inputs = static_cast<std::size_t>(c.topology.inputs());
+  nn::Vector<float> s(200);
+  for (int row = 0; row < 200; ++row)
+    s(row) = estimator.estimate(std::span(c.frames.row(row).data(), inputs)).slip_index;
+  if (!c.right(s)) return state.SkipWithError("S differs from the reference");
+  latency(state, c, [&](const float* frame) { return estimator.estimate(std::span(frame, inputs)).slip_index; });
+}
+
 void one_frame_eigen(benchmark::State& state, int network) {
   const Case c(network, 1024);
   bench::EigenOnline own(c.weights);
@@ -151,6 +168,10 @@ const bool registered = [] {
           ->Unit(benchmark::kMicrosecond);
     }
     benchmark::RegisterBenchmark((name + "/one_frame").c_str(), [=](benchmark::State& s) { one_frame(s, network); })
+        ->UseManualTime()
+        ->Unit(benchmark::kMicrosecond);
+    benchmark::RegisterBenchmark((name + "/one_frame_infer").c_str(),
+                                 [=](benchmark::State& s) { one_frame_infer(s, network); })
         ->UseManualTime()
         ->Unit(benchmark::kMicrosecond);
     benchmark::RegisterBenchmark((name + "/one_frame_eigen").c_str(),

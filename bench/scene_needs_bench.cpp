@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Only what a scene requires: each thing that a scene can do without, with it and without it, in one run. Lines called
 // `needed` model what the scene requires, lines called `all` what any scene might. Load steps a second, all threads
 // unless said otherwise.

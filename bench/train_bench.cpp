@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Patterns a second and time to a given error: the training kernels beside the same rules written by hand in Eigen,
 // fp32, and beside FANN for pattern-by-pattern training; same set, same threads.
 #include <benchmark/benchmark.h>

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Load steps a second of the transducer chain, copies in and out included; what the parts cost.
 #include <benchmark/benchmark.h>
 

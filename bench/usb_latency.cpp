@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // How long a frame takes from its last byte to S: an emulated USB device with a clock of its own, an unmodified libusb,
 // and what `tactel monitor` is made of. Rows of the table are printed one a run, see --help.
 #include <fmt/format.h>

@@ -1,8 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "fem/elements.h"
 
 #include <vector>
 
+#include "fem/number_text.h"
 #include "fem/shape_functions.h"
+#include "fem/value_error.h"
 
 namespace tactel::fem {
 namespace {
@@ -99,7 +102,14 @@ Eigen::MatrixXd internal_amplitudes(const Eigen::MatrixXd& k, Eigen::Index outer
 
 }  // namespace
 
+void require_compressible(const Sensor& sensor) {
+  if (!(sensor.poisson < 0.5))
+    throw ValueError("sensor.poisson", number_text(sensor.poisson),
+                     "below 0.5 on a mesh, whose stiffness is infinite there; a patch takes 0.5");
+}
+
 Material material(const Sensor& sensor) {
+  require_compressible(sensor);
   return {sensor.young / (2 * (1 + sensor.poisson)), sensor.young / (3 * (1 - 2 * sensor.poisson))};
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <Eigen/Dense>
 
@@ -11,6 +12,9 @@ struct Material {
   double bulk;   ///< kappa = E / (3 (1 - 2 nu))
 };
 Material material(const Sensor& sensor);
+
+/// Throws ValueError for poisson = 0.5, which no mesh can model; patches can (fem/layer).
+void require_compressible(const Sensor& sensor);
 
 using ElementNodes = Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, 8>;                     ///< [2, 4 or 8] mm
 using ElementStiffness = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 16, 16>;  ///< [2 nodes, 2 nodes]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "fem/gap_increment.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The increment as a path: block and history stay, the target moves from the previous pose, lambda = 0, to the load
 // step's, lambda = 1. Between status changes all quantities are linear in lambda. Where a law would be violated that
 // element alone changes, and the path goes on from there, continuous, back to smaller lambda if need be: Lemke's

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "fem/gap_block.h"
 #include "fem/load_stepping.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "fem/load_stepping.h"
 
 #include <algorithm>
@@ -66,6 +67,18 @@ ContactSolution step_load_path(GapSystem& system, const Scene& scene, ContactSol
     if (path.until_sliding && tangential && !sticks) break;  // where nothing touches, nothing ever will
   }
   return solution;
+}
+
+int pressing_parts(const Load& load, int increments) {
+  return (increments + load.indentation_steps - 1) / load.indentation_steps;
+}
+
+void keep_own_steps(ContactSolution& solution, const Load& load, int parts) {
+  const std::size_t pressed = static_cast<std::size_t>(load_path(load).indentation_steps) * parts;
+  std::vector<ContactStep> own;
+  for (std::size_t k = 0; k < solution.steps.size(); ++k)
+    if (k >= pressed || (k + 1) % parts == 0) own.push_back(std::move(solution.steps[k]));
+  solution.steps = std::move(own);
 }
 
 }  // namespace tactel::fem

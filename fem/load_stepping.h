@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <functional>
 
@@ -20,5 +21,11 @@ using TactelStress = std::function<Eigen::VectorXd(const Extended& state, const 
 /// the positions of nodes and tactels.
 ContactSolution step_load_path(GapSystem& system, const Scene& scene, ContactSolution positions,
                                const GapReferenceOptions& options, const TactelStress& stress);
+
+/// Returns the number of equal parts of each pressing step with which every target takes at least `increments`.
+int pressing_parts(const Load& load, int increments);
+
+/// Keeps of a solution whose pressing steps were divided into `parts` the steps that the load itself has.
+void keep_own_steps(ContactSolution& solution, const Load& load, int parts);
 
 }  // namespace tactel::fem

@@ -1,9 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "fem/scene.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "fem/elements.h"
 #include "fem/mesh.h"
 #include "fem/number_text.h"
 #include "fem/value_error.h"
@@ -117,6 +119,7 @@ void append_tangential(const Load& load, LoadPath& path) {
 
 void Scene::validate() const {
   sensor.validate();
+  if (model == SurfaceModel::mesh) require_compressible(sensor);
   indenter.validate();
   check(friction >= 0, "contact.friction", friction, "a coefficient of friction, not below 0, or \"bonded\"");
   check_normal(load);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "fem/sensor.h"
 
 #include <cmath>
@@ -24,7 +25,7 @@ void Sensor::validate() const {
   check(within(length, 1e-6, 1e6), "length", length, "a length in mm, between 1e-6 and 1e6");
   check(within(thickness, 1e-6, 1e6), "thickness", thickness, "a thickness in mm, between 1e-6 and 1e6");
   check(positive(young), "young", young, "a Young's modulus in MPa, finite and above 0");
-  check(poisson >= 0 && poisson < 0.5, "poisson", poisson, "a Poisson's ratio, 0 <= poisson < 0.5");
+  check(within(poisson, 0, 0.5), "poisson", poisson, "a Poisson's ratio, 0 <= poisson <= 0.5");
   check(within(columns, 3, most_columns), "columns", columns, "a number of mesh nodes along x, 3 to 2001");
   check(within(rows, 2, most_rows), "rows", rows, "a number of mesh nodes through the thickness, 2 to 1001");
   check(within(grading, 0.01, 100), "grading", grading,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <optional>
 
@@ -17,7 +18,7 @@ struct Sensor {
   double length = 20.0;    ///< mm
   double thickness = 1.5;  ///< mm
   double young = 2.0;      ///< MPa
-  double poisson = 0.45;   ///< 0 <= nu < 0.5
+  double poisson = 0.45;   ///< 0 <= nu <= 0.5; below 0.5 on a mesh
   int columns = 41;        ///< mesh nodes along x (corners of elements; q8 adds its mid-side nodes)
   int rows = 11;           ///< mesh nodes through the thickness
   double grading = 4.0;    ///< bottom row height over top row height, geometric in between

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "fem/stress_field.h"
 
 #include <cmath>
 
 #include "fem/block.h"
-#include "fem/condensation.h"
+#include "fem/clamped_block.h"
 
 namespace tactel::fem {
 namespace {
@@ -15,6 +16,21 @@ Eigen::VectorXd surface_load(const ContactStep& step) {
     load[2 * i + 1] = -step.normal_force[i];
   }
   return load;
+}
+
+StressField field_of(const Mesh& mesh, const Sensor& sensor, const Eigen::VectorXd& displacement) {
+  StressField field{.mesh = mesh,
+                    .displacement = displacement.reshaped(2, displacement.size() / 2),
+                    .stress = nodal_stress(mesh, sensor, displacement),
+                    .von_mises = {},
+                    .strain = {}};
+  field.von_mises.resize(field.stress.cols());
+  field.strain.resize(field.stress.cols());
+  for (Eigen::Index k = 0; k < field.stress.cols(); ++k) {
+    field.von_mises[k] = von_mises(field.stress.col(k));
+    field.strain[k] = largest_principal_strain(field.stress.col(k), sensor.young, sensor.poisson);
+  }
+  return field;
 }
 
 }  // namespace
@@ -32,20 +48,18 @@ double largest_principal_strain(const Eigen::Vector4d& s, double young, double n
 }
 
 StressField stress_field(const Sensor& sensor, const ContactStep& step) {
-  const Eigen::VectorXd displacement = block_displacement(sensor, surface_load(step));
-  StressField field{.mesh = make_mesh(sensor),
-                    .displacement = displacement.reshaped(2, displacement.size() / 2),
-                    .stress = {},
-                    .von_mises = {},
-                    .strain = {}};
-  field.stress = nodal_stress(field.mesh, sensor, displacement);
-  field.von_mises.resize(field.stress.cols());
-  field.strain.resize(field.stress.cols());
-  for (Eigen::Index k = 0; k < field.stress.cols(); ++k) {
-    field.von_mises[k] = von_mises(field.stress.col(k));
-    field.strain[k] = largest_principal_strain(field.stress.col(k), sensor.young, sensor.poisson);
-  }
-  return field;
+  return std::move(stress_fields(sensor, surface_load(step)).front());
+}
+
+std::vector<StressField> stress_fields(const Sensor& sensor, const Eigen::MatrixXd& surface_loads) {
+  const ClampedBlock block(sensor);
+  Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(2 * block.mesh().node.cols(), surface_loads.cols());
+  loads(unknowns_of(block.mesh().surface), Eigen::all) = surface_loads;
+  const Eigen::MatrixXd displacements = block.displacement(loads);
+  std::vector<StressField> fields;
+  for (const auto& displacement : displacements.colwise())
+    fields.push_back(field_of(block.mesh(), sensor, displacement));
+  return fields;
 }
 
 }  // namespace tactel::fem

@@ -1,4 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <vector>
+
 #include "fem/contact_solution.h"
 #include "fem/mesh.h"
 #include "fem/scene.h"
@@ -26,5 +29,9 @@ double largest_principal_strain(const Eigen::Vector4d& stress, double young, dou
 
 /// Solves the whole block anew under the step's surface forces.
 StressField stress_field(const Sensor& sensor, const ContactStep& step);
+
+/// Returns the fields of surface loads [2 columns, loads] N/mm, force on the rubber at surface node i in x at 2i and y
+/// at 2i + 1. The block is factored once.
+std::vector<StressField> stress_fields(const Sensor& sensor, const Eigen::MatrixXd& surface_loads);
 
 }  // namespace tactel::fem

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -50,6 +51,8 @@ class FrameSource {
   virtual TransportCounts counts() const = 0;
   /// Returns true where the source was truncated, such as a recording that was cut off. Known once finished.
   virtual bool cut_short() const { return false; }
+  /// Returns a descriptor that is readable while packets wait, for an event loop; -1 where the source has none.
+  virtual int fd() const { return -1; }
 };
 
 }  // namespace tactel::hw

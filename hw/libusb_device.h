@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Finds, opens and prepares a device. Only the files libusb_device and usb_source.cpp use libusb.
 #pragma once
 #include <libusb.h>

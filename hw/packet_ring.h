@@ -1,4 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <sys/eventfd.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
@@ -19,6 +23,23 @@ class PacketRing {
   PacketRing(std::size_t slots, std::size_t slot_bytes)
       : slot_bytes_(slot_bytes), slots_(slots), bytes_(slots * slot_bytes), taken_(slot_bytes) {}
 
+  ~PacketRing() {
+    if (event_ >= 0) ::close(event_);
+  }
+  PacketRing(const PacketRing&) = delete;
+  PacketRing& operator=(const PacketRing&) = delete;
+
+  /// Returns a descriptor that is readable while packets or a failure wait; -1 where the system gives none. It exists
+  /// from the first call on: a ring without it costs no call of the system.
+  int event() {
+    const std::lock_guard lock(mutex_);
+    if (event_ < 0) {
+      event_ = ::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
+      if (size_ > 0 || failure_) raise_event();
+    }
+    return event_;
+  }
+
   /// Appends a packet and wakes the reader. Returns true where the oldest packet was dropped; the oldest
   /// remaining one is then marked as after a gap.
   bool push(const Packet& packet) {
@@ -32,6 +53,7 @@ class PacketRing {
     {
       const std::lock_guard lock(mutex_);
       failure_ = std::move(failure);
+      raise_event();
     }
     arrived_.notify_one();
   }
@@ -48,6 +70,7 @@ class PacketRing {
     const Packet packet = slots_[first_];
     std::ranges::copy(packet.bytes, taken_.data());
     drop_oldest();
+    if (size_ == 0 && !failure_) clear_event();
     return Packet{Bytes(taken_).first(packet.bytes.size()), packet.arrival, packet.after_gap};
   }
 
@@ -58,6 +81,7 @@ class PacketRing {
     const std::lock_guard lock(mutex_);
     const bool full = size_ == slots_.size();
     if (full) drop_oldest();
+    if (size_ == 0) raise_event();
     const std::size_t at = place(size_++);
     slots_[at] = {{bytes_.data() + at * slot_bytes_, std::min(packet.bytes.size(), slot_bytes_)},
                   packet.arrival,
@@ -65,6 +89,14 @@ class PacketRing {
     std::ranges::copy(packet.bytes.first(slots_[at].bytes.size()), bytes_.data() + at * slot_bytes_);
     if (full) slots_[first_].after_gap = true;
     return full;
+  }
+  // Both under the lock, so that the event says what the ring holds.
+  void raise_event() {
+    if (event_ >= 0) ::eventfd_write(event_, 1);
+  }
+  void clear_event() {
+    eventfd_t raised = 0;
+    if (event_ >= 0) ::eventfd_read(event_, &raised);
   }
   std::size_t place(std::size_t i) const { return (first_ + i) % slots_.size(); }
   void drop_oldest() {
@@ -75,6 +107,7 @@ class PacketRing {
   std::mutex mutex_;
   std::condition_variable arrived_;  ///< size_ or failure_ changed
   std::exception_ptr failure_;
+  int event_ = -1;
   std::size_t slot_bytes_, first_ = 0, size_ = 0;
   std::vector<Packet> slots_;        ///< [slots]
   std::vector<std::uint8_t> bytes_;  ///< [slots, slot_bytes]

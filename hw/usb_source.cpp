@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Packets from a device by libusb's asynchronous transfers.
 #include "hw/usb_source.h"
 
@@ -66,6 +68,7 @@ class LibusbSource final : public UsbSource {
   }
 
   std::optional<Packet> wait(double timeout) override { return ring_.take(timeout); }
+  int fd() const override { return ring_.event(); }
   const UsbChoice& choice() const override { return choice_; }
   bool finished() const override { return false; }
   bool live() const override { return true; }
@@ -266,7 +269,7 @@ class LibusbSource final : public UsbSource {
   UsbDevice device_;  ///< what to open; from the first opening on that same device
   UsbChoice choice_;
   std::unique_ptr<LibusbDevice> opened_;  ///< null while the device is away
-  PacketRing ring_;
+  mutable PacketRing ring_;
   std::array<Slot, in_flight> slots_;
   const Clock::time_point zero_ = Clock::now();
   int busy_ = 0, errors_in_a_row_ = 0, stalls_in_a_row_ = 0;

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Peak arithmetic of the device: independent fused multiply-adds.
 #include "shared/group.h"
 #include "shared/lanes.h"

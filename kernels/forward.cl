@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Slippage index S of frames: scaling, network, shift by 0.5. Two kernels share one arithmetic (shared/forward_layer.h). A frame therefore has
    equal bits alone, in a batch of any size and at any position. `forward` has frames in the lanes, for batches. `forward_one` has neurons in
    the lanes, so that a single frame uses whole vectors.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Batched contact of rigid indenters with one sensor: block Gauss-Seidel over gap elements on the surface compliance. One launch solves
    whole load paths.
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Writes sizes and offsets of the shared structs as this device sees them, in the order of SHARED_LAYOUT.
 #include "shared/group.h"
 #include "shared/layout.h"

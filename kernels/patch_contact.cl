@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Batched contact of rigid indenters with a bonded layer, each on its own patch of equal elements: patch search, compliance, load path,
    certificate and base stress in one launch.
 
@@ -30,13 +31,16 @@
    - The certificate looks for penetration at OUTSIDE places beyond each end, too. Where the patch is too small the host gives a larger one.
    - The first guess of an increment continues the last change of the forces in proportion to the load.
    - A sticking element's history is its exact position.
+   - While the indenter presses only, an open element whose gap would close within the increment sticks from where it would be then.
 
    A lane's result depends on nothing but the lane: finished lanes keep their bits, and every sum runs in an order fixed by the element's
    index.
 
-   Built with -D REAL (float | double), LANES (1, 2, 4, 8, 16), ELEMENTS, FORCE_CONTROL (0 | 1), FRICTION (0 | 1). With FORCE_CONTROL all
-   lanes are driven by force. Without FRICTION all lanes have mu = 0: there is no traction and no history. */
-// defines: ELEMENTS=12 FORCE_CONTROL=1 FRICTION=1
+   Built with -D REAL (float | double), LANES (1, 2, 4, 8, 16), ELEMENTS, FORCE_CONTROL (0 | 1), FRICTION (0 | 1), SENSORS (0 | 1). With
+   FORCE_CONTROL all lanes are driven by force. Without FRICTION all lanes have mu = 0: there is no traction and no history. With SENSORS
+   every lane has its own sensor: its tables are read between two rows of Poisson's ratios, over x / h, and its sides are those of two
+   ends (fem/layer/sensor_family.h, the twin of this way). */
+// defines: ELEMENTS=12 FORCE_CONTROL=1 FRICTION=1 SENSORS=1
 #include "shared/group.h"
 #include "shared/lanes.h"
 #include "shared/transpose.h"
@@ -44,6 +48,16 @@
 #include "shared/elementary.h"
 #include "shared/contact_layout.h"
 #include "shared/patch_layout.h"
+
+/* Stores what no kernel reads again, past the caches: a launch writes much more than they hold. */
+#if LANES > 1 && defined(__has_builtin)
+#if __has_builtin(__builtin_nontemporal_store)
+#define STORE_AWAY(v, p) __builtin_nontemporal_store(v, (global vreal *)(p))
+#endif
+#endif
+#ifndef STORE_AWAY
+#define STORE_AWAY(v, p) STORE(v, p)
+#endif
 
 #define N ELEMENTS
 #define C_PARTS (FRICTION ? 4 : 1)
@@ -59,8 +73,9 @@
 #define BISECTIONS (REAL_IS_DOUBLE ? 60 : 30)
 #define MARGIN ((real)0.06)
 #define EDGE_PART ((real)0.15)
-#define OUTSIDE 3            /* rows beyond each end of the patch that the certificate looks at */
-#define MOST_FORCE_TRIALS 60 /* trials of depth (and position) to reach given forces */
+#define OUTSIDE 3                   /* rows beyond each end of the patch that the certificate looks at */
+#define SLIDING_MARGIN ((real)1e-5) /* share of Q = mu P within which a contact slides as a whole */
+#define MOST_FORCE_TRIALS 60        /* trials of depth (and position) to reach given forces */
 
 /* A function of its own: what is unrolled in it exists once. */
 #define OUTLINE static __attribute__((noinline))
@@ -81,7 +96,32 @@ constant real log_part[28] = {(real)-1.6931471805599453, (real)-0.04522874755778
                               (real)2.9956280873502593,  (real)3.0444279394133368,    (real)3.0909563518606571,  (real)3.1354154397942369,
                               (real)3.1779814829640299,  (real)3.2188091502000099,    (real)3.2580348941009761,  (real)3.2957797042017763};
 
+#if SENSORS
+/* A number of the sensor: of each lane, or of all. */
+#define OF_LANES(x) (x)
+#define ENDS 2
+#else
+#define OF_LANES(x) ALL_LANES(x)
+#define ENDS 1
+#endif
+#define MODES (ENDS * SIDE_MODES) /* of the sides at a place: v_y of all, then v_x of all; those of the left end first */
+
 /* The sensor, and what the host chose. */
+#if SENSORS
+typedef struct {
+  global const real *smooth; /* [cells][poissons][PATCH_BLOCK] as below */
+  int cells, poissons;
+  int poisson[LANES]; /* row below, and how far above it */
+  vreal part;
+  vreal cells_per_mm, thickness, length, per_thickness;
+  vreal cy, cx, jump;
+  global const real *sides;       /* [side_rows][PATCH_BLOCK] displacement, by distance from an end over h */
+  global const real *side_forces; /* [side_rows][PATCH_BLOCK] */
+  int side_rows;                  /* 0: no free sides */
+  real side_rows_per_h;
+  vreal core[CORE_NUMBERS]; /* C and K between the rows */
+} Layer;
+#else
 typedef struct {
   global const real *smooth; /* [cells][PATCH_BLOCK]: LAYER_COEFFICIENTS of R_yy, R_xx, R_xy over x / h */
   int cells;
@@ -94,6 +134,7 @@ typedef struct {
   real sides_from;          /* mm */
   global const real *signs; /* [SIDE_MODES] */
 } Layer;
+#endif
 
 /* The indenter's shape in every lane; kinds that no lane has cost nothing. */
 typedef struct {
@@ -102,6 +143,9 @@ typedef struct {
   int cylinders, exponentials, terms, points; /* whether any lane has them */
   int term_count[LANES], terms_at[LANES], point_count[LANES], points_at[LANES];
 } Profile;
+
+/* Whether elements may be touched within an increment: driven by depth, with a history. */
+#define ENTRIES (FRICTION && !FORCE_CONTROL)
 
 /* Compliance of 16 elements is kept once for each pair: dense, it would not fit the first-level cache. */
 #define SYMMETRIC (N == 16)
@@ -120,11 +164,15 @@ typedef struct {
 #endif
   vreal n[N], t[N]; /* pressure and traction force / E, mm */
   vreal n_last[N], t_last[N];
-  vreal b[N], bt[N];                /* constant parts of the rows */
-  vreal h[N];                       /* profile heights, mm */
-  vreal wy[N], wx[N];               /* RELAXATION / C_yy[i][i] and C_xx */
-  vreal ux_last[N];                 /* wx times u_x at the last increment; of a sticking element what it should have been */
-  vreal ux[N];                      /* wx times u_x, as certify found it */
+  vreal b[N], bt[N];  /* constant parts of the rows */
+  vreal h[N];         /* profile heights, mm */
+  vreal wy[N], wx[N]; /* RELAXATION / C_yy[i][i] and C_xx */
+  vreal per_wy[N], per_wx[N];
+  vreal ux_last[N]; /* wx times u_x at the last increment; of a sticking element what it should have been */
+#if ENTRIES
+  vreal ux[N], ux_before[N];   /* wx times u_x, as certify found it, and one increment before */
+  vreal gap[N], gap_before[N]; /* mm: the same of the gap */
+#endif
   vreal outside[2 * OUTSIDE][N][2]; /* u_y of the places beyond the ends, by n and by t */
   vreal h_outside[2 * OUTSIDE];     /* FAR where there is no indenter or no rubber */
 } Contact;
@@ -140,6 +188,7 @@ typedef struct {
 typedef struct {
   vreal penetration, cone, complementarity, drift, slip_distance;
   vreal largest_uy;
+  vint sticks, slips; /* whether any element does */
 } Certificate;
 
 typedef struct {
@@ -188,6 +237,62 @@ INLINE void gather_rows(global const real *table, const int *rows, vreal *to) {
 
 INLINE vreal cubic(const vreal *c, vreal q) { return fma(fma(fma(c[3], q, c[2]), q, c[1]), q, c[0]); }
 
+#if SENSORS
+/* Row rows[l] of a table of any multiple of PATCH_BLOCK columns, and the one below, in each lane's own proportion. */
+INLINE void gather_between(const Layer *layer, global const real *table, int columns, int block, vreal *to) {
+  vreal next[PATCH_BLOCK];
+  int rows[LANES];
+  EACH(l, LANES) { rows[l] = layer->poisson[l] * (columns / PATCH_BLOCK) + block; }
+  gather_rows(table, rows, to);
+  EACH(l, LANES) { rows[l] += columns / PATCH_BLOCK; }
+  gather_rows(table, rows, next);
+  EACH(k, PATCH_BLOCK) { to[k] = fma(layer->part, next[k] - to[k], to[k]); }
+}
+
+/* R_yy, R_xx and R_xy at x >= 0, over h: between two rows of Poisson's ratios. */
+OUTLINE void smooth_integrals(const Layer *layer, vreal x, vreal *r) {
+  const Place place = place_in(x * layer->cells_per_mm, layer->cells);
+  vreal c[PATCH_BLOCK];
+  int rows[LANES];
+  EACH(l, LANES) { rows[l] = place.cell[l] * layer->poissons + layer->poisson[l]; }
+  gather_rows(layer->smooth, rows, c);
+  EACH(a, 3) { r[a] = cubic(c + a * LAYER_COEFFICIENTS, place.q); }
+  EACH(l, LANES) { rows[l] += 1; }
+  gather_rows(layer->smooth, rows, c);
+  EACH(a, 3) { r[a] = fma(layer->part, cubic(c + a * LAYER_COEFFICIENTS, place.q) - r[a], r[a]); }
+}
+
+/* A row of a table over the distance from an end, mm: linear between rows. The first half of its columns to `y`, the second, times
+   `sign`, to `x`. */
+INLINE void end_row(const Layer *layer, global const real *table, vreal distance, real sign, vreal *y, vreal *x) {
+  const Place place = place_in(distance * layer->per_thickness * layer->side_rows_per_h, layer->side_rows - 1);
+  vreal v[PATCH_BLOCK], next[PATCH_BLOCK];
+  gather_rows(table, place.cell, v);
+  gather_rows(table + PATCH_BLOCK, place.cell, next);
+  EACH(m, SIDE_MODES) {
+    y[m] = fma(place.q, next[m] - v[m], v[m]);
+    x[m] = sign * fma(place.q, next[SIDE_MODES + m] - v[SIDE_MODES + m], v[SIDE_MODES + m]);
+  }
+}
+
+/* v_y and v_x of the modes of both ends at x, mm from the sensor's middle. */
+OUTLINE void side_modes(const Layer *layer, vreal x, vreal *v) {
+  const vreal end = (real)0.5 * layer->length;
+  end_row(layer, layer->sides, end + x, 1, v, v + MODES);
+  end_row(layer, layer->sides, end - x, -1, v + SIDE_MODES, v + MODES + SIDE_MODES);
+}
+
+#define CORE_PAIR(r, q) ((r) < (q) ? (r) * (2 * SIDE_MODES - 1 - (r)) / 2 + (q) : (q) * (2 * SIDE_MODES - 1 - (q)) / 2 + (r))
+
+/* C times the modes v of a place. */
+OUTLINE void weighted_modes(const Layer *layer, const vreal *v, vreal *to) {
+  for (int part = 0; part < 2 * ENDS; ++part) EACH(r, SIDE_MODES) {
+      vreal sum = 0;
+      EACH(q, SIDE_MODES) { sum = fma(layer->core[CORE_PAIR(r, q)], v[part * SIDE_MODES + q], sum); }
+      to[part * SIDE_MODES + r] = sum;
+    }
+}
+#else
 /* R_yy, R_xx and R_xy at x >= 0, over h. */
 static inline void smooth_integrals(const Layer *layer, vreal x, vreal *r) {
   const Place place = place_in(x * layer->cells_per_mm, layer->cells);
@@ -206,6 +311,14 @@ static inline void side_modes(const Layer *layer, vreal x, vreal *v) {
   gather_rows(layer->sides + PATCH_BLOCK, place.cell, next);
   EACH(m, 2 * SIDE_MODES) { v[m] = fma(place.q, next[m] - v[m], v[m]); }
 }
+
+static inline void weighted_modes(const Layer *layer, const vreal *v, vreal *to) {
+  EACH(m, SIDE_MODES) {
+    to[m] = layer->signs[m] * v[m];
+    to[SIDE_MODES + m] = layer->signs[m] * v[SIDE_MODES + m];
+  }
+}
+#endif
 
 /* C_yy[k] / c_y or C_xx[k] / c_y: singular part and the difference of R. */
 static inline vreal even_part(vreal log_width, int k, vreal to, vreal from, vreal per_width) {
@@ -456,29 +569,22 @@ static inline void layer_rows(const Layer *layer, vreal width, LayerRows *rows) 
     smooth_integrals(layer, width * ((real)k + (real)0.5), r);
     rows->yy[k] = layer->cy * even_part(log_width, k, r[0], k == 0 ? -r[0] : last[0], per);
     rows->xx[k] = layer->cy * even_part(log_width, k, r[1], k == 0 ? -r[1] : last[1], per);
-    rows->xy[k] = k == 0 ? ALL_LANES(0) : layer->cx * fma(r[2] - last[2], per, ALL_LANES(layer->jump));
+    rows->xy[k] = k == 0 ? ALL_LANES(0) : layer->cx * fma(r[2] - last[2], per, OF_LANES(layer->jump));
     for (int a = 0; a < 3; ++a) last[a] = r[a];
   }
 }
 
-/* Adds the sides' part of u_y by f_y, u_x by f_x, u_x(i) by f_y(j) and u_x(j) by f_y(i). vi: modes of place i, with signs. */
+/* Adds the sides' part of u_y by f_y, u_x by f_x, u_x(i) by f_y(j) and u_x(j) by f_y(i). vi: weighted modes of place i. */
 INLINE void add_sides(const vreal *vi, const vreal *vj, vreal *yy, vreal *xx, vreal *xy, vreal *yx) {
-  EACH(m, SIDE_MODES) {
+  EACH(m, MODES) {
     *yy = fma(vi[m], vj[m], *yy);
-    *xx = fma(vi[SIDE_MODES + m], vj[SIDE_MODES + m], *xx);
-    *xy = fma(vi[SIDE_MODES + m], vj[m], *xy);
-    *yx = fma(vi[m], vj[SIDE_MODES + m], *yx);
+    *xx = fma(vi[MODES + m], vj[MODES + m], *xx);
+    *xy = fma(vi[MODES + m], vj[m], *xy);
+    *yx = fma(vi[m], vj[MODES + m], *yx);
   }
 }
 
 static inline vreal middle_of(const Patch *patch, int i) { return fma(patch->element, ALL_LANES((real)i + (real)0.5), patch->origin); }
-
-static inline void signed_modes(const Layer *layer, const vreal *v, vreal *to) {
-  EACH(m, SIDE_MODES) {
-    to[m] = layer->signs[m] * v[m];
-    to[SIDE_MODES + m] = layer->signs[m] * v[SIDE_MODES + m];
-  }
-}
 
 /* Index of the places beyond the ends: to the left from the patch on, then to the right. */
 static inline int outside_place(int o) { return o < OUTSIDE ? -1 - o : N + o - OUTSIDE; }
@@ -487,23 +593,27 @@ static inline int outside_place(int o) { return o < OUTSIDE ? -1 - o : N + o - O
 OUTLINE void build_compliance(const Layer *layer, const Patch *patch, vreal position, Contact *c) {
   LayerRows rows;
   layer_rows(layer, patch->element, &rows);
-  vreal v[N][2 * SIDE_MODES];
+  vreal v[N][2 * MODES];
   const int sides = layer->side_rows > 0;
   for (int i = 0; i < N; ++i) {
     vreal yy = rows.yy[0], xx = rows.xx[0];
     if (sides) {
       side_modes(layer, position + middle_of(patch, i), v[i]);
-      EACH(m, SIDE_MODES) {
-        yy = fma(layer->signs[m] * v[i][m], v[i][m], yy);
-        xx = fma(layer->signs[m] * v[i][SIDE_MODES + m], v[i][SIDE_MODES + m], xx);
+      vreal vi[2 * MODES];
+      weighted_modes(layer, v[i], vi);
+      EACH(m, MODES) {
+        yy = fma(vi[m], v[i][m], yy);
+        xx = fma(vi[MODES + m], v[i][MODES + m], xx);
       }
     }
     c->wy[i] = RELAXATION / yy;
     c->wx[i] = RELAXATION / xx;
+    c->per_wy[i] = yy * (1 / RELAXATION);
+    c->per_wx[i] = xx * (1 / RELAXATION);
   }
   for (int i = 0; i < N; ++i) {
-    vreal vi[2 * SIDE_MODES];
-    if (sides) signed_modes(layer, v[i], vi);
+    vreal vi[2 * MODES];
+    if (sides) weighted_modes(layer, v[i], vi);
     for (int j = 0; j <= i; ++j) {
       vreal yy = rows.yy[i - j], xx = rows.xx[i - j], xy = rows.xy[i - j], yx = -rows.xy[i - j];
       if (sides) add_sides(vi, v[j], &yy, &xx, &xy, &yx);
@@ -536,17 +646,17 @@ OUTLINE void build_compliance(const Layer *layer, const Patch *patch, vreal posi
   }
   for (int o = 0; o < 2 * OUTSIDE; ++o) {
     const int place = outside_place(o);
-    vreal vo[2 * SIDE_MODES], signed_vo[2 * SIDE_MODES];
+    vreal vo[2 * MODES], weighted_vo[2 * MODES];
     if (sides) {
       side_modes(layer, position + middle_of(patch, place), vo);
-      signed_modes(layer, vo, signed_vo);
+      weighted_modes(layer, vo, weighted_vo);
     }
     for (int j = 0; j < N; ++j) {
       const int k = place < j ? j - place : place - j;
       vreal yy = rows.yy[k], yx = place < j ? rows.xy[k] : -rows.xy[k];
-      if (sides) EACH(m, SIDE_MODES) {
-          yy = fma(signed_vo[m], v[j][m], yy);
-          yx = fma(signed_vo[m], v[j][SIDE_MODES + m], yx);
+      if (sides) EACH(m, MODES) {
+          yy = fma(weighted_vo[m], v[j][m], yy);
+          yx = fma(weighted_vo[m], v[j][MODES + m], yx);
         }
       c->outside[o][j][0] = -yy;
       c->outside[o][j][1] = yx;
@@ -573,9 +683,11 @@ static inline vreal put_heights(const Profile *profile, const Patch *patch, Cont
 #if N <= 16
 #define EACH_ROW(i) EACH(i, N)
 #define COLUMN(i, k) (((i) + (k)) % N)
+#define OWN(k, factor) (!SYMMETRIC && (k) == 0 ? ALL_LANES(1 - RELAXATION) : (factor)) /* of the element itself it needs no load */
 #else
 #define EACH_ROW(i) ROLLED for (int i = 0; i < N; ++i)
 #define COLUMN(i, k) (k)
+#define OWN(k, factor) (factor)
 #endif
 
 /* Factors of n_j and t_j in the rows of element i, and what finishes a row: its sum becomes the free force without the constant part. */
@@ -599,68 +711,78 @@ static inline vreal put_heights(const Profile *profile, const Patch *patch, Cont
 #define CONSTANT(constant) ALL_LANES(0)
 #endif
 
-/* One Gauss-Seidel sweep. Returns the active lanes whose largest change was above tolerance times their largest pressure force. */
+/* One Gauss-Seidel sweep. Returns the active lanes whose largest change was above tolerance times their largest pressure force. Forces are
+   in registers up to 12 elements; those of the last sweep stay in memory until all rows are done, and the change is found then. */
 INLINE vint sweep(Contact *c, const Indenter *in, real tolerance) {
-  vreal change = 0, largest = 0, late = 0;
-  (void)late;
+  vreal n[N], t[N];
+  EACH(i, N) {
+    n[i] = c->n[i];
+    t[i] = FRICTION ? c->t[i] : ALL_LANES(0);
+  }
+  vreal late = t[0];
   EACH_ROW(i) {
-    vreal yn = START(c->b[i]), n = 0;
-    const vreal n_old = c->n[i];
+    vreal yn = START(c->b[i]);
+    const vreal n_old = n[i];
 #if FRICTION
     vreal yt = 0, xn = START(c->bt[i]), xt = 0;
-    const vreal t_old = c->t[i];
+    const vreal t_old = t[i];
     EACH(k, N) {
       const int j = COLUMN(i, k);
-      yn = fma(N_BY_N(c, i, j), c->n[j], yn);
-      yt = fma(N_BY_T(c, i, j), c->t[j], yt);
+      yn = fma(OWN(k, N_BY_N(c, i, j)), n[j], yn);
+      yt = fma(N_BY_T(c, i, j), t[j], yt);
     }
-    if (i > 0) c->t[i - 1] = late;
+    if (i > 0) t[i - 1] = late;
     EACH(k, N) {
       const int j = COLUMN(i, k);
-      xn = fma(T_BY_N(c, i, j), c->n[j], xn);
-      xt = fma(T_BY_T(c, i, j), c->t[j], xt);
+      xn = fma(T_BY_N(c, i, j), n[j], xn);
+      xt = fma(OWN(k, T_BY_T(c, i, j)), t[j], xt);
     }
     const vreal n_free = FINISH_N(c, i, yn + yt, n_old + CONSTANT(c->b[i]));
-    n = PICK(in->active, LARGER(n_free, ALL_LANES(0)), n_old);
-    const vreal t_free = FINISH_T(c, i, fma(T_BY_N(c, i, i), n - n_old, xn + xt), t_old + CONSTANT(c->bt[i]));
-    const vreal cone = in->mu * n;
-    const vreal t = PICK(in->active, SMALLER(LARGER(t_free, -cone), cone), t_old);
-    late = t;
-    change = LARGER(change, fabs(t - t_old));
+    n[i] = PICK(in->active, LARGER(n_free, ALL_LANES(0)), n_old);
+    const vreal t_free = FINISH_T(c, i, fma(T_BY_N(c, i, i), n[i] - n_old, xn + xt), t_old + CONSTANT(c->bt[i]));
+    const vreal cone = in->mu * n[i];
+    late = PICK(in->active, SMALLER(LARGER(t_free, -cone), cone), t_old);
 #else
     vreal odd = 0;
     EACH(k, N / 2) {
       const int j = COLUMN(i, 2 * k), next = COLUMN(i, 2 * k + 1);
-      yn = fma(N_BY_N(c, i, j), c->n[j], yn);
-      odd = fma(N_BY_N(c, i, next), c->n[next], odd);
+      yn = fma(N_BY_N(c, i, j), n[j], yn);
+      odd = fma(N_BY_N(c, i, next), n[next], odd);
     }
     const vreal n_free = FINISH_N(c, i, yn + odd, n_old + CONSTANT(c->b[i]));
-    n = PICK(in->active, LARGER(n_free, ALL_LANES(0)), n_old);
+    n[i] = PICK(in->active, LARGER(n_free, ALL_LANES(0)), n_old);
 #endif
-    c->n[i] = n;
-    change = LARGER(change, fabs(n - n_old));
-    largest = LARGER(largest, n);
 #if N > 12
     ROW_BARRIER;
 #endif
   }
-#if FRICTION
-  c->t[N - 1] = late;
-#endif
+  t[N - 1] = late;
+  ROW_BARRIER;
+  vreal change = 0, largest = 0;
+  EACH(i, N) {
+    change = LARGER(change, fabs(n[i] - c->n[i]));
+    largest = LARGER(largest, n[i]);
+    c->n[i] = n[i];
+    if (FRICTION) {
+      change = LARGER(change, fabs(t[i] - c->t[i]));
+      c->t[i] = t[i];
+    }
+  }
   return in->active & (change > tolerance * largest);
 }
 
-/* Free forces of element i from the forces as they are, without the constant parts. */
-static inline void row_sums(const Contact *c, int i, vreal *n_sum, vreal *t_sum) {
+/* Free forces of element i from the forces n and t, without the constant parts. */
+INLINE void row_sums(const Contact *c, const vreal *n, const vreal *t, int i, vreal *n_sum, vreal *t_sum) {
   vreal yn = 0, yt = 0, xn = 0, xt = 0;
   EACH(j, N) {
-    yn = fma(N_BY_N(c, i, j), c->n[j], yn);
+    yn = fma(N_BY_N(c, i, j), n[j], yn);
 #if FRICTION
-    yt = fma(N_BY_T(c, i, j), c->t[j], yt);
-    xn = fma(T_BY_N(c, i, j), c->n[j], xn);
-    xt = fma(T_BY_T(c, i, j), c->t[j], xt);
+    yt = fma(N_BY_T(c, i, j), t[j], yt);
+    xn = fma(T_BY_N(c, i, j), n[j], xn);
+    xt = fma(T_BY_T(c, i, j), t[j], xt);
 #endif
   }
+  (void)t;
   *n_sum = FINISH_N(c, i, yn + yt, c->n[i]);
   *t_sum = FINISH_T(c, i, xn + xt, c->t[i]);
 }
@@ -671,7 +793,7 @@ static inline vint damped_sweep(Contact *c, const Indenter *in, real part, real 
   for (int i = 0; i < N; ++i) {
     const vreal n_old = c->n[i];
     vreal n_sum, t_sum;
-    row_sums(c, i, &n_sum, &t_sum);
+    row_sums(c, c->n, c->t, i, &n_sum, &t_sum);
     const vreal n_part = fma(part, (c->b[i] + n_sum) - n_old, n_old);
     const vreal n = PICK(in->active, LARGER(n_part, ALL_LANES(0)), n_old);
     c->n[i] = n;
@@ -679,7 +801,7 @@ static inline vint damped_sweep(Contact *c, const Indenter *in, real part, real 
     largest = LARGER(largest, n);
 #if FRICTION
     if (i > 0) c->t[i - 1] = late;
-    row_sums(c, i, &n_sum, &t_sum);
+    row_sums(c, c->n, c->t, i, &n_sum, &t_sum);
     const vreal t_old = c->t[i], cone = in->mu * n;
     const vreal t_part = fma(part, (c->bt[i] + t_sum) - t_old, t_old);
     late = PICK(in->active, SMALLER(LARGER(t_part, -cone), cone), t_old);
@@ -703,30 +825,45 @@ OUTLINE void iterate(const Rules *rules, Contact *c, Indenter *in, vreal *sweeps
   }
 }
 
-/* The contact laws at every element, from the forces alone. */
+/* The contact laws at every element, from the forces alone, and the history for the next increment. A sticking element counts as having
+   followed the indenter: what convergence left of it is then made good by the next increment instead of adding up over thousands of them. */
 OUTLINE void certify(Contact *c, const Indenter *in, Certificate *k) {
   vreal largest_uy = 0, largest_n = 0, finite = 0;
+  k->sticks = k->slips = 0;
   k->penetration = k->cone = k->complementarity = k->drift = k->slip_distance = 0;
-  for (int i = 0; i < N; ++i) {
+  vreal all_n[N], all_t[N];
+  EACH(i, N) {
+    all_n[i] = c->n[i];
+    all_t[i] = c->t[i];
+  }
+  ROLLED for (int i = 0; i < N; ++i) {
     vreal n_sum, t_sum;
-    row_sums(c, i, &n_sum, &t_sum);
-    const vreal n = c->n[i];
-    const vint pressed = n > 0;
-    const vreal uy = (n_sum - n) / c->wy[i];
+    row_sums(c, all_n, all_t, i, &n_sum, &t_sum);
+    const vreal n = c->n[i], t = c->t[i], cone = in->mu * n;
+    const vint pressed = n > 0, sticks = pressed & (fabs(t) < cone);
+    k->sticks |= sticks;
+    k->slips |= pressed & NOT(sticks);
+    const vreal uy = (n_sum - n) * c->per_wy[i];
     const vreal inside = uy - (c->h[i] - in->d);
+#if ENTRIES
+    c->gap[i] = -inside;
+#endif
     k->penetration = LARGER(inside, k->penetration);
     k->complementarity = LARGER(PICK(pressed, fabs(inside), ALL_LANES(0)), k->complementarity);
     largest_uy = LARGER(fabs(uy), largest_uy);
     largest_n = LARGER(n, largest_n);
     finite = finite_sum(finite, uy);
 #if FRICTION
-    const vreal t = c->t[i], cone = in->mu * n, per_wx = 1 / c->wx[i];
+    const vreal per_wx = c->per_wx[i];
     const vreal ux = t - t_sum; /* wx times u_x */
     const vreal slip = PICK(in->held, ALL_LANES(0), (ux - c->bt[i]) * per_wx);
     const vreal along = PICK(t > 0, slip, PICK(t < 0, -slip, ALL_LANES(0))); /* slip with friction instead of against it */
     const vreal drift = PICK(pressed, PICK(fabs(t) < cone, fabs(slip), along), ALL_LANES(0));
     const vreal slid = PICK(pressed, fabs(fma(ux, per_wx, -in->x)), ALL_LANES(0));
+    c->ux_last[i] = PICK(sticks, c->bt[i], ux);
+#if ENTRIES
     c->ux[i] = ux;
+#endif
     k->drift = LARGER(drift, k->drift);
     k->cone = LARGER(fabs(t) - cone, k->cone);
     k->slip_distance = LARGER(slid, k->slip_distance);
@@ -744,28 +881,11 @@ OUTLINE void certify(Contact *c, const Indenter *in, Certificate *k) {
   k->cone *= PICK(largest_n > 0, 1 / largest_n, ALL_LANES(0));
 }
 
-/* How many elements beyond the left (side 0) or right end (1) are penetrated by more than `accept`; adds to the certificate. */
-static inline vreal penetrated_outside(const Contact *c, const Indenter *in, real accept, int side, Certificate *k) {
-  vreal farthest = 0;
-  for (int o = 0; o < OUTSIDE; ++o) {
-    const int place = side * OUTSIDE + o;
-    vreal uy = 0;
-    for (int j = 0; j < N; ++j) {
-      uy = fma(c->outside[place][j][0], c->n[j], uy);
-      if (FRICTION) uy = fma(c->outside[place][j][1], c->t[j], uy);
-    }
-    const vreal inside = uy - (c->h_outside[place] - in->d);
-    farthest = PICK(inside > accept * k->largest_uy, ALL_LANES(o + 1), farthest);
-    k->penetration = LARGER(PICK(k->largest_uy > 0, inside / k->largest_uy, ALL_LANES(0)), k->penetration);
-  }
-  return farthest;
-}
-
-static inline void resultants(const Contact *c, vreal *p, vreal *q) {
+static inline void resultants(const vreal *n, const vreal *t, vreal *p, vreal *q) {
   *p = *q = 0;
   for (int i = 0; i < N; ++i) {
-    *p += c->n[i];
-    if (FRICTION) *q += c->t[i];
+    *p += n[i];
+    if (FRICTION) *q += t[i];
   }
 }
 
@@ -778,6 +898,22 @@ static inline void set_indenter(Contact *c, const Indenter *in) {
 #endif
   }
 }
+
+#if ENTRIES
+/* While the indenter presses only, an open element whose gap would close within this increment, `part` of the last change from now, sticks
+   from where it would be then. Without that it would stick from where the last increment left it. */
+static inline void touch_within(Contact *c, const Indenter *in, vreal ratio) {
+  const vint presses = in->active & (in->x == in->x_last);
+  for (int i = 0; i < N; ++i) {
+    const vreal gap = c->gap[i], closed = c->gap_before[i] - gap;
+    const vint closes = presses & NOT(c->n[i] > 0) & (gap > 0) & (gap < ratio * closed);
+    const vreal part = PICK(closes, gap / closed, ALL_LANES(0));
+    c->ux_last[i] = PICK(closes, fma(part, c->ux[i] - c->ux_before[i], c->ux_last[i]), c->ux_last[i]);
+    c->gap_before[i] = gap;
+    c->ux_before[i] = c->ux[i];
+  }
+}
+#endif
 
 /* A first guess: the last change of the forces goes on in proportion to the load. */
 static inline void extrapolate(Contact *c, const Indenter *in, vreal ratio) {
@@ -798,14 +934,11 @@ static inline void extrapolate(Contact *c, const Indenter *in, vreal ratio) {
 typedef struct {
   vint valid, running;
   vint both;                /* P and Q are both given */
-  vint lost;                /* an increment was not solved: those that follow have no history to rest on */
   vint failed;              /* this increment did not converge, or not at the forces asked for */
+  vint failed_before;       /* one of those before it */
   vreal nearest;            /* depth at which an element's middle is touched, mm */
   vreal d_change, x_change; /* of the last increment's target, mm */
   vreal sweeps;             /* since the last report */
-  vreal slots;              /* increments reported */
-  vreal out_left, out_right;
-  Certificate certificate;
 } LoadStepping;
 
 #if FORCE_CONTROL
@@ -813,7 +946,7 @@ typedef struct {
    Broyden's inverse update (Broyden 1965). */
 typedef struct {
   vreal b[2][2];    /* inverse Jacobian */
-  vreal z[2], g[2]; /* last trial: place; P and Q - (Q_target / P_target) P */
+  vreal z[2], g[2]; /* last trial that did not slide: place; P and Q - (Q_target / P_target) P */
   vreal low, high;  /* bracket of d */
   vreal p_target, q_target;
 } Search;
@@ -845,16 +978,19 @@ static inline vreal bracketed(vreal trial, vreal now, vreal low, vreal high) {
   return PICK(trial >= high, deeper, PICK(trial <= low, (real)0.5 * (now + low), trial));
 }
 
-/* Moves the indenter of the active lanes towards the forces asked for. Leaves in in->active those that were not there yet. */
+/* Moves the indenter of the active lanes towards the forces asked for. Leaves in in->active those that were not there yet. Forces do not
+   change with x where the contact slides as a whole: such a trial teaches nothing, and the next one lies halfway to the last that did not
+   slide. */
 static inline void update_force_control(Search *s, const Contact *c, Indenter *in, vint both, real tolerance) {
   vreal p, q;
-  resultants(c, &p, &q);
+  resultants(c->n, c->t, &p, &q);
   const vreal ratio = PICK(both & (s->p_target > 0), s->q_target / s->p_target, ALL_LANES(0));
   const vreal z[2] = {in->d, in->x};
   const vreal g[2] = {p, PICK(both, q - ratio * p, ALL_LANES(0))};
   const vreal miss[2] = {p - s->p_target, g[1]};
   const vreal enough = tolerance * s->p_target;
-  broyden_update(s, z, g, in->active);
+  const vint slides = both & (p > 0) & (fabs(q) >= (1 - SLIDING_MARGIN) * in->mu * p);
+  broyden_update(s, z, g, in->active & NOT(slides));
   in->active &= (fabs(miss[0]) > enough) | (fabs(miss[1]) > enough);
   in->held &= NOT(in->active);
   const vreal step[2] = {s->b[0][0] * miss[0] + s->b[0][1] * miss[1], s->b[1][0] * miss[0] + s->b[1][1] * miss[1]};
@@ -863,8 +999,9 @@ static inline void update_force_control(Search *s, const Contact *c, Indenter *i
   /* P grows with d alone where x is given: keep inside the bracket. With both unknown the bracket moves: bound the step instead. */
   const vreal far_d = (real)0.5 * z[0], far_x = LARGER(fabs(z[1]), far_d);
   const vreal bounded = SMALLER(LARGER(z[0] - step[0], z[0] - far_d), z[0] + 2 * far_d);
+  const vreal near_x = SMALLER(LARGER(z[1] - step[1], z[1] - far_x), z[1] + far_x);
   const vreal next[2] = {PICK(both, bounded, bracketed(z[0] - step[0], z[0], s->low, s->high)),
-                         SMALLER(LARGER(z[1] - step[1], z[1] - far_x), z[1] + far_x)};
+                         PICK(slides, (real)0.5 * (z[1] + s->z[1]), near_x)};
   in->d = PICK(in->active, next[0], in->d);
   in->x = PICK(in->active & both, next[1], in->x);
 }
@@ -997,23 +1134,19 @@ static inline void move_to(Indenter *in, const LoadStepping *w, vreal d, vreal x
 }
 
 static inline void start(const vreal *lane, Contact *c, Indenter *in, LoadStepping *w) {
-  for (int i = 0; i < N; ++i) c->n[i] = c->t[i] = c->n_last[i] = c->t_last[i] = c->ux_last[i] = c->ux[i] = 0;
+  for (int i = 0; i < N; ++i) c->n[i] = c->t[i] = c->n_last[i] = c->t_last[i] = c->ux_last[i] = 0;
+#if ENTRIES
+  for (int i = 0; i < N; ++i) {
+    c->ux[i] = c->ux_before[i] = 0;
+    c->gap[i] = c->gap_before[i] = c->h[i];
+  }
+#endif
   in->mu = lane[PATCH_MU];
   in->d = in->x = in->x_last = 0;
   w->both = lane[PATCH_CONTROL] >= FORCE_BOTH;
-  w->d_change = w->x_change = w->sweeps = w->slots = w->out_left = w->out_right = 0;
+  w->d_change = w->x_change = w->sweeps = 0;
   w->running = w->valid;
-  w->lost = w->failed = 0;
-}
-
-static inline void count_elements(const Contact *c, const Indenter *in, vreal *sticking, vreal *slipping) {
-  *sticking = *slipping = 0;
-  for (int i = 0; i < N; ++i) {
-    const vint pressed = c->n[i] > 0;
-    const vint sticks = pressed & (fabs(c->t[i]) < in->mu * c->n[i]);
-    *sticking += PICK(sticks, ALL_LANES(1), ALL_LANES(0));
-    *slipping += PICK(pressed, ALL_LANES(1), ALL_LANES(0)) - PICK(sticks, ALL_LANES(1), ALL_LANES(0));
-  }
+  w->failed = w->failed_before = 0;
 }
 
 /* Block b of PATCH_BLOCK vectors as a row of numbers for each lane, at[l] numbers into `out`; lanes with at[l] < 0 are left out. */
@@ -1023,139 +1156,373 @@ INLINE void store_rows(const vreal *rows, const long *at, global real *out) {
     EACH(l, LANES) { r[l] = rows[b * LANES + l]; }
     transpose(r);
     for (int l = 0; l < LANES; ++l)
-      if (at[l] >= 0) STORE(r[l], out + at[l] + b * LANES);
+      if (at[l] >= 0) STORE_AWAY(r[l], out + at[l] + b * LANES);
   }
 }
 
 #define FORCE_ROWS ((2 * N + PATCH_BLOCK - 1) / PATCH_BLOCK * PATCH_BLOCK) /* n of all elements, then t */
 
-/* Results and forces of this increment go to its place among the reported ones, where it is reported. */
-static inline void report(const vreal *lane, vreal slot, int k, size_t group, int slots, const Contact *c, const Indenter *in, real accept,
-                          LoadStepping *w, global real *result, global real *forces) {
-  vreal p, q, sticking, slipping;
-  resultants(c, &p, &q);
-  count_elements(c, in, &sticking, &slipping);
-  Certificate *said = &w->certificate;
-  const vint reports = w->running & (slot >= 0);
-  const vint slides = w->running & (sticking == 0) & (slipping > 0);
-  const vreal young = lane[PATCH_YOUNG], cone = in->mu * p;
-  const vreal left = penetrated_outside(c, in, accept, 0, said), right = penetrated_outside(c, in, accept, 1, said);
-  const vint finite = finite_sum(0, (p + fabs(q)) * young) == 0;
-  const vint within = (said->penetration <= accept) & (said->cone <= accept) & (said->complementarity <= accept) & (said->drift <= accept);
-  const vint solved = NOT(w->lost | w->failed) & finite & within;
-  const vreal good = PICK(slides, ALL_LANES(LANE_SLIDING), ALL_LANES(LANE_SOLVED));
-  w->out_left = PICK(reports, LARGER(left, w->out_left), w->out_left);
-  w->out_right = PICK(reports, LARGER(right, w->out_right), w->out_right);
-  if (ANY(reports)) {
-    real place[LANES];
-    long at[LANES];
-    STORE(PICK(reports, slot, ALL_LANES(-1)), place);
-    EACH(l, LANES) { at[l] = place[l] < 0 ? -1 : ((long)(group * LANES + l) * slots + (long)place[l]); }
-    vreal rows[FORCE_ROWS];
-    EACH(r, PATCH_BLOCK) { rows[r] = 0; }
-    rows[LANE_INDENTATION] = in->d;
-    rows[LANE_TANGENTIAL] = in->x;
-    rows[LANE_P] = p * young;
-    rows[LANE_Q] = q * young;
-    rows[LANE_SLIP_INDEX] = PICK(cone > 0, q / cone, ALL_LANES(0));
-    rows[LANE_STICKING] = sticking;
-    rows[LANE_SLIPPING] = slipping;
-    rows[LANE_SWEEPS] = w->sweeps;
-    rows[LANE_STATUS] = PICK(solved, good, ALL_LANES(LANE_UNSOLVED));
-    rows[LANE_PENETRATION] = said->penetration;
-    rows[LANE_CONE] = said->cone;
-    rows[LANE_COMPLEMENTARITY] = said->complementarity;
-    rows[LANE_DRIFT] = said->drift;
-    rows[LANE_SLIP_DISTANCE] = said->slip_distance;
-    long row_at[LANES];
-    EACH(l, LANES) { row_at[l] = at[l] < 0 ? -1 : at[l] * PATCH_BLOCK; }
-    store_rows(rows, row_at, result);
-    EACH(i, FORCE_ROWS) { rows[i] = i < N ? c->n[i % N] : i < 2 * N ? c->t[i % N] : ALL_LANES(0); }
-    EACH(b, FORCE_ROWS / PATCH_BLOCK) {
-      EACH(l, LANES) { row_at[l] = at[l] < 0 ? -1 : at[l] * FORCE_ROWS + b * PATCH_BLOCK; }
-      store_rows(rows + b * PATCH_BLOCK, row_at, forces);
+/* An increment that is reported in some lanes, as it was solved. */
+typedef struct {
+  vreal n[N], t[N];
+  vreal d, x, sweeps;
+  vreal slot;  /* place among the reported ones; -1 in lanes that do not report it */
+  vint failed; /* this increment or one before it */
+  vint slides;
+  Certificate certificate;
+} Solved;
+
+/* Reports wait here, so that writing them does not drive the compliance out of the first-level cache at every increment. */
+#define MOST_WAITING 10
+typedef struct {
+  Solved solved[MOST_WAITING];
+  int count;
+  vint lost;   /* an increment was not solved: those that follow have no history to rest on */
+  vreal slots; /* increments reported */
+  vreal out_left, out_right;
+} Reports;
+
+/* Adds penetration of places beyond the ends to the certificate. out: how many elements beyond the left and the right end are penetrated by
+   more than `accept`. */
+static inline void look_outside(const Contact *c, const Solved *s, real accept, Certificate *k, vreal *out) {
+  vreal uy[2 * OUTSIDE];
+  EACH(o, 2 * OUTSIDE) { uy[o] = 0; }
+  for (int j = 0; j < N; ++j) EACH(o, 2 * OUTSIDE) {
+      uy[o] = fma(c->outside[o][j][0], s->n[j], uy[o]);
+      if (FRICTION) uy[o] = fma(c->outside[o][j][1], s->t[j], uy[o]);
     }
-    w->sweeps = PICK(reports, ALL_LANES(0), w->sweeps);
-    w->slots = PICK(reports, slot + 1, w->slots);
+  out[0] = out[1] = 0;
+  EACH(o, 2 * OUTSIDE) {
+    const vreal inside = uy[o] - (c->h_outside[o] - s->d);
+    out[o / OUTSIDE] = PICK(inside > accept * k->largest_uy, ALL_LANES(o % OUTSIDE + 1), out[o / OUTSIDE]);
+    k->penetration = LARGER(PICK(k->largest_uy > 0, inside / k->largest_uy, ALL_LANES(0)), k->penetration);
   }
-  w->lost |= w->failed | (reports & NOT(solved));
-  w->running &= NOT(reports & slides & (lane[PATCH_MAY_STOP] <= (real)k));
 }
 
-/* History for the next increment. A sticking element counts as having followed the indenter: what convergence left of it is then made
-   good by the next increment instead of adding up over thousands of them. */
-static inline void remember(Contact *c, const Indenter *in) {
+#if SENSORS
+/* Tables of the base stress of sensors, and what of them belongs to one lane. */
+typedef struct {
+  global const real *layer; /* [stress_cells][poissons][STRESS_NUMBERS] over distance / h */
+  int cells, tactels, outputs;
+  real cells_per_h;
+  global const real *sides; /* [side_rows][PATCH_BLOCK] sigma_y, then tau, of every mode */
+} StressTables;
+#endif
+
+/* Where answers go, and what base stresses take. */
+typedef struct {
+  size_t group;
+  int slots;
+  real accept;
+#if SENSORS
+  const Layer *layer;
+  const StressTables *tables;
+  const real *sensor, *side; /* numbers of the lanes' sensors; their side forces */
+#else
+  global const real *base; /* [base_rows][2][outputs] */
+  int base_rows, outputs;
+  real base_rows_per_mm, base_from;
+#endif
+  global real *result, *forces, *stress;
+} Answers;
+
+/* Results and forces of one increment go to its place among the reported ones. */
+static inline void write_report(const vreal *lane, const Contact *c, const Solved *s, const Answers *answers, Reports *to) {
+  const real accept = answers->accept;
+  Certificate said = s->certificate;
+  const vreal young = lane[PATCH_YOUNG], mu = lane[PATCH_MU];
+  vreal p, q, sticking = 0, slipping = 0, out[2];
+  resultants(s->n, s->t, &p, &q);
   for (int i = 0; i < N; ++i) {
-    const vint sticks = (c->n[i] > 0) & (fabs(c->t[i]) < in->mu * c->n[i]);
-    c->ux_last[i] = PICK(sticks, c->bt[i], c->ux[i]);
+    const vint pressed = s->n[i] > 0, sticks = pressed & (fabs(s->t[i]) < mu * s->n[i]);
+    sticking += PICK(sticks, ALL_LANES(1), ALL_LANES(0));
+    slipping += PICK(pressed & NOT(sticks), ALL_LANES(1), ALL_LANES(0));
+  }
+  look_outside(c, s, accept, &said, out);
+  const vreal cone = mu * p;
+  const vint reports = s->slot >= 0;
+  const vint finite = finite_sum(0, (p + fabs(q)) * young) == 0;
+  const vint within = (said.penetration <= accept) & (said.cone <= accept) & (said.complementarity <= accept) & (said.drift <= accept);
+  const vint solved = NOT(to->lost | s->failed) & finite & within;
+  const vreal good = PICK(s->slides, ALL_LANES(LANE_SLIDING), ALL_LANES(LANE_SOLVED));
+  to->out_left = PICK(reports, LARGER(out[0], to->out_left), to->out_left);
+  to->out_right = PICK(reports, LARGER(out[1], to->out_right), to->out_right);
+  to->slots = PICK(reports, s->slot + 1, to->slots);
+  to->lost |= reports & NOT(solved);
+
+  real place[LANES];
+  long at[LANES], row_at[LANES];
+  STORE(s->slot, place);
+  EACH(l, LANES) { at[l] = place[l] < 0 ? -1 : ((long)(answers->group * LANES + l) * answers->slots + (long)place[l]); }
+  vreal rows[FORCE_ROWS];
+  EACH(r, PATCH_BLOCK) { rows[r] = 0; }
+  rows[LANE_INDENTATION] = s->d;
+  rows[LANE_TANGENTIAL] = s->x;
+  rows[LANE_P] = p * young;
+  rows[LANE_Q] = q * young;
+  rows[LANE_SLIP_INDEX] = PICK(cone > 0, q / cone, ALL_LANES(0));
+  rows[LANE_STICKING] = sticking;
+  rows[LANE_SLIPPING] = slipping;
+  rows[LANE_SWEEPS] = s->sweeps;
+  rows[LANE_STATUS] = PICK(solved, good, ALL_LANES(LANE_UNSOLVED));
+  rows[LANE_PENETRATION] = said.penetration;
+  rows[LANE_CONE] = said.cone;
+  rows[LANE_COMPLEMENTARITY] = said.complementarity;
+  rows[LANE_DRIFT] = said.drift;
+  rows[LANE_SLIP_DISTANCE] = said.slip_distance;
+  EACH(l, LANES) { row_at[l] = at[l] < 0 ? -1 : at[l] * PATCH_BLOCK; }
+  store_rows(rows, row_at, answers->result);
+  EACH(i, FORCE_ROWS) { rows[i] = i < N ? s->n[i % N] : i < 2 * N ? s->t[i % N] : ALL_LANES(0); }
+  EACH(b, FORCE_ROWS / PATCH_BLOCK) {
+    EACH(l, LANES) { row_at[l] = at[l] < 0 ? -1 : at[l] * FORCE_ROWS + b * PATCH_BLOCK; }
+    store_rows(rows + b * PATCH_BLOCK, row_at, answers->forces);
   }
 }
 
-/* Base stress of one lane: its rows of the table at the elements' middles, times the forces of each reported increment. */
-static inline void write_stress(global const real *base, int base_rows, real base_from, real base_rows_per_mm, int outputs, real origin,
-                                real element, real young, int slots, global const real *forces, global real *stress) {
+#if SENSORS
+/* K times the force modes of every element, for each lane by itself: [lane][element][end][by n, by t][SIDE_MODES]. */
+#define SIDE_FORCES (N * ENDS * 2 * SIDE_MODES)
+OUTLINE void weigh_side_forces(const Layer *layer, const Patch *patch, vreal position, real *to) {
+  const vreal end = (real)0.5 * layer->length;
+  for (int j = 0; j < N; ++j)
+    for (int e = 0; e < ENDS; ++e) {
+      const vreal x = position + middle_of(patch, j);
+      vreal by[2][SIDE_MODES], rows[PATCH_BLOCK];
+      end_row(layer, layer->side_forces, e == 0 ? end + x : end - x, e == 0 ? 1 : -1, by[0], by[1]);
+      for (int part = 0; part < 2; ++part) EACH(r, SIDE_MODES) {
+          vreal sum = 0;
+          EACH(q, SIDE_MODES) { sum = fma(layer->core[CORE_COMPLIANCE + r * SIDE_MODES + q], by[part][q], sum); }
+          rows[part * SIDE_MODES + r] = (part == 0 ? -layer->per_thickness : layer->per_thickness) * sum;
+        }
+      EACH(b, PATCH_BLOCK / LANES) {
+        vreal r[LANES];
+        EACH(l, LANES) { r[l] = rows[b * LANES + l]; }
+        transpose(r);
+        EACH(l, LANES) { STORE(r[l], to + l * SIDE_FORCES + (j * ENDS + e) * PATCH_BLOCK + b * LANES); }
+      }
+    }
+}
+
+/* Stress at LANES tactels of one lane's sensor, by n = 1 and t = 1 on its elements. */
+typedef struct {
+  vreal sigma_n[N], sigma_t[N], tau_n[N], tau_t[N];
+} TactelRows;
+
+/* x: tactels less the first element's middle, element: its width, both over h. */
+INLINE void layer_stress(const StressTables *tables, int poissons, int poisson, real part, real per_h, vreal x, real element, TactelRows *to) {
+  for (int j = 0; j < N; ++j) {
+    const vreal distance = x - element * (real)j;
+    const Place place = place_in(fabs(distance) * tables->cells_per_h, tables->cells);
+    vreal c[PATCH_BLOCK], value[4];
+    EACH(b, PATCH_BLOCK / LANES) {
+      vreal r[LANES];
+      EACH(l, LANES) { r[l] = LOAD(tables->layer + ((size_t)place.cell[l] * poissons + poisson) * STRESS_NUMBERS + b * LANES); }
+      transpose(r);
+      EACH(l, LANES) { c[b * LANES + l] = r[l]; }
+    }
+    EACH(a, 4) {
+      const vreal low = fma(place.q, c[2 * a + 1] - c[2 * a], c[2 * a]);
+      const vreal high = fma(place.q, c[STRESS_NUMBERS + 2 * a + 1] - c[STRESS_NUMBERS + 2 * a], c[STRESS_NUMBERS + 2 * a]);
+      value[a] = per_h * fma(ALL_LANES(part), high - low, low);
+    }
+    to->sigma_n[j] = -value[0];
+    to->tau_t[j] = value[1];
+    to->tau_n[j] = PICK(distance < 0, value[2], -value[2]);
+    to->sigma_t[j] = PICK(distance < 0, -value[3], value[3]);
+  }
+}
+
+/* Adds what one end changes. distance: of the tactels from it, over h; forces: of this lane and end. */
+INLINE void side_stress(const Layer *layer, const StressTables *tables, vreal distance, real sign, const real *forces, TactelRows *to) {
+  const Place place = place_in(distance * layer->side_rows_per_h, layer->side_rows - 1);
+  vreal v[PATCH_BLOCK], next[PATCH_BLOCK];
+  gather_rows(tables->sides, place.cell, v);
+  gather_rows(tables->sides + PATCH_BLOCK, place.cell, next);
+  EACH(m, PATCH_BLOCK) { v[m] = (m < SIDE_MODES ? 1 : sign) * fma(place.q, next[m] - v[m], v[m]); }
+  for (int j = 0; j < N; ++j) {
+    const real *f = forces + j * ENDS * PATCH_BLOCK;
+    EACH(m, SIDE_MODES) {
+      to->sigma_n[j] = fma(v[m], ALL_LANES(f[m]), to->sigma_n[j]);
+      to->tau_n[j] = fma(v[SIDE_MODES + m], ALL_LANES(f[m]), to->tau_n[j]);
+      if (FRICTION) {
+        to->sigma_t[j] = fma(v[m], ALL_LANES(f[SIDE_MODES + m]), to->sigma_t[j]);
+        to->tau_t[j] = fma(v[SIDE_MODES + m], ALL_LANES(f[SIDE_MODES + m]), to->tau_t[j]);
+      }
+    }
+  }
+}
+
+/* Stores the first `count` lanes. */
+INLINE void store_first(vreal v, int count, global real *to) {
+  if (count >= LANES) {
+    STORE(v, to);
+    return;
+  }
+  real numbers[LANES];
+  STORE(v, numbers);
+  for (int l = 0; l < count; ++l) to[l] = numbers[l];
+}
+
+/* Base stresses of lane l at all its tactels, in the increments that wait. */
+static inline void write_stress(const Answers *to, const Reports *reports, int l, real origin, real element, real young, long first_slot) {
+  const Layer *layer = to->layer;
+  const StressTables *tables = to->tables;
+  const real *sensor = to->sensor, *side = to->side + l * SIDE_FORCES;
+  const real middle = fma(element, (real)0.5, origin);
+  const real per_h = 1 / sensor[SENSOR_THICKNESS * LANES + l], end = (real)0.5 * sensor[SENSOR_LENGTH * LANES + l];
+  const real part = sensor[SENSOR_POISSON * LANES + l] - (real)layer->poisson[l];
+  real number[LANES];
+  EACH(k, LANES) { number[k] = (real)k; }
+  for (int first = 0; first < tables->tactels; first += LANES) {
+    const vreal k = LOAD(number) + (real)first;
+    const vreal x = fma(k, ALL_LANES(sensor[SENSOR_SPACING * LANES + l]), ALL_LANES(sensor[SENSOR_TACTEL * LANES + l]));
+    TactelRows rows;
+    layer_stress(tables, layer->poissons, layer->poisson[l], part, per_h, (x - middle) * per_h, element * per_h, &rows);
+    if (layer->side_rows > 0) {
+      side_stress(layer, tables, (end + x) * per_h, 1, side, &rows);
+      side_stress(layer, tables, (end - x) * per_h, -1, side + PATCH_BLOCK, &rows);
+    }
+    for (int r = 0; r < reports->count; ++r) {
+      const Solved *s = &reports->solved[r];
+      const real slot = NUMBER(s->slot, l);
+      if (slot < 0) continue;
+      vreal sigma = 0, tau = 0, sigma_t = 0, tau_t = 0;
+      EACH(j, N) {
+        sigma = fma(ALL_LANES(NUMBER(s->n[j], l)), rows.sigma_n[j], sigma);
+        tau = fma(ALL_LANES(NUMBER(s->n[j], l)), rows.tau_n[j], tau);
+        if (FRICTION) {
+          sigma_t = fma(ALL_LANES(NUMBER(s->t[j], l)), rows.sigma_t[j], sigma_t);
+          tau_t = fma(ALL_LANES(NUMBER(s->t[j], l)), rows.tau_t[j], tau_t);
+        }
+      }
+      global real *stress = to->stress + (first_slot + (long)slot) * tables->outputs + first;
+      store_first((sigma + sigma_t) * young, tables->tactels - first, stress);
+      store_first((tau + tau_t) * young, tables->tactels - first, stress + tables->tactels);
+    }
+  }
+}
+
+static inline vint check_sensors(global const vreal *sensors) {
+  vreal finite = 0;
+  EACH(r, PATCH_SENSOR_ROWS) { finite = finite_sum(finite, sensors[r]); }
+  return (finite == 0) & (sensors[SENSOR_THICKNESS] > 0);
+}
+
+/* The sensor of every lane; in lanes that are not valid some sensor. */
+static inline void take_sensors(global const vreal *sensors, vint valid, global const real *cores, real cells_per_h, Layer *layer,
+                                real *numbers) {
+  EACH(r, PATCH_SENSOR_ROWS) {
+    const real harmless = r == SENSOR_POISSON || r == SENSOR_TACTEL ? 0 : 1;
+    STORE(PICK(valid, sensors[r], ALL_LANES(harmless)), numbers + r * LANES);
+  }
+  layer->thickness = LOAD(numbers + SENSOR_THICKNESS * LANES);
+  layer->length = LOAD(numbers + SENSOR_LENGTH * LANES);
+  layer->cy = LOAD(numbers + SENSOR_CY * LANES);
+  layer->cx = LOAD(numbers + SENSOR_CX * LANES);
+  layer->jump = LOAD(numbers + SENSOR_JUMP * LANES);
+  layer->per_thickness = 1 / layer->thickness;
+  layer->cells_per_mm = cells_per_h * layer->per_thickness;
+  const Place place = place_in(LOAD(numbers + SENSOR_POISSON * LANES), layer->poissons - 1);
+  EACH(l, LANES) { layer->poisson[l] = place.cell[l]; }
+  layer->part = place.q;
+  if (layer->side_rows > 0)
+    for (int b = 0; b < CORE_NUMBERS / PATCH_BLOCK; ++b) gather_between(layer, cores, CORE_NUMBERS, b, layer->core + b * PATCH_BLOCK);
+}
+#else
+/* Base stresses of one lane in the increments that wait: its rows of the table at the elements' middles, times the forces. */
+static inline void write_stress(const Answers *to, const Reports *reports, int l, real origin, real element, real young, long first_slot) {
+  (void)l;
   int row[N];
   real part[N];
   for (int j = 0; j < N; ++j) {
-    const real at = (fma(element, (real)j + (real)0.5, origin) - base_from) * base_rows_per_mm;
-    const real inside = at > 0 ? (at < (real)(base_rows - 1) ? at : (real)(base_rows - 1)) : 0;
-    row[j] = min((int)inside, base_rows - 2);
+    const real at = (fma(element, (real)j + (real)0.5, origin) - to->base_from) * to->base_rows_per_mm;
+    const real inside = at > 0 ? (at < (real)(to->base_rows - 1) ? at : (real)(to->base_rows - 1)) : 0;
+    row[j] = min((int)inside, to->base_rows - 2);
     part[j] = inside - (real)row[j];
   }
-  for (int first = 0; first < outputs; first += LANES) {
+  for (int first = 0; first < to->outputs; first += LANES) {
     vreal by_n[N], by_t[N];
     EACH(j, N) {
-      global const real *here = base + ((size_t)row[j] * 2) * outputs + first, *next = here + 2 * outputs;
-      const vreal n0 = LOAD(here), t0 = LOAD(here + outputs);
+      global const real *here = to->base + ((size_t)row[j] * 2) * to->outputs + first, *next = here + 2 * to->outputs;
+      const vreal n0 = LOAD(here), t0 = LOAD(here + to->outputs);
       by_n[j] = fma(ALL_LANES(part[j]), LOAD(next) - n0, n0);
-      by_t[j] = fma(ALL_LANES(part[j]), LOAD(next + outputs) - t0, t0);
+      by_t[j] = fma(ALL_LANES(part[j]), LOAD(next + to->outputs) - t0, t0);
     }
-    for (int k = 0; k < slots; ++k) {
-      global const real *f = forces + k * FORCE_ROWS;
+    for (int r = 0; r < reports->count; ++r) {
+      const Solved *s = &reports->solved[r];
+      const real slot = NUMBER(s->slot, l);
+      if (slot < 0) continue;
       vreal n_even = 0, n_odd = 0, t_even = 0, t_odd = 0;
       EACH(j, N / 2) {
-        n_even = fma(ALL_LANES(f[2 * j]), by_n[2 * j], n_even);
-        n_odd = fma(ALL_LANES(f[2 * j + 1]), by_n[2 * j + 1], n_odd);
+        n_even = fma(ALL_LANES(NUMBER(s->n[2 * j], l)), by_n[2 * j], n_even);
+        n_odd = fma(ALL_LANES(NUMBER(s->n[2 * j + 1], l)), by_n[2 * j + 1], n_odd);
         if (FRICTION) {
-          t_even = fma(ALL_LANES(f[N + 2 * j]), by_t[2 * j], t_even);
-          t_odd = fma(ALL_LANES(f[N + 2 * j + 1]), by_t[2 * j + 1], t_odd);
+          t_even = fma(ALL_LANES(NUMBER(s->t[2 * j], l)), by_t[2 * j], t_even);
+          t_odd = fma(ALL_LANES(NUMBER(s->t[2 * j + 1], l)), by_t[2 * j + 1], t_odd);
         }
       }
-      STORE(((n_even + n_odd) + (t_even + t_odd)) * young, stress + k * outputs + first);
+      STORE_AWAY(((n_even + n_odd) + (t_even + t_odd)) * young, to->stress + (first_slot + (long)slot) * to->outputs + first);
     }
   }
 }
 
-/* The patch of each lane, its base stresses, and a status for increments that did not run. */
-static inline void finish(global const real *base, int base_rows, real base_from, real base_rows_per_mm, int outputs, size_t group, int slots,
-                          const vreal *lane, const Patch *patch, const LoadStepping *w, global real *result, global const real *forces,
-                          global real *stress, global real *patches) {
-  real origin[LANES], element[LANES], position[LANES], young[LANES], done[LANES], idle[LANES];
-  STORE(patch->origin, origin);
-  STORE(patch->element, element);
-  STORE(lane[PATCH_POSITION], position);
-  STORE(lane[PATCH_YOUNG], young);
-  STORE(w->slots, done);
-  STORE(PICK(w->valid, ALL_LANES(LANE_NOT_RUN), ALL_LANES(LANE_INVALID)), idle);
+#endif
+
+/* Writes the reports that wait. */
+OUTLINE void write_reports(const vreal *lane, const Contact *c, const Patch *patch, const Answers *to, Reports *reports) {
+  if (reports->count == 0) return;
+  for (int r = 0; r < reports->count; ++r) write_report(lane, c, &reports->solved[r], to, reports);
+  for (int l = 0; l < LANES; ++l)
+    write_stress(to, reports, l, NUMBER(lane[PATCH_POSITION], l) + NUMBER(patch->origin, l), NUMBER(patch->element, l),
+                 NUMBER(lane[PATCH_YOUNG], l), (long)(to->group * LANES + l) * to->slots);
+  reports->count = 0;
+}
+
+/* Takes this increment among the reports in lanes where it has a place. Lanes that slide as a whole may end their path with it. */
+static inline void report(const vreal *lane, vreal slot, int k, const Contact *c, const Indenter *in, const Certificate *said, LoadStepping *w,
+                          Reports *to) {
+  const vint reports = w->running & (slot >= 0);
+  const vint slides = w->running & NOT(said->sticks) & said->slips;
+  w->failed_before |= w->failed;
+  if (!ANY(reports)) return;
+  Solved *s = &to->solved[to->count++];
+  for (int i = 0; i < N; ++i) {
+    s->n[i] = c->n[i];
+    s->t[i] = FRICTION ? c->t[i] : ALL_LANES(0);
+  }
+  s->d = in->d;
+  s->x = in->x;
+  s->sweeps = w->sweeps;
+  s->slot = PICK(reports, slot, ALL_LANES(-1));
+  s->failed = w->failed_before;
+  s->slides = slides;
+  s->certificate = *said;
+  w->sweeps = PICK(reports, ALL_LANES(0), w->sweeps);
+  w->running &= NOT(reports & slides & (lane[PATCH_MAY_STOP] <= (real)k));
+}
+
+/* The patch of each lane, and a status for increments that did not run. */
+static inline void finish(const Answers *answers, const Patch *patch, vint valid, const Reports *to, global real *patches) {
+  real done[LANES], idle[LANES];
+  STORE(to->slots, done);
+  STORE(PICK(valid, ALL_LANES(LANE_NOT_RUN), ALL_LANES(LANE_INVALID)), idle);
   vreal rows[PATCH_BLOCK];
   EACH(r, PATCH_BLOCK) { rows[r] = 0; }
   rows[PATCH_ORIGIN] = patch->origin;
   rows[PATCH_ELEMENT] = patch->element;
-  rows[PATCH_OUT_LEFT] = w->out_left;
-  rows[PATCH_OUT_RIGHT] = w->out_right;
+  rows[PATCH_OUT_LEFT] = to->out_left;
+  rows[PATCH_OUT_RIGHT] = to->out_right;
   rows[PATCH_SEARCH_SWEEPS] = patch->sweeps;
-  rows[PATCH_SLOTS] = w->slots;
+  rows[PATCH_SLOTS] = to->slots;
+  const size_t first_lane = answers->group * LANES;
   long at[LANES];
-  EACH(l, LANES) { at[l] = (long)(group * LANES + l) * PATCH_BLOCK; }
+  EACH(l, LANES) { at[l] = (long)(first_lane + l) * PATCH_BLOCK; }
   store_rows(rows, at, patches);
-  for (int l = 0; l < LANES; ++l) {
-    const size_t first = (group * LANES + l) * slots;
-    const int own = (int)done[l];
-    write_stress(base, base_rows, base_from, base_rows_per_mm, outputs, position[l] + origin[l], element[l], young[l], own,
-                 forces + first * FORCE_ROWS, stress + first * outputs);
-    for (int k = own; k < slots; ++k)
-      for (int r = 0; r < PATCH_BLOCK; ++r) result[(first + k) * PATCH_BLOCK + r] = r == LANE_STATUS ? idle[l] : 0;
-  }
+  for (int l = 0; l < LANES; ++l)
+    for (int k = (int)done[l]; k < answers->slots; ++k) {
+      global real *result = answers->result + ((first_lane + l) * answers->slots + k) * PATCH_BLOCK;
+      for (int r = 0; r < PATCH_BLOCK; ++r) result[r] = r == LANE_STATUS ? idle[l] : 0;
+    }
 }
 
 /* smooth [cells][PATCH_BLOCK]; sides [side_rows][PATCH_BLOCK], signs [SIDE_MODES]; base [base_rows][2][outputs]: stresses by n, by t of a unit
@@ -1163,6 +1530,23 @@ static inline void finish(global const real *base, int base_rows, real base_from
    [group][increments][PATCH_PATH_ROWS][lane].
    Out: result [group][lane][slots][PATCH_BLOCK]; forces [group][lane][slots][FORCE_ROWS] over E, mm; stress [group][lane][slots][outputs] MPa;
    patches [group][lane][PATCH_BLOCK]. */
+#if SENSORS
+/* The same with the tables of a family in place of a sensor's: sides, side_forces and side_stresses [side_rows][PATCH_BLOCK], cores
+   [poissons][CORE_NUMBERS], layer_stresses [stress_cells][poissons][STRESS_NUMBERS], sensors [group][PATCH_SENSOR_ROWS][lane]. */
+kernel void patch_contact_sensors(uint first_group, global const real *smooth, int cells, int poissons, real cells_per_h,
+                                  global const real *sides, global const real *side_forces, global const real *side_stresses, int side_rows,
+                                  real side_rows_per_h, global const real *cores, global const real *layer_stresses, int stress_cells,
+                                  real stress_cells_per_h, int tactels, int outputs, global const vreal *sensors, global const real *shapes,
+                                  global const vreal *lane_input, global const vreal *path, int increments, int slots, real tolerance,
+                                  real accept, int most_sweeps, global real *result, global real *forces, global real *stress,
+                                  global real *patches) {
+  TAKE_GROUP(group);
+  Layer layer = {.smooth = smooth, .cells = cells, .poissons = poissons, .sides = sides, .side_forces = side_forces};
+  layer.side_rows = side_rows;
+  layer.side_rows_per_h = side_rows_per_h;
+  const StressTables tables = {layer_stresses, stress_cells, tactels, outputs, stress_cells_per_h, side_stresses};
+  sensors += group * PATCH_SENSOR_ROWS;
+#else
 kernel void patch_contact(uint first_group, global const real *smooth, int cells, real cells_per_mm, real thickness, real length, real cy,
                           real cx, real jump, global const real *sides, int side_rows, real side_rows_per_mm, real sides_from,
                           global const real *signs, global const real *base, int base_rows, real base_rows_per_mm, real base_from, int outputs,
@@ -1171,6 +1555,8 @@ kernel void patch_contact(uint first_group, global const real *smooth, int cells
                           global real *patches) {
   TAKE_GROUP(group);
   const Layer layer = {smooth, cells, cells_per_mm, thickness, length, cy, cx, jump, sides, side_rows, side_rows_per_mm, sides_from, signs};
+  const Answers answers = {group, slots, accept, base, base_rows, outputs, base_rows_per_mm, base_from, result, forces, stress};
+#endif
   const Rules rules = {FORCE_CONTROL ? (real)0.1 * tolerance : tolerance, most_sweeps};
   lane_input += group * PATCH_INPUT_ROWS;
   path += group * increments * PATCH_PATH_ROWS;
@@ -1180,14 +1566,29 @@ kernel void patch_contact(uint first_group, global const real *smooth, int cells
   LoadStepping w;
   Profile profile;
   Patch patch;
+  Certificate said;
+  Reports reports;
   vreal lane[PATCH_INPUT_ROWS];
   w.valid = check_input(lane_input, path, increments, shapes);
+#if SENSORS
+  real sensor[PATCH_SENSOR_ROWS * LANES];
+  w.valid &= check_sensors(sensors);
+  take_sensors(sensors, w.valid, cores, cells_per_h, &layer, sensor);
+#endif
   take_input(lane_input, w.valid, lane);
   take_profile(lane, shapes, &profile);
-  start(lane, &c, &in, &w);
+  reports.count = 0;
+  reports.lost = 0;
+  reports.slots = reports.out_left = reports.out_right = 0;
   find_patch(&layer, &profile, lane, w.valid, &patch);
   build_compliance(&layer, &patch, lane[PATCH_POSITION], &c);
+#if SENSORS
+  real side[LANES * SIDE_FORCES];
+  if (layer.side_rows > 0) weigh_side_forces(&layer, &patch, lane[PATCH_POSITION], side);
+  const Answers answers = {group, slots, accept, &layer, &tables, sensor, side, result, forces, stress};
+#endif
   w.nearest = put_heights(&profile, &patch, &c);
+  start(lane, &c, &in, &w);
 #if FORCE_CONTROL
   Search search;
   start_search(&w, &search);
@@ -1200,6 +1601,9 @@ kernel void patch_contact(uint first_group, global const real *smooth, int cells
     first_trial(&search, &in, &w, &d, &x);
 #endif
     move_to(&in, &w, d, x);
+#if ENTRIES
+    touch_within(&c, &in, ratio);
+#endif
     extrapolate(&c, &in, ratio);
 #if FORCE_CONTROL
     const vint none = w.running & (search.p_target <= 0);
@@ -1214,9 +1618,10 @@ kernel void patch_contact(uint first_group, global const real *smooth, int cells
     reach_forces(&rules, &search, &c, &in, &w);
     set_indenter(&c, &in);
 #endif
-    certify(&c, &in, &w.certificate);
-    report(lane, path[k * PATCH_PATH_ROWS + PATCH_SLOT], k, group, slots, &c, &in, accept, &w, result, forces);
-    if (FRICTION) remember(&c, &in);
+    certify(&c, &in, &said);
+    report(lane, path[k * PATCH_PATH_ROWS + PATCH_SLOT], k, &c, &in, &said, &w, &reports);
+    if (reports.count == MOST_WAITING) write_reports(lane, &c, &patch, &answers, &reports);
   }
-  finish(base, base_rows, base_from, base_rows_per_mm, outputs, group, slots, lane, &patch, &w, result, forces, stress, patches);
+  write_reports(lane, &c, &patch, &answers, &reports);
+  finish(&answers, &patch, w.valid, &reports, patches);
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Mini-batch training. Each batch gives the mean of delta_j o_i, the descent of each weight, and one change of the weights: by the delta rule with
    momentum, or by Adam (Kingma and Ba 2015, algorithm 1). Twin of nn/train_batch.cpp.
 

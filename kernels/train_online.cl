@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Pattern-by-pattern training by the generalized delta rule with momentum (Rumelhart, Hinton and Williams 1986, eq. 16). One work-item
    trains a group of NETWORKS networks of one topology: LANES / NETWORKS neurons of each share a vector, lane = neuron NETWORKS + network. Each
    network has its own weights, set, order and end. Every sum over lanes is taken in the same LANES parts. The bits of a network therefore

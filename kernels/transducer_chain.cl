@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Readings of transducers from their stresses, for many contacts; twin: nn/transducer_chain.*. For each channel, over the load steps k = 0, 1, ... of a contact:
      x_k = (1 + gain_spread g) stress_k
      y_k = decay y_{k-1} + pass (x_k - x_{k-1})        the charge amplifier: tau y' + y = tau x', exactly where x is linear between

@@ -1,3 +1,5 @@
+# SPDX-License-Identifier: Apache-2.0
+
 # What the scripts share: to be sourced, from the repository's root.
 
 say() { echo "tactel: $*" >&2; }

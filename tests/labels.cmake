@@ -1,3 +1,5 @@
+# SPDX-License-Identifier: Apache-2.0
+
 # Read by ctest after the lists of tests that the programs gave: the labels of each.
 #   unit       needs no OpenCL device      device  needs one (PoCL is enough)
 #   program    runs the program `tactel`   slow    takes more than five seconds of a processor
@@ -15,6 +17,7 @@ set(unit_contact "^(Ladder|RungError)[.]|^Planner[.][^K]|AccuracyAndTolerance")
 set(unit_sets "^(CheckSet|MeasuringChains)[.]|ThirtyTwoTaylor|^TransducerTable[.][GP]")
 set(unit_live "^(FrameQueue|LatencyHistogram|SensorProfile|Calibration|OpenSource|LiveView)[.]")
 set(unit_training "StreamAndBlockExclude")
+set(unit_api "^(Infer[.][^G]|Infer[.]GivesTheS|LiveApi[.]|SceneApi[.])")
 set(unit_studies "^(HandPress|LoopDrift|SceneMix)[.]|^InverseProblem[.](Spread|Json)|AllCombinations|SlipIndexIs|DrawsAre|TheAngleAlone")
 set(unit_commands "^(DevicesCommandDeathTest|UnreadableScene|StandardError|Help|Words|Numbers|Memory|HostileFiles|ProfileFile|Keys)[.]|BadScene|WrongCall|^CommandLine[.][HS]|OutputsThatCannotBe|TimesThatAreNone|FilesItNames|^SolveCommand[.](SlipIndex|JsonNumbers|Missed)")
 # Of these, the calls that a device must judge.
@@ -24,11 +27,11 @@ set(program_networks "^OnnxRuntime")
 set(program_sets "OpensInH5py|NamesTheRowsOfADamagedChunk")
 set(program_training ".")
 set(program_studies "[.]Reproduce")
-set(program_commands "^([^D]|Du)")  # all but DevicesCommand
+set(program_commands "^([^D]|Du|Dem)")  # all but DevicesCommand
 
-set(slow "^(ClosedForms|GapReferenceRandom|IndependentContact|Extremes|InverseProblem|DirectProblem|StreamTraining|RankTraining)[.]|^Planner[.]K|EveryShape|CondensationCache.AnyFlippedByte|/100000$")
+set(slow "^(ClosedForms|GapReferenceRandom|IndependentContact|Extremes|InverseProblem|DirectProblem|StreamTraining|RankTraining)[.]|^Planner[.]K|^Demo[.]S|EveryShape|CondensationCache.AnyFlippedByte|/100000$")
 
-foreach(program fem layer nn hw support figures scenes device networks contact sets live training studies commands)
+foreach(program fem layer nn hw support figures scenes device networks contact sets live training studies commands api)
   foreach(test IN LISTS tactel_${program}_tests_TESTS)
     set(labels device)
     if(test MATCHES "${unit_${program}}")

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "fem/layer/base_stress_table.h"
 
 #include <algorithm>
@@ -18,7 +19,11 @@ BaseStress stress_over(const LayerTable& table, double x, double width) {
 
 }  // namespace
 
-BaseStressTable::BaseStressTable(const Sensor& sensor, const LayerTable& table) : left_(-sensor.length / 2) {
+BaseStressTable::BaseStressTable(int tactels, std::function<Eigen::RowVectorXd(double)> rows)
+    : tactels_(tactels), exact_(std::move(rows)) {}
+
+BaseStressTable::BaseStressTable(const Sensor& sensor, const LayerTable& table)
+    : tactels_(sensor.tactels), left_(-sensor.length / 2) {
   const double h = sensor.thickness;
   const auto steps = static_cast<Eigen::Index>(std::ceil(sensor.length / h * rows_a_thickness));
   step_ = sensor.length / static_cast<double>(steps);
@@ -42,6 +47,7 @@ void BaseStressTable::add(const std::function<Eigen::RowVectorXd(double)>& rows)
 }
 
 Eigen::RowVectorXd BaseStressTable::at(double x) const {
+  if (exact_) return exact_(x);
   const double last = static_cast<double>(rows_.rows() - 1), place = std::clamp((x - left_) / step_, 0.0, last);
   const Eigen::Index row = std::min(static_cast<Eigen::Index>(place), rows_.rows() - 2);
   const double q = place - static_cast<double>(row);

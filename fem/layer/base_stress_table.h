@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <Eigen/Dense>
 #include <functional>
@@ -20,6 +21,9 @@ class BaseStressTable {
   /// Of an endless layer.
   BaseStressTable(const Sensor& sensor, const LayerTable& table);
 
+  /// Of `rows(x)` [4 tactels] at every x, without a table.
+  BaseStressTable(int tactels, std::function<Eigen::RowVectorXd(double x)> rows);
+
   /// Adds `rows(x)` [4 tactels], what the free sides change, to the row at x, mm along the array.
   void add(const std::function<Eigen::RowVectorXd(double x)>& rows);
 
@@ -31,14 +35,16 @@ class BaseStressTable {
   Eigen::VectorXd stress(const Eigen::VectorXd& x, const Eigen::VectorXd& pressure_force,
                          const Eigen::VectorXd& traction_force) const;
 
-  int tactels() const { return static_cast<int>(rows_.cols()) / quantities; }
+  int tactels() const { return tactels_; }
   double left() const { return left_; }
   double step() const { return step_; }
   const Rows& rows() const { return rows_; }  ///< [places, 4 tactels], the first at `left`, `step` apart
 
  private:
-  double left_, step_;
+  int tactels_;
+  double left_ = 0, step_ = 1;
   Rows rows_;
+  std::function<Eigen::RowVectorXd(double x)> exact_;
 };
 
 }  // namespace tactel::fem

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "fem/layer/free_sides.h"
 
 #include <algorithm>
@@ -6,6 +7,7 @@
 #include <optional>
 
 #include "fem/block.h"
+#include "fem/layer/between_nodes.h"
 
 namespace tactel::fem {
 namespace {
@@ -33,19 +35,6 @@ class ToBlock {
   double shift_;
 };
 
-/// Cubic through four neighbouring nodes of a uniform grid (Catmull and Rom); linear beyond the ends.
-Eigen::RowVectorXd between_nodes(const Eigen::VectorXd& x, const Eigen::MatrixXd& rows, double at) {
-  const Eigen::Index last = rows.rows() - 1;
-  const double place = (at - x[0]) / (x[1] - x[0]);
-  const Eigen::Index i = std::clamp<Eigen::Index>(static_cast<Eigen::Index>(std::floor(place)), 0, last - 1);
-  const double q = place - static_cast<double>(i);
-  const Eigen::RowVectorXd from = rows.row(i), to = rows.row(i + 1);
-  if (q < 0 || q > 1 || i == 0 || i + 1 == last) return from + q * (to - from);
-  const Eigen::RowVectorXd slope = (to - rows.row(i - 1)) / 2, end_slope = (rows.row(i + 2) - from) / 2;
-  const Eigen::RowVectorXd rise = to - from;
-  return from + q * (slope + q * (3 * rise - 2 * slope - end_slope + q * (slope + end_slope - 2 * rise)));
-}
-
 /// The largest eigenvalues by magnitude of W B W, their vectors scaled by the root of it and divided by W: [2 nodes,
 /// rank].
 struct LowRank {
@@ -60,7 +49,7 @@ LowRank largest_modes(const Eigen::MatrixXd& symmetric, const Eigen::VectorXd& w
   const auto size = [&](Eigen::Index k) { return std::abs(eigen.eigenvalues()[k]); };
   std::partial_sort(order.begin(), order.begin() + FreeSides::rank, order.end(),
                     [&](Eigen::Index a, Eigen::Index b) { return size(a) > size(b); });
-  LowRank low{Eigen::MatrixXd(symmetric.rows(), FreeSides::rank), FreeSides::Modes::Zero()};
+  LowRank low{Eigen::MatrixXd(symmetric.rows(), FreeSides::rank), FreeSides::Modes::Zero(FreeSides::rank)};
   for (int r = 0; r < FreeSides::rank; ++r) {
     const Eigen::Index k = order[static_cast<std::size_t>(r)];
     low.vectors.col(r) = weight.cwiseInverse().asDiagonal() * eigen.eigenvectors().col(k) * std::sqrt(size(k));
@@ -110,6 +99,8 @@ TactelWeights tactel_weights(const SideDifference& difference, const Sensor& sen
 
 }  // namespace
 
+FreeSides::FreeSides(std::shared_ptr<const Ends> ends) : ends_(std::move(ends)) {}
+
 FreeSides::FreeSides(const SideDifference& difference, double length) : left_(-length / 2) {
   const LowRank low = largest_modes(difference.compliance, end_weights(difference));
   const Eigen::Index nodes = difference.x.size();
@@ -128,21 +119,23 @@ FreeSides::FreeSides(const SideDifference& difference, double length) : left_(-l
 }
 
 FreeSides::At FreeSides::at(double x) const {
+  if (ends_) return ends_->at(x);
   if (endless()) return {};
   const double last = static_cast<double>(rows_.rows() - 1), place = std::clamp((x - left_) / step_, 0.0, last);
   const Eigen::Index row = std::min(static_cast<Eigen::Index>(place), rows_.rows() - 2);
   const double q = place - static_cast<double>(row);
   const auto between = [&](int component) -> Modes {
-    const auto from = rows_.row(row).segment<rank>(component * rank).transpose().array();
-    const auto to = rows_.row(row + 1).segment<rank>(component * rank).transpose().array();
+    const Modes from = rows_.row(row).segment<rank>(component * rank).transpose().array();
+    const Modes to = rows_.row(row + 1).segment<rank>(component * rank).transpose().array();
     return from + q * (to - from);
   };
   return {between(0), between(1)};
 }
 
 double FreeSides::between(const Modes& to, const Modes& by) const {
+  if (ends_) return ends_->between(to, by);
   double sum = 0;
-  for (int r = 0; r < rank; ++r) sum += sign_[r] * to[r] * by[r];
+  for (Eigen::Index r = 0; r < to.size(); ++r) sum += sign_[r] * to[r] * by[r];
   return sum;
 }
 

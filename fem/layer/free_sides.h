@@ -1,5 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <Eigen/Dense>
+#include <memory>
 
 #include "fem/layer/base_stress_table.h"
 #include "fem/layer/side_difference.h"
@@ -16,11 +18,18 @@ namespace tactel::fem {
 class FreeSides {
  public:
   static constexpr int rank = 8;
-  using Modes = Eigen::Array<double, rank, 1>;
+  using Modes = Eigen::Array<double, Eigen::Dynamic, 1, 0, 2 * rank, 1>;  ///< [rank], or [2 rank] where Ends gives them
 
   /// Components of the modes at a place, sqrt(mm/(N/mm)).
   struct At {
-    Modes y = Modes::Zero(), x = Modes::Zero();
+    Modes y, x;
+  };
+
+  /// Sides in another form than modes of one sensor (sensor_family.h).
+  struct Ends {
+    virtual ~Ends() = default;
+    virtual At at(double x) const = 0;
+    virtual double between(const Modes& to, const Modes& by) const = 0;
   };
 
   /// No sides: an endless layer.
@@ -29,7 +38,10 @@ class FreeSides {
   /// The sides of a sensor of this length, mm, from the block that side_block gives for it.
   FreeSides(const SideDifference& difference, double length);
 
-  bool endless() const { return rows_.rows() == 0; }
+  /// Sides in that form.
+  explicit FreeSides(std::shared_ptr<const Ends> ends);
+
+  bool endless() const { return !ends_ && rows_.rows() == 0; }
 
   /// Returns the modes at x, mm along the array: linear between rows; beyond them those of the last row.
   At at(double x) const;
@@ -47,7 +59,8 @@ class FreeSides {
  private:
   double left_ = 0, step_ = 1;
   Rows rows_;
-  Modes sign_ = Modes::Zero();
+  Modes sign_ = Modes::Zero(rank);
+  std::shared_ptr<const Ends> ends_;
 };
 
 /// Adds to the table of an endless layer what the free sides change.

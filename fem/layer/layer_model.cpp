@@ -1,5 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "fem/layer/layer_model.h"
 
+#include <memory>
+#include <mutex>
 #include <stdexcept>
 
 #include "fem/number_text.h"
@@ -24,12 +27,34 @@ LayerModel endless_layer(const Sensor& sensor) {
   return {sensor, table, FreeSides(), BaseStressTable(sensor, table)};
 }
 
-LayerModel layer_model(const Sensor& sensor, const std::filesystem::path& cache_directory) {
+namespace {
+
+LayerModel new_layer_model(const Sensor& sensor, const std::filesystem::path& cache_directory) {
   LayerModel model = endless_layer(sensor);
   const SideDifference difference = side_difference(side_block(sensor), cache_directory);
   model.sides = FreeSides(difference, sensor.length);
   add_free_sides(difference, sensor, model.base);
   return model;
+}
+
+struct KeptModel {
+  LayerModel model;
+  std::filesystem::path cache_directory;
+};
+
+}  // namespace
+
+LayerModel layer_model(const Sensor& sensor, const std::filesystem::path& cache_directory) {
+  static std::mutex mutex;
+  static std::shared_ptr<const KeptModel> last;
+  {
+    const std::lock_guard lock(mutex);
+    if (last && last->model.sensor == sensor && last->cache_directory == cache_directory) return last->model;
+  }
+  auto made = std::make_shared<const KeptModel>(new_layer_model(sensor, cache_directory), cache_directory);
+  const std::lock_guard lock(mutex);
+  last = made;
+  return made->model;
 }
 
 }  // namespace tactel::fem

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <filesystem>
 
@@ -25,7 +26,8 @@ void require_sensor_of(const LayerModel& model, const Sensor& sensor);
 inline constexpr double longest_sensor = 200;
 
 /// Returns the tables of a sensor with its free sides: one condensation of a block, through the cache. Throws
-/// ValueError for an invalid sensor, or one longer than `longest_sensor`.
+/// ValueError for an invalid sensor, or one longer than `longest_sensor`. The last model is kept: asking for it again
+/// costs a copy. Threads may call it at the same time.
 LayerModel layer_model(const Sensor& sensor, const std::filesystem::path& cache_directory = default_cache_directory());
 
 /// The sensor without free sides: part of an endless layer.

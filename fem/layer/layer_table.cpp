@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "fem/layer/layer_table.h"
 
 #include <cmath>
@@ -43,6 +44,15 @@ LayerTable::LayerTable(double poisson, double range) : poisson_(poisson) {
     for (int f = 0; f < functions; ++f) coefficients_.row(cell).segment<4>(4 * f) << from[f], slope[f], c2[f], c3[f];
     left = right;
   }
+}
+
+LayerTable LayerTable::blend(double poisson, std::span<const LayerTable* const> tables,
+                             std::span<const double> weights) {
+  LayerTable sum;
+  sum.poisson_ = poisson;
+  sum.coefficients_ = weights[0] * tables[0]->coefficients_;
+  for (std::size_t k = 1; k < tables.size(); ++k) sum.coefficients_ += weights[k] * tables[k]->coefficients_;
+  return sum;
 }
 
 double LayerTable::value(Function function, double x) const {

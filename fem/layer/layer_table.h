@@ -1,5 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <Eigen/Dense>
+#include <span>
 
 #include "fem/layer/layer_kernels.h"
 
@@ -32,6 +34,9 @@ class LayerTable {
   /// 0 <= poisson <= 1/2; `range` in units of h.
   explicit LayerTable(double poisson, double range = default_range);
 
+  /// Returns sum of weights[k] tables[k], all of one range: the table of `poisson` between theirs.
+  static LayerTable blend(double poisson, std::span<const LayerTable* const> tables, std::span<const double> weights);
+
   double poisson() const { return poisson_; }
   Eigen::Index cells() const { return coefficients_.rows(); }
 
@@ -49,10 +54,11 @@ class LayerTable {
   BaseStress base_integral(double x) const;
 
  private:
+  LayerTable() = default;
   double value(Function function, double x) const;
   double range() const { return static_cast<double>(cells()) / cells_a_thickness; }
 
-  double poisson_;
+  double poisson_ = 0;
   Coefficients coefficients_;
 };
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "fem/layer/patch_compliance.h"
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "fem/layer/patch_contact.h"
 
 #include <algorithm>
@@ -16,13 +17,24 @@ PatchContact::PatchContact(const PatchCompliance& compliance, Eigen::VectorXd he
                            const PatchSweepOptions& options)
     : compliance_(compliance), height_(std::move(height)), mu_(mu), options_(options) {
   const Eigen::Index elements = compliance.uy_by_n.cols();
-  n_ = t_ = n_last_ = t_last_ = ux_last_ = Eigen::VectorXd::Zero(elements);
+  n_ = t_ = n_last_ = t_last_ = ux_last_ = ux_ = ux_before_ = Eigen::VectorXd::Zero(elements);
+  gap_ = gap_before_ = height_.segment(rows_beyond, elements);
   first_touch_ = height_.segment(rows_beyond, elements).minCoeff();
   laws_[0] = patch_laws(compliance, relaxation);
 }
 
+/// An element that is pressed has a history of its own. Gaps that do not close are left alone.
+void PatchContact::touch_within(double ratio) {
+  for (Eigen::Index i = 0; i < n_.size(); ++i) {
+    if (n_[i] > 0 || !(gap_[i] > 0 && gap_before_[i] > gap_[i])) continue;
+    const double part = gap_[i] / (gap_before_[i] - gap_[i]);
+    if (part < ratio) ux_last_[i] += part * (ux_[i] - ux_before_[i]);
+  }
+}
+
 void PatchContact::extrapolate(double ratio) {
   held_ = false;
+  if (options_.entries && x == x_last_) touch_within(ratio);
   const Eigen::VectorXd n = n_, t = t_;
   n_ = (n + ratio * (n - n_last_)).cwiseMax(0);
   t_ = (t + ratio * (t - t_last_)).cwiseMax(-mu_ * n_).cwiseMin(mu_ * n_);
@@ -99,6 +111,10 @@ void PatchContact::remember() {
     const bool sticks = n_[i] > 0 && std::abs(t_[i]) < mu_ * n_[i];
     ux_last_[i] = sticks ? ux_last_[i] + (x - x_last_) : now[i];
   }
+  gap_before_ = gap_;
+  ux_before_ = ux_;
+  gap_ = elements().gap.segment(rows_beyond, n_.size());
+  ux_ = now;
   x_last_ = x;
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "fem/contact_laws.h"
 #include "fem/layer/patch_laws.h"
@@ -7,6 +8,7 @@ namespace tactel::fem {
 struct PatchSweepOptions {
   double tolerance = 1e-3;  ///< largest change of a force in the last sweep over the largest pressure force
   int most_sweeps = 2000;   ///< of an increment
+  bool entries = true;      ///< PatchContact::extrapolate estimates where in an increment an element is touched
 };
 
 /// The elements of a patch under one indenter, and where it is. Forces are over E, mm.
@@ -22,7 +24,10 @@ class PatchContact {
   const Eigen::VectorXd& t() const { return t_; }
   double first_touch() const { return first_touch_; }  ///< mm: depth at which an element's middle is touched
 
-  /// Starts an increment: keeps the forces, and guesses new ones by going on `ratio` times the last change.
+  /// Starts an increment: keeps the forces, and guesses new ones by going on `ratio` times the last change. While the
+  /// indenter presses only, an open element whose gap would close within this increment sticks from where it would be
+  /// then: with gaps g and g' and displacements u and u' at the last increment and the one before, after the part
+  /// s = g / (g' - g) of the last change, at u + s (u - u').
   void extrapolate(double ratio);
 
   /// Starts an increment in which nothing moves.
@@ -46,11 +51,13 @@ class PatchContact {
   Eigen::VectorXd ux() const;
 
  private:
+  void touch_within(double ratio);
   double sweep(const PatchLaws& laws);
   const PatchLaws& laws_at(int sweep);
 
   const PatchCompliance& compliance_;
   Eigen::VectorXd height_, n_, t_, n_last_, t_last_, ux_last_;
+  Eigen::VectorXd gap_, gap_before_, ux_, ux_before_;  ///< at the end of the last increment and of the one before
   double mu_, x_last_ = 0, first_touch_;
   bool held_ = false;
   PatchSweepOptions options_;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "fem/layer/patch_exact.h"
 
 #include "fem/gap_condensed.h"
@@ -7,17 +8,11 @@ namespace tactel::fem {
 
 ContactSolution solve_in_increments(const Condensation& condensation, const Scene& scene, int pressing_increments,
                                     const GapReferenceOptions& options) {
-  const int asked = scene.load.indentation_steps, parts = (pressing_increments + asked - 1) / asked;
+  const int parts = pressing_parts(scene.load, pressing_increments);
   Scene divided = scene;
-  divided.load.indentation_steps = asked * parts;
-  const int pressing_steps = load_path(divided.load).indentation_steps;
+  divided.load.indentation_steps *= parts;
   ContactSolution solution = GapCondensed(condensation, options).solve(divided);
-  std::vector<ContactStep> kept;
-  for (std::size_t k = 0; k < solution.steps.size(); ++k) {
-    const int step = static_cast<int>(k);
-    if (step >= pressing_steps || (step + 1) % parts == 0) kept.push_back(std::move(solution.steps[k]));
-  }
-  solution.steps = std::move(kept);
+  keep_own_steps(solution, scene.load, parts);
   return solution;
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "fem/layer/patch_force_control.h"
 
 #include <algorithm>
@@ -8,6 +9,10 @@ namespace {
 
 // mm per mm of P / E: a start that the first trial corrects, thickness over width or so.
 constexpr double first_slope = 0.3;
+
+/// A trial within this share of Q = mu P slides as a whole. Forces do not change with x there: Broyden's update would
+/// learn nothing. The next trial lies halfway to the last one that did not slide.
+constexpr double sliding_margin = 1e-5;
 
 /// A trial inside the bracket: where Broyden's step leaves it, halfway to the bound, or twice as deep where there is no
 /// bound yet.
@@ -40,11 +45,12 @@ void PatchForceControl::update(const Eigen::Vector2d& z, const Eigen::Vector2d& 
   g_ = g;
 }
 
-bool PatchForceControl::move(double P, double Q, double tolerance, double& depth, double& x) {
+bool PatchForceControl::move(double P, double Q, double mu, double tolerance, double& depth, double& x) {
   const bool both = target_.tangential_is_force;
+  const bool slides = both && P > 0 && std::abs(Q) >= (1 - sliding_margin) * mu * P;
   const double ratio = both && target_.normal > 0 ? target_.tangential / target_.normal : 0;
   const Eigen::Vector2d z(depth, x), g(P, both ? Q - ratio * P : 0), miss(P - target_.normal, g[1]);
-  update(z, g);
+  if (!slides) update(z, g);
   if (miss.cwiseAbs().maxCoeff() <= tolerance * target_.normal) return false;
   const Eigen::Vector2d next = z - inverse_ * miss;
   if (miss[0] < 0) low_ = std::max(low_, depth);
@@ -53,7 +59,7 @@ bool PatchForceControl::move(double P, double Q, double tolerance, double& depth
   // the step instead.
   const double far_d = z[0] / 2, far_x = std::max(std::abs(z[1]), far_d);
   depth = both ? std::min(std::max(next[0], z[0] - far_d), z[0] + 2 * far_d) : bracketed(next[0], z[0], low_, high_);
-  if (both) x = std::min(std::max(next[1], z[1] - far_x), z[1] + far_x);
+  if (both) x = slides ? (z[1] + z_[1]) / 2 : std::min(std::max(next[1], z[1] - far_x), z[1] + far_x);
   return true;
 }
 

@@ -1,9 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "fem/layer/patch_path.h"
+
+#include "fem/load_stepping.h"
 
 namespace tactel::fem {
 
 std::vector<PatchStep> patch_steps(const LoadPath& path, const Load& load, int pressing_increments) {
-  const int parts = (pressing_increments + load.indentation_steps - 1) / load.indentation_steps;
+  const int parts = pressing_parts(load, pressing_increments);
   std::vector<PatchStep> steps;
   LoadStep from = path.steps.front();
   from.normal = from.tangential = 0;

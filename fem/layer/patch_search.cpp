@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "fem/layer/patch_search.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "fem/layer/patch_solver.h"
 
 #include <algorithm>
@@ -61,7 +62,7 @@ class PatchWalk {
         width_(patch.width()),
         compliance_(patch_compliance(model, patch)),
         contact_(compliance_, patch_heights(patch, scene), std::min(scene.friction, largest_friction),
-                 {by_force(scene) ? options.tolerance / 10 : options.tolerance, options.most_sweeps}),
+                 {by_force(scene) ? options.tolerance / 10 : options.tolerance, options.most_sweeps, options.entries}),
         force_(contact_.first_touch()),
         base_(model.base) {}
 
@@ -116,7 +117,8 @@ void PatchWalk::move_to(const LoadStep& target) {
 bool PatchWalk::reach_forces(bool solved) {
   for (int trial = 0; trial < most_force_trials; ++trial) {
     const double P = contact_.n().sum(), Q = contact_.t().sum();
-    if (!force_.move(P, Q, options_.tolerance, contact_.depth, contact_.x)) return solved;
+    if (!force_.move(P, Q, std::min(scene_.friction, largest_friction), options_.tolerance, contact_.depth, contact_.x))
+      return solved;
     solved = contact_.solve(sweeps_);
   }
   return false;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "fem/contact_solution.h"
 #include "fem/layer/layer_model.h"
@@ -10,12 +11,14 @@ struct PatchOptions {
   int elements = 12;
   double tolerance = 1e-3;  ///< largest change of a force in the last sweep over the largest pressure force; of given
                             ///< forces, which a tenth of it serves in the sweeps
-  double accept = 0;        ///< largest residual of a solved step; 0: 20 tolerance
+  double accept = 0;        ///< largest residual of a solved step; 0: accept_over_tolerance * tolerance
   int pressing_increments = 0;  ///< least number of increments to each pressing target; 0: elements / 3
   int most_sweeps = 2000;       ///< an increment that needs more is not converged
   int most_growths = 4;         ///< times that a patch may grow
+  bool entries = true;          ///< with the estimate of PatchContact::extrapolate
 
-  double accepted() const { return accept > 0 ? accept : 20 * tolerance; }
+  static constexpr double accept_over_tolerance = 20;
+  double accepted() const { return accept > 0 ? accept : accept_over_tolerance * tolerance; }
   int increments() const { return pressing_increments > 0 ? pressing_increments : (elements + 2) / 3; }
 };
 

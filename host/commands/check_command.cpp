@@ -1,9 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
 #include "host/commands/command.h"
 #include "host/sets/check_set.h"
 #include "host/support/interrupt.h"
 #include "host/support/progress_line.h"
+#include "host/support/terminal.h"
 
 namespace tactel::host {
 namespace {
@@ -26,8 +28,7 @@ int run_check(const CheckRequest& request) {
   if (!check.finished) return interrupted;
   if (!check.damage.empty()) return not_converged;
   if (!check.checksums)
-    fmt::print(stderr, "warning: {}: written without checksums: it is readable, but damage may remain unseen\n",
-               request.set);
+    print_warning(request.set + ": written without checksums: it is readable, but damage may remain unseen");
   if (!request.quiet)
     fmt::print("{}: {} rows in {} chunks, {}B: {}\n", request.set, check.rows, check.chunks,
                with_prefix(static_cast<double>(check.bytes)), check.checksums ? "all as written" : "readable");
@@ -39,6 +40,7 @@ int run_check(const CheckRequest& request) {
 void add_check_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<CheckRequest>();
   CLI::App* command = app.add_subcommand("check", "verify the checksums of a set and name the damaged rows");
+  command->group("Simulate");
   command->add_option("set", request->set, "a set that tactel generate wrote")->type_name("SET.h5")->required();
   command->add_flag("--quiet", request->quiet, "print only damage");
   command->footer("Exit codes: 0 undamaged, 2 not a set, 4 damaged.");

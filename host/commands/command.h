@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <CLI/CLI.hpp>
 #include <functional>
@@ -21,5 +22,7 @@ void add_extremes_command(CLI::App& app, Action& action);
 void add_monitor_command(CLI::App& app, Action& action);
 void add_record_command(CLI::App& app, Action& action);
 void add_tare_command(CLI::App& app, Action& action);
+void add_demo_command(CLI::App& app, Action& action);
+void add_completion_command(CLI::App& app, Action& action);
 
 }  // namespace tactel::host

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/commands/devices_command.h"
 
 #include <fmt/format.h>
@@ -53,6 +54,7 @@ int devices_command(bool json, std::ostream& out, std::ostream& complaints) {
 void add_devices_command(CLI::App& app, Action& action) {
   auto json = std::make_shared<bool>(false);
   CLI::App* command = app.add_subcommand("devices", "list the OpenCL devices, with their lanes and precision");
+  command->group("Set up");
   command->add_flag("--json", *json, "as JSON");
   command->callback([json, &action] { action = [json] { return devices_command(*json, std::cout, std::cerr); }; });
 }

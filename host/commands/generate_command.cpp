@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
 #include <chrono>
@@ -15,6 +16,7 @@
 #include "host/support/interrupt.h"
 #include "host/support/progress_line.h"
 #include "host/support/ranks.h"
+#include "host/support/terminal.h"
 
 namespace tactel::host {
 namespace {
@@ -68,10 +70,9 @@ Modelling modelling(const GenerateRequest& request, const SceneSource& source, b
   if (!quiet) {
     fmt::print(stderr, "{}, in 95 % of {} contacts tried\n", chosen.why(), count);
     if (!chosen.kept || chosen.rung.exact)
-      fmt::print(stderr, "warning: no rung is known to keep this accuracy on these contacts: the finest was taken\n");
+      print_warning("no rung is known to keep this accuracy on these contacts: the finest was taken");
   }
-  if (chosen.rung.exact) return {ladder()[ladder().size() - 2], false};  // the reference is too slow for sets
-  return {chosen.rung, chosen.kept};
+  return {chosen.rung_for_many(), chosen.kept && !chosen.rung.exact};
 }
 
 /// What --precision and --tolerance do not say, the rung does.
@@ -122,10 +123,10 @@ std::string report_text(const GenerateRequest& request, const ContactSet& set, c
 void warn_of_depth(std::uint64_t too_deep, std::uint64_t contacts) {
   if (too_deep == 0) return;
   const double limit = 100 * fem::linear_strain_limit;
-  fmt::print(stderr,
-             "warning: in {} of {} contacts the indenter is deeper than {:.0f} % of the thickness; rubber was measured "
-             "to be linear up to {:.0f} %\n",
-             too_deep, contacts, limit, limit);
+  print_warning(fmt::format(
+      "in {} of {} contacts the indenter is deeper than {:.0f} % of the thickness; rubber was measured to be linear up "
+      "to {:.0f} %",
+      too_deep, contacts, limit, limit));
 }
 
 int run_generate(const GenerateRequest& request) {
@@ -142,17 +143,17 @@ int run_generate(const GenerateRequest& request) {
     if (complete && !request.shared.quiet) fmt::print("{}: complete already\n", request.output);
     return done;
   }
-  const int inputs = 2 * sweep.source.tactels();
+  const SetColumns columns{2 * sweep.source.tactels(), sweep.source.own_sensors().has_value()};
   const Interrupt interrupt;  // before there is anything to keep
   std::optional<SetSpool> spool;
   if (ranks.first()) {
     check_writable("--output", request.output);
     if (request.force) SetSpool::discard(request.output);
-    spool.emplace(request.output, plan.text(), inputs, 0,
+    spool.emplace(request.output, plan.text(), columns, 0,
                   request.resume ? SetSpool::Open::resume : SetSpool::Open::fresh);
   }
   ranks.barrier();
-  if (!ranks.first()) spool.emplace(request.output, plan.text(), inputs, ranks.rank(), SetSpool::Open::join);
+  if (!ranks.first()) spool.emplace(request.output, plan.text(), columns, ranks.rank(), SetSpool::Open::join);
   if (ranks.first() && !request.shared.quiet && request.resume)
     fmt::print("{} of {} chunks exist{}\n", spool->chunks().size(), chunk_count(sweep.source),
                spool->torn() ? "; one was torn and is generated again" : "");
@@ -175,8 +176,7 @@ int run_generate(const GenerateRequest& request) {
   }
   if (!ranks.first()) return done;
   const auto start = std::chrono::steady_clock::now();
-  ContactSet set;
-  set.inputs = inputs;
+  ContactSet set(columns);
   set.sweep = sweep.text;
   set.plan = plan.conditions;
   set.contacts = sweep.source.contacts();
@@ -204,6 +204,7 @@ int run_generate(const GenerateRequest& request) {
 void add_generate_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<GenerateRequest>();
   CLI::App* command = app.add_subcommand("generate", "simulate a set of many contacts, as HDF5");
+  command->group("Simulate");
   command->add_option("sweep", request->sweep, "sweep file (TOML; mm, MPa)")->type_name("SWEEP.toml")->required();
   command->add_option("--output", request->output, "the set to write")->type_name("SET.h5")->required();
   auto* force = command->add_flag("--force", request->force, "overwrite an existing file, discard an interrupted run");

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/commands/guarded.h"
 
 #include <cstdio>
@@ -10,6 +11,7 @@
 #include "host/figures/plot.h"
 #include "host/support/errors.h"
 #include "host/support/interrupt.h"
+#include "host/support/terminal.h"
 #include "hw/frame_source.h"
 
 namespace tactel::host {
@@ -30,7 +32,7 @@ int unless_stopped(ExitCode code, const std::string& message) {
 }  // namespace
 
 int complain(ExitCode code, const std::string& message) {
-  std::fputs(("error: " + message + "\n").c_str(), stderr);
+  print_error(message);
   return code;
 }
 

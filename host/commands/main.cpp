@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,6 +14,7 @@
 #include "host/device/device.h"
 #include "host/support/nearest_word.h"
 #include "host/support/standard_streams.h"
+#include "host/support/terminal.h"
 
 namespace {
 
@@ -24,7 +26,7 @@ void show_messages(const CLI::App& command) {
   const CLI::Option* quiet = command.get_option_no_throw("--quiet");
   if (quiet != nullptr && quiet->count() > 0) return;
   set_default_log([busy = kernel_line()](LogLevel level, std::string_view message) {
-    if (level == LogLevel::warning) std::fputs(("warning: " + std::string(message) + "\n").c_str(), stderr);
+    if (level == LogLevel::warning) print_warning(message);
     busy(level, message);
   });
 }
@@ -49,11 +51,11 @@ bool refuse_unknown_command(const CLI::App& app, const std::string& word) {
 }
 
 /// CLI11's complaint in the form of ours.
-std::string parse_failure(const CLI::App* app, const CLI::Error& error) {
-  const auto chosen = app->get_subcommands();
-  const CLI::App& command = chosen.empty() ? *app : *chosen.front();
-  return fmt::format("error: {}\nsee {} --help\n", option_error(command, error),
-                     chosen.empty() ? "tactel" : "tactel " + command.get_name());
+int refuse_options(const CLI::App& app, const CLI::ParseError& error) {
+  const auto chosen = app.get_subcommands();
+  const CLI::App& command = chosen.empty() ? app : *chosen.front();
+  return complain(wrong_input, fmt::format("{}\nsee {} --help", option_error(command, error),
+                                           chosen.empty() ? "tactel" : "tactel " + command.get_name()));
 }
 
 /// `tactel help [COMMAND]` as `tactel [COMMAND] --help`.
@@ -76,19 +78,20 @@ int run(int argc, char** argv) {
   app.footer(
       "Exit codes: 0 done, 2 wrong input, 3 device or hardware, 4 something did not meet its tolerance, 130 Ctrl-C.");
   Action action;
-  add_devices_command(app, action);
   add_solve_command(app, action);
   add_generate_command(app, action);
   add_check_command(app, action);
   add_train_command(app, action);
   add_recall_command(app, action);
-  add_reproduce_command(app, action);
-  add_tradeoff_command(app, action);
-  add_extremes_command(app, action);
   add_monitor_command(app, action);
   add_record_command(app, action);
   add_tare_command(app, action);
-  app.failure_message(parse_failure);
+  add_reproduce_command(app, action);
+  add_tradeoff_command(app, action);
+  add_extremes_command(app, action);
+  add_devices_command(app, action);
+  add_demo_command(app, action);
+  add_completion_command(app, action);
   std::vector<std::string> words = arguments_of(argc, argv);
   if (words.empty()) {
     std::fputs(app.help().c_str(), stderr);
@@ -98,8 +101,10 @@ int run(int argc, char** argv) {
   std::ranges::reverse(words);  // CLI11 takes them from the back
   try {
     app.parse(words);
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? done : wrong_input;
+    return refuse_options(app, error);
   }
   return guarded([&] {
     for (const CLI::App* command : app.get_subcommands()) {

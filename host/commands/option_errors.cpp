@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/commands/option_errors.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
 #include <cmath>
@@ -10,6 +11,7 @@
 #include "host/support/json_text.h"
 #include "host/support/progress_line.h"
 #include "host/training/network_report.h"
+#include "host/training/recall_page.h"
 
 namespace tactel::host {
 namespace {
@@ -18,12 +20,13 @@ using Json = nlohmann::ordered_json;
 
 struct RecallRequest {
   NetworkOptions shared;
-  std::string networks, set, json, rows;
+  std::string networks, set, json, rows, html;
 };
 
 void check_recall_outputs(const RecallRequest& request) {
   if (!request.json.empty() && request.json != "-") check_writable("--json", request.json);
   if (!request.rows.empty()) check_writable("--rows", request.rows);
+  if (!request.html.empty()) check_writable("--html", request.html);
 }
 
 /// All networks on all rows; nothing after Ctrl-C.
@@ -36,7 +39,7 @@ std::optional<std::vector<NetworkResult>> recall(const RecallRequest& request, s
     line.show(done, all);
     return !interrupt.requested();
   };
-  const bool keep_rows = !request.rows.empty();
+  const bool keep_rows = !request.rows.empty() || !request.html.empty();
   if (request.shared.precision == "fp64") return recall_networks<double>(executor, networks, set, keep_rows, progress);
   return recall_networks<float>(executor, networks, set, keep_rows, progress);
 }
@@ -93,6 +96,8 @@ int run_recall(const RecallRequest& request) {
   const auto results = recall(request, networks, rows.frames);
   if (!results) return interrupted;
   if (!request.rows.empty()) write_file("--rows", request.rows, rows_csv(networks, *results, rows));
+  if (!request.html.empty())
+    write_file("--html", request.html, recall_page(networks, *results, rows, set.indenter_names, request.set).html());
   const Json report = report_json(request, networks, *results, set, rows);
   if (request.json == "-") {
     fmt::print("{}", json_text(report));
@@ -108,6 +113,7 @@ int run_recall(const RecallRequest& request) {
 void add_recall_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<RecallRequest>();
   CLI::App* command = app.add_subcommand("recall", "report the errors of trained networks on a set");
+  command->group("Learn");
   command->add_option("networks", request->networks, "directory of tactel train, or one network (*.onnx)")
       ->type_name("DIR|FILE.onnx")
       ->required();
@@ -118,6 +124,10 @@ void add_recall_command(CLI::App& app, Action& action) {
       ->type_name("FILE");
   command->add_option("--rows", request->rows, "write S of the set and of every network, row by row, as CSV")
       ->type_name("FILE.csv");
+  command
+      ->add_option("--html", request->html,
+                   "write a page: predicted over true S, the distribution of errors, and errors by indenter and by S")
+      ->type_name("FILE.html");
   add_network_options(*command, request->shared);
   command->callback([request, &action] { action = [request] { return run_recall(*request); }; });
 }

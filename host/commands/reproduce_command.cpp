@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -71,7 +72,7 @@ bool train_networks(const ReproduceRequest& request, Executor& executor, const I
 }
 
 /// Section VI. False when Ctrl-C stopped it.
-bool reproduce_real_sensor(const ReproduceRequest& request, Executor& executor, ReportPage& page) {
+bool reproduce_real_sensor(const ReproduceRequest& request, Executor& executor, Page& page) {
   const Interrupt interrupt;
   ProgressLine line("section VI: networks of the real sensor", "networks", request.quiet);
   RealSensorOptions options;
@@ -93,7 +94,7 @@ bool reproduce_real_sensor(const ReproduceRequest& request, Executor& executor, 
 }
 
 /// Section V. False when Ctrl-C stopped it.
-bool reproduce_networks(const ReproduceRequest& request, Executor& executor, ReportPage& page) {
+bool reproduce_networks(const ReproduceRequest& request, Executor& executor, Page& page) {
   const std::filesystem::path directory = request.output;
   InverseChoice choice = inverse_choice();
   choice.options.cycle_limit = request.cycles;
@@ -112,6 +113,11 @@ bool reproduce_networks(const ReproduceRequest& request, Executor& executor, Rep
   const auto sensitivity = inverse_sensitivity(executor, choice, std::min<std::size_t>(request.seeds, 4),
                                                request.cycles > 0 ? std::min(request.cycles, 2000) : 2000);
   report_inverse_problem(page, problem, choice, sensitivity);
+  if (request.cycles > 0)
+    page.finding(
+        Tone::fair, "quick look",
+        fmt::format("The networks were trained for {} cycles at most (--cycles), the paper's for 10 000 or 15 000.",
+                    request.cycles));
   write_file("--output", directory / "table2.json", json_text(table_two_json(problem)));
   return true;
 }
@@ -122,10 +128,10 @@ int run_reproduce(const ReproduceRequest& request) {
   const FileLock lock = FileLock::of_folder("--output", directory, "a directory in which no other program is training");
   check_writable("--output", directory / "index.html");
   Executor executor{Device(request.device)};
-  ReportPage page("tactel: the paper reproduced",
-                  "Detection of incipient object slippage by skin-like sensing and neural network processing (1998), "
-                  "computed by tactel " TACTEL_VERSION " on " +
-                      executor.device().info().name);
+  Page page("tactel: the paper reproduced",
+            "Detection of incipient object slippage by skin-like sensing and neural network processing (1998), "
+            "computed by tactel " TACTEL_VERSION " on " +
+                executor.device().info().name);
   const auto table_one = [&] {
     const StageLine stage("Table I and Figures 3 to 5: the direct problem", request.quiet);
     return report_direct_problem(executor, page);
@@ -146,6 +152,7 @@ void add_reproduce_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<ReproduceRequest>();
   CLI::App* command = app.add_subcommand(
       "reproduce", "reproduce the paper: Tables I and II, Figures 3 to 5 and section VI, as HTML and JSON");
+  command->group("Verify");
   command->add_option("--output", request->output, "directory of the report")->type_name("DIR")->capture_default_str();
   command->add_option("--device", request->device, "OpenCL device: a part of its name or its index")
       ->type_name("NAME|INDEX");

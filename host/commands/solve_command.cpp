@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -5,6 +6,7 @@
 
 #include "fem/stress_field.h"
 #include "host/commands/shared_options.h"
+#include "host/commands/solve_page.h"
 #include "host/contact/scene_json.h"
 #include "host/contact/solution_table.h"
 #include "host/figures/contact_figure.h"
@@ -14,13 +16,14 @@
 #include "host/support/errors.h"
 #include "host/support/json_text.h"
 #include "host/support/progress_line.h"
+#include "host/support/terminal.h"
 
 namespace tactel::host {
 namespace {
 
 struct SolveRequest {
   SharedOptions shared;
-  std::string scene, json, plot, field;
+  std::string scene, json, plot, field, html;
   std::optional<int> step;
 };
 
@@ -28,6 +31,7 @@ struct SolveRequest {
 void check_solve_outputs(const SolveRequest& request) {
   if (!request.json.empty() && request.json != "-") check_writable("--json", request.json);
   if (!request.plot.empty()) check_figure_path("--plot", request.plot);
+  if (!request.html.empty()) check_writable("--html", request.html);
   if (request.field.empty()) return;
   check_writable("--field", request.field);
   const SolveOptions& solve = request.shared.solve;
@@ -48,7 +52,7 @@ std::size_t chosen_step(const SolveRequest& request, const fem::ContactSolution&
 }
 
 void warn(const SolveRequest& request, const std::string& text) {
-  if (!request.shared.quiet) fmt::print(stderr, "warning: {}\n", text);
+  if (!request.shared.quiet) print_warning(text);
 }
 
 void warn_of_strain(const SolveRequest& request, const fem::StressField& field) {
@@ -70,6 +74,10 @@ void write_results(const SolveRequest& request, const fem::Scene& scene, const S
     fmt::print("{}", solution_table(scene, outcome));
   }
   if (!request.plot.empty()) write_figure("--plot", request.plot, contact_figure(scene, outcome.solution, step));
+  if (!request.html.empty()) {
+    const std::size_t shown = request.step ? step : telling_step(outcome.solution);
+    write_file("--html", request.html, solve_page(outcome, shown).html());
+  }
   if (request.field.empty()) return;
   const fem::StressField field = fem::stress_field(scene.sensor, outcome.solution.steps[step]);
   write_file("--field", request.field, to_vtu(field));
@@ -82,7 +90,7 @@ int run_solve(const SolveRequest& request) {
   const SolveOutcome outcome = [&] {
     const StageLine stage("solving " + request.scene, request.shared.quiet);
     SolveOptions options = request.shared.solve;
-    if (!request.field.empty()) options.mesh_for = "--field";
+    if (!request.field.empty()) options.model = fem::SurfaceModel::mesh;  // a patch has no nodes in the block
     SolveOutcome solved = solve(asked, options);
     solved.mesh_error = mesh_error(solved);
     return solved;
@@ -103,6 +111,7 @@ int run_solve(const SolveRequest& request) {
 void add_solve_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<SolveRequest>();
   CLI::App* command = app.add_subcommand("solve", "solve one contact: a line per load step, or the whole answer");
+  command->group("Simulate");
   command->add_option("scene", request->scene, "scene file (TOML; mm, MPa, N/mm, degrees)")
       ->type_name("SCENE.toml")
       ->required();
@@ -116,7 +125,13 @@ void add_solve_command(CLI::App& app, Action& action) {
       ->type_name("FILE.svg|FILE.png");
   command->add_option("--field", request->field, "write displacement (mm) and stress (MPa) in the block, for ParaView")
       ->type_name("FILE.vtu");
-  command->add_option("--step", request->step, "load step of --plot and --field, from 1 (default: the last)")
+  command
+      ->add_option("--html", request->html,
+                   "write a page: the contact over its load steps, with rubber, tractions, stress and tactels")
+      ->type_name("FILE.html");
+  command
+      ->add_option("--step", request->step,
+                   "load step of --plot and --field, from 1 (default: the last), and the first of --html")
       ->type_name("K");
   add_shared_options(*command, request->shared);
   command->callback([request, &action] { action = [request] { return run_solve(*request); }; });

@@ -1,9 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "host/commands/command.h"
+#include "host/studies/tradeoff/paper_labels.h"
 #include "host/studies/tradeoff/tradeoff_report.h"
 #include "host/support/durable_file.h"
 #include "host/support/errors.h"
@@ -15,11 +17,11 @@ namespace tactel::host {
 namespace {
 
 struct TradeoffRequest {
-  std::string output = "tradeoff", device, planner_source;
-  std::size_t scenes = 96, verify = 0;
+  std::string output = "tradeoff", device, planner_source, html;
+  std::size_t scenes = 288, verify = 0;
   std::uint64_t seed = 1998;
   std::vector<double> accuracies = {0.1, 0.05, 0.02, 0.01};
-  bool quiet = false;
+  bool labels = false, quiet = false;
 };
 
 std::filesystem::path output_directory(const TradeoffRequest& request) {
@@ -34,10 +36,13 @@ std::filesystem::path output_directory(const TradeoffRequest& request) {
 
 int measure(const TradeoffRequest& request, Executor& executor, const TradeoffOptions& options, ProgressLine& line) {
   const std::filesystem::path directory = output_directory(request);
+  if (!request.html.empty()) check_writable("--html", request.html);
   const Tradeoff tradeoff = measure_tradeoff(executor, options);
   line.clear();
   write_file("--output", directory / "tradeoff.json", json_text(to_json(tradeoff)));
-  write_file("--output", directory / "index.html", tradeoff_page(tradeoff));
+  const std::string page = tradeoff_page(tradeoff);
+  write_file("--output", directory / "index.html", page);
+  if (!request.html.empty()) write_file("--html", request.html, page);
   write_figure("--output", directory / "tradeoff.svg", tradeoff_figure(tradeoff));
   write_figure("--output", directory / "sources.svg", sources_figure(tradeoff));
   if (!request.planner_source.empty())
@@ -64,6 +69,18 @@ int verify(const TradeoffRequest& request, Executor& executor, const TradeoffOpt
   return held ? done : not_converged;
 }
 
+int judge_labels(const TradeoffRequest& request, Executor& executor, const TradeoffOptions& options,
+                 ProgressLine& line) {
+  const std::filesystem::path directory = output_directory(request);
+  const PaperLabels labels = measure_paper_labels(
+      executor, [&](std::size_t done, std::size_t total) { return options.progress("", done, total); });
+  line.clear();
+  write_file("--output", directory / "labels.json", json_text(to_json(labels)));
+  write_figure("--output", directory / "labels.svg", labels_figure(labels));
+  fmt::print("{}", labels_table(labels));
+  return done;
+}
+
 int run_tradeoff(const TradeoffRequest& request) {
   Executor executor{Device(request.device)};
   ProgressLine line("tradeoff", "models", request.quiet);
@@ -75,6 +92,7 @@ int run_tradeoff(const TradeoffRequest& request) {
     line.show(done, total);
     return !interrupt.requested();
   };
+  if (request.labels) return judge_labels(request, executor, options, line);
   return request.verify ? verify(request, executor, options, line) : measure(request, executor, options, line);
 }
 
@@ -83,10 +101,14 @@ int run_tradeoff(const TradeoffRequest& request) {
 void add_tradeoff_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<TradeoffRequest>();
   CLI::App* command = app.add_subcommand("tradeoff", "measure error against speed over the ladder of models");
+  command->group("Verify");
   command->add_option("--output", request->output, "directory of report, JSON and plots")
       ->type_name("DIR")
       ->capture_default_str();
-  command->add_option("--scenes", request->scenes, "contacts of the mix that models are judged on")
+  command->add_option("--html", request->html, "write the report to this file, too")->type_name("FILE.html");
+  command
+      ->add_option("--scenes", request->scenes,
+                   "contacts of the mix that patches are judged on; meshes are on a third of them")
       ->check(CLI::Range(8, 100000))
       ->capture_default_str();
   command->add_option("--seed", request->seed, "seed of the mix")->capture_default_str();
@@ -97,6 +119,10 @@ void add_tradeoff_command(CLI::App& app, Action& action) {
           "keeps the accuracy in fewer than 95 %")
       ->type_name("N")
       ->check(CLI::Range(1, 100000));
+  command
+      ->add_flag("--labels", request->labels,
+                 "instead: judge the labels of the paper's learning and recall sets, as its mesh gives them")
+      ->excludes("--verify");
   command
       ->add_option("--accuracy", request->accuracies,
                    "errors in S that --verify requests (default: 0.1, 0.05, 0.02, 0.01)")

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
 #include "host/commands/shared_options.h"
@@ -5,6 +6,7 @@
 #include "host/support/errors.h"
 #include "host/support/interrupt.h"
 #include "host/support/progress_line.h"
+#include "host/support/terminal.h"
 #include "host/training/rank_training.h"
 #include "host/training/stream_training.h"
 #include "host/training/training.h"
@@ -41,8 +43,8 @@ int say(const TrainRequest& request, const TrainingOutcome& outcome) {
   }
   if (outcome.diverged == 0) return done;
   if (!quiet)
-    fmt::print(stderr, "warning: {} of {} networks diverged and have no file: a smaller --learning-rate may help\n",
-               outcome.diverged, outcome.networks);
+    print_warning(fmt::format("{} of {} networks diverged and have no file: a smaller --learning-rate may help",
+                              outcome.diverged, outcome.networks));
   return not_converged;
 }
 
@@ -55,7 +57,7 @@ TrainingOutcome run_job(TrainingJob& job, const TrainRequest& request, bool sile
     return !interrupt.requested();
   };
   const auto log = [&](LogLevel level, std::string_view message) {
-    if (level == LogLevel::warning && !request.shared.quiet) fmt::print(stderr, "warning: {}\n", message);
+    if (level == LogLevel::warning && !request.shared.quiet) print_warning(message);
   };
   return job.run({.progress = progress, .log = log});
 }
@@ -129,6 +131,7 @@ void add_train_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<TrainRequest>();
   CLI::App* command =
       app.add_subcommand("train", "train networks that estimate S from the stresses, with learning curves");
+  command->group("Learn");
   command->add_option("set", request->set, "learning set (HDF5), see tactel generate")->type_name("SET.h5");
   command->add_option("--output", request->output, "directory for the networks, their report and figure")
       ->type_name("DIR")

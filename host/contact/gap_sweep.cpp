@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/contact/gap_sweep.h"
 
 #include <algorithm>
@@ -34,6 +35,22 @@ int expected_window(const fem::Scene& scene, const Eigen::Ref<const Eigen::Vecto
 std::optional<double> slip_index(double mu, double P, double kernel_index) {
   if (!fem::slip_index(mu, P, 0)) return std::nullopt;
   return mu < fem::largest_friction ? kernel_index : 0;
+}
+
+fem::ContactStep lane_step(const std::function<double(int)>& row, double mu) {
+  const int status = static_cast<int>(row(LANE_STATUS));
+  fem::ContactStep step;
+  step.indentation = row(LANE_INDENTATION);
+  step.tangential = row(LANE_TANGENTIAL);
+  step.P = row(LANE_P);
+  step.Q = row(LANE_Q);
+  step.slip_index = slip_index(mu, step.P, row(LANE_SLIP_INDEX));
+  step.slip_distance = row(LANE_SLIP_DISTANCE);
+  step.converged = status == LANE_SOLVED || status == LANE_SLIDING;
+  step.iterations = static_cast<int>(row(LANE_SWEEPS));
+  step.residual = {row(LANE_PENETRATION), row(LANE_CONE), row(LANE_COMPLEMENTARITY), row(LANE_DRIFT),
+                   row(LANE_BALANCE)};
+  return step;
 }
 
 ContactKind kind_of(const fem::Scene& scene) { return {.force = by_force(scene), .friction = scene.friction != 0}; }
@@ -381,17 +398,7 @@ fem::ContactSolution GapSweep<Real>::Batch::solution(std::size_t i) const {
     };
     const int status = static_cast<int>(said(LANE_STATUS));
     if (status == LANE_NOT_RUN) break;
-    fem::ContactStep step;
-    step.indentation = said(LANE_INDENTATION);
-    step.tangential = said(LANE_TANGENTIAL);
-    step.P = said(LANE_P);
-    step.Q = said(LANE_Q);
-    step.slip_index = slip_index(b.friction[i], step.P, said(LANE_SLIP_INDEX));
-    step.slip_distance = said(LANE_SLIP_DISTANCE);
-    step.converged = status == LANE_SOLVED || status == LANE_SLIDING;
-    step.iterations = static_cast<int>(said(LANE_SWEEPS));
-    step.residual = {said(LANE_PENETRATION), said(LANE_CONE), said(LANE_COMPLEMENTARITY), said(LANE_DRIFT),
-                     said(LANE_BALANCE)};
+    fem::ContactStep step = lane_step(said, b.friction[i]);
     if (sweep.options.nodes) {
       step.normal_force = Eigen::VectorXd::NullaryExpr(columns, [&](auto n) { return node(n); });
       step.tangential_force = Eigen::VectorXd::NullaryExpr(columns, [&](auto n) { return node(columns + n); });

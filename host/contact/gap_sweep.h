@@ -1,5 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -37,6 +39,10 @@ struct GapSweepOptions {
 /// Returns S of an increment in the kernel's precision, from mu, P (N/mm) and LANE_SLIP_INDEX: none where mu P = 0,
 /// 0 where friction is unlimited, as fem::slip_index.
 std::optional<double> slip_index(double mu, double P, double kernel_index);
+
+/// Returns the step of a scene with friction mu from a lane's LaneResultRow numbers, without forces of nodes and
+/// stresses.
+fem::ContactStep lane_step(const std::function<double(int row)>& row, double mu);
 
 /// Common property of the scenes of a launch. Each kind has its own program, so that no scene pays for parts that
 /// it lacks. A scene takes the program of its kind regardless of its neighbours.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/contact/gap_sweep_tables.h"
 
 #include <algorithm>

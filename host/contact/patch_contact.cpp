@@ -1,7 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/contact/patch_contact.h"
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <stdexcept>
@@ -41,23 +43,78 @@ bool turns_back(const PatchPath& path) {
 
 template <class Real>
 struct PatchContact<Real>::State {
-  State(Executor& executor, const fem::LayerModel& model, const PatchContactOptions& options)
-      : model(model), executor(executor), options(options), tables(patch_tables(model)) {
+  State(Executor& executor, const PatchContactOptions& options) : executor(executor), options(options) {
     for (const int known : {8, 12, 16, 24})
       if (options.elements == known) elements = known;
     if (elements == 0) throw ValueError("elements", std::to_string(options.elements), "8, 12, 16 or 24");
     constexpr double epsilon = std::numeric_limits<Real>::epsilon();
-    if (this->options.accept == 0) this->options.accept = std::max(20 * options.tolerance, 200 * epsilon);
-    const Device& device = executor.device();
-    smooth = table_on_device<Real>(device, tables.smooth);
-    sides = table_on_device<Real>(device, tables.sides);
-    signs = table_on_device<Real>(device, tables.signs);
-    base = table_on_device<Real>(device, tables.base);
-    tactels = model.base.tactels();
+    const double accept = fem::PatchOptions::accept_over_tolerance * options.tolerance;
+    if (this->options.accept == 0) this->options.accept = std::max(accept, 200 * epsilon);
+  }
+  State(Executor& executor, const fem::LayerModel& layer, const PatchContactOptions& options)
+      : State(executor, options) {
+    model = std::make_shared<const fem::LayerModel>(layer);
+    const PatchTables t = patch_tables(layer);
+    tactels = layer.base.tactels();
+    outputs = static_cast<std::size_t>(t.outputs);
+    set_tables = [=, smooth = on_device(t.smooth), sides = on_device(t.sides), signs = on_device(t.signs),
+                  base = on_device(t.base), cells = t.cells(), side_rows = t.side_rows(), base_rows = t.base_rows(),
+                  per_mm = t.cells_per_mm, cy = t.cy, cx = t.cx, jump = t.jump, sides_per_mm = t.side_rows_per_mm,
+                  sides_from = t.sides_from, base_per_mm = t.base_rows_per_mm, base_from = t.base_from,
+                  thickness = layer.sensor.thickness, length = layer.sensor.length](KernelArguments& kernel) {
+      kernel.set("smooth", smooth);
+      kernel.set("cells", std::int32_t(cells));
+      kernel.set("cells_per_mm", Real(per_mm));
+      kernel.set("thickness", Real(thickness));
+      kernel.set("length", Real(length));
+      kernel.set("cy", Real(cy));
+      kernel.set("cx", Real(cx));
+      kernel.set("jump", Real(jump));
+      kernel.set("sides", sides);
+      kernel.set("side_rows", std::int32_t(side_rows));
+      kernel.set("side_rows_per_mm", Real(sides_per_mm));
+      kernel.set("sides_from", Real(sides_from));
+      kernel.set("signs", signs);
+      kernel.set("base", base);
+      kernel.set("base_rows", std::int32_t(base_rows));
+      kernel.set("base_rows_per_mm", Real(base_per_mm));
+      kernel.set("base_from", Real(base_from));
+    };
+  }
+  State(Executor& executor, const fem::SensorFamily& of, const PatchContactOptions& options)
+      : State(executor, options) {
+    family = of;
+    const FamilyTables t = family_tables(of);
+    tactels = of.range().tactels;
+    outputs = static_cast<std::size_t>(rounded_up(tactels + rounded_up(tactels)));
+    set_tables = [smooth = on_device(t.smooth), sides = on_device(t.sides), forces = on_device(t.side_forces),
+                  stresses = on_device(t.side_stresses), cores = on_device(t.cores), layer = on_device(t.stresses),
+                  poissons = t.poissons, cells = t.cells(), side_rows = t.side_rows(), stress_cells = t.stress_cells(),
+                  tactels = tactels](KernelArguments& kernel) {
+      kernel.set("smooth", smooth);
+      kernel.set("cells", std::int32_t(cells));
+      kernel.set("poissons", std::int32_t(poissons));
+      kernel.set("cells_per_h", Real(fem::LayerTable::cells_a_thickness));
+      kernel.set("sides", sides);
+      kernel.set("side_forces", forces);
+      kernel.set("side_stresses", stresses);
+      kernel.set("side_rows", std::int32_t(side_rows));
+      kernel.set("side_rows_per_h", Real(fem::EndModes::rows_a_thickness));
+      kernel.set("cores", cores);
+      kernel.set("layer_stresses", layer);
+      kernel.set("stress_cells", std::int32_t(stress_cells));
+      kernel.set("stress_cells_per_h", Real(fem::SensorFamily::stress_cells_a_thickness));
+      kernel.set("tactels", std::int32_t(tactels));
+    };
+  }
+
+  Buffer<Real> on_device(const std::vector<double>& values) const {
+    return table_on_device<Real>(executor.device(), values);
   }
 
   Precision precision() const { return sizeof(Real) == 4 ? Precision::fp32 : Precision::fp64; }
   int lanes() const { return executor.device().lanes(precision()); }
+  const char* kernel() const { return family ? "patch_contact_sensors" : "patch_contact"; }
   int force_rows() const { return rounded_up(2 * elements); }
 
   const Program& program(ContactKind kind) {
@@ -69,17 +126,19 @@ struct PatchContact<Real>::State {
                                                   {"LANES", text(lanes())},
                                                   {"ELEMENTS", text(elements)},
                                                   {"FORCE_CONTROL", text(kind.force)},
-                                                  {"FRICTION", text(kind.friction)}});
+                                                  {"FRICTION", text(kind.friction)},
+                                                  {"SENSORS", text(family.has_value())}});
     }
     return *program;
   }
 
-  fem::LayerModel model;
   Executor& executor;
   PatchContactOptions options;
-  PatchTables tables;
-  Buffer<Real> smooth, sides, signs, base;
+  std::shared_ptr<const fem::LayerModel> model;  ///< of the one sensor, or
+  std::optional<fem::SensorFamily> family;       ///< of those of all scenes
+  std::function<void(KernelArguments&)> set_tables;
   int elements = 0, tactels = 0;
+  std::size_t outputs = 0;                  ///< numbers of a load step in the stresses
   std::unique_ptr<Program> programs[2][2];  ///< [force][friction]
 };
 
@@ -93,10 +152,14 @@ struct PatchContact<Real>::Batch::State {
   int slots = 0, most_increments = 0;
   std::size_t groups = 0, lanes = 1;
   double seconds = 0;
-  Buffer<Real> shapes, lane_input, path, result, forces, stress, patches;
+  std::vector<fem::Sensor> sensors;  ///< [scenes] of a family
+  Buffer<Real> shapes, lane_input, lane_sensor, path, result, forces, stress, patches;
   Launch launch;
 
-  std::size_t outputs() const { return contact->tables.outputs; }
+  std::size_t outputs() const { return contact->outputs; }
+  const fem::Sensor& sensor(std::size_t scene) const {
+    return contact->family ? sensors[scene] : contact->model->sensor;
+  }
   /// Index of [group][.. `row` of `height` a group ..][lane].
   std::size_t at_lane(std::size_t lane, std::size_t height, std::size_t row) const {
     return ((lane / lanes) * height + row) * lanes + lane % lanes;
@@ -106,6 +169,7 @@ struct PatchContact<Real>::Batch::State {
 
   void lay_out(std::span<const fem::Scene> scenes, std::span<const PatchPath> paths);
   void fill(std::span<const PatchPath> paths, std::span<const PatchLane> inputs);
+  void fill_sensors();
 };
 
 /// Scenes of like cost side by side, so that the lanes of a group finish together.
@@ -153,13 +217,30 @@ void PatchContact<Real>::Batch::State::fill(std::span<const PatchPath> paths, st
   }
 }
 
+/// Lanes without a scene have thickness 0, which is no sensor.
+template <class Real>
+void PatchContact<Real>::Batch::State::fill_sensors() {
+  const auto rows = lane_sensor.map();
+  std::fill(rows.view().begin(), rows.view().end(), Real(0));
+  for (std::size_t i = 0; i < sensors.size(); ++i) {
+    const PatchSensor sensor = patch_sensor(*contact->family, sensors[i]);
+    for (int row = 0; row < PATCH_SENSOR_ROWS; ++row)
+      rows[at_lane(place[i], PATCH_SENSOR_ROWS, row)] = static_cast<Real>(sensor.rows[row]);
+  }
+}
+
+template <class Real>
+PatchContact<Real>::PatchContact(Executor& executor, const fem::SensorFamily& family,
+                                 const PatchContactOptions& options)
+    : state_(std::make_shared<State>(executor, family, options)) {}
+
 template <class Real>
 PatchContact<Real>::PatchContact(Executor& executor, const fem::LayerModel& model, const PatchContactOptions& options)
     : state_(std::make_shared<State>(executor, model, options)) {}
 
 template <class Real>
-const fem::LayerModel& PatchContact<Real>::model() const {
-  return state_->model;
+std::shared_ptr<const fem::LayerModel> PatchContact<Real>::model_of(const fem::Sensor& sensor) const {
+  return state_->family ? std::make_shared<const fem::LayerModel>(state_->family->model(sensor)) : state_->model;
 }
 
 template <class Real>
@@ -197,6 +278,11 @@ typename PatchContact<Real>::Batch PatchContact<Real>::prepare(std::span<const f
     b.slots = std::max(b.slots, b.path_steps.back());
     b.most_increments = std::max(b.most_increments, b.increments.back());
   }
+  if (state_->family)
+    for (const fem::Scene& scene : scenes) {
+      state_->family->require(scene.sensor);
+      b.sensors.push_back(scene.sensor);
+    }
   b.lay_out(scenes, paths);
 
   b.lanes = state_->lanes();
@@ -212,28 +298,16 @@ typename PatchContact<Real>::Batch PatchContact<Real>::prepare(std::span<const f
   b.stress = buffer(steps * b.outputs());
   b.patches = buffer(all * PATCH_BLOCK);
   b.fill(paths, inputs);
+  if (state_->family) {
+    b.lane_sensor = buffer(all * PATCH_SENSOR_ROWS);
+    b.fill_sensors();
+  }
 
   const PatchContactOptions& o = state_->options;
-  const PatchTables& t = state_->tables;
-  b.launch = state_->executor.prepare(state_->program(kind), "patch_contact", [&](KernelArguments& kernel) {
-    kernel.set("smooth", state_->smooth);
-    kernel.set("cells", std::int32_t(t.cells()));
-    kernel.set("cells_per_mm", Real(t.cells_per_mm));
-    kernel.set("thickness", Real(state_->model.sensor.thickness));
-    kernel.set("length", Real(state_->model.sensor.length));
-    kernel.set("cy", Real(t.cy));
-    kernel.set("cx", Real(t.cx));
-    kernel.set("jump", Real(t.jump));
-    kernel.set("sides", state_->sides);
-    kernel.set("side_rows", std::int32_t(t.side_rows()));
-    kernel.set("side_rows_per_mm", Real(t.side_rows_per_mm));
-    kernel.set("sides_from", Real(t.sides_from));
-    kernel.set("signs", state_->signs);
-    kernel.set("base", state_->base);
-    kernel.set("base_rows", std::int32_t(t.base_rows()));
-    kernel.set("base_rows_per_mm", Real(t.base_rows_per_mm));
-    kernel.set("base_from", Real(t.base_from));
-    kernel.set("outputs", std::int32_t(t.outputs));
+  b.launch = state_->executor.prepare(state_->program(kind), state_->kernel(), [&](KernelArguments& kernel) {
+    state_->set_tables(kernel);
+    if (state_->family) kernel.set("sensors", b.lane_sensor);
+    kernel.set("outputs", std::int32_t(b.outputs()));
     kernel.set("shapes", b.shapes);
     kernel.set("lane_input", b.lane_input);
     kernel.set("path", b.path);
@@ -253,6 +327,12 @@ typename PatchContact<Real>::Batch PatchContact<Real>::prepare(std::span<const f
 template <class Real>
 void PatchContact<Real>::Batch::run(const RunOptions& options) {
   state_->seconds = state_->contact->executor.run(state_->launch, state_->groups, options).seconds;
+}
+
+template <class Real>
+void PatchContact<Real>::Batch::set_parts(bool path, bool base_stress) {
+  state_->launch.set("increments", std::int32_t(path ? state_->most_increments : 0));
+  state_->launch.set("outputs", std::int32_t(path && base_stress ? state_->outputs() : 0));
 }
 
 template <class Real>
@@ -296,6 +376,10 @@ void PatchContact<Real>::Batch::fill_unused(Real value) {
     fill(targets.view(), lane, static_cast<std::size_t>(b.most_increments) * PATCH_PATH_ROWS, own * PATCH_PATH_ROWS);
     if (!used) fill(input.view(), lane, PATCH_INPUT_ROWS, 0);
   }
+  if (!b.contact->family) return;
+  const auto sensors = b.lane_sensor.map();
+  for (std::size_t lane = b.order.size(); lane < b.groups * b.lanes; ++lane)
+    fill(sensors.view(), lane, PATCH_SENSOR_ROWS, 0);
 }
 
 template <class Real>
@@ -369,22 +453,12 @@ fem::ContactSolution PatchContact<Real>::Batch::solution(std::size_t i) const {
   solution.surface_x = Eigen::VectorXd::NullaryExpr(
       elements, [&](auto n) { return b.position[i] + origin + width * (static_cast<double>(n) + 0.5); });
   solution.surface_width = Eigen::VectorXd::Constant(elements, width);
-  solution.tactel_x = fem::tactel_positions(b.contact->model.sensor);
+  solution.tactel_x = fem::tactel_positions(b.sensor(i));
   for (int k = 0; k < b.path_steps[i]; ++k) {
     const auto said = [&](int row) { return static_cast<double>(view.result(i, k, row)); };
     const int status = static_cast<int>(said(LANE_STATUS));
     if (status == LANE_NOT_RUN) break;
-    fem::ContactStep step;
-    step.indentation = said(LANE_INDENTATION);
-    step.tangential = said(LANE_TANGENTIAL);
-    step.P = said(LANE_P);
-    step.Q = said(LANE_Q);
-    step.slip_index = slip_index(b.friction[i], step.P, said(LANE_SLIP_INDEX));
-    step.slip_distance = said(LANE_SLIP_DISTANCE);
-    step.converged = status == LANE_SOLVED || status == LANE_SLIDING;
-    step.iterations = static_cast<int>(said(LANE_SWEEPS));
-    step.residual = {said(LANE_PENETRATION), said(LANE_CONE), said(LANE_COMPLEMENTARITY), said(LANE_DRIFT),
-                     said(LANE_BALANCE)};
+    fem::ContactStep step = lane_step(said, b.friction[i]);
     if (status != LANE_INVALID) {
       const auto forces = view.forces(i, k), stress = view.tactels(i, k);
       const auto number = [](std::span<const Real> from, Eigen::Index n) { return static_cast<double>(from[n]); };

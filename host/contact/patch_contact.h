@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <memory>
 #include <span>
@@ -5,6 +6,7 @@
 
 #include "fem/contact_solution.h"
 #include "fem/layer/layer_model.h"
+#include "fem/layer/sensor_family.h"
 #include "fem/scene.h"
 #include "host/contact/gap_sweep.h"
 #include "host/contact/patch_contact_lanes.h"
@@ -25,29 +27,35 @@ struct PatchContactOptions {
   bool fallback = true;     ///< solve_patch_contact solves the remaining ones exactly, or by the twin with more sweeps
 };
 
-/// Contact of scenes that share a sensor, each on its own patch of equal elements over what its indenter touches
-/// (kernels/patch_contact.cl). Tables and programs for one precision. Cheap to copy.
+/// Contact of scenes that share a sensor, or whose sensors are of one family, each on its own patch of equal elements
+/// over what its indenter touches (kernels/patch_contact.cl). Tables and programs for one precision. Cheap to copy.
 template <class Real>
 class PatchContact {
  public:
   /// Throws ValueError for a number of elements that has no program.
   PatchContact(Executor& executor, const fem::LayerModel& model, const PatchContactOptions& options = {});
+  /// The same for scenes each with its own sensor of this family.
+  PatchContact(Executor& executor, const fem::SensorFamily& family, const PatchContactOptions& options = {});
 
   /// The contact that the patch of a scene must cover; none: the kernel searches it.
   using Given = std::optional<PatchContactExtent>;
 
-  /// Scenes of this sensor (E may differ) with their load paths, laid out in lanes; all of one ContactKind.
+  /// Scenes of this sensor (E may differ), or of sensors of the family, with their load paths, laid out in lanes; all
+  /// of one ContactKind.
   class Batch {
     struct State;
 
    public:
     void run(const RunOptions& options = {});  ///< one launch
-    std::size_t size() const;                  ///< scenes
-    int steps() const;                         ///< load steps of the longest path
-    std::size_t steps_in_all() const;          ///< load steps of all scenes
-    double seconds() const;                    ///< of the last run
-    void fill_outputs(Real value);             ///< what the outputs hold before a run: tests put NaN there
-    void fill_unused(Real value);              ///< the same for lanes without a scene and targets behind a path's end
+    /// What runs from now on compute: with `path` the load path, with `base_stress` also the stresses at the tactels.
+    /// The patch and its compliance are always computed. Benchmarks time the parts with it.
+    void set_parts(bool path, bool base_stress);
+    std::size_t size() const;          ///< scenes
+    int steps() const;                 ///< load steps of the longest path
+    std::size_t steps_in_all() const;  ///< load steps of all scenes
+    double seconds() const;            ///< of the last run
+    void fill_outputs(Real value);     ///< what the outputs hold before a run: tests put NaN there
+    void fill_unused(Real value);      ///< the same for lanes without a scene and targets behind a path's end
     /// Returns the answer of the kernel for scene `i`, in the order of prepare(). Node forces are those of the elements
     /// of its patch, surface_x their middles; base forces are not known.
     fem::ContactSolution solution(std::size_t i) const;
@@ -80,9 +88,11 @@ class PatchContact {
     std::shared_ptr<State> state_;
   };
 
-  /// `given`: [scenes], or empty for none. Throws std::invalid_argument where scenes differ in kind.
+  /// `given`: [scenes], or empty for none. Throws std::invalid_argument where scenes differ in kind, ValueError for a
+  /// sensor outside the family.
   Batch prepare(std::span<const fem::Scene> scenes, std::span<const Given> given = {}) const;
-  const fem::LayerModel& model() const;
+  /// Returns the tables of this sensor: those of all scenes, or made from the family's.
+  std::shared_ptr<const fem::LayerModel> model_of(const fem::Sensor& sensor) const;
   const PatchContactOptions& options() const;
 
  private:
@@ -109,7 +119,14 @@ template <class Real>
 std::optional<PatchContactExtent> grown_contact(const typename PatchContact<Real>::Batch::View& view, std::size_t i,
                                                 int elements);
 
-/// Solves scenes of one sensor (E may differ), of any kinds, in their order. A patch that is too small grows, and its
+/// Sensors that differ in more than E and their mesh: patches on one of them share its tables.
+struct SharedLayers {
+  std::vector<fem::Sensor> sensors;  ///< E = 1, in the order of their first scene
+  std::vector<std::size_t> of;       ///< [scenes] index in sensors
+};
+SharedLayers shared_layers(std::span<const fem::Scene> scenes);
+
+/// Solves scenes that a launcher takes, of any kinds, in their order. A patch that is too small grows, and its
 /// scene is solved again. A scene with a step over tolerance after that is solved in fp64, exactly on the same elements
 /// (fem/layer/patch_exact.h) or by the twin with more sweeps, and has fell_back = true. Steps that still miss their
 /// tolerance have converged = false. Throws ValueError for an invalid scene.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/contact/patch_contact_lanes.h"
 
 #include <algorithm>

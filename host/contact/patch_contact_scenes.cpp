@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
 #include "fem/layer/patch_exact.h"
@@ -95,10 +96,11 @@ void fall_back(const PatchContact<Real>& contact, const fem::Scene& scene, const
                                .pressing_increments = options.increments,
                                .most_sweeps = more_sweeps * options.most_sweeps,
                                .most_growths = options.most_growths};
+  const auto model = contact.model_of(scene.sensor);
   if (patch.right > patch.left)
-    keep_better(solution, fem::solve_patch_exactly(contact.model(), patch, scene, twin.increments(),
-                                                   {.tolerance = options.accept}));
-  if (!every_step_converged(solution)) keep_better(solution, fem::PatchSolver(contact.model(), twin).solve(scene));
+    keep_better(solution,
+                fem::solve_patch_exactly(*model, patch, scene, twin.increments(), {.tolerance = options.accept}));
+  if (!every_step_converged(solution)) keep_better(solution, fem::PatchSolver(*model, twin).solve(scene));
   solution.fell_back = true;
 }
 
@@ -157,18 +159,23 @@ std::vector<fem::ContactSolution> solve_patch_contact(const PatchContact<Real>& 
   return solutions;
 }
 
+SharedLayers shared_layers(std::span<const fem::Scene> scenes) {
+  SharedLayers shared;
+  for (const fem::Scene& scene : scenes) {
+    const auto own = std::ranges::find_if(shared.sensors,
+                                          [&](const fem::Sensor& sensor) { return same_layer(sensor, scene.sensor); });
+    shared.of.push_back(static_cast<std::size_t>(own - shared.sensors.begin()));
+    if (own == shared.sensors.end()) shared.sensors.push_back(scene.sensor), shared.sensors.back().young = 1;
+  }
+  return shared;
+}
+
 std::vector<fem::ContactSolution> solve_patch_contact(Executor& executor, std::span<const fem::Scene> scenes,
                                                       Precision precision, const PatchContactOptions& options) {
   std::vector<fem::ContactSolution> solutions(scenes.size());
-  std::vector<std::vector<std::size_t>> groups;
-  for (std::size_t i = 0; i < scenes.size(); ++i) {
-    const auto own = std::ranges::find_if(
-        groups, [&](const auto& group) { return same_layer(scenes[group.front()].sensor, scenes[i].sensor); });
-    if (own == groups.end())
-      groups.push_back({i});
-    else
-      own->push_back(i);
-  }
+  const SharedLayers shared = shared_layers(scenes);
+  std::vector<std::vector<std::size_t>> groups(shared.sensors.size());
+  for (std::size_t i = 0; i < scenes.size(); ++i) groups[shared.of[i]].push_back(i);
   for (const auto& which : groups) {
     if (precision == Precision::fp32)
       solve_on_sensor<float>(executor, scenes, which, options, solutions);

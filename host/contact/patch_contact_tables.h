@@ -1,7 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <vector>
 
 #include "fem/layer/layer_model.h"
+#include "fem/layer/sensor_family.h"
 #include "kernels/shared/patch_layout.h"
 
 namespace tactel::host {
@@ -24,5 +26,27 @@ struct PatchTables {
 };
 
 PatchTables patch_tables(const fem::LayerModel& model);
+
+/// Tables of a family of sensors for the kernel, for E = 1; a row for each of `poissons` Poisson's ratios. Distances in
+/// thicknesses.
+struct FamilyTables {
+  int poissons = 0;
+  std::vector<double> smooth;                             ///< [cells][poissons][PATCH_BLOCK] as PatchTables::smooth
+  std::vector<double> sides, side_forces, side_stresses;  ///< [side rows][PATCH_BLOCK] of EndModes; empty: no sides
+  std::vector<double> cores;                              ///< [poissons][CORE_NUMBERS]
+  std::vector<double> stresses;                           ///< [stress cells][poissons][STRESS_NUMBERS]
+
+  int cells() const { return static_cast<int>(smooth.size() / PATCH_BLOCK) / poissons; }
+  int side_rows() const { return static_cast<int>(sides.size() / PATCH_BLOCK); }
+  int stress_cells() const { return static_cast<int>(stresses.size() / STRESS_NUMBERS) / poissons; }
+};
+
+FamilyTables family_tables(const fem::SensorFamily& family);
+
+/// The numbers of PatchSensorRow of one sensor.
+struct PatchSensor {
+  double rows[PATCH_SENSOR_ROWS] = {};
+};
+PatchSensor patch_sensor(const fem::SensorFamily& family, const fem::Sensor& sensor);
 
 }  // namespace tactel::host

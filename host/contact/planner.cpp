@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/contact/planner.h"
 
 #include <fmt/format.h>
@@ -52,12 +53,15 @@ PlanTrial compare(std::span<const fem::Scene> scenes, std::size_t low, const std
 }  // namespace
 
 double expected_error(std::size_t rung, double difference) {
-  const MeasuredRung& measured = measured_ladder()[rung];
-  return std::max(measured.factor * difference, measured.least);
+  const auto measured = measured_ladder();
+  if (rung + 2 == measured.size()) return difference;
+  return std::min(measured[rung].error.at(difference), measured[rung].most);
 }
 
 double expected_next_error(std::size_t rung, double difference) {
-  return std::max(measured_ladder()[rung].next_factor * difference, measured_ladder()[rung + 1].least);
+  const auto measured = measured_ladder();
+  if (rung + 2 == measured.size()) return measured[rung + 1].most;
+  return std::min(measured[rung].next_error.at(difference), measured[rung + 1].most);
 }
 
 Plan plan(std::span<const fem::Scene> scenes, double accuracy, const SolveRung& solve) {
@@ -82,6 +86,8 @@ Plan plan(std::span<const fem::Scene> scenes, double accuracy, const SolveRung& 
   }
   return result;
 }
+
+const Rung& Plan::rung_for_many() const { return rung.exact ? ladder()[ladder().size() - 2] : rung; }
 
 std::string Plan::why() const {
   const PlanTrial& last = trials.back();

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
@@ -5,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "host/contact/rung_error.h"
 #include "host/scenes/ladder.h"
 
 namespace tactel::host {
@@ -13,10 +15,10 @@ namespace tactel::host {
 /// holds them. A difference is that in S from the next rung of the ladder.
 struct MeasuredRung {
   const char* name;
-  double factor;       ///< error in S over the difference: 95 % of the scenes have less
-  double next_factor;  ///< the next rung's error over the same difference: 95 % have less; 0 where it is the reference
-  double least;        ///< error in S that 75 % of the scenes have less of: two rungs may agree by chance. Of the
-                       ///< reference, its own error in 95 % of the scenes
+  ErrorLine error;       ///< error in S over the difference
+  ErrorLine next_error;  ///< the next rung's error over the same difference
+  double most;  ///< error in S that 98 % of the scenes stay below, whatever the difference. Of the reference, its
+                ///< own error in 95 % of the scenes
 };
 std::span<const MeasuredRung> measured_ladder();
 
@@ -32,7 +34,8 @@ struct PlanTrial {
   bool missed = false;        ///< a contact is missed
 };
 
-/// Returns the expected errors in S of a rung of the ladder, and of the next, which differ by `difference`.
+/// Returns the expected errors in S of a rung of the ladder, and of the next, which differ by `difference`: the line,
+/// or what 98 % of all scenes stay below where that is less. The difference from the reference is the error.
 double expected_error(std::size_t rung, double difference);
 double expected_next_error(std::size_t rung, double difference);
 
@@ -47,6 +50,8 @@ struct Plan {
   std::vector<PlanTrial> trials{};
   std::vector<fem::ContactSolution> answers{};  ///< of the scenes on that rung
   std::string why() const;                      ///< one line
+  /// Returns the rung, or the finest below the reference in its place, which is too slow for many contacts.
+  const Rung& rung_for_many() const;
 };
 nlohmann::ordered_json to_json(const Plan& plan);
 

@@ -1,7 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/contact/rung_error.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace tactel::host {
 namespace {
@@ -56,6 +58,23 @@ double covering_value(std::vector<double> values, double share) {
   std::ranges::sort(values);
   const auto count = static_cast<double>(values.size());
   return values[static_cast<std::size_t>(std::clamp(std::ceil(share * count) - 1, 0.0, count - 1))];
+}
+
+ErrorLine error_line(const std::vector<double>& differences, const std::vector<double>& errors, double share) {
+  constexpr int slopes = 80;
+  constexpr double slope_step = 0.05;
+  ErrorLine best;
+  double least_loss = std::numeric_limits<double>::infinity();
+  for (int k = 0; k <= slopes; ++k) {
+    ErrorLine line{.slope = k * slope_step};
+    std::vector<double> above;
+    for (std::size_t i = 0; i < errors.size(); ++i) above.push_back(errors[i] - line.slope * differences[i]);
+    line.least = std::max(0.0, covering_value(above, share));
+    double loss = 0;
+    for (const double a : above) loss += (a > line.least ? share : share - 1) * (a - line.least);
+    if (loss < least_loss) least_loss = loss, best = line;
+  }
+  return best;
 }
 
 ErrorQuantiles quantiles(const std::vector<AnswerError>& errors) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <array>
 #include <span>
@@ -39,5 +40,16 @@ ErrorQuantiles quantiles(const std::vector<AnswerError>& errors);
 /// Returns the smallest of the values that at least this share of them does not exceed; 0 for no values. The result
 /// is always one of the values, so that a promised error is one that occurred; nn::quantile interpolates.
 double covering_value(std::vector<double> values, double share);
+
+/// A line that a share of errors stays below: error <= least + slope times the difference of two rungs.
+struct ErrorLine {
+  double least = 0;  ///< two rungs may agree by chance
+  double slope = 0;
+  double at(double difference) const { return least + slope * difference; }
+};
+
+/// Returns the line of the share-quantile of errors over differences, [scenes] both: quantile regression (Koenker and
+/// Bassett, Econometrica 46, 1978), with slopes 0, 0.05 ... 4 and `least` >= 0.
+ErrorLine error_line(const std::vector<double>& differences, const std::vector<double>& errors, double share);
 
 }  // namespace tactel::host

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/contact/solution_table.h"
 
 #include <fmt/format.h>
@@ -8,6 +9,22 @@
 #include "fem/contact_laws.h"
 
 namespace tactel::host {
+
+std::string fixed(double value, int digits) {
+  const std::string text = fmt::format("{:.{}f}", value, digits);
+  return text.find_first_not_of("-0.") == std::string::npos && text.front() == '-' ? text.substr(1) : text;
+}
+
+std::string short_number(double value) {
+  const double size = std::abs(value);
+  if (size == 0 || (size >= 0.01 && size < 10)) return fixed(value, 4);
+  if (size >= 1e-3 && size < 0.01) return fixed(value, 6);
+  if (size >= 10 && size < 100) return fixed(value, 3);
+  return size >= 100 && size < 1000 ? fixed(value, 2) : fmt::format("{:.3e}", value);
+}
+
+double without_rounding(double Q, double P) { return std::abs(Q) < 1e-9 * P ? 0 : Q; }
+
 namespace {
 
 std::string header(const fem::Scene& scene, const SolveOutcome& outcome) {
@@ -18,24 +35,6 @@ std::string header(const fem::Scene& scene, const SolveOutcome& outcome) {
   out += fmt::format("{}, solver {}, {}\n", model_name(outcome), outcome.solver, outcome.precision);
   return out + fmt::format("{}\n\n", outcome.device);
 }
-
-/// Without the sign of a zero.
-std::string fixed(double value, int digits) {
-  const std::string text = fmt::format("{:.{}f}", value, digits);
-  return text.find_first_not_of("-0.") == std::string::npos && text.front() == '-' ? text.substr(1) : text;
-}
-
-/// Four digits or five, in seven letters where the number is not below 0.01 or above 1000.
-std::string short_number(double value) {
-  const double size = std::abs(value);
-  if (size == 0 || (size >= 0.01 && size < 10)) return fixed(value, 4);
-  if (size >= 1e-3 && size < 0.01) return fixed(value, 6);
-  if (size >= 10 && size < 100) return fixed(value, 3);
-  return size >= 100 && size < 1000 ? fixed(value, 2) : fmt::format("{:.3e}", value);
-}
-
-/// Q beside P: what rounding leaves of 0 is 0.
-double without_rounding(double Q, double P) { return std::abs(Q) < 1e-9 * P ? 0 : Q; }
 
 std::string row(std::size_t number, const fem::ContactStep& step) {
   const auto count = [&](fem::GapStatus status) { return std::ranges::count(step.status, status); };
@@ -50,11 +49,12 @@ std::string row(std::size_t number, const fem::ContactStep& step) {
 /// Two digits, as a share of the largest: 2.7 %.
 std::string percent(double share) { return fmt::format("{:.2g} %", 100 * share); }
 
-std::string mesh_error_line(const MeshError& error) {
-  const AnswerError& e = error.expected;
+std::string mesh_error_line(const SolveOutcome& outcome) {
+  const AnswerError& e = outcome.mesh_error->expected;
   return fmt::format(
-      "error of the mesh to expect (from {}): S {:.2g},\n  P {}, Q {}, sigma_y {}, tau_xy {} of the largest\n",
-      error.finer, e.S, percent(e.P), percent(e.Q), percent(e.sigma), percent(e.tau));
+      "error of the {} to expect (from {}): S {:.2g},\n  P {}, Q {}, sigma_y {}, tau_xy {} of the largest\n",
+      outcome.on_patch() ? "patch" : "mesh", outcome.mesh_error->finer, e.S, percent(e.P), percent(e.Q),
+      percent(e.sigma), percent(e.tau));
 }
 
 }  // namespace
@@ -64,12 +64,12 @@ std::string solution_table(const fem::Scene& scene, const SolveOutcome& outcome)
   out += fmt::format("{:>4} {:>7} {:>7} {:>7} {:>7} {:>7}{:>5}{:>6}{:>5}{:>6}{:>5}{:>9}\n", "step", "depth", "drag",
                      "P", "Q", "S", "open", "stick", "slip", "iter", "met", "residual");
   out += fmt::format("{:>4} {:>7} {:>7} {:>7} {:>7} {:>7}{:>16}{:>20}\n", "", "mm", "mm", "N/mm", "N/mm", "Q/mu P",
-                     "surface nodes", "largest");
+                     outcome.on_patch() ? "elements" : "surface nodes", "largest");
   const auto& steps = outcome.solution.steps;
   for (std::size_t k = 0; k < steps.size(); ++k) out += row(k + 1, steps[k]);
   if (outcome.solution.sliding) out += "the whole contact slides\n";
   if (never_slid(scene, outcome.solution)) out += "the contact does not slide as a whole\n";
-  if (outcome.mesh_error) out += mesh_error_line(*outcome.mesh_error);
+  if (outcome.mesh_error) out += mesh_error_line(outcome);
   if (outcome.solution.fell_back)
     out += "the sweeps did not converge: solved on the host by the exact fallback, in fp64\n";
   return out;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <string>
 
@@ -8,5 +9,12 @@ namespace tactel::host {
 
 /// Returns the answer as a table: scene, model and solver, then a line per load step.
 std::string solution_table(const fem::Scene& scene, const SolveOutcome& outcome);
+
+/// Returns a number with so many digits behind the point; a zero has no sign.
+std::string fixed(double value, int digits);
+/// Returns a number with four or five digits, in seven letters where its size is between 0.001 and 1000.
+std::string short_number(double value);
+/// Returns Q beside P: what rounding leaves of 0 is 0.
+double without_rounding(double Q, double P);
 
 }  // namespace tactel::host

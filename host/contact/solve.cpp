@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/contact/solve.h"
 
 #include <fmt/format.h>
@@ -8,6 +9,7 @@
 #include <tuple>
 
 #include "fem/gap_reference.h"
+#include "fem/layer/patch_solver.h"
 #include "fem/stress_field.h"
 #include "host/contact/gap_sweep.h"
 #include "host/contact/solve_on_rung.h"
@@ -33,8 +35,7 @@ SolveOutcome solve_reference(const fem::Scene& scene, const SolveOptions& option
   return {fem::solve_gap_reference(scene, reference), "reference", "fp64", "host"};
 }
 
-constexpr double patch_accept_factor = 20;  ///< PatchContactOptions::accept over its tolerance
-constexpr double fine_tolerance = 1e-7;     ///< of a single patch in fp64
+constexpr double fine_tolerance = 1e-7;  ///< of a single patch in fp64
 
 /// The rung of a scene on a patch: the one asked for; where none is, the usual one, in fp64 where the device has it.
 Rung patch_rung(const SolveOptions& options, const DeviceInfo& device) {
@@ -46,7 +47,8 @@ Rung patch_rung(const SolveOptions& options, const DeviceInfo& device) {
 }
 
 std::string rung_reason(const SolveOptions& options) {
-  return options.rung.empty() ? "the scene file names no mesh" : "--rung " + options.rung;
+  if (!options.rung.empty()) return "--rung " + options.rung;
+  return options.model ? "a patch was requested" : "the scene file names no mesh";
 }
 
 SolveOutcome outcome_on(const Rung& rung, const fem::Scene& scene, fem::ContactSolution solution,
@@ -67,7 +69,7 @@ SolveOutcome solve_on_patch(const fem::Scene& scene, const SolveOptions& options
   scene.validate();
   Executor executor{Device(options.device)};
   Rung rung = patch_rung(options, executor.device().info());
-  if (options.tolerance) rung.tolerance = *options.tolerance / patch_accept_factor;
+  if (options.tolerance) rung.tolerance = *options.tolerance / fem::PatchOptions::accept_over_tolerance;
   auto answers = solve_on_rung(executor, std::span(&scene, 1), rung);
   SolveOutcome outcome =
       outcome_on(rung, scene, std::move(answers.front()), executor.device().info().name, rung_reason(options));
@@ -231,9 +233,8 @@ SolveOutcome solve(const fem::Scene& scene, const SolveOptions& options) {
   if (options.accuracy) return solve_to_accuracy(scene, options);
   const Rung* rung = options.rung.empty() ? nullptr : &rung_named(options.rung);
   const bool reference = options.solver == "reference";
-  const bool mesh_wanted = reference || (!rung && !options.mesh_for.empty());
-  if (!mesh_wanted && (rung ? rung->patch() : scene.model == fem::SurfaceModel::patch))
-    return solve_on_patch(scene, options);
+  const fem::SurfaceModel model = options.model.value_or(scene.model);
+  if (!reference && (rung ? rung->patch() : model == fem::SurfaceModel::patch)) return solve_on_patch(scene, options);
   const fem::Scene modelled = rung ? on_mesh(scene, *rung) : scene;
   SolveOutcome outcome = reference ? solve_reference(modelled, options) : solve_on_mesh(modelled, options);
   outcome.scene = modelled;
@@ -241,7 +242,7 @@ SolveOutcome solve(const fem::Scene& scene, const SolveOptions& options) {
   outcome.model_reason = rung                                     ? "--rung " + options.rung
                          : scene.model == fem::SurfaceModel::mesh ? "the scene file names a mesh"
                          : reference                              ? "--solver reference solves the mesh"
-                                                                  : options.mesh_for + " needs the mesh";
+                                                                  : "a mesh was requested";
   return outcome;
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <optional>
 #include <string>
@@ -15,12 +16,12 @@ std::vector<std::string> solver_names();
 
 /// Solver, precision, device and tolerance: the options --solver, --precision, --device and --tolerance.
 struct SolveOptions {
-  std::string solver = "batched";  ///< one of solver_names()
-  std::string precision;           ///< "fp32", "fp64"; empty: fp64 where the device has it
-  std::string device;              ///< name or index of an OpenCL device; empty: the default device
-  std::string mesh_for;            ///< an option that only a mesh can serve; empty: none. It decides where no rung does
-  std::string rung;                ///< one of rung_names(); empty: the scene's own model
-  std::optional<double> accuracy;  ///< largest error in S: the planner chooses the rung
+  std::string solver = "batched";            ///< one of solver_names()
+  std::string precision;                     ///< "fp32", "fp64"; empty: fp64 where the device has it
+  std::string device;                        ///< name or index of an OpenCL device; empty: the default device
+  std::optional<fem::SurfaceModel> model{};  ///< where no rung decides; none: the scene's own
+  std::string rung;                          ///< one of rung_names(); empty: the scene's own model
+  std::optional<double> accuracy;            ///< largest error in S: the planner chooses the rung
   std::optional<double> tolerance;  ///< largest relative residual that counts as converged; none: the solver's own
 };
 

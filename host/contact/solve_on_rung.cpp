@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/contact/solve_on_rung.h"
 
 #include <algorithm>
@@ -5,6 +6,7 @@
 
 #include "fem/layer/layer_model.h"
 #include "fem/layer/patch_reference.h"
+#include "fem/load_stepping.h"
 #include "host/contact/gap_sweep.h"
 #include "host/contact/patch_contact.h"
 #include "host/support/side_by_side.h"
@@ -33,33 +35,14 @@ fem::ContactSolution solve_exactly(const fem::LayerModel& model, const fem::Scen
 
 std::vector<fem::ContactSolution> on_patches(Executor& executor, std::span<const fem::Scene> scenes, const Rung& rung) {
   if (!rung.exact) return solve_patch_contact(executor, scenes, rung.precision, patch_options(rung));
-  std::vector<fem::Sensor> sensors;
-  std::vector<std::size_t> sensor_of;  // [scenes]
-  for (const fem::Scene& scene : scenes) {
-    sensor_of.push_back(static_cast<std::size_t>(std::ranges::find(sensors, scene.sensor) - sensors.begin()));
-    if (sensor_of.back() == sensors.size()) sensors.push_back(scene.sensor);
-  }
+  const SharedLayers shared = shared_layers(scenes);
+  const std::vector<fem::Sensor>& sensors = shared.sensors;
   std::vector<std::optional<fem::LayerModel>> models(sensors.size());
   side_by_side(sensors.size(), executor.threads(), [&](std::size_t k) { models[k] = fem::layer_model(sensors[k]); });
   std::vector<fem::ContactSolution> answers(scenes.size());
   side_by_side(scenes.size(), executor.threads(),
-               [&](std::size_t i) { answers[i] = solve_exactly(*models[sensor_of[i]], scenes[i], rung); });
+               [&](std::size_t i) { answers[i] = solve_exactly(*models[shared.of[i]], scenes[i], rung); });
   return answers;
-}
-
-/// Increments on the mesh to one pressing step of the scene.
-int subdivision(const fem::Scene& scene, const Rung& rung) {
-  return (rung.steps + scene.load.indentation_steps - 1) / scene.load.indentation_steps;
-}
-
-/// Keeps the steps that the scene's own load has.
-void keep_own_steps(fem::ContactSolution& answer, const fem::Load& load, int subdivision) {
-  const std::size_t targets = load.normal_force.empty() ? load.indentation.size() : load.normal_force.size();
-  const std::size_t pressed = targets * load.indentation_steps * subdivision;
-  std::vector<fem::ContactStep> own;
-  for (std::size_t k = 0; k < answer.steps.size(); ++k)
-    if (k >= pressed || (k + 1) % subdivision == 0) own.push_back(std::move(answer.steps[k]));
-  answer.steps = std::move(own);
 }
 
 }  // namespace
@@ -84,28 +67,35 @@ PatchContactOptions patch_options(const Rung& rung) {
   return options;
 }
 
-std::vector<fem::ContactSolution> solve_on_rung(Executor& executor, std::span<const fem::Scene> scenes,
-                                                const Rung& rung, bool nodes) {
+void finish_on_mesh(Executor& executor, std::span<const fem::Scene> scenes, const Rung& rung, bool nodes,
+                    std::vector<fem::ContactSolution>& answers) {
   std::vector<fem::Scene> modelled;
-  if (!rung.patch()) {
-    for (const fem::Scene& scene : scenes) modelled.push_back(on_mesh(scene, rung));
-    return on_meshes(executor, modelled, rung, nodes);
-  }
-  std::vector<fem::ContactSolution> answers = on_patches(executor, scenes, rung);
   std::vector<std::size_t> others;
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     if (patch_serves(scenes[i].sensor, answers[i]) && every_step_converged(answers[i])) continue;
     others.push_back(i);
     modelled.push_back(on_mesh(scenes[i], rung));
-    modelled.back().load.indentation_steps = scenes[i].load.indentation_steps * subdivision(scenes[i], rung);
+    modelled.back().load.indentation_steps =
+        scenes[i].load.indentation_steps * fem::pressing_parts(scenes[i].load, rung.steps);
   }
   std::vector<fem::ContactSolution> meshed = on_meshes(executor, modelled, rung, nodes);
   for (std::size_t k = 0; k < others.size(); ++k) {
     const std::size_t i = others[k];
     if (patch_serves(scenes[i].sensor, answers[i]) && !every_step_converged(meshed[k])) continue;
     answers[i] = std::move(meshed[k]);
-    keep_own_steps(answers[i], scenes[i].load, subdivision(scenes[i], rung));
+    keep_own_steps(answers[i], scenes[i].load, fem::pressing_parts(scenes[i].load, rung.steps));
   }
+}
+
+std::vector<fem::ContactSolution> solve_on_rung(Executor& executor, std::span<const fem::Scene> scenes,
+                                                const Rung& rung, bool nodes) {
+  if (!rung.patch()) {
+    std::vector<fem::Scene> modelled;
+    for (const fem::Scene& scene : scenes) modelled.push_back(on_mesh(scene, rung));
+    return on_meshes(executor, modelled, rung, nodes);
+  }
+  std::vector<fem::ContactSolution> answers = on_patches(executor, scenes, rung);
+  finish_on_mesh(executor, scenes, rung, nodes, answers);
   return answers;
 }
 

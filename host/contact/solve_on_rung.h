@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <span>
 #include <vector>
@@ -18,6 +19,11 @@ bool patch_serves(const fem::Sensor& sensor, double left, double right);
 
 /// Returns the launcher's options of a rung on patches.
 PatchContactOptions patch_options(const Rung& rung);
+
+/// Replaces the answers that a patch does not serve, or does not solve, by those of the rung's mesh: the second part of
+/// solve_on_rung.
+void finish_on_mesh(Executor& executor, std::span<const fem::Scene> scenes, const Rung& rung, bool nodes,
+                    std::vector<fem::ContactSolution>& answers);
 
 /// Solves scenes as a rung models them. Contacts that a patch does not serve, or that are not solved on one, are solved
 /// on the rung's mesh, with the load steps of the scene; such answers have no surface_width. `nodes`: also return

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/device/compile_cache.h"
 
 #include <fcntl.h>
@@ -7,8 +8,11 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <chrono>
+#include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <map>
 #include <optional>
@@ -20,6 +24,7 @@
 
 #include "host/support/bounded_file.h"
 #include "host/support/checksum.h"
+#include "host/support/exit_code.h"
 
 namespace tactel::host {
 namespace {
@@ -136,13 +141,21 @@ Verdict judge(const fs::path& path, const std::string& name, const List& list) {
   return same ? Verdict::good : Verdict::damaged;
 }
 
+bool full(const struct statvfs& disk, std::size_t room) {
+  return disk.f_bavail * disk.f_frsize < room || (disk.f_files > 0 && disk.f_favail < 100);
+}
+
 /// Why a folder cannot hold a cache; empty where it can.
 std::string unfit(const fs::path& folder, std::size_t room) {
   if (::access(folder.c_str(), W_OK | X_OK) != 0) return std::strerror(errno);
   struct statvfs disk {};
   if (::statvfs(folder.c_str(), &disk) != 0) return std::strerror(errno);
-  const bool full = disk.f_bavail * disk.f_frsize < room || (disk.f_files > 0 && disk.f_favail < 100);
-  return full ? "the disk is full" : "";
+  return full(disk, room) ? "the disk is full" : "";
+}
+
+bool lacks_room(const fs::path& folder) {
+  struct statvfs disk {};
+  return ::statvfs(folder.c_str(), &disk) == 0 && full(disk, cache_room);
 }
 
 /// A folder in a place that others can write: ours, and closed to others. Empty where that cannot be had.
@@ -189,8 +202,22 @@ CompileCache::~CompileCache() {
   if (presence_ >= 0) ::close(presence_);
 }
 
+std::atomic<const CompileCache::Use*> CompileCache::Use::under_way{nullptr};
+
+// Only calls that are safe in a handler. Where it returns, the abort goes on.
+void CompileCache::Use::explain_abort(int) {
+  const Use* const use = under_way.load();
+  if (!use || !lacks_room(use->folder_)) return;
+  for (const std::string* text : {&use->prefix_, &use->remedy_})
+    if (::write(STDERR_FILENO, text->data(), text->size()) < 0) break;
+  ::_exit(device_failed);
+}
+
 CompileCache::Use::Use(const CompileCache& cache)
-    : folder_(cache.folder_), lock_(::open((folder_ / lock_name).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)) {
+    : folder_(cache.folder_),
+      remedy_("compiled kernels found no room in " + folder_.string() +
+              ": the disk is full; make room there, or set TACTEL_CACHE_DIR to another folder\n"),
+      lock_(::open((folder_ / lock_name).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)) {
   const auto end = std::chrono::steady_clock::now() + patience;
   while (lock_ >= 0 && ::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
     if ((errno == EWOULDBLOCK || errno == EINTR) && std::chrono::steady_clock::now() < end)
@@ -198,11 +225,19 @@ CompileCache::Use::Use(const CompileCache& cache)
     else
       ::close(std::exchange(lock_, -1));
   }
+  std::signal(SIGABRT, explain_abort);
+  // LLVM ends the process by exit(1) where its output stream fails.
+  static const int at_exit = std::atexit([] { explain_abort(0); });
+  (void)at_exit;
+  under_way = this;
 }
 
 CompileCache::Use::~Use() {
+  under_way = nullptr;
   if (lock_ >= 0) ::close(lock_);
 }
+
+std::string CompileCache::Use::advice() const { return lacks_room(folder_) ? remedy_ : ""; }
 
 void CompileCache::check() {
   const List list = read_list(folder_);

@@ -1,4 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <atomic>
 #include <cstddef>
 #include <filesystem>
 #include <span>
@@ -11,10 +13,13 @@ struct CachePlace {
   std::filesystem::path folder;  ///< empty: no candidate can be used
   std::string trouble;           ///< of the candidates before it, "PATH (reason), ..."
 };
+/// Room that a folder needs for compiled kernels, bytes: a program takes some 100 kB.
+inline constexpr std::size_t cache_room = std::size_t{8} << 20;
+
 /// Takes the first of the candidates that can be written and has `room` bytes left. `shared_parents`: folders that
 /// others can write, too; in each a folder "tactel-UID" is taken if it is ours alone.
 CachePlace choose_cache(const std::filesystem::path& own, std::span<const std::filesystem::path> shared_parents,
-                        std::size_t room = std::size_t{8} << 20);
+                        std::size_t room = cache_room);
 
 /// PoCL's cache of compiled kernels, guarded: PoCL loads what it finds there and aborts on a damaged file. A list of
 /// the files in it, with sizes and checksums, stands in `sealed`. Files are listed after they have reached the disk, so
@@ -35,7 +40,8 @@ class CompileCache {
   std::size_t damaged() const { return damaged_; }  ///< programs removed because a listed file had changed
 
   /// One compilation. One exists at a time, over all threads and processes; others wait, so that each finds what the
-  /// one before it compiled.
+  /// one before it compiled. PoCL aborts where the disk is full; the program then says so and ends with
+  /// ExitCode device_failed.
   class Use {
    public:
     explicit Use(const CompileCache& cache);
@@ -46,8 +52,16 @@ class CompileCache {
     /// Brings new files to the disk and lists them. Failure costs the next run a compilation, nothing else.
     void seal() const noexcept;
 
+    /// Returns what to do where the folder has too little room for a compilation; else nothing.
+    std::string advice() const;
+
    private:
+    /// Handler of SIGABRT, by which PoCL ends where it cannot write a kernel.
+    static void explain_abort(int signal);
+    static std::atomic<const Use*> under_way;
+
     const std::filesystem::path folder_;
+    const std::string prefix_ = "error: ", remedy_;
     int lock_ = -1;  ///< descriptor; -1: the folder cannot be locked, and nothing is listed
   };
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/device/device.h"
 
 #include <unistd.h>
@@ -266,5 +267,7 @@ Compilation::~Compilation() = default;
 void Compilation::keep() const {
   if (use_) use_->use.seal();
 }
+
+std::string Compilation::advice() const { return use_ ? use_->use.advice() : ""; }
 
 }  // namespace tactel::host

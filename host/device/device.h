@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <memory>
 #include <span>
@@ -87,6 +88,8 @@ class Compilation {
   Compilation& operator=(const Compilation&) = delete;
   /// Stores the compiled kernels for later runs.
   void keep() const;
+  /// Returns a remedy for a failure, where the reason is the cache's disk; else nothing.
+  std::string advice() const;
 
  private:
   struct Use;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <algorithm>
 #include <atomic>
@@ -40,10 +41,11 @@ class GroupSupply {
   std::atomic<std::size_t> next_{0};
 };
 
-/// Number of groups that a thread should draw next. A launch costs some 0.5 us, so a chunk should take much
-/// longer. A chunk cannot be shared, so it should be short beside the remaining work. Heavy groups may be
-/// anywhere, also adjacent: chunks therefore grow gradually. No chunk is larger than earlier runs of the kernel
-/// suggest on average. Without an earlier run, none is longer than a small part of the run so far.
+/// Number of groups that a thread should draw next. A launch costs some 0.5 us, and up to 2 us where another
+/// thread launches at the same time, so a chunk should take much longer. A chunk cannot be shared, so it should be
+/// short beside the remaining work. Heavy groups may be anywhere, also adjacent: chunks therefore grow gradually. No
+/// chunk is larger than earlier runs of the kernel suggest on average. Without an earlier run, none is longer than a
+/// small part of the run so far.
 class ChunkPace {
  public:
   /// `expected`: seconds of a group in an earlier run, 0 if there was none.
@@ -52,13 +54,16 @@ class ChunkPace {
   void measured(std::size_t groups, double seconds);
   std::size_t next(std::size_t remaining) const;
 
-  static constexpr double chunk_seconds = 20e-6;    ///< target: 40 launch costs
+  static constexpr double chunk_seconds = 20e-6;  ///< target: 40 launch costs
+  static constexpr double most_seconds = 100e-6;  ///< the same while much work remains
+  static constexpr double part_of_rest =
+      1.0 / 64;  ///< of a thread's share in it, up to which a chunk may exceed its target
   static constexpr double cautious_seconds = 3e-6;  ///< the same at the start of a first run
   static constexpr double cautious_part = 0.02;     ///< largest part of the time so far for a chunk of a first run
   static constexpr double short_seconds = 30e-6;    ///< a remainder shorter than this is split once
 
  private:
-  double aim() const;
+  double aim(double rest_seconds) const;
 
   std::size_t largest_;
   int threads_;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The C++ bindings, configured once. Kernels are OpenCL C 1.2; the bindings of Debian 12 compile with this target and
 // minimum.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/device/program.h"
 
 #include <algorithm>
@@ -83,7 +84,7 @@ struct Program::State {
     } catch (const cl::BuildError& error) {
       std::string log;
       for (const auto& [each, lines] : error.getBuildLog()) log += lines;
-      throw KernelBuildError(source, options, log);
+      throw KernelBuildError(source, options, log + compilation.advice());
     }
     compilation.keep();
     device.log(LogLevel::debug, source + " built, " + options);

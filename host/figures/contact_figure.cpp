@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/figures/contact_figure.h"
 
 #include <fmt/format.h>
@@ -118,25 +119,6 @@ Panel path_panel(const ContactSolution& solution, std::size_t shown) {
   return panel;
 }
 
-Panel strip(const ContactSolution& solution, const std::string& title, const Eigen::VectorXd ContactStep::*member) {
-  const Eigen::VectorXd& x = solution.tactel_x;
-  const double half = 0.5 * (x[1] - x[0]);
-  const int rows = static_cast<int>(solution.steps.size()), columns = static_cast<int>(x.size());
-  Raster raster{.rows = rows,
-                .columns = columns,
-                .x_range = {x[0] - half, x[columns - 1] + half},
-                .y_range = {0.5, rows + 0.5},
-                .unit = "MPa",
-                .palette = Palette::diverging};
-  for (const ContactStep& step : solution.steps) {
-    const Eigen::VectorXd& row = step.*member;
-    raster.values.insert(raster.values.end(), row.begin(), row.end());
-  }
-  Panel panel{.title = title, .x_label = "tactel at x (mm)", .y_label = "load step"};
-  panel.raster = std::move(raster);
-  return panel;
-}
-
 }  // namespace
 
 std::vector<double> traction(const Eigen::VectorXd& force, const Eigen::VectorXd& x) {
@@ -159,27 +141,18 @@ Figure contact_figure(const fem::Scene& scene, const ContactSolution& solution, 
   return figure;
 }
 
-Figure base_strips(const ContactSolution& solution, const std::string& title) {
-  Figure figure{.title = title};
-  figure.panels = {strip(solution, "σ_y", &ContactStep::sigma_y), strip(solution, "τ_{xy}", &ContactStep::tau_xy)};
-  figure.columns = 2;
-  return figure;
+double sticking_share(const ContactStep& step) {
+  const auto stick = std::ranges::count(step.status, GapStatus::stick),
+             slip = std::ranges::count(step.status, GapStatus::slip);
+  return stick + slip > 0 ? static_cast<double>(stick) / static_cast<double>(stick + slip) : NAN;
 }
 
-Panel status_strip(const ContactSolution& solution, const std::string& title) {
-  const double half = 0.5 * column_width(solution);
-  const int rows = static_cast<int>(solution.steps.size()), columns = static_cast<int>(solution.surface_x.size());
-  Raster raster{.rows = rows,
-                .columns = columns,
-                .x_range = {solution.surface_x[0] - half, solution.surface_x[columns - 1] + half},
-                .y_range = {0.5, rows + 0.5},
-                .palette = Palette::status};
-  for (const ContactStep& step : solution.steps) {
-    for (const GapStatus status : step.status) raster.values.push_back(static_cast<double>(status));
+std::size_t telling_step(const ContactSolution& solution) {
+  for (std::size_t k = solution.steps.size(); k-- > 0;) {
+    const double share = sticking_share(solution.steps[k]);
+    if (share > 0 && share < 1) return k;
   }
-  Panel panel{.title = title, .x_label = "surface node at x (mm)", .y_label = "load step"};
-  panel.raster = std::move(raster);
-  return panel;
+  return solution.steps.size() - 1;
 }
 
 }  // namespace tactel::host

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "fem/contact_solution.h"
 #include "fem/scene.h"
@@ -12,11 +13,10 @@ Figure contact_figure(const fem::Scene& scene, const fem::ContactSolution& solut
 /// Returns nodal forces [columns] N/mm as tractions, MPa. Each node owns half of the distance to its neighbours.
 std::vector<double> traction(const Eigen::VectorXd& force, const Eigen::VectorXd& x);
 
-/// Returns the base stress along the path as two heat strips (sigma_y, tau_xy): one row a step, one column a
-/// tactel.
-Figure base_strips(const fem::ContactSolution& solution, const std::string& title);
+/// Returns the share of the touching nodes that stick; NaN where none touches.
+double sticking_share(const fem::ContactStep& step);
 
-/// Returns the status of the surface nodes (open, stick or slip): one row a step.
-Panel status_strip(const fem::ContactSolution& solution, const std::string& title);
+/// Returns the step that tells most of a path: the last in which some nodes stick and some slip, else the last.
+std::size_t telling_step(const fem::ContactSolution& solution);
 
 }  // namespace tactel::host

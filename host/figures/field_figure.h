@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <string>
 #include <utility>
@@ -7,8 +8,8 @@
 
 namespace tactel::host {
 
-/// Returns a panel of one quantity inside the block, coloured, with contour lines. `values` [nodes]; x from..to
-/// of the block, mm.
+/// Returns a panel of one quantity inside the block, coloured, with contour lines, for a page. `values` [nodes];
+/// x from..to of the block, mm.
 Panel field_panel(const fem::StressField& field, const Eigen::VectorXd& values, const std::string& title,
                   const std::string& unit, std::pair<double, double> x_range);
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/figures/figure_layout.h"
 
 #include <algorithm>
@@ -6,8 +7,7 @@
 namespace tactel::host {
 namespace {
 
-constexpr int right_margin = 24, scale_margin = 104, title_margin = 36,
-              legend_row_height = 20;  // scale: the colour scale
+constexpr int right_margin = 24, title_margin = 36, legend_row_height = 20;
 
 std::pair<double, double> data_range(const std::vector<Series>& series, std::vector<double> Series::*member) {
   double low = INFINITY, high = -INFINITY;
@@ -35,27 +35,19 @@ int legend_rows(const Figure& f, const Panel& p) {
     entries += s.label.empty() ? 0 : 1;
     longest = std::max(longest, static_cast<int>(s.label.size()));
   }
-  const int beside = std::max(1, axes_width(f, p) / (sample + letter * longest));
+  const int beside = std::max(1, axes_width(f) / (sample + letter * longest));
   return (entries + beside - 1) / beside;
 }
 
 int top_margin(const Figure& f, const Panel& p) { return title_margin + legend_row_height * legend_rows(f, p); }
 
-int axes_width(const Figure& f, const Panel& p) {
-  return f.width / std::max(1, f.columns) - left_margin - (p.raster ? scale_margin : right_margin);
-}
+int axes_width(const Figure& f) { return f.width / std::max(1, f.columns) - left_margin - right_margin; }
 
 int axes_height(const Figure& f, const Panel& p) { return f.panel_height - bottom_margin - top_margin(f, p); }
 
-std::pair<double, double> shown_x(const Panel& p) {
-  if (p.x_range) return *p.x_range;
-  return p.raster ? p.raster->x_range : data_range(p.series, &Series::x);
-}
+std::pair<double, double> shown_x(const Panel& p) { return p.x_range ? *p.x_range : data_range(p.series, &Series::x); }
 
-std::pair<double, double> shown_y(const Panel& p) {
-  if (p.y_range) return *p.y_range;
-  return p.raster ? p.raster->y_range : data_range(p.series, &Series::y);
-}
+std::pair<double, double> shown_y(const Panel& p) { return p.y_range ? *p.y_range : data_range(p.series, &Series::y); }
 
 double tick_distance(std::pair<double, double> range, int most) {
   const double least = (range.second - range.first) / std::max(2, most);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <utility>
 
@@ -17,10 +18,10 @@ int figure_height(const Figure& figure);
 int legend_rows(const Figure& figure, const Panel& panel);
 /// Returns the space over the axes, for title and legend.
 int top_margin(const Figure& figure, const Panel& panel);
-int axes_width(const Figure& figure, const Panel& panel);
+int axes_width(const Figure& figure);
 int axes_height(const Figure& figure, const Panel& panel);
 
-/// Return the range of the axes: the given one, that of the raster, or that of the data.
+/// Return the range of the axes: the given one, or that of the data.
 std::pair<double, double> shown_x(const Panel& panel);
 std::pair<double, double> shown_y(const Panel& panel);
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/figures/gnuplot_script.h"
 
 #include <fmt/format.h>
@@ -9,8 +10,6 @@
 
 namespace tactel::host {
 namespace {
-
-constexpr int small_raster = 4000;  // up to so many values a raster is drawn as rectangles, which no viewer smoothes
 
 const char* colour(Ink ink) {
   static constexpr const char* colours[] = {"#1f5fa8", "#d9660a", "#1d8f5a", "#7a55b0",
@@ -45,20 +44,6 @@ std::string series_data(const std::string& name, const Series& s) {
   return out + "END\n";
 }
 
-std::string raster_data(const std::string& name, const Raster& r) {
-  std::string out = name + " << END\n";
-  const double dx = (r.x_range.second - r.x_range.first) / r.columns,
-               dy = (r.y_range.second - r.y_range.first) / r.rows;
-  for (int i = 0; i < r.rows; ++i) {
-    for (int j = 0; j < r.columns; ++j) {
-      const double value = r.values[static_cast<std::size_t>(i) * r.columns + j];
-      out += number(r.x_range.first + (j + 0.5) * dx) + " " + number(r.y_range.first + (i + 0.5) * dy) + " " +
-             number(value) + "\n";
-    }
-  }
-  return out + "END\n";
-}
-
 std::string style(const Series& s) {
   const std::string ink = fmt::format("lc rgb '{}'", colour(s.ink));
   switch (s.mark) {
@@ -76,6 +61,8 @@ std::string style(const Series& s) {
       return "with points pt 9 ps 0.9 " + ink;
     case Mark::crosses:
       return "with points pt 2 ps 0.7 lw 1.5 " + ink;
+    case Mark::diamonds:
+      return "with points pt 13 ps 1 " + ink;
     case Mark::line_dots:
       return "with linespoints pt 7 ps 0.55 lw 2 " + ink;
     case Mark::bars:
@@ -93,45 +80,6 @@ const char* columns_of(const Series& s) {
   return s.mark == Mark::whiskers ? "1:2:3:4" : "1:2";
 }
 
-std::string palette(const Raster& r) {
-  switch (r.palette) {
-    case Palette::sequential:
-      return "set palette maxcolors 0 defined (0 '#fbfcf7', 0.25 '#b9dcc4', 0.5 '#56a9b8', 0.75 '#2a6099', 1 "
-             "'#1c2a5e')\n";
-    case Palette::diverging:
-      return "set palette maxcolors 0 defined (0 '#123a72', 0.22 '#3f83bf', 0.4 '#b8d6e8', 0.5 '#f7f7f5', 0.6 "
-             "'#f4c7a6', 0.78 '#d3622f', 1 '#7c1d16')\n";
-    case Palette::status:
-      return "set palette maxcolors 3 defined (0 '#e9ebee', 1 '#1f5fa8', 2 '#d9660a')\n";
-  }
-  return "";
-}
-
-std::pair<double, double> colour_limits(const Raster& r) {
-  if (r.limits) return *r.limits;
-  if (r.palette == Palette::status) return {-0.5, 2.5};
-  double low = INFINITY, high = -INFINITY;
-  for (const double value : r.values) {
-    if (!std::isfinite(value)) continue;
-    low = std::min(low, value);
-    high = std::max(high, value);
-  }
-  if (!(low <= high)) return {0, 1};
-  if (r.palette == Palette::diverging) high = std::max(std::abs(low), std::abs(high)), low = -high;
-  return low < high ? std::pair(low, high) : std::pair(low - 1, high + 1);
-}
-
-std::string colour_scale(const Raster& r) {
-  const auto [low, high] = colour_limits(r);
-  std::string out = palette(r) + fmt::format(
-                                     "set cbrange [{}:{}]\nset colorbox vertical user origin graph 1.02, graph 0 size "
-                                     "graph 0.025, graph 1 noborder\n",
-                                     number(low), number(high));
-  if (r.palette == Palette::status) return out + "set cbtics ('open' 0, 'stick' 1, 'slip' 2) scale 0\nunset cblabel\n";
-  return out + "set format cb '%g'\nset cbtics autofreq scale 0.4\nset cblabel " + quoted(r.unit) +
-         " offset 1,0 textcolor rgb '#3a4048'\n";
-}
-
 std::string range(const char* axis, const std::optional<std::pair<double, double>>& r) {
   return r ? fmt::format("set {}range [{}:{}]\n", axis, number(r->first), number(r->second))
            : fmt::format("set {}range [*:*]\n", axis);
@@ -145,7 +93,7 @@ std::string tick_words(std::pair<double, double> shown, int pixels, int pixels_e
 std::string x_ticks(const Figure& f, const Panel& p) {
   constexpr int pixels_each = 56;
   if (p.x_ticks.empty())
-    return "set xtics " + (p.log_x ? "autofreq" : tick_words(shown_x(p), axes_width(f, p), pixels_each)) + "\n";
+    return "set xtics " + (p.log_x ? "autofreq" : tick_words(shown_x(p), axes_width(f), pixels_each)) + "\n";
   std::string out;
   for (const auto& [place, name] : p.x_ticks) out += (out.empty() ? "" : ", ") + quoted(name) + " " + number(place);
   return "set xtics (" + out + ")\n";
@@ -161,15 +109,13 @@ std::string axes(const Figure& f, const Panel& p) {
   std::string out = fmt::format("set label 1 {} at graph 0,1 left offset 0,{} textcolor rgb '#15191e'\n",
                                 bold(p.title, 1.08), title_rows);
   out += "set xlabel " + quoted(p.x_label) + "\nset ylabel " + quoted(p.y_label) + "\n";
-  out += range("x", p.x_range ? p.x_range : p.raster ? std::optional(p.raster->x_range) : std::nullopt);
-  out += range("y", p.y_range ? p.y_range : p.raster ? std::optional(p.raster->y_range) : std::nullopt);
+  out += range("x", p.x_range);
+  out += range("y", p.y_range);
   out += x_ticks(f, p) + y_ticks(f, p) +
          (p.log_x ? "set logscale x\nset format x '10^{%L}'\n" : "unset logscale x\nset format x '%g'\n");
   out += p.log_y ? "set logscale y\nset format y '10^{%L}'\n" : "unset logscale y\nset format y '%g'\n";
-  out += p.equal_axes ? "set size ratio -1\n" : "set size noratio\n";
   out += p.zero_line ? "set xzeroaxis lw 1 lc rgb '#9aa0a8'\n" : "unset xzeroaxis\n";
-  return out + (p.raster ? "unset grid\n" + colour_scale(*p.raster)
-                         : "set grid lt 1 lw 0.7 lc rgb '#dfe3e7'\nunset colorbox\n");
+  return out + "set grid lt 1 lw 0.7 lc rgb '#dfe3e7'\n";
 }
 
 /// Where the panel's axes stand in the figure, as fractions from its lower left.
@@ -185,15 +131,12 @@ std::string place(const Figure& f, std::size_t index, int height) {
   return fmt::format(
       "set lmargin at screen {:.5f}\nset rmargin at screen {:.5f}\nset tmargin at screen {:.5f}\nset bmargin at screen "
       "{:.5f}\n",
-      across(left), across(left + axes_width(f, f.panels[index])), up(top - top_margin(f, f.panels[index])),
+      across(left), across(left + axes_width(f)), up(top - top_margin(f, f.panels[index])),
       up(top - f.panel_height + bottom_margin));
 }
 
 std::string plot_command(const Panel& p, std::size_t index) {
   std::vector<std::string> parts;
-  if (p.raster)
-    parts.push_back(block_name(index, "raster") + " using 1:2:3 with image " +
-                    (p.raster->values.size() <= small_raster ? "pixels " : "") + "notitle");
   for (std::size_t k = 0; k < p.series.size(); ++k) {
     const Series& s = p.series[k];
     const std::string legend = s.label.empty() ? "notitle" : "title " + quoted(s.label);
@@ -213,7 +156,7 @@ std::string terminal_size(const std::string& terminal, int width, int height) {
 std::string panel_script(const Figure& f, std::size_t index, int height) {
   const Panel& p = f.panels[index];
   std::string out;
-  if (p.raster) out += raster_data(block_name(index, "raster"), *p.raster);
+  if (p.raster) throw PlotError("gnuplot draws no raster; a page does");
   for (std::size_t k = 0; k < p.series.size(); ++k)
     out += series_data(block_name(index, std::to_string(k)), p.series[k]);
   return out + axes(f, p) + place(f, index, height) + plot_command(p, index);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <filesystem>
 #include <optional>
@@ -8,10 +9,11 @@
 
 namespace tactel::host {
 
-/// Figures drawn by gnuplot, in one style. A figure is panels in rows. A panel is series over a pair of axes, on
-/// top of an optional raster.
+/// Figures: panels in rows. A panel is series over a pair of axes, on top of an optional raster. gnuplot draws a figure
+/// as a file (this header), a page draws it in the browser (page.h).
 
-enum class Mark { line, thin, dashed, dots, circles, triangles, crosses, line_dots, bars, band, whiskers };
+/// `diamonds` are the numbers of the paper.
+enum class Mark { line, thin, dashed, dots, circles, triangles, crosses, diamonds, line_dots, bars, band, whiskers };
 
 /// Colours of series, distinguishable by the colour-blind.
 enum class Ink { blue, orange, green, purple, red, brown, grey, black };
@@ -22,11 +24,12 @@ struct Series {
   Mark mark = Mark::line;
   Ink ink = Ink::blue;
   std::vector<double> low{}, high{};  ///< for band (between them) and whiskers (about y)
+  std::vector<std::string> names{};   ///< [x] beside the points, or empty; pages alone show them
 };
 
-enum class Palette { sequential, diverging, status };  ///< status: 0 open, 1 stick, 2 slip
+enum class Palette { sequential, diverging };
 
-/// Values on a regular grid, drawn as an image with a colour scale: maps and heat strips.
+/// Values on a regular grid, drawn as an image with a colour scale. Pages alone draw it.
 struct Raster {
   int rows = 0, columns = 0;
   std::vector<double> values{};                    ///< [rows, columns], first row at y_range.first; NaN is left blank
@@ -34,6 +37,7 @@ struct Raster {
   std::string unit{};                              ///< beside the colour scale
   Palette palette = Palette::sequential;
   std::optional<std::pair<double, double>> limits{};  ///< of the colour scale; diverging: symmetric about 0 by default
+  int isolines = 0;                                   ///< lines of equal value over a smooth image; 0: plain cells
 };
 
 struct Panel {
@@ -43,19 +47,18 @@ struct Panel {
   std::optional<std::pair<double, double>> x_range{}, y_range{};
   std::vector<std::pair<double, std::string>> x_ticks{};  ///< labelled positions instead of numbers
   bool log_x = false, log_y = false;
-  bool equal_axes = false;  ///< equal scales along x and y
-  bool zero_line = false;   ///< a thin line at y = 0
+  bool zero_line = false;  ///< a thin line at y = 0
 };
 
 struct Figure {
   std::string title{};
   std::vector<Panel> panels{};
   int columns = 1;         ///< panels side by side
-  int width = 820;         ///< pixels, of the whole figure
+  int width = 820;         ///< pixels, of the whole figure of gnuplot; a page uses its own
   int panel_height = 300;  ///< pixels
 };
 
-/// Returns the figure as text of an SVG file. Throws PlotError.
+/// Returns the figure as text of an SVG file. Throws PlotError, also for a raster.
 std::string render_svg(const Figure& figure);
 
 /// Writes FILE.svg or FILE.png, by the extension. `option` is its name in errors, such as --plot. Throws

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/live/live_view.h"
 
 #include <fmt/format.h>
@@ -6,17 +7,24 @@
 #include <cmath>
 #include <vector>
 
+#include "host/support/terminal.h"
+
 namespace tactel::host {
 namespace {
 
-constexpr int widest_bar = 40, least_columns = 20;
+constexpr int least_columns = 20, margin = 9;  // beside "normal |" and "|"
 constexpr auto refresh = std::chrono::milliseconds(50);
-constexpr int lines = 5;
+constexpr int lines = 6;
+constexpr const char* eighths[] = {" ", "▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
 
-std::string bar(float share, int width) {
-  const int full = std::isfinite(share) ? static_cast<int>(std::lround(std::clamp(share, 0.0f, 1.0f) * width)) : 0;
+/// S from 0 to 1 over `width` columns, a mark where the alarm begins.
+std::string bar(float s, float alarm, int width) {
+  const auto column = [&](float share) {
+    return static_cast<int>(std::lround(std::clamp(share, 0.0f, 1.0f) * static_cast<float>(width)));
+  };
+  const int full = std::isfinite(s) ? column(s) : 0, mark = std::min(column(alarm), width - 1);
   std::string text;
-  for (int i = 0; i < width; ++i) text += i < full ? "█" : "·";
+  for (int i = 0; i < width; ++i) text += i < full ? "█" : i == mark ? "┊" : "·";
   return text;
 }
 
@@ -35,45 +43,85 @@ std::size_t height(float stress, float largest) {
   return static_cast<std::size_t>(std::lround(8 * std::min(std::abs(stress) / largest, 1.0f)));
 }
 
-std::string blocks(const std::vector<float>& stresses, float largest) {
-  static constexpr const char* all[] = {" ", "▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
-  std::string text;
-  for (const float stress : stresses) text += all[height(stress, largest)];
-  return text;
+/// Each text of a column, as often as all of them fit into `room` columns.
+std::string stretched(const std::vector<const char*>& texts, std::size_t room) {
+  std::string line;
+  for (const char* text : texts)
+    for (std::size_t i = 0; i < std::max<std::size_t>(room / std::max<std::size_t>(texts.size(), 1), 1); ++i)
+      line += text;
+  return line;
+}
+
+std::string blocks(const std::vector<float>& stresses, float largest, std::size_t room) {
+  std::vector<const char*> texts(stresses.size());
+  std::ranges::transform(stresses, texts.begin(), [&](float stress) { return eighths[height(stress, largest)]; });
+  return stretched(texts, room);
 }
 
 /// Only where a block is seen above it.
-std::string arrows(const std::vector<float>& stresses, float largest) {
-  std::string text;
-  for (const float stress : stresses) text += height(stress, largest) == 0 ? " " : stress > 0 ? "→" : "←";
+std::string arrows(const std::vector<float>& stresses, float largest, std::size_t room) {
+  std::vector<const char*> texts(stresses.size());
+  std::ranges::transform(stresses, texts.begin(), [&](float stress) {
+    return height(stress, largest) == 0 ? " " : stress > 0 ? "→" : "←";
+  });
+  return stretched(texts, room);
+}
+
+/// The newest columns that fit, the last one at the right.
+std::string history_text(const SlipHistory& history, std::size_t room) {
+  const auto& all = history.columns();
+  const std::size_t shown = std::min(room, all.size());
+  std::string text(room - shown, ' ');
+  for (std::size_t i = all.size() - shown; i < all.size(); ++i)
+    text += std::isfinite(all[i]) ? eighths[1 + std::lround(7 * std::clamp(all[i], 0.0f, 1.0f))] : " ";
   return text;
+}
+
+Colour colour_of(float s, float alarm) {
+  return s >= alarm ? Colour::red : s >= 0.75f * alarm ? Colour::yellow : Colour::green;
 }
 
 }  // namespace
 
-std::string view_text(const MonitorLine& line, float largest_stress, int columns) {
+void SlipHistory::add(double arrival, float slip_index, std::size_t longest) {
+  if (!(std::abs(arrival) < 1e12)) return;
+  const auto now = static_cast<std::int64_t>(std::floor(arrival / seconds_per_column));
+  if (columns_.empty()) newest_ = now - 1;
+  if (now - newest_ > static_cast<std::int64_t>(longest)) columns_.clear();
+  if (columns_.empty()) newest_ = now - 1;
+  for (; newest_ < now; ++newest_) columns_.push_back(std::nanf(""));
+  if (std::isfinite(slip_index)) columns_.back() = std::fmax(columns_.back(), slip_index);
+  while (columns_.size() > longest) columns_.pop_front();
+}
+
+std::string view_text(const MonitorLine& line, const SlipHistory& history, float largest_stress, int columns,
+                      const ViewOptions& options) {
   const int width = std::max(columns, least_columns);
   const float s = line.answer.slip_index;
   const auto half = line.stresses.size() / 2;
-  const auto room = static_cast<std::size_t>(width - 9);  // beside "normal |" and "|"
+  const auto room = static_cast<std::size_t>(width - margin);
   const auto normal = grouped(line.stresses.first(half), room), shear = grouped(line.stresses.subspan(half), room);
-  const std::string number = std::isfinite(s) ? fmt::format("{:.3f}", s) : "  -  ";
+  std::string index =
+      fmt::format("S {} {}", std::isfinite(s) ? fmt::format("{:.3f}", s) : "  -  ", bar(s, options.alarm, width - 8));
+  if (options.colour && std::isfinite(s)) index = painted(index, colour_of(s, options.alarm));
   const std::string words =
-      fmt::format("frame {}, {:.0f} us, full block {:.3g} MPa", line.frame.number, line.latency, largest_stress);
-  return fmt::format("S {} {}\nnormal |{}|\nshear  |{}|\n       |{}|\n{}\n", number,
-                     bar(s, std::min(widest_bar, width - 8)), blocks(normal, largest_stress),
-                     blocks(shear, largest_stress), arrows(shear, largest_stress),
-                     words.substr(0, static_cast<std::size_t>(width)));
+      fmt::format("{}frame {}, {:.0f} us, full block {:.3g} MPa, history {:.0f} s",
+                  s >= options.alarm ? "ALARM: slip is near; " : "", line.frame.number, line.latency, largest_stress,
+                  static_cast<double>(room) * SlipHistory::seconds_per_column);
+  return fmt::format("{}\nhistory|{}|\nnormal |{}|\nshear  |{}|\n       |{}|\n{}\n", index, history_text(history, room),
+                     blocks(normal, largest_stress, room), blocks(shear, largest_stress, room),
+                     arrows(shear, largest_stress, room), words.substr(0, static_cast<std::size_t>(width)));
 }
 
-// On a terminal: up over the picture before; each line is cleared to its end.
+// With a cursor: up over the picture before; each line is cleared to its end.
 std::optional<std::string> LiveView::show(const MonitorLine& line, int columns) {
   for (const float stress : line.stresses)
     if (std::isfinite(stress)) largest_stress_ = std::max(largest_stress_, std::abs(stress));
+  history_.add(line.frame.arrival, line.answer.slip_index, static_cast<std::size_t>(std::max(columns, least_columns)));
   const auto now = std::chrono::steady_clock::now();
   if (shown_ && now - last_ < refresh) return std::nullopt;
-  std::string text = view_text(line, largest_stress_, columns);
-  if (terminal_) {
+  std::string text = view_text(line, history_, largest_stress_, columns, options_);
+  if (options_.cursor) {
     for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += 4) text.replace(at, 1, "\x1b[K\n");
     if (shown_) text.insert(0, fmt::format("\x1b[{}A", lines));
   }

@@ -1,5 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <chrono>
+#include <deque>
 #include <optional>
 #include <string>
 
@@ -7,23 +9,46 @@
 
 namespace tactel::host {
 
-/// Returns a frame as five lines of at most `columns` (at least 20) characters: S as a bar, the stresses of the
-/// tactels as blocks of proportional height, and an arrow below each shear. The arrow shows the direction in
-/// which the rubber is dragged, toward +x or -x. Where the tactels exceed the columns, neighbours share one,
-/// which shows the largest of them. largest_stress: MPa of a full block.
-std::string view_text(const MonitorLine& line, float largest_stress, int columns);
+struct ViewOptions {
+  float alarm = 0.8f;   ///< S from which the picture shows an alarm
+  bool cursor = false;  ///< each picture replaces the previous one, by escape sequences
+  bool colour = false;  ///< S in green, yellow (three quarters of the alarm) or red, by escape sequences
+};
 
-/// Draws the latest frame, some twenty times a second. On a terminal each picture replaces the previous one.
+/// The largest S of each quarter of a second, the newest last.
+class SlipHistory {
+ public:
+  static constexpr double seconds_per_column = 0.25;
+  /// Adds S at an arrival time in s; S that is not finite leaves a gap. Keeps the newest `longest` columns.
+  void add(double arrival, float slip_index, std::size_t longest);
+  const std::deque<float>& columns() const { return columns_; }  ///< NaN: no S in this quarter of a second
+
+ private:
+  std::deque<float> columns_;
+  std::int64_t newest_ = 0;  ///< number of the last column since arrival 0
+};
+
+/// Returns a frame as six lines of at most `columns` (at least 20) characters: S as a bar with a mark at the alarm, the
+/// history of S, the stresses of the tactels as blocks of proportional height, and an arrow below each shear. The arrow
+/// shows the direction in which the rubber is dragged, toward +x or -x. A tactel takes as many columns as there is room
+/// for. Where the tactels exceed the columns, neighbours share one, which shows the largest of them.
+/// largest_stress: MPa of a full block.
+std::string view_text(const MonitorLine& line, const SlipHistory& history, float largest_stress, int columns,
+                      const ViewOptions& options);
+
+/// Draws the latest frame, some twenty times a second.
 class LiveView {
  public:
-  explicit LiveView(bool terminal) : terminal_(terminal) {}
+  explicit LiveView(const ViewOptions& options) : options_(options) {}
   /// Returns the text for this frame; none while the last picture is recent.
   std::optional<std::string> show(const MonitorLine& line, int columns);
 
  private:
+  ViewOptions options_;
+  SlipHistory history_;
   std::chrono::steady_clock::time_point last_{};
   float largest_stress_ = 1e-6f;  ///< MPa of a full block: the largest stress so far
-  bool terminal_, shown_ = false;
+  bool shown_ = false;
 };
 
 }  // namespace tactel::host

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/networks/learning_inputs.h"
 
 #include "fem/value_error.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/networks/network_training.h"
 
 #include <algorithm>
@@ -234,6 +235,14 @@ std::vector<std::vector<double>> NetworkTraining<Real>::absolute_errors(const nn
       errors.push_back(nn::absolute_errors(forward.result(i).slip_index, set));
   }
   return errors;
+}
+
+template <class Real>
+std::vector<double> NetworkTraining<Real>::slip_index(std::size_t network, const nn::FrameSet& set) const {
+  const nn::Weights<Real> own = weights(network);
+  Forward<Real> forward(state_->executor, std::span(&own, 1), state_->scaling);
+  const auto answer = forward.recall(set.frames);
+  return {answer.slip_index.begin(), answer.slip_index.end()};
 }
 
 template <class Real>

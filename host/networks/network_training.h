@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <filesystem>
 #include <memory>
@@ -78,6 +79,8 @@ class NetworkTraining {
 
   /// Returns |S of a network - S of the set|: [networks][rows], NaN where the network gave none.
   std::vector<std::vector<double>> absolute_errors(const nn::FrameSet& set) const;
+  /// Returns S of one network on a set: [rows], NaN where it gave none.
+  std::vector<double> slip_index(std::size_t network, const nn::FrameSet& set) const;
   /// Returns the errors of every network: on a set, or on its own learning set, noise included.
   std::vector<nn::ErrorReport> recall(const nn::FrameSet& set) const;
   std::vector<nn::ErrorReport> recall_learning_set() const;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/scenes/ladder.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/scenes/scene_file.h"
 
 #include <algorithm>
@@ -21,7 +22,7 @@ void read_sensor(const TomlFile& file, fem::Scene& scene, fem::SurfaceModel usua
   in.read("length", sensor.length, "a number of mm above 0");
   in.read("thickness", sensor.thickness, "a number of mm above 0");
   in.read("young", sensor.young, "a number of MPa above 0");
-  in.read("poisson", sensor.poisson, "a number with 0 <= poisson < 0.5");
+  in.read("poisson", sensor.poisson, "a number with 0 <= poisson <= 0.5");
   in.read("columns", sensor.columns, "a whole number of mesh nodes along x");
   in.read("rows", sensor.rows, "a whole number of mesh nodes through the thickness");
   in.read("grading", sensor.grading, "a number above 0 (bottom row height over top row height)");

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/scenes/scene_source.h"
 
 #include <algorithm>
@@ -6,6 +7,7 @@
 
 #include "host/scenes/sweep_reader.h"
 #include "host/support/checksum.h"
+#include "host/support/errors.h"
 
 namespace tactel::host {
 namespace {
@@ -50,7 +52,9 @@ fem::Profile draw_profile(const SceneSource::RandomProfile& from, DrawKey key) {
 
 }  // namespace
 
-SceneSource SceneSource::read(const std::filesystem::path& path) { return SweepReader(path).read(); }
+SceneSource SceneSource::read(const std::filesystem::path& path, std::optional<std::uint64_t> seed) {
+  return SweepReader(path, seed).read();
+}
 
 SceneSource::SceneSource(std::vector<fem::Scene> scenes, std::vector<std::uint16_t> kinds,
                          std::vector<std::string> kind_names)
@@ -65,6 +69,10 @@ SceneSource::SceneSource(std::vector<fem::Scene> scenes, std::vector<std::uint16
 int SceneSource::tactels() const { return sensors_.front().tactels; }
 
 void SceneSource::model_on(const Rung& rung) {
+  if (own_sensors_ && !rung.patch())
+    throw ConfigError(file_, "[sweep] sensors", "(missing)",
+                      "a number of sensors to draw where rung " + rung.name +
+                          " solves on a mesh: each sensor needs a condensation there");
   rung_ = rung;
   for (fem::Sensor& sensor : sensors_) {
     fem::Scene scene;
@@ -101,7 +109,13 @@ SceneSource::Contact SceneSource::drawn_contact(std::uint64_t k) const {
   drawn.kind = static_cast<std::uint16_t>(&indenter - indenter_.alternatives.data());
   fem::Scene& scene = drawn.scene;
   scene.model = model_;
-  scene.sensor = sensors_.size() == 1 ? sensors_[0] : sensors_[draw_weighted(sensor_weights_, key)];
+  if (own_sensors_) {
+    const Alternative& sensor = draw_alternative(sensor_, key);
+    scene.sensor = sensor.scene.sensor;
+    draw_numbers(sensor, scene, key);
+  } else {
+    scene.sensor = sensors_.size() == 1 ? sensors_[0] : sensors_[draw_weighted(sensor_weights_, key)];
+  }
   scene.indenter = indenter.scene.indenter;
   scene.friction = contact.scene.friction;
   scene.load = load.scene.load;

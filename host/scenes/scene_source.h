@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <filesystem>
 #include <optional>
@@ -5,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "fem/layer/sensor_family.h"
 #include "fem/scene.h"
 #include "host/scenes/distribution.h"
 #include "host/scenes/ladder.h"
@@ -16,11 +18,12 @@ namespace tactel::host {
 ///   [sweep]  contacts = 100000, seed = 7, sensors = 16
 ///   [sensor], [indenter], [contact], [load] as in a scene file. Of repeated tables ([[indenter]] ...) each contact
 ///   draws one, in proportion to its `weight` (defaults to 1). Numbers may be distributions.
-/// A [sensor] with distributions gives `sensors` sensors, drawn once, because each requires a condensation.
+/// A [sensor] with distributions gives `sensors` sensors, drawn once: each requires a condensation. Without `sensors`,
+/// and on patches, every contact draws its own poisson, thickness, young and length.
 class SceneSource {
  public:
-  /// Throws ConfigError with file, line, key, value and the allowed values.
-  static SceneSource read(const std::filesystem::path& path);
+  /// `seed`: takes the place of the file's. Throws ConfigError with file, line, key, value and the allowed values.
+  static SceneSource read(const std::filesystem::path& path, std::optional<std::uint64_t> seed = {});
   /// Listed scenes, as the sets of the paper; `kinds`: [scenes] indices in kind_names.
   SceneSource(std::vector<fem::Scene> scenes, std::vector<std::uint16_t> kinds, std::vector<std::string> kind_names);
   /// Sets the measuring chain of the stresses; `seed` draws its noise.
@@ -44,12 +47,16 @@ class SceneSource {
   /// Returns contact k < contacts(), or any k where endless(). Throws ValueError where drawn numbers contradict
   /// each other.
   Contact contact(std::uint64_t k) const;
-  /// Models contacts and sensors by the rung, from this call on.
+  /// Models contacts and sensors by the rung, from this call on. Throws ConfigError for a mesh where each contact draws
+  /// its own sensor.
   void model_on(const Rung& rung);
   /// Returns the files that the sweep file names (measured profiles), each with the checksum of its numbers.
   std::vector<std::pair<std::string, std::string>> files() const;
-  /// Returns every sensor of the contacts.
+  /// Returns every sensor of the contacts; where each contact draws its own, the tables that they are drawn from with
+  /// the smallest number of each distribution.
   const std::vector<fem::Sensor>& sensors() const { return sensors_; }
+  /// Returns the range of the sensors where each contact draws its own.
+  const std::optional<fem::SensorRange>& own_sensors() const { return own_sensors_; }
 
   /// A number to draw and its address. `number` distinguishes the draws of a contact.
   struct NumberDraw {
@@ -92,6 +99,9 @@ class SceneSource {
   std::vector<fem::Scene> listed_;
   std::vector<std::uint16_t> listed_kinds_;
   Part indenter_, contact_, load_;
+  Part sensor_;  ///< where each contact draws its own
+  std::optional<fem::SensorRange> own_sensors_;
+  std::string file_;  ///< for errors
   std::vector<fem::Sensor> sensors_;
   std::vector<double> sensor_weights_;
 };

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/scenes/sweep_file.h"
 
 #include "host/scenes/scene_file.h"
@@ -22,7 +23,7 @@ fem::Scene base_scene(const TomlFile& file) {
   return base;
 }
 
-SceneSource paper_source(const TomlFile& file) {
+SceneSource paper_source(const TomlFile& file, std::optional<std::uint64_t> given_seed) {
   const std::vector<std::string> sets = {"paper-learning", "paper-recall"};
   const fem::Scene base = base_scene(file);
   TomlTable in(file, "sweep");
@@ -37,7 +38,8 @@ SceneSource paper_source(const TomlFile& file) {
   in.finish();
   try {
     SceneSource source = source_of(set == 0 ? paper_learning_family(base, scale, height) : paper_recall_family(base));
-    source.measure_with(read_transducer(file, static_cast<std::uint64_t>(seed)), static_cast<std::uint64_t>(seed));
+    const std::uint64_t chosen = given_seed.value_or(static_cast<std::uint64_t>(seed));
+    source.measure_with(read_transducer(file, chosen), chosen);
     return source;
   } catch (const ValueError& error) {
     throw file.error(error);
@@ -46,10 +48,10 @@ SceneSource paper_source(const TomlFile& file) {
 
 }  // namespace
 
-Sweep read_sweep(const std::filesystem::path& path) {
+Sweep read_sweep(const std::filesystem::path& path, std::optional<std::uint64_t> seed) {
   const TomlFile file(path);
   TomlTable sweep(file, "sweep");
-  return {file.text(), sweep.has("set") ? paper_source(file) : SceneSource::read(path)};
+  return {file.text(), sweep.has("set") ? paper_source(file, seed) : SceneSource::read(path, seed)};
 }
 
 }  // namespace tactel::host

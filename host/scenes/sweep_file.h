@@ -1,5 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "host/scenes/paper_sets.h"
@@ -18,7 +21,7 @@ struct Sweep {
 ///   set = "paper-learning" | "paper-recall"
 ///   scale = 10.0, height = 10.0    # mm, of the Taylor shapes of paper-learning
 ///   seed = 0                       # of the noise, where there is a [transducer]
-/// Throws ConfigError as read_scene does.
-Sweep read_sweep(const std::filesystem::path& path);
+/// `seed`: takes the place of the file's. Throws ConfigError as read_scene does.
+Sweep read_sweep(const std::filesystem::path& path, std::optional<std::uint64_t> seed = {});
 
 }  // namespace tactel::host

@@ -1,9 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/scenes/sweep_reader.h"
 
+#include <fmt/format.h>
 #include <toml++/toml.h>
 
 #include <algorithm>
 #include <array>
+#include <tuple>
 
 #include "host/scenes/distributed_keys.h"
 #include "host/scenes/scene_file.h"
@@ -17,7 +20,8 @@ namespace {
 
 using std::string;
 constexpr std::array part_names{"sensor", "indenter", "contact", "load"};
-constexpr int most_sensors = 10000;
+constexpr int most_sensors = 10000, usual_sensors = 16;
+constexpr const char* one_width = "the same for every [[sensor]]: a set's frames are of one width";
 
 /// Keys of a sweep that scene files do not have.
 bool own_key(const string& table, std::string_view key) {
@@ -53,7 +57,8 @@ void make_plain(const string& name, toml::table& table, const Number& number) {
 
 }  // namespace
 
-SweepReader::SweepReader(const std::filesystem::path& path) : file_(path) {}
+SweepReader::SweepReader(const std::filesystem::path& path, std::optional<std::uint64_t> seed)
+    : file_(path), seed_(seed) {}
 
 /// [name] once, [[name]] several times, or not at all (one null).
 std::vector<const toml::table*> SweepReader::tables(const string& name) const {
@@ -218,9 +223,60 @@ SceneSource::Part SweepReader::part(const string& name) {
   return part;
 }
 
-/// Sensors that are given stand as they are; one with distributions is drawn `count` times.
+/// Sensors of which every contact draws its own: on patches, and within what their tables serve.
+void SweepReader::read_own_sensors(SceneSource& source, SceneSource::Part&& part) {
+  constexpr const char* instead = "; or [sweep] sensors = n, for n sensors that the contacts share";
+  fem::SensorRange range{.poisson_low = 0.5, .poisson_high = 0, .longest = 0};
+  double shortest = fem::longest_sensor;
+  const auto all = tables("sensor");
+  for (std::size_t i = 0; i < part.alternatives.size(); ++i) {
+    const SceneSource::Alternative& from = part.alternatives[i];
+    const auto node = [&](const char* key) { return all[i] ? all[i]->get(key) : nullptr; };
+    if (from.scene.model != fem::SurfaceModel::patch)
+      throw file_.error("sweep.sensors", nullptr, "a number of sensors to draw: each needs a condensation on a mesh");
+    fem::Scene least = from.scene, most = from.scene;
+    for (const SceneSource::NumberDraw& d : from.draws)
+      std::tie(d.place(least, d.index), d.place(most, d.index)) = ends(d.distribution);
+    if (most.sensor.tactel_width > 0)
+      throw file_.error("sensor.tactel_width", node("tactel_width"),
+                        string("0 where each contact draws its own sensor") + instead);
+    if (!(most.sensor.poisson < 0.5))
+      throw file_.error("sensor.poisson", node("poisson"),
+                        string("below 0.5 where each contact draws its own sensor") + instead);
+    range.tactels = from.scene.sensor.tactels;
+    range.poisson_low = std::min(range.poisson_low, least.sensor.poisson);
+    range.poisson_high = std::max(range.poisson_high, most.sensor.poisson);
+    range.longest = std::max(range.longest, most.sensor.length / least.sensor.thickness);
+    shortest = std::min(shortest, least.sensor.length / most.sensor.thickness);
+    if (shortest < fem::shortest_of_family || range.longest > fem::longest_sensor)
+      throw file_.error("sensor.length", node("length"),
+                        fmt::format("always {} to {} times sensor.thickness where each contact draws its own sensor{}",
+                                    fem::shortest_of_family, fem::longest_sensor, instead));
+    if (range.tactels != part.alternatives[0].scene.sensor.tactels)
+      throw file_.error("sensor.tactels", node("tactels"), one_width);
+    source.sensors_.push_back(from.scene.sensor);
+  }
+  source.model_ = fem::SurfaceModel::patch;
+  source.own_sensors_ = range;
+  source.sensor_ = std::move(part);
+}
+
+/// Whether each contact draws its own of the numbers that a family of sensors serves.
+bool SweepReader::draws_own_sensors(const SceneSource::Part& part) const {
+  const auto own = [](const SceneSource::NumberDraw& draw) {
+    static const NumberPlace places[] = {number_place("sensor.poisson", ""), number_place("sensor.thickness", ""),
+                                         number_place("sensor.young", ""), number_place("sensor.length", "")};
+    return std::ranges::find(places, draw.place) != std::end(places);
+  };
+  return std::ranges::any_of(part.alternatives, [&](const auto& from) { return std::ranges::any_of(from.draws, own); });
+}
+
+/// Sensors that are given stand as they are; one with distributions is drawn `count` times, or by each contact (count
+/// 0).
 void SweepReader::read_sensors(SceneSource& source, int count) {
-  const SceneSource::Part part = this->part("sensor");
+  SceneSource::Part part = this->part("sensor");
+  if (count == 0 && draws_own_sensors(part)) return read_own_sensors(source, std::move(part));
+  if (count == 0) count = usual_sensors;
   for (std::size_t i = 0; i < part.alternatives.size(); ++i) {
     const SceneSource::Alternative& from = part.alternatives[i];
     if (from.scene.model != part.alternatives[0].scene.model)
@@ -234,7 +290,7 @@ void SweepReader::read_sensors(SceneSource& source, int count) {
             draw(d.distribution, {source.seed_, nn::RandomStream::sensor, static_cast<std::uint64_t>(copy), d.number});
       scene.sensor.validate();
       if (scene.sensor.tactels != part.alternatives[0].scene.sensor.tactels)
-        throw file_.error("sensor.tactels", nullptr, "the same for every [[sensor]]: a set's frames are of one width");
+        throw file_.error("sensor.tactels", nullptr, one_width);
       source.sensors_.push_back(scene.sensor);
       source.sensor_weights_.push_back(part.weights[i] / copies);
     }
@@ -244,7 +300,7 @@ void SweepReader::read_sensors(SceneSource& source, int count) {
 SceneSource SweepReader::read() {
   TomlTable sweep(file_, "sweep");
   SceneSource source;
-  int contacts = 0, seed = 0, sensors = 16;
+  int contacts = 0, seed = 0, sensors = 0;
   sweep.refuse_unknown({"contacts", "seed", "sensors", "set"});
   if (!sweep.read("contacts", contacts, "a whole number of contacts, at least 1"))
     sweep.refuse_missing("contacts",
@@ -257,7 +313,9 @@ SceneSource SweepReader::read() {
     sweep.refuse("sensors", "a number of sensors, 1 to 10000, drawn from a [sensor] with distributions");
   sweep.finish();
   source.contacts_ = static_cast<std::uint64_t>(contacts);
-  source.measure_with(read_transducer(file_, static_cast<std::uint64_t>(seed)), static_cast<std::uint64_t>(seed));
+  const std::uint64_t chosen = seed_.value_or(static_cast<std::uint64_t>(seed));
+  source.measure_with(read_transducer(file_, chosen), chosen);
+  source.file_ = file_.path().string();
   read_sensors(source, sensors);
   source.indenter_ = part("indenter");
   source.contact_ = part("contact");

@@ -1,5 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 
 #include "host/scenes/scene_source.h"
 #include "host/scenes/toml_table.h"
@@ -11,7 +14,8 @@ namespace tactel::host {
 /// The strict readers of scene files check that scene.
 class SweepReader {
  public:
-  explicit SweepReader(const std::filesystem::path& path);
+  /// `seed`: takes the place of the file's.
+  explicit SweepReader(const std::filesystem::path& path, std::optional<std::uint64_t> seed = {});
   SceneSource read();
 
  private:
@@ -35,8 +39,11 @@ class SweepReader {
   void take_random_profile(const toml::table& table, SceneSource::Alternative& into);
   SceneSource::NumberDraw whole_draw(const std::string& key, const toml::node* node, const char* allowed);
   void read_sensors(SceneSource& source, int count);
+  bool draws_own_sensors(const SceneSource::Part& part) const;
+  void read_own_sensors(SceneSource& source, SceneSource::Part&& part);
 
   TomlFile file_;
+  std::optional<std::uint64_t> seed_;
   std::uint32_t next_ = 0;  ///< number of the next draw
 };
 

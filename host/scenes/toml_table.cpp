@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/scenes/toml_table.h"
 
 #include <toml++/toml.h>

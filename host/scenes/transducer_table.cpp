@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/scenes/transducer_table.h"
 
 namespace tactel::host {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/sets/check_set.h"
 
 #include <fmt/format.h>
@@ -27,7 +28,7 @@ class Checker {
   Checker(const std::filesystem::path& path, const Progress& progress) : in_(path), progress_(progress) {}
 
   SetCheck run() {
-    ContactSet set;
+    ContactSet set(SetColumns(0, in_.has_dataset("poisson")));
     std::vector<Opened> columns;
     each_dataset(
         set, [&](const char* name, const auto& values, int, const char*) { columns.push_back(open(name, values)); });

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/sets/contact_set.h"
 
 #include <fmt/format.h>
@@ -35,8 +36,8 @@ void read_attributes(const SetFile& in, ContactSet& set) {
 
 /// Every dataset of a set file, open, with as many rows as the first.
 struct Columns {
-  explicit Columns(const SetFile& in) {
-    ContactSet set;
+  explicit Columns(const SetFile& in) : sensors(in.has_dataset("poisson")) {
+    ContactSet set(SetColumns(0, sensors));
     each_dataset(set, [&](const char* name, auto& values, int, const char*) {
       all.push_back(in.column<Value<decltype(values)>>(name, is_matrix(name)));
       if (all.back().rows != rows())
@@ -47,19 +48,19 @@ struct Columns {
   int inputs() const { return all.front().columns; }
 
   ContactSet read(const SetFile& in, std::uint64_t first, std::uint64_t count) const {
-    ContactSet set;
-    set.inputs = inputs();
+    ContactSet set(SetColumns(inputs(), sensors));
     std::size_t i = 0;
     each_dataset(set, [&](const char*, auto& values, int, const char*) { in.read(all[i++], first, count, values); });
     return set;
   }
 
+  bool sensors;
   std::vector<SetFile::Column> all;  ///< in the order of each_dataset, which begins with inputs
 };
 
 /// Throws where so many rows do not fit into memory, before any is allocated.
-void check_memory(const SetFile& in, std::uint64_t rows, int inputs) {
-  const double bytes = static_cast<double>(rows) * static_cast<double>(row_bytes(inputs));
+void check_memory(const SetFile& in, std::uint64_t rows, const SetColumns& columns) {
+  const double bytes = static_cast<double>(rows) * static_cast<double>(row_bytes(columns));
   const double memory = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
   if (bytes > memory)
     in.refuse(
@@ -79,12 +80,11 @@ auto within_memory(const SetFile& in, const Read& read) try {
 
 }  // namespace
 
-std::uint64_t row_bytes(int inputs) {
+std::uint64_t row_bytes(const SetColumns& columns) {
   std::uint64_t bytes = 0;
-  ContactSet set;
-  set.inputs = inputs;
-  each_dataset(set, [&](const char*, auto& values, int columns, const char*) {
-    bytes += sizeof(Value<decltype(values)>) * static_cast<std::uint64_t>(columns ? columns : 1);
+  const ContactSet set(columns);
+  each_dataset(set, [&](const char*, auto& values, int width, const char*) {
+    bytes += sizeof(Value<decltype(values)>) * static_cast<std::uint64_t>(width ? width : 1);
   });
   return bytes;
 }
@@ -110,7 +110,7 @@ std::uint64_t ContactSetReader::rows() const { return state_->columns.rows(); }
 int ContactSetReader::inputs() const { return state_->columns.inputs(); }
 
 ContactSet ContactSetReader::read(std::uint64_t first, std::uint64_t count) const {
-  check_memory(state_->in, count, inputs());
+  check_memory(state_->in, count, {inputs(), state_->columns.sensors});
   ContactSet set = within_memory(state_->in, [&] { return state_->columns.read(state_->in, first, count); });
   set.indenter_names = state_->in.texts("indenter_names");
   return set;
@@ -127,7 +127,7 @@ ContactSet read_attributes(const std::filesystem::path& path) {
 ContactSet read_contact_set(const std::filesystem::path& path) {
   const SetFile in(path);
   const Columns columns(in);
-  check_memory(in, columns.rows(), columns.inputs());
+  check_memory(in, columns.rows(), {columns.inputs(), columns.sensors});
   ContactSet set = within_memory(in, [&] { return columns.read(in, 0, columns.rows()); });
   read_attributes(in, set);
   return set;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -9,20 +10,32 @@
 
 namespace tactel::host {
 
+/// Which datasets a set has.
+struct SetColumns {
+  SetColumns(int inputs, bool sensors = false) : inputs(inputs), sensors(sensors) {}
+  int inputs;    ///< 2 tactels
+  bool sensors;  ///< each contact has its own sensor: its numbers are columns, too
+};
+
 /// A set of contacts as in a set file (docs/sweeps.md): one row a load step; HDF5, plain datasets.
 struct ContactSet {
+  ContactSet() = default;
+  explicit ContactSet(const SetColumns& columns) : inputs(columns.inputs), sensors(columns.sensors) {}
+
   int inputs = 0;                 ///< 2 tactels
+  bool sensors = false;           ///< SetColumns::sensors
   std::vector<float> frames;      ///< `/inputs` [rows, inputs] MPa: normal stress of every tactel, then shear
   std::vector<float> slip_index;  ///< [rows] S = Q / (mu P)
-  std::vector<float> normal_force, tangential_force;  ///< [rows] P, Q, N/mm
-  std::vector<float> friction;                        ///< [rows] mu
-  std::vector<float> stick_fraction;                  ///< [rows] stuck length over contact length
-  std::vector<std::uint16_t> contact_nodes;           ///< [rows] surface nodes that touch
-  std::vector<std::uint64_t> contact;                 ///< [rows] contact of the sweep
-  std::vector<std::uint32_t> step;                    ///< [rows] load step of the contact, from 0
-  std::vector<std::uint16_t> indenter;                ///< [rows] kind of indenter: an index in indenter_names
-  std::vector<std::uint8_t> status;                   ///< [rows] LaneStatus: 0 solved, 1 sliding, 2 over tolerance
-  std::vector<float> residual;                        ///< [rows] largest relative residual
+  std::vector<float> normal_force, tangential_force;     ///< [rows] P, Q, N/mm
+  std::vector<float> friction;                           ///< [rows] mu
+  std::vector<float> stick_fraction;                     ///< [rows] stuck length over contact length
+  std::vector<std::uint16_t> contact_nodes;              ///< [rows] surface nodes that touch
+  std::vector<std::uint64_t> contact;                    ///< [rows] contact of the sweep
+  std::vector<std::uint32_t> step;                       ///< [rows] load step of the contact, from 0
+  std::vector<std::uint16_t> indenter;                   ///< [rows] kind of indenter: an index in indenter_names
+  std::vector<std::uint8_t> status;                      ///< [rows] LaneStatus: 0 solved, 1 sliding, 2 over tolerance
+  std::vector<float> residual;                           ///< [rows] largest relative residual
+  std::vector<float> poisson, thickness, young, length;  ///< [rows] of the contact's own sensor, mm and MPa; or empty
 
   std::vector<std::string> indenter_names;  ///< attribute
   std::string version;                      ///< attribute `tactel`: of the program that wrote the file
@@ -40,6 +53,7 @@ struct ContactSet {
   std::uint64_t never_slid = 0;  ///< contacts with rows whose drag until sliding ends without it; not in the file
 
   std::size_t rows() const { return slip_index.size(); }
+  SetColumns columns() const { return {inputs, sensors}; }
   /// Returns the frames and answers for training and judging networks.
   nn::FrameSet frames_with_answers() const;
 };
@@ -59,10 +73,15 @@ void each_dataset(Set& set, const Visit& visit) {
   visit("indenter", set.indenter, 0, "place in the attribute indenter_names");
   visit("status", set.status, 0, "0 solved, 1 sliding, 2 over tolerance");
   visit("residual", set.residual, 0, "1; largest relative residual");
+  if (!set.sensors) return;
+  visit("poisson", set.poisson, 0, "1; of the contact's own sensor");
+  visit("thickness", set.thickness, 0, "mm; of the contact's own sensor");
+  visit("young", set.young, 0, "MPa; of the contact's own sensor");
+  visit("length", set.length, 0, "mm; of the contact's own sensor");
 }
 
 /// Returns the bytes of a row in all datasets.
-std::uint64_t row_bytes(int inputs);
+std::uint64_t row_bytes(const SetColumns& columns);
 
 /// Writes a set file piece by piece, as a DurableFile: under a temporary name until finish(), and on the disk
 /// after it. Every chunk of the file has a checksum (Fletcher32), and so has every dataset (its attribute
@@ -71,7 +90,7 @@ std::uint64_t row_bytes(int inputs);
 class ContactSetWriter {
  public:
   /// `rows`: rows of all pieces.
-  ContactSetWriter(const std::filesystem::path& path, int inputs, std::size_t rows);
+  ContactSetWriter(const std::filesystem::path& path, const SetColumns& columns, std::size_t rows);
   ~ContactSetWriter();
   ContactSetWriter(const ContactSetWriter&) = delete;
   ContactSetWriter& operator=(const ContactSetWriter&) = delete;

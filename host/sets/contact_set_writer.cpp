@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -110,15 +111,15 @@ struct ContactSetWriter::State {
   std::size_t written = 0;      ///< rows
 };
 
-ContactSetWriter::ContactSetWriter(const std::filesystem::path& path, int inputs, std::size_t rows)
+ContactSetWriter::ContactSetWriter(const std::filesystem::path& path, const SetColumns& columns, std::size_t rows)
     : state_(std::make_unique<State>(path)) {
-  ContactSet nothing;
-  nothing.inputs = inputs;
+  const ContactSet nothing(columns);
+  const hsize_t rows_of_chunk = chunk_rows(columns.inputs);
   bool good = state_->file.open();
-  each_dataset(nothing, [&](const char* name, const auto& values, int columns, const char* unit) {
+  each_dataset(nothing, [&](const char* name, const auto& values, int width, const char* unit) {
     using T = typename std::remove_cvref_t<decltype(values)>::value_type;
     if (!good) return;
-    state_->columns.push_back(create_column(state_->file, name, type_of<T>(), rows, columns, chunk_rows(inputs), unit));
+    state_->columns.push_back(create_column(state_->file, name, type_of<T>(), rows, width, rows_of_chunk, unit));
     good = state_->columns.back().data.open();
   });
   if (!good) fail();
@@ -152,7 +153,7 @@ void ContactSetWriter::finish(const ContactSet& set) {
 }
 
 void write_contact_set(const std::filesystem::path& path, const ContactSet& set) {
-  ContactSetWriter writer(path, set.inputs, set.rows());
+  ContactSetWriter writer(path, set.columns(), set.rows());
   writer.append(set);
   writer.finish(set);
 }

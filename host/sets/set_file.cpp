@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/sets/set_file.h"
 
 #include <fmt/format.h>
@@ -145,8 +146,10 @@ std::uint64_t SetFile::number(const char* attribute) const {
   return value;
 }
 
+bool SetFile::has_dataset(const char* name) const { return H5Lexists(file_, name, H5P_DEFAULT) > 0; }
+
 SetFile::Column SetFile::column(const char* name, bool matrix, bool real) const {
-  if (H5Lexists(file_, name, H5P_DEFAULT) <= 0) refuse(name, "missing", "a dataset of the set");
+  if (!has_dataset(name)) refuse(name, "missing", "a dataset of the set");
   Column column(name, Handle(H5Dopen2(file_, name, H5P_DEFAULT), H5Dclose));
   if (!column.data_.open()) refuse(name, "unreadable", as_written);
   const Handle space(H5Dget_space(column.data_), H5Sclose), stored(H5Dget_type(column.data_), H5Tclose);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -23,6 +24,9 @@ class SetFile {
   std::vector<std::string> texts(const char* attribute) const;
   /// Returns an attribute that is a whole number, or its digits; 0 where it is absent.
   std::uint64_t number(const char* attribute) const;
+
+  /// Returns true where there is a dataset of this name.
+  bool has_dataset(const char* name) const;
 
   /// A dataset whose rank and type have been checked.
   class Column {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/sets/set_simulator.h"
 
 #include <deque>
@@ -11,6 +12,7 @@
 #include "host/contact/solve.h"
 #include "host/contact/solve_on_rung.h"
 #include "host/sets/transducer_chain.h"
+#include "host/support/errors.h"
 #include "host/support/side_by_side.h"
 #include "kernels/shared/contact_layout.h"
 #include "kernels/shared/patch_layout.h"
@@ -43,6 +45,8 @@ void resize(ContactSet& set, std::size_t rows) {
        {&set.slip_index, &set.normal_force, &set.tangential_force, &set.friction, &set.stick_fraction, &set.residual})
     list->resize(rows);
   set.contact_nodes.resize(rows), set.indenter.resize(rows);
+  if (set.sensors)
+    for (auto* list : {&set.poisson, &set.thickness, &set.young, &set.length}) list->resize(rows);
   set.contact.resize(rows), set.step.resize(rows), set.status.resize(rows);
 }
 
@@ -61,6 +65,13 @@ std::span<float> put_row(ContactSet& set, std::size_t at, const Row& row, const 
   set.indenter[at] = contact.kind;
   set.status[at] = static_cast<std::uint8_t>(row.status);
   set.residual[at] = static_cast<float>(row.residual);
+  if (set.sensors) {
+    const fem::Sensor& sensor = contact.scene.sensor;
+    set.poisson[at] = static_cast<float>(sensor.poisson);
+    set.thickness[at] = static_cast<float>(sensor.thickness);
+    set.young[at] = static_cast<float>(sensor.young);
+    set.length[at] = static_cast<float>(sensor.length);
+  }
   return std::span(set.frames).subspan(at * set.inputs, set.inputs);
 }
 
@@ -109,6 +120,12 @@ bool every_step_solved(const View<Launcher>& view, std::size_t i) {
 
 double mesh_spacing(const fem::Sensor& sensor) { return sensor.length / (sensor.columns - 1); }
 
+/// Scenes that the sweeps did not solve, and the launcher of each.
+struct Unsolved {
+  std::vector<fem::Scene> scenes;
+  std::vector<std::size_t> sensor;  ///< [scenes] index of the launcher
+};
+
 /// What a set does with the mesh alone, or with patches alone.
 template <class Launcher>
 struct Solver;
@@ -117,8 +134,10 @@ template <class Real>
 struct Solver<GapSweep<Real>> {
   using Launcher = GapSweep<Real>;
 
-  static std::vector<Launcher> launchers(Executor& executor, const std::vector<fem::Sensor>& sensors,
-                                         const SetOptions& options) {
+  static std::vector<Launcher> launchers(Executor& executor, const SceneSource& source,
+                                         const std::vector<fem::Sensor>& sensors, const SetOptions& options) {
+    if (source.own_sensors())
+      throw ConfigError("", "[sweep] sensors", "(missing)", "a number of sensors to draw, for contacts on a mesh");
     side_by_side(sensors.size(), executor.threads(),
                  [&](std::size_t k) { fem::condense_cached(sensors[k], fem::default_cache_directory()); });
     GapSweepOptions sweep;
@@ -130,15 +149,18 @@ struct Solver<GapSweep<Real>> {
     for (const fem::Sensor& sensor : sensors) all.emplace_back(executor, sensor, sweep);
     return all;
   }
-  static bool solved(const SetOptions&, const fem::Scene&, const View<Launcher>& view, std::size_t i) {
+  static bool solved(const SceneSource&, const SetOptions&, const fem::Scene&, const View<Launcher>& view,
+                     std::size_t i) {
     return every_step_solved<Launcher>(view, i);
   }
   static double element_width(const fem::Scene& scene, const View<Launcher>&, std::size_t) {
     return mesh_spacing(scene.sensor);
   }
-  static std::vector<fem::ContactSolution> solve_again(Executor& executor, const std::vector<fem::Scene>& scenes,
+  static std::vector<fem::ContactSolution> solve_again(Executor& executor, const SceneSource&,
+                                                       const std::vector<Launcher>&, const Unsolved& unsolved,
                                                        const SetOptions& options) {
-    return solve_gap_sweep(executor, scenes, options.precision, {.tolerance = options.tolerance, .audit = false});
+    return solve_gap_sweep(executor, unsolved.scenes, options.precision,
+                           {.tolerance = options.tolerance, .audit = false});
   }
 };
 
@@ -146,26 +168,52 @@ template <class Real>
 struct Solver<PatchContact<Real>> {
   using Launcher = PatchContact<Real>;
 
-  static std::vector<Launcher> launchers(Executor& executor, const std::vector<fem::Sensor>& sensors,
-                                         const SetOptions& options) {
+  static std::vector<Launcher> launchers(Executor& executor, const SceneSource& source,
+                                         const std::vector<fem::Sensor>& sensors, const SetOptions& options) {
+    if (source.own_sensors())
+      return {Launcher(executor, family_of(executor, *source.own_sensors(), options.patch->sides),
+                       patch_options(*options.patch))};
     std::vector<std::optional<fem::LayerModel>> models(sensors.size());
     side_by_side(sensors.size(), executor.threads(), [&](std::size_t k) { models[k] = fem::layer_model(sensors[k]); });
     std::vector<Launcher> all;
     for (const auto& model : models) all.emplace_back(executor, *model, patch_options(*options.patch));
     return all;
   }
-  static bool solved(const SetOptions& options, const fem::Scene& scene, const View<Launcher>& view, std::size_t i) {
+  static fem::SensorFamily family_of(Executor& executor, const fem::SensorRange& range, bool sides) {
+    const std::vector<double> poissons = fem::SensorFamily::node_poissons(range);
+    std::vector<std::optional<fem::FamilyNode>> made(poissons.size());
+    side_by_side(poissons.size(), executor.threads(),
+                 [&](std::size_t k) { made[k] = fem::SensorFamily::node(range, poissons[k], sides); });
+    std::vector<fem::FamilyNode> nodes;
+    for (auto& node : made) nodes.push_back(std::move(*node));
+    return {range, nodes};
+  }
+  /// Contacts across a whole sensor stay on their patch where each has its own: a mesh would need a condensation each.
+  static bool solved(const SceneSource& source, const SetOptions& options, const fem::Scene& scene,
+                     const View<Launcher>& view, std::size_t i) {
     const int elements = options.patch->elements;
     const double left = scene.indenter.position + view.patch(i, PATCH_ORIGIN);
     return every_step_solved<Launcher>(view, i) && !grown_contact<Real>(view, i, elements) &&
-           patch_serves(scene.sensor, left, left + elements * view.patch(i, PATCH_ELEMENT));
+           (source.own_sensors() || patch_serves(scene.sensor, left, left + elements * view.patch(i, PATCH_ELEMENT)));
   }
   static double element_width(const fem::Scene&, const View<Launcher>& view, std::size_t i) {
     return view.patch(i, PATCH_ELEMENT);
   }
-  static std::vector<fem::ContactSolution> solve_again(Executor& executor, const std::vector<fem::Scene>& scenes,
+  static std::vector<fem::ContactSolution> solve_again(Executor& executor, const SceneSource& source,
+                                                       const std::vector<Launcher>& launchers, const Unsolved& unsolved,
                                                        const SetOptions& options) {
-    return solve_on_rung(executor, scenes, *options.patch);
+    std::vector<fem::ContactSolution> answers(unsolved.scenes.size());
+    for (std::size_t sensor = 0; sensor < launchers.size(); ++sensor) {
+      std::vector<fem::Scene> scenes;
+      for (std::size_t i = 0; i < unsolved.scenes.size(); ++i)
+        if (unsolved.sensor[i] == sensor) scenes.push_back(unsolved.scenes[i]);
+      auto solved = solve_patch_contact(launchers[sensor], scenes);
+      auto next = solved.begin();
+      for (std::size_t i = 0; i < answers.size(); ++i)
+        if (unsolved.sensor[i] == sensor) answers[i] = std::move(*next++);
+    }
+    if (!source.own_sensors()) finish_on_mesh(executor, unsolved.scenes, *options.patch, true, answers);
+    return answers;
   }
 };
 
@@ -303,7 +351,7 @@ namespace {
 template <class Launcher>
 struct Simulation : SetSimulator::State {
   Simulation(Executor& executor, const SceneSource& source, const SetOptions& options)
-      : State(executor, source, options), launchers(Solver<Launcher>::launchers(executor, sensors, options)) {}
+      : State(executor, source, options), launchers(Solver<Launcher>::launchers(executor, source, sensors, options)) {}
 
   std::unique_ptr<SetSimulator::Range> prepare(std::uint64_t first, std::uint64_t count) const override;
   void run(SetSimulator::Range& range, const RunOptions& run_options) const override;
@@ -324,7 +372,8 @@ std::unique_ptr<SetSimulator::Range> Simulation<Launcher>::prepare(std::uint64_t
     const fem::LoadPath path = fem::load_path(scene.load);
     const int steps = static_cast<int>(path.steps.size());
     range->first_step.push_back(path.indentation_steps - 1);
-    const auto sensor = std::ranges::find(sensors, without_young(scene.sensor)) - sensors.begin();
+    const auto sensor =
+        source.own_sensors() ? 0 : std::ranges::find(sensors, without_young(scene.sensor)) - sensors.begin();
     SharedLaunch<Launcher>& launch = range->launch_for(static_cast<std::size_t>(sensor), kind_of(scene), steps);
     launch.steps = std::max(launch.steps, steps);
     launch.scenes.push_back(scene);
@@ -386,33 +435,33 @@ ContactSet Simulation<Launcher>::collect(SetSimulator::Range& any_range) {
   std::deque<View<Launcher>> views;                   // they cannot be moved
   std::vector<std::size_t> rows(range.count + 1, 0);  // of contact k: rows[k] ... rows[k + 1] - 1
   std::vector<std::uint64_t> unsolved;                // contacts, counted from the range's first
-  std::vector<fem::Scene> unsolved_scenes;
+  Unsolved again_from;
   for (const SharedLaunch<Launcher>& launch : range.launches) {
     const View<Launcher>& view = views.emplace_back(*launch.batch);
     for (const std::size_t i : view.by_lane()) {
       const std::uint64_t k = launch.which[i];
-      if (Solver<Launcher>::solved(options, launch.scenes[i], view, i)) {
+      if (Solver<Launcher>::solved(source, options, launch.scenes[i], view, i)) {
         rows[k + 1] = rows_of<Launcher>(view, i, range.first_step[k], launch.scenes[i].friction).size();
       } else {
         unsolved.push_back(k);
-        unsolved_scenes.push_back(launch.scenes[i]);
+        again_from.scenes.push_back(launch.scenes[i]);
+        again_from.sensor.push_back(launch.sensor);
       }
     }
   }
   Fallen fallen;
   if (!unsolved.empty()) {
-    auto again = Solver<Launcher>::solve_again(executor, unsolved_scenes, options);
+    auto again = Solver<Launcher>::solve_again(executor, source, launchers, again_from, options);
     for (std::size_t j = 0; j < unsolved.size(); ++j) {
       const std::uint64_t k = unsolved[j];
       rows[k + 1] = rows_of(again[j], range.first_step[k]).size();
       fallen[k] = std::move(again[j]);
     }
   }
-  ContactSet set;
+  ContactSet set({2 * source.tactels(), source.own_sensors().has_value()});
   set.contacts = range.count;
   set.without_rows = static_cast<std::uint64_t>(std::count(rows.begin() + 1, rows.end(), std::size_t{0}));
   std::partial_sum(rows.begin(), rows.end(), rows.begin());
-  set.inputs = 2 * source.tactels();
   resize(set, rows.back());
   for (std::size_t l = 0; l < views.size(); ++l) {
     for (const std::size_t i : views[l].by_lane()) {

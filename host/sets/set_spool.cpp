@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/sets/set_spool.h"
 
 #include <fcntl.h>
@@ -35,9 +36,8 @@ std::string payload_of(const ContactSet& rows) {
   return bytes;
 }
 
-ContactSet rows_from(const std::string& bytes, std::size_t rows, int inputs) {
-  ContactSet set;
-  set.inputs = inputs;
+ContactSet rows_from(const std::string& bytes, std::size_t rows, const SetColumns& of) {
+  ContactSet set(of);
   std::size_t at = 0;
   each_dataset(set, [&](const char*, auto& values, int columns, const char*) {
     values.resize(rows * std::max(columns, 1));
@@ -104,8 +104,8 @@ void SetSpool::discard(const fs::path& output) {
   });
 }
 
-SetSpool::SetSpool(const fs::path& output, const std::string& plan, int inputs, int writer, Open how)
-    : output_(output), folder_(folder(output)), plan_sum_(checksum(plan)), inputs_(inputs) {
+SetSpool::SetSpool(const fs::path& output, const std::string& plan, const SetColumns& columns, int writer, Open how)
+    : output_(output), folder_(folder(output)), plan_sum_(checksum(plan)), columns_(columns) {
   make_folder("--output", folder_);
   with_output(output_, [&] {
     if (how != Open::join) {
@@ -159,8 +159,8 @@ void SetSpool::check_plan(const std::string& plan, Open how) const {
 
 /// Refuses a chunk of another plan: it was copied in.
 void SetSpool::check(const ChunkHeader& header, const fs::path& file) const {
-  const bool fits = header.plan_sum == plan_sum_ && header.inputs == static_cast<std::uint64_t>(inputs_) &&
-                    header.bytes / row_bytes(inputs_) == header.rows && header.bytes % row_bytes(inputs_) == 0;
+  const bool fits = header.plan_sum == plan_sum_ && header.inputs == static_cast<std::uint64_t>(columns_.inputs) &&
+                    header.bytes / row_bytes(columns_) == header.rows && header.bytes % row_bytes(columns_) == 0;
   if (!fits)
     throw output_error(output_, "made of chunks of one plan: " + file.string() +
                                     " holds some of another sweep file, seed, precision or version; remove it, or "
@@ -261,7 +261,7 @@ ContactSet SetSpool::load(const Place& place) const {
   if (!in || std::memcmp(&header, &place.header, sizeof header) != 0 || checksum(payload) != header.payload_sum)
     throw output_error(output_, "made of whole chunks: " + place.file.string() +
                                     " was damaged while it was read; --resume generates the damaged chunks again");
-  return rows_from(payload, header.rows, inputs_);
+  return rows_from(payload, header.rows, columns_);
 }
 
 void SetSpool::assemble(std::uint64_t count, ContactSet& set) {
@@ -272,7 +272,7 @@ void SetSpool::assemble(std::uint64_t count, ContactSet& set) {
   if (chunks_.size() != count || (count > 0 && chunks_.rbegin()->first != count - 1))
     throw output_error(
         output_, fmt::format("complete: {} of {} chunks exist; --resume generates the others", chunks_.size(), count));
-  ContactSetWriter writer(output_, inputs_, rows());
+  ContactSetWriter writer(output_, columns_, rows());
   for (const auto& [chunk, place] : chunks_) {
     writer.append(load(place));
     set.fell_back += place.header.fell_back;

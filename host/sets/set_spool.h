@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -27,10 +28,11 @@ struct ChunkHeader {
 class SetSpool {
  public:
   enum class Open { fresh, resume, join };  ///< join: another process of the same run has opened it
-  /// `plan` is all inputs of the rows, as text; `inputs` the numbers of a frame. Throws ConfigError where another
+  /// `plan` is all inputs of the rows, as text; `columns` the datasets of the set. Throws ConfigError where another
   /// run uses the folder, or where `fresh` finds chunks to resume. Throws it also where the folder or a chunk
   /// belongs to another plan, chunks exist without a plan, or the folder cannot be written.
-  SetSpool(const std::filesystem::path& output, const std::string& plan, int inputs, int writer, Open how);
+  SetSpool(const std::filesystem::path& output, const std::string& plan, const SetColumns& columns, int writer,
+           Open how);
   ~SetSpool();
   SetSpool(const SetSpool&) = delete;
   SetSpool& operator=(const SetSpool&) = delete;
@@ -67,7 +69,7 @@ class SetSpool {
 
   std::filesystem::path output_, folder_, own_;
   std::uint64_t plan_sum_;
-  int inputs_;
+  SetColumns columns_;
   std::map<std::uint64_t, Place> chunks_;
   std::size_t torn_ = 0;
   std::uint64_t bytes_ = 0;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/support/json_text.h"
 
 #include <algorithm>

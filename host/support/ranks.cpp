@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/support/ranks.h"
 
 #include <cstdlib>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/training/frame_stream.h"
 
 #include "host/scenes/sweep_file.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/training/learning_curves.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/training/rank_training.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* The activation of the networks, f(z) = 1/2 (1 - e^-z) / (1 + e^-z) = 1/2 tanh(z / 2), on vectors of lanes. Written out, so that every
    kernel and every place in a batch gets the same bits. Device only.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Settings of the transducer chain in the kernel's terms; nn::Transducer holds them in the user's. */
 #ifndef TACTEL_SHARED_CHAIN_SETTINGS_H
 #define TACTEL_SHARED_CHAIN_SETTINGS_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Rows of the contact kernel's arrays. Everything is stored in the kernel's real type. `lane` is the fastest index. */
 #ifndef TACTEL_CONTACT_LAYOUT_H
 #define TACTEL_CONTACT_LAYOUT_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Logarithm and exponential on vectors of lanes. Written out, so that every number of lanes gives the same bits. Device only. */
 #ifndef TACTEL_SHARED_ELEMENTARY_H
 #define TACTEL_SHARED_ELEMENTARY_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* One layer of a network with frames in the lanes. forward.cl and train_batch.cl share it, so that training and recall compute equal bits.
      z_j = b_j, then z_j = fma(w_ji, o_i, z_j) for i = 0, 1, ...;  o_j = f(z_j). Device only. */
 #ifndef TACTEL_SHARED_FORWARD_LAYER_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Status of the evaluation of a frame: nn::FrameStatus, for host and device. */
 #ifndef TACTEL_SHARED_FRAME_STATUS_H
 #define TACTEL_SHARED_FRAME_STATUS_H

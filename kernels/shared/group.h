@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Index of a work-item's group: `TAKE_GROUP(group);` first in the body of a kernel whose first argument is `uint first_group`.
    A launch with NO_GROUPS does nothing: so the host makes OpenCL compile a kernel, for the widest launch it will need, before any
    work waits for it. The host uses NO_GROUPS alone; TAKE_GROUP is for the device. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Report of a lane (one scene) about its own answer. */
 #ifndef TACTEL_SHARED_LANE_RESULT_H
 #define TACTEL_SHARED_LANE_RESULT_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Sums over the lanes of vectors, in a fixed order: neighbours first, then neighbouring pairs, and so on. Device only. */
 #ifndef TACTEL_SHARED_LANE_SUMS_H
 #define TACTEL_SHARED_LANE_SUMS_H

@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Vectors of lanes for kernels: LANES and REAL come from the build. Device only.
    vreal: LANES numbers of type REAL; vint: as many integers of the same width, the type of comparisons.
-   LANES = 1 gives scalars, for GPUs; there a comparison yields 1, not -1. Take masks apart with PICK, ANY, ALL, NOT, join them with
+   LANES = 1 gives scalars, for GPUs; there a comparison yields 1, not -1. Take masks apart with PICK, ANY, ALL, NOT, vectors with NUMBER, join masks with
    & and |, and the same text serves every width. */
 #ifndef TACTEL_SHARED_LANES_H
 #define TACTEL_SHARED_LANES_H
@@ -28,15 +29,39 @@ typedef REAL_INT vint;
 #define ANY(mask) ((mask) != 0)
 #define ALL(mask) ((mask) != 0)
 #define NOT(mask) (!(mask))
+#define NUMBER(v, lane) (v)
 #else
 typedef JOIN(REAL, LANES) vreal;
 typedef JOIN(REAL_INT, LANES) vint;
 #define LOAD(p) JOIN(vload, LANES)(0, p)
 #define STORE(v, p) JOIN(vstore, LANES)(v, 0, p)
 #define PICK(mask, yes, no) select(no, yes, mask)
-#define ANY(mask) any(mask)
+#define ANY(mask) (joined(mask) != 0)
 #define ALL(mask) all(mask)
 #define NOT(mask) (~(mask))
+#define NUMBER(v, lane) (((const real *)&(v))[lane])
+#endif
+
+/* The mask of all lanes in one number. any() would branch for each lane, and be mispredicted where lanes finish one by one. */
+#if LANES > 1
+static inline REAL_INT joined(vint mask) {
+#if LANES == 16
+  const JOIN(REAL_INT, 8) eight = mask.lo | mask.hi;
+#elif LANES == 8
+  const vint eight = mask;
+#endif
+#if LANES >= 8
+  const JOIN(REAL_INT, 4) four = eight.lo | eight.hi;
+#elif LANES == 4
+  const vint four = mask;
+#endif
+#if LANES >= 4
+  const JOIN(REAL_INT, 2) two = four.lo | four.hi;
+#else
+  const vint two = mask;
+#endif
+  return two.x | two.y;
+}
 #endif
 
 /* The same number in every lane. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Division of the work in the kernels of networks, for kernels and host. */
 #ifndef TACTEL_SHARED_NETWORK_WORK_H
 #define TACTEL_SHARED_NETWORK_WORK_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Places in the one argument of the kernel `forward_one`, an array of its precision. */
 #ifndef TACTEL_SHARED_ONE_FRAME_H
 #define TACTEL_SHARED_ONE_FRAME_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Progress of the online training of one network. */
 #ifndef TACTEL_SHARED_ONLINE_REPORT_H
 #define TACTEL_SHARED_ONLINE_REPORT_H

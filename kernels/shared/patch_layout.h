@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Rows of the patch kernel's arrays. Everything is stored in the kernel's real type. contact_layout.h has the rows of results. */
 #ifndef TACTEL_PATCH_LAYOUT_H
 #define TACTEL_PATCH_LAYOUT_H
@@ -10,6 +11,24 @@ enum { LAYER_COEFFICIENTS = 4 };
 
 /* Columns of one row of the sides' table: v_y of every mode, then v_x. */
 enum { SIDE_MODES = 8 };
+
+/* Where every lane has its own sensor: numbers of a core row, C (upper triangle by rows) and then K of fem/layer/end_modes.h, and those
+   of one place in the table of the layer's base stress: sigma_y by f_y, tau by f_x, tau by f_y, sigma_y by f_x, each here and one
+   cell farther. */
+enum { CORE_COMPLIANCE = SIDE_MODES * (SIDE_MODES + 1) / 2, CORE_NUMBERS = 112, STRESS_NUMBERS = 8 };
+
+/* Rows of `sensors`, [group][PATCH_SENSOR_ROWS][lane]. */
+enum PatchSensorRow {
+  SENSOR_THICKNESS = 0, /* mm */
+  SENSOR_LENGTH,        /* mm */
+  SENSOR_POISSON,       /* place among the rows of Poisson's ratios */
+  SENSOR_CY,            /* factors of C_yy, of C_xy, and (1 - 2 nu) pi/2 */
+  SENSOR_CX,
+  SENSOR_JUMP,
+  SENSOR_TACTEL,  /* middle of the first tactel, mm from the sensor's middle */
+  SENSOR_SPACING, /* from tactel to tactel, mm */
+  PATCH_SENSOR_ROWS
+};
 
 /* Rows of `lane_input`, [group][PATCH_INPUT_ROWS][lane]. Places along x count from the indenter's position, mm. */
 enum PatchInputRow {

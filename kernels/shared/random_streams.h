@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Purpose of a draw, in kernels: nn::RandomStream, for host and device. */
 #ifndef TACTEL_SHARED_RANDOM_STREAMS_H
 #define TACTEL_SHARED_RANDOM_STREAMS_H

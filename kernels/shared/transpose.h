@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* LANES vectors as a square matrix. Device only. */
 #ifndef TACTEL_SHARED_TRANSPOSE_H
 #define TACTEL_SHARED_TRANSPOSE_H

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Checks Markdown: links and named files exist, commands and options are those of the program, lines hold 100 columns.
 
 Usage: check_markdown.py ROOT [TACTEL]
@@ -49,7 +50,7 @@ class Program:
 
     def __init__(self, path):
         self.path = path
-        self.commands = {"help", *re.findall(r"^  ([a-z]+)  ", self.help().split("Subcommands:")[1], re.M)}
+        self.commands = {"help", *re.findall(r"^  ([a-z]+)  ", self.help(), re.M)}
         self.options = {"help": set()}
 
     def help(self, *command):

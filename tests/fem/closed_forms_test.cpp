@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Solutions that neither the mesh nor the iteration knows, each with its range of validity. Johnson, Contact Mechanics
 // (1985).
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "fem/contact_laws.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Writes what fem/ makes of a sensor, for independent programs: `dump_condensation ELEMENT STRESS NU COLUMNS ROWS
 // GRADING LENGTH THICKNESS TACTELS` prints to stdout, as raw doubles in row order, C, T and the tactel stresses.
 #include <cstdio>

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // A second witness for C and T of q4 and bbar: rectangles in closed form, assembled and solved in 80-bit arithmetic.
 // It shares nothing with fem/ but the Sensor and Eigen's containers, and tells how exact the double precision result
 // is.

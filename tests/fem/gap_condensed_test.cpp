@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The status iteration on the condensed compliance against the same on the whole mesh: C is all that contact can ask of
 // the block.
 #include "fem/gap_condensed.h"

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // An independent way to the same answer, possible for five surface nodes: the dense compliance of the block, every one
 // of the 4^5 combinations of statuses solved, those kept that satisfy the laws of contact. It shares the stiffness
 // matrix with the solver under test, no more.

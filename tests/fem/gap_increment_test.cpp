@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Regimes of the gap elements on a block of two surface nodes, a and b, whose stiffness is chosen so that all can be
 // worked by hand:
 //   node:  f_x = 2 u_x + u_y,  f_y = u_x + 4 u_y        (forces on the rubber; n = -f_y, t = f_x)

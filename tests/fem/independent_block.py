@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """An independent program for the condensed block, held against fem/.
 
 It assembles no elements. On a rectangular grid the bilinear space is a product of two one-dimensional spaces, so that

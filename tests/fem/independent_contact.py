@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Judges contacts solved elsewhere: assembles the block anew, condenses it densely, solves the contact by block Gauss-Seidel over the
 surface nodes, and compares base nodal forces. It shares no line with the program, only the conventions (mm, N/mm, x along the array,
 y up; forces of the rubber on the base).

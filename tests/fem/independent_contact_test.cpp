@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The reference solver judged by another program, independent_contact.py.
 #include <gtest/gtest.h>
 

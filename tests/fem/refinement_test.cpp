@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // How the elements converge, and which of them lock: compliance under a smooth pressure, against a fine q8 mesh.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // What is left of a contact that does not press any more, and friction without limit.
 #include <gtest/gtest.h>
 

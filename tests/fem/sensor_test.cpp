@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "fem/sensor.h"
 
 #include <cmath>
@@ -34,8 +35,8 @@ TEST(Sensor, NamesWhatItRejects) {
     rejects(&Sensor::young, bad, "sensor.young", "", "above 0");
     rejects(&Sensor::grading, bad, "sensor.grading", "", "bottom row's height");
   }
-  for (double bad : {0.5, -0.1, nan, 1.0}) rejects(&Sensor::poisson, bad, "sensor.poisson", "", "0 <= poisson < 0.5");
-  rejects(&Sensor::poisson, 0.5, "sensor.poisson", "0.5", "");
+  for (double bad : {0.51, -0.1, nan, 1.0}) rejects(&Sensor::poisson, bad, "sensor.poisson", "", "0 <= poisson <= 0.5");
+  rejects(&Sensor::poisson, 0.51, "sensor.poisson", "0.51", "");
   rejects(&Sensor::thickness, -1.5, "sensor.thickness", "-1.5", "");
   rejects(&Sensor::thickness, nan, "sensor.thickness", "nan", "");
   rejects(&Sensor::columns, 2, "sensor.columns", "2", "3 to 2001");

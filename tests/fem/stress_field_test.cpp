@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The field inside the block.
 #include "fem/stress_field.h"
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Calibration files (TOML) for the glove.
 #include <cmath>
 

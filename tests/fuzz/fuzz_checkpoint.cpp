@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Checkpoints of trainings, of two networks, 4-3-1 and 2-2-2-1. The input is read as it is, then with the checksum
 // made right.
 #include <cstring>

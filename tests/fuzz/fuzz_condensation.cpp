@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The file cache of condensations. The input says how a whole file is damaged: where to begin, what to do, and the
 // bytes to write there. The answer must be that of a fresh condensation.
 #include <cstring>

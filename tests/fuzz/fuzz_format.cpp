@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // One target a wire format (FUZZ_FORMAT, set by CMake): the input, decoded at once and in parts whose length it says
 // itself.
 #include <cmath>

@@ -1,7 +1,12 @@
-// Network files (ONNX). The input is read as it is, then with the checksum of its metadata made right.
+// SPDX-License-Identifier: Apache-2.0
+
+// Network files (ONNX), by the program's reader and that of tactel::infer. The input is read as it is, then with the
+// checksum of its metadata made right.
 #include <onnx/onnx_pb.h>
+#include <tactel/infer.h>
 
 #include <cmath>
+#include <vector>
 
 #include "host/networks/onnx_file.h"
 #include "host/networks/onnx_graph.h"
@@ -29,10 +34,24 @@ void read(const std::string& bytes) {
   });
 }
 
+void infer(const std::string& bytes) {
+  accepts<InputError>([&] {
+    const SlipEstimator estimator = SlipEstimator::parse(std::as_bytes(std::span(bytes)));
+    const std::vector<float> frame(estimator.inputs(), -0.1f);
+    const Answer answer = estimator.estimate(frame);
+    check(answer.status == AnswerStatus::overflow || (answer.slip_index >= 0 && answer.slip_index <= 1), "S is 0..1");
+  });
+}
+
+void read_and_infer(const std::string& bytes) {
+  read(bytes);
+  infer(bytes);
+}
+
 }  // namespace
 }  // namespace tactel::fuzz
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  tactel::fuzz::read_twice(data, size, tactel::fuzz::read, tactel::fuzz::with_right_checksum);
+  tactel::fuzz::read_twice(data, size, tactel::fuzz::read_and_infer, tactel::fuzz::with_right_checksum);
   return 0;
 }

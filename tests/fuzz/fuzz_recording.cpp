@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Recordings: replayed to their end as `tactel monitor --source replay:FILE` does, without the network. The input is
 // read as it is, then with every record's checksum made right, so that what stands behind the checksums is reached.
 #include <cmath>

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Scene files. A measured profile lies beside the input as measured.csv.
 #include "fem/scene.h"
 #include "host/scenes/scene_file.h"

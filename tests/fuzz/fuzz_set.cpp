@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Set files (HDF5) of any structure. The input says what becomes of a whole set: which attribute or dataset goes, or is
 // replaced by one of another type, rank and extent. HDF5's own library is not what is looked at here; see
 // fuzz_set_file.

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Spools of unfinished sets: the input is a file of chunks beside a plan that
 // fits. What is taken of it is put together. The input is read as it is, then
 // with the checksums of its chunks made right.

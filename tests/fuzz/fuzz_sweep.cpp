@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Sweep files, and the first and last contacts that they draw.
 #include "host/scenes/sweep_file.h"
 #include "tests/fuzz/fuzz.h"

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // training.json of a training's folder, as `tactel train` meets it there.
 #include "host/training/training_directory.h"
 #include "tests/fuzz/fuzz.h"

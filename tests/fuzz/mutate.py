@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Runs the tactel program on mutated scenes, sweeps, sets, networks, recordings and profiles.
 
     mutate.py --program build/tactel --inputs 200 [--seed 1] [--first 0] [--keep DIR]
 
 Every input is a function of the seed and its number. For each, the program must
-- end by itself with exit code 0, 2 or 4 (3 blames the device, and here the file alone is wrong): no signal, no hang;
+- end by itself with exit code 0, 2 or 4 (3 blames the device, and here the file alone is wrong): no signal, no hang.
+  A sweep may ask for any number of contacts; one that still runs after a while gets Ctrl-C, and must end with 130;
 - say on stderr what is wrong where it ends with 2, in its own words, as one line that begins with "error: ";
 - print valid JSON where it prints JSON.
 Prints each finding with the command that repeats it, and ends with 1 where there was one.
@@ -18,6 +20,7 @@ import random
 import re
 import resource
 import shutil
+import signal
 import struct
 import subprocess
 import sys
@@ -31,6 +34,7 @@ import numpy
 EXAMPLES = pathlib.Path(__file__).resolve().parents[2] / "examples"
 CPU_SECONDS = 120  # of one run: what is slower hangs
 WALL_SECONDS = 900  # a run that sleeps for ever
+INTERRUPT_SECONDS = 20  # after which `generate` gets Ctrl-C: a billion contacts take an hour
 LARGEST_MEMORY = 3 << 20  # kB
 
 BASE_SCENE = """title = "base"
@@ -199,6 +203,7 @@ def mutate_recording(content, rng):
     return repair_recording(content) if rng.random() < 0.8 else content
 
 
+LARGEST_DATASET = 1 << 24  # elements of one that is read or written whole
 SET_TYPES = ["f4", "f8", "i1", "u1", "i8", "u8", ">f4", ">i4", "S1", "S100", "bool", "c8"]
 
 
@@ -212,15 +217,17 @@ def any_values(shape, dtype, rng):
 
 def mutate_dataset(file, name, rng):
     shape = file[name].shape or (1,)  # an earlier mutation may have left a scalar
+    if file[name].size > LARGEST_DATASET:  # or one that no memory holds
+        shape = (1,) * len(shape)
     what = rng.randrange(6)
     if what == 0:
         del file[name]
-    elif what == 1 and file[name].dtype.kind == "f" and file[name].size:  # some values
+    elif what == 1 and file[name].dtype.kind == "f" and 0 < file[name].size <= LARGEST_DATASET:  # some values
         values = file[name][...]
         for _ in range(rng.choice([1, 3, values.size])):
             values.flat[rng.randrange(values.size)] = rng.choice([numpy.nan, numpy.inf, -1.0, 1e30, -5.0, 1e-40, 0.0])
         file[name][...] = values
-    elif what == 1 and file[name].dtype.kind in "iu" and file[name].size:
+    elif what == 1 and file[name].dtype.kind in "iu" and 0 < file[name].size <= LARGEST_DATASET:
         values = file[name][...]
         values.flat[rng.randrange(values.size)] = rng.choice([0, 1, 2, 200])
         file[name][...] = values
@@ -374,13 +381,15 @@ def message_complaint(stderr):
     return None
 
 
-def complaint_about(command, status, stdout, stderr, memory):
+def complaint_about(command, status, stdout, stderr, memory, interrupted):
     if os.WIFSIGNALED(status):
         name = os.WTERMSIG(status)
         return "hangs" if name in (9, 24) else f"ended by signal {name}"
     code = os.WEXITSTATUS(status)
     if code == 3:
         return "exit 3 blames the device, but the file is wrong"
+    if code == 130 and interrupted:
+        return None if "--resume" in stderr else "interrupted without a word on --resume"
     if code not in (0, 2, 4):
         return f"exit code {code}"
     if memory > LARGEST_MEMORY:
@@ -396,17 +405,27 @@ def limit():
 
 
 def run(program, command, where):
-    """Exit status as os.wait4 gives it, output, errors, memory in kB."""
+    """Exit status as os.wait4 gives it, output, errors, memory in kB, and whether the run got Ctrl-C."""
+    interrupted = threading.Event()
     with open(where / "stdout", "wb") as out, open(where / "stderr", "wb") as err:
         child = subprocess.Popen([program, *command], cwd=where, stdin=subprocess.DEVNULL, stdout=out, stderr=err,
                                  preexec_fn=limit)
-        timer = threading.Timer(WALL_SECONDS, child.kill)
-        timer.start()
+
+        def interrupt():
+            interrupted.set()
+            child.send_signal(signal.SIGINT)
+
+        timers = [threading.Timer(WALL_SECONDS, child.kill)]
+        if command[0] == "generate":
+            timers.append(threading.Timer(INTERRUPT_SECONDS, interrupt))
+        for timer in timers:
+            timer.start()
         _, status, usage = os.wait4(child.pid, 0)
-        timer.cancel()
+        for timer in timers:
+            timer.cancel()
         child.returncode = status  # it was waited for
     text = [(where / name).read_text(errors="replace") for name in ("stdout", "stderr")]
-    return status, text[0], text[1], usage.ru_maxrss
+    return status, text[0], text[1], usage.ru_maxrss, interrupted.is_set()
 
 
 def main():
@@ -429,12 +448,12 @@ def main():
             where.mkdir()
             make = rng.choices([case for case, _ in CASES], [weight for _, weight in CASES])[0]
             command = make(bench, where, rng)
-            status, stdout, stderr, memory = run(program, command, where)
+            status, stdout, stderr, memory, interrupted = run(program, command, where)
             kind = make.__name__.removesuffix("_case")
             code = os.WEXITSTATUS(status) if os.WIFEXITED(status) else -os.WTERMSIG(status)
             codes.setdefault(kind, {}).setdefault(code, 0)
             codes[kind][code] += 1
-            complaint = complaint_about(command, status, stdout, stderr, memory)
+            complaint = complaint_about(command, status, stdout, stderr, memory, interrupted)
             if complaint:
                 findings += 1
                 print(f"input {number} ({kind}): {complaint}\n  tactel {' '.join(command)}\n  {stderr[-400:].strip()}\n"

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Runs a fuzz target once over each file given, or in each folder given: the replay of a corpus without a fuzzer.
 #include <algorithm>
 #include <cstdio>

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Whole files for the fuzz targets to start from, which no random bytes would hit past a checksum:
 // fuzz_seeds DIR writes DIR/TARGET/seed*.
 #include <filesystem>

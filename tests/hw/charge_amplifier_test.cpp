@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "hw/charge_amplifier.h"
 
 #include <gtest/gtest.h>

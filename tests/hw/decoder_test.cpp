@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // What holds for every format: splits do not matter, damage costs what it must and no more, random bytes do no harm.
 #include "hw/decoder.h"
 

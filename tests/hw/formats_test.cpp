@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // What each format reads from frames written by hand, and marks that stand inside payloads.
 #include "hw/formats.h"
 

@@ -1,6 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "hw/packet_ring.h"
 
 #include <gtest/gtest.h>
+#include <poll.h>
 
 #include <atomic>
 #include <chrono>
@@ -140,6 +142,33 @@ TEST(PacketRing, AFailureWakesAReaderWhoWaits) {
   });
   EXPECT_THROW(ring.take(60), SourceError);
   writer.join();
+}
+
+TEST(PacketRing, ItsDescriptorIsReadableWhilePacketsOrAFailureWait) {
+  const auto readable = [](int fd) {
+    pollfd wanted{fd, POLLIN, 0};
+    return ::poll(&wanted, 1, 0) == 1;
+  };
+  PacketRing ring(2, 8);
+  const std::uint8_t bytes[] = {1, 2, 3};
+  ring.push({bytes});
+  const int event = ring.event();
+  ASSERT_GE(event, 0);
+  EXPECT_EQ(ring.event(), event);
+  EXPECT_TRUE(readable(event));
+  for (int i = 0; i < 3; ++i) ring.push({bytes});  // two stay
+  EXPECT_TRUE(ring.take());
+  EXPECT_TRUE(readable(event));
+  EXPECT_TRUE(ring.take());
+  EXPECT_FALSE(readable(event));
+  EXPECT_FALSE(ring.take());
+  ring.push({bytes});
+  EXPECT_TRUE(readable(event));
+  EXPECT_TRUE(ring.take());
+  EXPECT_FALSE(readable(event));
+  ring.fail(std::make_exception_ptr(SourceError("gone")));
+  EXPECT_TRUE(readable(event));
+  EXPECT_THROW(ring.take(), SourceError);
 }
 
 TEST(Ftdi, StripsTheTwoStatusBytes) {

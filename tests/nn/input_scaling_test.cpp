@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "nn/input_scaling.h"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The plain transducer chain against closed forms and hand calculation.
 #include "nn/transducer_chain.h"
 

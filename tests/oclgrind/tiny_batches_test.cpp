@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Every kernel that computes, on a few items, for oclgrind, which looks at each access to memory (scripts/sanitize
 // oclgrind). Answers are checked, too: what the kernels then did is what they do elsewhere. Executors are no statics:
 // oclgrind's own are gone before them.
@@ -5,7 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "fem/gap_reference.h"
+#include "fem/layer/patch_solver.h"
 #include "host/contact/gap_sweep.h"
+#include "host/contact/patch_contact.h"
 #include "host/networks/forward.h"
 #include "host/networks/train_batch.h"
 #include "host/networks/train_online.h"
@@ -92,6 +96,45 @@ TEST_P(TinyBatches, GapSweepByForceFp64) { expect_contacts<double>(executor, tru
 TEST_P(TinyBatches, GapSweepFrictionless) {  // a program of its own
   expect_contacts<float>(executor, false, 0);
   expect_contacts<double>(executor, true, 0);
+}
+
+/// Shapes with terms and points of their own, too; at an end of the sensor, too. Tolerances as in patch_contact_test.
+template <class Real>
+void expect_patches(Executor& executor, bool by_force, double friction) {
+  auto scenes = few_scenes(by_force, friction);
+  for (const fem::Shape& shape :
+       {fem::Shape(fem::Taylor{{1, 3}, 5.0, 0.4}), fem::Shape(fem::Profile{{-1, -0.2, 0.5, 1.5}, {0.05, 0, 0.01, 0.1}}),
+        fem::Shape(fem::Cylinder{8}), fem::Shape(fem::Exponential{0.1, 1})}) {
+    scenes.push_back(scenes.front());
+    scenes.back().indenter = {shape, scenes.size() % 2 ? 0.0 : 2.4};
+  }
+  const double sweeps_to = !by_force ? 1e-3 : sizeof(Real) == 8 ? 1e-11 : 1e-5;
+  const fem::LayerModel model = fem::layer_model(scenes.front().sensor);
+  const PatchContact<Real> contact(
+      executor, model, {.elements = 8, .tolerance = sweeps_to, .accept = 2e-2, .most_sweeps = 2000, .most_growths = 0});
+  const fem::PatchSolver twin(
+      model, {.elements = 8, .tolerance = sweeps_to, .accept = 2e-2, .most_sweeps = 2000, .most_growths = 0});
+  auto batch = contact.prepare(scenes);
+  batch.run();
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const fem::ContactStep found = batch.solution(i).steps.back(), expected = twin.solve(scenes[i]).steps.back();
+    const double tolerance = (sizeof(Real) == 4 ? 3e-5 : 1e-9) * (expected.P + std::abs(expected.Q));
+    EXPECT_NEAR(found.P, expected.P, tolerance) << i;
+    EXPECT_NEAR(found.Q, expected.Q, tolerance) << i;
+  }
+}
+
+TEST_P(TinyBatches, PatchContactByDepth) {
+  expect_patches<float>(executor, false, 0.4);
+  expect_patches<double>(executor, false, 0.4);
+}
+TEST_P(TinyBatches, PatchContactByForce) {
+  expect_patches<float>(executor, true, 0.4);
+  expect_patches<double>(executor, true, 0.4);
+}
+TEST_P(TinyBatches, PatchContactFrictionless) {  // a program of its own
+  expect_patches<float>(executor, false, 0);
+  expect_patches<double>(executor, true, 0);
 }
 
 /// Tolerances as in forward_test. 35 frames: whole tiles and a ragged end.

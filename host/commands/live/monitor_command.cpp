@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
@@ -13,6 +14,7 @@
 #include "host/live/live_view.h"
 #include "host/networks/onnx_file.h"
 #include "host/support/errors.h"
+#include "host/support/terminal.h"
 
 namespace tactel::host {
 namespace {
@@ -20,6 +22,7 @@ namespace {
 struct MonitorRequest : SensorRequest {
   std::string network, device;
   int every = 1;
+  float alarm = 0.8f;
   MonitorOptions options;
   bool view = false;
 };
@@ -67,7 +70,7 @@ class Output {
   }
 
  private:
-  bool terminal_ = isatty(STDOUT_FILENO) == 1;
+  bool terminal_ = is_terminal(STDOUT_FILENO);
   int error_ = 0;
 };
 
@@ -83,7 +86,7 @@ MonitorEvents make_events(const MonitorRequest& request, LiveView& view, Output&
     if (!request.quiet && !request.view) say(summary_text(summary, false));
   };
   events.silence = [&](double seconds) {
-    if (!request.quiet) say(fmt::format("warning: no frame for {:.1f} s", seconds));
+    if (!request.quiet) print_warning(fmt::format("no frame for {:.1f} s", seconds));
   };
   events.stop = [&] { return output.failed() || until(); };
   return events;
@@ -95,7 +98,7 @@ int run_monitor(const MonitorRequest& request) {
   OpenSource opened = open_for(request);
   LiveMonitor monitor(executor, model, opened.profile, request.options);
   Output output;
-  LiveView view(output.terminal());
+  LiveView view({.alarm = request.alarm, .cursor = output.terminal(), .colour = takes_colour(STDOUT_FILENO)});
   const Until until(request.seconds);
   const MonitorSummary summary = monitor.run(*opened.source, make_events(request, view, output, until));
   say_if_cut_short(request, *opened.source);
@@ -110,6 +113,7 @@ int run_monitor(const MonitorRequest& request) {
 void add_monitor_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<MonitorRequest>();
   CLI::App* command = app.add_subcommand("monitor", "print the slippage index of a live sensor: one JSON line a frame");
+  command->group("Read a sensor");
   add_sensor_options(*command, *request);
   command->add_option("--network", request->network, "network that evaluates the frames, see tactel train")
       ->type_name("FILE.onnx")
@@ -127,7 +131,10 @@ void add_monitor_command(CLI::App& app, Action& action) {
       ->capture_default_str();
   command->add_flag(
       "--view", request->view,
-      "a picture instead of lines: S as a bar, the tactels' stresses as blocks, shear with its direction");
+      "a picture instead of lines: S and its history, the tactels' stresses as blocks, shear with its direction");
+  command->add_option("--alarm", request->alarm, "S from which --view shows an alarm, no unit")
+      ->check(CLI::Range(0.0f, 1.0f))
+      ->capture_default_str();
   command
       ->add_option("--device", request->device, "OpenCL device: a part of its name or its index, see `tactel devices`")
       ->type_name("NAME|INDEX");

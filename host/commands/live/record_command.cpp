@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -125,6 +126,7 @@ void add_record_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<RecordRequest>();
   CLI::App* command =
       app.add_subcommand("record", "record the raw bytes of a sensor with their arrival times, for replay");
+  command->group("Read a sensor");
   add_sensor_options(*command, *request);
   command->add_option("--output", request->output, "the recording, for --source replay:FILE")
       ->type_name("FILE")

@@ -1,8 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/commands/live/sensor_session.h"
 
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+
+#include "host/support/terminal.h"
 
 namespace tactel::host {
 
@@ -38,7 +41,7 @@ OpenSource open_for(const SensorRequest& request) {
 }
 
 void say_if_cut_short(const SensorRequest& request, const hw::FrameSource& source) {
-  if (source.cut_short() && !request.quiet) say("warning: " + request.source + " was cut off: its end is missing");
+  if (source.cut_short() && !request.quiet) print_warning(request.source + " was cut off: its end is missing");
 }
 
 void say_if_nothing_decoded(const SensorRequest& request, const hw::FrameSource& source,
@@ -46,10 +49,10 @@ void say_if_nothing_decoded(const SensorRequest& request, const hw::FrameSource&
   if (counts.frames > 0 || request.quiet) return;
   const std::uint64_t bytes = source.counts().bytes;
   if (bytes == 0)
-    say("warning: " + request.source + ": no byte came, so there is no frame; is the sensor on?");
+    print_warning(request.source + ": no byte came, so there is no frame; is the sensor on?");
   else
-    say("warning: " + request.source + ": no frame was found in " + std::to_string(bytes) +
-        " bytes; the wire format of the profile must be that of the sensor (docs/sensors.md)");
+    print_warning(request.source + ": no frame was found in " + std::to_string(bytes) +
+                  " bytes; the wire format of the profile must be that of the sensor (docs/sensors.md)");
 }
 
 void say(const std::string& text) {

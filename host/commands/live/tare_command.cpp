@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
 #include <cmath>
@@ -107,6 +108,7 @@ void add_tare_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<TareRequest>();
   request->seconds = 2;
   CLI::App* command = app.add_subcommand("tare", "measure the offsets of a sensor at rest, as a calibration file");
+  command->group("Read a sensor");
   add_sensor_options(*command, *request);
   command->add_option("--output", request->output, "calibration file, for --calibration")
       ->type_name("FILE.toml")

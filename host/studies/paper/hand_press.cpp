@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/studies/paper/hand_press.h"
 
 #include <algorithm>

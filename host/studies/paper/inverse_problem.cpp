@@ -1,6 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/studies/paper/inverse_problem.h"
 
 #include <fmt/format.h>
+
+#include <numeric>
 
 #include "host/networks/training_checkpoint.h"
 #include "host/scenes/paper_sets.h"
@@ -21,6 +24,14 @@ TrainingPlan paper_plan(const InverseChoice& choice, std::vector<int> numbers, s
   for (int number : numbers) plan.topologies.push_back(nn::Topology::paper(number));
   for (std::uint64_t seed = 1; seed <= seeds; ++seed) plan.seeds.push_back(seed);
   return plan;
+}
+
+/// Index of the median of the mean errors; of an even number, the lower of the two in the middle.
+std::size_t typical_seed(const std::vector<nn::ErrorReport>& reports) {
+  std::vector<std::size_t> order(reports.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::sort(order, {}, [&](std::size_t i) { return reports[i].all.mean; });
+  return order[(order.size() - 1) / 2];
 }
 
 /// The results of a finished training [networks 1 ... 6][seeds].
@@ -45,6 +56,8 @@ void add_studies(const NetworkTraining<float>& training, const TrainingPlan& pla
       study.recalling_noisy.push_back(noisy[i]);
       study.recall_errors.push_back(errors[i]);
     }
+    study.typical = typical_seed(study.recalling);
+    study.slip_index = training.slip_index(t * plan.seeds.size() + study.typical, recall);
     problem.studies.push_back(std::move(study));
   }
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <array>
 #include <functional>
@@ -40,6 +41,8 @@ struct NetworkStudy {
   std::vector<nn::ErrorReport> learning, recalling;  ///< [seeds]
   std::vector<nn::ErrorReport> recalling_noisy;      ///< [seeds] on the recall set with 10 % noise
   std::vector<std::vector<double>> recall_errors;    ///< [seeds][rows of the recall set] |error of S|
+  std::size_t typical = 0;                           ///< the seed whose mean recall error is the median
+  std::vector<double> slip_index{};                  ///< [rows of the recall set] S of that seed's network
 };
 
 struct InverseProblem {

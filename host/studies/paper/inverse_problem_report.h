@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 
-#include "host/figures/report_page.h"
+#include "host/figures/page.h"
 #include "host/studies/paper/inverse_problem.h"
 
 namespace tactel::host {
@@ -15,7 +16,7 @@ nlohmann::ordered_json table_two_json(const InverseProblem& problem);
 
 /// Adds to the report Table II as a distribution, learning curves, and errors by class and by nodes in contact.
 /// Adds the effects of noise and of the parameters that the paper leaves open.
-void report_inverse_problem(ReportPage& page, const InverseProblem& problem, const InverseChoice& choice,
+void report_inverse_problem(Page& page, const InverseProblem& problem, const InverseChoice& choice,
                             const InverseSensitivity& sensitivity);
 
 }  // namespace tactel::host

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/studies/paper/real_sensor_figures.h"
 
 #include <fmt/format.h>
@@ -176,19 +177,17 @@ std::size_t place_of(const RealSensorStudy& study, const RealContact& contact) {
 }
 
 Figure record_figure(const RealSensorStudy& study) {
-  return {.panels = {record_panel(study, place_of(study, fourth))}, .width = figure_width, .panel_height = 260};
+  return {.panels = {record_panel(study, place_of(study, fourth))}, .panel_height = 260};
 }
 
 Figure frame_figure(const RealSensorStudy& study) {
   return {.panels = {frame_panel(study, place_of(study, fourth)), frame_panel(study, place_of(study, seventh))},
-          .columns = 2,
-          .width = figure_width};
+          .columns = 2};
 }
 
 Figure error_figure(const RealSensorStudy& study) {
   return {.panels = {distribution_panel(study), examples_panel(study), indenter_panel(study)},
           .columns = 1,
-          .width = figure_width,
           .panel_height = 270};
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "host/figures/plot.h"
 #include "host/studies/paper/inverse_problem.h"

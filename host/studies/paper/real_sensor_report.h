@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 
-#include "host/figures/report_page.h"
+#include "host/figures/page.h"
 #include "host/studies/paper/real_sensor_study.h"
 
 namespace tactel::host {
@@ -12,6 +13,6 @@ nlohmann::ordered_json real_sensor_json(const RealSensorStudy& study);
 
 /// Adds to the report a record and its sample, and errors over draws and seeds, by indenter and by the number of
 /// examples.
-void report_real_sensor(ReportPage& page, const RealSensorStudy& study);
+void report_real_sensor(Page& page, const RealSensorStudy& study);
 
 }  // namespace tactel::host

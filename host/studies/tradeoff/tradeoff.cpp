@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/studies/tradeoff/tradeoff.h"
 
 #include <fmt/format.h>
@@ -98,11 +99,13 @@ std::vector<Source> sources() {
   return all;
 }
 
+std::size_t scenes_for_meshes(std::size_t scenes) { return std::min(scenes, std::max<std::size_t>(8, scenes / 3)); }
+
 /// Runs models on the mix and says how far it is.
 class Study {
  public:
   /// `done` of `total` models have been run before.
-  Study(Executor& executor, const TradeoffOptions& options, std::vector<fem::Scene> scenes, std::size_t done,
+  Study(Executor& executor, const TradeoffOptions& options, std::vector<fem::Scene> scenes, std::size_t& done,
         std::size_t total)
       : executor_(executor), options_(options), scenes_(std::move(scenes)), done_(done), total_(total) {}
 
@@ -144,7 +147,8 @@ class Study {
   Executor& executor_;
   const TradeoffOptions& options_;
   std::vector<fem::Scene> scenes_;
-  std::size_t done_, total_;
+  std::size_t& done_;
+  std::size_t total_;
 };
 
 /// No other model is faster and better.
@@ -162,21 +166,21 @@ MeasuredRung planner_row(const Study& study, std::size_t low, const std::vector<
   const auto error = study.errors(rungs[low], answers[low], rungs.back(), truth);
   const auto next_error = study.errors(rungs[low + 1], answers[low + 1], rungs.back(), truth);
   const auto difference = study.errors(rungs[low], answers[low], rungs[low + 1], answers[low + 1]);
-  std::vector<double> ratio, next_ratio, errors;
-  for (std::size_t i = 0; i < error.size(); ++i) {
-    errors.push_back(error[i].S);
-    if (!(difference[i].S > 0)) continue;
-    ratio.push_back(error[i].S / difference[i].S);
-    next_ratio.push_back(next_error[i].S / difference[i].S);
-  }
-  return {rungs[low].name.c_str(), covering_value(ratio, 0.95), covering_value(next_ratio, 0.95),
-          covering_value(errors, 0.75)};
+  constexpr double share = 0.98;
+  const auto of_S = [](const std::vector<AnswerError>& errors) {
+    std::vector<double> values;
+    for (const AnswerError& e : errors) values.push_back(e.S);
+    return values;
+  };
+  const std::vector<double> own = of_S(error), differences = of_S(difference);
+  return {rungs[low].name.c_str(), error_line(differences, own, share),
+          error_line(differences, of_S(next_error), share), covering_value(own, share)};
 }
 
 /// The finest mesh beside the reference, where the mesh resolves the contact: smooth indenters on wide contacts.
 void compare_finest_mesh(const Study& study, const Answers& mesh, const Answers& truth, Tradeoff& result) {
   std::vector<AnswerError> errors;
-  for (std::size_t i = 0; i < truth.size(); ++i) {
+  for (std::size_t i = 0; i < study.scenes().size(); ++i) {
     const fem::Scene& scene = study.scenes()[i];
     const bool smooth = std::holds_alternative<fem::Parabola>(scene.indenter.shape) ||
                         std::holds_alternative<fem::Cylinder>(scene.indenter.shape) ||
@@ -281,7 +285,10 @@ Tradeoff measure_tradeoff(Executor& executor, const TradeoffOptions& options) {
   const auto all_sources = sources();
   std::size_t total = named.size() + others.size();
   for (const Source& source : all_sources) total += source.models.size() + 1;
-  Study study(executor, options, mixed_scenes(options.seed, options.scenes), 0, total);
+  std::size_t done = 0;
+  Study study(executor, options, mixed_scenes(options.seed, options.scenes), done, total);
+  Study on_meshes(executor, options, mixed_scenes(options.seed, scenes_for_meshes(options.scenes)), done, total);
+  const auto of = [&](const Rung& rung) -> Study& { return rung.patch() ? study : on_meshes; };
   Tradeoff result{.mix = mix_description(options.seed, options.scenes),
                   .device = executor.device().info().name,
                   .scenes = options.scenes,
@@ -292,28 +299,28 @@ Tradeoff measure_tradeoff(Executor& executor, const TradeoffOptions& options) {
   known[reference.name] = study.answers(reference, true);
   const Answers& truth = known[reference.name];
   for (const Rung& rung : named) {
-    if (!known.contains(rung.name)) known[rung.name] = study.answers(rung, true);
-    result.models.push_back(study.measured(rung, known[rung.name], reference, truth));
+    if (!known.contains(rung.name)) known[rung.name] = of(rung).answers(rung, true);
+    result.models.push_back(of(rung).measured(rung, known[rung.name], reference, truth));
     result.models.back().steps_per_second = steps_per_second(executor, rung);
   }
   std::vector<Answers> climbed;
   for (const Rung& rung : ladder()) climbed.push_back(known[rung.name]);
   for (std::size_t k = 0; k + 1 < climbed.size(); ++k) result.planner.push_back(planner_row(study, k, climbed));
   for (const Rung& rung : others) {
-    result.models.push_back(study.measured(rung, study.answers(rung), reference, truth));
+    result.models.push_back(of(rung).measured(rung, of(rung).answers(rung), reference, truth));
     result.models.back().steps_per_second = steps_per_second(executor, rung);
   }
   mark_front(result.models);
   for (const Source& source : all_sources) {
-    const Answers judge = source.judge.name.empty() ? study.answers(source.judge) : known[source.judge.name];
+    const Answers judge = source.judge.name.empty() ? of(source.judge).answers(source.judge) : known[source.judge.name];
     ErrorSource found{source.what, source.judge, {}};
     for (const Rung& rung : source.models)
-      found.models.push_back(study.measured(rung, study.answers(rung), source.judge, judge));
+      found.models.push_back(of(rung).measured(rung, of(rung).answers(rung), source.judge, judge));
     result.sources.push_back(std::move(found));
   }
   judge_the_reference(result);
-  result.planner.push_back({reference.name.c_str(), 0, 0, result.reference_error});
-  compare_finest_mesh(study, known["mesh-641"], truth, result);
+  result.planner.push_back({reference.name.c_str(), {}, {}, result.reference_error});
+  compare_finest_mesh(on_meshes, known["mesh-641"], truth, result);
   compare_full_mesh(executor, study, result);
   return result;
 }
@@ -359,11 +366,12 @@ std::vector<Promise> verify_planner(Executor& executor, const TradeoffOptions& o
   constexpr std::size_t classes = std::size(all_unlike);
   const std::size_t total = (1 + classes) * ladder().size();
   std::vector<Promise> promises, others(accuracies.size(), {.what = "all unlike the mix"});
-  Study mix(executor, options, mixed_scenes(options.seed, options.scenes), 0, total);
+  std::size_t done = 0;
+  Study mix(executor, options, mixed_scenes(options.seed, options.scenes), done, total);
   promises = promises_on(mix, "the mix", accuracies);
   for (std::size_t c = 0; c < classes; ++c) {
-    Study study(executor, options, unlike_scenes(all_unlike[c], options.seed, (options.scenes + c) / classes),
-                (1 + c) * ladder().size(), total);
+    Study study(executor, options, unlike_scenes(all_unlike[c], options.seed, (options.scenes + c) / classes), done,
+                total);
     for (Promise& promise : promises_on(study, description(all_unlike[c]), accuracies)) {
       const std::size_t k = std::ranges::find(accuracies, promise.accuracy) - accuracies.begin();
       others[k].accuracy = promise.accuracy;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <functional>
 #include <string>
@@ -10,7 +11,8 @@
 namespace tactel::host {
 
 struct TradeoffOptions {
-  std::size_t scenes = 96;
+  std::size_t scenes =
+      288;  ///< for patches; meshes, which are slower, are judged on the first third of them, 8 at least
   std::uint64_t seed = 1998;
   std::function<bool(const std::string& what, std::size_t done, std::size_t total)> progress{};  ///< false stops
 };

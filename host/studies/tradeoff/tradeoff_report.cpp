@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/studies/tradeoff/tradeoff_report.h"
 
 #include <fmt/format.h>
@@ -56,8 +57,8 @@ std::string model_name(const MeasuredModel& model) {
   return name + description(model.rung) + (model.front ? " *" : "");
 }
 
-std::vector<std::string> model_row(const MeasuredModel& model) {
-  std::vector<std::string> row = {model_name(model), speed_text(model.steps_per_second)};
+std::vector<Cell> model_row(const MeasuredModel& model) {
+  std::vector<Cell> row = {model_name(model), speed_text(model.steps_per_second)};
   for (std::size_t k = 0; k < error_members.size(); ++k) {
     row.push_back(fmt::format("{:.2g}", model.error.median.*error_members[k]));
     row.push_back(fmt::format("{:.2g}", model.error.most95.*error_members[k]));
@@ -67,8 +68,8 @@ std::vector<std::string> model_row(const MeasuredModel& model) {
   return row;
 }
 
-/// The model's name where it has one; else what it is.
 void add_point(Series& series, const MeasuredModel& model) {
+  series.names.push_back(model.rung.name);
   series.x.push_back(model.steps_per_second);
   series.y.push_back(std::max(model.error.most95.S, 1e-6));
 }
@@ -76,6 +77,33 @@ void add_point(Series& series, const MeasuredModel& model) {
 std::vector<MeasuredModel> by_speed(std::vector<MeasuredModel> models) {
   std::ranges::sort(models, {}, &MeasuredModel::steps_per_second);
   return models;
+}
+
+/// For each error in S, the fastest model that 95 % of the scenes keep it on; and what the paper's mesh does.
+void report_tradeoff_verdict(Page& page, const Tradeoff& tradeoff) {
+  const auto text = [](const MeasuredModel& m) {
+    return fmt::format("{} ({} load steps/s, error in S {:.2g})",
+                       m.rung.name.empty() ? description(m.rung) : m.rung.name, speed_text(m.steps_per_second),
+                       m.error.most95.S);
+  };
+  const MeasuredModel* fastest = nullptr;
+  for (const double accuracy : {0.1, 0.05, 0.02, 0.01}) {
+    const MeasuredModel* best = nullptr;
+    for (const MeasuredModel& m : tradeoff.models)
+      if (m.error.most95.S <= accuracy && m.steps_per_second > (best ? best->steps_per_second : 0)) best = &m;
+    if (accuracy == 0.05) fastest = best;
+    page.finding(
+        best ? Tone::fact : Tone::fair, fmt::format("S to {}", accuracy),
+        best ? "Fastest: " + text(*best) + "." : std::string("No timed model keeps it for 95 % of the contacts."));
+  }
+  for (const MeasuredModel& m : tradeoff.models)
+    if (m.rung.name == "paper") page.finding(Tone::fact, "the paper", "Its mesh: " + text(m) + ".");
+  page.verdict(fastest
+                   ? fmt::format("An error in S below 0.05 for 95 % of the contacts is had at {} load steps a second, "
+                                 "on {}.",
+                                 speed_text(fastest->steps_per_second),
+                                 fastest->rung.name.empty() ? description(fastest->rung) : fastest->rung.name)
+                   : std::string("No timed model has an error in S below 0.05 for 95 % of the contacts."));
 }
 
 const char* const definitions =
@@ -131,7 +159,7 @@ Json to_json(const std::vector<Promise>& promises) {
 Figure tradeoff_figure(const Tradeoff& tradeoff) {
   Series patches{.label = "patches", .mark = Mark::line_dots, .ink = Ink::blue};
   Series meshes{.label = "meshes", .mark = Mark::line_dots, .ink = Ink::orange};
-  Series paper{.label = "the paper's mesh", .mark = Mark::triangles, .ink = Ink::red};
+  Series paper{.label = "the paper's mesh", .mark = Mark::diamonds, .ink = Ink::red};
   Series others{.label = "other meshes", .mark = Mark::circles, .ink = Ink::grey};
   for (const MeasuredModel& model : by_speed(tradeoff.models)) {
     const Rung& rung = model.rung;
@@ -175,12 +203,13 @@ Figure sources_figure(const Tradeoff& tradeoff) {
 }
 
 std::string tradeoff_page(const Tradeoff& tradeoff) {
-  ReportPage page("tactel: speed against accuracy", "tactel " TACTEL_VERSION " on " + tradeoff.device);
+  Page page("tactel: speed against accuracy", "tactel " TACTEL_VERSION " on " + tradeoff.device);
+  report_tradeoff_verdict(page, tradeoff);
   page.section("The ladder");
   page.paragraph(tradeoff.mix + ". " + definitions);
   page.figure(tradeoff_figure(tradeoff), "95 % of the scenes have an error in S below the mark.");
-  ReportTable table{.caption = "Models, named rungs first; * nothing faster is better", .head = head};
-  for (const MeasuredModel& model : tradeoff.models) table.rows.push_back(model_row(model));
+  PageTable table{.caption = "Models, named rungs first; * nothing faster is better", .head = head};
+  for (const MeasuredModel& model : tradeoff.models) table.add(model_row(model));
   page.table(table);
   page.note(fmt::format(
       "The judge is the rung `reference`. Its own error in S, by extrapolation from fewer elements (observed order "
@@ -195,8 +224,8 @@ std::string tradeoff_page(const Tradeoff& tradeoff) {
   page.paragraph("Each row makes one quantity coarser than in the judge; all others are equal.");
   page.figure(sources_figure(tradeoff), "Error in S against the judge of each table below.");
   for (const ErrorSource& source : tradeoff.sources) {
-    ReportTable rows{.caption = source.what + "; judge: " + description(source.judge), .head = head};
-    for (const MeasuredModel& model : source.models) rows.rows.push_back(model_row(model));
+    PageTable rows{.caption = source.what + "; judge: " + description(source.judge), .head = head};
+    for (const MeasuredModel& model : source.models) rows.add(model_row(model));
     page.table(rows);
   }
   return page.html();
@@ -243,12 +272,13 @@ std::string promise_table(const std::vector<Promise>& promises) {
 
 std::string planner_source(const Tradeoff& tradeoff, const std::string& command) {
   std::string out = fmt::format(
-      "// Written by `{}`; do not edit.\n// {}.\n// Device: {}\n#include \"host/contact/planner.h\"\n\n"
+      "// SPDX-License-Identifier: Apache-2.0\n\n// Written by `{}`; do not edit.\n// {}.\n// Device: {}\n#include \"host/contact/planner.h\"\n\n"
       "namespace tactel::host {{\n\nstd::span<const MeasuredRung> measured_ladder() {{\n"
       "  static constexpr MeasuredRung rungs[] = {{\n",
       command, tradeoff.mix, tradeoff.device);
   for (const MeasuredRung& r : tradeoff.planner)
-    out += fmt::format("      {{\"{}\", {:.3g}, {:.3g}, {:.3g}}},\n", r.name, r.factor, r.next_factor, r.least);
+    out += fmt::format("      {{\"{}\", {{{:.3g}, {:.3g}}}, {{{:.3g}, {:.3g}}}, {:.3g}}},\n", r.name, r.error.least,
+                       r.error.slope, r.next_error.least, r.next_error.slope, r.most);
   return out + "  };\n  return rungs;\n}\n\n}  // namespace tactel::host\n";
 }
 

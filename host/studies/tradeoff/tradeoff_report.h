@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "host/figures/page.h"
 #include "host/figures/plot.h"
-#include "host/figures/report_page.h"
 #include "host/studies/tradeoff/tradeoff.h"
 
 namespace tactel::host {

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The endless finite element layer against a long block and the closed kernels; free sides at low rank against the
 // dense difference; patches with sides against the whole mesh.
 #include "fem/layer/free_sides.h"
@@ -11,6 +13,7 @@
 #include "fem/layer/element_compliance.h"
 #include "fem/layer/long_layer.h"
 #include "fem/layer/patch_solver.h"
+#include "fem/value_error.h"
 
 namespace tactel::fem {
 namespace {
@@ -195,6 +198,30 @@ TEST(FreeSides, OfALongSensorAreThoseOfItsEnds) {
   const Eigen::RowVectorXd shorter = a.base.at(8);
   EXPECT_NEAR(row[19], shorter[17], 1e-4);
   EXPECT_NEAR(row[21 + 19], shorter[21 + 17], 1e-4);
+}
+
+TEST(LayerModel, IncompressibleRubberIsTheLimit) {
+  // The layer's formulas hold at 1/2; the sides come from 0.49999. S approaches its limit linearly in 1/2 - nu: the
+  // change from 0.4999 is a tenth of that from 0.499.
+  const auto S = [](double poisson, double position) {
+    const LayerModel model = layer_model(with_poisson(poisson));
+    Scene scene{"", model.sensor, {Parabola{10}, position}, 0.4, {}, SurfaceModel::patch};
+    scene.load.indentation = {0.15};
+    scene.load.tangential = {0.03, 0.08};
+    const PatchSolver solver(model, {.elements = 24, .tolerance = 1e-9, .most_sweeps = 20000});
+    const Patch patch = find_patch(scene, layer_model(with_poisson(0.5)).table, 24).patch;
+    const ContactSolution solution = solver.solve_on(patch, scene);
+    EXPECT_TRUE(solution.steps.back().converged);
+    return *solution.steps[1].slip_index;
+  };
+  for (const double position : {0.0, 8.0, 9.5}) {
+    const double limit = S(0.5, position), far = S(0.499, position) - limit, near = S(0.4999, position) - limit;
+    EXPECT_LT(std::abs(far), 5e-3) << position;
+    EXPECT_NEAR(near, 0.1 * far, 2e-4) << position;
+  }
+  Scene scene{"", with_poisson(0.5), {Parabola{10}, 0}, 0.4, {}};
+  EXPECT_THROW(scene.validate(), ValueError);  // on a mesh
+  EXPECT_THROW(condense_cached(with_poisson(0.5), default_cache_directory()), ValueError);
 }
 
 TEST(LayerModel, RefusesSensorsThatAreTooLong) {

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Kernels, tables and element compliance against values of an independent program (numpy, adaptive quadrature of
 // transforms that were found by a 4 x 4 solve), and against integrals that are known.
 #include "fem/layer/layer_table.h"

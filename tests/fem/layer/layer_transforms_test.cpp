@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The closed transforms against the layer's boundary-value problem, solved here as four equations for four
 // exponentials.
 #include "fem/layer/layer_transforms.h"

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The judge of patches against closed forms of a half-plane and the whole mesh; patches of 12 elements against it.
 #include "fem/layer/patch_reference.h"
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The patch of a scene: clipping and margins by hand, the contact's width against closed forms.
 #include "fem/layer/patch_search.h"
 

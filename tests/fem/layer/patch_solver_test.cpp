@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The relaxed sweeps on a patch against the exact solver on the same elements, which shares nothing with them but the
 // compliance; laws of the load path; closed forms of a half-plane.
 #include "fem/layer/patch_solver.h"
@@ -80,9 +82,10 @@ TEST_P(PatchShapes, SweepsAgreeWithTheExactSolver) {
         const LayerModel& model = endless(nu);
         const Scene scene = scene_on(model, GetParam().shape, -0.6, mu, c.load);
         const Patch patch = find_patch(scene, model.table, 12).patch;
-        // Increments as the load has them, so that both take the same path.
-        const PatchSolver solver(model,
-                                 {.tolerance = 1e-12, .accept = 1e-8, .pressing_increments = 1, .most_sweeps = 20000});
+        // Increments as the load has them, and touched at their ends, so that both take the same path.
+        const PatchSolver solver(
+            model,
+            {.tolerance = 1e-12, .accept = 1e-8, .pressing_increments = 1, .most_sweeps = 20000, .entries = false});
         const ContactSolution found = solver.solve_on(patch, scene);
         const ContactSolution truth = GapCondensed(patch_condensation(model, patch)).solve(scene);
         ASSERT_EQ(found.steps.size(), truth.steps.size());
@@ -229,6 +232,47 @@ TEST(PatchSolver, RefusesAnotherSensor) {
   EXPECT_THROW(solver.solve(scene), std::invalid_argument);
 }
 
+TEST(PatchSolver, ElementsTouchedWithinAnIncrementStickFromThere) {
+  // Judge: 400 increments, where the estimate does not matter. With few, tractions of the pressing are off by what the
+  // rubber moved between the increment's start and the touch.
+  for (const double nu : {0.3, 0.49})
+    for (const Shape& shape : {Shape(Parabola{10}), Shape(Wedge{150}), Shape(RoundedFlat{1, 10})}) {
+      SCOPED_TRACE(testing::Message() << "nu " << nu << " " << shape_name(shape));
+      const LayerModel& model = endless(nu);
+      const Scene scene = scene_on(model, shape, 0, 0.5, by_depth({0.15}, {}));
+      const Patch patch = find_patch(scene, model.table, 24).patch;
+      const auto tractions = [&](int increments, bool entries) {
+        const PatchOptions options{
+            .elements = 24, .tolerance = 1e-9, .pressing_increments = increments, .entries = entries};
+        return PatchSolver(model, options).solve_on(patch, scene).steps[0].tangential_force;
+      };
+      const Eigen::VectorXd truth = tractions(400, false);
+      for (const int increments : {4, 8}) {
+        const double with = (tractions(increments, true) - truth).lpNorm<1>();
+        const double without = (tractions(increments, false) - truth).lpNorm<1>();
+        EXPECT_LT(with, (increments == 4 ? 1 : 0.8) * without) << increments << " of " << truth.lpNorm<1>();
+      }
+    }
+}
+
+TEST(PatchSolver, AnglesOfLittleFrictionAreReached) {
+  // A trial that slides as a whole tells nothing about the way back: with mu below 0.1 the first one usually slides.
+  const LayerModel& model = endless(0.45);
+  for (const Shape& shape : {Shape(Flat{2}), Shape(Wedge{150}), Shape(Parabola{10}), Shape(Exponential{0.1, 1})})
+    for (const double mu : {0.01, 0.02, 0.05, 0.1})
+      for (const double share : {-0.9, 0.3, 0.6, 0.8}) {
+        SCOPED_TRACE(testing::Message() << shape_name(shape) << " mu " << mu << " share " << share);
+        Load load = by_force_load({0.2}, {});
+        load.angle = std::atan(share * mu) * 180 / std::numbers::pi;
+        load.indentation_steps = 2;
+        const ContactSolution solution = PatchSolver(model).solve(scene_on(model, shape, 0.3, mu, load));
+        const ContactStep& last = solution.steps.back();
+        EXPECT_TRUE(last.converged);
+        EXPECT_NEAR(last.P, 0.2, 2e-4);
+        EXPECT_NEAR(last.Q, share * mu * 0.2, 2.2e-4);
+      }
+}
+
 TEST(PatchExact, SolvesWhatSweepsCannot) {
   // Too few sweeps; and the increments of the sweeps, so that a solved scene has the same answer.
   const LayerModel& model = endless(0.3);
@@ -238,7 +282,8 @@ TEST(PatchExact, SolvesWhatSweepsCannot) {
   const Patch patch = find_patch(scene, model.table, 12).patch;
   EXPECT_FALSE(PatchSolver(model, {.most_sweeps = 3}).solve_on(patch, scene).steps.back().converged);
   const ContactSolution swept =
-      PatchSolver(model, {.tolerance = 1e-12, .accept = 1e-8, .pressing_increments = 5}).solve_on(patch, scene);
+      PatchSolver(model, {.tolerance = 1e-12, .accept = 1e-8, .pressing_increments = 5, .entries = false})
+          .solve_on(patch, scene);
   const ContactSolution exact = solve_patch_exactly(model, patch, scene, 5);
   ASSERT_EQ(exact.steps.size(), 8u);
   ASSERT_EQ(swept.steps.size(), 8u);

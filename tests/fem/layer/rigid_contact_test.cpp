@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Where a rigid profile lies below the flat surface: closed forms of every shape.
 #include "fem/layer/rigid_contact.h"
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // What --accuracy promises, and sensors that are long for their thickness, through the program.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

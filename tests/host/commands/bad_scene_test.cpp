@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Malformed scenes through the program itself: exit 2, a message with file, key, value and what is allowed, and no
 // output file.
 #include <gmock/gmock.h>
@@ -123,9 +125,10 @@ INSTANTIATE_TEST_SUITE_P(
     Sensor, BadSceneTest,
     testing::Values(
         BadScene{"TextForNumber", "poisson = 0.45", "poisson = \"0.45\"", "sensor.poisson", "\"0.45\"",
-                 "a number with 0 <= poisson < 0.5"},
-        BadScene{"Incompressible", "poisson = 0.45", "poisson = 0.5", "sensor.poisson", "0.5", "0 <= poisson < 0.5"},
-        BadScene{"NegativePoisson", "poisson = 0.45", "poisson = -0.1", "sensor.poisson", "-0.1", "0 <= poisson < 0.5"},
+                 "a number with 0 <= poisson <= 0.5"},
+        BadScene{"Incompressible", "poisson = 0.45", "poisson = 0.5", "sensor.poisson", "0.5", "below 0.5 on a mesh"},
+        BadScene{"NegativePoisson", "poisson = 0.45", "poisson = -0.1", "sensor.poisson", "-0.1",
+                 "0 <= poisson <= 0.5"},
         BadScene{"NotANumber", "poisson = 0.45", "poisson = nan", "sensor.poisson", "nan", "finite, a number"},
         BadScene{"Infinite", "length = 20.0", "length = inf", "sensor.length", "inf", "a number of mm"},
         BadScene{"NegativeThickness", "thickness = 1.5", "thickness = -1.5", "sensor.thickness", "-1.5", "mm"},

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // What every command shares: standard streams that fail, help, numbers that are none, and messages about words.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -67,7 +69,7 @@ TEST(StandardOutput, ThatTakesNotAllIsAnError) {
 TEST(Help, FitsEightyColumnsInWordsOfOurOwn) {
   const std::string all = run_tactel({"--help"}).out;
   for (const std::string command : {"", "devices", "solve", "generate", "train", "recall", "reproduce", "tradeoff",
-                                    "extremes", "monitor", "record", "tare"}) {
+                                    "extremes", "monitor", "record", "tare", "completion"}) {
     EXPECT_THAT(all, HasSubstr("  " + command));
     const ChildResult result = command.empty() ? run_tactel({"--help"}) : run_tactel({command, "--help"});
     EXPECT_EQ(result.exit_code, 0);
@@ -80,6 +82,51 @@ TEST(Help, FitsEightyColumnsInWordsOfOurOwn) {
               AllOf(HasSubstr("--precision fp32|fp64"), HasSubstr("--solver batched|reference"),
                     HasSubstr("(default: batched)")));
   EXPECT_THAT(run_tactel({"generate", "--help"}).out, HasSubstr("(required)"));
+}
+
+TEST(Help, GroupsTheCommandsByPurpose) {
+  const std::string help = run_tactel({"--help"}).out;
+  std::size_t at = 0;
+  for (const char* word : {"\nSimulate:\n", "  solve ", "  generate ", "\nLearn:\n", "  train ", "\nRead a sensor:\n",
+                           "  monitor ", "\nVerify:\n", "  tradeoff ", "\nSet up:\n", "  devices "}) {
+    const std::size_t found = help.find(word, at);
+    ASSERT_NE(found, std::string::npos) << word << " after\n" << help.substr(0, at);
+    at = found;
+  }
+}
+
+/// The output of a command whose standard streams are a terminal (a pseudo-terminal of `script`).
+std::string on_terminal(const std::string& environment, const std::string& arguments) {
+  return shell("TERM=xterm " + environment + " script -qec '" + std::string(TACTEL_PROGRAM) + " " + arguments +
+               "' /dev/null </dev/null")
+      .out;
+}
+
+TEST(Colour, IsForTerminalsAloneAndForUsersWhoWantIt) {
+  const std::string escape = "\x1b[";
+  EXPECT_THAT(on_terminal("", "solve /no/such.toml"), HasSubstr("\x1b[1;31merror:\x1b[0m"));
+  EXPECT_THAT(on_terminal("NO_COLOR=1", "solve /no/such.toml"), AllOf(HasSubstr("error:"), Not(HasSubstr(escape))));
+  EXPECT_THAT(on_terminal("NO_COLOR=", "solve /no/such.toml"), HasSubstr(escape)) << "empty is unset (no-color.org)";
+  EXPECT_THAT(shell("TERM=xterm " + std::string(TACTEL_PROGRAM) + " solve /no/such.toml").err, Not(HasSubstr(escape)));
+}
+
+/// What bash offers for the last of these words.
+std::string completed(const std::string& words, int last) {
+  return run_child({"bash", "-c",
+                    "source <(" + std::string(TACTEL_PROGRAM) + " completion); cd '" + source_file(".") +
+                        "'; COMP_WORDS=(" + words + "); COMP_CWORD=" + std::to_string(last) +
+                        "; _tactel; echo \"${COMPREPLY[@]}\""})
+      .out;
+}
+
+TEST(Completion, KnowsCommandsOptionsValuesAndFiles) {
+  EXPECT_EQ(completed("tactel re", 1), "recall record reproduce\n");
+  EXPECT_EQ(completed("tactel solve --pr", 2), "--precision\n");
+  EXPECT_EQ(completed("tactel solve --precision ''", 3), "fp32 fp64\n");
+  EXPECT_EQ(completed("tactel help ta", 2), "tare\n");
+  EXPECT_EQ(completed("tactel solve examples/par", 2), "examples/parabola.toml\n");
+  EXPECT_EQ(completed("tactel solve examples/measured", 2), "examples/measured.toml\n") << "not measured.csv";
+  EXPECT_EQ(completed("tactel solve --tolerance ''", 3), "\n") << "only the user knows a number";
 }
 
 TEST(Help, IsFoundByAnyOfItsNames) {

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // What the commands write survives a power cut: system calls as strace sees them; and one program at a time writes a
 // folder.
 #include <gmock/gmock.h>

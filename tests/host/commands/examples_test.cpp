@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Every scene in examples/ runs, by both solvers, and meets its tolerance.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Exit codes of exceptions, before and after Ctrl-C; no command is run, no device is needed.
 #include "host/commands/guarded.h"
 

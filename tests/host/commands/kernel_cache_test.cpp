@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The program on a cache of compiled kernels that is damaged, and interrupted while it compiles.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -91,6 +93,33 @@ TEST_F(OnAFullDisk, WhereNoPlaceIsLeftAWarningSaysWhatToDo) {
     EXPECT_THAT(result.err, HasSubstr(full_cache() + " ("));
     EXPECT_THAT(result.err, HasSubstr("set TACTEL_CACHE_DIR to a folder that can be written"));
   }
+}
+
+// The compiler fails, or PoCL aborts in the middle of it. With room again, the kernel is compiled and the answer as
+// ever.
+TEST_F(OnAFullDisk, ThatFillsDuringACompilationTheErrorSaysSo) {
+  const ChildResult expected = solve();
+  ASSERT_EQ(expected.exit_code, 0) << expected.err;
+  const std::string full = (folder_ / "full").string();
+  const std::string command = "env -u POCL_CACHE_DIR TACTEL_CACHE_DIR=" + full + " " TACTEL_PROGRAM " solve " +
+                              source_file("examples/parabola.toml");
+  int failed = 0;
+  for (const char* seconds : {"0", "0.3", "0.6", "1", "1.5"}) {
+    const ChildResult first =
+        run_child({"unshare", "--user", "--map-root-user", "--mount", "sh", "-c",
+                   "mount -t tmpfs -o size=20m none " + full + "; (until [ -e " + full +
+                       "/pocl/compiling ]; do sleep 0.01; done; sleep " + seconds + "; cat /dev/zero > " + full +
+                       "/zero) 2> /dev/null & " + command + " > /dev/null; code=$?; wait; rm " + full + "/zero; " +
+                       command + " || exit 99; exit $code"});
+    EXPECT_THAT(first.exit_code, testing::AnyOf(0, 3)) << seconds << " s: " << first.err;
+    EXPECT_EQ(first.out, expected.out) << seconds << " s";
+    if (first.exit_code == 0) continue;
+    ++failed;
+    EXPECT_THAT(first.err, HasSubstr("found no room in " + full +
+                                     "/pocl: the disk is full; make room there, or set "
+                                     "TACTEL_CACHE_DIR to another folder"));
+  }
+  EXPECT_GT(failed, 0);
 }
 
 // Ctrl-C reaches the compiler's linker, too: wherever it comes, the run ends as interrupted, or is done.

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // tactel monitor as a user runs it, on a simulated sensor.
 #include <gmock/gmock.h>
 

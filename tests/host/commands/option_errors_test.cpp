@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // What the program says of options whose value is wrong or missing: one form for all, of every command.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // What README.md shows is what the program prints.
 #include <gtest/gtest.h>
 
@@ -29,8 +31,9 @@ TEST(Readme, TableIsWhatTheProgramPrints) {
 
 TEST(Readme, FilesItNamesAreThere) {
   const std::string readme = text_of(source_file("README.md"));
-  for (const char* name : {"docs/parabola.svg", "docs/scenes.md", "docs/networks.md", "examples", "fem", "kernels",
-                           "host", "nn", "hw", "CHANGELOG.md", "LICENSE", "scripts/run", "scripts/test"}) {
+  for (const char* name :
+       {"docs/contact.webp", "docs/contact-dark.webp", "docs/pages.md", "docs/scenes.md", "docs/networks.md", "examples",
+        "fem", "kernels", "host", "nn", "hw", "CHANGELOG.md", "LICENSE", "scripts/run", "scripts/test"}) {
     EXPECT_NE(readme.find(name), std::string::npos) << name;
     EXPECT_TRUE(std::filesystem::exists(source_file(name))) << name;
   }

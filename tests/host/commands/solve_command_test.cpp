@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The command line: outputs, exit codes, and messages about options.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -77,13 +79,13 @@ TEST(SolveCommand, SlipIndexIsNullWithoutFriction) {
   EXPECT_TRUE(answer["steps"][1]["slip_index"].is_null());
 }
 
-// Pulled at 99.9 % of the friction angle by force, the sweeps give up, and the fallback answers.
+// Pulled at 99.9 % of the friction angle by force, the sweeps of a mesh give up, and the fallback answers.
 TEST(SolveCommand, JsonSaysWhenTheFallbackAnswered) {
   const ScratchFolder folder;
   // atan 0.5 = 26.5651 degrees
   const std::string scene = folder.write("scene.toml",
-                                         "[indenter]\nshape = \"parabola\"\nradius = 10\n[contact]\nfriction = 0.5\n"
-                                         "[load]\nnormal_force = 0.5\nangle = 26.5385\n");
+                                         "[sensor]\ncolumns = 41\n[indenter]\nshape = \"parabola\"\nradius = 10\n"
+                                         "[contact]\nfriction = 0.5\n[load]\nnormal_force = 0.5\nangle = 26.5385\n");
   const json answer = json::parse(run_tactel({"solve", scene, "--json", "-"}).out);
   EXPECT_EQ(answer["fallback"], true);
   EXPECT_EQ(answer["steps"].back()["converged"], true);
@@ -100,6 +102,51 @@ TEST(SolveCommand, WritesEveryOutput) {
   EXPECT_THAT(text_of(svg), HasSubstr("depth 0.15 mm, drag 0.2 mm"));
   EXPECT_THAT(text_of(field), HasSubstr("<VTKFile type=\"UnstructuredGrid\""));
   EXPECT_EQ(folder.files(), 3u) << "temporary files are left";
+}
+
+/// The data of the page's contact.
+json contact_of(const std::string& page) {
+  const std::string mark = "<script type=\"application/json\">";
+  const std::size_t from = page.find(mark, page.find("data-kind=\"contact\"")) + mark.size();
+  return json::parse(page.substr(from, page.find("</script>", from) - from));
+}
+
+// The step with stick and slip is shown first; --step names another.
+TEST(SolveCommand, PageHoldsTheAnswer) {
+  const ScratchFolder folder;
+  const std::string page = folder / "contact.html";
+  const ChildResult result = run_tactel({"solve", parabola, "--html", page, "--json", folder / "contact.json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const json answer = json::parse(text_of(folder / "contact.json")), contact = contact_of(text_of(page));
+  EXPECT_THAT(text_of(page), HasSubstr("The whole contact slides from load step 7 on"));
+  EXPECT_LT(text_of(page).size(), 300'000u);
+  ASSERT_EQ(contact["steps"].size(), 9u);
+  EXPECT_EQ(contact["shown"], 5);
+  for (std::size_t k = 0; k < 9; ++k)
+    EXPECT_NEAR(contact["steps"][k]["Q"].get<double>(), answer["steps"][k]["Q"].get<double>(), 1e-5);
+  ASSERT_EQ(run_tactel({"solve", parabola, "--html", page, "--step", "2"}).exit_code, 0);
+  EXPECT_EQ(contact_of(text_of(page))["shown"], 1);
+}
+
+// Of a patch: the elements' widths, and the stress of a mesh under its tractions, whose surface lies on the indenter to
+// within the two models' difference of a few percent of the depth.
+TEST(SolveCommand, PageOfAPatchHasTheFieldOfAMesh) {
+  const ScratchFolder folder;
+  const std::string page = folder / "contact.html";
+  ASSERT_EQ(run_tactel({"solve", parabola, "--rung", "patch-24", "--html", page}).exit_code, 0);
+  EXPECT_THAT(text_of(page), HasSubstr("under the patch&#39;s tractions"));
+  const json contact = contact_of(text_of(page));
+  EXPECT_EQ(contact["surface_width"].size(), contact["surface_x"].size());
+  const json& step = contact["steps"][0];
+  const std::string status = step["status"];
+  int touching = 0;
+  for (std::size_t i = 0; i < status.size(); ++i) {
+    if (status[i] == 'o') continue;
+    const double x = contact["surface_x"][i];
+    EXPECT_NEAR(step["uy"][i].get<double>(), x * x / 20 - 0.15, 0.008) << x;  // the example's radius is 10 mm
+    ++touching;
+  }
+  EXPECT_GT(touching, 10);
 }
 
 TEST(SolveCommand, PngIsAPng) {
@@ -188,7 +235,7 @@ TEST(SolveCommand, SinglePrecisionSaysSo) {
 }
 
 TEST(CommandLine, HelpAndVersionEndWithZero) {
-  EXPECT_EQ(run_tactel({"--version"}).out, "tactel 0.1.0\n");
+  EXPECT_EQ(run_tactel({"--version"}).out, "tactel 1.0.0-rc1\n");
   const ChildResult all = run_tactel({"--help"});
   EXPECT_EQ(all.exit_code, 0);
   EXPECT_THAT(all.out, testing::AllOf(HasSubstr("devices"), HasSubstr("solve")));

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // `tactel train` and `tactel recall` as a user meets them: files, tables, wrong calls, and sets at their extremes.
 #include <gmock/gmock.h>
 

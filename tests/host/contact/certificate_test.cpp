@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // What the kernel says of its own answers, worked out again in fp64 from the forces that it wrote and C; and what
 // becomes of answers that are not good enough.
 #include <gtest/gtest.h>

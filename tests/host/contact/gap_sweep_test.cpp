@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The batched contact kernel against the full-mesh reference, against its Eigen twin, and against laws that neither
 // knows.
 #include "host/contact/gap_sweep.h"

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Scenes at the ends of what the solvers carry: each is solved, or the answer says what is wrong with it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

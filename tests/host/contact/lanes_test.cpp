@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The same bits at every number of lanes that a device may have: 1 on a GPU, 4 with SSE, 8 with AVX, 16 with AVX-512.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The error that a mesh's size leaves, as estimated, beside that from a mesh which is four or eight times as fine.
 #include "host/contact/mesh_error.h"
 
@@ -142,6 +144,11 @@ TEST(MeshError, StandsInTableAndJsonWhereItIsKnown) {
   EXPECT_THAT(solution_table(outcome.scene, outcome),
               HasSubstr("error of the mesh to expect (from 81 x 21): S 0.02,\n"
                         "  P 4.5 %, Q 5 %, sigma_y 10 %, tau_xy 12 % of the largest\n"));
+  EXPECT_THAT(solution_table(outcome.scene, outcome), HasSubstr("surface nodes "));
+  outcome.solution.surface_width = Eigen::VectorXd::Constant(12, 0.1);
+  EXPECT_THAT(
+      solution_table(outcome.scene, outcome),
+      AllOf(HasSubstr("error of the patch to expect (from 81 x 21): S 0.02,\n"), HasSubstr("Q/mu P        elements ")));
 }
 
 }  // namespace

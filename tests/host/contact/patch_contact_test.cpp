@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The patch kernel against its twin, against itself in other lanes, orders and batches, and against laws that neither
 // knows.
 #include "host/contact/patch_contact.h"
@@ -314,6 +316,33 @@ TEST(PatchContact, FallsBackWhereSweepsWereCutShort) {
   EXPECT_EQ(report.unsolved, 0u);
   for (const auto& solution : solutions)
     for (const auto& step : solution.steps) EXPECT_TRUE(step.converged);
+}
+
+/// Angle control with little friction, which sweeps reach, and bonded contacts that lose elements in wide drags over
+/// compressible rubber, where sweeps go round in circles and the exact solver answers.
+TEST(PatchContact, LittleFrictionAndBondedCompressibleContactsAreSolved) {
+  const fem::LayerModel model = fem::endless_layer(sensor_of(0.0));
+  std::vector<fem::Scene> angles, bonded;
+  for (const auto& shape : all_shapes())
+    for (const double mu : {0.01, 0.03, 0.08}) {
+      fem::Scene scene{"", model.sensor, {shape, 0.2}, mu, {}};
+      scene.load.indentation.clear();
+      scene.load.normal_force = {0.1};
+      scene.load.angle = std::atan(0.7 * mu) * 180 / std::numbers::pi;
+      scene.load.indentation_steps = 3;
+      angles.push_back(scene);
+      scene.load = reversal();
+      scene.friction = infinity;
+      for (double& x : scene.load.tangential) x *= 100 * mu;
+      bonded.push_back(scene);
+    }
+  PatchContactReport report;
+  solve_patch_contact(PatchContact<float>(executor(), model, {.fallback = false}), angles, &report);
+  EXPECT_LE(report.unsolved, 1u);  // by sweeps alone
+  solve_patch_contact(PatchContact<float>(executor(), model), angles, &report);
+  EXPECT_EQ(report.unsolved, 0u);
+  solve_patch_contact(PatchContact<float>(executor(), model), bonded, &report);
+  EXPECT_EQ(report.unsolved, 0u);
 }
 
 TEST(PatchContact, ManySensorsInOneCall) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/contact/planner.h"
 
 #include <gtest/gtest.h>
@@ -89,9 +90,9 @@ TEST(Planner, EveryRungHasBeenMeasured) {
   for (std::size_t k = 0; k < measured_ladder().size(); ++k) {
     EXPECT_EQ(measured_ladder()[k].name, ladder()[k].name);
     if (k + 1 == ladder().size()) break;
-    EXPECT_GT(measured_ladder()[k].factor, 0.5);
+    EXPECT_GT(measured_ladder()[k].error.slope, 0.5);
     EXPECT_GT(ladder()[k + 1].elements, ladder()[k].elements);
-    EXPECT_GT(measured_ladder()[k].least, measured_ladder()[k + 1].least);
+    EXPECT_GT(measured_ladder()[k].most, measured_ladder()[k + 1].most);
   }
 }
 
@@ -100,15 +101,41 @@ TEST(Planner, AgreementByChanceIsNoProof) {
   const fem::Scene scene = pressed();
   const Plan chosen = plan(std::span(&scene, 1), 1e-3, [](const Rung&) { return std::vector{answer_with(0.5, 1)}; });
   EXPECT_EQ(chosen.trials.front().difference, 0);
-  EXPECT_EQ(chosen.trials.front().estimate, measured_ladder()[0].least);
-  EXPECT_EQ(chosen.trials.front().next_estimate, measured_ladder()[1].least);
+  EXPECT_EQ(chosen.trials.front().estimate, measured_ladder()[0].error.least);
+  EXPECT_EQ(chosen.trials.front().next_estimate, measured_ladder()[0].next_error.least);
+}
+
+/// What 98 % of the mix stay below needs no proof: patch-24 is taken for it however much patch-16 differs.
+TEST(Planner, TheFinestPatchNeedsNoReferenceForWhatItNearlyAlwaysKeeps) {
+  const fem::Scene scene = pressed();
+  const auto far_apart = [](const Rung& rung) { return std::vector{answer_with(0.5 + 1.0 / rung.elements, 1)}; };
+  const Plan chosen = plan(std::span(&scene, 1), 0.01, far_apart);
+  EXPECT_EQ(chosen.rung.name, "patch-24");
+  EXPECT_TRUE(chosen.kept);
+  EXPECT_EQ(chosen.estimate, measured_ladder()[3].most);
+  // Asked for less, the planner compares it with the reference, and believes the difference.
+  const Plan finer = plan(std::span(&scene, 1), 0.9 * measured_ladder()[3].most, far_apart);
+  EXPECT_EQ(finer.rung.name, "reference");
+  EXPECT_NEAR(finer.trials.back().estimate, 1.0 / 24 - 1.0 / 120, 1e-12);
+}
+
+TEST(RungError, TheLineThatAShareOfErrorsStaysBelow) {
+  // Errors 0.1 + 2 d, one of twenty far above: the 90 % line runs through the others, the 100 % line above all.
+  std::vector<double> differences, errors;
+  for (int k = 0; k < 20; ++k) differences.push_back(0.01 * k), errors.push_back(0.1 + 0.02 * k);
+  errors[4] = 0.5;
+  const ErrorLine line = error_line(differences, errors, 0.9);
+  EXPECT_NEAR(line.least, 0.1, 1e-12);
+  EXPECT_NEAR(line.slope, 2, 1e-12);
+  const ErrorLine all = error_line(differences, errors, 1);
+  for (int k = 0; k < 20; ++k) EXPECT_GE(all.at(differences[k]), errors[k] - 1e-12);
 }
 
 /// The finer of two rungs is taken where its own expected error suffices, without a look at the rung after it.
 TEST(Planner, TheFinerOfTwoIsTakenWithoutAThird) {
   const fem::Scene scene = pressed();
   std::vector<std::string> solved;
-  const double accuracy = 1.001 * std::max(measured_ladder()[1].least, measured_ladder()[0].next_factor * 0.01);
+  const double accuracy = 1.001 * measured_ladder()[0].next_error.at(0.01);
   ASSERT_LT(accuracy, expected_error(0, 0.01));
   const Plan chosen = plan(std::span(&scene, 1), accuracy, [&](const Rung& rung) {
     solved.push_back(rung.name);

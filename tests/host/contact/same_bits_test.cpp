@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // What a lane computes depends on the lane alone: not on the batch's size, its place, its neighbours, what unused
 // memory holds, the number of threads, or how groups are dealt out to them. Compared by hashes of all that a contact's
 // solution says.

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The cache of compiled kernels: what PoCL would abort on is found first, and nothing else is removed.
 #include "host/device/compile_cache.h"
 

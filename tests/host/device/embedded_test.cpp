@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Kernel sources inside the library: what the compiler gets, and what it says when it does not like it.
 #include "kernels/embedded.h"
 

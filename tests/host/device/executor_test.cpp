@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Runs on host threads (basic) and on a device that schedules itself (pthread): every group once, same bits, errors and
 // cancellation that leave the executor usable.
 #include "host/device/executor.h"

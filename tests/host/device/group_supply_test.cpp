@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // How groups are dealt out to threads, without threads or clocks: every group once, and a balance that survives any
 // order of heavy and light groups.
 #include "host/device/group_supply.h"

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Arguments are set by name and type; both are what OpenCL's compiler saw.
 #include "host/device/kernel_arguments.h"
 

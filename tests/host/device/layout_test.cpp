@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Structs that host and device share have the same layout on both.
 #include "kernels/shared/layout.h"
 

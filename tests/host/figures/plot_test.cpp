@@ -1,19 +1,16 @@
-// Pictures and the report page: what can be told without looking. (How they look was looked at.)
+// SPDX-License-Identifier: Apache-2.0
+
+// Pictures by gnuplot: what can be told without looking. (How they look was looked at.)
 #include "host/figures/plot.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <regex>
-#include <set>
 
 #include "host/figures/contact_figure.h"
-#include "host/figures/contour.h"
-#include "host/figures/field_figure.h"
 #include "host/figures/figure_layout.h"
 #include "host/figures/gnuplot_script.h"
-#include "host/figures/report_page.h"
 #include "host/support/errors.h"
 #include "tests/host/support/run_tactel.h"
 
@@ -21,7 +18,6 @@ namespace tactel::host {
 namespace {
 
 using testing::HasSubstr;
-using testing::Not;
 
 Figure line_figure() {
   Figure figure{.title = plain("a_title & {more}")};
@@ -44,16 +40,7 @@ Figure every_mark() {
                             .low = {y - 0.5, y - 0.5},
                             .high = {y + 0.5, y + 0.5}});
   }
-  Panel raster{.title = "raster"};
-  raster.raster = Raster{.rows = 2,
-                         .columns = 2,
-                         .values = {-1, 0, 1, NAN},
-                         .x_range = {0, 2},
-                         .y_range = {0, 2},
-                         .unit = "MPa",
-                         .palette = Palette::diverging};
-  figure.panels = {panel, raster};
-  figure.columns = 2;
+  figure.panels = {panel};
   return figure;
 }
 
@@ -65,8 +52,14 @@ TEST(Plot, SvgHoldsTitleAndLabels) {
   EXPECT_THAT(svg, HasSubstr("y (MPa)"));
 }
 
-TEST(Plot, EveryMarkPaletteAndTickIsDrawnWithoutComplaint) {
+TEST(Plot, EveryMarkAndTickIsDrawnWithoutComplaint) {
   EXPECT_THAT(render_svg(every_mark()), HasSubstr("net \"1\""));  // gnuplot's own complaints are a PlotError
+}
+
+TEST(Plot, ARasterIsForPages) {
+  Figure figure = line_figure();
+  figure.panels[0].raster = Raster{.rows = 1, .columns = 1, .values = {1}};
+  EXPECT_THROW(render_svg(figure), PlotError);
 }
 
 TEST(Plot, NothingToDrawIsNoCrash) {
@@ -100,71 +93,11 @@ TEST(FigureLayout, LegendTakesTheRowsItNeeds) {
   EXPECT_EQ(legend_rows(figure, figure.panels[0]), 0);
 }
 
-TEST(Contour, LineOfALinearFieldIsStraight) {
-  GridField field{.x = {0, 1, 3}, .y = {0, 2}, .values = {0, 1, 3, 0, 1, 3}};  // f = x
-  EXPECT_DOUBLE_EQ(interpolate(field, 2.5, 1.0), 2.5);
-  EXPECT_TRUE(std::isnan(interpolate(field, 3.1, 1.0)));
-  const ContourLine line = contour_line(field, 2.0);
-  ASSERT_EQ(line.x.size(), 3u);  // one piece: two points and a break
-  EXPECT_DOUBLE_EQ(line.x[0], 2.0);
-  EXPECT_DOUBLE_EQ(line.x[1], 2.0);
-  EXPECT_DOUBLE_EQ(std::abs(line.y[0] - line.y[1]), 2.0);
-  EXPECT_TRUE(std::isnan(line.x[2]));
-}
-
-TEST(Contour, SaddleIsCutByTheMean) {
-  // corners 1, 0, 1, 0 counter-clockwise, mean 0.5: below 0.6 the high corners are apart, each cut off by itself
-  const GridField field{.x = {0, 1}, .y = {0, 1}, .values = {1, 0, 0, 1}};
-  const ContourLine line = contour_line(field, 0.6);
-  ASSERT_EQ(line.x.size(), 6u);
-  for (std::size_t piece : {0u, 3u}) {
-    const double side_0 = line.x[piece] + line.y[piece], side_1 = line.x[piece + 1] + line.y[piece + 1];
-    EXPECT_DOUBLE_EQ(side_0, side_1);  // parallel to the diagonal x + y = 1
-    EXPECT_TRUE(std::abs(side_0 - 0.4) < 1e-12 || std::abs(side_0 - 1.6) < 1e-12) << side_0;
-  }
-}
-
 TEST(ContactFigure, TractionIsForceOverTheNodesShare) {
   Eigen::VectorXd x(4), force(4);
   x << 0, 1, 2, 4;
   force << 1, 1, 3, 1;
   EXPECT_EQ(traction(force, x), (std::vector{2.0, 1.0, 2.0, 1.0}));
-}
-
-TEST(ReportPage, EscapesWhatIsNotItsOwn) {
-  ReportPage page("A < B & \"C\"", "sub");
-  page.section("<script>");
-  page.paragraph("x > y");
-  const std::string html = page.html();
-  EXPECT_THAT(html, HasSubstr("<h1>A &lt; B &amp; &quot;C&quot;</h1>"));
-  EXPECT_THAT(html, HasSubstr("&lt;script&gt;"));
-  EXPECT_THAT(html, Not(HasSubstr("<script")));
-  EXPECT_THAT(html, HasSubstr("x &gt; y"));
-}
-
-TEST(ReportPage, ComparesWithThePaper) {
-  const ReportTable table = comparison_table("c", "u_x", {{"0.075", 5.0, 4.0}, {"0", 1.0, 0.0}}, 2);
-  EXPECT_EQ(table.head, (std::vector<std::string>{"u_x", "measured", "paper", "difference"}));
-  EXPECT_EQ(table.rows[0], (std::vector<std::string>{"0.075", "5.00", "4.00", "+25.0 %"}));
-  EXPECT_EQ(table.rows[1], (std::vector<std::string>{"0", "1.00", "0.00", "+1.00"}));
-}
-
-TEST(ReportPage, FiguresShareNoIdAndNeedNothingOutside) {
-  ReportPage page("t", "s");
-  page.figure(line_figure(), "first");
-  page.figure(every_mark(), "second");
-  const std::string html = page.html();
-  EXPECT_THAT(html, Not(HasSubstr("<?xml")));
-  EXPECT_THAT(html, HasSubstr("Figure 2. second"));
-  std::set<std::string> ids;
-  const std::regex id("\\sid=['\"]([^'\"]+)['\"]"), use("href=['\"]#([^'\"]+)['\"]|url\\(#([^)]+)\\)"),
-      outside("(src|href)=['\"]https?:");
-  for (std::sregex_iterator at(html.begin(), html.end(), id), end; at != end; ++at)
-    EXPECT_TRUE(ids.insert((*at)[1]).second) << (*at)[1];
-  for (std::sregex_iterator at(html.begin(), html.end(), use), end; at != end; ++at) {
-    EXPECT_TRUE(ids.contains((*at)[1].str() + (*at)[2].str())) << at->str();
-  }
-  EXPECT_FALSE(std::regex_search(html, outside));
 }
 
 }  // namespace

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The VTK file of the field inside the block.
 #include "host/figures/vtu.h"
 

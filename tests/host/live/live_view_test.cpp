@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/live/live_view.h"
 
 #include <gmock/gmock.h>
@@ -19,19 +20,57 @@ int width_of(const std::string& line) {
 
 std::vector<std::string> view_lines(const std::vector<float>& stresses, float largest, int columns, float s = 0.5f) {
   std::istringstream in(
-      view_text({.frame = {.number = 123456}, .stresses = stresses, .answer = {.slip_index = s}, .latency = 6}, largest,
-                columns));
+      view_text({.frame = {.number = 123456}, .stresses = stresses, .answer = {.slip_index = s}, .latency = 6}, {},
+                largest, columns, {}));
   std::vector<std::string> lines;
   for (std::string line; std::getline(in, line);) lines.push_back(line);
   return lines;
 }
 
-TEST(LiveView, ShowsTheSignOfShear) {
-  const auto lines = view_lines({-1, -0.5f, 0, 0, /* shear */ 1, -1, 0.5f, 0}, 1, 80);
-  ASSERT_EQ(lines.size(), 5u);
-  EXPECT_EQ(lines[1], "normal |█▄  |");
-  EXPECT_EQ(lines[2], "shear  |██▄ |");
-  EXPECT_EQ(lines[3], "       |→←→ |");
+// 29 columns: 20 for 4 tactels, 5 each.
+TEST(LiveView, ShowsTheSignOfShearOverTheFullWidth) {
+  const auto lines = view_lines({-1, -0.5f, 0, 0, /* shear */ 1, -1, 0.5f, 0}, 1, 29);
+  ASSERT_EQ(lines.size(), 6u);
+  EXPECT_EQ(lines[2], "normal |█████▄▄▄▄▄          |");
+  EXPECT_EQ(lines[3], "shear  |██████████▄▄▄▄▄     |");
+  EXPECT_EQ(lines[4], "       |→→→→→←←←←←→→→→→     |");
+}
+
+// 28 columns: a bar of 20, the alarm's mark at 16.
+TEST(LiveView, MarksTheAlarmAndSaysIt) {
+  EXPECT_EQ(view_lines({0.5f, 0}, 1, 28, 0.5f)[0], "S 0.500 ██████████······┊···");
+  EXPECT_EQ(view_lines({0.5f, 0}, 1, 28, 0.9f)[0], "S 0.900 ██████████████████··");
+  EXPECT_THAT(view_lines({0.5f, 0}, 1, 80, 0.79f)[5], ::testing::StartsWith("frame"));
+  EXPECT_THAT(view_lines({0.5f, 0}, 1, 80, 0.8f)[5], ::testing::StartsWith("ALARM"));
+}
+
+TEST(LiveView, ColoursSWhereAsked) {
+  const std::vector<float> stresses(4, 0.1f);
+  const auto first = [&](float s) {
+    return view_text({.frame = {}, .stresses = stresses, .answer = {.slip_index = s}}, {}, 1, 80, {.colour = true})
+        .substr(0, 7);
+  };
+  EXPECT_EQ(first(0.5f), "\x1b[1;32m");
+  EXPECT_EQ(first(0.7f), "\x1b[1;33m");
+  EXPECT_EQ(first(0.9f), "\x1b[1;31m");
+  EXPECT_EQ(first(std::nanf("")), "S   -  ");
+}
+
+TEST(SlipHistory, KeepsTheLargestOfEachQuarterSecondAndShowsGaps) {
+  SlipHistory history;
+  for (const auto& [at, s] : {std::pair{10.0, 0.1f}, {10.1, 0.9f}, {10.2, 0.2f}, {10.8, 0.3f}, {10.9, std::nanf("")}})
+    history.add(at, s, 4);
+  const auto& kept = history.columns();
+  ASSERT_EQ(kept.size(), 4u);
+  EXPECT_EQ(kept[0], 0.9f);
+  EXPECT_TRUE(std::isnan(kept[1]) && std::isnan(kept[2])) << "no frame came in half a second";
+  EXPECT_EQ(kept[3], 0.3f);
+  history.add(11.0, 0.4f, 4);
+  EXPECT_EQ(kept.size(), 4u);
+  EXPECT_EQ(kept[3], 0.4f);
+  history.add(1e9, 0.5f, 4);  // years later
+  ASSERT_EQ(kept.size(), 1u);
+  EXPECT_EQ(kept[0], 0.5f);
 }
 
 TEST(LiveView, NoLineIsWiderThanTheTerminal) {
@@ -40,19 +79,19 @@ TEST(LiveView, NoLineIsWiderThanTheTerminal) {
   for (const int columns : {20, 21, 40, 79, 80, 137, 200})
     for (const float s : {0.5f, std::nanf("")})
       for (const std::string& line : view_lines(stresses, 1, columns, s)) EXPECT_LE(width_of(line), columns) << line;
-  EXPECT_EQ(view_lines(stresses, 1, 29)[3], "       |→→→→→→→→→→→→→→→→→→→←|") << "the largest of neighbours is shown";
-  EXPECT_EQ(width_of(view_lines(stresses, 1, 200)[1]), 128 + 9) << "one column a tactel where there is room";
+  EXPECT_EQ(view_lines(stresses, 1, 29)[4], "       |→→→→→→→→→→→→→→→→→→→←|") << "the largest of neighbours is shown";
+  EXPECT_EQ(width_of(view_lines(stresses, 1, 200)[2]), 128 + 9) << "one column a tactel where there is room";
 }
 
 TEST(LiveView, GoesUpOverThePictureBeforeOnATerminalAlone) {
   const std::vector<float> stresses(4, 0.1f);
   const MonitorLine line{.frame = {}, .stresses = stresses, .answer = {.slip_index = 0.5f}};
-  LiveView on_terminal(true), in_file(false);
-  EXPECT_THAT(*on_terminal.show(line, 80), ::testing::Not(HasSubstr("\x1b[5A")));
+  LiveView on_terminal({.cursor = true}), in_file({});
+  EXPECT_THAT(*on_terminal.show(line, 80), ::testing::Not(HasSubstr("\x1b[6A")));
   EXPECT_THAT(*in_file.show(line, 80), ::testing::Not(HasSubstr("\x1b")));
   EXPECT_FALSE(in_file.show(line, 80)) << "the picture before is fresh";
   std::this_thread::sleep_for(std::chrono::milliseconds(60));
-  EXPECT_THAT(*on_terminal.show(line, 80), ::testing::StartsWith("\x1b[5A"));
+  EXPECT_THAT(*on_terminal.show(line, 80), ::testing::StartsWith("\x1b[6A"));
   EXPECT_THAT(*in_file.show(line, 80), ::testing::Not(HasSubstr("\x1b")));
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "host/live/simulated_sensor.h"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The forward kernels against their Eigen twin, against each other, and against what every recall must obey.
 #include "host/networks/forward.h"
 

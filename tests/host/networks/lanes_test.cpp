@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Kernels of networks at every number of lanes that a device may have.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cmath>
 #include <random>
@@ -20,7 +21,8 @@ inline nn::FrameSet bumps(int rows, int inputs, std::uint32_t seed) {
   nn::FrameSet set{nn::RowMatrix<float>(rows, inputs), nn::Vector<float>(rows), {}, {}};
   const int tactels = inputs / 2;
   for (int row = 0; row < rows; ++row) {
-    const float place = tactels * (0.3f + 0.4f * uniform(random)), width = 1.0f + 3.0f * uniform(random);
+    const float place = static_cast<float>(tactels) * (0.3f + 0.4f * uniform(random)),
+                width = 1.0f + 3.0f * uniform(random);
     const float height = 0.2f + uniform(random), mu = 0.2f + uniform(random), s = uniform(random);
     for (int k = 0; k < tactels; ++k) {
       const float r = (static_cast<float>(k) - place) / width, bump = std::exp(-r * r);

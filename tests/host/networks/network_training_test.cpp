@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Trainings over topologies, seeds and noise: results, checkpoints, cancelling.
 #include "host/networks/network_training.h"
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Network files: judged by the standard's own checker, by a runtime that does not know tactel, and read back.
 #include "host/networks/onnx_file.h"
 

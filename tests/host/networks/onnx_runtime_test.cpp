@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Networks in a runtime that is not ours: OpenCV's.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The mini-batch kernels against their Eigen twin, against finite differences, and against what every training must
 // obey.
 #include "host/networks/train_batch.h"

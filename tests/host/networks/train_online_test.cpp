@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The online training kernel against its Eigen twin, and against what every training must obey.
 #include "host/networks/train_online.h"
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Checks that includes between the rooms of host/ run downwards only, that third parties stay in their rooms, and that no two
 sources of a room give a function of their own the same name: compiled as one (TACTEL_UNITY), either might call the other's.
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Numbers that a sweep draws: their distribution, and what they depend on.
 #include "host/scenes/distribution.h"
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Scene files that are good: every key, defaults, the preset, profiles, and the scene written back as JSON.
 #include "host/scenes/scene_file.h"
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Contacts of a sweep file.
 #include "host/scenes/scene_source.h"
 
@@ -117,6 +119,58 @@ TEST(SceneSource, DistributedSensorsAreDrawnOnce) {
   for (const fem::Sensor& sensor : sweep.sensors()) EXPECT_TRUE(seen.contains(sensor.poisson));
 }
 
+const std::string own_sensor =
+    "[sensor]\npoisson = { uniform = [0.3, 0.49] }\nthickness = { uniform = [1, 2] }\n"
+    "young = { log_uniform = [1, 4] }\nlength = { choice = [18, 20] }\n";
+
+TEST(SceneSource, EachContactOnAPatchDrawsItsOwnSensor) {
+  const SceneSource sweep = source(head + load + parabola + own_sensor);
+  ASSERT_TRUE(sweep.own_sensors());
+  EXPECT_EQ(*sweep.own_sensors(),
+            (fem::SensorRange{.poisson_low = 0.3, .poisson_high = 0.49, .longest = 20, .tactels = 21}));
+  std::set<double> poisson, thickness, young, length;
+  for (std::uint64_t k = 0; k < 500; ++k) {
+    const fem::Sensor sensor = sweep.contact(k).scene.sensor;
+    poisson.insert(sensor.poisson), thickness.insert(sensor.thickness);
+    young.insert(sensor.young), length.insert(sensor.length);
+    EXPECT_EQ(sensor, sweep.contact(k).scene.sensor);
+    EXPECT_EQ(sensor.span(), sensor.length);
+  }
+  EXPECT_EQ(poisson.size(), 500u);
+  EXPECT_EQ(thickness.size(), 500u);
+  EXPECT_EQ(young.size(), 500u);
+  EXPECT_EQ(length, (std::set<double>{18, 20}));
+  EXPECT_GE(*poisson.begin(), 0.3);
+  EXPECT_LE(*poisson.rbegin(), 0.49);
+}
+
+/// A sensor is a draw like the others: all else of a contact stays as it is without it.
+TEST(SceneSource, OwnSensorsChangeNoOtherNumber) {
+  const std::string rest = head + load + parabola + "[contact]\nfriction = { uniform = [0.1, 1] }\n";
+  const SceneSource own = source(rest + own_sensor), few = source(rest + own_sensor + "\n");
+  const std::string shared = "[sweep]\ncontacts = 2000\nseed = 7\nsensors = 3\n";
+  const SceneSource three =
+      source(shared + load + parabola + "[contact]\nfriction = { uniform = [0.1, 1] }\n" + own_sensor);
+  EXPECT_FALSE(three.own_sensors());
+  EXPECT_EQ(three.sensors().size(), 3u);
+  for (std::uint64_t k = 0; k < 100; ++k) {
+    EXPECT_EQ(own.contact(k).scene.friction, three.contact(k).scene.friction);
+    EXPECT_EQ(own.contact(k).scene.sensor, few.contact(k).scene.sensor);
+  }
+}
+
+TEST(SceneSource, OwnSensorsNeedPatches) {
+  SceneSource sweep = source(head + load + parabola + own_sensor);
+  sweep.model_on(rung_named("patch-8"));
+  EXPECT_TRUE(sweep.own_sensors());
+  try {
+    sweep.model_on(rung_named("mesh-161"));
+    ADD_FAILURE() << "no error";
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("[sweep] sensors"));
+  }
+}
+
 TEST(SceneSource, RefusesWithFileLineAndKey) {
   for (const auto& [text, said] : std::vector<std::pair<std::string, std::string>>{
            {"[sweep]\nseed = 1\n" + load + parabola, "sweep.contacts = (missing)"},
@@ -127,6 +181,9 @@ TEST(SceneSource, RefusesWithFileLineAndKey) {
             ":10: indenter.radius"},
            {head + load + parabola + "[sensor]\ncolumns = { choice = [41, 51] }\n", "sensor.columns"},
            {head + load + parabola + "[sensor]\npoisson = { uniform = [0.4, 0.5] }\n", ":12: sensor.poisson"},
+           {head + load + parabola + own_sensor + "columns = 41\n", "sweep.sensors"},
+           {head + load + parabola + own_sensor + "tactel_width = 0.5\n", ":16: sensor.tactel_width"},
+           {head + load + parabola + "[sensor]\nlength = { uniform = [8, 20] }\n", ":12: sensor.length"},
            {head + load + parabola + "weight = -1\n", "indenter.weight"},
            {head + load + "[[indenter]]\nshape = \"parabola\"\nradius = 1\nweight = 0\n", "indenter.weight"},
            {head + load + "[indenter]\nshape = \"profile\"\npoints = 2\nhalf_width = 1\nheight = 1\n",

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Sets: the paper's families, and the file that holds them.
 #include "host/sets/contact_set.h"
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Sets that no tactel wrote, from a good one. Usage: forge_sets.py GOOD.h5 FOLDER
 FOLDER/bad_*.h5 must be refused, FOLDER/good_*.h5 hold the rows and names of GOOD.h5."""
 import pathlib

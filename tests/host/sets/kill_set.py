@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Kills `tactel generate` at random moments, resumes it, and compares every finished set byte for byte with one that was
 never interrupted. Usage: kill_set.py TACTEL SWEEP.toml KILLS [SEED]"""
 import pathlib

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The chain of sets and the chain of live frames are the same chain.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Opens a set with h5py, as the documentation says, and checks what it promises. Usage: open_set.py SET.h5"""
 import sys
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Sets of contacts on patches: the rows of a contact depend on the contact alone, and are those of its own solution.
 #include <gtest/gtest.h>
 
@@ -98,6 +100,76 @@ TEST_F(PatchSet, ARungIsTakenWhateverTheFileSays) {
   ASSERT_EQ(patches.slip_index.size(), meshes.slip_index.size());
   EXPECT_LE(patches.contact_nodes[0], 8);
   EXPECT_NEAR(patches.slip_index[0], meshes.slip_index[0], 0.05);  // the mesh has three nodes in contact, or four
+}
+
+/// Every contact on a sensor of its own.
+class OwnSensors : public testing::Test {
+ protected:
+  static std::string text() {
+    std::string text = sweep_text;
+    const std::string model = "model = \"patch\"\n";
+    return text.replace(text.find(model), model.size(),
+                        "poisson = { uniform = [0.4, 0.49] }\nthickness = { uniform = [1.2, 1.8] }\n"
+                        "young = { log_uniform = [1, 4] }\nlength = { uniform = [18, 22] }\n");
+  }
+  OwnSensors() : source_(SceneSource::read(folder_.write("sweep.toml", text()))), executor_(device()) {}
+  ScratchFolder folder_;
+  const SceneSource source_;
+  Executor executor_;
+};
+
+TEST_F(OwnSensors, AnyRangeGivesTheSameRows) {
+  const SetSimulator simulator(executor_, source_, {});
+  const ContactSet whole = simulator.simulate(0, 60);
+  EXPECT_EQ(whole.unsolved, 0u);
+  std::size_t row = 0;
+  for (const auto& [first, count] : {std::pair{0, 7}, {7, 1}, {8, 52}}) {
+    const ContactSet part = simulator.simulate(first, count);
+    for (std::size_t k = 0; k < part.rows(); ++k, ++row) {
+      ASSERT_EQ(part.contact[k], whole.contact[row]);
+      EXPECT_EQ(part.slip_index[k], whole.slip_index[row]);
+      EXPECT_EQ(part.thickness[k], whole.thickness[row]);
+      EXPECT_TRUE(std::equal(part.frames.begin() + static_cast<std::ptrdiff_t>(k * part.inputs),
+                             part.frames.begin() + static_cast<std::ptrdiff_t>((k + 1) * part.inputs),
+                             whole.frames.begin() + static_cast<std::ptrdiff_t>(row * part.inputs)));
+    }
+  }
+  EXPECT_EQ(row, whole.rows());
+}
+
+/// What the model of each sensor, with a condensation of its own, says of the same contact.
+TEST_F(OwnSensors, RowsAreThoseOfTheModelOfEach) {
+  const ContactSet set = SetSimulator(executor_, source_, {}).simulate(0, 20);
+  std::vector<fem::Scene> scenes;
+  for (std::uint64_t k = 0; k < 20; ++k) scenes.push_back(source_.contact(k).scene);
+  const auto expected = solve_on_rung(executor_, scenes, usual_patch());
+  std::size_t compared = 0;
+  for (std::size_t row = 0; row < set.rows(); ++row) {
+    const fem::Scene& scene = scenes[set.contact[row]];
+    const fem::ContactStep& step = expected[set.contact[row]].steps[set.step[row]];
+    EXPECT_EQ(set.poisson[row], static_cast<float>(scene.sensor.poisson));
+    EXPECT_EQ(set.young[row], static_cast<float>(scene.sensor.young));
+    EXPECT_EQ(set.length[row], static_cast<float>(scene.sensor.length));
+    if (expected[set.contact[row]].surface_width.size() == 0) continue;  // on a mesh: it reaches both ends
+    EXPECT_NEAR(set.slip_index[row], *step.slip_index, 5e-3) << "contact " << set.contact[row];
+    EXPECT_NEAR(set.normal_force[row], step.P, 1e-2 * step.P) << "contact " << set.contact[row];
+    ++compared;
+  }
+  EXPECT_GT(compared, set.rows() / 2);
+}
+
+TEST_F(OwnSensors, AreColumnsOfTheFile) {
+  ContactSet set = SetSimulator(executor_, source_, {}).simulate(0, 10);
+  set.contacts = 10;
+  const std::filesystem::path path = folder_ / "own.h5";
+  write_contact_set(path, set);
+  const ContactSet read = read_contact_set(path);
+  EXPECT_TRUE(read.sensors);
+  EXPECT_EQ(read.poisson, set.poisson);
+  EXPECT_EQ(read.thickness, set.thickness);
+  EXPECT_EQ(read.young, set.young);
+  EXPECT_EQ(read.length, set.length);
+  EXPECT_EQ(read.residual, set.residual);
 }
 
 }  // namespace

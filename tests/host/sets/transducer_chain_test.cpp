@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The transducer chain's kernel against its plain twin, and what sets make of it.
 #include "host/sets/transducer_chain.h"
 

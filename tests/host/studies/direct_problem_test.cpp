@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The paper's Table I from the program, against the figures that the paper printed.
 #include "host/studies/paper/direct_problem.h"
 

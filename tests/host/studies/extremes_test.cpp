@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The table of extremes, as `tactel extremes --quick` prints it, and what must hold on each of its lines.
 #include "host/studies/extremes/extremes.h"
 

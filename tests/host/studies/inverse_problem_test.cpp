@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The paper's section V: sets, Table II over seeds, the report.
 #include "host/studies/paper/inverse_problem.h"
 
@@ -6,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "host/figures/page.h"
 #include "host/studies/paper/inverse_problem_report.h"
 #include "host/support/errors.h"
 #include "tests/host/networks/network_cases.h"
@@ -157,10 +160,12 @@ TEST(InverseProblem, ReproduceWritesTableTwo) {
   const auto section_six = nlohmann::json::parse(text_of(report + "/section6.json"));
   EXPECT_EQ(section_six["seeds"], 2);
   EXPECT_EQ(section_six["cases"].size(), 10u);
-  for (const char* text :
-       {"The inverse problem", "A network for the real sensor",
-        "Each network below is trained from 2 seeds. `tactel reproduce --seeds 100` gives the full statistics."})
+  for (const char* text : {"The inverse problem", "A network for the real sensor",
+                           "Each network below is trained from 2 seeds. <code>tactel reproduce --seeds 100</code> "
+                           "gives the full statistics.",
+                           "on their own learning set are", "Predicted over true slippage index"})
     EXPECT_NE(text_of(report + "/index.html").find(text), std::string::npos) << text;
+  EXPECT_LT(std::filesystem::file_size(report + "/index.html"), largest_page);
   EXPECT_NE(result.err.find(" ...\n"), std::string::npos) << result.err;  // a stage of more than a second is named
   // what the table of open choices rests on
   EXPECT_NE(text_of(report + "/index.html").find("median over 2 seeds, at most 20 cycles"), std::string::npos);

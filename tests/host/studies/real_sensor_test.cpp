@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The paper's section VI: contacts, records, draws, the study and what reproduce says of it.
 #include <gtest/gtest.h>
 
@@ -223,7 +225,7 @@ TEST(RealSensorStudy, JudgesEveryDrawAndSeed) {
     EXPECT_EQ(result.unseen[0].all.count, 105 - result.what.examples);
   }
   EXPECT_EQ(cases, (std::map<std::size_t, int>{{10, 2}, {25, 4}, {50, 2}, {94, 2}}));
-  ReportPage page("", "");
+  Page page("", "");
   EXPECT_NO_THROW(report_real_sensor(page, *study));
 }
 

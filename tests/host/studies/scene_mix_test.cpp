@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The mix of scenes on which models are judged, and those unlike it.
 #include "host/studies/tradeoff/scene_mix.h"
 

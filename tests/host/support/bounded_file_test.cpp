@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Files that have no end, no writer or no bytes of a file.
 #include "host/support/bounded_file.h"
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Files that appear whole or not at all, and the small helpers beside them.
 #include "host/support/durable_file.h"
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Ctrl-C once, twice in a row, and again later. Each case runs in a process of its own, which it may end.
 #include "host/support/interrupt.h"
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // JSON text: what a user's file names may hold.
 #include "host/support/json_text.h"
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // One call for each number, whatever the number of threads; the first error comes out.
 #include "host/support/side_by_side.h"
 

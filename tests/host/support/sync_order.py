@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Runs a command under strace and checks that every TARGET that it made would survive a power cut: its temporary, made
 with O_EXCL and O_NOFOLLOW, is written, then synced, then renamed, then its folder is synced.
 A TARGET "in-place:PATH" is made and written under its own name: it is synced after its last write, and its folder after

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // `tactel train` under mpirun: the networks of one process.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

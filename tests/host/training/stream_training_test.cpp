@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // Frames block by block, and networks that learn from them.
 #include "host/training/stream_training.h"
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The program itself, stopped and killed while it trains: what it writes in the end has the bits of a training that
 // nothing disturbed.
 #include <fcntl.h>

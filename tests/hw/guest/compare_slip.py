@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """S as the guest found it live, against S of its recording on this machine: compare_slip.py TACTEL FOLDER."""
 import json
 import subprocess

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // A USB gadget made of FunctionFS files (kernel: Documentation/usb/functionfs.rst), its cable dummy_hcd's. The kernel
 // answers the requests that are the same for every device; to us come those of the class, and the data.
 #include <endian.h>

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // tactel's record and monitor for the guest: the same commands.
 #include <fmt/format.h>
 

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // From a USB device through tactel's own commands to OpenCL: S live, S of the recording. Runs in the guest.
 #include <gtest/gtest.h>
 

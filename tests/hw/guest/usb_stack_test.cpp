@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The USB source on a real kernel's USB stack: usbfs, hubs, drivers. Runs in the guest that run_guest starts.
 #include <gmock/gmock.h>
 #include <sys/wait.h>

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The URB protocol of usbip (kernel: Documentation/usb/usbip_protocol.rst) on a socket pair whose other end vhci-hcd
 // has.
 #include <endian.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/hw/usb/device_kinds.h"
 
 namespace tactel::hw::testing {

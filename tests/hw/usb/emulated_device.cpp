@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/hw/usb/emulated_device.h"
 
 #include <linux/usbdevice_fs.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/hw/usb/terminal_node.h"
 
 #include <fcntl.h>

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // tactel itself with two sensors of one kind. Its process has the preloaded library and the tree of devices of this
 // one.
 #include <gmock/gmock.h>

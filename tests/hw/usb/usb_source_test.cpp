@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+
 // The USB source on an unmodified libusb, with a device that umockdev pretends. Run under umockdev-wrapper.
 #include "hw/usb_source.h"
 

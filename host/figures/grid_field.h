@@ -1,5 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <utility>
 #include <vector>
+
+#include "fem/mesh.h"
 
 namespace tactel::host {
 
@@ -13,11 +17,11 @@ struct GridField {
 /// Returns the value at a point, bilinear in each cell; NaN outside.
 double interpolate(const GridField& field, double x, double y);
 
-/// Straight segments of the line on which the field equals `level`. Points in pairs; a NaN point ends each pair.
-struct ContourLine {
-  std::vector<double> x, y;
-};
-/// Returns a contour line by marching squares. A saddle is cut by the mean of its corners.
-ContourLine contour_line(const GridField& field, double level);
+/// Returns values [nodes] at the corners of the mesh's elements as a grid.
+GridField corner_grid(const fem::Mesh& mesh, const Eigen::VectorXd& values);
+
+/// Returns values [rows, columns] at evenly spaced points between two x and over the whole height, the ends included;
+/// the first row is the base.
+std::vector<double> resampled(const GridField& grid, std::pair<double, double> x_range, int rows, int columns);
 
 }  // namespace tactel::host

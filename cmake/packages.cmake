@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+
+# The program with its manual, completion, examples and udev rule, and the Debian packages `tactel` and `tactel-dev`
+# (scripts/package).
+include(GNUInstallDirs)
+option(TACTEL_PACKAGE "Manual pages and completion, for packages; needs help2man" OFF)
+
+install(TARGETS tactel RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
+install(DIRECTORY examples/ DESTINATION ${CMAKE_INSTALL_DATADIR}/tactel/examples COMPONENT program)
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright COMPONENT program)
+install(FILES README.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
+install(FILES scripts/70-tactel.rules DESTINATION lib/udev/rules.d COMPONENT program)
+
+if(TACTEL_PACKAGE)
+  find_program(HELP2MAN help2man REQUIRED)
+  set(commands solve generate check train recall monitor record tare reproduce tradeoff extremes devices demo completion)
+  set(manual ${PROJECT_BINARY_DIR}/manual)
+  set(pages ${manual}/tactel.1)
+  file(MAKE_DIRECTORY ${manual})
+  set(help2man ${HELP2MAN} --no-info --no-discard-stderr --section=1 --source=tactel "--version-string=${TACTEL_VERSION}")
+  add_custom_command(OUTPUT ${manual}/tactel.1 DEPENDS tactel
+    COMMAND ${help2man} "--name=simulates a tactile skin and detects incipient slip" --output=${manual}/tactel.1 $<TARGET_FILE:tactel>)
+  foreach(command ${commands})
+    add_custom_command(OUTPUT ${manual}/tactel-${command}.1 DEPENDS tactel
+      COMMAND ${help2man} "--name=see tactel(1)" --output=${manual}/tactel-${command}.1 "$<TARGET_FILE:tactel> ${command}" VERBATIM)
+    list(APPEND pages ${manual}/tactel-${command}.1)
+  endforeach()
+  add_custom_command(OUTPUT ${manual}/tactel DEPENDS tactel COMMAND tactel completion > ${manual}/tactel)
+  add_custom_target(tactel_manual ALL DEPENDS ${pages} ${manual}/tactel)
+  install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
+  install(FILES ${manual}/tactel DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program)
+endif()
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME tactel)
+string(REPLACE "-" "~" CPACK_DEBIAN_PACKAGE_VERSION ${TACTEL_VERSION})  # a release sorts after its candidates
+set(CPACK_PACKAGE_VENDOR "the tactel authors")
+set(CPACK_PACKAGE_CONTACT "the tactel authors <tactel@localhost>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "simulates a tactile skin and detects incipient slip")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_ALL program libraries development)
+set(CPACK_COMPONENTS_GROUPING ONE_PER_GROUP)
+set(CPACK_COMPONENT_PROGRAM_GROUP tactel)
+set(CPACK_COMPONENT_LIBRARIES_GROUP tactel)
+set(CPACK_COMPONENT_DEVELOPMENT_GROUP dev)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_TACTEL_PACKAGE_NAME tactel)
+set(CPACK_DEBIAN_TACTEL_PACKAGE_DEPENDS "pocl-opencl-icd | opencl-icd, gnuplot-nox | gnuplot")
+set(CPACK_DEBIAN_DEV_PACKAGE_NAME tactel-dev)
+set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "tactel (= ${CPACK_DEBIAN_PACKAGE_VERSION})")
+include(CPack)

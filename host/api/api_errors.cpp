@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/api/api_errors.h"
+
+#include <tactel/progress.h>
+
+#include <algorithm>
+
+#include "host/support/errors.h"
+#include "hw/frame_source.h"
+#include "hw/profile_error.h"
+
+namespace tactel {
+
+Cancelled::~Cancelled() = default;
+HardwareError::~HardwareError() = default;
+
+namespace api {
+namespace {
+
+/// One line that a terminal shows as it is.
+std::string plain(std::string text) {
+  std::ranges::replace_if(
+      text, [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
+  return text;
+}
+
+std::string joined(const std::string& item, const std::string& key) {
+  return item.empty() || key.empty() ? item + key : item + "." + key;
+}
+
+/// An option of a command is the member of the same name: "--stop-error" is "stop_error".
+std::string member_of(std::string option) {
+  option.erase(0, option.find_first_not_of('-'));
+  std::ranges::replace(option, '-', '_');
+  return option;
+}
+
+[[noreturn]] void throw_input_error(const ConfigError& error, const std::string& item) {
+  if (error.key == "--output") throw InputError(plain(error.value), "cannot be written", "must be " + error.allowed);
+  std::string place = joined(item, error.key);
+  if (error.file == "command line")
+    place = member_of(error.key);
+  else if (!error.file.empty())
+    place = error.file + (error.line > 0 ? ":" + std::to_string(error.line) : "") +
+            (error.key.empty() ? "" : ": " + error.key);
+  throw InputError(plain(place), plain(error.value), plain("must be " + error.allowed));
+}
+
+}  // namespace
+
+void rethrow_public(const std::string& item) {
+  try {
+    throw;
+  } catch (const ConfigError& error) {
+    throw_input_error(error, item);
+  } catch (const ValueError& error) {
+    throw InputError(plain(joined(item, error.key)), plain(error.value), plain("must be " + error.allowed));
+  } catch (const hw::ProfileError& error) {
+    throw InputError(plain(joined(item, error.key)), plain(error.value), plain("must be " + error.allowed));
+  } catch (const DeviceError& error) {
+    throw HardwareError(error.what());
+  } catch (const KernelBuildError& error) {
+    throw HardwareError(error.what());
+  } catch (const hw::SourceError& error) {
+    throw HardwareError(error.what());
+  } catch (const Stopped& error) {
+    throw Cancelled(error.what());
+  }
+}
+
+}  // namespace api
+}  // namespace tactel

@@ -1,0 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Scenes to stresses, sweeps to sets, sets to networks.
+#include <tactel/scene.h>
+#include <tactel/solve.h>
+#include <tactel/sweep.h>
+#include <tactel/train.h>

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <tactel/progress.h>
+#include <tactel/scene.h>
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace tactel {
+
+/// How a contact is modelled and computed.
+struct SolveOptions {
+  std::optional<double> accuracy{};  ///< largest error in S: the planner chooses the rung
+  std::string rung{};                ///< "patch-12", "mesh-81", "paper", "reference", ...; empty: the scene's own model
+  std::string solver = "batched";    ///< or "reference", of solve() alone
+  std::string precision{};  ///< "fp32", "fp64"; empty: of solve() fp64 where the device has it, else the rung's
+  std::string device{};     ///< name or index of an OpenCL device; empty: the default device
+  std::optional<double> tolerance{};  ///< largest relative residual that counts as converged; none: the solver's own
+  bool estimate_error = false;        ///< of solve(): also solve a finer model, for Path::error
+};
+
+/// Status of a surface node (mesh) or element (patch).
+enum class NodeStatus : std::uint8_t { open, stick, slip };
+
+/// Residual of the contact laws in a step; all relative.
+struct Residual {
+  double penetration = 0, cone = 0, complementarity = 0, drift = 0, balance = 0;
+};
+
+/// The state at the end of a load increment.
+struct Step {
+  double indentation = 0, tangential = 0;  ///< mm, position of the indenter
+  double P = 0, Q = 0;                     ///< N/mm, of the indenter on the rubber; Q > 0 drags it to +x
+  double slip_index = 0;                   ///< S = Q / (mu P); NaN where mu P = 0
+  double slip_distance = 0;                ///< mm: largest slide of the indenter over the rubber since first touch
+  std::vector<NodeStatus> status;          ///< [surface]
+  std::vector<double> normal_force, tangential_force;  ///< [surface] N/mm; normal >= 0 presses
+  std::vector<double> base_force_x, base_force_y;      ///< [base] N/mm, rubber on base; empty on a patch
+  std::vector<double> sigma_y, tau_xy;                 ///< [tactels] MPa; sigma_y < 0 is compression
+  bool converged = false;
+  int iterations = 0;
+  Residual residual;
+};
+
+/// Expected error of an answer: S absolutely, the others of their largest.
+struct ExpectedError {
+  double S = 0, P = 0, Q = 0, sigma_y = 0, tau_xy = 0;
+  std::string finer;  ///< the model of comparison, "81 x 21"
+};
+
+/// The answer to a scene: one Step for each load increment, those of the indentation first.
+struct Path {
+  std::vector<Step> steps;
+  std::vector<double> surface_x, surface_width;  ///< [surface] mm; widths of a patch's elements, empty on a mesh
+  std::vector<double> base_x, tactel_x;          ///< [base], [tactels] mm
+  bool sliding = false;                          ///< the last step slides as a whole
+  bool fell_back = false;                        ///< the exact fallback answered
+  std::string model, model_reason;               ///< "patch of 12 elements, 2.9 mm wide", and why
+  std::string solver, precision, device;
+  std::optional<ExpectedError> error;
+  std::vector<std::string> warnings;
+};
+
+/// Solves one contact. Throws InputError for a scene or options that cannot be used, HardwareError without a device.
+TACTEL_API Path solve(const Scene& scene, const SolveOptions& options = {});
+
+/// Answers of many scenes as arrays, the last index fastest. `steps` is that of the longest path; entries beyond a
+/// scene's own steps are NaN, and so is S where mu P = 0.
+struct Paths {
+  std::size_t scenes = 0, steps = 0, tactels = 0;
+  std::vector<std::uint32_t> steps_made;         ///< [scenes]
+  std::vector<double> slip_index, P, Q;          ///< [scenes, steps] S, N/mm, N/mm
+  std::vector<double> indentation, tangential;   ///< [scenes, steps] mm
+  std::vector<double> sigma_y, tau_xy;           ///< [scenes, steps, tactels] MPa
+  std::vector<std::uint8_t> converged;           ///< [scenes, steps] 1: within its tolerance
+  std::vector<std::uint8_t> sliding, fell_back;  ///< [scenes] 1: the last step slides; the exact fallback answered
+  std::string rung, precision, device;           ///< rung: empty for scenes on their own meshes
+};
+
+/// Solves scenes in batches. Without a rung, scenes with a mesh are solved on it and others on patches of 12 elements,
+/// in fp32 unless `options.precision` says otherwise. An accuracy is judged on at most 64 of the scenes. Throws
+/// InputError, naming the scene by its index, HardwareError, and Cancelled where progress (scenes) says so.
+TACTEL_API Paths solve_many(std::span<const Scene> scenes, const SolveOptions& options = {},
+                            const ProgressFunction& progress = {});
+
+}  // namespace tactel

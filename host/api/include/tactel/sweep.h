@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <tactel/progress.h>
+#include <tactel/scene.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tactel {
+
+/// Frames with their answers, as in a set file (docs/sweeps.md): one row a load step.
+struct Set {
+  std::size_t inputs = 0;                             ///< 2 tactels
+  std::vector<float> frames;                          ///< [rows, inputs] MPa: normal stresses first, then shear
+  std::vector<float> slip_index;                      ///< [rows] S
+  std::vector<float> normal_force, tangential_force;  ///< [rows] P, Q, N/mm
+  std::vector<float> friction, stick_fraction;        ///< [rows] mu; stuck length over contact length
+  std::vector<float> residual;                        ///< [rows] largest relative residual
+  std::vector<std::uint64_t> contact;                 ///< [rows] contact of the sweep
+  std::vector<std::uint32_t> step;                    ///< [rows] load step of the contact
+  std::vector<std::uint16_t> indenter;                ///< [rows] index in indenter_names
+  std::vector<std::uint16_t> contact_nodes;           ///< [rows] surface nodes that touch
+  std::vector<std::uint8_t> status;                   ///< [rows] 0 solved, 1 sliding, 2 over tolerance
+  std::vector<std::string> indenter_names;
+  std::uint64_t contacts = 0, fell_back = 0, unsolved = 0, without_rows = 0;
+  std::string sweep, rung, device;  ///< text of the sweep file; model; OpenCL device
+  std::uint64_t seed = 0;
+
+  std::size_t rows() const { return slip_index.size(); }
+};
+
+/// Reads a set file (HDF5). Throws InputError for one that cannot be read or is damaged.
+TACTEL_API Set read_set(const std::string& path);
+/// Writes a set file, for `tactel train`, h5py and others. Throws InputError where it cannot be written.
+TACTEL_API void write_set(const Set& set, const std::string& path);
+
+/// How a sweep is simulated.
+struct SweepOptions {
+  std::optional<double> accuracy{};  ///< largest error in S, in 95 % of the contacts: the planner chooses the rung
+  std::string rung{};                ///< empty: as the file says
+  std::string precision{};           ///< "fp32", "fp64"; empty: the rung's, or fp32
+  std::string device{};              ///< name or index of an OpenCL device; empty: the default device
+};
+
+/// The contacts of a sweep file: contact k is a function of the file, its seed and k alone.
+class TACTEL_API Sweep {
+ public:
+  /// Reads a sweep file (TOML). `seed` takes the place of the file's. Throws InputError as read_scene.
+  explicit Sweep(const std::string& path, std::optional<std::uint64_t> seed = {});
+  ~Sweep();
+  Sweep(Sweep&&) noexcept;
+  Sweep& operator=(Sweep&&) noexcept;
+
+  std::uint64_t contacts() const;  ///< as the file says
+  bool endless() const;            ///< whether contacts beyond contacts() exist: drawn ones, not listed ones
+  std::uint64_t seed() const;
+  std::size_t tactels() const;
+  std::vector<std::string> indenter_names() const;
+  /// Returns contact k < contacts(), or any k where endless().
+  Scene scene(std::uint64_t k) const;
+
+  /// Returns the rows of contacts 0 ... contacts - 1 (none given: all of the file), the same as those of
+  /// `tactel generate`. Throws InputError, HardwareError, and Cancelled where progress (contacts) says so.
+  Set generate(std::optional<std::uint64_t> contacts = {}, const SweepOptions& options = {},
+               const ProgressFunction& progress = {}) const;
+
+  struct State;
+
+ private:
+  friend class SweepBatches;
+  State* state_;
+};
+
+/// Rows of a sweep batch after batch, never stored: contacts 0 ... contacts - 1, then the next ones.
+class TACTEL_API SweepBatches {
+ public:
+  /// `contacts` a batch. `first`: the contact to begin with. The sweep may end before the batches do.
+  SweepBatches(const Sweep& sweep, std::uint64_t contacts, const SweepOptions& options = {}, std::uint64_t first = 0);
+  ~SweepBatches();
+  SweepBatches(SweepBatches&&) noexcept;
+  SweepBatches& operator=(SweepBatches&&) noexcept;
+
+  /// Simulates the next batch into `rows`. Returns false at the end of the contacts: never where the sweep is endless.
+  bool next(Set& rows);
+
+  struct State;
+
+ private:
+  State* state_;
+};
+
+}  // namespace tactel

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <tactel/infer.h>
+#include <tactel/progress.h>
+#include <tactel/sweep.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tactel {
+
+/// How networks learn; every number defaults to that of `tactel train`.
+struct TrainOptions {
+  std::vector<std::string> networks{"42-42-21-1"};  ///< widths, or "1" ... "6" for the paper's
+  std::uint64_t seeds = 1, first_seed = 1;          ///< each topology and noise with each seed
+  std::vector<double> noises{0.0};  ///< standard deviation of added noise over the set's largest |stress|
+  std::string scaling = "set";      ///< "set" or "frame"
+  std::string schedule = "online";  ///< "online" (the paper's rule) or "batch"
+  std::string optimizer{};          ///< of batch: "adam" (default) or "delta"
+  std::string order = "permuted";   ///< or "sequential"
+  std::optional<int> cycles{}, batch{};
+  std::optional<double> rate{}, momentum{}, stop_error{};
+  std::string precision = "fp32", device{};
+  std::string name = "set";  ///< of the learning set, in the network's metadata
+};
+
+/// Errors |S of a network - S of a set|.
+struct Errors {
+  double largest = 0, mean = 0, deviation = 0;
+  std::uint64_t rows = 0;
+};
+
+/// A trained network with its origin.
+class TACTEL_API Network {
+ public:
+  /// Reads a network file that tactel wrote. Throws InputError.
+  static Network load(const std::string& path);
+  ~Network();
+  Network(const Network&);
+  Network& operator=(const Network&);
+
+  /// Writes the network file (ONNX, docs/networks.md). Throws InputError where it cannot be written.
+  void to_onnx(const std::string& path) const;
+  /// Returns the bytes of that file.
+  std::string onnx() const;
+  /// Returns the network for frames one by one.
+  SlipEstimator estimator() const;
+
+  std::string topology() const;  ///< "42-42-21-1"
+  std::uint64_t seed() const;
+  double noise() const;
+  std::uint32_t cycles() const;
+  Errors learning_errors() const;  ///< on its learning set, noise included
+
+  struct State;
+
+ private:
+  friend TACTEL_API std::vector<Network> train(const Set& set, const TrainOptions& options,
+                                               const ProgressFunction& progress);
+  explicit Network(State* state) noexcept : state_(state) {}
+  State* state_;
+};
+
+/// Trains networks on a set: every topology, noise and seed, in this order, seeds fastest. A network that diverges has
+/// no entry. Throws InputError for options or a set that cannot be used, HardwareError, and Cancelled where progress
+/// (weight updates of the most possible) says so.
+TACTEL_API std::vector<Network> train(const Set& set, const TrainOptions& options = {},
+                                      const ProgressFunction& progress = {});
+
+/// Returns the errors of a network on a set's rows that have an answer.
+TACTEL_API Errors errors(const SlipEstimator& network, const Set& set);
+
+}  // namespace tactel

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/api/set_conversion.h"
+
+#include "host/api/api_errors.h"
+
+namespace tactel {
+namespace api {
+namespace {
+
+/// Calls visit(member of from, member of to) for every array; they have the same names on both sides.
+template <class From, class To, class Visit>
+void each_array(From& from, To& to, const Visit& visit) {
+  visit(from.frames, to.frames), visit(from.slip_index, to.slip_index);
+  visit(from.normal_force, to.normal_force), visit(from.tangential_force, to.tangential_force);
+  visit(from.friction, to.friction), visit(from.stick_fraction, to.stick_fraction);
+  visit(from.residual, to.residual), visit(from.contact, to.contact), visit(from.step, to.step);
+  visit(from.indenter, to.indenter), visit(from.contact_nodes, to.contact_nodes), visit(from.status, to.status);
+}
+
+}  // namespace
+
+Set from_host(host::ContactSet&& from) {
+  Set set;
+  set.inputs = static_cast<std::size_t>(from.inputs);
+  each_array(from, set, [](auto& array, auto& to) { to = std::move(array); });
+  set.indenter_names = std::move(from.indenter_names);
+  set.contacts = from.contacts, set.without_rows = from.without_rows;
+  set.fell_back = from.fell_back, set.unsolved = from.unsolved;
+  set.sweep = std::move(from.sweep), set.rung = std::move(from.rung), set.device = std::move(from.device);
+  set.seed = from.seed;
+  return set;
+}
+
+host::ContactSet to_host(const Set& from) {
+  host::ContactSet set;
+  set.inputs = static_cast<int>(from.inputs);
+  each_array(from, set, [&](const auto& array, auto& to) {
+    const std::size_t numbers =
+        &array == static_cast<const void*>(&from.frames) ? from.rows() * from.inputs : from.rows();
+    if (array.size() != numbers && !array.empty())
+      throw InputError("set", std::to_string(array.size()) + " numbers of an array",
+                       "give " + std::to_string(numbers) + ", for " + std::to_string(from.rows()) + " rows");
+    to.assign(array.begin(), array.end());
+    to.resize(numbers);
+  });
+  set.indenter_names = from.indenter_names;
+  set.contacts = from.contacts, set.without_rows = from.without_rows;
+  set.fell_back = from.fell_back, set.unsolved = from.unsolved;
+  set.sweep = from.sweep, set.rung = from.rung, set.device = from.device, set.seed = from.seed;
+  return set;
+}
+
+}  // namespace api
+
+Set read_set(const std::string& path) {
+  return api::with_public_errors([&] { return api::from_host(host::read_contact_set(path)); });
+}
+
+void write_set(const Set& set, const std::string& path) {
+  const host::ContactSet rows = api::to_host(set);
+  api::with_public_errors([&] { host::write_contact_set(path, rows); });
+}
+
+}  // namespace tactel

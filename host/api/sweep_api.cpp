@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <tactel/sweep.h>
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "host/api/api_errors.h"
+#include "host/api/modelling.h"
+#include "host/api/scene_conversion.h"
+#include "host/api/set_conversion.h"
+#include "host/scenes/sweep_file.h"
+#include "host/sets/set_production.h"
+#include "host/sets/set_simulator.h"
+#include "host/support/errors.h"
+
+namespace tactel {
+
+struct Sweep::State {
+  std::string path;
+  host::Sweep sweep;
+};
+
+namespace {
+
+/// A sweep with its device and model, ready to simulate.
+class Simulation {
+ public:
+  Simulation(const host::Sweep& sweep, const SweepOptions& options)
+      : text_(sweep.text), source_(sweep.source), executor_(host::Device(options.device)) {
+    api::check_precision(options.precision);
+    std::vector<fem::Scene> sample;
+    const std::uint64_t count = options.accuracy ? std::min<std::uint64_t>(source_.contacts(), api::sample_size) : 0;
+    for (std::uint64_t k = 0; k < count; ++k) sample.push_back(source_.contact(k * source_.contacts() / count).scene);
+    auto rung = api::rung_for_many(executor_, options.rung, options.accuracy, sample);
+    if (!rung && source_.model() == fem::SurfaceModel::patch) rung = host::usual_patch();
+    host::SetOptions set;
+    if (rung) {
+      source_.model_on(*rung);
+      set.precision = rung->precision, set.tolerance = rung->tolerance;
+      if (rung->patch()) set.patch = rung;
+    }
+    if (!options.precision.empty())
+      set.precision = options.precision == "fp64" ? host::Precision::fp64 : host::Precision::fp32;
+    rung_ = rung ? rung->name + ": " + host::description(*rung) : name(set.precision);
+    simulator_ = std::make_unique<host::SetSimulator>(executor_, source_, set);
+  }
+  Simulation(const Simulation&) = delete;
+  Simulation& operator=(const Simulation&) = delete;
+
+  const host::SceneSource& source() const { return source_; }
+  /// A set without rows.
+  Set empty_set() const {
+    Set set;
+    set.inputs = 2 * static_cast<std::size_t>(source_.tactels());
+    set.indenter_names = source_.kind_names();
+    set.sweep = text_, set.seed = source_.seed();
+    set.rung = rung_, set.device = executor_.device().info().name;
+    return set;
+  }
+  host::ContactSet rows(std::uint64_t first, std::uint64_t count) const { return simulator_->simulate(first, count); }
+
+ private:
+  std::string text_, rung_;
+  host::SceneSource source_;
+  host::Executor executor_;
+  std::unique_ptr<host::SetSimulator> simulator_;
+};
+
+/// Appends the rows and counts of a set.
+void append(Set& to, Set&& more) {
+  const auto join = [](auto& all, const auto& part) { all.insert(all.end(), part.begin(), part.end()); };
+  join(to.frames, more.frames), join(to.slip_index, more.slip_index);
+  join(to.normal_force, more.normal_force), join(to.tangential_force, more.tangential_force);
+  join(to.friction, more.friction), join(to.stick_fraction, more.stick_fraction), join(to.residual, more.residual);
+  join(to.contact, more.contact), join(to.step, more.step), join(to.indenter, more.indenter);
+  join(to.contact_nodes, more.contact_nodes), join(to.status, more.status);
+  to.fell_back += more.fell_back, to.unsolved += more.unsolved, to.without_rows += more.without_rows;
+}
+
+/// Rows of contacts first ... first + count - 1, chunk by chunk.
+Set rows_of(const Simulation& simulation, std::uint64_t first, std::uint64_t count, const ProgressFunction& progress) {
+  Set set = simulation.empty_set();
+  set.contacts = count;
+  for (std::uint64_t done = 0; done < count; done += host::chunk_contacts) {
+    if (!progress(done, count)) throw Cancelled("sweep: cancelled by progress");
+    append(set, api::from_host(simulation.rows(first + done, std::min(host::chunk_contacts, count - done))));
+  }
+  progress(count, count);
+  return set;
+}
+
+[[noreturn]] void throw_past_end(const std::string& place, std::uint64_t asked, std::uint64_t contacts) {
+  throw InputError(place, std::to_string(asked) + " contacts",
+                   "must be at most " + std::to_string(contacts) + ", the scenes that this sweep lists");
+}
+
+}  // namespace
+
+Sweep::Sweep(const std::string& path, std::optional<std::uint64_t> seed)
+    : state_(api::with_public_errors([&] {
+        return new State{path, host::read_sweep(path, seed)};
+      })) {}
+Sweep::~Sweep() { delete state_; }
+Sweep::Sweep(Sweep&& other) noexcept : state_(std::exchange(other.state_, nullptr)) {}
+Sweep& Sweep::operator=(Sweep&& other) noexcept {
+  std::swap(state_, other.state_);
+  return *this;
+}
+
+std::uint64_t Sweep::contacts() const { return state_->sweep.source.contacts(); }
+bool Sweep::endless() const { return state_->sweep.source.endless(); }
+std::uint64_t Sweep::seed() const { return state_->sweep.source.seed(); }
+std::size_t Sweep::tactels() const { return static_cast<std::size_t>(state_->sweep.source.tactels()); }
+std::vector<std::string> Sweep::indenter_names() const { return state_->sweep.source.kind_names(); }
+
+Scene Sweep::scene(std::uint64_t k) const {
+  if (!endless() && k >= contacts()) throw_past_end(state_->path, k + 1, contacts());
+  return api::with_public_errors([&] { return api::from_fem(state_->sweep.source.contact(k).scene); }, state_->path);
+}
+
+Set Sweep::generate(std::optional<std::uint64_t> contacts, const SweepOptions& options,
+                    const ProgressFunction& progress) const {
+  const std::uint64_t count = contacts.value_or(this->contacts());
+  if (!endless() && count > this->contacts()) throw_past_end(state_->path, count, this->contacts());
+  return api::with_public_errors([&] { return rows_of(Simulation(state_->sweep, options), 0, count, progress); },
+                                 state_->path);
+}
+
+struct SweepBatches::State {
+  State(const Sweep::State& of, std::uint64_t contacts, const SweepOptions& options, std::uint64_t first)
+      : path(of.path), simulation(of.sweep, options), batch(contacts), next(first) {}
+  std::string path;
+  Simulation simulation;
+  std::uint64_t batch, next;
+};
+
+SweepBatches::SweepBatches(const Sweep& sweep, std::uint64_t contacts, const SweepOptions& options, std::uint64_t first)
+    : state_(nullptr) {
+  if (contacts == 0) throw InputError("contacts", "0", "must be at least 1 a batch");
+  state_ =
+      api::with_public_errors([&] { return new State(*sweep.state_, contacts, options, first); }, sweep.state_->path);
+}
+SweepBatches::~SweepBatches() { delete state_; }
+SweepBatches::SweepBatches(SweepBatches&& other) noexcept : state_(std::exchange(other.state_, nullptr)) {}
+SweepBatches& SweepBatches::operator=(SweepBatches&& other) noexcept {
+  std::swap(state_, other.state_);
+  return *this;
+}
+
+bool SweepBatches::next(Set& rows) {
+  const host::SceneSource& source = state_->simulation.source();
+  std::uint64_t count = state_->batch;
+  if (!source.endless()) count = std::min(count, source.contacts() - std::min(state_->next, source.contacts()));
+  if (count == 0) return false;
+  rows = api::with_public_errors([&] { return rows_of(state_->simulation, state_->next, count, {}); }, state_->path);
+  state_->next += count;
+  return true;
+}
+
+}  // namespace tactel

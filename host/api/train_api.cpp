@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <tactel/train.h>
+
+#include <cmath>
+#include <utility>
+
+#include "host/api/api_errors.h"
+#include "host/api/modelling.h"
+#include "host/api/set_conversion.h"
+#include "host/networks/network_training.h"
+#include "host/networks/onnx_file.h"
+#include "host/training/train_request.h"
+
+namespace tactel {
+
+struct Network::State {
+  nn::Model model;
+};
+
+namespace {
+
+host::TrainRequest request_of(const TrainOptions& options) {
+  api::check_precision(options.precision);
+  host::TrainRequest request;
+  request.shared = {options.device, options.precision, true};
+  request.networks = options.networks, request.noises = options.noises;
+  request.seeds = options.seeds, request.first_seed = options.first_seed;
+  request.scaling = options.scaling, request.order = options.order;
+  if (options.schedule != "online" && options.schedule != "batch")
+    throw ConfigError("command line", "--schedule", options.schedule, "online or batch");
+  request.schedule = options.schedule;
+  request.rate = options.rate, request.momentum = options.momentum;
+  request.cycles = options.cycles, request.batch = options.batch;
+  if (!options.optimizer.empty()) request.optimizer = options.optimizer;
+  request.stop_error = options.stop_error;
+  return request;
+}
+
+template <class Real>
+std::vector<nn::Model> trained(const nn::FrameSet& frames, const host::TrainingPlan& plan, const TrainOptions& options,
+                               const ProgressFunction& progress) {
+  host::Executor executor{host::Device(options.device)};
+  host::NetworkTraining<Real> training(executor, frames, plan);
+  host::TrainingRunOptions run;
+  run.progress = [&](std::size_t done, std::size_t all) { return progress(done, all); };
+  if (!training.run(run)) throw Cancelled("train: cancelled by progress");
+  const std::vector<nn::ErrorReport> reports = training.recall_learning_set();
+  std::vector<nn::Model> models;
+  for (std::size_t i = 0; i < training.networks().size(); ++i)
+    if (training.networks()[i].status != nn::TrainStatus::not_finite)
+      models.push_back(training.model(i, options.name, reports[i].all));
+  return models;
+}
+
+}  // namespace
+
+Network::~Network() { delete state_; }
+Network::Network(const Network& other) : state_(new State(*other.state_)) {}
+Network& Network::operator=(const Network& other) {
+  Network copy(other);
+  std::swap(state_, copy.state_);
+  return *this;
+}
+
+Network Network::load(const std::string& path) {
+  return api::with_public_errors([&] { return Network(new State{host::read_onnx(path)}); });
+}
+void Network::to_onnx(const std::string& path) const {
+  api::with_public_errors([&] { host::write_onnx(path, state_->model); }, path);
+}
+std::string Network::onnx() const { return host::onnx_bytes(state_->model); }
+SlipEstimator Network::estimator() const {
+  const std::string bytes = onnx();
+  return SlipEstimator::parse(std::as_bytes(std::span(bytes)), topology());
+}
+std::string Network::topology() const { return state_->model.weights.topology.text(); }
+std::uint64_t Network::seed() const { return state_->model.seed; }
+double Network::noise() const { return state_->model.noise; }
+std::uint32_t Network::cycles() const { return state_->model.cycles; }
+Errors Network::learning_errors() const {
+  const nn::ErrorSummary& errors = state_->model.learning_errors;
+  return {errors.max, errors.mean, errors.std, errors.count};
+}
+
+std::vector<Network> train(const Set& set, const TrainOptions& options, const ProgressFunction& progress) {
+  const std::vector<nn::Model> models = api::with_public_errors([&] {
+    const host::TrainRequest request = request_of(options);
+    const host::TrainingPlan plan = host::plan_of(request);
+    host::NamedSet named{options.name, api::to_host(set), {}};
+    named.rows = host::answered_rows(named.contacts, options.name);
+    host::check_learnable(named.rows, options.name);
+    host::check_width(plan, named);
+    return options.precision == "fp64" ? trained<double>(named.rows.frames, plan, options, progress)
+                                       : trained<float>(named.rows.frames, plan, options, progress);
+  });
+  std::vector<Network> networks;
+  networks.reserve(models.size());
+  for (const nn::Model& model : models) networks.push_back(Network(new Network::State{model}));
+  return networks;
+}
+
+Errors errors(const SlipEstimator& network, const Set& set) {
+  if (set.inputs != network.inputs() || set.frames.size() != set.rows() * set.inputs)
+    throw InputError("set", std::to_string(set.inputs) + " inputs",
+                     "must be " + std::to_string(network.inputs()) + " for the network " + network.topology());
+  std::vector<Answer> answers(set.rows());
+  network.estimate(set.frames, answers);
+  Errors errors;
+  double sum = 0, squares = 0;
+  for (std::size_t i = 0; i < set.rows(); ++i) {
+    const double error = std::abs(double(answers[i].slip_index) - double(set.slip_index[i]));
+    const bool unsolved = i < set.status.size() && set.status[i] == 2;
+    if (unsolved || !std::isfinite(error)) continue;
+    ++errors.rows, sum += error, squares += error * error;
+    errors.largest = std::max(errors.largest, error);
+  }
+  if (errors.rows == 0) return errors;
+  errors.mean = sum / static_cast<double>(errors.rows);
+  errors.deviation = std::sqrt(std::max(0.0, squares / static_cast<double>(errors.rows) - errors.mean * errors.mean));
+  return errors;
+}
+
+}  // namespace tactel

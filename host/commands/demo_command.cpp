@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "host/commands/command.h"
+#include "host/support/durable_file.h"
+#include "host/support/errors.h"
+#include "host/support/interrupt.h"
+#include "host/support/terminal.h"
+
+namespace tactel::host {
+namespace {
+
+// The tactels stay away from the ends of the glued base, where the exact stress is infinite.
+constexpr const char* sensor = R"([sensor]
+tactel_span = 18.0                       # mm
+
+)";
+
+constexpr const char* contact = R"(title = "a fingertip of 10 mm radius"
+
+[indenter]
+shape = "cylinder"
+radius = 10.0                            # mm
+
+[contact]
+friction = 0.6
+
+[load]
+indentation = [0.05, 0.10, 0.15]         # mm
+tangential_step = 0.02                   # mm, until the whole contact slides
+)";
+
+constexpr const char* mix = R"(
+[contact]
+friction = { uniform = [0.1, 1.0] }
+
+[[indenter]]
+shape = "flat"
+half_width = { uniform = [1, 6] }        # mm
+
+[[indenter]]
+shape = "parabola"
+radius = { log_uniform = [2, 100] }      # mm
+
+[[indenter]]
+shape = "cylinder"
+radius = { log_uniform = [3, 100] }      # mm
+
+[[indenter]]
+shape = "rounded_flat"
+half_width = { uniform = [0.5, 5] }      # mm
+radius = { log_uniform = [2, 50] }       # mm
+
+[load]
+indentation = { uniform = [0.05, 0.25] } # mm
+tangential_step = { log_uniform = [0.005, 0.08] }
+tangential_steps = 9
+)";
+
+std::string sweep_text(int contacts, int seed) {
+  return fmt::format("[sweep]\ncontacts = {}\nseed = {}\n\n{}{}", contacts, seed, sensor, mix);
+}
+
+struct DemoRequest {
+  std::string output = "tactel-demo", device;
+  bool force = false;
+};
+
+/// Shows a command and runs it as a child of this program, with its standard streams. Returns its exit code.
+int run_shown(const std::vector<std::string>& words) {
+  std::string shown = "\n$ tactel";
+  for (const std::string& word : words) shown += " " + (word.find('?') == std::string::npos ? word : "'" + word + "'");
+  fmt::print("{}\n", takes_colour(STDOUT_FILENO) ? painted(shown, Colour::green) : shown);
+  std::fflush(stdout);
+  std::vector<std::string> copies = words;
+  std::string program = "tactel";
+  std::vector<char*> arguments{program.data()};
+  for (std::string& word : copies) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  pid_t child = 0;
+  if (const int error = posix_spawn(&child, "/proc/self/exe", nullptr, nullptr, arguments.data(), environ); error != 0)
+    throw std::system_error(error, std::generic_category(), "cannot start " + words.front());
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0)
+    if (errno != EINTR) throw std::system_error(errno, std::generic_category(), "cannot wait for " + words.front());
+  if (WIFEXITED(status)) return WEXITSTATUS(status);
+  return WTERMSIG(status) == SIGINT || WTERMSIG(status) == SIGTERM ? interrupted : device_failed;
+}
+
+int run_demo(const DemoRequest& request) {
+  const std::filesystem::path folder(request.output);
+  if (!request.force && std::filesystem::exists(folder))
+    throw ConfigError("command line", "--output", request.output, "a new directory (--force overwrites its files)");
+  make_folder("--output", folder);
+  const auto file = [&](const char* name) { return (folder / name).string(); };
+  write_file("--output", file("contact.toml"), std::string(contact) + "\n" + sensor);
+  write_file("--output", file("learning.toml"), sweep_text(8000, 1));
+  write_file("--output", file("recall.toml"), sweep_text(1000, 2));
+  const std::string network = (folder / "networks" / "42-42-21-1_noise0.001_seed1.onnx").string();
+  const bool looks = is_terminal(STDOUT_FILENO);
+  std::vector<std::string> live = {"monitor",   "--source", "simulate:" + file("contact.toml") + "?rate=100",
+                                   "--network", network,    "--quiet"};
+  for (const char* word :
+       looks ? std::vector{"--view", "--seconds", "10"} : std::vector{"--every", "50", "--seconds", "3"})
+    live.emplace_back(word);
+  std::vector<std::vector<std::string>> commands = {
+      {"solve", file("contact.toml"), "--html", file("contact.html")},
+      {"generate", file("learning.toml"), "--output", file("learning.h5"), "--force"},
+      {"generate", file("recall.toml"), "--output", file("recall.h5"), "--force"},
+      {"train", file("learning.h5"), "--network", "42-42-21-1", "--schedule", "batch", "--scaling", "frame", "--noise",
+       "0.001", "--cycles", "300", "--output", file("networks"), "--force"},
+      {"recall", file("networks"), file("recall.h5"), "--html", file("networks.html")},
+      live};
+  const Interrupt interrupt;
+  for (std::vector<std::string>& command : commands) {
+    if (!request.device.empty()) command.insert(command.end(), {"--device", request.device});
+    if (const int code = run_shown(command); code != done) return code;
+    if (interrupt.requested()) return interrupted;
+  }
+  fmt::print("\nOpen {} and {} in a browser; every command above can be repeated.\n",
+             std::filesystem::absolute(file("contact.html")).string(), "networks.html beside it");
+  return done;
+}
+
+}  // namespace
+
+void add_demo_command(CLI::App& app, Action& action) {
+  auto request = std::make_shared<DemoRequest>();
+  CLI::App* command = app.add_subcommand(
+      "demo", "show tactel in a minute: a contact, a set, a network, its page and a live view; each command is shown");
+  command->group("Set up");
+  command->add_option("--output", request->output, "directory of all files")->type_name("DIR")->capture_default_str();
+  command->add_flag("--force", request->force, "overwrite the files in DIR");
+  command
+      ->add_option("--device", request->device, "OpenCL device: a part of its name or its index, see `tactel devices`")
+      ->type_name("NAME|INDEX");
+  command->callback([request, &action] { action = [request] { return run_demo(*request); }; });
+}
+
+}  // namespace tactel::host

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/commands/solve_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "fem/contact_laws.h"
+#include "host/contact/solution_table.h"
+
+namespace tactel::host {
+namespace {
+
+using fem::ContactStep;
+using fem::GapStatus;
+
+auto number_of(const ContactStep& step, GapStatus status) { return std::ranges::count(step.status, status); }
+
+std::string title_of(const fem::Scene& scene) {
+  return scene.title.empty() ? fem::shape_name(scene.indenter.shape) : scene.title;
+}
+
+std::string headline(const fem::ContactSolution& solution, bool patch) {
+  const ContactStep& last = solution.steps.back();
+  const auto stick = number_of(last, GapStatus::stick), slip = number_of(last, GapStatus::slip);
+  const std::string forces = fmt::format("P = {:.3f} N/mm and Q = {:.3f} N/mm", last.P, last.Q);
+  if (stick + slip == 0) return "The indenter does not touch the rubber at the end of the path.";
+  if (!last.slip_index) return fmt::format("The contact ends with {}; S is not defined.", forces);
+  if (stick == 0) {
+    std::size_t first = solution.steps.size() - 1;  // of the steps at the end in which the whole contact slides
+    while (first > 0 && number_of(solution.steps[first - 1], GapStatus::stick) == 0 &&
+           number_of(solution.steps[first - 1], GapStatus::slip) > 0)
+      --first;
+    return fmt::format("The whole contact slides from load step {} on, at a drag of {:.3g} mm: S = {:.3f}, with {}.",
+                       first + 1, solution.steps[first].tangential, *last.slip_index, forces);
+  }
+  return fmt::format("The contact holds with S = {:.3f}: {} of {} touching {} stick, {}.", *last.slip_index, stick,
+                     stick + slip, patch ? "elements" : "nodes", forces);
+}
+
+void add_findings(Page& page, const SolveOutcome& outcome) {
+  const auto& steps = outcome.solution.steps;
+  const auto met = std::ranges::count_if(steps, &ContactStep::converged);
+  double residual = 0;
+  for (const ContactStep& step : steps) residual = std::max(residual, fem::largest(step.residual));
+  const bool all = met == std::ssize(steps);
+  page.finding(
+      all ? Tone::good : Tone::poor, all ? "certified" : "not met",
+      fmt::format("{} of {} load steps meet the tolerance of the contact laws; the largest residual is {:.1e}.", met,
+                  steps.size(), residual));
+  if (outcome.mesh_error) {
+    const AnswerError& e = outcome.mesh_error->expected;
+    page.finding(
+        Tone::fact, "error",
+        fmt::format("To expect from the model: {:.2g} in S, {:.2g} % of the largest P, {:.2g} % of the largest "
+                    "σ_y and {:.2g} % of the largest τ_xy at the tactels (beside {}).",
+                    e.S, 100 * e.P, 100 * e.sigma, 100 * e.tau, outcome.mesh_error->finer));
+  }
+  page.finding(Tone::fact, "model",
+               model_name(outcome) + (outcome.model_reason.empty() ? "" : ": " + outcome.model_reason) + ".");
+  for (const std::string& warning : warnings(outcome)) page.finding(Tone::fair, "warning", warning);
+}
+
+PageTable steps_table(const SolveOutcome& outcome) {
+  PageTable table{.caption =
+                      "The load steps. P and Q are the forces of the indenter on the rubber for each millimetre "
+                      "of depth along z; S = Q / µP.",
+                  .head = {"step", "depth, mm", "drag, mm", "P, N/mm", "Q, N/mm", "S", "stick", "slip", "iterations",
+                           "residual", "met"}};
+  for (const ContactStep& step : outcome.solution.steps)
+    table.add({std::to_string(table.rows.size() + 1),
+               short_number(step.indentation),
+               short_number(step.tangential),
+               short_number(step.P),
+               short_number(without_rounding(step.Q, step.P)),
+               step.slip_index ? fixed(without_rounding(*step.slip_index, 1), 4) : "-",
+               std::to_string(number_of(step, GapStatus::stick)),
+               std::to_string(number_of(step, GapStatus::slip)),
+               std::to_string(step.iterations),
+               fmt::format("{:.1e}", fem::largest(step.residual)),
+               {step.converged ? "yes" : "no", step.converged ? Tone::plain : Tone::poor}});
+  return table;
+}
+
+}  // namespace
+
+Page solve_page(const SolveOutcome& outcome, std::size_t shown) {
+  Page page(title_of(outcome.scene), fmt::format("A contact solved by tactel {}: {} solver, {}, {}", TACTEL_VERSION,
+                                                 outcome.solver, outcome.precision, outcome.device));
+  page.verdict(headline(outcome.solution, outcome.on_patch()));
+  add_findings(page, outcome);
+  page.contact(outcome.scene, outcome.solution, shown);
+  page.table(steps_table(outcome));
+  return page;
+}
+
+}  // namespace tactel::host

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "host/contact/solve.h"
+#include "host/figures/page.h"
+
+namespace tactel::host {
+
+/// Returns the page of a solved contact: what became of it, the contact over its load steps with the step `shown`
+/// first, and a table of the steps.
+Page solve_page(const SolveOutcome& outcome, std::size_t shown);
+
+}  // namespace tactel::host

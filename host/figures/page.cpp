@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/figures/page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "host/figures/contact_view.h"
+#include "host/figures/page_files.h"
+
+namespace tactel::host {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const char* name(Tone tone) {
+  switch (tone) {
+    case Tone::good:
+      return "good";
+    case Tone::fair:
+      return "fair";
+    case Tone::poor:
+      return "poor";
+    case Tone::fact:
+      return "fact";
+    case Tone::plain:
+      break;
+  }
+  return "";
+}
+
+/// Escaped text in which the indices of stresses and displacements stand low, and `names` between backticks
+/// look like code.
+std::string rich(const std::string& text) {
+  std::string out = escaped(text);
+  for (const auto& [plain, low] :
+       {std::pair("σ_y", "σ<sub>y</sub>"), std::pair("τ_xy", "τ<sub>xy</sub>"), std::pair("u_x", "u<sub>x</sub>"),
+        std::pair("u_y", "u<sub>y</sub>"), std::pair("θ_L", "θ<sub>L</sub>")}) {
+    for (std::size_t at = out.find(plain); at != std::string::npos; at = out.find(plain, at))
+      out.replace(at, std::string_view(plain).size(), low);
+  }
+  for (std::size_t from = out.find('`'); from != std::string::npos; from = out.find('`', from)) {
+    const std::size_t to = out.find('`', from + 1);
+    if (to == std::string::npos) break;
+    out.replace(to, 1, "</code>").replace(from, 1, "<code>");
+  }
+  return out;
+}
+
+bool is_number(const std::string& text) {
+  if (text.empty() || text == "-") return true;
+  char* end = nullptr;
+  std::strtod(text.c_str(), &end);
+  const std::string rest = end;
+  return end != text.c_str() && (rest.empty() || rest == " %" || rest == "%" || rest.starts_with(" ["));
+}
+
+/// Most of its cells are numbers; a remark in between does not change that.
+bool numeric_column(const PageTable& table, std::size_t column) {
+  const auto numbers = std::ranges::count_if(
+      table.rows, [&](const Row& row) { return column < row.cells.size() && is_number(row.cells[column].text); });
+  return 2 * static_cast<std::size_t>(numbers) > table.rows.size();
+}
+
+/// "0.034 [0.031, 0.039]" may be parted before its range alone.
+std::string kept_together(const std::string& html) {
+  std::string out;
+  bool range = false;
+  for (const char c : html) {
+    range = range ? c != ']' : c == '[';
+    range&& c == ' ' ? out += "&nbsp;" : out += c;
+  }
+  return out;
+}
+
+std::string cell_html(const std::string& tag, const Cell& cell, bool numeric) {
+  constexpr std::size_t short_cell = 24;  // letters that stay on one line
+  std::string classes = numeric ? "number" : "";
+  if (tag == "td" && cell.text.size() <= short_cell && cell.text.find(" [") == std::string::npos) classes += " short";
+  if (cell.tone != Tone::plain) classes += std::string(" ") + name(cell.tone);
+  return fmt::format("<{0} class=\"{1}\">{2}</{0}>", tag, classes, kept_together(rich(cell.text)));
+}
+
+std::string row_html(const PageTable& table, const Row& row) {
+  std::string out = row.aside ? "<tr class=\"aside\">" : "<tr>";
+  for (std::size_t i = 0; i < row.cells.size(); ++i) out += cell_html("td", row.cells[i], numeric_column(table, i));
+  return out + "</tr>\n";
+}
+
+std::string head_html(const PageTable& table) {
+  std::string out = "<tr>";
+  for (std::size_t i = 0; i < table.head.size(); ++i) out += cell_html("th", table.head[i], numeric_column(table, i));
+  return out + "</tr>";
+}
+
+std::string verdict_html(const std::string& headline, const std::vector<Finding>& findings) {
+  if (headline.empty() && findings.empty()) return "";
+  std::string out = fmt::format("<section class=\"verdict\" aria-label=\"verdict\"><p>{}</p>\n<ul>\n", rich(headline));
+  for (const Finding& finding : findings)
+    out += fmt::format("<li><span class=\"tone {}\">{}</span><span>{}</span></li>\n", name(finding.tone),
+                       escaped(finding.label), rich(finding.text));
+  return out + "</ul></section>\n";
+}
+
+/// JSON that may stand inside a <script> element: no "<" ends it. Bytes that are no UTF-8 become U+FFFD.
+std::string script_json(const Json& data) {
+  const std::string text = data.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string out;
+  for (const char c : text) c == '<' ? out += "\\u003c" : out += c;
+  return out;
+}
+
+// ---- figures
+
+/// Six digits are more than a picture shows, and keep the page small.
+Json numbers(const std::vector<double>& values, int digits = 6) {
+  Json out = Json::array();
+  for (const double value : values)
+    out.push_back(std::isfinite(value) ? Json(std::strtod(fmt::format("{:.{}g}", value, digits).c_str(), nullptr))
+                                       : Json());
+  return out;
+}
+Json range_json(const std::optional<std::pair<double, double>>& range) {
+  return range ? numbers({range->first, range->second}) : Json();
+}
+
+const char* name(Mark mark) {
+  constexpr const char* names[] = {"line",    "thin",     "dashed",    "dots", "circles", "triangles",
+                                   "crosses", "diamonds", "line_dots", "bars", "band",    "whiskers"};
+  return names[static_cast<std::size_t>(mark)];
+}
+const char* name(Ink ink) {
+  constexpr const char* names[] = {"blue", "orange", "green", "purple", "red", "brown", "grey", "black"};
+  return names[static_cast<std::size_t>(ink)];
+}
+
+Json to_json(const Series& series) {
+  return {{"label", series.label},        {"mark", name(series.mark)}, {"ink", name(series.ink)},
+          {"x", numbers(series.x)},       {"y", numbers(series.y)},    {"low", numbers(series.low)},
+          {"high", numbers(series.high)}, {"names", series.names}};
+}
+
+Json to_json(const Raster& raster) {
+  return {{"rows", raster.rows},
+          {"columns", raster.columns},
+          {"values", numbers(raster.values, 4)},
+          {"x_range", range_json(raster.x_range)},
+          {"y_range", range_json(raster.y_range)},
+          {"unit", raster.unit},
+          {"palette", raster.palette == Palette::diverging ? "diverging" : "sequential"},
+          {"limits", range_json(raster.limits)},
+          {"isolines", raster.isolines}};
+}
+
+Json to_json(const Panel& panel) {
+  Json series = Json::array(), ticks = Json::array();
+  for (const Series& s : panel.series) series.push_back(to_json(s));
+  for (const auto& [place, text] : panel.x_ticks) ticks.push_back({place, text});
+  Json out = {{"title", panel.title},
+              {"x_label", panel.x_label},
+              {"y_label", panel.y_label},
+              {"series", std::move(series)},
+              {"x_range", range_json(panel.x_range)},
+              {"y_range", range_json(panel.y_range)},
+              {"x_ticks", panel.x_ticks.empty() ? Json() : std::move(ticks)},
+              {"log_x", panel.log_x},
+              {"log_y", panel.log_y},
+              {"zero_line", panel.zero_line}};
+  if (panel.raster) out["raster"] = to_json(*panel.raster);
+  return out;
+}
+
+}  // namespace
+
+nlohmann::ordered_json to_json(const Figure& figure) {
+  Json panels = Json::array();
+  for (const Panel& panel : figure.panels) panels.push_back(to_json(panel));
+  return {{"columns", std::max(1, figure.columns)}, {"height", figure.panel_height}, {"panels", std::move(panels)}};
+}
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      case '\'':
+        out += "&#39;";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out;
+}
+
+Cell difference_cell(double measured, double reference, bool lower_is_better) {
+  constexpr double close = 10, far = 50;  // percent
+  if (reference == 0 || !std::isfinite(measured)) return {"-"};
+  const double percent = 100 * (measured - reference) / std::abs(reference);
+  const double off = lower_is_better ? percent : std::abs(percent);
+  const std::string text =
+      std::abs(percent) < 1000 ? fmt::format("{:+.1f} %", percent) : fmt::format("{:.0f} times", measured / reference);
+  return {text, off <= close ? Tone::good : off <= far ? Tone::fair : Tone::poor};
+}
+
+Page::Page(std::string title, std::string subtitle) : title_(std::move(title)), subtitle_(std::move(subtitle)) {}
+
+void Page::verdict(const std::string& sentence) { headline_ += (headline_.empty() ? "" : " ") + sentence; }
+
+void Page::finding(Tone tone, std::string label, std::string text) {
+  findings_.push_back({tone, std::move(label), std::move(text)});
+}
+
+void Page::section(const std::string& title) {
+  sections_.push_back(title);
+  body_ += fmt::format("<h2 id=\"section-{}\">{}</h2>\n", sections_.size(), escaped(title));
+}
+
+void Page::paragraph(const std::string& text) { body_ += "<p>" + rich(text) + "</p>\n"; }
+
+void Page::note(const std::string& text) { body_ += "<p class=\"note\">" + rich(text) + "</p>\n"; }
+
+void Page::table(const PageTable& table) {
+  constexpr std::size_t long_table = 16;  // rows that may be parted on paper
+  ++tables_;
+  body_ += fmt::format(
+      "<figure id=\"table-{0}\" data-kind=\"table\"{1}>\n<figcaption><b>Table {0}.</b> "
+      "{2}</figcaption>\n<div class=\"scroll\"><table>\n<thead>{3}</thead>\n<tbody>\n",
+      tables_, table.rows.size() > long_table ? " class=\"long\"" : "", rich(table.caption), head_html(table));
+  for (const Row& row : table.rows) body_ += row_html(table, row);
+  body_ += "</tbody></table></div><div class=\"tools\"></div></figure>\n";
+}
+
+void Page::drawing(const char* kind, const nlohmann::ordered_json& data, const std::string& caption) {
+  ++figures_;
+  body_ += fmt::format(
+      "<figure id=\"figure-{0}\" data-kind=\"{1}\"><div class=\"drawing\"></div>\n"
+      "<noscript><p>This figure is drawn by a script, which is switched off.</p></noscript>\n"
+      "<script type=\"application/json\">{2}</script>\n<figcaption><b>Figure {0}.</b> {3}</figcaption><div "
+      "class=\"tools\"></div></figure>\n",
+      figures_, kind, script_json(data), rich(caption));
+}
+
+void Page::figure(const Figure& figure, const std::string& caption) { drawing("chart", to_json(figure), caption); }
+
+void Page::contact(const fem::Scene& scene, const fem::ContactSolution& solution, std::size_t shown,
+                   const std::string& about) {
+  const ContactView view = contact_view(scene, solution, shown);
+  drawing("contact", view.data, view.caption + (about.empty() ? "" : " " + about));
+}
+
+std::string page_style() { return std::string(page_files::sources().front().text); }
+
+std::string page_script() {
+  std::string out = "\"use strict\";\n(() => {\n";
+  for (const page_files::Source& source : page_files::sources().subspan(1)) out += source.text;
+  return out + "})();\n";
+}
+
+std::string Page::html() const {
+  std::string contents;
+  for (std::size_t i = 0; i < sections_.size(); ++i)
+    contents += fmt::format("<li><a href=\"#section-{}\">{}</a></li>\n", i + 1, escaped(sections_[i]));
+  return fmt::format(
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
+      "content=\"width=device-width, initial-scale=1\">\n<meta name=\"color-scheme\" content=\"light dark\">\n"
+      "<link rel=\"icon\" href=\"data:,\">\n<title>{0}</title>\n<style>\n{1}</style>\n</head>\n<body><main>\n"
+      "<h1>{0}</h1>\n<p class=\"subtitle\">{2}</p>\n{3}{4}{5}</main>\n<script>\n{6}</script>\n</body>\n</html>\n",
+      escaped(title_), page_style(), escaped(subtitle_), verdict_html(headline_, findings_),
+      sections_.size() < 2 ? "" : "<nav aria-label=\"sections\"><ol>\n" + contents + "</ol></nav>\n", body_,
+      page_script());
+}
+
+}  // namespace tactel::host

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Draws every figure of the page, and again where width or colours change.
+
+const figures = [];
+for (const holder of document.querySelectorAll("figure[data-kind]")) {
+  const kind = holder.dataset.kind, box = holder.querySelector(".drawing"), tools = holder.querySelector(".tools"), name = holder.id;
+  if (kind === "table") {
+    const cells = row => [...row.cells].map(c => c.textContent.trim());
+    const rows = () => [...holder.querySelectorAll("tr")].map(cells);
+    tools.append(csvButton("CSV", name, rows));
+    continue;
+  }
+  const data = JSON.parse(holder.querySelector("script").textContent);
+  if (kind === "chart") {
+    tools.append(csvButton("CSV", name, () => figureRows(data)));
+    figures.push({ name, data, rows: () => figureRows(data), draw: () => chart(data, box) });
+  } else {
+    const view = new ContactView(data, box);
+    for (const [label, part, rows] of [["CSV: surface", "surface", "surfaceRows"], ["tactels", "tactels", "tactelRows"], ["field", "field", "fieldRows"]])
+      tools.append(csvButton(label, `${name}-${part}`, () => view[rows]()), " ");
+    figures.push({ name, data, view, rows: () => view.surfaceRows(), draw: () => view.draw() });
+  }
+}
+document.body.append(tip);
+const drawAll = () => { hideTip(); figures.forEach(f => f.draw()); };
+drawAll();
+let width = innerWidth;
+addEventListener("resize", () => { if (innerWidth !== width) { width = innerWidth; drawAll(); } });
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", drawAll);
+matchMedia("print").addEventListener("change", drawAll);
+window.tactel = { figures, csvText };  // for tests and the console

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <tactel/progress.h>
+
+#include <cstdint>
+#include <initializer_list>
+#include <optional>
+#include <vector>
+
+namespace tactel::python {
+
+namespace py = pybind11;
+
+void bind_errors(py::module_& module);
+void bind_scenes(py::module_& module);
+void bind_solve(py::module_& module);
+void bind_sweeps(py::module_& module);
+void bind_networks(py::module_& module);
+void bind_sources(py::module_& module);
+
+/// Returns the numbers of a vector as an array [shape] without a copy. `owner` holds the vector, and lives as long as the
+/// array.
+template <class Number>
+py::array_t<Number> view(const std::vector<Number>& numbers, const std::vector<py::ssize_t>& shape, py::handle owner) {
+  return py::array_t<Number>(shape, numbers.data(), owner);
+}
+
+/// Calls a Python function (done, all), or nothing, from a computation without the interpreter lock. Ctrl-C cancels, and
+/// so does an exception of the function: `check` raises it.
+class PythonProgress {
+ public:
+  explicit PythonProgress(py::object function) : function_(std::move(function)) {}
+  bool operator()(std::uint64_t done, std::uint64_t all) const;
+  /// Runs a computation, which takes the ProgressFunction, without the interpreter lock. Raises what cancelled it.
+  template <class Compute>
+  auto run(const Compute& compute) const {
+    try {
+      const py::gil_scoped_release released;
+      return compute(ProgressFunction(*this));
+    } catch (const Cancelled&) {
+      if (PyErr_Occurred() != nullptr) throw py::error_already_set();
+      throw;
+    }
+  }
+
+ private:
+  py::object function_;  ///< None: nothing is called
+};
+
+}  // namespace tactel::python

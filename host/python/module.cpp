@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/python/bindings.h"
+
+#include <tactel/error.h>
+#include <tactel/infer.h>
+
+namespace tactel::python {
+
+// The interpreter's error indicator belongs to the calling thread, in which a ProgressFunction is called: it survives until run().
+bool PythonProgress::operator()(std::uint64_t done, std::uint64_t all) const {
+  const py::gil_scoped_acquire held;
+  if (PyErr_CheckSignals() != 0) return false;
+  if (function_.is_none()) return true;
+  try {
+    function_(done, all);
+    return true;
+  } catch (py::error_already_set& error) {
+    error.restore();
+    return false;
+  }
+}
+
+void bind_errors(py::module_& module) {
+  static py::exception<Error> base(module, "Error", PyExc_RuntimeError);
+  // A ValueError too: what Python's own functions raise for a wrong value.
+  const py::tuple bases = py::make_tuple(base, py::handle(PyExc_ValueError));
+  // Never freed: the interpreter may be gone when the library is unloaded.
+  static const py::handle input =
+      PyErr_NewExceptionWithDoc("tactel.InputError",
+                                "A file, value or call that cannot be used. place: file and line, or key; problem: the value; fix: "
+                                "what is allowed.",
+                                bases.ptr(), nullptr);
+  module.attr("InputError") = input;
+  static py::exception<HardwareError> hardware(module, "HardwareError", base);
+  static py::exception<Cancelled> cancelled(module, "Cancelled", base);
+  py::register_exception_translator([](std::exception_ptr pointer) {
+    try {
+      if (pointer) std::rethrow_exception(pointer);
+    } catch (const InputError& error) {
+      const py::object raised = input(error.what());
+      raised.attr("place") = error.place;
+      raised.attr("problem") = error.problem;
+      raised.attr("fix") = error.fix;
+      PyErr_SetObject(input.ptr(), raised.ptr());
+    } catch (const HardwareError& error) {
+      PyErr_SetString(hardware.ptr(), error.what());
+    } catch (const Cancelled& error) {
+      PyErr_SetString(cancelled.ptr(), error.what());
+    } catch (const Error& error) {
+      PyErr_SetString(base.ptr(), error.what());
+    }
+  });
+}
+
+}  // namespace tactel::python
+
+PYBIND11_MODULE(_tactel, module) {
+  using namespace tactel::python;
+  module.doc() = "The C++ library tactel::simulate for Python; use the package tactel.";
+  module.attr("__version__") = tactel::version();
+  bind_errors(module);
+  bind_scenes(module);
+  bind_solve(module);
+  bind_sweeps(module);
+  bind_networks(module);
+  bind_sources(module);
+}

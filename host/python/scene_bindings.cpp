@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/python/bindings.h"
+
+#include <tactel/scene.h>
+
+#include <utility>
+#include <variant>
+
+namespace tactel::python {
+namespace {
+
+using namespace pybind11::literals;
+
+/// An indenter, or its shape alone in the middle of the array.
+using AnyIndenter = std::variant<Indenter, Parabola, Flat, Wedge, Cylinder, Exponential, Trapezoid, RoundedFlat, Taylor, Profile>;
+
+Indenter indenter_of(AnyIndenter any) {
+  return std::visit(
+      [](auto&& one) {
+        if constexpr (std::is_same_v<std::decay_t<decltype(one)>, Indenter>)
+          return std::move(one);
+        else
+          return Indenter{.shape = std::move(one)};
+      },
+      std::move(any));
+}
+
+/// One number or several.
+using Targets = std::variant<double, std::vector<double>>;
+
+std::vector<double> list_of(Targets targets) {
+  if (const double* one = std::get_if<double>(&targets)) return {*one};
+  return std::get<std::vector<double>>(std::move(targets));
+}
+
+template <class Value>
+py::class_<Value> value_class(py::module_& module, const char* name, const char* doc, std::initializer_list<const char*> fields) {
+  py::class_<Value> bound(module, name, doc);
+  py::list names;
+  for (const char* field : fields) names.append(field);
+  bound.attr("_fields") = py::tuple(names);
+  return bound;
+}
+
+void bind_shapes(py::module_& m) {
+  value_class<Parabola>(m, "Parabola", "y = r^2 / (2 radius); r: distance from the indenter's position.", {"radius"})
+      .def(py::init([](double radius) { return Parabola{radius}; }), "radius"_a = 10.0, "radius: mm.")
+      .def_readonly("radius", &Parabola::radius, "mm");
+  value_class<Flat>(m, "Flat", "0 up to half_width, no indenter beyond.", {"half_width"})
+      .def(py::init([](std::optional<double> half_width) { return Flat{half_width}; }), "half_width"_a = py::none(),
+           "half_width: mm; None: wider than the sensor.")
+      .def_readonly("half_width", &Flat::half_width, "mm; None: wider than the sensor");
+  value_class<Wedge>(m, "Wedge", "y = r / tan(edge_angle / 2).", {"edge_angle"})
+      .def(py::init([](double edge_angle) { return Wedge{edge_angle}; }), "edge_angle"_a = 120.0,
+           "edge_angle: full angle, degrees.")
+      .def_readonly("edge_angle", &Wedge::edge_angle, "full angle, degrees");
+  value_class<Cylinder>(m, "Cylinder", "A circle; no indenter beyond r = radius.", {"radius"})
+      .def(py::init([](double radius) { return Cylinder{radius}; }), "radius"_a = 10.0, "radius: mm.")
+      .def_readonly("radius", &Cylinder::radius, "mm");
+  value_class<Exponential>(m, "Exponential", "y = height (e^(rate r) - 1).", {"height", "rate"})
+      .def(py::init([](double height, double rate) { return Exponential{height, rate}; }), "height"_a = 0.1,
+           "rate"_a = 0.5, "height: mm; rate: 1/mm.")
+      .def_readonly("height", &Exponential::height, "mm")
+      .def_readonly("rate", &Exponential::rate, "1/mm");
+  value_class<Trapezoid>(m, "Trapezoid", "0 up to half_width, then slope (r - half_width).", {"half_width", "slope"})
+      .def(py::init([](double half_width, double slope) { return Trapezoid{half_width, slope}; }), "half_width"_a = 2.0,
+           "slope"_a = 1.0, "half_width: mm; slope: height over distance.")
+      .def_readonly("half_width", &Trapezoid::half_width, "mm")
+      .def_readonly("slope", &Trapezoid::slope, "height over distance");
+  value_class<RoundedFlat>(m, "RoundedFlat", "0 up to half_width, then (r - half_width)^2 / (2 radius).",
+                           {"half_width", "radius"})
+      .def(py::init([](double half_width, double radius) { return RoundedFlat{half_width, radius}; }),
+           "half_width"_a = 2.0, "radius"_a = 10.0, "half_width, radius: mm.")
+      .def_readonly("half_width", &RoundedFlat::half_width, "mm")
+      .def_readonly("radius", &RoundedFlat::radius, "mm");
+  value_class<Taylor>(m, "Taylor", "y = height * sum of coefficients (r / scale)^powers.",
+                      {"powers", "scale", "height", "coefficients"})
+      .def(py::init([](std::vector<int> powers, double scale, std::optional<double> height, std::vector<double> coefficients) {
+             return Taylor{std::move(powers), scale, height, std::move(coefficients)};
+           }),
+           "powers"_a = std::vector<int>{1}, "scale"_a = 1.0, "height"_a = py::none(),
+           "coefficients"_a = std::vector<double>{}, "scale: mm; height: mm, None: scale; coefficients: one a power, empty: all 1.")
+      .def_readonly("powers", &Taylor::powers)
+      .def_readonly("scale", &Taylor::scale, "mm")
+      .def_readonly("height", &Taylor::height, "mm; None: scale")
+      .def_readonly("coefficients", &Taylor::coefficients, "one a power; empty: all 1");
+  value_class<Profile>(m, "Profile", "Points, linear between them; no indenter beyond the ends.", {"x", "y", "smooth"})
+      .def(py::init([](std::vector<double> x, std::vector<double> y, double smooth) {
+             return Profile{std::move(x), std::move(y), smooth};
+           }),
+           "x"_a, "y"_a, "smooth"_a = 0.0,
+           "x, y: [points] mm, x increasing; smooth: mm, the deepest dent that is filled.")
+      .def_static(
+          "sampled",
+          [](const py::function& height, double left, double right, int points) {
+            return sampled([&](double x) { return height(x).cast<double>(); }, left, right, points);
+          },
+          "height"_a, "left"_a, "right"_a, "points"_a = 401,
+          "Samples a function of x (mm), which returns a height in mm, at equally spaced points from left to right.")
+      .def_readonly("x", &Profile::x, "mm")
+      .def_readonly("y", &Profile::y, "mm")
+      .def_readonly("smooth", &Profile::smooth, "mm");
+}
+
+void bind_sensor(py::module_& m) {
+  py::enum_<Element>(m, "Element", "Finite elements of a mesh.")
+      .value("bbar", Element::bbar)
+      .value("q4", Element::q4)
+      .value("q4i", Element::q4i)
+      .value("q8", Element::q8);
+  py::enum_<StressRecovery>(m, "StressRecovery", "Recovery of the stress at the base of a mesh.")
+      .value("reaction", StressRecovery::reaction)
+      .value("element", StressRecovery::element);
+  value_class<Mesh>(m, "Mesh", "Mesh of the rubber layer.", {"columns", "rows", "grading", "element", "stress"})
+      .def(py::init([](int columns, int rows, double grading, Element element, StressRecovery stress) {
+             return Mesh{columns, rows, grading, element, stress};
+           }),
+           "columns"_a = 41, "rows"_a = 11, "grading"_a = 4.0, "element"_a = Element::bbar,
+           "stress"_a = StressRecovery::reaction,
+           "columns, rows: nodes; grading: bottom over top row height.")
+      .def_readonly("columns", &Mesh::columns, "nodes along x")
+      .def_readonly("rows", &Mesh::rows, "nodes through the thickness")
+      .def_readonly("grading", &Mesh::grading, "bottom row height over top row height")
+      .def_readonly("element", &Mesh::element)
+      .def_readonly("stress", &Mesh::stress);
+  value_class<Sensor>(m, "Sensor", "The rubber layer and its tactels.",
+                      {"length", "thickness", "young", "poisson", "tactels", "tactel_span", "tactel_width", "mesh"})
+      .def(py::init([](double length, double thickness, double young, double poisson, int tactels,
+                       std::optional<double> tactel_span, double tactel_width, std::optional<Mesh> mesh) {
+             return Sensor{length, thickness, young, poisson, tactels, tactel_span, tactel_width, mesh};
+           }),
+           "length"_a = 20.0, "thickness"_a = 1.5, "young"_a = 2.0, "poisson"_a = 0.45, "tactels"_a = 21,
+           "tactel_span"_a = py::none(), "tactel_width"_a = 0.0, "mesh"_a = py::none(),
+           "length, thickness, tactel_span, tactel_width: mm; young: MPa; mesh: None for contact on the scene's own patch.")
+      .def_readonly("length", &Sensor::length, "mm")
+      .def_readonly("thickness", &Sensor::thickness, "mm")
+      .def_readonly("young", &Sensor::young, "MPa")
+      .def_readonly("poisson", &Sensor::poisson)
+      .def_readonly("tactels", &Sensor::tactels)
+      .def_readonly("tactel_span", &Sensor::tactel_span, "mm; None: all that fits")
+      .def_readonly("tactel_width", &Sensor::tactel_width, "mm; 0: points")
+      .def_readonly("mesh", &Sensor::mesh, "None: contact on the scene's own patch");
+}
+
+void bind_load(py::module_& m) {
+  value_class<Load>(m, "Load", "The path of the indenter: a depth or normal force, then a drag.",
+                    {"indentation", "normal_force", "indentation_steps", "tangential", "tangential_step",
+                     "tangential_steps", "angle"})
+      .def(py::init([](std::vector<double> indentation, std::vector<double> normal_force, int indentation_steps,
+                       std::vector<double> tangential, double tangential_step, std::optional<int> tangential_steps,
+                       std::optional<double> angle) {
+             return Load{std::move(indentation), std::move(normal_force), indentation_steps, std::move(tangential),
+                         tangential_step, tangential_steps, angle};
+           }),
+           "indentation"_a = std::vector<double>{0.15}, "normal_force"_a = std::vector<double>{},
+           "indentation_steps"_a = 1, "tangential"_a = std::vector<double>{}, "tangential_step"_a = 0.0,
+           "tangential_steps"_a = py::none(), "angle"_a = py::none(),
+           "indentation, tangential: mm; normal_force: N/mm; angle: degrees. See Press and Force.")
+      .def("drag", &Load::drag, "step"_a, "steps"_a, "Returns this load with `steps` equal drags of `step` mm.")
+      .def("drag_until_sliding", &Load::drag_until_sliding, "step"_a,
+           "Returns this load with drags of `step` mm until the whole contact slides.")
+      .def("drag_to", &Load::drag_to, "positions"_a, "Returns this load with drags to these positions, mm.")
+      .def_readonly("indentation", &Load::indentation, "mm: targets")
+      .def_readonly("normal_force", &Load::normal_force, "N/mm: targets in place of depths")
+      .def_readonly("indentation_steps", &Load::indentation_steps)
+      .def_readonly("tangential", &Load::tangential, "mm: positions")
+      .def_readonly("tangential_step", &Load::tangential_step, "mm; 0: none")
+      .def_readonly("tangential_steps", &Load::tangential_steps, "None with a tangential_step: until sliding")
+      .def_readonly("angle", &Load::angle, "degrees; None: no angle");
+  m.def(
+      "Press",
+      [](Targets indentation, int steps) {
+        Load load;
+        load.indentation = list_of(std::move(indentation));
+        load.indentation_steps = steps;
+        return load;
+      },
+      "indentation"_a, "steps"_a = 1, "Returns the load that presses to a depth, or to several in turn (mm), each in equal steps.");
+  m.def(
+      "Force",
+      [](Targets normal_force, std::optional<double> angle, int steps) {
+        Load load;
+        load.indentation.clear();
+        load.normal_force = list_of(std::move(normal_force));
+        load.indentation_steps = steps;
+        load.angle = angle;
+        return load;
+      },
+      "normal_force"_a, "angle"_a = py::none(), "steps"_a = 1,
+      "Returns the load of a normal force, or of several in turn (N/mm); with an angle (degrees) P and Q = P tan(angle) grow together.");
+}
+
+}  // namespace
+
+void bind_scenes(py::module_& m) {
+  bind_shapes(m);
+  bind_sensor(m);
+  bind_load(m);
+  m.attr("bonded") = bonded;
+  value_class<Indenter>(m, "Indenter", "A shape at a position.", {"shape", "position"})
+      .def(py::init([](Shape shape, double position) { return Indenter{std::move(shape), position}; }), "shape"_a,
+           "position"_a = 0.0, "position: mm along the array, 0 in its middle.")
+      .def_readonly("shape", &Indenter::shape)
+      .def_readonly("position", &Indenter::position, "mm along the array");
+  value_class<Scene>(m, "Scene", "One contact.", {"sensor", "indenter", "friction", "load", "title"})
+      .def(py::init([](Sensor sensor, AnyIndenter indenter, double friction, Load load, std::string title) {
+             return Scene{std::move(title), std::move(sensor), indenter_of(std::move(indenter)), friction, std::move(load)};
+           }),
+           "sensor"_a = Sensor{}, "indenter"_a = Indenter{}, "friction"_a = 0.5, "load"_a = Load{}, "title"_a = "",
+           "friction: mu, or bonded; indenter: an Indenter, or a shape in the middle.")
+      .def("validate", &validate, "Raises InputError for the first value that the model rejects.")
+      .def_readonly("sensor", &Scene::sensor)
+      .def_readonly("indenter", &Scene::indenter)
+      .def_readonly("friction", &Scene::friction, "mu; infinite: bonded")
+      .def_readonly("load", &Scene::load)
+      .def_readonly("title", &Scene::title);
+  m.def("read_scene", &read_scene, "path"_a, "Reads a scene file (TOML). Raises InputError with file, line, key and range.");
+  m.def(
+      "heights",
+      [](AnyIndenter indenter, const std::vector<double>& x) {
+        const std::vector<double> y = heights(indenter_of(std::move(indenter)), x);
+        return py::array_t<double>(static_cast<py::ssize_t>(y.size()), y.data());
+      },
+      "indenter"_a, "x"_a, "Returns heights [mm] above the lowest point at places x [mm]; infinite where there is no indenter.");
+}
+
+}  // namespace tactel::python

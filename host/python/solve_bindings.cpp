@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <tactel/solve.h>
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "host/python/bindings.h"
+
+namespace tactel::python {
+namespace {
+
+using namespace pybind11::literals;
+
+SolveOptions solve_options_of(std::optional<double> accuracy, std::string rung, std::string precision,
+                              std::string device) {
+  SolveOptions options;
+  options.accuracy = accuracy;
+  options.rung = std::move(rung);
+  options.precision = std::move(precision);
+  options.device = std::move(device);
+  return options;
+}
+
+/// One number of every step, [steps].
+template <class Number>
+py::array_t<Number> of_steps(const Path& path, Number Step::*number) {
+  py::array_t<Number> all(static_cast<py::ssize_t>(path.steps.size()));
+  std::ranges::transform(path.steps, all.mutable_data(), [&](const Step& step) { return step.*number; });
+  return all;
+}
+
+/// One array of every step, [steps, n].
+py::array_t<double> of_steps(const Path& path, std::vector<double> Step::*numbers) {
+  const std::size_t columns = path.steps.empty() ? 0 : (path.steps.front().*numbers).size();
+  py::array_t<double> all({path.steps.size(), columns});
+  double* to = all.mutable_data();
+  for (const Step& step : path.steps) to = std::ranges::copy(step.*numbers, to).out;
+  return all;
+}
+
+template <auto Member>
+auto steps_property() {
+  return [](const Path& path) { return of_steps(path, Member); };
+}
+
+/// Both stresses of the tactels.
+struct Tactels {
+  py::object normal, shear;
+};
+
+py::dict to_dict(const ExpectedError& error) {
+  return py::dict("S"_a = error.S, "P"_a = error.P, "Q"_a = error.Q, "sigma_y"_a = error.sigma_y,
+                  "tau_xy"_a = error.tau_xy, "finer"_a = error.finer);
+}
+
+/// Normal stresses of a step, then its shear: [scenes, steps, 2 tactels].
+py::array_t<float> frames_of(const Paths& all) {
+  py::array_t<float> frames({all.scenes, all.steps, 2 * all.tactels});
+  float* to = frames.mutable_data();
+  for (std::size_t row = 0; row < all.scenes * all.steps; ++row)
+    for (const std::vector<double>* stress : {&all.sigma_y, &all.tau_xy})
+      for (std::size_t i = 0; i < all.tactels; ++i) *to++ = static_cast<float>((*stress)[row * all.tactels + i]);
+  return frames;
+}
+
+template <class Number>
+auto grid(std::vector<Number> Paths::*numbers, int axes) {
+  return [numbers, axes](const py::object& self) {
+    const auto& all = self.cast<const Paths&>();
+    std::vector<py::ssize_t> shape;
+    for (const std::size_t n : {all.scenes, all.steps, all.tactels}) shape.push_back(static_cast<py::ssize_t>(n));
+    shape.resize(static_cast<std::size_t>(axes));
+    return view(all.*numbers, shape, self);
+  };
+}
+
+void bind_path(py::module_& m) {
+  py::class_<Tactels>(m, "Tactels", "Stress at the tactels; arrays without copies where they come from solve_many.")
+      .def_readonly("normal", &Tactels::normal, "[..., tactels] MPa; sigma_y < 0 is compression")
+      .def_readonly("shear", &Tactels::shear, "[..., tactels] MPa; tau_xy > 0 where the rubber is dragged toward +x");
+  py::class_<Path>(m, "Path",
+                   "The answer to a scene: one entry for each load increment, those of the indentation first.")
+      .def("__len__", [](const Path& path) { return path.steps.size(); })
+      .def_property_readonly("slip_index", steps_property<&Step::slip_index>(),
+                             "[steps] S = Q / (mu P); NaN where mu P = 0")
+      .def_property_readonly("P", steps_property<&Step::P>(), "[steps] N/mm, of the indenter on the rubber")
+      .def_property_readonly("Q", steps_property<&Step::Q>(), "[steps] N/mm; > 0 drags the rubber toward +x")
+      .def_property_readonly("indentation", steps_property<&Step::indentation>(), "[steps] mm")
+      .def_property_readonly("tangential", steps_property<&Step::tangential>(), "[steps] mm")
+      .def_property_readonly("slip_distance", steps_property<&Step::slip_distance>(), "[steps] mm")
+      .def_property_readonly("converged", steps_property<&Step::converged>(), "[steps] bool")
+      .def_property_readonly("iterations", steps_property<&Step::iterations>(), "[steps]")
+      .def_property_readonly(
+          "tactels",
+          [](const Path& path) {
+            return Tactels{of_steps(path, &Step::sigma_y), of_steps(path, &Step::tau_xy)};
+          },
+          "normal and shear stress, [steps, tactels] MPa")
+      .def_property_readonly(
+          "frames",
+          [](const Path& path) {
+            const std::size_t tactels = path.tactel_x.size();
+            py::array_t<float> frames({path.steps.size(), 2 * tactels});
+            float* to = frames.mutable_data();
+            for (const Step& step : path.steps)
+              for (const std::vector<double>* stress : {&step.sigma_y, &step.tau_xy})
+                to = std::ranges::transform(*stress, to, [](double s) { return static_cast<float>(s); }).out;
+            return frames;
+          },
+          "[steps, 2 tactels] MPa, fp32, as networks take them: normal stresses, then shear")
+      .def_property_readonly("normal_force", steps_property<&Step::normal_force>(),
+                             "[steps, surface] N/mm; >= 0 presses")
+      .def_property_readonly("tangential_force", steps_property<&Step::tangential_force>(), "[steps, surface] N/mm")
+      .def_property_readonly(
+          "status",
+          [](const Path& path) {
+            const std::size_t columns = path.surface_x.size();
+            py::array_t<std::uint8_t> all({path.steps.size(), columns});
+            std::uint8_t* to = all.mutable_data();
+            for (const Step& step : path.steps)
+              to = std::ranges::transform(step.status, to, [](NodeStatus s) {
+                     return static_cast<std::uint8_t>(s);
+                   }).out;
+            return all;
+          },
+          "[steps, surface] 0 open, 1 stick, 2 slip")
+      .def_property_readonly(
+          "surface_x",
+          [](const py::object& self) {
+            const auto& x = self.cast<const Path&>().surface_x;
+            return view(x, {static_cast<py::ssize_t>(x.size())}, self);
+          },
+          "[surface] mm")
+      .def_property_readonly(
+          "tactel_x",
+          [](const py::object& self) {
+            const auto& x = self.cast<const Path&>().tactel_x;
+            return view(x, {static_cast<py::ssize_t>(x.size())}, self);
+          },
+          "[tactels] mm")
+      .def_readonly("sliding", &Path::sliding, "the last step slides as a whole")
+      .def_readonly("fell_back", &Path::fell_back, "the exact fallback answered")
+      .def_readonly("model", &Path::model)
+      .def_readonly("model_reason", &Path::model_reason)
+      .def_readonly("precision", &Path::precision)
+      .def_readonly("device", &Path::device)
+      .def_property_readonly(
+          "error",
+          [](const Path& path) -> py::object { return path.error ? py::object(to_dict(*path.error)) : py::none(); },
+          "expected error: S absolutely, P, Q and stresses of their largest; None without an estimate")
+      .def_readonly("warnings", &Path::warnings)
+      .def("__repr__", [](const Path& path) {
+        return "<tactel.Path: " + std::to_string(path.steps.size()) + " steps, " + path.model + ">";
+      });
+}
+
+void bind_paths(py::module_& m) {
+  py::class_<Paths>(
+      m, "Paths",
+      "Answers of many scenes. Arrays are views without copies; entries beyond a scene's own steps are NaN.")
+      .def("__len__", [](const Paths& all) { return all.scenes; })
+      .def_property_readonly("slip_index", grid(&Paths::slip_index, 2),
+                             "[scenes, steps] S = Q / (mu P); NaN where mu P = 0")
+      .def_property_readonly("P", grid(&Paths::P, 2), "[scenes, steps] N/mm, of the indenter on the rubber")
+      .def_property_readonly("Q", grid(&Paths::Q, 2), "[scenes, steps] N/mm; > 0 drags the rubber toward +x")
+      .def_property_readonly("indentation", grid(&Paths::indentation, 2), "[scenes, steps] mm")
+      .def_property_readonly("tangential", grid(&Paths::tangential, 2), "[scenes, steps] mm")
+      .def_property_readonly("converged", grid(&Paths::converged, 2), "[scenes, steps] 1: within its tolerance")
+      .def_property_readonly("steps_made", grid(&Paths::steps_made, 1), "[scenes] load steps of each scene")
+      .def_property_readonly("sliding", grid(&Paths::sliding, 1), "[scenes] 1: the last step slides as a whole")
+      .def_property_readonly("fell_back", grid(&Paths::fell_back, 1), "[scenes] 1: the exact fallback answered")
+      .def_property_readonly(
+          "tactels",
+          [](const py::object& self) {
+            return Tactels{grid(&Paths::sigma_y, 3)(self), grid(&Paths::tau_xy, 3)(self)};
+          },
+          "normal and shear stress, [scenes, steps, tactels] MPa")
+      .def_property_readonly(
+          "frames", &frames_of,
+          "[scenes, steps, 2 tactels] MPa, fp32 copy, as networks take them: normal stresses, then shear")
+      .def_readonly("rung", &Paths::rung)
+      .def_readonly("precision", &Paths::precision)
+      .def_readonly("device", &Paths::device)
+      .def("__repr__", [](const Paths& all) {
+        return "<tactel.Paths: " + std::to_string(all.scenes) + " scenes, " + std::to_string(all.steps) + " steps, " +
+               std::to_string(all.tactels) + " tactels>";
+      });
+}
+
+}  // namespace
+
+void bind_solve(py::module_& m) {
+  bind_path(m);
+  bind_paths(m);
+  m.def(
+      "solve",
+      [](const Scene& scene, std::optional<double> accuracy, std::string rung, std::string solver,
+         std::string precision, std::string device, std::optional<double> tolerance, bool estimate_error) {
+        SolveOptions options = solve_options_of(accuracy, std::move(rung), std::move(precision), std::move(device));
+        options.solver = std::move(solver);
+        options.tolerance = tolerance;
+        options.estimate_error = estimate_error;
+        const py::gil_scoped_release released;
+        return solve(scene, options);
+      },
+      "scene"_a, py::kw_only(), "accuracy"_a = py::none(), "rung"_a = "", "solver"_a = "batched", "precision"_a = "",
+      "device"_a = "", "tolerance"_a = py::none(), "estimate_error"_a = false,
+      "Solves one contact.\n\naccuracy: largest error in S; the planner chooses the rung. rung: \"patch-12\", "
+      "\"mesh-81\", \"paper\", "
+      "\"reference\", ...\nsolver: \"batched\" or \"reference\". precision: \"fp32\" or \"fp64\".\nestimate_error: "
+      "also solve a finer "
+      "model, for Path.error.\nRaises InputError, HardwareError.");
+  m.def(
+      "_solve_many",
+      [](const std::vector<const Scene*>& scenes, std::optional<double> accuracy, std::string rung,
+         std::string precision, std::string device, py::object progress) {
+        const SolveOptions options =
+            solve_options_of(accuracy, std::move(rung), std::move(precision), std::move(device));
+        const PythonProgress told(std::move(progress));
+        return told.run([&](const ProgressFunction& p) {
+          std::vector<Scene> copies;
+          copies.reserve(scenes.size());
+          for (const Scene* scene : scenes) copies.push_back(*scene);
+          return solve_many(copies, options, p);
+        });
+      },
+      "scenes"_a, "accuracy"_a, "rung"_a, "precision"_a, "device"_a, "progress"_a);
+}
+
+}  // namespace tactel::python

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <tactel/sweep.h>
+
+#include <memory>
+#include <utility>
+
+#include "host/python/bindings.h"
+
+namespace tactel::python {
+namespace {
+
+using namespace pybind11::literals;
+
+SweepOptions sweep_options_of(std::optional<double> accuracy, std::string rung, std::string precision,
+                              std::string device) {
+  return {
+      .accuracy = accuracy, .rung = std::move(rung), .precision = std::move(precision), .device = std::move(device)};
+}
+
+template <class Number>
+auto column(std::vector<Number> Set::*numbers) {
+  return [numbers](const py::object& self) {
+    const auto& all = self.cast<const Set&>().*numbers;
+    return view(all, {static_cast<py::ssize_t>(all.size())}, self);
+  };
+}
+
+/// Frames and S of a set from arrays; what the set's other columns would hold is unknown, 0.
+Set set_of(const py::array_t<float, py::array::c_style | py::array::forcecast>& frames,
+           const py::array_t<float, py::array::c_style | py::array::forcecast>& slip_index) {
+  if (frames.ndim() != 2 || slip_index.ndim() != 1 || frames.shape(0) != slip_index.shape(0) ||
+      frames.shape(1) % 2 != 0)
+    throw InputError("Set", "frames and slip_index of these shapes", "[rows, 2 tactels] and [rows]");
+  Set set;
+  set.inputs = static_cast<std::size_t>(frames.shape(1));
+  set.frames.assign(frames.data(), frames.data() + frames.size());
+  set.slip_index.assign(slip_index.data(), slip_index.data() + slip_index.size());
+  const std::size_t rows = set.slip_index.size();
+  for (auto* numbers : {&set.normal_force, &set.tangential_force, &set.friction, &set.stick_fraction, &set.residual})
+    numbers->assign(rows, 0.0f);
+  set.contact.resize(rows);
+  for (std::size_t i = 0; i < rows; ++i) set.contact[i] = i;
+  set.step.assign(rows, 0);
+  set.indenter.assign(rows, 0);
+  set.contact_nodes.assign(rows, 0);
+  set.status.assign(rows, 0);
+  set.indenter_names = {"unknown"};
+  set.contacts = rows;
+  return set;
+}
+
+/// Batches of a sweep as an iterator of (frames, slip_index) or of sets.
+class Batches {
+ public:
+  Batches(const Sweep& sweep, std::uint64_t contacts, const SweepOptions& options, std::uint64_t first, bool whole)
+      : batches_(sweep, contacts, options, first), whole_(whole) {}
+  py::object next() {
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    auto rows = std::make_unique<Set>();
+    bool more = false;
+    {
+      const py::gil_scoped_release released;
+      more = batches_.next(*rows);
+    }
+    if (!more) throw py::stop_iteration();
+    const py::object set = py::cast(std::move(rows));
+    return whole_ ? set : py::make_tuple(set.attr("frames"), set.attr("slip_index"));
+  }
+
+ private:
+  SweepBatches batches_;
+  bool whole_;
+};
+
+void bind_set(py::module_& m) {
+  py::class_<Set>(m, "Set", "Frames with their answers, one row a load step. Arrays are views without copies.")
+      .def(py::init(&set_of), "frames"_a, "slip_index"_a,
+           "frames: [rows, 2 tactels] MPa, normal stresses first; slip_index: [rows]. Both are copied.")
+      .def("__len__", &Set::rows)
+      .def_property_readonly(
+          "frames",
+          [](const py::object& self) {
+            const auto& set = self.cast<const Set&>();
+            return view(set.frames, {static_cast<py::ssize_t>(set.rows()), static_cast<py::ssize_t>(set.inputs)}, self);
+          },
+          "[rows, 2 tactels] MPa: normal stresses (compression < 0), then shear")
+      .def_property_readonly("slip_index", column(&Set::slip_index), "[rows] S")
+      .def_property_readonly("P", column(&Set::normal_force), "[rows] N/mm")
+      .def_property_readonly("Q", column(&Set::tangential_force), "[rows] N/mm")
+      .def_property_readonly("friction", column(&Set::friction), "[rows] mu")
+      .def_property_readonly("stick_fraction", column(&Set::stick_fraction), "[rows] stuck length over contact length")
+      .def_property_readonly("residual", column(&Set::residual), "[rows] largest relative residual")
+      .def_property_readonly("contact", column(&Set::contact), "[rows] contact of the sweep")
+      .def_property_readonly("step", column(&Set::step), "[rows] load step of the contact")
+      .def_property_readonly("indenter", column(&Set::indenter), "[rows] index in indenter_names")
+      .def_property_readonly("contact_nodes", column(&Set::contact_nodes),
+                             "[rows] surface nodes or elements that touch")
+      .def_property_readonly("status", column(&Set::status), "[rows] 0 solved, 1 sliding, 2 over tolerance")
+      .def_readonly("indenter_names", &Set::indenter_names)
+      .def_readonly("contacts", &Set::contacts)
+      .def_readonly("fell_back", &Set::fell_back, "contacts that the exact fallback answered")
+      .def_readonly("unsolved", &Set::unsolved, "contacts that stayed unsolved")
+      .def_readonly("without_rows", &Set::without_rows, "contacts without a row")
+      .def("__repr__", [](const Set& set) {
+        return "<tactel.Set: " + std::to_string(set.rows()) + " rows of " + std::to_string(set.inputs / 2) +
+               " tactels, " + std::to_string(set.contacts) + " contacts>";
+      });
+  m.def(
+      "read_set",
+      [](const std::string& path) {
+        const py::gil_scoped_release released;
+        return std::make_unique<Set>(read_set(path));
+      },
+      "path"_a, "Reads a set file (HDF5). Raises InputError for one that cannot be read or is damaged.");
+}
+
+}  // namespace
+
+void bind_sweeps(py::module_& m) {
+  bind_set(m);
+  py::class_<Batches>(m, "_Batches")
+      .def("__iter__", [](py::object self) { return self; })
+      .def("__next__", &Batches::next);
+  py::class_<Sweep>(m, "Sweep",
+                    "The contacts of a sweep file: contact k is a function of the file, its seed and k alone.")
+      .def(py::init<const std::string&, std::optional<std::uint64_t>>(), "path"_a, "seed"_a = py::none(),
+           "Reads a sweep file (TOML). seed takes the place of the file's.")
+      .def("__len__", &Sweep::contacts)
+      .def_property_readonly("contacts", &Sweep::contacts)
+      .def_property_readonly("endless", &Sweep::endless, "contacts beyond `contacts` exist")
+      .def_property_readonly("seed", &Sweep::seed)
+      .def_property_readonly("tactels", &Sweep::tactels)
+      .def_property_readonly("indenter_names", &Sweep::indenter_names)
+      .def("scene", &Sweep::scene, "k"_a, "Returns contact k as a Scene.")
+      .def(
+          "_generate",
+          [](const Sweep& sweep, std::optional<std::uint64_t> contacts, std::optional<double> accuracy,
+             std::string rung, std::string precision, std::string device, py::object progress) {
+            const SweepOptions options =
+                sweep_options_of(accuracy, std::move(rung), std::move(precision), std::move(device));
+            const PythonProgress told(std::move(progress));
+            return told.run(
+                [&](const ProgressFunction& p) { return std::make_unique<Set>(sweep.generate(contacts, options, p)); });
+          },
+          "contacts"_a, "accuracy"_a, "rung"_a, "precision"_a, "device"_a, "progress"_a)
+      .def(
+          "_batches",
+          [](const Sweep& sweep, std::uint64_t contacts, std::uint64_t first, bool whole,
+             std::optional<double> accuracy, std::string rung, std::string precision, std::string device) {
+            return std::make_unique<Batches>(
+                sweep, contacts, sweep_options_of(accuracy, std::move(rung), std::move(precision), std::move(device)),
+                first, whole);
+          },
+          "contacts"_a, "first"_a, "whole"_a, "accuracy"_a, "rung"_a, "precision"_a, "device"_a);
+}
+
+}  // namespace tactel::python

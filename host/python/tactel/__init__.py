@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: Apache-2.0
+"""tactel: simulates a tactile skin and detects incipient slip.
+
+Lengths are in mm, stresses in MPa, forces in N per mm of depth, angles in degrees. x runs along the array, y up from the
+base. sigma_y < 0 is compression; tau_xy > 0 where the rubber is dragged toward +x. S = Q / (mu P).
+
+    scene = tactel.Scene(tactel.Sensor(), tactel.Parabola(radius=10), friction=0.5, load=tactel.Press(0.15).drag(0.05, steps=8))
+    path = tactel.solve(scene)
+    path.slip_index, path.tactels.normal
+"""
+
+import sys as _sys
+
+from . import _tactel
+from ._tactel import (
+    Cancelled, Cylinder, Element, Error, Errors, Exponential, Flat, Force, Frame, HardwareError, Indenter, InputError, Load,
+    Mesh, Network, Parabola, Path, Paths, Press, Profile, RoundedFlat, Scene, Sensor, Set, SlipEstimator, Stream,
+    StressRecovery, Tactels, Taylor, Trapezoid, Wedge, __version__, bonded, heights, open_sensor, read_scene, read_set,
+    solve,
+)
+
+__all__ = [
+    "Cancelled", "Cylinder", "Element", "Error", "Errors", "Exponential", "Flat", "Force", "Frame", "HardwareError",
+    "Indenter", "InputError", "Load", "Mesh", "Network", "Parabola", "Path", "Paths", "Press", "Profile", "RoundedFlat",
+    "Scene", "Sensor", "Set", "SlipEstimator", "Stream", "StressRecovery", "Sweep", "Tactels", "Taylor", "Trapezoid", "Wedge",
+    "bonded", "heights", "open_sensor", "read_scene", "read_set", "solve", "solve_many", "train",
+]
+
+
+def _values(self):
+    return tuple(getattr(self, name) for name in self._fields)
+
+
+def _with(self, **changes):
+    """Returns a copy with these fields changed."""
+    unknown = set(changes) - set(self._fields)
+    if unknown:
+        raise TypeError(f"{type(self).__name__} has no field {', '.join(sorted(unknown))}; its fields: {', '.join(self._fields)}")
+    return type(self)(**{name: changes.get(name, getattr(self, name)) for name in self._fields})
+
+
+def _describe(self):
+    return f"{type(self).__name__}({', '.join(f'{name}={getattr(self, name)!r}' for name in self._fields)})"
+
+
+for _class in (Parabola, Flat, Wedge, Cylinder, Exponential, Trapezoid, RoundedFlat, Taylor, Profile, Mesh, Sensor, Indenter,
+               Load, Scene):
+    _class.with_ = _with
+    _class.__repr__ = _describe
+    _class.__eq__ = lambda self, other: type(self) is type(other) and _values(self) == _values(other)
+    _class.__hash__ = None
+    _class.__reduce__ = lambda self: (type(self), _values(self))
+
+
+def _shown(progress, what):
+    """A function (done, all) of a progress argument: None, True for a line on stderr, or a function."""
+    if progress is None or progress is False:
+        return None
+    if progress is not True:
+        return progress
+
+    def show(done, total):
+        end = "\n" if done >= total else ""
+        print(f"\r{done} of {total} {what}", end=end, file=_sys.stderr, flush=True)
+
+    return show
+
+
+def solve_many(scenes, *, accuracy=None, rung="", precision="", device="", keep=None, progress=None):
+    """Solves scenes in batches on the device.
+
+    keep: None returns Paths; "tactels" the frames alone, [scenes, steps, 2 tactels] fp32; the name of another array of Paths
+    that array. progress: True for a line on stderr, or a function (done, all). Raises InputError, which names the scene by its
+    index, HardwareError.
+    """
+    paths = _tactel._solve_many(list(scenes), accuracy, rung, precision, device, _shown(progress, "scenes"))
+    return paths if keep is None else paths.frames if keep == "tactels" else getattr(paths, keep)
+
+
+class Sweep(_tactel.Sweep):
+    """The contacts of a sweep file (TOML): contact k is a function of the file, its seed and k alone."""
+
+    def __init__(self, path, seed=None):
+        """seed takes the place of the file's."""
+        super().__init__(str(path), seed)
+        self.path = str(path)
+
+    def generate(self, contacts=None, *, accuracy=None, rung="", precision="", device="", progress=None):
+        """Returns the rows of the first contacts (None: those of the file) as a Set, the same as those of `tactel generate`."""
+        return self._generate(contacts, accuracy, rung, precision, device, _shown(progress, "contacts"))
+
+    def batches(self, contacts=8192, *, seed=None, first=0, sets=False, accuracy=None, rung="", precision="", device=""):
+        """Iterates over the rows of so many contacts a time, which are never stored: (frames, slip_index), or Sets.
+
+        frames: [rows, 2 tactels] MPa, fp32; slip_index: [rows].
+        """
+        sweep = self if seed is None else Sweep(self.path, seed)
+        return sweep._batches(contacts, first, sets, accuracy, rung, precision, device)
+
+
+def _widths(layers):
+    """ "42-42-21-1" of a name, a tuple of widths, or a list of either."""
+    if isinstance(layers, str):
+        return [layers]
+    if all(isinstance(width, int) for width in layers):
+        return ["-".join(str(width) for width in layers)]
+    return [name for one in layers for name in _widths(one)]
+
+
+def train(data, layers=(42, 42, 21, 1), *, seeds=1, first_seed=1, noise=0.0, scaling="set", schedule="batch", optimizer="",
+          cycles=None, batch=None, rate=None, device="", progress=None):
+    """Trains networks on a Set: every topology, noise and seed. Returns a list of Network.
+
+    layers: widths, a name such as "42-42-21-1" or "6" (of the paper), or a list of them. noise: standard deviation of added
+    noise over the set's largest |stress|, or a list. scaling: "set" or "frame". schedule: "batch", or "online", the paper's
+    rule. A network that diverges has no entry.
+    """
+    noises = [noise] if isinstance(noise, (int, float)) else list(noise)
+    return _tactel._train(data, _widths(layers), seeds, first_seed, noises, scaling, schedule, optimizer, cycles, batch, rate,
+                          device, _shown(progress, "weight updates"))

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+/* Slippage index from tactel stresses, in C: networks that tactel trained, frame to S. Link tactel::infer (CMake) or
+   `pkg-config --libs tactel`. */
+#ifndef TACTEL_H
+#define TACTEL_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include <tactel/export.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A loaded network. It never changes: threads may share it. */
+typedef struct tactel_estimator tactel_estimator;
+
+/* Status of an answer. */
+enum tactel_status {
+  TACTEL_OK = 0,
+  TACTEL_NO_STRESS = 1,  /* no normal stress, and the network scales by frame; the network received zeros */
+  TACTEL_NOT_FINITE = 2, /* the frame contains NaN or infinity */
+  TACTEL_OVERFLOW = 3,   /* the frame is finite, but a sum inside the network is not */
+  TACTEL_WRONG_SIZE = 4  /* the frame has not tactel_inputs() numbers */
+};
+
+/* The answer to a frame. Later versions may give a meaning to `reserved`, and change nothing else. */
+typedef struct tactel_answer {
+  float slip_index; /* S, 0..1; NaN where the status is not TACTEL_OK or TACTEL_NO_STRESS */
+  float slip_upper; /* upper bound of S; NaN where the network has none */
+  uint32_t status;  /* enum tactel_status */
+  uint32_t reserved[5];
+} tactel_answer;
+
+/* Loads a network file (ONNX) that tactel wrote. Returns NULL where that fails; tactel_error() has the reason. */
+TACTEL_API tactel_estimator* tactel_load(const char* path);
+
+/* Frees an estimator; NULL is allowed. */
+TACTEL_API void tactel_free(tactel_estimator* estimator);
+
+/* Returns the numbers of a frame: a normal and a shear stress for each tactel. */
+TACTEL_API size_t tactel_inputs(const tactel_estimator* estimator);
+
+/* Returns S of one frame: [count] MPa, the normal stresses of all tactels first, then the shear stresses. Allocates
+   nothing and takes no lock. */
+TACTEL_API tactel_answer tactel_estimate(const tactel_estimator* estimator, const float* frame, size_t count);
+
+/* Estimates frames [answers, tactel_inputs()] one after the other. */
+TACTEL_API void tactel_estimate_all(const tactel_estimator* estimator, const float* frames, size_t answers,
+                                    tactel_answer* out);
+
+/* Returns the message of the last call that failed in this thread, "place: problem; fix"; "" where none did. The text
+   is valid until the next call of tactel_load in this thread. */
+TACTEL_API const char* tactel_error(void);
+
+/* Returns the name of a status: "ok", "no stress", ... */
+TACTEL_API const char* tactel_status_name(uint32_t status);
+
+/* Returns the version of the library, "1.0.0-rc1". */
+TACTEL_API const char* tactel_version(void);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

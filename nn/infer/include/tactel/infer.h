@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <tactel/error.h>
+#include <tactel/export.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace tactel {
+
+/// Status of the answer to a frame. No answer with status `ok` is NaN.
+enum class AnswerStatus : std::uint32_t {
+  ok = 0,
+  no_stress = 1,   ///< the frame has no normal stress, and the network scales by frame; the network received zeros
+  not_finite = 2,  ///< the frame contains NaN or infinity
+  overflow = 3,    ///< the frame is finite, but a sum inside the network is not
+  wrong_size = 4,  ///< the frame has not SlipEstimator::inputs() numbers
+};
+
+/// Returns "ok", "no stress", "not finite", "overflow" or "wrong size".
+TACTEL_API const char* name(AnswerStatus status) noexcept;
+
+/// The answer to a frame. Later versions may give a meaning to `reserved`, and change nothing else.
+struct Answer {
+  float slip_index;  ///< S, 0..1; NaN where the status is not_finite, overflow or wrong_size
+  float slip_upper;  ///< upper bound of S; NaN where the network has none
+  AnswerStatus status;
+  std::uint32_t reserved[5];  ///< 0
+};
+
+/// A network that reads the slippage index S = Q / (mu P) from the stresses at the tactels.
+///
+/// Answers are equal bit for bit on every processor, and equal to those of `tactel monitor` in fp32. An object never
+/// changes: threads may share it. Copies are cheap and share the network.
+class TACTEL_API SlipEstimator {
+ public:
+  /// Loads a network file (ONNX) that tactel wrote. Throws InputError where the file cannot be read, is damaged, or
+  /// holds another graph.
+  static SlipEstimator load(const std::string& path);
+  /// The same from the bytes of a file; errors name `place`.
+  static SlipEstimator parse(std::span<const std::byte> bytes, const std::string& place = "network");
+
+  ~SlipEstimator();
+  SlipEstimator(const SlipEstimator&) noexcept;
+  SlipEstimator& operator=(const SlipEstimator&) noexcept;
+
+  /// Returns the numbers of a frame: a normal and a shear stress for each tactel.
+  std::size_t inputs() const noexcept;
+
+  /// Returns S of one frame: [inputs] MPa, the normal stresses of all tactels first, then the shear stresses. At the
+  /// base sigma_y < 0 is compression; tau_xy > 0 where the indenter drags the rubber toward +x. Allocates nothing,
+  /// takes no lock and throws nothing. Its time depends on the network alone: 0.3 us for 42-42-21-1 (bench/README.md).
+  Answer estimate(std::span<const float> frame) const noexcept;
+
+  /// Estimates frames [answers, inputs] one after the other. Returns the number of answers written: `answers.size()`,
+  /// or 0 where `frames` is of another size. Allocates nothing.
+  std::size_t estimate(std::span<const float> frames, std::span<Answer> answers) const noexcept;
+
+  /// Returns the widths of the layers, "42-42-21-1".
+  std::string topology() const;
+  /// Returns an entry of the file: "seed", "noise", "learning_set", "error_mean", "tactel", ...; empty where the file
+  /// has none.
+  std::string metadata(std::string_view key) const;
+
+  struct Network;
+
+ private:
+  explicit SlipEstimator(const Network* network) noexcept : network_(network) {}
+  const Network* network_;  ///< counts its owners
+};
+
+/// Returns the version of the library, "1.0.0-rc1".
+TACTEL_API const char* version() noexcept;
+
+}  // namespace tactel

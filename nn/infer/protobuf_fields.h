@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace tactel::infer {
+
+/// A field of a protobuf message (protobuf.dev, "Encoding").
+struct Field {
+  enum Wire { varint = 0, fixed64 = 1, bytes = 2, fixed32 = 5 };
+  std::uint32_t number = 0;
+  Wire wire = varint;
+  std::uint64_t value = 0;        ///< of a varint
+  std::string_view content = {};  ///< of bytes
+};
+
+/// Thrown for bytes that are no protobuf message.
+struct Malformed {};
+
+/// The fields of a message, one after the other, in place. Reads within the message whatever its bytes are: every
+/// length is compared with what is left before it is used.
+class Fields {
+ public:
+  explicit Fields(std::string_view message) : left_(message) {}
+
+  /// Reads the next field. Returns false at the end of the message. Throws Malformed.
+  bool next(Field& field) {
+    if (left_.empty()) return false;
+    const std::uint64_t tag = read_varint();
+    if (tag >> 3 == 0 || tag >> 3 > most_field_number) throw Malformed{};
+    field.number = static_cast<std::uint32_t>(tag >> 3);
+    field.wire = static_cast<Field::Wire>(tag & 7);
+    field.value = 0, field.content = {};
+    switch (field.wire) {
+      case Field::varint:
+        field.value = read_varint();
+        return true;
+      case Field::fixed64:
+        field.content = take(8);
+        return true;
+      case Field::bytes:
+        field.content = take(read_varint());
+        return true;
+      case Field::fixed32:
+        field.content = take(4);
+        return true;
+    }
+    throw Malformed{};  // groups, which ONNX has none of
+  }
+
+ private:
+  static constexpr std::uint64_t most_field_number = (1u << 29) - 1;
+
+  std::string_view take(std::uint64_t size) {
+    if (size > left_.size()) throw Malformed{};
+    const std::string_view taken = left_.substr(0, static_cast<std::size_t>(size));
+    left_.remove_prefix(static_cast<std::size_t>(size));
+    return taken;
+  }
+  std::uint64_t read_varint() {
+    std::uint64_t value = 0;
+    for (int shift = 0; shift < 64; shift += 7) {
+      const auto byte = static_cast<unsigned char>(take(1).front());
+      if (shift == 63 && byte > 1) throw Malformed{};
+      value |= std::uint64_t{byte & 0x7fu} << shift;
+      if (byte < 0x80) return value;
+    }
+    throw Malformed{};
+  }
+
+  std::string_view left_;
+};
+
+}  // namespace tactel::infer

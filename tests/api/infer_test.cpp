@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// tactel::infer beside the program's own networks: the files that the exporter writes, the S of its kernels, and broken
+// files.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <onnx/onnx_pb.h>
+#include <sys/stat.h>
+#include <tactel/infer.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+
+#include "host/networks/forward.h"
+#include "host/networks/onnx_file.h"
+#include "host/networks/onnx_graph.h"
+#include "host/support/checksum.h"
+#include "tests/host/networks/network_cases.h"
+
+namespace {
+
+using namespace tactel;
+using nn::ScalingKind;
+using tactel::testing::bumps;
+using tactel::testing::executor;
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+
+nn::Model some_model(const char* topology, ScalingKind kind) {
+  nn::Weights<float> weights = nn::initial_weights(nn::Topology::parse(topology), 7);
+  for (float& w : weights.values) w *= 3;  // S well away from 0.5
+  return {weights, {kind, 1.37f}, 7, 0.1, "set \"a\"", 100, {1234, 0.31, 0.0123, 0.02}};
+}
+
+SlipEstimator estimator_of(const std::string& bytes) { return SlipEstimator::parse(std::as_bytes(std::span(bytes))); }
+
+std::string problem_of(const std::string& bytes) {
+  try {
+    estimator_of(bytes);
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.place + ": " + error.problem + "; " + error.fix, error.what());
+    return error.problem;
+  }
+  return "none";
+}
+
+/// Frames like those of a sensor, and hard ones.
+nn::RowMatrix<float> some_frames(int inputs) {
+  nn::RowMatrix<float> frames = bumps(150, inputs, 9).frames;
+  constexpr float infinite = std::numeric_limits<float>::infinity();
+  frames.row(3).setZero();
+  frames.row(4) *= 1e4f;
+  frames.row(5) *= 1e-9f;
+  frames.row(6).head(inputs / 2).setZero();
+  frames(7, inputs - 1) = std::numeric_limits<float>::quiet_NaN();
+  frames(8, 0) = -infinite;
+  frames.row(9).setConstant(3e38f);
+  frames.row(10).setConstant(1e-13f);
+  frames.row(11).setConstant(1e-39f);  // denormal
+  frames.row(12).tail(inputs / 2).setConstant(-3e-39f);
+  return frames;
+}
+
+std::uint32_t bits(float x) { return std::bit_cast<std::uint32_t>(x); }
+
+const std::vector<const char*> topologies = {
+    "1", "2", "3", "4", "5", "6", "42-42-21-1", "256-256-256-1", "2-1-1", "2-1-1-1", "16-33-1", "8-32-31-1"};
+
+std::vector<Answer> answers_of(const SlipEstimator& estimator, const nn::RowMatrix<float>& frames) {
+  std::vector<Answer> answers(static_cast<std::size_t>(frames.rows()));
+  const std::span<const float> all(frames.data(), static_cast<std::size_t>(frames.size()));
+  EXPECT_EQ(estimator.estimate(all, answers), answers.size());
+  return answers;
+}
+
+}  // namespace
+
+// The kernels and the library fuse the same multiply-adds in the same order: equal bits, and equal statuses.
+TEST(Infer, GivesTheBitsOfTheKernels) {
+  for (const char* topology : {"1", "42-42-21-1", "8-32-31-1", "2-1-1"}) {  // each compiles a kernel
+    for (const ScalingKind kind : {ScalingKind::set, ScalingKind::frame}) {
+      const nn::Model model = some_model(topology, kind);
+      const nn::RowMatrix<float> frames = some_frames(model.weights.topology.inputs());
+      const auto kernel = host::Forward<float>(executor(), std::span(&model.weights, 1), model.scaling).recall(frames);
+      const std::vector<Answer> answers = answers_of(estimator_of(host::onnx_bytes(model)), frames);
+      for (int row = 0; row < frames.rows(); ++row) {
+        EXPECT_EQ(int(answers[row].status), int(kernel.status[row])) << topology << " row " << row;
+        if (std::isnan(kernel.slip_index(row)))
+          EXPECT_TRUE(std::isnan(answers[row].slip_index)) << topology << " row " << row;
+        else
+          EXPECT_EQ(bits(answers[row].slip_index), bits(kernel.slip_index(row)))
+              << topology << ' ' << nn::name(kind) << " row " << row << ": " << answers[row].slip_index << " and "
+              << kernel.slip_index(row);
+      }
+    }
+  }
+}
+
+// The reference twin adds in another order. A sum of n products is off by n eps of their sizes, which weights below 1.5
+// and inputs below 1 limit; the activation's slope of 1/4 and the next layer's weights carry it on. 2e-5 covers 256
+// inputs; S spans 0 to 1.
+TEST(Infer, GivesTheSOfTheReference) {
+  for (const char* topology : topologies) {
+    for (const ScalingKind kind : {ScalingKind::set, ScalingKind::frame}) {
+      const nn::Model model = some_model(topology, kind);
+      const nn::RowMatrix<float> frames = some_frames(model.weights.topology.inputs());
+      const auto twin = nn::recall(model.weights, model.scaling, frames);
+      const std::vector<Answer> answers = answers_of(estimator_of(host::onnx_bytes(model)), frames);
+      float lowest = 1, highest = 0;
+      for (int row = 0; row < frames.rows(); ++row) {
+        if (row == 4 || row == 9) continue;  // sums of 1e4 and more
+        EXPECT_EQ(int(answers[row].status), int(twin.status[row])) << topology << " row " << row;
+        if (std::isnan(twin.slip_index(row))) continue;
+        EXPECT_NEAR(answers[row].slip_index, twin.slip_index(row), 2e-5) << topology << " row " << row;
+        lowest = std::min(lowest, answers[row].slip_index);
+        highest = std::max(highest, answers[row].slip_index);
+      }
+      EXPECT_GT(highest - lowest, 0.001f) << topology;  // they do read the frames
+    }
+  }
+}
+
+// 2-1-1 by hand: weights 1, 2, bias 0.5, then 4 and -1; scaling 1/2. Frame (0.5, -0.25): z = 0.25 - 0.25 + 0.5 = 0.5,
+// o = tanh(0.25)/2 = 0.1224593, z = -0.5101627, S = tanh(-0.2550814)/2 + 0.5 = 0.3751549.
+TEST(Infer, WorksByHand) {
+  nn::Model model = some_model("2-1-1", ScalingKind::set);
+  model.scaling.largest_stress = 2;
+  model.weights.values = {1, 2, 0.5f, 4, -1};
+  const SlipEstimator estimator = estimator_of(host::onnx_bytes(model));
+  const std::vector<float> frame = {0.5f, -0.25f};
+  const Answer answer = estimator.estimate(frame);
+  const double o = std::tanh(0.25) / 2;
+  EXPECT_NEAR(answer.slip_index, std::tanh((4 * o - 1) / 2) / 2 + 0.5, 1e-6);
+  EXPECT_EQ(answer.status, AnswerStatus::ok);
+  EXPECT_TRUE(std::isnan(answer.slip_upper));
+}
+
+TEST(Infer, AnswersFramesOfAnotherSizeByAStatus) {
+  const SlipEstimator estimator = estimator_of(host::onnx_bytes(some_model("4-3-1", ScalingKind::set)));
+  const std::vector<float> frames(13, 0.1f);
+  const Answer answer = estimator.estimate(std::span(frames).first(3));
+  EXPECT_EQ(answer.status, AnswerStatus::wrong_size);
+  EXPECT_TRUE(std::isnan(answer.slip_index));
+  EXPECT_EQ(estimator.estimate({}).status, AnswerStatus::wrong_size);
+  std::vector<Answer> answers(3);
+  EXPECT_EQ(estimator.estimate(frames, answers), 0u);
+  EXPECT_EQ(estimator.estimate(std::span(frames).first(12), answers), 3u);
+  EXPECT_STREQ(name(AnswerStatus::wrong_size), "wrong size");
+}
+
+TEST(Infer, ReadsWhatTheFileSays) {
+  const SlipEstimator estimator = estimator_of(host::onnx_bytes(some_model("16-33-1", ScalingKind::frame)));
+  SlipEstimator copy = estimator_of(host::onnx_bytes(some_model("4-3-1", ScalingKind::set)));
+  EXPECT_EQ(copy.inputs(), 4u);
+  copy = estimator;
+  EXPECT_EQ(copy.inputs(), 16u);
+  EXPECT_EQ(copy.topology(), "16-33-1");
+  EXPECT_EQ(copy.metadata("learning_set"), "set \"a\"");
+  EXPECT_EQ(copy.metadata("error_mean"), "0.0123");
+  EXPECT_EQ(copy.metadata("no such key"), "");
+}
+
+TEST(Infer, RefusesEveryTruncatedFile) {
+  for (const ScalingKind kind : {ScalingKind::set, ScalingKind::frame}) {
+    const std::string good = host::onnx_bytes(some_model("4-3-2-1", kind));
+    EXPECT_EQ(problem_of(good), "none");
+    for (std::size_t size = 0; size < good.size(); ++size)
+      EXPECT_NE(problem_of(good.substr(0, size)), "none") << "first " << size << " bytes";
+  }
+}
+
+// A changed bit is found, or changes nothing that S depends on: texts that describe the file.
+TEST(Infer, NoticesChangedBits) {
+  const nn::Model model = some_model("2-1-1", ScalingKind::frame);
+  const std::string good = host::onnx_bytes(model);
+  const std::vector<float> frame = {-0.3f, 0.1f};
+  const Answer answer = estimator_of(good).estimate(frame);
+  std::size_t accepted = 0;
+  for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
+    std::string bad = good;
+    bad[bit / 8] = static_cast<char>(bad[bit / 8] ^ (1 << bit % 8));
+    try {
+      EXPECT_EQ(bits(estimator_of(bad).estimate(frame).slip_index), bits(answer.slip_index)) << "bit " << bit;
+      ++accepted;
+    } catch (const InputError&) {
+    }
+  }
+  EXPECT_LT(accepted, 8 * good.size() / 2);
+}
+
+TEST(Infer, SaysWhatIsWrongWithAFile) {
+  EXPECT_EQ(problem_of(""), "empty");
+  EXPECT_THAT(problem_of("[sensor]\nlength = 20.0\n"), HasSubstr("no"));
+  EXPECT_THAT(problem_of(std::string(5 << 20, '\0')), HasSubstr("4 MiB"));
+  const auto changed = [](const auto& change) {
+    onnx::ModelProto proto;
+    EXPECT_TRUE(proto.ParseFromString(host::onnx_bytes(some_model("4-3-1", ScalingKind::frame))));
+    change(proto);
+    const std::string sum = host::onnx_checksum(proto);
+    for (auto& entry : *proto.mutable_metadata_props())
+      if (entry.key() == host::checksum_key) entry.set_value(sum);
+    return problem_of(proto.SerializeAsString());
+  };
+  EXPECT_EQ(changed([](auto&) {}), "none");
+  EXPECT_THAT(changed([](auto& m) { m.set_producer_name("pytorch"); }), HasSubstr("no network of tactel"));
+  EXPECT_THAT(changed([](auto& m) { m.mutable_opset_import(0)->set_version(9); }), HasSubstr("opset"));
+  EXPECT_THAT(changed([](auto& m) { m.mutable_graph()->mutable_node(1)->set_op_type("Neg"); }), HasSubstr("form"));
+  EXPECT_THAT(changed([](auto& m) { m.mutable_graph()->mutable_node(0)->set_domain("other"); }), HasSubstr("form"));
+  EXPECT_THAT(changed([](auto& m) { m.mutable_graph()->mutable_initializer()->RemoveLast(); }), HasSubstr("bias2"));
+  EXPECT_THAT(changed([](auto& m) { m.mutable_graph()->add_initializer()->set_name("more"); }), HasSubstr("form"));
+  EXPECT_THAT(changed([](auto& m) { m.mutable_graph()->mutable_input()->Clear(); }), HasSubstr("form"));
+  EXPECT_THAT(changed([](auto& m) {
+                auto& tensor = *m.mutable_graph()->mutable_initializer(m.graph().initializer_size() - 1);
+                const float infinite = std::numeric_limits<float>::infinity();
+                tensor.mutable_raw_data()->replace(0, 4, reinterpret_cast<const char*>(&infinite), 4);
+              }),
+              HasSubstr("NaN or infinite"));
+}
+
+// Files of the first versions have the checksum of the graph's bytes.
+TEST(Infer, ReadsFilesOfTheFirstVersions) {
+  onnx::ModelProto proto;
+  ASSERT_TRUE(proto.ParseFromString(host::onnx_bytes(some_model("4-3-1", ScalingKind::set))));
+  std::map<std::string, std::string> metadata;
+  for (const auto& entry : proto.metadata_props()) metadata[entry.key()] = entry.value();
+  std::string all = proto.graph().SerializeAsString();
+  for (const auto& [key, value] : metadata)
+    if (key != host::checksum_key) all.append("\n").append(key).append("=").append(value);
+  for (auto& entry : *proto.mutable_metadata_props())
+    if (entry.key() == host::checksum_key) entry.set_value(host::checksum_text(all));
+  EXPECT_EQ(problem_of(proto.SerializeAsString()), "none");
+}
+
+TEST(Infer, NamesTheFileThatCannotBeRead) {
+  const fs::path folder = fs::temp_directory_path() / ("tactel_infer_" + std::to_string(::getpid()));
+  fs::create_directories(folder);
+  const auto message = [](const fs::path& path) -> std::string {
+    try {
+      SlipEstimator::load(path);
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.place, path.string());
+      return error.what();
+    }
+    return "none";
+  };
+  EXPECT_THAT(message(folder / "none.onnx"), HasSubstr("No such file"));
+  EXPECT_THAT(message(folder), HasSubstr("no regular file"));
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  EXPECT_THAT(message(folder / "pipe"), HasSubstr("no regular file"));
+  host::write_onnx(folder / "good.onnx", some_model("4-3-1", ScalingKind::set));
+  EXPECT_EQ(message(folder / "good.onnx"), "none");
+  fs::remove_all(folder);
+}

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Frames through tactel/live.h: formats and bytes of a user's own, recordings and simulations.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <tactel/live.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <new>
+#include <utility>
+
+#include "hw/recording.h"
+#include "test_paths.h"
+#include "tests/fuzz/counted_layout.h"
+
+// Every allocation of the program is counted, those inside the libraries too.
+static std::atomic<long> allocations = 0;
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size)) return memory;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace {
+
+using namespace tactel;
+namespace fs = std::filesystem;
+
+constexpr const char* counted_profile =
+    "[device]\nname = \"counted\"\n[format]\nkind = \"generic\"\nsync = [0xA5, 0x5A]\nheader = 8\ncounter_offset = 2\n"
+    "counter_width = 2\nclock_offset = 4\nclock_width = 4\nchannels = 4\nchecksum = \"crc16\"\ntrailer = [0x0D]\n"
+    "confirmations = 2\n[channels]\nnormal = [0, 1]\nshear = [2, 3]\n[calibration]\noffset = 1.0\ngain = 0.5\n";
+
+std::vector<std::uint8_t> counted_frame(int i) {
+  const hw::GenericLayout layout = hw::counted_layout();
+  const std::vector<double> samples = {1.0 + i, 2, 3, 5};
+  std::vector<std::uint8_t> frame(hw::generic_frame_length(layout));
+  hw::write_generic_frame(layout, static_cast<std::uint64_t>(i), 100 * static_cast<std::uint64_t>(i), samples, frame);
+  return frame;
+}
+
+class PipeEnd : public ByteSource {
+ public:
+  explicit PipeEnd(int fd) : fd_(fd) {}
+  int fd() const override { return fd_; }
+
+ private:
+  int fd_;
+};
+
+bool readable(int fd, int milliseconds) {
+  pollfd wanted{fd, POLLIN, 0};
+  return ::poll(&wanted, 1, milliseconds) == 1;
+}
+
+class LiveApi : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("tactel_live_api_" + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+    std::ofstream(folder_ / "counted.toml") << counted_profile;
+    ASSERT_EQ(::pipe2(pipe_, O_CLOEXEC), 0);
+  }
+  void TearDown() override {
+    ::close(pipe_[0]), ::close(pipe_[1]);
+    fs::remove_all(folder_);
+  }
+  void send(const std::vector<std::uint8_t>& bytes) const {
+    ASSERT_EQ(::write(pipe_[1], bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
+  }
+  fs::path folder_;
+  int pipe_[2] = {-1, -1};
+};
+
+}  // namespace
+
+TEST_F(LiveApi, DecodesBytesOfAUsersDescriptor) {
+  PipeEnd bytes(pipe_[0]);
+  FrameSource source(bytes, (folder_ / "counted.toml").string());
+  EXPECT_EQ(source.inputs(), 4u);
+  EXPECT_EQ(source.fd(), pipe_[0]);
+  Frame frame;
+  EXPECT_FALSE(source.poll(frame));
+  EXPECT_FALSE(readable(source.fd(), 0));
+  std::vector<std::uint8_t> sent;
+  for (int i = 0; i < 5; ++i) std::ranges::copy(counted_frame(i), std::back_inserter(sent));
+  send({sent.begin(), sent.begin() + 70});  // cut inside a frame
+  EXPECT_TRUE(readable(source.fd(), 1000));
+  std::uint64_t frames = 0;
+  const auto poll_all = [&] {
+    while (source.poll(frame)) {
+      EXPECT_EQ(frame.number, frames);
+      EXPECT_FLOAT_EQ(frame.stress[0], 0.5f * static_cast<float>(frames));
+      EXPECT_FLOAT_EQ(frame.stress[3], 2.0f);
+      ++frames;
+    }
+  };
+  poll_all();
+  send({sent.begin() + 70, sent.end()});
+  EXPECT_TRUE(source.wait(frame, 1.0));
+  ++frames;
+  poll_all();
+  EXPECT_EQ(frames, 5u);
+  EXPECT_EQ(source.counts().frames, 5u);
+  EXPECT_FALSE(source.finished());
+  EXPECT_FALSE(source.wait(frame, 0.02));
+  ::close(std::exchange(pipe_[1], -1));
+  EXPECT_FALSE(source.wait(frame, 1.0));
+  EXPECT_TRUE(source.finished());
+}
+
+TEST_F(LiveApi, ReplaysARecording) {
+  const fs::path path = folder_ / "run.tactel";
+  hw::RecordingWriter writer(path, counted_profile);
+  for (int i = 0; i < 4; ++i) writer.write({.bytes = counted_frame(i), .arrival = 0.01 * i});
+  writer.finish();
+  FrameSource source = FrameSource::open("replay:" + path.string());
+  Frame frame;
+  int frames = 0;
+  while (!source.finished()) {
+    ASSERT_TRUE(readable(source.fd(), 1000));
+    while (source.poll(frame)) EXPECT_FLOAT_EQ(frame.stress[0], 0.5f * static_cast<float>(frames++));
+  }
+  EXPECT_EQ(frames, 4);
+  EXPECT_DOUBLE_EQ(frame.arrival, 0.03);
+}
+
+TEST_F(LiveApi, PollsWithoutAllocation) {
+  PipeEnd bytes(pipe_[0]);
+  FrameSource source(bytes, (folder_ / "counted.toml").string());
+  Frame frame;
+  int frames = 0;
+  long made = 0;  // during polls
+  for (int i = 0; i < 100; ++i) {
+    send(counted_frame(i));
+    const long before = allocations;
+    while (source.poll(frame)) ++frames;
+    made += allocations - before;
+  }
+  EXPECT_EQ(frames, 100);
+  EXPECT_EQ(made, 0);
+  EXPECT_GT(allocations, 0);
+}
+
+// A simulated sensor by the clock, through the descriptor alone.
+TEST(SimulatedSource, PlaysASceneThroughItsDescriptor) {
+  const std::string scene = TACTEL_SOURCE_DIR "/examples/parabola.toml";
+  FrameSource source = FrameSource::open("simulate:" + scene + "?rate=200&press=0.05&hold=0.01&drag=0.1&slip=0.01");
+  EXPECT_EQ(source.inputs(), 42u);
+  Frame frame;
+  std::uint64_t frames = 0;
+  float largest = 0;
+  while (!source.finished()) {
+    ASSERT_TRUE(readable(source.fd(), 10000));
+    while (source.poll(frame)) {
+      EXPECT_EQ(frame.number, frames++);
+      for (const float stress : frame.stress) largest = std::max(largest, std::abs(stress));
+    }
+  }
+  EXPECT_GE(frames, 30u);
+  EXPECT_EQ(source.counts().frames, frames);
+  EXPECT_GT(largest, 0.05f);  // MPa
+}
+
+TEST_F(LiveApi, SaysWhatCannotBeOpened) {
+  EXPECT_THROW(FrameSource::open("replay:" + (folder_ / "none").string()), HardwareError);
+  EXPECT_THROW(FrameSource::open("serial:ttyS0"), InputError);
+  PipeEnd bytes(pipe_[0]);
+  EXPECT_THROW(FrameSource(bytes, "none.toml"), InputError);
+}

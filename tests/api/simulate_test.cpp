@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// tactel::simulate beside the rooms that it hides: the same bits.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tactel/simulate.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "fem/scene.h"
+#include "host/contact/solve.h"
+#include "host/contact/solve_on_rung.h"
+#include "host/networks/onnx_file.h"
+#include "host/scenes/scene_file.h"
+#include "host/scenes/sweep_file.h"
+#include "host/sets/set_simulator.h"
+#include "host/training/train_request.h"
+#include "tests/host/networks/network_cases.h"
+
+namespace {
+
+using namespace tactel;
+using tactel::testing::executor;
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+
+/// A file of these lines that lives as long as the object.
+class SmallFile {
+ public:
+  SmallFile(const std::string& name, const std::string& text)
+      : path_(fs::temp_directory_path() / ("tactel_api_" + std::to_string(::getpid()) + "_" + name)) {
+    std::ofstream(path_) << text;
+  }
+  ~SmallFile() { fs::remove(path_); }
+  std::string path() const { return path_.string(); }
+
+ private:
+  fs::path path_;
+};
+
+const char* const sweep_text =
+    "[sweep]\ncontacts = 30\nseed = 3\n[indenter]\nshape = \"parabola\"\nradius = { log_uniform = [2, 50] }\n"
+    "[contact]\nfriction = { uniform = [0.2, 1.0] }\n[load]\nindentation = 0.15\ntangential_step = 0.05\n"
+    "tangential_steps = 6\n";
+
+template <class Call>
+std::string message_of(const Call& call) {
+  try {
+    call();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "none";
+}
+
+void expect_same(const std::vector<double>& a, const Eigen::VectorXd& b) {
+  ASSERT_EQ(a.size(), static_cast<std::size_t>(b.size()));
+  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_EQ(a[i], b[static_cast<Eigen::Index>(i)]) << i;
+}
+
+void expect_same(const Path& path, const host::SolveOutcome& outcome) {
+  ASSERT_EQ(path.steps.size(), outcome.solution.steps.size());
+  for (std::size_t k = 0; k < path.steps.size(); ++k) {
+    const Step& step = path.steps[k];
+    const fem::ContactStep& twin = outcome.solution.steps[k];
+    EXPECT_EQ(step.P, twin.P);
+    EXPECT_EQ(step.Q, twin.Q);
+    EXPECT_EQ(step.slip_index, twin.slip_index.value());
+    EXPECT_EQ(step.converged, twin.converged);
+    expect_same(step.sigma_y, twin.sigma_y);
+    expect_same(step.tau_xy, twin.tau_xy);
+    expect_same(step.normal_force, twin.normal_force);
+    EXPECT_EQ(step.status.size(), twin.status.size());
+  }
+  expect_same(path.surface_x, outcome.solution.surface_x);
+  expect_same(path.tactel_x, outcome.solution.tactel_x);
+  EXPECT_EQ(path.model, host::model_name(outcome));
+}
+
+Scene some_scene(double friction = 0.5) {
+  Scene scene;
+  scene.friction = friction;
+  scene.load = press(0.1).drag(0.05, 3);
+  return scene;
+}
+
+fem::Scene same_scene(double friction = 0.5) {
+  fem::Scene scene;
+  scene.friction = friction;
+  scene.load.indentation = {0.1};
+  scene.load.tangential_step = 0.05, scene.load.tangential_steps = 3;
+  scene.model = fem::SurfaceModel::patch;
+  return scene;
+}
+
+}  // namespace
+
+TEST(SceneApi, ReadsScenesAsTheProgramDoes) {
+  const SmallFile file(
+      "mesh.toml",
+      "title = \"t\"\n[sensor]\ncolumns = 81\nelement = \"q4i\"\nyoung = 1.5\n[indenter]\n"
+      "shape = \"taylor\"\npowers = [1, 3]\nscale = 5\nposition = 1\n[contact]\nfriction = \"bonded\"\n"
+      "[load]\nnormal_force = 1.0\nangle = 10\n");
+  const Scene scene = read_scene(file.path());
+  ASSERT_TRUE(scene.sensor.mesh);
+  EXPECT_EQ(scene.sensor.mesh->columns, 81);
+  EXPECT_EQ(scene.sensor.mesh->element, Element::q4i);
+  EXPECT_EQ(scene.sensor.young, 1.5);
+  EXPECT_EQ(std::get<Taylor>(scene.indenter.shape).powers, (std::vector<int>{1, 3}));
+  EXPECT_EQ(scene.indenter.position, 1);
+  EXPECT_EQ(scene.friction, bonded);
+  EXPECT_EQ(scene.load.angle, 10);
+  EXPECT_TRUE(scene.load.indentation.empty());
+  EXPECT_EQ(message_of([&] { validate(scene); }), "none");
+}
+
+TEST(SceneApi, SamplesAFunction) {
+  const Indenter own{sampled([](double x) { return x * x / 20; }, -6, 6, 1201), 0.5};
+  const std::vector<double> x = {-3, -0.25, 0.5, 1.7, 6.4, 8};
+  const std::vector<double> y = heights(own, x), parabola = heights({Parabola{10}, 0.5}, x);
+  for (std::size_t i = 0; i + 1 < x.size(); ++i) EXPECT_NEAR(y[i], parabola[i], 1e-5) << x[i];  // chords of 0.01 mm
+  EXPECT_TRUE(std::isinf(y.back()));
+}
+
+TEST(SceneApi, NamesPlaceProblemAndFix) {
+  Scene scene = some_scene();
+  scene.sensor.poisson = 0.7;
+  try {
+    validate(scene);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.place, "sensor.poisson");
+    EXPECT_THAT(error.problem, HasSubstr("0.7"));
+    EXPECT_THAT(error.fix, HasSubstr("0.5"));
+  }
+  const SmallFile file("wrong.toml", "[indenter]\nshape = \"parabola\"\nraduis = 3\n[load]\nindentation = 0.1\n");
+  const std::string message = message_of([&] { read_scene(file.path()); });
+  EXPECT_THAT(message, HasSubstr(file.path() + ":3: indenter.raduis"));
+  EXPECT_THAT(message, HasSubstr("radius"));
+}
+
+TEST(SolveApi, GivesTheBitsOfTheProgram) {
+  for (const char* rung : {"", "mesh-41"}) {
+    host::SolveOptions options;
+    options.rung = rung;
+    SolveOptions chosen;
+    chosen.rung = rung;
+    expect_same(solve(some_scene(), chosen), host::solve(same_scene(), options));
+  }
+  Scene meshed = some_scene();
+  meshed.sensor.mesh = Mesh{};
+  fem::Scene twin = same_scene();
+  twin.model = fem::SurfaceModel::mesh;
+  const Path path = solve(meshed, {.solver = "reference", .estimate_error = true});
+  host::SolveOptions options;
+  options.solver = "reference";
+  expect_same(path, host::solve(twin, options));
+  ASSERT_TRUE(path.error);
+  EXPECT_GT(path.error->S, 0);
+  EXPECT_EQ(path.error->finer, "81 x 21");
+}
+
+TEST(SolveApi, RefusesOptionsThatCannotBe) {
+  EXPECT_THAT(message_of([] { solve(some_scene(), {.rung = "patch-13"}); }), HasSubstr("rung"));
+  EXPECT_THAT(message_of([] { solve(some_scene(), {.precision = "fp16"}); }),
+              HasSubstr("precision: fp16; must be fp32"));
+  EXPECT_THAT(message_of([] { solve(some_scene(), {.accuracy = 0.1, .rung = "paper"}); }), HasSubstr("accuracy"));
+  EXPECT_THAT(message_of([] { solve_many({}, {.solver = "reference"}); }), HasSubstr("solver"));
+}
+
+// Many scenes give the bits of their rung, wherever they stand, and NaN behind the end of a path.
+TEST(SolveApi, SolvesManyAsTheirRung) {
+  std::vector<Scene> scenes = {some_scene(0.5), some_scene(0.3), some_scene(0.5), some_scene(0)};
+  scenes[1].load = press(0.1);
+  scenes[2].sensor.mesh = Mesh{};
+  const Paths paths = solve_many(scenes);
+  ASSERT_EQ(paths.scenes, 4u);
+  ASSERT_EQ(paths.steps, 4u);
+  ASSERT_EQ(paths.tactels, 21u);
+  EXPECT_EQ(paths.rung, "");
+  const std::vector<fem::Scene> patches = {same_scene()};
+  const auto patch = host::solve_on_rung(executor(), patches, host::usual_patch(), false).front();
+  for (std::size_t k = 0; k < 4; ++k) {
+    EXPECT_EQ(paths.P[k], patch.steps[k].P);
+    EXPECT_EQ(paths.slip_index[k], patch.steps[k].slip_index.value());
+    for (std::size_t t = 0; t < 21; ++t) {
+      EXPECT_EQ(paths.sigma_y[k * 21 + t], patch.steps[k].sigma_y[static_cast<Eigen::Index>(t)]);
+      EXPECT_EQ(paths.tau_xy[k * 21 + t], patch.steps[k].tau_xy[static_cast<Eigen::Index>(t)]);
+    }
+    EXPECT_EQ(paths.converged[k], 1);
+  }
+  EXPECT_EQ(paths.steps_made, (std::vector<std::uint32_t>{4, 1, 4, 4}));
+  EXPECT_TRUE(std::isnan(paths.P[4 + 1]) && std::isnan(paths.sigma_y[(4 + 1) * 21]));
+  EXPECT_TRUE(std::isnan(paths.slip_index[12]));                                      // mu P = 0
+  EXPECT_NEAR(paths.P[8], solve(scenes[2], {.precision = "fp32"}).steps[0].P, 1e-4);  // on its own mesh
+  EXPECT_EQ(solve_many(std::span(scenes).first(1), {.rung = "mesh-41"}).rung, "mesh-41");
+  EXPECT_EQ(solve_many({}).steps, 0u);
+  scenes[3].friction = -1;
+  EXPECT_THAT(message_of([&] { solve_many(scenes); }), HasSubstr("scenes[3].contact.friction"));
+}
+
+TEST(SweepApi, GivesTheRowsOfTheProgram) {
+  const SmallFile file("sweep.toml", sweep_text);
+  const Sweep sweep(file.path());
+  EXPECT_EQ(sweep.contacts(), 30u);
+  EXPECT_TRUE(sweep.endless());
+  std::vector<std::uint64_t> told;
+  const Set set = sweep.generate({}, {}, [&](std::uint64_t done, std::uint64_t) { return told.push_back(done), true; });
+  host::Sweep twin = host::read_sweep(file.path());
+  twin.source.model_on(host::usual_patch());
+  host::SetOptions options;
+  options.patch = host::usual_patch();
+  options.precision = host::usual_patch().precision, options.tolerance = host::usual_patch().tolerance;
+  const host::ContactSet rows = host::SetSimulator(executor(), twin.source, options).simulate(0, 30);
+  EXPECT_EQ(set.frames, rows.frames);
+  EXPECT_EQ(set.slip_index, rows.slip_index);
+  EXPECT_EQ(set.contact, rows.contact);
+  EXPECT_EQ(set.rows(), 30u * 7u);
+  EXPECT_EQ(told, (std::vector<std::uint64_t>{0, 30}));
+  EXPECT_EQ(sweep.scene(4).friction, twin.source.contact(4).scene.friction);
+  EXPECT_THROW(sweep.generate({}, {}, [](std::uint64_t, std::uint64_t) { return false; }), Cancelled);
+
+  SweepBatches batches(sweep, 12);
+  Set batch;
+  std::vector<float> joined;
+  for (int k = 0; k < 3; ++k) {
+    ASSERT_TRUE(batches.next(batch));
+    joined.insert(joined.end(), batch.frames.begin(), batch.frames.end());
+  }
+  ASSERT_GT(joined.size(), set.frames.size());
+  joined.resize(set.frames.size());
+  EXPECT_EQ(joined, set.frames);
+}
+
+TEST(SweepApi, WritesSetsThatTheProgramReads) {
+  const SmallFile file("sweep.toml", sweep_text), saved("set.h5", "");
+  const Set set = Sweep(file.path()).generate(4);
+  write_set(set, saved.path());
+  const host::ContactSet twin = host::read_contact_set(saved.path());
+  EXPECT_EQ(twin.frames, set.frames);
+  EXPECT_EQ(twin.slip_index, set.slip_index);
+  EXPECT_EQ(twin.sweep, sweep_text);
+  EXPECT_EQ(twin.seed, 3u);
+  EXPECT_EQ(twin.contacts, 4u);
+  EXPECT_THAT(twin.rung, HasSubstr("patch-12"));
+  const Set again = read_set(saved.path());
+  EXPECT_EQ(again.frames, set.frames);
+  EXPECT_EQ(again.indenter_names, set.indenter_names);
+  EXPECT_THAT(message_of([&] { write_set(set, "/no/such/folder/set.h5"); }),
+              HasSubstr("/no/such/folder/set.h5: cannot be written"));
+}
+
+TEST(SweepApi, TakesAnotherSeed) {
+  const SmallFile file("sweep.toml", sweep_text);
+  std::string other = sweep_text;
+  other.replace(other.find("seed = 3"), 8, "seed = 8");
+  const SmallFile second("other.toml", other);
+  EXPECT_EQ(Sweep(file.path(), 8).generate(5).frames, Sweep(second.path()).generate(5).frames);
+  EXPECT_NE(Sweep(file.path(), 8).generate(5).frames, Sweep(file.path()).generate(5).frames);
+  EXPECT_THAT(message_of([&] { Sweep("none.toml"); }), HasSubstr("none.toml"));
+}
+
+TEST(TrainApi, TrainsTheNetworksOfTheProgram) {
+  const SmallFile file("sweep.toml", sweep_text);
+  const Set set = Sweep(file.path()).generate();
+  TrainOptions options;
+  options.networks = {"42-6-1"}, options.seeds = 2, options.cycles = 4, options.noises = {0.1};
+  const std::vector<Network> networks = train(set, options);
+  ASSERT_EQ(networks.size(), 2u);
+  EXPECT_EQ(networks[1].topology(), "42-6-1");
+  EXPECT_EQ(networks[1].seed(), 2u);
+
+  host::TrainRequest request;
+  request.networks = options.networks, request.seeds = 2, request.cycles = 4, request.noises = {0.1};
+  nn::FrameSet frames{nn::RowMatrix<float>(set.rows(), 42), nn::Vector<float>(set.rows()), {}, {}};
+  std::ranges::copy(set.frames, frames.frames.data());
+  std::ranges::copy(set.slip_index, frames.slip_index.data());
+  frames.shape_class = set.indenter;
+  frames.contact_nodes.assign(set.contact_nodes.begin(), set.contact_nodes.end());
+  host::NetworkTraining<float> twin(executor(), frames, host::plan_of(request));
+  twin.run();
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(networks[i].onnx(), host::onnx_bytes(twin.model(i, "set"))) << i;
+
+  const SmallFile saved("net.onnx", "");
+  networks[1].to_onnx(saved.path());
+  EXPECT_EQ(Network::load(saved.path()).onnx(), networks[1].onnx());
+  const Errors own = errors(networks[1].estimator(), set);
+  EXPECT_EQ(own.rows, set.rows());
+  EXPECT_GT(own.mean, 0);
+  EXPECT_LE(own.mean, own.largest);
+  EXPECT_EQ(networks[1].learning_errors().rows, set.rows());
+}
+
+TEST(TrainApi, RefusesWhatCannotTrain) {
+  const SmallFile file("sweep.toml", sweep_text);
+  Set set = Sweep(file.path()).generate(3);
+  EXPECT_THAT(message_of([&] { train(set, {.networks = {"40-5-1"}}); }), HasSubstr("network: 40-5-1"));
+  EXPECT_THAT(message_of([&] { train(set, {.networks = {"42-5-1"}, .schedule = "never"}); }), HasSubstr("schedule"));
+  EXPECT_THAT(message_of([&] { train(set, {.networks = {"42-5-1"}, .optimizer = "adam"}); }), HasSubstr("optimizer"));
+  EXPECT_THAT(message_of([&] { train({}, {.networks = {"42-5-1"}}); }), HasSubstr("0 rows"));
+  set.friction.pop_back();
+  EXPECT_THAT(message_of([&] { train(set, {.networks = {"42-5-1"}}); }), HasSubstr("set: "));
+}

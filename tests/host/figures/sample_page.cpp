@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Writes a page with every kind of block, for check_page.py: sample_page FILE.html
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+#include "fem/gap_reference.h"
+#include "host/figures/contact_figure.h"
+#include "host/figures/field_figure.h"
+#include "host/figures/page.h"
+
+namespace {
+
+using namespace tactel;
+using namespace tactel::host;
+
+Figure known_numbers() {
+  return {.panels = {
+              {.title = "panel, \"one\"",
+               .x_label = "time (s)",
+               .y_label = "σ_y (MPa)",
+               .series = {
+                   {.label = "a", .x = {0, 0.5, 1}, .y = {1.5, NAN, -2}},
+                   {.label = "b", .x = {0, 1}, .y = {3, 4}, .mark = Mark::whiskers, .low = {2, 3}, .high = {5, 6}}}}}};
+}
+
+Figure every_mark() {
+  Panel panel{.title = "marks", .x_ticks = {{1, "a long name of a tick"}, {2, "another long name"}}, .log_y = true};
+  for (int mark = 0; mark <= static_cast<int>(Mark::whiskers); ++mark) {
+    const double y = 1.0 + mark;
+    panel.series.push_back({.label = "mark",
+                            .x = {1, 2},
+                            .y = {y, y},
+                            .mark = static_cast<Mark>(mark),
+                            .ink = static_cast<Ink>(mark % 8),
+                            .low = {y - 0.5, y - 0.5},
+                            .high = {y + 0.5, y + 0.5},
+                            .names = {"n", ""}});
+  }
+  return {.panels = {panel,
+                     {.title = "empty"},
+                     {.title = "one point", .series = {{.x = {1}, .y = {1}, .mark = Mark::bars}}}},
+          .columns = 3};
+}
+
+fem::Scene contact() {
+  fem::Scene scene;
+  scene.title = "parabola";
+  scene.load.indentation = {0.15};
+  scene.load.tangential_step = 0.1;
+  return scene;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) return 2;
+  Page page("A page of every block", "for check_page.py");
+  page.verdict("All blocks stand here.");
+  page.finding(Tone::good, "good", "A finding.");
+  page.finding(Tone::poor, "poor",
+               "Another one, with a long text that must wrap on a telephone: " + std::string(200, 'x'));
+  page.section("Numbers");
+  page.paragraph("σ_y is in MPa.");
+  page.figure(known_numbers(), "Known numbers.");
+  page.figure(every_mark(), "Every mark.");
+  PageTable table{.caption = "A wide table", .head = std::vector<std::string>(14, "a column")};
+  for (int row = 0; row < 20; ++row) table.add(std::vector<Cell>(14, Cell("12.345")));
+  page.table(table);
+  page.section("A contact");
+  const fem::Scene scene = contact();
+  const fem::ContactSolution solution = fem::solve_gap_reference(scene);
+  page.contact(scene, solution, telling_step(solution));
+  const fem::StressField field = fem::stress_field(scene.sensor, solution.steps.back());
+  page.figure({.panels = {field_panel(field, field.stress.row(1), "σ_y", "MPa", {-10, 10})}}, "A map.");
+  std::ofstream(argv[1], std::ios::binary) << page.html();
+}

@@ -1,0 +1,278 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The Python package against laws, the program and itself: python3 -m unittest with PYTHONPATH=build/python."""
+
+import ast
+import json
+import os
+import pathlib
+import pickle
+import select
+import subprocess
+import tempfile
+import threading
+import unittest
+
+import numpy as np
+import tactel
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PROGRAM = os.environ["TACTEL_PROGRAM"]
+PARABOLA = tactel.Scene(tactel.Sensor(), tactel.Parabola(radius=10), friction=0.5, load=tactel.Press(0.15).drag(0.05, steps=8))
+
+
+class Values(unittest.TestCase):
+    def test_fields_are_those_of_the_constructor(self):
+        sensor = tactel.Sensor(thickness=2.0, poisson=0.3, tactels=8)
+        self.assertEqual((sensor.length, sensor.thickness, sensor.poisson, sensor.tactels), (20.0, 2.0, 0.3, 8))
+        self.assertEqual(sensor.with_(young=3.0).young, 3.0)
+        self.assertEqual(sensor.young, 2.0)
+        self.assertEqual(sensor, tactel.Sensor(20.0, 2.0, 2.0, 0.3, 8))
+        self.assertNotEqual(sensor, tactel.Sensor())
+
+    def test_a_wrong_field_is_named(self):
+        with self.assertRaisesRegex(TypeError, "no field raduis; its fields: radius"):
+            tactel.Parabola(3).with_(raduis=4)
+        with self.assertRaises(AttributeError):
+            PARABOLA.friction = 0.1  # a copy that would be lost elsewhere
+
+    def test_survives_pickling(self):
+        scene = PARABOLA.with_(indenter=tactel.Indenter(tactel.Taylor([1, 3], scale=10), position=1.5))
+        self.assertEqual(pickle.loads(pickle.dumps(scene)), scene)
+
+    def test_shows_itself(self):
+        self.assertEqual(repr(tactel.Wedge(150)), "Wedge(edge_angle=150.0)")
+
+    def test_profile_of_a_function(self):
+        profile = tactel.Profile.sampled(lambda x: x * x / 20, -2, 2, points=5)
+        self.assertEqual(profile.x, [-2, -1, 0, 1, 2])
+        self.assertEqual(profile.y, [0.2, 0.05, 0, 0.05, 0.2])
+
+
+class Errors(unittest.TestCase):
+    def test_names_key_and_range(self):
+        with self.assertRaises(tactel.InputError) as raised:
+            tactel.solve(PARABOLA.with_(sensor=tactel.Sensor(poisson=0.7)))
+        self.assertIn("poisson", raised.exception.place)
+        self.assertIn("0.7", raised.exception.problem)
+        self.assertIn("poisson", str(raised.exception))
+        self.assertIsInstance(raised.exception, ValueError)
+
+    def test_many_name_the_scene(self):
+        with self.assertRaisesRegex(tactel.InputError, "2"):
+            tactel.solve_many([PARABOLA, PARABOLA, PARABOLA.with_(friction=-1)])
+
+    def test_a_file_that_is_not_there(self):
+        for call in (tactel.read_scene, tactel.Sweep, tactel.read_set, tactel.SlipEstimator.load):
+            with self.assertRaisesRegex(tactel.InputError, "/no/such"):
+                call("/no/such/file")
+
+
+class Solve(unittest.TestCase):
+    def test_equals_the_program(self):
+        path = tactel.solve(tactel.read_scene(str(ROOT / "examples/flat.toml")))
+        answer = json.loads(subprocess.run([PROGRAM, "solve", str(ROOT / "examples/flat.toml"), "--json", "-"], check=True,
+                                           capture_output=True, text=True).stdout)
+        self.assertEqual(path.P.tolist(), [step["P"] for step in answer["steps"]])
+        self.assertEqual(path.tactels.shear.tolist(), [step["tau_xy"] for step in answer["steps"]])
+        self.assertEqual(path.tactel_x.tolist(), answer["tactel_x"])
+        self.assertEqual(path.model, answer["model"])
+
+    def test_obeys_coulomb_and_balance(self):
+        sensor = tactel.Sensor(length=20, tactels=400, tactel_width=0.05, tactel_span=19.95)
+        path = tactel.solve(PARABOLA.with_(sensor=sensor))
+        self.assertTrue(path.converged.all())
+        self.assertTrue((np.abs(path.Q) <= 0.5 * path.P * (1 + 1e-6)).all())
+        np.testing.assert_allclose(path.slip_index, path.Q / (0.5 * path.P), rtol=1e-12)
+        # Tactels side by side measure the whole base: their mean stresses sum to the forces. The end tactels hold an
+        # integrable singularity.
+        np.testing.assert_allclose(-path.tactels.normal.sum(axis=1) * 0.05, path.P, rtol=5e-3)
+        np.testing.assert_allclose(path.tactels.shear.sum(axis=1) * 0.05, path.Q, atol=5e-3 * path.P.max())
+
+    def test_many_are_the_same_as_one_by_one(self):
+        scenes = [PARABOLA.with_(friction=mu) for mu in (0.2, 0.5, 0.9)]
+        many = tactel.solve_many(scenes, precision="fp64", rung="patch-12")
+        for i, scene in enumerate(scenes):
+            one = tactel.solve(scene, precision="fp64", rung="patch-12")
+            np.testing.assert_array_equal(many.P[i], one.P)
+            np.testing.assert_array_equal(many.tactels.normal[i], one.tactels.normal)
+
+    def test_arrays_are_views_that_keep_their_owner(self):
+        many = tactel.solve_many([PARABOLA])
+        p = many.P
+        self.assertIs(p.base, many)
+        self.assertEqual(p.__array_interface__["data"], many.P.__array_interface__["data"])
+        expected = p.copy()
+        del many
+        np.testing.assert_array_equal(p, expected)
+
+    def test_keeps_what_is_asked_for(self):
+        frames = tactel.solve_many([PARABOLA] * 2, keep="tactels")
+        self.assertEqual((frames.shape, frames.dtype), ((2, 9, 42), np.float32))
+        self.assertEqual(tactel.solve_many([PARABOLA] * 2, keep="slip_index").shape, (2, 9))
+
+    def test_other_threads_run_meanwhile(self):
+        counted, done = [0], threading.Event()
+
+        def count():
+            while not done.is_set():
+                counted[0] += 1
+                done.wait(0.001)
+
+        tactel.solve(PARABOLA)  # the kernel is compiled
+        thread = threading.Thread(target=count)
+        thread.start()
+        before = counted[0]
+        tactel.solve(PARABOLA.with_(sensor=tactel.Sensor(mesh=tactel.Mesh(columns=81, rows=17))), solver="reference")
+        after = counted[0]
+        done.set()
+        thread.join()
+        self.assertGreater(after - before, 3)
+
+    def test_progress_is_told_and_may_stop(self):
+        told = []
+        tactel.solve_many([PARABOLA] * 40, progress=lambda done, total: told.append((done, total)))
+        self.assertEqual(told[-1], (40, 40))
+
+        def fail(done, total):
+            raise RuntimeError("enough")
+
+        with self.assertRaisesRegex(RuntimeError, "enough"):
+            tactel.solve_many([PARABOLA] * 40, progress=fail)
+
+
+SWEEP = """[sweep]
+contacts = 60
+seed = 3
+[sensor]
+tactel_span = 18.0
+[indenter]
+shape = "parabola"
+radius = { uniform = [5, 50] }
+[contact]
+friction = { uniform = [0.2, 0.8] }
+[load]
+indentation = 0.15
+tangential_step = 0.05
+tangential_steps = 5
+"""
+
+
+class SetsAndNetworks(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.path = pathlib.Path(cls.folder.name) / "sweep.toml"
+        cls.path.write_text(SWEEP)
+        cls.sweep = tactel.Sweep(cls.path)
+        cls.set = cls.sweep.generate()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def test_batches_are_the_set(self):
+        self.assertEqual(len(self.sweep), 60)
+        frames, s = [], []
+        for batch, answer in self.sweep.batches(25):
+            frames.append(batch)
+            s.append(answer)
+            if sum(map(len, s)) >= len(self.set):
+                break
+        np.testing.assert_array_equal(np.concatenate(frames)[:len(self.set)], self.set.frames)
+        np.testing.assert_array_equal(np.concatenate(s)[:len(self.set)], self.set.slip_index)
+
+    def test_another_seed_is_another_set(self):
+        frames, _ = next(self.sweep.batches(60, seed=4))
+        self.assertFalse(np.array_equal(frames[:10], self.set.frames[:10]))
+
+    def test_is_the_set_of_the_program(self):
+        output = pathlib.Path(self.folder.name) / "set.h5"
+        subprocess.run([PROGRAM, "generate", str(self.path), "--output", str(output), "--quiet"], check=True)
+        np.testing.assert_array_equal(tactel.read_set(str(output)).frames, self.set.frames)
+
+    def test_scenes_of_a_sweep_can_be_solved(self):
+        scene = self.sweep.scene(7)
+        rows = self.set.contact == 7  # the end of the pressing, then the drags
+        np.testing.assert_allclose(tactel.solve(scene).slip_index, self.set.slip_index[rows], atol=1e-3)
+
+    def test_columns_are_views(self):
+        self.assertIs(self.set.frames.base, self.set)
+        self.assertEqual(self.set.frames.shape, (len(self.set), 42))
+
+    def test_networks_learn_and_travel(self):
+        nets = tactel.train(self.set, layers=(42, 21, 1), seeds=2, scaling="frame", cycles=200)
+        self.assertEqual([net.seed for net in nets], [1, 2])
+        s = nets[0](self.set.frames)
+        mean = float(np.abs(s - self.set.slip_index).mean())
+        self.assertLess(mean, 0.5 * float(np.abs(self.set.slip_index - self.set.slip_index.mean()).mean()))
+        self.assertAlmostEqual(mean, nets[0].errors(self.set).mean, places=6)
+        file = str(pathlib.Path(self.folder.name) / "slip.onnx")
+        nets[0].to_onnx(file)
+        loaded = tactel.SlipEstimator.load(file)
+        np.testing.assert_array_equal(loaded(self.set.frames), s)
+        self.assertEqual(loaded(self.set.frames[0]), float(s[0]))
+        self.assertEqual(loaded(self.set.frames.reshape(-1, 1, 42)).shape, (len(self.set), 1))
+        broken = self.set.frames[0].copy()
+        broken[3] = np.nan
+        self.assertTrue(np.isnan(loaded(broken)))
+        self.assertEqual(loaded.status(broken[None]).tolist(), [2])
+        with self.assertRaisesRegex(tactel.InputError, "42"):
+            loaded(np.zeros(41, np.float32))
+
+    def test_own_arrays_make_a_set(self):
+        own = tactel.Set(self.set.frames.astype(float), self.set.slip_index)
+        np.testing.assert_array_equal(own.frames, self.set.frames)
+        with self.assertRaises(tactel.InputError):
+            tactel.Set(np.zeros((3, 42)), np.zeros(4))
+
+
+class Sensors(unittest.TestCase):
+    def test_frames_come_in_order_and_wake_select(self):
+        with tactel.open_sensor(f"simulate:{ROOT}/examples/parabola.toml?rate=500") as stream:
+            self.assertEqual(stream.inputs, 42)
+            self.assertTrue(select.select([stream], [], [], 5)[0])
+            numbers = []
+            for frame in stream:
+                self.assertEqual(frame.stress.shape, (42,))
+                np.testing.assert_array_equal(np.asarray(frame), frame.stress)
+                numbers.append(frame.number)
+                if len(numbers) == 20:
+                    break
+            self.assertEqual(numbers, list(range(20)))
+        with self.assertRaisesRegex(tactel.InputError, "closed"):
+            stream.read()
+
+
+class Stubs(unittest.TestCase):
+    """The types name what is there, and all of it."""
+
+    def setUp(self):
+        tree = ast.parse((pathlib.Path(tactel.__file__).parent / "__init__.pyi").read_text())
+        self.classes = {node.name: {item.name for item in node.body if isinstance(item, ast.FunctionDef)}
+                        for node in tree.body if isinstance(node, ast.ClassDef)}
+        self.functions = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
+
+    def test_every_public_name_has_types(self):
+        public = set(tactel.__all__) - {"bonded"}
+        self.assertEqual(public - set(self.classes) - self.functions, set())
+        self.assertEqual({name for name in self.functions | set(self.classes) if not name.startswith("_")} - public, set())
+
+    def test_members_agree(self):
+        for name, typed in self.classes.items():
+            if name.startswith("_"):
+                continue
+            there = {member for member in dir(getattr(tactel, name)) if not member.startswith("_")}
+            there -= {"with_", "place", "problem", "fix", "add_note", "args", "with_traceback", "name", "value", "path"}
+            typed = {member for member in typed if not member.startswith("_")}
+            if name in ("Element", "StressRecovery"):
+                continue
+            self.assertEqual(there, typed, name)
+
+    def test_everything_is_documented(self):
+        for name in tactel.__all__:
+            if name != "bonded" and not name.endswith(("Error", "Cancelled")):
+                self.assertTrue(getattr(tactel, name).__doc__, name)
+
+
+if __name__ == "__main__":
+    unittest.main()
