@@ -3,7 +3,6 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
-
 #include <tactel/progress.h>
 
 #include <cstdint>
@@ -22,15 +21,15 @@ void bind_sweeps(py::module_& module);
 void bind_networks(py::module_& module);
 void bind_sources(py::module_& module);
 
-/// Returns the numbers of a vector as an array [shape] without a copy. `owner` holds the vector, and lives as long as the
-/// array.
+/// Returns the numbers of a vector as an array [shape] without a copy. `owner` holds the vector, and lives as long as
+/// the array.
 template <class Number>
 py::array_t<Number> view(const std::vector<Number>& numbers, const std::vector<py::ssize_t>& shape, py::handle owner) {
   return py::array_t<Number>(shape, numbers.data(), owner);
 }
 
-/// Calls a Python function (done, all), or nothing, from a computation without the interpreter lock. Ctrl-C cancels, and
-/// so does an exception of the function: `check` raises it.
+/// Calls a Python function (done, all), or nothing, from a computation without the interpreter lock. Ctrl-C cancels,
+/// and so does an exception of the function: `check` raises it.
 class PythonProgress {
  public:
   explicit PythonProgress(py::object function) : function_(std::move(function)) {}

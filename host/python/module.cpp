@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/python/bindings.h"
-
 #include <tactel/error.h>
 #include <tactel/infer.h>
 
+#include "host/python/bindings.h"
+
 namespace tactel::python {
 
-// The interpreter's error indicator belongs to the calling thread, in which a ProgressFunction is called: it survives until run().
+// The interpreter's error indicator belongs to the calling thread, in which a ProgressFunction is called: it survives
+// until run().
 bool PythonProgress::operator()(std::uint64_t done, std::uint64_t all) const {
   const py::gil_scoped_acquire held;
   if (PyErr_CheckSignals() != 0) return false;
@@ -25,11 +26,11 @@ void bind_errors(py::module_& module) {
   // A ValueError too: what Python's own functions raise for a wrong value.
   const py::tuple bases = py::make_tuple(base, py::handle(PyExc_ValueError));
   // Never freed: the interpreter may be gone when the library is unloaded.
-  static const py::handle input =
-      PyErr_NewExceptionWithDoc("tactel.InputError",
-                                "A file, value or call that cannot be used. place: file and line, or key; problem: the value; fix: "
-                                "what is allowed.",
-                                bases.ptr(), nullptr);
+  static const py::handle input = PyErr_NewExceptionWithDoc(
+      "tactel.InputError",
+      "A file, value or call that cannot be used. place: file and line, or key; problem: the value; fix: "
+      "what is allowed.",
+      bases.ptr(), nullptr);
   module.attr("InputError") = input;
   static py::exception<HardwareError> hardware(module, "HardwareError", base);
   static py::exception<Cancelled> cancelled(module, "Cancelled", base);

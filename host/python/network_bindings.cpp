@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/python/bindings.h"
-
 #include <tactel/train.h>
 
 #include <algorithm>
 #include <utility>
+
+#include "host/python/bindings.h"
 
 namespace tactel::python {
 namespace {
@@ -40,28 +40,33 @@ py::array_t<std::uint32_t> statuses(const SlipEstimator& network, const Frames& 
   std::vector<Answer> answers;
   estimate(network, frames, answers);
   py::array_t<std::uint32_t> all(leading_shape(frames));
-  std::ranges::transform(answers, all.mutable_data(), [](const Answer& a) { return static_cast<std::uint32_t>(a.status); });
+  std::ranges::transform(answers, all.mutable_data(),
+                         [](const Answer& a) { return static_cast<std::uint32_t>(a.status); });
   return all;
 }
-
 
 }  // namespace
 
 void bind_networks(py::module_& m) {
-  py::class_<SlipEstimator>(m, "SlipEstimator", "A loaded network: frames to S. It never changes: threads may share it.")
+  py::class_<SlipEstimator>(m, "SlipEstimator",
+                            "A loaded network: frames to S. It never changes: threads may share it.")
       .def_static("load", &SlipEstimator::load, "path"_a, "Loads a network file (ONNX) that tactel wrote.")
       .def("__call__", &call, "frames"_a,
-           "Returns S of a frame [2 tactels], or of frames [..., 2 tactels] as fp32. MPa, normal stresses (compression < 0) "
+           "Returns S of a frame [2 tactels], or of frames [..., 2 tactels] as fp32. MPa, normal stresses (compression "
+           "< 0) "
            "first, then shear. NaN where there is no answer.")
-      .def("status", &statuses, "frames"_a, "Returns the status of each answer: 0 ok, 1 no stress, 2 not finite, 3 overflow.")
+      .def("status", &statuses, "frames"_a,
+           "Returns the status of each answer: 0 ok, 1 no stress, 2 not finite, 3 overflow.")
       .def("metadata", &SlipEstimator::metadata, "key"_a, "Returns an entry of the file; empty where there is none.")
       .def_property_readonly("inputs", &SlipEstimator::inputs, "numbers of a frame: 2 tactels")
       .def_property_readonly("topology", &SlipEstimator::topology, "\"42-42-21-1\"")
-      .def("__repr__", [](const SlipEstimator& network) { return "<tactel.SlipEstimator " + network.topology() + ">"; });
+      .def("__repr__",
+           [](const SlipEstimator& network) { return "<tactel.SlipEstimator " + network.topology() + ">"; });
   py::class_<Network>(m, "Network", "A trained network with its origin.")
       .def_static("load", &Network::load, "path"_a, "Loads a network file (ONNX) that tactel wrote.")
-      .def("__call__", [](const Network& network, const Frames& frames) { return call(network.estimator(), frames); }, "frames"_a,
-           "Returns S of a frame [2 tactels], or of frames [..., 2 tactels] as fp32; see SlipEstimator.")
+      .def(
+          "__call__", [](const Network& network, const Frames& frames) { return call(network.estimator(), frames); },
+          "frames"_a, "Returns S of a frame [2 tactels], or of frames [..., 2 tactels] as fp32; see SlipEstimator.")
       .def("to_onnx", &Network::to_onnx, "path"_a, "Writes the network file.")
       .def_property_readonly("estimator", &Network::estimator)
       .def_property_readonly("topology", &Network::topology)
@@ -69,10 +74,13 @@ void bind_networks(py::module_& m) {
       .def_property_readonly("noise", &Network::noise)
       .def_property_readonly("cycles", &Network::cycles)
       .def_property_readonly("learning_errors", &Network::learning_errors)
-      .def("errors", [](const Network& network, const Set& set) {
-             const py::gil_scoped_release released;
-             return errors(network.estimator(), set);
-           }, "set"_a, "Returns the errors |S - S of the set| on a set.")
+      .def(
+          "errors",
+          [](const Network& network, const Set& set) {
+            const py::gil_scoped_release released;
+            return errors(network.estimator(), set);
+          },
+          "set"_a, "Returns the errors |S - S of the set| on a set.")
       .def("__repr__", [](const Network& network) {
         return "<tactel.Network " + network.topology() + ", seed " + std::to_string(network.seed()) + ">";
       });
@@ -88,8 +96,9 @@ void bind_networks(py::module_& m) {
   m.def(
       "_train",
       [](const Set& set, std::vector<std::string> networks, std::uint64_t seeds, std::uint64_t first_seed,
-         std::vector<double> noises, std::string scaling, std::string schedule, std::string optimizer, std::optional<int> cycles,
-         std::optional<int> batch, std::optional<double> rate, std::string device, py::object progress) {
+         std::vector<double> noises, std::string scaling, std::string schedule, std::string optimizer,
+         std::optional<int> cycles, std::optional<int> batch, std::optional<double> rate, std::string device,
+         py::object progress) {
         TrainOptions options;
         options.networks = std::move(networks);
         options.seeds = seeds;
@@ -105,8 +114,8 @@ void bind_networks(py::module_& m) {
         const PythonProgress told(std::move(progress));
         return told.run([&](const ProgressFunction& p) { return train(set, options, p); });
       },
-      "set"_a, "networks"_a, "seeds"_a, "first_seed"_a, "noises"_a, "scaling"_a, "schedule"_a, "optimizer"_a, "cycles"_a,
-      "batch"_a, "rate"_a, "device"_a, "progress"_a);
+      "set"_a, "networks"_a, "seeds"_a, "first_seed"_a, "noises"_a, "scaling"_a, "schedule"_a, "optimizer"_a,
+      "cycles"_a, "batch"_a, "rate"_a, "device"_a, "progress"_a);
 }
 
 }  // namespace tactel::python

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/python/bindings.h"
-
 #include <tactel/scene.h>
 
 #include <utility>
 #include <variant>
+
+#include "host/python/bindings.h"
 
 namespace tactel::python {
 namespace {
@@ -12,7 +12,8 @@ namespace {
 using namespace pybind11::literals;
 
 /// An indenter, or its shape alone in the middle of the array.
-using AnyIndenter = std::variant<Indenter, Parabola, Flat, Wedge, Cylinder, Exponential, Trapezoid, RoundedFlat, Taylor, Profile>;
+using AnyIndenter =
+    std::variant<Indenter, Parabola, Flat, Wedge, Cylinder, Exponential, Trapezoid, RoundedFlat, Taylor, Profile>;
 
 Indenter indenter_of(AnyIndenter any) {
   return std::visit(
@@ -34,7 +35,8 @@ std::vector<double> list_of(Targets targets) {
 }
 
 template <class Value>
-py::class_<Value> value_class(py::module_& module, const char* name, const char* doc, std::initializer_list<const char*> fields) {
+py::class_<Value> value_class(py::module_& module, const char* name, const char* doc,
+                              std::initializer_list<const char*> fields) {
   py::class_<Value> bound(module, name, doc);
   py::list names;
   for (const char* field : fields) names.append(field);
@@ -58,28 +60,36 @@ void bind_shapes(py::module_& m) {
       .def(py::init([](double radius) { return Cylinder{radius}; }), "radius"_a = 10.0, "radius: mm.")
       .def_readonly("radius", &Cylinder::radius, "mm");
   value_class<Exponential>(m, "Exponential", "y = height (e^(rate r) - 1).", {"height", "rate"})
-      .def(py::init([](double height, double rate) { return Exponential{height, rate}; }), "height"_a = 0.1,
-           "rate"_a = 0.5, "height: mm; rate: 1/mm.")
+      .def(py::init([](double height, double rate) {
+             return Exponential{height, rate};
+           }),
+           "height"_a = 0.1, "rate"_a = 0.5, "height: mm; rate: 1/mm.")
       .def_readonly("height", &Exponential::height, "mm")
       .def_readonly("rate", &Exponential::rate, "1/mm");
   value_class<Trapezoid>(m, "Trapezoid", "0 up to half_width, then slope (r - half_width).", {"half_width", "slope"})
-      .def(py::init([](double half_width, double slope) { return Trapezoid{half_width, slope}; }), "half_width"_a = 2.0,
-           "slope"_a = 1.0, "half_width: mm; slope: height over distance.")
+      .def(py::init([](double half_width, double slope) {
+             return Trapezoid{half_width, slope};
+           }),
+           "half_width"_a = 2.0, "slope"_a = 1.0, "half_width: mm; slope: height over distance.")
       .def_readonly("half_width", &Trapezoid::half_width, "mm")
       .def_readonly("slope", &Trapezoid::slope, "height over distance");
   value_class<RoundedFlat>(m, "RoundedFlat", "0 up to half_width, then (r - half_width)^2 / (2 radius).",
                            {"half_width", "radius"})
-      .def(py::init([](double half_width, double radius) { return RoundedFlat{half_width, radius}; }),
+      .def(py::init([](double half_width, double radius) {
+             return RoundedFlat{half_width, radius};
+           }),
            "half_width"_a = 2.0, "radius"_a = 10.0, "half_width, radius: mm.")
       .def_readonly("half_width", &RoundedFlat::half_width, "mm")
       .def_readonly("radius", &RoundedFlat::radius, "mm");
   value_class<Taylor>(m, "Taylor", "y = height * sum of coefficients (r / scale)^powers.",
                       {"powers", "scale", "height", "coefficients"})
-      .def(py::init([](std::vector<int> powers, double scale, std::optional<double> height, std::vector<double> coefficients) {
+      .def(py::init([](std::vector<int> powers, double scale, std::optional<double> height,
+                       std::vector<double> coefficients) {
              return Taylor{std::move(powers), scale, height, std::move(coefficients)};
            }),
            "powers"_a = std::vector<int>{1}, "scale"_a = 1.0, "height"_a = py::none(),
-           "coefficients"_a = std::vector<double>{}, "scale: mm; height: mm, None: scale; coefficients: one a power, empty: all 1.")
+           "coefficients"_a = std::vector<double>{},
+           "scale: mm; height: mm, None: scale; coefficients: one a power, empty: all 1.")
       .def_readonly("powers", &Taylor::powers)
       .def_readonly("scale", &Taylor::scale, "mm")
       .def_readonly("height", &Taylor::height, "mm; None: scale")
@@ -116,8 +126,7 @@ void bind_sensor(py::module_& m) {
              return Mesh{columns, rows, grading, element, stress};
            }),
            "columns"_a = 41, "rows"_a = 11, "grading"_a = 4.0, "element"_a = Element::bbar,
-           "stress"_a = StressRecovery::reaction,
-           "columns, rows: nodes; grading: bottom over top row height.")
+           "stress"_a = StressRecovery::reaction, "columns, rows: nodes; grading: bottom over top row height.")
       .def_readonly("columns", &Mesh::columns, "nodes along x")
       .def_readonly("rows", &Mesh::rows, "nodes through the thickness")
       .def_readonly("grading", &Mesh::grading, "bottom row height over top row height")
@@ -131,7 +140,8 @@ void bind_sensor(py::module_& m) {
            }),
            "length"_a = 20.0, "thickness"_a = 1.5, "young"_a = 2.0, "poisson"_a = 0.45, "tactels"_a = 21,
            "tactel_span"_a = py::none(), "tactel_width"_a = 0.0, "mesh"_a = py::none(),
-           "length, thickness, tactel_span, tactel_width: mm; young: MPa; mesh: None for contact on the scene's own patch.")
+           "length, thickness, tactel_span, tactel_width: mm; young: MPa; mesh: None for contact on the scene's own "
+           "patch.")
       .def_readonly("length", &Sensor::length, "mm")
       .def_readonly("thickness", &Sensor::thickness, "mm")
       .def_readonly("young", &Sensor::young, "MPa")
@@ -149,8 +159,13 @@ void bind_load(py::module_& m) {
       .def(py::init([](std::vector<double> indentation, std::vector<double> normal_force, int indentation_steps,
                        std::vector<double> tangential, double tangential_step, std::optional<int> tangential_steps,
                        std::optional<double> angle) {
-             return Load{std::move(indentation), std::move(normal_force), indentation_steps, std::move(tangential),
-                         tangential_step, tangential_steps, angle};
+             return Load{std::move(indentation),
+                         std::move(normal_force),
+                         indentation_steps,
+                         std::move(tangential),
+                         tangential_step,
+                         tangential_steps,
+                         angle};
            }),
            "indentation"_a = std::vector<double>{0.15}, "normal_force"_a = std::vector<double>{},
            "indentation_steps"_a = 1, "tangential"_a = std::vector<double>{}, "tangential_step"_a = 0.0,
@@ -175,7 +190,8 @@ void bind_load(py::module_& m) {
         load.indentation_steps = steps;
         return load;
       },
-      "indentation"_a, "steps"_a = 1, "Returns the load that presses to a depth, or to several in turn (mm), each in equal steps.");
+      "indentation"_a, "steps"_a = 1,
+      "Returns the load that presses to a depth, or to several in turn (mm), each in equal steps.");
   m.def(
       "Force",
       [](Targets normal_force, std::optional<double> angle, int steps) {
@@ -187,7 +203,8 @@ void bind_load(py::module_& m) {
         return load;
       },
       "normal_force"_a, "angle"_a = py::none(), "steps"_a = 1,
-      "Returns the load of a normal force, or of several in turn (N/mm); with an angle (degrees) P and Q = P tan(angle) grow together.");
+      "Returns the load of a normal force, or of several in turn (N/mm); with an angle (degrees) P and Q = P "
+      "tan(angle) grow together.");
 }
 
 }  // namespace
@@ -198,13 +215,16 @@ void bind_scenes(py::module_& m) {
   bind_load(m);
   m.attr("bonded") = bonded;
   value_class<Indenter>(m, "Indenter", "A shape at a position.", {"shape", "position"})
-      .def(py::init([](Shape shape, double position) { return Indenter{std::move(shape), position}; }), "shape"_a,
-           "position"_a = 0.0, "position: mm along the array, 0 in its middle.")
+      .def(py::init([](Shape shape, double position) {
+             return Indenter{std::move(shape), position};
+           }),
+           "shape"_a, "position"_a = 0.0, "position: mm along the array, 0 in its middle.")
       .def_readonly("shape", &Indenter::shape)
       .def_readonly("position", &Indenter::position, "mm along the array");
   value_class<Scene>(m, "Scene", "One contact.", {"sensor", "indenter", "friction", "load", "title"})
       .def(py::init([](Sensor sensor, AnyIndenter indenter, double friction, Load load, std::string title) {
-             return Scene{std::move(title), std::move(sensor), indenter_of(std::move(indenter)), friction, std::move(load)};
+             return Scene{std::move(title), std::move(sensor), indenter_of(std::move(indenter)), friction,
+                          std::move(load)};
            }),
            "sensor"_a = Sensor{}, "indenter"_a = Indenter{}, "friction"_a = 0.5, "load"_a = Load{}, "title"_a = "",
            "friction: mu, or bonded; indenter: an Indenter, or a shape in the middle.")
@@ -214,14 +234,16 @@ void bind_scenes(py::module_& m) {
       .def_readonly("friction", &Scene::friction, "mu; infinite: bonded")
       .def_readonly("load", &Scene::load)
       .def_readonly("title", &Scene::title);
-  m.def("read_scene", &read_scene, "path"_a, "Reads a scene file (TOML). Raises InputError with file, line, key and range.");
+  m.def("read_scene", &read_scene, "path"_a,
+        "Reads a scene file (TOML). Raises InputError with file, line, key and range.");
   m.def(
       "heights",
       [](AnyIndenter indenter, const std::vector<double>& x) {
         const std::vector<double> y = heights(indenter_of(std::move(indenter)), x);
         return py::array_t<double>(static_cast<py::ssize_t>(y.size()), y.data());
       },
-      "indenter"_a, "x"_a, "Returns heights [mm] above the lowest point at places x [mm]; infinite where there is no indenter.");
+      "indenter"_a, "x"_a,
+      "Returns heights [mm] above the lowest point at places x [mm]; infinite where there is no indenter.");
 }
 
 }  // namespace tactel::python

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/python/bindings.h"
-
 #include <tactel/live.h>
 
 #include <utility>
+
+#include "host/python/bindings.h"
 
 namespace tactel::python {
 namespace {
@@ -64,15 +64,16 @@ class Source {
 py::dict counts_of(Source& source) {
   const FrameCounts counts = source.open().counts();
   return py::dict("frames"_a = counts.frames, "lost"_a = counts.lost, "bad"_a = counts.bad,
-                  "resynchronised"_a = counts.resynchronised, "overruns"_a = counts.overruns, "stalls"_a = counts.stalls,
-                  "errors"_a = counts.errors, "reconnects"_a = counts.reconnects);
+                  "resynchronised"_a = counts.resynchronised, "overruns"_a = counts.overruns,
+                  "stalls"_a = counts.stalls, "errors"_a = counts.errors, "reconnects"_a = counts.reconnects);
 }
 
 }  // namespace
 
 void bind_sources(py::module_& m) {
   py::class_<OwnFrame>(m, "Frame", "A frame of a sensor. Networks take it as it is.")
-      .def_property_readonly("stress", &stress_of, "[2 tactels] MPa, fp32: normal stresses (compression < 0), then shear")
+      .def_property_readonly("stress", &stress_of,
+                             "[2 tactels] MPa, fp32: normal stresses (compression < 0), then shear")
       .def("__array__", [](const py::object& self, const py::args&, const py::kwargs&) { return stress_of(self); })
       .def_readonly("number", &OwnFrame::number, "from 0, in the order of decoding")
       .def_readonly("device_time", &OwnFrame::device_time, "s by the device's clock; None without one")
@@ -82,21 +83,26 @@ void bind_sources(py::module_& m) {
       .def("__exit__", [](Source& source, const py::args&) { source.close(); })
       .def("__iter__", [](py::object self) { return self; })
       .def("__next__", &Source::next)
-      .def("read", &Source::read, "seconds"_a = 0.0, "Returns the next frame, waiting up to `seconds`; None where none came.")
-      .def("fileno", [](Source& source) { return source.open().fd(); },
-           "Returns the descriptor that is readable where frames wait, for select and asyncio.")
+      .def("read", &Source::read, "seconds"_a = 0.0,
+           "Returns the next frame, waiting up to `seconds`; None where none came.")
+      .def(
+          "fileno", [](Source& source) { return source.open().fd(); },
+          "Returns the descriptor that is readable where frames wait, for select and asyncio.")
       .def("close", &Source::close)
       .def_property_readonly("finished", [](Source& source) { return source.open().finished(); })
-      .def_property_readonly("inputs", [](Source& source) { return source.open().inputs(); }, "2 tactels")
+      .def_property_readonly(
+          "inputs", [](Source& source) { return source.open().inputs(); }, "2 tactels")
       .def_property_readonly("note", [](Source& source) { return source.open().note(); })
-      .def_property_readonly("counts", &counts_of, "frames, lost, bad, resynchronised, overruns, stalls, errors, reconnects");
+      .def_property_readonly("counts", &counts_of,
+                             "frames, lost, bad, resynchronised, overruns, stalls, errors, reconnects");
   m.def(
       "open_sensor",
       [](const std::string& source, const std::string& profile, const std::string& calibration) {
         return std::make_unique<Source>(source, profile, calibration);
       },
       "source"_a, "profile"_a = "", "calibration"_a = "",
-      "Opens \"usb:glove\", \"usb:VID:PID\" with a profile, \"replay:FILE\" or \"simulate:SCENE.toml?rate=100\". Raises InputError, "
+      "Opens \"usb:glove\", \"usb:VID:PID\" with a profile, \"replay:FILE\" or \"simulate:SCENE.toml?rate=100\". "
+      "Raises InputError, "
       "HardwareError.");
 }
 

@@ -272,7 +272,8 @@ std::string promise_table(const std::vector<Promise>& promises) {
 
 std::string planner_source(const Tradeoff& tradeoff, const std::string& command) {
   std::string out = fmt::format(
-      "// SPDX-License-Identifier: Apache-2.0\n\n// Written by `{}`; do not edit.\n// {}.\n// Device: {}\n#include \"host/contact/planner.h\"\n\n"
+      "// SPDX-License-Identifier: Apache-2.0\n\n// Written by `{}`; do not edit.\n// {}.\n// Device: {}\n#include "
+      "\"host/contact/planner.h\"\n\n"
       "namespace tactel::host {{\n\nstd::span<const MeasuredRung> measured_ladder() {{\n"
       "  static constexpr MeasuredRung rungs[] = {{\n",
       command, tradeoff.mix, tradeoff.device);
