@@ -22,15 +22,22 @@ BaseStress stress_over(const LayerTable& table, double x, double width) {
 BaseStressTable::BaseStressTable(int tactels, std::function<Eigen::RowVectorXd(double)> rows)
     : tactels_(tactels), exact_(std::move(rows)) {}
 
+Eigen::Index BaseStressTable::places(const Sensor& sensor) {
+  return static_cast<Eigen::Index>(std::ceil(sensor.length / sensor.thickness * rows_a_thickness)) + 1;
+}
+
+BaseStressTable::BaseStressTable(const Sensor& sensor, Rows rows)
+    : tactels_(sensor.tactels),
+      left_(-sensor.length / 2),
+      step_(sensor.length / static_cast<double>(rows.rows() - 1)),
+      rows_(std::move(rows)) {}
+
 BaseStressTable::BaseStressTable(const Sensor& sensor, const LayerTable& table)
-    : tactels_(sensor.tactels), left_(-sensor.length / 2) {
+    : BaseStressTable(sensor, Rows(places(sensor), quantities * sensor.tactels)) {
   const double h = sensor.thickness;
-  const auto steps = static_cast<Eigen::Index>(std::ceil(sensor.length / h * rows_a_thickness));
-  step_ = sensor.length / static_cast<double>(steps);
   const Eigen::VectorXd tactel = tactel_positions(sensor);
   const Eigen::Index count = tactel.size();
-  rows_.resize(steps + 1, quantities * count);
-  for (Eigen::Index row = 0; row <= steps; ++row)
+  for (Eigen::Index row = 0; row < rows_.rows(); ++row)
     for (Eigen::Index k = 0; k < count; ++k) {
       const double distance = tactel[k] - (left_ + static_cast<double>(row) * step_);
       const BaseStress s = stress_over(table, distance / h, sensor.tactel_width / h);

@@ -21,8 +21,14 @@ class BaseStressTable {
   /// Of an endless layer.
   BaseStressTable(const Sensor& sensor, const LayerTable& table);
 
+  /// Of rows as rows() returned them.
+  BaseStressTable(const Sensor& sensor, Rows rows);
+
   /// Of `rows(x)` [4 tactels] at every x, without a table.
   BaseStressTable(int tactels, std::function<Eigen::RowVectorXd(double x)> rows);
+
+  /// Returns the rows of a table for this sensor.
+  static Eigen::Index places(const Sensor& sensor);
 
   /// Adds `rows(x)` [4 tactels], what the free sides change, to the row at x, mm along the array.
   void add(const std::function<Eigen::RowVectorXd(double x)>& rows);

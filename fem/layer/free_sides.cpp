@@ -8,6 +8,7 @@
 
 #include "fem/block.h"
 #include "fem/layer/between_nodes.h"
+#include "fem/mesh.h"
 
 namespace tactel::fem {
 namespace {
@@ -101,19 +102,37 @@ TactelWeights tactel_weights(const SideDifference& difference, const Sensor& sen
 
 FreeSides::FreeSides(std::shared_ptr<const Ends> ends) : ends_(std::move(ends)) {}
 
-FreeSides::FreeSides(const SideDifference& difference, double length) : left_(-length / 2) {
+namespace {
+
+/// Rows of a table over `length` for nodes that are `spacing` apart, both mm.
+Eigen::Index places_over(double length, double spacing) {
+  return static_cast<Eigen::Index>(std::ceil(length / spacing * rows_a_node)) + 1;
+}
+
+}  // namespace
+
+Eigen::Index FreeSides::places(const Sensor& side_block, double length) {
+  const Eigen::VectorXd x = surface_positions(side_block);
+  return places_over(length, x[2] - x[1]);  // x[0] is the end, where a SideDifference has no node
+}
+
+FreeSides::FreeSides(double length, Rows rows, Modes sign)
+    : left_(-length / 2),
+      step_(length / static_cast<double>(rows.rows() - 1)),
+      rows_(std::move(rows)),
+      sign_(std::move(sign)) {}
+
+FreeSides::FreeSides(const SideDifference& difference, double length)
+    : FreeSides(length, Rows::Zero(places_over(length, difference.x[1] - difference.x[0]), 2 * rank),
+                Modes::Zero(rank)) {
   const LowRank low = largest_modes(difference.compliance, end_weights(difference));
   const Eigen::Index nodes = difference.x.size();
   Eigen::MatrixXd at_nodes(nodes, 2 * rank);
   at_nodes << low.vectors(Eigen::seq(1, Eigen::last, 2), Eigen::all),
       low.vectors(Eigen::seq(0, Eigen::last, 2), Eigen::all);
-  const double spacing = difference.x[1] - difference.x[0];
-  const auto steps = static_cast<Eigen::Index>(std::ceil(length / spacing * rows_a_node));
-  step_ = length / static_cast<double>(steps);
   const ToBlock to_block(block_length(difference), length);
-  rows_ = Rows::Zero(steps + 1, 2 * rank);
   sign_ = low.sign;
-  for (Eigen::Index row = 0; row <= steps; ++row)
+  for (Eigen::Index row = 0; row < rows_.rows(); ++row)
     if (const auto place = to_block(left_ + static_cast<double>(row) * step_))
       rows_.row(row) = between_nodes(difference.x, at_nodes, place->x);
 }

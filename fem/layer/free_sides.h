@@ -38,6 +38,13 @@ class FreeSides {
   /// The sides of a sensor of this length, mm, from the block that side_block gives for it.
   FreeSides(const SideDifference& difference, double length);
 
+  /// Of rows and signs as rows() and sign() returned them.
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  FreeSides(double length, Rows rows, Modes sign);
+
+  /// Returns the rows of a sensor of this length, mm, by the block that side_block gives for it.
+  static Eigen::Index places(const Sensor& side_block, double length);
+
   /// Sides in that form.
   explicit FreeSides(std::shared_ptr<const Ends> ends);
 
@@ -51,7 +58,6 @@ class FreeSides {
   double between(const Modes& to, const Modes& by) const;
 
   /// [places, 2 rank]: v_y of every mode, then v_x; the first at `left`, `step` apart.
-  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const Rows& rows() const { return rows_; }
   double left() const { return left_; }
   double step() const { return step_; }

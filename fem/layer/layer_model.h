@@ -25,9 +25,9 @@ void require_sensor_of(const LayerModel& model, const Sensor& sensor);
 /// Longest sensor that has tables, in thicknesses.
 inline constexpr double longest_sensor = 200;
 
-/// Returns the tables of a sensor with its free sides: one condensation of a block, through the cache. Throws
-/// ValueError for an invalid sensor, or one longer than `longest_sensor`. The last model is kept: asking for it again
-/// costs a copy. Threads may call it at the same time.
+/// Returns the tables of a sensor with its free sides: one condensation of a block. Block and tables are kept in files
+/// of the cache (array_cache.h), with the same bits. Throws ValueError for an invalid sensor, or one longer than
+/// `longest_sensor`. The last model is kept: asking for it again costs a copy. Threads may call it at the same time.
 LayerModel layer_model(const Sensor& sensor, const std::filesystem::path& cache_directory = default_cache_directory());
 
 /// The sensor without free sides: part of an endless layer.

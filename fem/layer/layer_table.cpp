@@ -31,9 +31,16 @@ double log_integral(double from, double to) { return to * std::log(to) - to - (f
 
 }  // namespace
 
+Eigen::Index LayerTable::cells_over(double range) {
+  return static_cast<Eigen::Index>(std::ceil(range * cells_a_thickness));
+}
+
+LayerTable::LayerTable(double poisson, Coefficients coefficients)
+    : poisson_(poisson), coefficients_(std::move(coefficients)) {}
+
 LayerTable::LayerTable(double poisson, double range) : poisson_(poisson) {
   const LayerKernels kernels(poisson);
-  const auto cells = static_cast<Eigen::Index>(std::ceil(range * cells_a_thickness));
+  const Eigen::Index cells = cells_over(range);
   coefficients_.resize(cells, 4 * functions);
   LayerKernelValues left = kernels.at(0);
   for (Eigen::Index cell = 0; cell < cells; ++cell) {

@@ -31,8 +31,18 @@ class LayerTable {
     functions
   };
 
+  /// [cells, 4 functions]: with q = 24 x / h - cell in [0, 1], a function is c0 + q (c1 + q (c2 + q c3)); its
+  /// four coefficients stand side by side.
+  using Coefficients = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+  /// Returns the cells of a table of this range, in units of h.
+  static Eigen::Index cells_over(double range);
+
   /// 0 <= poisson <= 1/2; `range` in units of h.
   explicit LayerTable(double poisson, double range = default_range);
+
+  /// Of coefficients as coefficients() returned them.
+  LayerTable(double poisson, Coefficients coefficients);
 
   /// Returns sum of weights[k] tables[k], all of one range: the table of `poisson` between theirs.
   static LayerTable blend(double poisson, std::span<const LayerTable* const> tables, std::span<const double> weights);
@@ -40,9 +50,6 @@ class LayerTable {
   double poisson() const { return poisson_; }
   Eigen::Index cells() const { return coefficients_.rows(); }
 
-  /// [cells, 4 functions]: with q = 24 x / h - cell in [0, 1], a function is c0 + q (c1 + q (c2 + q c3)); its
-  /// four coefficients stand side by side.
-  using Coefficients = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const Coefficients& coefficients() const { return coefficients_; }
 
   /// Returns R at any x, in units of h. Beyond the range the layer does not move (its kernels fall like

@@ -24,6 +24,7 @@
 
 #include "host/support/bounded_file.h"
 #include "host/support/checksum.h"
+#include "host/support/durable_file.h"
 #include "host/support/exit_code.h"
 
 namespace tactel::host {
@@ -35,6 +36,7 @@ using namespace std::chrono_literals;
 constexpr const char* list_name = "sealed";
 constexpr const char* lock_name = "compiling";
 constexpr const char* presence_name = "processes";
+constexpr const char* programs_name = "programs";                 // a folder that PoCL does not know
 constexpr auto patience = 60s;                                    // far more than a compilation takes
 constexpr std::uintmax_t largest_file = std::uintmax_t{1} << 30;  // a compiled kernel takes some MB
 
@@ -235,6 +237,34 @@ CompileCache::Use::Use(const CompileCache& cache)
 CompileCache::Use::~Use() {
   under_way = nullptr;
   if (lock_ >= 0) ::close(lock_);
+}
+
+namespace {
+
+fs::path program_path(const fs::path& folder, std::string_view key) {
+  return folder / programs_name / (checksum_text(key) + ".binary");
+}
+
+/// What the file of a program begins with.
+std::string program_line(std::string_view key, std::string_view binary) {
+  return fmt::format("tactel program {} {} {}\n", checksum_text(key), binary.size(), checksum_text(binary));
+}
+
+}  // namespace
+
+std::string CompileCache::Use::program(std::string_view key) const {
+  std::string file = content_of(program_path(folder_, key));
+  const std::size_t begin = file.find('\n') + 1;
+  const std::string_view line = std::string_view(file).substr(0, begin), binary = std::string_view(file).substr(begin);
+  return line == program_line(key, binary) ? file.substr(begin) : "";
+}
+
+void CompileCache::Use::keep_program(std::string_view key, std::string_view binary) const noexcept try {
+  if (lock_ < 0) return;
+  const fs::path path = program_path(folder_, key);
+  fs::create_directories(path.parent_path());
+  write_file("cache", path, program_line(key, binary) + std::string(binary));
+} catch (...) {  // the next run builds it from its source
 }
 
 std::string CompileCache::Use::advice() const { return lacks_room(folder_) ? remedy_ : ""; }

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 
 namespace tactel::host {
 
@@ -51,6 +52,14 @@ class CompileCache {
 
     /// Brings new files to the disk and lists them. Failure costs the next run a compilation, nothing else.
     void seal() const noexcept;
+
+    /// Returns the binary that keep_program stored under this key, by any process; empty where there is none, or where
+    /// its file is damaged.
+    std::string program(std::string_view key) const;
+
+    /// Stores the binary of a built program, from which the device builds it again without its compiler. `key`: all
+    /// that it depends on. Failure costs the next run the time of the compiler's front end.
+    void keep_program(std::string_view key, std::string_view binary) const noexcept;
 
     /// Returns what to do where the folder has too little room for a compilation; else nothing.
     std::string advice() const;

@@ -268,6 +268,12 @@ void Compilation::keep() const {
   if (use_) use_->use.seal();
 }
 
+std::string Compilation::program(std::string_view key) const { return use_ ? use_->use.program(key) : ""; }
+
+void Compilation::keep_program(std::string_view key, std::string_view binary) const {
+  if (use_) use_->use.keep_program(key, binary);
+}
+
 std::string Compilation::advice() const { return use_ ? use_->use.advice() : ""; }
 
 }  // namespace tactel::host

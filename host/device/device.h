@@ -88,6 +88,9 @@ class Compilation {
   Compilation& operator=(const Compilation&) = delete;
   /// Stores the compiled kernels for later runs.
   void keep() const;
+  /// The binaries of built programs (CompileCache::Use); none where the user says where kernels are kept.
+  std::string program(std::string_view key) const;
+  void keep_program(std::string_view key, std::string_view binary) const;
   /// Returns a remedy for a failure, where the reason is the cache's disk; else nothing.
   std::string advice() const;
 

@@ -58,6 +58,13 @@ std::string option_text(const Defines& defines) {
   return text;
 }
 
+/// What compiles for a device, and for which processor.
+std::string compiler(const Device& device) {
+  const cl::Platform platform(device.cl_device().getInfo<CL_DEVICE_PLATFORM>());
+  return platform.getInfo<CL_PLATFORM_VERSION>() + "\n" + device.cl_device().getInfo<CL_DEVICE_VERSION>() + "\n" +
+         device.info().name + "\n" + device.info().driver;
+}
+
 }  // namespace
 
 std::string expand_includes(const std::string& name, const std::string& text) {
@@ -74,17 +81,39 @@ struct Program::State {
   cl::Program program;
   mutable std::set<std::string> used;  ///< kernels
 
-  void build() {
-    const BusyMessage busy(device, "compiling " + source + " for this device (once)");
-    const HeldSignals held(HeldSignals::handled);
-    const Compilation compilation;
-    program = cl::Program(device.context(), expand_includes(source, text));
+  /// Builds from a binary, without the compiler's front end. Returns false where the device does not take it.
+  bool load(const std::string& binary) try {
+    if (binary.empty()) return false;
+    const cl::Program::Binaries binaries = {{binary.begin(), binary.end()}};
+    program = cl::Program(device.context(), {device.cl_device()}, binaries);
+    program.build(options.c_str());
+    return true;
+  } catch (const cl::Error&) {
+    return false;
+  }
+
+  void compile(const std::string& expanded, const Compilation& compilation) {
+    program = cl::Program(device.context(), expanded);
     try {
       program.build(options.c_str());
     } catch (const cl::BuildError& error) {
       std::string log;
       for (const auto& [each, lines] : error.getBuildLog()) log += lines;
       throw KernelBuildError(source, options, log + compilation.advice());
+    }
+  }
+
+  void build() {
+    const BusyMessage busy(device, "compiling " + source + " for this device (once)");
+    const HeldSignals held(HeldSignals::handled);
+    const Compilation compilation;
+    const std::string expanded = expand_includes(source, text);
+    const std::string key = compiler(device) + "\n" + options + "\n" + expanded;
+    if (!load(compilation.program(key))) {
+      compile(expanded, compilation);
+      const auto binaries = program.getInfo<CL_PROGRAM_BINARIES>();
+      if (binaries.size() == 1)
+        compilation.keep_program(key, {reinterpret_cast<const char*>(binaries[0].data()), binaries[0].size()});
     }
     compilation.keep();
     device.log(LogLevel::debug, source + " built, " + options);

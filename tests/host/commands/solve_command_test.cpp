@@ -6,10 +6,13 @@
 #include <stdlib.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "fem/gap_reference.h"
 #include "host/scenes/scene_file.h"
+#include "host/support/checksum.h"
 #include "tests/host/support/run_tactel.h"
 
 namespace tactel::host {
@@ -17,6 +20,7 @@ namespace {
 
 using nlohmann::json;
 using testing::HasSubstr;
+using testing::Not;
 
 const std::string parabola = source_file("examples/parabola.toml");
 
@@ -56,6 +60,34 @@ TEST(SolveCommand, JsonHasTheDocumentedKeys) {
   for (const char* key : {"base_force_x", "base_force_y"}) EXPECT_EQ(step[key].size(), answer["base_x"].size()) << key;
   for (const char* key : {"sigma_y", "tau_xy"}) EXPECT_EQ(step[key].size(), 21u) << key;
   EXPECT_EQ(answer["scene"]["sensor"]["element"], "bbar");
+}
+
+/// The only file below `folder` with this extension.
+std::filesystem::path file_below(const std::filesystem::path& folder, const std::string& extension) {
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+    if (entry.path().extension() == extension) return entry.path();
+  return {};
+}
+
+// Tables and binaries of programs are kept between runs. A device that refuses a binary gets the source.
+TEST(SolveCommand, AnswersAlikeWithAndWithoutWhatIsKept) {
+  const OwnCache cache;
+  const std::filesystem::path folder = std::getenv("TACTEL_CACHE_DIR");
+  const auto answer = [] { return run_tactel({"solve", source_file("examples/cylinder.toml"), "--json", "-"}).out; };
+  const std::string cold = answer(), warm = answer();
+  EXPECT_THAT(cold, HasSubstr("patch of"));
+  EXPECT_EQ(warm, cold);
+  EXPECT_NE(file_below(folder, ".tables"), "");
+  const std::filesystem::path kept = file_below(folder, ".binary");
+  ASSERT_NE(kept, "");
+  std::string magic, what, key;
+  std::ifstream(kept) >> magic >> what >> key;
+  const std::string no_binary = "none that a device takes";
+  std::ofstream(kept) << magic << ' ' << what << ' ' << key << ' ' << no_binary.size() << ' '
+                      << checksum_text(no_binary) << '\n'
+                      << no_binary;
+  EXPECT_EQ(answer(), cold);
+  EXPECT_THAT(text_of(kept), Not(HasSubstr(no_binary)));  // stored anew
 }
 
 TEST(SolveCommand, JsonNumbersReadBackToTheSameBits) {

@@ -206,6 +206,44 @@ TEST_F(Cache, DropsWhatAKilledCompilationLeft) {
   EXPECT_TRUE(there("AB/FIRST/program.bc"));
 }
 
+/// The only file of a built program.
+fs::path kept_file(const ScratchFolder& folder) { return fs::directory_iterator(folder / "programs")->path(); }
+
+TEST_F(Cache, KeepsBinariesOfPrograms) {
+  const std::string key = "compiler, options, source", binary = std::string("a\nb\0c", 5);
+  const CompileCache cache(folder());
+  const CompileCache::Use use(cache);
+  EXPECT_EQ(use.program(key), "");
+  use.keep_program(key, binary);
+  EXPECT_EQ(use.program(key), binary);
+  EXPECT_EQ(use.program("another key"), "");
+  use.keep_program("another key", "x");
+  EXPECT_EQ(use.program(key), binary);
+}
+
+TEST_F(Cache, BelievesNoDamagedBinary) {
+  const CompileCache cache(folder());
+  const CompileCache::Use use(cache);
+  use.keep_program("key", "binary");
+  const std::string good = text_of(kept_file(folder_));
+  for (std::size_t k = 0; k < good.size(); ++k) {
+    std::string bad = good;
+    bad[k] = static_cast<char>(bad[k] ^ 1);
+    std::ofstream(kept_file(folder_)) << bad;
+    EXPECT_EQ(use.program("key"), "") << "byte " << k;
+    std::ofstream(kept_file(folder_)) << good.substr(0, k);
+    EXPECT_EQ(use.program("key"), "") << k << " bytes";
+  }
+  // Under the name of another key.
+  std::ofstream(kept_file(folder_)) << good;
+  const fs::path mine = kept_file(folder_);
+  use.keep_program("other", "another binary");
+  for (const auto& entry : fs::directory_iterator(folder_ / "programs"))
+    if (entry.path() != mine) fs::copy_file(mine, entry.path(), fs::copy_options::overwrite_existing);
+  EXPECT_EQ(use.program("other"), "");
+  EXPECT_EQ(use.program("key"), "binary");
+}
+
 TEST(CachePlace, IsTheFirstThatCanBeWritten) {
   const ScratchFolder folder;
   fs::create_directory(folder / "shared");
