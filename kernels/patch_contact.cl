@@ -846,6 +846,7 @@ OUTLINE void certify(Contact *c, const Indenter *in, Certificate *k) {
     const vreal uy = (n_sum - n) * c->per_wy[i];
     const vreal inside = uy - (c->h[i] - in->d);
 #if ENTRIES
+    c->gap_before[i] = c->gap[i];
     c->gap[i] = -inside;
 #endif
     k->penetration = LARGER(inside, k->penetration);
@@ -862,6 +863,7 @@ OUTLINE void certify(Contact *c, const Indenter *in, Certificate *k) {
     const vreal slid = PICK(pressed, fabs(fma(ux, per_wx, -in->x)), ALL_LANES(0));
     c->ux_last[i] = PICK(sticks, c->bt[i], ux);
 #if ENTRIES
+    c->ux_before[i] = c->ux[i];
     c->ux[i] = ux;
 #endif
     k->drift = LARGER(drift, k->drift);
@@ -903,14 +905,13 @@ static inline void set_indenter(Contact *c, const Indenter *in) {
 /* While the indenter presses only, an open element whose gap would close within this increment, `part` of the last change from now, sticks
    from where it would be then. Without that it would stick from where the last increment left it. */
 static inline void touch_within(Contact *c, const Indenter *in, vreal ratio) {
-  const vint presses = in->active & (in->x == in->x_last);
+  const vint presses = in->active & (in->x == in->x_last) & (ratio > 0);
+  if (!ANY(presses)) return;
   for (int i = 0; i < N; ++i) {
     const vreal gap = c->gap[i], closed = c->gap_before[i] - gap;
     const vint closes = presses & NOT(c->n[i] > 0) & (gap > 0) & (gap < ratio * closed);
     const vreal part = PICK(closes, gap / closed, ALL_LANES(0));
     c->ux_last[i] = PICK(closes, fma(part, c->ux[i] - c->ux_before[i], c->ux_last[i]), c->ux_last[i]);
-    c->gap_before[i] = gap;
-    c->ux_before[i] = c->ux[i];
   }
 }
 #endif
