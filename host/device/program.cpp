@@ -58,6 +58,10 @@ std::string option_text(const Defines& defines) {
   return text;
 }
 
+/// PoCL runs the compiler's front end to find out that it knows a program. Other drivers know by themselves, and
+/// oclgrind's reports need the source.
+bool keeps_binaries(const Device& device) { return device.info().platform == "Portable Computing Language"; }
+
 /// What compiles for a device, and for which processor.
 std::string compiler(const Device& device) {
   const cl::Platform platform(device.cl_device().getInfo<CL_DEVICE_PLATFORM>());
@@ -103,17 +107,21 @@ struct Program::State {
     }
   }
 
+  void keep_binary(const Compilation& compilation, const std::string& key) const {
+    const auto binaries = program.getInfo<CL_PROGRAM_BINARIES>();
+    if (binaries.size() != 1) return;
+    compilation.keep_program(key, {reinterpret_cast<const char*>(binaries[0].data()), binaries[0].size()});
+  }
+
   void build() {
     const BusyMessage busy(device, "compiling " + source + " for this device (once)");
     const HeldSignals held(HeldSignals::handled);
     const Compilation compilation;
     const std::string expanded = expand_includes(source, text);
-    const std::string key = compiler(device) + "\n" + options + "\n" + expanded;
-    if (!load(compilation.program(key))) {
+    const std::string key = keeps_binaries(device) ? compiler(device) + "\n" + options + "\n" + expanded : "";
+    if (key.empty() || !load(compilation.program(key))) {
       compile(expanded, compilation);
-      const auto binaries = program.getInfo<CL_PROGRAM_BINARIES>();
-      if (binaries.size() == 1)
-        compilation.keep_program(key, {reinterpret_cast<const char*>(binaries[0].data()), binaries[0].size()});
+      if (!key.empty()) keep_binary(compilation, key);
     }
     compilation.keep();
     device.log(LogLevel::debug, source + " built, " + options);
