@@ -120,10 +120,10 @@ Eigen::Index FreeSides::places(const Sensor& side_block, double length) {
 }
 
 FreeSides::FreeSides(double length, Rows rows, Modes sign)
-    : left_(-length / 2),
+    : sign_(std::move(sign)),
+      left_(-length / 2),
       step_(length / static_cast<double>(rows.rows() - 1)),
-      rows_(std::move(rows)),
-      sign_(std::move(sign)) {}
+      rows_(std::move(rows)) {}
 
 FreeSides::FreeSides(const SideDifference& difference, double length)
     : FreeSides(length, Rows::Zero(places_over(length, difference.x[1] - difference.x[0]), 2 * rank),

@@ -63,9 +63,9 @@ class FreeSides {
   double step() const { return step_; }
 
  private:
+  Modes sign_ = Modes::Zero(rank);
   double left_ = 0, step_ = 1;
   Rows rows_;
-  Modes sign_ = Modes::Zero(rank);
   std::shared_ptr<const Ends> ends_;
 };
 

@@ -110,7 +110,7 @@ LayerModel layer_model(const Sensor& sensor, const std::filesystem::path& cache_
     const std::lock_guard lock(mutex);
     if (last && last->model.sensor == sensor && last->cache_directory == cache_directory) return last->model;
   }
-  auto made = std::make_shared<const KeptModel>(new_layer_model(sensor, cache_directory), cache_directory);
+  auto made = std::make_shared<const KeptModel>(KeptModel{new_layer_model(sensor, cache_directory), cache_directory});
   const std::lock_guard lock(mutex);
   last = made;
   return made->model;

@@ -54,7 +54,7 @@ void expand(std::string_view name, std::string_view text, std::set<std::string, 
 // others; no result is in need of them.
 std::string option_text(const Defines& defines) {
   std::string text = "-cl-std=CL1.2 -cl-denorms-are-zero";
-  for (const auto& [key, value] : defines) text += " -D" + key + "=" + value;
+  for (const auto& [key, value] : defines) text.append(" -D").append(key).append("=").append(value);
   return text;
 }
 
@@ -65,8 +65,11 @@ bool keeps_binaries(const Device& device) { return device.info().platform == "Po
 /// What compiles for a device, and for which processor.
 std::string compiler(const Device& device) {
   const cl::Platform platform(device.cl_device().getInfo<CL_DEVICE_PLATFORM>());
-  return platform.getInfo<CL_PLATFORM_VERSION>() + "\n" + device.cl_device().getInfo<CL_DEVICE_VERSION>() + "\n" +
-         device.info().name + "\n" + device.info().driver;
+  std::string text = platform.getInfo<CL_PLATFORM_VERSION>();
+  for (const std::string& part :
+       {device.cl_device().getInfo<CL_DEVICE_VERSION>(), device.info().name, device.info().driver})
+    text.append("\n").append(part);
+  return text;
 }
 
 }  // namespace
@@ -118,7 +121,8 @@ struct Program::State {
     const HeldSignals held(HeldSignals::handled);
     const Compilation compilation;
     const std::string expanded = expand_includes(source, text);
-    const std::string key = keeps_binaries(device) ? compiler(device) + "\n" + options + "\n" + expanded : "";
+    std::string key;
+    if (keeps_binaries(device)) key.append(compiler(device)).append("\n").append(options).append("\n").append(expanded);
     if (key.empty() || !load(compilation.program(key))) {
       compile(expanded, compilation);
       if (!key.empty()) keep_binary(compilation, key);
