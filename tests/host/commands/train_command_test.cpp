@@ -84,6 +84,20 @@ TEST(TrainCommand, WritesNetworksReportAndFigure) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder / "net"), {}), 10);  // and no checkpoint
 }
 
+TEST(TrainCommand, GoesOnWithoutGnuplot) {
+  const ScratchFolder folder;
+  const std::string path = ::getenv("PATH");
+  ::setenv("PATH", "/nowhere", 1);
+  const ChildResult result = train(folder / "net", {"--network", "3"});
+  ::setenv("PATH", path.c_str(), 1);
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.err, HasSubstr("learning_curves.svg is not drawn"));
+  EXPECT_THAT(result.err, HasSubstr("gnuplot"));
+  EXPECT_TRUE(fs::exists(folder / "net" / "training.json"));
+  EXPECT_EQ(networks_in(folder / "net").size(), 1u);
+  EXPECT_FALSE(fs::exists(folder / "net" / "learning_curves.svg"));
+}
+
 // A network's bits are its own: not its company's.
 TEST(TrainCommand, SixNetworksAreTheDefault) {
   const ScratchFolder folder;
