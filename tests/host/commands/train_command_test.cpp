@@ -18,6 +18,7 @@ using nlohmann::json;
 using tactel::testing::networks_in;
 using tactel::testing::PaperSetFiles;
 using ::testing::HasSubstr;
+using ::testing::Not;
 namespace fs = std::filesystem;
 
 constexpr float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
@@ -96,6 +97,15 @@ TEST(TrainCommand, GoesOnWithoutGnuplot) {
   EXPECT_TRUE(fs::exists(folder / "net" / "training.json"));
   EXPECT_EQ(networks_in(folder / "net").size(), 1u);
   EXPECT_FALSE(fs::exists(folder / "net" / "learning_curves.svg"));
+}
+
+// Underscores in names are no markup of figures.
+TEST(TrainCommand, PageOfARecallNamesIndenters) {
+  const ScratchFolder folder;
+  const std::string page = folder / "recall.html";
+  ASSERT_EQ(run_tactel({"recall", trained() / "set", PaperSetFiles::recall(), "--html", page, "--quiet"}).exit_code, 0);
+  EXPECT_THAT(text_of(page), HasSubstr(R"("rounded\\_flat")"));
+  EXPECT_THAT(text_of(page), Not(HasSubstr(R"("rounded_flat")")));
 }
 
 // A network's bits are its own: not its company's.
