@@ -3,7 +3,7 @@
 """Measures what docs/performance.md shows, and prints its tables; --write puts them between its marks `<!-- table NAME -->`.
 
 Usage: docs/performance.py [--bench build/bench/tactel_bench] [--json FILE] [--write]
---json reads what `tactel_bench --benchmark_format=json` wrote instead of measuring. A minute on an idle machine."""
+--json reads what `tactel_bench --benchmark_format=json` wrote instead of measuring. Half a minute on an idle machine."""
 import argparse
 import json
 import pathlib
@@ -84,7 +84,7 @@ def main():
     if options.json:
         text = options.json.read_text()
     else:
-        command = [options.bench, f"--benchmark_filter={FILTER}", "--benchmark_format=json"]
+        command = [options.bench, f"--benchmark_filter={FILTER}", "--benchmark_format=json", "--benchmark_min_time=0.2"]
         text = subprocess.run(command, check=True, capture_output=True, text=True).stdout
     runs = Runs(text)
     tables = {"machine": runs.machine(), "contacts": "\n".join(contacts(runs)) + "\n",
@@ -92,7 +92,7 @@ def main():
     page = PAGE.read_text()
     for name, table in tables.items():
         print(table)
-        page, found = re.subn(rf"(<!-- table {name} -->\n\n).*?(\n<!-- end -->)", lambda m, t=table: m[1] + t + m[2], page, flags=re.S)
+        page, found = re.subn(rf"(<!-- table {name} -->\n).*?(<!-- end -->)", lambda m, t=table: f"{m[1]}\n{t}\n{m[2]}", page, flags=re.S)
         if found != 1:
             raise SystemExit(f"{PAGE}: has {found} places for the table {name}")
     if options.write:
