@@ -169,9 +169,9 @@ Page recall_page(std::span<const NamedNetwork> networks, std::span<const Network
                  const AnsweredRows& rows, const std::vector<std::string>& indenter_names, const std::string& set) {
   const std::vector<Judged> all = judged(networks, results, rows.frames);
   const Shown shown = Shown(all).first(std::min(best, all.size()));
-  Page page("tactel: networks judged by a set", fmt::format("{} network{} on {} frames of {}, by tactel {}",
-                                                            networks.size(), networks.size() == 1 ? "" : "s",
-                                                            rows.frames.rows(), set, TACTEL_VERSION));
+  Page page("tactel: networks judged by a set",
+            fmt::format("{} network{} on {} frames of {}, by tactel {}", networks.size(),
+                        networks.size() == 1 ? "" : "s", rows.frames.rows(), set, TACTEL_VERSION));
   report_recall_verdict(page, all, rows, indenter_names);
   page.table(network_table(all));
   page.figure(predicted_figure(shown),

@@ -102,8 +102,13 @@ TEST(TrainCommand, GoesOnWithoutGnuplot) {
 // Underscores in names are no markup of figures.
 TEST(TrainCommand, PageOfARecallNamesIndenters) {
   const ScratchFolder folder;
-  const std::string page = folder / "recall.html";
-  ASSERT_EQ(run_tactel({"recall", trained() / "set", PaperSetFiles::recall(), "--html", page, "--quiet"}).exit_code, 0);
+  const std::string sweep = folder.write(
+      "sweep.toml",
+      "[sweep]\ncontacts = 20\n[indenter]\nshape = \"rounded_flat\"\nhalf_width = 1\nradius = 5\n[contact]\nfriction "
+      "= { uniform = [0.2, 0.9] }\n[load]\nindentation = 0.1\ntangential_step = 0.03\ntangential_steps = 3\n");
+  const std::string set = folder / "set.h5", page = folder / "recall.html";
+  ASSERT_EQ(run_tactel({"generate", sweep, "--output", set, "--quiet"}).exit_code, 0);
+  ASSERT_EQ(run_tactel({"recall", trained() / "set", set, "--html", page, "--quiet"}).exit_code, 0);
   EXPECT_THAT(text_of(page), HasSubstr(R"("rounded\\_flat")"));
   EXPECT_THAT(text_of(page), Not(HasSubstr(R"("rounded_flat")")));
 }
