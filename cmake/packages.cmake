@@ -13,21 +13,12 @@ install(FILES scripts/70-tactel.rules DESTINATION lib/udev/rules.d COMPONENT pro
 
 if(TACTEL_PACKAGE)
   find_program(HELP2MAN help2man REQUIRED)
-  set(commands solve generate check train recall monitor record tare reproduce tradeoff extremes devices demo completion)
   set(manual ${PROJECT_BINARY_DIR}/manual)
-  set(pages ${manual}/tactel.1)
-  file(MAKE_DIRECTORY ${manual})
-  set(help2man ${HELP2MAN} --no-info --no-discard-stderr --section=1 --source=tactel "--version-string=${TACTEL_VERSION}")
-  add_custom_command(OUTPUT ${manual}/tactel.1 DEPENDS tactel
-    COMMAND ${help2man} "--name=simulates a tactile skin and detects incipient slip" --output=${manual}/tactel.1 $<TARGET_FILE:tactel>)
-  foreach(command ${commands})
-    add_custom_command(OUTPUT ${manual}/tactel-${command}.1 DEPENDS tactel
-      COMMAND ${help2man} "--name=see tactel(1)" --output=${manual}/tactel-${command}.1 "$<TARGET_FILE:tactel> ${command}" VERBATIM)
-    list(APPEND pages ${manual}/tactel-${command}.1)
-  endforeach()
-  add_custom_command(OUTPUT ${manual}/tactel DEPENDS tactel COMMAND tactel completion > ${manual}/tactel)
-  add_custom_target(tactel_manual ALL DEPENDS ${pages} ${manual}/tactel)
-  install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
+  add_custom_command(OUTPUT ${manual}/tactel.1 DEPENDS tactel ${PROJECT_SOURCE_DIR}/cmake/manual.cmake
+    COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:tactel> -DHELP2MAN=${HELP2MAN} -DVERSION=${TACTEL_VERSION} -DFOLDER=${manual}
+            -P ${PROJECT_SOURCE_DIR}/cmake/manual.cmake)
+  add_custom_target(tactel_manual ALL DEPENDS ${manual}/tactel.1)
+  install(DIRECTORY ${manual}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program FILES_MATCHING PATTERN "*.1")
   install(FILES ${manual}/tactel DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program)
 endif()
 

@@ -9,6 +9,7 @@
 #include "host/api/modelling.h"
 #include "host/api/scene_conversion.h"
 #include "host/api/set_conversion.h"
+#include "host/contact/rung_for_many.h"
 #include "host/scenes/sweep_file.h"
 #include "host/sets/set_production.h"
 #include "host/sets/set_simulator.h"
@@ -29,10 +30,10 @@ class Simulation {
   Simulation(const host::Sweep& sweep, const SweepOptions& options)
       : text_(sweep.text), source_(sweep.source), executor_(host::Device(options.device)) {
     api::check_precision(options.precision);
-    std::vector<fem::Scene> sample;
-    const std::uint64_t count = options.accuracy ? std::min<std::uint64_t>(source_.contacts(), api::sample_size) : 0;
-    for (std::uint64_t k = 0; k < count; ++k) sample.push_back(source_.contact(k * source_.contacts() / count).scene);
-    auto rung = api::rung_for_many(executor_, options.rung, options.accuracy, sample);
+    host::SolveOptions modelling;
+    modelling.rung = options.rung, modelling.accuracy = options.accuracy;
+    auto rung = host::rung_for_many(executor_, modelling, source_.contacts(),
+                                    [&](std::uint64_t k) { return source_.contact(k).scene; });
     if (!rung && source_.model() == fem::SurfaceModel::patch) rung = host::usual_patch();
     host::SetOptions set;
     if (rung) {

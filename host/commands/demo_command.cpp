@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include "host/commands/command.h"
+#include "host/support/child_process.h"
 #include "host/support/durable_file.h"
 #include "host/support/errors.h"
 #include "host/support/interrupt.h"
@@ -83,19 +80,11 @@ int run_shown(const std::vector<std::string>& words) {
   for (const std::string& word : words) shown += " " + (word.find('?') == std::string::npos ? word : "'" + word + "'");
   fmt::print("{}\n", takes_colour(STDOUT_FILENO) ? painted(shown, Colour::green) : shown);
   std::fflush(stdout);
-  std::vector<std::string> copies = words;
-  std::string program = "tactel";
-  std::vector<char*> arguments{program.data()};
-  for (std::string& word : copies) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  pid_t child = 0;
-  if (const int error = posix_spawn(&child, "/proc/self/exe", nullptr, nullptr, arguments.data(), environ); error != 0)
-    throw std::system_error(error, std::generic_category(), "cannot start " + words.front());
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0)
-    if (errno != EINTR) throw std::system_error(errno, std::generic_category(), "cannot wait for " + words.front());
-  if (WIFEXITED(status)) return WEXITSTATUS(status);
-  return WTERMSIG(status) == SIGINT || WTERMSIG(status) == SIGTERM ? interrupted : device_failed;
+  std::vector<std::string> command = {"tactel"};
+  command.insert(command.end(), words.begin(), words.end());
+  const int code = run_attached("/proc/self/exe", command);
+  if (code == 128 + SIGINT || code == 128 + SIGTERM) return interrupted;
+  return code > 128 ? static_cast<int>(device_failed) : code;
 }
 
 int run_demo(const DemoRequest& request) {

@@ -6,8 +6,7 @@
 
 #include "fem/stress_field.h"
 #include "host/commands/shared_options.h"
-#include "host/contact/planner.h"
-#include "host/contact/solve_on_rung.h"
+#include "host/contact/rung_for_many.h"
 #include "host/scenes/sweep_file.h"
 #include "host/sets/set_plan.h"
 #include "host/sets/set_production.h"
@@ -48,25 +47,16 @@ struct Modelling {
 /// The rung that --rung names, or that --accuracy takes for a sample of the contacts.
 Modelling modelling(const GenerateRequest& request, const SceneSource& source, bool quiet) {
   const SolveOptions& solve = request.shared.solve;
-  check_modelling(solve);
-  if (!solve.rung.empty()) {
-    const Rung& rung = rung_named(solve.rung);
-    if (rung.exact)
-      throw ConfigError("command line", "--rung", solve.rung,
-                        "a rung for sets, such as patch-24 or mesh-641: the reference solves single contacts");
-    return {rung};
-  }
+  if (const auto rung = named_rung_for_many(solve)) return {rung};
   if (!solve.accuracy) {
     if (source.model() == fem::SurfaceModel::patch) return {usual_patch()};
     return {};
   }
-  std::vector<fem::Scene> sample;
-  const std::uint64_t count = std::min<std::uint64_t>(source.contacts(), 64);
-  for (std::uint64_t k = 0; k < count; ++k) sample.push_back(source.contact(k * source.contacts() / count).scene);
+  const std::uint64_t count = std::min(source.contacts(), most_tried);
   const StageLine stage(fmt::format("trying rungs on {} contacts", count), quiet);
   Executor executor{Device(solve.device)};
-  const Plan chosen =
-      plan(sample, *solve.accuracy, [&](const Rung& rung) { return solve_on_rung(executor, sample, rung); });
+  const Plan chosen = plan_for_many(executor, *solve.accuracy, source.contacts(),
+                                    [&](std::uint64_t k) { return source.contact(k).scene; });
   if (!quiet) {
     fmt::print(stderr, "{}, in 95 % of {} contacts tried\n", chosen.why(), count);
     if (!chosen.kept || chosen.rung.exact)

@@ -10,7 +10,7 @@
 namespace tactel::host {
 namespace {
 
-constexpr std::size_t page_width = 80, name_width = 30, longest_choices = 60;
+constexpr std::size_t page_width = 79, name_width = 30, longest_choices = 60;
 
 /// `text` in lines of at most `width` letters, the first of which begins at `column`; the others are indented by
 /// `indent`. A word longer than a line stands alone.

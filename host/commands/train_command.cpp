@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include "host/commands/shared_options.h"
-#include "host/figures/plot.h"
 #include "host/support/errors.h"
 #include "host/support/interrupt.h"
 #include "host/support/progress_line.h"
@@ -17,7 +16,6 @@ namespace {
 
 void check_training_output(const TrainRequest& request) {
   TrainingDirectory(request.output).check(request.resume, request.force);
-  check_figure_path("--output", TrainingDirectory(request.output).figure());
 }
 
 std::string how_to_go_on(const TrainRequest& request, const TrainingOutcome& outcome) {
@@ -41,6 +39,8 @@ int say(const TrainRequest& request, const TrainingOutcome& outcome) {
     fmt::print("{}", outcome.summary);
     for (const std::string& table : outcome.tables) fmt::print("\n{}", table);
   }
+  if (!quiet && !outcome.undrawn.empty())
+    print_warning(fmt::format("learning_curves.svg is not drawn; training.json has its numbers: {}", outcome.undrawn));
   if (outcome.diverged == 0) return done;
   if (!quiet)
     print_warning(fmt::format("{} of {} networks diverged and have no file: a smaller --learning-rate may help",

@@ -370,11 +370,27 @@ Real GapSweep<Real>::Batch::View::result(std::size_t i, int step, int row) const
 }
 
 template <class Real>
+int GapSweep<Real>::Batch::View::indentation_steps(std::size_t i) const {
+  return state_->indentation_steps[i];
+}
+
+template <class Real>
 void GapSweep<Real>::Batch::View::tactels(std::size_t i, int step, std::span<float> stress) const {
+  put_tactels(i, step, stress);
+}
+
+template <class Real>
+void GapSweep<Real>::Batch::View::tactels(std::size_t i, int step, std::span<double> stress) const {
+  put_tactels(i, step, stress);
+}
+
+template <class Real>
+template <class Number>
+void GapSweep<Real>::Batch::View::put_tactels(std::size_t i, int step, std::span<Number> stress) const {
   const auto& sweep = *state_->sweep;
   const std::size_t height = static_cast<std::size_t>(state_->steps) * sweep.rows;
   const std::size_t first = state_->at(i, height, static_cast<std::size_t>(step) * sweep.rows + sweep.base_rows);
-  for (std::size_t k = 0; k < stress.size(); ++k) stress[k] = static_cast<float>(rows_[first + k * sweep.group()]);
+  for (std::size_t k = 0; k < stress.size(); ++k) stress[k] = static_cast<Number>(rows_[first + k * sweep.group()]);
 }
 
 template <class Real>

@@ -87,12 +87,16 @@ class GapSweep {
       /// Returns one number of LaneResultRow for a scene's increment; LANE_NOT_RUN after the last that ran.
       Real result(std::size_t i, int step, int row) const;
       int path_steps(std::size_t i) const;
+      int indentation_steps(std::size_t i) const;  ///< of these the first
       /// Returns the scenes in the order of memory, in which reading many is fast.
       std::span<const std::size_t> by_lane() const;
       /// [2 tactels]: sigma_y of every tactel, then tau_xy, MPa.
       void tactels(std::size_t i, int step, std::span<float> stress) const;
+      void tactels(std::size_t i, int step, std::span<double> stress) const;
 
      private:
+      template <class Number>
+      void put_tactels(std::size_t i, int step, std::span<Number> stress) const;
       std::shared_ptr<State> state_;
       typename Buffer<Real>::Mapping results_, rows_;
     };

@@ -410,6 +410,11 @@ int PatchContact<Real>::Batch::View::path_steps(std::size_t i) const {
 }
 
 template <class Real>
+int PatchContact<Real>::Batch::View::indentation_steps(std::size_t i) const {
+  return state_->indentation_steps[i];
+}
+
+template <class Real>
 std::span<const std::size_t> PatchContact<Real>::Batch::View::by_lane() const {
   return state_->order;
 }
@@ -434,6 +439,12 @@ void PatchContact<Real>::Batch::View::tactels(std::size_t i, int step, std::span
   const auto from = tactels(i, step);
   std::transform(from.begin(), from.begin() + static_cast<std::ptrdiff_t>(stress.size()), stress.begin(),
                  [](Real value) { return static_cast<float>(value); });
+}
+
+template <class Real>
+void PatchContact<Real>::Batch::View::tactels(std::size_t i, int step, std::span<double> stress) const {
+  const auto from = tactels(i, step);
+  std::copy_n(from.begin(), stress.size(), stress.begin());
 }
 
 template <class Real>

@@ -69,10 +69,12 @@ class PatchContact {
       Real result(std::size_t i, int step, int row) const;  ///< one number of LaneResultRow
       Real patch(std::size_t i, int row) const;             ///< one number of PatchRow
       int path_steps(std::size_t i) const;
+      int indentation_steps(std::size_t i) const;  ///< of these the first
       /// Returns the scenes in the order of memory, in which reading many is fast.
       std::span<const std::size_t> by_lane() const;
       /// [2 tactels]: sigma_y of every tactel, then tau_xy, MPa.
       void tactels(std::size_t i, int step, std::span<float> stress) const;
+      void tactels(std::size_t i, int step, std::span<double> stress) const;
       /// [2 tactels], in place.
       std::span<const Real> tactels(std::size_t i, int step) const;
       /// [2 elements]: n of every element, then t, over E, mm.

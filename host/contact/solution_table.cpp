@@ -23,7 +23,7 @@ std::string short_number(double value) {
   return size >= 100 && size < 1000 ? fixed(value, 2) : fmt::format("{:.3e}", value);
 }
 
-double without_rounding(double Q, double P) { return std::abs(Q) < 1e-9 * P ? 0 : Q; }
+double without_rounding(double Q, double P) { return std::abs(Q) < 1e-6 * P ? 0 : Q; }
 
 namespace {
 
@@ -39,7 +39,7 @@ std::string header(const fem::Scene& scene, const SolveOutcome& outcome) {
 std::string row(std::size_t number, const fem::ContactStep& step) {
   const auto count = [&](fem::GapStatus status) { return std::ranges::count(step.status, status); };
   const std::string index = step.slip_index ? fixed(*step.slip_index, 4) : "-";
-  return fmt::format("{:>4} {:>7} {:>7} {:>7} {:>7} {:>7}{:>5}{:>6}{:>5}{:>6}{:>5}{:>9.1e}\n", number,
+  return fmt::format("{:>4} {:>7} {:>7} {:>7} {:>7} {:>7}{:>5}{:>6}{:>5}{:>6}{:>4}{:>9.1e}\n", number,
                      short_number(step.indentation), short_number(step.tangential), short_number(step.P),
                      short_number(without_rounding(step.Q, step.P)), index, count(fem::GapStatus::open),
                      count(fem::GapStatus::stick), count(fem::GapStatus::slip), step.iterations,
@@ -61,9 +61,9 @@ std::string mesh_error_line(const SolveOutcome& outcome) {
 
 std::string solution_table(const fem::Scene& scene, const SolveOutcome& outcome) {
   std::string out = header(scene, outcome);
-  out += fmt::format("{:>4} {:>7} {:>7} {:>7} {:>7} {:>7}{:>5}{:>6}{:>5}{:>6}{:>5}{:>9}\n", "step", "depth", "drag",
+  out += fmt::format("{:>4} {:>7} {:>7} {:>7} {:>7} {:>7}{:>5}{:>6}{:>5}{:>6}{:>4}{:>9}\n", "step", "depth", "drag",
                      "P", "Q", "S", "open", "stick", "slip", "iter", "met", "residual");
-  out += fmt::format("{:>4} {:>7} {:>7} {:>7} {:>7} {:>7}{:>16}{:>20}\n", "", "mm", "mm", "N/mm", "N/mm", "Q/mu P",
+  out += fmt::format("{:>4} {:>7} {:>7} {:>7} {:>7} {:>7}{:>16}{:>19}\n", "", "mm", "mm", "N/mm", "N/mm", "Q/mu P",
                      outcome.on_patch() ? "elements" : "surface nodes", "largest");
   const auto& steps = outcome.solution.steps;
   for (std::size_t k = 0; k < steps.size(); ++k) out += row(k + 1, steps[k]);

@@ -67,6 +67,12 @@ PatchContactOptions patch_options(const Rung& rung) {
   return options;
 }
 
+MeshedScene meshed_with_own_steps(const fem::Scene& scene, const Rung& rung) {
+  MeshedScene meshed{on_mesh(scene, rung), fem::pressing_parts(scene.load, rung.steps)};
+  meshed.scene.load.indentation_steps = scene.load.indentation_steps * meshed.parts;
+  return meshed;
+}
+
 void finish_on_mesh(Executor& executor, std::span<const fem::Scene> scenes, const Rung& rung, bool nodes,
                     std::vector<fem::ContactSolution>& answers) {
   std::vector<fem::Scene> modelled;
@@ -74,9 +80,7 @@ void finish_on_mesh(Executor& executor, std::span<const fem::Scene> scenes, cons
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     if (patch_serves(scenes[i].sensor, answers[i]) && every_step_converged(answers[i])) continue;
     others.push_back(i);
-    modelled.push_back(on_mesh(scenes[i], rung));
-    modelled.back().load.indentation_steps =
-        scenes[i].load.indentation_steps * fem::pressing_parts(scenes[i].load, rung.steps);
+    modelled.push_back(meshed_with_own_steps(scenes[i], rung).scene);
   }
   std::vector<fem::ContactSolution> meshed = on_meshes(executor, modelled, rung, nodes);
   for (std::size_t k = 0; k < others.size(); ++k) {

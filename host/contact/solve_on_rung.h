@@ -20,6 +20,13 @@ bool patch_serves(const fem::Sensor& sensor, double left, double right);
 /// Returns the launcher's options of a rung on patches.
 PatchContactOptions patch_options(const Rung& rung);
 
+/// Returns the scene as a rung on meshes models it, with each of its pressing steps in `parts` increments.
+struct MeshedScene {
+  fem::Scene scene;
+  int parts = 1;
+};
+MeshedScene meshed_with_own_steps(const fem::Scene& scene, const Rung& rung);
+
 /// Replaces the answers that a patch does not serve, or does not solve, by those of the rung's mesh: the second part of
 /// solve_on_rung.
 void finish_on_mesh(Executor& executor, std::span<const fem::Scene> scenes, const Rung& rung, bool nodes,

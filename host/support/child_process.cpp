@@ -39,11 +39,17 @@ struct Pipe {
   Pipe& operator=(const Pipe&) = delete;
 };
 
+/// The words as posix_spawn takes them.
+std::vector<char*> pointers(const std::vector<std::string>& words) {
+  std::vector<char*> all;
+  for (const std::string& word : words) all.push_back(const_cast<char*>(word.c_str()));
+  all.push_back(nullptr);
+  return all;
+}
+
 /// Starts the program; 0 on success, else an error number.
 int spawn(const std::vector<std::string>& command, const Pipe& out, const Pipe& err, pid_t& child) {
-  std::vector<char*> arguments;
-  for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
-  arguments.push_back(nullptr);
+  const std::vector<char*> arguments = pointers(command);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
@@ -70,6 +76,14 @@ void drain(const Pipe& out, const Pipe& err, ChildResult& result) {
   }
 }
 
+/// The exit code of a child that has ended, as in ChildResult.
+int wait_for(pid_t child) {
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
 }  // namespace
 
 ChildResult run_child(const std::vector<std::string>& command) {
@@ -82,11 +96,16 @@ ChildResult run_child(const std::vector<std::string>& command) {
   out.close_write();
   err.close_write();
   drain(out, err, result);
-  int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  result.exit_code = wait_for(child);
   return result;
+}
+
+int run_attached(const std::string& path, const std::vector<std::string>& words) {
+  pid_t child = -1;
+  if (const int error = ::posix_spawn(&child, path.c_str(), nullptr, nullptr, pointers(words).data(), environ);
+      error != 0)
+    throw std::runtime_error(path + ": " + std::strerror(error));
+  return wait_for(child);
 }
 
 bool program_exists(const std::string& name) {

@@ -5,7 +5,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/figures/plot.h"
 #include "host/support/bounded_file.h"
 #include "host/support/durable_file.h"
 #include "host/support/errors.h"
@@ -74,8 +73,8 @@ void add_part(const TrainingDirectory& directory, const fs::path& from, Json par
 }
 
 /// Moves the networks of all processes to DIR and joins their reports; training.json comes last, then the processes'
-/// own directories go. Returns what there is to say. Throws ConfigError for a report that is damaged.
-std::string put_together(const TrainRequest& request, const TrainingPlan& plan, int ranks) try {
+/// own directories go. Puts what there is to say into the outcome. Throws ConfigError for a report that is damaged.
+void put_together(const TrainRequest& request, const TrainingPlan& plan, int ranks, TrainingOutcome& outcome) try {
   const TrainingDirectory directory(request.output);
   if (request.force) directory.clear();
   Json report;
@@ -90,11 +89,11 @@ std::string put_together(const TrainRequest& request, const TrainingPlan& plan, 
   report["patterns_per_second"] = report["patterns"].get<double>() / report["seconds"].get<double>();
   std::vector<TrainedNetwork> networks;
   for (const Json& network : report["networks"]) networks.push_back(network_of(network));
-  write_figure("--output", directory.figure(), learning_curves(networks, plan.options.stop_error));
+  outcome.undrawn = directory.draw(learning_curves(networks, plan.options.stop_error));
   write_file("--output", directory.report(), json_text(report));
   for (int rank = 0; rank < ranks; ++rank) fs::remove_all(rank_directory(request.output, rank));
-  return fmt::format("{}: {} networks of {} processes, {:.2f} s\n", request.output, networks.size(), ranks,
-                     report["seconds"].get<double>());
+  outcome.summary = fmt::format("{}: {} networks of {} processes, {:.2f} s\n", request.output, networks.size(), ranks,
+                                report["seconds"].get<double>());
 } catch (const nlohmann::json::exception& error) {
   throw ConfigError(request.output, "the processes' reports", error.what(), "whole; --force trains anew");
 }
@@ -123,7 +122,7 @@ class RankTraining : public TrainingJob {
     if (sums[0] > 0) return {.end = TrainingEnd::stopped};
     TrainingOutcome outcome{.networks = static_cast<std::size_t>(sums[1]),
                             .diverged = static_cast<std::size_t>(sums[2])};
-    if (ranks_.first()) outcome.summary = put_together(request_, plan_, ranks_.count());
+    if (ranks_.first()) put_together(request_, plan_, ranks_.count(), outcome);
     ranks_.barrier();
     return outcome;
   }
@@ -132,7 +131,6 @@ class RankTraining : public TrainingJob {
   void check_output() const {
     const TrainingDirectory directory(request_.output);
     directory.check(request_.resume, request_.force);
-    check_figure_path("--output", directory.figure());
     if (request_.resume && directory.finished())
       throw ConfigError("command line", "--resume", request_.output, "an unfinished training; this one is complete");
   }

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "host/figures/error_panels.h"
+#include "host/figures/gnuplot_script.h"
 
 namespace tactel::host {
 namespace {
@@ -60,8 +61,8 @@ void report_recall_verdict(Page& page, const std::vector<Judged>& all, const Ans
     page.verdict("No network gave an answer.");
     return;
   }
-  page.verdict(fmt::format("{} errs least: by {:.4f} in S on average, by {:.3f} at most, on {} frames.", first.name(),
-                           errors.all.mean, errors.all.max, errors.all.count));
+  page.verdict(fmt::format("{} errs{}: by {:.4f} in S on average, by {:.3f} at most, on {} frames.", first.name(),
+                           all.size() > 1 ? " least" : "", errors.all.mean, errors.all.max, errors.all.count));
   const double learning = first.network->model.learning_errors.mean;
   if (first.network->model.learning_errors.count > 0)
     page.finding(errors.all.mean <= 1.5 * learning ? Tone::good
@@ -141,7 +142,7 @@ Figure where_figure(Shown shown, const std::vector<std::string>& indenter_names)
       const auto place = static_cast<std::size_t>(kind);
       if (i == 0)
         kinds.x_ticks.push_back(
-            {kind, place < indenter_names.size() ? indenter_names[place] : fmt::format("kind {}", kind)});
+            {kind, place < indenter_names.size() ? plain(indenter_names[place]) : fmt::format("kind {}", kind)});
     }
     std::vector<double> sum(parts), count(parts);
     for (std::size_t k = 0; k < shown[i].truth.size(); ++k) {
@@ -168,8 +169,9 @@ Page recall_page(std::span<const NamedNetwork> networks, std::span<const Network
                  const AnsweredRows& rows, const std::vector<std::string>& indenter_names, const std::string& set) {
   const std::vector<Judged> all = judged(networks, results, rows.frames);
   const Shown shown = Shown(all).first(std::min(best, all.size()));
-  Page page("tactel: networks judged by a set", fmt::format("{} networks on {} frames of {}, by tactel {}",
-                                                            networks.size(), rows.frames.rows(), set, TACTEL_VERSION));
+  Page page("tactel: networks judged by a set",
+            fmt::format("{} network{} on {} frames of {}, by tactel {}", networks.size(),
+                        networks.size() == 1 ? "" : "s", rows.frames.rows(), set, TACTEL_VERSION));
   report_recall_verdict(page, all, rows, indenter_names);
   page.table(network_table(all));
   page.figure(predicted_figure(shown),

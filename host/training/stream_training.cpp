@@ -8,7 +8,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "host/figures/plot.h"
 #include "host/networks/onnx_file.h"
 #include "host/networks/train_batch.h"
 #include "host/networks/training_checkpoint.h"
@@ -272,7 +271,7 @@ class StreamTraining : public TrainingJob {
       outcome.diverged += !good;
       report["networks"].push_back(std::move(json));
     }
-    write_figure("--output", directory_.figure(), stream_curves(drawn, recall_.has_value()));
+    outcome.undrawn = directory_.draw(stream_curves(drawn, recall_.has_value()));
     write_file("--output", directory_.report(), json_text(report));
     directory_.remove_checkpoint();
     outcome.summary =

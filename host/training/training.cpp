@@ -86,14 +86,14 @@ class SetTraining : public TrainingJob {
     std::vector<NetworkResult> recalled;
     if (recall_set_)
       recalled = *recall_networks<Real>(executor_, networks_, recall_set_->rows.frames, false, Progress());
-    write_figure("--output", directory_.figure(), learning_curves(training_.networks(), plan_.options.stop_error));
+    const std::string undrawn = directory_.draw(learning_curves(training_.networks(), plan_.options.stop_error));
     Json report = report_json(fingerprint);
     for (std::size_t i = 0; i < recalled.size(); ++i)
       report["networks"][i].update(to_json(recalled[i], recall_set_->contacts.indenter_names));
     if (recall_set_) report["recall_set"] = recall_set_->file;
     write_file("--output", directory_.report(), json_text(report));
     directory_.remove_checkpoint();
-    TrainingOutcome outcome{.networks = networks_.size(), .summary = summary()};
+    TrainingOutcome outcome{.networks = networks_.size(), .summary = summary(), .undrawn = undrawn};
     for (const NamedNetwork& network : networks_) outcome.diverged += network.file.empty();
     outcome.tables = {"errors |S - S of the set| on the learning set, noise included\n" +
                       error_table(networks_, learnt_)};

@@ -93,6 +93,13 @@ void TrainingDirectory::clear() const {
   remove_checkpoint();
 }
 
+std::string TrainingDirectory::draw(const Figure& curves) const try {
+  write_figure("--output", figure(), curves);
+  return "";
+} catch (const std::exception& error) {
+  return error.what();
+}
+
 void TrainingDirectory::remove_checkpoint() const {
   fs::remove(checkpoint());
   fs::remove(checkpoint().string() + ".part");  // of a writing that was killed

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "host/figures/plot.h"
+
 namespace tactel::host {
 
 /// The directory that `tactel train` writes: networks, training.json, learning_curves.svg, and during training
@@ -27,6 +29,8 @@ class TrainingDirectory {
   /// Removes the files of an earlier training.
   void clear() const;
   void remove_checkpoint() const;
+  /// Draws learning_curves.svg. Returns why that failed, or an empty text: no training is lost for a picture.
+  std::string draw(const Figure& curves) const;
 
  private:
   std::vector<std::string> own_networks() const;

@@ -32,6 +32,7 @@ struct TrainingOutcome {
   std::filesystem::path checkpoint{};      ///< where stopped: the state for --resume; empty for several processes
   std::string summary{};                   ///< whole lines
   std::vector<std::string> tables{};       ///< of errors, each whole lines with a heading
+  std::string undrawn{};                   ///< why learning_curves.svg is missing; empty where it was drawn
 };
 
 /// A prepared training: checked, compiled, on the device.

@@ -23,6 +23,8 @@ namespace {
 
 using namespace tactel;
 using tactel::testing::executor;
+using ::testing::DoubleNear;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
@@ -199,6 +201,59 @@ TEST(SolveApi, SolvesManyAsTheirRung) {
   EXPECT_EQ(solve_many({}).steps, 0u);
   scenes[3].friction = -1;
   EXPECT_THAT(message_of([&] { solve_many(scenes); }), HasSubstr("scenes[3].contact.friction"));
+}
+
+// Steps are those that the load asks for, whatever increments the rung takes between them.
+TEST(SolveApi, GivesTheStepsThatTheLoadAsksForOnEveryRung) {
+  std::vector<Scene> scenes = {some_scene(0.5), some_scene(0.5)};
+  scenes[0].load = press(0.15).drag(0.05, 3);
+  scenes[1].load = press(0.15, 2);
+  scenes[1].load.indentation = {0.05, 0.15};  // each in two steps
+  for (const char* rung : {"patch-12", "mesh-41", "mesh-161"}) {
+    const Paths paths = solve_many(scenes, {.rung = rung});
+    EXPECT_EQ(paths.steps_made, (std::vector<std::uint32_t>{4, 4})) << rung;
+    EXPECT_EQ(paths.steps, 4u) << rung;
+    const auto near = [](double depth) { return DoubleNear(depth, 1e-7); };  // fp32
+    EXPECT_THAT(std::vector(paths.indentation.begin() + 4, paths.indentation.end()),
+                ElementsAre(near(0.025), near(0.05), near(0.1), near(0.15)))
+        << rung;
+    EXPECT_NEAR(paths.P[0], paths.P[7], 0.02 * paths.P[0]) << rung;  // one depth, by different increments
+  }
+}
+
+// A path whose length is not known before it slides widens the arrays; those of others keep their places.
+TEST(SolveApi, WidensTheArraysForADragUntilSliding) {
+  std::vector<Scene> scenes = {some_scene(0.5), some_scene(0.5)};
+  scenes[0].load = press(0.15).drag(0.05, 2);
+  scenes[1].load = press(0.15).drag_until_sliding(0.004);
+  const Paths paths = solve_many(scenes);
+  const std::uint32_t steps = paths.steps_made[1];
+  ASSERT_GT(steps, 40u);
+  EXPECT_EQ(paths.steps, steps);
+  EXPECT_EQ(paths.steps_made[0], 3u);
+  EXPECT_EQ(paths.sliding, (std::vector<std::uint8_t>{0, 1}));
+  EXPECT_TRUE(std::isnan(paths.P[3]) && std::isnan(paths.sigma_y[3 * 21]));
+  EXPECT_FLOAT_EQ(static_cast<float>(paths.slip_index[2 * steps - 1]), 1.0f);
+  const Paths alone = solve_many(std::span(scenes).first(1));
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(alone.slip_index[k], paths.slip_index[k]);
+}
+
+// Contacts that a patch does not serve are solved on the rung's mesh, beside others that it serves.
+TEST(SolveApi, SolvesAgainWhatAPatchDoesNotServe) {
+  std::vector<Scene> scenes(3, some_scene(0.5));
+  scenes[1].indenter.shape = Flat{};  // wider than the sensor
+  const Paths paths = solve_many(scenes);
+  const std::vector<fem::Scene> flat = [] {
+    fem::Scene scene = same_scene();
+    scene.indenter.shape = fem::Flat{};
+    return std::vector{scene};
+  }();
+  const auto expected = host::solve_on_rung(executor(), flat, host::usual_patch(), false).front();
+  ASSERT_EQ(expected.surface_width.size(), 0);  // on the mesh
+  for (std::size_t k = 0; k < paths.steps; ++k) {
+    EXPECT_EQ(paths.P[k], paths.P[2 * paths.steps + k]);
+    EXPECT_EQ(paths.P[paths.steps + k], expected.steps[k].P);
+  }
 }
 
 TEST(SweepApi, GivesTheRowsOfTheProgram) {

@@ -92,13 +92,19 @@ class Profile(_Fields):
     @property
     def smooth(self) -> float: ...
 
-class Element:
+class _Choice:
+    @property
+    def name(self) -> str: ...
+    @property
+    def value(self) -> int: ...
+
+class Element(_Choice):
     bbar: Element
     q4: Element
     q4i: Element
     q8: Element
 
-class StressRecovery:
+class StressRecovery(_Choice):
     reaction: StressRecovery
     element: StressRecovery
 
@@ -474,6 +480,7 @@ def train(
 ) -> list[Network]: ...
 
 class Frame:
+    def __array__(self) -> Float32: ...
     @property
     def stress(self) -> Float32: ...
     @property

@@ -155,7 +155,7 @@ nlohmann::ordered_json report_direct_problem(Executor& executor, Page& page) {
   report_sensitivity(page, rows);
   page.figure(
       sensitivity_figure(rows),
-      "The largest of the ten differences from the paper's Table I as one parameter changes; the preset is circled.");
+      "The largest of the ten differences from the paper's Table I as one parameter changes; the preset is red.");
   page.note(
       "q8 has gap elements only at the corners of its elements. Its surface bulges between them, and the two meshes "
       "differ more than with any other element.");

@@ -427,7 +427,8 @@ void report_inverse_problem(Page& page, const InverseProblem& problem, const Inv
 
   page.section("Difficult shapes");
   report_large_errors(page, problem);
-  page.figure(class_figure(problem), "Recall errors without noise by class, and by the number of nodes that touch.");
+  page.figure(class_figure(problem),
+              "Recall errors without noise by class, and by the number of nodes that touch (coloured by class).");
 
   page.section("Noise");
   report_noise(page, problem);

@@ -18,6 +18,7 @@ using nlohmann::json;
 using tactel::testing::networks_in;
 using tactel::testing::PaperSetFiles;
 using ::testing::HasSubstr;
+using ::testing::Not;
 namespace fs = std::filesystem;
 
 constexpr float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
@@ -82,6 +83,34 @@ TEST(TrainCommand, WritesNetworksReportAndFigure) {
   EXPECT_EQ(networks_in(folder / "net").size(), 8u);
   EXPECT_THAT(text_of(folder / "net" / "learning_curves.svg"), HasSubstr("median of up to 2 seeds"));
   EXPECT_EQ(std::distance(fs::directory_iterator(folder / "net"), {}), 10);  // and no checkpoint
+}
+
+TEST(TrainCommand, GoesOnWithoutGnuplot) {
+  const ScratchFolder folder;
+  const std::string path = ::getenv("PATH");
+  ::setenv("PATH", "/nowhere", 1);
+  const ChildResult result = train(folder / "net", {"--network", "3"});
+  ::setenv("PATH", path.c_str(), 1);
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.err, HasSubstr("learning_curves.svg is not drawn"));
+  EXPECT_THAT(result.err, HasSubstr("gnuplot"));
+  EXPECT_TRUE(fs::exists(folder / "net" / "training.json"));
+  EXPECT_EQ(networks_in(folder / "net").size(), 1u);
+  EXPECT_FALSE(fs::exists(folder / "net" / "learning_curves.svg"));
+}
+
+// Underscores in names are no markup of figures.
+TEST(TrainCommand, PageOfARecallNamesIndenters) {
+  const ScratchFolder folder;
+  const std::string sweep = folder.write(
+      "sweep.toml",
+      "[sweep]\ncontacts = 20\n[indenter]\nshape = \"rounded_flat\"\nhalf_width = 1\nradius = 5\n[contact]\nfriction "
+      "= { uniform = [0.2, 0.9] }\n[load]\nindentation = 0.1\ntangential_step = 0.03\ntangential_steps = 3\n");
+  const std::string set = folder / "set.h5", page = folder / "recall.html";
+  ASSERT_EQ(run_tactel({"generate", sweep, "--output", set, "--quiet"}).exit_code, 0);
+  ASSERT_EQ(run_tactel({"recall", trained() / "set", set, "--html", page, "--quiet"}).exit_code, 0);
+  EXPECT_THAT(text_of(page), HasSubstr(R"("rounded\\_flat")"));
+  EXPECT_THAT(text_of(page), Not(HasSubstr(R"("rounded_flat")")));
 }
 
 // A network's bits are its own: not its company's.

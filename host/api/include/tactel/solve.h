@@ -67,8 +67,8 @@ struct Path {
 /// Solves one contact. Throws InputError for a scene or options that cannot be used, HardwareError without a device.
 TACTEL_API Path solve(const Scene& scene, const SolveOptions& options = {});
 
-/// Answers of many scenes as arrays, the last index fastest. `steps` is that of the longest path; entries beyond a
-/// scene's own steps are NaN, and so is S where mu P = 0.
+/// Answers of many scenes as arrays, the last index fastest. Steps are those that the loads ask for, on every rung;
+/// `steps` is that of the longest path. Entries beyond a scene's own steps are NaN, and so is S where mu P = 0.
 struct Paths {
   std::size_t scenes = 0, steps = 0, tactels = 0;
   std::vector<std::uint32_t> steps_made;         ///< [scenes]

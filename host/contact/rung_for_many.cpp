@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/contact/rung_for_many.h"
+
+#include <algorithm>
+
+#include "host/contact/solve_on_rung.h"
+#include "host/support/errors.h"
+
+namespace tactel::host {
+
+std::optional<Rung> named_rung_for_many(const SolveOptions& options) {
+  check_modelling(options);
+  if (options.rung.empty()) return {};
+  const Rung& rung = rung_named(options.rung);
+  if (rung.exact)
+    throw ConfigError("command line", "--rung", options.rung,
+                      "a rung for many contacts, such as patch-24 or mesh-641: the reference solves single contacts");
+  return rung;
+}
+
+Plan plan_for_many(Executor& executor, double accuracy, std::uint64_t contacts, const ContactAt& contact) {
+  std::vector<fem::Scene> sample;
+  const std::uint64_t count = std::min(contacts, most_tried);
+  for (std::uint64_t k = 0; k < count; ++k) sample.push_back(contact(k * contacts / count));
+  return plan(sample, accuracy, [&](const Rung& rung) { return solve_on_rung(executor, sample, rung); });
+}
+
+std::optional<Rung> rung_for_many(Executor& executor, const SolveOptions& options, std::uint64_t contacts,
+                                  const ContactAt& contact) {
+  if (const auto rung = named_rung_for_many(options)) return rung;
+  if (!options.accuracy) return {};
+  return plan_for_many(executor, *options.accuracy, contacts, contact).rung_for_many();
+}
+
+}  // namespace tactel::host

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <optional>
+
+#include "host/contact/planner.h"
+#include "host/contact/solve.h"
+#include "host/device/executor.h"
+
+namespace tactel::host {
+
+/// Largest number of contacts that the planner tries for all of them.
+inline constexpr std::uint64_t most_tried = 64;
+
+/// Returns contact k of many.
+using ContactAt = std::function<fem::Scene(std::uint64_t k)>;
+
+/// Returns the rung that --rung names; none where it names none. Throws ConfigError for contradictory options, and for
+/// a rung that solves single contacts.
+std::optional<Rung> named_rung_for_many(const SolveOptions& options);
+
+/// Returns the planner's choice for at most most_tried of the contacts, which lie evenly among all.
+Plan plan_for_many(Executor& executor, double accuracy, std::uint64_t contacts, const ContactAt& contact);
+
+/// Returns the rung that --rung names, or that --accuracy takes; none without both. Throws as named_rung_for_many.
+std::optional<Rung> rung_for_many(Executor& executor, const SolveOptions& options, std::uint64_t contacts,
+                                  const ContactAt& contact);
+
+}  // namespace tactel::host
