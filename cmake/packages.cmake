@@ -13,7 +13,7 @@ install(FILES scripts/70-tactel.rules DESTINATION lib/udev/rules.d COMPONENT pro
 
 if(TACTEL_PACKAGE)
   find_program(HELP2MAN help2man REQUIRED)
-  set(commands solve generate check train recall monitor record tare reproduce tradeoff extremes devices demo completion)
+  set(commands solve generate check train recall monitor record tare reproduce tradeoff floor extremes devices demo completion)
   set(manual ${PROJECT_BINARY_DIR}/manual)
   set(pages ${manual}/tactel.1)
   file(MAKE_DIRECTORY ${manual})
