@@ -33,7 +33,7 @@ void kernel(benchmark::State& state, int history) {
   state.SetLabel(testing::executor().device().info().name);
 }
 
-BENCHMARK_CAPTURE(kernel, likelihood/1_frame/fp32, 1)->UseRealTime()->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(kernel, likelihood/4_frames/fp32, 4)->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(kernel, likelihood / 1_frame / fp32, 1)->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(kernel, likelihood / 4_frames / fp32, 4)->UseRealTime()->Unit(benchmark::kMillisecond);
 
 }  // namespace

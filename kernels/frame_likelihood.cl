@@ -17,8 +17,8 @@
    rows:     [vectors][2][LANES] 1 / sigma^2 in 1/MPa^2, constant
    readings: [reading_groups][INPUTS][HISTORY][LIKELIHOOD_READINGS] MPa
    out:      [reading_groups * LIKELIHOOD_READINGS][vectors * LANES] */
-kernel void frame_likelihood(uint first_group, global const vreal *bank, global const vreal *rows, global const real *readings,
-                             global real *out, uint vectors, uint reading_groups, real gain2) {
+kernel void frame_likelihood(uint first_group, global const vreal *bank, global const vreal *rows, global const real *readings, global real *out,
+                             uint vectors, uint reading_groups, real gain2) {
   TAKE_GROUP(group);
   const uint tile = (uint)(group / reading_groups), reading_group = (uint)(group % reading_groups);
   const uint first = tile * LIKELIHOOD_VECTORS, end = min(first + LIKELIHOOD_VECTORS, vectors);

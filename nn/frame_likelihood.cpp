@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "nn/frame_likelihood.h"
 
+#include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -38,6 +41,25 @@ double log_likelihood(const ReadingModel& model, std::span<const float> truth, s
     sum -= 0.5 * (rr - gain2 / determinant * rf * rf + std::log(determinant));
   }
   return sum;
+}
+
+double linear_error(const ReadingModel& model, std::span<const float> truth, const RowMatrix<double>& j,
+                    const Vector<double>& g) {
+  const double variance = std::pow(deviation(model, truth), 2), gain2 = model.gain * model.gain;
+  Eigen::MatrixXd precision = j.transpose() * j / variance;
+  for (int t = 0; t < model.inputs; ++t) {
+    double ff = 0;
+    Eigen::RowVectorXd fj = Eigen::RowVectorXd::Zero(j.cols());
+    for (int m = 0; m < model.history; ++m) {
+      const int at = m * model.inputs + t;
+      const double f = truth[static_cast<std::size_t>(at)];
+      ff += f * f;
+      fj += f * j.row(at);
+    }
+    precision -= gain2 / (variance * (variance + gain2 * ff)) * fj.transpose() * fj;
+  }
+  precision.diagonal().array() += 12;
+  return std::sqrt(2 / std::numbers::pi * std::max(g.dot(precision.ldlt().solve(g)), 0.0));
 }
 
 RowMatrix<float> draw_readings(const ReadingModel& model, const RowMatrix<float>& truth, std::uint64_t seed) {

@@ -6,9 +6,9 @@
 
 namespace tactel::nn {
 
-/// The estimator without a network: S = c r, where r is a frame's sum of shear stresses over its sum of |normal stresses|.
-/// Its sums are nearly Q and P, and S = Q / (mu P): with one friction coefficient c is about 1 / mu. Every network should
-/// do better than it.
+/// The estimator without a network: S = c r, where r is a frame's sum of shear stresses over its sum of |normal
+/// stresses|. Its sums are nearly Q and P, and S = Q / (mu P): with one friction coefficient c is about 1 / mu. Every
+/// network should do better than it.
 
 /// Returns r of each frame [rows], 1; NaN where no tactel has normal stress.
 std::vector<double> shear_ratios(const FrameSet& set);

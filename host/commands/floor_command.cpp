@@ -26,7 +26,8 @@ struct FloorRequest {
 int run_floor(const FloorRequest& request) {
   const Sweep sweep = read_sweep(request.sweep);
   if (!sweep.source.endless())
-    throw ConfigError(request.sweep, "sweep.set", "a listed set", "left out: a floor draws its contacts (sweep.contacts)");
+    throw ConfigError(request.sweep, "sweep.set", "a listed set",
+                      "left out: a floor draws its contacts (sweep.contacts)");
   if (!request.json.empty() && request.json != "-") check_writable("--json", request.json);
   std::vector<nn::Model> models;
   std::vector<std::string> files;

@@ -8,13 +8,13 @@
 
 namespace tactel::host {
 
-/// Launcher of kernels/frame_likelihood.cl: a bank of frames on a device. The bits of an answer depend on its row of the
-/// bank and its reading alone.
+/// Launcher of kernels/frame_likelihood.cl: a bank of frames on a device. The bits of an answer depend on its row of
+/// the bank and its reading alone.
 template <class Real>
 class FrameLikelihood {
  public:
-  /// bank: [rows, model.size()] MPa, newest frame first. Throws ValueError for an invalid model, another width, no rows,
-  /// and a row without stress in its newest frame, of which sigma would be 0.
+  /// bank: [rows, model.size()] MPa, newest frame first. Throws ValueError for an invalid model, another width, no
+  /// rows, and a row without stress in its newest frame, of which sigma would be 0.
   FrameLikelihood(Executor& executor, const nn::ReadingModel& model, const nn::RowMatrix<float>& bank);
 
   /// Returns the logarithms of the densities of readings [readings, model.size()]: [readings, rows].

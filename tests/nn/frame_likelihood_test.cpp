@@ -7,6 +7,7 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "fem/value_error.h"
@@ -53,6 +54,32 @@ TEST(FrameLikelihood, DrawnReadingsHaveTheDensity) {
     sum -= 2 * (log_likelihood(model, one, {readings.row(row).data(), 4}) - at_truth);
   EXPECT_NEAR(sum / 4000, 4, 5 * std::sqrt(8.0 / 4000));
   EXPECT_EQ(draw_readings(model, truth, 11), readings);
+}
+
+// One unknown number, S itself over its range: sigma = 0.1 2 = 0.2, J = (0, 3), g = 1: variance 1 / (9 / 0.04 + 12) = 1
+// / 237.
+TEST(LinearError, OfOneNumberIsByHand) {
+  const ReadingModel model{.inputs = 2, .history = 1, .noise = 0.1, .gain = 0};
+  const std::vector<float> truth = {-2, 1};
+  RowMatrix<double> j(2, 1);
+  j << 0, 3;
+  EXPECT_NEAR(linear_error(model, truth, j, Vector<double>::Ones(1)), std::sqrt(2 / std::numbers::pi / 237), 1e-9);
+}
+
+// Gains of two transducers in two frames, as unknown numbers of their own beside two others: the same error.
+TEST(LinearError, TakesGainsAsUnknownNumbers) {
+  const ReadingModel model{.inputs = 2, .history = 2, .noise = 0.1, .gain = 0.3};
+  const std::vector<float> truth = {-2, 1, -1.5, 0.5};
+  RowMatrix<double> j(4, 2);
+  j << 1, 0.5, -0.25, 2, 0.75, 0, 1, 1;
+  const Vector<double> g = Vector<double>::LinSpaced(2, 0.5, 1);
+  Eigen::MatrixXd all(4, 4);
+  all << j.row(0), 0.3 * -2, 0, j.row(1), 0, 0.3 * 1, j.row(2), 0.3 * -1.5, 0, j.row(3), 0, 0.3 * 0.5;
+  Eigen::MatrixXd precision = all.transpose() * all / 0.04;
+  precision.diagonal() += Eigen::Vector4d(12, 12, 1, 1);
+  const Eigen::Vector4d of_all(g(0), g(1), 0, 0);
+  const double expected = std::sqrt(2 / std::numbers::pi * of_all.dot(precision.inverse() * of_all));
+  EXPECT_NEAR(linear_error(model, truth, j, g), expected, 1e-7 * expected);
 }
 
 TEST(FrameLikelihood, RefusesModelsWithoutNoise) {

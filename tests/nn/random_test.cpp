@@ -133,8 +133,8 @@ TEST(Noise, HasTheDeviationAskedFor) {
   EXPECT_THROW(with_noise(clean, -0.1, 9), ValueError);
 }
 
-// Frames of largest stress 5 and 500: deviations of 0.5 and 50, within 5 standard errors. The copies keep S, and share no
-// noise.
+// Frames of largest stress 5 and 500: deviations of 0.5 and 50, within 5 standard errors. The copies keep S, and share
+// no noise.
 TEST(Noise, OfAFrameIsRelativeToItsOwnLargestStress) {
   FrameSet clean = flat_set(2, 1000, 5.0f);
   clean.frames.row(0).setConstant(5.0f);

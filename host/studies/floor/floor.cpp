@@ -7,6 +7,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include "fem/value_error.h"
@@ -76,8 +77,8 @@ Weights weights_of(const auto& logarithms, double spread) {
   return ((logarithms - logarithms.maxCoeff()) / static_cast<float>(spread)).exp();
 }
 
-/// Readings of a bank's rows, evaluated under the bank that `likelihood` holds, `readings_at_once` at a time. evaluate(reading,
-/// logarithms) is called for each, from several threads.
+/// Readings of a bank's rows, evaluated under the bank that `likelihood` holds, `readings_at_once` at a time.
+/// evaluate(reading, logarithms) is called for each, from several threads.
 bool each_reading(FrameLikelihood<float>& likelihood, int threads, const Readings& readings, const Progress& progress,
                   const std::function<void(std::size_t, const Eigen::Ref<const Weights>&)>& evaluate) {
   const auto count = static_cast<std::size_t>(readings.rows());
@@ -123,7 +124,8 @@ std::optional<Errors> errors_below(Executor& executor, const FrameBank& bank, co
       errors.by_family[f][k] = std::abs(weighted_median(values, of_class) - truth);
     }
   };
-  if (!each_reading(likelihood, executor.threads(), nn::draw_readings(model, asked.frames, seed), progress, evaluate)) return std::nullopt;
+  if (!each_reading(likelihood, executor.threads(), nn::draw_readings(model, asked.frames, seed), progress, evaluate))
+    return std::nullopt;
   return errors;
 }
 
@@ -187,7 +189,9 @@ std::vector<double> of_class(const std::vector<double>& values, const std::vecto
 }
 
 const std::vector<std::string> touching_names = {"1", "2 to 4", "5 to 8", "9 to 15", "16 or more"};
-std::uint16_t touching_class(int nodes) { return nodes <= 1 ? 0 : nodes <= 4 ? 1 : nodes <= 8 ? 2 : nodes <= 15 ? 3 : 4; }
+std::uint16_t touching_class(int nodes) {
+  return nodes <= 1 ? 0 : nodes <= 4 ? 1 : nodes <= 8 ? 2 : nodes <= 15 ? 3 : 4;
+}
 
 const std::vector<std::string> felt_names = {"1 to 3", "4 to 6", "7 to 10", "11 or more"};
 std::uint16_t felt_class(std::span<const float> frame) {
@@ -198,12 +202,30 @@ std::uint16_t felt_class(std::span<const float> frame) {
   return count <= 3 ? 0 : count <= 6 ? 1 : count <= 10 ? 2 : 3;
 }
 
+constexpr double change = 1.0 / 64;  // of a range
+
+/// nn::linear_error of a row, with derivatives by differences from the rows `changed` [numbers].
+double estimate_of(const nn::ReadingModel& model, const FrameBank& rows, std::size_t own,
+                   std::span<const std::size_t> changed) {
+  const auto truth = rows.frames.row(static_cast<Eigen::Index>(own));
+  nn::RowMatrix<double> j(truth.size(), changed.size());
+  nn::Vector<double> g(changed.size());
+  for (std::size_t n = 0; n < changed.size(); ++n) {
+    const auto row = static_cast<Eigen::Index>(changed[n]), column = static_cast<Eigen::Index>(n);
+    j.col(column) = (rows.frames.row(row) - truth).transpose().cast<double>() / change;
+    g(column) = (static_cast<double>(rows.slip_index[changed[n]]) - rows.slip_index[own]) / change;
+  }
+  return nn::linear_error(model, {truth.data(), static_cast<std::size_t>(truth.size())}, j, g);
+}
+
 /// Collects rows with `history` frames of their contact, whose newest frame has normal stress.
 class BankCollector {
  public:
   BankCollector(int inputs, int history) : inputs_(inputs), history_(history) { bank_.class_of.resize(3); }
 
-  void add(const ContactSet& set) {
+  /// Returns contact and step of each row that is taken.
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> add(const ContactSet& set) {
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> taken;
     std::size_t run = 0;  // rows of the contact so far
     for (std::size_t row = 0; row < set.rows(); ++row) {
       run = row > 0 && set.contact[row] == set.contact[row - 1] ? run + 1 : 1;
@@ -220,7 +242,9 @@ class BankCollector {
       bank_.class_of[0].push_back(set.indenter[row]);
       bank_.class_of[1].push_back(touching_class(set.contact_nodes[row]));
       bank_.class_of[2].push_back(felt_class(frame));
+      taken.emplace_back(set.contact[row], set.step[row]);
     }
+    return taken;
   }
   std::size_t rows() const { return bank_.rows(); }
   FrameBank take() {
@@ -234,6 +258,36 @@ class BankCollector {
   FrameBank bank_;
   std::vector<float> frames_;
 };
+
+/// Fills the estimates of the floor and its classes, from contacts first ... of the source.
+void measure_estimates(Executor& executor, const SceneSource& source, std::uint64_t first,
+                       const nn::ReadingModel& model, const FloorOptions& options, Floor& floor) {
+  const SceneSource changed = source.changed(change);
+  const std::uint64_t n = changed.changes();
+  const SetSimulator simulator(executor, changed, {.precision = Precision::fp64, .tolerance = 1e-8});
+  std::vector<double> all;
+  std::vector<std::vector<std::uint16_t>> classes;
+  constexpr std::uint64_t contacts = 128;
+  for (std::uint64_t next = first; all.size() < options.readings; next += contacts) {
+    BankCollector collector(model.inputs, model.history);
+    const auto places = collector.add(simulator.simulate(next * n, contacts * n));
+    const FrameBank rows = collector.take();
+    std::map<std::pair<std::uint64_t, std::uint32_t>, std::size_t> row_of;
+    for (std::size_t row = 0; row < places.size(); ++row) row_of[places[row]] = row;
+    classes.resize(rows.class_of.size());
+    for (std::size_t row = 0; row < places.size(); ++row) {
+      const auto& [contact, step] = places[row];
+      if (contact % n != 0) continue;
+      std::vector<std::size_t> moved;
+      for (std::uint64_t k = 1; k < n; ++k)
+        if (const auto found = row_of.find({contact + k, step}); found != row_of.end()) moved.push_back(found->second);
+      all.push_back(estimate_of(model, rows, row, moved));
+      for (std::size_t f = 0; f < classes.size(); ++f) classes[f].push_back(rows.class_of[f][row]);
+    }
+  }
+  floor.all.estimate = mean_of(all);
+  for (FloorClass& one : floor.classes) one.estimate = mean_of(of_class(all, classes[one.family_number], one.number));
+}
 
 }  // namespace
 
@@ -288,10 +342,16 @@ std::optional<Floor> floor_of(Executor& executor, const FrameBank& bank, const F
     const std::size_t best = best_spread(*at_spreads);
     above = second_half((*at_spreads)[best]);
     floor.spread = spreads[best];
-    floor.convergence.push_back(
-        {.bank = rows, .lower = mean_of(below->all).mean, .upper = mean_of(above).mean});
+    floor.convergence.push_back({.bank = rows, .lower = mean_of(below->all).mean, .upper = mean_of(above).mean});
   }
-  floor.all = {.family = "", .name = "all", .lower = mean_of(below->all), .upper = mean_of(above), .networks = {}};
+  floor.all = {.family_number = 0,
+               .number = 0,
+               .family = "",
+               .name = "all",
+               .lower = mean_of(below->all),
+               .estimate = {},
+               .upper = mean_of(above),
+               .networks = {}};
   std::vector<std::vector<double>> of_networks;
   for (const nn::Model& network : networks) {
     of_networks.push_back(second_half(network_errors(executor, network, readings, judged, model.inputs)));
@@ -303,9 +363,12 @@ std::optional<Floor> floor_of(Executor& executor, const FrameBank& bank, const F
     const std::vector<std::uint16_t> judged_classes(
         judged.class_of[f].begin() + static_cast<std::ptrdiff_t>(judged.rows() / 2), judged.class_of[f].end());
     for (std::size_t kind = 0; kind < families[f].classes.size(); ++kind) {
-      FloorClass one{.family = families[f].name,
+      FloorClass one{.family_number = f,
+                     .number = static_cast<std::uint16_t>(kind),
+                     .family = families[f].name,
                      .name = families[f].classes[kind],
                      .lower = mean_of(of_class(below->by_family[f], asked.class_of[f], kind)),
+                     .estimate = {},
                      .upper = mean_of(of_class(above, judged_classes, kind)),
                      .networks = {}};
       for (const auto& errors : of_networks) one.networks.push_back(mean_of(of_class(errors, judged_classes, kind)));
@@ -335,11 +398,13 @@ std::optional<Floor> measure_floor(Executor& executor, const SceneSource& source
     return collector.take();
   };
   const FrameBank bank = collect(options.bank), outside = collect(2 * options.readings);
-  return floor_of(executor, bank, outside, model,
-                  {{"indenter", source.kind_names()},
-                   {"elements that touch", touching_names},
-                   {"tactels above 5 % of the largest", felt_names}},
-                  networks, options);
+  auto floor = floor_of(executor, bank, outside, model,
+                        {{"indenter", source.kind_names()},
+                         {"elements that touch", touching_names},
+                         {"tactels above 5 % of the largest", felt_names}},
+                        networks, options);
+  if (floor) measure_estimates(executor, source, next, model, options, *floor);
+  return floor;
 }
 
 }  // namespace tactel::host

@@ -15,7 +15,8 @@ std::string text_of(const FloorError& error) {
 }
 
 std::string line_of(const FloorClass& one, const std::string& name) {
-  std::string line = fmt::format("{:<34}{:>18}{:>18}", name, text_of(one.lower), text_of(one.upper));
+  std::string line =
+      fmt::format("{:<34}{:>18}{:>18}{:>18}", name, text_of(one.lower), text_of(one.estimate), text_of(one.upper));
   for (const FloorError& network : one.networks) line += fmt::format("{:>18}", text_of(network));
   return line + '\n';
 }
@@ -26,7 +27,10 @@ Json to_json(const FloorError& error) {
 }
 
 Json to_json(const FloorClass& one, const std::vector<std::string>& networks) {
-  Json json = {{"lower", to_json(one.lower)}, {"upper", to_json(one.upper)}, {"networks", Json::object()}};
+  Json json = {{"lower", to_json(one.lower)},
+               {"estimate", to_json(one.estimate)},
+               {"upper", to_json(one.upper)},
+               {"networks", Json::object()}};
   for (std::size_t i = 0; i < networks.size(); ++i) json["networks"][networks[i]] = to_json(one.networks[i]);
   return json;
 }
@@ -36,9 +40,10 @@ Json to_json(const FloorClass& one, const std::vector<std::string>& networks) {
 std::string floor_table(const Floor& floor, const FloorOptions& options, const std::vector<std::string>& networks) {
   std::string text = fmt::format(
       "mean |error of S| that the frames allow: noise {:g}, gains {:g}, {} frame{}; a bank of {} rows\n"
-      "the floor lies between \"below\" (any estimator) and \"above\" (one estimator)\n\n",
+      "the floor lies between \"below\" (any estimator) and \"above\" (one estimator);\n"
+      "\"estimate\" is by derivatives, and no bound\n\n",
       options.noise, options.gain, options.history, options.history == 1 ? "" : "s", floor.bank);
-  text += fmt::format("{:<34}{:>18}{:>18}", "contacts", "below", "above");
+  text += fmt::format("{:<34}{:>18}{:>18}{:>18}", "contacts", "below", "estimate", "above");
   for (std::size_t i = 0; i < networks.size(); ++i) text += fmt::format("{:>18}", fmt::format("network {}", i + 1));
   text += '\n' + line_of(floor.all, "all");
   std::string family;
@@ -55,8 +60,9 @@ std::string floor_table(const Floor& floor, const FloorOptions& options, const s
 }
 
 Json to_json(const Floor& floor, const FloorOptions& options, const std::vector<std::string>& networks) {
-  Json json = {{"noise", options.noise},     {"gain", options.gain},     {"history", options.history},
-               {"bank_rows", floor.bank},    {"spread", floor.spread},   {"seed", options.seed},
+  Json json = {{"noise", options.noise},     {"gain", options.gain},
+               {"history", options.history}, {"bank_rows", floor.bank},
+               {"spread", floor.spread},     {"seed", options.seed},
                {"seconds", floor.seconds},   {"all", to_json(floor.all, networks)},
                {"classes", Json::array()},   {"convergence", Json::array()}};
   for (const FloorClass& one : floor.classes) {

@@ -37,9 +37,7 @@ std::vector<ShearRatioStudy> study_shear_ratio(const nn::FrameSet& learning, con
   std::vector<ShearRatioStudy> studies;
   for (const nn::RatioFit fit : {nn::RatioFit::median, nn::RatioFit::least_squares}) {
     const double c = nn::fit_shear_ratio(learning, fit);
-    const auto report = [&](const nn::FrameSet& set) {
-      return nn::report_errors(nn::shear_ratio_errors(set, c), set);
-    };
+    const auto report = [&](const nn::FrameSet& set) { return nn::report_errors(nn::shear_ratio_errors(set, c), set); };
     studies.push_back({.fit = fit, .factor = c, .learning = report(learning), .recalling = report(recall)});
   }
   return studies;
@@ -122,9 +120,9 @@ void report_baselines(Page& page, const InverseBaselines& baselines, const Inver
       "with the single friction {} of the paper's sets c is about 1 / mu. With friction that nobody knows one c cannot "
       "do it. A network is worth its work there.",
       problem.sets.learning_contacts.friction.empty() ? 0.0 : problem.sets.learning_contacts.friction.front()));
-  PageTable table{.caption = "Networks without noise beside the estimator without a network (networks: median over seeds)",
-                  .head = {"estimator", "friction", "learning: mean error", "largest", "recalling: mean error",
-                           "largest"}};
+  PageTable table{
+      .caption = "Networks without noise beside the estimator without a network (networks: median over seeds)",
+      .head = {"estimator", "friction", "learning: mean error", "largest", "recalling: mean error", "largest"}};
   for (const NetworkStudy& study : problem.studies) {
     if (study.noise != 0) continue;
     table.add({fmt::format("network {} ({})", study.number, study.topology.text()), "the paper's",
@@ -138,10 +136,11 @@ void report_baselines(Page& page, const InverseBaselines& baselines, const Inver
     add_row(table, study, fmt::format("one of {}", fmt::join(baselines.frictions, ", ")));
   page.table(table);
   const SharedRows& shared = baselines.shared;
-  page.note(fmt::format(
-      "The sets repeat: {} of the {} recalled rows have the frame of a row of the learning set (to 1e-6 of its largest stress), and "
-      "the {} rows of the learning set have {} different frames.",
-      shared.recalled_again, shared.recall, shared.learning, shared.distinct));
+  page.note(
+      fmt::format("The sets repeat: {} of the {} recalled rows have the frame of a row of the learning set (to 1e-6 of "
+                  "its largest stress), and "
+                  "the {} rows of the learning set have {} different frames.",
+                  shared.recalled_again, shared.recall, shared.learning, shared.distinct));
 }
 
 }  // namespace tactel::host

@@ -29,7 +29,7 @@ InverseChoice inverse_choice();
 /// The sets of a choice, simulated.
 struct InverseSets {
   nn::FrameSet learning, recall;
-  std::vector<std::string> class_names;          ///< of the recall set
+  std::vector<std::string> class_names;           ///< of the recall set
   ContactSet learning_contacts, recall_contacts;  ///< the same rows as in a set file
 };
 InverseSets simulate_sets(Executor& executor, const InverseChoice& choice);
@@ -60,7 +60,7 @@ struct InverseProblem {
   InverseSets sets;
   std::vector<NetworkStudy> studies;         ///< noise-free 1 ... 6, then with noise 1 ... 6
   std::vector<FreshNoiseStudy> fresh_noise;  ///< 1 ... 6
-  double patterns = 0, seconds = 0;   ///< of training
+  double patterns = 0, seconds = 0;          ///< of training
 };
 
 /// Limit of the cycles that train on noise. By then the networks fit their noisy set; their recall is no better

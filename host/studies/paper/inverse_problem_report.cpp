@@ -257,8 +257,9 @@ Panel nodes_panel(const InverseProblem& problem, const NetworkStudy& study, cons
   Panel panel{.title = title, .x_label = "nodes in contact", .y_label = "median error of S"};
   const nn::FrameSet& recall = problem.sets.recall;
   for (std::size_t kind = 0; kind < problem.sets.class_names.size(); ++kind)
-    panel.series.push_back(
-        {.label = problem.sets.class_names[kind], .mark = Mark::dots, .ink = network_inks[kind % std::size(network_inks)]});
+    panel.series.push_back({.label = problem.sets.class_names[kind],
+                            .mark = Mark::dots,
+                            .ink = network_inks[kind % std::size(network_inks)]});
   for (std::size_t row = 0; row < recall.shape_class.size(); ++row) {
     std::vector<double> errors;
     for (const auto& network : study.recall_errors) errors.push_back(network[row]);
@@ -323,8 +324,9 @@ void report_noise(Page& page, const InverseProblem& problem) {
 }
 
 void report_fresh_noise(Page& page, const InverseProblem& problem) {
-  PageTable table{.caption = "Mean recall error with noise of 10 % of each frame's own largest stress, drawn anew at each "
-                             "showing: median over seeds [5 %, 95 %]",
+  PageTable table{.caption =
+                      "Mean recall error with noise of 10 % of each frame's own largest stress, drawn anew at each "
+                      "showing: median over seeds [5 %, 95 %]",
                   .head = {"network", "recalled without noise", "recalled with such noise", "the paper, recalling"}};
   for (const FreshNoiseStudy& study : problem.fresh_noise)
     table.add({fmt::format("{} ({})", study.number, study.topology.text()),
@@ -332,7 +334,8 @@ void report_fresh_noise(Page& page, const InverseProblem& problem) {
                fmt::format("{:.4f}", paper_table_two(study.number).recalling.mean)});
   page.table(table);
   page.note(
-      "The paper states neither whether its noise was drawn once, nor of which stress it is 10 %. The two tables are the "
+      "The paper states neither whether its noise was drawn once, nor of which stress it is 10 %. The two tables are "
+      "the "
       "two readings; where the second is nearer the paper's numbers, it is the likelier one.");
 }
 
@@ -449,7 +452,8 @@ void report_inverse_problem(Page& page, const InverseProblem& problem, const Inv
   page.section("Noise");
   report_noise(page, problem);
   page.note(
-      "Noise of 10 % of the largest stress of the set is as large as the whole stress of a blunt contact. In this table "
+      "Noise of 10 % of the largest stress of the set is as large as the whole stress of a blunt contact. In this "
+      "table "
       "it is drawn once, as in the paper's noise-added learning sets; the networks fit it within a thousand cycles.");
   report_fresh_noise(page, problem);
 

@@ -38,8 +38,8 @@ TEST(WeightedMedian, IsWhereHalfOfTheWeightLies) {
   EXPECT_EQ(weighted_median(values, std::vector<float>{0, 0, 1, 0}), 3);
 }
 
-// S is a normal number of deviation 0.2, and the frame is (1, S) read with noise 0.1: the posterior of S is Gaussian with the
-// variance 1 / (1 / 0.2^2 + 1 / 0.1^2) = 0.008, and the mean of |error| is sqrt(2 / pi) sqrt(0.008) = 0.07136.
+// S is a normal number of deviation 0.2, and the frame is (1, S) read with noise 0.1: the posterior of S is Gaussian
+// with the variance 1 / (1 / 0.2^2 + 1 / 0.1^2) = 0.008, and the mean of |error| is sqrt(2 / pi) sqrt(0.008) = 0.07136.
 TEST(Floor, OfALinearGaussianProblemIsItsPosterior) {
   const auto draw = [](std::mt19937& random, auto frame) {
     const double s = std::normal_distribution<double>(0, 0.2)(random);
@@ -61,11 +61,11 @@ TEST(Floor, OfALinearGaussianProblemIsItsPosterior) {
   EXPECT_EQ(floor->convergence[0].bank, 312u);
 }
 
-// One element touches: r = Q / P is read without error, S = r / mu, and mu is uniform in 0.1 ... 1, S in 0 ... 1. Given r,
-// mu has the density 1 / mu (dS = dr / mu) from max(r, 0.1) to 1, and S = r / mu is log-uniform from r to
-// min(1, 10 r): its median is the geometric mean of the ends a, b, and its mean absolute deviation
-// (sqrt b - sqrt a)^2 / ln(b / a). Over r, whose density is ln(b / a) / 0.9, the floor is the integral
-// of (sqrt b - sqrt a)^2 / 0.9: with (sqrt 10 - 1)^2 r up to 0.1, then (1 - sqrt r)^2 = 1 - 2 sqrt r + r.
+// One element touches: r = Q / P is read without error, S = r / mu, and mu is uniform in 0.1 ... 1, S in 0 ... 1. Given
+// r, mu has the density 1 / mu (dS = dr / mu) from max(r, 0.1) to 1, and S = r / mu is log-uniform from r to min(1, 10
+// r): its median is the geometric mean of the ends a, b, and its mean absolute deviation (sqrt b - sqrt a)^2 / ln(b /
+// a). Over r, whose density is ln(b / a) / 0.9, the floor is the integral of (sqrt b - sqrt a)^2 / 0.9: with (sqrt 10 -
+// 1)^2 r up to 0.1, then (1 - sqrt r)^2 = 1 - 2 sqrt r + r.
 TEST(Floor, OfOneElementHasAClosedForm) {
   const double k = std::sqrt(10.0) - 1;
   const auto tail = [](double r) { return r - 4.0 / 3 * std::pow(r, 1.5) + r * r / 2; };
@@ -82,8 +82,8 @@ TEST(Floor, OfOneElementHasAClosedForm) {
   const auto floor =
       floor_of(executor(), bank_of(30000, 2, 1, draw), bank_of(6000, 2, 2, draw), model, one_family, {}, options);
   ASSERT_TRUE(floor);
-  // Some 60 rows lie within the noise of a reading: the posterior's median is off by 1 / (4 60) of its spread squared, some
-  // 2 % of the error, and the readings scatter.
+  // Some 60 rows lie within the noise of a reading: the posterior's median is off by 1 / (4 60) of its spread squared,
+  // some 2 % of the error, and the readings scatter.
   EXPECT_NEAR(floor->all.lower.mean, exact, 4 * floor->all.lower.standard_error + 0.02 * exact);
   EXPECT_NEAR(floor->all.upper.mean, exact, 4 * floor->all.upper.standard_error + 0.02 * exact);
 }
@@ -111,12 +111,13 @@ TEST(Floor, ABiggerBankNarrowsTheGap) {
 TEST(FloorCommand, GivesNumbersBelowAndAbove) {
   const ScratchFolder folder;
   const std::string json = folder / "floor.json";
-  const ChildResult result = run_tactel({"floor", source_file("examples/random_sweep.toml"), "--noise", "0.02", "--bank",
-                                         "4000", "--readings", "200", "--quiet", "--json", json});
+  const ChildResult result = run_tactel({"floor", source_file("examples/random_sweep.toml"), "--noise", "0.02",
+                                         "--bank", "4000", "--readings", "200", "--quiet", "--json", json});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(result.out.find("rows of the bank"), std::string::npos);
   const auto floor = nlohmann::json::parse(text_of(json));
   EXPECT_LT(floor["all"]["lower"]["mean"], floor["all"]["upper"]["mean"]);
+  EXPECT_GT(floor["all"]["estimate"]["mean"], 0);
   EXPECT_GE(floor["bank_rows"], 4000);
   EXPECT_EQ(floor["convergence"].size(), 3u);
   const ChildResult listed = run_tactel({"floor", source_file("examples/paper_learning.toml")});
