@@ -20,6 +20,19 @@ void check_labels(const char* key, std::size_t size, Eigen::Index rows) {
                      "one for each of the " + std::to_string(rows) + " rows, or none");
 }
 
+void check_noise(double fraction) {
+  if (!(fraction >= 0) || !std::isfinite(fraction))
+    throw ValueError("noise", std::to_string(fraction), "finite and at least 0");
+}
+
+template <class T>
+std::vector<T> repeated(const std::vector<T>& values, int copies) {
+  std::vector<T> all;
+  all.reserve(values.size() * static_cast<std::size_t>(copies));
+  for (int copy = 0; copy < copies; ++copy) all.insert(all.end(), values.begin(), values.end());
+  return all;
+}
+
 // Two normal numbers from two words (Box and Muller 1958); the words become the middles of 2^32 cells of (0, 1).
 std::array<double, 2> normal_pair(std::uint32_t a, std::uint32_t b) {
   const double radius = std::sqrt(-2.0 * std::log((a + 0.5) * 0x1p-32));
@@ -66,12 +79,28 @@ void add_noise(std::span<float> values, double deviation, std::uint64_t seed, st
 }
 
 FrameSet with_noise(const FrameSet& set, double fraction, std::uint64_t seed) {
-  if (!(fraction >= 0) || !std::isfinite(fraction))
-    throw ValueError("noise", std::to_string(fraction), "finite and at least 0");
+  check_noise(fraction);
   FrameSet noisy = set;
   const double deviation = fraction * set.largest_stress();
   if (deviation == 0) return noisy;
   add_noise({noisy.frames.data(), static_cast<std::size_t>(noisy.frames.size())}, deviation, seed, 0);
+  return noisy;
+}
+
+FrameSet with_frame_noise(const FrameSet& set, double fraction, std::uint64_t seed, int copies) {
+  check_noise(fraction);
+  if (copies < 1) throw ValueError("copies", std::to_string(copies), "at least 1");
+  FrameSet noisy{.frames = set.frames.replicate(copies, 1),
+                 .slip_index = set.slip_index.replicate(copies, 1),
+                 .shape_class = repeated(set.shape_class, copies),
+                 .contact_nodes = repeated(set.contact_nodes, copies)};
+  const Eigen::Index inputs = set.frames.cols();
+  for (Eigen::Index row = 0; row < noisy.rows(); ++row) {
+    auto frame = noisy.frames.row(row);
+    const double deviation = fraction * frame.cwiseAbs().maxCoeff();
+    add_noise({frame.data(), static_cast<std::size_t>(inputs)}, deviation, seed,
+              static_cast<std::uint64_t>(row) * static_cast<std::uint64_t>(inputs));
+  }
   return noisy;
 }
 

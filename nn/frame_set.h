@@ -33,6 +33,12 @@ InputScaling fit_scaling(ScalingKind kind, const FrameSet& set);
 /// number i % 4 of noise_words(seed, i / 4) by Box and Muller (1958).
 FrameSet with_noise(const FrameSet& set, double fraction, std::uint64_t seed);
 
+/// Returns `copies` noisy copies of a set, one after the other: each stress plus Gaussian noise with a standard
+/// deviation of `fraction` of its own frame's largest |stress|. No two copies share their noise: a network that is
+/// shown each copy once meets noise drawn anew at each showing. Value i of the result takes the normal number of
+/// with_noise.
+FrameSet with_frame_noise(const FrameSet& set, double fraction, std::uint64_t seed, int copies);
+
 /// Scaled inputs, and targets in the output range of a network.
 template <class Scalar>
 struct TrainingSet {

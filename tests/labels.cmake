@@ -18,7 +18,7 @@ set(unit_sets "^(CheckSet|MeasuringChains)[.]|ThirtyTwoTaylor|^TransducerTable[.
 set(unit_live "^(FrameQueue|LatencyHistogram|SensorProfile|Calibration|OpenSource|LiveView)[.]")
 set(unit_training "StreamAndBlockExclude")
 set(unit_api "^(Infer[.][^G]|Infer[.]GivesTheS|LiveApi[.]|SceneApi[.])")
-set(unit_studies "^(HandPress|LoopDrift|SceneMix)[.]|^InverseProblem[.](Spread|Json)|AllCombinations|SlipIndexIs|DrawsAre|TheAngleAlone")
+set(unit_studies "^(HandPress|LoopDrift|SceneMix|WeightedMedian)[.]|^InverseProblem[.](Spread|Json|Counts)|AllCombinations|SlipIndexIs|DrawsAre|TheAngleAlone")
 set(unit_commands "^(DevicesCommandDeathTest|UnreadableScene|StandardError|Help|Words|Numbers|Memory|HostileFiles|ProfileFile|Keys)[.]|BadScene|WrongCall|^CommandLine[.][HS]|OutputsThatCannotBe|TimesThatAreNone|FilesItNames|^SolveCommand[.](SlipIndex|JsonNumbers|Missed)")
 # Of these, the calls that a device must judge.
 set(device_commands "WrongCall.*/(UnknownDevice|Step)|APipeWithoutAWriter")
@@ -26,7 +26,7 @@ set(device_commands "WrongCall.*/(UnknownDevice|Step)|APipeWithoutAWriter")
 set(program_networks "^OnnxRuntime")
 set(program_sets "OpensInH5py|NamesTheRowsOfADamagedChunk")
 set(program_training ".")
-set(program_studies "[.]Reproduce")
+set(program_studies "[.]Reproduce|^FloorCommand")
 set(program_commands "^([^D]|Du|Dem)")  # all but DevicesCommand
 
 set(slow "^(ClosedForms|GapReferenceRandom|IndependentContact|Extremes|InverseProblem|DirectProblem|StreamTraining|RankTraining)[.]|^Planner[.]K|^Demo[.]S|EveryShape|CondensationCache.AnyFlippedByte|/100000$")

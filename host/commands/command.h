@@ -18,6 +18,7 @@ void add_train_command(CLI::App& app, Action& action);
 void add_recall_command(CLI::App& app, Action& action);
 void add_reproduce_command(CLI::App& app, Action& action);
 void add_tradeoff_command(CLI::App& app, Action& action);
+void add_floor_command(CLI::App& app, Action& action);
 void add_extremes_command(CLI::App& app, Action& action);
 void add_monitor_command(CLI::App& app, Action& action);
 void add_record_command(CLI::App& app, Action& action);

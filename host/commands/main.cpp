@@ -88,6 +88,7 @@ int run(int argc, char** argv) {
   add_tare_command(app, action);
   add_reproduce_command(app, action);
   add_tradeoff_command(app, action);
+  add_floor_command(app, action);
   add_extremes_command(app, action);
   add_devices_command(app, action);
   add_demo_command(app, action);

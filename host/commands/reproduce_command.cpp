@@ -2,9 +2,11 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "host/commands/command.h"
+#include "host/networks/onnx_file.h"
 #include "host/studies/paper/direct_problem_report.h"
 #include "host/studies/paper/inverse_problem_report.h"
 #include "host/studies/paper/real_sensor_report.h"
@@ -26,6 +28,9 @@ struct ReproduceRequest {
   std::filesystem::path checkpoint(double noise) const {
     return std::filesystem::path(output) / fmt::format("networks-{}.checkpoint", noise);
   }
+  std::filesystem::path fresh_noise_checkpoint() const {
+    return std::filesystem::path(output) / "networks-fresh-noise.checkpoint";
+  }
 };
 
 void make_directory(const std::filesystem::path& path) {
@@ -38,6 +43,7 @@ void make_directory(const std::filesystem::path& path) {
 
 void remove_checkpoints(const ReproduceRequest& request) {
   for (double noise : {0.0, paper_noise}) std::filesystem::remove(request.checkpoint(noise));
+  std::filesystem::remove(request.fresh_noise_checkpoint());
 }
 
 /// Checks the checkpoints of both noise levels before hours of work on the first.
@@ -45,6 +51,7 @@ void expect_own_checkpoints(const ReproduceRequest& request, Executor& executor,
                             const InverseChoice& noisy, const InverseSets& sets) try {
   expect_own_checkpoint(executor, clean, 0, request.seeds, sets, request.checkpoint(0));
   expect_own_checkpoint(executor, noisy, paper_noise, request.seeds, sets, request.checkpoint(paper_noise));
+  expect_own_fresh_noise_checkpoint(executor, noisy, request.seeds, sets, request.fresh_noise_checkpoint());
 } catch (const ConfigError& error) {
   throw ConfigError(
       error.file, error.key, error.value,
@@ -52,20 +59,17 @@ void expect_own_checkpoints(const ReproduceRequest& request, Executor& executor,
       "another --output keeps it");
 }
 
-/// Trains at one noise level, with progress and checkpoint. False when Ctrl-C stopped it.
-bool train_networks(const ReproduceRequest& request, Executor& executor, const InverseChoice& choice, double noise,
-                    InverseProblem& problem) {
+/// Calls train(options), with progress and checkpoint. False when Ctrl-C stopped it.
+bool train_networks(const ReproduceRequest& request, const std::string& what, const std::filesystem::path& checkpoint,
+                    const std::function<bool(const TrainingRunOptions&)>& train) {
   const Interrupt interrupt;
-  ProgressLine line(
-      fmt::format("Table II: networks {} noise, {} seeds each", noise == 0 ? "without" : "with", request.seeds),
-      "weight updates", request.quiet);
-  const std::filesystem::path checkpoint = request.checkpoint(noise);
+  ProgressLine line(fmt::format("Table II: networks {}, {} seeds each", what, request.seeds), "weight updates",
+                    request.quiet);
   const auto progress = [&](std::size_t done, std::size_t total) {
     line.show(done, total);
     return !interrupt.requested();
   };
-  const bool finished = train_and_recall(executor, choice, noise, request.seeds,
-                                         {.progress = progress, .checkpoint = checkpoint}, problem);
+  const bool finished = train({.progress = progress, .checkpoint = checkpoint});
   line.clear();
   if (!finished) fmt::print(stderr, "stopped; the same command continues from {}\n", checkpoint.string());
   return finished;
@@ -93,6 +97,18 @@ bool reproduce_real_sensor(const ReproduceRequest& request, Executor& executor, 
   return true;
 }
 
+/// Writes the sets and the networks of Table II: learning.h5, recall.h5, networks/*.onnx.
+void keep_networks(const std::filesystem::path& directory, const InverseProblem& problem) {
+  write_contact_set(directory / "learning.h5", problem.sets.learning_contacts);
+  write_contact_set(directory / "recall.h5", problem.sets.recall_contacts);
+  make_directory(directory / "networks");
+  for (const NetworkStudy& study : problem.studies)
+    for (std::size_t i = 0; i < study.models.size(); ++i)
+      if (study.networks[i].status != nn::TrainStatus::not_finite)
+        write_onnx(directory / "networks" / network_file_name(study.topology, study.noise, study.networks[i].seed),
+                   study.models[i]);
+}
+
 /// Section V. False when Ctrl-C stopped it.
 bool reproduce_networks(const ReproduceRequest& request, Executor& executor, Page& page) {
   const std::filesystem::path directory = request.output;
@@ -107,18 +123,30 @@ bool reproduce_networks(const ReproduceRequest& request, Executor& executor, Pag
   }
   if (request.force) remove_checkpoints(request);
   expect_own_checkpoints(request, executor, choice, noisy, problem.sets);
-  if (!train_networks(request, executor, choice, 0, problem)) return false;
-  if (!train_networks(request, executor, noisy, paper_noise, problem)) return false;
+  const auto train = [&](const InverseChoice& with, double noise, const std::string& what) {
+    return train_networks(request, what, request.checkpoint(noise), [&](const TrainingRunOptions& options) {
+      return train_and_recall(executor, with, noise, request.seeds, options, problem);
+    });
+  };
+  if (!train(choice, 0, "without noise") || !train(noisy, paper_noise, "with noise")) return false;
+  if (!train_networks(request, "with noise drawn anew", request.fresh_noise_checkpoint(),
+                      [&](const TrainingRunOptions& options) {
+                        return train_on_fresh_noise(executor, noisy, request.seeds, options, problem);
+                      }))
+    return false;
+  keep_networks(directory, problem);
   const StageLine stage("Table II with other choices of the open parameters", request.quiet);
+  const InverseBaselines baselines = inverse_baselines(executor, choice, problem.sets);
   const auto sensitivity = inverse_sensitivity(executor, choice, std::min<std::size_t>(request.seeds, 4),
                                                request.cycles > 0 ? std::min(request.cycles, 2000) : 2000);
-  report_inverse_problem(page, problem, choice, sensitivity);
+  report_inverse_problem(page, problem, choice, baselines, sensitivity);
   if (request.cycles > 0)
     page.finding(
         Tone::fair, "quick look",
         fmt::format("The networks were trained for {} cycles at most (--cycles), the paper's for 10 000 or 15 000.",
                     request.cycles));
   write_file("--output", directory / "table2.json", json_text(table_two_json(problem)));
+  write_file("--output", directory / "estimators.json", json_text(baselines_json(baselines)));
   return true;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/networks/onnx_file.h"
 
+#include <fmt/format.h>
 #include <google/protobuf/util/message_differencer.h>
 
 #include <algorithm>
@@ -156,6 +157,10 @@ bool same_form(onnx::ModelProto a, onnx::ModelProto b) {
 }
 
 }  // namespace
+
+std::string network_file_name(const nn::Topology& topology, double noise, std::uint64_t seed) {
+  return fmt::format("{}_noise{}_seed{}.onnx", topology.text(), noise, seed);
+}
 
 std::string onnx_bytes(const nn::Model& model) { return proto_of(model, TACTEL_VERSION).SerializeAsString(); }
 

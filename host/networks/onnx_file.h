@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -16,6 +17,9 @@ void write_onnx(const std::filesystem::path& path, const nn::Model& model);
 /// Reads a network that write_onnx wrote. Throws ConfigError, with the reason, for a file that cannot be read, is
 /// truncated or damaged, or holds another graph.
 nn::Model read_onnx(const std::filesystem::path& path);
+
+/// Returns "42-42-21-1_noise0.1_seed7.onnx".
+std::string network_file_name(const nn::Topology& topology, double noise, std::uint64_t seed);
 
 /// Returns the bytes of the file.
 std::string onnx_bytes(const nn::Model& model);

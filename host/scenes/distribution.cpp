@@ -133,7 +133,9 @@ nn::PhiloxCounter random_words(const DrawKey& key, std::uint32_t attempt) {
 
 double uniform_number(const DrawKey& key) {
   const nn::PhiloxCounter words = random_words(key);
-  return unit(words[0], words[1]);
+  const double u = unit(words[0], words[1]);
+  if (key.draw != key.moved) return u;
+  return u < 0.5 ? u + key.shift : u - key.shift;
 }
 
 double draw(const Distribution& distribution, const DrawKey& key) {

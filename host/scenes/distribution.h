@@ -17,6 +17,9 @@ struct DrawKey {
   nn::RandomStream stream = nn::RandomStream::contact;
   std::uint64_t item = 0;  ///< contact or sensor
   std::uint32_t draw = 0;  ///< index of the number
+  /// Uniform numbers of this index are moved by `shift` towards the middle of 0 ... 1.
+  std::uint32_t moved = ~std::uint32_t{0};
+  double shift = 0;
 };
 
 /// Returns four random words. `attempt` counts the attempts of one draw. Below 2^20 draws, 2^12 attempts.

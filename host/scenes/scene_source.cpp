@@ -94,6 +94,23 @@ std::vector<std::pair<std::string, std::string>> SceneSource::files() const {
   return read;
 }
 
+SceneSource SceneSource::changed(double shift) const {
+  SceneSource source = *this;
+  source.shift_ = shift;
+  const auto take = [&](const NumberDraw& draw) {
+    if (std::holds_alternative<UniformDraw>(draw.distribution) ||
+        std::holds_alternative<LogUniformDraw>(draw.distribution))
+      source.moved_.push_back(draw.number);
+  };
+  for (const Part* part : {&indenter_, &contact_, &load_, &sensor_})
+    for (const Alternative& alternative : part->alternatives) {
+      std::ranges::for_each(alternative.draws, take);
+      if (alternative.profile) take(alternative.profile->half_width), take(alternative.profile->height);
+      if (alternative.slip_index) take(*alternative.slip_index);
+    }
+  return source;
+}
+
 SceneSource::Contact SceneSource::contact(std::uint64_t k) const {
   Contact contact = drawn_contact(k);
   if (rung_) contact.scene = on_rung(contact.scene, *rung_);
@@ -102,7 +119,9 @@ SceneSource::Contact SceneSource::contact(std::uint64_t k) const {
 
 SceneSource::Contact SceneSource::drawn_contact(std::uint64_t k) const {
   if (!listed_.empty()) return {listed_[k], listed_kinds_[k]};
-  const DrawKey key{seed_, nn::RandomStream::contact, k};
+  const std::uint64_t item = k / changes(), change = k % changes();
+  DrawKey key{.seed = seed_, .stream = nn::RandomStream::contact, .item = item};
+  if (change > 0) key.moved = moved_[change - 1], key.shift = shift_;
   const Alternative& indenter = draw_alternative(indenter_, key);
   const Alternative &contact = draw_alternative(contact_, key), &load = draw_alternative(load_, key);
   Contact drawn;

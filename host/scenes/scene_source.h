@@ -37,6 +37,13 @@ class SceneSource {
   /// Returns the model that the file asks for; a rung overrides it.
   fem::SurfaceModel model() const { return model_; }
   const nn::Transducer& transducer() const { return transducer_; }
+  /// Returns the source of this source's contacts with one of their drawn numbers changed, for derivatives by finite
+  /// differences. Its contact k is contact k / n of this source, n = changes(): as it is where k % n = 0, else with the
+  /// (k % n)-th of the numbers that are drawn uniformly or log-uniformly moved by `shift` of its range
+  /// (DrawKey::moved). What is chosen from a list, normal numbers and the slopes of random profiles stay. Of drawn
+  /// contacts only.
+  SceneSource changed(double shift) const;
+  std::uint64_t changes() const { return 1 + moved_.size(); }
   /// Returns the kinds of indenters: one for each [[indenter]].
   const std::vector<std::string>& kind_names() const { return kind_names_; }
 
@@ -104,6 +111,8 @@ class SceneSource {
   std::string file_;  ///< for errors
   std::vector<fem::Sensor> sensors_;
   std::vector<double> sensor_weights_;
+  std::vector<std::uint32_t> moved_;  ///< indices of the numbers that `changed` moves
+  double shift_ = 0;
 };
 
 }  // namespace tactel::host

@@ -71,10 +71,6 @@ NetworkResult judge(const nn::Recall<Real>& answer, const nn::FrameSet& set, boo
 
 }  // namespace
 
-std::string network_file_name(const nn::Topology& topology, double noise, std::uint64_t seed) {
-  return fmt::format("{}_noise{}_seed{}.onnx", topology.text(), noise, seed);
-}
-
 int paper_number(const nn::Topology& topology) {
   for (int number = 1; number <= 6; ++number)
     if (nn::Topology::paper(number) == topology) return number;

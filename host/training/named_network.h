@@ -20,8 +20,6 @@ struct NamedNetwork {
   nn::Model model;
 };
 
-/// Returns "42-42-21-1_noise0.1_seed7.onnx".
-std::string network_file_name(const nn::Topology& topology, double noise, std::uint64_t seed);
 /// Returns 1 ... 6 for the paper's topologies, else 0.
 int paper_number(const nn::Topology& topology);
 

@@ -132,3 +132,22 @@ TEST(Noise, HasTheDeviationAskedFor) {
   EXPECT_NE(with_noise(clean, 0.1, 10).frames, with_noise(clean, 0.1, 9).frames);
   EXPECT_THROW(with_noise(clean, -0.1, 9), ValueError);
 }
+
+// Frames of largest stress 5 and 500: deviations of 0.5 and 50, within 5 standard errors. The copies keep S, and share
+// no noise.
+TEST(Noise, OfAFrameIsRelativeToItsOwnLargestStress) {
+  FrameSet clean = flat_set(2, 1000, 5.0f);
+  clean.frames.row(0).setConstant(5.0f);
+  clean.frames.row(1).setConstant(-500.0f);
+  const FrameSet noisy = with_frame_noise(clean, 0.1, 9, 3);
+  ASSERT_EQ(noisy.rows(), 6);
+  for (Eigen::Index row = 0; row < 6; ++row) {
+    const auto added = (noisy.frames.row(row) - clean.frames.row(row % 2)).cast<double>().array().eval();
+    const double deviation = row % 2 ? 50 : 0.5;
+    EXPECT_NEAR(std::sqrt(added.square().mean()), deviation, 5 * deviation / std::sqrt(2000)) << row;
+    EXPECT_EQ(noisy.slip_index(row), clean.slip_index(row % 2));
+  }
+  EXPECT_NE(noisy.frames.row(0), noisy.frames.row(2));
+  EXPECT_NE(noisy.frames.row(2), noisy.frames.row(4));
+  EXPECT_THROW(with_frame_noise(clean, 0.1, 9, 0), ValueError);
+}

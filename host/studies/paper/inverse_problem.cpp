@@ -14,7 +14,8 @@ namespace tactel::host {
 namespace {
 
 const std::vector<int> all_numbers = {1, 2, 3, 4, 5, 6};
-constexpr std::uint64_t recall_noise_seed = 1'000'003;  // no network's own
+constexpr std::uint64_t recall_noise_seed = 1'000'003, learning_noise_seed = 1'000'033;  // no network's own
+constexpr int most_noisy_copies = 400;  // of the learning set: 18 MB on the device
 
 TrainingPlan paper_plan(const InverseChoice& choice, std::vector<int> numbers, std::size_t seeds, double noise = 0) {
   TrainingPlan plan;
@@ -24,6 +25,17 @@ TrainingPlan paper_plan(const InverseChoice& choice, std::vector<int> numbers, s
   for (int number : numbers) plan.topologies.push_back(nn::Topology::paper(number));
   for (std::uint64_t seed = 1; seed <= seeds; ++seed) plan.seeds.push_back(seed);
   return plan;
+}
+
+/// Copies of the learning set with noise, and the plan that shows each of them once a cycle.
+std::pair<nn::FrameSet, TrainingPlan> fresh_noise_lesson(const InverseChoice& choice, std::size_t seeds,
+                                                         const InverseSets& sets) {
+  const int showings = choice.options.cycle_limit > 0 ? choice.options.cycle_limit : enough_noise_cycles;
+  const int copies = std::min(showings, most_noisy_copies);
+  InverseChoice fresh = choice;
+  fresh.options.cycle_limit = showings / copies;
+  return {nn::with_frame_noise(sets.learning, paper_noise, learning_noise_seed, copies),
+          paper_plan(fresh, all_numbers, seeds)};
 }
 
 /// Index of the median of the mean errors; of an even number, the lower of the two in the middle.
@@ -56,6 +68,8 @@ void add_studies(const NetworkTraining<float>& training, const TrainingPlan& pla
       study.recalling_noisy.push_back(noisy[i]);
       study.recall_errors.push_back(errors[i]);
     }
+    for (std::size_t i = t * plan.seeds.size(); i < (t + 1) * plan.seeds.size(); ++i)
+      study.models.push_back(training.model(i, "learning.h5", learning[i].all));
     study.typical = typical_seed(study.recalling);
     study.slip_index = training.slip_index(t * plan.seeds.size() + study.typical, recall);
     problem.studies.push_back(std::move(study));
@@ -100,14 +114,19 @@ InverseChoice inverse_choice() { return {.base = paper_set_scene(), .options = {
 
 InverseSets simulate_sets(Executor& executor, const InverseChoice& choice) {
   const auto simulate = [&](const SceneFamily& family) {
-    const ContactSet set = simulate_family(executor, family, Precision::fp64, 0);
+    ContactSet set = simulate_family(executor, family, Precision::fp64, 0);
     if (std::ranges::count(set.status, LANE_UNSOLVED))
       throw std::runtime_error("the paper's sets: a load step did not meet its tolerance");
-    return set.frames_with_answers();
+    return set;
   };
-  const SceneFamily recall = paper_recall_family(choice.base);
-  return {simulate(paper_learning_family(choice.base, choice.scale, choice.height)), simulate(recall),
-          recall.kind_names};
+  const SceneFamily recall_family = paper_recall_family(choice.base);
+  ContactSet learning = simulate(paper_learning_family(choice.base, choice.scale, choice.height));
+  ContactSet recall = simulate(recall_family);
+  return {.learning = learning.frames_with_answers(),
+          .recall = recall.frames_with_answers(),
+          .class_names = recall_family.kind_names,
+          .learning_contacts = std::move(learning),
+          .recall_contacts = std::move(recall)};
 }
 
 void expect_own_checkpoint(Executor& executor, const InverseChoice& choice, double noise, std::size_t seeds,
@@ -123,6 +142,35 @@ bool train_and_recall(Executor& executor, const InverseChoice& choice, double no
   if (!options.checkpoint.empty()) training.load(options.checkpoint);
   if (!training.run(options)) return false;
   add_studies(training, plan, problem);
+  problem.patterns += training.patterns();
+  problem.seconds += training.seconds();
+  return true;
+}
+
+void expect_own_fresh_noise_checkpoint(Executor& executor, const InverseChoice& choice, std::size_t seeds,
+                                       const InverseSets& sets, const std::filesystem::path& checkpoint) {
+  const auto [learning, plan] = fresh_noise_lesson(choice, seeds, sets);
+  expect_checkpoint_of(checkpoint, training_description<float>(executor, learning, plan));
+}
+
+bool train_on_fresh_noise(Executor& executor, const InverseChoice& choice, std::size_t seeds,
+                          const TrainingRunOptions& options, InverseProblem& problem) {
+  const auto [learning, plan] = fresh_noise_lesson(choice, seeds, problem.sets);
+  NetworkTraining<float> training(executor, learning, plan);
+  if (!options.checkpoint.empty()) training.load(options.checkpoint);
+  if (!training.run(options)) return false;
+  const nn::FrameSet noisy = nn::with_frame_noise(problem.sets.recall, paper_noise, recall_noise_seed, 1);
+  const auto clean_errors = training.recall(problem.sets.recall), noisy_errors = training.recall(noisy);
+  for (std::size_t t = 0; t < plan.topologies.size(); ++t) {
+    const auto of_seeds = [&](const std::vector<nn::ErrorReport>& all) {
+      const auto first = all.begin() + static_cast<std::ptrdiff_t>(t * seeds);
+      return std::vector(first, first + static_cast<std::ptrdiff_t>(seeds));
+    };
+    problem.fresh_noise.push_back({.number = static_cast<int>(t) + 1,
+                                   .topology = plan.topologies[t],
+                                   .recalling = of_seeds(clean_errors),
+                                   .recalling_noisy = of_seeds(noisy_errors)});
+  }
   problem.patterns += training.patterns();
   problem.seconds += training.seconds();
   return true;

@@ -9,6 +9,7 @@
 #include "fem/scene.h"
 #include "host/device/executor.h"
 #include "host/networks/network_training.h"
+#include "host/sets/contact_set.h"
 
 namespace tactel::host {
 
@@ -28,7 +29,8 @@ InverseChoice inverse_choice();
 /// The sets of a choice, simulated.
 struct InverseSets {
   nn::FrameSet learning, recall;
-  std::vector<std::string> class_names;  ///< of the recall set
+  std::vector<std::string> class_names;           ///< of the recall set
+  ContactSet learning_contacts, recall_contacts;  ///< the same rows as in a set file
 };
 InverseSets simulate_sets(Executor& executor, const InverseChoice& choice);
 
@@ -43,12 +45,22 @@ struct NetworkStudy {
   std::vector<std::vector<double>> recall_errors;    ///< [seeds][rows of the recall set] |error of S|
   std::size_t typical = 0;                           ///< the seed whose mean recall error is the median
   std::vector<double> slip_index{};                  ///< [rows of the recall set] S of that seed's network
+  std::vector<nn::Model> models{};                   ///< [seeds] as in their files
+};
+
+/// A network of the paper that learnt from noise drawn anew at each showing, relative to each frame's own largest
+/// stress; over seeds.
+struct FreshNoiseStudy {
+  int number = 0;  ///< 1 ... 6
+  nn::Topology topology;
+  std::vector<nn::ErrorReport> recalling, recalling_noisy;  ///< [seeds] without noise, and with noise of the same kind
 };
 
 struct InverseProblem {
   InverseSets sets;
-  std::vector<NetworkStudy> studies;  ///< noise-free 1 ... 6, then with noise 1 ... 6
-  double patterns = 0, seconds = 0;   ///< of training
+  std::vector<NetworkStudy> studies;         ///< noise-free 1 ... 6, then with noise 1 ... 6
+  std::vector<FreshNoiseStudy> fresh_noise;  ///< 1 ... 6
+  double patterns = 0, seconds = 0;          ///< of training
 };
 
 /// Limit of the cycles that train on noise. By then the networks fit their noisy set; their recall is no better
@@ -68,6 +80,15 @@ void expect_own_checkpoint(Executor& executor, const InverseChoice& choice, doub
 /// Returns false where progress stopped it. Throws ConfigError for a checkpoint of another training.
 bool train_and_recall(Executor& executor, const InverseChoice& choice, double noise, std::size_t seeds,
                       const TrainingRunOptions& options, InverseProblem& problem);
+
+/// Throws as expect_own_checkpoint, for a checkpoint of train_on_fresh_noise.
+void expect_own_fresh_noise_checkpoint(Executor& executor, const InverseChoice& choice, std::size_t seeds,
+                                       const InverseSets& sets, const std::filesystem::path& checkpoint);
+
+/// The same for noise drawn anew at each showing: fills problem.fresh_noise. A network is shown the learning set
+/// `choice.options.cycle_limit` times (0: enough_noise_cycles), each time with other noise, up to a limit of memory.
+bool train_on_fresh_noise(Executor& executor, const InverseChoice& choice, std::size_t seeds,
+                          const TrainingRunOptions& options, InverseProblem& problem);
 
 /// Return an error over all rows of a report.
 inline double max_error(const nn::ErrorReport& report) { return report.all.max; }

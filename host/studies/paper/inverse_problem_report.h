@@ -3,6 +3,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "host/figures/page.h"
+#include "host/studies/paper/inverse_baselines.h"
 #include "host/studies/paper/inverse_problem.h"
 
 namespace tactel::host {
@@ -14,9 +15,9 @@ nlohmann::ordered_json errors_json(const std::vector<nn::ErrorReport>& reports);
 /// learning and recalling, with the 5 and 95 % quantiles as "low" and "high".
 nlohmann::ordered_json table_two_json(const InverseProblem& problem);
 
-/// Adds to the report Table II as a distribution, learning curves, and errors by class and by nodes in contact.
-/// Adds the effects of noise and of the parameters that the paper leaves open.
+/// Adds to the report Table II as a distribution, with the estimators without a network; learning curves, and errors
+/// by class and by nodes in contact. Adds the effects of noise and of the parameters that the paper leaves open.
 void report_inverse_problem(Page& page, const InverseProblem& problem, const InverseChoice& choice,
-                            const InverseSensitivity& sensitivity);
+                            const InverseBaselines& baselines, const InverseSensitivity& sensitivity);
 
 }  // namespace tactel::host

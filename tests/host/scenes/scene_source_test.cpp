@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 
 #include "fem/measured_profile.h"
@@ -50,6 +51,29 @@ const std::string mixed =
     "[[indenter]]\nshape = \"flat\"\nhalf_width = { uniform = [1, 3] }\nweight = 3\n"
     "[[load]]\nindentation = { uniform = [0.05, 0.2] }\ntangential = [{ uniform = [0.1, 0.2] }, -0.05]\n"
     "[[load]]\nnormal_force = { choice = [0.5, 1.0] }\nslip_index = { uniform = [0, 0.9] }\n";
+
+// Seven numbers are drawn uniformly: friction, radius, position, half_width, indentation, the first target, slip_index.
+// Each contact comes as it is, then with one of them moved by an eighth of its range, where it has that number.
+TEST(SceneSource, ChangesOneNumberAtATime) {
+  const SceneSource sweep = source(mixed), changed = sweep.changed(0.125);
+  ASSERT_EQ(sweep.changes(), 1u);
+  ASSERT_EQ(changed.changes(), 8u);
+  for (std::uint64_t k = 0; k < 20; ++k) {
+    const double mu = sweep.contact(k).scene.friction;
+    EXPECT_EQ(changed.contact(8 * k).scene.friction, mu);
+    int moved = 0;
+    for (std::uint64_t change = 1; change < 8; ++change) {
+      const auto contact = changed.contact(8 * k + change);
+      EXPECT_EQ(contact.kind, sweep.contact(k).kind);
+      if (contact.scene.friction == mu) continue;
+      ++moved;
+      EXPECT_NEAR(std::abs(contact.scene.friction - mu), 0.125 * 1.4, 1e-12);
+      EXPECT_GE(contact.scene.friction, 0.1);
+      EXPECT_LE(contact.scene.friction, 1.5);
+    }
+    EXPECT_EQ(moved, 1);
+  }
+}
 
 // 2000 draws: shares spread by at most 0.011, four of these.
 TEST(SceneSource, DrawsAlternativesAndNumbers) {

@@ -1,0 +1,410 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/studies/floor/floor.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "fem/value_error.h"
+#include "host/networks/forward.h"
+#include "host/networks/frame_likelihood.h"
+#include "host/sets/set_simulator.h"
+#include "host/support/errors.h"
+#include "host/support/side_by_side.h"
+#include "kernels/shared/contact_layout.h"
+#include "nn/noise_words.h"
+
+namespace tactel::host {
+namespace {
+
+using Readings = nn::RowMatrix<float>;
+using Weights = Eigen::Array<float, 1, Eigen::Dynamic>;
+
+constexpr std::array<double, 8> spreads = {1, 4, 16, 64, 256, 1024, 4096, 16384};
+constexpr std::size_t readings_at_once = 32;  // times the rows of the bank: 26 MB at 200 000
+constexpr std::size_t contacts_at_once = 4096;
+constexpr float felt = 0.05f;  // of the largest normal stress
+
+/// The rows of a bank in a new order, or some of them.
+FrameBank chosen(const FrameBank& bank, std::span<const std::size_t> rows) {
+  FrameBank some{.frames = Readings(rows.size(), bank.frames.cols()), .slip_index = {}, .class_of = {}};
+  some.class_of.resize(bank.class_of.size());
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    some.frames.row(k) = bank.frames.row(rows[k]);
+    some.slip_index.push_back(bank.slip_index[rows[k]]);
+    for (std::size_t f = 0; f < bank.class_of.size(); ++f) some.class_of[f].push_back(bank.class_of[f][rows[k]]);
+  }
+  return some;
+}
+
+/// The first `count` rows, by increasing S.
+FrameBank sorted_bank(const FrameBank& bank, std::size_t count) {
+  std::vector<std::size_t> order(count);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t row) { return bank.slip_index[row]; });
+  return chosen(bank, order);
+}
+
+/// `count` rows at random, none twice; all where there are fewer.
+std::vector<std::size_t> drawn_rows(std::size_t rows, std::size_t count, std::uint64_t seed) {
+  std::vector<std::size_t> order(rows);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  count = std::min(count, rows);
+  for (std::size_t k = 0; k < count; ++k) {
+    const nn::PhiloxCounter words = nn::noise_words(seed, k);
+    std::swap(order[k], order[k + ((std::uint64_t{words[0]} << 32 | words[1]) % (rows - k))]);
+  }
+  order.resize(count);
+  return order;
+}
+
+FloorError mean_of(const std::vector<double>& errors) {
+  FloorError error{.mean = 0, .standard_error = 0, .readings = errors.size()};
+  if (errors.empty()) return error;
+  const nn::ErrorSummary summary = nn::summarize(errors);
+  error.mean = summary.mean;
+  error.standard_error = summary.std / std::sqrt(static_cast<double>(errors.size()));
+  return error;
+}
+
+/// exp((log density - its largest) / spread), all rows of the bank.
+Weights weights_of(const auto& logarithms, double spread) {
+  return ((logarithms - logarithms.maxCoeff()) / static_cast<float>(spread)).exp();
+}
+
+/// Readings of a bank's rows, evaluated under the bank that `likelihood` holds, `readings_at_once` at a time.
+/// evaluate(reading, logarithms) is called for each, from several threads.
+bool each_reading(FrameLikelihood<float>& likelihood, int threads, const Readings& readings, const Progress& progress,
+                  const std::function<void(std::size_t, const Eigen::Ref<const Weights>&)>& evaluate) {
+  const auto count = static_cast<std::size_t>(readings.rows());
+  for (std::size_t first = 0; first < count; first += readings_at_once) {
+    if (progress && !progress(first, count)) return false;
+    const std::size_t some = std::min(readings_at_once, count - first);
+    const nn::RowMatrix<float> logarithms = likelihood(readings.middleRows(first, some));
+    if (!logarithms.allFinite()) throw std::runtime_error("frame_likelihood: a density is not finite");
+    side_by_side(some, threads, [&](std::size_t k) { evaluate(first + k, logarithms.row(k).array()); });
+  }
+  return true;
+}
+
+/// Errors of readings, with the rows of which they are.
+struct Errors {
+  std::vector<double> all;                     ///< [readings]
+  std::vector<std::vector<double>> by_family;  ///< [families][readings], the class told
+};
+
+/// The number below: readings of rows of the bank itself.
+std::optional<Errors> errors_below(Executor& executor, const FrameBank& bank, const FrameBank& asked,
+                                   const nn::ReadingModel& model, std::uint64_t seed, const Progress& progress) {
+  std::vector<std::vector<std::vector<std::uint32_t>>> members(bank.class_of.size());  // [families][class] rows
+  for (std::size_t f = 0; f < members.size(); ++f)
+    for (std::uint32_t row = 0; row < bank.rows(); ++row) {
+      const std::uint16_t kind = bank.class_of[f][row];
+      if (members[f].size() <= kind) members[f].resize(kind + 1u);
+      members[f][kind].push_back(row);
+    }
+  FrameLikelihood<float> likelihood(executor, model, bank.frames);
+  Errors errors{.all = std::vector<double>(asked.rows()), .by_family = {}};
+  errors.by_family.assign(members.size(), std::vector<double>(asked.rows()));
+  const auto evaluate = [&](std::size_t k, const Eigen::Ref<const Weights>& logarithms) {
+    const double truth = asked.slip_index[k];
+    const Weights weights = weights_of(logarithms, 1);
+    errors.all[k] =
+        std::abs(weighted_median(bank.slip_index, {weights.data(), static_cast<std::size_t>(weights.size())}) - truth);
+    std::vector<float> values, of_class;
+    for (std::size_t f = 0; f < members.size(); ++f) {
+      values.clear(), of_class.clear();
+      for (const std::uint32_t row : members[f][asked.class_of[f][k]])
+        values.push_back(bank.slip_index[row]), of_class.push_back(weights[row]);
+      errors.by_family[f][k] = std::abs(weighted_median(values, of_class) - truth);
+    }
+  };
+  if (!each_reading(likelihood, executor.threads(), nn::draw_readings(model, asked.frames, seed), progress, evaluate))
+    return std::nullopt;
+  return errors;
+}
+
+/// The number above, at every spread: [spreads][readings], of readings of rows outside of the bank.
+std::optional<std::vector<std::vector<double>>> errors_above(Executor& executor, const FrameBank& bank,
+                                                             const FrameBank& asked, const Readings& readings,
+                                                             const nn::ReadingModel& model, const Progress& progress) {
+  FrameLikelihood<float> likelihood(executor, model, bank.frames);
+  std::vector errors(spreads.size(), std::vector<double>(asked.rows()));
+  const auto evaluate = [&](std::size_t k, const Eigen::Ref<const Weights>& logarithms) {
+    for (std::size_t s = 0; s < spreads.size(); ++s) {
+      const Weights weights = weights_of(logarithms, spreads[s]);
+      const double median =
+          weighted_median(bank.slip_index, {weights.data(), static_cast<std::size_t>(weights.size())});
+      errors[s][k] = std::abs(median - asked.slip_index[k]);
+    }
+  };
+  if (!each_reading(likelihood, executor.threads(), readings, progress, evaluate)) return std::nullopt;
+  return errors;
+}
+
+/// The spread with the smallest mean error on the first half of the readings.
+std::size_t best_spread(const std::vector<std::vector<double>>& errors) {
+  std::size_t best = 0;
+  double least = INFINITY;
+  for (std::size_t s = 0; s < errors.size(); ++s) {
+    const auto middle = errors[s].begin() + static_cast<std::ptrdiff_t>(errors[s].size() / 2);
+    const double sum = std::accumulate(errors[s].begin(), middle, 0.0);
+    if (sum < least) least = sum, best = s;
+  }
+  return best;
+}
+
+/// |error of S| of a network on readings; newest frame alone where the network takes one. [readings]
+std::vector<double> network_errors(Executor& executor, const nn::Model& network, const Readings& readings,
+                                   const FrameBank& asked, int inputs) {
+  const int width = network.weights.topology.inputs();
+  if (width != readings.cols() && width != inputs)
+    throw ValueError("network", network.weights.topology.text(),
+                     fmt::format("a network with {} inputs, as many as a frame", inputs));
+  Forward<float> forward(executor, std::span(&network.weights, 1), network.scaling);
+  const nn::Recall<float> answer = forward.recall(readings.leftCols(width));
+  std::vector<double> errors;
+  for (std::size_t k = 0; k < asked.rows(); ++k)
+    errors.push_back(std::abs(static_cast<double>(answer.slip_index(static_cast<Eigen::Index>(k))) -
+                              static_cast<double>(asked.slip_index[k])));
+  return errors;
+}
+
+std::vector<double> second_half(const std::vector<double>& values) {
+  return {values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end()};
+}
+
+/// The values of the readings of one class.
+std::vector<double> of_class(const std::vector<double>& values, const std::vector<std::uint16_t>& classes,
+                             std::size_t kind) {
+  std::vector<double> some;
+  for (std::size_t k = 0; k < values.size(); ++k)
+    if (classes[k] == kind && !std::isnan(values[k])) some.push_back(values[k]);
+  return some;
+}
+
+const std::vector<std::string> touching_names = {"1", "2 to 4", "5 to 8", "9 to 15", "16 or more"};
+std::uint16_t touching_class(int nodes) {
+  return nodes <= 1 ? 0 : nodes <= 4 ? 1 : nodes <= 8 ? 2 : nodes <= 15 ? 3 : 4;
+}
+
+const std::vector<std::string> felt_names = {"1 to 3", "4 to 6", "7 to 10", "11 or more"};
+std::uint16_t felt_class(std::span<const float> frame) {
+  const auto normal = frame.first(frame.size() / 2);
+  float largest = 0;
+  for (const float stress : normal) largest = std::max(largest, std::abs(stress));
+  const auto count = std::ranges::count_if(normal, [&](float stress) { return std::abs(stress) > felt * largest; });
+  return count <= 3 ? 0 : count <= 6 ? 1 : count <= 10 ? 2 : 3;
+}
+
+constexpr double change = 1.0 / 64;  // of a range
+
+/// nn::linear_error of a row, with derivatives by differences from the rows `changed` [numbers].
+double estimate_of(const nn::ReadingModel& model, const FrameBank& rows, std::size_t own,
+                   std::span<const std::size_t> changed) {
+  const auto truth = rows.frames.row(static_cast<Eigen::Index>(own));
+  nn::RowMatrix<double> j(truth.size(), changed.size());
+  nn::Vector<double> g(changed.size());
+  for (std::size_t n = 0; n < changed.size(); ++n) {
+    const auto row = static_cast<Eigen::Index>(changed[n]), column = static_cast<Eigen::Index>(n);
+    j.col(column) = (rows.frames.row(row) - truth).transpose().cast<double>() / change;
+    g(column) = (static_cast<double>(rows.slip_index[changed[n]]) - rows.slip_index[own]) / change;
+  }
+  return nn::linear_error(model, {truth.data(), static_cast<std::size_t>(truth.size())}, j, g);
+}
+
+/// Collects rows with `history` frames of their contact, whose newest frame has normal stress.
+class BankCollector {
+ public:
+  BankCollector(int inputs, int history) : inputs_(inputs), history_(history) { bank_.class_of.resize(3); }
+
+  /// Returns contact and step of each row that is taken.
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> add(const ContactSet& set) {
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> taken;
+    std::size_t run = 0;  // rows of the contact so far
+    for (std::size_t row = 0; row < set.rows(); ++row) {
+      run = row > 0 && set.contact[row] == set.contact[row - 1] ? run + 1 : 1;
+      const std::span frame(set.frames.data() + row * inputs_, static_cast<std::size_t>(inputs_));
+      const bool pressed = std::ranges::any_of(frame.first(inputs_ / 2), [](float stress) { return stress != 0; });
+      if (run < static_cast<std::size_t>(history_) || !pressed || set.status[row] == LANE_UNSOLVED ||
+          !std::isfinite(set.slip_index[row]))
+        continue;
+      for (int m = 0; m < history_; ++m) {
+        const float* older = set.frames.data() + (row - static_cast<std::size_t>(m)) * inputs_;
+        frames_.insert(frames_.end(), older, older + inputs_);
+      }
+      bank_.slip_index.push_back(set.slip_index[row]);
+      bank_.class_of[0].push_back(set.indenter[row]);
+      bank_.class_of[1].push_back(touching_class(set.contact_nodes[row]));
+      bank_.class_of[2].push_back(felt_class(frame));
+      taken.emplace_back(set.contact[row], set.step[row]);
+    }
+    return taken;
+  }
+  std::size_t rows() const { return bank_.rows(); }
+  FrameBank take() {
+    bank_.frames = Eigen::Map<const Readings>(frames_.data(), static_cast<Eigen::Index>(bank_.rows()),
+                                              Eigen::Index{inputs_} * history_);
+    return std::move(bank_);
+  }
+
+ private:
+  int inputs_, history_;
+  FrameBank bank_;
+  std::vector<float> frames_;
+};
+
+/// Fills the estimates of the floor and its classes, from contacts first ... of the source.
+void measure_estimates(Executor& executor, const SceneSource& source, std::uint64_t first,
+                       const nn::ReadingModel& model, const FloorOptions& options, Floor& floor) {
+  const SceneSource changed = source.changed(change);
+  const std::uint64_t n = changed.changes();
+  const SetSimulator simulator(executor, changed, {.precision = Precision::fp64, .tolerance = 1e-8});
+  std::vector<double> all;
+  std::vector<std::vector<std::uint16_t>> classes;
+  constexpr std::uint64_t contacts = 128;
+  for (std::uint64_t next = first; all.size() < options.readings; next += contacts) {
+    BankCollector collector(model.inputs, model.history);
+    const auto places = collector.add(simulator.simulate(next * n, contacts * n));
+    const FrameBank rows = collector.take();
+    std::map<std::pair<std::uint64_t, std::uint32_t>, std::size_t> row_of;
+    for (std::size_t row = 0; row < places.size(); ++row) row_of[places[row]] = row;
+    classes.resize(rows.class_of.size());
+    for (std::size_t row = 0; row < places.size(); ++row) {
+      const auto& [contact, step] = places[row];
+      if (contact % n != 0) continue;
+      std::vector<std::size_t> moved;
+      for (std::uint64_t k = 1; k < n; ++k)
+        if (const auto found = row_of.find({contact + k, step}); found != row_of.end()) moved.push_back(found->second);
+      all.push_back(estimate_of(model, rows, row, moved));
+      for (std::size_t f = 0; f < classes.size(); ++f) classes[f].push_back(rows.class_of[f][row]);
+    }
+  }
+  floor.all.estimate = mean_of(all);
+  for (FloorClass& one : floor.classes) one.estimate = mean_of(of_class(all, classes[one.family_number], one.number));
+}
+
+}  // namespace
+
+double weighted_median(std::span<const float> values, std::span<const float> weights) {
+  const Eigen::Map<const Eigen::ArrayXf> all(weights.data(), static_cast<Eigen::Index>(weights.size()));
+  const double half = 0.5 * all.cast<double>().sum();
+  // Blocks first, then the rows of the block in which half of the weight is passed.
+  constexpr Eigen::Index block = 512;
+  double sum = 0;
+  for (Eigen::Index first = 0; first < all.size(); first += block) {
+    const Eigen::Index count = std::min(block, all.size() - first);
+    const double more = all.segment(first, count).cast<double>().sum();
+    if (sum + more < half && first + count < all.size()) {
+      sum += more;
+      continue;
+    }
+    for (Eigen::Index k = first; k < first + count; ++k)
+      if (sum += all[k]; sum >= half) return values[static_cast<std::size_t>(k)];
+  }
+  return values.back();
+}
+
+std::optional<Floor> floor_of(Executor& executor, const FrameBank& bank, const FrameBank& outside,
+                              const nn::ReadingModel& model, const std::vector<ClassFamily>& families,
+                              std::span<const nn::Model> networks, const FloorOptions& options) {
+  model.validate();
+  if (bank.rows() < 2 || outside.rows() < 2)
+    throw ValueError("bank", fmt::format("{} rows", std::min(bank.rows(), outside.rows())), "at least 2 rows");
+  const auto start = std::chrono::steady_clock::now();
+  const FrameBank judged = chosen(outside, drawn_rows(outside.rows(), 2 * options.readings, options.seed));
+  const Readings readings = nn::draw_readings(model, judged.frames, options.seed + 2);
+  Floor floor{.all = {}, .classes = {}, .convergence = {}, .bank = bank.rows()};
+  std::optional<Errors> below;
+  FrameBank asked;
+  std::vector<double> above;
+  // Smaller banks first: work 1/16, 1/4 and 1 of the whole.
+  const std::array<std::size_t, 3> shares = {16, 4, 1};
+  std::size_t parts = 0;
+  const Progress progress = [&](std::size_t done, std::size_t count) {
+    return !options.progress || options.progress(parts * count + done, 2 * shares.size() * count);
+  };
+  for (const std::size_t share : shares) {
+    const std::size_t rows = std::max<std::size_t>(bank.rows() / share, 1);
+    const FrameBank some = sorted_bank(bank, rows);
+    asked = chosen(some, drawn_rows(rows, options.readings, options.seed + 4));
+    below = errors_below(executor, some, asked, model, options.seed + 6, progress);
+    if (!below) return std::nullopt;
+    ++parts;
+    const auto at_spreads = errors_above(executor, some, judged, readings, model, progress);
+    if (!at_spreads) return std::nullopt;
+    ++parts;
+    const std::size_t best = best_spread(*at_spreads);
+    above = second_half((*at_spreads)[best]);
+    floor.spread = spreads[best];
+    floor.convergence.push_back({.bank = rows, .lower = mean_of(below->all).mean, .upper = mean_of(above).mean});
+  }
+  floor.all = {.family_number = 0,
+               .number = 0,
+               .family = "",
+               .name = "all",
+               .lower = mean_of(below->all),
+               .estimate = {},
+               .upper = mean_of(above),
+               .networks = {}};
+  std::vector<std::vector<double>> of_networks;
+  for (const nn::Model& network : networks) {
+    of_networks.push_back(second_half(network_errors(executor, network, readings, judged, model.inputs)));
+    std::vector<double> answered;
+    std::ranges::copy_if(of_networks.back(), std::back_inserter(answered), [](double e) { return !std::isnan(e); });
+    floor.all.networks.push_back(mean_of(answered));
+  }
+  for (std::size_t f = 0; f < families.size(); ++f) {
+    const std::vector<std::uint16_t> judged_classes(
+        judged.class_of[f].begin() + static_cast<std::ptrdiff_t>(judged.rows() / 2), judged.class_of[f].end());
+    for (std::size_t kind = 0; kind < families[f].classes.size(); ++kind) {
+      FloorClass one{.family_number = f,
+                     .number = static_cast<std::uint16_t>(kind),
+                     .family = families[f].name,
+                     .name = families[f].classes[kind],
+                     .lower = mean_of(of_class(below->by_family[f], asked.class_of[f], kind)),
+                     .estimate = {},
+                     .upper = mean_of(of_class(above, judged_classes, kind)),
+                     .networks = {}};
+      for (const auto& errors : of_networks) one.networks.push_back(mean_of(of_class(errors, judged_classes, kind)));
+      if (one.lower.readings + one.upper.readings > 0) floor.classes.push_back(std::move(one));
+    }
+  }
+  floor.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return floor;
+}
+
+std::optional<Floor> measure_floor(Executor& executor, const SceneSource& source, std::span<const nn::Model> networks,
+                                   const FloorOptions& options) {
+  const nn::ReadingModel model{
+      .inputs = 2 * source.tactels(), .history = options.history, .noise = options.noise, .gain = options.gain};
+  model.validate();
+  const SetSimulator simulator(executor, source, {});
+  std::uint64_t next = 0;
+  const auto collect = [&](std::size_t rows) {
+    BankCollector collector(model.inputs, model.history);
+    for (std::size_t tried = 0; collector.rows() < rows; ++tried) {
+      if (tried > 64 && collector.rows() == 0)
+        throw ConfigError("command line", "--history", std::to_string(options.history),
+                          "a number of frames that contacts of this sweep have");
+      collector.add(simulator.simulate(next, contacts_at_once));
+      next += contacts_at_once;
+    }
+    return collector.take();
+  };
+  const FrameBank bank = collect(options.bank), outside = collect(2 * options.readings);
+  auto floor = floor_of(executor, bank, outside, model,
+                        {{"indenter", source.kind_names()},
+                         {"elements that touch", touching_names},
+                         {"tactels above 5 % of the largest", felt_names}},
+                        networks, options);
+  if (floor) measure_estimates(executor, source, next, model, options, *floor);
+  return floor;
+}
+
+}  // namespace tactel::host

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "host/studies/floor/floor.h"
+
+namespace tactel::host {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string text_of(const FloorError& error) {
+  return error.readings == 0 ? "-" : fmt::format("{:.4f} +- {:.4f}", error.mean, error.standard_error);
+}
+
+std::string line_of(const FloorClass& one, const std::string& name) {
+  std::string line =
+      fmt::format("{:<34}{:>18}{:>18}{:>18}", name, text_of(one.lower), text_of(one.estimate), text_of(one.upper));
+  for (const FloorError& network : one.networks) line += fmt::format("{:>18}", text_of(network));
+  return line + '\n';
+}
+
+Json to_json(const FloorError& error) {
+  if (error.readings == 0) return {{"mean", nullptr}, {"standard_error", nullptr}, {"readings", 0}};
+  return {{"mean", error.mean}, {"standard_error", error.standard_error}, {"readings", error.readings}};
+}
+
+Json to_json(const FloorClass& one, const std::vector<std::string>& networks) {
+  Json json = {{"lower", to_json(one.lower)},
+               {"estimate", to_json(one.estimate)},
+               {"upper", to_json(one.upper)},
+               {"networks", Json::object()}};
+  for (std::size_t i = 0; i < networks.size(); ++i) json["networks"][networks[i]] = to_json(one.networks[i]);
+  return json;
+}
+
+}  // namespace
+
+std::string floor_table(const Floor& floor, const FloorOptions& options, const std::vector<std::string>& networks) {
+  std::string text = fmt::format(
+      "mean |error of S| that the frames allow: noise {:g}, gains {:g}, {} frame{}; a bank of {} rows\n"
+      "the floor lies between \"below\" (any estimator) and \"above\" (one estimator);\n"
+      "\"estimate\" is by derivatives, and no bound\n\n",
+      options.noise, options.gain, options.history, options.history == 1 ? "" : "s", floor.bank);
+  text += fmt::format("{:<34}{:>18}{:>18}{:>18}", "contacts", "below", "estimate", "above");
+  for (std::size_t i = 0; i < networks.size(); ++i) text += fmt::format("{:>18}", fmt::format("network {}", i + 1));
+  text += '\n' + line_of(floor.all, "all");
+  std::string family;
+  for (const FloorClass& one : floor.classes) {
+    if (one.family != family) text += "\n" + one.family + "\n";
+    family = one.family;
+    text += line_of(one, "  " + one.name);
+  }
+  text += "\nrows of the bank        below    above\n";
+  for (const FloorStep& step : floor.convergence)
+    text += fmt::format("{:<20}{:>9.4f}{:>9.4f}\n", step.bank, step.lower, step.upper);
+  for (std::size_t i = 0; i < networks.size(); ++i) text += fmt::format("network {}: {}\n", i + 1, networks[i]);
+  return text;
+}
+
+Json to_json(const Floor& floor, const FloorOptions& options, const std::vector<std::string>& networks) {
+  Json json = {{"noise", options.noise},     {"gain", options.gain},
+               {"history", options.history}, {"bank_rows", floor.bank},
+               {"spread", floor.spread},     {"seed", options.seed},
+               {"seconds", floor.seconds},   {"all", to_json(floor.all, networks)},
+               {"classes", Json::array()},   {"convergence", Json::array()}};
+  for (const FloorClass& one : floor.classes) {
+    json["classes"].push_back({{"family", one.family}, {"class", one.name}});
+    json["classes"].back().update(to_json(one, networks));
+  }
+  for (const FloorStep& step : floor.convergence)
+    json["convergence"].push_back({{"bank_rows", step.bank}, {"lower", step.lower}, {"upper", step.upper}});
+  return json;
+}
+
+}  // namespace tactel::host
