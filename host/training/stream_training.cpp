@@ -57,7 +57,10 @@ class StreamTraining : public TrainingJob {
         networks_.push_back({.network = {.topology = topology, .seed = seed, .noise = plan.noises[0], .curve = {}},
                              .state = nn::BatchState<Real>(nn::initial_weights(topology, seed))});
     }
-    if (!request.recall_set.empty()) recall_ = read_set(request.recall_set);
+    if (!request.recall_set.empty()) {
+      recall_ = read_set(request.recall_set);
+      check_width(plan, *recall_);
+    }
     done_before_ = request.resume && directory_.finished();
     if (!done_before_) scaling_ = nn::fit_scaling(plan.scaling, first_block());
   }

@@ -150,6 +150,9 @@ TrainingPlan plan_of(const TrainRequest& request) try {
 }
 
 void check_width(const TrainingPlan& plan, const NamedSet& set) {
+  if (plan.history.frames > 1 && !set.contacts.press_rows)
+    throw ConfigError(set.file, "press_rows", "absent",
+                      "rows of the pressing, for --history: [sweep] press_rows = true gives them");
   for (const nn::Topology& topology : plan.topologies)
     if (topology.inputs() != set.contacts.inputs * plan.history.frames)
       throw ConfigError(

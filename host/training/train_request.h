@@ -53,7 +53,8 @@ NamedSet read_learning_set(const TrainRequest& request);
 /// Returns the plan of a request. Throws ConfigError, naming the option, for invalid values and for options that
 /// the requested kind of training does not use.
 TrainingPlan plan_of(const TrainRequest& request);
-/// Throws ConfigError where a network's number of inputs differs from the set's.
+/// Throws ConfigError where a network's number of inputs differs from the set's, or the set lacks the rows that the
+/// plan's history needs.
 void check_width(const TrainingPlan& plan, const NamedSet& set);
 
 }  // namespace tactel::host

@@ -149,7 +149,7 @@ nn::Model model_with_history(ScalingKind kind) {
 }  // namespace
 
 // Frames one after the other give the bits of the kernel on inputs that with_history forms from the same path.
-TEST(Infer, HistoryGivesTheBitsOfTheKernels) {
+TEST(Infer, GivesTheBitsOfTheKernelsWithHistory) {
   nn::FrameSet path = bumps(60, 8, 4);
   for (int row = 0; row < 60; ++row)
     path.frames.row(row) = path.frames.row(row / 20 * 20) * (0.2f + 0.05f * (row % 20));
