@@ -156,7 +156,7 @@ TEST(IrregularLoad, RefusesWithPlaceKeyAndWhatIsAllowed) {
 TEST(IrregularLoad, NamesTheContactWhoseNumbersContradict) {
   const SceneSource sweep = source(
       "[sweep]\ncontacts = 3\n[indenter]\nshape = \"parabola\"\nradius = 10\n[load]\nindentation = 1.2\n"
-      "[load.irregular]\nrelease = 1\nrelease_to = 1.5\n");
+      "[load.irregular]\nrelease = 1\nrelease_to = 1.5\nrelease_steps = 1\n");
   try {
     sweep.contact(2);
     FAIL() << "accepted";

@@ -66,7 +66,9 @@ TEST_F(IrregularSet, AnyRangeGivesTheSameRowsAndTheyBeginWithThePressing) {
       EXPECT_TRUE(std::equal(part.frames.begin() + static_cast<std::ptrdiff_t>(k * part.inputs),
                              part.frames.begin() + static_cast<std::ptrdiff_t>((k + 1) * part.inputs),
                              whole.frames.begin() + static_cast<std::ptrdiff_t>(row * part.inputs)));
-      if (k == 0 || part.contact[k] != part.contact[k - 1]) EXPECT_EQ(part.step[k], 0u);
+      if (k == 0 || part.contact[k] != part.contact[k - 1]) {
+        EXPECT_EQ(part.step[k], 0u);
+      }
     }
   }
   EXPECT_EQ(row, whole.rows());
@@ -137,7 +139,9 @@ TEST_F(IrregularSet, GainsStayAlongAContactAndDifferBetweenContacts) {
     if (std::abs(bare.frames[at]) < 1e-3f) continue;
     const double gain = read.frames[at] / bare.frames[at];
     double& known = of_contact[read.contact[row]];
-    if (known != 0) EXPECT_NEAR(gain, known, 4e-7) << "contact " << read.contact[row];  // two roundings
+    if (known != 0) {
+      EXPECT_NEAR(gain, known, 4e-7) << "contact " << read.contact[row];  // two roundings
+    }
     known = gain;
   }
   std::ranges::sort(of_contact);
