@@ -17,7 +17,9 @@
 #include "host/networks/onnx_file.h"
 #include "host/networks/onnx_graph.h"
 #include "host/support/checksum.h"
+#include "host/support/errors.h"
 #include "tests/host/networks/network_cases.h"
+#include "tests/host/support/run_tactel.h"
 
 namespace {
 
