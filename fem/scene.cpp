@@ -36,7 +36,9 @@ void check_normal(const Load& load) {
 
 void check_thickness(const Load& load, double thickness) {
   if (!load.normal_force.empty()) return;
-  for (double depth : load.indentation)
+  std::vector<double> depths = load.indentation;
+  for (const LoadMove& move : load.moves) depths.push_back(move.normal);
+  for (double depth : depths)
     if (!(depth < thickness))
       throw ValueError("load.indentation", number_text(depth),
                        "a depth in mm below the rubber's thickness, sensor.thickness = " + number_text(thickness));
@@ -54,6 +56,19 @@ void check_tangential(const Load& load) {
         *load.tangential_steps, "a number of steps, 0 to 1000");
   check(load.tangential_step != 0 || *load.tangential_steps == 0, "load.tangential_step", load.tangential_step,
         "other than 0 where load.tangential_steps is above 0");
+}
+
+void check_moves(const Load& load) {
+  if (load.moves.empty()) return;
+  if (load.moves.size() > static_cast<std::size_t>(most_tangential_steps))
+    throw ValueError("load.moves", std::to_string(load.moves.size()) + " moves", "at most 1000");
+  const bool alone = load.tangential.empty() && load.tangential_step == 0 && !load.tangential_steps && !load.angle;
+  if (!alone) throw ValueError("load.moves", "given with a drag or an angle", "given alone");
+  for (const LoadMove& move : load.moves) {
+    check(std::isfinite(move.normal) && move.normal >= 0, "load.moves", move.normal,
+          "depths in mm or forces in N/mm: finite, not below 0");
+    check(std::isfinite(move.tangential), "load.moves", move.tangential, "finite positions in mm");
+  }
 }
 
 void check_angle(const Load& load, double friction) {
@@ -106,6 +121,10 @@ void append_tangential(const Load& load, LoadPath& path) {
     step.tangential = position;
     path.steps.push_back(step);
   };
+  for (const LoadMove& move : load.moves) {
+    step.normal = move.normal;
+    drag_to(move.tangential);
+  }
   if (!load.tangential.empty()) {
     for (double position : load.tangential) drag_to(position);
   } else if (load.tangential_step != 0) {
@@ -125,6 +144,7 @@ void Scene::validate() const {
   check_normal(load);
   check_thickness(load, sensor.thickness);
   check_tangential(load);
+  check_moves(load);
   check_angle(load, friction);
   check_reach(*this);
 }
@@ -132,6 +152,7 @@ void Scene::validate() const {
 LoadPath load_path(const Load& load) {
   check_normal(load);
   check_tangential(load);
+  check_moves(load);
   LoadPath path;
   append_indentation(load, path);
   if (!load.angle) append_tangential(load, path);

@@ -3,7 +3,8 @@
    equal bits alone, in a batch of any size and at any position. `forward` has frames in the lanes, for batches. `forward_one` has neurons in
    the lanes, so that a single frame uses whole vectors.
 
-   Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer). */
+   Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer), and NORMALS where an input has several frames: the normal
+   stresses of the first. */
 // defines: INPUTS=42 HIDDEN1=42 HIDDEN2=21
 #include "shared/forward_layer.h"
 #include "shared/frame_status.h"
@@ -12,6 +13,9 @@
 #include "shared/one_frame.h"
 #include "shared/transpose.h"
 
+#ifndef NORMALS
+#define NORMALS (INPUTS / 2)
+#endif
 #define TILE (FRAME_VECTORS * LANES) /* frames in a group */
 #define LAST (HIDDEN2 ? HIDDEN2 : HIDDEN1)
 #define LAYER1 (HIDDEN1 * (INPUTS + 1))
@@ -61,7 +65,7 @@ INLINE vint scale_frames(Scaling scaling, int v, vreal (*x)[FRAME_VECTORS]) {
   vint no_stress = 0;
   vreal factor = ALL_LANES(scaling.factor);
   if (scaling.by_frame) {
-    ROLLED for (int k = 0; k < INPUTS / 2; ++k) largest = fmax(largest, fabs(x[k][v]));
+    ROLLED for (int k = 0; k < NORMALS; ++k) largest = fmax(largest, fabs(x[k][v]));
     no_stress = largest < ALL_LANES(SMALLEST_STRESS);
     const vint large = largest > ALL_LANES(LARGE_STRESS);
     if (ANY(large)) {
@@ -135,7 +139,7 @@ INLINE void forward_one_layer(const int fan_in, const int vectors, global const 
 /* Largest |normal stress| of one frame. */
 INLINE real largest_normal(const real *x) {
   real most[4] = {0, 0, 0, 0};
-  UNROLL for (int k = 0; k < INPUTS / 2; ++k) most[k % 4] = fmax(most[k % 4], fabs(x[k]));
+  UNROLL for (int k = 0; k < NORMALS; ++k) most[k % 4] = fmax(most[k % 4], fabs(x[k]));
   return fmax(fmax(most[0], most[1]), fmax(most[2], most[3]));
 }
 

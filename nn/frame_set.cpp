@@ -59,9 +59,33 @@ void FrameSet::validate() const {
 }
 
 InputScaling fit_scaling(ScalingKind kind, const FrameSet& set) {
-  InputScaling scaling{kind, kind == ScalingKind::set ? set.largest_stress() : 1.0f};
+  InputScaling scaling{kind, kind == ScalingKind::set ? set.largest_stress() : 1.0f, set.history};
   scaling.validate();
   return scaling;
+}
+
+FrameSet with_history(const FrameSet& set, const InputHistory& history) {
+  if (history.frames == 1) return set;
+  const auto rows = static_cast<std::size_t>(set.rows());
+  if (!set.press_rows || set.history != 1 || set.contact.size() != rows || set.step.size() != rows)
+    throw ValueError("history", std::to_string(history.frames),
+                     "1 for a set without the rows of its pressing; [sweep] press_rows = true gives them");
+  FrameSet formed = set;
+  formed.history = history.frames;
+  formed.frames.resize(set.rows(), set.frames.cols() * history.frames);
+  FrameHistory path(static_cast<std::size_t>(set.frames.cols()), history);
+  for (std::size_t row = 0; row < rows; ++row) {
+    const bool follows = row > 0 && set.contact[row] == set.contact[row - 1] && set.step[row] == set.step[row - 1] + 1;
+    if (!follows) path.clear();
+    path.push(set.frames.row(static_cast<Eigen::Index>(row)).data());
+    path.write(formed.frames.row(static_cast<Eigen::Index>(row)).data());
+  }
+  return formed;
+}
+
+void take_differences(RowMatrix<float>& frames, int history) {
+  const Eigen::Index width = frames.cols() / history;
+  for (int k = 1; k < history; ++k) frames.middleCols(k * width, width) -= frames.leftCols(width);
 }
 
 void add_noise(std::span<float> values, double deviation, std::uint64_t seed, std::uint64_t first) {

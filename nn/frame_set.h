@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "nn/frame_history.h"
 #include "nn/input_scaling.h"
 #include "nn/weights.h"
 
@@ -10,10 +11,14 @@ namespace tactel::nn {
 
 /// Frames with their answers: a learning set or a recall set. A row is one load step of one contact.
 struct FrameSet {
-  RowMatrix<float> frames;                  ///< [rows, 2 tactels] MPa: normal stresses first, then shear
+  RowMatrix<float> frames;                  ///< [rows, history * 2 tactels] MPa: normal stresses first, then shear
   Vector<float> slip_index;                 ///< [rows] S = Q / (mu P)
   std::vector<std::uint16_t> shape_class;   ///< [rows] or empty: kind of indenter
   std::vector<std::int32_t> contact_nodes;  ///< [rows] or empty: surface nodes that touch
+  std::vector<std::uint64_t> contact{};     ///< [rows] or empty: which contact; rows of a contact are in its order
+  std::vector<std::uint32_t> step{};        ///< [rows] or empty: load step of the contact
+  bool press_rows = false;                  ///< the rows of a contact begin with its pressing
+  int history = 1;                          ///< frames in a row of `frames`, the newest first (with_history)
 
   static constexpr float largest_slip_index = 1e3f;  ///< more is an error of the set
 
@@ -38,6 +43,26 @@ FrameSet with_noise(const FrameSet& set, double fraction, std::uint64_t seed);
 /// shown each copy once meets noise drawn anew at each showing. Value i of the result takes the normal number of
 /// with_noise.
 FrameSet with_frame_noise(const FrameSet& set, double fraction, std::uint64_t seed, int copies);
+
+/// Returns the set with inputs of `history.frames` frames, [rows, frames * 2 tactels], formed by FrameHistory over the
+/// rows in their order. A contact begins where `contact` changes, and where `step` does not follow the step before it:
+/// the steps between had no P, or were not solved. A set with one frame in an input, and a history of one frame, stay
+/// as they are. Throws ValueError, key "history", for a set without contact, step or the rows of its pressing.
+FrameSet with_history(const FrameSet& set, const InputHistory& history);
+
+/// Replaces every frame behind the newest by its difference to the newest. frames: [rows, history * 2 tactels].
+void take_differences(RowMatrix<float>& frames, int history);
+
+/// Returns the weights that give for frames what `weights` give for their differences (take_differences): the newest
+/// frame's weights less those of all differences. `history`: frames in an input.
+template <class Scalar>
+Weights<Scalar> weights_of_frames(const Weights<Scalar>& weights, int history) {
+  Weights<Scalar> folded = weights;
+  auto first = folded.layer(0);
+  const Eigen::Index width = weights.topology.inputs() / history;
+  for (int k = 1; k < history; ++k) first.leftCols(width) -= weights.layer(0).middleCols(k * width, width);
+  return folded;
+}
 
 /// Scaled inputs, and targets in the output range of a network.
 template <class Scalar>

@@ -35,6 +35,7 @@ ScalingKind parse_scaling(std::string_view text) {
 void InputScaling::validate() const {
   if (!(largest_stress >= smallest_stress && largest_stress <= large_stress))
     throw ValueError("scaling.largest_stress", std::to_string(largest_stress), "1e-12 to 8.5e37 MPa");
+  if (history < 1) throw ValueError("scaling.history", std::to_string(history), "at least 1 frame");
 }
 
 template <class Scalar>
@@ -46,7 +47,7 @@ FrameStatus scale_frame(const InputScaling& scaling, const float* frame, int inp
   Scalar scale(1);
   if (scaling.kind == ScalingKind::frame) {
     divisor = 0.0f;
-    for (int k = 0; k < inputs / 2; ++k) divisor = std::max(divisor, std::abs(frame[k]));
+    for (int k = 0; k < inputs / (2 * scaling.history); ++k) divisor = std::max(divisor, std::abs(frame[k]));
     if (divisor < InputScaling::smallest_stress) return FrameStatus::no_stress;
     if (divisor > InputScaling::large_stress) scale = Scalar(InputScaling::large_scale);
   }

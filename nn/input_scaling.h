@@ -19,6 +19,7 @@ ScalingKind parse_scaling(std::string_view text);
 struct InputScaling {
   ScalingKind kind = ScalingKind::set;
   float largest_stress = 1.0f;  ///< MPa, > 0: the divisor of `set`; unused by `frame`
+  int history = 1;              ///< frames in an input; `frame` divides all of them by the newest's, which is the first
 
   /// MPa: below it, a normal stress counts as none. A frame without larger ones carries no stress (`frame`
   /// only).
@@ -30,8 +31,8 @@ struct InputScaling {
   void validate() const;  ///< throws ValueError, key "scaling"
 };
 
-/// Scales one frame [inputs] MPa, normal stresses first, as the kernels do: times the reciprocal of the divisor,
-/// both in Scalar. A frame that is not finite, or carries no stress, becomes zeros.
+/// Scales one input [inputs] MPa, of each frame the normal stresses first, as the kernels do: times the reciprocal of
+/// the divisor, both in Scalar. A frame that is not finite, or carries no stress, becomes zeros.
 template <class Scalar>
 FrameStatus scale_frame(const InputScaling& scaling, const float* frame, int inputs, Scalar* scaled);
 

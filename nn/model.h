@@ -9,7 +9,7 @@
 
 namespace tactel::nn {
 
-/// A network with its scaling and origin: the contents of a model file.
+/// A network with its scaling and origin: the contents of a model file. scaling.history equals history.frames.
 struct Model {
   Weights<float> weights;
   InputScaling scaling;
@@ -18,6 +18,8 @@ struct Model {
   std::string learning_set;      ///< name of the learning set, as the user gave it
   std::uint32_t cycles = 0;      ///< cycles or epochs of its training
   ErrorSummary learning_errors;  ///< on its learning set
+  InputHistory history{};        ///< which earlier frames its input has
+  bool magnitude = false;        ///< its answer is |S|: it learnt from drags to both sides
 };
 
 }  // namespace tactel::nn

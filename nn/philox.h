@@ -33,6 +33,9 @@ enum class RandomStream : std::uint32_t {
   reading = 6,   ///< noise of a reading
   gain = 7,      ///< gain and offset of a transducer
   instance = 8,  ///< sensor that a contact meets
+  path = 9,      ///< numbers of an irregular load path
+  spread = 10,   ///< how much a sensor's transducers spread
+  fault = 11,    ///< place, crosstalk and failure of a transducer
 };
 
 /// Returns four random words. `index` and `outer` count inside the stream: the weight; the step and the cycle;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "nn/model.h"
@@ -20,9 +21,22 @@ struct Transducer {
   std::uint32_t instances = 0;  ///< number of sensors, one of which each contact meets; 0: one for each contact
   std::uint64_t seed = 0;       ///< of gains, offsets and their assignment; noise uses the seed of the set
 
+  double noise_of_largest = 0;  ///< standard deviation over the largest |stress| of the contact; added to `noise`
+  double shift_spread = 0;      ///< standard deviation of a tactel's place, over the distance of two tactels
+  double crosstalk =
+      0;            ///< size of the share that each neighbour's stress has in a reading: |normal|, this its deviation
+  double dead = 0;  ///< probability that a transducer does not feel its stress
+  double lag = 0;   ///< share of the stress that arrives late: slow hysteresis of the rubber
+  double lag_time = 0;  ///< s, time constant of that share
+  /// Smallest gain_spread, offset_spread and noise: a sensor's own lies evenly between it and the member above. None:
+  /// all sensors have that.
+  std::optional<double> gain_spread_from{}, offset_spread_from{}, noise_from{};
+
   bool operator==(const Transducer&) const = default;
   bool present() const;   ///< true where any part is applied
   void validate() const;  ///< throws ValueError, key "transducer.<member>"
+  /// Returns true where a reading depends on the stresses of neighbours.
+  bool reaches_neighbours() const { return shift_spread > 0 || crosstalk > 0; }
   /// Returns the MPa between two readings; 0 without conversion.
   double quantum() const;
 };

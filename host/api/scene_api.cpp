@@ -66,6 +66,7 @@ To load_as(const From& from) {
   load.indentation_steps = from.indentation_steps;
   load.tangential = from.tangential, load.tangential_step = from.tangential_step;
   load.tangential_steps = from.tangential_steps, load.angle = from.angle;
+  for (const auto& move : from.moves) load.moves.push_back({move.normal, move.tangential});
   return load;
 }
 

@@ -171,6 +171,7 @@ int run_generate(const GenerateRequest& request) {
   set.plan = plan.conditions;
   set.contacts = sweep.source.contacts();
   set.seed = sweep.source.seed();
+  set.press_rows = sweep.source.press_rows();
   set.indenter_names = sweep.source.kind_names();
   set.transducer = nn::description(sweep.source.transducer());
   set.device = fmt::format("{}", fmt::join(report.devices, ", "));

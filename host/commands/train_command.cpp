@@ -157,6 +157,15 @@ void add_train_command(CLI::App& app, Action& action) {
                    "normal stress")
       ->check(CLI::IsMember({"set", "frame"}))
       ->capture_default_str();
+  command
+      ->add_option("--history", request->history,
+                   "frames in an input, the newest and earlier ones of its contact, or frames:stride with every "
+                   "stride-th kept one (default: 1)")
+      ->type_name("K[:STRIDE]");
+  command->add_option("--history-change", request->history_change,
+                      "with --history: a frame is kept that differs by more than this share of the contact's largest "
+                      "stress from the last kept one, 0 to 1 (default: 0.1)");
+  command->add_flag("--magnitude", request->magnitude, "learn |S|: for drags to both sides");
   add_training_options(*command, *request);
   command
       ->add_option("--stream", request->stream,

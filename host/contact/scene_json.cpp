@@ -66,6 +66,7 @@ Json load_json(const fem::Load& load) {
   if (!load.tangential.empty()) out["tangential"] = load.tangential;
   if (load.tangential_step != 0.0) out["tangential_step"] = load.tangential_step;
   if (load.tangential_steps) out["tangential_steps"] = *load.tangential_steps;
+  for (const fem::LoadMove& move : load.moves) out["moves"].push_back(Json::array({move.normal, move.tangential}));
   if (load.angle) out["angle"] = *load.angle;
   return out;
 }

@@ -16,12 +16,14 @@ constexpr double longest_turn = 2 * longest_wait;  // s
 
 void check_width(const nn::Model& model, const SensorProfile& profile) {
   const std::size_t inputs = 2 * profile.map.tactels();
-  if (static_cast<std::size_t>(model.weights.topology.inputs()) == inputs) return;
+  const auto frames = static_cast<std::size_t>(model.history.frames);
+  if (static_cast<std::size_t>(model.weights.topology.inputs()) == inputs * frames) return;
   throw ConfigError(
       "command line", "--network", model.weights.topology.text(),
       fmt::format("a network with {} inputs, a normal and a shear stress for each of the {} tactels that the "
-                  "profile of {} maps",
-                  inputs, profile.map.tactels(), profile.name.empty() ? "this source" : profile.name));
+                  "profile of {} maps{}",
+                  inputs * frames, profile.map.tactels(), profile.name.empty() ? "this source" : profile.name,
+                  frames > 1 ? fmt::format(", in each of {} frames", frames) : ""));
 }
 
 }  // namespace
@@ -32,10 +34,12 @@ LiveMonitor::LiveMonitor(Executor& executor, const nn::Model& model, const Senso
       map_(profile.map),
       decoder_((check_width(model, profile), profile.format())),
       queue_(options.queue, 2 * profile.map.tactels()),
+      history_(2 * profile.map.tactels(), model.history),
+      input_(history_.inputs()),
       one_(executor, model.weights, model.scaling),
       batch_(executor, std::span(&model.weights, 1), model.scaling),
       device_(&executor.device()) {
-  const std::vector<float> rest(2 * map_.tactels(), 0.0f);
+  const std::vector<float> rest(history_.inputs(), 0.0f);
   one_(rest);
   batch_.recall(nn::RowMatrix<float>::Zero(static_cast<Eigen::Index>(options.batch_from),
                                            static_cast<Eigen::Index>(rest.size())));
@@ -71,22 +75,27 @@ void LiveMonitor::answer_waiting(const MonitorEvents& events) {
 void LiveMonitor::drop_late() {
   const double now = source_->now();
   while (queue_.size() > 0 && now - queue_.frame(0).arrival > options_.late) {
+    history_.push(queue_.inputs(0).data());
     queue_.pop();
     ++summary_.late;
   }
 }
 
 void LiveMonitor::answer_one(const MonitorEvents& events) {
-  const FrameAnswer<float> answer = one_(queue_.inputs(0));
+  history_.push(queue_.inputs(0).data());
+  history_.write(input_.data());
+  const FrameAnswer<float> answer = one_(input_);
   tell(0, answer, source_->now(), events);
   queue_.pop();
 }
 
 void LiveMonitor::answer_batch(const MonitorEvents& events) {
   const std::size_t count = queue_.size();
-  nn::RowMatrix<float> frames(count, 2 * map_.tactels());
-  for (std::size_t i = 0; i < count; ++i)
-    std::ranges::copy(queue_.inputs(i), frames.row(static_cast<Eigen::Index>(i)).data());
+  nn::RowMatrix<float> frames(count, history_.inputs());
+  for (std::size_t i = 0; i < count; ++i) {
+    history_.push(queue_.inputs(i).data());
+    history_.write(frames.row(static_cast<Eigen::Index>(i)).data());
+  }
   batch_.run(DeviceFrames(*device_, frames));
   const nn::Recall<float> recall = batch_.result(0);
   const double now = source_->now();

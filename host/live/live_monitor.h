@@ -7,6 +7,7 @@
 #include "host/networks/forward.h"
 #include "hw/decoder.h"
 #include "hw/frame_source.h"
+#include "nn/frame_history.h"
 
 namespace tactel::host {
 
@@ -67,6 +68,8 @@ class LiveMonitor {
   hw::ChannelMap map_;
   hw::Decoder decoder_;
   FrameQueue queue_;
+  nn::FrameHistory history_;  ///< of the frames answered, or dropped as late
+  std::vector<float> input_;  ///< scratch: [inputs of the network]
   ForwardOne<float> one_;
   Forward<float> batch_;
   const Device* device_;

@@ -56,6 +56,16 @@ const nn::Topology& common_topology(std::span<const nn::Weights<Real>> networks)
   return networks[0].topology;
 }
 
+/// network_defines, and the normal stresses of the newest frame where there are several.
+Defines forward_defines(const nn::Topology& topology, const nn::InputScaling& scaling, int lanes, Precision precision) {
+  Defines defines = network_defines(topology, lanes, precision);
+  if (topology.inputs() % (2 * scaling.history) != 0)
+    throw ValueError("history", std::to_string(scaling.history),
+                     "frames of equal width in the network " + topology.text());
+  if (scaling.history > 1) defines.push_back({"NORMALS", std::to_string(topology.inputs() / (2 * scaling.history))});
+  return defines;
+}
+
 }  // namespace
 
 Defines network_defines(const nn::Topology& topology, int lanes, Precision precision) {
@@ -87,7 +97,7 @@ Forward<Real>::Forward(Executor& executor, std::span<const nn::Weights<Real>> ne
   slip_index_ = Buffer<Real>(device, 1);
   status_ = Buffer<std::uint8_t>(device, 1);
   const Program program(device, "forward.cl",
-                        network_defines(topology_, device.lanes(precision_of<Real>), precision_of<Real>));
+                        forward_defines(topology_, scaling, device.lanes(precision_of<Real>), precision_of<Real>));
   launch_ = executor.prepare(program, "forward", [&](KernelArguments& kernel) {
     kernel.set("weights", weights_);
     kernel.set("frames", no_frames);
@@ -152,7 +162,7 @@ ForwardOne<Real>::ForwardOne(Executor& executor, const nn::Weights<Real>& weight
   const std::vector<Real> packed = neurons_in_lanes(weights, lanes);
   all.insert(all.end(), packed.begin(), packed.end());
   all_ = Buffer<Real>(device, std::span<const Real>(all));
-  const Program program(device, "forward.cl", network_defines(topology_, lanes, precision_of<Real>));
+  const Program program(device, "forward.cl", forward_defines(topology_, scaling, lanes, precision_of<Real>));
   launch_ = executor.prepare(program, "forward_one", [&](KernelArguments& kernel) { kernel.set("all", all_); });
 }
 

@@ -31,7 +31,8 @@ LearningInputs<Real>::LearningInputs(const Device& device, const nn::FrameSet& s
   const auto view = values_.map();
   std::fill(view.view().begin(), view.view().end(), Real(0));
   for (std::size_t v = 0; v < variants.size(); ++v) {
-    const nn::FrameSet noisy = nn::with_noise(set, variants[v].noise, variants[v].seed);
+    nn::FrameSet noisy = nn::with_noise(set, variants[v].noise, variants[v].seed);
+    nn::take_differences(noisy.frames, set.history);
     const nn::RowMatrix<Real> scaled = nn::scale_frames<Real>(scaling, noisy.frames);
     for (std::uint32_t row = 0; row < rows_; ++row) {
       Real* to = &view[v * variant_size + std::size_t{row} * row_size_];

@@ -16,7 +16,8 @@ struct SetVariant {
   std::uint64_t seed = 0;  ///< of the noise
 };
 
-/// Learning sets on a device in the layout of the training kernels: rows scaled and padded to whole vectors.
+/// Learning sets on a device in the layout of the training kernels: rows scaled and padded to whole vectors. Frames
+/// behind the newest are differences to it (nn::take_differences); nn::weights_of_frames undoes that in the weights.
 /// Cheap to copy.
 template <class Real>
 class LearningInputs {

@@ -103,7 +103,9 @@ struct NetworkTraining<Real>::State {
   std::size_t work_done() const;
   std::size_t work_of_all() const;
   bool run_round(const TrainingRunOptions& options);
-  nn::Weights<Real> weights(std::size_t network) const { return schedule->weights(network); }
+  nn::Weights<Real> weights(std::size_t network) const {
+    return nn::weights_of_frames(schedule->weights(network), set.history);
+  }
   std::vector<NetworkRecord<Real>> records() const;
   bool possible(std::span<const NetworkRecord<Real>> records) const;
   std::string description() const { return training_description<Real>(executor, set, plan); }
@@ -292,7 +294,9 @@ nn::Model NetworkTraining<Real>::model(std::size_t i, const std::string& learnin
           network.noise,
           learning_set,
           network.cycles,
-          learning_errors};
+          learning_errors,
+          state_->plan.history,
+          state_->plan.magnitude};
 }
 
 template <class Real>

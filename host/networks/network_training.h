@@ -25,7 +25,9 @@ struct TrainingPlan {
   nn::OnlineOptions options;
   /// Options of mini-batches. Of the other options only stop_error and the limit of cycles (epochs) then apply.
   std::optional<nn::BatchOptions> batch{};
-  void validate() const;  ///< throws ValueError, keys "network", "seeds", "noise", "training. ..."
+  nn::InputHistory history{};  ///< of the inputs; the learning set has them already (nn::with_history)
+  bool magnitude = false;      ///< learn |S|
+  void validate() const;       ///< throws ValueError, keys "network", "seeds", "noise", "training. ..."
 };
 
 /// Errors at some cycles: the first ten, then cycles a tenth apart, and the last.

@@ -42,18 +42,25 @@ std::string checksum_of_bytes(const onnx::GraphProto& graph, const Metadata& met
 }
 
 Metadata metadata_of(const nn::Model& model, const std::string& version) {
-  return {{"topology", model.weights.topology.text()},
-          {"seed", exact(model.seed)},
-          {"noise", exact(model.noise)},
-          {"learning_set", model.learning_set},
-          {"cycles", exact(model.cycles)},
-          {"scaling", nn::name(model.scaling.kind)},
-          {"largest_stress", exact(model.scaling.largest_stress)},
-          {"error_rows", exact(model.learning_errors.count)},
-          {"error_max", exact(model.learning_errors.max)},
-          {"error_mean", exact(model.learning_errors.mean)},
-          {"error_std", exact(model.learning_errors.std)},
-          {"tactel", version}};
+  Metadata metadata{{"topology", model.weights.topology.text()},
+                    {"seed", exact(model.seed)},
+                    {"noise", exact(model.noise)},
+                    {"learning_set", model.learning_set},
+                    {"cycles", exact(model.cycles)},
+                    {"scaling", nn::name(model.scaling.kind)},
+                    {"largest_stress", exact(model.scaling.largest_stress)},
+                    {"error_rows", exact(model.learning_errors.count)},
+                    {"error_max", exact(model.learning_errors.max)},
+                    {"error_mean", exact(model.learning_errors.mean)},
+                    {"error_std", exact(model.learning_errors.std)},
+                    {"tactel", version}};
+  if (model.history.frames > 1) {
+    metadata["history"] = exact(model.history.frames);
+    metadata["stride"] = exact(model.history.stride);
+    metadata["history_change"] = exact(model.history.change);
+  }
+  if (model.magnitude) metadata["magnitude"] = "1";
+  return metadata;
 }
 
 void set_metadata(onnx::ModelProto& proto, const Metadata& metadata) {
@@ -130,9 +137,22 @@ std::string read_bytes(const fs::path& path) try {
                     "a network that tactel wrote (ONNX, at most 4 MiB)");
 }
 
+nn::InputHistory read_history(const ModelReader& reader, const nn::Topology& topology) {
+  if (!reader.metadata().contains("history")) return {};
+  const nn::InputHistory history{reader.number<int>("history"), reader.number<int>("stride"),
+                                 reader.number<double>("history_change")};
+  if (!history.valid() || history.frames < 2 || topology.inputs() % (2 * history.frames) != 0)
+    reader.fail("history " + shown(reader.text("history")) + " of the network " + topology.text(),
+                "2 frames or more that divide its inputs, a stride of 1 to 1000, a change of 0 to 1");
+  return history;
+}
+
 nn::Model read_model(const ModelReader& reader, const onnx::GraphProto& graph) try {
   nn::Model model{nn::Weights<float>(nn::Topology::parse(reader.text("topology"))), {}, 0, 0, "", 0, {}};
   model.scaling = {nn::parse_scaling(reader.text("scaling")), reader.number<float>("largest_stress")};
+  model.history = read_history(reader, model.weights.topology);
+  model.scaling.history = model.history.frames;
+  model.magnitude = reader.metadata().contains("magnitude") && reader.text("magnitude") == "1";
   model.scaling.validate();
   model.seed = reader.number<std::uint64_t>("seed");
   model.noise = reader.number<double>("noise");

@@ -82,10 +82,11 @@ void add_set_scaling(Builder& builder, const nn::InputScaling& scaling) {
   builder.node("Mul", {"frame", "factor"}, "scaled");
 }
 
-// Each frame by its own largest |normal stress|; zeros where there is none.
-void add_frame_scaling(Builder& builder, int inputs) {
+// Each input by the largest |normal stress| of its first `normals` numbers, the newest frame's; zeros where there is
+// none.
+void add_frame_scaling(Builder& builder, int normals) {
   builder.integers("first_normal", {0});
-  builder.integers("end_of_normal", {inputs / 2});
+  builder.integers("end_of_normal", {normals});
   builder.integers("along_frame", {1});
   builder.scalar("zero", 0.0f);
   builder.scalar("one", 1.0f);
@@ -147,7 +148,7 @@ onnx::GraphProto onnx_graph(const nn::Model& model) {
   if (model.scaling.kind == nn::ScalingKind::set)
     add_set_scaling(builder, model.scaling);
   else
-    add_frame_scaling(builder, topology.inputs());
+    add_frame_scaling(builder, topology.inputs() / (2 * model.scaling.history));
   builder.scalar("half", 0.5f);
   std::string last = "scaled";
   for (int l = 0; l < topology.layers(); ++l) {

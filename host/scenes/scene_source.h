@@ -9,6 +9,7 @@
 #include "fem/layer/sensor_family.h"
 #include "fem/scene.h"
 #include "host/scenes/distribution.h"
+#include "host/scenes/irregular_load.h"
 #include "host/scenes/ladder.h"
 #include "nn/transducer_chain.h"
 
@@ -28,6 +29,9 @@ class SceneSource {
   SceneSource(std::vector<fem::Scene> scenes, std::vector<std::uint16_t> kinds, std::vector<std::string> kind_names);
   /// Sets the measuring chain of the stresses; `seed` draws its noise.
   void measure_with(const nn::Transducer& transducer, std::uint64_t seed) { transducer_ = transducer, seed_ = seed; }
+  /// Sets whether the load steps of the pressing are rows, too.
+  void give_press_rows(bool rows) { press_rows_ = rows; }
+  bool press_rows() const { return press_rows_; }
 
   std::uint64_t contacts() const { return contacts_; }
   /// Returns true where contact(k) is defined beyond contacts(): for drawn contacts, not for listed ones.
@@ -84,6 +88,7 @@ class SceneSource {
     std::vector<NumberDraw> draws;
     std::optional<RandomProfile> profile;
     std::optional<NumberDraw> slip_index;  ///< load.slip_index: the angle is chosen to give this S
+    std::optional<IrregularLoad> irregular;
   };
   /// All tables of a name, with their weights.
   struct Part {
@@ -102,6 +107,7 @@ class SceneSource {
   fem::SurfaceModel model_ = fem::SurfaceModel::mesh;
   std::uint64_t contacts_ = 0, seed_ = 0;
   nn::Transducer transducer_;
+  bool press_rows_ = false;
   std::vector<std::string> kind_names_;
   std::vector<fem::Scene> listed_;
   std::vector<std::uint16_t> listed_kinds_;

@@ -3,6 +3,7 @@
 
 #include "host/scenes/scene_file.h"
 #include "host/scenes/scene_tables.h"
+#include "host/scenes/sweep_reader.h"
 #include "host/scenes/transducer_table.h"
 
 namespace tactel::host {
@@ -35,10 +36,13 @@ SceneSource paper_source(const TomlFile& file, std::optional<std::uint64_t> give
     in.read("scale", scale, "a number of mm above 0");
     in.read("height", height, "a number of mm above 0");
   }
+  bool press_rows = false;
+  in.read("press_rows", press_rows, press_rows_words);
   in.finish();
   try {
     SceneSource source = source_of(set == 0 ? paper_learning_family(base, scale, height) : paper_recall_family(base));
     const std::uint64_t chosen = given_seed.value_or(static_cast<std::uint64_t>(seed));
+    source.give_press_rows(press_rows);
     source.measure_with(read_transducer(file, chosen), chosen);
     return source;
   } catch (const ValueError& error) {

@@ -25,7 +25,7 @@ constexpr const char* one_width = "the same for every [[sensor]]: a set's frames
 
 /// Keys of a sweep that scene files do not have.
 bool own_key(const string& table, std::string_view key) {
-  return key == "weight" || (table == "load" && key == "slip_index") ||
+  return key == "weight" || (table == "load" && (key == "slip_index" || key == "irregular")) ||
          (table == "indenter" && (key == "points" || key == "name"));
 }
 
@@ -206,7 +206,23 @@ SceneSource::Alternative SweepReader::alternative(const string& name, std::size_
     if (made.scene.load.normal_force.empty() || made.scene.load.angle)
       throw file_.error("load.slip_index", node, "given with load.normal_force and without load.angle");
   }
+  if (const toml::node* node = table.get("irregular"); name == "load" && node != nullptr)
+    take_irregular(table, *node, made);
   return made;
+}
+
+void SweepReader::take_irregular(const toml::table& load, const toml::node& node,
+                                 SceneSource::Alternative& into) const {
+  const toml::table* table = node.as_table();
+  if (table == nullptr) throw file_.error("load.irregular", &node, "a table: [load.irregular]");
+  for (const char* key :
+       {"tangential_step", "tangential_steps", "tangential", "angle", "slip_index", "indentation_steps"})
+    if (const toml::node* other = load.get(key))
+      throw file_.error(std::string("load.") + key, other, "left out, because load.irregular is given too");
+  const fem::Load& base = into.scene.load;
+  if (const auto& targets = base.normal_force.empty() ? base.indentation : base.normal_force; targets.size() != 1)
+    throw file_.error("load.irregular", &node, "given with one indentation or normal_force");
+  into.irregular = read_irregular_load(file_, *table);
 }
 
 SceneSource::Part SweepReader::part(const string& name) {
@@ -301,7 +317,7 @@ SceneSource SweepReader::read() {
   TomlTable sweep(file_, "sweep");
   SceneSource source;
   int contacts = 0, seed = 0, sensors = 0;
-  sweep.refuse_unknown({"contacts", "seed", "sensors", "set"});
+  sweep.refuse_unknown({"contacts", "seed", "sensors", "set", "press_rows"});
   if (!sweep.read("contacts", contacts, "a whole number of contacts, at least 1"))
     sweep.refuse_missing("contacts",
                          "given, a whole number of contacts (or set = \"paper-learning\"); a file without [sweep] is a "
@@ -311,6 +327,7 @@ SceneSource SweepReader::read() {
     sweep.refuse("seed", "a whole number, at least 0");
   if (sweep.read("sensors", sensors, "a whole number") && (sensors < 1 || sensors > most_sensors))
     sweep.refuse("sensors", "a number of sensors, 1 to 10000, drawn from a [sensor] with distributions");
+  if (bool rows = false; sweep.read("press_rows", rows, press_rows_words)) source.give_press_rows(rows);
   sweep.finish();
   source.contacts_ = static_cast<std::uint64_t>(contacts);
   const std::uint64_t chosen = seed_.value_or(static_cast<std::uint64_t>(seed));

@@ -9,6 +9,8 @@
 
 namespace tactel::host {
 
+inline constexpr const char* press_rows_words = "true (the steps of the pressing are rows, too) or false";
+
 /// Reads the sweep files of SceneSource. Each of the tables [sensor], [indenter], [contact] and [load] becomes
 /// alternatives. An alternative is a scene, with the smallest number of each distribution, and the distributions.
 /// The strict readers of scene files check that scene.
@@ -37,6 +39,7 @@ class SweepReader {
   SceneSource::NumberDraw number_draw(const Found& found, const std::string& shape);
   void check_ends(const SceneSource::Alternative& alternative, const std::vector<Found>& found) const;
   void take_random_profile(const toml::table& table, SceneSource::Alternative& into);
+  void take_irregular(const toml::table& load, const toml::node& node, SceneSource::Alternative& into) const;
   SceneSource::NumberDraw whole_draw(const std::string& key, const toml::node* node, const char* allowed);
   void read_sensors(SceneSource& source, int count);
   bool draws_own_sensors(const SceneSource::Part& part) const;

@@ -218,6 +218,14 @@ bool TomlTable::read(const std::string& key, std::string& value, const std::stri
   return true;
 }
 
+bool TomlTable::read(const std::string& key, bool& value, const std::string& what) {
+  const toml::node* node = find(key);
+  if (node == nullptr) return false;
+  if (!node->is_boolean()) throw file_.error(full(key), node, what);
+  value = *node->value<bool>();
+  return true;
+}
+
 bool TomlTable::read(const std::string& key, std::vector<double>& value, const std::string& what) {
   const toml::node* node = find(key);
   if (node == nullptr) return false;

@@ -61,6 +61,7 @@ class TomlTable {
   bool read(const std::string& key, double& value, const std::string& what);
   bool read(const std::string& key, int& value, const std::string& what);
   bool read(const std::string& key, std::string& value, const std::string& what);
+  bool read(const std::string& key, bool& value, const std::string& what);
   /// An array of numbers.
   bool read(const std::string& key, std::vector<double>& value, const std::string& what);
   bool read(const std::string& key, std::vector<int>& value, const std::string& what);

@@ -1,12 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/scenes/transducer_table.h"
 
+#include <toml++/toml.h>
+
+#include "host/scenes/distribution.h"
+
 namespace tactel::host {
 namespace {
 
 /// Reads `key` of a part that is present: above 0.
 void read_positive(TomlTable& in, const char* key, double& value, const char* what) {
   if (in.read(key, value, what) && !(value > 0)) in.refuse(key, what);
+}
+
+/// A number, or { uniform = [least, most] }: each sensor its own between the two.
+void read_spread(const TomlFile& file, TomlTable& in, const char* key, double& value, std::optional<double>& from,
+                 const char* what) {
+  const toml::table* table = file.root()["transducer"].as_table();
+  const toml::node* node = table != nullptr ? table->get(key) : nullptr;
+  if (node == nullptr || !node->is_table()) {
+    in.read(key, value, what);
+    return;
+  }
+  in.expect_table(key);
+  const std::string full = std::string("transducer.") + key;
+  const auto drawn = read_distribution(file, full, *node);
+  const auto* uniform = std::get_if<UniformDraw>(&*drawn);
+  if (uniform == nullptr) throw file.error(full, node, std::string(what) + ", or { uniform = [least, most] } of it");
+  from = uniform->from, value = uniform->to;
 }
 
 int read_count(TomlTable& in, const char* key, int least, const char* what) {
@@ -21,9 +42,17 @@ nn::Transducer read_transducer(const TomlFile& file, std::uint64_t seed) {
   TomlTable in(file, "transducer");
   nn::Transducer t;
   if (in.has("width")) in.refuse("width", "left out: sensor.tactel_width is the width of the transducers");
-  in.read("gain_spread", t.gain_spread, "a standard deviation of gains about 1, 0 or more");
-  in.read("offset_spread", t.offset_spread, "a standard deviation in MPa, 0 or more");
-  in.read("noise", t.noise, "a standard deviation in MPa, 0 or more");
+  read_spread(file, in, "gain_spread", t.gain_spread, t.gain_spread_from,
+              "a standard deviation of gains about 1, 0 or more");
+  read_spread(file, in, "offset_spread", t.offset_spread, t.offset_spread_from,
+              "a standard deviation in MPa, 0 or more");
+  read_spread(file, in, "noise", t.noise, t.noise_from, "a standard deviation in MPa, 0 or more");
+  in.read("noise_of_largest", t.noise_of_largest, "a standard deviation over the contact's largest stress, 0 or more");
+  in.read("shift_spread", t.shift_spread, "a standard deviation over the distance of two tactels, 0 to 1");
+  in.read("crosstalk", t.crosstalk, "a share of each neighbour's stress, 0 to 1");
+  in.read("dead", t.dead, "a probability, 0 to 1");
+  in.read("lag", t.lag, "a share of the stress, 0 to 1");
+  read_positive(in, "lag_time", t.lag_time, "a time in s above 0");
   read_positive(in, "range", t.range, "a stress in MPa above 0: the largest that is read");
   if (double fraction = 0;
       in.read("noise_fraction", fraction, "a standard deviation over transducer.range, 0 or more")) {

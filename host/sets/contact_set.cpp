@@ -19,6 +19,12 @@ using Value = typename std::remove_cvref_t<Values>::value_type;
 
 bool is_matrix(const char* name) { return std::string_view(name) == "inputs"; }
 
+bool read_press_rows(const SetFile& in) {
+  const std::string text = in.text("press_rows");
+  if (!text.empty() && text != "true") in.refuse("press_rows", text, "true, or absent");
+  return !text.empty();
+}
+
 void read_attributes(const SetFile& in, ContactSet& set) {
   set.version = in.text("tactel");
   set.sweep = in.text("sweep");
@@ -27,6 +33,7 @@ void read_attributes(const SetFile& in, ContactSet& set) {
   set.transducer = in.text("transducer");
   set.plan = in.text("plan");
   set.indenter_names = in.texts("indenter_names");
+  set.press_rows = read_press_rows(in);
   set.seed = in.number("seed");
   set.fell_back = in.number("fallback_contacts");
   set.unsolved = in.number("unsolved_contacts");
@@ -95,6 +102,8 @@ nn::FrameSet ContactSet::frames_with_answers() const {
   out.slip_index = Eigen::Map<const nn::Vector<float>>(slip_index.data(), static_cast<Eigen::Index>(rows()));
   out.shape_class = indenter;
   out.contact_nodes.assign(contact_nodes.begin(), contact_nodes.end());
+  out.contact = contact, out.step = step;
+  out.press_rows = press_rows;
   return out;
 }
 
@@ -113,6 +122,7 @@ ContactSet ContactSetReader::read(std::uint64_t first, std::uint64_t count) cons
   check_memory(state_->in, count, {inputs(), state_->columns.sensors});
   ContactSet set = within_memory(state_->in, [&] { return state_->columns.read(state_->in, first, count); });
   set.indenter_names = state_->in.texts("indenter_names");
+  set.press_rows = read_press_rows(state_->in);
   return set;
 }
 

@@ -42,6 +42,7 @@ struct ContactSet {
   std::string sweep;                        ///< attribute: text of the sweep file
   std::string device, rung;                 ///< attributes: devices and model
   std::string transducer;                   ///< attribute: measuring chain of the stresses, nn::description
+  bool press_rows = false;                  ///< attribute: the load steps of the pressing are rows, too
   std::uint64_t seed = 0;                   ///< attribute
   std::uint64_t fell_back = 0;              ///< attribute: contacts solved by the exact fallback
   std::uint64_t unsolved = 0;               ///< attribute: contacts with a load step over tolerance
@@ -114,7 +115,8 @@ class ContactSetReader {
   ~ContactSetReader();
   std::uint64_t rows() const;
   int inputs() const;
-  /// Returns rows first ... first + count - 1, which must exist; no attributes except indenter_names.
+  /// Returns rows first ... first + count - 1, which must exist; of the attributes, indenter_names and
+  /// press_rows.
   ContactSet read(std::uint64_t first, std::uint64_t count) const;
 
  private:

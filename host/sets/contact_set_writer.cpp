@@ -83,6 +83,7 @@ bool write_attributes(hid_t file, const ContactSet& set) {
          write_text(file, "contacts_without_rows", std::to_string(set.without_rows)) &&
          write_text(file, "fallback_contacts", std::to_string(set.fell_back)) &&
          write_text(file, "unsolved_contacts", std::to_string(set.unsolved)) &&
+         (!set.press_rows || write_text(file, "press_rows", "true")) &&
          write_text(file, "indenter_names", joined(set.indenter_names)) &&
          write_text(file, "units", "mm, MPa, N/mm; sigma_y < 0 is compression, tau_xy > 0 drags towards +x");
 }

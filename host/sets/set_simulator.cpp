@@ -308,7 +308,7 @@ constexpr std::size_t most_lane_steps = 1u << 18;
 template <class Launcher>
 struct RangeOf : SetSimulator::Range {
   std::vector<SceneSource::Contact> contacts;
-  std::vector<int> first_step;  ///< [contacts] the step at full indentation
+  std::vector<int> first_step;  ///< [contacts] the first that may be a row
   std::vector<SharedLaunch<Launcher>> launches;
 
   /// The launch that a contact goes to; a new one where the last of its kind is full.
@@ -371,7 +371,7 @@ std::unique_ptr<SetSimulator::Range> Simulation<Launcher>::prepare(std::uint64_t
     const fem::Scene& scene = range->contacts.back().scene;
     const fem::LoadPath path = fem::load_path(scene.load);
     const int steps = static_cast<int>(path.steps.size());
-    range->first_step.push_back(path.indentation_steps - 1);
+    range->first_step.push_back(source.press_rows() ? 0 : path.indentation_steps - 1);
     const auto sensor =
         source.own_sensors() ? 0 : std::ranges::find(sensors, without_young(scene.sensor)) - sensors.begin();
     SharedLaunch<Launcher>& launch = range->launch_for(static_cast<std::size_t>(sensor), kind_of(scene), steps);
@@ -522,6 +522,7 @@ ContactSet SetSimulator::collect(Range& range) const {
   set.transducer = nn::description(state_->source.transducer());
   set.device = state_->executor.device().info().name;
   set.seed = state_->source.seed();
+  set.press_rows = state_->source.press_rows();
   return set;
 }
 

@@ -32,8 +32,9 @@ class SetSimulator {
   ContactSet collect(Range& range) const;
 
   /// Returns the rows of contacts first ... first + count - 1, by contact, then load step. The rows are the
-  /// steps from full indentation on that have a slippage index. The exact fallback solves contacts that the
-  /// sweeps did not solve. Throws ValueError for a contact whose drawn numbers contradict each other.
+  /// steps from full indentation on (or all: SceneSource::press_rows) that have a slippage index. The exact fallback
+  /// solves contacts that the sweeps did not solve. Throws ValueError for a contact whose drawn numbers contradict each
+  /// other.
   ContactSet simulate(std::uint64_t first, std::uint64_t count) const;
 
  private:

@@ -27,7 +27,8 @@ class TransducerChain {
  private:
   Executor* executor_;
   std::uint32_t channels_, vectors_;
-  Buffer<float> signal_;  ///< [steps][vectors_ * lanes]
+  bool neighbours_, relative_;
+  Buffer<float> signal_, stress_;  ///< [steps][vectors_ * lanes]; one buffer where neighbours do not count
   Launch launch_;
 };
 

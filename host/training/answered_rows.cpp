@@ -26,7 +26,10 @@ AnsweredRows find_answered_rows(const ContactSet& set) {
   for (const std::size_t row : answered.row) {
     answered.frames.shape_class.push_back(all.shape_class[row]);
     answered.frames.contact_nodes.push_back(all.contact_nodes[row]);
+    answered.frames.contact.push_back(all.contact[row]);
+    answered.frames.step.push_back(all.step[row]);
   }
+  answered.frames.press_rows = all.press_rows;
   return answered;
 }
 
@@ -36,6 +39,15 @@ AnsweredRows answered_rows(const ContactSet& set, const std::string& file) {
     throw ConfigError(file, "slip_index", fmt::format("{} rows, none of them solved with a slippage index", set.rows()),
                       "at least one row to learn from or to judge by");
   return answered;
+}
+
+nn::FrameSet shown_rows(const nn::FrameSet& rows, const nn::InputHistory& history, bool magnitude,
+                        const std::string& file) try {
+  nn::FrameSet shown = nn::with_history(rows, history);
+  if (magnitude) shown.slip_index = shown.slip_index.cwiseAbs();
+  return shown;
+} catch (const ValueError& error) {
+  throw ConfigError(file, error);
 }
 
 void check_learnable(const AnsweredRows& rows, const std::string& file, std::uint64_t first_row) {

@@ -20,6 +20,11 @@ AnsweredRows find_answered_rows(const ContactSet& set);
 /// The same; throws ConfigError naming `file` when no row is left.
 AnsweredRows answered_rows(const ContactSet& set, const std::string& file);
 
+/// Returns the rows as a network takes them: with history (nn::with_history), and with |S| in place of S for
+/// `magnitude`. Throws ConfigError naming `file` for rows that no history can be formed from.
+nn::FrameSet shown_rows(const nn::FrameSet& rows, const nn::InputHistory& history, bool magnitude,
+                        const std::string& file);
+
 /// Throws ConfigError naming `file` and its row for a frame or slippage index that no network can learn from.
 /// `first_row`: the file's row that the set begins with.
 void check_learnable(const AnsweredRows& rows, const std::string& file, std::uint64_t first_row = 0);

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/training/frame_stream.h"
 
+#include <fmt/format.h>
+
+#include <optional>
+
 #include "host/scenes/sweep_file.h"
 #include "host/sets/contact_set.h"
 #include "host/support/errors.h"
@@ -9,14 +13,27 @@
 namespace tactel::host {
 namespace {
 
+nn::FrameSet as_shown(nn::FrameSet rows, const ShownRows& shown, const std::string& name) {
+  if (shown.history.frames == 1 && !shown.magnitude) return rows;
+  return shown_rows(rows, shown.history, shown.magnitude, name);
+}
+
+/// Empty for single frames of S.
+std::string text_of(const ShownRows& shown) {
+  const nn::InputHistory& h = shown.history;
+  return (h.frames > 1 ? fmt::format(" history {}:{} change {:a}", h.frames, h.stride, h.change) : "") +
+         (shown.magnitude ? " magnitude" : "");
+}
+
 class SimulatedStream : public FrameStream {
  public:
   SimulatedStream(Executor& executor, const std::filesystem::path& file, std::uint64_t contacts,
-                  const SetOptions& options)
+                  const SetOptions& options, const ShownRows& shown)
       : sweep_(read_sweep(file)),
         name_(file.string()),
         contacts_(contacts),
         options_(options),
+        shown_(shown),
         simulator_(executor, sweep_.source, options) {
     if (!sweep_.source.endless())
       throw ConfigError(name_, "sweep.set", "a listed set", "left out: a stream draws its contacts (sweep.contacts)");
@@ -24,13 +41,13 @@ class SimulatedStream : public FrameStream {
   nn::FrameSet block(std::uint64_t k) override {
     AnsweredRows rows = answered_rows(simulator_.simulate(k * contacts_, contacts_), name_);
     check_learnable(rows, name_);
-    return std::move(rows.frames);
+    return as_shown(std::move(rows.frames), shown_, name_);
   }
   std::uint64_t blocks() const override { return 1; }
-  int inputs() const override { return 2 * sweep_.source.tactels(); }
+  int inputs() const override { return 2 * sweep_.source.tactels() * shown_.history.frames; }
   std::string description() const override {
     return "simulated " + std::to_string(contacts_) + " contacts a block, precision " +
-           std::to_string(static_cast<int>(options_.precision)) + "\n" + sweep_.text;
+           std::to_string(static_cast<int>(options_.precision)) + text_of(shown_) + "\n" + sweep_.text;
   }
 
  private:
@@ -38,13 +55,15 @@ class SimulatedStream : public FrameStream {
   std::string name_;
   std::uint64_t contacts_;
   SetOptions options_;
+  ShownRows shown_;
   SetSimulator simulator_;
 };
 
 class FileStream : public FrameStream {
  public:
-  FileStream(const std::filesystem::path& file, std::uint64_t rows, std::uint64_t seed, nn::PresentationOrder order)
-      : name_(file.string()), reader_(file), rows_(rows), seed_(seed), how_(order) {
+  FileStream(const std::filesystem::path& file, std::uint64_t rows, std::uint64_t seed, nn::PresentationOrder order,
+             const ShownRows& shown)
+      : name_(file.string()), reader_(file), rows_(rows), seed_(seed), how_(order), shown_(shown) {
     if (reader_.rows() == 0) throw ConfigError(name_, "slip_index", "0 rows", "at least one row to learn from");
   }
 
@@ -53,23 +72,41 @@ class FileStream : public FrameStream {
     if (order_.empty() || pass != pass_)
       order_ = nn::presentation_order(how_, seed_, pass, static_cast<std::uint32_t>(blocks()));
     pass_ = pass;
-    const std::uint64_t first = order_[k % blocks()] * rows_;
-    AnsweredRows rows = find_answered_rows(reader_.read(first, std::min(rows_, reader_.rows() - first)));
+    std::uint64_t first = order_[k % blocks()] * rows_, end = std::min(first + rows_, reader_.rows());
+    if (shown_.history.frames > 1) first = contact_border(first), end = contact_border(end);
+    AnsweredRows rows = find_answered_rows(reader_.read(first, end - first));
     check_learnable(rows, name_, first);
-    return std::move(rows.frames);
+    if (rows.row.empty()) return std::move(rows.frames);
+    return as_shown(std::move(rows.frames), shown_, name_);
   }
   std::uint64_t blocks() const override { return (reader_.rows() + rows_ - 1) / rows_; }
-  int inputs() const override { return reader_.inputs(); }
+  int inputs() const override { return reader_.inputs() * shown_.history.frames; }
   std::string description() const override {
     return "file " + std::to_string(reader_.rows()) + " rows, " + std::to_string(rows_) + " a block, " +
-           nn::name(how_) + ", seed " + std::to_string(seed_) + "\n" + contact_set_sweep(name_);
+           nn::name(how_) + ", seed " + std::to_string(seed_) + text_of(shown_) + "\n" + contact_set_sweep(name_);
   }
 
  private:
+  /// The first row from `row` on that begins a contact; the end of the set where there is none.
+  std::uint64_t contact_border(std::uint64_t row) const {
+    constexpr std::uint64_t at_once = 256;
+    if (row == 0) return row;
+    std::optional<std::uint64_t> before;
+    for (std::uint64_t at = row - 1; at < reader_.rows(); at += at_once) {
+      const ContactSet part = reader_.read(at, std::min(at_once, reader_.rows() - at));
+      for (std::size_t i = 0; i < part.rows(); ++i) {
+        if (before && part.contact[i] != *before) return at + i;
+        before = part.contact[i];
+      }
+    }
+    return reader_.rows();
+  }
+
   std::string name_;
   ContactSetReader reader_;
   std::uint64_t rows_, seed_;
   nn::PresentationOrder how_;
+  ShownRows shown_;
   std::uint32_t pass_ = 0;
   std::vector<std::uint32_t> order_;
 };
@@ -77,13 +114,14 @@ class FileStream : public FrameStream {
 }  // namespace
 
 std::unique_ptr<FrameStream> simulated_stream(Executor& executor, const std::filesystem::path& sweep_file,
-                                              std::uint64_t contacts, const SetOptions& options) {
-  return std::make_unique<SimulatedStream>(executor, sweep_file, contacts, options);
+                                              std::uint64_t contacts, const SetOptions& options,
+                                              const ShownRows& shown) {
+  return std::make_unique<SimulatedStream>(executor, sweep_file, contacts, options, shown);
 }
 
 std::unique_ptr<FrameStream> file_stream(const std::filesystem::path& set_file, std::uint64_t rows, std::uint64_t seed,
-                                         nn::PresentationOrder order) {
-  return std::make_unique<FileStream>(set_file, rows, seed, order);
+                                         nn::PresentationOrder order, const ShownRows& shown) {
+  return std::make_unique<FileStream>(set_file, rows, seed, order, shown);
 }
 
 }  // namespace tactel::host

@@ -13,6 +13,12 @@
 
 namespace tactel::host {
 
+/// What a network learns of the rows: shown_rows.
+struct ShownRows {
+  nn::InputHistory history{};
+  bool magnitude = false;
+};
+
 /// Frames in blocks, so that at most one block is in memory. Block k is a function of the stream and k.
 class FrameStream {
  public:
@@ -21,7 +27,7 @@ class FrameStream {
   /// frame that no network can learn from.
   virtual nn::FrameSet block(std::uint64_t k) = 0;
   virtual std::uint64_t blocks() const = 0;  ///< until the rows repeat; 1 for an endless stream
-  virtual int inputs() const = 0;
+  virtual int inputs() const = 0;            ///< of all frames of a row
   /// Returns all inputs of the blocks, as text.
   virtual std::string description() const = 0;
 };
@@ -29,12 +35,15 @@ class FrameStream {
 /// Returns an endless stream of contacts, simulated on demand and never stored. Block k holds `contacts` new
 /// ones.
 std::unique_ptr<FrameStream> simulated_stream(Executor& executor, const std::filesystem::path& sweep_file,
-                                              std::uint64_t contacts, const SetOptions& options);
+                                              std::uint64_t contacts, const SetOptions& options,
+                                              const ShownRows& shown = {});
 
 /// Returns a stream of the rows of a set file, `rows` at a time. Every pass takes the blocks in the order of the
 /// file, or in another permutation drawn from `seed`. Rows over tolerance or without a finite slippage index are
-/// excluded. Throws ConfigError for a set without rows.
+/// excluded. With history, a block takes whole contacts: those whose first row is among its rows. Throws ConfigError
+/// for a set without rows.
 std::unique_ptr<FrameStream> file_stream(const std::filesystem::path& set_file, std::uint64_t rows, std::uint64_t seed,
-                                         nn::PresentationOrder order = nn::PresentationOrder::permuted);
+                                         nn::PresentationOrder order = nn::PresentationOrder::permuted,
+                                         const ShownRows& shown = {});
 
 }  // namespace tactel::host

@@ -43,10 +43,12 @@ std::vector<fs::path> onnx_files(const fs::path& path) {
 }
 
 void check_width(const NamedNetwork& network, const nn::FrameSet& set) {
-  const int inputs = network.model.weights.topology.inputs();
-  if (inputs != set.frames.cols())
+  const int frames = network.model.history.frames, inputs = network.model.weights.topology.inputs();
+  if (inputs != frames * set.frames.cols())
     throw ConfigError(network.file, "topology", network.model.weights.topology.text(),
-                      fmt::format("a network with {} inputs, as many as the set has", set.frames.cols()));
+                      frames == 1 ? fmt::format("a network with {} inputs, as many as the set has", set.frames.cols())
+                                  : fmt::format("a network with {} inputs, {} frames of the set",
+                                                frames * set.frames.cols(), frames));
 }
 
 // How many networks from `first` on share topology and scaling, and fit into one run.
@@ -56,7 +58,9 @@ std::size_t run_length(std::span<const NamedNetwork> networks, std::size_t first
   std::size_t count = 1;
   while (count < most && first + count < networks.size() &&
          networks[first + count].model.weights.topology == model.weights.topology &&
-         networks[first + count].model.scaling == model.scaling)
+         networks[first + count].model.scaling == model.scaling &&
+         networks[first + count].model.history == model.history &&
+         networks[first + count].model.magnitude == model.magnitude)
     ++count;
   return count;
 }
@@ -89,11 +93,21 @@ std::optional<std::vector<NetworkResult>> recall_networks(Executor& executor, st
                                                           const nn::FrameSet& set, bool keep_rows,
                                                           const Progress& progress) {
   for (const NamedNetwork& network : networks) check_width(network, set);
-  const DeviceFrames frames(executor.device(), set.frames);
+  std::optional<nn::FrameSet> formed;  // where a network takes other than single frames and S
+  std::optional<DeviceFrames> frames;
+  const nn::Model* same = nullptr;  // the network whose rows these are
   const auto rows = static_cast<std::size_t>(set.rows());
   std::vector<NetworkResult> results;
   while (results.size() < networks.size()) {
     const std::size_t first = results.size(), count = run_length(networks, first, rows);
+    const nn::Model& model = networks[first].model;
+    if (same == nullptr || same->history != model.history || same->magnitude != model.magnitude) {
+      frames.reset(), formed.reset();
+      if (model.history.frames > 1 || model.magnitude)
+        formed = shown_rows(set, model.history, model.magnitude, networks[first].file);
+      frames.emplace(executor.device(), (formed ? *formed : set).frames);
+      same = &model;
+    }
     std::vector<nn::Weights<Real>> weights;
     for (std::size_t i = 0; i < count; ++i) weights.emplace_back(networks[first + i].model.weights);
     Forward<Real> forward(executor, std::span<const nn::Weights<Real>>(weights), networks[first].model.scaling);
@@ -101,9 +115,10 @@ std::optional<std::vector<NetworkResult>> recall_networks(Executor& executor, st
     const auto ask = [&](std::size_t done, std::size_t all) {
       return going = progress((first + count * done / std::max<std::size_t>(all, 1)) * rows, networks.size() * rows);
     };
-    forward.run(frames, {.progress = progress ? Progress(ask) : Progress()});
+    forward.run(*frames, {.progress = progress ? Progress(ask) : Progress()});
     if (!going) return std::nullopt;
-    for (std::size_t i = 0; i < count; ++i) results.push_back(judge(forward.result(i), set, keep_rows));
+    for (std::size_t i = 0; i < count; ++i)
+      results.push_back(judge(forward.result(i), formed ? *formed : set, keep_rows));
   }
   return results;
 }

@@ -26,6 +26,7 @@ std::string label_of(const nn::Model& model) {
   std::string label = model.weights.topology.text();
   if (model.noise != 0) label += fmt::format(" {:g}%", 100 * model.noise);
   if (model.scaling.kind == nn::ScalingKind::frame) label += " frame";
+  if (model.history.frames > 1) label += fmt::format(" {}:{}", model.history.frames, model.history.stride);
   return label;
 }
 

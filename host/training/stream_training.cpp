@@ -44,9 +44,10 @@ class StreamTraining : public TrainingJob {
         name_(request.stream.empty() ? request.set : request.stream),
         directory_(request.output),
         executor_(Device(request.shared.device)) {
-    stream_ = request.stream.empty() ? file_stream(request.set, static_cast<std::uint64_t>(*request.block),
-                                                   plan.seeds.front(), plan.batch->order)
-                                     : simulated_stream(executor_, request.stream, contacts_a_block, {});
+    stream_ = request.stream.empty()
+                  ? file_stream(request.set, static_cast<std::uint64_t>(*request.block), plan.seeds.front(),
+                                plan.batch->order, {plan.history, plan.magnitude})
+                  : simulated_stream(executor_, request.stream, contacts_a_block, {}, {plan.history, plan.magnitude});
     for (const nn::Topology& topology : plan.topologies) {
       if (topology.inputs() != stream_->inputs())
         throw ConfigError("command line", "--network", topology.text(),
@@ -55,7 +56,10 @@ class StreamTraining : public TrainingJob {
         networks_.push_back({.network = {.topology = topology, .seed = seed, .noise = plan.noises[0], .curve = {}},
                              .state = nn::BatchState<Real>(nn::initial_weights(topology, seed))});
     }
-    if (!request.recall_set.empty()) recall_ = read_set(request.recall_set);
+    if (!request.recall_set.empty()) {
+      recall_ = read_set(request.recall_set);
+      check_width(plan, *recall_);
+    }
     done_before_ = request.resume && directory_.finished();
     if (!done_before_) scaling_ = nn::fit_scaling(plan.scaling, first_block());
   }
@@ -185,8 +189,15 @@ class StreamTraining : public TrainingJob {
     return (*recall_networks<Real>(executor_, std::span(&named, 1), recall_->rows.frames, false, Progress()))[0];
   }
   nn::Model model_of(const Record& n) const {
-    nn::Model model{nn::Weights<float>(n.state.weights), scaling_, n.network.seed, n.network.noise, name_,
-                    static_cast<std::uint32_t>(block_),  {}};
+    nn::Model model{nn::Weights<float>(nn::weights_of_frames(n.state.weights, plan_.history.frames)),
+                    scaling_,
+                    n.network.seed,
+                    n.network.noise,
+                    name_,
+                    static_cast<std::uint32_t>(block_),
+                    {},
+                    plan_.history,
+                    plan_.magnitude};
     model.learning_errors.count = rows_;
     return model;
   }
@@ -218,24 +229,29 @@ class StreamTraining : public TrainingJob {
   }
 
   Json report_json(const std::string& fingerprint) const {
-    return {{"tactel", TACTEL_VERSION},
-            {"stream", name_},
-            {"rows", rows_},
-            {"blocks", block_},
-            {"device", executor_.device().info().name},
-            {"precision", sizeof(Real) == 8 ? "fp64" : "fp32"},
-            {"fingerprint", fingerprint},
-            {"options",
-             {{"batch", plan_.batch->batch},
-              {"optimizer", nn::name(plan_.batch->rule)},
-              {"learning_rate", plan_.batch->rate},
-              {"last_learning_rate", last_rate * plan_.batch->rate},
-              {"momentum", plan_.batch->momentum},
-              {"order", nn::name(plan_.batch->order)},
-              {"scaling", nn::name(plan_.scaling)},
-              {"noise", plan_.noises[0]}}},
-            {"seconds", seconds_},
-            {"networks", Json::array()}};
+    Json report = {{"tactel", TACTEL_VERSION},
+                   {"stream", name_},
+                   {"rows", rows_},
+                   {"blocks", block_},
+                   {"device", executor_.device().info().name},
+                   {"precision", sizeof(Real) == 8 ? "fp64" : "fp32"},
+                   {"fingerprint", fingerprint},
+                   {"options",
+                    {{"batch", plan_.batch->batch},
+                     {"optimizer", nn::name(plan_.batch->rule)},
+                     {"learning_rate", plan_.batch->rate},
+                     {"last_learning_rate", last_rate * plan_.batch->rate},
+                     {"momentum", plan_.batch->momentum},
+                     {"order", nn::name(plan_.batch->order)},
+                     {"scaling", nn::name(plan_.scaling)},
+                     {"noise", plan_.noises[0]}}},
+                   {"seconds", seconds_},
+                   {"networks", Json::array()}};
+    if (plan_.history.frames > 1)
+      report["options"]["history"] = {
+          {"frames", plan_.history.frames}, {"stride", plan_.history.stride}, {"change", plan_.history.change}};
+    if (plan_.magnitude) report["options"]["magnitude"] = true;
+    return report;
   }
 
   static Json curve_json(const LearningCurve& curve, bool validated) {

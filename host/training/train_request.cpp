@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <map>
 #include <set>
 
@@ -24,6 +25,27 @@ constexpr int default_epochs = 1000;
   const auto found = options.find(error.key);
   throw ConfigError("command line", found == options.end() ? "--" + error.key : found->second, error.value,
                     error.allowed);
+}
+
+/// "4" or "4:2".
+nn::InputHistory history_of(const TrainRequest& request) {
+  nn::InputHistory history;
+  if (request.history) {
+    const char* at = request.history->data();
+    const char* const end = at + request.history->size();
+    std::from_chars_result read = std::from_chars(at, end, history.frames);
+    if (read.ec == std::errc{} && read.ptr != end && *read.ptr == ':')
+      read = std::from_chars(read.ptr + 1, end, history.stride);
+    if (read.ec != std::errc{} || read.ptr != end || !history.valid())
+      throw ConfigError("command line", "--history", *request.history,
+                        "frames, or frames:stride: whole numbers of at least 1, a stride of at most 1000");
+  }
+  if (!request.history_change) return history;
+  history.change = *request.history_change;
+  if (history.frames == 1 || !history.valid())
+    throw ConfigError("command line", "--history-change", fmt::format("{}", history.change),
+                      "a share of the largest stress, 0 to 1, with --history of 2 frames or more");
+  return history;
 }
 
 /// Refuses an option that was given and would not be used.
@@ -63,12 +85,19 @@ nn::BatchOptions batch_options(const TrainRequest& request) {
   return batch;
 }
 
-std::vector<nn::Topology> topologies_of(const TrainRequest& request) {
+/// The paper's numbers stand for its hidden layers behind as many frames as there are.
+nn::Topology topology_of(const std::string& name, int frames) {
+  std::vector<int> widths = nn::Topology::parse(name).widths();
+  if (name.find('-') == std::string::npos) widths.front() *= frames;
+  return nn::Topology(widths);
+}
+
+std::vector<nn::Topology> topologies_of(const TrainRequest& request, int frames) {
   std::vector<std::string> names = request.networks;
   if (names.empty()) names = {"1", "2", "3", "4", "5", "6"};
   std::vector<nn::Topology> topologies;
   for (const std::string& name : names) {
-    topologies.push_back(nn::Topology::parse(name));
+    topologies.push_back(topology_of(name, frames));
     if (std::ranges::count(topologies, topologies.back()) > 1) throw ValueError("network", name, "named once");
   }
   return topologies;
@@ -85,6 +114,7 @@ NamedSet read_set(const std::string& file) {
 NamedSet read_learning_set(const TrainRequest& request) try {
   NamedSet set = read_set(request.set);
   check_learnable(set.rows, request.set);
+  set.rows.frames = shown_rows(set.rows.frames, history_of(request), request.magnitude, request.set);
   set.rows.frames.validate();
   nn::fit_scaling(nn::parse_scaling(request.scaling), set.rows.frames);
   return set;
@@ -95,7 +125,9 @@ NamedSet read_learning_set(const TrainRequest& request) try {
 TrainingPlan plan_of(const TrainRequest& request) try {
   refuse_unused(request);
   TrainingPlan plan;
-  plan.topologies = topologies_of(request);
+  plan.history = history_of(request);
+  plan.magnitude = request.magnitude;
+  plan.topologies = topologies_of(request, plan.history.frames);
   if (request.seeds > 1'000'000) throw ValueError("seeds", std::to_string(request.seeds), "at most a million");
   for (std::uint64_t i = 0; i < request.seeds; ++i) plan.seeds.push_back(request.first_seed + i);
   if (!request.noises.empty()) plan.noises = request.noises;
@@ -118,10 +150,17 @@ TrainingPlan plan_of(const TrainRequest& request) try {
 }
 
 void check_width(const TrainingPlan& plan, const NamedSet& set) {
+  if (plan.history.frames > 1 && !set.contacts.press_rows)
+    throw ConfigError(set.file, "press_rows", "absent",
+                      "rows of the pressing, for --history: [sweep] press_rows = true gives them");
   for (const nn::Topology& topology : plan.topologies)
-    if (topology.inputs() != set.contacts.inputs)
-      throw ConfigError("command line", "--network", topology.text(),
-                        fmt::format("a network with {} inputs, as many as {} has", set.contacts.inputs, set.file));
+    if (topology.inputs() != set.contacts.inputs * plan.history.frames)
+      throw ConfigError(
+          "command line", "--network", topology.text(),
+          plan.history.frames == 1
+              ? fmt::format("a network with {} inputs, as many as {} has", set.contacts.inputs, set.file)
+              : fmt::format("a network with {} inputs, {} for each of {} frames",
+                            set.contacts.inputs * plan.history.frames, set.contacts.inputs, plan.history.frames));
 }
 
 }  // namespace tactel::host

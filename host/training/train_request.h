@@ -21,6 +21,9 @@ struct TrainRequest {
   std::vector<double> noises;
   std::uint64_t seeds = 1, first_seed = 1;
   std::string scaling = "set", order = "permuted";
+  std::optional<std::string> history;  ///< "k" or "k:stride"
+  std::optional<double> history_change;
+  bool magnitude = false;
   std::optional<std::string> schedule;  ///< "online" or "batch"; default: batch for a stream, else online
   std::optional<double> rate, momentum;
   std::optional<int> cycles, batch;
@@ -43,13 +46,15 @@ struct NamedSet {
 };
 /// Throws ConfigError as read_contact_set and answered_rows.
 NamedSet read_set(const std::string& file);
-/// The same for the learning set. Throws ConfigError also for a set that cannot train a network.
+/// The same for the learning set, with history and |S| where they are asked for. Throws ConfigError also for a set that
+/// cannot train a network.
 NamedSet read_learning_set(const TrainRequest& request);
 
 /// Returns the plan of a request. Throws ConfigError, naming the option, for invalid values and for options that
 /// the requested kind of training does not use.
 TrainingPlan plan_of(const TrainRequest& request);
-/// Throws ConfigError where a network's number of inputs differs from the set's.
+/// Throws ConfigError where a network's number of inputs differs from the set's, or the set lacks the rows that the
+/// plan's history needs.
 void check_width(const TrainingPlan& plan, const NamedSet& set);
 
 }  // namespace tactel::host

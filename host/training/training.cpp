@@ -33,6 +33,10 @@ Json options_json(const TrainRequest& request, const TrainingPlan& plan) {
                   {"noise", plan.noises},
                   {"seeds", request.seeds},
                   {"first_seed", request.first_seed}};
+  if (plan.history.frames > 1)
+    options["history"] = {
+        {"frames", plan.history.frames}, {"stride", plan.history.stride}, {"change", plan.history.change}};
+  if (plan.magnitude) options["magnitude"] = true;
   if (!plan.batch) return options;
   options["batch"] = plan.batch->batch;
   options["optimizer"] = nn::name(plan.batch->rule);

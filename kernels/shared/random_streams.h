@@ -7,5 +7,7 @@
 #define READING_STREAM 6  /* noise of a reading */
 #define GAIN_STREAM 7     /* gain and offset of a transducer */
 #define INSTANCE_STREAM 8 /* which sensor a contact meets */
+#define SPREAD_STREAM 10  /* how much a sensor's transducers spread */
+#define FAULT_STREAM 11   /* place, crosstalk and failure of a transducer */
 
 #endif

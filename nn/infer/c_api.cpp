@@ -14,6 +14,10 @@ struct tactel_estimator {
   tactel::SlipEstimator estimator;
 };
 
+struct tactel_history {
+  tactel::SlipHistory history;
+};
+
 namespace {
 
 using tactel::AnswerStatus;
@@ -58,6 +62,24 @@ void tactel_estimate_all(const tactel_estimator* estimator, const float* frames,
   const size_t inputs = estimator->estimator.inputs();
   for (size_t i = 0; i < answers; ++i) out[i] = tactel_estimate(estimator, frames + i * inputs, inputs);
 }
+
+tactel_history* tactel_history_create(const tactel_estimator* estimator) {
+  last_error.clear();
+  try {
+    return new tactel_history{tactel::SlipHistory(estimator->estimator)};
+  } catch (const std::exception&) {
+    last_error = "tactel_history_create: out of memory; free some";
+  }
+  return nullptr;
+}
+
+void tactel_history_free(tactel_history* history) { delete history; }
+
+tactel_answer tactel_history_estimate(tactel_history* history, const float* frame, size_t count) {
+  return c_answer(history->history.estimate({frame, count}));
+}
+
+void tactel_history_clear(tactel_history* history) { history->history.clear(); }
 
 const char* tactel_error(void) { return last_error.c_str(); }
 

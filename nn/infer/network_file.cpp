@@ -344,12 +344,33 @@ void expect_finite(const std::vector<float>& numbers) {
     throw Refused{"a weight that is NaN or infinite"};
 }
 
+template <class Number>
+Number number_of(const Model& model, string_view key) {
+  const string& text = entry(model, key);
+  Number number{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc{} || end != text.data() + text.size())
+    throw Refused{"a model whose \"" + string(key) + "\" is no number"};
+  return number;
+}
+
+/// Which frames an input of `inputs` numbers has.
+nn::InputHistory history_of(const Model& model, int inputs) {
+  if (!model.metadata.contains("history")) return {};
+  const nn::InputHistory history{number_of<int>(model, "history"), number_of<int>(model, "stride"),
+                                 number_of<double>(model, "history_change")};
+  if (!history.valid() || history.frames < 2 || inputs % (2 * history.frames) != 0)
+    throw Refused{"a model of an unknown history"};
+  return history;
+}
+
 NetworkFile network_of(const Graph& graph, const Model& model) {
   const std::vector<int> widths = widths_of(entry(model, "topology"));
   const string& scaling = entry(model, "scaling");
   if (scaling != "set" && scaling != "frame") throw Refused{"a model of an unknown scaling"};
   NetworkFile file;
   file.by_frame = scaling == "frame";
+  file.history = history_of(model, widths.front());
   const std::size_t layers = widths.size() - 1;
   if (graph.nodes != expected_nodes(layers, file.by_frame) || graph.inputs != std::vector<string_view>{"frame"} ||
       graph.outputs != std::vector<string_view>{"slip_index"})
@@ -358,7 +379,7 @@ NetworkFile network_of(const Graph& graph, const Model& model) {
   initializers.expect("half", 0.5f);
   if (file.by_frame) {
     initializers.expect("first_normal", std::int64_t{0});
-    initializers.expect("end_of_normal", std::int64_t{widths.front() / 2});
+    initializers.expect("end_of_normal", std::int64_t{widths.front() / (2 * file.history.frames)});
     initializers.expect("along_frame", std::int64_t{1});
     initializers.expect("zero", 0.0f);
     initializers.expect("one", 1.0f);

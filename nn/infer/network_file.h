@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "nn/frame_history.h"
+
 namespace tactel::infer {
 
 /// A layer of a network file.
@@ -19,6 +21,7 @@ struct NetworkFile {
   std::vector<FileLayer> layers;
   bool by_frame = false;  ///< divide a frame by its own largest |normal stress|; else multiply it by `factor`
   float factor = 0;       ///< 1/MPa
+  nn::InputHistory history;
   std::map<std::string, std::string, std::less<>> metadata;
 };
 

@@ -45,6 +45,8 @@ struct SlipEstimator::Network {
   std::vector<infer::HiddenLayer> hidden;
   std::vector<float> output;  ///< [inputs of the last layer + 1], the bias last
   int inputs = 0;
+  int normals = 0;  ///< normal stresses of the newest frame
+  nn::InputHistory history;
   bool by_frame = false;
   float factor = 0;
   std::map<std::string, std::string, std::less<>> metadata;
@@ -93,7 +95,7 @@ AnswerStatus scale_frame(const Network& network, const float* frame, float* scal
   float factor = network.factor, scale = 1;
   if (network.by_frame) {
     float largest = 0;
-    for (int k = 0; k < inputs / 2; ++k) largest = std::max(largest, std::abs(frame[k]));
+    for (int k = 0; k < network.normals; ++k) largest = std::max(largest, std::abs(frame[k]));
     if (largest < smallest_stress) return AnswerStatus::no_stress;
     if (largest > large_stress) scale = large_scale;
     factor = 1.0f / (largest * scale);
@@ -141,6 +143,8 @@ SlipEstimator SlipEstimator::parse(std::span<const std::byte> bytes, const std::
       infer::read_network_file({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, place);
   auto network = std::make_unique<Network>();
   network->inputs = file.layers.front().inputs;
+  network->history = file.history;
+  network->normals = network->inputs / (2 * file.history.frames);
   network->by_frame = file.by_frame;
   network->factor = file.factor;
   network->metadata = std::move(file.metadata);
@@ -169,6 +173,30 @@ std::size_t SlipEstimator::estimate(std::span<const float> frames, std::span<Ans
   for (std::size_t i = 0; i < answers.size(); ++i) answers[i] = evaluate(*network_, frames.data() + i * width);
   return answers.size();
 }
+
+std::size_t SlipEstimator::frames() const noexcept { return static_cast<std::size_t>(network_->history.frames); }
+
+struct SlipHistory::State {
+  explicit State(const SlipEstimator& network)
+      : network(network), history(network.inputs() / network.frames(), network.network_->history) {}
+  SlipEstimator network;
+  nn::FrameHistory history;
+  Activations input;
+};
+
+SlipHistory::SlipHistory(const SlipEstimator& network) : state_(new State(network)) {}
+SlipHistory::~SlipHistory() { delete state_; }
+
+std::size_t SlipHistory::inputs() const noexcept { return state_->history.width(); }
+
+Answer SlipHistory::estimate(std::span<const float> frame) noexcept {
+  if (frame.size() != inputs()) return answer_of(AnswerStatus::wrong_size, 0);
+  state_->history.push(frame.data());
+  state_->history.write(state_->input.values);
+  return state_->network.estimate({state_->input.values, state_->history.inputs()});
+}
+
+void SlipHistory::clear() noexcept { state_->history.clear(); }
 
 std::string SlipEstimator::topology() const { return metadata("topology"); }
 

@@ -17,7 +17,9 @@
 #include "host/networks/onnx_file.h"
 #include "host/networks/onnx_graph.h"
 #include "host/support/checksum.h"
+#include "host/support/errors.h"
 #include "tests/host/networks/network_cases.h"
+#include "tests/host/support/run_tactel.h"
 
 namespace {
 
@@ -135,6 +137,97 @@ TEST(Infer, WorksByHand) {
   EXPECT_NEAR(answer.slip_index, std::tanh((4 * o - 1) / 2) / 2 + 0.5, 1e-6);
   EXPECT_EQ(answer.status, AnswerStatus::ok);
   EXPECT_TRUE(std::isnan(answer.slip_upper));
+}
+
+namespace {
+
+nn::Model model_with_history(ScalingKind kind) {
+  nn::Model model = some_model("24-9-1", kind);
+  model.history = {.frames = 3, .stride = 2, .change = 0.07};
+  model.scaling.history = 3;
+  return model;
+}
+
+}  // namespace
+
+// Frames one after the other give the bits of the kernel on inputs that with_history forms from the same path.
+TEST(Infer, GivesTheBitsOfTheKernelsWithHistory) {
+  nn::FrameSet path = bumps(60, 8, 4);
+  for (int row = 0; row < 60; ++row)
+    path.frames.row(row) = path.frames.row(row / 20 * 20) * (0.2f + 0.05f * (row % 20));
+  path.frames.row(30).setZero();  // released: the frames before are forgotten
+  path.contact.assign(60, 0), path.press_rows = true;
+  for (int row = 0; row < 60; ++row) path.step.push_back(row);
+  for (const ScalingKind kind : {ScalingKind::set, ScalingKind::frame}) {
+    const nn::Model model = model_with_history(kind);
+    const nn::RowMatrix<float> inputs = nn::with_history(path, model.history).frames;
+    EXPECT_NE(inputs.rightCols(8).cwiseAbs().maxCoeff(), 0);
+    const auto kernel = host::Forward<float>(executor(), std::span(&model.weights, 1), model.scaling).recall(inputs);
+    host::ForwardOne<float> one(executor(), model.weights, model.scaling);
+    const auto twin = nn::recall(model.weights, model.scaling, inputs);
+    const SlipEstimator estimator = estimator_of(host::onnx_bytes(model));
+    EXPECT_EQ(estimator.frames(), 3u);
+    SlipHistory history(estimator);
+    EXPECT_EQ(history.inputs(), 8u);
+    for (int row = 0; row < 60; ++row) {
+      const Answer answer = history.estimate({path.frames.row(row).data(), 8});
+      EXPECT_EQ(bits(answer.slip_index), bits(kernel.slip_index(row))) << nn::name(kind) << " row " << row;
+      EXPECT_EQ(bits(answer.slip_index), bits(one({inputs.row(row).data(), 24}).slip_index));
+      EXPECT_EQ(int(answer.status), int(kernel.status[row]));
+      EXPECT_NEAR(answer.slip_index, twin.slip_index(row), 2e-6);  // 24 products: as GivesTheSOfTheReference
+    }
+    EXPECT_EQ(history.estimate({path.frames.row(0).data(), 6}).status, AnswerStatus::wrong_size);
+    history.clear();
+    const Answer first = history.estimate({path.frames.row(0).data(), 8});
+    EXPECT_EQ(bits(first.slip_index), bits(kernel.slip_index(0)));
+  }
+}
+
+TEST(Infer, OneFrameHasNoHistory) {
+  const nn::Model model = some_model("8-32-31-1", ScalingKind::frame);
+  const SlipEstimator estimator = estimator_of(host::onnx_bytes(model));
+  EXPECT_EQ(estimator.frames(), 1u);
+  EXPECT_EQ(estimator.metadata("history"), "");
+  SlipHistory history(estimator);
+  const nn::RowMatrix<float> frames = bumps(5, 8, 2).frames;
+  for (int row = 0; row < 5; ++row)
+    EXPECT_EQ(bits(history.estimate({frames.row(row).data(), 8}).slip_index),
+              bits(estimator.estimate({frames.row(row).data(), 8}).slip_index));
+}
+
+// Crafted metadata, with a checksum that fits: both readers refuse.
+TEST(Infer, RefusesCraftedHistories) {
+  const host::ScratchFolder folder;
+  const nn::Model model = model_with_history(ScalingKind::frame);
+  const auto crafted = [&](const std::string& key, const std::string& value) {
+    onnx::ModelProto proto;
+    proto.ParseFromString(host::onnx_bytes(model));
+    for (auto& entry : *proto.mutable_metadata_props())
+      if (entry.key() == key) entry.set_value(value);
+    const std::string sum = host::onnx_checksum(proto);
+    for (auto& entry : *proto.mutable_metadata_props())
+      if (entry.key() == host::checksum_key) entry.set_value(sum);
+    return proto.SerializeAsString();
+  };
+  EXPECT_EQ(problem_of(crafted("seed", "7")), "none");
+  EXPECT_EQ(host::read_onnx(folder.write("good.onnx", crafted("seed", "7"))).history, model.history);
+  for (const auto& [key, value] : {std::pair{"history", "5"},
+                                   {"history", "0"},
+                                   {"history", "-3"},
+                                   {"history", "1"},
+                                   {"history", "99999999999"},
+                                   {"history", "x"},
+                                   {"history", "4"},
+                                   {"stride", "0"},
+                                   {"stride", "-1"},
+                                   {"stride", "2000000"},
+                                   {"history_change", "nan"},
+                                   {"history_change", "-0.1"},
+                                   {"history_change", "7"}}) {
+    const std::string bytes = crafted(key, value);
+    EXPECT_NE(problem_of(bytes), "none") << key << " = " << value;
+    EXPECT_THROW(host::read_onnx(folder.write("crafted.onnx", bytes)), host::ConfigError) << key << " = " << value;
+  }
 }
 
 TEST(Infer, AnswersFramesOfAnotherSizeByAStatus) {

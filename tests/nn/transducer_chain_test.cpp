@@ -140,6 +140,95 @@ TEST(Transducer, AContactMeetsOneOfTheInstances) {
   EXPECT_FALSE(met.contains(transducer_chain(t, 3, 77, stress)(0, 2)));
 }
 
+/// Four tactels: stresses 1, 2, 4, 8 (normal) and 10, 20, 40, 80 (shear).
+RowMatrix<double> four_tactels() { return RowMatrix<double>{{1, 2, 4, 8, 10, 20, 40, 80}}; }
+
+// By hand: with shares c of the neighbours, tactel 1 reads 2 + c (1 + 4), the first 1 + 2 c; the normal and the shear
+// transducer of a tactel have shares of their own. E |n| of a normal number is sqrt(2 / pi).
+TEST(Transducer, CrosstalkAddsNeighboursOfTheSameKind) {
+  const Transducer t{.seed = 3, .crosstalk = 0.01};
+  double sum = 0;
+  for (std::uint64_t contact = 0; contact < 4000; ++contact) {
+    const RowMatrix<double> reading = transducer_chain(t, 0, contact, four_tactels());
+    const double c = (reading(0, 1) - 2) / 5, d = (reading(0, 4) - 10) / 20;
+    EXPECT_GE(c, 0);
+    EXPECT_GE(d, 0);  // the first shear transducer has no neighbour among the normal ones
+    EXPECT_NE(c, d);
+    sum += c;
+  }
+  EXPECT_NEAR(sum / 4000, 0.01 * std::sqrt(2 / 3.14159265358979), 5 * 0.01 / std::sqrt(4000.0));
+}
+
+// A tactel that sits d of the distance to the right reads (1 - d) of its stress and d of the right one's; both its
+// transducers shift alike, and those at the ends do not leave the row.
+TEST(Transducer, AShiftedTactelReadsBetweenTwo) {
+  const Transducer t{.seed = 3, .shift_spread = 0.1};
+  std::vector<double> shifts;
+  for (std::uint64_t contact = 0; contact < 4000; ++contact) {
+    const RowMatrix<double> reading = transducer_chain(t, 0, contact, four_tactels());
+    const double by = reading(0, 1) - 2, shift = by > 0 ? by / 2 : by;
+    EXPECT_NEAR(reading(0, 5), 10 * reading(0, 1), 1e-12);
+    EXPECT_GE(reading(0, 0), 1);  // only to the right
+    EXPECT_LE(reading(0, 3), 8);  // only to the left
+    shifts.push_back(shift);
+  }
+  expect_normal(shifts, 0, 0.1);
+}
+
+TEST(Transducer, DeadTransducersFeelNothing) {
+  const Transducer t{.offset_spread = 0.5, .dead = 0.2};
+  int dead = 0;
+  for (std::uint64_t contact = 0; contact < 1000; ++contact) {
+    RowMatrix<double> stress = RowMatrix<double>::Zero(2, 8);
+    stress.row(1).setOnes();
+    const RowMatrix<double> reading = transducer_chain(t, 0, contact, stress);
+    for (int c = 0; c < 8; ++c) {
+      const double felt = reading(1, c) - reading(0, c);
+      EXPECT_TRUE(std::abs(felt) < 1e-12 || std::abs(felt - 1) < 1e-12);
+      dead += felt < 0.5;
+    }
+  }
+  EXPECT_NEAR(dead, 1600, 5 * std::sqrt(8000 * 0.2 * 0.8));
+}
+
+// A stress held from the first step on: (1 - lag) of it at once, all of it in the end. The first step is a ramp of h.
+TEST(Transducer, TheLateShareArrivesWithItsTimeConstant) {
+  const Transducer t{.step_time = 0.05, .lag = 0.1, .lag_time = 1};
+  const auto reading = transducer_chain(t, 0, 0, signal(200, [](int) { return 0.5; }));
+  for (int k = 0; k < 200; ++k)
+    EXPECT_NEAR(reading(k, 0), 0.5 * (1 - 0.1 * (1 - std::exp(-0.05)) / 0.05 * std::exp(-0.05 * k)), 1e-14);
+}
+
+// Noise of 1 % of a contact's largest stress, wherever and whenever it is.
+TEST(Transducer, NoiseMayFollowTheContactsLargestStress) {
+  const Transducer t{.noise_of_largest = 0.01};
+  std::vector<double> relative;
+  for (std::uint64_t contact = 0; contact < 1000; ++contact) {
+    RowMatrix<double> stress = RowMatrix<double>::Zero(3, 8);
+    const double largest = 1 + static_cast<double>(contact % 7);
+    stress(2, 5) = -largest;
+    const RowMatrix<double> reading = transducer_chain(t, 3, contact, stress);
+    for (const double v : reading.topRows(2).reshaped()) relative.push_back(v / largest);
+  }
+  expect_normal(relative, 0, 0.01);
+}
+
+// Of 3000 sensors each has a spread between 0.05 and 0.2, evenly: the mean of squared gains less 1 is
+// (a^2 + a b + b^2) / 3 = 0.0175.
+TEST(Transducer, ARangeGivesEachSensorItsOwnSpread) {
+  Transducer t{.gain_spread = 0.2};
+  t.gain_spread_from = 0.05;
+  double squares = 0, within = 0;
+  for (std::uint64_t contact = 0; contact < 3000; ++contact) {
+    const RowMatrix<double> reading = transducer_chain(t, 3, contact, RowMatrix<double>::Ones(1, 40));
+    const double own = (reading.array() - 1).square().mean();
+    squares += own / 3000;
+    within += own * own / 3000;
+  }
+  EXPECT_NEAR(squares, 0.0175, 5 * 0.012 / std::sqrt(3000.0));  // own squares spread by 0.011 between sensors
+  EXPECT_GT(within, 1.3 * squares * squares);                   // one spread for all: 1 + 2 / 40
+}
+
 TEST(Transducer, NamesWhatItRejects) {
   const auto rejected = [](const Transducer& t) -> std::string {
     try {

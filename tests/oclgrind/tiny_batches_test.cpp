@@ -160,7 +160,8 @@ void expect_recall(Executor& executor, const nn::InputScaling& scaling) {
 
 TEST_P(TinyBatches, Forward) {
   for (const nn::InputScaling& scaling :
-       {nn::InputScaling{nn::ScalingKind::set, 1.3f}, nn::InputScaling{nn::ScalingKind::frame, 1.0f}}) {
+       {nn::InputScaling{nn::ScalingKind::set, 1.3f}, nn::InputScaling{nn::ScalingKind::frame, 1.0f},
+        nn::InputScaling{nn::ScalingKind::frame, 1.0f, 3}}) {
     expect_recall<float>(executor, scaling);
     expect_recall<double>(executor, scaling);
   }
@@ -245,9 +246,14 @@ TEST_P(TinyBatches, TrainBatchByAdam) {
 /// Tolerance as in transducer_chain_test. 6 channels: a part of a vector.
 TEST_P(TinyBatches, TransducerChain) {
   const TransducerCase some(5, 6);
-  std::vector<float> signal = some.stress;
-  TransducerChain(executor, all_parts, 11, 6).run(some.contacts, signal);
-  EXPECT_LT(largest_difference(signal, some.by_twin(all_parts, 6)), 3e-6);
+  nn::Transducer faults = all_parts;
+  faults.shift_spread = 0.2, faults.crosstalk = 0.1, faults.dead = 0.2, faults.lag = 0.2, faults.lag_time = 0.3;
+  faults.noise_of_largest = 0.02, faults.gain_spread_from = 0;
+  for (const nn::Transducer& t : {all_parts, faults}) {
+    std::vector<float> signal = some.stress;
+    TransducerChain(executor, t, 11, 6).run(some.contacts, signal);
+    EXPECT_LT(largest_difference(signal, some.by_twin(t, 6)), 3e-6);
+  }
 }
 
 }  // namespace

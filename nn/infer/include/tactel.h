@@ -38,7 +38,7 @@ TACTEL_API tactel_estimator* tactel_load(const char* path);
 /* Frees an estimator; NULL is allowed. */
 TACTEL_API void tactel_free(tactel_estimator* estimator);
 
-/* Returns the numbers of a frame: a normal and a shear stress for each tactel. */
+/* Returns the numbers of an input: a normal and a shear stress for each tactel, in each of its frames. */
 TACTEL_API size_t tactel_inputs(const tactel_estimator* estimator);
 
 /* Returns S of one frame: [count] MPa, the normal stresses of all tactels first, then the shear stresses. Allocates
@@ -48,6 +48,24 @@ TACTEL_API tactel_answer tactel_estimate(const tactel_estimator* estimator, cons
 /* Estimates frames [answers, tactel_inputs()] one after the other. */
 TACTEL_API void tactel_estimate_all(const tactel_estimator* estimator, const float* frames, size_t answers,
                                     tactel_answer* out);
+
+/* The frames of one sensor for a network with history (`tactel train --history`): each is taken in turn, and those kept
+   by change of load are the earlier frames of the network's input. For one thread at a time. */
+typedef struct tactel_history tactel_history;
+
+/* Creates the history of a sensor; the estimator may be freed before it. Returns NULL without memory; tactel_error()
+   has the reason. */
+TACTEL_API tactel_history* tactel_history_create(const tactel_estimator* estimator);
+
+/* Frees a history; NULL is allowed. */
+TACTEL_API void tactel_history_free(tactel_history* history);
+
+/* Takes the sensor's next frame: [count] MPa, a normal and a shear stress for each tactel, and returns S. Allocates
+   nothing and takes no lock. */
+TACTEL_API tactel_answer tactel_history_estimate(tactel_history* history, const float* frame, size_t count);
+
+/* Forgets all frames: the next one begins a contact. */
+TACTEL_API void tactel_history_clear(tactel_history* history);
 
 /* Returns the message of the last call that failed in this thread, "place: problem; fix"; "" where none did. The text
    is valid until the next call of tactel_load in this thread. */

@@ -54,4 +54,40 @@ TEST(OnnxRuntime, OpenCvGivesTheSameSlipIndex) {
   }
 }
 
+// Four frames of irregular paths: OpenCV on the inputs that with_history forms, within 1e-5 of `tactel recall`, and of
+// `tactel recall` in one frame's network beside it.
+TEST(OnnxRuntime, OpenCvGivesTheSameSlipIndexOfSeveralFrames) {
+  const ScratchFolder folder;
+  const std::string sweep = folder.write(
+      "sweep.toml",
+      "[sweep]\ncontacts = 60\nseed = 3\npress_rows = true\n[sensor]\ntactel_span = 18\n[contact]\nfriction = { "
+      "uniform = [0.2, 1] }\n[indenter]\nshape = \"parabola\"\nradius = { uniform = [5, 40] }\n[load]\nindentation = "
+      "0.15\n[load.irregular]\nstrokes = 2\nreversal = 0.5\n");
+  ASSERT_EQ(run_tactel({"generate", sweep, "--output", folder / "set.h5", "--quiet"}).exit_code, 0);
+  for (const auto& [name, history] : {std::pair{"one", "1"}, {"four", "4:2"}})
+    ASSERT_EQ(run_tactel({"train", folder / "set.h5", "--output", folder / "net", "--cycles", "60", "--network", "3",
+                          "--history", history, "--magnitude", "--schedule", "batch", "--quiet", "--force"})
+                  .exit_code,
+              0)
+        << name;
+  ASSERT_EQ(run_tactel({"recall", folder / "net", folder / "set.h5", "--rows", folder / "rows.csv"}).exit_code, 0);
+  const std::vector<NamedNetwork> networks = read_networks(folder / "net");
+  ASSERT_EQ(networks.size(), 1u);
+  const nn::Model& model = networks[0].model;
+  EXPECT_EQ(model.history, (nn::InputHistory{.frames = 4, .stride = 2, .change = 0.1}));
+  EXPECT_TRUE(model.magnitude);
+  EXPECT_EQ(model.weights.topology.text(), "168-21-1");
+  const ContactSet set = read_contact_set(folder / "set.h5");
+  nn::FrameSet formed = nn::with_history(set.frames_with_answers(), model.history);
+  const cv::Mat frames(static_cast<int>(formed.rows()), static_cast<int>(formed.frames.cols()), CV_32F,
+                       formed.frames.data());
+  cv::dnn::Net net = cv::dnn::readNetFromONNX((folder / "net" / networks[0].file).string());
+  net.setInput(frames, "frame");
+  const cv::Mat answer = net.forward("slip_index");
+  const std::vector<double> own = column(folder / "rows.csv", 2);
+  ASSERT_EQ(answer.total(), own.size());
+  for (std::size_t row = 0; row < own.size(); ++row) EXPECT_NEAR(answer.ptr<float>()[row], own[row], 1e-5) << row;
+  EXPECT_GT(*std::ranges::max_element(own) - *std::ranges::min_element(own), 0.3);
+}
+
 }  // namespace

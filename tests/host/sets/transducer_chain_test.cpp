@@ -48,6 +48,33 @@ TEST_P(TransducerChannels, PartsMatchTwin) {
   EXPECT_EQ(some.on_device(nothing, channels), some.stress);
 }
 
+// Faults of the rows of tactels: neighbours, failures, slow hysteresis, ranges of spreads.
+TEST_P(TransducerChannels, FaultsMatchTwin) {
+  const int channels = GetParam();
+  const TransducerCase some(17, channels);
+  nn::Transducer ranges{.gain_spread = 0.3, .offset_spread = 0.2, .noise = 0.1};
+  ranges.gain_spread_from = 0.1, ranges.offset_spread_from = 0, ranges.noise_from = 0.01;
+  nn::Transducer all = all_parts;
+  all.shift_spread = 0.2, all.crosstalk = 0.1, all.dead = 0.1, all.lag = 0.2, all.lag_time = 0.3;
+  all.noise_of_largest = 0.02, all.gain_spread_from = 0.02;
+  for (const nn::Transducer& t :
+       {nn::Transducer{.shift_spread = 0.3}, nn::Transducer{.crosstalk = 0.2}, nn::Transducer{.dead = 0.3},
+        nn::Transducer{.step_time = 0.1, .lag = 0.3, .lag_time = 0.2}, nn::Transducer{.noise_of_largest = 0.05}, ranges,
+        all})
+    EXPECT_LT(largest_difference(some.on_device(t, channels), some.by_twin(t, channels)), 3e-6) << nn::description(t);
+  // and a contact's bits do not depend on its batch
+  const auto together = some.on_device(all, channels);
+  TransducerChain chain(executor(), all, 11, channels);
+  std::size_t at = 0;
+  for (const TransducerChain::Contact& contact : some.contacts) {
+    const std::size_t size = std::size_t{contact.steps} * channels;
+    std::vector<float> alone(some.stress.begin() + at, some.stress.begin() + at + size);
+    chain.run(std::span(&contact, 1), alone);
+    EXPECT_TRUE(std::equal(alone.begin(), alone.end(), together.begin() + at));
+    at += size;
+  }
+}
+
 // Twelve bits: readings are whole quanta within the range, and the twin's but where it stood within 1e-5 of an edge
 // (3e-6 of the test above over a quantum of 0.0004, both ways: one in 60 at most).
 TEST_P(TransducerChannels, ConvertsAsTwin) {
@@ -160,6 +187,13 @@ TEST(TransducerTable, NamesWhatItRejects) {
   EXPECT_THAT(message_of("time_constant = 1\n"), ::testing::HasSubstr("transducer.step_time"));
   EXPECT_THAT(message_of("width = 1\n"), ::testing::HasSubstr("sensor.tactel_width"));
   EXPECT_THAT(message_of("noize = 1\n"), ::testing::HasSubstr("noise"));
+  EXPECT_THAT(message_of("gain_spread = { uniform = [-0.1, 0.2] }\n"), ::testing::HasSubstr("transducer.gain_spread"));
+  EXPECT_THAT(message_of("noise = { normal = [0.1, 0.01] }\n"), ::testing::HasSubstr("uniform = [least, most]"));
+  EXPECT_THAT(message_of("dead = 2\n"), ::testing::HasSubstr("transducer.dead"));
+  EXPECT_THAT(message_of("crosstalk = -0.1\n"), ::testing::HasSubstr("transducer.crosstalk"));
+  EXPECT_THAT(message_of("shift_spread = 1.5\n"), ::testing::HasSubstr("transducer.shift_spread"));
+  EXPECT_THAT(message_of("lag = 0.1\nstep_time = 0.1\n"), ::testing::HasSubstr("transducer.lag_time"));
+  EXPECT_EQ(message_of("lag = 0.1\nlag_time = 1\nstep_time = 0.1\nnoise = { uniform = [0, 0.01] }\n"), "no error");
   EXPECT_EQ(message_of("noise_fraction = 0.1\nrange = 1\n"), "no error");
 }
 

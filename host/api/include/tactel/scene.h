@@ -106,6 +106,12 @@ struct Indenter {
   double position = 0.0;  ///< mm along the array
 };
 
+/// Target of an increment after the indentation.
+struct LoadMove {
+  double normal = 0.0;      ///< mm or N/mm: as the load has indentation or normal_force
+  double tangential = 0.0;  ///< mm along x since first touch
+};
+
 /// The path of the indenter: a depth or normal force, then a drag.
 struct Load {
   std::vector<double> indentation{0.15};  ///< mm: targets, each reached in indentation_steps equal increments
@@ -115,6 +121,7 @@ struct Load {
   double tangential_step = 0.0;           ///< mm: equal steps (0: none)
   std::optional<int> tangential_steps{};  ///< number of them; none with a tangential_step: until the contact slides
   std::optional<double> angle{};          ///< degrees, with normal_force: P and Q = P tan(angle) grow together
+  std::vector<LoadMove> moves{};          ///< instead of a drag: one increment each, as irregular sweeps draw them
 
   /// Return this load with a drag: `steps` equal steps of `step` mm; steps until the whole contact slides; explicit
   /// positions, mm.

@@ -47,8 +47,11 @@ class TACTEL_API SlipEstimator {
   SlipEstimator(const SlipEstimator&) noexcept;
   SlipEstimator& operator=(const SlipEstimator&) noexcept;
 
-  /// Returns the numbers of a frame: a normal and a shear stress for each tactel.
+  /// Returns the numbers of an input: a normal and a shear stress for each tactel, in each of frames() frames.
   std::size_t inputs() const noexcept;
+  /// Returns the frames of an input: 1, or those of `tactel train --history`, the newest first. SlipHistory gathers
+  /// them.
+  std::size_t frames() const noexcept;
 
   /// Returns S of one frame: [inputs] MPa, the normal stresses of all tactels first, then the shear stresses. At the
   /// base sigma_y < 0 is compression; tau_xy > 0 where the indenter drags the rubber toward +x. Allocates nothing,
@@ -68,8 +71,33 @@ class TACTEL_API SlipEstimator {
   struct Network;
 
  private:
+  friend class SlipHistory;
   explicit SlipEstimator(const Network* network) noexcept : network_(network) {}
   const Network* network_;  ///< counts its owners
+};
+
+/// The frames of one sensor, one after the other, for a network with history: it keeps the frames that the network's
+/// input takes, by change of load (docs/networks.md). A network of one frame answers as by itself. Each sensor needs
+/// its own object; an object is for one thread at a time.
+class TACTEL_API SlipHistory {
+ public:
+  /// Allocates all memory that estimate() needs.
+  explicit SlipHistory(const SlipEstimator& network);
+  ~SlipHistory();
+  SlipHistory(const SlipHistory&) = delete;
+  SlipHistory& operator=(const SlipHistory&) = delete;
+
+  /// Returns the numbers of one frame: a normal and a shear stress for each tactel.
+  std::size_t inputs() const noexcept;
+  /// Takes the sensor's next frame [inputs] MPa and returns S. Every frame of the sensor must pass, at any rate.
+  /// Allocates nothing, takes no lock and throws nothing.
+  Answer estimate(std::span<const float> frame) noexcept;
+  /// Forgets all frames: the next one begins a contact.
+  void clear() noexcept;
+
+ private:
+  struct State;
+  State* state_;
 };
 
 /// Returns the version of the library, "1.0.0-rc1".

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/scenes/irregular_load.h"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "host/support/nearest_word.h"
+
+namespace tactel::host {
+namespace {
+
+constexpr double smallest_share = 0.1;  ///< of a step, over the largest possible one
+constexpr double most_share = 2;        ///< of a later press or a partial release, over the first press
+
+/// Reads the keys of [load.irregular]; each is a number or a distribution with bounded ends.
+class IrregularReader {
+ public:
+  IrregularReader(const TomlFile& file, const toml::table& table) : file_(file), table_(table) {}
+
+  Distribution distribution(const char* key, double otherwise, double least, double most, const char* allowed) {
+    known_.emplace_back(key);
+    const toml::node* node = table_.get(key);
+    if (node == nullptr) return ChoiceDraw{{otherwise}, {1}};
+    const std::string full = std::string("load.irregular.") + key;
+    Distribution read = ChoiceDraw{{0}, {1}};
+    if (const auto value = node->value<double>(); value && (node->is_integer() || node->is_floating_point()))
+      read = ChoiceDraw{{*value}, {1}};
+    else if (auto drawn = read_distribution(file_, full, *node))
+      read = *drawn;
+    else
+      throw file_.error(full, node, std::string(allowed) + ", or a distribution of it");
+    const auto [low, high] = ends(read);
+    if (!(low >= least && high <= most)) throw file_.error(full, node, allowed);
+    return read;
+  }
+  double probability(const char* key) {
+    known_.emplace_back(key);
+    const toml::node* node = table_.get(key);
+    if (node == nullptr) return 0;
+    const auto value = node->value<double>();
+    if (!value || !(*value >= 0 && *value <= 1))
+      throw file_.error(std::string("load.irregular.") + key, node, "a probability, 0 to 1");
+    return *value;
+  }
+  void finish() const {
+    for (const auto& [key, node] : table_)
+      if (std::ranges::find(known_, key.str()) == known_.end())
+        throw file_.error("load.irregular." + std::string(key.str()), &node, "one of " + listed(known_));
+  }
+
+ private:
+  const TomlFile& file_;
+  const toml::table& table_;
+  std::vector<std::string> known_;
+};
+
+double rounded_most(const Distribution& count) { return std::round(ends(count).second); }
+
+/// The numbers of one contact, drawn one after the other.
+class PathDraws {
+ public:
+  PathDraws(std::uint64_t seed, std::uint64_t contact) : key_{seed, nn::RandomStream::path, contact} {}
+
+  double number(const Distribution& from) {
+    const double drawn = draw(from, key_);
+    ++key_.draw;
+    return drawn;
+  }
+  int count(const Distribution& from) { return static_cast<int>(std::lround(number(from))); }
+  bool happens(double probability) { return number(UniformDraw{}) < probability; }
+  /// Returns `steps` increasing shares; the last is 1.
+  std::vector<double> shares(int steps) {
+    std::vector<double> sums;
+    double sum = 0;
+    for (int i = 0; i < steps; ++i) sums.push_back(sum += number(UniformDraw{smallest_share, 1}));
+    for (double& share : sums) share /= sum;
+    sums.back() = 1;
+    return sums;
+  }
+
+ private:
+  DrawKey key_;
+};
+
+}  // namespace
+
+double IrregularLoad::most_steps() const {
+  const double of_stroke = 2 * rounded_most(stroke_steps) + (release > 0 ? rounded_most(release_steps) : 0);
+  return rounded_most(presses) * (2 * rounded_most(press_steps) + rounded_most(strokes) * of_stroke);
+}
+
+IrregularLoad read_irregular_load(const TomlFile& file, const toml::table& table) {
+  constexpr const char* some = "a number of them, 1 to 100";
+  constexpr const char* share = "a share of the first press, 0 to 2";
+  IrregularReader in(file, table);
+  IrregularLoad load{
+      .presses = in.distribution("presses", 1, 1, 100, some),
+      .press_depth =
+          in.distribution("press_depth", 1, smallest_share, most_share, "a share of the first press, 0.1 to 2"),
+      .press_steps = in.distribution("press_steps", 4, 1, 100, some),
+      .strokes = in.distribution("strokes", 1, 1, 100, some),
+      .stroke = in.distribution("stroke", 0.2, 0, std::numeric_limits<double>::max(), "a length in mm, 0 or more"),
+      .stroke_steps = in.distribution("stroke_steps", 6, 1, 100, some),
+      .release_to = in.distribution("release_to", 0.5, 0, most_share, share),
+      .release_steps = in.distribution("release_steps", 2, 1, 100, some),
+      .backward = in.probability("backward"),
+      .reversal = in.probability("reversal"),
+      .pause = in.probability("pause"),
+      .release = in.probability("release")};
+  in.finish();
+  if (const double most = load.most_steps(); most > fem::most_tangential_steps)
+    throw file.error(
+        "load.irregular", &table,
+        fmt::format("a path of at most {} load steps; the largest counts give {}", fem::most_tangential_steps, most));
+  return load;
+}
+
+void draw_irregular_load(const IrregularLoad& irregular, std::uint64_t seed, std::uint64_t contact, fem::Load& load) {
+  PathDraws draws(seed, contact);
+  std::vector<double>& first = load.normal_force.empty() ? load.indentation : load.normal_force;
+  const double nominal = first.front();
+  fem::LoadMove at;
+  const auto go = [&](const fem::LoadMove& to, int steps, double pause) {
+    const fem::LoadMove from = at;
+    for (const double share : draws.shares(steps)) {
+      at = {std::lerp(from.normal, to.normal, share), std::lerp(from.tangential, to.tangential, share)};
+      load.moves.push_back(at);
+      if (pause > 0 && draws.happens(pause)) load.moves.push_back(at);
+    }
+  };
+  const int presses = draws.count(irregular.presses);
+  for (int press = 0; press < presses; ++press) {
+    const double depth = press == 0 ? nominal : nominal * draws.number(irregular.press_depth);
+    const int press_steps = draws.count(irregular.press_steps);
+    if (press == 0) {
+      first.clear();
+      for (const double share : draws.shares(press_steps)) first.push_back(nominal * share);
+      at.normal = nominal;
+    } else {
+      go({depth, at.tangential}, press_steps, 0);
+    }
+    double sign = draws.happens(irregular.backward) ? -1 : 1;
+    const int strokes = draws.count(irregular.strokes);
+    for (int stroke = 0; stroke < strokes; ++stroke) {
+      if (draws.happens(irregular.release))
+        go({depth * draws.number(irregular.release_to), at.tangential}, draws.count(irregular.release_steps), 0);
+      if (stroke > 0 && draws.happens(irregular.reversal)) sign = -sign;
+      const double length = draws.number(irregular.stroke);
+      go({at.normal, at.tangential + sign * length}, draws.count(irregular.stroke_steps), irregular.pause);
+    }
+    if (press + 1 < presses) go({0, at.tangential}, draws.count(irregular.press_steps), 0);
+  }
+  load.indentation_steps = 1;
+}
+
+}  // namespace tactel::host

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace tactel::nn {
+
+/// Which earlier frames a network's input has behind the newest.
+struct InputHistory {
+  int frames = 1;       ///< frames in an input, the newest included; 1: no history
+  int stride = 1;       ///< kept frames from one of them to the next
+  double change = 0.1;  ///< a frame is kept that differs by more than this, over the largest stress of the contact
+
+  /// A frame whose largest stress is below this, over the largest of the contact, ends the contact.
+  static constexpr float rest = 0.05f;
+  static constexpr int most_stride = 1000;
+  bool operator==(const InputHistory&) const = default;
+  bool valid() const { return frames >= 1 && stride >= 1 && stride <= most_stride && change >= 0 && change <= 1; }
+};
+
+/// The frames of a contact that an input takes: by change of load, not by the clock. Live frames and the rows of a set
+/// pass the same rule:
+/// - the first frame of a contact is kept;
+/// - a frame is kept where one of its stresses differs from the last kept frame by more than `change` of the largest
+///   stress since the contact began;
+/// - a frame below `rest` of that stress ends the contact and begins another: what was kept is forgotten.
+/// An input is the newest frame, then the frames kept `stride`, 2 `stride`, ... before the last kept one. Frames before
+/// the first are zeros: the sensor was at rest. A frame that is not finite is the newest and is not kept.
+/// Only the constructor allocates.
+class FrameHistory {
+ public:
+  /// `width`: numbers of a frame.
+  FrameHistory(std::size_t width, const InputHistory& input)
+      : width_(width),
+        input_(input),
+        slots_(static_cast<std::size_t>(input.frames - 1) * static_cast<std::size_t>(input.stride) + 1),
+        kept_(slots_ * width, 0.0f),
+        newest_(width, 0.0f) {}
+
+  std::size_t width() const noexcept { return width_; }
+  std::size_t inputs() const noexcept { return width_ * static_cast<std::size_t>(input_.frames); }
+
+  /// Takes the newest frame [width] MPa.
+  void push(const float* frame) noexcept {
+    std::copy_n(frame, width_, newest_.begin());
+    float most = 0;
+    for (std::size_t k = 0; k < width_; ++k) {
+      if (!std::isfinite(frame[k])) return;
+      most = std::max(most, std::abs(frame[k]));
+    }
+    if (most < InputHistory::rest * largest_) forget();
+    largest_ = std::max(largest_, most);
+    if (count_ == 0 || changed(frame)) keep(frame);
+  }
+  /// Forgets all frames: the next one begins a contact.
+  void clear() noexcept {
+    forget();
+    std::fill(newest_.begin(), newest_.end(), 0.0f);
+  }
+  /// Writes the input [frames][width] MPa, the newest frame first.
+  void write(float* input) const noexcept {
+    std::copy_n(newest_.begin(), width_, input);
+    for (int i = 1; i < input_.frames; ++i) {
+      const std::size_t back = static_cast<std::size_t>(i) * static_cast<std::size_t>(input_.stride);
+      float* to = input + static_cast<std::size_t>(i) * width_;
+      if (back < count_)
+        std::copy_n(slot(back), width_, to);
+      else
+        std::fill_n(to, width_, 0.0f);
+    }
+  }
+
+ private:
+  const float* slot(std::size_t back) const noexcept { return &kept_[(last_ + slots_ - back) % slots_ * width_]; }
+  bool changed(const float* frame) const noexcept {
+    const float limit = static_cast<float>(input_.change) * largest_;
+    const float* last = slot(0);
+    for (std::size_t k = 0; k < width_; ++k)
+      if (std::abs(frame[k] - last[k]) > limit) return true;
+    return false;
+  }
+  void keep(const float* frame) noexcept {
+    last_ = (last_ + 1) % slots_;
+    std::copy_n(frame, width_, &kept_[last_ * width_]);
+    count_ = std::min(count_ + 1, slots_);
+  }
+  void forget() noexcept { count_ = 0, largest_ = 0; }
+
+  std::size_t width_;
+  InputHistory input_;
+  std::size_t slots_, last_ = 0, count_ = 0;
+  float largest_ = 0;          ///< MPa, since the contact began
+  std::vector<float> kept_;    ///< [slots][width], a ring
+  std::vector<float> newest_;  ///< [width]
+};
+
+}  // namespace tactel::nn

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Inputs of several frames, worked by hand.
+#include "nn/frame_history.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "fem/value_error.h"
+#include "nn/forward.h"
+#include "nn/frame_set.h"
+
+using namespace tactel;
+using namespace tactel::nn;
+using testing::ElementsAre;
+
+namespace {
+
+/// Frames of two numbers: a normal stress, 1 MPa from the first on, and the shear stress given.
+class ShearPath {
+ public:
+  explicit ShearPath(const InputHistory& input) : history_(2, input), input_(history_.inputs()) {}
+  /// The shear stresses of the input.
+  std::vector<float> push(float shear, float normal = 1) {
+    const float frame[2] = {normal, shear};
+    history_.push(frame);
+    return input();
+  }
+  std::vector<float> input() {
+    history_.write(input_.data());
+    std::vector<float> shears;
+    for (std::size_t k = 1; k < input_.size(); k += 2) shears.push_back(input_[k]);
+    return shears;
+  }
+  FrameHistory& history() { return history_; }
+
+ private:
+  FrameHistory history_;
+  std::vector<float> input_;
+};
+
+}  // namespace
+
+TEST(FrameHistory, KeepsFramesByChangeOfLoad) {
+  ShearPath path({.frames = 3, .stride = 1, .change = 0.1});
+  EXPECT_THAT(path.push(0.01f), ElementsAre(0.01f, 0, 0));      // kept: the first
+  EXPECT_THAT(path.push(0.05f), ElementsAre(0.05f, 0, 0));      // 0.04 of 1 MPa: not kept
+  EXPECT_THAT(path.push(0.10f), ElementsAre(0.10f, 0, 0));      // 0.09 from the kept 0.01
+  EXPECT_THAT(path.push(0.20f), ElementsAre(0.20f, 0.01f, 0));  // 0.19: kept
+  EXPECT_THAT(path.push(0.25f), ElementsAre(0.25f, 0.01f, 0));  // belongs to the kept 0.20
+  EXPECT_THAT(path.push(0.40f), ElementsAre(0.40f, 0.20f, 0.01f));
+  for (int pause = 0; pause < 100; ++pause)
+    EXPECT_THAT(path.push(0.40f), ElementsAre(0.40f, 0.20f, 0.01f)) << "a pause teaches nothing";
+  EXPECT_THAT(path.push(0.20f), ElementsAre(0.20f, 0.40f, 0.20f));
+}
+
+TEST(FrameHistory, StrideTakesEveryOther) {
+  ShearPath path({.frames = 3, .stride = 2, .change = 0.1});
+  std::vector<float> last;
+  for (int k = 0; k < 5; ++k) last = path.push(0.2f * static_cast<float>(k));
+  EXPECT_THAT(last, ElementsAre(0.8f, 0.4f, 0));
+  EXPECT_THAT(path.push(1.0f), ElementsAre(1.0f, 0.6f, 0.2f));
+  EXPECT_THAT(path.push(1.2f), ElementsAre(1.2f, 0.8f, 0.4f));
+}
+
+/// The share is of the largest stress since the contact began, not of the newest frame.
+TEST(FrameHistory, ChangeIsMeasuredByTheContactsLargestStress) {
+  ShearPath path({.frames = 2, .stride = 1, .change = 0.1});
+  path.push(0, 10);
+  EXPECT_THAT(path.push(0, 5), ElementsAre(0, 0));
+  EXPECT_THAT(path.push(0.9f, 5), ElementsAre(0.9f, 0));
+  EXPECT_THAT(path.push(1.0f, 5), ElementsAre(1.0f, 0));
+  EXPECT_THAT(path.push(1.1f, 5), ElementsAre(1.1f, 0));  // kept, as 1.1 is more than 0.1 * 10
+  EXPECT_THAT(path.push(0.2f, 5), ElementsAre(0.2f, 0.0f));
+  EXPECT_THAT(path.push(2.2f, 5), ElementsAre(2.2f, 1.1f));
+}
+
+TEST(FrameHistory, AFrameAtRestBeginsAnewContact) {
+  ShearPath path({.frames = 2, .stride = 1, .change = 0.1});
+  path.push(0.1f), path.push(0.5f);
+  EXPECT_THAT(path.push(0.01f, 0.04f), ElementsAre(0.01f, 0));  // below 5 % of 1 MPa
+  EXPECT_THAT(path.push(0.3f), ElementsAre(0.3f, 0.01f));       // what was before is forgotten
+  ShearPath same({.frames = 2, .stride = 1, .change = 0.1});
+  same.push(0.1f), same.push(0.5f);
+  EXPECT_THAT(same.push(0.01f, 0.06f), ElementsAre(0.01f, 0.5f));  // above it: the same contact
+}
+
+TEST(FrameHistory, WhatIsNotFiniteIsAnsweredAndNotKept) {
+  ShearPath path({.frames = 2, .stride = 1, .change = 0.1});
+  path.push(0.1f);
+  EXPECT_TRUE(std::isnan(path.push(std::numeric_limits<float>::quiet_NaN())[0]));
+  EXPECT_THAT(path.push(0.5f), ElementsAre(0.5f, 0.1f));
+  path.history().clear();
+  EXPECT_THAT(path.input(), ElementsAre(0, 0));
+  EXPECT_THAT(path.push(0.7f), ElementsAre(0.7f, 0));
+}
+
+/// Scaling a contact's E scales its inputs alike: the rule keeps the same frames.
+TEST(FrameHistory, AFactorOfAllStressesChangesNoChoice) {
+  const InputHistory input{.frames = 4, .stride = 1, .change = 0.07};
+  ShearPath one(input), scaled(input);
+  for (int k = 0; k < 40; ++k) {
+    const float shear = 0.3f * std::sin(0.7f * static_cast<float>(k)), normal = 0.1f + 0.02f * static_cast<float>(k);
+    const std::vector<float> a = one.push(shear, normal), b = scaled.push(4 * shear, 4 * normal);
+    for (std::size_t i = 0; i < a.size(); ++i) EXPECT_EQ(4 * a[i], b[i]) << "step " << k;
+  }
+}
+
+namespace {
+
+FrameSet two_contacts() {
+  FrameSet set;
+  set.frames = RowMatrix<float>{{1, 0}, {1, 0.5}, {1, 1}, {1, 2}, {1, 3}, {1, 4}};
+  set.slip_index = Vector<float>::LinSpaced(6, 0, 0.5);
+  set.contact = {3, 3, 3, 4, 4, 4};
+  set.step = {0, 1, 2, 0, 1, 3};
+  set.press_rows = true;
+  return set;
+}
+
+}  // namespace
+
+TEST(WithHistory, NeverCrossesTheBorderOfAContact) {
+  const FrameSet formed = with_history(two_contacts(), {.frames = 3});
+  EXPECT_EQ(formed.history, 3);
+  const RowMatrix<float> expected{
+      {1, 0, 0, 0, 0, 0}, {1, 0.5, 1, 0, 0, 0}, {1, 1, 1, 0.5, 1, 0},
+      {1, 2, 0, 0, 0, 0}, {1, 3, 1, 2, 0, 0},   {1, 4, 0, 0, 0, 0}};  // step 2 is not there: the object was released
+  EXPECT_EQ(formed.frames, expected);
+  EXPECT_EQ(formed.slip_index, two_contacts().slip_index);
+}
+
+TEST(WithHistory, OneFrameChangesNothing) {
+  FrameSet set = two_contacts();
+  set.press_rows = false, set.contact.clear();
+  EXPECT_EQ(with_history(set, {}).frames, set.frames);
+  EXPECT_THROW(with_history(set, {.frames = 2}), ValueError);
+  set = two_contacts();
+  set.press_rows = false;
+  EXPECT_THROW(with_history(set, {.frames = 2}), ValueError);
+  set = two_contacts();
+  set.step.pop_back();
+  EXPECT_THROW(with_history(set, {.frames = 2}), ValueError);
+}
+
+TEST(WithHistory, DifferencesAreToTheNewestFrame) {
+  RowMatrix<float> frames{{1, 2, 0.5, 3, 0, 0}};
+  take_differences(frames, 3);
+  EXPECT_EQ(frames, (RowMatrix<float>{{1, 2, -0.5, 1, -1, -2}}));
+}
+
+/// w . (f, a - f, b - f) = w' . (f, a, b), with a bias; rounding of three products of numbers below 10.
+TEST(WithHistory, FoldedWeightsGiveTheSameSums) {
+  Weights<float> weights = initial_weights(Topology({6, 4, 1}), 5);
+  const Weights<float> folded = weights_of_frames(weights, 3);
+  RowMatrix<float> frames{{1, 2, 0.5, 3, -4, 0.25}}, differences = frames;
+  take_differences(differences, 3);
+  const Vector<float> a = weights.layer(0).leftCols(6) * differences.row(0).transpose();
+  const Vector<float> b = folded.layer(0).leftCols(6) * frames.row(0).transpose();
+  EXPECT_LT((a - b).cwiseAbs().maxCoeff(), 4e-6f);
+  EXPECT_EQ(folded.layer(0).col(6), weights.layer(0).col(6));
+  EXPECT_EQ(folded.layer(1), weights.layer(1));
+  EXPECT_EQ(weights_of_frames(weights, 1).values, weights.values);
+}
+
+/// All frames of an input are divided by the newest frame's largest normal stress.
+TEST(WithHistory, TheNewestFrameScalesAll) {
+  const InputScaling scaling{ScalingKind::frame, 1.0f, 2};
+  const RowMatrix<float> frames{{1, -2, 4, 6, 8, 10, 12, 14}};
+  EXPECT_EQ(scale_frames<float>(scaling, frames), (RowMatrix<float>{{0.5, -1, 2, 3, 4, 5, 6, 7}}));
+  EXPECT_EQ(scale_frames<float>(scaling, 3 * frames), scale_frames<float>(scaling, frames) * 1.0f);
+}
