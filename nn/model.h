@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 
+#include "nn/bound.h"
 #include "nn/input_scaling.h"
 #include "nn/metrics.h"
 #include "nn/weights.h"
@@ -18,6 +20,7 @@ struct Model {
   std::string learning_set;      ///< name of the learning set, as the user gave it
   std::uint32_t cycles = 0;      ///< cycles or epochs of its training
   ErrorSummary learning_errors;  ///< on its learning set
+  std::optional<Bound> bound{};  ///< of a network with the heads of a bound
 };
 
 }  // namespace tactel::nn

@@ -93,7 +93,9 @@ void LiveMonitor::answer_batch(const MonitorEvents& events) {
   summary_.batched += count;
   for (std::size_t i = 0; i < count; ++i) {
     const auto row = static_cast<Eigen::Index>(i);
-    tell(i, {recall.slip_index[row], recall.status[i]}, now, events);
+    FrameAnswer<float> answer{.slip_index = recall.slip_index[row], .status = recall.status[i]};
+    if (recall.upper.size() > 0) answer.upper = recall.upper[row], answer.lower = recall.lower[row];
+    tell(i, answer, now, events);
   }
   for (std::size_t i = 0; i < count; ++i) queue_.pop();
 }

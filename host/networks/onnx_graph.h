@@ -8,7 +8,8 @@
 
 namespace tactel::host {
 
-/// Returns the graph of a network: `frame` [batch, inputs] MPa -> scaling -> layers -> `slip_index` [batch, 1].
+/// Returns the graph of a network: `frame` [batch, inputs] MPa -> scaling -> layers -> `slip_index` [batch, 1]; of one
+/// with a bound also bound_outputs (onnx_bound.h).
 onnx::GraphProto onnx_graph(const nn::Model& model);
 
 /// Reads the network of a graph: weights and biases by their names in onnx_graph; topology and scaling are given.

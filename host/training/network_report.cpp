@@ -158,7 +158,7 @@ Json to_json(const nn::ErrorSummary& errors) {
 Json to_json(const NamedNetwork& network) {
   const nn::Model& model = network.model;
   const int number = paper_number(model.weights.topology);
-  return {{"file", network.file},
+  Json json = {{"file", network.file},
           {"network", number > 0 ? Json(number) : Json(nullptr)},
           {"topology", model.weights.topology.text()},
           {"scaling", nn::name(model.scaling.kind)},
@@ -167,6 +167,8 @@ Json to_json(const NamedNetwork& network) {
           {"cycles", model.cycles},
           {"learning_set", model.learning_set},
           {"learning", to_json(model.learning_errors)}};
+  if (model.bound) json["calibration"] = to_json(*model.bound);
+  return json;
 }
 
 Json to_json(const NetworkResult& result, const std::vector<std::string>& indenter_names) {
@@ -181,11 +183,13 @@ Json to_json(const NetworkResult& result, const std::vector<std::string>& indent
   }
   for (std::size_t status = 0; status < result.frames.size(); ++status)
     frames[nn::name(static_cast<nn::FrameStatus>(status))] = result.frames[status];
-  return {{"recalling", to_json(result.errors.all)},
-          {"without_answer", result.errors.without_answer},
-          {"frames", frames},
-          {"by_indenter", by_indenter},
-          {"by_contact_nodes", by_nodes}};
+  Json json = {{"recalling", to_json(result.errors.all)},
+               {"without_answer", result.errors.without_answer},
+               {"frames", frames},
+               {"by_indenter", by_indenter},
+               {"by_contact_nodes", by_nodes}};
+  if (result.bound) json["bound"] = to_json(*result.bound, indenter_names);
+  return json;
 }
 
 }  // namespace tactel::host

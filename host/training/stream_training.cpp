@@ -58,7 +58,15 @@ class StreamTraining : public TrainingJob {
     }
     if (!request.recall_set.empty()) recall_ = read_set(request.recall_set);
     done_before_ = request.resume && directory_.finished();
-    if (!done_before_) scaling_ = nn::fit_scaling(plan.scaling, first_block());
+    if (!done_before_) {
+      const nn::FrameSet first = first_block();
+      scaling_ = nn::fit_scaling(plan.scaling, first);
+      if (std::ranges::any_of(plan.topologies, &nn::Topology::has_bound)) {
+        const nn::FrameSet shown = nn::with_noise(first, plan.noises[0], plan.seeds[0]);
+        bound_ = nn::uncalibrated_bound(nn::scale_frames<float>(scaling_, shown.frames), stream_->inputs() / 2);
+        bound_.level = plan.batch->level;
+      }
+    }
   }
 
   TrainingOutcome run(const TrainingWatch& watch) override {
@@ -96,6 +104,8 @@ class StreamTraining : public TrainingJob {
                     plan_.batch->rate, nn::name(plan_.batch->rule), plan_.batch->momentum, nn::name(plan_.batch->order),
                     nn::name(plan_.scaling), plan_.noises[0]);
     for (const Record& n : networks_) text += fmt::format(" {}:{}", n.network.topology.text(), n.network.seed);
+    if (std::ranges::any_of(plan_.topologies, &nn::Topology::has_bound))
+      text += fmt::format(" level {:a}", plan_.batch->level);
     return text + "\n" + stream_->description();
   }
 
@@ -189,6 +199,7 @@ class StreamTraining : public TrainingJob {
     nn::Model model{nn::Weights<float>(n.state.weights), scaling_, n.network.seed, n.network.noise, name_,
                     static_cast<std::uint32_t>(block_),  {}};
     model.learning_errors.count = rows_;
+    if (n.network.topology.has_bound()) model.bound = bound_;
     return model;
   }
 
@@ -293,6 +304,7 @@ class StreamTraining : public TrainingJob {
   std::unique_ptr<FrameStream> stream_;
   std::optional<NamedSet> recall_;
   nn::InputScaling scaling_;
+  nn::Bound bound_{};  ///< before its calibration; of networks with its heads
   std::vector<Record> networks_;  ///< [topologies][seeds]
   std::uint64_t block_ = 0, rows_ = 0;
   double seconds_ = 0;

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <tactel/infer.h>
+
+#include "nn/infer/network_file.h"
+
+namespace tactel::infer {
+
+/// Quantiles of S from the outputs of the three heads, as nn::quantiles.
+struct Quantiles {
+  float median, upper, lower;
+};
+
+/// What the bound takes from a scaled frame, before the layers overwrite it.
+struct FrameClass {
+  int touching = 0;     ///< tactels above 5 % of the largest normal stress
+  bool unlike = false;  ///< the frame is unlike those of the learning set
+};
+FrameClass classify(const FileBound& bound, const float* scaled) noexcept;
+
+/// Fills in the bound of an answer, as nn::bounded.
+void add_bound(const FileBound& bound, const FrameClass& frame, const Quantiles& quantiles, Answer& answer) noexcept;
+
+}  // namespace tactel::infer
