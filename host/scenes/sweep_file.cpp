@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/scenes/sweep_file.h"
 
+#include "host/scenes/sweep_reader.h"
 #include "host/scenes/scene_file.h"
 #include "host/scenes/scene_tables.h"
 #include "host/scenes/transducer_table.h"
@@ -52,6 +53,13 @@ Sweep read_sweep(const std::filesystem::path& path, std::optional<std::uint64_t>
   const TomlFile file(path);
   TomlTable sweep(file, "sweep");
   return {file.text(), sweep.has("set") ? paper_source(file, seed) : SceneSource::read(path, seed)};
+}
+
+Sweep read_sweep_text(const std::filesystem::path& path, std::string text, std::optional<std::uint64_t> seed) {
+  TomlFile file(path, std::move(text));
+  TomlTable sweep(file, "sweep");
+  const std::string kept = file.text();
+  return {kept, sweep.has("set") ? paper_source(file, seed) : SweepReader(std::move(file), seed).read()};
 }
 
 }  // namespace tactel::host

@@ -8,6 +8,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
+#include "host/training/network_report.h"
 #include "nn/bound.h"
 
 namespace tactel::host {
@@ -47,11 +48,6 @@ Json to_json(const Coverage& coverage) {
           {"interval_coverage", figure(coverage.interval)},
           {"width", figure(coverage.width)},
           {"unlike", figure(coverage.unlike)}};
-}
-
-std::string indenter_name(const std::vector<std::string>& names, int kind) {
-  const auto place = static_cast<std::size_t>(kind);
-  return place < names.size() ? names[place] : fmt::format("kind {}", kind);
 }
 
 std::string slip_name(int tenth) { return fmt::format("{:.1f} to {:.1f}", tenth / 10.0, (tenth + 1) / 10.0); }
@@ -141,6 +137,12 @@ Json to_json(const BoundReport& report, const std::vector<std::string>& indenter
   list("by_touching", "contact_nodes", report.by_touching, touching_name);
   list("by_slip_index", "slip_index", report.by_slip, slip_name);
   return json;
+}
+
+std::string bound_line(const nn::Bound& bound) {
+  if (!bound.calibrated()) return "bound not calibrated (tactel calibrate bound)";
+  return fmt::format("bound of {:g} %, calibrated on {} rows of {} (seed {})", 100 * bound.level, bound.rows, bound.set,
+                     bound.seed);
 }
 
 std::string coverage_table(const BoundReport& report, const std::vector<std::string>& indenter_names) {

@@ -23,10 +23,10 @@ struct Coverage {
 /// Coverage in all, and by what a set knows of its rows: kind of indenter, surface nodes or elements that touch, and S.
 /// Rows of which the network gave no answer are left out.
 struct BoundReport {
-  Coverage all, alike;  ///< alike: of the rows that are not `unlike`
-  std::map<int, Coverage> by_class;
-  std::map<int, Coverage> by_touching;  ///< key: the least of the group, 1, 2, 3, 5, 9 or 17
-  std::map<int, Coverage> by_slip;      ///< key: tenths of S, 0 to 9
+  Coverage all{}, alike{};  ///< alike: of the rows that are not `unlike`
+  std::map<int, Coverage> by_class{};
+  std::map<int, Coverage> by_touching{};  ///< key: the least of the group, 1, 2, 3, 5, 9 or 17
+  std::map<int, Coverage> by_slip{};      ///< key: tenths of S, 0 to 9
 
   /// Returns the lowest coverage of the upper bound, or of the interval, in a class of at least `rows` rows.
   double least(double Coverage::*what, std::size_t rows) const;
@@ -49,6 +49,8 @@ nlohmann::ordered_json to_json(const nn::Bound& bound);
 /// Returns {"coverage", "interval_coverage", "width", "unlike", "alike", "by_indenter", "by_touching", "by_slip_index"}.
 nlohmann::ordered_json to_json(const BoundReport& report, const std::vector<std::string>& indenter_names);
 
+/// Returns what a bound was calibrated on, in a line.
+std::string bound_line(const nn::Bound& bound);
 /// Returns the report as a table, a line a class.
 std::string coverage_table(const BoundReport& report, const std::vector<std::string>& indenter_names);
 
