@@ -19,7 +19,8 @@ std::size_t place_among(const std::vector<float>& edges, float value) {
 }
 
 void check_edges(const char* key, const std::vector<float>& edges) {
-  const bool good = !edges.empty() && edges.size() <= Bound::most_edges && std::ranges::is_sorted(edges, std::less_equal{}) &&
+  const bool good = !edges.empty() && edges.size() <= Bound::most_edges &&
+                    std::ranges::is_sorted(edges, std::less_equal{}) &&
                     std::ranges::all_of(edges, [](float edge) { return std::isfinite(edge); });
   if (!good)
     throw ValueError(std::string("bound.") + key, std::to_string(edges.size()) + " edges",

@@ -11,9 +11,9 @@ namespace tactel::nn {
 
 /// The bound of S of a frame.
 struct BoundAnswer {
-  float upper = 0;                 ///< S is below it, at the bound's level
-  float interval[2] = {0, 0};      ///< S is within it, at the same level
-  bool unlike = false;             ///< the frame is unlike those of the learning set: the level does not hold
+  float upper = 0;             ///< S is below it, at the bound's level
+  float interval[2] = {0, 0};  ///< S is within it, at the same level
+  bool unlike = false;         ///< the frame is unlike those of the learning set: the level does not hold
 };
 
 /// Conformal corrections of a network's quantiles (Romano, Patterson and Candes 2019), one for each class of what a
@@ -46,9 +46,9 @@ struct Bound {
                                ///< the largest float before a calibration
 
   double level = 0.95;
-  std::string set;          ///< that the bound was calibrated on; empty: it was not
-  std::uint64_t rows = 0;   ///< of that set
-  std::uint64_t seed = 0;   ///< of that set
+  std::string set;         ///< that the bound was calibrated on; empty: it was not
+  std::uint64_t rows = 0;  ///< of that set
+  std::uint64_t seed = 0;  ///< of that set
 
   bool calibrated() const { return rows > 0; }
   std::size_t classes() const { return (touching.size() + 1) * (slip_index.size() + 1) * (width.size() + 1); }
@@ -78,14 +78,14 @@ std::size_t fewest_scores(double level);
 /// A row to calibrate by.
 struct CalibrationRow {
   Quantiles<float> quantiles;
-  float slip_index = 0;       ///< true
+  float slip_index = 0;  ///< true
   const float* scaled = nullptr;
 };
 
 /// Outcome of a calibration.
 struct Calibration {
   std::size_t rows = 0, own_classes = 0, classes = 0;  ///< own_classes: with a correction of their own
-  bool known = false;  ///< enough rows for unlike_above; else it stays as it was
+  bool known = false;                                  ///< enough rows for unlike_above; else it stays as it was
 };
 
 /// Calibrates a bound anew: its corrections, at `level`, and unlike_above. A class of fewer than own_rows rows takes

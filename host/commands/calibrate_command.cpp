@@ -31,13 +31,15 @@ int run_calibrate_bound(const CalibrateBoundRequest& request) {
   const nn::Calibration report = calibrate_bound(executor, network, set, request.set, request.level);
   write_onnx(output, network.model);
   if (request.shared.quiet) return done;
-  fmt::print("{}: bound of {:g} %, calibrated on {} rows of {} (seed {}); {} of {} classes have a correction of "
-             "their own\n",
-             output, 100 * request.level, report.rows, request.set, set.seed, report.own_classes, report.classes);
+  fmt::print(
+      "{}: bound of {:g} %, calibrated on {} rows of {} (seed {}); {} of {} classes have a correction of "
+      "their own\n",
+      output, 100 * request.level, report.rows, request.set, set.seed, report.own_classes, report.classes);
   if (!report.known)
-    print_warning(fmt::format("{} rows do not tell which frames are unlike the others ({} are needed): that limit stays "
-                              "as it was",
-                              report.rows, nn::fewest_scores(nn::Bound::known_share)));
+    print_warning(
+        fmt::format("{} rows do not tell which frames are unlike the others ({} are needed): that limit stays "
+                    "as it was",
+                    report.rows, nn::fewest_scores(nn::Bound::known_share)));
   return done;
 }
 
@@ -60,8 +62,9 @@ void add_calibrate_command(CLI::App& app, Action& action) {
   bound->add_option("--level", request->level, "share of new frames whose S shall be below the bound, no unit")
       ->check(CLI::Range(0.5, 0.9999))
       ->capture_default_str();
-  bound->add_option("--device", request->shared.device,
-                    "OpenCL device: a part of its name or its index, see `tactel devices`")
+  bound
+      ->add_option("--device", request->shared.device,
+                   "OpenCL device: a part of its name or its index, see `tactel devices`")
       ->type_name("NAME|INDEX");
   bound->add_flag("--quiet", request->shared.quiet, "no progress, no warnings and no summary");
   bound->callback([request, &action] { action = [request] { return run_calibrate_bound(*request); }; });

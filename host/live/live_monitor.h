@@ -23,8 +23,8 @@ struct MonitorLine {
   std::span<const float> stresses;  ///< [2 tactels] MPa
   FrameAnswer<float> answer;
   std::optional<nn::BoundAnswer> bound{};  ///< of a network with a bound
-  double latency = 0;      ///< us from the frame's last byte to S
-  double answer_time = 0;  ///< us of the latency, from the decoded frame to S
+  double latency = 0;                      ///< us from the frame's last byte to S
+  double answer_time = 0;                  ///< us of the latency, from the decoded frame to S
 
   /// Returns the number to act on: the upper bound of S, or S where the network has no bound.
   float acted_on() const { return bound ? bound->upper : answer.slip_index; }
@@ -78,7 +78,7 @@ class LiveMonitor {
   const Device* device_;
   std::optional<nn::Bound> bound_;
   nn::InputScaling scaling_;
-  std::vector<float> scaled_;  ///< scratch, [inputs]
+  std::vector<float> scaled_;                           ///< scratch, [inputs]
   const hw::FrameSource* source_ = nullptr;             ///< of the run, for its clock
   double next_second_ = 1, last_turn_ = 0, quiet_ = 0;  ///< s; quiet_: listened since the last frame
   std::size_t dropped_before_ = 0;

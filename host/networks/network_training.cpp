@@ -301,8 +301,8 @@ nn::Model NetworkTraining<Real>::model(std::size_t i, const std::string& learnin
                   learning_errors};
   if (network.topology.has_bound()) {
     const nn::FrameSet shown = nn::with_noise(state_->set, network.noise, network.seed);
-    model.bound = nn::uncalibrated_bound(nn::scale_frames<float>(state_->scaling, shown.frames),
-                                         network.topology.inputs() / 2);
+    model.bound =
+        nn::uncalibrated_bound(nn::scale_frames<float>(state_->scaling, shown.frames), network.topology.inputs() / 2);
     model.bound->level = state_->plan.batch->level;
   }
   return model;

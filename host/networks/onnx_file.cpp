@@ -55,17 +55,17 @@ void add_bound_metadata(const nn::Bound& bound, Metadata& metadata) {
 
 Metadata metadata_of(const nn::Model& model, const std::string& version) {
   Metadata metadata = {{"topology", model.weights.topology.text()},
-          {"seed", exact(model.seed)},
-          {"noise", exact(model.noise)},
-          {"learning_set", model.learning_set},
-          {"cycles", exact(model.cycles)},
-          {"scaling", nn::name(model.scaling.kind)},
-          {"largest_stress", exact(model.scaling.largest_stress)},
-          {"error_rows", exact(model.learning_errors.count)},
-          {"error_max", exact(model.learning_errors.max)},
-          {"error_mean", exact(model.learning_errors.mean)},
-          {"error_std", exact(model.learning_errors.std)},
-          {"tactel", version}};
+                       {"seed", exact(model.seed)},
+                       {"noise", exact(model.noise)},
+                       {"learning_set", model.learning_set},
+                       {"cycles", exact(model.cycles)},
+                       {"scaling", nn::name(model.scaling.kind)},
+                       {"largest_stress", exact(model.scaling.largest_stress)},
+                       {"error_rows", exact(model.learning_errors.count)},
+                       {"error_max", exact(model.learning_errors.max)},
+                       {"error_mean", exact(model.learning_errors.mean)},
+                       {"error_std", exact(model.learning_errors.std)},
+                       {"tactel", version}};
   if (model.bound) add_bound_metadata(*model.bound, metadata);
   return metadata;
 }

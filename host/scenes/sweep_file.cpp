@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/scenes/sweep_file.h"
 
-#include "host/scenes/sweep_reader.h"
 #include "host/scenes/scene_file.h"
 #include "host/scenes/scene_tables.h"
+#include "host/scenes/sweep_reader.h"
 #include "host/scenes/transducer_table.h"
 
 namespace tactel::host {

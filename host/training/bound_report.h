@@ -46,7 +46,8 @@ BoundReport report_bound(std::span<const nn::BoundAnswer> bounds, const nn::Fram
 
 /// Returns {"level", "rows", "set", "seed", "calibrated"} of a bound.
 nlohmann::ordered_json to_json(const nn::Bound& bound);
-/// Returns {"coverage", "interval_coverage", "width", "unlike", "alike", "by_indenter", "by_touching", "by_slip_index"}.
+/// Returns {"coverage", "interval_coverage", "width", "unlike", "alike", "by_indenter", "by_touching",
+/// "by_slip_index"}.
 nlohmann::ordered_json to_json(const BoundReport& report, const std::vector<std::string>& indenter_names);
 
 /// Returns what a bound was calibrated on, in a line.

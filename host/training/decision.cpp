@@ -193,16 +193,18 @@ Json to_json(std::span<const DecisionCurve> curves, const DecisionOptions& optio
   for (const DecisionCurve& curve : curves) {
     Json points = Json::array();
     for (const AlarmCount& c : curve.counts)
-      points.push_back({{"threshold", c.threshold},
-                        {"drags", c.drags},
-                        {"detected", c.detected},
-                        {"all_drags", c.all},
-                        {"false_drags", c.false_drags},
-                        {"false_alarms_a_minute", c.false_a_minute(options.rate)},
-                        {"lead_mm", {{"median", json_of(lead_quantile(c.lead, 0.5))},
-                                     {"q05", json_of(lead_quantile(c.lead, lower))}}},
-                        {"lead_share", {{"median", json_of(lead_quantile(c.lead_share, 0.5))},
-                                        {"q05", json_of(lead_quantile(c.lead_share, lower))}}}});
+      points.push_back(
+          {{"threshold", c.threshold},
+           {"drags", c.drags},
+           {"detected", c.detected},
+           {"all_drags", c.all},
+           {"false_drags", c.false_drags},
+           {"false_alarms_a_minute", c.false_a_minute(options.rate)},
+           {"lead_mm",
+            {{"median", json_of(lead_quantile(c.lead, 0.5))}, {"q05", json_of(lead_quantile(c.lead, lower))}}},
+           {"lead_share",
+            {{"median", json_of(lead_quantile(c.lead_share, 0.5))},
+             {"q05", json_of(lead_quantile(c.lead_share, lower))}}}});
     list.push_back({{"signal", curve.signal}, {"indenter", curve.indenter}, {"thresholds", points}});
   }
   return {{"false_below", options.false_below}, {"release", options.release}, {"rate", options.rate}, {"curves", list}};
@@ -228,7 +230,8 @@ std::string decision_table(std::span<const DecisionCurve> curves, const Decision
 
 Figure decision_figure(std::span<const DecisionCurve> curves) {
   constexpr Ink inks[] = {Ink::blue, Ink::orange, Ink::green, Ink::purple, Ink::red, Ink::brown, Ink::grey};
-  Panel roc{.title = "detection over false alarms", .x_label = "drags with a false alarm",
+  Panel roc{.title = "detection over false alarms",
+            .x_label = "drags with a false alarm",
             .y_label = "drags detected before sliding"};
   Panel lead{.title = "lead over the threshold", .x_label = "threshold", .y_label = "lead, share of the way"};
   const std::string signal = curves.empty() ? "" : curves.front().signal;

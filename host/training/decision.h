@@ -19,11 +19,11 @@ struct DragRow {
 
 /// A contact until it slides.
 struct Drag {
-  int kind = 0;               ///< of indenter
-  int touching = 0;           ///< nodes or elements that touch in its last row
+  int kind = 0;                 ///< of indenter
+  int touching = 0;             ///< nodes or elements that touch in its last row
   std::vector<DragRow> rows{};  ///< before sliding, in order
-  bool slides = false;        ///< the row after the last one slides; else the path ends there
-  double slide_way = 0;       ///< mm, of that row
+  bool slides = false;          ///< the row after the last one slides; else the path ends there
+  double slide_way = 0;         ///< mm, of that row
 };
 
 /// Alarms at one threshold.
@@ -69,8 +69,8 @@ std::vector<Drag> drags_of(const ContactSet& set, const AnsweredRows& rows, std:
 
 /// Alarms of a network, by its bound or by S, of all drags or of one kind of indenter.
 struct DecisionCurve {
-  std::string signal;               ///< "slip_upper" or "slip_index"
-  std::string indenter;             ///< "all", or a kind
+  std::string signal;              ///< "slip_upper" or "slip_index"
+  std::string indenter;            ///< "all", or a kind
   std::vector<AlarmCount> counts;  ///< [thresholds]
 };
 

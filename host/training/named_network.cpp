@@ -111,7 +111,8 @@ std::optional<std::vector<NetworkResult>> recall_networks(Executor& executor, st
     };
     forward.run(frames, {.progress = progress ? Progress(ask) : Progress()});
     if (!going) return std::nullopt;
-    for (std::size_t i = 0; i < count; ++i) results.push_back(judge(forward.result(i), networks[first + i].model, set, keep_rows));
+    for (std::size_t i = 0; i < count; ++i)
+      results.push_back(judge(forward.result(i), networks[first + i].model, set, keep_rows));
   }
   return results;
 }

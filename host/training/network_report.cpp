@@ -159,14 +159,14 @@ Json to_json(const NamedNetwork& network) {
   const nn::Model& model = network.model;
   const int number = paper_number(model.weights.topology);
   Json json = {{"file", network.file},
-          {"network", number > 0 ? Json(number) : Json(nullptr)},
-          {"topology", model.weights.topology.text()},
-          {"scaling", nn::name(model.scaling.kind)},
-          {"noise", model.noise},
-          {"seed", model.seed},
-          {"cycles", model.cycles},
-          {"learning_set", model.learning_set},
-          {"learning", to_json(model.learning_errors)}};
+               {"network", number > 0 ? Json(number) : Json(nullptr)},
+               {"topology", model.weights.topology.text()},
+               {"scaling", nn::name(model.scaling.kind)},
+               {"noise", model.noise},
+               {"seed", model.seed},
+               {"cycles", model.cycles},
+               {"learning_set", model.learning_set},
+               {"learning", to_json(model.learning_errors)}};
   if (model.bound) json["calibration"] = to_json(*model.bound);
   return json;
 }

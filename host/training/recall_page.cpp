@@ -163,8 +163,9 @@ Figure where_figure(Shown shown, const std::vector<std::string>& indenter_names)
 }
 
 PageTable coverage_page_table(const BoundReport& report, const std::vector<std::string>& indenter_names) {
-  PageTable table{.caption = "Share of the frames below slip_upper, within slip_interval; median width of the interval; "
-                             "share of frames unlike the learning set",
+  PageTable table{.caption =
+                      "Share of the frames below slip_upper, within slip_interval; median width of the interval; "
+                      "share of frames unlike the learning set",
                   .head = {"frames", "number", "slip_upper", "interval", "width", "unlike"}};
   const auto add = [&table](const std::string& name, const Coverage& c) {
     table.add({name, std::to_string(c.rows), fmt::format("{:.4f}", c.upper), fmt::format("{:.4f}", c.interval),
@@ -200,8 +201,9 @@ void add_decisions(Page& page, std::span<const NamedNetwork> networks, const std
   for (std::size_t i = 0; i < std::min<std::size_t>(all.size(), 2); ++i) {
     const auto which = static_cast<std::size_t>(all[i].network - networks.data());
     page.figure(decision_figure(decisions[which]),
-                all[i].name() + ": alarms on drags until sliding. A false alarm begins at |S| below 0.5; lead is the "
-                                "share of the way to sliding that is left at the alarm (median).");
+                all[i].name() +
+                    ": alarms on drags until sliding. A false alarm begins at |S| below 0.5; lead is the "
+                    "share of the way to sliding that is left at the alarm (median).");
   }
 }
 

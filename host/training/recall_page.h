@@ -12,8 +12,8 @@
 namespace tactel::host {
 
 /// Returns the page of networks judged by a set: their errors beside those on their learning sets; of the best six,
-/// predicted over true S, the distribution of errors, and errors by indenter and by S. Of the best network with a bound,
-/// its coverage and width by class. `results` have their rows. decisions: [networks] curves of alarms, or empty.
+/// predicted over true S, the distribution of errors, and errors by indenter and by S. Of the best network with a
+/// bound, its coverage and width by class. `results` have their rows. decisions: [networks] curves of alarms, or empty.
 Page recall_page(std::span<const NamedNetwork> networks, std::span<const NetworkResult> results,
                  const AnsweredRows& rows, const std::vector<std::string>& indenter_names, const std::string& set,
                  std::span<const std::vector<DecisionCurve>> decisions = {});

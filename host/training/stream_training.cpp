@@ -304,7 +304,7 @@ class StreamTraining : public TrainingJob {
   std::unique_ptr<FrameStream> stream_;
   std::optional<NamedSet> recall_;
   nn::InputScaling scaling_;
-  nn::Bound bound_{};  ///< before its calibration; of networks with its heads
+  nn::Bound bound_{};             ///< before its calibration; of networks with its heads
   std::vector<Record> networks_;  ///< [topologies][seeds]
   std::uint64_t block_ = 0, rows_ = 0;
   double seconds_ = 0;

@@ -16,12 +16,10 @@ constexpr int default_epochs = 1000;
 
 /// What the library calls by a name of its own, as the user wrote it.
 [[noreturn]] void blame_option(const ValueError& error) {
-  static const std::map<std::string, std::string> options = {{"training.rate", "--learning-rate"},
-                                                             {"training.momentum", "--momentum"},
-                                                             {"training.stop_error", "--stop-error"},
-                                                             {"training.cycle_limit", "--cycles"},
-                                                             {"training.batch", "--batch"},
-                                                             {"training.level", "--level"}};
+  static const std::map<std::string, std::string> options = {
+      {"training.rate", "--learning-rate"},    {"training.momentum", "--momentum"},
+      {"training.stop_error", "--stop-error"}, {"training.cycle_limit", "--cycles"},
+      {"training.batch", "--batch"},           {"training.level", "--level"}};
   const auto found = options.find(error.key);
   throw ConfigError("command line", found == options.end() ? "--" + error.key : found->second, error.value,
                     error.allowed);
@@ -48,8 +46,7 @@ void refuse_unused(const TrainRequest& request) {
     refuse(request.rows, "--rows", "left out, or with --stream or --block");
   if (!request.bound) refuse(request.level, "--level", "left out, or with --bound");
   if (!request.batches()) {
-    if (request.bound)
-      throw ConfigError("command line", "--bound", "given", "left out, or with --schedule batch");
+    if (request.bound) throw ConfigError("command line", "--bound", "given", "left out, or with --schedule batch");
     refuse(request.optimizer, "--optimizer", "left out, or with --schedule batch");
     refuse(request.batch, "--batch", "left out, or with --schedule batch");
   } else if (request.optimizer.value_or("adam") == "adam") {

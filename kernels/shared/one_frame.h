@@ -9,6 +9,6 @@
 #define ONE_FACTOR 3     /* that factor, 1/MPa */
 #define ONE_UPPER 4      /* upper and lower quantile of S, of networks with their heads */
 #define ONE_LOWER 5
-#define ONE_FRAME 16     /* the frame, MPa, in whole vectors of lanes, zeros behind its end; the weights follow */
+#define ONE_FRAME 16 /* the frame, MPa, in whole vectors of lanes, zeros behind its end; the weights follow */
 
 #endif

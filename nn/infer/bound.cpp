@@ -4,6 +4,32 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nn/infer/layers.h"
+#include "nn/infer/processors.h"
+
+// Outside of namespace tactel, as in layers.cpp.
+namespace {
+
+using tactel::infer::tile;
+
+/// |(scaled - centre) * whitening|^2, in the order of nn::squared_distance. whitening: [tiles, inputs, tile]. No
+/// multiply-add is fused (CMakeLists.txt): the bits are those of every processor.
+FOR_EACH_PROCESSOR float squared_distance(const float* whitening, const float* centre, int inputs,
+                                          const float* scaled) noexcept {
+  float sum = 0;
+  for (int first = 0; first < inputs; first += tile) {
+    float product[tile] = {};
+    for (int j = 0; j < inputs; ++j, whitening += tile) {
+      const float x = scaled[j] - centre[j];
+      for (int i = 0; i < tile; ++i) product[i] += x * whitening[i];
+    }
+    for (int i = 0; i < tile; ++i) sum += product[i] * product[i];
+  }
+  return sum;
+}
+
+}  // namespace
+
 namespace tactel::infer {
 namespace {
 
@@ -11,25 +37,16 @@ std::size_t place_among(const std::vector<float>& edges, float value) noexcept {
   return static_cast<std::size_t>(std::ranges::count_if(edges, [value](float edge) { return value > edge; }));
 }
 
-/// |(scaled - centre) * whitening|^2, in the order of nn::squared_distance.
-float squared_distance(const FileBound& bound, const float* scaled) noexcept {
-  const std::size_t inputs = bound.centre.size();
-  float sum = 0;
-  constexpr std::size_t some = 64;  // of the product at a time
-  for (std::size_t first = 0; first < inputs; first += some) {
-    const std::size_t count = std::min(some, inputs - first);
-    float product[some] = {};
-    const float* row = bound.whitening.data() + first;
-    for (std::size_t j = 0; j < inputs; ++j, row += inputs) {
-      const float x = scaled[j] - bound.centre[j];
-      for (std::size_t i = 0; i < count; ++i) product[i] += x * row[i];
-    }
-    for (std::size_t i = 0; i < count; ++i) sum += product[i] * product[i];
-  }
-  return sum;
-}
-
 }  // namespace
+
+std::vector<float> tiled(const std::vector<float>& whitening, std::size_t inputs) {
+  const std::size_t tiles = (inputs + tile - 1) / tile;
+  std::vector<float> all(tiles * inputs * tile, 0.0f);
+  for (std::size_t j = 0; j < inputs; ++j)
+    for (std::size_t i = 0; i < inputs; ++i)
+      all[((i / tile) * inputs + j) * tile + i % tile] = whitening[j * inputs + i];
+  return all;
+}
 
 FrameClass classify(const FileBound& bound, const float* scaled) noexcept {
   const std::size_t tactels = bound.tactels;
@@ -37,7 +54,8 @@ FrameClass classify(const FileBound& bound, const float* scaled) noexcept {
   for (std::size_t k = 0; k < tactels; ++k) largest = std::max(largest, std::abs(scaled[k]));
   FrameClass frame;
   for (std::size_t k = 0; k < tactels; ++k) frame.touching += std::abs(scaled[k]) > touching_share * largest;
-  frame.unlike = squared_distance(bound, scaled) > bound.unlike_above;
+  const int inputs = static_cast<int>(bound.centre.size());
+  frame.unlike = squared_distance(bound.whitening.data(), bound.centre.data(), inputs, scaled) > bound.unlike_above;
   return frame;
 }
 

@@ -11,11 +11,15 @@ struct Quantiles {
   float median, upper, lower;
 };
 
+/// Returns a matrix [inputs, inputs] laid out for vectors: [tiles, inputs, tile], 0 beyond its columns.
+std::vector<float> tiled(const std::vector<float>& whitening, std::size_t inputs);
+
 /// What the bound takes from a scaled frame, before the layers overwrite it.
 struct FrameClass {
   int touching = 0;     ///< tactels above 5 % of the largest normal stress
   bool unlike = false;  ///< the frame is unlike those of the learning set
 };
+/// `bound.whitening` as tiled() returns it.
 FrameClass classify(const FileBound& bound, const float* scaled) noexcept;
 
 /// Fills in the bound of an answer, as nn::bounded.

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <limits>
 
 #include "host/networks/forward.h"
@@ -100,8 +101,8 @@ TEST(Infer, GivesTheBitsOfTheKernels) {
   }
 }
 
-// S, the bound and the interval have the bits of the kernel and of nn::bounded; the distance, too, for both add products
-// in one order without fusing.
+// S, the bound and the interval have the bits of the kernel and of nn::bounded; the distance, too, for both add
+// products in one order without fusing.
 TEST(Infer, GivesTheBoundOfTheProgram) {
   for (const char* topology : {"42-42-21-3", "8-32-3"}) {
     for (const ScalingKind kind : {ScalingKind::set, ScalingKind::frame}) {
@@ -166,8 +167,8 @@ TEST(Infer, RefusesOtherTablesOfABound) {
     std::memcpy(raw.data(), &number, sizeof number);
     tensor.set_raw_data(raw);
   };
-  for (const char* name : {"upper_corrections", "interval_corrections", "centre", "touching_edges", "slip_index_edges",
-                           "width_edges"}) {
+  for (const char* name :
+       {"upper_corrections", "interval_corrections", "centre", "touching_edges", "slip_index_edges", "width_edges"}) {
     EXPECT_NE(problem(name, shorter), "none") << name;
     EXPECT_NE(problem(name, infinite), "none") << name;
     EXPECT_NE(problem(name, [](onnx::TensorProto& tensor) { tensor.clear_raw_data(); }), "none") << name;

@@ -114,7 +114,9 @@ int run_monitor(const MonitorRequest& request) {
   Output output;
   if (model.bound && !model.bound->calibrated() && !request.quiet)
     print_warning(request.network + ": its bound is not calibrated (tactel calibrate bound)");
-  LiveView view({.alarm = request.alarm.value_or(default_alarm), .cursor = output.terminal(), .colour = takes_colour(STDOUT_FILENO)});
+  LiveView view({.alarm = request.alarm.value_or(default_alarm),
+                 .cursor = output.terminal(),
+                 .colour = takes_colour(STDOUT_FILENO)});
   const Until until(request.seconds);
   const MonitorSummary summary = monitor.run(*opened.source, make_events(request, view, output, until));
   say_if_cut_short(request, *opened.source);

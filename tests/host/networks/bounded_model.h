@@ -13,7 +13,8 @@ inline nn::Model bounded_model(const char* topology, nn::ScalingKind kind) {
   for (float& w : weights.values) w *= 3;  // S well away from 0.5
   const int inputs = weights.topology.inputs();
   nn::Model model{weights, {kind, 1.37f}, 7, 0.1, "bumps", 100, {1234, 0.31, 0.0123, 0.02}};
-  model.bound = nn::uncalibrated_bound(nn::scale_frames<float>(model.scaling, bumps(2000, inputs, 5).frames), inputs / 2);
+  model.bound =
+      nn::uncalibrated_bound(nn::scale_frames<float>(model.scaling, bumps(2000, inputs, 5).frames), inputs / 2);
   nn::Bound& bound = *model.bound;
   bound.touching = {2.5f, 4.5f};
   bound.slip_index = {0.3f, 0.5f, 0.7f};

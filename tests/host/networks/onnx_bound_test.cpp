@@ -7,8 +7,11 @@
 #include <gtest/gtest.h>
 #include <onnx/checker.h>
 
+#include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 
 #include "host/networks/forward.h"
 #include "host/networks/onnx_file.h"
@@ -138,22 +141,24 @@ TEST(OnnxBound, RefusesOtherTables) {
   };
   for (const char* name : {"upper_corrections", "interval_corrections", "centre", "whitening", "unlike_above",
                            "touching_edges", "slip_index_edges", "width_edges"}) {
-    if (std::string(name) != "unlike_above") EXPECT_THAT(refusal(name, shorter), testing::HasSubstr("must be")) << name;
-    EXPECT_THAT(refusal(name, not_finite), testing::HasSubstr("must be")) << name;
+    if (std::string(name) != "unlike_above") {
+      EXPECT_THAT(refusal(name, shorter), ::testing::HasSubstr("must be")) << name;
+    }
+    EXPECT_THAT(refusal(name, not_finite), ::testing::HasSubstr("must be")) << name;
     EXPECT_THAT(refusal(name, [](onnx::TensorProto& tensor) { tensor.set_name("other"); }),
-                testing::HasSubstr("must be"))
+                ::testing::HasSubstr("must be"))
         << name;
     EXPECT_THAT(refusal(name, [](onnx::TensorProto& tensor) { tensor.set_data_type(onnx::TensorProto::DOUBLE); }),
-                testing::HasSubstr("must be"))
+                ::testing::HasSubstr("must be"))
         << name;
     EXPECT_THAT(refusal(name, [](onnx::TensorProto& tensor) { tensor.clear_raw_data(); }),
-                testing::HasSubstr("must be"))
+                ::testing::HasSubstr("must be"))
         << name;
   }
   const auto seven = [](onnx::TensorProto& tensor) {
     const std::int64_t number = 7;
     tensor.set_raw_data(&number, sizeof number);
   };
-  EXPECT_THAT(refusal("tactels", seven), testing::HasSubstr("must be"));
-  EXPECT_THAT(refusal("column1", seven), testing::HasSubstr("must be"));
+  EXPECT_THAT(refusal("tactels", seven), ::testing::HasSubstr("must be"));
+  EXPECT_THAT(refusal("column1", seven), ::testing::HasSubstr("must be"));
 }

@@ -187,7 +187,8 @@ class OnnxEvaluator {
   // To an integer or a number; towards zero.
   static Tensor cast(const onnx::NodeProto& node, Tensor in) {
     const std::int64_t to = attribute(node, "to")->i();
-    if (to != onnx::TensorProto::FLOAT && to != onnx::TensorProto::INT64) throw std::runtime_error("Cast: not this one");
+    if (to != onnx::TensorProto::FLOAT && to != onnx::TensorProto::INT64)
+      throw std::runtime_error("Cast: not this one");
     if (to == onnx::TensorProto::INT64)
       for (double& value : in.data) value = std::trunc(value);
     return in;

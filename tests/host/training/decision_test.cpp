@@ -57,8 +57,8 @@ TEST(AlarmCounting, ReleaseDecidesWhatIsOneAlarm) {
   EXPECT_EQ(count_alarms(worked_drags(), 0.8, {.release = 0}).false_alarms, 3u);
 }
 
-// To and fro: 0.2 there, 0.1 back and 0.2 on are 0.5 mm of way; rows without an answer are no rows of the drag, and what
-// follows the first sliding row belongs to no drag.
+// To and fro: 0.2 there, 0.1 back and 0.2 on are 0.5 mm of way; rows without an answer are no rows of the drag, and
+// what follows the first sliding row belongs to no drag.
 TEST(AlarmCounting, AddsUpTheWay) {
   ContactSet set(SetColumns(2));
   set.contact = {4, 4, 4, 4, 4, 9};
