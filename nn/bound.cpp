@@ -133,7 +133,7 @@ float squared_distance(const Bound& bound, const float* scaled) {
 
 BoundAnswer bounded(const Bound& bound, const Quantiles<float>& q, const float* scaled) {
   BoundAnswer answer;
-  answer.unlike = squared_distance(bound, scaled) > bound.unlike_above;
+  answer.unlike = !(squared_distance(bound, scaled) <= bound.unlike_above);  // also where it overflows
   if (std::isnan(q.median)) {
     answer.upper = answer.interval[0] = answer.interval[1] = q.median;
     return answer;

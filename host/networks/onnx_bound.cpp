@@ -99,7 +99,8 @@ void add_unlike(OnnxBuilder& builder, const nn::Bound& bound) {
   builder.node("MatMul", {"centred", "whitening"}, "white");
   builder.node("Mul", {"white", "white"}, "white_squares");
   OnnxBuilder::attribute(builder.node("ReduceSum", {"white_squares", "along_outputs"}, "distance"), "keepdims", 1);
-  builder.node("Greater", {"distance", "unlike_above"}, "beyond");
+  builder.node("LessOrEqual", {"distance", "unlike_above"}, "within");
+  builder.node("Not", {"within"}, "beyond");  // true also for a distance that is NaN
   OnnxBuilder::attribute(builder.node("Cast", {"beyond"}, "unlike"), "to", onnx::TensorProto::FLOAT);
 }
 

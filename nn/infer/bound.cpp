@@ -55,7 +55,8 @@ FrameClass classify(const FileBound& bound, const float* scaled) noexcept {
   FrameClass frame;
   for (std::size_t k = 0; k < tactels; ++k) frame.touching += std::abs(scaled[k]) > touching_share * largest;
   const int inputs = static_cast<int>(bound.centre.size());
-  frame.unlike = squared_distance(bound.whitening.data(), bound.centre.data(), inputs, scaled) > bound.unlike_above;
+  const float distance = squared_distance(bound.whitening.data(), bound.centre.data(), inputs, scaled);
+  frame.unlike = !(distance <= bound.unlike_above);  // also where it overflows
   return frame;
 }
 

@@ -323,7 +323,8 @@ void add_bound_nodes(std::vector<Node>& nodes, const string& last) {
   add("MatMul", "centred,whitening", "white");
   add("Mul", "white,white", "white_squares");
   add("ReduceSum", "white_squares,along_outputs", "distance", "keepdims=1");
-  add("Greater", "distance,unlike_above", "beyond");
+  add("LessOrEqual", "distance,unlike_above", "within");
+  add("Not", "within", "beyond");
   add("Cast", "beyond", "unlike", "to=1");
 }
 

@@ -205,6 +205,8 @@ class OnnxEvaluator {
     if (type == "MatMul") return matmul(in);
     if (type == "Cast") return cast(node, in[0]);
     if (type == "Greater") return broadcast(in, [](const auto& x) { return x[0] > x[1] ? 1.0 : 0.0; });
+    if (type == "LessOrEqual") return broadcast(in, [](const auto& x) { return x[0] <= x[1] ? 1.0 : 0.0; });
+    if (type == "Not") return broadcast(in, [](const auto& x) { return x[0] == 0 ? 1.0 : 0.0; });
     if (type == "Max") return broadcast(in, [](const auto& x) { return std::max(x[0], x[1]); });
     if (type == "Min") return broadcast(in, [](const auto& x) { return std::min(x[0], x[1]); });
     if (type == "Sub") return broadcast(in, [](const auto& x) { return x[0] - x[1]; });
