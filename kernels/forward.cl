@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Slippage index S of frames: scaling, network, shift by 0.5. Two kernels share one arithmetic (shared/forward_layer.h). A frame therefore has
+/* Slippage index S of frames, and its quantiles where the network has their heads: scaling, network, shift by 0.5. Two kernels share one arithmetic (shared/forward_layer.h). A frame therefore has
    equal bits alone, in a batch of any size and at any position. `forward` has frames in the lanes, for batches. `forward_one` has neurons in
    the lanes, so that a single frame uses whole vectors.
 
-   Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer), and NORMALS where an input has several frames: the normal
-   stresses of the first. */
-// defines: INPUTS=42 HIDDEN1=42 HIDDEN2=21
+   Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer), OUTPUTS (3: S, its upper and its lower quantile), and NORMALS where
+   an input has several frames: the normal stresses of the first. */
+// defines: INPUTS=42 HIDDEN1=42 HIDDEN2=21 OUTPUTS=3
 #include "shared/forward_layer.h"
 #include "shared/frame_status.h"
 #include "shared/group.h"
@@ -20,7 +20,7 @@
 #define LAST (HIDDEN2 ? HIDDEN2 : HIDDEN1)
 #define LAYER1 (HIDDEN1 * (INPUTS + 1))
 #define LAYER2 (HIDDEN2 * (HIDDEN1 + 1))
-#define NETWORK_WEIGHTS (LAYER1 + LAYER2 + LAST + 1)
+#define NETWORK_WEIGHTS (LAYER1 + LAYER2 + OUTPUTS * (LAST + 1))
 #define V1 VECTORS_OF(HIDDEN1)
 #define V2 VECTORS_OF(HIDDEN2)
 
@@ -93,10 +93,22 @@ INLINE real answer(real s, int status_before, int *status) {
   return status_before == FRAME_NOT_FINITE ? (real)NAN : s;
 }
 
+/* S, its upper and its lower quantile from the outputs of the last layer (nn/quantile_heads.h); in place. All are NaN where one is.
+   One output: S alone. */
+INLINE void quantiles(vreal *o) {
+  EACH(h, OUTPUTS) { o[h] = o[h] + ALL_LANES(0.5f); }
+#if OUTPUTS > 1
+  o[1] = o[0] + o[1];
+  o[2] = o[0] - o[2];
+  const vreal none = ((o[0] + o[1]) + o[2]) * ALL_LANES(0);
+  EACH(h, OUTPUTS) { o[h] += none; }
+#endif
+}
+
 /* Group g: tile g % tiles of the frames, for network g / tiles.
    weights: [networks][NETWORK_WEIGHTS], each [layer][out][in + 1] with the bias last
    frames:  [rows][INPUTS] MPa, normal stresses first
-   slip_index, status: [networks][rows] */
+   slip_index: [networks][OUTPUTS][rows];  status: [networks][rows] */
 kernel void forward(uint first_group, global const real *weights, global const float *frames, global real *slip_index, global uchar *status,
                     uint rows, uint tiles, int by_frame, real factor) {
   TAKE_GROUP(group);
@@ -104,9 +116,9 @@ kernel void forward(uint first_group, global const real *weights, global const f
   const uint first = (uint)(group % tiles) * TILE, end = min(first + TILE, rows);
   global const real *w = weights + network * NETWORK_WEIGHTS;
   const Scaling scaling = {by_frame, factor};
-  slip_index += network * rows;
+  slip_index += network * OUTPUTS * rows;
   status += network * rows;
-  vreal x[INPUTS][FRAME_VECTORS], o1[HIDDEN1][FRAME_VECTORS], s[FRAME_VECTORS];
+  vreal x[INPUTS][FRAME_VECTORS], o1[HIDDEN1][FRAME_VECTORS], s[FRAME_VECTORS][OUTPUTS];
   ROLLED for (int v = 0; v < FRAME_VECTORS; ++v) {
     load_frames(frames, first + v * LANES, rows, v, x);
     const vint found = scale_frames(scaling, v, x);
@@ -119,10 +131,15 @@ kernel void forward(uint first_group, global const real *weights, global const f
 #else
   const vreal(*last)[FRAME_VECTORS] = o1;
 #endif
-  ROLLED for (int v = 0; v < FRAME_VECTORS; ++v) s[v] = forward_output(LAST, w + LAYER1 + LAYER2, last, v) + ALL_LANES(0.5f);
+  ROLLED for (int v = 0; v < FRAME_VECTORS; ++v) {
+    EACH(h, OUTPUTS) { s[v][h] = forward_output(LAST, w + LAYER1 + LAYER2 + h * (LAST + 1), last, v); }
+    quantiles(s[v]);
+  }
   for (uint row = first; row < end; ++row) {
+    const uint v = (row - first) / LANES, lane = (row - first) % LANES;
+    const int before = status[row];
     int final_status;
-    slip_index[row] = answer(((const real *)s)[row - first], status[row], &final_status);
+    EACH(h, OUTPUTS) { slip_index[h * rows + row] = answer(((const real *)&s[v][h])[lane], before, &final_status); }
     status[row] = (uchar)final_status;
   }
 }
@@ -144,7 +161,7 @@ INLINE real largest_normal(const real *x) {
 }
 
 /* Evaluates one frame. Each argument costs time in a launch, so one array holds all: numbers at the places of shared/one_frame.h, then
-   the hidden layers, [fan_in + 1][vectors of neurons][LANES] with the bias last, then the output neuron, [LAST + 1]. */
+   the hidden layers, [fan_in + 1][vectors of neurons][LANES] with the bias last, then the output neurons, [OUTPUTS][LAST + 1]. */
 kernel void forward_one(uint first_group, global real *all) {
   TAKE_GROUP(group);
   global const real *w = all + ONE_FRAME + VECTORS_OF(INPUTS) * LANES;
@@ -173,7 +190,14 @@ kernel void forward_one(uint first_group, global real *all) {
 #else
   const vreal *last = o1;
 #endif
-  const vreal s = output_of_one(w, (const real *)last) + ALL_LANES(0.5f);
-  all[ONE_SLIP_INDEX + group] = answer(((const real *)&s)[0], status, &status);
+  vreal s[OUTPUTS];
+  EACH(h, OUTPUTS) { s[h] = output_of_one(w + h * (LAST + 1), (const real *)last); }
+  quantiles(s);
+  const int before = status;
+#if OUTPUTS > 1
+  all[ONE_UPPER] = answer(((const real *)(s + 1))[0], before, &status);
+  all[ONE_LOWER] = answer(((const real *)(s + 2))[0], before, &status);
+#endif
+  all[ONE_SLIP_INDEX + group] = answer(((const real *)s)[0], before, &status);
   all[ONE_STATUS] = status;
 }

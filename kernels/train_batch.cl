@@ -11,8 +11,8 @@
      batch_update   the sum over slices and the change of the weights; a work-item takes some of the weights
 
    A network's numbers: [layer][out][padded row], a padded row having fan_in weights, the bias and zeros up to whole vectors.
-   Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer). */
-// defines: INPUTS=42 HIDDEN1=42 HIDDEN2=21
+   Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer), OUTPUTS (3: quantile heads, with the pinball loss). */
+// defines: INPUTS=42 HIDDEN1=42 HIDDEN2=21 OUTPUTS=3
 #include "shared/forward_layer.h"
 #include "shared/group.h"
 #include "shared/lane_sums.h"
@@ -25,7 +25,7 @@
 #define ROWL (VECTORS_OF(LAST + 1) * LANES)    /* of last hidden layer outputs */
 #define LAYER2 (HIDDEN1 * ROW0)                /* where layers begin */
 #define LAYER3 (LAYER2 + (HIDDEN2 ? HIDDEN2 * ROW1 : 0))
-#define NUMBERS (LAYER3 + ROWL)                  /* in a network */
+#define NUMBERS (LAYER3 + OUTPUTS * ROWL)        /* in a network */
 #define OUTER_ROWS (sizeof(vreal) == 64 ? 7 : 3) /* rows and vectors of an outer product that are summed together */
 #define OUTER_VECTORS 3
 
@@ -45,7 +45,7 @@ typedef struct {
   vreal o2[HIDDEN2][FRAME_VECTORS], d2[HIDDEN2][FRAME_VECTORS];
   real o1_rows[TILE][ROW1];
 #endif
-  vreal d_out[FRAME_VECTORS];
+  vreal d_out[OUTPUTS][FRAME_VECTORS];
 } Tile;
 
 /* `numbers` columns, whole vectors, of a tile: a frame in a row becomes a frame in a lane. */
@@ -148,7 +148,7 @@ INLINE void outer_layer(const int fan_out, const int stride, const vreal (*d)[FR
   if (fan_out % OUTER_ROWS) outer_rows(fan_out % OUTER_ROWS, stride, (const real *)(d + rest), x, sums + rest * stride);
 }
 
-/* The output neuron's: sums[k] += sum over frames of d_out o_k; the bias at LAST. */
+/* An output neuron's: sums[k] += sum over frames of d_out o_k; the bias at LAST. */
 INLINE void outer_output(const vreal (*o)[FRAME_VECTORS], const vreal *d_out, global real *sums) {
   ROLLED for (int begin = 0; begin < ROWL; begin += LANES) {
     vreal product[LANES];
@@ -164,8 +164,21 @@ INLINE void outer_output(const vreal (*o)[FRAME_VECTORS], const vreal *d_out, gl
   }
 }
 
+#if OUTPUTS > 1
+/* -dL/dq of the pinball loss: level - [target < q]. */
+INLINE vreal pinball_error(vreal target, vreal q, real level) { return PICK(target < q, ALL_LANES(level - 1), ALL_LANES(level)); }
+
+/* The deltas of the three heads (nn/quantile_heads.h). o, delta: [3]; target: S - 0.5, as the outputs. */
+INLINE void quantile_deltas(const vreal *o, vreal target, real level, vreal counts, vreal *delta) {
+  const vreal upper = pinball_error(target, o[0] + (o[1] + (real)0.5), level);
+  const vreal lower = pinball_error(target, o[0] - (o[2] + (real)0.5), 1 - level);
+  const vreal error[3] = {(pinball_error(target, o[0], (real)0.5) + upper) + lower, upper, -lower};
+  EACH(h, 3) { delta[h] = error[h] * counts * activation_slope(o[h]); }
+}
+#endif
+
 /* Forward, errors, backward, outer products of one tile. errors: sum of squares and largest, by lane. */
-INLINE void learn_tile(Tile *t, global const real *w, global real *sums, vreal *errors) {
+INLINE void learn_tile(Tile *t, global const real *w, global real *sums, vreal *errors, real level) {
   forward_layer(INPUTS, HIDDEN1, ROW0, w, t->x, t->o1);
 #if HIDDEN2
   forward_layer(HIDDEN1, HIDDEN2, ROW1, w + LAYER2, t->o1, t->o2);
@@ -180,10 +193,21 @@ INLINE void learn_tile(Tile *t, global const real *w, global real *sums, vreal *
     const vreal error = (t->target[v] - output) * t->counts[v];
     errors[0] = fma(error, error, errors[0]);
     errors[1] = fmax(errors[1], fabs(error));
-    t->d_out[v] = error * activation_slope(output);
+#if OUTPUTS > 1
+    const vreal outputs[3] = {output, forward_output(LAST, w + LAYER3 + ROWL, last, v), forward_output(LAST, w + LAYER3 + 2 * ROWL, last, v)};
+    vreal delta[3];
+    quantile_deltas(outputs, t->target[v], level, t->counts[v], delta);
+    EACH(h, 3) { t->d_out[h][v] = delta[h]; }
+#else
+    t->d_out[0][v] = error * activation_slope(output);
+#endif
   }
   ROLLED for (int k = 0; k < LAST; ++k) {
-    EACH(v, FRAME_VECTORS) { d_last[k][v] = activation_slope(last[k][v]) * (ALL_LANES(w[LAYER3 + k]) * t->d_out[v]); }
+    EACH(v, FRAME_VECTORS) {
+      vreal back = ALL_LANES(w[LAYER3 + k]) * t->d_out[0][v];
+      EACH(h, OUTPUTS - 1) { back = fma(ALL_LANES(w[LAYER3 + (h + 1) * ROWL + k]), t->d_out[h + 1][v], back); }
+      d_last[k][v] = activation_slope(last[k][v]) * back;
+    }
   }
 #if HIDDEN2
   backward_layer(HIDDEN1, HIDDEN2, ROW1, w + LAYER2, t->d2, t->o1, t->d1);
@@ -194,18 +218,18 @@ INLINE void learn_tile(Tile *t, global const real *w, global real *sums, vreal *
   outer_layer(HIDDEN2, ROW1, t->d2, t->o1_rows[0], sums + LAYER2);
 #endif
   outer_layer(HIDDEN1, ROW0, t->d1, t->rows[0], sums);
-  outer_output(last, t->d_out, sums + LAYER3);
+  EACH(h, OUTPUTS) { outer_output(last, t->d_out[h], sums + LAYER3 + h * ROWL); }
 }
 
 /* Sums over the frames of one slice, [NUMBERS], and its errors, [2]. */
 INLINE void learn_slice(global const real *w, global const real *inputs, global const real *targets, global const uint *shown, uint count,
-                        uint zero_row, global real *sums, global real *errors) {
+                        uint zero_row, global real *sums, global real *errors, real level) {
   Tile tile;
   vreal lane_errors[2] = {0, 0};
   ROLLED for (int i = 0; i < NUMBERS; i += LANES) STORE(ALL_LANES(0), sums + i);
   for (uint first = 0; first < count; first += TILE) {
     load_tile(&tile, inputs, targets, shown + first, count - first, zero_row);
-    learn_tile(&tile, w, sums, lane_errors);
+    learn_tile(&tile, w, sums, lane_errors, level);
   }
   errors[0] = lane_sum(lane_errors[0]);
   errors[1] = 0;
@@ -234,11 +258,12 @@ INLINE void update_vector(const Rule *rule, vreal descent, global real *w, globa
    unbias:  [batches][2]
    inputs:  [sets][rows + 1][ROW0] scaled, 1 at place INPUTS, then zeros; row `rows` all zeros;  set_of: [networks]
    targets: [rows + 1]             S - 0.5; the last unused
-   order:   [networks][rows]       rows as this epoch shows them; the launch begins at place `begin` */
+   order:   [networks][rows]       rows as this epoch shows them; the launch begins at place `begin`
+   level:   of the upper quantile, where OUTPUTS is 3 */
 kernel void train_batch(uint first_group, global real *weights, global real *first, global real *second, global real *sums, global real *errors,
                         global const real *unbias, global const real *inputs, global const uint *set_of, global const real *targets,
-                        global const uint *order, uint rows, uint begin, uint batch, uint batches, int adam, real rate, real momentum,
-                        real beta1, real beta2, real epsilon) {
+                        global const uint *order, uint rows, uint begin, uint batch, uint batches, real level, int adam, real rate,
+                        real momentum, real beta1, real beta2, real epsilon) {
   TAKE_GROUP(group);
   const Rule rule = {adam, rate, momentum, beta1, beta2, epsilon};
   const size_t at = group * NUMBERS;
@@ -247,7 +272,7 @@ kernel void train_batch(uint first_group, global real *weights, global real *fir
   errors += group * batches * 2;
   for (uint b = 0; b < batches; ++b) {
     const uint from = begin + b * batch, count = min(batch, rows - from);
-    learn_slice(weights + at, inputs, targets, order + from, count, rows, sums + at, errors + 2 * b);
+    learn_slice(weights + at, inputs, targets, order + from, count, rows, sums + at, errors + 2 * b, level);
     const real share = 1 / (real)count;
     ROLLED for (size_t i = at; i < at + NUMBERS; i += LANES) {
       update_vector(&rule, LOAD(sums + i) * share, weights + i, first + i, second + i, unbias + 2 * b);
@@ -259,13 +284,13 @@ kernel void train_batch(uint first_group, global real *weights, global real *fir
    sums: [slices][NUMBERS];  errors: [slices][2];  the others as above */
 kernel void batch_descent(uint first_group, global const real *weights, global real *sums, global real *errors, global const real *inputs,
                           global const uint *set_of, global const real *targets, global const uint *order, uint rows, uint network, uint begin,
-                          uint count, uint slice) {
+                          uint count, uint slice, real level) {
   TAKE_GROUP(group);
   const uint from = (uint)group * slice;
   inputs += (size_t)set_of[network] * (rows + 1) * ROW0;
   order += (size_t)network * rows + begin + from;
   learn_slice(weights + (size_t)network * NUMBERS, inputs, targets, order, min(slice, count - from), rows, sums + group * NUMBERS,
-              errors + 2 * group);
+              errors + 2 * group, level);
 }
 
 /* Vectors group * UPDATE_VECTORS ... of one network's weights, after the batch's `slices` slices. unbias: [2]. */

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "fem/value_error.h"
+#include "nn/quantile_heads.h"
 
 namespace tactel::nn {
 
@@ -16,13 +17,21 @@ Recall<Scalar> recall(const Weights<Scalar>& weights, const InputScaling& scalin
     throw ValueError("inputs", std::to_string(frames.cols()) + " a frame",
                      std::to_string(inputs) + " for the network " + weights.topology.text());
   Recall<Scalar> result{Vector<Scalar>(frames.rows()), std::vector<FrameStatus>(frames.rows())};
+  const bool bound = weights.topology.has_bound();
+  if (bound) result.upper = result.lower = result.slip_index;
+  constexpr Scalar nan = std::numeric_limits<Scalar>::quiet_NaN();
   Vector<Scalar> scaled(inputs);
   for (Eigen::Index row = 0; row < frames.rows(); ++row) {
     FrameStatus status = scale_frame(scaling, frames.row(row).data(), inputs, scaled.data());
-    const Scalar output = forward(weights, scaled).back()(0);
-    if (status != FrameStatus::not_finite && std::isnan(output)) status = FrameStatus::overflow;
+    const Vector<Scalar> output = forward(weights, scaled).back();
+    if (status != FrameStatus::not_finite && output.hasNaN()) status = FrameStatus::overflow;
     const bool none = status == FrameStatus::not_finite || status == FrameStatus::overflow;
-    result.slip_index(row) = none ? std::numeric_limits<Scalar>::quiet_NaN() : output + Scalar(0.5);
+    result.slip_index(row) = none ? nan : output(0) + Scalar(0.5);
+    if (bound) {
+      const Quantiles<Scalar> q = quantiles(output);
+      result.upper(row) = none ? nan : q.upper;
+      result.lower(row) = none ? nan : q.lower;
+    }
     result.status[row] = status;
   }
   return result;

@@ -30,18 +30,25 @@ Activations<Scalar> forward(const Weights<Scalar>& weights, const Vector<Scalar>
   return o;
 }
 
-/// Returns delta_out = (target - output) f' and delta_j = f'_j sum_k delta_k w_kj (same source, eq. 13 and 14).
+/// Returns delta_out = error f' and delta_j = f'_j sum_k delta_k w_kj (same source, eq. 13 and 14). error: minus the
+/// derivative of the loss by each output, target - output in the source; [outputs].
 template <class Scalar>
-Deltas<Scalar> backward(const Weights<Scalar>& weights, const Activations<Scalar>& o, Scalar error) {
+Deltas<Scalar> backward(const Weights<Scalar>& weights, const Activations<Scalar>& o, const Vector<Scalar>& error) {
   const int layers = weights.topology.layers();
   const auto slope = [](Scalar f) { return activation_slope(f); };
   Deltas<Scalar> delta(layers);
-  delta[layers - 1] = error * o[layers].unaryExpr(slope);
+  delta[layers - 1] = error.cwiseProduct(o[layers].unaryExpr(slope));
   for (int l = layers - 1; l > 0; --l) {
     const Vector<Scalar> back = weights.layer(l).leftCols(weights.topology.fan_in(l)).transpose() * delta[l];
     delta[l - 1] = o[l].unaryExpr(slope).cwiseProduct(back);
   }
   return delta;
+}
+
+/// The same for one output.
+template <class Scalar>
+Deltas<Scalar> backward(const Weights<Scalar>& weights, const Activations<Scalar>& o, Scalar error) {
+  return backward<Scalar>(weights, o, Vector<Scalar>::Constant(1, error));
 }
 
 /// Adds factor * delta_j o_i of one pattern to `sums`, in the shape of the weights. The input of the bias is 1.
@@ -60,6 +67,8 @@ template <class Scalar>
 struct Recall {
   Vector<Scalar> slip_index;        ///< [rows] 0..1; NaN where the status is not_finite or overflow
   std::vector<FrameStatus> status;  ///< [rows]
+  /// [rows] quantiles of S where the network has the heads of a bound, else empty; NaN as slip_index.
+  Vector<Scalar> upper{}, lower{};
 };
 
 /// Evaluates a network on frames [rows, inputs] in MPa, normal stresses first: the reference of

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 
+#include "nn/bound.h"
 #include "nn/input_scaling.h"
 #include "nn/metrics.h"
 #include "nn/weights.h"
@@ -20,6 +22,7 @@ struct Model {
   ErrorSummary learning_errors;  ///< on its learning set
   InputHistory history{};        ///< which earlier frames its input has
   bool magnitude = false;        ///< its answer is |S|: it learnt from drags to both sides
+  std::optional<Bound> bound{};  ///< of a network with the heads of a bound
 };
 
 }  // namespace tactel::nn

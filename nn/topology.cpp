@@ -12,7 +12,7 @@ namespace {
 const std::string allowed =
     "1 to 6 (the paper's networks), or widths such as 42-42-21-1: an even number of inputs, one or two hidden layers, "
     "each 1 to " +
-    std::to_string(Topology::widest_layer) + " wide, one output";
+    std::to_string(Topology::widest_layer) + " wide, one output, or three for a bound";
 
 std::string joined(const std::vector<int>& widths) {
   std::string text;
@@ -35,7 +35,8 @@ bool read_number(std::string_view text, int& number) {
 Topology::Topology(std::vector<int> widths) : widths_(std::move(widths)) {
   bool good = widths_.size() == 3 || widths_.size() == 4;
   for (const int width : widths_) good = good && width >= 1 && width <= widest_layer;
-  if (!good || widths_.front() % 2 != 0 || widths_.back() != 1) throw ValueError("network", joined(widths_), allowed);
+  if (!good || widths_.front() % 2 != 0 || (outputs() != 1 && outputs() != heads))
+    throw ValueError("network", joined(widths_), allowed);
 }
 
 Topology Topology::parse(std::string_view text) {
@@ -67,6 +68,12 @@ Topology Topology::paper(int number) {
     default:
       throw ValueError("network", std::to_string(number), allowed);
   }
+}
+
+Topology Topology::with_bound() const {
+  std::vector<int> widths = widths_;
+  widths.back() = heads;
+  return Topology(widths);
 }
 
 std::size_t Topology::layer_offset(int layer) const {

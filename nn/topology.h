@@ -8,10 +8,12 @@
 namespace tactel::nn {
 
 /// Widths of a network's layers, inputs first. The constructor requires 1 or 2 hidden layers (the paper's two
-/// families), one output, and an even number of inputs (a normal and a shear stress for each tactel).
+/// families), an even number of inputs (a normal and a shear stress for each tactel), and one output, or three: the
+/// heads of a bound (nn/quantile_heads.h).
 class Topology {
  public:
   static constexpr int widest_layer = 256;
+  static constexpr int heads = 3;  ///< outputs of a network with a bound
 
   /// Throws ValueError, key "network".
   explicit Topology(std::vector<int> widths);
@@ -23,6 +25,10 @@ class Topology {
 
   const std::vector<int>& widths() const { return widths_; }
   int inputs() const { return widths_.front(); }
+  int outputs() const { return widths_.back(); }  ///< 1 or `heads`
+  bool has_bound() const { return outputs() == heads; }
+  /// Returns the same hidden layers with the heads of a bound.
+  Topology with_bound() const;
   int layers() const { return static_cast<int>(widths_.size()) - 1; }  ///< of weights: hidden layers + 1
   int hidden_layers() const { return layers() - 1; }
   int fan_in(int layer) const { return widths_[layer]; }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "fem/value_error.h"
+#include "nn/quantile_heads.h"
 
 namespace tactel::nn {
 
@@ -24,6 +25,7 @@ void BatchOptions::validate() const {
   check("batch", batch, batch >= 1, "at least 1");
   check("rate", rate, rate > 0 && std::isfinite(rate), "finite and above 0");
   check("momentum", momentum, momentum >= 0 && momentum < 1, "at least 0 and below 1");
+  check("level", level, level > 0.5 && level < 1, "above 0.5 and below 1: 0.95 for 95 %");
   check("beta1", beta1, beta1 >= 0 && beta1 < 1, "at least 0 and below 1");
   check("beta2", beta2, beta2 >= 0 && beta2 < 1, "at least 0 and below 1");
   check("epsilon", epsilon, epsilon > 0 && std::isfinite(epsilon), "finite and above 0");
@@ -31,14 +33,18 @@ void BatchOptions::validate() const {
 
 template <class Scalar>
 Weights<Scalar> mean_descent(const Weights<Scalar>& weights, const TrainingSet<Scalar>& set, const std::uint32_t* rows,
-                             std::size_t count, CycleErrors& errors) {
+                             std::size_t count, CycleErrors& errors, double level) {
   Weights<Scalar> descent(weights.topology);
   for (std::size_t i = 0; i < count; ++i) {
     const Activations<Scalar> o = forward<Scalar>(weights, set.inputs.row(rows[i]).transpose());
     const Scalar error = set.target(rows[i]) - o.back()(0);
     errors.sse += static_cast<double>(error) * error;
     errors.largest = std::max(errors.largest, static_cast<double>(std::abs(error)));
-    add_outer(o, backward(weights, o, error), Scalar(1), descent);
+    const Deltas<Scalar> delta =
+        weights.topology.has_bound()
+            ? backward(weights, o, quantile_errors(o.back(), set.target(rows[i]) + Scalar(0.5), Scalar(level)))
+            : backward(weights, o, error);
+    add_outer(o, delta, Scalar(1), descent);
   }
   for (Scalar& value : descent.values) value /= Scalar(count);
   return descent;
@@ -74,16 +80,16 @@ CycleErrors train_epoch(BatchState<Scalar>& state, const TrainingSet<Scalar>& se
   const std::vector<std::uint32_t> order = presentation_order(options.order, seed, state.epoch, rows);
   for (std::size_t i = 0; i < order.size(); i += options.batch) {
     const std::size_t count = std::min<std::size_t>(options.batch, order.size() - i);
-    apply_update(state, mean_descent(state.weights, set, order.data() + i, count, errors), options);
+    apply_update(state, mean_descent(state.weights, set, order.data() + i, count, errors, options.level), options);
   }
   ++state.epoch;
   return errors;
 }
 
 template Weights<float> mean_descent(const Weights<float>&, const TrainingSet<float>&, const std::uint32_t*,
-                                     std::size_t, CycleErrors&);
+                                     std::size_t, CycleErrors&, double);
 template Weights<double> mean_descent(const Weights<double>&, const TrainingSet<double>&, const std::uint32_t*,
-                                      std::size_t, CycleErrors&);
+                                      std::size_t, CycleErrors&, double);
 template void apply_update(BatchState<float>&, const Weights<float>&, const BatchOptions&);
 template void apply_update(BatchState<double>&, const Weights<double>&, const BatchOptions&);
 template CycleErrors train_epoch(BatchState<float>&, const TrainingSet<float>&, const BatchOptions&, std::uint64_t);

@@ -20,6 +20,7 @@ struct BatchOptions {
   int batch = 64;         ///< patterns to a change of the weights; the last batch of an epoch holds the remainder
   double rate = 1e-3;     ///< of the mean gradient; Adam's published default
   double momentum = 0.9;  ///< `delta`
+  double level = 0.95;    ///< of the upper quantile of networks with a bound; the lower one's is 1 - level
   double beta1 = 0.9, beta2 = 0.999, epsilon = 1e-8;  ///< `adam`: the published defaults
   PresentationOrder order = PresentationOrder::permuted;
   void validate() const;  ///< throws ValueError, keys "training.batch", ...
@@ -36,11 +37,11 @@ struct BatchState {
   std::uint32_t epoch = 0;
 };
 
-/// Returns the mean over `rows` of delta o: minus the gradient of the mean of 1/2 (target - output)^2. Adds the
-/// errors of the rows to `errors`.
+/// Returns the mean over `rows` of delta o: minus the gradient of the mean of 1/2 (target - output)^2, or of
+/// quantile_loss at `level` for a network with the heads of a bound. Adds the errors of the rows' S to `errors`.
 template <class Scalar>
 Weights<Scalar> mean_descent(const Weights<Scalar>& weights, const TrainingSet<Scalar>& set, const std::uint32_t* rows,
-                             std::size_t count, CycleErrors& errors);
+                             std::size_t count, CycleErrors& errors, double level = BatchOptions{}.level);
 
 /// Changes the weights once.
 template <class Scalar>

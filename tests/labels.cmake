@@ -15,8 +15,8 @@ set(unit_device "^(ThreadTeam|Cache|CachePlace|GroupSupply|Pace|LayoutList)[.]|/
 set(unit_networks "^OnnxFile[.][^M]")
 set(unit_contact "^(Ladder|RungError)[.]|^Planner[.][^K]|AccuracyAndTolerance")
 set(unit_sets "^(CheckSet|MeasuringChains)[.]|ThirtyTwoTaylor|^TransducerTable[.][GP]")
-set(unit_live "^(FrameQueue|LatencyHistogram|SensorProfile|Calibration|OpenSource|LiveView)[.]")
-set(unit_training "StreamAndBlockExclude")
+set(unit_live "^(FrameQueue|LatencyHistogram|SensorProfile|Calibration|OpenSource|LiveView|Alarm)[.]")
+set(unit_training "StreamAndBlockExclude|^(AlarmCounting|BoundReport)[.]")
 set(unit_api "^(Infer[.][^G]|Infer[.]GivesTheS|LiveApi[.]|SceneApi[.])")
 set(unit_studies "^(HandPress|LoopDrift|SceneMix|WeightedMedian)[.]|^InverseProblem[.](Spread|Json|Counts)|AllCombinations|SlipIndexIs|DrawsAre|TheAngleAlone")
 set(unit_commands "^(DevicesCommandDeathTest|UnreadableScene|StandardError|Help|Words|Numbers|Memory|HostileFiles|ProfileFile|Keys)[.]|BadScene|WrongCall|^CommandLine[.][HS]|OutputsThatCannotBe|TimesThatAreNone|FilesItNames|^SolveCommand[.](SlipIndex|JsonNumbers|Missed)")
@@ -25,7 +25,7 @@ set(device_commands "WrongCall.*/(UnknownDevice|Step)|APipeWithoutAWriter")
 
 set(program_networks "^OnnxRuntime")
 set(program_sets "OpensInH5py|NamesTheRowsOfADamagedChunk")
-set(program_training ".")
+set(program_training "^[^AB]")
 set(program_studies "[.]Reproduce|^FloorCommand")
 set(program_commands "^([^D]|Du|Dem)")  # all but DevicesCommand
 

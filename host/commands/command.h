@@ -16,6 +16,7 @@ void add_generate_command(CLI::App& app, Action& action);
 void add_check_command(CLI::App& app, Action& action);
 void add_train_command(CLI::App& app, Action& action);
 void add_recall_command(CLI::App& app, Action& action);
+void add_calibrate_command(CLI::App& app, Action& action);
 void add_reproduce_command(CLI::App& app, Action& action);
 void add_tradeoff_command(CLI::App& app, Action& action);
 void add_floor_command(CLI::App& app, Action& action);

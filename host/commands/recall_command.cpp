@@ -10,6 +10,7 @@
 #include "host/support/interrupt.h"
 #include "host/support/json_text.h"
 #include "host/support/progress_line.h"
+#include "host/training/decision.h"
 #include "host/training/network_report.h"
 #include "host/training/recall_page.h"
 
@@ -20,13 +21,20 @@ using Json = nlohmann::ordered_json;
 
 struct RecallRequest {
   NetworkOptions shared;
-  std::string networks, set, json, rows, html;
+  std::string networks, set, json, rows, html, decision_csv;
+  bool decision = false;
+  DecisionOptions alarms;
+
+  bool decides() const { return decision || !decision_csv.empty(); }
 };
+
+using Decisions = std::vector<std::vector<DecisionCurve>>;  ///< [networks]; empty where none were asked for
 
 void check_recall_outputs(const RecallRequest& request) {
   if (!request.json.empty() && request.json != "-") check_writable("--json", request.json);
   if (!request.rows.empty()) check_writable("--rows", request.rows);
   if (!request.html.empty()) check_writable("--html", request.html);
+  if (!request.decision_csv.empty()) check_writable("--decision-csv", request.decision_csv);
 }
 
 /// All networks on all rows; nothing after Ctrl-C.
@@ -39,17 +47,19 @@ std::optional<std::vector<NetworkResult>> recall(const RecallRequest& request, s
     line.show(done, all);
     return !interrupt.requested();
   };
-  const bool keep_rows = !request.rows.empty() || !request.html.empty();
+  const bool keep_rows = !request.rows.empty() || !request.html.empty() || request.decides();
   if (request.shared.precision == "fp64") return recall_networks<double>(executor, networks, set, keep_rows, progress);
   return recall_networks<float>(executor, networks, set, keep_rows, progress);
 }
 
 Json report_json(const RecallRequest& request, std::span<const NamedNetwork> networks,
-                 std::span<const NetworkResult> results, const ContactSet& set, const AnsweredRows& rows) {
+                 std::span<const NetworkResult> results, const ContactSet& set, const AnsweredRows& rows,
+                 const Decisions& decisions) {
   Json list = Json::array();
   for (std::size_t i = 0; i < networks.size(); ++i) {
     list.push_back(to_json(networks[i]));
     list.back().update(to_json(results[i], set.indenter_names));
+    if (!decisions.empty()) list.back()["decision"] = to_json(decisions[i], request.alarms);
   }
   return {{"tactel", TACTEL_VERSION},
           {"set", request.set},
@@ -63,26 +73,51 @@ Json report_json(const RecallRequest& request, std::span<const NamedNetwork> net
 std::string rows_csv(std::span<const NamedNetwork> networks, std::span<const NetworkResult> results,
                      const AnsweredRows& rows) {
   std::string text = "row,slip_index";
-  for (const NamedNetwork& network : networks) text += "," + network.file;
+  for (const NamedNetwork& network : networks) {
+    text += "," + network.file;
+    if (network.model.bound) text += fmt::format(",{0} slip_upper,{0} lower,{0} upper,{0} unlike", network.file);
+  }
   text += '\n';
   for (std::size_t k = 0; k < rows.row.size(); ++k) {
     text += fmt::format("{},{:.9g}", rows.row[k], rows.frames.slip_index[static_cast<Eigen::Index>(k)]);
-    for (const NetworkResult& result : results)
-      text += std::isnan(result.slip_index[k]) ? "," : fmt::format(",{:.9g}", result.slip_index[k]);
+    for (const NetworkResult& result : results) {
+      const bool none = std::isnan(result.slip_index[k]);
+      text += none ? "," : fmt::format(",{:.9g}", result.slip_index[k]);
+      if (result.bounds.empty()) continue;
+      const nn::BoundAnswer& bound = result.bounds[k];
+      text += none ? fmt::format(",,,,{}", int{bound.unlike})
+                   : fmt::format(",{:.9g},{:.9g},{:.9g},{}", bound.upper, bound.interval[0], bound.interval[1],
+                                 int{bound.unlike});
+    }
     text += '\n';
   }
   return text;
 }
 
 std::string tables(const RecallRequest& request, std::span<const NamedNetwork> networks,
-                   std::span<const NetworkResult> results, const ContactSet& set, const AnsweredRows& rows) {
+                   std::span<const NetworkResult> results, const ContactSet& set, const AnsweredRows& rows,
+                   const Decisions& decisions) {
   std::string text = fmt::format("errors |S - S of the set| of {} networks on {} rows of {}\n", networks.size(),
                                  rows.frames.rows(), request.set);
   if (rows.left_out > 0)
     text +=
         fmt::format("{} rows of the set were left out: over tolerance, or without a slippage index\n", rows.left_out);
-  return text + "\n" + error_table(networks, results) + "\n" +
-         error_table_by_kind(networks, results, set.indenter_names);
+  text += "\n" + error_table(networks, results) + "\n" + error_table_by_kind(networks, results, set.indenter_names);
+  for (std::size_t i = 0; i < networks.size(); ++i)
+    if (results[i].bound)
+      text += fmt::format("\n{}, {}\n{}", networks[i].file, bound_line(*networks[i].model.bound),
+                          coverage_table(*results[i].bound, set.indenter_names));
+  for (std::size_t i = 0; i < decisions.size(); ++i)
+    text += fmt::format("\n{}\n{}", networks[i].file, decision_table(decisions[i], request.alarms));
+  return text;
+}
+
+std::string all_curves(std::span<const NamedNetwork> networks, const Decisions& decisions,
+                       const DecisionOptions& options) {
+  std::string text;
+  for (std::size_t i = 0; i < decisions.size(); ++i)
+    text += decision_csv(decisions[i], networks[i].file, options, i == 0);
+  return text;
 }
 
 int run_recall(const RecallRequest& request) {
@@ -95,16 +130,25 @@ int run_recall(const RecallRequest& request) {
   const AnsweredRows rows = answered_rows(set, request.set);
   const auto results = recall(request, networks, rows.frames);
   if (!results) return interrupted;
+  Decisions decisions;
+  if (request.decides()) {
+    const std::vector<double> positions = tangential_positions(set, request.set);
+    for (const NetworkResult& result : *results)
+      decisions.push_back(decide(result, set, rows, positions, request.set, request.alarms));
+  }
+  if (!request.decision_csv.empty())
+    write_file("--decision-csv", request.decision_csv, all_curves(networks, decisions, request.alarms));
   if (!request.rows.empty()) write_file("--rows", request.rows, rows_csv(networks, *results, rows));
   if (!request.html.empty())
-    write_file("--html", request.html, recall_page(networks, *results, rows, set.indenter_names, request.set).html());
-  const Json report = report_json(request, networks, *results, set, rows);
+    write_file("--html", request.html,
+               recall_page(networks, *results, rows, set.indenter_names, request.set, decisions).html());
+  const Json report = report_json(request, networks, *results, set, rows, decisions);
   if (request.json == "-") {
     fmt::print("{}", json_text(report));
     return done;
   }
   if (!request.json.empty()) write_file("--json", request.json, json_text(report));
-  fmt::print("{}", tables(request, networks, *results, set, rows));
+  fmt::print("{}", tables(request, networks, *results, set, rows, decisions));
   return done;
 }
 
@@ -128,6 +172,17 @@ void add_recall_command(CLI::App& app, Action& action) {
       ->add_option("--html", request->html,
                    "write a page: predicted over true S, the distribution of errors, and errors by indenter and by S")
       ->type_name("FILE.html");
+  command->add_flag("--decision", request->decision,
+                    "judge alarms on drags until sliding: detection, false alarms and lead over thresholds");
+  command
+      ->add_option("--decision-csv", request->decision_csv,
+                   "write the curves of --decision as CSV: a line a threshold, by signal and indenter")
+      ->type_name("FILE.csv");
+  command
+      ->add_option("--rate", request->alarms.rate,
+                   "with --decision: frames a second, for the false alarms a minute, 1/s")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   add_network_options(*command, request->shared);
   command->callback([request, &action] { action = [request] { return run_recall(*request); }; });
 }

@@ -123,6 +123,11 @@ void add_training_options(CLI::App& command, TrainRequest& request) {
       .add_option("--optimizer", request.optimizer,
                   "with --schedule batch: delta (the delta rule with momentum) or adam (default: adam)")
       ->check(CLI::IsMember({"delta", "adam"}));
+  command.add_flag(
+      "--bound", request.bound,
+      "with --schedule batch: three outputs, S and two quantiles, for an upper bound of S; calibrate it on "
+      "another set with tactel calibrate bound");
+  command.add_option("--level", request.level, "with --bound: level of the upper quantile (default: 0.95)");
 }
 
 }  // namespace

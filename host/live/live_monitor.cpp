@@ -38,7 +38,10 @@ LiveMonitor::LiveMonitor(Executor& executor, const nn::Model& model, const Senso
       input_(history_.inputs()),
       one_(executor, model.weights, model.scaling),
       batch_(executor, std::span(&model.weights, 1), model.scaling),
-      device_(&executor.device()) {
+      device_(&executor.device()),
+      bound_(model.bound),
+      scaling_(model.scaling),
+      scaled_(static_cast<std::size_t>(model.weights.topology.inputs())) {
   const std::vector<float> rest(history_.inputs(), 0.0f);
   one_(rest);
   batch_.recall(nn::RowMatrix<float>::Zero(static_cast<Eigen::Index>(options.batch_from),
@@ -85,7 +88,8 @@ void LiveMonitor::answer_one(const MonitorEvents& events) {
   history_.push(queue_.inputs(0).data());
   history_.write(input_.data());
   const FrameAnswer<float> answer = one_(input_);
-  tell(0, answer, source_->now(), events);
+  const auto bound = bounded(input_, answer);
+  tell(0, answer, bound, source_->now(), events);
   queue_.pop();
 }
 
@@ -102,16 +106,26 @@ void LiveMonitor::answer_batch(const MonitorEvents& events) {
   summary_.batched += count;
   for (std::size_t i = 0; i < count; ++i) {
     const auto row = static_cast<Eigen::Index>(i);
-    tell(i, {recall.slip_index[row], recall.status[i]}, now, events);
+    FrameAnswer<float> answer{.slip_index = recall.slip_index[row], .status = recall.status[i]};
+    if (recall.upper.size() > 0) answer.upper = recall.upper[row], answer.lower = recall.lower[row];
+    tell(i, answer, bounded({frames.row(row).data(), scaled_.size()}, answer), now, events);
   }
   for (std::size_t i = 0; i < count; ++i) queue_.pop();
 }
 
-void LiveMonitor::tell(std::size_t i, const FrameAnswer<float>& answer, double now, const MonitorEvents& events) {
+// Of a whole input of the network.
+std::optional<nn::BoundAnswer> LiveMonitor::bounded(std::span<const float> input, const FrameAnswer<float>& answer) {
+  if (!bound_) return std::nullopt;
+  nn::scale_frame(scaling_, input.data(), static_cast<int>(input.size()), scaled_.data());
+  return nn::bounded(*bound_, {answer.slip_index, answer.upper, answer.lower}, scaled_.data());
+}
+
+void LiveMonitor::tell(std::size_t i, const FrameAnswer<float>& answer, const std::optional<nn::BoundAnswer>& bound,
+                       double now, const MonitorEvents& events) {
   const LiveFrame& frame = queue_.frame(i);
   const double latency = 1e6 * (now - frame.arrival);
   summary_.latency.add(latency);
-  if (events.line) events.line({frame, queue_.inputs(i), answer, latency, 1e6 * (now - frame.decoded)});
+  if (events.line) events.line({frame, queue_.inputs(i), answer, bound, latency, 1e6 * (now - frame.decoded)});
 }
 
 void LiveMonitor::refresh() {

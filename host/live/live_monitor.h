@@ -23,8 +23,12 @@ struct MonitorLine {
   LiveFrame frame;
   std::span<const float> stresses;  ///< [2 tactels] MPa
   FrameAnswer<float> answer;
-  double latency = 0;      ///< us from the frame's last byte to S
-  double answer_time = 0;  ///< us of the latency, from the decoded frame to S
+  std::optional<nn::BoundAnswer> bound{};  ///< of a network with a bound
+  double latency = 0;                      ///< us from the frame's last byte to S
+  double answer_time = 0;                  ///< us of the latency, from the decoded frame to S
+
+  /// Returns the number to act on: the upper bound of S, or S where the network has no bound.
+  float acted_on() const { return bound ? bound->upper : answer.slip_index; }
 };
 
 struct MonitorSummary {
@@ -59,7 +63,9 @@ class LiveMonitor {
   void drop_late();
   void answer_one(const MonitorEvents& events);
   void answer_batch(const MonitorEvents& events);
-  void tell(std::size_t i, const FrameAnswer<float>& answer, double now, const MonitorEvents& events);
+  std::optional<nn::BoundAnswer> bounded(std::span<const float> input, const FrameAnswer<float>& answer);
+  void tell(std::size_t i, const FrameAnswer<float>& answer, const std::optional<nn::BoundAnswer>& bound, double now,
+            const MonitorEvents& events);
   void refresh();
   void watch(const MonitorEvents& events);
   void listen(double now, const MonitorEvents& events);
@@ -73,6 +79,9 @@ class LiveMonitor {
   ForwardOne<float> one_;
   Forward<float> batch_;
   const Device* device_;
+  std::optional<nn::Bound> bound_;
+  nn::InputScaling scaling_;
+  std::vector<float> scaled_;                           ///< scratch, [inputs]
   const hw::FrameSource* source_ = nullptr;             ///< of the run, for its clock
   double next_second_ = 1, last_turn_ = 0, quiet_ = 0;  ///< s; quiet_: listened since the last frame
   std::size_t dropped_before_ = 0;

@@ -97,17 +97,17 @@ void SlipHistory::add(double arrival, float slip_index, std::size_t longest) {
 std::string view_text(const MonitorLine& line, const SlipHistory& history, float largest_stress, int columns,
                       const ViewOptions& options) {
   const int width = std::max(columns, least_columns);
-  const float s = line.answer.slip_index;
+  const float s = line.answer.slip_index, acted_on = line.acted_on();
   const auto half = line.stresses.size() / 2;
   const auto room = static_cast<std::size_t>(width - margin);
   const auto normal = grouped(line.stresses.first(half), room), shear = grouped(line.stresses.subspan(half), room);
   std::string index =
       fmt::format("S {} {}", std::isfinite(s) ? fmt::format("{:.3f}", s) : "  -  ", bar(s, options.alarm, width - 8));
-  if (options.colour && std::isfinite(s)) index = painted(index, colour_of(s, options.alarm));
+  if (options.colour && std::isfinite(s)) index = painted(index, colour_of(acted_on, options.alarm));
   const std::string words =
       fmt::format("{}frame {}, {:.0f} us, full block {:.3g} MPa, history {:.0f} s",
-                  s >= options.alarm ? "ALARM: slip is near; " : "", line.frame.number, line.latency, largest_stress,
-                  static_cast<double>(room) * SlipHistory::seconds_per_column);
+                  acted_on >= options.alarm ? "ALARM: slip is near; " : "", line.frame.number, line.latency,
+                  largest_stress, static_cast<double>(room) * SlipHistory::seconds_per_column);
   return fmt::format("{}\nhistory|{}|\nnormal |{}|\nshear  |{}|\n       |{}|\n{}\n", index, history_text(history, room),
                      blocks(normal, largest_stress, room), blocks(shear, largest_stress, room),
                      arrows(shear, largest_stress, room), words.substr(0, static_cast<std::size_t>(width)));

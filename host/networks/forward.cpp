@@ -32,7 +32,7 @@ Real factor_of(const nn::InputScaling& scaling) {
   return Real(1) / static_cast<Real>(scaling.largest_stress);
 }
 
-/// The weights as forward_one reads them: hidden layers [fan_in + 1][vectors][lanes], then the output neuron.
+/// The weights as forward_one reads them: hidden layers [fan_in + 1][vectors][lanes], then the output neurons.
 template <class Real>
 std::vector<Real> neurons_in_lanes(const nn::Weights<Real>& weights, int lanes) {
   std::vector<Real> packed;
@@ -74,7 +74,8 @@ Defines network_defines(const nn::Topology& topology, int lanes, Precision preci
           {"REAL", real_type(precision)},
           {"INPUTS", std::to_string(widths[0])},
           {"HIDDEN1", std::to_string(widths[1])},
-          {"HIDDEN2", std::to_string(topology.hidden_layers() > 1 ? widths[2] : 0)}};
+          {"HIDDEN2", std::to_string(topology.hidden_layers() > 1 ? widths[2] : 0)},
+          {"OUTPUTS", std::to_string(topology.outputs())}};
 }
 
 DeviceFrames::DeviceFrames(const Device& device, const nn::RowMatrix<float>& frames)
@@ -121,8 +122,9 @@ void Forward<Real>::run(const DeviceFrames& frames, const RunOptions& options) {
   check_width(topology_, static_cast<std::size_t>(frames.inputs()));
   const std::uint32_t tile = FRAME_VECTORS * static_cast<std::uint32_t>(executor_->device().lanes(precision_of<Real>));
   const std::uint32_t tiles = (frames.rows() + tile - 1) / tile;
-  if (networks_ * frames.rows() > slip_index_.size() || rows_ != frames.rows()) {
-    slip_index_ = Buffer<Real>(executor_->device(), networks_ * frames.rows());
+  const std::size_t numbers = networks_ * topology_.outputs() * frames.rows();
+  if (numbers > slip_index_.size() || rows_ != frames.rows()) {
+    slip_index_ = Buffer<Real>(executor_->device(), numbers);
     status_ = Buffer<std::uint8_t>(executor_->device(), networks_ * frames.rows());
   }
   rows_ = frames.rows();
@@ -138,8 +140,13 @@ void Forward<Real>::run(const DeviceFrames& frames, const RunOptions& options) {
 
 template <class Real>
 nn::Recall<Real> Forward<Real>::result(std::size_t network) const {
-  nn::Recall<Real> answer{nn::Vector<Real>(rows_), std::vector<nn::FrameStatus>(rows_)};
-  slip_index_.read(std::span<Real>(answer.slip_index.data(), rows_), network * rows_);
+  nn::Recall<Real> answer{nn::Vector<Real>(rows_), std::vector<nn::FrameStatus>(rows_), {}, {}};
+  const auto read = [&](nn::Vector<Real>& to, std::size_t output) {
+    to.resize(rows_);
+    slip_index_.read(std::span<Real>(to.data(), rows_), (network * topology_.outputs() + output) * rows_);
+  };
+  read(answer.slip_index, 0);
+  if (topology_.has_bound()) read(answer.upper, 1), read(answer.lower, 2);
   status_.read(std::span(reinterpret_cast<std::uint8_t*>(answer.status.data()), rows_), network * rows_);
   return answer;
 }
@@ -172,10 +179,10 @@ FrameAnswer<Real> ForwardOne<Real>::operator()(std::span<const float> frame) {
   std::copy(frame.begin(), frame.end(), frame_.begin());
   all_.write(frame_, ONE_FRAME);
   executor_->run_here(launch_);
-  Real answer[2];
-  static_assert(ONE_SLIP_INDEX == 0 && ONE_STATUS == 1);
+  Real answer[ONE_LOWER + 1];
   all_.read(answer);
-  return {answer[0], static_cast<nn::FrameStatus>(static_cast<int>(answer[1]))};
+  return {answer[ONE_SLIP_INDEX], answer[ONE_UPPER], answer[ONE_LOWER],
+          static_cast<nn::FrameStatus>(static_cast<int>(answer[ONE_STATUS]))};
 }
 
 template class Forward<float>;

@@ -59,6 +59,8 @@ class Forward {
 template <class Real>
 struct FrameAnswer {
   Real slip_index = 0;  ///< 0..1; NaN where the status is not_finite or overflow
+  /// Quantiles of S, not calibrated, of a network with the heads of a bound; 0 of others, NaN as slip_index.
+  Real upper = 0, lower = 0;
   nn::FrameStatus status = nn::FrameStatus::ok;
 };
 

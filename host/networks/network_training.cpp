@@ -60,7 +60,10 @@ std::string training_description(const Executor& executor, const nn::FrameSet& s
   const nn::OnlineOptions& options = plan.options;
   const std::string limits =
       " stop " + exact_text(options.stop_error) + " limit " + std::to_string(options.cycle_limit);
-  if (plan.batch) return text + limits + describe(*plan.batch);
+  if (plan.batch) {
+    const bool bound = std::ranges::any_of(plan.topologies, &nn::Topology::has_bound);
+    return text + limits + describe(*plan.batch) + (bound ? " level " + exact_text(plan.batch->level) : "");
+  }
   return text + " rate " + exact_text(options.rate) + " momentum " + exact_text(options.momentum) + limits + ' ' +
          nn::name(options.order);
 }
@@ -83,6 +86,9 @@ void TrainingPlan::validate() const {
   for (const double noise : noises)
     if (!(noise >= 0 && noise <= 1))
       throw ValueError("noise", std::to_string(noise), "a fraction of the largest stress, 0 to 1: 0.1 for 10 %");
+  for (const nn::Topology& topology : topologies)
+    if (topology.has_bound() && !batch)
+      throw ValueError("network", topology.text(), "one output, or --schedule batch for the heads of a bound");
   options.validate();
   if (batch) batch->validate();
 }
@@ -288,15 +294,22 @@ template <class Real>
 nn::Model NetworkTraining<Real>::model(std::size_t i, const std::string& learning_set,
                                        const nn::ErrorSummary& learning_errors) const {
   const TrainedNetwork& network = state_->networks[i];
-  return {nn::Weights<float>(weights(i)),
-          state_->scaling,
-          network.seed,
-          network.noise,
-          learning_set,
-          network.cycles,
-          learning_errors,
-          state_->plan.history,
-          state_->plan.magnitude};
+  nn::Model model{nn::Weights<float>(weights(i)),
+                  state_->scaling,
+                  network.seed,
+                  network.noise,
+                  learning_set,
+                  network.cycles,
+                  learning_errors,
+                  state_->plan.history,
+                  state_->plan.magnitude};
+  if (network.topology.has_bound()) {
+    const nn::FrameSet shown = nn::with_noise(state_->set, network.noise, network.seed);
+    model.bound = nn::uncalibrated_bound(nn::scale_frames<float>(state_->scaling, shown.frames),
+                                         network.topology.inputs() / (2 * model.history.frames));
+    model.bound->level = state_->plan.batch->level;
+  }
+  return model;
 }
 
 template <class Real>

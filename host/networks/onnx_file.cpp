@@ -10,6 +10,7 @@
 #include <map>
 
 #include "fem/value_error.h"
+#include "host/networks/onnx_bound.h"
 #include "host/networks/onnx_graph.h"
 #include "host/support/bounded_file.h"
 #include "host/support/checksum.h"
@@ -41,6 +42,18 @@ std::string checksum_of_bytes(const onnx::GraphProto& graph, const Metadata& met
   return checksum_text(all);
 }
 
+/// What a bound was calibrated on, and how far that goes.
+void add_bound_metadata(const nn::Bound& bound, Metadata& metadata) {
+  metadata["bound_level"] = exact(bound.level);
+  metadata["bound_set"] = bound.set;
+  metadata["bound_rows"] = exact(bound.rows);
+  metadata["bound_seed"] = exact(bound.seed);
+  metadata["bound_scope"] =
+      bound.calibrated() ? "slip_upper and slip_interval hold at bound_level for frames drawn as the rows of bound_set "
+                           "were, and for no others"
+                         : "not calibrated: slip_upper and slip_interval hold at no level";
+}
+
 Metadata metadata_of(const nn::Model& model, const std::string& version) {
   Metadata metadata{{"topology", model.weights.topology.text()},
                     {"seed", exact(model.seed)},
@@ -60,6 +73,7 @@ Metadata metadata_of(const nn::Model& model, const std::string& version) {
     metadata["history_change"] = exact(model.history.change);
   }
   if (model.magnitude) metadata["magnitude"] = "1";
+  if (model.bound) add_bound_metadata(*model.bound, metadata);
   return metadata;
 }
 
@@ -162,6 +176,16 @@ nn::Model read_model(const ModelReader& reader, const onnx::GraphProto& graph) t
                            reader.number<double>("error_mean"), reader.number<double>("error_std")};
   if (!read_weights(graph, model.weights))
     reader.fail("a graph without the weights of " + model.weights.topology.text(), "a network that tactel wrote");
+  if (model.weights.topology.has_bound()) {
+    nn::Bound& bound = model.bound.emplace();
+    bound.level = reader.number<double>("bound_level");
+    bound.set = reader.text("bound_set");
+    bound.rows = reader.number<std::uint64_t>("bound_rows");
+    bound.seed = reader.number<std::uint64_t>("bound_seed");
+    if (!read_bound(graph, model.weights.topology.inputs(), bound))
+      reader.fail("a graph whose tables of the bound are missing or of another size", "a network that tactel wrote");
+    bound.validate(model.weights.topology.inputs());
+  }
   return model;
 } catch (const ValueError& error) {
   reader.fail(error.key + " = " + shown(error.value), error.allowed);

@@ -9,7 +9,8 @@
 namespace tactel::host {
 
 /// Writes a network as ONNX, opset 13: input `frame` [batch, inputs] in MPa, output `slip_index` [batch, 1] in
-/// 0..1. The graph contains the scaling and the shift by 0.5, so that any ONNX runtime gives the S of tactel, to
+/// 0..1; of a network with a bound also `slip_upper` [batch, 1], `slip_interval` [batch, 2] and `unlike` [batch, 1].
+/// The graph contains the scaling and the shift by 0.5, so that any ONNX runtime gives the S of tactel, to
 /// rounding. Metadata: topology, seed, noise, learning set, cycles, errors, scaling, version and a checksum; history,
 /// stride and history_change of several frames; magnitude. The file is written under a temporary name, then renamed.
 /// Throws ConfigError where it cannot be written.

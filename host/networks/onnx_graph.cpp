@@ -1,73 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/networks/onnx_graph.h"
 
-#include <bit>
 #include <cstring>
-#include <initializer_list>
 #include <map>
 #include <string>
 
+#include "host/networks/onnx_bound.h"
+#include "host/networks/onnx_builder.h"
 #include "host/support/checksum.h"
 
 namespace tactel::host {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "ONNX keeps raw data little-endian");
-
-using Names = std::initializer_list<std::string>;
-
 std::string weight_name(int layer) { return "weight" + std::to_string(layer + 1); }
 std::string bias_name(int layer) { return "bias" + std::to_string(layer + 1); }
-
-/// Adds the parts of a graph one by one.
-class Builder {
- public:
-  explicit Builder(onnx::GraphProto& graph) : graph_(graph) {}
-
-  onnx::NodeProto& node(const std::string& type, Names inputs, const std::string& output) {
-    onnx::NodeProto& node = *graph_.add_node();
-    node.set_op_type(type);
-    node.set_name(output);
-    for (const std::string& input : inputs) node.add_input(input);
-    node.add_output(output);
-    return node;
-  }
-  void numbers(const std::string& name, std::initializer_list<std::int64_t> shape, const float* values) {
-    tensor(name, onnx::TensorProto::FLOAT, shape, values, sizeof(float));
-  }
-  void integers(const std::string& name, std::initializer_list<std::int64_t> values) {
-    tensor(name, onnx::TensorProto::INT64, {static_cast<std::int64_t>(values.size())}, values.begin(),
-           sizeof(std::int64_t));
-  }
-  void scalar(const std::string& name, float value) { numbers(name, {}, &value); }
-  static void attribute(onnx::NodeProto& node, const std::string& name, std::int64_t value) {
-    onnx::AttributeProto& attribute = *node.add_attribute();
-    attribute.set_name(name);
-    attribute.set_type(onnx::AttributeProto::INT);
-    attribute.set_i(value);
-  }
-  static void axis(onnx::NodeProto& node, std::int64_t axis) {
-    onnx::AttributeProto& attribute = *node.add_attribute();
-    attribute.set_name("axes");
-    attribute.set_type(onnx::AttributeProto::INTS);
-    attribute.add_ints(axis);
-  }
-
- private:
-  void tensor(const std::string& name, onnx::TensorProto::DataType type, std::initializer_list<std::int64_t> shape,
-              const void* data, std::size_t size) {
-    onnx::TensorProto& tensor = *graph_.add_initializer();
-    tensor.set_name(name);
-    tensor.set_data_type(type);
-    for (const std::int64_t extent : shape) {
-      tensor.add_dims(extent);
-      size *= static_cast<std::size_t>(extent);
-    }
-    tensor.set_raw_data(data, size);
-  }
-
-  onnx::GraphProto& graph_;
-};
 
 void describe_value(onnx::ValueInfoProto& value, const std::string& name, int width) {
   value.set_name(name);
@@ -77,14 +23,14 @@ void describe_value(onnx::ValueInfoProto& value, const std::string& name, int wi
   type.mutable_shape()->add_dim()->set_dim_value(width);
 }
 
-void add_set_scaling(Builder& builder, const nn::InputScaling& scaling) {
+void add_set_scaling(OnnxBuilder& builder, const nn::InputScaling& scaling) {
   builder.scalar("factor", 1.0f / scaling.largest_stress);
   builder.node("Mul", {"frame", "factor"}, "scaled");
 }
 
 // Each input by the largest |normal stress| of its first `normals` numbers, the newest frame's; zeros where there is
 // none.
-void add_frame_scaling(Builder& builder, int normals) {
+void add_frame_scaling(OnnxBuilder& builder, int normals) {
   builder.integers("first_normal", {0});
   builder.integers("end_of_normal", {normals});
   builder.integers("along_frame", {1});
@@ -94,8 +40,8 @@ void add_frame_scaling(Builder& builder, int normals) {
   builder.node("Slice", {"frame", "first_normal", "end_of_normal", "along_frame"}, "normal");
   builder.node("Abs", {"normal"}, "normal_size");
   onnx::NodeProto& most = builder.node("ReduceMax", {"normal_size"}, "largest_normal");
-  Builder::axis(most, 1);
-  Builder::attribute(most, "keepdims", std::int64_t{1});
+  OnnxBuilder::axis(most, 1);
+  OnnxBuilder::attribute(most, "keepdims", std::int64_t{1});
   builder.node("Less", {"largest_normal", "smallest_stress"}, "no_stress");
   builder.node("Where", {"no_stress", "one", "largest_normal"}, "divisor");
   builder.node("Div", {"frame", "divisor"}, "relative");
@@ -104,7 +50,7 @@ void add_frame_scaling(Builder& builder, int normals) {
 
 // f(z) = 1/2 tanh(z/2). The halving has a node of its own, because not every runtime heeds Gemm's alpha and beta
 // (OpenCV 4.6 does not).
-void add_layer(Builder& builder, const nn::Weights<float>& weights, int l, const std::string& input) {
+void add_layer(OnnxBuilder& builder, const nn::Weights<float>& weights, int l, const std::string& input) {
   const std::string name = std::to_string(l + 1);
   const int in = weights.topology.fan_in(l), out = weights.topology.fan_out(l);
   const nn::RowMatrix<float> w = weights.layer(l).leftCols(in);
@@ -112,7 +58,7 @@ void add_layer(Builder& builder, const nn::Weights<float>& weights, int l, const
   builder.numbers(weight_name(l), {out, in}, w.data());
   builder.numbers(bias_name(l), {out}, b.data());
   onnx::NodeProto& gemm = builder.node("Gemm", {input, weight_name(l), bias_name(l)}, "sum" + name);
-  Builder::attribute(gemm, "transB", std::int64_t{1});
+  OnnxBuilder::attribute(gemm, "transB", std::int64_t{1});
   builder.node("Mul", {"sum" + name, "half"}, "half_sum" + name);
   builder.node("Tanh", {"half_sum" + name}, "tanh" + name);
   builder.node("Mul", {"tanh" + name, "half"}, "output" + name);
@@ -144,7 +90,9 @@ onnx::GraphProto onnx_graph(const nn::Model& model) {
   graph.set_name("tactel_" + topology.text());
   describe_value(*graph.add_input(), "frame", topology.inputs());
   describe_value(*graph.add_output(), "slip_index", 1);
-  Builder builder(graph);
+  if (topology.has_bound())
+    for (const BoundOutput& output : bound_outputs) describe_value(*graph.add_output(), output.name, output.width);
+  OnnxBuilder builder(graph);
   if (model.scaling.kind == nn::ScalingKind::set)
     add_set_scaling(builder, model.scaling);
   else
@@ -155,7 +103,10 @@ onnx::GraphProto onnx_graph(const nn::Model& model) {
     add_layer(builder, model.weights, l, last);
     last = "output" + std::to_string(l + 1);
   }
-  builder.node("Add", {last, "half"}, "slip_index");
+  if (topology.has_bound())
+    add_bound(builder, model.bound.value(), last);
+  else
+    builder.node("Add", {last, "half"}, "slip_index");
   return graph;
 }
 

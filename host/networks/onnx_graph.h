@@ -9,7 +9,7 @@
 namespace tactel::host {
 
 /// Returns the graph of a network: `frame` [batch, inputs] MPa, of several frames the newest first -> scaling -> layers
-/// -> `slip_index` [batch, 1].
+/// -> `slip_index` [batch, 1]; of one with a bound also bound_outputs (onnx_bound.h).
 onnx::GraphProto onnx_graph(const nn::Model& model);
 
 /// Reads the network of a graph: weights and biases by their names in onnx_graph; topology and scaling are given.

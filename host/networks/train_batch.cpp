@@ -78,6 +78,7 @@ void TrainBatch<Real>::prepare(const Program& program) {
     kernel.set("order", order_);
     kernel.set("rows", std::uint32_t{inputs_.rows()});
     kernel.set("begin", std::uint32_t{0});
+    kernel.set("level", static_cast<Real>(options_.level));
   };
   const auto set_weights = [&](KernelArguments& kernel) {
     kernel.set("weights", weights_);

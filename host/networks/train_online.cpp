@@ -54,6 +54,8 @@ TrainOnline<Real>::TrainOnline(Executor& executor, const nn::Topology& topology,
       members_(members.begin(), members.end()),
       together_(networks_together<Real>(topology, executor.device().lanes(precision_of<Real>))) {
   options.validate();
+  if (topology.has_bound())
+    throw ValueError("network", topology.text(), "a network with one output: a bound is learnt by mini-batches");
   if (inputs.inputs() != topology.inputs())
     throw ValueError("network", topology.text(),
                      "a network with " + std::to_string(inputs.inputs()) + " inputs, as the set has");

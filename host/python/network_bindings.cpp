@@ -45,6 +45,20 @@ py::array_t<std::uint32_t> statuses(const SlipEstimator& network, const Frames& 
   return all;
 }
 
+/// Numbers of the answers in order, in the shape of the frames without their last axis, and `more` behind it.
+template <class Number, class Take>
+py::array_t<Number> taken(const SlipEstimator& network, const Frames& frames, std::vector<py::ssize_t> more,
+                          const Take& take) {
+  std::vector<Answer> answers;
+  estimate(network, frames, answers);
+  std::vector<py::ssize_t> shape = leading_shape(frames);
+  shape.insert(shape.end(), more.begin(), more.end());
+  py::array_t<Number> all(shape);
+  Number* to = all.mutable_data();
+  for (const Answer& answer : answers) take(answer, to);
+  return all;
+}
+
 }  // namespace
 
 void bind_networks(py::module_& m) {
@@ -57,6 +71,27 @@ void bind_networks(py::module_& m) {
            "first, then shear. NaN where there is no answer.")
       .def("status", &statuses, "frames"_a,
            "Returns the status of each answer: 0 ok, 1 no stress, 2 not finite, 3 overflow.")
+      .def(
+          "upper",
+          [](const SlipEstimator& network, const Frames& frames) {
+            return taken<float>(network, frames, {}, [](const Answer& a, float*& to) { *to++ = a.slip_upper; });
+          },
+          "frames"_a, "Returns the upper bound of S of each frame; NaN of a network without a bound.")
+      .def(
+          "interval",
+          [](const SlipEstimator& network, const Frames& frames) {
+            return taken<float>(network, frames, {2}, [](const Answer& a, float*& to) {
+              *to++ = a.slip_interval[0];
+              *to++ = a.slip_interval[1];
+            });
+          },
+          "frames"_a, "Returns the interval of S of each frame [..., 2]; NaN of a network without a bound.")
+      .def(
+          "unlike",
+          [](const SlipEstimator& network, const Frames& frames) {
+            return taken<bool>(network, frames, {}, [](const Answer& a, bool*& to) { *to++ = a.unlike != 0; });
+          },
+          "frames"_a, "Returns where a frame is unlike those of the learning set: its bound says nothing.")
       .def("metadata", &SlipEstimator::metadata, "key"_a, "Returns an entry of the file; empty where there is none.")
       .def_property_readonly("inputs", &SlipEstimator::inputs, "numbers of a frame: 2 tactels")
       .def_property_readonly("topology", &SlipEstimator::topology, "\"42-42-21-1\"")

@@ -58,4 +58,11 @@ Sweep read_sweep(const std::filesystem::path& path, std::optional<std::uint64_t>
   return {file.text(), sweep.has("set") ? paper_source(file, seed) : SceneSource::read(path, seed)};
 }
 
+Sweep read_sweep_text(const std::filesystem::path& path, std::string text, std::optional<std::uint64_t> seed) {
+  TomlFile file(path, std::move(text));
+  TomlTable sweep(file, "sweep");
+  const std::string kept = file.text();
+  return {kept, sweep.has("set") ? paper_source(file, seed) : SweepReader(std::move(file), seed).read()};
+}
+
 }  // namespace tactel::host

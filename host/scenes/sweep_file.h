@@ -23,5 +23,7 @@ struct Sweep {
 ///   seed = 0                       # of the noise, where there is a [transducer]
 /// `seed`: takes the place of the file's. Throws ConfigError as read_scene does.
 Sweep read_sweep(const std::filesystem::path& path, std::optional<std::uint64_t> seed = {});
+/// The same from a text, as a set keeps it; errors name `path`, whose folder holds the files that the text names.
+Sweep read_sweep_text(const std::filesystem::path& path, std::string text, std::optional<std::uint64_t> seed = {});
 
 }  // namespace tactel::host

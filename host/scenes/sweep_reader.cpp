@@ -58,7 +58,8 @@ void make_plain(const string& name, toml::table& table, const Number& number) {
 }  // namespace
 
 SweepReader::SweepReader(const std::filesystem::path& path, std::optional<std::uint64_t> seed)
-    : file_(path), seed_(seed) {}
+    : SweepReader(TomlFile(path), seed) {}
+SweepReader::SweepReader(TomlFile file, std::optional<std::uint64_t> seed) : file_(std::move(file)), seed_(seed) {}
 
 /// [name] once, [[name]] several times, or not at all (one null).
 std::vector<const toml::table*> SweepReader::tables(const string& name) const {

@@ -18,6 +18,8 @@ class SweepReader {
  public:
   /// `seed`: takes the place of the file's.
   explicit SweepReader(const std::filesystem::path& path, std::optional<std::uint64_t> seed = {});
+  /// The same of a file that is open already.
+  explicit SweepReader(TomlFile file, std::optional<std::uint64_t> seed = {});
   SceneSource read();
 
  private:

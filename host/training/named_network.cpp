@@ -66,10 +66,14 @@ std::size_t run_length(std::span<const NamedNetwork> networks, std::size_t first
 }
 
 template <class Real>
-NetworkResult judge(const nn::Recall<Real>& answer, const nn::FrameSet& set, bool keep_rows) {
+NetworkResult judge(const nn::Recall<Real>& answer, const nn::Model& model, const nn::FrameSet& set, bool keep_rows) {
   NetworkResult result{.errors = nn::report_errors(nn::absolute_errors(answer.slip_index, set), set)};
   for (const nn::FrameStatus status : answer.status) ++result.frames[static_cast<std::size_t>(status)];
   if (keep_rows) result.slip_index.assign(answer.slip_index.begin(), answer.slip_index.end());
+  if (!model.bound) return result;
+  std::vector<nn::BoundAnswer> bounds = bounds_of(model, answer, set);
+  result.bound = report_bound(bounds, set);
+  if (keep_rows) result.bounds = std::move(bounds);
   return result;
 }
 
@@ -118,7 +122,7 @@ std::optional<std::vector<NetworkResult>> recall_networks(Executor& executor, st
     forward.run(*frames, {.progress = progress ? Progress(ask) : Progress()});
     if (!going) return std::nullopt;
     for (std::size_t i = 0; i < count; ++i)
-      results.push_back(judge(forward.result(i), formed ? *formed : set, keep_rows));
+      results.push_back(judge(forward.result(i), networks[first + i].model, formed ? *formed : set, keep_rows));
   }
   return results;
 }

@@ -9,6 +9,7 @@
 
 #include "host/device/executor.h"
 #include "host/training/answered_rows.h"
+#include "host/training/bound_report.h"
 #include "nn/metrics.h"
 #include "nn/model.h"
 
@@ -30,8 +31,10 @@ std::vector<NamedNetwork> read_networks(const std::filesystem::path& path);
 /// Answers of a network to a set.
 struct NetworkResult {
   nn::ErrorReport errors;
-  std::array<std::size_t, 4> frames{};  ///< number of frames of each nn::FrameStatus
-  std::vector<float> slip_index{};      ///< [rows] if requested; NaN where the network gave none
+  std::array<std::size_t, 4> frames{};    ///< number of frames of each nn::FrameStatus
+  std::vector<float> slip_index{};        ///< [rows] if requested; NaN where the network gave none
+  std::optional<BoundReport> bound{};     ///< of a network with a bound
+  std::vector<nn::BoundAnswer> bounds{};  ///< [rows] of a network with a bound, if requested
 };
 
 /// Evaluates every network on every row, in the order of `networks`. Returns none where progress stops it. Throws

@@ -129,12 +129,12 @@ std::string lines_by_kind(std::span<const NetworkResult> results, const std::vec
   return text;
 }
 
+}  // namespace
+
 std::string indenter_name(const std::vector<std::string>& names, int kind) {
   const auto place = static_cast<std::size_t>(kind);
   return place < names.size() ? names[place] : fmt::format("kind {}", kind);
 }
-
-}  // namespace
 
 std::string error_table(std::span<const NamedNetwork> networks, std::span<const NetworkResult> results) {
   const std::vector<Group> groups = groups_of(networks);
@@ -159,15 +159,17 @@ Json to_json(const nn::ErrorSummary& errors) {
 Json to_json(const NamedNetwork& network) {
   const nn::Model& model = network.model;
   const int number = paper_number(model.weights.topology);
-  return {{"file", network.file},
-          {"network", number > 0 ? Json(number) : Json(nullptr)},
-          {"topology", model.weights.topology.text()},
-          {"scaling", nn::name(model.scaling.kind)},
-          {"noise", model.noise},
-          {"seed", model.seed},
-          {"cycles", model.cycles},
-          {"learning_set", model.learning_set},
-          {"learning", to_json(model.learning_errors)}};
+  Json json = {{"file", network.file},
+               {"network", number > 0 ? Json(number) : Json(nullptr)},
+               {"topology", model.weights.topology.text()},
+               {"scaling", nn::name(model.scaling.kind)},
+               {"noise", model.noise},
+               {"seed", model.seed},
+               {"cycles", model.cycles},
+               {"learning_set", model.learning_set},
+               {"learning", to_json(model.learning_errors)}};
+  if (model.bound) json["calibration"] = to_json(*model.bound);
+  return json;
 }
 
 Json to_json(const NetworkResult& result, const std::vector<std::string>& indenter_names) {
@@ -182,11 +184,13 @@ Json to_json(const NetworkResult& result, const std::vector<std::string>& indent
   }
   for (std::size_t status = 0; status < result.frames.size(); ++status)
     frames[nn::name(static_cast<nn::FrameStatus>(status))] = result.frames[status];
-  return {{"recalling", to_json(result.errors.all)},
-          {"without_answer", result.errors.without_answer},
-          {"frames", frames},
-          {"by_indenter", by_indenter},
-          {"by_contact_nodes", by_nodes}};
+  Json json = {{"recalling", to_json(result.errors.all)},
+               {"without_answer", result.errors.without_answer},
+               {"frames", frames},
+               {"by_indenter", by_indenter},
+               {"by_contact_nodes", by_nodes}};
+  if (result.bound) json["bound"] = to_json(*result.bound, indenter_names);
+  return json;
 }
 
 }  // namespace tactel::host

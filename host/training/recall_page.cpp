@@ -163,10 +163,56 @@ Figure where_figure(Shown shown, const std::vector<std::string>& indenter_names)
   return figure;
 }
 
+PageTable coverage_page_table(const BoundReport& report, const std::vector<std::string>& indenter_names) {
+  PageTable table{.caption =
+                      "Share of the frames below slip_upper, within slip_interval; median width of the interval; "
+                      "share of frames unlike the learning set",
+                  .head = {"frames", "number", "slip_upper", "interval", "width", "unlike"}};
+  const auto add = [&table](const std::string& name, const Coverage& c) {
+    table.add({name, std::to_string(c.rows), fmt::format("{:.4f}", c.upper), fmt::format("{:.4f}", c.interval),
+               fmt::format("{:.4f}", c.width), fmt::format("{:.4f}", c.unlike)});
+  };
+  add("all", report.all);
+  add("not unlike", report.alike);
+  for (const auto& [kind, coverage] : report.by_class) {
+    const auto place = static_cast<std::size_t>(kind);
+    add(place < indenter_names.size() ? indenter_names[place] : fmt::format("kind {}", kind), coverage);
+  }
+  for (const auto& [key, coverage] : report.by_touching) add(touching_name(key) + " touching", coverage);
+  for (const auto& [key, coverage] : report.by_slip)
+    add(fmt::format("S {:.1f} to {:.1f}", key / 10.0, (key + 1) / 10.0), coverage);
+  return table;
+}
+
+/// The bound of the best network that has one.
+void add_coverage(Page& page, const std::vector<Judged>& all, const std::vector<std::string>& indenter_names) {
+  const auto bounded = std::ranges::find_if(all, [](const Judged& one) { return one.result->bound.has_value(); });
+  if (bounded == all.end()) return;
+  const nn::Bound& bound = *bounded->network->model.bound;
+  page.section("Bound");
+  page.paragraph(fmt::format("{}: {}.", bounded->name(), bound_line(bound)));
+  page.table(coverage_page_table(*bounded->result->bound, indenter_names));
+  page.note("The level holds for frames drawn as those of the calibration, and for no others.");
+}
+
+void add_decisions(Page& page, std::span<const NamedNetwork> networks, const std::vector<Judged>& all,
+                   std::span<const std::vector<DecisionCurve>> decisions) {
+  if (decisions.empty()) return;
+  page.section("Decision");
+  for (std::size_t i = 0; i < std::min<std::size_t>(all.size(), 2); ++i) {
+    const auto which = static_cast<std::size_t>(all[i].network - networks.data());
+    page.figure(decision_figure(decisions[which]),
+                all[i].name() +
+                    ": alarms on drags until sliding. A false alarm begins at |S| below 0.5; lead is the "
+                    "share of the way to sliding that is left at the alarm (median).");
+  }
+}
+
 }  // namespace
 
 Page recall_page(std::span<const NamedNetwork> networks, std::span<const NetworkResult> results,
-                 const AnsweredRows& rows, const std::vector<std::string>& indenter_names, const std::string& set) {
+                 const AnsweredRows& rows, const std::vector<std::string>& indenter_names, const std::string& set,
+                 std::span<const std::vector<DecisionCurve>> decisions) {
   const std::vector<Judged> all = judged(networks, results, rows.frames);
   const Shown shown = Shown(all).first(std::min(best, all.size()));
   Page page("tactel: networks judged by a set",
@@ -178,6 +224,8 @@ Page recall_page(std::span<const NamedNetwork> networks, std::span<const Network
               "Predicted over true slippage index. A dot is a frame of the set, of large sets a selection of 600.");
   page.figure(distribution_figure(shown), "How the errors are spread over all frames of the set.");
   page.figure(where_figure(shown, indenter_names), "Where the errors are.");
+  add_coverage(page, all, indenter_names);
+  add_decisions(page, networks, all, decisions);
   return page;
 }
 

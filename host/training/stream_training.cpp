@@ -61,7 +61,16 @@ class StreamTraining : public TrainingJob {
       check_width(plan, *recall_);
     }
     done_before_ = request.resume && directory_.finished();
-    if (!done_before_) scaling_ = nn::fit_scaling(plan.scaling, first_block());
+    if (!done_before_) {
+      const nn::FrameSet first = first_block();
+      scaling_ = nn::fit_scaling(plan.scaling, first);
+      if (std::ranges::any_of(plan.topologies, &nn::Topology::has_bound)) {
+        const nn::FrameSet shown = nn::with_noise(first, plan.noises[0], plan.seeds[0]);
+        bound_ = nn::uncalibrated_bound(nn::scale_frames<float>(scaling_, shown.frames),
+                                        stream_->inputs() / (2 * plan.history.frames));
+        bound_.level = plan.batch->level;
+      }
+    }
   }
 
   TrainingOutcome run(const TrainingWatch& watch) override {
@@ -99,6 +108,8 @@ class StreamTraining : public TrainingJob {
                     plan_.batch->rate, nn::name(plan_.batch->rule), plan_.batch->momentum, nn::name(plan_.batch->order),
                     nn::name(plan_.scaling), plan_.noises[0]);
     for (const Record& n : networks_) text += fmt::format(" {}:{}", n.network.topology.text(), n.network.seed);
+    if (std::ranges::any_of(plan_.topologies, &nn::Topology::has_bound))
+      text += fmt::format(" level {:a}", plan_.batch->level);
     return text + "\n" + stream_->description();
   }
 
@@ -199,6 +210,7 @@ class StreamTraining : public TrainingJob {
                     plan_.history,
                     plan_.magnitude};
     model.learning_errors.count = rows_;
+    if (n.network.topology.has_bound()) model.bound = bound_;
     return model;
   }
 
@@ -308,6 +320,7 @@ class StreamTraining : public TrainingJob {
   std::unique_ptr<FrameStream> stream_;
   std::optional<NamedSet> recall_;
   nn::InputScaling scaling_;
+  nn::Bound bound_{};             ///< before its calibration; of networks with its heads
   std::vector<Record> networks_;  ///< [topologies][seeds]
   std::uint64_t block_ = 0, rows_ = 0;
   double seconds_ = 0;

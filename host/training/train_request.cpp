@@ -17,11 +17,10 @@ constexpr int default_epochs = 1000;
 
 /// What the library calls by a name of its own, as the user wrote it.
 [[noreturn]] void blame_option(const ValueError& error) {
-  static const std::map<std::string, std::string> options = {{"training.rate", "--learning-rate"},
-                                                             {"training.momentum", "--momentum"},
-                                                             {"training.stop_error", "--stop-error"},
-                                                             {"training.cycle_limit", "--cycles"},
-                                                             {"training.batch", "--batch"}};
+  static const std::map<std::string, std::string> options = {
+      {"training.rate", "--learning-rate"},    {"training.momentum", "--momentum"},
+      {"training.stop_error", "--stop-error"}, {"training.cycle_limit", "--cycles"},
+      {"training.batch", "--batch"},           {"training.level", "--level"}};
   const auto found = options.find(error.key);
   throw ConfigError("command line", found == options.end() ? "--" + error.key : found->second, error.value,
                     error.allowed);
@@ -67,7 +66,9 @@ void refuse_unused(const TrainRequest& request) {
     refuse_beside_stream(request);
   else
     refuse(request.rows, "--rows", "left out, or with --stream or --block");
+  if (!request.bound) refuse(request.level, "--level", "left out, or with --bound");
   if (!request.batches()) {
+    if (request.bound) throw ConfigError("command line", "--bound", "given", "left out, or with --schedule batch");
     refuse(request.optimizer, "--optimizer", "left out, or with --schedule batch");
     refuse(request.batch, "--batch", "left out, or with --schedule batch");
   } else if (request.optimizer.value_or("adam") == "adam") {
@@ -81,6 +82,7 @@ nn::BatchOptions batch_options(const TrainRequest& request) {
   if (request.batch) batch.batch = *request.batch;
   batch.rate = request.rate.value_or(batch.rule == nn::BatchRule::adam ? 1e-3 : 0.1);
   if (request.momentum) batch.momentum = *request.momentum;
+  batch.level = request.level.value_or(batch.level);
   batch.order = nn::parse_order(request.order);
   return batch;
 }
@@ -98,6 +100,7 @@ std::vector<nn::Topology> topologies_of(const TrainRequest& request, int frames)
   std::vector<nn::Topology> topologies;
   for (const std::string& name : names) {
     topologies.push_back(topology_of(name, frames));
+    if (request.bound) topologies.back() = topologies.back().with_bound();
     if (std::ranges::count(topologies, topologies.back()) > 1) throw ValueError("network", name, "named once");
   }
   return topologies;

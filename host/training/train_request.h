@@ -29,6 +29,8 @@ struct TrainRequest {
   std::optional<int> cycles, batch;
   std::optional<std::string> optimizer;
   std::optional<double> stop_error;
+  bool bound = false;           ///< give every network the heads of a bound
+  std::optional<double> level;  ///< of that bound; 0.95 if not given
   double checkpoint_seconds = 10;
   bool resume = false, force = false;
 

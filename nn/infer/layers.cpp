@@ -1,13 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "nn/infer/layers.h"
 
-// Fused multiply-adds are instructions of every x86 processor since 2013; elsewhere libm computes the same bits. The
-// variant is chosen when the library is loaded. Sanitizers do not go with that.
-#if defined(__x86_64__) && !defined(__FMA__) && !defined(TACTEL_SANITIZED)
-#define FOR_EACH_PROCESSOR __attribute__((target_clones("default", "fma")))
-#else
-#define FOR_EACH_PROCESSOR
-#endif
+#include "nn/infer/processors.h"
 
 // Outside of namespace tactel, whose functions the library shows: clang shows what chooses a variant.
 namespace {

@@ -253,7 +253,7 @@ const string& entry(const Model& model, string_view key) {
   return found->second;
 }
 
-/// "42-42-21-1" as widths: an even number of inputs, one or two hidden layers, one output.
+/// "42-42-21-1" as widths: an even number of inputs, one or two hidden layers, one output, or the heads of a bound.
 std::vector<int> widths_of(const string& topology) {
   std::vector<int> widths;
   const char* at = topology.data();
@@ -267,13 +267,69 @@ std::vector<int> widths_of(const string& topology) {
     if (rest == end) break;
     at = rest + 1;
   }
-  if (!good || widths.size() < 3 || widths.size() > 4 || widths.front() % 2 != 0 || widths.back() != 1)
+  if (!good || widths.size() < 3 || widths.size() > 4 || widths.front() % 2 != 0 ||
+      (widths.back() != 1 && widths.back() != heads))
     throw Refused{"a model of an unknown topology"};
   return widths;
 }
 
+void add_count(std::vector<Node>& nodes, const string& values, const string& limit, const string& name) {
+  nodes.push_back({"Greater", values + "," + limit, name + "_above", ""});
+  nodes.push_back({"Cast", name + "_above", name + "_counted", "to=1"});
+  nodes.push_back({"ReduceSum", name + "_counted,along_outputs", name, "keepdims=1"});
+}
+
+/// The part of a graph that our exporter writes for a bound (host/networks/onnx_bound.cpp).
+void add_bound_nodes(std::vector<Node>& nodes, const string& last) {
+  const auto column = [](int k) {
+    return "heads,column" + std::to_string(k) + ",column" + std::to_string(k + 1) + ",along_outputs";
+  };
+  const auto add = [&nodes](const char* type, const string& inputs, const char* output, const char* attributes = "") {
+    nodes.push_back({type, inputs, output, attributes});
+  };
+  add("Add", last + ",half", "heads");
+  add("Slice", column(0), "slip_index");
+  add("Slice", column(1), "width_above");
+  add("Slice", column(2), "width_below");
+  add("Add", "slip_index,width_above", "upper_quantile");
+  add("Sub", "slip_index,width_below", "lower_quantile");
+  add("Sub", "upper_quantile,lower_quantile", "width");
+  add("Slice", "scaled,column0,tactels,along_outputs", "scaled_normal");
+  add("Abs", "scaled_normal", "scaled_normal_size");
+  add("ReduceMax", "scaled_normal_size", "scaled_largest", "axes=1,keepdims=1");
+  add("Mul", "scaled_largest,touching_share", "touching_least");
+  add_count(nodes, "scaled_normal_size", "touching_least", "touching");
+  for (const char* feature : {"touching", "slip_index", "width"})
+    add_count(nodes, feature, string(feature) + "_edges", string(feature) + "_class");
+  add("Mul", "touching_class,slip_index_classes", "class1");
+  add("Add", "class1,slip_index_class", "class2");
+  add("Mul", "class2,width_classes", "class3");
+  add("Add", "class3,width_class", "class4");
+  add("Cast", "class4", "class", "to=7");
+  add("Gather", "upper_corrections,class", "upper_correction", "axis=0");
+  add("Gather", "interval_corrections,class", "interval_correction", "axis=0");
+  for (const auto& [correction, name] :
+       {std::pair{"upper_correction", "slip_upper"}, {"interval_correction", "interval_upper"}}) {
+    const string end = name;
+    nodes.push_back({"Add", string("upper_quantile,") + correction, end + "_sum", ""});
+    nodes.push_back({"Max", end + "_sum,slip_index", end + "_above", ""});
+    nodes.push_back({"Min", end + "_above,largest_slip_index", end, ""});
+  }
+  add("Sub", "lower_quantile,interval_correction", "interval_lower_sum");
+  add("Min", "interval_lower_sum,slip_index", "interval_lower_below");
+  add("Max", "interval_lower_below,least_slip_index", "interval_lower");
+  add("Concat", "interval_lower,interval_upper", "slip_interval", "axis=1");
+  add("Sub", "scaled,centre", "centred");
+  add("MatMul", "centred,whitening", "white");
+  add("Mul", "white,white", "white_squares");
+  add("ReduceSum", "white_squares,along_outputs", "distance", "keepdims=1");
+  add("LessOrEqual", "distance,unlike_above", "within");
+  add("Not", "within", "beyond");
+  add("Cast", "beyond", "unlike", "to=1");
+}
+
 /// The graph that our exporter writes for a number of layers and a scaling.
-std::vector<Node> expected_nodes(std::size_t layers, bool by_frame) {
+std::vector<Node> expected_nodes(std::size_t layers, bool by_frame, bool bound) {
   std::vector<Node> nodes;
   if (by_frame)
     nodes = {{"Slice", "frame,first_normal,end_of_normal,along_frame", "normal", ""},
@@ -295,7 +351,10 @@ std::vector<Node> expected_nodes(std::size_t layers, bool by_frame) {
     nodes.push_back({"Mul", "tanh" + n + ",half", "output" + n, ""});
     last = "output" + n;
   }
-  nodes.push_back({"Add", last + ",half", "slip_index", ""});
+  if (bound)
+    add_bound_nodes(nodes, last);
+  else
+    nodes.push_back({"Add", last + ",half", "slip_index", ""});
   return nodes;
 }
 
@@ -309,6 +368,15 @@ class Initializers {
   std::vector<float> numbers(string_view name, const std::vector<std::int64_t>& dims) {
     return values<float>(name, type_float, dims);
   }
+  /// A list of 1 to `most` numbers.
+  std::vector<float> list(string_view name, std::size_t most) {
+    const auto found = left_.find(name);
+    if (found == left_.end()) throw Refused{"a graph without \"" + string(name) + '"'};
+    const std::size_t count = found->second->raw.size() / sizeof(float);
+    if (count < 1 || count > most) refuse();
+    return numbers(name, {static_cast<std::int64_t>(count)});
+  }
+  std::int64_t integer(string_view name) { return values<std::int64_t>(name, type_int64, {1}).front(); }
   void expect(string_view name, float value) {
     if (numbers(name, {}).front() != value) refuse();
   }
@@ -364,6 +432,44 @@ nn::InputHistory history_of(const Model& model, int inputs) {
   return history;
 }
 
+std::vector<float> read_edges(Initializers& initializers, const char* name) {
+  constexpr std::size_t most_edges = 16;
+  std::vector<float> edges = initializers.list(name, most_edges);
+  expect_finite(edges);
+  if (!std::ranges::is_sorted(edges, std::less_equal{})) throw Refused{"edges of classes that do not ascend"};
+  return edges;
+}
+
+FileBound read_bound(Initializers& initializers, int inputs) {
+  for (int k = 0; k <= heads; ++k) initializers.expect("column" + std::to_string(k), std::int64_t{k});
+  initializers.expect("along_outputs", std::int64_t{1});
+  initializers.expect("touching_share", touching_share);
+  initializers.expect("largest_slip_index", 1.0f);
+  initializers.expect("least_slip_index", -1.0f);
+  FileBound bound;
+  const std::int64_t tactels = initializers.integer("tactels");
+  if (tactels < 1 || tactels > inputs / 2 || inputs % (2 * tactels) != 0)
+    throw Refused{"a bound of tactels that its frames have not"};
+  bound.tactels = static_cast<std::size_t>(tactels);
+  bound.touching = read_edges(initializers, "touching_edges");
+  bound.slip_index = read_edges(initializers, "slip_index_edges");
+  bound.width = read_edges(initializers, "width_edges");
+  const std::size_t slips = bound.slip_index.size() + 1, widths = bound.width.size() + 1;
+  initializers.expect("slip_index_classes", static_cast<float>(slips));
+  initializers.expect("width_classes", static_cast<float>(widths));
+  const auto classes = static_cast<std::int64_t>((bound.touching.size() + 1) * slips * widths);
+  bound.upper_correction = initializers.numbers("upper_corrections", {classes});
+  bound.interval_correction = initializers.numbers("interval_corrections", {classes});
+  bound.centre = initializers.numbers("centre", {inputs});
+  bound.whitening = initializers.numbers("whitening", {inputs, inputs});
+  bound.unlike_above = initializers.numbers("unlike_above", {}).front();
+  for (const auto* table : {&bound.upper_correction, &bound.interval_correction, &bound.centre, &bound.whitening})
+    expect_finite(*table);
+  if (!std::isfinite(bound.unlike_above) || !(bound.unlike_above > 0))
+    throw Refused{"a limit of unlike frames that is no number above 0"};
+  return bound;
+}
+
 NetworkFile network_of(const Graph& graph, const Model& model) {
   const std::vector<int> widths = widths_of(entry(model, "topology"));
   const string& scaling = entry(model, "scaling");
@@ -372,8 +478,11 @@ NetworkFile network_of(const Graph& graph, const Model& model) {
   file.by_frame = scaling == "frame";
   file.history = history_of(model, widths.front());
   const std::size_t layers = widths.size() - 1;
-  if (graph.nodes != expected_nodes(layers, file.by_frame) || graph.inputs != std::vector<string_view>{"frame"} ||
-      graph.outputs != std::vector<string_view>{"slip_index"})
+  const bool bound = widths.back() == heads;
+  std::vector<string_view> outputs{"slip_index"};
+  if (bound) outputs.insert(outputs.end(), {"slip_upper", "slip_interval", "unlike"});
+  if (graph.nodes != expected_nodes(layers, file.by_frame, bound) ||
+      graph.inputs != std::vector<string_view>{"frame"} || graph.outputs != outputs)
     throw Refused{"a model of another form"};
   Initializers initializers(graph.tensors);
   initializers.expect("half", 0.5f);
@@ -396,6 +505,7 @@ NetworkFile network_of(const Graph& graph, const Model& model) {
     expect_finite(layer.bias);
     file.layers.push_back(std::move(layer));
   }
+  if (bound) file.bound = read_bound(initializers, widths.front());
   initializers.finish();
   file.metadata = model.metadata;
   return file;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,12 +17,27 @@ struct FileLayer {
   std::vector<float> bias;     ///< [outputs]
 };
 
+inline constexpr float touching_share = 0.05f;  ///< nn::Bound::touching_share
+inline constexpr int heads = 3;  ///< outputs of a network with a bound: S and the widths of two quantiles
+
+/// Tables of a bound, as nn::Bound (nn/bound.h).
+struct FileBound {
+  std::vector<float> touching, slip_index, width;  ///< edges of the classes
+  std::vector<float> upper_correction;             ///< [classes]
+  std::vector<float> interval_correction;          ///< [classes]
+  std::size_t tactels = 0;                         ///< normal stresses that a scaled frame begins with
+  std::vector<float> centre;                       ///< [inputs]
+  std::vector<float> whitening;                    ///< [inputs, inputs]
+  float unlike_above = 0;
+};
+
 /// Contents of a network file.
 struct NetworkFile {
   std::vector<FileLayer> layers;
   bool by_frame = false;  ///< divide a frame by its own largest |normal stress|; else multiply it by `factor`
   float factor = 0;       ///< 1/MPa
   nn::InputHistory history;
+  std::optional<FileBound> bound;
   std::map<std::string, std::string, std::less<>> metadata;
 };
 

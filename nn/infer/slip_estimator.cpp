@@ -8,6 +8,7 @@
 #include <memory>
 #include <utility>
 
+#include "nn/infer/bound.h"
 #include "nn/infer/layers.h"
 #include "nn/infer/network_file.h"
 
@@ -43,7 +44,9 @@ const char* name(AnswerStatus status) noexcept {
 struct SlipEstimator::Network {
   mutable std::atomic<std::size_t> owners = 1;
   std::vector<infer::HiddenLayer> hidden;
-  std::vector<float> output;  ///< [inputs of the last layer + 1], the bias last
+  std::vector<float> output;  ///< [outputs, inputs of the last layer + 1], the bias last
+  int last = 0;               ///< inputs of the last layer
+  std::optional<infer::FileBound> bound;
   int inputs = 0;
   int normals = 0;  ///< normal stresses of the newest frame
   nn::InputHistory history;
@@ -107,7 +110,22 @@ AnswerStatus scale_frame(const Network& network, const float* frame, float* scal
 Answer answer_of(AnswerStatus status, float slip_index) noexcept {
   constexpr float none = std::numeric_limits<float>::quiet_NaN();
   const bool valid = status == AnswerStatus::ok || status == AnswerStatus::no_stress;
-  return {valid ? slip_index : none, none, status, {}};
+  return {valid ? slip_index : none, none, status, {none, none}, 0, {}};
+}
+
+/// The answer of a network with a bound: x are the inputs of its last layer.
+Answer bounded_answer(const Network& network, AnswerStatus status, const infer::FrameClass& frame,
+                      const float* x) noexcept {
+  const auto head = [&](int h) {
+    return infer::output_neuron(network.output.data() + h * (network.last + 1), network.last, x) + 0.5f;
+  };
+  const float median = head(0);
+  const infer::Quantiles q{median, median + head(1), median - head(2)};
+  if (std::isnan((q.median + q.upper) + q.lower) && status == AnswerStatus::ok) status = AnswerStatus::overflow;
+  Answer answer = answer_of(status, median);
+  if (!std::isnan(answer.slip_index)) infer::add_bound(*network.bound, frame, q, answer);
+  answer.unlike = frame.unlike;
+  return answer;
 }
 
 Answer evaluate(const Network& network, const float* frame) noexcept {
@@ -115,11 +133,14 @@ Answer evaluate(const Network& network, const float* frame) noexcept {
   Activations a, b;  // the widest layer fits
   float *x = a.values, *o = b.values;
   AnswerStatus status = scale_frame(network, frame, x);
+  infer::FrameClass seen;
+  if (network.bound) seen = infer::classify(*network.bound, x);
   for (const infer::HiddenLayer& layer : network.hidden) {
     infer::hidden_outputs(layer, x, o);
     std::swap(x, o);
   }
-  const float output = infer::output_neuron(network.output.data(), static_cast<int>(network.output.size()) - 1, x);
+  if (network.bound) return bounded_answer(network, status, seen, x);
+  const float output = infer::output_neuron(network.output.data(), network.last, x);
   if (std::isnan(output) && status == AnswerStatus::ok) status = AnswerStatus::overflow;
   return answer_of(status, output + 0.5f);
 }
@@ -150,8 +171,15 @@ SlipEstimator SlipEstimator::parse(std::span<const std::byte> bytes, const std::
   network->metadata = std::move(file.metadata);
   for (std::size_t l = 0; l + 1 < file.layers.size(); ++l)
     network->hidden.push_back(infer::hidden_layer(file.layers[l]));
-  network->output = file.layers.back().weights;
-  network->output.push_back(file.layers.back().bias.front());
+  network->bound = std::move(file.bound);
+  if (network->bound) network->bound->whitening = infer::tiled(network->bound->whitening, network->bound->centre.size());
+  const infer::FileLayer& last = file.layers.back();
+  network->last = last.inputs;
+  for (int h = 0; h < last.outputs; ++h) {
+    const auto row = last.weights.begin() + static_cast<std::ptrdiff_t>(h) * last.inputs;
+    network->output.insert(network->output.end(), row, row + last.inputs);
+    network->output.push_back(last.bias[static_cast<std::size_t>(h)]);
+  }
   return SlipEstimator(network.release());
 }
 

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <limits>
 
 #include "host/networks/forward.h"
@@ -18,6 +19,8 @@
 #include "host/networks/onnx_graph.h"
 #include "host/support/checksum.h"
 #include "host/support/errors.h"
+#include "host/training/bound_report.h"
+#include "tests/host/networks/bounded_model.h"
 #include "tests/host/networks/network_cases.h"
 #include "tests/host/support/run_tactel.h"
 
@@ -98,6 +101,89 @@ TEST(Infer, GivesTheBitsOfTheKernels) {
       }
     }
   }
+}
+
+// S, the bound and the interval have the bits of the kernel and of nn::bounded; the distance, too, for both add
+// products in one order without fusing.
+TEST(Infer, GivesTheBoundOfTheProgram) {
+  for (const char* topology : {"42-42-21-3", "8-32-3"}) {
+    for (const ScalingKind kind : {ScalingKind::set, ScalingKind::frame}) {
+      const nn::Model model = tactel::testing::bounded_model(topology, kind);
+      nn::FrameSet set;
+      set.frames = some_frames(model.weights.topology.inputs());
+      const auto kernel =
+          host::Forward<float>(executor(), std::span(&model.weights, 1), model.scaling).recall(set.frames);
+      const std::vector<nn::BoundAnswer> bounds = host::bounds_of(model, kernel, set);
+      const std::vector<Answer> answers = answers_of(estimator_of(host::onnx_bytes(model)), set.frames);
+      int unlike = 0, below_one = 0;
+      for (std::size_t row = 0; row < answers.size(); ++row) {
+        const Answer& answer = answers[row];
+        const auto i = static_cast<Eigen::Index>(row);
+        EXPECT_EQ(int(answer.status), int(kernel.status[row])) << row;
+        const bool none = std::isnan(kernel.slip_index(i));
+        EXPECT_EQ(std::isnan(answer.slip_upper), none) << row;
+        unlike += answer.unlike != 0;
+        if (none) continue;
+        EXPECT_EQ(bits(answer.slip_index), bits(kernel.slip_index(i))) << row;
+        if (row == 11 || row == 12) continue;  // denormal stresses: the twin does not take them for zeros
+        EXPECT_EQ(bits(answer.slip_upper), bits(bounds[row].upper)) << row;
+        EXPECT_EQ(bits(answer.slip_interval[0]), bits(bounds[row].interval[0])) << row;
+        EXPECT_EQ(bits(answer.slip_interval[1]), bits(bounds[row].interval[1])) << row;
+        EXPECT_EQ(answer.unlike != 0, bounds[row].unlike) << row;
+        EXPECT_GE(answer.slip_upper, answer.slip_index) << row;
+        below_one += answer.slip_upper < 1;
+      }
+      EXPECT_GT(unlike, 0);
+      EXPECT_LT(unlike, 150);
+      EXPECT_GT(below_one, 50);
+    }
+  }
+}
+
+TEST(Infer, HasNoBoundOfAPlainNetwork) {
+  const Answer answer =
+      answers_of(estimator_of(host::onnx_bytes(some_model("2-1-1", ScalingKind::set))), bumps(1, 2, 3).frames).front();
+  EXPECT_TRUE(std::isnan(answer.slip_upper) && std::isnan(answer.slip_interval[0]));
+  EXPECT_EQ(answer.unlike, 0u);
+}
+
+// Tables of a wrong size, type or kind of number under a checksum that matches; and a graph without a bound's nodes.
+TEST(Infer, RefusesOtherTablesOfABound) {
+  const auto problem = [](const std::string& name, const std::function<void(onnx::TensorProto&)>& change) {
+    onnx::ModelProto proto;
+    EXPECT_TRUE(proto.ParseFromString(host::onnx_bytes(tactel::testing::bounded_model("16-9-3", ScalingKind::set))));
+    for (onnx::TensorProto& tensor : *proto.mutable_graph()->mutable_initializer())
+      if (tensor.name() == name) change(tensor);
+    const std::string sum = host::onnx_checksum(proto);
+    for (onnx::StringStringEntryProto& entry : *proto.mutable_metadata_props())
+      if (entry.key() == host::checksum_key) entry.set_value(sum);
+    return problem_of(proto.SerializeAsString());
+  };
+  EXPECT_EQ(problem("centre", [](onnx::TensorProto&) {}), "none");
+  const auto shorter = [](onnx::TensorProto& tensor) {
+    tensor.set_raw_data(tensor.raw_data().substr(4));
+    tensor.set_dims(0, tensor.dims(0) - 1);
+  };
+  const auto infinite = [](onnx::TensorProto& tensor) {
+    const float number = std::numeric_limits<float>::infinity();
+    std::string raw = tensor.raw_data();
+    std::memcpy(raw.data(), &number, sizeof number);
+    tensor.set_raw_data(raw);
+  };
+  for (const char* name :
+       {"upper_corrections", "interval_corrections", "centre", "touching_edges", "slip_index_edges", "width_edges"}) {
+    EXPECT_NE(problem(name, shorter), "none") << name;
+    EXPECT_NE(problem(name, infinite), "none") << name;
+    EXPECT_NE(problem(name, [](onnx::TensorProto& tensor) { tensor.clear_raw_data(); }), "none") << name;
+    EXPECT_NE(problem(name, [](onnx::TensorProto& tensor) { tensor.set_data_type(onnx::TensorProto::DOUBLE); }), "none")
+        << name;
+  }
+  const auto number = [](std::int64_t value) {
+    return [value](onnx::TensorProto& tensor) { tensor.set_raw_data(&value, sizeof value); };
+  };
+  for (const std::int64_t tactels : {-1, 0, 7, 9, 1 << 30})
+    EXPECT_NE(problem("tactels", number(tactels)), "none") << tactels;
+  EXPECT_EQ(problem("tactels", number(4)), "none");  // two frames of four tactels
 }
 
 // The reference twin adds in another order. A sum of n products is off by n eps of their sizes, which weights below 1.5

@@ -30,6 +30,14 @@ TEST(Topology, TakesAnyWidths) {
   EXPECT_EQ(network.layer_offset(2), 16u * 17 + 8 * 17);
 }
 
+TEST(Topology, GivesABoundThreeOutputs) {
+  const Topology network = Topology::parse("42-42-21-1");
+  EXPECT_FALSE(network.has_bound());
+  EXPECT_EQ(network.with_bound(), Topology::parse("42-42-21-3"));
+  EXPECT_TRUE(network.with_bound().has_bound());
+  EXPECT_EQ(network.with_bound().weight_count(), 2731u + 2 * 22);
+}
+
 TEST(Topology, SaysWhatIsWrong) {
   for (const char* bad : {"", "0", "7", "42", "42-1", "42-42-2", "41-42-1", "42-0-1", "42--1", "42-42-1-", "-42-42-1",
                           "42-42-42-42-1", "42-257-1", "42-x-1", "42 -42-1", "99999-42-1"}) {

@@ -10,6 +10,7 @@
 
 #include "host/commands/command.h"
 #include "host/commands/live/sensor_session.h"
+#include "host/live/alarm.h"
 #include "host/live/live_monitor.h"
 #include "host/live/live_view.h"
 #include "host/networks/onnx_file.h"
@@ -19,10 +20,12 @@
 namespace tactel::host {
 namespace {
 
+constexpr float default_alarm = 0.8f;
+
 struct MonitorRequest : SensorRequest {
   std::string network, device;
   int every = 1;
-  float alarm = 0.8f;
+  std::optional<float> alarm;  ///< default_alarm for --view where not given
   MonitorOptions options;
   bool view = false;
 };
@@ -31,12 +34,21 @@ struct MonitorRequest : SensorRequest {
 std::string json_number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : "null"; }
 std::string json_number(float value) { return std::isfinite(value) ? fmt::format("{}", value) : "null"; }
 
-std::string line_text(const MonitorLine& line) {
+/// What a line says beside S: the bound of a network that has one, and the alarm where it was asked for.
+std::string bound_text(const MonitorLine& line, const std::optional<bool>& alarm) {
+  std::string text;
+  if (line.bound)
+    text += fmt::format(", \"slip_upper\": {}, \"unlike\": {}", json_number(line.bound->upper), line.bound->unlike);
+  if (alarm) text += fmt::format(", \"alarm\": {}", *alarm);
+  return text;
+}
+
+std::string line_text(const MonitorLine& line, const std::optional<bool>& alarm) {
   const std::string latency = std::isfinite(line.latency) ? fmt::format("{:.1f}", line.latency) : "null";
   return fmt::format(
-      "{{\"frame\": {}, \"device_time\": {}, \"arrival\": {}, \"slip_index\": {}, \"latency_us\": {}}}\n",
+      "{{\"frame\": {}, \"device_time\": {}, \"arrival\": {}, \"slip_index\": {}{}, \"latency_us\": {}}}\n",
       line.frame.number, line.frame.device_time ? json_number(*line.frame.device_time) : "null",
-      json_number(line.frame.arrival), json_number(line.answer.slip_index), latency);
+      json_number(line.frame.arrival), json_number(line.answer.slip_index), bound_text(line, alarm), latency);
 }
 
 std::string summary_text(const MonitorSummary& all, bool cut_short) {
@@ -77,9 +89,11 @@ class Output {
 /// Where the lines go, and when it ends.
 MonitorEvents make_events(const MonitorRequest& request, LiveView& view, Output& output, const Until& until) {
   MonitorEvents events;
-  events.line = [&](const MonitorLine& line) {
-    if (line.frame.number % static_cast<std::uint64_t>(request.every) != 0) return;
-    if (!request.view) return output.put(line_text(line));
+  events.line = [&, alarm = Alarm(request.alarm.value_or(default_alarm))](const MonitorLine& line) mutable {
+    const bool before = alarm.on(), on = alarm.next(line.acted_on());
+    const bool event = request.alarm && on != before;  // is printed, whatever --every says
+    if (!event && line.frame.number % static_cast<std::uint64_t>(request.every) != 0) return;
+    if (!request.view) return output.put(line_text(line, request.alarm ? std::optional(on) : std::nullopt));
     if (const auto picture = view.show(line, output.columns())) output.put(*picture);
   };
   events.second = [&](const MonitorSummary& summary) {
@@ -98,7 +112,11 @@ int run_monitor(const MonitorRequest& request) {
   OpenSource opened = open_for(request);
   LiveMonitor monitor(executor, model, opened.profile, request.options);
   Output output;
-  LiveView view({.alarm = request.alarm, .cursor = output.terminal(), .colour = takes_colour(STDOUT_FILENO)});
+  if (model.bound && !model.bound->calibrated() && !request.quiet)
+    print_warning(request.network + ": its bound is not calibrated (tactel calibrate bound)");
+  LiveView view({.alarm = request.alarm.value_or(default_alarm),
+                 .cursor = output.terminal(),
+                 .colour = takes_colour(STDOUT_FILENO)});
   const Until until(request.seconds);
   const MonitorSummary summary = monitor.run(*opened.source, make_events(request, view, output, until));
   say_if_cut_short(request, *opened.source);
@@ -132,9 +150,13 @@ void add_monitor_command(CLI::App& app, Action& action) {
   command->add_flag(
       "--view", request->view,
       "a picture instead of lines: S and its history, the tactels' stresses as blocks, shear with its direction");
-  command->add_option("--alarm", request->alarm, "S from which --view shows an alarm, no unit")
-      ->check(CLI::Range(0.0f, 1.0f))
-      ->capture_default_str();
+  command
+      ->add_option("--alarm", request->alarm,
+                   "add \"alarm\" to each line: true from this upper bound of S on (S itself where the network has no "
+                   "bound), false again 0.05 below; a line where it changes is always printed; --view shows it, too, "
+                   "no unit (default of --view: 0.8)")
+      ->type_name("FLOAT")
+      ->check(CLI::Range(0.0f, 1.0f));
   command
       ->add_option("--device", request->device, "OpenCL device: a part of its name or its index, see `tactel devices`")
       ->type_name("NAME|INDEX");

@@ -26,10 +26,12 @@ enum tactel_status {
 
 /* The answer to a frame. Later versions may give a meaning to `reserved`, and change nothing else. */
 typedef struct tactel_answer {
-  float slip_index; /* S, 0..1; NaN where the status is not TACTEL_OK or TACTEL_NO_STRESS */
-  float slip_upper; /* upper bound of S; NaN where the network has none */
-  uint32_t status;  /* enum tactel_status */
-  uint32_t reserved[5];
+  float slip_index;       /* S, 0..1; NaN where the status is not TACTEL_OK or TACTEL_NO_STRESS */
+  float slip_upper;       /* upper bound of S, at most 1; NaN where the network has none */
+  uint32_t status;        /* enum tactel_status */
+  float slip_interval[2]; /* S is within it, lower end first; NaN where the network has no bound */
+  uint32_t unlike;        /* 1: the frame is unlike those of the learning set, and the bound says nothing */
+  uint32_t reserved[2];
 } tactel_answer;
 
 /* Loads a network file (ONNX) that tactel wrote. Returns NULL where that fails; tactel_error() has the reason. */

@@ -54,7 +54,66 @@ TEST_P(ForwardTopology, MatchesReference) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Topologies, ForwardTopology, ::testing::Values("1", "5", "16-16-8-1", "2-1-1", "30-31-33-1"));
+INSTANTIATE_TEST_SUITE_P(Topologies, ForwardTopology,
+                         ::testing::Values("1", "5", "16-16-8-1", "2-1-1", "30-31-33-1", "16-16-8-3", "18-33-3"));
+
+// The heads of a bound: the reference's quantiles to the tolerances above, a frame alone as in a batch bit for bit, and
+// S that of the network with its first head alone, bit for bit.
+TEST(ForwardHeads, MatchTheReferenceAndTheNetworkOfOneOutput) {
+  for (const char* name : {"16-16-8-3", "30-33-3"}) {
+    const nn::Topology topology = nn::Topology::parse(name);
+    const nn::RowMatrix<float> frames = bumps(203, topology.inputs(), 4).frames;
+    const auto fp64 = some_networks<double>(topology, 2);
+    const auto fp32 = some_networks<float>(topology, 2);
+    std::vector<int> widths = topology.widths();
+    widths.back() = 1;
+    nn::Weights<float> first_head{nn::Topology(widths)};
+    std::copy_n(fp32[1].values.begin(), first_head.values.size(), first_head.values.begin());
+    Forward<double> d(executor(), fp64, by_frame);
+    Forward<float> f(executor(), fp32, by_frame);
+    const DeviceFrames on_device(executor().device(), frames);
+    d.run(on_device);
+    f.run(on_device);
+    const nn::Recall<double> truth = nn::recall(fp64[1], by_frame, frames), double_answer = d.result(1);
+    const nn::Recall<float> answer = f.result(1);
+    EXPECT_LT((double_answer.upper - truth.upper).cwiseAbs().maxCoeff(), 1e-14);
+    EXPECT_LT((double_answer.lower - truth.lower).cwiseAbs().maxCoeff(), 1e-14);
+    EXPECT_LT((answer.upper.cast<double>() - truth.upper).cwiseAbs().maxCoeff(), 1e-6);
+    EXPECT_LT((answer.lower.cast<double>() - truth.lower).cwiseAbs().maxCoeff(), 1e-6);
+    EXPECT_GT(answer.upper.maxCoeff() - answer.upper.minCoeff(), 1e-3);
+    EXPECT_EQ(answer.slip_index,
+              Forward<float>(executor(), std::span(&first_head, 1), by_frame).recall(frames).slip_index);
+    ForwardOne<float> one(executor(), fp32[1], by_frame);
+    for (int row = 0; row < 203; ++row) {
+      const FrameAnswer<float> alone = one(std::span<const float>(frames.row(row).data(), frames.cols()));
+      EXPECT_EQ(alone.slip_index, answer.slip_index(row)) << row;
+      EXPECT_EQ(alone.upper, answer.upper(row)) << row;
+      EXPECT_EQ(alone.lower, answer.lower(row)) << row;
+    }
+  }
+}
+
+// A sum that overflows in one head leaves no answer at all.
+TEST(ForwardHeads, HaveNoAnswerWhereOneOverflows) {
+  const nn::Topology topology = nn::Topology::parse("16-16-3");
+  const nn::RowMatrix<float> frames = bumps(5, 16, 4).frames;
+  auto networks = some_networks<float>(topology, 1);
+  networks[0].layer(1).row(1).setConstant(3e38f);
+  networks[0].layer(1)(1, 0) = -3e38f;
+  networks[0].layer(0).leftCols(16).row(0).setConstant(0);
+  networks[0].layer(0)(0, 16) = 30;  // the first neuron gives 1/2, the others what they like: infinity minus infinity
+  networks[0].layer(0).rightCols(1).setConstant(30);
+  networks[0].layer(1)(1, 16) = 3e38f;
+  const nn::Recall<float> answer = Forward<float>(executor(), networks, by_frame).recall(frames);
+  ForwardOne<float> one(executor(), networks[0], by_frame);
+  for (int row = 0; row < 5; ++row) {
+    const FrameAnswer<float> alone = one(std::span<const float>(frames.row(row).data(), 16));
+    EXPECT_EQ(alone.status, answer.status[row]);
+    if (answer.status[row] == FrameStatus::ok) continue;
+    EXPECT_EQ(answer.status[row], FrameStatus::overflow);
+    EXPECT_TRUE(std::isnan(answer.slip_index(row)) && std::isnan(answer.upper(row)) && std::isnan(answer.lower(row)));
+  }
+}
 
 class ForwardBatch : public ::testing::TestWithParam<int> {};
 

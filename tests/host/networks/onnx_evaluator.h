@@ -30,7 +30,10 @@ class OnnxEvaluator {
     for (const onnx::TensorProto& tensor : graph_.initializer()) constants_[tensor.name()] = read(tensor);
   }
 
-  Tensor run(const Tensor& input) const {
+  Tensor run(const Tensor& input) const { return all(input).at(graph_.output(0).name()); }
+
+  /// Every value of the graph by its name.
+  std::map<std::string, Tensor> all(const Tensor& input) const {
     std::map<std::string, Tensor> values = constants_;
     values[graph_.input(0).name()] = input;
     for (const onnx::NodeProto& node : graph_.node()) {
@@ -38,7 +41,7 @@ class OnnxEvaluator {
       for (const std::string& name : node.input()) in.push_back(values.at(name));
       values[node.output(0)] = apply(node, in);
     }
-    return values.at(graph_.output(0).name());
+    return values;
   }
 
  private:
@@ -138,11 +141,75 @@ class OnnxEvaluator {
     return out;
   }
 
+  // Along the second axis of a matrix, with keepdims: the axes are an input since opset 13.
+  static Tensor reduce_sum(const onnx::NodeProto& node, const std::vector<Tensor>& in) {
+    const auto* keep = attribute(node, "keepdims");
+    if (in.size() != 2 || in[1].data != std::vector<double>{1} || (keep && keep->i() != 1))
+      throw std::runtime_error("ReduceSum: not this one");
+    Tensor out{{in[0].shape[0], 1}, {}};
+    for (std::int64_t i = 0; i < in[0].shape[0]; ++i) {
+      double sum = 0;
+      for (std::int64_t k = 0; k < in[0].shape[1]; ++k) sum += in[0].data[i * in[0].shape[1] + k];
+      out.data.push_back(sum);
+    }
+    return out;
+  }
+
+  // Of a list: an element for each index, in the shape of the indices.
+  static Tensor gather(const onnx::NodeProto& node, const std::vector<Tensor>& in) {
+    const auto* axis = attribute(node, "axis");
+    if (in[0].shape.size() != 1 || (axis && axis->i() != 0)) throw std::runtime_error("Gather: not this one");
+    Tensor out{in[1].shape, {}};
+    for (const double index : in[1].data) out.data.push_back(in[0].data.at(static_cast<std::size_t>(index)));
+    return out;
+  }
+
+  // Of two columns.
+  static Tensor concat(const onnx::NodeProto& node, const std::vector<Tensor>& in) {
+    if (in.size() != 2 || in[0].shape != in[1].shape || in[0].shape.at(1) != 1 || attribute(node, "axis")->i() != 1)
+      throw std::runtime_error("Concat: not this one");
+    Tensor out{{in[0].shape[0], 2}, {}};
+    for (std::int64_t i = 0; i < in[0].shape[0]; ++i) out.data.insert(out.data.end(), {in[0].data[i], in[1].data[i]});
+    return out;
+  }
+
+  static Tensor matmul(const std::vector<Tensor>& in) {
+    const std::int64_t rows = in[0].shape[0], inner = in[0].shape[1], columns = in[1].shape[1];
+    if (in[1].shape[0] != inner) throw std::runtime_error("MatMul: inner extents differ");
+    Tensor product{{rows, columns}, std::vector<double>(rows * columns, 0)};
+    for (std::int64_t i = 0; i < rows; ++i)
+      for (std::int64_t j = 0; j < columns; ++j)
+        for (std::int64_t k = 0; k < inner; ++k)
+          product.data[i * columns + j] += in[0].data[i * inner + k] * in[1].data[k * columns + j];
+    return product;
+  }
+
+  // To an integer or a number; towards zero.
+  static Tensor cast(const onnx::NodeProto& node, Tensor in) {
+    const std::int64_t to = attribute(node, "to")->i();
+    if (to != onnx::TensorProto::FLOAT && to != onnx::TensorProto::INT64)
+      throw std::runtime_error("Cast: not this one");
+    if (to == onnx::TensorProto::INT64)
+      for (double& value : in.data) value = std::trunc(value);
+    return in;
+  }
+
   static Tensor apply(const onnx::NodeProto& node, const std::vector<Tensor>& in) {
     const std::string& type = node.op_type();
     if (type == "Gemm") return gemm(node, in);
     if (type == "Slice") return slice(in);
     if (type == "ReduceMax") return reduce_max(node, in[0]);
+    if (type == "ReduceSum") return reduce_sum(node, in);
+    if (type == "Gather") return gather(node, in);
+    if (type == "Concat") return concat(node, in);
+    if (type == "MatMul") return matmul(in);
+    if (type == "Cast") return cast(node, in[0]);
+    if (type == "Greater") return broadcast(in, [](const auto& x) { return x[0] > x[1] ? 1.0 : 0.0; });
+    if (type == "LessOrEqual") return broadcast(in, [](const auto& x) { return x[0] <= x[1] ? 1.0 : 0.0; });
+    if (type == "Not") return broadcast(in, [](const auto& x) { return x[0] == 0 ? 1.0 : 0.0; });
+    if (type == "Max") return broadcast(in, [](const auto& x) { return std::max(x[0], x[1]); });
+    if (type == "Min") return broadcast(in, [](const auto& x) { return std::min(x[0], x[1]); });
+    if (type == "Sub") return broadcast(in, [](const auto& x) { return x[0] - x[1]; });
     if (type == "Mul") return broadcast(in, [](const auto& x) { return x[0] * x[1]; });
     if (type == "Add") return broadcast(in, [](const auto& x) { return x[0] + x[1]; });
     if (type == "Div") return broadcast(in, [](const auto& x) { return x[0] / x[1]; });

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "fem/value_error.h"
+#include "nn/quantile_heads.h"
 #include "tests/host/networks/network_cases.h"
 
 namespace {
@@ -91,7 +92,8 @@ INSTANTIATE_TEST_SUITE_P(Shapes, TrainBatchTest,
                                            Shape{"16-16-8-1", 1000, 128}, Shape{"16-16-8-1", 1000, 129},
                                            Shape{"16-16-8-1", 1000, 600}, Shape{"16-16-8-1", 300, 1000},
                                            Shape{"2-1-1", 50, 16}, Shape{"30-31-33-1", 70, 33},
-                                           Shape{"18-33-1", 70, 33}));
+                                           Shape{"18-33-1", 70, 33}, Shape{"16-16-8-3", 100, 32},
+                                           Shape{"16-16-8-3", 300, 200}, Shape{"18-33-3", 70, 33}));
 
 // fp32 beside the Eigen reference in fp32: the kernel may stray from fp64 as far as that does, within a factor of 4.
 // The delta rule; Adam's first steps depend on the sign of gradients that rounding decides.
@@ -127,6 +129,31 @@ TEST(TrainBatchGradient, MatchesFiniteDifferences) {
     above.values[i] += h;
     below.values[i] -= h;
     EXPECT_NEAR(state.first.values[i], -(half_mean_square(above) - half_mean_square(below)) / (2 * h), 1e-10) << i;
+  }
+}
+
+// The same for the heads of a bound: minus the gradient of the mean pinball loss.
+TEST(TrainBatchGradient, OfQuantilesMatchesFiniteDifferences) {
+  const BatchOptions options{.rule = BatchRule::delta, .batch = 150, .rate = 1.0, .level = 0.9};
+  const auto c = make_case<double>("16-16-8-3", 150, options);
+  TrainBatch<double> device = c.device({{7, 0}});
+  device.train_epoch();
+  const nn::BatchState<double> state = device.state(0);
+  const auto shown = nn::training_set<double>(c.set, c.scaling);
+  const auto mean_loss = [&](const nn::Weights<double>& weights) {
+    double sum = 0;
+    for (int row = 0; row < 150; ++row)
+      sum += nn::quantile_loss(nn::forward<double>(weights, shown.inputs.row(row).transpose()).back(),
+                               shown.target(row) + 0.5, options.level);
+    return sum / 150;
+  };
+  const nn::Weights<double> initial(nn::initial_weights(c.topology, 7));
+  const double h = 1e-6;  // rounding ~ 1e-16 / h; no S lies within h of a quantile
+  for (std::size_t i = 0; i < initial.values.size(); i += 3) {
+    nn::Weights<double> above = initial, below = initial;
+    above.values[i] += h;
+    below.values[i] -= h;
+    EXPECT_NEAR(state.first.values[i], -(mean_loss(above) - mean_loss(below)) / (2 * h), 1e-9) << i;
   }
 }
 

@@ -26,9 +26,11 @@ TACTEL_API const char* name(AnswerStatus status) noexcept;
 /// The answer to a frame. Later versions may give a meaning to `reserved`, and change nothing else.
 struct Answer {
   float slip_index;  ///< S, 0..1; NaN where the status is not_finite, overflow or wrong_size
-  float slip_upper;  ///< upper bound of S; NaN where the network has none
+  float slip_upper;  ///< upper bound of S, at most 1; NaN where the network has none
   AnswerStatus status;
-  std::uint32_t reserved[5];  ///< 0
+  float slip_interval[2];     ///< S is within it, lower end first; NaN where the network has no bound
+  std::uint32_t unlike;       ///< 1: the frame is unlike those of the learning set, and the bound says nothing
+  std::uint32_t reserved[2];  ///< 0
 };
 
 /// A network that reads the slippage index S = Q / (mu P) from the stresses at the tactels.

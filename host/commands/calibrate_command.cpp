@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include "host/commands/shared_options.h"
+#include "host/networks/onnx_file.h"
+#include "host/support/durable_file.h"
+#include "host/support/progress_line.h"
+#include "host/support/terminal.h"
+#include "host/training/calibration.h"
+
+namespace tactel::host {
+namespace {
+
+struct CalibrateBoundRequest {
+  NetworkOptions shared;
+  std::string network, set, output;
+  double level = 0.95;
+};
+
+int run_calibrate_bound(const CalibrateBoundRequest& request) {
+  const std::string& output = request.output.empty() ? request.network : request.output;
+  NamedNetwork network{request.network, read_onnx(request.network)};
+  check_writable("--output", output);
+  const ContactSet set = [&] {
+    const StageLine stage("reading " + request.set, request.shared.quiet);
+    return read_contact_set(request.set);
+  }();
+  if (!request.shared.quiet && request.set == network.model.learning_set)
+    print_warning(request.set + ": the network learnt from this set; its bound holds only on rows of another seed");
+  Executor executor{Device(request.shared.device)};
+  const nn::Calibration report = calibrate_bound(executor, network, set, request.set, request.level);
+  write_onnx(output, network.model);
+  if (request.shared.quiet) return done;
+  fmt::print(
+      "{}: bound of {:g} %, calibrated on {} rows of {} (seed {}); {} of {} classes have a correction of "
+      "their own\n",
+      output, 100 * request.level, report.rows, request.set, set.seed, report.own_classes, report.classes);
+  if (!report.known)
+    print_warning(
+        fmt::format("{} rows do not tell which frames are unlike the others ({} are needed): that limit stays "
+                    "as it was",
+                    report.rows, nn::fewest_scores(nn::Bound::known_share)));
+  return done;
+}
+
+}  // namespace
+
+void add_calibrate_command(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand("calibrate", "calibrate the bound of a network on other data");
+  command->group("Learn");
+  command->require_subcommand(1);
+  auto request = std::make_shared<CalibrateBoundRequest>();
+  CLI::App* bound = command->add_subcommand(
+      "bound", "renew the bound of a network by the rows of a set: conformal corrections and known frames");
+  bound->add_option("network", request->network, "network with a bound, see tactel train --bound")
+      ->type_name("FILE.onnx")
+      ->required();
+  bound->add_option("set", request->set, "set to calibrate by (HDF5), of another seed than the learning set")
+      ->type_name("SET.h5")
+      ->required();
+  bound->add_option("--output", request->output, "network file to write (default: in place)")->type_name("FILE.onnx");
+  bound->add_option("--level", request->level, "share of new frames whose S shall be below the bound, no unit")
+      ->check(CLI::Range(0.5, 0.9999))
+      ->capture_default_str();
+  bound
+      ->add_option("--device", request->shared.device,
+                   "OpenCL device: a part of its name or its index, see `tactel devices`")
+      ->type_name("NAME|INDEX");
+  bound->add_flag("--quiet", request->shared.quiet, "no progress, no warnings and no summary");
+  bound->callback([request, &action] { action = [request] { return run_calibrate_bound(*request); }; });
+}
+
+}  // namespace tactel::host

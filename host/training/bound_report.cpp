@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/training/bound_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <nlohmann/json.hpp>
+
+#include "host/training/network_report.h"
+#include "nn/bound.h"
+
+namespace tactel::host {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int groups[] = {1, 2, 3, 5, 9, 17};  // least touching nodes of each
+constexpr float rounding = 1e-6f;              // of S and its bound, in fp32
+
+using Rows = std::vector<std::size_t>;
+
+Coverage coverage_of(const Rows& rows, std::span<const nn::BoundAnswer> bounds, const nn::FrameSet& set) {
+  Coverage coverage{.rows = rows.size()};
+  if (rows.empty()) return coverage;
+  std::vector<float> widths;
+  for (const std::size_t row : rows) {
+    const nn::BoundAnswer& bound = bounds[row];
+    const float s = std::min(set.slip_index(static_cast<Eigen::Index>(row)), 1.0f);
+    coverage.upper += s <= bound.upper + rounding;
+    coverage.interval += s >= bound.interval[0] - rounding && s <= bound.interval[1] + rounding;
+    coverage.unlike += bound.unlike;
+    widths.push_back(bound.interval[1] - bound.interval[0]);
+  }
+  const auto count = static_cast<double>(rows.size());
+  coverage.upper /= count, coverage.interval /= count, coverage.unlike /= count;
+  const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
+  std::nth_element(widths.begin(), middle, widths.end());
+  coverage.width = *middle;
+  return coverage;
+}
+
+Json to_json(const Coverage& coverage) {
+  const auto figure = [&](double value) { return coverage.rows > 0 ? Json(value) : Json(nullptr); };
+  return {{"rows", coverage.rows},
+          {"coverage", figure(coverage.upper)},
+          {"interval_coverage", figure(coverage.interval)},
+          {"width", figure(coverage.width)},
+          {"unlike", figure(coverage.unlike)}};
+}
+
+std::string slip_name(int tenth) { return fmt::format("{:.1f} to {:.1f}", tenth / 10.0, (tenth + 1) / 10.0); }
+
+}  // namespace
+
+int touching_key(int nodes) {
+  int key = groups[0];
+  for (const int least : groups)
+    if (nodes >= least) key = least;
+  return key;
+}
+
+std::string touching_name(int key) {
+  const auto* next = std::upper_bound(std::begin(groups), std::end(groups), key);
+  if (next == std::end(groups)) return fmt::format("{} and more", key);
+  return *next == key + 1 ? std::to_string(key) : fmt::format("{} to {}", key, *next - 1);
+}
+
+double BoundReport::least(double Coverage::*what, std::size_t rows) const {
+  double least = 1;
+  for (const auto* classes : {&by_class, &by_touching, &by_slip})
+    for (const auto& [key, coverage] : *classes)
+      if (coverage.rows >= rows) least = std::min(least, coverage.*what);
+  return least;
+}
+
+template <class Real>
+std::vector<nn::BoundAnswer> bounds_of(const nn::Model& model, const nn::Recall<Real>& answer,
+                                       const nn::FrameSet& set) {
+  std::vector<nn::BoundAnswer> bounds;
+  bounds.reserve(static_cast<std::size_t>(set.rows()));
+  const auto inputs = static_cast<int>(set.frames.cols());
+  std::vector<float> scaled(static_cast<std::size_t>(inputs));
+  for (Eigen::Index row = 0; row < set.rows(); ++row) {
+    nn::scale_frame(model.scaling, set.frames.row(row).data(), inputs, scaled.data());
+    const nn::Quantiles<float> q{static_cast<float>(answer.slip_index(row)), static_cast<float>(answer.upper(row)),
+                                 static_cast<float>(answer.lower(row))};
+    bounds.push_back(nn::bounded(*model.bound, q, scaled.data()));
+  }
+  return bounds;
+}
+
+template std::vector<nn::BoundAnswer> bounds_of(const nn::Model&, const nn::Recall<float>&, const nn::FrameSet&);
+template std::vector<nn::BoundAnswer> bounds_of(const nn::Model&, const nn::Recall<double>&, const nn::FrameSet&);
+
+BoundReport report_bound(std::span<const nn::BoundAnswer> bounds, const nn::FrameSet& set) {
+  Rows all, alike;
+  std::map<int, Rows> classes, touching, slip;
+  for (std::size_t row = 0; row < bounds.size(); ++row) {
+    if (std::isnan(bounds[row].upper)) continue;
+    all.push_back(row);
+    if (!bounds[row].unlike) alike.push_back(row);
+    if (row < set.shape_class.size()) classes[set.shape_class[row]].push_back(row);
+    if (row < set.contact_nodes.size()) touching[touching_key(set.contact_nodes[row])].push_back(row);
+    slip[static_cast<int>(std::clamp(10 * set.slip_index(static_cast<Eigen::Index>(row)), 0.0f, 9.0f))].push_back(row);
+  }
+  BoundReport report{.all = coverage_of(all, bounds, set), .alike = coverage_of(alike, bounds, set)};
+  const auto judge = [&](const std::map<int, Rows>& from, std::map<int, Coverage>& to) {
+    for (const auto& [key, rows] : from) to[key] = coverage_of(rows, bounds, set);
+  };
+  judge(classes, report.by_class), judge(touching, report.by_touching), judge(slip, report.by_slip);
+  return report;
+}
+
+Json to_json(const nn::Bound& bound) {
+  return {{"calibrated", bound.calibrated()},
+          {"level", bound.level},
+          {"set", bound.set},
+          {"rows", bound.rows},
+          {"seed", bound.seed}};
+}
+
+Json to_json(const BoundReport& report, const std::vector<std::string>& indenter_names) {
+  Json json = to_json(report.all);
+  json["alike"] = to_json(report.alike);
+  const auto list = [&json](const char* name, const char* key, const std::map<int, Coverage>& classes,
+                            const auto& name_of) {
+    Json array = Json::array();
+    for (const auto& [which, coverage] : classes) {
+      array.push_back({{key, name_of(which)}});
+      array.back().update(to_json(coverage));
+    }
+    json[name] = std::move(array);
+  };
+  list("by_indenter", "indenter", report.by_class, [&](int kind) { return indenter_name(indenter_names, kind); });
+  list("by_touching", "contact_nodes", report.by_touching, touching_name);
+  list("by_slip_index", "slip_index", report.by_slip, slip_name);
+  return json;
+}
+
+std::string bound_line(const nn::Bound& bound) {
+  if (!bound.calibrated()) return "bound not calibrated (tactel calibrate bound)";
+  return fmt::format("bound of {:g} %, calibrated on {} rows of {} (seed {})", 100 * bound.level, bound.rows, bound.set,
+                     bound.seed);
+}
+
+std::string coverage_table(const BoundReport& report, const std::vector<std::string>& indenter_names) {
+  std::string text = fmt::format("{:<24}{:>9}{:>12}{:>12}{:>12}{:>9}\n", "coverage", "rows", "slip_upper", "interval",
+                                 "width", "unlike");
+  const auto line = [&text](const std::string& name, const Coverage& c) {
+    text += fmt::format("{:<24}{:>9}{:>12.4f}{:>12.4f}{:>12.4f}{:>9.4f}\n", name, c.rows, c.upper, c.interval, c.width,
+                        c.unlike);
+  };
+  line("all", report.all);
+  line("not unlike", report.alike);
+  for (const auto& [kind, coverage] : report.by_class) line(indenter_name(indenter_names, kind), coverage);
+  for (const auto& [key, coverage] : report.by_touching) line(touching_name(key) + " touching", coverage);
+  for (const auto& [key, coverage] : report.by_slip) line("S " + slip_name(key), coverage);
+  return text;
+}
+
+}  // namespace tactel::host

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "nn/forward.h"
+#include "nn/frame_set.h"
+#include "nn/model.h"
+
+namespace tactel::host {
+
+/// How well a bound holds on some rows.
+struct Coverage {
+  std::size_t rows = 0;
+  double upper = 0, interval = 0;  ///< share of the rows with S below slip_upper, within slip_interval
+  double width = 0;                ///< median of the interval's
+  double unlike = 0;               ///< share of the rows whose frame is unlike those of the learning set
+};
+
+/// Coverage in all, and by what a set knows of its rows: kind of indenter, surface nodes or elements that touch, and S.
+/// Rows of which the network gave no answer are left out.
+struct BoundReport {
+  Coverage all{}, alike{};  ///< alike: of the rows that are not `unlike`
+  std::map<int, Coverage> by_class{};
+  std::map<int, Coverage> by_touching{};  ///< key: the least of the group, 1, 2, 3, 5, 9 or 17
+  std::map<int, Coverage> by_slip{};      ///< key: tenths of S, 0 to 9
+
+  /// Returns the lowest coverage of the upper bound, or of the interval, in a class of at least `rows` rows.
+  double least(double Coverage::*what, std::size_t rows) const;
+};
+
+/// Returns "1", "2", "3 to 4", ..., "17 and more" for a key of BoundReport::by_touching.
+std::string touching_name(int key);
+/// Returns the key of BoundReport::by_touching for a number of nodes.
+int touching_key(int nodes);
+
+/// Returns the bound of every frame: [rows]. `model` has a bound; `answer` is that of its network, S and quantiles.
+template <class Real>
+std::vector<nn::BoundAnswer> bounds_of(const nn::Model& model, const nn::Recall<Real>& answer, const nn::FrameSet& set);
+
+/// Judges bounds [rows] by the S of the set. S counts as at most 1: what a solver has beyond is its tolerance.
+BoundReport report_bound(std::span<const nn::BoundAnswer> bounds, const nn::FrameSet& set);
+
+/// Returns {"level", "rows", "set", "seed", "calibrated"} of a bound.
+nlohmann::ordered_json to_json(const nn::Bound& bound);
+/// Returns {"coverage", "interval_coverage", "width", "unlike", "alike", "by_indenter", "by_touching",
+/// "by_slip_index"}.
+nlohmann::ordered_json to_json(const BoundReport& report, const std::vector<std::string>& indenter_names);
+
+/// Returns what a bound was calibrated on, in a line.
+std::string bound_line(const nn::Bound& bound);
+/// Returns the report as a table, a line a class.
+std::string coverage_table(const BoundReport& report, const std::vector<std::string>& indenter_names);
+
+extern template std::vector<nn::BoundAnswer> bounds_of(const nn::Model&, const nn::Recall<float>&, const nn::FrameSet&);
+extern template std::vector<nn::BoundAnswer> bounds_of(const nn::Model&, const nn::Recall<double>&,
+                                                       const nn::FrameSet&);
+
+}  // namespace tactel::host

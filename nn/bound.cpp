@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "nn/bound.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "fem/value_error.h"
+
+namespace tactel::nn {
+namespace {
+
+constexpr double least_deviation = 1e-3;  // of a scaled input
+
+std::size_t place_among(const std::vector<float>& edges, float value) {
+  return static_cast<std::size_t>(std::ranges::count_if(edges, [value](float edge) { return value > edge; }));
+}
+
+void check_edges(const char* key, const std::vector<float>& edges) {
+  const bool good = !edges.empty() && edges.size() <= Bound::most_edges &&
+                    std::ranges::is_sorted(edges, std::less_equal{}) &&
+                    std::ranges::all_of(edges, [](float edge) { return std::isfinite(edge); });
+  if (!good)
+    throw ValueError(std::string("bound.") + key, std::to_string(edges.size()) + " edges",
+                     "1 to 16 finite edges, ascending");
+}
+
+// No smaller than `value`, so that a correction keeps its rank.
+float rounded_up(double value) {
+  const auto near = static_cast<float>(value);
+  return near < value ? std::nextafter(near, std::numeric_limits<float>::infinity()) : near;
+}
+
+std::size_t rank(std::size_t scores, double level) {
+  return static_cast<std::size_t>(std::ceil(static_cast<double>(scores + 1) * level - 1e-9));  // 20 * 0.95 is 19
+}
+
+/// Scores of the rows of a group of classes.
+struct Scores {
+  std::vector<double> upper, interval;
+  void add(const CalibrationRow& row) {
+    const Quantiles<float>& q = row.quantiles;
+    const double above = double(row.slip_index) - double(q.upper);
+    upper.push_back(above);
+    interval.push_back(std::max(above, double(q.lower) - double(row.slip_index)));
+  }
+};
+
+/// Groups of ever more classes: the class, those of its touching and width, those of its touching, all.
+constexpr std::size_t widest_group = 3;
+std::array<std::size_t, widest_group + 1> groups_of(const Bound& bound, std::size_t which) {
+  const std::size_t widths = bound.width.size() + 1, slips = bound.slip_index.size() + 1;
+  const std::size_t touching = which / widths / slips;
+  return {which, touching * widths + which % widths, touching, 0};
+}
+
+}  // namespace
+
+std::size_t Bound::class_of(int touching_tactels, const Quantiles<float>& q) const {
+  const std::size_t t = place_among(touching, static_cast<float>(touching_tactels));
+  const std::size_t s = place_among(slip_index, q.median), w = place_among(width, q.upper - q.lower);
+  return (t * (slip_index.size() + 1) + s) * (width.size() + 1) + w;
+}
+
+void Bound::validate(int inputs) const {
+  check_edges("touching", touching);
+  check_edges("slip_index", slip_index);
+  check_edges("width", width);
+  const auto finite = [](float x) { return std::isfinite(x); };
+  for (const auto& [key, table] : {std::pair{"bound.upper_correction", &upper_correction},
+                                   std::pair{"bound.interval_correction", &interval_correction}})
+    if (table->size() != classes() || !std::ranges::all_of(*table, finite))
+      throw ValueError(key, std::to_string(table->size()) + " numbers",
+                       std::to_string(classes()) + " finite numbers, one for each class");
+  if (centre.size() != inputs || whitening.rows() != inputs || whitening.cols() != inputs || !centre.allFinite() ||
+      !whitening.allFinite())
+    throw ValueError("bound.whitening", std::to_string(whitening.rows()) + " rows",
+                     "finite, as many rows and columns as the network has inputs");
+  if (tactels < 1 || inputs % (2 * tactels) != 0)
+    throw ValueError("bound.tactels", std::to_string(tactels), "such that the network has whole frames of them");
+  if (!(unlike_above > 0) || !std::isfinite(unlike_above))
+    throw ValueError("bound.unlike_above", std::to_string(unlike_above), "finite and above 0");
+  if (!(level > 0.5 && level < 1)) throw ValueError("bound.level", std::to_string(level), "above 0.5 and below 1");
+}
+
+Bound uncalibrated_bound(const RowMatrix<float>& scaled, int tactels) {
+  Bound bound;
+  bound.tactels = tactels;
+  bound.upper_correction.assign(bound.classes(), 0.0f);
+  bound.interval_correction = bound.upper_correction;
+  bound.unlike_above = std::numeric_limits<float>::max();
+  const Eigen::Index inputs = scaled.cols();
+  const Vector<double> mean = scaled.cast<double>().colwise().mean().transpose();
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Identity(inputs, inputs) * (least_deviation * least_deviation);
+  constexpr Eigen::Index some = 4096;  // rows at a time, for memory's sake
+  for (Eigen::Index row = 0; row < scaled.rows(); row += some) {
+    const Eigen::Index count = std::min(some, scaled.rows() - row);
+    const Eigen::MatrixXd centred = scaled.middleRows(row, count).cast<double>().rowwise() - mean.transpose();
+    covariance += centred.transpose() * centred / static_cast<double>(scaled.rows());
+  }
+  const Eigen::MatrixXd inverse =
+      covariance.llt().matrixL().solve(Eigen::MatrixXd::Identity(inputs, inputs));  // L^-1, covariance = L L^T
+  bound.centre = mean.cast<float>();
+  bound.whitening = inverse.transpose().cast<float>();
+  return bound;
+}
+
+int touching_tactels(const float* scaled, int tactels) {
+  float largest = 0;
+  for (int k = 0; k < tactels; ++k) largest = std::max(largest, std::abs(scaled[k]));
+  const float least = Bound::touching_share * largest;
+  return static_cast<int>(std::count_if(scaled, scaled + tactels, [least](float x) { return std::abs(x) > least; }));
+}
+
+float squared_distance(const Bound& bound, const float* scaled) {
+  const Eigen::Index inputs = bound.centre.size();
+  float sum = 0;
+  constexpr Eigen::Index some = 64;  // of the product at a time
+  for (Eigen::Index first = 0; first < inputs; first += some) {
+    const Eigen::Index count = std::min(some, inputs - first);
+    float product[some] = {};
+    const float* row = bound.whitening.data() + first;
+    for (Eigen::Index j = 0; j < inputs; ++j, row += inputs) {
+      const float x = scaled[j] - bound.centre(j);
+      for (Eigen::Index i = 0; i < count; ++i) product[i] += x * row[i];
+    }
+    for (Eigen::Index i = 0; i < count; ++i) sum += product[i] * product[i];
+  }
+  return sum;
+}
+
+BoundAnswer bounded(const Bound& bound, const Quantiles<float>& q, const float* scaled) {
+  BoundAnswer answer;
+  answer.unlike = !(squared_distance(bound, scaled) <= bound.unlike_above);  // also where it overflows
+  if (std::isnan(q.median)) {
+    answer.upper = answer.interval[0] = answer.interval[1] = q.median;
+    return answer;
+  }
+  const std::size_t which = bound.class_of(touching_tactels(scaled, bound.tactels), q);
+  const float widening = bound.interval_correction[which];
+  // At most 1, where everything slides, and never on the wrong side of S.
+  const auto above = [&q](float end) { return std::min(std::max(end, q.median), 1.0f); };
+  answer.upper = above(q.upper + bound.upper_correction[which]);
+  answer.interval[0] = std::max(std::min(q.lower - widening, q.median), -1.0f);
+  answer.interval[1] = above(q.upper + widening);
+  return answer;
+}
+
+std::size_t fewest_scores(double level) {
+  std::size_t scores = 1;
+  while (rank(scores, level) > scores) ++scores;
+  return scores;
+}
+
+double conformal_quantile(std::vector<double> scores, double level) {
+  const std::size_t which = rank(scores.size(), level);
+  if (which > scores.size())
+    throw ValueError("rows", std::to_string(scores.size()),
+                     "at least " + std::to_string(fewest_scores(level)) + " for a level of " + std::to_string(level));
+  const auto place = scores.begin() + static_cast<std::ptrdiff_t>(which - 1);
+  std::nth_element(scores.begin(), place, scores.end());
+  return *place;
+}
+
+Calibration calibrate(Bound& bound, std::span<const CalibrationRow> rows, double level) {
+  const std::size_t classes = bound.classes();
+  std::array<std::vector<Scores>, widest_group + 1> groups;
+  for (auto& group : groups) group.resize(classes);
+  std::vector<double> distances;
+  for (const CalibrationRow& row : rows) {
+    const std::size_t which = bound.class_of(touching_tactels(row.scaled, bound.tactels), row.quantiles);
+    const auto places = groups_of(bound, which);
+    for (std::size_t g = 0; g <= widest_group; ++g) groups[g][places[g]].add(row);
+    distances.push_back(squared_distance(bound, row.scaled));
+  }
+  Calibration report{.rows = rows.size(), .classes = classes};
+  Bound renewed = bound;
+  for (std::size_t which = 0; which < classes; ++which) {
+    const auto places = groups_of(bound, which);
+    const std::size_t least = std::max(Bound::own_rows, fewest_scores(level));
+    std::size_t g = 0;
+    while (g < widest_group && groups[g][places[g]].upper.size() < least) ++g;
+    report.own_classes += g == 0;
+    renewed.upper_correction[which] = rounded_up(conformal_quantile(groups[g][places[g]].upper, level));
+    renewed.interval_correction[which] = rounded_up(conformal_quantile(groups[g][places[g]].interval, level));
+  }
+  report.known = rows.size() >= fewest_scores(Bound::known_share);
+  if (report.known) renewed.unlike_above = rounded_up(conformal_quantile(std::move(distances), Bound::known_share));
+  renewed.level = level;
+  renewed.rows = rows.size();
+  bound = std::move(renewed);
+  return report;
+}
+
+}  // namespace tactel::nn

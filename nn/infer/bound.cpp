@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "nn/infer/bound.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "nn/infer/layers.h"
+#include "nn/infer/processors.h"
+
+// Outside of namespace tactel, as in layers.cpp.
+namespace {
+
+using tactel::infer::tile;
+
+/// |(scaled - centre) * whitening|^2, in the order of nn::squared_distance. whitening: [tiles, inputs, tile]. No
+/// multiply-add is fused (CMakeLists.txt): the bits are those of every processor.
+FOR_EACH_PROCESSOR float squared_distance(const float* whitening, const float* centre, int inputs,
+                                          const float* scaled) noexcept {
+  float sum = 0;
+  for (int first = 0; first < inputs; first += tile) {
+    float product[tile] = {};
+    for (int j = 0; j < inputs; ++j, whitening += tile) {
+      const float x = scaled[j] - centre[j];
+      for (int i = 0; i < tile; ++i) product[i] += x * whitening[i];
+    }
+    for (int i = 0; i < tile; ++i) sum += product[i] * product[i];
+  }
+  return sum;
+}
+
+}  // namespace
+
+namespace tactel::infer {
+namespace {
+
+std::size_t place_among(const std::vector<float>& edges, float value) noexcept {
+  return static_cast<std::size_t>(std::ranges::count_if(edges, [value](float edge) { return value > edge; }));
+}
+
+}  // namespace
+
+std::vector<float> tiled(const std::vector<float>& whitening, std::size_t inputs) {
+  const std::size_t tiles = (inputs + tile - 1) / tile;
+  std::vector<float> all(tiles * inputs * tile, 0.0f);
+  for (std::size_t j = 0; j < inputs; ++j)
+    for (std::size_t i = 0; i < inputs; ++i)
+      all[((i / tile) * inputs + j) * tile + i % tile] = whitening[j * inputs + i];
+  return all;
+}
+
+FrameClass classify(const FileBound& bound, const float* scaled) noexcept {
+  const std::size_t tactels = bound.tactels;
+  float largest = 0;
+  for (std::size_t k = 0; k < tactels; ++k) largest = std::max(largest, std::abs(scaled[k]));
+  FrameClass frame;
+  for (std::size_t k = 0; k < tactels; ++k) frame.touching += std::abs(scaled[k]) > touching_share * largest;
+  const int inputs = static_cast<int>(bound.centre.size());
+  const float distance = squared_distance(bound.whitening.data(), bound.centre.data(), inputs, scaled);
+  frame.unlike = !(distance <= bound.unlike_above);  // also where it overflows
+  return frame;
+}
+
+void add_bound(const FileBound& bound, const FrameClass& frame, const Quantiles& q, Answer& answer) noexcept {
+  const std::size_t t = place_among(bound.touching, static_cast<float>(frame.touching));
+  const std::size_t s = place_among(bound.slip_index, q.median), w = place_among(bound.width, q.upper - q.lower);
+  const std::size_t which = (t * (bound.slip_index.size() + 1) + s) * (bound.width.size() + 1) + w;
+  const float widening = bound.interval_correction[which];
+  const auto above = [&q](float end) { return std::min(std::max(end, q.median), 1.0f); };
+  answer.slip_upper = above(q.upper + bound.upper_correction[which]);
+  answer.slip_interval[0] = std::max(std::min(q.lower - widening, q.median), -1.0f);
+  answer.slip_interval[1] = above(q.upper + widening);
+  answer.unlike = frame.unlike;
+}
+
+}  // namespace tactel::infer

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// The bound as a user meets it: train, calibrate, recall, monitor.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+
+#include "tests/host/commands/live_command.h"
+#include "tests/host/commands/small_sweep.h"
+
+namespace tactel::host {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+/// A set of 300 drags until sliding and a network with a bound that learnt a little from it, made once.
+class BoundCommand : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<ScratchFolder>();
+    for (const auto& [name, seed] : {std::pair{"learn", 1}, {"other", 2}}) {
+      const SmallSweep sweep{.contacts = 300,
+                             .sweep = "seed = " + std::to_string(seed) + "\n",
+                             .friction = "{ uniform = [0.2, 0.8] }",
+                             .drag = "tangential_step = 0.02"};
+      std::ofstream(*folder_ / (std::string(name) + ".toml")) << sweep.text();
+      const ChildResult made = run_tactel({"generate", file(name, ".toml"), "--output", file(name, ".h5"), "--quiet"});
+      ASSERT_EQ(made.exit_code, 0) << made.err;
+    }
+    const ChildResult trained = run_tactel({"train", file("learn", ".h5"), "--network", "10-12-1", "--schedule",
+                                            "batch", "--bound", "--scaling", "frame", "--epochs", "20",
+                                            "--learning-rate", "0.01", "--output", file("net"), "--quiet"});
+    ASSERT_EQ(trained.exit_code, 0) << trained.err;
+  }
+  static void TearDownTestSuite() { folder_.reset(); }
+  static std::string file(const std::string& name, const std::string& extension = "") {
+    return (*folder_ / (name + extension)).string();
+  }
+  static std::string network() { return file("net/10-12-3_noise0_seed1.onnx"); }
+  static std::string calibrated() {
+    const std::string output = file("calibrated.onnx");
+    const ChildResult result = run_tactel({"calibrate", "bound", network(), file("other", ".h5"), "--output", output});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_THAT(result.out, HasSubstr("bound of 95 %, calibrated on"));
+    return output;
+  }
+  static std::unique_ptr<ScratchFolder> folder_;
+};
+std::unique_ptr<ScratchFolder> BoundCommand::folder_;
+
+// By construction the corrections cover 95 % of the rows that they come from, but for classes of few rows, which take
+// those of a larger group. The file tells its origin.
+TEST_F(BoundCommand, CalibratesANetworkAndSaysOnWhat) {
+  const std::string bare = text_of(network()), output = calibrated();
+  EXPECT_EQ(text_of(network()), bare);
+  const ChildResult before = run_tactel({"recall", network(), file("other", ".h5")});
+  EXPECT_THAT(before.out, HasSubstr("bound not calibrated"));
+  const ChildResult after = run_tactel({"recall", output, file("other", ".h5"), "--json", "-"});
+  ASSERT_EQ(after.exit_code, 0) << after.err;
+  const json report = json::parse(after.out)["networks"][0];
+  EXPECT_EQ(report["calibration"]["calibrated"], true);
+  EXPECT_EQ(report["calibration"]["level"], 0.95);
+  EXPECT_EQ(report["calibration"]["seed"], 2);
+  EXPECT_EQ(report["calibration"]["set"], file("other", ".h5"));
+  EXPECT_GT(report["calibration"]["rows"], 1000);
+  const json& bound = report["bound"];
+  EXPECT_GE(bound["coverage"], 0.945);
+  EXPECT_GE(bound["interval_coverage"], 0.945);
+  EXPECT_LE(bound["coverage"], 1.0);
+  EXPECT_GT(bound["width"], 0.0);
+  EXPECT_LE(bound["unlike"], 0.0011);
+  EXPECT_EQ(bound["by_slip_index"].size(), 10u);
+}
+
+TEST_F(BoundCommand, RenewsTheBoundInPlace) {
+  const std::string copy = file("copy.onnx");
+  std::filesystem::copy_file(network(), copy);
+  const ChildResult result =
+      run_tactel({"calibrate", "bound", copy, file("other", ".h5"), "--level", "0.8", "--quiet"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.out, "");
+  EXPECT_THAT(run_tactel({"recall", copy, file("other", ".h5")}).out, HasSubstr("bound of 80 %"));
+}
+
+TEST_F(BoundCommand, SaysWhatCannotBeCalibrated) {
+  const std::string plain = file("plain");
+  ASSERT_EQ(run_tactel({"train", file("learn", ".h5"), "--network", "10-3-1", "--schedule", "batch", "--epochs", "1",
+                        "--output", plain, "--quiet"})
+                .exit_code,
+            0);
+  ChildResult result = run_tactel({"calibrate", "bound", plain + "/10-3-1_noise0_seed1.onnx", file("other", ".h5")});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("a network with a bound"));
+  result = run_tactel({"calibrate", "bound", network(), network()});
+  EXPECT_EQ(result.exit_code, 2);
+  result = run_tactel({"calibrate", "bound", network(), file("other", ".h5"), "--output", file("no/such/place.onnx")});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("--output"));
+  result = run_tactel(
+      {"calibrate", "bound", network(), file("other", ".h5"), "--output", file("never.onnx"), "--level", "0.9998"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("at least 4999"));
+  EXPECT_FALSE(std::filesystem::exists(file("never.onnx")));
+  result = run_tactel({"train", file("learn", ".h5"), "--bound", "--network", "10-3-1", "--output", file("online")});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("--schedule batch"));
+}
+
+// The learning set itself is no fair judge.
+TEST_F(BoundCommand, WarnsOfTheLearningSet) {
+  const ChildResult result =
+      run_tactel({"calibrate", "bound", network(), file("learn", ".h5"), "--output", file("same.onnx")});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.err, HasSubstr("the network learnt from this set"));
+}
+
+TEST_F(BoundCommand, RecallJudgesDecisions) {
+  const std::string csv = file("curves.csv"), page = file("page.html");
+  const ChildResult result =
+      run_tactel({"recall", calibrated(), file("other", ".h5"), "--decision", "--decision-csv", csv, "--html", page,
+                  "--json", file("decision.json"), "--rows", file("rows.csv")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("alarm on"));
+  const json decision = json::parse(text_of(file("decision.json")))["networks"][0]["decision"];
+  ASSERT_EQ(decision["curves"].size(), 4u);  // by bound and by S, of all and of the only indenter
+  EXPECT_EQ(decision["curves"][0]["signal"], "slip_upper");
+  EXPECT_EQ(decision["curves"][2]["signal"], "slip_index");
+  const json& points = decision["curves"][0]["thresholds"];
+  EXPECT_EQ(points.size(), 35u);
+  for (std::size_t i = 1; i < points.size(); ++i)  // a higher threshold detects no more
+    EXPECT_LE(points[i]["detected"], points[i - 1]["detected"]);
+  EXPECT_GT(points[0]["detected"], 0);
+  const std::string curves = text_of(csv);
+  EXPECT_EQ(std::ranges::count(curves, '\n'), 1 + 4 * 35);
+  EXPECT_THAT(text_of(page), HasSubstr("Decision"));
+  EXPECT_THAT(text_of(page), HasSubstr("slip_upper"));
+  EXPECT_THAT(text_of(file("rows.csv")), HasSubstr("slip_upper,"));
+}
+
+TEST_F(BoundCommand, MonitorPrintsBoundAndAlarm) {
+  const std::string source = "simulate:" + file("press.toml") + "?rate=100";
+  std::ofstream(file("press.toml"))
+      << "[sensor]\ncolumns = 11\nrows = 4\ntactels = 5\n[indenter]\nshape = \"parabola\"\n"
+         "radius = 10\n[contact]\nfriction = 0.5\n[load]\nindentation = 0.15\n"
+         "tangential_step = 0.02\n";
+  const std::string file_name = calibrated();
+  const ChildResult result = run_tactel({"monitor", "--source", source, "--network", file_name, "--alarm", "0.7"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto lines = lines_of(result.out);
+  ASSERT_GT(lines.size(), 20u);
+  bool before = false;
+  int changes = 0;
+  for (const json& line : lines) {
+    ASSERT_TRUE(line.contains("slip_upper") && line.contains("unlike") && line.contains("alarm")) << line;
+    if (line["slip_upper"].is_null()) continue;
+    EXPECT_GE(line["slip_upper"], line["slip_index"]);
+    const double upper = line["slip_upper"];
+    const bool alarm = line["alarm"];
+    if (upper >= 0.7 || upper < 0.65) {
+      EXPECT_EQ(alarm, upper >= 0.7) << line;
+    }
+    changes += alarm != before;
+    before = alarm;
+  }
+  EXPECT_GT(changes, 0);
+  // Events are printed, whatever --every says; without --alarm the lines have no such key.
+  const auto events = lines_of(
+      run_tactel({"monitor", "--source", source, "--network", file_name, "--alarm", "0.7", "--every", "1000000"}).out);
+  EXPECT_GE(static_cast<int>(events.size()), changes);
+  EXPECT_LE(static_cast<int>(events.size()), changes + 1);
+  const ChildResult quiet = run_tactel({"monitor", "--source", source, "--network", network()});
+  EXPECT_FALSE(lines_of(quiet.out)[0].contains("alarm"));
+  EXPECT_THAT(quiet.err, HasSubstr("not calibrated"));
+}
+
+}  // namespace
+}  // namespace tactel::host

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <random>
+
+#include "nn/model.h"
+#include "tests/host/networks/network_cases.h"
+
+namespace tactel::testing {
+
+/// A network with a bound whose tables differ from class to class, and whose limit of unlike frames divides `bumps`.
+inline nn::Model bounded_model(const char* topology, nn::ScalingKind kind) {
+  nn::Weights<float> weights = nn::initial_weights(nn::Topology::parse(topology), 7);
+  for (float& w : weights.values) w *= 3;  // S well away from 0.5
+  const int inputs = weights.topology.inputs();
+  nn::Model model{weights, {kind, 1.37f}, 7, 0.1, "bumps", 100, {1234, 0.31, 0.0123, 0.02}};
+  model.bound =
+      nn::uncalibrated_bound(nn::scale_frames<float>(model.scaling, bumps(2000, inputs, 5).frames), inputs / 2);
+  nn::Bound& bound = *model.bound;
+  bound.touching = {2.5f, 4.5f};
+  bound.slip_index = {0.3f, 0.5f, 0.7f};
+  bound.width = {0.8f, 1.0f};
+  bound.upper_correction.resize(bound.classes());
+  bound.interval_correction.resize(bound.classes());
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> uniform(-0.4f, 0.1f);
+  for (float& c : bound.upper_correction) c = uniform(random);
+  for (float& c : bound.interval_correction) c = uniform(random);
+  bound.unlike_above = static_cast<float>(inputs);
+  bound.level = 0.9;
+  bound.set = "other.h5", bound.rows = 4321, bound.seed = 77;
+  return model;
+}
+
+}  // namespace tactel::testing

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// The counting of alarms on drags, by hand, and the coverage of a bound on rows that are counted by hand.
+#include "host/training/decision.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "host/support/errors.h"
+
+namespace tactel::host {
+namespace {
+
+/// Drags at 0.8 with a release of 0.05, worked by hand:
+///   a  slides at 1.0 mm; alarm at 0.6 mm, S 0.7: detected, lead 0.4 mm of 1.0
+///   b  slides at 2.0 mm; alarms at 0.5 mm (S 0.3, false) and, after 0.74 ended it, at 1.5 mm: detected, but falsely
+///   c  slides at 1.0 mm; 0.76 does not end the alarm of 0.2 mm (S 0.6): one alarm, lead 0.8
+///   d  slides; its values stay below: missed
+///   e  never slides; a false alarm at S 0.4
+///   f  never slides; NaN fires nothing
+std::vector<Drag> worked_drags() {
+  return {{.rows = {{0.0, 0.1, 0.2}, {0.6, 0.7, 0.8}, {0.9, 0.9, 0.9}}, .slides = true, .slide_way = 1.0},
+          {.rows = {{0.0, 0.1, 0.1}, {0.5, 0.3, 0.9}, {1.0, 0.5, 0.74}, {1.5, 0.8, 0.85}},
+           .slides = true,
+           .slide_way = 2.0},
+          {.rows = {{0.0, 0.1, 0.1}, {0.2, 0.6, 0.81}, {0.4, 0.4, 0.76}, {0.6, 0.4, 0.9}},
+           .slides = true,
+           .slide_way = 1.0},
+          {.rows = {{0.0, 0.1, 0.1}, {0.5, 0.9, 0.79}}, .slides = true, .slide_way = 1.0},
+          {.rows = {{0.0, 0.4, 0.95}, {0.1, 0.4, 0.95}}},
+          {.rows = {{0.0, 0.9, std::nan("")}}}};
+}
+
+}  // namespace
+
+TEST(AlarmCounting, FollowsDragsWorkedByHand) {
+  const AlarmCount count = count_alarms(worked_drags(), 0.8, {.rate = 100});
+  EXPECT_EQ(count.drags, 4u);
+  EXPECT_EQ(count.detected, 3u);
+  EXPECT_DOUBLE_EQ(count.detection(), 0.75);
+  EXPECT_EQ(count.all, 6u);
+  EXPECT_EQ(count.false_drags, 2u);   // b, e
+  EXPECT_EQ(count.false_alarms, 2u);  // b at 0.5 mm, e at once; not b at 1.5 mm
+  EXPECT_EQ(count.rows, 16u);
+  EXPECT_DOUBLE_EQ(count.false_a_minute(100), 2 / (16 / 100.0 / 60));
+  EXPECT_EQ(count.lead.size(), 2u);
+  EXPECT_NEAR(count.lead[0], 0.4, 1e-12);
+  EXPECT_NEAR(count.lead[1], 0.8, 1e-12);
+  EXPECT_NEAR(count.lead_share[0], 0.4, 1e-12);
+  EXPECT_NEAR(count.lead_share[1], 0.8, 1e-12);
+}
+
+// Without hysteresis 0.76 ends the alarm of drag c, and 0.9 at S 0.4 begins a false one.
+TEST(AlarmCounting, ReleaseDecidesWhatIsOneAlarm) {
+  EXPECT_EQ(count_alarms(worked_drags(), 0.8, {.release = 0}).false_alarms, 3u);
+}
+
+// To and fro: 0.2 there, 0.1 back and 0.2 on are 0.5 mm of way; rows without an answer are no rows of the drag, and
+// what follows the first sliding row belongs to no drag.
+TEST(AlarmCounting, AddsUpTheWay) {
+  ContactSet set(SetColumns(2));
+  set.contact = {4, 4, 4, 4, 4, 9};
+  set.step = {0, 1, 2, 3, 4, 0};
+  set.indenter = {2, 2, 2, 2, 2, 1};
+  set.contact_nodes = {3, 3, 3, 4, 5, 7};
+  set.status = {0, 0, 0, 1, 0, 0};
+  set.slip_index = {0, 0.5f, 0.4f, 1, 1, 0.1f};
+  const AnsweredRows rows{{}, {0, 1, 3, 4, 5}, 1};
+  const std::vector<float> values{0.1f, 0.6f, 0.9f, 0.9f, 0.2f};
+  const std::vector<double> positions{0, 0.2, 0.1, 0.3, 0.4, 0};
+  const std::vector<Drag> drags = drags_of(set, rows, values, positions);
+  ASSERT_EQ(drags.size(), 2u);
+  EXPECT_EQ(drags[0].kind, 2);
+  EXPECT_EQ(drags[0].touching, 3);
+  EXPECT_TRUE(drags[0].slides);
+  EXPECT_NEAR(drags[0].slide_way, 0.5, 1e-12);
+  ASSERT_EQ(drags[0].rows.size(), 2u);
+  EXPECT_NEAR(drags[0].rows[1].way, 0.2, 1e-12);
+  EXPECT_EQ(drags[0].rows[1].value, 0.6f);
+  EXPECT_FALSE(drags[1].slides);
+}
+
+// Contact k of the sweep is drawn again for its positions: 0 at full indentation, then 0.05 and 0.08 mm.
+TEST(AlarmCounting, FindsPositionsInTheSweepOfTheSet) {
+  ContactSet set(SetColumns(10));
+  set.sweep =
+      "[sweep]\ncontacts = 3\n[sensor]\ncolumns = 11\nrows = 4\ntactels = 5\n[contact]\nfriction = 0.5\n[indenter]\n"
+      "shape = \"parabola\"\nradius = 10\n[load]\nindentation = 0.1\ntangential = [0.05, 0.08]\n";
+  set.contact = {0, 0, 0, 2};
+  set.step = {0, 1, 2, 1};
+  set.slip_index = {0, 0.1f, 0.2f, 0.1f};
+  EXPECT_EQ(tangential_positions(set, "s.h5"), (std::vector<double>{0, 0.05, 0.08, 0.05}));
+  set.step[3] = 3;
+  EXPECT_THROW(tangential_positions(set, "s.h5"), ConfigError);
+  set.step[3] = 1, set.contact[3] = std::uint64_t{1} << 40;
+  EXPECT_NO_THROW(tangential_positions(set, "s.h5"));  // drawn contacts have no end
+}
+
+// Six rows of two kinds; S 1.00001 counts as 1, the unlike row apart.
+TEST(BoundReport, CountsByClass) {
+  nn::FrameSet set;
+  set.slip_index = nn::Vector<float>{{0.05f, 0.5f, 0.55f, 1.00001f, 0.95f, 0.3f}};
+  set.shape_class = {0, 0, 1, 1, 1, 0};
+  set.contact_nodes = {1, 2, 4, 40, 3, 2};
+  const std::vector<nn::BoundAnswer> bounds{{0.1f, {0, 0.1f}, false},   {0.4f, {0.3f, 0.6f}, false},
+                                            {0.6f, {0.5f, 0.6f}, true}, {1, {0.9f, 1}, false},
+                                            {1, {0.97f, 1}, false},     {NAN, {NAN, NAN}, false}};
+  const BoundReport report = report_bound(bounds, set);
+  EXPECT_EQ(report.all.rows, 5u);
+  EXPECT_DOUBLE_EQ(report.all.upper, 0.8);
+  EXPECT_DOUBLE_EQ(report.all.interval, 0.8);
+  EXPECT_DOUBLE_EQ(report.all.unlike, 0.2);
+  EXPECT_NEAR(report.all.width, 0.1, 1e-6);
+  EXPECT_EQ(report.alike.rows, 4u);
+  EXPECT_DOUBLE_EQ(report.alike.upper, 0.75);
+  EXPECT_DOUBLE_EQ(report.by_class.at(0).upper, 0.5);
+  EXPECT_DOUBLE_EQ(report.by_class.at(1).upper, 1);
+  EXPECT_EQ(report.by_touching.at(3).rows, 2u);
+  EXPECT_EQ(report.by_touching.at(17).rows, 1u);
+  EXPECT_EQ(report.by_slip.at(9).rows, 2u);
+  EXPECT_DOUBLE_EQ(report.by_slip.at(5).upper, 0.5);
+  EXPECT_DOUBLE_EQ(report.least(&Coverage::upper, 2), 0.5);
+  EXPECT_EQ(touching_name(3), "3 to 4");
+  EXPECT_EQ(touching_name(2), "2");
+  EXPECT_EQ(touching_name(17), "17 and more");
+}
+
+}  // namespace tactel::host
