@@ -142,7 +142,7 @@ SceneSource::Contact SceneSource::drawn_contact(std::uint64_t k) const {
   if (indenter.profile) scene.indenter.shape = draw_profile(*indenter.profile, key);
   if (load.slip_index)
     scene.load.angle = std::atan(draw_number(*load.slip_index, key) * scene.friction) * 180 / std::numbers::pi;
-  if (load.irregular) draw_irregular_load(*load.irregular, seed_, k, scene.load);
+  if (load.irregular) draw_irregular_load(*load.irregular, seed_, item, scene.load);
   try {
     scene.validate();
   } catch (const ValueError& error) {
