@@ -226,7 +226,7 @@ TEST(Infer, RefusesCraftedHistories) {
                                    {"history_change", "7"}}) {
     const std::string bytes = crafted(key, value);
     EXPECT_NE(problem_of(bytes), "none") << key << " = " << value;
-    EXPECT_THROW(host::read_onnx(folder.write("crafted.onnx", bytes)), host::ConfigError) << key << " = " << value;
+    EXPECT_THROW(host::read_onnx(folder.write("crafted.onnx", bytes)), ConfigError) << key << " = " << value;
   }
 }
 
