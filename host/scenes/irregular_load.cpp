@@ -75,6 +75,7 @@ class PathDraws {
   /// Returns `steps` increasing shares; the last is 1.
   std::vector<double> shares(int steps) {
     std::vector<double> sums;
+    sums.reserve(static_cast<std::size_t>(steps));
     double sum = 0;
     for (int i = 0; i < steps; ++i) sums.push_back(sum += number(UniformDraw{smallest_share, 1}));
     for (double& share : sums) share /= sum;
