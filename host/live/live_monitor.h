@@ -27,8 +27,11 @@ struct MonitorLine {
   double latency = 0;                      ///< us from the frame's last byte to S
   double answer_time = 0;                  ///< us of the latency, from the decoded frame to S
 
-  /// Returns the number to act on: the upper bound of S, or S where the network has no bound.
-  float acted_on() const { return bound ? bound->upper : answer.slip_index; }
+  /// Returns the number to act on: the upper bound of S, or S where the network has no bound; 0 where nothing touches.
+  float acted_on() const {
+    if (answer.status == nn::FrameStatus::no_stress) return 0;
+    return bound ? bound->upper : answer.slip_index;
+  }
 };
 
 struct MonitorSummary {

@@ -172,7 +172,8 @@ SlipEstimator SlipEstimator::parse(std::span<const std::byte> bytes, const std::
   for (std::size_t l = 0; l + 1 < file.layers.size(); ++l)
     network->hidden.push_back(infer::hidden_layer(file.layers[l]));
   network->bound = std::move(file.bound);
-  if (network->bound) network->bound->whitening = infer::tiled(network->bound->whitening, network->bound->centre.size());
+  if (network->bound)
+    network->bound->whitening = infer::tiled(network->bound->whitening, network->bound->centre.size());
   const infer::FileLayer& last = file.layers.back();
   network->last = last.inputs;
   for (int h = 0; h < last.outputs; ++h) {
