@@ -33,7 +33,8 @@ double log_likelihood(const ReadingModel& model, std::span<const float> truth, s
   for (int t = 0; t < model.inputs; ++t) {
     double rr = 0, rf = 0, ff = 0;  // of residual r and frames f, over sigma^2
     for (int m = 0; m < model.history; ++m) {
-      const auto at = static_cast<std::size_t>(m * model.inputs + t);
+      const std::size_t at =
+          static_cast<std::size_t>(m) * static_cast<std::size_t>(model.inputs) + static_cast<std::size_t>(t);
       const double f = truth[at] / sigma, r = reading[at] / sigma - f;
       rr += r * r, rf += r * f, ff += f * f;
     }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "fem/value_error.h"
+#include "host/networks/learning_inputs.h"
 #include "kernels/shared/likelihood_layout.h"
 
 namespace tactel::host {
@@ -31,7 +32,7 @@ RowNumbers row_numbers(const nn::ReadingModel& model, std::span<const float> tru
   return {1 / (sigma * sigma), constant};
 }
 
-void check_width(const nn::ReadingModel& model, Eigen::Index width) {
+void expect_width(const nn::ReadingModel& model, Eigen::Index width) {
   if (width != model.size())
     throw ValueError("inputs", std::to_string(width) + " a row", std::to_string(model.size()) + " a row");
 }
@@ -43,7 +44,7 @@ FrameLikelihood<Real>::FrameLikelihood(Executor& executor, const nn::ReadingMode
                                        const nn::RowMatrix<float>& bank)
     : executor_(&executor), model_(model), rows_(bank.rows()) {
   model.validate();
-  check_width(model, bank.cols());
+  expect_width(model, bank.cols());
   if (rows_ < 1 || rows_ >= Eigen::Index{1} << 31)
     throw ValueError("inputs", std::to_string(rows_) + " rows", "1 to 2^31 - 1 rows");
   const Device& device = executor.device();
@@ -83,7 +84,7 @@ FrameLikelihood<Real>::FrameLikelihood(Executor& executor, const nn::ReadingMode
 
 template <class Real>
 nn::RowMatrix<Real> FrameLikelihood<Real>::operator()(const nn::RowMatrix<float>& readings) {
-  check_width(model_, readings.cols());
+  expect_width(model_, readings.cols());
   const Device& device = executor_->device();
   const auto count = static_cast<std::size_t>(readings.rows()), size = static_cast<std::size_t>(model_.size());
   const std::size_t groups = (count + together - 1) / together;

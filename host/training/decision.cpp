@@ -27,7 +27,7 @@ double lead_quantile(const std::vector<double>& leads, double q) {
   return leads.empty() ? std::nan("") : nn::quantile(leads, q);
 }
 
-std::string text_of(double value) { return std::isnan(value) ? "" : fmt::format("{:.6g}", value); }
+std::string csv_number(double value) { return std::isnan(value) ? "" : fmt::format("{:.6g}", value); }
 Json json_of(double value) { return std::isnan(value) ? Json(nullptr) : Json(value); }
 
 /// Rows of each contact, in the order of its steps.
@@ -182,9 +182,9 @@ std::string decision_csv(std::span<const DecisionCurve> curves, const std::strin
     for (const AlarmCount& c : curve.counts)
       text += fmt::format("{},{},{},{:.2f},{},{},{:.6g},{},{},{:.6g},{:.6g},{},{},{},{}\n", network, curve.signal,
                           curve.indenter, c.threshold, c.drags, c.detected, c.detection(), c.all, c.false_drags,
-                          c.false_share(), c.false_a_minute(options.rate), text_of(lead_quantile(c.lead, 0.5)),
-                          text_of(lead_quantile(c.lead, lower)), text_of(lead_quantile(c.lead_share, 0.5)),
-                          text_of(lead_quantile(c.lead_share, lower)));
+                          c.false_share(), c.false_a_minute(options.rate), csv_number(lead_quantile(c.lead, 0.5)),
+                          csv_number(lead_quantile(c.lead, lower)), csv_number(lead_quantile(c.lead_share, 0.5)),
+                          csv_number(lead_quantile(c.lead_share, lower)));
   return text;
 }
 

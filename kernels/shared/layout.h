@@ -7,28 +7,35 @@
 #include "shared/lane_result.h"
 #include "shared/online_report.h"
 
-#define SHARED_LAYOUT(STRUCT, FIELD)  \
-  STRUCT(LaneResult)                  \
-  FIELD(LaneResult, status)           \
-  FIELD(LaneResult, sweeps)           \
-  FIELD(LaneResult, residual)         \
-  STRUCT(OnlineReport)                \
-  FIELD(OnlineReport, status)         \
-  FIELD(OnlineReport, cycle)          \
-  FIELD(OnlineReport, sse)            \
-  FIELD(OnlineReport, largest)        \
-  STRUCT(ChainSettings)               \
-  FIELD(ChainSettings, reading_seed)  \
-  FIELD(ChainSettings, instance_seed) \
-  FIELD(ChainSettings, instances)     \
-  FIELD(ChainSettings, high_pass)     \
-  FIELD(ChainSettings, decay)         \
-  FIELD(ChainSettings, pass)          \
-  FIELD(ChainSettings, gain_spread)   \
-  FIELD(ChainSettings, offset_spread) \
-  FIELD(ChainSettings, noise)         \
-  FIELD(ChainSettings, low)           \
-  FIELD(ChainSettings, high)          \
+#define SHARED_LAYOUT(STRUCT, FIELD)     \
+  STRUCT(LaneResult)                     \
+  FIELD(LaneResult, status)              \
+  FIELD(LaneResult, sweeps)              \
+  FIELD(LaneResult, residual)            \
+  STRUCT(OnlineReport)                   \
+  FIELD(OnlineReport, status)            \
+  FIELD(OnlineReport, cycle)             \
+  FIELD(OnlineReport, sse)               \
+  FIELD(OnlineReport, largest)           \
+  STRUCT(ChainSettings)                  \
+  FIELD(ChainSettings, reading_seed)     \
+  FIELD(ChainSettings, instance_seed)    \
+  FIELD(ChainSettings, instances)        \
+  FIELD(ChainSettings, high_pass)        \
+  FIELD(ChainSettings, decay)            \
+  FIELD(ChainSettings, pass)             \
+  FIELD(ChainSettings, gain_spread)      \
+  FIELD(ChainSettings, offset_spread)    \
+  FIELD(ChainSettings, noise)            \
+  FIELD(ChainSettings, noise_of_largest) \
+  FIELD(ChainSettings, shift_spread)     \
+  FIELD(ChainSettings, crosstalk)        \
+  FIELD(ChainSettings, dead)             \
+  FIELD(ChainSettings, lag)              \
+  FIELD(ChainSettings, lag_decay)        \
+  FIELD(ChainSettings, lag_pass)         \
+  FIELD(ChainSettings, low)              \
+  FIELD(ChainSettings, high)             \
   FIELD(ChainSettings, quantum)
 
 #endif

@@ -10,14 +10,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string text_of(const FloorError& error) {
+std::string error_text(const FloorError& error) {
   return error.readings == 0 ? "-" : fmt::format("{:.4f} +- {:.4f}", error.mean, error.standard_error);
 }
 
 std::string line_of(const FloorClass& one, const std::string& name) {
-  std::string line =
-      fmt::format("{:<34}{:>18}{:>18}{:>18}", name, text_of(one.lower), text_of(one.estimate), text_of(one.upper));
-  for (const FloorError& network : one.networks) line += fmt::format("{:>18}", text_of(network));
+  std::string line = fmt::format("{:<34}{:>18}{:>18}{:>18}", name, error_text(one.lower), error_text(one.estimate),
+                                 error_text(one.upper));
+  for (const FloorError& network : one.networks) line += fmt::format("{:>18}", error_text(network));
   return line + '\n';
 }
 

@@ -51,7 +51,7 @@ void add_row(PageTable& table, const ShearRatioStudy& study, const std::string& 
              fmt::format("{:.4f}", study.recalling.all.mean), fmt::format("{:.3f}", study.recalling.all.max)});
 }
 
-nlohmann::ordered_json to_json(const std::vector<ShearRatioStudy>& studies) {
+nlohmann::ordered_json studies_json(const std::vector<ShearRatioStudy>& studies) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   const auto errors = [](const nn::ErrorReport& report) {
     return nlohmann::ordered_json{{"mean", report.all.mean}, {"max", report.all.max}, {"std", report.all.std}};
@@ -104,12 +104,9 @@ InverseBaselines inverse_baselines(Executor& executor, const InverseChoice& choi
 }
 
 nlohmann::ordered_json baselines_json(const InverseBaselines& baselines) {
-  return {{"one_friction", to_json(baselines.one_friction)},
-          {"frictions", baselines.frictions},
-          {"unknown_friction", to_json(baselines.unknown_friction)},
-          {"learning_rows", baselines.shared.learning},
-          {"distinct_learning_frames", baselines.shared.distinct},
-          {"recall_rows", baselines.shared.recall},
+  return {{"one_friction", studies_json(baselines.one_friction)},          {"frictions", baselines.frictions},
+          {"unknown_friction", studies_json(baselines.unknown_friction)},  {"learning_rows", baselines.shared.learning},
+          {"distinct_learning_frames", baselines.shared.distinct},         {"recall_rows", baselines.shared.recall},
           {"recall_rows_in_learning_set", baselines.shared.recalled_again}};
 }
 
