@@ -145,11 +145,13 @@ class Check:
         self.expect("S = 1.0000" in said, f"scenes said {said}")
 
     def snippets(self):
-        """Compiles and runs what docs/cpp.md shows. A block's first line names its file."""
+        """Compiles and runs what docs/cpp.md shows: the blocks whose first line names a file."""
         text = (self.source / "docs/cpp.md").read_text()
         for block in re.findall(r"^```(?:cmake|cpp|c)\n(.*?)^```", text, re.M | re.S):
-            name = re.match(r"(?:#|//|/\*) (\S+)", block)[1]
-            path = self.work / name
+            name = re.match(r"(?:#|//|/\*) (\S+)", block)
+            if name is None:
+                continue
+            path = self.work / name[1]
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(block)
         tree = self.compile(self.work, flags="-O1 -Wall -Wextra -Werror")
