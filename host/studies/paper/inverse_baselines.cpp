@@ -114,7 +114,8 @@ void report_baselines(Page& page, const InverseBaselines& baselines, const Inver
   page.paragraph(fmt::format(
       "An estimator without a network: S = c r, where r is a frame's sum of shear stresses over its sum of |normal "
       "stresses|, and c is one number fitted on the learning set. Its sums are nearly the forces, and S = Q / (mu P): "
-      "with the single friction {} of the paper's sets c is about 1 / mu. With friction that nobody knows one c cannot "
+      "with the single friction {:g} of the paper's sets c is about 1 / mu. With friction that nobody knows one c "
+      "cannot "
       "do it. A network is worth its work there.",
       problem.sets.learning_contacts.friction.empty() ? 0.0 : problem.sets.learning_contacts.friction.front()));
   PageTable table{
