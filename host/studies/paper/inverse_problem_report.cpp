@@ -334,9 +334,11 @@ void report_fresh_noise(Page& page, const InverseProblem& problem) {
                fmt::format("{:.4f}", paper_table_two(study.number).recalling.mean)});
   page.table(table);
   page.note(
-      "The paper states neither whether its noise was drawn once, nor of which stress it is 10 %. The two tables are "
-      "the "
-      "two readings; where the second is nearer the paper's numbers, it is the likelier one.");
+      "Each network is shown up to 400 copies of the learning set, each with noise of its own, and then the same "
+      "copies "
+      "again. The paper states neither whether its noise was drawn once, nor of which stress it is 10 %. The two "
+      "tables "
+      "are the two readings; the second is nearer the paper's numbers.");
 }
 
 std::uint32_t most_cycles(const std::vector<const NetworkStudy*>& studies) {
