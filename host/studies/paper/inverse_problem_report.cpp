@@ -164,7 +164,8 @@ Panel distribution(const InverseProblem& problem, bool noisy, bool learning, con
   for (const NetworkStudy* study : with_noise(problem, noisy)) {
     const Reports& reports = learning ? study->learning : study->recalling;
     for (std::size_t i = 0; i < reports.size(); ++i) {
-      const double spread_out = reports.size() > 1 ? static_cast<double>(i) / (reports.size() - 1) - 0.5 : 0;
+      const double spread_out =
+          reports.size() > 1 ? static_cast<double>(i) / static_cast<double>(reports.size() - 1) - 0.5 : 0;
       seeds.x.push_back(study->number + 0.5 * spread_out);
       seeds.y.push_back(reports[i].all.mean);
     }
@@ -247,7 +248,7 @@ Panel class_panel(const InverseProblem& problem, const NetworkStudy& study, cons
     bars.x.push_back(kind), bars.y.push_back(s.median), bars.low.push_back(s.low), bars.high.push_back(s.high);
     panel.x_ticks.push_back({static_cast<double>(kind), problem.sets.class_names[kind]});
   }
-  panel.x_range = {{-0.6, panel.x_ticks.size() - 0.4}};
+  panel.x_range = {{-0.6, static_cast<double>(panel.x_ticks.size()) - 0.4}};
   panel.y_range = {{0, 1.1 * std::ranges::max(bars.high)}};
   return panel;
 }
@@ -278,6 +279,8 @@ Figure class_figure(const InverseProblem& problem) {
   return figure;
 }
 
+double percent(std::size_t part, std::size_t all) { return 100 * static_cast<double>(part) / static_cast<double>(all); }
+
 /// Of the recall rows with a large error, over all seeds: how many are of which class, near slipping, on few nodes.
 void report_large_errors(Page& page, const InverseProblem& problem) {
   const nn::FrameSet& recall = problem.sets.recall;
@@ -298,11 +301,11 @@ void report_large_errors(Page& page, const InverseProblem& problem) {
                   .head = {"class", "rows of the recall set", "share of all errors above 0.1"}};
   for (std::size_t kind = 0; kind < by_class.size(); ++kind)
     table.add({problem.sets.class_names[kind], std::to_string(rows_of_class[kind]),
-               large ? fmt::format("{:.1f} %", 100.0 * by_class[kind] / large) : "-"});
+               large ? fmt::format("{:.1f} %", percent(by_class[kind], large)) : "-"});
   page.paragraph(fmt::format(
       "The paper found that all examples with an error over 10 % were sharp indenters near slipping. Here {:.2f} % of "
       "all recalled rows err by more; of these, {:.0f} % have S above 0.8.",
-      100.0 * large / all, large ? 100.0 * near_slip / large : 0));
+      percent(large, all), large ? percent(near_slip, large) : 0));
   page.table(table);
 }
 
