@@ -13,22 +13,12 @@
 #include "fem/value_error.h"
 #include "nn/forward.h"
 #include "nn/train_batch.h"
+#include "tests/nn/random_set.h"
 
 using namespace tactel;
 using namespace tactel::nn;
 
 namespace {
-
-TrainingSet<double> random_set(int rows, int inputs, std::uint32_t seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> uniform(-1, 1);
-  TrainingSet<double> set{RowMatrix<double>(rows, inputs), Vector<double>(rows)};
-  for (int row = 0; row < rows; ++row) {
-    for (int k = 0; k < inputs; ++k) set.inputs(row, k) = uniform(random);
-    set.target(row) = 0.4 * std::tanh(set.inputs.row(row).sum());
-  }
-  return set;
-}
 
 /// A bound of two inputs, one tactel, with one class for everything.
 Bound plain_bound() {
@@ -201,6 +191,7 @@ TEST(Conformal, CoversEachClass) {
     return CalibrationRow{{s, s, s}, 0.5f + (wide ? 0.1f : 0.05f) * normal(random), frame};
   };
   std::vector<CalibrationRow> rows;
+  rows.reserve(40000);
   for (int k = 0; k < 40000; ++k) rows.push_back(draw(k));
   const Calibration report = calibrate(bound, rows, 0.95);
   EXPECT_EQ(report.own_classes, 2u);
@@ -230,6 +221,7 @@ TEST(Conformal, KnowsItsFrames) {
   const float at[2] = {3, 1};
   EXPECT_NEAR(squared_distance(bound, at), 9.0 / 4 + 1 / 0.25, 0.2);  // means and variances of 20 000 draws: 1 %
   std::vector<CalibrationRow> rows;
+  rows.reserve(20000);
   for (int row = 0; row < 20000; ++row) rows.push_back({{0.5f, 0.6f, 0.4f}, 0.5f, frames.row(row).data()});
   EXPECT_TRUE(calibrate(bound, rows, 0.95).known);
   EXPECT_NEAR(bound.unlike_above, 13.8, 1.9);

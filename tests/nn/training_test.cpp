@@ -8,22 +8,12 @@
 #include "fem/value_error.h"
 #include "nn/train_batch.h"
 #include "nn/train_online.h"
+#include "tests/nn/random_set.h"
 
 using namespace tactel;
 using namespace tactel::nn;
 
 namespace {
-
-TrainingSet<double> random_set(int rows, int inputs, std::uint32_t seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> uniform(-1, 1);
-  TrainingSet<double> set{RowMatrix<double>(rows, inputs), Vector<double>(rows)};
-  for (int row = 0; row < rows; ++row) {
-    for (int k = 0; k < inputs; ++k) set.inputs(row, k) = uniform(random);
-    set.target(row) = 0.4 * std::tanh(set.inputs.row(row).sum());
-  }
-  return set;
-}
 
 double largest_difference(const Weights<double>& a, const Weights<double>& b) {
   double largest = 0;

@@ -17,6 +17,7 @@
 #include "host/support/errors.h"
 #include "host/support/side_by_side.h"
 #include "kernels/shared/contact_layout.h"
+#include "nn/bound.h"
 #include "nn/noise_words.h"
 
 namespace tactel::host {
@@ -28,7 +29,6 @@ using Weights = Eigen::Array<float, 1, Eigen::Dynamic>;
 constexpr std::array<double, 8> spreads = {1, 4, 16, 64, 256, 1024, 4096, 16384};
 constexpr std::size_t readings_at_once = 32;  // times the rows of the bank: 26 MB at 200 000
 constexpr std::size_t contacts_at_once = 4096;
-constexpr float felt = 0.05f;  // of the largest normal stress
 
 /// The rows of a bank in a new order, or some of them.
 FrameBank chosen(const FrameBank& bank, std::span<const std::size_t> rows) {
@@ -77,6 +77,11 @@ Weights weights_of(const auto& logarithms, double spread) {
   return ((logarithms - logarithms.maxCoeff()) / static_cast<float>(spread)).exp();
 }
 
+/// S of the rows of a bank sorted by it, where half of the weight lies.
+double median_of(const FrameBank& bank, const Weights& weights) {
+  return weighted_median(bank.slip_index, {weights.data(), static_cast<std::size_t>(weights.size())});
+}
+
 /// Readings of a bank's rows, evaluated under the bank that `likelihood` holds, `readings_at_once` at a time.
 /// evaluate(reading, logarithms) is called for each, from several threads.
 bool each_reading(FrameLikelihood<float>& likelihood, int threads, const Readings& readings, const Progress& progress,
@@ -99,8 +104,8 @@ struct Errors {
 };
 
 /// The number below: readings of rows of the bank itself.
-std::optional<Errors> errors_below(Executor& executor, const FrameBank& bank, const FrameBank& asked,
-                                   const nn::ReadingModel& model, std::uint64_t seed, const Progress& progress) {
+std::optional<Errors> errors_below(FrameLikelihood<float>& likelihood, int threads, const FrameBank& bank,
+                                   const FrameBank& asked, const Readings& readings, const Progress& progress) {
   std::vector<std::vector<std::vector<std::uint32_t>>> members(bank.class_of.size());  // [families][class] rows
   for (std::size_t f = 0; f < members.size(); ++f)
     for (std::uint32_t row = 0; row < bank.rows(); ++row) {
@@ -108,14 +113,12 @@ std::optional<Errors> errors_below(Executor& executor, const FrameBank& bank, co
       if (members[f].size() <= kind) members[f].resize(kind + 1u);
       members[f][kind].push_back(row);
     }
-  FrameLikelihood<float> likelihood(executor, model, bank.frames);
   Errors errors{.all = std::vector<double>(asked.rows()), .by_family = {}};
   errors.by_family.assign(members.size(), std::vector<double>(asked.rows()));
   const auto evaluate = [&](std::size_t k, const Eigen::Ref<const Weights>& logarithms) {
     const double truth = asked.slip_index[k];
     const Weights weights = weights_of(logarithms, 1);
-    errors.all[k] =
-        std::abs(weighted_median(bank.slip_index, {weights.data(), static_cast<std::size_t>(weights.size())}) - truth);
+    errors.all[k] = std::abs(median_of(bank, weights) - truth);
     std::vector<float> values, of_class;
     for (std::size_t f = 0; f < members.size(); ++f) {
       values.clear(), of_class.clear();
@@ -124,26 +127,20 @@ std::optional<Errors> errors_below(Executor& executor, const FrameBank& bank, co
       errors.by_family[f][k] = std::abs(weighted_median(values, of_class) - truth);
     }
   };
-  if (!each_reading(likelihood, executor.threads(), nn::draw_readings(model, asked.frames, seed), progress, evaluate))
-    return std::nullopt;
+  if (!each_reading(likelihood, threads, readings, progress, evaluate)) return std::nullopt;
   return errors;
 }
 
 /// The number above, at every spread: [spreads][readings], of readings of rows outside of the bank.
-std::optional<std::vector<std::vector<double>>> errors_above(Executor& executor, const FrameBank& bank,
-                                                             const FrameBank& asked, const Readings& readings,
-                                                             const nn::ReadingModel& model, const Progress& progress) {
-  FrameLikelihood<float> likelihood(executor, model, bank.frames);
+std::optional<std::vector<std::vector<double>>> errors_above(FrameLikelihood<float>& likelihood, int threads,
+                                                             const FrameBank& bank, const FrameBank& asked,
+                                                             const Readings& readings, const Progress& progress) {
   std::vector errors(spreads.size(), std::vector<double>(asked.rows()));
   const auto evaluate = [&](std::size_t k, const Eigen::Ref<const Weights>& logarithms) {
-    for (std::size_t s = 0; s < spreads.size(); ++s) {
-      const Weights weights = weights_of(logarithms, spreads[s]);
-      const double median =
-          weighted_median(bank.slip_index, {weights.data(), static_cast<std::size_t>(weights.size())});
-      errors[s][k] = std::abs(median - asked.slip_index[k]);
-    }
+    for (std::size_t s = 0; s < spreads.size(); ++s)
+      errors[s][k] = std::abs(median_of(bank, weights_of(logarithms, spreads[s])) - asked.slip_index[k]);
   };
-  if (!each_reading(likelihood, executor.threads(), readings, progress, evaluate)) return std::nullopt;
+  if (!each_reading(likelihood, threads, readings, progress, evaluate)) return std::nullopt;
   return errors;
 }
 
@@ -195,10 +192,7 @@ std::uint16_t touching_class(int nodes) {
 
 const std::vector<std::string> felt_names = {"1 to 3", "4 to 6", "7 to 10", "11 or more"};
 std::uint16_t felt_class(std::span<const float> frame) {
-  const auto normal = frame.first(frame.size() / 2);
-  float largest = 0;
-  for (const float stress : normal) largest = std::max(largest, std::abs(stress));
-  const auto count = std::ranges::count_if(normal, [&](float stress) { return std::abs(stress) > felt * largest; });
+  const int count = nn::touching_tactels(frame.data(), static_cast<int>(frame.size() / 2));
   return count <= 3 ? 0 : count <= 6 ? 1 : count <= 10 ? 2 : 3;
 }
 
@@ -333,10 +327,12 @@ std::optional<Floor> floor_of(Executor& executor, const FrameBank& bank, const F
     const std::size_t rows = std::max<std::size_t>(bank.rows() / share, 1);
     const FrameBank some = sorted_bank(bank, rows);
     asked = chosen(some, drawn_rows(rows, options.readings, options.seed + 4));
-    below = errors_below(executor, some, asked, model, options.seed + 6, progress);
+    FrameLikelihood<float> likelihood(executor, model, some.frames);
+    below = errors_below(likelihood, executor.threads(), some, asked,
+                         nn::draw_readings(model, asked.frames, options.seed + 6), progress);
     if (!below) return std::nullopt;
     ++parts;
-    const auto at_spreads = errors_above(executor, some, judged, readings, model, progress);
+    const auto at_spreads = errors_above(likelihood, executor.threads(), some, judged, readings, progress);
     if (!at_spreads) return std::nullopt;
     ++parts;
     const std::size_t best = best_spread(*at_spreads);

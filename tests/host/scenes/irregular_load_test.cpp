@@ -8,6 +8,7 @@
 
 #include "host/scenes/scene_source.h"
 #include "host/support/errors.h"
+#include "tests/host/scenes/sweep_text.h"
 #include "tests/host/support/run_tactel.h"
 
 namespace tactel::host {
@@ -21,20 +22,6 @@ using testing::Le;
 const std::string head =
     "[sweep]\ncontacts = 300\nseed = 7\n[indenter]\nshape = \"parabola\"\nradius = 10\n"
     "[load]\nindentation = { uniform = [0.05, 0.2] }\n";
-
-SceneSource source(const std::string& text) {
-  const ScratchFolder folder;
-  return SceneSource::read(folder.write("sweep.toml", text));
-}
-
-std::string message_of(const std::string& text) {
-  try {
-    source(text);
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 std::vector<fem::LoadStep> path(const SceneSource& sweep, std::uint64_t k) {
   return fem::load_path(sweep.contact(k).scene.load).steps;

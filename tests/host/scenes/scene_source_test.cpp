@@ -11,24 +11,11 @@
 
 #include "fem/measured_profile.h"
 #include "host/support/errors.h"
+#include "tests/host/scenes/sweep_text.h"
 #include "tests/host/support/run_tactel.h"
 
 namespace tactel::host {
 namespace {
-
-SceneSource source(const std::string& text) {
-  const ScratchFolder folder;
-  return SceneSource::read(folder.write("sweep.toml", text));
-}
-
-std::string message_of(const std::string& text) {
-  try {
-    source(text);
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 const std::string head = "[sweep]\ncontacts = 2000\nseed = 7\n";
 const std::string load = "[load]\nindentation = 0.15\ntangential_step = 0.05\ntangential_steps = 4\n";
@@ -196,25 +183,24 @@ TEST(SceneSource, OwnSensorsNeedPatches) {
 }
 
 TEST(SceneSource, RefusesWithFileLineAndKey) {
-  for (const auto& [text, said] : std::vector<std::pair<std::string, std::string>>{
-           {"[sweep]\nseed = 1\n" + load + parabola, "sweep.contacts = (missing)"},
-           {"[sweep]\ncontacts = 0\n" + load + parabola, "sweep.toml:2: sweep.contacts = 0"},
-           {head + load + parabola + "[contact]\nfriction = { uniform = [-1, 1] }\n", ":12: contact.friction"},
-           {head + load + "[indenter]\nshape = \"parabola\"\nradius = { uniform = [-1, 1] }\n", ":10: indenter.radius"},
-           {head + load + "[indenter]\nshape = \"parabola\"\nradius = { uniform = [1, 1e30] }\n",
-            ":10: indenter.radius"},
-           {head + load + parabola + "[sensor]\ncolumns = { choice = [41, 51] }\n", "sensor.columns"},
-           {head + load + parabola + "[sensor]\npoisson = { uniform = [0.4, 0.5] }\n", ":12: sensor.poisson"},
-           {head + load + parabola + own_sensor + "columns = 41\n", "sweep.sensors"},
-           {head + load + parabola + own_sensor + "tactel_width = 0.5\n", ":16: sensor.tactel_width"},
-           {head + load + parabola + "[sensor]\nlength = { uniform = [8, 20] }\n", ":12: sensor.length"},
-           {head + load + parabola + "weight = -1\n", "indenter.weight"},
-           {head + load + "[[indenter]]\nshape = \"parabola\"\nradius = 1\nweight = 0\n", "indenter.weight"},
-           {head + load + "[indenter]\nshape = \"profile\"\npoints = 2\nhalf_width = 1\nheight = 1\n",
-            "indenter.points"},
-           {head + parabola + "[load]\nindentation = 0.1\nslip_index = 0.5\n", "load.slip_index"},
-           {head + load + parabola + "[contact]\nfrction = 1\n", "did you mean friction?"},
-           {head + load, "indenter.shape = (missing)"}})
+  const std::vector<std::pair<std::string, std::string>> refused{
+      {"[sweep]\nseed = 1\n" + load + parabola, "sweep.contacts = (missing)"},
+      {"[sweep]\ncontacts = 0\n" + load + parabola, "sweep.toml:2: sweep.contacts = 0"},
+      {head + load + parabola + "[contact]\nfriction = { uniform = [-1, 1] }\n", ":12: contact.friction"},
+      {head + load + "[indenter]\nshape = \"parabola\"\nradius = { uniform = [-1, 1] }\n", ":10: indenter.radius"},
+      {head + load + "[indenter]\nshape = \"parabola\"\nradius = { uniform = [1, 1e30] }\n", ":10: indenter.radius"},
+      {head + load + parabola + "[sensor]\ncolumns = { choice = [41, 51] }\n", "sensor.columns"},
+      {head + load + parabola + "[sensor]\npoisson = { uniform = [0.4, 0.5] }\n", ":12: sensor.poisson"},
+      {head + load + parabola + own_sensor + "columns = 41\n", "sweep.sensors"},
+      {head + load + parabola + own_sensor + "tactel_width = 0.5\n", ":16: sensor.tactel_width"},
+      {head + load + parabola + "[sensor]\nlength = { uniform = [8, 20] }\n", ":12: sensor.length"},
+      {head + load + parabola + "weight = -1\n", "indenter.weight"},
+      {head + load + "[[indenter]]\nshape = \"parabola\"\nradius = 1\nweight = 0\n", "indenter.weight"},
+      {head + load + "[indenter]\nshape = \"profile\"\npoints = 2\nhalf_width = 1\nheight = 1\n", "indenter.points"},
+      {head + parabola + "[load]\nindentation = 0.1\nslip_index = 0.5\n", "load.slip_index"},
+      {head + load + parabola + "[contact]\nfrction = 1\n", "did you mean friction?"},
+      {head + load, "indenter.shape = (missing)"}};
+  for (const auto& [text, said] : refused)
     EXPECT_NE(message_of(text).find(said), std::string::npos) << text << message_of(text);
 }
 
