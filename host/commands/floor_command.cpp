@@ -19,15 +19,54 @@ namespace {
 struct FloorRequest {
   std::string sweep, json, device;
   std::vector<std::string> networks;
+  std::vector<double> noises, gains, thicknesses;
+  std::vector<int> histories, tactels;
   FloorOptions options;
   bool quiet = false;
 };
 
-int run_floor(const FloorRequest& request) {
-  const Sweep sweep = read_sweep(request.sweep);
-  if (!sweep.source.endless())
+/// A skin to measure.
+struct Skin {
+  std::optional<int> tactels;
+  std::optional<double> thickness;  ///< mm
+  FloorOptions options;
+};
+
+template <class T>
+std::vector<std::optional<T>> or_that_of_the_file(const std::vector<T>& values) {
+  return values.empty() ? std::vector<std::optional<T>>(1)
+                        : std::vector<std::optional<T>>(values.begin(), values.end());
+}
+
+/// All combinations.
+std::vector<Skin> skins_of(const FloorRequest& request) {
+  const auto given = [](const auto& values, auto otherwise) {
+    return values.empty() ? std::vector{otherwise} : values;
+  };
+  std::vector<Skin> skins;
+  for (const auto tactels : or_that_of_the_file(request.tactels))
+    for (const auto thickness : or_that_of_the_file(request.thicknesses))
+      for (const int history : given(request.histories, request.options.history))
+        for (const double noise : given(request.noises, request.options.noise))
+          for (const double gain : given(request.gains, request.options.gain)) {
+            skins.push_back({tactels, thickness, request.options});
+            FloorOptions& options = skins.back().options;
+            options.history = history, options.noise = noise, options.gain = gain;
+          }
+  return skins;
+}
+
+SceneSource source_of(const FloorRequest& request, const Skin& skin) {
+  SceneSource source = read_sweep_of_sensor(request.sweep, skin.tactels, skin.thickness).source;
+  if (!source.endless())
     throw ConfigError(request.sweep, "sweep.set", "a listed set",
                       "left out: a floor draws its contacts (sweep.contacts)");
+  return source;
+}
+
+int run_floor(const FloorRequest& request) {
+  const std::vector<Skin> skins = skins_of(request);
+  for (const Skin& skin : skins) source_of(request, skin);  // an error before minutes of work
   if (!request.json.empty() && request.json != "-") check_writable("--json", request.json);
   std::vector<nn::Model> models;
   std::vector<std::string> files;
@@ -39,22 +78,33 @@ int run_floor(const FloorRequest& request) {
   Executor executor{Device(request.device)};
   const Interrupt interrupt;
   ProgressLine line("floor", "readings", request.quiet);
-  FloorOptions options = request.options;
-  options.progress = [&](std::size_t done, std::size_t all) {
-    line.show(done, all);
-    return !interrupt.requested();
-  };
-  const auto floor = measure_floor(executor, sweep.source, models, options);
+  std::vector<SkinFloor> floors;
+  for (const Skin& skin : skins) {
+    const SceneSource source = source_of(request, skin);
+    FloorOptions options = skin.options;
+    options.progress = [&](std::size_t done, std::size_t all) {
+      line.show(floors.size() * all + done, skins.size() * all);
+      return !interrupt.requested();
+    };
+    auto floor = measure_floor(executor, source, models, options);
+    if (!floor) return interrupted;
+    const fem::Sensor& sensor = source.sensors().front();
+    floors.push_back(
+        {sensor.tactels, sensor.span() / (sensor.tactels - 1), sensor.thickness, options, *std::move(floor)});
+  }
   line.clear();
-  if (!floor) return interrupted;
+  const bool one = floors.size() == 1;
   nlohmann::ordered_json json = {{"tactel", TACTEL_VERSION}, {"sweep", request.sweep}};
-  json.update(to_json(*floor, options, files));
+  if (one)
+    json.update(to_json(floors[0].floor, floors[0].options, files));
+  else
+    json["skins"] = to_json(floors, files);
   if (request.json == "-") {
     fmt::print("{}", json_text(json));
     return done;
   }
   if (!request.json.empty()) write_file("--json", request.json, json_text(json));
-  fmt::print("{}", floor_table(*floor, options, files));
+  fmt::print("{}", one ? floor_table(floors[0].floor, floors[0].options, files) : skin_table(floors, files));
   return done;
 }
 
@@ -68,18 +118,28 @@ void add_floor_command(CLI::App& app, Action& action) {
   command->group("Verify");
   command->add_option("sweep", request->sweep, "sweep file (TOML)")->type_name("SWEEP.toml")->required();
   command
-      ->add_option("--noise", options.noise,
-                   "standard deviation of a reading's noise, over the largest |stress| of the newest frame")
+      ->add_option("--noise", request->noises,
+                   "standard deviation of a reading's noise, over the largest |stress| of the newest frame; "
+                   "repeatable (default: 0.01)")
       ->check(CLI::Range(1e-6, 10.0))
-      ->capture_default_str();
+      ->allow_extra_args(false);
   command
-      ->add_option("--gain", options.gain,
-                   "standard deviation of the transducers' gains about 1; they do not change along a contact")
+      ->add_option("--gain", request->gains,
+                   "standard deviation of the transducers' gains about 1; they do not change along a contact; "
+                   "repeatable (default: 0)")
       ->check(CLI::Range(0.0, 10.0))
-      ->capture_default_str();
-  command->add_option("--history", options.history, "frames of a reading: the newest and those before it")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--history", request->histories,
+                   "frames of a reading: the newest and those before it; repeatable (default: 1)")
       ->check(CLI::Range(1, 64))
-      ->capture_default_str();
+      ->allow_extra_args(false);
+  command->add_option("--tactels", request->tactels, "number of tactels, instead of the file's; repeatable")
+      ->check(CLI::Range(2, 4096))
+      ->allow_extra_args(false);
+  command->add_option("--thickness", request->thicknesses, "mm of rubber, instead of the file's; repeatable")
+      ->check(CLI::PositiveNumber)
+      ->allow_extra_args(false);
   command->add_option("--network", request->networks, "also judge these networks on the readings (repeatable)")
       ->type_name("DIR|FILE.onnx");
   command->add_option("--bank", options.bank, "rows of the bank; more rows narrow the gap")

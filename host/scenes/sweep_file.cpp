@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/scenes/sweep_file.h"
 
+#include <toml++/toml.h>
+
+#include <sstream>
+
 #include "host/scenes/scene_file.h"
 #include "host/scenes/scene_tables.h"
 #include "host/scenes/sweep_reader.h"
@@ -63,6 +67,20 @@ Sweep read_sweep_text(const std::filesystem::path& path, std::string text, std::
   TomlTable sweep(file, "sweep");
   const std::string kept = file.text();
   return {kept, sweep.has("set") ? paper_source(file, seed) : SweepReader(std::move(file), seed).read()};
+}
+
+Sweep read_sweep_of_sensor(const std::filesystem::path& path, std::optional<int> tactels,
+                           std::optional<double> thickness) {
+  if (!tactels && !thickness) return read_sweep(path);
+  TomlFile file(path);
+  toml::table& root = file.root();
+  toml::table* sensor = root.emplace<toml::table>("sensor").first->second.as_table();
+  if (sensor == nullptr) return read_sweep(path);  // which names the fault
+  if (tactels) sensor->insert_or_assign("tactels", *tactels);
+  if (thickness) sensor->insert_or_assign("thickness", *thickness);
+  std::ostringstream text;
+  text << root;
+  return read_sweep_text(path, text.str());
 }
 
 }  // namespace tactel::host

@@ -93,8 +93,19 @@ std::optional<Floor> measure_floor(Executor& executor, const SceneSource& source
 /// Returns the smallest value below or at which half of the weight lies. values: increasing.
 double weighted_median(std::span<const float> values, std::span<const float> weights);
 
+/// A skin and how it is read, with its floor: a line of a design table.
+struct SkinFloor {
+  int tactels = 0;
+  double pitch = 0, thickness = 0;  ///< mm
+  FloorOptions options;
+  Floor floor;
+};
+/// Returns a line a skin: tactels, pitch, thickness, frames, noise, gains and the floor of all contacts.
+std::string skin_table(std::span<const SkinFloor> skins, const std::vector<std::string>& networks);
+
 std::string floor_table(const Floor& floor, const FloorOptions& options, const std::vector<std::string>& networks);
 nlohmann::ordered_json to_json(const Floor& floor, const FloorOptions& options,
                                const std::vector<std::string>& networks);
+nlohmann::ordered_json to_json(std::span<const SkinFloor> skins, const std::vector<std::string>& networks);
 
 }  // namespace tactel::host

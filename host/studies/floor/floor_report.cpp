@@ -74,4 +74,34 @@ Json to_json(const Floor& floor, const FloorOptions& options, const std::vector<
   return json;
 }
 
+std::string skin_table(std::span<const SkinFloor> skins, const std::vector<std::string>& networks) {
+  std::string text = fmt::format(
+      "mean |error of S| that the frames allow; a bank of {} rows or more\n"
+      "the floor lies between \"below\" (any estimator) and \"above\" (one estimator);\n"
+      "\"estimate\" is by derivatives, and no bound\n\n"
+      "tactels  pitch   thickness  frames  noise   gains   below  estimate   above",
+      std::ranges::min(skins, {}, [](const SkinFloor& skin) { return skin.floor.bank; }).floor.bank);
+  for (std::size_t i = 0; i < networks.size(); ++i) text += fmt::format("{:>11}", fmt::format("network {}", i + 1));
+  text += "\n            mm          mm\n";
+  for (const SkinFloor& skin : skins) {
+    const FloorClass& all = skin.floor.all;
+    text += fmt::format("{:>7}{:>7.3g}{:>12.3g}{:>8}{:>7.3g}{:>8.3g}{:>8.4f}{:>10.4f}{:>8.4f}", skin.tactels,
+                        skin.pitch, skin.thickness, skin.options.history, skin.options.noise, skin.options.gain,
+                        all.lower.mean, all.estimate.mean, all.upper.mean);
+    for (const FloorError& network : all.networks) text += fmt::format("{:>11.4f}", network.mean);
+    text += '\n';
+  }
+  for (std::size_t i = 0; i < networks.size(); ++i) text += fmt::format("network {}: {}\n", i + 1, networks[i]);
+  return text;
+}
+
+Json to_json(std::span<const SkinFloor> skins, const std::vector<std::string>& networks) {
+  Json json = Json::array();
+  for (const SkinFloor& skin : skins) {
+    json.push_back({{"tactels", skin.tactels}, {"pitch", skin.pitch}, {"thickness", skin.thickness}});
+    json.back().update(to_json(skin.floor, skin.options, networks));
+  }
+  return json;
+}
+
 }  // namespace tactel::host

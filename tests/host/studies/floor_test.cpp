@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <random>
+#include <regex>
 
 #include "tests/host/networks/network_cases.h"
 #include "tests/host/support/run_tactel.h"
@@ -123,6 +124,33 @@ TEST(FloorCommand, GivesNumbersBelowAndAbove) {
   const ChildResult listed = run_tactel({"floor", source_file("examples/paper_learning.toml")});
   EXPECT_EQ(listed.exit_code, 2);
   EXPECT_NE(listed.err.find("sweep.set"), std::string::npos) << listed.err;
+}
+
+// A line of the table is the floor of a file with that sensor.
+TEST(FloorCommand, ComparesSkins) {
+  const ScratchFolder folder;
+  const std::string table = folder / "table.json", alone = folder / "alone.json", file = folder / "eight.toml";
+  const std::string sweep = text_of(source_file("examples/random_sweep.toml"));
+  const auto floor_of_sweep = [&](const std::string& path, const std::string& json, std::vector<std::string> more) {
+    std::vector<std::string> words = {"floor",   path,  "--bank",  "4000",   "--readings", "20",
+                                      "--noise", "0.1", "--quiet", "--json", json};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_tactel(words);
+  };
+  const ChildResult two = floor_of_sweep(source_file("examples/random_sweep.toml"), table,
+                                         {"--tactels", "8", "--tactels", "21", "--thickness", "3"});
+  ASSERT_EQ(two.exit_code, 0) << two.err;
+  EXPECT_NE(two.out.find("      8   2.86           3"), std::string::npos) << two.out;
+  auto skins = nlohmann::json::parse(text_of(table))["skins"];
+  ASSERT_EQ(skins.size(), 2u);
+  EXPECT_EQ(skins[1]["tactels"], 21);
+  EXPECT_DOUBLE_EQ(skins[0]["pitch"], 20.0 / 7);
+  std::ofstream(file) << std::regex_replace(sweep, std::regex("\\[sensor\\]"), "[sensor]\ntactels = 8\nthickness = 3");
+  ASSERT_EQ(floor_of_sweep(file, alone, {}).exit_code, 0);
+  EXPECT_EQ(skins[0]["all"], nlohmann::json::parse(text_of(alone))["all"]);
+  const ChildResult thin = floor_of_sweep(file, alone, {"--thickness", "1e-9"});
+  EXPECT_EQ(thin.exit_code, 2);
+  EXPECT_NE(thin.err.find("thickness"), std::string::npos) << thin.err;
 }
 
 }  // namespace
