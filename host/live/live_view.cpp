@@ -113,20 +113,35 @@ std::string view_text(const MonitorLine& line, const SlipHistory& history, float
                      arrows(shear, largest_stress, room), words.substr(0, static_cast<std::size_t>(width)));
 }
 
-// With a cursor: up over the picture before; each line is cleared to its end.
 std::optional<std::string> LiveView::show(const MonitorLine& line, int columns) {
   for (const float stress : line.stresses)
     if (std::isfinite(stress)) largest_stress_ = std::max(largest_stress_, std::abs(stress));
   history_.add(line.frame.arrival, line.answer.slip_index, static_cast<std::size_t>(std::max(columns, least_columns)));
   const auto now = std::chrono::steady_clock::now();
-  if (shown_ && now - last_ < refresh) return std::nullopt;
+  if (!shown_ || now - last_ >= refresh) {
+    last_ = now;
+    return picture(line, columns);
+  }
+  stresses_.assign(line.stresses.begin(), line.stresses.end());
+  waiting_ = line;
+  waiting_->stresses = stresses_;
+  return std::nullopt;
+}
+
+std::optional<std::string> LiveView::show_newest(int columns) {
+  if (!waiting_) return std::nullopt;
+  return picture(*waiting_, columns);
+}
+
+// With a cursor: up over the picture before; each line is cleared to its end.
+std::string LiveView::picture(const MonitorLine& line, int columns) {
   std::string text = view_text(line, history_, largest_stress_, columns, options_);
   if (options_.cursor) {
     for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += 4) text.replace(at, 1, "\x1b[K\n");
     if (shown_) text.insert(0, fmt::format("\x1b[{}A", lines));
   }
   shown_ = true;
-  last_ = now;
+  waiting_.reset();
   return text;
 }
 

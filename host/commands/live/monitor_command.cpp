@@ -97,7 +97,11 @@ MonitorEvents make_events(const MonitorRequest& request, LiveView& view, Output&
     if (const auto picture = view.show(line, output.columns())) output.put(*picture);
   };
   events.second = [&](const MonitorSummary& summary) {
-    if (!request.quiet && !request.view) say(summary_text(summary, false));
+    if (request.view) {
+      if (const auto picture = view.show_newest(output.columns())) output.put(*picture);
+    } else if (!request.quiet) {
+      say(summary_text(summary, false));
+    }
   };
   events.silence = [&](double seconds) {
     if (!request.quiet) print_warning(fmt::format("no frame for {:.1f} s", seconds));
@@ -119,6 +123,7 @@ int run_monitor(const MonitorRequest& request) {
                  .colour = takes_colour(STDOUT_FILENO)});
   const Until until(request.seconds);
   const MonitorSummary summary = monitor.run(*opened.source, make_events(request, view, output, until));
+  if (const auto picture = view.show_newest(output.columns())) output.put(*picture);
   say_if_cut_short(request, *opened.source);
   say_if_nothing_decoded(request, *opened.source, summary.decoder);
   say(summary_text(summary, opened.source->cut_short()));
