@@ -55,8 +55,9 @@ Modelling modelling(const GenerateRequest& request, const SceneSource& source, b
   const std::uint64_t count = std::min(source.contacts(), most_tried);
   const StageLine stage(fmt::format("trying rungs on {} contacts", count), quiet);
   Executor executor{Device(solve.device)};
-  const Plan chosen = plan_for_many(executor, *solve.accuracy, source.contacts(),
-                                    [&](std::uint64_t k) { return source.contact(k).scene; });
+  const Plan chosen = plan_for_many(
+      executor, *solve.accuracy,
+      {source.contacts(), [&](std::uint64_t k) { return source.contact(k).scene; }, source.own_sensors()});
   if (!quiet) {
     fmt::print(stderr, "{}, in 95 % of {} contacts tried\n", chosen.why(), count);
     if (!chosen.kept || chosen.rung.exact)
