@@ -104,10 +104,12 @@ std::string view_text(const MonitorLine& line, const SlipHistory& history, float
   std::string index =
       fmt::format("S {} {}", std::isfinite(s) ? fmt::format("{:.3f}", s) : "  -  ", bar(s, options.alarm, width - 8));
   if (options.colour && std::isfinite(s)) index = painted(index, colour_of(acted_on, options.alarm));
-  const std::string words =
-      fmt::format("{}frame {}, {:.0f} us, full block {:.3g} MPa, history {:.0f} s",
-                  acted_on >= options.alarm ? "ALARM: slip is near; " : "", line.frame.number, line.latency,
-                  largest_stress, static_cast<double>(room) * SlipHistory::seconds_per_column);
+  const std::string words = fmt::format("{}frame {}, {:.0f} us, full block {:.3g} MPa, history {:.0f} s",
+                                        line.contact == false       ? "no contact; "
+                                        : acted_on >= options.alarm ? "ALARM: slip is near; "
+                                                                    : "",
+                                        line.frame.number, line.latency, largest_stress,
+                                        static_cast<double>(room) * SlipHistory::seconds_per_column);
   return fmt::format("{}\nhistory|{}|\nnormal |{}|\nshear  |{}|\n       |{}|\n{}\n", index, history_text(history, room),
                      blocks(normal, largest_stress, room), blocks(shear, largest_stress, room),
                      arrows(shear, largest_stress, room), words.substr(0, static_cast<std::size_t>(width)));
