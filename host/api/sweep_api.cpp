@@ -57,6 +57,7 @@ class Simulation {
     set.inputs = 2 * static_cast<std::size_t>(source_.tactels());
     set.indenter_names = source_.kind_names();
     set.sweep = text_, set.seed = source_.seed();
+    set.press_rows = source_.press_rows();
     set.rung = rung_, set.device = executor_.device().info().name;
     return set;
   }
