@@ -7,6 +7,7 @@
 #include "fem/stress_field.h"
 #include "host/commands/shared_options.h"
 #include "host/contact/rung_for_many.h"
+#include "host/scenes/end_tactels.h"
 #include "host/scenes/sweep_file.h"
 #include "host/sets/set_plan.h"
 #include "host/sets/set_production.h"
@@ -126,6 +127,8 @@ int run_generate(const GenerateRequest& request) {
   const Ranks ranks;
   const auto [rung, accurate] = modelling(request, sweep.source, request.shared.quiet || !ranks.first());
   if (rung) model_on(*rung, request.shared.solve, sweep, options.set);
+  if (options.set.patch && tactels_at_ends(sweep.source) && ranks.first() && !request.shared.quiet)
+    fmt::print(stderr, "note: {}\n", tactels_at_ends_text);
   options.rank = ranks.rank(), options.ranks = ranks.count();
   const SetPlan plan =
       plan_of(sweep, rung ? rung->name : "as the file says", options.set.precision, options.set.tolerance);
