@@ -29,6 +29,21 @@ void ChannelMap::validate(std::size_t channels) const {
   validate_channels("channels.shear", shear, channels);
   validate_numbers("calibration.offset", calibration.offset, channels);
   validate_numbers("calibration.gain", calibration.gain, channels);
+  if (calibration.noise.empty()) return;
+  validate_numbers("calibration.noise", calibration.noise, channels);
+  for (const double noise : calibration.noise)
+    require(noise >= 0, "calibration.noise", std::to_string(noise), "0 or above, in the device's units");
+}
+
+double ChannelMap::touch() const {
+  double most = 0;
+  if (calibration.noise.empty()) return most;
+  for (const int channel : normal) {
+    if (channel < 0) continue;
+    const auto c = static_cast<std::size_t>(channel);
+    most = std::max(most, touch_deviations * calibration.noise[c] * std::abs(calibration.gain[c]));
+  }
+  return most;
 }
 
 void ChannelMap::apply(std::span<const double> values, std::span<float> frame) const {

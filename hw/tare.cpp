@@ -49,6 +49,15 @@ std::vector<double> Tare::offset() const {
   return means;
 }
 
+std::vector<double> Tare::noise() const {
+  std::vector<double> all;
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    const ChannelRest rest = channel(i);
+    all.push_back(std::max(rest.noise, rest.step / 2));
+  }
+  return all;
+}
+
 // White noise of standard deviation s makes steps of 2 s / sqrt(pi) on average between neighbours. The mean over n
 // readings scatters by s / sqrt(n): parts of fewer than four readings are allowed more.
 ChannelRest Tare::channel(std::size_t i) const {
@@ -59,6 +68,7 @@ ChannelRest Tare::channel(std::size_t i) const {
   rest.noise = of.steps / steps * std::sqrt(std::numbers::pi) / 2;
   const std::size_t full = std::ranges::max(of.parts, {}, &Part::readings).readings;
   const double few = 2 / std::sqrt(static_cast<double>(full));
+  rest.step = of.smallest_step;
   rest.allowed = allowed_drift * std::max(1.0, few) * rest.noise + allowed_steps * of.smallest_step;
   double sum = 0;
   bool first = true;

@@ -12,6 +12,7 @@ struct ChannelRest {
   std::size_t readings = 0;  ///< number of finite readings
   double mean = 0;           ///< 0 without readings
   double noise = 0;          ///< standard deviation between neighbouring readings, which a slow drift does not raise
+  double step = 0;           ///< smallest difference of neighbours above 0: a step of the converter
   double lowest = 0, highest = 0;  ///< means over 8 to 16 equal parts of the time
   double allowed = 0;              ///< largest difference of these means in a sensor at rest
   bool at_rest() const { return highest - lowest <= allowed; }
@@ -25,6 +26,7 @@ class Tare {
   void add(std::span<const double> values);
   std::size_t frames() const { return frames_; }
   std::vector<double> offset() const;  ///< [channels] mean
+  std::vector<double> noise() const;   ///< [channels] noise, but half a step at least: it may be hidden below the step
   ChannelRest channel(std::size_t i) const;
 
  private:

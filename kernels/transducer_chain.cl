@@ -8,7 +8,8 @@
    with normal numbers g, o, n_k from Philox counters {item, item's upper half, stream, which}:
      g, o   item: the instance, stream 7, which: the channel; words 0, 1
      n_k    item: the contact, stream 6, which: k / 4 channels + channel; words 0, 1 for k mod 4 = 0, 1, words 2, 3 for 2, 3
-     spreads: item: the instance, stream 10, which 0; words 0 (gains), 1 (offsets), 2 (noise): evenly between the least and the most
+     spreads: item: the instance, stream 10, which 0; words 0 (gains), 1 (offsets), 2 (noise), 3 (tau): evenly between the least and the
+              most; which 1, word 0: the bits, least + word times their count over 2^32
      faults   item: the instance, stream 11, which: the channel; word 0: dead, words 2, 3: the share of neighbours
               and which: channels + the tactel; words 0, 1: the shift of its place
    (Box and Muller 1958: the pair's cosine comes first), and the instance is the contact itself, or word 0 of {contact, stream 8, 0}
@@ -49,6 +50,30 @@ INLINE ulong instance_of(const ChainSettings *chain, ulong contact) {
 
 /* A sensor's own spread, by a word. */
 INLINE vreal spread_of(const float *ends, vuint word) { return ALL_LANES(ends[0]) + ALL_LANES(ends[1] - ends[0]) * unit_number(word); }
+
+/* What a sensor has of its own: its charge amplifier and its converter. */
+typedef struct {
+  vreal decay, pass, quantum;
+  float low, high;
+} Electronics;
+
+INLINE Electronics electronics_of(const ChainSettings *chain, ulong instance, vuint tau_word) {
+  Electronics own = {ALL_LANES(chain->decay), ALL_LANES(chain->pass), ALL_LANES(chain->quantum), chain->low, chain->high};
+  if (chain->time_constant[0] < chain->time_constant[1]) {
+    const vreal ratio = ALL_LANES(chain->step_time) / spread_of(chain->time_constant, tau_word);
+    own.decay = exp(-ratio);
+    own.pass = -expm1(-ratio) / ratio;
+  }
+  if (chain->bits[0] < chain->bits[1]) {
+    const RandomWords drawn = words_of_item(chain->instance_seed, SPREAD_STREAM, instance, (vuint)(1));
+    const uint count = chain->bits[1] - chain->bits[0] + 1;
+    const int bits = chain->bits[0] + (int)mul_hi(((const uint *)&drawn.word[0])[0], count);
+    own.low = -ldexp(1.0f, bits - 1);
+    own.high = -own.low - 1;
+    own.quantum = ALL_LANES(ldexp(chain->range, 1 - bits));
+  }
+  return own;
+}
 
 /* Shares of the stresses of a tactel and of its neighbours in what a transducer feels. */
 typedef struct {
@@ -115,7 +140,9 @@ kernel void transducer_chain(uint first_group, global const ulong *contact, glob
   const bool neighbours = chain.shift_spread > 0 || chain.crosstalk > 0, faults = neighbours || chain.dead > 0;
   Shares shares = {0, 1, 0};
   if (faults) shares = shares_of(&chain, instance, channel, channels);
-  const vreal per_quantum = ALL_LANES(chain.quantum > 0 ? 1 / chain.quantum : 0);
+  const Electronics electronics = electronics_of(&chain, instance, own.word[3]);
+  const bool converts = chain.quantum > 0;
+  const vreal per_quantum = converts ? ALL_LANES(1) / electronics.quantum : ALL_LANES(0);
   NormalPair noise[2];
   vreal x_before = 0, y_before = 0, s_before = 0, late = 0;
   global real *at = signal + ((size_t)row * vectors + vector) * LANES;
@@ -134,7 +161,7 @@ kernel void transducer_chain(uint first_group, global const ulong *contact, glob
     }
     const vreal x = gain * s;
     vreal y = x;
-    if (chain.high_pass) y = fma(ALL_LANES(chain.decay), y_before, ALL_LANES(chain.pass) * (x - x_before));
+    if (chain.high_pass) y = fma(electronics.decay, y_before, electronics.pass * (x - x_before));
     x_before = x;
     y_before = y;
     y += offset;
@@ -147,9 +174,9 @@ kernel void transducer_chain(uint first_group, global const ulong *contact, glob
       const NormalPair two = noise[k % 4 / 2];
       y = fma(deviation, k % 2 ? two.second : two.first, y);
     }
-    if (chain.quantum > 0) y = rint(y * per_quantum);
-    y = cut_off(y, chain.low, chain.high);
-    if (chain.quantum > 0) y *= ALL_LANES(chain.quantum);
+    if (converts) y = rint(y * per_quantum);
+    y = cut_off(y, electronics.low, electronics.high);
+    if (converts) y *= electronics.quantum;
     STORE(y, at);
   }
 }

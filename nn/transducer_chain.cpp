@@ -65,6 +65,16 @@ double spread_of(const std::optional<double>& from, double to, std::uint32_t wor
   return least + (to - least) * unit(word);
 }
 
+/// The time constant and the bits of a sensor, in place of their ranges.
+Transducer of_sensor(Transducer t, std::uint64_t instance, std::uint32_t word) {
+  t.time_constant = spread_of(t.time_constant_from, t.time_constant, word);
+  if (t.bits_from) {
+    const auto count = static_cast<std::uint64_t>(t.bits - *t.bits_from + 1);
+    t.bits = *t.bits_from + static_cast<int>(words(t.seed, RandomStream::spread, instance, 1)[0] * count >> 32);
+  }
+  return t;
+}
+
 /// The stress that a transducer feels: at its shifted place, linear between tactels, with shares of its neighbours'. At
 /// an end of the row the neighbour that is not there has no share, and the place does not shift beyond the row.
 std::vector<double> felt_stress(const Transducer& t, std::uint64_t instance, const RowMatrix<double>& stress,
@@ -133,11 +143,15 @@ void Transducer::validate() const {
   check_from("gain_spread", gain_spread_from, gain_spread);
   check_from("offset_spread", offset_spread_from, offset_spread);
   check_from("noise", noise_from, noise);
+  check_from("time_constant", time_constant_from, time_constant);
+  check(!bits_from || (*bits_from >= 2 && *bits_from <= bits), "bits", bits_from.value_or(0),
+        "a range of whole numbers from 2 upward");
   // Beyond these bounds exp(-h / tau) is 0 or 1, and the filter is not what it says.
   check((time_constant == 0 && lag_time == 0) == (step_time == 0), "step_time", step_time,
         "given with transducer.time_constant, in s");
-  check(time_constant == 0 || (step_time >= 1e-6 * time_constant && step_time <= 50 * time_constant), "step_time",
-        step_time, "between 1e-6 and 50 of transducer.time_constant, in s");
+  const double shortest = time_constant_from.value_or(time_constant);
+  check(time_constant == 0 || (step_time >= 1e-6 * time_constant && step_time <= 50 * shortest), "step_time", step_time,
+        "between 1e-6 and 50 of transducer.time_constant, in s");
   check(lag_time == 0 || (step_time >= 1e-6 * lag_time && step_time <= 50 * lag_time), "step_time", step_time,
         "between 1e-6 and 50 of transducer.lag_time, in s");
 }
@@ -147,7 +161,7 @@ std::string description(const Transducer& t) {
   const auto say = [&](const char* name, double value, const char* unit) {
     if (value != 0) text << (text.tellp() > 0 ? ", " : "") << name << ' ' << value << unit;
   };
-  const auto say_range = [&](const char* name, const std::optional<double>& from, double value, const char* unit) {
+  const auto say_range = [&](const char* name, const auto& from, double value, const char* unit) {
     if (from)
       text << (text.tellp() > 0 ? ", " : "") << name << ' ' << *from << " to " << value << unit;
     else
@@ -159,24 +173,26 @@ std::string description(const Transducer& t) {
   say("lag", t.lag, "");
   say("lag_time", t.lag_time, " s");
   say_range("gain_spread", t.gain_spread_from, t.gain_spread, "");
-  say("time_constant", t.time_constant, " s");
+  say_range("time_constant", t.time_constant_from, t.time_constant, " s");
   say("step_time", t.step_time, " s");
   say_range("offset_spread", t.offset_spread_from, t.offset_spread, " MPa");
   say_range("noise", t.noise_from, t.noise, " MPa");
   say("noise_of_largest", t.noise_of_largest, "");
   say("range", t.range, " MPa");
-  say("bits", t.bits, "");
+  say_range("bits", t.bits_from, t.bits, "");
   say("instances", t.instances, "");
-  if (t.gain_spread > 0 || t.offset_spread > 0 || t.noise_from || t.reaches_neighbours() || t.dead > 0)
+  if (t.gain_spread > 0 || t.offset_spread > 0 || t.noise_from || t.time_constant_from || t.bits_from ||
+      t.reaches_neighbours() || t.dead > 0)
     text << ", seed " << t.seed;
   return t.present() ? text.str() : "none";
 }
 
-RowMatrix<double> transducer_chain(const Transducer& t, std::uint64_t seed, std::uint64_t contact,
+RowMatrix<double> transducer_chain(const Transducer& of_all, std::uint64_t seed, std::uint64_t contact,
                                    const RowMatrix<double>& stress) {
   const auto channels = static_cast<std::uint32_t>(stress.cols());
-  const std::uint64_t instance = instance_of(t, contact);
-  const PhiloxCounter own = words(t.seed, RandomStream::spread, instance, 0);
+  const std::uint64_t instance = instance_of(of_all, contact);
+  const PhiloxCounter own = words(of_all.seed, RandomStream::spread, instance, 0);
+  const Transducer t = of_sensor(of_all, instance, own[3]);
   const double gain_spread = spread_of(t.gain_spread_from, t.gain_spread, own[0]);
   const double offset_spread = spread_of(t.offset_spread_from, t.offset_spread, own[1]);
   double largest = 0;

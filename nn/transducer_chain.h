@@ -31,6 +31,8 @@ struct Transducer {
   /// Smallest gain_spread, offset_spread and noise: a sensor's own lies evenly between it and the member above. None:
   /// all sensors have that.
   std::optional<double> gain_spread_from{}, offset_spread_from{}, noise_from{};
+  std::optional<double> time_constant_from{};  ///< s, smallest time_constant, alike
+  std::optional<int> bits_from{};              ///< fewest bits: a sensor has one of the whole numbers up to `bits`
 
   bool operator==(const Transducer&) const = default;
   bool present() const;   ///< true where any part is applied

@@ -166,7 +166,7 @@ ManySolver::ManySolver(const host::SolveOptions& options, std::span<const fem::S
     : options_(options), asked_(scenes), executor_(host::Device(options.device)), arrays_(scenes) {
   host::SolveOptions modelling;
   modelling.rung = options.rung, modelling.accuracy = options.accuracy;
-  rung_ = host::rung_for_many(executor_, modelling, scenes.size(), [&](std::uint64_t k) { return scenes[k]; });
+  rung_ = host::rung_for_many(executor_, modelling, {scenes.size(), [&](std::uint64_t k) { return scenes[k]; }});
   patch_ = rung_.value_or(host::usual_patch());
   if (!options.precision.empty())
     patch_.precision = options.precision == "fp64" ? host::Precision::fp64 : host::Precision::fp32;

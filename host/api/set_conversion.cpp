@@ -27,7 +27,7 @@ Set from_host(host::ContactSet&& from) {
   set.contacts = from.contacts, set.without_rows = from.without_rows;
   set.fell_back = from.fell_back, set.unsolved = from.unsolved;
   set.sweep = std::move(from.sweep), set.rung = std::move(from.rung), set.device = std::move(from.device);
-  set.seed = from.seed;
+  set.seed = from.seed, set.press_rows = from.press_rows;
   return set;
 }
 
@@ -47,6 +47,7 @@ host::ContactSet to_host(const Set& from) {
   set.contacts = from.contacts, set.without_rows = from.without_rows;
   set.fell_back = from.fell_back, set.unsolved = from.unsolved;
   set.sweep = from.sweep, set.rung = from.rung, set.device = from.device, set.seed = from.seed;
+  set.press_rows = from.press_rows;
   return set;
 }
 

@@ -32,8 +32,9 @@ class Simulation {
     api::check_precision(options.precision);
     host::SolveOptions modelling;
     modelling.rung = options.rung, modelling.accuracy = options.accuracy;
-    auto rung = host::rung_for_many(executor_, modelling, source_.contacts(),
-                                    [&](std::uint64_t k) { return source_.contact(k).scene; });
+    auto rung = host::rung_for_many(
+        executor_, modelling,
+        {source_.contacts(), [&](std::uint64_t k) { return source_.contact(k).scene; }, source_.own_sensors()});
     if (!rung && source_.model() == fem::SurfaceModel::patch) rung = host::usual_patch();
     host::SetOptions set;
     if (rung) {
@@ -56,6 +57,7 @@ class Simulation {
     set.inputs = 2 * static_cast<std::size_t>(source_.tactels());
     set.indenter_names = source_.kind_names();
     set.sweep = text_, set.seed = source_.seed();
+    set.press_rows = source_.press_rows();
     set.rung = rung_, set.device = executor_.device().info().name;
     return set;
   }

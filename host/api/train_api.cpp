@@ -33,6 +33,9 @@ host::TrainRequest request_of(const TrainOptions& options) {
   request.cycles = options.cycles, request.batch = options.batch;
   if (!options.optimizer.empty()) request.optimizer = options.optimizer;
   request.stop_error = options.stop_error;
+  request.bound = options.bound, request.level = options.level;
+  if (!options.history.empty()) request.history = options.history;
+  request.history_change = options.history_change;
   return request;
 }
 
@@ -90,6 +93,7 @@ std::vector<Network> train(const Set& set, const TrainOptions& options, const Pr
     named.rows = host::answered_rows(named.contacts, options.name);
     host::check_learnable(named.rows, options.name);
     host::check_width(plan, named);
+    named.rows.frames = host::shown_rows(named.rows.frames, plan.history, plan.magnitude, options.name);
     return options.precision == "fp64" ? trained<double>(named.rows.frames, plan, options, progress)
                                        : trained<float>(named.rows.frames, plan, options, progress);
   });
@@ -99,12 +103,33 @@ std::vector<Network> train(const Set& set, const TrainOptions& options, const Pr
   return networks;
 }
 
-Errors errors(const SlipEstimator& network, const Set& set) {
-  if (set.inputs != network.inputs() || set.frames.size() != set.rows() * set.inputs)
-    throw InputError("set", std::to_string(set.inputs) + " inputs",
-                     "must be " + std::to_string(network.inputs()) + " for the network " + network.topology());
+namespace {
+
+/// Answers to all rows [rows], contact by contact.
+std::vector<Answer> answers_of(const SlipEstimator& network, const Set& set) {
   std::vector<Answer> answers(set.rows());
-  network.estimate(set.frames, answers);
+  if (network.frames() == 1) {
+    network.estimate(set.frames, answers);
+    return answers;
+  }
+  if (!set.press_rows || set.contact.size() != set.rows())
+    throw InputError("set", "no rows of the pressing", "must have press_rows for a network with history");
+  SlipHistory history(network);
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    if (i > 0 && set.contact[i] != set.contact[i - 1]) history.clear();
+    answers[i] = history.estimate(std::span(set.frames).subspan(i * set.inputs, set.inputs));
+  }
+  return answers;
+}
+
+}  // namespace
+
+Errors errors(const SlipEstimator& network, const Set& set) {
+  const std::size_t inputs = network.inputs() / network.frames();
+  if (set.inputs != inputs || set.frames.size() != set.rows() * set.inputs)
+    throw InputError("set", std::to_string(set.inputs) + " inputs",
+                     "must be " + std::to_string(inputs) + " for the network " + network.topology());
+  const std::vector<Answer> answers = answers_of(network, set);
   Errors errors;
   double sum = 0, squares = 0;
   for (std::size_t i = 0; i < set.rows(); ++i) {

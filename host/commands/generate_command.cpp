@@ -7,6 +7,7 @@
 #include "fem/stress_field.h"
 #include "host/commands/shared_options.h"
 #include "host/contact/rung_for_many.h"
+#include "host/scenes/end_tactels.h"
 #include "host/scenes/sweep_file.h"
 #include "host/sets/set_plan.h"
 #include "host/sets/set_production.h"
@@ -55,8 +56,9 @@ Modelling modelling(const GenerateRequest& request, const SceneSource& source, b
   const std::uint64_t count = std::min(source.contacts(), most_tried);
   const StageLine stage(fmt::format("trying rungs on {} contacts", count), quiet);
   Executor executor{Device(solve.device)};
-  const Plan chosen = plan_for_many(executor, *solve.accuracy, source.contacts(),
-                                    [&](std::uint64_t k) { return source.contact(k).scene; });
+  const Plan chosen = plan_for_many(
+      executor, *solve.accuracy,
+      {source.contacts(), [&](std::uint64_t k) { return source.contact(k).scene; }, source.own_sensors()});
   if (!quiet) {
     fmt::print(stderr, "{}, in 95 % of {} contacts tried\n", chosen.why(), count);
     if (!chosen.kept || chosen.rung.exact)
@@ -125,6 +127,8 @@ int run_generate(const GenerateRequest& request) {
   const Ranks ranks;
   const auto [rung, accurate] = modelling(request, sweep.source, request.shared.quiet || !ranks.first());
   if (rung) model_on(*rung, request.shared.solve, sweep, options.set);
+  if (options.set.patch && tactels_at_ends(sweep.source) && ranks.first() && !request.shared.quiet)
+    fmt::print(stderr, "note: {}\n", tactels_at_ends_text);
   options.rank = ranks.rank(), options.ranks = ranks.count();
   const SetPlan plan =
       plan_of(sweep, rung ? rung->name : "as the file says", options.set.precision, options.set.tolerance);

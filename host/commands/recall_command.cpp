@@ -183,6 +183,12 @@ void add_recall_command(CLI::App& app, Action& action) {
                    "with --decision: frames a second, for the false alarms a minute, 1/s")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  command
+      ->add_option("--touch", request->alarms.touch,
+                   "with --decision: a frame whose normal stresses all stay below this is no contact and ends an "
+                   "alarm, MPa")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   add_network_options(*command, request->shared);
   command->callback([request, &action] { action = [request] { return run_recall(*request); }; });
 }

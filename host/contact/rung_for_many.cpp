@@ -18,18 +18,20 @@ std::optional<Rung> named_rung_for_many(const SolveOptions& options) {
   return rung;
 }
 
-Plan plan_for_many(Executor& executor, double accuracy, std::uint64_t contacts, const ContactAt& contact) {
+Plan plan_for_many(Executor& executor, double accuracy, const ManyContacts& contacts) {
   std::vector<fem::Scene> sample;
-  const std::uint64_t count = std::min(contacts, most_tried);
-  for (std::uint64_t k = 0; k < count; ++k) sample.push_back(contact(k * contacts / count));
-  return plan(sample, accuracy, [&](const Rung& rung) { return solve_on_rung(executor, sample, rung); });
+  const std::uint64_t count = std::min(contacts.count, most_tried);
+  for (std::uint64_t k = 0; k < count; ++k) sample.push_back(contacts.contact(k * contacts.count / count));
+  if (!contacts.own_sensors)
+    return plan(sample, accuracy, [&](const Rung& rung) { return solve_on_rung(executor, sample, rung); });
+  const fem::SensorFamily family = sensor_family(executor, *contacts.own_sensors);
+  return plan(sample, accuracy, [&](const Rung& rung) { return solve_on_rung(executor, family, sample, rung); });
 }
 
-std::optional<Rung> rung_for_many(Executor& executor, const SolveOptions& options, std::uint64_t contacts,
-                                  const ContactAt& contact) {
+std::optional<Rung> rung_for_many(Executor& executor, const SolveOptions& options, const ManyContacts& contacts) {
   if (const auto rung = named_rung_for_many(options)) return rung;
   if (!options.accuracy) return {};
-  return plan_for_many(executor, *options.accuracy, contacts, contact).rung_for_many();
+  return plan_for_many(executor, *options.accuracy, contacts).rung_for_many();
 }
 
 }  // namespace tactel::host

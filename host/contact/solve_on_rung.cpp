@@ -103,4 +103,22 @@ std::vector<fem::ContactSolution> solve_on_rung(Executor& executor, std::span<co
   return answers;
 }
 
+fem::SensorFamily sensor_family(Executor& executor, const fem::SensorRange& range, bool sides) {
+  const std::vector<double> poissons = fem::SensorFamily::node_poissons(range);
+  std::vector<std::optional<fem::FamilyNode>> made(poissons.size());
+  side_by_side(poissons.size(), executor.threads(),
+               [&](std::size_t k) { made[k] = fem::SensorFamily::node(range, poissons[k], sides); });
+  std::vector<fem::FamilyNode> nodes;
+  for (auto& node : made) nodes.push_back(std::move(*node));
+  return {range, nodes};
+}
+
+std::vector<fem::ContactSolution> solve_on_rung(Executor& executor, const fem::SensorFamily& family,
+                                                std::span<const fem::Scene> scenes, const Rung& rung) {
+  if (rung.exact) return solve_on_rung(executor, scenes, rung);
+  if (rung.precision == Precision::fp32)
+    return solve_patch_contact(PatchContact<float>(executor, family, patch_options(rung)), scenes);
+  return solve_patch_contact(PatchContact<double>(executor, family, patch_options(rung)), scenes);
+}
+
 }  // namespace tactel::host

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "fem/contact_solution.h"
+#include "fem/layer/sensor_family.h"
 #include "fem/scene.h"
 #include "host/contact/patch_contact.h"
 #include "host/device/executor.h"
@@ -37,5 +38,13 @@ void finish_on_mesh(Executor& executor, std::span<const fem::Scene> scenes, cons
 /// forces and statuses of the gap elements.
 std::vector<fem::ContactSolution> solve_on_rung(Executor& executor, std::span<const fem::Scene> scenes,
                                                 const Rung& rung, bool nodes = true);
+
+/// Returns the tables of all sensors of a range, made on all threads.
+fem::SensorFamily sensor_family(Executor& executor, const fem::SensorRange& range, bool sides = true);
+
+/// Solves scenes on sensors of this family on a rung with patches, as sets of such sensors do: a contact across a
+/// whole sensor stays on its patch. The reference takes exact tables of each sensor.
+std::vector<fem::ContactSolution> solve_on_rung(Executor& executor, const fem::SensorFamily& family,
+                                                std::span<const fem::Scene> scenes, const Rung& rung);
 
 }  // namespace tactel::host

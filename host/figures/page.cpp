@@ -236,11 +236,14 @@ void Page::note(const std::string& text) { body_ += "<p class=\"note\">" + rich(
 
 void Page::table(const PageTable& table) {
   constexpr std::size_t long_table = 16;  // rows that may be parted on paper
+  constexpr std::size_t wide_table = 8;   // columns that stand close
   ++tables_;
+  std::string classes = table.rows.size() > long_table ? "long" : "";
+  if (table.head.size() > wide_table) classes += " wide";
   body_ += fmt::format(
-      "<figure id=\"table-{0}\" data-kind=\"table\"{1}>\n<figcaption><b>Table {0}.</b> "
+      "<figure id=\"table-{0}\" data-kind=\"table\" class=\"{1}\">\n<figcaption><b>Table {0}.</b> "
       "{2}</figcaption>\n<div class=\"scroll\"><table>\n<thead>{3}</thead>\n<tbody>\n",
-      tables_, table.rows.size() > long_table ? " class=\"long\"" : "", rich(table.caption), head_html(table));
+      tables_, classes, rich(table.caption), head_html(table));
   for (const Row& row : table.rows) body_ += row_html(table, row);
   body_ += "</tbody></table></div><div class=\"tools\"></div></figure>\n";
 }

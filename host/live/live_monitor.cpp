@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "host/live/frame_reader.h"
 #include "host/support/errors.h"
@@ -26,12 +27,19 @@ void check_width(const nn::Model& model, const SensorProfile& profile) {
                   frames > 1 ? fmt::format(", in each of {} frames", frames) : ""));
 }
 
+/// Whether a normal stress of the frame [2 tactels] MPa reaches the threshold.
+bool touches(std::span<const float> frame, double threshold) {
+  return std::ranges::any_of(frame.first(frame.size() / 2),
+                             [&](float stress) { return !(std::abs(stress) < threshold); });
+}
+
 }  // namespace
 
 LiveMonitor::LiveMonitor(Executor& executor, const nn::Model& model, const SensorProfile& profile,
                          const MonitorOptions& options)
     : options_(options),
       map_(profile.map),
+      touch_(options.touch.value_or(profile.map.touch())),
       decoder_((check_width(model, profile), profile.format())),
       queue_(options.queue, 2 * profile.map.tactels()),
       history_(2 * profile.map.tactels(), model.history),
@@ -120,12 +128,18 @@ std::optional<nn::BoundAnswer> LiveMonitor::bounded(std::span<const float> input
   return nn::bounded(*bound_, {answer.slip_index, answer.upper, answer.lower}, scaled_.data());
 }
 
-void LiveMonitor::tell(std::size_t i, const FrameAnswer<float>& answer, const std::optional<nn::BoundAnswer>& bound,
-                       double now, const MonitorEvents& events) {
+void LiveMonitor::tell(std::size_t i, FrameAnswer<float> answer, std::optional<nn::BoundAnswer> bound, double now,
+                       const MonitorEvents& events) {
   const LiveFrame& frame = queue_.frame(i);
+  std::optional<bool> contact;
+  if (touch_ > 0) {
+    contact = answer.status == nn::FrameStatus::not_finite || touches(queue_.inputs(i), touch_);
+    if (!*contact) answer.slip_index = std::nanf("");
+    if (!*contact && bound) bound->upper = std::nanf("");
+  }
   const double latency = 1e6 * (now - frame.arrival);
   summary_.latency.add(latency);
-  if (events.line) events.line({frame, queue_.inputs(i), answer, bound, latency, 1e6 * (now - frame.decoded)});
+  if (events.line) events.line({frame, queue_.inputs(i), answer, bound, contact, latency, 1e6 * (now - frame.decoded)});
 }
 
 void LiveMonitor::refresh() {

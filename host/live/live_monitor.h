@@ -15,7 +15,10 @@ struct MonitorOptions {
   double late = 0.1;            ///< s: a live frame older than this is dropped and counted
   std::size_t queue = 4096;     ///< most frames that wait
   std::size_t batch_from = 16;  ///< number of waiting frames from which one launch answers all
-  double silence = 1.0;         ///< s of listening to a live source without a frame before a warning
+  /// MPa: a frame whose normal stresses all stay below is no contact; none: ChannelMap::touch() of the profile, 0: all
+  /// frames are contacts
+  std::optional<double> touch{};
+  double silence = 1.0;  ///< s of listening to a live source without a frame before a warning
 };
 
 /// The answer to a frame.
@@ -24,12 +27,13 @@ struct MonitorLine {
   std::span<const float> stresses;  ///< [2 tactels] MPa
   FrameAnswer<float> answer;
   std::optional<nn::BoundAnswer> bound{};  ///< of a network with a bound
+  std::optional<bool> contact{};           ///< false: no contact, S and its bound are NaN; none without a threshold
   double latency = 0;                      ///< us from the frame's last byte to S
   double answer_time = 0;                  ///< us of the latency, from the decoded frame to S
 
   /// Returns the number to act on: the upper bound of S, or S where the network has no bound; 0 where nothing touches.
   float acted_on() const {
-    if (answer.status == nn::FrameStatus::no_stress) return 0;
+    if (answer.status == nn::FrameStatus::no_stress || contact == false) return 0;
     return bound ? bound->upper : answer.slip_index;
   }
 };
@@ -67,7 +71,7 @@ class LiveMonitor {
   void answer_one(const MonitorEvents& events);
   void answer_batch(const MonitorEvents& events);
   std::optional<nn::BoundAnswer> bounded(std::span<const float> input, const FrameAnswer<float>& answer);
-  void tell(std::size_t i, const FrameAnswer<float>& answer, const std::optional<nn::BoundAnswer>& bound, double now,
+  void tell(std::size_t i, FrameAnswer<float> answer, std::optional<nn::BoundAnswer> bound, double now,
             const MonitorEvents& events);
   void refresh();
   void watch(const MonitorEvents& events);
@@ -75,6 +79,7 @@ class LiveMonitor {
 
   MonitorOptions options_;
   hw::ChannelMap map_;
+  double touch_;  ///< MPa; 0: every frame is a contact
   hw::Decoder decoder_;
   FrameQueue queue_;
   nn::FrameHistory history_;  ///< of the frames answered, or dropped as late

@@ -104,29 +104,46 @@ std::string view_text(const MonitorLine& line, const SlipHistory& history, float
   std::string index =
       fmt::format("S {} {}", std::isfinite(s) ? fmt::format("{:.3f}", s) : "  -  ", bar(s, options.alarm, width - 8));
   if (options.colour && std::isfinite(s)) index = painted(index, colour_of(acted_on, options.alarm));
-  const std::string words =
-      fmt::format("{}frame {}, {:.0f} us, full block {:.3g} MPa, history {:.0f} s",
-                  acted_on >= options.alarm ? "ALARM: slip is near; " : "", line.frame.number, line.latency,
-                  largest_stress, static_cast<double>(room) * SlipHistory::seconds_per_column);
+  const std::string words = fmt::format("{}frame {}, {:.0f} us, full block {:.3g} MPa, history {:.0f} s",
+                                        line.contact == false       ? "no contact; "
+                                        : acted_on >= options.alarm ? "ALARM: slip is near; "
+                                                                    : "",
+                                        line.frame.number, line.latency, largest_stress,
+                                        static_cast<double>(room) * SlipHistory::seconds_per_column);
   return fmt::format("{}\nhistory|{}|\nnormal |{}|\nshear  |{}|\n       |{}|\n{}\n", index, history_text(history, room),
                      blocks(normal, largest_stress, room), blocks(shear, largest_stress, room),
                      arrows(shear, largest_stress, room), words.substr(0, static_cast<std::size_t>(width)));
 }
 
-// With a cursor: up over the picture before; each line is cleared to its end.
 std::optional<std::string> LiveView::show(const MonitorLine& line, int columns) {
   for (const float stress : line.stresses)
     if (std::isfinite(stress)) largest_stress_ = std::max(largest_stress_, std::abs(stress));
   history_.add(line.frame.arrival, line.answer.slip_index, static_cast<std::size_t>(std::max(columns, least_columns)));
   const auto now = std::chrono::steady_clock::now();
-  if (shown_ && now - last_ < refresh) return std::nullopt;
+  if (!shown_ || now - last_ >= refresh) {
+    last_ = now;
+    return picture(line, columns);
+  }
+  stresses_.assign(line.stresses.begin(), line.stresses.end());
+  waiting_ = line;
+  waiting_->stresses = stresses_;
+  return std::nullopt;
+}
+
+std::optional<std::string> LiveView::show_newest(int columns) {
+  if (!waiting_) return std::nullopt;
+  return picture(*waiting_, columns);
+}
+
+// With a cursor: up over the picture before; each line is cleared to its end.
+std::string LiveView::picture(const MonitorLine& line, int columns) {
   std::string text = view_text(line, history_, largest_stress_, columns, options_);
   if (options_.cursor) {
     for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += 4) text.replace(at, 1, "\x1b[K\n");
     if (shown_) text.insert(0, fmt::format("\x1b[{}A", lines));
   }
   shown_ = true;
-  last_ = now;
+  waiting_.reset();
   return text;
 }
 

@@ -4,6 +4,7 @@
 #include <deque>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "host/live/live_monitor.h"
 
@@ -42,10 +43,16 @@ class LiveView {
   explicit LiveView(const ViewOptions& options) : options_(options) {}
   /// Returns the text for this frame; none while the last picture is recent.
   std::optional<std::string> show(const MonitorLine& line, int columns);
+  /// Returns the text for the newest frame; none where it was shown.
+  std::optional<std::string> show_newest(int columns);
 
  private:
+  std::string picture(const MonitorLine& line, int columns);
+
   ViewOptions options_;
   SlipHistory history_;
+  std::optional<MonitorLine> waiting_;  ///< the newest frame, not yet shown; of the stresses in stresses_
+  std::vector<float> stresses_;         ///< [2 tactels] MPa
   std::chrono::steady_clock::time_point last_{};
   float largest_stress_ = 1e-6f;  ///< MPa of a full block: the largest stress so far
   bool shown_ = false;

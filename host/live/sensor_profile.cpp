@@ -117,6 +117,7 @@ void read_calibration(const TomlFile& file, hw::Calibration& calibration, std::s
   TomlTable in(file, "calibration");
   read_numbers(in, "offset", calibration.offset, channels);
   read_numbers(in, "gain", calibration.gain, channels);
+  read_numbers(in, "noise", calibration.noise, channels);
   in.finish();
 }
 
@@ -186,9 +187,13 @@ void read_calibration(const std::filesystem::path& path, SensorProfile& profile)
 }
 
 std::string calibration_text(const hw::Calibration& calibration) {
-  return fmt::format(
+  std::string text = fmt::format(
       "[calibration]\noffset = [{}]  # the device's units, at rest\ngain = [{}]  # MPa by the device's unit\n",
       fmt::join(calibration.offset, ", "), fmt::join(calibration.gain, ", "));
+  if (!calibration.noise.empty())
+    text += fmt::format("noise = [{}]  # the device's units, standard deviation at rest\n",
+                        fmt::join(calibration.noise, ", "));
+  return text;
 }
 
 }  // namespace tactel::host

@@ -132,7 +132,8 @@ void bind_networks(py::module_& m) {
       "_train",
       [](const Set& set, std::vector<std::string> networks, std::uint64_t seeds, std::uint64_t first_seed,
          std::vector<double> noises, std::string scaling, std::string schedule, std::string optimizer,
-         std::optional<int> cycles, std::optional<int> batch, std::optional<double> rate, std::string device,
+         std::optional<int> cycles, std::optional<int> batch, std::optional<double> rate, bool bound,
+         std::optional<double> level, std::string history, std::optional<double> history_change, std::string device,
          py::object progress) {
         TrainOptions options;
         options.networks = std::move(networks);
@@ -145,12 +146,16 @@ void bind_networks(py::module_& m) {
         options.cycles = cycles;
         options.batch = batch;
         options.rate = rate;
+        options.bound = bound;
+        options.level = level;
+        options.history = std::move(history);
+        options.history_change = history_change;
         options.device = std::move(device);
         const PythonProgress told(std::move(progress));
         return told.run([&](const ProgressFunction& p) { return train(set, options, p); });
       },
       "set"_a, "networks"_a, "seeds"_a, "first_seed"_a, "noises"_a, "scaling"_a, "schedule"_a, "optimizer"_a,
-      "cycles"_a, "batch"_a, "rate"_a, "device"_a, "progress"_a);
+      "cycles"_a, "batch"_a, "rate"_a, "bound"_a, "level"_a, "history"_a, "history_change"_a, "device"_a, "progress"_a);
 }
 
 }  // namespace tactel::python

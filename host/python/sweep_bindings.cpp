@@ -99,6 +99,7 @@ void bind_set(py::module_& m) {
       .def_readonly("indenter_names", &Set::indenter_names)
       .def_readonly("contacts", &Set::contacts)
       .def_readonly("fell_back", &Set::fell_back, "contacts that the exact fallback answered")
+      .def_readonly("press_rows", &Set::press_rows, "whether the load steps of the pressing are rows, too")
       .def_readonly("unsolved", &Set::unsolved, "contacts that stayed unsolved")
       .def_readonly("without_rows", &Set::without_rows, "contacts without a row")
       .def("__repr__", [](const Set& set) {

@@ -3,6 +3,8 @@
 
 #include <toml++/toml.h>
 
+#include <cmath>
+
 #include "host/scenes/distribution.h"
 
 namespace tactel::host {
@@ -15,7 +17,7 @@ void read_positive(TomlTable& in, const char* key, double& value, const char* wh
 
 /// A number, or { uniform = [least, most] }: each sensor its own between the two.
 void read_spread(const TomlFile& file, TomlTable& in, const char* key, double& value, std::optional<double>& from,
-                 const char* what) {
+                 const std::string& what) {
   const toml::table* table = file.root()["transducer"].as_table();
   const toml::node* node = table != nullptr ? table->get(key) : nullptr;
   if (node == nullptr || !node->is_table()) {
@@ -26,8 +28,20 @@ void read_spread(const TomlFile& file, TomlTable& in, const char* key, double& v
   const std::string full = std::string("transducer.") + key;
   const auto drawn = read_distribution(file, full, *node);
   const auto* uniform = std::get_if<UniformDraw>(&*drawn);
-  if (uniform == nullptr) throw file.error(full, node, std::string(what) + ", or { uniform = [least, most] } of it");
+  if (uniform == nullptr) throw file.error(full, node, what + ", or { uniform = [least, most] } of it");
   from = uniform->from, value = uniform->to;
+}
+
+/// The bits of all sensors, or { uniform = [fewest, most] } of them.
+void read_bits(const TomlFile& file, TomlTable& in, nn::Transducer& t) {
+  const char* what = "a whole number of bits, 2 to 24";
+  double bits = 0;
+  std::optional<double> from;
+  read_spread(file, in, "bits", bits, from, what);
+  for (const double number : {from.value_or(bits), bits})
+    if (in.has("bits") && !(number >= 2 && number <= 24 && number == std::floor(number))) in.refuse("bits", what);
+  t.bits = static_cast<int>(bits);
+  if (from) t.bits_from = static_cast<int>(*from);
 }
 
 int read_count(TomlTable& in, const char* key, int least, const char* what) {
@@ -60,9 +74,11 @@ nn::Transducer read_transducer(const TomlFile& file, std::uint64_t seed) {
     if (t.range == 0) in.refuse("noise_fraction", "given with transducer.range, of which it is a fraction");
     t.noise = fraction * t.range;
   }
-  read_positive(in, "time_constant", t.time_constant, "a time in s above 0");
+  read_spread(file, in, "time_constant", t.time_constant, t.time_constant_from, "a time in s above 0");
+  if (in.has("time_constant") && !(t.time_constant_from.value_or(t.time_constant) > 0))
+    in.refuse("time_constant", "a time in s above 0");
   read_positive(in, "step_time", t.step_time, "a time in s above 0, between load steps");
-  t.bits = read_count(in, "bits", 2, "a whole number of bits, 2 to 24");
+  read_bits(file, in, t);
   t.instances = static_cast<std::uint32_t>(read_count(in, "instances", 1, "a whole number of sensors, at least 1"));
   t.seed = in.has("seed") ? static_cast<std::uint64_t>(read_count(in, "seed", 0, "a whole number, at least 0")) : seed;
   in.finish();

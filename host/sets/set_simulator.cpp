@@ -171,22 +171,13 @@ struct Solver<PatchContact<Real>> {
   static std::vector<Launcher> launchers(Executor& executor, const SceneSource& source,
                                          const std::vector<fem::Sensor>& sensors, const SetOptions& options) {
     if (source.own_sensors())
-      return {Launcher(executor, family_of(executor, *source.own_sensors(), options.patch->sides),
+      return {Launcher(executor, sensor_family(executor, *source.own_sensors(), options.patch->sides),
                        patch_options(*options.patch))};
     std::vector<std::optional<fem::LayerModel>> models(sensors.size());
     side_by_side(sensors.size(), executor.threads(), [&](std::size_t k) { models[k] = fem::layer_model(sensors[k]); });
     std::vector<Launcher> all;
     for (const auto& model : models) all.emplace_back(executor, *model, patch_options(*options.patch));
     return all;
-  }
-  static fem::SensorFamily family_of(Executor& executor, const fem::SensorRange& range, bool sides) {
-    const std::vector<double> poissons = fem::SensorFamily::node_poissons(range);
-    std::vector<std::optional<fem::FamilyNode>> made(poissons.size());
-    side_by_side(poissons.size(), executor.threads(),
-                 [&](std::size_t k) { made[k] = fem::SensorFamily::node(range, poissons[k], sides); });
-    std::vector<fem::FamilyNode> nodes;
-    for (auto& node : made) nodes.push_back(std::move(*node));
-    return {range, nodes};
   }
   /// Contacts across a whole sensor stay on their patch where each has its own: a mesh would need a condensation each.
   static bool solved(const SceneSource& source, const SetOptions& options, const fem::Scene& scene,

@@ -26,6 +26,8 @@ ChainSettings settings(const nn::Transducer& t, std::uint64_t seed) {
           .high_pass = filters,
           .decay = static_cast<float>(std::exp(-ratio)),
           .pass = filters ? static_cast<float>(-std::expm1(-ratio) / ratio) : 1,
+          .step_time = static_cast<float>(t.step_time),
+          .time_constant = {float(t.time_constant_from.value_or(t.time_constant)), float(t.time_constant)},
           .gain_spread = {float(t.gain_spread_from.value_or(t.gain_spread)), float(t.gain_spread)},
           .offset_spread = {float(t.offset_spread_from.value_or(t.offset_spread)), float(t.offset_spread)},
           .noise = {float(t.noise_from.value_or(t.noise)), float(t.noise)},
@@ -38,7 +40,9 @@ ChainSettings settings(const nn::Transducer& t, std::uint64_t seed) {
           .lag_pass = t.lag > 0 ? static_cast<float>(-std::expm1(-late) / late) : 1,
           .low = converts ? -codes : -limit,
           .high = converts ? codes - 1 : limit,
-          .quantum = static_cast<float>(t.quantum())};
+          .quantum = static_cast<float>(t.quantum()),
+          .bits = {t.bits_from.value_or(t.bits), t.bits},
+          .range = static_cast<float>(t.range)};
 }
 
 }  // namespace

@@ -63,6 +63,7 @@ std::optional<std::size_t> first_alarm(const Drag& drag, double threshold, const
 
 void DecisionOptions::validate() const {
   if (!(rate > 0 && std::isfinite(rate))) throw ValueError("rate", fmt::format("{}", rate), "finite and above 0");
+  if (!(touch >= 0 && std::isfinite(touch))) throw ValueError("touch", fmt::format("{}", touch), "0 or above, MPa");
   if (!(release >= 0 && release < 1)) throw ValueError("release", fmt::format("{}", release), "0 to 1");
   if (!(false_below >= 0 && false_below <= 1))
     throw ValueError("false_below", fmt::format("{}", false_below), "0 to 1");
@@ -119,10 +120,16 @@ std::vector<double> tangential_positions(const ContactSet& set, const std::strin
 }
 
 std::vector<Drag> drags_of(const ContactSet& set, const AnsweredRows& rows, std::span<const float> values,
-                           std::span<const double> positions) {
+                           std::span<const double> positions, double touch) {
   std::vector<float> value(set.rows(), std::nanf(""));
   std::vector<bool> answered(set.rows(), false);
-  for (std::size_t i = 0; i < rows.row.size(); ++i) value[rows.row[i]] = values[i], answered[rows.row[i]] = true;
+  const auto inputs = static_cast<std::size_t>(set.inputs);
+  for (std::size_t i = 0; i < rows.row.size(); ++i) {
+    const std::size_t row = rows.row[i];
+    const auto normal = std::span(set.frames).subspan(row * inputs, inputs / 2);
+    value[row] = std::ranges::all_of(normal, [&](float s) { return std::abs(s) < touch; }) ? 0 : values[i];
+    answered[row] = true;
+  }
   std::vector<Drag> drags;
   for (const std::vector<std::size_t>& contact : rows_by_contact(set)) {
     Drag drag{.kind = set.indenter[contact.front()]};
@@ -148,7 +155,7 @@ std::vector<DecisionCurve> decide(const NetworkResult& result, const ContactSet&
   options.validate();
   std::vector<DecisionCurve> curves;
   const auto add = [&](const std::string& signal, std::span<const float> values) {
-    const std::vector<Drag> drags = drags_of(set, rows, values, positions);
+    const std::vector<Drag> drags = drags_of(set, rows, values, positions, options.touch);
     if (std::ranges::none_of(drags, &Drag::slides))
       throw ConfigError(file, "status", "no drag that begins without sliding and ends with it",
                         "a set whose drags reach sliding: a tangential_step without tangential_steps");
@@ -207,7 +214,11 @@ Json to_json(std::span<const DecisionCurve> curves, const DecisionOptions& optio
              {"q05", json_of(lead_quantile(c.lead_share, lower))}}}});
     list.push_back({{"signal", curve.signal}, {"indenter", curve.indenter}, {"thresholds", points}});
   }
-  return {{"false_below", options.false_below}, {"release", options.release}, {"rate", options.rate}, {"curves", list}};
+  return {{"false_below", options.false_below},
+          {"release", options.release},
+          {"rate", options.rate},
+          {"touch", options.touch},
+          {"curves", list}};
 }
 
 std::string decision_table(std::span<const DecisionCurve> curves, const DecisionOptions& options) {

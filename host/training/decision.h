@@ -49,6 +49,7 @@ struct DecisionOptions {
   double false_below = 0.5;  ///< an alarm that begins at a smaller |S| is false
   double release = 0.05;     ///< an alarm ends where the value is this far below the threshold
   double rate = 100;         ///< frames a second
+  double touch = 0;          ///< MPa: a frame whose normal stresses all stay below is no contact and ends an alarm
   void validate() const;     ///< throws ValueError
 };
 
@@ -63,9 +64,10 @@ std::vector<double> alarm_thresholds();
 /// keeps; NaN where a force drags. Throws ConfigError naming `file` for a set whose rows are not those of its sweep.
 std::vector<double> tangential_positions(const ContactSet& set, const std::string& file);
 
-/// Returns the drags of a set. values: [answered rows] that an alarm judges. positions: [rows of the set].
+/// Returns the drags of a set. values: [answered rows] that an alarm judges. positions: [rows of the set]. The value of
+/// a frame whose normal stresses all stay below `touch` MPa is 0.
 std::vector<Drag> drags_of(const ContactSet& set, const AnsweredRows& rows, std::span<const float> values,
-                           std::span<const double> positions);
+                           std::span<const double> positions, double touch = 0);
 
 /// Alarms of a network, by its bound or by S, of all drags or of one kind of indenter.
 struct DecisionCurve {

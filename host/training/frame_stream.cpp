@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "host/scenes/end_tactels.h"
 #include "host/scenes/sweep_file.h"
 #include "host/sets/contact_set.h"
 #include "host/support/errors.h"
@@ -45,6 +46,10 @@ class SimulatedStream : public FrameStream {
   }
   std::uint64_t blocks() const override { return 1; }
   int inputs() const override { return 2 * sweep_.source.tactels() * shown_.history.frames; }
+  std::string warning() const override {
+    const bool patch = sweep_.source.model() == fem::SurfaceModel::patch;
+    return patch && tactels_at_ends(sweep_.source) ? name_ + ": " + tactels_at_ends_text : "";
+  }
   std::string description() const override {
     return "simulated " + std::to_string(contacts_) + " contacts a block, precision " +
            std::to_string(static_cast<int>(options_.precision)) + text_of(shown_) + "\n" + sweep_.text;

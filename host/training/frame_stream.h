@@ -29,6 +29,8 @@ class FrameStream {
   virtual std::uint64_t blocks() const = 0;  ///< until the rows repeat; 1 for an endless stream
   virtual int inputs() const = 0;            ///< of all frames of a row
   /// Returns all inputs of the blocks, as text.
+  /// Returns what its user should know of the frames; empty for nothing.
+  virtual std::string warning() const { return ""; }
   virtual std::string description() const = 0;
 };
 

@@ -114,6 +114,8 @@ class StreamTraining : public TrainingJob {
   }
 
   bool learn(const TrainingWatch& watch) {
+    if (const std::string warning = stream_->warning(); !warning.empty() && watch.log)
+      watch.log(LogLevel::warning, warning);
     auto written = Clock::now();
     while (rows_ < all_rows_ && std::ranges::any_of(networks_, running)) {
       const auto start = Clock::now();

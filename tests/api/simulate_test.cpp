@@ -348,6 +348,32 @@ TEST(TrainApi, TrainsTheNetworksOfTheProgram) {
   EXPECT_EQ(networks[1].learning_errors().rows, set.rows());
 }
 
+TEST(TrainApi, TrainsBoundsAndHistory) {
+  std::string text = sweep_text;
+  text.replace(text.find("seed = 3"), 8, "seed = 3\npress_rows = true");
+  const SmallFile file("presses.toml", text);
+  const Set set = Sweep(file.path()).generate();
+  ASSERT_TRUE(set.press_rows);
+  const TrainOptions options{.networks = {"84-6-1"},
+                             .schedule = "batch",
+                             .cycles = 4,
+                             .bound = true,
+                             .level = 0.9,
+                             .history = "2:1",
+                             .history_change = 0.05};
+  const Network network = train(set, options).at(0);
+  const SlipEstimator estimator = network.estimator();
+  EXPECT_EQ(estimator.inputs(), 84u);
+  EXPECT_EQ(estimator.frames(), 2u);
+  EXPECT_EQ(network.topology(), "84-6-3");
+  EXPECT_NEAR(errors(estimator, set).mean, network.learning_errors().mean, 1e-5);
+  EXPECT_THAT(message_of([&] { train(set, {.networks = {"42-5-1"}, .bound = true}); }), HasSubstr("bound"));
+  const SmallFile plain("plain.toml", sweep_text);
+  const Set pressed = Sweep(plain.path()).generate();
+  EXPECT_THAT(message_of([&] { train(pressed, options); }), HasSubstr("press_rows"));
+  EXPECT_THAT(message_of([&] { errors(estimator, pressed); }), HasSubstr("press_rows"));
+}
+
 TEST(TrainApi, RefusesWhatCannotTrain) {
   const SmallFile file("sweep.toml", sweep_text);
   Set set = Sweep(file.path()).generate(3);

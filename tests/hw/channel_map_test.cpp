@@ -32,7 +32,18 @@ TEST(ChannelMap, RefusesWhatDoesNotFitTheDevice) {
   refused([](ChannelMap& m) { m.shear.pop_back(); });
   refused([](ChannelMap& m) { m.normal.clear(), m.shear.clear(); });
   refused([](ChannelMap& m) { m.calibration.gain.pop_back(); });
+  refused([](ChannelMap& m) { m.calibration.noise = {1}; });
+  refused([](ChannelMap& m) { m.calibration.noise = {0, -1, 0}; });
   refused([](ChannelMap& m) { m.calibration.offset[1] = std::nan(""); });
+}
+
+// 7 x 0.5 x |-2| of channel 1; channel 2 is of a shear stress.
+TEST(ChannelMap, TouchIsSevenDeviationsOfTheNoisiestNormalStress) {
+  ChannelMap map{{0, 1, -1}, {2, 2, -1}, {{0, 0, 0}, {1, -2, 1}}};
+  EXPECT_EQ(map.touch(), 0) << "the noise is not known";
+  map.calibration.noise = {0.1, 0.5, 9};
+  map.validate(3);
+  EXPECT_DOUBLE_EQ(map.touch(), 7);
 }
 
 }  // namespace

@@ -39,6 +39,15 @@ TEST(Tare, NoiseComesFromNeighbours) {
   EXPECT_TRUE(rest.at_rest());
 }
 
+// A converter whose last bit changes once in 100 readings: the noise is below its step, and half the step counts.
+TEST(Tare, NoiseBelowTheStepIsHalfAStep) {
+  const Tare tare = tared(1000, [](int i) { return i % 100 == 50 ? 3.0 : 1.0; });
+  EXPECT_EQ(tare.channel(0).step, 2);
+  EXPECT_LT(tare.channel(0).noise, 0.1);
+  EXPECT_THAT(tare.noise(), ElementsAre(1));
+  EXPECT_THAT(tared(300, [](int) { return 2048.0; }).noise(), ElementsAre(0)) << "nothing is known of a constant";
+}
+
 TEST(Tare, ConstantReadingsAreAtRest) {
   const ChannelRest rest = tared(300, [](int) { return 2048.0; }).channel(0);
   EXPECT_EQ(rest.noise, 0);

@@ -229,6 +229,41 @@ TEST(Transducer, ARangeGivesEachSensorItsOwnSpread) {
   EXPECT_GT(within, 1.3 * squares * squares);                   // one spread for all: 1 + 2 / 40
 }
 
+// A held stress of 1 that all of RC takes from: after one step of h the first reading is (tau / h) (1 - exp(-h / tau)),
+// from which tau follows; evenly in 0.5 to 2 s, its mean is 1.25 and its variance 1.5^2 / 12.
+TEST(Transducer, ARangeGivesEachSensorItsOwnTimeConstant) {
+  Transducer t{.time_constant = 2, .step_time = 1};
+  t.time_constant_from = 0.5;
+  double mean = 0, squares = 0, least = 9, most = 0;
+  constexpr int sensors = 3000;
+  for (std::uint64_t contact = 0; contact < sensors; ++contact) {
+    const double reading = transducer_chain(t, 3, contact, RowMatrix<double>::Ones(1, 2))(0, 0);
+    double low = 0.1, high = 10;
+    for (int k = 0; k < 60; ++k) {
+      const double tau = (low + high) / 2;
+      (tau * (1 - std::exp(-1 / tau)) < reading ? low : high) = tau;
+    }
+    mean += low / sensors, squares += low * low / sensors;
+    least = std::min(least, low), most = std::max(most, low);
+    EXPECT_EQ(transducer_chain(t, 99, contact, RowMatrix<double>::Ones(1, 2))(0, 0), reading) << "the sensor's own";
+  }
+  EXPECT_NEAR(mean, 1.25, 5 * 0.433 / std::sqrt(sensors));
+  EXPECT_NEAR(squares - mean * mean, 1.5 * 1.5 / 12, 0.0153);  // 5 sqrt((m4 - s^4) / sensors), m4 = 1.5^4 / 80
+  EXPECT_TRUE(least >= 0.5 && most <= 2) << least << ' ' << most;
+}
+
+// 0.33 MPa of a range of 1 MPa in b bits is rint(0.33 2^(b-1)) / 2^(b-1).
+TEST(Transducer, ARangeGivesEachSensorItsOwnBits) {
+  Transducer t{.range = 1, .bits = 7};
+  t.bits_from = 4;
+  std::map<double, int> seen;
+  for (std::uint64_t contact = 0; contact < 4000; ++contact)
+    ++seen[transducer_chain(t, 3, contact, RowMatrix<double>::Constant(1, 2, 0.33))(0, 0)];
+  EXPECT_EQ(seen.size(), 4u);
+  for (const double reading : {3 / 8.0, 5 / 16.0, 11 / 32.0, 21 / 64.0})
+    EXPECT_NEAR(seen[reading], 1000, 5 * std::sqrt(4000 * 0.25 * 0.75)) << reading;
+}
+
 TEST(Transducer, NamesWhatItRejects) {
   const auto rejected = [](const Transducer& t) -> std::string {
     try {
@@ -245,6 +280,9 @@ TEST(Transducer, NamesWhatItRejects) {
   EXPECT_EQ(rejected({.noise = std::nan("")}), "transducer.noise");
   EXPECT_EQ(rejected({.bits = 12}), "transducer.range");
   EXPECT_EQ(rejected({.range = 1, .bits = 25}), "transducer.bits");
+  EXPECT_EQ(rejected({.range = 1, .bits = 8, .bits_from = 9}), "transducer.bits");
+  EXPECT_EQ(rejected({.time_constant = 1, .step_time = 0.1, .time_constant_from = 2}), "transducer.time_constant");
+  EXPECT_EQ(rejected({.time_constant = 1, .step_time = 0.1, .time_constant_from = 1e-3}), "transducer.step_time");
   EXPECT_EQ(rejected({.time_constant = 1}), "transducer.step_time");
   EXPECT_EQ(rejected({.step_time = 1}), "transducer.step_time");
   EXPECT_EQ(rejected({.time_constant = 1, .step_time = 1e-7}), "transducer.step_time");

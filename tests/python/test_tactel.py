@@ -13,7 +13,13 @@ import threading
 import unittest
 
 import numpy as np
+import onnx_numpy
 import tactel
+
+try:
+    import onnxruntime
+except ImportError:
+    onnxruntime = None
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAM = os.environ["TACTEL_PROGRAM"]
@@ -218,6 +224,53 @@ class SetsAndNetworks(unittest.TestCase):
         self.assertEqual(loaded.status(broken[None]).tolist(), [2])
         with self.assertRaisesRegex(tactel.InputError, "42"):
             loaded(np.zeros(41, np.float32))
+
+    def test_bounds_are_those_of_the_file(self):
+        """upper, interval and unlike of a loaded network, beside onnxruntime or an evaluation of the graph in NumPy."""
+        nets = tactel.train(self.set, layers=(42, 21, 1), scaling="frame", cycles=50, bound=True, level=0.9)
+        folder = pathlib.Path(self.folder.name)
+        file, rows = str(folder / "bound.onnx"), str(folder / "calibration.h5")
+        nets[0].to_onnx(file)
+        sweep = folder / "calibration.toml"  # 1 in 1000 rows counts as unlike: no fewer can tell
+        sweep.write_text(SWEEP.replace("contacts = 60", "contacts = 300").replace("seed = 3", "seed = 4"))
+        subprocess.run([PROGRAM, "generate", str(sweep), "--output", rows, "--quiet"], check=True)
+        subprocess.run([PROGRAM, "calibrate", "bound", file, rows, "--quiet"], check=True)
+        network = tactel.SlipEstimator.load(file)
+        rest = np.random.default_rng(1).normal(size=(50, 42)).astype(np.float32)  # unlike any contact
+        frames = np.concatenate([self.set.frames, rest])
+        if onnxruntime:
+            names = ["slip_index", "slip_upper", "slip_interval", "unlike"]
+            truth = dict(zip(names, onnxruntime.InferenceSession(file).run(names, {"frame": frames})))
+        else:
+            truth = onnx_numpy.evaluate(file, frames)
+        unlike = truth["unlike"][:, 0] != 0
+        self.assertTrue(0 < unlike.sum() < len(frames))
+        np.testing.assert_array_equal(network.unlike(frames), unlike)
+        # Sums of 42 products in single precision, in another order: 1e-5 at most. A frame whose S, width or number of
+        # touching tactels lies at the edge of a class by that much may take the class beside it; none does here.
+        np.testing.assert_allclose(network(frames), truth["slip_index"][:, 0], atol=1e-5)
+        np.testing.assert_allclose(network.upper(frames), truth["slip_upper"][:, 0], atol=1e-5)
+        np.testing.assert_allclose(network.interval(frames), truth["slip_interval"], atol=1e-5)
+        self.assertEqual(network.interval(frames[0]).shape, (2,))
+        plain = tactel.train(self.set, layers=(42, 5, 1), cycles=1)[0].estimator
+        self.assertTrue(np.isnan(plain.upper(frames)).all() and np.isnan(plain.interval(frames)).all())
+        self.assertFalse(plain.unlike(frames).any())
+        with self.assertRaisesRegex(tactel.InputError, "level"):
+            tactel.train(self.set, layers=(42, 5, 1), cycles=1, level=0.9)
+
+    def test_networks_with_history(self):
+        path = pathlib.Path(self.folder.name) / "presses.toml"
+        path.write_text(SWEEP.replace("seed = 3\n", "seed = 3\npress_rows = true\n"))
+        rows = tactel.Sweep(path).generate()
+        self.assertTrue(rows.press_rows)
+        self.assertFalse(self.set.press_rows)
+        nets = tactel.train(rows, layers=(84, 10, 1), history=2, cycles=20)
+        self.assertEqual(nets[0].estimator.inputs, 84)
+        self.assertAlmostEqual(nets[0].errors(rows).mean, nets[0].learning_errors.mean, places=5)
+        with self.assertRaisesRegex(tactel.InputError, "press_rows"):
+            tactel.train(self.set, layers=(84, 10, 1), history=2, cycles=1)
+        with self.assertRaisesRegex(tactel.InputError, "press_rows"):
+            nets[0].errors(self.set)
 
     def test_own_arrays_make_a_set(self):
         own = tactel.Set(self.set.frames.astype(float), self.set.slip_index)

@@ -34,9 +34,11 @@ struct MonitorRequest : SensorRequest {
 std::string json_number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : "null"; }
 std::string json_number(float value) { return std::isfinite(value) ? fmt::format("{}", value) : "null"; }
 
-/// What a line says beside S: the bound of a network that has one, and the alarm where it was asked for.
+/// What a line says beside S: whether there is a contact, where a threshold is known; the bound of a network that has
+/// one, and the alarm where it was asked for.
 std::string bound_text(const MonitorLine& line, const std::optional<bool>& alarm) {
   std::string text;
+  if (line.contact) text += fmt::format(", \"contact\": {}", *line.contact);
   if (line.bound)
     text += fmt::format(", \"slip_upper\": {}, \"unlike\": {}", json_number(line.bound->upper), line.bound->unlike);
   if (alarm) text += fmt::format(", \"alarm\": {}", *alarm);
@@ -97,7 +99,11 @@ MonitorEvents make_events(const MonitorRequest& request, LiveView& view, Output&
     if (const auto picture = view.show(line, output.columns())) output.put(*picture);
   };
   events.second = [&](const MonitorSummary& summary) {
-    if (!request.quiet && !request.view) say(summary_text(summary, false));
+    if (request.view) {
+      if (const auto picture = view.show_newest(output.columns())) output.put(*picture);
+    } else if (!request.quiet) {
+      say(summary_text(summary, false));
+    }
   };
   events.silence = [&](double seconds) {
     if (!request.quiet) print_warning(fmt::format("no frame for {:.1f} s", seconds));
@@ -119,6 +125,7 @@ int run_monitor(const MonitorRequest& request) {
                  .colour = takes_colour(STDOUT_FILENO)});
   const Until until(request.seconds);
   const MonitorSummary summary = monitor.run(*opened.source, make_events(request, view, output, until));
+  if (const auto picture = view.show_newest(output.columns())) output.put(*picture);
   say_if_cut_short(request, *opened.source);
   say_if_nothing_decoded(request, *opened.source, summary.decoder);
   say(summary_text(summary, opened.source->cut_short()));
@@ -147,6 +154,12 @@ void add_monitor_command(CLI::App& app, Action& action) {
   command->add_option("--late", request->options.late, "drop and count live frames older than this, s")
       ->check(positive_number())
       ->capture_default_str();
+  command
+      ->add_option("--touch", request->options.touch,
+                   "a frame whose normal stresses all stay below this is no contact: its S is null, and it ends an "
+                   "alarm; 0: every frame is a contact, MPa (default: 7 standard deviations of the noise in the "
+                   "calibration, see tactel tare)")
+      ->check(not_negative_number());
   command->add_flag(
       "--view", request->view,
       "a picture instead of lines: S and its history, the tactels' stresses as blocks, shear with its direction");

@@ -8,16 +8,29 @@
 #include "host/support/terminal.h"
 
 namespace tactel::host {
+namespace {
 
-const CLI::Validator& positive_number() {
-  static const CLI::Validator validator(
-      [](const std::string& text) -> std::string {
+CLI::Validator finite_number(const std::string& allowed, bool (*is_allowed)(double)) {
+  return CLI::Validator(
+      [=](const std::string& text) -> std::string {
         double value = 0;
         const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
         const bool number = error == std::errc{} && end == text.data() + text.size();
-        return number && std::isfinite(value) && value > 0 ? "" : text + ": must be a finite number above 0";
+        return number && std::isfinite(value) && is_allowed(value) ? ""
+                                                                   : text + ": must be a finite number, " + allowed;
       },
-      "above 0");
+      allowed);
+}
+
+}  // namespace
+
+const CLI::Validator& positive_number() {
+  static const CLI::Validator validator = finite_number("above 0", [](double value) { return value > 0; });
+  return validator;
+}
+
+const CLI::Validator& not_negative_number() {
+  static const CLI::Validator validator = finite_number("0 or above", [](double value) { return value >= 0; });
   return validator;
 }
 

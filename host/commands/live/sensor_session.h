@@ -20,6 +20,9 @@ void add_sensor_options(CLI::App& command, SensorRequest& request);
 /// Returns the check for a finite number above 0.
 const CLI::Validator& positive_number();
 
+/// Returns the check for a finite number, 0 or above.
+const CLI::Validator& not_negative_number();
+
 /// Opens the source. Prints its note on stderr, unless quiet.
 OpenSource open_for(const SensorRequest& request);
 /// Prints a warning about a truncated source, unless quiet.

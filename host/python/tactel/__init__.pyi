@@ -366,6 +366,8 @@ class Set:
     @property
     def unsolved(self) -> int: ...
     @property
+    def press_rows(self) -> bool: ...
+    @property
     def without_rows(self) -> int: ...
 
 def read_set(path: str) -> Set: ...
@@ -478,6 +480,10 @@ def train(
     cycles: int | None = None,
     batch: int | None = None,
     rate: float | None = None,
+    bound: bool = False,
+    level: float | None = None,
+    history: int | str = "",
+    history_change: float | None = None,
     device: str = "",
     progress: Shown = None,
 ) -> list[Network]: ...

@@ -57,6 +57,7 @@ TEST(Accuracy, OfASetIsSaidToHoldForSAlone) {
   const ChildResult chosen = run_tactel({"generate", sweep, "--output", set, "--accuracy", "0.9"});
   ASSERT_EQ(chosen.exit_code, 0) << chosen.err;
   EXPECT_THAT(chosen.err, HasSubstr("the accuracy holds for S alone"));
+  EXPECT_THAT(chosen.err, HasSubstr("note: the outermost tactels stand at the ends of the glued base"));
   EXPECT_THAT(read_attributes(set).rung, HasSubstr("the accuracy of 0.9 holds for S alone, not for stresses"));
   EXPECT_EQ(run_tactel({"generate", sweep, "--output", set, "--accuracy", "0.9", "--resume"}).exit_code, 0);
   ASSERT_EQ(run_tactel({"generate", sweep, "--output", set, "--rung", "draft", "--force"}).exit_code, 0);

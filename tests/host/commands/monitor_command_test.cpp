@@ -58,6 +58,7 @@ TEST_F(Monitor, EveryThinsTheLinesAndViewDrawsThem) {
   EXPECT_EQ(view.exit_code, 0);
   EXPECT_THAT(view.out, HasSubstr("normal |"));
   EXPECT_THAT(view.out, ::testing::Not(HasSubstr("\x1b"))) << "escapes belong on terminals alone";
+  EXPECT_THAT(view.out, HasSubstr("frame 320,")) << "the last frame is shown, however fast the source";
 }
 
 TEST_F(Monitor, WrongInputIsNamed) {

@@ -31,6 +31,7 @@ TEST_F(TareCommand, WritesTheOffsetsAtRest) {
   const auto used =
       run_tactel({"monitor", "--source", simulation, "--network", network_, "--calibration", calibration_});
   EXPECT_EQ(used.exit_code, 0) << used.err;
+  EXPECT_TRUE(lines_of(used.out).front().contains("contact")) << "the noise is in the file, too";
 }
 
 TEST_F(TareCommand, AMovingSensorIsNotAtRest) {
@@ -55,6 +56,16 @@ TEST_F(TareCommand, CtrlCWritesNoCalibration) {
                                   "--source", paced, "--output", calibration_, "--seconds", "60"});
   EXPECT_EQ(stopped.exit_code, 130) << stopped.err;
   EXPECT_FALSE(std::filesystem::exists(calibration_));
+}
+
+TEST_F(TareCommand, AContactIsFoundAboveTheNoise) {
+  const std::string quiet = "simulate:" + scene + "?paced=0&press=0.5&hold=2.5&time_constant=0";
+  const auto lines = lines_of(run_tactel({"monitor", "--source", quiet, "--network", network_, "--touch", "0.01"}).out);
+  EXPECT_EQ(lines.front()["contact"], false);
+  EXPECT_EQ(lines.back()["contact"], true);
+  EXPECT_TRUE(lines.back()["slip_index"].is_number());
+  for (const char* value : {"-1", "nan", "soon"})
+    EXPECT_EQ(run_tactel({"monitor", "--source", quiet, "--network", network_, "--touch", value}).exit_code, 2);
 }
 
 }  // namespace

@@ -13,6 +13,8 @@
 #include "fem/layer/patch_solver.h"
 #include "fem/value_error.h"
 #include "host/contact/patch_contact.h"
+#include "host/contact/rung_for_many.h"
+#include "host/contact/solve_on_rung.h"
 #include "tests/host/contact/contact_cases.h"
 
 namespace tactel::host {
@@ -264,6 +266,18 @@ TEST(PatchSensors, AFamilyOfOnePoissonIsItsSensor) {
     EXPECT_LT(off.force, 2e-3) << i;
     EXPECT_LT(off.stress, 1e-2) << i;
   }
+}
+
+/// As sets solve them: no condensation for each sensor.
+TEST(PatchSensors, ThePlannerTriesThemOnTheirFamily) {
+  const auto scenes = scenes_on_sensors(4, 5);
+  const auto contact = [&](std::uint64_t k) { return scenes[k]; };
+  const Plan chosen = plan_for_many(executor(), 0.9, {scenes.size(), contact, range});
+  const PatchContact<float> launcher(executor(), sensor_family(executor(), range), patch_options(chosen.rung));
+  const auto expected = solve_patch_contact(launcher, scenes);
+  ASSERT_EQ(chosen.answers.size(), scenes.size());
+  for (std::size_t i = 0; i < scenes.size(); ++i) EXPECT_TRUE(same_bits(chosen.answers[i], expected[i])) << i;
+  EXPECT_TRUE(chosen.kept);
 }
 
 }  // namespace

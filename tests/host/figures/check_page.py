@@ -4,7 +4,7 @@
 Usage: check_page.py SAMPLE_PAGE  (a program that writes a page to the file it is given)
        check_page.py FILE.html
 Prints every problem; ends with 1 where there is one. Checked at 1280 and 390 pixels, light and dark: no error in the console, no
-request, no horizontal scrolling, no text cut, figures drawn; the slider changes the picture; CSV holds the data; the page prints."""
+request, no horizontal scrolling (of tables at 1280), no text cut, figures drawn; the slider changes the picture; CSV holds the data; the page prints."""
 import os
 import pathlib
 import subprocess
@@ -32,6 +32,8 @@ FAULTS = """(() => {
   return out;
 })()"""
 
+SCROLLED = """[...document.querySelectorAll('.scroll')].filter(e => e.scrollWidth > e.clientWidth).map(e => e.closest('figure').id)"""
+
 
 def check_layout(browser, path, expect):
     pictures = set()
@@ -41,6 +43,8 @@ def check_layout(browser, path, expect):
             browser.open(path, width=width, dark=dark)
             scroll = browser.run("document.documentElement.scrollWidth")
             expect(scroll <= width, f"{where}: the page is {scroll} pixels wide")
+            for table in browser.run(SCROLLED) if width == 1280 else []:
+                expect(False, f"{where}: {table} scrolls")
             for fault in browser.run(FAULTS):
                 expect(False, f"{where}: {fault}")
             smallest = browser.run("Math.min(...[...document.querySelectorAll('svg text, p, td, figcaption')].map(e => parseFloat(getComputedStyle(e).fontSize)))")

@@ -112,10 +112,11 @@ TEST(SensorProfile, EveryMistakeNamesItsKey) {
 TEST(Calibration, AFileReadsBackToTheSameNumbers) {
   const ScratchFolder folder;
   SensorProfile profile = parse_profile(profile_text(two_channels, "[channels]\nnormal = [0]\n"), "p.toml");
-  const hw::Calibration calibration{{0.1, 2048.0 / 3}, {1e-9 / 3, -2}};
+  const hw::Calibration calibration{{0.1, 2048.0 / 3}, {1e-9 / 3, -2}, {0, 1e-3 / 7}};
   read_calibration(folder.write("c.toml", calibration_text(calibration)), profile);
   EXPECT_EQ(profile.map.calibration.offset, calibration.offset);
   EXPECT_EQ(profile.map.calibration.gain, calibration.gain);
+  EXPECT_EQ(profile.map.calibration.noise, calibration.noise);
 }
 
 TEST(OpenSource, RefusesWhatItDoesNotKnow) {

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <optional>
 
 #include "tests/host/live/simulated_frames.h"
@@ -128,6 +129,30 @@ TEST(LiveMonitor, AReaderWhoLagsHearsNoSilence) {
 TEST(LiveMonitor, APauseOfTheReaderIsNoSilence) {
   std::vector<ScriptedSource::Turn> turns{{0.0, 0.0}, {3.0}, {3.0, 0.5}, {3.0, 2.9}, {3.05}, {6.0}, {6.0, 3.1}};
   EXPECT_EQ(silences(turns), 0u);
+}
+
+/// A frame at rest, then one of contact, in every way of answering: S of the first is NaN, its alarm value 0.
+TEST(LiveMonitor, BelowTheThresholdOfTouchThereIsNoContact) {
+  const auto [bytes, profile] = simulated_bytes();
+  for (const std::size_t batch_from : {std::size_t{1}, std::size_t{100000}}) {
+    GivenSource source(bytes, false, 0);
+    LiveMonitor monitor(tactel::testing::executor(), network(21), profile, {.batch_from = batch_from, .touch = 0.01});
+    std::size_t contacts = 0, others = 0;
+    monitor.run(source, {.line = [&](const MonitorLine& line) {
+                  float largest = 0;
+                  for (int k = 0; k < 21; ++k) largest = std::max(largest, std::abs(line.stresses[k]));
+                  ASSERT_TRUE(line.contact.has_value());
+                  EXPECT_EQ(*line.contact, largest >= 0.01f) << line.frame.number;
+                  EXPECT_EQ(std::isnan(line.answer.slip_index), !*line.contact);
+                  EXPECT_EQ(line.acted_on() == 0, !*line.contact);
+                  ++(*line.contact ? contacts : others);
+                }});
+    EXPECT_GT(contacts, 200u);
+    EXPECT_GT(others, 0u) << "the play begins at rest";
+  }
+  GivenSource source(bytes, false, 0);
+  LiveMonitor monitor(tactel::testing::executor(), network(21), profile, {});
+  monitor.run(source, {.line = [](const MonitorLine& line) { EXPECT_FALSE(line.contact.has_value()); }});
 }
 
 }  // namespace

@@ -95,5 +95,24 @@ TEST(LiveView, GoesUpOverThePictureBeforeOnATerminalAlone) {
   EXPECT_THAT(*in_file.show(line, 80), ::testing::Not(HasSubstr("\x1b")));
 }
 
+TEST(LiveView, ShowsTheNewestFrameOnceWhereItCameTooSoon) {
+  LiveView view({});
+  std::vector<float> stresses(4, 0.1f);
+  const auto show = [&](std::uint64_t number) {
+    return view.show({.frame = {.number = number}, .stresses = stresses, .answer = {.slip_index = 0.5f}}, 80);
+  };
+  EXPECT_FALSE(view.show_newest(80));
+  EXPECT_TRUE(show(1));
+  EXPECT_FALSE(view.show_newest(80)) << "is shown";
+  EXPECT_FALSE(show(2));
+  EXPECT_FALSE(show(3));
+  stresses.assign(4, 0.0f);  // the caller's memory is used again
+  const auto newest = view.show_newest(80);
+  ASSERT_TRUE(newest);
+  EXPECT_THAT(*newest, HasSubstr("frame 3"));
+  EXPECT_THAT(*newest, HasSubstr("████")) << "of the frame's own stresses";
+  EXPECT_FALSE(view.show_newest(80));
+}
+
 }  // namespace
 }  // namespace tactel::host

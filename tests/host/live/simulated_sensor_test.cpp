@@ -5,9 +5,13 @@
 
 #include <cmath>
 
+#include "host/live/alarm.h"
+#include "host/live/live_monitor.h"
 #include "host/scenes/scene_file.h"
 #include "hw/decoder.h"
+#include "hw/tare.h"
 #include "tests/host/live/simulated_frames.h"
+#include "tests/host/networks/network_cases.h"
 
 namespace tactel::host {
 namespace {
@@ -58,6 +62,45 @@ TEST(SimulatedSensor, GainsSpreadAndNoiseAsAsked) {
 
 TEST(SimulatedSensor, TakesAsManyTactelsAsAsked) {
   EXPECT_EQ(open_source(simulation + "&tactels=8", "", "").profile.map.tactels(), 8u);
+}
+
+/// Noise of a sensor at rest for some seconds at 100 Hz, then 1 MPa at every tactel.
+SimulatedSensor resting(double seconds) {
+  const SimulationOptions options{.press = 0, .hold = seconds, .drag = 0, .slip = 0.1, .paced = false};
+  fem::ContactSolution solution;
+  solution.tactel_x = Eigen::VectorXd::Zero(21);
+  solution.steps.resize(2);
+  for (int k = 0; k < 2; ++k) solution.steps[k].sigma_y = solution.steps[k].tau_xy = Eigen::VectorXd::Constant(21, -k);
+  return {ScenePlay(solution, 1, options), options};
+}
+
+// Two seconds teach the noise; the untrained network answers about 0.5 to any frame.
+TEST(SimulatedSensor, AnHourOfNoiseAtRestRaisesNoAlarm) {
+  SimulatedSensor quiet = resting(2);
+  SensorProfile profile = parse_profile(quiet.profile_text(), "test");
+  hw::Tare tare(42);
+  hw::Decoder decoder(profile.format());
+  while (const auto packet = quiet.wait(0))
+    decoder.feed(packet->bytes, [&](const hw::DecodedFrame& frame) {
+      if (tare.frames() < 200) tare.add(frame.values);
+    });
+  profile.map.calibration.offset = tare.offset(), profile.map.calibration.noise = tare.noise();
+  // Noise of 0.001 of full scale, 1.5 MPa, in steps of a converter that are half of it
+  EXPECT_NEAR(profile.map.touch(), 7 * 0.0015, 0.25 * 7 * 0.0015) << "the noisiest of 21";
+
+  const auto alarms = [&](double seconds, const MonitorOptions& options) {
+    SimulatedSensor source = resting(seconds);
+    LiveMonitor monitor(tactel::testing::executor(), network(21), profile, options);
+    std::vector<std::uint64_t> began;
+    Alarm alarm(0.01f);
+    monitor.run(source, {.line = [&](const MonitorLine& line) {
+                  const bool before = alarm.on();
+                  if (alarm.next(line.acted_on()) && !before) began.push_back(line.frame.number);
+                }});
+    return began;
+  };
+  EXPECT_THAT(alarms(3600, {}), ::testing::ElementsAre(360000)) << "at the contact alone";
+  EXPECT_THAT(alarms(2, {.touch = 0}), ::testing::ElementsAre(0)) << "without a threshold at once";
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "fem/measured_profile.h"
+#include "host/scenes/end_tactels.h"
 #include "host/support/errors.h"
 #include "tests/host/scenes/sweep_text.h"
 #include "tests/host/support/run_tactel.h"
@@ -202,6 +203,19 @@ TEST(SceneSource, RefusesWithFileLineAndKey) {
       {head + load, "indenter.shape = (missing)"}};
   for (const auto& [text, said] : refused)
     EXPECT_NE(message_of(text).find(said), std::string::npos) << text << message_of(text);
+}
+
+TEST(EndTactels, StandAtTheEndsOfTheBase) {
+  fem::Sensor sensor;
+  EXPECT_TRUE(tactels_at_ends(sensor)) << "the default";
+  sensor.tactel_span = 19;
+  EXPECT_FALSE(tactels_at_ends(sensor));
+  sensor.tactel_span = sensor.length;
+  EXPECT_TRUE(tactels_at_ends(sensor));
+  sensor.tactel_span.reset(), sensor.tactel_width = 0.5;
+  EXPECT_FALSE(tactels_at_ends(sensor)) << "the mean over a width is finite";
+  sensor.tactels = 1, sensor.tactel_width = 0;
+  EXPECT_FALSE(tactels_at_ends(sensor)) << "one stands in the middle";
 }
 
 }  // namespace

@@ -57,8 +57,11 @@ TEST_P(TransducerChannels, FaultsMatchTwin) {
   nn::Transducer all = all_parts;
   all.shift_spread = 0.2, all.crosstalk = 0.1, all.dead = 0.1, all.lag = 0.2, all.lag_time = 0.3;
   all.noise_of_largest = 0.02, all.gain_spread_from = 0.02;
+  nn::Transducer slow{.time_constant = 2, .step_time = 0.1};
+  slow.time_constant_from = 0.05;
+  all.time_constant_from = 0.2;
   for (const nn::Transducer& t :
-       {nn::Transducer{.shift_spread = 0.3}, nn::Transducer{.crosstalk = 0.2}, nn::Transducer{.dead = 0.3},
+       {slow, nn::Transducer{.shift_spread = 0.3}, nn::Transducer{.crosstalk = 0.2}, nn::Transducer{.dead = 0.3},
         nn::Transducer{.step_time = 0.1, .lag = 0.3, .lag_time = 0.2}, nn::Transducer{.noise_of_largest = 0.05}, ranges,
         all})
     EXPECT_LT(largest_difference(some.on_device(t, channels), some.by_twin(t, channels)), 3e-6) << nn::description(t);
@@ -94,6 +97,25 @@ TEST_P(TransducerChannels, ConvertsAsTwin) {
     different += apart > 0.5;
   }
   EXPECT_LT(different, reading.size() / 60);
+}
+
+// Bits of each sensor's own: readings are whole quanta of the twin's number of bits, within one of the twin's.
+TEST_P(TransducerChannels, ConvertsBySensorAsTwin) {
+  const int channels = GetParam();
+  const TransducerCase some(100, channels);
+  nn::Transducer t = all_parts;
+  t.instances = 0, t.bits = 10, t.bits_from = 4;
+  const auto reading = some.on_device(t, channels);
+  const auto truth = some.by_twin(t, channels);
+  for (std::size_t i = 0; i < reading.size(); ++i) {
+    const double finest = reading[i] / std::ldexp(t.range, 1 - t.bits);
+    ASSERT_NEAR(finest, std::rint(finest), 1e-4);
+    ASSERT_LT(std::abs(reading[i] - truth[i]), std::ldexp(t.range, 1 - *t.bits_from) + 3e-6);
+  }
+  // 3e-6 of 0.8 2^-3 ... 0.8 2^-9 stands at an edge: one in 130 at most
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < reading.size(); ++i) different += std::abs(reading[i] - truth[i]) > 1e-4;
+  EXPECT_LT(different, reading.size() / 130);
 }
 
 // A contact's bits: the same alone, in any batch and at any place of it.
@@ -195,6 +217,14 @@ TEST(TransducerTable, NamesWhatItRejects) {
   EXPECT_THAT(message_of("lag = 0.1\nstep_time = 0.1\n"), ::testing::HasSubstr("transducer.lag_time"));
   EXPECT_EQ(message_of("lag = 0.1\nlag_time = 1\nstep_time = 0.1\nnoise = { uniform = [0, 0.01] }\n"), "no error");
   EXPECT_EQ(message_of("noise_fraction = 0.1\nrange = 1\n"), "no error");
+  EXPECT_EQ(message_of("time_constant = { uniform = [0.5, 2] }\nstep_time = 0.1\n"), "no error");
+  EXPECT_THAT(message_of("time_constant = { uniform = [0, 2] }\nstep_time = 0.1\n"),
+              ::testing::HasSubstr("transducer.time_constant"));
+  EXPECT_EQ(message_of("bits = { uniform = [8, 12] }\nrange = 1\n"), "no error");
+  for (const char* bits : {"8.5, 12", "1, 12", "8, 25"})
+    EXPECT_THAT(message_of(std::string("bits = { uniform = [") + bits + "] }\nrange = 1\n"),
+                ::testing::HasSubstr("2 to 24"))
+        << bits;
 }
 
 TEST(TransducerTable, GoesWithThePapersSets) {

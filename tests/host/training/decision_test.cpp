@@ -61,6 +61,7 @@ TEST(AlarmCounting, ReleaseDecidesWhatIsOneAlarm) {
 // what follows the first sliding row belongs to no drag.
 TEST(AlarmCounting, AddsUpTheWay) {
   ContactSet set(SetColumns(2));
+  set.frames.resize(12);
   set.contact = {4, 4, 4, 4, 4, 9};
   set.step = {0, 1, 2, 3, 4, 0};
   set.indenter = {2, 2, 2, 2, 2, 1};
@@ -80,6 +81,25 @@ TEST(AlarmCounting, AddsUpTheWay) {
   EXPECT_NEAR(drags[0].rows[1].way, 0.2, 1e-12);
   EXPECT_EQ(drags[0].rows[1].value, 0.6f);
   EXPECT_FALSE(drags[1].slides);
+}
+
+// Rows 0 and 2 stay below 0.1 MPa of normal stress, the second input being shear: they fire nothing and end an alarm.
+TEST(AlarmCounting, BelowTheThresholdOfTouchThereIsNoAlarm) {
+  ContactSet set(SetColumns(2));
+  set.frames = {0.05f, 9, -0.1f, 0, -0.09f, 9, 0.2f, 0};
+  set.contact = {0, 0, 0, 0};
+  set.step = {0, 1, 2, 3};
+  set.indenter = {0, 0, 0, 0}, set.contact_nodes = {1, 1, 1, 1}, set.status = {0, 0, 0, 0};
+  set.slip_index = {0, 0, 0, 0};
+  const AnsweredRows rows{{}, {0, 1, 2, 3}, 0};
+  const std::vector<float> values{0.9f, 0.9f, 0.9f, 0.9f};
+  const std::vector<double> positions{0, 0.1, 0.2, 0.3};
+  const auto false_alarms = [&](double touch) {
+    return count_alarms(drags_of(set, rows, values, positions, touch), 0.8, {}).false_alarms;
+  };
+  EXPECT_EQ(false_alarms(0), 1u);
+  EXPECT_EQ(false_alarms(0.0999), 2u);  // at rows 1 and 3
+  EXPECT_EQ(false_alarms(1), 0u);
 }
 
 // Contact k of the sweep is drawn again for its positions: 0 at full indentation, then 0.05 and 0.08 mm.

@@ -28,6 +28,7 @@ struct Set {
   std::uint64_t contacts = 0, fell_back = 0, unsolved = 0, without_rows = 0;
   std::string sweep, rung, device;  ///< text of the sweep file; model; OpenCL device
   std::uint64_t seed = 0;
+  bool press_rows = false;  ///< the load steps of the pressing are rows, too: networks with history need them
 
   std::size_t rows() const { return slip_index.size(); }
 };

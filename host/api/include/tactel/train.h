@@ -23,7 +23,11 @@ struct TrainOptions {
   std::optional<int> cycles{}, batch{};
   std::optional<double> rate{}, momentum{}, stop_error{};
   std::string precision = "fp32", device{};
-  std::string name = "set";  ///< of the learning set, in the network's metadata
+  std::string name = "set";       ///< of the learning set, in the network's metadata
+  bool bound = false;             ///< with the heads of an upper bound of S; of schedule "batch"
+  std::optional<double> level{};  ///< of the bound: the probability that S is below it (default: 0.95)
+  std::string history{};          ///< "k" or "k:stride": the last k kept frames as one input, of a set with press_rows
+  std::optional<double> history_change{};  ///< a frame is kept that differs by more, over the largest stress (0.1)
 };
 
 /// Errors |S of a network - S of a set|.
@@ -69,7 +73,8 @@ class TACTEL_API Network {
 TACTEL_API std::vector<Network> train(const Set& set, const TrainOptions& options = {},
                                       const ProgressFunction& progress = {});
 
-/// Returns the errors of a network on a set's rows that have an answer.
+/// Returns the errors of a network on a set's rows that have an answer. A network with history takes the rows contact
+/// by contact, in their order; the set must have press_rows.
 TACTEL_API Errors errors(const SlipEstimator& network, const Set& set);
 
 }  // namespace tactel
