@@ -24,7 +24,8 @@ struct GenerateRequest {
   SharedOptions shared;
   std::string sweep, output;
   std::vector<std::string> devices;
-  bool force = false, resume = false;
+  std::string columns;  ///< names of datasets, separated by commas; empty: all
+  bool force = false, resume = false, compress = false;
 };
 
 ProductionOptions production_options(const GenerateRequest& request) {
@@ -126,14 +127,16 @@ int run_generate(const GenerateRequest& request) {
   const auto [rung, accurate] = modelling(request, sweep.source, request.shared.quiet || !ranks.first());
   if (rung) model_on(*rung, request.shared.solve, sweep, options.set);
   options.rank = ranks.rank(), options.ranks = ranks.count();
+  SetColumns columns = columns_of(sweep.source);
+  if (!request.columns.empty()) columns = only_columns(columns, request.columns);
   const SetPlan plan =
-      plan_of(sweep, rung ? rung->name : "as the file says", options.set.precision, options.set.tolerance);
+      plan_of(sweep, rung ? rung->name : "as the file says", options.set.precision, options.set.tolerance,
+              request.columns, request.compress);
   const bool complete = ranks.first() && already_there(request, plan);
   if (ranks.sum({complete ? 1.0 : 0.0})[0] > 0) {  // all processes must agree
     if (complete && !request.shared.quiet) fmt::print("{}: complete already\n", request.output);
     return done;
   }
-  const SetColumns columns{2 * sweep.source.tactels(), sweep.source.own_sensors().has_value()};
   const Interrupt interrupt;  // before there is anything to keep
   std::optional<SetSpool> spool;
   if (ranks.first()) {
@@ -180,7 +183,7 @@ int run_generate(const GenerateRequest& request) {
     set.rung += fmt::format("; the accuracy of {:g} holds for S alone, not for stresses", *accuracy);
   {
     const StageLine stage("assembling " + request.output, request.shared.quiet);
-    spool->assemble(chunk_count(sweep.source), set);
+    spool->assemble(chunk_count(sweep.source), set, request.compress);
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!request.shared.quiet) {
@@ -200,6 +203,9 @@ void add_generate_command(CLI::App& app, Action& action) {
   command->add_option("--output", request->output, "the set to write")->type_name("SET.h5")->required();
   auto* force = command->add_flag("--force", request->force, "overwrite an existing file, discard an interrupted run");
   command->add_flag("--resume", request->resume, "resume an interrupted run")->excludes(force);
+  command->add_option("--columns", request->columns, "datasets of the set; all by default (docs/sweeps.md)")
+      ->type_name("NAME,NAME,...");
+  command->add_flag("--compress", request->compress, "compress the set with gzip: smaller, slower");
   command->add_option("--also-device", request->devices, "one more device to share the work (repeatable)")
       ->type_name("NAME|INDEX");
   add_shared_options(*command, request->shared, "fp32, or the rung's with --rung or --accuracy");

@@ -35,14 +35,15 @@ std::vector<fem::Sensor> distinct_sensors(const SceneSource& source) {
 
 /// One load step as a row of a set.
 struct Row {
-  double slip_index = 0, P = 0, Q = 0, residual = 0;
+  double slip_index = 0, P = 0, Q = 0, indentation = 0, tangential = 0, residual = 0;
   int sticking = 0, slipping = 0, status = LANE_SOLVED;
 };
 
 void resize(ContactSet& set, std::size_t rows) {
   set.frames.resize(rows * set.inputs);
   for (auto* list :
-       {&set.slip_index, &set.normal_force, &set.tangential_force, &set.friction, &set.stick_fraction, &set.residual})
+       {&set.slip_index, &set.normal_force, &set.tangential_force, &set.indentation, &set.tangential, &set.friction,
+        &set.stick_fraction, &set.residual})
     list->resize(rows);
   set.contact_nodes.resize(rows), set.indenter.resize(rows);
   if (set.sensors)
@@ -57,6 +58,8 @@ std::span<float> put_row(ContactSet& set, std::size_t at, const Row& row, const 
   set.slip_index[at] = static_cast<float>(row.slip_index);
   set.normal_force[at] = static_cast<float>(row.P);
   set.tangential_force[at] = static_cast<float>(row.Q);
+  set.indentation[at] = static_cast<float>(row.indentation);
+  set.tangential[at] = static_cast<float>(row.tangential);
   set.friction[at] = static_cast<float>(contact.scene.friction);
   set.stick_fraction[at] = touching ? static_cast<float>(row.sticking) / static_cast<float>(touching) : 0;
   set.contact_nodes[at] = static_cast<std::uint16_t>(touching);
@@ -92,7 +95,11 @@ void put_rows(ContactSet& set, std::size_t at, const fem::ContactSolution& solut
               const SceneSource::Contact& contact, std::uint64_t number) {
   for (const int k : rows_of(solution, first)) {
     const fem::ContactStep& step = solution.steps[k];
-    Row row{.slip_index = *step.slip_index, .P = step.P, .Q = step.Q};
+    Row row{.slip_index = *step.slip_index,
+            .P = step.P,
+            .Q = step.Q,
+            .indentation = step.indentation,
+            .tangential = step.tangential};
     row.sticking = static_cast<int>(std::ranges::count(step.status, fem::GapStatus::stick));
     row.slipping = static_cast<int>(std::ranges::count(step.status, fem::GapStatus::slip));
     row.status = !step.converged ? LANE_UNSOLVED : row.sticking ? LANE_SOLVED : LANE_SLIDING;
@@ -279,6 +286,8 @@ void put_rows(ContactSet& set, std::size_t at, const View<Launcher>& view, std::
     const Row row{.slip_index = *slip_index(mu, said(LANE_P), said(LANE_SLIP_INDEX)),
                   .P = said(LANE_P),
                   .Q = said(LANE_Q),
+                  .indentation = said(LANE_INDENTATION),
+                  .tangential = said(LANE_TANGENTIAL),
                   .residual = std::max({said(LANE_PENETRATION), said(LANE_CONE), said(LANE_COMPLEMENTARITY),
                                         said(LANE_DRIFT), said(LANE_BALANCE)}),
                   .sticking = static_cast<int>(said(LANE_STICKING)),
@@ -327,7 +336,12 @@ struct RangeOf : SetSimulator::Range {
 
 struct SetSimulator::State {
   State(Executor& executor, const SceneSource& source, const SetOptions& options)
-      : executor(executor), source(source), options(options), sensors(distinct_sensors(source)) {
+      : executor(executor),
+        source(source),
+        options(options),
+        sensors(distinct_sensors(source)),
+        parameters(source.parameters()),
+        columns(columns_of(source)) {
     if (source.transducer().present())
       chain.emplace(executor, source.transducer(), source.seed(), 2 * source.tactels());
   }
@@ -342,7 +356,9 @@ struct SetSimulator::State {
   Executor& executor;
   const SceneSource& source;
   SetOptions options;
-  std::vector<fem::Sensor> sensors;      ///< distinct ones
+  std::vector<fem::Sensor> sensors;  ///< distinct ones
+  ContactParameters parameters;
+  SetColumns columns;
   std::optional<TransducerChain> chain;  ///< where there is more than bare stresses; used by collect alone
 };
 
@@ -458,7 +474,7 @@ ContactSet Simulation<Launcher>::collect(SetSimulator::Range& any_range) {
       fallen[k] = std::move(again[j]);
     }
   }
-  ContactSet set({2 * source.tactels(), source.own_sensors().has_value()});
+  ContactSet set(columns);
   set.contacts = range.count;
   set.without_rows = static_cast<std::uint64_t>(std::count(rows.begin() + 1, rows.end(), std::size_t{0}));
   std::partial_sum(rows.begin(), rows.end(), rows.begin());
@@ -483,6 +499,11 @@ ContactSet Simulation<Launcher>::collect(SetSimulator::Range& any_range) {
     set.never_slid += rows[k] < rows[k + 1] && host::never_slid(scene, solution);
     set.unsolved += std::ranges::any_of(solution.steps, [](const auto& step) { return !step.converged; });
   }
+  set.contact_parameters.resize(range.count * parameters.columns().size());
+  for (std::uint64_t k = 0; k < range.count; ++k)
+    parameters.put(range.contacts[k].scene, range.contacts[k].kind,
+                   std::span(set.contact_parameters)
+                       .subspan(k * parameters.columns().size(), parameters.columns().size()));
   for (std::size_t l = 0; chain && l < views.size(); ++l)
     measure(set, rows, range.launches[l], views[l], fallen, range.first);
   return set;
@@ -504,6 +525,17 @@ std::unique_ptr<SetSimulator::State> simulation(Executor& executor, const SceneS
 }
 
 }  // namespace
+
+SetColumns columns_of(const SceneSource& source) {
+  SetColumns columns(2 * source.tactels(), source.own_sensors().has_value());
+  const ContactParameters parameters = source.parameters();
+  for (const ContactParameters::Column& column : parameters.columns()) {
+    columns.parameters.push_back(column.name);
+    columns.parameter_units.push_back(column.unit);
+  }
+  columns.tactel_x = source.tactel_x();
+  return columns;
+}
 
 SetSimulator::SetSimulator(Executor& executor, const SceneSource& source, const SetOptions& options)
     : state_(simulation(executor, source, options)) {}

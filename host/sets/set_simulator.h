@@ -15,6 +15,9 @@ struct SetOptions {
                                 ///< mesh of their sensor
 };
 
+/// Returns all datasets that the set of a source has.
+SetColumns columns_of(const SceneSource& source);
+
 /// Simulates contacts of a source, range by range. The rows of a contact depend on the source and the number of
 /// the contact alone. They do not depend on the range, the number of threads or earlier simulations.
 class SetSimulator {
