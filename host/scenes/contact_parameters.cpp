@@ -22,9 +22,7 @@ ShapeNumbers numbers(const fem::Flat& s) { return {{{"half_width", "mm", s.half_
 ShapeNumbers numbers(const fem::Wedge& s) { return {{{"edge_angle", "degrees", s.edge_angle}}}; }
 ShapeNumbers numbers(const fem::Parabola& s) { return {{{"radius", "mm", s.radius}}}; }
 ShapeNumbers numbers(const fem::Cylinder& s) { return {{{"radius", "mm", s.radius}}}; }
-ShapeNumbers numbers(const fem::Exponential& s) {
-  return {{{"height", "mm", s.height}, {"rate", "1/mm", s.rate}}};
-}
+ShapeNumbers numbers(const fem::Exponential& s) { return {{{"height", "mm", s.height}, {"rate", "1/mm", s.rate}}}; }
 ShapeNumbers numbers(const fem::Trapezoid& s) {
   return {{{"half_width", "mm", s.half_width}, {"slope", "1", s.slope}}};
 }
@@ -60,7 +58,8 @@ constexpr std::array<SensorNumber, 7> sensor_numbers = {{
 constexpr int numbers_of_own_sensors = 5;  // and where its tactels are
 
 bool differ(std::span<const fem::Sensor> sensors, const SensorNumber& number) {
-  return std::ranges::any_of(sensors, [&](const fem::Sensor& s) { return number.value(s) != number.value(sensors[0]); });
+  return std::ranges::any_of(sensors,
+                             [&](const fem::Sensor& s) { return number.value(s) != number.value(sensors[0]); });
 }
 
 }  // namespace
@@ -83,7 +82,8 @@ ContactParameters::ContactParameters(std::span<const fem::Scene> scenes, std::sp
     const ShapeNumbers its = shape_numbers(shape);
     for (std::size_t k = 0; k < its.size(); ++k)
       if (its[k].key) of_shape_[shape.index()][k] = add(std::string("indenter.") + its[k].key, its[k].unit);
-    if (const auto* taylor = std::get_if<fem::Taylor>(&shape)) powers.insert(taylor->powers.begin(), taylor->powers.end());
+    if (const auto* taylor = std::get_if<fem::Taylor>(&shape))
+      powers.insert(taylor->powers.begin(), taylor->powers.end());
   }
   powers_.assign(powers.begin(), powers.end());
   coefficients_ = columns_.size();

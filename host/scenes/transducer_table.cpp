@@ -65,7 +65,9 @@ nn::Transducer read_transducer(const TomlFile& file, std::uint64_t seed) {
   read_positive(in, "step_time", t.step_time, "a time in s above 0, between load steps");
   t.bits = read_count(in, "bits", 2, "a whole number of bits, 2 to 24");
   t.instances = static_cast<std::uint32_t>(read_count(in, "instances", 1, "a whole number of sensors, at least 1"));
-  t.seed = in.has("seed") ? static_cast<std::uint64_t>(read_count<std::int64_t>(in, "seed", 0, "a whole number, at least 0")) : seed;
+  t.seed = in.has("seed")
+               ? static_cast<std::uint64_t>(read_count<std::int64_t>(in, "seed", 0, "a whole number, at least 0"))
+               : seed;
   in.finish();
   try {
     t.validate();

@@ -26,13 +26,14 @@ bool read_press_rows(const SetFile& in) {
   return !text.empty();
 }
 
-constexpr const char* needed_always[] = {"inputs",        "slip_index",     "normal_force", "tangential_force",
-                                         "friction",      "stick_fraction", "contact_nodes", "contact",
-                                         "step",          "indenter",       "status",        "residual"};
+constexpr const char* needed_always[] = {"inputs",   "slip_index",     "normal_force",  "tangential_force",
+                                         "friction", "stick_fraction", "contact_nodes", "contact",
+                                         "step",     "indenter",       "status",        "residual"};
 constexpr std::uint8_t over_tolerance = 2;  ///< LaneStatus
 constexpr const char* later[] = {"indentation", "tangential", "parameters", "tactel_x"};
 
-/// The datasets that the file names, or, in files of earlier versions, that it has. Throws where one of them is missing.
+/// The datasets that the file names, or, in files of earlier versions, that it has. Throws where one of them is
+/// missing.
 SetColumns columns_of(const SetFile& in) {
   SetColumns columns;
   const bool named = in.has("columns");
@@ -40,7 +41,8 @@ SetColumns columns_of(const SetFile& in) {
   if (named) {
     const std::vector<std::string> names = in.texts("columns");
     has = {names.begin(), names.end()};
-    if (!has.contains("slip_index")) in.refuse("columns", "without slip_index", "names of datasets, slip_index among them");
+    if (!has.contains("slip_index"))
+      in.refuse("columns", "without slip_index", "names of datasets, slip_index among them");
   }
   for (const char* name : needed_always)
     if (!has.contains(name)) columns.left_out.insert(name);
@@ -55,7 +57,8 @@ SetColumns columns_of(const SetFile& in) {
     columns.parameters = in.texts("parameters", "columns");
     columns.parameter_units = in.texts("parameters", "units");
     if (columns.parameters.empty() || columns.parameters.size() != columns.parameter_units.size())
-      in.refuse("parameters", fmt::format("{} columns, {} units", columns.parameters.size(), columns.parameter_units.size()),
+      in.refuse("parameters",
+                fmt::format("{} columns, {} units", columns.parameters.size(), columns.parameter_units.size()),
                 "a name and a unit for each column");
   }
   return columns;
@@ -144,7 +147,8 @@ struct Columns {
 /// Throws where so many rows do not fit into memory, before any is allocated.
 void check_memory(const SetFile& in, std::uint64_t rows, const SetColumns& columns, std::uint64_t contacts = 0) {
   const double of_contacts = static_cast<double>(contacts) * static_cast<double>(columns.parameters.size());
-  const double bytes = static_cast<double>(rows) * static_cast<double>(row_bytes(columns)) + sizeof(float) * of_contacts;
+  const double bytes =
+      static_cast<double>(rows) * static_cast<double>(row_bytes(columns)) + sizeof(float) * of_contacts;
   const double memory = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
   if (bytes > memory)
     in.refuse(

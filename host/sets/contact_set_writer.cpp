@@ -180,7 +180,8 @@ void ContactSetWriter::finish(const ContactSet& set) {
 
 void write_contact_set(const std::filesystem::path& path, const ContactSet& set) {
   const SetColumns columns = set.columns();
-  const std::size_t contacts = columns.parameters.empty() ? 0 : set.contact_parameters.size() / columns.parameters.size();
+  const std::size_t contacts =
+      columns.parameters.empty() ? 0 : set.contact_parameters.size() / columns.parameters.size();
   ContactSetWriter writer(path, columns, set.rows(), contacts);
   writer.append(set);
   writer.finish(set);

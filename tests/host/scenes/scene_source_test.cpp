@@ -61,10 +61,10 @@ TEST(SceneSource, ParametersAreTheNumbersOfTheContacts) {
   const ContactParameters parameters = sweep.parameters();
   std::vector<std::string> names;
   for (const auto& column : parameters.columns()) names.push_back(column.name + " " + column.unit);
-  EXPECT_THAT(names, ElementsAre("indenter place in the attribute indenter_names", "indenter.position mm",
-                                 "contact.friction 1", "indenter.radius mm", "indenter.scale mm", "indenter.height mm",
-                                 "indenter.half_width mm", "indenter.coefficient_1 1", "indenter.coefficient_3 1",
-                                 "sensor.young MPa"));
+  EXPECT_THAT(
+      names, ElementsAre("indenter place in the attribute indenter_names", "indenter.position mm", "contact.friction 1",
+                         "indenter.radius mm", "indenter.scale mm", "indenter.height mm", "indenter.half_width mm",
+                         "indenter.coefficient_1 1", "indenter.coefficient_3 1", "sensor.young MPa"));
   std::set<int> kinds;
   for (std::uint64_t k = 0; k < 20; ++k) {
     const auto contact = sweep.contact(k);
@@ -95,7 +95,9 @@ TEST(SceneSource, TactelsHaveTheirPlacesWhereContactsShareThem) {
   const auto with = [&](const std::string& sensor) { return source(head + load + parabola + sensor).tactel_x(); };
   const std::vector<float> x = with("");
   ASSERT_EQ(x.size(), 21u);
-  EXPECT_EQ(x[0], -10), EXPECT_EQ(x[1], -9), EXPECT_EQ(x[20], 10);
+  EXPECT_EQ(x[0], -10);
+  EXPECT_EQ(x[1], -9);
+  EXPECT_EQ(x[20], 10);
   EXPECT_THAT(with("[sensor]\ntactels = 3\ntactel_span = 8\n"), ElementsAre(-4, 0, 4));
   EXPECT_THAT(with("[[sensor]]\n[[sensor]]\ntactel_span = 8\n"), IsEmpty());
   const std::string lengths = "[sensor]\nlength = { uniform = [18, 22] }\ntactels = 3\n";

@@ -175,9 +175,8 @@ ContactSet several_chunks() {
   set.inputs = 2;
   const std::size_t rows = 20000;
   set.frames.resize(2 * rows);
-  for (auto* list :
-       {&set.slip_index, &set.normal_force, &set.tangential_force, &set.indentation, &set.tangential, &set.friction,
-        &set.stick_fraction, &set.residual})
+  for (auto* list : {&set.slip_index, &set.normal_force, &set.tangential_force, &set.indentation, &set.tangential,
+                     &set.friction, &set.stick_fraction, &set.residual})
     list->resize(rows);
   set.contact_nodes.resize(rows), set.indenter.resize(rows), set.status.resize(rows);
   set.contact.resize(rows), set.step.resize(rows);
