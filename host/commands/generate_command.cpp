@@ -123,9 +123,9 @@ std::string report_text(const GenerateRequest& request, const ContactSet& set, c
   if (work.contacts > 0)
     text += fmt::format(
         "{:.0f} contacts, {} load steps in {:.2f} s: {} steps/s, in kernels {} steps/s; chunks written at {}B/s, set "
-        "assembled in {:.2f} s\nshares of the {:.2f} s before that: {}\n",
+        "assembled in {:.2f} s\ntime of the threads before that: {}\n",
         work.contacts, with_prefix(work.steps), seconds, with_prefix(work.steps / seconds),
-        with_prefix(work.steps / work.kernel), with_prefix(work.bytes / work.stages.write), assemble_seconds, seconds,
+        with_prefix(work.steps / work.kernel), with_prefix(work.bytes / work.stages.write), assemble_seconds,
         shares(work.stages));
   return text;
 }

@@ -291,21 +291,25 @@ bool ran_through(const View<Launcher>& view, std::size_t i) {
   return status != LANE_NOT_RUN && status != LANE_SLIDING;
 }
 
-/// Which steps of a contact that the sweeps solved become rows.
-template <class Launcher>
-std::vector<int> rows_of(const View<Launcher>& view, std::size_t i, int first, double mu) {
-  std::vector<int> steps;
+/// Calls visit(step, S) for the steps of a contact that the sweeps solved that become rows.
+template <class Launcher, class Visit>
+void each_row(const View<Launcher>& view, std::size_t i, int first, double mu, const Visit& visit) {
   for (int k = first; k < view.path_steps(i) && status_of<Launcher>(view, i, k) != LANE_NOT_RUN; ++k)
-    if (slip_index(mu, view.result(i, k, LANE_P), 0)) steps.push_back(k);
-  return steps;
+    if (const auto S = slip_index(mu, view.result(i, k, LANE_P), view.result(i, k, LANE_SLIP_INDEX))) visit(k, *S);
+}
+
+template <class Launcher>
+std::size_t count_rows(const View<Launcher>& view, std::size_t i, int first, double mu) {
+  std::size_t count = 0;
+  each_row<Launcher>(view, i, first, mu, [&](int, double) { ++count; });
+  return count;
 }
 
 template <class Launcher>
 void put_rows(ContactSet& set, std::size_t at, const View<Launcher>& view, std::size_t i, int first, const RowsOf& of) {
-  const double mu = of.scene.friction;
-  for (const int k : rows_of<Launcher>(view, i, first, mu)) {
+  each_row<Launcher>(view, i, first, of.scene.friction, [&](int k, double S) {
     const auto said = [&](int row) { return static_cast<double>(view.result(i, k, row)); };
-    const Row row{.slip_index = *slip_index(mu, said(LANE_P), said(LANE_SLIP_INDEX)),
+    const Row row{.slip_index = S,
                   .P = said(LANE_P),
                   .Q = said(LANE_Q),
                   .indentation = said(LANE_INDENTATION),
@@ -316,7 +320,7 @@ void put_rows(ContactSet& set, std::size_t at, const View<Launcher>& view, std::
                   .slipping = static_cast<int>(said(LANE_SLIPPING)),
                   .status = static_cast<int>(said(LANE_STATUS))};
     view.tactels(i, k, put_row(set, at++, row, of, k));
-  }
+  });
 }
 
 /// Contacts that share a launch: same sensor but for E, same kind.
@@ -505,7 +509,7 @@ ContactSet Simulation<Launcher>::collect(SetSimulator::Range& any_range) {
       const std::uint64_t k = launch.which[i];
       const bool served = Solver<Launcher>::served(source, options, launch.scenes[i], view, i);
       if (served && Solver<Launcher>::solved(options, view, i)) {
-        rows[k + 1] = rows_of<Launcher>(view, i, range.contacts[k].first_step, launch.scenes[i].friction).size();
+        rows[k + 1] = count_rows<Launcher>(view, i, range.contacts[k].first_step, launch.scenes[i].friction);
       } else {
         unsolved.push_back(k);
         fallen[k].scene = &launch.scenes[i];

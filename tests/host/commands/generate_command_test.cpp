@@ -426,9 +426,12 @@ TEST_F(SmallSet, ColumnsLeaveDatasetsOut) {
   }
 }
 
-TEST_F(SmallSet, CompressedItHoldsTheSameRows) {
+TEST_F(SmallSet, CompressedItHoldsTheSameRowsAndSaysWhereTheTimeGoes) {
   const std::string text = sweep("a.toml", SmallSweep{}.text());
-  ASSERT_EQ(run(text, "plain.h5").exit_code, 0);
+  const ChildResult made = run(text, "plain.h5");
+  ASSERT_EQ(made.exit_code, 0);
+  EXPECT_THAT(made.out, testing::ContainsRegex("draw [0-9]+ %, lay-out [0-9]+ %, solve [0-9]+ %, solve again [0-9]+ %, "
+                                               "gather [0-9]+ %, write [0-9]+ %"));
   ASSERT_EQ(run(text, "small.h5", {"--compress"}).exit_code, 0);
   EXPECT_LT(std::filesystem::file_size(*this / "small.h5"), 0.8 * std::filesystem::file_size(*this / "plain.h5"));
   const ContactSet plain = read_contact_set(*this / "plain.h5"), small = read_contact_set(*this / "small.h5");

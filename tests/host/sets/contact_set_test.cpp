@@ -165,8 +165,8 @@ TEST(ContactSetFile, TrustsNoFile) {
       EXPECT_TRUE(check_contact_set(path, {}).damage.empty());
     }
   }
-  EXPECT_EQ(good, 8);
-  EXPECT_EQ(bad, 26);
+  EXPECT_EQ(good, 9);
+  EXPECT_EQ(bad, 54);
 }
 
 /// A set whose chunks are small enough to be several: two and a half.

@@ -45,10 +45,10 @@ with h5py.File(sys.argv[1], "r") as file:
     of = {name: table[:][contact, k] for k, name in enumerate(columns)}  # [rows]
     assert np.array_equal(of["indenter"], file["indenter"][:]) and np.array_equal(of["contact.friction"], file["friction"][:])
     kinds = np.array(file.attrs["indenter_names"].decode().split("\n"))[file["indenter"][:]]
-    for kind, name in (("wedge", "edge_angle"), ("parabola", "radius"), ("exponential", "rate"), ("trapezoid", "slope")):
+    for kind, name in (("triangular", "edge_angle"), ("parabolic", "radius"), ("exponential", "rate"), ("trapezoidal", "slope")):
         has = np.isfinite(of[f"indenter.{name}"])
         assert np.all(has[kinds == kind]) and (kinds == kind).any(), (kind, set(kinds))
-        assert not has[kinds == ("wedge" if kind != "wedge" else "parabola")].any(), name
+        assert not has[kinds == ("triangular" if kind != "triangular" else "parabolic")].any(), name
     assert np.all(shear[s > 0.5].sum(axis=1) > 0)  # the rubber is dragged towards +x
     # What the base carries balances P and Q; a sum over tactels integrates to a few percent.
     assert np.median(np.abs(-pitch * normal.sum(axis=1) / p - 1)) < 0.05
