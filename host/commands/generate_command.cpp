@@ -25,7 +25,8 @@ struct GenerateRequest {
   SharedOptions shared;
   std::string sweep, output;
   std::vector<std::string> devices;
-  bool force = false, resume = false;
+  std::string columns;  ///< names of datasets, separated by commas; empty: all
+  bool force = false, resume = false, compress = false;
 };
 
 ProductionOptions production_options(const GenerateRequest& request) {
@@ -86,9 +87,27 @@ bool already_there(const GenerateRequest& request, const SetPlan& plan) {
   return true;
 }
 
-std::string report_text(const GenerateRequest& request, const ContactSet& set, const std::vector<double>& sums,
-                        std::uint64_t rows, double seconds, double assemble_seconds) {
-  const auto [contacts, steps, kernel, write, bytes] = std::tuple(sums[0], sums[1], sums[2], sums[3], sums[4]);
+/// What the processes did together.
+struct Work {
+  double contacts = 0, steps = 0, kernel = 0, bytes = 0;
+  StageSeconds stages;
+};
+
+/// "draw 8 %, lay-out 20 %, ...": shares of the time of all threads.
+std::string shares(const StageSeconds& s) {
+  std::string text;
+  for (const auto& [name, seconds] : {std::pair("draw", s.draw),
+                                      {"lay-out", s.lay_out},
+                                      {"solve", s.solve},
+                                      {"solve again", s.solve_again},
+                                      {"gather", s.gather},
+                                      {"write", s.write}})
+    text += fmt::format("{}{} {:.0f} %", text.empty() ? "" : ", ", name, 100 * seconds / s.all());
+  return text;
+}
+
+std::string report_text(const GenerateRequest& request, const ContactSet& set, const Work& work, std::uint64_t rows,
+                        double seconds, double assemble_seconds) {
   std::string text = fmt::format("{}: {} rows; {} contacts by the exact fallback, {} unsolved\n", request.output, rows,
                                  set.fell_back, set.unsolved);
   if (set.without_rows > 0)
@@ -103,12 +122,13 @@ std::string report_text(const GenerateRequest& request, const ContactSet& set, c
         "{} of {} contacts slide further than an element and a tenth of their width: displacements are taken as "
         "small (docs/scenes.md)\n",
         set.far_slip, set.contacts);
-  if (contacts > 0)
+  if (work.contacts > 0)
     text += fmt::format(
         "{:.0f} contacts, {} load steps in {:.2f} s: {} steps/s, in kernels {} steps/s; chunks written at {}B/s, set "
-        "assembled in {:.2f} s\n",
-        contacts, with_prefix(steps), seconds, with_prefix(steps / seconds), with_prefix(steps / kernel),
-        with_prefix(bytes / write), assemble_seconds);
+        "assembled in {:.2f} s\ntime of the threads before that: {}\n",
+        work.contacts, with_prefix(work.steps), seconds, with_prefix(work.steps / seconds),
+        with_prefix(work.steps / work.kernel), with_prefix(work.bytes / work.stages.write), assemble_seconds,
+        shares(work.stages));
   return text;
 }
 
@@ -130,14 +150,15 @@ int run_generate(const GenerateRequest& request) {
   if (options.set.patch && tactels_at_ends(sweep.source) && ranks.first() && !request.shared.quiet)
     fmt::print(stderr, "note: {}\n", tactels_at_ends_text);
   options.rank = ranks.rank(), options.ranks = ranks.count();
-  const SetPlan plan =
-      plan_of(sweep, rung ? rung->name : "as the file says", options.set.precision, options.set.tolerance);
+  SetColumns columns = columns_of(sweep.source);
+  if (!request.columns.empty()) columns = only_columns(columns, request.columns);
+  const SetPlan plan = plan_of(sweep, rung ? rung->name : "as the file says", options.set.precision,
+                               options.set.tolerance, request.columns, request.compress);
   const bool complete = ranks.first() && already_there(request, plan);
   if (ranks.sum({complete ? 1.0 : 0.0})[0] > 0) {  // all processes must agree
     if (complete && !request.shared.quiet) fmt::print("{}: complete already\n", request.output);
     return done;
   }
-  const SetColumns columns{2 * sweep.source.tactels(), sweep.source.own_sensors().has_value()};
   const Interrupt interrupt;  // before there is anything to keep
   std::optional<SetSpool> spool;
   if (ranks.first()) {
@@ -161,7 +182,8 @@ int run_generate(const GenerateRequest& request) {
   line.clear();
   const std::vector<double> sums =
       ranks.sum({static_cast<double>(report.contacts), static_cast<double>(report.steps), report.kernel_seconds,
-                 report.write_seconds, static_cast<double>(spool->bytes()), report.finished ? 0.0 : 1.0});
+                 static_cast<double>(spool->bytes()), report.stages.draw, report.stages.lay_out, report.stages.solve,
+                 report.stages.solve_again, report.stages.gather, report.stages.write, report.finished ? 0.0 : 1.0});
   if (sums.back() > 0) {
     if (ranks.first())
       fmt::print(stderr, "stopped; complete chunks are kept in {}: the same command with --resume continues\n",
@@ -184,12 +206,13 @@ int run_generate(const GenerateRequest& request) {
     set.rung += fmt::format("; the accuracy of {:g} holds for S alone, not for stresses", *accuracy);
   {
     const StageLine stage("assembling " + request.output, request.shared.quiet);
-    spool->assemble(chunk_count(sweep.source), set);
+    spool->assemble(chunk_count(sweep.source), set, request.compress);
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!request.shared.quiet) {
     warn_of_depth(set.too_deep, sweep.source.contacts());
-    fmt::print("{}", report_text(request, set, sums, spool->rows(), report.seconds, seconds));
+    const Work work{sums[0], sums[1], sums[2], sums[3], {sums[4], sums[5], sums[6], sums[7], sums[8], sums[9]}};
+    fmt::print("{}", report_text(request, set, work, spool->rows(), report.seconds, seconds));
   }
   return set.unsolved == 0 && accurate ? done : not_converged;
 }
@@ -204,6 +227,9 @@ void add_generate_command(CLI::App& app, Action& action) {
   command->add_option("--output", request->output, "the set to write")->type_name("SET.h5")->required();
   auto* force = command->add_flag("--force", request->force, "overwrite an existing file, discard an interrupted run");
   command->add_flag("--resume", request->resume, "resume an interrupted run")->excludes(force);
+  command->add_option("--columns", request->columns, "datasets of the set; all by default (docs/sweeps.md)")
+      ->type_name("NAME,NAME,...");
+  command->add_flag("--compress", request->compress, "compress the set with gzip: smaller, slower");
   command->add_option("--also-device", request->devices, "one more device to share the work (repeatable)")
       ->type_name("NAME|INDEX");
   add_shared_options(*command, request->shared, "fp32, or the rung's with --rung or --accuracy");

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <numeric>
 #include <stdexcept>
 
@@ -94,6 +95,7 @@ struct GapSweep<Real>::State {
   int group() const { return lanes() == 1 ? 1 : lanes() * vectors; }
 
   const Buffer<Real>& compliance(bool friction) {
+    const std::lock_guard lock(making);
     auto& table = compliances[friction];
     if (table.size() == 0)
       table = on_device(executor.device(), compliance_table<Real>(condensation.compliance, friction));
@@ -101,6 +103,7 @@ struct GapSweep<Real>::State {
   }
 
   const Program& program(ContactKind kind) {
+    const std::lock_guard lock(making);
     auto& program = programs[kind.force][kind.friction];
     if (!program) {
       const auto text = [](int value) { return std::to_string(value); };
@@ -123,6 +126,7 @@ struct GapSweep<Real>::State {
   Buffer<Real> compliances[2];  ///< [friction], made at first use
   int rows = 0, base_rows = 0;
   std::unique_ptr<Program> programs[2][2];  ///< [force][friction]
+  std::mutex making;                        ///< of what is made at first use
 };
 
 template <class Real>

@@ -33,6 +33,7 @@ struct GapSweepOptions {
   bool nodes = true;        ///< write forces and statuses of the surface nodes
   bool fallback = true;     ///< solve_gap_sweep solves contacts exactly where the sweeps did not converge
   bool audit = true;        ///< solve_gap_sweep recomputes certificates in fp64; requires nodes and base_forces
+  bool force_error = true;  ///< with audit: solve_gap_sweep estimates the fp32 error of base forces (base_force_error)
   bool second_opinion = false;  ///< solve_gap_sweep solves contacts with mu >= several_solutions_from exactly, too
 };
 

@@ -49,7 +49,7 @@ void solve_alike(Executor& executor, std::span<const fem::Scene> scenes, const s
     fem::ContactSolution& solution = solutions[which[k]] = batch.solution(k);
     if (options.audit && options.nodes && options.base_forces) {
       audit_in_fp64(alike[k], sweep.condensation(), sweep.options().accept, solution);
-      if (sizeof(Real) == 4 && solved(solution))
+      if (options.force_error && sizeof(Real) == 4 && solved(solution))
         solution.base_force_error = base_force_error(alike[k], sweep.condensation(), solution);
     }
     if (solved(solution)) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <mutex>
 #include <numeric>
 #include <stdexcept>
 #include <tuple>
@@ -118,6 +119,7 @@ struct PatchContact<Real>::State {
   int force_rows() const { return rounded_up(2 * elements); }
 
   const Program& program(ContactKind kind) {
+    const std::lock_guard lock(making);
     auto& program = programs[kind.force][kind.friction];
     if (!program) {
       const auto text = [](int value) { return std::to_string(value); };
@@ -140,6 +142,7 @@ struct PatchContact<Real>::State {
   int elements = 0, tactels = 0;
   std::size_t outputs = 0;                  ///< numbers of a load step in the stresses
   std::unique_ptr<Program> programs[2][2];  ///< [force][friction]
+  std::mutex making;                        ///< of what is made at first use
 };
 
 template <class Real>

@@ -15,10 +15,11 @@ namespace tactel::host {
 namespace {
 
 std::vector<fem::ContactSolution> on_meshes(Executor& executor, const std::vector<fem::Scene>& modelled,
-                                            const Rung& rung, bool nodes) {
+                                            const Rung& rung, bool nodes, bool force_error = true) {
   GapSweepOptions options;
   options.tolerance = rung.tolerance;
   options.nodes = nodes;
+  options.force_error = force_error;
   return solve_gap_sweep(executor, modelled, rung.precision, options);
 }
 
@@ -73,21 +74,31 @@ MeshedScene meshed_with_own_steps(const fem::Scene& scene, const Rung& rung) {
   return meshed;
 }
 
-void finish_on_mesh(Executor& executor, std::span<const fem::Scene> scenes, const Rung& rung, bool nodes,
-                    std::vector<fem::ContactSolution>& answers) {
+std::vector<fem::ContactSolution> solve_on_mesh_of(Executor& executor, std::span<const fem::Scene> scenes,
+                                                   const Rung& rung, bool nodes, bool force_error) {
   std::vector<fem::Scene> modelled;
+  modelled.reserve(scenes.size());
+  for (const fem::Scene& scene : scenes) modelled.push_back(meshed_with_own_steps(scene, rung).scene);
+  std::vector<fem::ContactSolution> answers = on_meshes(executor, modelled, rung, nodes, force_error);
+  for (std::size_t i = 0; i < scenes.size(); ++i)
+    keep_own_steps(answers[i], scenes[i].load, fem::pressing_parts(scenes[i].load, rung.steps));
+  return answers;
+}
+
+void finish_on_mesh(Executor& executor, std::span<const fem::Scene> scenes, const Rung& rung, bool nodes,
+                    std::vector<fem::ContactSolution>& answers, bool force_error) {
+  std::vector<fem::Scene> own;
   std::vector<std::size_t> others;
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     if (patch_serves(scenes[i].sensor, answers[i]) && every_step_converged(answers[i])) continue;
     others.push_back(i);
-    modelled.push_back(meshed_with_own_steps(scenes[i], rung).scene);
+    own.push_back(scenes[i]);
   }
-  std::vector<fem::ContactSolution> meshed = on_meshes(executor, modelled, rung, nodes);
+  std::vector<fem::ContactSolution> meshed = solve_on_mesh_of(executor, own, rung, nodes, force_error);
   for (std::size_t k = 0; k < others.size(); ++k) {
     const std::size_t i = others[k];
-    if (patch_serves(scenes[i].sensor, answers[i]) && !every_step_converged(meshed[k])) continue;
-    answers[i] = std::move(meshed[k]);
-    keep_own_steps(answers[i], scenes[i].load, fem::pressing_parts(scenes[i].load, rung.steps));
+    if (!patch_serves(scenes[i].sensor, answers[i]) || every_step_converged(meshed[k]))
+      answers[i] = std::move(meshed[k]);
   }
 }
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "fem/block.h"
+#include "host/scenes/distributed_keys.h"
 #include "host/scenes/sweep_reader.h"
 #include "host/support/checksum.h"
 #include "host/support/errors.h"
@@ -67,6 +69,23 @@ SceneSource::SceneSource(std::vector<fem::Scene> scenes, std::vector<std::uint16
 }
 
 int SceneSource::tactels() const { return sensors_.front().tactels; }
+
+ContactParameters SceneSource::parameters() const {
+  std::vector<fem::Scene> scenes = listed_;
+  for (const Alternative& indenter : indenter_.alternatives) scenes.push_back(indenter.scene);
+  return {scenes, sensors_, own_sensors_.has_value()};
+}
+
+std::vector<float> SceneSource::tactel_x() const {
+  const NumberPlace length = number_place("sensor.length", ""), span = number_place("sensor.tactel_span", "");
+  for (const Alternative& sensor : sensor_.alternatives)
+    for (const NumberDraw& draw : sensor.draws)
+      if (draw.place == span || (draw.place == length && !sensor.scene.sensor.tactel_span)) return {};
+  for (const fem::Sensor& sensor : sensors_)
+    if (sensor.span() != sensors_[0].span()) return {};
+  const Eigen::VectorXf x = fem::tactel_positions(sensors_[0]).cast<float>();
+  return {x.begin(), x.end()};
+}
 
 void SceneSource::model_on(const Rung& rung) {
   if (own_sensors_ && !rung.patch())

@@ -8,6 +8,7 @@
 
 #include "fem/layer/sensor_family.h"
 #include "fem/scene.h"
+#include "host/scenes/contact_parameters.h"
 #include "host/scenes/distribution.h"
 #include "host/scenes/irregular_load.h"
 #include "host/scenes/ladder.h"
@@ -66,6 +67,10 @@ class SceneSource {
   /// Returns every sensor of the contacts; where each contact draws its own, the tables that they are drawn from with
   /// the smallest number of each distribution.
   const std::vector<fem::Sensor>& sensors() const { return sensors_; }
+  /// Returns what a set keeps of each contact (`/parameters`).
+  ContactParameters parameters() const;
+  /// Returns the places of the tactels, [tactels] mm along the array; empty where they differ between contacts.
+  std::vector<float> tactel_x() const;
   /// Returns the range of the sensors where each contact draws its own.
   const std::optional<fem::SensorRange>& own_sensors() const { return own_sensors_; }
 

@@ -34,7 +34,7 @@ SceneSource paper_source(const TomlFile& file, std::optional<std::uint64_t> give
   TomlTable in(file, "sweep");
   const std::size_t set = in.read_choice("set", sets).value();
   double scale = 10.0, height = 10.0;
-  int seed = 0;
+  std::int64_t seed = 0;
   if (in.read("seed", seed, "a whole number, at least 0") && seed < 0) in.refuse("seed", "a whole number, at least 0");
   if (set == 0) {
     in.read("scale", scale, "a number of mm above 0");

@@ -21,6 +21,7 @@ namespace {
 using std::string;
 constexpr std::array part_names{"sensor", "indenter", "contact", "load"};
 constexpr int most_sensors = 10000, usual_sensors = 16;
+constexpr std::int64_t most_contacts = std::int64_t{1} << 40;
 constexpr const char* one_width = "the same for every [[sensor]]: a set's frames are of one width";
 
 /// Keys of a sweep that scene files do not have.
@@ -317,13 +318,15 @@ void SweepReader::read_sensors(SceneSource& source, int count) {
 SceneSource SweepReader::read() {
   TomlTable sweep(file_, "sweep");
   SceneSource source;
-  int contacts = 0, seed = 0, sensors = 0;
+  std::int64_t contacts = 0, seed = 0;
+  int sensors = 0;
   sweep.refuse_unknown({"contacts", "seed", "sensors", "set", "press_rows"});
   if (!sweep.read("contacts", contacts, "a whole number of contacts, at least 1"))
     sweep.refuse_missing("contacts",
                          "given, a whole number of contacts (or set = \"paper-learning\"); a file without [sweep] is a "
                          "scene, for `tactel solve FILE`");
-  if (contacts < 1) sweep.refuse("contacts", "a whole number of contacts, at least 1");
+  if (contacts < 1 || contacts > most_contacts)
+    sweep.refuse("contacts", "a whole number of contacts, 1 to " + std::to_string(most_contacts));
   if (sweep.read("seed", seed, "a whole number, at least 0") && seed < 0)
     sweep.refuse("seed", "a whole number, at least 0");
   if (sweep.read("sensors", sensors, "a whole number") && (sensors < 1 || sensors > most_sensors))

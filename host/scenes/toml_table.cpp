@@ -210,6 +210,14 @@ bool TomlTable::read(const std::string& key, int& value, const std::string& what
   return node != nullptr;
 }
 
+bool TomlTable::read(const std::string& key, std::int64_t& value, const std::string& what) {
+  const toml::node* node = find(key);
+  if (node == nullptr) return false;
+  if (!node->is_integer()) throw file_.error(full(key), node, what);
+  value = *node->value<std::int64_t>();
+  return true;
+}
+
 bool TomlTable::read(const std::string& key, std::string& value, const std::string& what) {
   const toml::node* node = find(key);
   if (node == nullptr) return false;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -60,6 +61,7 @@ class TomlTable {
   bool has_text(const std::string& key) const;  ///< for keys that also accept another type
   bool read(const std::string& key, double& value, const std::string& what);
   bool read(const std::string& key, int& value, const std::string& what);
+  bool read(const std::string& key, std::int64_t& value, const std::string& what);
   bool read(const std::string& key, std::string& value, const std::string& what);
   bool read(const std::string& key, bool& value, const std::string& what);
   /// An array of numbers.

@@ -44,8 +44,9 @@ void read_bits(const TomlFile& file, TomlTable& in, nn::Transducer& t) {
   if (from) t.bits_from = static_cast<int>(*from);
 }
 
-int read_count(TomlTable& in, const char* key, int least, const char* what) {
-  int value = 0;
+template <class Count>
+Count read_count(TomlTable& in, const char* key, Count least, const char* what) {
+  Count value = 0;
   if (in.read(key, value, what) && value < least) in.refuse(key, what);
   return value;
 }
@@ -80,7 +81,9 @@ nn::Transducer read_transducer(const TomlFile& file, std::uint64_t seed) {
   read_positive(in, "step_time", t.step_time, "a time in s above 0, between load steps");
   read_bits(file, in, t);
   t.instances = static_cast<std::uint32_t>(read_count(in, "instances", 1, "a whole number of sensors, at least 1"));
-  t.seed = in.has("seed") ? static_cast<std::uint64_t>(read_count(in, "seed", 0, "a whole number, at least 0")) : seed;
+  t.seed = in.has("seed")
+               ? static_cast<std::uint64_t>(read_count<std::int64_t>(in, "seed", 0, "a whole number, at least 0"))
+               : seed;
   in.finish();
   try {
     t.validate();

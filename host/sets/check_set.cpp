@@ -25,33 +25,42 @@ std::uint64_t rows_of_piece(const SetFile::Column& column, std::size_t value_byt
 
 class Checker {
  public:
-  Checker(const std::filesystem::path& path, const Progress& progress) : in_(path), progress_(progress) {}
+  Checker(const std::filesystem::path& path, const Progress& progress)
+      : in_(path), columns_(read_columns(path)), progress_(progress) {}
 
   SetCheck run() {
-    ContactSet set(SetColumns(0, in_.has_dataset("poisson")));
+    ContactSet set(columns_);
     std::vector<Opened> columns;
-    each_dataset(
-        set, [&](const char* name, const auto& values, int, const char*) { columns.push_back(open(name, values)); });
-    check_.checksums = true;
+    const auto open_one = [&](const char* name, const auto& values, int width, const char*) {
+      columns.push_back(open(name, values, width > 0 || std::string_view(name) == "inputs"));
+    };
+    each_dataset(set, open_one);
     for (const Opened& column : columns)
       if (column.it) check_.rows = std::max(check_.rows, column.it->rows);
+    std::vector<float> numbers;
+    if (set.has("parameters")) open_one("parameters", numbers, 1, ""), columns.back().rows = in_.number("contacts");
+    if (set.has("tactel_x")) open_one("tactel_x", numbers, 0, ""), columns.back().rows = 0;
+    check_.checksums = true;
     for (const Opened& column : columns)
       if (column.it) all_ += (column.it->rows + column.piece - 1) / column.piece;
     std::size_t i = 0;
     each_dataset(set, [&](const char* name, auto& values, int, const char*) { check(name, columns[i++], values); });
+    if (set.has("parameters")) check("parameters", columns[i++], numbers);
+    if (set.has("tactel_x")) check("tactel_x", columns[i++], numbers);
     return check_;
   }
 
  private:
   struct Opened {
     std::optional<SetFile::Column> it{};
-    std::uint64_t piece = 1;  ///< rows read at once
+    std::uint64_t piece = 1;              ///< rows read at once
+    std::optional<std::uint64_t> rows{};  ///< at least; none: as many as the set
     std::string why_not{};
   };
 
   template <class T>
-  Opened open(const char* name, const std::vector<T>&) try {
-    Opened opened{in_.column<T>(name, std::string_view(name) == "inputs")};
+  Opened open(const char* name, const std::vector<T>&, bool matrix) try {
+    Opened opened{in_.column<T>(name, matrix)};
     opened.piece = rows_of_piece(*opened.it, sizeof(T));
     return opened;
   } catch (const ConfigError& error) {
@@ -60,9 +69,10 @@ class Checker {
 
   template <class T>
   void check(const char* name, const Opened& opened, std::vector<T>& values) {
-    if (!opened.it) return note(name, 0, check_.rows, opened.why_not);
+    const std::uint64_t rows = opened.rows.value_or(check_.rows);
+    if (!opened.it) return note(name, 0, rows, opened.why_not);
     const SetFile::Column& column = *opened.it;
-    if (column.rows < check_.rows) note(name, column.rows, check_.rows, "missing");
+    if (column.rows < rows) note(name, column.rows, rows, "missing");
     check_.checksums = check_.checksums && (column.rows == 0 || column.checked());
     RunningChecksum sum;
     bool whole = true;
@@ -102,6 +112,7 @@ class Checker {
   }
 
   SetFile in_;
+  SetColumns columns_;
   const Progress& progress_;
   std::size_t all_ = 0;  ///< pieces to read
   SetCheck check_;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <new>
 #include <optional>
 #include <stdexcept>
@@ -25,6 +26,44 @@ bool read_press_rows(const SetFile& in) {
   return !text.empty();
 }
 
+constexpr const char* needed_always[] = {"inputs",   "slip_index",     "normal_force",  "tangential_force",
+                                         "friction", "stick_fraction", "contact_nodes", "contact",
+                                         "step",     "indenter",       "status",        "residual"};
+constexpr std::uint8_t over_tolerance = 2;  ///< LaneStatus
+constexpr const char* later[] = {"indentation", "tangential", "parameters", "tactel_x"};
+
+/// The datasets that the file names, or, in files of earlier versions, that it has. Throws where one of them is
+/// missing.
+SetColumns columns_of(const SetFile& in) {
+  SetColumns columns;
+  const bool named = in.has("columns");
+  std::set<std::string> has(std::begin(needed_always), std::end(needed_always));
+  if (named) {
+    const std::vector<std::string> names = in.texts("columns");
+    has = {names.begin(), names.end()};
+    if (!has.contains("slip_index"))
+      in.refuse("columns", "without slip_index", "names of datasets, slip_index among them");
+  }
+  for (const char* name : needed_always)
+    if (!has.contains(name)) columns.left_out.insert(name);
+  for (const char* name : later)
+    if (!has.contains(name)) columns.left_out.insert(name);
+  columns.sensors = in.has_dataset("poisson");
+  for (const char* name : {"poisson", "thickness", "young", "length"}) {
+    columns.sensors = columns.sensors || has.contains(name);
+    if (named && !has.contains(name)) columns.left_out.insert(name);
+  }
+  if (columns.has("parameters")) {
+    columns.parameters = in.texts("parameters", "columns");
+    columns.parameter_units = in.texts("parameters", "units");
+    if (columns.parameters.empty() || columns.parameters.size() != columns.parameter_units.size())
+      in.refuse("parameters",
+                fmt::format("{} columns, {} units", columns.parameters.size(), columns.parameter_units.size()),
+                "a name and a unit for each column");
+  }
+  return columns;
+}
+
 void read_attributes(const SetFile& in, ContactSet& set) {
   set.version = in.text("tactel");
   set.sweep = in.text("sweep");
@@ -41,33 +80,75 @@ void read_attributes(const SetFile& in, ContactSet& set) {
   set.without_rows = in.number("contacts_without_rows");
 }
 
-/// Every dataset of a set file, open, with as many rows as the first.
+/// Every dataset of a set file, open, with as many rows as slip_index.
 struct Columns {
-  explicit Columns(const SetFile& in) : sensors(in.has_dataset("poisson")) {
-    ContactSet set(SetColumns(0, sensors));
+  explicit Columns(const SetFile& in) : of(columns_of(in)) {
+    ContactSet set(of);
+    rows = in.column<float>("slip_index", false).rows;
     each_dataset(set, [&](const char* name, auto& values, int, const char*) {
       all.push_back(in.column<Value<decltype(values)>>(name, is_matrix(name)));
-      if (all.back().rows != rows())
-        in.refuse(name, fmt::format("{} rows", all.back().rows), fmt::format("{} rows, as inputs", rows()));
+      if (all.back().rows != rows)
+        in.refuse(name, fmt::format("{} rows", all.back().rows), fmt::format("{} rows, as slip_index", rows));
+      if (is_matrix(name)) of.inputs = all.back().columns;
     });
+    if (of.has("tactel_x")) of.tactel_x = tactels(in);
+    if (of.has("parameters")) open_parameters(in);
   }
-  std::uint64_t rows() const { return all.front().rows; }
-  int inputs() const { return all.front().columns; }
+
+  /// Places of the tactels, finite and increasing.
+  std::vector<float> tactels(const SetFile& in) const {
+    const SetFile::Column column = in.column<float>("tactel_x", false);
+    if (column.rows < 2 || column.rows > SetFile::most_columns ||
+        (of.has("inputs") && 2 * column.rows != static_cast<std::uint64_t>(of.inputs)))
+      in.refuse("tactel_x", fmt::format("{} numbers", column.rows), "one a tactel: half as many as inputs has columns");
+    std::vector<float> x;
+    in.read(column, 0, column.rows, x);
+    for (std::size_t i = 0; i < x.size(); ++i)
+      if (!std::isfinite(x[i]) || (i > 0 && !(x[i] > x[i - 1])))
+        in.refuse("tactel_x", fmt::format("{}", x[i]), "places in mm, finite and increasing");
+    return x;
+  }
+  void open_parameters(const SetFile& in) {
+    parameters.emplace(in.column<float>("parameters", true));
+    if (static_cast<std::size_t>(parameters->columns) != of.parameters.size())
+      in.refuse("parameters", fmt::format("{} columns", parameters->columns),
+                fmt::format("{}, one for each name of its attribute columns", of.parameters.size()));
+    if (parameters->rows != in.number("contacts"))
+      in.refuse("parameters", fmt::format("{} rows", parameters->rows),
+                fmt::format("{}, the attribute contacts", in.number("contacts")));
+  }
 
   ContactSet read(const SetFile& in, std::uint64_t first, std::uint64_t count) const {
-    ContactSet set(SetColumns(inputs(), sensors));
+    ContactSet set(of);
     std::size_t i = 0;
     each_dataset(set, [&](const char*, auto& values, int, const char*) { in.read(all[i++], first, count, values); });
+    for (const auto& [name, values] : {std::pair("indentation", &set.indentation), {"tangential", &set.tangential}})
+      for (std::size_t row = 0; row < values->size(); ++row)
+        if (!std::isfinite((*values)[row]) && row < set.status.size() && set.status[row] != over_tolerance)
+          in.refuse(fmt::format("{}[{}]", name, first + row), fmt::format("{}", (*values)[row]), "finite, mm");
     return set;
   }
+  /// NaN: the contact has no such number. Friction may be unlimited.
+  void read_parameters(const SetFile& in, ContactSet& set) const {
+    if (!parameters) return;
+    in.read(*parameters, 0, parameters->rows, set.contact_parameters);
+    const std::size_t columns = of.parameters.size();
+    for (std::size_t i = 0; i < set.contact_parameters.size(); ++i)
+      if (std::isinf(set.contact_parameters[i]) && of.parameters[i % columns] != "contact.friction")
+        in.refuse(fmt::format("parameters[{}]", i / columns), "infinity", "finite numbers, or NaN where there is none");
+  }
 
-  bool sensors;
-  std::vector<SetFile::Column> all;  ///< in the order of each_dataset, which begins with inputs
+  SetColumns of;
+  std::uint64_t rows = 0;
+  std::vector<SetFile::Column> all;  ///< in the order of each_dataset
+  std::optional<SetFile::Column> parameters;
 };
 
 /// Throws where so many rows do not fit into memory, before any is allocated.
-void check_memory(const SetFile& in, std::uint64_t rows, const SetColumns& columns) {
-  const double bytes = static_cast<double>(rows) * static_cast<double>(row_bytes(columns));
+void check_memory(const SetFile& in, std::uint64_t rows, const SetColumns& columns, std::uint64_t contacts = 0) {
+  const double of_contacts = static_cast<double>(contacts) * static_cast<double>(columns.parameters.size());
+  const double bytes =
+      static_cast<double>(rows) * static_cast<double>(row_bytes(columns)) + sizeof(float) * of_contacts;
   const double memory = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
   if (bytes > memory)
     in.refuse(
@@ -96,6 +177,40 @@ std::uint64_t row_bytes(const SetColumns& columns) {
   return bytes;
 }
 
+void require_datasets(const SetColumns& columns, const std::string& file, std::initializer_list<const char*> needed) {
+  for (const char* name : needed)
+    if (!columns.has(name))
+      throw ConfigError(file, name, "missing", "a dataset of the set: generate it with this name among --columns");
+}
+
+SetColumns only_columns(SetColumns columns, const std::string& wanted) {
+  std::vector<std::string> known;
+  const ContactSet set(columns);
+  const auto know = [&](const char* name, const auto&, int, const char*) { known.emplace_back(name); };
+  each_dataset(set, know);
+  each_other_dataset(set, know);
+  std::set<std::string> kept = {"slip_index"};
+  for (std::size_t from = 0; from <= wanted.size();) {
+    const std::size_t end = std::min(wanted.find(',', from), wanted.size());
+    const std::string name = wanted.substr(from, end - from);
+    if (std::ranges::find(known, name) == known.end())
+      throw ConfigError("command line", "--columns", name, fmt::format("of {}", fmt::join(known, ", ")));
+    kept.insert(name);
+    from = end + 1;
+  }
+  for (const std::string& name : known)
+    if (!kept.contains(name)) columns.left_out.insert(name);
+  return columns;
+}
+
+SetColumns ContactSet::columns() const {
+  SetColumns columns = *this;
+  if (rows() > 0 && indentation.empty()) columns.left_out.insert("indentation");
+  if (rows() > 0 && tangential.empty()) columns.left_out.insert("tangential");
+  if (contact_parameters.empty()) columns.parameters.clear(), columns.parameter_units.clear();
+  return columns;
+}
+
 nn::FrameSet ContactSet::frames_with_answers() const {
   nn::FrameSet out;
   out.frames = Eigen::Map<const nn::RowMatrix<float>>(frames.data(), static_cast<Eigen::Index>(rows()), inputs);
@@ -115,16 +230,19 @@ struct ContactSetReader::State {
 
 ContactSetReader::ContactSetReader(const std::filesystem::path& path) : state_(std::make_unique<State>(path)) {}
 ContactSetReader::~ContactSetReader() = default;
-std::uint64_t ContactSetReader::rows() const { return state_->columns.rows(); }
-int ContactSetReader::inputs() const { return state_->columns.inputs(); }
+std::uint64_t ContactSetReader::rows() const { return state_->columns.rows; }
+int ContactSetReader::inputs() const { return state_->columns.of.inputs; }
+const SetColumns& ContactSetReader::columns() const { return state_->columns.of; }
 
 ContactSet ContactSetReader::read(std::uint64_t first, std::uint64_t count) const {
-  check_memory(state_->in, count, {inputs(), state_->columns.sensors});
+  check_memory(state_->in, count, columns());
   ContactSet set = within_memory(state_->in, [&] { return state_->columns.read(state_->in, first, count); });
   set.indenter_names = state_->in.texts("indenter_names");
   set.press_rows = read_press_rows(state_->in);
   return set;
 }
+
+SetColumns read_columns(const std::filesystem::path& path) { return columns_of(SetFile(path)); }
 
 std::string contact_set_sweep(const std::filesystem::path& path) { return SetFile(path).text("sweep"); }
 
@@ -137,8 +255,12 @@ ContactSet read_attributes(const std::filesystem::path& path) {
 ContactSet read_contact_set(const std::filesystem::path& path) {
   const SetFile in(path);
   const Columns columns(in);
-  check_memory(in, columns.rows(), {columns.inputs(), columns.sensors});
-  ContactSet set = within_memory(in, [&] { return columns.read(in, 0, columns.rows()); });
+  check_memory(in, columns.rows, columns.of, columns.parameters ? columns.parameters->rows : 0);
+  ContactSet set = within_memory(in, [&] {
+    ContactSet rows = columns.read(in, 0, columns.rows);
+    columns.read_parameters(in, rows);
+    return rows;
+  });
   read_attributes(in, set);
   return set;
 }

@@ -2,8 +2,11 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <initializer_list>
 #include <memory>
+#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "nn/frame_set.h"
@@ -12,21 +15,25 @@ namespace tactel::host {
 
 /// Which datasets a set has.
 struct SetColumns {
-  SetColumns(int inputs, bool sensors = false) : inputs(inputs), sensors(sensors) {}
+  SetColumns(int inputs = 0, bool sensors = false) : inputs(inputs), sensors(sensors) {}
   int inputs;    ///< 2 tactels
   bool sensors;  ///< each contact has its own sensor: its numbers are columns, too
+  std::vector<std::string> parameters, parameter_units;  ///< columns of `/parameters`, ContactParameters; or none
+  std::vector<float> tactel_x;                           ///< [tactels] mm; empty where contacts differ in them
+  std::set<std::string> left_out;                        ///< names of datasets that the set does not have
+
+  bool has(const char* dataset) const { return !left_out.contains(dataset); }
 };
 
 /// A set of contacts as in a set file (docs/sweeps.md): one row a load step; HDF5, plain datasets.
-struct ContactSet {
+struct ContactSet : SetColumns {
   ContactSet() = default;
-  explicit ContactSet(const SetColumns& columns) : inputs(columns.inputs), sensors(columns.sensors) {}
+  explicit ContactSet(const SetColumns& columns) : SetColumns(columns) {}
 
-  int inputs = 0;                 ///< 2 tactels
-  bool sensors = false;           ///< SetColumns::sensors
   std::vector<float> frames;      ///< `/inputs` [rows, inputs] MPa: normal stress of every tactel, then shear
   std::vector<float> slip_index;  ///< [rows] S = Q / (mu P)
   std::vector<float> normal_force, tangential_force;     ///< [rows] P, Q, N/mm
+  std::vector<float> indentation, tangential;            ///< [rows] mm: depth, position along x since first touch
   std::vector<float> friction;                           ///< [rows] mu
   std::vector<float> stick_fraction;                     ///< [rows] stuck length over contact length
   std::vector<std::uint16_t> contact_nodes;              ///< [rows] surface nodes that touch
@@ -36,6 +43,7 @@ struct ContactSet {
   std::vector<std::uint8_t> status;                      ///< [rows] LaneStatus: 0 solved, 1 sliding, 2 over tolerance
   std::vector<float> residual;                           ///< [rows] largest relative residual
   std::vector<float> poisson, thickness, young, length;  ///< [rows] of the contact's own sensor, mm and MPa; or empty
+  std::vector<float> contact_parameters;                 ///< `/parameters` [contacts, parameters]; NaN: has none
 
   std::vector<std::string> indenter_names;  ///< attribute
   std::string version;                      ///< attribute `tactel`: of the program that wrote the file
@@ -54,18 +62,24 @@ struct ContactSet {
   std::uint64_t never_slid = 0;  ///< contacts with rows whose drag until sliding ends without it; not in the file
 
   std::size_t rows() const { return slip_index.size(); }
-  SetColumns columns() const { return {inputs, sensors}; }
+  /// Returns which datasets a file of this set has: all but those left out and those of later versions that are empty.
+  SetColumns columns() const;
   /// Returns the frames and answers for training and judging networks.
   nn::FrameSet frames_with_answers() const;
 };
 
-/// Calls visit(name, values, columns, unit) for every dataset of a set; columns 0: a plain list.
+/// Calls visit(name, values, columns, unit) for every dataset with rows that a set has; columns 0: a plain list.
 template <class Set, class Visit>
-void each_dataset(Set& set, const Visit& visit) {
+void each_dataset(Set& set, const Visit& visit_any) {
+  const auto visit = [&](const char* name, auto& values, int columns, const char* unit) {
+    if (set.has(name)) visit_any(name, values, columns, unit);
+  };
   visit("inputs", set.frames, set.inputs, "MPa; normal stress of every tactel, then shear");
   visit("slip_index", set.slip_index, 0, "1; Q / (mu P)");
   visit("normal_force", set.normal_force, 0, "N/mm");
   visit("tangential_force", set.tangential_force, 0, "N/mm");
+  visit("indentation", set.indentation, 0, "mm; depth of the indenter since first touch");
+  visit("tangential", set.tangential, 0, "mm; position of the indenter along x since first touch");
   visit("friction", set.friction, 0, "1");
   visit("stick_fraction", set.stick_fraction, 0, "1; stuck length over contact length");
   visit("contact_nodes", set.contact_nodes, 0, "surface nodes that touch");
@@ -81,8 +95,24 @@ void each_dataset(Set& set, const Visit& visit) {
   visit("length", set.length, 0, "mm; of the contact's own sensor");
 }
 
+/// The same for the datasets of a set that have no rows: a row a contact, and one a tactel.
+template <class Set, class Visit>
+void each_other_dataset(Set& set, const Visit& visit) {
+  if (set.has("parameters") && !set.parameters.empty())
+    visit("parameters", set.contact_parameters, static_cast<int>(set.parameters.size()),
+          "one row a contact; attributes columns and units");
+  if (set.has("tactel_x") && !set.tactel_x.empty()) visit("tactel_x", set.tactel_x, 0, "mm");
+}
+
+/// Returns which datasets a set file has; inputs and tactel_x are not read. Throws as read_contact_set.
+SetColumns read_columns(const std::filesystem::path& path);
 /// Returns the bytes of a row in all datasets.
 std::uint64_t row_bytes(const SetColumns& columns);
+/// Throws ConfigError naming `file` and the first of `needed` that the set has not.
+void require_datasets(const SetColumns& columns, const std::string& file, std::initializer_list<const char*> needed);
+/// Returns the columns without the datasets that `wanted` does not name: a list of names, separated by commas. Throws
+/// ConfigError naming --columns for a name that is none. `/slip_index` stays in any case: it counts the rows.
+SetColumns only_columns(SetColumns columns, const std::string& wanted);
 
 /// Writes a set file piece by piece, as a DurableFile: under a temporary name until finish(), and on the disk
 /// after it. Every chunk of the file has a checksum (Fletcher32), and so has every dataset (its attribute
@@ -90,8 +120,9 @@ std::uint64_t row_bytes(const SetColumns& columns);
 /// behind.
 class ContactSetWriter {
  public:
-  /// `rows`: rows of all pieces.
-  ContactSetWriter(const std::filesystem::path& path, const SetColumns& columns, std::size_t rows);
+  /// `rows`, `contacts`: of all pieces. `compress`: by HDF5's shuffle and gzip, slowly.
+  ContactSetWriter(const std::filesystem::path& path, const SetColumns& columns, std::size_t rows, std::size_t contacts,
+                   bool compress = false);
   ~ContactSetWriter();
   ContactSetWriter(const ContactSetWriter&) = delete;
   ContactSetWriter& operator=(const ContactSetWriter&) = delete;
@@ -115,6 +146,7 @@ class ContactSetReader {
   ~ContactSetReader();
   std::uint64_t rows() const;
   int inputs() const;
+  const SetColumns& columns() const;
   /// Returns rows first ... first + count - 1, which must exist; of the attributes, indenter_names and
   /// press_rows.
   ContactSet read(std::uint64_t first, std::uint64_t count) const;

@@ -14,7 +14,6 @@ namespace {
 
 constexpr const char* as_written = "as tactel generate wrote it: the file is damaged or cut short (tactel check)";
 constexpr std::size_t most_attribute_bytes = std::size_t{1} << 28;
-constexpr std::uint64_t most_columns = 1 << 16;
 constexpr std::uint64_t most_compression = 1100;  ///< deflate gives 1032 at most
 
 /// Texts of variable length, given back to the library when they have been copied.
@@ -130,14 +129,25 @@ std::vector<std::string> SetFile::texts(const char* attribute) const {
   return texts.size() == 1 ? lines_of(texts[0]) : texts;
 }
 
+std::vector<std::string> SetFile::texts(const char* dataset, const char* attribute) const {
+  if (!has_dataset(dataset)) return {};
+  const Handle data(H5Dopen2(file_, dataset, H5P_DEFAULT), H5Dclose);
+  if (!data.open() || H5Aexists(data, attribute) <= 0) return {};
+  std::vector<std::string> texts = attribute_texts(data, attribute);
+  return texts.size() == 1 ? lines_of(texts[0]) : texts;
+}
+
 std::uint64_t SetFile::number(const char* attribute) const {
   if (!has(attribute)) return 0;
   std::uint64_t value = 0;
   const Handle open(H5Aopen(file_, attribute, H5P_DEFAULT), H5Aclose);
   const Handle type(H5Aget_type(open), H5Tclose), space(H5Aget_space(open), H5Sclose);
   if (H5Tget_class(type) == H5T_INTEGER) {
-    if (H5Sget_simple_extent_npoints(space) != 1 || H5Aread(open, H5T_NATIVE_UINT64, &value) < 0)
-      refuse(attribute, "not one number", "a whole number");
+    std::int64_t sign = 0;
+    const bool one = H5Sget_simple_extent_npoints(space) == 1 && H5Aread(open, H5T_NATIVE_UINT64, &value) >= 0 &&
+                     H5Aread(open, H5T_NATIVE_INT64, &sign) >= 0;
+    if (!one) refuse(attribute, "not one number", "a whole number");
+    if (sign < 0) refuse(attribute, fmt::format("{}", sign), "a whole number, at least 0");
     return value;
   }
   const std::string digits = text(attribute);

@@ -15,6 +15,7 @@ namespace tactel::host {
 /// are read. Members throw ConfigError: file, dataset or attribute, the problem and the allowed values.
 class SetFile {
  public:
+  static constexpr std::uint64_t most_columns = 1 << 16;
   explicit SetFile(const std::filesystem::path& path);
 
   bool has(const char* attribute) const { return H5Aexists(file_, attribute) > 0; }
@@ -22,6 +23,8 @@ class SetFile {
   std::string text(const char* attribute) const;
   /// Returns an attribute of texts: a list of them, or one text with a line each.
   std::vector<std::string> texts(const char* attribute) const;
+  /// The same of a dataset; empty where either is absent.
+  std::vector<std::string> texts(const char* dataset, const char* attribute) const;
   /// Returns an attribute that is a whole number, or its digits; 0 where it is absent.
   std::uint64_t number(const char* attribute) const;
 

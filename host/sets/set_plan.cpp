@@ -61,10 +61,13 @@ std::map<std::string, std::string> conditions_of_old(const ContactSet& set) {
 
 }  // namespace
 
-SetPlan plan_of(const Sweep& sweep, const std::string& rung, Precision precision, double tolerance) {
+SetPlan plan_of(const Sweep& sweep, const std::string& rung, Precision precision, double tolerance,
+                const std::string& columns, bool compress) {
   std::string conditions =
-      fmt::format("tactel " TACTEL_VERSION "\nspool 3\nrung {}\nprecision {}\ntolerance {:a}\nchunk {}\n", rung,
+      fmt::format("tactel " TACTEL_VERSION "\nspool 4\nrung {}\nprecision {}\ntolerance {:a}\nchunk {}\n", rung,
                   name(precision), tolerance, chunk_contacts);
+  if (!columns.empty()) conditions += "columns " + columns + "\n";
+  if (compress) conditions += "compress yes\n";
   int number = 0;
   for (const auto& [file, sum] : sweep.source.files())
     conditions += fmt::format("file {} {} {}\n", number++, file, sum);

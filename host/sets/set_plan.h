@@ -17,8 +17,9 @@ struct SetPlan {
   std::string text() const { return conditions + sweep; }
 };
 
-/// `rung`: its name, or "as the file says".
-SetPlan plan_of(const Sweep& sweep, const std::string& rung, Precision precision, double tolerance);
+/// `rung`: its name, or "as the file says". `columns`: datasets that --columns names; empty: all.
+SetPlan plan_of(const Sweep& sweep, const std::string& rung, Precision precision, double tolerance,
+                const std::string& columns = "", bool compress = false);
 
 /// Throws ConfigError naming --resume and the difference, where the finished set `path` was made by another plan.
 /// Sets of versions that did not store their plan are compared by sweep file, version and precision or rung.

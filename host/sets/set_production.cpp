@@ -1,24 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/sets/set_production.h"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <exception>
 #include <memory>
+#include <mutex>
 #include <thread>
 
-#include "host/support/bounded_queue.h"
+#include "host/sets/stage_seconds.h"
 
 namespace tactel::host {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-struct Chunk {
-  std::uint64_t number = 0;
-  std::unique_ptr<SetSimulator::Range> range;
-};
+/// Threads of a device, at most: each holds a chunk of some 100 MB.
+constexpr int most_threads = 8;
 
 /// What the devices share: which chunk is next, the spool, and whether to stop.
 class Production {
@@ -36,15 +34,21 @@ class Production {
     const std::size_t i = next_++;
     return stopped_ || i >= missing_.size() ? std::nullopt : std::optional(missing_[i]);
   }
-  void add(const Chunk& chunk, const ContactSet& rows) {
-    const std::lock_guard lock(mutex_);
+  void add(std::uint64_t number, SetSimulator::Range& range, const ContactSet& rows) {
     if (stopped_) return;
-    const auto start = Clock::now();
-    spool_.append(chunk.number, rows);
-    report_.write_seconds += seconds_since(start);
-    report_.contacts += chunk.range->count;
-    report_.steps += chunk.range->steps;
-    report_.kernel_seconds += chunk.range->kernel_seconds;
+    const auto start = std::chrono::steady_clock::now();
+    try {
+      spool_.append(number, rows);
+    } catch (...) {
+      stopped_ = true;  // before another thread appends
+      throw;
+    }
+    range.seconds.write = seconds_since(start);
+    const std::lock_guard lock(mutex_);
+    report_.contacts += range.count;
+    report_.steps += range.steps;
+    report_.kernel_seconds += range.kernel_seconds;
+    report_.stages += range.seconds;
     report_.rows += rows.rows();
     ++done_;
     changed_.notify_all();
@@ -90,7 +94,8 @@ class Production {
   ProductionReport report_;
 };
 
-/// One device with its three threads.
+/// One device with its threads. Each takes a chunk through all stages, so that all are busy whichever stage is the
+/// longest. One more than the device has: a thread waits while another's kernels run.
 class Line {
  public:
   Line(Production& production, const std::string& device, const SetOptions& options)
@@ -98,56 +103,39 @@ class Line {
   ~Line() { threads_.clear(); }
 
   void start() {
-    // A stage that ends, for whatever reason, lets the one before it and the one after it end, too.
-    const auto thread = [&](auto stage, BoundedQueue<Chunk>* before, BoundedQueue<Chunk>* after) {
-      threads_.emplace_back([this, stage, before, after] {
-        try {
-          (this->*stage)();
-        } catch (...) {
-          production_.fail(std::current_exception());
-        }
-        if (before) before->close(true);
-        if (after) after->close();
-      });
-    };
     try {
-      thread(&Line::draw, nullptr, &drawn_);
-      thread(&Line::solve, &drawn_, &solved_);
-      thread(&Line::gather, &solved_, nullptr);
-    } catch (...) {  // a thread that could not be made: the others must not wait for it
-      production_.fail(std::current_exception());
-      drawn_.close(true), solved_.close(true);
+      for (int i = 0; i < thread_count(); ++i)
+        threads_.emplace_back([this] {
+          try {
+            produce();
+          } catch (...) {
+            production_.fail(std::current_exception());
+          }
+        });
+    } catch (...) {  // a thread that could not be made: those that could go on
+      if (threads_.empty()) production_.fail(std::current_exception());
     }
   }
   void wait() { threads_.clear(); }
+  int thread_count() const { return std::min(std::max(executor_.threads(), 2) + 1, most_threads); }
   const std::string& device_name() const { return executor_.device().info().name; }
 
  private:
-  void draw() {
+  void produce() {
     while (const auto number = production_.next()) {
       const std::uint64_t first = *number * chunk_contacts;
-      const std::uint64_t count = std::min(chunk_contacts, production_.source().contacts() - first);
-      if (!drawn_.push({*number, simulator_.prepare(first, count)})) return;
-    }
-  }
-  void solve() {
-    while (auto chunk = drawn_.pop()) {
+      const auto range = simulator_.prepare(first, std::min(chunk_contacts, production_.source().contacts() - first));
       if (production_.stopped()) return;
-      simulator_.run(*chunk->range);
-      if (!solved_.push(std::move(*chunk))) return;
-    }
-  }
-  void gather() {
-    while (auto chunk = solved_.pop()) {
+      simulator_.run(*range);
       if (production_.stopped()) return;
-      production_.add(*chunk, simulator_.collect(*chunk->range));
+      const ContactSet rows = simulator_.collect(*range);
+      production_.add(*number, *range, rows);
     }
   }
 
   Production& production_;
   Executor executor_;
   SetSimulator simulator_;
-  BoundedQueue<Chunk> drawn_{1}, solved_{1};
   std::vector<std::jthread> threads_;
 };
 
@@ -158,7 +146,7 @@ std::uint64_t chunk_count(const SceneSource& source) {
 }
 
 ProductionReport produce_set(const SceneSource& source, SetSpool& spool, const ProductionOptions& options) {
-  const auto start = Clock::now();
+  const auto start = std::chrono::steady_clock::now();
   Production production(source, spool, options);
   std::vector<std::unique_ptr<Line>> lines;
   for (const std::string& device : options.devices)

@@ -26,13 +26,13 @@ struct ProductionReport {
   std::uint64_t contacts = 0, rows = 0, steps = 0;
   double seconds = 0;                ///< wall time
   double kernel_seconds = 0;         ///< in kernels, summed over devices
-  double write_seconds = 0;          ///< appending to the spool
+  StageSeconds stages;               ///< summed over threads
   std::vector<std::string> devices;  ///< their full names
 };
 
-/// Simulates the missing chunks of the spool. Each device has three threads: one draws the contacts of the next
-/// chunk and lays them out, one runs kernels, one gathers rows and writes them. At most two chunks wait between
-/// them. Rethrows the exception of any thread after all threads have stopped.
+/// Simulates the missing chunks of the spool. Each device has one thread more than it computes with, eight at most. A
+/// thread draws the contacts of a chunk, lays them out, solves them, gathers their rows and writes them, then takes the
+/// next chunk. Rethrows the exception of any thread after all threads have stopped.
 ProductionReport produce_set(const SceneSource& source, SetSpool& spool, const ProductionOptions& options);
 
 }  // namespace tactel::host

@@ -3,6 +3,7 @@
 
 #include <deque>
 #include <map>
+#include <mutex>
 #include <numeric>
 #include <optional>
 #include <type_traits>
@@ -20,6 +21,8 @@
 namespace tactel::host {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 /// All that a condensation depends on: E only scales it.
 fem::Sensor without_young(fem::Sensor sensor) {
   sensor.young = 1;
@@ -35,14 +38,14 @@ std::vector<fem::Sensor> distinct_sensors(const SceneSource& source) {
 
 /// One load step as a row of a set.
 struct Row {
-  double slip_index = 0, P = 0, Q = 0, residual = 0;
+  double slip_index = 0, P = 0, Q = 0, indentation = 0, tangential = 0, residual = 0;
   int sticking = 0, slipping = 0, status = LANE_SOLVED;
 };
 
 void resize(ContactSet& set, std::size_t rows) {
   set.frames.resize(rows * set.inputs);
-  for (auto* list :
-       {&set.slip_index, &set.normal_force, &set.tangential_force, &set.friction, &set.stick_fraction, &set.residual})
+  for (auto* list : {&set.slip_index, &set.normal_force, &set.tangential_force, &set.indentation, &set.tangential,
+                     &set.friction, &set.stick_fraction, &set.residual})
     list->resize(rows);
   set.contact_nodes.resize(rows), set.indenter.resize(rows);
   if (set.sensors)
@@ -50,23 +53,31 @@ void resize(ContactSet& set, std::size_t rows) {
   set.contact.resize(rows), set.step.resize(rows), set.status.resize(rows);
 }
 
+/// Which contact rows are of.
+struct RowsOf {
+  const fem::Scene& scene;
+  std::uint16_t kind = 0;
+  std::uint64_t number = 0;  ///< in the sweep
+};
+
 /// Fills row `at` but for its frame, whose place it returns.
-std::span<float> put_row(ContactSet& set, std::size_t at, const Row& row, const SceneSource::Contact& contact,
-                         std::uint64_t number, int step) {
+std::span<float> put_row(ContactSet& set, std::size_t at, const Row& row, const RowsOf& of, int step) {
   const int touching = row.sticking + row.slipping;
   set.slip_index[at] = static_cast<float>(row.slip_index);
   set.normal_force[at] = static_cast<float>(row.P);
   set.tangential_force[at] = static_cast<float>(row.Q);
-  set.friction[at] = static_cast<float>(contact.scene.friction);
+  set.indentation[at] = static_cast<float>(row.indentation);
+  set.tangential[at] = static_cast<float>(row.tangential);
+  set.friction[at] = static_cast<float>(of.scene.friction);
   set.stick_fraction[at] = touching ? static_cast<float>(row.sticking) / static_cast<float>(touching) : 0;
   set.contact_nodes[at] = static_cast<std::uint16_t>(touching);
-  set.contact[at] = number;
+  set.contact[at] = of.number;
   set.step[at] = static_cast<std::uint32_t>(step);
-  set.indenter[at] = contact.kind;
+  set.indenter[at] = of.kind;
   set.status[at] = static_cast<std::uint8_t>(row.status);
   set.residual[at] = static_cast<float>(row.residual);
   if (set.sensors) {
-    const fem::Sensor& sensor = contact.scene.sensor;
+    const fem::Sensor& sensor = of.scene.sensor;
     set.poisson[at] = static_cast<float>(sensor.poisson);
     set.thickness[at] = static_cast<float>(sensor.thickness);
     set.young[at] = static_cast<float>(sensor.young);
@@ -88,17 +99,20 @@ void put_stress(const fem::ContactStep& step, std::span<float> frame) {
   std::ranges::copy(step.tau_xy.cast<float>(), frame.begin() + step.sigma_y.size());
 }
 
-void put_rows(ContactSet& set, std::size_t at, const fem::ContactSolution& solution, int first,
-              const SceneSource::Contact& contact, std::uint64_t number) {
+void put_rows(ContactSet& set, std::size_t at, const fem::ContactSolution& solution, int first, const RowsOf& of) {
   for (const int k : rows_of(solution, first)) {
     const fem::ContactStep& step = solution.steps[k];
-    Row row{.slip_index = *step.slip_index, .P = step.P, .Q = step.Q};
+    Row row{.slip_index = *step.slip_index,
+            .P = step.P,
+            .Q = step.Q,
+            .indentation = step.indentation,
+            .tangential = step.tangential};
     row.sticking = static_cast<int>(std::ranges::count(step.status, fem::GapStatus::stick));
     row.slipping = static_cast<int>(std::ranges::count(step.status, fem::GapStatus::slip));
     row.status = !step.converged ? LANE_UNSOLVED : row.sticking ? LANE_SOLVED : LANE_SLIDING;
     const fem::Residual& r = step.residual;
     row.residual = std::max({r.penetration, r.cone, r.complementarity, r.drift, r.balance});
-    put_stress(step, put_row(set, at++, row, contact, number, k));
+    put_stress(step, put_row(set, at++, row, of, k));
   }
 }
 
@@ -124,6 +138,7 @@ double mesh_spacing(const fem::Sensor& sensor) { return sensor.length / (sensor.
 struct Unsolved {
   std::vector<fem::Scene> scenes;
   std::vector<std::size_t> sensor;  ///< [scenes] index of the launcher
+  std::vector<bool> on_mesh;        ///< [scenes] no patch serves them
 };
 
 /// What a set does with the mesh alone, or with patches alone.
@@ -149,8 +164,10 @@ struct Solver<GapSweep<Real>> {
     for (const fem::Sensor& sensor : sensors) all.emplace_back(executor, sensor, sweep);
     return all;
   }
-  static bool solved(const SceneSource&, const SetOptions&, const fem::Scene&, const View<Launcher>& view,
-                     std::size_t i) {
+  static bool served(const SceneSource&, const SetOptions&, const fem::Scene&, const View<Launcher>&, std::size_t) {
+    return true;
+  }
+  static bool solved(const SetOptions&, const View<Launcher>& view, std::size_t i) {
     return every_step_solved<Launcher>(view, i);
   }
   static double element_width(const fem::Scene& scene, const View<Launcher>&, std::size_t) {
@@ -180,12 +197,14 @@ struct Solver<PatchContact<Real>> {
     return all;
   }
   /// Contacts across a whole sensor stay on their patch where each has its own: a mesh would need a condensation each.
-  static bool solved(const SceneSource& source, const SetOptions& options, const fem::Scene& scene,
+  static bool served(const SceneSource& source, const SetOptions& options, const fem::Scene& scene,
                      const View<Launcher>& view, std::size_t i) {
-    const int elements = options.patch->elements;
     const double left = scene.indenter.position + view.patch(i, PATCH_ORIGIN);
-    return every_step_solved<Launcher>(view, i) && !grown_contact<Real>(view, i, elements) &&
-           (source.own_sensors() || patch_serves(scene.sensor, left, left + elements * view.patch(i, PATCH_ELEMENT)));
+    return source.own_sensors() ||
+           patch_serves(scene.sensor, left, left + options.patch->elements * view.patch(i, PATCH_ELEMENT));
+  }
+  static bool solved(const SetOptions& options, const View<Launcher>& view, std::size_t i) {
+    return every_step_solved<Launcher>(view, i) && !grown_contact<Real>(view, i, options.patch->elements);
   }
   static double element_width(const fem::Scene&, const View<Launcher>& view, std::size_t i) {
     return view.patch(i, PATCH_ELEMENT);
@@ -194,16 +213,27 @@ struct Solver<PatchContact<Real>> {
                                                        const std::vector<Launcher>& launchers, const Unsolved& unsolved,
                                                        const SetOptions& options) {
     std::vector<fem::ContactSolution> answers(unsolved.scenes.size());
-    for (std::size_t sensor = 0; sensor < launchers.size(); ++sensor) {
+    const auto solve = [&](const auto& which, const auto& solver) {
       std::vector<fem::Scene> scenes;
-      for (std::size_t i = 0; i < unsolved.scenes.size(); ++i)
-        if (unsolved.sensor[i] == sensor) scenes.push_back(unsolved.scenes[i]);
-      auto solved = solve_patch_contact(launchers[sensor], scenes);
+      for (std::size_t i = 0; i < answers.size(); ++i)
+        if (which(i)) scenes.push_back(unsolved.scenes[i]);
+      if (scenes.empty()) return;
+      auto solved = solver(scenes);
       auto next = solved.begin();
       for (std::size_t i = 0; i < answers.size(); ++i)
-        if (unsolved.sensor[i] == sensor) answers[i] = std::move(*next++);
-    }
-    if (!source.own_sensors()) finish_on_mesh(executor, unsolved.scenes, *options.patch, true, answers);
+        if (which(i)) answers[i] = std::move(*next++);
+    };
+    for (std::size_t sensor = 0; sensor < launchers.size(); ++sensor)
+      solve([&](std::size_t i) { return unsolved.sensor[i] == sensor && !unsolved.on_mesh[i]; },
+            [&](const std::vector<fem::Scene>& scenes) {
+              auto solved = solve_patch_contact(launchers[sensor], scenes);
+              if (!source.own_sensors()) finish_on_mesh(executor, scenes, *options.patch, true, solved, false);
+              return solved;
+            });
+    solve([&](std::size_t i) { return unsolved.on_mesh[i]; },
+          [&](const std::vector<fem::Scene>& scenes) {
+            return solve_on_mesh_of(executor, scenes, *options.patch, true, false);
+          });
     return answers;
   }
 };
@@ -244,39 +274,44 @@ bool slides_far(const fem::Scene& scene, const View<Launcher>& view, std::size_t
   return false;
 }
 
-/// Whether a drag until sliding went through all its steps: one that slides ends there, and one that touches nothing.
+/// Whether a drag went through all its steps without sliding: one until sliding then never slid. One that slides ends
+/// there, and one that touches nothing.
 template <class Launcher>
-bool never_slid(const fem::Scene& scene, const View<Launcher>& view, std::size_t i) {
-  const int last = view.path_steps(i) - 1;
-  const int status = status_of<Launcher>(view, i, last);
-  return fem::load_path(scene.load).until_sliding && status != LANE_NOT_RUN && status != LANE_SLIDING;
+bool ran_through(const View<Launcher>& view, std::size_t i) {
+  const int status = status_of<Launcher>(view, i, view.path_steps(i) - 1);
+  return status != LANE_NOT_RUN && status != LANE_SLIDING;
 }
 
-/// Which steps of a contact that the sweeps solved become rows.
-template <class Launcher>
-std::vector<int> rows_of(const View<Launcher>& view, std::size_t i, int first, double mu) {
-  std::vector<int> steps;
+/// Calls visit(step, S) for the steps of a contact that the sweeps solved that become rows.
+template <class Launcher, class Visit>
+void each_row(const View<Launcher>& view, std::size_t i, int first, double mu, const Visit& visit) {
   for (int k = first; k < view.path_steps(i) && status_of<Launcher>(view, i, k) != LANE_NOT_RUN; ++k)
-    if (slip_index(mu, view.result(i, k, LANE_P), 0)) steps.push_back(k);
-  return steps;
+    if (const auto S = slip_index(mu, view.result(i, k, LANE_P), view.result(i, k, LANE_SLIP_INDEX))) visit(k, *S);
 }
 
 template <class Launcher>
-void put_rows(ContactSet& set, std::size_t at, const View<Launcher>& view, std::size_t i, int first,
-              const SceneSource::Contact& contact, std::uint64_t number) {
-  const double mu = contact.scene.friction;
-  for (const int k : rows_of<Launcher>(view, i, first, mu)) {
+std::size_t count_rows(const View<Launcher>& view, std::size_t i, int first, double mu) {
+  std::size_t count = 0;
+  each_row<Launcher>(view, i, first, mu, [&](int, double) { ++count; });
+  return count;
+}
+
+template <class Launcher>
+void put_rows(ContactSet& set, std::size_t at, const View<Launcher>& view, std::size_t i, int first, const RowsOf& of) {
+  each_row<Launcher>(view, i, first, of.scene.friction, [&](int k, double S) {
     const auto said = [&](int row) { return static_cast<double>(view.result(i, k, row)); };
-    const Row row{.slip_index = *slip_index(mu, said(LANE_P), said(LANE_SLIP_INDEX)),
+    const Row row{.slip_index = S,
                   .P = said(LANE_P),
                   .Q = said(LANE_Q),
+                  .indentation = said(LANE_INDENTATION),
+                  .tangential = said(LANE_TANGENTIAL),
                   .residual = std::max({said(LANE_PENETRATION), said(LANE_CONE), said(LANE_COMPLEMENTARITY),
                                         said(LANE_DRIFT), said(LANE_BALANCE)}),
                   .sticking = static_cast<int>(said(LANE_STICKING)),
                   .slipping = static_cast<int>(said(LANE_SLIPPING)),
                   .status = static_cast<int>(said(LANE_STATUS))};
-    view.tactels(i, k, put_row(set, at++, row, contact, number, k));
-  }
+    view.tactels(i, k, put_row(set, at++, row, of, k));
+  });
 }
 
 /// Contacts that share a launch: same sensor but for E, same kind.
@@ -291,15 +326,25 @@ struct SharedLaunch {
 };
 
 /// Contacts that the exact fallback solved, by their place in the range.
-using Fallen = std::map<std::uint64_t, fem::ContactSolution>;
+struct FallenContact {
+  fem::ContactSolution solution;
+  const fem::Scene* scene = nullptr;
+};
+using Fallen = std::map<std::uint64_t, FallenContact>;
 
 /// Lanes times load steps of a launch, at most: some 60 MB of results.
 constexpr std::size_t most_lane_steps = 1u << 18;
 
 template <class Launcher>
 struct RangeOf : SetSimulator::Range {
-  std::vector<SceneSource::Contact> contacts;
-  std::vector<int> first_step;  ///< [contacts] the first that may be a row
+  /// A contact but for its scene, which its launch has.
+  struct Drawn {
+    std::uint16_t kind = 0;
+    bool until_sliding = false;
+    int first_step = 0;  ///< the first that may be a row
+  };
+  std::vector<Drawn> contacts;
+  std::vector<float> parameters;  ///< [contacts][columns]
   std::vector<SharedLaunch<Launcher>> launches;
 
   /// The launch that a contact goes to; a new one where the last of its kind is full.
@@ -318,7 +363,12 @@ struct RangeOf : SetSimulator::Range {
 
 struct SetSimulator::State {
   State(Executor& executor, const SceneSource& source, const SetOptions& options)
-      : executor(executor), source(source), options(options), sensors(distinct_sensors(source)) {
+      : executor(executor),
+        source(source),
+        options(options),
+        sensors(distinct_sensors(source)),
+        parameters(source.parameters()),
+        columns(columns_of(source)) {
     if (source.transducer().present())
       chain.emplace(executor, source.transducer(), source.seed(), 2 * source.tactels());
   }
@@ -333,8 +383,11 @@ struct SetSimulator::State {
   Executor& executor;
   const SceneSource& source;
   SetOptions options;
-  std::vector<fem::Sensor> sensors;      ///< distinct ones
+  std::vector<fem::Sensor> sensors;  ///< distinct ones
+  ContactParameters parameters;
+  SetColumns columns;
   std::optional<TransducerChain> chain;  ///< where there is more than bare stresses; used by collect alone
+  std::mutex chain_turn;
 };
 
 namespace {
@@ -357,32 +410,41 @@ template <class Launcher>
 std::unique_ptr<SetSimulator::Range> Simulation<Launcher>::prepare(std::uint64_t first, std::uint64_t count) const {
   auto range = std::make_unique<RangeOf<Launcher>>();
   range->first = first, range->count = count;
+  const std::size_t numbers = parameters.columns().size();
+  range->contacts.reserve(count);
+  range->parameters.resize(count * numbers);
+  const auto start = Clock::now();
   for (std::uint64_t k = 0; k < count; ++k) {
-    range->contacts.push_back(source.contact(first + k));
-    const fem::Scene& scene = range->contacts.back().scene;
+    SceneSource::Contact contact = source.contact(first + k);
+    fem::Scene& scene = contact.scene;
     const fem::LoadPath path = fem::load_path(scene.load);
     const int steps = static_cast<int>(path.steps.size());
-    range->first_step.push_back(source.press_rows() ? 0 : path.indentation_steps - 1);
+    range->contacts.push_back({contact.kind, path.until_sliding, source.press_rows() ? 0 : path.indentation_steps - 1});
+    parameters.put(scene, contact.kind, std::span(range->parameters).subspan(k * numbers, numbers));
     const auto sensor =
         source.own_sensors() ? 0 : std::ranges::find(sensors, without_young(scene.sensor)) - sensors.begin();
     SharedLaunch<Launcher>& launch = range->launch_for(static_cast<std::size_t>(sensor), kind_of(scene), steps);
     launch.steps = std::max(launch.steps, steps);
-    launch.scenes.push_back(scene);
+    launch.scenes.push_back(std::move(scene));
     launch.which.push_back(k);
   }
+  range->seconds.draw = seconds_since(start);
   for (SharedLaunch<Launcher>& launch : range->launches) {
     launch.batch = launchers[launch.sensor].prepare(launch.scenes);
     range->steps += launch.batch->steps_in_all();
   }
+  range->seconds.lay_out = seconds_since(start) - range->seconds.draw;
   return range;
 }
 
 template <class Launcher>
 void Simulation<Launcher>::run(SetSimulator::Range& range, const RunOptions& run_options) const {
+  const auto start = Clock::now();
   for (SharedLaunch<Launcher>& launch : static_cast<RangeOf<Launcher>&>(range).launches) {
     launch.batch->run(run_options);
     range.kernel_seconds += launch.batch->seconds();
   }
+  range.seconds.solve = seconds_since(start);
 }
 
 /// Readings in place of stresses, in the rows of a launch's contacts. They depend on all load steps up to them, so
@@ -408,10 +470,13 @@ void Simulation<Launcher>::measure(ContactSet& set, const std::vector<std::size_
       if (solution == fallen.end())
         view.tactels(i, static_cast<int>(step), std::span(at, inputs));
       else
-        put_stress(solution->second.steps[step], std::span(at, inputs));
+        put_stress(solution->second.solution.steps[step], std::span(at, inputs));
     }
   }
-  chain->run(contacts, signal);
+  {
+    const std::lock_guard turn(chain_turn);
+    chain->run(contacts, signal);
+  }
   auto reading = signal.begin();
   for (std::size_t c = 0; c < contacts.size(); reading += contacts[c++].steps * inputs) {
     const std::uint64_t k = launch.which[view.by_lane()[c]];
@@ -423,33 +488,39 @@ void Simulation<Launcher>::measure(ContactSet& set, const std::vector<std::size_
 template <class Launcher>
 ContactSet Simulation<Launcher>::collect(SetSimulator::Range& any_range) {
   auto& range = static_cast<RangeOf<Launcher>&>(any_range);
+  const auto start = Clock::now();
   std::deque<View<Launcher>> views;                   // they cannot be moved
   std::vector<std::size_t> rows(range.count + 1, 0);  // of contact k: rows[k] ... rows[k + 1] - 1
   std::vector<std::uint64_t> unsolved;                // contacts, counted from the range's first
   Unsolved again_from;
+  Fallen fallen;
   for (const SharedLaunch<Launcher>& launch : range.launches) {
     const View<Launcher>& view = views.emplace_back(*launch.batch);
     for (const std::size_t i : view.by_lane()) {
       const std::uint64_t k = launch.which[i];
-      if (Solver<Launcher>::solved(source, options, launch.scenes[i], view, i)) {
-        rows[k + 1] = rows_of<Launcher>(view, i, range.first_step[k], launch.scenes[i].friction).size();
+      const bool served = Solver<Launcher>::served(source, options, launch.scenes[i], view, i);
+      if (served && Solver<Launcher>::solved(options, view, i)) {
+        rows[k + 1] = count_rows<Launcher>(view, i, range.contacts[k].first_step, launch.scenes[i].friction);
       } else {
         unsolved.push_back(k);
+        fallen[k].scene = &launch.scenes[i];
         again_from.scenes.push_back(launch.scenes[i]);
         again_from.sensor.push_back(launch.sensor);
+        again_from.on_mesh.push_back(!served);
       }
     }
   }
-  Fallen fallen;
+  const auto begin_again = Clock::now();
   if (!unsolved.empty()) {
     auto again = Solver<Launcher>::solve_again(executor, source, launchers, again_from, options);
     for (std::size_t j = 0; j < unsolved.size(); ++j) {
       const std::uint64_t k = unsolved[j];
-      rows[k + 1] = rows_of(again[j], range.first_step[k]).size();
-      fallen[k] = std::move(again[j]);
+      rows[k + 1] = rows_of(again[j], range.contacts[k].first_step).size();
+      fallen[k].solution = std::move(again[j]);
     }
   }
-  ContactSet set({2 * source.tactels(), source.own_sensors().has_value()});
+  range.seconds.solve_again = seconds_since(begin_again);
+  ContactSet set(columns);
   set.contacts = range.count;
   set.without_rows = static_cast<std::uint64_t>(std::count(rows.begin() + 1, rows.end(), std::size_t{0}));
   std::partial_sum(rows.begin(), rows.end(), rows.begin());
@@ -458,24 +529,28 @@ ContactSet Simulation<Launcher>::collect(SetSimulator::Range& any_range) {
     for (const std::size_t i : views[l].by_lane()) {
       const std::uint64_t k = range.launches[l].which[i];
       if (fallen.contains(k)) continue;
-      const fem::Scene& scene = range.contacts[k].scene;
-      put_rows<Launcher>(set, rows[k], views[l], i, range.first_step[k], range.contacts[k], range.first + k);
+      const fem::Scene& scene = range.launches[l].scenes[i];
+      const auto& [kind, until_sliding, first_step] = range.contacts[k];
+      put_rows<Launcher>(set, rows[k], views[l], i, first_step, {scene, kind, range.first + k});
       set.too_deep += too_deep(scene.sensor, deepest<Launcher>(views[l], i));
       set.far_slip += slides_far<Launcher>(scene, views[l], i);
-      set.never_slid += rows[k] < rows[k + 1] && never_slid<Launcher>(scene, views[l], i);
+      set.never_slid += rows[k] < rows[k + 1] && until_sliding && ran_through<Launcher>(views[l], i);
     }
   }
-  for (const auto& [k, solution] : fallen) {
-    const fem::Scene& scene = range.contacts[k].scene;
-    put_rows(set, rows[k], solution, range.first_step[k], range.contacts[k], range.first + k);
+  for (const auto& [k, contact] : fallen) {
+    const fem::Scene& scene = *contact.scene;
+    const fem::ContactSolution& solution = contact.solution;
+    put_rows(set, rows[k], solution, range.contacts[k].first_step, {scene, range.contacts[k].kind, range.first + k});
     set.fell_back += solution.fell_back;
     set.too_deep += too_deep(scene.sensor, deepest(solution));
     set.far_slip += slides_far(scene, solution);
     set.never_slid += rows[k] < rows[k + 1] && host::never_slid(scene, solution);
     set.unsolved += std::ranges::any_of(solution.steps, [](const auto& step) { return !step.converged; });
   }
+  set.contact_parameters = std::move(range.parameters);
   for (std::size_t l = 0; chain && l < views.size(); ++l)
     measure(set, rows, range.launches[l], views[l], fallen, range.first);
+  range.seconds.gather = seconds_since(start) - range.seconds.solve_again;
   return set;
 }
 
@@ -495,6 +570,17 @@ std::unique_ptr<SetSimulator::State> simulation(Executor& executor, const SceneS
 }
 
 }  // namespace
+
+SetColumns columns_of(const SceneSource& source) {
+  SetColumns columns(2 * source.tactels(), source.own_sensors().has_value());
+  const ContactParameters parameters = source.parameters();
+  for (const ContactParameters::Column& column : parameters.columns()) {
+    columns.parameters.push_back(column.name);
+    columns.parameter_units.push_back(column.unit);
+  }
+  columns.tactel_x = source.tactel_x();
+  return columns;
+}
 
 SetSimulator::SetSimulator(Executor& executor, const SceneSource& source, const SetOptions& options)
     : state_(simulation(executor, source, options)) {}

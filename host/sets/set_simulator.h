@@ -5,6 +5,7 @@
 #include "host/contact/gap_sweep.h"
 #include "host/scenes/scene_source.h"
 #include "host/sets/contact_set.h"
+#include "host/sets/stage_seconds.h"
 
 namespace tactel::host {
 
@@ -15,6 +16,9 @@ struct SetOptions {
                                 ///< mesh of their sensor
 };
 
+/// Returns all datasets that the set of a source has.
+SetColumns columns_of(const SceneSource& source);
+
 /// Simulates contacts of a source, range by range. The rows of a contact depend on the source and the number of
 /// the contact alone. They do not depend on the range, the number of threads or earlier simulations.
 class SetSimulator {
@@ -23,8 +27,8 @@ class SetSimulator {
   SetSimulator(Executor& executor, const SceneSource& source, const SetOptions& options);
   ~SetSimulator();
 
-  /// A range of contacts in the three stages of simulate(). The stages may run in separate threads, on
-  /// different ranges.
+  /// A range of contacts in the three stages of simulate(). Threads may call them at once, on different ranges. A
+  /// range is collected once.
   class Range;
   struct State;
   std::unique_ptr<Range> prepare(std::uint64_t first, std::uint64_t count) const;
@@ -46,7 +50,8 @@ class SetSimulator::Range {
   virtual ~Range() = default;
   std::uint64_t first = 0, count = 0;  ///< contacts
   std::uint64_t steps = 0;             ///< load increments, indentation included
-  double kernel_seconds = 0;
+  double kernel_seconds = 0;           ///< in kernels
+  StageSeconds seconds{};
 };
 
 }  // namespace tactel::host

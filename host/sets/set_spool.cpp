@@ -9,9 +9,12 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <exception>
 #include <fstream>
+#include <thread>
 
 #include "host/support/bounded_file.h"
+#include "host/support/bounded_queue.h"
 #include "host/support/checksum.h"
 #include "host/support/errors.h"
 
@@ -20,31 +23,44 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t magic = 0x346c6f6f70736c74;  // "tlspool4": the digit is the layout's version
+constexpr std::uint64_t magic = 0x356c6f6f70736c74;  // "tlspool5": the digit is the layout's version
 constexpr std::uint64_t version_bits = 0xff00000000000000;
 
 std::uint64_t sum_of(const ChunkHeader& header) {
   return checksum({reinterpret_cast<const char*>(&header), offsetof(ChunkHeader, header_sum)});
 }
 
-/// The rows of a chunk, dataset by dataset.
-std::string payload_of(const ContactSet& rows) {
-  std::string bytes;
-  each_dataset(rows, [&](const char*, const auto& values, int, const char*) {
-    bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(values[0]));
-  });
-  return bytes;
+/// Columns of the parameters that chunks hold.
+std::size_t parameters_of(const SetColumns& columns) {
+  return columns.has("parameters") ? columns.parameters.size() : 0;
 }
 
-ContactSet rows_from(const std::string& bytes, std::size_t rows, const SetColumns& of) {
+/// The rows of a chunk, dataset by dataset, then the parameters of its contacts: where they are.
+std::vector<std::string_view> payload_of(const ContactSet& rows, const SetColumns& of) {
+  std::vector<std::string_view> parts;
+  const auto add = [&](const auto& values) {
+    parts.emplace_back(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(values[0]));
+  };
+  each_dataset(rows, [&](const char* name, const auto& values, int, const char*) {
+    if (of.has(name)) add(values);
+  });
+  if (parameters_of(of) > 0) add(rows.contact_parameters);
+  return parts;
+}
+
+ContactSet rows_from(const std::string& bytes, const ChunkHeader& header, const SetColumns& of) {
   ContactSet set(of);
   std::size_t at = 0;
-  each_dataset(set, [&](const char*, auto& values, int columns, const char*) {
-    values.resize(rows * std::max(columns, 1));
+  const auto take = [&](auto& values, std::size_t count) {
+    values.resize(count);
     const std::size_t size = values.size() * sizeof(values[0]);
     if (size > 0) std::memcpy(values.data(), bytes.data() + at, size);
     at += size;
+  };
+  each_dataset(set, [&](const char*, auto& values, int columns, const char*) {
+    take(values, header.rows * static_cast<std::size_t>(std::max(columns, 1)));
   });
+  take(set.contact_parameters, header.contacts * parameters_of(of));
   return set;
 }
 
@@ -159,8 +175,10 @@ void SetSpool::check_plan(const std::string& plan, Open how) const {
 
 /// Refuses a chunk of another plan: it was copied in.
 void SetSpool::check(const ChunkHeader& header, const fs::path& file) const {
-  const bool fits = header.plan_sum == plan_sum_ && header.inputs == static_cast<std::uint64_t>(columns_.inputs) &&
-                    header.bytes / row_bytes(columns_) == header.rows && header.bytes % row_bytes(columns_) == 0;
+  const bool fits =
+      header.plan_sum == plan_sum_ && header.inputs == static_cast<std::uint64_t>(columns_.inputs) &&
+      header.rows <= header.bytes && header.contacts <= header.bytes &&
+      header.bytes == header.rows * row_bytes(columns_) + header.contacts * parameters_of(columns_) * sizeof(float);
   if (!fits)
     throw output_error(output_, "made of chunks of one plan: " + file.string() +
                                     " holds some of another sweep file, seed, precision or version; remove it, or "
@@ -223,31 +241,44 @@ std::size_t SetSpool::torn() const { return torn_; }
 std::uint64_t SetSpool::bytes() const { return bytes_; }
 
 void SetSpool::append(std::uint64_t chunk, const ContactSet& rows) {
-  const std::string payload = payload_of(rows);
+  const std::vector<std::string_view> payload = payload_of(rows, columns_);
+  std::uint64_t bytes = 0;
+  RunningChecksum sum;
+  for (const std::string_view part : payload) bytes += part.size(), sum.add(part);
   ChunkHeader header{.magic = magic,
                      .plan_sum = plan_sum_,
                      .chunk = chunk,
                      .rows = rows.rows(),
+                     .contacts = parameters_of(columns_) > 0 ? rows.contacts : 0,
                      .inputs = static_cast<std::uint64_t>(rows.inputs),
-                     .bytes = payload.size(),
+                     .bytes = bytes,
                      .fell_back = rows.fell_back,
                      .unsolved = rows.unsolved,
                      .too_deep = rows.too_deep,
                      .without_rows = rows.without_rows,
                      .far_slip = rows.far_slip,
                      .never_slid = rows.never_slid,
-                     .payload_sum = checksum(payload)};
+                     .payload_sum = sum.value()};
   header.header_sum = sum_of(header);
-  const off_t before = ::lseek(file_, 0, SEEK_END);
-  if (!write_all(file_, {reinterpret_cast<const char*>(&header), sizeof header}) || !write_all(file_, payload) ||
-      (::fdatasync(file_) != 0 && errno != EINVAL)) {  // EINVAL: a file system that cannot
+  const auto fail = [&](off_t before) {
     const std::string why = std::strerror(errno);
-    if (::ftruncate(file_, before) != 0) ++torn_;  // the next run cuts it off
+    if (before < 0 || ::ftruncate(file_, before) != 0) ++torn_;  // the next run cuts it off
     throw output_error(output_, fmt::format("on a disk with room for it ({}); {} chunks are kept in {}, and --resume "
                                             "continues from them",
                                             why, chunks_.size(), folder_.string()));
+  };
+  off_t before = 0;
+  {
+    const std::lock_guard lock(appending_);
+    before = ::lseek(file_, 0, SEEK_END);
+    bool whole = write_all(file_, {reinterpret_cast<const char*>(&header), sizeof header});
+    for (const std::string_view part : payload) whole = whole && write_all(file_, part);
+    if (!whole) fail(before);
   }
-  bytes_ += sizeof header + payload.size();
+  const bool synced = ::fdatasync(file_) == 0 || errno == EINVAL;  // EINVAL: a file system that cannot
+  const std::lock_guard lock(appending_);
+  if (!synced) fail(-1);  // another thread may have appended behind it
+  bytes_ += sizeof header + bytes;
   chunks_[chunk] = {own_, static_cast<std::uint64_t>(before), header};
 }
 
@@ -261,10 +292,34 @@ ContactSet SetSpool::load(const Place& place) const {
   if (!in || std::memcmp(&header, &place.header, sizeof header) != 0 || checksum(payload) != header.payload_sum)
     throw output_error(output_, "made of whole chunks: " + place.file.string() +
                                     " was damaged while it was read; --resume generates the damaged chunks again");
-  return rows_from(payload, header.rows, columns_);
+  return rows_from(payload, header, columns_);
 }
 
-void SetSpool::assemble(std::uint64_t count, ContactSet& set) {
+/// One thread reads chunks and checks them, the calling one writes.
+void SetSpool::copy_rows(ContactSetWriter& writer) const {
+  BoundedQueue<ContactSet> loaded(1);
+  std::exception_ptr error;
+  {
+    const std::jthread reader([&] {
+      try {
+        for (const auto& [chunk, place] : chunks_)
+          if (!loaded.push(load(place))) break;
+      } catch (...) {
+        error = std::current_exception();
+      }
+      loaded.close();
+    });
+    try {
+      while (const auto rows = loaded.pop()) writer.append(*rows);
+    } catch (...) {
+      loaded.close(true);  // the reader waits no longer
+      throw;
+    }
+  }
+  if (error) std::rethrow_exception(error);
+}
+
+void SetSpool::assemble(std::uint64_t count, ContactSet& set, bool compress) {
   with_output(output_, [&] {
     for (const fs::path& file : files())  // what other writers added
       if (file != own_) scan(file, false);
@@ -272,9 +327,10 @@ void SetSpool::assemble(std::uint64_t count, ContactSet& set) {
   if (chunks_.size() != count || (count > 0 && chunks_.rbegin()->first != count - 1))
     throw output_error(
         output_, fmt::format("complete: {} of {} chunks exist; --resume generates the others", chunks_.size(), count));
-  ContactSetWriter writer(output_, columns_, rows());
+  std::uint64_t contacts = 0;
+  for (const auto& [chunk, place] : chunks_) contacts += place.header.contacts;
+  ContactSetWriter writer(output_, columns_, rows(), contacts, compress);
   for (const auto& [chunk, place] : chunks_) {
-    writer.append(load(place));
     set.fell_back += place.header.fell_back;
     set.unsolved += place.header.unsolved;
     set.too_deep += place.header.too_deep;
@@ -282,6 +338,7 @@ void SetSpool::assemble(std::uint64_t count, ContactSet& set) {
     set.far_slip += place.header.far_slip;
     set.never_slid += place.header.never_slid;
   }
+  copy_rows(writer);
   writer.finish(set);
   with_output(output_, [&] { remove_spool(folder_); });
 }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <mutex>
 #include <set>
 #include <string>
 #include <vector>
@@ -15,7 +16,7 @@ namespace tactel::host {
 /// Header of the rows of a chunk. The byte order is that of the machine; the folder cannot be moved to another
 /// kind.
 struct ChunkHeader {
-  std::uint64_t magic = 0, plan_sum = 0, chunk = 0, rows = 0, inputs = 0, bytes = 0;
+  std::uint64_t magic = 0, plan_sum = 0, chunk = 0, rows = 0, contacts = 0, inputs = 0, bytes = 0;
   std::uint64_t fell_back = 0, unsolved = 0, too_deep = 0, without_rows = 0, far_slip = 0, never_slid = 0;
   std::uint64_t payload_sum = 0;  ///< checksum of the rows that follow
   std::uint64_t header_sum = 0;   ///< checksum of the preceding members
@@ -39,12 +40,12 @@ class SetSpool {
 
   /// Returns the complete chunks of every writer.
   std::set<std::uint64_t> chunks() const;
-  /// Appends a chunk. Throws ConfigError where the disk is full; earlier chunks stay whole.
+  /// Appends a chunk; threads may append at once. Throws ConfigError where the disk is full; earlier chunks stay whole.
   void append(std::uint64_t chunk, const ContactSet& rows);
-  /// Writes the set file from chunks 0 ... count - 1, which must all exist. `set` holds the attributes; the counts
-  /// of contacts that fell back, stayed unsolved, have no rows or are too deep, slid too far or never slid are added to
-  /// it. Removes the folder after the set has reached the disk.
-  void assemble(std::uint64_t count, ContactSet& set);
+  /// Writes the set file from chunks 0 ... count - 1, which must all exist, compressed or not. `set` holds the
+  /// attributes; the counts of contacts that fell back, stayed unsolved, have no rows or are too deep, slid too far or
+  /// never slid are added to it. Removes the folder after the set has reached the disk.
+  void assemble(std::uint64_t count, ContactSet& set, bool compress = false);
   std::uint64_t rows() const;   ///< of all chunks
   std::size_t torn() const;     ///< places where a file was cut off on opening
   std::uint64_t bytes() const;  ///< appended by this object
@@ -66,6 +67,7 @@ class SetSpool {
   void check(const ChunkHeader& header, const std::filesystem::path& file) const;
   void open_own_file(int writer);
   ContactSet load(const Place& place) const;
+  void copy_rows(ContactSetWriter& writer) const;
 
   std::filesystem::path output_, folder_, own_;
   std::uint64_t plan_sum_;
@@ -73,6 +75,7 @@ class SetSpool {
   std::map<std::uint64_t, Place> chunks_;
   std::size_t torn_ = 0;
   std::uint64_t bytes_ = 0;
+  std::mutex appending_;
   FileLock lock_;
   int file_ = -1;
 };

@@ -29,6 +29,7 @@ RunningChecksum::RunningChecksum(RunningChecksum&&) noexcept = default;
 
 void RunningChecksum::add(std::string_view bytes) { XXH3_64bits_update(state_->sum.get(), bytes.data(), bytes.size()); }
 
-std::string RunningChecksum::text() const { return digits(XXH3_64bits_digest(state_->sum.get())); }
+std::uint64_t RunningChecksum::value() const { return XXH3_64bits_digest(state_->sum.get()); }
+std::string RunningChecksum::text() const { return digits(value()); }
 
 }  // namespace tactel::host

@@ -19,7 +19,9 @@ class RunningChecksum {
   ~RunningChecksum();
   RunningChecksum(RunningChecksum&&) noexcept;
   void add(std::string_view bytes);
-  /// Returns the checksum of all bytes so far, as checksum_text.
+  /// Returns the checksum of all bytes so far, as checksum().
+  std::uint64_t value() const;
+  /// The same as checksum_text.
   std::string text() const;
 
  private:

@@ -33,7 +33,12 @@ AnsweredRows find_answered_rows(const ContactSet& set) {
   return answered;
 }
 
+void require_answers(const SetColumns& columns, const std::string& file) {
+  require_datasets(columns, file, {"inputs", "slip_index", "contact_nodes", "contact", "step", "indenter", "status"});
+}
+
 AnsweredRows answered_rows(const ContactSet& set, const std::string& file) {
+  require_answers(set, file);
   AnsweredRows answered = find_answered_rows(set);
   if (answered.row.empty())
     throw ConfigError(file, "slip_index", fmt::format("{} rows, none of them solved with a slippage index", set.rows()),

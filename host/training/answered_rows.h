@@ -15,6 +15,8 @@ struct AnsweredRows {
   std::size_t left_out = 0;
 };
 
+/// Throws ConfigError naming `file` and a dataset that training and judging need and that the set has not.
+void require_answers(const SetColumns& columns, const std::string& file);
 /// Returns none where no row has an answer.
 AnsweredRows find_answered_rows(const ContactSet& set);
 /// The same; throws ConfigError naming `file` when no row is left.

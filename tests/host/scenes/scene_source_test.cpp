@@ -18,6 +18,10 @@
 namespace tactel::host {
 namespace {
 
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
 const std::string head = "[sweep]\ncontacts = 2000\nseed = 7\n";
 const std::string load = "[load]\nindentation = 0.15\ntangential_step = 0.05\ntangential_steps = 4\n";
 const std::string parabola = "[indenter]\nshape = \"parabola\"\nradius = 10\n";
@@ -30,6 +34,76 @@ TEST(SceneSource, PlainNumbersStayAsTheyAre) {
   EXPECT_EQ(std::get<fem::Parabola>(contact.scene.indenter.shape).radius, 10);
   EXPECT_EQ(contact.scene.friction, 0.7);
   EXPECT_EQ(contact.scene.load.indentation, std::vector{0.15});
+}
+
+// Beyond 32 bits both are what the file says, and each contact is drawn.
+TEST(SceneSource, CountsContactsAndSeedsBeyond32Bits) {
+  const auto with = [&](const char* contacts, const char* seed) {
+    return "[sweep]\ncontacts = " + std::string(contacts) + "\nseed = " + seed + "\n" + load + parabola +
+           "[contact]\nfriction = { uniform = [0, 1] }\n";
+  };
+  const SceneSource many = source(with("5000000000", "9223372036854775807"));
+  EXPECT_EQ(many.contacts(), 5'000'000'000u);
+  EXPECT_EQ(many.seed(), 9'223'372'036'854'775'807u);
+  const double mu = many.contact(4'999'999'999).scene.friction;
+  EXPECT_NE(mu, many.contact(4'999'999'999 - (std::uint64_t{1} << 32)).scene.friction);
+  EXPECT_NE(mu, source(with("5000000000", "4294967295")).contact(4'999'999'999).scene.friction);  // its low 32 bits
+  EXPECT_THAT(message_of(with("1099511627777", "1")), HasSubstr("1 to 1099511627776"));
+}
+
+// Expected: the scenes themselves. A number that a shape has not is NaN.
+TEST(SceneSource, ParametersAreTheNumbersOfTheContacts) {
+  const SceneSource sweep = source(
+      head + load + "[[sensor]]\ncolumns = 11\nrows = 4\n[[sensor]]\ncolumns = 11\nrows = 4\nyoung = 3\n" +
+      "[contact]\nfriction = { uniform = [0.1, 1.5] }\n"
+      "[[indenter]]\nshape = \"parabola\"\nradius = { log_uniform = [1, 100] }\nposition = { uniform = [-2, 2] }\n"
+      "[[indenter]]\nshape = \"taylor\"\npowers = [1, 3]\ncoefficients = [{ uniform = [0, 1] }, 0.5]\nscale = 4\n"
+      "[[indenter]]\nshape = \"profile\"\npoints = 9\nhalf_width = { uniform = [3, 8] }\nheight = 0.5\n");
+  const ContactParameters parameters = sweep.parameters();
+  std::vector<std::string> names;
+  for (const auto& column : parameters.columns()) names.push_back(column.name + " " + column.unit);
+  EXPECT_THAT(
+      names, ElementsAre("indenter place in the attribute indenter_names", "indenter.position mm", "contact.friction 1",
+                         "indenter.radius mm", "indenter.scale mm", "indenter.height mm", "indenter.half_width mm",
+                         "indenter.coefficient_1 1", "indenter.coefficient_3 1", "sensor.young MPa"));
+  std::set<int> kinds;
+  for (std::uint64_t k = 0; k < 20; ++k) {
+    const auto contact = sweep.contact(k);
+    const fem::Shape& shape = contact.scene.indenter.shape;
+    std::vector<float> row(10);
+    parameters.put(contact.scene, contact.kind, row);
+    kinds.insert(contact.kind);
+    std::vector<double> expected(10, std::nan(""));
+    expected[0] = contact.kind, expected[1] = contact.scene.indenter.position, expected[2] = contact.scene.friction;
+    expected[9] = contact.scene.sensor.young;
+    if (contact.kind == 0) {
+      expected[3] = std::get<fem::Parabola>(shape).radius;
+    } else if (contact.kind == 1) {
+      expected[4] = expected[5] = 4, expected[8] = 0.5;
+      expected[7] = std::get<fem::Taylor>(shape).coefficients[0];
+    } else {
+      expected[6] = std::get<fem::Profile>(shape).x.back(), expected[5] = 0.5;
+    }
+    for (std::size_t i = 0; i < row.size(); ++i)
+      EXPECT_TRUE(std::isnan(expected[i]) ? std::isnan(row[i]) : row[i] == static_cast<float>(expected[i]))
+          << names[i] << ": " << row[i] << ", not " << expected[i];
+  }
+  EXPECT_EQ(kinds.size(), 3u);
+}
+
+// 21 tactels on 20 mm, or within a span; contacts whose sensors differ in it have none in common.
+TEST(SceneSource, TactelsHaveTheirPlacesWhereContactsShareThem) {
+  const auto with = [&](const std::string& sensor) { return source(head + load + parabola + sensor).tactel_x(); };
+  const std::vector<float> x = with("");
+  ASSERT_EQ(x.size(), 21u);
+  EXPECT_EQ(x[0], -10);
+  EXPECT_EQ(x[1], -9);
+  EXPECT_EQ(x[20], 10);
+  EXPECT_THAT(with("[sensor]\ntactels = 3\ntactel_span = 8\n"), ElementsAre(-4, 0, 4));
+  EXPECT_THAT(with("[[sensor]]\n[[sensor]]\ntactel_span = 8\n"), IsEmpty());
+  const std::string lengths = "[sensor]\nlength = { uniform = [18, 22] }\ntactels = 3\n";
+  EXPECT_THAT(with(lengths), IsEmpty());
+  EXPECT_THAT(with(lengths + "tactel_span = 8\n"), ElementsAre(-4, 0, 4));
 }
 
 const std::string mixed =

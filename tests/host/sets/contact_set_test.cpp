@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <random>
@@ -79,6 +80,15 @@ TEST(ContactSetFile, GivesBackWhatWasWritten) {
   EXPECT_EQ(back.inputs, set.inputs);
   EXPECT_EQ(back.slip_index, set.slip_index);
   EXPECT_EQ(back.contact_nodes, set.contact_nodes);
+  EXPECT_EQ(back.indentation, set.indentation);
+  EXPECT_EQ(back.tangential, set.tangential);
+  EXPECT_EQ(back.tactel_x, set.tactel_x);
+  EXPECT_EQ(back.parameters, set.parameters);
+  EXPECT_EQ(back.parameter_units, set.parameter_units);
+  ASSERT_EQ(back.contact_parameters.size(), 28 * set.parameters.size());
+  EXPECT_EQ(std::memcmp(back.contact_parameters.data(), set.contact_parameters.data(),
+                        sizeof(float) * set.contact_parameters.size()),
+            0);  // NaN, too
   EXPECT_EQ(back.contact, set.contact);
   EXPECT_EQ(back.status, set.status);
   EXPECT_EQ(back.indenter_names, set.indenter_names);
@@ -108,7 +118,7 @@ TEST(ContactSetFile, LeavesNothingHalfWritten) {
   EXPECT_THROW(write_contact_set("/nowhere/set.h5", recall_set()), ConfigError);
   write_contact_set(folder / "whole.h5", recall_set());
   {
-    ContactSetWriter writer(folder / "half.h5", recall_set().inputs, recall_set().rows());
+    ContactSetWriter writer(folder / "half.h5", recall_set().inputs, recall_set().rows(), 28);
     writer.append(recall_set());
   }
   EXPECT_EQ(folder.files(), 1u);
@@ -155,8 +165,8 @@ TEST(ContactSetFile, TrustsNoFile) {
       EXPECT_TRUE(check_contact_set(path, {}).damage.empty());
     }
   }
-  EXPECT_EQ(good, 8);
-  EXPECT_EQ(bad, 26);
+  EXPECT_EQ(good, 9);
+  EXPECT_EQ(bad, 54);
 }
 
 /// A set whose chunks are small enough to be several: two and a half.
@@ -165,8 +175,8 @@ ContactSet several_chunks() {
   set.inputs = 2;
   const std::size_t rows = 20000;
   set.frames.resize(2 * rows);
-  for (auto* list :
-       {&set.slip_index, &set.normal_force, &set.tangential_force, &set.friction, &set.stick_fraction, &set.residual})
+  for (auto* list : {&set.slip_index, &set.normal_force, &set.tangential_force, &set.indentation, &set.tangential,
+                     &set.friction, &set.stick_fraction, &set.residual})
     list->resize(rows);
   set.contact_nodes.resize(rows), set.indenter.resize(rows), set.status.resize(rows);
   set.contact.resize(rows), set.step.resize(rows);
@@ -182,7 +192,7 @@ TEST(CheckSet, NamesTheRowsOfADamagedChunk) {
   EXPECT_TRUE(whole.damage.empty());
   EXPECT_TRUE(whole.checksums);
   EXPECT_EQ(whole.rows, 20000u);
-  EXPECT_EQ(whole.chunks, 12u * 3);  // datasets, chunks of 8192 rows
+  EXPECT_EQ(whole.chunks, 14u * 3);  // datasets, chunks of 8192 rows
   std::string bytes = text_of(folder / "set.h5");
   const std::uint64_t row = 10000;
   const auto at = bytes.find(std::string(reinterpret_cast<const char*>(&row), 8));
