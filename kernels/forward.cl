@@ -3,9 +3,9 @@
    equal bits alone, in a batch of any size and at any position. `forward` has frames in the lanes, for batches. `forward_one` has neurons in
    the lanes, so that a single frame uses whole vectors.
 
-   Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer), OUTPUTS (3: S, its upper and its lower quantile), and NORMALS where
-   an input has several frames: the normal stresses of the first. */
-// defines: INPUTS=42 HIDDEN1=42 HIDDEN2=21 OUTPUTS=3
+   Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer), OUTPUTS (3: S, its upper and its lower quantile), LEAKY_RELU (1:
+   hidden neurons are leaky rectifiers), and NORMALS where an input has several frames: the normal stresses of the first. */
+// defines: INPUTS=42 HIDDEN1=42 HIDDEN2=21 OUTPUTS=3 LEAKY_RELU=0
 #include "shared/forward_layer.h"
 #include "shared/frame_status.h"
 #include "shared/group.h"
@@ -150,7 +150,7 @@ INLINE void forward_one_layer(const int fan_in, const int vectors, global const 
   for (int k = 0; k < fan_in; ++k) {
     EACH(v, vectors) { o[v] = fma(LOAD(w + (k * vectors + v) * LANES), ALL_LANES(x[k]), o[v]); }
   }
-  EACH(v, vectors) { o[v] = activation(o[v]); }
+  EACH(v, vectors) { o[v] = hidden_activation(o[v]); }
 }
 
 /* Largest |normal stress| of one frame. */

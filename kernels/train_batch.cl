@@ -11,8 +11,9 @@
      batch_update   the sum over slices and the change of the weights; a work-item takes some of the weights
 
    A network's numbers: [layer][out][padded row], a padded row having fan_in weights, the bias and zeros up to whole vectors.
-   Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer), OUTPUTS (3: quantile heads, with the pinball loss). */
-// defines: INPUTS=42 HIDDEN1=42 HIDDEN2=21 OUTPUTS=3
+   Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer), OUTPUTS (3: quantile heads, with the pinball loss),
+   LEAKY_RELU (1: hidden neurons are leaky rectifiers). */
+// defines: INPUTS=42 HIDDEN1=42 HIDDEN2=21 OUTPUTS=3 LEAKY_RELU=0
 #include "shared/forward_layer.h"
 #include "shared/group.h"
 #include "shared/lane_sums.h"
@@ -99,7 +100,7 @@ INLINE void backward_rows(const int rows, const int fan_out, const int stride, g
     }
   }
   EACH(r, rows) {
-    EACH(v, FRAME_VECTORS) { d_below[r][v] = activation_slope(o[r][v]) * back[r][v]; }
+    EACH(v, FRAME_VECTORS) { d_below[r][v] = hidden_slope(o[r][v]) * back[r][v]; }
   }
 }
 
@@ -206,7 +207,7 @@ INLINE void learn_tile(Tile *t, global const real *w, global real *sums, vreal *
     EACH(v, FRAME_VECTORS) {
       vreal back = ALL_LANES(w[LAYER3 + k]) * t->d_out[0][v];
       EACH(h, OUTPUTS - 1) { back = fma(ALL_LANES(w[LAYER3 + (h + 1) * ROWL + k]), t->d_out[h + 1][v], back); }
-      d_last[k][v] = activation_slope(last[k][v]) * back;
+      d_last[k][v] = hidden_slope(last[k][v]) * back;
     }
   }
 #if HIDDEN2

@@ -17,7 +17,7 @@ template <class Scalar>
 using Deltas = std::vector<Vector<Scalar>>;
 
 /// Returns o_j = f(sum_i w_ji o_i + b_j), layer by layer (generalized delta rule, Rumelhart, Hinton and Williams
-/// 1986, eq. 2 and 15, with the activation of the paper).
+/// 1986, eq. 2 and 15, with the activation of the topology).
 template <class Scalar>
 Activations<Scalar> forward(const Weights<Scalar>& weights, const Vector<Scalar>& scaled_frame) {
   Activations<Scalar> o{scaled_frame};
@@ -25,7 +25,8 @@ Activations<Scalar> forward(const Weights<Scalar>& weights, const Vector<Scalar>
     const auto w = weights.layer(l);
     const int in = weights.topology.fan_in(l);
     const Vector<Scalar> z = w.leftCols(in) * o.back() + w.col(in);
-    o.push_back(z.unaryExpr([](Scalar x) { return activation(x); }));
+    const Activation kind = weights.topology.activation(l);
+    o.push_back(z.unaryExpr([kind](Scalar x) { return activation(kind, x); }));
   }
   return o;
 }
@@ -35,12 +36,15 @@ Activations<Scalar> forward(const Weights<Scalar>& weights, const Vector<Scalar>
 template <class Scalar>
 Deltas<Scalar> backward(const Weights<Scalar>& weights, const Activations<Scalar>& o, const Vector<Scalar>& error) {
   const int layers = weights.topology.layers();
-  const auto slope = [](Scalar f) { return activation_slope(f); };
+  const auto slopes = [&](int l) -> Vector<Scalar> {
+    const Activation kind = weights.topology.activation(l);
+    return o[l + 1].unaryExpr([kind](Scalar f) { return activation_slope(kind, f); });
+  };
   Deltas<Scalar> delta(layers);
-  delta[layers - 1] = error.cwiseProduct(o[layers].unaryExpr(slope));
+  delta[layers - 1] = error.cwiseProduct(slopes(layers - 1));
   for (int l = layers - 1; l > 0; --l) {
     const Vector<Scalar> back = weights.layer(l).leftCols(weights.topology.fan_in(l)).transpose() * delta[l];
-    delta[l - 1] = o[l].unaryExpr(slope).cwiseProduct(back);
+    delta[l - 1] = slopes(l - 1).cwiseProduct(back);
   }
   return delta;
 }

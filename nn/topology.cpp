@@ -12,7 +12,10 @@ namespace {
 const std::string allowed =
     "1 to 6 (the paper's networks), or widths such as 42-42-21-1: an even number of inputs, one or two hidden layers, "
     "each 1 to " +
-    std::to_string(Topology::widest_layer) + " wide, one output, or three for a bound";
+    std::to_string(Topology::widest_layer) +
+    " wide, one output, or three for a bound; _leaky-relu behind them for other hidden neurons than the paper's";
+
+const std::string leaky_end = std::string("_") + name(Activation::leaky_relu);
 
 std::string joined(const std::vector<int>& widths) {
   std::string text;
@@ -32,7 +35,16 @@ bool read_number(std::string_view text, int& number) {
 
 }  // namespace
 
-Topology::Topology(std::vector<int> widths) : widths_(std::move(widths)) {
+const char* name(Activation activation) { return activation == Activation::logistic ? "logistic" : "leaky-relu"; }
+
+Activation parse_activation(std::string_view text) {
+  for (const Activation activation : {Activation::logistic, Activation::leaky_relu})
+    if (text == name(activation)) return activation;
+  throw ValueError("activation", std::string(text), "logistic (the paper's) or leaky-relu");
+}
+
+Topology::Topology(std::vector<int> widths, Activation activation)
+    : widths_(std::move(widths)), activation_(activation) {
   bool good = widths_.size() == 3 || widths_.size() == 4;
   for (const int width : widths_) good = good && width >= 1 && width <= widest_layer;
   if (!good || widths_.front() % 2 != 0 || (outputs() != 1 && outputs() != heads))
@@ -40,15 +52,18 @@ Topology::Topology(std::vector<int> widths) : widths_(std::move(widths)) {
 }
 
 Topology Topology::parse(std::string_view text) {
+  const bool leaky = text.ends_with(leaky_end);
+  const std::string_view layers = text.substr(0, text.size() - (leaky ? leaky_end.size() : 0));
   std::vector<int> widths;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find('-', begin), text.size());
+  for (std::size_t begin = 0; begin <= layers.size();) {
+    const std::size_t end = std::min(layers.find('-', begin), layers.size());
     int width = 0;
-    if (!read_number(text.substr(begin, end - begin), width)) throw ValueError("network", std::string(text), allowed);
+    if (!read_number(layers.substr(begin, end - begin), width)) throw ValueError("network", std::string(text), allowed);
     widths.push_back(width);
     begin = end + 1;
   }
-  return widths.size() == 1 ? paper(widths.front()) : Topology(widths);
+  const Topology topology = widths.size() == 1 ? paper(widths.front()) : Topology(widths);
+  return topology.with_activation(leaky ? Activation::leaky_relu : Activation::logistic);
 }
 
 Topology Topology::paper(int number) {
@@ -73,7 +88,13 @@ Topology Topology::paper(int number) {
 Topology Topology::with_bound() const {
   std::vector<int> widths = widths_;
   widths.back() = heads;
-  return Topology(widths);
+  return Topology(widths, activation_);
+}
+
+Topology Topology::with_inputs(int inputs) const {
+  std::vector<int> widths = widths_;
+  widths.front() = inputs;
+  return Topology(widths, activation_);
 }
 
 std::size_t Topology::layer_offset(int layer) const {
@@ -82,6 +103,8 @@ std::size_t Topology::layer_offset(int layer) const {
   return offset;
 }
 
-std::string Topology::text() const { return joined(widths_); }
+std::string Topology::text() const {
+  return joined(widths_) + (activation_ == Activation::leaky_relu ? leaky_end : "");
+}
 
 }  // namespace tactel::nn

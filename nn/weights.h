@@ -45,7 +45,8 @@ bool all_finite(const Weights<Scalar>& weights) {
 inline constexpr float initial_weight_bound = 0.5f;
 
 /// Returns initial weights, uniform in +-initial_weight_bound, biases included. Weight i of network (topology,
-/// seed) is equal on every machine: word i % 4 of draw i / 4.
+/// seed) is equal on every machine: word i % 4 of draw i / 4. Leaky rectifiers start from a variance of 2 / fan in (He,
+/// Zhang, Ren and Sun 2015), the outputs behind them from 1 / fan in, with biases of 0.
 Weights<float> initial_weights(const Topology& topology, std::uint64_t seed);
 
 }  // namespace tactel::nn

@@ -123,6 +123,11 @@ void add_training_options(CLI::App& command, TrainRequest& request) {
       .add_option("--optimizer", request.optimizer,
                   "with --schedule batch: delta (the delta rule with momentum) or adam (default: adam)")
       ->check(CLI::IsMember({"delta", "adam"}));
+  command
+      .add_option("--activation", request.activation,
+                  "with --schedule batch: of the hidden neurons, logistic (the paper's) or leaky-relu, which learns "
+                  "large sets better (default: logistic)")
+      ->check(CLI::IsMember({"logistic", "leaky-relu"}));
   command.add_flag(
       "--bound", request.bound,
       "with --schedule batch: three outputs, S and two quantiles, for an upper bound of S; calibrate it on "

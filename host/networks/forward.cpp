@@ -75,7 +75,8 @@ Defines network_defines(const nn::Topology& topology, int lanes, Precision preci
           {"INPUTS", std::to_string(widths[0])},
           {"HIDDEN1", std::to_string(widths[1])},
           {"HIDDEN2", std::to_string(topology.hidden_layers() > 1 ? widths[2] : 0)},
-          {"OUTPUTS", std::to_string(topology.outputs())}};
+          {"OUTPUTS", std::to_string(topology.outputs())},
+          {"LEAKY_RELU", topology.hidden_activation() == nn::Activation::leaky_relu ? "1" : "0"}};
 }
 
 DeviceFrames::DeviceFrames(const Device& device, const nn::RowMatrix<float>& frames)

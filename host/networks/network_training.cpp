@@ -89,6 +89,8 @@ void TrainingPlan::validate() const {
   for (const nn::Topology& topology : topologies)
     if (topology.has_bound() && !batch)
       throw ValueError("network", topology.text(), "one output, or --schedule batch for the heads of a bound");
+    else if (topology.hidden_activation() != nn::Activation::logistic && !batch)
+      throw ValueError("network", topology.text(), "logistic neurons, or --schedule batch");
   options.validate();
   if (batch) batch->validate();
 }

@@ -50,6 +50,14 @@ void add_frame_scaling(OnnxBuilder& builder, int normals) {
 
 // f(z) = 1/2 tanh(z/2). The halving has a node of its own, because not every runtime heeds Gemm's alpha and beta
 // (OpenCV 4.6 does not).
+void add_logistic(OnnxBuilder& builder, const std::string& name) {
+  builder.node("Mul", {"sum" + name, "half"}, "half_sum" + name);
+  builder.node("Tanh", {"half_sum" + name}, "tanh" + name);
+  builder.node("Mul", {"tanh" + name, "half"}, "output" + name);
+}
+
+static_assert(nn::leak == 0.01f, "the leak of LeakyRelu without an attribute");
+
 void add_layer(OnnxBuilder& builder, const nn::Weights<float>& weights, int l, const std::string& input) {
   const std::string name = std::to_string(l + 1);
   const int in = weights.topology.fan_in(l), out = weights.topology.fan_out(l);
@@ -59,9 +67,10 @@ void add_layer(OnnxBuilder& builder, const nn::Weights<float>& weights, int l, c
   builder.numbers(bias_name(l), {out}, b.data());
   onnx::NodeProto& gemm = builder.node("Gemm", {input, weight_name(l), bias_name(l)}, "sum" + name);
   OnnxBuilder::attribute(gemm, "transB", std::int64_t{1});
-  builder.node("Mul", {"sum" + name, "half"}, "half_sum" + name);
-  builder.node("Tanh", {"half_sum" + name}, "tanh" + name);
-  builder.node("Mul", {"tanh" + name, "half"}, "output" + name);
+  if (weights.topology.activation(l) == nn::Activation::leaky_relu)
+    builder.node("LeakyRelu", {"sum" + name}, "output" + name);
+  else
+    add_logistic(builder, name);
 }
 
 // Appends a text or number so that no other sequence of them gives the same bytes.

@@ -56,6 +56,8 @@ TrainOnline<Real>::TrainOnline(Executor& executor, const nn::Topology& topology,
   options.validate();
   if (topology.has_bound())
     throw ValueError("network", topology.text(), "a network with one output: a bound is learnt by mini-batches");
+  if (topology.hidden_activation() != nn::Activation::logistic)
+    throw ValueError("network", topology.text(), "logistic neurons: others are learnt by mini-batches");
   if (inputs.inputs() != topology.inputs())
     throw ValueError("network", topology.text(),
                      "a network with " + std::to_string(inputs.inputs()) + " inputs, as the set has");

@@ -10,6 +10,7 @@
 
 #include "host/training/network_report.h"
 #include "nn/bound.h"
+#include "nn/metrics.h"
 
 namespace tactel::host {
 namespace {
@@ -18,6 +19,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int groups[] = {1, 2, 3, 5, 9, 17};  // least touching nodes of each
 constexpr float rounding = 1e-6f;              // of S and its bound, in fp32
+constexpr double answered_shares[] = {1, 0.99, 0.95, 0.9, 0.8};
 
 using Rows = std::vector<std::size_t>;
 
@@ -39,6 +41,25 @@ Coverage coverage_of(const Rows& rows, std::span<const nn::BoundAnswer> bounds, 
   std::nth_element(widths.begin(), middle, widths.end());
   coverage.width = *middle;
   return coverage;
+}
+
+// rows: that have an answer, in any order.
+std::vector<Answered> answered_of(Rows rows, std::span<const nn::BoundAnswer> bounds, std::span<const double> errors) {
+  const auto width = [&](std::size_t row) { return bounds[row].interval[1] - bounds[row].interval[0]; };
+  std::ranges::stable_sort(rows, {}, width);
+  std::vector<Answered> answered;
+  for (const double share : answered_shares) {
+    const auto count = static_cast<std::size_t>(std::ceil(share * static_cast<double>(rows.size())));
+    if (count == 0) break;
+    std::vector<double> some;
+    for (const std::size_t row : std::span(rows).first(count)) some.push_back(errors[row]);
+    answered.push_back({share, width(rows[count - 1]), nn::summarize(some).mean, nn::quantile(some, 0.99)});
+  }
+  return answered;
+}
+
+Json to_json(const Answered& answered) {
+  return {{"share", answered.share}, {"width", answered.width}, {"mean", answered.mean}, {"p99", answered.most}};
 }
 
 Json to_json(const Coverage& coverage) {
@@ -94,7 +115,8 @@ std::vector<nn::BoundAnswer> bounds_of(const nn::Model& model, const nn::Recall<
 template std::vector<nn::BoundAnswer> bounds_of(const nn::Model&, const nn::Recall<float>&, const nn::FrameSet&);
 template std::vector<nn::BoundAnswer> bounds_of(const nn::Model&, const nn::Recall<double>&, const nn::FrameSet&);
 
-BoundReport report_bound(std::span<const nn::BoundAnswer> bounds, const nn::FrameSet& set) {
+BoundReport report_bound(std::span<const nn::BoundAnswer> bounds, std::span<const double> errors,
+                         const nn::FrameSet& set) {
   Rows all, alike;
   std::map<int, Rows> classes, touching, slip;
   for (std::size_t row = 0; row < bounds.size(); ++row) {
@@ -109,6 +131,7 @@ BoundReport report_bound(std::span<const nn::BoundAnswer> bounds, const nn::Fram
   const auto judge = [&](const std::map<int, Rows>& from, std::map<int, Coverage>& to) {
     for (const auto& [key, rows] : from) to[key] = coverage_of(rows, bounds, set);
   };
+  report.answered = answered_of(std::move(all), bounds, errors);
   judge(classes, report.by_class), judge(touching, report.by_touching), judge(slip, report.by_slip);
   return report;
 }
@@ -136,6 +159,8 @@ Json to_json(const BoundReport& report, const std::vector<std::string>& indenter
   list("by_indenter", "indenter", report.by_class, [&](int kind) { return indenter_name(indenter_names, kind); });
   list("by_touching", "contact_nodes", report.by_touching, touching_name);
   list("by_slip_index", "slip_index", report.by_slip, slip_name);
+  json["answered"] = Json::array();
+  for (const Answered& answered : report.answered) json["answered"].push_back(to_json(answered));
   return json;
 }
 
@@ -157,6 +182,10 @@ std::string coverage_table(const BoundReport& report, const std::vector<std::str
   for (const auto& [kind, coverage] : report.by_class) line(indenter_name(indenter_names, kind), coverage);
   for (const auto& [key, coverage] : report.by_touching) line(touching_name(key) + " touching", coverage);
   for (const auto& [key, coverage] : report.by_slip) line("S " + slip_name(key), coverage);
+  text += fmt::format("\n{:<24}{:>12}{:>12}{:>12}\n", "narrowest answered", "width up to", "mean error", "99 %");
+  for (const Answered& some : report.answered)
+    text += fmt::format("{:<24}{:>12.4f}{:>12.4f}{:>12.4f}\n", fmt::format("{:g} %", 100 * some.share), some.width,
+                        some.mean, some.most);
   return text;
 }
 

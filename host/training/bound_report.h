@@ -20,6 +20,13 @@ struct Coverage {
   double unlike = 0;               ///< share of the rows whose frame is unlike those of the learning set
 };
 
+/// Errors of S where a network answers only the rows of the narrowest intervals.
+struct Answered {
+  double share = 0;           ///< of the rows
+  double width = 0;           ///< largest of their intervals'
+  double mean = 0, most = 0;  ///< of their errors, and 99 % of these
+};
+
 /// Coverage in all, and by what a set knows of its rows: kind of indenter, surface nodes or elements that touch, and S.
 /// Rows of which the network gave no answer are left out.
 struct BoundReport {
@@ -27,6 +34,7 @@ struct BoundReport {
   std::map<int, Coverage> by_class{};
   std::map<int, Coverage> by_touching{};  ///< key: the least of the group, 1, 2, 3, 5, 9 or 17
   std::map<int, Coverage> by_slip{};      ///< key: tenths of S, 0 to 9
+  std::vector<Answered> answered{};       ///< all rows, then fewer
 
   /// Returns the lowest coverage of the upper bound, or of the interval, in a class of at least `rows` rows.
   double least(double Coverage::*what, std::size_t rows) const;
@@ -41,18 +49,20 @@ int touching_key(int nodes);
 template <class Real>
 std::vector<nn::BoundAnswer> bounds_of(const nn::Model& model, const nn::Recall<Real>& answer, const nn::FrameSet& set);
 
-/// Judges bounds [rows] by the S of the set. S counts as at most 1: what a solver has beyond is its tolerance.
-BoundReport report_bound(std::span<const nn::BoundAnswer> bounds, const nn::FrameSet& set);
+/// Judges bounds [rows] by the S of the set. S counts as at most 1: what a solver has beyond is its tolerance. errors:
+/// [rows], as nn::absolute_errors returns them.
+BoundReport report_bound(std::span<const nn::BoundAnswer> bounds, std::span<const double> errors,
+                         const nn::FrameSet& set);
 
 /// Returns {"level", "rows", "set", "seed", "calibrated"} of a bound.
 nlohmann::ordered_json to_json(const nn::Bound& bound);
 /// Returns {"coverage", "interval_coverage", "width", "unlike", "alike", "by_indenter", "by_touching",
-/// "by_slip_index"}.
+/// "by_slip_index", "answered"}.
 nlohmann::ordered_json to_json(const BoundReport& report, const std::vector<std::string>& indenter_names);
 
 /// Returns what a bound was calibrated on, in a line.
 std::string bound_line(const nn::Bound& bound);
-/// Returns the report as a table, a line a class.
+/// Returns the report as two tables, a line a class, and a line a share of answered rows.
 std::string coverage_table(const BoundReport& report, const std::vector<std::string>& indenter_names);
 
 extern template std::vector<nn::BoundAnswer> bounds_of(const nn::Model&, const nn::Recall<float>&, const nn::FrameSet&);

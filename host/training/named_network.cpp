@@ -67,12 +67,13 @@ std::size_t run_length(std::span<const NamedNetwork> networks, std::size_t first
 
 template <class Real>
 NetworkResult judge(const nn::Recall<Real>& answer, const nn::Model& model, const nn::FrameSet& set, bool keep_rows) {
-  NetworkResult result{.errors = nn::report_errors(nn::absolute_errors(answer.slip_index, set), set)};
+  const std::vector<double> errors = nn::absolute_errors(answer.slip_index, set);
+  NetworkResult result{.errors = nn::report_errors(errors, set)};
   for (const nn::FrameStatus status : answer.status) ++result.frames[static_cast<std::size_t>(status)];
   if (keep_rows) result.slip_index.assign(answer.slip_index.begin(), answer.slip_index.end());
   if (!model.bound) return result;
   std::vector<nn::BoundAnswer> bounds = bounds_of(model, answer, set);
-  result.bound = report_bound(bounds, set);
+  result.bound = report_bound(bounds, errors, set);
   if (keep_rows) result.bounds = std::move(bounds);
   return result;
 }

@@ -69,6 +69,8 @@ void refuse_unused(const TrainRequest& request) {
   if (!request.bound) refuse(request.level, "--level", "left out, or with --bound");
   if (!request.batches()) {
     if (request.bound) throw ConfigError("command line", "--bound", "given", "left out, or with --schedule batch");
+    if (request.activation != "logistic")
+      refuse(request.activation, "--activation", "logistic, left out, or with --schedule batch");
     refuse(request.optimizer, "--optimizer", "left out, or with --schedule batch");
     refuse(request.batch, "--batch", "left out, or with --schedule batch");
   } else if (request.optimizer.value_or("adam") == "adam") {
@@ -89,9 +91,9 @@ nn::BatchOptions batch_options(const TrainRequest& request) {
 
 /// The paper's numbers stand for its hidden layers behind as many frames as there are.
 nn::Topology topology_of(const std::string& name, int frames) {
-  std::vector<int> widths = nn::Topology::parse(name).widths();
-  if (name.find('-') == std::string::npos) widths.front() *= frames;
-  return nn::Topology(widths);
+  const nn::Topology topology = nn::Topology::parse(name);
+  const bool numbered = name.find('-') == std::string::npos;
+  return numbered ? topology.with_inputs(topology.inputs() * frames) : topology;
 }
 
 std::vector<nn::Topology> topologies_of(const TrainRequest& request, int frames) {
@@ -100,6 +102,8 @@ std::vector<nn::Topology> topologies_of(const TrainRequest& request, int frames)
   std::vector<nn::Topology> topologies;
   for (const std::string& name : names) {
     topologies.push_back(topology_of(name, frames));
+    if (request.activation)
+      topologies.back() = topologies.back().with_activation(nn::parse_activation(*request.activation));
     if (request.bound) topologies.back() = topologies.back().with_bound();
     if (std::ranges::count(topologies, topologies.back()) > 1) throw ValueError("network", name, "named once");
   }

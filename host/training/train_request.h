@@ -27,7 +27,7 @@ struct TrainRequest {
   std::optional<std::string> schedule;  ///< "online" or "batch"; default: batch for a stream, else online
   std::optional<double> rate, momentum;
   std::optional<int> cycles, batch;
-  std::optional<std::string> optimizer;
+  std::optional<std::string> optimizer, activation;
   std::optional<double> stop_error;
   bool bound = false;           ///< give every network the heads of a bound
   std::optional<double> level;  ///< of that bound; 0.95 if not given

@@ -36,4 +36,14 @@ static inline vreal activation(vreal z) {
 /* f'(z), from f = f(z). */
 static inline vreal activation_slope(vreal f) { return fma(-f, f, ALL_LANES(0.25f)); }
 
+/* Of the hidden neurons: the same, or with LEAKY_RELU z above 0 and a share of it below; NaN stays NaN. */
+#if LEAKY_RELU
+#define LEAK ((real)0.01f)
+static inline vreal hidden_activation(vreal z) { return PICK(z > ALL_LANES(0), z, LEAK * z); }
+static inline vreal hidden_slope(vreal o) { return PICK(o > ALL_LANES(0), ALL_LANES(1), ALL_LANES(LEAK)); }
+#else
+static inline vreal hidden_activation(vreal z) { return activation(z); }
+static inline vreal hidden_slope(vreal o) { return activation_slope(o); }
+#endif
+
 #endif

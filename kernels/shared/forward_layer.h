@@ -26,7 +26,7 @@ INLINE void forward_rows(const int rows, const int fan_in, const int stride, int
     EACH(v, FRAME_VECTORS) { o[n + r][v] = z[r][v]; }
   }
   ROLLED for (int r = 0; r < rows; ++r) {
-    EACH(v, FRAME_VECTORS) { o[n + r][v] = activation(o[n + r][v]); }
+    EACH(v, FRAME_VECTORS) { o[n + r][v] = hidden_activation(o[n + r][v]); }
   }
 }
 

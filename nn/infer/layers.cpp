@@ -10,6 +10,8 @@ using tactel::infer::tile;
 
 static_assert(tactel::infer::widest_layer % tile == 0);
 
+constexpr float leak = 0.01f;  // nn::leak
+
 inline __attribute__((always_inline)) float fused(float a, float b, float c) { return __builtin_fmaf(a, b, c); }
 
 /// kernels/shared/activation.h, fp32.
@@ -40,7 +42,10 @@ FOR_EACH_PROCESSOR void sum_tiles(const tactel::infer::HiddenLayer& layer, const
     for (int i = 0; i < inputs; ++i, w += tile)
       for (int j = 0; j < tile; ++j) z[j] = fused(w[j], x[i], z[j]);
     w += tile;
-    for (int j = 0; j < tile; ++j) o[j] = activation(z[j]);
+    if (layer.leaky)
+      for (int j = 0; j < tile; ++j) o[j] = z[j] > 0 ? z[j] : leak * z[j];
+    else
+      for (int j = 0; j < tile; ++j) o[j] = activation(z[j]);
   }
 }
 
@@ -55,7 +60,7 @@ FOR_EACH_PROCESSOR float sum_output(const float* weights, int inputs, const floa
 namespace tactel::infer {
 
 HiddenLayer hidden_layer(const FileLayer& layer) {
-  HiddenLayer made{layer.inputs, layer.outputs, (layer.outputs + tile - 1) / tile, {}};
+  HiddenLayer made{layer.inputs, layer.outputs, (layer.outputs + tile - 1) / tile, layer.leaky, {}};
   const std::size_t rows = layer.inputs + 1;
   made.weights.assign(made.tiles * rows * tile, 0.0f);
   for (int j = 0; j < layer.outputs; ++j) {

@@ -253,11 +253,14 @@ const string& entry(const Model& model, string_view key) {
   return found->second;
 }
 
-/// "42-42-21-1" as widths: an even number of inputs, one or two hidden layers, one output, or the heads of a bound.
+constexpr string_view leaky_end = "_leaky-relu";  ///< of the text of a topology whose hidden neurons are such
+
+/// "42-42-21-1", or "42-42-21-1_leaky-relu", as widths: an even number of inputs, one or two hidden layers, one output,
+/// or the heads of a bound.
 std::vector<int> widths_of(const string& topology) {
   std::vector<int> widths;
   const char* at = topology.data();
-  const char* const end = at + topology.size();
+  const char* const end = at + topology.size() - (topology.ends_with(leaky_end) ? leaky_end.size() : 0);
   bool good = true;
   while (good && widths.size() < 5) {
     int width = 0;
@@ -328,8 +331,8 @@ void add_bound_nodes(std::vector<Node>& nodes, const string& last) {
   add("Cast", "beyond", "unlike", "to=1");
 }
 
-/// The graph that our exporter writes for a number of layers and a scaling.
-std::vector<Node> expected_nodes(std::size_t layers, bool by_frame, bool bound) {
+/// The graph that our exporter writes for a number of layers, of leaky rectifiers but for the last, and a scaling.
+std::vector<Node> expected_nodes(std::size_t layers, bool leaky, bool by_frame, bool bound) {
   std::vector<Node> nodes;
   if (by_frame)
     nodes = {{"Slice", "frame,first_normal,end_of_normal,along_frame", "normal", ""},
@@ -346,10 +349,14 @@ std::vector<Node> expected_nodes(std::size_t layers, bool by_frame, bool bound) 
     const string n = std::to_string(l);
     last.append(",weight").append(n).append(",bias").append(n);
     nodes.push_back({"Gemm", last, "sum" + n, "transB=1"});
+    last = "output" + n;
+    if (leaky && l < layers) {
+      nodes.push_back({"LeakyRelu", "sum" + n, last, ""});
+      continue;
+    }
     nodes.push_back({"Mul", "sum" + n + ",half", "half_sum" + n, ""});
     nodes.push_back({"Tanh", "half_sum" + n, "tanh" + n, ""});
-    nodes.push_back({"Mul", "tanh" + n + ",half", "output" + n, ""});
-    last = "output" + n;
+    nodes.push_back({"Mul", "tanh" + n + ",half", last, ""});
   }
   if (bound)
     add_bound_nodes(nodes, last);
@@ -478,10 +485,10 @@ NetworkFile network_of(const Graph& graph, const Model& model) {
   file.by_frame = scaling == "frame";
   file.history = history_of(model, widths.front());
   const std::size_t layers = widths.size() - 1;
-  const bool bound = widths.back() == heads;
+  const bool bound = widths.back() == heads, leaky = entry(model, "topology").ends_with(leaky_end);
   std::vector<string_view> outputs{"slip_index"};
   if (bound) outputs.insert(outputs.end(), {"slip_upper", "slip_interval", "unlike"});
-  if (graph.nodes != expected_nodes(layers, file.by_frame, bound) ||
+  if (graph.nodes != expected_nodes(layers, leaky, file.by_frame, bound) ||
       graph.inputs != std::vector<string_view>{"frame"} || graph.outputs != outputs)
     throw Refused{"a model of another form"};
   Initializers initializers(graph.tensors);
@@ -498,7 +505,8 @@ NetworkFile network_of(const Graph& graph, const Model& model) {
     if (!std::isfinite(file.factor) || !(file.factor > 0)) throw Refused{"a scaling that is no number above 0"};
   }
   for (std::size_t l = 0; l < layers; ++l) {
-    FileLayer layer{.inputs = widths[l], .outputs = widths[l + 1], .weights = {}, .bias = {}};
+    FileLayer layer{
+        .inputs = widths[l], .outputs = widths[l + 1], .leaky = leaky && l + 1 < layers, .weights = {}, .bias = {}};
     layer.weights = initializers.numbers("weight" + std::to_string(l + 1), {layer.outputs, layer.inputs});
     layer.bias = initializers.numbers("bias" + std::to_string(l + 1), {layer.outputs});
     expect_finite(layer.weights);

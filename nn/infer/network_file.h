@@ -13,6 +13,7 @@ namespace tactel::infer {
 /// A layer of a network file.
 struct FileLayer {
   int inputs = 0, outputs = 0;
+  bool leaky = false;          ///< leaky rectifiers, else logistic neurons
   std::vector<float> weights;  ///< [outputs, inputs]
   std::vector<float> bias;     ///< [outputs]
 };

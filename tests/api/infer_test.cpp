@@ -70,8 +70,20 @@ nn::RowMatrix<float> some_frames(int inputs) {
 
 std::uint32_t bits(float x) { return std::bit_cast<std::uint32_t>(x); }
 
-const std::vector<const char*> topologies = {
-    "1", "2", "3", "4", "5", "6", "42-42-21-1", "256-256-256-1", "2-1-1", "2-1-1-1", "16-33-1", "8-32-31-1"};
+const std::vector<const char*> topologies = {"1",
+                                             "2",
+                                             "3",
+                                             "4",
+                                             "5",
+                                             "6",
+                                             "42-42-21-1",
+                                             "256-256-256-1",
+                                             "2-1-1",
+                                             "2-1-1-1",
+                                             "16-33-1",
+                                             "8-32-31-1",
+                                             "42-96-96-1_leaky-relu",
+                                             "8-33-1_leaky-relu"};
 
 std::vector<Answer> answers_of(const SlipEstimator& estimator, const nn::RowMatrix<float>& frames) {
   std::vector<Answer> answers(static_cast<std::size_t>(frames.rows()));
@@ -84,7 +96,8 @@ std::vector<Answer> answers_of(const SlipEstimator& estimator, const nn::RowMatr
 
 // The kernels and the library fuse the same multiply-adds in the same order: equal bits, and equal statuses.
 TEST(Infer, GivesTheBitsOfTheKernels) {
-  for (const char* topology : {"1", "42-42-21-1", "8-32-31-1", "2-1-1"}) {  // each compiles a kernel
+  for (const char* topology :
+       {"1", "42-42-21-1", "8-32-31-1", "2-1-1", "8-33-31-1_leaky-relu"}) {  // each compiles a kernel
     for (const ScalingKind kind : {ScalingKind::set, ScalingKind::frame}) {
       const nn::Model model = some_model(topology, kind);
       const nn::RowMatrix<float> frames = some_frames(model.weights.topology.inputs());
@@ -106,7 +119,7 @@ TEST(Infer, GivesTheBitsOfTheKernels) {
 // S, the bound and the interval have the bits of the kernel and of nn::bounded; the distance, too, for both add
 // products in one order without fusing.
 TEST(Infer, GivesTheBoundOfTheProgram) {
-  for (const char* topology : {"42-42-21-3", "8-32-3"}) {
+  for (const char* topology : {"42-42-21-3", "8-32-3", "8-33-3_leaky-relu"}) {
     for (const ScalingKind kind : {ScalingKind::set, ScalingKind::frame}) {
       const nn::Model model = tactel::testing::bounded_model(topology, kind);
       nn::FrameSet set;
@@ -313,6 +326,51 @@ TEST(Infer, RefusesCraftedHistories) {
     const std::string bytes = crafted(key, value);
     EXPECT_NE(problem_of(bytes), "none") << key << " = " << value;
     EXPECT_THROW(host::read_onnx(folder.write("crafted.onnx", bytes)), ConfigError) << key << " = " << value;
+  }
+}
+
+// Crafted graphs of leaky rectifiers, with a checksum that fits: both readers refuse.
+TEST(Infer, RefusesCraftedRectifiers) {
+  using Change = std::function<void(onnx::ModelProto&, onnx::NodeProto & rectifier)>;
+  const auto topology = [](const char* text) -> Change {
+    return [text](onnx::ModelProto& proto, onnx::NodeProto&) {
+      for (auto& entry : *proto.mutable_metadata_props())
+        if (entry.key() == "topology") entry.set_value(text);
+    };
+  };
+  const std::vector<std::pair<const char*, Change>> all = {
+      {"none", [](auto&, auto&) {}},
+      {"another operator", [](auto&, auto& node) { node.set_op_type("Relu"); }},
+      {"another leak",
+       [](auto&, auto& node) {
+         onnx::AttributeProto& alpha = *node.add_attribute();
+         alpha.set_name("alpha"), alpha.set_type(onnx::AttributeProto::FLOAT), alpha.set_f(-1e30f);
+       }},
+      {"of itself", [](auto&, auto& node) { node.set_input(0, node.output(0)); }},
+      {"of nothing", [](auto&, auto& node) { node.clear_input(); }},
+      {"of two", [](auto&, auto& node) { node.add_input("half"); }},
+      {"of another domain", [](auto&, auto& node) { node.set_domain("elsewhere"); }},
+      {"logistic", topology("16-16-8-1")},
+      {"unknown", topology("16-16-8-1_relu")},
+      {"twice", topology("16-16-8-1_leaky-relu_leaky-relu")},
+      {"without layers", topology("_leaky-relu")}};
+  const host::ScratchFolder folder;
+  for (const auto& [what, change] : all) {
+    onnx::ModelProto proto;
+    proto.ParseFromString(host::onnx_bytes(some_model("16-16-8-1_leaky-relu", ScalingKind::frame)));
+    for (onnx::NodeProto& node : *proto.mutable_graph()->mutable_node())
+      if (node.output(0) == "output1") change(proto, node);
+    const std::string sum = host::onnx_checksum(proto);
+    for (auto& entry : *proto.mutable_metadata_props())
+      if (entry.key() == host::checksum_key) entry.set_value(sum);
+    const std::string bytes = proto.SerializeAsString(), file = folder.write("crafted.onnx", bytes);
+    if (what == std::string("none")) {
+      EXPECT_EQ(problem_of(bytes), "none");
+      EXPECT_EQ(host::read_onnx(file).weights.topology.text(), "16-16-8-1_leaky-relu");
+    } else {
+      EXPECT_NE(problem_of(bytes), "none") << what;
+      EXPECT_THROW(host::read_onnx(file), ConfigError) << what;
+    }
   }
 }
 

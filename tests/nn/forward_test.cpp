@@ -50,6 +50,21 @@ TEST(Forward, MatchesANetworkWorkedByHand) {
   EXPECT_NEAR(delta[0](1), -0.008856358524341997, 1e-15);
 }
 
+// Leaky rectifiers by hand: sums 0.5 and -0.4 (x0 / 2 - x1 / 4 + 0.1, x0 + 3/4 x1 - 0.2), hence 0.5 and -0.004; the
+// output's sum is 0.4 + 0.0024 + 0.05. An ulp of 0.01f: the leak is the float.
+TEST(Forward, MatchesLeakyRectifiersWorkedByHand) {
+  Weights<double> weights(Topology({2, 2, 1}, Activation::leaky_relu));
+  weights.values = small_network().values;
+  const Activations<double> o = forward(weights, Vector<double>{{0.4, -0.8}});
+  EXPECT_NEAR(o[1](0), 0.5, 1e-15);
+  EXPECT_NEAR(o[1](1), -0.004, 1e-9);
+  EXPECT_NEAR(o[2](0), 0.5 * std::tanh(0.2262), 1e-9);
+  const Deltas<double> delta = backward(weights, o, 1.0);
+  EXPECT_NEAR(delta[1](0), 0.25 - o[2](0) * o[2](0), 1e-15);
+  EXPECT_NEAR(delta[0](0), 0.8 * delta[1](0), 1e-15);
+  EXPECT_NEAR(delta[0](1), -0.006 * delta[1](0), 1e-9);
+}
+
 class Gradient : public testing::TestWithParam<const char*> {};
 
 TEST_P(Gradient, MatchesFiniteDifferences) {
@@ -81,7 +96,7 @@ TEST_P(Gradient, MatchesFiniteDifferences) {
 
 INSTANTIATE_TEST_SUITE_P(Topologies, Gradient,
                          testing::Values("42-42-1", "42-84-1", "42-21-1", "42-42-42-1", "42-42-82-1", "42-42-21-1",
-                                         "16-16-8-1", "2-1-1"));
+                                         "16-16-8-1", "2-1-1", "16-16-8-1_leaky-relu", "16-9-1_leaky-relu"));
 
 TEST(Recall, NeverAnswersNaNWithoutAStatus) {
   Weights<float> weights = initial_weights(Topology({4, 3, 1}), 1);

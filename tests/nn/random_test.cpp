@@ -61,6 +61,20 @@ TEST(InitialWeights, AreUniformWithinTheBound) {
   EXPECT_NEAR(square / count, b * b / 3, bound);
 }
 
+// Of leaky rectifiers: a variance of 2 / fan in, 1 / fan in of the outputs, biases of 0. Of n draws that are uniform in
+// +-b the mean of squares has a deviation of b^2 sqrt(4 / 45 n): five of them.
+TEST(InitialWeights, OfLeakyRectifiersKeepTheSizeOfTheirInputs) {
+  const Topology topology({100, 80, 60, 3}, Activation::leaky_relu);
+  const Weights<float> weights = initial_weights(topology, 5);
+  for (int l = 0; l < 3; ++l) {
+    const auto w = weights.layer(l).leftCols(topology.fan_in(l));
+    const double variance = (l < 2 ? 2.0 : 1.0) / topology.fan_in(l), n = static_cast<double>(w.size());
+    EXPECT_LT(w.cwiseAbs().maxCoeff(), std::sqrt(3 * variance));
+    EXPECT_NEAR(w.squaredNorm() / n, variance, 5 * 3 * variance * std::sqrt(4 / (45 * n))) << l;
+    EXPECT_EQ(weights.layer(l).rightCols(1).cwiseAbs().maxCoeff(), 0) << l;
+  }
+}
+
 TEST(PresentationOrder, FollowsItsDescription) {
   const std::uint64_t seed = (std::uint64_t{7} << 32) + 5;
   EXPECT_THAT(presentation_order(PresentationOrder::permuted, seed, 0, 10), ElementsAre(4, 6, 0, 2, 5, 8, 3, 7, 9, 1));

@@ -38,9 +38,41 @@ TEST(Topology, GivesABoundThreeOutputs) {
   EXPECT_EQ(network.with_bound().weight_count(), 2731u + 2 * 22);
 }
 
+TEST(Topology, NamesHiddenNeuronsOtherThanThePapers) {
+  const Topology network = Topology::parse("42-96-96-1_leaky-relu");
+  EXPECT_EQ(network.text(), "42-96-96-1_leaky-relu");
+  EXPECT_NE(network, Topology::parse("42-96-96-1"));
+  EXPECT_EQ(network, Topology::parse("42-96-96-1").with_activation(Activation::leaky_relu));
+  EXPECT_EQ(network.activation(0), Activation::leaky_relu);
+  EXPECT_EQ(network.activation(2), Activation::logistic);  // the output
+  EXPECT_EQ(network.with_bound().text(), "42-96-96-3_leaky-relu");
+  EXPECT_EQ(network.with_inputs(168).text(), "168-96-96-1_leaky-relu");
+  EXPECT_EQ(Topology::parse("6_leaky-relu").text(), "42-42-21-1_leaky-relu");
+  EXPECT_EQ(parse_activation("leaky-relu"), Activation::leaky_relu);
+  EXPECT_THROW(parse_activation("relu"), ValueError);
+}
+
 TEST(Topology, SaysWhatIsWrong) {
-  for (const char* bad : {"", "0", "7", "42", "42-1", "42-42-2", "41-42-1", "42-0-1", "42--1", "42-42-1-", "-42-42-1",
-                          "42-42-42-42-1", "42-257-1", "42-x-1", "42 -42-1", "99999-42-1"}) {
+  for (const char* bad : {"",
+                          "0",
+                          "7",
+                          "42",
+                          "42-1",
+                          "42-42-2",
+                          "41-42-1",
+                          "42-0-1",
+                          "42--1",
+                          "42-42-1-",
+                          "-42-42-1",
+                          "42-42-42-42-1",
+                          "42-257-1",
+                          "42-x-1",
+                          "42 -42-1",
+                          "99999-42-1",
+                          "_leaky-relu",
+                          "42-42-1_relu",
+                          "42-42-1_leaky-relu_leaky-relu",
+                          "42-42-1-leaky-relu"}) {
     try {
       Topology::parse(bad);
       ADD_FAILURE() << "accepted \"" << bad << '"';

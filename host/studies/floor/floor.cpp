@@ -156,7 +156,8 @@ std::size_t best_spread(const std::vector<std::vector<double>>& errors) {
   return best;
 }
 
-/// |error of S| of a network on readings; newest frame alone where the network takes one. [readings]
+/// |error of S| of a network on readings, of |S| where it answers that; newest frame alone where the network takes one.
+/// [readings]
 std::vector<double> network_errors(Executor& executor, const nn::Model& network, const Readings& readings,
                                    const FrameBank& asked, int inputs) {
   const int width = network.weights.topology.inputs();
@@ -166,9 +167,11 @@ std::vector<double> network_errors(Executor& executor, const nn::Model& network,
   Forward<float> forward(executor, std::span(&network.weights, 1), network.scaling);
   const nn::Recall<float> answer = forward.recall(readings.leftCols(width));
   std::vector<double> errors;
-  for (std::size_t k = 0; k < asked.rows(); ++k)
+  for (std::size_t k = 0; k < asked.rows(); ++k) {
+    const double truth = asked.slip_index[k];
     errors.push_back(std::abs(static_cast<double>(answer.slip_index(static_cast<Eigen::Index>(k))) -
-                              static_cast<double>(asked.slip_index[k])));
+                              (network.magnitude ? std::abs(truth) : truth)));
+  }
   return errors;
 }
 

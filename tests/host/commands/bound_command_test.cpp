@@ -74,6 +74,8 @@ TEST_F(BoundCommand, CalibratesANetworkAndSaysOnWhat) {
   EXPECT_GT(bound["width"], 0.0);
   EXPECT_LE(bound["unlike"], 0.0011);
   EXPECT_EQ(bound["by_slip_index"].size(), 10u);
+  EXPECT_EQ(bound["answered"][2]["share"], 0.95);
+  EXPECT_LE(bound["answered"][2]["width"], bound["answered"][0]["width"]);
 }
 
 TEST_F(BoundCommand, RenewsTheBoundInPlace) {

@@ -216,6 +216,10 @@ class OnnxEvaluator {
     if (type == "Less") return broadcast(in, [](const auto& x) { return x[0] < x[1] ? 1.0 : 0.0; });
     if (type == "Where") return broadcast(in, [](const auto& x) { return x[0] != 0 ? x[1] : x[2]; });
     if (type == "Abs") return broadcast(in, [](const auto& x) { return std::abs(x[0]); });
+    if (type == "LeakyRelu") {
+      const auto* alpha = attribute(node, "alpha");
+      return broadcast(in, [a = alpha ? alpha->f() : 0.01](const auto& x) { return x[0] < 0 ? a * x[0] : x[0]; });
+    }
     if (type == "Tanh") return broadcast(in, [](const auto& x) { return std::tanh(x[0]); });
     throw std::runtime_error("no operator " + type);
   }

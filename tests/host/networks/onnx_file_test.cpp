@@ -67,7 +67,7 @@ class OnnxFile : public ::testing::Test {
 }  // namespace
 
 TEST_F(OnnxFile, SatisfiesTheStandardsChecker) {
-  for (const char* topology : {"1", "5", "16-16-8-1", "2-1-1"})
+  for (const char* topology : {"1", "5", "16-16-8-1", "2-1-1", "16-16-8-1_leaky-relu"})
     for (const ScalingKind kind : {ScalingKind::set, ScalingKind::frame})
       EXPECT_NO_THROW(onnx::checker::check_model(parsed(some_model(topology, kind))))
           << topology << ' ' << nn::name(kind);
@@ -76,7 +76,7 @@ TEST_F(OnnxFile, SatisfiesTheStandardsChecker) {
 // Another runtime on the file gives the S of tactel's own recall within 1e-5, on every row, frames without stress
 // included.
 TEST_F(OnnxFile, MeansTheSameToAnotherRuntime) {
-  for (const char* topology : {"6", "16-16-8-1"}) {
+  for (const char* topology : {"6", "16-16-8-1", "16-16-8-1_leaky-relu"}) {
     for (const ScalingKind kind : {ScalingKind::set, ScalingKind::frame}) {
       const nn::Model model = some_model(topology, kind);
       const int inputs = model.weights.topology.inputs();
@@ -102,7 +102,7 @@ TEST_F(OnnxFile, MeansTheSameToAnotherRuntime) {
 }
 
 TEST_F(OnnxFile, IsReadBackAsItWas) {
-  for (const char* topology : {"6", "16-9-1"}) {
+  for (const char* topology : {"6", "16-9-1", "16-9-1_leaky-relu"}) {
     for (const ScalingKind kind : {ScalingKind::set, ScalingKind::frame}) {
       const nn::Model model = some_model(topology, kind);
       write_onnx(path_, model);

@@ -54,8 +54,8 @@ TEST(OnnxRuntime, OpenCvGivesTheSameSlipIndex) {
   }
 }
 
-// Four frames of irregular paths: OpenCV on the inputs that with_history forms, within 1e-5 of `tactel recall`, and of
-// `tactel recall` in one frame's network beside it.
+// Four frames of irregular paths, leaky rectifiers: OpenCV on the inputs that with_history forms, within 1e-5 of
+// `tactel recall`, and of `tactel recall` in one frame's network beside it.
 TEST(OnnxRuntime, OpenCvGivesTheSameSlipIndexOfSeveralFrames) {
   const ScratchFolder folder;
   const std::string sweep = folder.write(
@@ -66,7 +66,8 @@ TEST(OnnxRuntime, OpenCvGivesTheSameSlipIndexOfSeveralFrames) {
   ASSERT_EQ(run_tactel({"generate", sweep, "--output", folder / "set.h5", "--quiet"}).exit_code, 0);
   for (const auto& [name, history] : {std::pair{"one", "1"}, {"four", "4:2"}})
     ASSERT_EQ(run_tactel({"train", folder / "set.h5", "--output", folder / "net", "--cycles", "60", "--network", "3",
-                          "--history", history, "--magnitude", "--schedule", "batch", "--quiet", "--force"})
+                          "--history", history, "--magnitude", "--schedule", "batch", "--activation", "leaky-relu",
+                          "--quiet", "--force"})
                   .exit_code,
               0)
         << name;
@@ -76,7 +77,7 @@ TEST(OnnxRuntime, OpenCvGivesTheSameSlipIndexOfSeveralFrames) {
   const nn::Model& model = networks[0].model;
   EXPECT_EQ(model.history, (nn::InputHistory{.frames = 4, .stride = 2, .change = 0.1}));
   EXPECT_TRUE(model.magnitude);
-  EXPECT_EQ(model.weights.topology.text(), "168-21-1");
+  EXPECT_EQ(model.weights.topology.text(), "168-21-1_leaky-relu");
   const ContactSet set = read_contact_set(folder / "set.h5");
   nn::FrameSet formed = nn::with_history(set.frames_with_answers(), model.history);
   const cv::Mat frames(static_cast<int>(formed.rows()), static_cast<int>(formed.frames.cols()), CV_32F,

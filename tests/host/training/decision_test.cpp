@@ -127,7 +127,8 @@ TEST(BoundReport, CountsByClass) {
   const std::vector<nn::BoundAnswer> bounds{{0.1f, {0, 0.1f}, false},   {0.4f, {0.3f, 0.6f}, false},
                                             {0.6f, {0.5f, 0.6f}, true}, {1, {0.9f, 1}, false},
                                             {1, {0.97f, 1}, false},     {NAN, {NAN, NAN}, false}};
-  const BoundReport report = report_bound(bounds, set);
+  const std::vector<double> errors{0.02, 0.04, 0.01, 0.05, 0.03, NAN};
+  const BoundReport report = report_bound(bounds, errors, set);
   EXPECT_EQ(report.all.rows, 5u);
   EXPECT_DOUBLE_EQ(report.all.upper, 0.8);
   EXPECT_DOUBLE_EQ(report.all.interval, 0.8);
@@ -142,6 +143,13 @@ TEST(BoundReport, CountsByClass) {
   EXPECT_EQ(report.by_slip.at(9).rows, 2u);
   EXPECT_DOUBLE_EQ(report.by_slip.at(5).upper, 0.5);
   EXPECT_DOUBLE_EQ(report.least(&Coverage::upper, 2), 0.5);
+  ASSERT_EQ(report.answered.size(), 5u);  // the widest is row 1, and row 5 has no answer
+  EXPECT_NEAR(report.answered[0].mean, 0.03, 1e-12);
+  EXPECT_NEAR(report.answered[0].most, 0.0496, 1e-12);  // 0.96 of the way from the fourth to the fifth
+  EXPECT_NEAR(report.answered[0].width, 0.3, 1e-6);
+  EXPECT_DOUBLE_EQ(report.answered[4].share, 0.8);
+  EXPECT_NEAR(report.answered[4].mean, 0.0275, 1e-12);
+  EXPECT_NEAR(report.answered[4].width, 0.1, 1e-6);
   EXPECT_EQ(touching_name(3), "3 to 4");
   EXPECT_EQ(touching_name(2), "2");
   EXPECT_EQ(touching_name(17), "17 and more");
