@@ -15,6 +15,7 @@ set(unit_device "^(ThreadTeam|Cache|CachePlace|GroupSupply|Pace|LayoutList)[.]|/
 set(unit_networks "^OnnxFile[.][^M]")
 set(unit_contact "^(Ladder|RungError)[.]|^Planner[.][^K]|AccuracyAndTolerance")
 set(unit_sets "^(CheckSet|MeasuringChains)[.]|ThirtyTwoTaylor|^TransducerTable[.][GP]")
+set(unit_calibration ".")
 set(unit_live "^(FrameQueue|LatencyHistogram|SensorProfile|Calibration|OpenSource|LiveView|Alarm)[.]")
 set(unit_training "StreamAndBlockExclude|^(AlarmCounting|BoundReport)[.]")
 set(unit_api "^(Infer[.][^G]|Infer[.]GivesTheS|LiveApi[.]|SceneApi[.])")
@@ -31,7 +32,7 @@ set(program_commands "^([^D]|Du|Dem)")  # all but DevicesCommand
 
 set(slow "^(ClosedForms|GapReferenceRandom|IndependentContact|Extremes|InverseProblem|DirectProblem|StreamTraining|RankTraining)[.]|^Planner[.]K|^Demo[.]S|EveryShape|CondensationCache.AnyFlippedByte|/100000$")
 
-foreach(program fem layer nn hw support figures scenes device networks contact sets live training studies commands api)
+foreach(program fem layer nn hw support figures scenes device networks contact calibration sets live training studies commands api)
   foreach(test IN LISTS tactel_${program}_tests_TESTS)
     set(labels device)
     if(test MATCHES "${unit_${program}}")
@@ -57,6 +58,9 @@ foreach(program fem layer nn hw support figures scenes device networks contact s
     endif()
     if(test MATCHES "${slow}")
       set(labels "${labels};slow")
+    endif()
+    if(test MATCHES "Nightly[.]")
+      set(labels nightly)
     endif()
     set_tests_properties("${test}" PROPERTIES LABELS "${labels}")
   endforeach()

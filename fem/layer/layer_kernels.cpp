@@ -32,28 +32,32 @@ std::vector<double> panel_ends() {
 double layer_cy(double poisson) { return 2 * (1 - poisson * poisson) / pi; }
 double layer_cx(double poisson) { return (1 + poisson) / pi; }
 
-LayerKernels::LayerKernels(double poisson) : poisson_(poisson) {
+LayerKernels::LayerKernels(double poisson) : LayerKernels(poisson, layer_transforms, 1, 1 - 2 * poisson) {}
+
+LayerKernels LayerKernels::by_poisson(double poisson) { return {poisson, layer_transforms_by_poisson, 0, -2}; }
+
+LayerKernels::LayerKernels(double poisson, Transforms transforms, double log_part, double compressible)
+    : poisson_(poisson), log_part_(log_part), compressible_(compressible) {
   const std::vector<LegendrePoint> gauss = legendre_points(points_a_panel);
   const std::vector<double> ends = panel_ends();
   for (std::size_t i = 1; i < ends.size(); ++i) {
     const double middle = (ends[i - 1] + ends[i]) / 2, half = (ends[i] - ends[i - 1]) / 2;
     for (const LegendrePoint& g : gauss) {
       const double a = middle + half * g.x, weight = half * g.weight, falling = std::expm1(-a);
-      const LayerTransforms t = layer_transforms(poisson, a);
+      const LayerTransforms t = transforms(poisson, a);
       const double smooth = weight / a, base = weight / pi;
-      wave_.push_back(
-          {a,
-           {smooth * (t.yy + falling), smooth * (t.xx + falling), smooth * (t.xy + (1 - 2 * poisson) * falling)},
-           {base * t.sigma_by_y, base * t.tau_by_x, -base * t.tau_by_y, -base * t.sigma_by_x}});
+      wave_.push_back({a,
+                       {smooth * (t.yy + log_part * falling), smooth * (t.xx + log_part * falling),
+                        smooth * (t.xy + compressible * falling)},
+                       {base * t.sigma_by_y, base * t.tau_by_x, -base * t.tau_by_y, -base * t.sigma_by_x}});
     }
   }
 }
 
 LayerKernelValues LayerKernels::at(double x) const {
-  const double compressible = 1 - 2 * poisson_, log = std::log1p(x * x) / 2, angle = std::atan(x);
-  const double log_integral = x * log - x + angle;
-  LayerKernelValues sum{{log, log, -compressible * angle},
-                        {log_integral, log_integral, -compressible * (x * angle - log)},
+  const double log = std::log1p(x * x) / 2, angle = std::atan(x), log_integral = log_part_ * (x * log - x + angle);
+  LayerKernelValues sum{{log_part_ * log, log_part_ * log, -compressible_ * angle},
+                        {log_integral, log_integral, -compressible_ * (x * angle - log)},
                         {0, 0, 0, 0},
                         {0, 0, 0, 0},
                         {0, 0, 0, 0}};

@@ -4,6 +4,7 @@
 #include "fem/layer/layer_model.h"
 #include "fem/layer/patch_compliance.h"
 #include "fem/layer/patch_search.h"
+#include "fem/path_derivatives.h"
 
 namespace tactel::fem {
 
@@ -22,6 +23,12 @@ struct PatchOptions {
   int increments() const { return pressing_increments > 0 ? pressing_increments : (elements + 2) / 3; }
 };
 
+/// The patch of a solved scene, and the statuses along its path.
+struct PatchTrace {
+  Patch patch;
+  std::vector<PathIncrement> increments;
+};
+
 /// Contact on a scene's own patch, fp64, one scene at a time: the twin of the patch kernel. It shares the algorithm
 /// with the kernel, but no code. Block Gauss-Seidel over the elements, left to right, relaxed (patch_laws.h); the
 /// certificate comes from the final forces alone. Where the surface is penetrated beyond an end of the patch, the patch
@@ -33,10 +40,11 @@ class PatchSolver {
   /// Solves a scene on the model's sensor; E and the mesh may differ. Nodes of the answer are the elements of the patch
   /// (surface_x: their middles). The base is one node, which bears the sums of the forces. Throws ValueError for an
   /// invalid scene, std::invalid_argument for another sensor.
-  ContactSolution solve(const Scene& scene) const;
+  /// Where `trace` is given it takes the last patch and all increments, those between the load's included.
+  ContactSolution solve(const Scene& scene, PatchTrace* trace = nullptr) const;
 
   /// The same on a given patch, which does not grow.
-  ContactSolution solve_on(const Patch& patch, const Scene& scene) const;
+  ContactSolution solve_on(const Patch& patch, const Scene& scene, PatchTrace* trace = nullptr) const;
 
   const PatchOptions& options() const { return options_; }
 

@@ -9,6 +9,7 @@
 #include "host/api/many_solver.h"
 #include "host/api/modelling.h"
 #include "host/api/scene_conversion.h"
+#include "host/contact/derivatives.h"
 #include "host/contact/solve.h"
 #include "host/support/errors.h"
 
@@ -51,6 +52,33 @@ Path path_of(const host::SolveOutcome& outcome) {
   return path;
 }
 
+Derivatives derivatives_of(const host::ContactDerivatives& from) {
+  Derivatives all;
+  for (const fem::SceneParameter& p : from.parameters) {
+    all.names.push_back(p.name);
+    all.units.push_back(p.unit);
+    all.values.push_back(p.value);
+  }
+  for (const fem::NoDerivative& m : from.missing) all.missing.push_back(m.name + ": " + m.reason);
+  all.distance_to_switch = from.distance_to_switch;
+  all.answer_difference = from.answer_difference;
+  const auto append = [](std::vector<double>& to, const auto& values) {
+    to.insert(to.end(), values.begin(), values.end());
+  };
+  for (std::size_t k = 0; k < from.distance_to_switch.size(); ++k)
+    for (const std::vector<fem::PathAnswer>& by : from.by) {
+      const fem::PathAnswer& a = by[k];
+      all.P.push_back(a.P);
+      all.Q.push_back(a.Q);
+      all.slip_index.push_back(a.S.value_or(nan));
+      all.indentation.push_back(a.depth);
+      all.tangential.push_back(a.x);
+      append(all.sigma_y, a.frame.head(a.frame.size() / 2));
+      append(all.tau_xy, a.frame.tail(a.frame.size() / 2));
+    }
+  return all;
+}
+
 host::SolveOptions options_of(const SolveOptions& from) {
   api::check_precision(from.precision);
   if (from.solver != "batched" && from.solver != "reference")
@@ -79,6 +107,7 @@ Path solve(const Scene& scene, const SolveOptions& options) {
   return api::with_public_errors([&] {
     const host::SolveOutcome outcome = host::solve(checked, options_of(options));
     Path path = path_of(outcome);
+    if (options.derivatives) path.derivatives = derivatives_of(host::derivatives(checked, outcome));
     if (!options.estimate_error) return path;
     if (const auto error = host::mesh_error(outcome)) {
       const host::AnswerError& e = error->expected;

@@ -7,6 +7,7 @@
 #include "fem/stress_field.h"
 #include "host/commands/shared_options.h"
 #include "host/commands/solve_page.h"
+#include "host/contact/derivatives.h"
 #include "host/contact/scene_json.h"
 #include "host/contact/solution_table.h"
 #include "host/figures/contact_figure.h"
@@ -25,6 +26,7 @@ struct SolveRequest {
   SharedOptions shared;
   std::string scene, json, plot, field, html;
   std::optional<int> step;
+  bool derivatives = false;
 };
 
 /// Everything that could make the results unwritable, before the work and not after it.
@@ -32,6 +34,8 @@ void check_solve_outputs(const SolveRequest& request) {
   if (!request.json.empty() && request.json != "-") check_writable("--json", request.json);
   if (!request.plot.empty()) check_figure_path("--plot", request.plot);
   if (!request.html.empty()) check_writable("--html", request.html);
+  if (request.derivatives && request.json.empty())
+    throw ConfigError("command line", "--derivatives", "", "given with --json FILE, which takes them");
   if (request.field.empty()) return;
   check_writable("--field", request.field);
   const SolveOptions& solve = request.shared.solve;
@@ -93,6 +97,8 @@ int run_solve(const SolveRequest& request) {
     if (!request.field.empty()) options.model = fem::SurfaceModel::mesh;  // a patch has no nodes in the block
     SolveOutcome solved = solve(asked, options);
     solved.mesh_error = mesh_error(solved);
+    if (request.derivatives)
+      solved.derivatives = std::make_shared<const ContactDerivatives>(derivatives(asked, solved));
     return solved;
   }();
   const fem::Scene& scene = outcome.scene;
@@ -133,6 +139,8 @@ void add_solve_command(CLI::App& app, Action& action) {
       ->add_option("--step", request->step,
                    "load step of --plot and --field, from 1 (default: the last), and the first of --html")
       ->type_name("K");
+  command->add_flag("--derivatives", request->derivatives,
+                    "add the derivatives of forces, S and stresses by the scene's numbers to --json");
   add_shared_options(*command, request->shared);
   command->callback([request, &action] { action = [request] { return run_solve(*request); }; });
 }

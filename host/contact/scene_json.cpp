@@ -4,6 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "host/contact/derivatives.h"
+
 namespace tactel::host {
 namespace {
 
@@ -110,6 +112,38 @@ Json mesh_error_json(const MeshError& error) {
   return {{"slip_index", e.S}, {"P", e.P}, {"Q", e.Q}, {"sigma_y", e.sigma}, {"tau_xy", e.tau}, {"from", error.finer}};
 }
 
+Json derivatives_json(const ContactDerivatives& derivatives) {
+  Json parameters = Json::array(), missing = Json::array(), steps = Json::array();
+  for (const fem::SceneParameter& p : derivatives.parameters)
+    parameters.push_back({{"name", p.name}, {"value", p.value}, {"unit", p.unit}});
+  for (const fem::NoDerivative& m : derivatives.missing) missing.push_back({{"name", m.name}, {"reason", m.reason}});
+  for (std::size_t k = 0; k < derivatives.distance_to_switch.size(); ++k) {
+    Json P = Json::array(), Q = P, S = P, depth = P, x = P, sigma = P, tau = P;
+    for (const std::vector<fem::PathAnswer>& by : derivatives.by) {
+      const fem::PathAnswer& a = by[k];
+      P.push_back(a.P);
+      Q.push_back(a.Q);
+      S.push_back(a.S ? Json(*a.S) : Json());
+      depth.push_back(a.depth);
+      x.push_back(a.x);
+      sigma.push_back(numbers(a.frame.head(a.frame.size() / 2)));
+      tau.push_back(numbers(a.frame.tail(a.frame.size() / 2)));
+    }
+    steps.push_back({{"distance_to_switch", derivatives.distance_to_switch[k]},
+                     {"P", std::move(P)},
+                     {"Q", std::move(Q)},
+                     {"slip_index", std::move(S)},
+                     {"indentation", std::move(depth)},
+                     {"tangential", std::move(x)},
+                     {"sigma_y", std::move(sigma)},
+                     {"tau_xy", std::move(tau)}});
+  }
+  return {{"parameters", std::move(parameters)},
+          {"missing", std::move(missing)},
+          {"answer_difference", derivatives.answer_difference},
+          {"steps", std::move(steps)}};
+}
+
 }  // namespace
 
 Json to_json(const fem::Scene& scene) {
@@ -140,6 +174,7 @@ Json to_json(const fem::Scene& scene, const SolveOutcome& outcome) {
               {"steps", std::move(steps)}};
   if (!outcome.rung.empty()) out["rung"] = outcome.rung;
   if (outcome.plan) out["planner"] = to_json(*outcome.plan);
+  if (outcome.derivatives) out["derivatives"] = derivatives_json(*outcome.derivatives);
   if (outcome.mesh_error) out["discretisation_error"] = mesh_error_json(*outcome.mesh_error);
   return out;
 }

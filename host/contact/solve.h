@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,8 @@ namespace tactel::host {
 
 /// Returns the solvers of this build.
 std::vector<std::string> solver_names();
+
+struct ContactDerivatives;
 
 /// Solver, precision, device and tolerance: the options --solver, --precision, --device and --tolerance.
 struct SolveOptions {
@@ -29,11 +32,12 @@ struct SolveOptions {
 struct SolveOutcome {
   fem::ContactSolution solution;
   std::string solver, precision, device;
-  fem::Scene scene{};                     ///< as it was modelled
-  std::string rung{};                     ///< empty: the scene's own model
-  std::optional<Plan> plan{};             ///< reason for the rung, where an accuracy was requested
-  std::string model_reason{};             ///< why this model, patch or mesh, answered
-  std::optional<MeshError> mesh_error{};  ///< of solve's command; none: not estimated
+  fem::Scene scene{};                                       ///< as it was modelled
+  std::string rung{};                                       ///< empty: the scene's own model
+  std::optional<Plan> plan{};                               ///< reason for the rung, where an accuracy was requested
+  std::string model_reason{};                               ///< why this model, patch or mesh, answered
+  std::optional<MeshError> mesh_error{};                    ///< of solve's command; none: not estimated
+  std::shared_ptr<const ContactDerivatives> derivatives{};  ///< none: not asked for
 
   bool on_patch() const { return solution.surface_width.size() > 0; }
 };

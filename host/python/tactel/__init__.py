@@ -13,14 +13,14 @@ import sys as _sys
 
 from . import _tactel
 from ._tactel import (
-    Cancelled, Cylinder, Element, Error, Errors, Exponential, Flat, Force, Frame, HardwareError, Indenter, InputError, Load,
+    Cancelled, Cylinder, Derivatives, Element, Error, Errors, Exponential, Flat, Force, Frame, HardwareError, Indenter, InputError, Load,
     Mesh, Network, Parabola, Path, Paths, Press, Profile, RoundedFlat, Scene, Sensor, Set, SlipEstimator, Stream,
     StressRecovery, Tactels, Taylor, Trapezoid, Wedge, __version__, bonded, heights, open_sensor, read_scene, read_set,
     solve,
 )
 
 __all__ = [
-    "Cancelled", "Cylinder", "Element", "Error", "Errors", "Exponential", "Flat", "Force", "Frame", "HardwareError",
+    "Cancelled", "Cylinder", "Derivatives", "Element", "Error", "Errors", "Exponential", "Flat", "Force", "Frame", "HardwareError",
     "Indenter", "InputError", "Load", "Mesh", "Network", "Parabola", "Path", "Paths", "Press", "Profile", "RoundedFlat",
     "Scene", "Sensor", "Set", "SlipEstimator", "Stream", "StressRecovery", "Sweep", "Tactels", "Taylor", "Trapezoid", "Wedge",
     "bonded", "heights", "open_sensor", "read_scene", "read_set", "solve", "solve_many", "train",

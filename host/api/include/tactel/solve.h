@@ -20,6 +20,7 @@ struct SolveOptions {
   std::string device{};     ///< name or index of an OpenCL device; empty: the default device
   std::optional<double> tolerance{};  ///< largest relative residual that counts as converged; none: the solver's own
   bool estimate_error = false;        ///< of solve(): also solve a finer model, for Path::error
+  bool derivatives = false;           ///< of solve(): also differentiate, for Path::derivatives
 };
 
 /// Status of a surface node (mesh) or element (patch).
@@ -51,6 +52,18 @@ struct ExpectedError {
   std::string finer;  ///< the model of comparison, "81 x 21"
 };
 
+/// Derivatives of an answer by the numbers of its scene, with statuses fixed. Arrays have the last index fastest.
+struct Derivatives {
+  std::vector<std::string> names, units;        ///< [parameters] "indenter.radius"; "mm", empty: none
+  std::vector<double> values;                   ///< [parameters]
+  std::vector<std::string> missing;             ///< "sensor.poisson: why it has no derivative"
+  std::vector<double> distance_to_switch;       ///< [steps] relative, to the nearest change of a status; >= 0
+  std::vector<double> P, Q, slip_index;         ///< [steps, parameters] N/mm, N/mm, none; over the parameter's unit
+  std::vector<double> indentation, tangential;  ///< [steps, parameters] mm: 0 but where forces are given
+  std::vector<double> sigma_y, tau_xy;          ///< [steps, parameters, tactels] MPa
+  double answer_difference = 0;  ///< of S, between the answer and the exact fp64 path that was differentiated
+};
+
 /// The answer to a scene: one Step for each load increment, those of the indentation first.
 struct Path {
   std::vector<Step> steps;
@@ -61,6 +74,7 @@ struct Path {
   std::string model, model_reason;               ///< "patch of 12 elements, 2.9 mm wide", and why
   std::string solver, precision, device;
   std::optional<ExpectedError> error;
+  std::optional<Derivatives> derivatives{};
   std::vector<std::string> warnings;
 };
 

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/calibration/press_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fem/contact_laws.h"
+#include "fem/layer/patch_compliance.h"
+#include "fem/layer/rigid_contact.h"
+#include "fem/scene_derivatives.h"
+
+namespace tactel::host {
+namespace {
+
+// Central differences of compliance and stress in the family's tables, which are linear between rows in Poisson's
+// ratio.
+constexpr double poisson_step = 1e-3, length_step = 1e-3;  // no unit, mm
+
+constexpr double sweep_tolerance = 1e-10;  ///< statuses of the exact path; it is solved again with them
+
+/// Compliance and tactel stress at a patch, the tactels shifted: a force is as much nearer or farther. Where the free
+/// sides count, the shift moves them along.
+fem::Condensation rubber_at(const fem::LayerModel& model, const fem::Patch& patch, double shift) {
+  fem::Condensation rubber = fem::patch_condensation(model, patch);
+  if (shift != 0) {
+    const Eigen::VectorXd moved = rubber.surface_x.array() - shift;
+    rubber.tactel_stress = fem::without_compliance(model, moved).tactel_stress;
+  }
+  return rubber;
+}
+
+}  // namespace
+
+PressModel::PressModel(const fem::SensorFamily& family, const fem::Scene& scene, const RubberState& first, int elements)
+    : family_(family), scene_(scene) {
+  scene_.indenter = fem::with_hull(scene.indenter);
+  options_.elements = elements;
+  options_.tolerance = sweep_tolerance;
+  options_.most_sweeps = 20000;
+  scene_.sensor = sensor_at(first);
+  scene_.validate();
+  const fem::LayerModel model = family_.model(scene_.sensor);
+  fem::PatchTrace trace;
+  fem::PatchSolver(model, options_).solve(scene_, &trace);
+  patch_ = trace.patch;
+}
+
+fem::Sensor PressModel::sensor_at(const RubberState& state) const {
+  fem::Sensor sensor = scene_.sensor;
+  sensor.young = std::exp(state.log_young);
+  sensor.poisson = state.poisson;
+  sensor.thickness = state.thickness;
+  return sensor;
+}
+
+PressFrames PressModel::at(const RubberState& state, std::span<const int> numbers) const {
+  fem::Scene scene = scene_;
+  scene.sensor = sensor_at(state);
+  const fem::LayerModel model = family_.model(scene.sensor);
+  fem::PatchTrace trace;
+  fem::PatchSolver(model, options_).solve_on(patch_, scene, &trace);
+  const fem::Condensation rubber = rubber_at(model, patch_, state.shift);
+  const fem::PathDerivatives path({.compliance = rubber.compliance,
+                                   .tactel_stress = rubber.tactel_stress,
+                                   .height = fem::profile_heights(scene.indenter, rubber.surface_x),
+                                   .mu = std::min(scene.friction, fem::largest_friction),
+                                   .young = scene.sensor.young,
+                                   .increments = trace.increments});
+  fem::require_solution(path);
+  const auto steps = static_cast<Eigen::Index>(path.answers().size());
+  const auto table = [&](const std::vector<fem::PathAnswer>& answers, Eigen::MatrixXd& frame, Eigen::VectorXd& P) {
+    frame.resize(steps, rubber.tactel_stress.rows());
+    P.resize(steps);
+    for (Eigen::Index k = 0; k < steps; ++k) {
+      frame.row(k) = answers[static_cast<std::size_t>(k)].frame;
+      P[k] = answers[static_cast<std::size_t>(k)].P;
+    }
+  };
+  PressFrames result;
+  table(path.answers(), result.frame, result.P);
+  const auto difference = [&](const RubberState& plus, const RubberState& minus, double distance) {
+    const fem::Condensation to = rubber_at(family_.model(sensor_at(plus)), patch_, plus.shift),
+                            from = rubber_at(family_.model(sensor_at(minus)), patch_, minus.shift);
+    return fem::PathDirection{.compliance = (to.compliance - from.compliance) / distance,
+                              .tactel_stress = (to.tactel_stress - from.tactel_stress) / distance};
+  };
+  const auto direction_of = [&](int number) -> fem::PathDirection {
+    if (number == 0) return {.young = scene.sensor.young};
+    RubberState plus = state, minus = state;
+    if (number == 1) {  // at an end of the family's range the difference is one-sided
+      plus.poisson = std::min(state.poisson + poisson_step, family_.range().poisson_high);
+      minus.poisson = std::max(state.poisson - poisson_step, family_.range().poisson_low);
+      return difference(plus, minus, plus.poisson - minus.poisson);
+    }
+    double RubberState::*const member = number == 2 ? &RubberState::thickness : &RubberState::shift;
+    plus.*member += length_step;
+    minus.*member -= length_step;
+    return difference(plus, minus, 2 * length_step);
+  };
+  for (const int number : numbers)
+    table(path.forward(direction_of(number)), result.frame_by[number], result.P_by[number]);
+  return result;
+}
+
+}  // namespace tactel::host

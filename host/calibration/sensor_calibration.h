@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <Eigen/Dense>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/calibration/press_model.h"
+
+namespace tactel::host {
+
+/// The readings of one press or drag of a known indenter.
+struct KnownPress {
+  std::string name;          ///< for messages
+  fem::Scene scene;          ///< indenter, friction, load by depth or force, nominal sensor
+  Eigen::MatrixXd readings;  ///< [steps, 2 tactels] in the device's units, in the order of a frame; NaN: no reading
+  Eigen::VectorXd P;         ///< [steps] N/mm, measured; NaN or empty: not measured
+};
+
+struct CalibrationOptions {
+  bool fit_poisson = true, fit_thickness = false, fit_shift = false;
+  double force_noise = 0.01;  ///< standard deviation of measured forces, relative
+  Eigen::VectorXd noise{};    ///< [2 tactels] standard deviation of readings at rest; empty: from the residuals
+  double lowest_reading = -std::numeric_limits<double>::infinity(),
+         highest_reading = std::numeric_limits<double>::infinity();  ///< at or beyond: the converter is saturated
+  int most_iterations = 30;
+  int elements = 24;      ///< of the patch of each press
+  void validate() const;  ///< throws ValueError
+};
+
+/// What is wrong with the recordings: named, and left out of the fit.
+struct CalibrationFault {
+  enum class Kind { dead_channel, swapped_channels, saturated, wrong_press, wrong_indenter };
+  Kind kind;
+  int channel = -1, other = -1;  ///< place in a frame; the other of a swapped pair
+  int press = -1;
+  std::string text;  ///< a sentence
+};
+
+/// A fitted number and its standard deviation; 0: held fixed.
+struct Fitted {
+  double value = 0, deviation = 0;
+};
+
+struct SensorCalibration {
+  bool converged = false;
+  int iterations = 0;
+  Fitted young, poisson, thickness, shift;  ///< MPa, none, mm, mm
+  std::vector<Fitted> gain, offset;         ///< [2 tactels] MPa by the device's unit; the device's unit. NaN: left out
+  std::vector<double> noise;                ///< [2 tactels] standard deviation of the residuals, the device's unit
+  Eigen::MatrixXd correlation;              ///< [fitted rubber numbers, same]
+  std::vector<std::string> fitted, held;    ///< names of rubber numbers; sentences: what is held fixed, and why
+  std::vector<CalibrationFault> faults;
+  std::vector<Eigen::MatrixXd>
+      residuals;  ///< [presses] [steps, 2 tactels] reading less model over noise; NaN: left out
+};
+
+/// Fits gains and offsets of all transducers, and the rubber, to readings of known presses: reading = offset + stress /
+/// gain. Given the rubber this is linear and solved exactly (variable projection); the rubber's numbers follow by
+/// Levenberg-Marquardt on the derivatives of fem/path_derivatives.h, with Huber's weights against outliers. E and gains
+/// are told apart by measured forces alone: without any, E is held. Poisson's ratio and thickness are nearly
+/// degenerate; the thickness is held unless asked for. Throws ValueError for sizes that disagree and recordings that
+/// determine nothing.
+SensorCalibration calibrate_sensor(const fem::SensorFamily& family, const std::vector<KnownPress>& presses,
+                                   const RubberState& start, const CalibrationOptions& options = {});
+
+}  // namespace tactel::host
