@@ -86,11 +86,13 @@ void TrainingPlan::validate() const {
   for (const double noise : noises)
     if (!(noise >= 0 && noise <= 1))
       throw ValueError("noise", std::to_string(noise), "a fraction of the largest stress, 0 to 1: 0.1 for 10 %");
-  for (const nn::Topology& topology : topologies)
-    if (topology.has_bound() && !batch)
+  for (const nn::Topology& topology : topologies) {
+    if (batch) break;
+    if (topology.has_bound())
       throw ValueError("network", topology.text(), "one output, or --schedule batch for the heads of a bound");
-    else if (topology.hidden_activation() != nn::Activation::logistic && !batch)
+    if (topology.hidden_activation() != nn::Activation::logistic)
       throw ValueError("network", topology.text(), "logistic neurons, or --schedule batch");
+  }
   options.validate();
   if (batch) batch->validate();
 }

@@ -92,7 +92,7 @@ nn::BatchOptions batch_options(const TrainRequest& request) {
 /// The paper's numbers stand for its hidden layers behind as many frames as there are.
 nn::Topology topology_of(const std::string& name, int frames) {
   const nn::Topology topology = nn::Topology::parse(name);
-  const bool numbered = name.find('-') == std::string::npos;
+  const bool numbered = name.substr(0, name.find('_')).find('-') == std::string::npos;
   return numbered ? topology.with_inputs(topology.inputs() * frames) : topology;
 }
 
