@@ -62,7 +62,10 @@ class Program:
                 yield f"tactel {command}: no such command"
                 continue
             if command not in self.options:
-                self.options[command] = set(re.findall(r"--[a-z][a-z0-9-]*", self.help(command)))
+                text = self.help(command)
+                text += "".join(self.help(command, word) for word in re.findall(r"^  ([a-z]+)  ", text, re.M)
+                                if "SUBCOMMAND" in text)
+                self.options[command] = set(re.findall(r"--[a-z][a-z0-9-]*", text))
             for option in re.findall(r"(?<![\w-])--[a-z][a-z0-9-]*", rest):
                 if option not in self.options[command]:
                     yield f"tactel {command} {option}: no such option"

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/commands/calibrate_sensor_command.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "host/calibration/press_recordings.h"
+#include "host/support/durable_file.h"
+#include "host/support/json_text.h"
+#include "host/support/progress_line.h"
+#include "host/support/terminal.h"
+
+namespace tactel::host {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct CalibrateSensorRequest {
+  std::string recordings, profile, output, json;
+  bool quiet = false;
+};
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+Json fitted_json(const Fitted& fitted) {
+  return {{"value", number(fitted.value)}, {"deviation", number(fitted.deviation)}};
+}
+
+const char* kind_name(CalibrationFault::Kind kind) {
+  switch (kind) {
+    case CalibrationFault::Kind::dead_channel:
+      return "dead_channel";
+    case CalibrationFault::Kind::swapped_channels:
+      return "swapped_channels";
+    case CalibrationFault::Kind::saturated:
+      return "saturated";
+    case CalibrationFault::Kind::wrong_press:
+      return "wrong_press";
+    default:
+      return "wrong_indenter";
+  }
+}
+
+Json to_json(const SensorCalibration& found, const std::vector<KnownPress>& presses) {
+  Json gains = Json::array(), offsets = gains, noise = gains, faults = gains, residuals = gains, correlation = gains;
+  for (const Fitted& gain : found.gain) gains.push_back(fitted_json(gain));
+  for (const Fitted& offset : found.offset) offsets.push_back(fitted_json(offset));
+  for (const double value : found.noise) noise.push_back(number(value));
+  for (const CalibrationFault& fault : found.faults)
+    faults.push_back({{"kind", kind_name(fault.kind)}, {"text", fault.text}});
+  for (Eigen::Index i = 0; i < found.correlation.rows(); ++i)
+    correlation.push_back(std::vector<double>(found.correlation.row(i).begin(), found.correlation.row(i).end()));
+  for (std::size_t i = 0; i < presses.size(); ++i) {
+    Json rows = Json::array();
+    for (Eigen::Index k = 0; k < found.residuals[i].rows(); ++k) {
+      Json& row = rows.emplace_back(Json::array());
+      for (const double r : found.residuals[i].row(k)) row.push_back(number(r));
+    }
+    residuals.push_back({{"press", presses[i].name}, {"steps", std::move(rows)}});
+  }
+  return {{"converged", found.converged},
+          {"iterations", found.iterations},
+          {"young", fitted_json(found.young)},
+          {"poisson", fitted_json(found.poisson)},
+          {"thickness", fitted_json(found.thickness)},
+          {"shift", fitted_json(found.shift)},
+          {"fitted", found.fitted},
+          {"correlation", std::move(correlation)},
+          {"held", found.held},
+          {"faults", std::move(faults)},
+          {"gain", std::move(gains)},
+          {"offset", std::move(offsets)},
+          {"noise", std::move(noise)},
+          {"residuals", std::move(residuals)}};
+}
+
+std::string line(const char* name, const Fitted& fitted, const char* unit) {
+  if (fitted.deviation == 0) return fmt::format("{} = {:.5g}{} (held)", name, fitted.value, unit);
+  return fmt::format("{} = {:.5g} +- {:.2g}{}", name, fitted.value, fitted.deviation, unit);
+}
+
+int run_calibrate_sensor(const CalibrateSensorRequest& request) {
+  check_writable("--output", request.output);
+  if (!request.json.empty()) check_writable("--json", request.json);
+  const SensorProfile profile = read_profile(request.profile);
+  const PressRecordings recordings = [&] {
+    const StageLine stage("reading " + request.recordings, request.quiet);
+    return read_press_recordings(request.recordings, profile);
+  }();
+  const fem::Sensor& sensor = recordings.presses.front().scene.sensor;
+  const SensorCalibration found = [&] {
+    const StageLine stage("fitting", request.quiet);
+    const fem::SensorFamily family(
+        {.poisson_low = recordings.poisson_low,
+         .poisson_high = recordings.poisson_high,
+         .longest = std::max(fem::SensorRange{}.longest, 1.3 * sensor.length / sensor.thickness),
+         .tactels = sensor.tactels});
+    const RubberState start{std::log(sensor.young), sensor.poisson, sensor.thickness, 0};
+    return calibrate_sensor(family, recordings.presses, start, recordings.options);
+  }();
+  std::vector<std::string> remarks = {
+      line("sensor.young", found.young, " MPa"), line("sensor.poisson", found.poisson, ""),
+      line("sensor.thickness", found.thickness, " mm"), line("shift of the tactels", found.shift, " mm")};
+  for (const std::string& held : found.held) remarks.push_back(held);
+  const bool wrong = std::ranges::any_of(
+      found.faults, [](const CalibrationFault& fault) { return fault.kind == CalibrationFault::Kind::wrong_indenter; });
+  if (!request.json.empty()) write_file("--json", request.json, json_text(to_json(found, recordings.presses)));
+  if (!request.quiet) {
+    for (const std::string& remark : remarks) fmt::print("{}\n", remark);
+    for (const CalibrationFault& fault : found.faults) print_warning(fault.text);
+  }
+  if (!found.converged || wrong) {
+    print_error(request.output +
+                " was not written: " + (wrong ? "the recordings do not fit their scenes" : "the fit did not converge"));
+    return not_converged;
+  }
+  write_file("--output", request.output, calibrated_profile(profile, merged_calibration(profile, found), remarks));
+  if (!request.quiet) fmt::print("the calibrated profile is in {}\n", request.output);
+  return done;
+}
+
+}  // namespace
+
+void add_calibrate_sensor_command(CLI::App& calibrate, Action& action) {
+  auto request = std::make_shared<CalibrateSensorRequest>();
+  CLI::App* command = calibrate.add_subcommand(
+      "sensor", "fit gains, offsets and rubber of a sensor to recordings of known presses and drags");
+  command->add_option("recordings", request->recordings, "scenes, recordings, times and forces of the presses (TOML)")
+      ->type_name("RECORDINGS.toml")
+      ->required();
+  command->add_option("--profile", request->profile, "profile of the device")->type_name("P.toml")->required();
+  command->add_option("--output", request->output, "profile to write, with the new calibration")
+      ->type_name("FILE.toml")
+      ->required();
+  command->add_option("--json", request->json, "write all numbers, with deviations and residuals")->type_name("FILE");
+  command->add_flag("--quiet", request->quiet, "no progress, no warnings and no summary");
+  command->callback([request, &action] { action = [request] { return run_calibrate_sensor(*request); }; });
+}
+
+}  // namespace tactel::host

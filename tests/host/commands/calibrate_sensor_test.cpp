@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// tactel calibrate sensor as a user runs it: recordings of presses on a simulated sensor with unknown gains and E.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <fstream>
+#include <random>
+
+#include "fem/layer/patch_solver.h"
+#include "host/live/sensor_profile.h"
+#include "hw/generic_format.h"
+#include "hw/recording.h"
+#include "tests/host/commands/live_command.h"
+#include "tests/host/support/run_tactel.h"
+
+namespace tactel::host {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr int tactels = 8;
+constexpr double true_young = 2.6;
+
+class CalibrateSensor : public ::testing::Test {
+ protected:
+  CalibrateSensor() {
+    layout_.sync = {0xA5, 0x5A};
+    layout_.header = 2;
+    layout_.channels = 2 * tactels;
+    layout_.sample = hw::SampleType::f32;
+    std::mt19937 random(7);
+    std::normal_distribution<double> normal;
+    for (double& gain : gain_) gain = 0.01 * (1 + 0.2 * normal(random));
+    for (double& offset : offset_) offset = 100 * normal(random);
+    write(profile_,
+          "# keep me\n[device]\nname = \"test\"\n[format]\nkind = \"generic\"\nsync = [0xA5, 0x5A]\n"
+          "channels = 16\nsample = \"f32\"\n[calibration]\ngain = 0.01\n[channels]\n"
+          "normal = [0, 1, 2, 3, 4, 5, 6, 7]\nshear = [8, 9, 10, 11, 12, 13, 14, 15]\n");
+    std::string presses = "[fit]\npoisson = false\n";
+    for (int k = 0; k < 6; ++k) presses += press(k, random);
+    write(recordings_, presses);
+  }
+
+  static void write(const std::string& path, const std::string& text) { std::ofstream(path) << text; }
+
+  /// Half a second at rest, then half a second on each load step. Returns the press's table.
+  std::string press(int k, std::mt19937& random) {
+    const std::string name = "press" + std::to_string(k), file = (folder_ / name).string();
+    fem::Scene scene;
+    scene.sensor.tactels = tactels;
+    scene.sensor.young = true_young;
+    scene.indenter = {fem::Cylinder{12}, -7.0 + 2.8 * k};
+    scene.friction = 0.6;
+    scene.load.indentation = {0.15};
+    scene.load.tangential = {0.03, 0.06};
+    write(file + ".toml",
+          "[sensor]\ntactels = 8\nyoung = 2.0\nmodel = \"patch\"\n[indenter]\nshape = \"cylinder\"\nradius = 12\n"
+          "position = " +
+              std::to_string(scene.indenter.position) +
+              "\n[contact]\nfriction = 0.6\n[load]\nindentation = 0.15\ntangential = [0.03, 0.06]\n");
+    static const fem::LayerModel model = fem::layer_model(scene.sensor);
+    const fem::ContactSolution solution = fem::PatchSolver(model, {.elements = 24, .tolerance = 1e-8}).solve(scene);
+    hw::RecordingWriter writer(file + ".tactel", "");
+    std::normal_distribution<double> normal;
+    std::vector<std::uint8_t> bytes(hw::generic_frame_length(layout_));
+    std::string P;
+    for (int frame = 0; frame < 200; ++frame) {
+      std::vector<double> samples(2 * tactels);
+      for (int c = 0; c < 2 * tactels; ++c) {
+        double stress = 0.002 * normal(random);
+        if (frame >= 50) {
+          const fem::ContactStep& step = solution.steps[static_cast<std::size_t>(frame / 50 - 1)];
+          stress += c < tactels ? step.sigma_y[c] : step.tau_xy[c - tactels];
+        }
+        samples[static_cast<std::size_t>(c)] = stress / gain_[c] + offset_[c];
+      }
+      hw::write_generic_frame(layout_, 0, 0, samples, bytes);
+      writer.write({.bytes = bytes, .arrival = 5 + 0.01 * frame});
+    }
+    writer.finish();
+    for (const fem::ContactStep& step : solution.steps) P += (P.empty() ? "" : ", ") + std::to_string(step.P);
+    return "[" + name + "]\nscene = \"" + name + ".toml\"\nrecording = \"" + name +
+           ".tactel\"\ntimes = [0.75, 1.25, 1.75]\nwindow = 0.3\nP = [" + P + "]\n";
+  }
+
+  ChildResult calibrate(std::vector<std::string> more = {}) const {
+    std::vector<std::string> call{"calibrate", "sensor", recordings_, "--profile", profile_, "--output", output_};
+    call.insert(call.end(), more.begin(), more.end());
+    return run_tactel(call);
+  }
+
+  ScratchFolder folder_;
+  hw::GenericLayout layout_;
+  double gain_[2 * tactels], offset_[2 * tactels];
+  std::string profile_ = (folder_ / "p.toml").string(), recordings_ = (folder_ / "r.toml").string(),
+              output_ = (folder_ / "p2.toml").string();
+};
+
+TEST_F(CalibrateSensor, WritesAProfileWithTheGainsOfTheSensor) {
+  const std::string json = (folder_ / "c.json").string();
+  const ChildResult result = calibrate({"--json", json});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("sensor.young = 2.6"));
+  EXPECT_THAT(result.out, HasSubstr("sensor.thickness is held"));
+  const SensorProfile profile = read_profile(output_);
+  EXPECT_THAT(profile.text, HasSubstr("# keep me\n"));
+  for (std::size_t c = 1; c + 1 < 2 * tactels; ++c) {
+    if (c == tactels - 1 || c == tactels) continue;  // over a lower corner of the block, where stress is singular
+    EXPECT_NEAR(profile.map.calibration.gain[c] / gain_[c], 1, 0.03) << c;  // noise of 0.002 / sqrt(30) of some 0.1 MPa
+    EXPECT_NEAR((profile.map.calibration.offset[c] - offset_[c]) * gain_[c], 0, 0.003) << c;
+  }
+  const nlohmann::json found = nlohmann::json::parse(std::ifstream(json));
+  EXPECT_TRUE(found["converged"].get<bool>());
+  EXPECT_NEAR(found["young"]["value"].get<double>(), true_young, 0.03);
+  EXPECT_EQ(found["gain"].size(), 2u * tactels);
+  EXPECT_EQ(found["residuals"].size(), 6u);
+}
+
+TEST_F(CalibrateSensor, WrongFilesAreNamed) {
+  const auto refused = [&](const std::string& text, const std::string& message) {
+    write(recordings_, text);
+    const ChildResult result = calibrate();
+    EXPECT_EQ(result.exit_code, 2) << text;
+    EXPECT_THAT(result.err, HasSubstr(message)) << text;
+    EXPECT_FALSE(std::filesystem::exists(output_));
+  };
+  const std::string press = "[a]\nscene = \"press0.toml\"\nrecording = \"press0.tactel\"\n";
+  refused("[fit]\n", "at least one table of a press");
+  refused("[a]\nscene = \"press0.toml\"\n", "a.recording");
+  refused(press + "times = [1, 2]\n", "load steps, 3");
+  refused(press + "times = [1, 1.5, 9]\n", "9 s has no frame");
+  refused(press + "times = [1, 1.5, 1.9]\nP = [1]\n", "as long as times, 3");
+  refused(press + "times = [1, 1.5, 1.9]\nforce = 2\n", "a.force");
+  refused("[fit]\nforce_noise = 0\n" + press + "times = [1, 1.5, 1.9]\n", "fit.force_noise");
+}
+
+}  // namespace
+}  // namespace tactel::host
