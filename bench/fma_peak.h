@@ -48,7 +48,7 @@ struct Peak {
 
   bool right() {
     executor.run(launch, groups);
-    const auto map = out.map();
+    const auto map = out.map(host::MapFor::reading);
     return std::ranges::all_of(map.view(), [](Real sum) { return sum == Real(12); });
   }
   double run() { return executor.run(launch, groups).seconds; }  ///< seconds

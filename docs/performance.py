@@ -2,16 +2,22 @@
 # SPDX-License-Identifier: Apache-2.0
 """Measures what docs/performance.md shows, and prints its tables; --write puts them between its marks `<!-- table NAME -->`.
 
-Usage: docs/performance.py [--bench build/bench/tactel_bench] [--json FILE] [--write]
---json reads what `tactel_bench --benchmark_format=json` wrote instead of measuring. Half a minute on an idle machine."""
+Usage: docs/performance.py [--bench build/bench/tactel_bench] [--program build/tactel] [--json FILE] [--write]
+--json reads what `tactel_bench --benchmark_format=json` wrote instead of measuring; start and memory are always measured. A minute on
+an idle machine."""
 import argparse
 import json
+import math
+import os
 import pathlib
 import re
+import statistics
 import subprocess
+import tempfile
+import time
 
 PAGE = pathlib.Path(__file__).resolve().parent / "performance.md"
-FILTER = ("^contact/(mesh_[AB]/fp(32|64)/real|mesh_B/reference|patch_[0-9]+/mix)|^contact/patch_12_sensors|fma_peak/fp32"
+FILTER = ("^contact/(mesh_[AB]/fp(32|64)/real|mesh_B/reference|patch_[0-9]+/mix)|^contact/mesh_[AB]/tactels|^contact/patch_12_sensors|^scaling/|fma_peak/fp32"
           "|^train/(online/6x100/kernel|batch/42-42-21-1/adam.*/64)|^forward/42-42-21-1/(kernel/threads:[12]/(4096|262144)|one_frame)")
 
 
@@ -46,6 +52,7 @@ def contacts(runs):
         lines.append(f"| `patch-{elements}`, a mix of shapes | {rates[0]} | {rates[1]} |")
     lines.append(f"| `patch-12`, parabolas, a sensor each | | {runs.million('contact/patch_12_sensors/fp32')} |")
     for mesh, size in (("B", "41 x 11"), ("A", "123 x 33")):
+        lines.append(f"| mesh {size}, parabolas, stresses at the tactels | | {runs.million(f'contact/mesh_{mesh}/tactels/fp32')} |")
         for precision in ("fp32", "fp64"):
             rate = runs.million(f"contact/mesh_{mesh}/{precision}")
             lines.append(f"| mesh {size}, parabolas, {precision} | | {rate} |")
@@ -75,9 +82,53 @@ def one_frame(runs):
     return lines
 
 
+def exponents(sizes, rates):
+    """Growth of the time of a load step from each size to the next."""
+    pairs = list(zip(sizes, rates))
+    return [math.log(a[1] / b[1]) / math.log(b[0] / a[0]) for a, b in zip(pairs, pairs[1:])]
+
+
+def scaling(runs):
+    batches = [10**k for k in range(7)]
+    lines = ["| contacts in a launch | " + " | ".join(f"{count:,}".replace(",", " ") for count in batches) + " |", "|---" * 8 + "|",
+             "| million load steps a second | " + " | ".join(runs.million(f"scaling/contacts:{count}") for count in batches) + " |", ""]
+    columns = [41, 81, 161, 321]
+    rates = [runs.of[f"scaling/columns:{count}"]["steps_per_second"] for count in columns]
+    lines += ["| columns of the mesh | " + " | ".join(map(str, columns)) + " |", "|---" * 5 + "|",
+              "| million load steps a second | " + " | ".join(number(rate / 1e6, 3) for rate in rates) + " |",
+              "| exponent of the time; 2 for equal sweeps | | " + " | ".join(f"{e:.1f}" for e in exponents(columns, rates)) + " |", ""]
+    elements = [8, 12, 16, 24]
+    rates = [runs.of[f"contact/patch_{count}/mix/fp32/threads:2"]["steps_per_second"] for count in elements]
+    lines += ["| elements of the patch | " + " | ".join(map(str, elements)) + " |", "|---" * 5 + "|",
+              "| million load steps a second | " + " | ".join(number(rate / 1e6, 3) for rate in rates) + " |",
+              "| exponent of the time; 2 for equal sweeps and increments | | " + " | ".join(f"{e:.1f}" for e in exponents(elements, rates)) + " |"]
+    return lines
+
+
+def start(program):
+    """Seconds and memory of `tactel solve` with empty caches and with full ones: the first run and the median of ten."""
+    lines = ["| `tactel solve`, start to end | empty caches | full caches | memory |", "|---|---|---|---|"]
+    examples = PAGE.parent.parent / "examples"
+    for shown, scene in (("a patch, `cylinder.toml`", "cylinder.toml"), ("a mesh, `parabola.toml`", "parabola.toml")):
+        with tempfile.TemporaryDirectory() as cache:
+            seconds, memory = [], 0
+            for _ in range(11):
+                begin = time.perf_counter()
+                child = subprocess.Popen([program, "solve", examples / scene, "--quiet"], stdout=subprocess.DEVNULL,
+                                         env={**os.environ, "TACTEL_CACHE_DIR": cache})
+                _, status, usage = os.wait4(child.pid, 0)
+                seconds.append(time.perf_counter() - begin)
+                memory = max(memory, usage.ru_maxrss / 1024)
+                if status:
+                    raise SystemExit(f"{program} solve {scene}: status {status}")
+        lines.append(f"| {shown} | {seconds[0]:.1f} s | {1e3 * statistics.median(seconds[1:]):.0f} ms | {memory:.0f} MB |")
+    return lines
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--bench", default="build/bench/tactel_bench")
+    parser.add_argument("--program", default="build/tactel")
     parser.add_argument("--json", type=pathlib.Path)
     parser.add_argument("--write", action="store_true")
     options = parser.parse_args()
@@ -88,7 +139,8 @@ def main():
         text = subprocess.run(command, check=True, capture_output=True, text=True).stdout
     runs = Runs(text)
     tables = {"machine": runs.machine(), "contacts": "\n".join(contacts(runs)) + "\n",
-              "networks": "\n".join(networks(runs)) + "\n", "one_frame": "\n".join(one_frame(runs)) + "\n"}
+              "networks": "\n".join(networks(runs)) + "\n", "one_frame": "\n".join(one_frame(runs)) + "\n",
+              "scaling": "\n".join(scaling(runs)) + "\n", "start": "\n".join(start(options.program)) + "\n"}
     page = PAGE.read_text()
     for name, table in tables.items():
         print(table)

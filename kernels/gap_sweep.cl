@@ -18,6 +18,9 @@
 #include "shared/lanes.h"
 #include "shared/contact_layout.h"
 
+/* Number of row r of a group's array, of vector v of EACH_VECTOR; from row to row. */
+#define AT(r) (((r)*VECTORS + v) * INTERLEAVED)
+#define STRIDE (VECTORS * INTERLEAVED)
 #define EACH_VECTOR _Pragma("unroll") for (int v = 0; v < VECTORS; ++v)
 #define C_PARTS (FRICTION ? COMPLIANCE_PARTS : 1)
 #define FAR ((real)NO_GAP_ELEMENT) /* mm: height of a node that carries no gap element, in this lane or yet */
@@ -159,7 +162,7 @@ static inline void iterate(const Rules *rules, Contact *c, Indenter *in, vreal *
 
 /* Activates the gap element of node i in some lanes: sets its height, and the node's position at the last increment. */
 static inline void activate(const Rules *rules, global const vreal *profile, Contact *c, int i, const vint *activated) {
-  EACH_VECTOR { c->h[i][v] = PICK(activated[v], profile[i * VECTORS + v], c->h[i][v]); }
+  EACH_VECTOR { c->h[i][v] = PICK(activated[v], profile[AT(i)], c->h[i][v]); }
   if (FRICTION) {
     const RowDisplacement last = row_displacement(rules, i, c->n_last, c->t_last, c->first, c->end);
     EACH_VECTOR { c->ux_last[i][v] = PICK(activated[v], last.ux[v], c->ux_last[i][v]); }
@@ -172,7 +175,7 @@ static inline void activate(const Rules *rules, global const vreal *profile, Con
 static inline void activate_reached(const Rules *rules, global const vreal *profile, Contact *c, const Indenter *in) {
   for (int i = 0; i < NODES; ++i) {
     vint activated[VECTORS];
-    EACH_VECTOR { activated[v] = in->active[v] & (profile[i * VECTORS + v] <= in->d[v] * rules->reach) & (c->h[i][v] >= FAR); }
+    EACH_VECTOR { activated[v] = in->active[v] & (profile[AT(i)] <= in->d[v] * rules->reach) & (c->h[i][v] >= FAR); }
     if (any_vector(activated)) activate(rules, profile, c, i, activated);
   }
 }
@@ -187,7 +190,7 @@ static inline void look_outside(const Rules *rules, global const vreal *profile,
     EACH_VECTOR {
       const vreal most = fma(sum_n[v], ALL_LANES(node[NODE_RISE_PER_N]), sum_t[v] * node[NODE_RISE_PER_T]);
       c->uy[i][v] = most;
-      near[v] = profile[i * VECTORS + v] - in->d[v] < most;
+      near[v] = profile[AT(i)] - in->d[v] < most;
     }
     if (!any_vector(near)) continue;
     const RowDisplacement u = row_displacement(rules, i, c->n, c->t, c->first, c->end);
@@ -239,7 +242,7 @@ static inline void certify(const Rules *rules, global const vreal *profile, Cont
   for (int i = 0; i < NODES; ++i) {
     vint activated[VECTORS];
     EACH_VECTOR {
-      const vreal inside = c->uy[i][v] - (profile[i * VECTORS + v] - in->d[v]);
+      const vreal inside = c->uy[i][v] - (profile[AT(i)] - in->d[v]);
       const vint idle = c->h[i][v] >= FAR;
       activated[v] = checked[v] & idle & (inside > rules->tolerance * largest_uy[v]);
       in->active[v] |= activated[v];
@@ -374,7 +377,7 @@ static inline void write_rows(global const real *map, int rows, const Contact *c
         if (FRICTION) sum[b][v] = fma(ALL_LANES(m[2 * b + 1]), c->t[j][v], sum[b][v]);
       }
     }
-    _Pragma("unroll") for (int b = 0; b < ROW_BLOCK; ++b) if (r + b < rows) EACH_VECTOR { out[(r + b) * VECTORS + v] = sum[b][v] * scale[v]; }
+    _Pragma("unroll") for (int b = 0; b < ROW_BLOCK; ++b) if (r + b < rows) EACH_VECTOR { out[AT(r + b)] = sum[b][v] * scale[v]; }
   }
 }
 
@@ -382,13 +385,13 @@ static inline void write_rows(global const real *map, int rows, const Contact *c
 static inline void check_input(global const vreal *lane_input, global const vreal *profile, global const vreal *path, int steps, vint *valid) {
   EACH_VECTOR {
     vreal sum = 0;
-    for (int r = 0; r < LANE_INPUT_ROWS; ++r) sum = finite_sum(sum, lane_input[r * VECTORS + v]);
-    for (int i = 0; i < NODES; ++i) sum = finite_sum(sum, profile[i * VECTORS + v]);
+    for (int r = 0; r < LANE_INPUT_ROWS; ++r) sum = finite_sum(sum, lane_input[AT(r)]);
+    for (int i = 0; i < NODES; ++i) sum = finite_sum(sum, profile[AT(i)]);
     for (int k = 0; k < steps * PATH_ROWS; ++k) {
-      const vint own = lane_input[LANE_STEPS * VECTORS + v] > (real)(k / PATH_ROWS);
-      sum = PICK(own, finite_sum(sum, path[k * VECTORS + v]), sum);
+      const vint own = lane_input[AT(LANE_STEPS)] > (real)(k / PATH_ROWS);
+      sum = PICK(own, finite_sum(sum, path[AT(k)]), sum);
     }
-    valid[v] = (sum == 0) & (lane_input[LANE_MU * VECTORS + v] >= 0) & (lane_input[LANE_YOUNG * VECTORS + v] > 0);
+    valid[v] = (sum == 0) & (lane_input[AT(LANE_MU)] >= 0) & (lane_input[AT(LANE_YOUNG)] > 0);
   }
 }
 
@@ -396,10 +399,10 @@ static inline void check_input(global const vreal *lane_input, global const vrea
 static inline void write_nodes(const Contact *c, const Indenter *in, const vreal *young, global vreal *out) {
   for (int i = 0; i < NODES; ++i) EACH_VECTOR {
       const vreal n = c->n[i][v], t = c->t[i][v];
-      out[i * VECTORS + v] = n * young[v];
-      out[(NODES + i) * VECTORS + v] = t * young[v];
+      out[AT(i)] = n * young[v];
+      out[AT(NODES + i)] = t * young[v];
       const vreal touching = PICK(fabs(t) < in->mu[v] * n, ALL_LANES(NODE_STICK), ALL_LANES(NODE_SLIP));
-      out[(2 * NODES + i) * VECTORS + v] = PICK(n > 0, touching, ALL_LANES(NODE_OPEN));
+      out[AT(2 * NODES + i)] = PICK(n > 0, touching, ALL_LANES(NODE_OPEN));
     }
 }
 
@@ -418,8 +421,8 @@ static inline vreal balance(global const vreal *rows_out, int base_rows, int v, 
   if (base_rows == 0) return 0;
   vreal x = 0, y = 0;
   for (int r = 0; r < base_rows; r += 2) {
-    x += rows_out[r * VECTORS + v];
-    y += rows_out[(r + 1) * VECTORS + v];
+    x += rows_out[AT(r)];
+    y += rows_out[AT(r + 1)];
   }
   const vreal largest = fmax(fabs(p), fabs(q));
   const vreal off = finite_sum(fmax(fabs(x - q), fabs(y + p)), x + y);
@@ -449,15 +452,15 @@ static inline void start(global const vreal *lane_input, global const vreal *pro
   c->end = 0;
   EACH_VECTOR { w->nearest[v] = FAR; }
   for (int i = 0; i < NODES; ++i) EACH_VECTOR {
-      w->nearest[v] = SMALLER(profile[i * VECTORS + v], w->nearest[v]);
+      w->nearest[v] = SMALLER(profile[AT(i)], w->nearest[v]);
     }
   for (int i = 0; i < NODES; ++i) EACH_VECTOR {
       c->n[i][v] = c->t[i][v] = c->n_last[i][v] = c->t_last[i][v] = c->ux_last[i][v] = c->ux[i][v] = c->uy[i][v] = 0;
       c->h[i][v] = FAR;
     }
   EACH_VECTOR {
-    in->mu[v] = PICK(w->valid[v], lane_input[LANE_MU * VECTORS + v], ALL_LANES(0));
-    w->young[v] = PICK(w->valid[v], lane_input[LANE_YOUNG * VECTORS + v], ALL_LANES(0));
+    in->mu[v] = PICK(w->valid[v], lane_input[AT(LANE_MU)], ALL_LANES(0));
+    w->young[v] = PICK(w->valid[v], lane_input[AT(LANE_YOUNG)], ALL_LANES(0));
     in->d[v] = in->x[v] = in->x_last[v] = w->d_change[v] = w->x_change[v] = 0;
     w->running[v] = w->valid[v];
     w->lost[v] = 0;
@@ -468,17 +471,17 @@ static inline void start(global const vreal *lane_input, global const vreal *pro
    both d and x change, or the way turns, or the load is a force. */
 static inline void next_target(global const vreal *lane_input, global const vreal *path, int k, const Indenter *in, LoadStepping *w, vreal *d,
                                vreal *x, vreal *ratio) {
-  global const vreal *target = path + k * (PATH_ROWS * VECTORS);
+  global const vreal *target = path + k * PATH_ROWS * STRIDE;
   EACH_VECTOR {
-    w->running[v] &= lane_input[LANE_STEPS * VECTORS + v] > (real)k;
+    w->running[v] &= lane_input[AT(LANE_STEPS)] > (real)k;
     w->sweeps[v] = 0;
-    d[v] = PICK(w->running[v], target[PATH_NORMAL * VECTORS + v], in->d[v]);
-    x[v] = PICK(w->running[v], target[PATH_TANGENTIAL * VECTORS + v], in->x[v]);
+    d[v] = PICK(w->running[v], target[AT(PATH_NORMAL)], in->d[v]);
+    x[v] = PICK(w->running[v], target[AT(PATH_TANGENTIAL)], in->x[v]);
     const vreal d_now = d[v] - in->d[v], x_now = x[v] - in->x[v];
     const vint same_d = (d_now == 0) & (w->d_change[v] == 0), same_x = (x_now == 0) & (w->x_change[v] == 0);
     const vreal along_d = PICK(same_x & (w->d_change[v] != 0), d_now / w->d_change[v], ALL_LANES(0));
     const vreal along = PICK(same_d & (w->x_change[v] != 0), x_now / w->x_change[v], along_d);
-    const vint by_depth = lane_input[LANE_FORCE * VECTORS + v] < FORCE_NORMAL;
+    const vint by_depth = lane_input[AT(LANE_FORCE)] < FORCE_NORMAL;
     ratio[v] = PICK(by_depth & (along > 0) & (along <= 2), along, ALL_LANES(0));
     w->d_change[v] = d_now;
     w->x_change[v] = x_now;
@@ -510,7 +513,7 @@ static inline void release(Contact *c, const vint *none) {
    would approach it through ever smaller forces. */
 static inline void lift_off(global const vreal *lane_input, Contact *c, const Indenter *in, const LoadStepping *w) {
   vint none[VECTORS];
-  EACH_VECTOR { none[v] = w->running[v] & (in->d[v] <= w->nearest[v]) & (lane_input[LANE_FORCE * VECTORS + v] < FORCE_NORMAL); }
+  EACH_VECTOR { none[v] = w->running[v] & (in->d[v] <= w->nearest[v]) & (lane_input[AT(LANE_FORCE)] < FORCE_NORMAL); }
   release(c, none);
 }
 
@@ -518,8 +521,8 @@ static inline void lift_off(global const vreal *lane_input, Contact *c, const In
 static inline void start_search(global const vreal *lane_input, const LoadStepping *w, Search *s) {
   EACH_VECTOR {
     s->nearest[v] = w->nearest[v];
-    s->by_force[v] = lane_input[LANE_FORCE * VECTORS + v] >= FORCE_NORMAL;
-    s->both[v] = lane_input[LANE_FORCE * VECTORS + v] >= FORCE_BOTH;
+    s->by_force[v] = lane_input[AT(LANE_FORCE)] >= FORCE_NORMAL;
+    s->both[v] = lane_input[AT(LANE_FORCE)] >= FORCE_BOTH;
     s->b[0][0][v] = (real)0.3; /* thickness / width, about: a start that the first trial corrects */
     s->b[1][1][v] = 1;
     s->z[0][v] = s->nearest[v];
@@ -571,7 +574,6 @@ static inline void report(global const vreal *lane_input, int k, const Contact *
   resultants(c, p, q);
   count_nodes(c, in, sticking, slipping);
   EACH_VECTOR {
-    global vreal *out = result + v;
     const Certificate *said = &w->certificate;
     const vreal held = in->mu[v] * p[v];
     const vreal off_balance = balance(rows_out, base_rows, v, p[v] * w->young[v], q[v] * w->young[v]);
@@ -580,24 +582,24 @@ static inline void report(global const vreal *lane_input, int k, const Contact *
     const vint solved = NOT(w->lost[v] | w->failed[v]) & finite & within(said, v, off_balance, accept);
     const vreal good = PICK(slides, ALL_LANES(LANE_SLIDING), ALL_LANES(LANE_SOLVED));
     const vreal idle = PICK(w->valid[v], ALL_LANES(LANE_NOT_RUN), ALL_LANES(LANE_INVALID));
-    out[LANE_INDENTATION * VECTORS] = in->d[v];
-    out[LANE_TANGENTIAL * VECTORS] = in->x[v];
-    out[LANE_P * VECTORS] = p[v] * w->young[v];
-    out[LANE_Q * VECTORS] = q[v] * w->young[v];
-    out[LANE_SLIP_INDEX * VECTORS] = PICK(held > 0, q[v] / held, ALL_LANES(0));
-    out[LANE_STICKING * VECTORS] = sticking[v];
-    out[LANE_SLIPPING * VECTORS] = slipping[v];
-    out[LANE_SWEEPS * VECTORS] = w->sweeps[v];
-    out[LANE_STATUS * VECTORS] = PICK(w->running[v], PICK(solved, good, ALL_LANES(LANE_UNSOLVED)), idle);
-    out[LANE_PENETRATION * VECTORS] = said->penetration[v];
-    out[LANE_CONE * VECTORS] = said->cone[v];
-    out[LANE_COMPLEMENTARITY * VECTORS] = said->complementarity[v];
-    out[LANE_DRIFT * VECTORS] = said->drift[v];
-    out[LANE_BALANCE * VECTORS] = off_balance;
-    out[LANE_SLIP_DISTANCE * VECTORS] = said->slip_distance[v];
+    result[AT(LANE_INDENTATION)] = in->d[v];
+    result[AT(LANE_TANGENTIAL)] = in->x[v];
+    result[AT(LANE_P)] = p[v] * w->young[v];
+    result[AT(LANE_Q)] = q[v] * w->young[v];
+    result[AT(LANE_SLIP_INDEX)] = PICK(held > 0, q[v] / held, ALL_LANES(0));
+    result[AT(LANE_STICKING)] = sticking[v];
+    result[AT(LANE_SLIPPING)] = slipping[v];
+    result[AT(LANE_SWEEPS)] = w->sweeps[v];
+    result[AT(LANE_STATUS)] = PICK(w->running[v], PICK(solved, good, ALL_LANES(LANE_UNSOLVED)), idle);
+    result[AT(LANE_PENETRATION)] = said->penetration[v];
+    result[AT(LANE_CONE)] = said->cone[v];
+    result[AT(LANE_COMPLEMENTARITY)] = said->complementarity[v];
+    result[AT(LANE_DRIFT)] = said->drift[v];
+    result[AT(LANE_BALANCE)] = off_balance;
+    result[AT(LANE_SLIP_DISTANCE)] = said->slip_distance[v];
     w->lost[v] |= NOT(solved);
     // Without a sticking node the contact slides, or there is none: a drag changes neither.
-    w->running[v] &= NOT((sticking[v] == 0) & (lane_input[LANE_MAY_STOP * VECTORS + v] <= (real)k));
+    w->running[v] &= NOT((sticking[v] == 0) & (lane_input[AT(LANE_MAY_STOP)] <= (real)k));
   }
 }
 
@@ -613,26 +615,26 @@ static inline void remember(Contact *c, const Indenter *in) {
 static inline void report_idle(const LoadStepping *w, global vreal *result) {
   for (int r = 0; r < LANE_RESULT_ROWS; ++r) EACH_VECTOR {
       const vreal idle = PICK(w->valid[v], ALL_LANES(LANE_NOT_RUN), ALL_LANES(LANE_INVALID));
-      result[r * VECTORS + v] = r == LANE_STATUS ? idle : ALL_LANES(0);
+      result[AT(r)] = r == LANE_STATUS ? idle : ALL_LANES(0);
     }
 }
 
 /* compliance [NODES][NODES][C_PARTS]; node [NODES][NODE_ROWS]; map [blocks of ROW_BLOCK rows][NODES][ROW_BLOCK][2], base forces first
    (base_rows of them); lane_input [group][LANE_INPUT_ROWS][lane]; profile [group][NODES][lane] mm, >= FAR where there is no indenter; path [group][steps][PATH_ROWS][lane].
    Out: result [group][steps][LANE_RESULT_ROWS][lane]; rows_out [group][steps][rows][lane]; nodes_out [group][steps][3 NODES][lane] unless
-   write_node_rows is 0. */
+   write_node_rows is 0. With one lane an item each array lies in blocks of INTERLEAVED items (shared/group.h). */
 kernel void gap_sweep(uint first_group, global const real *compliance, global const real *node, global const real *map, int rows, int base_rows,
                       global const vreal *lane_input, global const vreal *profile, global const vreal *path, int steps, real tolerance,
                       real accept, int most_sweeps, real reach, global vreal *result, global vreal *rows_out, global vreal *nodes_out,
                       int write_node_rows) {
   TAKE_GROUP(group);
   const Rules rules = {compliance, node, tolerance, most_sweeps, reach};
-  lane_input += group * (LANE_INPUT_ROWS * VECTORS);
-  profile += group * (NODES * VECTORS);
-  path += group * steps * (PATH_ROWS * VECTORS);
-  result += group * steps * (LANE_RESULT_ROWS * VECTORS);
-  rows_out += group * steps * rows * VECTORS;
-  nodes_out += group * steps * (3 * NODES * VECTORS);
+  lane_input += FIRST_NUMBER(group, LANE_INPUT_ROWS * VECTORS);
+  profile += FIRST_NUMBER(group, NODES * VECTORS);
+  path += FIRST_NUMBER(group, steps * PATH_ROWS * VECTORS);
+  result += FIRST_NUMBER(group, steps * LANE_RESULT_ROWS * VECTORS);
+  rows_out += FIRST_NUMBER(group, steps * rows * VECTORS);
+  nodes_out += FIRST_NUMBER(group, steps * 3 * NODES * VECTORS);
 
   Contact c;
   Indenter in;
@@ -667,8 +669,8 @@ kernel void gap_sweep(uint first_group, global const real *compliance, global co
     } else {
       report_idle(&w, result);
     }
-    result += LANE_RESULT_ROWS * VECTORS;
-    rows_out += rows * VECTORS;
-    nodes_out += 3 * NODES * VECTORS;
+    result += LANE_RESULT_ROWS * STRIDE;
+    rows_out += rows * STRIDE;
+    nodes_out += 3 * NODES * STRIDE;
   }
 }

@@ -59,6 +59,9 @@
 #define STORE_AWAY(v, p) STORE(v, p)
 #endif
 
+/* Row r of an array of vectors, and number r of an answer: of a group with vectors, next to each other. */
+#define AT(r) ((r)*INTERLEAVED)
+
 #define N ELEMENTS
 #define C_PARTS (FRICTION ? 4 : 1)
 #define FAR ((real)NO_GAP_ELEMENT) /* mm: height where there is no indenter or no rubber */
@@ -1052,30 +1055,31 @@ static inline void release(Contact *c, vint none) {
 /* Lanes whose input is finite and sensible, as far as their own path and shape go. */
 static inline vint check_input(global const vreal *lane_input, global const vreal *path, int increments, global const real *shapes) {
   vreal sum = 0;
-  for (int r = 0; r < PATCH_INPUT_ROWS; ++r) sum = finite_sum(sum, lane_input[r]);
+  for (int r = 0; r < PATCH_INPUT_ROWS; ++r) sum = finite_sum(sum, lane_input[AT(r)]);
   for (int k = 0; k < increments * PATCH_PATH_ROWS; ++k) {
-    const vint own = lane_input[PATCH_STEPS] > (real)(k / PATCH_PATH_ROWS);
-    sum = PICK(own, finite_sum(sum, path[k]), sum);
+    const vint own = lane_input[AT(PATCH_STEPS)] > (real)(k / PATCH_PATH_ROWS);
+    sum = PICK(own, finite_sum(sum, path[AT(k)]), sum);
   }
-  const vint counts = (sum == 0) & (lane_input[PATCH_POINTS] > 0);
+  const vint counts = (sum == 0) & (lane_input[AT(PATCH_POINTS)] > 0);
   if (ANY(counts)) {
     real at[LANES], count[LANES], points[LANES];
-    STORE(PICK(counts, lane_input[PATCH_POINTS_AT], ALL_LANES(0)), at);
-    STORE(PICK(counts, lane_input[PATCH_POINTS], ALL_LANES(0)), count);
+    STORE(PICK(counts, lane_input[AT(PATCH_POINTS_AT)], ALL_LANES(0)), at);
+    STORE(PICK(counts, lane_input[AT(PATCH_POINTS)], ALL_LANES(0)), count);
     for (int l = 0; l < LANES; ++l) {
       points[l] = 0;
       for (int k = 0; k < 3 * (int)count[l]; ++k) points[l] = fma((real)0, shapes[(int)at[l] + k], points[l]);
     }
     sum += LOAD(points);
   }
-  return (sum == 0) & (lane_input[PATCH_MU] >= 0) & (lane_input[PATCH_YOUNG] > 0) & (lane_input[PATCH_FROM] < lane_input[PATCH_TO]);
+  return (sum == 0) & (lane_input[AT(PATCH_MU)] >= 0) & (lane_input[AT(PATCH_YOUNG)] > 0) &
+         (lane_input[AT(PATCH_FROM)] < lane_input[AT(PATCH_TO)]);
 }
 
 /* Lane input with harmless numbers in lanes that are not valid. */
 static inline void take_input(global const vreal *lane_input, vint valid, vreal *in) {
   for (int r = 0; r < PATCH_INPUT_ROWS; ++r) {
     const real harmless = r == PATCH_LEFT || r == PATCH_FROM ? -1 : r == PATCH_RIGHT || r == PATCH_TO ? 1 : 0;
-    in[r] = PICK(valid, lane_input[r], ALL_LANES(harmless));
+    in[r] = PICK(valid, lane_input[AT(r)], ALL_LANES(harmless));
   }
 }
 
@@ -1111,10 +1115,10 @@ static inline void take_profile(const vreal *in, global const real *shapes, Prof
    over the last one, 0 where both d and x change, or the way turns, or the load is a force. */
 static inline void next_target(const vreal *lane, global const vreal *path, int k, const Indenter *in, LoadStepping *w, vreal *d, vreal *x,
                                vreal *ratio) {
-  global const vreal *target = path + k * PATCH_PATH_ROWS;
+  global const vreal *target = path + AT(k * PATCH_PATH_ROWS);
   w->running &= lane[PATCH_STEPS] > (real)k;
-  *d = PICK(w->running, target[PATCH_NORMAL], in->d);
-  *x = PICK(w->running, target[PATCH_TANGENTIAL], in->x);
+  *d = PICK(w->running, target[AT(PATCH_NORMAL)], in->d);
+  *x = PICK(w->running, target[AT(PATCH_TANGENTIAL)], in->x);
   const vreal d_now = *d - in->d, x_now = *x - in->x;
   const vint same_d = (d_now == 0) & (w->d_change == 0), same_x = (x_now == 0) & (w->x_change == 0);
   const vreal along_d = PICK(same_x & (w->d_change != 0), d_now / w->d_change, ALL_LANES(0));
@@ -1150,6 +1154,11 @@ static inline void start(const vreal *lane, Contact *c, Indenter *in, LoadSteppi
   w->failed = w->failed_before = 0;
 }
 
+/* Where a lane's answer of `numbers` numbers begins in [lanes / INTERLEAVED][slots][numbers][INTERLEAVED], the lane counted over all groups. */
+static inline size_t answer_at(size_t lane, int slots, long slot, int numbers) {
+  return AT((lane / INTERLEAVED * (size_t)slots + (size_t)slot) * (size_t)numbers) + lane % INTERLEAVED;
+}
+
 /* Block b of PATCH_BLOCK vectors as a row of numbers for each lane, at[l] numbers into `out`; lanes with at[l] < 0 are left out. */
 INLINE void store_rows(const vreal *rows, const long *at, global real *out) {
   EACH(b, PATCH_BLOCK / LANES) {
@@ -1157,7 +1166,7 @@ INLINE void store_rows(const vreal *rows, const long *at, global real *out) {
     EACH(l, LANES) { r[l] = rows[b * LANES + l]; }
     transpose(r);
     for (int l = 0; l < LANES; ++l)
-      if (at[l] >= 0) STORE_AWAY(r[l], out + at[l] + b * LANES);
+      if (at[l] >= 0) STORE_AWAY(r[l], out + at[l] + AT(b * LANES));
   }
 }
 
@@ -1252,9 +1261,9 @@ static inline void write_report(const vreal *lane, const Contact *c, const Solve
   to->lost |= reports & NOT(solved);
 
   real place[LANES];
-  long at[LANES], row_at[LANES];
+  long row_at[LANES];
+  const size_t first_lane = answers->group * LANES;
   STORE(s->slot, place);
-  EACH(l, LANES) { at[l] = place[l] < 0 ? -1 : ((long)(answers->group * LANES + l) * answers->slots + (long)place[l]); }
   vreal rows[FORCE_ROWS];
   EACH(r, PATCH_BLOCK) { rows[r] = 0; }
   rows[LANE_INDENTATION] = s->d;
@@ -1271,13 +1280,11 @@ static inline void write_report(const vreal *lane, const Contact *c, const Solve
   rows[LANE_COMPLEMENTARITY] = said.complementarity;
   rows[LANE_DRIFT] = said.drift;
   rows[LANE_SLIP_DISTANCE] = said.slip_distance;
-  EACH(l, LANES) { row_at[l] = at[l] < 0 ? -1 : at[l] * PATCH_BLOCK; }
+  EACH(l, LANES) { row_at[l] = place[l] < 0 ? -1 : (long)answer_at(first_lane + l, answers->slots, (long)place[l], PATCH_BLOCK); }
   store_rows(rows, row_at, answers->result);
   EACH(i, FORCE_ROWS) { rows[i] = i < N ? s->n[i % N] : i < 2 * N ? s->t[i % N] : ALL_LANES(0); }
-  EACH(b, FORCE_ROWS / PATCH_BLOCK) {
-    EACH(l, LANES) { row_at[l] = at[l] < 0 ? -1 : at[l] * FORCE_ROWS + b * PATCH_BLOCK; }
-    store_rows(rows + b * PATCH_BLOCK, row_at, answers->forces);
-  }
+  EACH(l, LANES) { row_at[l] = place[l] < 0 ? -1 : (long)answer_at(first_lane + l, answers->slots, (long)place[l], FORCE_ROWS); }
+  EACH(b, FORCE_ROWS / PATCH_BLOCK) { store_rows(rows + b * PATCH_BLOCK, row_at, answers->forces + AT(b * PATCH_BLOCK)); }
 }
 
 #if SENSORS
@@ -1365,7 +1372,7 @@ INLINE void store_first(vreal v, int count, global real *to) {
 }
 
 /* Base stresses of lane l at all its tactels, in the increments that wait. */
-static inline void write_stress(const Answers *to, const Reports *reports, int l, real origin, real element, real young, long first_slot) {
+static inline void write_stress(const Answers *to, const Reports *reports, int l, real origin, real element, real young, size_t lane) {
   const Layer *layer = to->layer;
   const StressTables *tables = to->tables;
   const real *sensor = to->sensor, *side = to->side + l * SIDE_FORCES;
@@ -1396,17 +1403,17 @@ static inline void write_stress(const Answers *to, const Reports *reports, int l
           tau_t = fma(ALL_LANES(NUMBER(s->t[j], l)), rows.tau_t[j], tau_t);
         }
       }
-      global real *stress = to->stress + (first_slot + (long)slot) * tables->outputs + first;
+      global real *stress = to->stress + answer_at(lane, to->slots, (long)slot, tables->outputs) + AT(first);
       store_first((sigma + sigma_t) * young, tables->tactels - first, stress);
-      store_first((tau + tau_t) * young, tables->tactels - first, stress + tables->tactels);
+      store_first((tau + tau_t) * young, tables->tactels - first, stress + AT(tables->tactels));
     }
   }
 }
 
 static inline vint check_sensors(global const vreal *sensors) {
   vreal finite = 0;
-  EACH(r, PATCH_SENSOR_ROWS) { finite = finite_sum(finite, sensors[r]); }
-  return (finite == 0) & (sensors[SENSOR_THICKNESS] > 0);
+  EACH(r, PATCH_SENSOR_ROWS) { finite = finite_sum(finite, sensors[AT(r)]); }
+  return (finite == 0) & (sensors[AT(SENSOR_THICKNESS)] > 0);
 }
 
 /* The sensor of every lane; in lanes that are not valid some sensor. */
@@ -1414,7 +1421,7 @@ static inline void take_sensors(global const vreal *sensors, vint valid, global 
                                 real *numbers) {
   EACH(r, PATCH_SENSOR_ROWS) {
     const real harmless = r == SENSOR_POISSON || r == SENSOR_TACTEL ? 0 : 1;
-    STORE(PICK(valid, sensors[r], ALL_LANES(harmless)), numbers + r * LANES);
+    STORE(PICK(valid, sensors[AT(r)], ALL_LANES(harmless)), numbers + r * LANES);
   }
   layer->thickness = LOAD(numbers + SENSOR_THICKNESS * LANES);
   layer->length = LOAD(numbers + SENSOR_LENGTH * LANES);
@@ -1431,7 +1438,7 @@ static inline void take_sensors(global const vreal *sensors, vint valid, global 
 }
 #else
 /* Base stresses of one lane in the increments that wait: its rows of the table at the elements' middles, times the forces. */
-static inline void write_stress(const Answers *to, const Reports *reports, int l, real origin, real element, real young, long first_slot) {
+static inline void write_stress(const Answers *to, const Reports *reports, int l, real origin, real element, real young, size_t lane) {
   (void)l;
   int row[N];
   real part[N];
@@ -1462,7 +1469,7 @@ static inline void write_stress(const Answers *to, const Reports *reports, int l
           t_odd = fma(ALL_LANES(NUMBER(s->t[2 * j + 1], l)), by_t[2 * j + 1], t_odd);
         }
       }
-      STORE_AWAY(((n_even + n_odd) + (t_even + t_odd)) * young, to->stress + (first_slot + (long)slot) * to->outputs + first);
+      STORE_AWAY(((n_even + n_odd) + (t_even + t_odd)) * young, to->stress + answer_at(lane, to->slots, (long)slot, to->outputs) + AT(first));
     }
   }
 }
@@ -1475,7 +1482,7 @@ OUTLINE void write_reports(const vreal *lane, const Contact *c, const Patch *pat
   for (int r = 0; r < reports->count; ++r) write_report(lane, c, &reports->solved[r], to, reports);
   for (int l = 0; l < LANES; ++l)
     write_stress(to, reports, l, NUMBER(lane[PATCH_POSITION], l) + NUMBER(patch->origin, l), NUMBER(patch->element, l),
-                 NUMBER(lane[PATCH_YOUNG], l), (long)(to->group * LANES + l) * to->slots);
+                 NUMBER(lane[PATCH_YOUNG], l), to->group * LANES + l);
   reports->count = 0;
 }
 
@@ -1517,12 +1524,12 @@ static inline void finish(const Answers *answers, const Patch *patch, vint valid
   rows[PATCH_SLOTS] = to->slots;
   const size_t first_lane = answers->group * LANES;
   long at[LANES];
-  EACH(l, LANES) { at[l] = (long)(first_lane + l) * PATCH_BLOCK; }
+  EACH(l, LANES) { at[l] = (long)answer_at(first_lane + l, 1, 0, PATCH_BLOCK); }
   store_rows(rows, at, patches);
   for (int l = 0; l < LANES; ++l)
     for (int k = (int)done[l]; k < answers->slots; ++k) {
-      global real *result = answers->result + ((first_lane + l) * answers->slots + k) * PATCH_BLOCK;
-      for (int r = 0; r < PATCH_BLOCK; ++r) result[r] = r == LANE_STATUS ? idle[l] : 0;
+      global real *result = answers->result + answer_at(first_lane + l, answers->slots, k, PATCH_BLOCK);
+      for (int r = 0; r < PATCH_BLOCK; ++r) result[AT(r)] = r == LANE_STATUS ? idle[l] : 0;
     }
 }
 
@@ -1530,7 +1537,7 @@ static inline void finish(const Answers *answers, const Patch *patch, vint valid
    force, outputs a multiple of PATCH_BLOCK; shapes: Taylor terms (coefficient mm, power, 1 / scale) and points that lanes refer to; lane_input [group][PATCH_INPUT_ROWS][lane]; path
    [group][increments][PATCH_PATH_ROWS][lane].
    Out: result [group][lane][slots][PATCH_BLOCK]; forces [group][lane][slots][FORCE_ROWS] over E, mm; stress [group][lane][slots][outputs] MPa;
-   patches [group][lane][PATCH_BLOCK]. */
+   patches [group][lane][PATCH_BLOCK]. With one lane an item each array lies in blocks of INTERLEAVED items (shared/group.h, answer_at). */
 #if SENSORS
 /* The same with the tables of a family in place of a sensor's: sides, side_forces and side_stresses [side_rows][PATCH_BLOCK], cores
    [poissons][CORE_NUMBERS], layer_stresses [stress_cells][poissons][STRESS_NUMBERS], sensors [group][PATCH_SENSOR_ROWS][lane]. */
@@ -1546,7 +1553,7 @@ kernel void patch_contact_sensors(uint first_group, global const real *smooth, i
   layer.side_rows = side_rows;
   layer.side_rows_per_h = side_rows_per_h;
   const StressTables tables = {layer_stresses, stress_cells, tactels, outputs, stress_cells_per_h, side_stresses};
-  sensors += group * PATCH_SENSOR_ROWS;
+  sensors += FIRST_NUMBER(group, PATCH_SENSOR_ROWS);
 #else
 kernel void patch_contact(uint first_group, global const real *smooth, int cells, real cells_per_mm, real thickness, real length, real cy,
                           real cx, real jump, global const real *sides, int side_rows, real side_rows_per_mm, real sides_from,
@@ -1559,8 +1566,8 @@ kernel void patch_contact(uint first_group, global const real *smooth, int cells
   const Answers answers = {group, slots, accept, base, base_rows, outputs, base_rows_per_mm, base_from, result, forces, stress};
 #endif
   const Rules rules = {FORCE_CONTROL ? (real)0.1 * tolerance : tolerance, most_sweeps};
-  lane_input += group * PATCH_INPUT_ROWS;
-  path += group * increments * PATCH_PATH_ROWS;
+  lane_input += FIRST_NUMBER(group, PATCH_INPUT_ROWS);
+  path += FIRST_NUMBER(group, increments * PATCH_PATH_ROWS);
 
   Contact c;
   Indenter in;
@@ -1620,7 +1627,7 @@ kernel void patch_contact(uint first_group, global const real *smooth, int cells
     set_indenter(&c, &in);
 #endif
     certify(&c, &in, &said);
-    report(lane, path[k * PATCH_PATH_ROWS + PATCH_SLOT], k, &c, &in, &said, &w, &reports);
+    report(lane, path[AT(k * PATCH_PATH_ROWS + PATCH_SLOT)], k, &c, &in, &said, &w, &reports);
     if (reports.count == MOST_WAITING) write_reports(lane, &c, &patch, &answers, &reports);
   }
   write_reports(lane, &c, &patch, &answers, &reports);

@@ -93,6 +93,8 @@ struct GapSweep<Real>::State {
   Precision precision() const { return sizeof(Real) == 4 ? Precision::fp32 : Precision::fp64; }
   int lanes() const { return executor.device().lanes(precision()); }
   int group() const { return lanes() == 1 ? 1 : lanes() * vectors; }
+  /// Lanes whose numbers lie side by side: those of a group, or of neighbouring groups of one lane.
+  int tile() const { return group() * executor.device().interleaved(precision()); }
 
   const Buffer<Real>& compliance(bool friction) {
     const std::lock_guard lock(making);
@@ -138,18 +140,18 @@ struct GapSweep<Real>::Batch::State {
   std::vector<int> indentation_steps;  ///< [scenes]
   std::vector<double> friction;        ///< [scenes]
   int steps = 0;
-  std::size_t groups = 0;
+  std::size_t groups = 0, lanes = 0;  ///< groups that run; lanes of all arrays
   double seconds = 0;
   Buffer<Real> lane_input, profile, path, result, rows, nodes;
   Launch launch;
 
-  /// Index of [group][.. `row` of `height` a group ..][lane].
+  /// Index of [tile][.. `row` of `height` a lane ..][lane].
   std::size_t at(std::size_t scene, std::size_t height, std::size_t row) const {
     return at_lane(place[scene], height, row);
   }
   std::size_t at_lane(std::size_t lane, std::size_t height, std::size_t row) const {
-    const std::size_t group = sweep->group();
-    return ((lane / group) * height + row) * group + lane % group;
+    const std::size_t tile = sweep->tile();
+    return ((lane / tile) * height + row) * tile + lane % tile;
   }
 
   void lay_out(std::span<const fem::Scene> scenes, const Eigen::MatrixXd& profiles);
@@ -198,7 +200,8 @@ void GapSweep<Real>::Batch::State::fill_scene(std::size_t i, const fem::Scene& s
 template <class Real>
 void GapSweep<Real>::Batch::State::fill(std::span<const fem::Scene> scenes, std::span<const fem::LoadPath> paths,
                                         const Eigen::MatrixXd& profiles) {
-  const auto input = lane_input.map(), heights = profile.map(), targets = path.map();
+  const auto input = lane_input.map(MapFor::writing), heights = profile.map(MapFor::writing),
+             targets = path.map(MapFor::writing);
   // Lanes beyond the last scene run no step; young = 1 makes their input valid.
   std::fill(input.view().begin(), input.view().end(), Real(0));
   std::fill(heights.view().begin(), heights.view().end(), Real(far_away));
@@ -208,7 +211,7 @@ void GapSweep<Real>::Batch::State::fill(std::span<const fem::Scene> scenes, std:
     const std::size_t first = at(i, sweep->columns(), 0);
     for (int node = 0; node < sweep->columns(); ++node) {
       const double height = profiles(node, static_cast<Eigen::Index>(i));
-      heights[first + node * sweep->group()] = static_cast<Real>(std::isinf(height) ? far_away : height);
+      heights[first + node * sweep->tile()] = static_cast<Real>(std::isinf(height) ? far_away : height);
     }
   }
 }
@@ -251,16 +254,17 @@ typename GapSweep<Real>::Batch GapSweep<Real>::prepare(std::span<const fem::Scen
         fem::profile_heights(scenes[i].indenter, state_->condensation.surface_x);
   b.lay_out(scenes, profiles);
 
-  const std::size_t group = state_->group(), columns = state_->columns();
+  const std::size_t group = state_->group(), tile = state_->tile(), columns = state_->columns();
   b.groups = (scenes.size() + group - 1) / group;
-  const std::size_t lanes = b.groups * group, lane_steps = lanes * b.steps;
+  b.lanes = (scenes.size() + tile - 1) / tile * tile;
+  const std::size_t lanes = b.lanes, lane_steps = lanes * b.steps;
   const Device& device = state_->executor.device();
   b.lane_input = Buffer<Real>(device, lanes * LANE_INPUT_ROWS);
   b.profile = Buffer<Real>(device, lanes * columns);
   b.path = Buffer<Real>(device, lane_steps * PATH_ROWS);
   b.result = Buffer<Real>(device, lane_steps * LANE_RESULT_ROWS);
   b.rows = Buffer<Real>(device, std::max<std::size_t>(lane_steps * state_->rows, 1));
-  b.nodes = Buffer<Real>(device, state_->options.nodes ? lane_steps * 3 * columns : group);
+  b.nodes = Buffer<Real>(device, state_->options.nodes ? lane_steps * 3 * columns : 1);
   b.fill(scenes, paths, profiles);
 
   const GapSweepOptions& o = state_->options;
@@ -314,7 +318,7 @@ double GapSweep<Real>::Batch::seconds() const {
 template <class Real>
 void GapSweep<Real>::Batch::fill_outputs(Real value) {
   for (const auto* buffer : {&state_->result, &state_->rows, &state_->nodes}) {
-    const auto mapped = buffer->map();
+    const auto mapped = buffer->map(MapFor::writing);
     std::fill(mapped.view().begin(), mapped.view().end(), value);
   }
 }
@@ -322,12 +326,13 @@ void GapSweep<Real>::Batch::fill_outputs(Real value) {
 template <class Real>
 void GapSweep<Real>::Batch::fill_unused(Real value) {
   const auto& b = *state_;
-  const std::size_t lanes = b.groups * b.sweep->group(), scenes = b.place.size();
-  const auto input = b.lane_input.map(), heights = b.profile.map(), targets = b.path.map();
+  const std::size_t scenes = b.place.size();
+  const auto input = b.lane_input.map(MapFor::both), heights = b.profile.map(MapFor::both),
+             targets = b.path.map(MapFor::both);
   const auto fill = [&](std::span<Real> buffer, std::size_t lane, std::size_t height, std::size_t from) {
     for (std::size_t row = from; row < height; ++row) buffer[b.at_lane(lane, height, row)] = value;
   };
-  for (std::size_t lane = 0; lane < lanes; ++lane) {
+  for (std::size_t lane = 0; lane < b.lanes; ++lane) {
     const std::size_t scene = std::find(b.place.begin(), b.place.end(), lane) - b.place.begin();
     const std::size_t own_steps = scene < scenes ? b.path_steps[scene] : 0;
     fill(targets.view(), lane, b.steps * PATH_ROWS, own_steps * PATH_ROWS);
@@ -356,7 +361,10 @@ double GapSweep<Real>::Batch::output(std::size_t i, int step, int row) const {
 
 template <class Real>
 GapSweep<Real>::Batch::View::View(const Batch& batch)
-    : state_(batch.state_), results_(state_->result.map()), rows_(state_->rows.map()) {}
+    : state_(batch.state_),
+      results_(state_->result.map(MapFor::reading)),
+      rows_(state_->rows.map(MapFor::reading)),
+      nodes_(state_->nodes.map(MapFor::reading)) {}
 
 template <class Real>
 int GapSweep<Real>::Batch::View::path_steps(std::size_t i) const {
@@ -394,27 +402,31 @@ void GapSweep<Real>::Batch::View::put_tactels(std::size_t i, int step, std::span
   const auto& sweep = *state_->sweep;
   const std::size_t height = static_cast<std::size_t>(state_->steps) * sweep.rows;
   const std::size_t first = state_->at(i, height, static_cast<std::size_t>(step) * sweep.rows + sweep.base_rows);
-  for (std::size_t k = 0; k < stress.size(); ++k) stress[k] = static_cast<Number>(rows_[first + k * sweep.group()]);
+  for (std::size_t k = 0; k < stress.size(); ++k) stress[k] = static_cast<Number>(rows_[first + k * sweep.tile()]);
 }
 
 template <class Real>
 fem::ContactSolution GapSweep<Real>::Batch::solution(std::size_t i) const {
+  return View(*this).solution(i);
+}
+
+template <class Real>
+fem::ContactSolution GapSweep<Real>::Batch::View::solution(std::size_t i) const {
   const auto& b = *state_;
   const auto& sweep = *b.sweep;
   const fem::Condensation& c = sweep.condensation;
   const int columns = sweep.columns(), base_nodes = sweep.base_rows / 2, tactels = (sweep.rows - sweep.base_rows) / 2;
-  const auto result = b.result.map(), rows = b.rows.map(), nodes = b.nodes.map();
   fem::ContactSolution solution{c.surface_x, c.base_x, c.tactel_x, {}, false};
   for (int k = 0; k < b.path_steps[i]; ++k) {
     const auto said = [&](int row) {
-      return static_cast<double>(result[b.at(i, b.steps * LANE_RESULT_ROWS, k * LANE_RESULT_ROWS + row)]);
+      return static_cast<double>(results_[b.at(i, b.steps * LANE_RESULT_ROWS, k * LANE_RESULT_ROWS + row)]);
     };
     const auto output = [&](int row) {
-      return static_cast<double>(rows[b.at(i, static_cast<std::size_t>(b.steps) * sweep.rows, k * sweep.rows + row)]);
+      return static_cast<double>(rows_[b.at(i, static_cast<std::size_t>(b.steps) * sweep.rows, k * sweep.rows + row)]);
     };
     const auto node = [&](int row) {
       return static_cast<double>(
-          nodes[b.at(i, static_cast<std::size_t>(b.steps) * 3 * columns, 3 * k * columns + row)]);
+          nodes_[b.at(i, static_cast<std::size_t>(b.steps) * 3 * columns, 3 * k * columns + row)]);
     };
     const int status = static_cast<int>(said(LANE_STATUS));
     if (status == LANE_NOT_RUN) break;

@@ -74,7 +74,7 @@ class GapSweep {
     double seconds() const;                    ///< of the last run
     void fill_outputs(Real value);             ///< sets all outputs before a run; tests use NaN
     void fill_unused(Real value);              ///< the same for lanes without a scene and targets behind a path's end
-    /// Returns the answer of the kernel for scene `i`, in the order of prepare().
+    /// Returns the answer of the kernel for scene `i`, in the order of prepare(). For many scenes use a View.
     fem::ContactSolution solution(std::size_t i) const;
     /// Returns one number of LaneResultRow for a scene's increment.
     double result(std::size_t i, int step, int row) const;
@@ -94,12 +94,14 @@ class GapSweep {
       /// [2 tactels]: sigma_y of every tactel, then tau_xy, MPa.
       void tactels(std::size_t i, int step, std::span<float> stress) const;
       void tactels(std::size_t i, int step, std::span<double> stress) const;
+      /// Returns the answer of the kernel for scene `i`.
+      fem::ContactSolution solution(std::size_t i) const;
 
      private:
       template <class Number>
       void put_tactels(std::size_t i, int step, std::span<Number> stress) const;
       std::shared_ptr<State> state_;
-      typename Buffer<Real>::Mapping results_, rows_;
+      typename Buffer<Real>::Mapping results_, rows_, nodes_;
     };
 
    private:

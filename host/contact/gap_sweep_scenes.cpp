@@ -45,8 +45,9 @@ void solve_alike(Executor& executor, std::span<const fem::Scene> scenes, const s
   auto batch = sweep.prepare(alike);
   batch.run();
   const fem::GapCondensed exact(sweep.condensation(), {.tolerance = sweep.options().accept});
+  const typename GapSweep<Real>::Batch::View view(batch);
   for (std::size_t k = 0; k < which.size(); ++k) {
-    fem::ContactSolution& solution = solutions[which[k]] = batch.solution(k);
+    fem::ContactSolution& solution = solutions[which[k]] = view.solution(k);
     if (options.audit && options.nodes && options.base_forces) {
       audit_in_fp64(alike[k], sweep.condensation(), sweep.options().accept, solution);
       if (options.force_error && sizeof(Real) == 4 && solved(solution))

@@ -115,6 +115,7 @@ struct PatchContact<Real>::State {
 
   Precision precision() const { return sizeof(Real) == 4 ? Precision::fp32 : Precision::fp64; }
   int lanes() const { return executor.device().lanes(precision()); }
+  int interleaved() const { return executor.device().interleaved(precision()); }
   const char* kernel() const { return family ? "patch_contact_sensors" : "patch_contact"; }
   int force_rows() const { return rounded_up(2 * elements); }
 
@@ -153,7 +154,7 @@ struct PatchContact<Real>::Batch::State {
   std::vector<int> path_steps, indentation_steps, increments;  ///< [scenes]
   std::vector<double> friction, young, position;               ///< [scenes]
   int slots = 0, most_increments = 0;
-  std::size_t groups = 0, lanes = 1;
+  std::size_t groups = 0, all_lanes = 0;  ///< groups that run; lanes of all arrays
   double seconds = 0;
   std::vector<fem::Sensor> sensors;  ///< [scenes] of a family
   Buffer<Real> shapes, lane_input, lane_sensor, path, result, forces, stress, patches;
@@ -163,12 +164,17 @@ struct PatchContact<Real>::Batch::State {
   const fem::Sensor& sensor(std::size_t scene) const {
     return contact->family ? sensors[scene] : contact->model->sensor;
   }
-  /// Index of [group][.. `row` of `height` a group ..][lane].
+  /// Index of [tile][.. `row` of `height` a lane ..][lane], for inputs; a tile is a group, or neighbouring groups of
+  /// one lane.
   std::size_t at_lane(std::size_t lane, std::size_t height, std::size_t row) const {
-    return ((lane / lanes) * height + row) * lanes + lane % lanes;
+    const std::size_t tile = static_cast<std::size_t>(contact->lanes()) * contact->interleaved();
+    return ((lane / tile) * height + row) * tile + lane % tile;
   }
-  /// Index of a scene's load step in [lane][slots].
-  std::size_t slot(std::size_t scene, int step) const { return place[scene] * slots + step; }
+  /// Index of number `row` of `height` in an answer: [lane / interleaved][slots][height][lane % interleaved].
+  std::size_t at_answer(std::size_t scene, int answers, int slot, std::size_t height, std::size_t row) const {
+    const std::size_t lane = place[scene], tile = contact->interleaved();
+    return ((lane / tile * answers + slot) * height + row) * tile + lane % tile;
+  }
 
   void lay_out(std::span<const fem::Scene> scenes, std::span<const PatchPath> paths);
   void fill(std::span<const PatchPath> paths, std::span<const PatchLane> inputs);
@@ -192,7 +198,8 @@ void PatchContact<Real>::Batch::State::lay_out(std::span<const fem::Scene> scene
 
 template <class Real>
 void PatchContact<Real>::Batch::State::fill(std::span<const PatchPath> paths, std::span<const PatchLane> inputs) {
-  const auto input = lane_input.map(), targets = path.map(), numbers = shapes.map();
+  const auto input = lane_input.map(MapFor::writing), targets = path.map(MapFor::writing),
+             numbers = shapes.map(MapFor::writing);
   std::fill(input.view().begin(), input.view().end(), Real(0));
   std::fill(targets.view().begin(), targets.view().end(), Real(0));
   std::size_t shapes_at = 0;
@@ -223,7 +230,7 @@ void PatchContact<Real>::Batch::State::fill(std::span<const PatchPath> paths, st
 /// Lanes without a scene have thickness 0, which is no sensor.
 template <class Real>
 void PatchContact<Real>::Batch::State::fill_sensors() {
-  const auto rows = lane_sensor.map();
+  const auto rows = lane_sensor.map(MapFor::writing);
   std::fill(rows.view().begin(), rows.view().end(), Real(0));
   for (std::size_t i = 0; i < sensors.size(); ++i) {
     const PatchSensor sensor = patch_sensor(*contact->family, sensors[i]);
@@ -288,9 +295,10 @@ typename PatchContact<Real>::Batch PatchContact<Real>::prepare(std::span<const f
     }
   b.lay_out(scenes, paths);
 
-  b.lanes = state_->lanes();
-  b.groups = (scenes.size() + b.lanes - 1) / b.lanes;
-  const std::size_t all = b.groups * b.lanes, steps = all * b.slots;
+  const std::size_t lanes = state_->lanes(), tile = lanes * state_->interleaved();
+  b.groups = (scenes.size() + lanes - 1) / lanes;
+  b.all_lanes = (scenes.size() + tile - 1) / tile * tile;
+  const std::size_t all = b.all_lanes, steps = all * b.slots;
   const Device& device = state_->executor.device();
   const auto buffer = [&](std::size_t size) { return Buffer<Real>(device, std::max<std::size_t>(size, 1)); };
   b.shapes = buffer(shapes);
@@ -361,7 +369,7 @@ double PatchContact<Real>::Batch::seconds() const {
 template <class Real>
 void PatchContact<Real>::Batch::fill_outputs(Real value) {
   for (const auto* buffer : {&state_->result, &state_->forces, &state_->stress, &state_->patches}) {
-    const auto mapped = buffer->map();
+    const auto mapped = buffer->map(MapFor::writing);
     std::fill(mapped.view().begin(), mapped.view().end(), value);
   }
 }
@@ -369,43 +377,42 @@ void PatchContact<Real>::Batch::fill_outputs(Real value) {
 template <class Real>
 void PatchContact<Real>::Batch::fill_unused(Real value) {
   const auto& b = *state_;
-  const auto input = b.lane_input.map(), targets = b.path.map();
+  const auto input = b.lane_input.map(MapFor::both), targets = b.path.map(MapFor::both);
   const auto fill = [&](std::span<Real> buffer, std::size_t lane, std::size_t height, std::size_t from) {
     for (std::size_t row = from; row < height; ++row) buffer[b.at_lane(lane, height, row)] = value;
   };
-  for (std::size_t lane = 0; lane < b.groups * b.lanes; ++lane) {
+  for (std::size_t lane = 0; lane < b.all_lanes; ++lane) {
     const bool used = lane < b.order.size();
     const std::size_t own = used ? b.increments[b.order[lane]] : 0;
     fill(targets.view(), lane, static_cast<std::size_t>(b.most_increments) * PATCH_PATH_ROWS, own * PATCH_PATH_ROWS);
     if (!used) fill(input.view(), lane, PATCH_INPUT_ROWS, 0);
   }
   if (!b.contact->family) return;
-  const auto sensors = b.lane_sensor.map();
-  for (std::size_t lane = b.order.size(); lane < b.groups * b.lanes; ++lane)
-    fill(sensors.view(), lane, PATCH_SENSOR_ROWS, 0);
+  const auto sensors = b.lane_sensor.map(MapFor::both);
+  for (std::size_t lane = b.order.size(); lane < b.all_lanes; ++lane) fill(sensors.view(), lane, PATCH_SENSOR_ROWS, 0);
 }
 
 template <class Real>
 double PatchContact<Real>::Batch::result(std::size_t i, int step, int row) const {
   Real value;
-  state_->result.read(std::span(&value, 1), state_->slot(i, step) * PATCH_BLOCK + row);
+  state_->result.read(std::span(&value, 1), state_->at_answer(i, state_->slots, step, PATCH_BLOCK, row));
   return value;
 }
 
 template <class Real>
 double PatchContact<Real>::Batch::patch(std::size_t i, int row) const {
   Real value;
-  state_->patches.read(std::span(&value, 1), state_->place[i] * PATCH_BLOCK + row);
+  state_->patches.read(std::span(&value, 1), state_->at_answer(i, 1, 0, PATCH_BLOCK, row));
   return value;
 }
 
 template <class Real>
 PatchContact<Real>::Batch::View::View(const Batch& batch)
     : state_(batch.state_),
-      results_(state_->result.map()),
-      forces_(state_->forces.map()),
-      stresses_(state_->stress.map()),
-      patches_(state_->patches.map()) {}
+      results_(state_->result.map(MapFor::reading)),
+      forces_(state_->forces.map(MapFor::reading)),
+      stresses_(state_->stress.map(MapFor::reading)),
+      patches_(state_->patches.map(MapFor::reading)) {}
 
 template <class Real>
 int PatchContact<Real>::Batch::View::path_steps(std::size_t i) const {
@@ -424,44 +431,46 @@ std::span<const std::size_t> PatchContact<Real>::Batch::View::by_lane() const {
 
 template <class Real>
 Real PatchContact<Real>::Batch::View::result(std::size_t i, int step, int row) const {
-  return results_[state_->slot(i, step) * PATCH_BLOCK + row];
+  return results_[state_->at_answer(i, state_->slots, step, PATCH_BLOCK, row)];
 }
 
 template <class Real>
 Real PatchContact<Real>::Batch::View::patch(std::size_t i, int row) const {
-  return patches_[state_->place[i] * PATCH_BLOCK + row];
+  return patches_[state_->at_answer(i, 1, 0, PATCH_BLOCK, row)];
 }
 
 template <class Real>
-std::span<const Real> PatchContact<Real>::Batch::View::tactels(std::size_t i, int step) const {
-  return stresses_.view().subspan(state_->slot(i, step) * state_->outputs(), 2 * state_->contact->tactels);
+template <class Number>
+void PatchContact<Real>::Batch::View::put_tactels(std::size_t i, int step, std::span<Number> stress) const {
+  const Real* from = &stresses_[state_->at_answer(i, state_->slots, step, state_->outputs(), 0)];
+  const std::size_t stride = state_->contact->interleaved();
+  if (stride == 1) {
+    std::transform(from, from + stress.size(), stress.begin(), [](Real value) { return static_cast<Number>(value); });
+  } else {
+    for (std::size_t k = 0; k < stress.size(); ++k) stress[k] = static_cast<Number>(from[k * stride]);
+  }
 }
 
 template <class Real>
 void PatchContact<Real>::Batch::View::tactels(std::size_t i, int step, std::span<float> stress) const {
-  const auto from = tactels(i, step);
-  std::transform(from.begin(), from.begin() + static_cast<std::ptrdiff_t>(stress.size()), stress.begin(),
-                 [](Real value) { return static_cast<float>(value); });
+  put_tactels(i, step, stress);
 }
 
 template <class Real>
 void PatchContact<Real>::Batch::View::tactels(std::size_t i, int step, std::span<double> stress) const {
-  const auto from = tactels(i, step);
-  std::copy_n(from.begin(), stress.size(), stress.begin());
-}
-
-template <class Real>
-std::span<const Real> PatchContact<Real>::Batch::View::forces(std::size_t i, int step) const {
-  const std::size_t rows = state_->contact->force_rows();
-  return forces_.view().subspan(state_->slot(i, step) * rows, 2 * state_->contact->elements);
+  put_tactels(i, step, stress);
 }
 
 template <class Real>
 fem::ContactSolution PatchContact<Real>::Batch::solution(std::size_t i) const {
+  return View(*this).solution(i);
+}
+
+template <class Real>
+fem::ContactSolution PatchContact<Real>::Batch::View::solution(std::size_t i) const {
   const auto& b = *state_;
-  const View view(*this);
   const int elements = b.contact->elements, tactels = b.contact->tactels;
-  const double origin = view.patch(i, PATCH_ORIGIN), width = view.patch(i, PATCH_ELEMENT);
+  const double origin = patch(i, PATCH_ORIGIN), width = patch(i, PATCH_ELEMENT);
   const Real mu = static_cast<Real>(std::min(b.friction[i], fem::largest_friction));
   fem::ContactSolution solution;
   solution.surface_x = Eigen::VectorXd::NullaryExpr(
@@ -469,25 +478,28 @@ fem::ContactSolution PatchContact<Real>::Batch::solution(std::size_t i) const {
   solution.surface_width = Eigen::VectorXd::Constant(elements, width);
   solution.tactel_x = fem::tactel_positions(b.sensor(i));
   for (int k = 0; k < b.path_steps[i]; ++k) {
-    const auto said = [&](int row) { return static_cast<double>(view.result(i, k, row)); };
+    const auto said = [&](int row) { return static_cast<double>(result(i, k, row)); };
     const int status = static_cast<int>(said(LANE_STATUS));
     if (status == LANE_NOT_RUN) break;
     fem::ContactStep step = lane_step(said, b.friction[i]);
     if (status != LANE_INVALID) {
-      const auto forces = view.forces(i, k), stress = view.tactels(i, k);
-      const auto number = [](std::span<const Real> from, Eigen::Index n) { return static_cast<double>(from[n]); };
+      const auto force = [&](auto row) {
+        return forces_[b.at_answer(i, b.slots, k, b.contact->force_rows(), static_cast<std::size_t>(row))];
+      };
       step.normal_force =
-          Eigen::VectorXd::NullaryExpr(elements, [&](auto n) { return number(forces, n) * b.young[i]; });
-      step.tangential_force =
-          Eigen::VectorXd::NullaryExpr(elements, [&](auto n) { return number(forces, elements + n) * b.young[i]; });
+          Eigen::VectorXd::NullaryExpr(elements, [&](auto n) { return static_cast<double>(force(n)) * b.young[i]; });
+      step.tangential_force = Eigen::VectorXd::NullaryExpr(
+          elements, [&](auto n) { return static_cast<double>(force(elements + n)) * b.young[i]; });
       for (int n = 0; n < elements; ++n) {
-        const bool sticks = std::abs(forces[elements + n]) < mu * forces[n];
-        step.status.push_back(!(forces[n] > 0) ? fem::GapStatus::open
-                              : sticks         ? fem::GapStatus::stick
-                                               : fem::GapStatus::slip);
+        const bool sticks = std::abs(force(elements + n)) < mu * force(n);
+        step.status.push_back(!(force(n) > 0) ? fem::GapStatus::open
+                              : sticks        ? fem::GapStatus::stick
+                                              : fem::GapStatus::slip);
       }
-      step.sigma_y = Eigen::VectorXd::NullaryExpr(tactels, [&](auto n) { return number(stress, n); });
-      step.tau_xy = Eigen::VectorXd::NullaryExpr(tactels, [&](auto n) { return number(stress, tactels + n); });
+      std::vector<double> stress(2 * static_cast<std::size_t>(tactels));
+      put_tactels(i, k, std::span(stress));
+      step.sigma_y = Eigen::Map<const Eigen::VectorXd>(stress.data(), tactels);
+      step.tau_xy = Eigen::Map<const Eigen::VectorXd>(stress.data() + tactels, tactels);
     } else {
       step.normal_force = step.tangential_force = Eigen::VectorXd::Zero(elements);
       step.sigma_y = step.tau_xy = Eigen::VectorXd::Zero(tactels);

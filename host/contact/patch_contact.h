@@ -56,8 +56,8 @@ class PatchContact {
     double seconds() const;            ///< of the last run
     void fill_outputs(Real value);     ///< what the outputs hold before a run: tests put NaN there
     void fill_unused(Real value);      ///< the same for lanes without a scene and targets behind a path's end
-    /// Returns the answer of the kernel for scene `i`, in the order of prepare(). Node forces are those of the elements
-    /// of its patch, surface_x their middles; base forces are not known.
+    /// Returns the answer of the kernel for scene `i`, in the order of prepare(); for many scenes use a View. Node
+    /// forces are those of the elements of its patch, surface_x their middles; base forces are not known.
     fem::ContactSolution solution(std::size_t i) const;
     double result(std::size_t i, int step, int row) const;  ///< one number of LaneResultRow
     double patch(std::size_t i, int row) const;             ///< one number of PatchRow
@@ -75,12 +75,12 @@ class PatchContact {
       /// [2 tactels]: sigma_y of every tactel, then tau_xy, MPa.
       void tactels(std::size_t i, int step, std::span<float> stress) const;
       void tactels(std::size_t i, int step, std::span<double> stress) const;
-      /// [2 tactels], in place.
-      std::span<const Real> tactels(std::size_t i, int step) const;
-      /// [2 elements]: n of every element, then t, over E, mm.
-      std::span<const Real> forces(std::size_t i, int step) const;
+      /// Returns the answer of the kernel for scene `i`.
+      fem::ContactSolution solution(std::size_t i) const;
 
      private:
+      template <class Number>
+      void put_tactels(std::size_t i, int step, std::span<Number> stress) const;
       std::shared_ptr<State> state_;
       typename Buffer<Real>::Mapping results_, forces_, stresses_, patches_;
     };

@@ -66,9 +66,9 @@ class GrowingPatches {
     const int elements = contact_.options().elements;
     auto batch = contact_.prepare(alike, given);
     batch.run();
+    const typename PatchContact<Real>::Batch::View view(batch);
     for (std::size_t k = 0; k < which.size(); ++k) {
-      solutions_[which[k]] = batch.solution(k);
-      const typename PatchContact<Real>::Batch::View view(batch);
+      solutions_[which[k]] = view.solution(k);
       const double left = alike[k].indenter.position + view.patch(k, PATCH_ORIGIN);
       patches_[which[k]] = {left, left + elements * view.patch(k, PATCH_ELEMENT), elements};
       if (auto extent = grown_contact<Real>(view, k, elements)) {

@@ -67,7 +67,7 @@ SolveOutcome outcome_on(const Rung& rung, const fem::Scene& scene, fem::ContactS
 
 SolveOutcome solve_on_patch(const fem::Scene& scene, const SolveOptions& options) {
   scene.validate();
-  Executor executor{Device(options.device)};
+  Executor executor{Device(options.device).for_one_contact()};
   Rung rung = patch_rung(options, executor.device().info());
   if (options.tolerance) rung.tolerance = *options.tolerance / fem::PatchOptions::accept_over_tolerance;
   auto answers = solve_on_rung(executor, std::span(&scene, 1), rung);
@@ -79,7 +79,7 @@ SolveOutcome solve_on_patch(const fem::Scene& scene, const SolveOptions& options
 
 /// One scene is no work at all: fp64 unless the device lacks it or fp32 is asked for.
 SolveOutcome solve_on_mesh(const fem::Scene& scene, const SolveOptions& options) {
-  Executor executor{Device(options.device)};
+  Executor executor{Device(options.device).for_one_contact()};
   const DeviceInfo& device = executor.device().info();
   const Rung* rung = options.rung.empty() ? nullptr : &rung_named(options.rung);
   const bool wanted = rung ? rung->precision == Precision::fp64 : device.fp64;
@@ -99,7 +99,7 @@ SolveOutcome solve_on_mesh(const fem::Scene& scene, const SolveOptions& options)
 
 SolveOutcome solve_to_accuracy(const fem::Scene& scene, const SolveOptions& options) {
   scene.validate();
-  Executor executor{Device(options.device)};
+  Executor executor{Device(options.device).for_one_contact()};
   Plan chosen = plan(std::span(&scene, 1), *options.accuracy,
                      [&](const Rung& rung) { return solve_on_rung(executor, std::span(&scene, 1), rung); });
   SolveOutcome outcome = outcome_on(chosen.rung, scene, std::move(chosen.answers.front()),

@@ -67,11 +67,13 @@ void RawBuffer::read(void* to, std::size_t offset, std::size_t bytes) const {
                [&] { state_->queue.enqueueReadBuffer(state_->buffer, CL_TRUE, offset, bytes, to); });
 }
 
-void* RawBuffer::map() const {
+void* RawBuffer::map(MapFor use) const {
   if (state_->host) return state_->host.get();
+  const cl_map_flags flags = use == MapFor::reading   ? CL_MAP_READ
+                             : use == MapFor::writing ? CL_MAP_WRITE_INVALIDATE_REGION
+                                                      : CL_MAP_READ | CL_MAP_WRITE;
   return translated(state_->device.info().name, [&] {
-    return state_->queue.enqueueMapBuffer(state_->buffer, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE, 0,
-                                          std::max<std::size_t>(bytes_, 1));
+    return state_->queue.enqueueMapBuffer(state_->buffer, CL_TRUE, flags, 0, std::max<std::size_t>(bytes_, 1));
   });
 }
 

@@ -11,6 +11,13 @@
 
 namespace tactel::host {
 
+/// What a map is for: a device with memory of its own copies only what is needed.
+enum class MapFor {
+  reading,
+  writing,  ///< contents are undefined at first
+  both
+};
+
 /// Bytes in device memory. On a zero-copy device they are aligned host memory that kernels use in place.
 /// Elsewhere read, write and map move a copy. All calls block. Use Buffer<T>.
 class RawBuffer {
@@ -19,7 +26,7 @@ class RawBuffer {
   RawBuffer(const Device& device, std::size_t bytes);  ///< contents undefined; 0 bytes allowed
   void write(const void* from, std::size_t offset, std::size_t bytes);
   void read(void* to, std::size_t offset, std::size_t bytes) const;
-  void* map() const;             ///< host address of all bytes, valid until unmap
+  void* map(MapFor use) const;   ///< host address of all bytes, valid until unmap
   void unmap(void* host) const;  ///< changes are visible to the next launch
   const cl::Buffer& cl_buffer() const;
   std::size_t bytes() const { return bytes_; }
@@ -40,7 +47,8 @@ class Buffer {
   /// Host view of the whole array during its lifetime. It must end before the next launch that uses the buffer.
   class Mapping {
    public:
-    explicit Mapping(const Buffer& buffer) : raw_(buffer.raw_), view_(static_cast<T*>(raw_.map()), buffer.size()) {}
+    explicit Mapping(const Buffer& buffer, MapFor use = MapFor::both)
+        : raw_(buffer.raw_), view_(static_cast<T*>(raw_.map(use)), buffer.size()) {}
     ~Mapping() {
       try {
         raw_.unmap(view_.data());
@@ -66,7 +74,7 @@ class Buffer {
     raw_.write(from.data(), first * sizeof(T), from.size_bytes());
   }
   void read(std::span<T> to, std::size_t first = 0) const { raw_.read(to.data(), first * sizeof(T), to.size_bytes()); }
-  Mapping map() const { return Mapping(*this); }
+  Mapping map(MapFor use = MapFor::both) const { return Mapping(*this, use); }
   const cl::Buffer& cl_buffer() const { return raw_.cl_buffer(); }
 
  private:

@@ -11,11 +11,13 @@
 #include <cstdlib>
 #include <filesystem>
 #include <mutex>
+#include <optional>
 
 #include "fem/condensation.h"
 #include "host/device/compile_cache.h"
 #include "host/device/opencl.h"
 #include "host/support/interrupt.h"
+#include "kernels/shared/interleaved.h"
 
 namespace tactel::host {
 namespace {
@@ -99,6 +101,15 @@ int explicit_lanes(DeviceType type, cl_uint native_width) {
   return lanes;
 }
 
+/// What $TACTEL_LANES asks for, in both precisions: the layout of another device, for tests. None where it is not set.
+std::optional<int> asked_lanes() {
+  const char* text = std::getenv("TACTEL_LANES");
+  if (!text || !*text) return std::nullopt;
+  for (const int lanes : {1, 2, 4, 8, 16})
+    if (std::to_string(lanes) == text) return lanes;
+  throw ConfigError("", "TACTEL_LANES", text, "1, 2, 4, 8 or 16");
+}
+
 DeviceInfo describe(const cl::Platform& platform, const cl::Device& device, int index) {
   DeviceInfo info;
   info.index = index;
@@ -110,6 +121,10 @@ DeviceInfo describe(const cl::Platform& platform, const cl::Device& device, int 
   info.fp64 = device.getInfo<CL_DEVICE_DOUBLE_FP_CONFIG>() != 0;
   info.lanes_fp32 = explicit_lanes(info.type, device.getInfo<CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT>());
   info.lanes_fp64 = info.fp64 ? explicit_lanes(info.type, device.getInfo<CL_DEVICE_NATIVE_VECTOR_WIDTH_DOUBLE>()) : 0;
+  if (const std::optional<int> lanes = asked_lanes()) {
+    info.lanes_fp32 = *lanes;
+    if (info.fp64) info.lanes_fp64 = *lanes;
+  }
   const bool pocl_cpu = contains(info.platform, "Portable Computing Language") && info.type == DeviceType::cpu;
   info.zero_copy = pocl_cpu;
   info.low_latency = pocl_cpu && (info.name.starts_with("basic") || info.name.starts_with("cpu-minimal"));
@@ -215,6 +230,7 @@ struct Device::State {
   cl::Device device;
   cl::Context context;
   LogSink log;
+  bool short_code = false;
 };
 
 Device::Device(std::string_view choice, LogSink log) {
@@ -233,6 +249,8 @@ int Device::lanes(Precision precision) const {
   if (info().fp64) return info().lanes_fp64;
   throw DeviceError("fp64", "not supported", info().name, "choose --precision fp32 or another --device");
 }
+
+int Device::interleaved(Precision precision) const { return lanes(precision) == 1 ? INTERLEAVED_SCALARS : 1; }
 
 const cl::Device& Device::cl_device() const { return state_->device; }
 const cl::Context& Device::context() const { return state_->context; }
@@ -253,6 +271,17 @@ Device Device::with_lanes(int lanes) const {
   other.state_ = std::make_shared<State>(std::move(state));
   return other;
 }
+
+Device Device::for_one_contact() const {
+  if (info().type != DeviceType::cpu) return *this;
+  Device other = with_lanes(1);
+  State state = *other.state_;
+  state.short_code = true;
+  other.state_ = std::make_shared<State>(std::move(state));
+  return other;
+}
+
+bool Device::short_code() const { return state_->short_code; }
 
 struct Compilation::Use {
   CompileCache::Use use;

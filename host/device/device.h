@@ -42,7 +42,8 @@ struct DeviceInfo {
 /// Default log of devices without a log of their own; none at first. Set it before other threads exist.
 void set_default_log(LogSink log);
 
-/// Returns every OpenCL device, in the order of --device; empty where there is none. Before the first OpenCL call
+/// Returns every OpenCL device, in the order of --device; empty where there is none. $TACTEL_LANES (1, 2, 4, 8 or 16)
+/// replaces the lanes of each; throws ConfigError for another number. Before the first OpenCL call
 /// of the process it sets POCL_DEVICES to "basic pthread", and POCL_CACHE_DIR to "pocl" in
 /// fem::default_cache_directory(), unless the user has set them. PoCL keeps compiled kernels there; they are
 /// checked first (compile_cache.h). The content of a user's own POCL_CACHE_DIR is not checked.
@@ -65,6 +66,9 @@ class Device {
   const DeviceInfo& info() const;
   /// Returns the lanes of explicit vectors in this precision. Throws DeviceError where the device lacks fp64.
   int lanes(Precision precision) const;
+  /// Returns how many work-items have their numbers side by side in arrays of contacts: 1 where each has a vector
+  /// (kernels/shared/group.h).
+  int interleaved(Precision precision) const;
   const cl::Device& cl_device() const;
   const cl::Context& context() const;
   /// Returns a new queue, in order.
@@ -73,6 +77,10 @@ class Device {
   /// Returns the same device with this number of lanes in both precisions, 1, 2, 4, 8 or 16: for tests. Shares
   /// the context.
   Device with_lanes(int lanes) const;
+  /// Returns the same device for single contacts: kernels give the same bits, and a processor compiles them in half the
+  /// time, with one lane and rolled loops. Shares the context.
+  Device for_one_contact() const;
+  bool short_code() const;  ///< whether kernels keep their loops rolled (kernels/shared/unroll.h)
 
  private:
   struct State;

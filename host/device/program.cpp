@@ -52,8 +52,9 @@ void expand(std::string_view name, std::string_view text, std::set<std::string, 
 
 // Denormal numbers, to which the tails of frames and of momentum decay, would cost a processor ten times the time of
 // others; no result is in need of them.
-std::string option_text(const Defines& defines) {
+std::string option_text(const Device& device, const Defines& defines) {
   std::string text = "-cl-std=CL1.2 -cl-denorms-are-zero";
+  if (device.short_code()) text += " -DSHORT_CODE=1";
   for (const auto& [key, value] : defines) text.append(" -D").append(key).append("=").append(value);
   return text;
 }
@@ -137,7 +138,7 @@ Program::Program(const Device& device, const std::string& source, const Defines&
 
 Program Program::from_text(const Device& device, const std::string& name, const std::string& text,
                            const Defines& defines) {
-  const auto state = std::make_shared<State>(State{device, name, option_text(defines), text, {}, {}});
+  const auto state = std::make_shared<State>(State{device, name, option_text(device, defines), text, {}, {}});
   translated(device.info().name, [&] { state->build(); });
   return Program(state);
 }

@@ -28,7 +28,7 @@ LearningInputs<Real>::LearningInputs(const Device& device, const nn::FrameSet& s
   row_size_ = (inputs_ + 1 + lanes - 1) / lanes * lanes;
   const std::size_t variant_size = std::size_t{rows_ + zero_rows} * row_size_;
   values_ = Buffer<Real>(device, variants.size() * variant_size);
-  const auto view = values_.map();
+  const auto view = values_.map(MapFor::writing);
   std::fill(view.view().begin(), view.view().end(), Real(0));
   for (std::size_t v = 0; v < variants.size(); ++v) {
     nn::FrameSet noisy = nn::with_noise(set, variants[v].noise, variants[v].seed);

@@ -91,7 +91,7 @@ void TransducerChain::run(std::span<const Contact> contacts, std::span<float> si
     stress_ = neighbours_ ? Buffer<float>(device, rows * row_size) : signal_;  // what neighbours read must stay
   }
   {
-    const auto view = stress_.map();
+    const auto view = stress_.map(MapFor::writing);
     for (std::size_t row = 0; row < rows; ++row) {
       const auto end = std::ranges::copy(signal.subspan(row * channels_, channels_), &view[row * row_size]).out;
       std::fill(end, &view[row * row_size] + row_size, 0.0f);
@@ -112,7 +112,7 @@ void TransducerChain::run(std::span<const Contact> contacts, std::span<float> si
     kernel.set("signal", signal_);
   });
   executor_->run(launch_, contacts.size() * vectors_);
-  const auto view = signal_.map();
+  const auto view = signal_.map(MapFor::reading);
   for (std::size_t row = 0; row < rows; ++row) std::copy_n(&view[row * row_size], channels_, &signal[row * channels_]);
 }
 

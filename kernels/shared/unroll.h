@@ -3,8 +3,12 @@
 #ifndef TACTEL_SHARED_UNROLL_H
 #define TACTEL_SHARED_UNROLL_H
 
-#define UNROLL _Pragma("unroll")
 #define ROLLED _Pragma("nounroll")
+#if SHORT_CODE
+#define UNROLL ROLLED
+#else
+#define UNROLL _Pragma("unroll")
+#endif
 #define EACH(i, n) UNROLL for (int i = 0; i < (n); ++i)
 #define INLINE static inline __attribute__((always_inline))
 

@@ -43,6 +43,15 @@ TEST_P(BufferOn, TheMapIsTheBuffer) {
   EXPECT_EQ(number, -42);
 }
 
+TEST_P(BufferOn, MapsForReadingOrWritingAreTheBufferToo) {
+  Buffer<int> buffer(device(GetParam()), 100);
+  {
+    const auto map = buffer.map(MapFor::writing);
+    std::ranges::copy(counted(100), map.view().begin());
+  }
+  EXPECT_EQ(buffer.map(MapFor::reading)[42], 42);
+}
+
 TEST_P(BufferOn, OutsideIsRefused) {
   Buffer<int> buffer(device(GetParam()), 10);
   std::vector<int> numbers(11);

@@ -30,10 +30,26 @@ TEST(Device, PoclOffersBothOfItsDevices) {
 
 // A vector register of the processor, as it says itself: 64 bytes with AVX-512, 32 with AVX, 16 without.
 TEST(Device, LanesFillAVectorRegister) {
+  if (const char* lanes = std::getenv("TACTEL_LANES"); lanes && *lanes)
+    GTEST_SKIP() << "the lanes are those of TACTEL_LANES";
   const int bytes = __builtin_cpu_supports("avx512f") ? 64 : __builtin_cpu_supports("avx") ? 32 : 16;
   const Device device("basic");
   EXPECT_EQ(device.lanes(Precision::fp32), bytes / 4);
   EXPECT_EQ(device.lanes(Precision::fp64), bytes / 8);
+}
+
+TEST(Device, LanesCanBeAskedFor) {
+  const char* const before = std::getenv("TACTEL_LANES");
+  const std::string restored = before ? before : "";  // empty: none are asked for
+  setenv("TACTEL_LANES", "1", 1);
+  const Device one("basic");
+  setenv("TACTEL_LANES", "3", 1);
+  EXPECT_THROW(list_devices(), ConfigError);
+  setenv("TACTEL_LANES", restored.c_str(), 1);
+  EXPECT_EQ(one.lanes(Precision::fp32), 1);
+  EXPECT_EQ(one.lanes(Precision::fp64), 1);
+  EXPECT_EQ(one.interleaved(Precision::fp32), 64);
+  EXPECT_EQ(Device("basic").with_lanes(16).interleaved(Precision::fp32), 1);
 }
 
 TEST(Device, ChosenByIndexPartOfNameOrDefault) {

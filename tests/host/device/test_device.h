@@ -17,6 +17,15 @@ inline const Device& device(const std::string& choice = "basic") {
   return found != opened.end() ? found->second : opened.emplace(choice, Device(choice)).first->second;
 }
 
+/// `basic` with each number of lanes that a device may have, and as single contacts run on it.
+inline std::vector<Device> devices_of_all_lanes() {
+  const Device basic("basic");
+  std::vector<Device> devices;
+  for (const int lanes : {16, 1, 2, 4, 8}) devices.push_back(basic.with_lanes(lanes));
+  devices.push_back(basic.for_one_contact());
+  return devices;
+}
+
 inline Defines lanes_of(const Device& device, Precision precision) {
   return {{"LANES", std::to_string(device.lanes(precision))}, {"REAL", real_type(precision)}};
 }
