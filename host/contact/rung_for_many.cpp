@@ -29,7 +29,7 @@ Plan plan_for_many(Executor& executor, double accuracy, const ManyContacts& cont
 }
 
 std::optional<Rung> rung_for_many(Executor& executor, const SolveOptions& options, const ManyContacts& contacts) {
-  if (const auto rung = named_rung_for_many(options)) return rung;
+  if (auto rung = named_rung_for_many(options)) return rung;
   if (!options.accuracy) return {};
   return plan_for_many(executor, *options.accuracy, contacts).rung_for_many();
 }

@@ -120,6 +120,7 @@ fem::SensorFamily sensor_family(Executor& executor, const fem::SensorRange& rang
   side_by_side(poissons.size(), executor.threads(),
                [&](std::size_t k) { made[k] = fem::SensorFamily::node(range, poissons[k], sides); });
   std::vector<fem::FamilyNode> nodes;
+  nodes.reserve(made.size());
   for (auto& node : made) nodes.push_back(std::move(*node));
   return {range, nodes};
 }

@@ -10,7 +10,8 @@
 namespace tactel::host {
 namespace {
 
-CLI::Validator finite_number(const std::string& allowed, bool (*is_allowed)(double)) {
+/// `name`: as CLI11 and its option errors call the numbers.
+CLI::Validator finite_number(const char* name, const std::string& allowed, bool (*is_allowed)(double)) {
   return CLI::Validator(
       [=](const std::string& text) -> std::string {
         double value = 0;
@@ -19,18 +20,19 @@ CLI::Validator finite_number(const std::string& allowed, bool (*is_allowed)(doub
         return number && std::isfinite(value) && is_allowed(value) ? ""
                                                                    : text + ": must be a finite number, " + allowed;
       },
-      allowed);
+      name);
 }
 
 }  // namespace
 
 const CLI::Validator& positive_number() {
-  static const CLI::Validator validator = finite_number("above 0", [](double value) { return value > 0; });
+  static const CLI::Validator validator = finite_number("above 0", "above 0", [](double value) { return value > 0; });
   return validator;
 }
 
 const CLI::Validator& not_negative_number() {
-  static const CLI::Validator validator = finite_number("0 or above", [](double value) { return value >= 0; });
+  static const CLI::Validator validator =
+      finite_number("NONNEGATIVE", "0 or more", [](double value) { return value >= 0; });
   return validator;
 }
 

@@ -20,7 +20,7 @@ void add_sensor_options(CLI::App& command, SensorRequest& request);
 /// Returns the check for a finite number above 0.
 const CLI::Validator& positive_number();
 
-/// Returns the check for a finite number, 0 or above.
+/// Returns the check for a finite number of 0 or more.
 const CLI::Validator& not_negative_number();
 
 /// Opens the source. Prints its note on stderr, unless quiet.

@@ -142,8 +142,8 @@ def check(tactel, script, folder):
     (work / "build" / "tactel").symlink_to(tactel)
     slurm = Slurm(folder)
     try:
-        # Two tasks of one core on the only node; Slurm sends SIGTERM up to a minute before what is asked for.
-        job = ["--nodes=1", "--ntasks-per-node=2", "--cpus-per-task=1", "--time=1", "--signal=INT@20", f"--chdir={work}",
+        # Two tasks of one core on the only node; Slurm looks at the time each half minute: SIGINT comes after 15 to 45 s.
+        job = ["--nodes=1", "--ntasks-per-node=2", "--cpus-per-task=1", "--time=1", "--signal=INT@45", f"--chdir={work}",
                f"--output={log}", script, sweep, output]
         ended = slurm.submit(*map(str, job))
         said = log.read_text()
