@@ -550,6 +550,8 @@ ContactSet Simulation<Launcher>::collect(SetSimulator::Range& any_range) {
   set.contact_parameters = std::move(range.parameters);
   for (std::size_t l = 0; chain && l < views.size(); ++l)
     measure(set, rows, range.launches[l], views[l], fallen, range.first);
+  views.clear();
+  range.launches.clear();  // their memory, before the rows are written
   range.seconds.gather = seconds_since(start) - range.seconds.solve_again;
   return set;
 }
