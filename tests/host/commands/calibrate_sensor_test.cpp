@@ -117,6 +117,23 @@ TEST_F(CalibrateSensor, WritesAProfileWithTheGainsOfTheSensor) {
   EXPECT_EQ(found["residuals"].size(), 6u);
 }
 
+/// With nu unknown, too: eight blocks of free sides, some seconds without a cache.
+using CalibrateSensorNightly = CalibrateSensor;
+TEST_F(CalibrateSensorNightly, PoissonIsFoundByDefault) {
+  std::ifstream in(recordings_);
+  const std::string text(std::istreambuf_iterator<char>(in), {});
+  write(recordings_, text.substr(text.find("[press0]")));
+  const std::string json = (folder_ / "c.json").string();
+  const ChildResult result = calibrate({"--json", json});
+  ASSERT_EQ(result.exit_code, 0) << result.err << result.out;
+  const nlohmann::json found = nlohmann::json::parse(std::ifstream(json));
+  const auto within = [&](const char* name, double value, double model) {
+    EXPECT_NEAR(found[name]["value"].get<double>(), value, 3 * found[name]["deviation"].get<double>() + model) << name;
+  };
+  within("poisson", 0.45, 0.002);  // the family's tables and the sensor's own differ by 0.1 % of a stress
+  within("young", true_young, 0.02);
+}
+
 TEST_F(CalibrateSensor, WrongFilesAreNamed) {
   const auto refused = [&](const std::string& text, const std::string& message) {
     write(recordings_, text);
