@@ -144,6 +144,7 @@ void warn_of_depth(std::uint64_t too_deep, std::uint64_t contacts) {
 int run_generate(const GenerateRequest& request) {
   Sweep sweep = read_sweep(request.sweep);
   ProductionOptions options = production_options(request);
+  std::optional<Interrupt> interrupt;  // outlives ranks: a process that is done waits in MPI_Finalize for the others
   const Ranks ranks;
   const auto [rung, accurate] = modelling(request, sweep.source, request.shared.quiet || !ranks.first());
   if (rung) model_on(*rung, request.shared.solve, sweep, options.set);
@@ -159,7 +160,7 @@ int run_generate(const GenerateRequest& request) {
     if (complete && !request.shared.quiet) fmt::print("{}: complete already\n", request.output);
     return done;
   }
-  const Interrupt interrupt;  // before there is anything to keep
+  interrupt.emplace();  // before there is anything to keep
   std::optional<SetSpool> spool;
   if (ranks.first()) {
     check_writable("--output", request.output);
@@ -176,7 +177,7 @@ int run_generate(const GenerateRequest& request) {
   ProgressLine line("contacts", "contacts", request.shared.quiet || !ranks.first(), chunk_contacts);
   options.progress = [&](std::size_t chunks_done, std::size_t all) {
     line.show(chunks_done, all);
-    return !interrupt.requested();
+    return !interrupt->requested();
   };
   const ProductionReport report = produce_set(sweep.source, *spool, options);
   line.clear();

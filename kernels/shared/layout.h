@@ -24,6 +24,8 @@
   FIELD(ChainSettings, high_pass)        \
   FIELD(ChainSettings, decay)            \
   FIELD(ChainSettings, pass)             \
+  FIELD(ChainSettings, step_time)        \
+  FIELD(ChainSettings, time_constant)    \
   FIELD(ChainSettings, gain_spread)      \
   FIELD(ChainSettings, offset_spread)    \
   FIELD(ChainSettings, noise)            \
@@ -36,6 +38,8 @@
   FIELD(ChainSettings, lag_pass)         \
   FIELD(ChainSettings, low)              \
   FIELD(ChainSettings, high)             \
-  FIELD(ChainSettings, quantum)
+  FIELD(ChainSettings, quantum)          \
+  FIELD(ChainSettings, bits)             \
+  FIELD(ChainSettings, range)
 
 #endif
