@@ -12,6 +12,7 @@ template <class From, class To, class Visit>
 void each_array(From& from, To& to, const Visit& visit) {
   visit(from.frames, to.frames), visit(from.slip_index, to.slip_index);
   visit(from.normal_force, to.normal_force), visit(from.tangential_force, to.tangential_force);
+  visit(from.indentation, to.indentation), visit(from.tangential, to.tangential);
   visit(from.friction, to.friction), visit(from.stick_fraction, to.stick_fraction);
   visit(from.residual, to.residual), visit(from.contact, to.contact), visit(from.step, to.step);
   visit(from.indenter, to.indenter), visit(from.contact_nodes, to.contact_nodes), visit(from.status, to.status);
@@ -24,6 +25,9 @@ Set from_host(host::ContactSet&& from) {
   set.inputs = static_cast<std::size_t>(from.inputs);
   each_array(from, set, [](auto& array, auto& to) { to = std::move(array); });
   set.indenter_names = std::move(from.indenter_names);
+  set.tactel_x = std::move(from.tactel_x), set.parameters = std::move(from.contact_parameters);
+  set.parameter_names = std::move(from.host::SetColumns::parameters);
+  set.parameter_units = std::move(from.parameter_units);
   set.contacts = from.contacts, set.without_rows = from.without_rows;
   set.fell_back = from.fell_back, set.unsolved = from.unsolved;
   set.sweep = std::move(from.sweep), set.rung = std::move(from.rung), set.device = std::move(from.device);
@@ -43,6 +47,17 @@ host::ContactSet to_host(const Set& from) {
     to.assign(array.begin(), array.end());
     to.resize(numbers);
   });
+  if (from.indentation.empty()) set.indentation.clear();  // unknown, and not 0: no dataset
+  if (from.tangential.empty()) set.tangential.clear();
+  if (!from.tactel_x.empty() && 2 * from.tactel_x.size() != from.inputs)
+    throw InputError("set", std::to_string(from.tactel_x.size()) + " places of tactels",
+                     "give " + std::to_string(from.inputs / 2) + ", or none");
+  if (from.parameters.size() != from.contacts * from.parameter_names.size() ||
+      from.parameter_units.size() != from.parameter_names.size())
+    throw InputError("set", std::to_string(from.parameters.size()) + " parameters",
+                     "give one for each contact and name, and a unit for each name");
+  set.tactel_x = from.tactel_x, set.contact_parameters = from.parameters;
+  set.parameters = from.parameter_names, set.parameter_units = from.parameter_units;
   set.indenter_names = from.indenter_names;
   set.contacts = from.contacts, set.without_rows = from.without_rows;
   set.fell_back = from.fell_back, set.unsolved = from.unsolved;

@@ -75,6 +75,10 @@ void append(Set& to, Set&& more) {
   const auto join = [](auto& all, const auto& part) { all.insert(all.end(), part.begin(), part.end()); };
   join(to.frames, more.frames), join(to.slip_index, more.slip_index);
   join(to.normal_force, more.normal_force), join(to.tangential_force, more.tangential_force);
+  join(to.indentation, more.indentation), join(to.tangential, more.tangential);
+  join(to.parameters, more.parameters);
+  to.parameter_names = std::move(more.parameter_names), to.parameter_units = std::move(more.parameter_units);
+  to.tactel_x = std::move(more.tactel_x);
   join(to.friction, more.friction), join(to.stick_fraction, more.stick_fraction), join(to.residual, more.residual);
   join(to.contact, more.contact), join(to.step, more.step), join(to.indenter, more.indenter);
   join(to.contact_nodes, more.contact_nodes), join(to.status, more.status);

@@ -87,6 +87,20 @@ void bind_set(py::module_& m) {
       .def_property_readonly("slip_index", column(&Set::slip_index), "[rows] S")
       .def_property_readonly("P", column(&Set::normal_force), "[rows] N/mm")
       .def_property_readonly("Q", column(&Set::tangential_force), "[rows] N/mm")
+      .def_property_readonly("indentation", column(&Set::indentation), "[rows] mm, depth since first touch")
+      .def_property_readonly("tangential", column(&Set::tangential), "[rows] mm, way along x since first touch")
+      .def_property_readonly("tactel_x", column(&Set::tactel_x), "[tactels] mm; empty where contacts differ in them")
+      .def_property_readonly(
+          "parameters",
+          [](const py::object& self) {
+            const auto& set = self.cast<const Set&>();
+            const auto names = static_cast<py::ssize_t>(set.parameter_names.size());
+            return view(set.parameters, {names ? static_cast<py::ssize_t>(set.parameters.size()) / names : 0, names},
+                        self);
+          },
+          "[contacts, parameter_names] what was drawn; NaN: the contact has no such number")
+      .def_readonly("parameter_names", &Set::parameter_names, "keys, such as indenter.radius")
+      .def_readonly("parameter_units", &Set::parameter_units)
       .def_property_readonly("friction", column(&Set::friction), "[rows] mu")
       .def_property_readonly("stick_fraction", column(&Set::stick_fraction), "[rows] stuck length over contact length")
       .def_property_readonly("residual", column(&Set::residual), "[rows] largest relative residual")

@@ -303,6 +303,12 @@ TEST(SweepApi, WritesSetsThatTheProgramReads) {
   const Set again = read_set(saved.path());
   EXPECT_EQ(again.frames, set.frames);
   EXPECT_EQ(again.indenter_names, set.indenter_names);
+  EXPECT_EQ(again.parameter_names, set.parameter_names);
+  ASSERT_EQ(set.parameters.size(), 4 * set.parameter_names.size());
+  EXPECT_EQ(again.tangential, set.tangential);
+  Set wrong = set;
+  wrong.parameters.pop_back();
+  EXPECT_THAT(message_of([&] { write_set(wrong, saved.path()); }), HasSubstr("parameters"));
   EXPECT_THAT(message_of([&] { write_set(set, "/no/such/folder/set.h5"); }),
               HasSubstr("/no/such/folder/set.h5: cannot be written"));
 }

@@ -208,12 +208,27 @@ class SetsAndNetworks(unittest.TestCase):
     def test_is_the_set_of_the_program(self):
         output = pathlib.Path(self.folder.name) / "set.h5"
         subprocess.run([PROGRAM, "generate", str(self.path), "--output", str(output), "--quiet"], check=True)
-        np.testing.assert_array_equal(tactel.read_set(str(output)).frames, self.set.frames)
+        read = tactel.read_set(str(output))
+        for name in ("frames", "indentation", "tangential", "tactel_x", "parameters"):
+            np.testing.assert_array_equal(getattr(read, name), getattr(self.set, name), name)
+        self.assertEqual(read.parameter_names, self.set.parameter_names)
 
     def test_scenes_of_a_sweep_can_be_solved(self):
         scene = self.sweep.scene(7)
         rows = self.set.contact == 7  # the end of the pressing, then the drags
         np.testing.assert_allclose(tactel.solve(scene).slip_index, self.set.slip_index[rows], atol=1e-3)
+
+    def test_parameters_are_those_of_the_scenes(self):
+        names, scene = self.set.parameter_names, self.sweep.scene(7)
+        drawn = dict(zip(names, self.set.parameters[7]))
+        self.assertEqual(drawn["contact.friction"], np.float32(scene.friction))
+        self.assertEqual(drawn["indenter.position"], np.float32(scene.indenter.position))
+        self.assertEqual(self.set.parameters.shape, (self.set.contacts, len(names)))
+        self.assertEqual(len(self.set.parameter_units), len(names))
+        path, rows = tactel.solve(scene), self.set.contact == 7
+        np.testing.assert_allclose(self.set.indentation[rows], path.indentation, rtol=1e-6)
+        np.testing.assert_allclose(self.set.tangential[rows], path.tangential, rtol=1e-6, atol=1e-9)
+        np.testing.assert_allclose(self.set.tactel_x, path.tactel_x, atol=1e-6)
 
     def test_columns_are_views(self):
         self.assertIs(self.set.frames.base, self.set)

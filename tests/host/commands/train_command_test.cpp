@@ -340,6 +340,7 @@ TEST_F(BadFiles, FileOfAFrameThatOverflowsWhenItIsScaled) {
 TEST_F(BadFiles, SetsOfAnotherWidth) {
   ContactSet set = read_contact_set(PaperSetFiles::recall());
   set.inputs = 16;
+  set.tactel_x.clear();
   set.frames.resize(set.rows() * 16);
   const std::string narrow = written("narrow.h5", set);
   expect_refusal({"train", narrow, "--output", folder_ / "net"},

@@ -17,6 +17,7 @@ struct Set {
   std::vector<float> frames;                          ///< [rows, inputs] MPa: normal stresses first, then shear
   std::vector<float> slip_index;                      ///< [rows] S
   std::vector<float> normal_force, tangential_force;  ///< [rows] P, Q, N/mm
+  std::vector<float> indentation, tangential;         ///< [rows] mm: depth and way along x since first touch; or empty
   std::vector<float> friction, stick_fraction;        ///< [rows] mu; stuck length over contact length
   std::vector<float> residual;                        ///< [rows] largest relative residual
   std::vector<std::uint64_t> contact;                 ///< [rows] contact of the sweep
@@ -24,6 +25,10 @@ struct Set {
   std::vector<std::uint16_t> indenter;                ///< [rows] index in indenter_names
   std::vector<std::uint16_t> contact_nodes;           ///< [rows] surface nodes that touch
   std::vector<std::uint8_t> status;                   ///< [rows] 0 solved, 1 sliding, 2 over tolerance
+  std::vector<float> tactel_x;                        ///< [tactels] mm; empty where contacts differ in them
+  std::vector<float> parameters;                      ///< [contacts, names] what was drawn; NaN: has none; or empty
+  std::vector<std::string> parameter_names;           ///< keys, such as "indenter.radius"
+  std::vector<std::string> parameter_units;           ///< [names]
   std::vector<std::string> indenter_names;
   std::uint64_t contacts = 0, fell_back = 0, unsolved = 0, without_rows = 0;
   std::string sweep, rung, device;  ///< text of the sweep file; model; OpenCL device
