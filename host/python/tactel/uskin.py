@@ -35,6 +35,10 @@ class Label(enum.IntEnum):
     OTHER = 6
 
 
+def _slips(label):
+    return np.isin(label, (Label.STILL_SLIP, Label.MOVING_SLIP))
+
+
 @dataclass(frozen=True)
 class Trial:
     """One grasp. Arrays have an entry for each of its frames while the object is held."""
@@ -51,7 +55,7 @@ class Trial:
     @property
     def slipping(self):
         """[frames] bool: labelled as slip."""
-        return (self.label == Label.STILL_SLIP) | (self.label == Label.MOVING_SLIP)
+        return _slips(self.label)
 
 
 def _refuse(place, problem, fix):
@@ -104,7 +108,7 @@ def _trial(name, raw, time, label, shear, row):
     pins = _ROWS * np.arange(_COLUMNS) + row
     frames = np.concatenate([-sign * normal[pins], tangential[pins]]).T.astype(np.float32)
     touching = (P > 0) & (P >= _TOUCH * P.max())
-    slipping = touching & np.isin(label[held], (Label.STILL_SLIP, Label.MOVING_SLIP))
+    slipping = touching & _slips(label[held])
     friction = float(np.median(np.abs(Q[slipping]) / P[slipping])) if slipping.sum() >= 10 else np.nan
     slip_index = np.full(P.shape, np.nan)
     if friction > 0:
