@@ -28,6 +28,15 @@ py::array_t<Number> view(const std::vector<Number>& numbers, const std::vector<p
   return py::array_t<Number>(shape, numbers.data(), owner);
 }
 
+/// Getter of a vector that is a member of a bound class, as an array [size] without a copy.
+template <class Owner, class Number>
+auto column(std::vector<Number> Owner::*numbers) {
+  return [numbers](const py::object& self) {
+    const auto& all = self.cast<const Owner&>().*numbers;
+    return view(all, {static_cast<py::ssize_t>(all.size())}, self);
+  };
+}
+
 /// Calls a Python function (done, all), or nothing, from a computation without the interpreter lock. Ctrl-C cancels,
 /// and so does an exception of the function: `check` raises it.
 class PythonProgress {

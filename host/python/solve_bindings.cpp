@@ -95,13 +95,8 @@ void bind_derivatives(py::module_& m) {
       .def_readonly("missing", &Derivatives::missing, "numbers without a derivative: \"name: reason\"")
       .def_readonly("answer_difference", &Derivatives::answer_difference,
                     "largest difference of S between the answer and the exact fp64 path that was differentiated")
-      .def_property_readonly(
-          "distance_to_switch",
-          [](const py::object& self) {
-            const auto& distance = self.cast<const Derivatives&>().distance_to_switch;
-            return view(distance, {static_cast<py::ssize_t>(distance.size())}, self);
-          },
-          "[steps] relative distance to the nearest change of a status")
+      .def_property_readonly("distance_to_switch", column(&Derivatives::distance_to_switch),
+                             "[steps] relative distance to the nearest change of a status")
       .def_property_readonly("P", derivative_grid(&Derivatives::P, false), "[steps, parameters] N/mm")
       .def_property_readonly("Q", derivative_grid(&Derivatives::Q, false), "[steps, parameters] N/mm")
       .def_property_readonly("slip_index", derivative_grid(&Derivatives::slip_index, false),
@@ -168,20 +163,8 @@ void bind_path(py::module_& m) {
             return all;
           },
           "[steps, surface] 0 open, 1 stick, 2 slip")
-      .def_property_readonly(
-          "surface_x",
-          [](const py::object& self) {
-            const auto& x = self.cast<const Path&>().surface_x;
-            return view(x, {static_cast<py::ssize_t>(x.size())}, self);
-          },
-          "[surface] mm")
-      .def_property_readonly(
-          "tactel_x",
-          [](const py::object& self) {
-            const auto& x = self.cast<const Path&>().tactel_x;
-            return view(x, {static_cast<py::ssize_t>(x.size())}, self);
-          },
-          "[tactels] mm")
+      .def_property_readonly("surface_x", column(&Path::surface_x), "[surface] mm")
+      .def_property_readonly("tactel_x", column(&Path::tactel_x), "[tactels] mm")
       .def_readonly("sliding", &Path::sliding, "the last step slides as a whole")
       .def_readonly("fell_back", &Path::fell_back, "the exact fallback answered")
       .def_readonly("model", &Path::model)

@@ -22,11 +22,6 @@ OwnFrame own(const Frame& frame) {
   return {{frame.stress.begin(), frame.stress.end()}, frame.number, frame.device_time, frame.arrival};
 }
 
-py::array_t<float> stress_of(const py::object& self) {
-  const auto& frame = self.cast<const OwnFrame&>();
-  return view(frame.stress, {static_cast<py::ssize_t>(frame.stress.size())}, self);
-}
-
 /// A source that may be closed.
 class Source {
  public:
@@ -72,9 +67,10 @@ py::dict counts_of(Source& source) {
 
 void bind_sources(py::module_& m) {
   py::class_<OwnFrame>(m, "Frame", "A frame of a sensor. Networks take it as it is.")
-      .def_property_readonly("stress", &stress_of,
+      .def_property_readonly("stress", column(&OwnFrame::stress),
                              "[2 tactels] MPa, fp32: normal stresses (compression < 0), then shear")
-      .def("__array__", [](const py::object& self, const py::args&, const py::kwargs&) { return stress_of(self); })
+      .def("__array__",
+           [](const py::object& self, const py::args&, const py::kwargs&) { return column(&OwnFrame::stress)(self); })
       .def_readonly("number", &OwnFrame::number, "from 0, in the order of decoding")
       .def_readonly("device_time", &OwnFrame::device_time, "s by the device's clock; None without one")
       .def_readonly("arrival", &OwnFrame::arrival, "s since the source was opened");

@@ -17,14 +17,6 @@ SweepOptions sweep_options_of(std::optional<double> accuracy, std::string rung, 
       .accuracy = accuracy, .rung = std::move(rung), .precision = std::move(precision), .device = std::move(device)};
 }
 
-template <class Number>
-auto column(std::vector<Number> Set::*numbers) {
-  return [numbers](const py::object& self) {
-    const auto& all = self.cast<const Set&>().*numbers;
-    return view(all, {static_cast<py::ssize_t>(all.size())}, self);
-  };
-}
-
 /// Frames and S of a set from arrays; what the set's other columns would hold is unknown, 0.
 Set set_of(const py::array_t<float, py::array::c_style | py::array::forcecast>& frames,
            const py::array_t<float, py::array::c_style | py::array::forcecast>& slip_index) {
