@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <mutex>
 #include <numeric>
@@ -10,12 +11,14 @@
 
 #include "fem/contact_laws.h"
 #include "host/contact/gap_sweep_tables.h"
+#include "host/contact/strata.h"
 #include "kernels/shared/contact_layout.h"
 
 namespace tactel::host {
 namespace {
 
 constexpr double far_away = 2 * NO_GAP_ELEMENT;  ///< mm: no indenter here
+constexpr int friction_strata = 8;               ///< measured beside 4, 16 and 32
 constexpr int vectors = 3;  ///< of LANES scenes a work-item: each number of C that is loaded serves thrice
 
 template <class Real>
@@ -23,12 +26,15 @@ Buffer<Real> on_device(const Device& device, const std::vector<Real>& values) {
   return Buffer<Real>(device, std::span<const Real>(values));
 }
 
-/// Nodes that the rigid profile reaches at the deepest indentation, about: what a lane costs. heights: [columns] mm.
-int expected_window(const fem::Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& heights) {
+/// Nodes that the rigid profile reaches at the deepest indentation, about: what a lane costs, and how deep they are on
+/// the whole, relative to that indentation. heights: [columns] mm.
+std::pair<int, double> expected_window(const fem::Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& heights) {
   const auto& targets = by_force(scene) ? scene.load.normal_force : scene.load.indentation;
   double depth = *std::max_element(targets.begin(), targets.end());
   if (by_force(scene)) depth = 0.3 * depth / scene.sensor.young;
-  return static_cast<int>((heights.array() < 1.25 * depth).count());
+  const auto overlap = (1.25 * depth - heights.array()).max(0);
+  const double relative = overlap.sum() / depth;
+  return {static_cast<int>((overlap > 0).count()), std::isnan(relative) ? 0 : relative};
 }
 
 }  // namespace
@@ -165,12 +171,15 @@ template <class Real>
 void GapSweep<Real>::Batch::State::lay_out(std::span<const fem::Scene> scenes, const Eigen::MatrixXd& profiles) {
   order.resize(scenes.size());
   std::iota(order.begin(), order.end(), 0);
-  std::vector<int> window(scenes.size());
+  std::vector<std::pair<int, double>> window(scenes.size());
   for (std::size_t i = 0; i < scenes.size(); ++i)
     window[i] = expected_window(scenes[i], profiles.col(static_cast<Eigen::Index>(i)));
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return std::tuple(window[a], path_steps[a], friction[a], a) > std::tuple(window[b], path_steps[b], friction[b], b);
-  });
+  const std::vector<int> stratum = strata(friction, friction_strata);
+  const auto key = [&](std::size_t i) {
+    const auto& [nodes, overlap] = window[i];
+    return std::tuple(nodes, path_steps[i], stratum[i], overlap, i);
+  };
+  std::ranges::sort(order, std::greater<>(), key);
   place.resize(scenes.size());
   for (std::size_t k = 0; k < order.size(); ++k) place[order[k]] = k;
 }

@@ -15,10 +15,13 @@
 #include "fem/layer/patch_solver.h"
 #include "fem/value_error.h"
 #include "host/contact/patch_contact_tables.h"
+#include "host/contact/strata.h"
 #include "kernels/shared/contact_layout.h"
 
 namespace tactel::host {
 namespace {
+
+constexpr int friction_strata = 4;  ///< measured beside 2, 8 and 16
 
 template <class Real>
 Buffer<Real> table_on_device(const Device& device, const std::vector<double>& values) {
@@ -176,19 +179,24 @@ struct PatchContact<Real>::Batch::State {
     return ((lane / tile * answers + slot) * height + row) * tile + lane % tile;
   }
 
-  void lay_out(std::span<const fem::Scene> scenes, std::span<const PatchPath> paths);
+  void lay_out(std::span<const fem::Scene> scenes, std::span<const PatchPath> paths, std::span<const PatchLane> inputs);
   void fill(std::span<const PatchPath> paths, std::span<const PatchLane> inputs);
   void fill_sensors();
 };
 
 /// Scenes of like cost side by side, so that the lanes of a group finish together.
 template <class Real>
-void PatchContact<Real>::Batch::State::lay_out(std::span<const fem::Scene> scenes, std::span<const PatchPath> paths) {
-  using Key = std::tuple<int, std::size_t, bool, double, std::size_t>;
+void PatchContact<Real>::Batch::State::lay_out(std::span<const fem::Scene> scenes, std::span<const PatchPath> paths,
+                                               std::span<const PatchLane> inputs) {
+  using Key = std::tuple<int, std::size_t, bool, int, double, std::size_t>;
+  const std::vector<int> stratum = strata(friction, friction_strata);
   std::vector<Key> keys;
-  for (std::size_t i = 0; i < scenes.size(); ++i)
-    keys.emplace_back(-increments[i], scenes[i].indenter.shape.index(), turns_back(paths[i]),
-                      std::isnan(friction[i]) ? -1 : friction[i], i);
+  keys.reserve(scenes.size());
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const double width = inputs[i].input[PATCH_TO] - inputs[i].input[PATCH_FROM];
+    keys.emplace_back(-increments[i], scenes[i].indenter.shape.index(), turns_back(paths[i]), stratum[i],
+                      std::isnan(width) ? 0 : width, i);
+  }
   order.resize(scenes.size());
   std::iota(order.begin(), order.end(), 0);
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return keys[a] < keys[b]; });
@@ -293,7 +301,7 @@ typename PatchContact<Real>::Batch PatchContact<Real>::prepare(std::span<const f
       state_->family->require(scene.sensor);
       b.sensors.push_back(scene.sensor);
     }
-  b.lay_out(scenes, paths);
+  b.lay_out(scenes, paths, inputs);
 
   const std::size_t lanes = state_->lanes(), tile = lanes * state_->interleaved();
   b.groups = (scenes.size() + lanes - 1) / lanes;
