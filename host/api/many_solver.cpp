@@ -245,7 +245,7 @@ void ManySolver::solve_on_patches(const std::vector<std::size_t>& which, const P
       std::ranges::copy(launch(launcher, kind, served, progress), std::back_inserter(others));
     const std::vector<fem::Scene> scenes = copies(others);
     auto answers = host::solve_patch_contact(launcher, scenes);
-    host::finish_on_mesh(executor_, scenes, patch_, false, answers);
+    host::finish_on_mesh(host::mesh_solver(executor_, patch_, false), scenes, patch_, answers);
     for (std::size_t k = 0; k < others.size(); ++k) arrays_.put(others[k], answers[k]);
   }
 }

@@ -74,6 +74,8 @@ struct GapSweep<Real>::State {
       this->options.accept = std::max({100 * this->options.tolerance, 200 * epsilon, 2 * lost});
     }
     const Device& device = executor.device();
+    lanes_of_vector = device.lanes(precision());
+    lanes_of_tile = group() * device.interleaved(precision());
     node = on_device(device, node_table<Real>(condensation.compliance));
     const Eigen::MatrixXd base = base_outputs();
     base_rows = static_cast<int>(base.rows());
@@ -96,11 +98,11 @@ struct GapSweep<Real>::State {
   }
 
   int columns() const { return static_cast<int>(condensation.surface_x.size()); }
-  Precision precision() const { return sizeof(Real) == 4 ? Precision::fp32 : Precision::fp64; }
-  int lanes() const { return executor.device().lanes(precision()); }
+  static Precision precision() { return sizeof(Real) == 4 ? Precision::fp32 : Precision::fp64; }
+  int lanes() const { return lanes_of_vector; }
   int group() const { return lanes() == 1 ? 1 : lanes() * vectors; }
   /// Lanes whose numbers lie side by side: those of a group, or of neighbouring groups of one lane.
-  int tile() const { return group() * executor.device().interleaved(precision()); }
+  int tile() const { return lanes_of_tile; }
 
   const Buffer<Real>& compliance(bool friction) {
     const std::lock_guard lock(making);
@@ -133,6 +135,7 @@ struct GapSweep<Real>::State {
   Buffer<Real> node, map;
   Buffer<Real> compliances[2];  ///< [friction], made at first use
   int rows = 0, base_rows = 0;
+  int lanes_of_vector = 1, lanes_of_tile = 1;
   std::unique_ptr<Program> programs[2][2];  ///< [force][friction]
   std::mutex making;                        ///< of what is made at first use
 };

@@ -125,11 +125,25 @@ extern template class GapSweep<double>;
 /// Friction from which on a contact is known to have several solutions: wide flats at nu >= 0.499, driven by force.
 inline constexpr double several_solutions_from = 1.4;
 
-/// Solves any scenes on any sensors. Groups them by sensor and kind, and runs a launch for each group. A contact
-/// with a step over tolerance is solved again from its first step, exactly, on the host (fem/gap_condensed.h,
-/// fp64), and has fell_back = true. Steps that still miss their tolerance have converged = false. With
-/// second_opinion, contacts for which the exact solver certifies other forces have several = true; of "bonded"
-/// contacts its answer is returned, which is the reference's. Throws ValueError for an invalid scene.
+/// Solves any scenes on any sensors. Keeps the launcher of every sensor that it has met, E aside. Threads may use one
+/// at once. Cheap to copy.
+class GapSweepSolver {
+ public:
+  GapSweepSolver(Executor& executor, Precision precision, const GapSweepOptions& options = {});
+
+  /// Groups the scenes by sensor and kind, and runs a launch for each group. A contact with a step over tolerance is
+  /// solved again from its first step, exactly, on the host (fem/gap_condensed.h, fp64), and has fell_back = true.
+  /// Steps that still miss their tolerance have converged = false. With second_opinion, contacts for which the exact
+  /// solver certifies other forces have several = true; of "bonded" contacts its answer is returned, which is the
+  /// reference's. Throws ValueError for an invalid scene.
+  std::vector<fem::ContactSolution> solve(std::span<const fem::Scene> scenes) const;
+
+ private:
+  struct State;
+  std::shared_ptr<State> state_;
+};
+
+/// The same for scenes that are solved once.
 std::vector<fem::ContactSolution> solve_gap_sweep(Executor& executor, std::span<const fem::Scene> scenes,
                                                   Precision precision, const GapSweepOptions& options = {});
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <list>
+#include <mutex>
+#include <optional>
 
 #include "fem/contact_laws.h"
 #include "fem/gap_condensed.h"
@@ -36,15 +39,30 @@ void ask_again(const fem::GapCondensed& exact, const fem::Scene& scene, double a
   solution.several = true;
 }
 
+/// The exact solver of a launcher's sensor, made for the first scene that needs it: its numbers have extended
+/// precision.
+class Exact {
+ public:
+  Exact(const fem::Condensation& condensation, double tolerance) : condensation_(condensation), tolerance_(tolerance) {}
+  const fem::GapCondensed& solver() {
+    if (!made_) made_.emplace(condensation_, fem::GapReferenceOptions{.tolerance = tolerance_});
+    return *made_;
+  }
+
+ private:
+  const fem::Condensation& condensation_;
+  double tolerance_;
+  std::optional<fem::GapCondensed> made_;
+};
+
 template <class Real>
-void solve_alike(Executor& executor, std::span<const fem::Scene> scenes, const std::vector<std::size_t>& which,
+void solve_alike(const GapSweep<Real>& sweep, std::span<const fem::Scene> scenes, const std::vector<std::size_t>& which,
                  const GapSweepOptions& options, std::vector<fem::ContactSolution>& solutions) {
   std::vector<fem::Scene> alike;
   for (std::size_t i : which) alike.push_back(scenes[i]);
-  const GapSweep<Real> sweep(executor, alike.front().sensor, options);
   auto batch = sweep.prepare(alike);
   batch.run();
-  const fem::GapCondensed exact(sweep.condensation(), {.tolerance = sweep.options().accept});
+  Exact exact(sweep.condensation(), sweep.options().accept);
   const typename GapSweep<Real>::Batch::View view(batch);
   for (std::size_t k = 0; k < which.size(); ++k) {
     fem::ContactSolution& solution = solutions[which[k]] = view.solution(k);
@@ -55,11 +73,11 @@ void solve_alike(Executor& executor, std::span<const fem::Scene> scenes, const s
     }
     if (solved(solution)) {
       if (options.second_opinion && alike[k].friction >= several_solutions_from)
-        ask_again(exact, alike[k], sweep.options().accept, solution);
+        ask_again(exact.solver(), alike[k], sweep.options().accept, solution);
       continue;
     }
     if (!options.fallback) continue;
-    fem::ContactSolution again = exact.solve(alike[k]);
+    fem::ContactSolution again = exact.solver().solve(alike[k]);
     if (solved(again) || solved_steps(again) > solved_steps(solution)) solution = std::move(again);
     solution.fell_back = true;
   }
@@ -84,17 +102,50 @@ std::vector<std::vector<std::size_t>> launches(std::span<const fem::Scene> scene
 
 }  // namespace
 
-std::vector<fem::ContactSolution> solve_gap_sweep(Executor& executor, std::span<const fem::Scene> scenes,
-                                                  Precision precision, const GapSweepOptions& options) {
+struct GapSweepSolver::State {
+  template <class Real>
+  struct Kept {
+    fem::Sensor sensor;  ///< E = 1
+    GapSweep<Real> launcher;
+  };
+
+  template <class Real>
+  const GapSweep<Real>& launcher(const fem::Sensor& sensor, std::list<Kept<Real>>& kept) {
+    fem::Sensor key = sensor;
+    key.young = 1;
+    const std::lock_guard lock(making);
+    const auto found = std::ranges::find(kept, key, &Kept<Real>::sensor);
+    if (found != kept.end()) return found->launcher;
+    return kept.emplace_back(key, GapSweep<Real>(executor, sensor, options)).launcher;
+  }
+
+  Executor& executor;
+  Precision precision;
+  GapSweepOptions options;
+  std::mutex making;  ///< of the next two
+  std::list<Kept<float>> singles{};
+  std::list<Kept<double>> doubles{};
+};
+
+GapSweepSolver::GapSweepSolver(Executor& executor, Precision precision, const GapSweepOptions& options)
+    : state_(new State{executor, precision, options, {}}) {}
+
+std::vector<fem::ContactSolution> GapSweepSolver::solve(std::span<const fem::Scene> scenes) const {
   for (const fem::Scene& scene : scenes) scene.validate();
   std::vector<fem::ContactSolution> solutions(scenes.size());
   for (const auto& which : launches(scenes)) {
-    if (precision == Precision::fp32)
-      solve_alike<float>(executor, scenes, which, options, solutions);
+    const fem::Sensor& sensor = scenes[which.front()].sensor;
+    if (state_->precision == Precision::fp32)
+      solve_alike(state_->launcher(sensor, state_->singles), scenes, which, state_->options, solutions);
     else
-      solve_alike<double>(executor, scenes, which, options, solutions);
+      solve_alike(state_->launcher(sensor, state_->doubles), scenes, which, state_->options, solutions);
   }
   return solutions;
+}
+
+std::vector<fem::ContactSolution> solve_gap_sweep(Executor& executor, std::span<const fem::Scene> scenes,
+                                                  Precision precision, const GapSweepOptions& options) {
+  return GapSweepSolver(executor, precision, options).solve(scenes);
 }
 
 }  // namespace tactel::host

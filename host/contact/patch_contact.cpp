@@ -47,7 +47,11 @@ bool turns_back(const PatchPath& path) {
 
 template <class Real>
 struct PatchContact<Real>::State {
-  State(Executor& executor, const PatchContactOptions& options) : executor(executor), options(options) {
+  State(Executor& executor, const PatchContactOptions& options)
+      : executor(executor),
+        options(options),
+        lanes_of_group(executor.device().lanes(precision())),
+        interleaved_lanes(executor.device().interleaved(precision())) {
     for (const int known : {8, 12, 16, 24})
       if (options.elements == known) elements = known;
     if (elements == 0) throw ValueError("elements", std::to_string(options.elements), "8, 12, 16 or 24");
@@ -116,9 +120,9 @@ struct PatchContact<Real>::State {
     return table_on_device<Real>(executor.device(), values);
   }
 
-  Precision precision() const { return sizeof(Real) == 4 ? Precision::fp32 : Precision::fp64; }
-  int lanes() const { return executor.device().lanes(precision()); }
-  int interleaved() const { return executor.device().interleaved(precision()); }
+  static Precision precision() { return sizeof(Real) == 4 ? Precision::fp32 : Precision::fp64; }
+  int lanes() const { return lanes_of_group; }
+  int interleaved() const { return interleaved_lanes; }
   const char* kernel() const { return family ? "patch_contact_sensors" : "patch_contact"; }
   int force_rows() const { return rounded_up(2 * elements); }
 
@@ -140,6 +144,7 @@ struct PatchContact<Real>::State {
 
   Executor& executor;
   PatchContactOptions options;
+  int lanes_of_group, interleaved_lanes;         ///< of the device
   std::shared_ptr<const fem::LayerModel> model;  ///< of the one sensor, or
   std::optional<fem::SensorFamily> family;       ///< of those of all scenes
   std::function<void(KernelArguments&)> set_tables;

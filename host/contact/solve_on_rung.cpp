@@ -7,21 +7,11 @@
 #include "fem/layer/layer_model.h"
 #include "fem/layer/patch_reference.h"
 #include "fem/load_stepping.h"
-#include "host/contact/gap_sweep.h"
 #include "host/contact/patch_contact.h"
 #include "host/support/side_by_side.h"
 
 namespace tactel::host {
 namespace {
-
-std::vector<fem::ContactSolution> on_meshes(Executor& executor, const std::vector<fem::Scene>& modelled,
-                                            const Rung& rung, bool nodes, bool force_error = true) {
-  GapSweepOptions options;
-  options.tolerance = rung.tolerance;
-  options.nodes = nodes;
-  options.force_error = force_error;
-  return solve_gap_sweep(executor, modelled, rung.precision, options);
-}
 
 /// With much friction near nu = 1/2, many elements may have no solution that meets the tolerance where fewer have one.
 fem::ContactSolution solve_exactly(const fem::LayerModel& model, const fem::Scene& scene, const Rung& rung) {
@@ -74,19 +64,27 @@ MeshedScene meshed_with_own_steps(const fem::Scene& scene, const Rung& rung) {
   return meshed;
 }
 
-std::vector<fem::ContactSolution> solve_on_mesh_of(Executor& executor, std::span<const fem::Scene> scenes,
-                                                   const Rung& rung, bool nodes, bool force_error) {
+GapSweepSolver mesh_solver(Executor& executor, const Rung& rung, bool nodes, bool force_error) {
+  GapSweepOptions options;
+  options.tolerance = rung.tolerance;
+  options.nodes = nodes;
+  options.force_error = force_error;
+  return {executor, rung.precision, options};
+}
+
+std::vector<fem::ContactSolution> solve_on_mesh_of(const GapSweepSolver& mesh, std::span<const fem::Scene> scenes,
+                                                   const Rung& rung) {
   std::vector<fem::Scene> modelled;
   modelled.reserve(scenes.size());
   for (const fem::Scene& scene : scenes) modelled.push_back(meshed_with_own_steps(scene, rung).scene);
-  std::vector<fem::ContactSolution> answers = on_meshes(executor, modelled, rung, nodes, force_error);
+  std::vector<fem::ContactSolution> answers = mesh.solve(modelled);
   for (std::size_t i = 0; i < scenes.size(); ++i)
     keep_own_steps(answers[i], scenes[i].load, fem::pressing_parts(scenes[i].load, rung.steps));
   return answers;
 }
 
-void finish_on_mesh(Executor& executor, std::span<const fem::Scene> scenes, const Rung& rung, bool nodes,
-                    std::vector<fem::ContactSolution>& answers, bool force_error) {
+void finish_on_mesh(const GapSweepSolver& mesh, std::span<const fem::Scene> scenes, const Rung& rung,
+                    std::vector<fem::ContactSolution>& answers) {
   std::vector<fem::Scene> own;
   std::vector<std::size_t> others;
   for (std::size_t i = 0; i < scenes.size(); ++i) {
@@ -94,7 +92,7 @@ void finish_on_mesh(Executor& executor, std::span<const fem::Scene> scenes, cons
     others.push_back(i);
     own.push_back(scenes[i]);
   }
-  std::vector<fem::ContactSolution> meshed = solve_on_mesh_of(executor, own, rung, nodes, force_error);
+  std::vector<fem::ContactSolution> meshed = solve_on_mesh_of(mesh, own, rung);
   for (std::size_t k = 0; k < others.size(); ++k) {
     const std::size_t i = others[k];
     if (!patch_serves(scenes[i].sensor, answers[i]) || every_step_converged(meshed[k]))
@@ -107,10 +105,10 @@ std::vector<fem::ContactSolution> solve_on_rung(Executor& executor, std::span<co
   if (!rung.patch()) {
     std::vector<fem::Scene> modelled;
     for (const fem::Scene& scene : scenes) modelled.push_back(on_mesh(scene, rung));
-    return on_meshes(executor, modelled, rung, nodes);
+    return mesh_solver(executor, rung, nodes).solve(modelled);
   }
   std::vector<fem::ContactSolution> answers = on_patches(executor, scenes, rung);
-  finish_on_mesh(executor, scenes, rung, nodes, answers);
+  finish_on_mesh(mesh_solver(executor, rung, nodes), scenes, rung, answers);
   return answers;
 }
 

@@ -6,6 +6,7 @@
 #include "fem/contact_solution.h"
 #include "fem/layer/sensor_family.h"
 #include "fem/scene.h"
+#include "host/contact/gap_sweep.h"
 #include "host/contact/patch_contact.h"
 #include "host/device/executor.h"
 #include "host/scenes/ladder.h"
@@ -30,12 +31,13 @@ MeshedScene meshed_with_own_steps(const fem::Scene& scene, const Rung& rung);
 
 /// Replaces the answers that a patch does not serve, or does not solve, by those of the rung's mesh: the second part of
 /// solve_on_rung.
-void finish_on_mesh(Executor& executor, std::span<const fem::Scene> scenes, const Rung& rung, bool nodes,
-                    std::vector<fem::ContactSolution>& answers, bool force_error = true);
-/// Returns the answers of the mesh of a rung on patches, with the load steps of the scenes. `force_error`: as
-/// GapSweepOptions.
-std::vector<fem::ContactSolution> solve_on_mesh_of(Executor& executor, std::span<const fem::Scene> scenes,
-                                                   const Rung& rung, bool nodes, bool force_error);
+void finish_on_mesh(const GapSweepSolver& mesh, std::span<const fem::Scene> scenes, const Rung& rung,
+                    std::vector<fem::ContactSolution>& answers);
+/// Returns the answers of the mesh of a rung on patches, with the load steps of the scenes.
+std::vector<fem::ContactSolution> solve_on_mesh_of(const GapSweepSolver& mesh, std::span<const fem::Scene> scenes,
+                                                   const Rung& rung);
+/// Returns the solver of a rung's meshes. `nodes`, `force_error`: as GapSweepOptions.
+GapSweepSolver mesh_solver(Executor& executor, const Rung& rung, bool nodes, bool force_error = true);
 
 /// Solves scenes as a rung models them. Contacts that a patch does not serve, or that are not solved on one, are solved
 /// on the rung's mesh, with the load steps of the scene; such answers have no surface_width. `nodes`: also return

@@ -114,6 +114,9 @@ void require_datasets(const SetColumns& columns, const std::string& file, std::i
 /// ConfigError naming --columns for a name that is none. `/slip_index` stays in any case: it counts the rows.
 SetColumns only_columns(SetColumns columns, const std::string& wanted);
 
+/// Returns the rows of a chunk of a dataset with so many columns; all datasets with rows share that of the inputs.
+std::uint64_t rows_of_chunk(int columns);
+
 /// Writes a set file piece by piece, as a DurableFile: under a temporary name until finish(), and on the disk
 /// after it. Every chunk of the file has a checksum (Fletcher32), and so has every dataset (its attribute
 /// `checksum`). Throws ConfigError naming --output where the file cannot be written, and then leaves no file

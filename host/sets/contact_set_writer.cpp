@@ -7,6 +7,8 @@
 
 #include "host/sets/contact_set.h"
 #include "host/sets/hdf5_handle.h"
+#include "host/sets/placed_driver.h"
+#include "host/sets/set_headers.h"
 #include "host/support/checksum.h"
 #include "host/support/durable_file.h"
 #include "host/support/errors.h"
@@ -17,12 +19,6 @@ namespace {
 /// Bytes of the largest chunk, at most: HDF5 keeps 1 MiB of chunks of an open dataset in memory.
 constexpr std::uint64_t most_chunk_bytes = 1u << 20;
 constexpr std::uint64_t most_chunk_rows = 8192;
-
-/// Rows of a chunk, the same in every dataset, so that a damaged one takes as few rows as possible along.
-hsize_t chunk_rows(int inputs) {
-  const std::uint64_t fit = most_chunk_bytes / (sizeof(float) * static_cast<std::uint64_t>(std::max(inputs, 1)));
-  return std::clamp<std::uint64_t>(std::bit_floor(fit), 1, most_chunk_rows);
-}
 
 bool write_text(hid_t where, const char* name, const std::string& text) {
   const Handle type(H5Tcopy(H5T_C_S1), H5Tclose), space(H5Screate(H5S_SCALAR), H5Sclose);
@@ -100,20 +96,95 @@ bool write_attributes(hid_t file, const ContactSet& set) {
 
 /// A new file whose bytes do not depend on the hour. The format of HDF5 1.8: its headers carry checksums, too, and an
 /// attribute may be longer than 64 KiB. The temporary is locked already; HDF5 must not lock it again.
-Handle create_file(const std::filesystem::path& path) {
-  prepare_hdf5();
-  const Handle plain(H5Pcreate(H5P_FILE_CREATE), H5Pclose), access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+Handle create_file(const std::filesystem::path& path, const Handle& access) {
+  const Handle plain(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
   H5Pset_obj_track_times(plain, false);
   H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18);
   H5Pset_file_locking(access, false, true);
   return Handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, plain, access), H5Fclose);
 }
 
+/// Datasets of `columns` of their final size, and the attribute that names them. Empty on failure.
+std::vector<Column> create_columns(hid_t file, const SetColumns& columns, std::size_t rows, std::size_t contacts,
+                                   bool compress) {
+  std::vector<Column> all;
+  const ContactSet nothing(columns);
+  bool good = true;
+  std::string names;
+  const auto create = [&](const char* name, const auto& values, int width, const char* unit, std::size_t size,
+                          hsize_t rows_of_chunk) {
+    using T = typename std::remove_cvref_t<decltype(values)>::value_type;
+    if (!good) return;
+    names += (names.empty() ? "" : "\n") + std::string(name);
+    all.push_back(create_column(file, name, type_of<T>(), size, width, rows_of_chunk, unit, compress));
+    good = all.back().data.open();
+  };
+  each_dataset(nothing, [&](const char* name, const auto& values, int width, const char* unit) {
+    create(name, values, width, unit, rows, rows_of_chunk(columns.inputs));
+  });
+  each_other_dataset(nothing, [&](const char* name, const auto& values, int width, const char* unit) {
+    create(name, values, width, unit, width > 0 ? contacts : values.size(), rows_of_chunk(width));
+    if (good && width > 0)
+      good = write_text(all.back().data, "columns", joined(columns.parameters)) &&
+             write_text(all.back().data, "units", joined(columns.parameter_units));
+  });
+  if (!good || !write_text(file, "columns", names)) all.clear();
+  return all;
+}
+
+/// Attributes, then the checksums of the datasets, `sums`: [columns], which are closed. Returns false on failure.
+bool finish_file(Handle& file, std::vector<Column>& columns, const std::vector<std::string>& sums,
+                 const ContactSet& set) {
+  bool good = write_attributes(file, set);
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    good = good && write_text(columns[c].data, "checksum", sums[c]);
+    good = columns[c].data.close() && good;
+  }
+  good = good && H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0;
+  return file.close() && good;
+}
+
 }  // namespace
+
+// The same in every dataset with rows, so that a damaged chunk takes as few rows as possible along.
+std::uint64_t rows_of_chunk(int columns) {
+  const std::uint64_t fit = most_chunk_bytes / (sizeof(float) * static_cast<std::uint64_t>(std::max(columns, 1)));
+  return std::clamp<std::uint64_t>(std::bit_floor(fit), 1, most_chunk_rows);
+}
+
+std::optional<std::uint64_t> write_headers(int descriptor, std::uint64_t end, const SetColumns& columns,
+                                           const std::vector<const PlacedRows*>& placed, const ContactSet& set) {
+  prepare_hdf5();
+  PlacedFile places{.file = descriptor, .end = end};
+  Handle file = create_file("set", placed_access(places));
+  const std::size_t contacts = columns.has("parameters") && !columns.parameters.empty() ? placed[1]->rows() : 0;
+  std::vector<Column> all;
+  if (file.open()) all = create_columns(file, columns, placed[0]->rows(), contacts, false);
+  bool good = !all.empty();
+  std::string nothing;  // in place of chunks, which are there
+  std::vector<std::string> sums;
+  for (const PlacedRows* rows : placed) {
+    const auto& datasets = rows->datasets();
+    for (std::size_t d = 0; good && d < datasets.size(); ++d) {
+      const Column& column = all[sums.size()];
+      nothing.resize(std::max<std::size_t>(nothing.size(), rows->chunk_bytes(d)));
+      for (std::size_t stripe = 0; good && stripe < rows->stripes().size(); ++stripe) {
+        const hsize_t first[2] = {stripe * rows->rows_of_stripe(), 0};
+        places.chunk = rows->stripes()[stripe] + rows->chunk_begin(d);
+        good = H5Dwrite_chunk(column.data, H5P_DEFAULT, 0, first, rows->chunk_bytes(d), nothing.data()) >= 0;
+      }
+      sums.push_back(datasets[d].sum.text());
+    }
+  }
+  if (!good || sums.size() != all.size() || !finish_file(file, all, sums, set)) return {};
+  return places.end;
+}
 
 struct ContactSetWriter::State {
   explicit State(const std::filesystem::path& path)
-      : path(path), whole("--output", path), file(create_file(whole.temporary())) {}
+      : path((prepare_hdf5(), path)),
+        whole("--output", path),
+        file(create_file(whole.temporary(), Handle(H5Pcreate(H5P_FILE_ACCESS), H5Pclose))) {}
 
   std::filesystem::path path;
   DurableFile whole;
@@ -124,30 +195,10 @@ struct ContactSetWriter::State {
 ContactSetWriter::ContactSetWriter(const std::filesystem::path& path, const SetColumns& columns, std::size_t rows,
                                    std::size_t contacts, bool compress)
     : state_(std::make_unique<State>(path)) {
-  const ContactSet nothing(columns);
-  bool good = state_->file.open();
-  std::string names;
-  const auto create = [&](const char* name, const auto& values, int width, const char* unit, std::size_t size,
-                          hsize_t rows_of_chunk) {
-    using T = typename std::remove_cvref_t<decltype(values)>::value_type;
-    if (!good) return;
-    names += (names.empty() ? "" : "\n") + std::string(name);
-    state_->columns.push_back(
-        create_column(state_->file, name, type_of<T>(), size, width, rows_of_chunk, unit, compress));
-    good = state_->columns.back().data.open();
-  };
-  each_dataset(nothing, [&](const char* name, const auto& values, int width, const char* unit) {
-    create(name, values, width, unit, rows, chunk_rows(columns.inputs));
-  });
-  each_other_dataset(nothing, [&](const char* name, const auto& values, int width, const char* unit) {
-    create(name, values, width, unit, width > 0 ? contacts : values.size(), chunk_rows(width));
-    if (!good) return;
-    Column& column = state_->columns.back();
-    good = width > 0 ? write_text(column.data, "columns", joined(columns.parameters)) &&
-                           write_text(column.data, "units", joined(columns.parameter_units))
-                     : write_rows(column, values.data(), values.size());
-  });
-  if (!good || !write_text(state_->file, "columns", names)) fail();
+  if (state_->file.open()) state_->columns = create_columns(state_->file, columns, rows, contacts, compress);
+  if (state_->columns.empty()) fail();
+  for (Column& column : state_->columns)
+    if (column.name == "tactel_x" && !write_rows(column, columns.tactel_x.data(), columns.tactel_x.size())) fail();
 }
 
 ContactSetWriter::~ContactSetWriter() = default;
@@ -167,14 +218,9 @@ void ContactSetWriter::append(const ContactSet& rows) {
 }
 
 void ContactSetWriter::finish(const ContactSet& set) {
-  bool good = write_attributes(state_->file, set);
-  for (Column& column : state_->columns) {
-    good = good && write_text(column.data, "checksum", column.sum.text());
-    good = column.data.close() && good;
-  }
-  good = good && H5Fflush(state_->file, H5F_SCOPE_GLOBAL) >= 0;
-  good = state_->file.close() && good;
-  if (!good) fail();
+  std::vector<std::string> sums;
+  for (const Column& column : state_->columns) sums.push_back(column.sum.text());
+  if (!finish_file(state_->file, state_->columns, sums, set)) fail();
   state_->whole.commit();
 }
 

@@ -34,11 +34,12 @@ class Production {
     const std::size_t i = next_++;
     return stopped_ || i >= missing_.size() ? std::nullopt : std::optional(missing_[i]);
   }
-  void add(std::uint64_t number, SetSimulator::Range& range, const ContactSet& rows) {
+  void add(std::uint64_t number, SetSimulator::Range& range, ContactSet rows) {
     if (stopped_) return;
     const auto start = std::chrono::steady_clock::now();
+    const std::size_t made = rows.rows();
     try {
-      spool_.append(number, rows);
+      spool_.append(number, std::move(rows));
     } catch (...) {
       stopped_ = true;  // before another thread appends
       throw;
@@ -49,7 +50,7 @@ class Production {
     report_.steps += range.steps;
     report_.kernel_seconds += range.kernel_seconds;
     report_.stages += range.seconds;
-    report_.rows += rows.rows();
+    report_.rows += made;
     ++done_;
     changed_.notify_all();
   }
@@ -128,8 +129,7 @@ class Line {
       if (production_.stopped()) return;
       simulator_.run(*range);
       if (production_.stopped()) return;
-      const ContactSet rows = simulator_.collect(*range);
-      production_.add(*number, *range, rows);
+      production_.add(*number, *range, simulator_.collect(*range));
     }
   }
 
@@ -155,6 +155,7 @@ ProductionReport produce_set(const SceneSource& source, SetSpool& spool, const P
   production.watch();
   for (auto& line : lines) line->wait();
   ProductionReport report = production.report();
+  spool.flush();
   report.seconds = seconds_since(start);
   for (auto& line : lines) report.devices.push_back(line->device_name());
   return report;

@@ -173,11 +173,13 @@ struct Solver<GapSweep<Real>> {
   static double element_width(const fem::Scene& scene, const View<Launcher>&, std::size_t) {
     return mesh_spacing(scene.sensor);
   }
-  static std::vector<fem::ContactSolution> solve_again(Executor& executor, const SceneSource&,
+  static GapSweepSolver mesh(Executor& executor, const SetOptions& options) {
+    return {executor, options.precision, {.tolerance = options.tolerance, .audit = false}};
+  }
+  static std::vector<fem::ContactSolution> solve_again(const GapSweepSolver& mesh, const SceneSource&,
                                                        const std::vector<Launcher>&, const Unsolved& unsolved,
-                                                       const SetOptions& options) {
-    return solve_gap_sweep(executor, unsolved.scenes, options.precision,
-                           {.tolerance = options.tolerance, .audit = false});
+                                                       const SetOptions&) {
+    return mesh.solve(unsolved.scenes);
   }
 };
 
@@ -209,7 +211,10 @@ struct Solver<PatchContact<Real>> {
   static double element_width(const fem::Scene&, const View<Launcher>& view, std::size_t i) {
     return view.patch(i, PATCH_ELEMENT);
   }
-  static std::vector<fem::ContactSolution> solve_again(Executor& executor, const SceneSource& source,
+  static GapSweepSolver mesh(Executor& executor, const SetOptions& options) {
+    return mesh_solver(executor, *options.patch, true, false);
+  }
+  static std::vector<fem::ContactSolution> solve_again(const GapSweepSolver& mesh, const SceneSource& source,
                                                        const std::vector<Launcher>& launchers, const Unsolved& unsolved,
                                                        const SetOptions& options) {
     std::vector<fem::ContactSolution> answers(unsolved.scenes.size());
@@ -227,13 +232,11 @@ struct Solver<PatchContact<Real>> {
       solve([&](std::size_t i) { return unsolved.sensor[i] == sensor && !unsolved.on_mesh[i]; },
             [&](const std::vector<fem::Scene>& scenes) {
               auto solved = solve_patch_contact(launchers[sensor], scenes);
-              if (!source.own_sensors()) finish_on_mesh(executor, scenes, *options.patch, true, solved, false);
+              if (!source.own_sensors()) finish_on_mesh(mesh, scenes, *options.patch, solved);
               return solved;
             });
     solve([&](std::size_t i) { return unsolved.on_mesh[i]; },
-          [&](const std::vector<fem::Scene>& scenes) {
-            return solve_on_mesh_of(executor, scenes, *options.patch, true, false);
-          });
+          [&](const std::vector<fem::Scene>& scenes) { return solve_on_mesh_of(mesh, scenes, *options.patch); });
     return answers;
   }
 };
@@ -395,7 +398,9 @@ namespace {
 template <class Launcher>
 struct Simulation : SetSimulator::State {
   Simulation(Executor& executor, const SceneSource& source, const SetOptions& options)
-      : State(executor, source, options), launchers(Solver<Launcher>::launchers(executor, source, sensors, options)) {}
+      : State(executor, source, options),
+        launchers(Solver<Launcher>::launchers(executor, source, sensors, options)),
+        mesh(Solver<Launcher>::mesh(executor, options)) {}
 
   std::unique_ptr<SetSimulator::Range> prepare(std::uint64_t first, std::uint64_t count) const override;
   void run(SetSimulator::Range& range, const RunOptions& run_options) const override;
@@ -404,6 +409,7 @@ struct Simulation : SetSimulator::State {
                const View<Launcher>& view, const Fallen& fallen, std::uint64_t first);
 
   std::vector<Launcher> launchers;  ///< [sensors]
+  GapSweepSolver mesh;              ///< of contacts that these do not solve
 };
 
 template <class Launcher>
@@ -512,7 +518,7 @@ ContactSet Simulation<Launcher>::collect(SetSimulator::Range& any_range) {
   }
   const auto begin_again = Clock::now();
   if (!unsolved.empty()) {
-    auto again = Solver<Launcher>::solve_again(executor, source, launchers, again_from, options);
+    auto again = Solver<Launcher>::solve_again(mesh, source, launchers, again_from, options);
     for (std::size_t j = 0; j < unsolved.size(); ++j) {
       const std::uint64_t k = unsolved[j];
       rows[k + 1] = rows_of(again[j], range.contacts[k].first_step).size();

@@ -23,12 +23,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t magic = 0x356c6f6f70736c74;  // "tlspool5": the digit is the layout's version
 constexpr std::uint64_t version_bits = 0xff00000000000000;
-
-std::uint64_t sum_of(const ChunkHeader& header) {
-  return checksum({reinterpret_cast<const char*>(&header), offsetof(ChunkHeader, header_sum)});
-}
+/// Chunks that wait in memory for their predecessors, at most.
+constexpr std::size_t most_waiting = 3;
 
 /// Columns of the parameters that chunks hold.
 std::size_t parameters_of(const SetColumns& columns) {
@@ -87,6 +84,7 @@ void remove_spool(const fs::path& folder) {
   std::vector<fs::path> chunks;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder))
     if (entry.path().extension() == ".spool") chunks.push_back(entry.path());
+  for (const fs::path& file : PlacedSet::files(folder)) chunks.push_back(file);
   for (const fs::path& file : chunks) fs::remove(file);
   fs::remove(folder / "plan");
   fs::remove_all(folder);
@@ -129,6 +127,18 @@ SetSpool::SetSpool(const fs::path& output, const std::string& plan, const SetCol
       remove_old_leftovers(output_);
     }
     check_plan(plan, how);
+    const auto belongs = [&](const ChunkHeader& header) { check(header, PlacedSet::files(folder_)[0]); };
+    check_version(PlacedSet::files(folder_)[0]);
+    if (how != Open::join) {
+      try {
+        placed_.emplace(folder_, columns_, belongs);
+      } catch (const std::system_error& error) {
+        throw output_error(output_, "a file that can be written (" + error.code().message() + ")");
+      }
+      torn_ += placed_->torn();
+    }
+    for (const ChunkHeader& header : placed_ ? placed_->chunks() : PlacedSet::read_headers(folder_))
+      belongs(header), chunks_[header.chunk] = {{}, 0, header};
     for (const fs::path& file : files()) scan(file, how != Open::join);
     open_own_file(writer);
   });
@@ -166,7 +176,8 @@ void SetSpool::check_plan(const std::string& plan, Open how) const {
                        "the set that was begun: " + folder_.string() +
                            " holds chunks of another sweep file, seed, precision, tolerance or version, or of a file "
                            "named in it that has changed; --force starts anew");
-  const bool chunks = std::ranges::any_of(files(), [](const fs::path& file) { return fs::file_size(file) > 0; });
+  const bool chunks = std::ranges::any_of(files(), [](const fs::path& file) { return fs::file_size(file) > 0; }) ||
+                      !PlacedSet::read_headers(folder_).empty();
   if (!there && chunks)
     throw output_error(output_, "a set whose plan is known: " + folder_.string() +
                                     " holds chunks, but its file `plan` is lost; put it back, or --force starts anew");
@@ -190,7 +201,8 @@ void SetSpool::check_version(const fs::path& file) const {
   std::uint64_t first = 0;
   std::ifstream in(file, std::ios::binary);
   if (!in.read(reinterpret_cast<char*>(&first), sizeof first)) return;
-  if (first == magic || ((first ^ magic) & ~version_bits) != 0) return;
+  constexpr std::uint64_t own = ChunkHeader::right_magic;
+  if (first == own || ((first ^ own) & ~version_bits) != 0) return;
   throw output_error(output_, "made of chunks of this version of tactel: " + file.string() +
                                   " holds some of another; that version goes on with it, and --force starts anew");
 }
@@ -204,13 +216,13 @@ void SetSpool::scan(const fs::path& file, bool cut) {
   ChunkHeader header;
   std::string payload;
   while (in.read(reinterpret_cast<char*>(&header), sizeof header)) {
-    if (header.magic != magic || header.header_sum != sum_of(header)) break;
+    if (!header.whole()) break;
     check(header, file);
     if (header.bytes > size - offset - sizeof header) break;
     payload.resize(header.bytes);
     if (!in.read(payload.data(), static_cast<std::streamsize>(payload.size()))) break;
     if (checksum(payload) != header.payload_sum) break;
-    chunks_[header.chunk] = {file, offset, header};
+    chunks_.try_emplace(header.chunk, Place{file, offset, header});
     offset += sizeof header + header.bytes;
   }
   if (offset == size || !cut) return;
@@ -240,12 +252,18 @@ std::uint64_t SetSpool::rows() const {
 std::size_t SetSpool::torn() const { return torn_; }
 std::uint64_t SetSpool::bytes() const { return bytes_; }
 
-void SetSpool::append(std::uint64_t chunk, const ContactSet& rows) {
-  const std::vector<std::string_view> payload = payload_of(rows, columns_);
+void SetSpool::fail(int error) const {
+  throw output_error(output_, fmt::format("on a disk with room for it ({}); {} chunks are kept in {}, and --resume "
+                                          "continues from them",
+                                          std::strerror(error), chunks_.size(), folder_.string()));
+}
+
+ChunkHeader SetSpool::header_of(std::uint64_t chunk, const ContactSet& rows,
+                                const std::vector<std::string_view>& payload) const {
   std::uint64_t bytes = 0;
   RunningChecksum sum;
   for (const std::string_view part : payload) bytes += part.size(), sum.add(part);
-  ChunkHeader header{.magic = magic,
+  ChunkHeader header{.magic = ChunkHeader::right_magic,
                      .plan_sum = plan_sum_,
                      .chunk = chunk,
                      .rows = rows.rows(),
@@ -259,13 +277,77 @@ void SetSpool::append(std::uint64_t chunk, const ContactSet& rows) {
                      .far_slip = rows.far_slip,
                      .never_slid = rows.never_slid,
                      .payload_sum = sum.value()};
-  header.header_sum = sum_of(header);
-  const auto fail = [&](off_t before) {
-    const std::string why = std::strerror(errno);
+  header.header_sum = header.sum();
+  return header;
+}
+
+void SetSpool::append(std::uint64_t chunk, ContactSet rows) {
+  if (!placed_) return spool(chunk, rows);
+  std::unique_lock lock(appending_);
+  waiting_.emplace(chunk, std::move(rows));
+  if (!placing_) place_waiting(lock);
+  placed_some_.wait(lock, [&] { return waiting_.size() <= most_waiting || !placing_; });
+  if (waiting_.size() <= most_waiting) return;
+  const auto last = waiting_.extract(std::prev(waiting_.end()));
+  lock.unlock();
+  spool(last.key(), last.mapped());
+}
+
+/// Places chunks as long as the next one is there. One thread at a time does so; others leave theirs to it.
+void SetSpool::place_waiting(std::unique_lock<std::mutex>& lock) {
+  placing_ = true;
+  try {
+    for (;;) {
+      const std::uint64_t next = placed_->chunks().size();
+      const auto waits = waiting_.extract(next);
+      const auto spooled = chunks_.find(next);
+      if (waits.empty() && spooled == chunks_.end()) break;
+      const Place place_of = waits.empty() ? spooled->second : Place{};
+      lock.unlock();
+      const ContactSet rows = waits.empty() ? load(place_of) : std::move(waits.mapped());
+      const std::vector<std::string_view> payload = payload_of(rows, columns_);
+      place(waits.empty() ? place_of.header : header_of(next, rows, payload), payload);
+      sync_sometimes();
+      lock.lock();
+      chunks_[next] = {{}, 0, placed_->chunks().back()};
+      bytes_ += waits.empty() ? 0 : chunks_[next].header.bytes;
+      placed_some_.notify_all();
+    }
+  } catch (...) {
+    if (!lock.owns_lock()) lock.lock();
+    placing_ = false;
+    placed_some_.notify_all();
+    throw;
+  }
+  placing_ = false;
+  placed_some_.notify_all();
+}
+
+void SetSpool::place(const ChunkHeader& header, const std::vector<std::string_view>& payload) {
+  if (!placed_->append(header, payload)) fail(errno);
+}
+
+/// The disk is told of every chunk, and waited for once a second.
+void SetSpool::sync_sometimes() {
+  if (std::chrono::steady_clock::now() - synced_ < std::chrono::seconds(1)) return placed_->begin_sync();
+  if (!placed_->sync()) fail(errno);
+  synced_ = std::chrono::steady_clock::now();
+}
+
+void SetSpool::flush() {
+  for (const auto& [chunk, rows] : waiting_) spool(chunk, rows);
+  waiting_.clear();
+  if (placed_ && !placed_->sync()) fail(errno);
+}
+
+/// Appends a chunk to the spool file of this process.
+void SetSpool::spool(std::uint64_t chunk, const ContactSet& rows) {
+  const std::vector<std::string_view> payload = payload_of(rows, columns_);
+  const ChunkHeader header = header_of(chunk, rows, payload);
+  const auto fail_after = [&](off_t before) {
+    const int error = errno;
     if (before < 0 || ::ftruncate(file_, before) != 0) ++torn_;  // the next run cuts it off
-    throw output_error(output_, fmt::format("on a disk with room for it ({}); {} chunks are kept in {}, and --resume "
-                                            "continues from them",
-                                            why, chunks_.size(), folder_.string()));
+    fail(error);
   };
   off_t before = 0;
   {
@@ -273,12 +355,12 @@ void SetSpool::append(std::uint64_t chunk, const ContactSet& rows) {
     before = ::lseek(file_, 0, SEEK_END);
     bool whole = write_all(file_, {reinterpret_cast<const char*>(&header), sizeof header});
     for (const std::string_view part : payload) whole = whole && write_all(file_, part);
-    if (!whole) fail(before);
+    if (!whole) fail_after(before);
   }
   const bool synced = ::fdatasync(file_) == 0 || errno == EINVAL;  // EINVAL: a file system that cannot
   const std::lock_guard lock(appending_);
-  if (!synced) fail(-1);  // another thread may have appended behind it
-  bytes_ += sizeof header + bytes;
+  if (!synced) fail_after(-1);  // another thread may have appended behind it
+  bytes_ += sizeof header + header.bytes;
   chunks_[chunk] = {own_, static_cast<std::uint64_t>(before), header};
 }
 
@@ -298,12 +380,14 @@ ContactSet SetSpool::load(const Place& place) const {
 /// One thread reads chunks and checks them, the calling one writes.
 void SetSpool::copy_rows(ContactSetWriter& writer) const {
   BoundedQueue<ContactSet> loaded(1);
+  bool whole = true;
   std::exception_ptr error;
   {
     const std::jthread reader([&] {
       try {
-        for (const auto& [chunk, place] : chunks_)
-          if (!loaded.push(load(place))) break;
+        whole = placed_->each([&](const ChunkHeader& header, const std::string& payload) {
+          loaded.push(rows_from(payload, header, columns_));
+        });
       } catch (...) {
         error = std::current_exception();
       }
@@ -317,6 +401,16 @@ void SetSpool::copy_rows(ContactSetWriter& writer) const {
     }
   }
   if (error) std::rethrow_exception(error);
+  if (!whole)
+    throw output_error(output_, "made of whole chunks: one of " + folder_.string() +
+                                    " was damaged while it was read; --resume generates it again");
+}
+
+/// The set as a copy of its rows: compressed, or too small for chunks of HDF5's.
+void SetSpool::finish_copy(const ContactSet& set, std::uint64_t contacts, bool compress) const {
+  ContactSetWriter writer(output_, columns_, rows(), contacts, compress);
+  copy_rows(writer);
+  writer.finish(set);
 }
 
 void SetSpool::assemble(std::uint64_t count, ContactSet& set, bool compress) {
@@ -324,22 +418,32 @@ void SetSpool::assemble(std::uint64_t count, ContactSet& set, bool compress) {
     for (const fs::path& file : files())  // what other writers added
       if (file != own_) scan(file, false);
   });
+  flush();
   if (chunks_.size() != count || (count > 0 && chunks_.rbegin()->first != count - 1))
     throw output_error(
         output_, fmt::format("complete: {} of {} chunks exist; --resume generates the others", chunks_.size(), count));
   std::uint64_t contacts = 0;
-  for (const auto& [chunk, place] : chunks_) contacts += place.header.contacts;
-  ContactSetWriter writer(output_, columns_, rows(), contacts, compress);
-  for (const auto& [chunk, place] : chunks_) {
-    set.fell_back += place.header.fell_back;
-    set.unsolved += place.header.unsolved;
-    set.too_deep += place.header.too_deep;
-    set.without_rows += place.header.without_rows;
-    set.far_slip += place.header.far_slip;
-    set.never_slid += place.header.never_slid;
+  for (const auto& [chunk, place_of] : chunks_) {
+    const ChunkHeader& header = place_of.header;
+    contacts += header.contacts;
+    set.fell_back += header.fell_back;
+    set.unsolved += header.unsolved;
+    set.too_deep += header.too_deep;
+    set.without_rows += header.without_rows;
+    set.far_slip += header.far_slip;
+    set.never_slid += header.never_slid;
   }
-  copy_rows(writer);
-  writer.finish(set);
+  for (std::uint64_t chunk = placed_->chunks().size(); chunk < count; ++chunk) {
+    const Place& place_of = chunks_.at(chunk);
+    const ContactSet rows = load(place_of);
+    place(place_of.header, payload_of(rows, columns_));
+  }
+  if (compress || !placed_->fits_hdf5()) {
+    finish_copy(set, contacts, compress);
+  } else {
+    if (!placed_->finish(set)) fail(errno);
+    move_file("--output", PlacedSet::files(folder_)[1], output_);
+  }
   with_output(output_, [&] { remove_spool(folder_); });
 }
 

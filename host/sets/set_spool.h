@@ -1,31 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <filesystem>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "host/sets/contact_set.h"
+#include "host/sets/placed_set.h"
 #include "host/support/durable_file.h"
 
 namespace tactel::host {
 
-/// Header of the rows of a chunk. The byte order is that of the machine; the folder cannot be moved to another
-/// kind.
-struct ChunkHeader {
-  std::uint64_t magic = 0, plan_sum = 0, chunk = 0, rows = 0, contacts = 0, inputs = 0, bytes = 0;
-  std::uint64_t fell_back = 0, unsolved = 0, too_deep = 0, without_rows = 0, far_slip = 0, never_slid = 0;
-  std::uint64_t payload_sum = 0;  ///< checksum of the rows that follow
-  std::uint64_t header_sum = 0;   ///< checksum of the preceding members
-};
-
-/// Chunks of an unfinished set: a folder SET.h5.parts beside the set. A chunk is appended to a file with a
-/// checksum of its rows and one of the plan, and is on the disk when append() returns. A kill or a power cut
-/// therefore leaves whole chunks and at most one torn chunk, which the next run detects and removes. Any number
-/// of processes may add chunks, each to a file of its own (`writer`).
+/// Chunks of an unfinished set: a folder SET.h5.parts beside the set. The chunk that follows the first ones goes where
+/// the set file will have it (PlacedSet). A chunk whose predecessors are missing waits in memory, as one of three, or
+/// is appended to a spool file. Every chunk has a checksum of its rows and one of the plan; a kill or a power cut
+/// leaves whole chunks and at most one torn chunk of a file, which the next run detects and removes. Any number of
+/// processes may add chunks, each to a spool file of its own (`writer`); the one that does not join places them.
 class SetSpool {
  public:
   enum class Open { fresh, resume, join };  ///< join: another process of the same run has opened it
@@ -40,8 +36,11 @@ class SetSpool {
 
   /// Returns the complete chunks of every writer.
   std::set<std::uint64_t> chunks() const;
-  /// Appends a chunk; threads may append at once. Throws ConfigError where the disk is full; earlier chunks stay whole.
-  void append(std::uint64_t chunk, const ContactSet& rows);
+  /// Adds a chunk, which survives a kill once its predecessors are there, and a power cut a second later; threads may
+  /// append at once. Throws ConfigError where the disk is full; earlier chunks stay whole.
+  void append(std::uint64_t chunk, ContactSet rows);
+  /// Brings chunks that wait to the disk.
+  void flush();
   /// Writes the set file from chunks 0 ... count - 1, which must all exist, compressed or not. `set` holds the
   /// attributes; the counts of contacts that fell back, stayed unsolved, have no rows or are too deep, slid too far or
   /// never slid are added to it. Removes the folder after the set has reached the disk.
@@ -56,10 +55,17 @@ class SetSpool {
 
  private:
   struct Place {
-    std::filesystem::path file;
+    std::filesystem::path file;  ///< a spool file; empty: in its place
     std::uint64_t offset = 0;
     ChunkHeader header;
   };
+  [[noreturn]] void fail(int error) const;
+  ChunkHeader header_of(std::uint64_t chunk, const ContactSet& rows,
+                        const std::vector<std::string_view>& payload) const;
+  void spool(std::uint64_t chunk, const ContactSet& rows);
+  void place(const ChunkHeader& header, const std::vector<std::string_view>& payload);
+  void sync_sometimes();
+  void place_waiting(std::unique_lock<std::mutex>& lock);
   void check_plan(const std::string& plan, Open how) const;
   std::vector<std::filesystem::path> files() const;
   void scan(const std::filesystem::path& file, bool cut);
@@ -68,6 +74,7 @@ class SetSpool {
   void open_own_file(int writer);
   ContactSet load(const Place& place) const;
   void copy_rows(ContactSetWriter& writer) const;
+  void finish_copy(const ContactSet& set, std::uint64_t contacts, bool compress) const;
 
   std::filesystem::path output_, folder_, own_;
   std::uint64_t plan_sum_;
@@ -76,6 +83,11 @@ class SetSpool {
   std::size_t torn_ = 0;
   std::uint64_t bytes_ = 0;
   std::mutex appending_;
+  std::optional<PlacedSet> placed_;              ///< of the process that did not join
+  bool placing_ = false;                         ///< by a thread, without the mutex
+  std::map<std::uint64_t, ContactSet> waiting_;  ///< for their predecessors
+  std::condition_variable placed_some_;
+  std::chrono::steady_clock::time_point synced_{};
   FileLock lock_;
   int file_ = -1;
 };
