@@ -106,6 +106,19 @@ TEST(Program, TheLogSinkHearsThatItIsCompiledAndWhenThatIsOver) {
   EXPECT_EQ(prepared, (Heard{compiling, "", "optimizing kernel scale for this device (once)", ""}));
 }
 
+// A failed build is tried again.
+TEST(Program, IsBuiltOnceAContext) {
+  const Heard heard = busy_messages([](const Device& device) {
+    for (const Device& of : {device, device, device.with_lanes(4)})
+      Program::from_text(of, "scale.cl", text, {{"FACTOR", "2"}});
+    Program::from_text(device, "scale.cl", text + std::string("\n"), {{"FACTOR", "2"}});
+    for (int i = 0; i < 2; ++i) EXPECT_THROW(Program::from_text(device, "bad.cl", "kernel", {}), KernelBuildError);
+  });
+  const std::string scale = "compiling scale.cl for this device (once)",
+                    bad = "compiling bad.cl for this device (once)";
+  EXPECT_EQ(heard, (Heard{scale, "", scale, "", bad, "", bad, ""}));
+}
+
 TEST(Program, TheLogSinkHearsThatAFailedBuildIsOver) {
   const Heard heard = busy_messages([](const Device& device) {
     EXPECT_THROW(Program::from_text(device, "bad.cl", "kernel void bad( {", {}), KernelBuildError);
