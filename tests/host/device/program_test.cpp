@@ -70,7 +70,7 @@ TEST(Program, TheLogSinkHearsOfBuildsAndOfKernelsThatCannotBeCompiledAhead) {
     if (level != LogLevel::busy) heard.emplace_back(message);
   });
   const Program built = Program::from_text(logging, "scale.cl", text, {{"FACTOR", "2"}});
-  ASSERT_EQ(heard.size(), 1u);
+  ASSERT_EQ(heard.size(), 1u) << ::testing::PrintToString(heard);
   EXPECT_EQ(heard[0], "scale.cl built, -cl-std=CL1.2 -cl-denorms-are-zero -DFACTOR=2");
   Executor executor(logging);
   Buffer<int> out(logging, 1);
