@@ -71,13 +71,18 @@ struct TrainingSet {
   Vector<Scalar> target;     ///< [rows] S - 0.5
 };
 
+/// Returns S - 0.5 of every row.
+template <class Scalar>
+Vector<Scalar> targets(const FrameSet& set) {
+  return set.slip_index.template cast<Scalar>().array() - Scalar(0.5);
+}
+
 /// Throws ValueError as FrameSet::validate.
 template <class Scalar>
 TrainingSet<Scalar> training_set(const FrameSet& set, const InputScaling& scaling) {
   set.validate();
   scaling.validate();
-  const Vector<Scalar> target = set.slip_index.template cast<Scalar>().array() - Scalar(0.5);
-  return {scale_frames<Scalar>(scaling, set.frames), target};
+  return {scale_frames<Scalar>(scaling, set.frames), targets<Scalar>(set)};
 }
 
 }  // namespace tactel::nn

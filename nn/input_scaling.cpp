@@ -57,14 +57,19 @@ FrameStatus scale_frame(const InputScaling& scaling, const float* frame, int inp
 }
 
 template <class Scalar>
-RowMatrix<Scalar> scale_frames(const InputScaling& scaling, const RowMatrix<float>& frames) {
-  RowMatrix<Scalar> scaled(frames.rows(), frames.cols());
-  for (Eigen::Index row = 0; row < frames.rows(); ++row) {
-    const FrameStatus status =
-        scale_frame(scaling, frames.row(row).data(), static_cast<int>(frames.cols()), scaled.row(row).data());
-    if (status == FrameStatus::not_finite || !scaled.row(row).allFinite())
+void scale_frames(const InputScaling& scaling, const RowMatrix<float>& frames, Scalar* scaled, Eigen::Index stride) {
+  const auto inputs = static_cast<int>(frames.cols());
+  for (Eigen::Index row = 0; row < frames.rows(); ++row, scaled += stride) {
+    const FrameStatus status = scale_frame(scaling, frames.row(row).data(), inputs, scaled);
+    if (status == FrameStatus::not_finite || !Eigen::Map<const Vector<Scalar>>(scaled, inputs).allFinite())
       throw ValueError("inputs[" + std::to_string(row) + "]", "NaN or infinity", "finite, also after scaling");
   }
+}
+
+template <class Scalar>
+RowMatrix<Scalar> scale_frames(const InputScaling& scaling, const RowMatrix<float>& frames) {
+  RowMatrix<Scalar> scaled(frames.rows(), frames.cols());
+  scale_frames(scaling, frames, scaled.data(), scaled.cols());
   return scaled;
 }
 
@@ -72,5 +77,7 @@ template FrameStatus scale_frame(const InputScaling&, const float*, int, float*)
 template FrameStatus scale_frame(const InputScaling&, const float*, int, double*);
 template RowMatrix<float> scale_frames(const InputScaling&, const RowMatrix<float>&);
 template RowMatrix<double> scale_frames(const InputScaling&, const RowMatrix<float>&);
+template void scale_frames(const InputScaling&, const RowMatrix<float>&, float*, Eigen::Index);
+template void scale_frames(const InputScaling&, const RowMatrix<float>&, double*, Eigen::Index);
 
 }  // namespace tactel::nn

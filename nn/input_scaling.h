@@ -39,10 +39,15 @@ FrameStatus scale_frame(const InputScaling& scaling, const float* frame, int inp
 /// The same for every row of [rows, inputs]. Throws ValueError, key "inputs[row]", at the first row that is not finite.
 template <class Scalar>
 RowMatrix<Scalar> scale_frames(const InputScaling& scaling, const RowMatrix<float>& frames);
+/// The same into rows that begin `stride` numbers apart.
+template <class Scalar>
+void scale_frames(const InputScaling& scaling, const RowMatrix<float>& frames, Scalar* scaled, Eigen::Index stride);
 
 extern template FrameStatus scale_frame(const InputScaling&, const float*, int, float*);
 extern template FrameStatus scale_frame(const InputScaling&, const float*, int, double*);
 extern template RowMatrix<float> scale_frames(const InputScaling&, const RowMatrix<float>&);
 extern template RowMatrix<double> scale_frames(const InputScaling&, const RowMatrix<float>&);
+extern template void scale_frames(const InputScaling&, const RowMatrix<float>&, float*, Eigen::Index);
+extern template void scale_frames(const InputScaling&, const RowMatrix<float>&, double*, Eigen::Index);
 
 }  // namespace tactel::nn

@@ -14,6 +14,7 @@
 #include <optional>
 
 #include "fem/condensation.h"
+#include "host/device/built_programs.h"
 #include "host/device/compile_cache.h"
 #include "host/device/opencl.h"
 #include "host/support/interrupt.h"
@@ -230,6 +231,7 @@ struct Device::State {
   cl::Device device;
   cl::Context context;
   LogSink log;
+  std::shared_ptr<BuiltPrograms> programs = std::make_shared<BuiltPrograms>();
   bool short_code = false;
 };
 
@@ -254,6 +256,7 @@ int Device::interleaved(Precision precision) const { return lanes(precision) == 
 
 const cl::Device& Device::cl_device() const { return state_->device; }
 const cl::Context& Device::context() const { return state_->context; }
+BuiltPrograms& Device::built_programs() const { return *state_->programs; }
 
 cl::CommandQueue Device::make_queue() const {
   return translated(info().name, [&] { return cl::CommandQueue(state_->context, state_->device); });

@@ -19,6 +19,8 @@ class Kernel;
 
 namespace tactel::host {
 
+struct BuiltPrograms;
+
 enum class DeviceType { cpu, gpu, other };
 
 /// Returns "cpu", "gpu" or "other".
@@ -71,6 +73,8 @@ class Device {
   int interleaved(Precision precision) const;
   const cl::Device& cl_device() const;
   const cl::Context& context() const;
+  /// Returns the programs that were built for the context, for Program.
+  BuiltPrograms& built_programs() const;
   /// Returns a new queue, in order.
   cl::CommandQueue make_queue() const;
   void log(LogLevel level, std::string_view message) const;

@@ -2,10 +2,11 @@
 #include "host/device/program.h"
 
 #include <algorithm>
+#include <optional>
 #include <set>
 #include <stdexcept>
 
-#include "host/device/opencl.h"
+#include "host/device/built_programs.h"
 #include "host/support/interrupt.h"
 #include "kernels/embedded.h"
 
@@ -86,22 +87,21 @@ struct Program::State {
   Device device;
   std::string source, options;
   std::string text;  ///< as written, without what it includes
-  cl::Program program;
-  mutable std::set<std::string> used;  ///< kernels
+  std::shared_ptr<BuiltProgram> built;
 
-  /// Builds from a binary, without the compiler's front end. Returns false where the device does not take it.
-  bool load(const std::string& binary) try {
-    if (binary.empty()) return false;
+  /// Builds from a binary, without the compiler's front end. Returns none where the device does not take it.
+  std::optional<cl::Program> load(const std::string& binary) const try {
+    if (binary.empty()) return std::nullopt;
     const cl::Program::Binaries binaries = {{binary.begin(), binary.end()}};
-    program = cl::Program(device.context(), {device.cl_device()}, binaries);
+    cl::Program program(device.context(), {device.cl_device()}, binaries);
     program.build(options.c_str());
-    return true;
+    return program;
   } catch (const cl::Error&) {
-    return false;
+    return std::nullopt;
   }
 
-  void compile(const std::string& expanded, const Compilation& compilation) {
-    program = cl::Program(device.context(), expanded);
+  cl::Program compile(const std::string& expanded, const Compilation& compilation) const {
+    cl::Program program(device.context(), expanded);
     try {
       program.build(options.c_str());
     } catch (const cl::BuildError& error) {
@@ -109,27 +109,40 @@ struct Program::State {
       for (const auto& [each, lines] : error.getBuildLog()) log += lines;
       throw KernelBuildError(source, options, log + compilation.advice());
     }
+    return program;
   }
 
-  void keep_binary(const Compilation& compilation, const std::string& key) const {
+  static void keep_binary(const cl::Program& program, const Compilation& compilation, const std::string& key) {
     const auto binaries = program.getInfo<CL_PROGRAM_BINARIES>();
     if (binaries.size() != 1) return;
     compilation.keep_program(key, {reinterpret_cast<const char*>(binaries[0].data()), binaries[0].size()});
   }
 
-  void build() {
+  cl::Program build() const {
     const BusyMessage busy(device, "compiling " + source + " for this device (once)");
     const HeldSignals held(HeldSignals::handled);
     const Compilation compilation;
     const std::string expanded = expand_includes(source, text);
     std::string key;
     if (keeps_binaries(device)) key.append(compiler(device)).append("\n").append(options).append("\n").append(expanded);
-    if (key.empty() || !load(compilation.program(key))) {
-      compile(expanded, compilation);
-      if (!key.empty()) keep_binary(compilation, key);
+    std::optional<cl::Program> program;
+    if (!key.empty()) program = load(compilation.program(key));
+    if (!program) {
+      program = compile(expanded, compilation);
+      if (!key.empty()) keep_binary(*program, compilation, key);
     }
     compilation.keep();
     device.log(LogLevel::debug, source + " built, " + options);
+    return *program;
+  }
+
+  /// Takes the program that an earlier Program of the same context has built, or builds it.
+  void find_or_build() {
+    BuiltPrograms& programs = device.built_programs();
+    const std::lock_guard lock(programs.mutex);
+    std::shared_ptr<BuiltProgram>& known = programs.all[options + "\n" + source + "\n" + text];
+    if (!known) known = std::make_shared<BuiltProgram>(BuiltProgram{build(), {}});
+    built = known;
   }
 };
 
@@ -138,13 +151,13 @@ Program::Program(const Device& device, const std::string& source, const Defines&
 
 Program Program::from_text(const Device& device, const std::string& name, const std::string& text,
                            const Defines& defines) {
-  const auto state = std::make_shared<State>(State{device, name, option_text(device, defines), text, {}, {}});
-  translated(device.info().name, [&] { state->build(); });
+  const auto state = std::make_shared<State>(State{device, name, option_text(device, defines), text, {}});
+  translated(device.info().name, [&] { state->find_or_build(); });
   return Program(state);
 }
 
 cl::Kernel Program::kernel(const std::string& name) const {
-  return translated(device().info().name, [&] { return cl::Kernel(state_->program, name.c_str()); });
+  return translated(device().info().name, [&] { return cl::Kernel(state_->built->program, name.c_str()); });
 }
 
 const Device& Program::device() const { return state_->device; }
@@ -154,7 +167,7 @@ std::vector<KernelParameter> Program::parameters(const std::string& kernel) cons
   const bool twice = options().find("-DREAL=double") != std::string::npos;
   return kernel_parameters(state_->text, kernel, twice ? "double" : "float");
 }
-bool Program::first_use(const std::string& kernel) const { return state_->used.insert(kernel).second; }
+bool Program::first_use(const std::string& kernel) const { return state_->built->used.insert(kernel).second; }
 bool Program::takes_group(const std::string& kernel) const {
   const std::string& text = state_->text;
   const std::size_t start = text.find("kernel void " + kernel + "(");

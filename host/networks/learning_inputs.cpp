@@ -29,21 +29,34 @@ LearningInputs<Real>::LearningInputs(const Device& device, const nn::FrameSet& s
   const std::size_t variant_size = std::size_t{rows_ + zero_rows} * row_size_;
   values_ = Buffer<Real>(device, variants.size() * variant_size);
   const auto view = values_.map(MapFor::writing);
-  std::fill(view.view().begin(), view.view().end(), Real(0));
   for (std::size_t v = 0; v < variants.size(); ++v) {
-    nn::FrameSet noisy = nn::with_noise(set, variants[v].noise, variants[v].seed);
-    nn::take_differences(noisy.frames, set.history);
-    const nn::RowMatrix<Real> scaled = nn::scale_frames<Real>(scaling, noisy.frames);
-    for (std::uint32_t row = 0; row < rows_; ++row) {
-      Real* to = &view[v * variant_size + std::size_t{row} * row_size_];
-      std::copy_n(scaled.row(row).data(), inputs_, to);
-      to[inputs_] = 1;
+    Real* const rows = &view[v * variant_size];
+    if (variants[v].noise == 0 && set.history == 1) {
+      put_rows(scaling, set.frames, rows);
+    } else {
+      nn::FrameSet noisy = nn::with_noise(set, variants[v].noise, variants[v].seed);
+      nn::take_differences(noisy.frames, set.history);
+      put_rows(scaling, noisy.frames, rows);
     }
   }
-  std::vector<Real> targets(rows_ + zero_rows, Real(0));
-  const nn::Vector<Real> target = nn::training_set<Real>(set, scaling).target;
-  std::copy_n(target.data(), rows_, targets.data());
-  targets_ = Buffer<Real>(device, std::span<const Real>(targets));
+  targets_ = Buffer<Real>(device, rows_ + zero_rows);
+  const auto targets = targets_.map(MapFor::writing);
+  const nn::Vector<Real> target = nn::targets<Real>(set);
+  std::copy_n(target.data(), rows_, targets.view().data());
+  targets[rows_] = 0;
+}
+
+// The rows of one variant, [rows + 1][row_size].
+template <class Real>
+void LearningInputs<Real>::put_rows(const nn::InputScaling& scaling, const nn::RowMatrix<float>& frames,
+                                    Real* rows) const {
+  nn::scale_frames(scaling, frames, rows, row_size_);
+  for (std::uint32_t row = 0; row < rows_; ++row) {
+    Real* const rest = rows + std::size_t{row} * row_size_ + inputs_;
+    rest[0] = 1;
+    std::fill(rest + 1, rest + row_size_ - inputs_, Real(0));
+  }
+  std::fill_n(rows + std::size_t{rows_} * row_size_, row_size_, Real(0));
 }
 
 template class LearningInputs<float>;

@@ -34,6 +34,8 @@ class LearningInputs {
   const Buffer<Real>& targets_buffer() const { return targets_; }  ///< [rows + 1] S - 0.5; the last unused
 
  private:
+  void put_rows(const nn::InputScaling& scaling, const nn::RowMatrix<float>& frames, Real* rows) const;
+
   std::uint32_t rows_, variants_;
   int inputs_, row_size_;
   Buffer<Real> values_, targets_;

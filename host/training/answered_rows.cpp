@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "host/support/errors.h"
@@ -20,16 +21,21 @@ AnsweredRows find_answered_rows(const ContactSet& set) {
     if (set.status[row] != over_tolerance && std::isfinite(set.slip_index[row])) answered.row.push_back(row);
   answered.left_out = set.rows() - answered.row.size();
   if (answered.row.empty()) return answered;
-  const nn::FrameSet all = set.frames_with_answers();
-  answered.frames.frames = all.frames(answered.row, Eigen::all);
-  answered.frames.slip_index = all.slip_index(answered.row);
+  nn::FrameSet& frames = answered.frames;
+  frames.frames.resize(static_cast<Eigen::Index>(answered.row.size()), set.inputs);
+  frames.slip_index.resize(frames.frames.rows());
+  frames.shape_class.reserve(answered.row.size()), frames.contact_nodes.reserve(answered.row.size());
+  frames.contact.reserve(answered.row.size()), frames.step.reserve(answered.row.size());
+  float* to = frames.frames.data();
   for (const std::size_t row : answered.row) {
-    answered.frames.shape_class.push_back(all.shape_class[row]);
-    answered.frames.contact_nodes.push_back(all.contact_nodes[row]);
-    answered.frames.contact.push_back(all.contact[row]);
-    answered.frames.step.push_back(all.step[row]);
+    to = std::copy_n(set.frames.data() + row * set.inputs, set.inputs, to);
+    frames.slip_index(static_cast<Eigen::Index>(frames.step.size())) = set.slip_index[row];
+    frames.shape_class.push_back(set.indenter[row]);
+    frames.contact_nodes.push_back(set.contact_nodes[row]);
+    frames.contact.push_back(set.contact[row]);
+    frames.step.push_back(set.step[row]);
   }
-  answered.frames.press_rows = all.press_rows;
+  frames.press_rows = set.press_rows;
   return answered;
 }
 

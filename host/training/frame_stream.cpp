@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <atomic>
 #include <optional>
 
 #include "host/scenes/end_tactels.h"
@@ -13,6 +15,10 @@
 
 namespace tactel::host {
 namespace {
+
+/// Of a simulated stream, at most: each holds a block of some 100 MB. One more than the device has: a thread waits
+/// while another's kernels run.
+constexpr int most_threads = 8;
 
 nn::FrameSet as_shown(nn::FrameSet rows, const ShownRows& shown, const std::string& name) {
   if (shown.history.frames == 1 && !shown.magnitude) return rows;
@@ -35,15 +41,21 @@ class SimulatedStream : public FrameStream {
         contacts_(contacts),
         options_(options),
         shown_(shown),
+        threads_(std::min(executor.threads() + 1, most_threads)),
         simulator_(executor, sweep_.source, options) {
     if (!sweep_.source.endless())
       throw ConfigError(name_, "sweep.set", "a listed set", "left out: a stream draws its contacts (sweep.contacts)");
   }
   nn::FrameSet block(std::uint64_t k) override {
-    AnsweredRows rows = answered_rows(simulator_.simulate(k * contacts_, contacts_), name_);
+    const auto range = simulator_.prepare(k * contacts_, contacts_);
+    simulator_.run(*range, {.progress = [this](std::size_t, std::size_t) { return !stopped_; }});
+    if (stopped_) return {};
+    AnsweredRows rows = answered_rows(simulator_.collect(*range), name_);
     check_learnable(rows, name_);
     return as_shown(std::move(rows.frames), shown_, name_);
   }
+  int at_once() const override { return threads_; }
+  void stop() override { stopped_ = true; }
   std::uint64_t blocks() const override { return 1; }
   int inputs() const override { return 2 * sweep_.source.tactels() * shown_.history.frames; }
   std::string warning() const override {
@@ -61,7 +73,9 @@ class SimulatedStream : public FrameStream {
   std::uint64_t contacts_;
   SetOptions options_;
   ShownRows shown_;
+  int threads_;
   SetSimulator simulator_;
+  std::atomic<bool> stopped_ = false;
 };
 
 class FileStream : public FrameStream {

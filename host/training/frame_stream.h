@@ -26,16 +26,18 @@ class FrameStream {
   /// Returns block k; without rows where none of them has an answer. Throws ConfigError, naming file and row, for a
   /// frame that no network can learn from.
   virtual nn::FrameSet block(std::uint64_t k) = 0;
+  virtual int at_once() const { return 0; }  ///< threads that may take blocks at once; 0: blocks are not made ahead
+  virtual void stop() {}                     ///< blocks under way end soon; they and all others are then of no use
   virtual std::uint64_t blocks() const = 0;  ///< until the rows repeat; 1 for an endless stream
   virtual int inputs() const = 0;            ///< of all frames of a row
-  /// Returns all inputs of the blocks, as text.
   /// Returns what its user should know of the frames; empty for nothing.
   virtual std::string warning() const { return ""; }
+  /// Returns all inputs of the blocks, as text.
   virtual std::string description() const = 0;
 };
 
 /// Returns an endless stream of contacts, simulated on demand and never stored. Block k holds `contacts` new
-/// ones.
+/// ones. The stream is the only user of `executor` while blocks are taken.
 std::unique_ptr<FrameStream> simulated_stream(Executor& executor, const std::filesystem::path& sweep_file,
                                               std::uint64_t contacts, const SetOptions& options,
                                               const ShownRows& shown = {});

@@ -15,6 +15,7 @@
 #include "host/support/durable_file.h"
 #include "host/support/errors.h"
 #include "host/support/json_text.h"
+#include "host/support/made_ahead.h"
 #include "host/support/progress_line.h"
 #include "host/training/frame_stream.h"
 #include "host/training/learning_curves.h"
@@ -32,6 +33,23 @@ constexpr std::uint64_t contacts_a_block = 8192;
 constexpr double last_rate = 0.01;      ///< of the first
 constexpr double validate_every = 1.5;  ///< each time so many times more rows have been seen
 
+/// Time of this run, s, summed over threads; the rest of `all` they waited.
+struct Stages {
+  double simulation = 0, inputs = 0, training = 0, all = 0;
+};
+
+/// The blocks under way at the end of a training are of no use.
+class StopAtEnd {
+ public:
+  explicit StopAtEnd(FrameStream& stream) : stream_(stream) {}
+  ~StopAtEnd() { stream_.stop(); }
+  StopAtEnd(const StopAtEnd&) = delete;
+  StopAtEnd& operator=(const StopAtEnd&) = delete;
+
+ private:
+  FrameStream& stream_;
+};
+
 /// Networks [topologies][seeds] on their way. Of each, `curve.cycle` counts rows; sse is the mean squared error of a
 /// block before training on it, largest its largest error, or the mean error on the validation set where there is one.
 template <class Real>
@@ -43,11 +61,12 @@ class StreamTraining : public TrainingJob {
         all_rows_(request.rows.value_or(default_rows)),
         name_(request.stream.empty() ? request.set : request.stream),
         directory_(request.output),
-        executor_(Device(request.shared.device)) {
+        executor_(Device(request.shared.device)),
+        simulation_(executor_.device()) {
     stream_ = request.stream.empty()
                   ? file_stream(request.set, static_cast<std::uint64_t>(*request.block), plan.seeds.front(),
                                 plan.batch->order, {plan.history, plan.magnitude})
-                  : simulated_stream(executor_, request.stream, contacts_a_block, {}, {plan.history, plan.magnitude});
+                  : simulated_stream(simulation_, request.stream, contacts_a_block, {}, {plan.history, plan.magnitude});
     for (const nn::Topology& topology : plan.topologies) {
       if (topology.inputs() != stream_->inputs())
         throw ConfigError("command line", "--network", topology.text(),
@@ -117,15 +136,24 @@ class StreamTraining : public TrainingJob {
     if (const std::string warning = stream_->warning(); !warning.empty() && watch.log)
       watch.log(LogLevel::warning, warning);
     auto written = Clock::now();
+    const int threads = stream_->at_once();
+    MadeAhead<Block> blocks(block_, threads, static_cast<std::size_t>(threads) + 2,
+                            [this](std::uint64_t k) { return made_block(k); });
+    const StopAtEnd stop_at_end(*stream_);
     while (rows_ < all_rows_ && std::ranges::any_of(networks_, running)) {
       const auto start = Clock::now();
-      const nn::FrameSet block = stream_->block(block_);
-      if (block.rows() == 0 && block_ < stream_->blocks() && watch.log)
+      const Block block = blocks.next();
+      const auto taken = Clock::now();
+      if (!block.inputs && block_ < stream_->blocks() && watch.log)
         watch.log(LogLevel::warning, name_ + ": a block without a row that was solved with a slippage index");
       learn_block(block);
       ++block_;
       if (recall_ && (rows_ >= all_rows_ || time_to_note())) validate();
-      seconds_ += seconds_since(start);
+      const double seconds = seconds_since(start);
+      seconds_ += seconds;
+      stages_.simulation += block.simulation, stages_.inputs += block.inputs_seconds;
+      stages_.training += seconds_since(taken);
+      stages_.all += seconds * (1 + blocks.threads());
       const bool stop = watch.progress && !watch.progress(std::min(rows_, all_rows_), all_rows_, 0);
       if (stop || seconds_since(written) > request_.checkpoint_seconds) save(), written = Clock::now();
       if (stop && rows_ < all_rows_) return false;
@@ -133,23 +161,39 @@ class StreamTraining : public TrainingJob {
     return true;
   }
 
+  /// A block as networks learn it, and the time that its parts took, s.
+  struct Block {
+    std::optional<LearningInputs<Real>> inputs{};  ///< none: no row has an answer
+    double simulation = 0, inputs_seconds = 0;
+  };
+
   // A frame of the block that passes the range of numbers once it is scaled throws ConfigError.
-  void learn_block(const nn::FrameSet& block) try {
-    if (block.rows() == 0) return;
-    nn::BatchOptions options = *plan_.batch;
-    options.rate *= std::max(last_rate, 1 - static_cast<double>(rows_) / static_cast<double>(all_rows_));
+  Block made_block(std::uint64_t k) const try {
+    const auto start = Clock::now();
+    const nn::FrameSet rows = stream_->block(k);
+    Block block;
+    block.simulation = seconds_since(start);
+    if (rows.rows() == 0) return block;
     const double noise = plan_.noises[0];
     std::vector<SetVariant> variants{{}};
     if (noise != 0) variants.clear();  // drawn anew for every block
     for (const std::uint64_t seed : plan_.seeds)
-      if (noise != 0) variants.push_back({noise, seed + (block_ << 20)});
-    const LearningInputs<Real> inputs(executor_.device(), block, scaling_, variants);
-    for (std::size_t first = 0; first < networks_.size(); first += plan_.seeds.size())
-      learn_topology(std::span(networks_).subspan(first, plan_.seeds.size()), inputs, options);
-    rows_ += static_cast<std::uint64_t>(block.rows());
-    if (!recall_ && time_to_note()) note();
+      if (noise != 0) variants.push_back({noise, seed + (k << 20)});
+    block.inputs.emplace(executor_.device(), rows, scaling_, variants);
+    block.inputs_seconds = seconds_since(start) - block.simulation;
+    return block;
   } catch (const ValueError& error) {
-    throw ConfigError(name_, fmt::format("{} of block {}", error.key, block_), error.value, error.allowed);
+    throw ConfigError(name_, fmt::format("{} of block {}", error.key, k), error.value, error.allowed);
+  }
+
+  void learn_block(const Block& block) {
+    if (!block.inputs) return;
+    nn::BatchOptions options = *plan_.batch;
+    options.rate *= std::max(last_rate, 1 - static_cast<double>(rows_) / static_cast<double>(all_rows_));
+    for (std::size_t first = 0; first < networks_.size(); first += plan_.seeds.size())
+      learn_topology(std::span(networks_).subspan(first, plan_.seeds.size()), *block.inputs, options);
+    rows_ += block.inputs->rows();
+    if (!recall_ && time_to_note()) note();
   }
 
   // The networks of one topology, of each seed; those that have diverged are left as they are.
@@ -276,6 +320,16 @@ class StreamTraining : public TrainingJob {
     return json;
   }
 
+  /// "simulation 70 %, ...": shares of the time of all threads of this run.
+  std::string shares() const {
+    if (stages_.all <= 0) return "";  // nothing was left to learn
+    const double waiting = stages_.all - stages_.simulation - stages_.inputs - stages_.training;
+    const auto share = [&](double seconds) { return 100 * std::max(0.0, seconds) / stages_.all; };
+    return fmt::format("{} {:.0f} %, inputs {:.0f} %, training {:.0f} %, waiting {:.0f} %\n",
+                       request_.stream.empty() ? "reading" : "simulation", share(stages_.simulation),
+                       share(stages_.inputs), share(stages_.training), share(waiting));
+  }
+
   TrainingOutcome finish(const std::string& fingerprint) {
     Json report = report_json(fingerprint);
     std::vector<NamedNetwork> named;
@@ -306,7 +360,8 @@ class StreamTraining : public TrainingJob {
     directory_.remove_checkpoint();
     outcome.summary =
         fmt::format("{}: {} networks, {} rows in {:.1f} s ({} rows/s)\n", request_.output, networks_.size(), rows_,
-                    seconds_, with_prefix(static_cast<double>(rows_) / seconds_));
+                    seconds_, with_prefix(static_cast<double>(rows_) / seconds_)) +
+        shares();
     if (!results.empty())
       outcome.tables.push_back(
           fmt::format("errors |S - S of the set| on {}\n{}", recall_->file, error_table(named, results)));
@@ -319,6 +374,7 @@ class StreamTraining : public TrainingJob {
   std::string name_;
   TrainingDirectory directory_;
   Executor executor_;
+  Executor simulation_;  ///< of the stream's contacts, beside the training
   std::unique_ptr<FrameStream> stream_;
   std::optional<NamedSet> recall_;
   nn::InputScaling scaling_;
@@ -326,6 +382,7 @@ class StreamTraining : public TrainingJob {
   std::vector<Record> networks_;  ///< [topologies][seeds]
   std::uint64_t block_ = 0, rows_ = 0;
   double seconds_ = 0;
+  Stages stages_;
   bool done_before_ = false;
 };
 

@@ -70,7 +70,7 @@ TEST(Program, TheLogSinkHearsOfBuildsAndOfKernelsThatCannotBeCompiledAhead) {
     if (level != LogLevel::busy) heard.emplace_back(message);
   });
   const Program built = Program::from_text(logging, "scale.cl", text, {{"FACTOR", "2"}});
-  ASSERT_EQ(heard.size(), 1u);
+  ASSERT_EQ(heard.size(), 1u) << ::testing::PrintToString(heard);
   EXPECT_EQ(heard[0], "scale.cl built, -cl-std=CL1.2 -cl-denorms-are-zero -DFACTOR=2");
   Executor executor(logging);
   Buffer<int> out(logging, 1);
@@ -104,6 +104,19 @@ TEST(Program, TheLogSinkHearsThatItIsCompiledAndWhenThatIsOver) {
     executor.run_here(launch);  // compiled already
   });
   EXPECT_EQ(prepared, (Heard{compiling, "", "optimizing kernel scale for this device (once)", ""}));
+}
+
+// A failed build is tried again.
+TEST(Program, IsBuiltOnceAContext) {
+  const Heard heard = busy_messages([](const Device& device) {
+    for (const Device& of : {device, device, device.with_lanes(4)})
+      Program::from_text(of, "scale.cl", text, {{"FACTOR", "2"}});
+    Program::from_text(device, "scale.cl", text + std::string("\n"), {{"FACTOR", "2"}});
+    for (int i = 0; i < 2; ++i) EXPECT_THROW(Program::from_text(device, "bad.cl", "kernel", {}), KernelBuildError);
+  });
+  const std::string scale = "compiling scale.cl for this device (once)",
+                    bad = "compiling bad.cl for this device (once)";
+  EXPECT_EQ(heard, (Heard{scale, "", scale, "", bad, "", bad, ""}));
 }
 
 TEST(Program, TheLogSinkHearsThatAFailedBuildIsOver) {
