@@ -43,7 +43,9 @@ const char* kind_name(CalibrationFault::Kind kind) {
 }
 
 Json to_json(const SensorCalibration& found, const std::vector<KnownPress>& presses) {
-  Json gains = Json::array(), offsets = gains, noise = gains, faults = gains, residuals = gains, correlation = gains;
+  Json gains = Json::array(), offsets = gains, noise = gains, faults = gains, residuals = gains, correlation = gains,
+       friction = gains;
+  for (const Fitted& mu : found.friction) friction.push_back(fitted_json(mu));
   for (const Fitted& gain : found.gain) gains.push_back(fitted_json(gain));
   for (const Fitted& offset : found.offset) offsets.push_back(fitted_json(offset));
   for (const double value : found.noise) noise.push_back(number(value));
@@ -65,6 +67,8 @@ Json to_json(const SensorCalibration& found, const std::vector<KnownPress>& pres
           {"poisson", fitted_json(found.poisson)},
           {"thickness", fitted_json(found.thickness)},
           {"shift", fitted_json(found.shift)},
+          {"time_constant", fitted_json(found.time_constant)},
+          {"friction", std::move(friction)},
           {"fitted", found.fitted},
           {"correlation", std::move(correlation)},
           {"held", found.held},
@@ -91,12 +95,8 @@ int run_calibrate_sensor(const CalibrateSensorRequest& request) {
   const fem::Sensor& sensor = recordings.presses.front().scene.sensor;
   const SensorCalibration found = [&] {
     const StageLine stage("fitting", request.quiet);
-    const fem::SensorFamily family(
-        {.poisson_low = recordings.poisson_low,
-         .poisson_high = recordings.poisson_high,
-         .longest = std::max(fem::SensorRange{}.longest, 1.3 * sensor.length / sensor.thickness),
-         .tactels = sensor.tactels});
-    const RubberState start{std::log(sensor.young), sensor.poisson, sensor.thickness, 0};
+    const fem::SensorFamily family = calibration_family(sensor, recordings.options);
+    const SensorState start{std::log(sensor.young), sensor.poisson, sensor.thickness, 0};
     return calibrate_sensor(family, recordings.presses, start, recordings.options);
   }();
   std::vector<std::string> remarks = {

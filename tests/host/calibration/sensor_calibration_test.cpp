@@ -108,7 +108,7 @@ Simulated simulate(unsigned seed, double noise = 0.01) {
   return s;
 }
 
-RubberState nominal() { return {.log_young = std::log(nominal_young), .poisson = nominal_poisson}; }
+SensorState nominal() { return {.log_young = std::log(nominal_young), .poisson = nominal_poisson}; }
 
 SensorCalibration calibrate(const Simulated& s, CalibrationOptions options = {}) {
   options.elements = elements;
