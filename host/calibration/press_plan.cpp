@@ -48,7 +48,7 @@ class Planner {
     Index numbers;
   };
   Total total(const Set& set) const;
-  MatrixXd eliminated(const Total& sum, bool gains) const;
+  MatrixXd eliminated(const Total& sum) const;
   double criterion(const Set& set) const;
   Set choose() const;
   ExpectedDeviations deviations(const Set& set, MatrixXd* correlation = nullptr) const;
@@ -161,18 +161,16 @@ Planner::Total Planner::total(const Set& set) const {
   return sum;
 }
 
-/// Information on the numbers, without offsets; where `gains`, without gains, too.
-MatrixXd Planner::eliminated(const Total& sum, bool gains) const {
+/// Information on the numbers, offsets and gains eliminated.
+MatrixXd Planner::eliminated(const Total& sum) const {
   MatrixXd H = sum.own;
   H.diagonal().array() += weak;
   for (Index c = 0; c < noise_.size(); ++c) {
     const double n = sum.sums(c, 0), sx = sum.sums(c, 1);
     if (!(n > 0)) continue;
     const auto of_one = sum.cross.row(c).head(sum.numbers), of_stress = sum.cross.row(c).tail(sum.numbers);
-    H -= of_one.transpose() * of_one / n;
-    if (!gains) continue;
     const Eigen::RowVectorXd centred = of_stress - sx / n * of_one;
-    H -= centred.transpose() * centred / (weak + sum.sums(c, 2) - sx * sx / n);
+    H -= of_one.transpose() * of_one / n + centred.transpose() * centred / (weak + sum.sums(c, 2) - sx * sx / n);
   }
   return H;
 }
@@ -183,13 +181,16 @@ double log_determinant(const MatrixXd& matrix) {
 
 double Planner::criterion(const Set& set) const {
   const Total sum = total(set);
-  double result = 0;
+  double gains = 0, channels = 0;
   for (Index c = 0; c < noise_.size(); ++c)
-    if (sum.sums(c, 0) > 0)
-      result += std::log(weak + sum.sums(c, 2) - sum.sums(c, 1) * sum.sums(c, 1) / sum.sums(c, 0));
-  result += log_determinant(eliminated(sum, true));
-  const Index nuisance = sum.numbers - fitted();
-  return result - log_determinant(eliminated(sum, false).bottomRightCorner(nuisance, nuisance));
+    if (sum.sums(c, 0) > 0) {
+      gains += std::log(weak + sum.sums(c, 2) - sum.sums(c, 1) * sum.sums(c, 1) / sum.sums(c, 0));
+      channels += 1;
+    }
+  const MatrixXd H = eliminated(sum);
+  const Index friction = sum.numbers - fitted();
+  const double numbers = log_determinant(H) - log_determinant(H.bottomRightCorner(friction, friction));
+  return gains / std::max(channels, 1.0) + options_.weight * numbers / std::max(static_cast<double>(fitted()), 1.0);
 }
 
 Set Planner::choose() const {
@@ -232,7 +233,7 @@ Set Planner::choose() const {
 
 ExpectedDeviations Planner::deviations(const Set& set, MatrixXd* correlation) const {
   const Total sum = total(set);
-  const MatrixXd covariance = eliminated(sum, true).inverse();
+  const MatrixXd covariance = eliminated(sum).inverse();
   ExpectedDeviations result;
   std::ranges::fill(result.number, none);
   for (Index k = 0; k < fitted(); ++k) result.number[numbers_[static_cast<std::size_t>(k)]] = std::sqrt(covariance(k, k));
