@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "host/calibration/calibration_page.h"
 #include "host/calibration/press_recordings.h"
 #include "host/support/durable_file.h"
 #include "host/support/json_text.h"
@@ -18,7 +19,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct CalibrateSensorRequest {
-  std::string recordings, profile, output, json;
+  std::string recordings, profile, output, json, html, plot;
   bool quiet = false;
 };
 
@@ -87,6 +88,8 @@ std::string line(const char* name, const Fitted& fitted, const char* unit) {
 int run_calibrate_sensor(const CalibrateSensorRequest& request) {
   check_writable("--output", request.output);
   if (!request.json.empty()) check_writable("--json", request.json);
+  if (!request.html.empty()) check_writable("--html", request.html);
+  if (!request.plot.empty()) check_figure_path("--plot", request.plot);
   const SensorProfile profile = read_profile(request.profile);
   const PressRecordings recordings = [&] {
     const StageLine stage("reading " + request.recordings, request.quiet);
@@ -102,10 +105,19 @@ int run_calibrate_sensor(const CalibrateSensorRequest& request) {
   std::vector<std::string> remarks = {
       line("sensor.young", found.young, " MPa"), line("sensor.poisson", found.poisson, ""),
       line("sensor.thickness", found.thickness, " mm"), line("shift of the tactels", found.shift, " mm")};
+  if (std::isfinite(found.time_constant.value))
+    remarks.push_back(line("transducer.time_constant", found.time_constant, " s"));
+  for (std::size_t i = 0; i < found.friction.size(); ++i)
+    if (found.friction[i].deviation > 0)
+      remarks.push_back(line(("friction of " + recordings.presses[i].name).c_str(), found.friction[i], ""));
   for (const std::string& held : found.held) remarks.push_back(held);
   const bool wrong = std::ranges::any_of(
       found.faults, [](const CalibrationFault& fault) { return fault.kind == CalibrationFault::Kind::wrong_indenter; });
   if (!request.json.empty()) write_file("--json", request.json, json_text(to_json(found, recordings.presses)));
+  if (!request.html.empty())
+    write_file("--html", request.html,
+               calibration_page(found, recordings.presses, request.recordings, request.profile).html());
+  if (!request.plot.empty()) write_figure("--plot", request.plot, residual_figure(found, recordings.presses));
   if (!request.quiet) {
     for (const std::string& remark : remarks) fmt::print("{}\n", remark);
     for (const CalibrationFault& fault : found.faults) print_warning(fault.text);
@@ -134,6 +146,9 @@ void add_calibrate_sensor_command(CLI::App& calibrate, Action& action) {
       ->type_name("FILE.toml")
       ->required();
   command->add_option("--json", request->json, "write all numbers, with deviations and residuals")->type_name("FILE");
+  command->add_option("--html", request->html, "write a page: gains with deviations, residuals, faults")
+      ->type_name("FILE.html");
+  command->add_option("--plot", request->plot, "draw the residuals by press and by tactel")->type_name("FILE.svg|png");
   command->add_flag("--quiet", request->quiet, "no progress, no warnings and no summary");
   command->callback([request, &action] { action = [request] { return run_calibrate_sensor(*request); }; });
 }
