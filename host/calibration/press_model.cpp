@@ -16,6 +16,8 @@ namespace {
 // ratio.
 constexpr double poisson_step = 1e-3, length_step = 1e-3;  // no unit, mm
 
+constexpr double log_step = 1e-4;  ///< of ln RC in central differences: errors of 1e-8
+
 constexpr double sweep_tolerance = 1e-10;  ///< statuses of the exact path; it is solved again with them
 
 /// Compliance and tactel stress at a patch, the tactels shifted: a force is as much nearer or farther. Where the free
@@ -31,8 +33,9 @@ fem::Condensation rubber_at(const fem::LayerModel& model, const fem::Patch& patc
 
 }  // namespace
 
-PressModel::PressModel(const fem::SensorFamily& family, const fem::Scene& scene, const RubberState& first, int elements)
-    : family_(family), scene_(scene) {
+PressModel::PressModel(const fem::SensorFamily& family, const fem::Scene& scene, const PressTiming& timing,
+                       const SensorState& first, int elements)
+    : family_(family), scene_(scene), timing_(timing) {
   scene_.indenter = fem::with_hull(scene.indenter);
   options_.elements = elements;
   options_.tolerance = sweep_tolerance;
@@ -45,7 +48,7 @@ PressModel::PressModel(const fem::SensorFamily& family, const fem::Scene& scene,
   patch_ = trace.patch;
 }
 
-fem::Sensor PressModel::sensor_at(const RubberState& state) const {
+fem::Sensor PressModel::sensor_at(const SensorState& state) const {
   fem::Sensor sensor = scene_.sensor;
   sensor.young = std::exp(state.log_young);
   sensor.poisson = state.poisson;
@@ -53,8 +56,9 @@ fem::Sensor PressModel::sensor_at(const RubberState& state) const {
   return sensor;
 }
 
-PressFrames PressModel::at(const RubberState& state, std::span<const int> numbers) const {
+PressFrames PressModel::at(const SensorState& state, double friction, std::span<const int> numbers) const {
   fem::Scene scene = scene_;
+  scene.friction = friction;
   scene.sensor = sensor_at(state);
   const fem::LayerModel model = family_.model(scene.sensor);
   fem::PatchTrace trace;
@@ -78,7 +82,7 @@ PressFrames PressModel::at(const RubberState& state, std::span<const int> number
   };
   PressFrames result;
   table(path.answers(), result.frame, result.P);
-  const auto difference = [&](const RubberState& plus, const RubberState& minus, double distance) {
+  const auto difference = [&](const SensorState& plus, const SensorState& minus, double distance) {
     const fem::Condensation to = rubber_at(family_.model(sensor_at(plus)), patch_, plus.shift),
                             from = rubber_at(family_.model(sensor_at(minus)), patch_, minus.shift);
     return fem::PathDirection{.compliance = (to.compliance - from.compliance) / distance,
@@ -86,20 +90,37 @@ PressFrames PressModel::at(const RubberState& state, std::span<const int> number
   };
   const auto direction_of = [&](int number) -> fem::PathDirection {
     if (number == 0) return {.young = scene.sensor.young};
-    RubberState plus = state, minus = state;
+    if (number == friction_number) return {.mu = 1};
+    SensorState plus = state, minus = state;
     if (number == 1) {  // at an end of the family's range the difference is one-sided
       plus.poisson = std::min(state.poisson + poisson_step, family_.range().poisson_high);
       minus.poisson = std::max(state.poisson - poisson_step, family_.range().poisson_low);
       return difference(plus, minus, plus.poisson - minus.poisson);
     }
-    double RubberState::*const member = number == 2 ? &RubberState::thickness : &RubberState::shift;
+    double SensorState::*const member = number == 2 ? &SensorState::thickness : &SensorState::shift;
     plus.*member += length_step;
     minus.*member -= length_step;
     return difference(plus, minus, 2 * length_step);
   };
   for (const int number : numbers)
-    table(path.forward(direction_of(number)), result.frame_by[number], result.P_by[number]);
+    if (number != time_constant_number)
+      table(path.forward(direction_of(number)), result.frame_by[number], result.P_by[number]);
+    else
+      result.P_by[number].setZero(steps);
+  if (std::isfinite(state.log_time_constant)) amplify(state.log_time_constant, numbers, result);
   return result;
+}
+
+void PressModel::amplify(double log_time_constant, std::span<const int> numbers, PressFrames& frames) const {
+  const auto response = [&](double log) { return amplifier_response(timing_, std::exp(log)); };
+  for (const int number : numbers)
+    if (number == time_constant_number)
+      frames.frame_by[number] =
+          (response(log_time_constant + log_step) - response(log_time_constant - log_step)) * frames.frame /
+          (2 * log_step);
+    else
+      frames.frame_by[number] = response(log_time_constant) * frames.frame_by[number];
+  frames.frame = response(log_time_constant) * frames.frame;
 }
 
 }  // namespace tactel::host

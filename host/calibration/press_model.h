@@ -1,50 +1,59 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <Eigen/Dense>
+#include <limits>
 #include <span>
 
 #include "fem/layer/patch_solver.h"
 #include "fem/layer/sensor_family.h"
+#include "host/calibration/press_timing.h"
 
 namespace tactel::host {
 
-/// What a calibration asks of the rubber; all but the gains and offsets of transducers.
-struct RubberState {
+/// What a calibration asks of a sensor, all but the gains and offsets of its transducers.
+struct SensorState {
   double log_young = 0;  ///< of E in MPa
   double poisson = 0.45;
   double thickness = 1.5;  ///< mm
   double shift = 0;        ///< mm along x, of all tactels from their nominal places
+  double log_time_constant = std::numeric_limits<double>::infinity();  ///< of RC in s; infinite: no decay
 };
 
-inline constexpr int rubber_numbers = 4;  ///< in the order of RubberState
-inline constexpr const char* rubber_names[rubber_numbers] = {"ln E", "sensor.poisson", "sensor.thickness", "shift"};
+inline constexpr int sensor_numbers = 5;  ///< in the order of SensorState
+inline constexpr const char* sensor_names[sensor_numbers] = {"ln E", "sensor.poisson", "sensor.thickness", "shift",
+                                                             "ln transducer.time_constant"};
+inline constexpr int time_constant_number = 4;
+inline constexpr int friction_number = sensor_numbers;  ///< beside them: friction of the press itself
 
-/// Frames and forces of one press, and their derivatives by the numbers of a RubberState.
+/// Frames and forces of one press, and their derivatives by the numbers of a SensorState.
 struct PressFrames {
-  Eigen::MatrixXd frame;                     ///< [steps, 2 tactels] MPa: sigma_y, then tau_xy
-  Eigen::VectorXd P;                         ///< [steps] N/mm
-  Eigen::MatrixXd frame_by[rubber_numbers];  ///< [steps, 2 tactels]; empty where not asked for
-  Eigen::VectorXd P_by[rubber_numbers];      ///< [steps]
+  Eigen::MatrixXd frame;                          ///< [steps, 2 tactels] MPa: sigma_y, then tau_xy, as amplifiers read them
+  Eigen::VectorXd P;                              ///< [steps] N/mm
+  Eigen::MatrixXd frame_by[friction_number + 1];  ///< [steps, 2 tactels]; empty where not asked for
+  Eigen::VectorXd P_by[friction_number + 1];      ///< [steps]
 };
 
-/// One press or drag of a known indenter on a sensor whose rubber is to be found. The patch is searched once, at the
+/// One press or drag of a known indenter on a sensor that is to be found. The patch is searched once, at the
 /// first state, so that answers change smoothly with the state.
 class PressModel {
  public:
-  /// `scene`: indenter, friction, load, and the nominal sensor, of which E, poisson and thickness are replaced. Throws
-  /// ValueError for a scene that the family does not serve, fem::PathError where the sweeps do not converge.
-  PressModel(const fem::SensorFamily& family, const fem::Scene& scene, const RubberState& first, int elements);
+  /// `scene`: indenter, friction, load, and the nominal sensor, of which E, poisson and thickness are replaced.
+  /// `timing` is asked for where readings decay. Throws ValueError for a scene that the family does not serve, fem::PathError where the sweeps do not converge.
+  PressModel(const fem::SensorFamily& family, const fem::Scene& scene, const PressTiming& timing,
+             const SensorState& first, int elements);
 
-  /// Returns frames and forces at a state, with derivatives by these numbers. Throws as the constructor.
-  PressFrames at(const RubberState& state, std::span<const int> numbers = {}) const;
+  /// Returns frames and forces at a state and a friction, with derivatives by these numbers. Throws as the constructor.
+  PressFrames at(const SensorState& state, double friction, std::span<const int> numbers = {}) const;
 
   const fem::Scene& scene() const { return scene_; }
 
  private:
-  fem::Sensor sensor_at(const RubberState& state) const;
+  fem::Sensor sensor_at(const SensorState& state) const;
+  void amplify(double log_time_constant, std::span<const int> numbers, PressFrames& frames) const;
 
   fem::SensorFamily family_;
   fem::Scene scene_;
+  PressTiming timing_;
   fem::PatchOptions options_;
   fem::Patch patch_;
 };

@@ -5,6 +5,7 @@
 
 #include "host/calibration/sensor_calibration.h"
 #include "host/live/sensor_profile.h"
+#include "host/scenes/toml_table.h"
 
 namespace tactel::host {
 
@@ -12,8 +13,17 @@ namespace tactel::host {
 struct PressRecordings {
   std::vector<KnownPress> presses;
   CalibrationOptions options;
-  double poisson_low = 0, poisson_high = 0;  ///< in which Poisson's ratio is sought
 };
+
+/// Reads the tables [fit] and [transducer]. Throws ConfigError.
+CalibrationOptions read_fit(const TomlFile& file);
+
+/// Returns the tables of all sensors among which a fit with these options seeks, made through the cache.
+fem::SensorFamily calibration_family(const fem::Sensor& sensor, const CalibrationOptions& options);
+
+/// Throws ConfigError for the table `name` of a file where its sensor is not that of the table `first`.
+void require_same_sensor(const TomlFile& file, const std::string& name, const fem::Sensor& sensor,
+                         const std::string& first, const fem::Sensor& expected);
 
 /// Reads such a file, its scenes and its recordings, by the format and the channels of the profile. Throws ConfigError
 /// for a wrong file, or a time without frames, and hw::RecordingError for a damaged recording.

@@ -21,8 +21,16 @@ constexpr double converged_step = 0.01;  ///< of a standard deviation
 constexpr double swapped_share = 0.25;   ///< of its own squared residuals that a channel has on the other's stress
 constexpr double dead_signal = 20;       ///< standard deviations that a working channel would have shown
 constexpr double wrong_press = 3;        ///< times the median press's residual
-constexpr double wrong_indenter = 2;     ///< times the noise at rest
-constexpr double degenerate = 0.98;      ///< correlation
+constexpr double wrong_indenter = 2;     ///< times noise at rest and model_error
+constexpr double model_error = 0.02;     ///< of a transducer's signal: places, depths and shapes as a bench knows them
+constexpr double not_told = 0.9;         ///< of its deviation before the fit
+constexpr int first_friction = sensor_numbers;  ///< numbers of the fit: those of SensorState, then each press's friction
+
+/// What a fit changes.
+struct FitState {
+  SensorState sensor;
+  std::vector<double> friction;  ///< [presses]
+};
 
 /// All presses, one below the other.
 struct Stack {
@@ -41,13 +49,19 @@ struct Channel {
 
 class Fit {
  public:
-  Fit(const fem::SensorFamily& family, const std::vector<KnownPress>& presses, const RubberState& start,
+  Fit(const fem::SensorFamily& family, const std::vector<KnownPress>& presses, const SensorState& start,
       const CalibrationOptions& options);
   SensorCalibration run();
 
  private:
   void find_patches();
-  Stack stack(const RubberState& state, bool derivatives) const;
+  Stack stack(const FitState& state, bool derivatives) const;
+  double friction_deviation(int number) const {
+    const double mu = presses_[static_cast<std::size_t>(number - first_friction)].scene.friction;
+    return options_.friction_deviation * mu;
+  }
+  static double& number_of(FitState& state, int number);
+  std::string number_name(int number) const;
   void find_constant_and_saturated();
   void find_swapped(const Stack& at);
   void fit_channels(const Stack& at, bool renew_noise);
@@ -57,8 +71,9 @@ class Fit {
   bool iterate(int& iterations);
   bool leave_out_wrong_presses();
   void find_dead(const Stack& at);
+  void find_wrong_indenter(const Stack& at);
   void choose_numbers();
-  RubberState moved(const VectorXd& step) const;
+  FitState moved(const VectorXd& step) const;
   double residual(const Stack& at, Index row, Index c) const {
     const Channel& channel = channels_[static_cast<std::size_t>(c)];
     return (readings_(row, c) - channel.offset - channel.sensitivity * at.frame(row, c)) / channel.noise;
@@ -69,8 +84,7 @@ class Fit {
     result_.faults.push_back({kind, channel, other, press, std::move(text)});
   }
   std::string channel_name(Index c) const {
-    return c < count() / 2 ? fmt::format("normal stress of tactel {}", c)
-                           : fmt::format("shear stress of tactel {}", c - count() / 2);
+    return transducer_name(c, count() / 2);
   }
 
   const fem::SensorFamily& family_;
@@ -80,17 +94,22 @@ class Fit {
   std::vector<Index> first_row_;
   MatrixXd readings_, weight_;  ///< [rows, channels]; NaN: left out
   VectorXd P_, P_weight_;       ///< [rows]
-  RubberState state_;
-  std::vector<int> numbers_;  ///< of RubberState that are fitted
+  FitState state_;
+  std::vector<int> numbers_;  ///< that are fitted
   std::vector<Channel> channels_;
   std::vector<bool> press_used_;
   SensorCalibration result_;
 };
 
-Fit::Fit(const fem::SensorFamily& family, const std::vector<KnownPress>& presses, const RubberState& start,
+Fit::Fit(const fem::SensorFamily& family, const std::vector<KnownPress>& presses, const SensorState& start,
          const CalibrationOptions& options)
-    : family_(family), presses_(presses), options_(options), state_(start), press_used_(presses.size(), true) {
+    : family_(family),
+      presses_(presses),
+      options_(options),
+      state_{start, {}},
+      press_used_(presses.size(), true) {
   options.validate();
+  state_.sensor.log_time_constant = std::log(options.time_constant);
   if (presses.empty()) throw ValueError("presses", "none", "at least one known press");
   const Index channels = 2 * presses.front().scene.sensor.tactels;
   Index total = 0;
@@ -99,6 +118,8 @@ Fit::Fit(const fem::SensorFamily& family, const std::vector<KnownPress>& presses
         (press.P.size() > 0 && press.P.size() != press.readings.rows()))
       throw ValueError(press.name + ": readings", fmt::format("{} x {}", press.readings.rows(), press.readings.cols()),
                        fmt::format("one row for each load step, {} columns", channels));
+    if (std::isfinite(options.time_constant)) press.timing.validate(static_cast<std::size_t>(press.readings.rows()));
+    state_.friction.push_back(press.scene.friction);
     first_row_.push_back(total);
     total += press.readings.rows();
   }
@@ -118,15 +139,33 @@ Fit::Fit(const fem::SensorFamily& family, const std::vector<KnownPress>& presses
 /// Searches the patches of all presses at the present state.
 void Fit::find_patches() {
   models_.clear();
-  for (const KnownPress& press : presses_) models_.emplace_back(family_, press.scene, state_, options_.elements);
+  for (const KnownPress& press : presses_) models_.emplace_back(family_, press.scene, press.timing, state_.sensor, options_.elements);
 }
 
-Stack Fit::stack(const RubberState& state, bool derivatives) const {
+double& Fit::number_of(FitState& state, int number) {
+  if (number >= first_friction) return state.friction[static_cast<std::size_t>(number - first_friction)];
+  SensorState& sensor = state.sensor;
+  double* const places[] = {&sensor.log_young, &sensor.poisson, &sensor.thickness, &sensor.shift,
+                            &sensor.log_time_constant};
+  return *places[number];
+}
+
+std::string Fit::number_name(int number) const {
+  if (number < first_friction) return sensor_names[number];
+  return "friction of " + presses_[static_cast<std::size_t>(number - first_friction)].name;
+}
+
+Stack Fit::stack(const FitState& state, bool derivatives) const {
   Stack all{MatrixXd(rows(), count()), VectorXd(rows()), {}, {}};
   if (derivatives) all.by.assign(numbers_.size(), all.frame), all.P_by.assign(numbers_.size(), all.P);
   for (std::size_t i = 0; i < models_.size(); ++i) {
-    const PressFrames frames =
-        models_[i].at(state, derivatives ? std::span<const int>(numbers_) : std::span<const int>());
+    const auto of_press = [own = first_friction + static_cast<int>(i)](int number) {
+      return number < first_friction ? number : number == own ? friction_number : -1;
+    };
+    std::vector<int> asked;
+    for (const int number : numbers_)
+      if (derivatives && of_press(number) >= 0) asked.push_back(of_press(number));
+    const PressFrames frames = models_[i].at(state.sensor, state.friction[i], asked);
     const Index first = first_row_[i], steps = presses_[i].readings.rows();
     if (frames.frame.rows() != steps)
       throw ValueError(presses_[i].name + ": readings", fmt::format("{} rows", steps),
@@ -134,8 +173,12 @@ Stack Fit::stack(const RubberState& state, bool derivatives) const {
     all.frame.middleRows(first, steps) = frames.frame;
     all.P.segment(first, steps) = frames.P;
     for (std::size_t k = 0; derivatives && k < numbers_.size(); ++k) {
-      all.by[k].middleRows(first, steps) = frames.frame_by[numbers_[k]];
-      all.P_by[k].segment(first, steps) = frames.P_by[numbers_[k]];
+      const int number = of_press(numbers_[k]);
+      auto by = all.by[k].middleRows(first, steps);
+      auto P_by = all.P_by[k].segment(first, steps);
+      by.setZero();
+      P_by.setZero();
+      if (number >= 0) by = frames.frame_by[number], P_by = frames.P_by[number];
     }
   }
   return all;
@@ -257,10 +300,16 @@ double Fit::cost(const Stack& at) const {
   for (Index row = 0; row < rows(); ++row)
     if (std::isfinite(P_[row]) && P_[row] != 0)
       sum += P_weight_[row] * std::pow((P_[row] - at.P[row]) / (options_.force_noise * P_[row]), 2);
+  for (const int number : numbers_)
+    if (number >= first_friction)
+      sum += std::pow((state_.friction[static_cast<std::size_t>(number - first_friction)] -
+                       presses_[static_cast<std::size_t>(number - first_friction)].scene.friction) /
+                          friction_deviation(number),
+                      2);
   return sum;
 }
 
-/// Of the rubber's numbers, gains and offsets eliminated.
+/// Of the fitted numbers, gains and offsets eliminated.
 void Fit::normal_equations(const Stack& at, MatrixXd& H, VectorXd& g) const {
   const auto size = static_cast<Index>(numbers_.size());
   H = MatrixXd::Zero(size, size);
@@ -289,15 +338,29 @@ void Fit::normal_equations(const Stack& at, MatrixXd& H, VectorXd& g) const {
     H += weight * by * by.transpose();
     g += weight * by * (P_[row] - at.P[row]);
   }
+  for (Index k = 0; k < size; ++k) {
+    const int number = numbers_[static_cast<std::size_t>(k)];
+    if (number < first_friction) continue;
+    const auto press = static_cast<std::size_t>(number - first_friction);
+    const double weight = 1 / std::pow(friction_deviation(number), 2);
+    H(k, k) += weight;
+    g[k] += weight * (presses_[press].scene.friction - state_.friction[press]);
+  }
 }
 
-RubberState Fit::moved(const VectorXd& step) const {
-  RubberState next = state_;
-  double* const places[] = {&next.log_young, &next.poisson, &next.thickness, &next.shift};
-  for (Index k = 0; k < step.size(); ++k) *places[numbers_[static_cast<std::size_t>(k)]] += step[k];
-  next.poisson = std::clamp(next.poisson, family_.range().poisson_low, family_.range().poisson_high);
-  next.log_young = std::clamp(next.log_young, state_.log_young - 1, state_.log_young + 1);
-  next.thickness = std::clamp(next.thickness, 0.8 * state_.thickness, 1.25 * state_.thickness);
+FitState Fit::moved(const VectorXd& step) const {
+  FitState next = state_;
+  for (Index k = 0; k < step.size(); ++k) number_of(next, numbers_[static_cast<std::size_t>(k)]) += step[k];
+  SensorState& sensor = next.sensor;
+  const SensorState& last = state_.sensor;
+  sensor.poisson = std::clamp(sensor.poisson, family_.range().poisson_low, family_.range().poisson_high);
+  sensor.log_young = std::clamp(sensor.log_young, last.log_young - 1, last.log_young + 1);
+  sensor.thickness = std::clamp(sensor.thickness, 0.8 * last.thickness, 1.25 * last.thickness);
+  if (options_.fit_time_constant)
+    sensor.log_time_constant =
+        std::clamp(sensor.log_time_constant, last.log_time_constant - 1, last.log_time_constant + 1);
+  for (std::size_t i = 0; i < next.friction.size(); ++i)
+    next.friction[i] = std::clamp(next.friction[i], 0.5 * state_.friction[i], 2 * state_.friction[i]);
   return next;
 }
 
@@ -328,6 +391,12 @@ void Fit::choose_numbers() {
     result_.held.emplace_back(
         "sensor.thickness is held: it and sensor.poisson change frames nearly alike, so measure it");
   if (options_.fit_shift) numbers_.push_back(3);
+  if (options_.fit_time_constant) numbers_.push_back(time_constant_number);
+  for (std::size_t i = 0; i < presses_.size(); ++i) {
+    const double mu = presses_[i].scene.friction;
+    if (options_.friction_deviation > 0 && press_used_[i] && mu > 0 && std::isfinite(mu))
+      numbers_.push_back(first_friction + static_cast<int>(i));
+  }
 }
 
 bool Fit::iterate(int& iterations) {
@@ -350,7 +419,7 @@ bool Fit::iterate(int& iterations) {
       MatrixXd damped = H;
       damped.diagonal() *= 1 + damping;
       const VectorXd step = damped.ldlt().solve(g);
-      const RubberState last = state_;
+      const FitState last = state_;
       state_ = moved(step);
       Stack next = stack(state_, true);
       const std::vector<Channel> kept = channels_;
@@ -428,6 +497,26 @@ void Fit::find_dead(const Stack& at) {
   }
 }
 
+/// A wrong indenter, friction or place of all presses bends the model to readings that no gain explains.
+void Fit::find_wrong_indenter(const Stack& at) {
+  const VectorXd& noise = options_.rest_noise.size() > 0 ? options_.rest_noise : options_.noise;
+  if (noise.size() == 0) return;
+  double sum = 0, n = 0;
+  for (Index c = 0; c < count(); ++c) {
+    const Channel& channel = channels_[static_cast<std::size_t>(c)];
+    if (!channel.used) continue;
+    const double signal = channel.sensitivity * std::sqrt((at.frame.col(c).array() - at.frame.col(c).mean()).square().mean());
+    const double expected = std::hypot(noise[c], model_error * signal) / channel.noise;
+    for (Index row = 0; row < rows(); ++row)
+      if (std::isfinite(readings_(row, c))) sum += std::pow(residual(at, row, c) / expected, 2), n += 1;
+  }
+  if (n > 0 && std::sqrt(sum / n) > wrong_indenter)
+    add(CalibrationFault::Kind::wrong_indenter, -1, -1, -1,
+        fmt::format("residuals are {:.1f} times what noise at rest and {:g} % of the stress explain: all presses have "
+                    "another indenter, friction or place",
+                    std::sqrt(sum / n), 100 * model_error));
+}
+
 SensorCalibration Fit::run() {
   find_constant_and_saturated();
   find_swapped(stack(state_, false));
@@ -449,26 +538,41 @@ SensorCalibration Fit::run() {
   normal_equations(now, H, g);
   const MatrixXd covariance =
       numbers_.empty() ? MatrixXd(0, 0) : MatrixXd(H.ldlt().solve(MatrixXd::Identity(H.rows(), H.cols())));
-  const double E = std::exp(state_.log_young);
-  result_.young.value = E, result_.poisson.value = state_.poisson;
-  result_.thickness.value = state_.thickness, result_.shift.value = state_.shift;
+  const double E = std::exp(state_.sensor.log_young), time_constant = std::exp(state_.sensor.log_time_constant);
+  result_.young.value = E, result_.poisson.value = state_.sensor.poisson;
+  result_.thickness.value = state_.sensor.thickness, result_.shift.value = state_.sensor.shift;
+  result_.time_constant.value = time_constant;
+  for (const double friction : state_.friction) result_.friction.push_back({friction, 0});
   double* const deviations[] = {&result_.young.deviation, &result_.poisson.deviation, &result_.thickness.deviation,
-                                &result_.shift.deviation};
+                                &result_.shift.deviation, &result_.time_constant.deviation};
+  std::string hardly_sliding;
   const auto size = static_cast<Index>(numbers_.size());
   result_.correlation = MatrixXd::Identity(size, size);
   for (Index k = 0; k < size; ++k) {
     const int number = numbers_[static_cast<std::size_t>(k)];
-    *deviations[number] = std::sqrt(covariance(k, k)) * (number == 0 ? E : 1);
-    result_.fitted.emplace_back(rubber_names[number]);
+    const double deviation = std::sqrt(covariance(k, k));
+    if (number >= first_friction) {
+      const auto press = static_cast<std::size_t>(number - first_friction);
+      result_.friction[press].deviation = deviation;
+      if (deviation > not_told * friction_deviation(number))
+        hardly_sliding += (hardly_sliding.empty() ? "" : ", ") + presses_[press].name;
+    } else {
+      *deviations[number] = deviation * (number == 0 ? E : number == time_constant_number ? time_constant : 1);
+    }
+    if (number == time_constant_number && deviation > 0.5)
+      result_.held.emplace_back("transducer.time_constant is not told: readings decay too little within these presses");
+    result_.fitted.push_back(number_name(number));
     for (Index j = 0; j < k; ++j) {
       const double rho = covariance(k, j) / std::sqrt(covariance(k, k) * covariance(j, j));
       result_.correlation(k, j) = result_.correlation(j, k) = rho;
       if (std::abs(rho) > degenerate)
         result_.held.push_back(fmt::format("{} and {} are not told apart (correlation {:.3f}): hold one of them",
-                                           rubber_names[numbers_[static_cast<std::size_t>(j)]], rubber_names[number],
+                                           number_name(numbers_[static_cast<std::size_t>(j)]), number_name(number),
                                            rho));
     }
   }
+  if (!hardly_sliding.empty())
+    result_.held.push_back("friction is not told by " + hardly_sliding + ": hardly any of the contact slides");
   for (Index c = 0; c < count(); ++c) {
     const Channel& channel = channels_[static_cast<std::size_t>(c)];
     result_.noise.push_back(channel.used ? channel.noise : nan);
@@ -493,23 +597,23 @@ SensorCalibration Fit::run() {
     result_.gain.push_back({1 / s, std::sqrt(own(1, 1)) / (s * s)});
     result_.offset.push_back({channel.offset, std::sqrt(own(0, 0))});
   }
-  double sum = 0, n = 0;
   for (std::size_t i = 0; i < presses_.size(); ++i) {
     MatrixXd& residuals = result_.residuals.emplace_back(MatrixXd::Constant(presses_[i].readings.rows(), count(), nan));
     for (Index row = 0; row < residuals.rows(); ++row)
       for (Index c = 0; c < count(); ++c)
         if (channels_[static_cast<std::size_t>(c)].used && std::isfinite(readings_(first_row_[i] + row, c)))
-          sum += std::pow(residuals(row, c) = residual(now, first_row_[i] + row, c), 2), n += 1;
+          residuals(row, c) = residual(now, first_row_[i] + row, c);
   }
-  if (options_.noise.size() > 0 && n > 0 && std::sqrt(sum / n) > wrong_indenter)
-    add(CalibrationFault::Kind::wrong_indenter, -1, -1, -1,
-        fmt::format(
-            "residuals are {:.1f} times the noise at rest: all presses have another indenter, friction or place",
-            std::sqrt(sum / n)));
+  find_wrong_indenter(now);
   return result_;
 }
 
 }  // namespace
+
+std::string transducer_name(Index channel, Index tactels) {
+  return channel < tactels ? fmt::format("normal stress of tactel {}", channel)
+                           : fmt::format("shear stress of tactel {}", channel - tactels);
+}
 
 void CalibrationOptions::validate() const {
   if (!(force_noise > 0 && std::isfinite(force_noise)))
@@ -517,11 +621,17 @@ void CalibrationOptions::validate() const {
   if (!(lowest_reading < highest_reading))
     throw ValueError("lowest_reading", fmt::format("{:g}", lowest_reading), "below highest_reading");
   if (noise.size() > 0 && !(noise.array() > 0).all()) throw ValueError("noise", "an array", "numbers above 0");
+  if (!(time_constant > 0)) throw ValueError("time_constant", fmt::format("{:g}", time_constant), "s above 0");
+  if (fit_time_constant && !std::isfinite(time_constant))
+    throw ValueError("time_constant", "true", "given with transducer.time_constant, s, from which the search starts");
+  if (!(friction_deviation >= 0 && friction_deviation < 1))
+    throw ValueError("friction", fmt::format("{:g}", friction_deviation),
+                     "standard deviation of each press's friction, relative, 0 to 1");
   if (most_iterations < 1) throw ValueError("most_iterations", std::to_string(most_iterations), "1 or more");
 }
 
 SensorCalibration calibrate_sensor(const fem::SensorFamily& family, const std::vector<KnownPress>& presses,
-                                   const RubberState& start, const CalibrationOptions& options) {
+                                   const SensorState& start, const CalibrationOptions& options) {
   return Fit(family, presses, start, options).run();
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/calibration/press_model.h"
+#include "host/calibration/press_timing.h"
 
 namespace tactel::host {
 
@@ -16,18 +17,27 @@ struct KnownPress {
   fem::Scene scene;          ///< indenter, friction, load by depth or force, nominal sensor
   Eigen::MatrixXd readings;  ///< [steps, 2 tactels] in the device's units, in the order of a frame; NaN: no reading
   Eigen::VectorXd P;         ///< [steps] N/mm, measured; NaN or empty: not measured
+  PressTiming timing{};      ///< asked for where readings decay
 };
 
 struct CalibrationOptions {
-  bool fit_poisson = true, fit_thickness = false, fit_shift = false;
-  double force_noise = 0.01;  ///< standard deviation of measured forces, relative
-  Eigen::VectorXd noise{};    ///< [2 tactels] standard deviation of readings at rest; empty: from the residuals
+  bool fit_poisson = true, fit_thickness = false, fit_shift = false, fit_time_constant = false;
+  /// s, of the charge amplifiers of all transducers; infinite: constant stresses read as constants
+  double time_constant = std::numeric_limits<double>::infinity();
+  double friction_deviation = 0;  ///< of each press's friction about its scene's, relative; 0: it is known
+  double force_noise = 0.01;      ///< standard deviation of measured forces, relative
+  Eigen::VectorXd noise{};        ///< [2 tactels] standard deviation of readings; empty: from the residuals
+  /// [2 tactels] noise of readings while the indenter rests, by which a wrong indenter is found; empty: `noise`
+  Eigen::VectorXd rest_noise{};
   double lowest_reading = -std::numeric_limits<double>::infinity(),
          highest_reading = std::numeric_limits<double>::infinity();  ///< at or beyond: the converter is saturated
   int most_iterations = 30;
   int elements = 24;      ///< of the patch of each press
   void validate() const;  ///< throws ValueError
 };
+
+/// Correlation from which two numbers are not told apart.
+inline constexpr double degenerate = 0.98;
 
 /// What is wrong with the recordings: named, and left out of the fit.
 struct CalibrationFault {
@@ -47,22 +57,28 @@ struct SensorCalibration {
   bool converged = false;
   int iterations = 0;
   Fitted young, poisson, thickness, shift;  ///< MPa, none, mm, mm
+  Fitted time_constant;                     ///< s; infinite: no decay
+  std::vector<Fitted> friction;             ///< [presses]
   std::vector<Fitted> gain, offset;         ///< [2 tactels] MPa by the device's unit; the device's unit. NaN: left out
   std::vector<double> noise;                ///< [2 tactels] standard deviation of the residuals, the device's unit
-  Eigen::MatrixXd correlation;              ///< [fitted rubber numbers, same]
-  std::vector<std::string> fitted, held;    ///< names of rubber numbers; sentences: what is held fixed, and why
+  Eigen::MatrixXd correlation;              ///< [fitted, fitted]
+  std::vector<std::string> fitted, held;    ///< names of numbers; sentences: what is held fixed, and why
   std::vector<CalibrationFault> faults;
   std::vector<Eigen::MatrixXd>
       residuals;  ///< [presses] [steps, 2 tactels] reading less model over noise; NaN: left out
 };
 
+/// Returns the name of a transducer, by its place in a frame of 2 `tactels` stresses.
+std::string transducer_name(Eigen::Index channel, Eigen::Index tactels);
+
 /// Fits gains and offsets of all transducers, and the rubber, to readings of known presses: reading = offset + stress /
 /// gain. Given the rubber this is linear and solved exactly (variable projection); the rubber's numbers follow by
 /// Levenberg-Marquardt on the derivatives of fem/path_derivatives.h, with Huber's weights against outliers. E and gains
 /// are told apart by measured forces alone: without any, E is held. Poisson's ratio and thickness are nearly
-/// degenerate; the thickness is held unless asked for. Throws ValueError for sizes that disagree and recordings that
+/// degenerate; the thickness is held unless asked for. On request it finds the time constant of the amplifiers, and the
+/// friction of each press about that of its scene. Throws ValueError for sizes that disagree and recordings that
 /// determine nothing.
 SensorCalibration calibrate_sensor(const fem::SensorFamily& family, const std::vector<KnownPress>& presses,
-                                   const RubberState& start, const CalibrationOptions& options = {});
+                                   const SensorState& start, const CalibrationOptions& options = {});
 
 }  // namespace tactel::host

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include "host/commands/calibrate_plan_command.h"
 #include "host/commands/calibrate_sensor_command.h"
 #include "host/commands/shared_options.h"
 #include "host/networks/onnx_file.h"
@@ -48,9 +49,10 @@ int run_calibrate_bound(const CalibrateBoundRequest& request) {
 
 void add_calibrate_command(CLI::App& app, Action& action) {
   CLI::App* command =
-      app.add_subcommand("calibrate", "calibrate a sensor by known presses, or the bound of a network by other data");
+      app.add_subcommand("calibrate", "plan presses, calibrate a sensor by them, or the bound of a network by other data");
   command->group("Learn");
   command->require_subcommand(1);
+  add_calibrate_plan_command(*command, action);
   add_calibrate_sensor_command(*command, action);
   auto request = std::make_shared<CalibrateBoundRequest>();
   CLI::App* bound = command->add_subcommand(

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "host/calibration/calibration_page.h"
 #include "host/calibration/press_recordings.h"
 #include "host/support/durable_file.h"
 #include "host/support/json_text.h"
@@ -18,7 +19,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct CalibrateSensorRequest {
-  std::string recordings, profile, output, json;
+  std::string recordings, profile, output, json, html, plot;
   bool quiet = false;
 };
 
@@ -43,7 +44,9 @@ const char* kind_name(CalibrationFault::Kind kind) {
 }
 
 Json to_json(const SensorCalibration& found, const std::vector<KnownPress>& presses) {
-  Json gains = Json::array(), offsets = gains, noise = gains, faults = gains, residuals = gains, correlation = gains;
+  Json gains = Json::array(), offsets = gains, noise = gains, faults = gains, residuals = gains, correlation = gains,
+       friction = gains;
+  for (const Fitted& mu : found.friction) friction.push_back(fitted_json(mu));
   for (const Fitted& gain : found.gain) gains.push_back(fitted_json(gain));
   for (const Fitted& offset : found.offset) offsets.push_back(fitted_json(offset));
   for (const double value : found.noise) noise.push_back(number(value));
@@ -65,6 +68,8 @@ Json to_json(const SensorCalibration& found, const std::vector<KnownPress>& pres
           {"poisson", fitted_json(found.poisson)},
           {"thickness", fitted_json(found.thickness)},
           {"shift", fitted_json(found.shift)},
+          {"time_constant", fitted_json(found.time_constant)},
+          {"friction", std::move(friction)},
           {"fitted", found.fitted},
           {"correlation", std::move(correlation)},
           {"held", found.held},
@@ -83,6 +88,8 @@ std::string line(const char* name, const Fitted& fitted, const char* unit) {
 int run_calibrate_sensor(const CalibrateSensorRequest& request) {
   check_writable("--output", request.output);
   if (!request.json.empty()) check_writable("--json", request.json);
+  if (!request.html.empty()) check_writable("--html", request.html);
+  if (!request.plot.empty()) check_figure_path("--plot", request.plot);
   const SensorProfile profile = read_profile(request.profile);
   const PressRecordings recordings = [&] {
     const StageLine stage("reading " + request.recordings, request.quiet);
@@ -91,21 +98,26 @@ int run_calibrate_sensor(const CalibrateSensorRequest& request) {
   const fem::Sensor& sensor = recordings.presses.front().scene.sensor;
   const SensorCalibration found = [&] {
     const StageLine stage("fitting", request.quiet);
-    const fem::SensorFamily family(
-        {.poisson_low = recordings.poisson_low,
-         .poisson_high = recordings.poisson_high,
-         .longest = std::max(fem::SensorRange{}.longest, 1.3 * sensor.length / sensor.thickness),
-         .tactels = sensor.tactels});
-    const RubberState start{std::log(sensor.young), sensor.poisson, sensor.thickness, 0};
+    const fem::SensorFamily family = calibration_family(sensor, recordings.options);
+    const SensorState start{std::log(sensor.young), sensor.poisson, sensor.thickness, 0};
     return calibrate_sensor(family, recordings.presses, start, recordings.options);
   }();
   std::vector<std::string> remarks = {
       line("sensor.young", found.young, " MPa"), line("sensor.poisson", found.poisson, ""),
       line("sensor.thickness", found.thickness, " mm"), line("shift of the tactels", found.shift, " mm")};
+  if (std::isfinite(found.time_constant.value))
+    remarks.push_back(line("transducer.time_constant", found.time_constant, " s"));
+  for (std::size_t i = 0; i < found.friction.size(); ++i)
+    if (found.friction[i].deviation > 0)
+      remarks.push_back(line(("friction of " + recordings.presses[i].name).c_str(), found.friction[i], ""));
   for (const std::string& held : found.held) remarks.push_back(held);
   const bool wrong = std::ranges::any_of(
       found.faults, [](const CalibrationFault& fault) { return fault.kind == CalibrationFault::Kind::wrong_indenter; });
   if (!request.json.empty()) write_file("--json", request.json, json_text(to_json(found, recordings.presses)));
+  if (!request.html.empty())
+    write_file("--html", request.html,
+               calibration_page(found, recordings.presses, request.recordings, request.profile).html());
+  if (!request.plot.empty()) write_figure("--plot", request.plot, residual_figure(found, recordings.presses));
   if (!request.quiet) {
     for (const std::string& remark : remarks) fmt::print("{}\n", remark);
     for (const CalibrationFault& fault : found.faults) print_warning(fault.text);
@@ -134,6 +146,9 @@ void add_calibrate_sensor_command(CLI::App& calibrate, Action& action) {
       ->type_name("FILE.toml")
       ->required();
   command->add_option("--json", request->json, "write all numbers, with deviations and residuals")->type_name("FILE");
+  command->add_option("--html", request->html, "write a page: gains with deviations, residuals, faults")
+      ->type_name("FILE.html");
+  command->add_option("--plot", request->plot, "draw the residuals by press and by tactel")->type_name("FILE.svg|png");
   command->add_flag("--quiet", request->quiet, "no progress, no warnings and no summary");
   command->callback([request, &action] { action = [request] { return run_calibrate_sensor(*request); }; });
 }

@@ -12,46 +12,12 @@
 #include <random>
 
 #include "fem/value_error.h"
+#include "tests/host/calibration/simulated_sensor.h"
 
 namespace tactel::host {
 namespace {
 
 using Eigen::Index;
-
-constexpr int tactels = 21, elements = 12;
-constexpr double nominal_poisson = 0.45, nominal_young = 2;
-
-const fem::SensorFamily& family() {
-  static const fem::SensorFamily made({.poisson_low = 0.4, .poisson_high = 0.49}, false);
-  return made;
-}
-
-/// The frames and forces of a press on a sensor of its own, E = 1.
-struct Truth {
-  Eigen::MatrixXd frame;
-  Eigen::VectorXd P;
-};
-
-const Truth& truth(double poisson, const fem::Scene& scene, int press) {
-  static std::map<double, fem::LayerModel> models;
-  static std::map<std::pair<double, int>, Truth> known;
-  const auto found = known.find({poisson, press});
-  if (found != known.end()) return found->second;
-  fem::Scene own = scene;
-  own.sensor.poisson = poisson;
-  own.sensor.young = 1;
-  if (!models.contains(poisson)) models.emplace(poisson, fem::endless_layer(own.sensor));
-  const fem::ContactSolution solution =
-      fem::PatchSolver(models.at(poisson), {.elements = elements, .tolerance = 1e-9}).solve(own);
-  const auto steps = static_cast<Index>(solution.steps.size());
-  Truth t{Eigen::MatrixXd(steps, 2 * tactels), Eigen::VectorXd(steps)};
-  for (Index k = 0; k < steps; ++k) {
-    const fem::ContactStep& step = solution.steps[static_cast<std::size_t>(k)];
-    t.frame.row(k) << step.sigma_y.transpose(), step.tau_xy.transpose();
-    t.P[k] = step.P;
-  }
-  return known[{poisson, press}] = t;
-}
 
 /// Twenty presses and drags of two cylinders along the array.
 std::vector<KnownPress> presses() {
@@ -71,44 +37,10 @@ std::vector<KnownPress> presses() {
   return all;
 }
 
-/// A sensor: what it is, and its readings of the presses with noise.
-struct Simulated {
-  double young, poisson;
-  Eigen::VectorXd gain, offset;
-  double noise;  ///< MPa
-  std::vector<KnownPress> presses;
-};
-
-constexpr double poissons[] = {0.43, 0.447, 0.46, 0.475};
-
 Simulated simulate(unsigned seed, double noise = 0.01) {
-  std::mt19937 random(seed);
-  std::normal_distribution<double> normal;
-  Simulated s{nominal_young * std::exp(0.3 * normal(random)),
-              poissons[seed % 4],
-              Eigen::VectorXd(2 * tactels),
-              Eigen::VectorXd(2 * tactels),
-              0,
-              presses()};
-  for (Index c = 0; c < 2 * tactels; ++c)
-    s.gain[c] = 0.001 * (1 + 0.2 * normal(random)), s.offset[c] = 2048 + 50 * normal(random);
-  double largest = 0;
-  for (int k = 0; k < 20; ++k)
-    largest = std::max(largest, s.young * truth(s.poisson, s.presses[k].scene, k).frame.cwiseAbs().maxCoeff());
-  s.noise = noise * largest;
-  for (int k = 0; k < 20; ++k) {
-    const Truth& t = truth(s.poisson, s.presses[k].scene, k);
-    KnownPress& press = s.presses[k];
-    press.readings = s.young * t.frame;
-    for (Index c = 0; c < 2 * tactels; ++c)
-      for (double& x : press.readings.col(c)) x = (x + s.noise * normal(random)) / s.gain[c] + s.offset[c];
-    press.P = s.young * t.P;
-    for (double& P : press.P) P *= 1 + 0.01 * normal(random);
-  }
-  return s;
+  std::vector<KnownPress> all = presses();
+  return simulate_sensor(seed, all, noise * largest_stress(all));
 }
-
-RubberState nominal() { return {.log_young = std::log(nominal_young), .poisson = nominal_poisson}; }
 
 SensorCalibration calibrate(const Simulated& s, CalibrationOptions options = {}) {
   options.elements = elements;
@@ -121,7 +53,7 @@ double error_of_S(const Simulated& s, const Eigen::VectorXd& gain, const Eigen::
   double sum = 0;
   int n = 0;
   for (int k = 0; k < 20; ++k) {
-    const Truth& t = truth(s.poisson, s.presses[k].scene, k);
+    const Truth& t = truth(s.poisson, s.presses[k]);
     for (Index row = 2; row < t.frame.rows(); ++row, ++n) {
       const Eigen::VectorXd stress = (s.presses[k].readings.row(row).transpose() - offset).cwiseProduct(gain);
       const auto S = [](const auto& frame) { return -frame.tail(tactels).sum() / frame.head(tactels).sum() / 0.6; };

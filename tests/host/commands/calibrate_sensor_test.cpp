@@ -18,6 +18,7 @@ namespace tactel::host {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr int tactels = 8;
 constexpr double true_young = 2.6;
@@ -40,6 +41,11 @@ class CalibrateSensor : public ::testing::Test {
     std::string presses = "[fit]\npoisson = false\n";
     for (int k = 0; k < 6; ++k) presses += press(k, random);
     write(recordings_, presses);
+  }
+
+  static std::string text_of(const std::string& path) {
+    std::ifstream in(path);
+    return {std::istreambuf_iterator<char>(in), {}};
   }
 
   static void write(const std::string& path, const std::string& text) { std::ofstream(path) << text; }
@@ -98,10 +104,16 @@ class CalibrateSensor : public ::testing::Test {
 };
 
 TEST_F(CalibrateSensor, WritesAProfileWithTheGainsOfTheSensor) {
-  const std::string json = (folder_ / "c.json").string();
-  const ChildResult result = calibrate({"--json", json});
+  const std::string json = (folder_ / "c.json").string(), html = (folder_ / "c.html").string(),
+                    plot = (folder_ / "c.svg").string();
+  const ChildResult result = calibrate({"--json", json, "--html", html, "--plot", plot});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("sensor.young = 2.6"));
+  const std::string page = text_of(html);
+  for (const char* part : {"Gains of 16 of 16 transducers", "shear stress of tactel 7", "sensor.thickness is held"})
+    EXPECT_THAT(page, HasSubstr(part));
+  EXPECT_THAT(page, Not(HasSubstr("src=\"http")));
+  EXPECT_THAT(text_of(plot), HasSubstr("<svg"));
   EXPECT_THAT(result.out, HasSubstr("sensor.thickness is held"));
   const SensorProfile profile = read_profile(output_);
   EXPECT_THAT(profile.text, HasSubstr("# keep me\n"));
@@ -120,8 +132,7 @@ TEST_F(CalibrateSensor, WritesAProfileWithTheGainsOfTheSensor) {
 /// With nu unknown, too: eight blocks of free sides, some seconds without a cache.
 using CalibrateSensorNightly = CalibrateSensor;
 TEST_F(CalibrateSensorNightly, PoissonIsFoundByDefault) {
-  std::ifstream in(recordings_);
-  const std::string text(std::istreambuf_iterator<char>(in), {});
+  const std::string text = text_of(recordings_);
   write(recordings_, text.substr(text.find("[press0]")));
   const std::string json = (folder_ / "c.json").string();
   const ChildResult result = calibrate({"--json", json});

@@ -1,0 +1,353 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/calibration/press_plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
+
+#include "fem/value_error.h"
+#include "host/support/side_by_side.h"
+
+namespace tactel::host {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Set = std::vector<std::size_t>;
+
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+/// Weak information on each unknown, a standard deviation of 10 (no unit, mm): determinants exist before every
+/// transducer has been pressed.
+constexpr double weak = 0.01;
+constexpr double never_found = 0.5;     ///< relative deviation of a gain, with all candidates
+constexpr double least_exchange = 1e-9; ///< of the log determinant
+
+/// Sums over the rows of a press, weighted by noise: those of the normal equations of a fit. Parameters of its readings
+/// are offset, sensitivity and the numbers; the last number is the friction of this press alone.
+struct PressInformation {
+  MatrixXd sums;   ///< [channels, 3]: of 1, stress, stress^2
+  MatrixXd cross;  ///< [channels, 2 numbers]: of 1 and of stress with the numbers
+  MatrixXd own;    ///< [numbers, numbers] all channels and P
+};
+
+class Planner {
+ public:
+  Planner(const fem::SensorFamily& family, const std::vector<PressCandidate>& candidates, const PlanOptions& options);
+  PressPlan run();
+
+ private:
+  void choose_numbers();
+  PressInformation information(const PressCandidate& candidate, const PressFrames& frames) const;
+  /// Sums over a set of presses; numbers of the set: the fitted ones, then the friction of each press.
+  struct Total {
+    MatrixXd sums, cross, own;
+    Index numbers;
+  };
+  Total total(const Set& set) const;
+  MatrixXd eliminated(const Total& sum) const;
+  double criterion(const Set& set) const;
+  Set choose() const;
+  ExpectedDeviations deviations(const Set& set, MatrixXd* correlation = nullptr) const;
+  ExpectedDeviations random_deviations(std::size_t count) const;
+  std::vector<std::string> lost(const ExpectedDeviations& all, const MatrixXd& correlation) const;
+  Index fitted() const { return static_cast<Index>(numbers_.size()); }
+  bool with_friction() const { return options_.fit.friction_deviation > 0; }
+
+  const std::vector<PressCandidate>& candidates_;
+  PlanOptions options_;
+  VectorXd noise_;  ///< [channels] MPa
+  std::vector<int> numbers_;
+  std::vector<PressInformation> information_;
+  std::vector<double> P_;  ///< [candidates] N/mm, the largest
+};
+
+Planner::Planner(const fem::SensorFamily& family, const std::vector<PressCandidate>& candidates,
+                 const PlanOptions& options)
+    : candidates_(candidates), options_(options) {
+  options.validate(candidates.size());
+  const fem::Sensor& sensor = candidates.front().scene.sensor;
+  const Index channels = 2 * sensor.tactels;
+  if (options.noise.size() > 0 && options.noise.size() != channels)
+    throw ValueError("noise", fmt::format("{} numbers", options.noise.size()), fmt::format("{} numbers", channels));
+  choose_numbers();
+  std::vector<int> asked = numbers_;
+  if (with_friction()) asked.push_back(friction_number);
+  const SensorState nominal{std::log(sensor.young), sensor.poisson, sensor.thickness, 0,
+                            std::log(options.fit.time_constant)};
+  std::vector<PressFrames> frames(candidates.size());
+  side_by_side(candidates.size(), options.threads, [&](std::size_t i) {
+    const PressCandidate& candidate = candidates[i];
+    if (candidate.scene.sensor.tactels != sensor.tactels)
+      throw ValueError("candidates", candidate.indenter, "presses on one sensor");
+    const PressModel model(family, candidate.scene, candidate.timing, nominal, options.fit.elements);
+    frames[i] = model.at(nominal, candidate.scene.friction, asked);
+  });
+  noise_ = options.noise;
+  if (noise_.size() == 0) {
+    double largest = 0;
+    for (const PressFrames& of : frames) largest = std::max(largest, of.frame.cwiseAbs().maxCoeff());
+    noise_.setConstant(channels, options.noise_of_largest * largest);
+  }
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    information_.push_back(information(candidates[i], frames[i]));
+    P_.push_back(frames[i].P.maxCoeff());
+  }
+}
+
+/// As the calibration chooses them (Fit::choose_numbers).
+void Planner::choose_numbers() {
+  const CalibrationOptions& fit = options_.fit;
+  const auto by_force = std::ranges::count_if(
+      candidates_, [](const PressCandidate& candidate) { return fem::by_force(candidate.scene); });
+  const bool by_depth = by_force < static_cast<std::ptrdiff_t>(candidates_.size());
+  const bool asked[] = {by_depth && (options_.forces || by_force > 0), fit.fit_poisson, fit.fit_thickness,
+                        fit.fit_shift, fit.fit_time_constant};
+  for (int number = 0; number < sensor_numbers; ++number)
+    if (asked[number]) numbers_.push_back(number);
+}
+
+PressInformation Planner::information(const PressCandidate& candidate, const PressFrames& frames) const {
+  const Index channels = frames.frame.cols(), steps = frames.frame.rows(), size = fitted() + 1;
+  PressInformation result{MatrixXd::Zero(channels, 3), MatrixXd::Zero(channels, 2 * size), MatrixXd::Zero(size, size)};
+  const auto number_of = [&](Index k) { return k < fitted() ? numbers_[static_cast<std::size_t>(k)] : friction_number; };
+  const Index known = with_friction() ? size : fitted();
+  MatrixXd by = MatrixXd::Zero(steps, size);
+  for (Index c = 0; c < channels; ++c) {
+    if (!std::isfinite(noise_[c])) continue;
+    const VectorXd stress = frames.frame.col(c);
+    const double weight = 1 / (noise_[c] * noise_[c]);
+    for (Index k = 0; k < known; ++k) by.col(k) = frames.frame_by[number_of(k)].col(c);
+    result.sums.row(c) << static_cast<double>(steps), stress.sum(), stress.squaredNorm();
+    result.cross.row(c).head(size) = by.colwise().sum();
+    result.cross.row(c).tail(size) = stress.transpose() * by;
+    result.sums.row(c) *= weight;
+    result.cross.row(c) *= weight;
+    result.own += weight * by.transpose() * by;
+  }
+  if (options_.forces)
+    for (Index row = 0; row < steps; ++row) {
+      const double noise = options_.fit.force_noise * frames.P[row];
+      if (!(noise > 0)) continue;
+      VectorXd P_by = VectorXd::Zero(size);
+      for (Index k = 0; k < known; ++k) P_by[k] = frames.P_by[number_of(k)][row];
+      result.own += P_by * P_by.transpose() / (noise * noise);
+    }
+  const double friction = options_.fit.friction_deviation * candidate.scene.friction;
+  result.own(size - 1, size - 1) += friction > 0 && std::isfinite(friction) ? 1 / (friction * friction) : 1;
+  return result;
+}
+
+Planner::Total Planner::total(const Set& set) const {
+  const Index channels = noise_.size(), m = fitted(), own = m + 1;
+  const Index numbers = m + (with_friction() ? static_cast<Index>(set.size()) : 0);
+  Total sum{MatrixXd::Zero(channels, 3), MatrixXd::Zero(channels, 2 * numbers), MatrixXd::Zero(numbers, numbers), numbers};
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    const PressInformation& of = information_[set[i]];
+    sum.sums += of.sums;
+    for (Index part = 0; part < 2; ++part)
+      sum.cross.middleCols(part * numbers, m) += of.cross.middleCols(part * own, m);
+    sum.own.topLeftCorner(m, m) += of.own.topLeftCorner(m, m);
+    if (!with_friction()) continue;
+    const Index place = m + static_cast<Index>(i);
+    for (Index part = 0; part < 2; ++part) sum.cross.col(part * numbers + place) = of.cross.col(part * own + m);
+    sum.own.block(0, place, m, 1) = of.own.block(0, m, m, 1);
+    sum.own.block(place, 0, 1, m) = of.own.block(m, 0, 1, m);
+    sum.own(place, place) = of.own(m, m);
+  }
+  return sum;
+}
+
+/// Information on the numbers, offsets and gains eliminated.
+MatrixXd Planner::eliminated(const Total& sum) const {
+  MatrixXd H = sum.own;
+  H.diagonal().array() += weak;
+  for (Index c = 0; c < noise_.size(); ++c) {
+    const double n = sum.sums(c, 0), sx = sum.sums(c, 1);
+    if (!(n > 0)) continue;
+    const auto of_one = sum.cross.row(c).head(sum.numbers), of_stress = sum.cross.row(c).tail(sum.numbers);
+    const Eigen::RowVectorXd centred = of_stress - sx / n * of_one;
+    H -= of_one.transpose() * of_one / n + centred.transpose() * centred / (weak + sum.sums(c, 2) - sx * sx / n);
+  }
+  return H;
+}
+
+double log_determinant(const MatrixXd& matrix) {
+  return matrix.rows() == 0 ? 0 : matrix.ldlt().vectorD().array().abs().log().sum();
+}
+
+double Planner::criterion(const Set& set) const {
+  const Total sum = total(set);
+  double gains = 0, channels = 0;
+  for (Index c = 0; c < noise_.size(); ++c)
+    if (sum.sums(c, 0) > 0) {
+      gains += std::log(weak + sum.sums(c, 2) - sum.sums(c, 1) * sum.sums(c, 1) / sum.sums(c, 0));
+      channels += 1;
+    }
+  const MatrixXd H = eliminated(sum);
+  const Index friction = sum.numbers - fitted();
+  const double numbers = log_determinant(H) - log_determinant(H.bottomRightCorner(friction, friction));
+  return gains / std::max(channels, 1.0) + options_.weight * numbers / std::max(static_cast<double>(fitted()), 1.0);
+}
+
+Set Planner::choose() const {
+  Set set;
+  std::vector<bool> taken(candidates_.size(), false);
+  /// The best candidate for a place of the set, and its criterion.
+  const auto best_at = [&](std::size_t place) {
+    std::pair<double, std::size_t> best{-std::numeric_limits<double>::infinity(), set[place]};
+    const std::size_t kept = set[place];
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      if (taken[i] && i != kept) continue;
+      set[place] = i;
+      best = std::max(best, {criterion(set), i});
+    }
+    set[place] = kept;
+    return best;
+  };
+  const auto exchange = [&](std::size_t place) {
+    const double before = criterion(set);
+    const auto [after, candidate] = best_at(place);
+    if (!(after > before + least_exchange * std::abs(before))) return false;
+    taken[set[place]] = false;
+    taken[set[place] = candidate] = true;
+    return true;
+  };
+  const auto count = static_cast<std::size_t>(options_.presses);
+  while (set.size() < count) {
+    const auto first_free = static_cast<std::size_t>(std::ranges::find(taken, false) - taken.begin());
+    taken[first_free] = true;
+    set.push_back(first_free);
+    exchange(set.size() - 1);
+  }
+  for (bool better = true; better;) {
+    better = false;
+    for (std::size_t place = 0; place < count; ++place) better |= exchange(place);
+  }
+  std::ranges::sort(set);
+  return set;
+}
+
+ExpectedDeviations Planner::deviations(const Set& set, MatrixXd* correlation) const {
+  const Total sum = total(set);
+  const MatrixXd covariance = eliminated(sum).inverse();
+  ExpectedDeviations result;
+  std::ranges::fill(result.number, none);
+  for (Index k = 0; k < fitted(); ++k) result.number[numbers_[static_cast<std::size_t>(k)]] = std::sqrt(covariance(k, k));
+  if (correlation != nullptr) {
+    const VectorXd scale = covariance.diagonal().head(fitted()).cwiseSqrt().cwiseInverse();
+    *correlation = scale.asDiagonal() * covariance.topLeftCorner(fitted(), fitted()) * scale.asDiagonal();
+  }
+  result.gain.setConstant(noise_.size(), none);
+  std::vector<double> kinds[2];
+  for (Index c = 0; c < noise_.size(); ++c) {
+    const double n = sum.sums(c, 0), sx = sum.sums(c, 1);
+    if (!(n > 0)) continue;
+    const double own = weak + sum.sums(c, 2) - sx * sx / n;
+    const Eigen::RowVectorXd by =
+        (sum.cross.row(c).tail(sum.numbers) - sx / n * sum.cross.row(c).head(sum.numbers)) / own;
+    result.gain[c] = std::sqrt(1 / own + by * covariance * by.transpose());
+    kinds[c < noise_.size() / 2 ? 0 : 1].push_back(result.gain[c]);
+    result.worst_gain = std::max(result.worst_gain, result.gain[c]);
+  }
+  const auto median = [](std::vector<double>& values) {
+    if (values.empty()) return none;
+    std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
+    return values[values.size() / 2];
+  };
+  result.normal_gain = median(kinds[0]), result.shear_gain = median(kinds[1]);
+  return result;
+}
+
+/// Medians over random choices of so many candidates.
+ExpectedDeviations Planner::random_deviations(std::size_t count) const {
+  std::mt19937 random(options_.seed);
+  Set order(candidates_.size());
+  std::iota(order.begin(), order.end(), 0);
+  count = std::min(count, order.size());
+  std::vector<ExpectedDeviations> all;
+  for (int draw = 0; draw < options_.draws; ++draw) {
+    for (std::size_t i = 0; i < count; ++i)
+      std::swap(order[i], order[i + random() % (order.size() - i)]);
+    all.push_back(deviations({order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count)}));
+  }
+  const auto median = [&all](const auto& of) {
+    std::vector<double> values;
+    for (const ExpectedDeviations& one : all) values.push_back(of(one));
+    std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
+    return values[values.size() / 2];
+  };
+  ExpectedDeviations result;
+  result.gain.resize(noise_.size());
+  for (Index c = 0; c < noise_.size(); ++c)
+    result.gain[c] = std::isfinite(all[0].gain[c]) ? median([c](const auto& one) { return one.gain[c]; }) : none;
+  for (int k = 0; k < sensor_numbers; ++k)
+    result.number[k] =
+        std::isfinite(all[0].number[k]) ? median([k](const auto& one) { return one.number[k]; }) : none;
+  result.normal_gain = median([](const auto& one) { return one.normal_gain; });
+  result.shear_gain = median([](const auto& one) { return one.shear_gain; });
+  result.worst_gain = median([](const auto& one) { return one.worst_gain; });
+  return result;
+}
+
+std::vector<std::string> Planner::lost(const ExpectedDeviations& all, const MatrixXd& correlation) const {
+  std::vector<std::string> sentences;
+  if (!std::isfinite(all.number[0]))
+    sentences.emplace_back(
+        "No plan finds sensor.young without measured forces: a softer rubber reads as smaller gains. Measure P.");
+  if (!options_.fit.fit_thickness)
+    sentences.emplace_back(
+        "sensor.thickness is held: it and sensor.poisson change frames nearly alike, so measure it.");
+  for (Index k = 0; k < fitted(); ++k)
+    for (Index j = 0; j < k; ++j)
+      if (std::abs(correlation(k, j)) > degenerate)
+        sentences.push_back(fmt::format("No plan tells {} and {} apart well: with all candidates together their correlation "
+                                        "is {:.3f}. Hold one of them.",
+                                        sensor_names[numbers_[static_cast<std::size_t>(j)]],
+                                        sensor_names[numbers_[static_cast<std::size_t>(k)]], correlation(k, j)));
+  for (Index c = 0; c < noise_.size(); ++c)
+    if (all.gain[c] > never_found)
+      sentences.push_back(fmt::format("No candidate loads the {} enough: its gain would be known to {:.0f} % with all of "
+                                      "them. Add presses over it{}.",
+                                      transducer_name(c, noise_.size() / 2), 100 * all.gain[c],
+                                      c < noise_.size() / 2 ? "" : ", with a drag"));
+  return sentences;
+}
+
+PressPlan Planner::run() {
+  PressPlan plan{.chosen = choose(), .P = P_, .noise = noise_};
+  plan.planned = deviations(plan.chosen);
+  plan.random = random_deviations(plan.chosen.size());
+  plan.random_twice = random_deviations(2 * plan.chosen.size());
+  Set every(candidates_.size());
+  std::iota(every.begin(), every.end(), 0);
+  MatrixXd correlation;
+  plan.all = deviations(every, &correlation);
+  plan.lost = lost(plan.all, correlation);
+  return plan;
+}
+
+}  // namespace
+
+void PlanOptions::validate(std::size_t candidates) const {
+  fit.validate();
+  const auto check = [](bool good, const char* key, double value, const std::string& allowed) {
+    if (!good) throw ValueError(key, fmt::format("{:g}", value), allowed);
+  };
+  check(presses >= 1 && static_cast<std::size_t>(presses) <= candidates, "presses", presses,
+        fmt::format("1 to {}, the number of candidates", candidates));
+  check(noise_of_largest > 0 && std::isfinite(noise_of_largest), "noise", noise_of_largest, "a number above 0");
+  check(draws >= 1, "draws", draws, "1 or more");
+  for (const double value : noise)
+    check(std::isnan(value) || (value > 0 && std::isfinite(value)), "noise", value, "numbers of MPa above 0");
+}
+
+PressPlan plan_presses(const fem::SensorFamily& family, const std::vector<PressCandidate>& candidates,
+                       const PlanOptions& options) {
+  return Planner(family, candidates, options).run();
+}
+
+}  // namespace tactel::host
