@@ -35,6 +35,15 @@ void ChannelMap::validate(std::size_t channels) const {
     require(noise >= 0, "calibration.noise", std::to_string(noise), "0 or above, in the device's units");
 }
 
+int ChannelMap::channel(std::size_t place) const {
+  return place < tactels() ? normal[place] : shear[place - tactels()];
+}
+
+std::string ChannelMap::channel_text(std::size_t place) const {
+  return "channel " + std::to_string(channel(place)) + (place < tactels() ? " (normal" : " (shear") +
+         " stress of tactel " + std::to_string(place % tactels()) + ")";
+}
+
 double ChannelMap::touch() const {
   double most = 0;
   if (calibration.noise.empty()) return most;

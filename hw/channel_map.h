@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <span>
+#include <string>
 #include <vector>
 
 namespace tactel::hw {
@@ -22,6 +23,9 @@ struct ChannelMap {
   static constexpr double touch_deviations = 7;
 
   std::size_t tactels() const { return normal.size(); }
+  int channel(std::size_t place) const;  ///< of a place in a frame [2 tactels]
+  /// Returns "channel 3 (shear stress of tactel 0)", of a place with a channel.
+  std::string channel_text(std::size_t place) const;
   /// Returns the largest normal stress of noise at rest, MPa: touch_deviations of the noisiest normal channel; 0 where
   /// the noise is not known.
   double touch() const;

@@ -40,6 +40,7 @@ LiveMonitor::LiveMonitor(Executor& executor, const nn::Model& model, const Senso
     : options_(options),
       map_(profile.map),
       touch_(options.touch.value_or(profile.map.touch())),
+      drift_(options.drift > 0 ? std::optional<DriftWatch>(std::in_place, profile.map, options.drift) : std::nullopt),
       decoder_((check_width(model, profile), profile.format())),
       queue_(options.queue, 2 * profile.map.tactels()),
       history_(2 * profile.map.tactels(), model.history),
@@ -139,7 +140,12 @@ void LiveMonitor::tell(std::size_t i, FrameAnswer<float> answer, std::optional<n
   }
   const double latency = 1e6 * (now - frame.arrival);
   summary_.latency.add(latency);
-  if (events.line) events.line({frame, queue_.inputs(i), answer, bound, contact, latency, 1e6 * (now - frame.decoded)});
+  std::vector<Drift> drift;
+  if (drift_) drift = drift_->next(queue_.inputs(i), contact.value_or(true), frame.arrival);
+  summary_.drifts += drift.size();
+  if (events.line)
+    events.line(
+        {frame, queue_.inputs(i), answer, bound, contact, std::move(drift), latency, 1e6 * (now - frame.decoded)});
 }
 
 void LiveMonitor::refresh() {

@@ -2,6 +2,7 @@
 #pragma once
 #include <functional>
 
+#include "host/live/drift_watch.h"
 #include "host/live/live_frames.h"
 #include "host/live/sensor_profile.h"
 #include "host/networks/forward.h"
@@ -19,6 +20,7 @@ struct MonitorOptions {
   /// frames are contacts
   std::optional<double> touch{};
   double silence = 1.0;  ///< s of listening to a live source without a frame before a warning
+  double drift = 2.0;    ///< s of rest that are compared with the calibration at once (DriftWatch); 0: no watch
 };
 
 /// The answer to a frame.
@@ -28,6 +30,7 @@ struct MonitorLine {
   FrameAnswer<float> answer;
   std::optional<nn::BoundAnswer> bound{};  ///< of a network with a bound
   std::optional<bool> contact{};           ///< false: no contact, S and its bound are NaN; none without a threshold
+  std::vector<Drift> drift{};              ///< what this frame showed to have moved; mostly nothing
   double latency = 0;                      ///< us from the frame's last byte to S
   double answer_time = 0;                  ///< us of the latency, from the decoded frame to S
 
@@ -43,6 +46,7 @@ struct MonitorSummary {
   hw::TransportCounts transport;
   std::uint64_t late = 0, batched = 0;
   std::uint64_t silences = 0;  ///< each counts once, regardless of its length
+  std::uint64_t drifts = 0;    ///< each counts once
   LatencyHistogram latency;
 };
 
@@ -80,6 +84,7 @@ class LiveMonitor {
   MonitorOptions options_;
   hw::ChannelMap map_;
   double touch_;  ///< MPa; 0: every frame is a contact
+  std::optional<DriftWatch> drift_;
   hw::Decoder decoder_;
   FrameQueue queue_;
   nn::FrameHistory history_;  ///< of the frames answered, or dropped as late

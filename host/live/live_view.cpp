@@ -95,7 +95,7 @@ void SlipHistory::add(double arrival, float slip_index, std::size_t longest) {
 }
 
 std::string view_text(const MonitorLine& line, const SlipHistory& history, float largest_stress, int columns,
-                      const ViewOptions& options) {
+                      const ViewOptions& options, const std::string& note) {
   const int width = std::max(columns, least_columns);
   const float s = line.answer.slip_index, acted_on = line.acted_on();
   const auto half = line.stresses.size() / 2;
@@ -104,12 +104,12 @@ std::string view_text(const MonitorLine& line, const SlipHistory& history, float
   std::string index =
       fmt::format("S {} {}", std::isfinite(s) ? fmt::format("{:.3f}", s) : "  -  ", bar(s, options.alarm, width - 8));
   if (options.colour && std::isfinite(s)) index = painted(index, colour_of(acted_on, options.alarm));
-  const std::string words = fmt::format("{}frame {}, {:.0f} us, full block {:.3g} MPa, history {:.0f} s",
-                                        line.contact == false       ? "no contact; "
-                                        : acted_on >= options.alarm ? "ALARM: slip is near; "
-                                                                    : "",
-                                        line.frame.number, line.latency, largest_stress,
-                                        static_cast<double>(room) * SlipHistory::seconds_per_column);
+  const std::string words = fmt::format(
+      "{}{}frame {}, {:.0f} us, full block {:.3g} MPa, history {:.0f} s", note.empty() ? "" : note + "; ",
+      line.contact == false       ? "no contact; "
+      : acted_on >= options.alarm ? "ALARM: slip is near; "
+                                  : "",
+      line.frame.number, line.latency, largest_stress, static_cast<double>(room) * SlipHistory::seconds_per_column);
   return fmt::format("{}\nhistory|{}|\nnormal |{}|\nshear  |{}|\n       |{}|\n{}\n", index, history_text(history, room),
                      blocks(normal, largest_stress, room), blocks(shear, largest_stress, room),
                      arrows(shear, largest_stress, room), words.substr(0, static_cast<std::size_t>(width)));
@@ -118,6 +118,7 @@ std::string view_text(const MonitorLine& line, const SlipHistory& history, float
 std::optional<std::string> LiveView::show(const MonitorLine& line, int columns) {
   for (const float stress : line.stresses)
     if (std::isfinite(stress)) largest_stress_ = std::max(largest_stress_, std::abs(stress));
+  for (const Drift& drift : line.drift) note_ = drift.advice();
   history_.add(line.frame.arrival, line.answer.slip_index, static_cast<std::size_t>(std::max(columns, least_columns)));
   const auto now = std::chrono::steady_clock::now();
   if (!shown_ || now - last_ >= refresh) {
@@ -137,7 +138,7 @@ std::optional<std::string> LiveView::show_newest(int columns) {
 
 // With a cursor: up over the picture before; each line is cleared to its end.
 std::string LiveView::picture(const MonitorLine& line, int columns) {
-  std::string text = view_text(line, history_, largest_stress_, columns, options_);
+  std::string text = view_text(line, history_, largest_stress_, columns, options_, note_);
   if (options_.cursor) {
     for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += 4) text.replace(at, 1, "\x1b[K\n");
     if (shown_) text.insert(0, fmt::format("\x1b[{}A", lines));

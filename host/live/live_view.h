@@ -34,8 +34,9 @@ class SlipHistory {
 /// shows the direction in which the rubber is dragged, toward +x or -x. A tactel takes as many columns as there is room
 /// for. Where the tactels exceed the columns, neighbours share one, which shows the largest of them.
 /// largest_stress: MPa of a full block.
+/// note: stands first in the last line.
 std::string view_text(const MonitorLine& line, const SlipHistory& history, float largest_stress, int columns,
-                      const ViewOptions& options);
+                      const ViewOptions& options, const std::string& note = "");
 
 /// Draws the latest frame, some twenty times a second.
 class LiveView {
@@ -56,6 +57,7 @@ class LiveView {
   std::chrono::steady_clock::time_point last_{};
   float largest_stress_ = 1e-6f;  ///< MPa of a full block: the largest stress so far
   bool shown_ = false;
+  std::string note_;  ///< of the last drift
 };
 
 }  // namespace tactel::host

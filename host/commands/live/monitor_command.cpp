@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -35,13 +36,18 @@ std::string json_number(double value) { return std::isfinite(value) ? fmt::forma
 std::string json_number(float value) { return std::isfinite(value) ? fmt::format("{}", value) : "null"; }
 
 /// What a line says beside S: whether there is a contact, where a threshold is known; the bound of a network that has
-/// one, and the alarm where it was asked for.
+/// one, the alarm where it was asked for, and what drifted.
 std::string bound_text(const MonitorLine& line, const std::optional<bool>& alarm) {
   std::string text;
   if (line.contact) text += fmt::format(", \"contact\": {}", *line.contact);
   if (line.bound)
     text += fmt::format(", \"slip_upper\": {}, \"unlike\": {}", json_number(line.bound->upper), line.bound->unlike);
   if (alarm) text += fmt::format(", \"alarm\": {}", *alarm);
+  for (const Drift& drift : line.drift)
+    text += fmt::format("{}{{\"kind\": \"{}\", \"channels\": [{}], \"size\": {}, \"text\": \"{}\"}}{}",
+                        &drift == line.drift.data() ? ", \"drift\": [" : ", ", drift.name(),
+                        fmt::join(drift.channels, ", "), json_number(drift.size), drift.text,
+                        &drift == &line.drift.back() ? "]" : "");
   return text;
 }
 
@@ -60,10 +66,11 @@ std::string summary_text(const MonitorSummary& all, bool cut_short) {
       "{{\"p50\": {:.1f}, "
       "\"p99\": {:.1f}, \"p99.9\": {:.1f}, \"max\": {:.1f}}}, \"duplicated\": {}, \"discarded_bytes\": {}, "
       "\"batched\": {}, \"silences\": {}, \"overruns\": {}, \"stalls\": {}, \"transfer_errors\": {}, "
-      "\"reconnects\": {}, \"cut_short\": {}}}",
+      "\"reconnects\": {}, \"drifts\": {}, \"cut_short\": {}}}",
       d.frames, d.lost, d.bad, d.resynchronised, all.late, all.latency.quantile(0.5), all.latency.quantile(0.99),
       all.latency.quantile(0.999), all.latency.largest(), d.duplicated, d.discarded, all.batched, all.silences,
-      all.transport.overruns, all.transport.stalls, all.transport.errors, all.transport.reconnects, cut_short);
+      all.transport.overruns, all.transport.stalls, all.transport.errors, all.transport.reconnects, all.drifts,
+      cut_short);
 }
 
 /// Standard output, each piece at once. The first failure ends the reading.
@@ -88,12 +95,19 @@ class Output {
   int error_ = 0;
 };
 
-/// Where the lines go, and when it ends.
-MonitorEvents make_events(const MonitorRequest& request, LiveView& view, Output& output, const Until& until) {
+/// Where the lines go, and when it ends. later: warnings that would tear a picture.
+MonitorEvents make_events(const MonitorRequest& request, LiveView& view, Output& output, const Until& until,
+                          std::vector<std::string>& later) {
   MonitorEvents events;
   events.line = [&, alarm = Alarm(request.alarm.value_or(default_alarm))](const MonitorLine& line) mutable {
     const bool before = alarm.on(), on = alarm.next(line.acted_on());
-    const bool event = request.alarm && on != before;  // is printed, whatever --every says
+    for (const Drift& drift : line.drift) {
+      if (request.view)
+        later.push_back(drift.text);
+      else if (!request.quiet)
+        print_warning(drift.text);
+    }
+    const bool event = (request.alarm && on != before) || !line.drift.empty();  // is printed, whatever --every says
     if (!event && line.frame.number % static_cast<std::uint64_t>(request.every) != 0) return;
     if (!request.view) return output.put(line_text(line, request.alarm ? std::optional(on) : std::nullopt));
     if (const auto picture = view.show(line, output.columns())) output.put(*picture);
@@ -124,8 +138,11 @@ int run_monitor(const MonitorRequest& request) {
                  .cursor = output.terminal(),
                  .colour = takes_colour(STDOUT_FILENO)});
   const Until until(request.seconds);
-  const MonitorSummary summary = monitor.run(*opened.source, make_events(request, view, output, until));
+  std::vector<std::string> later;
+  const MonitorSummary summary = monitor.run(*opened.source, make_events(request, view, output, until, later));
   if (const auto picture = view.show_newest(output.columns())) output.put(*picture);
+  for (const std::string& warning : later)
+    if (!request.quiet) print_warning(warning);
   say_if_cut_short(request, *opened.source);
   say_if_nothing_decoded(request, *opened.source, summary.decoder);
   say(summary_text(summary, opened.source->cut_short()));
@@ -160,6 +177,12 @@ void add_monitor_command(CLI::App& app, Action& action) {
                    "alarm; 0: every frame is a contact, MPa (default: 7 standard deviations of the noise in the "
                    "calibration, see tactel tare)")
       ->check(not_negative_number());
+  command
+      ->add_option("--drift", request->options.drift,
+                   "compare this long at rest with offsets and noise of the calibration, and say which channels no "
+                   "longer fit; twice the time constant of charge amplifiers, or more; 0: never, s")
+      ->check(not_negative_number())
+      ->capture_default_str();
   command->add_flag(
       "--view", request->view,
       "a picture instead of lines: S and its history, the tactels' stresses as blocks, shear with its direction");

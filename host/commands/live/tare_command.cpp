@@ -38,35 +38,20 @@ hw::Tare read_rest(const TareRequest& request, hw::FrameSource& source, hw::Deco
   return tare;
 }
 
-/// A channel that a tactel uses: "channel 3 (shear of tactel 0)".
-struct UsedChannel {
-  std::size_t channel = 0;
-  std::string text;
-};
-
-std::vector<UsedChannel> used_channels(const hw::ChannelMap& map) {
-  std::vector<UsedChannel> used;
-  for (const auto& [what, channels] : {std::pair{"normal", &map.normal}, {"shear", &map.shear}})
-    for (std::size_t i = 0; i < channels->size(); ++i)
-      if (const int channel = (*channels)[i]; channel >= 0)
-        used.push_back(
-            {static_cast<std::size_t>(channel), fmt::format("channel {} ({} stress of tactel {})", channel, what, i)});
-  return used;
-}
-
 /// The channel that moved most, as a sentence; empty for a sensor at rest. Throws SourceError for a channel without
 /// readings.
 std::string motion(const hw::Tare& tare, const hw::ChannelMap& map) {
   std::string worst;
   double most = 1;
-  for (const UsedChannel& used : used_channels(map)) {
-    const hw::ChannelRest rest = tare.channel(used.channel);
-    if (rest.readings == 0) throw hw::SourceError(used.text + " sends no finite number");
+  for (std::size_t place = 0; place < 2 * map.tactels(); ++place) {
+    if (map.channel(place) < 0) continue;
+    const hw::ChannelRest rest = tare.channel(static_cast<std::size_t>(map.channel(place)));
+    if (rest.readings == 0) throw hw::SourceError(map.channel_text(place) + " sends no finite number");
     const double share = rest.at_rest() ? 0 : (rest.highest - rest.lowest) / rest.allowed;
     if (share <= most) continue;
     most = share;
-    worst = fmt::format("{} moved from {:.4g} to {:.4g}, with a noise of {:.2g}", used.text, rest.lowest, rest.highest,
-                        rest.noise);
+    worst = fmt::format("{} moved from {:.4g} to {:.4g}, with a noise of {:.2g}", map.channel_text(place), rest.lowest,
+                        rest.highest, rest.noise);
   }
   return worst;
 }

@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // tactel monitor as a user runs it, on a simulated sensor.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <random>
+
+#include "hw/generic_format.h"
+#include "hw/recording.h"
 #include "tests/host/commands/live_command.h"
 
 namespace tactel::host {
@@ -90,6 +95,62 @@ TEST_F(Monitor, LinesThatCannotBeWrittenAreAnError) {
   EXPECT_EQ(in_shell(arguments + " --seconds 600 > " + (folder_ / "lines").string() + " 2> /dev/full").exit_code, 0)
       << "a full log does not end the monitoring";
   EXPECT_EQ(lines_of(text_of(folder_ / "lines")).size(), 321u);
+}
+
+/// Ten seconds of noise at rest (100 Hz, deviation 3 around 2048); from 4 s on channel 3 is 12 higher.
+void record_drift(const std::string& path) {
+  hw::GenericLayout layout;
+  layout.sync = {0xA5, 0x5A};
+  layout.header = 2;
+  layout.channels = 42;
+  std::string normal = "0", shear = "21";
+  for (int i = 1; i < 21; ++i) normal += fmt::format(", {}", i), shear += fmt::format(", {}", 21 + i);
+  hw::RecordingWriter writer(
+      path,
+      "[format]\nkind = \"generic\"\nsync = [0xA5, 0x5A]\nchannels = 42\nsample = \"u16\"\n[channels]\nnormal = [" +
+          normal + "]\nshear = [" + shear + "]\n[calibration]\noffset = 2048\ngain = 0.001\nnoise = 3\n");
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise(2048, 3);
+  std::vector<std::uint8_t> bytes(hw::generic_frame_length(layout));
+  std::vector<double> samples(42);
+  for (int frame = 0; frame < 1000; ++frame) {
+    for (double& sample : samples) sample = noise(random);
+    if (frame >= 400) samples[3] += 12;
+    hw::write_generic_frame(layout, 0, 0, samples, bytes);
+    writer.write({.bytes = bytes, .arrival = 0.01 * frame});
+  }
+  writer.finish();
+}
+
+/// Blocks of a second: the shift begins with block 4, which the first frame after block 5 judges.
+TEST_F(Monitor, AnOffsetThatMovedIsNamedOnce) {
+  record_drift(recording_);
+  const std::vector<std::string> call = {"monitor", "--source", "replay:" + recording_, "--network", network_};
+  const auto with = [&](std::vector<std::string> more, const std::string& block = "1") {
+    std::vector<std::string> all = call;
+    all.insert(all.end(), {"--drift", block});
+    all.insert(all.end(), more.begin(), more.end());
+    return run_tactel(all);
+  };
+  const ChildResult result = with({"--every", "100000"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto lines = lines_of(result.out);
+  ASSERT_EQ(lines.size(), 2u) << "frame 0, and the drift's whatever --every says";
+  EXPECT_FALSE(lines[0].contains("drift"));
+  EXPECT_NEAR(lines[1]["frame"].get<int>(), 600, 2);
+  ASSERT_EQ(lines[1]["drift"].size(), 1u);
+  const nlohmann::json& drift = lines[1]["drift"][0];
+  EXPECT_EQ(drift["kind"], "offset");
+  EXPECT_EQ(drift["channels"], nlohmann::json({3}));
+  EXPECT_NEAR(drift["size"].get<double>(), 4, 0.5);
+  EXPECT_THAT(drift["text"].get<std::string>(), HasSubstr("channel 3 (normal stress of tactel 3)"));
+  EXPECT_THAT(result.err, HasSubstr("warning: the offset moved"));
+  EXPECT_THAT(result.err, HasSubstr("\"drifts\": 1"));
+  const ChildResult view = with({"--view"});
+  EXPECT_THAT(view.out, HasSubstr("offsets moved: tare again; no contact; frame 999"));
+  EXPECT_THAT(view.err, HasSubstr("warning: the offset moved"));
+  EXPECT_THAT(with({"--quiet"}).err, ::testing::Not(HasSubstr("warning")));
+  EXPECT_THAT(with({}, "0").err, HasSubstr("\"drifts\": 0"));
 }
 
 TEST_F(Monitor, TimesThatAreNoneAreRefused) {
