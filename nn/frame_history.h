@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 namespace tactel::nn {
@@ -37,14 +38,23 @@ class FrameHistory {
         input_(input),
         slots_(static_cast<std::size_t>(input.frames - 1) * static_cast<std::size_t>(input.stride) + 1),
         kept_(slots_ * width, 0.0f),
+        number_(slots_),
         newest_(width, 0.0f) {}
 
   std::size_t width() const noexcept { return width_; }
   std::size_t inputs() const noexcept { return width_ * static_cast<std::size_t>(input_.frames); }
 
+  /// Returns how many frames were pushed after the input's frame i, 1 <= i < frames. None: it is zeros.
+  std::optional<std::size_t> age(int i) const noexcept {
+    const std::size_t back = static_cast<std::size_t>(i) * static_cast<std::size_t>(input_.stride);
+    if (back >= count_) return std::nullopt;
+    return pushed_ - number_[place(back)];
+  }
+
   /// Takes the newest frame [width] MPa.
   void push(const float* frame) noexcept {
     std::copy_n(frame, width_, newest_.begin());
+    ++pushed_;
     float most = 0;
     for (std::size_t k = 0; k < width_; ++k) {
       if (!std::isfinite(frame[k])) return;
@@ -73,7 +83,8 @@ class FrameHistory {
   }
 
  private:
-  const float* slot(std::size_t back) const noexcept { return &kept_[(last_ + slots_ - back) % slots_ * width_]; }
+  std::size_t place(std::size_t back) const noexcept { return (last_ + slots_ - back) % slots_; }
+  const float* slot(std::size_t back) const noexcept { return &kept_[place(back) * width_]; }
   bool changed(const float* frame) const noexcept {
     const float limit = static_cast<float>(input_.change) * largest_;
     const float* last = slot(0);
@@ -84,16 +95,18 @@ class FrameHistory {
   void keep(const float* frame) noexcept {
     last_ = (last_ + 1) % slots_;
     std::copy_n(frame, width_, &kept_[last_ * width_]);
+    number_[last_] = pushed_;
     count_ = std::min(count_ + 1, slots_);
   }
   void forget() noexcept { count_ = 0, largest_ = 0; }
 
   std::size_t width_;
   InputHistory input_;
-  std::size_t slots_, last_ = 0, count_ = 0;
-  float largest_ = 0;          ///< MPa, since the contact began
-  std::vector<float> kept_;    ///< [slots][width], a ring
-  std::vector<float> newest_;  ///< [width]
+  std::size_t slots_, last_ = 0, count_ = 0, pushed_ = 0;
+  float largest_ = 0;                ///< MPa, since the contact began
+  std::vector<float> kept_;          ///< [slots][width], a ring
+  std::vector<std::size_t> number_;  ///< [slots] frames pushed up to the kept one
+  std::vector<float> newest_;        ///< [width]
 };
 
 }  // namespace tactel::nn

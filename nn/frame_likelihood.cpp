@@ -20,15 +20,16 @@ void ReadingModel::validate() const {
   if (history < 1) throw ValueError("history", std::to_string(history), "at least 1 frame");
 }
 
-double deviation(const ReadingModel& model, std::span<const float> truth) {
-  double largest = 0;
+double deviation(const ReadingModel& model, std::span<const float> truth, double largest) {
+  if (largest > 0) return model.noise * largest;
   for (const float f : truth.first(static_cast<std::size_t>(model.inputs)))
     largest = std::max(largest, std::abs(static_cast<double>(f)));
   return model.noise * largest;
 }
 
-double log_likelihood(const ReadingModel& model, std::span<const float> truth, std::span<const float> reading) {
-  const double sigma = deviation(model, truth), gain2 = model.gain * model.gain;
+double log_likelihood(const ReadingModel& model, std::span<const float> truth, std::span<const float> reading,
+                      double largest) {
+  const double sigma = deviation(model, truth, largest), gain2 = model.gain * model.gain;
   double sum = -model.size() * std::log(sigma);
   for (int t = 0; t < model.inputs; ++t) {
     double rr = 0, rf = 0, ff = 0;  // of residual r and frames f, over sigma^2
@@ -45,8 +46,8 @@ double log_likelihood(const ReadingModel& model, std::span<const float> truth, s
 }
 
 double linear_error(const ReadingModel& model, std::span<const float> truth, const RowMatrix<double>& j,
-                    const Vector<double>& g) {
-  const double variance = std::pow(deviation(model, truth), 2), gain2 = model.gain * model.gain;
+                    const Vector<double>& g, double largest) {
+  const double variance = std::pow(deviation(model, truth, largest), 2), gain2 = model.gain * model.gain;
   Eigen::MatrixXd precision = j.transpose() * j / variance;
   for (int t = 0; t < model.inputs; ++t) {
     double ff = 0;
@@ -63,7 +64,8 @@ double linear_error(const ReadingModel& model, std::span<const float> truth, con
   return std::sqrt(2 / std::numbers::pi * std::max(g.dot(precision.ldlt().solve(g)), 0.0));
 }
 
-RowMatrix<float> draw_readings(const ReadingModel& model, const RowMatrix<float>& truth, std::uint64_t seed) {
+RowMatrix<float> draw_readings(const ReadingModel& model, const RowMatrix<float>& truth, std::uint64_t seed,
+                               std::span<const float> largest) {
   RowMatrix<float> readings(truth.rows(), truth.cols());
   const auto size = static_cast<std::size_t>(model.size()), inputs = static_cast<std::size_t>(model.inputs);
   std::vector<float> noise(size), gains(inputs);
@@ -72,10 +74,13 @@ RowMatrix<float> draw_readings(const ReadingModel& model, const RowMatrix<float>
     const std::span frames(truth.row(row).data(), size);
     std::ranges::fill(noise, 0.0f);
     std::ranges::fill(gains, 1.0f);
-    add_noise(noise, deviation(model, frames), seed, number * size);
+    add_noise(noise, deviation(model, frames, largest.empty() ? 0 : largest[number]), seed, number * size);
     add_noise(gains, model.gain, seed + 1, number * inputs);
     for (std::size_t k = 0; k < size; ++k)
       readings(row, static_cast<Eigen::Index>(k)) = gains[k % inputs] * frames[k] + noise[k];
+    for (std::size_t m = 1; m < static_cast<std::size_t>(model.history); ++m)
+      if (std::ranges::all_of(frames.subspan(m * inputs, inputs), [](float f) { return f == 0; }))
+        readings.row(row).segment(static_cast<Eigen::Index>(m * inputs), model.inputs).setZero();
   }
   return readings;
 }

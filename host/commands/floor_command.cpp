@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "host/commands/command.h"
@@ -12,15 +13,21 @@
 #include "host/support/json_text.h"
 #include "host/support/progress_line.h"
 #include "host/training/named_network.h"
+#include "host/training/train_request.h"
 
 namespace tactel::host {
 namespace {
+
+constexpr int most_frames = 64;
 
 struct FloorRequest {
   std::string sweep, json, device;
   std::vector<std::string> networks;
   std::vector<double> noises, gains, thicknesses;
-  std::vector<int> histories, tactels;
+  std::vector<int> tactels;
+  std::vector<std::string> histories;
+  std::optional<double> history_change;
+  std::string noise_of = "frame";
   FloorOptions options;
   bool quiet = false;
 };
@@ -43,15 +50,26 @@ std::vector<Skin> skins_of(const FloorRequest& request) {
   const auto given = [](const auto& values, auto otherwise) {
     return values.empty() ? std::vector{otherwise} : values;
   };
+  std::vector<nn::InputHistory> histories;
+  for (const std::string& text : given(request.histories, std::string("1"))) {
+    histories.push_back(parse_history(text, {}));
+    if (histories.back().frames > most_frames)
+      throw ConfigError("command line", "--history", text, fmt::format("at most {} frames", most_frames));
+  }
+  const bool several = std::ranges::any_of(histories, [](const nn::InputHistory& h) { return h.frames > 1; });
+  for (nn::InputHistory& history : histories)
+    if (history.frames > 1 || !several)  // one frame alone refuses a change
+      history.change = parse_history(fmt::format("{}", history.frames), request.history_change).change;
   std::vector<Skin> skins;
   for (const auto tactels : or_that_of_the_file(request.tactels))
     for (const auto thickness : or_that_of_the_file(request.thicknesses))
-      for (const int history : given(request.histories, request.options.history))
+      for (const nn::InputHistory& history : histories)
         for (const double noise : given(request.noises, request.options.noise))
           for (const double gain : given(request.gains, request.options.gain)) {
             skins.push_back({tactels, thickness, request.options});
             FloorOptions& options = skins.back().options;
             options.history = history, options.noise = noise, options.gain = gain;
+            options.noise_of_contact = request.noise_of == "contact";
           }
   return skins;
 }
@@ -119,10 +137,13 @@ void add_floor_command(CLI::App& app, Action& action) {
   command->add_option("sweep", request->sweep, "sweep file (TOML)")->type_name("SWEEP.toml")->required();
   command
       ->add_option("--noise", request->noises,
-                   "standard deviation of a reading's noise, over the largest |stress| of the newest frame; "
+                   "standard deviation of a reading's noise, over the largest |stress| of --noise-of; "
                    "repeatable (default: 0.01)")
       ->check(CLI::Range(1e-6, 10.0))
       ->allow_extra_args(false);
+  command->add_option("--noise-of", request->noise_of, "frame: the newest frame; contact: all frames of the contact")
+      ->check(CLI::IsMember({"frame", "contact"}))
+      ->capture_default_str();
   command
       ->add_option("--gain", request->gains,
                    "standard deviation of the transducers' gains about 1; they do not change along a contact; "
@@ -131,9 +152,13 @@ void add_floor_command(CLI::App& app, Action& action) {
       ->allow_extra_args(false);
   command
       ->add_option("--history", request->histories,
-                   "frames of a reading: the newest and those before it; repeatable (default: 1)")
-      ->check(CLI::Range(1, 64))
+                   "k or k:stride frames of a reading, kept as those of a network's input; repeatable (default: 1)")
       ->allow_extra_args(false);
+  command
+      ->add_option("--history-change", request->history_change,
+                   "with --history: change of load from one kept frame to the next, over the contact's largest stress "
+                   "(default: 0.1)")
+      ->check(CLI::Range(0.0, 1.0));
   command->add_option("--tactels", request->tactels, "number of tactels, instead of the file's; repeatable")
       ->check(CLI::Range(2, 4096))
       ->allow_extra_args(false);

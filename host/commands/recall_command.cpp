@@ -189,6 +189,11 @@ void add_recall_command(CLI::App& app, Action& action) {
                    "alarm, MPa")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  command
+      ->add_option("--widest", request->alarms.widest,
+                   "with --decision: no alarm begins at a frame with a wider interval of S; it cannot tell, no unit "
+                   "(default: none)")
+      ->check(CLI::NonNegativeNumber);
   add_network_options(*command, request->shared);
   command->callback([request, &action] { action = [request] { return run_recall(*request); }; });
 }

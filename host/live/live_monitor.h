@@ -39,6 +39,8 @@ struct MonitorLine {
     if (answer.status == nn::FrameStatus::no_stress || contact == false) return 0;
     return bound ? bound->upper : answer.slip_index;
   }
+  /// Returns the width of the interval of S; 0 without a bound.
+  float width() const { return bound ? bound->interval[1] - bound->interval[0] : 0; }
 };
 
 struct MonitorSummary {

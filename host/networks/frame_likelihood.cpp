@@ -19,8 +19,8 @@ struct RowNumbers {
   double over_variance = 0, constant = 0;
 };
 
-RowNumbers row_numbers(const nn::ReadingModel& model, std::span<const float> truth) {
-  const double sigma = nn::deviation(model, truth);
+RowNumbers row_numbers(const nn::ReadingModel& model, std::span<const float> truth, double largest) {
+  const double sigma = nn::deviation(model, truth, largest);
   if (!(sigma > 0 && std::isfinite(sigma)))
     throw ValueError("inputs", "a row without stress, or not finite", "rows of contacts that press on a tactel");
   double constant = -model.size() * std::log(sigma);
@@ -41,7 +41,7 @@ void expect_width(const nn::ReadingModel& model, Eigen::Index width) {
 
 template <class Real>
 FrameLikelihood<Real>::FrameLikelihood(Executor& executor, const nn::ReadingModel& model,
-                                       const nn::RowMatrix<float>& bank)
+                                       const nn::RowMatrix<float>& bank, std::span<const float> largest)
     : executor_(&executor), model_(model), rows_(bank.rows()) {
   model.validate();
   expect_width(model, bank.cols());
@@ -54,7 +54,7 @@ FrameLikelihood<Real>::FrameLikelihood(Executor& executor, const nn::ReadingMode
   std::vector<Real> frames(vectors_ * size * lanes, Real(0)), numbers(vectors_ * 2 * lanes, Real(0));
   for (std::size_t row = 0; row < static_cast<std::size_t>(rows_); ++row) {
     const std::span truth(bank.row(static_cast<Eigen::Index>(row)).data(), size);
-    const RowNumbers own = row_numbers(model, truth);
+    const RowNumbers own = row_numbers(model, truth, largest.empty() ? 0 : largest[row]);
     const std::size_t vector = row / lanes, lane = row % lanes;
     for (int t = 0; t < model.inputs; ++t)
       for (int m = 0; m < model.history; ++m)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <span>
 
 #include "host/device/buffer.h"
 #include "host/device/executor.h"
@@ -13,9 +14,11 @@ namespace tactel::host {
 template <class Real>
 class FrameLikelihood {
  public:
-  /// bank: [rows, model.size()] MPa, newest frame first. Throws ValueError for an invalid model, another width, no
-  /// rows, and a row without stress in its newest frame, of which sigma would be 0.
-  FrameLikelihood(Executor& executor, const nn::ReadingModel& model, const nn::RowMatrix<float>& bank);
+  /// bank: [rows, model.size()] MPa, newest frame first; largest: [rows] MPa, as in nn::deviation, or empty. Throws
+  /// ValueError for an invalid model, another width, no rows, and a row without stress in its newest frame, of which
+  /// sigma would be 0.
+  FrameLikelihood(Executor& executor, const nn::ReadingModel& model, const nn::RowMatrix<float>& bank,
+                  std::span<const float> largest = {});
 
   /// Returns the logarithms of the densities of readings [readings, model.size()]: [readings, rows].
   nn::RowMatrix<Real> operator()(const nn::RowMatrix<float>& readings);

@@ -146,6 +146,10 @@ std::pair<double, double> ends(const Distribution& distribution) {
   return std::visit([](const auto& d) { return ends_of(d); }, distribution);
 }
 
+bool over_a_range(const Distribution& distribution) {
+  return std::holds_alternative<UniformDraw>(distribution) || std::holds_alternative<LogUniformDraw>(distribution);
+}
+
 std::size_t draw_weighted(const std::vector<double>& weights, const DrawKey& key) {
   double left = uniform_number(key) * std::accumulate(weights.begin(), weights.end(), 0.0);
   for (std::size_t i = 0; i + 1 < weights.size(); ++i)

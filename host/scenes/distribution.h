@@ -47,6 +47,8 @@ using Distribution = std::variant<UniformDraw, LogUniformDraw, NormalDraw, Choic
 double draw(const Distribution& distribution, const DrawKey& key);
 /// Returns the smallest and the largest possible number.
 std::pair<double, double> ends(const Distribution& distribution);
+/// Returns true for a uniform or log-uniform number: DrawKey::moved may move it over its range.
+bool over_a_range(const Distribution& distribution);
 /// Returns the index of one of several weights, drawn in proportion to them.
 std::size_t draw_weighted(const std::vector<double>& weights, const DrawKey& key);
 

@@ -63,15 +63,15 @@ double rounded_most(const Distribution& count) { return std::round(ends(count).s
 /// The numbers of one contact, drawn one after the other.
 class PathDraws {
  public:
-  PathDraws(std::uint64_t seed, std::uint64_t contact) : key_{seed, nn::RandomStream::path, contact} {}
+  PathDraws(std::uint64_t seed, std::uint64_t contact, std::optional<std::uint32_t> moved, double shift)
+      : key_{.seed = seed, .stream = nn::RandomStream::path, .item = contact, .shift = shift}, moved_(moved) {}
 
   double number(const Distribution& from) {
-    const double drawn = draw(from, key_);
-    ++key_.draw;
-    return drawn;
+    if (over_a_range(from) && moved_ == numbers_++) key_.moved = key_.draw;
+    return next(from);
   }
-  int count(const Distribution& from) { return static_cast<int>(std::lround(number(from))); }
-  bool happens(double probability) { return number(UniformDraw{}) < probability; }
+  int count(const Distribution& from) { return static_cast<int>(std::lround(next(from))); }
+  bool happens(double probability) { return next(UniformDraw{}) < probability; }
   /// Returns `steps` increasing shares; the last is 1.
   std::vector<double> shares(int steps) {
     std::vector<double> sums;
@@ -84,7 +84,15 @@ class PathDraws {
   }
 
  private:
+  double next(const Distribution& from) {
+    const double drawn = draw(from, key_);
+    ++key_.draw;
+    return drawn;
+  }
+
   DrawKey key_;
+  std::optional<std::uint32_t> moved_;
+  std::uint32_t numbers_ = 0;  ///< uniform and log-uniform ones so far
 };
 
 }  // namespace
@@ -92,6 +100,12 @@ class PathDraws {
 double IrregularLoad::most_steps() const {
   const double of_stroke = 2 * rounded_most(stroke_steps) + (release > 0 ? rounded_most(release_steps) : 0);
   return rounded_most(presses) * (2 * rounded_most(press_steps) + rounded_most(strokes) * of_stroke);
+}
+
+std::uint32_t IrregularLoad::most_numbers() const {
+  const double of_stroke = 2 + rounded_most(release_steps) + rounded_most(stroke_steps);
+  return static_cast<std::uint32_t>(rounded_most(presses) *
+                                    (1 + 2 * rounded_most(press_steps) + rounded_most(strokes) * of_stroke));
 }
 
 IrregularLoad read_irregular_load(const TomlFile& file, const toml::table& table) {
@@ -120,8 +134,9 @@ IrregularLoad read_irregular_load(const TomlFile& file, const toml::table& table
   return load;
 }
 
-void draw_irregular_load(const IrregularLoad& irregular, std::uint64_t seed, std::uint64_t contact, fem::Load& load) {
-  PathDraws draws(seed, contact);
+void draw_irregular_load(const IrregularLoad& irregular, std::uint64_t seed, std::uint64_t contact, fem::Load& load,
+                         std::optional<std::uint32_t> moved, double shift) {
+  PathDraws draws(seed, contact, moved, shift);
   std::vector<double>& first = load.normal_force.empty() ? load.indentation : load.normal_force;
   const double nominal = first.front();
   fem::LoadMove at;

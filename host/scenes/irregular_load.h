@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstdint>
+#include <optional>
+
 #include "fem/scene.h"
 #include "host/scenes/distribution.h"
 
@@ -25,13 +28,18 @@ struct IrregularLoad {
 
   /// Returns the load steps of the longest path.
   double most_steps() const;
+  /// Returns the uniform and log-uniform numbers of the longest path, its shares included.
+  std::uint32_t most_numbers() const;
 };
 
 /// Reads the table. Throws ConfigError.
 IrregularLoad read_irregular_load(const TomlFile& file, const toml::table& table);
 
 /// Replaces a load of one depth (or force) by an irregular path: the steps of the first press become its indentation,
-/// the others its moves. The path is a function of `seed`, `contact` and the load alone.
-void draw_irregular_load(const IrregularLoad& irregular, std::uint64_t seed, std::uint64_t contact, fem::Load& load);
+/// the others its moves. The path is a function of `seed`, `contact` and the load alone. `moved`: which of the path's
+/// uniform and log-uniform numbers is moved by `shift` of its range (DrawKey::moved), in the order of their drawing;
+/// counts and probabilities stay.
+void draw_irregular_load(const IrregularLoad& irregular, std::uint64_t seed, std::uint64_t contact, fem::Load& load,
+                         std::optional<std::uint32_t> moved = {}, double shift = 0);
 
 }  // namespace tactel::host

@@ -117,15 +117,15 @@ SceneSource SceneSource::changed(double shift) const {
   SceneSource source = *this;
   source.shift_ = shift;
   const auto take = [&](const NumberDraw& draw) {
-    if (std::holds_alternative<UniformDraw>(draw.distribution) ||
-        std::holds_alternative<LogUniformDraw>(draw.distribution))
-      source.moved_.push_back(draw.number);
+    if (over_a_range(draw.distribution)) source.moved_.push_back(draw.number);
   };
   for (const Part* part : {&indenter_, &contact_, &load_, &sensor_})
     for (const Alternative& alternative : part->alternatives) {
       std::ranges::for_each(alternative.draws, take);
       if (alternative.profile) take(alternative.profile->half_width), take(alternative.profile->height);
       if (alternative.slip_index) take(*alternative.slip_index);
+      if (alternative.irregular)
+        source.moved_of_path_ = std::max(source.moved_of_path_, alternative.irregular->most_numbers());
     }
   return source;
 }
@@ -140,7 +140,11 @@ SceneSource::Contact SceneSource::drawn_contact(std::uint64_t k) const {
   if (!listed_.empty()) return {listed_[k], listed_kinds_[k]};
   const std::uint64_t item = k / changes(), change = k % changes();
   DrawKey key{.seed = seed_, .stream = nn::RandomStream::contact, .item = item};
-  if (change > 0) key.moved = moved_[change - 1], key.shift = shift_;
+  std::optional<std::uint32_t> moved_of_path;
+  if (change > moved_.size())
+    moved_of_path = static_cast<std::uint32_t>(change - 1 - moved_.size());
+  else if (change > 0)
+    key.moved = moved_[change - 1], key.shift = shift_;
   const Alternative& indenter = draw_alternative(indenter_, key);
   const Alternative &contact = draw_alternative(contact_, key), &load = draw_alternative(load_, key);
   Contact drawn;
@@ -161,7 +165,7 @@ SceneSource::Contact SceneSource::drawn_contact(std::uint64_t k) const {
   if (indenter.profile) scene.indenter.shape = draw_profile(*indenter.profile, key);
   if (load.slip_index)
     scene.load.angle = std::atan(draw_number(*load.slip_index, key) * scene.friction) * 180 / std::numbers::pi;
-  if (load.irregular) draw_irregular_load(*load.irregular, seed_, item, scene.load);
+  if (load.irregular) draw_irregular_load(*load.irregular, seed_, item, scene.load, moved_of_path, shift_);
   try {
     scene.validate();
   } catch (const ValueError& error) {

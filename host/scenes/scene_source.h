@@ -45,10 +45,10 @@ class SceneSource {
   /// Returns the source of this source's contacts with one of their drawn numbers changed, for derivatives by finite
   /// differences. Its contact k is contact k / n of this source, n = changes(): as it is where k % n = 0, else with the
   /// (k % n)-th of the numbers that are drawn uniformly or log-uniformly moved by `shift` of its range
-  /// (DrawKey::moved). What is chosen from a list, normal numbers and the slopes of random profiles stay. Of drawn
-  /// contacts only.
+  /// (DrawKey::moved); those of irregular paths come last. What is chosen from a list, counts, normal numbers and the
+  /// slopes of random profiles stay. Of drawn contacts only.
   SceneSource changed(double shift) const;
-  std::uint64_t changes() const { return 1 + moved_.size(); }
+  std::uint64_t changes() const { return 1 + moved_.size() + moved_of_path_; }
   /// Returns the kinds of indenters: one for each [[indenter]].
   const std::vector<std::string>& kind_names() const { return kind_names_; }
 
@@ -123,6 +123,7 @@ class SceneSource {
   std::vector<fem::Sensor> sensors_;
   std::vector<double> sensor_weights_;
   std::vector<std::uint32_t> moved_;  ///< indices of the numbers that `changed` moves
+  std::uint32_t moved_of_path_ = 0;   ///< numbers of the longest irregular path, where `changed` moves them
   double shift_ = 0;
 };
 

@@ -43,7 +43,7 @@ std::vector<std::vector<std::size_t>> rows_by_contact(const ContactSet& set) {
   return contacts;
 }
 
-/// The first alarm of a drag; none where it stays off. Counts those that begin falsely.
+/// The first alarm of a drag; none where it stays off. Counts those that begin falsely, and frames that cannot tell.
 std::optional<std::size_t> first_alarm(const Drag& drag, double threshold, const DecisionOptions& options,
                                        AlarmCount& count) {
   std::optional<std::size_t> first;
@@ -52,6 +52,10 @@ std::optional<std::size_t> first_alarm(const Drag& drag, double threshold, const
     const DragRow& row = drag.rows[i];
     if (on && row.value < threshold - options.release) on = false;
     if (on || !(row.value >= threshold)) continue;
+    if (!(row.width <= options.widest)) {
+      ++count.cannot_tell;
+      continue;
+    }
     on = true;
     if (!first) first = i;
     count.false_alarms += std::abs(row.truth) < options.false_below;
@@ -67,12 +71,15 @@ void DecisionOptions::validate() const {
   if (!(release >= 0 && release < 1)) throw ValueError("release", fmt::format("{}", release), "0 to 1");
   if (!(false_below >= 0 && false_below <= 1))
     throw ValueError("false_below", fmt::format("{}", false_below), "0 to 1");
+  if (!(widest >= 0)) throw ValueError("widest", fmt::format("{}", widest), "a width of 0 or more");
 }
 
 AlarmCount count_alarms(std::span<const Drag> drags, double threshold, const DecisionOptions& options) {
   AlarmCount count{.threshold = threshold};
   for (const Drag& drag : drags) {
+    const std::size_t before = count.cannot_tell;
     const auto first = first_alarm(drag, threshold, options, count);
+    count.told += drag.slides && (first || count.cannot_tell > before);
     ++count.all;
     count.drags += drag.slides;
     count.rows += drag.rows.size();
@@ -120,14 +127,15 @@ std::vector<double> tangential_positions(const ContactSet& set, const std::strin
 }
 
 std::vector<Drag> drags_of(const ContactSet& set, const AnsweredRows& rows, std::span<const float> values,
-                           std::span<const double> positions, double touch) {
-  std::vector<float> value(set.rows(), std::nanf(""));
+                           std::span<const double> positions, double touch, std::span<const float> widths) {
+  std::vector<float> value(set.rows(), std::nanf("")), width(set.rows(), 0);
   std::vector<bool> answered(set.rows(), false);
   const auto inputs = static_cast<std::size_t>(set.inputs);
   for (std::size_t i = 0; i < rows.row.size(); ++i) {
     const std::size_t row = rows.row[i];
     const auto normal = std::span(set.frames).subspan(row * inputs, inputs / 2);
     value[row] = std::ranges::all_of(normal, [&](float s) { return std::abs(s) < touch; }) ? 0 : values[i];
+    if (!widths.empty()) width[row] = widths[i];
     answered[row] = true;
   }
   std::vector<Drag> drags;
@@ -142,7 +150,7 @@ std::vector<Drag> drags_of(const ContactSet& set, const AnsweredRows& rows, std:
         break;
       }
       drag.touching = set.contact_nodes[row];
-      if (answered[row]) drag.rows.push_back({way, set.slip_index[row], value[row]});
+      if (answered[row]) drag.rows.push_back({way, set.slip_index[row], value[row], width[row]});
     }
     if (!drag.rows.empty() && std::isfinite(way)) drags.push_back(std::move(drag));
   }
@@ -153,9 +161,14 @@ std::vector<DecisionCurve> decide(const NetworkResult& result, const ContactSet&
                                   std::span<const double> positions, const std::string& file,
                                   const DecisionOptions& options) {
   options.validate();
+  std::vector<float> widths;
+  for (const nn::BoundAnswer& bound : result.bounds) widths.push_back(bound.interval[1] - bound.interval[0]);
+  if (std::isfinite(options.widest) && widths.empty())
+    throw ConfigError("command line", "--widest", fmt::format("{}", options.widest),
+                      "left out for networks without a bound: they have no interval");
   std::vector<DecisionCurve> curves;
   const auto add = [&](const std::string& signal, std::span<const float> values) {
-    const std::vector<Drag> drags = drags_of(set, rows, values, positions, options.touch);
+    const std::vector<Drag> drags = drags_of(set, rows, values, positions, options.touch, widths);
     if (std::ranges::none_of(drags, &Drag::slides))
       throw ConfigError(file, "status", "no drag that begins without sliding and ends with it",
                         "a set whose drags reach sliding: a tangential_step without tangential_steps");
@@ -184,14 +197,16 @@ std::string decision_csv(std::span<const DecisionCurve> curves, const std::strin
   if (head)
     text =
         "network,signal,indenter,threshold,drags,detected,detection,all_drags,false_drags,false_share,"
-        "false_alarms_a_minute,lead_median_mm,lead_5_mm,lead_median_share,lead_5_share\n";
+        "false_alarms_a_minute,lead_median_mm,lead_5_mm,lead_median_share,lead_5_share,"
+        "cannot_tell_share,told\n";
   for (const DecisionCurve& curve : curves)
     for (const AlarmCount& c : curve.counts)
-      text += fmt::format("{},{},{},{:.2f},{},{},{:.6g},{},{},{:.6g},{:.6g},{},{},{},{}\n", network, curve.signal,
-                          curve.indenter, c.threshold, c.drags, c.detected, c.detection(), c.all, c.false_drags,
-                          c.false_share(), c.false_a_minute(options.rate), csv_number(lead_quantile(c.lead, 0.5)),
-                          csv_number(lead_quantile(c.lead, lower)), csv_number(lead_quantile(c.lead_share, 0.5)),
-                          csv_number(lead_quantile(c.lead_share, lower)));
+      text +=
+          fmt::format("{},{},{},{:.2f},{},{},{:.6g},{},{},{:.6g},{:.6g},{},{},{},{},{:.6g},{}\n", network, curve.signal,
+                      curve.indenter, c.threshold, c.drags, c.detected, c.detection(), c.all, c.false_drags,
+                      c.false_share(), c.false_a_minute(options.rate), csv_number(lead_quantile(c.lead, 0.5)),
+                      csv_number(lead_quantile(c.lead, lower)), csv_number(lead_quantile(c.lead_share, 0.5)),
+                      csv_number(lead_quantile(c.lead_share, lower)), c.cannot_tell_share(), c.told);
   return text;
 }
 
@@ -211,29 +226,35 @@ Json to_json(std::span<const DecisionCurve> curves, const DecisionOptions& optio
             {{"median", json_of(lead_quantile(c.lead, 0.5))}, {"q05", json_of(lead_quantile(c.lead, lower))}}},
            {"lead_share",
             {{"median", json_of(lead_quantile(c.lead_share, 0.5))},
-             {"q05", json_of(lead_quantile(c.lead_share, lower))}}}});
+             {"q05", json_of(lead_quantile(c.lead_share, lower))}}},
+           {"cannot_tell_share", c.cannot_tell_share()},
+           {"told", c.told}});
     list.push_back({{"signal", curve.signal}, {"indenter", curve.indenter}, {"thresholds", points}});
   }
   return {{"false_below", options.false_below},
           {"release", options.release},
           {"rate", options.rate},
           {"touch", options.touch},
+          {"widest", json_of(std::isfinite(options.widest) ? options.widest : std::nan(""))},
           {"curves", list}};
 }
 
 std::string decision_table(std::span<const DecisionCurve> curves, const DecisionOptions& options) {
-  std::string text = fmt::format("{:<12}{:>11}{:>9}{:>11}{:>9}{:>14}{:>12}{:>14}{:>12}\n", "alarm on", "threshold",
-                                 "drags", "detected", "false", "false a min", "lead mm", "lead share", "its 5 %");
+  const bool limited = std::isfinite(options.widest);
+  std::string text = fmt::format("{:<12}{:>11}{:>9}{:>11}{:>9}{:>14}{:>12}{:>14}{:>12}{}\n", "alarm on", "threshold",
+                                 "drags", "detected", "false", "false a min", "lead mm", "lead share", "its 5 %",
+                                 limited ? fmt::format("{:>13}{:>8}", "cannot tell", "told") : "");
   const auto figure = [](double value) { return std::isnan(value) ? std::string("-") : fmt::format("{:.3f}", value); };
   for (const DecisionCurve& curve : curves) {
     if (curve.indenter != "all") continue;
     for (const AlarmCount& c : curve.counts) {
       const int percent = static_cast<int>(std::lround(100 * c.threshold));
       if (percent < 50 || percent % 10 != 0) continue;
-      text += fmt::format("{:<12}{:>11.2f}{:>9}{:>11.4f}{:>9.4f}{:>14.3f}{:>12}{:>14}{:>12}\n", curve.signal,
+      text += fmt::format("{:<12}{:>11.2f}{:>9}{:>11.4f}{:>9.4f}{:>14.3f}{:>12}{:>14}{:>12}{}\n", curve.signal,
                           c.threshold, c.drags, c.detection(), c.false_share(), c.false_a_minute(options.rate),
                           figure(lead_quantile(c.lead, 0.5)), figure(lead_quantile(c.lead_share, 0.5)),
-                          figure(lead_quantile(c.lead_share, lower)));
+                          figure(lead_quantile(c.lead_share, lower)),
+                          limited ? fmt::format("{:>13.4f}{:>8.4f}", c.cannot_tell_share(), c.told_share()) : "");
     }
   }
   return text;

@@ -26,25 +26,8 @@ constexpr int default_epochs = 1000;
                     error.allowed);
 }
 
-/// "4" or "4:2".
 nn::InputHistory history_of(const TrainRequest& request) {
-  nn::InputHistory history;
-  if (request.history) {
-    const char* at = request.history->data();
-    const char* const end = at + request.history->size();
-    std::from_chars_result read = std::from_chars(at, end, history.frames);
-    if (read.ec == std::errc{} && read.ptr != end && *read.ptr == ':')
-      read = std::from_chars(read.ptr + 1, end, history.stride);
-    if (read.ec != std::errc{} || read.ptr != end || !history.valid())
-      throw ConfigError("command line", "--history", *request.history,
-                        "frames, or frames:stride: whole numbers of at least 1, a stride of at most 1000");
-  }
-  if (!request.history_change) return history;
-  history.change = *request.history_change;
-  if (history.frames == 1 || !history.valid())
-    throw ConfigError("command line", "--history-change", fmt::format("{}", history.change),
-                      "a share of the largest stress, 0 to 1, with --history of 2 frames or more");
-  return history;
+  return parse_history(request.history, request.history_change);
 }
 
 /// Refuses an option that was given and would not be used.
@@ -111,6 +94,26 @@ std::vector<nn::Topology> topologies_of(const TrainRequest& request, int frames)
 }
 
 }  // namespace
+
+nn::InputHistory parse_history(const std::optional<std::string>& text, std::optional<double> change) {
+  nn::InputHistory history;
+  if (text) {
+    const char* at = text->data();
+    const char* const end = at + text->size();
+    std::from_chars_result read = std::from_chars(at, end, history.frames);
+    if (read.ec == std::errc{} && read.ptr != end && *read.ptr == ':')
+      read = std::from_chars(read.ptr + 1, end, history.stride);
+    if (read.ec != std::errc{} || read.ptr != end || !history.valid())
+      throw ConfigError("command line", "--history", *text,
+                        "frames, or frames:stride: whole numbers of at least 1, a stride of at most 1000");
+  }
+  if (!change) return history;
+  history.change = *change;
+  if (history.frames == 1 || !history.valid())
+    throw ConfigError("command line", "--history-change", fmt::format("{}", history.change),
+                      "a share of the largest stress, 0 to 1, with --history of 2 frames or more");
+  return history;
+}
 
 NamedSet read_set(const std::string& file) {
   NamedSet set{file, read_contact_set(file), {}};

@@ -40,6 +40,9 @@ struct TrainRequest {
 };
 inline constexpr std::uint64_t default_rows = 10'000'000;
 
+/// Returns the history of --history "k" or "k:stride" and --history-change. Throws ConfigError.
+nn::InputHistory parse_history(const std::optional<std::string>& text, std::optional<double> change);
+
 /// A set file and its usable rows.
 struct NamedSet {
   std::string file;

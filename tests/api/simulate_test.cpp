@@ -373,6 +373,11 @@ TEST(TrainApi, TrainsBoundsAndHistory) {
   EXPECT_EQ(estimator.frames(), 2u);
   EXPECT_EQ(network.topology(), "84-6-3");
   EXPECT_NEAR(errors(estimator, set).mean, network.learning_errors().mean, 1e-5);
+  const TrainOptions leaky{.networks = {"42-5-1_leaky-relu"}, .schedule = "batch", .cycles = 2};
+  const Network rectifiers = train(set, leaky).at(0);
+  EXPECT_EQ(rectifiers.topology(), "42-5-1_leaky-relu");
+  EXPECT_NEAR(errors(rectifiers.estimator(), set).mean, rectifiers.learning_errors().mean, 1e-5);
+  EXPECT_THAT(message_of([&] { train(set, {.networks = {"42-5-1_leaky-relu"}}); }), HasSubstr("batch"));
   EXPECT_THAT(message_of([&] { train(set, {.networks = {"42-5-1"}, .bound = true}); }), HasSubstr("bound"));
   const SmallFile plain("plain.toml", sweep_text);
   const Set pressed = Sweep(plain.path()).generate();

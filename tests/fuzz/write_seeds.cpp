@@ -116,6 +116,7 @@ int main(int count, char** arguments) {
   write_recording(seed(corpus, "recording", "seed_cut_off"), false);
   write_network(seed(corpus, "network"), "4-3-1", nn::ScalingKind::set);
   write_network(seed(corpus, "network", "seed_by_frame"), "2-2-2-1", nn::ScalingKind::frame);
+  write_network(seed(corpus, "network", "seed_leaky"), "4-3-1_leaky-relu", nn::ScalingKind::frame);
   write_checkpoint(seed(corpus, "checkpoint"));
   host::write_contact_set(seed(corpus, "set_file"), small_set());
   write_spool(seed(corpus, "spool"));

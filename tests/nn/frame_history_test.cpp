@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <optional>
 
 #include "fem/value_error.h"
 #include "nn/forward.h"
@@ -54,6 +55,27 @@ TEST(FrameHistory, KeepsFramesByChangeOfLoad) {
   for (int pause = 0; pause < 100; ++pause)
     EXPECT_THAT(path.push(0.40f), ElementsAre(0.40f, 0.20f, 0.01f)) << "a pause teaches nothing";
   EXPECT_THAT(path.push(0.20f), ElementsAre(0.20f, 0.40f, 0.20f));
+}
+
+/// The age of a frame is how many frames came after it.
+TEST(FrameHistory, TellsTheAgeOfItsFrames) {
+  const InputHistory input{.frames = 3, .stride = 2, .change = 0.1};
+  FrameHistory history(2, input);
+  const auto push = [&](float shear) {
+    const float frame[2] = {1, shear};
+    history.push(frame);
+    return std::pair(history.age(1), history.age(2));
+  };
+  using Ages = std::pair<std::optional<std::size_t>, std::optional<std::size_t>>;
+  EXPECT_EQ(push(0), Ages(std::nullopt, std::nullopt));      // frame 0: kept
+  EXPECT_EQ(push(0.2f), Ages(std::nullopt, std::nullopt));   // 1: kept
+  EXPECT_EQ(push(0.25f), Ages(std::nullopt, std::nullopt));  // 2
+  EXPECT_EQ(push(0.4f), Ages(3, std::nullopt));              // 3: kept; two kept frames before it is frame 0
+  EXPECT_EQ(push(0.4f), Ages(4, std::nullopt));              // 4
+  EXPECT_EQ(push(0.6f), Ages(4, std::nullopt));              // 5: kept; before it frame 3 and frame 1
+  EXPECT_EQ(push(0.8f), Ages(3, 6));                         // 6: kept; frame 3, frame 0
+  history.clear();
+  EXPECT_EQ(push(0.8f), Ages(std::nullopt, std::nullopt));
 }
 
 TEST(FrameHistory, StrideTakesEveryOther) {

@@ -82,6 +82,33 @@ TEST(LinearError, TakesGainsAsUnknownNumbers) {
   EXPECT_NEAR(linear_error(model, truth, j, g), expected, 1e-7 * expected);
 }
 
+// Noise over a stress of 4 MPa, the contact's: sigma = 0.5 4 = 2. Residuals 1 and -2: -(1 + 4) / (2 4) - 2 ln 2.
+TEST(FrameLikelihood, NoiseIsOverTheContactsLargestStressWhereItIsGiven) {
+  const ReadingModel model{.inputs = 2, .history = 1, .noise = 0.5, .gain = 0};
+  const std::vector<float> truth = {-2, 1}, reading = {-1, -1};
+  EXPECT_DOUBLE_EQ(log_likelihood(model, truth, reading, 4), -0.625 - 2 * std::log(2.0));
+  RowMatrix<float> two(2, 2);
+  two << -2, 1, -2, 1;
+  const RowMatrix<float> own = draw_readings(model, two, 5);
+  const RowMatrix<float> other = draw_readings(model, two, 5, std::vector<float>{2, 4});
+  EXPECT_EQ(other.row(0), own.row(0));
+  EXPECT_LT(((other - two).row(1) - 2 * (own - two).row(1)).cwiseAbs().maxCoeff(), 1e-6f);  // rounding
+  RowMatrix<double> j(2, 1);
+  j << 0, 3;
+  EXPECT_NEAR(linear_error(model, truth, j, Vector<double>::Ones(1), 4),
+              std::sqrt(2 / std::numbers::pi / (9.0 / 4 + 12)), 1e-9);
+}
+
+// A frame from before the contact has no reading: it stays zeros, and the others keep their bits.
+TEST(FrameLikelihood, FramesBeforeTheContactStayZeros) {
+  const ReadingModel model{.inputs = 2, .history = 3, .noise = 0.1, .gain = 0.5};
+  const RowMatrix<float> truth{{-2, 1, 0, 0, -1, 0}}, whole{{-2, 1, -1, 1, -1, 0}};
+  const RowMatrix<float> readings = draw_readings(model, truth, 7), others = draw_readings(model, whole, 7);
+  EXPECT_EQ(readings.middleCols(2, 2), RowMatrix<float>::Zero(1, 2));
+  EXPECT_EQ(readings.leftCols(2), others.leftCols(2));
+  EXPECT_EQ(readings.rightCols(2), others.rightCols(2));
+}
+
 TEST(FrameLikelihood, RefusesModelsWithoutNoise) {
   EXPECT_THROW((ReadingModel{.inputs = 2, .noise = 0}.validate()), ValueError);
   EXPECT_THROW((ReadingModel{.inputs = 2, .noise = 0.1, .gain = -1}.validate()), ValueError);

@@ -26,7 +26,8 @@ constexpr float default_alarm = 0.8f;
 struct MonitorRequest : SensorRequest {
   std::string network, device;
   int every = 1;
-  std::optional<float> alarm;  ///< default_alarm for --view where not given
+  std::optional<float> alarm;   ///< default_alarm for --view where not given
+  std::optional<float> widest;  ///< interval of S at which an alarm begins
   MonitorOptions options;
   bool view = false;
 };
@@ -36,13 +37,15 @@ std::string json_number(double value) { return std::isfinite(value) ? fmt::forma
 std::string json_number(float value) { return std::isfinite(value) ? fmt::format("{}", value) : "null"; }
 
 /// What a line says beside S: whether there is a contact, where a threshold is known; the bound of a network that has
-/// one, the alarm where it was asked for, and what drifted.
-std::string bound_text(const MonitorLine& line, const std::optional<bool>& alarm) {
+/// one, the alarm and whether the frame can tell, where they were asked for, and what drifted.
+std::string bound_text(const MonitorLine& line, const std::optional<bool>& alarm,
+                       const std::optional<bool>& cannot_tell) {
   std::string text;
   if (line.contact) text += fmt::format(", \"contact\": {}", *line.contact);
   if (line.bound)
     text += fmt::format(", \"slip_upper\": {}, \"unlike\": {}", json_number(line.bound->upper), line.bound->unlike);
   if (alarm) text += fmt::format(", \"alarm\": {}", *alarm);
+  if (cannot_tell) text += fmt::format(", \"cannot_tell\": {}", *cannot_tell);
   for (const Drift& drift : line.drift)
     text += fmt::format("{}{{\"kind\": \"{}\", \"channels\": [{}], \"size\": {}, \"text\": \"{}\"}}{}",
                         &drift == line.drift.data() ? ", \"drift\": [" : ", ", drift.name(),
@@ -51,12 +54,14 @@ std::string bound_text(const MonitorLine& line, const std::optional<bool>& alarm
   return text;
 }
 
-std::string line_text(const MonitorLine& line, const std::optional<bool>& alarm) {
+std::string line_text(const MonitorLine& line, const std::optional<bool>& alarm,
+                      const std::optional<bool>& cannot_tell) {
   const std::string latency = std::isfinite(line.latency) ? fmt::format("{:.1f}", line.latency) : "null";
   return fmt::format(
       "{{\"frame\": {}, \"device_time\": {}, \"arrival\": {}, \"slip_index\": {}{}, \"latency_us\": {}}}\n",
       line.frame.number, line.frame.device_time ? json_number(*line.frame.device_time) : "null",
-      json_number(line.frame.arrival), json_number(line.answer.slip_index), bound_text(line, alarm), latency);
+      json_number(line.frame.arrival), json_number(line.answer.slip_index), bound_text(line, alarm, cannot_tell),
+      latency);
 }
 
 std::string summary_text(const MonitorSummary& all, bool cut_short) {
@@ -99,17 +104,23 @@ class Output {
 MonitorEvents make_events(const MonitorRequest& request, LiveView& view, Output& output, const Until& until,
                           std::vector<std::string>& later) {
   MonitorEvents events;
-  events.line = [&, alarm = Alarm(request.alarm.value_or(default_alarm))](const MonitorLine& line) mutable {
-    const bool before = alarm.on(), on = alarm.next(line.acted_on());
+  constexpr float any = std::numeric_limits<float>::infinity();
+  events.line = [&, alarm = Alarm(request.alarm.value_or(default_alarm), request.widest.value_or(any))](
+                    const MonitorLine& line) mutable {
+    const bool before = alarm.on(), could_not = alarm.cannot_tell();
+    const bool on = alarm.next(line.acted_on(), line.width());
     for (const Drift& drift : line.drift) {
       if (request.view)
         later.push_back(drift.text);
       else if (!request.quiet)
         print_warning(drift.text);
     }
-    const bool event = (request.alarm && on != before) || !line.drift.empty();  // is printed, whatever --every says
+    // Events are printed, whatever --every says.
+    const bool event = (request.alarm && (on != before || alarm.cannot_tell() != could_not)) || !line.drift.empty();
     if (!event && line.frame.number % static_cast<std::uint64_t>(request.every) != 0) return;
-    if (!request.view) return output.put(line_text(line, request.alarm ? std::optional(on) : std::nullopt));
+    if (!request.view)
+      return output.put(line_text(line, request.alarm ? std::optional(on) : std::nullopt,
+                                  request.widest ? std::optional(alarm.cannot_tell()) : std::nullopt));
     if (const auto picture = view.show(line, output.columns())) output.put(*picture);
   };
   events.second = [&](const MonitorSummary& summary) {
@@ -128,6 +139,9 @@ MonitorEvents make_events(const MonitorRequest& request, LiveView& view, Output&
 
 int run_monitor(const MonitorRequest& request) {
   const nn::Model model = read_onnx(request.network);
+  if (request.widest && !model.bound)
+    throw ConfigError("command line", "--widest", fmt::format("{}", *request.widest),
+                      "left out for a network without a bound: it has no interval");
   Executor executor{Device(request.device)};  // sets environment variables: before there are other threads
   OpenSource opened = open_for(request);
   LiveMonitor monitor(executor, model, opened.profile, request.options);
@@ -186,13 +200,23 @@ void add_monitor_command(CLI::App& app, Action& action) {
   command->add_flag(
       "--view", request->view,
       "a picture instead of lines: S and its history, the tactels' stresses as blocks, shear with its direction");
+  CLI::Option* alarm =
+      command
+          ->add_option(
+              "--alarm", request->alarm,
+              "add \"alarm\" to each line: true from this upper bound of S on (S itself where the network has no "
+              "bound), false again 0.05 below; a line where it changes is always printed; --view shows it, too, "
+              "no unit (default of --view: 0.8)")
+          ->type_name("FLOAT")
+          ->check(CLI::Range(0.0f, 1.0f));
   command
-      ->add_option("--alarm", request->alarm,
-                   "add \"alarm\" to each line: true from this upper bound of S on (S itself where the network has no "
-                   "bound), false again 0.05 below; a line where it changes is always printed; --view shows it, too, "
-                   "no unit (default of --view: 0.8)")
+      ->add_option("--widest", request->widest,
+                   "with --alarm: no alarm begins at a frame with a wider interval of S; adds \"cannot_tell\" to each "
+                   "line, no unit")
       ->type_name("FLOAT")
-      ->check(CLI::Range(0.0f, 1.0f));
+      ->check(CLI::Range(0.0f, 2.0f))
+      ->needs(alarm)
+      ->excludes("--view");
   command
       ->add_option("--device", request->device, "OpenCL device: a part of its name or its index, see `tactel devices`")
       ->type_name("NAME|INDEX");

@@ -111,7 +111,8 @@ def train(data, layers=(42, 42, 21, 1), *, seeds=1, first_seed=1, noise=0.0, sca
           cycles=None, batch=None, rate=None, bound=False, level=None, history="", history_change=None, device="", progress=None):
     """Trains networks on a Set: every topology, noise and seed. Returns a list of Network.
 
-    layers: widths, a name such as "42-42-21-1" or "6" (of the paper), or a list of them. noise: standard deviation of added
+    layers: widths, a name such as "42-42-21-1", "42-96-96-1_leaky-relu" (of schedule "batch") or "6" (of the paper), or a
+    list of them. noise: standard deviation of added
     noise over the set's largest |stress|, or a list. scaling: "set" or "frame". schedule: "batch", or "online", the paper's
     rule. bound: with the heads of an upper bound of S at `level` (0.95); `tactel calibrate bound` calibrates it. history:
     the last k frames kept by change of load (history_change, 0.1) as one input, "k" or "k:stride", of a set with press_rows.

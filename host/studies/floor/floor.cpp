@@ -37,6 +37,7 @@ FrameBank chosen(const FrameBank& bank, std::span<const std::size_t> rows) {
   for (std::size_t k = 0; k < rows.size(); ++k) {
     some.frames.row(k) = bank.frames.row(rows[k]);
     some.slip_index.push_back(bank.slip_index[rows[k]]);
+    if (!bank.largest.empty()) some.largest.push_back(bank.largest[rows[k]]);
     for (std::size_t f = 0; f < bank.class_of.size(); ++f) some.class_of[f].push_back(bank.class_of[f][rows[k]]);
   }
   return some;
@@ -159,11 +160,15 @@ std::size_t best_spread(const std::vector<std::vector<double>>& errors) {
 /// |error of S| of a network on readings, of |S| where it answers that; newest frame alone where the network takes one.
 /// [readings]
 std::vector<double> network_errors(Executor& executor, const nn::Model& network, const Readings& readings,
-                                   const FrameBank& asked, int inputs) {
+                                   const FrameBank& asked, int inputs, const nn::InputHistory& history) {
   const int width = network.weights.topology.inputs();
   if (width != readings.cols() && width != inputs)
     throw ValueError("network", network.weights.topology.text(),
                      fmt::format("a network with {} inputs, as many as a frame", inputs));
+  if (width != inputs && network.history != history)
+    throw ValueError("network", network.weights.topology.text(),
+                     fmt::format("a network with the history of the readings, {}:{} of a change of {}", history.frames,
+                                 history.stride, history.change));
   Forward<float> forward(executor, std::span(&network.weights, 1), network.scaling);
   const nn::Recall<float> answer = forward.recall(readings.leftCols(width));
   std::vector<double> errors;
@@ -201,60 +206,124 @@ std::uint16_t felt_class(std::span<const float> frame) {
 
 constexpr double change = 1.0 / 64;  // of a range
 
-/// nn::linear_error of a row, with derivatives by differences from the rows `changed` [numbers].
-double estimate_of(const nn::ReadingModel& model, const FrameBank& rows, std::size_t own,
-                   std::span<const std::size_t> changed) {
-  const auto truth = rows.frames.row(static_cast<Eigen::Index>(own));
-  nn::RowMatrix<double> j(truth.size(), changed.size());
-  nn::Vector<double> g(changed.size());
-  for (std::size_t n = 0; n < changed.size(); ++n) {
-    const auto row = static_cast<Eigen::Index>(changed[n]), column = static_cast<Eigen::Index>(n);
-    j.col(column) = (rows.frames.row(row) - truth).transpose().cast<double>() / change;
-    g(column) = (static_cast<double>(rows.slip_index[changed[n]]) - rows.slip_index[own]) / change;
-  }
-  return nn::linear_error(model, {truth.data(), static_cast<std::size_t>(truth.size())}, j, g);
+/// Frames of a reading: the newest and those that FrameHistory keeps. Steps without a frame are none.
+struct Place {
+  std::uint64_t contact = 0;
+  std::vector<std::optional<std::uint32_t>> steps;  ///< [history] load steps of the contact, the newest first
+};
+
+bool answered(const ContactSet& set, std::size_t row) {
+  return set.status[row] != LANE_UNSOLVED && std::isfinite(set.slip_index[row]);
 }
 
-/// Collects rows with `history` frames of their contact, whose newest frame has normal stress.
+/// Collects rows whose newest frame has normal stress, each with the frames of its history.
 class BankCollector {
  public:
-  BankCollector(int inputs, int history) : inputs_(inputs), history_(history) { bank_.class_of.resize(3); }
+  BankCollector(int inputs, const FloorOptions& options)
+      : frames_of_reading_(options.history.frames),
+        noise_of_contact_(options.noise_of_contact),
+        path_(static_cast<std::size_t>(inputs), options.history) {
+    bank_.class_of.resize(3);
+  }
 
-  /// Returns contact and step of each row that is taken.
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> add(const ContactSet& set) {
-    std::vector<std::pair<std::uint64_t, std::uint32_t>> taken;
-    std::size_t run = 0;  // rows of the contact so far
-    for (std::size_t row = 0; row < set.rows(); ++row) {
-      run = row > 0 && set.contact[row] == set.contact[row - 1] ? run + 1 : 1;
-      const std::span frame(set.frames.data() + row * inputs_, static_cast<std::size_t>(inputs_));
-      const bool pressed = std::ranges::any_of(frame.first(inputs_ / 2), [](float stress) { return stress != 0; });
-      if (run < static_cast<std::size_t>(history_) || !pressed || set.status[row] == LANE_UNSOLVED ||
-          !std::isfinite(set.slip_index[row]))
-        continue;
-      for (int m = 0; m < history_; ++m) {
-        const float* older = set.frames.data() + (row - static_cast<std::size_t>(m)) * inputs_;
-        frames_.insert(frames_.end(), older, older + inputs_);
-      }
-      bank_.slip_index.push_back(set.slip_index[row]);
-      bank_.class_of[0].push_back(set.indenter[row]);
-      bank_.class_of[1].push_back(touching_class(set.contact_nodes[row]));
-      bank_.class_of[2].push_back(felt_class(frame));
-      taken.emplace_back(set.contact[row], set.step[row]);
+  /// Takes the rows of contacts whose number is a multiple of `every`. Returns where the frames of each row stand.
+  std::vector<Place> add(const ContactSet& set, std::uint64_t every = 1) {
+    std::vector<Place> taken;
+    for (std::size_t row = 0, end = 0; row < set.rows(); row = end) {
+      while (end < set.rows() && set.contact[end] == set.contact[row]) ++end;
+      if (set.contact[row] % every == 0) add_contact(set, row, end, taken);
     }
     return taken;
   }
   std::size_t rows() const { return bank_.rows(); }
   FrameBank take() {
     bank_.frames = Eigen::Map<const Readings>(frames_.data(), static_cast<Eigen::Index>(bank_.rows()),
-                                              Eigen::Index{inputs_} * history_);
+                                              static_cast<Eigen::Index>(path_.inputs()));
     return std::move(bank_);
   }
 
  private:
-  int inputs_, history_;
+  void add_contact(const ContactSet& set, std::size_t first, std::size_t end, std::vector<Place>& taken) {
+    const auto frame_of = [&](std::size_t row) {
+      return std::span(set.frames.data() + row * path_.width(), path_.width());
+    };
+    float largest = 0;
+    for (const float stress : std::span(set.frames).subspan(first * path_.width(), (end - first) * path_.width()))
+      largest = std::max(largest, std::abs(stress));
+    std::vector<std::uint32_t> pushed;  // load steps of the frames in the history
+    for (std::size_t row = first; row < end; ++row) {
+      if (!answered(set, row)) continue;
+      if (pushed.empty() || set.step[row] != pushed.back() + 1) path_.clear(), pushed.clear();
+      const auto frame = frame_of(row);
+      path_.push(frame.data());
+      pushed.push_back(set.step[row]);
+      if (std::ranges::all_of(frame.first(frame.size() / 2), [](float stress) { return stress == 0; })) continue;
+      frames_.resize(frames_.size() + path_.inputs());
+      path_.write(frames_.data() + frames_.size() - path_.inputs());
+      if (noise_of_contact_) bank_.largest.push_back(largest);
+      bank_.slip_index.push_back(set.slip_index[row]);
+      bank_.class_of[0].push_back(set.indenter[row]);
+      bank_.class_of[1].push_back(touching_class(set.contact_nodes[row]));
+      bank_.class_of[2].push_back(felt_class(frame));
+      taken.push_back({set.contact[row], {set.step[row]}});
+      for (int m = 1; m < frames_of_reading_; ++m) {
+        const auto age = path_.age(m);
+        taken.back().steps.push_back(age ? std::optional(pushed[pushed.size() - 1 - *age]) : std::nullopt);
+      }
+    }
+  }
+
+  int frames_of_reading_;
+  bool noise_of_contact_;
+  nn::FrameHistory path_;
   FrameBank bank_;
   std::vector<float> frames_;
 };
+
+/// Rows of a set by contact and load step.
+class RowsOfSteps {
+ public:
+  explicit RowsOfSteps(const ContactSet& set) : set_(&set) {
+    for (std::size_t row = 0; row < set.rows(); ++row)
+      if (answered(set, row)) row_of_[{set.contact[row], set.step[row]}] = row;
+  }
+  /// Returns S of the newest frame and the frames [history][inputs] MPa. None where a frame is not there.
+  std::optional<double> read(std::uint64_t contact, const Place& place, std::span<double> frames) const {
+    const std::size_t inputs = frames.size() / place.steps.size();
+    std::ranges::fill(frames, 0.0);
+    double slip_index = 0;
+    for (std::size_t m = 0; m < place.steps.size(); ++m) {
+      if (!place.steps[m]) continue;
+      const auto found = row_of_.find({contact, *place.steps[m]});
+      if (found == row_of_.end()) return std::nullopt;
+      if (m == 0) slip_index = set_->slip_index[found->second];
+      std::copy_n(set_->frames.data() + found->second * inputs, inputs, frames.subspan(m * inputs).begin());
+    }
+    return slip_index;
+  }
+
+ private:
+  const ContactSet* set_;
+  std::map<std::pair<std::uint64_t, std::uint32_t>, std::size_t> row_of_;
+};
+
+/// nn::linear_error of a row, with derivatives by differences: contacts place.contact + 1 ... + `numbers` have one of
+/// the numbers changed.
+double estimate_of(const nn::ReadingModel& model, const RowsOfSteps& rows, const Place& place, std::uint64_t numbers,
+                   double largest) {
+  std::vector<double> truth(static_cast<std::size_t>(model.size())), moved(truth.size());
+  const double slip_index = *rows.read(place.contact, place, truth);
+  nn::RowMatrix<double> j = nn::RowMatrix<double>::Zero(model.size(), static_cast<Eigen::Index>(numbers));
+  nn::Vector<double> g = nn::Vector<double>::Zero(j.cols());
+  for (Eigen::Index n = 0; n < j.cols(); ++n) {
+    const auto changed = rows.read(place.contact + 1 + static_cast<std::uint64_t>(n), place, moved);
+    if (!changed) continue;
+    for (Eigen::Index k = 0; k < j.rows(); ++k) j(k, n) = (moved[k] - truth[k]) / change;
+    g(n) = (*changed - slip_index) / change;
+  }
+  const std::vector<float> frames(truth.begin(), truth.end());
+  return nn::linear_error(model, frames, j, g, largest);
+}
 
 /// Fills the estimates of the floor and its classes, from contacts first ... of the source.
 void measure_estimates(Executor& executor, const SceneSource& source, std::uint64_t first,
@@ -263,24 +332,21 @@ void measure_estimates(Executor& executor, const SceneSource& source, std::uint6
   const std::uint64_t n = changed.changes();
   const SetSimulator simulator(executor, changed, {.precision = Precision::fp64, .tolerance = 1e-8});
   std::vector<double> all;
-  std::vector<std::vector<std::uint16_t>> classes;
+  std::vector<std::vector<std::uint16_t>> classes(3);
   constexpr std::uint64_t contacts = 128;
   for (std::uint64_t next = first; all.size() < options.readings; next += contacts) {
-    BankCollector collector(model.inputs, model.history);
-    const auto places = collector.add(simulator.simulate(next * n, contacts * n));
-    const FrameBank rows = collector.take();
-    std::map<std::pair<std::uint64_t, std::uint32_t>, std::size_t> row_of;
-    for (std::size_t row = 0; row < places.size(); ++row) row_of[places[row]] = row;
-    classes.resize(rows.class_of.size());
-    for (std::size_t row = 0; row < places.size(); ++row) {
-      const auto& [contact, step] = places[row];
-      if (contact % n != 0) continue;
-      std::vector<std::size_t> moved;
-      for (std::uint64_t k = 1; k < n; ++k)
-        if (const auto found = row_of.find({contact + k, step}); found != row_of.end()) moved.push_back(found->second);
-      all.push_back(estimate_of(model, rows, row, moved));
-      for (std::size_t f = 0; f < classes.size(); ++f) classes[f].push_back(rows.class_of[f][row]);
-    }
+    const ContactSet set = simulator.simulate(next * n, contacts * n);
+    const RowsOfSteps rows(set);
+    BankCollector collector(model.inputs, options);
+    const std::vector<Place> places = collector.add(set, n);
+    const FrameBank bank = collector.take();
+    const std::size_t before = all.size();
+    all.resize(before + places.size());
+    side_by_side(places.size(), executor.threads(), [&](std::size_t k) {
+      all[before + k] = estimate_of(model, rows, places[k], n - 1, bank.largest.empty() ? 0 : bank.largest[k]);
+    });
+    for (std::size_t f = 0; f < classes.size(); ++f)
+      classes[f].insert(classes[f].end(), bank.class_of[f].begin(), bank.class_of[f].end());
   }
   floor.all.estimate = mean_of(all);
   for (FloorClass& one : floor.classes) one.estimate = mean_of(of_class(all, classes[one.family_number], one.number));
@@ -315,7 +381,7 @@ std::optional<Floor> floor_of(Executor& executor, const FrameBank& bank, const F
     throw ValueError("bank", fmt::format("{} rows", std::min(bank.rows(), outside.rows())), "at least 2 rows");
   const auto start = std::chrono::steady_clock::now();
   const FrameBank judged = chosen(outside, drawn_rows(outside.rows(), 2 * options.readings, options.seed));
-  const Readings readings = nn::draw_readings(model, judged.frames, options.seed + 2);
+  const Readings readings = nn::draw_readings(model, judged.frames, options.seed + 2, judged.largest);
   Floor floor{.all = {}, .classes = {}, .convergence = {}, .bank = bank.rows()};
   std::optional<Errors> below;
   FrameBank asked;
@@ -330,9 +396,9 @@ std::optional<Floor> floor_of(Executor& executor, const FrameBank& bank, const F
     const std::size_t rows = std::max<std::size_t>(bank.rows() / share, 1);
     const FrameBank some = sorted_bank(bank, rows);
     asked = chosen(some, drawn_rows(rows, options.readings, options.seed + 4));
-    FrameLikelihood<float> likelihood(executor, model, some.frames);
+    FrameLikelihood<float> likelihood(executor, model, some.frames, some.largest);
     below = errors_below(likelihood, executor.threads(), some, asked,
-                         nn::draw_readings(model, asked.frames, options.seed + 6), progress);
+                         nn::draw_readings(model, asked.frames, options.seed + 6, asked.largest), progress);
     if (!below) return std::nullopt;
     ++parts;
     const auto at_spreads = errors_above(likelihood, executor.threads(), some, judged, readings, progress);
@@ -353,7 +419,8 @@ std::optional<Floor> floor_of(Executor& executor, const FrameBank& bank, const F
                .networks = {}};
   std::vector<std::vector<double>> of_networks;
   for (const nn::Model& network : networks) {
-    of_networks.push_back(second_half(network_errors(executor, network, readings, judged, model.inputs)));
+    of_networks.push_back(
+        second_half(network_errors(executor, network, readings, judged, model.inputs, options.history)));
     std::vector<double> answered;
     std::ranges::copy_if(of_networks.back(), std::back_inserter(answered), [](double e) { return !std::isnan(e); });
     floor.all.networks.push_back(mean_of(answered));
@@ -378,19 +445,20 @@ std::optional<Floor> floor_of(Executor& executor, const FrameBank& bank, const F
   return floor;
 }
 
-std::optional<Floor> measure_floor(Executor& executor, const SceneSource& source, std::span<const nn::Model> networks,
+std::optional<Floor> measure_floor(Executor& executor, const SceneSource& sweep, std::span<const nn::Model> networks,
                                    const FloorOptions& options) {
+  SceneSource source = sweep;
+  source.measure_with({}, sweep.seed());
   const nn::ReadingModel model{
-      .inputs = 2 * source.tactels(), .history = options.history, .noise = options.noise, .gain = options.gain};
+      .inputs = 2 * source.tactels(), .history = options.history.frames, .noise = options.noise, .gain = options.gain};
   model.validate();
   const SetSimulator simulator(executor, source, {});
   std::uint64_t next = 0;
   const auto collect = [&](std::size_t rows) {
-    BankCollector collector(model.inputs, model.history);
+    BankCollector collector(model.inputs, options);
     for (std::size_t tried = 0; collector.rows() < rows; ++tried) {
       if (tried > 64 && collector.rows() == 0)
-        throw ConfigError("command line", "--history", std::to_string(options.history),
-                          "a number of frames that contacts of this sweep have");
+        throw ConfigError("sweep", "contacts", "no row with normal stress", "contacts that press on a tactel");
       collector.add(simulator.simulate(next, contacts_at_once));
       next += contacts_at_once;
     }

@@ -10,6 +10,7 @@
 
 #include "host/device/executor.h"
 #include "host/scenes/scene_source.h"
+#include "nn/frame_history.h"
 #include "nn/frame_likelihood.h"
 #include "nn/model.h"
 
@@ -24,13 +25,14 @@ namespace tactel::host {
 /// readings of contacts that are not in the bank. That is an estimator, and its error is therefore above the floor. Its
 /// weights are flattened by a factor (`spread`) that half of the readings choose; the other half judge it. At little
 /// noise no bank is dense enough, and the two numbers stand far apart. Each row then has an estimate of its own:
-/// nn::linear_error, with derivatives by the drawn numbers, each over its range. It is no bound. It holds the shape and
-/// what is chosen from a list as known, and S as linear: it is too small where two shapes look alike, and where noise
-/// is large.
+/// nn::linear_error, with derivatives by the drawn numbers, those of irregular paths included, each over its range. It
+/// is no bound. It holds the shape and what is chosen from a list as known, and S as linear: it is too small where two
+/// shapes look alike, and where noise is large.
 
 /// Rows of contacts with S, for the floor.
 struct FrameBank {
   nn::RowMatrix<float> frames;                       ///< [rows, ReadingModel::size()] MPa, newest frame first
+  std::vector<float> largest{};                      ///< [rows] MPa, over which the noise is; empty: newest frame's
   std::vector<float> slip_index;                     ///< [rows]
   std::vector<std::vector<std::uint16_t>> class_of;  ///< [families][rows] place in ClassFamily::classes
   std::size_t rows() const { return slip_index.size(); }
@@ -70,8 +72,9 @@ struct Floor {
 
 struct FloorOptions {
   double noise = 0.01, gain = 0;
-  int history = 1;
-  std::size_t bank = 200'000;   ///< rows, at least
+  bool noise_of_contact = false;  ///< noise is over the largest |stress| of the contact, else of the newest frame
+  nn::InputHistory history{};     ///< frames of a reading, as a network's input has them
+  std::size_t bank = 200'000;     ///< rows, at least
   std::size_t readings = 2000;  ///< for the number below; as many choose and judge the one above, and have an estimate
   std::uint64_t seed = 1;       ///< of noise and gains
   Progress progress{};          ///< readings; false stops
@@ -86,8 +89,9 @@ std::optional<Floor> floor_of(Executor& executor, const FrameBank& bank, const F
 
 /// Simulates both banks from a sweep, and returns their floor by indenter, by elements or nodes that touch, and by
 /// tactels with more than 5 % of the largest normal stress. Contacts of the bank come first, those outside of it
-/// follow. Throws ConfigError for a listed sweep, or where too few rows have frames enough.
-std::optional<Floor> measure_floor(Executor& executor, const SceneSource& source, std::span<const nn::Model> networks,
+/// follow. Frames of a reading are those that nn::FrameHistory keeps of the frames without noise; a [transducer] of the
+/// sweep is not applied. Throws ConfigError for a listed sweep, or where no row has normal stress.
+std::optional<Floor> measure_floor(Executor& executor, const SceneSource& sweep, std::span<const nn::Model> networks,
                                    const FloorOptions& options);
 
 /// Returns the smallest value below or at which half of the weight lies. values: increasing.

@@ -42,7 +42,7 @@ std::string floor_table(const Floor& floor, const FloorOptions& options, const s
       "mean |error of S| that the frames allow: noise {:g}, gains {:g}, {} frame{}; a bank of {} rows\n"
       "the floor lies between \"below\" (any estimator) and \"above\" (one estimator);\n"
       "\"estimate\" is by derivatives, and no bound\n\n",
-      options.noise, options.gain, options.history, options.history == 1 ? "" : "s", floor.bank);
+      options.noise, options.gain, options.history.frames, options.history.frames == 1 ? "" : "s", floor.bank);
   text += fmt::format("{:<34}{:>18}{:>18}{:>18}", "contacts", "below", "estimate", "above");
   for (std::size_t i = 0; i < networks.size(); ++i) text += fmt::format("{:>18}", fmt::format("network {}", i + 1));
   text += '\n' + line_of(floor.all, "all");
@@ -60,11 +60,19 @@ std::string floor_table(const Floor& floor, const FloorOptions& options, const s
 }
 
 Json to_json(const Floor& floor, const FloorOptions& options, const std::vector<std::string>& networks) {
-  Json json = {{"noise", options.noise},     {"gain", options.gain},
-               {"history", options.history}, {"bank_rows", floor.bank},
-               {"spread", floor.spread},     {"seed", options.seed},
-               {"seconds", floor.seconds},   {"all", to_json(floor.all, networks)},
-               {"classes", Json::array()},   {"convergence", Json::array()}};
+  Json json = {{"noise", options.noise},
+               {"gain", options.gain},
+               {"noise_of", options.noise_of_contact ? "contact" : "frame"},
+               {"history", options.history.frames},
+               {"stride", options.history.stride},
+               {"history_change", options.history.change},
+               {"bank_rows", floor.bank},
+               {"spread", floor.spread},
+               {"seed", options.seed},
+               {"seconds", floor.seconds},
+               {"all", to_json(floor.all, networks)},
+               {"classes", Json::array()},
+               {"convergence", Json::array()}};
   for (const FloorClass& one : floor.classes) {
     json["classes"].push_back({{"family", one.family}, {"class", one.name}});
     json["classes"].back().update(to_json(one, networks));
@@ -86,7 +94,7 @@ std::string skin_table(std::span<const SkinFloor> skins, const std::vector<std::
   for (const SkinFloor& skin : skins) {
     const FloorClass& all = skin.floor.all;
     text += fmt::format("{:>7}{:>7.3g}{:>12.3g}{:>8}{:>7.3g}{:>8.3g}{:>8.4f}{:>10.4f}{:>8.4f}", skin.tactels,
-                        skin.pitch, skin.thickness, skin.options.history, skin.options.noise, skin.options.gain,
+                        skin.pitch, skin.thickness, skin.options.history.frames, skin.options.noise, skin.options.gain,
                         all.lower.mean, all.estimate.mean, all.upper.mean);
     for (const FloorError& network : all.networks) text += fmt::format("{:>11.4f}", network.mean);
     text += '\n';

@@ -141,6 +141,15 @@ TEST_F(BoundCommand, RecallJudgesDecisions) {
   EXPECT_THAT(text_of(page), HasSubstr("Decision"));
   EXPECT_THAT(text_of(page), HasSubstr("slip_upper"));
   EXPECT_THAT(text_of(file("rows.csv")), HasSubstr("slip_upper,"));
+  EXPECT_TRUE(decision["widest"].is_null());
+  const ChildResult wide = run_tactel(
+      {"recall", calibrated(), file("other", ".h5"), "--widest", "0", "--decision", "--json", file("w.json")});
+  ASSERT_EQ(wide.exit_code, 0) << wide.err;
+  EXPECT_THAT(wide.out, HasSubstr("cannot tell"));
+  const json first = json::parse(text_of(file("w.json")))["networks"][0]["decision"]["curves"][0]["thresholds"][0];
+  EXPECT_EQ(first["detected"], 0);
+  EXPECT_EQ(first["told"], points[0]["detected"]);
+  EXPECT_GT(first["cannot_tell_share"], 0);
 }
 
 TEST_F(BoundCommand, MonitorPrintsBoundAndAlarm) {
@@ -175,6 +184,15 @@ TEST_F(BoundCommand, MonitorPrintsBoundAndAlarm) {
   EXPECT_GT(events.size(), 1u);
   EXPECT_LT(events.size(), lines.size());
   for (std::size_t i = 1; i < events.size(); ++i) EXPECT_NE(events[i]["alarm"], events[i - 1]["alarm"]);
+  // No interval is narrower than 0: what would be an alarm cannot tell.
+  const auto wide = lines_of(
+      run_tactel({"monitor", "--source", source, "--network", file_name, "--alarm", "0.7", "--widest", "0"}).out);
+  ASSERT_EQ(wide.size(), lines.size());
+  for (std::size_t i = 0; i < wide.size(); ++i) {
+    EXPECT_EQ(wide[i]["alarm"], false);
+    EXPECT_EQ(wide[i]["cannot_tell"], !wide[i]["slip_upper"].is_null() && wide[i]["slip_upper"] >= 0.7) << wide[i];
+  }
+  EXPECT_FALSE(lines[0].contains("cannot_tell"));
   const ChildResult quiet = run_tactel({"monitor", "--source", source, "--network", network()});
   EXPECT_FALSE(lines_of(quiet.out)[0].contains("alarm"));
   EXPECT_THAT(quiet.err, HasSubstr("not calibrated"));

@@ -62,6 +62,30 @@ TEST(Floor, OfALinearGaussianProblemIsItsPosterior) {
   EXPECT_EQ(floor->convergence[0].bank, 312u);
 }
 
+// The same S, read in two more frames of which it is twice and half: 1 / (1 / 0.2^2 + (1 + 4 + 1 / 4) / 0.1^2). The
+// noise is over a stress of 2 MPa, that of the contact. The rows of a contact before its first frame have zeros there.
+TEST(Floor, OfALinearGaussianHistoryIsItsPosterior) {
+  for (const bool begun : {false, true}) {
+    const auto draw = [&](std::mt19937& random, auto frame) {
+      const double s = std::normal_distribution<double>(0, 0.2)(random);
+      const auto f = static_cast<float>(s);
+      frame << 1, f, begun ? 1 : 0, begun ? 2 * f : 0, 1, f / 2;
+      return s;
+    };
+    const nn::ReadingModel model{.inputs = 2, .history = 3, .noise = 0.05, .gain = 0};
+    FloorOptions options{.noise = 0.05, .noise_of_contact = true, .history = {.frames = 3}, .readings = 1000};
+    FrameBank bank = bank_of(3000, 6, 1, draw), outside = bank_of(2000, 6, 2, draw);
+    bank.largest.assign(3000, 2), outside.largest.assign(2000, 2);
+    const auto floor = floor_of(executor(), bank, outside, model, one_family, {}, options);
+    ASSERT_TRUE(floor);
+    const double told = begun ? 5.25 : 1.25;
+    const double exact = std::sqrt(2 / std::numbers::pi / (25 + told * 100));
+    // Of 3000 rows in one dimension some 500 lie within the noise: the numbers differ by the readings' scatter alone.
+    EXPECT_NEAR(floor->all.lower.mean, exact, 4 * floor->all.lower.standard_error) << begun;
+    EXPECT_NEAR(floor->all.upper.mean, exact, 4 * floor->all.upper.standard_error) << begun;
+  }
+}
+
 // One element touches: r = Q / P is read without error, S = r / mu, and mu is uniform in 0.1 ... 1, S in 0 ... 1. Given
 // r, mu has the density 1 / mu (dS = dr / mu) from max(r, 0.1) to 1, and S = r / mu is log-uniform from r to min(1, 10
 // r): its median is the geometric mean of the ends a, b, and its mean absolute deviation (sqrt b - sqrt a)^2 / ln(b /
@@ -124,6 +148,34 @@ TEST(FloorCommand, GivesNumbersBelowAndAbove) {
   const ChildResult listed = run_tactel({"floor", source_file("examples/paper_learning.toml")});
   EXPECT_EQ(listed.exit_code, 2);
   EXPECT_NE(listed.err.find("sweep.set"), std::string::npos) << listed.err;
+}
+
+// Where no load changes by more than the largest stress, no second frame is kept: four frames are one and zeros, with
+// the estimate of one frame. Where every frame is kept they tell more.
+TEST(FloorCommand, TakesTheFramesOfANetworksInput) {
+  const ScratchFolder folder;
+  const std::string sweep = folder / "short.toml", json = folder / "floor.json";
+  // Presses of 0.1 mm in one to three steps, then one stroke of four steps.
+  std::ofstream(sweep) << "[sweep]\ncontacts = 100\nseed = 3\npress_rows = true\n"
+                          "[contact]\nfriction = { uniform = [0.1, 1.0] }\n"
+                          "[indenter]\nshape = \"parabola\"\nradius = { log_uniform = [5, 50] }\n"
+                          "[load]\nindentation = 0.1\n[load.irregular]\npress_steps = { uniform = [1, 3] }\n"
+                          "stroke = { uniform = [0.05, 0.2] }\nstroke_steps = 4\n";
+  const auto estimate = [&](std::vector<std::string> history) {
+    std::vector<std::string> words = {"floor", sweep, "--bank", "500", "--readings", "10", "--quiet", "--json", json};
+    words.insert(words.end(), history.begin(), history.end());
+    const ChildResult result = run_tactel(words);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return nlohmann::json::parse(text_of(json))["all"]["estimate"]["mean"].get<double>();
+  };
+  const double one = estimate({});
+  EXPECT_NEAR(estimate({"--history", "4", "--history-change", "1"}), one, 1e-9 * one);
+  EXPECT_LT(estimate({"--history", "4", "--history-change", "0"}), 0.9 * one);
+  EXPECT_NE(estimate({"--noise-of", "contact"}), one);  // the first steps of a press are below the contact's largest
+  const ChildResult wrong = run_tactel({"floor", sweep, "--history", "0"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_NE(wrong.err.find("--history"), std::string::npos) << wrong.err;
+  EXPECT_EQ(run_tactel({"floor", sweep, "--history-change", "0.2"}).exit_code, 2);  // one frame has no change
 }
 
 // A line of the table is the floor of a file with that sensor.

@@ -57,6 +57,28 @@ TEST(AlarmCounting, ReleaseDecidesWhatIsOneAlarm) {
   EXPECT_EQ(count_alarms(worked_drags(), 0.8, {.release = 0}).false_alarms, 3u);
 }
 
+// Intervals of at most 0.4 begin an alarm. Drag a: at 0.6 mm it is 0.5 wide, at 0.9 mm 0.4: the alarm begins there,
+// with a lead of 0.1 mm. Drag b: 0.5 wide at both places: no alarm, and two frames that cannot tell. Drag c: the alarm
+// of 0.2 mm is narrow, and a wide frame does not end it. d stays below. e: wide, no false alarm.
+TEST(AlarmCounting, AWideIntervalCannotTell) {
+  std::vector<Drag> drags = worked_drags();
+  drags[0].rows[1].width = 0.5, drags[0].rows[2].width = 0.4;
+  drags[1].rows[1].width = drags[1].rows[3].width = 0.5;
+  drags[2].rows[3].width = 0.9;
+  drags[4].rows[0].width = 0.6, drags[4].rows[1].width = std::nan("");
+  const AlarmCount count = count_alarms(drags, 0.8, {.widest = 0.4});
+  EXPECT_EQ(count.detected, 2u);  // a, c
+  EXPECT_EQ(count.told, 3u);      // and b
+  EXPECT_DOUBLE_EQ(count.told_share(), 0.75);
+  EXPECT_EQ(count.false_drags, 0u);
+  EXPECT_EQ(count.cannot_tell, 5u);
+  EXPECT_DOUBLE_EQ(count.cannot_tell_share(), 5.0 / 16);
+  EXPECT_NEAR(count.lead[0], 0.1, 1e-12);
+  const AlarmCount any = count_alarms(drags, 0.8, {});
+  EXPECT_EQ(any.cannot_tell, 0u);
+  EXPECT_EQ(any.detected, 3u);
+}
+
 // To and fro: 0.2 there, 0.1 back and 0.2 on are 0.5 mm of way; rows without an answer are no rows of the drag, and
 // what follows the first sliding row belongs to no drag.
 TEST(AlarmCounting, AddsUpTheWay) {

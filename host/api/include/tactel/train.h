@@ -13,7 +13,8 @@ namespace tactel {
 
 /// How networks learn; every number defaults to that of `tactel train`.
 struct TrainOptions {
-  std::vector<std::string> networks{"42-42-21-1"};  ///< widths, or "1" ... "6" for the paper's
+  std::vector<std::string> networks{"42-42-21-1"};  ///< widths, or "1" ... "6" for the paper's; of schedule
+                                                    ///< "batch" also "42-96-96-1_leaky-relu"
   std::uint64_t seeds = 1, first_seed = 1;          ///< each topology and noise with each seed
   std::vector<double> noises{0.0};  ///< standard deviation of added noise over the set's largest |stress|
   std::string scaling = "set";      ///< "set" or "frame"
