@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t version_bits = 0xff00000000000000;
 /// Chunks that wait in memory for their predecessors, at most.
-constexpr std::size_t most_waiting = 3;
+constexpr std::size_t most_waiting = 1;
 
 /// Columns of the parameters that chunks hold.
 std::size_t parameters_of(const SetColumns& columns) {
@@ -441,7 +441,7 @@ void SetSpool::assemble(std::uint64_t count, ContactSet& set, bool compress) {
   if (compress || !placed_->fits_hdf5()) {
     finish_copy(set, contacts, compress);
   } else {
-    if (!placed_->finish(set)) fail(errno);
+    if (!placed_->finish(set)) fail(errno != 0 ? errno : EIO);  // HDF5 may not say why
     move_file("--output", PlacedSet::files(folder_)[1], output_);
   }
   with_output(output_, [&] { remove_spool(folder_); });

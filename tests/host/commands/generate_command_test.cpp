@@ -353,12 +353,13 @@ TEST_F(SmallSet, RefusesChunksOfAnotherPlan) {
   EXPECT_TRUE(std::filesystem::exists(*this / "7.h5"));
 }
 
-// Both chunks fit under the limit of 1.664 MB (73 bytes a row), the set does not: its chunks have room for 24576 rows.
+// Both chunks fit under the limit of 2.0 MB. The set does not: its 18000 rows of 73 bytes fill 3 stripes of 8192 rows,
+// the parameters of its 9000 contacts the first tenth of their second stripe, behind which are HDF5's headers.
 TEST_F(SmallSet, AFullDiskInTheAssemblyIsAnErrorAndKeepsTheChunks) {
   const std::string narrow = sweep("narrow.toml", SmallSweep{.tactels = 3}.text());
   const ChildResult full = run_child(
       {"sh", "-c",
-       "trap '' XFSZ; ulimit -f 3250; " TACTEL_PROGRAM " generate " + narrow + " --output " + (*this / "set.h5")});
+       "trap '' XFSZ; ulimit -f 3906; " TACTEL_PROGRAM " generate " + narrow + " --output " + (*this / "set.h5")});
   EXPECT_EQ(full.exit_code, 2) << full.err;
   EXPECT_THAT(full.err, HasSubstr("on a disk with room for it"));
   const ChildResult rest = run(narrow, "set.h5", {"--resume"});
