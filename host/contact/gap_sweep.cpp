@@ -394,6 +394,13 @@ Real GapSweep<Real>::Batch::View::result(std::size_t i, int step, int row) const
 }
 
 template <class Real>
+void GapSweep<Real>::Batch::View::results(std::size_t i, int step, std::span<Real> numbers) const {
+  const Real* from = &results_[state_->at(i, state_->steps * LANE_RESULT_ROWS, step * LANE_RESULT_ROWS)];
+  const std::size_t stride = state_->sweep->tile();
+  for (std::size_t row = 0; row < numbers.size(); ++row) numbers[row] = from[row * stride];
+}
+
+template <class Real>
 int GapSweep<Real>::Batch::View::indentation_steps(std::size_t i) const {
   return state_->indentation_steps[i];
 }
@@ -414,7 +421,9 @@ void GapSweep<Real>::Batch::View::put_tactels(std::size_t i, int step, std::span
   const auto& sweep = *state_->sweep;
   const std::size_t height = static_cast<std::size_t>(state_->steps) * sweep.rows;
   const std::size_t first = state_->at(i, height, static_cast<std::size_t>(step) * sweep.rows + sweep.base_rows);
-  for (std::size_t k = 0; k < stress.size(); ++k) stress[k] = static_cast<Number>(rows_[first + k * sweep.tile()]);
+  const Real* from = &rows_[first];
+  const std::size_t stride = sweep.tile();
+  for (std::size_t k = 0; k < stress.size(); ++k) stress[k] = static_cast<Number>(from[k * stride]);
 }
 
 template <class Real>

@@ -87,6 +87,8 @@ class GapSweep {
       explicit View(const Batch& batch);
       /// Returns one number of LaneResultRow for a scene's increment; LANE_NOT_RUN after the last that ran.
       Real result(std::size_t i, int step, int row) const;
+      /// The first numbers of LaneResultRow for a scene's increment, as many as `numbers` holds.
+      void results(std::size_t i, int step, std::span<Real> numbers) const;
       int path_steps(std::size_t i) const;
       int indentation_steps(std::size_t i) const;  ///< of these the first
       /// Returns the scenes in the order of memory, in which reading many is fast.

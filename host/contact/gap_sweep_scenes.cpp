@@ -116,7 +116,8 @@ struct GapSweepSolver::State {
     const std::lock_guard lock(making);
     const auto found = std::ranges::find(kept, key, &Kept<Real>::sensor);
     if (found != kept.end()) return found->launcher;
-    return kept.emplace_back(key, GapSweep<Real>(executor, sensor, options)).launcher;
+    kept.push_back({key, GapSweep<Real>(executor, sensor, options)});
+    return kept.back().launcher;
   }
 
   Executor& executor;

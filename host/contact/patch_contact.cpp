@@ -448,6 +448,13 @@ Real PatchContact<Real>::Batch::View::result(std::size_t i, int step, int row) c
 }
 
 template <class Real>
+void PatchContact<Real>::Batch::View::results(std::size_t i, int step, std::span<Real> numbers) const {
+  const Real* from = &results_[state_->at_answer(i, state_->slots, step, PATCH_BLOCK, 0)];
+  const std::size_t stride = state_->contact->interleaved();
+  for (std::size_t row = 0; row < numbers.size(); ++row) numbers[row] = from[row * stride];
+}
+
+template <class Real>
 Real PatchContact<Real>::Batch::View::patch(std::size_t i, int row) const {
   return patches_[state_->at_answer(i, 1, 0, PATCH_BLOCK, row)];
 }

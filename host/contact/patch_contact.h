@@ -68,6 +68,8 @@ class PatchContact {
       explicit View(const Batch& batch);
       Real result(std::size_t i, int step, int row) const;  ///< one number of LaneResultRow
       Real patch(std::size_t i, int row) const;             ///< one number of PatchRow
+      /// The first numbers of LaneResultRow for a scene's increment, as many as `numbers` holds.
+      void results(std::size_t i, int step, std::span<Real> numbers) const;
       int path_steps(std::size_t i) const;
       int indentation_steps(std::size_t i) const;  ///< of these the first
       /// Returns the scenes in the order of memory, in which reading many is fast.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/sets/set_simulator.h"
 
+#include <array>
 #include <deque>
 #include <map>
 #include <mutex>
@@ -119,18 +120,28 @@ void put_rows(ContactSet& set, std::size_t at, const fem::ContactSolution& solut
 template <class Launcher>
 using View = typename Launcher::Batch::View;
 
+/// The numbers of a load step in the kernel's result.
 template <class Launcher>
-int status_of(const View<Launcher>& view, std::size_t i, int step) {
-  return static_cast<int>(view.result(i, step, LANE_STATUS));
-}
+struct StepNumbers {
+  using Real = decltype(std::declval<const View<Launcher>&>().result(0, 0, 0));
+  std::array<Real, LANE_RESULT_ROWS> rows;
 
-template <class Launcher>
-bool every_step_solved(const View<Launcher>& view, std::size_t i) {
-  for (int k = 0; k < view.path_steps(i); ++k)
-    if (const int status = status_of<Launcher>(view, i, k); status == LANE_UNSOLVED || status == LANE_INVALID)
-      return false;
-  return true;
-}
+  StepNumbers(const View<Launcher>& view, std::size_t i, int step) { view.results(i, step, rows); }
+  double operator[](int row) const { return static_cast<double>(rows[static_cast<std::size_t>(row)]); }
+  int status() const { return static_cast<int>(rows[LANE_STATUS]); }
+  std::optional<double> slip_index(double mu) const {
+    return host::slip_index(mu, (*this)[LANE_P], (*this)[LANE_SLIP_INDEX]);
+  }
+};
+
+/// What the load steps of a contact say together.
+struct Survey {
+  bool solved = true;        ///< every step
+  std::size_t rows = 0;      ///< steps that become rows
+  double deepest = 0;        ///< mm
+  bool slides_far = false;   ///< further over the rubber than displacements are small
+  bool ran_through = false;  ///< all steps, and did not slide in the last: a drag until sliding then never slid
+};
 
 double mesh_spacing(const fem::Sensor& sensor) { return sensor.length / (sensor.columns - 1); }
 
@@ -167,9 +178,7 @@ struct Solver<GapSweep<Real>> {
   static bool served(const SceneSource&, const SetOptions&, const fem::Scene&, const View<Launcher>&, std::size_t) {
     return true;
   }
-  static bool solved(const SetOptions&, const View<Launcher>& view, std::size_t i) {
-    return every_step_solved<Launcher>(view, i);
-  }
+  static bool large_enough(const SetOptions&, const View<Launcher>&, std::size_t) { return true; }
   static double element_width(const fem::Scene& scene, const View<Launcher>&, std::size_t) {
     return mesh_spacing(scene.sensor);
   }
@@ -205,8 +214,8 @@ struct Solver<PatchContact<Real>> {
     return source.own_sensors() ||
            patch_serves(scene.sensor, left, left + options.patch->elements * view.patch(i, PATCH_ELEMENT));
   }
-  static bool solved(const SetOptions& options, const View<Launcher>& view, std::size_t i) {
-    return every_step_solved<Launcher>(view, i) && !grown_contact<Real>(view, i, options.patch->elements);
+  static bool large_enough(const SetOptions& options, const View<Launcher>& view, std::size_t i) {
+    return !grown_contact<Real>(view, i, options.patch->elements);
   }
   static double element_width(const fem::Scene&, const View<Launcher>& view, std::size_t i) {
     return view.patch(i, PATCH_ELEMENT);
@@ -247,14 +256,6 @@ double deepest(const fem::ContactSolution& solution) {
   return most;
 }
 
-template <class Launcher>
-double deepest(const View<Launcher>& view, std::size_t i) {
-  double most = 0;  // mm
-  for (int k = 0; k < view.path_steps(i) && status_of<Launcher>(view, i, k) != LANE_NOT_RUN; ++k)
-    most = std::max(most, static_cast<double>(view.result(i, k, LANE_INDENTATION)));
-  return most;
-}
-
 /// Whether the indenter slides further over the rubber than displacements are small.
 bool slides_far(const fem::Scene& scene, const fem::ContactSolution& solution) {
   const bool patch = solution.surface_width.size() > 0;
@@ -266,55 +267,59 @@ bool slides_far(const fem::Scene& scene, const fem::ContactSolution& solution) {
   });
 }
 
+/// `first`: the first step that may be a row.
 template <class Launcher>
-bool slides_far(const fem::Scene& scene, const View<Launcher>& view, std::size_t i) {
+Survey survey(const View<Launcher>& view, std::size_t i, const fem::Scene& scene, int first) {
   const double element = Solver<Launcher>::element_width(scene, view, i);
-  for (int k = 0; k < view.path_steps(i) && status_of<Launcher>(view, i, k) != LANE_NOT_RUN; ++k) {
-    const auto touching = static_cast<double>(view.result(i, k, LANE_STICKING) + view.result(i, k, LANE_SLIPPING));
-    if (static_cast<double>(view.result(i, k, LANE_SLIP_DISTANCE)) > slip_limit(scene.sensor, element * touching))
-      return true;
+  const int steps = view.path_steps(i);
+  Survey found;
+  for (int k = 0; k < steps; ++k) {
+    const StepNumbers<Launcher> step(view, i, k);
+    const int status = step.status();
+    if (status == LANE_NOT_RUN) break;
+    found.solved = found.solved && status != LANE_UNSOLVED && status != LANE_INVALID;
+    found.deepest = std::max(found.deepest, step[LANE_INDENTATION]);
+    found.slides_far =
+        found.slides_far ||
+        step[LANE_SLIP_DISTANCE] > slip_limit(scene.sensor, element * (step[LANE_STICKING] + step[LANE_SLIPPING]));
+    found.rows += k >= first && step.slip_index(scene.friction);
+    found.ran_through = k == steps - 1 && status != LANE_SLIDING;
   }
-  return false;
+  return found;
 }
 
-/// Whether a drag went through all its steps without sliding: one until sliding then never slid. One that slides ends
-/// there, and one that touches nothing.
+/// A contact of the sweeps whose rows go into a set.
+struct RowsFrom {
+  std::size_t i = 0;  ///< in its launch
+  std::size_t at = 0;
+  int first = 0;
+  RowsOf of;
+};
+
+/// Lanes whose numbers lie side by side in memory are read together, step by step.
 template <class Launcher>
-bool ran_through(const View<Launcher>& view, std::size_t i) {
-  const int status = status_of<Launcher>(view, i, view.path_steps(i) - 1);
-  return status != LANE_NOT_RUN && status != LANE_SLIDING;
-}
-
-/// Calls visit(step, S) for the steps of a contact that the sweeps solved that become rows.
-template <class Launcher, class Visit>
-void each_row(const View<Launcher>& view, std::size_t i, int first, double mu, const Visit& visit) {
-  for (int k = first; k < view.path_steps(i) && status_of<Launcher>(view, i, k) != LANE_NOT_RUN; ++k)
-    if (const auto S = slip_index(mu, view.result(i, k, LANE_P), view.result(i, k, LANE_SLIP_INDEX))) visit(k, *S);
-}
-
-template <class Launcher>
-std::size_t count_rows(const View<Launcher>& view, std::size_t i, int first, double mu) {
-  std::size_t count = 0;
-  each_row<Launcher>(view, i, first, mu, [&](int, double) { ++count; });
-  return count;
-}
-
-template <class Launcher>
-void put_rows(ContactSet& set, std::size_t at, const View<Launcher>& view, std::size_t i, int first, const RowsOf& of) {
-  each_row<Launcher>(view, i, first, of.scene.friction, [&](int k, double S) {
-    const auto said = [&](int row) { return static_cast<double>(view.result(i, k, row)); };
-    const Row row{.slip_index = S,
-                  .P = said(LANE_P),
-                  .Q = said(LANE_Q),
-                  .indentation = said(LANE_INDENTATION),
-                  .tangential = said(LANE_TANGENTIAL),
-                  .residual = std::max({said(LANE_PENETRATION), said(LANE_CONE), said(LANE_COMPLEMENTARITY),
-                                        said(LANE_DRIFT), said(LANE_BALANCE)}),
-                  .sticking = static_cast<int>(said(LANE_STICKING)),
-                  .slipping = static_cast<int>(said(LANE_SLIPPING)),
-                  .status = static_cast<int>(said(LANE_STATUS))};
-    view.tactels(i, k, put_row(set, at++, row, of, k));
-  });
+void put_rows(ContactSet& set, const View<Launcher>& view, std::span<RowsFrom> contacts) {
+  int steps = 0;
+  for (const RowsFrom& contact : contacts) steps = std::max(steps, view.path_steps(contact.i));
+  for (int k = 0; k < steps; ++k)
+    for (RowsFrom& contact : contacts) {
+      if (k < contact.first || k >= view.path_steps(contact.i)) continue;
+      const StepNumbers<Launcher> said(view, contact.i, k);
+      if (said.status() == LANE_NOT_RUN) continue;
+      const auto S = said.slip_index(contact.of.scene.friction);
+      if (!S) continue;
+      const Row row{.slip_index = *S,
+                    .P = said[LANE_P],
+                    .Q = said[LANE_Q],
+                    .indentation = said[LANE_INDENTATION],
+                    .tangential = said[LANE_TANGENTIAL],
+                    .residual = std::max({said[LANE_PENETRATION], said[LANE_CONE], said[LANE_COMPLEMENTARITY],
+                                          said[LANE_DRIFT], said[LANE_BALANCE]}),
+                    .sticking = static_cast<int>(said[LANE_STICKING]),
+                    .slipping = static_cast<int>(said[LANE_SLIPPING]),
+                    .status = said.status()};
+      view.tactels(contact.i, k, put_row(set, contact.at++, row, contact.of, k));
+    }
 }
 
 /// Contacts that share a launch: same sensor but for E, same kind.
@@ -500,17 +505,23 @@ ContactSet Simulation<Launcher>::collect(SetSimulator::Range& any_range) {
   std::vector<std::uint64_t> unsolved;                // contacts, counted from the range's first
   Unsolved again_from;
   Fallen fallen;
+  std::uint64_t deep = 0, far = 0, never = 0;  // as in ContactSet
   for (const SharedLaunch<Launcher>& launch : range.launches) {
     const View<Launcher>& view = views.emplace_back(*launch.batch);
     for (const std::size_t i : view.by_lane()) {
       const std::uint64_t k = launch.which[i];
-      const bool served = Solver<Launcher>::served(source, options, launch.scenes[i], view, i);
-      if (served && Solver<Launcher>::solved(options, view, i)) {
-        rows[k + 1] = count_rows<Launcher>(view, i, range.contacts[k].first_step, launch.scenes[i].friction);
+      const fem::Scene& scene = launch.scenes[i];
+      const bool served = Solver<Launcher>::served(source, options, scene, view, i);
+      const Survey found = served ? survey<Launcher>(view, i, scene, range.contacts[k].first_step) : Survey{};
+      if (served && found.solved && Solver<Launcher>::large_enough(options, view, i)) {
+        rows[k + 1] = found.rows;
+        deep += too_deep(scene.sensor, found.deepest);
+        far += found.slides_far;
+        never += found.rows > 0 && range.contacts[k].until_sliding && found.ran_through;
       } else {
         unsolved.push_back(k);
-        fallen[k].scene = &launch.scenes[i];
-        again_from.scenes.push_back(launch.scenes[i]);
+        fallen[k].scene = &scene;
+        again_from.scenes.push_back(scene);
         again_from.sensor.push_back(launch.sensor);
         again_from.on_mesh.push_back(!served);
       }
@@ -531,17 +542,24 @@ ContactSet Simulation<Launcher>::collect(SetSimulator::Range& any_range) {
   set.without_rows = static_cast<std::uint64_t>(std::count(rows.begin() + 1, rows.end(), std::size_t{0}));
   std::partial_sum(rows.begin(), rows.end(), rows.begin());
   resize(set, rows.back());
+  set.too_deep = deep, set.far_slip = far, set.never_slid = never;
   for (std::size_t l = 0; l < views.size(); ++l) {
+    constexpr std::size_t together = 16;  // numbers of a cache line
+    std::vector<RowsFrom> contacts;
+    const auto put = [&] {
+      put_rows<Launcher>(set, views[l], contacts);
+      contacts.clear();
+    };
     for (const std::size_t i : views[l].by_lane()) {
       const std::uint64_t k = range.launches[l].which[i];
-      if (fallen.contains(k)) continue;
-      const fem::Scene& scene = range.launches[l].scenes[i];
-      const auto& [kind, until_sliding, first_step] = range.contacts[k];
-      put_rows<Launcher>(set, rows[k], views[l], i, first_step, {scene, kind, range.first + k});
-      set.too_deep += too_deep(scene.sensor, deepest<Launcher>(views[l], i));
-      set.far_slip += slides_far<Launcher>(scene, views[l], i);
-      set.never_slid += rows[k] < rows[k + 1] && until_sliding && ran_through<Launcher>(views[l], i);
+      if (rows[k] == rows[k + 1] || fallen.contains(k)) continue;
+      contacts.push_back({i,
+                          rows[k],
+                          range.contacts[k].first_step,
+                          {range.launches[l].scenes[i], range.contacts[k].kind, range.first + k}});
+      if (contacts.size() == together) put();
     }
+    put();
   }
   for (const auto& [k, contact] : fallen) {
     const fem::Scene& scene = *contact.scene;

@@ -11,6 +11,7 @@
 #include <cstring>
 #include <exception>
 #include <fstream>
+#include <future>
 #include <thread>
 
 #include "host/support/bounded_file.h"
@@ -25,7 +26,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t version_bits = 0xff00000000000000;
 /// Chunks that wait in memory for their predecessors, at most.
-constexpr std::size_t most_waiting = 3;
+constexpr std::size_t most_waiting = 1;
 
 /// Columns of the parameters that chunks hold.
 std::size_t parameters_of(const SetColumns& columns) {
@@ -413,6 +414,21 @@ void SetSpool::finish_copy(const ContactSet& set, std::uint64_t contacts, bool c
   writer.finish(set);
 }
 
+/// One thread reads a chunk and checks it, while the calling one places the chunk before.
+void SetSpool::place_spooled(std::uint64_t count) {
+  const auto loading = [&](std::uint64_t chunk) {
+    return std::async(std::launch::async, [this, chunk] { return load(chunks_.at(chunk)); });
+  };
+  std::uint64_t chunk = placed_->chunks().size();
+  if (chunk == count) return;
+  for (std::future<ContactSet> next = loading(chunk); chunk < count; ++chunk) {
+    const ContactSet rows = next.get();
+    if (chunk + 1 < count) next = loading(chunk + 1);
+    place(chunks_.at(chunk).header, payload_of(rows, columns_));
+    placed_->begin_sync();
+  }
+}
+
 void SetSpool::assemble(std::uint64_t count, ContactSet& set, bool compress) {
   with_output(output_, [&] {
     for (const fs::path& file : files())  // what other writers added
@@ -433,15 +449,11 @@ void SetSpool::assemble(std::uint64_t count, ContactSet& set, bool compress) {
     set.far_slip += header.far_slip;
     set.never_slid += header.never_slid;
   }
-  for (std::uint64_t chunk = placed_->chunks().size(); chunk < count; ++chunk) {
-    const Place& place_of = chunks_.at(chunk);
-    const ContactSet rows = load(place_of);
-    place(place_of.header, payload_of(rows, columns_));
-  }
+  place_spooled(count);
   if (compress || !placed_->fits_hdf5()) {
     finish_copy(set, contacts, compress);
   } else {
-    if (!placed_->finish(set)) fail(errno);
+    if (!placed_->finish(set)) fail(errno != 0 ? errno : EIO);  // HDF5 may not say why
     move_file("--output", PlacedSet::files(folder_)[1], output_);
   }
   with_output(output_, [&] { remove_spool(folder_); });
