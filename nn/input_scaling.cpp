@@ -61,7 +61,8 @@ void scale_frames(const InputScaling& scaling, const RowMatrix<float>& frames, S
   const auto inputs = static_cast<int>(frames.cols());
   for (Eigen::Index row = 0; row < frames.rows(); ++row, scaled += stride) {
     const FrameStatus status = scale_frame(scaling, frames.row(row).data(), inputs, scaled);
-    if (status == FrameStatus::not_finite || !Eigen::Map<const Vector<Scalar>>(scaled, inputs).allFinite())
+    const bool finite = (Eigen::Map<const Vector<Scalar>>(scaled, inputs).array() * Scalar(0)).sum() == Scalar(0);
+    if (status == FrameStatus::not_finite || !finite)
       throw ValueError("inputs[" + std::to_string(row) + "]", "NaN or infinity", "finite, also after scaling");
   }
 }

@@ -16,8 +16,8 @@
 namespace tactel::host {
 namespace {
 
-/// Of a simulated stream, at most: each holds a block of some 100 MB. One more than the device has: a thread waits
-/// while another's kernels run.
+/// Threads of a simulated stream, at most: each holds a block of some 100 MB. At least two: one prepares contacts while
+/// the other's kernels run.
 constexpr int most_threads = 8;
 
 nn::FrameSet as_shown(nn::FrameSet rows, const ShownRows& shown, const std::string& name) {
@@ -41,7 +41,7 @@ class SimulatedStream : public FrameStream {
         contacts_(contacts),
         options_(options),
         shown_(shown),
-        threads_(std::min(executor.threads() + 1, most_threads)),
+        threads_(std::clamp(executor.threads(), 2, most_threads)),
         simulator_(executor, sweep_.source, options) {
     if (!sweep_.source.endless())
       throw ConfigError(name_, "sweep.set", "a listed set", "left out: a stream draws its contacts (sweep.contacts)");
