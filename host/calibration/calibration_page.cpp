@@ -62,7 +62,7 @@ void add_press_axis(Panel& panel, const std::vector<KnownPress>& presses) {
 Figure gain_figure(const SensorCalibration& found) {
   Figure figure{.columns = 2, .panel_height = 280};
   for (const Kind& kind : kinds(found)) {
-    Series series{.label = "gain, 2 deviations", .mark = Mark::whiskers, .ink = kind.ink};
+    Series series{.mark = Mark::whiskers, .ink = kind.ink};
     const auto tactels = static_cast<Index>(found.gain.size() / 2);
     for (Index i = 0; i < tactels; ++i) {
       const Fitted& gain = found.gain[static_cast<std::size_t>(kind.first + i)];
@@ -171,7 +171,7 @@ void add_verdict(Page& page, const SensorCalibration& found) {
 
 Figure residual_figure(const SensorCalibration& found, const std::vector<KnownPress>& presses) {
   Panel by_press{.title = "by press", .x_label = "press", .y_label = "residual over noise, rms", .zero_line = true};
-  Panel by_tactel{.title = "by tactel", .x_label = "tactel", .y_label = "residual over noise, rms", .zero_line = true};
+  Panel by_tactel{.title = "by tactel", .x_label = "tactel", .y_label = "residual, rms (kPa)", .zero_line = true};
   const auto tactels = static_cast<Index>(found.gain.size() / 2);
   by_press.x_range = {0.5, static_cast<double>(presses.size()) + 0.5};
   by_tactel.x_range = {-0.5, static_cast<double>(tactels) - 0.5};
@@ -181,7 +181,7 @@ Figure residual_figure(const SensorCalibration& found, const std::vector<KnownPr
     for (std::size_t i = 0; i < presses.size(); ++i) {
       press.x.push_back(static_cast<double>(i + 1));
       press.y.push_back(rms(found.residuals[i].middleCols(kind.first, tactels)));
-      press.names.push_back(presses[i].name);
+      if (by_press.x_ticks.empty()) press.names.push_back(presses[i].name);
     }
     for (Index c = 0; c < tactels; ++c) {
       double sum = 0, n = 0;
@@ -189,9 +189,17 @@ Figure residual_figure(const SensorCalibration& found, const std::vector<KnownPr
         for (const double r : residuals.col(kind.first + c))
           if (std::isfinite(r)) sum += r * r, n += 1;
       tactel.x.push_back(static_cast<double>(c));
-      tactel.y.push_back(n > 0 ? std::sqrt(sum / n) : NAN);
+      const auto i = static_cast<std::size_t>(kind.first + c);
+      const double kPa = 1000 * found.noise[i] * std::abs(found.gain[i].value);
+      tactel.y.push_back(n > 0 ? std::sqrt(sum / n) * kPa : NAN);
     }
     by_press.series.push_back(std::move(press)), by_tactel.series.push_back(std::move(tactel));
+  }
+  for (Panel* panel : {&by_press, &by_tactel}) {
+    double most = 0;
+    for (const Series& series : panel->series)
+      for (const double y : series.y) most = std::max(most, std::isnan(y) ? 0 : y);
+    panel->y_range = {0, most > 0 ? 1.1 * most : 1};
   }
   return {.title = "Residuals of the calibration", .panels = {by_press, by_tactel}, .columns = 2, .width = 900};
 }
@@ -213,8 +221,8 @@ Page calibration_page(const SensorCalibration& found, const std::vector<KnownPre
               "Gains with two standard deviations on both sides. A transducer that was left out has no mark.");
   page.section("Residuals");
   page.figure(residual_figure(found, presses),
-              "Size of reading less model over the noise of the transducer. A press far above the others has another "
-              "indenter, depth or place; a press without a mark was left out.");
+              "Size of reading less model: by press over the noise of the transducers, by tactel as a stress. A press far "
+              "above the others has another indenter, depth or place; a press without a mark was left out.");
   page.figure(residual_map(found, presses),
               "Mean residual of each press at each tactel. Neighbouring tactels of one colour show a press at another "
               "place or depth than its scene says.");
