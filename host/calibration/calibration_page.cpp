@@ -96,7 +96,8 @@ Figure residual_map(const SensorCalibration& found, const std::vector<KnownPress
       for (Index i = 0; i < tactels; ++i) {
         const auto column = residuals.col(kind.first + i).array();
         const auto finite = column.isFinite();
-        raster.values.push_back(finite.any() ? finite.select(column, 0).sum() / static_cast<double>(finite.count()) : NAN);
+        raster.values.push_back(finite.any() ? finite.select(column, 0).sum() / static_cast<double>(finite.count())
+                                             : NAN);
       }
     figure.panels.push_back({.title = kind.name, .x_label = "tactel", .y_label = "press", .raster = std::move(raster)});
   }
@@ -138,9 +139,13 @@ PageTable gain_table(const SensorCalibration& found) {
       continue;
     }
     const double deviation = std::abs(gain.deviation / gain.value);
-    table.add({name, fmt::format("{:.4g}", gain.value),
-               {percent(deviation), deviation < 0.05 ? Tone::plain : deviation < 0.2 ? Tone::fair : Tone::poor},
-               fmt::format("{:.5g}", offset.value), fmt::format("{:.2g}", offset.deviation),
+    table.add({name,
+               fmt::format("{:.4g}", gain.value),
+               {percent(deviation), deviation < 0.05  ? Tone::plain
+                                    : deviation < 0.2 ? Tone::fair
+                                                      : Tone::poor},
+               fmt::format("{:.5g}", offset.value),
+               fmt::format("{:.2g}", offset.deviation),
                fmt::format("{:.2g}", found.noise[c])});
   }
   return table;
@@ -150,12 +155,12 @@ void add_verdict(Page& page, const SensorCalibration& found) {
   const std::vector<double> deviations = gain_deviations(found);
   const auto known = std::ranges::count_if(deviations, [](double d) { return std::isfinite(d); });
   const auto unsure = std::ranges::count_if(deviations, [](double d) { return d > 0.2; });
-  page.verdict(found.converged
-                   ? fmt::format("Gains of {} of {} transducers are found, with a median deviation of {}.", known,
-                                 deviations.size(), percent(median(deviations)))
-                   : std::string("The fit did not converge; its numbers say nothing."));
-  page.finding(found.converged ? Tone::good : Tone::poor, "fit",
-               fmt::format("{} after {} iterations.", found.converged ? "Converged" : "Not converged", found.iterations));
+  page.verdict(found.converged ? fmt::format("Gains of {} of {} transducers are found, with a median deviation of {}.",
+                                             known, deviations.size(), percent(median(deviations)))
+                               : std::string("The fit did not converge; its numbers say nothing."));
+  page.finding(
+      found.converged ? Tone::good : Tone::poor, "fit",
+      fmt::format("{} after {} iterations.", found.converged ? "Converged" : "Not converged", found.iterations));
   if (found.young.deviation > 0)
     page.finding(Tone::fact, "E", fmt::format("{:.4g} ± {:.2g} MPa.", found.young.value, found.young.deviation));
   if (found.poisson.deviation > 0)
@@ -220,9 +225,10 @@ Page calibration_page(const SensorCalibration& found, const std::vector<KnownPre
   page.figure(gain_figure(found),
               "Gains with two standard deviations on both sides. A transducer that was left out has no mark.");
   page.section("Residuals");
-  page.figure(residual_figure(found, presses),
-              "Size of reading less model: by press over the noise of the transducers, by tactel as a stress. A press far "
-              "above the others has another indenter, depth or place; a press without a mark was left out.");
+  page.figure(
+      residual_figure(found, presses),
+      "Size of reading less model: by press over the noise of the transducers, by tactel as a stress. A press far "
+      "above the others has another indenter, depth or place; a press without a mark was left out.");
   page.figure(residual_map(found, presses),
               "Mean residual of each press at each tactel. Neighbouring tactels of one colour show a press at another "
               "place or depth than its scene says.");

@@ -23,8 +23,8 @@ constexpr double none = std::numeric_limits<double>::quiet_NaN();
 /// Weak information on each unknown, a standard deviation of 10 (no unit, mm): determinants exist before every
 /// transducer has been pressed.
 constexpr double weak = 0.01;
-constexpr double never_found = 0.5;     ///< relative deviation of a gain, with all candidates
-constexpr double least_exchange = 1e-9; ///< of the log determinant
+constexpr double never_found = 0.5;      ///< relative deviation of a gain, with all candidates
+constexpr double least_exchange = 1e-9;  ///< of the log determinant
 
 /// Sums over the rows of a press, weighted by noise: those of the normal equations of a fit. Parameters of its readings
 /// are offset, sensitivity and the numbers; the last number is the friction of this press alone.
@@ -113,7 +113,9 @@ void Planner::choose_numbers() {
 PressInformation Planner::information(const PressCandidate& candidate, const PressFrames& frames) const {
   const Index channels = frames.frame.cols(), steps = frames.frame.rows(), size = fitted() + 1;
   PressInformation result{MatrixXd::Zero(channels, 3), MatrixXd::Zero(channels, 2 * size), MatrixXd::Zero(size, size)};
-  const auto number_of = [&](Index k) { return k < fitted() ? numbers_[static_cast<std::size_t>(k)] : friction_number; };
+  const auto number_of = [&](Index k) {
+    return k < fitted() ? numbers_[static_cast<std::size_t>(k)] : friction_number;
+  };
   const Index known = with_friction() ? size : fitted();
   MatrixXd by = MatrixXd::Zero(steps, size);
   for (Index c = 0; c < channels; ++c) {
@@ -144,7 +146,8 @@ PressInformation Planner::information(const PressCandidate& candidate, const Pre
 Planner::Total Planner::total(const Set& set) const {
   const Index channels = noise_.size(), m = fitted(), own = m + 1;
   const Index numbers = m + (with_friction() ? static_cast<Index>(set.size()) : 0);
-  Total sum{MatrixXd::Zero(channels, 3), MatrixXd::Zero(channels, 2 * numbers), MatrixXd::Zero(numbers, numbers), numbers};
+  Total sum{MatrixXd::Zero(channels, 3), MatrixXd::Zero(channels, 2 * numbers), MatrixXd::Zero(numbers, numbers),
+            numbers};
   for (std::size_t i = 0; i < set.size(); ++i) {
     const PressInformation& of = information_[set[i]];
     sum.sums += of.sums;
@@ -236,7 +239,8 @@ ExpectedDeviations Planner::deviations(const Set& set, MatrixXd* correlation) co
   const MatrixXd covariance = eliminated(sum).inverse();
   ExpectedDeviations result;
   std::ranges::fill(result.number, none);
-  for (Index k = 0; k < fitted(); ++k) result.number[numbers_[static_cast<std::size_t>(k)]] = std::sqrt(covariance(k, k));
+  for (Index k = 0; k < fitted(); ++k)
+    result.number[numbers_[static_cast<std::size_t>(k)]] = std::sqrt(covariance(k, k));
   if (correlation != nullptr) {
     const VectorXd scale = covariance.diagonal().head(fitted()).cwiseSqrt().cwiseInverse();
     *correlation = scale.asDiagonal() * covariance.topLeftCorner(fitted(), fitted()) * scale.asDiagonal();
@@ -270,8 +274,7 @@ ExpectedDeviations Planner::random_deviations(std::size_t count) const {
   count = std::min(count, order.size());
   std::vector<ExpectedDeviations> all;
   for (int draw = 0; draw < options_.draws; ++draw) {
-    for (std::size_t i = 0; i < count; ++i)
-      std::swap(order[i], order[i + random() % (order.size() - i)]);
+    for (std::size_t i = 0; i < count; ++i) std::swap(order[i], order[i + random() % (order.size() - i)]);
     all.push_back(deviations({order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count)}));
   }
   const auto median = [&all](const auto& of) {
@@ -285,8 +288,7 @@ ExpectedDeviations Planner::random_deviations(std::size_t count) const {
   for (Index c = 0; c < noise_.size(); ++c)
     result.gain[c] = std::isfinite(all[0].gain[c]) ? median([c](const auto& one) { return one.gain[c]; }) : none;
   for (int k = 0; k < sensor_numbers; ++k)
-    result.number[k] =
-        std::isfinite(all[0].number[k]) ? median([k](const auto& one) { return one.number[k]; }) : none;
+    result.number[k] = std::isfinite(all[0].number[k]) ? median([k](const auto& one) { return one.number[k]; }) : none;
   result.normal_gain = median([](const auto& one) { return one.normal_gain; });
   result.shear_gain = median([](const auto& one) { return one.shear_gain; });
   result.worst_gain = median([](const auto& one) { return one.worst_gain; });
@@ -304,16 +306,17 @@ std::vector<std::string> Planner::lost(const ExpectedDeviations& all, const Matr
   for (Index k = 0; k < fitted(); ++k)
     for (Index j = 0; j < k; ++j)
       if (std::abs(correlation(k, j)) > degenerate)
-        sentences.push_back(fmt::format("No plan tells {} and {} apart well: with all candidates together their correlation "
-                                        "is {:.3f}. Hold one of them.",
-                                        sensor_names[numbers_[static_cast<std::size_t>(j)]],
-                                        sensor_names[numbers_[static_cast<std::size_t>(k)]], correlation(k, j)));
+        sentences.push_back(
+            fmt::format("No plan tells {} and {} apart well: with all candidates together their correlation "
+                        "is {:.3f}. Hold one of them.",
+                        sensor_names[numbers_[static_cast<std::size_t>(j)]],
+                        sensor_names[numbers_[static_cast<std::size_t>(k)]], correlation(k, j)));
   for (Index c = 0; c < noise_.size(); ++c)
     if (all.gain[c] > never_found)
-      sentences.push_back(fmt::format("No candidate loads the {} enough: its gain would be known to {:.0f} % with all of "
-                                      "them. Add presses over it{}.",
-                                      transducer_name(c, noise_.size() / 2), 100 * all.gain[c],
-                                      c < noise_.size() / 2 ? "" : ", with a drag"));
+      sentences.push_back(fmt::format(
+          "No candidate loads the {} enough: its gain would be known to {:.0f} % with all of "
+          "them. Add presses over it{}.",
+          transducer_name(c, noise_.size() / 2), 100 * all.gain[c], c < noise_.size() / 2 ? "" : ", with a drag"));
   return sentences;
 }
 

@@ -43,16 +43,14 @@ WindowReadings read_windows(const std::filesystem::path& path, const SensorProfi
   result.noise = result.mean;
   for (std::size_t k = 0; k < times.size(); ++k) {
     if (windows[k].frames() == 0)
-      in.refuse("times",
-                fmt::format("times within the recording {}: {:g} s has no frame", path.string(), times[k]));
+      in.refuse("times", fmt::format("times within the recording {}: {:g} s has no frame", path.string(), times[k]));
     for (std::size_t c = 0; c < channels; ++c) {
       const hw::ChannelRest rest = windows[k].channel(c);
       const auto row = static_cast<Eigen::Index>(k), column = static_cast<Eigen::Index>(c);
       if (rest.readings > 0) result.mean(row, column) = rest.mean;
       if (rest.readings >= fewest_frames)  // noise below half a step is not averaged out
-        result.noise(row, column) = rest.noise > rest.step / 2
-                                        ? rest.noise / std::sqrt(static_cast<double>(rest.readings))
-                                        : rest.step / 2;
+        result.noise(row, column) =
+            rest.noise > rest.step / 2 ? rest.noise / std::sqrt(static_cast<double>(rest.readings)) : rest.step / 2;
     }
   }
   return result;
@@ -172,8 +170,7 @@ std::pair<double, double> poisson_range(const fem::Sensor& sensor, const Calibra
 void require_same_sensor(const TomlFile& file, const std::string& name, const fem::Sensor& sensor,
                          const std::string& first, const fem::Sensor& expected) {
   if (!same_sensor(sensor, expected))
-    throw ConfigError(file.path().string(), name + ".scene", "another sensor",
-                      "a scene with the sensor of " + first);
+    throw ConfigError(file.path().string(), name + ".scene", "another sensor", "a scene with the sensor of " + first);
 }
 
 fem::SensorFamily calibration_family(const fem::Sensor& sensor, const CalibrationOptions& options) {

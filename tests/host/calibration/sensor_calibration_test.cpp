@@ -7,8 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <random>
 
@@ -158,9 +158,8 @@ TEST(SensorCalibration, NoiseAtRestTellsAWrongIndenter) {
     CalibrationOptions options;
     options.rest_noise = s.noise / s.gain.array() / 5;  // of a mean over 25 frames
     const SensorCalibration c = calibrate(s, options);
-    return std::ranges::any_of(c.faults, [](const CalibrationFault& fault) {
-      return fault.kind == CalibrationFault::Kind::wrong_indenter;
-    });
+    return std::ranges::any_of(
+        c.faults, [](const CalibrationFault& fault) { return fault.kind == CalibrationFault::Kind::wrong_indenter; });
   };
   Simulated s = simulate(2, 0.002);
   EXPECT_FALSE(wrong(s));
@@ -194,7 +193,8 @@ TEST(SensorCalibration, AmplifierResponseIsThatOfTheEquation) {
     EXPECT_NEAR(read[k], v, 2e-4) << k;  // dt / RC of a jump
     ++k;
   }
-  EXPECT_NEAR(((amplifier_response(timing, std::numeric_limits<double>::infinity()) * stress) - stress).norm(), 0, 1e-15);
+  EXPECT_NEAR(((amplifier_response(timing, std::numeric_limits<double>::infinity()) * stress) - stress).norm(), 0,
+              1e-15);
   PressTiming wrong = timing;
   wrong.begin[1] = 0.8;
   EXPECT_THROW(wrong.validate(3), ValueError);
@@ -204,7 +204,8 @@ TEST(SensorCalibration, AmplifierResponseIsThatOfTheEquation) {
 std::vector<KnownPress> timed_presses() {
   std::vector<KnownPress> all = presses();
   for (KnownPress& press : all)
-    press.timing = {.begin = {1, 1.6, 2.4, 3.2, 4}, .end = {1.2, 1.8, 2.6, 3.4, 4.2}, .time = {1.5, 2.3, 3.1, 3.9, 4.7}};
+    press.timing = {
+        .begin = {1, 1.6, 2.4, 3.2, 4}, .end = {1.2, 1.8, 2.6, 3.4, 4.2}, .time = {1.5, 2.3, 3.1, 3.9, 4.7}};
   return all;
 }
 

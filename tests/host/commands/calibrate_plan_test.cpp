@@ -43,8 +43,8 @@ class CalibratePlan : public ::testing::Test {
 
 TEST_F(CalibratePlan, WritesPressesToRecord) {
   const std::string output = (folder_ / "my plan.toml").string(), json = (folder_ / "plan.json").string();
-  const ChildResult result = plan({"--candidates", (folder_ / "list.toml").string(), "--presses", "6", "--output", output,
-                                   "--json", json});
+  const ChildResult result =
+      plan({"--candidates", (folder_ / "list.toml").string(), "--presses", "6", "--output", output, "--json", json});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("sensor.young"));
   EXPECT_THAT(result.out, HasSubstr("6 at random"));
