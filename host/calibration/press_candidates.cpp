@@ -200,13 +200,14 @@ std::vector<PlanFile> plan_files(const std::filesystem::path& path, const std::v
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     const PressCandidate& press = chosen[i];
     const std::string name = fmt::format("{}-{:02}", stem, i + 1);
-    files.push_back({path.parent_path() / (name + ".toml"), "# " + press.indenter + "\n" + scene_text(press.scene)});
+    files.push_back(
+        {path.parent_path() / (name + ".toml"), "# " + one_line(press.indenter) + "\n" + scene_text(press.scene)});
     text += fmt::format(
         "\n[press-{:02}]  # {} at {:g} mm\nscene = {}\nrecording = {}\ntimes = [{:g}]\nbegin = [{:g}]\nend = "
         "[{:g}]\nwindow = {:g}\n",
-        i + 1, press.indenter, press.scene.indenter.position, quoted(name + ".toml"), quoted(name + ".tactel"),
-        fmt::join(press.timing.time, ", "), fmt::join(press.timing.begin, ", "), fmt::join(press.timing.end, ", "),
-        planned_window);
+        i + 1, one_line(press.indenter), press.scene.indenter.position, quoted(name + ".toml"),
+        quoted(name + ".tactel"), fmt::join(press.timing.time, ", "), fmt::join(press.timing.begin, ", "),
+        fmt::join(press.timing.end, ", "), planned_window);
     if (forces)
       text += fmt::format("# P = [ ]  # N/mm: force over length of the indenter, measured at these {} times\n",
                           press.timing.time.size());

@@ -83,18 +83,22 @@ Planner::Planner(const fem::SensorFamily& family, const std::vector<PressCandida
     const PressCandidate& candidate = candidates[i];
     if (candidate.scene.sensor.tactels != sensor.tactels)
       throw ValueError("candidates", candidate.indenter, "presses on one sensor");
-    const PressModel model(family, candidate.scene, candidate.timing, nominal, options.fit.elements);
-    frames[i] = model.at(nominal, candidate.scene.friction, asked);
+    try {
+      const PressModel model(family, candidate.scene, candidate.timing, nominal, options.fit.elements);
+      frames[i] = model.at(nominal, candidate.scene.friction, asked);
+    } catch (const fem::PathError&) {  // it tells nothing; lost() names it
+    }
   });
   noise_ = options.noise;
   if (noise_.size() == 0) {
     double largest = 0;
-    for (const PressFrames& of : frames) largest = std::max(largest, of.frame.cwiseAbs().maxCoeff());
+    for (const PressFrames& of : frames)
+      if (of.frame.size() > 0) largest = std::max(largest, of.frame.cwiseAbs().maxCoeff());
     noise_.setConstant(channels, options.noise_of_largest * largest);
   }
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     information_.push_back(information(candidates[i], frames[i]));
-    P_.push_back(frames[i].P.maxCoeff());
+    P_.push_back(frames[i].P.size() > 0 ? frames[i].P.maxCoeff() : none);
   }
 }
 
@@ -111,7 +115,7 @@ void Planner::choose_numbers() {
 }
 
 PressInformation Planner::information(const PressCandidate& candidate, const PressFrames& frames) const {
-  const Index channels = frames.frame.cols(), steps = frames.frame.rows(), size = fitted() + 1;
+  const Index channels = noise_.size(), steps = frames.frame.rows(), size = fitted() + 1;
   PressInformation result{MatrixXd::Zero(channels, 3), MatrixXd::Zero(channels, 2 * size), MatrixXd::Zero(size, size)};
   const auto number_of = [&](Index k) {
     return k < fitted() ? numbers_[static_cast<std::size_t>(k)] : friction_number;
@@ -119,7 +123,7 @@ PressInformation Planner::information(const PressCandidate& candidate, const Pre
   const Index known = with_friction() ? size : fitted();
   MatrixXd by = MatrixXd::Zero(steps, size);
   for (Index c = 0; c < channels; ++c) {
-    if (!std::isfinite(noise_[c])) continue;
+    if (!std::isfinite(noise_[c]) || steps == 0) continue;
     const VectorXd stress = frames.frame.col(c);
     const double weight = 1 / (noise_[c] * noise_[c]);
     for (Index k = 0; k < known; ++k) by.col(k) = frames.frame_by[number_of(k)].col(c);
@@ -297,6 +301,10 @@ ExpectedDeviations Planner::random_deviations(std::size_t count) const {
 
 std::vector<std::string> Planner::lost(const ExpectedDeviations& all, const MatrixXd& correlation) const {
   std::vector<std::string> sentences;
+  for (std::size_t i = 0; i < candidates_.size(); ++i)
+    if (std::isnan(P_[i]))
+      sentences.push_back(fmt::format("{} at {:g} mm is no candidate: its contact is not solved.",
+                                      candidates_[i].indenter, candidates_[i].scene.indenter.position));
   if (!std::isfinite(all.number[0]))
     sentences.emplace_back(
         "No plan finds sensor.young without measured forces: a softer rubber reads as smaller gains. Measure P.");

@@ -162,11 +162,6 @@ CalibrationOptions read_fit(const TomlFile& file) {
   return options;
 }
 
-std::pair<double, double> poisson_range(const fem::Sensor& sensor, const CalibrationOptions& options) {
-  if (!options.fit_poisson) return {sensor.poisson, sensor.poisson};
-  return {std::max(0.0, sensor.poisson - poisson_reach), std::min(sensor.poisson + poisson_reach, most_poisson)};
-}
-
 void require_same_sensor(const TomlFile& file, const std::string& name, const fem::Sensor& sensor,
                          const std::string& first, const fem::Sensor& expected) {
   if (!same_sensor(sensor, expected))
@@ -174,9 +169,9 @@ void require_same_sensor(const TomlFile& file, const std::string& name, const fe
 }
 
 fem::SensorFamily calibration_family(const fem::Sensor& sensor, const CalibrationOptions& options) {
-  const auto [low, high] = poisson_range(sensor, options);
-  return fem::SensorFamily({.poisson_low = low,
-                            .poisson_high = high,
+  const double reach = options.fit_poisson ? poisson_reach : 0;
+  return fem::SensorFamily({.poisson_low = std::max(0.0, sensor.poisson - reach),
+                            .poisson_high = reach > 0 ? std::min(sensor.poisson + reach, most_poisson) : sensor.poisson,
                             .longest = std::max(fem::SensorRange{}.longest, 1.3 * sensor.length / sensor.thickness),
                             .tactels = sensor.tactels});
 }
@@ -199,6 +194,12 @@ PressRecordings read_press_recordings(const std::filesystem::path& path, const S
     require_same_sensor(file, press.name, press.scene.sensor, first.name, first.scene.sensor);
   result.options.rest_noise = median_noise(noise);
   return result;
+}
+
+std::string one_line(std::string text) {
+  std::ranges::replace_if(
+      text, [](unsigned char c) { return std::iscntrl(c) != 0; }, ' ');
+  return text;
 }
 
 hw::Calibration merged_calibration(const SensorProfile& profile, const SensorCalibration& found) {
@@ -224,7 +225,7 @@ std::string calibrated_profile(const SensorProfile& profile, const hw::Calibrati
       old = line.compare(begin, 13, "[calibration]") == 0;
     if (!old) text += line + "\n";
   }
-  for (const std::string& remark : remarks) text += "# " + remark + "\n";
+  for (const std::string& remark : remarks) text += "# " + one_line(remark) + "\n";
   return text + calibration_text(calibration);
 }
 
