@@ -62,7 +62,7 @@ void add_press_axis(Panel& panel, const std::vector<KnownPress>& presses) {
 Figure gain_figure(const SensorCalibration& found) {
   Figure figure{.columns = 2, .panel_height = 280};
   for (const Kind& kind : kinds(found)) {
-    Series series{.label = "gain, 2 deviations", .mark = Mark::whiskers, .ink = kind.ink};
+    Series series{.mark = Mark::whiskers, .ink = kind.ink};
     const auto tactels = static_cast<Index>(found.gain.size() / 2);
     for (Index i = 0; i < tactels; ++i) {
       const Fitted& gain = found.gain[static_cast<std::size_t>(kind.first + i)];
@@ -96,7 +96,8 @@ Figure residual_map(const SensorCalibration& found, const std::vector<KnownPress
       for (Index i = 0; i < tactels; ++i) {
         const auto column = residuals.col(kind.first + i).array();
         const auto finite = column.isFinite();
-        raster.values.push_back(finite.any() ? finite.select(column, 0).sum() / static_cast<double>(finite.count()) : NAN);
+        raster.values.push_back(finite.any() ? finite.select(column, 0).sum() / static_cast<double>(finite.count())
+                                             : NAN);
       }
     figure.panels.push_back({.title = kind.name, .x_label = "tactel", .y_label = "press", .raster = std::move(raster)});
   }
@@ -138,9 +139,13 @@ PageTable gain_table(const SensorCalibration& found) {
       continue;
     }
     const double deviation = std::abs(gain.deviation / gain.value);
-    table.add({name, fmt::format("{:.4g}", gain.value),
-               {percent(deviation), deviation < 0.05 ? Tone::plain : deviation < 0.2 ? Tone::fair : Tone::poor},
-               fmt::format("{:.5g}", offset.value), fmt::format("{:.2g}", offset.deviation),
+    table.add({name,
+               fmt::format("{:.4g}", gain.value),
+               {percent(deviation), deviation < 0.05  ? Tone::plain
+                                    : deviation < 0.2 ? Tone::fair
+                                                      : Tone::poor},
+               fmt::format("{:.5g}", offset.value),
+               fmt::format("{:.2g}", offset.deviation),
                fmt::format("{:.2g}", found.noise[c])});
   }
   return table;
@@ -150,12 +155,12 @@ void add_verdict(Page& page, const SensorCalibration& found) {
   const std::vector<double> deviations = gain_deviations(found);
   const auto known = std::ranges::count_if(deviations, [](double d) { return std::isfinite(d); });
   const auto unsure = std::ranges::count_if(deviations, [](double d) { return d > 0.2; });
-  page.verdict(found.converged
-                   ? fmt::format("Gains of {} of {} transducers are found, with a median deviation of {}.", known,
-                                 deviations.size(), percent(median(deviations)))
-                   : std::string("The fit did not converge; its numbers say nothing."));
-  page.finding(found.converged ? Tone::good : Tone::poor, "fit",
-               fmt::format("{} after {} iterations.", found.converged ? "Converged" : "Not converged", found.iterations));
+  page.verdict(found.converged ? fmt::format("Gains of {} of {} transducers are found, with a median deviation of {}.",
+                                             known, deviations.size(), percent(median(deviations)))
+                               : std::string("The fit did not converge; its numbers say nothing."));
+  page.finding(
+      found.converged ? Tone::good : Tone::poor, "fit",
+      fmt::format("{} after {} iterations.", found.converged ? "Converged" : "Not converged", found.iterations));
   if (found.young.deviation > 0)
     page.finding(Tone::fact, "E", fmt::format("{:.4g} ± {:.2g} MPa.", found.young.value, found.young.deviation));
   if (found.poisson.deviation > 0)
@@ -171,7 +176,7 @@ void add_verdict(Page& page, const SensorCalibration& found) {
 
 Figure residual_figure(const SensorCalibration& found, const std::vector<KnownPress>& presses) {
   Panel by_press{.title = "by press", .x_label = "press", .y_label = "residual over noise, rms", .zero_line = true};
-  Panel by_tactel{.title = "by tactel", .x_label = "tactel", .y_label = "residual over noise, rms", .zero_line = true};
+  Panel by_tactel{.title = "by tactel", .x_label = "tactel", .y_label = "residual, rms (kPa)", .zero_line = true};
   const auto tactels = static_cast<Index>(found.gain.size() / 2);
   by_press.x_range = {0.5, static_cast<double>(presses.size()) + 0.5};
   by_tactel.x_range = {-0.5, static_cast<double>(tactels) - 0.5};
@@ -181,7 +186,7 @@ Figure residual_figure(const SensorCalibration& found, const std::vector<KnownPr
     for (std::size_t i = 0; i < presses.size(); ++i) {
       press.x.push_back(static_cast<double>(i + 1));
       press.y.push_back(rms(found.residuals[i].middleCols(kind.first, tactels)));
-      press.names.push_back(presses[i].name);
+      if (by_press.x_ticks.empty()) press.names.push_back(presses[i].name);
     }
     for (Index c = 0; c < tactels; ++c) {
       double sum = 0, n = 0;
@@ -189,9 +194,17 @@ Figure residual_figure(const SensorCalibration& found, const std::vector<KnownPr
         for (const double r : residuals.col(kind.first + c))
           if (std::isfinite(r)) sum += r * r, n += 1;
       tactel.x.push_back(static_cast<double>(c));
-      tactel.y.push_back(n > 0 ? std::sqrt(sum / n) : NAN);
+      const auto i = static_cast<std::size_t>(kind.first + c);
+      const double kPa = 1000 * found.noise[i] * std::abs(found.gain[i].value);
+      tactel.y.push_back(n > 0 ? std::sqrt(sum / n) * kPa : NAN);
     }
     by_press.series.push_back(std::move(press)), by_tactel.series.push_back(std::move(tactel));
+  }
+  for (Panel* panel : {&by_press, &by_tactel}) {
+    double most = 0;
+    for (const Series& series : panel->series)
+      for (const double y : series.y) most = std::max(most, std::isnan(y) ? 0 : y);
+    panel->y_range = {0, most > 0 ? 1.1 * most : 1};
   }
   return {.title = "Residuals of the calibration", .panels = {by_press, by_tactel}, .columns = 2, .width = 900};
 }
@@ -212,9 +225,10 @@ Page calibration_page(const SensorCalibration& found, const std::vector<KnownPre
   page.figure(gain_figure(found),
               "Gains with two standard deviations on both sides. A transducer that was left out has no mark.");
   page.section("Residuals");
-  page.figure(residual_figure(found, presses),
-              "Size of reading less model over the noise of the transducer. A press far above the others has another "
-              "indenter, depth or place; a press without a mark was left out.");
+  page.figure(
+      residual_figure(found, presses),
+      "Size of reading less model: by press over the noise of the transducers, by tactel as a stress. A press far "
+      "above the others has another indenter, depth or place; a press without a mark was left out.");
   page.figure(residual_map(found, presses),
               "Mean residual of each press at each tactel. Neighbouring tactels of one colour show a press at another "
               "place or depth than its scene says.");

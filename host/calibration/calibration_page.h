@@ -8,7 +8,7 @@
 
 namespace tactel::host {
 
-/// Returns the sizes (rms) of the residuals of a calibration, by press and by tactel, over the noise.
+/// Returns the sizes (rms) of the residuals of a calibration, by press over the noise, and by tactel in kPa.
 Figure residual_figure(const SensorCalibration& found, const std::vector<KnownPress>& presses);
 
 /// Returns the page of a calibration: the sensor's numbers, gains with two deviations, residuals, what was held fixed

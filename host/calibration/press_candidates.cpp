@@ -140,11 +140,8 @@ std::vector<PressCandidate> usual_candidates(const fem::Scene& nominal) {
     fem::Shape shape;
     double half_width;  ///< mm of its lowest part
   };
-  const Tool tools[] = {{fem::Cylinder{3}, 0},
-                        {fem::Cylinder{6}, 0},
-                        {fem::Cylinder{15}, 0},
-                        {fem::Flat{2.0}, 2},
-                        {fem::Wedge{150}, 0}};
+  const Tool tools[] = {
+      {fem::Cylinder{3}, 0}, {fem::Cylinder{6}, 0}, {fem::Cylinder{15}, 0}, {fem::Flat{2.0}, 2}, {fem::Wedge{150}, 0}};
   const fem::Sensor& sensor = nominal.sensor;
   const double deep = rounded(sensor.thickness * 2 / 15, 0.01), far = rounded(sensor.thickness * 0.08 / 1.5, 0.001);
   std::vector<PressCandidate> all;
@@ -180,12 +177,14 @@ CandidateList read_candidates(const std::filesystem::path& path, std::size_t tac
   if (list.candidates.empty())
     throw file.error("press", nullptr, "at least one table of candidates: scene, position, indentation, drag");
   const CalibrationOptions& fit = list.fit;
-  list.fit_text = fmt::format("[fit]\npoisson = {}\nthickness = {}\nshift = {}\ntime_constant = {}\nfriction = {:g}\nforce_noise = {:g}\n",
-                              fit.fit_poisson, fit.fit_thickness, fit.fit_shift, fit.fit_time_constant,
-                              fit.friction_deviation, fit.force_noise);
+  list.fit_text = fmt::format(
+      "[fit]\npoisson = {}\nthickness = {}\nshift = {}\ntime_constant = {}\nfriction = {:g}\nforce_noise = {:g}\n",
+      fit.fit_poisson, fit.fit_thickness, fit.fit_shift, fit.fit_time_constant, fit.friction_deviation,
+      fit.force_noise);
   if (std::isfinite(fit.lowest_reading)) list.fit_text += fmt::format("lowest_reading = {}\n", fit.lowest_reading);
   if (std::isfinite(fit.highest_reading)) list.fit_text += fmt::format("highest_reading = {}\n", fit.highest_reading);
-  if (std::isfinite(fit.time_constant)) list.fit_text += fmt::format("\n[transducer]\ntime_constant = {}\n", fit.time_constant);
+  if (std::isfinite(fit.time_constant))
+    list.fit_text += fmt::format("\n[transducer]\ntime_constant = {}\n", fit.time_constant);
   return list;
 }
 
@@ -195,19 +194,23 @@ std::vector<PlanFile> plan_files(const std::filesystem::path& path, const std::v
   std::string text =
       "# Planned presses. Record each with tactel record, from before the first touch; then\n"
       "# tactel calibrate sensor reads this file. A press is a second at rest, then a second for each load step\n"
-      "# of its scene: move at begin, rest from end on. Correct times, begin and end to what was done.\n" + fit_text;
+      "# of its scene: move at begin, rest from end on. Correct times, begin and end to what was done.\n" +
+      fit_text;
   std::vector<PlanFile> files{{path, {}}};
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     const PressCandidate& press = chosen[i];
     const std::string name = fmt::format("{}-{:02}", stem, i + 1);
-    files.push_back({path.parent_path() / (name + ".toml"), "# " + press.indenter + "\n" + scene_text(press.scene)});
+    files.push_back(
+        {path.parent_path() / (name + ".toml"), "# " + one_line(press.indenter) + "\n" + scene_text(press.scene)});
     text += fmt::format(
         "\n[press-{:02}]  # {} at {:g} mm\nscene = {}\nrecording = {}\ntimes = [{:g}]\nbegin = [{:g}]\nend = "
         "[{:g}]\nwindow = {:g}\n",
-        i + 1, press.indenter, press.scene.indenter.position, quoted(name + ".toml"), quoted(name + ".tactel"), fmt::join(press.timing.time, ", "),
-        fmt::join(press.timing.begin, ", "), fmt::join(press.timing.end, ", "), planned_window);
+        i + 1, one_line(press.indenter), press.scene.indenter.position, quoted(name + ".toml"),
+        quoted(name + ".tactel"), fmt::join(press.timing.time, ", "), fmt::join(press.timing.begin, ", "),
+        fmt::join(press.timing.end, ", "), planned_window);
     if (forces)
-      text += fmt::format("# P = [ ]  # N/mm: force over length of the indenter, measured at these {} times\n", press.timing.time.size());
+      text += fmt::format("# P = [ ]  # N/mm: force over length of the indenter, measured at these {} times\n",
+                          press.timing.time.size());
   }
   files.front().text = text;
   return files;

@@ -16,7 +16,8 @@ struct CandidateList {
 };
 
 /// Returns presses with what a laboratory has, on the sensor and with the friction of `nominal`: rods of radius 3, 6
-/// and 15 mm, a flat of 4 mm and a wedge of 150 degrees, at 11 places, two depths, without and with drags to both sides.
+/// and 15 mm, a flat of 4 mm and a wedge of 150 degrees, at 11 places, two depths, without and with drags to both
+/// sides.
 std::vector<PressCandidate> usual_candidates(const fem::Scene& nominal);
 
 /// Reads a list: each table names a scene, and the places, depths and drags at which it is a candidate. Throws

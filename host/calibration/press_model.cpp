@@ -115,9 +115,8 @@ void PressModel::amplify(double log_time_constant, std::span<const int> numbers,
   const auto response = [&](double log) { return amplifier_response(timing_, std::exp(log)); };
   for (const int number : numbers)
     if (number == time_constant_number)
-      frames.frame_by[number] =
-          (response(log_time_constant + log_step) - response(log_time_constant - log_step)) * frames.frame /
-          (2 * log_step);
+      frames.frame_by[number] = (response(log_time_constant + log_step) - response(log_time_constant - log_step)) *
+                                frames.frame / (2 * log_step);
     else
       frames.frame_by[number] = response(log_time_constant) * frames.frame_by[number];
   frames.frame = response(log_time_constant) * frames.frame;

@@ -27,8 +27,8 @@ inline constexpr int friction_number = sensor_numbers;  ///< beside them: fricti
 
 /// Frames and forces of one press, and their derivatives by the numbers of a SensorState.
 struct PressFrames {
-  Eigen::MatrixXd frame;                          ///< [steps, 2 tactels] MPa: sigma_y, then tau_xy, as amplifiers read them
-  Eigen::VectorXd P;                              ///< [steps] N/mm
+  Eigen::MatrixXd frame;  ///< [steps, 2 tactels] MPa: sigma_y, then tau_xy, as amplifiers read them
+  Eigen::VectorXd P;      ///< [steps] N/mm
   Eigen::MatrixXd frame_by[friction_number + 1];  ///< [steps, 2 tactels]; empty where not asked for
   Eigen::VectorXd P_by[friction_number + 1];      ///< [steps]
 };
@@ -38,7 +38,8 @@ struct PressFrames {
 class PressModel {
  public:
   /// `scene`: indenter, friction, load, and the nominal sensor, of which E, poisson and thickness are replaced.
-  /// `timing` is asked for where readings decay. Throws ValueError for a scene that the family does not serve, fem::PathError where the sweeps do not converge.
+  /// `timing` is asked for where readings decay. Throws ValueError for a scene that the family does not serve,
+  /// fem::PathError where the sweeps do not converge.
   PressModel(const fem::SensorFamily& family, const fem::Scene& scene, const PressTiming& timing,
              const SensorState& first, int elements);
 

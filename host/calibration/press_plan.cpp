@@ -23,8 +23,8 @@ constexpr double none = std::numeric_limits<double>::quiet_NaN();
 /// Weak information on each unknown, a standard deviation of 10 (no unit, mm): determinants exist before every
 /// transducer has been pressed.
 constexpr double weak = 0.01;
-constexpr double never_found = 0.5;     ///< relative deviation of a gain, with all candidates
-constexpr double least_exchange = 1e-9; ///< of the log determinant
+constexpr double never_found = 0.5;      ///< relative deviation of a gain, with all candidates
+constexpr double least_exchange = 1e-9;  ///< of the log determinant
 
 /// Sums over the rows of a press, weighted by noise: those of the normal equations of a fit. Parameters of its readings
 /// are offset, sensitivity and the numbers; the last number is the friction of this press alone.
@@ -83,18 +83,22 @@ Planner::Planner(const fem::SensorFamily& family, const std::vector<PressCandida
     const PressCandidate& candidate = candidates[i];
     if (candidate.scene.sensor.tactels != sensor.tactels)
       throw ValueError("candidates", candidate.indenter, "presses on one sensor");
-    const PressModel model(family, candidate.scene, candidate.timing, nominal, options.fit.elements);
-    frames[i] = model.at(nominal, candidate.scene.friction, asked);
+    try {
+      const PressModel model(family, candidate.scene, candidate.timing, nominal, options.fit.elements);
+      frames[i] = model.at(nominal, candidate.scene.friction, asked);
+    } catch (const fem::PathError&) {  // it tells nothing; lost() names it
+    }
   });
   noise_ = options.noise;
   if (noise_.size() == 0) {
     double largest = 0;
-    for (const PressFrames& of : frames) largest = std::max(largest, of.frame.cwiseAbs().maxCoeff());
+    for (const PressFrames& of : frames)
+      if (of.frame.size() > 0) largest = std::max(largest, of.frame.cwiseAbs().maxCoeff());
     noise_.setConstant(channels, options.noise_of_largest * largest);
   }
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     information_.push_back(information(candidates[i], frames[i]));
-    P_.push_back(frames[i].P.maxCoeff());
+    P_.push_back(frames[i].P.size() > 0 ? frames[i].P.maxCoeff() : none);
   }
 }
 
@@ -111,13 +115,15 @@ void Planner::choose_numbers() {
 }
 
 PressInformation Planner::information(const PressCandidate& candidate, const PressFrames& frames) const {
-  const Index channels = frames.frame.cols(), steps = frames.frame.rows(), size = fitted() + 1;
+  const Index channels = noise_.size(), steps = frames.frame.rows(), size = fitted() + 1;
   PressInformation result{MatrixXd::Zero(channels, 3), MatrixXd::Zero(channels, 2 * size), MatrixXd::Zero(size, size)};
-  const auto number_of = [&](Index k) { return k < fitted() ? numbers_[static_cast<std::size_t>(k)] : friction_number; };
+  const auto number_of = [&](Index k) {
+    return k < fitted() ? numbers_[static_cast<std::size_t>(k)] : friction_number;
+  };
   const Index known = with_friction() ? size : fitted();
   MatrixXd by = MatrixXd::Zero(steps, size);
   for (Index c = 0; c < channels; ++c) {
-    if (!std::isfinite(noise_[c])) continue;
+    if (!std::isfinite(noise_[c]) || steps == 0) continue;
     const VectorXd stress = frames.frame.col(c);
     const double weight = 1 / (noise_[c] * noise_[c]);
     for (Index k = 0; k < known; ++k) by.col(k) = frames.frame_by[number_of(k)].col(c);
@@ -144,7 +150,8 @@ PressInformation Planner::information(const PressCandidate& candidate, const Pre
 Planner::Total Planner::total(const Set& set) const {
   const Index channels = noise_.size(), m = fitted(), own = m + 1;
   const Index numbers = m + (with_friction() ? static_cast<Index>(set.size()) : 0);
-  Total sum{MatrixXd::Zero(channels, 3), MatrixXd::Zero(channels, 2 * numbers), MatrixXd::Zero(numbers, numbers), numbers};
+  Total sum{MatrixXd::Zero(channels, 3), MatrixXd::Zero(channels, 2 * numbers), MatrixXd::Zero(numbers, numbers),
+            numbers};
   for (std::size_t i = 0; i < set.size(); ++i) {
     const PressInformation& of = information_[set[i]];
     sum.sums += of.sums;
@@ -236,7 +243,8 @@ ExpectedDeviations Planner::deviations(const Set& set, MatrixXd* correlation) co
   const MatrixXd covariance = eliminated(sum).inverse();
   ExpectedDeviations result;
   std::ranges::fill(result.number, none);
-  for (Index k = 0; k < fitted(); ++k) result.number[numbers_[static_cast<std::size_t>(k)]] = std::sqrt(covariance(k, k));
+  for (Index k = 0; k < fitted(); ++k)
+    result.number[numbers_[static_cast<std::size_t>(k)]] = std::sqrt(covariance(k, k));
   if (correlation != nullptr) {
     const VectorXd scale = covariance.diagonal().head(fitted()).cwiseSqrt().cwiseInverse();
     *correlation = scale.asDiagonal() * covariance.topLeftCorner(fitted(), fitted()) * scale.asDiagonal();
@@ -270,8 +278,7 @@ ExpectedDeviations Planner::random_deviations(std::size_t count) const {
   count = std::min(count, order.size());
   std::vector<ExpectedDeviations> all;
   for (int draw = 0; draw < options_.draws; ++draw) {
-    for (std::size_t i = 0; i < count; ++i)
-      std::swap(order[i], order[i + random() % (order.size() - i)]);
+    for (std::size_t i = 0; i < count; ++i) std::swap(order[i], order[i + random() % (order.size() - i)]);
     all.push_back(deviations({order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count)}));
   }
   const auto median = [&all](const auto& of) {
@@ -285,8 +292,7 @@ ExpectedDeviations Planner::random_deviations(std::size_t count) const {
   for (Index c = 0; c < noise_.size(); ++c)
     result.gain[c] = std::isfinite(all[0].gain[c]) ? median([c](const auto& one) { return one.gain[c]; }) : none;
   for (int k = 0; k < sensor_numbers; ++k)
-    result.number[k] =
-        std::isfinite(all[0].number[k]) ? median([k](const auto& one) { return one.number[k]; }) : none;
+    result.number[k] = std::isfinite(all[0].number[k]) ? median([k](const auto& one) { return one.number[k]; }) : none;
   result.normal_gain = median([](const auto& one) { return one.normal_gain; });
   result.shear_gain = median([](const auto& one) { return one.shear_gain; });
   result.worst_gain = median([](const auto& one) { return one.worst_gain; });
@@ -295,6 +301,10 @@ ExpectedDeviations Planner::random_deviations(std::size_t count) const {
 
 std::vector<std::string> Planner::lost(const ExpectedDeviations& all, const MatrixXd& correlation) const {
   std::vector<std::string> sentences;
+  for (std::size_t i = 0; i < candidates_.size(); ++i)
+    if (std::isnan(P_[i]))
+      sentences.push_back(fmt::format("{} at {:g} mm is no candidate: its contact is not solved.",
+                                      candidates_[i].indenter, candidates_[i].scene.indenter.position));
   if (!std::isfinite(all.number[0]))
     sentences.emplace_back(
         "No plan finds sensor.young without measured forces: a softer rubber reads as smaller gains. Measure P.");
@@ -304,16 +314,17 @@ std::vector<std::string> Planner::lost(const ExpectedDeviations& all, const Matr
   for (Index k = 0; k < fitted(); ++k)
     for (Index j = 0; j < k; ++j)
       if (std::abs(correlation(k, j)) > degenerate)
-        sentences.push_back(fmt::format("No plan tells {} and {} apart well: with all candidates together their correlation "
-                                        "is {:.3f}. Hold one of them.",
-                                        sensor_names[numbers_[static_cast<std::size_t>(j)]],
-                                        sensor_names[numbers_[static_cast<std::size_t>(k)]], correlation(k, j)));
+        sentences.push_back(
+            fmt::format("No plan tells {} and {} apart well: with all candidates together their correlation "
+                        "is {:.3f}. Hold one of them.",
+                        sensor_names[numbers_[static_cast<std::size_t>(j)]],
+                        sensor_names[numbers_[static_cast<std::size_t>(k)]], correlation(k, j)));
   for (Index c = 0; c < noise_.size(); ++c)
     if (all.gain[c] > never_found)
-      sentences.push_back(fmt::format("No candidate loads the {} enough: its gain would be known to {:.0f} % with all of "
-                                      "them. Add presses over it{}.",
-                                      transducer_name(c, noise_.size() / 2), 100 * all.gain[c],
-                                      c < noise_.size() / 2 ? "" : ", with a drag"));
+      sentences.push_back(fmt::format(
+          "No candidate loads the {} enough: its gain would be known to {:.0f} % with all of "
+          "them. Add presses over it{}.",
+          transducer_name(c, noise_.size() / 2), 100 * all.gain[c], c < noise_.size() / 2 ? "" : ", with a drag"));
   return sentences;
 }
 

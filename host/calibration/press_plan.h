@@ -17,22 +17,22 @@ struct PressCandidate {
 
 struct PlanOptions {
   int presses = 10;
-  CalibrationOptions fit{};     ///< what the calibration will fit
-  bool forces = true;           ///< P is measured
-  Eigen::VectorXd noise{};      ///< [2 tactels] MPa, standard deviation of a reading; NaN: no transducer. Empty: of all
-                                ///< transducers noise_of_largest
+  CalibrationOptions fit{};  ///< what the calibration will fit
+  bool forces = true;        ///< P is measured
+  Eigen::VectorXd noise{};   ///< [2 tactels] MPa, standard deviation of a reading; NaN: no transducer. Empty: of all
+                             ///< transducers noise_of_largest
   double noise_of_largest = 0.01;  ///< over the largest stress of all candidates
   double weight = 4;  ///< of the information on the sensor's numbers, beside that on gains: see plan_presses
-  int draws = 200;                 ///< random choices beside which the plan is put
-  unsigned seed = 1;               ///< of these choices
+  int draws = 200;    ///< random choices beside which the plan is put
+  unsigned seed = 1;  ///< of these choices
   int threads = 2;
   void validate(std::size_t candidates) const;  ///< throws ValueError
 };
 
 /// Standard deviations to expect of a calibration; NaN: held fixed.
 struct ExpectedDeviations {
-  Eigen::VectorXd gain{};                         ///< [2 tactels] relative; NaN: no transducer
-  double number[sensor_numbers];                  ///< of the numbers of SensorState: of ln E, nu, mm, mm, ln RC
+  Eigen::VectorXd gain{};         ///< [2 tactels] relative; NaN: no transducer
+  double number[sensor_numbers];  ///< of the numbers of SensorState: of ln E, nu, mm, mm, ln RC
   double normal_gain = 0, shear_gain = 0, worst_gain = 0;  ///< medians over the tactels, and the largest, relative
 };
 
@@ -40,9 +40,10 @@ struct PressPlan {
   std::vector<std::size_t> chosen;  ///< candidates, in their order
   std::vector<double> P;            ///< [candidates] N/mm: the largest of each
   Eigen::VectorXd noise;            ///< [2 tactels] MPa, as it was taken
-  ExpectedDeviations planned{}, random{}, random_twice{},  ///< medians over draws of as many presses, and of twice as many
-      all{};                                         ///< of all candidates together
-  std::vector<std::string> lost{};                   ///< sentences: what no plan can find, or only with others
+  ExpectedDeviations planned{}, random{},
+      random_twice{},               ///< medians over draws of as many presses, and of twice as many
+      all{};                        ///< of all candidates together
+  std::vector<std::string> lost{};  ///< sentences: what no plan can find, or only with others
 };
 
 /// Chooses the presses that tell most: D-optimal for gains and the fitted numbers of the sensor. The information is

@@ -43,16 +43,14 @@ WindowReadings read_windows(const std::filesystem::path& path, const SensorProfi
   result.noise = result.mean;
   for (std::size_t k = 0; k < times.size(); ++k) {
     if (windows[k].frames() == 0)
-      in.refuse("times",
-                fmt::format("times within the recording {}: {:g} s has no frame", path.string(), times[k]));
+      in.refuse("times", fmt::format("times within the recording {}: {:g} s has no frame", path.string(), times[k]));
     for (std::size_t c = 0; c < channels; ++c) {
       const hw::ChannelRest rest = windows[k].channel(c);
       const auto row = static_cast<Eigen::Index>(k), column = static_cast<Eigen::Index>(c);
       if (rest.readings > 0) result.mean(row, column) = rest.mean;
       if (rest.readings >= fewest_frames)  // noise below half a step is not averaged out
-        result.noise(row, column) = rest.noise > rest.step / 2
-                                        ? rest.noise / std::sqrt(static_cast<double>(rest.readings))
-                                        : rest.step / 2;
+        result.noise(row, column) =
+            rest.noise > rest.step / 2 ? rest.noise / std::sqrt(static_cast<double>(rest.readings)) : rest.step / 2;
     }
   }
   return result;
@@ -164,22 +162,16 @@ CalibrationOptions read_fit(const TomlFile& file) {
   return options;
 }
 
-std::pair<double, double> poisson_range(const fem::Sensor& sensor, const CalibrationOptions& options) {
-  if (!options.fit_poisson) return {sensor.poisson, sensor.poisson};
-  return {std::max(0.0, sensor.poisson - poisson_reach), std::min(sensor.poisson + poisson_reach, most_poisson)};
-}
-
 void require_same_sensor(const TomlFile& file, const std::string& name, const fem::Sensor& sensor,
                          const std::string& first, const fem::Sensor& expected) {
   if (!same_sensor(sensor, expected))
-    throw ConfigError(file.path().string(), name + ".scene", "another sensor",
-                      "a scene with the sensor of " + first);
+    throw ConfigError(file.path().string(), name + ".scene", "another sensor", "a scene with the sensor of " + first);
 }
 
 fem::SensorFamily calibration_family(const fem::Sensor& sensor, const CalibrationOptions& options) {
-  const auto [low, high] = poisson_range(sensor, options);
-  return fem::SensorFamily({.poisson_low = low,
-                            .poisson_high = high,
+  const double reach = options.fit_poisson ? poisson_reach : 0;
+  return fem::SensorFamily({.poisson_low = std::max(0.0, sensor.poisson - reach),
+                            .poisson_high = reach > 0 ? std::min(sensor.poisson + reach, most_poisson) : sensor.poisson,
                             .longest = std::max(fem::SensorRange{}.longest, 1.3 * sensor.length / sensor.thickness),
                             .tactels = sensor.tactels});
 }
@@ -202,6 +194,12 @@ PressRecordings read_press_recordings(const std::filesystem::path& path, const S
     require_same_sensor(file, press.name, press.scene.sensor, first.name, first.scene.sensor);
   result.options.rest_noise = median_noise(noise);
   return result;
+}
+
+std::string one_line(std::string text) {
+  std::ranges::replace_if(
+      text, [](unsigned char c) { return std::iscntrl(c) != 0; }, ' ');
+  return text;
 }
 
 hw::Calibration merged_calibration(const SensorProfile& profile, const SensorCalibration& found) {
@@ -227,7 +225,7 @@ std::string calibrated_profile(const SensorProfile& profile, const hw::Calibrati
       old = line.compare(begin, 13, "[calibration]") == 0;
     if (!old) text += line + "\n";
   }
-  for (const std::string& remark : remarks) text += "# " + remark + "\n";
+  for (const std::string& remark : remarks) text += "# " + one_line(remark) + "\n";
   return text + calibration_text(calibration);
 }
 

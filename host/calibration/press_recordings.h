@@ -29,6 +29,9 @@ void require_same_sensor(const TomlFile& file, const std::string& name, const fe
 /// for a wrong file, or a time without frames, and hw::RecordingError for a damaged recording.
 PressRecordings read_press_recordings(const std::filesystem::path& path, const SensorProfile& profile);
 
+/// Returns the text with control characters as blanks, for a comment in a file.
+std::string one_line(std::string text);
+
 /// Returns the calibration of the profile's channels: gains and offsets that were found, the others as they were.
 hw::Calibration merged_calibration(const SensorProfile& profile, const SensorCalibration& found);
 

@@ -7,8 +7,8 @@ namespace tactel::host {
 
 /// When a press moves and when it is read, each [load steps], s since the first frame, at which nothing touches yet.
 struct PressTiming {
-  std::vector<double> begin{}, end{};  ///< of the motion to a load step; the stress is linear in time within it
-  std::vector<double> time{};          ///< of the reading
+  std::vector<double> begin{}, end{};      ///< of the motion to a load step; the stress is linear in time within it
+  std::vector<double> time{};              ///< of the reading
   void validate(std::size_t steps) const;  ///< throws ValueError: begin, end and time must follow one another
 };
 

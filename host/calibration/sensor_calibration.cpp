@@ -24,7 +24,8 @@ constexpr double wrong_press = 3;        ///< times the median press's residual
 constexpr double wrong_indenter = 2;     ///< times noise at rest and model_error
 constexpr double model_error = 0.02;     ///< of a transducer's signal: places, depths and shapes as a bench knows them
 constexpr double not_told = 0.9;         ///< of its deviation before the fit
-constexpr int first_friction = sensor_numbers;  ///< numbers of the fit: those of SensorState, then each press's friction
+constexpr int first_friction =
+    sensor_numbers;  ///< numbers of the fit: those of SensorState, then each press's friction
 
 /// What a fit changes.
 struct FitState {
@@ -83,9 +84,7 @@ class Fit {
   void add(CalibrationFault::Kind kind, int channel, int other, int press, std::string text) {
     result_.faults.push_back({kind, channel, other, press, std::move(text)});
   }
-  std::string channel_name(Index c) const {
-    return transducer_name(c, count() / 2);
-  }
+  std::string channel_name(Index c) const { return transducer_name(c, count() / 2); }
 
   const fem::SensorFamily& family_;
   const std::vector<KnownPress>& presses_;
@@ -103,11 +102,7 @@ class Fit {
 
 Fit::Fit(const fem::SensorFamily& family, const std::vector<KnownPress>& presses, const SensorState& start,
          const CalibrationOptions& options)
-    : family_(family),
-      presses_(presses),
-      options_(options),
-      state_{start, {}},
-      press_used_(presses.size(), true) {
+    : family_(family), presses_(presses), options_(options), state_{start, {}}, press_used_(presses.size(), true) {
   options.validate();
   state_.sensor.log_time_constant = std::log(options.time_constant);
   if (presses.empty()) throw ValueError("presses", "none", "at least one known press");
@@ -139,7 +134,8 @@ Fit::Fit(const fem::SensorFamily& family, const std::vector<KnownPress>& presses
 /// Searches the patches of all presses at the present state.
 void Fit::find_patches() {
   models_.clear();
-  for (const KnownPress& press : presses_) models_.emplace_back(family_, press.scene, press.timing, state_.sensor, options_.elements);
+  for (const KnownPress& press : presses_)
+    models_.emplace_back(family_, press.scene, press.timing, state_.sensor, options_.elements);
 }
 
 double& Fit::number_of(FitState& state, int number) {
@@ -505,7 +501,8 @@ void Fit::find_wrong_indenter(const Stack& at) {
   for (Index c = 0; c < count(); ++c) {
     const Channel& channel = channels_[static_cast<std::size_t>(c)];
     if (!channel.used) continue;
-    const double signal = channel.sensitivity * std::sqrt((at.frame.col(c).array() - at.frame.col(c).mean()).square().mean());
+    const double signal =
+        channel.sensitivity * std::sqrt((at.frame.col(c).array() - at.frame.col(c).mean()).square().mean());
     const double expected = std::hypot(noise[c], model_error * signal) / channel.noise;
     for (Index row = 0; row < rows(); ++row)
       if (std::isfinite(readings_(row, c))) sum += std::pow(residual(at, row, c) / expected, 2), n += 1;

@@ -48,8 +48,8 @@ int run_calibrate_bound(const CalibrateBoundRequest& request) {
 }  // namespace
 
 void add_calibrate_command(CLI::App& app, Action& action) {
-  CLI::App* command =
-      app.add_subcommand("calibrate", "plan presses, calibrate a sensor by them, or the bound of a network by other data");
+  CLI::App* command = app.add_subcommand(
+      "calibrate", "plan presses, calibrate a sensor by them, or the bound of a network by other data");
   command->group("Learn");
   command->require_subcommand(1);
   add_calibrate_plan_command(*command, action);

@@ -38,7 +38,8 @@ Eigen::VectorXd profile_noise(const hw::ChannelMap& map) {
     const int channel = i < tactels ? map.normal[i] : map.shear[i - tactels];
     const auto c = static_cast<std::size_t>(std::max(channel, 0));
     const double stress = calibration.noise[c] * std::abs(calibration.gain[c]);
-    noise[static_cast<Eigen::Index>(i)] = channel >= 0 && stress > 0 ? stress : std::numeric_limits<double>::quiet_NaN();
+    noise[static_cast<Eigen::Index>(i)] =
+        channel >= 0 && stress > 0 ? stress : std::numeric_limits<double>::quiet_NaN();
   }
   return noise;
 }
@@ -88,8 +89,8 @@ void print_plan(const PressPlan& plan, const std::vector<PressCandidate>& candid
     const PressCandidate& press = candidates[plan.chosen[i]];
     const double drag = drag_of(press.scene);
     fmt::print("{:>3}  {:<28} {:>6.4g} mm {:>10} {:>9} {:>7.3g} N/mm\n", i + 1, press.indenter,
-               press.scene.indenter.position, depth_text(press.scene), drag == 0 ? "none" : fmt::format("{:.4g} mm", drag),
-               plan.P[plan.chosen[i]]);
+               press.scene.indenter.position, depth_text(press.scene),
+               drag == 0 ? "none" : fmt::format("{:.4g} mm", drag), plan.P[plan.chosen[i]]);
   }
   const std::size_t count = plan.chosen.size();
   fmt::print("\n{:<32} {:>11} {:>14} {:>14} {:>14}\n", "standard deviation to expect", "this plan",
@@ -97,7 +98,9 @@ void print_plan(const PressPlan& plan, const std::vector<PressCandidate>& candid
              fmt::format("all {}", candidates.size()));
   for (const DeviationRow& row : rows) {
     if (!std::isfinite(row.of(plan.planned))) continue;
-    const auto cell = [&](const ExpectedDeviations& d) { return fmt::format("{:.2g}{}", row.scale * row.of(d), row.unit); };
+    const auto cell = [&](const ExpectedDeviations& d) {
+      return fmt::format("{:.2g}{}", row.scale * row.of(d), row.unit);
+    };
     fmt::print("{:<32} {:>11} {:>14} {:>14} {:>14}\n", row.name, cell(plan.planned), cell(plan.random),
                cell(plan.random_twice), cell(plan.all));
   }
@@ -117,7 +120,8 @@ Json deviations_json(const ExpectedDeviations& deviations) {
 Json plan_json(const PressPlan& plan, const std::vector<PressCandidate>& candidates) {
   Json presses = Json::array(), noise = Json::array();
   for (const std::size_t i : plan.chosen)
-    presses.push_back({{"indenter", candidates[i].indenter}, {"P", plan.P[i]}, {"scene", to_json(candidates[i].scene)}});
+    presses.push_back(
+        {{"indenter", candidates[i].indenter}, {"P", plan.P[i]}, {"scene", to_json(candidates[i].scene)}});
   for (const double value : plan.noise) noise.push_back(value);
   return {{"candidates", candidates.size()},
           {"presses", std::move(presses)},
@@ -169,8 +173,8 @@ int run_calibrate_plan(const CalibratePlanRequest& request) {
 
 void add_calibrate_plan_command(CLI::App& calibrate, Action& action) {
   auto request = std::make_shared<CalibratePlanRequest>();
-  CLI::App* command =
-      calibrate.add_subcommand("plan", "choose the presses and drags that tell most of a sensor, before recording them");
+  CLI::App* command = calibrate.add_subcommand(
+      "plan", "choose the presses and drags that tell most of a sensor, before recording them");
   command->add_option("profile", request->profile, "profile of the device")->type_name("PROFILE.toml")->required();
   CLI::Option* scene =
       command->add_option("--scene", request->scene, "scene whose sensor and friction the usual presses take")

@@ -86,8 +86,8 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// Ten planned presses against twenty random ones, drawn anew for each sensor. `slack`: of medians of the true errors of
-/// E and nu, of which each sensor has one only.
+/// Ten planned presses against twenty random ones, drawn anew for each sensor. `slack`: of medians of the true errors
+/// of E and nu, of which each sensor has one only.
 void compare(int sensors, double slack) {
   std::vector<KnownPress> all;
   for (std::size_t i = 0; i < candidates().size(); ++i) all.push_back(known(i));
@@ -102,7 +102,8 @@ void compare(int sensors, double slack) {
     std::ranges::shuffle(order, draw);
     random.add(simulate_sensor(seed, known({order.begin(), order.begin() + 20}), noise));
   }
-  const auto check = [](const char* what, const std::vector<double>& plan, const std::vector<double>& other, double most) {
+  const auto check = [](const char* what, const std::vector<double>& plan, const std::vector<double>& other,
+                        double most) {
     printf("%s: ten planned %.5f, twenty random %.5f\n", what, median(plan), median(other));
     EXPECT_LE(median(plan), most * median(other)) << what;
   };

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <random>
@@ -149,6 +150,110 @@ TEST(SensorCalibration, AllPressesWithAnotherIndenter) {
   const SensorCalibration c = calibrate(s, options);
   EXPECT_TRUE(std::ranges::any_of(
       c.faults, [](const CalibrationFault& fault) { return fault.kind == CalibrationFault::Kind::wrong_indenter; }));
+}
+
+/// The same without options.noise: that of readings at rest tells.
+TEST(SensorCalibration, NoiseAtRestTellsAWrongIndenter) {
+  const auto wrong = [](const Simulated& s) {
+    CalibrationOptions options;
+    options.rest_noise = s.noise / s.gain.array() / 5;  // of a mean over 25 frames
+    const SensorCalibration c = calibrate(s, options);
+    return std::ranges::any_of(
+        c.faults, [](const CalibrationFault& fault) { return fault.kind == CalibrationFault::Kind::wrong_indenter; });
+  };
+  Simulated s = simulate(2, 0.002);
+  EXPECT_FALSE(wrong(s));
+  for (KnownPress& press : s.presses) press.scene.load.indentation[0] *= 1.03;  // a depth as a bench knows it
+  EXPECT_FALSE(wrong(s));
+  for (KnownPress& press : s.presses) std::get<fem::Cylinder>(press.scene.indenter.shape).radius *= 0.3;
+  EXPECT_TRUE(wrong(s));
+}
+
+/// v' = x' - v / RC of charge amplifiers, in steps of 0.1 ms.
+TEST(SensorCalibration, AmplifierResponseIsThatOfTheEquation) {
+  const PressTiming timing{.begin = {0.2, 1.0, 1.6}, .end = {0.5, 1.0, 1.9}, .time = {0.9, 1.3, 1.9}};
+  timing.validate(3);
+  const Eigen::Vector3d stress(-0.2, 0.5, 0.1);
+  constexpr double RC = 0.7, dt = 1e-4;
+  const auto input = [&](double t) {
+    double x = 0;
+    for (Index k = 0; k < 3; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      const double motion = timing.end[i] - timing.begin[i];
+      const double part = motion > 0 ? std::clamp((t - timing.begin[i]) / motion, 0.0, 1.0) : t >= timing.end[i];
+      x += part * (stress[k] - (k > 0 ? stress[k - 1] : 0));
+    }
+    return x;
+  };
+  const Eigen::Vector3d read = amplifier_response(timing, RC) * stress;
+  double v = 0;
+  for (int n = 1, k = 0; k < 3; ++n) {
+    v = v * std::exp(-dt / RC) + input(n * dt) - input((n - 1) * dt);
+    if (n * dt < timing.time[static_cast<std::size_t>(k)] - dt / 2) continue;
+    EXPECT_NEAR(read[k], v, 2e-4) << k;  // dt / RC of a jump
+    ++k;
+  }
+  EXPECT_NEAR(((amplifier_response(timing, std::numeric_limits<double>::infinity()) * stress) - stress).norm(), 0,
+              1e-15);
+  PressTiming wrong = timing;
+  wrong.begin[1] = 0.8;
+  EXPECT_THROW(wrong.validate(3), ValueError);
+  EXPECT_THROW(timing.validate(4), ValueError);
+}
+
+std::vector<KnownPress> timed_presses() {
+  std::vector<KnownPress> all = presses();
+  for (KnownPress& press : all)
+    press.timing = {
+        .begin = {1, 1.6, 2.4, 3.2, 4}, .end = {1.2, 1.8, 2.6, 3.4, 4.2}, .time = {1.5, 2.3, 3.1, 3.9, 4.7}};
+  return all;
+}
+
+TEST(SensorCalibration, FindsTheTimeConstant) {
+  constexpr double RC = 1.7;
+  const std::vector<KnownPress> all = timed_presses();
+  const Simulated s = simulate_sensor(7, all, 0.01 * largest_stress(all), RC);
+  CalibrationOptions options;
+  options.time_constant = 1;
+  options.fit_time_constant = true;
+  const SensorCalibration c = calibrate(s, options);
+  ASSERT_TRUE(c.converged);
+  EXPECT_GT(c.time_constant.deviation, 0);
+  EXPECT_LT(c.time_constant.deviation, 0.1);
+  EXPECT_NEAR(c.time_constant.value, RC, 3 * c.time_constant.deviation);
+  EXPECT_NEAR(c.young.value, s.young, 3 * c.young.deviation);
+  int within = 0;
+  for (Index i = 0; i < 2 * tactels; ++i) {
+    const Fitted& gain = c.gain[static_cast<std::size_t>(i)];
+    within += std::abs(gain.value - s.gain[i]) <= 3 * gain.deviation;
+  }
+  EXPECT_GE(within, 2 * tactels - 2);  // 99.7 % of a normal distribution
+  options.time_constant = std::numeric_limits<double>::infinity();
+  EXPECT_THROW(calibrate(s, options), ValueError);
+}
+
+TEST(SensorCalibration, FindsTheFrictionOfPresses) {
+  Simulated s = simulate(9);
+  for (std::size_t k = 0; k < s.presses.size(); ++k) s.presses[k].scene.friction = k % 2 ? 0.5 : 0.7;  // true: 0.6
+  CalibrationOptions options;
+  const SensorCalibration held = calibrate(s, options);
+  options.friction_deviation = 0.3;
+  const SensorCalibration c = calibrate(s, options);
+  ASSERT_TRUE(c.converged);
+  ASSERT_EQ(c.friction.size(), s.presses.size());
+  int within = 0;
+  for (const Fitted& mu : c.friction) {
+    EXPECT_LE(mu.deviation, 0.3 * 0.7);
+    within += std::abs(mu.value - 0.6) <= 2 * mu.deviation;
+  }
+  EXPECT_GE(within, 17);  // 19 of a normal distribution; fewer than 17 have a probability of 0.3 %
+  const auto error = [&s](const SensorCalibration& of) {
+    double sum = 0;
+    for (Index i = tactels; i < 2 * tactels; ++i)
+      sum += std::pow(of.gain[static_cast<std::size_t>(i)].value / s.gain[i] - 1, 2);
+    return std::sqrt(sum / tactels);
+  };
+  EXPECT_LT(error(c), error(held));
 }
 
 TEST(SensorCalibration, WithoutForcesYoungIsHeld) {

@@ -65,8 +65,8 @@ struct Simulated {
   std::vector<KnownPress> presses;
 };
 
-/// Gains and offsets spread by 20 % and 50 units, E by 30 %, nu is one of four; forces have 1 % of noise. `time_constant`
-/// of amplifiers in s.
+/// Gains and offsets spread by 20 % and 50 units, E by 30 %, nu is one of four; forces have 1 % of noise.
+/// `time_constant` of amplifiers in s.
 inline Simulated simulate_sensor(unsigned seed, std::vector<KnownPress> presses, double noise,
                                  double time_constant = std::numeric_limits<double>::infinity()) {
   constexpr double poissons[] = {0.43, 0.447, 0.46, 0.475};
