@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <limits>
 
 #include "host/commands/command.h"
 #include "host/commands/live/sensor_session.h"
