@@ -59,7 +59,8 @@ template <class Real>
 void solve_alike(const GapSweep<Real>& sweep, std::span<const fem::Scene> scenes, const std::vector<std::size_t>& which,
                  const GapSweepOptions& options, std::vector<fem::ContactSolution>& solutions) {
   std::vector<fem::Scene> alike;
-  for (std::size_t i : which) alike.push_back(scenes[i]);
+  alike.reserve(which.size());
+  for (const std::size_t i : which) alike.push_back(scenes[i]);
   auto batch = sweep.prepare(alike);
   batch.run();
   Exact exact(sweep.condensation(), sweep.options().accept);

@@ -307,9 +307,11 @@ void SetSpool::place_waiting(std::unique_lock<std::mutex>& lock) {
       lock.unlock();
       const ContactSet rows = waits.empty() ? load(place_of) : std::move(waits.mapped());
       const std::vector<std::string_view> payload = payload_of(rows, columns_);
-      place(waits.empty() ? place_of.header : header_of(next, rows, payload), payload);
-      sync_sometimes();
+      const ChunkHeader header = waits.empty() ? place_of.header : header_of(next, rows, payload);
+      const bool good = placed_->append(header, payload) && sync_sometimes();
+      const int error = errno;
       lock.lock();
+      if (!good) fail(error);
       chunks_[next] = {{}, 0, placed_->chunks().back()};
       bytes_ += waits.empty() ? 0 : chunks_[next].header.bytes;
       placed_some_.notify_all();
@@ -324,15 +326,15 @@ void SetSpool::place_waiting(std::unique_lock<std::mutex>& lock) {
   placed_some_.notify_all();
 }
 
-void SetSpool::place(const ChunkHeader& header, const std::vector<std::string_view>& payload) {
-  if (!placed_->append(header, payload)) fail(errno);
-}
-
 /// The disk is told of every chunk, and waited for once a second.
-void SetSpool::sync_sometimes() {
-  if (std::chrono::steady_clock::now() - synced_ < std::chrono::seconds(1)) return placed_->begin_sync();
-  if (!placed_->sync()) fail(errno);
+bool SetSpool::sync_sometimes() {
+  if (std::chrono::steady_clock::now() - synced_ < std::chrono::seconds(1)) {
+    placed_->begin_sync();
+    return true;
+  }
+  const bool good = placed_->sync();
   synced_ = std::chrono::steady_clock::now();
+  return good;
 }
 
 void SetSpool::flush() {
@@ -424,7 +426,7 @@ void SetSpool::place_spooled(std::uint64_t count) {
   for (std::future<ContactSet> next = loading(chunk); chunk < count; ++chunk) {
     const ContactSet rows = next.get();
     if (chunk + 1 < count) next = loading(chunk + 1);
-    place(chunks_.at(chunk).header, payload_of(rows, columns_));
+    if (!placed_->append(chunks_.at(chunk).header, payload_of(rows, columns_))) fail(errno);
     placed_->begin_sync();
   }
 }

@@ -63,8 +63,7 @@ class SetSpool {
   ChunkHeader header_of(std::uint64_t chunk, const ContactSet& rows,
                         const std::vector<std::string_view>& payload) const;
   void spool(std::uint64_t chunk, const ContactSet& rows);
-  void place(const ChunkHeader& header, const std::vector<std::string_view>& payload);
-  void sync_sometimes();
+  bool sync_sometimes();
   void place_spooled(std::uint64_t count);
   void place_waiting(std::unique_lock<std::mutex>& lock);
   void check_plan(const std::string& plan, Open how) const;

@@ -92,7 +92,7 @@ void write_checkpoint(const fs::path& path) {
 void write_spool(const fs::path& path) {
   const fs::path output = path.parent_path() / "set.h5";
   {
-    host::SetSpool spool(output, spool_plan, small_inputs, 0, host::SetSpool::Open::fresh);
+    host::SetSpool spool(output, spool_plan, small_inputs, 0, host::SetSpool::Open::join);  // not in their places
     for (const std::uint64_t chunk : {0, 1}) spool.append(chunk, small_set());
   }
   fs::copy_file(host::SetSpool::folder(output) / "0000.spool", path, fs::copy_options::overwrite_existing);
