@@ -12,6 +12,7 @@ namespace {
 constexpr double most_noise = 2;         // of the noise in the calibration
 constexpr double seen_noise = 0.75;      // steps of the readings: with less, half of the neighbours are equal
 constexpr double tolerated_steps = 1.5;  // of the readings: the last bit of a converter may change
+constexpr int touch_frames = 3;          // in a row: single ones come from a channel whose noise grew
 constexpr std::size_t named = 3;         // channels in a sentence
 
 }  // namespace
@@ -44,7 +45,8 @@ std::vector<Drift> DriftWatch::next(std::span<const float> frame, bool contact, 
     find_stuck(arrival, found);
     next_check_ = arrival + block_;
   }
-  if (contact) {
+  touching_ = contact ? touching_ + 1 : 0;
+  if (touching_ >= touch_frames) {
     begin_.reset(), now_.reset(), last_.reset();
     rested_ = false;
     return found;

@@ -28,7 +28,8 @@ struct Drift {
 /// Compares frames at rest with offsets and noise of a calibration, and names each channel and kind once.
 ///
 /// The rest is cut into blocks of some s, of 64 frames at least. A block is judged where the sensor rested during the
-/// block before and the one after it, so that the beginning and the end of a touch are not taken for rest. A channel
+/// block before and the one after it, so that the beginning and the end of a touch are not taken for rest. Fewer than
+/// three frames in contact in a row are rest. A channel
 /// that moved within its block is not judged. An offset moved where the mean of a block is farther than one standard
 /// deviation of the noise from it (or one and a half steps of the readings, where these are larger), and noise grew
 /// where it is twice that. The mean of n readings of white noise exceeds one deviation with the probability erfc(sqrt(n
@@ -70,6 +71,7 @@ class DriftWatch {
   std::vector<double> readings_;        ///< scratch, [inputs]: less the offset, the device's units
   double step_ = 0;                     ///< smallest change of any channel so far, the device's units; 0: none yet
   std::optional<hw::Tare> now_, last_;  ///< block that is being filled, and the one before it, both at rest
+  int touching_ = 0;                    ///< frames in contact in a row
   bool rested_ = false;                 ///< before last_, too
   std::optional<double> begin_;         ///< s, of the block that is being filled
   double next_check_ = 0;               ///< s, of stuck channels

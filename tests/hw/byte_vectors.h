@@ -115,7 +115,7 @@ inline ByteVector agni_frame(int base) {
   ByteVector bytes = {0xF0, 0xC4, 0x01, 0x10, 0x20, 0x30, 0x40};
   for (int i = 63; i >= 0; --i) {
     put(bytes, static_cast<std::uint64_t>(i), 1);
-    put(bytes, static_cast<std::uint64_t>(base + i), 2);
+    put(bytes, static_cast<std::uint64_t>(base) + static_cast<std::uint64_t>(i), 2);
   }
   std::uint8_t parity = 0;
   for (const std::uint8_t byte : bytes) parity ^= byte;
