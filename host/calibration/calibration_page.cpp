@@ -182,7 +182,8 @@ Figure residual_figure(const SensorCalibration& found, const std::vector<KnownPr
   by_tactel.x_range = {-0.5, static_cast<double>(tactels) - 0.5};
   add_press_axis(by_press, presses);
   for (const Kind& kind : kinds(found)) {
-    Series press{.label = kind.name, .mark = kind.mark, .ink = kind.ink}, tactel = press;
+    const Series empty{.label = kind.name, .mark = kind.mark, .ink = kind.ink};
+    Series press = empty, tactel = empty;
     for (std::size_t i = 0; i < presses.size(); ++i) {
       press.x.push_back(static_cast<double>(i + 1));
       press.y.push_back(rms(found.residuals[i].middleCols(kind.first, tactels)));
