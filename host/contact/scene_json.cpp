@@ -28,6 +28,7 @@ void add_shape(Json& out, const fem::RoundedFlat& s) {
 }
 void add_shape(Json& out, const fem::Taylor& s) {
   out.update({{"powers", s.powers}, {"scale", s.scale}, {"height", s.height.value_or(s.scale)}});
+  if (!s.coefficients.empty()) out["coefficients"] = s.coefficients;
 }
 void add_shape(Json& out, const fem::Profile& s) {
   if (!s.file.empty()) out["file"] = s.file;
