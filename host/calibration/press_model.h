@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <Eigen/Dense>
+#include <array>
 #include <limits>
 #include <span>
 
@@ -29,8 +30,8 @@ inline constexpr int friction_number = sensor_numbers;  ///< beside them: fricti
 struct PressFrames {
   Eigen::MatrixXd frame;  ///< [steps, 2 tactels] MPa: sigma_y, then tau_xy, as amplifiers read them
   Eigen::VectorXd P;      ///< [steps] N/mm
-  Eigen::MatrixXd frame_by[friction_number + 1];  ///< [steps, 2 tactels]; empty where not asked for
-  Eigen::VectorXd P_by[friction_number + 1];      ///< [steps]
+  std::array<Eigen::MatrixXd, friction_number + 1> frame_by;  ///< [steps, 2 tactels]; empty where not asked for
+  std::array<Eigen::VectorXd, friction_number + 1> P_by;      ///< [steps]
 };
 
 /// One press or drag of a known indenter on a sensor that is to be found. The patch is searched once, at the

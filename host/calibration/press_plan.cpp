@@ -283,6 +283,7 @@ ExpectedDeviations Planner::random_deviations(std::size_t count) const {
   }
   const auto median = [&all](const auto& of) {
     std::vector<double> values;
+    values.reserve(all.size());
     for (const ExpectedDeviations& one : all) values.push_back(of(one));
     std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
     return values[values.size() / 2];

@@ -119,7 +119,8 @@ Json derivatives_json(const ContactDerivatives& derivatives) {
     parameters.push_back({{"name", p.name}, {"value", p.value}, {"unit", p.unit}});
   for (const fem::NoDerivative& m : derivatives.missing) missing.push_back({{"name", m.name}, {"reason", m.reason}});
   for (std::size_t k = 0; k < derivatives.distance_to_switch.size(); ++k) {
-    Json P = Json::array(), Q = P, S = P, depth = P, x = P, sigma = P, tau = P;
+    const Json none = Json::array();
+    Json P = none, Q = none, S = none, depth = none, x = none, sigma = none, tau = none;
     for (const std::vector<fem::PathAnswer>& by : derivatives.by) {
       const fem::PathAnswer& a = by[k];
       P.push_back(a.P);

@@ -92,7 +92,7 @@ H5FD_class_t driver_class() {
   driver.name = "tactel_placed";
   driver.maxaddr = (haddr_t{1} << 62) - 1;
   driver.fc_degree = H5F_CLOSE_STRONG;
-  driver.fapl_size = sizeof(PlacedFile*);
+  driver.fapl_size = sizeof(void*);
   driver.open = open_placed;
   driver.close = close_placed;
   driver.query = no_features;

@@ -172,6 +172,7 @@ struct Solver<GapSweep<Real>> {
     sweep.base_sums = true;
     sweep.nodes = false;
     std::vector<Launcher> all;
+    all.reserve(sensors.size());
     for (const fem::Sensor& sensor : sensors) all.emplace_back(executor, sensor, sweep);
     return all;
   }
@@ -204,6 +205,7 @@ struct Solver<PatchContact<Real>> {
     std::vector<std::optional<fem::LayerModel>> models(sensors.size());
     side_by_side(sensors.size(), executor.threads(), [&](std::size_t k) { models[k] = fem::layer_model(sensors[k]); });
     std::vector<Launcher> all;
+    all.reserve(models.size());
     for (const auto& model : models) all.emplace_back(executor, *model, patch_options(*options.patch));
     return all;
   }

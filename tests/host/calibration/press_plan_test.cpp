@@ -40,6 +40,7 @@ KnownPress known(std::size_t candidate) {
 
 std::vector<KnownPress> known(const std::vector<std::size_t>& set) {
   std::vector<KnownPress> presses;
+  presses.reserve(set.size());
   for (const std::size_t candidate : set) presses.push_back(known(candidate));
   return presses;
 }

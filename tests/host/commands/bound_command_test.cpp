@@ -42,7 +42,7 @@ class BoundCommand : public ::testing::Test {
   }
   static std::string network() { return file("net/10-12-3_noise0_seed1.onnx"); }
   static std::string calibrated() {
-    const std::string output = file("calibrated.onnx");
+    std::string output = file("calibrated.onnx");
     const ChildResult result = run_tactel({"calibrate", "bound", network(), file("other", ".h5"), "--output", output});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_THAT(result.out, HasSubstr("bound of 95 %, calibrated on"));
