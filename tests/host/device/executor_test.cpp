@@ -124,7 +124,7 @@ template <class Real>
 std::vector<char> chained_numbers(Executor& executor, Precision precision, std::size_t groups,
                                   std::size_t largest_chunk) {
   const Device& device = executor.device();
-  Buffer<Real> out(device, groups * 64 / sizeof(Real));
+  Buffer<Real> out(device, groups * static_cast<std::size_t>(device.lanes(precision)));
   const auto bind = [&](KernelArguments& kernel) {
     kernel.set(1, out);
     kernel.set(2, 20);
@@ -133,7 +133,7 @@ std::vector<char> chained_numbers(Executor& executor, Precision precision, std::
   std::vector<Real> written(out.size());
   out.read(written);
   const char* first = reinterpret_cast<const char*>(written.data());
-  return {first, first + groups * 64};
+  return {first, first + written.size() * sizeof(Real)};
 }
 
 std::vector<char> chained(Executor& executor, Precision precision, std::size_t groups, std::size_t largest_chunk) {
@@ -149,7 +149,7 @@ TEST(Executor, SameBitsForAnyThreadsChunksAndDevice) {
     EXPECT_EQ(chained(three, precision, 777, 4096), expected);
     EXPECT_EQ(chained(other, precision, 777, 1), expected);
     const auto alone = chained(one, precision, 1, 1);
-    EXPECT_EQ(std::memcmp(alone.data(), expected.data(), 64), 0);
+    EXPECT_EQ(std::memcmp(alone.data(), expected.data(), alone.size()), 0);
   }
 }
 
