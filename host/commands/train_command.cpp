@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <malloc.h>
 
 #include "host/commands/shared_options.h"
 #include "host/support/errors.h"
+#include "host/support/freed_memory.h"
 #include "host/support/interrupt.h"
 #include "host/support/progress_line.h"
 #include "host/support/terminal.h"
@@ -63,15 +63,6 @@ TrainingOutcome run_job(TrainingJob& job, const TrainRequest& request, bool sile
   return job.run({.progress = progress, .log = log});
 }
 
-/// Blocks of rows take and free the same arrays again and again: they stay with the process, whose pages the system
-/// would clear anew each time.
-void keep_freed_memory() {
-#ifdef __GLIBC__
-  mallopt(M_MMAP_THRESHOLD, 32 << 20);  // bytes: the most that glibc takes
-  mallopt(M_TRIM_THRESHOLD, 1 << 30);
-#endif
-}
-
 /// A stream of frames, or a set that does not fit memory: mini-batches, one pass after the other.
 int run_train_stream(const TrainRequest& request) {
   const TrainingPlan plan = plan_of(request);
@@ -81,7 +72,7 @@ int run_train_stream(const TrainRequest& request) {
     throw ConfigError("command line", request.stream.empty() ? "--block" : "--stream",
                       fmt::format("with {} processes", ranks.count()), "trained by one process, without mpirun");
   check_training_output(request);
-  if (!request.stream.empty()) keep_freed_memory();
+  if (!request.stream.empty()) keep_freed_memory(1 << 30);
   return say(request, run_job(*stream_training(request, plan), request));
 }
 

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "host/sets/stage_seconds.h"
+#include "host/support/freed_memory.h"
 
 namespace tactel::host {
 namespace {
@@ -141,15 +142,12 @@ class Line {
   std::vector<std::jthread> threads_;
 };
 
-/// Lets the process keep memory that chunks give back for the chunks after them: the system would clear every page of
-/// it again. One arena: a block that one thread gives back serves the others.
-void keep_freed_memory() {
+/// Chunks take the memory of those before them. One arena: a block that one thread gives back serves the others.
+void keep_memory_of_chunks() {
 #ifdef __GLIBC__
-  constexpr int largest_block = 1 << 25;  // bytes, the most that the library takes
   mallopt(M_ARENA_MAX, 1);
-  mallopt(M_MMAP_THRESHOLD, largest_block);
-  mallopt(M_TRIM_THRESHOLD, 16 * largest_block);
 #endif
+  keep_freed_memory(1 << 29);
 }
 
 }  // namespace
@@ -159,7 +157,7 @@ std::uint64_t chunk_count(const SceneSource& source) {
 }
 
 ProductionReport produce_set(const SceneSource& source, SetSpool& spool, const ProductionOptions& options) {
-  keep_freed_memory();
+  keep_memory_of_chunks();
   const auto start = std::chrono::steady_clock::now();
   Production production(source, spool, options);
   std::vector<std::unique_ptr<Line>> lines;
