@@ -1,56 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/sets/placed_rows.h"
 
-#include <limits.h>
-#include <sys/uio.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <bit>
 #include <cerrno>
 #include <cstring>
-#include <deque>
 
 namespace tactel::host {
 namespace {
-
-/// Writes to a file at rising offsets, pieces that touch in one call.
-class Writes {
- public:
-  explicit Writes(int file) : file_(file) {}
-  void add(std::uint64_t at, const char* from, std::size_t bytes) {
-    if (bytes == 0) return;
-    if (at != end_ || pieces_.size() == IOV_MAX) flush();
-    if (pieces_.empty()) begin_ = end_ = at;
-    pieces_.push_back({const_cast<char*>(from), bytes});
-    end_ += bytes;
-  }
-  /// Returns false where something could not be written, with errno.
-  bool flush() {
-    std::size_t first = 0;
-    while (good_ && first < pieces_.size()) {
-      ssize_t count = ::pwritev(file_, pieces_.data() + first, static_cast<int>(pieces_.size() - first),
-                                static_cast<off_t>(begin_));
-      if (count < 0 && errno == EINTR) continue;
-      good_ = count >= 0;
-      begin_ += good_ ? static_cast<std::uint64_t>(count) : 0;
-      for (; good_ && first < pieces_.size() && count >= static_cast<ssize_t>(pieces_[first].iov_len); ++first)
-        count -= static_cast<ssize_t>(pieces_[first].iov_len);
-      if (good_ && count > 0) {
-        pieces_[first].iov_base = static_cast<char*>(pieces_[first].iov_base) + count;
-        pieces_[first].iov_len -= static_cast<std::size_t>(count);
-      }
-    }
-    pieces_.clear();
-    return good_;
-  }
-
- private:
-  int file_;
-  std::uint64_t begin_ = 0, end_ = 0;
-  std::vector<iovec> pieces_;
-  bool good_ = true;
-};
 
 bool read_at(int file, std::uint64_t at, char* to, std::size_t bytes) {
   while (bytes > 0) {
@@ -112,9 +71,8 @@ void PlacedRows::keep(std::uint64_t first, std::uint64_t rows, const std::vector
   }
 }
 
-bool PlacedRows::append(int file, std::uint64_t& end, std::uint64_t rows, const std::vector<std::string_view>& values) {
-  Writes writes(file);
-  std::deque<std::uint32_t> sums;  // they stay where they are until they are written
+bool PlacedRows::append(StagedFile& file, std::uint64_t& end, std::uint64_t rows,
+                        const std::vector<std::string_view>& values) {
   for (std::size_t d = 0; d < datasets_.size(); ++d) datasets_[d].sum.add(values[d]);
   for (std::uint64_t first = 0, take = 0; first < rows; first += take) {
     const std::uint64_t filled = rows_ % stripe_rows_;
@@ -124,17 +82,15 @@ bool PlacedRows::append(int file, std::uint64_t& end, std::uint64_t rows, const 
     if (!alone) keep(first, take, values);
     for (std::size_t d = 0; d < datasets_.size(); ++d) {
       const std::uint64_t size = datasets_[d].row_bytes, at = stripes_.back() + begins_[d];
-      const char* const from = values[d].data() + first * size;
-      writes.add(at + filled * size, from, take * size);
+      const std::string_view own = values[d].substr(first * size, take * size);
+      if (!file.write(at + filled * size, own)) return false;
       if (!complete) continue;
-      const std::string_view all =
-          alone ? std::string_view(from, take * size) : std::string_view(last_[d]).substr(0, stripe_rows_ * size);
-      sums.push_back(fletcher32(all));
-      writes.add(at + stripe_rows_ * size, reinterpret_cast<const char*>(&sums.back()), sizeof sums.back());
+      const std::uint32_t sum = fletcher32(alone ? own : std::string_view(last_[d]).substr(0, stripe_rows_ * size));
+      if (!file.write(at + stripe_rows_ * size, {reinterpret_cast<const char*>(&sum), sizeof sum})) return false;
     }
     rows_ += take;
   }
-  return writes.flush();
+  return true;
 }
 
 bool PlacedRows::read(int file, std::uint64_t& end, std::uint64_t rows, std::vector<std::string>& values) {
@@ -156,19 +112,18 @@ bool PlacedRows::read(int file, std::uint64_t& end, std::uint64_t rows, std::vec
   return true;
 }
 
-bool PlacedRows::finish(int file) {
+bool PlacedRows::finish(StagedFile& file) {
   const std::uint64_t filled = rows_ % stripe_rows_;
   if (filled == 0) return true;
-  Writes writes(file);
   for (std::size_t d = 0; d < datasets_.size(); ++d) {
     const std::uint64_t size = datasets_[d].row_bytes;
     std::memset(last_[d].data() + filled * size, 0, (stripe_rows_ - filled) * size);
     const std::uint32_t sum = fletcher32(std::string_view(last_[d]).substr(0, stripe_rows_ * size));
     std::memcpy(last_[d].data() + stripe_rows_ * size, &sum, sizeof sum);
-    writes.add(stripes_.back() + begins_[d] + filled * size, last_[d].data() + filled * size,
-               chunk_bytes(d) - filled * size);
+    const std::string_view rest = std::string_view(last_[d]).substr(filled * size);
+    if (!file.write(stripes_.back() + begins_[d] + filled * size, rest)) return false;
   }
-  return writes.flush();
+  return true;
 }
 
 }  // namespace tactel::host

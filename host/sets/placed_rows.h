@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/sets/contact_set.h"
+#include "host/sets/staged_file.h"
 #include "host/support/checksum.h"
 
 namespace tactel::host {
@@ -26,11 +27,11 @@ class PlacedRows {
 
   /// Adds rows, `values`: [datasets] their bytes. New stripes begin at `end` of the file, which grows. Returns false
   /// where the file cannot be written, with errno.
-  bool append(int file, std::uint64_t& end, std::uint64_t rows, const std::vector<std::string_view>& values);
+  bool append(StagedFile& file, std::uint64_t& end, std::uint64_t rows, const std::vector<std::string_view>& values);
   /// The same for rows that the file has: reads them. `values`: [datasets].
   bool read(int file, std::uint64_t& end, std::uint64_t rows, std::vector<std::string>& values);
   /// Completes the last stripe with zeros.
-  bool finish(int file);
+  bool finish(StagedFile& file);
 
   std::uint64_t rows() const { return rows_; }
   std::uint64_t rows_of_stripe() const { return stripe_rows_; }

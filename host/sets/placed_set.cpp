@@ -69,7 +69,7 @@ std::vector<ChunkHeader> PlacedSet::read_headers(const fs::path& folder) {
 }
 
 PlacedSet::PlacedSet(const fs::path& folder, const SetColumns& columns)
-    : columns_(columns), file_(open_file(folder / "set")), places_(columns) {
+    : columns_(columns), file_(open_file(folder / "set")), staged_(folder / "set"), places_(columns) {
   headers_ = open_file(folder / "placed");
 }
 
@@ -121,12 +121,12 @@ bool PlacedSet::append(const ChunkHeader& header, const std::vector<std::string_
   if (places_.tactels && header.chunk == 0) {
     const std::string_view x(reinterpret_cast<const char*>(columns_.tactel_x.data()),
                              columns_.tactel_x.size() * sizeof(float));
-    if (!places_.tactels->append(file_, places_.end, columns_.tactel_x.size(), {x}) || !places_.tactels->finish(file_))
+    if (!places_.tactels->append(staged_, places_.end, columns_.tactel_x.size(), {x}) || !places_.tactels->finish(staged_))
       return false;
   }
-  if (!places_.rows.append(file_, places_.end, header.rows, rows)) return false;
-  if (places_.parameters && !places_.parameters->append(file_, places_.end, header.contacts, parameters)) return false;
-  if (!write_all(headers_, {reinterpret_cast<const char*>(&header), sizeof header})) return false;
+  if (!places_.rows.append(staged_, places_.end, header.rows, rows)) return false;
+  if (places_.parameters && !places_.parameters->append(staged_, places_.end, header.contacts, parameters)) return false;
+  if (!staged_.flush() || !write_all(headers_, {reinterpret_cast<const char*>(&header), sizeof header})) return false;
   chunks_.push_back(header);
   return true;
 }
@@ -141,7 +141,8 @@ bool PlacedSet::fits_hdf5() const {
 }
 
 bool PlacedSet::finish(const ContactSet& set) {
-  if (!places_.rows.finish(file_) || (places_.parameters && !places_.parameters->finish(file_))) return false;
+  if (!places_.rows.finish(staged_) || (places_.parameters && !places_.parameters->finish(staged_))) return false;
+  if (!staged_.flush()) return false;
   std::vector<const PlacedRows*> all{&places_.rows};
   for (const auto* more : {&places_.parameters, &places_.tactels})
     if (*more) all.push_back(&**more);

@@ -74,6 +74,7 @@ class PlacedSet {
 
   SetColumns columns_;
   int file_ = -1, headers_ = -1;
+  StagedFile staged_;  ///< `set` again, for rows
   bool torn_ = false;
   Places places_;
   std::vector<ChunkHeader> chunks_;
