@@ -118,7 +118,9 @@ void Indenter::validate() const {
 }
 
 double profile_height(const Indenter& indenter, double x) {
-  return profile_heights(indenter, Eigen::VectorXd::Constant(1, x))[0];
+  const auto at = [&](const auto& s) { return height(s, x - indenter.position); };
+  const auto measured = std::get_if<Profile>(&indenter.shape);
+  return measured ? at(convex_profile(*measured)) : std::visit(at, indenter.shape);
 }
 
 Eigen::VectorXd profile_heights(const Indenter& indenter, const Eigen::VectorXd& x) {

@@ -17,6 +17,7 @@ constexpr double convexity_rounding = 1e-9;
 /// Andrew's monotone chain (1979), lower half: the points whose chain only ever turns to the left.
 Profile lower_hull(const Profile& profile) {
   Profile hull;
+  hull.x.reserve(profile.x.size()), hull.y.reserve(profile.x.size());
   for (std::size_t i = 0; i < profile.x.size(); ++i) {
     const auto turns_left = [&] {
       const std::size_t n = hull.x.size();

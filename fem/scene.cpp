@@ -94,21 +94,27 @@ void check_reach(const Scene& scene) {
                      "a position that puts the lowest part of the indenter, now at " + number_text(lowest.left) +
                          " to " + number_text(lowest.right) + " mm, over the sensor, from " + number_text(-half) +
                          " to " + number_text(half) + " mm");
-  const Eigen::VectorXd heights = profile_heights(scene.indenter, surface_positions(scene.sensor));
+  const Eigen::VectorXd nodes = surface_positions(scene.sensor);
+  const double along = (std::clamp(position, -half, half) + half) / scene.sensor.length;  // 0 to 1
+  if (std::isfinite(profile_height(scene.indenter, nodes[std::lround(along * static_cast<double>(nodes.size() - 1))])))
+    return;
+  const Eigen::VectorXd heights = profile_heights(scene.indenter, nodes);
   if (!heights.array().isFinite().any())
     throw ValueError("indenter.position", number_text(position),
                      "a position with a surface node under the indenter; the nodes are " +
                          number_text(scene.sensor.length / (scene.sensor.columns - 1)) + " mm apart");
 }
 
+bool is_force(const Load& load) { return !load.normal_force.empty(); }
+
 void append_indentation(const Load& load, LoadPath& path) {
-  const bool is_force = !load.normal_force.empty();
+  const bool by_force = is_force(load);
   const double tangent = load.angle ? std::tan(radians(*load.angle)) : 0;
   double from = 0;
-  for (double target : is_force ? load.normal_force : load.indentation) {
+  for (double target : by_force ? load.normal_force : load.indentation) {
     for (int k = 1; k <= load.indentation_steps; ++k) {
       const double normal = k == load.indentation_steps ? target : from + (target - from) * k / load.indentation_steps;
-      path.steps.push_back({is_force, load.angle.has_value(), normal, normal * tangent});
+      path.steps.push_back({by_force, load.angle.has_value(), normal, normal * tangent});
     }
     from = target;
   }
@@ -154,6 +160,9 @@ LoadPath load_path(const Load& load) {
   check_tangential(load);
   check_moves(load);
   LoadPath path;
+  const std::size_t targets = is_force(load) ? load.normal_force.size() : load.indentation.size();
+  path.steps.reserve(targets * static_cast<std::size_t>(load.indentation_steps) + load.moves.size() +
+                     load.tangential.size() + static_cast<std::size_t>(load.tangential_steps.value_or(0)));
   append_indentation(load, path);
   if (!load.angle) append_tangential(load, path);
   return path;

@@ -8,6 +8,8 @@ namespace tactel::fem {
 std::vector<PatchStep> patch_steps(const LoadPath& path, const Load& load, int pressing_increments) {
   const int parts = pressing_parts(load, pressing_increments);
   std::vector<PatchStep> steps;
+  steps.reserve(path.steps.size() +
+                static_cast<std::size_t>(path.indentation_steps) * static_cast<std::size_t>(parts - 1));
   LoadStep from = path.steps.front();
   from.normal = from.tangential = 0;
   for (std::size_t i = 0; i < path.steps.size(); ++i) {

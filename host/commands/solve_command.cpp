@@ -8,6 +8,7 @@
 #include "host/commands/shared_options.h"
 #include "host/commands/solve_page.h"
 #include "host/contact/derivatives.h"
+#include "host/contact/finer_answer.h"
 #include "host/contact/scene_json.h"
 #include "host/contact/solution_table.h"
 #include "host/figures/contact_figure.h"
@@ -95,8 +96,11 @@ int run_solve(const SolveRequest& request) {
     const StageLine stage("solving " + request.scene, request.shared.quiet);
     SolveOptions options = request.shared.solve;
     if (!request.field.empty()) options.model = fem::SurfaceModel::mesh;  // a patch has no nodes in the block
+    const bool on_own_mesh =
+        options.rung.empty() && !options.accuracy && options.model.value_or(asked.model) == fem::SurfaceModel::mesh;
+    FinerAnswer finer = on_own_mesh ? begin_finer(asked) : FinerAnswer{};
     SolveOutcome solved = solve(asked, options);
-    solved.mesh_error = mesh_error(solved);
+    solved.mesh_error = mesh_error(solved, std::move(finer));
     if (request.derivatives)
       solved.derivatives = std::make_shared<const ContactDerivatives>(derivatives(asked, solved));
     return solved;

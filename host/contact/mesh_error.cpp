@@ -10,6 +10,7 @@
 #include "fem/gap_reference.h"
 #include "fem/layer/layer_model.h"
 #include "fem/layer/patch_solver.h"
+#include "host/contact/finer_answer.h"
 
 namespace tactel::host {
 namespace {
@@ -22,11 +23,21 @@ constexpr std::size_t most_steps = 100;
 /// halves.
 constexpr double first_order = 2;
 
-/// Half the element size in both directions, and as many drags as the answer has.
+bool has_finer(const fem::Sensor& sensor, std::size_t steps) {
+  return sensor.columns <= most_columns && sensor.rows <= most_rows && steps <= most_steps;
+}
+
+/// Half the element size in both directions.
+fem::Sensor refined(fem::Sensor sensor) {
+  sensor.columns = 2 * sensor.columns - 1;
+  sensor.rows = 2 * sensor.rows - 1;
+  return sensor;
+}
+
+/// The scene on the finer mesh, with as many drags as the answer has.
 fem::Scene refined(const fem::Scene& scene, const fem::ContactSolution& answer) {
   fem::Scene fine = scene;
-  fine.sensor.columns = 2 * scene.sensor.columns - 1;
-  fine.sensor.rows = 2 * scene.sensor.rows - 1;
+  fine.sensor = refined(scene.sensor);
   const fem::LoadPath path = fem::load_path(scene.load);
   if (path.until_sliding) fine.load.tangential_steps = static_cast<int>(answer.steps.size()) - path.indentation_steps;
   return fine;
@@ -58,14 +69,23 @@ std::optional<MeshError> patch_error(const fem::Scene& scene, const fem::Contact
 
 }  // namespace
 
-std::optional<MeshError> mesh_error(const fem::Scene& scene, const fem::ContactSolution& answer) {
+FinerAnswer begin_finer(const fem::Scene& scene) {
+  const fem::LoadPath path = fem::load_path(scene.load);
+  if (path.until_sliding || !has_finer(scene.sensor, path.steps.size())) return {};
+  return std::async([fine = refined(scene, {})] { return fem::solve_gap_reference(fine); });
+}
+
+std::optional<MeshError> mesh_error(const fem::Scene& scene, const fem::ContactSolution& answer, FinerAnswer finer) {
   if (answer.surface_width.size() > 0) return patch_error(scene, answer);
-  const fem::Sensor& sensor = scene.sensor;
-  if (sensor.columns > most_columns || sensor.rows > most_rows || answer.steps.size() > most_steps) return {};
-  const fem::Scene fine = refined(scene, answer);
-  const fem::ContactSolution judge = fem::solve_gap_reference(fine);
+  if (!has_finer(scene.sensor, answer.steps.size())) return {};
+  const fem::ContactSolution judge = finer.valid() ? finer.get() : fem::solve_gap_reference(refined(scene, answer));
   if (!std::ranges::all_of(judge.steps, &fem::ContactStep::converged)) return {};
-  return error_beside(answer, judge, fmt::format("{} x {}", fine.sensor.columns, fine.sensor.rows));
+  const fem::Sensor fine = refined(scene.sensor);
+  return error_beside(answer, judge, fmt::format("{} x {}", fine.columns, fine.rows));
+}
+
+std::optional<MeshError> mesh_error(const fem::Scene& scene, const fem::ContactSolution& answer) {
+  return mesh_error(scene, answer, {});
 }
 
 std::optional<MeshError> mesh_error(const Plan& plan) {

@@ -96,15 +96,25 @@ double half_width(const fem::Cylinder& s, double depth) {
 double half_width(const fem::Exponential& s, double depth) { return std::log1p(depth / s.height) / s.rate; }
 double half_width(const fem::Trapezoid& s, double depth) { return s.half_width + depth / s.slope; }
 double half_width(const fem::RoundedFlat& s, double depth) { return s.half_width + std::sqrt(2 * s.radius * depth); }
+/// Whether the height at distance r is less than `depth`. Products decide, and pow() where their rounding could matter.
+bool below(const fem::Taylor& s, double r, double depth) {
+  double sum = 0;
+  for (std::size_t k = 0; k < s.powers.size(); ++k) {
+    double term = s.coefficients.empty() ? 1 : s.coefficients[k];
+    for (int n = 0; n < s.powers[k]; ++n) term *= r / s.scale;
+    sum += term;
+  }
+  const double height = s.height.value_or(s.scale) * sum;
+  if (std::abs(height - depth) > 1e-10 * depth) return height < depth;
+  return fem::profile_height({s, 0}, r) < depth;
+}
 double half_width(const fem::Taylor& s, double depth) {
-  const fem::Indenter indenter{s, 0};
-  const fem::Interval lowest = fem::lowest_part(indenter);
-  if (std::isinf(lowest.right)) return infinity;
+  if (std::isinf(fem::lowest_part({s, 0}).right)) return infinity;
   double low = 0, high = s.scale;
-  for (int k = 0; k < 60 && fem::profile_height(indenter, high) < depth; ++k) high *= 2;
+  for (int k = 0; k < 60 && below(s, high, depth); ++k) high *= 2;
   for (int k = 0; k < 40 && high - low > 1e-9 * high; ++k) {
     const double middle = 0.5 * (low + high);
-    (fem::profile_height(indenter, middle) < depth ? low : high) = middle;
+    (below(s, middle, depth) ? low : high) = middle;
   }
   return high;
 }

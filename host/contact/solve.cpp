@@ -11,6 +11,7 @@
 #include "fem/gap_reference.h"
 #include "fem/layer/patch_solver.h"
 #include "fem/stress_field.h"
+#include "host/contact/finer_answer.h"
 #include "host/contact/gap_sweep.h"
 #include "host/contact/solve_on_rung.h"
 #include "host/scenes/ladder.h"
@@ -117,11 +118,13 @@ bool only_pressed(const fem::ContactSolution& solution) {
 
 }  // namespace
 
-std::optional<MeshError> mesh_error(const SolveOutcome& outcome) {
-  auto error = outcome.plan ? mesh_error(*outcome.plan) : mesh_error(outcome.scene, outcome.solution);
+std::optional<MeshError> mesh_error(const SolveOutcome& outcome, FinerAnswer finer) {
+  auto error = outcome.plan ? mesh_error(*outcome.plan) : mesh_error(outcome.scene, outcome.solution, std::move(finer));
   if (error && only_pressed(outcome.solution)) error->expected.Q = 0;  // relative to Q, rounding would be any number
   return error;
 }
+
+std::optional<MeshError> mesh_error(const SolveOutcome& outcome) { return mesh_error(outcome, {}); }
 
 bool too_deep(const fem::Sensor& sensor, double indentation) {
   constexpr double rounding = 1e-6;  // of a depth in fp32

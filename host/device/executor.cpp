@@ -80,8 +80,10 @@ const std::string& Launch::kernel() const { return state_->kernel; }
 struct Executor::State {
   Launcher launcher;
   ThreadTeam team;
-  std::mutex turn;  ///< whose run it is; also guards all below
+  std::mutex turn;  ///< whose run it is; also guards the next
   std::map<std::string, KernelTime> times;
+  mutable std::mutex beside_turn;            ///< of the next
+  std::map<std::string, KernelTime> beside;  ///< times of runs beside these
 
   State(const Device& device, double spin_seconds, int threads)
       : launcher(device, threads), team(threads, spin_seconds) {
@@ -100,6 +102,8 @@ struct Executor::State {
   void run_on_device(Run& run);
   bool run_slices(Run& run, std::size_t job);
   void finish(Run& run);
+  static std::vector<std::unique_lock<std::mutex>> used(std::span<const Job> jobs);
+  std::optional<RunReport> run_beside(std::span<const Job> jobs, const RunOptions& options);
 };
 
 // What each thread does in a run on host threads: draw, launch, until nothing is left.
@@ -182,6 +186,25 @@ void Executor::State::finish(Run& run) {
   if (run.options.progress && !run.report.cancelled) run.options.progress(total, total);
 }
 
+/// A run in the calling thread alone, while another has the threads: on `basic`, of one compiled launch that nothing
+/// else runs. None otherwise. Its seconds are those of one thread, as if all had shared them.
+std::optional<RunReport> Executor::State::run_beside(std::span<const Job> jobs, const RunOptions& options) {
+  if (jobs.size() != 1 || options.progress || !launcher.device().info().low_latency) return {};
+  const auto& [launch, groups] = jobs.front();
+  Launch::State& state = *launch.state_;
+  const std::unique_lock use(*state.use, std::try_to_lock);
+  if (!use.owns_lock() || !state.compiled || !state.program.takes_group(state.kernel)) return {};
+  const auto start = Clock::now();
+  launcher.launch_beside(state, 0, groups);
+  const double seconds = seconds_since(start);
+  const std::lock_guard lock(beside_turn);
+  beside[state.kernel] += KernelTime{1, groups, seconds};
+  RunReport report{.groups_done = groups, .seconds = seconds / team.threads(), .groups_by_thread = {}};
+  report.groups_by_thread.assign(static_cast<std::size_t>(team.threads()), 0);
+  report.groups_by_thread[0] = groups;
+  return report;
+}
+
 Executor::Executor(const Device& device, const ExecutorOptions& options)
     : state_(std::make_unique<State>(device, options.spin_seconds,
                                      device.info().low_latency ? chosen_threads(options.threads) : 1)) {}
@@ -212,6 +235,18 @@ RunReport Executor::run(const Launch& launch, std::size_t groups, const RunOptio
   return run(std::span(&job, 1), options);
 }
 
+/// Waits for runs of these launches beside the threads, and keeps others from beginning.
+std::vector<std::unique_lock<std::mutex>> Executor::State::used(std::span<const Job> jobs) {
+  std::vector<std::mutex*> mutexes;
+  for (const Job& job : jobs) mutexes.push_back(job.launch.state_->use.get());
+  std::ranges::sort(mutexes);
+  const auto [again, end] = std::ranges::unique(mutexes);
+  mutexes.erase(again, end);
+  std::vector<std::unique_lock<std::mutex>> locks;
+  for (std::mutex* mutex : mutexes) locks.emplace_back(*mutex);
+  return locks;
+}
+
 RunReport Executor::run(std::span<const Job> jobs, const RunOptions& options) {
   std::vector<std::size_t> groups;
   for (const Job& job : jobs) {
@@ -220,7 +255,12 @@ RunReport Executor::run(std::span<const Job> jobs, const RunOptions& options) {
       throw std::length_error("more groups than a kernel can count");
     groups.push_back(job.groups);
   }
-  const std::lock_guard lock(state_->turn);
+  std::unique_lock lock(state_->turn, std::defer_lock);
+  if (!lock.try_lock()) {
+    if (const auto report = state_->run_beside(jobs, options)) return *report;
+    lock.lock();
+  }
+  const auto uses = State::used(jobs);
   const auto start = Clock::now();
   Run run(jobs, groups, options);
   for (const Job& job : jobs) state_->launcher.compile(*job.launch.state_);
@@ -235,6 +275,7 @@ void Executor::run_here(const Launch& launch, std::size_t groups) {
   if (groups == 0) return;
   const std::lock_guard lock(state_->turn);
   Launch::State& state = *launch.state_;
+  const std::lock_guard use(*state.use);
   state_->launcher.compile(state);
   const auto start = Clock::now();
   state_->launcher.launch(state, 0, 0, groups);
@@ -245,13 +286,16 @@ const Device& Executor::device() const { return state_->launcher.device(); }
 int Executor::threads() const { return state_->team.threads(); }
 
 std::map<std::string, KernelTime> Executor::times() const {
-  const std::lock_guard lock(state_->turn);
-  return state_->times;
+  const std::scoped_lock lock(state_->turn, state_->beside_turn);
+  std::map<std::string, KernelTime> all = state_->times;
+  for (const auto& [kernel, time] : state_->beside) all[kernel] += time;
+  return all;
 }
 
 void Executor::clear_times() {
-  const std::lock_guard lock(state_->turn);
+  const std::scoped_lock lock(state_->turn, state_->beside_turn);
   for (auto& [kernel, time] : state_->times) time = {};
+  state_->beside.clear();
 }
 
 }  // namespace tactel::host

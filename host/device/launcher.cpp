@@ -30,10 +30,11 @@ std::size_t Launcher::widest_launch() const {
 
 std::size_t Launcher::local_size() const { return device_.info().type == DeviceType::cpu ? 1 : gpu_local_size; }
 
-void Launcher::enqueue(Launch::State& launch, int thread, std::size_t first, std::size_t global, std::size_t local) {
+void Launcher::enqueue(cl::CommandQueue& queue, cl::Kernel& kernel, std::size_t first, std::size_t global,
+                       std::size_t local) {
   if (global == 0) return;
-  launch.kernels[thread].setArg(0, static_cast<cl_uint>(first));
-  queues_[thread].enqueueNDRangeKernel(launch.kernels[thread], cl::NullRange, cl::NDRange(global), cl::NDRange(local));
+  kernel.setArg(0, static_cast<cl_uint>(first));
+  queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(global), cl::NDRange(local));
 }
 
 void Launcher::compile(Launch::State& launch) {
@@ -48,7 +49,7 @@ void Launcher::compile(Launch::State& launch) {
     if (launch.program.first_use(launch.kernel)) compilation.emplace();
     const std::size_t global = device_.info().type == DeviceType::cpu ? launch.widest : local_size();
     translated(device_.info().name, [&] {
-      enqueue(launch, 0, std::size_t{NO_GROUPS}, global, local_size());
+      enqueue(queues_[0], launch.kernels[0], std::size_t{NO_GROUPS}, global, local_size());
       queues_[0].finish();
     });
     if (compilation) compilation->keep();
@@ -60,16 +61,34 @@ void Launcher::compile(Launch::State& launch) {
 
 // OpenCL's own offset stays zero: PoCL aborts when two threads launch a kernel with and without. On a GPU a ragged end
 // goes in a launch of its own, as OpenCL 1.2 requires whole work-groups.
-void Launcher::launch(Launch::State& launch, int thread, std::size_t first, std::size_t count) {
+void Launcher::launch_on(cl::CommandQueue& queue, Launch::State& launch, int thread, std::size_t first,
+                         std::size_t count) {
   translated(device_.info().name, [&] {
     for (const std::size_t end = first + count; first < end; first += count) {
       count = std::min(end - first, launch.widest);
       const std::size_t ragged = count % local_size();
-      enqueue(launch, thread, first, count - ragged, local_size());
-      enqueue(launch, thread, first + count - ragged, ragged, ragged);
+      enqueue(queue, launch.kernels[thread], first, count - ragged, local_size());
+      enqueue(queue, launch.kernels[thread], first + count - ragged, ragged, ragged);
     }
-    queues_[thread].finish();
+    queue.finish();
   });
+}
+
+void Launcher::launch(Launch::State& launch, int thread, std::size_t first, std::size_t count) {
+  launch_on(queues_[thread], launch, thread, first, count);
+}
+
+void Launcher::launch_beside(Launch::State& launch, std::size_t first, std::size_t count) {
+  cl::CommandQueue queue;
+  {
+    const std::lock_guard lock(spare_turn_);
+    if (spare_.empty()) spare_.push_back(device_.make_queue());
+    queue = std::move(spare_.back());
+    spare_.pop_back();
+  }
+  launch_on(queue, launch, 0, first, count);
+  const std::lock_guard lock(spare_turn_);
+  spare_.push_back(std::move(queue));
 }
 
 }  // namespace tactel::host

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -12,13 +14,14 @@ namespace tactel::host {
 struct Launch::State {
   Program program;
   std::string kernel;
-  std::vector<cl::Kernel> kernels;            ///< [threads]
-  const void* executor;                       ///< its owner
-  KernelTime* time;                           ///< its sum in the executor
-  double seconds_per_group = 0;               ///< in the last run; 0: not run yet
-  bool compiled = false;                      ///< by a launch
-  std::size_t widest = 1;                     ///< groups in one launch
-  std::vector<KernelParameter> parameters{};  ///< of the kernel
+  std::vector<cl::Kernel> kernels;                                   ///< [threads]
+  const void* executor;                                              ///< its owner
+  KernelTime* time;                                                  ///< its sum in the executor
+  double seconds_per_group = 0;                                      ///< in the last run; 0: not run yet
+  bool compiled = false;                                             ///< by a launch
+  std::size_t widest = 1;                                            ///< groups in one launch
+  std::vector<KernelParameter> parameters{};                         ///< of the kernel
+  std::unique_ptr<std::mutex> use = std::make_unique<std::mutex>();  ///< held by a run: kernel objects have its groups
 
   const std::string& device_name() const { return program.device().info().name; }
 };
@@ -32,15 +35,21 @@ class Launcher {
   void compile(Launch::State& launch);
   /// Runs groups first ... first + count - 1 with the kernel object and queue of this thread.
   void launch(Launch::State& launch, int thread, std::size_t first, std::size_t count);
+  /// The same on a queue of its own, beside all threads; a launch has one such run at a time.
+  void launch_beside(Launch::State& launch, std::size_t first, std::size_t count);
   std::size_t widest_launch() const;  ///< groups
   const Device& device() const { return device_; }
 
  private:
   std::size_t local_size() const;
-  void enqueue(Launch::State& launch, int thread, std::size_t first, std::size_t global, std::size_t local);
+  void launch_on(cl::CommandQueue& queue, Launch::State& launch, int thread, std::size_t first, std::size_t count);
+  static void enqueue(cl::CommandQueue& queue, cl::Kernel& kernel, std::size_t first, std::size_t global,
+                      std::size_t local);
 
   Device device_;
   std::vector<cl::CommandQueue> queues_;  ///< [threads]
+  std::mutex spare_turn_;                 ///< of the next
+  std::vector<cl::CommandQueue> spare_;   ///< of runs beside the threads
 };
 
 }  // namespace tactel::host

@@ -35,12 +35,14 @@ fem::Profile draw_profile(const SceneSource::RandomProfile& from, DrawKey key) {
   const double half_width = draw_number(from.half_width, key), height = draw_number(from.height, key);
   const int pieces = from.points - 1;
   std::vector<double> slopes;
+  slopes.reserve(static_cast<std::size_t>(pieces));
   key.draw = from.number;
   for (std::uint32_t attempt = 0; static_cast<int>(slopes.size()) < pieces; ++attempt)
     for (const std::uint32_t word : random_words(key, attempt))
       if (static_cast<int>(slopes.size()) < pieces) slopes.push_back(2 * (word + 0.5) * 0x1p-32 - 1);
   std::ranges::sort(slopes);
   fem::Profile profile;
+  profile.x.reserve(static_cast<std::size_t>(from.points)), profile.y.reserve(static_cast<std::size_t>(from.points));
   profile.y = {0};
   for (const double slope : slopes) profile.y.push_back(profile.y.back() + slope);
   const auto [least, most] = std::ranges::minmax(profile.y);
@@ -132,7 +134,7 @@ SceneSource SceneSource::changed(double shift) const {
 
 SceneSource::Contact SceneSource::contact(std::uint64_t k) const {
   Contact contact = drawn_contact(k);
-  if (rung_) contact.scene = on_rung(contact.scene, *rung_);
+  if (rung_ && !rung_->patch()) contact.scene = on_rung(contact.scene, *rung_);
   return contact;
 }
 

@@ -121,11 +121,13 @@ bool PlacedSet::append(const ChunkHeader& header, const std::vector<std::string_
   if (places_.tactels && header.chunk == 0) {
     const std::string_view x(reinterpret_cast<const char*>(columns_.tactel_x.data()),
                              columns_.tactel_x.size() * sizeof(float));
-    if (!places_.tactels->append(staged_, places_.end, columns_.tactel_x.size(), {x}) || !places_.tactels->finish(staged_))
+    if (!places_.tactels->append(staged_, places_.end, columns_.tactel_x.size(), {x}) ||
+        !places_.tactels->finish(staged_))
       return false;
   }
   if (!places_.rows.append(staged_, places_.end, header.rows, rows)) return false;
-  if (places_.parameters && !places_.parameters->append(staged_, places_.end, header.contacts, parameters)) return false;
+  if (places_.parameters && !places_.parameters->append(staged_, places_.end, header.contacts, parameters))
+    return false;
   if (!staged_.flush() || !write_all(headers_, {reinterpret_cast<const char*>(&header), sizeof header})) return false;
   chunks_.push_back(header);
   return true;

@@ -159,6 +159,7 @@ struct Solver;
 template <class Real>
 struct Solver<GapSweep<Real>> {
   using Launcher = GapSweep<Real>;
+  static constexpr std::size_t side_by_side_answers = 16;  ///< in the memory of a processor: numbers of a cache line
 
   static std::vector<Launcher> launchers(Executor& executor, const SceneSource& source,
                                          const std::vector<fem::Sensor>& sensors, const SetOptions& options) {
@@ -196,6 +197,7 @@ struct Solver<GapSweep<Real>> {
 template <class Real>
 struct Solver<PatchContact<Real>> {
   using Launcher = PatchContact<Real>;
+  static constexpr std::size_t side_by_side_answers = 1;  ///< contacts lie one after the other
 
   static std::vector<Launcher> launchers(Executor& executor, const SceneSource& source,
                                          const std::vector<fem::Sensor>& sensors, const SetOptions& options) {
@@ -546,7 +548,7 @@ ContactSet Simulation<Launcher>::collect(SetSimulator::Range& any_range) {
   resize(set, rows.back());
   set.too_deep = deep, set.far_slip = far, set.never_slid = never;
   for (std::size_t l = 0; l < views.size(); ++l) {
-    constexpr std::size_t together = 16;  // numbers of a cache line
+    constexpr std::size_t together = Solver<Launcher>::side_by_side_answers;
     std::vector<RowsFrom> contacts;
     const auto put = [&] {
       put_rows<Launcher>(set, views[l], contacts);

@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t version_bits = 0xff00000000000000;
 /// Chunks that wait in memory for their predecessors, at most.
-constexpr std::size_t most_waiting = 1;
+constexpr std::size_t most_waiting = 2;
 
 /// Columns of the parameters that chunks hold.
 std::size_t parameters_of(const SetColumns& columns) {
@@ -283,15 +283,16 @@ ChunkHeader SetSpool::header_of(std::uint64_t chunk, const ContactSet& rows,
 }
 
 void SetSpool::append(std::uint64_t chunk, ContactSet rows) {
-  if (!placed_) return spool(chunk, rows);
+  const ChunkHeader header = header_of(chunk, rows, payload_of(rows, columns_));
+  if (!placed_) return spool(header, rows);
   std::unique_lock lock(appending_);
-  waiting_.emplace(chunk, std::move(rows));
+  waiting_.emplace(chunk, Waiting{header, std::move(rows)});
   if (!placing_) place_waiting(lock);
   placed_some_.wait(lock, [&] { return waiting_.size() <= most_waiting || !placing_; });
   if (waiting_.size() <= most_waiting) return;
   const auto last = waiting_.extract(std::prev(waiting_.end()));
   lock.unlock();
-  spool(last.key(), last.mapped());
+  spool(last.mapped().header, last.mapped().rows);
 }
 
 /// Places chunks as long as the next one is there. One thread at a time does so; others leave theirs to it.
@@ -305,10 +306,8 @@ void SetSpool::place_waiting(std::unique_lock<std::mutex>& lock) {
       if (waits.empty() && spooled == chunks_.end()) break;
       const Place place_of = waits.empty() ? spooled->second : Place{};
       lock.unlock();
-      const ContactSet rows = waits.empty() ? load(place_of) : std::move(waits.mapped());
-      const std::vector<std::string_view> payload = payload_of(rows, columns_);
-      const ChunkHeader header = waits.empty() ? place_of.header : header_of(next, rows, payload);
-      const bool good = placed_->append(header, payload) && sync_sometimes();
+      const Waiting chunk = waits.empty() ? Waiting{place_of.header, load(place_of)} : std::move(waits.mapped());
+      const bool good = placed_->append(chunk.header, payload_of(chunk.rows, columns_)) && sync_sometimes();
       const int error = errno;
       lock.lock();
       if (!good) fail(error);
@@ -338,15 +337,14 @@ bool SetSpool::sync_sometimes() {
 }
 
 void SetSpool::flush() {
-  for (const auto& [chunk, rows] : waiting_) spool(chunk, rows);
+  for (const auto& [number, chunk] : waiting_) spool(chunk.header, chunk.rows);
   waiting_.clear();
   if (placed_ && !placed_->sync()) fail(errno);
 }
 
 /// Appends a chunk to the spool file of this process.
-void SetSpool::spool(std::uint64_t chunk, const ContactSet& rows) {
+void SetSpool::spool(const ChunkHeader& header, const ContactSet& rows) {
   const std::vector<std::string_view> payload = payload_of(rows, columns_);
-  const ChunkHeader header = header_of(chunk, rows, payload);
   const auto fail_after = [&](off_t before) {
     const int error = errno;
     if (before < 0 || ::ftruncate(file_, before) != 0) ++torn_;  // the next run cuts it off
@@ -364,7 +362,7 @@ void SetSpool::spool(std::uint64_t chunk, const ContactSet& rows) {
   const std::lock_guard lock(appending_);
   if (!synced) fail_after(-1);  // another thread may have appended behind it
   bytes_ += sizeof header + header.bytes;
-  chunks_[chunk] = {own_, static_cast<std::uint64_t>(before), header};
+  chunks_[header.chunk] = {own_, static_cast<std::uint64_t>(before), header};
 }
 
 ContactSet SetSpool::load(const Place& place) const {

@@ -18,7 +18,7 @@
 namespace tactel::host {
 
 /// Chunks of an unfinished set: a folder SET.h5.parts beside the set. The chunk that follows the first ones goes where
-/// the set file will have it (PlacedSet). A chunk whose predecessors are missing waits in memory, as one of three, or
+/// the set file will have it (PlacedSet). A chunk whose predecessors are missing waits in memory, as one of two, or
 /// is appended to a spool file. Every chunk has a checksum of its rows and one of the plan; a kill or a power cut
 /// leaves whole chunks and at most one torn chunk of a file, which the next run detects and removes. Any number of
 /// processes may add chunks, each to a spool file of its own (`writer`); the one that does not join places them.
@@ -62,7 +62,7 @@ class SetSpool {
   [[noreturn]] void fail(int error) const;
   ChunkHeader header_of(std::uint64_t chunk, const ContactSet& rows,
                         const std::vector<std::string_view>& payload) const;
-  void spool(std::uint64_t chunk, const ContactSet& rows);
+  void spool(const ChunkHeader& header, const ContactSet& rows);
   bool sync_sometimes();
   void place_spooled(std::uint64_t count);
   void place_waiting(std::unique_lock<std::mutex>& lock);
@@ -83,9 +83,13 @@ class SetSpool {
   std::size_t torn_ = 0;
   std::uint64_t bytes_ = 0;
   std::mutex appending_;
-  std::optional<PlacedSet> placed_;              ///< of the process that did not join
-  bool placing_ = false;                         ///< by a thread, without the mutex
-  std::map<std::uint64_t, ContactSet> waiting_;  ///< for their predecessors
+  std::optional<PlacedSet> placed_;  ///< of the process that did not join
+  bool placing_ = false;             ///< by a thread, without the mutex
+  struct Waiting {
+    ChunkHeader header;
+    ContactSet rows;
+  };
+  std::map<std::uint64_t, Waiting> waiting_;  ///< for their predecessors
   std::condition_variable placed_some_;
   std::chrono::steady_clock::time_point synced_{};
   FileLock lock_;

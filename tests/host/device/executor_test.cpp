@@ -10,6 +10,7 @@
 #include <cstring>
 #include <numeric>
 #include <stdexcept>
+#include <thread>
 
 #include "host/device/buffer.h"
 #include "tests/host/device/test_device.h"
@@ -258,6 +259,31 @@ TEST(Executor, SeveralJobsAreOnePool) {
     executor.clear_times();
     EXPECT_EQ(executor.times().at("mark").launches, 0u);
   }
+}
+
+// Three threads run launches of their own and one in common: a run that finds the threads taken goes beside them.
+TEST(Executor, RunsOfSeveralThreadsGoBesideEachOther) {
+  constexpr std::size_t groups = 10, runs = 40;
+  Executor executor(device("basic"), {.threads = 2});
+  const Program built = program(executor.device());
+  const Marks alone(executor.device(), 1);
+  const Launch shared = executor.prepare(built, "mark", alone.bind());
+  const auto many_runs = [&] {
+    for (std::size_t run = 0; run < runs; ++run) {
+      const Marks marks(executor.device(), groups);
+      const Launch launch = executor.prepare(built, "mark_slowly", marks.bind());
+      EXPECT_EQ(executor.run(launch, groups).groups_done, groups);
+      EXPECT_EQ(marks.done(), groups);
+      executor.run(shared, 1);
+    }
+  };
+  {
+    const std::jthread one(many_runs), two(many_runs);
+    many_runs();
+  }
+  const auto times = executor.times();
+  EXPECT_EQ(times.at("mark_slowly").groups, 3 * runs * groups);
+  EXPECT_EQ(times.at("mark").groups, 3 * runs);
 }
 
 TEST(Executor, ALaunchBelongsToItsExecutor) {
