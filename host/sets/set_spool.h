@@ -18,7 +18,7 @@
 namespace tactel::host {
 
 /// Chunks of an unfinished set: a folder SET.h5.parts beside the set. The chunk that follows the first ones goes where
-/// the set file will have it (PlacedSet). A chunk whose predecessors are missing waits in memory, as one of two, or
+/// the set file will have it (PlacedSet). A chunk whose predecessors are missing waits in memory, one at a time, or
 /// is appended to a spool file. Every chunk has a checksum of its rows and one of the plan; a kill or a power cut
 /// leaves whole chunks and at most one torn chunk of a file, which the next run detects and removes. Any number of
 /// processes may add chunks, each to a spool file of its own (`writer`); the one that does not join places them.
