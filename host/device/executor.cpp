@@ -238,11 +238,12 @@ RunReport Executor::run(const Launch& launch, std::size_t groups, const RunOptio
 /// Waits for runs of these launches beside the threads, and keeps others from beginning.
 std::vector<std::unique_lock<std::mutex>> Executor::State::used(std::span<const Job> jobs) {
   std::vector<std::mutex*> mutexes;
+  mutexes.reserve(jobs.size());
   for (const Job& job : jobs) mutexes.push_back(job.launch.state_->use.get());
-  std::ranges::sort(mutexes);
-  const auto [again, end] = std::ranges::unique(mutexes);
-  mutexes.erase(again, end);
+  std::sort(mutexes.begin(), mutexes.end());
+  mutexes.erase(std::unique(mutexes.begin(), mutexes.end()), mutexes.end());
   std::vector<std::unique_lock<std::mutex>> locks;
+  locks.reserve(mutexes.size());
   for (std::mutex* mutex : mutexes) locks.emplace_back(*mutex);
   return locks;
 }

@@ -84,8 +84,8 @@ struct Job {
 };
 
 /// Runs kernels on a device. On PoCL's `basic` device host threads, each with its own queue, draw chunks of
-/// groups from a shared counter. Other devices receive one launch and schedule themselves. Concurrent runs of an
-/// executor are serialized.
+/// groups from a shared counter. Other devices receive one launch and schedule themselves. Concurrent runs take
+/// turns; on `basic` one of a single launch that finds the threads taken goes in its calling thread instead.
 class Executor {
  public:
   explicit Executor(const Device& device, const ExecutorOptions& options = {});
