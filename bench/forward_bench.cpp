@@ -153,6 +153,8 @@ const bool registered = [] {
       benchmark::RegisterBenchmark((name + "/kernel" + suffix).c_str(),
                                    [=](benchmark::State& s) { kernel(s, network, threads); })
           ->Arg(1)
+          ->Arg(8)
+          ->Arg(16)
           ->Arg(64)
           ->Arg(4096)
           ->Arg(262144)
@@ -161,6 +163,8 @@ const bool registered = [] {
       benchmark::RegisterBenchmark((name + "/eigen" + suffix).c_str(),
                                    [=](benchmark::State& s) { eigen(s, network, threads); })
           ->Arg(1)
+          ->Arg(8)
+          ->Arg(16)
           ->Arg(64)
           ->Arg(4096)
           ->Arg(262144)

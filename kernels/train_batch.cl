@@ -38,6 +38,7 @@ typedef struct {
 
 /* Data of a tile. Lanes beyond the slice's end hold the row of zeros and have no error. */
 typedef struct {
+  int frames, vectors;                                /* that the tile holds; vectors of them, 1 or FRAME_VECTORS */
   real rows[TILE][ROW0];                              /* inputs, a frame in a row, then 1 for the bias, zeros */
   vreal target[FRAME_VECTORS], counts[FRAME_VECTORS]; /* S - 0.5; 1 where there is a frame, 0 where there is none */
   vreal x[ROW0][FRAME_VECTORS];                       /* the same, a frame in a lane */
@@ -50,8 +51,8 @@ typedef struct {
 } Tile;
 
 /* `numbers` columns, whole vectors, of a tile: a frame in a row becomes a frame in a lane. */
-INLINE void rows_to_frames(const int numbers, const real *rows, vreal (*columns)[FRAME_VECTORS]) {
-  ROLLED for (int v = 0; v < FRAME_VECTORS; ++v) {
+INLINE void rows_to_frames(const int vectors, const int numbers, const real *rows, vreal (*columns)[FRAME_VECTORS]) {
+  ROLLED for (int v = 0; v < vectors; ++v) {
     ROLLED for (int begin = 0; begin < numbers; begin += LANES) {
       vreal block[LANES];
       EACH(lane, LANES) { block[lane] = LOAD(rows + (v * LANES + lane) * numbers + begin); }
@@ -63,8 +64,8 @@ INLINE void rows_to_frames(const int numbers, const real *rows, vreal (*columns)
 
 #if HIDDEN2
 /* And back. */
-INLINE void frames_to_rows(const int numbers, const vreal (*columns)[FRAME_VECTORS], real *rows) {
-  ROLLED for (int v = 0; v < FRAME_VECTORS; ++v) {
+INLINE void frames_to_rows(const int vectors, const int numbers, const vreal (*columns)[FRAME_VECTORS], real *rows) {
+  ROLLED for (int v = 0; v < vectors; ++v) {
     ROLLED for (int begin = 0; begin < numbers; begin += LANES) {
       vreal block[LANES];
       EACH(k, LANES) { block[k] = columns[begin + k][v]; }
@@ -77,49 +78,57 @@ INLINE void frames_to_rows(const int numbers, const vreal (*columns)[FRAME_VECTO
 
 /* inputs: [rows + 1][ROW0]; shown: [count], which rows; zero_row: the row of zeros. */
 INLINE void load_tile(Tile *tile, global const real *inputs, global const real *targets, global const uint *shown, uint count, uint zero_row) {
-  ROLLED for (uint f = 0; f < TILE; ++f) {
+  tile->frames = (int)min(count, (uint)TILE);
+  tile->vectors = LANES > 1 && count <= LANES ? 1 : FRAME_VECTORS;
+  ROLLED for (uint f = 0; f < (uint)tile->vectors * LANES; ++f) {
     const uint row = f < count ? shown[f] : zero_row;
     EACH(v, ROW0 / LANES) { STORE(LOAD(inputs + (size_t)row * ROW0 + v * LANES), tile->rows[f] + v * LANES); }
     ((real *)tile->target)[f] = targets[row];
-    ((real *)tile->counts)[f] = f < count;
   }
-  rows_to_frames(ROW0, tile->rows[0], tile->x);
+  EACH(v, FRAME_VECTORS) { tile->counts[v] = 1; }
+  for (int f = tile->frames; f < tile->vectors * LANES; ++f) ((real *)tile->counts)[f] = 0;
+  rows_to_frames(tile->vectors, ROW0, tile->rows[0], tile->x);
 }
 
 #if HIDDEN2
-/* back_k = sum_n w_nk d_n for `rows` neurons k; times the slope there. w: [fan_out][stride], from neuron k on. */
-INLINE void backward_rows(const int rows, const int fan_out, const int stride, global const real *w, const vreal (*d)[FRAME_VECTORS],
-                          const vreal (*o)[FRAME_VECTORS], vreal (*d_below)[FRAME_VECTORS]) {
-  vreal back[ROWS][FRAME_VECTORS];
-  EACH(r, rows) {
-    EACH(v, FRAME_VECTORS) { back[r][v] = 0; }
-  }
-  ROLLED for (int n = 0; n < fan_out; ++n) {
-    EACH(r, rows) {
-      EACH(v, FRAME_VECTORS) { back[r][v] = fma(ALL_LANES(w[n * stride + r]), d[n][v], back[r][v]); }
-    }
-  }
-  EACH(r, rows) {
-    EACH(v, FRAME_VECTORS) { d_below[r][v] = hidden_slope(o[r][v]) * back[r][v]; }
-  }
+/* back_k = sum_n w_nk d_n for `rows` neurons k, at most ROWS_TOGETHER; times the slope there. w: [fan_out][stride], from neuron k on. */
+#define START_BACK(r, a, b) vreal a = 0, b = 0;
+#define ADD_DELTA(r, a, b)                                                     \
+  if (r < ROWS && r < rows) a = fma(ALL_LANES(w[n * stride + r]), d[n][0], a); \
+  if (r < ROWS && B_ROW(r) < rows) b = fma(ALL_LANES(w[n * stride + B_ROW(r)]), d[n][vectors - 1], b);
+#define END_BACK(r, a, b)                                              \
+  if (r < ROWS && r < rows) d_below[r][0] = hidden_slope(o[r][0]) * a; \
+  if (r < ROWS && B_ROW(r) < rows) d_below[B_ROW(r)][vectors - 1] = hidden_slope(o[B_ROW(r)][vectors - 1]) * b;
+INLINE void backward_rows(const int vectors, const int rows, const int fan_out, const int stride, global const real *w,
+                          const vreal (*d)[FRAME_VECTORS], const vreal (*o)[FRAME_VECTORS], vreal (*d_below)[FRAME_VECTORS]) {
+  EACH_ROW(START_BACK);
+  ROLLED for (int n = 0; n < fan_out; ++n) { EACH_ROW(ADD_DELTA); }
+  EACH_ROW(END_BACK);
 }
 
-INLINE void backward_layer(const int fan_in, const int fan_out, const int stride, global const real *w, const vreal (*d)[FRAME_VECTORS],
-                           const vreal (*o)[FRAME_VECTORS], vreal (*d_below)[FRAME_VECTORS]) {
-  ROLLED for (int k = 0; k + ROWS <= fan_in; k += ROWS) backward_rows(ROWS, fan_out, stride, w + k, d, o + k, d_below + k);
-  const int rest = fan_in - fan_in % ROWS;
-  if (fan_in % ROWS) backward_rows(fan_in % ROWS, fan_out, stride, w + rest, d, o + rest, d_below + rest);
+INLINE void backward_layer(const int vectors, const int fan_in, const int fan_out, const int stride, global const real *w,
+                           const vreal (*d)[FRAME_VECTORS], const vreal (*o)[FRAME_VECTORS], vreal (*d_below)[FRAME_VECTORS]) {
+  const int together = ROWS_TOGETHER(vectors), rest = fan_in % together, begin = fan_in - rest;
+  ROLLED for (int k = 0; k < begin; k += together) backward_rows(vectors, together, fan_out, stride, w + k, d, o + k, d_below + k);
+  if (rest) backward_rows(vectors, rest, fan_out, stride, w + begin, d, o + begin, d_below + begin);
 }
 #endif
 
-/* sums[r][k] += d[r][f] x[f][k] over the tile's frames, for `rows` rows and `vectors` vectors of k. d: [rows][TILE]; x: [TILE][stride];
-   sums: [rows][stride]. */
-INLINE void outer_block(const int rows, const int vectors, const int stride, const real *d, const real *x, global real *sums) {
+/* sums[r][k] += d[r][f] x[f][k] over the tile's frames, for `rows` rows and `vectors` vectors of k; the sums begin at 0 with the first tile.
+   d: [rows][TILE]; x: [TILE][stride]; sums: [rows][stride]. */
+INLINE void outer_block(int begins, int frames, const int rows, const int vectors, const int stride, const real *d, const real *x,
+                        global real *sums) {
   vreal sum[OUTER_ROWS][OUTER_VECTORS];
-  EACH(r, rows) {
-    EACH(v, vectors) { sum[r][v] = LOAD(sums + r * stride + v * LANES); }
+  if (begins) {
+    EACH(r, rows) {
+      EACH(v, vectors) { sum[r][v] = 0; }
+    }
+  } else {
+    EACH(r, rows) {
+      EACH(v, vectors) { sum[r][v] = LOAD(sums + r * stride + v * LANES); }
+    }
   }
-  ROLLED for (int f = 0; f < TILE; ++f) {
+  ROLLED for (int f = 0; f < frames; ++f) {
     vreal input[OUTER_VECTORS];
     EACH(v, vectors) { input[v] = LOAD(x + f * stride + v * LANES); }
     EACH(r, rows) {
@@ -132,36 +141,38 @@ INLINE void outer_block(const int rows, const int vectors, const int stride, con
 }
 
 /* The same for every k. */
-INLINE void outer_rows(const int rows, const int stride, const real *d, const real *x, global real *sums) {
+INLINE void outer_rows(int begins, int frames, const int rows, const int stride, const real *d, const real *x, global real *sums) {
   const int vectors = stride / LANES, rest = vectors % OUTER_VECTORS, begin = (vectors - rest) * LANES;
   ROLLED for (int k = 0; k + OUTER_VECTORS * LANES <= stride; k += OUTER_VECTORS * LANES) {
-    outer_block(rows, OUTER_VECTORS, stride, d, x + k, sums + k);
+    outer_block(begins, frames, rows, OUTER_VECTORS, stride, d, x + k, sums + k);
   }
-  if (rest) outer_block(rows, rest, stride, d, x + begin, sums + begin);
+  if (rest) outer_block(begins, frames, rows, rest, stride, d, x + begin, sums + begin);
 }
 
 /* The same for every row: the descent of a layer's weights. d: [fan_out][FRAME_VECTORS]. */
-INLINE void outer_layer(const int fan_out, const int stride, const vreal (*d)[FRAME_VECTORS], const real *x, global real *sums) {
+INLINE void outer_layer(int begins, int frames, const int fan_out, const int stride, const vreal (*d)[FRAME_VECTORS], const real *x,
+                        global real *sums) {
   ROLLED for (int n = 0; n + OUTER_ROWS <= fan_out; n += OUTER_ROWS) {
-    outer_rows(OUTER_ROWS, stride, (const real *)(d + n), x, sums + n * stride);
+    outer_rows(begins, frames, OUTER_ROWS, stride, (const real *)(d + n), x, sums + n * stride);
   }
   const int rest = fan_out - fan_out % OUTER_ROWS;
-  if (fan_out % OUTER_ROWS) outer_rows(fan_out % OUTER_ROWS, stride, (const real *)(d + rest), x, sums + rest * stride);
+  if (fan_out % OUTER_ROWS) outer_rows(begins, frames, fan_out % OUTER_ROWS, stride, (const real *)(d + rest), x, sums + rest * stride);
 }
 
 /* An output neuron's: sums[k] += sum over frames of d_out o_k; the bias at LAST. */
-INLINE void outer_output(const vreal (*o)[FRAME_VECTORS], const vreal *d_out, global real *sums) {
+INLINE void outer_output(int begins, int vectors, const vreal (*o)[FRAME_VECTORS], const vreal *d_out, global real *sums) {
   ROLLED for (int begin = 0; begin < ROWL; begin += LANES) {
     vreal product[LANES];
     ROLLED for (int i = 0; i < LANES; ++i) {
       product[i] = 0;
       if (begin + i < LAST) {
-        EACH(v, FRAME_VECTORS) { product[i] = fma(o[begin + i][v], d_out[v], product[i]); }
+        for (int v = 0; v < vectors; ++v) product[i] = fma(o[begin + i][v], d_out[v], product[i]);
       } else if (begin + i == LAST) {
-        EACH(v, FRAME_VECTORS) { product[i] += d_out[v]; }
+        for (int v = 0; v < vectors; ++v) product[i] += d_out[v];
       }
     }
-    STORE(LOAD(sums + begin) + lane_sums(product), sums + begin);
+    const vreal before = begins ? ALL_LANES(0) : LOAD(sums + begin);
+    STORE(before + lane_sums(product), sums + begin);
   }
 }
 
@@ -178,18 +189,29 @@ INLINE void quantile_deltas(const vreal *o, vreal target, real level, vreal coun
 }
 #endif
 
-/* Forward, errors, backward, outer products of one tile. errors: sum of squares and largest, by lane. */
-INLINE void learn_tile(Tile *t, global const real *w, global real *sums, vreal *errors, real level) {
-  forward_layer(INPUTS, HIDDEN1, ROW0, w, t->x, t->o1);
+/* Outputs of the hidden layers for the tile's frames. */
+INLINE void forward_tile(const int vectors, Tile *t, global const real *w) {
+  forward_layer(vectors, INPUTS, HIDDEN1, ROW0, w, t->x, t->o1);
 #if HIDDEN2
-  forward_layer(HIDDEN1, HIDDEN2, ROW1, w + LAYER2, t->o1, t->o2);
+  forward_layer(vectors, HIDDEN1, HIDDEN2, ROW1, w + LAYER2, t->o1, t->o2);
+#endif
+}
+
+/* Forward, errors, backward, outer products of one tile. errors: sum of squares and largest, by lane. begins: 1 for the slice's first tile. */
+INLINE void learn_tile(int begins, Tile *t, global const real *w, global real *sums, vreal *errors, real level) {
+  const int vectors = t->vectors;
+  if (LANES > 1 && vectors == 1)
+    forward_tile(1, t, w);
+  else
+    forward_tile(FRAME_VECTORS, t, w);
+#if HIDDEN2
   const vreal(*last)[FRAME_VECTORS] = t->o2;
   vreal(*d_last)[FRAME_VECTORS] = t->d2;
 #else
   const vreal(*last)[FRAME_VECTORS] = t->o1;
   vreal(*d_last)[FRAME_VECTORS] = t->d1;
 #endif
-  EACH(v, FRAME_VECTORS) {
+  for (int v = 0; v < vectors; ++v) {
     const vreal output = forward_output(LAST, w + LAYER3, last, v);
     const vreal error = (t->target[v] - output) * t->counts[v];
     errors[0] = fma(error, error, errors[0]);
@@ -204,33 +226,36 @@ INLINE void learn_tile(Tile *t, global const real *w, global real *sums, vreal *
 #endif
   }
   ROLLED for (int k = 0; k < LAST; ++k) {
-    EACH(v, FRAME_VECTORS) {
+    for (int v = 0; v < vectors; ++v) {
       vreal back = ALL_LANES(w[LAYER3 + k]) * t->d_out[0][v];
       EACH(h, OUTPUTS - 1) { back = fma(ALL_LANES(w[LAYER3 + (h + 1) * ROWL + k]), t->d_out[h + 1][v], back); }
       d_last[k][v] = hidden_slope(last[k][v]) * back;
     }
   }
 #if HIDDEN2
-  backward_layer(HIDDEN1, HIDDEN2, ROW1, w + LAYER2, t->d2, t->o1, t->d1);
+  if (LANES > 1 && vectors == 1)
+    backward_layer(1, HIDDEN1, HIDDEN2, ROW1, w + LAYER2, t->d2, t->o1, t->d1);
+  else
+    backward_layer(FRAME_VECTORS, HIDDEN1, HIDDEN2, ROW1, w + LAYER2, t->d2, t->o1, t->d1);
   ROLLED for (int k = HIDDEN1; k < ROW1; ++k) {
-    EACH(v, FRAME_VECTORS) { t->o1[k][v] = ALL_LANES(k == HIDDEN1); }
+    for (int v = 0; v < vectors; ++v) t->o1[k][v] = ALL_LANES(k == HIDDEN1);
   }
-  frames_to_rows(ROW1, t->o1, t->o1_rows[0]);
-  outer_layer(HIDDEN2, ROW1, t->d2, t->o1_rows[0], sums + LAYER2);
+  frames_to_rows(vectors, ROW1, t->o1, t->o1_rows[0]);
+  outer_layer(begins, t->frames, HIDDEN2, ROW1, t->d2, t->o1_rows[0], sums + LAYER2);
 #endif
-  outer_layer(HIDDEN1, ROW0, t->d1, t->rows[0], sums);
-  EACH(h, OUTPUTS) { outer_output(last, t->d_out[h], sums + LAYER3 + h * ROWL); }
+  outer_layer(begins, t->frames, HIDDEN1, ROW0, t->d1, t->rows[0], sums);
+  EACH(h, OUTPUTS) { outer_output(begins, vectors, last, t->d_out[h], sums + LAYER3 + h * ROWL); }
 }
 
 /* Sums over the frames of one slice, [NUMBERS], and its errors, [2]. */
-INLINE void learn_slice(global const real *w, global const real *inputs, global const real *targets, global const uint *shown, uint count,
-                        uint zero_row, global real *sums, global real *errors, real level) {
+static __attribute__((noinline)) void learn_slice(global const real *w, global const real *inputs, global const real *targets,
+                                                  global const uint *shown, uint count, uint zero_row, global real *sums, global real *errors,
+                                                  real level) {
   Tile tile;
   vreal lane_errors[2] = {0, 0};
-  ROLLED for (int i = 0; i < NUMBERS; i += LANES) STORE(ALL_LANES(0), sums + i);
   for (uint first = 0; first < count; first += TILE) {
     load_tile(&tile, inputs, targets, shown + first, count - first, zero_row);
-    learn_tile(&tile, w, sums, lane_errors, level);
+    learn_tile(first == 0, &tile, w, sums, lane_errors, level);
   }
   errors[0] = lane_sum(lane_errors[0]);
   errors[1] = 0;

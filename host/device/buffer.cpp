@@ -2,6 +2,7 @@
 #include "host/device/buffer.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstdlib>
 #include <cstring>
 #include <new>
@@ -26,8 +27,11 @@ struct RawBuffer::State {
   std::unique_ptr<void, FreeAligned> host;  ///< zero copy: what kernels work on; freed after the buffer below
   cl::Buffer buffer;
   cl::CommandQueue queue;  ///< for transfers; none with zero copy
+  std::uint64_t id;
 
   State(const Device& device, std::size_t bytes) : device(device) {
+    static std::atomic<std::uint64_t> made = 0;
+    id = ++made;
     if (device.info().zero_copy) {
       host.reset(::operator new(bytes, alignment));
       buffer = cl::Buffer(device.context(), CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, bytes, host.get());
@@ -42,6 +46,8 @@ RawBuffer::RawBuffer(const Device& device, std::size_t bytes)
     : state_(translated(device.info().name,
                         [&] { return std::make_shared<State>(device, std::max<std::size_t>(bytes, 1)); })),
       bytes_(bytes) {}
+
+std::uint64_t RawBuffer::id() const { return state_ ? state_->id : 0; }
 
 void RawBuffer::check_range(std::size_t offset, std::size_t bytes) const {
   if (offset > bytes_ || bytes > bytes_ - offset) throw std::out_of_range("outside the buffer");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <type_traits>
@@ -30,6 +31,7 @@ class RawBuffer {
   void unmap(void* host) const;  ///< changes are visible to the next launch
   const cl::Buffer& cl_buffer() const;
   std::size_t bytes() const { return bytes_; }
+  std::uint64_t id() const;  ///< of the memory: that of copies, and of no other buffer
 
  private:
   void check_range(std::size_t offset, std::size_t bytes) const;
@@ -76,6 +78,7 @@ class Buffer {
   void read(std::span<T> to, std::size_t first = 0) const { raw_.read(to.data(), first * sizeof(T), to.size_bytes()); }
   Mapping map(MapFor use = MapFor::both) const { return Mapping(*this, use); }
   const cl::Buffer& cl_buffer() const { return raw_.cl_buffer(); }
+  std::uint64_t id() const { return raw_.id(); }
 
  private:
   RawBuffer raw_;

@@ -23,7 +23,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 // Below this much work on one thread, waking another costs more than it brings.
-constexpr double alone_seconds = 4e-6;
+constexpr double alone_seconds = 8e-6;
 // With progress, a device that schedules itself gets its work in so many slices, none smaller than this many groups.
 constexpr std::size_t progress_slices = 64, smallest_slice = 64;
 
@@ -46,14 +46,15 @@ int chosen_threads(int wanted) {
 struct Run {
   std::span<const Job> jobs;
   const RunOptions& options;
+  int threads;  ///< that share the groups
   GroupSupply supply;
   std::mutex merge;               ///< of the next two
   std::vector<KernelTime> times;  ///< [jobs]
   RunReport report;
   std::atomic<std::size_t> done{0};
 
-  Run(std::span<const Job> jobs, const std::vector<std::size_t>& groups, const RunOptions& options)
-      : jobs(jobs), options(options), supply(groups), times(jobs.size()) {}
+  Run(std::span<const Job> jobs, const std::vector<std::size_t>& groups, const RunOptions& options, int threads)
+      : jobs(jobs), options(options), threads(threads), supply(groups), times(jobs.size()) {}
 
   // In the thread that started the run, between chunks: false when the run shall end.
   bool go_on() {
@@ -137,7 +138,7 @@ void Executor::State::work(Run& run, int thread) try {
 ChunkPace Executor::State::pace_of(const Run& run, std::size_t job) const {
   const Launch::State& launch = *run.jobs[job].launch.state_;
   const std::size_t largest = std::clamp<std::size_t>(run.options.largest_chunk, 1, launch.widest);
-  return ChunkPace(largest, team.threads(), launch.seconds_per_group);
+  return ChunkPace(largest, run.threads, launch.seconds_per_group, run.options.equal_groups);
 }
 
 void Executor::State::run_on_threads(Run& run) {
@@ -147,7 +148,10 @@ void Executor::State::run_on_threads(Run& run) {
     const double each = job.launch.state_->seconds_per_group;
     expected += each > 0 ? each * static_cast<double>(job.groups) : alone_seconds;
   }
-  if (expected < alone_seconds) return work(run, 0);
+  if (expected < alone_seconds) {
+    run.threads = 1;
+    return work(run, 0);
+  }
   team.run([call = std::pair(this, &run)](int thread) { call.first->work(*call.second, thread); });
 }
 
@@ -263,7 +267,7 @@ RunReport Executor::run(std::span<const Job> jobs, const RunOptions& options) {
   }
   const auto uses = State::used(jobs);
   const auto start = Clock::now();
-  Run run(jobs, groups, options);
+  Run run(jobs, groups, options, threads());
   for (const Job& job : jobs) state_->launcher.compile(*job.launch.state_);
   if (run.supply.total() > 0) device().info().low_latency ? state_->run_on_threads(run) : state_->run_on_device(run);
   state_->finish(run);

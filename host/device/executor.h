@@ -33,6 +33,7 @@ struct RunOptions {
   /// Most groups that a thread draws at once. Chunks start at 1 and grow while they are short, so that adjacent
   /// heavy groups still spread over the threads. 1 gives the most even spread.
   std::size_t largest_chunk = 4096;
+  bool equal_groups = false;  ///< each group takes the same time: threads draw few, large chunks
 };
 
 struct RunReport {

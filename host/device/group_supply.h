@@ -48,9 +48,9 @@ class GroupSupply {
 /// small part of the run so far.
 class ChunkPace {
  public:
-  /// `expected`: seconds of a group in an earlier run, 0 if there was none.
-  ChunkPace(std::size_t largest, int threads, double expected)
-      : largest_(largest), threads_(threads), expected_(expected) {}
+  /// `expected`: seconds of a group in an earlier run, 0 if there was none. `equal`: every group takes as long.
+  ChunkPace(std::size_t largest, int threads, double expected, bool equal = false)
+      : largest_(largest), threads_(threads), expected_(expected), equal_(equal) {}
   void measured(std::size_t groups, double seconds);
   std::size_t next(std::size_t remaining) const;
 
@@ -68,6 +68,7 @@ class ChunkPace {
   std::size_t largest_;
   int threads_;
   double expected_;
+  bool equal_;
   std::size_t last_groups_ = 0;
   double last_seconds_ = 0;  ///< a group
   double busy_seconds_ = 0;  ///< all chunks

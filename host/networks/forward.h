@@ -50,6 +50,7 @@ class Forward {
   nn::Topology topology_;
   std::size_t networks_;
   std::uint32_t rows_ = 0;
+  std::uint64_t bound_ = 0;  ///< frames that the launch has as its arguments: the id of their buffer
   Buffer<Real> weights_, slip_index_;
   Buffer<std::uint8_t> status_;
   Launch launch_;

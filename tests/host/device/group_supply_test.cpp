@@ -130,6 +130,16 @@ TEST(Pace, AShortRunIsSplitOnce) {
   EXPECT_EQ(ChunkPace(5, 2, 0.5e-6).next(16), 5u);
 }
 
+// 128 groups of 1.2 us, a batch of 4096 frames, in half of each thread's share at a time: 32, 24, 18, 14, 10, 8; then
+// the rest, below 30 us, in its halves: 11, 6, 3, 1, 1. No chunk takes more than 100 us.
+TEST(Pace, EqualGroupsCostFewerLaunches) {
+  std::size_t launches = 0;
+  for (std::size_t rest = 128; rest > 0; ++launches) rest -= ChunkPace(4096, 2, 1.2e-6, true).next(rest);
+  EXPECT_LE(launches, 11u);
+  EXPECT_EQ(ChunkPace(4096, 2, 1.2e-6, true).next(128), 32u);
+  EXPECT_EQ(ChunkPace(4096, 2, 1.2e-6, true).next(100000), 83u);
+}
+
 TEST(Pace, BeginsWithOneGroupAndDoublesAtMost) {
   ChunkPace pace(4096, 2, 0);
   EXPECT_EQ(pace.next(100000), 1u);

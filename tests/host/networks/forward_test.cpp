@@ -153,6 +153,22 @@ TEST(ForwardTest, RunsManyNetworksAsEachAlone) {
   }
 }
 
+// A launch keeps its arguments while it runs on the same frames.
+TEST(ForwardTest, RunsOnOtherFramesInTurn) {
+  const nn::Topology topology = nn::Topology::parse("16-16-8-1");
+  const auto networks = some_networks<float>(topology, 1);
+  Forward<float> forward(executor(), networks, by_set);
+  for (const int rows : {5, 5, 40, 3, 40}) {
+    const DeviceFrames frames(executor().device(), bumps(rows, 16, rows).frames);
+    const nn::Recall<float> alone = Forward<float>(executor(), networks, by_set).recall(bumps(rows, 16, rows).frames);
+    for (int times = 0; times < 2; ++times) {
+      forward.run(frames);
+      EXPECT_EQ(forward.result(0).slip_index, alone.slip_index) << rows;
+      EXPECT_EQ(forward.result(0).status, alone.status) << rows;
+    }
+  }
+}
+
 // With 21 normal and 21 shear stresses, scaling by frame makes S free of a common factor; a power of two even bit for
 // bit.
 TEST(ForwardTest, ScalingByFrameForgetsACommonFactor) {
