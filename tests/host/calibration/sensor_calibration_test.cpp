@@ -289,6 +289,7 @@ TEST(SensorCalibration, WithoutForcesYoungIsHeld) {
   EXPECT_THAT(c.held[0], testing::HasSubstr("sensor.young is held"));
   // Gains are those of the nominal E: stress over E is what the readings tell.
   EXPECT_NEAR(c.gain[10].value / s.gain[10], nominal_young / s.young, 0.02);
+  EXPECT_EQ(calibrate(s, {.threads = 2}).gain[10].value, c.gain[10].value) << "presses are solved apart";
 }
 
 TEST(SensorCalibration, WrongSizesAreRefused) {
