@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Derivatives of a load path beside its solve: one press and eight drags on a patch of 12 elements, eleven parameters.
+// Derivatives of a load path beside its solve: one press and eight drags on a patch of 12 elements, or on mesh A.
 #include <benchmark/benchmark.h>
 
 #include <stdexcept>
 
+#include "fem/gap_condensed.h"
+#include "fem/gap_reference.h"
 #include "fem/layer/patch_derivatives.h"
 
 namespace {
@@ -35,19 +37,18 @@ Case& shared() {
   return made;
 }
 
-/// The twin's solve at the default tolerance of a rung, at that of `solve`, and to rounding.
-void solve(benchmark::State& state, double tolerance) {
+/// The twin's solve at the default tolerance of a rung, at that of `solve`, and to rounding, as derivatives need it.
+void solve(benchmark::State& state, const PatchOptions& options) {
   Case& c = shared();
-  for (auto _ : state) benchmark::DoNotOptimize(PatchSolver(c.model, {.tolerance = tolerance}).solve(c.scene));
+  for (auto _ : state) benchmark::DoNotOptimize(PatchSolver(c.model, options).solve(c.scene));
 }
-BENCHMARK_CAPTURE(solve, loose, 1e-3)->Name("derivatives/solve_1e-3")->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(solve, tight, 1e-7)->Name("derivatives/solve_1e-7")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(solve, loose, {.tolerance = 1e-3})->Name("derivatives/solve_1e-3")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(solve, tight, {.tolerance = 1e-7})->Name("derivatives/solve_1e-7")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(solve, exact, exact_sweeps({}))->Name("derivatives/solve_exact")->Unit(benchmark::kMicrosecond);
 
 /// The path solved again with its statuses, and one gradient of S by all parameters.
-void gradient(benchmark::State& state) {
-  Case& c = shared();
-  const SceneDerivatives d = c.derivatives();
-  std::vector<PathWeights> weights(9);
+void time_gradient(benchmark::State& state, const SceneDerivatives& d) {
+  std::vector<PathWeights> weights(d.path.answers().size());
   weights.back().S = 1;
   for (auto _ : state) {
     const PathDerivatives path(d.path.path());
@@ -57,7 +58,41 @@ void gradient(benchmark::State& state) {
     benchmark::DoNotOptimize(sum);
   }
 }
+void gradient(benchmark::State& state) { time_gradient(state, shared().derivatives()); }
 BENCHMARK(gradient)->Name("derivatives/gradient")->Unit(benchmark::kMicrosecond);
+
+/// The same on mesh A.
+struct MeshCase {
+  Scene scene = [] {
+    Scene on_mesh = shared().scene;
+    on_mesh.model = SurfaceModel::mesh;
+    return on_mesh;
+  }();
+  Condensation rubber = condense_cached(scene.sensor, default_cache_directory());
+  SceneDerivatives derivatives = mesh_derivatives(scene);
+};
+
+MeshCase& on_mesh() {
+  static MeshCase made;
+  return made;
+}
+
+/// The exact solve of the condensed mesh: active sets, fp64.
+void mesh_solve(benchmark::State& state) {
+  const GapCondensed solver(on_mesh().rubber);
+  for (auto _ : state) benchmark::DoNotOptimize(solver.solve(on_mesh().scene));
+}
+BENCHMARK(mesh_solve)->Name("derivatives/mesh_solve")->Unit(benchmark::kMicrosecond);
+
+/// The full mesh, `solve --solver reference`.
+void reference_solve(benchmark::State& state) {
+  GapReference reference(on_mesh().scene.sensor);
+  for (auto _ : state) benchmark::DoNotOptimize(reference.solve(on_mesh().scene));
+}
+BENCHMARK(reference_solve)->Name("derivatives/reference_solve")->Unit(benchmark::kMicrosecond);
+
+void mesh_gradient(benchmark::State& state) { time_gradient(state, on_mesh().derivatives); }
+BENCHMARK(mesh_gradient)->Name("derivatives/mesh_gradient")->Unit(benchmark::kMicrosecond);
 
 /// The same by one direction, forward.
 void forward(benchmark::State& state) {

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "fem/value_error.h"
+#include "host/calibration/median.h"
 #include "host/support/side_by_side.h"
 
 namespace tactel::host {
@@ -261,12 +262,7 @@ ExpectedDeviations Planner::deviations(const Set& set, MatrixXd* correlation) co
     kinds[c < noise_.size() / 2 ? 0 : 1].push_back(result.gain[c]);
     result.worst_gain = std::max(result.worst_gain, result.gain[c]);
   }
-  const auto median = [](std::vector<double>& values) {
-    if (values.empty()) return none;
-    std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
-    return values[values.size() / 2];
-  };
-  result.normal_gain = median(kinds[0]), result.shear_gain = median(kinds[1]);
+  result.normal_gain = median(std::move(kinds[0])), result.shear_gain = median(std::move(kinds[1]));
   return result;
 }
 
@@ -281,22 +277,21 @@ ExpectedDeviations Planner::random_deviations(std::size_t count) const {
     for (std::size_t i = 0; i < count; ++i) std::swap(order[i], order[i + random() % (order.size() - i)]);
     all.push_back(deviations({order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count)}));
   }
-  const auto median = [&all](const auto& of) {
-    std::vector<double> values;
-    values.reserve(all.size());
-    for (const ExpectedDeviations& one : all) values.push_back(of(one));
-    std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
-    return values[values.size() / 2];
+  const auto median_of = [&all](const auto& of) {
+    std::vector<double> values(all.size());
+    std::ranges::transform(all, values.begin(), of);
+    return median(std::move(values));
   };
   ExpectedDeviations result;
   result.gain.resize(noise_.size());
   for (Index c = 0; c < noise_.size(); ++c)
-    result.gain[c] = std::isfinite(all[0].gain[c]) ? median([c](const auto& one) { return one.gain[c]; }) : none;
+    result.gain[c] = std::isfinite(all[0].gain[c]) ? median_of([c](const auto& one) { return one.gain[c]; }) : none;
   for (int k = 0; k < sensor_numbers; ++k)
-    result.number[k] = std::isfinite(all[0].number[k]) ? median([k](const auto& one) { return one.number[k]; }) : none;
-  result.normal_gain = median([](const auto& one) { return one.normal_gain; });
-  result.shear_gain = median([](const auto& one) { return one.shear_gain; });
-  result.worst_gain = median([](const auto& one) { return one.worst_gain; });
+    result.number[k] =
+        std::isfinite(all[0].number[k]) ? median_of([k](const auto& one) { return one.number[k]; }) : none;
+  result.normal_gain = median_of([](const auto& one) { return one.normal_gain; });
+  result.shear_gain = median_of([](const auto& one) { return one.shear_gain; });
+  result.worst_gain = median_of([](const auto& one) { return one.worst_gain; });
   return result;
 }
 

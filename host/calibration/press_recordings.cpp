@@ -7,6 +7,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "fem/value_error.h"
+#include "host/calibration/median.h"
 #include "host/live/frame_reader.h"
 #include "host/scenes/scene_file.h"
 #include "host/scenes/toml_table.h"
@@ -19,10 +21,18 @@ namespace {
 constexpr double poisson_reach = 0.04, most_poisson = 0.4995;
 constexpr std::size_t fewest_frames = 4;  ///< of a window, for its noise
 
-/// Frames around the times of a press, in the device's units.
+/// Frames around the times of a press, in the device's units: a row for each time, a column for each channel.
 struct WindowReadings {
-  Eigen::MatrixXd mean;   ///< [times, channels]; NaN: a channel without a number
-  Eigen::MatrixXd noise;  ///< [times, channels] of these means; NaN: too few frames
+  Eigen::MatrixXd mean;        ///< NaN: a channel without a number
+  Eigen::MatrixXd mean_noise;  ///< of these means; NaN: too few frames
+  Eigen::MatrixXd noise;       ///< of a frame; NaN: too few frames
+  Eigen::MatrixXd step;        ///< smallest change above 0 between neighbours; NaN: none
+};
+
+/// Noise of all presses while their indenters rest: a row for each load step, a column for each of the 2 tactels
+/// transducers. As in WindowReadings.
+struct RestNoise {
+  std::vector<Eigen::RowVectorXd> mean_noise, noise, step;
 };
 
 WindowReadings read_windows(const std::filesystem::path& path, const SensorProfile& profile,
@@ -40,7 +50,7 @@ WindowReadings read_windows(const std::filesystem::path& path, const SensorProfi
   WindowReadings result;
   result.mean.setConstant(static_cast<Eigen::Index>(times.size()), static_cast<Eigen::Index>(channels),
                           std::numeric_limits<double>::quiet_NaN());
-  result.noise = result.mean;
+  result.mean_noise = result.noise = result.step = result.mean;
   for (std::size_t k = 0; k < times.size(); ++k) {
     if (windows[k].frames() == 0)
       in.refuse("times", fmt::format("times within the recording {}: {:g} s has no frame", path.string(), times[k]));
@@ -48,9 +58,11 @@ WindowReadings read_windows(const std::filesystem::path& path, const SensorProfi
       const hw::ChannelRest rest = windows[k].channel(c);
       const auto row = static_cast<Eigen::Index>(k), column = static_cast<Eigen::Index>(c);
       if (rest.readings > 0) result.mean(row, column) = rest.mean;
-      if (rest.readings >= fewest_frames)  // noise below half a step is not averaged out
-        result.noise(row, column) =
-            rest.noise > rest.step / 2 ? rest.noise / std::sqrt(static_cast<double>(rest.readings)) : rest.step / 2;
+      if (rest.step > 0) result.step(row, column) = rest.step;
+      if (rest.readings < fewest_frames) continue;
+      result.noise(row, column) = rest.noise;
+      result.mean_noise(row, column) =  // noise below half a step is not averaged out
+          rest.noise > rest.step / 2 ? rest.noise / std::sqrt(static_cast<double>(rest.readings)) : rest.step / 2;
     }
   }
   return result;
@@ -68,9 +80,9 @@ PressTiming read_timing(TomlTable& in, const std::vector<double>& times, double 
   return timing;
 }
 
-/// Reads a press; adds the noise of its readings [2 tactels] while the indenter rests, a row for each load step.
+/// Reads a press, and adds its noise.
 KnownPress read_press(const TomlFile& file, const std::string& name, const SensorProfile& profile, bool decays,
-                      std::vector<Eigen::RowVectorXd>& noise) {
+                      RestNoise& noise) {
   TomlTable in(file, name);
   std::string scene, recording;
   std::vector<double> times, P;
@@ -102,34 +114,50 @@ KnownPress read_press(const TomlFile& file, const std::string& name, const Senso
   if (tactels != profile.map.tactels())
     in.refuse("scene", fmt::format("a scene with the profile's {} tactels", profile.map.tactels()));
   const WindowReadings readings = read_windows(folder / recording, profile, times, window, in);
-  press.readings.setConstant(readings.mean.rows(), static_cast<Eigen::Index>(2 * tactels),
-                             std::numeric_limits<double>::quiet_NaN());
-  Eigen::MatrixXd own_noise = press.readings;
-  for (std::size_t i = 0; i < 2 * tactels; ++i) {
-    const int channel = i < tactels ? profile.map.normal[i] : profile.map.shear[i - tactels];
-    if (channel < 0) continue;
-    press.readings.col(static_cast<Eigen::Index>(i)) = readings.mean.col(channel);
-    own_noise.col(static_cast<Eigen::Index>(i)) = readings.noise.col(channel);
+  const auto of_transducers = [&](const Eigen::MatrixXd& of_channels) {
+    Eigen::MatrixXd result = Eigen::MatrixXd::Constant(of_channels.rows(), static_cast<Eigen::Index>(2 * tactels),
+                                                       std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t i = 0; i < 2 * tactels; ++i)
+      if (const int channel = profile.map.channel(i); channel >= 0)
+        result.col(static_cast<Eigen::Index>(i)) = of_channels.col(channel);
+    return result;
+  };
+  press.readings = of_transducers(readings.mean);
+  for (const auto& [rows, of_channels] : {std::pair{&noise.mean_noise, &readings.mean_noise},
+                                          {&noise.noise, &readings.noise},
+                                          {&noise.step, &readings.step}}) {
+    const Eigen::MatrixXd own = of_transducers(*of_channels);
+    rows->insert(rows->end(), own.rowwise().begin(), own.rowwise().end());
   }
-  for (Eigen::Index k = 0; k < own_noise.rows(); ++k) noise.emplace_back(own_noise.row(k));
   press.P = Eigen::Map<const Eigen::VectorXd>(P.data(), static_cast<Eigen::Index>(P.size()));
   return press;
 }
 
-/// Returns the medians over the rows, 0 where a column has no number; empty where none has.
-Eigen::VectorXd median_noise(const std::vector<Eigen::RowVectorXd>& rows) {
-  Eigen::VectorXd result = Eigen::VectorXd::Zero(rows.front().size());
-  bool any = false;
+/// Returns `of` the numbers of each column; NaN where a column has none.
+template <class Of>
+Eigen::VectorXd by_column(const std::vector<Eigen::RowVectorXd>& rows, const Of& of) {
+  Eigen::VectorXd result(rows.front().size());
   for (Eigen::Index c = 0; c < result.size(); ++c) {
     std::vector<double> values;
     for (const Eigen::RowVectorXd& row : rows)
       if (std::isfinite(row[c])) values.push_back(row[c]);
-    if (values.empty()) continue;
-    std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
-    result[c] = values[values.size() / 2];
-    any = true;
+    result[c] = values.empty() ? std::numeric_limits<double>::quiet_NaN() : of(values);
   }
-  return any ? result : Eigen::VectorXd();
+  return result;
+}
+
+/// Standard deviations of single readings: as tare has them, half a step at least.
+Eigen::VectorXd noise_of_frames(const RestNoise& noise) {
+  const Eigen::VectorXd least = by_column(noise.step, [](const auto& steps) { return std::ranges::min(steps) / 2; });
+  return by_column(noise.noise, median).binaryExpr(least, [](double of_frame, double half_step) {
+    return half_step > of_frame ? half_step : of_frame;
+  });
+}
+
+/// Of means over windows: 0 where a column has no number; empty where none has.
+Eigen::VectorXd noise_of_means(const RestNoise& noise) {
+  const Eigen::VectorXd result = by_column(noise.mean_noise, median);
+  return result.array().isNaN().all() ? Eigen::VectorXd() : Eigen::VectorXd(result.array().isNaN().select(0, result));
 }
 
 bool same_sensor(const fem::Sensor& a, const fem::Sensor& b) {
@@ -169,6 +197,9 @@ void require_same_sensor(const TomlFile& file, const std::string& name, const fe
 }
 
 fem::SensorFamily calibration_family(const fem::Sensor& sensor, const CalibrationOptions& options) {
+  if (sensor.tactel_width != 0)
+    throw ValueError("sensor.tactel_width", fmt::format("{:g}", sensor.tactel_width),
+                     "0: the calibration takes transducers as points");
   const double reach = options.fit_poisson ? poisson_reach : 0;
   return fem::SensorFamily({.poisson_low = std::max(0.0, sensor.poisson - reach),
                             .poisson_high = reach > 0 ? std::min(sensor.poisson + reach, most_poisson) : sensor.poisson,
@@ -180,7 +211,7 @@ PressRecordings read_press_recordings(const std::filesystem::path& path, const S
   const TomlFile file(path);
   PressRecordings result{.presses = {}, .options = read_fit(file)};
   TomlTable root(file, "");
-  std::vector<Eigen::RowVectorXd> noise;
+  RestNoise noise;
   for (const std::string& name : root.keys()) {
     root.expect_table(name);
     if (name != "fit" && name != "transducer")
@@ -192,7 +223,8 @@ PressRecordings read_press_recordings(const std::filesystem::path& path, const S
   const KnownPress& first = result.presses.front();
   for (const KnownPress& press : result.presses)
     require_same_sensor(file, press.name, press.scene.sensor, first.name, first.scene.sensor);
-  result.options.rest_noise = median_noise(noise);
+  result.options.rest_noise = noise_of_means(noise);
+  result.noise = noise_of_frames(noise);
   return result;
 }
 
@@ -202,14 +234,19 @@ std::string one_line(std::string text) {
   return text;
 }
 
-hw::Calibration merged_calibration(const SensorProfile& profile, const SensorCalibration& found) {
+hw::Calibration merged_calibration(const SensorProfile& profile, const SensorCalibration& found,
+                                   const Eigen::VectorXd& noise) {
   hw::Calibration calibration = profile.map.calibration;
-  const std::size_t tactels = profile.map.tactels();
-  for (std::size_t i = 0; i < 2 * tactels; ++i) {
-    const int channel = i < tactels ? profile.map.normal[i] : profile.map.shear[i - tactels];
-    if (channel < 0 || !std::isfinite(found.gain[i].value)) continue;
-    calibration.gain[static_cast<std::size_t>(channel)] = found.gain[i].value;
-    calibration.offset[static_cast<std::size_t>(channel)] = found.offset[i].value;
+  if (calibration.noise.empty() && !noise.array().isNaN().all()) calibration.noise.assign(calibration.gain.size(), 0);
+  for (std::size_t i = 0; i < 2 * profile.map.tactels(); ++i) {
+    const int place = profile.map.channel(i);
+    if (place < 0) continue;
+    const auto channel = static_cast<std::size_t>(place);
+    const double of_frame = noise[static_cast<Eigen::Index>(i)];
+    if (std::isfinite(of_frame)) calibration.noise[channel] = of_frame;
+    if (!std::isfinite(found.gain[i].value)) continue;
+    calibration.gain[channel] = found.gain[i].value;
+    calibration.offset[channel] = found.offset[i].value;
   }
   return calibration;
 }

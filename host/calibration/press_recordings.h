@@ -13,12 +13,15 @@ namespace tactel::host {
 struct PressRecordings {
   std::vector<KnownPress> presses;
   CalibrationOptions options;
+  /// [2 tactels] standard deviation of single readings while the indenter rests, the device's units; NaN: not known
+  Eigen::VectorXd noise{};
 };
 
 /// Reads the tables [fit] and [transducer]. Throws ConfigError.
 CalibrationOptions read_fit(const TomlFile& file);
 
-/// Returns the tables of all sensors among which a fit with these options seeks, made through the cache.
+/// Returns the tables of all sensors among which a fit with these options seeks, made through the cache. Throws
+/// ValueError for transducers with a width.
 fem::SensorFamily calibration_family(const fem::Sensor& sensor, const CalibrationOptions& options);
 
 /// Throws ConfigError for the table `name` of a file where its sensor is not that of the table `first`.
@@ -32,8 +35,10 @@ PressRecordings read_press_recordings(const std::filesystem::path& path, const S
 /// Returns the text with control characters as blanks, for a comment in a file.
 std::string one_line(std::string text);
 
-/// Returns the calibration of the profile's channels: gains and offsets that were found, the others as they were.
-hw::Calibration merged_calibration(const SensorProfile& profile, const SensorCalibration& found);
+/// Returns the calibration of the profile's channels: gains and offsets that were found, and noise [2 tactels] that is
+/// known; the others as they were.
+hw::Calibration merged_calibration(const SensorProfile& profile, const SensorCalibration& found,
+                                   const Eigen::VectorXd& noise);
 
 /// Returns the profile's text with another calibration, and `remarks` as comments before it.
 std::string calibrated_profile(const SensorProfile& profile, const hw::Calibration& calibration,

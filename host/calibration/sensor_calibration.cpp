@@ -5,8 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "fem/value_error.h"
+#include "host/calibration/median.h"
+#include "host/support/side_by_side.h"
 
 namespace tactel::host {
 namespace {
@@ -23,6 +26,7 @@ constexpr double dead_signal = 20;       ///< standard deviations that a working
 constexpr double wrong_press = 3;        ///< times the median press's residual
 constexpr double wrong_indenter = 2;     ///< times noise at rest and model_error
 constexpr double model_error = 0.02;     ///< of a transducer's signal: places, depths and shapes as a bench knows them
+constexpr double spread_step = 1.3;      ///< of the distances at which the cost of a friction is looked at
 constexpr double not_told = 0.9;         ///< of its deviation before the fit
 constexpr int first_friction =
     sensor_numbers;  ///< numbers of the fit: those of SensorState, then each press's friction
@@ -75,6 +79,9 @@ class Fit {
   void find_wrong_indenter(const Stack& at);
   void choose_numbers();
   FitState moved(const VectorXd& step) const;
+  double cost_of_friction(std::size_t press, double mu) const;
+  double held_information(const Stack& at, Index k) const;
+  double friction_spread(std::size_t press, double deviation) const;
   double residual(const Stack& at, Index row, Index c) const {
     const Channel& channel = channels_[static_cast<std::size_t>(c)];
     return (readings_(row, c) - channel.offset - channel.sensitivity * at.frame(row, c)) / channel.noise;
@@ -133,9 +140,13 @@ Fit::Fit(const fem::SensorFamily& family, const std::vector<KnownPress>& presses
 
 /// Searches the patches of all presses at the present state.
 void Fit::find_patches() {
+  std::vector<std::optional<PressModel>> models(presses_.size());
+  side_by_side(presses_.size(), options_.threads, [&](std::size_t i) {
+    const KnownPress& press = presses_[i];
+    models[i].emplace(family_, press.scene, press.timing, state_.sensor, options_.elements);
+  });
   models_.clear();
-  for (const KnownPress& press : presses_)
-    models_.emplace_back(family_, press.scene, press.timing, state_.sensor, options_.elements);
+  for (std::optional<PressModel>& model : models) models_.push_back(std::move(*model));
 }
 
 double& Fit::number_of(FitState& state, int number) {
@@ -154,7 +165,7 @@ std::string Fit::number_name(int number) const {
 Stack Fit::stack(const FitState& state, bool derivatives) const {
   Stack all{MatrixXd(rows(), count()), VectorXd(rows()), {}, {}};
   if (derivatives) all.by.assign(numbers_.size(), all.frame), all.P_by.assign(numbers_.size(), all.P);
-  for (std::size_t i = 0; i < models_.size(); ++i) {
+  side_by_side(models_.size(), options_.threads, [&](std::size_t i) {
     const auto of_press = [own = first_friction + static_cast<int>(i)](int number) {
       return number < first_friction ? number : number == own ? friction_number : -1;
     };
@@ -176,7 +187,7 @@ Stack Fit::stack(const FitState& state, bool derivatives) const {
       P_by.setZero();
       if (number >= 0) by = frames.frame_by[number], P_by = frames.P_by[number];
     }
-  }
+  });
   return all;
 }
 
@@ -444,7 +455,7 @@ bool Fit::iterate(int& iterations) {
 /// A press with another indenter, depth or place than it says has residuals far beyond those of the others.
 bool Fit::leave_out_wrong_presses() {
   const Stack now = stack(state_, false);
-  std::vector<double> size(presses_.size(), 0), sorted;
+  std::vector<double> size(presses_.size(), 0), sizes;
   for (std::size_t i = 0; i < presses_.size(); ++i) {
     if (!press_used_[i]) continue;
     double sum = 0, n = 0;
@@ -452,15 +463,14 @@ bool Fit::leave_out_wrong_presses() {
       for (Index c = 0; c < count(); ++c)
         if (channels_[static_cast<std::size_t>(c)].used && std::isfinite(readings_(row, c)))
           sum += std::pow(residual(now, row, c), 2), n += 1;
-    if (n > 0) sorted.push_back(size[i] = std::sqrt(sum / n));
+    if (n > 0) sizes.push_back(size[i] = std::sqrt(sum / n));
   }
-  if (sorted.size() < 4) return false;
-  std::ranges::nth_element(sorted, sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2));
-  const double median = sorted[sorted.size() / 2];
+  if (sizes.size() < 4) return false;
+  const double usual = median(sizes);
   const auto worst = std::ranges::max_element(size) - size.begin();
   const auto i = static_cast<std::size_t>(worst);
   const auto left_out = std::ranges::count(press_used_, false);
-  if (!(size[i] > wrong_press * median) || 3 * (left_out + 1) > static_cast<std::ptrdiff_t>(presses_.size()))
+  if (!(size[i] > wrong_press * usual) || 3 * (left_out + 1) > static_cast<std::ptrdiff_t>(presses_.size()))
     return false;
   press_used_[i] = false;
   readings_.middleRows(first_row_[i], presses_[i].readings.rows()).setConstant(nan);
@@ -468,7 +478,7 @@ bool Fit::leave_out_wrong_presses() {
   add(CalibrationFault::Kind::wrong_press, -1, -1, static_cast<int>(worst),
       fmt::format(
           "{}: residuals {:.1f} times those of the other presses; its indenter, depth or place is another; left out",
-          presses_[i].name, size[i] / median));
+          presses_[i].name, size[i] / usual));
   return true;
 }
 
@@ -477,10 +487,7 @@ void Fit::find_dead(const Stack& at) {
   std::vector<double> sensitivities;
   for (const Channel& channel : channels_)
     if (channel.used) sensitivities.push_back(std::abs(channel.sensitivity));
-  if (sensitivities.empty()) return;
-  std::ranges::nth_element(sensitivities,
-                           sensitivities.begin() + static_cast<std::ptrdiff_t>(sensitivities.size() / 2));
-  const double usual = sensitivities[sensitivities.size() / 2];
+  const double usual = median(sensitivities);
   for (Index c = 0; c < count(); ++c) {
     Channel& channel = channels_[static_cast<std::size_t>(c)];
     if (!channel.used) continue;
@@ -512,6 +519,59 @@ void Fit::find_wrong_indenter(const Stack& at) {
         fmt::format("residuals are {:.1f} times what noise at rest and {:g} % of the stress explain: all presses have "
                     "another indenter, friction or place",
                     std::sqrt(sum / n), 100 * model_error));
+}
+
+/// The part of cost() that a press's friction changes, all else held.
+double Fit::cost_of_friction(std::size_t press, double mu) const {
+  const PressFrames frames = models_[press].at(state_.sensor, mu);
+  const KnownPress& known = presses_[press];
+  double sum = std::pow((mu - known.scene.friction) / (options_.friction_deviation * known.scene.friction), 2);
+  for (Index step = 0; step < frames.frame.rows(); ++step) {
+    const Index row = first_row_[press] + step;
+    for (Index c = 0; c < count(); ++c) {
+      const Channel& channel = channels_[static_cast<std::size_t>(c)];
+      if (!channel.used || !std::isfinite(readings_(row, c))) continue;
+      const double expected = channel.offset + channel.sensitivity * frames.frame(step, c);
+      sum += weight_(row, c) * std::pow((readings_(row, c) - expected) / channel.noise, 2);
+    }
+    if (std::isfinite(P_[row]) && P_[row] != 0)
+      sum += P_weight_[row] * std::pow((P_[row] - frames.P[step]) / (options_.force_noise * P_[row]), 2);
+  }
+  return sum;
+}
+
+/// Information on the fitted number k, all else held.
+double Fit::held_information(const Stack& at, Index k) const {
+  const auto place = static_cast<std::size_t>(k);
+  double sum = 1 / std::pow(friction_deviation(numbers_[place]), 2);
+  for (Index row = 0; row < rows(); ++row) {
+    for (Index c = 0; c < count(); ++c) {
+      const Channel& channel = channels_[static_cast<std::size_t>(c)];
+      if (channel.used && std::isfinite(readings_(row, c)))
+        sum += weight_(row, c) * std::pow(channel.sensitivity * at.by[place](row, c) / channel.noise, 2);
+    }
+    if (std::isfinite(P_[row]) && P_[row] != 0)
+      sum += P_weight_[row] * std::pow(at.P_by[place][row] / (options_.force_noise * P_[row]), 2);
+  }
+  return sum;
+}
+
+/// Returns how much wider a friction may be off than its covariance says, 1 or more. Where the contact no longer
+/// slides, a larger friction changes nothing: the cost then rises less than the parabola of the derivatives. Half the
+/// distance at which it has risen by 4, on the farther side, over `deviation`, that of the parabola with all else held.
+double Fit::friction_spread(std::size_t press, double deviation) const {
+  const double mu = state_.friction[press], least = cost_of_friction(press, mu);
+  double farthest = 2 * deviation;
+  for (const double side : {-1.0, 1.0}) {
+    double distance = 2 * deviation;
+    try {
+      while (mu + side * distance > 0 && cost_of_friction(press, mu + side * distance) < least + 4)
+        distance *= spread_step;
+    } catch (const fem::PathError&) {  // no solution there: as far as there is one
+    }
+    farthest = std::max(farthest, distance);
+  }
+  return farthest / (2 * deviation);
 }
 
 SensorCalibration Fit::run() {
@@ -547,11 +607,13 @@ SensorCalibration Fit::run() {
   result_.correlation = MatrixXd::Identity(size, size);
   for (Index k = 0; k < size; ++k) {
     const int number = numbers_[static_cast<std::size_t>(k)];
-    const double deviation = std::sqrt(covariance(k, k));
+    double deviation = std::sqrt(covariance(k, k));
     if (number >= first_friction) {
       const auto press = static_cast<std::size_t>(number - first_friction);
+      const double before_fit = friction_deviation(number);
+      deviation = std::min(before_fit, deviation * friction_spread(press, 1 / std::sqrt(held_information(now, k))));
       result_.friction[press].deviation = deviation;
-      if (deviation > not_told * friction_deviation(number))
+      if (deviation > not_told * before_fit)
         hardly_sliding += (hardly_sliding.empty() ? "" : ", ") + presses_[press].name;
     } else {
       *deviations[number] = deviation * (number == 0 ? E : number == time_constant_number ? time_constant : 1);

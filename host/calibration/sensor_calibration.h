@@ -33,6 +33,7 @@ struct CalibrationOptions {
          highest_reading = std::numeric_limits<double>::infinity();  ///< at or beyond: the converter is saturated
   int most_iterations = 30;
   int elements = 24;      ///< of the patch of each press
+  int threads = 1;        ///< that solve presses
   void validate() const;  ///< throws ValueError
 };
 

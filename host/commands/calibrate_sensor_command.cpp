@@ -3,10 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "host/calibration/calibration_page.h"
+#include "host/calibration/median.h"
 #include "host/calibration/press_recordings.h"
 #include "host/support/durable_file.h"
 #include "host/support/json_text.h"
@@ -17,6 +20,9 @@ namespace tactel::host {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+/// Deviation of an offset over the noise at rest, from which it may pass for a shift of one (live/drift_watch.h).
+constexpr double unsure_offset = 0.5;
 
 struct CalibrateSensorRequest {
   std::string recordings, profile, output, json, html, plot;
@@ -43,13 +49,15 @@ const char* kind_name(CalibrationFault::Kind kind) {
   }
 }
 
-Json to_json(const SensorCalibration& found, const std::vector<KnownPress>& presses) {
-  Json gains = Json::array(), offsets = gains, noise = gains, faults = gains, residuals = gains, correlation = gains,
-       friction = gains;
+Json to_json(const SensorCalibration& found, const std::vector<KnownPress>& presses,
+             const Eigen::VectorXd& noise_at_rest) {
+  Json gains = Json::array(), offsets = gains, noise = gains, rest = gains, faults = gains, residuals = gains,
+       correlation = gains, friction = gains;
   for (const Fitted& mu : found.friction) friction.push_back(fitted_json(mu));
   for (const Fitted& gain : found.gain) gains.push_back(fitted_json(gain));
   for (const Fitted& offset : found.offset) offsets.push_back(fitted_json(offset));
   for (const double value : found.noise) noise.push_back(number(value));
+  for (const double value : noise_at_rest) rest.push_back(number(value));
   for (const CalibrationFault& fault : found.faults)
     faults.push_back({{"kind", kind_name(fault.kind)}, {"text", fault.text}});
   for (Eigen::Index i = 0; i < found.correlation.rows(); ++i)
@@ -77,12 +85,35 @@ Json to_json(const SensorCalibration& found, const std::vector<KnownPress>& pres
           {"gain", std::move(gains)},
           {"offset", std::move(offsets)},
           {"noise", std::move(noise)},
+          {"rest_noise", std::move(rest)},
           {"residuals", std::move(residuals)}};
 }
 
 std::string line(const char* name, const Fitted& fitted, const char* unit) {
   if (fitted.deviation == 0) return fmt::format("{} = {:.5g}{} (held)", name, fitted.value, unit);
   return fmt::format("{} = {:.5g} +- {:.2g}{}", name, fitted.value, fitted.deviation, unit);
+}
+
+/// The noise at rest, as sweeps take it, and whether offsets are known well enough beside it.
+std::vector<std::string> noise_remarks(const SensorCalibration& found, const Eigen::VectorXd& noise) {
+  std::vector<double> stresses;
+  int unsure = 0;
+  for (std::size_t i = 0; i < found.gain.size(); ++i) {
+    const double of_reading = noise[static_cast<Eigen::Index>(i)];
+    if (!std::isfinite(found.gain[i].value) || !std::isfinite(of_reading)) continue;
+    stresses.push_back(of_reading * std::abs(found.gain[i].value));
+    unsure += found.offset[i].deviation > unsure_offset * of_reading;
+  }
+  if (stresses.empty()) return {"noise at rest is not known: no window has four frames; tare with this profile"};
+  std::vector<std::string> remarks{fmt::format("transducer.noise = {:.2g} MPa (median; {:.2g} to {:.2g})",
+                                               median(stresses), std::ranges::min(stresses),
+                                               std::ranges::max(stresses))};
+  if (unsure > 0)
+    remarks.push_back(
+        fmt::format("{} of {} offsets are not known within {:g} of the noise at rest: tare with this profile, or drift "
+                    "may be reported falsely",
+                    unsure, stresses.size(), unsure_offset));
+  return remarks;
 }
 
 int run_calibrate_sensor(const CalibrateSensorRequest& request) {
@@ -100,7 +131,9 @@ int run_calibrate_sensor(const CalibrateSensorRequest& request) {
     const StageLine stage("fitting", request.quiet);
     const fem::SensorFamily family = calibration_family(sensor, recordings.options);
     const SensorState start{std::log(sensor.young), sensor.poisson, sensor.thickness, 0};
-    return calibrate_sensor(family, recordings.presses, start, recordings.options);
+    CalibrationOptions options = recordings.options;
+    options.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    return calibrate_sensor(family, recordings.presses, start, options);
   }();
   std::vector<std::string> remarks = {
       line("sensor.young", found.young, " MPa"), line("sensor.poisson", found.poisson, ""),
@@ -110,10 +143,12 @@ int run_calibrate_sensor(const CalibrateSensorRequest& request) {
   for (std::size_t i = 0; i < found.friction.size(); ++i)
     if (found.friction[i].deviation > 0)
       remarks.push_back(line(("friction of " + recordings.presses[i].name).c_str(), found.friction[i], ""));
+  for (const std::string& remark : noise_remarks(found, recordings.noise)) remarks.push_back(remark);
   for (const std::string& held : found.held) remarks.push_back(held);
   const bool wrong = std::ranges::any_of(
       found.faults, [](const CalibrationFault& fault) { return fault.kind == CalibrationFault::Kind::wrong_indenter; });
-  if (!request.json.empty()) write_file("--json", request.json, json_text(to_json(found, recordings.presses)));
+  if (!request.json.empty())
+    write_file("--json", request.json, json_text(to_json(found, recordings.presses, recordings.noise)));
   if (!request.html.empty())
     write_file("--html", request.html,
                calibration_page(found, recordings.presses, request.recordings, request.profile).html());
@@ -127,7 +162,8 @@ int run_calibrate_sensor(const CalibrateSensorRequest& request) {
                 " was not written: " + (wrong ? "the recordings do not fit their scenes" : "the fit did not converge"));
     return not_converged;
   }
-  write_file("--output", request.output, calibrated_profile(profile, merged_calibration(profile, found), remarks));
+  write_file("--output", request.output,
+             calibrated_profile(profile, merged_calibration(profile, found, recordings.noise), remarks));
   if (!request.quiet) fmt::print("the calibrated profile is in {}\n", request.output);
   return done;
 }

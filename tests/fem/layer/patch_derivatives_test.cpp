@@ -171,11 +171,37 @@ double ladder(const PathCase& c, const Patch& patch, const std::vector<Eigen::Ve
   return best;
 }
 
+/// Adjoint against forward mode: the derivative of a random sum of all outputs, by every parameter.
+void expect_adjoint_is_forward(const SceneDerivatives& d, std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  std::vector<PathWeights> weights;
+  for (const PathAnswer& a : d.path.answers()) {
+    PathWeights w{normal(random), normal(random), normal(random), normal(random), normal(random), a.frame};
+    for (double& x : w.frame) x = normal(random);
+    weights.push_back(w);
+  }
+  const std::vector<double> gradient = d.gradient(weights);
+  for (std::size_t p = 0; p < gradient.size(); ++p) {
+    const std::vector<PathAnswer> forward = d.path.forward(d.directions[p]);
+    double sum = 0, size = 0;
+    for (std::size_t k = 0; k < weights.size(); ++k) {
+      const PathWeights& w = weights[k];
+      const PathAnswer& a = forward[k];
+      for (const double term :
+           {w.P * a.P, w.Q * a.Q, w.S * a.S.value_or(0), w.depth * a.depth, w.x * a.x, w.frame.dot(a.frame)})
+        sum += term, size += std::abs(term);
+    }
+    EXPECT_NEAR(gradient[p], sum, 1e-12 * size) << d.parameters[p].name;  // rounding of sums of some hundred terms
+  }
+}
+
 TEST(PatchDerivatives, AgreeWithCentralDifferencesOnRandomPaths) {
   RandomPaths random;
   std::map<double, std::unique_ptr<LayerDerivatives>> layers;
-  int compared = 0;
+  std::mt19937 weights(4);
+  int compared = 0, across = 0;
   for (int k = 0; k < 1000; ++k) {
+    SCOPED_TRACE(k);
     const PathCase c = random.draw();
     const LayerModel& model = endless(c.scene.sensor.poisson);
     auto& layer = layers[c.scene.sensor.poisson];
@@ -185,17 +211,20 @@ TEST(PatchDerivatives, AgreeWithCentralDifferencesOnRandomPaths) {
     const SceneDerivatives d = patch_derivatives(model, *layer, c.scene, trace, {});
     EXPECT_LE(difference(outputs(d.path.answers()), outputs(solution), outputs(solution), 1e-3), 1e-11)
         << k;  // what a tolerance of 1e-13 leaves where sweeps converge slowly
+    expect_adjoint_is_forward(d, weights);
     if (d.path.answers().back().distance_to_switch < 1e-6) continue;
     const auto i = static_cast<std::size_t>(index_of(d, c.name));
     const double size = std::max(0.1, std::abs(d.parameters[i].value));
     const double error = ladder(c, trace.patch, outputs(d.path.forward(d.directions[i])), outputs(solution), size);
-    // Elements that move cross rows of the table of base stress, between which it is linear.
+    // Elements that move may cross a row of the table of base stress, between which it is linear.
     const bool moves = c.name == "indenter.position" || c.name == "indenter.half_width";
+    across += moves && error > 1e-6;
     EXPECT_LE(error, moves ? 1e-5 : 1e-6)
         << "path " << k << ", " << shape_name(c.scene.indenter.shape) << ", " << c.name;
     ++compared;
   }
   EXPECT_GT(compared, 990);
+  EXPECT_LE(across, 3);  // rare: some 230 paths move, and an element must be as near to a row as the smallest steps
 }
 
 /// A path with several targets, drags and a way back, by depth or by force.
@@ -219,29 +248,8 @@ TEST(PatchDerivatives, AdjointEqualsForward) {
   const LayerModel& model = endless(0.45);
   LayerDerivatives layer(model);
   std::mt19937 random(3);
-  std::normal_distribution<double> normal;
-  for (const Load& load : histories()) {
-    const SceneDerivatives d = patch_derivatives(model, layer, scene_on(model, Parabola{8}, 0.7, 0.6, load));
-    std::vector<PathWeights> weights;
-    for (const PathAnswer& a : d.path.answers()) {
-      PathWeights w{normal(random), normal(random), normal(random), normal(random), normal(random), a.frame};
-      for (double& x : w.frame) x = normal(random);
-      weights.push_back(w);
-    }
-    const std::vector<double> gradient = d.gradient(weights);
-    for (std::size_t p = 0; p < gradient.size(); ++p) {
-      const std::vector<PathAnswer> forward = d.path.forward(d.directions[p]);
-      double sum = 0, size = 0;
-      for (std::size_t k = 0; k < weights.size(); ++k) {
-        const PathWeights& w = weights[k];
-        const PathAnswer& a = forward[k];
-        for (const double term :
-             {w.P * a.P, w.Q * a.Q, w.S * a.S.value_or(0), w.depth * a.depth, w.x * a.x, w.frame.dot(a.frame)})
-          sum += term, size += std::abs(term);
-      }
-      EXPECT_NEAR(gradient[p], sum, 1e-12 * size) << d.parameters[p].name;  // rounding of sums of some hundred terms
-    }
-  }
+  for (const Load& load : histories())
+    expect_adjoint_is_forward(patch_derivatives(model, layer, scene_on(model, Parabola{8}, 0.7, 0.6, load)), random);
 }
 
 TEST(PatchDerivatives, GivenForcesAndSeveralTargets) {

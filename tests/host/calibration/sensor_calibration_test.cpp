@@ -232,9 +232,15 @@ TEST(SensorCalibration, FindsTheTimeConstant) {
   EXPECT_THROW(calibrate(s, options), ValueError);
 }
 
+/// A sensor whose presses have a friction of 0.6 and are taken for 0.5 and 0.7.
+Simulated with_other_frictions(unsigned seed) {
+  Simulated s = simulate(seed);
+  for (std::size_t k = 0; k < s.presses.size(); ++k) s.presses[k].scene.friction = k % 2 ? 0.5 : 0.7;
+  return s;
+}
+
 TEST(SensorCalibration, FindsTheFrictionOfPresses) {
-  Simulated s = simulate(9);
-  for (std::size_t k = 0; k < s.presses.size(); ++k) s.presses[k].scene.friction = k % 2 ? 0.5 : 0.7;  // true: 0.6
+  const Simulated s = with_other_frictions(9);
   CalibrationOptions options;
   const SensorCalibration held = calibrate(s, options);
   options.friction_deviation = 0.3;
@@ -245,6 +251,7 @@ TEST(SensorCalibration, FindsTheFrictionOfPresses) {
   for (const Fitted& mu : c.friction) {
     EXPECT_LE(mu.deviation, 0.3 * 0.7);
     within += std::abs(mu.value - 0.6) <= 2 * mu.deviation;
+    EXPECT_LE(std::abs(mu.value - 0.6), 4 * mu.deviation);  // 6e-5 of a normal distribution
   }
   EXPECT_GE(within, 17);  // 19 of a normal distribution; fewer than 17 have a probability of 0.3 %
   const auto error = [&s](const SensorCalibration& of) {
@@ -254,6 +261,22 @@ TEST(SensorCalibration, FindsTheFrictionOfPresses) {
     return std::sqrt(sum / tactels);
   };
   EXPECT_LT(error(c), error(held));
+}
+
+TEST(SensorCalibrationNightly, FrictionsOfTwentySensorsAreWithinTheirDeviations) {
+  CalibrationOptions options;
+  options.friction_deviation = 0.3;
+  double within = 0, all = 0, worst = 0;
+  for (unsigned seed = 40; seed < 60; ++seed)
+    for (const Fitted& mu : calibrate(with_other_frictions(seed), options).friction) {
+      const double off = std::abs(mu.value - 0.6) / mu.deviation;
+      within += off <= 2;
+      all += 1;
+      worst = std::max(worst, off);
+    }
+  printf("%.0f frictions: %.4f within 2 deviations, the worst at %.2f\n", all, within / all, worst);
+  EXPECT_GE(within, 0.95 * all);
+  EXPECT_LE(worst, 4);  // of 400 normal numbers, with a probability of 97 %
 }
 
 TEST(SensorCalibration, WithoutForcesYoungIsHeld) {
@@ -266,6 +289,7 @@ TEST(SensorCalibration, WithoutForcesYoungIsHeld) {
   EXPECT_THAT(c.held[0], testing::HasSubstr("sensor.young is held"));
   // Gains are those of the nominal E: stress over E is what the readings tell.
   EXPECT_NEAR(c.gain[10].value / s.gain[10], nominal_young / s.young, 0.02);
+  EXPECT_EQ(calibrate(s, {.threads = 2}).gain[10].value, c.gain[10].value) << "presses are solved apart";
 }
 
 TEST(SensorCalibration, WrongSizesAreRefused) {

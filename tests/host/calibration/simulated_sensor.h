@@ -27,26 +27,28 @@ struct Truth {
   Eigen::VectorXd P;
 };
 
-/// Presses are told apart by their names.
+/// Presses on sensors of as many tactels are told apart by their names.
 inline const Truth& truth(double poisson, const KnownPress& press) {
-  static std::map<double, fem::LayerModel> models;
-  static std::map<std::pair<double, std::string>, Truth> known;
-  const auto found = known.find({poisson, press.name});
-  if (found != known.end()) return found->second;
+  using Layer = std::pair<double, int>;
+  static std::map<Layer, fem::LayerModel> models;
+  static std::map<std::pair<Layer, std::string>, Truth> known;
   fem::Scene own = press.scene;
   own.sensor.poisson = poisson;
   own.sensor.young = 1;
-  if (!models.contains(poisson)) models.emplace(poisson, fem::endless_layer(own.sensor));
+  const Layer layer{poisson, own.sensor.tactels};
+  const auto found = known.find({layer, press.name});
+  if (found != known.end()) return found->second;
+  if (!models.contains(layer)) models.emplace(layer, fem::endless_layer(own.sensor));
   const fem::ContactSolution solution =
-      fem::PatchSolver(models.at(poisson), {.elements = elements, .tolerance = 1e-9}).solve(own);
+      fem::PatchSolver(models.at(layer), {.elements = elements, .tolerance = 1e-9}).solve(own);
   const auto steps = static_cast<Eigen::Index>(solution.steps.size());
-  Truth t{Eigen::MatrixXd(steps, 2 * tactels), Eigen::VectorXd(steps)};
+  Truth t{Eigen::MatrixXd(steps, 2 * own.sensor.tactels), Eigen::VectorXd(steps)};
   for (Eigen::Index k = 0; k < steps; ++k) {
     const fem::ContactStep& step = solution.steps[static_cast<std::size_t>(k)];
     t.frame.row(k) << step.sigma_y.transpose(), step.tau_xy.transpose();
     t.P[k] = step.P;
   }
-  return known[{poisson, press.name}] = t;
+  return known[{layer, press.name}] = t;
 }
 
 /// The largest stress of presses on the nominal sensor, MPa.
@@ -72,19 +74,20 @@ inline Simulated simulate_sensor(unsigned seed, std::vector<KnownPress> presses,
   constexpr double poissons[] = {0.43, 0.447, 0.46, 0.475};
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
+  const Eigen::Index channels = 2 * presses.front().scene.sensor.tactels;
   Simulated s{nominal_young * std::exp(0.3 * normal(random)),
               poissons[seed % 4],
-              Eigen::VectorXd(2 * tactels),
-              Eigen::VectorXd(2 * tactels),
+              Eigen::VectorXd(channels),
+              Eigen::VectorXd(channels),
               noise,
               std::move(presses)};
-  for (Eigen::Index c = 0; c < 2 * tactels; ++c)
+  for (Eigen::Index c = 0; c < channels; ++c)
     s.gain[c] = 0.001 * (1 + 0.2 * normal(random)), s.offset[c] = 2048 + 50 * normal(random);
   for (KnownPress& press : s.presses) {
     const Truth& t = truth(s.poisson, press);
     press.readings = s.young * t.frame;
     if (std::isfinite(time_constant)) press.readings = amplifier_response(press.timing, time_constant) * press.readings;
-    for (Eigen::Index c = 0; c < 2 * tactels; ++c)
+    for (Eigen::Index c = 0; c < channels; ++c)
       for (double& x : press.readings.col(c)) x = (x + s.noise * normal(random)) / s.gain[c] + s.offset[c];
     press.P = s.young * t.P;
     for (double& P : press.P) P *= 1 + 0.01 * normal(random);

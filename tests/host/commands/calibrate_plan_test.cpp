@@ -7,8 +7,10 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "fem/scene.h"
+#include "fem/layer/patch_solver.h"
+#include "host/live/sensor_profile.h"
 #include "host/scenes/scene_file.h"
+#include "tests/host/commands/recorded_sensor.h"
 #include "tests/host/support/run_tactel.h"
 
 namespace tactel::host {
@@ -19,10 +21,9 @@ using ::testing::HasSubstr;
 class CalibratePlan : public ::testing::Test {
  protected:
   CalibratePlan() {
-    folder_.write("p.toml",
-                  "[format]\nkind = \"generic\"\nsync = [0xA5, 0x5A]\nchannels = 16\nsample = \"f32\"\n"
-                  "[calibration]\ngain = 0.01\nnoise = 0.3\n[channels]\n"
-                  "normal = [0, 1, 2, 3, 4, 5, 6, 7]\nshear = [8, 9, 10, 11, 12, 13, 14, -1]\n");
+    folder_.write("p.toml", std::string(RecordedSensor::format) +
+                                "[calibration]\ngain = 0.01\nnoise = 0.3\n[channels]\n"
+                                "normal = [0, 1, 2, 3, 4, 5, 6, 7]\nshear = [8, 9, 10, 11, 12, 13, 14, -1]\n");
     folder_.write("rod.toml",
                   "[sensor]\ntactels = 8\n[indenter]\nshape = \"cylinder\"\nradius = 12\n[contact]\nfriction = 0.6\n"
                   "[load]\nindentation = 0.15\ntangential = [0.03, 0.06]\n");
@@ -72,6 +73,46 @@ TEST_F(CalibratePlan, WritesPressesToRecord) {
   EXPECT_THAT(next.err, HasSubstr("my plan-01.tactel"));
 }
 
+/// Plan, record each press as the plan's file says, fill in P, calibrate: the new profile has the sensor's gains.
+TEST_F(CalibratePlan, LeadsToACalibratedProfile) {
+  constexpr double true_young = 2.6;
+  folder_.write("list.toml",
+                "[fit]\npoisson = false\n"
+                "[rod]\nscene = \"rod.toml\"\nposition = [-7, -5, -3, -1, 1, 3, 5, 7]\n"
+                "indentation = [0.1, 0.15]\ndrag = [0, 0.06, -0.06]\n");
+  const std::string output = (folder_ / "plan.toml").string(), calibrated = (folder_ / "p2.toml").string(),
+                    json = (folder_ / "c.json").string();
+  const ChildResult planned =
+      plan({"--candidates", (folder_ / "list.toml").string(), "--presses", "6", "--output", output});
+  ASSERT_EQ(planned.exit_code, 0) << planned.err;
+  RecordedSensor sensor;
+  std::string text = text_of(output);
+  for (int k = 1; k <= 6; ++k) {
+    const std::string name = (folder_ / ("plan-0" + std::to_string(k))).string();
+    fem::Scene scene = read_scene(name + ".toml");
+    scene.sensor.young = true_young;
+    static const fem::LayerModel model = fem::layer_model(scene.sensor);
+    const fem::ContactSolution truth = fem::PatchSolver(model, {.elements = 24, .tolerance = 1e-8}).solve(scene);
+    const std::string P = sensor.record(name + ".tactel", truth.steps, 100, 100), empty = "# P = [ ]";
+    const std::size_t place = text.find(empty);
+    ASSERT_NE(place, std::string::npos) << text;
+    text.replace(place, empty.size(), "P = [" + P + "]");
+  }
+  folder_.write("plan.toml", text);
+  const ChildResult result = run_tactel({"calibrate", "sensor", output, "--profile", (folder_ / "p.toml").string(),
+                                         "--output", calibrated, "--json", json});
+  ASSERT_EQ(result.exit_code, 0) << result.err << result.out;
+  const nlohmann::json found = nlohmann::json::parse(std::ifstream(json));
+  EXPECT_NEAR(found["young"]["value"].get<double>(), true_young, 0.03);
+  const hw::Calibration calibration = read_profile(calibrated).map.calibration;
+  for (std::size_t c = 0; c + 1 < RecordedSensor::channels; ++c) {
+    const auto i = static_cast<Eigen::Index>(c);
+    if (c % RecordedSensor::tactels == 0 || c % RecordedSensor::tactels == 7) continue;  // over the block's corners
+    EXPECT_NEAR(calibration.gain[c] / sensor.gain[i], 1, 0.03) << c;  // noise / sqrt(20) of some 0.1 MPa
+  }
+  EXPECT_EQ(calibration.gain[15], 0.01) << "no tactel uses it";
+}
+
 TEST_F(CalibratePlan, WrongFilesAreNamed) {
   const std::string file = (folder_ / "list.toml").string();
   const auto refused = [&](const std::string& text, const std::string& message, std::vector<std::string> more = {}) {
@@ -90,6 +131,10 @@ TEST_F(CalibratePlan, WrongFilesAreNamed) {
   refused("[transducer]\ntime_constant = 0\n[rod]\nscene = \"rod.toml\"\n", "transducer.time_constant");
   refused("[fit]\nfriction = 2\n[rod]\nscene = \"rod.toml\"\n", "fit.friction");
   refused("[fit]\npoisson = false\n[rod]\nscene = \"rod.toml\"\n", "--presses");
+  folder_.write("wide.toml",
+                "[sensor]\ntactels = 8\ntactel_width = 2\n[indenter]\nshape = \"cylinder\"\nradius = 12\n"
+                "[contact]\nfriction = 0.6\n[load]\nindentation = 0.15\n");
+  refused("[rod]\nscene = \"wide.toml\"\nposition = [0, 1]\n", "takes transducers as points", {"--presses", "1"});
   folder_.write("three.toml",
                 "[sensor]\ntactels = 3\n[indenter]\nshape = \"cylinder\"\nradius = 12\n[contact]\nfriction = 0.6\n"
                 "[load]\nindentation = 0.15\n");

@@ -5,13 +5,11 @@
 
 #include <cmath>
 #include <fstream>
-#include <random>
 
 #include "fem/layer/patch_solver.h"
 #include "host/live/sensor_profile.h"
-#include "hw/generic_format.h"
-#include "hw/recording.h"
 #include "tests/host/commands/live_command.h"
+#include "tests/host/commands/recorded_sensor.h"
 #include "tests/host/support/run_tactel.h"
 
 namespace tactel::host {
@@ -20,38 +18,24 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-constexpr int tactels = 8;
+constexpr int tactels = RecordedSensor::tactels;
 constexpr double true_young = 2.6;
 
 class CalibrateSensor : public ::testing::Test {
  protected:
   CalibrateSensor() {
-    layout_.sync = {0xA5, 0x5A};
-    layout_.header = 2;
-    layout_.channels = 2 * tactels;
-    layout_.sample = hw::SampleType::f32;
-    std::mt19937 random(7);
-    std::normal_distribution<double> normal;
-    for (double& gain : gain_) gain = 0.01 * (1 + 0.2 * normal(random));
-    for (double& offset : offset_) offset = 100 * normal(random);
-    write(profile_,
-          "# keep me\n[device]\nname = \"test\"\n[format]\nkind = \"generic\"\nsync = [0xA5, 0x5A]\n"
-          "channels = 16\nsample = \"f32\"\n[calibration]\ngain = 0.01\n[channels]\n"
-          "normal = [0, 1, 2, 3, 4, 5, 6, 7]\nshear = [8, 9, 10, 11, 12, 13, 14, 15]\n");
+    write(profile_, std::string("# keep me\n[device]\nname = \"test\"\n") + RecordedSensor::format +
+                        "[calibration]\ngain = 0.01\n[channels]\n"
+                        "normal = [0, 1, 2, 3, 4, 5, 6, 7]\nshear = [8, 9, 10, 11, 12, 13, 14, 15]\n");
     std::string presses = "[fit]\npoisson = false\n";
-    for (int k = 0; k < 6; ++k) presses += press(k, random);
+    for (int k = 0; k < 6; ++k) presses += press(k);
     write(recordings_, presses);
-  }
-
-  static std::string text_of(const std::string& path) {
-    std::ifstream in(path);
-    return {std::istreambuf_iterator<char>(in), {}};
   }
 
   static void write(const std::string& path, const std::string& text) { std::ofstream(path) << text; }
 
   /// Half a second at rest, then half a second on each load step. Returns the press's table.
-  std::string press(int k, std::mt19937& random) {
+  std::string press(int k) {
     const std::string name = "press" + std::to_string(k), file = (folder_ / name).string();
     fem::Scene scene;
     scene.sensor.tactels = tactels;
@@ -67,25 +51,7 @@ class CalibrateSensor : public ::testing::Test {
               "\n[contact]\nfriction = 0.6\n[load]\nindentation = 0.15\ntangential = [0.03, 0.06]\n");
     static const fem::LayerModel model = fem::layer_model(scene.sensor);
     const fem::ContactSolution solution = fem::PatchSolver(model, {.elements = 24, .tolerance = 1e-8}).solve(scene);
-    hw::RecordingWriter writer(file + ".tactel", "");
-    std::normal_distribution<double> normal;
-    std::vector<std::uint8_t> bytes(hw::generic_frame_length(layout_));
-    std::string P;
-    for (int frame = 0; frame < 200; ++frame) {
-      std::vector<double> samples(2 * tactels);
-      for (int c = 0; c < 2 * tactels; ++c) {
-        double stress = 0.002 * normal(random);
-        if (frame >= 50) {
-          const fem::ContactStep& step = solution.steps[static_cast<std::size_t>(frame / 50 - 1)];
-          stress += c < tactels ? step.sigma_y[c] : step.tau_xy[c - tactels];
-        }
-        samples[static_cast<std::size_t>(c)] = stress / gain_[c] + offset_[c];
-      }
-      hw::write_generic_frame(layout_, 0, 0, samples, bytes);
-      writer.write({.bytes = bytes, .arrival = 5 + 0.01 * frame});
-    }
-    writer.finish();
-    for (const fem::ContactStep& step : solution.steps) P += (P.empty() ? "" : ", ") + std::to_string(step.P);
+    const std::string P = sensor_.record(file + ".tactel", solution.steps, 50, 50);
     return "[" + name + "]\nscene = \"" + name + ".toml\"\nrecording = \"" + name +
            ".tactel\"\ntimes = [0.75, 1.25, 1.75]\nwindow = 0.3\nP = [" + P + "]\n";
   }
@@ -97,8 +63,7 @@ class CalibrateSensor : public ::testing::Test {
   }
 
   ScratchFolder folder_;
-  hw::GenericLayout layout_;
-  double gain_[2 * tactels], offset_[2 * tactels];
+  RecordedSensor sensor_;
   std::string profile_ = (folder_ / "p.toml").string(), recordings_ = (folder_ / "r.toml").string(),
               output_ = (folder_ / "p2.toml").string();
 };
@@ -119,14 +84,44 @@ TEST_F(CalibrateSensor, WritesAProfileWithTheGainsOfTheSensor) {
   EXPECT_THAT(profile.text, HasSubstr("# keep me\n"));
   for (std::size_t c = 1; c + 1 < 2 * tactels; ++c) {
     if (c == tactels - 1 || c == tactels) continue;  // over a lower corner of the block, where stress is singular
-    EXPECT_NEAR(profile.map.calibration.gain[c] / gain_[c], 1, 0.03) << c;  // noise of 0.002 / sqrt(30) of some 0.1 MPa
-    EXPECT_NEAR((profile.map.calibration.offset[c] - offset_[c]) * gain_[c], 0, 0.003) << c;
+    const auto i = static_cast<Eigen::Index>(c);
+    EXPECT_NEAR(profile.map.calibration.gain[c] / sensor_.gain[i], 1, 0.03) << c;  // noise / sqrt(30) of some 0.1 MPa
+    EXPECT_NEAR((profile.map.calibration.offset[c] - sensor_.offset[i]) * sensor_.gain[i], 0, 0.003) << c;
   }
   const nlohmann::json found = nlohmann::json::parse(std::ifstream(json));
   EXPECT_TRUE(found["converged"].get<bool>());
   EXPECT_NEAR(found["young"]["value"].get<double>(), true_young, 0.03);
   EXPECT_EQ(found["gain"].size(), 2u * tactels);
   EXPECT_EQ(found["residuals"].size(), 6u);
+}
+
+/// The touch threshold and drift of monitor take the noise of the new profile, without a tare.
+TEST_F(CalibrateSensor, WritesTheNoiseAtRestForMonitor) {
+  const std::string json = (folder_ / "c.json").string(), rest = (folder_ / "rest.tactel").string(),
+                    network_file = (folder_ / "n.onnx").string();
+  const ChildResult result = calibrate({"--json", json});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("transducer.noise = 0.00"));
+  EXPECT_THAT(result.out, Not(HasSubstr("tare with this profile")));
+  const hw::Calibration calibration = read_profile(output_).map.calibration;
+  const nlohmann::json found = nlohmann::json::parse(std::ifstream(json));
+  ASSERT_EQ(calibration.noise.size(), 2u * tactels);
+  // A median of 18 windows of 30 frames scatters by sqrt(0.83 pi / 2 / 540) = 5 %; three of these.
+  for (std::size_t c = 0; c < 2 * tactels; ++c) {
+    EXPECT_NEAR(calibration.noise[c] * sensor_.gain[static_cast<Eigen::Index>(c)] / RecordedSensor::noise, 1, 0.15)
+        << c;
+    EXPECT_NEAR(found["rest_noise"][c].get<double>(), calibration.noise[c], 1e-6 * calibration.noise[c]) << c;
+  }
+  sensor_.record(rest, {}, 900, 0);
+  write_onnx(network_file, network(tactels));
+  const auto monitor = [&](const std::string& profile) {
+    return run_tactel({"monitor", "--source", "replay:" + rest, "--network", network_file, "--profile", profile});
+  };
+  const ChildResult watched = monitor(output_);
+  ASSERT_EQ(watched.exit_code, 0) << watched.err;
+  for (const nlohmann::json& line : lines_of(watched.out)) EXPECT_EQ(line["contact"], false) << line;
+  EXPECT_THAT(watched.err, HasSubstr("\"drifts\": 0"));
+  EXPECT_FALSE(lines_of(monitor(profile_).out).front().contains("contact")) << "that profile has no noise";
 }
 
 /// With nu unknown, too: eight blocks of free sides, some seconds without a cache.
