@@ -95,6 +95,7 @@ void SceneSource::model_on(const Rung& rung) {
                       "a number of sensors to draw where rung " + rung.name +
                           " solves on a mesh: each sensor needs a condensation there");
   rung_ = rung;
+  model_ = rung.patch() ? fem::SurfaceModel::patch : fem::SurfaceModel::mesh;
   for (fem::Sensor& sensor : sensors_) {
     fem::Scene scene;
     scene.sensor = sensor;

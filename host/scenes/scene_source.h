@@ -39,7 +39,7 @@ class SceneSource {
   bool endless() const { return listed_.empty(); }
   std::uint64_t seed() const { return seed_; }
   int tactels() const;
-  /// Returns the model that the file asks for; a rung overrides it.
+  /// Returns the model of the rung (model_on); without one, that of the file.
   fem::SurfaceModel model() const { return model_; }
   const nn::Transducer& transducer() const { return transducer_; }
   /// Returns the source of this source's contacts with one of their drawn numbers changed, for derivatives by finite

@@ -102,6 +102,23 @@ TEST_F(PatchSet, ARungIsTakenWhateverTheFileSays) {
   EXPECT_NEAR(patches.slip_index[0], meshes.slip_index[0], 0.05);  // the mesh has three nodes in contact, or four
 }
 
+/// A rung on meshes, of a file that asks for patches: three or four of the mesh's nodes touch, ten elements of a patch.
+TEST_F(PatchSet, ARungOnAMeshOverridesTheFile) {
+  const std::string load = "[indenter]\nshape = \"parabola\"\nradius = 10\n[load]\nindentation = 0.1\n";
+  const std::string head = "[sweep]\ncontacts = 5\n[sensor]\nmodel = ";
+  SceneSource on_patches = SceneSource::read(folder_.write("patch.toml", head + "\"patch\"\n" + load));
+  SceneSource on_mesh = SceneSource::read(folder_.write("mesh.toml", head + "\"mesh\"\n" + load));
+  on_patches.model_on(rung_named("mesh-81"));
+  on_mesh.model_on(rung_named("mesh-81"));
+  EXPECT_EQ(on_patches.model(), fem::SurfaceModel::mesh);
+  const ContactSet set = SetSimulator(executor_, on_patches, {}).simulate(0, 5);
+  const ContactSet expected = SetSimulator(executor_, on_mesh, {}).simulate(0, 5);
+  EXPECT_EQ(set.contact_nodes, expected.contact_nodes);
+  EXPECT_EQ(set.frames, expected.frames);
+  on_mesh.model_on(rung_named("patch-8"));
+  EXPECT_EQ(on_mesh.model(), fem::SurfaceModel::patch);
+}
+
 /// Every contact on a sensor of its own.
 class OwnSensors : public testing::Test {
  protected:
