@@ -12,7 +12,8 @@
 namespace tactel::nn {
 namespace {
 
-constexpr double least_deviation = 1e-3;  // of a scaled input
+constexpr double least_deviation = 1e-3;                       // of a scaled input
+constexpr double distance_shares[] = {0.6, 0.86, 0.94, 0.98};  // of the rows, up to the edges of the distance
 
 std::size_t place_among(const std::vector<float>& edges, float value) {
   return static_cast<std::size_t>(std::ranges::count_if(edges, [value](float edge) { return value > edge; }));
@@ -48,26 +49,28 @@ struct Scores {
   }
 };
 
-/// Groups of ever more classes: the class, those of its touching and width, those of its touching, all.
+/// Groups of ever more classes: the class, those of its touching, width and distance, those of its touching, all.
 constexpr std::size_t widest_group = 3;
 std::array<std::size_t, widest_group + 1> groups_of(const Bound& bound, std::size_t which) {
-  const std::size_t widths = bound.width.size() + 1, slips = bound.slip_index.size() + 1;
-  const std::size_t touching = which / widths / slips;
-  return {which, touching * widths + which % widths, touching, 0};
+  const std::size_t inner = (bound.width.size() + 1) * (bound.distance.size() + 1);  // classes of one touching and S
+  const std::size_t touching = which / inner / (bound.slip_index.size() + 1);
+  return {which, touching * inner + which % inner, touching, 0};
 }
 
 }  // namespace
 
-std::size_t Bound::class_of(int touching_tactels, const Quantiles<float>& q) const {
+std::size_t Bound::class_of(int touching_tactels, const Quantiles<float>& q, float squared_distance) const {
   const std::size_t t = place_among(touching, static_cast<float>(touching_tactels));
   const std::size_t s = place_among(slip_index, q.median), w = place_among(width, q.upper - q.lower);
-  return (t * (slip_index.size() + 1) + s) * (width.size() + 1) + w;
+  const std::size_t d = place_among(distance, squared_distance);
+  return ((t * (slip_index.size() + 1) + s) * (width.size() + 1) + w) * (distance.size() + 1) + d;
 }
 
 void Bound::validate(int inputs) const {
   check_edges("touching", touching);
   check_edges("slip_index", slip_index);
   check_edges("width", width);
+  if (!distance.empty()) check_edges("distance", distance);
   const auto finite = [](float x) { return std::isfinite(x); };
   for (const auto& [key, table] : {std::pair{"bound.upper_correction", &upper_correction},
                                    std::pair{"bound.interval_correction", &interval_correction}})
@@ -133,12 +136,13 @@ float squared_distance(const Bound& bound, const float* scaled) {
 
 BoundAnswer bounded(const Bound& bound, const Quantiles<float>& q, const float* scaled) {
   BoundAnswer answer;
-  answer.unlike = !(squared_distance(bound, scaled) <= bound.unlike_above);  // also where it overflows
+  const float distance = squared_distance(bound, scaled);
+  answer.unlike = !(distance <= bound.unlike_above);  // also where it overflows
   if (std::isnan(q.median)) {
     answer.upper = answer.interval[0] = answer.interval[1] = q.median;
     return answer;
   }
-  const std::size_t which = bound.class_of(touching_tactels(scaled, bound.tactels), q);
+  const std::size_t which = bound.class_of(touching_tactels(scaled, bound.tactels), q, distance);
   const float widening = bound.interval_correction[which];
   // At most 1, where everything slides, and never on the wrong side of S.
   const auto above = [&q](float end) { return std::min(std::max(end, q.median), 1.0f); };
@@ -164,16 +168,44 @@ double conformal_quantile(std::vector<double> scores, double level) {
   return *place;
 }
 
+void renew_classes(Bound& bound, std::span<const CalibrationRow> rows) {
+  const Bound today;
+  bound.touching = today.touching;
+  bound.slip_index = today.slip_index;
+  bound.width = today.width;
+  bound.distance.clear();
+  if (rows.size() >= fewest_scores(Bound::known_share)) {
+    std::vector<double> distances;
+    distances.reserve(rows.size());
+    for (const CalibrationRow& row : rows) distances.push_back(squared_distance(bound, row.scaled));
+    for (const double share : distance_shares) {
+      const float edge = rounded_up(conformal_quantile(distances, share));
+      if (std::isfinite(edge) && (bound.distance.empty() || edge > bound.distance.back()))
+        bound.distance.push_back(edge);
+    }
+  }
+  bound.upper_correction.assign(bound.classes(), 0.0f);
+  bound.interval_correction = bound.upper_correction;
+}
+
+void widen(Bound& bound, const Bound& other) {
+  const auto larger = [](float a, float b) { return std::max(a, b); };
+  std::ranges::transform(bound.upper_correction, other.upper_correction, bound.upper_correction.begin(), larger);
+  std::ranges::transform(bound.interval_correction, other.interval_correction, bound.interval_correction.begin(),
+                         larger);
+}
+
 Calibration calibrate(Bound& bound, std::span<const CalibrationRow> rows, double level) {
   const std::size_t classes = bound.classes();
   std::array<std::vector<Scores>, widest_group + 1> groups;
   for (auto& group : groups) group.resize(classes);
   std::vector<double> distances;
   for (const CalibrationRow& row : rows) {
-    const std::size_t which = bound.class_of(touching_tactels(row.scaled, bound.tactels), row.quantiles);
+    const float distance = squared_distance(bound, row.scaled);
+    const std::size_t which = bound.class_of(touching_tactels(row.scaled, bound.tactels), row.quantiles, distance);
     const auto places = groups_of(bound, which);
     for (std::size_t g = 0; g <= widest_group; ++g) groups[g][places[g]].add(row);
-    distances.push_back(squared_distance(bound, row.scaled));
+    distances.push_back(distance);
   }
   Calibration report{.rows = rows.size(), .classes = classes};
   Bound renewed = bound;

@@ -141,7 +141,8 @@ Json to_json(const nn::Bound& bound) {
           {"level", bound.level},
           {"set", bound.set},
           {"rows", bound.rows},
-          {"seed", bound.seed}};
+          {"seed", bound.seed},
+          {"left_out", bound.left_out}};
 }
 
 Json to_json(const BoundReport& report, const std::vector<std::string>& indenter_names) {

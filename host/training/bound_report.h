@@ -54,7 +54,7 @@ std::vector<nn::BoundAnswer> bounds_of(const nn::Model& model, const nn::Recall<
 BoundReport report_bound(std::span<const nn::BoundAnswer> bounds, std::span<const double> errors,
                          const nn::FrameSet& set);
 
-/// Returns {"level", "rows", "set", "seed", "calibrated"} of a bound.
+/// Returns {"calibrated", "level", "set", "rows", "seed", "left_out"} of a bound.
 nlohmann::ordered_json to_json(const nn::Bound& bound);
 /// Returns {"coverage", "interval_coverage", "width", "unlike", "alike", "by_indenter", "by_touching",
 /// "by_slip_index", "answered"}.

@@ -24,11 +24,11 @@ std::vector<nn::CalibrationRow> calibration_rows(const nn::Recall<float>& answer
   return rows;
 }
 
-}  // namespace
-
-nn::Calibration calibrate_bound(Executor& executor, NamedNetwork& network, const ContactSet& set,
-                                const std::string& file, double level) try {
-  nn::Model& model = network.model;
+/// Calls judge(rows), the rows of a set with the answers of a network with a bound.
+template <class Judge>
+auto with_rows(Executor& executor, const NamedNetwork& network, const ContactSet& set, const std::string& file,
+               const Judge& judge) {
+  const nn::Model& model = network.model;
   if (!model.bound)
     throw ConfigError(network.file, "topology", model.weights.topology.text(),
                       "a network with a bound, see tactel train --bound");
@@ -41,10 +41,46 @@ nn::Calibration calibrate_bound(Executor& executor, NamedNetwork& network, const
   Forward<float> forward(executor, std::span(&model.weights, 1), model.scaling);
   const nn::Recall<float> answer = forward.recall(rows.frames.frames);
   const nn::RowMatrix<float> scaled = nn::scale_frames<float>(model.scaling, rows.frames.frames);
-  const nn::Calibration report = nn::calibrate(*model.bound, calibration_rows(answer, rows.frames, scaled), level);
-  model.bound->set = file;
-  model.bound->seed = set.seed;
-  return report;
+  return judge(calibration_rows(answer, rows.frames, scaled));
+}
+
+}  // namespace
+
+nn::Calibration calibrate_bound(Executor& executor, NamedNetwork& network, const ContactSet& set,
+                                const std::string& file, double level) try {
+  return with_rows(executor, network, set, file, [&](const std::vector<nn::CalibrationRow>& rows) {
+    nn::Bound& bound = *network.model.bound;
+    nn::Bound renewed = bound;
+    nn::renew_classes(renewed, rows);
+    const nn::Calibration report = nn::calibrate(renewed, rows, level);
+    renewed.set = file;
+    renewed.seed = set.seed;
+    renewed.left_out.clear();
+    bound = std::move(renewed);
+    return report;
+  });
+} catch (const ValueError& error) {
+  throw ConfigError(file, error);
+}
+
+void widen_bound(Executor& executor, NamedNetwork& network, NamedNetwork witness, const ContactSet& set,
+                 const std::string& file, double level) try {
+  if (!network.model.bound || witness.model.weights.topology.inputs() != network.model.weights.topology.inputs())
+    throw ConfigError(witness.file, "topology", witness.model.weights.topology.text(),
+                      "a network with the inputs of " + network.model.weights.topology.text());
+  nn::Bound& bound = *network.model.bound;
+  with_rows(executor, witness, set, file, [&](const std::vector<nn::CalibrationRow>& rows) {
+    nn::Bound other = *witness.model.bound;
+    other.touching = bound.touching;
+    other.slip_index = bound.slip_index;
+    other.width = bound.width;
+    other.distance = bound.distance;
+    other.upper_correction.assign(bound.classes(), 0.0f);
+    other.interval_correction = other.upper_correction;
+    nn::calibrate(other, rows, level);
+    nn::widen(bound, other);
+  });
+  bound.left_out += (bound.left_out.empty() ? "" : ",") + file;
 } catch (const ValueError& error) {
   throw ConfigError(file, error);
 }

@@ -88,6 +88,28 @@ TEST_F(BoundCommand, RenewsTheBoundInPlace) {
   EXPECT_THAT(run_tactel({"recall", copy, file("other", ".h5")}).out, HasSubstr("bound of 80 %"));
 }
 
+// The network itself is the witness, at a higher level: the bound becomes that level's, and no narrower than it was.
+TEST_F(BoundCommand, WidensTheBoundForFamiliesLeftOut) {
+  const std::string plain = calibrated(), wide = file("wide.onnx");
+  const ChildResult result = run_tactel({"calibrate", "bound", network(), file("other", ".h5"), "--output", wide,
+                                         "--left-out", network(), file("other", ".h5"), "--left-out-level", "0.99"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("widened to hold at 99 %"));
+  const auto judged = [](const std::string& net) {
+    return json::parse(run_tactel({"recall", net, file("other", ".h5"), "--json", "-"}).out)["networks"][0];
+  };
+  const json before = judged(plain), after = judged(wide);
+  EXPECT_GE(after["bound"]["coverage"], 0.985);
+  EXPECT_GE(after["bound"]["interval_coverage"], 0.985);
+  EXPECT_GT(after["bound"]["width"], before["bound"]["width"]);
+  EXPECT_EQ(after["calibration"]["left_out"], file("other", ".h5"));
+  const ChildResult odd = run_tactel({"calibrate", "bound", network(), file("other", ".h5"), "--left-out", network()});
+  EXPECT_EQ(odd.exit_code, 2);
+  const ChildResult other = run_tactel({"calibrate", "bound", network(), file("other", ".h5"), "--output", wide,
+                                        "--left-out", file("other", ".h5"), file("other", ".h5")});
+  EXPECT_EQ(other.exit_code, 2);
+}
+
 TEST_F(BoundCommand, SaysWhatCannotBeCalibrated) {
   const std::string plain = file("plain");
   ASSERT_EQ(run_tactel({"train", file("learn", ".h5"), "--network", "10-3-1", "--schedule", "batch", "--epochs", "1",
