@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <numeric>
 
 #include "fem/value_error.h"
 
@@ -38,14 +40,17 @@ std::size_t rank(std::size_t scores, double level) {
   return static_cast<std::size_t>(std::ceil(static_cast<double>(scores + 1) * level - 1e-9));  // 20 * 0.95 is 19
 }
 
+double upper_score(const CalibrationRow& row) { return double(row.slip_index) - double(row.quantiles.upper); }
+double interval_score(const CalibrationRow& row) {
+  return std::max(upper_score(row), double(row.quantiles.lower) - double(row.slip_index));
+}
+
 /// Scores of the rows of a group of classes.
 struct Scores {
   std::vector<double> upper, interval;
   void add(const CalibrationRow& row) {
-    const Quantiles<float>& q = row.quantiles;
-    const double above = double(row.slip_index) - double(q.upper);
-    upper.push_back(above);
-    interval.push_back(std::max(above, double(q.lower) - double(row.slip_index)));
+    upper.push_back(upper_score(row));
+    interval.push_back(interval_score(row));
   }
 };
 
@@ -55,6 +60,86 @@ std::array<std::size_t, widest_group + 1> groups_of(const Bound& bound, std::siz
   const std::size_t inner = (bound.width.size() + 1) * (bound.distance.size() + 1);  // classes of one touching and S
   const std::size_t touching = which / inner / (bound.slip_index.size() + 1);
   return {which, touching * inner + which % inner, touching, 0};
+}
+
+std::size_t class_of(const Bound& bound, const CalibrationRow& row) {
+  return bound.class_of(touching_tactels(row.scaled, bound.tactels), row.quantiles,
+                        squared_distance(bound, row.scaled));
+}
+
+/// Scores of rows whose weights change.
+class WeightedScores {
+ public:
+  /// classes: [rows]; scores: [rows].
+  WeightedScores(const Bound& bound, const std::vector<std::size_t>& classes, std::vector<double> scores)
+      : bound_(bound), classes_(classes), scores_(std::move(scores)) {
+    std::vector<std::uint32_t> order(scores_.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::ranges::stable_sort(order, {}, [this](std::uint32_t row) { return scores_[row]; });
+    for (auto& group : groups_) group.resize(bound.classes());
+    for (const std::uint32_t row : order) {
+      const auto places = groups_of(bound, classes[row]);
+      for (std::size_t g = 0; g <= widest_group; ++g) groups_[g][places[g]].push_back(row);
+    }
+  }
+
+  /// The larger of `floor` and the weighted conformal quantile of each class: [classes]. least: rows of a class.
+  std::vector<float> corrections(const std::vector<double>& weights, double level, std::size_t least,
+                                 const std::vector<float>& floor) const {
+    std::vector<float> corrections(floor);
+    std::array<std::vector<double>, widest_group + 1> known;
+    known.fill(std::vector<double>(corrections.size(), std::numeric_limits<double>::quiet_NaN()));
+    for (std::size_t which = 0; which < corrections.size(); ++which) {
+      const auto places = groups_of(bound_, which);
+      std::size_t g = 0;
+      while (g < widest_group && groups_[g][places[g]].size() < least) ++g;
+      double& quantile = known[g][places[g]];
+      if (std::isnan(quantile)) quantile = weighted(groups_[g][places[g]], weights, level);
+      corrections[which] = std::max(corrections[which], rounded_up(quantile));
+    }
+    return corrections;
+  }
+
+  bool covered(std::uint32_t row, const std::vector<float>& corrections) const {
+    return scores_[row] <= double(corrections[classes_[row]]);
+  }
+
+ private:
+  /// Smallest score below which `level` of the weights lies, that of one more row among them.
+  double weighted(const std::vector<std::uint32_t>& rows, const std::vector<double>& weights, double level) const {
+    double all = 0, below = 0;
+    for (const std::uint32_t row : rows) all += weights[row];
+    const double enough = level * all * (1 + 1 / static_cast<double>(rows.size())) * (1 - 1e-12);
+    for (const std::uint32_t row : rows)
+      if ((below += weights[row]) >= enough) return scores_[row];
+    return scores_[rows.back()];
+  }
+
+  const Bound& bound_;
+  const std::vector<std::size_t>& classes_;
+  std::vector<double> scores_;
+  std::array<std::vector<std::vector<std::uint32_t>>, widest_group + 1> groups_;  ///< rows, by ascending score
+};
+
+std::vector<float> raised(const WeightedScores& scores, std::size_t rows, const std::vector<float>& plain, double level,
+                          std::span<const std::vector<std::uint32_t>> kinds, double least) {
+  constexpr int rounds = 25;    // the weights then change by less than 1 % a round
+  constexpr double gain = 30;   // of a weight's logarithm, by the share that is missing
+  constexpr double most = 1e4;  // of a weight
+  std::vector<double> weights(rows, 1.0), factors(kinds.size(), 1.0);
+  std::vector<float> corrections = plain;
+  for (int round = 0; round < rounds; ++round) {
+    for (std::size_t k = 0; k < kinds.size(); ++k) {
+      const auto inside = std::ranges::count_if(kinds[k], [&](auto row) { return scores.covered(row, corrections); });
+      const double share = static_cast<double>(inside) / static_cast<double>(kinds[k].size());
+      factors[k] = std::clamp(factors[k] * std::exp(gain * (least - share)), 1.0, most);
+    }
+    std::ranges::fill(weights, 1.0);
+    for (std::size_t k = 0; k < kinds.size(); ++k)
+      for (const std::uint32_t row : kinds[k]) weights[row] *= factors[k];
+    corrections = scores.corrections(weights, level, std::max(Bound::own_rows, fewest_scores(level)), plain);
+  }
+  return corrections;
 }
 
 }  // namespace
@@ -188,6 +273,25 @@ void renew_classes(Bound& bound, std::span<const CalibrationRow> rows) {
   bound.interval_correction = bound.upper_correction;
 }
 
+void raise(Bound& bound, std::span<const CalibrationRow> rows, std::span<const std::vector<std::uint32_t>> kinds,
+           double least) {
+  std::vector<std::vector<std::uint32_t>> judged;
+  std::ranges::copy_if(kinds, std::back_inserter(judged),
+                       [](const auto& kind) { return kind.size() >= Bound::own_rows; });
+  std::vector<std::size_t> classes;
+  std::vector<double> upper, interval;
+  for (const CalibrationRow& row : rows) {
+    classes.push_back(class_of(bound, row));
+    upper.push_back(upper_score(row));
+    interval.push_back(interval_score(row));
+  }
+  for (auto [scores, corrections] :
+       {std::pair{&upper, &bound.upper_correction}, {&interval, &bound.interval_correction}})
+    *corrections = raised(WeightedScores(bound, classes, std::move(*scores)), rows.size(), *corrections, bound.level,
+                          judged, least);
+  bound.least = least;
+}
+
 void widen(Bound& bound, const Bound& other) {
   const auto larger = [](float a, float b) { return std::max(a, b); };
   std::ranges::transform(bound.upper_correction, other.upper_correction, bound.upper_correction.begin(), larger);
@@ -201,11 +305,9 @@ Calibration calibrate(Bound& bound, std::span<const CalibrationRow> rows, double
   for (auto& group : groups) group.resize(classes);
   std::vector<double> distances;
   for (const CalibrationRow& row : rows) {
-    const float distance = squared_distance(bound, row.scaled);
-    const std::size_t which = bound.class_of(touching_tactels(row.scaled, bound.tactels), row.quantiles, distance);
-    const auto places = groups_of(bound, which);
+    const auto places = groups_of(bound, tactel::nn::class_of(bound, row));
     for (std::size_t g = 0; g <= widest_group; ++g) groups[g][places[g]].add(row);
-    distances.push_back(distance);
+    distances.push_back(squared_distance(bound, row.scaled));
   }
   Calibration report{.rows = rows.size(), .classes = classes};
   Bound renewed = bound;
@@ -221,6 +323,7 @@ Calibration calibrate(Bound& bound, std::span<const CalibrationRow> rows, double
   report.known = rows.size() >= fewest_scores(Bound::known_share);
   if (report.known) renewed.unlike_above = rounded_up(conformal_quantile(std::move(distances), Bound::known_share));
   renewed.level = level;
+  renewed.least = 0;
   renewed.rows = rows.size();
   bound = std::move(renewed);
   return report;

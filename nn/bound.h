@@ -48,6 +48,7 @@ struct Bound {
 
   double level = 0.95;
   std::string set;         ///< that the bound was calibrated on; empty: it was not
+  double least = 0;        ///< share of every kind of row that raise() aimed at; 0: of none
   std::string left_out;    ///< sets of families that a network did not learn, which widened the bound, by commas
   std::uint64_t rows = 0;  ///< of that set
   std::uint64_t seed = 0;  ///< of that set
@@ -100,6 +101,13 @@ void renew_classes(Bound& bound, std::span<const CalibrationRow> rows);
 /// the correction of all rows of its touching, width and distance, or of its touching, or of all. Throws ValueError as
 /// conformal_quantile.
 Calibration calibrate(Bound& bound, std::span<const CalibrationRow> rows, double level);
+
+/// Raises the corrections of a calibrated bound until `least` of the rows of each kind lie below the bound, and within
+/// the interval; a controller does not know the kinds. Rows of a kind that has too few weigh more in the quantile of
+/// their class, which stays at the bound's level; no correction becomes smaller. kinds: [kinds] places among `rows`;
+/// those of fewer than own_rows are left out.
+void raise(Bound& bound, std::span<const CalibrationRow> rows, std::span<const std::vector<std::uint32_t>> kinds,
+           double least);
 
 /// Widens a bound to the corrections of `other`, class by class, where these are larger. Both have the same classes.
 void widen(Bound& bound, const Bound& other);

@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <map>
 
 #include "fem/value_error.h"
 #include "host/networks/forward.h"
 #include "host/support/errors.h"
+#include "host/training/bound_report.h"
 
 namespace tactel::host {
 namespace {
@@ -24,7 +26,25 @@ std::vector<nn::CalibrationRow> calibration_rows(const nn::Recall<float>& answer
   return rows;
 }
 
-/// Calls judge(rows), the rows of a set with the answers of a network with a bound.
+using Kinds = std::vector<std::vector<std::uint32_t>>;
+
+/// Places among calibration_rows of each kind that a report judges by: indenter, touching elements, tenth of S.
+Kinds kinds_of(const nn::Recall<float>& answer, const nn::FrameSet& frames) {
+  std::map<std::pair<int, int>, std::vector<std::uint32_t>> kinds;
+  std::uint32_t place = 0;
+  for (std::size_t row = 0; row < answer.status.size(); ++row) {
+    if (answer.status[row] != nn::FrameStatus::ok) continue;
+    if (row < frames.shape_class.size()) kinds[{0, frames.shape_class[row]}].push_back(place);
+    if (row < frames.contact_nodes.size()) kinds[{1, touching_key(frames.contact_nodes[row])}].push_back(place);
+    kinds[{2, slip_key(frames.slip_index(static_cast<Eigen::Index>(row)))}].push_back(place);
+    ++place;
+  }
+  Kinds all;
+  for (auto& [key, rows] : kinds) all.push_back(std::move(rows));
+  return all;
+}
+
+/// Calls judge(rows, kinds), the rows of a set with the answers of a network with a bound.
 template <class Judge>
 auto with_rows(Executor& executor, const NamedNetwork& network, const ContactSet& set, const std::string& file,
                const Judge& judge) {
@@ -41,18 +61,19 @@ auto with_rows(Executor& executor, const NamedNetwork& network, const ContactSet
   Forward<float> forward(executor, std::span(&model.weights, 1), model.scaling);
   const nn::Recall<float> answer = forward.recall(rows.frames.frames);
   const nn::RowMatrix<float> scaled = nn::scale_frames<float>(model.scaling, rows.frames.frames);
-  return judge(calibration_rows(answer, rows.frames, scaled));
+  return judge(calibration_rows(answer, rows.frames, scaled), kinds_of(answer, rows.frames));
 }
 
 }  // namespace
 
 nn::Calibration calibrate_bound(Executor& executor, NamedNetwork& network, const ContactSet& set,
-                                const std::string& file, double level) try {
-  return with_rows(executor, network, set, file, [&](const std::vector<nn::CalibrationRow>& rows) {
+                                const std::string& file, double level, double least) try {
+  return with_rows(executor, network, set, file, [&](const std::vector<nn::CalibrationRow>& rows, const Kinds& kinds) {
     nn::Bound& bound = *network.model.bound;
     nn::Bound renewed = bound;
     nn::renew_classes(renewed, rows);
     const nn::Calibration report = nn::calibrate(renewed, rows, level);
+    if (least > 0) nn::raise(renewed, rows, kinds, least);
     renewed.set = file;
     renewed.seed = set.seed;
     renewed.left_out.clear();
@@ -69,7 +90,7 @@ void widen_bound(Executor& executor, NamedNetwork& network, NamedNetwork witness
     throw ConfigError(witness.file, "topology", witness.model.weights.topology.text(),
                       "a network with the inputs of " + network.model.weights.topology.text());
   nn::Bound& bound = *network.model.bound;
-  with_rows(executor, witness, set, file, [&](const std::vector<nn::CalibrationRow>& rows) {
+  with_rows(executor, witness, set, file, [&](const std::vector<nn::CalibrationRow>& rows, const Kinds&) {
     nn::Bound other = *witness.model.bound;
     other.touching = bound.touching;
     other.slip_index = bound.slip_index;

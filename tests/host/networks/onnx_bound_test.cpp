@@ -110,6 +110,7 @@ TEST(OnnxBound, MeansTheSameToAnotherRuntime) {
 TEST(OnnxBound, IsReadBackAsItWas) {
   nn::Model model = bounded_model("16-9-3", ScalingKind::frame);
   model.bound->left_out = "flats.h5";
+  model.bound->least = 0.93;
   const fs::path path = fs::temp_directory_path() / "tactel_onnx_bound_back.onnx";
   write_onnx(path, model);
   const nn::Model read = read_onnx(path);
@@ -120,6 +121,7 @@ TEST(OnnxBound, IsReadBackAsItWas) {
   EXPECT_EQ(read.bound->width, model.bound->width);
   EXPECT_EQ(read.bound->distance, model.bound->distance);
   EXPECT_EQ(read.bound->left_out, "flats.h5");
+  EXPECT_EQ(read.bound->least, 0.93);
   EXPECT_EQ(read.bound->upper_correction, model.bound->upper_correction);
   EXPECT_EQ(read.bound->interval_correction, model.bound->interval_correction);
   EXPECT_EQ(read.bound->centre, model.bound->centre);
