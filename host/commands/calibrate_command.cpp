@@ -82,7 +82,7 @@ void add_calibrate_command(CLI::App& app, Action& action) {
       ->capture_default_str();
   bound
       ->add_option(
-          "--least", request.least,
+          "--least", request->least,
           "share of the rows of every kind of indenter, group of touching elements and tenth of S that shall be "
           "below the bound and within the interval, no unit; 0: of all rows only")
       ->check(CLI::Range(0.0, 0.999))
