@@ -5,14 +5,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <numeric>
 
 #include "fem/value_error.h"
 
 namespace tactel::nn {
 namespace {
 
-constexpr double least_deviation = 1e-3;  // of a scaled input
+constexpr double least_deviation = 1e-3;                       // of a scaled input
+constexpr double distance_shares[] = {0.6, 0.86, 0.94, 0.98};  // of the rows, up to the edges of the distance
 
 std::size_t place_among(const std::vector<float>& edges, float value) {
   return static_cast<std::size_t>(std::ranges::count_if(edges, [value](float edge) { return value > edge; }));
@@ -37,37 +40,122 @@ std::size_t rank(std::size_t scores, double level) {
   return static_cast<std::size_t>(std::ceil(static_cast<double>(scores + 1) * level - 1e-9));  // 20 * 0.95 is 19
 }
 
+double upper_score(const CalibrationRow& row) { return double(row.slip_index) - double(row.quantiles.upper); }
+double interval_score(const CalibrationRow& row) {
+  return std::max(upper_score(row), double(row.quantiles.lower) - double(row.slip_index));
+}
+
 /// Scores of the rows of a group of classes.
 struct Scores {
   std::vector<double> upper, interval;
   void add(const CalibrationRow& row) {
-    const Quantiles<float>& q = row.quantiles;
-    const double above = double(row.slip_index) - double(q.upper);
-    upper.push_back(above);
-    interval.push_back(std::max(above, double(q.lower) - double(row.slip_index)));
+    upper.push_back(upper_score(row));
+    interval.push_back(interval_score(row));
   }
 };
 
-/// Groups of ever more classes: the class, those of its touching and width, those of its touching, all.
+/// Groups of ever more classes: the class, those of its touching, width and distance, those of its touching, all.
 constexpr std::size_t widest_group = 3;
 std::array<std::size_t, widest_group + 1> groups_of(const Bound& bound, std::size_t which) {
-  const std::size_t widths = bound.width.size() + 1, slips = bound.slip_index.size() + 1;
-  const std::size_t touching = which / widths / slips;
-  return {which, touching * widths + which % widths, touching, 0};
+  const std::size_t inner = (bound.width.size() + 1) * (bound.distance.size() + 1);  // classes of one touching and S
+  const std::size_t touching = which / inner / (bound.slip_index.size() + 1);
+  return {which, touching * inner + which % inner, touching, 0};
+}
+
+std::size_t class_of(const Bound& bound, const CalibrationRow& row) {
+  return bound.class_of(touching_tactels(row.scaled, bound.tactels), row.quantiles,
+                        squared_distance(bound, row.scaled));
+}
+
+/// Scores of rows whose weights change.
+class WeightedScores {
+ public:
+  /// classes: [rows]; scores: [rows].
+  WeightedScores(const Bound& bound, const std::vector<std::size_t>& classes, std::vector<double> scores)
+      : bound_(bound), classes_(classes), scores_(std::move(scores)) {
+    std::vector<std::uint32_t> order(scores_.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::ranges::stable_sort(order, {}, [this](std::uint32_t row) { return scores_[row]; });
+    for (auto& group : groups_) group.resize(bound.classes());
+    for (const std::uint32_t row : order) {
+      const auto places = groups_of(bound, classes[row]);
+      for (std::size_t g = 0; g <= widest_group; ++g) groups_[g][places[g]].push_back(row);
+    }
+  }
+
+  /// The larger of `floor` and the weighted conformal quantile of each class: [classes]. least: rows of a class.
+  std::vector<float> corrections(const std::vector<double>& weights, double level, std::size_t least,
+                                 const std::vector<float>& floor) const {
+    std::vector<float> corrections(floor);
+    std::array<std::vector<double>, widest_group + 1> known;
+    known.fill(std::vector<double>(corrections.size(), std::numeric_limits<double>::quiet_NaN()));
+    for (std::size_t which = 0; which < corrections.size(); ++which) {
+      const auto places = groups_of(bound_, which);
+      std::size_t g = 0;
+      while (g < widest_group && groups_[g][places[g]].size() < least) ++g;
+      double& quantile = known[g][places[g]];
+      if (std::isnan(quantile)) quantile = weighted(groups_[g][places[g]], weights, level);
+      corrections[which] = std::max(corrections[which], rounded_up(quantile));
+    }
+    return corrections;
+  }
+
+  bool covered(std::uint32_t row, const std::vector<float>& corrections) const {
+    return scores_[row] <= double(corrections[classes_[row]]);
+  }
+
+ private:
+  /// Smallest score below which `level` of the weights lies, that of one more row among them.
+  double weighted(const std::vector<std::uint32_t>& rows, const std::vector<double>& weights, double level) const {
+    double all = 0, below = 0;
+    for (const std::uint32_t row : rows) all += weights[row];
+    const double enough = level * all * (1 + 1 / static_cast<double>(rows.size())) * (1 - 1e-12);
+    for (const std::uint32_t row : rows)
+      if ((below += weights[row]) >= enough) return scores_[row];
+    return scores_[rows.back()];
+  }
+
+  const Bound& bound_;
+  const std::vector<std::size_t>& classes_;
+  std::vector<double> scores_;
+  std::array<std::vector<std::vector<std::uint32_t>>, widest_group + 1> groups_;  ///< rows, by ascending score
+};
+
+std::vector<float> raised(const WeightedScores& scores, std::size_t rows, const std::vector<float>& plain, double level,
+                          std::span<const std::vector<std::uint32_t>> kinds, double least) {
+  constexpr int rounds = 25;    // the weights then change by less than 1 % a round
+  constexpr double gain = 30;   // of a weight's logarithm, by the share that is missing
+  constexpr double most = 1e4;  // of a weight
+  std::vector<double> weights(rows, 1.0), factors(kinds.size(), 1.0);
+  std::vector<float> corrections = plain;
+  for (int round = 0; round < rounds; ++round) {
+    for (std::size_t k = 0; k < kinds.size(); ++k) {
+      const auto inside = std::ranges::count_if(kinds[k], [&](auto row) { return scores.covered(row, corrections); });
+      const double share = static_cast<double>(inside) / static_cast<double>(kinds[k].size());
+      factors[k] = std::clamp(factors[k] * std::exp(gain * (least - share)), 1.0, most);
+    }
+    std::ranges::fill(weights, 1.0);
+    for (std::size_t k = 0; k < kinds.size(); ++k)
+      for (const std::uint32_t row : kinds[k]) weights[row] *= factors[k];
+    corrections = scores.corrections(weights, level, std::max(Bound::own_rows, fewest_scores(level)), plain);
+  }
+  return corrections;
 }
 
 }  // namespace
 
-std::size_t Bound::class_of(int touching_tactels, const Quantiles<float>& q) const {
+std::size_t Bound::class_of(int touching_tactels, const Quantiles<float>& q, float squared_distance) const {
   const std::size_t t = place_among(touching, static_cast<float>(touching_tactels));
   const std::size_t s = place_among(slip_index, q.median), w = place_among(width, q.upper - q.lower);
-  return (t * (slip_index.size() + 1) + s) * (width.size() + 1) + w;
+  const std::size_t d = place_among(distance, squared_distance);
+  return ((t * (slip_index.size() + 1) + s) * (width.size() + 1) + w) * (distance.size() + 1) + d;
 }
 
 void Bound::validate(int inputs) const {
   check_edges("touching", touching);
   check_edges("slip_index", slip_index);
   check_edges("width", width);
+  if (!distance.empty()) check_edges("distance", distance);
   const auto finite = [](float x) { return std::isfinite(x); };
   for (const auto& [key, table] : {std::pair{"bound.upper_correction", &upper_correction},
                                    std::pair{"bound.interval_correction", &interval_correction}})
@@ -133,12 +221,13 @@ float squared_distance(const Bound& bound, const float* scaled) {
 
 BoundAnswer bounded(const Bound& bound, const Quantiles<float>& q, const float* scaled) {
   BoundAnswer answer;
-  answer.unlike = !(squared_distance(bound, scaled) <= bound.unlike_above);  // also where it overflows
+  const float distance = squared_distance(bound, scaled);
+  answer.unlike = !(distance <= bound.unlike_above);  // also where it overflows
   if (std::isnan(q.median)) {
     answer.upper = answer.interval[0] = answer.interval[1] = q.median;
     return answer;
   }
-  const std::size_t which = bound.class_of(touching_tactels(scaled, bound.tactels), q);
+  const std::size_t which = bound.class_of(touching_tactels(scaled, bound.tactels), q, distance);
   const float widening = bound.interval_correction[which];
   // At most 1, where everything slides, and never on the wrong side of S.
   const auto above = [&q](float end) { return std::min(std::max(end, q.median), 1.0f); };
@@ -164,14 +253,59 @@ double conformal_quantile(std::vector<double> scores, double level) {
   return *place;
 }
 
+void renew_classes(Bound& bound, std::span<const CalibrationRow> rows) {
+  const Bound today;
+  bound.touching = today.touching;
+  bound.slip_index = today.slip_index;
+  bound.width = today.width;
+  bound.distance.clear();
+  if (rows.size() >= fewest_scores(Bound::known_share)) {
+    std::vector<double> distances;
+    distances.reserve(rows.size());
+    for (const CalibrationRow& row : rows) distances.push_back(squared_distance(bound, row.scaled));
+    for (const double share : distance_shares) {
+      const float edge = rounded_up(conformal_quantile(distances, share));
+      if (std::isfinite(edge) && (bound.distance.empty() || edge > bound.distance.back()))
+        bound.distance.push_back(edge);
+    }
+  }
+  bound.upper_correction.assign(bound.classes(), 0.0f);
+  bound.interval_correction = bound.upper_correction;
+}
+
+void raise(Bound& bound, std::span<const CalibrationRow> rows, std::span<const std::vector<std::uint32_t>> kinds,
+           double least) {
+  std::vector<std::vector<std::uint32_t>> judged;
+  std::ranges::copy_if(kinds, std::back_inserter(judged),
+                       [](const auto& kind) { return kind.size() >= Bound::own_rows; });
+  std::vector<std::size_t> classes;
+  std::vector<double> upper, interval;
+  for (const CalibrationRow& row : rows) {
+    classes.push_back(class_of(bound, row));
+    upper.push_back(upper_score(row));
+    interval.push_back(interval_score(row));
+  }
+  for (auto [scores, corrections] :
+       {std::pair{&upper, &bound.upper_correction}, {&interval, &bound.interval_correction}})
+    *corrections = raised(WeightedScores(bound, classes, std::move(*scores)), rows.size(), *corrections, bound.level,
+                          judged, least);
+  bound.least = least;
+}
+
+void widen(Bound& bound, const Bound& other) {
+  const auto larger = [](float a, float b) { return std::max(a, b); };
+  std::ranges::transform(bound.upper_correction, other.upper_correction, bound.upper_correction.begin(), larger);
+  std::ranges::transform(bound.interval_correction, other.interval_correction, bound.interval_correction.begin(),
+                         larger);
+}
+
 Calibration calibrate(Bound& bound, std::span<const CalibrationRow> rows, double level) {
   const std::size_t classes = bound.classes();
   std::array<std::vector<Scores>, widest_group + 1> groups;
   for (auto& group : groups) group.resize(classes);
   std::vector<double> distances;
   for (const CalibrationRow& row : rows) {
-    const std::size_t which = bound.class_of(touching_tactels(row.scaled, bound.tactels), row.quantiles);
-    const auto places = groups_of(bound, which);
+    const auto places = groups_of(bound, tactel::nn::class_of(bound, row));
     for (std::size_t g = 0; g <= widest_group; ++g) groups[g][places[g]].add(row);
     distances.push_back(squared_distance(bound, row.scaled));
   }
@@ -189,6 +323,7 @@ Calibration calibrate(Bound& bound, std::span<const CalibrationRow> rows, double
   report.known = rows.size() >= fewest_scores(Bound::known_share);
   if (report.known) renewed.unlike_above = rounded_up(conformal_quantile(std::move(distances), Bound::known_share));
   renewed.level = level;
+  renewed.least = 0;
   renewed.rows = rows.size();
   bound = std::move(renewed);
   return report;

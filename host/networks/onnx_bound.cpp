@@ -52,7 +52,16 @@ void add_touching(OnnxBuilder& builder, int tactels) {
   add_count(builder, "scaled_normal_size", "touching_least", "touching");
 }
 
-/// (touching class * classes of S + class of S) * classes of the width + class of the width, as an integer.
+/// |(scaled - centre) * whitening|^2.
+void add_distance(OnnxBuilder& builder) {
+  builder.node("Sub", {"scaled", "centre"}, "centred");
+  builder.node("MatMul", {"centred", "whitening"}, "white");
+  builder.node("Mul", {"white", "white"}, "white_squares");
+  OnnxBuilder::attribute(builder.node("ReduceSum", {"white_squares", "along_outputs"}, "distance"), "keepdims", 1);
+}
+
+/// (touching class * classes of S + class of S) * classes of the width + class of the width, times the classes of the
+/// distance + its class where the bound has such, as an integer.
 void add_classes(OnnxBuilder& builder, const nn::Bound& bound) {
   add_class(builder, "touching", bound.touching);
   add_class(builder, "slip_index", bound.slip_index);
@@ -63,7 +72,14 @@ void add_classes(OnnxBuilder& builder, const nn::Bound& bound) {
   builder.node("Add", {"class1", "slip_index_class"}, "class2");
   builder.node("Mul", {"class2", "width_classes"}, "class3");
   builder.node("Add", {"class3", "width_class"}, "class4");
-  OnnxBuilder::attribute(builder.node("Cast", {"class4"}, "class"), "to", onnx::TensorProto::INT64);
+  if (!bound.distance.empty()) {
+    add_class(builder, "distance", bound.distance);
+    builder.scalar("distance_classes", static_cast<float>(bound.distance.size() + 1));
+    builder.node("Mul", {"class4", "distance_classes"}, "class5");
+    builder.node("Add", {"class5", "distance_class"}, "class6");
+  }
+  const std::string last = bound.distance.empty() ? "class4" : "class6";
+  OnnxBuilder::attribute(builder.node("Cast", {last}, "class"), "to", onnx::TensorProto::INT64);
 }
 
 /// The upper end of a bound: the upper quantile and a correction, at least S, at most 1.
@@ -95,10 +111,7 @@ void add_unlike(OnnxBuilder& builder, const nn::Bound& bound) {
   builder.numbers("centre", {inputs}, bound.centre.data());
   builder.numbers("whitening", {inputs, inputs}, bound.whitening.data());
   builder.scalar("unlike_above", bound.unlike_above);
-  builder.node("Sub", {"scaled", "centre"}, "centred");
-  builder.node("MatMul", {"centred", "whitening"}, "white");
-  builder.node("Mul", {"white", "white"}, "white_squares");
-  OnnxBuilder::attribute(builder.node("ReduceSum", {"white_squares", "along_outputs"}, "distance"), "keepdims", 1);
+  if (bound.distance.empty()) add_distance(builder);
   builder.node("LessOrEqual", {"distance", "unlike_above"}, "within");
   builder.node("Not", {"within"}, "beyond");  // true also for a distance that is NaN
   OnnxBuilder::attribute(builder.node("Cast", {"beyond"}, "unlike"), "to", onnx::TensorProto::FLOAT);
@@ -143,6 +156,7 @@ bool read_edges(const onnx::GraphProto& graph, const std::string& name, std::vec
 void add_bound(OnnxBuilder& builder, const nn::Bound& bound, const std::string& last) {
   add_quantiles(builder, last);
   add_touching(builder, bound.tactels);
+  if (!bound.distance.empty()) add_distance(builder);  // before its class
   add_classes(builder, bound);
   add_corrected(builder, bound);
   add_unlike(builder, bound);
@@ -152,6 +166,9 @@ bool read_bound(const onnx::GraphProto& graph, int inputs, nn::Bound& bound) {
   if (!read_edges(graph, "touching_edges", bound.touching) ||
       !read_edges(graph, "slip_index_edges", bound.slip_index) || !read_edges(graph, "width_edges", bound.width))
     return false;
+  const bool by_distance =
+      std::ranges::any_of(graph.initializer(), [](const auto& t) { return t.name() == "distance_edges"; });
+  if (by_distance && !read_edges(graph, "distance_edges", bound.distance)) return false;
   bound.upper_correction.resize(bound.classes());
   bound.interval_correction.resize(bound.classes());
   bound.centre.resize(inputs);

@@ -48,6 +48,9 @@ void add_bound_metadata(const nn::Bound& bound, Metadata& metadata) {
   metadata["bound_set"] = bound.set;
   metadata["bound_rows"] = exact(bound.rows);
   metadata["bound_seed"] = exact(bound.seed);
+  if (!bound.distance.empty()) metadata["bound_version"] = "2";  // classes by distance too; absent: the first
+  if (bound.least > 0) metadata["bound_least"] = exact(bound.least);
+  if (!bound.left_out.empty()) metadata["bound_left_out"] = bound.left_out;
   metadata["bound_scope"] =
       bound.calibrated() ? "slip_upper and slip_interval hold at bound_level for frames drawn as the rows of bound_set "
                            "were, and for no others"
@@ -182,6 +185,8 @@ nn::Model read_model(const ModelReader& reader, const onnx::GraphProto& graph) t
     bound.set = reader.text("bound_set");
     bound.rows = reader.number<std::uint64_t>("bound_rows");
     bound.seed = reader.number<std::uint64_t>("bound_seed");
+    if (reader.metadata().contains("bound_least")) bound.least = reader.number<double>("bound_least");
+    if (reader.metadata().contains("bound_left_out")) bound.left_out = reader.text("bound_left_out");
     if (!read_bound(graph, model.weights.topology.inputs(), bound))
       reader.fail("a graph whose tables of the bound are missing or of another size", "a network that tactel wrote");
     bound.validate(model.weights.topology.inputs());

@@ -82,6 +82,8 @@ int touching_key(int nodes) {
   return key;
 }
 
+int slip_key(float slip_index) { return static_cast<int>(std::clamp(10 * slip_index, 0.0f, 9.0f)); }
+
 std::string touching_name(int key) {
   const auto* next = std::upper_bound(std::begin(groups), std::end(groups), key);
   if (next == std::end(groups)) return fmt::format("{} and more", key);
@@ -125,7 +127,7 @@ BoundReport report_bound(std::span<const nn::BoundAnswer> bounds, std::span<cons
     if (!bounds[row].unlike) alike.push_back(row);
     if (row < set.shape_class.size()) classes[set.shape_class[row]].push_back(row);
     if (row < set.contact_nodes.size()) touching[touching_key(set.contact_nodes[row])].push_back(row);
-    slip[static_cast<int>(std::clamp(10 * set.slip_index(static_cast<Eigen::Index>(row)), 0.0f, 9.0f))].push_back(row);
+    slip[slip_key(set.slip_index(static_cast<Eigen::Index>(row)))].push_back(row);
   }
   BoundReport report{.all = coverage_of(all, bounds, set), .alike = coverage_of(alike, bounds, set)};
   const auto judge = [&](const std::map<int, Rows>& from, std::map<int, Coverage>& to) {
@@ -141,7 +143,9 @@ Json to_json(const nn::Bound& bound) {
           {"level", bound.level},
           {"set", bound.set},
           {"rows", bound.rows},
-          {"seed", bound.seed}};
+          {"seed", bound.seed},
+          {"least", bound.least},
+          {"left_out", bound.left_out}};
 }
 
 Json to_json(const BoundReport& report, const std::vector<std::string>& indenter_names) {

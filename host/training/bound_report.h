@@ -44,6 +44,8 @@ struct BoundReport {
 std::string touching_name(int key);
 /// Returns the key of BoundReport::by_touching for a number of nodes.
 int touching_key(int nodes);
+/// Returns the key of BoundReport::by_slip for S.
+int slip_key(float slip_index);
 
 /// Returns the bound of every frame: [rows]. `model` has a bound; `answer` is that of its network, S and quantiles.
 template <class Real>
@@ -54,7 +56,7 @@ std::vector<nn::BoundAnswer> bounds_of(const nn::Model& model, const nn::Recall<
 BoundReport report_bound(std::span<const nn::BoundAnswer> bounds, std::span<const double> errors,
                          const nn::FrameSet& set);
 
-/// Returns {"level", "rows", "set", "seed", "calibrated"} of a bound.
+/// Returns {"calibrated", "level", "set", "rows", "seed", "least", "left_out"} of a bound.
 nlohmann::ordered_json to_json(const nn::Bound& bound);
 /// Returns {"coverage", "interval_coverage", "width", "unlike", "alike", "by_indenter", "by_touching",
 /// "by_slip_index", "answered"}.

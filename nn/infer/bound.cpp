@@ -55,15 +55,17 @@ FrameClass classify(const FileBound& bound, const float* scaled) noexcept {
   FrameClass frame;
   for (std::size_t k = 0; k < tactels; ++k) frame.touching += std::abs(scaled[k]) > touching_share * largest;
   const int inputs = static_cast<int>(bound.centre.size());
-  const float distance = squared_distance(bound.whitening.data(), bound.centre.data(), inputs, scaled);
-  frame.unlike = !(distance <= bound.unlike_above);  // also where it overflows
+  frame.distance = squared_distance(bound.whitening.data(), bound.centre.data(), inputs, scaled);
+  frame.unlike = !(frame.distance <= bound.unlike_above);  // also where it overflows
   return frame;
 }
 
 void add_bound(const FileBound& bound, const FrameClass& frame, const Quantiles& q, Answer& answer) noexcept {
   const std::size_t t = place_among(bound.touching, static_cast<float>(frame.touching));
   const std::size_t s = place_among(bound.slip_index, q.median), w = place_among(bound.width, q.upper - q.lower);
-  const std::size_t which = (t * (bound.slip_index.size() + 1) + s) * (bound.width.size() + 1) + w;
+  const std::size_t d = place_among(bound.distance, frame.distance);
+  const std::size_t which =
+      ((t * (bound.slip_index.size() + 1) + s) * (bound.width.size() + 1) + w) * (bound.distance.size() + 1) + d;
   const float widening = bound.interval_correction[which];
   const auto above = [&q](float end) { return std::min(std::max(end, q.median), 1.0f); };
   answer.slip_upper = above(q.upper + bound.upper_correction[which]);

@@ -17,6 +17,7 @@ std::vector<float> tiled(const std::vector<float>& whitening, std::size_t inputs
 /// What the bound takes from a scaled frame, before the layers overwrite it.
 struct FrameClass {
   int touching = 0;     ///< tactels above 5 % of the largest normal stress
+  float distance = 0;   ///< squared, as nn::squared_distance
   bool unlike = false;  ///< the frame is unlike those of the learning set
 };
 /// `bound.whitening` as tiled() returns it.

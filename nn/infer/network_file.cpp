@@ -283,7 +283,7 @@ void add_count(std::vector<Node>& nodes, const string& values, const string& lim
 }
 
 /// The part of a graph that our exporter writes for a bound (host/networks/onnx_bound.cpp).
-void add_bound_nodes(std::vector<Node>& nodes, const string& last) {
+void add_bound_nodes(std::vector<Node>& nodes, const string& last, bool by_distance) {
   const auto column = [](int k) {
     return "heads,column" + std::to_string(k) + ",column" + std::to_string(k + 1) + ",along_outputs";
   };
@@ -302,13 +302,25 @@ void add_bound_nodes(std::vector<Node>& nodes, const string& last) {
   add("ReduceMax", "scaled_normal_size", "scaled_largest", "axes=1,keepdims=1");
   add("Mul", "scaled_largest,touching_share", "touching_least");
   add_count(nodes, "scaled_normal_size", "touching_least", "touching");
+  const auto add_distance = [&] {
+    add("Sub", "scaled,centre", "centred");
+    add("MatMul", "centred,whitening", "white");
+    add("Mul", "white,white", "white_squares");
+    add("ReduceSum", "white_squares,along_outputs", "distance", "keepdims=1");
+  };
+  if (by_distance) add_distance();
   for (const char* feature : {"touching", "slip_index", "width"})
     add_count(nodes, feature, string(feature) + "_edges", string(feature) + "_class");
   add("Mul", "touching_class,slip_index_classes", "class1");
   add("Add", "class1,slip_index_class", "class2");
   add("Mul", "class2,width_classes", "class3");
   add("Add", "class3,width_class", "class4");
-  add("Cast", "class4", "class", "to=7");
+  if (by_distance) {
+    add_count(nodes, "distance", "distance_edges", "distance_class");
+    add("Mul", "class4,distance_classes", "class5");
+    add("Add", "class5,distance_class", "class6");
+  }
+  add("Cast", by_distance ? "class6" : "class4", "class", "to=7");
   add("Gather", "upper_corrections,class", "upper_correction", "axis=0");
   add("Gather", "interval_corrections,class", "interval_correction", "axis=0");
   for (const auto& [correction, name] :
@@ -322,17 +334,14 @@ void add_bound_nodes(std::vector<Node>& nodes, const string& last) {
   add("Min", "interval_lower_sum,slip_index", "interval_lower_below");
   add("Max", "interval_lower_below,least_slip_index", "interval_lower");
   add("Concat", "interval_lower,interval_upper", "slip_interval", "axis=1");
-  add("Sub", "scaled,centre", "centred");
-  add("MatMul", "centred,whitening", "white");
-  add("Mul", "white,white", "white_squares");
-  add("ReduceSum", "white_squares,along_outputs", "distance", "keepdims=1");
+  if (!by_distance) add_distance();
   add("LessOrEqual", "distance,unlike_above", "within");
   add("Not", "within", "beyond");
   add("Cast", "beyond", "unlike", "to=1");
 }
 
 /// The graph that our exporter writes for a number of layers, of leaky rectifiers but for the last, and a scaling.
-std::vector<Node> expected_nodes(std::size_t layers, bool leaky, bool by_frame, bool bound) {
+std::vector<Node> expected_nodes(std::size_t layers, bool leaky, bool by_frame, bool bound, bool by_distance) {
   std::vector<Node> nodes;
   if (by_frame)
     nodes = {{"Slice", "frame,first_normal,end_of_normal,along_frame", "normal", ""},
@@ -359,7 +368,7 @@ std::vector<Node> expected_nodes(std::size_t layers, bool leaky, bool by_frame, 
     nodes.push_back({"Mul", "tanh" + n + ",half", last, ""});
   }
   if (bound)
-    add_bound_nodes(nodes, last);
+    add_bound_nodes(nodes, last, by_distance);
   else
     nodes.push_back({"Add", last + ",half", "slip_index", ""});
   return nodes;
@@ -447,7 +456,7 @@ std::vector<float> read_edges(Initializers& initializers, const char* name) {
   return edges;
 }
 
-FileBound read_bound(Initializers& initializers, int inputs) {
+FileBound read_bound(Initializers& initializers, int inputs, bool by_distance) {
   for (int k = 0; k <= heads; ++k) initializers.expect("column" + std::to_string(k), std::int64_t{k});
   initializers.expect("along_outputs", std::int64_t{1});
   initializers.expect("touching_share", touching_share);
@@ -461,10 +470,15 @@ FileBound read_bound(Initializers& initializers, int inputs) {
   bound.touching = read_edges(initializers, "touching_edges");
   bound.slip_index = read_edges(initializers, "slip_index_edges");
   bound.width = read_edges(initializers, "width_edges");
+  if (by_distance) {
+    bound.distance = read_edges(initializers, "distance_edges");
+    initializers.expect("distance_classes", static_cast<float>(bound.distance.size() + 1));
+  }
   const std::size_t slips = bound.slip_index.size() + 1, widths = bound.width.size() + 1;
   initializers.expect("slip_index_classes", static_cast<float>(slips));
   initializers.expect("width_classes", static_cast<float>(widths));
-  const auto classes = static_cast<std::int64_t>((bound.touching.size() + 1) * slips * widths);
+  const auto classes =
+      static_cast<std::int64_t>((bound.touching.size() + 1) * slips * widths * (bound.distance.size() + 1));
   bound.upper_correction = initializers.numbers("upper_corrections", {classes});
   bound.interval_correction = initializers.numbers("interval_corrections", {classes});
   bound.centre = initializers.numbers("centre", {inputs});
@@ -488,7 +502,9 @@ NetworkFile network_of(const Graph& graph, const Model& model) {
   const bool bound = widths.back() == heads, leaky = entry(model, "topology").ends_with(leaky_end);
   std::vector<string_view> outputs{"slip_index"};
   if (bound) outputs.insert(outputs.end(), {"slip_upper", "slip_interval", "unlike"});
-  if (graph.nodes != expected_nodes(layers, leaky, file.by_frame, bound) ||
+  const bool by_distance =
+      std::ranges::any_of(graph.tensors, [](const Tensor& t) { return t.name == "distance_edges"; });
+  if (graph.nodes != expected_nodes(layers, leaky, file.by_frame, bound, by_distance) ||
       graph.inputs != std::vector<string_view>{"frame"} || graph.outputs != outputs)
     throw Refused{"a model of another form"};
   Initializers initializers(graph.tensors);
@@ -513,7 +529,7 @@ NetworkFile network_of(const Graph& graph, const Model& model) {
     expect_finite(layer.bias);
     file.layers.push_back(std::move(layer));
   }
-  if (bound) file.bound = read_bound(initializers, widths.front());
+  if (bound) file.bound = read_bound(initializers, widths.front(), by_distance);
   initializers.finish();
   file.metadata = model.metadata;
   return file;

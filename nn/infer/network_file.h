@@ -23,12 +23,12 @@ inline constexpr int heads = 3;  ///< outputs of a network with a bound: S and t
 
 /// Tables of a bound, as nn::Bound (nn/bound.h).
 struct FileBound {
-  std::vector<float> touching, slip_index, width;  ///< edges of the classes
-  std::vector<float> upper_correction;             ///< [classes]
-  std::vector<float> interval_correction;          ///< [classes]
-  std::size_t tactels = 0;                         ///< normal stresses that a scaled frame begins with
-  std::vector<float> centre;                       ///< [inputs]
-  std::vector<float> whitening;                    ///< [inputs, inputs]
+  std::vector<float> touching, slip_index, width, distance;  ///< edges of the classes; of the distance perhaps none
+  std::vector<float> upper_correction;                       ///< [classes]
+  std::vector<float> interval_correction;                    ///< [classes]
+  std::size_t tactels = 0;                                   ///< normal stresses that a scaled frame begins with
+  std::vector<float> centre;                                 ///< [inputs]
+  std::vector<float> whitening;                              ///< [inputs, inputs]
   float unlike_above = 0;
 };
 

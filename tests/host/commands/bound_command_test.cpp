@@ -88,6 +88,46 @@ TEST_F(BoundCommand, RenewsTheBoundInPlace) {
   EXPECT_THAT(run_tactel({"recall", copy, file("other", ".h5")}).out, HasSubstr("bound of 80 %"));
 }
 
+// Every kind of rows of the set has the share, to one row of the smallest kind that counts (200 rows).
+TEST_F(BoundCommand, RaisesEveryKindOfRows) {
+  const std::string output = file("raised.onnx");
+  const ChildResult result = run_tactel(
+      {"calibrate", "bound", network(), file("other", ".h5"), "--output", output, "--level", "0.8", "--least", "0.78"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("raised to 78 %"));
+  const json report =
+      json::parse(run_tactel({"recall", output, file("other", ".h5"), "--json", "-"}).out)["networks"][0];
+  EXPECT_EQ(report["calibration"]["least"], 0.78);
+  for (const char* kinds : {"by_indenter", "by_touching", "by_slip_index"})
+    for (const json& kind : report["bound"][kinds])
+      if (kind["rows"] >= 200) {
+        EXPECT_GE(kind["coverage"], 0.77) << kind;
+        EXPECT_GE(kind["interval_coverage"], 0.77) << kind;
+      }
+}
+
+// The network itself is the witness, at a higher level: the bound becomes that level's, and no narrower than it was.
+TEST_F(BoundCommand, WidensTheBoundForFamiliesLeftOut) {
+  const std::string plain = calibrated(), wide = file("wide.onnx");
+  const ChildResult result = run_tactel({"calibrate", "bound", network(), file("other", ".h5"), "--output", wide,
+                                         "--left-out", network(), file("other", ".h5"), "--left-out-level", "0.99"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("widened to hold at 99 %"));
+  const auto judged = [](const std::string& net) {
+    return json::parse(run_tactel({"recall", net, file("other", ".h5"), "--json", "-"}).out)["networks"][0];
+  };
+  const json before = judged(plain), after = judged(wide);
+  EXPECT_GE(after["bound"]["coverage"], 0.985);
+  EXPECT_GE(after["bound"]["interval_coverage"], 0.985);
+  EXPECT_GT(after["bound"]["width"], before["bound"]["width"]);
+  EXPECT_EQ(after["calibration"]["left_out"], file("other", ".h5"));
+  const ChildResult odd = run_tactel({"calibrate", "bound", network(), file("other", ".h5"), "--left-out", network()});
+  EXPECT_EQ(odd.exit_code, 2);
+  const ChildResult other = run_tactel({"calibrate", "bound", network(), file("other", ".h5"), "--output", wide,
+                                        "--left-out", file("other", ".h5"), file("other", ".h5")});
+  EXPECT_EQ(other.exit_code, 2);
+}
+
 TEST_F(BoundCommand, SaysWhatCannotBeCalibrated) {
   const std::string plain = file("plain");
   ASSERT_EQ(run_tactel({"train", file("learn", ".h5"), "--network", "10-3-1", "--schedule", "batch", "--epochs", "1",

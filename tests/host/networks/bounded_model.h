@@ -8,7 +8,8 @@
 namespace tactel::testing {
 
 /// A network with a bound whose tables differ from class to class, and whose limit of unlike frames divides `bumps`.
-inline nn::Model bounded_model(const char* topology, nn::ScalingKind kind) {
+/// Without classes by distance its file is of the first version.
+inline nn::Model bounded_model(const char* topology, nn::ScalingKind kind, bool by_distance = true) {
   nn::Weights<float> weights = nn::initial_weights(nn::Topology::parse(topology), 7);
   for (float& w : weights.values) w *= 3;  // S well away from 0.5
   const int inputs = weights.topology.inputs();
@@ -19,6 +20,7 @@ inline nn::Model bounded_model(const char* topology, nn::ScalingKind kind) {
   bound.touching = {2.5f, 4.5f};
   bound.slip_index = {0.3f, 0.5f, 0.7f};
   bound.width = {0.8f, 1.0f};
+  if (by_distance) bound.distance = {0.5f * static_cast<float>(inputs), 0.8f * static_cast<float>(inputs)};
   bound.upper_correction.resize(bound.classes());
   bound.interval_correction.resize(bound.classes());
   std::mt19937 random(3);

@@ -75,7 +75,8 @@ TEST(OnnxBound, SatisfiesTheStandardsChecker) {
 TEST(OnnxBound, MeansTheSameToAnotherRuntime) {
   for (const char* topology : {"42-42-21-3", "16-9-3", "16-9-3_leaky-relu"}) {
     for (const ScalingKind kind : {ScalingKind::set, ScalingKind::frame}) {
-      const nn::Model model = bounded_model(topology, kind);
+      const bool by_distance = topology[0] == '1';  // else a file of the first version
+      const nn::Model model = bounded_model(topology, kind, by_distance);
       const int inputs = model.weights.topology.inputs();
       nn::FrameSet set = bumps(300, inputs, 9);
       set.frames.row(3).setZero();
@@ -99,6 +100,7 @@ TEST(OnnxBound, MeansTheSameToAnotherRuntime) {
         unlike += bound.unlike;
       }
       EXPECT_GT(classes.size(), 3u);
+      EXPECT_EQ(other.contains("class6"), by_distance);
       EXPECT_GT(unlike, 0);
       EXPECT_LT(unlike, 300);
     }
@@ -106,7 +108,9 @@ TEST(OnnxBound, MeansTheSameToAnotherRuntime) {
 }
 
 TEST(OnnxBound, IsReadBackAsItWas) {
-  const nn::Model model = bounded_model("16-9-3", ScalingKind::frame);
+  nn::Model model = bounded_model("16-9-3", ScalingKind::frame);
+  model.bound->left_out = "flats.h5";
+  model.bound->least = 0.93;
   const fs::path path = fs::temp_directory_path() / "tactel_onnx_bound_back.onnx";
   write_onnx(path, model);
   const nn::Model read = read_onnx(path);
@@ -115,6 +119,9 @@ TEST(OnnxBound, IsReadBackAsItWas) {
   EXPECT_EQ(read.bound->touching, model.bound->touching);
   EXPECT_EQ(read.bound->slip_index, model.bound->slip_index);
   EXPECT_EQ(read.bound->width, model.bound->width);
+  EXPECT_EQ(read.bound->distance, model.bound->distance);
+  EXPECT_EQ(read.bound->left_out, "flats.h5");
+  EXPECT_EQ(read.bound->least, 0.93);
   EXPECT_EQ(read.bound->upper_correction, model.bound->upper_correction);
   EXPECT_EQ(read.bound->interval_correction, model.bound->interval_correction);
   EXPECT_EQ(read.bound->centre, model.bound->centre);
@@ -125,6 +132,21 @@ TEST(OnnxBound, IsReadBackAsItWas) {
   EXPECT_EQ(read.bound->set, "other.h5");
   EXPECT_EQ(read.bound->rows, 4321u);
   EXPECT_EQ(read.bound->seed, 77u);
+}
+
+// A file without classes by distance is one of the first version: the same bytes after reading, and no word of a
+// second.
+TEST(OnnxBound, KeepsFilesOfTheFirstVersion) {
+  const nn::Model model = bounded_model("16-9-3", ScalingKind::frame, false);
+  const std::string bytes = onnx_bytes(model);
+  EXPECT_EQ(bytes.find("bound_version"), std::string::npos);
+  EXPECT_NE(onnx_bytes(bounded_model("16-9-3", ScalingKind::frame)).find("bound_version"), std::string::npos);
+  const fs::path path = fs::temp_directory_path() / "tactel_onnx_bound_first.onnx";
+  write_onnx(path, model);
+  const nn::Model read = read_onnx(path);
+  fs::remove(path);
+  EXPECT_TRUE(read.bound->distance.empty());
+  EXPECT_EQ(onnx_bytes(read), bytes);
 }
 
 // Files with a matching checksum whose tables have other sizes, types or numbers.
@@ -140,7 +162,7 @@ TEST(OnnxBound, RefusesOtherTables) {
     tensor.set_raw_data(raw);
   };
   for (const char* name : {"upper_corrections", "interval_corrections", "centre", "whitening", "unlike_above",
-                           "touching_edges", "slip_index_edges", "width_edges"}) {
+                           "touching_edges", "slip_index_edges", "width_edges", "distance_edges"}) {
     if (std::string(name) != "unlike_above") {
       EXPECT_THAT(refusal(name, shorter), ::testing::HasSubstr("must be")) << name;
     }
