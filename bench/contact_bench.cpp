@@ -120,6 +120,7 @@ void batched(benchmark::State& state, const fem::Sensor& sensor, std::size_t cou
   state.counters["sweeps_with_neighbours"] = sweeps_with_neighbours<Real>(
       batch, 3 * static_cast<std::size_t>(
                      executor.device().lanes(sizeof(Real) == 4 ? host::Precision::fp32 : host::Precision::fp64)));
+  state.counters["sweeps_of_warp"] = sweeps_with_neighbours<Real>(batch, 32);
   state.counters["unsolved"] = unsolved / steps;
   state.counters["worst_residual"] = residual;
   state.counters["worst_off"] = worst;
@@ -250,27 +251,31 @@ std::vector<fem::Scene> mixed_patches(std::size_t count) {
   return scenes;
 }
 
-/// Operations of the load path as the kernel executes it: sweeps of whole groups, and the fresh sums of the
-/// certificate, of 4 n^2 multiply-adds a lane each. Every increment is a load step here, so that the sweeps of each are
-/// known.
+/// Sweeps of a scene's load path with those for its neighbours in a group of `lanes`, the mean. One lane: its own.
 template <class Real>
-double path_flops(const host::PatchContact<Real>& contact, std::vector<fem::Scene> scenes, std::size_t lanes) {
+double path_sweeps(const typename host::PatchContact<Real>::Batch& batch, std::size_t lanes) {
+  const typename host::PatchContact<Real>::Batch::View view(batch);
+  const std::span<const std::size_t> order = view.by_lane();
+  double sweeps = 0;
+  for (std::size_t first = 0; first < order.size(); first += lanes) {
+    const std::size_t end = std::min(first + lanes, order.size());
+    for (int k = 0; k < view.path_steps(order[first]); ++k) {
+      Real most = 0;
+      for (std::size_t i = first; i < end; ++i) most = std::max(most, view.result(order[i], k, LANE_SWEEPS));
+      sweeps += static_cast<double>(end - first) * most;
+    }
+  }
+  return sweeps / static_cast<double>(order.size());
+}
+
+/// Every increment is a load step here, so that the sweeps of each are known.
+template <class Real>
+auto every_increment(const host::PatchContact<Real>& contact, std::vector<fem::Scene> scenes) {
   const int increments = fem::PatchOptions{.elements = contact.options().elements}.increments();
   for (fem::Scene& scene : scenes) scene.load.indentation_steps = increments;
   auto batch = contact.prepare(scenes);
   batch.run();
-  const typename host::PatchContact<Real>::Batch::View view(batch);
-  const std::span<const std::size_t> order = view.by_lane();
-  double sweeps = 0;  // of a group
-  for (std::size_t first = 0; first < order.size(); first += lanes)
-    for (int k = 0; k < view.path_steps(order[first]); ++k) {
-      Real most = 0;
-      for (std::size_t i = first; i < std::min(first + lanes, order.size()); ++i)
-        most = std::max(most, view.result(order[i], k, LANE_SWEEPS));
-      sweeps += most + 1;
-    }
-  const double n = contact.options().elements;
-  return 8 * n * n * static_cast<double>(lanes) * sweeps;
+  return batch;
 }
 
 /// Rate of all stages; time of each in one core's us a scene; the load path beside the peak. All are medians of runs
@@ -285,7 +290,14 @@ void mixed(benchmark::State& state, int elements, int threads) {
   auto batch = contact.prepare(scenes);
   bench::Peak<Real> peak(device, threads);
   if (!peak.right()) return state.SkipWithError("the accumulators did not converge to 1");
-  const double flops = path_flops(contact, scenes, device.lanes(peak.precision));
+  // Sweeps of whole groups, and the fresh sums of the certificate, of 4 n^2 multiply-adds a lane each.
+  const auto steps = every_increment(contact, scenes);
+  const double increments = static_cast<double>(steps.steps()),
+               sweeps = path_sweeps<Real>(steps, device.lanes(peak.precision));
+  const double flops = 8.0 * elements * elements * static_cast<double>(scenes.size()) * (sweeps + increments);
+  state.counters["path_sweeps"] = path_sweeps<Real>(steps, 1);
+  state.counters["path_sweeps_with_neighbours"] = sweeps;
+  state.counters["path_sweeps_of_warp"] = path_sweeps<Real>(steps, 32);
   const auto seconds = [&](bool path, bool base_stress) {
     batch.set_parts(path, base_stress);
     batch.run();
