@@ -10,6 +10,7 @@
 #include "fem/layer/patch_solver.h"
 #include "host/contact/gap_sweep.h"
 #include "host/contact/patch_contact.h"
+#include "host/device/opencl.h"
 #include "host/networks/forward.h"
 #include "host/networks/frame_likelihood.h"
 #include "host/networks/train_batch.h"
