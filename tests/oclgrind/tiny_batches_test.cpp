@@ -281,6 +281,9 @@ TEST_P(TinyBatches, TrainBatchByAdam) {
 
 /// Tolerance as in transducer_chain_test. 6 channels: a part of a vector.
 TEST_P(TinyBatches, TransducerChain) {
+  // Clang inlines functions that return vectors of 16 with `llvm.experimental.noalias.scope.decl`, which oclgrind 21.10
+  // does not know.
+  if (lanes_fp32 > 1) GTEST_SKIP();
   const TransducerCase some(5, 6);
   nn::Transducer faults = all_parts;
   faults.shift_spread = 0.2, faults.crosstalk = 0.1, faults.dead = 0.2, faults.lag = 0.2, faults.lag_time = 0.3;
