@@ -38,13 +38,13 @@ typedef struct {
 
 /* Data of a tile. Lanes beyond the slice's end hold the row of zeros and have no error. */
 typedef struct {
-  real rows[TILE][ROW0];                              /* inputs, a frame in a row, then 1 for the bias, zeros */
+  real rows[TILE * ROW0];                             /* [frame][ROW0] inputs, then 1 for the bias, zeros */
   vreal target[FRAME_VECTORS], counts[FRAME_VECTORS]; /* S - 0.5; 1 where there is a frame, 0 where there is none */
   vreal x[ROW0][FRAME_VECTORS];                       /* the same, a frame in a lane */
   vreal o1[ROW1][FRAME_VECTORS], d1[HIDDEN1][FRAME_VECTORS];
 #if HIDDEN2
   vreal o2[HIDDEN2][FRAME_VECTORS], d2[HIDDEN2][FRAME_VECTORS];
-  real o1_rows[TILE][ROW1];
+  real o1_rows[TILE * ROW1];
 #endif
   vreal d_out[OUTPUTS][FRAME_VECTORS];
 } Tile;
@@ -79,11 +79,11 @@ INLINE void frames_to_rows(const int numbers, const vreal (*columns)[FRAME_VECTO
 INLINE void load_tile(Tile *tile, global const real *inputs, global const real *targets, global const uint *shown, uint count, uint zero_row) {
   ROLLED for (uint f = 0; f < TILE; ++f) {
     const uint row = f < count ? shown[f] : zero_row;
-    EACH(v, ROW0 / LANES) { STORE(LOAD(inputs + (size_t)row * ROW0 + v * LANES), tile->rows[f] + v * LANES); }
+    EACH(v, ROW0 / LANES) { STORE(LOAD(inputs + (size_t)row * ROW0 + v * LANES), tile->rows + f * ROW0 + v * LANES); }
     ((real *)tile->target)[f] = targets[row];
     ((real *)tile->counts)[f] = f < count;
   }
-  rows_to_frames(ROW0, tile->rows[0], tile->x);
+  rows_to_frames(ROW0, tile->rows, tile->x);
 }
 
 #if HIDDEN2
@@ -215,10 +215,10 @@ INLINE void learn_tile(Tile *t, global const real *w, global real *sums, vreal *
   ROLLED for (int k = HIDDEN1; k < ROW1; ++k) {
     EACH(v, FRAME_VECTORS) { t->o1[k][v] = ALL_LANES(k == HIDDEN1); }
   }
-  frames_to_rows(ROW1, t->o1, t->o1_rows[0]);
-  outer_layer(HIDDEN2, ROW1, t->d2, t->o1_rows[0], sums + LAYER2);
+  frames_to_rows(ROW1, t->o1, t->o1_rows);
+  outer_layer(HIDDEN2, ROW1, t->d2, t->o1_rows, sums + LAYER2);
 #endif
-  outer_layer(HIDDEN1, ROW0, t->d1, t->rows[0], sums);
+  outer_layer(HIDDEN1, ROW0, t->d1, t->rows, sums);
   EACH(h, OUTPUTS) { outer_output(last, t->d_out[h], sums + LAYER3 + h * ROWL); }
 }
 
