@@ -10,6 +10,8 @@
 #include <string>
 
 #include "bench/fma_peak.h"
+#include "bench/random_parabolas.h"
+#include "fem/gap_condensed.h"
 #include "fem/gap_reference.h"
 #include "fem/gap_sweep.h"
 #include "fem/layer/patch_solver.h"
@@ -23,27 +25,8 @@ namespace {
 
 using namespace tactel;
 
-fem::Sensor mesh(char which) {
-  fem::Sensor sensor;
-  sensor.columns = which == 'A' ? 123 : 41;
-  sensor.rows = which == 'A' ? 33 : 11;
-  return sensor;
-}
-
-std::vector<fem::Scene> random_parabolas(const fem::Sensor& sensor, std::size_t count) {
-  std::mt19937_64 random(1998);
-  std::uniform_real_distribution<double> log_radius(std::log(1.0), std::log(100.0)), friction(0.1, 1.5);
-  fem::Scene scene;
-  scene.sensor = sensor;
-  scene.load.tangential_step = 0.05;
-  scene.load.tangential_steps = 7;
-  std::vector<fem::Scene> scenes(count, scene);
-  for (fem::Scene& s : scenes) {
-    s.indenter.shape = fem::Parabola{std::exp(log_radius(random))};
-    s.friction = friction(random);
-  }
-  return scenes;
-}
+using bench::mesh;
+using bench::random_parabolas;
 
 /// Multiplications and additions that the algorithm needs for nodes that touch, twice the fused operations: sweeps, the
 /// certificate's rows, output rows. Rows of the certificate at nodes that do not touch are left out.
@@ -91,9 +74,18 @@ void batched(benchmark::State& state, const fem::Sensor& sensor, std::size_t cou
   host::GapSweep<Real> sweep(executor, scenes.front().sensor, options);
   auto batch = sweep.prepare(scenes);
   batch.run();
-  fem::GapSweep<double> exact(sweep.condensation());
-  for (std::size_t i = 0; i < scenes.size(); i += scenes.size() / 16) {
-    const auto found = batch.solution(i), expected = exact.solve(scenes[i]);
+  // The twin sweeps without damping. On fine meshes it may go round in circles where the kernel converges; the
+  // active-set method answers then.
+  const fem::GapSweep<double> twin(sweep.condensation(), {.most_sweeps = 2000});
+  const fem::GapCondensed active_set(sweep.condensation());
+  double worst = 0;
+  const std::size_t checked = sensor.columns > 321 ? 4 : 16;  // one takes the twin seconds on the finest mesh
+  for (std::size_t i = 0; i < scenes.size(); i += scenes.size() / checked) {
+    const fem::ContactSolution found = batch.solution(i);
+    fem::ContactSolution expected = twin.solve(scenes[i]);
+    if (!host::every_step_converged(expected)) expected = active_set.solve(scenes[i]);
+    for (std::size_t k = 0; k < found.steps.size(); ++k)
+      worst = std::max(worst, bench::difference(scenes[i].friction, found.steps[k], expected.steps[k]));
     const double P = expected.steps.back().P;
     const double off = written == Written::tactels ? std::abs(found.steps.back().P - P) / P +
                                                          std::abs(found.steps.back().Q - expected.steps.back().Q) / P
@@ -128,8 +120,10 @@ void batched(benchmark::State& state, const fem::Sensor& sensor, std::size_t cou
   state.counters["sweeps_with_neighbours"] = sweeps_with_neighbours<Real>(
       batch, 3 * static_cast<std::size_t>(
                      executor.device().lanes(sizeof(Real) == 4 ? host::Precision::fp32 : host::Precision::fp64)));
+  state.counters["sweeps_of_warp"] = sweeps_with_neighbours<Real>(batch, 32);
   state.counters["unsolved"] = unsolved / steps;
   state.counters["worst_residual"] = residual;
+  state.counters["worst_off"] = worst;
   state.counters["threads"] = executor.threads();
   state.SetLabel(executor.device().info().name);
 }
@@ -240,10 +234,13 @@ void patches(benchmark::State& state, int elements) {
   patches<Real>(state, scenes, {executor, fem::layer_model(scenes.front().sensor), {.elements = elements}}, executor);
 }
 
-void patches_on_sensors(benchmark::State& state) {
+/// `sensors` of them, by turns.
+void patches_on_sensors(benchmark::State& state, std::size_t sensors) {
   host::Executor executor{host::Device()};
   constexpr fem::SensorRange range{.poisson_low = 0.3, .poisson_high = 0.499, .longest = 15};
-  patches<float>(state, random_sensors(65536, range), {executor, fem::SensorFamily(range), {.elements = 12}}, executor);
+  auto scenes = random_sensors(65536, range);
+  for (std::size_t i = sensors; i < scenes.size(); ++i) scenes[i].sensor = scenes[i % sensors].sensor;
+  patches<float>(state, scenes, {executor, fem::SensorFamily(range), {.elements = 12}}, executor);
 }
 
 /// Scenes of the ladder's mix (host/studies/tradeoff/scene_mix.h) on the default sensor, as `tactel tradeoff` times
@@ -254,27 +251,31 @@ std::vector<fem::Scene> mixed_patches(std::size_t count) {
   return scenes;
 }
 
-/// Operations of the load path as the kernel executes it: sweeps of whole groups, and the fresh sums of the
-/// certificate, of 4 n^2 multiply-adds a lane each. Every increment is a load step here, so that the sweeps of each are
-/// known.
+/// Sweeps of a scene's load path with those for its neighbours in a group of `lanes`, the mean. One lane: its own.
 template <class Real>
-double path_flops(const host::PatchContact<Real>& contact, std::vector<fem::Scene> scenes, std::size_t lanes) {
+double path_sweeps(const typename host::PatchContact<Real>::Batch& batch, std::size_t lanes) {
+  const typename host::PatchContact<Real>::Batch::View view(batch);
+  const std::span<const std::size_t> order = view.by_lane();
+  double sweeps = 0;
+  for (std::size_t first = 0; first < order.size(); first += lanes) {
+    const std::size_t end = std::min(first + lanes, order.size());
+    for (int k = 0; k < view.path_steps(order[first]); ++k) {
+      Real most = 0;
+      for (std::size_t i = first; i < end; ++i) most = std::max(most, view.result(order[i], k, LANE_SWEEPS));
+      sweeps += static_cast<double>(end - first) * most;
+    }
+  }
+  return sweeps / static_cast<double>(order.size());
+}
+
+/// Every increment is a load step here, so that the sweeps of each are known.
+template <class Real>
+auto every_increment(const host::PatchContact<Real>& contact, std::vector<fem::Scene> scenes) {
   const int increments = fem::PatchOptions{.elements = contact.options().elements}.increments();
   for (fem::Scene& scene : scenes) scene.load.indentation_steps = increments;
   auto batch = contact.prepare(scenes);
   batch.run();
-  const typename host::PatchContact<Real>::Batch::View view(batch);
-  const std::span<const std::size_t> order = view.by_lane();
-  double sweeps = 0;  // of a group
-  for (std::size_t first = 0; first < order.size(); first += lanes)
-    for (int k = 0; k < view.path_steps(order[first]); ++k) {
-      Real most = 0;
-      for (std::size_t i = first; i < std::min(first + lanes, order.size()); ++i)
-        most = std::max(most, view.result(order[i], k, LANE_SWEEPS));
-      sweeps += most + 1;
-    }
-  const double n = contact.options().elements;
-  return 8 * n * n * static_cast<double>(lanes) * sweeps;
+  return batch;
 }
 
 /// Rate of all stages; time of each in one core's us a scene; the load path beside the peak. All are medians of runs
@@ -289,7 +290,14 @@ void mixed(benchmark::State& state, int elements, int threads) {
   auto batch = contact.prepare(scenes);
   bench::Peak<Real> peak(device, threads);
   if (!peak.right()) return state.SkipWithError("the accumulators did not converge to 1");
-  const double flops = path_flops(contact, scenes, device.lanes(peak.precision));
+  // Sweeps of whole groups, and the fresh sums of the certificate, of 4 n^2 multiply-adds a lane each.
+  const auto steps = every_increment(contact, scenes);
+  const double increments = static_cast<double>(steps.steps()),
+               sweeps = path_sweeps<Real>(steps, device.lanes(peak.precision));
+  const double flops = 8.0 * elements * elements * static_cast<double>(scenes.size()) * (sweeps + increments);
+  state.counters["path_sweeps"] = path_sweeps<Real>(steps, 1);
+  state.counters["path_sweeps_with_neighbours"] = sweeps;
+  state.counters["path_sweeps_of_warp"] = path_sweeps<Real>(steps, 32);
   const auto seconds = [&](bool path, bool base_stress) {
     batch.set_parts(path, base_stress);
     batch.run();
@@ -371,7 +379,7 @@ const bool registered = [] {
   add("contact/mesh_A/tactels/fp32", [](benchmark::State& state) {
     batched<float>(state, mesh('A'), 8192, 1e-4, Written::tactels);
   })->UseRealTime();
-  for (const int columns : {41, 81, 161, 321})
+  for (const int columns : {41, 81, 161, 321, 641})
     add(("scaling/columns:" + std::to_string(columns)).c_str(), [columns](benchmark::State& state) {
       fem::Sensor sensor = mesh('B');
       sensor.columns = columns;
@@ -407,7 +415,13 @@ const bool registered = [] {
       })->UseRealTime();
     patch("eigen_fp64", [=](benchmark::State& state) { patch_twin(state, elements); });
   }
-  add("contact/patch_12_sensors/fp32", patches_on_sensors)->UseRealTime();
+  add("contact/patch_12_sensors/fp32", [](benchmark::State& state) {
+    patches_on_sensors(state, 65536);
+  })->UseRealTime();
+  for (const int sensors : {1, 16, 256, 4096, 65536})
+    add(("scaling/sensors:" + std::to_string(sensors)).c_str(), [sensors](benchmark::State& state) {
+      patches_on_sensors(state, static_cast<std::size_t>(sensors));
+    })->UseRealTime();
   add("contact/patch_12/fp32/with_scenes", patches_with_scenes)->UseRealTime();
   add("contact/mesh_B/reference", [](benchmark::State& state) { reference(state, 'B'); });
   add("contact/mesh_A/reference", [](benchmark::State& state) { reference(state, 'A'); })->Iterations(2);

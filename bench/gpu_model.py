@@ -2,12 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Traffic and occupancy of the contact kernels on a GPU: a model from their arrays, no measurement. Prints the tables of kernels/README.md.
 
-Counted in fp32, by warp of 32 work-items and sectors of 32 bytes. The machine is an H100 by its data sheet."""
+Counted in fp32, by warp of 32 work-items and sectors of 32 bytes. The machine is an H100 by its data sheet. Numbers of arrays are those of
+kernels/shared/contact_layout.h and patch_layout.h; sizes of private structs are clang's, by -fdump-record-layouts at 12 elements."""
 
 WARP, SECTOR, NUMBER = 32, 32, 4
 SMS, CLOCK, L1, MEMORY = 132, 1.7e9, 256e3, 3.35e12  # multiprocessors, 1/s, bytes of each, bytes/s
 REGISTERS, ISSUED = 65536, 4  # of a multiprocessor; warp instructions a cycle
 PEAK = SMS * CLOCK * 256  # FLOP/s: 128 fused operations a cycle
+# Gauss-Seidel sweeps: of a lane alone, and of the slowest of 32 in the order of lanes. From a processor: `sweeps`, `sweeps_of_warp`,
+# `path_sweeps` and `path_sweeps_of_warp` of tactel_bench; the numbers of sweeps do not depend on the device.
+SWEEPS = {"mesh B, a load step": (5.46, 6.17), "mesh A, a load step": (10.8, 13.8), "12 elements, a path": (59.1, 84.9)}
 
 
 def sectors(numbers, neighbours_beside):
@@ -28,9 +32,10 @@ def traffic():
 
 def occupancy():
     n = 12
-    # kernels/patch_contact.cl, Contact: what a sweep touches, and all that an item keeps.
-    hot = (4 * n * n + 8 * n) * NUMBER
-    kept = hot + (6 * n + 6 * n * 2 + 6) * NUMBER + 10 * (2 * n + 14) * NUMBER
+    # kernels/patch_contact.cl: c without the factors of an element on itself, n, t, b and bt of Contact in each sweep; all of Contact,
+    # Reports and inputs.
+    hot = (4 * n * n - 2 * n + 4 * n) * NUMBER
+    kept = (4 * n * n + 28 * n + 6) * NUMBER + (10 * (2 * n + 14) + 5) * NUMBER + 29 * NUMBER
     scenes = L1 / kept
     from_memory = MEMORY / hot
     flop = 8 * n * n
@@ -45,6 +50,13 @@ def occupancy():
           f"| instructions: {sweeps / 1e9:.1f} billion sweeps/s, {100 * sweeps * flop / PEAK:.0f} % of peak |")
 
 
+def divergence():
+    print("\n| sweeps | alone | of a warp | lanes at work |\n|---|---|---|---|")
+    for name, (alone, warp) in SWEEPS.items():
+        print(f"| {name} | {alone} | {warp} | {100 * alone / warp:.0f} % |")
+
+
 if __name__ == "__main__":
     traffic()
     occupancy()
+    divergence()

@@ -86,11 +86,4 @@ Condensation condense(const Sensor& sensor) {
   return result;
 }
 
-Eigen::VectorXd block_displacement(const Sensor& sensor, const Eigen::VectorXd& surface_load) {
-  const ClampedBlock block(sensor);
-  Eigen::VectorXd load = Eigen::VectorXd::Zero(2 * block.mesh().node.cols());
-  load(unknowns_of(block.mesh().surface)) = surface_load;
-  return block.displacement(load);
-}
-
 }  // namespace tactel::fem

@@ -38,8 +38,4 @@ Condensation condense_cached(const Sensor& sensor, const std::filesystem::path& 
 /// Returns $TACTEL_CACHE_DIR, else $XDG_CACHE_HOME/tactel, else $HOME/.cache/tactel.
 std::filesystem::path default_cache_directory();
 
-/// Returns the displacements of all nodes [2 nodes] mm under a surface load [2 columns] N/mm, by a new solve of
-/// the full block.
-Eigen::VectorXd block_displacement(const Sensor& sensor, const Eigen::VectorXd& surface_load);
-
 }  // namespace tactel::fem

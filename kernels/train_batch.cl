@@ -39,13 +39,13 @@ typedef struct {
 /* Data of a tile. Lanes beyond the slice's end hold the row of zeros and have no error. */
 typedef struct {
   int frames, vectors;                                /* that the tile holds; vectors of them, 1 or FRAME_VECTORS */
-  real rows[TILE][ROW0];                              /* inputs, a frame in a row, then 1 for the bias, zeros */
+  real rows[TILE * ROW0];                             /* [frame][ROW0] inputs, then 1 for the bias, zeros */
   vreal target[FRAME_VECTORS], counts[FRAME_VECTORS]; /* S - 0.5; 1 where there is a frame, 0 where there is none */
   vreal x[ROW0][FRAME_VECTORS];                       /* the same, a frame in a lane */
   vreal o1[ROW1][FRAME_VECTORS], d1[HIDDEN1][FRAME_VECTORS];
 #if HIDDEN2
   vreal o2[HIDDEN2][FRAME_VECTORS], d2[HIDDEN2][FRAME_VECTORS];
-  real o1_rows[TILE][ROW1];
+  real o1_rows[TILE * ROW1];
 #endif
   vreal d_out[OUTPUTS][FRAME_VECTORS];
 } Tile;
@@ -82,12 +82,12 @@ INLINE void load_tile(Tile *tile, global const real *inputs, global const real *
   tile->vectors = LANES > 1 && count <= LANES ? 1 : FRAME_VECTORS;
   ROLLED for (uint f = 0; f < (uint)tile->vectors * LANES; ++f) {
     const uint row = f < count ? shown[f] : zero_row;
-    EACH(v, ROW0 / LANES) { STORE(LOAD(inputs + (size_t)row * ROW0 + v * LANES), tile->rows[f] + v * LANES); }
+    EACH(v, ROW0 / LANES) { STORE(LOAD(inputs + (size_t)row * ROW0 + v * LANES), tile->rows + f * ROW0 + v * LANES); }
     ((real *)tile->target)[f] = targets[row];
   }
   EACH(v, FRAME_VECTORS) { tile->counts[v] = 1; }
   for (int f = tile->frames; f < tile->vectors * LANES; ++f) ((real *)tile->counts)[f] = 0;
-  rows_to_frames(tile->vectors, ROW0, tile->rows[0], tile->x);
+  rows_to_frames(tile->vectors, ROW0, tile->rows, tile->x);
 }
 
 #if HIDDEN2
@@ -240,10 +240,10 @@ INLINE void learn_tile(int begins, Tile *t, global const real *w, global real *s
   ROLLED for (int k = HIDDEN1; k < ROW1; ++k) {
     for (int v = 0; v < vectors; ++v) t->o1[k][v] = ALL_LANES(k == HIDDEN1);
   }
-  frames_to_rows(vectors, ROW1, t->o1, t->o1_rows[0]);
-  outer_layer(begins, t->frames, HIDDEN2, ROW1, t->d2, t->o1_rows[0], sums + LAYER2);
+  frames_to_rows(vectors, ROW1, t->o1, t->o1_rows);
+  outer_layer(begins, t->frames, HIDDEN2, ROW1, t->d2, t->o1_rows, sums + LAYER2);
 #endif
-  outer_layer(begins, t->frames, HIDDEN1, ROW0, t->d1, t->rows[0], sums);
+  outer_layer(begins, t->frames, HIDDEN1, ROW0, t->d1, t->rows, sums);
   EACH(h, OUTPUTS) { outer_output(begins, vectors, last, t->d_out[h], sums + LAYER3 + h * ROWL); }
 }
 

@@ -53,7 +53,7 @@ typedef struct {
 
 typedef struct {
   global Weight *layer1, *layer2, *layer3;
-  vreal x[BLOCK][ROW * NETWORKS]; /* inputs that the block shows, [input][network]; zeros behind the block's end */
+  vreal x[BLOCK * ROW * NETWORKS]; /* [pattern][input][network], inputs that the block shows; zeros behind the block's end */
   vreal target[BLOCK];
   vreal dots[NEURON_VECTORS(PAIRS)]; /* x(s).x(t), s < t < BLOCK, [t (t - 1) / 2 + s][network] */
   vreal u[BLOCK][V1];                /* first the product of the block's weights with x(t), then eta d(t) */
@@ -133,7 +133,9 @@ INLINE void interleave_rows(global const real *const *rows, vreal *x) {
 INLINE void multiply_rows(Group *g) {
   vreal product[NEURON_VECTORS(PAIRS) * NEURONS];
   ROLLED for (int t = 1; t < BLOCK; ++t) {
-    ROLLED for (int s = 0; s < t; ++s) { product[t * (t - 1) / 2 + s] = parts_of_dot(NEURON_VECTORS(INPUTS + 1), g->x[s], g->x[t]); }
+    ROLLED for (int s = 0; s < t; ++s) {
+      product[t * (t - 1) / 2 + s] = parts_of_dot(NEURON_VECTORS(INPUTS + 1), g->x + s * (ROW * NETWORKS), g->x + t * (ROW * NETWORKS));
+    }
   }
   for (int pair = PAIRS; pair < NEURON_VECTORS(PAIRS) * NEURONS; ++pair) product[pair] = 0;
   ROLLED for (int v = 0; v < NEURON_VECTORS(PAIRS); ++v) g->dots[v] = piece_sums(NETWORKS, product + v * NEURONS);
@@ -141,7 +143,7 @@ INLINE void multiply_rows(Group *g) {
 
 /* u(t) = W x(t) + m a_t S x(t). A vector of neurons at a time: its weights lie in a row. */
 INLINE void multiply_layer1(Group *g, const Rule *rule) {
-  const real *x = (const real *)g->x[0];
+  const real *x = (const real *)g->x;
   ROLLED for (int v = 0; v < V1; ++v) {
     global const Weight *weight = g->layer1 + v * (INPUTS + 1);
     vreal sum[BLOCK];
@@ -166,7 +168,7 @@ INLINE void multiply_layer1(Group *g, const Rule *rule) {
 /* The first layer's weights and steps after the block's `count` patterns. */
 INLINE void update_layer1(Group *g, const Rule *rule, int count) {
   const vreal old_step = ALL_LANES(rule->momentum * rule->a[count]), decay = ALL_LANES(rule->power[count]);
-  const real *x = (const real *)g->x[0];
+  const real *x = (const real *)g->x;
   ROLLED for (int v = 0; v < V1; ++v) {
     global Weight *weight = g->layer1 + v * (INPUTS + 1);
     vreal to_w[BLOCK], to_s[BLOCK];
@@ -333,7 +335,7 @@ INLINE void show_block(Group *g, const Lesson *lesson, uint first, int count) {
       rows[n] = lesson->inputs[n] + (size_t)row * (ROW * LANES);
       ((real *)&target)[n] = lesson->targets[row];
     }
-    interleave_rows(rows, g->x[t]);
+    interleave_rows(rows, g->x + t * (ROW * NETWORKS));
     g->target[t] = each_network((const real *)&target);
   }
 }

@@ -119,8 +119,11 @@ TEST_P(CondensedAndWhole, TellTheSame) {
   const Condensation c = condense(s);
   std::srand(5);
   const Eigen::VectorXd load = Eigen::VectorXd::Random(c.compliance.cols());
-  const Eigen::VectorXd u = block_displacement(s, load);
-  const Mesh mesh = make_mesh(s);
+  const ClampedBlock block(s);
+  const Mesh& mesh = block.mesh();
+  Eigen::VectorXd nodal_load = Eigen::VectorXd::Zero(2 * mesh.node.cols());
+  nodal_load(unknowns_of(mesh.surface)) = load;
+  const Eigen::VectorXd u = block.displacement(nodal_load);
   const Eigen::VectorXd surface = u(unknowns_of(mesh.surface));
   EXPECT_LT((surface - c.compliance * load / s.young).cwiseAbs().maxCoeff(),
             rounding(s) * surface.cwiseAbs().maxCoeff());

@@ -10,6 +10,7 @@
 #include "fem/layer/patch_solver.h"
 #include "host/contact/gap_sweep.h"
 #include "host/contact/patch_contact.h"
+#include "host/device/opencl.h"
 #include "host/networks/forward.h"
 #include "host/networks/frame_likelihood.h"
 #include "host/networks/train_batch.h"
@@ -99,30 +100,45 @@ TEST_P(TinyBatches, GapSweepFrictionless) {  // a program of its own
   expect_contacts<double>(executor, true, 0);
 }
 
-/// Shapes with terms and points of their own, too; at an end of the sensor, too. Tolerances as in patch_contact_test.
-template <class Real>
-void expect_patches(Executor& executor, bool by_force, double friction) {
+/// Shapes with terms and points of their own, too; at an end of the sensor, too.
+std::vector<fem::Scene> few_patches(bool by_force, double friction) {
   auto scenes = few_scenes(by_force, friction);
-  for (const fem::Shape& shape :
-       {fem::Shape(fem::Taylor{{1, 3}, 5.0, 0.4}), fem::Shape(fem::Profile{{-1, -0.2, 0.5, 1.5}, {0.05, 0, 0.01, 0.1}}),
-        fem::Shape(fem::Cylinder{8}), fem::Shape(fem::Exponential{0.1, 1})}) {
+  for (const fem::Shape& shape : {fem::Shape(fem::Taylor{{1, 3}, 5.0, 0.4}),
+                                  fem::Shape(fem::Profile{{-1, -0.2, 0.5, 1.5}, {0.05, 0, 0.01, 0.1}, 0.0, ""}),
+                                  fem::Shape(fem::Cylinder{8}), fem::Shape(fem::Exponential{0.1, 1})}) {
     scenes.push_back(scenes.front());
     scenes.back().indenter = {shape, scenes.size() % 2 ? 0.0 : 2.4};
   }
-  const double sweeps_to = !by_force ? 1e-3 : sizeof(Real) == 8 ? 1e-11 : 1e-5;
-  const fem::LayerModel model = fem::layer_model(scenes.front().sensor);
+  return scenes;
+}
+
+/// `tables`: a LayerModel or a SensorFamily. Tolerance: of P and Q over their sum, as in patch_contact_test and
+/// patch_sensors_test.
+template <class Real, class Tables>
+void expect_patches(Executor& executor, const Tables& tables, std::span<const fem::Scene> scenes, double tolerance,
+                    int elements = 8) {
+  const double sweeps_to = scenes.front().load.normal_force.empty() ? 1e-3 : sizeof(Real) == 8 ? 1e-11 : 1e-5;
   const PatchContact<Real> contact(
-      executor, model, {.elements = 8, .tolerance = sweeps_to, .accept = 2e-2, .most_sweeps = 2000, .most_growths = 0});
-  const fem::PatchSolver twin(
-      model, {.elements = 8, .tolerance = sweeps_to, .accept = 2e-2, .most_sweeps = 2000, .most_growths = 0});
+      executor, tables,
+      {.elements = elements, .tolerance = sweeps_to, .accept = 2e-2, .most_sweeps = 2000, .most_growths = 0});
   auto batch = contact.prepare(scenes);
   batch.run();
   for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const auto model = contact.model_of(scenes[i].sensor);
+    const fem::PatchSolver twin(
+        *model, {.elements = elements, .tolerance = sweeps_to, .accept = 2e-2, .most_sweeps = 2000, .most_growths = 0});
     const fem::ContactStep found = batch.solution(i).steps.back(), expected = twin.solve(scenes[i]).steps.back();
-    const double tolerance = (sizeof(Real) == 4 ? 3e-5 : 1e-9) * (expected.P + std::abs(expected.Q));
-    EXPECT_NEAR(found.P, expected.P, tolerance) << i;
-    EXPECT_NEAR(found.Q, expected.Q, tolerance) << i;
+    const double sum = expected.P + std::abs(expected.Q);
+    EXPECT_NEAR(found.P, expected.P, tolerance * sum) << i;
+    EXPECT_NEAR(found.Q, expected.Q, tolerance * sum) << i;
   }
+}
+
+template <class Real>
+void expect_patches(Executor& executor, bool by_force, double friction, int elements = 8) {
+  const auto scenes = few_patches(by_force, friction);
+  const fem::LayerModel model = fem::layer_model(scenes.front().sensor);
+  expect_patches<Real>(executor, model, scenes, sizeof(Real) == 4 ? 3e-5 : 1e-9, elements);
 }
 
 TEST_P(TinyBatches, PatchContactByDepth) {
@@ -136,6 +152,26 @@ TEST_P(TinyBatches, PatchContactByForce) {
 TEST_P(TinyBatches, PatchContactFrictionless) {  // a program of its own
   expect_patches<float>(executor, false, 0);
   expect_patches<double>(executor, true, 0);
+}
+TEST_P(TinyBatches, PatchContactOfManyElements) {  // arrays and sweeps of their own beyond 12 and beyond 16
+  for (const int elements : {12, 16, 24}) expect_patches<float>(executor, false, 0.4, elements);
+}
+
+/// A sensor for each scene: tables of the family, and pressing, drag and release as the frames of a history need them.
+TEST_P(TinyBatches, PatchContactOnSensors) {
+  const fem::SensorFamily family({.poisson_low = 0.3, .poisson_high = 0.499, .longest = 14, .tactels = 4});
+  for (const bool by_force : {false, true}) {
+    auto scenes = few_patches(by_force, 0.4);
+    for (std::size_t i = 0; i < scenes.size(); ++i) {
+      fem::Sensor& sensor = scenes[i].sensor;
+      sensor.poisson = 0.31 + 0.02 * static_cast<double>(i);
+      sensor.thickness = 0.5 + 0.05 * static_cast<double>(i);
+      if (!by_force)
+        scenes[i].load.moves = {{0.15, 0.02}, {0.1, 0.04}, {0.12, -0.01}}, scenes[i].load.tangential.clear();
+    }
+    expect_patches<float>(executor, family, scenes, 1e-4);
+    expect_patches<double>(executor, family, scenes, 1e-8);
+  }
 }
 
 /// Tolerances as in forward_test. 35 frames: whole tiles and a ragged end.
@@ -245,6 +281,9 @@ TEST_P(TinyBatches, TrainBatchByAdam) {
 
 /// Tolerance as in transducer_chain_test. 6 channels: a part of a vector.
 TEST_P(TinyBatches, TransducerChain) {
+  // Clang inlines functions that return vectors of 16 with `llvm.experimental.noalias.scope.decl`, which oclgrind 21.10
+  // does not know.
+  if (lanes_fp32 > 1) GTEST_SKIP();
   const TransducerCase some(5, 6);
   nn::Transducer faults = all_parts;
   faults.shift_spread = 0.2, faults.crosstalk = 0.1, faults.dead = 0.2, faults.lag = 0.2, faults.lag_time = 0.3;
