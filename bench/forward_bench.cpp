@@ -3,6 +3,7 @@
 // Frames a second and the time of a single frame: the forward kernels beside the same network written by hand in Eigen,
 // fp32, on the same threads.
 #include <benchmark/benchmark.h>
+#include <fmt/format.h>
 #include <tactel/infer.h>
 
 #include <chrono>
@@ -149,9 +150,8 @@ const bool registered = [] {
   for (const int network : {1, 5, 6}) {
     const std::string name = "forward/" + nn::Topology::paper(network).text();
     for (const int threads : all > 1 ? std::vector<int>{1, all} : std::vector<int>{1}) {
-      const std::string suffix = "/threads:" + std::to_string(threads);
-      benchmark::RegisterBenchmark((name + "/kernel" + suffix).c_str(),
-                                   [=](benchmark::State& s) { kernel(s, network, threads); })
+      const auto line = [&](const char* what) { return fmt::format("{}/{}/threads:{}", name, what, threads); };
+      benchmark::RegisterBenchmark(line("kernel").c_str(), [=](benchmark::State& s) { kernel(s, network, threads); })
           ->Arg(1)
           ->Arg(8)
           ->Arg(16)
@@ -160,8 +160,7 @@ const bool registered = [] {
           ->Arg(262144)
           ->UseRealTime()
           ->Unit(benchmark::kMicrosecond);
-      benchmark::RegisterBenchmark((name + "/eigen" + suffix).c_str(),
-                                   [=](benchmark::State& s) { eigen(s, network, threads); })
+      benchmark::RegisterBenchmark(line("eigen").c_str(), [=](benchmark::State& s) { eigen(s, network, threads); })
           ->Arg(1)
           ->Arg(8)
           ->Arg(16)

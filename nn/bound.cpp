@@ -104,6 +104,13 @@ class WeightedScores {
     return scores_[row] <= double(corrections[classes_[row]]);
   }
 
+  /// Mean correction of the rows.
+  double mean(const std::vector<float>& corrections) const {
+    double sum = 0;
+    for (const std::size_t which : classes_) sum += double(corrections[which]);
+    return sum / static_cast<double>(classes_.size());
+  }
+
  private:
   /// Smallest score below which `level` of the weights lies, that of one more row among them.
   double weighted(const std::vector<std::uint32_t>& rows, const std::vector<double>& weights, double level) const {
@@ -121,25 +128,42 @@ class WeightedScores {
   std::array<std::vector<std::vector<std::uint32_t>>, widest_group + 1> groups_;  ///< rows, by ascending score
 };
 
-std::vector<float> raised(const WeightedScores& scores, std::size_t rows, const std::vector<float>& plain, double level,
-                          std::span<const std::vector<std::uint32_t>> kinds, double least) {
-  constexpr int rounds = 25;    // the weights then change by less than 1 % a round
-  constexpr double gain = 30;   // of a weight's logarithm, by the share that is missing
+/// Corrections of every class, and the smallest share of a kind that they cover.
+struct Raised {
+  std::vector<float> corrections;
+  double share;
+};
+
+/// Weighs kinds up that have less than `least`, and down again that have more. A class's correction jumps from score to
+/// score, so that this may go to and fro: the best round counts. That is the one with the smallest share that lacks, in
+/// thousandths, and among those the one with the smallest corrections.
+Raised raised(const WeightedScores& scores, std::size_t rows, const std::vector<float>& plain, double level,
+              std::span<const std::vector<std::uint32_t>> kinds, double least) {
+  constexpr int rounds = 40;
   constexpr double most = 1e4;  // of a weight
-  std::vector<double> weights(rows, 1.0), factors(kinds.size(), 1.0);
+  std::vector<double> factors(kinds.size(), 1.0);
   std::vector<float> corrections = plain;
-  for (int round = 0; round < rounds; ++round) {
+  Raised best{plain, 0};
+  double best_size = std::numeric_limits<double>::infinity();
+  for (int round = 0; round <= rounds; ++round) {
+    const double gain = 30 / (1 + round / 8.0);  // of a weight's logarithm, by the share that is missing
+    double smallest = 1;
     for (std::size_t k = 0; k < kinds.size(); ++k) {
       const auto inside = std::ranges::count_if(kinds[k], [&](auto row) { return scores.covered(row, corrections); });
       const double share = static_cast<double>(inside) / static_cast<double>(kinds[k].size());
+      smallest = std::min(smallest, share);
       factors[k] = std::clamp(factors[k] * std::exp(gain * (least - share)), 1.0, most);
     }
-    std::ranges::fill(weights, 1.0);
+    const auto lacking = [&](double share) { return std::ceil(std::max(least - share, 0.0) * 1e3); };
+    const double size = scores.mean(corrections);
+    if (std::pair(lacking(smallest), size) < std::pair(lacking(best.share), best_size))
+      best = {corrections, smallest}, best_size = size;
+    std::vector<double> weights(rows, 1.0);
     for (std::size_t k = 0; k < kinds.size(); ++k)
       for (const std::uint32_t row : kinds[k]) weights[row] *= factors[k];
     corrections = scores.corrections(weights, level, std::max(Bound::own_rows, fewest_scores(level)), plain);
   }
-  return corrections;
+  return best;
 }
 
 }  // namespace
@@ -216,7 +240,7 @@ float squared_distance(const Bound& bound, const float* scaled) {
     }
     for (Eigen::Index i = 0; i < count; ++i) sum += product[i] * product[i];
   }
-  return sum;
+  return std::isnan(sum) ? std::numeric_limits<float>::infinity() : sum;  // infinity less infinity
 }
 
 BoundAnswer bounded(const Bound& bound, const Quantiles<float>& q, const float* scaled) {
@@ -273,8 +297,8 @@ void renew_classes(Bound& bound, std::span<const CalibrationRow> rows) {
   bound.interval_correction = bound.upper_correction;
 }
 
-void raise(Bound& bound, std::span<const CalibrationRow> rows, std::span<const std::vector<std::uint32_t>> kinds,
-           double least) {
+double raise(Bound& bound, std::span<const CalibrationRow> rows, std::span<const std::vector<std::uint32_t>> kinds,
+             double least) {
   std::vector<std::vector<std::uint32_t>> judged;
   std::ranges::copy_if(kinds, std::back_inserter(judged),
                        [](const auto& kind) { return kind.size() >= Bound::own_rows; });
@@ -285,11 +309,16 @@ void raise(Bound& bound, std::span<const CalibrationRow> rows, std::span<const s
     upper.push_back(upper_score(row));
     interval.push_back(interval_score(row));
   }
+  double share = 1;
   for (auto [scores, corrections] :
-       {std::pair{&upper, &bound.upper_correction}, {&interval, &bound.interval_correction}})
-    *corrections = raised(WeightedScores(bound, classes, std::move(*scores)), rows.size(), *corrections, bound.level,
+       {std::pair{&upper, &bound.upper_correction}, {&interval, &bound.interval_correction}}) {
+    Raised found = raised(WeightedScores(bound, classes, std::move(*scores)), rows.size(), *corrections, bound.level,
                           judged, least);
+    *corrections = std::move(found.corrections);
+    share = std::min(share, found.share);
+  }
   bound.least = least;
+  return share;
 }
 
 void widen(Bound& bound, const Bound& other) {

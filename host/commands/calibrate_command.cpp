@@ -45,8 +45,11 @@ int run_calibrate_bound(const CalibrateBoundRequest& request) {
       "their own\n",
       output, 100 * request.level, report.rows, request.set, set.seed, report.own_classes, report.classes);
   if (request.least > 0)
-    fmt::print("raised to {:g} % of the rows of every kind of indenter, group of touching elements and tenth of S\n",
-               100 * request.least);
+    fmt::print("every kind of indenter, group of touching elements and tenth of S has {:.1f} % or more of its rows\n",
+               100 * report.least);
+  if (report.least < request.least - 1e-3)
+    print_warning(fmt::format("{:g} % of every kind were asked: the classes of the bound cannot serve all kinds alike",
+                              100 * request.least));
   if (const std::string& sets = network.model.bound->left_out; !sets.empty())
     fmt::print("widened to hold at {:g} % on {}, which {} did not learn\n", 100 * request.left_out_level, sets,
                request.left_out.size() > 2 ? "other networks" : request.left_out.front());

@@ -72,8 +72,8 @@ nn::Calibration calibrate_bound(Executor& executor, NamedNetwork& network, const
     nn::Bound& bound = *network.model.bound;
     nn::Bound renewed = bound;
     nn::renew_classes(renewed, rows);
-    const nn::Calibration report = nn::calibrate(renewed, rows, level);
-    if (least > 0) nn::raise(renewed, rows, kinds, least);
+    nn::Calibration report = nn::calibrate(renewed, rows, level);
+    if (least > 0) report.least = nn::raise(renewed, rows, kinds, least);
     renewed.set = file;
     renewed.seed = set.seed;
     renewed.left_out.clear();

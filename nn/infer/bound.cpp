@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "nn/infer/layers.h"
 #include "nn/infer/processors.h"
@@ -56,7 +57,8 @@ FrameClass classify(const FileBound& bound, const float* scaled) noexcept {
   for (std::size_t k = 0; k < tactels; ++k) frame.touching += std::abs(scaled[k]) > touching_share * largest;
   const int inputs = static_cast<int>(bound.centre.size());
   frame.distance = squared_distance(bound.whitening.data(), bound.centre.data(), inputs, scaled);
-  frame.unlike = !(frame.distance <= bound.unlike_above);  // also where it overflows
+  if (std::isnan(frame.distance)) frame.distance = std::numeric_limits<float>::infinity();  // infinity less infinity
+  frame.unlike = !(frame.distance <= bound.unlike_above);                                   // also where it overflows
   return frame;
 }
 

@@ -254,7 +254,7 @@ nn::Model model_with_history(ScalingKind kind) {
 TEST(Infer, GivesTheBitsOfTheKernelsWithHistory) {
   nn::FrameSet path = bumps(60, 8, 4);
   for (int row = 0; row < 60; ++row)
-    path.frames.row(row) = path.frames.row(row / 20 * 20) * (0.2f + 0.05f * (row % 20));
+    path.frames.row(row) = path.frames.row(row / 20 * 20) * (0.2f + 0.05f * static_cast<float>(row % 20));
   path.frames.row(30).setZero();  // released: the frames before are forgotten
   path.contact.assign(60, 0), path.press_rows = true;
   for (int row = 0; row < 60; ++row) path.step.push_back(row);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cmath>
 #include <ostream>
 #include <string>
 
@@ -26,7 +27,7 @@ inline Sensor mesh_a(Element element = Element::bbar, double poisson = 0.45) {
 /// For names of parameterised tests and for messages.
 inline std::string describe(const Sensor& s) {
   return std::string(name(s.element)) + "_" + std::to_string(s.columns) + "x" + std::to_string(s.rows) + "_nu" +
-         std::to_string(static_cast<int>(s.poisson * 1e4 + 0.5)) + "_" + name(s.stress);
+         std::to_string(std::lround(s.poisson * 1e4)) + "_" + name(s.stress);
 }
 
 /// What a test prints when it fails.
