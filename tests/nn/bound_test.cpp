@@ -193,6 +193,7 @@ TEST(Conformal, CoversExactlyInSmallSamples) {
     for (int trial = 0; trial < 4000; ++trial) {
       Bound bound = plain_bound();
       std::vector<CalibrationRow> rows;
+      rows.reserve(static_cast<std::size_t>(n));
       for (int k = 0; k < n; ++k) rows.push_back({{0, 0, 0}, uniform(random), frame});
       calibrate(bound, rows, 0.9);
       sum += double(bounded(bound, {0, 0, 0}, frame).upper);
@@ -238,6 +239,7 @@ TEST(Conformal, WidensFarFrames) {
   std::uniform_real_distribution<float> uniform(-1, 1);
   const float near[2] = {1, 0}, far[2] = {10, 0};
   std::vector<CalibrationRow> rows;
+  rows.reserve(4000);
   for (int k = 0; k < 4000; ++k)
     rows.push_back({{0.5f, 0.5f, 0.5f}, 0.5f + (k % 2 != 0 ? 0.2f : 0.01f) * uniform(random), k % 2 != 0 ? far : near});
   EXPECT_EQ(calibrate(bound, rows, 0.95).own_classes, 2u);

@@ -6,8 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
-#include <cstring>
+#include <cstdint>
 #include <limits>
 
 #include "fem/value_error.h"
@@ -26,11 +27,12 @@ using tactel::testing::largest_difference;
 template <class Real>
 std::vector<nn::Weights<Real>> some_networks(const nn::Topology& topology, int count) {
   std::vector<nn::Weights<Real>> networks;
+  networks.reserve(static_cast<std::size_t>(count));
   for (int seed = 0; seed < count; ++seed) networks.emplace_back(nn::initial_weights(topology, seed));
   return networks;
 }
 
-bool same_bits(float a, float b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+bool same_bits(float a, float b) { return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b); }
 
 const nn::InputScaling by_set{ScalingKind::set, 1.3f}, by_frame{ScalingKind::frame, 1.0f};
 

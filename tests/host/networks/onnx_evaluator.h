@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
+#include <limits>
 #include <map>
 #include <stdexcept>
 #include <string>
@@ -134,7 +135,7 @@ class OnnxEvaluator {
       throw std::runtime_error("ReduceMax: not this one");
     Tensor out{{in.shape[0], 1}, {}};
     for (std::int64_t i = 0; i < in.shape[0]; ++i) {
-      double most = -INFINITY;
+      double most = -std::numeric_limits<double>::infinity();
       for (std::int64_t k = 0; k < in.shape[1]; ++k) most = std::max(most, in.data[i * in.shape[1] + k]);
       out.data.push_back(most);
     }

@@ -29,7 +29,7 @@ TEST(PlacedRows, PlacesDoNotDependOnThePieces) {
   for (const std::vector<std::uint64_t>& pieces :
        std::vector<std::vector<std::uint64_t>>{{9}, {1, 1, 1, 1, 1, 1, 1, 1, 1}, {3, 6}, {4, 4, 1}, {0, 8, 1}}) {
     const std::string path = folder / "rows";
-    std::ofstream{path};
+    std::ofstream(path).close();
     StagedFile file(path);
     std::vector<PlacedRows::Dataset> datasets;
     datasets.push_back({"wide", 3});

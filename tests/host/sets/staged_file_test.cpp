@@ -18,7 +18,7 @@ namespace {
 TEST(StagedFile, HoldsWhatWasWrittenInAnyOrder) {
   const ScratchFolder folder;
   const std::string path = folder / "file";
-  std::ofstream{path};
+  std::ofstream(path).close();
   std::mt19937 random(5);
   std::string bytes((3 << 20) + 5, '\0');
   for (char& byte : bytes) byte = static_cast<char>(random());
