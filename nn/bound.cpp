@@ -62,9 +62,8 @@ std::array<std::size_t, widest_group + 1> groups_of(const Bound& bound, std::siz
   return {which, touching * inner + which % inner, touching, 0};
 }
 
-std::size_t class_of(const Bound& bound, const CalibrationRow& row) {
-  return bound.class_of(touching_tactels(row.scaled, bound.tactels), row.quantiles,
-                        squared_distance(bound, row.scaled));
+std::size_t class_of(const Bound& bound, const CalibrationRow& row, float squared_distance) {
+  return bound.class_of(touching_tactels(row.scaled, bound.tactels), row.quantiles, squared_distance);
 }
 
 /// Scores of rows whose weights change.
@@ -305,7 +304,7 @@ double raise(Bound& bound, std::span<const CalibrationRow> rows, std::span<const
   std::vector<std::size_t> classes;
   std::vector<double> upper, interval;
   for (const CalibrationRow& row : rows) {
-    classes.push_back(class_of(bound, row));
+    classes.push_back(class_of(bound, row, squared_distance(bound, row.scaled)));
     upper.push_back(upper_score(row));
     interval.push_back(interval_score(row));
   }
@@ -333,10 +332,12 @@ Calibration calibrate(Bound& bound, std::span<const CalibrationRow> rows, double
   std::array<std::vector<Scores>, widest_group + 1> groups;
   for (auto& group : groups) group.resize(classes);
   std::vector<double> distances;
+  distances.reserve(rows.size());
   for (const CalibrationRow& row : rows) {
-    const auto places = groups_of(bound, tactel::nn::class_of(bound, row));
+    const float distance = squared_distance(bound, row.scaled);
+    const auto places = groups_of(bound, class_of(bound, row, distance));
     for (std::size_t g = 0; g <= widest_group; ++g) groups[g][places[g]].add(row);
-    distances.push_back(squared_distance(bound, row.scaled));
+    distances.push_back(distance);
   }
   Calibration report{.rows = rows.size(), .classes = classes};
   Bound renewed = bound;

@@ -20,14 +20,19 @@ using namespace tactel::nn;
 
 namespace {
 
+/// Corrections of 0, as many as the classes have now.
+void clear_corrections(Bound& bound) {
+  bound.upper_correction.assign(bound.classes(), 0);
+  bound.interval_correction = bound.upper_correction;
+}
+
 /// A bound of two inputs, one tactel, with one class for everything.
 Bound plain_bound() {
   Bound bound = uncalibrated_bound(RowMatrix<float>{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}, 1);
   bound.touching = {1e9f};
   bound.slip_index = {1e9f};
   bound.width = {1e9f};
-  bound.upper_correction.assign(bound.classes(), 0);
-  bound.interval_correction = bound.upper_correction;
+  clear_corrections(bound);
   return bound;
 }
 
@@ -233,8 +238,7 @@ TEST(Conformal, RenewsTheClassesOfToday) {
 TEST(Conformal, WidensFarFrames) {
   Bound bound = plain_bound();
   bound.distance = {20};
-  bound.upper_correction.assign(bound.classes(), 0);
-  bound.interval_correction = bound.upper_correction;
+  clear_corrections(bound);
   std::mt19937 random(5);
   std::uniform_real_distribution<float> uniform(-1, 1);
   const float near[2] = {1, 0}, far[2] = {10, 0};
@@ -291,8 +295,7 @@ TEST(Conformal, RaisesAKindThatIsHard) {
 TEST(Conformal, CoversEachClass) {
   Bound bound = plain_bound();
   bound.slip_index = {0.5f};
-  bound.upper_correction.assign(bound.classes(), 0);
-  bound.interval_correction = bound.upper_correction;
+  clear_corrections(bound);
   std::mt19937 random(3);
   std::normal_distribution<float> normal;
   const float frame[2] = {1, 0};
