@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/calibration/recording_faults.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "host/calibration/median.h"
+
+namespace tactel::host {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double swapped_share = 0.25;  ///< of its own squared residuals that a channel has on the other's stress
+constexpr double dead_signal = 20;      ///< standard deviations that a working channel would have shown
+constexpr double wrong_press = 3;       ///< times the median press's residual
+constexpr double wrong_indenter = 2;    ///< times noise at rest and model_error
+constexpr double model_error = 0.02;    ///< of a transducer's signal: places, depths and shapes as a bench knows them
+
+std::string channel_name(const PressReadings& readings, Index c) { return transducer_name(c, readings.count() / 2); }
+
+CalibrationFault channel_fault(CalibrationFault::Kind kind, Index channel, std::string text) {
+  return {kind, static_cast<int>(channel), -1, -1, std::move(text)};
+}
+
+/// Squared residuals of readings of channel c as a linear function of the stress of channel d.
+double unexplained(const MatrixXd& readings, const MatrixXd& frame, Index c, Index d) {
+  double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0;
+  for (Index row = 0; row < readings.rows(); ++row) {
+    const double y = readings(row, c), x = frame(row, d);
+    if (!std::isfinite(y)) continue;
+    n += 1, sx += x, sy += y, sxx += x * x, sxy += x * y, syy += y * y;
+  }
+  const double vx = sxx - sx * sx / n, vy = syy - sy * sy / n, vxy = sxy - sx * sy / n;
+  return vx > 0 ? vy - vxy * vxy / vx : vy;
+}
+
+}  // namespace
+
+void find_constant_and_saturated(PressReadings& readings, const CalibrationOptions& options,
+                                 std::vector<CalibrationFault>& faults) {
+  for (Index c = 0; c < readings.count(); ++c) {
+    int saturated = 0, finite = 0;
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (Index row = 0; row < readings.rows(); ++row) {
+      double& reading = readings.value(row, c);
+      if (!std::isfinite(reading)) continue;
+      ++finite;
+      low = std::min(low, reading), high = std::max(high, reading);
+      if (reading > options.lowest_reading && reading < options.highest_reading) continue;
+      reading = std::numeric_limits<double>::quiet_NaN();
+      ++saturated;
+    }
+    if (finite == 0 || low == high) {
+      readings.channels[static_cast<std::size_t>(c)].used = false;
+      faults.push_back(channel_fault(CalibrationFault::Kind::dead_channel, c,
+                                     channel_name(readings, c) +
+                                         (finite == 0 ? ": no readings" : ": the reading never changes") +
+                                         "; it has no gain"));
+    } else if (saturated > 0) {
+      faults.push_back(
+          channel_fault(CalibrationFault::Kind::saturated, c,
+                        fmt::format("{}: {} of {} readings are at an end of the converter's range and left out",
+                                    channel_name(readings, c), saturated, finite)));
+    }
+  }
+}
+
+void find_swapped(PressReadings& readings, const MatrixXd& frame, std::vector<CalibrationFault>& faults) {
+  const Index count = readings.count();
+  std::vector<Index> best(static_cast<std::size_t>(count), -1);
+  for (Index c = 0; c < count; ++c) {
+    if (!readings.channel(c).used) continue;
+    double least = swapped_share * unexplained(readings.value, frame, c, c);
+    for (Index d = 0; d < count; ++d) {
+      const double other = readings.channel(d).used && d != c ? unexplained(readings.value, frame, c, d) : least;
+      if (other < least) least = other, best[static_cast<std::size_t>(c)] = d;
+    }
+  }
+  for (Index c = 0; c < count; ++c) {
+    const Index d = best[static_cast<std::size_t>(c)];
+    if (d <= c || best[static_cast<std::size_t>(d)] != c) continue;
+    for (const Index i : {c, d}) readings.channels[static_cast<std::size_t>(i)].used = false;
+    faults.push_back({CalibrationFault::Kind::swapped_channels, static_cast<int>(c), static_cast<int>(d), -1,
+                      fmt::format("{} and {} are swapped: each reads as the other should; exchange them in [channels]",
+                                  channel_name(readings, c), channel_name(readings, d))});
+  }
+}
+
+void find_dead(PressReadings& readings, const MatrixXd& frame, std::vector<CalibrationFault>& faults) {
+  std::vector<double> sensitivities;
+  for (const Channel& channel : readings.channels)
+    if (channel.used) sensitivities.push_back(std::abs(channel.sensitivity));
+  const double usual = median(sensitivities);
+  for (Index c = 0; c < readings.count(); ++c) {
+    Channel& channel = readings.channels[static_cast<std::size_t>(c)];
+    if (!channel.used) continue;
+    const double deviation = std::sqrt(channel.inverse(1, 1));
+    const double range = frame.col(c).maxCoeff() - frame.col(c).minCoeff();
+    if (std::abs(channel.sensitivity) > 3 * deviation || usual * range < dead_signal * channel.noise) continue;
+    channel.used = false;
+    faults.push_back(
+        channel_fault(CalibrationFault::Kind::dead_channel, c,
+                      channel_name(readings, c) + ": the reading does not follow the stress; it has no gain"));
+  }
+}
+
+bool find_wrong_press(PressReadings& readings, const MatrixXd& frame, std::vector<CalibrationFault>& faults) {
+  const std::size_t presses = readings.presses.size();
+  std::vector<double> size(presses, 0), sizes;
+  for (std::size_t i = 0; i < presses; ++i) {
+    if (!readings.press_used[i]) continue;
+    double sum = 0, n = 0;
+    for (Index row = readings.first_row[i]; row < readings.first_row[i] + readings.steps(i); ++row)
+      for (Index c = 0; c < readings.count(); ++c)
+        if (readings.takes(row, c)) sum += std::pow(readings.residual(row, c, frame(row, c)), 2), n += 1;
+    if (n > 0) sizes.push_back(size[i] = std::sqrt(sum / n));
+  }
+  if (sizes.size() < 4) return false;
+  const double usual = median(sizes);
+  const auto worst = std::ranges::max_element(size) - size.begin();
+  const auto i = static_cast<std::size_t>(worst);
+  const auto left_out = std::ranges::count(readings.press_used, false);
+  if (!(size[i] > wrong_press * usual) || 3 * (left_out + 1) > static_cast<std::ptrdiff_t>(presses)) return false;
+  readings.leave_out_press(i);
+  faults.push_back({CalibrationFault::Kind::wrong_press, -1, -1, static_cast<int>(worst),
+                    fmt::format("{}: residuals {:.1f} times those of the other presses; its indenter, depth or place "
+                                "is another; left out",
+                                readings.presses[i].name, size[i] / usual)});
+  return true;
+}
+
+void find_wrong_indenter(const PressReadings& readings, const MatrixXd& frame, const CalibrationOptions& options,
+                         std::vector<CalibrationFault>& faults) {
+  const VectorXd& noise = options.rest_noise.size() > 0 ? options.rest_noise : options.noise;
+  if (noise.size() == 0) return;
+  double sum = 0, n = 0;
+  for (Index c = 0; c < readings.count(); ++c) {
+    const Channel& channel = readings.channel(c);
+    if (!channel.used) continue;
+    const double signal = channel.sensitivity * std::sqrt((frame.col(c).array() - frame.col(c).mean()).square().mean());
+    const double expected = std::hypot(noise[c], model_error * signal) / channel.noise;
+    for (Index row = 0; row < readings.rows(); ++row)
+      if (readings.takes(row, c)) sum += std::pow(readings.residual(row, c, frame(row, c)) / expected, 2), n += 1;
+  }
+  if (n > 0 && std::sqrt(sum / n) > wrong_indenter)
+    faults.push_back({CalibrationFault::Kind::wrong_indenter, -1, -1, -1,
+                      fmt::format("residuals are {:.1f} times what noise at rest and {:g} % of the stress explain: all "
+                                  "presses have another indenter, friction or place",
+                                  std::sqrt(sum / n), 100 * model_error)});
+}
+
+}  // namespace tactel::host
