@@ -5,9 +5,11 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/support/child_process.h"
@@ -61,21 +63,31 @@ class ScratchFolder {
   std::string path_;
 };
 
-/// While it lives, the programs that run_tactel starts keep their caches apart from those of all others.
-class OwnCache {
+/// While it lives, an environment variable has another value, or none.
+class Environment {
  public:
-  OwnCache() {
-    if (const char* shared = std::getenv(name)) shared_ = shared;
-    ::setenv(name, (folder_ / "").c_str(), 1);
+  Environment(std::string name, const std::optional<std::string>& value) : name_(std::move(name)) {
+    if (const char* before = std::getenv(name_.c_str())) before_ = before;
+    set(value);
   }
-  ~OwnCache() { shared_.empty() ? ::unsetenv(name) : ::setenv(name, shared_.c_str(), 1); }
-  OwnCache(const OwnCache&) = delete;
-  OwnCache& operator=(const OwnCache&) = delete;
+  ~Environment() { set(before_); }
+  Environment(const Environment&) = delete;
+  Environment& operator=(const Environment&) = delete;
 
  private:
-  static constexpr const char* name = "TACTEL_CACHE_DIR";
+  void set(const std::optional<std::string>& value) {
+    value ? ::setenv(name_.c_str(), value->c_str(), 1) : ::unsetenv(name_.c_str());
+  }
+
+  std::string name_;
+  std::optional<std::string> before_;
+};
+
+/// While it lives, the programs that run_tactel starts keep their caches apart from those of all others: also of this
+/// process, which names PoCL's to its children once it has opened a device.
+class OwnCache {
   const ScratchFolder folder_;
-  std::string shared_;
+  const Environment ours_{"TACTEL_CACHE_DIR", (folder_ / "").string()}, of_pocl_{"POCL_CACHE_DIR", std::nullopt};
 };
 
 inline std::string source_file(const std::string& name) { return std::string(TACTEL_SOURCE_DIR) + "/" + name; }
