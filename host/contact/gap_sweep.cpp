@@ -18,20 +18,37 @@ namespace tactel::host {
 namespace {
 
 constexpr double far_away = 2 * NO_GAP_ELEMENT;  ///< mm: no indenter here
-constexpr int friction_strata = 8;               ///< measured beside 4, 16 and 32
-constexpr int most_vectors = 3;  ///< of LANES scenes a work-item: each number of C that is loaded serves thrice
+constexpr int grip_strata = 8;                   ///< measured beside 4, 16 and 32
+constexpr double window_bins = 16;  ///< by a factor e in nodes: windows of a group differ by 6 % or one node
+constexpr int most_vectors = 3;     ///< of LANES scenes a work-item: each number of C that is loaded serves thrice
 
 template <class Real>
 Buffer<Real> on_device(const Device& device, const std::vector<Real>& values) {
   return Buffer<Real>(device, std::span<const Real>(values));
 }
 
-/// Nodes that the rigid profile reaches at the deepest indentation, about: what a lane costs, and how deep they are on
-/// the whole, relative to that indentation. heights: [columns] mm.
-std::pair<int, double> expected_window(const fem::Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& heights) {
-  const auto& targets = by_force(scene) ? scene.load.normal_force : scene.load.indentation;
-  double depth = *std::max_element(targets.begin(), targets.end());
-  if (by_force(scene)) depth = 0.3 * depth / scene.sensor.young;
+/// The deepest indentation of a path, mm, about: where it is driven by force, on a layer.
+double expected_depth(const fem::Scene& scene, const fem::LoadPath& path) {
+  double deepest = 0;
+  for (const fem::LoadStep& step : path.steps) deepest = std::max(deepest, step.normal);
+  return by_force(scene) ? 0.3 * deepest / scene.sensor.young : deepest;
+}
+
+/// When a contact begins to slide, about, which decides on its sweeps: friction times depth over the longest drag of an
+/// increment, mm or a force as the depth.
+double grip(const fem::Scene& scene, const fem::LoadPath& path, double depth) {
+  double longest = 0, last = 0;
+  for (const fem::LoadStep& step : path.steps) {
+    longest = std::max(longest, std::abs(step.tangential - last));
+    last = step.tangential;
+  }
+  if (by_force(scene) && scene.load.angle) longest *= 0.3 / scene.sensor.young;
+  return longest > 0 ? scene.friction * depth / longest : scene.friction;
+}
+
+/// Nodes that the rigid profile reaches at the deepest indentation: what a lane costs, and how deep they are on the
+/// whole, relative to that indentation. heights: [columns] mm, depth mm.
+std::pair<int, double> expected_window(const Eigen::Ref<const Eigen::VectorXd>& heights, double depth) {
   const auto overlap = (1.25 * depth - heights.array()).max(0);
   const double relative = overlap.sum() / depth;
   return {static_cast<int>((overlap > 0).count()), std::isnan(relative) ? 0 : relative};
@@ -164,7 +181,8 @@ struct GapSweep<Real>::Batch::State {
     return ((lane / tile) * height + row) * tile + lane % tile;
   }
 
-  void lay_out(std::span<const fem::Scene> scenes, const Eigen::MatrixXd& profiles);
+  void lay_out(std::span<const fem::Scene> scenes, std::span<const fem::LoadPath> paths,
+               const Eigen::MatrixXd& profiles);
   void fill_scene(std::size_t i, const fem::Scene& scene, const fem::LoadPath& path, std::span<Real> input,
                   std::span<Real> targets) const;
   void fill(std::span<const fem::Scene> scenes, std::span<const fem::LoadPath> paths, const Eigen::MatrixXd& profiles);
@@ -172,16 +190,22 @@ struct GapSweep<Real>::Batch::State {
 
 /// Scenes of like cost side by side, so that the lanes of a group finish together.
 template <class Real>
-void GapSweep<Real>::Batch::State::lay_out(std::span<const fem::Scene> scenes, const Eigen::MatrixXd& profiles) {
+void GapSweep<Real>::Batch::State::lay_out(std::span<const fem::Scene> scenes, std::span<const fem::LoadPath> paths,
+                                           const Eigen::MatrixXd& profiles) {
   order.resize(scenes.size());
   std::iota(order.begin(), order.end(), 0);
   std::vector<std::pair<int, double>> window(scenes.size());
-  for (std::size_t i = 0; i < scenes.size(); ++i)
-    window[i] = expected_window(scenes[i], profiles.col(static_cast<Eigen::Index>(i)));
-  const std::vector<int> stratum = strata(friction, friction_strata);
+  std::vector<double> grips(scenes.size());
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const double depth = expected_depth(scenes[i], paths[i]);
+    window[i] = expected_window(profiles.col(static_cast<Eigen::Index>(i)), depth);
+    grips[i] = grip(scenes[i], paths[i], depth);
+  }
+  const std::vector<int> stratum = strata(grips, grip_strata);
   const auto key = [&](std::size_t i) {
     const auto& [nodes, overlap] = window[i];
-    return std::tuple(nodes, path_steps[i], stratum[i], overlap, i);
+    const int bin = static_cast<int>(window_bins * std::log(std::max(nodes, 1)));
+    return std::tuple(bin, path_steps[i], stratum[i], overlap, i);
   };
   std::ranges::sort(order, std::greater<>(), key);
   place.resize(scenes.size());
@@ -265,7 +289,7 @@ typename GapSweep<Real>::Batch GapSweep<Real>::prepare(std::span<const fem::Scen
   for (std::size_t i = 0; i < scenes.size(); ++i)
     profiles.col(static_cast<Eigen::Index>(i)) =
         fem::profile_heights(scenes[i].indenter, state_->condensation.surface_x);
-  b.lay_out(scenes, profiles);
+  b.lay_out(scenes, paths, profiles);
 
   const int vectors = state_->vectors(scenes.size());
   const std::size_t group = state_->lanes_of_vector * vectors, columns = state_->columns();
