@@ -36,7 +36,9 @@ typedef struct {
   vreal h[NODES][VECTORS];       /* profile height of active gap elements, FAR elsewhere, mm */
   vreal ux_last[NODES][VECTORS]; /* u_x at the last increment where a gap element is active, mm; of a sticking node its exact position */
   vreal ux[NODES][VECTORS], uy[NODES][VECTORS]; /* as certify computed them, mm */
+  vreal reached[VECTORS];                       /* greatest depth at which activate_reached looked, mm */
   int first, end;                               /* nodes [first, end): all gap elements that are active in any lane */
+  int first_pressed, end_pressed;               /* nodes [first_pressed, end_pressed): all that bear a force in any lane */
 } Contact;
 
 /* Position of the indenter, and the lanes that iterate. */
@@ -96,7 +98,8 @@ static inline void add_forces(global const real *c, const vreal (*n)[VECTORS], c
   }
 }
 
-/* Displacement of node i. The node that a sweep has updated last, i - 1, comes last: its latency hides behind the others. */
+/* Displacement of node i under the forces of nodes [first, end). The node that a sweep has updated last, i - 1, comes last: its latency
+   hides behind the others. */
 static inline RowDisplacement row_displacement(const Rules *rules, int i, const vreal (*n)[VECTORS], const vreal (*t)[VECTORS], int first,
                                                int end) {
   global const real *row = rules->compliance + i * (NODES * C_PARTS);
@@ -113,6 +116,20 @@ static inline RowDisplacement row_displacement(const Rules *rules, int i, const 
   return u;
 }
 
+/* Displacement of node i under all forces. Nodes without a force are left out: they would add exact zeros. */
+static inline RowDisplacement displacement(const Rules *rules, const Contact *c, int i) {
+  return row_displacement(rules, i, c->n, c->t, c->first_pressed, c->end_pressed);
+}
+
+/* Extends the nodes that bear a force by node i, where it does. */
+static inline void note_pressed(Contact *c, int i) {
+  vint pressed[VECTORS];
+  EACH_VECTOR { pressed[v] = c->n[i][v] != 0; }
+  if (!any_vector(pressed)) return;
+  c->first_pressed = c->first_pressed < c->end_pressed ? min(c->first_pressed, i) : i;
+  c->end_pressed = max(c->end_pressed, i + 1);
+}
+
 /* One Gauss-Seidel sweep: at each node the normal force, then the tangential one in the new cone. moving: active lanes whose largest
    change was above tolerance times their largest pressure force. */
 static inline void sweep(const Rules *rules, Contact *c, const Indenter *in, real relaxation, vint *moving) {
@@ -122,7 +139,7 @@ static inline void sweep(const Rules *rules, Contact *c, const Indenter *in, rea
     dx[v] = in->x[v] - in->x_last[v];
   }
   for (int i = c->first; i < c->end; ++i) {
-    const RowDisplacement u = row_displacement(rules, i, c->n, c->t, c->first, c->end);
+    const RowDisplacement u = displacement(rules, c, i);
     global const real *node = rules->node + i * NODE_ROWS;
     const real n_per_uy = relaxation * node[NODE_N_PER_UY], t_per_ux = relaxation * node[NODE_T_PER_UX];
     EACH_VECTOR {
@@ -143,6 +160,7 @@ static inline void sweep(const Rules *rules, Contact *c, const Indenter *in, rea
       change[v] = LARGER(change[v], moved);
       largest[v] = LARGER(largest[v], n);
     }
+    if (i < c->first_pressed || i >= c->end_pressed) note_pressed(c, i);
   }
   EACH_VECTOR { moving[v] = in->active[v] & (change[v] > rules->tolerance * largest[v]); }
 }
@@ -150,6 +168,8 @@ static inline void sweep(const Rules *rules, Contact *c, const Indenter *in, rea
 /* Sweeps until every iterating lane has converged, or most_sweeps. Leaves in in->active the lanes that did not converge. Where friction is high and the
    rubber compressible, plain Gauss-Seidel can go round in circles: lanes that take long go on with damped steps. */
 static inline void iterate(const Rules *rules, Contact *c, Indenter *in, vreal *sweeps) {
+  c->first_pressed = c->end_pressed = 0;
+  for (int i = c->first; i < c->end; ++i) note_pressed(c, i);
   for (int k = 0; k < rules->most_sweeps && any_vector(in->active); ++k) {
     vint moving[VECTORS];
     sweep(rules, c, in, k < DAMPED_AFTER ? (real)1 : k < 4 * DAMPED_AFTER ? (real)0.5 : (real)0.2, moving);
@@ -171,8 +191,14 @@ static inline void activate(const Rules *rules, global const vreal *profile, Con
   c->end = max(c->end, i + 1);
 }
 
-/* Gap elements where the rigid profile comes near the flat surface. */
+/* Gap elements where the rigid profile comes near the flat surface. Lanes that are no deeper than before have theirs. */
 static inline void activate_reached(const Rules *rules, global const vreal *profile, Contact *c, const Indenter *in) {
+  vint deeper[VECTORS];
+  EACH_VECTOR {
+    deeper[v] = in->active[v] & (in->d[v] > c->reached[v]);
+    c->reached[v] = PICK(deeper[v], in->d[v], c->reached[v]);
+  }
+  if (!any_vector(deeper)) return;
   for (int i = 0; i < NODES; ++i) {
     vint activated[VECTORS];
     EACH_VECTOR { activated[v] = in->active[v] & (profile[AT(i)] <= in->d[v] * rules->reach) & (c->h[i][v] >= FAR); }
@@ -180,10 +206,10 @@ static inline void activate_reached(const Rules *rules, global const vreal *prof
   }
 }
 
-/* u_y of nodes [from, to) without gap elements. Rows are left out where in no lane the rubber can rise to the profile, whatever the
-   forces: u_y <= (sum n) (largest rise by n) + (sum |t|) (largest rise by t). */
+/* u_y of nodes [from, to) without gap elements, and in `inside` the largest penetration there, at least what it was. Rows are left out where
+   in no lane the rubber can rise to the profile, whatever the forces: u_y <= (sum n) (largest rise by n) + (sum |t|) (largest rise by t). */
 static inline void look_outside(const Rules *rules, global const vreal *profile, Contact *c, const Indenter *in, const vreal *sum_n,
-                                const vreal *sum_t, int from, int to) {
+                                const vreal *sum_t, int from, int to, vreal *inside) {
   for (int i = from; i < to; ++i) {
     global const real *node = rules->node + i * NODE_ROWS;
     vint near[VECTORS];
@@ -193,8 +219,25 @@ static inline void look_outside(const Rules *rules, global const vreal *profile,
       near[v] = profile[AT(i)] - in->d[v] < most;
     }
     if (!any_vector(near)) continue;
-    const RowDisplacement u = row_displacement(rules, i, c->n, c->t, c->first, c->end);
-    EACH_VECTOR { c->uy[i][v] = u.uy[v]; }
+    const RowDisplacement u = displacement(rules, c, i);
+    EACH_VECTOR {
+      c->uy[i][v] = u.uy[v];
+      inside[v] = LARGER(u.uy[v] - (profile[AT(i)] - in->d[v]), inside[v]);
+    }
+  }
+}
+
+/* Activates nodes without a gap element that are penetrated by more than `allowed`, in the lanes of `checked`; these are then in->active. */
+static inline void activate_penetrated(const Rules *rules, global const vreal *profile, Contact *c, Indenter *in, const vint *checked,
+                                       const vreal *allowed) {
+  for (int i = 0; i < NODES; ++i) {
+    vint activated[VECTORS];
+    EACH_VECTOR {
+      const vreal inside = c->uy[i][v] - (profile[AT(i)] - in->d[v]);
+      activated[v] = checked[v] & (c->h[i][v] >= FAR) & (inside > allowed[v]);
+      in->active[v] |= activated[v];
+    }
+    if (any_vector(activated)) activate(rules, profile, c, i, activated);
   }
 }
 
@@ -202,19 +245,21 @@ static inline void look_outside(const Rules *rules, global const vreal *profile,
    get one there and come back in in->active. */
 static inline void certify(const Rules *rules, global const vreal *profile, Contact *c, Indenter *in, const vint *checked, Certificate *k) {
   vreal largest_uy[VECTORS], largest_n[VECTORS], sum_n[VECTORS], sum_t[VECTORS], finite[VECTORS];
+  vreal idle_inside[VECTORS]; /* the largest penetration of a node without a gap element, mm */
   EACH_VECTOR {
+    idle_inside[v] = 0;
     k->penetration[v] = k->cone[v] = k->complementarity[v] = k->drift[v] = k->slip_distance[v] = 0;
     largest_uy[v] = largest_n[v] = sum_n[v] = sum_t[v] = finite[v] = 0;
     in->active[v] = 0;
   }
   for (int i = c->first; i < c->end; ++i) {
-    const RowDisplacement u = row_displacement(rules, i, c->n, c->t, c->first, c->end);
+    const RowDisplacement u = displacement(rules, c, i);
     EACH_VECTOR {
       const vreal n = c->n[i][v], t = c->t[i][v];
       const vreal cone = in->mu[v] * n;
       const vint works = c->h[i][v] < FAR;
       const vint pressed = n > 0;
-      const vreal inside = u.uy[v] - (c->h[i][v] - in->d[v]); /* below zero by FAR where no gap element is active */
+      const vreal inside = u.uy[v] - (profile[AT(i)] - in->d[v]);
       const vreal moved = u.ux[v] - (c->ux_last[i][v] + (in->x[v] - in->x_last[v]));
       const vreal slip = PICK(in->held[v], ALL_LANES(0), moved);
       const vreal along = PICK(t > 0, slip, PICK(t < 0, -slip, ALL_LANES(0))); /* slip with friction instead of against it */
@@ -226,6 +271,8 @@ static inline void certify(const Rules *rules, global const vreal *profile, Cont
       c->uy[i][v] = u.uy[v];
       c->ux[i][v] = u.ux[v];
       k->penetration[v] = LARGER(inside, k->penetration[v]);
+      const vreal idle = PICK(works, ALL_LANES(0), inside);
+      idle_inside[v] = LARGER(idle, idle_inside[v]);
       k->complementarity[v] = LARGER(apart, k->complementarity[v]);
       k->cone[v] = LARGER(outside_cone, k->cone[v]);
       k->drift[v] = LARGER(drift, k->drift[v]);
@@ -237,19 +284,16 @@ static inline void certify(const Rules *rules, global const vreal *profile, Cont
       finite[v] = finite_sum(finite_sum(finite[v], u.uy[v]), u.ux[v]);
     }
   }
-  look_outside(rules, profile, c, in, sum_n, sum_t, 0, c->first);
-  look_outside(rules, profile, c, in, sum_n, sum_t, max(c->first, c->end), NODES);
-  for (int i = 0; i < NODES; ++i) {
-    vint activated[VECTORS];
-    EACH_VECTOR {
-      const vreal inside = c->uy[i][v] - (profile[AT(i)] - in->d[v]);
-      const vint idle = c->h[i][v] >= FAR;
-      activated[v] = checked[v] & idle & (inside > rules->tolerance * largest_uy[v]);
-      in->active[v] |= activated[v];
-      k->penetration[v] = LARGER(inside, k->penetration[v]);
-    }
-    if (any_vector(activated)) activate(rules, profile, c, i, activated);
+  look_outside(rules, profile, c, in, sum_n, sum_t, 0, c->first, idle_inside);
+  look_outside(rules, profile, c, in, sum_n, sum_t, max(c->first, c->end), NODES, idle_inside);
+  vreal allowed[VECTORS];
+  vint penetrated[VECTORS];
+  EACH_VECTOR {
+    k->penetration[v] = LARGER(idle_inside[v], k->penetration[v]);
+    allowed[v] = rules->tolerance * largest_uy[v];
+    penetrated[v] = checked[v] & (idle_inside[v] > allowed[v]);
   }
+  if (any_vector(penetrated)) activate_penetrated(rules, profile, c, in, checked, allowed);
   EACH_VECTOR {
     const vreal per_uy = PICK(largest_uy[v] > 0, 1 / largest_uy[v], ALL_LANES(0));
     k->penetration[v] = fma(k->penetration[v], per_uy, finite[v]);
@@ -365,19 +409,30 @@ static inline void update_force_control(Search *s, const Contact *c, Indenter *i
 }
 #endif
 
-/* Output rows = map x surface forces, e.g. base forces; map: [blocks of rows][NODES][ROW_BLOCK][2], by n and by t. */
-static inline void write_rows(global const real *map, int rows, const Contact *c, const vreal *scale, global vreal *out) {
+/* Output rows = map x surface forces, e.g. base forces; map: [blocks of rows][NODES][ROW_BLOCK][2], by n and by t. Leaves in base_x and base_y
+   the sums of the first base_rows, x and y in turn. */
+static inline void write_rows(global const real *map, int rows, int base_rows, const Contact *c, const vreal *scale, global vreal *out,
+                              vreal *base_x, vreal *base_y) {
+  EACH_VECTOR { base_x[v] = base_y[v] = 0; }
   for (int r = 0; r < rows; r += ROW_BLOCK, map += NODES * ROW_BLOCK * 2) {
     vreal sum[ROW_BLOCK][VECTORS];
     _Pragma("unroll") for (int b = 0; b < ROW_BLOCK; ++b) EACH_VECTOR { sum[b][v] = 0; }
-    global const real *m = map + c->first * (ROW_BLOCK * 2);
-    for (int j = c->first; j < c->end; ++j, m += ROW_BLOCK * 2) {
+    global const real *m = map + c->first_pressed * (ROW_BLOCK * 2);
+    for (int j = c->first_pressed; j < c->end_pressed; ++j, m += ROW_BLOCK * 2) {
       _Pragma("unroll") for (int b = 0; b < ROW_BLOCK; ++b) EACH_VECTOR {
         sum[b][v] = fma(ALL_LANES(m[2 * b]), c->n[j][v], sum[b][v]);
         if (FRICTION) sum[b][v] = fma(ALL_LANES(m[2 * b + 1]), c->t[j][v], sum[b][v]);
       }
     }
-    _Pragma("unroll") for (int b = 0; b < ROW_BLOCK; ++b) if (r + b < rows) EACH_VECTOR { out[AT(r + b)] = sum[b][v] * scale[v]; }
+    _Pragma("unroll") for (int b = 0; b < ROW_BLOCK; ++b) if (r + b < rows) EACH_VECTOR {
+      const vreal row = sum[b][v] * scale[v];
+      STORE_AWAY(row, &out[AT(r + b)]);
+      if (r + b >= base_rows) continue;
+      if ((r + b) % 2)
+        base_y[v] += row;
+      else
+        base_x[v] += row;
+    }
   }
 }
 
@@ -416,16 +471,10 @@ static inline void count_nodes(const Contact *c, const Indenter *in, vreal *stic
     }
 }
 
-/* |base + surface force| over the largest of both; base forces are the first base_rows of rows_out, x and y in turn. 0 where none are written. */
-static inline vreal balance(global const vreal *rows_out, int base_rows, int v, vreal p, vreal q) {
-  if (base_rows == 0) return 0;
-  vreal x = 0, y = 0;
-  for (int r = 0; r < base_rows; r += 2) {
-    x += rows_out[AT(r)];
-    y += rows_out[AT(r + 1)];
-  }
+/* |base + surface force| over the largest of both, from the sums of the base forces. */
+static inline vreal balance(vreal base_x, vreal base_y, vreal p, vreal q) {
   const vreal largest = fmax(fabs(p), fabs(q));
-  const vreal off = finite_sum(fmax(fabs(x - q), fabs(y + p)), x + y);
+  const vreal off = finite_sum(fmax(fabs(base_x - q), fabs(base_y + p)), base_x + base_y);
   return PICK(largest > 0, off / largest, off);
 }
 
@@ -449,8 +498,11 @@ typedef struct {
 
 static inline void start(global const vreal *lane_input, global const vreal *profile, Contact *c, Indenter *in, LoadStepping *w) {
   c->first = NODES;
-  c->end = 0;
-  EACH_VECTOR { w->nearest[v] = FAR; }
+  c->end = c->first_pressed = c->end_pressed = 0;
+  EACH_VECTOR {
+    w->nearest[v] = FAR;
+    c->reached[v] = -FAR;
+  }
   for (int i = 0; i < NODES; ++i) EACH_VECTOR {
       w->nearest[v] = SMALLER(profile[AT(i)], w->nearest[v]);
     }
@@ -567,36 +619,37 @@ static inline void reach_forces(const Rules *rules, global const vreal *profile,
 }
 #endif
 
-/* Writes the result of this increment, LaneResultRow by row; ends lanes that slide where they may stop. rows_out: the output rows of this increment. */
+/* Writes the result of this increment, LaneResultRow by row; ends lanes that slide where they may stop. base_x, base_y: sums of the base forces,
+   where base_rows is not 0. */
 static inline void report(global const vreal *lane_input, int k, const Contact *c, const Indenter *in, real accept, int base_rows,
-                          global const vreal *rows_out, LoadStepping *w, global vreal *result) {
+                          const vreal *base_x, const vreal *base_y, LoadStepping *w, global vreal *result) {
   vreal p[VECTORS], q[VECTORS], sticking[VECTORS], slipping[VECTORS];
   resultants(c, p, q);
   count_nodes(c, in, sticking, slipping);
   EACH_VECTOR {
     const Certificate *said = &w->certificate;
     const vreal held = in->mu[v] * p[v];
-    const vreal off_balance = balance(rows_out, base_rows, v, p[v] * w->young[v], q[v] * w->young[v]);
+    const vreal off_balance = base_rows == 0 ? ALL_LANES(0) : balance(base_x[v], base_y[v], p[v] * w->young[v], q[v] * w->young[v]);
     const vint slides = w->running[v] & (sticking[v] == 0) & (slipping[v] > 0);
     const vint finite = finite_sum(0, (p[v] + fabs(q[v])) * w->young[v]) == 0;
     const vint solved = NOT(w->lost[v] | w->failed[v]) & finite & within(said, v, off_balance, accept);
     const vreal good = PICK(slides, ALL_LANES(LANE_SLIDING), ALL_LANES(LANE_SOLVED));
     const vreal idle = PICK(w->valid[v], ALL_LANES(LANE_NOT_RUN), ALL_LANES(LANE_INVALID));
-    result[AT(LANE_INDENTATION)] = in->d[v];
-    result[AT(LANE_TANGENTIAL)] = in->x[v];
-    result[AT(LANE_P)] = p[v] * w->young[v];
-    result[AT(LANE_Q)] = q[v] * w->young[v];
-    result[AT(LANE_SLIP_INDEX)] = PICK(held > 0, q[v] / held, ALL_LANES(0));
-    result[AT(LANE_STICKING)] = sticking[v];
-    result[AT(LANE_SLIPPING)] = slipping[v];
-    result[AT(LANE_SWEEPS)] = w->sweeps[v];
-    result[AT(LANE_STATUS)] = PICK(w->running[v], PICK(solved, good, ALL_LANES(LANE_UNSOLVED)), idle);
-    result[AT(LANE_PENETRATION)] = said->penetration[v];
-    result[AT(LANE_CONE)] = said->cone[v];
-    result[AT(LANE_COMPLEMENTARITY)] = said->complementarity[v];
-    result[AT(LANE_DRIFT)] = said->drift[v];
-    result[AT(LANE_BALANCE)] = off_balance;
-    result[AT(LANE_SLIP_DISTANCE)] = said->slip_distance[v];
+    STORE_AWAY(in->d[v], &result[AT(LANE_INDENTATION)]);
+    STORE_AWAY(in->x[v], &result[AT(LANE_TANGENTIAL)]);
+    STORE_AWAY(p[v] * w->young[v], &result[AT(LANE_P)]);
+    STORE_AWAY(q[v] * w->young[v], &result[AT(LANE_Q)]);
+    STORE_AWAY(PICK(held > 0, q[v] / held, ALL_LANES(0)), &result[AT(LANE_SLIP_INDEX)]);
+    STORE_AWAY(sticking[v], &result[AT(LANE_STICKING)]);
+    STORE_AWAY(slipping[v], &result[AT(LANE_SLIPPING)]);
+    STORE_AWAY(w->sweeps[v], &result[AT(LANE_SWEEPS)]);
+    STORE_AWAY(PICK(w->running[v], PICK(solved, good, ALL_LANES(LANE_UNSOLVED)), idle), &result[AT(LANE_STATUS)]);
+    STORE_AWAY(said->penetration[v], &result[AT(LANE_PENETRATION)]);
+    STORE_AWAY(said->cone[v], &result[AT(LANE_CONE)]);
+    STORE_AWAY(said->complementarity[v], &result[AT(LANE_COMPLEMENTARITY)]);
+    STORE_AWAY(said->drift[v], &result[AT(LANE_DRIFT)]);
+    STORE_AWAY(off_balance, &result[AT(LANE_BALANCE)]);
+    STORE_AWAY(said->slip_distance[v], &result[AT(LANE_SLIP_DISTANCE)]);
     w->lost[v] |= NOT(solved);
     // Without a sticking node the contact slides, or there is none: a drag changes neither.
     w->running[v] &= NOT((sticking[v] == 0) & (lane_input[AT(LANE_MAY_STOP)] <= (real)k));
@@ -662,9 +715,10 @@ kernel void gap_sweep(uint first_group, global const real *compliance, global co
 #if FORCE_CONTROL
       reach_forces(&rules, profile, &search, &c, &in, &w);
 #endif
-      write_rows(map, rows, &c, w.young, rows_out);
+      vreal base_x[VECTORS], base_y[VECTORS];
+      write_rows(map, rows, base_rows, &c, w.young, rows_out, base_x, base_y);
       if (write_node_rows) write_nodes(&c, &in, w.young, nodes_out);
-      report(lane_input, k, &c, &in, accept, base_rows, rows_out, &w, result);
+      report(lane_input, k, &c, &in, accept, base_rows, base_x, base_y, &w, result);
       if (FRICTION) remember(&c, &in);
     } else {
       report_idle(&w, result);

@@ -18,20 +18,37 @@ namespace tactel::host {
 namespace {
 
 constexpr double far_away = 2 * NO_GAP_ELEMENT;  ///< mm: no indenter here
-constexpr int friction_strata = 8;               ///< measured beside 4, 16 and 32
-constexpr int vectors = 3;  ///< of LANES scenes a work-item: each number of C that is loaded serves thrice
+constexpr int grip_strata = 8;                   ///< measured beside 4, 16 and 32
+constexpr double window_bins = 16;  ///< by a factor e in nodes: windows of a group differ by 6 % or one node
+constexpr int most_vectors = 3;     ///< of LANES scenes a work-item: each number of C that is loaded serves thrice
 
 template <class Real>
 Buffer<Real> on_device(const Device& device, const std::vector<Real>& values) {
   return Buffer<Real>(device, std::span<const Real>(values));
 }
 
-/// Nodes that the rigid profile reaches at the deepest indentation, about: what a lane costs, and how deep they are on
-/// the whole, relative to that indentation. heights: [columns] mm.
-std::pair<int, double> expected_window(const fem::Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& heights) {
-  const auto& targets = by_force(scene) ? scene.load.normal_force : scene.load.indentation;
-  double depth = *std::max_element(targets.begin(), targets.end());
-  if (by_force(scene)) depth = 0.3 * depth / scene.sensor.young;
+/// The deepest indentation of a path, mm, about: where it is driven by force, on a layer.
+double expected_depth(const fem::Scene& scene, const fem::LoadPath& path) {
+  double deepest = 0;
+  for (const fem::LoadStep& step : path.steps) deepest = std::max(deepest, step.normal);
+  return by_force(scene) ? 0.3 * deepest / scene.sensor.young : deepest;
+}
+
+/// When a contact begins to slide, about, which decides on its sweeps: friction times depth over the longest drag of an
+/// increment, mm or a force as the depth.
+double grip(const fem::Scene& scene, const fem::LoadPath& path, double depth) {
+  double longest = 0, last = 0;
+  for (const fem::LoadStep& step : path.steps) {
+    longest = std::max(longest, std::abs(step.tangential - last));
+    last = step.tangential;
+  }
+  if (by_force(scene) && scene.load.angle) longest *= 0.3 / scene.sensor.young;
+  return longest > 0 ? scene.friction * depth / longest : scene.friction;
+}
+
+/// Nodes that the rigid profile reaches at the deepest indentation: what a lane costs, and how deep they are on the
+/// whole, relative to that indentation. heights: [columns] mm, depth mm.
+std::pair<int, double> expected_window(const Eigen::Ref<const Eigen::VectorXd>& heights, double depth) {
   const auto overlap = (1.25 * depth - heights.array()).max(0);
   const double relative = overlap.sum() / depth;
   return {static_cast<int>((overlap > 0).count()), std::isnan(relative) ? 0 : relative};
@@ -75,7 +92,7 @@ struct GapSweep<Real>::State {
     }
     const Device& device = executor.device();
     lanes_of_vector = device.lanes(precision());
-    lanes_of_tile = group() * device.interleaved(precision());
+    interleaved = device.interleaved(precision());
     node = on_device(device, node_table<Real>(condensation.compliance));
     const Eigen::MatrixXd base = base_outputs();
     base_rows = static_cast<int>(base.rows());
@@ -99,10 +116,10 @@ struct GapSweep<Real>::State {
 
   int columns() const { return static_cast<int>(condensation.surface_x.size()); }
   static Precision precision() { return sizeof(Real) == 4 ? Precision::fp32 : Precision::fp64; }
-  int lanes() const { return lanes_of_vector; }
-  int group() const { return lanes() == 1 ? 1 : lanes() * vectors; }
-  /// Lanes whose numbers lie side by side: those of a group, or of neighbouring groups of one lane.
-  int tile() const { return lanes_of_tile; }
+  /// Returns the vectors of a work-item: one where it holds all scenes, which then do not pay for empty ones.
+  int vectors(std::size_t scenes) const {
+    return lanes_of_vector == 1 || scenes <= static_cast<std::size_t>(lanes_of_vector) ? 1 : most_vectors;
+  }
 
   const Buffer<Real>& compliance(bool friction) {
     const std::lock_guard lock(making);
@@ -112,15 +129,15 @@ struct GapSweep<Real>::State {
     return table;
   }
 
-  const Program& program(ContactKind kind) {
+  const Program& program(ContactKind kind, int vectors) {
     const std::lock_guard lock(making);
-    auto& program = programs[kind.force][kind.friction];
+    auto& program = programs[kind.force][kind.friction][vectors > 1];
     if (!program) {
       const auto text = [](int value) { return std::to_string(value); };
       program = std::make_unique<Program>(executor.device(), "gap_sweep.cl",
                                           Defines{{"REAL", real_type(precision())},
-                                                  {"LANES", text(lanes())},
-                                                  {"VECTORS", text(group() / lanes())},
+                                                  {"LANES", text(lanes_of_vector)},
+                                                  {"VECTORS", text(vectors)},
                                                   {"NODES", text(columns())},
                                                   {"FORCE_CONTROL", text(kind.force)},
                                                   {"FRICTION", text(kind.friction)}});
@@ -135,9 +152,10 @@ struct GapSweep<Real>::State {
   Buffer<Real> node, map;
   Buffer<Real> compliances[2];  ///< [friction], made at first use
   int rows = 0, base_rows = 0;
-  int lanes_of_vector = 1, lanes_of_tile = 1;
-  std::unique_ptr<Program> programs[2][2];  ///< [force][friction]
-  std::mutex making;                        ///< of what is made at first use
+  int lanes_of_vector = 1;
+  int interleaved = 1;                         ///< work-items with their numbers side by side
+  std::unique_ptr<Program> programs[2][2][2];  ///< [force][friction][several vectors]
+  std::mutex making;                           ///< of what is made at first use
 };
 
 template <class Real>
@@ -150,6 +168,7 @@ struct GapSweep<Real>::Batch::State {
   std::vector<double> friction;        ///< [scenes]
   int steps = 0;
   std::size_t groups = 0, lanes = 0;  ///< groups that run; lanes of all arrays
+  std::size_t tile = 1;  ///< lanes whose numbers lie side by side: of a group, or of neighbouring groups of one lane
   double seconds = 0;
   Buffer<Real> lane_input, profile, path, result, rows, nodes;
   Launch launch;
@@ -159,11 +178,11 @@ struct GapSweep<Real>::Batch::State {
     return at_lane(place[scene], height, row);
   }
   std::size_t at_lane(std::size_t lane, std::size_t height, std::size_t row) const {
-    const std::size_t tile = sweep->tile();
     return ((lane / tile) * height + row) * tile + lane % tile;
   }
 
-  void lay_out(std::span<const fem::Scene> scenes, const Eigen::MatrixXd& profiles);
+  void lay_out(std::span<const fem::Scene> scenes, std::span<const fem::LoadPath> paths,
+               const Eigen::MatrixXd& profiles);
   void fill_scene(std::size_t i, const fem::Scene& scene, const fem::LoadPath& path, std::span<Real> input,
                   std::span<Real> targets) const;
   void fill(std::span<const fem::Scene> scenes, std::span<const fem::LoadPath> paths, const Eigen::MatrixXd& profiles);
@@ -171,16 +190,22 @@ struct GapSweep<Real>::Batch::State {
 
 /// Scenes of like cost side by side, so that the lanes of a group finish together.
 template <class Real>
-void GapSweep<Real>::Batch::State::lay_out(std::span<const fem::Scene> scenes, const Eigen::MatrixXd& profiles) {
+void GapSweep<Real>::Batch::State::lay_out(std::span<const fem::Scene> scenes, std::span<const fem::LoadPath> paths,
+                                           const Eigen::MatrixXd& profiles) {
   order.resize(scenes.size());
   std::iota(order.begin(), order.end(), 0);
   std::vector<std::pair<int, double>> window(scenes.size());
-  for (std::size_t i = 0; i < scenes.size(); ++i)
-    window[i] = expected_window(scenes[i], profiles.col(static_cast<Eigen::Index>(i)));
-  const std::vector<int> stratum = strata(friction, friction_strata);
+  std::vector<double> grips(scenes.size());
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const double depth = expected_depth(scenes[i], paths[i]);
+    window[i] = expected_window(profiles.col(static_cast<Eigen::Index>(i)), depth);
+    grips[i] = grip(scenes[i], paths[i], depth);
+  }
+  const std::vector<int> stratum = strata(grips, grip_strata);
   const auto key = [&](std::size_t i) {
     const auto& [nodes, overlap] = window[i];
-    return std::tuple(nodes, path_steps[i], stratum[i], overlap, i);
+    const int bin = static_cast<int>(window_bins * std::log(std::max(nodes, 1)));
+    return std::tuple(bin, path_steps[i], stratum[i], overlap, i);
   };
   std::ranges::sort(order, std::greater<>(), key);
   place.resize(scenes.size());
@@ -223,7 +248,7 @@ void GapSweep<Real>::Batch::State::fill(std::span<const fem::Scene> scenes, std:
     const std::size_t first = at(i, sweep->columns(), 0);
     for (int node = 0; node < sweep->columns(); ++node) {
       const double height = profiles(node, static_cast<Eigen::Index>(i));
-      heights[first + node * sweep->tile()] = static_cast<Real>(std::isinf(height) ? far_away : height);
+      heights[first + node * tile] = static_cast<Real>(std::isinf(height) ? far_away : height);
     }
   }
 }
@@ -264,11 +289,13 @@ typename GapSweep<Real>::Batch GapSweep<Real>::prepare(std::span<const fem::Scen
   for (std::size_t i = 0; i < scenes.size(); ++i)
     profiles.col(static_cast<Eigen::Index>(i)) =
         fem::profile_heights(scenes[i].indenter, state_->condensation.surface_x);
-  b.lay_out(scenes, profiles);
+  b.lay_out(scenes, paths, profiles);
 
-  const std::size_t group = state_->group(), tile = state_->tile(), columns = state_->columns();
+  const int vectors = state_->vectors(scenes.size());
+  const std::size_t group = state_->lanes_of_vector * vectors, columns = state_->columns();
+  b.tile = group * state_->interleaved;
   b.groups = (scenes.size() + group - 1) / group;
-  b.lanes = (scenes.size() + tile - 1) / tile * tile;
+  b.lanes = (scenes.size() + b.tile - 1) / b.tile * b.tile;
   const std::size_t lanes = b.lanes, lane_steps = lanes * b.steps;
   const Device& device = state_->executor.device();
   b.lane_input = Buffer<Real>(device, lanes * LANE_INPUT_ROWS);
@@ -280,7 +307,7 @@ typename GapSweep<Real>::Batch GapSweep<Real>::prepare(std::span<const fem::Scen
   b.fill(scenes, paths, profiles);
 
   const GapSweepOptions& o = state_->options;
-  b.launch = state_->executor.prepare(state_->program(kind), "gap_sweep", [&](KernelArguments& kernel) {
+  b.launch = state_->executor.prepare(state_->program(kind, vectors), "gap_sweep", [&](KernelArguments& kernel) {
     kernel.set("compliance", state_->compliance(kind.friction));
     kernel.set("node", state_->node);
     kernel.set("map", state_->map);
@@ -396,7 +423,7 @@ Real GapSweep<Real>::Batch::View::result(std::size_t i, int step, int row) const
 template <class Real>
 void GapSweep<Real>::Batch::View::results(std::size_t i, int step, std::span<Real> numbers) const {
   const Real* from = &results_[state_->at(i, state_->steps * LANE_RESULT_ROWS, step * LANE_RESULT_ROWS)];
-  const std::size_t stride = state_->sweep->tile();
+  const std::size_t stride = state_->tile;
   for (std::size_t row = 0; row < numbers.size(); ++row) numbers[row] = from[row * stride];
 }
 
@@ -422,7 +449,7 @@ void GapSweep<Real>::Batch::View::put_tactels(std::size_t i, int step, std::span
   const std::size_t height = static_cast<std::size_t>(state_->steps) * sweep.rows;
   const std::size_t first = state_->at(i, height, static_cast<std::size_t>(step) * sweep.rows + sweep.base_rows);
   const Real* from = &rows_[first];
-  const std::size_t stride = sweep.tile();
+  const std::size_t stride = state_->tile;
   for (std::size_t k = 0; k < stress.size(); ++k) stress[k] = static_cast<Number>(from[k * stride]);
 }
 

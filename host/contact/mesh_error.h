@@ -15,7 +15,7 @@ struct MeshError {
   std::string finer;  ///< the model of comparison: "81 x 21", "24 elements"
 };
 
-/// Returns the error to expect of an answer: the reference solves the scene again with half the element size, or the
+/// Returns the error to expect of an answer: exact contact solves the scene again with half the element size, or the
 /// patch's twin with twice the elements. None where that would take seconds (more than 81 columns, 33 rows, 24 elements
 /// or 100 load steps), and where it fails.
 std::optional<MeshError> mesh_error(const fem::Scene& scene, const fem::ContactSolution& answer);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Vectors of numbers, one of each lane: comparisons, rows of tables for each lane, answers past the caches. Device only. */
+/* Vectors of numbers, one of each lane: comparisons, rows of tables for each lane, places of answers. Device only. */
 #ifndef TACTEL_PATCH_NUMBERS_H
 #define TACTEL_PATCH_NUMBERS_H
 #include "shared/contact_layout.h"
@@ -9,16 +9,6 @@
 #include "shared/patch_layout.h"
 #include "shared/transpose.h"
 #include "shared/unroll.h"
-
-/* Stores what no kernel reads again, past the caches: a launch writes much more than they hold. */
-#if LANES > 1 && defined(__has_builtin)
-#if __has_builtin(__builtin_nontemporal_store)
-#define STORE_AWAY(v, p) __builtin_nontemporal_store(v, (global vreal *)(p))
-#endif
-#endif
-#ifndef STORE_AWAY
-#define STORE_AWAY(v, p) STORE(v, p)
-#endif
 
 /* Row r of an array of vectors, and number r of an answer: of a group with vectors, next to each other. */
 #define AT(r) ((r)*INTERLEAVED)

@@ -64,6 +64,16 @@ static inline REAL_INT joined(vint mask) {
 }
 #endif
 
+/* Stores what no kernel reads again, past the caches: a launch writes much more than they hold. */
+#if LANES > 1 && defined(__has_builtin)
+#if __has_builtin(__builtin_nontemporal_store)
+#define STORE_AWAY(v, p) __builtin_nontemporal_store(v, (global vreal *)(p))
+#endif
+#endif
+#ifndef STORE_AWAY
+#define STORE_AWAY(v, p) STORE(v, p)
+#endif
+
 /* The same number in every lane. */
 #define ALL_LANES(x) ((vreal)(x))
 
