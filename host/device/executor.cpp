@@ -81,7 +81,8 @@ const std::string& Launch::kernel() const { return state_->kernel; }
 struct Executor::State {
   Launcher launcher;
   ThreadTeam team;
-  std::mutex turn;  ///< whose run it is; also guards the next
+  std::mutex turn;    ///< whose run it is; also guards the times in the next
+  std::mutex naming;  ///< of the kernels in the next
   std::map<std::string, KernelTime> times;
   mutable std::mutex beside_turn;            ///< of the next
   std::map<std::string, KernelTime> beside;  ///< times of runs beside these
@@ -216,10 +217,12 @@ Executor::Executor(const Device& device, const ExecutorOptions& options)
 Executor::~Executor() = default;
 
 Launch Executor::prepare(const Program& program, const std::string& kernel, const BindArguments& bind) {
-  const std::lock_guard lock(state_->turn);
+  const auto time = [&] {
+    const std::lock_guard lock(state_->naming);
+    return &state_->times[kernel];
+  };
   Launch launch;
-  launch.state_ =
-      std::make_shared<Launch::State>(Launch::State{program, kernel, {}, state_.get(), &state_->times[kernel]});
+  launch.state_ = std::make_shared<Launch::State>(Launch::State{program, kernel, {}, state_.get(), time()});
   launch.state_->parameters = program.parameters(kernel);
   for (int i = 0; i < threads(); ++i) launch.state_->kernels.push_back(program.kernel(kernel));
   if (bind) {
@@ -291,14 +294,14 @@ const Device& Executor::device() const { return state_->launcher.device(); }
 int Executor::threads() const { return state_->team.threads(); }
 
 std::map<std::string, KernelTime> Executor::times() const {
-  const std::scoped_lock lock(state_->turn, state_->beside_turn);
+  const std::scoped_lock lock(state_->turn, state_->naming, state_->beside_turn);
   std::map<std::string, KernelTime> all = state_->times;
   for (const auto& [kernel, time] : state_->beside) all[kernel] += time;
   return all;
 }
 
 void Executor::clear_times() {
-  const std::scoped_lock lock(state_->turn, state_->beside_turn);
+  const std::scoped_lock lock(state_->turn, state_->naming, state_->beside_turn);
   for (auto& [kernel, time] : state_->times) time = {};
   state_->beside.clear();
 }
