@@ -163,6 +163,7 @@ struct PatchContact<Real>::Batch::State {
   std::vector<std::size_t> order;            ///< [scenes] scene in a lane: the inverse of place
   std::vector<typename Scenes::One> scenes;  ///< [scenes]
   int slots = 0, most_increments = 0;
+  bool with_forces = true;
   std::size_t groups = 0, all_lanes = 0;  ///< groups that run; lanes of all arrays
   double seconds = 0;
   std::vector<fem::Sensor> sensors;  ///< [scenes] of a family
@@ -315,11 +316,12 @@ typename PatchContact<Real>::Batch PatchContact<Real>::prepare(std::span<const f
 }
 
 template <class Real>
-typename PatchContact<Real>::Batch PatchContact<Real>::prepare(Scenes scenes) const {
+typename PatchContact<Real>::Batch PatchContact<Real>::prepare(Scenes scenes, bool forces) const {
   Batch batch;
   batch.state_ = std::make_shared<typename Batch::State>();
   auto& b = *batch.state_;
   b.contact = state_;
+  b.with_forces = forces;
   b.scenes = std::move(scenes.scenes_);
   b.sensors = std::move(scenes.sensors_);
   for (const auto& scene : b.scenes) {
@@ -338,7 +340,7 @@ typename PatchContact<Real>::Batch PatchContact<Real>::prepare(Scenes scenes) co
   b.lane_input = buffer(all * PATCH_INPUT_ROWS);
   b.path = buffer(all * b.most_increments * PATCH_PATH_ROWS);
   b.result = buffer(steps * PATCH_BLOCK);
-  b.forces = buffer(steps * state_->force_rows());
+  b.forces = buffer(forces ? steps * state_->force_rows() : 0);
   b.stress = buffer(steps * b.outputs());
   b.patches = buffer(all * PATCH_BLOCK);
   b.fill(scenes);
@@ -357,6 +359,7 @@ typename PatchContact<Real>::Batch PatchContact<Real>::prepare(Scenes scenes) co
     kernel.set("path", b.path);
     kernel.set("increments", std::int32_t(b.most_increments));
     kernel.set("slots", std::int32_t(b.slots));
+    kernel.set("write_forces", std::int32_t(forces));
     kernel.set("tolerance", Real(o.tolerance));
     kernel.set("accept", Real(o.accept));
     kernel.set("most_sweeps", std::int32_t(o.most_sweeps));
@@ -470,37 +473,24 @@ Real PatchContact<Real>::Batch::View::result(std::size_t i, int step, int row) c
 }
 
 template <class Real>
-void PatchContact<Real>::Batch::View::results(std::size_t i, int step, std::span<Real> numbers) const {
-  const Real* from = &results_[state_->at_answer(i, state_->slots, step, PATCH_BLOCK, 0)];
-  const std::size_t stride = state_->contact->interleaved();
-  for (std::size_t row = 0; row < numbers.size(); ++row) numbers[row] = from[row * stride];
+LaneAnswer<Real> PatchContact<Real>::Batch::View::answer(std::size_t i) const {
+  const auto& b = *state_;
+  return {.steps = b.scenes[i].slots,
+          .results = results_.view().data() + b.at_answer(i, b.slots, 0, PATCH_BLOCK, 0),
+          .result_rows = PATCH_BLOCK,
+          .stresses = stresses_.view().data() + b.at_answer(i, b.slots, 0, b.outputs(), 0),
+          .stress_rows = b.outputs(),
+          .stride = interleaved()};
+}
+
+template <class Real>
+std::size_t PatchContact<Real>::Batch::View::interleaved() const {
+  return static_cast<std::size_t>(state_->contact->interleaved());
 }
 
 template <class Real>
 Real PatchContact<Real>::Batch::View::patch(std::size_t i, int row) const {
   return patches_[state_->at_answer(i, 1, 0, PATCH_BLOCK, row)];
-}
-
-template <class Real>
-template <class Number>
-void PatchContact<Real>::Batch::View::put_tactels(std::size_t i, int step, std::span<Number> stress) const {
-  const Real* from = &stresses_[state_->at_answer(i, state_->slots, step, state_->outputs(), 0)];
-  const std::size_t stride = state_->contact->interleaved();
-  if (stride == 1) {
-    std::transform(from, from + stress.size(), stress.begin(), [](Real value) { return static_cast<Number>(value); });
-  } else {
-    for (std::size_t k = 0; k < stress.size(); ++k) stress[k] = static_cast<Number>(from[k * stride]);
-  }
-}
-
-template <class Real>
-void PatchContact<Real>::Batch::View::tactels(std::size_t i, int step, std::span<float> stress) const {
-  put_tactels(i, step, stress);
-}
-
-template <class Real>
-void PatchContact<Real>::Batch::View::tactels(std::size_t i, int step, std::span<double> stress) const {
-  put_tactels(i, step, stress);
 }
 
 template <class Real>
@@ -511,6 +501,7 @@ fem::ContactSolution PatchContact<Real>::Batch::solution(std::size_t i) const {
 template <class Real>
 fem::ContactSolution PatchContact<Real>::Batch::View::solution(std::size_t i) const {
   const auto& b = *state_;
+  if (!b.with_forces) throw std::logic_error("PatchContact: a solution of a batch without forces");
   const auto& scene = b.scenes[i];
   const int elements = b.contact->elements, tactels = b.contact->tactels;
   const double origin = patch(i, PATCH_ORIGIN), width = patch(i, PATCH_ELEMENT);
@@ -540,7 +531,7 @@ fem::ContactSolution PatchContact<Real>::Batch::View::solution(std::size_t i) co
                                               : fem::GapStatus::slip);
       }
       std::vector<double> stress(2 * static_cast<std::size_t>(tactels));
-      put_tactels(i, k, std::span(stress));
+      answer(i).tactels(k, std::span(stress));
       step.sigma_y = Eigen::Map<const Eigen::VectorXd>(stress.data(), tactels);
       step.tau_xy = Eigen::Map<const Eigen::VectorXd>(stress.data() + tactels, tactels);
     } else {

@@ -98,21 +98,18 @@ class PatchContact {
       explicit View(const Batch& batch);
       Real result(std::size_t i, int step, int row) const;  ///< one number of LaneResultRow
       Real patch(std::size_t i, int row) const;             ///< one number of PatchRow
-      /// The first numbers of LaneResultRow for a scene's increment, as many as `numbers` holds.
-      void results(std::size_t i, int step, std::span<Real> numbers) const;
+      /// Returns the numbers of a scene, which are valid as long as the view.
+      LaneAnswer<Real> answer(std::size_t i) const;
+      /// Returns how many scenes share a place: their numbers take turns in memory. 1: those of a scene lie together.
+      std::size_t interleaved() const;
       int path_steps(std::size_t i) const;
       int indentation_steps(std::size_t i) const;  ///< of these the first
       /// Returns the scenes in the order of memory, in which reading many is fast.
       std::span<const std::size_t> by_lane() const;
-      /// [2 tactels]: sigma_y of every tactel, then tau_xy, MPa.
-      void tactels(std::size_t i, int step, std::span<float> stress) const;
-      void tactels(std::size_t i, int step, std::span<double> stress) const;
       /// Returns the answer of the kernel for scene `i`.
       fem::ContactSolution solution(std::size_t i) const;
 
      private:
-      template <class Number>
-      void put_tactels(std::size_t i, int step, std::span<Number> stress) const;
       std::shared_ptr<State> state_;
       typename Buffer<Real>::Mapping results_, forces_, stresses_, patches_;
     };
@@ -125,7 +122,8 @@ class PatchContact {
   /// `given`: [scenes], or empty for none. Throws std::invalid_argument where scenes differ in kind, ValueError for a
   /// sensor outside the family.
   Batch prepare(std::span<const fem::Scene> scenes, std::span<const Given> given = {}) const;
-  Batch prepare(Scenes scenes) const;
+  /// Without `forces` the kernel writes no forces of elements, and the batch has no solution().
+  Batch prepare(Scenes scenes, bool forces = true) const;
   /// Returns the tables of this sensor: those of all scenes, or made from the family's.
   std::shared_ptr<const fem::LayerModel> model_of(const fem::Sensor& sensor) const;
   const PatchContactOptions& options() const;

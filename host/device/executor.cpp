@@ -3,19 +3,16 @@
 
 #include <algorithm>
 #include <atomic>
-#include <charconv>
 #include <chrono>
-#include <cstdlib>
-#include <cstring>
 #include <limits>
 #include <mutex>
 #include <optional>
 #include <stdexcept>
-#include <thread>
 
 #include "host/device/group_supply.h"
 #include "host/device/launcher.h"
 #include "host/device/thread_team.h"
+#include "host/support/host_threads.h"
 
 namespace tactel::host {
 namespace {
@@ -29,18 +26,7 @@ constexpr std::size_t progress_slices = 64, smallest_slice = 64;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-int chosen_threads(int wanted) {
-  constexpr int most = 1024;
-  if (wanted > 0) return std::min(wanted, most);
-  const char* text = std::getenv("TACTEL_THREADS");
-  if (!text || !*text) return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  int threads = 0;
-  const char* end = text + std::strlen(text);
-  const auto [stop, error] = std::from_chars(text, end, threads);
-  if (error != std::errc{} || stop != end || threads < 1 || threads > most)
-    throw ConfigError("", "TACTEL_THREADS", text, "a whole number from 1 to " + std::to_string(most));
-  return threads;
-}
+int chosen_threads(int wanted) { return wanted > 0 ? std::min(wanted, most_host_threads) : host_threads(); }
 
 /// One run: what its threads share.
 struct Run {

@@ -123,19 +123,8 @@ void put_rows(ContactSet& set, std::size_t at, const fem::ContactSolution& solut
 template <class Launcher>
 using View = typename Launcher::Batch::View;
 
-/// The numbers of a load step in the kernel's result.
 template <class Launcher>
-struct StepNumbers {
-  using Real = decltype(std::declval<const View<Launcher>&>().result(0, 0, 0));
-  std::array<Real, LANE_RESULT_ROWS> rows;
-
-  StepNumbers(const View<Launcher>& view, std::size_t i, int step) { view.results(i, step, rows); }
-  double operator[](int row) const { return static_cast<double>(rows[static_cast<std::size_t>(row)]); }
-  int status() const { return static_cast<int>(rows[LANE_STATUS]); }
-  std::optional<double> slip_index(double mu) const {
-    return host::slip_index(mu, (*this)[LANE_P], (*this)[LANE_SLIP_INDEX]);
-  }
-};
+using Answer = decltype(std::declval<const View<Launcher>&>().answer(0));
 
 /// What the load steps of a contact say together.
 struct Survey {
@@ -163,10 +152,9 @@ template <class Real>
 struct Solver<GapSweep<Real>> {
   using Launcher = GapSweep<Real>;
   using Scenes = std::vector<fem::Scene>;
-  static constexpr std::size_t side_by_side_answers = 16;  ///< in the memory of a processor: numbers of a cache line
-
   static Scenes no_scenes(const Launcher&) { return {}; }
-  static void add(const fem::Scene& scene, const fem::LoadPath&, Scenes& scenes) { scenes.push_back(scene); }
+  static void add(fem::Scene&& scene, const fem::LoadPath&, Scenes& scenes) { scenes.push_back(std::move(scene)); }
+  static auto prepare(const Launcher& launcher, Scenes scenes) { return launcher.prepare(scenes); }
 
   static std::vector<Launcher> launchers(Executor& executor, const SceneSource& source,
                                          const std::vector<fem::Sensor>& sensors, const SetOptions& options) {
@@ -201,10 +189,9 @@ template <class Real>
 struct Solver<PatchContact<Real>> {
   using Launcher = PatchContact<Real>;
   using Scenes = typename Launcher::Scenes;
-  static constexpr std::size_t side_by_side_answers = 1;  ///< contacts lie one after the other
-
   static Scenes no_scenes(const Launcher& launcher) { return Scenes(launcher); }
-  static void add(const fem::Scene& scene, const fem::LoadPath& path, Scenes& scenes) { scenes.push_back(scene, path); }
+  static void add(fem::Scene&& scene, const fem::LoadPath& path, Scenes& scenes) { scenes.push_back(scene, path); }
+  static auto prepare(const Launcher& launcher, Scenes scenes) { return launcher.prepare(std::move(scenes), false); }
 
   static std::vector<Launcher> launchers(Executor& executor, const SceneSource& source,
                                          const std::vector<fem::Sensor>& sensors, const SetOptions& options) {
@@ -281,52 +268,55 @@ bool slides_far(const fem::Scene& scene, const fem::ContactSolution& solution) {
 template <class Launcher>
 Survey survey(const View<Launcher>& view, const Contact& contact) {
   const double element = Solver<Launcher>::element_width(contact, view);
-  const int steps = view.path_steps(contact.i);
+  const Answer<Launcher> answer = view.answer(contact.i);
   Survey found;
-  for (int k = 0; k < steps; ++k) {
-    const StepNumbers<Launcher> step(view, contact.i, k);
-    const int status = step.status();
+  for (int k = 0; k < answer.steps; ++k) {
+    const auto said = [&](int row) { return static_cast<double>(answer.result(k, row)); };
+    const int status = static_cast<int>(said(LANE_STATUS));
     if (status == LANE_NOT_RUN) break;
     found.solved = found.solved && status != LANE_UNSOLVED && status != LANE_INVALID;
-    found.deepest = std::max(found.deepest, step[LANE_INDENTATION]);
+    found.deepest = std::max(found.deepest, said(LANE_INDENTATION));
     found.slides_far =
         found.slides_far ||
-        step[LANE_SLIP_DISTANCE] > slip_limit(contact.sensor, element * (step[LANE_STICKING] + step[LANE_SLIPPING]));
-    found.rows += k >= contact.first_step && step.slip_index(contact.friction);
-    found.ran_through = k == steps - 1 && status != LANE_SLIDING;
+        said(LANE_SLIP_DISTANCE) > slip_limit(contact.sensor, element * (said(LANE_STICKING) + said(LANE_SLIPPING)));
+    found.rows += k >= contact.first_step && slip_index(contact.friction, said(LANE_P), 0);
+    found.ran_through = k == answer.steps - 1 && status != LANE_SLIDING;
   }
   return found;
 }
 
 /// A contact of the sweeps whose rows go into a set.
+template <class Launcher>
 struct RowsFrom {
   const Contact* contact = nullptr;
   std::size_t at = 0;
+  Answer<Launcher> answer;
 };
 
 /// Lanes whose numbers lie side by side in memory are read together, step by step.
 template <class Launcher>
-void put_rows(ContactSet& set, const View<Launcher>& view, std::span<RowsFrom> contacts) {
+void put_rows(ContactSet& set, std::span<RowsFrom<Launcher>> contacts) {
   int steps = 0;
-  for (const RowsFrom& rows : contacts) steps = std::max(steps, view.path_steps(rows.contact->i));
+  for (const auto& rows : contacts) steps = std::max(steps, rows.answer.steps);
   for (int k = 0; k < steps; ++k)
-    for (auto& [contact, at] : contacts) {
-      if (k < contact->first_step || k >= view.path_steps(contact->i)) continue;
-      const StepNumbers<Launcher> said(view, contact->i, k);
-      if (said.status() == LANE_NOT_RUN) continue;
-      const auto S = said.slip_index(contact->friction);
+    for (auto& [contact, at, answer] : contacts) {
+      if (k < contact->first_step || k >= answer.steps) continue;
+      const auto said = [&](int row) { return static_cast<double>(answer.result(k, row)); };
+      const int status = static_cast<int>(said(LANE_STATUS));
+      if (status == LANE_NOT_RUN) continue;
+      const auto S = slip_index(contact->friction, said(LANE_P), said(LANE_SLIP_INDEX));
       if (!S) continue;
       const Row row{.slip_index = *S,
-                    .P = said[LANE_P],
-                    .Q = said[LANE_Q],
-                    .indentation = said[LANE_INDENTATION],
-                    .tangential = said[LANE_TANGENTIAL],
-                    .residual = std::max({said[LANE_PENETRATION], said[LANE_CONE], said[LANE_COMPLEMENTARITY],
-                                          said[LANE_DRIFT], said[LANE_BALANCE]}),
-                    .sticking = static_cast<int>(said[LANE_STICKING]),
-                    .slipping = static_cast<int>(said[LANE_SLIPPING]),
-                    .status = said.status()};
-      view.tactels(contact->i, k, put_row(set, at++, row, *contact, k));
+                    .P = said(LANE_P),
+                    .Q = said(LANE_Q),
+                    .indentation = said(LANE_INDENTATION),
+                    .tangential = said(LANE_TANGENTIAL),
+                    .residual = std::max({said(LANE_PENETRATION), said(LANE_CONE), said(LANE_COMPLEMENTARITY),
+                                          said(LANE_DRIFT), said(LANE_BALANCE)}),
+                    .sticking = static_cast<int>(said(LANE_STICKING)),
+                    .slipping = static_cast<int>(said(LANE_SLIPPING)),
+                    .status = status};
+      answer.tactels(k, put_row(set, at++, row, *contact, k));
     }
 }
 
@@ -429,7 +419,7 @@ std::unique_ptr<SetSimulator::Range> Simulation<Launcher>::prepare(std::uint64_t
   range->parameters.resize(count * numbers);
   const auto start = Clock::now();
   for (std::uint64_t k = 0; k < count; ++k) {
-    const auto [scene, indenter] = source.contact(first + k);
+    auto [scene, indenter] = source.contact(first + k);
     const fem::LoadPath path = fem::load_path(scene.load);
     const int steps = static_cast<int>(path.steps.size());
     parameters.put(scene, indenter, std::span(range->parameters).subspan(k * numbers, numbers));
@@ -447,12 +437,12 @@ std::unique_ptr<SetSimulator::Range> Simulation<Launcher>::prepare(std::uint64_t
                                .kind = indenter,
                                .until_sliding = path.until_sliding});
     launch.steps = std::max(launch.steps, steps);
-    Solver<Launcher>::add(scene, path, launch.scenes);
+    Solver<Launcher>::add(std::move(scene), path, launch.scenes);
     launch.which.push_back(k);
   }
   range->seconds.draw = seconds_since(start);
   for (SharedLaunch<Launcher>& launch : range->launches) {
-    launch.batch = launchers[launch.sensor].prepare(std::move(launch.scenes));
+    launch.batch = Solver<Launcher>::prepare(launchers[launch.sensor], std::move(launch.scenes));
     range->steps += launch.batch->steps_in_all();
   }
   range->seconds.lay_out = seconds_since(start) - range->seconds.draw;
@@ -490,7 +480,7 @@ void Simulation<Launcher>::measure(ContactSet& set, const std::vector<std::size_
     const auto solution = fallen.find(launch.which[i]);
     for (std::uint32_t step = 0; step < contacts[c].steps; ++step, at += inputs) {
       if (solution == fallen.end())
-        view.tactels(i, static_cast<int>(step), std::span(at, inputs));
+        view.answer(i).tactels(static_cast<int>(step), std::span(at, inputs));
       else
         put_stress(solution->second.solution.steps[step], std::span(at, inputs));
     }
@@ -507,6 +497,24 @@ void Simulation<Launcher>::measure(ContactSet& set, const std::vector<std::size_
   }
 }
 
+/// Numbers of a cache line, which a processor reads together.
+constexpr std::size_t side_by_side_answers = 16;
+/// Contacts between the request of an answer and its use: some 5 kB.
+constexpr std::size_t fetched_ahead = 2;
+
+/// Returns the contacts of a range as they lie in memory where they take turns there; else in their own order, so that
+/// their rows are written one after the other.
+template <class Launcher>
+std::vector<std::uint64_t> reading_order(const RangeOf<Launcher>& range, const std::deque<View<Launcher>>& views) {
+  std::vector<std::uint64_t> order(range.contacts.size());
+  std::iota(order.begin(), order.end(), std::uint64_t{0});
+  if (views.empty() || views[0].interleaved() == 1) return order;
+  auto next = order.begin();
+  for (std::size_t l = 0; l < views.size(); ++l)
+    for (const std::size_t i : views[l].by_lane()) *next++ = range.launches[l].which[i];
+  return order;
+}
+
 template <class Launcher>
 ContactSet Simulation<Launcher>::collect(SetSimulator::Range& any_range) {
   auto& range = static_cast<RangeOf<Launcher>&>(any_range);
@@ -517,25 +525,30 @@ ContactSet Simulation<Launcher>::collect(SetSimulator::Range& any_range) {
   Unsolved again_from;
   Fallen fallen;
   std::uint64_t deep = 0, far = 0, never = 0;  // as in ContactSet
-  for (const SharedLaunch<Launcher>& launch : range.launches) {
-    const View<Launcher>& view = views.emplace_back(*launch.batch);
-    for (const std::size_t i : view.by_lane()) {
-      const std::uint64_t k = launch.which[i];
-      const Contact& contact = range.contacts[k];
-      const bool served = Solver<Launcher>::served(source, options, contact, view);
-      const Survey found = served ? survey<Launcher>(view, contact) : Survey{};
-      if (served && found.solved && Solver<Launcher>::large_enough(options, contact, view)) {
-        rows[k + 1] = found.rows;
-        deep += too_deep(contact.sensor, found.deepest);
-        far += found.slides_far;
-        never += found.rows > 0 && contact.until_sliding && found.ran_through;
-      } else {
-        unsolved.push_back(k);
-        const fem::Scene& scene = fallen[k].scene = source.contact(contact.number).scene;
-        again_from.scenes.push_back(scene);
-        again_from.sensor.push_back(launch.sensor);
-        again_from.on_mesh.push_back(!served);
-      }
+  for (const SharedLaunch<Launcher>& launch : range.launches) views.emplace_back(*launch.batch);
+  const std::vector<std::uint64_t> order = reading_order(range, views);
+  const auto answer_of = [&](std::size_t place) {
+    const Contact& contact = range.contacts[order[std::min(place, order.size() - 1)]];
+    return views[contact.launch].answer(contact.i);
+  };
+  for (std::size_t place = 0; place < order.size(); ++place) {
+    answer_of(place + fetched_ahead).fetch_results();
+    const std::uint64_t k = order[place];
+    const Contact& contact = range.contacts[k];
+    const View<Launcher>& view = views[contact.launch];
+    const bool served = Solver<Launcher>::served(source, options, contact, view);
+    const Survey found = served ? survey<Launcher>(view, contact) : Survey{};
+    if (served && found.solved && Solver<Launcher>::large_enough(options, contact, view)) {
+      rows[k + 1] = found.rows;
+      deep += too_deep(contact.sensor, found.deepest);
+      far += found.slides_far;
+      never += found.rows > 0 && contact.until_sliding && found.ran_through;
+    } else {
+      unsolved.push_back(k);
+      const fem::Scene& scene = fallen[k].scene = source.contact(contact.number).scene;
+      again_from.scenes.push_back(scene);
+      again_from.sensor.push_back(range.launches[contact.launch].sensor);
+      again_from.on_mesh.push_back(!served);
     }
   }
   const auto begin_again = Clock::now();
@@ -554,21 +567,20 @@ ContactSet Simulation<Launcher>::collect(SetSimulator::Range& any_range) {
   std::partial_sum(rows.begin(), rows.end(), rows.begin());
   resize(set, rows.back());
   set.too_deep = deep, set.far_slip = far, set.never_slid = never;
-  for (std::size_t l = 0; l < views.size(); ++l) {
-    constexpr std::size_t together = Solver<Launcher>::side_by_side_answers;
-    std::vector<RowsFrom> contacts;
-    const auto put = [&] {
-      put_rows<Launcher>(set, views[l], contacts);
-      contacts.clear();
-    };
-    for (const std::size_t i : views[l].by_lane()) {
-      const std::uint64_t k = range.launches[l].which[i];
-      if (rows[k] == rows[k + 1] || fallen.contains(k)) continue;
-      contacts.push_back({&range.contacts[k], rows[k]});
-      if (contacts.size() == together) put();
-    }
-    put();
+  std::vector<RowsFrom<Launcher>> together;
+  const auto put = [&] {
+    put_rows<Launcher>(set, together);
+    together.clear();
+  };
+  for (std::size_t place = 0; place < order.size(); ++place) {
+    const auto ahead = answer_of(place + fetched_ahead);
+    ahead.fetch_results(), ahead.fetch_stresses();
+    const std::uint64_t k = order[place];
+    if (rows[k] == rows[k + 1] || fallen.contains(k)) continue;
+    together.push_back({&range.contacts[k], rows[k], answer_of(place)});
+    if (together.size() == std::min(together.back().answer.stride, side_by_side_answers)) put();
   }
+  put();
   for (const auto& [k, contact] : fallen) {
     const auto& [scene, solution] = contact;
     put_rows(set, rows[k], solution, range.contacts[k]);
