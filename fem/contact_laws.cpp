@@ -33,11 +33,6 @@ double forbidden_slip(const GapElements& e, Eigen::Index i, GapStatus status) {
 
 }  // namespace
 
-std::optional<double> slip_index(double mu, double P, double Q) {
-  if (!(mu * P > 0)) return std::nullopt;
-  return mu < largest_friction ? Q / (mu * P) : 0;
-}
-
 std::vector<GapStatus> gap_status(const GapElements& e, double rounding) {
   const double allowance = rounding * (1 + e.mu) * largest_normal(e);
   std::vector<GapStatus> status(e.gap.size(), GapStatus::open);

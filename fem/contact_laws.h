@@ -28,7 +28,10 @@ struct GapElements {
 inline constexpr double largest_friction = 1e6;
 
 /// Returns S = Q / (mu P); none where mu P = 0, and 0 where friction is unlimited.
-std::optional<double> slip_index(double mu, double P, double Q);
+inline std::optional<double> slip_index(double mu, double P, double Q) {
+  if (!(mu * P > 0)) return std::nullopt;
+  return mu < largest_friction ? Q / (mu * P) : 0;
+}
 
 /// Rounding of a force, relative to (1 + mu) times the largest normal force. A node this close to |t| = mu n
 /// slips; the friction of a node that bears less has no direction. Rounding in fp64 is 1e-12 at nu = 0.4999; load

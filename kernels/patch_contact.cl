@@ -79,8 +79,8 @@ static inline void take_input(global const vreal *lane_input, vint valid, vreal 
 /* smooth [cells][PATCH_BLOCK]; sides [side_rows][PATCH_BLOCK], signs [SIDE_MODES]; base [base_rows][2][outputs]: stresses by n, by t of a unit
    force, outputs a multiple of PATCH_BLOCK; shapes: Taylor terms (coefficient mm, power, 1 / scale) and points that lanes refer to; lane_input [group][PATCH_INPUT_ROWS][lane]; path
    [group][increments][PATCH_PATH_ROWS][lane].
-   Out: result [group][lane][slots][PATCH_BLOCK]; forces [group][lane][slots][FORCE_ROWS] over E, mm; stress [group][lane][slots][outputs] MPa;
-   patches [group][lane][PATCH_BLOCK]. With one lane an item each array lies in blocks of INTERLEAVED items (shared/group.h, answer_at). */
+   Out: result [group][lane][slots][PATCH_BLOCK]; forces [group][lane][slots][FORCE_ROWS] over E, mm, where write_forces is not 0;
+   stress [group][lane][slots][outputs] MPa; patches [group][lane][PATCH_BLOCK]. With one lane an item each array lies in blocks of INTERLEAVED items (shared/group.h, answer_at). */
 #if SENSORS
 /* The same with the tables of a family in place of a sensor's: sides, side_forces and side_stresses [side_rows][PATCH_BLOCK], cores
    [poissons][CORE_NUMBERS], layer_stresses [stress_cells][poissons][STRESS_NUMBERS], sensors [group][PATCH_SENSOR_ROWS][lane]. */
@@ -88,8 +88,8 @@ kernel void patch_contact_sensors(uint first_group, global const real *smooth, i
                                   global const real *sides, global const real *side_forces, global const real *side_stresses, int side_rows,
                                   real side_rows_per_h, global const real *cores, global const real *layer_stresses, int stress_cells,
                                   real stress_cells_per_h, int tactels, int outputs, global const vreal *sensors, global const real *shapes,
-                                  global const vreal *lane_input, global const vreal *path, int increments, int slots, real tolerance,
-                                  real accept, int most_sweeps, global real *result, global real *forces, global real *stress,
+                                  global const vreal *lane_input, global const vreal *path, int increments, int slots, int write_forces,
+                                  real tolerance, real accept, int most_sweeps, global real *result, global real *forces, global real *stress,
                                   global real *patches) {
   TAKE_GROUP(group);
   Layer layer = {.smooth = smooth, .cells = cells, .poissons = poissons, .sides = sides, .side_forces = side_forces};
@@ -102,11 +102,11 @@ kernel void patch_contact(uint first_group, global const real *smooth, int cells
                           real cx, real jump, global const real *sides, int side_rows, real side_rows_per_mm, real sides_from,
                           global const real *signs, global const real *base, int base_rows, real base_rows_per_mm, real base_from, int outputs,
                           global const real *shapes, global const vreal *lane_input, global const vreal *path, int increments, int slots,
-                          real tolerance, real accept, int most_sweeps, global real *result, global real *forces, global real *stress,
-                          global real *patches) {
+                          int write_forces, real tolerance, real accept, int most_sweeps, global real *result, global real *forces,
+                          global real *stress, global real *patches) {
   TAKE_GROUP(group);
   const Layer layer = {smooth, cells, cells_per_mm, thickness, length, cy, cx, jump, sides, side_rows, side_rows_per_mm, sides_from, signs};
-  const Answers answers = {group, slots, accept, base, base_rows, outputs, base_rows_per_mm, base_from, result, forces, stress};
+  const Answers answers = {group, slots, write_forces, accept, base, base_rows, outputs, base_rows_per_mm, base_from, result, forces, stress};
 #endif
   const Rules rules = {FORCE_CONTROL ? (real)0.1 * tolerance : tolerance, most_sweeps};
   lane_input += FIRST_NUMBER(group, PATCH_INPUT_ROWS);
@@ -136,7 +136,7 @@ kernel void patch_contact(uint first_group, global const real *smooth, int cells
 #if SENSORS
   real side[LANES * SIDE_FORCES];
   if (layer.side_rows > 0) weigh_side_forces(&layer, &patch, lane[PATCH_POSITION], side);
-  const Answers answers = {group, slots, accept, &layer, &tables, sensor, side, result, forces, stress};
+  const Answers answers = {group, slots, write_forces, accept, &layer, &tables, sensor, side, result, forces, stress};
 #endif
   w.nearest = put_heights(&profile, &patch, &c);
   start(lane, &c, &in, &w);

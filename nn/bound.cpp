@@ -145,6 +145,12 @@ Raised raised(const WeightedScores& scores, std::size_t rows, const std::vector<
   Raised best{plain, 0};
   double best_size = std::numeric_limits<double>::infinity();
   for (int round = 0; round <= rounds; ++round) {
+    if (round > 0) {
+      std::vector<double> weights(rows, 1.0);
+      for (std::size_t k = 0; k < kinds.size(); ++k)
+        for (const std::uint32_t row : kinds[k]) weights[row] *= factors[k];
+      corrections = scores.corrections(weights, level, std::max(Bound::own_rows, fewest_scores(level)), plain);
+    }
     const double gain = 30 / (1 + round / 8.0);  // of a weight's logarithm, by the share that is missing
     double smallest = 1;
     for (std::size_t k = 0; k < kinds.size(); ++k) {
@@ -157,10 +163,6 @@ Raised raised(const WeightedScores& scores, std::size_t rows, const std::vector<
     const double size = scores.mean(corrections);
     if (std::pair(lacking(smallest), size) < std::pair(lacking(best.share), best_size))
       best = {corrections, smallest}, best_size = size;
-    std::vector<double> weights(rows, 1.0);
-    for (std::size_t k = 0; k < kinds.size(); ++k)
-      for (const std::uint32_t row : kinds[k]) weights[row] *= factors[k];
-    corrections = scores.corrections(weights, level, std::max(Bound::own_rows, fewest_scores(level)), plain);
   }
   return best;
 }

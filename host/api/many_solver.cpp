@@ -85,7 +85,7 @@ void put_answer(PathArrays& arrays, std::size_t scene, const View& view, std::si
     const PathArrays::Stress to = arrays.put(scene, step++, host::lane_step(said, mu));
     const std::size_t tactels = to.sigma_y.size();
     stress.resize(2 * tactels);
-    view.tactels(k, made, std::span(stress));
+    view.answer(k).tactels(made, std::span(stress));
     std::copy_n(stress.begin(), tactels, to.sigma_y.begin());
     std::copy_n(stress.begin() + static_cast<std::ptrdiff_t>(tactels), tactels, to.tau_xy.begin());
   }

@@ -5,13 +5,13 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "host/calibration/press_candidates.h"
 #include "host/calibration/press_recordings.h"
 #include "host/contact/scene_json.h"
 #include "host/scenes/scene_file.h"
 #include "host/support/durable_file.h"
+#include "host/support/host_threads.h"
 #include "host/support/json_text.h"
 #include "host/support/progress_line.h"
 #include "host/support/terminal.h"
@@ -142,7 +142,7 @@ int run_calibrate_plan(const CalibratePlanRequest& request) {
                       .fit = list.fit,
                       .forces = !request.without_force,
                       .noise = profile_noise(profile.map),
-                      .threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()))};
+                      .threads = host_threads()};
   if (request.noise > 0) options.noise_of_largest = request.noise, options.noise.resize(0);
   const PressPlan plan = [&] {
     const StageLine stage(fmt::format("weighing {} presses", list.candidates.size()), request.quiet);

@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "host/calibration/calibration_page.h"
 #include "host/calibration/median.h"
 #include "host/calibration/press_recordings.h"
 #include "host/support/durable_file.h"
+#include "host/support/host_threads.h"
 #include "host/support/json_text.h"
 #include "host/support/progress_line.h"
 #include "host/support/terminal.h"
@@ -132,7 +132,7 @@ int run_calibrate_sensor(const CalibrateSensorRequest& request) {
     const fem::SensorFamily family = calibration_family(sensor, recordings.options);
     const SensorState start{std::log(sensor.young), sensor.poisson, sensor.thickness, 0};
     CalibrationOptions options = recordings.options;
-    options.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    options.threads = host_threads();
     return calibrate_sensor(family, recordings.presses, start, options);
   }();
   std::vector<std::string> remarks = {

@@ -56,11 +56,6 @@ std::pair<int, double> expected_window(const Eigen::Ref<const Eigen::VectorXd>& 
 
 }  // namespace
 
-std::optional<double> slip_index(double mu, double P, double kernel_index) {
-  if (!fem::slip_index(mu, P, 0)) return std::nullopt;
-  return mu < fem::largest_friction ? kernel_index : 0;
-}
-
 fem::ContactStep lane_step(const std::function<double(int)>& row, double mu) {
   const int status = static_cast<int>(row(LANE_STATUS));
   fem::ContactStep step;
@@ -421,36 +416,25 @@ Real GapSweep<Real>::Batch::View::result(std::size_t i, int step, int row) const
 }
 
 template <class Real>
-void GapSweep<Real>::Batch::View::results(std::size_t i, int step, std::span<Real> numbers) const {
-  const Real* from = &results_[state_->at(i, state_->steps * LANE_RESULT_ROWS, step * LANE_RESULT_ROWS)];
-  const std::size_t stride = state_->tile;
-  for (std::size_t row = 0; row < numbers.size(); ++row) numbers[row] = from[row * stride];
+LaneAnswer<Real> GapSweep<Real>::Batch::View::answer(std::size_t i) const {
+  const auto& b = *state_;
+  const std::size_t rows = b.sweep->rows, steps = b.steps;
+  return {.steps = b.path_steps[i],
+          .results = results_.view().data() + b.at(i, steps * LANE_RESULT_ROWS, 0),
+          .result_rows = LANE_RESULT_ROWS,
+          .stresses = rows_.view().data() + b.at(i, steps * rows, b.sweep->base_rows),
+          .stress_rows = rows,
+          .stride = interleaved()};
+}
+
+template <class Real>
+std::size_t GapSweep<Real>::Batch::View::interleaved() const {
+  return state_->tile;
 }
 
 template <class Real>
 int GapSweep<Real>::Batch::View::indentation_steps(std::size_t i) const {
   return state_->indentation_steps[i];
-}
-
-template <class Real>
-void GapSweep<Real>::Batch::View::tactels(std::size_t i, int step, std::span<float> stress) const {
-  put_tactels(i, step, stress);
-}
-
-template <class Real>
-void GapSweep<Real>::Batch::View::tactels(std::size_t i, int step, std::span<double> stress) const {
-  put_tactels(i, step, stress);
-}
-
-template <class Real>
-template <class Number>
-void GapSweep<Real>::Batch::View::put_tactels(std::size_t i, int step, std::span<Number> stress) const {
-  const auto& sweep = *state_->sweep;
-  const std::size_t height = static_cast<std::size_t>(state_->steps) * sweep.rows;
-  const std::size_t first = state_->at(i, height, static_cast<std::size_t>(step) * sweep.rows + sweep.base_rows);
-  const Real* from = &rows_[first];
-  const std::size_t stride = state_->tile;
-  for (std::size_t k = 0; k < stress.size(); ++k) stress[k] = static_cast<Number>(from[k * stride]);
 }
 
 template <class Real>

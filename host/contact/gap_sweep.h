@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "fem/condensation.h"
+#include "fem/contact_laws.h"
 #include "fem/contact_solution.h"
 #include "fem/scene.h"
 #include "host/device/buffer.h"
@@ -39,11 +40,50 @@ struct GapSweepOptions {
 
 /// Returns S of an increment in the kernel's precision, from mu, P (N/mm) and LANE_SLIP_INDEX: none where mu P = 0,
 /// 0 where friction is unlimited, as fem::slip_index.
-std::optional<double> slip_index(double mu, double P, double kernel_index);
+inline std::optional<double> slip_index(double mu, double P, double kernel_index) {
+  if (!fem::slip_index(mu, P, 0)) return std::nullopt;
+  return mu < fem::largest_friction ? kernel_index : 0;
+}
 
 /// Returns the step of a scene with friction mu from a lane's LaneResultRow numbers, without forces of nodes and
 /// stresses.
 fem::ContactStep lane_step(const std::function<double(int row)>& row, double mu);
+
+/// The numbers of a scene in the outputs of a launch, in place.
+template <class Real>
+struct LaneAnswer {
+  int steps = 0;  ///< of the scene's path
+  const Real* results = nullptr;
+  std::size_t result_rows = 0;  ///< numbers of a load step
+  const Real* stresses = nullptr;
+  std::size_t stress_rows = 0;
+  std::size_t stride = 1;  ///< from number to number
+
+  /// Returns one number of LaneResultRow.
+  Real result(int step, int row) const {
+    return results[(static_cast<std::size_t>(step) * result_rows + static_cast<std::size_t>(row)) * stride];
+  }
+  /// Asks the memory for the results, and for the stresses, some time before they are read: contacts lie in the order
+  /// of lanes, which no processor foresees. Does nothing where lanes take turns.
+  void fetch_results() const { fetch(results, result_rows); }
+  void fetch_stresses() const { fetch(stresses, stress_rows); }
+  /// [2 tactels]: sigma_y of every tactel, then tau_xy, MPa.
+  template <class Number>
+  void tactels(int step, std::span<Number> stress) const {
+    const Real* from = stresses + static_cast<std::size_t>(step) * stress_rows * stride;
+    if (stride == 1)
+      for (std::size_t k = 0; k < stress.size(); ++k) stress[k] = static_cast<Number>(from[k]);
+    else
+      for (std::size_t k = 0; k < stress.size(); ++k) stress[k] = static_cast<Number>(from[k * stride]);
+  }
+
+ private:
+  void fetch(const Real* from, std::size_t rows) const {
+    constexpr std::size_t line = 64 / sizeof(Real);
+    if (stride == 1)
+      for (std::size_t k = 0; k < static_cast<std::size_t>(steps) * rows; k += line) __builtin_prefetch(from + k);
+  }
+};
 
 /// Common property of the scenes of a launch. Each kind has its own program, so that no scene pays for parts that
 /// it lacks. A scene takes the program of its kind regardless of its neighbours.
@@ -87,21 +127,18 @@ class GapSweep {
       explicit View(const Batch& batch);
       /// Returns one number of LaneResultRow for a scene's increment; LANE_NOT_RUN after the last that ran.
       Real result(std::size_t i, int step, int row) const;
-      /// The first numbers of LaneResultRow for a scene's increment, as many as `numbers` holds.
-      void results(std::size_t i, int step, std::span<Real> numbers) const;
+      /// Returns the numbers of a scene, which are valid as long as the view.
+      LaneAnswer<Real> answer(std::size_t i) const;
+      /// Returns how many scenes share a place: their numbers take turns in memory. 1: those of a scene lie together.
+      std::size_t interleaved() const;
       int path_steps(std::size_t i) const;
       int indentation_steps(std::size_t i) const;  ///< of these the first
       /// Returns the scenes in the order of memory, in which reading many is fast.
       std::span<const std::size_t> by_lane() const;
-      /// [2 tactels]: sigma_y of every tactel, then tau_xy, MPa.
-      void tactels(std::size_t i, int step, std::span<float> stress) const;
-      void tactels(std::size_t i, int step, std::span<double> stress) const;
       /// Returns the answer of the kernel for scene `i`.
       fem::ContactSolution solution(std::size_t i) const;
 
      private:
-      template <class Number>
-      void put_tactels(std::size_t i, int step, std::span<Number> stress) const;
       std::shared_ptr<State> state_;
       typename Buffer<Real>::Mapping results_, rows_, nodes_;
     };

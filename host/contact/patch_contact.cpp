@@ -6,7 +6,6 @@
 #include <functional>
 #include <limits>
 #include <mutex>
-#include <numeric>
 #include <stdexcept>
 #include <tuple>
 
@@ -124,6 +123,9 @@ struct PatchContact<Real>::State {
   int lanes() const { return lanes_of_group; }
   int interleaved() const { return interleaved_lanes; }
   const char* kernel() const { return family ? "patch_contact_sensors" : "patch_contact"; }
+  int pressing_increments() const {
+    return fem::PatchOptions{.elements = options.elements, .pressing_increments = options.increments}.increments();
+  }
   int force_rows() const { return rounded_up(2 * elements); }
 
   const Program& program(ContactKind kind) {
@@ -157,11 +159,11 @@ struct PatchContact<Real>::State {
 template <class Real>
 struct PatchContact<Real>::Batch::State {
   std::shared_ptr<PatchContact<Real>::State> contact;
-  std::vector<std::size_t> place;                              ///< [scenes] lane of scene i, counted over all groups
-  std::vector<std::size_t> order;                              ///< [scenes] scene in a lane: the inverse of place
-  std::vector<int> path_steps, indentation_steps, increments;  ///< [scenes]
-  std::vector<double> friction, young, position;               ///< [scenes]
+  std::vector<std::size_t> place;            ///< [scenes] lane of scene i, counted over all groups
+  std::vector<std::size_t> order;            ///< [scenes] scene in a lane: the inverse of place
+  std::vector<typename Scenes::One> scenes;  ///< [scenes]
   int slots = 0, most_increments = 0;
+  bool with_forces = true;
   std::size_t groups = 0, all_lanes = 0;  ///< groups that run; lanes of all arrays
   double seconds = 0;
   std::vector<fem::Sensor> sensors;  ///< [scenes] of a family
@@ -169,13 +171,14 @@ struct PatchContact<Real>::Batch::State {
   Launch launch;
 
   std::size_t outputs() const { return contact->outputs; }
+  std::size_t lanes_of_tile() const { return static_cast<std::size_t>(contact->lanes()) * contact->interleaved(); }
   const fem::Sensor& sensor(std::size_t scene) const {
     return contact->family ? sensors[scene] : contact->model->sensor;
   }
   /// Index of [tile][.. `row` of `height` a lane ..][lane], for inputs; a tile is a group, or neighbouring groups of
   /// one lane.
   std::size_t at_lane(std::size_t lane, std::size_t height, std::size_t row) const {
-    const std::size_t tile = static_cast<std::size_t>(contact->lanes()) * contact->interleaved();
+    const std::size_t tile = lanes_of_tile();
     return ((lane / tile) * height + row) * tile + lane % tile;
   }
   /// Index of number `row` of `height` in an answer: [lane / interleaved][slots][height][lane % interleaved].
@@ -184,59 +187,91 @@ struct PatchContact<Real>::Batch::State {
     return ((lane / tile * answers + slot) * height + row) * tile + lane % tile;
   }
 
-  void lay_out(std::span<const fem::Scene> scenes, std::span<const PatchPath> paths, std::span<const PatchLane> inputs);
-  void fill(std::span<const PatchPath> paths, std::span<const PatchLane> inputs);
+  void lay_out();
+  void fill(const Scenes& from);
   void fill_sensors();
 };
 
+template <class Real>
+void PatchContact<Real>::Scenes::push_back(const fem::Scene& scene, const fem::LoadPath& load, const Given& given) {
+  if (scenes_.empty()) kind_ = kind_of(scene);
+  if (kind_of(scene) != kind_)
+    throw std::invalid_argument("PatchContact::Scenes::push_back: scenes of different kinds in one batch");
+  if (contact_->family) {
+    contact_->family->require(scene.sensor);
+    sensors_.push_back(scene.sensor);
+  }
+  const PatchPath path = patch_path(load, scene.load, contact_->pressing_increments());
+  const PatchLane lane = patch_lane(scene, path, given);
+  const double width = lane.input[PATCH_TO] - lane.input[PATCH_FROM], young = scene.sensor.young;
+  const auto increments = static_cast<int>(path.steps.size());
+  scenes_.push_back({.slots = path.slots,
+                     .indentation_slots = path.indentation_slots,
+                     .increments = increments,
+                     .friction = scene.friction,
+                     .young = young,
+                     .position = scene.indenter.position,
+                     .kin = (-static_cast<std::int64_t>(std::variant_size_v<fem::Shape>) * increments +
+                             static_cast<std::int64_t>(scene.indenter.shape.index())) *
+                                2 +
+                            turns_back(path),
+                     .width = std::isnan(width) ? 0 : width,
+                     .targets_at = targets_.size(),
+                     .shape_at = shapes_.size(),
+                     .shape_size = lane.shape.size()});
+  const auto put = [](std::vector<Real>& to, double value) { to.push_back(static_cast<Real>(value)); };
+  for (const double number : lane.input) put(inputs_, number);
+  for (const double number : lane.shape) put(shapes_, number);
+  int slot = 0;
+  for (const auto& [step, asked] : path.steps) {
+    put(targets_, step.normal_is_force ? step.normal / young : step.normal);
+    put(targets_, step.tangential_is_force ? step.tangential / young : step.tangential);
+    put(targets_, asked ? slot++ : -1);
+  }
+}
+
 /// Scenes of like cost side by side, so that the lanes of a group finish together.
 template <class Real>
-void PatchContact<Real>::Batch::State::lay_out(std::span<const fem::Scene> scenes, std::span<const PatchPath> paths,
-                                               std::span<const PatchLane> inputs) {
-  using Key = std::tuple<int, std::size_t, bool, int, double, std::size_t>;
+void PatchContact<Real>::Batch::State::lay_out() {
+  std::vector<double> friction;
+  friction.reserve(scenes.size());
+  for (const auto& scene : scenes) friction.push_back(scene.friction);
   const std::vector<int> stratum = strata(friction, friction_strata);
-  std::vector<Key> keys;
+  std::vector<std::tuple<std::int64_t, double, std::size_t>> keys;
   keys.reserve(scenes.size());
-  for (std::size_t i = 0; i < scenes.size(); ++i) {
-    const double width = inputs[i].input[PATCH_TO] - inputs[i].input[PATCH_FROM];
-    keys.emplace_back(-increments[i], scenes[i].indenter.shape.index(), turns_back(paths[i]), stratum[i],
-                      std::isnan(width) ? 0 : width, i);
-  }
+  for (std::size_t i = 0; i < scenes.size(); ++i)
+    keys.emplace_back(scenes[i].kin * friction_strata + stratum[i], scenes[i].width, i);
+  std::sort(keys.begin(), keys.end());
   order.resize(scenes.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return keys[a] < keys[b]; });
   place.resize(scenes.size());
-  for (std::size_t k = 0; k < order.size(); ++k) place[order[k]] = k;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    order[k] = std::get<2>(keys[k]);
+    place[order[k]] = k;
+  }
 }
 
 template <class Real>
-void PatchContact<Real>::Batch::State::fill(std::span<const PatchPath> paths, std::span<const PatchLane> inputs) {
+void PatchContact<Real>::Batch::State::fill(const Scenes& from) {
   const auto input = lane_input.map(MapFor::writing), targets = path.map(MapFor::writing),
              numbers = shapes.map(MapFor::writing);
   std::fill(input.view().begin(), input.view().end(), Real(0));
   std::fill(targets.view().begin(), targets.view().end(), Real(0));
+  const std::size_t height = static_cast<std::size_t>(most_increments) * PATCH_PATH_ROWS, tile = lanes_of_tile();
+  const auto put = [&](std::span<const Real> rows, Real* to) {
+    for (const Real number : rows) *to = number, to += tile;
+  };
   std::size_t shapes_at = 0;
-  for (const std::size_t i : order) {
-    const PatchLane& lane = inputs[i];
-    const auto put = [&](int row, double value) {
-      input[at_lane(place[i], PATCH_INPUT_ROWS, row)] = static_cast<Real>(value);
-    };
-    for (int row = 0; row < PATCH_INPUT_ROWS; ++row) put(row, lane.input[row]);
-    if (!lane.shape.empty()) {
-      put(lane.input[PATCH_POINTS] > 0 ? PATCH_POINTS_AT : PATCH_TERMS_AT, static_cast<double>(shapes_at));
-      for (const double number : lane.shape) numbers[shapes_at++] = static_cast<Real>(number);
-    }
-    const std::size_t height = static_cast<std::size_t>(most_increments) * PATCH_PATH_ROWS;
-    int slot = 0;
-    for (std::size_t k = 0; k < paths[i].steps.size(); ++k) {
-      const auto& [step, asked] = paths[i].steps[k];
-      const auto target = [&](int row, double value) {
-        targets[at_lane(place[i], height, k * PATCH_PATH_ROWS + row)] = static_cast<Real>(value);
-      };
-      target(PATCH_NORMAL, step.normal_is_force ? step.normal / young[i] : step.normal);
-      target(PATCH_TANGENTIAL, step.tangential_is_force ? step.tangential / young[i] : step.tangential);
-      target(PATCH_SLOT, asked ? slot++ : -1);
-    }
+  for (std::size_t lane = 0; lane < order.size(); ++lane) {
+    const std::size_t i = order[lane];
+    const auto& scene = scenes[i];
+    Real* const in = &input[at_lane(lane, PATCH_INPUT_ROWS, 0)];
+    put(std::span(from.inputs_).subspan(i * PATCH_INPUT_ROWS, PATCH_INPUT_ROWS), in);
+    put(std::span(from.targets_).subspan(scene.targets_at, scene.increments * std::size_t{PATCH_PATH_ROWS}),
+        &targets[at_lane(lane, height, 0)]);
+    if (scene.shape_size == 0) continue;
+    in[tile * (in[tile * PATCH_POINTS] > 0 ? PATCH_POINTS_AT : PATCH_TERMS_AT)] = static_cast<Real>(shapes_at);
+    std::copy_n(&from.shapes_[scene.shape_at], scene.shape_size, &numbers[shapes_at]);
+    shapes_at += scene.shape_size;
   }
 }
 
@@ -274,61 +309,48 @@ const PatchContactOptions& PatchContact<Real>::options() const {
 template <class Real>
 typename PatchContact<Real>::Batch PatchContact<Real>::prepare(std::span<const fem::Scene> scenes,
                                                                std::span<const Given> given) const {
-  const ContactKind kind = scenes.empty() ? ContactKind{} : kind_of(scenes.front());
-  if (!std::ranges::all_of(scenes, [&](const fem::Scene& scene) { return kind_of(scene) == kind; }))
-    throw std::invalid_argument("PatchContact::prepare: scenes of different kinds in one batch");
+  Scenes all(*this);
+  for (std::size_t i = 0; i < scenes.size(); ++i)
+    all.push_back(scenes[i], fem::load_path(scenes[i].load), given.empty() ? std::nullopt : given[i]);
+  return prepare(std::move(all));
+}
+
+template <class Real>
+typename PatchContact<Real>::Batch PatchContact<Real>::prepare(Scenes scenes, bool forces) const {
   Batch batch;
   batch.state_ = std::make_shared<typename Batch::State>();
   auto& b = *batch.state_;
   b.contact = state_;
-  const PatchContactOptions& options = this->options();
-  const fem::PatchOptions twin{.elements = options.elements, .pressing_increments = options.increments};
-  std::vector<PatchPath> paths;
-  std::vector<PatchLane> inputs;
-  paths.reserve(scenes.size());
-  inputs.reserve(scenes.size());
-  std::size_t shapes = 0;
-  for (const fem::Scene& scene : scenes) {
-    paths.push_back(patch_path(scene, twin.increments()));
-    inputs.push_back(patch_lane(scene, paths.back(), given.empty() ? std::nullopt : given[inputs.size()]));
-    shapes += inputs.back().shape.size();
-    b.path_steps.push_back(paths.back().slots);
-    b.indentation_steps.push_back(paths.back().indentation_slots);
-    b.increments.push_back(static_cast<int>(paths.back().steps.size()));
-    b.friction.push_back(scene.friction);
-    b.young.push_back(scene.sensor.young);
-    b.position.push_back(scene.indenter.position);
-    b.slots = std::max(b.slots, b.path_steps.back());
-    b.most_increments = std::max(b.most_increments, b.increments.back());
+  b.with_forces = forces;
+  b.scenes = std::move(scenes.scenes_);
+  b.sensors = std::move(scenes.sensors_);
+  for (const auto& scene : b.scenes) {
+    b.slots = std::max(b.slots, scene.slots);
+    b.most_increments = std::max(b.most_increments, scene.increments);
   }
-  if (state_->family)
-    for (const fem::Scene& scene : scenes) {
-      state_->family->require(scene.sensor);
-      b.sensors.push_back(scene.sensor);
-    }
-  b.lay_out(scenes, paths, inputs);
+  b.lay_out();
 
   const std::size_t lanes = state_->lanes(), tile = lanes * state_->interleaved();
-  b.groups = (scenes.size() + lanes - 1) / lanes;
-  b.all_lanes = (scenes.size() + tile - 1) / tile * tile;
+  b.groups = (b.scenes.size() + lanes - 1) / lanes;
+  b.all_lanes = (b.scenes.size() + tile - 1) / tile * tile;
   const std::size_t all = b.all_lanes, steps = all * b.slots;
   const Device& device = state_->executor.device();
   const auto buffer = [&](std::size_t size) { return Buffer<Real>(device, std::max<std::size_t>(size, 1)); };
-  b.shapes = buffer(shapes);
+  b.shapes = buffer(scenes.shapes_.size());
   b.lane_input = buffer(all * PATCH_INPUT_ROWS);
   b.path = buffer(all * b.most_increments * PATCH_PATH_ROWS);
   b.result = buffer(steps * PATCH_BLOCK);
-  b.forces = buffer(steps * state_->force_rows());
+  b.forces = buffer(forces ? steps * state_->force_rows() : 0);
   b.stress = buffer(steps * b.outputs());
   b.patches = buffer(all * PATCH_BLOCK);
-  b.fill(paths, inputs);
+  b.fill(scenes);
   if (state_->family) {
     b.lane_sensor = buffer(all * PATCH_SENSOR_ROWS);
     b.fill_sensors();
   }
 
   const PatchContactOptions& o = state_->options;
-  b.launch = state_->executor.prepare(state_->program(kind), state_->kernel(), [&](KernelArguments& kernel) {
+  b.launch = state_->executor.prepare(state_->program(scenes.kind_), state_->kernel(), [&](KernelArguments& kernel) {
     state_->set_tables(kernel);
     if (state_->family) kernel.set("sensors", b.lane_sensor);
     kernel.set("outputs", std::int32_t(b.outputs()));
@@ -337,6 +359,7 @@ typename PatchContact<Real>::Batch PatchContact<Real>::prepare(std::span<const f
     kernel.set("path", b.path);
     kernel.set("increments", std::int32_t(b.most_increments));
     kernel.set("slots", std::int32_t(b.slots));
+    kernel.set("write_forces", std::int32_t(forces));
     kernel.set("tolerance", Real(o.tolerance));
     kernel.set("accept", Real(o.accept));
     kernel.set("most_sweeps", std::int32_t(o.most_sweeps));
@@ -371,7 +394,9 @@ int PatchContact<Real>::Batch::steps() const {
 
 template <class Real>
 std::size_t PatchContact<Real>::Batch::steps_in_all() const {
-  return std::accumulate(state_->path_steps.begin(), state_->path_steps.end(), std::size_t(0));
+  std::size_t all = 0;
+  for (const auto& scene : state_->scenes) all += static_cast<std::size_t>(scene.slots);
+  return all;
 }
 
 template <class Real>
@@ -396,7 +421,7 @@ void PatchContact<Real>::Batch::fill_unused(Real value) {
   };
   for (std::size_t lane = 0; lane < b.all_lanes; ++lane) {
     const bool used = lane < b.order.size();
-    const std::size_t own = used ? b.increments[b.order[lane]] : 0;
+    const std::size_t own = used ? b.scenes[b.order[lane]].increments : 0;
     fill(targets.view(), lane, static_cast<std::size_t>(b.most_increments) * PATCH_PATH_ROWS, own * PATCH_PATH_ROWS);
     if (!used) fill(input.view(), lane, PATCH_INPUT_ROWS, 0);
   }
@@ -429,12 +454,12 @@ PatchContact<Real>::Batch::View::View(const Batch& batch)
 
 template <class Real>
 int PatchContact<Real>::Batch::View::path_steps(std::size_t i) const {
-  return state_->path_steps[i];
+  return state_->scenes[i].slots;
 }
 
 template <class Real>
 int PatchContact<Real>::Batch::View::indentation_steps(std::size_t i) const {
-  return state_->indentation_steps[i];
+  return state_->scenes[i].indentation_slots;
 }
 
 template <class Real>
@@ -448,37 +473,24 @@ Real PatchContact<Real>::Batch::View::result(std::size_t i, int step, int row) c
 }
 
 template <class Real>
-void PatchContact<Real>::Batch::View::results(std::size_t i, int step, std::span<Real> numbers) const {
-  const Real* from = &results_[state_->at_answer(i, state_->slots, step, PATCH_BLOCK, 0)];
-  const std::size_t stride = state_->contact->interleaved();
-  for (std::size_t row = 0; row < numbers.size(); ++row) numbers[row] = from[row * stride];
+LaneAnswer<Real> PatchContact<Real>::Batch::View::answer(std::size_t i) const {
+  const auto& b = *state_;
+  return {.steps = b.scenes[i].slots,
+          .results = results_.view().data() + b.at_answer(i, b.slots, 0, PATCH_BLOCK, 0),
+          .result_rows = PATCH_BLOCK,
+          .stresses = stresses_.view().data() + b.at_answer(i, b.slots, 0, b.outputs(), 0),
+          .stress_rows = b.outputs(),
+          .stride = interleaved()};
+}
+
+template <class Real>
+std::size_t PatchContact<Real>::Batch::View::interleaved() const {
+  return static_cast<std::size_t>(state_->contact->interleaved());
 }
 
 template <class Real>
 Real PatchContact<Real>::Batch::View::patch(std::size_t i, int row) const {
   return patches_[state_->at_answer(i, 1, 0, PATCH_BLOCK, row)];
-}
-
-template <class Real>
-template <class Number>
-void PatchContact<Real>::Batch::View::put_tactels(std::size_t i, int step, std::span<Number> stress) const {
-  const Real* from = &stresses_[state_->at_answer(i, state_->slots, step, state_->outputs(), 0)];
-  const std::size_t stride = state_->contact->interleaved();
-  if (stride == 1) {
-    std::transform(from, from + stress.size(), stress.begin(), [](Real value) { return static_cast<Number>(value); });
-  } else {
-    for (std::size_t k = 0; k < stress.size(); ++k) stress[k] = static_cast<Number>(from[k * stride]);
-  }
-}
-
-template <class Real>
-void PatchContact<Real>::Batch::View::tactels(std::size_t i, int step, std::span<float> stress) const {
-  put_tactels(i, step, stress);
-}
-
-template <class Real>
-void PatchContact<Real>::Batch::View::tactels(std::size_t i, int step, std::span<double> stress) const {
-  put_tactels(i, step, stress);
 }
 
 template <class Real>
@@ -489,27 +501,29 @@ fem::ContactSolution PatchContact<Real>::Batch::solution(std::size_t i) const {
 template <class Real>
 fem::ContactSolution PatchContact<Real>::Batch::View::solution(std::size_t i) const {
   const auto& b = *state_;
+  if (!b.with_forces) throw std::logic_error("PatchContact: a solution of a batch without forces");
+  const auto& scene = b.scenes[i];
   const int elements = b.contact->elements, tactels = b.contact->tactels;
   const double origin = patch(i, PATCH_ORIGIN), width = patch(i, PATCH_ELEMENT);
-  const Real mu = static_cast<Real>(std::min(b.friction[i], fem::largest_friction));
+  const Real mu = static_cast<Real>(std::min(scene.friction, fem::largest_friction));
   fem::ContactSolution solution;
   solution.surface_x = Eigen::VectorXd::NullaryExpr(
-      elements, [&](auto n) { return b.position[i] + origin + width * (static_cast<double>(n) + 0.5); });
+      elements, [&](auto n) { return scene.position + origin + width * (static_cast<double>(n) + 0.5); });
   solution.surface_width = Eigen::VectorXd::Constant(elements, width);
   solution.tactel_x = fem::tactel_positions(b.sensor(i));
-  for (int k = 0; k < b.path_steps[i]; ++k) {
+  for (int k = 0; k < scene.slots; ++k) {
     const auto said = [&](int row) { return static_cast<double>(result(i, k, row)); };
     const int status = static_cast<int>(said(LANE_STATUS));
     if (status == LANE_NOT_RUN) break;
-    fem::ContactStep step = lane_step(said, b.friction[i]);
+    fem::ContactStep step = lane_step(said, scene.friction);
     if (status != LANE_INVALID) {
       const auto force = [&](auto row) {
         return forces_[b.at_answer(i, b.slots, k, b.contact->force_rows(), static_cast<std::size_t>(row))];
       };
       step.normal_force =
-          Eigen::VectorXd::NullaryExpr(elements, [&](auto n) { return static_cast<double>(force(n)) * b.young[i]; });
+          Eigen::VectorXd::NullaryExpr(elements, [&](auto n) { return static_cast<double>(force(n)) * scene.young; });
       step.tangential_force = Eigen::VectorXd::NullaryExpr(
-          elements, [&](auto n) { return static_cast<double>(force(elements + n)) * b.young[i]; });
+          elements, [&](auto n) { return static_cast<double>(force(elements + n)) * scene.young; });
       for (int n = 0; n < elements; ++n) {
         const bool sticks = std::abs(force(elements + n)) < mu * force(n);
         step.status.push_back(!(force(n) > 0) ? fem::GapStatus::open
@@ -517,7 +531,7 @@ fem::ContactSolution PatchContact<Real>::Batch::View::solution(std::size_t i) co
                                               : fem::GapStatus::slip);
       }
       std::vector<double> stress(2 * static_cast<std::size_t>(tactels));
-      put_tactels(i, k, std::span(stress));
+      answer(i).tactels(k, std::span(stress));
       step.sigma_y = Eigen::Map<const Eigen::VectorXd>(stress.data(), tactels);
       step.tau_xy = Eigen::Map<const Eigen::VectorXd>(stress.data() + tactels, tactels);
     } else {
@@ -525,7 +539,7 @@ fem::ContactSolution PatchContact<Real>::Batch::View::solution(std::size_t i) co
       step.sigma_y = step.tau_xy = Eigen::VectorXd::Zero(tactels);
       step.status.assign(elements, fem::GapStatus::open);
     }
-    solution.sliding = status == LANE_SLIDING && k >= b.indentation_steps[i];
+    solution.sliding = status == LANE_SLIDING && k >= scene.indentation_slots;
     solution.steps.push_back(std::move(step));
   }
   return solution;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -31,6 +32,8 @@ struct PatchContactOptions {
 /// over what its indenter touches (kernels/patch_contact.cl). Tables and programs for one precision. Cheap to copy.
 template <class Real>
 class PatchContact {
+  struct State;
+
  public:
   /// Throws ValueError for a number of elements that has no program.
   PatchContact(Executor& executor, const fem::LayerModel& model, const PatchContactOptions& options = {});
@@ -40,8 +43,35 @@ class PatchContact {
   /// The contact that the patch of a scene must cover; none: the kernel searches it.
   using Given = std::optional<PatchContactExtent>;
 
-  /// Scenes of this sensor (E may differ), or of sensors of the family, with their load paths, laid out in lanes; all
-  /// of one ContactKind.
+  /// Scenes of this sensor (E may differ), or of sensors of the family, on their way into a batch: the numbers that the
+  /// kernel takes of each.
+  class Scenes {
+   public:
+    explicit Scenes(const PatchContact& contact) : contact_(contact.state_) {}
+    /// `path`: load_path(scene.load). Throws std::invalid_argument where the ContactKind is not that of the first,
+    /// ValueError for a sensor outside the family.
+    void push_back(const fem::Scene& scene, const fem::LoadPath& path, const Given& given = {});
+    std::size_t size() const { return scenes_.size(); }
+
+   private:
+    friend class PatchContact;
+    struct One {
+      int slots = 0, indentation_slots = 0, increments = 0;
+      double friction = 0, young = 0, position = 0;
+      std::int64_t kin = 0;  ///< scenes with the same number cost alike
+      double width = 0;      ///< mm, of the rigid profile at the largest depth
+      std::size_t targets_at = 0, shape_at = 0, shape_size = 0;
+    };
+    std::shared_ptr<State> contact_;
+    ContactKind kind_;
+    std::vector<One> scenes_;
+    std::vector<Real> inputs_;   ///< [scenes][PATCH_INPUT_ROWS]
+    std::vector<Real> targets_;  ///< [increments of all][PATCH_PATH_ROWS]
+    std::vector<Real> shapes_;
+    std::vector<fem::Sensor> sensors_;  ///< [scenes] of a family
+  };
+
+  /// Scenes with their load paths, laid out in lanes; all of one ContactKind.
   class Batch {
     struct State;
 
@@ -68,21 +98,18 @@ class PatchContact {
       explicit View(const Batch& batch);
       Real result(std::size_t i, int step, int row) const;  ///< one number of LaneResultRow
       Real patch(std::size_t i, int row) const;             ///< one number of PatchRow
-      /// The first numbers of LaneResultRow for a scene's increment, as many as `numbers` holds.
-      void results(std::size_t i, int step, std::span<Real> numbers) const;
+      /// Returns the numbers of a scene, which are valid as long as the view.
+      LaneAnswer<Real> answer(std::size_t i) const;
+      /// Returns how many scenes share a place: their numbers take turns in memory. 1: those of a scene lie together.
+      std::size_t interleaved() const;
       int path_steps(std::size_t i) const;
       int indentation_steps(std::size_t i) const;  ///< of these the first
       /// Returns the scenes in the order of memory, in which reading many is fast.
       std::span<const std::size_t> by_lane() const;
-      /// [2 tactels]: sigma_y of every tactel, then tau_xy, MPa.
-      void tactels(std::size_t i, int step, std::span<float> stress) const;
-      void tactels(std::size_t i, int step, std::span<double> stress) const;
       /// Returns the answer of the kernel for scene `i`.
       fem::ContactSolution solution(std::size_t i) const;
 
      private:
-      template <class Number>
-      void put_tactels(std::size_t i, int step, std::span<Number> stress) const;
       std::shared_ptr<State> state_;
       typename Buffer<Real>::Mapping results_, forces_, stresses_, patches_;
     };
@@ -95,12 +122,13 @@ class PatchContact {
   /// `given`: [scenes], or empty for none. Throws std::invalid_argument where scenes differ in kind, ValueError for a
   /// sensor outside the family.
   Batch prepare(std::span<const fem::Scene> scenes, std::span<const Given> given = {}) const;
+  /// Without `forces` the kernel writes no forces of elements, and the batch has no solution().
+  Batch prepare(Scenes scenes, bool forces = true) const;
   /// Returns the tables of this sensor: those of all scenes, or made from the family's.
   std::shared_ptr<const fem::LayerModel> model_of(const fem::Sensor& sensor) const;
   const PatchContactOptions& options() const;
 
  private:
-  struct State;
   std::shared_ptr<State> state_;
 };
 

@@ -139,17 +139,16 @@ Interval below(const fem::Profile&, const PatchLane& lane, double depth) {
 
 }  // namespace
 
-PatchPath patch_path(const fem::Scene& scene, int pressing_increments) {
-  const fem::LoadPath load = fem::load_path(scene.load);
-  PatchPath path;
-  path.steps = fem::patch_steps(load, scene.load, pressing_increments);
-  path.slots = static_cast<int>(load.steps.size());
-  path.indentation_slots = load.indentation_steps;
-  path.until_sliding = load.until_sliding;
-  for (int slot = 0; slot < path.indentation_slots; ++path.pressing_increments)
-    slot += path.steps[path.pressing_increments].asked;
-  for (const fem::LoadStep& step : load.steps) path.most = std::max(path.most, step.normal);
-  return path;
+PatchPath patch_path(const fem::LoadPath& path, const fem::Load& load, int pressing_increments) {
+  PatchPath refined;
+  refined.steps = fem::patch_steps(path, load, pressing_increments);
+  refined.slots = static_cast<int>(path.steps.size());
+  refined.indentation_slots = path.indentation_steps;
+  refined.until_sliding = path.until_sliding;
+  for (int slot = 0; slot < refined.indentation_slots; ++refined.pressing_increments)
+    slot += refined.steps[refined.pressing_increments].asked;
+  for (const fem::LoadStep& step : path.steps) refined.most = std::max(refined.most, step.normal);
+  return refined;
 }
 
 PatchLane patch_lane(const fem::Scene& scene, const PatchPath& path, const std::optional<PatchContactExtent>& given) {

@@ -19,8 +19,9 @@ struct PatchPath {
   double most = 0;  ///< largest depth mm, or largest P N/mm
 };
 
-/// Returns the path with at least this number of increments to each pressing target (fem/layer/patch_path.h).
-PatchPath patch_path(const fem::Scene& scene, int pressing_increments);
+/// Returns the path of a load with at least this number of increments to each pressing target
+/// (fem/layer/patch_path.h). `path`: load_path(load).
+PatchPath patch_path(const fem::LoadPath& path, const fem::Load& load, int pressing_increments);
 
 /// What the kernel gets of one scene: its rows of PatchInputRow, and its part of `shapes`.
 struct PatchLane {

@@ -3,19 +3,16 @@
 
 #include <algorithm>
 #include <atomic>
-#include <charconv>
 #include <chrono>
-#include <cstdlib>
-#include <cstring>
 #include <limits>
 #include <mutex>
 #include <optional>
 #include <stdexcept>
-#include <thread>
 
 #include "host/device/group_supply.h"
 #include "host/device/launcher.h"
 #include "host/device/thread_team.h"
+#include "host/support/host_threads.h"
 
 namespace tactel::host {
 namespace {
@@ -29,18 +26,7 @@ constexpr std::size_t progress_slices = 64, smallest_slice = 64;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-int chosen_threads(int wanted) {
-  constexpr int most = 1024;
-  if (wanted > 0) return std::min(wanted, most);
-  const char* text = std::getenv("TACTEL_THREADS");
-  if (!text || !*text) return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  int threads = 0;
-  const char* end = text + std::strlen(text);
-  const auto [stop, error] = std::from_chars(text, end, threads);
-  if (error != std::errc{} || stop != end || threads < 1 || threads > most)
-    throw ConfigError("", "TACTEL_THREADS", text, "a whole number from 1 to " + std::to_string(most));
-  return threads;
-}
+int chosen_threads(int wanted) { return wanted > 0 ? std::min(wanted, most_host_threads) : host_threads(); }
 
 /// One run: what its threads share.
 struct Run {
@@ -81,7 +67,8 @@ const std::string& Launch::kernel() const { return state_->kernel; }
 struct Executor::State {
   Launcher launcher;
   ThreadTeam team;
-  std::mutex turn;  ///< whose run it is; also guards the next
+  std::mutex turn;    ///< whose run it is; also guards the times in the next
+  std::mutex naming;  ///< of the kernels in the next
   std::map<std::string, KernelTime> times;
   mutable std::mutex beside_turn;            ///< of the next
   std::map<std::string, KernelTime> beside;  ///< times of runs beside these
@@ -216,10 +203,12 @@ Executor::Executor(const Device& device, const ExecutorOptions& options)
 Executor::~Executor() = default;
 
 Launch Executor::prepare(const Program& program, const std::string& kernel, const BindArguments& bind) {
-  const std::lock_guard lock(state_->turn);
+  const auto time = [&] {
+    const std::lock_guard lock(state_->naming);
+    return &state_->times[kernel];
+  };
   Launch launch;
-  launch.state_ =
-      std::make_shared<Launch::State>(Launch::State{program, kernel, {}, state_.get(), &state_->times[kernel]});
+  launch.state_ = std::make_shared<Launch::State>(Launch::State{program, kernel, {}, state_.get(), time()});
   launch.state_->parameters = program.parameters(kernel);
   for (int i = 0; i < threads(); ++i) launch.state_->kernels.push_back(program.kernel(kernel));
   if (bind) {
@@ -291,14 +280,14 @@ const Device& Executor::device() const { return state_->launcher.device(); }
 int Executor::threads() const { return state_->team.threads(); }
 
 std::map<std::string, KernelTime> Executor::times() const {
-  const std::scoped_lock lock(state_->turn, state_->beside_turn);
+  const std::scoped_lock lock(state_->turn, state_->naming, state_->beside_turn);
   std::map<std::string, KernelTime> all = state_->times;
   for (const auto& [kernel, time] : state_->beside) all[kernel] += time;
   return all;
 }
 
 void Executor::clear_times() {
-  const std::scoped_lock lock(state_->turn, state_->beside_turn);
+  const std::scoped_lock lock(state_->turn, state_->naming, state_->beside_turn);
   for (auto& [kernel, time] : state_->times) time = {};
   state_->beside.clear();
 }

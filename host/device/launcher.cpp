@@ -40,17 +40,20 @@ void Launcher::enqueue(cl::CommandQueue& queue, cl::Kernel& kernel, std::size_t 
 void Launcher::compile(Launch::State& launch) {
   static std::mutex one_at_a_time;
   if (launch.compiled) return;
-  const HeldSignals held(HeldSignals::handled);
   if (launch.program.takes_group(launch.kernel)) {
+    const HeldSignals held(HeldSignals::handled);
     const std::lock_guard lock(one_at_a_time);
-    const BusyMessage busy(device_, "optimizing kernel " + launch.kernel + " for this device (once)");
-    launch.widest = widest_launch();
+    std::optional<BusyMessage> busy;
     std::optional<Compilation> compilation;
-    if (launch.program.first_use(launch.kernel)) compilation.emplace();
+    if (launch.program.first_use(launch.kernel)) {
+      busy.emplace(device_, "optimizing kernel " + launch.kernel + " for this device (once)");
+      compilation.emplace();
+    }
+    launch.widest = widest_launch();
     const std::size_t global = device_.info().type == DeviceType::cpu ? launch.widest : local_size();
-    translated(device_.info().name, [&] {
-      enqueue(queues_[0], launch.kernels[0], std::size_t{NO_GROUPS}, global, local_size());
-      queues_[0].finish();
+    on_spare_queue([&](cl::CommandQueue& queue) {
+      enqueue(queue, launch.kernels[0], std::size_t{NO_GROUPS}, global, local_size());
+      queue.finish();
     });
     if (compilation) compilation->keep();
   } else {
@@ -63,32 +66,37 @@ void Launcher::compile(Launch::State& launch) {
 // goes in a launch of its own, as OpenCL 1.2 requires whole work-groups.
 void Launcher::launch_on(cl::CommandQueue& queue, Launch::State& launch, int thread, std::size_t first,
                          std::size_t count) {
-  translated(device_.info().name, [&] {
-    for (const std::size_t end = first + count; first < end; first += count) {
-      count = std::min(end - first, launch.widest);
-      const std::size_t ragged = count % local_size();
-      enqueue(queue, launch.kernels[thread], first, count - ragged, local_size());
-      enqueue(queue, launch.kernels[thread], first + count - ragged, ragged, ragged);
-    }
-    queue.finish();
-  });
+  for (const std::size_t end = first + count; first < end; first += count) {
+    count = std::min(end - first, launch.widest);
+    const std::size_t ragged = count % local_size();
+    enqueue(queue, launch.kernels[thread], first, count - ragged, local_size());
+    enqueue(queue, launch.kernels[thread], first + count - ragged, ragged, ragged);
+  }
+  queue.finish();
 }
 
 void Launcher::launch(Launch::State& launch, int thread, std::size_t first, std::size_t count) {
-  launch_on(queues_[thread], launch, thread, first, count);
+  translated(device_.info().name, [&] { launch_on(queues_[thread], launch, thread, first, count); });
 }
 
 void Launcher::launch_beside(Launch::State& launch, std::size_t first, std::size_t count) {
-  cl::CommandQueue queue;
-  {
+  on_spare_queue([&](cl::CommandQueue& queue) { launch_on(queue, launch, 0, first, count); });
+}
+
+template <class Use>
+void Launcher::on_spare_queue(const Use& use) {
+  translated(device_.info().name, [&] {
+    cl::CommandQueue queue;
+    {
+      const std::lock_guard lock(spare_turn_);
+      if (spare_.empty()) spare_.push_back(device_.make_queue());
+      queue = std::move(spare_.back());
+      spare_.pop_back();
+    }
+    use(queue);
     const std::lock_guard lock(spare_turn_);
-    if (spare_.empty()) spare_.push_back(device_.make_queue());
-    queue = std::move(spare_.back());
-    spare_.pop_back();
-  }
-  launch_on(queue, launch, 0, first, count);
-  const std::lock_guard lock(spare_turn_);
-  spare_.push_back(std::move(queue));
+    spare_.push_back(std::move(queue));
+  });
 }
 
 }  // namespace tactel::host

@@ -31,7 +31,7 @@ class Launcher {
  public:
   Launcher(const Device& device, int threads);
 
-  /// Compiles the kernel once, by a launch that does nothing.
+  /// Compiles the kernel once, by a launch that does nothing, on a queue of its own: beside any runs.
   void compile(Launch::State& launch);
   /// Runs groups first ... first + count - 1 with the kernel object and queue of this thread.
   void launch(Launch::State& launch, int thread, std::size_t first, std::size_t count);
@@ -43,13 +43,15 @@ class Launcher {
  private:
   std::size_t local_size() const;
   void launch_on(cl::CommandQueue& queue, Launch::State& launch, int thread, std::size_t first, std::size_t count);
+  template <class Use>
+  void on_spare_queue(const Use& use);
   static void enqueue(cl::CommandQueue& queue, cl::Kernel& kernel, std::size_t first, std::size_t global,
                       std::size_t local);
 
   Device device_;
   std::vector<cl::CommandQueue> queues_;  ///< [threads]
   std::mutex spare_turn_;                 ///< of the next
-  std::vector<cl::CommandQueue> spare_;   ///< of runs beside the threads
+  std::vector<cl::CommandQueue> spare_;   ///< of what runs beside the threads
 };
 
 }  // namespace tactel::host

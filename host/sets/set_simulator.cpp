@@ -54,22 +54,26 @@ void resize(ContactSet& set, std::size_t rows) {
   set.contact.resize(rows), set.step.resize(rows), set.status.resize(rows);
 }
 
-/// Which contact rows are of.
-struct RowsOf {
-  const fem::Scene& scene;
-  std::uint16_t kind = 0;
+/// A contact but for its shape and path, which its launch has.
+struct Contact {
   std::uint64_t number = 0;  ///< in the sweep
+  fem::Sensor sensor;
+  double friction = 0, position = 0;
+  std::size_t launch = 0, i = 0;  ///< of the range, and in it
+  int first_step = 0;             ///< the first that may be a row
+  std::uint16_t kind = 0;
+  bool until_sliding = false;
 };
 
 /// Fills row `at` but for its frame, whose place it returns.
-std::span<float> put_row(ContactSet& set, std::size_t at, const Row& row, const RowsOf& of, int step) {
+std::span<float> put_row(ContactSet& set, std::size_t at, const Row& row, const Contact& of, int step) {
   const int touching = row.sticking + row.slipping;
   set.slip_index[at] = static_cast<float>(row.slip_index);
   set.normal_force[at] = static_cast<float>(row.P);
   set.tangential_force[at] = static_cast<float>(row.Q);
   set.indentation[at] = static_cast<float>(row.indentation);
   set.tangential[at] = static_cast<float>(row.tangential);
-  set.friction[at] = static_cast<float>(of.scene.friction);
+  set.friction[at] = static_cast<float>(of.friction);
   set.stick_fraction[at] = touching ? static_cast<float>(row.sticking) / static_cast<float>(touching) : 0;
   set.contact_nodes[at] = static_cast<std::uint16_t>(touching);
   set.contact[at] = of.number;
@@ -78,11 +82,10 @@ std::span<float> put_row(ContactSet& set, std::size_t at, const Row& row, const 
   set.status[at] = static_cast<std::uint8_t>(row.status);
   set.residual[at] = static_cast<float>(row.residual);
   if (set.sensors) {
-    const fem::Sensor& sensor = of.scene.sensor;
-    set.poisson[at] = static_cast<float>(sensor.poisson);
-    set.thickness[at] = static_cast<float>(sensor.thickness);
-    set.young[at] = static_cast<float>(sensor.young);
-    set.length[at] = static_cast<float>(sensor.length);
+    set.poisson[at] = static_cast<float>(of.sensor.poisson);
+    set.thickness[at] = static_cast<float>(of.sensor.thickness);
+    set.young[at] = static_cast<float>(of.sensor.young);
+    set.length[at] = static_cast<float>(of.sensor.length);
   }
   return std::span(set.frames).subspan(at * set.inputs, set.inputs);
 }
@@ -100,8 +103,8 @@ void put_stress(const fem::ContactStep& step, std::span<float> frame) {
   std::ranges::copy(step.tau_xy.cast<float>(), frame.begin() + step.sigma_y.size());
 }
 
-void put_rows(ContactSet& set, std::size_t at, const fem::ContactSolution& solution, int first, const RowsOf& of) {
-  for (const int k : rows_of(solution, first)) {
+void put_rows(ContactSet& set, std::size_t at, const fem::ContactSolution& solution, const Contact& of) {
+  for (const int k : rows_of(solution, of.first_step)) {
     const fem::ContactStep& step = solution.steps[k];
     Row row{.slip_index = *step.slip_index,
             .P = step.P,
@@ -120,19 +123,8 @@ void put_rows(ContactSet& set, std::size_t at, const fem::ContactSolution& solut
 template <class Launcher>
 using View = typename Launcher::Batch::View;
 
-/// The numbers of a load step in the kernel's result.
 template <class Launcher>
-struct StepNumbers {
-  using Real = decltype(std::declval<const View<Launcher>&>().result(0, 0, 0));
-  std::array<Real, LANE_RESULT_ROWS> rows;
-
-  StepNumbers(const View<Launcher>& view, std::size_t i, int step) { view.results(i, step, rows); }
-  double operator[](int row) const { return static_cast<double>(rows[static_cast<std::size_t>(row)]); }
-  int status() const { return static_cast<int>(rows[LANE_STATUS]); }
-  std::optional<double> slip_index(double mu) const {
-    return host::slip_index(mu, (*this)[LANE_P], (*this)[LANE_SLIP_INDEX]);
-  }
-};
+using Answer = decltype(std::declval<const View<Launcher>&>().answer(0));
 
 /// What the load steps of a contact say together.
 struct Survey {
@@ -159,7 +151,10 @@ struct Solver;
 template <class Real>
 struct Solver<GapSweep<Real>> {
   using Launcher = GapSweep<Real>;
-  static constexpr std::size_t side_by_side_answers = 16;  ///< in the memory of a processor: numbers of a cache line
+  using Scenes = std::vector<fem::Scene>;
+  static Scenes no_scenes(const Launcher&) { return {}; }
+  static void add(fem::Scene&& scene, const fem::LoadPath&, Scenes& scenes) { scenes.push_back(std::move(scene)); }
+  static auto prepare(const Launcher& launcher, Scenes scenes) { return launcher.prepare(scenes); }
 
   static std::vector<Launcher> launchers(Executor& executor, const SceneSource& source,
                                          const std::vector<fem::Sensor>& sensors, const SetOptions& options) {
@@ -177,13 +172,9 @@ struct Solver<GapSweep<Real>> {
     for (const fem::Sensor& sensor : sensors) all.emplace_back(executor, sensor, sweep);
     return all;
   }
-  static bool served(const SceneSource&, const SetOptions&, const fem::Scene&, const View<Launcher>&, std::size_t) {
-    return true;
-  }
-  static bool large_enough(const SetOptions&, const View<Launcher>&, std::size_t) { return true; }
-  static double element_width(const fem::Scene& scene, const View<Launcher>&, std::size_t) {
-    return mesh_spacing(scene.sensor);
-  }
+  static bool served(const SceneSource&, const SetOptions&, const Contact&, const View<Launcher>&) { return true; }
+  static bool large_enough(const SetOptions&, const Contact&, const View<Launcher>&) { return true; }
+  static double element_width(const Contact& contact, const View<Launcher>&) { return mesh_spacing(contact.sensor); }
   static GapSweepSolver mesh(Executor& executor, const SetOptions& options) {
     return {executor, options.precision, {.tolerance = options.tolerance, .audit = false}};
   }
@@ -197,7 +188,10 @@ struct Solver<GapSweep<Real>> {
 template <class Real>
 struct Solver<PatchContact<Real>> {
   using Launcher = PatchContact<Real>;
-  static constexpr std::size_t side_by_side_answers = 1;  ///< contacts lie one after the other
+  using Scenes = typename Launcher::Scenes;
+  static Scenes no_scenes(const Launcher& launcher) { return Scenes(launcher); }
+  static void add(fem::Scene&& scene, const fem::LoadPath& path, Scenes& scenes) { scenes.push_back(scene, path); }
+  static auto prepare(const Launcher& launcher, Scenes scenes) { return launcher.prepare(std::move(scenes), false); }
 
   static std::vector<Launcher> launchers(Executor& executor, const SceneSource& source,
                                          const std::vector<fem::Sensor>& sensors, const SetOptions& options) {
@@ -212,17 +206,17 @@ struct Solver<PatchContact<Real>> {
     return all;
   }
   /// Contacts across a whole sensor stay on their patch where each has its own: a mesh would need a condensation each.
-  static bool served(const SceneSource& source, const SetOptions& options, const fem::Scene& scene,
-                     const View<Launcher>& view, std::size_t i) {
-    const double left = scene.indenter.position + view.patch(i, PATCH_ORIGIN);
+  static bool served(const SceneSource& source, const SetOptions& options, const Contact& contact,
+                     const View<Launcher>& view) {
+    const double left = contact.position + view.patch(contact.i, PATCH_ORIGIN);
     return source.own_sensors() ||
-           patch_serves(scene.sensor, left, left + options.patch->elements * view.patch(i, PATCH_ELEMENT));
+           patch_serves(contact.sensor, left, left + options.patch->elements * view.patch(contact.i, PATCH_ELEMENT));
   }
-  static bool large_enough(const SetOptions& options, const View<Launcher>& view, std::size_t i) {
-    return !grown_contact<Real>(view, i, options.patch->elements);
+  static bool large_enough(const SetOptions& options, const Contact& contact, const View<Launcher>& view) {
+    return !grown_contact<Real>(view, contact.i, options.patch->elements);
   }
-  static double element_width(const fem::Scene&, const View<Launcher>& view, std::size_t i) {
-    return view.patch(i, PATCH_ELEMENT);
+  static double element_width(const Contact& contact, const View<Launcher>& view) {
+    return view.patch(contact.i, PATCH_ELEMENT);
   }
   static GapSweepSolver mesh(Executor& executor, const SetOptions& options) {
     return mesh_solver(executor, *options.patch, true, false);
@@ -271,58 +265,58 @@ bool slides_far(const fem::Scene& scene, const fem::ContactSolution& solution) {
   });
 }
 
-/// `first`: the first step that may be a row.
 template <class Launcher>
-Survey survey(const View<Launcher>& view, std::size_t i, const fem::Scene& scene, int first) {
-  const double element = Solver<Launcher>::element_width(scene, view, i);
-  const int steps = view.path_steps(i);
+Survey survey(const View<Launcher>& view, const Contact& contact) {
+  const double element = Solver<Launcher>::element_width(contact, view);
+  const Answer<Launcher> answer = view.answer(contact.i);
   Survey found;
-  for (int k = 0; k < steps; ++k) {
-    const StepNumbers<Launcher> step(view, i, k);
-    const int status = step.status();
+  for (int k = 0; k < answer.steps; ++k) {
+    const auto said = [&](int row) { return static_cast<double>(answer.result(k, row)); };
+    const int status = static_cast<int>(said(LANE_STATUS));
     if (status == LANE_NOT_RUN) break;
     found.solved = found.solved && status != LANE_UNSOLVED && status != LANE_INVALID;
-    found.deepest = std::max(found.deepest, step[LANE_INDENTATION]);
+    found.deepest = std::max(found.deepest, said(LANE_INDENTATION));
     found.slides_far =
         found.slides_far ||
-        step[LANE_SLIP_DISTANCE] > slip_limit(scene.sensor, element * (step[LANE_STICKING] + step[LANE_SLIPPING]));
-    found.rows += k >= first && step.slip_index(scene.friction);
-    found.ran_through = k == steps - 1 && status != LANE_SLIDING;
+        said(LANE_SLIP_DISTANCE) > slip_limit(contact.sensor, element * (said(LANE_STICKING) + said(LANE_SLIPPING)));
+    found.rows += k >= contact.first_step && slip_index(contact.friction, said(LANE_P), 0);
+    found.ran_through = k == answer.steps - 1 && status != LANE_SLIDING;
   }
   return found;
 }
 
 /// A contact of the sweeps whose rows go into a set.
+template <class Launcher>
 struct RowsFrom {
-  std::size_t i = 0;  ///< in its launch
+  const Contact* contact = nullptr;
   std::size_t at = 0;
-  int first = 0;
-  RowsOf of;
+  Answer<Launcher> answer;
 };
 
 /// Lanes whose numbers lie side by side in memory are read together, step by step.
 template <class Launcher>
-void put_rows(ContactSet& set, const View<Launcher>& view, std::span<RowsFrom> contacts) {
+void put_rows(ContactSet& set, std::span<RowsFrom<Launcher>> contacts) {
   int steps = 0;
-  for (const RowsFrom& contact : contacts) steps = std::max(steps, view.path_steps(contact.i));
+  for (const auto& rows : contacts) steps = std::max(steps, rows.answer.steps);
   for (int k = 0; k < steps; ++k)
-    for (RowsFrom& contact : contacts) {
-      if (k < contact.first || k >= view.path_steps(contact.i)) continue;
-      const StepNumbers<Launcher> said(view, contact.i, k);
-      if (said.status() == LANE_NOT_RUN) continue;
-      const auto S = said.slip_index(contact.of.scene.friction);
+    for (auto& [contact, at, answer] : contacts) {
+      if (k < contact->first_step || k >= answer.steps) continue;
+      const auto said = [&](int row) { return static_cast<double>(answer.result(k, row)); };
+      const int status = static_cast<int>(said(LANE_STATUS));
+      if (status == LANE_NOT_RUN) continue;
+      const auto S = slip_index(contact->friction, said(LANE_P), said(LANE_SLIP_INDEX));
       if (!S) continue;
       const Row row{.slip_index = *S,
-                    .P = said[LANE_P],
-                    .Q = said[LANE_Q],
-                    .indentation = said[LANE_INDENTATION],
-                    .tangential = said[LANE_TANGENTIAL],
-                    .residual = std::max({said[LANE_PENETRATION], said[LANE_CONE], said[LANE_COMPLEMENTARITY],
-                                          said[LANE_DRIFT], said[LANE_BALANCE]}),
-                    .sticking = static_cast<int>(said[LANE_STICKING]),
-                    .slipping = static_cast<int>(said[LANE_SLIPPING]),
-                    .status = said.status()};
-      view.tactels(contact.i, k, put_row(set, contact.at++, row, contact.of, k));
+                    .P = said(LANE_P),
+                    .Q = said(LANE_Q),
+                    .indentation = said(LANE_INDENTATION),
+                    .tangential = said(LANE_TANGENTIAL),
+                    .residual = std::max({said(LANE_PENETRATION), said(LANE_CONE), said(LANE_COMPLEMENTARITY),
+                                          said(LANE_DRIFT), said(LANE_BALANCE)}),
+                    .sticking = static_cast<int>(said(LANE_STICKING)),
+                    .slipping = static_cast<int>(said(LANE_SLIPPING)),
+                    .status = status};
+      answer.tactels(k, put_row(set, at++, row, *contact, k));
     }
 }
 
@@ -331,16 +325,16 @@ template <class Launcher>
 struct SharedLaunch {
   std::size_t sensor = 0;
   ContactKind kind;
-  int steps = 0;  ///< of the longest path
-  std::vector<fem::Scene> scenes{};
-  std::vector<std::uint64_t> which{};  ///< [scenes] contact, counted from the range's first
+  int steps = 0;                             ///< of the longest path
+  typename Solver<Launcher>::Scenes scenes;  ///< until they are in the batch
+  std::vector<std::uint64_t> which{};        ///< [scenes] contact, counted from the range's first
   std::optional<typename Launcher::Batch> batch{};
 };
 
-/// Contacts that the exact fallback solved, by their place in the range.
+/// Contacts that are solved again, by their place in the range.
 struct FallenContact {
+  fem::Scene scene;
   fem::ContactSolution solution;
-  const fem::Scene* scene = nullptr;
 };
 using Fallen = std::map<std::uint64_t, FallenContact>;
 
@@ -349,25 +343,20 @@ constexpr std::size_t most_lane_steps = 1u << 18;
 
 template <class Launcher>
 struct RangeOf : SetSimulator::Range {
-  /// A contact but for its scene, which its launch has.
-  struct Drawn {
-    std::uint16_t kind = 0;
-    bool until_sliding = false;
-    int first_step = 0;  ///< the first that may be a row
-  };
-  std::vector<Drawn> contacts;
+  std::vector<Contact> contacts;
   std::vector<float> parameters;  ///< [contacts][columns]
   std::vector<SharedLaunch<Launcher>> launches;
 
   /// The launch that a contact goes to; a new one where the last of its kind is full.
-  SharedLaunch<Launcher>& launch_for(std::size_t sensor, ContactKind kind, int steps) {
-    for (auto launch = launches.rbegin(); launch != launches.rend(); ++launch) {
-      if (launch->sensor != sensor || launch->kind != kind) continue;
-      if ((launch->scenes.size() + 1) * std::max(steps, launch->steps) <= most_lane_steps) return *launch;
+  std::size_t launch_for(std::size_t sensor, ContactKind kind, int steps, const std::vector<Launcher>& launchers) {
+    for (std::size_t l = launches.size(); l-- > 0;) {
+      const SharedLaunch<Launcher>& launch = launches[l];
+      if (launch.sensor != sensor || launch.kind != kind) continue;
+      if ((launch.which.size() + 1) * std::max(steps, launch.steps) <= most_lane_steps) return l;
       break;
     }
-    launches.push_back({.sensor = sensor, .kind = kind});
-    return launches.back();
+    launches.push_back({.sensor = sensor, .kind = kind, .scenes = Solver<Launcher>::no_scenes(launchers[sensor])});
+    return launches.size() - 1;
   }
 };
 
@@ -430,22 +419,30 @@ std::unique_ptr<SetSimulator::Range> Simulation<Launcher>::prepare(std::uint64_t
   range->parameters.resize(count * numbers);
   const auto start = Clock::now();
   for (std::uint64_t k = 0; k < count; ++k) {
-    SceneSource::Contact contact = source.contact(first + k);
-    fem::Scene& scene = contact.scene;
+    auto [scene, indenter] = source.contact(first + k);
     const fem::LoadPath path = fem::load_path(scene.load);
     const int steps = static_cast<int>(path.steps.size());
-    range->contacts.push_back({contact.kind, path.until_sliding, source.press_rows() ? 0 : path.indentation_steps - 1});
-    parameters.put(scene, contact.kind, std::span(range->parameters).subspan(k * numbers, numbers));
+    parameters.put(scene, indenter, std::span(range->parameters).subspan(k * numbers, numbers));
     const auto sensor =
         source.own_sensors() ? 0 : std::ranges::find(sensors, without_young(scene.sensor)) - sensors.begin();
-    SharedLaunch<Launcher>& launch = range->launch_for(static_cast<std::size_t>(sensor), kind_of(scene), steps);
+    const std::size_t l = range->launch_for(static_cast<std::size_t>(sensor), kind_of(scene), steps, launchers);
+    SharedLaunch<Launcher>& launch = range->launches[l];
+    range->contacts.push_back({.number = first + k,
+                               .sensor = scene.sensor,
+                               .friction = scene.friction,
+                               .position = scene.indenter.position,
+                               .launch = l,
+                               .i = launch.which.size(),
+                               .first_step = source.press_rows() ? 0 : path.indentation_steps - 1,
+                               .kind = indenter,
+                               .until_sliding = path.until_sliding});
     launch.steps = std::max(launch.steps, steps);
-    launch.scenes.push_back(std::move(scene));
+    Solver<Launcher>::add(std::move(scene), path, launch.scenes);
     launch.which.push_back(k);
   }
   range->seconds.draw = seconds_since(start);
   for (SharedLaunch<Launcher>& launch : range->launches) {
-    launch.batch = launchers[launch.sensor].prepare(launch.scenes);
+    launch.batch = Solver<Launcher>::prepare(launchers[launch.sensor], std::move(launch.scenes));
     range->steps += launch.batch->steps_in_all();
   }
   range->seconds.lay_out = seconds_since(start) - range->seconds.draw;
@@ -483,7 +480,7 @@ void Simulation<Launcher>::measure(ContactSet& set, const std::vector<std::size_
     const auto solution = fallen.find(launch.which[i]);
     for (std::uint32_t step = 0; step < contacts[c].steps; ++step, at += inputs) {
       if (solution == fallen.end())
-        view.tactels(i, static_cast<int>(step), std::span(at, inputs));
+        view.answer(i).tactels(static_cast<int>(step), std::span(at, inputs));
       else
         put_stress(solution->second.solution.steps[step], std::span(at, inputs));
     }
@@ -500,6 +497,24 @@ void Simulation<Launcher>::measure(ContactSet& set, const std::vector<std::size_
   }
 }
 
+/// Numbers of a cache line, which a processor reads together.
+constexpr std::size_t side_by_side_answers = 16;
+/// Contacts between the request of an answer and its use: some 5 kB.
+constexpr std::size_t fetched_ahead = 2;
+
+/// Returns the contacts of a range as they lie in memory where they take turns there; else in their own order, so that
+/// their rows are written one after the other.
+template <class Launcher>
+std::vector<std::uint64_t> reading_order(const RangeOf<Launcher>& range, const std::deque<View<Launcher>>& views) {
+  std::vector<std::uint64_t> order(range.contacts.size());
+  std::iota(order.begin(), order.end(), std::uint64_t{0});
+  if (views.empty() || views[0].interleaved() == 1) return order;
+  auto next = order.begin();
+  for (std::size_t l = 0; l < views.size(); ++l)
+    for (const std::size_t i : views[l].by_lane()) *next++ = range.launches[l].which[i];
+  return order;
+}
+
 template <class Launcher>
 ContactSet Simulation<Launcher>::collect(SetSimulator::Range& any_range) {
   auto& range = static_cast<RangeOf<Launcher>&>(any_range);
@@ -510,25 +525,30 @@ ContactSet Simulation<Launcher>::collect(SetSimulator::Range& any_range) {
   Unsolved again_from;
   Fallen fallen;
   std::uint64_t deep = 0, far = 0, never = 0;  // as in ContactSet
-  for (const SharedLaunch<Launcher>& launch : range.launches) {
-    const View<Launcher>& view = views.emplace_back(*launch.batch);
-    for (const std::size_t i : view.by_lane()) {
-      const std::uint64_t k = launch.which[i];
-      const fem::Scene& scene = launch.scenes[i];
-      const bool served = Solver<Launcher>::served(source, options, scene, view, i);
-      const Survey found = served ? survey<Launcher>(view, i, scene, range.contacts[k].first_step) : Survey{};
-      if (served && found.solved && Solver<Launcher>::large_enough(options, view, i)) {
-        rows[k + 1] = found.rows;
-        deep += too_deep(scene.sensor, found.deepest);
-        far += found.slides_far;
-        never += found.rows > 0 && range.contacts[k].until_sliding && found.ran_through;
-      } else {
-        unsolved.push_back(k);
-        fallen[k].scene = &scene;
-        again_from.scenes.push_back(scene);
-        again_from.sensor.push_back(launch.sensor);
-        again_from.on_mesh.push_back(!served);
-      }
+  for (const SharedLaunch<Launcher>& launch : range.launches) views.emplace_back(*launch.batch);
+  const std::vector<std::uint64_t> order = reading_order(range, views);
+  const auto answer_of = [&](std::size_t place) {
+    const Contact& contact = range.contacts[order[std::min(place, order.size() - 1)]];
+    return views[contact.launch].answer(contact.i);
+  };
+  for (std::size_t place = 0; place < order.size(); ++place) {
+    answer_of(place + fetched_ahead).fetch_results();
+    const std::uint64_t k = order[place];
+    const Contact& contact = range.contacts[k];
+    const View<Launcher>& view = views[contact.launch];
+    const bool served = Solver<Launcher>::served(source, options, contact, view);
+    const Survey found = served ? survey<Launcher>(view, contact) : Survey{};
+    if (served && found.solved && Solver<Launcher>::large_enough(options, contact, view)) {
+      rows[k + 1] = found.rows;
+      deep += too_deep(contact.sensor, found.deepest);
+      far += found.slides_far;
+      never += found.rows > 0 && contact.until_sliding && found.ran_through;
+    } else {
+      unsolved.push_back(k);
+      const fem::Scene& scene = fallen[k].scene = source.contact(contact.number).scene;
+      again_from.scenes.push_back(scene);
+      again_from.sensor.push_back(range.launches[contact.launch].sensor);
+      again_from.on_mesh.push_back(!served);
     }
   }
   const auto begin_again = Clock::now();
@@ -547,28 +567,23 @@ ContactSet Simulation<Launcher>::collect(SetSimulator::Range& any_range) {
   std::partial_sum(rows.begin(), rows.end(), rows.begin());
   resize(set, rows.back());
   set.too_deep = deep, set.far_slip = far, set.never_slid = never;
-  for (std::size_t l = 0; l < views.size(); ++l) {
-    constexpr std::size_t together = Solver<Launcher>::side_by_side_answers;
-    std::vector<RowsFrom> contacts;
-    const auto put = [&] {
-      put_rows<Launcher>(set, views[l], contacts);
-      contacts.clear();
-    };
-    for (const std::size_t i : views[l].by_lane()) {
-      const std::uint64_t k = range.launches[l].which[i];
-      if (rows[k] == rows[k + 1] || fallen.contains(k)) continue;
-      contacts.push_back({i,
-                          rows[k],
-                          range.contacts[k].first_step,
-                          {range.launches[l].scenes[i], range.contacts[k].kind, range.first + k}});
-      if (contacts.size() == together) put();
-    }
-    put();
+  std::vector<RowsFrom<Launcher>> together;
+  const auto put = [&] {
+    put_rows<Launcher>(set, together);
+    together.clear();
+  };
+  for (std::size_t place = 0; place < order.size(); ++place) {
+    const auto ahead = answer_of(place + fetched_ahead);
+    ahead.fetch_results(), ahead.fetch_stresses();
+    const std::uint64_t k = order[place];
+    if (rows[k] == rows[k + 1] || fallen.contains(k)) continue;
+    together.push_back({&range.contacts[k], rows[k], answer_of(place)});
+    if (together.size() == std::min(together.back().answer.stride, side_by_side_answers)) put();
   }
+  put();
   for (const auto& [k, contact] : fallen) {
-    const fem::Scene& scene = *contact.scene;
-    const fem::ContactSolution& solution = contact.solution;
-    put_rows(set, rows[k], solution, range.contacts[k].first_step, {scene, range.contacts[k].kind, range.first + k});
+    const auto& [scene, solution] = contact;
+    put_rows(set, rows[k], solution, range.contacts[k]);
     set.fell_back += solution.fell_back;
     set.too_deep += too_deep(scene.sensor, deepest(solution));
     set.far_slip += slides_far(scene, solution);

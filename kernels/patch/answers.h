@@ -67,6 +67,7 @@ static inline void write_report(const vreal *lane, const Contact *c, const Solve
   rows[LANE_SLIP_DISTANCE] = said.slip_distance;
   EACH(l, LANES) { row_at[l] = place[l] < 0 ? -1 : (long)answer_at(first_lane + l, answers->slots, (long)place[l], PATCH_BLOCK); }
   store_rows(rows, row_at, answers->result);
+  if (!answers->write_forces) return;
   EACH(i, FORCE_ROWS) { rows[i] = i < N ? s->n[i % N] : i < 2 * N ? s->t[i % N] : ALL_LANES(0); }
   EACH(l, LANES) { row_at[l] = place[l] < 0 ? -1 : (long)answer_at(first_lane + l, answers->slots, (long)place[l], FORCE_ROWS); }
   EACH(b, FORCE_ROWS / PATCH_BLOCK) { store_rows(rows + b * PATCH_BLOCK, row_at, answers->forces + AT(b * PATCH_BLOCK)); }

@@ -39,7 +39,7 @@ typedef struct {
 /* Where answers go, and what base stresses take. */
 typedef struct {
   size_t group;
-  int slots;
+  int slots, write_forces;
   real accept;
 #if SENSORS
   const Layer *layer;

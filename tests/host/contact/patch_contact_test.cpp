@@ -239,6 +239,33 @@ TYPED_TEST(PatchBits, AreTheSameInAnyOrderAndBatch) {
   });
 }
 
+TYPED_TEST(PatchBits, AreTheSameWithoutForces) {
+  this->each_kind(20, [&](const auto& scenes) {
+    const auto contact = this->on(executor());
+    const auto run = [&](bool forces) {
+      typename PatchContact<TypeParam>::Scenes all(contact);
+      for (const fem::Scene& scene : scenes) all.push_back(scene, fem::load_path(scene.load));
+      auto batch = contact.prepare(std::move(all), forces);
+      batch.fill_outputs(static_cast<TypeParam>(nan));
+      batch.run();
+      return batch;
+    };
+    const auto with = run(true), without = run(false);
+    const typename PatchContact<TypeParam>::Batch::View expected(with), found(without);
+    const std::size_t tactels = static_cast<std::size_t>(scenes.front().sensor.tactels);
+    std::vector<TypeParam> a(2 * tactels), b(2 * tactels);
+    for (std::size_t i = 0; i < scenes.size(); ++i)
+      for (int k = 0; k < expected.path_steps(i); ++k) {
+        for (int row = 0; row < LANE_RESULT_ROWS; ++row)
+          ASSERT_EQ(found.answer(i).result(k, row), expected.answer(i).result(k, row)) << describe(scenes[i]);
+        if (expected.answer(i).result(k, LANE_STATUS) == LANE_NOT_RUN) continue;
+        expected.answer(i).tactels(k, std::span(a)), found.answer(i).tactels(k, std::span(b));
+        ASSERT_EQ(a, b) << describe(scenes[i]);
+      }
+    EXPECT_THROW(without.solution(0), std::logic_error);
+  });
+}
+
 /// Other scenes beside each: NaN and infinity in every input, hard contacts, long paths.
 TYPED_TEST(PatchBits, AreTheSameBesideBrokenScenes) {
   this->each_kind(40, [&](const auto& scenes) {
