@@ -172,8 +172,7 @@ int run_generate(const GenerateRequest& request) {
                   request.resume ? SetSpool::Open::resume : SetSpool::Open::fresh, ring);
   }
   const auto there = static_cast<std::uint64_t>(ranks.sum({spool ? static_cast<double>(spool->chunks()) : 0.0})[0]);
-  if (!ranks.first())
-    spool.emplace(request.output, plan.text(), columns, chunks, SetSpool::Open::join, ring, there);
+  if (!ranks.first()) spool.emplace(request.output, plan.text(), columns, chunks, SetSpool::Open::join, ring, there);
   if (ranks.first() && !request.shared.quiet && request.resume)
     fmt::print("{} of {} chunks exist{}\n", there, chunks,
                spool->torn() ? "; torn ones, and those behind a gap, are generated again" : "");
@@ -217,7 +216,8 @@ int run_generate(const GenerateRequest& request) {
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!request.shared.quiet) {
     warn_of_depth(set.too_deep, sweep.source.contacts());
-    const Work work{sums[0], sums[1], sums[2], sums[3], {sums[4], sums[5], sums[6], sums[7], sums[8], sums[9]}, sums[10]};
+    const Work work{sums[0], sums[1], sums[2], sums[3], {sums[4], sums[5], sums[6], sums[7], sums[8], sums[9]},
+                    sums[10]};
     fmt::print("{}", report_text(request, set, work, spool->rows(), report.seconds, seconds));
   }
   return set.unsolved == 0 && accurate ? done : not_converged;

@@ -147,8 +147,8 @@ bool PlacedSet::read(const Places& places, const ChunkHeader& header, std::strin
 std::optional<PlacedSet::Unwritten> PlacedSet::place(const ChunkHeader& header,
                                                      const std::vector<std::string_view>& payload) {
   if (places_.tactels && header.chunk == 0) {
-    const PlacedRows::Values x = {{reinterpret_cast<const char*>(columns_.tactel_x.data()),
-                                   columns_.tactel_x.size() * sizeof(float)}};
+    const PlacedRows::Values x = {
+        {reinterpret_cast<const char*>(columns_.tactel_x.data()), columns_.tactel_x.size() * sizeof(float)}};
     for (PlacedRows::Stripe& stripe : places_.tactels->place(places_.end, columns_.tactel_x.size(), x))
       if (!places_.tactels->write(direct_, std::move(stripe), x)) return {};
     if (!places_.tactels->flush(direct_)) return {};

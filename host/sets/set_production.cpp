@@ -69,7 +69,7 @@ class Production {
     spool_.flush();
     report_.write_seconds = spool_.seconds();
     report_.stages.write += report_.write_seconds;
-    report_.finished = done_ == missing_.size();
+    report_.finished = spool_.missing().empty();
     return report_;
   }
 

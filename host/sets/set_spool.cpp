@@ -177,8 +177,9 @@ void SetSpool::check_plan(const std::string& plan, Open how) const {
 /// Refuses a chunk of another plan: it was copied in.
 void SetSpool::check(const ChunkHeader& header) const {
   const bool fits =
-      header.plan_sum == plan_sum_ && header.chunk < count_ && header.inputs == static_cast<std::uint64_t>(columns_.inputs) &&
-      header.rows <= header.bytes && header.contacts <= header.bytes &&
+      header.plan_sum == plan_sum_ && header.chunk < count_ &&
+      header.inputs == static_cast<std::uint64_t>(columns_.inputs) && header.rows <= header.bytes &&
+      header.contacts <= header.bytes &&
       header.bytes == header.rows * row_bytes(columns_) + header.contacts * parameters_of(columns_) * sizeof(float);
   if (!fits)
     throw output_error(output_, "made of chunks of one plan: " + folder_.string() +
@@ -300,8 +301,8 @@ void SetSpool::send_end() {
 /// Tells every process that waits for the end of the set.
 void SetSpool::send_stop() {
   std::set<int> waiting;
-  for (std::uint64_t chunk = chunks() + 1; chunk <= count_ && chunk < chunks() + static_cast<std::uint64_t>(ring_.count);
-       ++chunk)
+  for (std::uint64_t chunk = chunks() + 1;
+       chunk <= count_ && chunk < chunks() + static_cast<std::uint64_t>(ring_.count); ++chunk)
     waiting.insert(owner(chunk));
   waiting.erase(ring_.rank);
   for (const int process : waiting) ring_.send(process, "\1");
@@ -395,8 +396,8 @@ void SetSpool::copy_rows(ContactSetWriter& writer) const {
 
 void SetSpool::assemble(ContactSet& set, bool compress) {
   if (chunks() != count_)
-    throw output_error(
-        output_, fmt::format("complete: {} of {} chunks exist; --resume generates the others", chunks(), count_));
+    throw output_error(output_,
+                       fmt::format("complete: {} of {} chunks exist; --resume generates the others", chunks(), count_));
   std::uint64_t contacts = 0;
   for (const ChunkHeader& header : placed_->chunks()) {
     contacts += header.contacts;

@@ -21,7 +21,7 @@ namespace tactel::host {
 /// The processes that write one set: chunk k belongs to process k mod count.
 struct Ring {
   int rank = 0, count = 1;
-  std::function<void(int, std::string)> send{};            ///< to another process, without waiting for it
+  std::function<void(int, std::string)> send{};           ///< to another process, without waiting for it
   std::function<std::optional<std::string>()> receive{};  ///< from any other; none: nothing has come
 };
 
@@ -45,7 +45,7 @@ class SetSpool {
 
   /// Returns how many chunks exist, the first ones.
   std::uint64_t chunks() const { return placed_->chunks().size(); }
-  /// Returns the chunks that are this process's to add, in the order in which they must come.
+  /// Returns the chunks of this process that are not placed, in the order in which they must come.
   std::vector<std::uint64_t> missing() const;
   /// Adds a chunk of this process, for place(). Waits where too many chunks wait; threads may add at once.
   void append(std::uint64_t chunk, ContactSet rows);

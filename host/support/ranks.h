@@ -23,7 +23,8 @@ class Ranks {
   void barrier() const;
   /// Returns the sums over all processes, element by element.
   std::vector<double> sum(std::vector<double> values) const;
-  /// Sends bytes to another process, without waiting for it; waits for the bytes before. All calls come from one thread.
+  /// Sends bytes to another process, without waiting for it; waits for the bytes before. All calls come from one
+  /// thread.
   void send(int rank, std::string bytes);
   /// Returns the next bytes that another process sent here; none where nothing has come.
   std::optional<std::string> receive() const;

@@ -298,7 +298,7 @@ TEST_F(Generate, KilledProcessesAndResumedByOthersGiveTheSameBytes) {
     ranks.back() = static_cast<char>('2' + attempt % 3);
     ranks.replace(ranks.find("exec"), 4, "timeout -s KILL " + std::to_string(0.5 + 0.15 * attempt));
     killed += shell(ranks, output("killed.h5"), "--resume").exit_code != 0;
-    run_child({"sh", "-c", "while pgrep -f " + output("killed.h5") + " > /dev/null; do sleep 0.02; done"});
+    run_child({"sh", "-c", "while pgrep -f " + output("[k]illed.h5") + " > /dev/null; do sleep 0.02; done"});
   }
   EXPECT_GT(killed, 0);
   ASSERT_EQ(shell(mpirun, output("killed.h5"), "--resume").exit_code, 0);
@@ -612,10 +612,11 @@ TEST_F(SmallSet, AKillInTheAssemblyLeavesNothingForGood) {
 
 TEST_F(SmallSet, SurvivesAPowerCut) {
   const std::string text = sweep("a.toml", SmallSweep{}.text());
-  const ChildResult result = run_child({"/usr/bin/python3", source_file("tests/host/support/sync_order.py"),
-                                        "resumed:" + (*this / "set.h5"), SetSpool::folder(*this / "set.h5") / "plan",
-                                        "in-place:" + (SetSpool::folder(*this / "set.h5") / "0000.placed").string(), "--",
-                                        TACTEL_PROGRAM, "generate", text, "--output", *this / "set.h5", "--quiet"});
+  const ChildResult result =
+      run_child({"/usr/bin/python3", source_file("tests/host/support/sync_order.py"), "resumed:" + (*this / "set.h5"),
+                 SetSpool::folder(*this / "set.h5") / "plan",
+                 "in-place:" + (SetSpool::folder(*this / "set.h5") / "0000.placed").string(), "--", TACTEL_PROGRAM,
+                 "generate", text, "--output", *this / "set.h5", "--quiet"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
 }
 

@@ -37,8 +37,8 @@ TEST(PlacedRows, PlacesDoNotDependOnThePiecesAndProcesses) {
   const ScratchFolder folder;
   const std::string wide = "aaabbbcccdddeeefffggghhhiii", narrow = "123456789";
   std::string whole;
-  for (const std::vector<std::uint64_t>& pieces :
-       std::vector<std::vector<std::uint64_t>>{{9}, {1, 1, 1, 1, 1, 1, 1, 1, 1}, {3, 6}, {4, 4, 1}, {0, 8, 1}, {2, 7}}) {
+  for (const std::vector<std::uint64_t>& pieces : std::vector<std::vector<std::uint64_t>>{
+           {9}, {1, 1, 1, 1, 1, 1, 1, 1, 1}, {3, 6}, {4, 4, 1}, {0, 8, 1}, {2, 7}}) {
     const std::string path = folder / "rows";
     std::ofstream(path).close();
     DirectFile file(path);
@@ -66,8 +66,7 @@ TEST(PlacedRows, PlacesDoNotDependOnThePiecesAndProcesses) {
     }
     ASSERT_TRUE(rows.flush(file));
     for (auto piece = unwritten.rbegin(); piece != unwritten.rend(); ++piece)
-      for (PlacedRows::Stripe& stripe : piece->stripes)
-        ASSERT_TRUE(rows.write(file, std::move(stripe), piece->values));
+      for (PlacedRows::Stripe& stripe : piece->stripes) ASSERT_TRUE(rows.write(file, std::move(stripe), piece->values));
     const std::string bytes = text_of(path);
     EXPECT_EQ(bytes.size(), end);
     EXPECT_EQ(end, 3 * page_bytes);
