@@ -91,6 +91,7 @@ bool already_there(const GenerateRequest& request, const SetPlan& plan) {
 struct Work {
   double contacts = 0, steps = 0, kernel = 0, bytes = 0;
   StageSeconds stages;
+  double write_seconds = 0;
 };
 
 /// "draw 8 %, lay-out 20 %, ...": shares of the time of all threads.
@@ -127,7 +128,7 @@ std::string report_text(const GenerateRequest& request, const ContactSet& set, c
         "{:.0f} contacts, {} load steps in {:.2f} s: {} steps/s, in kernels {} steps/s; chunks written at {}B/s, set "
         "assembled in {:.2f} s\ntime of the threads before that: {}\n",
         work.contacts, with_prefix(work.steps), seconds, with_prefix(work.steps / seconds),
-        with_prefix(work.steps / work.kernel), with_prefix(work.bytes / work.stages.write), assemble_seconds,
+        with_prefix(work.steps / work.kernel), with_prefix(work.bytes / work.write_seconds), assemble_seconds,
         shares(work.stages));
   return text;
 }
@@ -145,12 +146,11 @@ int run_generate(const GenerateRequest& request) {
   Sweep sweep = read_sweep(request.sweep);
   ProductionOptions options = production_options(request);
   std::optional<Interrupt> interrupt;  // outlives ranks: a process that is done waits in MPI_Finalize for the others
-  const Ranks ranks;
+  Ranks ranks;
   const auto [rung, accurate] = modelling(request, sweep.source, request.shared.quiet || !ranks.first());
   if (rung) model_on(*rung, request.shared.solve, sweep, options.set);
   if (options.set.patch && tactels_at_ends(sweep.source) && ranks.first() && !request.shared.quiet)
     fmt::print(stderr, "note: {}\n", tactels_at_ends_text);
-  options.rank = ranks.rank(), options.ranks = ranks.count();
   SetColumns columns = columns_of(sweep.source);
   if (!request.columns.empty()) columns = only_columns(columns, request.columns);
   const SetPlan plan = plan_of(sweep, rung ? rung->name : "as the file says", options.set.precision,
@@ -161,18 +161,21 @@ int run_generate(const GenerateRequest& request) {
     return done;
   }
   interrupt.emplace();  // before there is anything to keep
+  const Ring ring{ranks.rank(), ranks.count(), [&](int to, std::string bytes) { ranks.send(to, std::move(bytes)); },
+                  [&] { return ranks.receive(); }};
+  const std::uint64_t chunks = chunk_count(sweep.source);
   std::optional<SetSpool> spool;
   if (ranks.first()) {
     check_writable("--output", request.output);
     if (request.force) SetSpool::discard(request.output);
-    spool.emplace(request.output, plan.text(), columns, 0,
-                  request.resume ? SetSpool::Open::resume : SetSpool::Open::fresh);
+    spool.emplace(request.output, plan.text(), columns, chunks,
+                  request.resume ? SetSpool::Open::resume : SetSpool::Open::fresh, ring);
   }
-  ranks.barrier();
-  if (!ranks.first()) spool.emplace(request.output, plan.text(), columns, ranks.rank(), SetSpool::Open::join);
+  const auto there = static_cast<std::uint64_t>(ranks.sum({spool ? static_cast<double>(spool->chunks()) : 0.0})[0]);
+  if (!ranks.first()) spool.emplace(request.output, plan.text(), columns, chunks, SetSpool::Open::join, ring, there);
   if (ranks.first() && !request.shared.quiet && request.resume)
-    fmt::print("{} of {} chunks exist{}\n", spool->chunks().size(), chunk_count(sweep.source),
-               spool->torn() ? "; one was torn and is generated again" : "");
+    fmt::print("{} of {} chunks exist{}\n", there, chunks,
+               spool->torn() ? "; torn ones, and those behind a gap, are generated again" : "");
 
   ProgressLine line("contacts", "contacts", request.shared.quiet || !ranks.first(), chunk_contacts);
   options.progress = [&](std::size_t chunks_done, std::size_t all) {
@@ -184,7 +187,8 @@ int run_generate(const GenerateRequest& request) {
   const std::vector<double> sums =
       ranks.sum({static_cast<double>(report.contacts), static_cast<double>(report.steps), report.kernel_seconds,
                  static_cast<double>(spool->bytes()), report.stages.draw, report.stages.lay_out, report.stages.solve,
-                 report.stages.solve_again, report.stages.gather, report.stages.write, report.finished ? 0.0 : 1.0});
+                 report.stages.solve_again, report.stages.gather, report.stages.write, report.write_seconds,
+                 report.finished ? 0.0 : 1.0});
   if (sums.back() > 0) {
     if (ranks.first())
       fmt::print(stderr, "stopped; complete chunks are kept in {}: the same command with --resume continues\n",
@@ -207,12 +211,13 @@ int run_generate(const GenerateRequest& request) {
     set.rung += fmt::format("; the accuracy of {:g} holds for S alone, not for stresses", *accuracy);
   {
     const StageLine stage("assembling " + request.output, request.shared.quiet);
-    spool->assemble(chunk_count(sweep.source), set, request.compress);
+    spool->assemble(set, request.compress);
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!request.shared.quiet) {
     warn_of_depth(set.too_deep, sweep.source.contacts());
-    const Work work{sums[0], sums[1], sums[2], sums[3], {sums[4], sums[5], sums[6], sums[7], sums[8], sums[9]}};
+    const Work work{sums[0], sums[1], sums[2], sums[3], {sums[4], sums[5], sums[6], sums[7], sums[8], sums[9]},
+                    sums[10]};
     fmt::print("{}", report_text(request, set, work, spool->rows(), report.seconds, seconds));
   }
   return set.unsolved == 0 && accurate ? done : not_converged;

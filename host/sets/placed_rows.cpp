@@ -51,79 +51,113 @@ std::uint32_t fletcher32(std::string_view bytes) {
 }
 
 PlacedRows::PlacedRows(std::vector<Dataset> datasets, std::uint64_t rows_of_stripe)
-    : datasets_(std::move(datasets)), stripe_rows_(rows_of_stripe), last_(datasets_.size()) {
+    : datasets_(std::move(datasets)), stripe_rows_(rows_of_stripe) {
   for (std::size_t d = 0; d < datasets_.size(); ++d) {
     begins_.push_back(stripe_bytes_);
     stripe_bytes_ += chunk_bytes(d);
   }
+  stripe_bytes_ = whole_pages(stripe_bytes_);  // no two processes write to one
 }
 
 std::uint64_t PlacedRows::chunk_bytes(std::size_t dataset) const {
   return stripe_rows_ * datasets_[dataset].row_bytes + sizeof(std::uint32_t);
 }
 
-/// Keeps rows of the last stripe, which they do not fill.
-void PlacedRows::keep(std::uint64_t first, std::uint64_t rows, const std::vector<std::string_view>& values) {
+std::vector<PlacedRows::Piece> PlacedRows::pieces(std::uint64_t& end, std::uint64_t rows) const {
+  std::vector<Piece> all;
+  for (std::uint64_t first = 0, take = 0; first < rows; first += take) {
+    const std::uint64_t before = (rows_ + first) % stripe_rows_;
+    take = std::min(rows - first, stripe_rows_ - before);
+    all.push_back({before > 0 ? stripes_.back() : end, before, first, take});
+    if (before == 0) end += stripe_bytes_;
+  }
+  return all;
+}
+
+std::vector<PlacedRows::Piece> PlacedRows::skip(std::uint64_t& end, std::uint64_t rows) {
+  std::vector<Piece> all = pieces(end, rows);
+  for (const Piece& piece : all)
+    if (piece.before == 0) stripes_.push_back(piece.at);
+  rows_ += rows;
+  return all;
+}
+
+std::vector<PlacedRows::Stripe> PlacedRows::place(std::uint64_t& end, std::uint64_t rows, const Values& values) {
+  for (std::size_t d = 0; d < datasets_.size(); ++d) datasets_[d].sum.add(values[d]);
+  std::vector<Stripe> complete;
+  for (const Piece& piece : skip(end, rows)) {
+    Pages begun = piece.before > 0 ? std::move(last_) : Pages();
+    if (piece.before + piece.rows == stripe_rows_) {
+      complete.push_back({piece, std::move(begun)});
+      continue;
+    }
+    last_ = piece.before > 0 ? std::move(begun) : Pages(stripe_bytes_);
+    copy(last_, piece, values);
+    changed_ = true;
+  }
+  return complete;
+}
+
+void PlacedRows::copy(const Pages& to, const Piece& piece, const Values& values) const {
   for (std::size_t d = 0; d < datasets_.size(); ++d) {
     const std::uint64_t size = datasets_[d].row_bytes;
-    last_[d].resize(stripe_rows_ * size + sizeof(std::uint32_t));
-    std::memcpy(last_[d].data() + rows_ % stripe_rows_ * size, values[d].data() + first * size, rows * size);
+    std::memcpy(to.data() + begins_[d] + piece.before * size, values[d].data() + piece.first * size, piece.rows * size);
   }
 }
 
-bool PlacedRows::append(StagedFile& file, std::uint64_t& end, std::uint64_t rows,
-                        const std::vector<std::string_view>& values) {
-  for (std::size_t d = 0; d < datasets_.size(); ++d) datasets_[d].sum.add(values[d]);
-  for (std::uint64_t first = 0, take = 0; first < rows; first += take) {
-    const std::uint64_t filled = rows_ % stripe_rows_;
-    take = std::min(rows - first, stripe_rows_ - filled);
-    if (filled == 0) stripes_.push_back(end), end += stripe_bytes_;
-    const bool alone = take == stripe_rows_, complete = filled + take == stripe_rows_;
-    if (!alone) keep(first, take, values);
-    for (std::size_t d = 0; d < datasets_.size(); ++d) {
-      const std::uint64_t size = datasets_[d].row_bytes, at = stripes_.back() + begins_[d];
-      const std::string_view own = values[d].substr(first * size, take * size);
-      if (!file.write(at + filled * size, own)) return false;
-      if (!complete) continue;
-      const std::uint32_t sum = fletcher32(alone ? own : std::string_view(last_[d]).substr(0, stripe_rows_ * size));
-      if (!file.write(at + stripe_rows_ * size, {reinterpret_cast<const char*>(&sum), sizeof sum})) return false;
-    }
-    rows_ += take;
+/// Writes a stripe with its checksums.
+bool PlacedRows::put(DirectFile& file, std::uint64_t at, const Pages& stripe) const {
+  for (std::size_t d = 0; d < datasets_.size(); ++d) {
+    const std::uint64_t size = stripe_rows_ * datasets_[d].row_bytes;
+    const std::uint32_t sum = fletcher32({stripe.data() + begins_[d], size});
+    std::memcpy(stripe.data() + begins_[d] + size, &sum, sizeof sum);
   }
-  return true;
+  return file.write(at, stripe);
 }
 
-bool PlacedRows::read(int file, std::uint64_t& end, std::uint64_t rows, std::vector<std::string>& values) {
+bool PlacedRows::write(DirectFile& file, Stripe stripe, const Values& values) const {
+  if (stripe.begun.size() == 0) stripe.begun = Pages(stripe_bytes_);
+  copy(stripe.begun, stripe.piece, values);
+  return put(file, stripe.piece.at, stripe.begun);
+}
+
+bool PlacedRows::flush(DirectFile& file) {
+  if (!changed_ || rows_ % stripe_rows_ == 0) return true;
+  for (std::size_t d = 0; d < datasets_.size(); ++d) {
+    const std::uint64_t size = datasets_[d].row_bytes, filled = rows_ % stripe_rows_;
+    std::memset(last_.data() + begins_[d] + filled * size, 0, (stripe_rows_ - filled) * size);
+  }
+  changed_ = false;
+  return put(file, stripes_.back(), last_);
+}
+
+bool PlacedRows::read(int file, std::uint64_t& end, std::uint64_t rows, std::vector<std::string>& values) const {
   values.resize(datasets_.size());
   for (std::size_t d = 0; d < datasets_.size(); ++d) values[d].resize(rows * datasets_[d].row_bytes);
-  for (std::uint64_t first = 0, take = 0; first < rows; first += take) {
-    const std::uint64_t filled = rows_ % stripe_rows_;
-    take = std::min(rows - first, stripe_rows_ - filled);
-    if (filled == 0) stripes_.push_back(end), end += stripe_bytes_;
+  for (const Piece& piece : pieces(end, rows))
     for (std::size_t d = 0; d < datasets_.size(); ++d) {
       const std::uint64_t size = datasets_[d].row_bytes;
-      if (!read_at(file, stripes_.back() + begins_[d] + filled * size, values[d].data() + first * size, take * size))
+      if (!read_at(file, piece.at + begins_[d] + piece.before * size, values[d].data() + piece.first * size,
+                   piece.rows * size))
         return false;
     }
-    if (take < stripe_rows_) keep(first, take, {values.begin(), values.end()});
-    rows_ += take;
-  }
-  for (std::size_t d = 0; d < datasets_.size(); ++d) datasets_[d].sum.add(values[d]);
   return true;
 }
 
-bool PlacedRows::finish(StagedFile& file) {
-  const std::uint64_t filled = rows_ % stripe_rows_;
-  if (filled == 0) return true;
-  for (std::size_t d = 0; d < datasets_.size(); ++d) {
-    const std::uint64_t size = datasets_[d].row_bytes;
-    std::memset(last_[d].data() + filled * size, 0, (stripe_rows_ - filled) * size);
-    const std::uint32_t sum = fletcher32(std::string_view(last_[d]).substr(0, stripe_rows_ * size));
-    std::memcpy(last_[d].data() + stripe_rows_ * size, &sum, sizeof sum);
-    const std::string_view rest = std::string_view(last_[d]).substr(filled * size);
-    if (!file.write(stripes_.back() + begins_[d] + filled * size, rest)) return false;
-  }
-  return true;
+std::string PlacedRows::tail() const {
+  std::string bytes;
+  for (const Dataset& dataset : datasets_) bytes += dataset.sum.state();
+  if (rows_ % stripe_rows_ > 0) bytes.append(last_.data(), last_.size());
+  return bytes;
+}
+
+void PlacedRows::take_tail(std::string_view& bytes) {
+  for (Dataset& dataset : datasets_) dataset.sum.go_on(bytes);
+  if (rows_ % stripe_rows_ == 0) return;
+  last_ = Pages(stripe_bytes_);
+  std::memcpy(last_.data(), bytes.data(), last_.size());
+  bytes.remove_prefix(last_.size());
+  changed_ = true;
 }
 
 }  // namespace tactel::host

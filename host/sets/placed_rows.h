@@ -5,8 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "host/sets/contact_set.h"
-#include "host/sets/staged_file.h"
+#include "host/sets/direct_file.h"
 #include "host/support/checksum.h"
 
 namespace tactel::host {
@@ -15,7 +14,8 @@ namespace tactel::host {
 std::uint32_t fletcher32(std::string_view bytes);
 
 /// Datasets with rows in common, in chunks of equal numbers of rows. The chunks of all datasets with the same rows lie
-/// side by side in a file, each with its Fletcher checksum: a stripe. Rows are written once, where they stay.
+/// side by side in a file, each with its Fletcher checksum: a stripe, of whole pages. Rows are written once, where they
+/// stay. A stripe is written at once, by the process that has its last row.
 class PlacedRows {
  public:
   struct Dataset {
@@ -23,15 +23,37 @@ class PlacedRows {
     std::uint64_t row_bytes = 0;
     RunningChecksum sum{};  ///< of all rows so far
   };
+  /// Rows first ... first + rows - 1 of those that come next, in a stripe that begins at `at` and has `before` rows.
+  struct Piece {
+    std::uint64_t at = 0, before = 0, first = 0, rows = 0;
+  };
+  /// A stripe with all its rows: those of `piece` are yet to be copied to the others in `begun`.
+  struct Stripe {
+    Piece piece;
+    Pages begun;  ///< none where piece.before = 0
+  };
+  using Values = std::vector<std::string_view>;  ///< [datasets] the bytes of rows
+
   PlacedRows(std::vector<Dataset> datasets, std::uint64_t rows_of_stripe);
 
-  /// Adds rows, `values`: [datasets] their bytes. New stripes begin at `end` of the file, which grows. Returns false
-  /// where the file cannot be written, with errno.
-  bool append(StagedFile& file, std::uint64_t& end, std::uint64_t rows, const std::vector<std::string_view>& values);
-  /// The same for rows that the file has: reads them. `values`: [datasets].
-  bool read(int file, std::uint64_t& end, std::uint64_t rows, std::vector<std::string>& values);
-  /// Completes the last stripe with zeros.
-  bool finish(StagedFile& file);
+  /// Returns where the next rows will be. New stripes begin at `end` of the file, which grows.
+  std::vector<Piece> pieces(std::uint64_t& end, std::uint64_t rows) const;
+  /// The same, and goes on behind these rows, which are another's.
+  std::vector<Piece> skip(std::uint64_t& end, std::uint64_t rows);
+  /// The same, and takes the rows into the sums. Returns the stripes that they complete, for write(); the rows of one
+  /// that is not complete stay here.
+  std::vector<Stripe> place(std::uint64_t& end, std::uint64_t rows, const Values& values);
+  /// Writes a stripe. Returns false where the file cannot be written, with errno.
+  bool write(DirectFile& file, Stripe stripe, const Values& values) const;
+  /// Writes the last stripe with the rows that are there, zeros and right checksums.
+  bool flush(DirectFile& file);
+  /// Reads the next rows from the file, which has them, without going on. `values`: [datasets].
+  bool read(int file, std::uint64_t& end, std::uint64_t rows, std::vector<std::string>& values) const;
+
+  /// Returns what the next rows need of those before: sums, and rows of the last stripe.
+  std::string tail() const;
+  /// Takes another's tail from the beginning of `bytes`, behind the same rows.
+  void take_tail(std::string_view& bytes);
 
   std::uint64_t rows() const { return rows_; }
   std::uint64_t rows_of_stripe() const { return stripe_rows_; }
@@ -42,13 +64,15 @@ class PlacedRows {
   std::uint64_t chunk_bytes(std::size_t dataset) const;
 
  private:
-  void keep(std::uint64_t first, std::uint64_t rows, const std::vector<std::string_view>& values);
+  void copy(const Pages& to, const Piece& piece, const Values& values) const;
+  bool put(DirectFile& file, std::uint64_t at, const Pages& stripe) const;
 
   std::vector<Dataset> datasets_;
   std::vector<std::uint64_t> begins_;  ///< [datasets] within a stripe
   std::uint64_t stripe_rows_, stripe_bytes_ = 0, rows_ = 0;
   std::vector<std::uint64_t> stripes_;
-  std::vector<std::string> last_;  ///< [datasets] rows of a stripe that more than one append fills
+  Pages last_;            ///< rows of a stripe that is not complete
+  bool changed_ = false;  ///< since it was written
 };
 
 }  // namespace tactel::host

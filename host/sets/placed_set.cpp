@@ -2,11 +2,15 @@
 #include "host/sets/placed_set.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
-#include <fstream>
+#include <cstring>
+#include <stdexcept>
 #include <system_error>
+#include <utility>
 
 #include "host/sets/set_headers.h"
 #include "host/support/durable_file.h"
@@ -16,10 +20,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t rows_from = 4096;  ///< before it is HDF5's superblock
+constexpr std::uint64_t first_stripe = 4096;  ///< before it is HDF5's superblock
 
-int open_file(const fs::path& path) {
-  const int file = ::open(path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC | O_NOFOLLOW, 0666);
+int open_file(const fs::path& path, int how) {
+  const int file = ::open(path.c_str(), how | O_CREAT | O_RDWR | O_CLOEXEC | O_NOFOLLOW, 0666);
   if (file < 0) throw std::system_error(errno, std::generic_category());
   return file;
 }
@@ -49,28 +53,49 @@ std::optional<PlacedRows> placed_tactels(const SetColumns& columns) {
   return PlacedRows(std::move(datasets), std::min<std::uint64_t>(columns.tactel_x.size(), rows_of_chunk(0)));
 }
 
+/// Datasets and parameters apart.
+struct Payload {
+  Payload(std::vector<std::string_view> payload, bool has_parameters) : rows(std::move(payload)) {
+    if (has_parameters) parameters = {rows.back()}, rows.pop_back();
+  }
+  PlacedRows::Values rows, parameters;
+};
+
+std::string_view bytes_of(const std::vector<ChunkHeader>& headers, std::size_t from = 0) {
+  return {reinterpret_cast<const char*>(headers.data() + from), (headers.size() - from) * sizeof(ChunkHeader)};
+}
+
 }  // namespace
 
 PlacedSet::Places::Places(const SetColumns& columns)
     : rows(placed_rows(columns)),
       parameters(placed_parameters(columns)),
       tactels(placed_tactels(columns)),
-      end(rows_from) {}
+      end(first_stripe) {}
 
-std::vector<fs::path> PlacedSet::files(const fs::path& folder) { return {folder / "placed", folder / "set"}; }
-
-std::vector<ChunkHeader> PlacedSet::read_headers(const fs::path& folder) {
-  std::vector<ChunkHeader> headers;
-  std::ifstream in(folder / "placed", std::ios::binary);
-  ChunkHeader header;
-  while (in.read(reinterpret_cast<char*>(&header), sizeof header) && header.whole() && header.chunk == headers.size())
-    headers.push_back(header);
-  return headers;
+void PlacedSet::Places::skip(const ChunkHeader& header, const SetColumns& columns) {
+  if (tactels && header.chunk == 0) tactels->skip(end, columns.tactel_x.size());
+  rows.skip(end, header.rows);
+  if (parameters) parameters->skip(end, header.contacts);
 }
 
-PlacedSet::PlacedSet(const fs::path& folder, const SetColumns& columns)
-    : columns_(columns), file_(open_file(folder / "set")), staged_(folder / "set"), places_(columns) {
-  headers_ = open_file(folder / "placed");
+std::vector<fs::path> PlacedSet::header_files(const fs::path& folder) {
+  std::vector<fs::path> all;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+    if (entry.path().extension() == ".placed" && fs::is_regular_file(entry.symlink_status()))
+      all.push_back(entry.path());
+  std::ranges::sort(all);
+  return all;
+}
+
+PlacedSet::PlacedSet(const fs::path& folder, const SetColumns& columns, int writer)
+    : columns_(columns),
+      folder_(folder),
+      file_(open_file(set_file(folder), 0)),
+      direct_(set_file(folder)),
+      places_(columns) {
+  headers_ = open_file(folder / fmt::format("{:04}.placed", writer), O_APPEND);
+  if (!sync_folder(folder)) throw std::system_error(errno, std::generic_category());
 }
 
 PlacedSet::~PlacedSet() {
@@ -78,64 +103,112 @@ PlacedSet::~PlacedSet() {
   if (headers_ >= 0) ::close(headers_);
 }
 
-void PlacedSet::resume(std::vector<ChunkHeader> headers) {
-  if (const std::size_t whole = take(headers); whole < headers.size()) {
-    headers.resize(whole);
-    places_ = Places(columns_);
-    headers.resize(take(headers));
-  }
-  chunks_ = std::move(headers);
-  const auto end = static_cast<off_t>(chunks_.size() * sizeof(ChunkHeader));
-  torn_ = ::lseek(headers_, 0, SEEK_END) != end;
-  if ((torn_ && ::ftruncate(headers_, end) != 0) || ::lseek(headers_, end, SEEK_SET) != end)
-    throw std::system_error(errno, std::generic_category());
-}
-
-/// Goes on behind these chunks. Returns how many of them are whole.
-std::size_t PlacedSet::take(std::span<const ChunkHeader> headers) {
+void PlacedSet::resume(const std::vector<ChunkHeader>& headers) {
   std::string payload;
-  for (std::size_t k = 0; k < headers.size(); ++k)
-    if (!read(places_, headers[k], payload)) return k;
-  return headers.size();
+  for (const ChunkHeader& header : headers) {
+    if (header.chunk != chunks_.size() || !read(places_, header, payload)) break;
+    std::vector<std::string_view> values;
+    std::string_view rest = payload;
+    const auto take = [&](const PlacedRows& of, std::uint64_t rows) {
+      for (const PlacedRows::Dataset& dataset : of.datasets()) {
+        values.push_back(rest.substr(0, rows * dataset.row_bytes));
+        rest.remove_prefix(rows * dataset.row_bytes);
+      }
+    };
+    take(places_.rows, header.rows);
+    if (places_.parameters) take(*places_.parameters, header.contacts);
+    if (!place(header, values)) throw std::system_error(errno, std::generic_category());
+  }
+  const fs::path own = folder_ / "0000.placed";
+  if (::ftruncate(file_, static_cast<off_t>(places_.end)) != 0) throw std::system_error(errno, std::generic_category());
+  if (header_files(folder_).size() == 1 && fs::file_size(own) == bytes_of(chunks_).size()) return;
+  write_file("--output", own, bytes_of(chunks_));
+  for (const fs::path& file : header_files(folder_))
+    if (file != own) fs::remove(file);
+  ::close(std::exchange(headers_, open_file(own, O_APPEND)));
 }
 
-bool PlacedSet::read(Places& places, const ChunkHeader& header, std::string& payload) const {
+bool PlacedSet::read(const Places& places, const ChunkHeader& header, std::string& payload) const {
   const off_t size = ::lseek(file_, 0, SEEK_END);
   if (size < 0 || header.bytes > static_cast<std::uint64_t>(size)) return false;
   payload.clear();
   std::vector<std::string> values;
-  const auto take = [&](PlacedRows& of, std::uint64_t rows) {
-    if (!of.read(file_, places.end, rows, values)) return false;
+  std::uint64_t end = places.end;
+  if (places.tactels && header.chunk == 0) places.tactels->pieces(end, columns_.tactel_x.size());
+  const auto take = [&](const PlacedRows& of, std::uint64_t rows) {
+    if (!of.read(file_, end, rows, values)) return false;
     for (const std::string& part : values) payload += part;
     return true;
   };
-  if (places.tactels && header.chunk == 0 && !places.tactels->read(file_, places.end, columns_.tactel_x.size(), values))
-    return false;
   return take(places.rows, header.rows) && (!places.parameters || take(*places.parameters, header.contacts)) &&
          checksum(payload) == header.payload_sum;
 }
 
-bool PlacedSet::append(const ChunkHeader& header, const std::vector<std::string_view>& payload) {
-  std::vector<std::string_view> rows = payload, parameters;
-  if (places_.parameters) parameters = {rows.back()}, rows.pop_back();
+std::optional<PlacedSet::Unwritten> PlacedSet::place(const ChunkHeader& header,
+                                                     const std::vector<std::string_view>& payload) {
   if (places_.tactels && header.chunk == 0) {
-    const std::string_view x(reinterpret_cast<const char*>(columns_.tactel_x.data()),
-                             columns_.tactel_x.size() * sizeof(float));
-    if (!places_.tactels->append(staged_, places_.end, columns_.tactel_x.size(), {x}) ||
-        !places_.tactels->finish(staged_))
-      return false;
+    const PlacedRows::Values x = {
+        {reinterpret_cast<const char*>(columns_.tactel_x.data()), columns_.tactel_x.size() * sizeof(float)}};
+    for (PlacedRows::Stripe& stripe : places_.tactels->place(places_.end, columns_.tactel_x.size(), x))
+      if (!places_.tactels->write(direct_, std::move(stripe), x)) return {};
+    if (!places_.tactels->flush(direct_)) return {};
   }
-  if (!places_.rows.append(staged_, places_.end, header.rows, rows)) return false;
-  if (places_.parameters && !places_.parameters->append(staged_, places_.end, header.contacts, parameters))
-    return false;
-  if (!staged_.flush() || !write_all(headers_, {reinterpret_cast<const char*>(&header), sizeof header})) return false;
+  const Payload of(payload, places_.parameters.has_value());
+  Unwritten chunk{places_.rows.place(places_.end, header.rows, of.rows), {}};
+  if (places_.parameters) chunk.parameters = places_.parameters->place(places_.end, header.contacts, of.parameters);
   chunks_.push_back(header);
-  return true;
+  return chunk;
+}
+
+bool PlacedSet::write(Unwritten chunk, const std::vector<std::string_view>& payload) {
+  const Payload of(payload, places_.parameters.has_value());
+  for (PlacedRows::Stripe& stripe : chunk.rows)
+    if (!places_.rows.write(direct_, std::move(stripe), of.rows)) return false;
+  for (PlacedRows::Stripe& stripe : chunk.parameters)
+    if (!places_.parameters->write(direct_, std::move(stripe), of.parameters)) return false;
+  return write_all(headers_, bytes_of(chunks_, chunks_.size() - 1));
+}
+
+// Another process writes the same pages once they have all their rows: in a cache of this one they must not be later.
+bool PlacedSet::flush() {
+  return places_.rows.flush(direct_) && (!places_.parameters || places_.parameters->flush(direct_)) &&
+         (direct_.direct() || synced(file_));
 }
 
 bool PlacedSet::sync() const { return synced(file_) && synced(headers_); }
 
 void PlacedSet::begin_sync() const { ::sync_file_range(file_, 0, 0, SYNC_FILE_RANGE_WRITE); }
+
+std::string PlacedSet::tail(std::uint64_t from) const {
+  const std::uint64_t headers = chunks_.size() - from;
+  std::string tail(reinterpret_cast<const char*>(&headers), sizeof headers);
+  tail += bytes_of(chunks_, from);
+  tail += places_.rows.tail();
+  if (places_.parameters) tail += places_.parameters->tail();
+  return tail;
+}
+
+/// Returns those of chunks that this process does not know.
+std::vector<ChunkHeader> PlacedSet::take_headers(std::string_view& tail) {
+  std::uint64_t count = 0;
+  if (tail.size() < sizeof count) throw std::length_error("tail of a set");
+  std::memcpy(&count, tail.data(), sizeof count);
+  tail.remove_prefix(sizeof count);
+  const std::size_t known = chunks_.size();
+  for (ChunkHeader header; count > 0; --count, tail.remove_prefix(sizeof header)) {
+    if (tail.size() < sizeof header) throw std::length_error("tail of a set");
+    std::memcpy(&header, tail.data(), sizeof header);
+    if (header.chunk != chunks_.size()) continue;
+    places_.skip(header, columns_);
+    chunks_.push_back(header);
+  }
+  return {chunks_.begin() + static_cast<std::ptrdiff_t>(known), chunks_.end()};
+}
+
+void PlacedSet::take_rows(std::string_view tail) {
+  places_.rows.take_tail(tail);
+  if (places_.parameters) places_.parameters->take_tail(tail);
+}
 
 bool PlacedSet::fits_hdf5() const {
   const auto fits = [](const PlacedRows& of) { return of.rows() >= of.rows_of_stripe(); };
@@ -143,8 +216,7 @@ bool PlacedSet::fits_hdf5() const {
 }
 
 bool PlacedSet::finish(const ContactSet& set) {
-  if (!places_.rows.finish(staged_) || (places_.parameters && !places_.parameters->finish(staged_))) return false;
-  if (!staged_.flush()) return false;
+  if (!flush()) return false;
   std::vector<const PlacedRows*> all{&places_.rows};
   for (const auto* more : {&places_.parameters, &places_.tactels})
     if (*more) all.push_back(&**more);

@@ -2,46 +2,62 @@
 #pragma once
 #include <filesystem>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "host/sets/chunk_header.h"
 #include "host/sets/contact_set.h"
+#include "host/sets/direct_file.h"
 #include "host/sets/placed_rows.h"
 
 namespace tactel::host {
 
 /// The first chunks of an unfinished set, their rows where the set file will have them. Rows are written once: to
-/// finish the set, HDF5 puts its headers around them. Two files in a folder: `set`, and `placed` with the headers of
-/// the chunks.
+/// finish the set, HDF5 puts its headers around them. Files in a folder: `set`, and for each process `NNNN.placed` with
+/// the headers of the chunks that it wrote. Of several processes one at a time places the next chunk, and tells the
+/// process that has the chunk behind it how to go on; all write at once.
 class PlacedSet {
  public:
-  /// Opens the files or creates them, and takes the chunks that are whole; a torn one and those behind it are cut off.
-  /// `check` throws for a header that does not belong here. Throws std::system_error where a file cannot be used.
-  template <class Check>
-  PlacedSet(const std::filesystem::path& folder, const SetColumns& columns, const Check& check)
-      : PlacedSet(folder, columns) {
-    std::vector<ChunkHeader> headers = read_headers(folder);
-    for (const ChunkHeader& header : headers) check(header);
-    resume(std::move(headers));
-  }
+  /// Opens the files of process `writer`, or creates them. Throws std::system_error where one cannot be used.
+  PlacedSet(const std::filesystem::path& folder, const SetColumns& columns, int writer);
   ~PlacedSet();
   PlacedSet(const PlacedSet&) = delete;
   PlacedSet& operator=(const PlacedSet&) = delete;
 
-  /// Returns the headers that a folder has, without a look at the rows.
-  static std::vector<ChunkHeader> read_headers(const std::filesystem::path& folder);
-  static std::vector<std::filesystem::path> files(const std::filesystem::path& folder);
+  static std::filesystem::path set_file(const std::filesystem::path& folder) { return folder / "set"; }
+  /// Returns the files with headers.
+  static std::vector<std::filesystem::path> header_files(const std::filesystem::path& folder);
 
-  const std::vector<ChunkHeader>& chunks() const { return chunks_; }
-  bool torn() const { return torn_; }
-  /// Adds the next chunk. `payload`: its datasets, then its parameters. Returns false on failure, with errno; then
-  /// nothing more can be added.
-  bool append(const ChunkHeader& header, const std::vector<std::string_view>& payload);
+  /// Takes the first chunks of these that follow each other and are whole; the others are forgotten, with the files of
+  /// other processes. Throws ConfigError and std::system_error where a file cannot be used.
+  void resume(const std::vector<ChunkHeader>& headers);
+
+  const std::vector<ChunkHeader>& chunks() const { return chunks_; }  ///< of all processes
+  /// A chunk that has its place, but is not written.
+  struct Unwritten {
+    std::vector<PlacedRows::Stripe> rows, parameters;
+  };
+  /// Gives the next chunk its place. `payload`: its datasets, then its parameters. Returns none where the file cannot
+  /// be written, with errno.
+  std::optional<Unwritten> place(const ChunkHeader& header, const std::vector<std::string_view>& payload);
+  /// Writes the last chunk that was placed. Returns false on failure, with errno.
+  bool write(Unwritten chunk, const std::vector<std::string_view>& payload);
+  /// Writes the rows that wait for those behind them. Returns false on failure, with errno.
+  bool flush();
   bool sync() const;
   void begin_sync() const;  ///< without waiting for the disk
+
+  /// Returns what another process needs to place the next chunk. Headers are those from chunk `from` on.
+  std::string tail(std::uint64_t from) const;
+  /// Goes on behind another process. `check` throws for a header that does not belong here. Throws std::length_error
+  /// where the tail is too short.
+  template <class Check>
+  void take_tail(std::string_view tail, const Check& check) {
+    for (const ChunkHeader& header : take_headers(tail)) check(header);
+    take_rows(tail);
+  }
+
   /// Calls visit(header, payload) for all chunks, their datasets and parameters one after the other. Returns false
   /// where a file cannot be read or a checksum differs.
   template <class Visit>
@@ -51,6 +67,7 @@ class PlacedSet {
     for (const ChunkHeader& header : chunks_) {
       if (!read(places, header, payload)) return false;
       visit(header, payload);
+      places.skip(header, columns_);
     }
     return true;
   }
@@ -63,19 +80,19 @@ class PlacedSet {
   /// All rows in their places.
   struct Places {
     explicit Places(const SetColumns& columns);
+    void skip(const ChunkHeader& header, const SetColumns& columns);
     PlacedRows rows;
     std::optional<PlacedRows> parameters, tactels;
     std::uint64_t end;
   };
-  PlacedSet(const std::filesystem::path& folder, const SetColumns& columns);
-  void resume(std::vector<ChunkHeader> headers);
-  std::size_t take(std::span<const ChunkHeader> headers);
-  bool read(Places& places, const ChunkHeader& header, std::string& payload) const;
+  bool read(const Places& places, const ChunkHeader& header, std::string& payload) const;
+  std::vector<ChunkHeader> take_headers(std::string_view& tail);
+  void take_rows(std::string_view tail);
 
   SetColumns columns_;
+  std::filesystem::path folder_;
   int file_ = -1, headers_ = -1;
-  StagedFile staged_;  ///< `set` again, for rows
-  bool torn_ = false;
+  DirectFile direct_;  ///< `set` again, for rows
   Places places_;
   std::vector<ChunkHeader> chunks_;
 };

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <exception>
 #include <memory>
 #include <mutex>
@@ -25,12 +24,7 @@ constexpr int most_threads = 8;
 class Production {
  public:
   Production(const SceneSource& source, SetSpool& spool, const ProductionOptions& options)
-      : source_(source), spool_(spool), options_(options) {
-    const std::set<std::uint64_t> there = spool.chunks();
-    for (std::uint64_t chunk = 0; chunk < chunk_count(source); ++chunk)
-      if (chunk % options.ranks == static_cast<std::uint64_t>(options.rank) && !there.contains(chunk))
-        missing_.push_back(chunk);
-  }
+      : source_(source), spool_(spool), options_(options), missing_(spool.missing()) {}
 
   const SceneSource& source() const { return source_; }
   std::optional<std::uint64_t> next() {
@@ -41,12 +35,7 @@ class Production {
     if (stopped_) return;
     const auto start = std::chrono::steady_clock::now();
     const std::size_t made = rows.rows();
-    try {
-      spool_.append(number, std::move(rows));
-    } catch (...) {
-      stopped_ = true;  // before another thread appends
-      throw;
-    }
+    spool_.append(number, std::move(rows));
     range.seconds.write = seconds_since(start);
     const std::lock_guard lock(mutex_);
     report_.contacts += range.count;
@@ -55,36 +44,45 @@ class Production {
     report_.stages += range.seconds;
     report_.rows += made;
     ++done_;
-    changed_.notify_all();
   }
   void fail(std::exception_ptr error) {
-    const std::lock_guard lock(mutex_);
-    if (!error_) error_ = std::move(error);
-    stopped_ = true;
-    changed_.notify_all();
+    {
+      const std::lock_guard lock(mutex_);
+      if (!error_) error_ = std::move(error);
+    }
+    stop();
   }
   bool stopped() const { return stopped_; }
 
-  /// Shows progress in the calling thread until everything is done, or someone stops.
-  void watch() {
-    std::unique_lock lock(mutex_);
-    while (!stopped_ && done_ < missing_.size()) {
-      try {
-        if (options_.progress && !options_.progress(done_, missing_.size())) stopped_ = true;
-      } catch (...) {
-        if (!error_) error_ = std::current_exception();
-        stopped_ = true;
-      }
-      changed_.wait_for(lock, std::chrono::milliseconds(100));
+  /// Writes chunks and shows progress in the calling thread until everything is done, or someone stops.
+  void write() try {
+    while (!failed() && spool_.place(std::chrono::milliseconds(100))) {
+      if (spool_.stopped()) stopped_ = true;
+      if (!stopped_ && options_.progress && !options_.progress(done_, missing_.size())) stop();
     }
+    stopped_ = true;  // or there is nothing left to do
+  } catch (...) {
+    fail(std::current_exception());
   }
   ProductionReport report() {
     if (error_) std::rethrow_exception(error_);
-    report_.finished = done_ == missing_.size();
+    spool_.flush();
+    report_.write_seconds = spool_.seconds();
+    report_.stages.write += report_.write_seconds;
+    report_.finished = spool_.missing().empty();
     return report_;
   }
 
  private:
+  bool failed() {
+    const std::lock_guard lock(mutex_);
+    return error_ != nullptr;
+  }
+  void stop() {
+    stopped_ = true;
+    spool_.stop();
+  }
+
   const SceneSource& source_;
   SetSpool& spool_;
   const ProductionOptions& options_;
@@ -92,8 +90,7 @@ class Production {
   std::atomic<std::size_t> next_ = 0;
   std::atomic<bool> stopped_ = false;
   std::mutex mutex_;
-  std::condition_variable changed_;
-  std::size_t done_ = 0;
+  std::atomic<std::size_t> done_ = 0;
   std::exception_ptr error_;
   ProductionReport report_;
 };
@@ -164,10 +161,9 @@ ProductionReport produce_set(const SceneSource& source, SetSpool& spool, const P
   for (const std::string& device : options.devices)
     lines.push_back(std::make_unique<Line>(production, device, options.set));
   for (auto& line : lines) line->start();
-  production.watch();
+  production.write();
   for (auto& line : lines) line->wait();
   ProductionReport report = production.report();
-  spool.flush();
   report.seconds = seconds_since(start);
   for (auto& line : lines) report.devices.push_back(line->device_name());
   return report;

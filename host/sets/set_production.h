@@ -17,8 +17,7 @@ std::uint64_t chunk_count(const SceneSource& source);
 struct ProductionOptions {
   std::vector<std::string> devices{""};  ///< names or indices; several share the chunks
   SetOptions set;
-  int rank = 0, ranks = 1;  ///< this process simulates the chunks with number mod ranks = rank
-  Progress progress;        ///< chunks of this process; false stops
+  Progress progress;  ///< chunks of this process; false stops
 };
 
 struct ProductionReport {
@@ -26,13 +25,14 @@ struct ProductionReport {
   std::uint64_t contacts = 0, rows = 0, steps = 0;
   double seconds = 0;                ///< wall time
   double kernel_seconds = 0;         ///< in kernels, summed over devices
+  double write_seconds = 0;          ///< of the thread that writes, without waiting
   StageSeconds stages;               ///< summed over threads
   std::vector<std::string> devices;  ///< their full names
 };
 
-/// Simulates the missing chunks of the spool. Each device has one thread more than it computes with, eight at most. A
-/// thread draws the contacts of a chunk, lays them out, solves them, gathers their rows and writes them, then takes the
-/// next chunk. Rethrows the exception of any thread after all threads have stopped.
+/// Simulates the missing chunks of the spool that are this process's. Each device has one thread more than it computes
+/// with, eight at most. A thread draws the contacts of a chunk, lays them out, solves them and gathers their rows, then
+/// takes the next chunk. The calling thread writes. Rethrows the exception of any thread after all have stopped.
 ProductionReport produce_set(const SceneSource& source, SetSpool& spool, const ProductionOptions& options);
 
 }  // namespace tactel::host

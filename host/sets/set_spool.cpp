@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/sets/set_spool.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <exception>
 #include <fstream>
-#include <future>
+#include <set>
 #include <thread>
 
+#include "host/sets/stage_seconds.h"
 #include "host/support/bounded_file.h"
 #include "host/support/bounded_queue.h"
 #include "host/support/checksum.h"
@@ -25,8 +24,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t version_bits = 0xff00000000000000;
-/// Chunks that wait in memory for their predecessors, at most.
-constexpr std::size_t most_waiting = 1;
+/// Chunks that wait in memory for their predecessors before a thread waits with its own.
+constexpr std::size_t most_waiting = 2;
 
 /// Columns of the parameters that chunks hold.
 std::size_t parameters_of(const SetColumns& columns) {
@@ -82,11 +81,8 @@ auto with_output(const fs::path& output, const Work& work) try {
 
 /// Chunks first, then the plan, then the lock: a kill on the way leaves a folder that the next run understands.
 void remove_spool(const fs::path& folder) {
-  std::vector<fs::path> chunks;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
-    if (entry.path().extension() == ".spool") chunks.push_back(entry.path());
-  for (const fs::path& file : PlacedSet::files(folder)) chunks.push_back(file);
-  for (const fs::path& file : chunks) fs::remove(file);
+  for (const fs::path& file : PlacedSet::header_files(folder)) fs::remove(file);
+  fs::remove(PlacedSet::set_file(folder));
   fs::remove(folder / "plan");
   fs::remove_all(folder);
 }
@@ -119,8 +115,15 @@ void SetSpool::discard(const fs::path& output) {
   });
 }
 
-SetSpool::SetSpool(const fs::path& output, const std::string& plan, const SetColumns& columns, int writer, Open how)
-    : output_(output), folder_(folder(output)), plan_sum_(checksum(plan)), columns_(columns) {
+SetSpool::SetSpool(const fs::path& output, const std::string& plan, const SetColumns& columns, std::uint64_t count,
+                   Open how, Ring ring, std::uint64_t there)
+    : output_(output),
+      folder_(folder(output)),
+      plan_sum_(checksum(plan)),
+      count_(count),
+      columns_(columns),
+      ring_(std::move(ring)),
+      holds_end_(how != Open::join) {
   make_folder("--output", folder_);
   with_output(output_, [&] {
     if (how != Open::join) {
@@ -128,35 +131,22 @@ SetSpool::SetSpool(const fs::path& output, const std::string& plan, const SetCol
       remove_old_leftovers(output_);
     }
     check_plan(plan, how);
-    const auto belongs = [&](const ChunkHeader& header) { check(header, PlacedSet::files(folder_)[0]); };
-    check_version(PlacedSet::files(folder_)[0]);
-    if (how != Open::join) {
-      try {
-        placed_.emplace(folder_, columns_, belongs);
-      } catch (const std::system_error& error) {
-        throw output_error(output_, "a file that can be written (" + error.code().message() + ")");
-      }
-      torn_ += placed_->torn();
+    const std::vector<ChunkHeader> found = how == Open::join ? std::vector<ChunkHeader>() : headers();
+    try {
+      placed_.emplace(folder_, columns_, ring_.rank);
+      if (how != Open::join) placed_->resume(found);
+      torn_ = torn_ || (how != Open::join && chunks() < found.size());
+    } catch (const std::system_error& error) {
+      throw output_error(output_, "a file that can be written (" + error.code().message() + ")");
     }
-    for (const ChunkHeader& header : placed_ ? placed_->chunks() : PlacedSet::read_headers(folder_))
-      belongs(header), chunks_[header.chunk] = {{}, 0, header};
-    for (const fs::path& file : files()) scan(file, how != Open::join);
-    open_own_file(writer);
   });
+  first_ = how == Open::join ? there : chunks();
+  next_ = first_;
+  while (next_ < count_ && owner(next_) != ring_.rank) ++next_;
 }
 
 SetSpool::~SetSpool() {
-  if (file_ >= 0) ::close(file_);
-}
-
-/// Files with chunks, in the order of their names. A symbolic link is none of ours.
-std::vector<fs::path> SetSpool::files() const {
-  std::vector<fs::path> all;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder_))
-    if (entry.path().extension() == ".spool" && fs::is_regular_file(entry.symlink_status()))
-      all.push_back(entry.path());
-  std::ranges::sort(all);
-  return all;
+  if (placed_ && holds_end_) placed_->flush();  // after an error; else there is nothing left
 }
 
 void SetSpool::check_plan(const std::string& plan, Open how) const {
@@ -177,23 +167,23 @@ void SetSpool::check_plan(const std::string& plan, Open how) const {
                        "the set that was begun: " + folder_.string() +
                            " holds chunks of another sweep file, seed, precision, tolerance or version, or of a file "
                            "named in it that has changed; --force starts anew");
-  const bool chunks = std::ranges::any_of(files(), [](const fs::path& file) { return fs::file_size(file) > 0; }) ||
-                      !PlacedSet::read_headers(folder_).empty();
-  if (!there && chunks)
+  if (!there && std::ranges::any_of(PlacedSet::header_files(folder_),
+                                    [](const fs::path& file) { return fs::file_size(file) > 0; }))
     throw output_error(output_, "a set whose plan is known: " + folder_.string() +
                                     " holds chunks, but its file `plan` is lost; put it back, or --force starts anew");
   if (!there) write_file("--output", path, plan);
 }
 
 /// Refuses a chunk of another plan: it was copied in.
-void SetSpool::check(const ChunkHeader& header, const fs::path& file) const {
+void SetSpool::check(const ChunkHeader& header) const {
   const bool fits =
-      header.plan_sum == plan_sum_ && header.inputs == static_cast<std::uint64_t>(columns_.inputs) &&
-      header.rows <= header.bytes && header.contacts <= header.bytes &&
+      header.plan_sum == plan_sum_ && header.chunk < count_ &&
+      header.inputs == static_cast<std::uint64_t>(columns_.inputs) && header.rows <= header.bytes &&
+      header.contacts <= header.bytes &&
       header.bytes == header.rows * row_bytes(columns_) + header.contacts * parameters_of(columns_) * sizeof(float);
   if (!fits)
-    throw output_error(output_, "made of chunks of one plan: " + file.string() +
-                                    " holds some of another sweep file, seed, precision or version; remove it, or "
+    throw output_error(output_, "made of chunks of one plan: " + folder_.string() +
+                                    " holds some of another sweep file, seed, precision or version; remove them, or "
                                     "--force starts anew");
 }
 
@@ -208,55 +198,47 @@ void SetSpool::check_version(const fs::path& file) const {
                                   " holds some of another; that version goes on with it, and --force starts anew");
 }
 
-/// Finds the chunks of a file; `cut`: cuts it off behind the last whole one.
-void SetSpool::scan(const fs::path& file, bool cut) {
-  check_version(file);
-  std::ifstream in(file, std::ios::binary);
-  const std::uint64_t size = fs::file_size(file);
-  std::uint64_t offset = 0;
-  ChunkHeader header;
-  std::string payload;
-  while (in.read(reinterpret_cast<char*>(&header), sizeof header)) {
-    if (!header.whole()) break;
-    check(header, file);
-    if (header.bytes > size - offset - sizeof header) break;
-    payload.resize(header.bytes);
-    if (!in.read(payload.data(), static_cast<std::streamsize>(payload.size()))) break;
-    if (checksum(payload) != header.payload_sum) break;
-    chunks_.try_emplace(header.chunk, Place{file, offset, header});
-    offset += sizeof header + header.bytes;
+/// Returns the headers of the folder, sorted, each chunk once.
+std::vector<ChunkHeader> SetSpool::headers() {
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) check_version(entry.path());
+  std::map<std::uint64_t, ChunkHeader> all;
+  for (const fs::path& file : PlacedSet::header_files(folder_)) {
+    std::ifstream in(file, std::ios::binary);
+    ChunkHeader header;
+    while (in.read(reinterpret_cast<char*>(&header), sizeof header) && header.whole())
+      check(header), all.emplace(header.chunk, header);
+    torn_ = torn_ || in.gcount() > 0;
   }
-  if (offset == size || !cut) return;
-  ++torn_;
-  fs::resize_file(file, offset);
+  std::vector<ChunkHeader> sorted;
+  for (const auto& [chunk, header] : all) sorted.push_back(header);
+  return sorted;
 }
 
-void SetSpool::open_own_file(int writer) {
-  own_ = folder_ / fmt::format("{:04}.spool", writer);
-  file_ = ::open(own_.c_str(), O_CREAT | O_WRONLY | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0666);
-  if (file_ < 0 || !sync_folder(folder_))
-    throw output_error(output_, "a file that can be written (" + std::string(std::strerror(errno)) + ")");
+int SetSpool::owner(std::uint64_t chunk) const {
+  return chunk < count_ ? static_cast<int>(chunk % static_cast<std::uint64_t>(ring_.count)) : 0;
 }
 
-std::set<std::uint64_t> SetSpool::chunks() const {
-  std::set<std::uint64_t> there;
-  for (const auto& [chunk, place] : chunks_) there.insert(chunk);
-  return there;
+std::vector<std::uint64_t> SetSpool::missing() const {
+  std::vector<std::uint64_t> all;
+  for (std::uint64_t chunk = next_; chunk < count_; chunk += static_cast<std::uint64_t>(ring_.count))
+    all.push_back(chunk);
+  return all;
 }
 
 std::uint64_t SetSpool::rows() const {
   std::uint64_t all = 0;
-  for (const auto& [chunk, place] : chunks_) all += place.header.rows;
+  for (const ChunkHeader& header : placed_->chunks()) all += header.rows;
   return all;
 }
 
-std::size_t SetSpool::torn() const { return torn_; }
+bool SetSpool::torn() const { return torn_; }
 std::uint64_t SetSpool::bytes() const { return bytes_; }
+double SetSpool::seconds() const { return seconds_; }
 
 void SetSpool::fail(int error) const {
-  throw output_error(output_, fmt::format("on a disk with room for it ({}); {} chunks are kept in {}, and --resume "
+  throw output_error(output_, fmt::format("on a disk with room for it ({}); chunks are kept in {}, and --resume "
                                           "continues from them",
-                                          std::strerror(error), chunks_.size(), folder_.string()));
+                                          std::strerror(error), folder_.string()));
 }
 
 ChunkHeader SetSpool::header_of(std::uint64_t chunk, const ContactSet& rows,
@@ -284,45 +266,92 @@ ChunkHeader SetSpool::header_of(std::uint64_t chunk, const ContactSet& rows,
 
 void SetSpool::append(std::uint64_t chunk, ContactSet rows) {
   const ChunkHeader header = header_of(chunk, rows, payload_of(rows, columns_));
-  if (!placed_) return spool(header, rows);
-  std::unique_lock lock(appending_);
+  std::unique_lock lock(mutex_);
   waiting_.emplace(chunk, Waiting{header, std::move(rows)});
-  if (!placing_) place_waiting(lock);
-  placed_some_.wait(lock, [&] { return waiting_.size() <= most_waiting || !placing_; });
-  if (waiting_.size() <= most_waiting) return;
-  const auto last = waiting_.extract(std::prev(waiting_.end()));
-  lock.unlock();
-  spool(last.mapped().header, last.mapped().rows);
+  changed_.notify_all();
+  changed_.wait(lock, [&] { return waiting_.size() <= most_waiting || stopped_; });
 }
 
-/// Places chunks as long as the next one is there. One thread at a time does so; others leave theirs to it.
-void SetSpool::place_waiting(std::unique_lock<std::mutex>& lock) {
-  placing_ = true;
-  try {
-    for (;;) {
-      const std::uint64_t next = placed_->chunks().size();
-      const auto waits = waiting_.extract(next);
-      const auto spooled = chunks_.find(next);
-      if (waits.empty() && spooled == chunks_.end()) break;
-      const Place place_of = waits.empty() ? spooled->second : Place{};
-      lock.unlock();
-      const Waiting chunk = waits.empty() ? Waiting{place_of.header, load(place_of)} : std::move(waits.mapped());
-      const bool good = placed_->append(chunk.header, payload_of(chunk.rows, columns_)) && sync_sometimes();
-      const int error = errno;
-      lock.lock();
-      if (!good) fail(error);
-      chunks_[next] = {{}, 0, placed_->chunks().back()};
-      bytes_ += waits.empty() ? 0 : chunks_[next].header.bytes;
-      placed_some_.notify_all();
-    }
-  } catch (...) {
-    if (!lock.owns_lock()) lock.lock();
-    placing_ = false;
-    placed_some_.notify_all();
-    throw;
+void SetSpool::stop() {
+  const std::lock_guard lock(mutex_);
+  stopped_ = true;
+  changed_.notify_all();
+}
+
+/// A message is 1 where the run ends; else 0 and the end of the set.
+void SetSpool::receive() {
+  const std::optional<std::string> message = ring_.receive();
+  if (!message) return;
+  if (message->front() == 1) {
+    stop();
+    ended_ = true;
+    return;
   }
-  placing_ = false;
-  placed_some_.notify_all();
+  placed_->take_tail(std::string_view(*message).substr(1), [&](const ChunkHeader& header) { check(header); });
+  holds_end_ = true;
+}
+
+/// A process knows the chunks up to its last one in this run.
+void SetSpool::send_end() {
+  const auto processes = static_cast<std::uint64_t>(ring_.count);
+  ring_.send(owner(chunks()), '\0' + placed_->tail(chunks() < first_ + processes ? 0 : chunks() - processes));
+  holds_end_ = false;
+}
+
+/// Tells every process that waits for the end of the set.
+void SetSpool::send_stop() {
+  std::set<int> waiting;
+  for (std::uint64_t chunk = chunks() + 1;
+       chunk <= count_ && chunk < chunks() + static_cast<std::uint64_t>(ring_.count); ++chunk)
+    waiting.insert(owner(chunk));
+  waiting.erase(ring_.rank);
+  for (const int process : waiting) ring_.send(process, "\1");
+  ended_ = true;
+}
+
+std::optional<SetSpool::Waiting> SetSpool::wait_for_next(std::chrono::milliseconds wait) {
+  std::unique_lock lock(mutex_);
+  const auto ready = [&] { return waiting_.contains(next_); };
+  if (holds_end_ && !ready()) {  // the rows behind the last ones may come late
+    lock.unlock();
+    if (!placed_->flush()) fail(errno);
+    lock.lock();
+  } else if (!holds_end_ && (ready() || next_ >= count_ || stopped_)) {  // this process has nothing else to wait for
+    lock.unlock();
+    std::this_thread::sleep_for(std::chrono::microseconds(100));
+    return {};
+  }
+  changed_.wait_for(lock, wait, [&] { return ready() || stopped_; });
+  if (!holds_end_ || !ready()) return {};
+  return std::move(waiting_.extract(next_).mapped());
+}
+
+bool SetSpool::place(std::chrono::milliseconds wait) {
+  if (!holds_end_ && ring_.count > 1) receive();
+  if (ended_) return false;
+  if (holds_end_ && owner(chunks()) != ring_.rank) send_end();
+  if (next_ >= count_ && (ring_.rank != 0 || holds_end_)) return false;
+  const std::optional<Waiting> chunk = wait_for_next(wait);
+  if (!chunk) {
+    if (stopped_ && holds_end_) send_stop();
+    return !ended_;
+  }
+  const auto start = std::chrono::steady_clock::now();
+  const std::vector<std::string_view> payload = payload_of(chunk->rows, columns_);
+  std::optional<PlacedSet::Unwritten> unwritten = placed_->place(chunk->header, payload);
+  if (!unwritten) fail(errno);
+  next_ += static_cast<std::uint64_t>(ring_.count);
+  if (owner(chunks()) != ring_.rank) send_end();
+  if (!placed_->write(std::move(*unwritten), payload) || !sync_sometimes()) fail(errno);
+  bytes_ += chunk->header.bytes;
+  seconds_ += seconds_since(start);
+  const std::lock_guard lock(mutex_);
+  changed_.notify_all();
+  return true;
+}
+
+void SetSpool::flush() {
+  if ((holds_end_ && !placed_->flush()) || !placed_->sync()) fail(errno);
 }
 
 /// The disk is told of every chunk, and waited for once a second.
@@ -334,48 +363,6 @@ bool SetSpool::sync_sometimes() {
   const bool good = placed_->sync();
   synced_ = std::chrono::steady_clock::now();
   return good;
-}
-
-void SetSpool::flush() {
-  for (const auto& [number, chunk] : waiting_) spool(chunk.header, chunk.rows);
-  waiting_.clear();
-  if (placed_ && !placed_->sync()) fail(errno);
-}
-
-/// Appends a chunk to the spool file of this process.
-void SetSpool::spool(const ChunkHeader& header, const ContactSet& rows) {
-  const std::vector<std::string_view> payload = payload_of(rows, columns_);
-  const auto fail_after = [&](off_t before) {
-    const int error = errno;
-    if (before < 0 || ::ftruncate(file_, before) != 0) ++torn_;  // the next run cuts it off
-    fail(error);
-  };
-  off_t before = 0;
-  {
-    const std::lock_guard lock(appending_);
-    before = ::lseek(file_, 0, SEEK_END);
-    bool whole = write_all(file_, {reinterpret_cast<const char*>(&header), sizeof header});
-    for (const std::string_view part : payload) whole = whole && write_all(file_, part);
-    if (!whole) fail_after(before);
-  }
-  const bool synced = ::fdatasync(file_) == 0 || errno == EINVAL;  // EINVAL: a file system that cannot
-  const std::lock_guard lock(appending_);
-  if (!synced) fail_after(-1);  // another thread may have appended behind it
-  bytes_ += sizeof header + header.bytes;
-  chunks_[header.chunk] = {own_, static_cast<std::uint64_t>(before), header};
-}
-
-ContactSet SetSpool::load(const Place& place) const {
-  std::ifstream in(place.file, std::ios::binary);
-  in.seekg(static_cast<std::streamoff>(place.offset));
-  ChunkHeader header;
-  std::string payload(place.header.bytes, '\0');
-  in.read(reinterpret_cast<char*>(&header), sizeof header);
-  in.read(payload.data(), static_cast<std::streamsize>(payload.size()));
-  if (!in || std::memcmp(&header, &place.header, sizeof header) != 0 || checksum(payload) != header.payload_sum)
-    throw output_error(output_, "made of whole chunks: " + place.file.string() +
-                                    " was damaged while it was read; --resume generates the damaged chunks again");
-  return rows_from(payload, header, columns_);
 }
 
 /// One thread reads chunks and checks them, the calling one writes.
@@ -407,40 +394,12 @@ void SetSpool::copy_rows(ContactSetWriter& writer) const {
                                     " was damaged while it was read; --resume generates it again");
 }
 
-/// The set as a copy of its rows: compressed, or too small for chunks of HDF5's.
-void SetSpool::finish_copy(const ContactSet& set, std::uint64_t contacts, bool compress) const {
-  ContactSetWriter writer(output_, columns_, rows(), contacts, compress);
-  copy_rows(writer);
-  writer.finish(set);
-}
-
-/// One thread reads a chunk and checks it, while the calling one places the chunk before.
-void SetSpool::place_spooled(std::uint64_t count) {
-  const auto loading = [&](std::uint64_t chunk) {
-    return std::async(std::launch::async, [this, chunk] { return load(chunks_.at(chunk)); });
-  };
-  std::uint64_t chunk = placed_->chunks().size();
-  if (chunk == count) return;
-  for (std::future<ContactSet> next = loading(chunk); chunk < count; ++chunk) {
-    const ContactSet rows = next.get();
-    if (chunk + 1 < count) next = loading(chunk + 1);
-    if (!placed_->append(chunks_.at(chunk).header, payload_of(rows, columns_))) fail(errno);
-    placed_->begin_sync();
-  }
-}
-
-void SetSpool::assemble(std::uint64_t count, ContactSet& set, bool compress) {
-  with_output(output_, [&] {
-    for (const fs::path& file : files())  // what other writers added
-      if (file != own_) scan(file, false);
-  });
-  flush();
-  if (chunks_.size() != count || (count > 0 && chunks_.rbegin()->first != count - 1))
-    throw output_error(
-        output_, fmt::format("complete: {} of {} chunks exist; --resume generates the others", chunks_.size(), count));
+void SetSpool::assemble(ContactSet& set, bool compress) {
+  if (chunks() != count_)
+    throw output_error(output_,
+                       fmt::format("complete: {} of {} chunks exist; --resume generates the others", chunks(), count_));
   std::uint64_t contacts = 0;
-  for (const auto& [chunk, place_of] : chunks_) {
-    const ChunkHeader& header = place_of.header;
+  for (const ChunkHeader& header : placed_->chunks()) {
     contacts += header.contacts;
     set.fell_back += header.fell_back;
     set.unsolved += header.unsolved;
@@ -449,12 +408,14 @@ void SetSpool::assemble(std::uint64_t count, ContactSet& set, bool compress) {
     set.far_slip += header.far_slip;
     set.never_slid += header.never_slid;
   }
-  place_spooled(count);
-  if (compress || !placed_->fits_hdf5()) {
-    finish_copy(set, contacts, compress);
+  if (compress || !placed_->fits_hdf5()) {  // a copy
+    flush();
+    ContactSetWriter writer(output_, columns_, rows(), contacts, compress);
+    copy_rows(writer);
+    writer.finish(set);
   } else {
     if (!placed_->finish(set)) fail(errno != 0 ? errno : EIO);  // HDF5 may not say why
-    move_file("--output", PlacedSet::files(folder_)[1], output_);
+    move_file("--output", PlacedSet::set_file(folder_), output_);
   }
   with_output(output_, [&] { remove_spool(folder_); });
 }

@@ -2,7 +2,11 @@
 #include "host/support/checksum.h"
 
 #include <fmt/format.h>
+#define XXH_STATIC_LINKING_ONLY  // the members of a state
 #include <xxhash.h>
+
+#include <cstring>
+#include <stdexcept>
 
 namespace tactel::host {
 namespace {
@@ -31,5 +35,18 @@ void RunningChecksum::add(std::string_view bytes) { XXH3_64bits_update(state_->s
 
 std::uint64_t RunningChecksum::value() const { return XXH3_64bits_digest(state_->sum.get()); }
 std::string RunningChecksum::text() const { return digits(value()); }
+
+std::string RunningChecksum::state() const {
+  return {reinterpret_cast<const char*>(state_->sum.get()), sizeof *state_->sum};
+}
+
+void RunningChecksum::go_on(std::string_view& bytes) {
+  XXH3_state_t& sum = *state_->sum;
+  if (bytes.size() < sizeof sum) throw std::length_error("state of a checksum");
+  const auto* const secret = sum.extSecret;  // of the library, where this process has it
+  std::memcpy(&sum, bytes.data(), sizeof sum);
+  sum.extSecret = secret;
+  bytes.remove_prefix(sizeof sum);
+}
 
 }  // namespace tactel::host

@@ -23,6 +23,10 @@ class RunningChecksum {
   std::uint64_t value() const;
   /// The same as checksum_text.
   std::string text() const;
+  /// Returns what another process of this program needs to go on.
+  std::string state() const;
+  /// Goes on from a state, which it takes from the beginning of `bytes`. Throws std::length_error where they are fewer.
+  void go_on(std::string_view& bytes);
 
  private:
   struct State;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 namespace tactel::host {
@@ -20,8 +23,15 @@ class Ranks {
   void barrier() const;
   /// Returns the sums over all processes, element by element.
   std::vector<double> sum(std::vector<double> values) const;
+  /// Sends bytes to another process, without waiting for it; waits for the bytes before. All calls come from one
+  /// thread.
+  void send(int rank, std::string bytes);
+  /// Returns the next bytes that another process sent here; none where nothing has come.
+  std::optional<std::string> receive() const;
 
  private:
+  struct Sending;
+  std::unique_ptr<Sending> sending_;
   bool started_ = false;
   int rank_ = 0, count_ = 1;
 };

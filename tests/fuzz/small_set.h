@@ -4,7 +4,6 @@
 
 namespace tactel::fuzz {
 
-inline const std::string spool_plan = "a plan";
 inline constexpr std::size_t small_rows = 3;
 inline constexpr int small_inputs = 4;
 

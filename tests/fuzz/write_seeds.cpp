@@ -9,12 +9,11 @@
 #include <string>
 
 #include "host/networks/onnx_file.h"
-#include "host/sets/set_spool.h"
 #include "hw/recording.h"
 #include "nn/weights.h"
 #include "tests/fuzz/checkpoint_records.h"
 #include "tests/fuzz/counted_layout.h"
-#include "tests/fuzz/small_set.h"
+#include "tests/fuzz/small_spool.h"
 #include "tests/hw/byte_vectors.h"
 
 namespace tactel::fuzz {
@@ -88,14 +87,11 @@ void write_checkpoint(const fs::path& path) {
   host::write_checkpoint<float>(path, checkpoint_plan, records);
 }
 
-/// Chunks 0 and 1 of an unfinished set.
+/// Headers of chunks 0 and 1 of an unfinished set.
 void write_spool(const fs::path& path) {
   const fs::path output = path.parent_path() / "set.h5";
-  {
-    host::SetSpool spool(output, spool_plan, small_inputs, 0, host::SetSpool::Open::join);  // not in their places
-    for (const std::uint64_t chunk : {0, 1}) spool.append(chunk, small_set());
-  }
-  fs::copy_file(host::SetSpool::folder(output) / "0000.spool", path, fs::copy_options::overwrite_existing);
+  write_small_spool(output);
+  fs::copy_file(host::SetSpool::folder(output) / "0000.placed", path, fs::copy_options::overwrite_existing);
   host::SetSpool::discard(output);
 }
 
