@@ -85,6 +85,21 @@ void eigen(benchmark::State& state, int network, int threads) {
   count(state, c, threads);
 }
 
+// The same network through tactel::infer, in the calling thread.
+void infer(benchmark::State& state, int network) {
+  const Case c(network, static_cast<int>(state.range(0)));
+  const std::string bytes = host::onnx_bytes({c.weights, scaling, 1, 0, "bumps", 0, {}});
+  const SlipEstimator estimator = SlipEstimator::parse(std::as_bytes(std::span(bytes)));
+  const std::span frames(c.frames.data(), static_cast<std::size_t>(c.frames.size()));
+  std::vector<Answer> answers(static_cast<std::size_t>(c.frames.rows()));
+  estimator.estimate(frames, answers);
+  nn::Vector<float> s(c.frames.rows());
+  for (Eigen::Index row = 0; row < s.size(); ++row) s(row) = answers[static_cast<std::size_t>(row)].slip_index;
+  if (!c.right(s)) return state.SkipWithError("S differs from the reference");
+  for (auto _ : state) benchmark::DoNotOptimize(estimator.estimate(frames, answers));
+  count(state, c, 1);
+}
+
 // Latency of single calls: quantiles over some ten thousand, copies and status included.
 template <class Call>
 void latency(benchmark::State& state, const Case& c, const Call& call) {
@@ -170,6 +185,14 @@ const bool registered = [] {
           ->UseRealTime()
           ->Unit(benchmark::kMicrosecond);
     }
+    benchmark::RegisterBenchmark((name + "/infer").c_str(), [=](benchmark::State& s) { infer(s, network); })
+        ->Arg(1)
+        ->Arg(8)
+        ->Arg(16)
+        ->Arg(64)
+        ->Arg(4096)
+        ->UseRealTime()
+        ->Unit(benchmark::kMicrosecond);
     benchmark::RegisterBenchmark((name + "/one_frame").c_str(), [=](benchmark::State& s) { one_frame(s, network); })
         ->UseManualTime()
         ->Unit(benchmark::kMicrosecond);

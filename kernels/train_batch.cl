@@ -50,20 +50,8 @@ typedef struct {
   vreal d_out[OUTPUTS][FRAME_VECTORS];
 } Tile;
 
-/* `numbers` columns, whole vectors, of a tile: a frame in a row becomes a frame in a lane. */
-INLINE void rows_to_frames(const int vectors, const int numbers, const real *rows, vreal (*columns)[FRAME_VECTORS]) {
-  ROLLED for (int v = 0; v < vectors; ++v) {
-    ROLLED for (int begin = 0; begin < numbers; begin += LANES) {
-      vreal block[LANES];
-      EACH(lane, LANES) { block[lane] = LOAD(rows + (v * LANES + lane) * numbers + begin); }
-      transpose(block);
-      EACH(k, LANES) { columns[begin + k][v] = block[k]; }
-    }
-  }
-}
-
 #if HIDDEN2
-/* And back. */
+/* `numbers` columns, whole vectors, of a tile: a frame in a lane becomes a frame in a row. */
 INLINE void frames_to_rows(const int vectors, const int numbers, const vreal (*columns)[FRAME_VECTORS], real *rows) {
   ROLLED for (int v = 0; v < vectors; ++v) {
     ROLLED for (int begin = 0; begin < numbers; begin += LANES) {
@@ -80,14 +68,25 @@ INLINE void frames_to_rows(const int vectors, const int numbers, const vreal (*c
 INLINE void load_tile(Tile *tile, global const real *inputs, global const real *targets, global const uint *shown, uint count, uint zero_row) {
   tile->frames = (int)min(count, (uint)TILE);
   tile->vectors = LANES > 1 && count <= LANES ? 1 : FRAME_VECTORS;
+  global const real *from[TILE];
   ROLLED for (uint f = 0; f < (uint)tile->vectors * LANES; ++f) {
     const uint row = f < count ? shown[f] : zero_row;
-    EACH(v, ROW0 / LANES) { STORE(LOAD(inputs + (size_t)row * ROW0 + v * LANES), tile->rows + f * ROW0 + v * LANES); }
+    from[f] = inputs + (size_t)row * ROW0;
     ((real *)tile->target)[f] = targets[row];
   }
   EACH(v, FRAME_VECTORS) { tile->counts[v] = 1; }
   for (int f = tile->frames; f < tile->vectors * LANES; ++f) ((real *)tile->counts)[f] = 0;
-  rows_to_frames(tile->vectors, ROW0, tile->rows, tile->x);
+  ROLLED for (int v = 0; v < tile->vectors; ++v) {
+    ROLLED for (int begin = 0; begin < ROW0; begin += LANES) {
+      vreal block[LANES];
+      EACH(lane, LANES) {
+        block[lane] = LOAD(from[v * LANES + lane] + begin);
+        STORE(block[lane], tile->rows + (v * LANES + lane) * ROW0 + begin);
+      }
+      transpose(block);
+      EACH(k, LANES) { tile->x[begin + k][v] = block[k]; }
+    }
+  }
 }
 
 #if HIDDEN2

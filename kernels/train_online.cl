@@ -61,7 +61,7 @@ typedef struct {
 #if HIDDEN2
   vreal d2[V2];     /* eta d of the last pattern, its step still to be made */
   vreal o1[V1 + 1]; /* and the layer's inputs then, [neuron][network]; 1 after neuron HIDDEN1 - 1 */
-  real m2, moving;  /* momentum and 1 while a step is to be made, 1 and 0 when there is none */
+  int pending;      /* a step is to be made */
 #endif
   vreal sse, largest;
 } Group;
@@ -141,28 +141,41 @@ INLINE void multiply_rows(Group *g) {
   ROLLED for (int v = 0; v < NEURON_VECTORS(PAIRS); ++v) g->dots[v] = piece_sums(NETWORKS, product + v * NEURONS);
 }
 
-/* u(t) = W x(t) + m a_t S x(t). A vector of neurons at a time: its weights lie in a row. */
-INLINE void multiply_layer1(Group *g, const Rule *rule) {
+/* u(t) = W x(t) + m a_t S x(t) for the neurons in vectors v and, where `two`, v + 1: an input that is loaded serves both. Their weights lie in
+   rows. */
+INLINE void multiply_vectors(const int two, Group *g, const Rule *rule, int v) {
   const real *x = (const real *)g->x;
-  ROLLED for (int v = 0; v < V1; ++v) {
-    global const Weight *weight = g->layer1 + v * (INPUTS + 1);
-    vreal sum[BLOCK];
-    EACH(t, BLOCK) { sum[t] = 0; }
-    ROLLED for (int k = 0; k <= INPUTS; ++k) {
-      UNROLL for (int t = 1; t < BLOCK; ++t) {
-        const vreal input = each_network(x + t * (ROW * NETWORKS * LANES) + k * NETWORKS);
-        sum[t] = fma(weight[k].s, input, sum[t]);
-      }
+  global const Weight *weight = g->layer1 + v * (INPUTS + 1), *next = weight + two * (INPUTS + 1);
+  vreal a[BLOCK], b[BLOCK];
+  EACH(t, BLOCK) { a[t] = b[t] = 0; }
+  ROLLED for (int k = 0; k <= INPUTS; ++k) {
+    UNROLL for (int t = 1; t < BLOCK; ++t) {
+      const vreal input = each_network(x + t * (ROW * NETWORKS * LANES) + k * NETWORKS);
+      a[t] = fma(weight[k].s, input, a[t]);
+      if (two) b[t] = fma(next[k].s, input, b[t]);
     }
-    EACH(t, BLOCK) { sum[t] *= ALL_LANES(rule->momentum * rule->a[t]); }
-    ROLLED for (int k = 0; k <= INPUTS; ++k) {
-      EACH(t, BLOCK) {
-        const vreal input = each_network(x + t * (ROW * NETWORKS * LANES) + k * NETWORKS);
-        sum[t] = fma(weight[k].w, input, sum[t]);
-      }
-    }
-    EACH(t, BLOCK) { g->u[t][v] = sum[t]; }
   }
+  EACH(t, BLOCK) {
+    const vreal factor = ALL_LANES(rule->momentum * rule->a[t]);
+    a[t] *= factor;
+    b[t] *= factor;
+  }
+  ROLLED for (int k = 0; k <= INPUTS; ++k) {
+    EACH(t, BLOCK) {
+      const vreal input = each_network(x + t * (ROW * NETWORKS * LANES) + k * NETWORKS);
+      a[t] = fma(weight[k].w, input, a[t]);
+      if (two) b[t] = fma(next[k].w, input, b[t]);
+    }
+  }
+  EACH(t, BLOCK) {
+    g->u[t][v] = a[t];
+    if (two) g->u[t][v + 1] = b[t];
+  }
+}
+
+INLINE void multiply_layer1(Group *g, const Rule *rule) {
+  ROLLED for (int v = 0; v + 2 <= V1; v += 2) multiply_vectors(1, g, rule, v);
+  if (V1 % 2) multiply_vectors(0, g, rule, V1 - 1);
 }
 
 /* The first layer's weights and steps after the block's `count` patterns. */
@@ -190,36 +203,37 @@ INLINE void update_layer1(Group *g, const Rule *rule, int count) {
 }
 
 #if HIDDEN2
-/* Data of a pending step of the second layer. */
-typedef struct {
-  vreal d[V2];
-  const real *o; /* [HIDDEN1 + 1][NETWORKS] */
-  real momentum, moving;
-} Step;
-
-/* Makes the step for input k, and adds the new weight's part of z. */
-INLINE void step_input(global Weight *weight, const Step *step, int k, const real *o, vreal *z) {
-  const vreal before = each_network(step->o + k * NETWORKS), now = each_network(o + k * NETWORKS);
-  EACH(v, V2) {
-    const vreal s = fma(step->d[v], before, weight[k * V2 + v].s * step->momentum);
-    const vreal w = fma(ALL_LANES(step->moving), s, weight[k * V2 + v].w);
-    weight[k * V2 + v].s = s;
-    weight[k * V2 + v].w = w;
-    z[v] = fma(w, now, z[v]);
-  }
-}
-
-/* Makes the pending step, then z = W o; o: [HIDDEN1 + 1][NETWORKS], the last 1. */
-INLINE void step_layer2(Group *g, const real *o, vreal *z) {
+/* The pending step, where there is one, then z = W o; o: [HIDDEN1 + 1][NETWORKS], the last 1. The weight's new value is a plain sum: adders are
+   idle here, and multipliers are not. */
+INLINE void step_layer2_pending(const int pending, Group *g, real momentum, const real *o, vreal *z) {
   global Weight *weight = g->layer2;
-  Step step = {.o = (const real *)g->o1, .momentum = g->m2, .moving = g->moving};
-  vreal sum[V2];
+  const real *o_before = (const real *)g->o1;
+  vreal d[V2], sum[V2];
   EACH(v, V2) {
-    step.d[v] = g->d2[v];
+    d[v] = g->d2[v];
     sum[v] = 0;
   }
-  ROLLED for (int k = 0; k <= HIDDEN1; ++k) step_input(weight, &step, k, o, sum);
+  ROLLED for (int k = 0; k <= HIDDEN1; ++k, weight += V2) {
+    const vreal before = each_network(o_before + k * NETWORKS), now = each_network(o + k * NETWORKS);
+    EACH(v, V2) {
+      vreal w = weight[v].w;
+      if (pending) {
+        const vreal s = fma(d[v], before, weight[v].s * momentum);
+        w += s;
+        weight[v].s = s;
+        weight[v].w = w;
+      }
+      sum[v] = fma(w, now, sum[v]);
+    }
+  }
   EACH(v, V2) { z[v] = sum[v]; }
+}
+
+INLINE void step_layer2(Group *g, real momentum, const real *o, vreal *z) {
+  if (g->pending)
+    step_layer2_pending(1, g, momentum, o, z);
+  else
+    step_layer2_pending(0, g, momentum, o, z);
 }
 
 /* (W' g) of `count` neurons of the first layer, in the lanes of one vector; zero in lanes that only fill it. weight: of the first one. */
@@ -278,7 +292,7 @@ INLINE void learn_pattern(Group *group, const Rule *rule, int t) {
   vreal o[V1 + 1], f2[V2], g[V2], back[V1];
   EACH(v, V1) { o[v] = f1[v]; }
   EACH(n, NETWORKS) { ((real *)o)[HIDDEN1 * NETWORKS + n] = 1; }
-  step_layer2(group, (const real *)o, f2);
+  step_layer2(group, rule->momentum, (const real *)o, f2);
   EACH(v, V2) {
     f2[v] = activation(f2[v]);
     g[v] = activation_slope(f2[v]) * group->out[v].w;
@@ -288,8 +302,7 @@ INLINE void learn_pattern(Group *group, const Rule *rule, int t) {
   EACH(v, V1 + 1) { group->o1[v] = o[v]; }
   EACH(v, V2) { group->d2[v] = step * g[v]; }
   EACH(v, V1) { group->u[t][v] = step * activation_slope(f1[v]) * back[v]; }
-  group->m2 = rule->momentum;
-  group->moving = 1;
+  group->pending = 1;
 #else
   vreal g[V1];
   EACH(v, V1) { g[v] = activation_slope(f1[v]) * group->out[v].w; }
@@ -387,13 +400,11 @@ INLINE void move_network(int keep, Group *g, int n, global real *network) {
 }
 
 /* Stores the group's vectors in memory, pending steps included, so that a later launch resumes bit-identically. */
-INLINE void settle(Group *g) {
+INLINE void settle(Group *g, const Rule *rule) {
 #if HIDDEN2
   vreal z[V2];
-  step_layer2(g, (const real *)g->o1, z);
-  g->m2 = 1;
-  g->moving = 0;
-  EACH(v, V2) { g->d2[v] = 0; }
+  step_layer2(g, rule->momentum, (const real *)g->o1, z);
+  g->pending = 0;
 #endif
   EACH(v, VL) { g->layer3[v] = g->out[v]; }
   g->layer3[VL] = g->out_bias;
@@ -411,10 +422,7 @@ INLINE void open_group(Group *g, global Weight *vectors, global const uint *slot
   EACH(v, VL) { g->out[v] = g->layer3[v]; }
   g->out_bias = g->layer3[VL];
 #if HIDDEN2
-  EACH(v, V2) { g->d2[v] = 0; }
-  EACH(v, V1 + 1) { g->o1[v] = 0; }
-  g->m2 = 1;
-  g->moving = 0;
+  g->pending = 0;
 #endif
 }
 
@@ -472,7 +480,7 @@ kernel void train_online(uint first_group, global real *weights, global OnlineRe
       point[1] = largest;
       if (report->status != ONLINE_RUNNING || done + 1 == most_cycles) stopping |= 1u << n;
     }
-    if (stopping) settle(&g);
+    if (stopping) settle(&g, &rule);
     for (int n = 0; n < NETWORKS; ++n) {
       if (stopping >> n & 1) move_network(1, &g, n, weights + (size_t)slots[n] * (2 * NETWORK_WEIGHTS));
     }

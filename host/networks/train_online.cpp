@@ -29,9 +29,10 @@ std::size_t layer_size(const nn::Topology& topology, int layer, std::size_t lane
 // other's latency; but their second layers, which every pattern reads and writes, have to fit the first-level cache.
 template <class Real>
 std::size_t networks_together(const nn::Topology& topology, std::size_t lanes) {
-  constexpr std::size_t most = 4, cache = 36 << 10;
-  const std::size_t together = std::min(lanes, most);
-  return topology.layers() > 2 && layer_size(topology, 1, lanes, together) * sizeof(Real) > cache ? 1 : together;
+  constexpr std::size_t cache = 36 << 10;
+  if (topology.hidden_layers() == 1) return std::min<std::size_t>(lanes, 4);
+  const std::size_t together = std::min<std::size_t>(lanes, 2);
+  return layer_size(topology, 1, lanes, together) * sizeof(Real) > cache ? 1 : together;
 }
 
 // Numbers of a group's weights, steps included; those into the output neuron are an input to a lane.

@@ -4,8 +4,10 @@
 #include <tactel.h>
 #include <tactel/infer.h>
 
+#include <algorithm>
 #include <cstring>
 #include <exception>
+#include <iterator>
 #include <limits>
 #include <new>
 #include <string>
@@ -60,7 +62,12 @@ tactel_answer tactel_estimate(const tactel_estimator* estimator, const float* fr
 
 void tactel_estimate_all(const tactel_estimator* estimator, const float* frames, size_t answers, tactel_answer* out) {
   const size_t inputs = estimator->estimator.inputs();
-  for (size_t i = 0; i < answers; ++i) out[i] = tactel_estimate(estimator, frames + i * inputs, inputs);
+  tactel::Answer some[16];
+  for (size_t i = 0; i < answers; i += std::size(some)) {
+    const size_t count = std::min(std::size(some), answers - i);
+    estimator->estimator.estimate({frames + i * inputs, count * inputs}, {some, count});
+    std::transform(some, some + count, out + i, c_answer);
+  }
 }
 
 tactel_history* tactel_history_create(const tactel_estimator* estimator) {

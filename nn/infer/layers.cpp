@@ -8,7 +8,7 @@ namespace {
 
 using tactel::infer::tile;
 
-static_assert(tactel::infer::widest_layer % tile == 0);
+static_assert(tactel::infer::widest_layer % tile == 0 && tactel::infer::most_frames == 4);
 
 constexpr float leak = 0.01f;  // nn::leak
 
@@ -33,7 +33,14 @@ inline __attribute__((always_inline)) float activation(float z) {
   return z * p / q;
 }
 
-FOR_EACH_PROCESSOR void sum_tiles(const tactel::infer::HiddenLayer& layer, const float* x, float* o) noexcept {
+inline __attribute__((always_inline)) void activations(bool leaky, const float* z, float* o) {
+  if (leaky)
+    for (int j = 0; j < tile; ++j) o[j] = z[j] > 0 ? z[j] : leak * z[j];
+  else
+    for (int j = 0; j < tile; ++j) o[j] = activation(z[j]);
+}
+
+FOR_EACH_PROCESSOR void sum_one(const tactel::infer::HiddenLayer& layer, const float* x, float* o) noexcept {
   const int inputs = layer.inputs;
   const float* w = layer.weights.data();
   for (int t = 0; t < layer.tiles; ++t, o += tile) {
@@ -42,17 +49,43 @@ FOR_EACH_PROCESSOR void sum_tiles(const tactel::infer::HiddenLayer& layer, const
     for (int i = 0; i < inputs; ++i, w += tile)
       for (int j = 0; j < tile; ++j) z[j] = fused(w[j], x[i], z[j]);
     w += tile;
-    if (layer.leaky)
-      for (int j = 0; j < tile; ++j) o[j] = z[j] > 0 ? z[j] : leak * z[j];
-    else
-      for (int j = 0; j < tile; ++j) o[j] = activation(z[j]);
+    activations(layer.leaky, z, o);
   }
 }
 
-FOR_EACH_PROCESSOR float sum_output(const float* weights, int inputs, const float* x) noexcept {
-  float sum[4] = {weights[inputs], 0, 0, 0};
-  for (int k = 0; k < inputs; ++k) sum[k % 4] = fused(weights[k], x[k], sum[k % 4]);
-  return activation((sum[0] + sum[1]) + (sum[2] + sum[3]));
+/// The same for four frames. Their sums are four arrays: compilers keep one with two indices in memory.
+FOR_EACH_PROCESSOR void sum_four(const tactel::infer::HiddenLayer& layer, const float* x, float* o) noexcept {
+  constexpr int b = tactel::infer::widest_layer, c = 2 * b, d = 3 * b;  // where the other frames begin
+  const int inputs = layer.inputs;
+  const float* w = layer.weights.data();
+  for (int t = 0; t < layer.tiles; ++t, o += tile) {
+    float za[tile], zb[tile], zc[tile], zd[tile];
+    for (int j = 0; j < tile; ++j) za[j] = zb[j] = zc[j] = zd[j] = w[inputs * tile + j];
+    for (int i = 0; i < inputs; ++i, w += tile) {
+      const float xa = x[i], xb = x[b + i], xc = x[c + i], xd = x[d + i];
+      for (int j = 0; j < tile; ++j) {
+        za[j] = fused(w[j], xa, za[j]);
+        zb[j] = fused(w[j], xb, zb[j]);
+        zc[j] = fused(w[j], xc, zc[j]);
+        zd[j] = fused(w[j], xd, zd[j]);
+      }
+    }
+    w += tile;
+    activations(layer.leaky, za, o);
+    activations(layer.leaky, zb, o + b);
+    activations(layer.leaky, zc, o + c);
+    activations(layer.leaky, zd, o + d);
+  }
+}
+
+FOR_EACH_PROCESSOR void sum_outputs(const float* weights, int inputs, int frames, const float* x, float* o) noexcept {
+  float z[tactel::infer::most_frames] = {};
+  for (int f = 0; f < frames; ++f, x += tactel::infer::widest_layer) {
+    float sum[4] = {weights[inputs], 0, 0, 0};
+    for (int k = 0; k < inputs; ++k) sum[k % 4] = fused(weights[k], x[k], sum[k % 4]);
+    z[f] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+  }
+  for (int f = 0; f < tactel::infer::most_frames; ++f) o[f] = activation(z[f]);
 }
 
 }  // namespace
@@ -71,10 +104,12 @@ HiddenLayer hidden_layer(const FileLayer& layer) {
   return made;
 }
 
-void hidden_outputs(const HiddenLayer& layer, const float* x, float* o) noexcept { sum_tiles(layer, x, o); }
+void hidden_outputs(const HiddenLayer& layer, int frames, const Activations& x, Activations& o) noexcept {
+  (frames == 1 ? sum_one : sum_four)(layer, x.values[0], o.values[0]);
+}
 
-float output_neuron(const float* weights, int inputs, const float* x) noexcept {
-  return sum_output(weights, inputs, x);
+void output_neuron(const float* weights, int inputs, int frames, const Activations& x, float* o) noexcept {
+  sum_outputs(weights, inputs, frames, x.values[0], o);
 }
 
 }  // namespace tactel::infer

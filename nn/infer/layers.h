@@ -19,18 +19,22 @@ struct HiddenLayer {
 
 HiddenLayer hidden_layer(const FileLayer& layer);
 
-/// Outputs of a layer, or inputs of the first.
+/// Frames that are evaluated together: a weight that is loaded serves all of them.
+inline constexpr int most_frames = 4;
+
+/// Outputs of a layer, or inputs of the first, frame by frame.
 struct alignas(64) Activations {
-  float values[widest_layer];
+  float values[most_frames][widest_layer];
 };
 
-/// Computes o_j = f(sum_i w_ji x_i + b_j) of a hidden layer, f(z) = 1/2 tanh(z/2) or the leaky rectifier. The
-/// arithmetic is that of kernels/shared/forward_layer.h, operation by operation: fused multiply-adds from the bias on,
-/// in the order of the inputs, and the rational function of kernels/shared/activation.h. Every processor therefore
-/// gives equal bits.
-void hidden_outputs(const HiddenLayer& layer, const float* x, float* o) noexcept;
+/// Computes o_j = f(sum_i w_ji x_i + b_j) of a hidden layer, f(z) = 1/2 tanh(z/2) or the leaky rectifier, for one
+/// frame, or for all most_frames. The arithmetic is that of kernels/shared/forward_layer.h, operation by operation:
+/// fused multiply-adds from the bias on, in the order of the inputs, and the rational function of
+/// kernels/shared/activation.h. Every processor and every number of frames therefore give equal bits.
+void hidden_outputs(const HiddenLayer& layer, int frames, const Activations& x, Activations& o) noexcept;
 
-/// Returns f of the output neuron, in four sums: (0 + 1) + (2 + 3). weights: [inputs + 1], the bias last.
-float output_neuron(const float* weights, int inputs, const float* x) noexcept;
+/// Computes f of the output neuron, in four sums: (0 + 1) + (2 + 3). weights: [inputs + 1], the bias last; o:
+/// [most_frames].
+void output_neuron(const float* weights, int inputs, int frames, const Activations& x, float* o) noexcept;
 
 }  // namespace tactel::infer

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <utility>
@@ -90,11 +92,19 @@ using Network = SlipEstimator::Network;
 // As nn/input_scaling.h.
 constexpr float smallest_stress = 1e-12f, large_stress = 0x1p126f, large_scale = 0x1p-8f;
 
+/// By the numbers' bits and without a branch, so that compilers use vectors.
+bool all_finite(const float* numbers, int count) noexcept {
+  constexpr std::uint32_t exponent = 0x7f800000;
+  std::uint32_t found = 0;
+  for (int k = 0; k < count; ++k) found |= (std::bit_cast<std::uint32_t>(numbers[k]) & exponent) == exponent;
+  return found == 0;
+}
+
 /// Scales a frame as nn/input_scaling.cpp does. A frame that is not finite, or carries no stress, becomes zeros.
 AnswerStatus scale_frame(const Network& network, const float* frame, float* scaled) noexcept {
   const int inputs = network.inputs;
   std::fill_n(scaled, inputs, 0.0f);
-  if (!std::all_of(frame, frame + inputs, [](float x) { return std::isfinite(x); })) return AnswerStatus::not_finite;
+  if (!all_finite(frame, inputs)) return AnswerStatus::not_finite;
   float factor = network.factor, scale = 1;
   if (network.by_frame) {
     float largest = 0;
@@ -113,14 +123,16 @@ Answer answer_of(AnswerStatus status, float slip_index) noexcept {
   return {valid ? slip_index : none, none, status, {none, none}, 0, {}};
 }
 
-/// The answer of a network with a bound: x are the inputs of its last layer.
-Answer bounded_answer(const Network& network, AnswerStatus status, const infer::FrameClass& frame,
-                      const float* x) noexcept {
-  const auto head = [&](int h) {
-    return infer::output_neuron(network.output.data() + h * (network.last + 1), network.last, x) + 0.5f;
-  };
-  const float median = head(0);
-  const infer::Quantiles q{median, median + head(1), median - head(2)};
+Answer plain_answer(AnswerStatus status, float output) noexcept {
+  if (std::isnan(output) && status == AnswerStatus::ok) status = AnswerStatus::overflow;
+  return answer_of(status, output + 0.5f);
+}
+
+/// The answer of a network with a bound from the outputs of its heads.
+Answer bounded_answer(const Network& network, AnswerStatus status, const infer::FrameClass& frame, float middle,
+                      float above, float below) noexcept {
+  const float median = middle + 0.5f;
+  const infer::Quantiles q{median, median + (above + 0.5f), median - (below + 0.5f)};
   if (std::isnan((q.median + q.upper) + q.lower) && status == AnswerStatus::ok) status = AnswerStatus::overflow;
   Answer answer = answer_of(status, median);
   if (!std::isnan(answer.slip_index)) infer::add_bound(*network.bound, frame, q, answer);
@@ -128,21 +140,28 @@ Answer bounded_answer(const Network& network, AnswerStatus status, const infer::
   return answer;
 }
 
-Answer evaluate(const Network& network, const float* frame) noexcept {
+/// Evaluates 1 to most_frames frames, [frames, inputs].
+void evaluate(const Network& network, int frames, const float* frame, Answer* answers) noexcept {
   const FlushDenormals flush;
   Activations a, b;  // the widest layer fits
-  float *x = a.values, *o = b.values;
-  AnswerStatus status = scale_frame(network, frame, x);
-  infer::FrameClass seen;
-  if (network.bound) seen = infer::classify(*network.bound, x);
-  for (const infer::HiddenLayer& layer : network.hidden) {
-    infer::hidden_outputs(layer, x, o);
-    std::swap(x, o);
+  Activations *x = &a, *next = &b;
+  AnswerStatus status[infer::most_frames];
+  infer::FrameClass seen[infer::most_frames];
+  for (int f = 0; f < frames; ++f) {
+    status[f] = scale_frame(network, frame + f * network.inputs, x->values[f]);
+    if (network.bound) seen[f] = infer::classify(*network.bound, x->values[f]);
   }
-  if (network.bound) return bounded_answer(network, status, seen, x);
-  const float output = infer::output_neuron(network.output.data(), network.last, x);
-  if (std::isnan(output) && status == AnswerStatus::ok) status = AnswerStatus::overflow;
-  return answer_of(status, output + 0.5f);
+  for (int f = frames; f < infer::most_frames && frames > 1; ++f) std::fill_n(x->values[f], network.inputs, 0.0f);
+  for (const infer::HiddenLayer& layer : network.hidden) {
+    infer::hidden_outputs(layer, frames, *x, *next);
+    std::swap(x, next);
+  }
+  float o[infer::heads][infer::most_frames];
+  for (int h = 0; h < (network.bound ? infer::heads : 1); ++h)
+    infer::output_neuron(network.output.data() + h * (network.last + 1), network.last, frames, *x, o[h]);
+  for (int f = 0; f < frames; ++f)
+    answers[f] = network.bound ? bounded_answer(network, status[f], seen[f], o[0][f], o[1][f], o[2][f])
+                               : plain_answer(status[f], o[0][f]);
 }
 
 }  // namespace
@@ -193,13 +212,18 @@ std::size_t SlipEstimator::inputs() const noexcept { return static_cast<std::siz
 
 Answer SlipEstimator::estimate(std::span<const float> frame) const noexcept {
   if (frame.size() != inputs()) return answer_of(AnswerStatus::wrong_size, 0);
-  return evaluate(*network_, frame.data());
+  Answer answer;
+  evaluate(*network_, 1, frame.data(), &answer);
+  return answer;
 }
 
 std::size_t SlipEstimator::estimate(std::span<const float> frames, std::span<Answer> answers) const noexcept {
   const std::size_t width = inputs();
   if (frames.size() / width != answers.size() || frames.size() % width != 0) return 0;
-  for (std::size_t i = 0; i < answers.size(); ++i) answers[i] = evaluate(*network_, frames.data() + i * width);
+  for (std::size_t i = 0; i < answers.size(); i += infer::most_frames) {
+    const std::size_t count = std::min<std::size_t>(infer::most_frames, answers.size() - i);
+    evaluate(*network_, static_cast<int>(count), frames.data() + i * width, &answers[i]);
+  }
   return answers.size();
 }
 
@@ -210,7 +234,7 @@ struct SlipHistory::State {
       : network(network), history(network.inputs() / network.frames(), network.network_->history) {}
   SlipEstimator network;
   nn::FrameHistory history;
-  Activations input;
+  alignas(64) float input[infer::widest_layer];
 };
 
 SlipHistory::SlipHistory(const SlipEstimator& network) : state_(new State(network)) {}
@@ -221,8 +245,8 @@ std::size_t SlipHistory::inputs() const noexcept { return state_->history.width(
 Answer SlipHistory::estimate(std::span<const float> frame) noexcept {
   if (frame.size() != inputs()) return answer_of(AnswerStatus::wrong_size, 0);
   state_->history.push(frame.data());
-  state_->history.write(state_->input.values);
-  return state_->network.estimate({state_->input.values, state_->history.inputs()});
+  state_->history.write(state_->input);
+  return state_->network.estimate({state_->input, state_->history.inputs()});
 }
 
 void SlipHistory::clear() noexcept { state_->history.clear(); }

@@ -9,6 +9,7 @@
 #include <tactel/infer.h>
 
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -111,6 +112,26 @@ TEST(Infer, GivesTheBitsOfTheKernels) {
           EXPECT_EQ(bits(answers[row].slip_index), bits(kernel.slip_index(row)))
               << topology << ' ' << nn::name(kind) << " row " << row << ": " << answers[row].slip_index << " and "
               << kernel.slip_index(row);
+      }
+    }
+  }
+}
+
+// Frames are evaluated four together, the last ones with empty places: any batch gives each frame the bits that it has
+// alone.
+TEST(Infer, AnswersDoNotDependOnTheBatch) {
+  for (const char* topology : {"42-42-21-1", "8-33-31-1_leaky-relu", "42-42-21-3"}) {
+    const bool bound = std::string_view(topology).ends_with("-3");
+    const nn::Model model = bound ? tactel::testing::bounded_model(topology, ScalingKind::frame, true)
+                                  : some_model(topology, ScalingKind::frame);
+    const SlipEstimator estimator = estimator_of(host::onnx_bytes(model));
+    const nn::RowMatrix<float> frames = some_frames(model.weights.topology.inputs());
+    for (int rows = 1; rows <= 14; ++rows) {
+      const std::vector<Answer> together = answers_of(estimator, frames.topRows(rows));
+      for (int row = 0; row < rows; ++row) {
+        const Answer alone = estimator.estimate({frames.row(row).data(), estimator.inputs()});
+        EXPECT_EQ(std::memcmp(&alone, &together[static_cast<std::size_t>(row)], sizeof alone), 0)
+            << topology << ", row " << row << " of " << rows;
       }
     }
   }
