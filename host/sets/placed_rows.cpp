@@ -7,6 +7,7 @@
 #include <bit>
 #include <cerrno>
 #include <cstring>
+#include <stdexcept>
 
 namespace tactel::host {
 namespace {
@@ -154,6 +155,7 @@ std::string PlacedRows::tail() const {
 void PlacedRows::take_tail(std::string_view& bytes) {
   for (Dataset& dataset : datasets_) dataset.sum.go_on(bytes);
   if (rows_ % stripe_rows_ == 0) return;
+  if (bytes.size() < stripe_bytes_) throw std::length_error("tail of rows");
   last_ = Pages(stripe_bytes_);
   std::memcpy(last_.data(), bytes.data(), last_.size());
   bytes.remove_prefix(last_.size());

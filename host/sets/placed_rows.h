@@ -52,7 +52,8 @@ class PlacedRows {
 
   /// Returns what the next rows need of those before: sums, and rows of the last stripe.
   std::string tail() const;
-  /// Takes another's tail from the beginning of `bytes`, behind the same rows.
+  /// Takes another's tail from the beginning of `bytes`, behind the same rows. Throws std::length_error where they are
+  /// fewer.
   void take_tail(std::string_view& bytes);
 
   std::uint64_t rows() const { return rows_; }

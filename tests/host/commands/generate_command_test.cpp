@@ -278,8 +278,8 @@ TEST_F(Generate, SeveralProcessesGiveTheRowsOfOne) {
   EXPECT_EQ(checksum(text_of(output("three.h5"))), checksum(text_of(output("one.h5"))));
 }
 
-// One of three processes is killed: what the others did is kept, and one process alone makes the rest.
-TEST_F(Generate, AProcessThatDiesCostsItsOwnChunksOnly) {
+// One of three processes is killed: the chunks that have their place are kept, and one process alone makes the rest.
+TEST_F(Generate, AfterTheDeathOfAProcessOneMakesTheRest) {
   const std::string script = folder_.write(
       "killed.sh", "(" + mpirun + " " TACTEL_PROGRAM " generate " + sweep_ + " --output " + output("three.h5") +
                        ") &\nsleep 0.6\nkill -KILL $(pgrep -P $! | tail -1)\nwait $!\n");
