@@ -210,6 +210,7 @@ std::vector<ChunkHeader> SetSpool::headers() {
     torn_ = torn_ || in.gcount() > 0;
   }
   std::vector<ChunkHeader> sorted;
+  sorted.reserve(all.size());
   for (const auto& [chunk, header] : all) sorted.push_back(header);
   return sorted;
 }
