@@ -18,9 +18,10 @@ namespace tactel::host {
 namespace {
 
 constexpr double far_away = 2 * NO_GAP_ELEMENT;  ///< mm: no indenter here
-constexpr int grip_strata = 8;                   ///< measured beside 4, 16 and 32
-constexpr double window_bins = 16;  ///< by a factor e in nodes: windows of a group differ by 6 % or one node
-constexpr int most_vectors = 3;     ///< of LANES scenes a work-item: each number of C that is loaded serves thrice
+constexpr int grip_strata = 8;                   ///< measured beside 16 and 32
+constexpr double window_bins =
+    16;  ///< in a factor e of nodes: windows of a group differ by 6 % or a node; measured beside 4, 8, none
+constexpr int most_vectors = 3;  ///< of LANES scenes a work-item: each number of C that is loaded serves thrice
 
 template <class Real>
 Buffer<Real> on_device(const Device& device, const std::vector<Real>& values) {
