@@ -299,12 +299,13 @@ void put_rows(ContactSet& set, std::span<RowsFrom<Launcher>> contacts) {
   int steps = 0;
   for (const auto& rows : contacts) steps = std::max(steps, rows.answer.steps);
   for (int k = 0; k < steps; ++k)
-    for (auto& [contact, at, answer] : contacts) {
-      if (k < contact->first_step || k >= answer.steps) continue;
-      const auto said = [&](int row) { return static_cast<double>(answer.result(k, row)); };
+    for (RowsFrom<Launcher>& rows : contacts) {
+      const Contact& contact = *rows.contact;
+      if (k < contact.first_step || k >= rows.answer.steps) continue;
+      const auto said = [&](int row) { return static_cast<double>(rows.answer.result(k, row)); };
       const int status = static_cast<int>(said(LANE_STATUS));
       if (status == LANE_NOT_RUN) continue;
-      const auto S = slip_index(contact->friction, said(LANE_P), said(LANE_SLIP_INDEX));
+      const auto S = slip_index(contact.friction, said(LANE_P), said(LANE_SLIP_INDEX));
       if (!S) continue;
       const Row row{.slip_index = *S,
                     .P = said(LANE_P),
@@ -316,7 +317,7 @@ void put_rows(ContactSet& set, std::span<RowsFrom<Launcher>> contacts) {
                     .sticking = static_cast<int>(said(LANE_STICKING)),
                     .slipping = static_cast<int>(said(LANE_SLIPPING)),
                     .status = status};
-      answer.tactels(k, put_row(set, at++, row, *contact, k));
+      rows.answer.tactels(k, put_row(set, rows.at++, row, contact, k));
     }
 }
 
