@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t version_bits = 0xff00000000000000;
 /// Chunks that wait in memory for their predecessors before a thread waits with its own.
-constexpr std::size_t most_waiting = 2;
+constexpr std::size_t most_waiting = 1;
 
 /// Columns of the parameters that chunks hold.
 std::size_t parameters_of(const SetColumns& columns) {

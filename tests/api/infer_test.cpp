@@ -8,7 +8,10 @@
 #include <sys/stat.h>
 #include <tactel/infer.h>
 
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -130,7 +133,8 @@ TEST(Infer, AnswersDoNotDependOnTheBatch) {
       const std::vector<Answer> together = answers_of(estimator, frames.topRows(rows));
       for (int row = 0; row < rows; ++row) {
         const Answer alone = estimator.estimate({frames.row(row).data(), estimator.inputs()});
-        EXPECT_EQ(std::memcmp(&alone, &together[static_cast<std::size_t>(row)], sizeof alone), 0)
+        using Bytes = std::array<std::byte, sizeof alone>;  // no padding: numbers of four bytes
+        EXPECT_EQ(std::bit_cast<Bytes>(alone), std::bit_cast<Bytes>(together[static_cast<std::size_t>(row)]))
             << topology << ", row " << row << " of " << rows;
       }
     }

@@ -229,6 +229,7 @@ TYPED_TEST(PatchBits, AreTheSameInAnyOrderAndBatch) {
     std::iota(order.begin(), order.end(), 0);
     std::shuffle(order.begin(), order.end(), std::mt19937_64(1));
     std::vector<fem::Scene> permuted;
+    permuted.reserve(order.size());
     for (const std::size_t i : order) permuted.push_back(scenes[i]);
     const Hashes found = hashes(contact, permuted);
     for (std::size_t k = 0; k < order.size(); ++k) ASSERT_EQ(found[k], expected[order[k]]) << describe(permuted[k]);

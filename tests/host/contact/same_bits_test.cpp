@@ -108,6 +108,7 @@ TEST_P(SameBits, Permuted) {
   std::iota(order.begin(), order.end(), 0);
   std::shuffle(order.begin(), order.end(), std::mt19937_64(1));
   std::vector<fem::Scene> permuted;
+  permuted.reserve(order.size());
   for (std::size_t i : order) permuted.push_back(scenes_[i]);
   host::Executor executor{host::Device()};
   with_sweep(executor, [&](const auto& sweep) {
