@@ -116,10 +116,9 @@ static inline RowDisplacement row_displacement(const Rules *rules, int i, const 
   return u;
 }
 
-/* Displacement of node i under all forces. Nodes without a force are left out: they would add exact zeros. */
-static inline RowDisplacement displacement(const Rules *rules, const Contact *c, int i) {
-  return row_displacement(rules, i, c->n, c->t, c->first_pressed, c->end_pressed);
-}
+/* Displacement of node i under all forces. Nodes without a force are left out: they would add exact zeros. A macro, as oclgrind cannot run
+   what clang makes of one function that hands on the struct of another. */
+#define DISPLACEMENT(rules, c, i) row_displacement(rules, i, (c)->n, (c)->t, (c)->first_pressed, (c)->end_pressed)
 
 /* Extends the nodes that bear a force by node i, where it does. */
 static inline void note_pressed(Contact *c, int i) {
@@ -139,7 +138,7 @@ static inline void sweep(const Rules *rules, Contact *c, const Indenter *in, rea
     dx[v] = in->x[v] - in->x_last[v];
   }
   for (int i = c->first; i < c->end; ++i) {
-    const RowDisplacement u = displacement(rules, c, i);
+    const RowDisplacement u = DISPLACEMENT(rules, c, i);
     global const real *node = rules->node + i * NODE_ROWS;
     const real n_per_uy = relaxation * node[NODE_N_PER_UY], t_per_ux = relaxation * node[NODE_T_PER_UX];
     EACH_VECTOR {
@@ -219,7 +218,7 @@ static inline void look_outside(const Rules *rules, global const vreal *profile,
       near[v] = profile[AT(i)] - in->d[v] < most;
     }
     if (!any_vector(near)) continue;
-    const RowDisplacement u = displacement(rules, c, i);
+    const RowDisplacement u = DISPLACEMENT(rules, c, i);
     EACH_VECTOR {
       c->uy[i][v] = u.uy[v];
       inside[v] = LARGER(u.uy[v] - (profile[AT(i)] - in->d[v]), inside[v]);
@@ -253,7 +252,7 @@ static inline void certify(const Rules *rules, global const vreal *profile, Cont
     in->active[v] = 0;
   }
   for (int i = c->first; i < c->end; ++i) {
-    const RowDisplacement u = displacement(rules, c, i);
+    const RowDisplacement u = DISPLACEMENT(rules, c, i);
     EACH_VECTOR {
       const vreal n = c->n[i][v], t = c->t[i][v];
       const vreal cone = in->mu[v] * n;
