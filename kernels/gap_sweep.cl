@@ -70,13 +70,6 @@ typedef struct {
   real reach; /* gap elements are activated up to this many indentations; certify adds those that are missing */
 } Rules;
 
-/* The largest and the smallest; unlike fmax and fmin one instruction, and the second argument where one is not a number. */
-#define LARGER(a, b) PICK((a) > (b), a, b)
-#define SMALLER(a, b) PICK((a) < (b), a, b)
-
-/* Stays a number while every x is finite, and else becomes NaN, which LARGER, SMALLER and fmax would lose. */
-static inline vreal finite_sum(vreal sum, vreal x) { return fma(ALL_LANES(0), x, sum); }
-
 static inline int any_vector(const vint *mask) {
   vint all = 0;
   EACH_VECTOR { all |= mask[v]; }

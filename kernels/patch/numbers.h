@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Vectors of numbers, one of each lane: comparisons, rows of tables for each lane, places of answers. Device only. */
+/* Vectors of numbers, one of each lane: rows of tables for each lane, places of answers. Device only. */
 #ifndef TACTEL_PATCH_NUMBERS_H
 #define TACTEL_PATCH_NUMBERS_H
 #include "shared/contact_layout.h"
@@ -23,12 +23,6 @@
 #else
 #define ROW_BARRIER
 #endif
-
-#define LARGER(a, b) PICK((a) > (b), a, b)
-#define SMALLER(a, b) PICK((a) < (b), a, b)
-
-/* Goes on being a number while every x is finite. */
-static inline vreal finite_sum(vreal sum, vreal x) { return fma(ALL_LANES(0), x, sum); }
 
 /* Cells of a table: the cell of each lane, and how far inside it. */
 typedef struct {

@@ -77,4 +77,11 @@ static inline REAL_INT joined(vint mask) {
 /* The same number in every lane. */
 #define ALL_LANES(x) ((vreal)(x))
 
+/* The largest and the smallest; unlike fmax and fmin one instruction, and the second argument where one is not a number. */
+#define LARGER(a, b) PICK((a) > (b), a, b)
+#define SMALLER(a, b) PICK((a) < (b), a, b)
+
+/* Stays a number while every x is finite, and else becomes NaN, which LARGER, SMALLER and fmax would lose. */
+static inline vreal finite_sum(vreal sum, vreal x) { return fma(ALL_LANES(0), x, sum); }
+
 #endif
