@@ -42,6 +42,8 @@ class Simulation {
       set.precision = rung->precision, set.tolerance = rung->tolerance;
       if (rung->patch()) set.patch = rung;
     }
+    if (!options.transducer) source_.measure_with({}, source_.seed());
+    if (options.tolerance) set.tolerance = *options.tolerance;
     if (!options.precision.empty())
       set.precision = options.precision == "fp64" ? host::Precision::fp64 : host::Precision::fp32;
     rung_ = rung ? rung->name + ": " + host::description(*rung) : name(set.precision);
@@ -104,9 +106,9 @@ Set rows_of(const Simulation& simulation, std::uint64_t first, std::uint64_t cou
 
 }  // namespace
 
-Sweep::Sweep(const std::string& path, std::optional<std::uint64_t> seed)
+Sweep::Sweep(const std::string& path, std::optional<std::uint64_t> seed, const SensorChange& sensor)
     : state_(api::with_public_errors([&] {
-        return new State{path, host::read_sweep(path, seed)};
+        return new State{path, host::read_sweep_of_sensor(path, seed, sensor.tactels, sensor.thickness)};
       })) {}
 Sweep::~Sweep() { delete state_; }
 Sweep::Sweep(Sweep&& other) noexcept : state_(std::exchange(other.state_, nullptr)) {}
@@ -125,6 +127,13 @@ Scene Sweep::scene(std::uint64_t k) const {
   if (!endless() && k >= contacts()) throw_past_end(state_->path, k + 1, contacts());
   return api::with_public_errors([&] { return api::from_fem(state_->sweep.source.contact(k).scene); }, state_->path);
 }
+
+Sweep Sweep::changed(double shift) const {
+  if (!endless())
+    throw InputError(state_->path, "a listed set", "a sweep that draws its contacts (sweep.contacts)");
+  return Sweep(new State{state_->path, {state_->sweep.text, state_->sweep.source.changed(shift)}});
+}
+std::uint64_t Sweep::changes() const { return state_->sweep.source.changes(); }
 
 Set Sweep::generate(std::optional<std::uint64_t> contacts, const SweepOptions& options,
                     const ProgressFunction& progress) const {

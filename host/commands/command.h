@@ -19,7 +19,6 @@ void add_recall_command(CLI::App& app, Action& action);
 void add_calibrate_command(CLI::App& app, Action& action);
 void add_reproduce_command(CLI::App& app, Action& action);
 void add_tradeoff_command(CLI::App& app, Action& action);
-void add_floor_command(CLI::App& app, Action& action);
 void add_extremes_command(CLI::App& app, Action& action);
 void add_monitor_command(CLI::App& app, Action& action);
 void add_record_command(CLI::App& app, Action& action);

@@ -44,6 +44,10 @@ bool refuse_unknown_command(const CLI::App& app, const std::string& word) {
   std::vector<std::string> known;
   for (const CLI::App* command : app.get_subcommands({})) known.push_back(command->get_name());
   if (word.starts_with('-') || std::ranges::find(known, word) != known.end()) return false;
+  if (word == "floor") {
+    complain(wrong_input, "command line: command = floor: belongs to the Python package; python -m tactel.floor");
+    return true;
+  }
   const std::string nearest = nearest_word(word, known);
   complain(wrong_input, fmt::format("command line: command = {}: must be one of {}{}", word, listed(known),
                                     nearest.empty() ? "" : "; did you mean " + nearest + "?"));
@@ -89,7 +93,6 @@ int run(int argc, char** argv) {
   add_tare_command(app, action);
   add_reproduce_command(app, action);
   add_tradeoff_command(app, action);
-  add_floor_command(app, action);
   add_extremes_command(app, action);
   add_devices_command(app, action);
   add_demo_command(app, action);

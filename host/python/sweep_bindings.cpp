@@ -12,9 +12,13 @@ namespace {
 using namespace pybind11::literals;
 
 SweepOptions sweep_options_of(std::optional<double> accuracy, std::string rung, std::string precision,
-                              std::string device) {
-  return {
-      .accuracy = accuracy, .rung = std::move(rung), .precision = std::move(precision), .device = std::move(device)};
+                              std::string device, std::optional<double> tolerance, bool transducer) {
+  return {.accuracy = accuracy,
+          .rung = std::move(rung),
+          .precision = std::move(precision),
+          .device = std::move(device),
+          .tolerance = tolerance,
+          .transducer = transducer};
 }
 
 /// Frames and S of a set from arrays; what the set's other columns would hold is unknown, 0.
@@ -130,8 +134,14 @@ void bind_sweeps(py::module_& m) {
       .def("__next__", &Batches::next);
   py::class_<Sweep>(m, "Sweep",
                     "The contacts of a sweep file: contact k is a function of the file, its seed and k alone.")
-      .def(py::init<const std::string&, std::optional<std::uint64_t>>(), "path"_a, "seed"_a = py::none(),
-           "Reads a sweep file (TOML). seed takes the place of the file's.")
+      .def(py::init([](const std::string& path, std::optional<std::uint64_t> seed, std::optional<int> tactels,
+                       std::optional<double> thickness) {
+             return Sweep(path, seed, {.tactels = tactels, .thickness = thickness});
+           }),
+           "path"_a, "seed"_a = py::none(), "tactels"_a = py::none(), "thickness"_a = py::none(),
+           "Reads a sweep file (TOML). seed, tactels and thickness (mm) take the place of the file's.")
+      .def("_changed", &Sweep::changed, "shift"_a)
+      .def_property_readonly("_changes", &Sweep::changes)
       .def("__len__", &Sweep::contacts)
       .def_property_readonly("contacts", &Sweep::contacts)
       .def_property_readonly("endless", &Sweep::endless, "contacts beyond `contacts` exist")
@@ -144,7 +154,7 @@ void bind_sweeps(py::module_& m) {
           [](const Sweep& sweep, std::optional<std::uint64_t> contacts, std::optional<double> accuracy,
              std::string rung, std::string precision, std::string device, py::object progress) {
             const SweepOptions options =
-                sweep_options_of(accuracy, std::move(rung), std::move(precision), std::move(device));
+                sweep_options_of(accuracy, std::move(rung), std::move(precision), std::move(device), {}, true);
             const PythonProgress told(std::move(progress));
             return told.run(
                 [&](const ProgressFunction& p) { return std::make_unique<Set>(sweep.generate(contacts, options, p)); });
@@ -153,12 +163,15 @@ void bind_sweeps(py::module_& m) {
       .def(
           "_batches",
           [](const Sweep& sweep, std::uint64_t contacts, std::uint64_t first, bool whole,
-             std::optional<double> accuracy, std::string rung, std::string precision, std::string device) {
-            return std::make_unique<Batches>(
-                sweep, contacts, sweep_options_of(accuracy, std::move(rung), std::move(precision), std::move(device)),
-                first, whole);
+             std::optional<double> accuracy, std::string rung, std::string precision, std::string device,
+             std::optional<double> tolerance, bool transducer) {
+            return std::make_unique<Batches>(sweep, contacts,
+                                             sweep_options_of(accuracy, std::move(rung), std::move(precision),
+                                                              std::move(device), tolerance, transducer),
+                                             first, whole);
           },
-          "contacts"_a, "first"_a, "whole"_a, "accuracy"_a, "rung"_a, "precision"_a, "device"_a);
+          "contacts"_a, "first"_a, "whole"_a, "accuracy"_a, "rung"_a, "precision"_a, "device"_a,
+          "tolerance"_a = py::none(), "transducer"_a = true);
 }
 
 }  // namespace tactel::python

@@ -69,18 +69,18 @@ Sweep read_sweep_text(const std::filesystem::path& path, std::string text, std::
   return {kept, sweep.has("set") ? paper_source(file, seed) : SweepReader(std::move(file), seed).read()};
 }
 
-Sweep read_sweep_of_sensor(const std::filesystem::path& path, std::optional<int> tactels,
-                           std::optional<double> thickness) {
-  if (!tactels && !thickness) return read_sweep(path);
+Sweep read_sweep_of_sensor(const std::filesystem::path& path, std::optional<std::uint64_t> seed,
+                           std::optional<int> tactels, std::optional<double> thickness) {
+  if (!tactels && !thickness) return read_sweep(path, seed);
   TomlFile file(path);
   toml::table& root = file.root();
   toml::table* sensor = root.emplace<toml::table>("sensor").first->second.as_table();
-  if (sensor == nullptr) return read_sweep(path);  // which names the fault
+  if (sensor == nullptr) return read_sweep(path, seed);  // which names the fault
   if (tactels) sensor->insert_or_assign("tactels", *tactels);
   if (thickness) sensor->insert_or_assign("thickness", *thickness);
   std::ostringstream text;
   text << root;
-  return read_sweep_text(path, text.str());
+  return read_sweep_text(path, text.str(), seed);
 }
 
 }  // namespace tactel::host

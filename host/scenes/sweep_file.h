@@ -26,7 +26,7 @@ Sweep read_sweep(const std::filesystem::path& path, std::optional<std::uint64_t>
 /// The same from a text, as a set keeps it; errors name `path`, whose folder holds the files that the text names.
 Sweep read_sweep_text(const std::filesystem::path& path, std::string text, std::optional<std::uint64_t> seed = {});
 /// The same with another number of tactels and thickness (mm) of the sensor, where given.
-Sweep read_sweep_of_sensor(const std::filesystem::path& path, std::optional<int> tactels,
-                           std::optional<double> thickness);
+Sweep read_sweep_of_sensor(const std::filesystem::path& path, std::optional<std::uint64_t> seed,
+                           std::optional<int> tactels, std::optional<double> thickness);
 
 }  // namespace tactel::host

@@ -12,7 +12,6 @@
 #include "host/contact/patch_contact.h"
 #include "host/device/opencl.h"
 #include "host/networks/forward.h"
-#include "host/networks/frame_likelihood.h"
 #include "host/networks/train_batch.h"
 #include "host/networks/train_online.h"
 #include "host/sets/transducer_chain.h"
@@ -201,18 +200,6 @@ TEST_P(TinyBatches, Forward) {
     expect_recall<float>(executor, scaling);
     expect_recall<double>(executor, scaling);
   }
-}
-
-TEST_P(TinyBatches, FrameLikelihood) {  // tolerances as in frame_likelihood_test; ragged rows and readings
-  const nn::ReadingModel model{.inputs = 4, .history = 2, .noise = 0.01, .gain = 0.1};
-  const nn::RowMatrix<float> bank = bumps(19, 8, 4).frames.array() + 0.01f;
-  const nn::RowMatrix<float> readings = nn::draw_readings(model, bank.topRows(9), 3);
-  const auto answer = host::FrameLikelihood<float>(executor, model, bank)(readings);
-  for (Eigen::Index k = 0; k < 9; ++k)
-    for (Eigen::Index row = 0; row < 19; ++row) {
-      const double twin = nn::log_likelihood(model, {bank.row(row).data(), 8}, {readings.row(k).data(), 8});
-      EXPECT_NEAR(answer(k, row), twin, 1e-5 * std::abs(twin) + 1e-3);
-    }
 }
 
 template <class Real>

@@ -80,10 +80,11 @@ def solve_many(scenes, *, accuracy=None, rung="", precision="", device="", keep=
 class Sweep(_tactel.Sweep):
     """The contacts of a sweep file (TOML): contact k is a function of the file, its seed and k alone."""
 
-    def __init__(self, path, seed=None):
-        """seed takes the place of the file's."""
-        super().__init__(str(path), seed)
+    def __init__(self, path, seed=None, *, tactels=None, thickness=None):
+        """seed, tactels and thickness (mm) take the place of the file's."""
+        super().__init__(str(path), seed, tactels, thickness)
         self.path = str(path)
+        self._sensor = {"tactels": tactels, "thickness": thickness}
 
     def generate(self, contacts=None, *, accuracy=None, rung="", precision="", device="", progress=None):
         """Returns the rows of the first contacts (None: those of the file) as a Set, the same as those of `tactel generate`."""
@@ -94,7 +95,7 @@ class Sweep(_tactel.Sweep):
 
         frames: [rows, 2 tactels] MPa, fp32; slip_index: [rows].
         """
-        sweep = self if seed is None else Sweep(self.path, seed)
+        sweep = self if seed is None else Sweep(self.path, seed, **self._sensor)
         return sweep._batches(contacts, first, sets, accuracy, rung, precision, device)
 
 

@@ -49,13 +49,21 @@ struct SweepOptions {
   std::string rung{};                ///< empty: as the file says
   std::string precision{};           ///< "fp32", "fp64"; empty: the rung's, or fp32
   std::string device{};              ///< name or index of an OpenCL device; empty: the default device
+  std::optional<double> tolerance{};  ///< of the sweeps; none: the rung's
+  bool transducer = true;             ///< with the sweep's [transducer]
+};
+
+/// Numbers that take the place of the sensor's in a sweep file.
+struct SensorChange {
+  std::optional<int> tactels{};
+  std::optional<double> thickness{};  ///< mm
 };
 
 /// The contacts of a sweep file: contact k is a function of the file, its seed and k alone.
 class TACTEL_API Sweep {
  public:
   /// Reads a sweep file (TOML). `seed` takes the place of the file's. Throws InputError as read_scene.
-  explicit Sweep(const std::string& path, std::optional<std::uint64_t> seed = {});
+  explicit Sweep(const std::string& path, std::optional<std::uint64_t> seed = {}, const SensorChange& sensor = {});
   ~Sweep();
   Sweep(Sweep&&) noexcept;
   Sweep& operator=(Sweep&&) noexcept;
@@ -68,6 +76,12 @@ class TACTEL_API Sweep {
   /// Returns contact k < contacts(), or any k where endless().
   Scene scene(std::uint64_t k) const;
 
+  /// Returns the sweep of this sweep's contacts with one drawn number changed, for derivatives by finite differences.
+  /// Its contact k is contact k / n of this sweep, n = changes(): unchanged where k % n = 0, else with the (k % n)-th
+  /// of the numbers that are drawn uniformly or log-uniformly moved by `shift` of its range. Of drawn contacts only.
+  Sweep changed(double shift) const;
+  std::uint64_t changes() const;  ///< contacts of changed() to one of its source; 1 for a sweep that is not changed
+
   /// Returns the rows of contacts 0 ... contacts - 1 (none given: all of the file), the same as those of
   /// `tactel generate`. Throws InputError, HardwareError, and Cancelled where progress (contacts) says so.
   Set generate(std::optional<std::uint64_t> contacts = {}, const SweepOptions& options = {},
@@ -76,6 +90,7 @@ class TACTEL_API Sweep {
   struct State;
 
  private:
+  explicit Sweep(State* state) : state_(state) {}
   friend class SweepBatches;
   State* state_;
 };
