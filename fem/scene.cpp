@@ -13,6 +13,8 @@
 namespace tactel::fem {
 namespace {
 
+constexpr double most_load_steps = 100000;  // of a path: 5 GB of answers
+
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
 void check(bool good, const char* key, double value, const char* allowed) {
@@ -69,6 +71,17 @@ void check_moves(const Load& load) {
           "depths in mm or forces in N/mm: finite, not below 0");
     check(std::isfinite(move.tangential), "load.moves", move.tangential, "finite positions in mm");
   }
+}
+
+void check_length(const Load& load) {
+  const std::size_t targets = load.normal_force.empty() ? load.indentation.size() : load.normal_force.size();
+  const double pressing = static_cast<double>(targets) * load.indentation_steps;
+  constexpr const char* allowed = "at most 100000 load steps in all";
+  if (pressing > most_load_steps)
+    throw ValueError(load.normal_force.empty() ? "load.indentation" : "load.normal_force",
+                     number_text(pressing) + " load steps", allowed);
+  if (pressing + static_cast<double>(load.tangential.size()) > most_load_steps)
+    throw ValueError("load.tangential", std::to_string(load.tangential.size()) + " positions", allowed);
 }
 
 void check_angle(const Load& load, double friction) {
@@ -151,6 +164,7 @@ void Scene::validate() const {
   check_thickness(load, sensor.thickness);
   check_tangential(load);
   check_moves(load);
+  check_length(load);
   check_angle(load, friction);
   check_reach(*this);
 }
@@ -159,6 +173,7 @@ LoadPath load_path(const Load& load) {
   check_normal(load);
   check_tangential(load);
   check_moves(load);
+  check_length(load);
   LoadPath path;
   const std::size_t targets = is_force(load) ? load.normal_force.size() : load.indentation.size();
   path.steps.reserve(targets * static_cast<std::size_t>(load.indentation_steps) + load.moves.size() +

@@ -17,8 +17,9 @@ HardwareError::~HardwareError() = default;
 namespace api {
 namespace {
 
-/// One line that a terminal shows as it is.
+/// A line that a terminal shows as it is, without the end of a list of a million.
 std::string plain(std::string text) {
+  if (constexpr std::size_t most = 1000; text.size() > most) text.replace(most, std::string::npos, " ...");
   std::ranges::replace_if(
       text, [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
   return text;

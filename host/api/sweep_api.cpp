@@ -87,13 +87,26 @@ void append(Set& to, Set&& more) {
   to.fell_back += more.fell_back, to.unsolved += more.unsolved, to.without_rows += more.without_rows;
 }
 
+/// Throws where the rows of `all` contacts would not fit into memory, judged by those of `count`.
+void check_memory(const host::ContactSet& rows, std::uint64_t count, std::uint64_t all) {
+  const double bytes = static_cast<double>(rows.rows() * row_bytes(rows)) + 4.0 * rows.contact_parameters.size();
+  const double most = host::memory_bytes() / std::max(bytes, 1.0) * static_cast<double>(count);
+  if (static_cast<double>(all) > most)
+    throw InputError("contacts", std::to_string(all),
+                     "must be at most " + std::to_string(static_cast<std::uint64_t>(most)) +
+                         ", whose rows fit into memory; batches() takes them in parts, tactel generate writes a file");
+}
+
 /// Rows of contacts first ... first + count - 1, chunk by chunk.
 Set rows_of(const Simulation& simulation, std::uint64_t first, std::uint64_t count, const ProgressFunction& progress) {
   Set set = simulation.empty_set();
   set.contacts = count;
   for (std::uint64_t done = 0; done < count; done += host::chunk_contacts) {
     if (!progress(done, count)) throw Cancelled("sweep: cancelled by progress");
-    append(set, api::from_host(simulation.rows(first + done, std::min(host::chunk_contacts, count - done))));
+    const std::uint64_t some = std::min(host::chunk_contacts, count - done);
+    host::ContactSet rows = simulation.rows(first + done, some);
+    if (done == 0) check_memory(rows, some, count);
+    append(set, api::from_host(std::move(rows)));
   }
   progress(count, count);
   return set;

@@ -14,10 +14,19 @@ namespace tactel::host {
 namespace {
 
 constexpr int most_columns = 321;        ///< the exact solver takes seconds there
+constexpr double most_pairs = 1e6;       ///< of a load step and a listed load: 0.4 GB of derivatives
 constexpr double another_answer = 0.02;  ///< of S: more than the loosest tolerance of a rung leaves
 
 [[noreturn]] void refuse(const SolveOutcome& outcome, const std::string& allowed) {
   throw ConfigError("command line", "--derivatives", model_name(outcome), allowed);
+}
+
+/// Every listed load is a parameter: as many derivatives as load steps.
+void check_pairs(const fem::Load& load, std::size_t steps) {
+  const std::size_t listed = load.indentation.size() + load.normal_force.size() + load.tangential.size();
+  if (static_cast<double>(listed) * static_cast<double>(steps) <= most_pairs) return;
+  throw ConfigError("command line", "--derivatives", fmt::format("{} load steps, {} of them listed", steps, listed),
+                    "left out for a path with more than 1000000 pairs of a load step and a listed load");
 }
 
 fem::SceneDerivatives of_patch(const fem::Scene& scene, const Rung& rung) {
@@ -49,6 +58,7 @@ double difference_of_S(const fem::ContactSolution& solution, const std::vector<f
 }  // namespace
 
 ContactDerivatives derivatives(const fem::Scene& scene, const SolveOutcome& outcome) {
+  check_pairs(scene.load, outcome.solution.steps.size());
   const auto path = [&] {
     try {
       return exact_path(scene, outcome);

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "host/contact/solve_on_rung.h"
+#include "host/support/chosen_row.h"
 #include "host/support/errors.h"
 
 namespace tactel::host {
@@ -21,7 +22,7 @@ std::optional<Rung> named_rung_for_many(const SolveOptions& options) {
 Plan plan_for_many(Executor& executor, double accuracy, const ManyContacts& contacts) {
   std::vector<fem::Scene> sample;
   const std::uint64_t count = std::min(contacts.count, most_tried);
-  for (std::uint64_t k = 0; k < count; ++k) sample.push_back(contacts.contact(k * contacts.count / count));
+  for (std::uint64_t k = 0; k < count; ++k) sample.push_back(contacts.contact(chosen_row(k, count, contacts.count)));
   if (!contacts.own_sensors)
     return plan(sample, accuracy, [&](const Rung& rung) { return solve_on_rung(executor, sample, rung); });
   const fem::SensorFamily family = sensor_family(executor, *contacts.own_sensors);

@@ -25,7 +25,7 @@ struct ManyContacts {
 /// a rung that solves single contacts.
 std::optional<Rung> named_rung_for_many(const SolveOptions& options);
 
-/// Returns the planner's choice for at most most_tried of the contacts, which lie evenly among all.
+/// Returns the planner's choice for at most most_tried of the contacts, one from each equal part of all.
 Plan plan_for_many(Executor& executor, double accuracy, const ManyContacts& contacts);
 
 /// Returns the rung that --rung names, or that --accuracy takes; none without both. Throws as named_rung_for_many.

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/support/chosen_row.h"
+
 namespace tactel::host {
 
 Panel predicted_panel(std::span<const double> truth, std::span<const double> predicted, const std::string& title,
@@ -12,7 +14,7 @@ Panel predicted_panel(std::span<const double> truth, std::span<const double> pre
   double low = 0, high = 1;
   const std::size_t count = std::min(truth.size(), most);
   for (std::size_t k = 0; k < count; ++k) {
-    const std::size_t row = k * truth.size() / count;
+    const std::size_t row = chosen_row(k, count, truth.size());
     if (std::isnan(predicted[row])) continue;
     rows.x.push_back(truth[row]), rows.y.push_back(predicted[row]);
     low = std::min({low, truth[row], predicted[row]}), high = std::max({high, truth[row], predicted[row]});

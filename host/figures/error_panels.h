@@ -9,7 +9,7 @@
 namespace tactel::host {
 
 /// Returns a panel of predicted over true slippage index with the line on which both are equal. `truth` and `predicted`
-/// [rows]; of more than `most` rows, evenly chosen ones are drawn.
+/// [rows]; of more than `most` rows, as many are drawn, chosen by a hash.
 Panel predicted_panel(std::span<const double> truth, std::span<const double> predicted, const std::string& title,
                       std::size_t most = 600);
 

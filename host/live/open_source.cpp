@@ -6,6 +6,7 @@
 
 #include "host/live/simulated_sensor.h"
 #include "host/live/source_options.h"
+#include "host/support/bounded_file.h"
 #include "host/support/errors.h"
 #include "hw/recording.h"
 #include "hw/usb_source.h"
@@ -86,6 +87,7 @@ OpenSource open(const std::string& kind, const std::string& rest, const std::str
 
 OpenSource open_source(const std::string& source, const std::string& profile, const std::string& calibration) {
   const auto colon = source.find(':');
+  if (has_nul(source)) throw ConfigError("command line", "--source", source, "without a NUL byte");
   if (colon == std::string::npos || colon + 1 == source.size())
     throw ConfigError("command line", "--source", source, allowed_sources);
   OpenSource opened = open(source.substr(0, colon), source.substr(colon + 1), profile);

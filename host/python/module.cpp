@@ -2,6 +2,7 @@
 #include <tactel/error.h>
 #include <tactel/infer.h>
 
+#include "host/python/array_check.h"
 #include "host/python/bindings.h"
 
 namespace tactel::python {
@@ -57,6 +58,7 @@ void bind_errors(py::module_& module) {
 
 PYBIND11_MODULE(_tactel, module) {
   using namespace tactel::python;
+  check_arrays();
   module.doc() = "The C++ library tactel::simulate for Python; use the package tactel.";
   module.attr("__version__") = tactel::version();
   bind_errors(module);

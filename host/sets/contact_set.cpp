@@ -149,8 +149,7 @@ void check_memory(const SetFile& in, std::uint64_t rows, const SetColumns& colum
   const double of_contacts = static_cast<double>(contacts) * static_cast<double>(columns.parameters.size());
   const double bytes =
       static_cast<double>(rows) * static_cast<double>(row_bytes(columns)) + sizeof(float) * of_contacts;
-  const double memory = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
-  if (bytes > memory)
+  if (const double memory = memory_bytes(); bytes > memory)
     in.refuse(
         "inputs", fmt::format("{} rows, {:.3g} GB", rows, 1e-9 * bytes),
         fmt::format("fewer rows than fit into memory ({:.3g} GB), or read in pieces (train --block)", 1e-9 * memory));
@@ -167,6 +166,10 @@ auto within_memory(const SetFile& in, const Read& read) try {
 }
 
 }  // namespace
+
+double memory_bytes() {
+  return static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+}
 
 std::uint64_t row_bytes(const SetColumns& columns) {
   std::uint64_t bytes = 0;

@@ -108,6 +108,8 @@ void each_other_dataset(Set& set, const Visit& visit) {
 SetColumns read_columns(const std::filesystem::path& path);
 /// Returns the bytes of a row in all datasets.
 std::uint64_t row_bytes(const SetColumns& columns);
+/// Returns the bytes of this machine's memory.
+double memory_bytes();
 /// Throws ConfigError naming `file` and the first of `needed` that the set has not.
 void require_datasets(const SetColumns& columns, const std::string& file, std::initializer_list<const char*> needed);
 /// Returns the columns without the datasets that `wanted` does not name: a list of names, separated by commas. Throws

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cstring>
 
+#include "host/support/bounded_file.h"
 #include "host/support/errors.h"
 
 namespace tactel::host {
@@ -73,7 +74,7 @@ int fletcher_place(hid_t plan) {
 hid_t open_to_read(const std::filesystem::path& path) {
   prepare_hdf5();
   std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) return H5I_INVALID_HID;
+  if (has_nul(path) || !std::filesystem::is_regular_file(path, error)) return H5I_INVALID_HID;
   return H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
 }
 
@@ -82,7 +83,10 @@ hid_t open_to_read(const std::filesystem::path& path) {
 SetFile::SetFile(const std::filesystem::path& path) : path_(path), file_(open_to_read(path), H5Fclose) {
   std::error_code error;
   if (!file_.open())
-    refuse("(file)", std::filesystem::exists(path, error) ? "not HDF5, or damaged" : "missing",
+    refuse("(file)",
+           has_nul(path)                          ? "its name holds a NUL byte"
+           : std::filesystem::exists(path, error) ? "not HDF5, or damaged"
+                                                  : "missing",
            "an HDF5 file written by tactel generate");
   if (const std::string format = text("format"); format != "tactel contact set 1")
     refuse("format", format.empty() ? "(missing)" : format, "tactel contact set 1: a file written by tactel generate");

@@ -57,6 +57,7 @@ std::string size_in_words(std::uintmax_t bytes) {
 }  // namespace
 
 std::string read_bounded_file(const std::filesystem::path& path, std::uintmax_t most) {
+  if (has_nul(path)) decline("its name holds a NUL byte");
   // A device is not opened at all: the opening of some has an effect.
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(path, error);

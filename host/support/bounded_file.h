@@ -15,8 +15,12 @@ class UnreadableFile : public std::runtime_error {
   bool missing;  ///< there is no such file
 };
 
+/// Whether the system would take a shorter name: for it a name ends at a NUL byte.
+inline bool has_nul(const std::filesystem::path& path) { return path.native().find('\0') != std::string::npos; }
+
 /// Returns the content of a regular file of `most` bytes or fewer. Throws UnreadableFile for every other file: folders,
-/// devices, which may never end, pipes, which may wait for ever, and files that grow. Waits for no writer.
+/// devices, which may never end, pipes, which may wait for ever, files that grow, and names with a NUL byte. Waits for
+/// no writer.
 std::string read_bounded_file(const std::filesystem::path& path, std::uintmax_t most);
 
 }  // namespace tactel::host

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/support/bounded_file.h"
 #include "host/support/errors.h"
 
 namespace tactel::host {
@@ -51,7 +52,8 @@ std::string advice(int error) {
 }
 
 /// The file behind symbolic links, so that renaming replaces it and not the link.
-fs::path behind_links(const fs::path& path) {
+fs::path behind_links(const std::string& option, const fs::path& path) {
+  if (has_nul(path)) refuse(option, path, "its name holds a NUL byte");
   std::error_code error;
   const fs::path absolute = fs::absolute(path, error);
   const fs::path real = error ? path : fs::weakly_canonical(absolute, error);
@@ -170,7 +172,7 @@ void remove_leftovers(const fs::path& folder) {
 }
 
 DurableFile::DurableFile(std::string option, fs::path path)
-    : option_(std::move(option)), path_(std::move(path)), target_(behind_links(path_)) {
+    : option_(std::move(option)), path_(std::move(path)), target_(behind_links(option_, path_)) {
   if (is_special(target_)) refuse(option_, path_, "it names no file");
   remove_leftovers_once(folder_of(target_));
   file_ = open_temporary(target_, temporary_);
@@ -205,7 +207,7 @@ void DurableFile::commit() {
 }
 
 void check_writable(const std::string& option, const fs::path& path) {
-  const fs::path target = behind_links(path);
+  const fs::path target = behind_links(option, path);
   std::error_code error;
   if (fs::is_directory(target, error) || !path.has_filename()) refuse(option, path, "it names a folder");
   const fs::path asked = is_special(target) ? target : folder_of(target);
@@ -215,7 +217,7 @@ void check_writable(const std::string& option, const fs::path& path) {
 
 void write_file(const std::string& option, const fs::path& path, std::string_view content) {
   check_writable(option, path);
-  if (const fs::path target = behind_links(path); is_special(target)) {
+  if (const fs::path target = behind_links(option, path); is_special(target)) {
     const int file = ::open(target.c_str(), O_WRONLY | O_CLOEXEC);
     const bool good = file >= 0 && write_all(file, content);
     const int error = errno;
@@ -230,7 +232,7 @@ void write_file(const std::string& option, const fs::path& path, std::string_vie
 
 void move_file(const std::string& option, const fs::path& file, const fs::path& path) {
   check_writable(option, path);
-  const fs::path target = behind_links(path);
+  const fs::path target = behind_links(option, path);
   if (::rename(file.c_str(), target.c_str()) == 0) {
     if (!sync_folder(folder_of(target))) refuse(option, path, errno);
     return;

@@ -220,8 +220,9 @@ Page recall_page(std::span<const NamedNetwork> networks, std::span<const Network
                         networks.size() == 1 ? "" : "s", rows.frames.rows(), set, TACTEL_VERSION));
   report_recall_verdict(page, all, rows, indenter_names);
   page.table(network_table(all));
-  page.figure(predicted_figure(shown),
-              "Predicted over true slippage index. A dot is a frame of the set, of large sets a selection of 600.");
+  page.figure(
+      predicted_figure(shown),
+      "Predicted over true slippage index. A dot is a frame of the set, of large sets one of 600 chosen by a hash.");
   page.figure(distribution_figure(shown), "How the errors are spread over all frames of the set.");
   page.figure(where_figure(shown, indenter_names), "Where the errors are.");
   add_coverage(page, all, indenter_names);

@@ -29,7 +29,15 @@ static_assert(TACTEL_OK == int(AnswerStatus::ok) && TACTEL_NO_STRESS == int(Answ
 static_assert(TACTEL_NOT_FINITE == int(AnswerStatus::not_finite) && TACTEL_OVERFLOW == int(AnswerStatus::overflow));
 static_assert(TACTEL_WRONG_SIZE == int(AnswerStatus::wrong_size));
 
-thread_local std::string last_error;
+thread_local const char* last_error = "";
+thread_local std::string load_error;  ///< text of last_error where it is no literal
+
+/// The answer to a call with NULL. Takes no memory.
+tactel_answer refused(const char* error) noexcept {
+  constexpr float none = std::numeric_limits<float>::quiet_NaN();
+  last_error = error;
+  return {none, none, TACTEL_WRONG_SIZE, {none, none}, 0, {0, 0}};
+}
 
 tactel_answer c_answer(const tactel::Answer& answer) noexcept {
   tactel_answer same;
@@ -40,27 +48,40 @@ tactel_answer c_answer(const tactel::Answer& answer) noexcept {
 }  // namespace
 
 tactel_estimator* tactel_load(const char* path) {
-  last_error.clear();
+  last_error = "";
   try {
     if (path != nullptr) return new tactel_estimator{tactel::SlipEstimator::load(path)};
     last_error = "tactel_load: no path; give the name of a network file";
   } catch (const std::bad_alloc&) {
     last_error = "tactel_load: out of memory; free some";
   } catch (const std::exception& error) {
-    last_error = error.what();
+    load_error = error.what();
+    last_error = load_error.c_str();
   }
   return nullptr;
 }
 
 void tactel_free(tactel_estimator* estimator) { delete estimator; }
 
-size_t tactel_inputs(const tactel_estimator* estimator) { return estimator->estimator.inputs(); }
+size_t tactel_inputs(const tactel_estimator* estimator) {
+  if (estimator != nullptr) return estimator->estimator.inputs();
+  last_error = "tactel_inputs: no estimator; give one of tactel_load";
+  return 0;
+}
 
 tactel_answer tactel_estimate(const tactel_estimator* estimator, const float* frame, size_t count) {
+  if (estimator == nullptr) return refused("tactel_estimate: no estimator; give one of tactel_load");
+  if (frame == nullptr) return refused("tactel_estimate: no frame; give tactel_inputs() numbers");
   return c_answer(estimator->estimator.estimate({frame, count}));
 }
 
 void tactel_estimate_all(const tactel_estimator* estimator, const float* frames, size_t answers, tactel_answer* out) {
+  if (answers == 0) return;
+  if (estimator == nullptr || frames == nullptr || out == nullptr) {
+    const tactel_answer none = refused("tactel_estimate_all: no estimator, frames or answers; give all three");
+    if (out != nullptr) std::fill_n(out, answers, none);
+    return;
+  }
   const size_t inputs = estimator->estimator.inputs();
   tactel::Answer some[16];
   for (size_t i = 0; i < answers; i += std::size(some)) {
@@ -71,9 +92,10 @@ void tactel_estimate_all(const tactel_estimator* estimator, const float* frames,
 }
 
 tactel_history* tactel_history_create(const tactel_estimator* estimator) {
-  last_error.clear();
+  last_error = "";
   try {
-    return new tactel_history{tactel::SlipHistory(estimator->estimator)};
+    if (estimator != nullptr) return new tactel_history{tactel::SlipHistory(estimator->estimator)};
+    last_error = "tactel_history_create: no estimator; give one of tactel_load";
   } catch (const std::exception&) {
     last_error = "tactel_history_create: out of memory; free some";
   }
@@ -83,12 +105,16 @@ tactel_history* tactel_history_create(const tactel_estimator* estimator) {
 void tactel_history_free(tactel_history* history) { delete history; }
 
 tactel_answer tactel_history_estimate(tactel_history* history, const float* frame, size_t count) {
+  if (history == nullptr) return refused("tactel_history_estimate: no history; give one of tactel_history_create");
+  if (frame == nullptr) return refused("tactel_history_estimate: no frame; give the numbers of one");
   return c_answer(history->history.estimate({frame, count}));
 }
 
-void tactel_history_clear(tactel_history* history) { history->history.clear(); }
+void tactel_history_clear(tactel_history* history) {
+  if (history != nullptr) history->history.clear();
+}
 
-const char* tactel_error(void) { return last_error.c_str(); }
+const char* tactel_error(void) { return last_error; }
 
 const char* tactel_status_name(uint32_t status) { return tactel::name(static_cast<AnswerStatus>(status)); }
 

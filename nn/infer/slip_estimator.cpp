@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
+#include <cfenv>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -59,30 +60,35 @@ struct SlipEstimator::Network {
 
 namespace {
 
-/// While it lives, this thread's arithmetic takes denormal numbers for zero, as the kernels do: equal bits, and no
-/// frame that takes 100 times as long.
-class FlushDenormals {
+/// While it lives, this thread rounds to nearest and traps nothing, whatever the host program has set: equal bits. With
+/// `flush` it also takes denormal numbers for zero, as the kernels do, and no frame takes 100 times as long.
+class OwnArithmetic {
  public:
 #if defined(__x86_64__)
-  FlushDenormals() noexcept : before_(__builtin_ia32_stmxcsr()) { __builtin_ia32_ldmxcsr(before_ | 0x8040); }
-  ~FlushDenormals() { __builtin_ia32_ldmxcsr(before_); }
-#elif defined(__aarch64__)
-  FlushDenormals() noexcept {
-    asm volatile("mrs %0, fpcr" : "=r"(before_));
-    asm volatile("msr fpcr, %0" : : "r"(before_ | (std::uint64_t{1} << 24)));
+  explicit OwnArithmetic(bool flush) noexcept : before_(__builtin_ia32_stmxcsr()) {
+    __builtin_ia32_ldmxcsr(flush ? 0x9fc0 : 0x1f80);
   }
-  ~FlushDenormals() { asm volatile("msr fpcr, %0" : : "r"(before_)); }
+  ~OwnArithmetic() { __builtin_ia32_ldmxcsr(before_); }
+#elif defined(__aarch64__)
+  explicit OwnArithmetic(bool flush) noexcept {
+    asm volatile("mrs %0, fpcr" : "=r"(before_));
+    asm volatile("msr fpcr, %0" : : "r"(std::uint64_t{flush} << 24));
+  }
+  ~OwnArithmetic() { asm volatile("msr fpcr, %0" : : "r"(before_)); }
 #else
-  FlushDenormals() noexcept {}
+  explicit OwnArithmetic(bool) noexcept { std::fegetenv(&before_), std::fesetenv(FE_DFL_ENV); }
+  ~OwnArithmetic() { std::fesetenv(&before_); }
 #endif
-  FlushDenormals(const FlushDenormals&) = delete;
-  FlushDenormals& operator=(const FlushDenormals&) = delete;
+  OwnArithmetic(const OwnArithmetic&) = delete;
+  OwnArithmetic& operator=(const OwnArithmetic&) = delete;
 
  private:
 #if defined(__x86_64__)
   unsigned before_;
 #elif defined(__aarch64__)
   std::uint64_t before_ = 0;
+#else
+  std::fenv_t before_;
 #endif
 };
 
@@ -142,7 +148,7 @@ Answer bounded_answer(const Network& network, AnswerStatus status, const infer::
 
 /// Evaluates 1 to most_frames frames, [frames, inputs].
 void evaluate(const Network& network, int frames, const float* frame, Answer* answers) noexcept {
-  const FlushDenormals flush;
+  const OwnArithmetic arithmetic(true);
   Activations a, b;  // the widest layer fits
   Activations *x = &a, *next = &b;
   AnswerStatus status[infer::most_frames];
@@ -179,6 +185,7 @@ SlipEstimator& SlipEstimator::operator=(const SlipEstimator& other) noexcept {
 }
 
 SlipEstimator SlipEstimator::parse(std::span<const std::byte> bytes, const std::string& place) {
+  const OwnArithmetic arithmetic(false);
   infer::NetworkFile file =
       infer::read_network_file({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, place);
   auto network = std::make_unique<Network>();
@@ -204,6 +211,8 @@ SlipEstimator SlipEstimator::parse(std::span<const std::byte> bytes, const std::
 }
 
 SlipEstimator SlipEstimator::load(const std::string& path) {
+  if (const auto end = path.find('\0'); end != std::string::npos)
+    throw InputError(path.substr(0, end), "goes on behind a NUL byte", "must be the name of a file");
   const std::string bytes = infer::read_network_bytes(path);
   return parse(std::as_bytes(std::span(bytes)), path);
 }
@@ -244,6 +253,7 @@ std::size_t SlipHistory::inputs() const noexcept { return state_->history.width(
 
 Answer SlipHistory::estimate(std::span<const float> frame) noexcept {
   if (frame.size() != inputs()) return answer_of(AnswerStatus::wrong_size, 0);
+  const OwnArithmetic arithmetic(false);
   state_->history.push(frame.data());
   state_->history.write(state_->input);
   return state_->network.estimate({state_->input, state_->history.inputs()});

@@ -2,6 +2,8 @@
 """The Python package against laws, the program and itself: python3 -m unittest with PYTHONPATH=build/python."""
 
 import ast
+import io
+import itertools
 import json
 import os
 import pathlib
@@ -11,6 +13,7 @@ import subprocess
 import tempfile
 import threading
 import unittest
+from unittest import mock
 
 import numpy as np
 import onnx_numpy
@@ -24,6 +27,23 @@ except ImportError:
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAM = os.environ["TACTEL_PROGRAM"]
 PARABOLA = tactel.Scene(tactel.Sensor(), tactel.Parabola(radius=10), friction=0.5, load=tactel.Press(0.15).drag(0.05, steps=8))
+
+
+class Arrays(unittest.TestCase):
+    def test_every_step_has_its_own_numbers(self):
+        path = tactel.solve(PARABOLA)
+        drags = 0.05 * np.arange(9)  # one press, eight drags
+        np.testing.assert_allclose(path.tangential, drags, rtol=1e-12)
+        self.assertEqual([path.tangential[k] for k in range(9)], path.tangential.tolist())
+        self.assertGreater(path.slip_index[-1] - path.slip_index[0], 0.5)
+
+    def test_a_build_that_does_not_fit_refuses(self):
+        self.assertTrue(np.__version__.startswith(os.environ.get("TACTEL_NUMPY", "")))
+        if np.__version__.startswith("1."):
+            import old_pybind11  # noqa: F401: by pybind11 2.10
+        else:
+            with self.assertRaisesRegex(ImportError, "pybind11 2.10, does not fit NumPy 2.*; build it with a newer"):
+                import old_pybind11  # noqa: F401
 
 
 class Values(unittest.TestCase):
@@ -81,10 +101,47 @@ class Errors(unittest.TestCase):
         with self.assertRaisesRegex(tactel.InputError, "2"):
             tactel.solve_many([PARABOLA, PARABOLA, PARABOLA.with_(friction=-1)])
 
+    def test_a_long_list_is_not_repeated(self):
+        data = tactel.Set(np.zeros((4, 2), np.float32), np.zeros(4, np.float32))
+        with self.assertRaisesRegex(tactel.InputError, r"noise: 7, 7, .* \.\.\.; must be") as raised:
+            tactel.train(data, layers=(2, 3, 1), noise=[7] * 1_000_000)
+        self.assertLess(len(str(raised.exception)), 2000)
+
+    def test_a_path_that_is_too_long(self):
+        many = 100_000
+        for load, key in ((tactel.Press(0.15).drag_to([0.1] * many), "tangential"), (tactel.Press([0.1] * (many + 1)), "indentation"),
+                          (tactel.Force([0.1] * 101, steps=1000), "normal_force")):
+            with self.assertRaisesRegex(tactel.InputError, f"load.{key}: .*; must be at most 100000 load steps"):
+                tactel.solve(PARABOLA.with_(load=load))
+        PARABOLA.with_(load=tactel.Press([0.1] * 1000, steps=100)).validate()
+        with self.assertRaisesRegex(tactel.InputError, "derivatives: 1001 load steps, 1001 of them listed"):
+            tactel.solve(PARABOLA.with_(load=tactel.Press(0.15).drag_to([0.01] * 1000)), derivatives=True)
+
     def test_a_file_that_is_not_there(self):
         for call in (tactel.read_scene, tactel.Sweep, tactel.read_set, tactel.SlipEstimator.load):
             with self.assertRaisesRegex(tactel.InputError, "/no/such"):
                 call("/no/such/file")
+
+
+    def test_a_name_with_a_nul_byte_is_not_cut(self):
+        with tempfile.TemporaryDirectory() as folder:
+            place = pathlib.Path(folder)
+            (place / "scene.toml").write_text((ROOT / "examples/parabola.toml").read_text())
+            (place / "sweep.toml").write_text(SWEEP)
+            (place / "set.h5").touch()
+            (net,) = tactel.train(tactel.Sweep(place / "sweep.toml").generate(5), layers=(42, 3, 1), cycles=1)
+            net.to_onnx(str(place / "slip.onnx"))
+            before = sorted(place.iterdir())
+            simulation = f"simulate:{place / 'scene.toml'}"
+            for call, name in ((tactel.read_scene, "scene.toml"), (tactel.Sweep, "sweep.toml"), (tactel.read_set, "set.h5"),
+                               (tactel.Network.load, "slip.onnx"), (tactel.SlipEstimator.load, "slip.onnx"),
+                               (net.to_onnx, "new.onnx"),
+                               (lambda path: tactel.open_sensor(f"simulate:{path}"), "scene.toml"),
+                               (lambda path: tactel.open_sensor(simulation, calibration=path), "scene.toml"),
+                               (lambda path: tactel.open_sensor("usb:04D8:0001", profile=path), "scene.toml")):
+                with self.subTest(name=name), self.assertRaisesRegex(tactel.InputError, "NUL byte"):
+                    call(str(place / name) + "\0x")
+            self.assertEqual(sorted(place.iterdir()), before)
 
 
 class Solve(unittest.TestCase):
@@ -159,6 +216,32 @@ class Solve(unittest.TestCase):
         with self.assertRaisesRegex(RuntimeError, "enough"):
             tactel.solve_many([PARABOLA] * 40, progress=fail)
 
+    def test_progress_in_words(self):
+        """A second of weight updates of a long training: 1 082 568 400 000 less 2 868 806 260, at 286 880 626 a second, is 3764 s."""
+        for terminal, before, after in ((True, "\r\x1b[K", "\r\x1b[K"), (False, "", "\n")):
+            stderr = io.StringIO()
+            stderr.isatty = lambda: terminal
+            times = iter((100.0, 100.5, 110.0 if terminal else 131.0, 110.1 if terminal else 131.1))
+            with mock.patch("sys.stderr", stderr), mock.patch("tactel._time.monotonic", lambda: next(times)):
+                with tactel._Progress(True, "training", "weight updates") as told:
+                    told(0, 1082568400000)
+                    told(10, 1082568400000)  # half a second: nothing yet
+                    told(2868806260 if terminal else 31 * 286880626, 1082568400000)
+                    told(2868806261, 1082568400000)  # soon after
+            line = "training: 0.3 %, 287 M weight updates/s, 1 h 02 min left" if terminal else \
+                "training: 0.8 %, 287 M weight updates/s, 1 h 02 min left"
+            self.assertEqual(stderr.getvalue(), before + line + after)
+
+    def test_progress_is_a_line_on_stderr(self):
+        times = itertools.count(5.0)
+        for progress, shown in ((True, "scenes: 100.0 %, 40 scenes/s, 0 s left"), (False, ""), (None, "")):
+            stderr = io.StringIO()
+            stderr.isatty = lambda: True
+            with mock.patch("sys.stderr", stderr), mock.patch("tactel._time.monotonic", lambda: next(times)):
+                tactel.solve_many([PARABOLA] * 40, progress=progress)
+            self.assertIn(shown, stderr.getvalue())
+            self.assertEqual(stderr.getvalue() == "", shown == "")
+
 
 SWEEP = """[sweep]
 contacts = 60
@@ -200,6 +283,11 @@ class SetsAndNetworks(unittest.TestCase):
                 break
         np.testing.assert_array_equal(np.concatenate(frames)[:len(self.set)], self.set.frames)
         np.testing.assert_array_equal(np.concatenate(s)[:len(self.set)], self.set.slip_index)
+
+    def test_sets_that_do_not_fit_into_memory_are_refused(self):
+        for generate in (lambda: self.sweep.generate(2**62), lambda: next(self.sweep.batches(2**62))):
+            with self.assertRaisesRegex(tactel.InputError, f"{2**62}; must be at most .* fit into memory"):
+                generate()
 
     def test_another_seed_is_another_set(self):
         frames, _ = next(self.sweep.batches(60, seed=4))

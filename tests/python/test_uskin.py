@@ -79,6 +79,8 @@ class Trials(unittest.TestCase):
         for options in ({"shear": "z"}, {"row": 3}):
             with self.assertRaisesRegex(tactel.InputError, next(iter(options))):
                 self.read(**options)
+        with self.assertRaisesRegex(tactel.InputError, "NUL byte"):  # h5py would cut it there
+            list(tactel.uskin.trials(f"{self.path}\0x"))
 
 
 if __name__ == "__main__":

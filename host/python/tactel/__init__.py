@@ -10,6 +10,7 @@ base. sigma_y < 0 is compression; tau_xy > 0 where the rubber is dragged toward 
 """
 
 import sys as _sys
+import time as _time
 
 from . import _tactel
 from ._tactel import (
@@ -52,18 +53,47 @@ for _class in (Parabola, Flat, Wedge, Cylinder, Exponential, Trapezoid, RoundedF
     _class.__reduce__ = lambda self: (type(self), _values(self))
 
 
-def _shown(progress, what):
-    """A function (done, all) of a progress argument: None, True for a line on stderr, or a function."""
-    if progress is None or progress is False:
-        return None
-    if progress is not True:
-        return progress
+def _with_prefix(number):
+    for limit, prefix in ((1e9, " G"), (1e6, " M"), (1e3, " k")):
+        if number >= limit:
+            return f"{number / limit:.3g}{prefix}"
+    return f"{number:.3g}"
 
-    def show(done, total):
-        end = "\n" if done >= total else ""
-        print(f"\r{done} of {total} {what}", end=end, file=_sys.stderr, flush=True)
 
-    return show
+def _duration(seconds):
+    whole = round(min(max(seconds, 0), 1e9))
+    if whole < 60:
+        return f"{whole} s"
+    return f"{whole // 60} min {whole % 60:02} s" if whole < 3600 else f"{whole // 3600} h {whole // 60 % 60:02} min"
+
+
+class _Progress:
+    """The function (done, all) of a progress argument: None, a function, or True for a line on stderr as the program prints it."""
+
+    def __init__(self, progress, job, unit):
+        self.job, self.unit, self.first, self.drawn = job, unit, None, None
+        self.terminal = _sys.stderr is not None and _sys.stderr.isatty()
+        self.function = self.show if progress is True else None if progress is False else progress
+
+    def show(self, done, total):
+        now = _time.monotonic()
+        self.first = self.first or (now, done)
+        if _sys.stderr is None or now - (self.drawn or self.first[0]) < (1 if not self.drawn else 0.2 if self.terminal else 30):
+            return
+        rate = (done - self.first[1]) / (now - self.first[0])
+        pace = f", {_with_prefix(rate)} {self.unit}/s, {_duration((total - done) / rate)} left" if rate > 0 else ""
+        self.drawn = now
+        self.print(f"{self.job}: {100 * done / max(total, 1):.1f} %{pace}")
+
+    def print(self, text):
+        print(f"\r\x1b[K{text}" if self.terminal else f"{text}\n", end="", file=_sys.stderr, flush=True)
+
+    def __enter__(self):
+        return self.function
+
+    def __exit__(self, *raised):
+        if self.drawn and self.terminal:
+            self.print("")
 
 
 def solve_many(scenes, *, accuracy=None, rung="", precision="", device="", keep=None, progress=None):
@@ -73,7 +103,8 @@ def solve_many(scenes, *, accuracy=None, rung="", precision="", device="", keep=
     that array. progress: True for a line on stderr, or a function (done, all). Raises InputError, which names the scene by its
     index, HardwareError.
     """
-    paths = _tactel._solve_many(list(scenes), accuracy, rung, precision, device, _shown(progress, "scenes"))
+    with _Progress(progress, "scenes", "scenes") as told:
+        paths = _tactel._solve_many(list(scenes), accuracy, rung, precision, device, told)
     return paths if keep is None else paths.frames if keep == "tactels" else getattr(paths, keep)
 
 
@@ -88,7 +119,8 @@ class Sweep(_tactel.Sweep):
 
     def generate(self, contacts=None, *, accuracy=None, rung="", precision="", device="", progress=None):
         """Returns the rows of the first contacts (None: those of the file) as a Set, the same as those of `tactel generate`."""
-        return self._generate(contacts, accuracy, rung, precision, device, _shown(progress, "contacts"))
+        with _Progress(progress, "contacts", "contacts") as told:
+            return self._generate(contacts, accuracy, rung, precision, device, told)
 
     def batches(self, contacts=8192, *, seed=None, first=0, sets=False, accuracy=None, rung="", precision="", device=""):
         """Iterates over the rows of so many contacts a time, which are never stored: (frames, slip_index), or Sets.
@@ -120,5 +152,6 @@ def train(data, layers=(42, 42, 21, 1), *, seeds=1, first_seed=1, noise=0.0, sca
     A network that diverges has no entry.
     """
     noises = [noise] if isinstance(noise, (int, float)) else list(noise)
-    return _tactel._train(data, _widths(layers), seeds, first_seed, noises, scaling, schedule, optimizer, cycles, batch, rate,
-                          bound, level, str(history), history_change, device, _shown(progress, "weight updates"))
+    with _Progress(progress, "training", "weight updates") as told:
+        return _tactel._train(data, _widths(layers), seeds, first_seed, noises, scaling, schedule, optimizer, cycles, batch,
+                              rate, bound, level, str(history), history_change, device, told)

@@ -11,6 +11,7 @@ scaling "frame". It takes equal gains of pins and axes for granted.
 """
 
 import enum
+import os
 from dataclasses import dataclass
 
 import numpy as np
@@ -129,6 +130,8 @@ def trials(path, *, shear="x", row=1):
         _refuse("shear", repr(shear), "x or y")
     if row not in range(_ROWS):
         _refuse("row", repr(row), "0, 1 or 2")
+    if "\0" in os.fsdecode(path):
+        _refuse("path", repr(path), "must have no NUL byte")
     with h5py.File(path, "r") as file:
         names = []
 

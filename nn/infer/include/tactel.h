@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Slippage index from tactel stresses, in C: networks that tactel trained, frame to S. Link tactel::infer (CMake) or
-   `pkg-config --libs tactel`. */
+   `pkg-config --libs tactel`.
+   Every pointer may be NULL. A function that needs another returns NULL, 0 or an answer of TACTEL_WRONG_SIZE; then
+   tactel_error() names the argument. */
 #ifndef TACTEL_H
 #define TACTEL_H
 
@@ -21,7 +23,7 @@ enum tactel_status {
   TACTEL_NO_STRESS = 1,  /* no normal stress, and the network scales by frame; the network received zeros */
   TACTEL_NOT_FINITE = 2, /* the frame contains NaN or infinity */
   TACTEL_OVERFLOW = 3,   /* the frame is finite, but a sum inside the network is not */
-  TACTEL_WRONG_SIZE = 4  /* the frame has not tactel_inputs() numbers */
+  TACTEL_WRONG_SIZE = 4  /* the frame has not tactel_inputs() numbers, or an argument is NULL */
 };
 
 /* The answer to a frame. Later versions may give a meaning to `reserved`, and change nothing else. */
@@ -37,7 +39,7 @@ typedef struct tactel_answer {
 /* Loads a network file (ONNX) that tactel wrote. Returns NULL where that fails; tactel_error() has the reason. */
 TACTEL_API tactel_estimator* tactel_load(const char* path);
 
-/* Frees an estimator; NULL is allowed. */
+/* Frees an estimator. */
 TACTEL_API void tactel_free(tactel_estimator* estimator);
 
 /* Returns the numbers of an input: a normal and a shear stress for each tactel, in each of its frames. */
@@ -59,7 +61,7 @@ typedef struct tactel_history tactel_history;
    has the reason. */
 TACTEL_API tactel_history* tactel_history_create(const tactel_estimator* estimator);
 
-/* Frees a history; NULL is allowed. */
+/* Frees a history. */
 TACTEL_API void tactel_history_free(tactel_history* history);
 
 /* Takes the sensor's next frame: [count] MPa, a normal and a shear stress for each tactel, and returns S. Allocates
@@ -69,8 +71,8 @@ TACTEL_API tactel_answer tactel_history_estimate(tactel_history* history, const 
 /* Forgets all frames: the next one begins a contact. */
 TACTEL_API void tactel_history_clear(tactel_history* history);
 
-/* Returns the message of the last call that failed in this thread, "place: problem; fix"; "" where none did. The text
-   is valid until the next call of tactel_load in this thread. */
+/* Returns the message of the last call that failed in this thread, "place: problem; fix"; "" where none did since
+   the last tactel_load or tactel_history_create. The text is valid until the next call of these in this thread. */
 TACTEL_API const char* tactel_error(void);
 
 /* Returns the name of a status: "ok", "no stress", ... */

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/contact/rung_error.h"
+#include "host/contact/rung_for_many.h"
 #include "host/contact/solve.h"
 #include "host/contact/solve_on_rung.h"
 #include "host/studies/tradeoff/scene_mix.h"
@@ -83,6 +84,20 @@ TEST(Planner, FinerAccuracyNeverTakesACheaperRung) {
     elements = chosen.rung.elements;
   }
   EXPECT_EQ(elements, ladder().back().elements);
+}
+
+// 64 radii, each with 8 frictions: equal distances would try one friction alone.
+TEST(PlanForMany, TriesContactsOfAllValuesOfAGrid) {
+  std::map<std::uint64_t, int> tried;
+  const auto contact = [&](std::uint64_t k) {
+    ++tried[k % 8];
+    fem::Scene scene = pressed();
+    scene.friction = 0.2 + 0.1 * static_cast<double>(k % 8);
+    return scene;
+  };
+  Executor executor(device());
+  EXPECT_EQ(plan_for_many(executor, 0.9, {8 * most_tried, contact}).answers.size(), most_tried);
+  for (std::uint64_t friction = 0; friction < 8; ++friction) EXPECT_GE(tried[friction], 2) << friction;
 }
 
 TEST(Planner, EveryRungHasBeenMeasured) {

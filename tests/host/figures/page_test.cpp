@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -210,10 +211,19 @@ TEST(ErrorPanels, SharesOfBins) {
 
 TEST(ErrorPanels, ManyRowsAreThinnedAndNanIsLeftOut) {
   std::vector<double> truth(5000, 0.5), predicted(5000, 0.6);
-  predicted[0] = NAN;
+  std::fill_n(predicted.begin(), 50, NAN);  // of the first of 100 parts
   const Panel panel = predicted_panel(truth, predicted, "p", 100);
   EXPECT_EQ(panel.series[1].x.size(), 99u);
   EXPECT_EQ(panel.series[1].y[0], 0.6);
+}
+
+// 3000 contacts of nine load steps, S from 0 to 0.8: a ninth of the dots, and not all, are of undragged contacts.
+TEST(ErrorPanels, DotsAreOfAllLoadSteps) {
+  std::vector<double> S;
+  for (int row = 0; row < 27000; ++row) S.push_back(0.1 * (row % 9));
+  const Panel panel = predicted_panel(S, S, "p");
+  ASSERT_EQ(panel.series[1].x.size(), 600u);
+  EXPECT_NEAR(std::ranges::count(panel.series[1].x, 0.0), 67, 31);  // as ChosenRow.KeepsNoStepOfAPeriod
 }
 
 }  // namespace

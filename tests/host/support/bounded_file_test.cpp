@@ -46,6 +46,12 @@ TEST(BoundedFile, ALargerOneIsRefusedUnread) {
   EXPECT_EQ(refusal(folder / "seven", 16 << 20), "it is larger than 16 MiB");
 }
 
+TEST(BoundedFile, ANameWithANulByteIsNotCut) {
+  const ScratchFolder folder;
+  const std::string path = folder.write("file", "content");
+  EXPECT_EQ(refusal(path + std::string("\0x", 2)), "its name holds a NUL byte");
+}
+
 TEST(BoundedFile, OneThatIsNotThereIsMissing) {
   const ScratchFolder folder;
   folder.write("file", "");

@@ -47,6 +47,9 @@ TEST(DurableFile, SaysWhyNot) {
               testing::ThrowsMessage<ConfigError>(testing::HasSubstr("Not a directory")));
   EXPECT_THAT([&] { check_writable("--json", folder / ""); },
               testing::ThrowsMessage<ConfigError>(testing::HasSubstr("it names a folder")));
+  const std::string cut = (folder / "new").string() + std::string("\0x", 2);
+  EXPECT_THAT([&] { write_file("--json", cut, "x"); }, testing::Throws<ConfigError>());
+  EXPECT_FALSE(std::filesystem::exists(folder / "new"));
   EXPECT_THAT([] { write_file("--json", "/dev/full", "x"); },
               testing::ThrowsMessage<ConfigError>(testing::HasSubstr("No space left on device")));
 }

@@ -35,8 +35,8 @@ struct Answer {
 
 /// A network that reads the slippage index S = Q / (mu P) from the stresses at the tactels.
 ///
-/// Answers are equal bit for bit on every processor, and equal to those of `tactel monitor` in fp32. An object never
-/// changes: threads may share it. Copies are cheap and share the network.
+/// Answers are equal bit for bit on every processor and in any rounding mode, and equal to those of `tactel monitor` in
+/// fp32. An object never changes: threads may share it. Copies are cheap and share the network.
 class TACTEL_API SlipEstimator {
  public:
   /// Loads a network file (ONNX) that tactel wrote. Throws InputError where the file cannot be read, is damaged, or

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// tactel::infer in a host program that does as it likes: its own rounding and traps, NULL, names with a NUL byte.
+#include <fenv.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tactel.h>
+#include <tactel/infer.h>
+
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "host/networks/onnx_file.h"
+#include "tests/host/networks/bounded_model.h"
+#include "tests/host/networks/network_cases.h"
+#include "tests/host/support/run_tactel.h"
+
+namespace {
+
+using namespace tactel;
+using tactel::testing::bounded_model;
+using tactel::testing::bumps;
+using ::testing::HasSubstr;
+
+/// Every answer that the library gives to the frames: loaded anew, one by one, together, and as a history.
+std::vector<Answer> all_answers(const std::string& file, const nn::RowMatrix<float>& frames) {
+  const SlipEstimator estimator = SlipEstimator::parse(std::as_bytes(std::span(file)));
+  const auto rows = static_cast<std::size_t>(frames.size()) / estimator.inputs();
+  std::vector<Answer> answers(rows);
+  EXPECT_EQ(estimator.estimate({frames.data(), rows * estimator.inputs()}, answers), rows);
+  for (std::size_t i = 0; i < rows; ++i)
+    answers.push_back(estimator.estimate({frames.data() + i * estimator.inputs(), estimator.inputs()}));
+  SlipHistory history(estimator);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(frames.size()) / history.inputs(); ++i)
+    answers.push_back(history.estimate({frames.data() + i * history.inputs(), history.inputs()}));
+  return answers;
+}
+
+struct Case {
+  std::string file;
+  nn::RowMatrix<float> frames;
+  std::vector<Answer> expected;  ///< in the arithmetic that a program starts with
+};
+
+std::vector<Case> cases() {
+  nn::Model plain{
+      nn::initial_weights(nn::Topology::parse("42-42-21-1"), 7), {nn::ScalingKind::set, 1.37f}, 7, 0, "", 0, {}};
+  nn::Model history{
+      nn::initial_weights(nn::Topology::parse("24-9-1"), 7), {nn::ScalingKind::frame, 1.0f, 3}, 7, 0, "", 0, {}};
+  history.history = {.frames = 3, .stride = 2, .change = 0.07};
+  std::vector<Case> all;
+  for (const nn::Model& model : {plain, history, bounded_model("42-42-21-3", nn::ScalingKind::frame, true)}) {
+    Case one{host::onnx_bytes(model), bumps(200, model.weights.topology.inputs(), 9).frames, {}};
+    one.frames.topRows(9) *= 1e-38f;  // some denormal
+    one.expected = all_answers(one.file, one.frames);
+    all.push_back(std::move(one));
+  }
+  return all;
+}
+
+void expect_same_bits(const std::vector<Answer>& answers, const std::vector<Answer>& expected) {
+  ASSERT_EQ(answers.size(), expected.size());
+  for (std::size_t i = 0; i < answers.size(); ++i)
+    EXPECT_EQ(std::memcmp(&answers[i], &expected[i], sizeof answers[i]), 0) << i;
+}
+
+}  // namespace
+
+TEST(InferHost, GivesItsBitsInAnyRoundingMode) {
+  for (const Case& one : cases())
+    for (const int mode : {FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO}) {
+      ASSERT_EQ(fesetround(mode), 0);
+      const std::vector<Answer> answers = all_answers(one.file, one.frames);
+      EXPECT_EQ(fegetround(), mode);  // as the host left it
+      fesetround(FE_TONEAREST);
+      expect_same_bits(answers, one.expected);
+    }
+}
+
+#if defined(__x86_64__)
+// A host that takes denormal numbers for zero, and frames with such numbers.
+TEST(InferHost, GivesItsBitsToAHostWithoutDenormals) {
+  for (const Case& one : cases()) {
+    __builtin_ia32_ldmxcsr(0x9fc0);
+    const std::vector<Answer> answers = all_answers(one.file, one.frames);
+    EXPECT_EQ(__builtin_ia32_stmxcsr() & 0x8040u, 0x8040u);
+    __builtin_ia32_ldmxcsr(0x1f80);
+    expect_same_bits(answers, one.expected);
+  }
+}
+#endif
+
+// A host that traps what is not exact is not stopped by ours, which is hardly ever exact.
+TEST(InferHost, TrapsNothing) {
+  for (const Case& one : cases()) {
+    const int traps = FE_INEXACT | FE_INVALID | FE_OVERFLOW | FE_UNDERFLOW;
+    feclearexcept(FE_ALL_EXCEPT);
+    ASSERT_NE(feenableexcept(traps), -1);
+    const std::vector<Answer> answers = all_answers(one.file, one.frames);
+    EXPECT_EQ(fegetexcept(), traps);
+    fedisableexcept(traps);
+    expect_same_bits(answers, one.expected);
+  }
+}
+
+TEST(InferHost, TakesNull) {
+  const host::ScratchFolder folder;
+  host::write_onnx(folder / "slip.onnx", bounded_model("4-3-3", nn::ScalingKind::frame, true));
+  tactel_estimator* estimator = tactel_load((folder / "slip.onnx").c_str());
+  ASSERT_NE(estimator, nullptr) << tactel_error();
+  EXPECT_STREQ(tactel_error(), "");
+  const float frame[4] = {-0.2f, -0.1f, 0.05f, 0.02f};
+  tactel_history* history = tactel_history_create(estimator);
+
+  const auto refuses = [](const tactel_answer& answer, const char* argument) {
+    EXPECT_EQ(answer.status, uint32_t{TACTEL_WRONG_SIZE});
+    EXPECT_TRUE(std::isnan(answer.slip_index) && std::isnan(answer.slip_upper));
+    EXPECT_THAT(tactel_error(), HasSubstr(argument));
+  };
+  refuses(tactel_estimate(nullptr, frame, 4), "tactel_estimate: no estimator");
+  refuses(tactel_estimate(estimator, nullptr, 4), "tactel_estimate: no frame");
+  refuses(tactel_history_estimate(nullptr, frame, 4), "no history");
+  refuses(tactel_history_estimate(history, nullptr, 4), "tactel_history_estimate: no frame");
+  for (const auto& [e, f] : {std::pair<tactel_estimator*, const float*>{nullptr, frame}, {estimator, nullptr}}) {
+    tactel_answer out[2] = {};
+    tactel_estimate_all(e, f, 2, out);
+    refuses(out[0], "tactel_estimate_all"), refuses(out[1], "tactel_estimate_all");
+  }
+  tactel_estimate_all(estimator, frame, 1, nullptr);
+  tactel_estimate_all(nullptr, nullptr, 0, nullptr);
+  EXPECT_EQ(tactel_inputs(nullptr), 0u);
+  EXPECT_THAT(tactel_error(), HasSubstr("tactel_inputs"));
+  EXPECT_EQ(tactel_history_create(nullptr), nullptr);
+  EXPECT_THAT(tactel_error(), HasSubstr("tactel_history_create"));
+  EXPECT_EQ(tactel_load(nullptr), nullptr);
+  EXPECT_THAT(tactel_error(), HasSubstr("tactel_load"));
+  tactel_history_clear(nullptr);
+  tactel_history_free(nullptr);
+  tactel_free(nullptr);
+
+  EXPECT_EQ(tactel_estimate(estimator, frame, 4).status, uint32_t{TACTEL_OK});
+  EXPECT_EQ(tactel_history_estimate(history, frame, 4).status, uint32_t{TACTEL_OK});
+  tactel_history_free(history);
+  tactel_free(estimator);
+}
+
+TEST(InferHost, RefusesANameWithANulByte) {
+  const host::ScratchFolder folder;
+  const std::string path = (folder / "slip.onnx").string();
+  host::write_onnx(path, bounded_model("4-3-3", nn::ScalingKind::frame, true));
+  EXPECT_NO_THROW(SlipEstimator::load(path));
+  try {
+    SlipEstimator::load(path + std::string("\0x", 2));
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr(path + ": goes on behind a NUL byte"));
+  }
+}
