@@ -1,18 +1,38 @@
 # SPDX-License-Identifier: Apache-2.0
 
-# Writes the manual pages and the completion that the program describes: cmake -DPROGRAM= -DHELP2MAN= -DVERSION= -DFOLDER= -P manual.cmake
-function(run_into output)
-  execute_process(COMMAND ${ARGN} OUTPUT_FILE ${output} COMMAND_ERROR_IS_FATAL ANY)
+# Writes the manual pages that the program describes: cmake -DPROGRAM= -DHELP2MAN= -DVERSION= -DDOCS= -DFOLDER= -P manual.cmake
+# DOCS: the folder of the documentation to which the help points.
+function(run output)
+  execute_process(COMMAND ${ARGN} OUTPUT_VARIABLE out COMMAND_ERROR_IS_FATAL ANY)
+  set(${output} "${out}" PARENT_SCOPE)
+endfunction()
+
+# Writes the page of a command (words; none: of the program), and those of its commands.
+function(write_pages)
+  list(JOIN ARGN " " words)
+  string(STRIP "${PROGRAM} ${words}" called)
+  list(JOIN ARGN "-" page)
+  string(REGEX REPLACE "-$" "" page "tactel-${page}")
+  run(help ${PROGRAM} ${ARGN} --help)
+  string(REGEX REPLACE "\nUsage:.*" "" about "${help}")
+  string(REPLACE "\n" " " about "${about}")
+  string(REGEX REPLACE "^tactel: |[.] .*" "" about "${about}")
+  file(WRITE ${FOLDER}/included "[NAME]\n${page} \\- ${about}\n\n"
+       "[SEE ALSO]\nThe documentation that the help calls docs/ is in ${DOCS}.\n")
+  run(text ${HELP2MAN} --no-info --no-discard-stderr --section=1 --source=tactel --version-string=${VERSION}
+      --include=${FOLDER}/included "${called}")
+  string(TOUPPER "${page}" title)
+  string(REGEX REPLACE "\n.TH [^ ]+ " "\n.TH ${title} " text "${text}")
+  file(WRITE ${FOLDER}/${page}.1 "${text}")
+  if(help MATCHES "SUBCOMMAND")
+    string(REGEX MATCHALL "\n  [a-z]+  " commands "${help}")  # a line each
+    foreach(word IN LISTS commands)
+      string(STRIP "${word}" word)
+      write_pages(${ARGN} ${word})
+    endforeach()
+  endif()
 endfunction()
 
 file(REMOVE_RECURSE ${FOLDER})
-file(MAKE_DIRECTORY ${FOLDER})
-execute_process(COMMAND ${PROGRAM} --help OUTPUT_VARIABLE help COMMAND_ERROR_IS_FATAL ANY)
-string(REGEX MATCHALL "\n  [a-z]+  " commands "${help}")  # a line each
-set(help2man ${HELP2MAN} --no-info --no-discard-stderr --section=1 --source=tactel --version-string=${VERSION})
-run_into(${FOLDER}/tactel.1 ${help2man} "--name=simulates a tactile skin and detects incipient slip" ${PROGRAM})
-foreach(command ${commands})
-  string(STRIP "${command}" command)
-  run_into(${FOLDER}/tactel-${command}.1 ${help2man} "--name=see tactel(1)" "${PROGRAM} ${command}")
-endforeach()
-run_into(${FOLDER}/tactel ${PROGRAM} completion)
+write_pages()
+file(REMOVE ${FOLDER}/included)

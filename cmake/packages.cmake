@@ -3,12 +3,16 @@
 # The program with its manual, completion, examples and udev rule, and the Debian packages `tactel` and `tactel-dev`
 # (scripts/package).
 include(GNUInstallDirs)
-option(TACTEL_PACKAGE "Manual pages and completion, for packages; needs help2man" OFF)
+option(TACTEL_PACKAGE "Manual pages, for packages; needs help2man" OFF)
 
 install(TARGETS tactel RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
 install(DIRECTORY examples/ DESTINATION ${CMAKE_INSTALL_DATADIR}/tactel/examples COMPONENT program)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright COMPONENT program)
 install(FILES README.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program
+        FILES_MATCHING REGEX "[.](md|svg|webp|sh)$")
+install(FILES scripts/completion.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME tactel
+        COMPONENT program)
 install(FILES scripts/70-tactel.rules DESTINATION lib/udev/rules.d COMPONENT program)
 
 if(TACTEL_PACKAGE)
@@ -16,17 +20,17 @@ if(TACTEL_PACKAGE)
   set(manual ${PROJECT_BINARY_DIR}/manual)
   add_custom_command(OUTPUT ${manual}/tactel.1 DEPENDS tactel ${PROJECT_SOURCE_DIR}/cmake/manual.cmake
     COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:tactel> -DHELP2MAN=${HELP2MAN} -DVERSION=${TACTEL_VERSION} -DFOLDER=${manual}
+            -DDOCS=/usr/share/doc/tactel/docs
             -P ${PROJECT_SOURCE_DIR}/cmake/manual.cmake)
   add_custom_target(tactel_manual ALL DEPENDS ${manual}/tactel.1)
   install(DIRECTORY ${manual}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program FILES_MATCHING PATTERN "*.1")
-  install(FILES ${manual}/tactel DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program)
 endif()
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME tactel)
 string(REPLACE "-" "~" CPACK_DEBIAN_PACKAGE_VERSION ${TACTEL_VERSION})  # a release sorts after its candidates
-set(CPACK_PACKAGE_VENDOR "the tactel authors")
-set(CPACK_PACKAGE_CONTACT "the tactel authors <tactel@localhost>")
+set(CPACK_PACKAGE_VENDOR "The tactel maintainers")  # as CITATION.cff
+set(CPACK_PACKAGE_CONTACT "The tactel maintainers <maintainers@tactel.example>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "simulates a tactile skin and detects incipient slip")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
@@ -40,7 +44,8 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_TACTEL_PACKAGE_NAME tactel)
-set(CPACK_DEBIAN_TACTEL_PACKAGE_DEPENDS "pocl-opencl-icd | opencl-icd, gnuplot-nox | gnuplot")
+set(CPACK_DEBIAN_TACTEL_PACKAGE_DEPENDS "pocl-opencl-icd | opencl-icd")
+set(CPACK_DEBIAN_TACTEL_PACKAGE_RECOMMENDS "gnuplot-nox | gnuplot")  # pictures alone, for 50 packages
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME tactel-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "tactel (= ${CPACK_DEBIAN_PACKAGE_VERSION})")

@@ -20,7 +20,7 @@ set(unit_live "^(FrameQueue|LatencyHistogram|SensorProfile|Calibration|OpenSourc
 set(unit_training "StreamAndBlockExclude|^(AlarmCounting|BoundReport)[.]")
 set(unit_api "^(Infer[.][^G]|InferHost[.]|Infer[.]GivesTheS|LiveApi[.]|SceneApi[.])")
 set(unit_studies "^(HandPress|LoopDrift|SceneMix|WeightedMedian)[.]|^InverseProblem[.](Spread|Json|Counts)|AllCombinations|SlipIndexIs|DrawsAre|TheAngleAlone")
-set(unit_commands "^(DevicesCommandDeathTest|UnreadableScene|StandardError|Help|Words|Numbers|Memory|HostileFiles|ProfileFile|Keys)[.]|BadScene|WrongCall|^CommandLine[.][HS]|OutputsThatCannotBe|TimesThatAreNone|FilesItNames|^SolveCommand[.](SlipIndex|JsonNumbers|Missed)")
+set(unit_commands "^(DevicesCommandDeathTest|UnreadableScene|StandardError|Help|Completion|Words|Numbers|Memory|HostileFiles|ProfileFile|Keys)[.]|BadScene|WrongCall|^CommandLine[.][HS]|OutputsThatCannotBe|TimesThatAreNone|FilesItNames|^SolveCommand[.](SlipIndex|JsonNumbers|Missed)")
 # Of these, the calls that a device must judge.
 set(device_commands "WrongCall.*/(UnknownDevice|Step)|APipeWithoutAWriter")
 

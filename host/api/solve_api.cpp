@@ -11,6 +11,7 @@
 #include "host/api/scene_conversion.h"
 #include "host/contact/derivatives.h"
 #include "host/contact/solve.h"
+#include "host/scenes/unit_warnings.h"
 #include "host/support/errors.h"
 
 namespace tactel {
@@ -125,6 +126,7 @@ Paths solve_many(std::span<const Scene> scenes, const SolveOptions& options, con
     if (options.tolerance && !(std::isfinite(*options.tolerance) && *options.tolerance > 0))
       throw ConfigError("command line", "--tolerance", std::to_string(*options.tolerance), "a number above 0");
     Paths paths = api::ManySolver(options_of(options), all).solve(progress);
+    paths.warnings = host::unit_warnings(all);
     progress(all.size(), all.size());
     return paths;
   });

@@ -11,6 +11,7 @@
 #include "host/api/set_conversion.h"
 #include "host/contact/rung_for_many.h"
 #include "host/scenes/sweep_file.h"
+#include "host/scenes/unit_warnings.h"
 #include "host/sets/set_production.h"
 #include "host/sets/set_simulator.h"
 #include "host/support/errors.h"
@@ -135,6 +136,9 @@ bool Sweep::endless() const { return state_->sweep.source.endless(); }
 std::uint64_t Sweep::seed() const { return state_->sweep.source.seed(); }
 std::size_t Sweep::tactels() const { return static_cast<std::size_t>(state_->sweep.source.tactels()); }
 std::vector<std::string> Sweep::indenter_names() const { return state_->sweep.source.kind_names(); }
+std::vector<std::string> Sweep::warnings() const {
+  return api::with_public_errors([&] { return host::unit_warnings(state_->sweep.source); }, state_->path);
+}
 
 Scene Sweep::scene(std::uint64_t k) const {
   if (!endless() && k >= contacts()) throw_past_end(state_->path, k + 1, contacts());

@@ -24,6 +24,5 @@ void add_monitor_command(CLI::App& app, Action& action);
 void add_record_command(CLI::App& app, Action& action);
 void add_tare_command(CLI::App& app, Action& action);
 void add_demo_command(CLI::App& app, Action& action);
-void add_completion_command(CLI::App& app, Action& action);
 
 }  // namespace tactel::host

@@ -9,6 +9,7 @@
 #include "host/contact/rung_for_many.h"
 #include "host/scenes/end_tactels.h"
 #include "host/scenes/sweep_file.h"
+#include "host/scenes/unit_warnings.h"
 #include "host/sets/set_plan.h"
 #include "host/sets/set_production.h"
 #include "host/support/durable_file.h"
@@ -151,6 +152,8 @@ int run_generate(const GenerateRequest& request) {
   if (rung) model_on(*rung, request.shared.solve, sweep, options.set);
   if (options.set.patch && tactels_at_ends(sweep.source) && ranks.first() && !request.shared.quiet)
     fmt::print(stderr, "note: {}\n", tactels_at_ends_text);
+  if (ranks.first() && !request.shared.quiet)
+    for (const std::string& warning : unit_warnings(sweep.source)) print_warning(warning);
   SetColumns columns = columns_of(sweep.source);
   if (!request.columns.empty()) columns = only_columns(columns, request.columns);
   const SetPlan plan = plan_of(sweep, rung ? rung->name : "as the file says", options.set.precision,

@@ -50,7 +50,10 @@ std::string type_in_words(const std::string& type) {
     std::replace(choices.begin(), choices.end(), ',', '|');
     return choices;
   }
-  const std::string plain = type.substr(0, type.find(':'));
+  auto colon = type.find(':');
+  if (colon != std::string::npos && colon > 0 && type[colon - 1] == '[')
+    colon = type.find(':', colon + 1);  // K[:STRIDE]
+  const std::string plain = type.substr(0, colon);
   if (plain == "FLOAT") return "NUMBER";
   return plain == "INT" || plain == "UINT" ? "N" : plain;
 }

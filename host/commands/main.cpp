@@ -96,7 +96,6 @@ int run(int argc, char** argv) {
   add_extremes_command(app, action);
   add_devices_command(app, action);
   add_demo_command(app, action);
-  add_completion_command(app, action);
   std::vector<std::string> words = arguments_of(argc, argv);
   if (words.empty()) {
     std::fputs(app.help().c_str(), stderr);

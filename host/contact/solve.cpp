@@ -15,6 +15,7 @@
 #include "host/contact/gap_sweep.h"
 #include "host/contact/solve_on_rung.h"
 #include "host/scenes/ladder.h"
+#include "host/scenes/unit_warnings.h"
 #include "host/support/errors.h"
 
 namespace tactel::host {
@@ -170,7 +171,7 @@ bool never_slid(const fem::Scene& scene, const fem::ContactSolution& solution) {
 
 std::vector<std::string> warnings(const SolveOutcome& outcome) {
   const auto& [scene, solution] = std::tie(outcome.scene, outcome.solution);
-  std::vector<std::string> all;
+  std::vector<std::string> all = unit_warnings(scene);
   if (const auto warning = depth_warning(scene, solution)) all.push_back(*warning);
   if (const auto warning = slip_warning(scene, solution)) all.push_back(*warning);
   if (never_slid(scene, solution) && !solution.steps.empty() && !(solution.steps.back().P > 0))

@@ -72,8 +72,8 @@ std::optional<std::string> slip_warning(const fem::Scene& scene, const fem::Cont
 /// Returns true where a drag until sliding ended without sliding.
 bool never_slid(const fem::Scene& scene, const fem::ContactSolution& solution);
 
-/// Returns the warnings about an answer, one line each; usually none. They concern depth, slip, a drag that never
-/// slid, friction that holds the indenter above its first touch, other solutions, forces that fp32 does not
+/// Returns the warnings about an answer, one line each; usually none. They concern units, depth, slip, a drag that
+/// never slid, friction that holds the indenter above its first touch, other solutions, forces that fp32 does not
 /// resolve, and a rung cut to the largest mesh.
 std::vector<std::string> warnings(const SolveOutcome& outcome);
 

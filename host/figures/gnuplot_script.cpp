@@ -19,17 +19,30 @@ const char* colour(Ink ink) {
 
 std::string number(double value) { return std::isfinite(value) ? fmt::format("{:.9g}", value) : "NaN"; }
 
-/// Text in double quotes of a gnuplot program.
-std::string quoted(const std::string& text) {
+/// Text in double quotes of a gnuplot program. gnuplot runs `commands` in them; in single quotes it ends the text at a
+/// doubled quote. What has a meaning stands as an octal code of four digits; a control character, which no SVG may
+/// hold, as a blank.
+std::string in_quotes(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    out += c == '\n' ? ' ' : c;
+    if (c == '"' || c == '\\' || c == '`')
+      out += fmt::format("\\0{:03o}", static_cast<unsigned>(c));
+    else
+      out += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
   }
   return out + "\"";
 }
 
-std::string bold(const std::string& text, double size) { return quoted(fmt::format("{{/:Bold*{} {}}}", size, text)); }
+/// A tick's name, which gnuplot takes for a format of its number.
+std::string tick_in_quotes(const std::string& text) {
+  std::string out;
+  for (const char c : text) out.append(c == '%' ? 2 : 1, c);
+  return in_quotes(out);
+}
+
+std::string bold(const std::string& text, double size) {
+  return in_quotes(fmt::format("{{/:Bold*{} {}}}", size, text));
+}
 
 std::string block_name(std::size_t panel, const std::string& what) { return fmt::format("$panel{}_{}", panel, what); }
 
@@ -95,7 +108,8 @@ std::string x_ticks(const Figure& f, const Panel& p) {
   if (p.x_ticks.empty())
     return "set xtics " + (p.log_x ? "autofreq" : tick_words(shown_x(p), axes_width(f), pixels_each)) + "\n";
   std::string out;
-  for (const auto& [place, name] : p.x_ticks) out += (out.empty() ? "" : ", ") + quoted(name) + " " + number(place);
+  for (const auto& [place, name] : p.x_ticks)
+    out += (out.empty() ? "" : ", ") + tick_in_quotes(name) + " " + number(place);
   return "set xtics (" + out + ")\n";
 }
 
@@ -108,7 +122,7 @@ std::string axes(const Figure& f, const Panel& p) {
   const double title_rows = 0.9 + 1.35 * legend_rows(f, p);  // in heights of a letter
   std::string out = fmt::format("set label 1 {} at graph 0,1 left offset 0,{} textcolor rgb '#15191e'\n",
                                 bold(p.title, 1.08), title_rows);
-  out += "set xlabel " + quoted(p.x_label) + "\nset ylabel " + quoted(p.y_label) + "\n";
+  out += "set xlabel " + in_quotes(p.x_label) + "\nset ylabel " + in_quotes(p.y_label) + "\n";
   out += range("x", p.x_range);
   out += range("y", p.y_range);
   out += x_ticks(f, p) + y_ticks(f, p) +
@@ -139,7 +153,7 @@ std::string plot_command(const Panel& p, std::size_t index) {
   std::vector<std::string> parts;
   for (std::size_t k = 0; k < p.series.size(); ++k) {
     const Series& s = p.series[k];
-    const std::string legend = s.label.empty() ? "notitle" : "title " + quoted(s.label);
+    const std::string legend = s.label.empty() ? "notitle" : "title " + in_quotes(s.label);
     parts.push_back(
         fmt::format("{} using {} {} {}", block_name(index, std::to_string(k)), columns_of(s), legend, style(s)));
   }
@@ -176,7 +190,7 @@ std::string plain(const std::string& text) {
 std::string gnuplot_script(const Figure& figure, const std::string& terminal, const std::string& output) {
   const int height = figure_height(figure);
   std::string out = fmt::format("set encoding utf8\nset terminal {} enhanced background '#ffffff' {}\nset output {}\n",
-                                terminal, terminal_size(terminal, figure.width, height), quoted(output));
+                                terminal, terminal_size(terminal, figure.width, height), in_quotes(output));
   out +=
       "set border 3 lw 1 lc rgb '#7b828c'\nset tics nomirror out scale 0.6 textcolor rgb '#3a4048'\n"
       "set xlabel offset 0,0.2 textcolor rgb '#3a4048'\n"

@@ -211,6 +211,7 @@ void bind_paths(py::module_& m) {
       .def_readonly("rung", &Paths::rung)
       .def_readonly("precision", &Paths::precision)
       .def_readonly("device", &Paths::device)
+      .def_readonly("warnings", &Paths::warnings, "of numbers that look as if they had another unit")
       .def("__repr__", [](const Paths& all) {
         return "<tactel.Paths: " + std::to_string(all.scenes) + " scenes, " + std::to_string(all.steps) + " steps, " +
                std::to_string(all.tactels) + " tactels>";

@@ -148,6 +148,7 @@ void bind_sweeps(py::module_& m) {
       .def_property_readonly("seed", &Sweep::seed)
       .def_property_readonly("tactels", &Sweep::tactels)
       .def_property_readonly("indenter_names", &Sweep::indenter_names)
+      .def_property_readonly("warnings", &Sweep::warnings, "of numbers that look as if they had another unit")
       .def("scene", &Sweep::scene, "k"_a, "Returns contact k as a Scene.")
       .def(
           "_generate",

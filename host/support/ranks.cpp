@@ -6,28 +6,30 @@
 
 #ifdef TACTEL_MPI
 #include <mpi.h>
+#else
+#include "host/support/errors.h"
 #endif
 
 namespace tactel::host {
-#ifdef TACTEL_MPI
 namespace {
 
-/// Set by mpirun (Open MPI, MPICH and Slurm's srun); without it MPI is not started.
-bool under_mpi() {
+/// The variable that mpirun (Open MPI, MPICH and Slurm's srun) sets; null without it.
+const char* set_by_mpirun() {
   for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK"})
-    if (std::getenv(name)) return true;
-  return false;
+    if (std::getenv(name)) return name;
+  return nullptr;
 }
 
 }  // namespace
 
+#ifdef TACTEL_MPI
 struct Ranks::Sending {
   MPI_Request request = MPI_REQUEST_NULL;
   std::string bytes;
 };
 
 Ranks::Ranks() : sending_(std::make_unique<Sending>()) {
-  if (!under_mpi()) return;
+  if (!set_by_mpirun()) return;
   int given = 0;
   MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &given);
   MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
@@ -74,7 +76,11 @@ std::optional<std::string> Ranks::receive() const {
 }
 #else
 struct Ranks::Sending {};
-Ranks::Ranks() = default;
+Ranks::Ranks() {
+  if (const char* name = set_by_mpirun())
+    throw ConfigError("environment", name, std::getenv(name),
+                      "unset, without mpirun: this tactel was built without MPI, and each process would do all");
+}
 Ranks::~Ranks() = default;
 void Ranks::barrier() const {}
 std::vector<double> Ranks::sum(std::vector<double> values) const { return values; }

@@ -9,6 +9,7 @@
 
 #include "host/scenes/end_tactels.h"
 #include "host/scenes/sweep_file.h"
+#include "host/scenes/unit_warnings.h"
 #include "host/sets/contact_set.h"
 #include "host/support/errors.h"
 #include "host/training/answered_rows.h"
@@ -58,9 +59,12 @@ class SimulatedStream : public FrameStream {
   void stop() override { stopped_ = true; }
   std::uint64_t blocks() const override { return 1; }
   int inputs() const override { return 2 * sweep_.source.tactels() * shown_.history.frames; }
-  std::string warning() const override {
-    const bool patch = sweep_.source.model() == fem::SurfaceModel::patch;
-    return patch && tactels_at_ends(sweep_.source) ? name_ + ": " + tactels_at_ends_text : "";
+  std::vector<std::string> warnings() const override {
+    std::vector<std::string> all = unit_warnings(sweep_.source);
+    if (sweep_.source.model() == fem::SurfaceModel::patch && tactels_at_ends(sweep_.source))
+      all.push_back(tactels_at_ends_text);
+    for (std::string& warning : all) warning.insert(0, name_ + ": ");
+    return all;
   }
   std::string description() const override {
     return "simulated " + std::to_string(contacts_) + " contacts a block, precision " +

@@ -30,8 +30,8 @@ class FrameStream {
   virtual void stop() {}                     ///< blocks under way end soon; they and all others are then of no use
   virtual std::uint64_t blocks() const = 0;  ///< until the rows repeat; 1 for an endless stream
   virtual int inputs() const = 0;            ///< of all frames of a row
-  /// Returns what its user should know of the frames; empty for nothing.
-  virtual std::string warning() const { return ""; }
+  /// Returns what its user should know of the frames.
+  virtual std::vector<std::string> warnings() const { return {}; }
   /// Returns all inputs of the blocks, as text.
   virtual std::string description() const = 0;
 };

@@ -133,8 +133,8 @@ class StreamTraining : public TrainingJob {
   }
 
   bool learn(const TrainingWatch& watch) {
-    if (const std::string warning = stream_->warning(); !warning.empty() && watch.log)
-      watch.log(LogLevel::warning, warning);
+    for (const std::string& warning : stream_->warnings())
+      if (watch.log) watch.log(LogLevel::warning, warning);
     auto written = Clock::now();
     const int threads = stream_->at_once();
     MadeAhead<Block> blocks(block_, threads, static_cast<std::size_t>(threads) + 2,

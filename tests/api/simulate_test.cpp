@@ -173,6 +173,16 @@ TEST(SolveApi, RefusesOptionsThatCannotBe) {
 }
 
 // Many scenes give the bits of their rung, wherever they stand, and NaN behind the end of a path.
+TEST(SolveApi, WarnsOfOtherUnits) {
+  Scene pascal = some_scene(0.5);
+  pascal.sensor.young = 2e6;
+  const std::string warning = "sensor.young = 2e+06 MPa: usual are 0.01 to 100 MPa; check the unit";
+  EXPECT_EQ(solve(pascal).warnings, std::vector{warning});
+  EXPECT_EQ(solve_many(std::vector{some_scene(0.5), pascal}).warnings, std::vector{"scenes[1]: " + warning});
+  const SmallFile file("sweep.toml", std::string(sweep_text) + "[sensor]\nyoung = 2e6\n");
+  EXPECT_EQ(Sweep(file.path()).warnings(), std::vector{warning});
+}
+
 TEST(SolveApi, SolvesManyAsTheirRung) {
   std::vector<Scene> scenes = {some_scene(0.5), some_scene(0.3), some_scene(0.5), some_scene(0)};
   scenes[1].load = press(0.1);

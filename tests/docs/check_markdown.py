@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Checks Markdown: links and named files exist, commands and options are those of the program, lines hold 100 columns.
+"""Checks Markdown: links and named files exist, commands and options are those of the program, lines hold 100 columns,
+tables have a head.
 
 Usage: check_markdown.py ROOT [TACTEL]
 Checks every *.md under ROOT. With TACTEL, the program, also each `tactel COMMAND --option` of code and code blocks.
@@ -79,8 +80,13 @@ def code_of(line, kind):
 def problems(path, root, sources, program):
     if "notebook" in path.parts:
         program = None
-    for number, line, kind in lines_with_kind(path.read_text()):
+    lines = path.read_text().splitlines()
+    before = ""
+    for number, line, kind in lines_with_kind("\n".join(lines)):
         found = []
+        if line.startswith("| ") and kind == "table" and before != "table" and not "".join(lines[number:number + 1]).startswith("|--"):
+            found.append("rows of a table without its head")
+        before = kind
         if kind == "text" and len(line) > WIDEST and not line.startswith("!["):
             found.append(f"{len(line)} columns, {WIDEST} at most")
         if kind in ("text", "table"):

@@ -23,7 +23,16 @@ inside 'apt-get update -qq; apt-get install -y --no-install-recommends /root/tac
 start=$SECONDS
 inside 'cd /root; tactel demo --output demo; test -s demo/contact.html; test -s demo/networks.html'
 echo "demo: $((SECONDS - start)) s"
-inside 'test -s /usr/share/man/man1/tactel.1; source /usr/share/bash-completion/completions/tactel; dpkg --purge tactel > /dev/null'
+inside 'for page in /usr/share/man/man1/tactel*.1; do
+  name="$(basename "$page" .1)"
+  grep -A1 "^[.]SH NAME" "$page" | grep -q "^$name .- [a-z]" || { echo "$page: no NAME line"; exit 1; }
+done
+tactel solve --help | grep -o "docs/[a-z]*[.]md" | while read -r page; do test -s "/usr/share/doc/tactel/$page"; done
+source /usr/share/bash-completion/completions/tactel
+if dpkg --list | grep -i mpi | grep "^ii"; then echo "MPI is installed"; exit 1; fi
+if OMPI_COMM_WORLD_SIZE=2 tactel generate /usr/share/tactel/examples/random_sweep.toml --output a.h5 2> said; then exit 1; fi
+grep -q "without MPI" said
+dpkg --purge tactel > /dev/null'
 left="$(chroot "$root" find / -xdev -name '*tactel*' -not -path '/proc/*' -not -path '/root/*' -not -path '/var/log/*')"
 if [ -n "$left" ]; then
   echo "left after the removal: $left"

@@ -154,6 +154,11 @@ class Solve(unittest.TestCase):
         self.assertEqual(path.tactel_x.tolist(), answer["tactel_x"])
         self.assertEqual(path.model, answer["model"])
 
+    def test_warns_of_other_units(self):
+        pascal = PARABOLA.with_(sensor=tactel.Sensor(young=2e6))
+        self.assertRegex(tactel.solve(pascal).warnings[0], r"^sensor\.young = 2e\+06 MPa")
+        self.assertRegex(tactel.solve_many([PARABOLA, pascal]).warnings[0], r"^scenes\[1\]: sensor\.young")
+
     def test_obeys_coulomb_and_balance(self):
         sensor = tactel.Sensor(length=20, tactels=400, tactel_width=0.05, tactel_span=19.95)
         path = tactel.solve(PARABOLA.with_(sensor=sensor))
@@ -274,6 +279,7 @@ class SetsAndNetworks(unittest.TestCase):
         cls.folder.cleanup()
 
     def test_batches_are_the_set(self):
+        self.assertEqual(self.sweep.warnings, [])
         self.assertEqual(len(self.sweep), 60)
         frames, s = [], []
         for batch, answer in self.sweep.batches(25):

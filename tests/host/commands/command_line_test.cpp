@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // What every command shares: standard streams that fail, help, numbers that are none, and messages about words.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <iterator>
+#include <set>
 
 #include "tests/host/commands/small_sweep.h"
 #include "tests/host/support/run_tactel.h"
@@ -69,7 +72,7 @@ TEST(StandardOutput, ThatTakesNotAllIsAnError) {
 TEST(Help, FitsSeventyNineColumnsInWordsOfOurOwn) {
   const std::string all = run_tactel({"--help"}).out;
   for (const std::string command : {"", "devices", "solve", "generate", "train", "recall", "reproduce", "tradeoff",
-                                    "extremes", "monitor", "record", "tare", "completion"}) {
+                                    "extremes", "monitor", "record", "tare"}) {
     EXPECT_THAT(all, HasSubstr("  " + command));
     const ChildResult result = command.empty() ? run_tactel({"--help"}) : run_tactel({command, "--help"});
     EXPECT_EQ(result.exit_code, 0);
@@ -113,20 +116,54 @@ TEST(Colour, IsForTerminalsAloneAndForUsersWhoWantIt) {
 /// What bash offers for the last of these words.
 std::string completed(const std::string& words, int last) {
   return run_child({"bash", "-c",
-                    "source <(" + std::string(TACTEL_PROGRAM) + " completion); cd '" + source_file(".") +
-                        "'; COMP_WORDS=(" + words + "); COMP_CWORD=" + std::to_string(last) +
-                        "; _tactel; echo \"${COMPREPLY[@]}\""})
+                    fmt::format("cd '{}'; source scripts/completion.bash; COMP_WORDS=({} {}); COMP_CWORD={}; _tactel; "
+                                "echo \"${{COMPREPLY[@]}}\"",
+                                TACTEL_SOURCE_DIR, TACTEL_PROGRAM, words, last)})
       .out;
 }
 
 TEST(Completion, KnowsCommandsOptionsValuesAndFiles) {
-  EXPECT_EQ(completed("tactel re", 1), "recall record reproduce\n");
-  EXPECT_EQ(completed("tactel solve --pr", 2), "--precision\n");
-  EXPECT_EQ(completed("tactel solve --precision ''", 3), "fp32 fp64\n");
-  EXPECT_EQ(completed("tactel help ta", 2), "tare\n");
-  EXPECT_EQ(completed("tactel solve examples/par", 2), "examples/parabola.toml\n");
-  EXPECT_EQ(completed("tactel solve examples/measured", 2), "examples/measured.toml\n") << "not measured.csv";
-  EXPECT_EQ(completed("tactel solve --tolerance ''", 3), "\n") << "only the user knows a number";
+  EXPECT_EQ(completed("re", 1), "recall record reproduce\n");
+  EXPECT_EQ(completed("solve --pr", 2), "--precision\n");
+  EXPECT_EQ(completed("solve --precision ''", 3), "fp32 fp64\n");
+  EXPECT_EQ(completed("help ta", 2), "tare\n");
+  EXPECT_EQ(completed("solve examples/par", 2), "examples/parabola.toml\n");
+  EXPECT_EQ(completed("solve examples/measured", 2), "examples/measured.toml\n") << "not measured.csv";
+  EXPECT_EQ(completed("solve --tolerance ''", 3), "\n") << "only the user knows a number";
+}
+
+TEST(Completion, GoesOnAfterAnOptionWithoutValue) {
+  EXPECT_EQ(completed("solve --derivatives examples/par", 3), "examples/parabola.toml\n");
+  EXPECT_EQ(completed("solve --quiet --pr", 3), "--precision\n");
+}
+
+TEST(Completion, KnowsTheCommandsOfACommand) {
+  EXPECT_EQ(completed("calibrate ''", 2), "plan sensor bound\n");
+  EXPECT_EQ(completed("help calibrate se", 3), "sensor\n");
+  EXPECT_EQ(completed("calibrate sensor --pl", 3), "--plot\n");
+  EXPECT_EQ(completed("calibrate sensor --profile examples/par", 4), "examples/parabola.toml\n");
+}
+
+// Each option that a help shows is offered.
+TEST(Completion, OffersEveryOption) {
+  std::istringstream lines(run_tactel({"train", "--help"}).out), words(completed("train --", 2));
+  const std::set<std::string> offered{std::istream_iterator<std::string>(words), {}};
+  std::size_t options = 0;
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with("  --")) continue;
+    ++options;
+    EXPECT_TRUE(offered.contains(line.substr(2, line.find_first_of(" ,", 2) - 2))) << line;
+  }
+  EXPECT_GT(options, 20u);
+}
+
+TEST(Help, ShowsTypesWhole) {
+  EXPECT_THAT(run_tactel({"train", "--help"}).out, HasSubstr("--history K[:STRIDE] "));
+  for (const std::string command : {"solve", "generate", "check", "train", "recall", "monitor", "record", "tare"}) {
+    const std::string help = run_tactel({command, "--help"}).out;
+    EXPECT_EQ(std::ranges::count(help, '['), std::ranges::count(help, ']')) << help;
+    EXPECT_EQ(std::ranges::count(help, '{'), std::ranges::count(help, '}')) << help;
+  }
 }
 
 TEST(Help, IsFoundByAnyOfItsNames) {
@@ -219,8 +256,8 @@ TEST(HostileFiles, EndWithTwo) {
     for (int i = 0; i < count; ++i) text += part;
     return text;
   };
-  refused("a" + repeated(".a", 50000) + " = 1\n");
-  refused("[a" + repeated(".a", 50000) + "]\n");
+  refused(repeated("a.", 50000) + "a = 1\n");
+  refused("[" + repeated("a.", 50000) + "a]\n");
   refused("\"a\"" + repeated(".\"a.b\"", 20) + " = 1\n");
   refused("a = " + repeated("[", 50000) + repeated("]", 50000) + "\n");
   refused("a = " + repeated("{a = ", 200) + "1" + repeated("}", 200) + "\n");

@@ -239,6 +239,15 @@ TEST_F(Generate, SeveralDevicesShareTheChunks) {
   EXPECT_EQ(one.contact, two.contact);
 }
 
+TEST_F(Generate, WarnsOfOtherUnits) {
+  const std::string sweep =
+      folder_.write("pascal.toml",
+                    SmallSweep{.contacts = 20, .indenter = "[indenter]\nshape = \"parabola\"\nradius = 0.01\n"}.text());
+  const ChildResult result = run_tactel({"generate", sweep, "--output", output("pascal.h5")});
+  EXPECT_THAT(result.err, HasSubstr("warning: indenter.radius = 0.01 mm: usual are 0.05 to 5000 mm; check the unit"));
+  EXPECT_EQ(run_tactel({"generate", sweep, "--output", output("quiet.h5"), "--quiet"}).err, "");
+}
+
 // Contact k goes down to the depth that the file's seed draws: some 4000 of 10000 beyond 20 % of 1.5 mm, in two chunks,
 // one of which comes from an earlier run. Expected: the draws themselves.
 TEST_F(Generate, WarnsOnceOfDeepIndentersWithTheirCount) {

@@ -232,6 +232,30 @@ TEST(SolveCommand, WarnsOfDeepIndenters) {
   EXPECT_EQ(run_tactel({"solve", scene, "--quiet"}).err, "");
 }
 
+TEST(SolveCommand, WarnsOfOtherUnits) {
+  const ScratchFolder folder;
+  const std::string scene =
+      folder.write("scene.toml",
+                   "[sensor]\nyoung = 2e6\n[indenter]\nshape = \"parabola\"\nradius = 10\n[load]\nindentation = 0.1\n");
+  const ChildResult result = run_tactel({"solve", scene, "--json", "-"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.err, HasSubstr("warning: sensor.young = 2e+06 MPa: usual are 0.01 to 100 MPa; check the unit"));
+  EXPECT_THAT(json::parse(result.out)["warnings"].dump(), HasSubstr("sensor.young"));
+}
+
+// The title of a scene and the name of a press are written into programs of gnuplot.
+TEST(SolveCommand, ATitleIsNeverRun) {
+  const ScratchFolder folder;
+  const std::string scene = folder.write("scene.toml", "title = \"`touch " + (folder / "made").string() +
+                                                           "`</script><b>''\"\n[indenter]\nshape = "
+                                                           "\"parabola\"\nradius = 10\n[load]\nindentation = 0.1\n"),
+                    plot = folder / "a.svg", page = folder / "a.html";
+  EXPECT_EQ(run_tactel({"solve", scene, "--plot", plot, "--html", page}).exit_code, 0);
+  EXPECT_EQ(folder.files(), 3u);
+  EXPECT_THAT(text_of(plot), HasSubstr("`touch "));
+  EXPECT_THAT(text_of(page), testing::Not(HasSubstr("</script><b>")));
+}
+
 TEST(SolveCommand, MissedToleranceEndsWithFour) {
   const ChildResult result = run_tactel({"solve", parabola, "--solver", "reference", "--tolerance", "1e-30"});
   EXPECT_EQ(result.exit_code, 4);

@@ -3,10 +3,12 @@
 // Pictures by gnuplot: what can be told without looking. (How they look was looked at.)
 #include "host/figures/plot.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <regex>
 
 #include "host/figures/contact_figure.h"
 #include "host/figures/figure_layout.h"
@@ -54,6 +56,56 @@ TEST(Plot, SvgHoldsTitleAndLabels) {
 
 TEST(Plot, EveryMarkAndTickIsDrawnWithoutComplaint) {
   EXPECT_THAT(render_svg(every_mark()), HasSubstr("net \"1\""));  // gnuplot's own complaints are a PlotError
+}
+
+/// A text in every place that a figure has for one, numbered. [x] series names are for pages.
+Figure figure_of(const std::string& text) {
+  int place = 0;
+  const auto next = [&] { return fmt::format("{}{}", ++place, text); };
+  Figure figure{.title = next()};
+  Panel panel{.title = next(), .x_label = next(), .y_label = next()};
+  panel.x_ticks = {{0, next()}, {1, next()}};
+  panel.series = {{.label = next(), .x = {0, 1}, .y = {0, 1}, .names = {text, text}}};
+  panel.x_range = {0, 1};
+  figure.panels = {panel};
+  return figure;
+}
+constexpr int places = 7;
+
+// gnuplot really runs, with texts that a shell or gnuplot would run if they were not quoted, as markup or escaped.
+TEST(Plot, NoTextIsRunAsACommand) {
+  const ScratchFolder folder;
+  const std::string make = "touch " + (folder / "made").string();
+  std::string text;
+  for (const char* quote : {"", "'", "\"", "''", "\\'", "\\\"", "%\"", "{'}", "@'", "\n", "\r", "\\\n", "\1"})
+    text +=
+        fmt::format("{0}`{1}`{0}$({1}){0}; system('{1}'); system(\"{1}\") {0}\n!{1}\n{0}\nsystem '{1}'\n", quote, make);
+  text += std::string("\0", 1) + "'\n!" + make + "\n\\";
+  for (const std::string& shown : {plain(text), text, "'" + text, "\"" + text, "\\" + text}) {
+    const Figure figure = figure_of(shown);
+    EXPECT_THAT(render_svg(figure), HasSubstr("<svg"));
+    EXPECT_EQ(folder.files(), 0u) << gnuplot_script(figure, "svg", "figure.svg");
+  }
+}
+
+// gnuplot keeps 49 bytes of a tick's name, with its escapes.
+TEST(Plot, EveryLetterIsDrawn) {
+  const std::string svg = render_svg(figure_of(plain("`a` $(b) \"c\" ''d @e {f} x^2_i \\5%g \"7 %%")));
+  const std::string letters = std::regex_replace(svg, std::regex("<[^>]*>"), "");
+  for (int place = 1; place <= places; ++place)
+    EXPECT_THAT(letters, HasSubstr(fmt::format("\t{}`a` $(b) \"c\" ''d @e {{f}} x^2_i \\5%g \"7 %%\n", place)));
+}
+
+// The name of the picture is a text of the program, too.
+TEST(Plot, AFolderMayBeNamedAsACommand) {
+  const ScratchFolder folder;
+  const std::filesystem::path strange = folder / "a'b\"`touch made` $(touch made)";
+  std::filesystem::create_directory(strange);
+  const Environment temporary("TMPDIR", strange.string());
+  write_figure("--plot", strange / "it's.svg", line_figure());
+  EXPECT_THAT(text_of(strange / "it's.svg"), HasSubstr("<svg"));
+  EXPECT_EQ(folder.files(), 1u);
+  EXPECT_FALSE(std::filesystem::exists("made"));
 }
 
 TEST(Plot, ARasterIsForPages) {

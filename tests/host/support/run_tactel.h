@@ -18,9 +18,10 @@
 namespace tactel::host {
 
 /// Runs the program as a user would.
-inline ChildResult run_tactel(std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), TACTEL_PROGRAM);
-  return run_child(arguments);
+inline ChildResult run_tactel(const std::vector<std::string>& arguments) {
+  std::vector<std::string> command{TACTEL_PROGRAM};
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  return run_child(command);
 }
 
 /// What the program said on stderr but how far it is, which it says when a job takes longer than a second.

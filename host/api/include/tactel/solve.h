@@ -92,6 +92,7 @@ struct Paths {
   std::vector<std::uint8_t> converged;           ///< [scenes, steps] 1: within its tolerance
   std::vector<std::uint8_t> sliding, fell_back;  ///< [scenes] 1: the last step slides; the exact fallback answered
   std::string rung, precision, device;           ///< rung: empty for scenes on their own meshes
+  std::vector<std::string> warnings;             ///< of numbers that look as if they had another unit
 };
 
 /// Solves scenes in batches. Without a rung, scenes with a mesh are solved on it and others on patches of 12 elements,

@@ -73,6 +73,7 @@ class TACTEL_API Sweep {
   std::uint64_t seed() const;
   std::size_t tactels() const;
   std::vector<std::string> indenter_names() const;
+  std::vector<std::string> warnings() const;  ///< of numbers that look as if they had another unit; usually none
   /// Returns contact k < contacts(), or any k where endless().
   Scene scene(std::uint64_t k) const;
 
