@@ -25,7 +25,7 @@ set(unit_commands "^(DevicesCommandDeathTest|UnreadableScene|StandardError|Help|
 set(device_commands "WrongCall.*/(UnknownDevice|Step)|APipeWithoutAWriter")
 
 set(program_networks "^OnnxRuntime")
-set(program_sets "OpensInH5py|NamesTheRowsOfADamagedChunk")
+set(program_sets "OpensInH5py|NamesTheRowsOfADamagedChunk|FindsEveryEdit")
 set(program_training "^[^AB]")
 set(program_studies "[.]Reproduce|^FloorCommand")
 set(program_commands "^([^D]|Du|Dem)")  # all but DevicesCommand

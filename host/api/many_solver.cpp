@@ -123,7 +123,7 @@ PathArrays::Stress PathArrays::put(std::size_t scene, std::size_t step, const fe
   if (step >= paths_.steps) widen(2 * paths_.steps + steps_until_sliding);
   Paths& p = paths_;
   const std::size_t at = scene * p.steps + step;
-  p.slip_index[at] = from.slip_index.value_or(nan);
+  p.slip_index[at] = std::clamp(from.slip_index.value_or(nan), -1.0, 1.0);  // as in sets
   p.P[at] = from.P, p.Q[at] = from.Q;
   p.indentation[at] = from.indentation, p.tangential[at] = from.tangential;
   p.converged[at] = from.converged;

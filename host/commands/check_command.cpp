@@ -24,14 +24,15 @@ int run_check(const CheckRequest& request) {
   });
   line.clear();
   for (const SetDamage& damage : check.damage)
-    fmt::print("{}: {}: rows {} to {}: {}\n", request.set, damage.dataset, damage.first, damage.last, damage.what);
+    fmt::print(
+        "{}: {}{}\n", request.set,
+        damage.dataset.empty() ? "" : fmt::format("{}: rows {} to {}: ", damage.dataset, damage.first, damage.last),
+        damage.what);
   if (!check.finished) return interrupted;
   if (!check.damage.empty()) return not_converged;
-  if (!check.checksums)
-    print_warning(request.set + ": written without checksums: it is readable, but damage may remain unseen");
   if (!request.quiet)
-    fmt::print("{}: {} rows in {} chunks, {}B: {}\n", request.set, check.rows, check.chunks,
-               with_prefix(static_cast<double>(check.bytes)), check.checksums ? "all as written" : "readable");
+    fmt::print("{}: {} rows in {} chunks, {}B: all as written\n", request.set, check.rows, check.chunks,
+               with_prefix(static_cast<double>(check.bytes)));
   return done;
 }
 
@@ -39,11 +40,11 @@ int run_check(const CheckRequest& request) {
 
 void add_check_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<CheckRequest>();
-  CLI::App* command = app.add_subcommand("check", "verify the checksums of a set and name the damaged rows");
+  CLI::App* command = app.add_subcommand("check", "verify the checksums of a set and name what is damaged or edited");
   command->group("Simulate");
   command->add_option("set", request->set, "a set that tactel generate wrote")->type_name("SET.h5")->required();
   command->add_flag("--quiet", request->quiet, "print only damage");
-  command->footer("Exit codes: 0 undamaged, 2 not a set, 4 damaged.");
+  command->footer("Exit codes: 0 as written, 2 not a set, 4 damaged or edited.");
   command->callback([request, &action] { action = [request] { return run_check(*request); }; });
 }
 

@@ -88,6 +88,20 @@ bool already_there(const GenerateRequest& request, const SetPlan& plan) {
   return true;
 }
 
+/// The number of rows is known to a tenth before a run that may take days.
+void check_room(const std::string& output, double bytes) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::path begun = PlacedSet::set_file(SetSpool::folder(output));
+  const double there = fs::exists(begun, error) ? static_cast<double>(fs::file_size(begun, error)) : 0;
+  const fs::space_info disk = fs::space(fs::absolute(output, error).parent_path(), error);
+  if (error || 0.9 * bytes <= static_cast<double>(disk.available) + there) return;
+  throw ConfigError("command line", "--output", output,
+                    fmt::format("on a disk with room for it: the set takes about {}B, and {}B are free; take fewer "
+                                "contacts, fewer --columns or another disk",
+                                with_prefix(bytes), with_prefix(static_cast<double>(disk.available))));
+}
+
 /// What the processes did together.
 struct Work {
   double contacts = 0, steps = 0, kernel = 0, bytes = 0;
@@ -171,6 +185,7 @@ int run_generate(const GenerateRequest& request) {
   if (ranks.first()) {
     check_writable("--output", request.output);
     if (request.force) SetSpool::discard(request.output);
+    check_room(request.output, expected_bytes(sweep.source, columns));
     spool.emplace(request.output, plan.text(), columns, chunks,
                   request.resume ? SetSpool::Open::resume : SetSpool::Open::fresh, ring);
   }

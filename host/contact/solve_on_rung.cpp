@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/contact/solve_on_rung.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <mutex>
 #include <optional>
 
 #include "fem/layer/layer_model.h"
@@ -112,11 +115,24 @@ std::vector<fem::ContactSolution> solve_on_rung(Executor& executor, std::span<co
   return answers;
 }
 
+void make_tables(Executor& executor, std::size_t count, const std::function<void(std::size_t)>& make) {
+  std::mutex mutex;
+  std::size_t made = 0;
+  std::optional<BusyMessage> busy;
+  const auto say = [&] { busy.emplace(executor.device(), fmt::format("tables of sensors, {} of {}", made, count)); };
+  say();
+  side_by_side(count, executor.threads(), [&](std::size_t k) {
+    make(k);
+    const std::lock_guard lock(mutex);
+    if (++made < count) say();
+  });
+}
+
 fem::SensorFamily sensor_family(Executor& executor, const fem::SensorRange& range, bool sides) {
   const std::vector<double> poissons = fem::SensorFamily::node_poissons(range);
   std::vector<std::optional<fem::FamilyNode>> made(poissons.size());
-  side_by_side(poissons.size(), executor.threads(),
-               [&](std::size_t k) { made[k] = fem::SensorFamily::node(range, poissons[k], sides); });
+  make_tables(executor, poissons.size(),
+              [&](std::size_t k) { made[k] = fem::SensorFamily::node(range, poissons[k], sides); });
   std::vector<fem::FamilyNode> nodes;
   nodes.reserve(made.size());
   for (auto& node : made) nodes.push_back(std::move(*node));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -44,6 +45,9 @@ GapSweepSolver mesh_solver(Executor& executor, const Rung& rung, bool nodes, boo
 /// forces and statuses of the gap elements.
 std::vector<fem::ContactSolution> solve_on_rung(Executor& executor, std::span<const fem::Scene> scenes,
                                                 const Rung& rung, bool nodes = true);
+
+/// Makes tables 0 ... count - 1 on all threads, and tells the device's log how many are made.
+void make_tables(Executor& executor, std::size_t count, const std::function<void(std::size_t)>& make);
 
 /// Returns the tables of all sensors of a range, made on all threads.
 fem::SensorFamily sensor_family(Executor& executor, const fem::SensorRange& range, bool sides = true);

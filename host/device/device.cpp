@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/device/device.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <cctype>
+#include <cerrno>
 #include <charconv>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <mutex>
 #include <optional>
@@ -132,7 +135,21 @@ DeviceInfo describe(const cl::Platform& platform, const cl::Device& device, int 
   return info;
 }
 
+/// A driver or its compiler that cannot open a file does not say so.
+void expect_files() {
+  std::array<int, 40> files{};
+  for (int& file : files) file = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
+  const int error = files.back() < 0 ? errno : 0;
+  for (const int file : files)
+    if (file >= 0) ::close(file);
+  if (error == EMFILE || error == ENFILE)
+    throw DeviceError("open", std::strerror(error), "",
+                      "OpenCL and its compiler open up to " + std::to_string(files.size()) +
+                          ": allow more (ulimit -n 1024), or close some");
+}
+
 std::vector<FoundDevice> find_devices() {
+  expect_files();
   set_up_pocl();
   const HeldSignals held(HeldSignals::always);  // PoCL's threads are made here, and compile later: they keep it
   std::vector<cl::Platform> platforms;

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "host/scenes/distributed_keys.h"
+#include "host/scenes/distribution.h"
 #include "host/scenes/scene_file.h"
 #include "host/scenes/scene_tables.h"
 #include "host/scenes/shape_reader.h"
@@ -33,7 +34,7 @@ bool own_key(const string& table, std::string_view key) {
 /// A random profile is read as some profile; its half_width and height belong to the sweep.
 bool is_random_profile(const toml::table& table) { return table.contains("points"); }
 
-/// Takes the sweep's own keys out and puts `number(key, index)` in place of every distribution.
+/// Takes the sweep's own keys out and puts `number(key, node)` in place of every distribution.
 template <class Number>
 void make_plain(const string& name, toml::table& table, const Number& number) {
   const bool random = name == "indenter" && is_random_profile(table);
@@ -44,10 +45,10 @@ void make_plain(const string& name, toml::table& table, const Number& number) {
     if (own_key(name, key) || (random && (key == "half_width" || key == "height"))) {
       table.erase(key);
     } else if (node.is_table()) {
-      table.insert_or_assign(key, number(key, -1));
+      table.insert_or_assign(key, number(key, node));
     } else if (toml::array* array = node.as_array()) {
       for (std::size_t i = 0; i < array->size(); ++i)
-        if ((*array)[i].is_table()) array->replace(array->cbegin() + i, number(key, static_cast<int>(i)));
+        if ((*array)[i].is_table()) array->replace(array->cbegin() + i, number(key, (*array)[i]));
     }
   }
   if (random) {
@@ -114,11 +115,8 @@ TomlFile SweepReader::concrete(const string& name, std::size_t chosen) const {
       file.root().insert_or_assign(part, std::move(one));
     }
     toml::table& table = *file.root().get(part)->as_table();
-    const auto found = distributions(part, *tables(part)[part == name ? chosen : 0]);
-    make_plain(part, table, [&](const string& key, int index) {
-      const auto its =
-          std::ranges::find_if(found, [&](const Found& f) { return f.key == part + "." + key && f.index == index; });
-      return ends(its->distribution).first;
+    make_plain(part, table, [&](const string& key, const toml::node& node) {
+      return ends(read_distribution(file_, part + "." + key, node).value()).first;
     });
   }
   return file;

@@ -8,6 +8,7 @@
 
 #include "host/sets/contact_set.h"
 #include "host/sets/set_file.h"
+#include "host/sets/set_seal.h"
 #include "host/support/checksum.h"
 #include "host/support/errors.h"
 
@@ -26,7 +27,11 @@ std::uint64_t rows_of_piece(const SetFile::Column& column, std::size_t value_byt
 class Checker {
  public:
   Checker(const std::filesystem::path& path, const Progress& progress)
-      : in_(path), columns_(read_columns(path)), progress_(progress) {}
+      : in_(path), columns_(read_columns(path)), progress_(progress) {
+    if (in_.text(seal_name).empty())
+      in_.refuse(seal_name, "missing",
+                 "that of the attributes: the set was edited, or an earlier version wrote it; generate it anew");
+  }
 
   SetCheck run() {
     ContactSet set(columns_);
@@ -40,13 +45,14 @@ class Checker {
     std::vector<float> numbers;
     if (set.has("parameters")) open_one("parameters", numbers, 1, ""), columns.back().rows = in_.number("contacts");
     if (set.has("tactel_x")) open_one("tactel_x", numbers, 0, ""), columns.back().rows = 0;
-    check_.checksums = true;
     for (const Opened& column : columns)
       if (column.it) all_ += (column.it->rows + column.piece - 1) / column.piece;
     std::size_t i = 0;
     each_dataset(set, [&](const char* name, auto& values, int, const char*) { check(name, columns[i++], values); });
     if (set.has("parameters")) check("parameters", columns[i++], numbers);
     if (set.has("tactel_x")) check("tactel_x", columns[i++], numbers);
+    if (in_.text(seal_name) != in_.seal())
+      check_.damage.push_back({.what = "attributes, or names of datasets, other than those written"});
     return check_;
   }
 
@@ -73,7 +79,6 @@ class Checker {
     if (!opened.it) return note(name, 0, rows, opened.why_not);
     const SetFile::Column& column = *opened.it;
     if (column.rows < rows) note(name, column.rows, rows, "missing");
-    check_.checksums = check_.checksums && (column.rows == 0 || column.checked());
     RunningChecksum sum;
     bool whole = true;
     for (std::uint64_t first = 0; first < column.rows && check_.finished; first += opened.piece) {
@@ -86,8 +91,8 @@ class Checker {
       check_.bytes += values.size() * sizeof(T);
       if (progress_ && !progress_(check_.chunks, all_)) check_.finished = false;
     }
-    if (check_.finished && whole && !column.checksum.empty() && column.checksum != sum.text())
-      note(name, 0, column.rows, "other numbers than those written, or another order");
+    if (check_.finished && whole && !column.sealed(sum))
+      note(name, 0, column.rows, "other numbers, name or attributes than those written, or another order");
   }
 
   template <class T>

@@ -120,9 +120,9 @@ SetColumns only_columns(SetColumns columns, const std::string& wanted);
 std::uint64_t rows_of_chunk(int columns);
 
 /// Writes a set file piece by piece, as a DurableFile: under a temporary name until finish(), and on the disk
-/// after it. Every chunk of the file has a checksum (Fletcher32), and so has every dataset (its attribute
-/// `checksum`). Throws ConfigError naming --output where the file cannot be written, and then leaves no file
-/// behind.
+/// after it. Every chunk of the file has a checksum (Fletcher32), and so have every dataset and the file itself
+/// (attribute `checksum`, set_seal.h). Throws ConfigError naming --output where the file cannot be written, and then
+/// leaves no file behind.
 class ContactSetWriter {
  public:
   /// `rows`, `contacts`: of all pieces. `compress`: by HDF5's shuffle and gzip, slowly.

@@ -9,6 +9,7 @@
 #include "host/sets/hdf5_handle.h"
 #include "host/sets/placed_driver.h"
 #include "host/sets/set_headers.h"
+#include "host/sets/set_seal.h"
 #include "host/support/checksum.h"
 #include "host/support/durable_file.h"
 #include "host/support/errors.h"
@@ -132,14 +133,16 @@ std::vector<Column> create_columns(hid_t file, const SetColumns& columns, std::s
   return all;
 }
 
-/// Attributes, then the checksums of the datasets, `sums`: [columns], which are closed. Returns false on failure.
+/// Attributes, then the seals of the datasets and of the file, which are closed. `sums`: [columns], checksums of their
+/// numbers. Returns false on failure.
 bool finish_file(Handle& file, std::vector<Column>& columns, const std::vector<std::string>& sums,
                  const ContactSet& set) {
   bool good = write_attributes(file, set);
   for (std::size_t c = 0; c < columns.size(); ++c) {
-    good = good && write_text(columns[c].data, "checksum", sums[c]);
+    good = good && write_text(columns[c].data, seal_name, dataset_seal(columns[c].data, columns[c].name, sums[c]));
     good = columns[c].data.close() && good;
   }
+  good = good && write_text(file, seal_name, file_seal(file));
   good = good && H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0;
   return file.close() && good;
 }
@@ -176,6 +179,7 @@ std::optional<std::uint64_t> write_headers(int descriptor, std::uint64_t end, co
       sums.push_back(datasets[d].sum.text());
     }
   }
+  places.chunk = 0;  // what comes now is no chunk
   if (!good || sums.size() != all.size() || !finish_file(file, all, sums, set)) return {};
   return places.end;
 }

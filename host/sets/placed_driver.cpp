@@ -41,7 +41,7 @@ haddr_t allocate_placed(H5FD_t* file, H5FD_mem_t type, hid_t, hsize_t size) {
   OpenFile& open = opened(file);
   const PlacedFile& placed = *open.placed;
   haddr_t at = 0;
-  if (type == H5FD_MEM_DRAW)
+  if (type == H5FD_MEM_DRAW && placed.chunk > 0)
     at = placed.chunk;
   else if (type != H5FD_MEM_SUPER)
     at = (std::max<haddr_t>(placed.end, open.allocated) + 7) / 8 * 8;
@@ -78,7 +78,8 @@ herr_t write_placed(H5FD_t* file, H5FD_mem_t type, hid_t, haddr_t at, size_t siz
   OpenFile& open = opened(file);
   open.written = std::max<haddr_t>(open.written, at + size);
   const auto* bytes = static_cast<const char*>(from);
-  while (type != H5FD_MEM_DRAW && size > 0) {
+  if (type == H5FD_MEM_DRAW && open.placed->chunk > 0) return 0;
+  while (size > 0) {
     const ssize_t count = ::pwrite(open.placed->file, bytes, size, static_cast<off_t>(at));
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) return -1;

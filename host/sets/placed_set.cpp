@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -14,6 +15,7 @@
 
 #include "host/sets/set_headers.h"
 #include "host/support/durable_file.h"
+#include "host/support/errors.h"
 
 namespace tactel::host {
 namespace {
@@ -25,6 +27,10 @@ constexpr std::uint64_t first_stripe = 4096;  ///< before it is HDF5's superbloc
 int open_file(const fs::path& path, int how) {
   const int file = ::open(path.c_str(), how | O_CREAT | O_RDWR | O_CLOEXEC | O_NOFOLLOW, 0666);
   if (file < 0) throw std::system_error(errno, std::generic_category());
+  if (struct stat status{}; ::fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) {
+    ::close(file);
+    throw ConfigError(path.string(), "", "", "a regular file; remove it");
+  }
   return file;
 }
 

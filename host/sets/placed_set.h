@@ -19,7 +19,8 @@ namespace tactel::host {
 /// process that has the chunk behind it how to go on; all write at once.
 class PlacedSet {
  public:
-  /// Opens the files of process `writer`, or creates them. Throws std::system_error where one cannot be used.
+  /// Opens the files of process `writer`, or creates them. Throws ConfigError and std::system_error where one cannot be
+  /// used.
   PlacedSet(const std::filesystem::path& folder, const SetColumns& columns, int writer);
   ~PlacedSet();
   PlacedSet(const PlacedSet&) = delete;

@@ -8,6 +8,8 @@
 #include <cstring>
 
 #include "host/support/bounded_file.h"
+#include "host/sets/set_seal.h"
+#include "host/sets/set_spool.h"
 #include "host/support/errors.h"
 
 namespace tactel::host {
@@ -82,6 +84,10 @@ hid_t open_to_read(const std::filesystem::path& path) {
 
 SetFile::SetFile(const std::filesystem::path& path) : path_(path), file_(open_to_read(path), H5Fclose) {
   std::error_code error;
+  if (const auto parts = SetSpool::folder(path);
+      !std::filesystem::exists(path, error) && std::filesystem::exists(parts, error))
+    refuse("(file)", "unfinished",
+           "finished: the command that began it goes on with " + parts.string() + " if --resume is added");
   if (!file_.open())
     refuse("(file)",
            has_nul(path)                          ? "its name holds a NUL byte"
@@ -160,10 +166,15 @@ std::uint64_t SetFile::number(const char* attribute) const {
   return value;
 }
 
+std::string SetFile::seal() const { return file_seal(file_); }
+
 bool SetFile::has_dataset(const char* name) const { return H5Lexists(file_, name, H5P_DEFAULT) > 0; }
 
 SetFile::Column SetFile::column(const char* name, bool matrix, bool real) const {
   if (!has_dataset(name)) refuse(name, "missing", "a dataset of the set");
+  H5L_info_t link;
+  if (H5Lget_info(file_, name, &link, H5P_DEFAULT) < 0 || link.type != H5L_TYPE_HARD)
+    refuse(name, "a link", "a dataset of this file");
   Column column(name, Handle(H5Dopen2(file_, name, H5P_DEFAULT), H5Dclose));
   if (!column.data_.open()) refuse(name, "unreadable", as_written);
   const Handle space(H5Dget_space(column.data_), H5Sclose), stored(H5Dget_type(column.data_), H5Tclose);
@@ -179,25 +190,29 @@ SetFile::Column SetFile::column(const char* name, bool matrix, bool real) const 
   column.columns = matrix ? static_cast<int>(extent[1]) : 0;
   if (column.rows > (std::uint64_t{1} << 40)) refuse(name, fmt::format("{} rows", column.rows), as_written);
   look_at_layout(name, column);
-  if (H5Aexists(column.data_, "checksum") > 0) {
-    const std::vector<std::string> sum = attribute_texts(column.data_, "checksum");
-    column.checksum = sum.size() == 1 ? sum[0] : "(several)";
+  if (H5Aexists(column.data_, seal_name) > 0) {
+    const std::vector<std::string> seal = attribute_texts(column.data_, seal_name);
+    column.seal_ = seal.size() == 1 ? seal[0] : "(several)";
   }
   return column;
+}
+
+bool SetFile::Column::sealed(const RunningChecksum& numbers) const {
+  return seal_ == dataset_seal(data_, name_, numbers.text());
 }
 
 /// How the rows are stored; throws where the file holds fewer numbers than the dataset claims.
 void SetFile::look_at_layout(const std::string& name, Column& column) const {
   const Handle plan(H5Dget_create_plist(column.data_), H5Pclose), stored(H5Dget_type(column.data_), H5Tclose);
   const H5D_layout_t layout = H5Pget_layout(plan);
-  if (layout == H5D_VIRTUAL) return;  // rows of other set files
   if (layout == H5D_CHUNKED) {
     hsize_t chunk[H5S_MAX_RANK] = {0};
     if (H5Pget_chunk(plan, H5S_MAX_RANK, chunk) < 1) refuse(name, "unreadable", as_written);
     column.chunk_rows = chunk[0];
     column.fletcher_ = fletcher_place(plan);
   }
-  if (H5Pget_external_count(plan) > 0) refuse(name, "kept in another file", "numbers in this file");
+  if (layout == H5D_VIRTUAL || H5Pget_external_count(plan) > 0)
+    refuse(name, "kept in another file", "numbers in this file");
   const std::uint64_t claimed =
       column.rows * H5Tget_size(stored) * static_cast<std::uint64_t>(std::max(column.columns, 1));
   const std::uint64_t there = H5Dget_storage_size(column.data_);
@@ -208,7 +223,7 @@ void SetFile::look_at_layout(const std::string& name, Column& column) const {
 void SetFile::check_chunks(const Column& column, std::uint64_t first, std::uint64_t count) const {
   if (first > column.rows || count > column.rows - first)
     refuse(column.name_, fmt::format("{} rows", column.rows), fmt::format("at least {} rows", first + count));
-  if (!column.checked() || count == 0) return;
+  if (column.fletcher_ < 0 || count == 0) return;
   for (std::uint64_t row = first / column.chunk_rows * column.chunk_rows; row < first + count;
        row += column.chunk_rows) {
     const hsize_t place[2] = {row, 0};

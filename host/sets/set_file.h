@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/sets/hdf5_handle.h"
+#include "host/support/checksum.h"
 
 namespace tactel::host {
 
@@ -28,6 +29,9 @@ class SetFile {
   /// Returns an attribute that is a whole number, or its digits; 0 where it is absent.
   std::uint64_t number(const char* attribute) const;
 
+  /// Returns the seal of the file (file_seal), as it is now.
+  std::string seal() const;
+
   /// Returns true where there is a dataset of this name.
   bool has_dataset(const char* name) const;
 
@@ -37,16 +41,16 @@ class SetFile {
     std::uint64_t rows = 0;
     int columns = 0;               ///< 0: a plain list
     std::uint64_t chunk_rows = 0;  ///< 0: stored in one piece
-    std::string checksum;          ///< of all numbers in it (checksum_text); empty where the file has none
-    /// Returns true where chunks have Fletcher32 checksums.
-    bool checked() const { return fletcher_ >= 0; }
+    /// Returns whether the dataset has its seal (dataset_seal), with these numbers.
+    bool sealed(const RunningChecksum& numbers) const;
 
    private:
     friend class SetFile;
     Column(std::string name, Handle data) : name_(std::move(name)), data_(std::move(data)) {}
     std::string name_;
     Handle data_;
-    int fletcher_ = -1;  ///< place among the filters
+    std::string seal_;   ///< empty where it has none
+    int fletcher_ = -1;  ///< place of Fletcher32 among the filters; -1: it has none
   };
   template <class T>
   Column column(const char* name, bool matrix) const {

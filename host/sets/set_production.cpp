@@ -153,6 +153,23 @@ std::uint64_t chunk_count(const SceneSource& source) {
   return (source.contacts() + chunk_contacts - 1) / chunk_contacts;
 }
 
+double expected_bytes(const SceneSource& source, const SetColumns& columns) {
+  const std::uint64_t sample = std::min<std::uint64_t>(source.contacts(), 256), apart = source.contacts() / sample;
+  std::size_t rows = 0;
+  for (std::uint64_t k = 0; k < sample; ++k) {
+    const fem::Scene scene = source.contact(k * apart).scene;
+    if (scene.friction == 0) continue;
+    const fem::LoadPath path = fem::load_path(scene.load);
+    const auto pressed = static_cast<std::size_t>(path.indentation_steps);
+    rows += (path.until_sliding ? pressed : path.steps.size()) - (source.press_rows() ? 0 : pressed - 1);
+  }
+  const std::size_t numbers = columns.has("parameters") ? columns.parameters.size() : 0;
+  const double of_contact =
+      static_cast<double>(rows) / static_cast<double>(sample) * static_cast<double>(row_bytes(columns)) +
+      static_cast<double>(numbers * sizeof(float));
+  return static_cast<double>(source.contacts()) * of_contact;
+}
+
 ProductionReport produce_set(const SceneSource& source, SetSpool& spool, const ProductionOptions& options) {
   keep_memory_of_chunks();
   const auto start = std::chrono::steady_clock::now();

@@ -14,6 +14,10 @@ namespace tactel::host {
 inline constexpr std::uint64_t chunk_contacts = 8192;
 std::uint64_t chunk_count(const SceneSource& source);
 
+/// Returns the bytes of a set, but for its headers. Rows are counted on some of its contacts; a drag until sliding
+/// counts as one row, which is the least.
+double expected_bytes(const SceneSource& source, const SetColumns& columns);
+
 struct ProductionOptions {
   std::vector<std::string> devices{""};  ///< names or indices; several share the chunks
   SetOptions set;

@@ -15,7 +15,6 @@
 #include "host/contact/solve_on_rung.h"
 #include "host/sets/transducer_chain.h"
 #include "host/support/errors.h"
-#include "host/support/side_by_side.h"
 #include "kernels/shared/contact_layout.h"
 #include "kernels/shared/patch_layout.h"
 
@@ -68,7 +67,7 @@ struct Contact {
 /// Fills row `at` but for its frame, whose place it returns.
 std::span<float> put_row(ContactSet& set, std::size_t at, const Row& row, const Contact& of, int step) {
   const int touching = row.sticking + row.slipping;
-  set.slip_index[at] = static_cast<float>(row.slip_index);
+  set.slip_index[at] = static_cast<float>(std::clamp(row.slip_index, -1.0, 1.0));  // rounding apart, Q <= mu P
   set.normal_force[at] = static_cast<float>(row.P);
   set.tangential_force[at] = static_cast<float>(row.Q);
   set.indentation[at] = static_cast<float>(row.indentation);
@@ -160,8 +159,8 @@ struct Solver<GapSweep<Real>> {
                                          const std::vector<fem::Sensor>& sensors, const SetOptions& options) {
     if (source.own_sensors())
       throw ConfigError("", "[sweep] sensors", "(missing)", "a number of sensors to draw, for contacts on a mesh");
-    side_by_side(sensors.size(), executor.threads(),
-                 [&](std::size_t k) { fem::condense_cached(sensors[k], fem::default_cache_directory()); });
+    make_tables(executor, sensors.size(),
+                [&](std::size_t k) { fem::condense_cached(sensors[k], fem::default_cache_directory()); });
     GapSweepOptions sweep;
     sweep.tolerance = options.tolerance;
     sweep.base_forces = false;
@@ -199,7 +198,7 @@ struct Solver<PatchContact<Real>> {
       return {Launcher(executor, sensor_family(executor, *source.own_sensors(), options.patch->sides),
                        patch_options(*options.patch))};
     std::vector<std::optional<fem::LayerModel>> models(sensors.size());
-    side_by_side(sensors.size(), executor.threads(), [&](std::size_t k) { models[k] = fem::layer_model(sensors[k]); });
+    make_tables(executor, sensors.size(), [&](std::size_t k) { models[k] = fem::layer_model(sensors[k]); });
     std::vector<Launcher> all;
     all.reserve(models.size());
     for (const auto& model : models) all.emplace_back(executor, *model, patch_options(*options.patch));

@@ -200,7 +200,8 @@ void SetSpool::check_version(const fs::path& file) const {
 
 /// Returns the headers of the folder, sorted, each chunk once.
 std::vector<ChunkHeader> SetSpool::headers() {
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) check_version(entry.path());
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_))
+    if (entry.is_regular_file()) check_version(entry.path());  // a pipe could wait for ever
   std::map<std::uint64_t, ChunkHeader> all;
   for (const fs::path& file : PlacedSet::header_files(folder_)) {
     std::ifstream in(file, std::ios::binary);

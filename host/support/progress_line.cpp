@@ -161,7 +161,7 @@ void ProgressLine::clear() {
 }
 
 std::string with_prefix(double number) {
-  for (const auto& [limit, prefix] : {std::pair{1e9, " G"}, {1e6, " M"}, {1e3, " k"}})
+  for (const auto& [limit, prefix] : {std::pair{1e15, " P"}, {1e12, " T"}, {1e9, " G"}, {1e6, " M"}, {1e3, " k"}})
     if (number >= limit) return fmt::format("{:.3g}{}", number / limit, prefix);
   return fmt::format("{:.3g}", number);
 }

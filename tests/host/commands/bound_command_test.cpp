@@ -78,6 +78,29 @@ TEST_F(BoundCommand, CalibratesANetworkAndSaysOnWhat) {
   EXPECT_LE(bound["answered"][2]["width"], bound["answered"][0]["width"]);
 }
 
+// What a user counts by S <= slip_upper is what recall prints. A bound ends at exactly 1, where drags slide. recall
+// grants the rounding of 1e-6, which decides for few rows that do not slide.
+TEST_F(BoundCommand, CoversTheRowsThatAUserCounts) {
+  const ChildResult result =
+      run_tactel({"recall", calibrated(), file("learn", ".h5"), "--json", "-", "--rows", file("counted.csv")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  std::istringstream lines(text_of(file("counted.csv")));
+  std::string line;
+  std::getline(lines, line);
+  double rows = 0, covered = 0, sliding = 0;
+  while (std::getline(lines, line)) {
+    std::istringstream numbers(line);
+    std::string row, truth, answer, upper;
+    std::getline(std::getline(std::getline(std::getline(numbers, row, ','), truth, ','), answer, ','), upper, ',');
+    EXPECT_LE(std::stof(truth), 1.0f);
+    rows += 1, covered += std::stof(truth) <= std::stof(upper), sliding += std::stof(truth) == 1.0f;
+  }
+  EXPECT_GT(sliding, 200);
+  const json report = json::parse(result.out);
+  EXPECT_EQ(report["rows"], rows);
+  EXPECT_NEAR(report["networks"][0]["bound"]["coverage"], covered / rows, 5e-4);
+}
+
 TEST_F(BoundCommand, RenewsTheBoundInPlace) {
   const std::string copy = file("copy.onnx");
   std::filesystem::copy_file(network(), copy);

@@ -282,10 +282,20 @@ TEST(HostileFiles, APipeWithoutAWriterIsRefusedByEveryReader) {
   std::filesystem::create_symlink(pipe, folder / "model" / "a.onnx");
   std::filesystem::create_directories(folder / "b.h5.parts");
   std::filesystem::create_symlink(pipe, folder / "b.h5.parts" / "plan");
+  for (const char* name : {"c.h5.parts/0000.placed", "d.h5.parts/set", "e.h5.parts/any"}) {
+    std::filesystem::create_directories((folder / name).parent_path());
+    ASSERT_EQ(::mkfifo((folder / name).c_str(), 0600), 0);
+  }
+  // A pipe that has no name of ours is nothing to us.
+  const ChildResult beside = shell("exec timeout 30 " TACTEL_PROGRAM " generate " + sweep + " --output " +
+                                   (folder / "e.h5").string() + " --resume");
+  EXPECT_EQ(beside.exit_code, 0) << beside.err;
   const std::string simulation = "'simulate:" + parabola + "?paced=0'", train = "--network 10-3-1 --cycles 3 --output ";
   for (const std::string& command :
        {"solve " + pipe, "solve " + profile, "generate " + pipe + " --output " + set + " --force",
-        "generate " + sweep + " --output " + (folder / "b.h5").string() + " --resume", "check " + pipe,
+        "generate " + sweep + " --output " + (folder / "b.h5").string() + " --resume",
+        "generate " + sweep + " --output " + (folder / "c.h5").string() + " --resume",
+        "generate " + sweep + " --output " + (folder / "d.h5").string() + " --resume", "check " + pipe,
         "train " + pipe + " " + train + net, "train " + set + " --resume " + train + (folder / "report").string(),
         "train " + set + " --resume " + train + (folder / "checkpoint").string(), "recall " + pipe + " " + set,
         "recall " + (folder / "model").string() + " " + set, "record --source replay:" + pipe + " --output /dev/null",
@@ -293,6 +303,32 @@ TEST(HostileFiles, APipeWithoutAWriterIsRefusedByEveryReader) {
         "record --source " + simulation + " --calibration " + pipe + " --output /dev/null"}) {
     const ChildResult result = shell("exec timeout 30 " TACTEL_PROGRAM " " + command);
     EXPECT_EQ(result.exit_code, 2) << command << "\n" << result.err;
+  }
+}
+
+// A device that cannot open a file would not say so.
+TEST(HostileFiles, TooFewOpenFilesAreNamed) {
+  for (const char* command : {"solve ", "devices # "}) {
+    const ChildResult result =
+        shell("ulimit -n 16; exec " TACTEL_PROGRAM " " + std::string(command) + parabola + " </dev/null");
+    EXPECT_EQ(result.exit_code, 3) << command;
+    EXPECT_THAT(result.err, HasSubstr("Too many open files")) << command;
+    EXPECT_THAT(result.err, HasSubstr("ulimit -n")) << command;
+  }
+}
+
+// A hundred thousand distributions took five minutes, and a list of as many numbers made as many load steps.
+TEST(HostileFiles, LongListsAreRefusedAtOnce) {
+  const ScratchFolder folder;
+  for (const char* entry : {"0.1, ", "{ uniform = [0.1, 0.2] }, "}) {
+    std::string list;
+    for (int i = 0; i < 100000; ++i) list += entry;
+    const std::string sweep = folder.write("sweep.toml", SmallSweep{.drag = "tangential = [" + list + "0]"}.text());
+    const ChildResult result =
+        run_child({"timeout", "30", TACTEL_PROGRAM, "generate", sweep, "--output", folder / "set.h5"});
+    EXPECT_EQ(result.exit_code, 2) << entry;
+    EXPECT_THAT(result.err, HasSubstr("load.tangential = ")) << entry;
+    EXPECT_THAT(result.err, HasSubstr("at most 10000")) << entry;
   }
 }
 

@@ -391,6 +391,48 @@ TEST_F(SmallSet, RefusesChunksOfAnotherPlan) {
   EXPECT_TRUE(std::filesystem::exists(*this / "7.h5"));
 }
 
+// A contact is three steps of a press and two of a drag: three rows of 5 tactels, from full indentation on.
+TEST_F(SmallSet, ASetLargerThanTheDiskIsRefusedBeforeItBegins) {
+  const auto text = [](const std::string& contacts) {
+    std::string small = SmallSweep{.drag = "indentation_steps = 3\ntangential = [0.05, 0.1]"}.text();
+    return small.replace(small.find("9000"), 4, contacts);
+  };
+  const std::string large = sweep("large.toml", text("1000000000000"));
+  const ChildResult refused = run(large, "set.h5");
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("--output = " + (*this / "set.h5") + ": must be on a disk with room for it"));
+  EXPECT_FALSE(std::filesystem::exists(SetSpool::folder(*this / "set.h5")));
+  const std::string whole_chunks = sweep("small.toml", text("16384"));  // and whole stripes of 8192 rows
+  const Sweep drawn = read_sweep(large), small = read_sweep(whole_chunks);
+  const SetColumns columns = columns_of(drawn.source);
+  const double parameters = 4 * static_cast<double>(columns.parameters.size());
+  const double contact =
+      3 * (2 * 5 * 4 + 8 * 4 + 2 + 8 + 4 + 2 + 1 + 0.0) + parameters;  // as docs/sweeps.md lists them
+  EXPECT_EQ(expected_bytes(drawn.source, columns), 1e12 * contact);
+  ASSERT_EQ(run(whole_chunks, "small.h5").exit_code, 0);
+  const auto bytes = static_cast<double>(std::filesystem::file_size(*this / "small.h5"));
+  EXPECT_NEAR(expected_bytes(small.source, columns) / bytes, 1, 0.02);  // but for HDF5's headers
+}
+
+// All three readers say so, and what to do.
+TEST_F(SmallSet, AnUnfinishedSetIsCalledUnfinished) {
+  const std::string set = *this / "set.h5", network = *this / "net";
+  ASSERT_EQ(run(sweep("a.toml", SmallSweep{.contacts = 50}.text()), "whole.h5").exit_code, 0);
+  ASSERT_EQ(
+      run_tactel({"train", *this / "whole.h5", "--network", "10-3-1", "--cycles", "3", "--output", network}).exit_code,
+      0);
+  std::filesystem::create_directories(SetSpool::folder(set));
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"check", set},
+        {"recall", network, set},
+        {"train", set, "--network", "10-3-1", "--cycles", "3", "--output", *this / "another"}}) {
+    const ChildResult result = run_tactel(command);
+    EXPECT_EQ(result.exit_code, 2) << command[0];
+    EXPECT_THAT(result.err, HasSubstr("unfinished")) << command[0];
+    EXPECT_THAT(result.err, HasSubstr("goes on with " + set + ".parts if --resume is added")) << command[0];
+  }
+}
+
 // Both chunks fit under the limit. The set does not: behind its rows are the headers of HDF5, some ten thousand bytes.
 TEST_F(SmallSet, AFullDiskInTheAssemblyIsAnErrorAndKeepsTheChunks) {
   const std::string narrow = sweep("narrow.toml", SmallSweep{.tactels = 3}.text());

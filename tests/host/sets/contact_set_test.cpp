@@ -29,6 +29,13 @@ fs::path scratch(const std::string& name) {
   return directory / name;
 }
 
+/// What check says of a file.
+bool as_written(const fs::path& path) try {
+  return check_contact_set(path, {}).damage.empty();
+} catch (const ConfigError&) {
+  return false;
+}
+
 const ContactSet& recall_set() {
   static const ContactSet set = [] {
     Executor executor{Device()};
@@ -135,6 +142,7 @@ TEST(ContactSetFile, HoldsAnyNumberOfRowsAndTexts) {
   set.sweep = std::string(200000, '#');  // longer than an attribute could be in the oldest format of HDF5
   write_contact_set(folder / "long.h5", set);
   EXPECT_EQ(read_contact_set(folder / "long.h5").sweep, set.sweep);
+  EXPECT_TRUE(as_written(folder / "long.h5"));
 }
 
 /// Every kind of set that tests/host/sets/forge_sets.py makes.
@@ -162,7 +170,7 @@ TEST(ContactSetFile, TrustsNoFile) {
       EXPECT_EQ(back.indenter_names, set.indenter_names);
       ASSERT_NO_THROW(back = ContactSetReader(path).read(7, 20));
       EXPECT_EQ(back.slip_index, std::vector(set.slip_index.begin() + 7, set.slip_index.begin() + 27));
-      EXPECT_TRUE(check_contact_set(path, {}).damage.empty());
+      EXPECT_FALSE(as_written(path));
     }
   }
   EXPECT_EQ(good, 9);
@@ -190,7 +198,6 @@ TEST(CheckSet, NamesTheRowsOfADamagedChunk) {
   write_contact_set(folder / "set.h5", several_chunks());
   const SetCheck whole = check_contact_set(folder / "set.h5", {});
   EXPECT_TRUE(whole.damage.empty());
-  EXPECT_TRUE(whole.checksums);
   EXPECT_EQ(whole.rows, 20000u);
   EXPECT_EQ(whole.chunks, 14u * 3);  // datasets, chunks of 8192 rows
   std::string bytes = text_of(folder / "set.h5");
@@ -212,6 +219,41 @@ TEST(CheckSet, NamesTheRowsOfADamagedChunk) {
   EXPECT_NE(result.out.find("contact: rows 8192 to 16383: damaged"), std::string::npos) << result.out;
   EXPECT_EQ(run_tactel({"check", folder / "set.h5"}).exit_code, 0);
   EXPECT_EQ(run_tactel({"check", folder.write("text.h5", "no set")}).exit_code, 2);
+}
+
+// Every kind of edit that tests/host/sets/edit_sets.py makes. The checksums of the chunks are right in all of them.
+TEST(CheckSet, FindsEveryEdit) {
+  const ScratchFolder folder;
+  ContactSet set = several_chunks();
+  set.sweep = "contacts = 20000", set.seed = 7, set.press_rows = true;
+  set.device = "a device", set.rung = "fp32: a model", set.transducer = "none", set.plan = "precision fp32";
+  set.indenter_names = {"wedge", "parabola"};
+  set.contacts = 2, set.parameters = {"contact.friction", "indenter.radius"}, set.parameter_units = {"1", "mm"};
+  set.contact_parameters = {0.5, 2, 0.25, 4}, set.tactel_x = {0};
+  write_contact_set(folder / "set.h5", set);
+  fs::create_directory(folder / "edited");
+  ASSERT_TRUE(as_written(folder / "set.h5"));
+  const ChildResult edited = run_child(
+      {"/usr/bin/python3", source_file("tests/host/sets/edit_sets.py"), folder / "set.h5", folder / "edited"});
+  ASSERT_EQ(edited.exit_code, 0) << edited.err;
+  std::size_t edits = 0;
+  for (const auto& entry : fs::directory_iterator(folder / "edited")) {
+    EXPECT_FALSE(as_written(entry.path())) << entry.path();
+    ++edits;
+  }
+  EXPECT_GE(edits, 50u);
+  const auto check = [&](const std::string& name) { return run_tactel({"check", folder / "edited" / (name + ".h5")}); };
+  const ChildResult exchanged = check("exchanged_names"), attribute = check("edited_seed"), link = check("soft_link");
+  EXPECT_EQ(exchanged.exit_code, 4);
+  EXPECT_NE(exchanged.out.find("normal_force: rows 0 to 19999: other numbers, name"), std::string::npos);
+  EXPECT_NE(exchanged.out.find("tangential_force: rows 0 to 19999: other numbers, name"), std::string::npos);
+  EXPECT_EQ(attribute.exit_code, 4);
+  EXPECT_NE(attribute.out.find("edited_seed.h5: attributes, or names of datasets, other"), std::string::npos);
+  EXPECT_EQ(link.exit_code, 4);
+  EXPECT_NE(link.out.find("slip_index: rows 0 to 19999: a link"), std::string::npos) << link.out;
+  const ChildResult old = check("deleted_checksum");
+  EXPECT_EQ(old.exit_code, 2);
+  EXPECT_NE(old.err.find("generate it anew"), std::string::npos) << old.err;
 }
 
 // Any byte of the file, the index of the chunks and the headers included: what is read is what was written, or refused;
@@ -241,11 +283,7 @@ TEST(CheckSet, FindsEveryFlippedByte) {
     std::string damaged = bytes;
     damaged[at] = static_cast<char>(damaged[at] ^ (1 << random() % 8));
     folder.write("damaged.h5", damaged);
-    bool clean = false;
-    try {
-      clean = check_contact_set(folder / "damaged.h5", {}).damage.empty();
-    } catch (const ConfigError&) {
-    }
+    const bool clean = as_written(folder / "damaged.h5");
     found += !clean;
     try {
       const ContactSet back = read_contact_set(folder / "damaged.h5");

@@ -43,6 +43,32 @@ class PatchSet : public testing::Test {
   Executor executor_;
 };
 
+// Two sensors, then the one Poisson's ratio of own sensors. Every message ends before the next one.
+TEST_F(PatchSet, TheLogHearsHowManyTablesAreMade) {
+  const auto heard = [&](const std::string& sensors) {
+    std::vector<std::string> all;
+    const LogSink sink = [&](LogLevel level, std::string_view message) {
+      if (level == LogLevel::busy) all.emplace_back(message);
+    };
+    Executor executor{Device("", sink)};
+    const std::string text = "[sweep]\ncontacts = 2\n" + sensors +
+                             "[indenter]\nshape = \"parabola\"\nradius = 2\n[load]\nindentation = 0.1\n";
+    const SceneSource source = SceneSource::read(folder_.write("sensors.toml", text));
+    const SetSimulator simulator(executor, source, {});
+    EXPECT_EQ(2 * std::ranges::count(all, ""), std::ssize(all));
+    std::erase_if(all, [](const std::string& message) { return !message.starts_with("tables"); });
+    return all;
+  };
+  const auto expected = [](int count) {
+    std::vector<std::string> all;
+    for (int k = 0; k < count; ++k)
+      all.push_back("tables of sensors, " + std::to_string(k) + " of " + std::to_string(count));
+    return all;
+  };
+  EXPECT_EQ(heard("[[sensor]]\n[[sensor]]\npoisson = 0.4\n"), expected(2));
+  EXPECT_EQ(heard("[sensor]\nthickness = { uniform = [1, 2] }\n"), expected(1));
+}
+
 TEST_F(PatchSet, AnyRangeGivesTheSameRows) {
   const SetSimulator simulator(executor_, source_, {});
   const ContactSet whole = simulator.simulate(0, 60);

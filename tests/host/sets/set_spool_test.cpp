@@ -16,6 +16,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t chunk_total = 7;
+// HDF5 keeps attributes of more than 4 and of more than 64 KiB as it keeps rows.
+const std::string long_name(5'000, 'i'), long_sweep(300'000, '#');
 
 SetColumns columns() {
   SetColumns all(4);
@@ -93,6 +95,7 @@ class Processes {
     for (auto& spool : spools_) spool->flush();
     ContactSet set(columns());
     set.contacts = (chunk_total - 1) * 8192 + 100;
+    set.sweep = long_sweep, set.indenter_names = {long_name};
     spools_[0]->assemble(set);
     EXPECT_EQ(set.fell_back, chunk_total * (chunk_total - 1) / 2);
     EXPECT_FALSE(fs::exists(SetSpool::folder(output)));
@@ -150,6 +153,8 @@ TEST_F(Spool, AnyNumberOfProcessesGivesTheSameBytes) {
   }
   EXPECT_TRUE(set.frames == all.frames);
   EXPECT_TRUE(set.status == all.status);
+  EXPECT_EQ(set.sweep, long_sweep);
+  EXPECT_EQ(set.indenter_names, std::vector{long_name});
   EXPECT_TRUE(check_contact_set(at("1.h5"), {}).damage.empty());
   for (const int processes : {2, 3, 7, 9}) EXPECT_TRUE(made_by(processes) == one) << processes;
 }
