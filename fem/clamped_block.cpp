@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fem/clamped_block.h"
 
+#include <utility>
+
 #include "fem/number_text.h"
 #include "fem/value_error.h"
 
@@ -58,7 +60,7 @@ Eigen::SparseMatrix<double, Eigen::RowMajor> rows_of(const Eigen::SparseMatrix<d
 
 }  // namespace
 
-ClampedBlock::ClampedBlock(const Sensor& sensor) : mesh_(make_mesh(sensor)) {
+ClampedBlock::ClampedBlock(Mesh mesh, const Sensor& sensor) : mesh_(std::move(mesh)) {
   const Eigen::SparseMatrix<double> whole = stiffness(mesh_, sensor);
   const std::vector<int> clamped = unknowns_of(mesh_.base), place = places(clamped, whole.rows());
   std::vector<int> free;

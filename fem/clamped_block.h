@@ -13,7 +13,9 @@ class ClampedBlock {
  public:
   static constexpr int loads_at_a_time = 32;
 
-  explicit ClampedBlock(const Sensor& sensor);
+  explicit ClampedBlock(const Sensor& sensor) : ClampedBlock(make_mesh(sensor), sensor) {}
+  /// The same on another mesh with this sensor's rubber.
+  ClampedBlock(Mesh mesh, const Sensor& sensor);
 
   const Mesh& mesh() const { return mesh_; }
 

@@ -8,7 +8,6 @@ namespace tactel::fem {
 
 struct GapSweepOptions {
   double tolerance = 1e-11;  ///< largest change of a force in the last sweep over the largest pressure force
-  double accept = 1e-9;      ///< largest residual of a solved step
   int most_sweeps = 20000;
 };
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "fem/layer/end_mesh.h"
 #include "fem/layer/patch_compliance.h"
 #include "fem/layer/patch_exact.h"
 #include "fem/layer/patch_search.h"
@@ -25,6 +26,15 @@ Interval contact_of(const Patch& patch, const PatchLimits& limits) {
 bool presses(const ContactSolution& solution, Eigen::Index element) {
   return std::any_of(solution.steps.begin(), solution.steps.end(),
                      [&](const ContactStep& step) { return step.normal_force[element] > 0; });
+}
+
+/// The ends of elements, and how far each reaches to its neighbours' halves: the gap elements of a mesh.
+UnequalElements nodes_of(const UnequalElements& elements) {
+  const Eigen::Index n = elements.middle.size();
+  UnequalElements nodes{Eigen::VectorXd(n + 1), Eigen::VectorXd::Zero(n + 1)};
+  nodes.middle << elements.middle[0] - elements.width[0] / 2, elements.middle + elements.width / 2;
+  nodes.width.head(n) += elements.width / 2, nodes.width.tail(n) += elements.width / 2;
+  return nodes;
 }
 
 }  // namespace
@@ -75,12 +85,16 @@ ContactSolution PatchReference::solve(const Scene& scene) const {
   const PatchLimits limits = patch_limits(fine);
   Patch patch = find_patch(fine, model_.table, options_.elements).patch;
   for (int growths = 0;; ++growths) {
-    const UnequalElements elements =
+    const bool at_end = near_end(scene.sensor, {patch.left, patch.right}) &&
+                        patch.width() <= widest_node_distance * scene.sensor.thickness;
+    UnequalElements elements =
         graded_elements(contact_of(patch, limits), patch.edge_left, patch.edge_right, options_.elements);
-    ContactSolution solution = solve_in_increments(elements_condensation(model_, elements), fine,
-                                                   options_.pressing_increments, options_.exact);
+    if (at_end) elements = nodes_of(elements);
+    ContactSolution solution = solve_in_increments(
+        at_end ? end_condensation(model_, elements.middle) : elements_condensation(model_, elements), fine,
+        options_.pressing_increments, options_.exact);
     const bool left = !patch.edge_left && !patch.reaches_left && presses(solution, 0);
-    const bool right = !patch.edge_right && !patch.reaches_right && presses(solution, options_.elements - 1);
+    const bool right = !patch.edge_right && !patch.reaches_right && presses(solution, elements.middle.size() - 1);
     solution.surface_width = elements.width;
     if (!(left || right) || growths == options_.most_growths) return solution;
     const double more = growth * (patch.right - patch.left);

@@ -16,7 +16,8 @@ struct PatchReferenceOptions {
 };
 
 /// The judge of the patch solver's accuracy: many elements, finer towards edges of the indenter, many increments, and
-/// the exact active-set solver (fem/gap_condensed.h) in fp64. A scene takes seconds. Keeps a reference to the model.
+/// the exact active-set solver (fem/gap_condensed.h) in fp64. Near an end of the sensor the elements are nodes of a
+/// graded mesh (end_mesh.h). A scene takes seconds. Keeps a reference to the model.
 class PatchReference {
  public:
   explicit PatchReference(const LayerModel& model, const PatchReferenceOptions& options = {});

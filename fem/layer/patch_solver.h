@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include "fem/accuracy.h"
 #include "fem/contact_solution.h"
 #include "fem/layer/layer_model.h"
 #include "fem/layer/patch_compliance.h"
@@ -12,14 +13,13 @@ struct PatchOptions {
   int elements = 12;
   double tolerance = 1e-3;  ///< largest change of a force in the last sweep over the largest pressure force; of given
                             ///< forces, which a tenth of it serves in the sweeps
-  double accept = 0;        ///< largest residual of a solved step; 0: accept_over_tolerance * tolerance
+  double accept = 0;        ///< largest residual of a solved step; 0: as the kernel in fp32
   int pressing_increments = 0;  ///< least number of increments to each pressing target; 0: elements / 3
   int most_sweeps = 2000;       ///< an increment that needs more is not converged
   int most_growths = 4;         ///< times that a patch may grow
   bool entries = true;          ///< with the estimate of PatchContact::extrapolate
 
-  static constexpr double accept_over_tolerance = 20;
-  double accepted() const { return accept > 0 ? accept : accept_over_tolerance * tolerance; }
+  double accepted() const { return accept > 0 ? accept : std::min(slow_on_patch * tolerance, largest_accept<float>); }
   int increments() const { return pressing_increments > 0 ? pressing_increments : (elements + 2) / 3; }
 };
 

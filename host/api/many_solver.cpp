@@ -15,7 +15,6 @@
 #include "host/contact/rung_for_many.h"
 #include "host/contact/solve_on_rung.h"
 #include "kernels/shared/contact_layout.h"
-#include "kernels/shared/patch_layout.h"
 
 namespace tactel::api {
 namespace {
@@ -170,7 +169,7 @@ ManySolver::ManySolver(const host::SolveOptions& options, std::span<const fem::S
   patch_ = rung_.value_or(host::usual_patch());
   if (!options.precision.empty())
     patch_.precision = options.precision == "fp64" ? host::Precision::fp64 : host::Precision::fp32;
-  if (options.tolerance) patch_.tolerance = *options.tolerance * (patch_.patch() ? 0.05 : 0.01);  // as solve()
+  if (options.tolerance) patch_.accept_at_most(*options.tolerance);
   if (patch_.patch()) return;
   for (const fem::Scene& scene : scenes) {
     host::MeshedScene meshed = host::meshed_with_own_steps(scene, patch_);
@@ -227,11 +226,8 @@ std::vector<std::size_t> ManySolver::launch(const Launcher& launcher, const std:
 template <class Real>
 void ManySolver::solve_on_patches(const std::vector<std::size_t>& which, const ProgressFunction& progress) {
   const host::PatchContactOptions options = host::patch_options(patch_);
-  const auto served = [&](const auto& view, std::size_t k, std::size_t i) {
-    const fem::Scene& scene = asked_[i];
-    const double left = scene.indenter.position + view.patch(k, PATCH_ORIGIN);
-    return every_step_solved(view, k) && !host::grown_contact<Real>(view, k, options.elements) &&
-           host::patch_serves(scene.sensor, left, left + options.elements * view.patch(k, PATCH_ELEMENT));
+  const auto served = [&](const auto& view, std::size_t k, std::size_t) {
+    return every_step_solved(view, k) && !host::grown_contact<Real>(view, k, options.elements);
   };
   for (const auto& alike : groups(which, [&](std::size_t i) { return layer_key(asked_[i].sensor); })) {
     const fem::Sensor& sensor = asked_[alike.front()].sensor;
@@ -252,12 +248,8 @@ void ManySolver::solve_on_patches(const std::vector<std::size_t>& which, const P
 
 template <class Real>
 void ManySolver::solve_on_meshes(const std::vector<std::size_t>& which, const ProgressFunction& progress) {
-  host::GapSweepOptions options;
-  options.nodes = false;
-  if (rung_)
-    options.tolerance = patch_.tolerance;
-  else if (options_.tolerance)
-    options.accept = *options_.tolerance, options.tolerance = 0.01 * *options_.tolerance;
+  host::GapSweepOptions options = rung_ ? host::mesh_options(patch_, false) : host::GapSweepOptions{.nodes = false};
+  if (options_.tolerance) options.tolerance = 0, options.accept = *options_.tolerance;
   const auto& scenes = modelled_;
   const auto at = [&](std::size_t i) -> const fem::Scene& { return scenes.empty() ? asked_[i] : scenes[i]; };
   const auto served = [](const auto& view, std::size_t k, std::size_t) { return every_step_solved(view, k); };

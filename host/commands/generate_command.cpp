@@ -35,7 +35,7 @@ ProductionOptions production_options(const GenerateRequest& request) {
   if (solve.solver != "batched") throw ConfigError("command line", "--solver", solve.solver, "batched for sets");
   ProductionOptions options;
   options.set.precision = solve.precision == "fp64" ? Precision::fp64 : Precision::fp32;
-  options.set.tolerance = 0.01 * solve.tolerance.value_or(0);
+  options.set.accept = solve.tolerance.value_or(0);
   if (!solve.device.empty()) options.devices = {solve.device};
   if (!request.devices.empty())
     options.devices.insert(options.devices.end(), request.devices.begin(), request.devices.end());
@@ -170,8 +170,8 @@ int run_generate(const GenerateRequest& request) {
     for (const std::string& warning : unit_warnings(sweep.source)) print_warning(warning);
   SetColumns columns = columns_of(sweep.source);
   if (!request.columns.empty()) columns = only_columns(columns, request.columns);
-  const SetPlan plan = plan_of(sweep, rung ? rung->name : "as the file says", options.set.precision,
-                               options.set.tolerance, request.columns, request.compress);
+  const SetPlan plan =
+      plan_of(sweep, rung ? rung->name : "as the file says", options.set, request.columns, request.compress);
   const bool complete = ranks.first() && already_there(request, plan);
   if (ranks.sum({complete ? 1.0 : 0.0})[0] > 0) {  // all processes must agree
     if (complete && !request.shared.quiet) fmt::print("{}: complete already\n", request.output);

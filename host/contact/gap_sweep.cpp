@@ -9,6 +9,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "fem/accuracy.h"
 #include "fem/contact_laws.h"
 #include "host/contact/gap_sweep_tables.h"
 #include "host/contact/strata.h"
@@ -80,12 +81,12 @@ struct GapSweep<Real>::State {
   State(Executor& executor, const fem::Sensor& sensor, const GapSweepOptions& options,
         const std::filesystem::path& cache)
       : executor(executor), sensor(sensor), options(options), condensation(fem::condense_cached(sensor, cache)) {
-    constexpr double epsilon = std::numeric_limits<Real>::epsilon();
-    if (this->options.tolerance == 0) this->options.tolerance = sizeof(Real) == 4 ? 1e-5 : 1e-11;
-    if (this->options.accept == 0) {
-      const double lost = fem::lost_force(condensation);
-      this->options.accept = std::max({100 * this->options.tolerance, 200 * epsilon, 2 * lost});
-    }
+    const bool own = options.tolerance == 0 && options.accept == 0;
+    const double usual = sizeof(Real) == 4 ? 1e-5 : 1e-11;
+    const auto [tolerance, accept] =
+        fem::by_rule<Real>({own ? usual : options.tolerance, options.accept}, fem::slow_on_mesh);
+    this->options.tolerance = tolerance;
+    this->options.accept = options.accept > 0 ? accept : std::max(accept, 2 * fem::lost_force(condensation));
     const Device& device = executor.device();
     lanes_of_vector = device.lanes(precision());
     interleaved = device.interleaved(precision());

@@ -21,9 +21,8 @@ namespace tactel::host {
 struct GapSweepOptions {
   double tolerance = 0;  ///< largest change of a force in the last sweep over the largest pressure force; 0: 1e-11 in
                          ///< fp64, 1e-5 in fp32
-  double accept =
-      0;  ///< largest residual of a solved step; 0: 100 tolerance, at least 2e-5 in fp32 (rounding of C times force)
-          ///< and twice the condensation's lost share of a load (fem::lost_force: 3e-9 for q8 at nu = 0.49999)
+  double accept = 0;     ///< largest residual of a solved step; 0: fem::by_rule, and twice the condensation's lost
+                         ///< share of a load at least (fem::lost_force: 3e-9 for q8 at nu = 0.49999)
   int most_sweeps = 20000;  ///< an increment that needs more is reported as unsolved
   double reach = 1.25;      ///< first active set: gap elements where the rigid profile is up to this many indentations
                             ///< above its lowest point. Missed nodes are activated later; a larger set costs time

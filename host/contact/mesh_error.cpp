@@ -11,10 +11,12 @@
 #include "fem/gap_condensed.h"
 #include "fem/gap_reference.h"
 #include "fem/layer/layer_model.h"
+#include "fem/layer/patch_reference.h"
 #include "fem/layer/patch_solver.h"
 #include "fem/value_error.h"
 #include "host/contact/finer_answer.h"
 #include "host/contact/patch_contact.h"
+#include "host/contact/rung_error.h"
 
 namespace tactel::host {
 namespace {
@@ -73,12 +75,16 @@ MeshError error_beside(const fem::ContactSolution& answer, const fem::ContactSol
   return error;
 }
 
-/// The twin of the patch kernel solves the scene again on twice as many elements.
+/// The twin of the patch kernel solves the scene again on twice as many elements; near an end the reference does,
+/// whose mesh resolves the corner.
 std::optional<MeshError> patch_error(const fem::Scene& scene, const fem::ContactSolution& answer) {
   const int elements = 2 * static_cast<int>(answer.surface_width.size());
   if (elements > most_elements || answer.steps.size() > most_steps) return {};
   const fem::LayerModel model = fem::layer_model(scene.sensor);
-  const fem::ContactSolution judge = fem::PatchSolver(model, {.elements = elements}).solve(scene);
+  const fem::PatchOptions twin{.elements = elements};
+  const fem::PatchReferenceOptions graded{.elements = elements, .pressing_increments = twin.increments()};
+  const fem::ContactSolution judge = near_end(scene, answer) ? fem::PatchReference(model, graded).solve(scene)
+                                                             : fem::PatchSolver(model, twin).solve(scene);
   if (!every_step_converged(judge)) return {};
   return error_beside(answer, judge, fmt::format("{} elements", elements));
 }

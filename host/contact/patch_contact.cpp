@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "fem/accuracy.h"
 #include "fem/block.h"
 #include "fem/contact_laws.h"
 #include "fem/layer/patch_solver.h"
@@ -54,9 +55,8 @@ struct PatchContact<Real>::State {
     for (const int known : {8, 12, 16, 24})
       if (options.elements == known) elements = known;
     if (elements == 0) throw ValueError("elements", std::to_string(options.elements), "8, 12, 16 or 24");
-    constexpr double epsilon = std::numeric_limits<Real>::epsilon();
-    const double accept = fem::PatchOptions::accept_over_tolerance * options.tolerance;
-    if (this->options.accept == 0) this->options.accept = std::max(accept, 200 * epsilon);
+    const auto [tolerance, accept] = fem::by_rule<Real>({options.tolerance, options.accept}, fem::slow_on_patch);
+    this->options.tolerance = tolerance, this->options.accept = accept;
   }
   State(Executor& executor, const fem::LayerModel& layer, const PatchContactOptions& options)
       : State(executor, options) {

@@ -22,7 +22,7 @@ struct PatchContactOptions {
   int increments = 0;       ///< to each pressing target, at least; 0: a third of the elements
   bool sides = true;        ///< solve_patch_contact: with the sensor's free sides
   double tolerance = 1e-3;  ///< largest change of a force in the last sweep over the largest pressure force
-  double accept = 0;        ///< largest residual of a solved step; 0: 20 tolerance, at least 2e-5 in fp32
+  double accept = 0;        ///< largest residual of a solved step; 0: fem::by_rule
   int most_sweeps = 400;    ///< an increment that needs more is reported as unsolved
   int most_growths = 4;     ///< solve_patch_contact enlarges a patch that is too small this many times
   bool fallback = true;     ///< solve_patch_contact solves the remaining ones exactly, or by the twin with more sweeps

@@ -22,6 +22,10 @@ struct MeasuredRung {
 };
 std::span<const MeasuredRung> measured_ladder();
 
+/// Error in S to expect at least of a patch below the reference near an end of its sensor, where all of them have the
+/// corner that they do not resolve in common.
+inline constexpr double end_error = 0.04;
+
 /// A rung that was tried, its difference from the next, and the expected errors of both. Of several scenes, the 95 %
 /// quantiles.
 struct PlanTrial {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "fem/layer/end_mesh.h"
+
 namespace tactel::host {
 namespace {
 
@@ -23,6 +25,12 @@ void add_tactels(Extent& extent, const Eigen::VectorXd& value, const Eigen::Vect
 }
 
 }  // namespace
+
+bool near_end(const fem::Scene& scene, const fem::ContactSolution& answer) {
+  const Eigen::VectorXd &x = answer.surface_x, &width = answer.surface_width;
+  if (width.size() == 0) return false;
+  return fem::near_end(scene.sensor, {x[0] - width[0] / 2, x[x.size() - 1] + width[width.size() - 1] / 2});
+}
 
 AnswerError answer_error(const fem::Scene& scene, const fem::ContactSolution& answer, const Rung& rung,
                          const fem::ContactSolution& judge, const Rung& judge_rung) {

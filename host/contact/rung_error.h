@@ -31,6 +31,10 @@ AnswerError answer_error(const fem::Scene& scene, const fem::ContactSolution& an
 AnswerError answer_error(const fem::ContactSolution& answer, std::span<const std::size_t> steps,
                          const fem::ContactSolution& judge, std::span<const std::size_t> judge_steps);
 
+/// Returns true where a patch answers near an end of its sensor (fem/layer/end_mesh.h): only the reference resolves the
+/// corner there.
+bool near_end(const fem::Scene& scene, const fem::ContactSolution& answer);
+
 /// Quantiles over many scenes: median, 95 %, largest.
 struct ErrorQuantiles {
   AnswerError median, most95, largest;

@@ -37,14 +37,12 @@ SolveOutcome solve_reference(const fem::Scene& scene, const SolveOptions& option
   return {fem::solve_gap_reference(scene, reference), "reference", "fp64", "host"};
 }
 
-constexpr double fine_tolerance = 1e-7;  ///< of a single patch in fp64
-
 /// The rung of a scene on a patch: the one asked for; where none is, the usual one, in fp64 where the device has it.
 Rung patch_rung(const SolveOptions& options, const DeviceInfo& device) {
   Rung rung = options.rung.empty() ? usual_patch() : rung_named(options.rung);
   if (options.rung.empty() && device.fp64) rung.precision = Precision::fp64;
   if (!options.precision.empty()) rung.precision = options.precision == "fp64" ? Precision::fp64 : Precision::fp32;
-  if (options.rung.empty() && rung.precision == Precision::fp64) rung.tolerance = fine_tolerance;
+  if (options.tolerance) rung.accept_at_most(*options.tolerance);
   return rung;
 }
 
@@ -62,7 +60,7 @@ SolveOutcome outcome_on(const Rung& rung, const fem::Scene& scene, fem::ContactS
   outcome.model_reason = std::move(reason);
   if (rung.patch() && !outcome.on_patch()) {
     outcome.scene.sensor = on_mesh(scene, rung).sensor;
-    outcome.model_reason = "the contact reaches both ends of the sensor, or is not solved on a patch";
+    outcome.model_reason = "the contact is not solved on a patch";
   }
   return outcome;
 }
@@ -71,7 +69,6 @@ SolveOutcome solve_on_patch(const fem::Scene& scene, const SolveOptions& options
   scene.validate();
   Executor executor{Device(options.device).for_one_contact()};
   Rung rung = patch_rung(options, executor.device().info());
-  if (options.tolerance) rung.tolerance = *options.tolerance / fem::PatchOptions::accept_over_tolerance;
   auto answers = solve_on_rung(executor, std::span(&scene, 1), rung);
   SolveOutcome outcome =
       outcome_on(rung, scene, std::move(answers.front()), executor.device().info().name, rung_reason(options));
@@ -87,13 +84,8 @@ SolveOutcome solve_on_mesh(const fem::Scene& scene, const SolveOptions& options)
   const bool wanted = rung ? rung->precision == Precision::fp64 : device.fp64;
   const bool fp64 = options.precision.empty() ? wanted : options.precision == "fp64";
   const Precision precision = fp64 ? Precision::fp64 : Precision::fp32;
-  GapSweepOptions sweep;
-  if (rung) sweep.tolerance = rung->tolerance;
-  if (options.tolerance) {
-    sweep.accept = *options.tolerance;
-    sweep.tolerance =
-        0.01 * *options.tolerance;  // a slow lane (contraction 0.99 a sweep) leaves 100 times its last change
-  }
+  GapSweepOptions sweep = rung ? mesh_options(*rung, true) : GapSweepOptions{};
+  if (options.tolerance) sweep.tolerance = 0, sweep.accept = *options.tolerance;
   sweep.second_opinion = scene.sensor.columns <= most_columns_asked_twice;
   auto solutions = solve_gap_sweep(executor, std::span(&scene, 1), precision, sweep);
   return {std::move(solutions.front()), "batched", name(precision), device.name};

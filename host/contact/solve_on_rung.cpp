@@ -20,7 +20,8 @@ namespace {
 fem::ContactSolution solve_exactly(const fem::LayerModel& model, const fem::Scene& scene, const Rung& rung) {
   fem::ContactSolution answer;
   for (const int share : {1, 2, 4}) {
-    const fem::PatchReferenceOptions options{.elements = rung.elements / share, .pressing_increments = rung.steps};
+    fem::PatchReferenceOptions options{.elements = rung.elements / share, .pressing_increments = rung.steps};
+    if (rung.accept > 0) options.exact.tolerance = rung.accept;
     answer = fem::PatchReference(model, options).solve(scene);
     if (every_step_converged(answer)) break;
   }
@@ -41,23 +42,12 @@ std::vector<fem::ContactSolution> on_patches(Executor& executor, std::span<const
 
 }  // namespace
 
-bool patch_serves(const fem::Sensor& sensor, double left, double right) {
-  const double end = sensor.length / 2 * (1 - 1e-5);  // fp32 places are rounded
-  return left > -end || right < end;
-}
-
-bool patch_serves(const fem::Sensor& sensor, const fem::ContactSolution& answer) {
-  const Eigen::VectorXd &x = answer.surface_x, &width = answer.surface_width;
-  if (x.size() == 0) return true;
-  return patch_serves(sensor, x[0] - width[0] / 2, x[x.size() - 1] + width[width.size() - 1] / 2);
-}
-
 PatchContactOptions patch_options(const Rung& rung) {
   PatchContactOptions options;
   options.elements = rung.elements;
   options.increments = rung.steps;
   options.sides = rung.sides;
-  options.tolerance = rung.tolerance;
+  options.tolerance = rung.tolerance, options.accept = rung.accept;
   return options;
 }
 
@@ -67,39 +57,33 @@ MeshedScene meshed_with_own_steps(const fem::Scene& scene, const Rung& rung) {
   return meshed;
 }
 
-GapSweepSolver mesh_solver(Executor& executor, const Rung& rung, bool nodes, bool force_error) {
+GapSweepOptions mesh_options(const Rung& rung, bool nodes) {
   GapSweepOptions options;
-  options.tolerance = rung.tolerance;
+  options.tolerance = rung.tolerance, options.accept = rung.accept;
   options.nodes = nodes;
+  return options;
+}
+
+GapSweepSolver mesh_solver(Executor& executor, const Rung& rung, bool nodes, bool force_error) {
+  GapSweepOptions options = mesh_options(rung, nodes);
   options.force_error = force_error;
   return {executor, rung.precision, options};
 }
 
-std::vector<fem::ContactSolution> solve_on_mesh_of(const GapSweepSolver& mesh, std::span<const fem::Scene> scenes,
-                                                   const Rung& rung) {
-  std::vector<fem::Scene> modelled;
-  modelled.reserve(scenes.size());
-  for (const fem::Scene& scene : scenes) modelled.push_back(meshed_with_own_steps(scene, rung).scene);
-  std::vector<fem::ContactSolution> answers = mesh.solve(modelled);
-  for (std::size_t i = 0; i < scenes.size(); ++i)
-    keep_own_steps(answers[i], scenes[i].load, fem::pressing_parts(scenes[i].load, rung.steps));
-  return answers;
-}
-
 void finish_on_mesh(const GapSweepSolver& mesh, std::span<const fem::Scene> scenes, const Rung& rung,
                     std::vector<fem::ContactSolution>& answers) {
-  std::vector<fem::Scene> own;
+  std::vector<fem::Scene> modelled;
   std::vector<std::size_t> others;
   for (std::size_t i = 0; i < scenes.size(); ++i) {
-    if (patch_serves(scenes[i].sensor, answers[i]) && every_step_converged(answers[i])) continue;
+    if (every_step_converged(answers[i]) || scenes[i].sensor.poisson == 0.5) continue;  // which no mesh takes
     others.push_back(i);
-    own.push_back(scenes[i]);
+    modelled.push_back(meshed_with_own_steps(scenes[i], rung).scene);
   }
-  std::vector<fem::ContactSolution> meshed = solve_on_mesh_of(mesh, own, rung);
+  std::vector<fem::ContactSolution> meshed = mesh.solve(modelled);
   for (std::size_t k = 0; k < others.size(); ++k) {
-    const std::size_t i = others[k];
-    if (!patch_serves(scenes[i].sensor, answers[i]) || every_step_converged(meshed[k]))
-      answers[i] = std::move(meshed[k]);
+    const fem::Load& load = scenes[others[k]].load;
+    keep_own_steps(meshed[k], load, fem::pressing_parts(load, rung.steps));
+    if (every_step_converged(meshed[k])) answers[others[k]] = std::move(meshed[k]);
   }
 }
 

@@ -14,14 +14,9 @@
 
 namespace tactel::host {
 
-/// Returns true where a patch serves the contact of this answer: the patch does not reach both ends of the sensor. A
-/// mesh resolves such contacts better.
-bool patch_serves(const fem::Sensor& sensor, const fem::ContactSolution& answer);
-/// The same of a patch from `left` to `right`, mm along the array.
-bool patch_serves(const fem::Sensor& sensor, double left, double right);
-
-/// Returns the launcher's options of a rung on patches.
+/// Returns the launcher's options of a rung on patches, and those of its mesh.
 PatchContactOptions patch_options(const Rung& rung);
+GapSweepOptions mesh_options(const Rung& rung, bool nodes);
 
 /// Returns the scene as a rung on meshes models it, with each of its pressing steps in `parts` increments.
 struct MeshedScene {
@@ -30,18 +25,14 @@ struct MeshedScene {
 };
 MeshedScene meshed_with_own_steps(const fem::Scene& scene, const Rung& rung);
 
-/// Replaces the answers that a patch does not serve, or does not solve, by those of the rung's mesh: the second part of
-/// solve_on_rung.
+/// Replaces the answers that a patch does not solve by those of the rung's mesh: the second part of solve_on_rung.
 void finish_on_mesh(const GapSweepSolver& mesh, std::span<const fem::Scene> scenes, const Rung& rung,
                     std::vector<fem::ContactSolution>& answers);
-/// Returns the answers of the mesh of a rung on patches, with the load steps of the scenes.
-std::vector<fem::ContactSolution> solve_on_mesh_of(const GapSweepSolver& mesh, std::span<const fem::Scene> scenes,
-                                                   const Rung& rung);
 /// Returns the solver of a rung's meshes. `nodes`, `force_error`: as GapSweepOptions.
 GapSweepSolver mesh_solver(Executor& executor, const Rung& rung, bool nodes, bool force_error = true);
 
-/// Solves scenes as a rung models them. Contacts that a patch does not serve, or that are not solved on one, are solved
-/// on the rung's mesh, with the load steps of the scene; such answers have no surface_width. `nodes`: also return
+/// Solves scenes as a rung models them. Contacts that are not solved on a patch are solved on the rung's mesh, with the
+/// load steps of the scene; such answers have no surface_width. `nodes`: also return
 /// forces and statuses of the gap elements.
 std::vector<fem::ContactSolution> solve_on_rung(Executor& executor, std::span<const fem::Scene> scenes,
                                                 const Rung& rung, bool nodes = true);
@@ -52,8 +43,8 @@ void make_tables(Executor& executor, std::size_t count, const std::function<void
 /// Returns the tables of all sensors of a range, made on all threads.
 fem::SensorFamily sensor_family(Executor& executor, const fem::SensorRange& range, bool sides = true);
 
-/// Solves scenes on sensors of this family on a rung with patches, as sets of such sensors do: a contact across a
-/// whole sensor stays on its patch. The reference takes exact tables of each sensor.
+/// Solves scenes on sensors of this family on a rung with patches, as sets of such sensors do. The reference takes
+/// exact tables of each sensor.
 std::vector<fem::ContactSolution> solve_on_rung(Executor& executor, const fem::SensorFamily& family,
                                                 std::span<const fem::Scene> scenes, const Rung& rung);
 

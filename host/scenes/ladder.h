@@ -21,11 +21,14 @@ struct Rung {
   int steps = 1;     ///< increments to each requested indentation or normal force; drags are unchanged
   Precision precision = Precision::fp64;
   double tolerance = 1e-7;  ///< GapSweepOptions::tolerance, PatchContactOptions::tolerance
+  double accept = 0;        ///< largest residual of a solved step; 0: fem::by_rule of patch and mesh
   fem::Element element = fem::Element::bbar;
   bool sides = true;   ///< of a patch: with the sensor's free sides
   bool exact = false;  ///< solved by the reference solver of the patch, fp64, without a device
 
   bool patch() const { return elements > 0; }
+  /// A requested residual in place of the rung's tolerance.
+  void accept_at_most(double residual) { tolerance = 0, accept = residual; }
 };
 
 /// Returns all named rungs: patches, the paper's mesh, other meshes, the reference.

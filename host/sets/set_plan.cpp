@@ -61,11 +61,13 @@ std::map<std::string, std::string> conditions_of_old(const ContactSet& set) {
 
 }  // namespace
 
-SetPlan plan_of(const Sweep& sweep, const std::string& rung, Precision precision, double tolerance,
-                const std::string& columns, bool compress) {
+SetPlan plan_of(const Sweep& sweep, const std::string& rung, const SetOptions& options, const std::string& columns,
+                bool compress) {
+  const std::string tolerance =
+      options.accept > 0 ? fmt::format("accepting {:a}", options.accept) : fmt::format("{:a}", options.tolerance);
   std::string conditions =
-      fmt::format("tactel " TACTEL_VERSION "\nspool 4\nrung {}\nprecision {}\ntolerance {:a}\nchunk {}\n", rung,
-                  name(precision), tolerance, chunk_contacts);
+      fmt::format("tactel " TACTEL_VERSION "\nspool 4\nrung {}\nprecision {}\ntolerance {}\nchunk {}\n", rung,
+                  name(options.precision), tolerance, chunk_contacts);
   if (!columns.empty()) conditions += "columns " + columns + "\n";
   if (compress) conditions += "compress yes\n";
   int number = 0;

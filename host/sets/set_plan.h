@@ -2,14 +2,15 @@
 #pragma once
 #include <string>
 
-#include "host/contact/gap_sweep.h"
 #include "host/scenes/sweep_file.h"
+#include "host/sets/set_simulator.h"
 
 namespace tactel::host {
 
 /// All inputs of the rows of a set.
 struct SetPlan {
-  /// One line each, "name value": version, layout of the spool, rung, precision, tolerance and contacts of a chunk.
+  /// One line each, "name value": version, layout of the spool, rung, precision, tolerance, requested residual and
+  /// contacts of a chunk.
   /// A further line per file that the sweep file names holds the checksum of its numbers.
   std::string conditions;
   std::string sweep;  ///< text of the sweep file
@@ -18,8 +19,8 @@ struct SetPlan {
 };
 
 /// `rung`: its name, or "as the file says". `columns`: datasets that --columns names; empty: all.
-SetPlan plan_of(const Sweep& sweep, const std::string& rung, Precision precision, double tolerance,
-                const std::string& columns = "", bool compress = false);
+SetPlan plan_of(const Sweep& sweep, const std::string& rung, const SetOptions& options, const std::string& columns = "",
+                bool compress = false);
 
 /// Throws ConfigError naming --resume and the difference, where the finished set `path` was made by another plan.
 /// Sets of versions that did not store their plan are compared by sweep file, version and precision or rung.

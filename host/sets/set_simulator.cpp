@@ -140,7 +140,6 @@ double mesh_spacing(const fem::Sensor& sensor) { return sensor.length / (sensor.
 struct Unsolved {
   std::vector<fem::Scene> scenes;
   std::vector<std::size_t> sensor;  ///< [scenes] index of the launcher
-  std::vector<bool> on_mesh;        ///< [scenes] no patch serves them
 };
 
 /// What a set does with the mesh alone, or with patches alone.
@@ -162,7 +161,7 @@ struct Solver<GapSweep<Real>> {
     make_tables(executor, sensors.size(),
                 [&](std::size_t k) { fem::condense_cached(sensors[k], fem::default_cache_directory()); });
     GapSweepOptions sweep;
-    sweep.tolerance = options.tolerance;
+    sweep.tolerance = options.tolerance, sweep.accept = options.accept;
     sweep.base_forces = false;
     sweep.base_sums = true;
     sweep.nodes = false;
@@ -171,11 +170,10 @@ struct Solver<GapSweep<Real>> {
     for (const fem::Sensor& sensor : sensors) all.emplace_back(executor, sensor, sweep);
     return all;
   }
-  static bool served(const SceneSource&, const SetOptions&, const Contact&, const View<Launcher>&) { return true; }
   static bool large_enough(const SetOptions&, const Contact&, const View<Launcher>&) { return true; }
   static double element_width(const Contact& contact, const View<Launcher>&) { return mesh_spacing(contact.sensor); }
   static GapSweepSolver mesh(Executor& executor, const SetOptions& options) {
-    return {executor, options.precision, {.tolerance = options.tolerance, .audit = false}};
+    return {executor, options.precision, {.tolerance = options.tolerance, .accept = options.accept, .audit = false}};
   }
   static std::vector<fem::ContactSolution> solve_again(const GapSweepSolver& mesh, const SceneSource&,
                                                        const std::vector<Launcher>&, const Unsolved& unsolved,
@@ -204,13 +202,6 @@ struct Solver<PatchContact<Real>> {
     for (const auto& model : models) all.emplace_back(executor, *model, patch_options(*options.patch));
     return all;
   }
-  /// Contacts across a whole sensor stay on their patch where each has its own: a mesh would need a condensation each.
-  static bool served(const SceneSource& source, const SetOptions& options, const Contact& contact,
-                     const View<Launcher>& view) {
-    const double left = contact.position + view.patch(contact.i, PATCH_ORIGIN);
-    return source.own_sensors() ||
-           patch_serves(contact.sensor, left, left + options.patch->elements * view.patch(contact.i, PATCH_ELEMENT));
-  }
   static bool large_enough(const SetOptions& options, const Contact& contact, const View<Launcher>& view) {
     return !grown_contact<Real>(view, contact.i, options.patch->elements);
   }
@@ -224,25 +215,15 @@ struct Solver<PatchContact<Real>> {
                                                        const std::vector<Launcher>& launchers, const Unsolved& unsolved,
                                                        const SetOptions& options) {
     std::vector<fem::ContactSolution> answers(unsolved.scenes.size());
-    const auto solve = [&](const auto& which, const auto& solver) {
+    for (std::size_t sensor = 0; sensor < launchers.size(); ++sensor) {
       std::vector<fem::Scene> scenes;
+      std::vector<std::size_t> places;
       for (std::size_t i = 0; i < answers.size(); ++i)
-        if (which(i)) scenes.push_back(unsolved.scenes[i]);
-      if (scenes.empty()) return;
-      auto solved = solver(scenes);
-      auto next = solved.begin();
-      for (std::size_t i = 0; i < answers.size(); ++i)
-        if (which(i)) answers[i] = std::move(*next++);
-    };
-    for (std::size_t sensor = 0; sensor < launchers.size(); ++sensor)
-      solve([&](std::size_t i) { return unsolved.sensor[i] == sensor && !unsolved.on_mesh[i]; },
-            [&](const std::vector<fem::Scene>& scenes) {
-              auto solved = solve_patch_contact(launchers[sensor], scenes);
-              if (!source.own_sensors()) finish_on_mesh(mesh, scenes, *options.patch, solved);
-              return solved;
-            });
-    solve([&](std::size_t i) { return unsolved.on_mesh[i]; },
-          [&](const std::vector<fem::Scene>& scenes) { return solve_on_mesh_of(mesh, scenes, *options.patch); });
+        if (unsolved.sensor[i] == sensor) scenes.push_back(unsolved.scenes[i]), places.push_back(i);
+      auto solved = solve_patch_contact(launchers[sensor], scenes);
+      if (!source.own_sensors()) finish_on_mesh(mesh, scenes, *options.patch, solved);
+      for (std::size_t k = 0; k < places.size(); ++k) answers[places[k]] = std::move(solved[k]);
+    }
     return answers;
   }
 };
@@ -536,9 +517,8 @@ ContactSet Simulation<Launcher>::collect(SetSimulator::Range& any_range) {
     const std::uint64_t k = order[place];
     const Contact& contact = range.contacts[k];
     const View<Launcher>& view = views[contact.launch];
-    const bool served = Solver<Launcher>::served(source, options, contact, view);
-    const Survey found = served ? survey<Launcher>(view, contact) : Survey{};
-    if (served && found.solved && Solver<Launcher>::large_enough(options, contact, view)) {
+    const Survey found = survey<Launcher>(view, contact);
+    if (found.solved && Solver<Launcher>::large_enough(options, contact, view)) {
       rows[k + 1] = found.rows;
       deep += too_deep(contact.sensor, found.deepest);
       far += found.slides_far;
@@ -548,7 +528,6 @@ ContactSet Simulation<Launcher>::collect(SetSimulator::Range& any_range) {
       const fem::Scene& scene = fallen[k].scene = source.contact(contact.number).scene;
       again_from.scenes.push_back(scene);
       again_from.sensor.push_back(range.launches[contact.launch].sensor);
-      again_from.on_mesh.push_back(!served);
     }
   }
   const auto begin_again = Clock::now();
@@ -604,6 +583,7 @@ std::unique_ptr<SetSimulator::State> simulation(Executor& executor, const SceneS
   if (options.patch) {
     options.patch->precision = options.precision;
     if (options.tolerance > 0) options.patch->tolerance = options.tolerance;
+    if (options.accept > 0) options.patch->accept_at_most(options.accept);
   }
   const bool fp32 = options.precision == Precision::fp32;
   const auto made = [&]<class Launcher>(std::type_identity<Launcher>) -> std::unique_ptr<SetSimulator::State> {

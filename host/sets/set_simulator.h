@@ -11,7 +11,8 @@ namespace tactel::host {
 
 struct SetOptions {
   Precision precision = Precision::fp32;
-  double tolerance = 0;         ///< as GapSweepOptions
+  double tolerance = 0;         ///< as GapSweepOptions; 0 with patches: the rung's
+  double accept = 0;            ///< as GapSweepOptions
   std::optional<Rung> patch{};  ///< contacts on patches of this rung, with its precision and tolerance; none: on the
                                 ///< mesh of their sensor
 };

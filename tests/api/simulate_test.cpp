@@ -213,6 +213,17 @@ TEST(SolveApi, SolvesManyAsTheirRung) {
   EXPECT_THAT(message_of([&] { solve_many(scenes); }), HasSubstr("scenes[3].contact.friction"));
 }
 
+// A requested residual is accepted by one scene and by many alike, on patches and meshes: the same sweeps, the same
+// bits.
+TEST(SolveApi, ARequestedToleranceMeansTheSameForOneAndMany) {
+  std::vector<Scene> scenes(1, some_scene(0.5));
+  for (const char* rung : {"patch-12", "mesh-41"}) {
+    const Paths many = solve_many(scenes, {.rung = rung, .tolerance = 5e-3});
+    const Path one = solve(scenes[0], {.rung = rung, .tolerance = 5e-3});
+    for (std::size_t k = 0; k < many.steps; ++k) EXPECT_EQ(many.P[k], one.steps[k].P) << rung;
+  }
+}
+
 // Steps are those that the load asks for, whatever increments the rung takes between them.
 TEST(SolveApi, GivesTheStepsThatTheLoadAsksForOnEveryRung) {
   std::vector<Scene> scenes = {some_scene(0.5), some_scene(0.5)};
@@ -248,8 +259,8 @@ TEST(SolveApi, WidensTheArraysForADragUntilSliding) {
   for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(alone.slip_index[k], paths.slip_index[k]);
 }
 
-// Contacts that a patch does not serve are solved on the rung's mesh, beside others that it serves.
-TEST(SolveApi, SolvesAgainWhatAPatchDoesNotServe) {
+// A contact across the whole sensor beside others.
+TEST(SolveApi, SolvesContactsAcrossTheWholeSensor) {
   std::vector<Scene> scenes(3, some_scene(0.5));
   scenes[1].indenter.shape = Flat{};  // wider than the sensor
   const Paths paths = solve_many(scenes);
@@ -259,7 +270,7 @@ TEST(SolveApi, SolvesAgainWhatAPatchDoesNotServe) {
     return std::vector{scene};
   }();
   const auto expected = host::solve_on_rung(executor(), flat, host::usual_patch(), false).front();
-  ASSERT_EQ(expected.surface_width.size(), 0);  // on the mesh
+  ASSERT_EQ(expected.surface_width.size(), 12);
   for (std::size_t k = 0; k < paths.steps; ++k) {
     EXPECT_EQ(paths.P[k], paths.P[2 * paths.steps + k]);
     EXPECT_EQ(paths.P[paths.steps + k], expected.steps[k].P);

@@ -9,6 +9,7 @@
 #include <map>
 #include <variant>
 
+#include "fem/accuracy.h"
 #include "fem/gap_reference.h"
 #include "host/contact/gap_sweep.h"
 #include "host/contact/patch_contact.h"
@@ -66,7 +67,9 @@ std::vector<Source> patch_sources() {
   for (int elements : {30, 60}) all[1].models.push_back(with(reference, [&](Rung& r) { r.elements = elements; }));
   for (int steps : {1, 2, 3, 4, 6, 12}) all[2].models.push_back(with(patch, [&](Rung& r) { r.steps = steps; }));
   for (double tolerance : {1e-2, 1e-3, 1e-4})
-    all[3].models.push_back(with(patch, [&](Rung& r) { r.tolerance = tolerance, r.precision = fp32; }));
+    all[3].models.push_back(with(patch, [&](Rung& r) {
+      r.tolerance = tolerance, r.accept = fem::slow_on_patch * tolerance, r.precision = fp32;
+    }));
   for (bool sides : {true, false})
     all[4].models.push_back(with(rung_named("patch-12"), [&](Rung& r) { r.sides = sides; }));
   return all;
@@ -86,7 +89,8 @@ std::vector<Source> mesh_sources() {
   for (int rows : {4, 6, 11, 17, 25}) all[1].models.push_back(with(all[1].judge, [&](Rung& r) { r.rows = rows; }));
   for (int steps : {1, 2, 4, 10, 20}) all[2].models.push_back(with(all[2].judge, [&](Rung& r) { r.steps = steps; }));
   for (double tolerance : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) {
-    all[3].models.push_back(with(all[3].judge, [&](Rung& r) { r.tolerance = tolerance; }));
+    all[3].models.push_back(
+        with(all[3].judge, [&](Rung& r) { r.tolerance = tolerance, r.accept = fem::slow_on_mesh * tolerance; }));
     if (tolerance < 1e-4)
       all[4].models.push_back(with(all[3].models.back(), [](Rung& r) { r.precision = Precision::fp32; }));
   }
@@ -245,9 +249,7 @@ double seconds_of(Executor& executor, const std::vector<fem::Scene>& scenes, con
     return fp32 ? timed(PatchContact<float>(executor, model, options), scenes, runs)
                 : timed(PatchContact<double>(executor, model, options), scenes, runs);
   }
-  GapSweepOptions options;
-  options.tolerance = rung.tolerance;
-  options.nodes = false;
+  const GapSweepOptions options = mesh_options(rung, false);
   return fp32 ? timed(GapSweep<float>(executor, sensor, options), scenes, runs)
               : timed(GapSweep<double>(executor, sensor, options), scenes, runs);
 }

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "fem/gap_reference.h"
 #include "host/contact/gap_sweep.h"
 #include "host/scenes/sweep_file.h"
@@ -475,6 +477,24 @@ TEST_F(SmallSet, ResumeRefusesACompleteSetMadeOtherwise) {
   EXPECT_EQ(run(text, "set.h5", {"--resume", "--precision", "fp64"}).exit_code, 2);
   ASSERT_EQ(edit("  f.attrs['tactel'] = '0.0.1'\n").exit_code, 0);
   EXPECT_THAT(run(text, "set.h5", {"--resume"}).err, HasSubstr("tactel 0.0.1"));
+}
+
+// The requested residual gives the sweeps of `solve`, on a patch and on the file's mesh: the same bits of S.
+TEST_F(SmallSet, TheToleranceIsThatOfSolve) {
+  const std::string scene =
+      "[indenter]\nshape = \"parabola\"\nradius = 10\n[contact]\nfriction = 0.5\n[load]\nindentation = 0.15\n"
+      "tangential = [0.05]\n";
+  for (const std::string model : {"patch", "mesh"}) {
+    const std::string sensor = "[sensor]\nmodel = \"" + model + "\"\n";
+    ASSERT_EQ(
+        run(sweep("one.toml", "[sweep]\ncontacts = 1\n" + sensor + scene), "one.h5", {"--tolerance", "5e-3", "--force"})
+            .exit_code,
+        0);
+    const ChildResult solved = run_tactel({"solve", sweep("scene.toml", sensor + scene), "--tolerance", "5e-3",
+                                           "--precision", "fp32", "--json", "-", "--quiet"});
+    const double S = nlohmann::json::parse(solved.out)["steps"].back()["slip_index"];
+    EXPECT_EQ(read_contact_set(*this / "one.h5").slip_index.back(), static_cast<float>(S)) << model;
+  }
 }
 
 TEST_F(SmallSet, ColumnsLeaveDatasetsOut) {

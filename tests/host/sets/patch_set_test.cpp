@@ -86,17 +86,15 @@ TEST_F(PatchSet, AnyRangeGivesTheSameRows) {
   EXPECT_EQ(row, whole.slip_index.size());
 }
 
-/// The flats are wider than the sensor: the mesh answers them.
+/// The flats are wider than the sensor.
 TEST_F(PatchSet, RowsAreThoseOfTheSolutions) {
   const SetSimulator simulator(executor_, source_, {});
   const ContactSet set = simulator.simulate(0, 60);
   std::vector<fem::Scene> scenes;
   for (std::uint64_t k = 0; k < 60; ++k) scenes.push_back(source_.contact(k).scene);
   const auto solutions = solve_on_rung(executor_, scenes, usual_patch());
-  int on_mesh = 0;
   std::size_t row = 0;
   for (std::uint64_t k = 0; k < 60; ++k) {
-    on_mesh += solutions[k].surface_width.size() == 0;
     for (std::size_t step = 1; step < solutions[k].steps.size(); ++step) {  // from full indentation on
       const fem::ContactStep& expected = solutions[k].steps[step];
       if (!expected.slip_index) continue;
@@ -109,8 +107,6 @@ TEST_F(PatchSet, RowsAreThoseOfTheSolutions) {
     }
   }
   EXPECT_EQ(row, set.slip_index.size());
-  EXPECT_GT(on_mesh, 0);
-  EXPECT_LT(on_mesh, 20);
 }
 
 /// A file that names no model and a rung on patches.
@@ -186,19 +182,15 @@ TEST_F(OwnSensors, RowsAreThoseOfTheModelOfEach) {
   std::vector<fem::Scene> scenes;
   for (std::uint64_t k = 0; k < 20; ++k) scenes.push_back(source_.contact(k).scene);
   const auto expected = solve_on_rung(executor_, scenes, usual_patch());
-  std::size_t compared = 0;
   for (std::size_t row = 0; row < set.rows(); ++row) {
     const fem::Scene& scene = scenes[set.contact[row]];
     const fem::ContactStep& step = expected[set.contact[row]].steps[set.step[row]];
     EXPECT_EQ(set.poisson[row], static_cast<float>(scene.sensor.poisson));
     EXPECT_EQ(set.young[row], static_cast<float>(scene.sensor.young));
     EXPECT_EQ(set.length[row], static_cast<float>(scene.sensor.length));
-    if (expected[set.contact[row]].surface_width.size() == 0) continue;  // on a mesh: it reaches both ends
     EXPECT_NEAR(set.slip_index[row], *step.slip_index, 5e-3) << "contact " << set.contact[row];
     EXPECT_NEAR(set.normal_force[row], step.P, 1e-2 * step.P) << "contact " << set.contact[row];
-    ++compared;
   }
-  EXPECT_GT(compared, set.rows() / 2);
 }
 
 TEST_F(OwnSensors, AreColumnsOfTheFile) {
