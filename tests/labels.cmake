@@ -27,10 +27,10 @@ set(device_commands "WrongCall.*/(UnknownDevice|Step)|APipeWithoutAWriter")
 set(program_networks "^OnnxRuntime")
 set(program_sets "OpensInH5py|NamesTheRowsOfADamagedChunk|FindsEveryEdit")
 set(program_training "^[^AB]")
-set(program_studies "[.]Reproduce|^FloorCommand")
+set(program_studies "[.]Reproduce")
 set(program_commands "^([^D]|Du|Dem)")  # all but DevicesCommand
 
-set(slow "^(ClosedForms|GapReferenceRandom|IndependentContact|Extremes|InverseProblem|DirectProblem|StreamTraining|RankTraining)[.]|^Planner[.]K|OverTheEnd|^Demo[.]S|EveryShape|CondensationCache.AnyFlippedByte|/100000$")
+set(slow "^SolveWithCache[.](Nobody|Killed|Little|Two|Inter)|^(ClosedForms|GapReferenceRandom|IndependentContact|Extremes|InverseProblem|DirectProblem|StreamTraining|RankTraining)[.]|^Planner[.]K|OverTheEnd|^Demo[.]S|EveryShape|CondensationCache.AnyFlippedByte|/100000$")
 
 foreach(program fem layer nn hw support figures scenes device networks contact calibration sets live training studies commands api)
   foreach(test IN LISTS tactel_${program}_tests_TESTS)

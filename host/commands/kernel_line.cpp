@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/commands/kernel_line.h"
 
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -10,20 +14,38 @@
 namespace tactel::host {
 namespace {
 
-constexpr double patience = 0.5;  // s; a kernel from the cache takes a tenth
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::duration<double> patience(0.5);  // a kernel from the cache takes a tenth
 
-/// Says what the outermost of nested messages says.
+/// Says what the outermost of nested messages says. A log has one line for all compilations, a terminal one at a time.
 class KernelLine {
  public:
   void hear(std::string_view message) {
     const std::lock_guard lock(mutex_);
-    if (!message.empty() && depth_++ == 0) line_.emplace(std::string(message), false, ProgressTimes{.first = patience});
-    if (message.empty() && --depth_ == 0) line_.reset();
+    if (!message.empty() && depth_++ == 0) begin(message);
+    if (message.empty() && --depth_ == 0) end();
   }
 
  private:
+  void begin(std::string_view message) {
+    begun_ = Clock::now();
+    compiling_ = message.starts_with("compiling ");
+    std::string text(message);
+    if (compiling_ && !terminal_) text = compiled_ == 0 ? "compiling kernels for this device (once)" : "";
+    if (compiling_ && terminal_ && compiled_ > 0) text += fmt::format(", {} before", compiled_);
+    if (!text.empty()) line_.emplace(text, false, ProgressTimes{.first = patience.count()});
+  }
+  void end() {
+    line_.reset();
+    if (compiling_ && Clock::now() - begun_ >= patience) ++compiled_;
+  }
+
+  const bool terminal_ = isatty(STDERR_FILENO) != 0;
   std::mutex mutex_;
   int depth_ = 0;
+  bool compiling_ = false;
+  int compiled_ = 0;  ///< that took longer than the patience
+  Clock::time_point begun_;
   std::optional<StageLine> line_;
 };
 

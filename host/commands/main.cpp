@@ -11,7 +11,7 @@
 #include "host/commands/help_formatter.h"
 #include "host/commands/kernel_line.h"
 #include "host/commands/option_errors.h"
-#include "host/device/device.h"
+#include "host/device/compiler.h"
 #include "host/support/nearest_word.h"
 #include "host/support/standard_streams.h"
 #include "host/support/terminal.h"
@@ -20,6 +20,8 @@ namespace {
 
 using namespace tactel;
 using namespace tactel::host;
+
+const std::string compile_word = "compile-kernels";  // of no user
 
 /// Warnings of the library, and what keeps a device busy, unless the command was told to be quiet.
 void show_messages(const CLI::App& command) {
@@ -122,6 +124,8 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc == 2 && argv[1] == compile_word) return compile_for_parent();
+  set_compiler({"/proc/self/exe", compile_word});
   prepare_standard_streams();
   return finished(run(argc, argv));
 }

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <filesystem>
 #include <map>
-#include <memory>
 #include <mutex>
-#include <set>
 #include <string>
 
 #include "host/device/opencl.h"
@@ -11,15 +10,26 @@
 // Calls of Program to OpenCL; not part of its interface.
 namespace tactel::host {
 
-struct BuiltProgram {
-  cl::Program program;
-  std::set<std::string> used;  ///< kernels
-};
+class CompileCache;
 
 /// The programs of a context: a launcher that is made again takes its program from here, without PoCL's cache.
 struct BuiltPrograms {
   std::mutex mutex;
-  std::map<std::string, std::shared_ptr<BuiltProgram>> all;  ///< by options and source
+  std::map<std::string, cl::Program> all;  ///< by options and source
 };
+
+/// What a program is built from; `text` includes nothing.
+struct ProgramText {
+  std::string name, options, text;
+};
+
+/// Returns the program from the cache, or compiles it and its kernels. Throws KernelBuildError with the compiler's log;
+/// Stopped where a signal asks for a stop meanwhile.
+cl::Program built_program(const Device& device, const ProgramText& program);
+
+/// Returns the cache of this process; none where the user says where kernels are kept, or where no folder can be used.
+const CompileCache* compile_cache();
+/// Makes this folder the cache of this process, before its first device; POCL_CACHE_DIR names it already.
+void compile_in(const std::filesystem::path& folder);
 
 }  // namespace tactel::host

@@ -8,6 +8,7 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <chrono>
@@ -22,6 +23,8 @@
 #include <utility>
 #include <vector>
 
+#include "fem/cache_directory.h"
+#include "host/support/address_space.h"
 #include "host/support/bounded_file.h"
 #include "host/support/checksum.h"
 #include "host/support/durable_file.h"
@@ -37,7 +40,7 @@ constexpr const char* list_name = "sealed";
 constexpr const char* lock_name = "compiling";
 constexpr const char* presence_name = "processes";
 constexpr const char* programs_name = "programs";                 // a folder that PoCL does not know
-constexpr auto patience = 60s;                                    // far more than a compilation takes
+constexpr auto patience = 2s;                                     // far more than a check takes
 constexpr std::uintmax_t largest_file = std::uintmax_t{1} << 30;  // a compiled kernel takes some MB
 
 /// A file as the list knows it.
@@ -111,7 +114,7 @@ List read_list(const fs::path& folder) {
 /// Adds lines to the list and brings it to the disk.
 bool append(const fs::path& folder, std::string lines) {
   const Descriptor out(folder / list_name, O_WRONLY | O_CREAT | O_APPEND);
-  if (out.get() < 0 || ::flock(out.get(), LOCK_EX) != 0) return false;
+  if (out.get() < 0) return false;
   lines.insert(0, "\n");  // after a line that a power cut has torn
   return ::write(out.get(), lines.data(), lines.size()) >= 0 && ::fsync(out.get()) == 0;
 }
@@ -160,13 +163,17 @@ bool lacks_room(const fs::path& folder) {
   return ::statvfs(folder.c_str(), &disk) == 0 && full(disk, cache_room);
 }
 
-/// A folder in a place that others can write: ours, and closed to others. Empty where that cannot be had.
-std::string unfit_private(const fs::path& folder) {
+std::string full_disk_text(const fs::path& folder) {
+  return "compiled kernels found no room in " + folder.string() +
+         ": the disk is full; make room there, or set TACTEL_CACHE_DIR to another folder";
+}
+
+/// Makes a folder that is closed to others. Returns why it cannot hold machine code; empty where it can.
+std::string unfit_to_load(const fs::path& folder) {
   ::mkdir(folder.c_str(), S_IRWXU);
   struct stat status {};
   if (::lstat(folder.c_str(), &status) != 0) return std::strerror(errno);
-  if (!S_ISDIR(status.st_mode) || status.st_uid != ::getuid()) return "it belongs to another user";
-  return (status.st_mode & (S_IRWXG | S_IRWXO)) != 0 ? "other users can enter it" : "";
+  return fem::distrust(folder);
 }
 
 }  // namespace
@@ -182,61 +189,83 @@ CachePlace choose_cache(const fs::path& own, std::span<const fs::path> shared_pa
     return why.empty();
   };
   std::error_code error;
-  fs::create_directories(own, error);
-  if (fits(own, error ? error.message() : "")) return place;
+  fs::create_directories(own.parent_path(), error);
+  std::string why = error ? error.message() : fem::distrust(own.parent_path());
+  if (own.empty())
+    place.trouble = "the user's cache (HOME is not set)";
+  else if (fits(own, why.empty() ? unfit_to_load(own) : why))
+    return place;
   for (const fs::path& parent : shared_parents) {
     const fs::path folder = parent / ("tactel-" + std::to_string(::getuid()));
-    if (fits(folder, unfit_private(folder))) return place;
+    if (fits(folder, unfit_to_load(folder))) return place;
   }
   return place;
 }
 
-CompileCache::CompileCache(fs::path folder)
-    : folder_(std::move(folder)),
-      presence_(::open((folder_ / presence_name).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)) {
-  if (presence_ < 0) return;
-  if (::flock(presence_, LOCK_EX | LOCK_NB) == 0) check();
-  while (::flock(presence_, LOCK_SH) != 0 && errno == EINTR) {
-  }
+std::atomic<const AbortNotice*> AbortNotice::current{nullptr};
+
+AbortNotice::AbortNotice(const fs::path& folder) : folder_(folder), text_("error: " + full_disk_text(folder) + "\n") {
+  std::signal(SIGABRT, explain);
+  // LLVM ends the process by exit(1) where its output stream fails.
+  static const int at_exit = std::atexit([] { explain(0); });
+  (void)at_exit;
+  current = this;
 }
 
-CompileCache::~CompileCache() {
-  if (presence_ >= 0) ::close(presence_);
-}
-
-std::atomic<const CompileCache::Use*> CompileCache::Use::under_way{nullptr};
+AbortNotice::~AbortNotice() { current = nullptr; }
 
 // Only calls that are safe in a handler. Where it returns, the abort goes on.
-void CompileCache::Use::explain_abort(int) {
-  const Use* const use = under_way.load();
-  if (!use || !lacks_room(use->folder_)) return;
-  for (const std::string* text : {&use->prefix_, &use->remedy_})
-    if (::write(STDERR_FILENO, text->data(), text->size()) < 0) break;
+void AbortNotice::explain(int) {
+  const AbortNotice* const notice = current.load();
+  if (!notice || !lacks_room(notice->folder_)) return;
+  (void)!::write(STDERR_FILENO, notice->text_.data(), notice->text_.size());
   ::_exit(device_failed);
 }
 
-CompileCache::Use::Use(const CompileCache& cache)
-    : folder_(cache.folder_),
-      remedy_("compiled kernels found no room in " + folder_.string() +
-              ": the disk is full; make room there, or set TACTEL_CACHE_DIR to another folder\n"),
-      lock_(::open((folder_ / lock_name).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)) {
+CompileCache::CompileCache(fs::path folder, bool enter)
+    : folder_(std::move(folder)),
+      presence_(enter ? ::open((folder_ / presence_name).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600) : -1),
+      compiling_(::open((folder_ / lock_name).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)) {
+  if (presence_ < 0) return;
+  if (::flock(presence_, LOCK_EX | LOCK_NB) == 0) check();
+  // Another process may be at its check, which is short, unless that process is stopped.
   const auto end = std::chrono::steady_clock::now() + patience;
-  while (lock_ >= 0 && ::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
-    if ((errno == EWOULDBLOCK || errno == EINTR) && std::chrono::steady_clock::now() < end)
-      std::this_thread::sleep_for(10ms);
-    else
-      ::close(std::exchange(lock_, -1));
-  }
-  std::signal(SIGABRT, explain_abort);
-  // LLVM ends the process by exit(1) where its output stream fails.
-  static const int at_exit = std::atexit([] { explain_abort(0); });
-  (void)at_exit;
-  under_way = this;
+  while (::flock(presence_, LOCK_SH | LOCK_NB) != 0 && std::chrono::steady_clock::now() < end)
+    std::this_thread::sleep_for(10ms);
 }
 
-CompileCache::Use::~Use() {
-  under_way = nullptr;
-  if (lock_ >= 0) ::close(lock_);
+CompileCache::~CompileCache() {
+  for (const int each : {presence_, compiling_})
+    if (each >= 0) ::close(each);
+}
+
+namespace {
+
+/// The lock of a byte of the file: the process that has it can be asked for.
+struct flock byte_lock(short type, long place) {
+  struct flock lock {};
+  lock.l_type = type;
+  lock.l_whence = SEEK_SET;
+  lock.l_start = place;
+  lock.l_len = 1;
+  return lock;
+}
+
+}  // namespace
+
+CompileCache::Turn::Turn(const CompileCache& cache, std::string_view key)
+    : lock_(cache.compiling_), place_(static_cast<long>(checksum(key) >> 2)) {}
+
+int CompileCache::Turn::take() {
+  struct flock lock = byte_lock(F_WRLCK, place_);
+  if (lock_ < 0 || ::fcntl(lock_, F_SETLK, &lock) == 0) return 0;
+  if (::fcntl(lock_, F_GETLK, &lock) != 0) return 0;
+  return lock.l_type == F_UNLCK ? take() : std::max(lock.l_pid, 0);
+}
+
+CompileCache::Turn::~Turn() {
+  struct flock lock = byte_lock(F_UNLCK, place_);
+  if (lock_ >= 0) ::fcntl(lock_, F_SETLK, &lock);
 }
 
 namespace {
@@ -252,22 +281,23 @@ std::string program_line(std::string_view key, std::string_view binary) {
 
 }  // namespace
 
-std::string CompileCache::Use::program(std::string_view key) const {
+std::string CompileCache::program(std::string_view key) const {
   std::string file = content_of(program_path(folder_, key));
   const std::size_t begin = file.find('\n') + 1;
   const std::string_view line = std::string_view(file).substr(0, begin), binary = std::string_view(file).substr(begin);
   return line == program_line(key, binary) ? file.substr(begin) : "";
 }
 
-void CompileCache::Use::keep_program(std::string_view key, std::string_view binary) const noexcept try {
-  if (lock_ < 0) return;
+void CompileCache::keep_program(std::string_view key, std::string_view binary) const noexcept try {
   const fs::path path = program_path(folder_, key);
   fs::create_directories(path.parent_path());
   write_file("cache", path, program_line(key, binary) + std::string(binary));
 } catch (...) {  // the next run builds it from its source
 }
 
-std::string CompileCache::Use::advice() const { return lacks_room(folder_) ? remedy_ : ""; }
+std::string CompileCache::advice() const {
+  return lacks_room(folder_) ? full_disk_text(folder_) : address_space_advice();
+}
 
 void CompileCache::check() {
   const List list = read_list(folder_);
@@ -287,8 +317,7 @@ void CompileCache::check() {
   if (!no_longer.empty()) append(folder_, no_longer);
 }
 
-void CompileCache::Use::seal() const noexcept try {
-  if (lock_ < 0) return;
+void CompileCache::seal() const noexcept try {
   const List list = read_list(folder_);
   std::string lines;
   std::set<fs::path> folders;

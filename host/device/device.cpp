@@ -15,11 +15,13 @@
 #include <filesystem>
 #include <mutex>
 #include <optional>
+#include <thread>
 
-#include "fem/condensation.h"
+#include "fem/cache_directory.h"
 #include "host/device/built_programs.h"
 #include "host/device/compile_cache.h"
 #include "host/device/opencl.h"
+#include "host/support/address_space.h"
 #include "host/support/interrupt.h"
 #include "kernels/shared/interleaved.h"
 
@@ -55,7 +57,8 @@ void set_up_cache() {
   if (std::getenv("POCL_CACHE_DIR")) return;
   std::error_code error;
   const std::array<fs::path, 2> shared = {fs::temp_directory_path(error), "/dev/shm"};
-  const CachePlace place = choose_cache(fem::default_cache_directory() / "pocl", shared);
+  const fs::path named = fem::named_cache_directory();
+  const CachePlace place = choose_cache(named.empty() ? named : named / "pocl", shared);
   process().trouble = place.trouble;
   if (place.folder.empty()) return;
   process().cache = std::make_unique<CompileCache>(place.folder);
@@ -151,6 +154,7 @@ void expect_files() {
 std::vector<FoundDevice> find_devices() {
   expect_files();
   set_up_pocl();
+  if (address_space_left() < opencl_space + std::thread::hardware_concurrency() * stack_size()) return {};
   const HeldSignals held(HeldSignals::always);  // PoCL's threads are made here, and compile later: they keep it
   std::vector<cl::Platform> platforms;
   try {
@@ -227,6 +231,7 @@ std::string no_device_advice() {
   if (cache != nullptr && access(cache, W_OK) != 0)
     return "POCL_CACHE_DIR = " + std::string(cache) + " must be a folder that can be written";
   if (cache == nullptr && !process().trouble.empty()) return no_cache();
+  if (const std::string advice = address_space_advice(); !advice.empty()) return advice;
   return "install one, for the processor: apt install pocl-opencl-icd; `clinfo -l` lists the devices";
 }
 
@@ -303,26 +308,10 @@ Device Device::for_one_contact() const {
 
 bool Device::short_code() const { return state_->short_code; }
 
-struct Compilation::Use {
-  CompileCache::Use use;
-};
+const CompileCache* compile_cache() { return process().cache.get(); }
 
-Compilation::Compilation() {
-  if (process().cache) use_ = std::unique_ptr<Use>(new Use{CompileCache::Use(*process().cache)});
+void compile_in(const std::filesystem::path& folder) {
+  process().cache = std::make_unique<CompileCache>(folder, false);
 }
-
-Compilation::~Compilation() = default;
-
-void Compilation::keep() const {
-  if (use_) use_->use.seal();
-}
-
-std::string Compilation::program(std::string_view key) const { return use_ ? use_->use.program(key) : ""; }
-
-void Compilation::keep_program(std::string_view key, std::string_view binary) const {
-  if (use_) use_->use.keep_program(key, binary);
-}
-
-std::string Compilation::advice() const { return use_ ? use_->use.advice() : ""; }
 
 }  // namespace tactel::host

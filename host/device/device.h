@@ -47,7 +47,7 @@ void set_default_log(LogSink log);
 /// Returns every OpenCL device, in the order of --device; empty where there is none. $TACTEL_LANES (1, 2, 4, 8 or 16)
 /// replaces the lanes of each; throws ConfigError for another number. Before the first OpenCL call
 /// of the process it sets POCL_DEVICES to "basic pthread", and POCL_CACHE_DIR to "pocl" in
-/// fem::default_cache_directory(), unless the user has set them. PoCL keeps compiled kernels there; they are
+/// fem::named_cache_directory(), unless the user has set them. PoCL keeps compiled kernels there; they are
 /// checked first (compile_cache.h). The content of a user's own POCL_CACHE_DIR is not checked.
 std::vector<DeviceInfo> list_devices();
 /// Returns the index of the default device: $TACTEL_DEVICE, else PoCL's `basic` (on which answers are tested),
@@ -89,26 +89,6 @@ class Device {
  private:
   struct State;
   std::shared_ptr<const State> state_;
-};
-
-/// One compilation of kernels, which other threads and processes with the same cache wait for.
-class Compilation {
- public:
-  Compilation();
-  ~Compilation();
-  Compilation(const Compilation&) = delete;
-  Compilation& operator=(const Compilation&) = delete;
-  /// Stores the compiled kernels for later runs.
-  void keep() const;
-  /// The binaries of built programs (CompileCache::Use); none where the user says where kernels are kept.
-  std::string program(std::string_view key) const;
-  void keep_program(std::string_view key, std::string_view binary) const;
-  /// Returns a remedy for a failure, where the reason is the cache's disk; else nothing.
-  std::string advice() const;
-
- private:
-  struct Use;
-  std::unique_ptr<Use> use_;
 };
 
 /// Sends `what` to a device's log as LogLevel::busy, and ends that announcement at destruction.

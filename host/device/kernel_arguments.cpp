@@ -45,6 +45,13 @@ std::vector<KernelParameter> kernel_parameters(std::string_view source, std::str
   return parameters;
 }
 
+bool takes_group(std::string_view source, std::string_view kernel) {
+  const std::size_t start = source.find("kernel void " + std::string(kernel) + "(");
+  if (start == source.npos) return false;
+  const std::size_t next = source.find("kernel void ", start + 1);
+  return source.substr(start, next == source.npos ? next : next - start).find("TAKE_GROUP(") != source.npos;
+}
+
 unsigned KernelArguments::place(std::string_view name) const {
   const auto found = std::ranges::find(parameters_, name, &KernelParameter::name);
   if (found == parameters_.end()) throw std::logic_error("the kernel has no argument " + std::string(name));

@@ -22,6 +22,10 @@ struct KernelParameter {
 /// REAL, "float" or "double". A vector is listed as its element type.
 std::vector<KernelParameter> kernel_parameters(std::string_view source, std::string_view kernel, std::string_view real);
 
+/// Returns true where a launch of `kernel` with first_group = NO_GROUPS does nothing: its text has TAKE_GROUP
+/// (kernels/shared/group.h).
+bool takes_group(std::string_view source, std::string_view kernel);
+
 /// Returns the OpenCL C name of a number's type; "" for a struct.
 template <class Value>
 constexpr std::string_view kernel_type() {

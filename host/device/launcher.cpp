@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <mutex>
-#include <optional>
 
 #include "host/support/interrupt.h"
 #include "kernels/shared/group.h"
@@ -11,10 +10,6 @@
 namespace tactel::host {
 namespace {
 
-// PoCL (to 3.1 at least) aborts when two threads launch a kernel and one of them brings a wider grid than any before
-// it. So every kernel is launched once, at its widest and for nothing, before any run. PoCL also compiles grids of
-// 65536 and more anew, and forgets the oldest of more than 128 kernels.
-constexpr std::size_t widest_cpu_launch = 32768;
 constexpr std::size_t widest_gpu_launch = std::size_t{1} << 24;
 constexpr std::size_t gpu_local_size = 64;
 
@@ -43,19 +38,12 @@ void Launcher::compile(Launch::State& launch) {
   if (launch.program.takes_group(launch.kernel)) {
     const HeldSignals held(HeldSignals::handled);
     const std::lock_guard lock(one_at_a_time);
-    std::optional<BusyMessage> busy;
-    std::optional<Compilation> compilation;
-    if (launch.program.first_use(launch.kernel)) {
-      busy.emplace(device_, "optimizing kernel " + launch.kernel + " for this device (once)");
-      compilation.emplace();
-    }
     launch.widest = widest_launch();
     const std::size_t global = device_.info().type == DeviceType::cpu ? launch.widest : local_size();
     on_spare_queue([&](cl::CommandQueue& queue) {
       enqueue(queue, launch.kernels[0], std::size_t{NO_GROUPS}, global, local_size());
       queue.finish();
     });
-    if (compilation) compilation->keep();
   } else {
     device_.log(LogLevel::warning, launch.kernel + " lacks TAKE_GROUP: compiled at its first use, run group by group");
   }

@@ -26,12 +26,17 @@ struct Launch::State {
   const std::string& device_name() const { return program.device().info().name; }
 };
 
+// PoCL (to 3.1 at least) aborts when two threads launch a kernel and one of them brings a wider grid than any before
+// it. So every kernel is launched once, at its widest and for nothing, before any run. PoCL also compiles grids of
+// 65536 and more anew, and forgets the oldest of more than 128 kernels.
+inline constexpr std::size_t widest_cpu_launch = 32768;
+
 /// Launches groups of a kernel on a device and waits for them, with a queue for each thread.
 class Launcher {
  public:
   Launcher(const Device& device, int threads);
 
-  /// Compiles the kernel once, by a launch that does nothing, on a queue of its own: beside any runs.
+  /// Launches the kernel once for nothing, on a queue of its own: beside any runs.
   void compile(Launch::State& launch);
   /// Runs groups first ... first + count - 1 with the kernel object and queue of this thread.
   void launch(Launch::State& launch, int thread, std::size_t first, std::size_t count);
@@ -40,13 +45,14 @@ class Launcher {
   std::size_t widest_launch() const;  ///< groups
   const Device& device() const { return device_; }
 
+  static void enqueue(cl::CommandQueue& queue, cl::Kernel& kernel, std::size_t first, std::size_t global,
+                      std::size_t local);
+
  private:
   std::size_t local_size() const;
   void launch_on(cl::CommandQueue& queue, Launch::State& launch, int thread, std::size_t first, std::size_t count);
   template <class Use>
   void on_spare_queue(const Use& use);
-  static void enqueue(cl::CommandQueue& queue, cl::Kernel& kernel, std::size_t first, std::size_t global,
-                      std::size_t local);
 
   Device device_;
   std::vector<cl::CommandQueue> queues_;  ///< [threads]

@@ -15,8 +15,7 @@ using Defines = std::vector<std::pair<std::string, std::string>>;
 
 /// An embedded kernel source (kernels/NAME.cl) built for a device: always with -cl-std=CL1.2. The only option
 /// that loosens arithmetic is that denormal numbers are zero. Cheap to copy; copies share the program. Building
-/// takes a second or more for a new program, some 50 ms for one in PoCL's cache (device.h): build once, before
-/// any timing.
+/// takes a second or more for a new program, a few ms for one in the cache (device.h): build once, before any timing.
 class Program {
  public:
   /// Throws KernelBuildError with the compiler's log; std::out_of_range for an unknown source name (a mistake in the
@@ -32,13 +31,10 @@ class Program {
   const std::string& source() const;   ///< "gap_sweep.cl"
   const std::string& options() const;  ///< as passed to the compiler
 
-  /// Returns true where a launch of `kernel` with first_group = NO_GROUPS does nothing: its text has TAKE_GROUP
-  /// (kernels/shared/group.h).
+  /// As the function of kernel_arguments.h.
   bool takes_group(const std::string& kernel) const;
   /// Returns the parameters of a kernel, from the text of the source.
   std::vector<KernelParameter> parameters(const std::string& kernel) const;
-  /// Returns true for the first call with `kernel`. Calls are serialized.
-  bool first_use(const std::string& kernel) const;
 
  private:
   struct State;

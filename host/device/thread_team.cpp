@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/device/thread_team.h"
 
+#include <algorithm>
 #include <chrono>
 #include <system_error>
+
+#include "host/support/address_space.h"
 
 #if defined(__x86_64__)
 #include <immintrin.h>
@@ -36,6 +39,7 @@ bool spin_until(const Ready& ready, double seconds) {
 }  // namespace
 
 ThreadTeam::ThreadTeam(int threads, double spin_seconds) : spin_seconds_(spin_seconds) {
+  threads = std::min(threads, most_threads());
   workers_.reserve(threads - 1);
   try {
     for (int index = 1; index < threads; ++index) workers_.emplace_back([this, index] { work(index); });

@@ -57,6 +57,11 @@ LiveMonitor::LiveMonitor(Executor& executor, const nn::Model& model, const Senso
                                            static_cast<Eigen::Index>(rest.size())));
 }
 
+void LiveMonitor::compile(Executor& executor, const nn::Model& model) {
+  ForwardOne<float>(executor, model.weights, model.scaling);
+  Forward<float>(executor, std::span(&model.weights, 1), model.scaling);
+}
+
 MonitorSummary LiveMonitor::run(hw::FrameSource& source, const MonitorEvents& events) {
   source_ = &source;
   last_turn_ = source.now();

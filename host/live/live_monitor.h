@@ -64,7 +64,9 @@ struct MonitorEvents {
 /// many waiting frames are answered as a batch, with the same bits.
 class LiveMonitor {
  public:
-  /// Compiles and runs the network once. Throws ConfigError where its inputs do not match the tactels of the
+  /// Compiles the network for live frames. Call it before the source is opened: frames then do not wait for a compiler.
+  static void compile(Executor& executor, const nn::Model& model);
+  /// Runs the network once. Throws ConfigError where its inputs do not match the tactels of the
   /// profile.
   LiveMonitor(Executor& executor, const nn::Model& model, const SensorProfile& profile, const MonitorOptions& options);
   /// Runs until the source ends or `stop` returns true.

@@ -7,9 +7,9 @@
 #include <charconv>
 #include <cstring>
 
-#include "host/support/bounded_file.h"
 #include "host/sets/set_seal.h"
 #include "host/sets/set_spool.h"
+#include "host/support/bounded_file.h"
 #include "host/support/errors.h"
 
 namespace tactel::host {

@@ -10,6 +10,7 @@
 #include <sstream>
 #include <thread>
 
+#include "fem/cache_directory.h"
 #include "fem/condensation.h"
 #include "sensors.h"
 
@@ -303,6 +304,47 @@ TEST(CacheDirectory, FollowsTheEnvironment) {
   EXPECT_EQ(with("", "/b", "/c"), "/b/tactel");
   EXPECT_EQ(with(nullptr, nullptr, "/c"), "/c/.cache/tactel");
   EXPECT_EQ(with(nullptr, "", nullptr), "");
+}
+
+/// A folder in one that is removed after the test.
+struct Nested {
+  fs::path outer = fs::temp_directory_path() / ("tactel-nested-" + std::to_string(getpid())), inner = outer / "inner";
+  Nested() { fs::create_directories(inner), mode(outer, 0700), mode(inner, 0700); }
+  ~Nested() { fs::remove_all(outer); }
+  static void mode(const fs::path& folder, unsigned bits) { fs::permissions(folder, static_cast<fs::perms>(bits)); }
+};
+
+TEST(CacheDirectory, OfOthersIsNotTrusted) {
+  const Nested folders;
+  EXPECT_EQ(distrust(folders.inner), "");
+  EXPECT_EQ(distrust(folders.inner / "to/be/made"), "");
+  for (const unsigned open : {0777u, 0702u}) {
+    Nested::mode(folders.inner, open);
+    EXPECT_NE(distrust(folders.inner), "") << open;
+  }
+  Nested::mode(folders.inner, 0755);  // others may read
+  EXPECT_EQ(distrust(folders.inner), "");
+  // Who can write to the folder above can exchange this one, unless it is sticky.
+  Nested::mode(folders.outer, 0777);
+  EXPECT_NE(distrust(folders.inner), "");
+  EXPECT_NE(distrust(folders.inner / "to/be/made"), "");
+  Nested::mode(folders.outer, 01777);
+  EXPECT_EQ(distrust(folders.inner), "");
+  const char* const of_another = geteuid() == 0 ? folders.inner.c_str() : "/usr";
+  if (geteuid() == 0) ASSERT_EQ(chown(of_another, 65534, 65534), 0);
+  EXPECT_EQ(distrust(of_another), std::string(of_another) + " belongs to another user");
+}
+
+// Nothing is read from it, nor written.
+TEST(CacheDirectory, ThatOthersCanWriteIsNotUsed) {
+  const Nested folders;
+  const char* const before = getenv("TACTEL_CACHE_DIR");
+  const std::string saved = before != nullptr ? before : "";
+  setenv("TACTEL_CACHE_DIR", folders.inner.c_str(), 1);
+  EXPECT_EQ(default_cache_directory(), folders.inner);
+  Nested::mode(folders.inner, 0777);
+  EXPECT_EQ(default_cache_directory(), "");
+  before != nullptr ? setenv("TACTEL_CACHE_DIR", saved.c_str(), 1) : unsetenv("TACTEL_CACHE_DIR");
 }
 
 }  // namespace

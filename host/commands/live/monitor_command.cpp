@@ -144,6 +144,7 @@ int run_monitor(const MonitorRequest& request) {
     throw ConfigError("command line", "--widest", fmt::format("{}", *request.widest),
                       "left out for a network without a bound: it has no interval");
   Executor executor{Device(request.device)};  // sets environment variables: before there are other threads
+  LiveMonitor::compile(executor, model);
   OpenSource opened = open_for(request);
   LiveMonitor monitor(executor, model, opened.profile, request.options);
   Output output;

@@ -55,6 +55,105 @@ TEST_F(SolveWithCache, FilesThatAreNotListedAreCompiledAnew) {
   EXPECT_EQ(second.out, first.out);
 }
 
+/// A shell in which $solve and $other are solutions of scenes by two different programs; $cache is their cache. `all`
+/// signals a program and the process that compiles for it.
+ChildResult in_shell(const ScratchFolder& folder, const std::string& script) {
+  const std::string solve =
+                        std::string("solve='" TACTEL_PROGRAM " solve ") + source_file("examples/parabola.toml") + "'; ",
+                    other = std::string("other='" TACTEL_PROGRAM " solve --rung patch-8 ") +
+                            source_file("examples/parabola.toml") + "'; ";
+  return run_child({"env", "-u", "POCL_CACHE_DIR", "TACTEL_CACHE_DIR=" + (folder / "cache").string(), "bash", "-c",
+                    "cd " + (folder / "").string() + "; cache=cache/pocl; " + solve + other +
+                        "all() { kill -$1 $2 $(pgrep -P $2); }; " + script});
+}
+
+// A program that compiles, and is stopped in the midst of it, holds up neither a warm start nor another compilation.
+TEST_F(SolveWithCache, NobodyWaitsForAStoppedProgram) {
+  const ChildResult result = in_shell(folder_, R"(
+    $other > warm 2> log || exit 10
+    $solve > first 2>> log & compiling=$!
+    until pgrep -P $compiling > children; do sleep 0.01; done; sleep 0.3
+    all STOP $compiling
+    timeout 60 $other > again 2>> log || exit 11
+    timeout 60 $solve > second 2>> log || exit 12
+    all CONT $compiling
+    wait $compiling || exit 13
+    cmp warm again && cmp first second)");
+  EXPECT_EQ(result.exit_code, 0) << result.out << result.err << text_of(folder_ / "log");
+}
+
+// Two programs that need the same kernels at once: one waits for the other, and answers as ever.
+TEST_F(SolveWithCache, TwoProgramsNeedTheSameKernels) {
+  const ChildResult result = in_shell(folder_, R"(
+    $solve > first 2> log1 & one=$!
+    $solve > second 2> log2 || exit 10
+    wait $one || exit 11
+    cmp first second && ls $cache/programs | wc -l > programs)");
+  EXPECT_EQ(result.exit_code, 0) << result.out << result.err;
+  EXPECT_EQ(text_of(folder_ / "programs"), "1\n");
+}
+
+// What a kill in the midst of it leaves costs the next program a compilation.
+TEST_F(SolveWithCache, KilledWhileItCompiles) {
+  const ChildResult result = in_shell(folder_, R"(
+    for wait in 0.1 0.4 0.8 1.2; do
+      rm -rf cache
+      $solve > first 2> log & compiling=$!
+      until pgrep -P $compiling > children; do sleep 0.01; kill -0 $compiling || break; done; sleep $wait
+      all KILL $compiling
+      wait $compiling
+      $solve > second 2>> log || exit 10
+      $solve > third 2>> log || exit 11
+      cmp second third || exit 12
+    done 2> noise)");
+  EXPECT_EQ(result.exit_code, 0) << result.out << result.err << text_of(folder_ / "log");
+}
+
+// Batch systems limit the address space. Whether the kernels compile within it or not, the program ends in time; warm,
+// it needs little.
+TEST_F(SolveWithCache, LittleAddressSpaceEndsInWords) {
+  int failed = 0;
+  for (const char* megabytes : {"300", "400", "500", "600", "700", "800", "900"}) {
+    const ChildResult result =
+        in_shell(folder_, std::string("rm -rf cache; ulimit -v ") + megabytes + "000; timeout 60 $solve > answer");
+    EXPECT_THAT(result.exit_code, testing::AnyOf(0, 3)) << megabytes << " MB: " << result.err;
+    if (result.exit_code == 0) continue;
+    ++failed;
+    EXPECT_THAT(result.err, HasSubstr("the address space is limited to")) << megabytes << " MB";
+    EXPECT_THAT(result.err, HasSubstr("ulimit -v 2097152")) << megabytes << " MB";
+  }
+  EXPECT_GT(failed, 2);
+  ASSERT_EQ(solve().exit_code, 0);
+  EXPECT_EQ(in_shell(folder_, "ulimit -v 700000; timeout 60 $solve > answer").exit_code, 0);
+}
+
+TEST_F(SolveWithCache, ThreadsLeaveAddressSpaceToTheWork) {
+  const ChildResult result = in_shell(folder_, "ulimit -v 6000000; TACTEL_THREADS=1024 timeout 60 $solve > answer");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("of 1024 threads could be created"));
+}
+
+// A log has one line for all compilations.
+TEST_F(SolveWithCache, SaysOnceThatItCompiles) {
+  const ChildResult result = in_shell(folder_, "$solve > answer");
+  std::istringstream lines(result.err);
+  int said = 0;
+  for (std::string line; std::getline(lines, line);) {
+    EXPECT_THAT(line, testing::Not(HasSubstr("gap_sweep.cl")));
+    said += line.find("compiling") != line.npos;
+  }
+  EXPECT_LE(said, 1) << result.err;
+}
+
+TEST_F(SolveWithCache, AFolderThatOthersCanWriteIsNotUsed) {
+  const ChildResult result = in_shell(folder_, "mkdir cache tmp; chmod 777 cache; TMPDIR=$PWD/tmp $solve > answer");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("compiled kernels are kept in " + (folder_ / "tmp/tactel-").string()));
+  EXPECT_THAT(result.err,
+              HasSubstr("others can write to " + (folder_ / "cache").string() + ": empty it, then chmod go-w "));
+  EXPECT_TRUE(fs::is_empty(folder_ / "cache"));
+}
+
 /// On a full disk, `full`, beside one with room, `free` (in a mount namespace of its own).
 class OnAFullDisk : public SolveWithCache {
  protected:

@@ -153,6 +153,19 @@ TEST_F(Monitor, AnOffsetThatMovedIsNamedOnce) {
   EXPECT_THAT(with({}, "0").err, HasSubstr("\"drifts\": 0"));
 }
 
+// The kernels are compiled before the sensor is opened.
+TEST_F(Monitor, LosesNoFrameOnItsFirstRun) {
+  const OwnCache empty;
+  const ChildResult result =
+      run_tactel({"monitor", "--source", "simulate:" + scene + "?rate=1000", "--network", network_, "--seconds", "2"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto summary = lines_of(result.err).back();
+  EXPECT_GT(summary["frames"], 1500);
+  EXPECT_EQ(summary["late"], 0);
+  EXPECT_EQ(summary["lost"], 0);
+  EXPECT_EQ(lines_of(result.out).size(), summary["frames"]);
+}
+
 TEST_F(Monitor, TimesThatAreNoneAreRefused) {
   for (const char* option : {"--seconds", "--late"})
     for (const char* value : {"nan", "inf", "0", "-1", "soon"})

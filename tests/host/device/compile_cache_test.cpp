@@ -3,17 +3,18 @@
 // The cache of compiled kernels: what PoCL would abort on is found first, and nothing else is removed.
 #include "host/device/compile_cache.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <atomic>
+#include <chrono>
+#include <csignal>
 #include <functional>
-#include <optional>
 #include <stdexcept>
-#include <thread>
 
 #include "tests/host/support/run_tactel.h"
 
@@ -42,9 +43,8 @@ class Cache : public testing::Test {
   /// As a process that compiles both programs.
   void fill() {
     const CompileCache cache(folder());
-    const CompileCache::Use use(cache);
     SetUp();
-    use.seal();
+    cache.seal();
   }
   std::size_t damaged() const { return CompileCache(folder()).damaged(); }
 
@@ -75,9 +75,8 @@ TEST_P(DamagedCache, LosesThatProgramAlone) {
     EXPECT_EQ(found.damaged(), 1u);
     EXPECT_FALSE(there("AB/FIRST"));
     EXPECT_TRUE(there("CD/SECOND/program.bc"));
-    const CompileCache::Use use(found);
     add("AB/FIRST/program.bc", "compiled anew");
-    use.seal();
+    found.seal();
   }
   EXPECT_EQ(damaged(), 0u);
   EXPECT_EQ(text_of(folder_ / "AB/FIRST/program.bc"), "compiled anew");
@@ -107,7 +106,7 @@ TEST_F(Cache, BelievesNoDamagedList) {
   add("sealed", list.substr(0, list.size() - 3));
   EXPECT_EQ(damaged(), 0u);
   EXPECT_NE(there("AB/FIRST"), there("CD/SECOND"));  // the last line was one of theirs
-  add("sealed", std::string(1000, '\0') + "\nno list\n\n0 0 0 0\n");
+  add("sealed", std::string(1000, '\0').append("\nno list\n\n0 0 0 0\n"));
   EXPECT_EQ(damaged(), 0u);
   EXPECT_FALSE(there("AB/FIRST") || there("CD/SECOND"));
 }
@@ -135,6 +134,7 @@ class Other {
     waitpid(child_, nullptr, 0);
     for (const int each : {ready_[0], ready_[1], end_[0], end_[1]}) close(each);
   }
+  pid_t process() const { return child_; }
   Other(const Other&) = delete;
   Other& operator=(const Other&) = delete;
 
@@ -167,9 +167,8 @@ TEST_F(Cache, AFileListedTooEarlyIsCompiledAnew) {
   fill();
   {
     const CompileCache cache(folder());
-    const CompileCache::Use use(cache);
     add("EF/THIRD/kernel.so", "half");
-    use.seal();
+    cache.seal();
     add("EF/THIRD/kernel.so", "half and half");
   }
   EXPECT_EQ(damaged(), 1u);
@@ -177,28 +176,59 @@ TEST_F(Cache, AFileListedTooEarlyIsCompiledAnew) {
   EXPECT_TRUE(there("AB/FIRST/program.bc"));
 }
 
-// The next compilation waits, and then finds what this one made.
-TEST_F(Cache, OneCompilesAtATime) {
+// Only who needs the same program waits, and knows for whom.
+TEST_F(Cache, TheTurnIsForOneProgram) {
   const CompileCache cache(folder());
-  std::optional<CompileCache::Use> first(std::in_place, cache);
-  std::atomic<bool> entered{false};
-  std::jthread second([&] {
-    const CompileCache::Use use(cache);
-    entered = true;
-  });
-  std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  EXPECT_FALSE(entered);
-  first.reset();
-  second.join();
-  EXPECT_TRUE(entered);
+  CompileCache::Turn same(cache, "program"), another(cache, "another program");
+  {
+    const Other other(
+        [](const CompileCache& its) {
+          auto* const turn = new CompileCache::Turn(its, "program");  // until its end
+          if (turn->take() != 0) _exit(1);
+        },
+        folder());
+    EXPECT_EQ(same.take(), other.process());
+    EXPECT_EQ(another.take(), 0);
+  }
+  EXPECT_EQ(same.take(), 0);
+}
+
+TEST_F(Cache, AKilledProcessGivesItsTurnBack) {
+  const CompileCache cache(folder());
+  const Other other([](const CompileCache& its) { (new CompileCache::Turn(its, "program"))->take(); }, folder());
+  CompileCache::Turn turn(cache, "program");
+  EXPECT_EQ(turn.take(), other.process());
+  kill(other.process(), SIGKILL);
+  waitpid(other.process(), nullptr, 0);
+  EXPECT_EQ(turn.take(), 0);
+}
+
+// A process that is stopped in the middle of its check, or of anything else.
+TEST_F(Cache, AStoppedProcessHoldsUpNobody) {
+  fill();
+  const Other other(
+      [&](const CompileCache&) {
+        for (const char* name : {"processes", "compiling"})
+          (void)flock(open((folder_ / name).c_str(), O_RDWR), LOCK_EX | LOCK_NB);
+      },
+      folder());
+  kill(other.process(), SIGSTOP);
+  const auto start = std::chrono::steady_clock::now();
+  {
+    const CompileCache cache(folder());
+    cache.keep_program("key", "binary");
+    cache.seal();
+    EXPECT_EQ(cache.program("key"), "binary");
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));  // 2 s, on a machine with other work
+  kill(other.process(), SIGCONT);
 }
 
 // What a process leaves that is killed as it compiles is not loaded.
 TEST_F(Cache, DropsWhatAKilledCompilationLeft) {
   fill();
   {
-    const CompileCache cache(folder());
-    const CompileCache::Use killed(cache);
+    const CompileCache killed(folder());
     add("CD/SECOND/kernel/1-1-1/kernel.so", "obj");
   }
   EXPECT_EQ(damaged(), 0u);
@@ -212,36 +242,47 @@ fs::path kept_file(const ScratchFolder& folder) { return fs::directory_iterator(
 TEST_F(Cache, KeepsBinariesOfPrograms) {
   const std::string key = "compiler, options, source", binary = std::string("a\nb\0c", 5);
   const CompileCache cache(folder());
-  const CompileCache::Use use(cache);
-  EXPECT_EQ(use.program(key), "");
-  use.keep_program(key, binary);
-  EXPECT_EQ(use.program(key), binary);
-  EXPECT_EQ(use.program("another key"), "");
-  use.keep_program("another key", "x");
-  EXPECT_EQ(use.program(key), binary);
+  EXPECT_EQ(cache.program(key), "");
+  cache.keep_program(key, binary);
+  EXPECT_EQ(cache.program(key), binary);
+  EXPECT_EQ(cache.program("another key"), "");
+  cache.keep_program("another key", "x");
+  EXPECT_EQ(cache.program(key), binary);
 }
 
 TEST_F(Cache, BelievesNoDamagedBinary) {
   const CompileCache cache(folder());
-  const CompileCache::Use use(cache);
-  use.keep_program("key", "binary");
+  cache.keep_program("key", "binary");
   const std::string good = text_of(kept_file(folder_));
   for (std::size_t k = 0; k < good.size(); ++k) {
     std::string bad = good;
     bad[k] = static_cast<char>(bad[k] ^ 1);
     std::ofstream(kept_file(folder_)) << bad;
-    EXPECT_EQ(use.program("key"), "") << "byte " << k;
+    EXPECT_EQ(cache.program("key"), "") << "byte " << k;
     std::ofstream(kept_file(folder_)) << good.substr(0, k);
-    EXPECT_EQ(use.program("key"), "") << k << " bytes";
+    EXPECT_EQ(cache.program("key"), "") << k << " bytes";
   }
   // Under the name of another key.
   std::ofstream(kept_file(folder_)) << good;
   const fs::path mine = kept_file(folder_);
-  use.keep_program("other", "another binary");
+  cache.keep_program("other", "another binary");
   for (const auto& entry : fs::directory_iterator(folder_ / "programs"))
     if (entry.path() != mine) fs::copy_file(mine, entry.path(), fs::copy_options::overwrite_existing);
-  EXPECT_EQ(use.program("other"), "");
-  EXPECT_EQ(use.program("key"), "binary");
+  EXPECT_EQ(cache.program("other"), "");
+  EXPECT_EQ(cache.program("key"), "binary");
+}
+
+// Machine code is loaded from it: neither the folder nor the one that holds it may be another's.
+TEST(CachePlace, IsNoFolderThatOthersCanWrite) {
+  const ScratchFolder folder;
+  const fs::path own = folder / "own/pocl";
+  fs::create_directories(own);
+  for (const fs::path& open : {own, own.parent_path()}) {
+    chmod(open.c_str(), 0777);
+    EXPECT_THAT(choose_cache(own, {}).trouble, HasSubstr("others can write to")) << open;
+    chmod(open.c_str(), 0755);
+    EXPECT_EQ(choose_cache(own, {}).folder, own);
+  }
 }
 
 TEST(CachePlace, IsTheFirstThatCanBeWritten) {
@@ -256,7 +297,8 @@ TEST(CachePlace, IsTheFirstThatCanBeWritten) {
   chmod(ours.c_str(), 0777);
   const CachePlace none = choose_cache("/dev/null/no/place", shared);
   EXPECT_EQ(none.folder, "");
-  EXPECT_THAT(none.trouble, HasSubstr(ours.string() + " (other users can enter it)"));
+  EXPECT_THAT(none.trouble, HasSubstr(ours.string() + " (others can write to"));
+  EXPECT_THAT(choose_cache("", {}).trouble, HasSubstr("HOME is not set"));
   // no disk has so much room: as a full one
   EXPECT_THAT(choose_cache(own, {}, std::size_t{1} << 62).trouble, HasSubstr("the disk is full"));
 }

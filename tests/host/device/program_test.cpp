@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/device/program.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
+#include <chrono>
+#include <fstream>
 #include <functional>
+#include <iostream>
 #include <string>
 #include <vector>
 
@@ -81,6 +87,13 @@ TEST(Program, TheLogSinkHearsOfBuildsAndOfKernelsThatCannotBeCompiledAhead) {
 
 using Heard = std::vector<std::string>;
 
+/// A program that no cache holds.
+std::string new_text() {
+  static int made = 0;
+  const auto now = std::chrono::steady_clock::now().time_since_epoch().count();
+  return text + fmt::format("// {} {} {}\n", getpid(), now, ++made);
+}
+
 Heard busy_messages(const std::function<void(const Device&)>& job) {
   Heard heard;
   const Device logging("basic", [&](LogLevel level, std::string_view message) {
@@ -90,33 +103,32 @@ Heard busy_messages(const std::function<void(const Device&)>& job) {
   return heard;
 }
 
+const std::string compiling = "compiling scale.cl for this device (once)";
+
 TEST(Program, TheLogSinkHearsThatItIsCompiledAndWhenThatIsOver) {
-  const std::string compiling = "compiling scale.cl for this device (once)";
-  const Heard built = busy_messages([](const Device& device) {
-    Program::from_text(device, "scale.cl", text, {{"FACTOR", "2"}});
+  const Heard heard = busy_messages([source = new_text()](const Device& device) {
+    for (const Device& of :
+         {device, Device("basic", [&](LogLevel level, std::string_view message) { device.log(level, message); })}) {
+      const Program program = Program::from_text(of, "scale.cl", source, {{"FACTOR", "2"}});
+      Executor executor(of);
+      Buffer<int> out(of, 1);
+      const Launch launch = executor.prepare(program, "scale", [&](KernelArguments& kernel) { kernel.set(1, out); });
+      executor.run_here(launch);
+    }
   });
-  EXPECT_EQ(built, (Heard{compiling, ""}));
-  const Heard prepared = busy_messages([](const Device& device) {
-    const Program program = Program::from_text(device, "scale.cl", text, {{"FACTOR", "2"}});
-    Executor executor(device);
-    Buffer<int> out(device, 1);
-    const Launch launch = executor.prepare(program, "scale", [&](KernelArguments& kernel) { kernel.set(1, out); });
-    executor.run_here(launch);  // compiled already
-  });
-  EXPECT_EQ(prepared, (Heard{compiling, "", "optimizing kernel scale for this device (once)", ""}));
+  EXPECT_EQ(heard, (Heard{compiling, ""}));  // the second context takes it from the cache
 }
 
 // A failed build is tried again.
 TEST(Program, IsBuiltOnceAContext) {
-  const Heard heard = busy_messages([](const Device& device) {
+  const Heard heard = busy_messages([source = new_text()](const Device& device) {
     for (const Device& of : {device, device, device.with_lanes(4)})
-      Program::from_text(of, "scale.cl", text, {{"FACTOR", "2"}});
-    Program::from_text(device, "scale.cl", text + std::string("\n"), {{"FACTOR", "2"}});
+      Program::from_text(of, "scale.cl", source, {{"FACTOR", "2"}});
+    Program::from_text(device, "scale.cl", source + "\n", {{"FACTOR", "2"}});
     for (int i = 0; i < 2; ++i) EXPECT_THROW(Program::from_text(device, "bad.cl", "kernel", {}), KernelBuildError);
   });
-  const std::string scale = "compiling scale.cl for this device (once)",
-                    bad = "compiling bad.cl for this device (once)";
-  EXPECT_EQ(heard, (Heard{scale, "", scale, "", bad, "", bad, ""}));
+  const std::string bad = "compiling bad.cl for this device (once)";
+  EXPECT_EQ(heard, (Heard{compiling, "", compiling, "", bad, "", bad, ""}));
 }
 
 TEST(Program, TheLogSinkHearsThatAFailedBuildIsOver) {
@@ -124,6 +136,27 @@ TEST(Program, TheLogSinkHearsThatAFailedBuildIsOver) {
     EXPECT_THROW(Program::from_text(device, "bad.cl", "kernel void bad( {", {}), KernelBuildError);
   });
   EXPECT_EQ(heard, (Heard{"compiling bad.cl for this device (once)", ""}));
+}
+
+// A compiler in this process would not survive it.
+TEST(ProgramDeathTest, IsNotCompiledInTooLittleAddressSpace) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto compile = [] {
+    const Device basic("basic");
+    rlimit limit{};
+    getrlimit(RLIMIT_AS, &limit);
+    std::size_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    limit.rlim_cur = pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE)) + (std::size_t{600} << 20);
+    setrlimit(RLIMIT_AS, &limit);
+    try {
+      Program::from_text(basic, "scale.cl", new_text(), {{"FACTOR", "2"}});
+    } catch (const DeviceError& error) {
+      std::cerr << error.what();
+      std::exit(3);
+    }
+  };
+  EXPECT_EXIT(compile(), testing::ExitedWithCode(3), "the address space is limited to");
 }
 
 TEST(Device, LogsToTheDefaultWithoutASinkOfItsOwn) {
