@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "hw/profile_error.h"
 
@@ -19,6 +20,15 @@ void validate_numbers(const std::string& key, const std::vector<double>& values,
   for (const double value : values) require(std::isfinite(value), key, std::to_string(value), "finite");
 }
 
+std::string text_of(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", value);
+  return text;
+}
+
+/// Of stresses that are not nonsense in MPa, whatever the device's unit: readings of 32 bits must fit a float.
+constexpr double least_gain = 1e-20, most_gain = 1e20, most_offset = 1e15, most_noise = 1e5;  // most_noise: MPa
+
 }  // namespace
 
 void ChannelMap::validate(std::size_t channels) const {
@@ -29,10 +39,25 @@ void ChannelMap::validate(std::size_t channels) const {
   validate_channels("channels.shear", shear, channels);
   validate_numbers("calibration.offset", calibration.offset, channels);
   validate_numbers("calibration.gain", calibration.gain, channels);
-  if (calibration.noise.empty()) return;
-  validate_numbers("calibration.noise", calibration.noise, channels);
+  if (!calibration.noise.empty()) validate_numbers("calibration.noise", calibration.noise, channels);
   for (const double noise : calibration.noise)
-    require(noise >= 0, "calibration.noise", std::to_string(noise), "0 or above, in the device's units");
+    require(noise >= 0, "calibration.noise", text_of(noise), "0 or above, in the device's units");
+  for (std::size_t place = 0; place < 2 * tactels(); ++place) {
+    if (channel(place) < 0) continue;
+    const auto c = static_cast<std::size_t>(channel(place));
+    const std::string of = " for " + channel_text(place);
+    const double gain = calibration.gain[c], offset = calibration.offset[c];
+    require(std::abs(gain) >= least_gain && std::abs(gain) <= most_gain, "calibration.gain", text_of(gain),
+            "MPa by the device's unit" + of + ", " + text_of(least_gain) + " to " + text_of(most_gain) +
+                " or minus that; a tactel without a channel has -1 in [channels]");
+    require(std::abs(offset) <= most_offset, "calibration.offset", text_of(offset),
+            "a reading at rest" + of + ", at most " + text_of(most_offset));
+    if (calibration.noise.empty()) continue;
+    const double noise = calibration.noise[c];
+    require(noise * std::abs(gain) <= most_noise, "calibration.noise", text_of(noise),
+            "a standard deviation at rest" + of + ", at most " + text_of(most_noise) + " MPa by its gain, " +
+                text_of(most_noise / std::abs(gain)));
+  }
 }
 
 int ChannelMap::channel(std::size_t place) const {

@@ -85,7 +85,7 @@ ContactSolution PatchReference::solve(const Scene& scene) const {
   const PatchLimits limits = patch_limits(fine);
   Patch patch = find_patch(fine, model_.table, options_.elements).patch;
   for (int growths = 0;; ++growths) {
-    const bool at_end = near_end(scene.sensor, {patch.left, patch.right}) &&
+    const bool at_end = !model_.sides.endless() && near_end(scene.sensor, {patch.left, patch.right}) &&
                         patch.width() <= widest_node_distance * scene.sensor.thickness;
     UnequalElements elements =
         graded_elements(contact_of(patch, limits), patch.edge_left, patch.edge_right, options_.elements);

@@ -159,22 +159,35 @@ BaseStress stress_between(const SensorFamily& family, Between poisson, double di
   return {value[0], value[1], sign * value[2], sign * value[3]};
 }
 
+/// Places over the width of a tactel, in widths from its middle, and their weights in the mean: Gauss's rule, exact to
+/// degree 7.
+constexpr double gauss_place[] = {-0.43056815579702629, -0.16999052179242813, 0.16999052179242813, 0.43056815579702629};
+constexpr double gauss_weight[] = {0.17392742256872693, 0.32607257743127307, 0.32607257743127307, 0.17392742256872693};
+
 BaseStressTable stress_of(const SensorFamily& family, const Sensor& sensor, std::shared_ptr<const BothEnds> ends) {
   const Eigen::VectorXd tactels = tactel_positions(sensor);
   const Between poisson = rows_around(family, sensor.poisson);
   const double h = sensor.thickness;
+  const auto at_points = [=](double x, const Eigen::VectorXd& points) {
+    const Eigen::Index count = points.size();
+    Eigen::RowVectorXd row(BaseStressTable::quantities * count);
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const BaseStress s = stress_between(family, poisson, (points[k] - x) / h);
+      row[BaseStressTable::sigma_by_pressure * count + k] = -s.sigma_by_y / h;
+      row[BaseStressTable::sigma_by_traction * count + k] = s.sigma_by_x / h;
+      row[BaseStressTable::tau_by_pressure * count + k] = -s.tau_by_y / h;
+      row[BaseStressTable::tau_by_traction * count + k] = s.tau_by_x / h;
+    }
+    if (ends) ends->add_stress(x, points, row);
+    return row;
+  };
+  const double width = sensor.tactel_width;
+  if (width == 0) return {sensor.tactels, [=](double x) { return at_points(x, tactels); }};
   return {sensor.tactels, [=](double x) {
-            const Eigen::Index count = tactels.size();
-            Eigen::RowVectorXd row(BaseStressTable::quantities * count);
-            for (Eigen::Index k = 0; k < count; ++k) {
-              const BaseStress s = stress_between(family, poisson, (tactels[k] - x) / h);
-              row[BaseStressTable::sigma_by_pressure * count + k] = -s.sigma_by_y / h;
-              row[BaseStressTable::sigma_by_traction * count + k] = s.sigma_by_x / h;
-              row[BaseStressTable::tau_by_pressure * count + k] = -s.tau_by_y / h;
-              row[BaseStressTable::tau_by_traction * count + k] = s.tau_by_x / h;
-            }
-            if (ends) ends->add_stress(x, tactels, row);
-            return row;
+            Eigen::RowVectorXd mean = Eigen::RowVectorXd::Zero(BaseStressTable::quantities * tactels.size());
+            for (std::size_t p = 0; p < std::size(gauss_place); ++p)
+              mean += gauss_weight[p] * at_points(x, tactels.array() + gauss_place[p] * width);
+            return mean;
           }};
 }
 
@@ -281,7 +294,11 @@ void SensorFamily::require(const Sensor& sensor) const {
 }
 
 LayerModel SensorFamily::model(const Sensor& sensor) const {
-  require(sensor);
+  sensor.validate();
+  Sensor points = sensor;
+  points.tactel_span = sensor.span();
+  points.tactel_width = 0;
+  require(points);
   std::shared_ptr<const BothEnds> ends;
   if (sides()) ends = std::make_shared<const BothEnds>(*this, sensor);
   return {sensor, layer_between(*this, sensor.poisson), ends ? FreeSides(ends) : FreeSides(),

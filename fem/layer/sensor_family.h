@@ -53,10 +53,12 @@ class SensorFamily {
   const SensorRange& range() const;
   bool sides() const;
 
-  /// Throws ValueError where the sensor is invalid or outside the range.
+  /// Throws ValueError where the sensor is invalid or outside the range, or its tactels have a width: for the kernel
+  /// they are points.
   void require(const Sensor& sensor) const;
 
-  /// The twin of the kernel's way through the tables: all that contact of this sensor wants. Throws as require().
+  /// The twin of the kernel's way through the tables: all that contact of this sensor wants. Its tactels may have a
+  /// width. Throws as require().
   LayerModel model(const Sensor& sensor) const;
 
   /// Where a Poisson's ratio lies among the rows: 0 at the lowest.

@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "fem/contact_laws.h"
 #include "fem/layer/patch_compliance.h"
 #include "fem/layer/rigid_contact.h"
 #include "fem/scene_derivatives.h"
+#include "fem/shape_derivatives.h"
 
 namespace tactel::host {
 namespace {
@@ -88,9 +90,27 @@ PressFrames PressModel::at(const SensorState& state, double friction, std::span<
     return fem::PathDirection{.compliance = (to.compliance - from.compliance) / distance,
                               .tactel_stress = (to.tactel_stress - from.tactel_stress) / distance};
   };
+  /// Of the targets of all increments by what is given: mm of a depth, or a force as a whole.
+  const auto target = [&](bool force) {
+    Eigen::VectorXd by(path.path().increments.size());
+    for (Eigen::Index k = 0; k < by.size(); ++k) {
+      const fem::LoadStep& step = path.path().increments[static_cast<std::size_t>(k)].target;
+      by[k] = step.normal_is_force != force ? 0 : force ? step.normal : 1;
+    }
+    return by;
+  };
   const auto direction_of = [&](int number) -> fem::PathDirection {
     if (number == 0) return {.young = scene.sensor.young};
     if (number == friction_number) return {.mu = 1};
+    if (number == tilt_number) {
+      const Eigen::ArrayXd away = rubber.surface_x.array() - scene.indenter.position;
+      return {.height = path.path().height.array().isFinite().select(std::numbers::pi / 180 * away, 0)};
+    }
+    if (number == depth_number || number == load_number) return {.normal = target(number == load_number)};
+    if (number >= shape_number)
+      return {.height = fem::height_derivatives(scene.indenter, rubber.surface_x)
+                            .at(static_cast<std::size_t>(number - shape_number))
+                            .height};
     SensorState plus = state, minus = state;
     if (number == 1) {  // at an end of the family's range the difference is one-sided
       plus.poisson = std::min(state.poisson + poisson_step, family_.range().poisson_high);

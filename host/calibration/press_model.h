@@ -24,14 +24,18 @@ inline constexpr int sensor_numbers = 5;  ///< in the order of SensorState
 inline constexpr const char* sensor_names[sensor_numbers] = {"ln E", "sensor.poisson", "sensor.thickness", "shift",
                                                              "ln transducer.time_constant"};
 inline constexpr int time_constant_number = 4;
-inline constexpr int friction_number = sensor_numbers;  ///< beside them: friction of the press itself
+/// Beside them, numbers of the press itself: its friction; tilt of the indenter, degrees; zero of the depth, mm; its
+/// given forces, relative; the first numbers of its shape (fem/shape_derivatives.h).
+inline constexpr int friction_number = sensor_numbers, tilt_number = friction_number + 1,
+                     depth_number = tilt_number + 1, load_number = depth_number + 1, shape_number = load_number + 1,
+                     most_shape_numbers = 2, press_numbers = shape_number + most_shape_numbers;
 
-/// Frames and forces of one press, and their derivatives by the numbers of a SensorState.
+/// Frames and forces of one press, and their derivatives by the numbers of a SensorState and of the press.
 struct PressFrames {
   Eigen::MatrixXd frame;  ///< [steps, 2 tactels] MPa: sigma_y, then tau_xy, as amplifiers read them
   Eigen::VectorXd P;      ///< [steps] N/mm
-  std::array<Eigen::MatrixXd, friction_number + 1> frame_by;  ///< [steps, 2 tactels]; empty where not asked for
-  std::array<Eigen::VectorXd, friction_number + 1> P_by;      ///< [steps]
+  std::array<Eigen::MatrixXd, press_numbers> frame_by;  ///< [steps, 2 tactels]; empty where not asked for
+  std::array<Eigen::VectorXd, press_numbers> P_by;      ///< [steps]
 };
 
 /// One press or drag of a known indenter on a sensor that is to be found. The patch is searched once, at the

@@ -135,14 +135,16 @@ PressInformation Planner::information(const PressCandidate& candidate, const Pre
     result.cross.row(c) *= weight;
     result.own += weight * by.transpose() * by;
   }
-  if (options_.forces)
+  if (options_.forces) {  // the gauge's error is one for all forces of a press
+    VectorXd P_by = VectorXd::Zero(size);
+    double n = 0;
     for (Index row = 0; row < steps; ++row) {
-      const double noise = options_.fit.force_noise * frames.P[row];
-      if (!(noise > 0)) continue;
-      VectorXd P_by = VectorXd::Zero(size);
-      for (Index k = 0; k < known; ++k) P_by[k] = frames.P_by[number_of(k)][row];
-      result.own += P_by * P_by.transpose() / (noise * noise);
+      if (!(frames.P[row] > 0)) continue;
+      for (Index k = 0; k < known; ++k) P_by[k] += frames.P_by[number_of(k)][row] / frames.P[row];
+      n += 1;
     }
+    result.own += P_by * P_by.transpose() / std::pow(std::max(n, 1.0) * options_.fit.force_noise, 2);
+  }
   const double friction = options_.fit.friction_deviation * candidate.scene.friction;
   result.own(size - 1, size - 1) += friction > 0 && std::isfinite(friction) ? 1 / (friction * friction) : 1;
   return result;

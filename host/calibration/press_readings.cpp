@@ -39,7 +39,7 @@ PressReadings::PressReadings(const std::vector<KnownPress>& known, const Calibra
     if (presses[i].P.size() > 0) P.segment(first_row[i], steps(i)) = presses[i].P;
   }
   weight = MatrixXd::Ones(total, count);
-  P_weight = VectorXd::Ones(total);
+  P_weight = VectorXd::Ones(static_cast<Index>(presses.size()));
   channels.resize(static_cast<std::size_t>(count));
   for (Channel& channel : channels) channel.used = true;
 }
@@ -75,7 +75,8 @@ void PressReadings::fit_channels(const MatrixXd& frame, bool renew_noise, std::v
           sum += weight(row, c) * r * r;
           n += 1;
         }
-      channel.noise = given_noise.size() > 0 ? given_noise[c] : std::sqrt(sum / std::max(1.0, n));
+      channel.noise = std::sqrt(sum / std::max(1.0, n));
+      if (given_noise.size() > 0) channel.noise = std::max(channel.noise, given_noise[c]);
       if (!(channel.noise > 0)) channel.noise = 1e-12 * std::max(1.0, std::abs(channel.offset));
     }
     channel.inverse = normal.inverse() * channel.noise * channel.noise;
@@ -87,8 +88,21 @@ void PressReadings::reweight(const MatrixXd& frame, const VectorXd& forces) {
   for (Index c = 0; c < count(); ++c)
     for (Index row = 0; row < rows(); ++row)
       if (takes(row, c)) weight(row, c) = huber(residual(row, c, frame(row, c)));
-  for (Index row = 0; row < rows(); ++row)
-    if (takes_force(row)) P_weight[row] = huber(force_residual(row, forces[row]));
+  for (std::size_t i = 0; i < presses.size(); ++i)
+    if (has_force(i)) P_weight[static_cast<Index>(i)] = huber(force_residual(i, forces));
+}
+
+bool PressReadings::has_force(std::size_t press) const {
+  for (Index row = first_row[press]; row < first_row[press] + steps(press); ++row)
+    if (takes_force(row)) return true;
+  return false;
+}
+
+double PressReadings::over_measured(std::size_t press, const VectorXd& forces) const {
+  double sum = 0, n = 0;
+  for (Index row = first_row[press]; row < first_row[press] + steps(press); ++row)
+    if (takes_force(row)) sum += forces[row] / P[row], n += 1;
+  return n > 0 ? sum / n : 0;
 }
 
 void PressReadings::leave_out_press(std::size_t press) {

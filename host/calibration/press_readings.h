@@ -27,13 +27,19 @@ struct PressReadings {
   const Channel& channel(Eigen::Index c) const { return channels[static_cast<std::size_t>(c)]; }
   /// Whether the fit takes this reading, this force.
   bool takes(Eigen::Index row, Eigen::Index c) const { return channel(c).used && std::isfinite(value(row, c)); }
-  bool takes_force(Eigen::Index row) const { return std::isfinite(P[row]) && P[row] != 0; }
+  bool takes_force(Eigen::Index row) const { return std::isfinite(P[row]) && P[row] > 0; }
   /// Reading less model, where the stress is `stress`, MPa, over the channel's noise.
   double residual(Eigen::Index row, Eigen::Index c, double stress) const {
     return (value(row, c) - channel(c).offset - channel(c).sensitivity * stress) / channel(c).noise;
   }
-  /// Measured force less that of the model, `force`, N/mm, over its noise.
-  double force_residual(Eigen::Index row, double force) const { return (P[row] - force) / (force_noise * P[row]); }
+  /// Mean over the load steps of a press of `forces` over those measured, both N/mm: the gauge's error is one for them
+  /// all. 0 where none is measured.
+  double over_measured(std::size_t press, const Eigen::VectorXd& forces) const;
+  bool has_force(std::size_t press) const;
+  /// Measured forces of a press less those of the model, `forces` [rows] N/mm, over their noise.
+  double force_residual(std::size_t press, const Eigen::VectorXd& forces) const {
+    return (1 - over_measured(press, forces)) / force_noise;
+  }
   /// Fits offset and sensitivity of each channel to `frame` [rows, channels], MPa; its noise, too, where it is renewed.
   /// Channels that no press changes become faults.
   void fit_channels(const Eigen::MatrixXd& frame, bool renew_noise, std::vector<CalibrationFault>& faults);
@@ -42,11 +48,12 @@ struct PressReadings {
   void leave_out_press(std::size_t press);
 
   const std::vector<KnownPress>& presses;
-  double force_noise;                   ///< relative
+  double force_noise;                   ///< relative, of a press
   Eigen::VectorXd given_noise;          ///< [channels] or empty
   std::vector<Eigen::Index> first_row;  ///< [presses]
   Eigen::MatrixXd value, weight;        ///< [rows, channels] the device's units; NaN: left out
-  Eigen::VectorXd P, P_weight;          ///< [rows] N/mm
+  Eigen::VectorXd P;                    ///< [rows] N/mm
+  Eigen::VectorXd P_weight;             ///< [presses]
   std::vector<Channel> channels;
   std::vector<bool> press_used;
 };

@@ -81,8 +81,7 @@ PressTiming read_timing(TomlTable& in, const std::vector<double>& times, double 
 }
 
 /// Reads a press, and adds its noise.
-KnownPress read_press(const TomlFile& file, const std::string& name, const SensorProfile& profile, bool decays,
-                      RestNoise& noise) {
+KnownPress read_press(const TomlFile& file, const std::string& name, const SensorProfile& profile, RestNoise& noise) {
   TomlTable in(file, name);
   std::string scene, recording;
   std::vector<double> times, P;
@@ -97,7 +96,13 @@ KnownPress read_press(const TomlFile& file, const std::string& name, const Senso
   if (scene.empty()) in.refuse_missing("scene", "a scene file");
   if (recording.empty()) in.refuse_missing("recording", "a file of tactel record");
   if (times.empty()) in.refuse_missing("times", "an array of s since the first frame, one for each load step");
-  if (!(window > 0 && std::isfinite(window))) in.refuse("window", "s above 0, over which frames are averaged");
+  double longest = 2 * times.front();
+  for (std::size_t k = 1; k < times.size(); ++k) longest = std::min(longest, times[k] - times[k - 1]);
+  if (!(longest > 0)) in.refuse("times", "s since the first frame, above 0, each later than the one before");
+  if (!(window > 0 && window <= longest))
+    in.refuse("window", fmt::format("s above 0, over which frames are averaged; at most {:g}, so that windows begin "
+                                    "with the recording and do not overlap",
+                                    longest));
   const std::filesystem::path folder = file.path().parent_path();
   KnownPress press{
       .name = name, .scene = read_scene(folder / scene), .readings = {}, .P = {}, .timing = std::move(timing)};
@@ -105,8 +110,10 @@ KnownPress read_press(const TomlFile& file, const std::string& name, const Senso
   if (path.until_sliding || path.steps.size() != times.size())
     in.refuse("times", fmt::format("as long as the scene has load steps, {}", path.steps.size()));
   if (!P.empty() && P.size() != times.size()) in.refuse("P", fmt::format("as long as times, {}", times.size()));
+  if (std::ranges::any_of(P, [](double force) { return force <= 0; }))
+    in.refuse("P", "an array of N/mm above 0; left out where the force was not measured");
   try {
-    if (decays) press.timing.validate(times.size());
+    press.timing.validate(times.size());
   } catch (const ValueError& error) {
     throw file.error(ValueError(name + "." + error.key, error.value, error.allowed));
   }
@@ -175,7 +182,7 @@ CalibrationOptions read_fit(const TomlFile& file) {
   fit.read("shift", options.fit_shift, "true or false");
   fit.read("time_constant", options.fit_time_constant, "true or false");
   fit.read("friction", options.friction_deviation, "standard deviation of each press's friction, relative, 0 to 1");
-  fit.read("force_noise", options.force_noise, "standard deviation of P over P, above 0");
+  fit.read("force_noise", options.force_noise, "standard deviation of P over P, above 0, at most 1");
   fit.read("lowest_reading", options.lowest_reading, "the lowest reading of the converter");
   fit.read("highest_reading", options.highest_reading, "the highest reading of the converter");
   fit.finish();
@@ -197,9 +204,6 @@ void require_same_sensor(const TomlFile& file, const std::string& name, const fe
 }
 
 fem::SensorFamily calibration_family(const fem::Sensor& sensor, const CalibrationOptions& options) {
-  if (sensor.tactel_width != 0)
-    throw ValueError("sensor.tactel_width", fmt::format("{:g}", sensor.tactel_width),
-                     "0: the calibration takes transducers as points");
   const double reach = options.fit_poisson ? poisson_reach : 0;
   return fem::SensorFamily({.poisson_low = std::max(0.0, sensor.poisson - reach),
                             .poisson_high = reach > 0 ? std::min(sensor.poisson + reach, most_poisson) : sensor.poisson,
@@ -214,8 +218,7 @@ PressRecordings read_press_recordings(const std::filesystem::path& path, const S
   RestNoise noise;
   for (const std::string& name : root.keys()) {
     root.expect_table(name);
-    if (name != "fit" && name != "transducer")
-      result.presses.push_back(read_press(file, name, profile, std::isfinite(result.options.time_constant), noise));
+    if (name != "fit" && name != "transducer") result.presses.push_back(read_press(file, name, profile, noise));
   }
   root.finish();
   if (result.presses.empty())

@@ -20,8 +20,7 @@ struct PressRecordings {
 /// Reads the tables [fit] and [transducer]. Throws ConfigError.
 CalibrationOptions read_fit(const TomlFile& file);
 
-/// Returns the tables of all sensors among which a fit with these options seeks, made through the cache. Throws
-/// ValueError for transducers with a width.
+/// Returns the tables of all sensors among which a fit with these options seeks, made through the cache.
 fem::SensorFamily calibration_family(const fem::Sensor& sensor, const CalibrationOptions& options);
 
 /// Throws ConfigError for the table `name` of a file where its sensor is not that of the table `first`.

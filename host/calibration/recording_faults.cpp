@@ -21,6 +21,7 @@ constexpr double swapped_share = 0.25;  ///< of its own squared residuals that a
 constexpr double dead_signal = 20;      ///< standard deviations that a working channel would have shown
 constexpr double wrong_press = 3;       ///< times the median press's residual
 constexpr double wrong_indenter = 2;    ///< times noise at rest and model_error
+constexpr double misfit = 1.25;         ///< times noise at rest, which few frames tell up to 7 % too small
 constexpr double model_error = 0.02;    ///< of a transducer's signal: places, depths and shapes as a bench knows them
 
 std::string channel_name(const PressReadings& readings, Index c) { return transducer_name(c, readings.count() / 2); }
@@ -136,24 +137,64 @@ bool find_wrong_press(PressReadings& readings, const MatrixXd& frame, std::vecto
   return true;
 }
 
+namespace {
+
+/// Root mean square of residuals [presses], and of all of them, over the noise at rest and a share of each transducer's
+/// signal. 0: nothing to compare.
+struct OverRest {
+  std::vector<double> presses;
+  double all = 0;
+};
+
+OverRest over_rest(const PressReadings& readings, const MatrixXd& frame, const CalibrationOptions& options,
+                   double share) {
+  const VectorXd& noise = options.rest_noise.size() > 0 ? options.rest_noise : options.noise;
+  OverRest over{std::vector<double>(readings.presses.size(), 0)};
+  double all = 0;
+  for (std::size_t i = 0; i < readings.presses.size() && noise.size() > 0; ++i) {
+    double sum = 0, n = 0;
+    for (Index c = 0; c < readings.count(); ++c) {
+      const Channel& channel = readings.channel(c);
+      const double signal =
+          channel.sensitivity * std::sqrt((frame.col(c).array() - frame.col(c).mean()).square().mean());
+      const double expected = std::hypot(noise[c], share * signal) / channel.noise;
+      if (!channel.used || !(expected > 0)) continue;
+      for (Index row = readings.first_row[i]; row < readings.first_row[i] + readings.steps(i); ++row)
+        if (readings.takes(row, c)) sum += std::pow(readings.residual(row, c, frame(row, c)) / expected, 2), n += 1;
+    }
+    if (n > 0) over.presses[i] = std::sqrt(sum / n);
+    over.all += sum, all += n;
+  }
+  over.all = all > 0 ? std::sqrt(over.all / all) : 0;
+  return over;
+}
+
+}  // namespace
+
+void find_misfit(const PressReadings& readings, const MatrixXd& frame, const CalibrationOptions& options,
+                 const std::vector<std::string>& better, std::vector<CalibrationFault>& faults) {
+  constexpr std::size_t most_sentences = 3;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(better.size(), most_sentences); ++i) text += (i > 0 ? "; " : "") + better[i];
+  if (better.empty()) {
+    const OverRest over = over_rest(readings, frame, options, 0);
+    if (!(over.all > misfit)) return;
+    const auto worst = std::ranges::max_element(over.presses) - over.presses.begin();
+    text = fmt::format("residuals are {:.1f} times the noise at rest, {:.1f} times in {}: thickness? indenter? tilt?",
+                       over.all, over.presses[static_cast<std::size_t>(worst)],
+                       readings.presses[static_cast<std::size_t>(worst)].name);
+  }
+  faults.push_back({CalibrationFault::Kind::model_misfit, -1, -1, -1, "the model does not fit: " + text});
+}
+
 void find_wrong_indenter(const PressReadings& readings, const MatrixXd& frame, const CalibrationOptions& options,
                          std::vector<CalibrationFault>& faults) {
-  const VectorXd& noise = options.rest_noise.size() > 0 ? options.rest_noise : options.noise;
-  if (noise.size() == 0) return;
-  double sum = 0, n = 0;
-  for (Index c = 0; c < readings.count(); ++c) {
-    const Channel& channel = readings.channel(c);
-    if (!channel.used) continue;
-    const double signal = channel.sensitivity * std::sqrt((frame.col(c).array() - frame.col(c).mean()).square().mean());
-    const double expected = std::hypot(noise[c], model_error * signal) / channel.noise;
-    for (Index row = 0; row < readings.rows(); ++row)
-      if (readings.takes(row, c)) sum += std::pow(readings.residual(row, c, frame(row, c)) / expected, 2), n += 1;
-  }
-  if (n > 0 && std::sqrt(sum / n) > wrong_indenter)
+  const double over = over_rest(readings, frame, options, model_error).all;
+  if (over > wrong_indenter)
     faults.push_back({CalibrationFault::Kind::wrong_indenter, -1, -1, -1,
                       fmt::format("residuals are {:.1f} times what noise at rest and {:g} % of the stress explain: all "
                                   "presses have another indenter, friction or place",
-                                  std::sqrt(sum / n), 100 * model_error)});
+                                  over, 100 * model_error)});
 }
 
 }  // namespace tactel::host

@@ -20,6 +20,9 @@ void find_dead(PressReadings& readings, const Eigen::MatrixXd& frame, std::vecto
 /// The press with another indenter, depth or place than it says: its residuals are far beyond those of the others.
 /// Returns whether there is one.
 bool find_wrong_press(PressReadings& readings, const Eigen::MatrixXd& frame, std::vector<CalibrationFault>& faults);
+/// A model that does not fit: `better` are sentences on what fits better; without any, residuals beyond the noise.
+void find_misfit(const PressReadings& readings, const Eigen::MatrixXd& frame, const CalibrationOptions& options,
+                 const std::vector<std::string>& better, std::vector<CalibrationFault>& faults);
 /// A wrong indenter, friction or place of all presses: it bends the model to readings that no gain explains.
 void find_wrong_indenter(const PressReadings& readings, const Eigen::MatrixXd& frame, const CalibrationOptions& options,
                          std::vector<CalibrationFault>& faults);

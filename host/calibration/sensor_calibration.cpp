@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "fem/shape_derivatives.h"
 #include "fem/value_error.h"
 #include "host/calibration/press_readings.h"
 #include "host/calibration/recording_faults.h"
@@ -23,6 +24,12 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double converged_step = 0.01;  ///< of a standard deviation
 constexpr double spread_step = 1.3;      ///< of the distances at which the cost of a friction is looked at
 constexpr double not_told = 0.9;         ///< of its deviation before the fit
+/// What is left of the model's error after its correction, over the correction: on twice the elements a further
+/// doubling changes 0.29 to 0.37 of what the first did (twenty presses of two cylinders, 12 to 96 elements).
+constexpr double model_error_left = 0.35;
+constexpr std::size_t error_groups = 16;  ///< of presses, most
+constexpr double misfit_from = 4;         ///< standard deviations of a known number that does not fit
+constexpr double unjudged = 1e-6;         ///< of the information on a number, left by the fitted ones: too little
 constexpr int first_friction =
     sensor_numbers;  ///< numbers of the fit: those of SensorState, then each press's friction
 
@@ -36,8 +43,17 @@ struct FitState {
 struct Stack {
   MatrixXd frame;            ///< [rows, channels] MPa
   VectorXd P;                ///< [rows]
-  std::vector<MatrixXd> by;  ///< [fitted numbers]
+  std::vector<MatrixXd> by;  ///< [fitted numbers, then known ones]
   std::vector<VectorXd> P_by;
+};
+
+/// A number that the fit takes as known. Its error is in the deviations of all that is fitted.
+struct Known {
+  std::string name, unit;     ///< for messages; without a name it is known to `deviation`, and not judged
+  double value;               ///< as it is taken
+  int number;                 ///< of PressFrames
+  std::vector<bool> presses;  ///< of which it is a number
+  double deviation = 0;       ///< of its error
 };
 
 class Fit {
@@ -48,7 +64,10 @@ class Fit {
 
  private:
   void find_patches();
-  Stack stack(const FitState& state, bool derivatives) const;
+  void find_model_error();
+  void append_model_error(Stack& at) const;
+  Stack stack(const FitState& state, bool derivatives, const std::vector<Known>& known = {}) const;
+  std::vector<Known> known_numbers() const;
   double friction_deviation(int number) const {
     const double mu = presses_[static_cast<std::size_t>(number - first_friction)].scene.friction;
     return options_.friction_deviation * mu;
@@ -59,6 +78,11 @@ class Fit {
   void normal_equations(const Stack& at, MatrixXd& H, VectorXd& g) const;
   bool iterate(int& iterations);
   void choose_numbers();
+  void weaken_forces(const Stack& at);
+  MatrixXd covariance(const MatrixXd& H, const VectorXd& deviations) const;
+  std::string name_presses(const std::vector<bool>& presses) const;
+  VectorXd judge(std::vector<Known>& known, const MatrixXd& H, const VectorXd& g,
+                 std::vector<std::string>& better) const;
   FitState moved(const VectorXd& step) const;
   double cost_of_friction(std::size_t press, double mu) const;
   double held_information(const Stack& at, Index k) const;
@@ -72,6 +96,7 @@ class Fit {
   const CalibrationOptions& options_;
   PressReadings readings_;
   std::vector<PressModel> models_;
+  Stack model_error_;  ///< twice the elements less the fit's; empty before it is known
   FitState state_;
   std::vector<int> numbers_;  ///< that are fitted
   SensorCalibration result_;
@@ -109,16 +134,23 @@ std::string Fit::number_name(int number) const {
   return "friction of " + presses_[static_cast<std::size_t>(number - first_friction)].name;
 }
 
-Stack Fit::stack(const FitState& state, bool derivatives) const {
+/// At the state, corrected by the model's error where that is known; with derivatives by the fitted numbers, and those
+/// of `known`.
+Stack Fit::stack(const FitState& state, bool derivatives, const std::vector<Known>& known) const {
   Stack all{MatrixXd(readings_.rows(), readings_.count()), VectorXd(readings_.rows()), {}, {}};
-  if (derivatives) all.by.assign(numbers_.size(), all.frame), all.P_by.assign(numbers_.size(), all.P);
+  const std::size_t columns = derivatives ? numbers_.size() + known.size() : 0;
+  all.by.assign(columns, all.frame), all.P_by.assign(columns, all.P);
   side_by_side(models_.size(), options_.threads, [&](std::size_t i) {
-    const auto of_press = [own = first_friction + static_cast<int>(i)](int number) {
-      return number < first_friction ? number : number == own ? friction_number : -1;
+    const auto of_press = [&, own = first_friction + static_cast<int>(i)](std::size_t k) {
+      if (k >= numbers_.size()) {
+        const Known& one = known[k - numbers_.size()];
+        return one.presses[i] ? one.number : -1;
+      }
+      return numbers_[k] < first_friction ? numbers_[k] : numbers_[k] == own ? friction_number : -1;
     };
     std::vector<int> asked;
-    for (const int number : numbers_)
-      if (derivatives && of_press(number) >= 0) asked.push_back(of_press(number));
+    for (std::size_t k = 0; k < columns; ++k)
+      if (of_press(k) >= 0) asked.push_back(of_press(k));
     const PressFrames frames = models_[i].at(state.sensor, state.friction[i], asked);
     const Index first = readings_.first_row[i], steps = readings_.steps(i);
     if (frames.frame.rows() != steps)
@@ -126,8 +158,8 @@ Stack Fit::stack(const FitState& state, bool derivatives) const {
                        fmt::format("{} rows, one for each load step", frames.frame.rows()));
     all.frame.middleRows(first, steps) = frames.frame;
     all.P.segment(first, steps) = frames.P;
-    for (std::size_t k = 0; derivatives && k < numbers_.size(); ++k) {
-      const int number = of_press(numbers_[k]);
+    for (std::size_t k = 0; k < columns; ++k) {
+      const int number = of_press(k);
       auto by = all.by[k].middleRows(first, steps);
       auto P_by = all.P_by[k].segment(first, steps);
       by.setZero();
@@ -135,7 +167,44 @@ Stack Fit::stack(const FitState& state, bool derivatives) const {
       if (number >= 0) by = frames.frame_by[number], P_by = frames.P_by[number];
     }
   });
+  if (model_error_.P.size() > 0) all.frame += model_error_.frame, all.P += model_error_.P;
   return all;
+}
+
+/// What twice the elements change; nothing in presses that have no answer there.
+void Fit::find_model_error() {
+  Stack error{MatrixXd::Zero(readings_.rows(), readings_.count()), VectorXd::Zero(readings_.rows()), {}, {}};
+  std::vector<char> known(presses_.size(), true);
+  side_by_side(presses_.size(), options_.threads, [&](std::size_t i) {
+    const KnownPress& press = presses_[i];
+    const Index first = readings_.first_row[i], steps = readings_.steps(i);
+    try {
+      const PressModel finer(family_, press.scene, press.timing, state_.sensor, 2 * options_.elements);
+      const PressFrames to = finer.at(state_.sensor, state_.friction[i]),
+                        from = models_[i].at(state_.sensor, state_.friction[i]);
+      error.frame.middleRows(first, steps) = to.frame - from.frame;
+      error.P.segment(first, steps) = to.P - from.P;
+    } catch (const fem::PathError&) {
+      known[i] = false;
+    }
+  });
+  for (std::size_t i = 0; i < presses_.size(); ++i)
+    if (!known[i])
+      result_.held.push_back("the model's error in " + presses_[i].name + " is not known, and not counted");
+  model_error_ = std::move(error);
+}
+
+/// As derivatives: errors of presses differ in sign, so that each group of presses has its own.
+void Fit::append_model_error(Stack& at) const {
+  for (std::size_t group = 0; group < std::min(error_groups, presses_.size()); ++group) {
+    at.by.push_back(MatrixXd::Zero(readings_.rows(), readings_.count()));
+    at.P_by.push_back(VectorXd::Zero(readings_.rows()));
+    for (std::size_t i = group; i < presses_.size(); i += error_groups) {
+      const Index first = readings_.first_row[i], steps = readings_.steps(i);
+      at.by.back().middleRows(first, steps) = model_error_.frame.middleRows(first, steps);
+      at.P_by.back().segment(first, steps) = model_error_.P.segment(first, steps);
+    }
+  }
 }
 
 double Fit::cost(const Stack& at) const {
@@ -144,9 +213,9 @@ double Fit::cost(const Stack& at) const {
     for (Index row = 0; row < readings_.rows(); ++row)
       if (readings_.takes(row, c))
         sum += readings_.weight(row, c) * std::pow(readings_.residual(row, c, at.frame(row, c)), 2);
-  for (Index row = 0; row < readings_.rows(); ++row)
-    if (readings_.takes_force(row))
-      sum += readings_.P_weight[row] * std::pow(readings_.force_residual(row, at.P[row]), 2);
+  for (std::size_t i = 0; i < presses_.size(); ++i)
+    if (readings_.has_force(i))
+      sum += readings_.P_weight[static_cast<Index>(i)] * std::pow(readings_.force_residual(i, at.P), 2);
   for (const int number : numbers_)
     if (number >= first_friction)
       sum += std::pow((state_.friction[static_cast<std::size_t>(number - first_friction)] -
@@ -156,9 +225,9 @@ double Fit::cost(const Stack& at) const {
   return sum;
 }
 
-/// Of the fitted numbers, gains and offsets eliminated.
+/// Of the numbers by which `at` has derivatives, gains and offsets eliminated.
 void Fit::normal_equations(const Stack& at, MatrixXd& H, VectorXd& g) const {
-  const auto size = static_cast<Index>(numbers_.size());
+  const auto size = static_cast<Index>(at.by.size());
   H = MatrixXd::Zero(size, size);
   g = VectorXd::Zero(size);
   for (Index c = 0; c < readings_.count(); ++c) {
@@ -177,15 +246,15 @@ void Fit::normal_equations(const Stack& at, MatrixXd& H, VectorXd& g) const {
     }
     H += own - cross.transpose() * channel.inverse * cross;
   }
-  for (Index row = 0; row < readings_.rows(); ++row) {
-    if (!readings_.takes_force(row)) continue;
-    const double noise = options_.force_noise * readings_.P[row], weight = readings_.P_weight[row] / (noise * noise);
+  for (std::size_t i = 0; i < presses_.size(); ++i) {
+    if (!readings_.has_force(i)) continue;
+    const double weight = readings_.P_weight[static_cast<Index>(i)], noise = readings_.force_noise;
     VectorXd by(size);
-    for (Index k = 0; k < size; ++k) by[k] = at.P_by[static_cast<std::size_t>(k)][row];
+    for (Index k = 0; k < size; ++k) by[k] = readings_.over_measured(i, at.P_by[static_cast<std::size_t>(k)]) / noise;
     H += weight * by * by.transpose();
-    g += weight * by * (readings_.P[row] - at.P[row]);
+    g += weight * by * readings_.force_residual(i, at.P);
   }
-  for (Index k = 0; k < size; ++k) {
+  for (Index k = 0; k < static_cast<Index>(numbers_.size()); ++k) {
     const int number = numbers_[static_cast<std::size_t>(k)];
     if (number < first_friction) continue;
     const auto press = static_cast<std::size_t>(number - first_friction);
@@ -294,18 +363,22 @@ bool Fit::iterate(int& iterations) {
 
 /// The part of cost() that a press's friction changes, all else held.
 double Fit::cost_of_friction(std::size_t press, double mu) const {
-  const PressFrames frames = models_[press].at(state_.sensor, mu);
+  PressFrames frames = models_[press].at(state_.sensor, mu);
+  const Index first = readings_.first_row[press], steps = readings_.steps(press);
+  VectorXd forces = VectorXd::Zero(readings_.rows());
+  forces.segment(first, steps) = frames.P;
+  if (model_error_.P.size() > 0) {
+    frames.frame += model_error_.frame.middleRows(first, steps);
+    forces.segment(first, steps) += model_error_.P.segment(first, steps);
+  }
   const KnownPress& known = presses_[press];
   double sum = std::pow((mu - known.scene.friction) / (options_.friction_deviation * known.scene.friction), 2);
-  for (Index step = 0; step < frames.frame.rows(); ++step) {
-    const Index row = readings_.first_row[press] + step;
-    for (Index c = 0; c < readings_.count(); ++c) {
-      if (!readings_.takes(row, c)) continue;
-      sum += readings_.weight(row, c) * std::pow(readings_.residual(row, c, frames.frame(step, c)), 2);
-    }
-    if (readings_.takes_force(row))
-      sum += readings_.P_weight[row] * std::pow(readings_.force_residual(row, frames.P[step]), 2);
-  }
+  for (Index step = 0; step < steps; ++step)
+    for (Index c = 0; c < readings_.count(); ++c)
+      if (const Index row = first + step; readings_.takes(row, c))
+        sum += readings_.weight(row, c) * std::pow(readings_.residual(row, c, frames.frame(step, c)), 2);
+  if (readings_.has_force(press))
+    sum += readings_.P_weight[static_cast<Index>(press)] * std::pow(readings_.force_residual(press, forces), 2);
   return sum;
 }
 
@@ -313,16 +386,17 @@ double Fit::cost_of_friction(std::size_t press, double mu) const {
 double Fit::held_information(const Stack& at, Index k) const {
   const auto place = static_cast<std::size_t>(k);
   double sum = 1 / std::pow(friction_deviation(numbers_[place]), 2);
-  for (Index row = 0; row < readings_.rows(); ++row) {
+  for (Index row = 0; row < readings_.rows(); ++row)
     for (Index c = 0; c < readings_.count(); ++c) {
       const Channel& channel = readings_.channel(c);
       if (readings_.takes(row, c))
         sum += readings_.weight(row, c) * std::pow(channel.sensitivity * at.by[place](row, c) / channel.noise, 2);
     }
-    if (readings_.takes_force(row))
-      sum += readings_.P_weight[row] * std::pow(at.P_by[place][row] / (options_.force_noise * readings_.P[row]), 2);
-  }
-  return sum;
+  const int press = numbers_[place] - first_friction;
+  return sum +
+         readings_.P_weight[press] *
+             std::pow(readings_.over_measured(static_cast<std::size_t>(press), at.P_by[place]) / readings_.force_noise,
+                      2);
 }
 
 /// Returns how much wider a friction may be off than its covariance says, 1 or more. Where the contact no longer
@@ -386,7 +460,7 @@ void Fit::report_numbers(const Stack& at, const MatrixXd& covariance) {
 
 /// Gains and offsets, with deviations that include those of the fitted numbers.
 void Fit::report_channels(const Stack& at, const MatrixXd& covariance) {
-  const auto size = static_cast<Index>(numbers_.size());
+  const auto size = static_cast<Index>(at.by.size());
   for (Index c = 0; c < readings_.count(); ++c) {
     const Channel& channel = readings_.channel(c);
     result_.noise.push_back(channel.used ? channel.noise : nan);
@@ -411,6 +485,129 @@ void Fit::report_channels(const Stack& at, const MatrixXd& covariance) {
     result_.gain.push_back({1 / s, std::sqrt(own(1, 1)) / (s * s)});
     result_.offset.push_back({channel.offset, std::sqrt(own(0, 0))});
   }
+}
+
+/// Numbers that the fit takes as known: those that may be what does not fit, and the loads of presses by force.
+std::vector<Known> Fit::known_numbers() const {
+  std::vector<Known> all;
+  const std::vector<bool> every = readings_.press_used;
+  const auto presses_of = [&](const auto& belongs) {
+    std::vector<bool> of = every;
+    for (std::size_t i = 0; i < of.size(); ++i) of[i] = of[i] && belongs(presses_[i].scene);
+    return of;
+  };
+  const auto add = [&](std::string name, const char* unit, double value, int number, std::vector<bool> presses) {
+    if (std::ranges::find(presses, true) != presses.end())
+      all.push_back({std::move(name), unit, value, number, std::move(presses)});
+  };
+  if (!options_.fit_thickness) add("sensor.thickness", " mm", state_.sensor.thickness, 2, every);
+  if (!options_.fit_shift) add("shift of the tactels", " mm", state_.sensor.shift, 3, every);
+  add("tilt of the indenters", " degrees", 0, tilt_number, every);
+  add("zero of the depth", " mm", 0, depth_number,
+      presses_of([](const fem::Scene& scene) { return !fem::by_force(scene); }));
+  const auto once = [&](std::size_t i, const auto& same) {
+    for (std::size_t j = 0; j < i; ++j)
+      if (same(presses_[j].scene, presses_[i].scene)) return false;
+    return true;
+  };
+  const auto same_friction = [](const fem::Scene& a, const fem::Scene& b) { return a.friction == b.friction; };
+  const auto shape_numbers = [](const fem::Scene& scene) {
+    return fem::height_derivatives(scene.indenter, Eigen::VectorXd(0));
+  };
+  const auto same_shape = [&](const fem::Scene& a, const fem::Scene& b) {
+    return a.indenter.shape.index() == b.indenter.shape.index() &&
+           std::ranges::equal(shape_numbers(a), shape_numbers(b), {}, &fem::HeightDerivative::value,
+                              &fem::HeightDerivative::value);
+  };
+  for (std::size_t i = 0; i < presses_.size(); ++i) {
+    const fem::Scene& scene = presses_[i].scene;
+    const auto like_this = [&](const auto& same) {
+      return presses_of([&](const fem::Scene& other) { return same(other, scene); });
+    };
+    if (options_.friction_deviation == 0 && scene.friction > 0 && std::isfinite(scene.friction) &&
+        once(i, same_friction))
+      add("contact.friction", "", scene.friction, friction_number, like_this(same_friction));
+    if (once(i, same_shape)) {
+      const std::vector<fem::HeightDerivative> numbers = shape_numbers(scene);
+      for (int k = 0; k < std::min(most_shape_numbers, static_cast<int>(numbers.size())); ++k) {
+        const fem::HeightDerivative& of = numbers[static_cast<std::size_t>(k)];
+        add("indenter." + of.key, of.unit.empty() ? "" : (" " + of.unit).c_str(), of.value, shape_number + k,
+            like_this(same_shape));
+      }
+    }
+    if (fem::by_force(scene) && readings_.press_used[i]) {
+      std::vector<bool> own(presses_.size(), false);
+      own[i] = true;
+      all.push_back({"", "", 0, load_number, std::move(own), readings_.force_noise});
+    }
+  }
+  return all;
+}
+
+/// Where forces scatter by more than their noise, that of the fit is theirs.
+void Fit::weaken_forces(const Stack& at) {
+  double sum = 0, n = -1;
+  for (std::size_t i = 0; i < presses_.size(); ++i)
+    if (readings_.has_force(i))
+      sum += readings_.P_weight[static_cast<Index>(i)] * std::pow(readings_.force_residual(i, at.P), 2), n += 1;
+  if (n > 0) readings_.force_noise *= std::sqrt(std::max(1.0, sum / n));
+}
+
+/// Of all numbers in the normal equations: the fitted ones, which answer to errors of the known ones, `deviations`.
+MatrixXd Fit::covariance(const MatrixXd& H, const VectorXd& deviations) const {
+  const auto fitted = static_cast<Index>(numbers_.size()), known = deviations.size();
+  MatrixXd own = MatrixXd::Zero(fitted, fitted);
+  if (fitted > 0) own = H.topLeftCorner(fitted, fitted).ldlt().solve(MatrixXd::Identity(fitted, fitted));
+  MatrixXd answer(fitted + known, known);
+  answer << -own * H.topRightCorner(fitted, known), MatrixXd::Identity(known, known);
+  MatrixXd all = answer * deviations.array().square().matrix().asDiagonal() * answer.transpose();
+  all.topLeftCorner(fitted, fitted) += own;
+  return all;
+}
+
+/// " of press 1, press 3 and 8 more"; empty for all.
+std::string Fit::name_presses(const std::vector<bool>& presses) const {
+  constexpr int most_names = 2;
+  std::string text;
+  int count = 0;
+  for (std::size_t i = 0; i < presses.size(); ++i)
+    if (presses[i] && count++ < most_names) text += (count == 1 ? " of " : ", ") + presses_[i].name;
+  if (presses == readings_.press_used) return "";
+  return count > most_names ? fmt::format("{} and {} more", text, count - most_names) : text;
+}
+
+/// Judges each known number alone: by one Newton step, does another value explain more of the residuals than noise and
+/// the model's error? That is a sentence in `better`, and the step a deviation of the number. Returns the deviations of
+/// all known numbers, and of the model's error.
+VectorXd Fit::judge(std::vector<Known>& known, const MatrixXd& H, const VectorXd& g,
+                    std::vector<std::string>& better) const {
+  const auto fitted = static_cast<Index>(numbers_.size()), count = static_cast<Index>(known.size()),
+             others = H.rows() - fitted, errors = others - count;
+  MatrixXd answer = MatrixXd::Zero(fitted, others);
+  if (fitted > 0) answer = H.topLeftCorner(fitted, fitted).ldlt().solve(H.topRightCorner(fitted, others));
+  const MatrixXd left = H.bottomRightCorner(others, others) - H.bottomLeftCorner(others, fitted) * answer;
+  const VectorXd slope = g.tail(others) - answer.transpose() * g.head(fitted);
+  VectorXd deviations = VectorXd::Constant(others, model_error_left);
+  std::vector<std::pair<double, std::string>> found;
+  for (Index j = 0; j < count; ++j) {
+    Known& one = known[static_cast<std::size_t>(j)];
+    if (!one.name.empty() && left(j, j) > unjudged * H(fitted + j, fitted + j)) {
+      const double step = slope[j] / left(j, j);
+      const double over =
+          std::abs(slope[j]) / std::hypot(std::sqrt(left(j, j)), model_error_left * left.row(j).tail(errors).norm());
+      if (over > misfit_from) {
+        one.deviation = std::abs(step);
+        found.emplace_back(
+            over,
+            fmt::format("{}{}? the readings ask for {:.3g}{}, not {:.3g}{} ({:.0f} standard deviations)", one.name,
+                        name_presses(one.presses), one.value + step, one.unit, one.value, one.unit, over));
+      }
+    }
+    deviations[j] = one.deviation;
+  }
+  std::ranges::sort(found, std::greater());
+  for (const auto& [over, sentence] : found) better.push_back(sentence);
+  return deviations;
 }
 
 void Fit::report_residuals(const Stack& at) {
@@ -439,16 +636,22 @@ SensorCalibration Fit::run() {
     choose_numbers();
     settled = iterate(result_.iterations);
   }
+  find_model_error();
+  settled = settled && iterate(result_.iterations);
   result_.converged = settled;
-  const Stack now = stack(state_, true);
+  std::vector<Known> known = known_numbers();
+  Stack now = stack(state_, true, known);
+  append_model_error(now);
+  weaken_forces(now);
   MatrixXd H;
   VectorXd g;
   normal_equations(now, H, g);
-  const MatrixXd covariance =
-      numbers_.empty() ? MatrixXd(0, 0) : MatrixXd(H.ldlt().solve(MatrixXd::Identity(H.rows(), H.cols())));
-  report_numbers(now, covariance);
-  report_channels(now, covariance);
+  std::vector<std::string> better;
+  const MatrixXd all = covariance(H, judge(known, H, g, better));
+  report_numbers(now, all);
+  report_channels(now, all);
   report_residuals(now);
+  find_misfit(readings_, now.frame, options_, better, result_.faults);
   find_wrong_indenter(readings_, now.frame, options_, result_.faults);
   return result_;
 }
@@ -461,8 +664,8 @@ std::string transducer_name(Index channel, Index tactels) {
 }
 
 void CalibrationOptions::validate() const {
-  if (!(force_noise > 0 && std::isfinite(force_noise)))
-    throw ValueError("force_noise", fmt::format("{:g}", force_noise), "a number above 0");
+  if (!(force_noise > 0 && force_noise <= 1))
+    throw ValueError("force_noise", fmt::format("{:g}", force_noise), "a number above 0, at most 1");
   if (!(lowest_reading < highest_reading))
     throw ValueError("lowest_reading", fmt::format("{:g}", lowest_reading), "below highest_reading");
   if (noise.size() > 0 && !(noise.array() > 0).all()) throw ValueError("noise", "an array", "numbers above 0");

@@ -25,8 +25,8 @@ struct CalibrationOptions {
   /// s, of the charge amplifiers of all transducers; infinite: constant stresses read as constants
   double time_constant = std::numeric_limits<double>::infinity();
   double friction_deviation = 0;  ///< of each press's friction about its scene's, relative; 0: it is known
-  double force_noise = 0.01;      ///< standard deviation of measured forces, relative
-  Eigen::VectorXd noise{};        ///< [2 tactels] standard deviation of readings; empty: from the residuals
+  double force_noise = 0.01;      ///< standard deviation of the gauge's error, one for all forces of a press, relative
+  Eigen::VectorXd noise{};        ///< [2 tactels] least standard deviation of readings; empty: that of the residuals
   /// [2 tactels] noise of readings while the indenter rests, by which a wrong indenter is found; empty: `noise`
   Eigen::VectorXd rest_noise{};
   double lowest_reading = -std::numeric_limits<double>::infinity(),
@@ -40,9 +40,9 @@ struct CalibrationOptions {
 /// Correlation from which two numbers are not told apart.
 inline constexpr double degenerate = 0.98;
 
-/// What is wrong with the recordings: named, and left out of the fit.
+/// What is wrong with the recordings: named. Channels and presses are left out of the fit.
 struct CalibrationFault {
-  enum class Kind { dead_channel, swapped_channels, saturated, wrong_press, wrong_indenter };
+  enum class Kind { dead_channel, swapped_channels, saturated, wrong_press, wrong_indenter, model_misfit };
   Kind kind;
   int channel = -1, other = -1;  ///< place in a frame; the other of a swapped pair
   int press = -1;

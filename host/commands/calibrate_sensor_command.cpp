@@ -44,6 +44,8 @@ const char* kind_name(CalibrationFault::Kind kind) {
       return "saturated";
     case CalibrationFault::Kind::wrong_press:
       return "wrong_press";
+    case CalibrationFault::Kind::model_misfit:
+      return "model_misfit";
     default:
       return "wrong_indenter";
   }
@@ -157,6 +159,8 @@ int run_calibrate_sensor(const CalibrateSensorRequest& request) {
     for (const std::string& remark : remarks) fmt::print("{}\n", remark);
     for (const CalibrationFault& fault : found.faults) print_warning(fault.text);
   }
+  for (const CalibrationFault& fault : found.faults)
+    if (fault.kind == CalibrationFault::Kind::model_misfit) remarks.push_back(fault.text);
   if (!found.converged || wrong) {
     print_error(request.output +
                 " was not written: " + (wrong ? "the recordings do not fit their scenes" : "the fit did not converge"));

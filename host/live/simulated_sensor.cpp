@@ -49,8 +49,8 @@ void SimulationOptions::validate() const {
     throw ValueError("rate", fmt::format("{}", rate), "a number of Hz, above 0, at most 1e6");
   const std::pair<const char*, double> times[] = {{"press", press}, {"hold", hold}, {"drag", drag}, {"slip", slip}};
   for (const auto& [key, value] : times) require_at_least(key, value, 0, "a number of s, not below 0");
-  require_at_least("gain_spread", gain_spread, 0, "a number, not below 0");
-  require_at_least("noise", noise, 0, "a number, not below 0");
+  for (const auto& [key, value] : {std::pair<const char*, double>{"gain_spread", gain_spread}, {"noise", noise}})
+    if (!(value >= 0 && value <= 1)) throw ValueError(key, fmt::format("{}", value), "a number from 0 to 1");
   require_at_least("time_constant", time_constant, 0, "a number of s, not below 0 (0: no charge amplifier)");
   require_at_least("bits", bits, 2, "a whole number from 2 to 16");
   if (bits > 16) throw ValueError("bits", std::to_string(bits), "a whole number from 2 to 16");
@@ -111,15 +111,18 @@ std::string SimulatedSensor::profile_text() const {
   std::vector<int> channels(codes_.size());
   std::iota(channels.begin(), channels.end(), 0);
   const auto middle = channels.begin() + static_cast<long>(channels.size() / 2);
+  // Codes: before the converter and by its rounding; half a step at least, as tare has it.
+  const double noise =
+      std::max(0.5, std::sqrt(std::pow(options_.noise * converter_.full_scale / converter_.step(), 2) + 1.0 / 12));
   return fmt::format(
       "[device]\nname = \"simulated sensor\"\n"
       "[format]\nkind = \"generic\"\nsync = [0xA5, 0x5A]\nheader = {}\ncounter_offset = {}\ncounter_width = {}\n"
       "clock_offset = {}\nclock_width = {}\nclock_tick = {}\nchannels = {}\nsample = \"u16\"\nchecksum = \"crc16\"\n"
       "confirmations = {}\n"
-      "[channels]\nnormal = [{}]\nshear = [{}]\n[calibration]\noffset = {}\ngain = {}\n",
+      "[channels]\nnormal = [{}]\nshear = [{}]\n[calibration]\noffset = {}\ngain = {}\nnoise = {}\n",
       layout_.header, layout_.counter.offset, layout_.counter.width, layout_.clock.offset, layout_.clock.width,
       layout_.clock_tick, layout_.channels, layout_.confirmations, fmt::join(channels.begin(), middle, ", "),
-      fmt::join(middle, channels.end(), ", "), converter_.zero(), converter_.step());
+      fmt::join(middle, channels.end(), ", "), converter_.zero(), converter_.step(), noise);
 }
 
 // Without pace the clock begins anew at each frame's own time, when it is handed out.

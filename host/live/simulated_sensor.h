@@ -51,7 +51,7 @@ class ScenePlay {
 class SimulatedSensor final : public hw::FrameSource {
  public:
   SimulatedSensor(ScenePlay play, const SimulationOptions& options);
-  /// Returns the profile of these frames, with nominal gains.
+  /// Returns the profile of these frames, with nominal gains and the noise at rest.
   std::string profile_text() const;
 
   std::optional<hw::Packet> wait(double timeout) override;

@@ -8,7 +8,9 @@
 namespace tactel::hw {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 ChannelMap three_channels() {
   return {.normal = {2, 0}, .shear = {1, -1}, .calibration = {.offset = {10, 20, 30}, .gain = {0.5, -1, 0.25}}};
@@ -35,6 +37,31 @@ TEST(ChannelMap, RefusesWhatDoesNotFitTheDevice) {
   refused([](ChannelMap& m) { m.calibration.noise = {1}; });
   refused([](ChannelMap& m) { m.calibration.noise = {0, -1, 0}; });
   refused([](ChannelMap& m) { m.calibration.offset[1] = std::nan(""); });
+}
+
+TEST(ChannelMap, NamesNumbersThatGiveNoStress) {
+  const auto message = [](auto&& change) -> std::string {
+    ChannelMap map = three_channels();
+    map.calibration.noise = {1, 1, 1};
+    change(map.calibration);
+    try {
+      map.validate(3);
+    } catch (const ProfileError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(message([](Calibration&) {}), "");
+  for (const double gain : {0.0, 1e300, -1e300, 1e-44})
+    EXPECT_THAT(message([=](Calibration& c) { c.gain[2] = gain; }),
+                AllOf(HasSubstr("calibration.gain"), HasSubstr("channel 2 (normal stress of tactel 0)")))
+        << gain;
+  EXPECT_THAT(message([](Calibration& c) { c.noise[1] = 1e308; }),
+              AllOf(HasSubstr("calibration.noise = 1e+308"), HasSubstr("channel 1 (shear stress of tactel 0)")));
+  EXPECT_THAT(message([](Calibration& c) { c.offset[0] = 1e300; }), HasSubstr("calibration.offset"));
+  ChannelMap unused = three_channels();
+  unused.shear = {-1, -1}, unused.calibration.gain[1] = 0;
+  EXPECT_NO_THROW(unused.validate(3)) << "no tactel has channel 1";
 }
 
 // 7 x 0.5 x |-2| of channel 1; channel 2 is of a shear stress.

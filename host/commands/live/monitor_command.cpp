@@ -22,7 +22,7 @@
 namespace tactel::host {
 namespace {
 
-constexpr float default_alarm = 0.8f;
+constexpr float default_alarm = 0.8f, never = 2;
 
 struct MonitorRequest : SensorRequest {
   std::string network, device;
@@ -146,11 +146,20 @@ int run_monitor(const MonitorRequest& request) {
   Executor executor{Device(request.device)};  // sets environment variables: before there are other threads
   LiveMonitor::compile(executor, model);
   OpenSource opened = open_for(request);
+  const bool touch_known = request.options.touch || opened.profile.map.touch() > 0;
+  if (request.alarm && !touch_known)
+    throw ConfigError("command line", "--alarm", fmt::format("{}", *request.alarm),
+                      "given with --touch MPa, or with noise in [calibration] (tactel tare measures it): without a "
+                      "threshold of touch, noise at rest raises alarms");
   LiveMonitor monitor(executor, model, opened.profile, request.options);
   Output output;
   if (model.bound && !model.bound->calibrated() && !request.quiet)
     print_warning(request.network + ": its bound is not calibrated (tactel calibrate bound)");
-  LiveView view({.alarm = request.alarm.value_or(default_alarm),
+  if (!touch_known && !request.quiet)
+    print_warning(
+        "no threshold of touch: [calibration] has no noise, so that frames at rest have an S, too; run tactel "
+        "tare, or give --touch MPa");
+  LiveView view({.alarm = touch_known ? request.alarm.value_or(default_alarm) : never,
                  .cursor = output.terminal(),
                  .colour = takes_colour(STDOUT_FILENO)});
   const Until until(request.seconds);

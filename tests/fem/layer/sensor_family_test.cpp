@@ -54,6 +54,28 @@ TEST(SensorFamily, InterpolatesTheLayer) {
   EXPECT_LT(stress, 5e-3);
 }
 
+/// Against the model of that sensor, which integrates over the width in closed form. 0.01 of the largest is what
+/// stresses of a family may be off (docs/accuracy.md).
+TEST(SensorFamily, TactelsMayHaveAWidth) {
+  Sensor sensor = sensor_of(0.45, 1.5, 20);
+  sensor.tactels = range.tactels;
+  sensor.tactel_span = 17;
+  sensor.tactel_width = 17.0 / (sensor.tactels - 1);
+  const LayerModel own = layer_model(sensor), of_family = family().model(sensor);
+  double largest = 0, off = 0, points = 0;
+  Sensor narrow = sensor;
+  narrow.tactel_width = 0;
+  const LayerModel as_points = family().model(narrow);
+  for (double x = -9; x <= 9; x += 0.35) {
+    const Eigen::RowVectorXd row = own.base.at(x);
+    largest = std::max(largest, row.cwiseAbs().maxCoeff());
+    off = std::max(off, (of_family.base.at(x) - row).cwiseAbs().maxCoeff());
+    points = std::max(points, (as_points.base.at(x) - row).cwiseAbs().maxCoeff());
+  }
+  EXPECT_LT(off, 0.01 * largest);
+  EXPECT_GT(points, 0.02 * largest) << "a width that counts";
+}
+
 TEST(SensorFamily, ScalesWithThickness) {
   const LayerModel thin = family().model(sensor_of(0.45, 1, 12)), thick = family().model(sensor_of(0.45, 2, 24));
   for (const double x : {-5.5, -2.0, 0.3, 5.9}) {

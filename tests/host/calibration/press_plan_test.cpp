@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numbers>
 #include <numeric>
 
 #include "fem/value_error.h"
@@ -122,9 +123,10 @@ void compare(const fem::SensorFamily& of, const std::vector<PressCandidate>& all
     printf("%s: ten planned %.5f, twenty random %.5f\n", what, median(plan), median(other));
     EXPECT_LE(median(plan), most * median(other)) << what;
   };
-  // Deviations of E and nu differ by less than their own uncertainty, the noise of the residuals: 5 %.
+  // Deviations of E and nu differ by less than their own uncertainty, the noise of the residuals: 5 %. Of E ten presses
+  // know less, as each has one error of the gauge.
   check("deviation of gains", planned.gain_deviation, random.gain_deviation, 1);
-  check("deviation of E", planned.young_deviation, random.young_deviation, 1.05);
+  check("deviation of E", planned.young_deviation, random.young_deviation, 1.05 * std::numbers::sqrt2);
   check("deviation of nu", planned.poisson_deviation, random.poisson_deviation, 1.05);
   check("error of gains", planned.gain_error, random.gain_error, 1);
   check("error of E", planned.young_error, random.young_error, slack);
@@ -171,17 +173,16 @@ TEST(PressPlanNightly, WeightOfTheNumbers) {
 void expect_deviations_of_the_fit(const CalibrationOptions& fit, const std::vector<int>& numbers) {
   PlanOptions own = options();
   own.fit = fit;
-  own.fit.elements = elements;
   own.draws = 1;
-  own.noise.setConstant(2 * tactels, 0.003);
+  own.noise.setConstant(2 * tactels, 0.03);  // beside it the model's error, which a plan does not know, is small
   std::vector<PressCandidate> few;
   std::vector<KnownPress> presses;
   for (std::size_t i = 4; i < candidates().size(); i += 33) few.push_back(candidates()[i]);
   own.presses = static_cast<int>(few.size());
   const PressPlan plan = plan_presses(family(), few, own);
-  own.fit.noise.setConstant(2 * tactels, 3);
+  own.fit.noise.setConstant(2 * tactels, 30);
   for (const PressCandidate& candidate : few) {
-    const PressModel model(family(), candidate.scene, candidate.timing, nominal(), elements);
+    const PressModel model(family(), candidate.scene, candidate.timing, nominal(), own.fit.elements);
     SensorState state = nominal();
     state.log_time_constant = std::log(fit.time_constant);
     const PressFrames frames = model.at(state, candidate.scene.friction);

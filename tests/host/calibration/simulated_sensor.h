@@ -4,6 +4,7 @@
 #include <map>
 #include <random>
 #include <string>
+#include <tuple>
 
 #include "host/calibration/sensor_calibration.h"
 
@@ -21,6 +22,16 @@ inline const fem::SensorFamily& family() {
 
 inline SensorState nominal() { return {.log_young = std::log(nominal_young), .poisson = nominal_poisson}; }
 
+/// How a sensor is, and what its calibration does not know of it.
+struct SimulatedAs {
+  double thickness = 1.5;    ///< mm
+  double radius = 1;         ///< of the cylinders of the presses, over what their scenes say
+  double press_force = 0;    ///< standard deviation of one error of P a press, relative: a gauge's
+  double step_force = 0.01;  ///< the same of an error a load step
+  int truth = 2 * elements;  ///< elements of the patches on which the frames are solved
+  double time_constant = std::numeric_limits<double>::infinity();  ///< s, of amplifiers
+};
+
 /// The frames and forces of a press on a sensor of its own, E = 1.
 struct Truth {
   Eigen::MatrixXd frame;
@@ -28,19 +39,22 @@ struct Truth {
 };
 
 /// Presses on sensors of as many tactels are told apart by their names.
-inline const Truth& truth(double poisson, const KnownPress& press) {
-  using Layer = std::pair<double, int>;
+inline const Truth& truth(double poisson, const KnownPress& press, const SimulatedAs& as = {}) {
+  using Layer = std::tuple<double, double, int>;
   static std::map<Layer, fem::LayerModel> models;
-  static std::map<std::pair<Layer, std::string>, Truth> known;
+  static std::map<std::tuple<Layer, double, int, std::string>, Truth> known;
   fem::Scene own = press.scene;
   own.sensor.poisson = poisson;
   own.sensor.young = 1;
-  const Layer layer{poisson, own.sensor.tactels};
-  const auto found = known.find({layer, press.name});
+  own.sensor.thickness = as.thickness;
+  if (auto* cylinder = std::get_if<fem::Cylinder>(&own.indenter.shape)) cylinder->radius *= as.radius;
+  const Layer layer{poisson, as.thickness, own.sensor.tactels};
+  const std::tuple key{layer, as.radius, as.truth, press.name};
+  const auto found = known.find(key);
   if (found != known.end()) return found->second;
   if (!models.contains(layer)) models.emplace(layer, fem::endless_layer(own.sensor));
   const fem::ContactSolution solution =
-      fem::PatchSolver(models.at(layer), {.elements = elements, .tolerance = 1e-9}).solve(own);
+      fem::PatchSolver(models.at(layer), {.elements = as.truth, .tolerance = 1e-9}).solve(own);
   const auto steps = static_cast<Eigen::Index>(solution.steps.size());
   Truth t{Eigen::MatrixXd(steps, 2 * own.sensor.tactels), Eigen::VectorXd(steps)};
   for (Eigen::Index k = 0; k < steps; ++k) {
@@ -48,7 +62,7 @@ inline const Truth& truth(double poisson, const KnownPress& press) {
     t.frame.row(k) << step.sigma_y.transpose(), step.tau_xy.transpose();
     t.P[k] = step.P;
   }
-  return known[{layer, press.name}] = t;
+  return known[key] = t;
 }
 
 /// The largest stress of presses on the nominal sensor, MPa.
@@ -59,6 +73,24 @@ inline double largest_stress(const std::vector<KnownPress>& presses) {
   return largest;
 }
 
+/// Twenty presses and drags of two cylinders along the array.
+inline std::vector<KnownPress> presses() {
+  std::vector<KnownPress> all;
+  for (int k = 0; k < 20; ++k) {
+    KnownPress press;
+    press.name = "press " + std::to_string(k + 1);
+    press.scene.sensor.poisson = nominal_poisson;
+    press.scene.sensor.young = nominal_young;
+    press.scene.indenter = {fem::Cylinder{k % 2 ? 6.0 : 15.0}, -9.0 + 18.0 * k / 19};
+    press.scene.friction = 0.6;
+    press.scene.load.indentation = {0.1 + 0.02 * (k % 4)};
+    press.scene.load.indentation_steps = 2;
+    press.scene.load.tangential = {0.02, 0.05, 0.08};
+    all.push_back(press);
+  }
+  return all;
+}
+
 /// A sensor: what it is, and its readings of the presses with noise.
 struct Simulated {
   double young, poisson;
@@ -67,10 +99,9 @@ struct Simulated {
   std::vector<KnownPress> presses;
 };
 
-/// Gains and offsets spread by 20 % and 50 units, E by 30 %, nu is one of four; forces have 1 % of noise.
-/// `time_constant` of amplifiers in s.
+/// Gains and offsets spread by 20 % and 50 units, E by 30 %, nu is one of four. `noise`: MPa.
 inline Simulated simulate_sensor(unsigned seed, std::vector<KnownPress> presses, double noise,
-                                 double time_constant = std::numeric_limits<double>::infinity()) {
+                                 const SimulatedAs& as = {}) {
   constexpr double poissons[] = {0.43, 0.447, 0.46, 0.475};
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
@@ -84,13 +115,15 @@ inline Simulated simulate_sensor(unsigned seed, std::vector<KnownPress> presses,
   for (Eigen::Index c = 0; c < channels; ++c)
     s.gain[c] = 0.001 * (1 + 0.2 * normal(random)), s.offset[c] = 2048 + 50 * normal(random);
   for (KnownPress& press : s.presses) {
-    const Truth& t = truth(s.poisson, press);
+    const Truth& t = truth(s.poisson, press, as);
     press.readings = s.young * t.frame;
-    if (std::isfinite(time_constant)) press.readings = amplifier_response(press.timing, time_constant) * press.readings;
+    if (std::isfinite(as.time_constant))
+      press.readings = amplifier_response(press.timing, as.time_constant) * press.readings;
     for (Eigen::Index c = 0; c < channels; ++c)
       for (double& x : press.readings.col(c)) x = (x + s.noise * normal(random)) / s.gain[c] + s.offset[c];
     press.P = s.young * t.P;
-    for (double& P : press.P) P *= 1 + 0.01 * normal(random);
+    for (double& P : press.P) P *= 1 + as.step_force * normal(random);
+    if (as.press_force > 0) press.P *= 1 + as.press_force * normal(random);
   }
   return s;
 }

@@ -155,6 +155,12 @@ TEST_F(CalibrateSensor, WrongFilesAreNamed) {
   refused(press + "times = [1, 1.5, 9]\n", "9 s has no frame");
   refused(press + "times = [1, 1.5, 1.9]\nP = [1]\n", "as long as times, 3");
   refused(press + "times = [1, 1.5, 1.9]\nforce = 2\n", "a.force");
+  const std::string timed = press + "times = [1, 1.5, 1.9]\n";
+  for (const char* P : {"[0, 0.5, 0.5]", "[0.5, -1, 0.5]"}) refused(timed + "P = " + P + "\n", "a.P");
+  for (const char* window : {"1e9", "0", "-1", "0.5"}) refused(timed + "window = " + window + "\n", "a.window");
+  refused(press + "times = [1, 1.9, 1.5]\n", "each later than the one before");
+  refused(timed + "begin = [0.9, 1.2, 1.6]\nend = [0.8, 1.4, 1.8]\n", "s, not before begin");
+  refused("[fit]\nforce_noise = 1e308\n" + timed, "fit.force_noise");
   refused("[fit]\nforce_noise = 0\n" + press + "times = [1, 1.5, 1.9]\n", "fit.force_noise");
 }
 

@@ -169,7 +169,7 @@ class OnAFullDisk : public SolveWithCache {
     const std::string full = at("full");
     return run_child(
         {"unshare", "--user", "--map-root-user", "--mount", "sh", "-c",
-         "mount -t tmpfs -o size=1m none " + full + " && mount --bind " + full + " /dev/shm && ! cat /dev/zero > " +
+         "mount -t tmpfs -o mode=700,size=1m none " + full + " && mount --bind " + full + " /dev/shm && ! cat /dev/zero > " +
              full + "/zero && exec env -u POCL_CACHE_DIR -u XDG_CACHE_HOME TACTEL_CACHE_DIR=" + full + " TMPDIR=" +
              at(tmp) + " HOME=" + at(home) + " " TACTEL_PROGRAM " solve " + source_file("examples/parabola.toml")});
   }
@@ -206,7 +206,7 @@ TEST_F(OnAFullDisk, ThatFillsDuringACompilationTheErrorSaysSo) {
   for (const char* seconds : {"0", "0.3", "0.6", "1", "1.5"}) {
     const ChildResult first =
         run_child({"unshare", "--user", "--map-root-user", "--mount", "sh", "-c",
-                   "mount -t tmpfs -o size=20m none " + full + "; (until [ -e " + full +
+                   "mount -t tmpfs -o mode=700,size=20m none " + full + "; (until [ -e " + full +
                        "/pocl/compiling ]; do sleep 0.01; done; sleep " + seconds + "; cat /dev/zero > " + full +
                        "/zero) 2> /dev/null & " + command + " > /dev/null; code=$?; wait; rm " + full + "/zero; " +
                        command + " || exit 99; exit $code"});

@@ -26,6 +26,8 @@ TEST_F(Monitor, GivesALineForEachFrameAndASummary) {
     EXPECT_EQ(lines[i]["frame"], i);
     EXPECT_NEAR(lines[i]["device_time"].get<double>(), 0.01 * static_cast<double>(i), 1e-6);
     EXPECT_GE(lines[i]["latency_us"].get<double>(), 0);
+    ASSERT_EQ(lines[i]["slip_index"].is_null(), lines[i]["contact"] == false) << i;
+    if (lines[i]["contact"] == false) continue;
     const double s = lines[i]["slip_index"];
     EXPECT_TRUE(s > 0 && s < 1);
   }
@@ -50,7 +52,7 @@ TEST_F(Monitor, ARecordingReplaysToTheSameFramesAndTheSameS) {
   const auto replayed = lines_of(run_tactel({"monitor", "--source", replay, "--network", network_}).out);
   ASSERT_EQ(live.size(), replayed.size());
   for (std::size_t i = 0; i < live.size(); ++i) {
-    EXPECT_EQ(live[i]["slip_index"].get<double>(), replayed[i]["slip_index"].get<double>()) << i;
+    EXPECT_EQ(live[i]["slip_index"], replayed[i]["slip_index"]) << i;
     EXPECT_EQ(live[i]["device_time"], replayed[i]["device_time"]) << i;
   }
 }
@@ -97,8 +99,9 @@ TEST_F(Monitor, LinesThatCannotBeWrittenAreAnError) {
   EXPECT_EQ(lines_of(text_of(folder_ / "lines")).size(), 321u);
 }
 
-/// Ten seconds of noise at rest (100 Hz, deviation 3 around 2048); from 4 s on channel 3 is 12 higher.
-void record_drift(const std::string& path) {
+/// Ten seconds of noise at rest (100 Hz, deviation 3 around 2048); from 4 s on channel 3 is 12 higher. `noise`: line of
+/// the calibration.
+void record_drift(const std::string& path, const std::string& noise_line = "noise = 3\n") {
   hw::GenericLayout layout;
   layout.sync = {0xA5, 0x5A};
   layout.header = 2;
@@ -108,7 +111,7 @@ void record_drift(const std::string& path) {
   hw::RecordingWriter writer(
       path,
       "[format]\nkind = \"generic\"\nsync = [0xA5, 0x5A]\nchannels = 42\nsample = \"u16\"\n[channels]\nnormal = [" +
-          normal + "]\nshear = [" + shear + "]\n[calibration]\noffset = 2048\ngain = 0.001\nnoise = 3\n");
+          normal + "]\nshear = [" + shear + "]\n[calibration]\noffset = 2048\ngain = 0.001\n" + noise_line);
   std::mt19937 random(1);
   std::normal_distribution<double> noise(2048, 3);
   std::vector<std::uint8_t> bytes(hw::generic_frame_length(layout));
@@ -120,6 +123,35 @@ void record_drift(const std::string& path) {
     writer.write({.bytes = bytes, .arrival = 0.01 * frame});
   }
   writer.finish();
+}
+
+/// At rest a network answers noise with any S. The first frame of a simulation is at rest.
+TEST_F(Monitor, NoAlarmAtRest) {
+  const auto simulated = lines_of(
+      run_tactel({"monitor", "--source", simulation, "--network", network_, "--alarm", "0.01", "--quiet"}).out);
+  ASSERT_EQ(simulated.size(), 321u);
+  EXPECT_EQ(simulated[0]["contact"], false);
+  EXPECT_EQ(simulated[0]["alarm"], false);
+  EXPECT_EQ(simulated[300]["contact"], true);
+
+  record_drift(recording_, "");
+  const std::vector<std::string> call = {"monitor", "--source", "replay:" + recording_, "--network", network_};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), call.begin(), call.end());
+    return run_tactel(more);
+  };
+  const ChildResult refused = with({"--alarm", "0.1"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("--alarm"));
+  EXPECT_THAT(refused.err, HasSubstr("--touch MPa, or with noise in [calibration]"));
+  const ChildResult lines = with({});
+  EXPECT_THAT(lines.err, HasSubstr("warning: no threshold of touch"));
+  EXPECT_THAT(with({"--quiet"}).err, ::testing::Not(HasSubstr("warning")));
+  EXPECT_THAT(with({"--view"}).out, ::testing::Not(HasSubstr("ALARM")));
+  const ChildResult touched = with({"--alarm", "0.1", "--touch", "0.03"});
+  ASSERT_EQ(touched.exit_code, 0) << touched.err;
+  EXPECT_THAT(touched.err, ::testing::Not(HasSubstr("no threshold")));
+  for (const nlohmann::json& line : lines_of(touched.out)) EXPECT_EQ(line["alarm"], false) << line;
 }
 
 /// Blocks of a second: the shift begins with block 4, which the first frame after block 5 judges.

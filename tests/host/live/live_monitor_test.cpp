@@ -44,8 +44,8 @@ TEST(LiveMonitor, ABatchAnswersAsSingleFramesDo) {
   const auto [bytes, profile] = simulated_bytes();
   MonitorSummary batched, single;
   GivenSource first(bytes, false, 0), second(bytes, false, 0);
-  const auto in_batch = answers({}, first, profile, batched);
-  const auto one_by_one = answers({.batch_from = 100000}, second, profile, single);
+  const auto in_batch = answers({.touch = 0}, first, profile, batched);
+  const auto one_by_one = answers({.batch_from = 100000, .touch = 0}, second, profile, single);
   ASSERT_EQ(in_batch.size(), 321u);
   EXPECT_EQ(batched.batched, 321u);
   EXPECT_EQ(single.batched, 0u);

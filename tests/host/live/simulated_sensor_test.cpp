@@ -78,6 +78,8 @@ SimulatedSensor resting(double seconds) {
 TEST(SimulatedSensor, AnHourOfNoiseAtRestRaisesNoAlarm) {
   SimulatedSensor quiet = resting(2);
   SensorProfile profile = parse_profile(quiet.profile_text(), "test");
+  // Noise of 0.001 of full scale, 1.5 MPa, and 1 % by the rounding of the converter.
+  EXPECT_NEAR(profile.map.touch(), 7 * 0.0015, 0.02 * 7 * 0.0015) << "the simulation knows its noise";
   hw::Tare tare(42);
   hw::Decoder decoder(profile.format());
   while (const auto packet = quiet.wait(0))
