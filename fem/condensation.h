@@ -35,7 +35,7 @@ double lost_force(const Condensation& condensation);
 /// answer is the same.
 Condensation condense_cached(const Sensor& sensor, const std::filesystem::path& directory);
 
-/// Returns $TACTEL_CACHE_DIR, else $XDG_CACHE_HOME/tactel, else $HOME/.cache/tactel.
+/// Returns the folder of caches (cache_directory.h); empty where another user can have written to it.
 std::filesystem::path default_cache_directory();
 
 }  // namespace tactel::fem

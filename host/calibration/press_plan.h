@@ -51,9 +51,9 @@ struct PressPlan {
 /// The criterion is compound (A. C. Atkinson, A. N. Donev, R. D. Tobias, Optimum Experimental Designs, 2007):
 ///     log det(gains) / transducers + weight log det(sensor's numbers, gains eliminated) / numbers.
 /// One determinant of all would give the many gains nearly all of it. With weight 4, ten presses are as good as twenty
-/// random ones for gains, E and nu alike. Presses are taken one by one, each that adds most, and then exchanged for
-/// better ones as long as there are any (V. V. Fedorov, Theory of Optimal Experiments, 1972). None is taken twice.
-/// Throws ValueError for fewer candidates than presses or sensors that disagree.
+/// random ones for gains and nu; E has one error of the gauge a press. Presses are taken one by one, each that adds
+/// most, and then exchanged for better ones as long as there are any (V. V. Fedorov, Theory of Optimal Experiments,
+/// 1972). None is taken twice. Throws ValueError for fewer candidates than presses or sensors that disagree.
 PressPlan plan_presses(const fem::SensorFamily& family, const std::vector<PressCandidate>& candidates,
                        const PlanOptions& options = {});
 

@@ -129,7 +129,7 @@ void compare(const fem::SensorFamily& of, const std::vector<PressCandidate>& all
   check("deviation of E", planned.young_deviation, random.young_deviation, 1.05 * std::numbers::sqrt2);
   check("deviation of nu", planned.poisson_deviation, random.poisson_deviation, 1.05);
   check("error of gains", planned.gain_error, random.gain_error, 1);
-  check("error of E", planned.young_error, random.young_error, slack);
+  check("error of E", planned.young_error, random.young_error, slack * std::numbers::sqrt2);
   check("error of nu", planned.poisson_error, random.poisson_error, slack);
 }
 

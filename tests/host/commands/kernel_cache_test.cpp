@@ -167,11 +167,12 @@ class OnAFullDisk : public SolveWithCache {
   ChildResult solve_in(const std::string& tmp, const std::string& home) const {
     const auto at = [&](const std::string& name) { return (folder_ / name).string(); };
     const std::string full = at("full");
-    return run_child(
-        {"unshare", "--user", "--map-root-user", "--mount", "sh", "-c",
-         "mount -t tmpfs -o mode=700,size=1m none " + full + " && mount --bind " + full + " /dev/shm && ! cat /dev/zero > " +
-             full + "/zero && exec env -u POCL_CACHE_DIR -u XDG_CACHE_HOME TACTEL_CACHE_DIR=" + full + " TMPDIR=" +
-             at(tmp) + " HOME=" + at(home) + " " TACTEL_PROGRAM " solve " + source_file("examples/parabola.toml")});
+    return run_child({"unshare", "--user", "--map-root-user", "--mount", "sh", "-c",
+                      "mount -t tmpfs -o mode=700,size=1m none " + full + " && mount --bind " + full +
+                          " /dev/shm && ! cat /dev/zero > " + full +
+                          "/zero && exec env -u POCL_CACHE_DIR -u XDG_CACHE_HOME TACTEL_CACHE_DIR=" + full +
+                          " TMPDIR=" + at(tmp) + " HOME=" + at(home) + " " TACTEL_PROGRAM " solve " +
+                          source_file("examples/parabola.toml")});
   }
   std::string full_cache() const { return (folder_ / "full/pocl").string(); }
 };

@@ -322,7 +322,7 @@ TEST(PatchContact, GrownPatchesAreCertified) {
   const fem::LayerModel model = fem::layer_model(sensor_of(0.3));
   std::vector<fem::Scene> scenes = mixed_scenes(model.sensor, 150, 2);
   PatchContactReport report;
-  const PatchContact<double> contact(executor(), model);
+  const PatchContact<double> contact(executor(), model, {.accept = 2e-2});  // as the twin
   const auto solutions = solve_patch_contact(contact, scenes, &report);
   EXPECT_GT(report.grown, 2u);
   EXPECT_LE(report.fell_back, scenes.size() / 20);
