@@ -12,6 +12,7 @@
 #include "host/networks/forward.h"
 #include "host/networks/onnx_file.h"
 #include "network_peers.h"
+#include "nn/infer/network_file.h"
 #include "nn/metrics.h"
 #include "tests/host/networks/network_cases.h"
 
@@ -88,7 +89,7 @@ void eigen(benchmark::State& state, int network, int threads) {
 // The same network through tactel::infer, in the calling thread.
 void infer(benchmark::State& state, int network) {
   const Case c(network, static_cast<int>(state.range(0)));
-  const std::string bytes = host::onnx_bytes({c.weights, scaling, 1, 0, "bumps", 0, {}});
+  const std::string bytes = infer::network_bytes({c.weights, scaling, 1, 0, "bumps", 0, {}});
   const SlipEstimator estimator = SlipEstimator::parse(std::as_bytes(std::span(bytes)));
   const std::span frames(c.frames.data(), static_cast<std::size_t>(c.frames.size()));
   std::vector<Answer> answers(static_cast<std::size_t>(c.frames.rows()));
@@ -131,7 +132,7 @@ void one_frame(benchmark::State& state, int network) {
 // The same network through tactel::infer.
 void one_frame_infer(benchmark::State& state, int network) {
   const Case c(network, 1024);
-  const std::string bytes = host::onnx_bytes({c.weights, scaling, 1, 0, "bumps", 0, {}});
+  const std::string bytes = infer::network_bytes({c.weights, scaling, 1, 0, "bumps", 0, {}});
   const SlipEstimator estimator = SlipEstimator::parse(std::as_bytes(std::span(bytes)));
   const auto inputs = static_cast<std::size_t>(c.topology.inputs());
   nn::Vector<float> s(200);

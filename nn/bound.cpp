@@ -17,19 +17,6 @@ namespace {
 constexpr double least_deviation = 1e-3;                       // of a scaled input
 constexpr double distance_shares[] = {0.6, 0.86, 0.94, 0.98};  // of the rows, up to the edges of the distance
 
-std::size_t place_among(const std::vector<float>& edges, float value) {
-  return static_cast<std::size_t>(std::ranges::count_if(edges, [value](float edge) { return value > edge; }));
-}
-
-void check_edges(const char* key, const std::vector<float>& edges) {
-  const bool good = !edges.empty() && edges.size() <= Bound::most_edges &&
-                    std::ranges::is_sorted(edges, std::less_equal{}) &&
-                    std::ranges::all_of(edges, [](float edge) { return std::isfinite(edge); });
-  if (!good)
-    throw ValueError(std::string("bound.") + key, std::to_string(edges.size()) + " edges",
-                     "1 to 16 finite edges, ascending");
-}
-
 // No smaller than `value`, so that a correction keeps its rank.
 float rounded_up(double value) {
   const auto near = static_cast<float>(value);
@@ -169,35 +156,6 @@ Raised raised(const WeightedScores& scores, std::size_t rows, const std::vector<
 
 }  // namespace
 
-std::size_t Bound::class_of(int touching_tactels, const Quantiles<float>& q, float squared_distance) const {
-  const std::size_t t = place_among(touching, static_cast<float>(touching_tactels));
-  const std::size_t s = place_among(slip_index, q.median), w = place_among(width, q.upper - q.lower);
-  const std::size_t d = place_among(distance, squared_distance);
-  return ((t * (slip_index.size() + 1) + s) * (width.size() + 1) + w) * (distance.size() + 1) + d;
-}
-
-void Bound::validate(int inputs) const {
-  check_edges("touching", touching);
-  check_edges("slip_index", slip_index);
-  check_edges("width", width);
-  if (!distance.empty()) check_edges("distance", distance);
-  const auto finite = [](float x) { return std::isfinite(x); };
-  for (const auto& [key, table] : {std::pair{"bound.upper_correction", &upper_correction},
-                                   std::pair{"bound.interval_correction", &interval_correction}})
-    if (table->size() != classes() || !std::ranges::all_of(*table, finite))
-      throw ValueError(key, std::to_string(table->size()) + " numbers",
-                       std::to_string(classes()) + " finite numbers, one for each class");
-  if (centre.size() != inputs || whitening.rows() != inputs || whitening.cols() != inputs || !centre.allFinite() ||
-      !whitening.allFinite())
-    throw ValueError("bound.whitening", std::to_string(whitening.rows()) + " rows",
-                     "finite, as many rows and columns as the network has inputs");
-  if (tactels < 1 || inputs % (2 * tactels) != 0)
-    throw ValueError("bound.tactels", std::to_string(tactels), "such that the network has whole frames of them");
-  if (!(unlike_above > 0) || !std::isfinite(unlike_above))
-    throw ValueError("bound.unlike_above", std::to_string(unlike_above), "finite and above 0");
-  if (!(level > 0.5 && level < 1)) throw ValueError("bound.level", std::to_string(level), "above 0.5 and below 1");
-}
-
 Bound uncalibrated_bound(const RowMatrix<float>& scaled, int tactels) {
   Bound bound;
   bound.tactels = tactels;
@@ -215,8 +173,10 @@ Bound uncalibrated_bound(const RowMatrix<float>& scaled, int tactels) {
   }
   const Eigen::MatrixXd inverse =
       covariance.llt().matrixL().solve(Eigen::MatrixXd::Identity(inputs, inputs));  // L^-1, covariance = L L^T
-  bound.centre = mean.cast<float>();
-  bound.whitening = inverse.transpose().cast<float>();
+  bound.centre.resize(static_cast<std::size_t>(inputs));
+  bound.whitening.resize(bound.centre.size() * bound.centre.size());
+  Eigen::Map<Vector<float>>(bound.centre.data(), inputs) = mean.cast<float>();
+  Eigen::Map<RowMatrix<float>>(bound.whitening.data(), inputs, inputs) = inverse.transpose().cast<float>();
   return bound;
 }
 
@@ -228,7 +188,7 @@ int touching_tactels(const float* scaled, int tactels) {
 }
 
 float squared_distance(const Bound& bound, const float* scaled) {
-  const Eigen::Index inputs = bound.centre.size();
+  const auto inputs = static_cast<Eigen::Index>(bound.centre.size());
   float sum = 0;
   constexpr Eigen::Index some = 64;  // of the product at a time
   for (Eigen::Index first = 0; first < inputs; first += some) {
@@ -236,7 +196,7 @@ float squared_distance(const Bound& bound, const float* scaled) {
     float product[some] = {};
     const float* row = bound.whitening.data() + first;
     for (Eigen::Index j = 0; j < inputs; ++j, row += inputs) {
-      const float x = scaled[j] - bound.centre(j);
+      const float x = scaled[j] - bound.centre[static_cast<std::size_t>(j)];
       for (Eigen::Index i = 0; i < count; ++i) product[i] += x * row[i];
     }
     for (Eigen::Index i = 0; i < count; ++i) sum += product[i] * product[i];
@@ -244,22 +204,8 @@ float squared_distance(const Bound& bound, const float* scaled) {
   return std::isnan(sum) ? std::numeric_limits<float>::infinity() : sum;  // infinity less infinity
 }
 
-BoundAnswer bounded(const Bound& bound, const Quantiles<float>& q, const float* scaled) {
-  BoundAnswer answer;
-  const float distance = squared_distance(bound, scaled);
-  answer.unlike = !(distance <= bound.unlike_above);  // also where it overflows
-  if (std::isnan(q.median)) {
-    answer.upper = answer.interval[0] = answer.interval[1] = q.median;
-    return answer;
-  }
-  const std::size_t which = bound.class_of(touching_tactels(scaled, bound.tactels), q, distance);
-  const float widening = bound.interval_correction[which];
-  // At most 1, where everything slides, and never on the wrong side of S.
-  const auto above = [&q](float end) { return std::min(std::max(end, q.median), 1.0f); };
-  answer.upper = above(q.upper + bound.upper_correction[which]);
-  answer.interval[0] = std::max(std::min(q.lower - widening, q.median), -1.0f);
-  answer.interval[1] = above(q.upper + widening);
-  return answer;
+BoundAnswer bounded(const Bound& bound, const Quantiles<float>& quantiles, const float* scaled) {
+  return bound.answer(touching_tactels(scaled, bound.tactels), quantiles, squared_distance(bound, scaled));
 }
 
 std::size_t fewest_scores(double level) {

@@ -16,9 +16,12 @@ struct InputHistory {
 
   /// A frame whose largest stress is below this, over the largest of the contact, ends the contact.
   static constexpr float rest = 0.05f;
+  static constexpr int most_frames = 128;  ///< each has two numbers or more; Topology::widest_layer
   static constexpr int most_stride = 1000;
   bool operator==(const InputHistory&) const = default;
-  bool valid() const { return frames >= 1 && stride >= 1 && stride <= most_stride && change >= 0 && change <= 1; }
+  bool valid() const {
+    return frames >= 1 && frames <= most_frames && stride >= 1 && stride <= most_stride && change >= 0 && change <= 1;
+  }
 };
 
 /// The frames of a contact that an input takes: by change of load, not by the clock. Live frames and the rows of a set

@@ -23,21 +23,6 @@ const char* name(FrameStatus status) {
   return "unknown";
 }
 
-const char* name(ScalingKind kind) { return kind == ScalingKind::set ? "set" : "frame"; }
-
-ScalingKind parse_scaling(std::string_view text) {
-  if (text == "set") return ScalingKind::set;
-  if (text == "frame") return ScalingKind::frame;
-  throw ValueError("scaling", std::string(text),
-                   "set (by the learning set's largest stress) or frame (by each frame's own)");
-}
-
-void InputScaling::validate() const {
-  if (!(largest_stress >= smallest_stress && largest_stress <= large_stress))
-    throw ValueError("scaling.largest_stress", std::to_string(largest_stress), "1e-12 to 8.5e37 MPa");
-  if (history < 1) throw ValueError("scaling.history", std::to_string(history), "at least 1 frame");
-}
-
 template <class Scalar>
 FrameStatus scale_frame(const InputScaling& scaling, const float* frame, int inputs, Scalar* scaled) {
   const auto not_finite = [](float x) { return !std::isfinite(x); };

@@ -9,14 +9,6 @@
 
 namespace tactel::nn {
 
-/// Absolute errors of S over some rows, as in Table II of the paper.
-struct ErrorSummary {
-  std::size_t count = 0;  ///< rows that have an error: status ok or no stress
-  double max = 0;
-  double mean = 0;
-  double std = 0;  ///< standard deviation of the absolute error over these rows (division by count)
-};
-
 ErrorSummary summarize(std::span<const double> absolute_errors);
 
 /// Returns |S of the network - S of the set| of every row; NaN where the network gave none. slip_index: [rows].

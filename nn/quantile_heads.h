@@ -4,17 +4,10 @@
 
 namespace tactel::nn {
 
-/// Quantiles of S that a network with three outputs estimates. They cannot cross: with o the outputs of the last
-/// layer, each in (-1/2, 1/2),
+/// Returns the quantiles of S from the outputs o of the last layer, [3], each in (-1/2, 1/2). They cannot cross:
 ///   median = o_0 + 1/2,  upper = median + (o_1 + 1/2),  lower = median - (o_2 + 1/2).
 /// The widths are logistic functions of the last layer's sums, as S is; they grow as softplus does where they are
 /// small, and stay below 1, the range of S.
-template <class Scalar>
-struct Quantiles {
-  Scalar median, upper, lower;
-};
-
-/// output: [3].
 template <class Scalar>
 Quantiles<Scalar> quantiles(const Vector<Scalar>& output) {
   const Scalar median = output(0) + Scalar(0.5);

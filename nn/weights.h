@@ -2,9 +2,8 @@
 #pragma once
 #include <Eigen/Dense>
 #include <cstdint>
-#include <vector>
 
-#include "nn/topology.h"
+#include "nn/network.h"
 
 namespace tactel::nn {
 
@@ -13,25 +12,16 @@ using RowMatrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic, Eigen::R
 template <class Scalar>
 using Vector = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
 
-/// The weights of one network, or anything of the same shape (steps of the momentum, gradients).
 template <class Scalar>
-struct Weights {
-  explicit Weights(const Topology& topology) : topology(topology), values(topology.weight_count(), Scalar(0)) {}
-  template <class Other>
-  explicit Weights(const Weights<Other>& other)
-      : topology(other.topology), values(other.values.begin(), other.values.end()) {}
-
-  /// [out, in + 1]: the bias in the last column.
-  Eigen::Map<RowMatrix<Scalar>> layer(int l) {
-    return {values.data() + topology.layer_offset(l), topology.fan_out(l), topology.fan_in(l) + 1};
-  }
-  Eigen::Map<const RowMatrix<Scalar>> layer(int l) const {
-    return {values.data() + topology.layer_offset(l), topology.fan_out(l), topology.fan_in(l) + 1};
-  }
-
-  Topology topology;
-  std::vector<Scalar> values;  ///< [layer][out][in + 1]
-};
+auto Weights<Scalar>::layer(int l) {
+  return Eigen::Map<RowMatrix<Scalar>>(values.data() + topology.layer_offset(l), topology.fan_out(l),
+                                       topology.fan_in(l) + 1);
+}
+template <class Scalar>
+auto Weights<Scalar>::layer(int l) const {
+  return Eigen::Map<const RowMatrix<Scalar>>(values.data() + topology.layer_offset(l), topology.fan_out(l),
+                                             topology.fan_in(l) + 1);
+}
 
 /// Returns true where every weight is finite.
 template <class Scalar>

@@ -18,8 +18,8 @@ set(unit_sets "^(CheckSet|MeasuringChains)[.]|ThirtyTwoTaylor|^TransducerTable[.
 set(unit_calibration ".")
 set(unit_live "^(FrameQueue|LatencyHistogram|SensorProfile|Calibration|OpenSource|LiveView|Alarm)[.]")
 set(unit_training "StreamAndBlockExclude|^(AlarmCounting|BoundReport)[.]")
-set(unit_api "^(Infer[.][^G]|InferHost[.]|Infer[.]GivesTheS|LiveApi[.]|SceneApi[.])")
-set(unit_studies "^(HandPress|LoopDrift|SceneMix|WeightedMedian)[.]|^InverseProblem[.](Spread|Json|Counts)|AllCombinations|SlipIndexIs|DrawsAre|TheAngleAlone")
+set(unit_api "^(CraftedNetworks[.]|Infer[.][^G]|InferHost[.]|Infer[.]GivesTheS|LiveApi[.]|SceneApi[.])")
+set(unit_studies "^(HandPress|LoopDrift|SceneMix)[.]|^InverseProblem[.](Spread|Json|Counts)|AllCombinations|SlipIndexIs|DrawsAre|TheAngleAlone")
 set(unit_commands "^(DevicesCommandDeathTest|UnreadableScene|StandardError|Help|Completion|Words|Numbers|Memory|HostileFiles|ProfileFile|Keys)[.]|BadScene|WrongCall|^CommandLine[.][HS]|OutputsThatCannotBe|TimesThatAreNone|FilesItNames|^SolveCommand[.](SlipIndex|JsonNumbers|Missed)")
 # Of these, the calls that a device must judge.
 set(device_commands "WrongCall.*/(UnknownDevice|Step)|APipeWithoutAWriter")
@@ -30,7 +30,7 @@ set(program_training "^[^AB]")
 set(program_studies "[.]Reproduce")
 set(program_commands "^([^D]|Du|Dem)")  # all but DevicesCommand
 
-set(slow "^SolveWithCache[.](Nobody|Killed|Little|Two|Inter)|^(ClosedForms|GapReferenceRandom|IndependentContact|Extremes|InverseProblem|DirectProblem|StreamTraining|RankTraining)[.]|^Planner[.]K|OverTheEnd|^Demo[.]S|EveryShape|CondensationCache.AnyFlippedByte|/100000$")
+set(slow "^CraftedNetworks[.]NoChange|^SolveWithCache[.](Nobody|Killed|Little|Two|Inter)|^(ClosedForms|GapReferenceRandom|IndependentContact|Extremes|InverseProblem|DirectProblem|StreamTraining|RankTraining)[.]|^Planner[.]K|OverTheEnd|^Demo[.]S|EveryShape|CondensationCache.AnyFlippedByte|/100000$")
 
 foreach(program fem layer nn hw support figures scenes device networks contact calibration sets live training studies commands api)
   foreach(test IN LISTS tactel_${program}_tests_TESTS)

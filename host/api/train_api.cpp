@@ -10,6 +10,7 @@
 #include "host/networks/network_training.h"
 #include "host/networks/onnx_file.h"
 #include "host/training/train_request.h"
+#include "nn/infer/network_file.h"
 
 namespace tactel {
 
@@ -71,7 +72,7 @@ Network Network::load(const std::string& path) {
 void Network::to_onnx(const std::string& path) const {
   api::with_public_errors([&] { host::write_onnx(path, state_->model); }, path);
 }
-std::string Network::onnx() const { return host::onnx_bytes(state_->model); }
+std::string Network::onnx() const { return infer::network_bytes(state_->model); }
 SlipEstimator Network::estimator() const {
   const std::string bytes = onnx();
   return SlipEstimator::parse(std::as_bytes(std::span(bytes)), topology());

@@ -107,6 +107,7 @@ struct Work {
   double contacts = 0, steps = 0, kernel = 0, bytes = 0;
   StageSeconds stages;
   double write_seconds = 0;
+  double unfinished = 0;  ///< processes
 };
 
 /// "draw 8 %, lay-out 20 %, ...": shares of the time of all threads.
@@ -202,12 +203,14 @@ int run_generate(const GenerateRequest& request) {
   };
   const ProductionReport report = produce_set(sweep.source, *spool, options);
   line.clear();
-  const std::vector<double> sums =
-      ranks.sum({static_cast<double>(report.contacts), static_cast<double>(report.steps), report.kernel_seconds,
-                 static_cast<double>(spool->bytes()), report.stages.draw, report.stages.lay_out, report.stages.solve,
-                 report.stages.solve_again, report.stages.gather, report.stages.write, report.write_seconds,
-                 report.finished ? 0.0 : 1.0});
-  if (sums.back() > 0) {
+  const auto work = ranks.sum(Work{.contacts = static_cast<double>(report.contacts),
+                                   .steps = static_cast<double>(report.steps),
+                                   .kernel = report.kernel_seconds,
+                                   .bytes = static_cast<double>(spool->bytes()),
+                                   .stages = report.stages,
+                                   .write_seconds = report.write_seconds,
+                                   .unfinished = report.finished ? 0.0 : 1.0});
+  if (work.unfinished > 0) {
     if (ranks.first())
       fmt::print(stderr, "stopped; complete chunks are kept in {}: the same command with --resume continues\n",
                  SetSpool::folder(request.output).string());
@@ -234,8 +237,6 @@ int run_generate(const GenerateRequest& request) {
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!request.shared.quiet) {
     warn_of_depth(set.too_deep, sweep.source.contacts());
-    const Work work{sums[0], sums[1], sums[2], sums[3], {sums[4], sums[5], sums[6], sums[7], sums[8], sums[9]},
-                    sums[10]};
     fmt::print("{}", report_text(request, set, work, spool->rows(), report.seconds, seconds));
   }
   return set.unsolved == 0 && accurate ? done : not_converged;

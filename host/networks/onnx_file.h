@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -8,12 +7,10 @@
 
 namespace tactel::host {
 
-/// Writes a network as ONNX, opset 13: input `frame` [batch, inputs] in MPa, output `slip_index` [batch, 1] in
-/// 0..1; of a network with a bound also `slip_upper` [batch, 1], `slip_interval` [batch, 2] and `unlike` [batch, 1].
-/// The graph contains the scaling and the shift by 0.5, so that any ONNX runtime gives the S of tactel, to
-/// rounding. Metadata: topology, seed, noise, learning set, cycles, errors, scaling, version and a checksum; history,
-/// stride and history_change of several frames; magnitude. The file is written under a temporary name, then renamed.
-/// Throws ConfigError where it cannot be written.
+/// Writes a network as ONNX (nn/infer/network_file.h): input `frame` [batch, inputs] in MPa, output `slip_index`
+/// [batch, 1] in 0..1; of a network with a bound also `slip_upper` [batch, 1], `slip_interval` [batch, 2] and `unlike`
+/// [batch, 1]. The graph contains the scaling and the shift by 0.5, so that any ONNX runtime gives the S of tactel, to
+/// rounding. The file is written under a temporary name, then renamed. Throws ConfigError where it cannot be written.
 void write_onnx(const std::filesystem::path& path, const nn::Model& model);
 
 /// Reads a network that write_onnx wrote. Throws ConfigError, with the reason, for a file that cannot be read, is
@@ -22,8 +19,5 @@ nn::Model read_onnx(const std::filesystem::path& path);
 
 /// Returns "42-42-21-1_noise0.1_seed7.onnx".
 std::string network_file_name(const nn::Topology& topology, double noise, std::uint64_t seed);
-
-/// Returns the bytes of the file.
-std::string onnx_bytes(const nn::Model& model);
 
 }  // namespace tactel::host

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace tactel::host {
@@ -23,6 +26,17 @@ class Ranks {
   void barrier() const;
   /// Returns the sums over all processes, element by element.
   std::vector<double> sum(std::vector<double> values) const;
+  /// The same of a struct whose members are all double.
+  template <class Sums>
+  Sums sum(const Sums& own) const {
+    static_assert(std::is_trivially_copyable_v<Sums> && sizeof(Sums) % sizeof(double) == 0);
+    std::vector<double> values(sizeof own / sizeof(double));
+    std::memcpy(values.data(), &own, sizeof own);
+    values = sum(std::move(values));
+    Sums all;
+    std::memcpy(static_cast<void*>(&all), values.data(), sizeof all);
+    return all;
+  }
   /// Sends bytes to another process, without waiting for it; waits for the bytes before. All calls come from one
   /// thread.
   void send(int rank, std::string bytes);

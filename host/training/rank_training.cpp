@@ -117,11 +117,14 @@ class RankTraining : public TrainingJob {
   TrainingOutcome run(const TrainingWatch& watch) override {
     TrainingOutcome own;
     if (own_) own = own_->run(watch);
-    const std::vector<double> sums = ranks_.sum({own.end == TrainingEnd::stopped ? 1.0 : 0.0,
-                                                 static_cast<double>(own.networks), static_cast<double>(own.diverged)});
-    if (sums[0] > 0) return {.end = TrainingEnd::stopped};
-    TrainingOutcome outcome{.networks = static_cast<std::size_t>(sums[1]),
-                            .diverged = static_cast<std::size_t>(sums[2])};
+    struct Together {
+      double stopped, networks, diverged;
+    };
+    const auto all = ranks_.sum(Together{own.end == TrainingEnd::stopped ? 1.0 : 0.0, static_cast<double>(own.networks),
+                                         static_cast<double>(own.diverged)});
+    if (all.stopped > 0) return {.end = TrainingEnd::stopped};
+    TrainingOutcome outcome{.networks = static_cast<std::size_t>(all.networks),
+                            .diverged = static_cast<std::size_t>(all.diverged)};
     if (ranks_.first()) put_together(request_, plan_, ranks_.count(), outcome);
     ranks_.barrier();
     return outcome;

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "host/networks/onnx_file.h"
 #include "host/networks/train_batch.h"
@@ -81,10 +82,12 @@ class StreamTraining : public TrainingJob {
     }
     done_before_ = request.resume && directory_.finished();
     if (!done_before_) {
-      const nn::FrameSet first = first_block();
-      scaling_ = nn::fit_scaling(plan.scaling, first);
+      const auto start = Clock::now();
+      take_first_block();
+      first_seconds_ = seconds_since(start);
+      scaling_ = nn::fit_scaling(plan.scaling, first_rows_);
       if (std::ranges::any_of(plan.topologies, &nn::Topology::has_bound)) {
-        const nn::FrameSet shown = nn::with_noise(first, plan.noises[0], plan.seeds[0]);
+        const nn::FrameSet shown = nn::with_noise(first_rows_, plan.noises[0], plan.seeds[0]);
         bound_ = nn::uncalibrated_bound(nn::scale_frames<float>(scaling_, shown.frames),
                                         stream_->inputs() / (2 * plan.history.frames));
         bound_.level = plan.batch->level;
@@ -111,9 +114,9 @@ class StreamTraining : public TrainingJob {
   double share() const { return std::min(1.0, static_cast<double>(rows_) / static_cast<double>(all_rows_)); }
 
   // What a stream's frames are scaled by is fitted to its first rows.
-  nn::FrameSet first_block() {
-    for (std::uint64_t k = 0; k < stream_->blocks(); ++k)
-      if (nn::FrameSet block = stream_->block(k); block.rows() > 0) return block;
+  void take_first_block() {
+    for (; first_ < stream_->blocks(); ++first_)
+      if (first_rows_ = stream_->block(first_); first_rows_.rows() > 0) return;
     throw ConfigError(name_, "slip_index", "of no row solved", "at least one row to learn from");
   }
 
@@ -137,6 +140,10 @@ class StreamTraining : public TrainingJob {
       if (watch.log) watch.log(LogLevel::warning, warning);
     auto written = Clock::now();
     const int threads = stream_->at_once();
+    if (block_ > first_)
+      first_rows_ = {};
+    else
+      seconds_ += first_seconds_, stages_.simulation += first_seconds_, stages_.all += first_seconds_;
     MadeAhead<Block> blocks(block_, threads, static_cast<std::size_t>(threads) + 2,
                             [this](std::uint64_t k) { return made_block(k); });
     const StopAtEnd stop_at_end(*stream_);
@@ -168,9 +175,9 @@ class StreamTraining : public TrainingJob {
   };
 
   // A frame of the block that passes the range of numbers once it is scaled throws ConfigError.
-  Block made_block(std::uint64_t k) const try {
+  Block made_block(std::uint64_t k) try {
     const auto start = Clock::now();
-    const nn::FrameSet rows = stream_->block(k);
+    const nn::FrameSet rows = k == first_ ? std::exchange(first_rows_, {}) : stream_->block(k);
     Block block;
     block.simulation = seconds_since(start);
     if (rows.rows() == 0) return block;
@@ -377,6 +384,9 @@ class StreamTraining : public TrainingJob {
   Executor simulation_;  ///< of the stream's contacts, beside the training
   std::unique_ptr<FrameStream> stream_;
   std::optional<NamedSet> recall_;
+  std::uint64_t first_ = 0;  ///< the first block that has rows
+  nn::FrameSet first_rows_;  ///< its rows, until they are learnt
+  double first_seconds_ = 0;
   nn::InputScaling scaling_;
   nn::Bound bound_{};             ///< before its calibration; of networks with its heads
   std::vector<Record> networks_;  ///< [topologies][seeds]

@@ -105,7 +105,7 @@ nn::InputHistory parse_history(const std::optional<std::string>& text, std::opti
       read = std::from_chars(read.ptr + 1, end, history.stride);
     if (read.ec != std::errc{} || read.ptr != end || !history.valid())
       throw ConfigError("command line", "--history", *text,
-                        "frames, or frames:stride: whole numbers of at least 1, a stride of at most 1000");
+                        "frames, or frames:stride: whole numbers, at most 128 frames and a stride of at most 1000");
   }
   if (!change) return history;
   history.change = *change;

@@ -32,14 +32,6 @@ FOR_EACH_PROCESSOR float squared_distance(const float* whitening, const float* c
 }  // namespace
 
 namespace tactel::infer {
-namespace {
-
-std::size_t place_among(const std::vector<float>& edges, float value) noexcept {
-  return static_cast<std::size_t>(std::ranges::count_if(edges, [value](float edge) { return value > edge; }));
-}
-
-}  // namespace
-
 std::vector<float> tiled(const std::vector<float>& whitening, std::size_t inputs) {
   const std::size_t tiles = (inputs + tile - 1) / tile;
   std::vector<float> all(tiles * inputs * tile, 0.0f);
@@ -49,31 +41,16 @@ std::vector<float> tiled(const std::vector<float>& whitening, std::size_t inputs
   return all;
 }
 
-FrameClass classify(const FileBound& bound, const float* scaled) noexcept {
-  const std::size_t tactels = bound.tactels;
+FrameClass classify(const nn::Bound& bound, const float* scaled) noexcept {
+  const auto tactels = static_cast<std::size_t>(bound.tactels);
   float largest = 0;
   for (std::size_t k = 0; k < tactels; ++k) largest = std::max(largest, std::abs(scaled[k]));
   FrameClass frame;
-  for (std::size_t k = 0; k < tactels; ++k) frame.touching += std::abs(scaled[k]) > touching_share * largest;
+  for (std::size_t k = 0; k < tactels; ++k) frame.touching += std::abs(scaled[k]) > nn::Bound::touching_share * largest;
   const int inputs = static_cast<int>(bound.centre.size());
   frame.distance = squared_distance(bound.whitening.data(), bound.centre.data(), inputs, scaled);
   if (std::isnan(frame.distance)) frame.distance = std::numeric_limits<float>::infinity();  // infinity less infinity
-  frame.unlike = !(frame.distance <= bound.unlike_above);                                   // also where it overflows
   return frame;
-}
-
-void add_bound(const FileBound& bound, const FrameClass& frame, const Quantiles& q, Answer& answer) noexcept {
-  const std::size_t t = place_among(bound.touching, static_cast<float>(frame.touching));
-  const std::size_t s = place_among(bound.slip_index, q.median), w = place_among(bound.width, q.upper - q.lower);
-  const std::size_t d = place_among(bound.distance, frame.distance);
-  const std::size_t which =
-      ((t * (bound.slip_index.size() + 1) + s) * (bound.width.size() + 1) + w) * (bound.distance.size() + 1) + d;
-  const float widening = bound.interval_correction[which];
-  const auto above = [&q](float end) { return std::min(std::max(end, q.median), 1.0f); };
-  answer.slip_upper = above(q.upper + bound.upper_correction[which]);
-  answer.slip_interval[0] = std::max(std::min(q.lower - widening, q.median), -1.0f);
-  answer.slip_interval[1] = above(q.upper + widening);
-  answer.unlike = frame.unlike;
 }
 
 }  // namespace tactel::infer

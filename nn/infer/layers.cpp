@@ -92,14 +92,16 @@ FOR_EACH_PROCESSOR void sum_outputs(const float* weights, int inputs, int frames
 
 namespace tactel::infer {
 
-HiddenLayer hidden_layer(const FileLayer& layer) {
-  HiddenLayer made{layer.inputs, layer.outputs, (layer.outputs + tile - 1) / tile, layer.leaky, {}};
-  const std::size_t rows = layer.inputs + 1;
+HiddenLayer hidden_layer(const nn::Weights<float>& weights, int l) {
+  const int inputs = weights.topology.fan_in(l), outputs = weights.topology.fan_out(l);
+  HiddenLayer made{
+      inputs, outputs, (outputs + tile - 1) / tile, weights.topology.activation(l) == nn::Activation::leaky_relu, {}};
+  const std::size_t rows = inputs + 1;
   made.weights.assign(made.tiles * rows * tile, 0.0f);
-  for (int j = 0; j < layer.outputs; ++j) {
+  const float* weight = weights.values.data() + weights.topology.layer_offset(l);
+  for (int j = 0; j < outputs; ++j) {
     float* const column = made.weights.data() + (j / tile) * rows * tile + j % tile;
-    for (int i = 0; i < layer.inputs; ++i) column[i * tile] = layer.weights[std::size_t(j) * layer.inputs + i];
-    column[std::size_t(layer.inputs) * tile] = layer.bias[j];
+    for (std::size_t i = 0; i < rows; ++i) column[i * tile] = *weight++;
   }
   return made;
 }

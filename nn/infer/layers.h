@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "nn/infer/network_file.h"
+#include "nn/network.h"
 
 namespace tactel::infer {
 
@@ -17,7 +17,10 @@ struct HiddenLayer {
   std::vector<float> weights;  ///< [tiles, inputs + 1, tile], the bias last; 0 beyond the outputs
 };
 
-HiddenLayer hidden_layer(const FileLayer& layer);
+/// Layer l of a network.
+HiddenLayer hidden_layer(const nn::Weights<float>& weights, int l);
+
+inline constexpr int widest_layer = nn::Topology::widest_layer;
 
 /// Frames that are evaluated together: a weight that is loaded serves all of them.
 inline constexpr int most_frames = 4;

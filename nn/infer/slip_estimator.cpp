@@ -4,13 +4,19 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
+#include <cerrno>
 #include <cfenv>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
 #include <limits>
 #include <memory>
+#include <system_error>
 #include <utility>
 
+#include "fem/value_error.h"
 #include "nn/infer/bound.h"
 #include "nn/infer/layers.h"
 #include "nn/infer/network_file.h"
@@ -47,9 +53,9 @@ const char* name(AnswerStatus status) noexcept {
 struct SlipEstimator::Network {
   mutable std::atomic<std::size_t> owners = 1;
   std::vector<infer::HiddenLayer> hidden;
-  std::vector<float> output;  ///< [outputs, inputs of the last layer + 1], the bias last
-  int last = 0;               ///< inputs of the last layer
-  std::optional<infer::FileBound> bound;
+  std::vector<float> output;       ///< [outputs, inputs of the last layer + 1], the bias last
+  int last = 0;                    ///< inputs of the last layer
+  std::optional<nn::Bound> bound;  ///< its whitening as infer::tiled() returns it
   int inputs = 0;
   int normals = 0;  ///< normal stresses of the newest frame
   nn::InputHistory history;
@@ -95,9 +101,6 @@ class OwnArithmetic {
 using infer::Activations;
 using Network = SlipEstimator::Network;
 
-// As nn/input_scaling.h.
-constexpr float smallest_stress = 1e-12f, large_stress = 0x1p126f, large_scale = 0x1p-8f;
-
 /// By the numbers' bits and without a branch, so that compilers use vectors.
 bool all_finite(const float* numbers, int count) noexcept {
   constexpr std::uint32_t exponent = 0x7f800000;
@@ -115,8 +118,8 @@ AnswerStatus scale_frame(const Network& network, const float* frame, float* scal
   if (network.by_frame) {
     float largest = 0;
     for (int k = 0; k < network.normals; ++k) largest = std::max(largest, std::abs(frame[k]));
-    if (largest < smallest_stress) return AnswerStatus::no_stress;
-    if (largest > large_stress) scale = large_scale;
+    if (largest < nn::InputScaling::smallest_stress) return AnswerStatus::no_stress;
+    if (largest > nn::InputScaling::large_stress) scale = nn::InputScaling::large_scale;
     factor = 1.0f / (largest * scale);
   }
   for (int k = 0; k < inputs; ++k) scaled[k] = frame[k] * scale * factor;
@@ -138,11 +141,14 @@ Answer plain_answer(AnswerStatus status, float output) noexcept {
 Answer bounded_answer(const Network& network, AnswerStatus status, const infer::FrameClass& frame, float middle,
                       float above, float below) noexcept {
   const float median = middle + 0.5f;
-  const infer::Quantiles q{median, median + (above + 0.5f), median - (below + 0.5f)};
+  const nn::Quantiles<float> q{median, median + (above + 0.5f), median - (below + 0.5f)};
   if (std::isnan((q.median + q.upper) + q.lower) && status == AnswerStatus::ok) status = AnswerStatus::overflow;
   Answer answer = answer_of(status, median);
-  if (!std::isnan(answer.slip_index)) infer::add_bound(*network.bound, frame, q, answer);
-  answer.unlike = frame.unlike;
+  const nn::BoundAnswer bound = network.bound->answer(frame.touching, q, frame.distance);
+  answer.unlike = bound.unlike;
+  if (std::isnan(answer.slip_index)) return answer;
+  answer.slip_upper = bound.upper;
+  std::copy_n(bound.interval, 2, answer.slip_interval);
   return answer;
 }
 
@@ -162,12 +168,30 @@ void evaluate(const Network& network, int frames, const float* frame, Answer* an
     infer::hidden_outputs(layer, frames, *x, *next);
     std::swap(x, next);
   }
-  float o[infer::heads][infer::most_frames];
-  for (int h = 0; h < (network.bound ? infer::heads : 1); ++h)
+  float o[nn::Topology::heads][infer::most_frames];
+  for (int h = 0; h < (network.bound ? nn::Topology::heads : 1); ++h)
     infer::output_neuron(network.output.data() + h * (network.last + 1), network.last, frames, *x, o[h]);
   for (int f = 0; f < frames; ++f)
     answers[f] = network.bound ? bounded_answer(network, status[f], seen[f], o[0][f], o[1][f], o[2][f])
                                : plain_answer(status[f], o[0][f]);
+}
+
+/// Returns the bytes of a file. Throws InputError where it cannot be read.
+std::string bytes_of(const std::string& path) {
+  const auto fail = [&](const std::string& reason) -> InputError {
+    return {path, "cannot be read (" + reason + ")", "a network that tactel wrote (ONNX, at most 4 MiB)"};
+  };
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (status.type() == std::filesystem::file_type::not_found) throw fail(std::strerror(ENOENT));
+  if (error) throw fail(error.message());
+  if (!std::filesystem::is_regular_file(status)) throw fail("no regular file");
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
+  if (!file) throw fail(std::strerror(errno));
+  std::string bytes(infer::most_network_bytes + 1, '\0');
+  bytes.resize(std::fread(bytes.data(), 1, bytes.size(), file.get()));
+  if (std::ferror(file.get())) throw fail(std::strerror(errno));
+  return bytes;
 }
 
 }  // namespace
@@ -184,36 +208,35 @@ SlipEstimator& SlipEstimator::operator=(const SlipEstimator& other) noexcept {
   return *this;
 }
 
-SlipEstimator SlipEstimator::parse(std::span<const std::byte> bytes, const std::string& place) {
+SlipEstimator SlipEstimator::parse(std::span<const std::byte> bytes, const std::string& place) try {
   const OwnArithmetic arithmetic(false);
-  infer::NetworkFile file =
-      infer::read_network_file({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, place);
+  infer::NetworkFile file = infer::read_network({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  const nn::Model& model = file.model;
+  const nn::Topology& topology = model.weights.topology;
   auto network = std::make_unique<Network>();
-  network->inputs = file.layers.front().inputs;
-  network->history = file.history;
-  network->normals = network->inputs / (2 * file.history.frames);
-  network->by_frame = file.by_frame;
+  network->inputs = topology.inputs();
+  network->history = model.history;
+  network->normals = network->inputs / (2 * model.history.frames);
+  network->by_frame = model.scaling.kind == nn::ScalingKind::frame;
   network->factor = file.factor;
   network->metadata = std::move(file.metadata);
-  for (std::size_t l = 0; l + 1 < file.layers.size(); ++l)
-    network->hidden.push_back(infer::hidden_layer(file.layers[l]));
-  network->bound = std::move(file.bound);
+  const int last = topology.hidden_layers();
+  for (int l = 0; l < last; ++l) network->hidden.push_back(infer::hidden_layer(model.weights, l));
+  network->last = topology.fan_in(last);
+  network->output.assign(model.weights.values.end() - topology.outputs() * (network->last + 1),
+                         model.weights.values.end());
+  network->bound = model.bound;
   if (network->bound)
-    network->bound->whitening = infer::tiled(network->bound->whitening, network->bound->centre.size());
-  const infer::FileLayer& last = file.layers.back();
-  network->last = last.inputs;
-  for (int h = 0; h < last.outputs; ++h) {
-    const auto row = last.weights.begin() + static_cast<std::ptrdiff_t>(h) * last.inputs;
-    network->output.insert(network->output.end(), row, row + last.inputs);
-    network->output.push_back(last.bias[static_cast<std::size_t>(h)]);
-  }
+    network->bound->whitening = infer::tiled(model.bound->whitening, static_cast<std::size_t>(network->inputs));
   return SlipEstimator(network.release());
+} catch (const ValueError& error) {
+  throw InputError(place, error.value, error.allowed);
 }
 
 SlipEstimator SlipEstimator::load(const std::string& path) {
   if (const auto end = path.find('\0'); end != std::string::npos)
     throw InputError(path.substr(0, end), "goes on behind a NUL byte", "must be the name of a file");
-  const std::string bytes = infer::read_network_bytes(path);
+  const std::string bytes = bytes_of(path);
   return parse(std::as_bytes(std::span(bytes)), path);
 }
 
@@ -243,7 +266,7 @@ struct SlipHistory::State {
       : network(network), history(network.inputs() / network.frames(), network.network_->history) {}
   SlipEstimator network;
   nn::FrameHistory history;
-  alignas(64) float input[infer::widest_layer];
+  alignas(64) float input[nn::Topology::widest_layer];
 };
 
 SlipHistory::SlipHistory(const SlipEstimator& network) : state_(new State(network)) {}

@@ -6,6 +6,7 @@
 
 #include "host/live/live_monitor.h"
 #include "host/networks/onnx_file.h"
+#include "nn/infer/network_file.h"
 #include "tests/host/live/simulated_frames.h"
 #include "tests/host/networks/network_cases.h"
 
@@ -16,7 +17,7 @@ TEST(History, MonitorTakesTheFramesOfTheLibrary) {
   const nn::Topology topology({3 * 42, 20, 1});
   nn::Model model{nn::initial_weights(topology, 7), {nn::ScalingKind::frame, 1.0f, 3}, 7, 0, "", 0, {}};
   model.history = {.frames = 3, .stride = 2, .change = 0.05};
-  const std::string file = onnx_bytes(model);
+  const std::string file = infer::network_bytes(model);
   const SlipEstimator estimator = SlipEstimator::parse(std::as_bytes(std::span(file)));
   for (const std::size_t batch_from : {std::size_t{1}, std::size_t{100000}}) {
     OpenSource opened = open_source(simulation, "", "");

@@ -17,6 +17,7 @@
 #include "host/scenes/sweep_file.h"
 #include "host/sets/set_simulator.h"
 #include "host/training/train_request.h"
+#include "nn/infer/network_file.h"
 #include "tests/host/networks/network_cases.h"
 
 namespace {
@@ -363,7 +364,7 @@ TEST(TrainApi, TrainsTheNetworksOfTheProgram) {
   frames.contact_nodes.assign(set.contact_nodes.begin(), set.contact_nodes.end());
   host::NetworkTraining<float> twin(executor(), frames, host::plan_of(request));
   twin.run();
-  for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(networks[i].onnx(), host::onnx_bytes(twin.model(i, "set"))) << i;
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(networks[i].onnx(), infer::network_bytes(twin.model(i, "set"))) << i;
 
   const SmallFile saved("net.onnx", "");
   networks[1].to_onnx(saved.path());

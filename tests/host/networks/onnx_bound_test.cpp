@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The bound in network files: the standard's checker, a runtime that does not know tactel, and broken tables.
-#include "host/networks/onnx_bound.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <onnx/checker.h>
@@ -15,10 +13,11 @@
 
 #include "host/networks/forward.h"
 #include "host/networks/onnx_file.h"
-#include "host/networks/onnx_graph.h"
 #include "host/support/errors.h"
 #include "host/training/bound_report.h"
+#include "nn/infer/network_file.h"
 #include "tests/host/networks/bounded_model.h"
+#include "tests/host/networks/crafted_network.h"
 #include "tests/host/networks/onnx_evaluator.h"
 
 namespace {
@@ -30,13 +29,9 @@ using tactel::testing::bounded_model;
 using tactel::testing::bumps;
 using tactel::testing::executor;
 using tactel::testing::OnnxEvaluator;
+using tactel::testing::parsed;
+using tactel::testing::sealed;
 namespace fs = std::filesystem;
-
-onnx::ModelProto parsed(const nn::Model& model) {
-  onnx::ModelProto proto;
-  EXPECT_TRUE(proto.ParseFromString(onnx_bytes(model)));
-  return proto;
-}
 
 onnx::TensorProto& tensor_of(onnx::ModelProto& proto, const std::string& name) {
   for (onnx::TensorProto& tensor : *proto.mutable_graph()->mutable_initializer())
@@ -48,11 +43,8 @@ onnx::TensorProto& tensor_of(onnx::ModelProto& proto, const std::string& name) {
 std::string refusal(const std::string& name, const std::function<void(onnx::TensorProto&)>& change) {
   onnx::ModelProto proto = parsed(bounded_model("16-9-3", ScalingKind::set));
   change(tensor_of(proto, name));
-  const std::string sum = onnx_checksum(proto);
-  for (onnx::StringStringEntryProto& entry : *proto.mutable_metadata_props())
-    if (entry.key() == checksum_key) entry.set_value(sum);
   const fs::path path = fs::temp_directory_path() / "tactel_onnx_bound.onnx";
-  std::ofstream(path, std::ios::binary) << proto.SerializeAsString();
+  std::ofstream(path, std::ios::binary) << sealed(proto);
   std::string message = "no error";
   try {
     read_onnx(path);
@@ -138,15 +130,15 @@ TEST(OnnxBound, IsReadBackAsItWas) {
 // second.
 TEST(OnnxBound, KeepsFilesOfTheFirstVersion) {
   const nn::Model model = bounded_model("16-9-3", ScalingKind::frame, false);
-  const std::string bytes = onnx_bytes(model);
+  const std::string bytes = infer::network_bytes(model);
   EXPECT_EQ(bytes.find("bound_version"), std::string::npos);
-  EXPECT_NE(onnx_bytes(bounded_model("16-9-3", ScalingKind::frame)).find("bound_version"), std::string::npos);
+  EXPECT_NE(infer::network_bytes(bounded_model("16-9-3", ScalingKind::frame)).find("bound_version"), std::string::npos);
   const fs::path path = fs::temp_directory_path() / "tactel_onnx_bound_first.onnx";
   write_onnx(path, model);
   const nn::Model read = read_onnx(path);
   fs::remove(path);
   EXPECT_TRUE(read.bound->distance.empty());
-  EXPECT_EQ(onnx_bytes(read), bytes);
+  EXPECT_EQ(infer::network_bytes(read), bytes);
 }
 
 // Files with a matching checksum whose tables have other sizes, types or numbers.

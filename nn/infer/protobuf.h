@@ -2,6 +2,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 namespace tactel::infer {
@@ -13,6 +14,7 @@ struct Field {
   Wire wire = varint;
   std::uint64_t value = 0;        ///< of a varint
   std::string_view content = {};  ///< of bytes
+  std::string_view whole = {};    ///< with number and wire type
 };
 
 /// Thrown for bytes that are no protobuf message.
@@ -27,6 +29,7 @@ class Fields {
   /// Reads the next field. Returns false at the end of the message. Throws Malformed.
   bool next(Field& field) {
     if (left_.empty()) return false;
+    const std::string_view from = left_;
     const std::uint64_t tag = read_varint();
     if (tag >> 3 == 0 || tag >> 3 > most_field_number) throw Malformed{};
     field.number = static_cast<std::uint32_t>(tag >> 3);
@@ -35,18 +38,21 @@ class Fields {
     switch (field.wire) {
       case Field::varint:
         field.value = read_varint();
-        return true;
+        break;
       case Field::fixed64:
         field.content = take(8);
-        return true;
+        break;
       case Field::bytes:
         field.content = take(read_varint());
-        return true;
+        break;
       case Field::fixed32:
         field.content = take(4);
-        return true;
+        break;
+      default:
+        throw Malformed{};  // groups, which ONNX has none of
     }
-    throw Malformed{};  // groups, which ONNX has none of
+    field.whole = from.substr(0, from.size() - left_.size());
+    return true;
   }
 
  private:
@@ -70,6 +76,30 @@ class Fields {
   }
 
   std::string_view left_;
+};
+
+/// A message that grows field by field.
+class Message {
+ public:
+  void add(std::uint32_t field, std::uint64_t number) {
+    append_varint(field << 3 | Field::varint);
+    append_varint(number);
+  }
+  void add(std::uint32_t field, std::string_view content) {
+    append_varint(field << 3 | Field::bytes);
+    append_varint(content.size());
+    bytes_ += content;
+  }
+  void add(std::uint32_t field, const Message& message) { add(field, std::string_view(message.bytes_)); }
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  void append_varint(std::uint64_t value) {
+    for (; value >= 0x80; value >>= 7) bytes_ += static_cast<char>(value | 0x80);
+    bytes_ += static_cast<char>(value);
+  }
+
+  std::string bytes_;
 };
 
 }  // namespace tactel::infer

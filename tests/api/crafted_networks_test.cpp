@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Network files that tactel did not write, under a checksum that fits: tactel::infer and the program refuse each.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tactel/infer.h>
+
+#include <algorithm>
+
+#include "host/networks/onnx_file.h"
+#include "host/support/errors.h"
+#include "tests/host/networks/bounded_model.h"
+#include "tests/host/networks/crafted_network.h"
+#include "tests/host/support/run_tactel.h"
+
+namespace {
+
+using namespace tactel;
+using nn::ScalingKind;
+using tactel::testing::bounded_model;
+using tactel::testing::each_change;
+using tactel::testing::metadata;
+using tactel::testing::parsed;
+using tactel::testing::sealed;
+
+bool infer_accepts(const std::string& bytes) {
+  try {
+    SlipEstimator::parse(std::as_bytes(std::span(bytes)));
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+bool program_accepts(const std::filesystem::path& file) {
+  try {
+    host::read_onnx(file);
+    return true;
+  } catch (const ConfigError&) {
+    return false;
+  }
+}
+
+nn::Model plain_model(ScalingKind kind) {
+  nn::Model model{nn::initial_weights(nn::Topology::parse("12-2-2-1"), 7), {kind, 2.0f}, 7, 0.1, "set.h5", 20, {}};
+  model.history = {.frames = 3, .stride = 2, .change = 0.07};
+  model.scaling.history = 3;
+  return model;
+}
+
+}  // namespace
+
+// Texts are free where they name a set. The order of metadata means nothing.
+TEST(CraftedNetworks, NoChangeOfAnyFieldIsAccepted) {
+  const host::ScratchFolder folder;
+  int changes = 0;
+  const std::vector<nn::Model> models = {bounded_model("4-2-3_leaky-relu", ScalingKind::frame),
+                                         bounded_model("4-2-3", ScalingKind::set, false),
+                                         plain_model(ScalingKind::frame), plain_model(ScalingKind::set)};
+  for (const nn::Model& model : models) {
+    onnx::ModelProto proto = parsed(model);
+    const std::string whole = sealed(proto);
+    ASSERT_TRUE(infer_accepts(whole) && program_accepts(folder.write("file", whole)));
+    each_change(proto, "model", [&](const std::string& change) {
+      if (change == "model: metadata_props in another order") return;
+      const std::size_t entry = change.find("metadata_props[");
+      if (entry != std::string::npos && change.ends_with("value more")) {
+        const std::string& key = proto.metadata_props(std::stoi(change.substr(entry + 15))).key();
+        if (key == "learning_set" || key == "bound_set" || key == "checksum") return;
+      }
+      const std::string bytes = sealed(proto);
+      if (bytes == whole) return;  // two equal parts changed places
+      EXPECT_FALSE(infer_accepts(bytes)) << change;
+      EXPECT_FALSE(program_accepts(folder.write("file", bytes))) << change;
+      ++changes;
+    });
+  }
+  EXPECT_GT(changes, 5000);
+}
+
+// A stress to divide by that is no number above 0; a history whose frames, doubled, overflow an int.
+TEST(CraftedNetworks, NumbersOutOfRangeAreRefused) {
+  const host::ScratchFolder folder;
+  for (const ScalingKind kind : {ScalingKind::set, ScalingKind::frame}) {
+    for (const auto& [key, values] : std::map<std::string, std::vector<const char*>>{
+             {"largest_stress", {"nan", "inf", "-inf", "0", "-0", "-1", "1e-13", "1e38", "1e39", "", "2 ", "two"}},
+             {"history", {"2147483647", "1073741825", "1073741824", "2147483648", "-1", "0", "1", "4", "12", "0x3"}},
+             {"stride", {"0", "1001", "2147483647"}},
+             {"history_change", {"nan", "-0.1", "1.5"}},
+             {"noise", {"nan", "0.10", "inf", "1e999"}},
+             {"seed", {"-1", "18446744073709551616", "+7", "07"}},
+             {"error_mean", {"nan", "inf"}},
+             {"topology", {"12-2-2-1-1", "12-2-2-2", "13-2-2-1", "12-0-2-1", "2147483647-2-2-1", "12-2-2-1_relu", ""}},
+             {"scaling", {"", "sideways", kind == ScalingKind::set ? "frame" : "set"}},
+             {"tactel", {"", "1"}}}) {
+      for (const char* value : values) {
+        onnx::ModelProto proto = parsed(plain_model(kind));
+        metadata(proto, key) = value;
+        EXPECT_FALSE(infer_accepts(sealed(proto))) << key << " = " << value;
+        EXPECT_FALSE(program_accepts(folder.write("file", sealed(proto)))) << key << " = " << value;
+      }
+    }
+  }
+}
+
+// The weights stand in the file: no runtime then looks for them elsewhere.
+TEST(CraftedNetworks, DataElsewhereIsRefused) {
+  onnx::ModelProto proto = parsed(plain_model(ScalingKind::set));
+  onnx::TensorProto& tensor = *proto.mutable_graph()->mutable_initializer(2);
+  tensor.set_data_location(onnx::TensorProto::EXTERNAL);
+  onnx::StringStringEntryProto& location = *tensor.add_external_data();
+  location.set_key("location"), location.set_value("/etc/passwd");
+  const host::ScratchFolder folder;
+  EXPECT_FALSE(infer_accepts(sealed(proto)));
+  EXPECT_FALSE(program_accepts(folder.write("file", sealed(proto))));
+}
+
+// Files that libprotobuf wrote, when the program still did so by it.
+TEST(CraftedNetworks, FilesOfEarlierVersionsAreRead) {
+  for (const char* seed : {"seed", "seed_by_frame", "seed_bound"}) {
+    const std::string file = host::source_file(std::string("tests/fuzz/corpus/network/") + seed);
+    EXPECT_TRUE(infer_accepts(host::text_of(file))) << seed;
+    EXPECT_TRUE(program_accepts(file)) << seed;
+  }
+}
