@@ -46,6 +46,7 @@ struct ContactSolution {
   bool several = false;         ///< another certified solution is known: Coulomb's law does not determine this contact
   double base_force_error = 0;  ///< in fp32: estimate of the error of single base forces over the largest; 0: none made
   Eigen::VectorXd surface_width{};  ///< [elements] mm, of the elements of a patch (fem/layer); empty on a mesh
+  bool linear_elements = false;     ///< of a patch: with linear pressures (fem/layer/linear_elements.h)
 };
 
 }  // namespace tactel::fem

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "fem/layer/end_mesh.h"
+#include "fem/layer/linear_elements.h"
 #include "fem/layer/patch_compliance.h"
 #include "fem/layer/patch_exact.h"
 #include "fem/layer/patch_search.h"
@@ -85,17 +86,20 @@ ContactSolution PatchReference::solve(const Scene& scene) const {
   const PatchLimits limits = patch_limits(fine);
   Patch patch = find_patch(fine, model_.table, options_.elements).patch;
   for (int growths = 0;; ++growths) {
-    const bool at_end = !model_.sides.endless() && near_end(scene.sensor, {patch.left, patch.right}) &&
-                        patch.width() <= widest_node_distance * scene.sensor.thickness;
     UnequalElements elements =
         graded_elements(contact_of(patch, limits), patch.edge_left, patch.edge_right, options_.elements);
+    const bool linear = options_.linear || needs_linear_pressure(scene.sensor, elements.width.maxCoeff());
+    const bool at_end = !linear && !model_.sides.endless() && near_end(scene.sensor, {patch.left, patch.right}) &&
+                        patch.width() <= widest_node_distance * scene.sensor.thickness;
     if (at_end) elements = nodes_of(elements);
-    ContactSolution solution = solve_in_increments(
-        at_end ? end_condensation(model_, elements.middle) : elements_condensation(model_, elements), fine,
-        options_.pressing_increments, options_.exact);
+    ContactSolution solution = solve_in_increments(at_end   ? end_condensation(model_, elements.middle)
+                                                   : linear ? linear_condensation(model_, elements)
+                                                            : elements_condensation(model_, elements),
+                                                   fine, options_.pressing_increments, options_.exact);
     const bool left = !patch.edge_left && !patch.reaches_left && presses(solution, 0);
     const bool right = !patch.edge_right && !patch.reaches_right && presses(solution, elements.middle.size() - 1);
     solution.surface_width = elements.width;
+    solution.linear_elements = linear;
     if (!(left || right) || growths == options_.most_growths) return solution;
     const double more = growth * (patch.right - patch.left);
     patch = make_patch({patch.left - (left ? more : 0), patch.right + (right ? more : 0)}, limits, options_.elements);

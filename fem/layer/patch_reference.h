@@ -12,6 +12,7 @@ struct PatchReferenceOptions {
   int elements = 240;
   int pressing_increments = 20;  ///< least number of increments to each pressing target
   int most_growths = 8;          ///< times that the patch may grow where its outermost element presses
+  bool linear = false;           ///< linear elements (linear_elements.h) also where constant ones are narrow enough
   GapReferenceOptions exact = {};
 };
 

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "fem/layer/layer_model.h"
+#include "fem/layer/linear_elements.h"
 #include "fem/load_stepping.h"
 #include "host/contact/gap_sweep.h"
 #include "host/contact/patch_contact.h"
@@ -226,8 +227,9 @@ std::vector<std::size_t> ManySolver::launch(const Launcher& launcher, const std:
 template <class Real>
 void ManySolver::solve_on_patches(const std::vector<std::size_t>& which, const ProgressFunction& progress) {
   const host::PatchContactOptions options = host::patch_options(patch_);
-  const auto served = [&](const auto& view, std::size_t k, std::size_t) {
-    return every_step_solved(view, k) && !host::grown_contact<Real>(view, k, options.elements);
+  const auto served = [&](const auto& view, std::size_t k, std::size_t i) {
+    return every_step_solved(view, k) && !fem::needs_linear_pressure(asked_[i].sensor, view.patch(k, PATCH_ELEMENT)) &&
+           !host::grown_contact<Real>(view, k, options.elements);
   };
   for (const auto& alike : groups(which, [&](std::size_t i) { return layer_key(asked_[i].sensor); })) {
     const fem::Sensor& sensor = asked_[alike.front()].sensor;

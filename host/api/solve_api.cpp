@@ -106,14 +106,14 @@ Path solve(const Scene& scene, const SolveOptions& options) {
   const fem::Scene checked = api::to_fem(scene);
   api::check_scene(checked);
   return api::with_public_errors([&] {
-    const host::SolveOutcome outcome = host::solve(checked, options_of(options));
+    host::SolveOutcome outcome = host::solve(checked, options_of(options));
+    const auto error = options.estimate_error ? host::mesh_error(outcome) : std::nullopt;
+    if (options.estimate_error && !error) outcome.no_estimate = host::why_no_estimate(outcome);
     Path path = path_of(outcome);
     if (options.derivatives) path.derivatives = derivatives_of(host::derivatives(checked, outcome));
-    if (!options.estimate_error) return path;
-    if (const auto error = host::mesh_error(outcome)) {
-      const host::AnswerError& e = error->expected;
-      path.error = {e.S, e.P, e.Q, e.sigma, e.tau, error->finer};
-    }
+    if (error)
+      path.error = {error->expected.S,     error->expected.P,   error->expected.Q,
+                    error->expected.sigma, error->expected.tau, error->finer};
     return path;
   });
 }

@@ -101,6 +101,7 @@ int run_solve(const SolveRequest& request) {
     FinerAnswer finer = on_own_mesh ? begin_finer(asked) : FinerAnswer{};
     SolveOutcome solved = solve(asked, options);
     solved.mesh_error = mesh_error(solved, std::move(finer));
+    if (!solved.mesh_error) solved.no_estimate = why_no_estimate(solved);
     if (request.derivatives)
       solved.derivatives = std::make_shared<const ContactDerivatives>(derivatives(asked, solved));
     return solved;

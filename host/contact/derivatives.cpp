@@ -39,6 +39,8 @@ fem::SceneDerivatives exact_path(const fem::Scene& scene, const SolveOutcome& ou
   const Rung* rung = !outcome.rung.empty() ? &rung_named(outcome.rung) : nullptr;
   if (rung && rung->exact && outcome.on_patch())
     refuse(outcome, "a patch or a mesh, such as --rung patch-24, instead of the reference of patches");
+  if (outcome.solution.linear_elements)
+    refuse(outcome, "a mesh, or a contact that is narrower beside the rubber's thickness");
   if (outcome.on_patch()) return of_patch(scene, rung ? *rung : usual_patch());
   const fem::Sensor& sensor = outcome.scene.sensor;
   if (sensor.columns > most_columns) refuse(outcome, fmt::format("a mesh of at most {} columns", most_columns));

@@ -141,7 +141,7 @@ bool every_step_converged(const fem::ContactSolution& solution);
 /// What became of the scenes of a solve_patch_contact.
 struct PatchContactReport {
   std::size_t grown = 0;      ///< scenes whose patch the search found too small
-  std::size_t fell_back = 0;  ///< scenes that sweeps of the kernel did not solve
+  std::size_t fell_back = 0;  ///< scenes that sweeps of the kernel did not solve, or that need linear elements
   std::size_t unsolved = 0;   ///< scenes with a step that missed its tolerance all the same
 };
 
@@ -160,7 +160,8 @@ SharedLayers shared_layers(std::span<const fem::Scene> scenes);
 
 /// Solves scenes that a launcher takes, of any kinds, in their order. A patch that is too small grows, and its
 /// scene is solved again. A scene with a step over tolerance after that is solved in fp64, exactly on the same elements
-/// (fem/layer/patch_exact.h) or by the twin with more sweeps, and has fell_back = true. Steps that still miss their
+/// (fem/layer/patch_exact.h) or by the twin with more sweeps, and has fell_back = true. So has a scene whose elements
+/// are too wide for its rubber: linear elements solve it (fem/layer/linear_elements.h). Steps that still miss their
 /// tolerance have converged = false. Throws ValueError for an invalid scene.
 template <class Real>
 std::vector<fem::ContactSolution> solve_patch_contact(const PatchContact<Real>& contact,

@@ -12,7 +12,9 @@
 namespace tactel::host {
 namespace {
 
-constexpr double share_kept = 0.95;  ///< of several scenes
+/// Errors over the line, outside the mix: twice sufficed for 98 % of 140 scenes, but not for one with mu 0.041 that is
+/// pressed by force (docs/accuracy.md).
+constexpr double beyond_the_mix = 3;
 
 /// Whether an answer shows no contact where the load presses.
 bool misses_contact(const fem::Scene& scene, const Rung& rung, const fem::ContactSolution& answer) {
@@ -28,46 +30,52 @@ PlanTrial compare(std::span<const fem::Scene> scenes, std::size_t low, const std
   const Rung &rung = ladder()[low], &next = ladder()[low + 1];
   PlanTrial trial{rung.name, next.name};
   bool missed = false;
-  std::size_t at_ends = 0;
-  std::vector<double> differences, sigma, tau, P, Q;
+  std::vector<double> differences, estimates, next_estimates, sigma, tau, P, Q;
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     AnswerError error = answer_error(scenes[i], answers[i], rung, finer[i], next);
     if (misses_contact(scenes[i], rung, answers[i]) || misses_contact(scenes[i], next, finer[i])) {
       error.S = 1;
       missed = true;
     }
-    at_ends += near_end(scenes[i], answers[i]);
+    const bool outside = outside_the_mix(scenes[i], answers[i]) || outside_the_mix(scenes[i], finer[i]);
     differences.push_back(error.S);
+    const auto besides = [&](const Rung& of, const fem::ContactSolution& answer) {
+      return of.exact ? 0 : model_error(scenes[i], answer);
+    };
+    estimates.push_back(std::min(1.0, expected_error(low, error.S, outside) + besides(rung, answers[i])));
+    next_estimates.push_back(std::min(1.0, expected_next_error(low, error.S, outside) + besides(next, finer[i])));
     sigma.push_back(error.sigma);
     tau.push_back(error.tau);
     P.push_back(error.P);
     Q.push_back(error.Q);
   }
-  trial.difference = covering_value(differences, share_kept);
+  trial.difference = covering_value(differences, 0.95);
   trial.missed = missed && trial.difference >= 1;
-  trial.estimate = trial.missed ? 1 : expected_error(low, trial.difference);
-  trial.next_estimate = trial.missed ? 1 : expected_next_error(low, trial.difference);
-  if (static_cast<double>(at_ends) > (1 - share_kept) * static_cast<double>(scenes.size()) && !next.exact)
-    for (double* estimate : {&trial.estimate, &trial.next_estimate}) *estimate = std::max(*estimate, end_error);
-  trial.sigma = covering_value(sigma, share_kept);
-  trial.tau = covering_value(tau, share_kept);
-  trial.P = covering_value(P, share_kept);
-  trial.Q = covering_value(Q, share_kept);
+  trial.estimate = trial.missed ? 1 : covering_value(estimates, 0.95);
+  trial.next_estimate = trial.missed ? 1 : covering_value(next_estimates, 0.95);
+  trial.sigma = covering_value(sigma, 0.95);
+  trial.tau = covering_value(tau, 0.95);
+  trial.P = covering_value(P, 0.95);
+  trial.Q = covering_value(Q, 0.95);
   return trial;
 }
 
 }  // namespace
 
-double expected_error(std::size_t rung, double difference) {
-  const auto measured = measured_ladder();
-  if (rung + 2 == measured.size()) return difference;
-  return std::min(measured[rung].error.at(difference), measured[rung].most);
+double expected_error(std::size_t rung, double difference, bool outside) {
+  const MeasuredRung& measured = measured_ladder()[rung];
+  const double line = measured.error.at(difference);
+  return std::max(difference, outside ? beyond_the_mix * line : std::min(line, measured.most));
 }
 
-double expected_next_error(std::size_t rung, double difference) {
-  const auto measured = measured_ladder();
-  if (rung + 2 == measured.size()) return measured[rung + 1].most;
-  return std::min(measured[rung].next_error.at(difference), measured[rung + 1].most);
+double expected_next_error(std::size_t rung, double difference, bool outside) {
+  const double line = measured_ladder()[rung].next_error.at(difference);
+  return std::max(difference, outside ? beyond_the_mix * line : std::min(line, measured_ladder()[rung + 1].most));
+}
+
+bool outside_the_mix(const fem::Scene& scene, const fem::ContactSolution& answer) {
+  return (scene.friction > 0 && scene.friction < least_friction) || answer.linear_elements ||
+         near_end(scene.sensor, answer);
 }
 
 Plan plan(std::span<const fem::Scene> scenes, double accuracy, const SolveRung& solve) {
@@ -93,7 +101,9 @@ Plan plan(std::span<const fem::Scene> scenes, double accuracy, const SolveRung& 
   return result;
 }
 
-const Rung& Plan::rung_for_many() const { return rung.exact ? ladder()[ladder().size() - 2] : rung; }
+const Rung& Plan::rung_for_many() const {
+  return rung.exact ? *std::prev(std::ranges::find(ladder(), true, &Rung::exact)) : rung;
+}
 
 std::string Plan::why() const {
   const PlanTrial& last = trials.back();

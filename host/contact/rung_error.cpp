@@ -26,12 +26,6 @@ void add_tactels(Extent& extent, const Eigen::VectorXd& value, const Eigen::Vect
 
 }  // namespace
 
-bool near_end(const fem::Scene& scene, const fem::ContactSolution& answer) {
-  const Eigen::VectorXd &x = answer.surface_x, &width = answer.surface_width;
-  if (width.size() == 0) return false;
-  return fem::near_end(scene.sensor, {x[0] - width[0] / 2, x[x.size() - 1] + width[width.size() - 1] / 2});
-}
-
 AnswerError answer_error(const fem::Scene& scene, const fem::ContactSolution& answer, const Rung& rung,
                          const fem::ContactSolution& judge, const Rung& judge_rung) {
   const auto places = asked_steps(on_rung(scene, rung).load, answer.steps.size());
@@ -59,6 +53,21 @@ AnswerError answer_error(const fem::ContactSolution& answer, std::span<const std
   error.sigma = sigma.relative();
   error.tau = tau.relative();
   return error;
+}
+
+bool near_end(const fem::Sensor& sensor, const fem::ContactSolution& answer) {
+  const Eigen::VectorXd &x = answer.surface_x, &width = answer.surface_width;
+  if (width.size() == 0) return false;
+  return fem::near_end(sensor, {x[0] - width[0] / 2, x[x.size() - 1] + width[width.size() - 1] / 2});
+}
+
+double model_error(const fem::Scene& scene, const fem::ContactSolution& answer) {
+  constexpr double sudden = 0.5, much_friction = 0.5;  // of S between two steps
+  if (answer.linear_elements && scene.friction > much_friction)
+    for (std::size_t k = 1; k < answer.steps.size(); ++k)
+      if (std::abs(answer.steps[k].slip_index.value_or(0) - answer.steps[k - 1].slip_index.value_or(0)) > sudden)
+        return 1;
+  return near_end(scene.sensor, answer) ? 0.01 + 0.05 * (0.5 - scene.sensor.poisson) : 0;
 }
 
 double covering_value(std::vector<double> values, double share) {

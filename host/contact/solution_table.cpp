@@ -70,7 +70,9 @@ std::string solution_table(const fem::Scene& scene, const SolveOutcome& outcome)
   if (outcome.solution.sliding) out += "the whole contact slides\n";
   if (never_slid(scene, outcome.solution)) out += "the contact does not slide as a whole\n";
   if (outcome.mesh_error) out += mesh_error_line(outcome);
-  if (outcome.solution.fell_back)
+  if (outcome.solution.linear_elements)
+    out += "wide elements on thin rubber: their pressures are linear, solved on the host in fp64\n";
+  else if (outcome.solution.fell_back)
     out += "the sweeps did not converge: solved on the host by the exact fallback, in fp64\n";
   return out;
 }

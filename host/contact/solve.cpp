@@ -119,6 +119,11 @@ std::optional<MeshError> mesh_error(const SolveOutcome& outcome, FinerAnswer fin
 
 std::optional<MeshError> mesh_error(const SolveOutcome& outcome) { return mesh_error(outcome, {}); }
 
+std::string why_no_estimate(const SolveOutcome& outcome) {
+  if (outcome.plan) return "one of the rungs that were compared misses the contact";
+  return why_no_estimate(outcome.scene, outcome.solution);
+}
+
 bool too_deep(const fem::Sensor& sensor, double indentation) {
   constexpr double rounding = 1e-6;  // of a depth in fp32
   return indentation > fem::linear_strain_limit * (1 + rounding) * sensor.thickness;
@@ -191,6 +196,8 @@ std::vector<std::string> warnings(const SolveOutcome& outcome) {
     all.push_back(fmt::format("rung {} requires more than the {} columns that a mesh may have: its mesh is coarser, {}",
                               outcome.rung, fem::most_columns,
                               description(rung_named(outcome.rung), outcome.scene.sensor)));
+  if (!outcome.no_estimate.empty())
+    all.push_back(fmt::format("the error of this answer is not estimated: {}", outcome.no_estimate));
   return all;
 }
 
@@ -220,7 +227,9 @@ void check_modelling(const SolveOptions& options) {
 std::string model_name(const SolveOutcome& outcome) {
   const fem::Sensor& s = outcome.scene.sensor;
   const Eigen::VectorXd& width = outcome.solution.surface_width;
-  if (outcome.on_patch()) return fmt::format("patch of {} elements, {:.3g} mm wide", width.size(), width.sum());
+  if (outcome.on_patch())
+    return fmt::format("patch of {} {}elements, {:.3g} mm wide", width.size(),
+                       outcome.solution.linear_elements ? "linear " : "", width.sum());
   return fmt::format("mesh {} x {} {}", s.columns, s.rows, fem::name(s.element));
 }
 

@@ -37,6 +37,7 @@ struct SolveOutcome {
   std::optional<Plan> plan{};                               ///< reason for the rung, where an accuracy was requested
   std::string model_reason{};                               ///< why this model, patch or mesh, answered
   std::optional<MeshError> mesh_error{};                    ///< of solve's command; none: not estimated
+  std::string no_estimate{};                                ///< why there is none, where one was wanted
   std::shared_ptr<const ContactDerivatives> derivatives{};  ///< none: not asked for
 
   bool on_patch() const { return solution.surface_width.size() > 0; }
@@ -51,6 +52,8 @@ SolveOutcome solve(const fem::Scene& scene, const SolveOptions& options);
 
 /// Returns the error to expect of an answer: the planner's, where it chose the rung, else that of the mesh.
 std::optional<MeshError> mesh_error(const SolveOutcome& outcome);
+/// Returns why mesh_error returns none.
+std::string why_no_estimate(const SolveOutcome& outcome);
 
 /// Returns true where an indentation, mm, exceeds the share of the thickness to which rubber is linear.
 bool too_deep(const fem::Sensor& sensor, double indentation);
@@ -74,7 +77,7 @@ bool never_slid(const fem::Scene& scene, const fem::ContactSolution& solution);
 
 /// Returns the warnings about an answer, one line each; usually none. They concern units, depth, slip, a drag that
 /// never slid, friction that holds the indenter above its first touch, other solutions, forces that fp32 does not
-/// resolve, and a rung cut to the largest mesh.
+/// resolve, a rung cut to the largest mesh, and an error that is not estimated.
 std::vector<std::string> warnings(const SolveOutcome& outcome);
 
 }  // namespace tactel::host

@@ -76,6 +76,14 @@ const std::vector<Rung>& all_rungs() {
       {.name = "mesh-161", .columns = 161, .rows = 25, .steps = 4, .precision = fp32, .tolerance = 1e-4},
       {.name = "mesh-321", .columns = 321, .rows = 25, .steps = 10, .precision = fp32, .tolerance = 1e-5},
       {.name = "mesh-641", .columns = 641, .rows = 25, .steps = 20, .precision = fp64, .tolerance = 1e-7},
+      {.name = "patch-60",
+       .elements = 60,
+       .columns = 321,
+       .rows = 25,
+       .steps = 10,
+       .precision = fp64,
+       .tolerance = 1e-9,
+       .exact = true},
       {.name = "reference",
        .elements = 120,
        .columns = 641,
@@ -90,7 +98,7 @@ const std::vector<Rung>& all_rungs() {
 const std::vector<Rung>& ladder() {
   static const std::vector<Rung> rungs = [] {
     std::vector<Rung> climbed;
-    for (const char* name : {"patch-8", "patch-12", "patch-16", "patch-24", "reference"})
+    for (const char* name : {"patch-8", "patch-12", "patch-16", "patch-24", "patch-60", "reference"})
       climbed.push_back(rung_named(name));
     return climbed;
   }();

@@ -10,6 +10,7 @@
 #include <type_traits>
 
 #include "fem/contact_laws.h"
+#include "fem/layer/linear_elements.h"
 #include "host/contact/patch_contact.h"
 #include "host/contact/solve.h"
 #include "host/contact/solve_on_rung.h"
@@ -203,7 +204,8 @@ struct Solver<PatchContact<Real>> {
     return all;
   }
   static bool large_enough(const SetOptions& options, const Contact& contact, const View<Launcher>& view) {
-    return !grown_contact<Real>(view, contact.i, options.patch->elements);
+    return !fem::needs_linear_pressure(contact.sensor, element_width(contact, view)) &&
+           !grown_contact<Real>(view, contact.i, options.patch->elements);
   }
   static double element_width(const Contact& contact, const View<Launcher>& view) {
     return view.patch(contact.i, PATCH_ELEMENT);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 namespace tactel::host {
@@ -99,7 +100,62 @@ fem::Profile measured_profile(Draw& draw) {
   return profile;
 }
 
-fem::Scene changed(fem::Scene scene, Unlike respect, Draw draw) {
+/// A blunt indenter that reaches `half_width` to a side at `depth`.
+fem::Shape blunt_shape(std::size_t kind, double half_width, double depth, Draw& draw) {
+  const double slant = half_width * draw.uniform(0.2, 0.6), flat = half_width - slant;
+  switch (kind) {
+    case 0:
+      return fem::Flat{half_width};
+    case 1:
+      return fem::Wedge{180 - 2 * std::atan(depth / half_width) * 180 / std::numbers::pi};
+    case 2:
+      return fem::Parabola{half_width * half_width / (2 * depth)};
+    case 3:
+      return fem::Trapezoid{flat, depth / slant};
+    case 4:
+      return fem::RoundedFlat{flat, slant * slant / (2 * depth)};
+    default: {
+      fem::Profile profile;
+      profile.x = {-half_width, -0.6 * half_width, 0, slant, half_width};
+      profile.y = {depth, 0.4 * depth, 0, 0.1 * depth, depth};
+      return profile;
+    }
+  }
+}
+
+/// A contact of 5 to 60 thicknesses to a side on rubber of nu 0.49 to 0.5, dragged up to where it slides or so.
+fem::Scene thin_scene(fem::Scene scene, std::size_t place, Draw& draw) {
+  scene.model = fem::SurfaceModel::patch;  // a mesh takes no nu of 0.5
+  fem::Sensor& s = scene.sensor;
+  const double ratio = draw.log_uniform(5, 60), depth = draw.log_uniform(0.02, 0.2);  // over the thickness
+  s.thickness = draw.log_uniform(0.2, 1.5);
+  s.length = 3 * ratio * s.thickness;
+  s.tactel_span = 2 * ratio * s.thickness;
+  s.poisson = 0.5 - (place % 4 == 0 ? 0 : draw.log_uniform(1e-5, 1e-2));
+  scene.indenter.shape = blunt_shape(place % 6, ratio * s.thickness, depth * s.thickness, draw);
+  scene.indenter.position = draw.uniform(-0.05, 0.05) * s.length;
+  scene.load.indentation = {depth * s.thickness};
+  // Mean pressure over E, of the oedometer and of Reynolds' equation together; the shear that it brings about slides.
+  const double nu = s.poisson, soft = (1 + nu) * (1 - 2 * nu) / (1 - nu) + 2 * (1 + nu) * 5 / (3 * ratio * ratio);
+  const double end = scene.friction * depth / soft * 2 * (1 + nu) * s.thickness * draw.uniform(0.2, 1.3);
+  for (std::size_t k = 0; k < scene.load.tangential.size(); ++k)
+    scene.load.tangential[k] = end * static_cast<double>(k + 1) / static_cast<double>(scene.load.tangential.size());
+  return scene;
+}
+
+/// The friction of fingers in oil. One scene in three is pressed with a force, in two parts.
+fem::Scene slippery_scene(fem::Scene scene, std::size_t place, Draw& draw) {
+  const double friction = draw.log_uniform(0.02, 0.1);
+  for (double& x : scene.load.tangential) x *= friction / scene.friction;
+  scene.friction = friction;
+  if (place % 3 != 0) return scene;
+  const double P = draw.log_uniform(0.02, 0.6);  // N/mm
+  scene.load.indentation.clear();
+  scene.load.normal_force = {P / 2, P};
+  return scene;
+}
+
+fem::Scene changed(fem::Scene scene, std::size_t place, Unlike respect, Draw draw) {
   switch (respect) {
     case Unlike::thickness: {
       const double factor = draw.log_uniform(0.5, 4) / scene.sensor.thickness;
@@ -129,6 +185,16 @@ fem::Scene changed(fem::Scene scene, Unlike respect, Draw draw) {
     case Unlike::ends:
       scene.indenter.position = std::copysign(draw.uniform(7, 9.9), scene.indenter.position);
       break;
+    case Unlike::thin:
+      return thin_scene(std::move(scene), place, draw);
+    case Unlike::slippery:
+      return slippery_scene(std::move(scene), place, draw);
+    case Unlike::over_end: {
+      constexpr std::array poisson = {0.0, 0.2, 0.3, 0.4, 0.45, 0.48};
+      scene.sensor.poisson = poisson[place / kinds % poisson.size()];
+      scene.indenter.position = std::copysign(draw.uniform(9, 10), scene.indenter.position);
+      break;
+    }
   }
   return scene;
 }
@@ -151,6 +217,12 @@ const char* description(Unlike respect) {
       return "measured profiles of 3 to 30 points";
     case Unlike::ends:
       return "indenters 0.1 to 3 mm from an end";
+    case Unlike::thin:
+      return "5 to 60 thicknesses to a side, nu 0.49 to 0.5";
+    case Unlike::slippery:
+      return "mu 0.02 to 0.1";
+    case Unlike::over_end:
+      return "over an end, nu 0 to 0.48";
   }
   return "";
 }
@@ -159,7 +231,7 @@ std::vector<fem::Scene> unlike_scenes(Unlike respect, std::uint64_t seed, std::s
   std::vector<fem::Scene> scenes = mixed_scenes(seed, count);
   for (std::size_t place = 0; place < count; ++place)
     scenes[place] =
-        changed(std::move(scenes[place]), respect, Draw(seed + 1 + static_cast<std::uint64_t>(respect), place));
+        changed(std::move(scenes[place]), place, respect, Draw(seed + 1 + static_cast<std::uint64_t>(respect), place));
   return scenes;
 }
 

@@ -17,15 +17,17 @@ namespace tactel::host {
 std::vector<fem::Scene> mixed_scenes(std::uint64_t seed, std::size_t count);
 
 /// Scenes unlike the mix in one respect.
-enum class Unlike { thickness, length, poisson, tactels, force, profile, ends };
+enum class Unlike { thickness, length, poisson, tactels, force, profile, ends, thin, slippery, over_end };
 inline constexpr Unlike all_unlike[] = {Unlike::thickness, Unlike::length,  Unlike::poisson, Unlike::tactels,
-                                        Unlike::force,     Unlike::profile, Unlike::ends};
+                                        Unlike::force,     Unlike::profile, Unlike::ends,    Unlike::thin,
+                                        Unlike::slippery,  Unlike::over_end};
 
 /// Returns "rubber 0.5 to 4 mm thick" and its like.
 const char* description(Unlike respect);
 
 /// Returns scenes of the mix, changed in one respect: thickness (depths in proportion), length, nu between 0 and
-/// 0.4999, number, span and width of tactels, a given force, a measured profile, or the last 3 mm before an end.
+/// 0.4999, number, span and width of tactels, a given force, a measured profile, the last 3 mm before an end, a
+/// contact 5 to 60 thicknesses to a side at nu 0.49 to 0.5, mu 0.02 to 0.1, or a contact over an end.
 std::vector<fem::Scene> unlike_scenes(Unlike respect, std::uint64_t seed, std::size_t count);
 
 /// Returns a description of `mixed_scenes`, for reports.

@@ -109,6 +109,45 @@ TEST_F(PatchSet, RowsAreThoseOfTheSolutions) {
   EXPECT_EQ(row, set.slip_index.size());
 }
 
+constexpr const char* thin_text = R"(
+[sweep]
+contacts = 4
+seed = 3
+[sensor]
+model = "patch"
+length = 60
+thickness = 1
+poisson = 0.499
+tactel_span = 50
+[contact]
+friction = { log_uniform = [0.1, 0.6] }
+[[indenter]]
+shape = "parabola"
+radius = { log_uniform = [1, 800] }
+[load]
+indentation = 0.05
+tangential = [0.1, 0.3]
+)";
+
+/// Wide contacts on thin rubber are solved on linear elements, as solve does, and count among the fallbacks.
+TEST_F(PatchSet, WideContactsOnThinRubberHaveLinearElements) {
+  const SceneSource source = SceneSource::read(folder_.write("thin.toml", thin_text));
+  const ContactSet set = SetSimulator(executor_, source, {}).simulate(0, 4);
+  std::vector<fem::Scene> scenes;
+  for (std::uint64_t k = 0; k < 4; ++k) scenes.push_back(source.contact(k).scene);
+  const auto solutions = solve_on_rung(executor_, scenes, usual_patch());
+  const auto linear = std::ranges::count_if(solutions, &fem::ContactSolution::linear_elements);
+  EXPECT_EQ(set.fell_back, linear);
+  EXPECT_GT(linear, 0);
+  EXPECT_LT(linear, 4);
+  ASSERT_EQ(set.slip_index.size(), 12u);
+  for (std::size_t row = 0; row < 12; ++row) {
+    const fem::ContactStep& expected = solutions[set.contact[row]].steps[set.step[row]];
+    EXPECT_EQ(set.slip_index[row], static_cast<float>(*expected.slip_index)) << row;
+    EXPECT_EQ(set.normal_force[row], static_cast<float>(expected.P)) << row;
+  }
+}
+
 /// A file that names no model and a rung on patches.
 TEST_F(PatchSet, ARungIsTakenWhateverTheFileSays) {
   SceneSource source = SceneSource::read(folder_.write("usual.toml",

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Errors of S that `solve` says beside those that it makes, on scenes outside the mix that the ladder was measured on:
+//
+//     build/bench/tactel_said_and_made [SCENES OF A CLASS, 100] [SEED, 4077] [CLASS: thin, slippery or over_end; all]
+//
+// With TACTEL_EACH=1 every answer has a line on stderr.
+//
+// Inside the sensor the judge has 96 elements and 20 pressing increments; its own error is the difference from 48 and
+// 10, by which the judge may be off and which therefore counts for the answer. Over an end it is the mesh of 641
+// columns, beside that of 321.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <map>
+
+#include "fem/layer/layer_model.h"
+#include "fem/layer/patch_reference.h"
+#include "host/contact/patch_contact.h"
+#include "host/contact/solve.h"
+#include "host/contact/solve_on_rung.h"
+#include "host/studies/tradeoff/scene_mix.h"
+
+namespace tactel::host {
+namespace {
+
+struct Judged {
+  fem::ContactSolution answer;
+  double own_error = 0;  ///< of S
+  bool solved = false;
+};
+
+double difference(const fem::ContactSolution& a, const fem::ContactSolution& b) {
+  std::vector<std::size_t> steps(std::min(a.steps.size(), b.steps.size()));
+  for (std::size_t k = 0; k < steps.size(); ++k) steps[k] = k;
+  return answer_error(a, steps, b, steps).S;
+}
+
+Judged judge_inside(const fem::Scene& scene) {
+  const fem::LayerModel model = fem::layer_model(scene.sensor);
+  const auto on = [&](int elements, int increments) {
+    return fem::PatchReference(model, {.elements = elements, .pressing_increments = increments}).solve(scene);
+  };
+  Judged judged{on(96, 20)};
+  const fem::ContactSolution coarser = on(48, 10);
+  judged.solved = every_step_converged(judged.answer) && every_step_converged(coarser);
+  judged.own_error = difference(judged.answer, coarser);
+  return judged;
+}
+
+Judged judge_over_end(Executor& executor, const fem::Scene& scene) {
+  const auto on = [&](const char* name) {
+    const Rung& rung = rung_named(name);
+    const MeshedScene meshed = meshed_with_own_steps(scene, rung);
+    auto answers = mesh_solver(executor, rung, false).solve(std::span(&meshed.scene, 1));
+    fem::keep_own_steps(answers.front(), scene.load, meshed.parts);
+    return std::move(answers.front());
+  };
+  Judged judged{on("mesh-641")};
+  const fem::ContactSolution coarser = on("mesh-321");
+  judged.solved = every_step_converged(judged.answer);
+  judged.own_error = difference(judged.answer, coarser);
+  return judged;
+}
+
+struct Tally {
+  std::size_t answers = 0, silent = 0, kept = 0, thrice = 0;
+  std::vector<double> said, made;
+  double worst = 0;  ///< made over said
+};
+
+void add(Tally& tally, const SolveOutcome& outcome, const Judged& truth) {
+  ++tally.answers;
+  const auto error = mesh_error(outcome);
+  if (!error || !every_step_converged(outcome.solution) || (outcome.plan && !outcome.plan->kept)) {
+    ++tally.silent;
+    return;
+  }
+  const double made = std::max(0.0, difference(outcome.solution, truth.answer) - truth.own_error);
+  const double said = error->expected.S;
+  tally.said.push_back(said), tally.made.push_back(made);
+  tally.kept += made <= said;
+  tally.thrice += made <= 3 * said;
+  tally.worst = std::max(tally.worst, made / std::max(said, 1e-12));
+}
+
+void print(const std::string& what, const std::string& answer, const Tally& t) {
+  const double estimated = std::max<double>(1, static_cast<double>(t.said.size()));
+  fmt::print("{:<48} {:<16} {:>4} {:>6} {:>8.4f} {:>8.4f} {:>8.4f} {:>8.4f} {:>6.1f} % {:>6.1f} % {:>6.1f}\n", what,
+             answer, t.answers, t.silent, covering_value(t.said, 0.5), covering_value(t.made, 0.5),
+             covering_value(t.said, 0.95), covering_value(t.made, 0.95), 100 * t.kept / estimated,
+             100 * t.thrice / estimated, t.worst);
+}
+
+std::vector<std::pair<std::string, SolveOptions>> all_options() {
+  std::vector<std::pair<std::string, SolveOptions>> all(5);
+  all[0].first = "default";
+  all[1] = {"patch-24", {}}, all[1].second.rung = "patch-24";
+  for (int k = 0; k < 3; ++k) {
+    const double accuracy = std::array{0.05, 0.02, 0.01}[k];
+    all[2 + k].first = fmt::format("--accuracy {:g}", accuracy);
+    all[2 + k].second.accuracy = accuracy;
+  }
+  return all;
+}
+
+int run(std::size_t scenes, std::uint64_t seed, const std::string& one, bool each) {
+  Executor executor{Device("").for_one_contact()};
+  fmt::print("{:<48} {:<16} {:>4} {:>6} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>6}\n", "scenes", "answer", "all",
+             "silent", "said 50%", "made 50%", "said 95%", "made 95%", "kept", "thrice", "worst");
+  std::map<std::string, Tally> all;
+  const std::pair<const char*, Unlike> classes[] = {
+      {"thin", Unlike::thin}, {"slippery", Unlike::slippery}, {"over_end", Unlike::over_end}};
+  for (const auto& [name_of_class, respect] : classes) {
+    if (!one.empty() && one != name_of_class) continue;
+    std::map<std::string, Tally> own;
+    std::vector<double> judges;
+    std::size_t unjudged = 0;
+    for (fem::Scene scene : unlike_scenes(respect, seed, scenes)) {
+      scene.model = fem::SurfaceModel::patch;
+      const Judged truth = respect == Unlike::over_end ? judge_over_end(executor, scene) : judge_inside(scene);
+      if (!truth.solved) {
+        ++unjudged;
+        continue;
+      }
+      judges.push_back(truth.own_error);
+      for (const auto& [name, options] : all_options()) {
+        const SolveOutcome outcome = solve(scene, options);
+        add(own[name], outcome, truth), add(all[name], outcome, truth);
+        if (!each) continue;
+        const auto error = mesh_error(outcome);
+        fmt::print(stderr, "{}; nu {:g}, mu {:.3g}: {}, {}: said {:.4f} made {:.4f} (judge {:.4f}){}{}\n", scene.title,
+                   scene.sensor.poisson, scene.friction, name, model_name(outcome), error ? error->expected.S : -1,
+                   difference(outcome.solution, truth.answer), truth.own_error,
+                   outcome.plan ? " " + outcome.plan->rung.name : "",
+                   every_step_converged(outcome.solution) ? "" : " NOT SOLVED");
+      }
+    }
+    for (const auto& [name, tally] : own) print(description(respect), name, tally);
+    fmt::print("  judge's own change: {:.4f} (median), {:.4f} (95 %); {} scenes not judged\n",
+               covering_value(judges, 0.5), covering_value(judges, 0.95), unjudged);
+    std::fflush(stdout);
+  }
+  bool good = true;
+  for (const auto& [name, tally] : all) {
+    print("all", name, tally);
+    const std::size_t estimated = tally.said.size();
+    good = good && tally.kept * 100 >= 97 * estimated && tally.thrice == estimated;
+  }
+  return good ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace tactel::host
+
+int main(int count, char** arguments) {
+  const std::size_t scenes = count > 1 ? std::strtoull(arguments[1], nullptr, 10) : 100;
+  const std::uint64_t seed = count > 2 ? std::strtoull(arguments[2], nullptr, 10) : 4077;
+  return tactel::host::run(scenes, seed, count > 3 ? arguments[3] : "", std::getenv("TACTEL_EACH") != nullptr);
+}
