@@ -90,8 +90,8 @@ void print(const std::string& what, const std::string& answer, const Tally& t) {
   const double estimated = std::max<double>(1, static_cast<double>(t.said.size()));
   fmt::print("{:<48} {:<16} {:>4} {:>6} {:>8.4f} {:>8.4f} {:>8.4f} {:>8.4f} {:>6.1f} % {:>6.1f} % {:>6.1f}\n", what,
              answer, t.answers, t.silent, covering_value(t.said, 0.5), covering_value(t.made, 0.5),
-             covering_value(t.said, 0.95), covering_value(t.made, 0.95), 100 * t.kept / estimated,
-             100 * t.thrice / estimated, t.worst);
+             covering_value(t.said, 0.95), covering_value(t.made, 0.95), 100 * static_cast<double>(t.kept) / estimated,
+             100 * static_cast<double>(t.thrice) / estimated, t.worst);
 }
 
 std::vector<std::pair<std::string, SolveOptions>> all_options() {

@@ -21,20 +21,11 @@ void check(bool good, const char* key, double value, const char* allowed) {
   if (!good) throw ValueError(key, number_text(value), allowed);
 }
 
-constexpr std::size_t most_listed = 10000;  // targets or positions
-
 void check_targets(const std::vector<double>& targets, const char* key, const char* allowed) {
   for (double target : targets) check(std::isfinite(target) && target >= 0, key, target, allowed);
 }
 
-void check_count(const std::vector<double>& list, const char* key) {
-  if (list.size() > most_listed)
-    throw ValueError(key, std::to_string(list.size()) + " numbers", "at most " + std::to_string(most_listed));
-}
-
 void check_normal(const Load& load) {
-  check_count(load.normal_force, "load.normal_force");
-  check_count(load.indentation, "load.indentation");
   check_targets(load.normal_force, "load.normal_force", "a force in N/mm that presses: finite, not below 0");
   if (load.normal_force.empty()) {
     check_targets(load.indentation, "load.indentation", "a depth in mm: finite, not below 0");
@@ -56,7 +47,6 @@ void check_thickness(const Load& load, double thickness) {
 }
 
 void check_tangential(const Load& load) {
-  check_count(load.tangential, "load.tangential");
   for (double x : load.tangential) check(std::isfinite(x), "load.tangential", x, "finite positions in mm");
   check(std::isfinite(load.tangential_step), "load.tangential_step", load.tangential_step,
         "a finite step in mm, 0 for none");

@@ -164,7 +164,8 @@ BaseStress stress_between(const SensorFamily& family, Between poisson, double di
 constexpr double gauss_place[] = {-0.43056815579702629, -0.16999052179242813, 0.16999052179242813, 0.43056815579702629};
 constexpr double gauss_weight[] = {0.17392742256872693, 0.32607257743127307, 0.32607257743127307, 0.17392742256872693};
 
-BaseStressTable stress_of(const SensorFamily& family, const Sensor& sensor, std::shared_ptr<const BothEnds> ends) {
+BaseStressTable stress_of(const SensorFamily& family, const Sensor& sensor,
+                          const std::shared_ptr<const BothEnds>& ends) {
   const Eigen::VectorXd tactels = tactel_positions(sensor);
   const Between poisson = rows_around(family, sensor.poisson);
   const double h = sensor.thickness;
@@ -199,6 +200,7 @@ std::vector<double> SensorFamily::node_poissons(const SensorRange& range) {
   const double middle = (range.poisson_low + range.poisson_high) / 2,
                half = (range.poisson_high - range.poisson_low) / 2;
   std::vector<double> points;
+  points.reserve(nodes);
   for (int k = 0; k < nodes; ++k)
     points.push_back(middle + half * std::cos(std::numbers::pi * (k + 0.5) / static_cast<double>(nodes)));
   return points;
@@ -226,10 +228,12 @@ SensorFamily::SensorFamily(const SensorRange& range, const std::vector<FamilyNod
   const int rows = 1 + std::max(1, static_cast<int>(std::ceil(width / widest_poisson_cell)));
   if (made.front().sides) {
     std::vector<SideDifference> differences;
+    differences.reserve(made.size());
     for (const FamilyNode& node : made) differences.push_back(*node.sides);
     tables->ends.emplace(differences);
   }
   std::vector<const LayerTable*> layers;
+  layers.reserve(made.size());
   for (const FamilyNode& node : made) layers.push_back(&node.table);
   for (int row = 0; row < rows; ++row) {
     const double poisson = range.poisson_low + width * row / (rows - 1);

@@ -90,7 +90,8 @@ void append(Set& to, Set&& more) {
 
 /// Throws where the rows of `all` contacts would not fit into memory, judged by those of `count`.
 void check_memory(const host::ContactSet& rows, std::uint64_t count, std::uint64_t all) {
-  const double bytes = static_cast<double>(rows.rows() * row_bytes(rows)) + 4.0 * rows.contact_parameters.size();
+  const double bytes =
+      static_cast<double>(rows.rows() * row_bytes(rows) + sizeof(float) * rows.contact_parameters.size());
   const double most = host::memory_bytes() / std::max(bytes, 1.0) * static_cast<double>(count);
   if (static_cast<double>(all) > most)
     throw InputError("contacts", std::to_string(all),
@@ -146,8 +147,7 @@ Scene Sweep::scene(std::uint64_t k) const {
 }
 
 Sweep Sweep::changed(double shift) const {
-  if (!endless())
-    throw InputError(state_->path, "a listed set", "a sweep that draws its contacts (sweep.contacts)");
+  if (!endless()) throw InputError(state_->path, "a listed set", "a sweep that draws its contacts (sweep.contacts)");
   return Sweep(new State{state_->path, {state_->sweep.text, state_->sweep.source.changed(shift)}});
 }
 std::uint64_t Sweep::changes() const { return state_->sweep.source.changes(); }

@@ -22,7 +22,7 @@ void add(RunningChecksum& sum, std::string_view text) {
 
 /// Kind and bytes of an attribute, as the file has them. What tactel does not write has no bytes: texts of variable
 /// length, and what is longer than any attribute of a set.
-std::string value_of(hid_t object, const char* name) {
+std::string attribute_bytes(hid_t object, const char* name) {
   const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
   if (!attribute.open()) return "missing";
   const Handle type(H5Aget_type(attribute), H5Tclose);
@@ -36,7 +36,7 @@ std::string value_of(hid_t object, const char* name) {
 herr_t add_attribute(hid_t object, const char* name, const H5A_info_t*, void* sum) {
   if (std::string_view(name) == seal_name) return 0;
   add(*static_cast<RunningChecksum*>(sum), name);
-  add(*static_cast<RunningChecksum*>(sum), value_of(object, name));
+  add(*static_cast<RunningChecksum*>(sum), attribute_bytes(object, name));
   return 0;
 }
 
@@ -48,7 +48,7 @@ herr_t add_link(hid_t file, const char* name, const H5L_info_t* link, void* sum)
   std::string seal;
   if (link->type == H5L_TYPE_HARD) {
     const Handle object(H5Oopen(file, name, H5P_DEFAULT), H5Oclose);
-    seal = value_of(object, seal_name);
+    seal = attribute_bytes(object, seal_name);
   }
   add(*static_cast<RunningChecksum*>(sum), name);
   add(*static_cast<RunningChecksum*>(sum), seal);

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "host/networks/onnx_file.h"
+#include "nn/infer/network_file.h"
 #include "tests/host/networks/bounded_model.h"
 #include "tests/host/networks/network_cases.h"
 #include "tests/host/support/run_tactel.h"
@@ -52,7 +53,7 @@ std::vector<Case> cases() {
   history.history = {.frames = 3, .stride = 2, .change = 0.07};
   std::vector<Case> all;
   for (const nn::Model& model : {plain, history, bounded_model("42-42-21-3", nn::ScalingKind::frame, true)}) {
-    Case one{host::onnx_bytes(model), bumps(200, model.weights.topology.inputs(), 9).frames, {}};
+    Case one{infer::network_bytes(model), bumps(200, model.weights.topology.inputs(), 9).frames, {}};
     one.frames.topRows(9) *= 1e-38f;  // some denormal
     one.expected = all_answers(one.file, one.frames);
     all.push_back(std::move(one));

@@ -28,7 +28,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import Cancelled, InputError, SlipEstimator, Sweep, __version__, _shown
+from . import Cancelled, InputError, SlipEstimator, Sweep, __version__, _Progress
 
 SPREADS = 4.0 ** np.arange(8)
 CHANGE = 1 / 64  #: of a number's range, for derivatives
@@ -513,15 +513,15 @@ def _run(given):
     skins = list(itertools.product(given.tactels or [None], given.thickness or [None], options))
     sweeps = [sweep_of(tactels, thickness) for tactels, thickness, _ in skins]  # an error before minutes of work
     networks = _networks(given.network)
-    show = None if given.quiet or not sys.stderr.isatty() else _shown(True, "readings")
     floors = []
-    for sweep, (_, _, option) in zip(sweeps, skins):
-        def progress(done, count, before=len(floors)):
-            return show and show(before * count + done, len(skins) * count)
-        sensor = sweep.scene(0).sensor
-        span = sensor.length if sensor.tactel_span is None else sensor.tactel_span
-        floors.append({"tactels": sensor.tactels, "pitch": span / (sensor.tactels - 1), "thickness": sensor.thickness,
-                       **measure(sweep, option, networks, given.device, progress)})
+    with _Progress(not given.quiet, "floor", "readings") as show:
+        for sweep, (_, _, option) in zip(sweeps, skins):
+            def progress(done, count, before=len(floors)):
+                return show and show(before * count + done, len(skins) * count)
+            sensor = sweep.scene(0).sensor
+            span = sensor.length if sensor.tactel_span is None else sensor.tactel_span
+            floors.append({"tactels": sensor.tactels, "pitch": span / (sensor.tactels - 1), "thickness": sensor.thickness,
+                           **measure(sweep, option, networks, given.device, progress)})
     found = {"tactel": __version__, "sweep": given.sweep}
     if len(floors) == 1:
         found.update({key: value for key, value in floors[0].items() if key not in ("tactels", "pitch", "thickness")})

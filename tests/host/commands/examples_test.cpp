@@ -29,8 +29,13 @@ nlohmann::json solved(const std::vector<std::string>& arguments) {
   all.insert(all.end(), arguments.begin(), arguments.end());
   const ChildResult result = run_tactel(all);
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(without_progress(result.err), "");
-  return nlohmann::json::parse(result.out);
+  const auto json = nlohmann::json::parse(result.out);
+  const bool fine_mesh =
+      json["scene"]["sensor"]["columns"] > 81 && json["model"].get<std::string>().starts_with("mesh");
+  EXPECT_EQ(without_progress(result.err), fine_mesh ? "warning: the error of this answer is not estimated: its mesh "
+                                                      "has more than 81 columns or 33 rows (--accuracy estimates)\n"
+                                                    : "");
+  return json;
 }
 
 /// A copy of the example that names the mesh, in a folder with the files that it names.

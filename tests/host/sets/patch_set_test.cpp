@@ -3,6 +3,8 @@
 // Sets of contacts on patches: the rows of a contact depend on the contact alone, and are those of its own solution.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "host/contact/solve_on_rung.h"
 #include "host/sets/set_simulator.h"
 #include "tests/host/device/test_device.h"
@@ -86,6 +88,9 @@ TEST_F(PatchSet, AnyRangeGivesTheSameRows) {
   EXPECT_EQ(row, whole.slip_index.size());
 }
 
+/// S as a set has it: rounding of Q / (mu P) beyond 1 is cut.
+float in_range(double slip_index) { return static_cast<float>(std::clamp(slip_index, -1.0, 1.0)); }
+
 /// The flats are wider than the sensor.
 TEST_F(PatchSet, RowsAreThoseOfTheSolutions) {
   const SetSimulator simulator(executor_, source_, {});
@@ -100,7 +105,7 @@ TEST_F(PatchSet, RowsAreThoseOfTheSolutions) {
       if (!expected.slip_index) continue;
       ASSERT_EQ(set.contact[row], k);
       ASSERT_EQ(set.step[row], step);
-      EXPECT_EQ(set.slip_index[row], static_cast<float>(*expected.slip_index)) << "contact " << k;
+      EXPECT_EQ(set.slip_index[row], in_range(*expected.slip_index)) << "contact " << k;
       EXPECT_EQ(set.normal_force[row], static_cast<float>(expected.P)) << "contact " << k;
       EXPECT_EQ(set.frames[row * set.inputs + 10], static_cast<float>(expected.sigma_y[10])) << "contact " << k;
       ++row;
@@ -143,7 +148,7 @@ TEST_F(PatchSet, WideContactsOnThinRubberHaveLinearElements) {
   ASSERT_EQ(set.slip_index.size(), 12u);
   for (std::size_t row = 0; row < 12; ++row) {
     const fem::ContactStep& expected = solutions[set.contact[row]].steps[set.step[row]];
-    EXPECT_EQ(set.slip_index[row], static_cast<float>(*expected.slip_index)) << row;
+    EXPECT_EQ(set.slip_index[row], in_range(*expected.slip_index)) << row;
     EXPECT_EQ(set.normal_force[row], static_cast<float>(expected.P)) << row;
   }
 }

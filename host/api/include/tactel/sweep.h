@@ -45,10 +45,10 @@ TACTEL_API void write_set(const Set& set, const std::string& path);
 
 /// How a sweep is simulated.
 struct SweepOptions {
-  std::optional<double> accuracy{};  ///< largest error in S, in 95 % of the contacts: the planner chooses the rung
-  std::string rung{};                ///< empty: as the file says
-  std::string precision{};           ///< "fp32", "fp64"; empty: the rung's, or fp32
-  std::string device{};              ///< name or index of an OpenCL device; empty: the default device
+  std::optional<double> accuracy{};   ///< largest error in S, in 95 % of the contacts: the planner chooses the rung
+  std::string rung{};                 ///< empty: as the file says
+  std::string precision{};            ///< "fp32", "fp64"; empty: the rung's, or fp32
+  std::string device{};               ///< name or index of an OpenCL device; empty: the default device
   std::optional<double> tolerance{};  ///< of the sweeps; none: the rung's
   bool transducer = true;             ///< with the sweep's [transducer]
 };
