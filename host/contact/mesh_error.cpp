@@ -13,6 +13,7 @@
 #include "fem/layer/layer_model.h"
 #include "fem/layer/patch_reference.h"
 #include "fem/layer/patch_solver.h"
+#include "fem/load_stepping.h"
 #include "fem/value_error.h"
 #include "host/contact/finer_answer.h"
 #include "host/contact/patch_contact.h"
@@ -43,12 +44,15 @@ fem::Sensor refined(fem::Sensor sensor) {
   return sensor;
 }
 
-/// The scene on the finer mesh, with as many drags as the answer has.
+constexpr int finer_parts = 2;  ///< of a pressing step
+
+/// The scene on the finer mesh with finer pressing steps, and with as many drags as the answer has.
 fem::Scene refined(const fem::Scene& scene, const fem::ContactSolution& answer) {
   fem::Scene fine = scene;
   fine.sensor = refined(scene.sensor);
   const fem::LoadPath path = fem::load_path(scene.load);
   if (path.until_sliding) fine.load.tangential_steps = static_cast<int>(answer.steps.size()) - path.indentation_steps;
+  fine.load.indentation_steps *= finer_parts;
   return fine;
 }
 
@@ -130,9 +134,10 @@ FinerAnswer begin_finer(const fem::Scene& scene) {
 std::optional<MeshError> mesh_error(const fem::Scene& scene, const fem::ContactSolution& answer, FinerAnswer finer) {
   if (answer.surface_width.size() > 0) return patch_error(scene, answer);
   if (!has_finer(scene.sensor, answer.steps.size())) return {};
-  const fem::ContactSolution judge =
+  fem::ContactSolution judge =
       finer.valid() ? finer.get() : exact_answer(refined(scene, answer), fem::default_cache_directory());
   if (!every_step_converged(judge)) return {};
+  fem::keep_own_steps(judge, scene.load, finer_parts);
   const fem::Sensor fine = refined(scene.sensor);
   return error_beside(answer, judge, fmt::format("{} x {}", fine.columns, fine.rows));
 }

@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "fem/gap_reference.h"
+#include "fem/load_stepping.h"
 #include "host/contact/scene_json.h"
 #include "host/contact/solution_table.h"
 #include "host/contact/solve.h"
@@ -30,9 +31,14 @@ fem::Scene on_mesh(fem::Scene scene, int columns, int rows) {
   return scene;
 }
 
-/// The errors of an answer by that of a finer mesh; of one so fine that its own hardly count, the true ones.
-AnswerError true_error(const fem::Scene& scene, const fem::ContactSolution& answer, int columns, int rows) {
-  const fem::ContactSolution truth = fem::solve_gap_reference(on_mesh(scene, columns, rows));
+/// The errors of an answer by that of a finer mesh with pressing steps in `parts`; of one so fine that its own hardly
+/// count, the true ones.
+AnswerError true_error(const fem::Scene& scene, const fem::ContactSolution& answer, int columns, int rows,
+                       int parts = 4) {
+  fem::Scene fine = on_mesh(scene, columns, rows);
+  fine.load.indentation_steps *= parts;
+  fem::ContactSolution truth = fem::solve_gap_reference(fine);
+  fem::keep_own_steps(truth, scene.load, parts);
   std::vector<std::size_t> steps(answer.steps.size());
   std::iota(steps.begin(), steps.end(), 0);
   return answer_error(answer, steps, truth, steps);
@@ -62,7 +68,7 @@ TEST(MeshError, IsThatOfTheFullFinerMesh) {
     const fem::ContactSolution answer = fem::solve_gap_reference(scene);
     const auto found = mesh_error(scene, answer);
     ASSERT_TRUE(found) << poisson;
-    const AnswerError difference = true_error(scene, answer, 81, 21);
+    const AnswerError difference = true_error(scene, answer, 81, 21, 2);
     for (const auto member : error_members)
       EXPECT_NEAR(found->expected.*member, 2 * difference.*member, 1e-10) << poisson;
   }
