@@ -84,8 +84,8 @@ MeshError error_beside(const fem::ContactSolution& answer, const fem::ContactSol
 
 /// The scene on another number of elements: by the twin of the patch kernel; exactly where its sweeps do not converge,
 /// where the answer is exact, and near an end, where the reference's mesh resolves the corner.
-fem::ContactSolution on_elements(const fem::Scene& scene, int elements, bool exact, bool linear) {
-  const fem::LayerModel model = fem::layer_model(scene.sensor);
+fem::ContactSolution on_elements(const fem::LayerModel& model, const fem::Scene& scene, int elements, bool exact,
+                                 bool linear) {
   const fem::PatchOptions twin{.elements = elements};
   if (!exact) {
     fem::ContactSolution answer = fem::PatchSolver(model, twin).solve(scene);
@@ -104,9 +104,10 @@ std::optional<MeshError> patch_error(const fem::Scene& scene, const fem::Contact
   const bool many = 2 * elements > most_elements;
   const int others = many ? elements / 2 : 2 * elements;
   const bool linear = answer.linear_elements;
+  const bool exact = many || linear || near_end(scene.sensor, answer);
+  const fem::LayerModel model = fem::layer_model(scene.sensor);
   const auto error_by = [&](int number) -> std::optional<MeshError> {
-    const fem::ContactSolution judge =
-        on_elements(scene, number, many || linear || near_end(scene.sensor, answer), linear);
+    const fem::ContactSolution judge = on_elements(model, scene, number, exact, linear);
     if (!every_step_converged(judge)) return {};
     return error_beside(answer, judge, fmt::format("{} elements", number));
   };
