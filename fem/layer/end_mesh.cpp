@@ -6,12 +6,12 @@
 
 #include "fem/clamped_block.h"
 #include "fem/layer/patch_compliance.h"
+#include "fem/layer/side_difference.h"
 
 namespace tactel::fem {
 namespace {
 
 constexpr double widening = 1.2, widest = 1.0 / 12;  ///< of a column over its neighbour's and over the thickness
-constexpr double largest_poisson = 0.49999;          ///< as that of the free sides (layer_model.cpp)
 
 /// Places from the end of the contact to an end of the sensor, `length` away, without the first.
 std::vector<double> widening_columns(double first_width, double length, double thickness) {
@@ -54,7 +54,7 @@ Eigen::VectorXd graded_columns(const Sensor& sensor, const Eigen::VectorXd& node
 Condensation end_condensation(const LayerModel& model, const Eigen::VectorXd& nodes) {
   const Eigen::VectorXd x = graded_columns(model.sensor, nodes);
   Sensor sensor = model.sensor;
-  sensor.young = 1, sensor.poisson = std::min(sensor.poisson, largest_poisson);
+  sensor.young = 1, sensor.poisson = std::min(sensor.poisson, most_poisson_of_block);
   sensor.columns = static_cast<int>(x.size()), sensor.rows = 33, sensor.grading = 64;
   sensor.element = Element::bbar;
   const ClampedBlock block(graded_mesh(sensor, x), sensor);

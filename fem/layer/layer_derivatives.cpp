@@ -8,13 +8,12 @@
 #include "fem/block.h"
 #include "fem/layer/element_compliance.h"
 #include "fem/layer/patch_compliance.h"
+#include "fem/layer/side_difference.h"
 
 namespace tactel::fem {
 namespace {
 
 using Eigen::Index;
-
-constexpr double most_poisson_of_block = 0.49999;
 
 /// [2 elements, 2 elements] of equal elements on a layer, in the layout of Condensation.
 Eigen::MatrixXd toeplitz(const ElementCompliance& c) {

@@ -12,10 +12,6 @@ namespace {
 
 constexpr int columns_a_thickness = 12, rows_of_block = 25, least_columns = 41;
 
-/// The mesh of the block has no stiffness at 1/2. Half a millimetre from an end S at 1/2 is off by some 2e-4 for it,
-/// in the middle by nothing.
-constexpr double most_poisson_of_block = 0.49999;
-
 double at(const Eigen::VectorXd& even, Eigen::Index k) { return even[std::abs(k)]; }
 double odd(const Eigen::VectorXd& values, Eigen::Index k) { return k < 0 ? -values[-k] : values[k]; }
 
