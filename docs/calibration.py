@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""A calibration from end to end without hardware: prints the tables of docs/sensors.md, section "calibrate sensor".
+"""A calibration from end to end without hardware: prints tables such as those of docs/notebook/2026-11-23-calibration.md.
 
 Simulated sensors with gains, offsets, noise and a rubber of their own send frames through an emulated USB device.
 tactel records them, tares, calibrates, and reads S of other drags with a network. The frames come from full-mesh finite

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Measures what docs/performance.md shows, and prints its tables; --write puts them between its marks `<!-- table NAME -->`.
+"""Measures rates, sets and starts, and prints their tables; --write makes a page of them, docs/notebook/DATE-performance.md.
 
 Usage: docs/performance.py [--bench build/bench/tactel_bench] [--program build/tactel] [--json FILE] [--contacts N] [--write]
 --json reads what `tactel_bench --benchmark_format=json` wrote instead of measuring; sets, start and memory are always measured.
@@ -17,7 +17,7 @@ import subprocess
 import tempfile
 import time
 
-PAGE = pathlib.Path(__file__).resolve().parent / "performance.md"
+DOCS = pathlib.Path(__file__).resolve().parent
 FILTER = ("^contact/(mesh_[AB]/fp(32|64)/real|mesh_B/reference|patch_[0-9]+/mix)|^contact/mesh_[AB]/tactels|^contact/patch_12_sensors|^scaling/|fma_peak/fp32"
           "|^train/(online/6x100/kernel|batch/42-42-21-1/adam.*/64)|^forward/42-42-21-1/(kernel/threads:[12]/(4096|262144)|one_frame)")
 
@@ -48,7 +48,7 @@ class Runs:
     def machine(self):
         label = next(run["label"] for run in self.of.values() if run.get("label"))
         date = self.context["date"][:10]
-        commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=PAGE.parent, capture_output=True, text=True).stdout.strip()
+        commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=DOCS, capture_output=True, text=True).stdout.strip()
         return (f"One run of {date} on `{label}`, {self.context['num_cpus']} cores, commit {commit or 'unknown'}.\n"
                 f"Its multiply-add peak in fp32 is {self.peak(1):.0f} GFLOP/s on one thread and {self.peak(2):.0f} on two.\n")
 
@@ -155,7 +155,7 @@ def measure(command, **environment):
 
 def sets(program, contacts):
     """Sets and a stream from start to end; sets on cores and by processes. A run of few contacts first fills caches of kernels and tables."""
-    mix = (PAGE.parent.parent / "examples/learning_mix.toml").read_text()
+    mix = (DOCS.parent / "examples/learning_mix.toml").read_text()
     cores = sorted(os.sched_getaffinity(0))
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
@@ -206,7 +206,7 @@ def sets(program, contacts):
 def start(program):
     """`tactel solve` with empty caches and with full ones: the first run and the median of ten."""
     lines = ["| `tactel solve`, start to end | empty caches | full caches | memory |", "|---|---|---|---|"]
-    examples = PAGE.parent.parent / "examples"
+    examples = DOCS.parent / "examples"
     for shown, scene in (("a patch, `cylinder.toml`", "cylinder.toml"), ("a mesh, `parabola.toml`", "parabola.toml")):
         with tempfile.TemporaryDirectory() as cache:
             runs = [measure([program, "solve", examples / scene, "--quiet"], TACTEL_CACHE_DIR=cache) for _ in range(11)]
@@ -229,18 +229,16 @@ def main():
         command = [options.bench, f"--benchmark_filter={FILTER}", "--benchmark_format=json", "--benchmark_min_time=0.2"]
         text = subprocess.run(command, check=True, capture_output=True, text=True).stdout
     runs = Runs(text)
-    tables = {"machine": runs.machine(), "contacts": "\n".join(contacts(runs)) + "\n",
-              "networks": "\n".join(networks(runs)) + "\n", "one_frame": "\n".join(one_frame(runs)) + "\n",
-              "scaling": "\n".join(scaling(runs)) + "\n",
-              "sets": "\n".join(sets(options.program, options.contacts)) + "\n", "start": "\n".join(start(options.program)) + "\n"}
-    page = PAGE.read_text()
-    for name, table in tables.items():
-        print(table)
-        page, found = re.subn(rf"(<!-- table {name} -->\n).*?(<!-- end -->)", lambda m, t=table: f"{m[1]}\n{t}\n{m[2]}", page, flags=re.S)
-        if found != 1:
-            raise SystemExit(f"{PAGE}: has {found} places for the table {name}")
+    parts = {"Contacts": contacts(runs), "From file to set": sets(options.program, options.contacts), "Scaling": scaling(runs),
+             "Networks": networks(runs), "One frame": one_frame(runs), "First use": start(options.program)}
+    page = "# Performance: what was measured\n\n" + runs.machine() + "`docs/performance.py` wrote this page; rates are in kernels alone, fp32, unless a table says otherwise.\n"
+    for heading, lines in parts.items():
+        page += f"\n## {heading}\n\n" + "\n".join(lines) + "\n"
+    print(page)
     if options.write:
-        PAGE.write_text(page)
+        path = DOCS / f"notebook/{runs.context['date'][:10]}-performance.md"
+        with path.open("x") as file:  # a page of the notebook is never edited
+            file.write(page)
 
 
 if __name__ == "__main__":

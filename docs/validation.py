@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Compares tactel with closed forms, and its patch with its mesh: prints the numbers of docs/validation.md and draws
-its figures, docs/validation_*.svg.
+"""Compares tactel with closed forms, and its patch with its mesh: prints tables such as those of
+docs/notebook/2026-11-23-validation.md and draws its figures, docs/validation_*.svg.
 
 Usage: PYTHONPATH=build/python docs/validation.py [NAME...]  (the sections to run, all by default)
 Lengths are in mm, stresses in MPa, forces in N/mm. Debian: python3-numpy, python3-matplotlib."""

@@ -29,7 +29,7 @@ struct FamilyNode {
 /// Tables that give contact on patches of any sensor in a range, without a condensation for each. In two steps: at
 /// `nodes` Poisson's ratios (Chebyshev points of the range) everything is exact; a polynomial through them fills rows
 /// of the tables, and between these rows all is linear in Poisson's ratio. Lengths are in thicknesses. Errors:
-/// docs/accuracy.md.
+/// docs/claims.md.
 class SensorFamily {
  public:
   static constexpr int nodes = 8;

@@ -8,7 +8,7 @@
 
 namespace tactel::host {
 
-/// Contents of a list of candidates (docs/sensors.md: every key).
+/// Contents of a list of candidates (docs/calibration.md: every key).
 struct CandidateList {
   std::vector<PressCandidate> candidates;
   CalibrationOptions fit;

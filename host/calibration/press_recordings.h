@@ -9,7 +9,7 @@
 
 namespace tactel::host {
 
-/// Contents of a file of recordings (docs/sensors.md: every key).
+/// Contents of a file of recordings (docs/calibration.md: every key).
 struct PressRecordings {
   std::vector<KnownPress> presses;
   CalibrationOptions options;

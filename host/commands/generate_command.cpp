@@ -252,7 +252,7 @@ void add_generate_command(CLI::App& app, Action& action) {
   command->add_option("--output", request->output, "the set to write")->type_name("SET.h5")->required();
   auto* force = command->add_flag("--force", request->force, "overwrite an existing file, discard an interrupted run");
   command->add_flag("--resume", request->resume, "resume an interrupted run")->excludes(force);
-  command->add_option("--columns", request->columns, "datasets of the set; all by default (docs/sweeps.md)")
+  command->add_option("--columns", request->columns, "datasets of the set; all by default (docs/sets.md)")
       ->type_name("NAME,NAME,...");
   command->add_flag("--compress", request->compress, "compress the set with gzip: smaller, slower");
   command->add_option("--also-device", request->devices, "one more device to share the work (repeatable)")

@@ -30,7 +30,7 @@ constexpr std::size_t most_steps = 100;
 /// halves.
 constexpr double first_order = 2;
 /// Two answers may agree by chance. Error of S over 1 / elements: with it twice the difference covers the error of 98 %
-/// of the contacts with mu 0.02 to 0.1 (docs/accuracy.md).
+/// of the contacts with mu 0.02 to 0.1 (docs/notebook/2026-11-23-accuracy.md).
 constexpr double chance = 0.04;
 
 bool has_finer(const fem::Sensor& sensor, std::size_t steps) {

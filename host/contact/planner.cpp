@@ -13,7 +13,7 @@ namespace tactel::host {
 namespace {
 
 /// Errors over the line, outside the mix: twice sufficed for 98 % of 140 scenes, but not for one with mu 0.041 that is
-/// pressed by force (docs/accuracy.md).
+/// pressed by force (docs/notebook/2026-11-23-accuracy.md).
 constexpr double beyond_the_mix = 3;
 
 /// Whether an answer shows no contact where the load presses.

@@ -25,7 +25,7 @@ struct SetColumns {
   bool has(const char* dataset) const { return !left_out.contains(dataset); }
 };
 
-/// A set of contacts as in a set file (docs/sweeps.md): one row a load step; HDF5, plain datasets.
+/// A set of contacts as in a set file (docs/sets.md): one row a load step; HDF5, plain datasets.
 struct ContactSet : SetColumns {
   ContactSet() = default;
   explicit ContactSet(const SetColumns& columns) : SetColumns(columns) {}

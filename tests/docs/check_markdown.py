@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks Markdown: links and named files exist, commands and options are those of the program, lines hold 100 columns,
-tables have a head.
+tables have a head; and that the manual is short and speaks of the present.
 
-Usage: check_markdown.py ROOT [TACTEL]
+Usage: check_markdown.py ROOT [TACTEL] [--lines 250] [--words 16000]
 Checks every *.md under ROOT. With TACTEL, the program, also each `tactel COMMAND --option` of code and code blocks.
-Pages of docs/notebook are dated and keep the commands of their day: their links, files and lines are checked, not their commands.
+The manual is README.md and docs/*.md: pages of at most so many lines, so many words in all (as `wc -w`), no word of PAST
+in a sentence, heading or table (code and comments are none).
+Pages of docs/notebook are dated and keep the commands and files of their day: their links and lines are checked.
 Prints every problem as FILE:LINE: problem; ends with 1 where there is one."""
+import argparse
 import pathlib
 import re
 import subprocess
@@ -14,6 +17,8 @@ import sys
 FOLDERS = ("bench", "docs", "examples", "fem", "host", "hw", "kernels", "nn", "scripts", "tests")
 PLACEHOLDER = re.compile(r"[A-Z]{3,}|\.\.\.")  # host/ROOM/NAME.h
 WIDEST = 100
+PAST = re.compile(r"\b(before|now|nowadays|was|were|wasn't|weren't|formerly|previously|no longer|used to|until now|so far|"
+                  r"earlier version|in the past|aims?)\b", re.I)
 
 
 def lines_with_kind(text):
@@ -77,9 +82,31 @@ def code_of(line, kind):
     return [line] if kind == "code" else re.findall(r"`([^`]*)`", line)
 
 
+def manual(root):
+    return [path for path in [root / "README.md", *sorted(root.glob("docs/*.md"))] if path.exists()]
+
+
+def sentences(line):
+    """What a reader reads as language: no code, formula, comment or target of a link."""
+    return re.sub(r"`[^`]*`|\$[^$]*\$|<!--.*?-->|\]\([^)]*\)", " ", line)
+
+
+def too_long(root, most_lines, most_words):
+    words = 0
+    for path in manual(root):
+        text = path.read_text()
+        words += len(text.split())
+        if text.count("\n") > most_lines:
+            yield f"{path.relative_to(root)}:{most_lines + 1}: {text.count(chr(10))} lines, {most_lines} at most; measurements belong to docs/notebook"
+    if words > most_words:
+        yield f"docs:1: the manual has {words} words, {most_words} at most; measurements belong to docs/notebook"
+
+
 def problems(path, root, sources, program):
-    if "notebook" in path.parts:
+    dated = "notebook" in path.parts
+    if dated:
         program = None
+    of_manual = path in manual(root)
     lines = path.read_text().splitlines()
     before = ""
     for number, line, kind in lines_with_kind("\n".join(lines)):
@@ -93,7 +120,10 @@ def problems(path, root, sources, program):
             for link in re.findall(r"\]\(([^)#]+)[^)]*\)", re.sub(r"`[^`]*`", "", line)):
                 if "://" not in link and not path.parent.joinpath(link).exists():
                     found.append(f"link to {link}: no such file")
-            found += [f"{name}: no such file" for name in missing_files(line, path.parent, root, sources)]
+            if not dated:
+                found += [f"{name}: no such file" for name in missing_files(line, path.parent, root, sources)]
+            if of_manual:
+                found += [f"\"{word[0]}\": the manual speaks of the present" for word in PAST.finditer(sentences(line))]
         if program and kind != "fence":
             for code in code_of(line, kind):
                 found += program.problems(code)
@@ -110,13 +140,20 @@ def documents(root):
             yield entry
 
 
-def main(root, tactel=None):
-    program = Program(tactel) if tactel else None
-    sources = {path.name for folder in FOLDERS for path in root.joinpath(folder).rglob("*")}
-    found = [problem for path in documents(root) for problem in problems(path, root, sources, program)]
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("root", type=lambda p: pathlib.Path(p).resolve())
+    parser.add_argument("tactel", nargs="?")
+    parser.add_argument("--lines", type=int, default=250)
+    parser.add_argument("--words", type=int, default=16000)
+    options = parser.parse_args()
+    program = Program(options.tactel) if options.tactel else None
+    sources = {path.name for folder in FOLDERS for path in options.root.joinpath(folder).rglob("*")}
+    found = [problem for path in documents(options.root) for problem in problems(path, options.root, sources, program)]
+    found += too_long(options.root, options.lines, options.words)
     print("\n".join(found))
     return 1 if found else 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(pathlib.Path(sys.argv[1]).resolve(), *sys.argv[2:3]))
+    sys.exit(main())

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // tau_xy at the base from nodal reactions, beside the closed form: near nu = 1/2 it alternates from node to node, and
-// a tactel that is two columns wide does not see that. docs/accuracy.md publishes the printed table.
+// a tactel that is two columns wide does not see that. docs/notebook/2026-11-23-accuracy.md has the
+// printed table.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -55,7 +55,7 @@ TEST(SensorFamily, InterpolatesTheLayer) {
 }
 
 /// Against the model of that sensor, which integrates over the width in closed form. 0.01 of the largest is what
-/// stresses of a family may be off (docs/accuracy.md).
+/// stresses of a family may be off (docs/claims.md).
 TEST(SensorFamily, TactelsMayHaveAWidth) {
   Sensor sensor = sensor_of(0.45, 1.5, 20);
   sensor.tactels = range.tactels;
@@ -100,7 +100,7 @@ TEST(SensorFamily, EndsMirrorEachOther) {
   }
 }
 
-/// Errors that the tables add to a contact, over random sensors and places on them: those of docs/accuracy.md.
+/// Errors that the tables add to a contact, over random sensors and places on them: those of docs/claims.md.
 void expect_agreement(double shortest, double longest, double larger) {
   std::mt19937_64 generator(5);
   const auto uniform = [&](double from, double to) { return std::uniform_real_distribution(from, to)(generator); };

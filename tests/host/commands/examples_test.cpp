@@ -69,7 +69,7 @@ TEST_P(Example, RunsBySolversThatAgree) {
   expect_same_course(solved({mesh, "--solver", "reference"}), solved({mesh}));
 }
 
-/// As its file says, and on the finest patch beside the reference: within the 95 % of docs/accuracy.md, doubled.
+/// As its file says, and on the finest patch beside the reference: within the 95 % of docs/claims.md, doubled.
 TEST_P(Example, RunsAsItStandsAndOnAPatch) {
   const std::string scene = source_file("examples/" + GetParam() + ".toml");
   EXPECT_FALSE(solved({scene})["steps"].empty());

@@ -409,7 +409,7 @@ TEST_F(SmallSet, ASetLargerThanTheDiskIsRefusedBeforeItBegins) {
   const SetColumns columns = columns_of(drawn.source);
   const double parameters = 4 * static_cast<double>(columns.parameters.size());
   const double contact =
-      3 * (2 * 5 * 4 + 8 * 4 + 2 + 8 + 4 + 2 + 1 + 0.0) + parameters;  // as docs/sweeps.md lists them
+      3 * (2 * 5 * 4 + 8 * 4 + 2 + 8 + 4 + 2 + 1 + 0.0) + parameters;  // as docs/sets.md lists them
   EXPECT_EQ(expected_bytes(drawn.source, columns), 1e12 * contact);
   ASSERT_EQ(run(whole_chunks, "small.h5").exit_code, 0);
   const auto bytes = static_cast<double>(std::filesystem::file_size(*this / "small.h5"));
@@ -691,9 +691,9 @@ TEST_F(SmallSet, SurvivesAPowerCut) {
   EXPECT_EQ(result.exit_code, 0) << result.err;
 }
 
-/// The first block of Python in docs/sweeps.md.
+/// The first block of Python in docs/sets.md.
 std::string documented_python() {
-  const std::string text = text_of(source_file("docs/sweeps.md")), begin = "```python\n";
+  const std::string text = text_of(source_file("docs/sets.md")), begin = "```python\n";
   const auto from = text.find(begin) + begin.size();
   return text.substr(from, text.find("```", from) - from);
 }

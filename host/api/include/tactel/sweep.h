@@ -11,7 +11,7 @@
 
 namespace tactel {
 
-/// Frames with their answers, as in a set file (docs/sweeps.md): one row a load step.
+/// Frames with their answers, as in a set file (docs/sets.md): one row a load step.
 struct Set {
   std::size_t inputs = 0;                             ///< 2 tactels
   std::vector<float> frames;                          ///< [rows, inputs] MPa: normal stresses first, then shear
