@@ -6,6 +6,7 @@ Usage: docs/performance.py [--bench build/bench/tactel_bench] [--program build/t
 --json reads what `tactel_bench --benchmark_format=json` wrote instead of measuring; sets, start and memory are always measured.
 --contacts: of each set that is timed. Three minutes and 1.2 GB of $TMPDIR on an idle machine."""
 import argparse
+import datetime
 import json
 import math
 import os
@@ -223,6 +224,9 @@ def main():
     parser.add_argument("--contacts", type=int, default=500000)
     parser.add_argument("--write", action="store_true")
     options = parser.parse_args()
+    written = DOCS / f"notebook/{datetime.date.today()}-performance.md"
+    if options.write and written.exists():
+        parser.error(f"{written}: a page of the notebook is never edited; move it first")
     if options.json:
         text = options.json.read_text()
     else:
@@ -231,14 +235,12 @@ def main():
     runs = Runs(text)
     parts = {"Contacts": contacts(runs), "From file to set": sets(options.program, options.contacts), "Scaling": scaling(runs),
              "Networks": networks(runs), "One frame": one_frame(runs), "First use": start(options.program)}
-    page = "# Performance: what was measured\n\n" + runs.machine() + "`docs/performance.py` wrote this page; rates are in kernels alone, fp32, unless a table says otherwise.\n"
+    page = "# Performance: what was measured\n\n" + runs.machine() + "`docs/performance.py` wrote this page.\n"
     for heading, lines in parts.items():
         page += f"\n## {heading}\n\n" + "\n".join(lines) + "\n"
     print(page)
     if options.write:
-        path = DOCS / f"notebook/{runs.context['date'][:10]}-performance.md"
-        with path.open("x") as file:  # a page of the notebook is never edited
-            file.write(page)
+        written.write_text(page)
 
 
 if __name__ == "__main__":
