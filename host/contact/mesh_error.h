@@ -8,8 +8,8 @@
 
 namespace tactel::host {
 
-/// What the mesh of an answer lets its numbers be off by, to expect: S absolutely, P and Q of the largest along the
-/// path, stresses at the tactels of their largest. It is made of the differences from a finer mesh (docs/accuracy.md).
+/// Expected discretization error of an answer: of S absolutely, of P and Q relative to their largest along the path,
+/// of stresses at the tactels relative to theirs. It is made of the differences from a finer mesh (docs/accuracy.md).
 struct MeshError {
   AnswerError expected;
   std::string finer;  ///< the model of comparison: "81 x 21", "24 elements"
