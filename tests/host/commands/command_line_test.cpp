@@ -215,7 +215,7 @@ TEST(Numbers, NanAndInfinityAreRefusedByEveryOption) {
       {"train", "/no/set.h5", "--output", "/tmp/x", "--noise"},
       {"train", "/no/set.h5", "--output", "/tmp/x", "--learning-rate"},
       {"train", "/no/set.h5", "--output", "/tmp/x", "--checkpoint-seconds"},
-      {"tradeoff", "--accuracy"},
+      {"tradeoff", "--scenes"},
       {"monitor", "--source", "x", "--network", "y", "--seconds"},
       {"monitor", "--source", "x", "--network", "y", "--late"},
       {"record", "--source", "x", "--output", "/tmp/x", "--seconds"},
