@@ -108,6 +108,7 @@ int run_train(const TrainRequest& request) {
   const int code = train_networks(request, ranks);
   if (code == done && !request.bound_set.empty() && ranks.first()) {
     std::vector<NamedNetwork> networks = read_networks(request.output);
+    for (NamedNetwork& network : networks) network.file = std::filesystem::path(request.output) / network.file;
     calibrate_bounds(networks, request.bound_set, request.level.value_or(0.95), request.shared);
   }
   return code;
