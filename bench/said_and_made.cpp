@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Errors of S that `solve` says beside those that it makes, on scenes outside the mix that the ladder was measured on:
+// Errors of S that `solve` says beside those that it makes, on scenes that the ladder was not measured on:
 //
-//     build/bench/tactel_said_and_made [SCENES OF A CLASS, 100] [SEED, 4077] [CLASS: thin, slippery or over_end; all]
+//     build/bench/tactel_said_and_made [SCENES OF A CLASS, 100] [SEED, 4077] [CLASS; all]
+//
+// Classes: mix, of another seed than the ladder's, and those of bench/unlike_scenes.h.
 //
 // With TACTEL_EACH=1 every answer has a line on stderr.
 //
@@ -16,12 +18,12 @@
 #include <cstdlib>
 #include <map>
 
+#include "bench/unlike_scenes.h"
 #include "fem/layer/layer_model.h"
 #include "fem/layer/patch_reference.h"
 #include "host/contact/patch_contact.h"
 #include "host/contact/solve.h"
 #include "host/contact/solve_on_rung.h"
-#include "host/studies/tradeoff/scene_mix.h"
 
 namespace tactel::host {
 namespace {
@@ -112,16 +114,15 @@ int run(std::size_t scenes, std::uint64_t seed, const std::string& one, bool eac
   fmt::print("{:<48} {:<16} {:>4} {:>6} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>6}\n", "scenes", "answer", "all", "open",
              "said 50%", "made 50%", "said 95%", "made 95%", "kept", "thrice", "worst");
   std::map<std::string, Tally> all;
-  const std::pair<const char*, Unlike> classes[] = {
-      {"thin", Unlike::thin}, {"slippery", Unlike::slippery}, {"over_end", Unlike::over_end}};
-  for (const auto& [name_of_class, respect] : classes) {
-    if (!one.empty() && one != name_of_class) continue;
+  const auto judge_class = [&](const char* class_name, const char* description, bool at_end,
+                               const std::vector<fem::Scene>& of_class) {
+    if (!one.empty() && one != class_name) return;
     std::map<std::string, Tally> own;
     std::vector<double> judges;
     std::size_t unjudged = 0;
-    for (fem::Scene scene : unlike_scenes(respect, seed, scenes)) {
+    for (fem::Scene scene : of_class) {
       scene.model = fem::SurfaceModel::patch;
-      const Judged truth = respect == Unlike::over_end ? judge_over_end(executor, scene) : judge_inside(scene);
+      const Judged truth = at_end ? judge_over_end(executor, scene) : judge_inside(scene);
       if (!truth.solved) {
         ++unjudged;
         continue;
@@ -139,11 +140,15 @@ int run(std::size_t scenes, std::uint64_t seed, const std::string& one, bool eac
                    every_step_converged(outcome.solution) ? "" : " NOT SOLVED");
       }
     }
-    for (const auto& [name, tally] : own) print(description(respect), name, tally);
+    for (const auto& [name, tally] : own) print(description, name, tally);
     fmt::print("  judge's own change: {:.4f} (median), {:.4f} (95 %); {} scenes not judged\n",
                covering_value(judges, 0.5), covering_value(judges, 0.95), unjudged);
     std::fflush(stdout);
-  }
+  };
+  judge_class("mix", "the mix, another seed", false, mixed_scenes(seed, scenes));
+  for (const UnlikeClass& c : all_unlike)
+    judge_class(c.name, c.description, c.respect == Unlike::over_end || c.respect == Unlike::ends,
+                unlike_scenes(c.respect, seed, scenes));
   bool good = true;
   for (const auto& [name, tally] : all) {
     print("all", name, tally);

@@ -4,7 +4,7 @@
 
 Simulated sensors with gains, offsets, noise and a rubber of their own send frames through an emulated USB device.
 tactel records them, tares, calibrates, and reads S of other drags with a network. The frames come from full-mesh finite
-elements in finer load steps (`solve --solver reference`), and from the measuring chain and the wire format below; the
+elements in finer load steps (`solve --solver full-mesh`), and from the measuring chain and the wire format below; the
 calibration fits contacts on patches. Both share the scene file and nothing else.
 
 Usage: docs/calibration.py [--build build] [--sensors 12] [--together 6] [--work DIR] [--check]
@@ -118,7 +118,7 @@ class Chain:
         path = self.work / f"{name}.json"
         if not path.exists():
             (self.work / f"{name}.toml").write_text(text)
-            self.run("solve", self.work / f"{name}.toml", "--solver", "reference", "--json", path, "--quiet")
+            self.run("solve", self.work / f"{name}.toml", "--solver", "full-mesh", "--json", path, "--quiet")
         steps = json.loads(path.read_text())["steps"]
         assert all(step["converged"] for step in steps)
         stresses = [step["sigma_y"] + step["tau_xy"] for step in steps]

@@ -43,7 +43,7 @@ void put_bytes(std::vector<std::uint8_t>& record, Bytes bytes) { std::ranges::co
 
 }  // namespace
 
-std::uint32_t crc32(Bytes bytes, std::uint32_t before) {
+std::uint32_t crc32(Bytes bytes) {
   static const auto table = [] {
     std::array<std::uint32_t, 256> remainders{};
     for (std::uint32_t i = 0; i < 256; ++i) {
@@ -52,7 +52,7 @@ std::uint32_t crc32(Bytes bytes, std::uint32_t before) {
     }
     return remainders;
   }();
-  std::uint32_t crc = ~before;
+  std::uint32_t crc = ~0u;
   for (const std::uint8_t byte : bytes) crc = table[(crc ^ byte) & 0xFF] ^ crc >> 8;
   return ~crc;
 }
@@ -113,21 +113,6 @@ struct ReplaySource::State {
     return true;
   }
 
-  /// Passes over the last record, of any length: earlier versions kept an index in it. False where it is not whole.
-  bool skip_end() {
-    std::uint32_t crc = crc32(record);
-    for (std::size_t left = length(); left > 0;) {
-      record.resize(std::min<std::size_t>(left, 1 << 16));
-      if (!read_into(0, record.size())) return false;
-      crc = crc32(record, crc);
-      left -= record.size();
-    }
-    record.resize(record_tail);
-    if (!read_into(0, record_tail)) return false;
-    if (crc != unsigned_at(record, 0, record_tail)) fail("damaged: a checksum does not match");
-    return true;
-  }
-
   bool read_into(std::size_t at, std::size_t count) {
     file.read(reinterpret_cast<char*>(record.data() + at), static_cast<std::streamsize>(count));
     if (file.bad()) fail("cannot be read: " + std::string(std::strerror(errno)));
@@ -154,9 +139,8 @@ struct ReplaySource::State {
   bool next() {
     if (finished) return false;
     if (read_head()) {
-      if (record[0] == packet_record && read_body()) return check_packet();
       if (record[0] != packet_record && record[0] != end_record) fail("damaged: an unknown record");
-      if (record[0] == end_record && skip_end()) return !(finished = true);
+      if (read_body()) return record[0] == packet_record ? check_packet() : !(finished = true);
     }
     cut_short = finished = true;
     return false;

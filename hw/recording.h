@@ -50,7 +50,7 @@ class ReplaySource final : public FrameSource {
   std::unique_ptr<State> state_;
 };
 
-/// Returns the CRC-32 of Ethernet and zip files. before: CRC-32 of the preceding bytes.
-std::uint32_t crc32(Bytes bytes, std::uint32_t before = 0);
+/// Returns the CRC-32 of Ethernet and zip files.
+std::uint32_t crc32(Bytes bytes);
 
 }  // namespace tactel::hw

@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <limits>
-#include <numeric>
 
 #include "fem/value_error.h"
 
@@ -51,107 +49,6 @@ std::array<std::size_t, widest_group + 1> groups_of(const Bound& bound, std::siz
 
 std::size_t class_of(const Bound& bound, const CalibrationRow& row, float squared_distance) {
   return bound.class_of(touching_tactels(row.scaled, bound.tactels), row.quantiles, squared_distance);
-}
-
-/// Scores of rows whose weights change.
-class WeightedScores {
- public:
-  /// classes: [rows]; scores: [rows].
-  WeightedScores(const Bound& bound, const std::vector<std::size_t>& classes, std::vector<double> scores)
-      : bound_(bound), classes_(classes), scores_(std::move(scores)) {
-    std::vector<std::uint32_t> order(scores_.size());
-    std::iota(order.begin(), order.end(), 0u);
-    std::ranges::stable_sort(order, {}, [this](std::uint32_t row) { return scores_[row]; });
-    for (auto& group : groups_) group.resize(bound.classes());
-    for (const std::uint32_t row : order) {
-      const auto places = groups_of(bound, classes[row]);
-      for (std::size_t g = 0; g <= widest_group; ++g) groups_[g][places[g]].push_back(row);
-    }
-  }
-
-  /// The larger of `floor` and the weighted conformal quantile of each class: [classes]. least: rows of a class.
-  std::vector<float> corrections(const std::vector<double>& weights, double level, std::size_t least,
-                                 const std::vector<float>& floor) const {
-    std::vector<float> corrections(floor);
-    std::array<std::vector<double>, widest_group + 1> known;
-    known.fill(std::vector<double>(corrections.size(), std::numeric_limits<double>::quiet_NaN()));
-    for (std::size_t which = 0; which < corrections.size(); ++which) {
-      const auto places = groups_of(bound_, which);
-      std::size_t g = 0;
-      while (g < widest_group && groups_[g][places[g]].size() < least) ++g;
-      double& quantile = known[g][places[g]];
-      if (std::isnan(quantile)) quantile = weighted(groups_[g][places[g]], weights, level);
-      corrections[which] = std::max(corrections[which], rounded_up(quantile));
-    }
-    return corrections;
-  }
-
-  bool covered(std::uint32_t row, const std::vector<float>& corrections) const {
-    return scores_[row] <= double(corrections[classes_[row]]);
-  }
-
-  /// Mean correction of the rows.
-  double mean(const std::vector<float>& corrections) const {
-    double sum = 0;
-    for (const std::size_t which : classes_) sum += double(corrections[which]);
-    return sum / static_cast<double>(classes_.size());
-  }
-
- private:
-  /// Smallest score below which `level` of the weights lies, that of one more row among them.
-  double weighted(const std::vector<std::uint32_t>& rows, const std::vector<double>& weights, double level) const {
-    double all = 0, below = 0;
-    for (const std::uint32_t row : rows) all += weights[row];
-    const double enough = level * all * (1 + 1 / static_cast<double>(rows.size())) * (1 - 1e-12);
-    for (const std::uint32_t row : rows)
-      if ((below += weights[row]) >= enough) return scores_[row];
-    return scores_[rows.back()];
-  }
-
-  const Bound& bound_;
-  const std::vector<std::size_t>& classes_;
-  std::vector<double> scores_;
-  std::array<std::vector<std::vector<std::uint32_t>>, widest_group + 1> groups_;  ///< rows, by ascending score
-};
-
-/// Corrections of every class, and the smallest share of a kind that they cover.
-struct Raised {
-  std::vector<float> corrections;
-  double share;
-};
-
-/// Weighs kinds up that have less than `least`, and down again that have more. A class's correction jumps from score to
-/// score, so that this may go to and fro: the best round counts. That is the one with the smallest share that lacks, in
-/// thousandths, and among those the one with the smallest corrections.
-Raised raised(const WeightedScores& scores, std::size_t rows, const std::vector<float>& plain, double level,
-              std::span<const std::vector<std::uint32_t>> kinds, double least) {
-  constexpr int rounds = 40;
-  constexpr double most = 1e4;  // of a weight
-  std::vector<double> factors(kinds.size(), 1.0);
-  std::vector<float> corrections = plain;
-  Raised best{plain, 0};
-  double best_size = std::numeric_limits<double>::infinity();
-  for (int round = 0; round <= rounds; ++round) {
-    if (round > 0) {
-      std::vector<double> weights(rows, 1.0);
-      for (std::size_t k = 0; k < kinds.size(); ++k)
-        for (const std::uint32_t row : kinds[k]) weights[row] *= factors[k];
-      corrections = scores.corrections(weights, level, std::max(Bound::own_rows, fewest_scores(level)), plain);
-    }
-    const double gain = 30 / (1 + round / 8.0);  // of a weight's logarithm, by the share that is missing
-    double smallest = 1;
-    for (std::size_t k = 0; k < kinds.size(); ++k) {
-      const auto inside = std::ranges::count_if(kinds[k], [&](auto row) { return scores.covered(row, corrections); });
-      const double share = static_cast<double>(inside) / static_cast<double>(kinds[k].size());
-      smallest = std::min(smallest, share);
-      factors[k] = std::clamp(factors[k] * std::exp(gain * (least - share)), 1.0, most);
-    }
-    const auto lacking = [&](double share) { return std::ceil(std::max(least - share, 0.0) * 1e3); };
-    const double size = scores.mean(corrections);
-    if (std::pair(lacking(smallest), size) < std::pair(lacking(best.share), best_size))
-      best = {corrections, smallest}, best_size = size;
-  }
-  return best;
 }
 
 }  // namespace
@@ -244,37 +141,6 @@ void renew_classes(Bound& bound, std::span<const CalibrationRow> rows) {
   bound.interval_correction = bound.upper_correction;
 }
 
-double raise(Bound& bound, std::span<const CalibrationRow> rows, std::span<const std::vector<std::uint32_t>> kinds,
-             double least) {
-  std::vector<std::vector<std::uint32_t>> judged;
-  std::ranges::copy_if(kinds, std::back_inserter(judged),
-                       [](const auto& kind) { return kind.size() >= Bound::own_rows; });
-  std::vector<std::size_t> classes;
-  std::vector<double> upper, interval;
-  for (const CalibrationRow& row : rows) {
-    classes.push_back(class_of(bound, row, squared_distance(bound, row.scaled)));
-    upper.push_back(upper_score(row));
-    interval.push_back(interval_score(row));
-  }
-  double share = 1;
-  for (auto [scores, corrections] :
-       {std::pair{&upper, &bound.upper_correction}, {&interval, &bound.interval_correction}}) {
-    Raised found = raised(WeightedScores(bound, classes, std::move(*scores)), rows.size(), *corrections, bound.level,
-                          judged, least);
-    *corrections = std::move(found.corrections);
-    share = std::min(share, found.share);
-  }
-  bound.least = least;
-  return share;
-}
-
-void widen(Bound& bound, const Bound& other) {
-  const auto larger = [](float a, float b) { return std::max(a, b); };
-  std::ranges::transform(bound.upper_correction, other.upper_correction, bound.upper_correction.begin(), larger);
-  std::ranges::transform(bound.interval_correction, other.interval_correction, bound.interval_correction.begin(),
-                         larger);
-}
-
 Calibration calibrate(Bound& bound, std::span<const CalibrationRow> rows, double level) {
   const std::size_t classes = bound.classes();
   std::array<std::vector<Scores>, widest_group + 1> groups;
@@ -301,7 +167,6 @@ Calibration calibrate(Bound& bound, std::span<const CalibrationRow> rows, double
   report.known = rows.size() >= fewest_scores(Bound::known_share);
   if (report.known) renewed.unlike_above = rounded_up(conformal_quantile(std::move(distances), Bound::known_share));
   renewed.level = level;
-  renewed.least = 0;
   renewed.rows = rows.size();
   bound = std::move(renewed);
   return report;

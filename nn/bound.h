@@ -39,7 +39,6 @@ struct CalibrationRow {
 struct Calibration {
   std::size_t rows = 0, own_classes = 0, classes = 0;  ///< own_classes: with a correction of their own
   bool known = false;                                  ///< enough rows for unlike_above; else it stays as it was
-  double least = 0;                                    ///< smallest share of a kind, after raise(); 0: not raised
 };
 
 /// Gives a bound the classes of today: the edges of a new one, and those of the distance at 60, 86, 94 and 98 % of the
@@ -50,16 +49,5 @@ void renew_classes(Bound& bound, std::span<const CalibrationRow> rows);
 /// the correction of all rows of its touching, width and distance, or of its touching, or of all. Throws ValueError as
 /// conformal_quantile.
 Calibration calibrate(Bound& bound, std::span<const CalibrationRow> rows, double level);
-
-/// Raises the corrections of a calibrated bound until `least` of the rows of each kind lie below the bound, and within
-/// the interval; a controller does not know the kinds. Rows of a kind that has too few weigh more in the quantile of
-/// their class, which stays at the bound's level; no correction becomes smaller. kinds: [kinds] places among `rows`;
-/// those of fewer than own_rows are left out. Returns the smallest share of a kind: less than `least` where few classes
-/// cannot serve all kinds.
-double raise(Bound& bound, std::span<const CalibrationRow> rows, std::span<const std::vector<std::uint32_t>> kinds,
-             double least);
-
-/// Widens a bound to the corrections of `other`, class by class, where these are larger. Both have the same classes.
-void widen(Bound& bound, const Bound& other);
 
 }  // namespace tactel::nn

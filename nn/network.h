@@ -93,7 +93,7 @@ struct Bound {
   std::vector<float> touching{1.5f, 2.5f, 4.5f, 8.5f, 19.5f};
   std::vector<float> slip_index{0.2f, 0.4f, 0.6f, 0.8f, 0.95f};
   std::vector<float> width{0.02f, 0.05f, 0.1f, 0.2f, 0.4f};
-  std::vector<float> distance;  ///< none before a calibration, and in files of the first version
+  std::vector<float> distance;  ///< none before a calibration, or one of few rows
   /// [classes] added to the upper quantile, and to both ends of the interval; touching slowest, distance fastest.
   std::vector<float> upper_correction, interval_correction;
 
@@ -105,8 +105,6 @@ struct Bound {
 
   double level = 0.95;
   std::string set;         ///< that the bound was calibrated on; empty: it was not
-  double least = 0;        ///< share of every kind of row that raise() aimed at; 0: of none
-  std::string left_out;    ///< sets of families that a network did not learn, which widened the bound, by commas
   std::uint64_t rows = 0;  ///< of that set
   std::uint64_t seed = 0;  ///< of that set
 

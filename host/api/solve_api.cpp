@@ -82,10 +82,11 @@ Derivatives derivatives_of(const host::ContactDerivatives& from) {
 
 host::SolveOptions options_of(const SolveOptions& from) {
   api::check_precision(from.precision);
-  if (from.solver != "batched" && from.solver != "reference")
-    throw ConfigError("command line", "--solver", from.solver, "batched or reference");
+  if (from.solver != "batched" && from.solver != "full-mesh" && from.solver != "reference")
+    throw ConfigError("command line", "--solver", from.solver, "batched or full-mesh");
   host::SolveOptions options;
-  options.solver = from.solver, options.precision = from.precision, options.device = from.device;
+  if (from.solver != "batched") options.solver = "full-mesh";
+  options.precision = from.precision, options.device = from.device;
   options.rung = from.rung, options.accuracy = from.accuracy, options.tolerance = from.tolerance;
   return options;
 }

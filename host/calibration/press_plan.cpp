@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <random>
 
 #include "fem/value_error.h"
 #include "host/calibration/median.h"
@@ -25,6 +24,7 @@ constexpr double none = std::numeric_limits<double>::quiet_NaN();
 /// transducer has been pressed.
 constexpr double weak = 0.01;
 constexpr double never_found = 0.5;      ///< relative deviation of a gain, with all candidates
+constexpr double weight_of_numbers = 4;  ///< beside that of gains: see plan_presses
 constexpr double least_exchange = 1e-9;  ///< of the log determinant
 
 /// Sums over the rows of a press, weighted by noise: those of the normal equations of a fit. Parameters of its readings
@@ -53,7 +53,6 @@ class Planner {
   double criterion(const Set& set) const;
   Set choose() const;
   ExpectedDeviations deviations(const Set& set, MatrixXd* correlation = nullptr) const;
-  ExpectedDeviations random_deviations(std::size_t count) const;
   std::vector<std::string> lost(const ExpectedDeviations& all, const MatrixXd& correlation) const;
   Index fitted() const { return static_cast<Index>(numbers_.size()); }
   bool with_friction() const { return options_.fit.friction_deviation > 0; }
@@ -200,7 +199,7 @@ double Planner::criterion(const Set& set) const {
   const MatrixXd H = eliminated(sum);
   const Index friction = sum.numbers - fitted();
   const double numbers = log_determinant(H) - log_determinant(H.bottomRightCorner(friction, friction));
-  return gains / std::max(channels, 1.0) + options_.weight * numbers / std::max(static_cast<double>(fitted()), 1.0);
+  return gains / std::max(channels, 1.0) + weight_of_numbers * numbers / std::max(static_cast<double>(fitted()), 1.0);
 }
 
 Set Planner::choose() const {
@@ -269,34 +268,6 @@ ExpectedDeviations Planner::deviations(const Set& set, MatrixXd* correlation) co
 }
 
 /// Medians over random choices of so many candidates.
-ExpectedDeviations Planner::random_deviations(std::size_t count) const {
-  std::mt19937 random(options_.seed);
-  Set order(candidates_.size());
-  std::iota(order.begin(), order.end(), 0);
-  count = std::min(count, order.size());
-  std::vector<ExpectedDeviations> all;
-  for (int draw = 0; draw < options_.draws; ++draw) {
-    for (std::size_t i = 0; i < count; ++i) std::swap(order[i], order[i + random() % (order.size() - i)]);
-    all.push_back(deviations({order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count)}));
-  }
-  const auto median_of = [&all](const auto& of) {
-    std::vector<double> values(all.size());
-    std::ranges::transform(all, values.begin(), of);
-    return median(std::move(values));
-  };
-  ExpectedDeviations result;
-  result.gain.resize(noise_.size());
-  for (Index c = 0; c < noise_.size(); ++c)
-    result.gain[c] = std::isfinite(all[0].gain[c]) ? median_of([c](const auto& one) { return one.gain[c]; }) : none;
-  for (int k = 0; k < sensor_numbers; ++k)
-    result.number[k] =
-        std::isfinite(all[0].number[k]) ? median_of([k](const auto& one) { return one.number[k]; }) : none;
-  result.normal_gain = median_of([](const auto& one) { return one.normal_gain; });
-  result.shear_gain = median_of([](const auto& one) { return one.shear_gain; });
-  result.worst_gain = median_of([](const auto& one) { return one.worst_gain; });
-  return result;
-}
-
 std::vector<std::string> Planner::lost(const ExpectedDeviations& all, const MatrixXd& correlation) const {
   std::vector<std::string> sentences;
   for (std::size_t i = 0; i < candidates_.size(); ++i)
@@ -329,13 +300,11 @@ std::vector<std::string> Planner::lost(const ExpectedDeviations& all, const Matr
 PressPlan Planner::run() {
   PressPlan plan{.chosen = choose(), .P = P_, .noise = noise_};
   plan.planned = deviations(plan.chosen);
-  plan.random = random_deviations(plan.chosen.size());
-  plan.random_twice = random_deviations(2 * plan.chosen.size());
   Set every(candidates_.size());
   std::iota(every.begin(), every.end(), 0);
   MatrixXd correlation;
-  plan.all = deviations(every, &correlation);
-  plan.lost = lost(plan.all, correlation);
+  const ExpectedDeviations all = deviations(every, &correlation);
+  plan.lost = lost(all, correlation);
   return plan;
 }
 
@@ -349,7 +318,6 @@ void PlanOptions::validate(std::size_t candidates) const {
   check(presses >= 1 && static_cast<std::size_t>(presses) <= candidates, "presses", presses,
         fmt::format("1 to {}, the number of candidates", candidates));
   check(noise_of_largest > 0 && std::isfinite(noise_of_largest), "noise", noise_of_largest, "a number above 0");
-  check(draws >= 1, "draws", draws, "1 or more");
   for (const double value : noise)
     check(std::isnan(value) || (value > 0 && std::isfinite(value)), "noise", value, "numbers of MPa above 0");
 }

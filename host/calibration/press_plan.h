@@ -22,9 +22,6 @@ struct PlanOptions {
   Eigen::VectorXd noise{};   ///< [2 tactels] MPa, standard deviation of a reading; NaN: no transducer. Empty: of all
                              ///< transducers noise_of_largest
   double noise_of_largest = 0.01;  ///< over the largest stress of all candidates
-  double weight = 4;  ///< of the information on the sensor's numbers, beside that on gains: see plan_presses
-  int draws = 200;    ///< random choices beside which the plan is put
-  unsigned seed = 1;  ///< of these choices
   int threads = 2;
   void validate(std::size_t candidates) const;  ///< throws ValueError
 };
@@ -40,18 +37,16 @@ struct PressPlan {
   std::vector<std::size_t> chosen;  ///< candidates, in their order
   std::vector<double> P;            ///< [candidates] N/mm: the largest of each
   Eigen::VectorXd noise;            ///< [2 tactels] MPa, as it was taken
-  ExpectedDeviations planned{}, random{},
-      random_twice{},               ///< medians over draws of as many presses, and of twice as many
-      all{};                        ///< of all candidates together
+  ExpectedDeviations planned{};
   std::vector<std::string> lost{};  ///< sentences: what no plan can find, or only with others
 };
 
 /// Chooses the presses that tell most: D-optimal for gains and the fitted numbers of the sensor. The information is
 /// J^T J of the fit at the nominal sensor; offsets, and the friction of each press where it is fitted, are eliminated.
 /// The criterion is compound (A. C. Atkinson, A. N. Donev, R. D. Tobias, Optimum Experimental Designs, 2007):
-///     log det(gains) / transducers + weight log det(sensor's numbers, gains eliminated) / numbers.
-/// One determinant of all would give the many gains nearly all of it. With weight 4, ten presses are as good as twenty
-/// random ones for gains and nu; E has one error of the gauge a press. Presses are taken one by one, each that adds
+///     log det(gains) / transducers + 4 log det(sensor's numbers, gains eliminated) / numbers.
+/// One determinant of all would give the many gains nearly all of it. Ten presses are then as good as twenty random
+/// ones for gains and nu; E has one error of the gauge a press. Presses are taken one by one, each that adds
 /// most, and then exchanged for better ones as long as there are any (V. V. Fedorov, Theory of Optimal Experiments,
 /// 1972). None is taken twice. Throws ValueError for fewer candidates than presses or sensors that disagree.
 PressPlan plan_presses(const fem::SensorFamily& family, const std::vector<PressCandidate>& candidates,

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/commands/calibrate_plan_command.h"
-
 #include <fmt/format.h>
 
 #include <cmath>
@@ -8,6 +6,7 @@
 
 #include "host/calibration/press_candidates.h"
 #include "host/calibration/press_recordings.h"
+#include "host/commands/command.h"
 #include "host/contact/scene_json.h"
 #include "host/scenes/scene_file.h"
 #include "host/support/durable_file.h"
@@ -92,18 +91,10 @@ void print_plan(const PressPlan& plan, const std::vector<PressCandidate>& candid
                press.scene.indenter.position, depth_text(press.scene),
                drag == 0 ? "none" : fmt::format("{:.4g} mm", drag), plan.P[plan.chosen[i]]);
   }
-  const std::size_t count = plan.chosen.size();
-  fmt::print("\n{:<32} {:>11} {:>14} {:>14} {:>14}\n", "standard deviation to expect", "this plan",
-             fmt::format("{} at random", count), fmt::format("{} at random", std::min(2 * count, candidates.size())),
-             fmt::format("all {}", candidates.size()));
-  for (const DeviationRow& row : rows) {
-    if (!std::isfinite(row.of(plan.planned))) continue;
-    const auto cell = [&](const ExpectedDeviations& d) {
-      return fmt::format("{:.2g}{}", row.scale * row.of(d), row.unit);
-    };
-    fmt::print("{:<32} {:>11} {:>14} {:>14} {:>14}\n", row.name, cell(plan.planned), cell(plan.random),
-               cell(plan.random_twice), cell(plan.all));
-  }
+  fmt::print("\nstandard deviation to expect\n");
+  for (const DeviationRow& row : rows)
+    if (std::isfinite(row.of(plan.planned)))
+      fmt::print("{:<32} {:>8.2g}{}\n", row.name, row.scale * row.of(plan.planned), row.unit);
   if (!plan.lost.empty()) fmt::print("\n");
   for (const std::string& sentence : plan.lost) fmt::print("{}\n", sentence);
 }
@@ -127,9 +118,6 @@ Json plan_json(const PressPlan& plan, const std::vector<PressCandidate>& candida
           {"presses", std::move(presses)},
           {"noise", std::move(noise)},
           {"planned", deviations_json(plan.planned)},
-          {"random", deviations_json(plan.random)},
-          {"random_twice", deviations_json(plan.random_twice)},
-          {"all", deviations_json(plan.all)},
           {"lost", plan.lost}};
 }
 

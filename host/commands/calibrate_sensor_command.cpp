@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/commands/calibrate_sensor_command.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include "host/calibration/calibration_page.h"
 #include "host/calibration/median.h"
 #include "host/calibration/press_recordings.h"
+#include "host/commands/command.h"
 #include "host/support/durable_file.h"
 #include "host/support/host_threads.h"
 #include "host/support/json_text.h"

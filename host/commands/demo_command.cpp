@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/commands/command.h"
+#include "host/commands/shared_options.h"
 #include "host/support/child_process.h"
 #include "host/support/durable_file.h"
 #include "host/support/errors.h"
@@ -131,9 +132,7 @@ void add_demo_command(CLI::App& app, Action& action) {
   command->group("Set up");
   command->add_option("--output", request->output, "directory of all files")->type_name("DIR")->capture_default_str();
   command->add_flag("--force", request->force, "overwrite the files in DIR");
-  command
-      ->add_option("--device", request->device, "OpenCL device: a part of its name or its index, see `tactel devices`")
-      ->type_name("NAME|INDEX");
+  add_device_option(*command, request->device);
   command->callback([request, &action] { action = [request] { return run_demo(*request); }; });
 }
 

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/commands/command.h"
+#include "host/commands/shared_options.h"
 #include "host/networks/onnx_file.h"
 #include "host/studies/paper/direct_problem_report.h"
 #include "host/studies/paper/inverse_problem_report.h"
@@ -32,14 +33,6 @@ struct ReproduceRequest {
     return std::filesystem::path(output) / "networks-fresh-noise.checkpoint";
   }
 };
-
-void make_directory(const std::filesystem::path& path) {
-  std::error_code error;
-  std::filesystem::create_directories(path, error);
-  if (error)
-    throw ConfigError("command line", "--output", path.string(),
-                      "a directory that can be made (" + error.message() + ")");
-}
 
 void remove_checkpoints(const ReproduceRequest& request) {
   for (double noise : {0.0, paper_noise}) std::filesystem::remove(request.checkpoint(noise));
@@ -101,7 +94,7 @@ bool reproduce_real_sensor(const ReproduceRequest& request, Executor& executor, 
 void keep_networks(const std::filesystem::path& directory, const InverseProblem& problem) {
   write_contact_set(directory / "learning.h5", problem.sets.learning_contacts);
   write_contact_set(directory / "recall.h5", problem.sets.recall_contacts);
-  make_directory(directory / "networks");
+  make_folder("--output", directory / "networks");
   for (const NetworkStudy& study : problem.studies)
     for (std::size_t i = 0; i < study.models.size(); ++i)
       if (study.networks[i].status != nn::TrainStatus::not_finite)
@@ -135,11 +128,8 @@ bool reproduce_networks(const ReproduceRequest& request, Executor& executor, Pag
                       }))
     return false;
   keep_networks(directory, problem);
-  const StageLine stage("Table II with other choices of the open parameters", request.quiet);
   const InverseBaselines baselines = inverse_baselines(executor, choice, problem.sets);
-  const auto sensitivity = inverse_sensitivity(executor, choice, std::min<std::size_t>(request.seeds, 4),
-                                               request.cycles > 0 ? std::min(request.cycles, 2000) : 2000);
-  report_inverse_problem(page, problem, choice, baselines, sensitivity);
+  report_inverse_problem(page, problem, choice, baselines);
   if (request.cycles > 0)
     page.finding(
         Tone::fair, "quick look",
@@ -152,7 +142,7 @@ bool reproduce_networks(const ReproduceRequest& request, Executor& executor, Pag
 
 int run_reproduce(const ReproduceRequest& request) {
   const std::filesystem::path directory = request.output;
-  make_directory(directory);
+  make_folder("--output", directory);
   const FileLock lock = FileLock::of_folder("--output", directory, "a directory in which no other program is training");
   check_writable("--output", directory / "index.html");
   Executor executor{Device(request.device)};
@@ -167,10 +157,8 @@ int run_reproduce(const ReproduceRequest& request) {
   write_file("--output", directory / "table1.json", json_text(table_one));
   if (!reproduce_networks(request, executor, page) || !reproduce_real_sensor(request, executor, page))
     return interrupted;
-  write_file("--output", directory / "index.html", page.html());
+  write_report(request.output, page.html(), request.quiet);
   remove_checkpoints(request);
-  if (!request.quiet)
-    fmt::print("report: {}\n", std::filesystem::absolute(directory / "index.html").lexically_normal().string());
   return done;
 }
 
@@ -182,8 +170,7 @@ void add_reproduce_command(CLI::App& app, Action& action) {
       "reproduce", "reproduce the paper: Tables I and II, Figures 3 to 5 and section VI, as HTML and JSON");
   command->group("Verify");
   command->add_option("--output", request->output, "directory of the report")->type_name("DIR")->capture_default_str();
-  command->add_option("--device", request->device, "OpenCL device: a part of its name or its index")
-      ->type_name("NAME|INDEX");
+  add_device_option(*command, request->device);
   command
       ->add_option("--seeds", request->seeds,
                    "number of initial weights of each network of Table II; 100 give the full statistics")

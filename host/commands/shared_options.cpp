@@ -1,20 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/commands/shared_options.h"
 
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "host/support/durable_file.h"
+
 namespace tactel::host {
-namespace {
 
 void add_device_option(CLI::App& command, std::string& device) {
   command.add_option("--device", device, "OpenCL device: a part of its name or its index, see `tactel devices`")
       ->type_name("NAME|INDEX");
 }
 
-}  // namespace
+void write_report(const std::string& folder, const std::string& page, bool quiet) {
+  const std::filesystem::path file = std::filesystem::absolute(folder).lexically_normal() / "index.html";
+  write_file("--output", file, page);
+  if (!quiet) fmt::print("report: {}\n", file.string());
+}
 
 void add_shared_options(CLI::App& command, SharedOptions& options, const char* precision) {
   SolveOptions& solve = options.solve;
-  command.add_option("--solver", solve.solver, "solver: batched (OpenCL) or reference (full mesh, no OpenCL, slow)")
+  command.add_option("--solver", solve.solver, "solver: batched (OpenCL) or full-mesh (no OpenCL, slow)")
       ->check(CLI::IsMember(solver_names()))
+      ->transform([](std::string name) { return name == "reference" ? std::string("full-mesh") : name; })
       ->capture_default_str();
   command
       .add_option("--precision", solve.precision,
@@ -27,8 +37,8 @@ void add_shared_options(CLI::App& command, SharedOptions& options, const char* p
       ->check(CLI::PositiveNumber);
   command
       .add_option("--rung", solve.rung,
-                  "model, which overrides the file's: patch-8, patch-12, patch-16, patch-24 (also draft, medium, fine, "
-                  "finest), paper, mesh-41, mesh-81, mesh-161, mesh-321, mesh-641, reference (docs/accuracy.md)")
+                  "model, which overrides the file's: patch-8, patch-12, patch-16, patch-24, paper, mesh-321, "
+                  "reference (docs/accuracy.md has others)")
       ->check(CLI::IsMember(rung_names()))
       ->type_name("NAME");
   command

@@ -17,4 +17,9 @@ void add_shared_options(CLI::App& command, SharedOptions& options,
 
 void add_network_options(CLI::App& command, NetworkOptions& options);
 
+void add_device_option(CLI::App& command, std::string& device);
+
+/// Writes index.html into the folder of --output, and prints where it is.
+void write_report(const std::string& folder, const std::string& page, bool quiet);
+
 }  // namespace tactel::host

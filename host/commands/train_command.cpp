@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include "host/commands/calibrate_bounds.h"
 #include "host/commands/shared_options.h"
 #include "host/support/errors.h"
 #include "host/support/freed_memory.h"
@@ -64,11 +65,11 @@ TrainingOutcome run_job(TrainingJob& job, const TrainRequest& request, bool sile
 }
 
 /// A stream of frames, or a set that does not fit memory: mini-batches, one pass after the other.
-int run_train_stream(const TrainRequest& request) {
+int run_train_stream(const TrainRequest& request, const Ranks& ranks) {
   const TrainingPlan plan = plan_of(request);
   if (plan.noises.size() > 1)
     throw ConfigError("command line", "--noise", "several levels", "one level with --stream or --block");
-  if (const Ranks ranks; ranks.count() > 1)
+  if (ranks.count() > 1)
     throw ConfigError("command line", request.stream.empty() ? "--block" : "--stream",
                       fmt::format("with {} processes", ranks.count()), "trained by one process, without mpirun");
   check_training_output(request);
@@ -76,11 +77,11 @@ int run_train_stream(const TrainRequest& request) {
   return say(request, run_job(*stream_training(request, plan), request));
 }
 
-int run_train(const TrainRequest& request) {
+int train_networks(const TrainRequest& request, const Ranks& ranks) {
   if (request.set.empty() == request.stream.empty())
     throw ConfigError("command line", "SET.h5", request.set.empty() ? "(missing)" : request.set,
                       "given, or --stream SWEEP.toml instead of it");
-  if (request.streams()) return run_train_stream(request);
+  if (request.streams()) return run_train_stream(request, ranks);
   const TrainingPlan plan = plan_of(request);
   std::optional<StageLine> stage(std::in_place, "reading " + request.set, request.shared.quiet);
   const NamedSet set = read_learning_set(request);
@@ -92,7 +93,6 @@ int run_train(const TrainRequest& request) {
     check_width(plan, *recall_set);
   }
   stage.reset();
-  const Ranks ranks;
   if (ranks.count() == 1) {
     check_training_output(request);
     return say(request, run_job(*set_training(request, plan, set, recall_set), request));
@@ -100,6 +100,18 @@ int run_train(const TrainRequest& request) {
   const TrainingOutcome outcome = run_job(*rank_training(ranks, request, plan, set, recall_set), request, true);
   if (ranks.first()) return say(request, outcome);
   return outcome.end == TrainingEnd::stopped ? interrupted : outcome.diverged > 0 ? not_converged : done;
+}
+
+int run_train(const TrainRequest& request) {
+  if (!request.bound_set.empty()) read_columns(request.bound_set);  // not after hours
+  const Ranks ranks;
+  const int code = train_networks(request, ranks);
+  if (code == done && !request.bound_set.empty() && ranks.first()) {
+    std::vector<NamedNetwork> networks = read_networks(request.output);
+    for (NamedNetwork& network : networks) network.file = std::filesystem::path(request.output) / network.file;
+    calibrate_bounds(networks, request.bound_set, request.level.value_or(0.95), request.shared);
+  }
+  return code;
 }
 
 void add_training_options(CLI::App& command, TrainRequest& request) {
@@ -130,10 +142,14 @@ void add_training_options(CLI::App& command, TrainRequest& request) {
                   "with --schedule batch: of the hidden neurons, logistic (the paper's) or leaky-relu, which learns "
                   "large sets better (default: logistic)")
       ->check(CLI::IsMember({"logistic", "leaky-relu"}));
-  command.add_flag(
-      "--bound", request.bound,
-      "with --schedule batch: three outputs, S and two quantiles, for an upper bound of S; calibrate it on "
-      "another set with tactel calibrate bound");
+  command.add_flag("--bound", request.bound,
+                   "with --schedule batch: three outputs, S and two quantiles, for an upper bound of S; it holds after "
+                   "--bound-set or tactel calibrate bound");
+  command
+      .add_option("--bound-set", request.bound_set,
+                  "with --bound: set of another seed, by whose rows the bound becomes conformal at the end")
+      ->type_name("SET.h5")
+      ->needs("--bound");
   command.add_option("--level", request.level, "with --bound: level of the upper quantile (default: 0.95)");
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Written by `tactel tradeoff --scenes 640 --seed 500 --planner-source FILE`; do not edit.
+// Written by `build/bench/tactel_ladder_study 640 500 FILE`; do not edit.
 // 640 contacts drawn with seed 500: 8 shapes in turn, -4 to 4 mm off centre, nu 0.3, 0.45, 0.49 or 0.499, mu 0.1
 // to 1.5, 0.05 to 0.3 mm deep, eight drags, reversed in one scene of four. Device: basic-skylake-avx512-Intel(R)
 // Xeon(R) Processor

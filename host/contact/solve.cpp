@@ -28,13 +28,13 @@ constexpr double doubtful_forces = 1e-3;       ///< estimated error of base forc
 
 SolveOutcome solve_reference(const fem::Scene& scene, const SolveOptions& options) {
   if (options.precision == "fp32")
-    throw ConfigError("command line", "--precision", "fp32", "fp64 with --solver reference");
+    throw ConfigError("command line", "--precision", "fp32", "fp64 with --solver full-mesh");
   if (!options.device.empty())
     throw ConfigError("command line", "--device", options.device,
-                      "left out with --solver reference, which uses no device");
+                      "left out with --solver full-mesh, which uses no device");
   fem::GapReferenceOptions reference;
   if (options.tolerance) reference.tolerance = *options.tolerance;
-  return {fem::solve_gap_reference(scene, reference), "reference", "fp64", "host"};
+  return {fem::solve_gap_reference(scene, reference), "full-mesh", "fp64", "host"};
 }
 
 /// The rung of a scene on a patch: the one asked for; where none is, the usual one, in fp64 where the device has it.
@@ -201,7 +201,7 @@ std::vector<std::string> warnings(const SolveOutcome& outcome) {
   return all;
 }
 
-std::vector<std::string> solver_names() { return {"batched", "reference"}; }
+std::vector<std::string> solver_names() { return {"batched", "full-mesh"}; }
 
 void check_modelling(const SolveOptions& options) {
   const auto check_positive = [](const char* option, const std::optional<double>& value) {
@@ -210,9 +210,9 @@ void check_modelling(const SolveOptions& options) {
   };
   check_positive("--accuracy", options.accuracy);
   check_positive("--tolerance", options.tolerance);
-  if (options.solver == "reference" && !options.rung.empty() && rung_named(options.rung).patch())
+  if (options.solver == "full-mesh" && !options.rung.empty() && rung_named(options.rung).patch())
     throw ConfigError("command line", "--rung", options.rung,
-                      "a mesh, with --solver reference; --rung reference is the reference of patches");
+                      "a mesh, with --solver full-mesh; --rung reference is the reference of patches");
   if (!options.accuracy) return;
   const auto refuse = [&](const char* other) {
     throw ConfigError("command line", "--accuracy", fmt::format("{:g}", *options.accuracy),
@@ -221,7 +221,7 @@ void check_modelling(const SolveOptions& options) {
   if (!options.rung.empty()) refuse("--rung");
   if (options.tolerance) refuse("--tolerance");
   if (!options.precision.empty()) refuse("--precision");
-  if (options.solver != "batched") refuse("--solver reference");
+  if (options.solver != "batched") refuse("--solver full-mesh");
 }
 
 std::string model_name(const SolveOutcome& outcome) {
@@ -237,16 +237,16 @@ SolveOutcome solve(const fem::Scene& scene, const SolveOptions& options) {
   check_modelling(options);
   if (options.accuracy) return solve_to_accuracy(scene, options);
   const Rung* rung = options.rung.empty() ? nullptr : &rung_named(options.rung);
-  const bool reference = options.solver == "reference";
+  const bool full_mesh = options.solver == "full-mesh";
   const fem::SurfaceModel model = options.model.value_or(scene.model);
-  if (!reference && (rung ? rung->patch() : model == fem::SurfaceModel::patch)) return solve_on_patch(scene, options);
+  if (!full_mesh && (rung ? rung->patch() : model == fem::SurfaceModel::patch)) return solve_on_patch(scene, options);
   const fem::Scene modelled = rung ? on_mesh(scene, *rung) : scene;
-  SolveOutcome outcome = reference ? solve_reference(modelled, options) : solve_on_mesh(modelled, options);
+  SolveOutcome outcome = full_mesh ? solve_reference(modelled, options) : solve_on_mesh(modelled, options);
   outcome.scene = modelled;
   outcome.rung = options.rung;
   outcome.model_reason = rung                                     ? "--rung " + options.rung
                          : scene.model == fem::SurfaceModel::mesh ? "the scene file names a mesh"
-                         : reference                              ? "--solver reference solves the mesh"
+                         : full_mesh                              ? "--solver full-mesh solves the mesh"
                                                                   : "a mesh was requested";
   return outcome;
 }

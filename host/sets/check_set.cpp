@@ -30,7 +30,7 @@ class Checker {
       : in_(path), columns_(read_columns(path)), progress_(progress) {
     if (in_.text(seal_name).empty())
       in_.refuse(seal_name, "missing",
-                 "that of the attributes: the set was edited, or an earlier version wrote it; generate it anew");
+                 "that of the attributes: the set was edited, or another program wrote it; generate it anew");
   }
 
   SetCheck run() {

@@ -26,33 +26,23 @@ bool read_press_rows(const SetFile& in) {
   return !text.empty();
 }
 
-constexpr const char* needed_always[] = {"inputs",   "slip_index",     "normal_force",  "tangential_force",
-                                         "friction", "stick_fraction", "contact_nodes", "contact",
-                                         "step",     "indenter",       "status",        "residual"};
 constexpr std::uint8_t over_tolerance = 2;  ///< LaneStatus
-constexpr const char* later[] = {"indentation", "tangential", "parameters", "tactel_x"};
 
-/// The datasets that the file names, or, in files of earlier versions, that it has. Throws where one of them is
-/// missing.
+/// The datasets that the file names. Throws where one of them is missing.
 SetColumns columns_of(const SetFile& in) {
+  const std::vector<std::string> names = in.texts("columns");
+  const std::set<std::string> has(names.begin(), names.end());
+  if (!has.contains("slip_index"))
+    in.refuse("columns", names.empty() ? "missing" : "without slip_index", "names of datasets, slip_index among them");
   SetColumns columns;
-  const bool named = in.has("columns");
-  std::set<std::string> has(std::begin(needed_always), std::end(needed_always));
-  if (named) {
-    const std::vector<std::string> names = in.texts("columns");
-    has = {names.begin(), names.end()};
-    if (!has.contains("slip_index"))
-      in.refuse("columns", "without slip_index", "names of datasets, slip_index among them");
-  }
-  for (const char* name : needed_always)
-    if (!has.contains(name)) columns.left_out.insert(name);
-  for (const char* name : later)
-    if (!has.contains(name)) columns.left_out.insert(name);
-  columns.sensors = in.has_dataset("poisson");
-  for (const char* name : {"poisson", "thickness", "young", "length"}) {
+  for (const char* name : {"poisson", "thickness", "young", "length"})
     columns.sensors = columns.sensors || has.contains(name);
-    if (named && !has.contains(name)) columns.left_out.insert(name);
-  }
+  const auto leave_out = [&](const char* name, const auto&, int, const char*) {
+    if (!has.contains(name)) columns.left_out.insert(name);
+  };
+  const ContactSet all(columns);
+  each_dataset(all, leave_out);
+  for (const char* name : {"parameters", "tactel_x"}) leave_out(name, 0, 0, "");
   if (columns.has("parameters")) {
     columns.parameters = in.texts("parameters", "columns");
     columns.parameter_units = in.texts("parameters", "units");

@@ -152,17 +152,11 @@ std::uint64_t SetFile::number(const char* attribute) const {
   std::uint64_t value = 0;
   const Handle open(H5Aopen(file_, attribute, H5P_DEFAULT), H5Aclose);
   const Handle type(H5Aget_type(open), H5Tclose), space(H5Aget_space(open), H5Sclose);
-  if (H5Tget_class(type) == H5T_INTEGER) {
-    std::int64_t sign = 0;
-    const bool one = H5Sget_simple_extent_npoints(space) == 1 && H5Aread(open, H5T_NATIVE_UINT64, &value) >= 0 &&
-                     H5Aread(open, H5T_NATIVE_INT64, &sign) >= 0;
-    if (!one) refuse(attribute, "not one number", "a whole number");
-    if (sign < 0) refuse(attribute, fmt::format("{}", sign), "a whole number, at least 0");
-    return value;
-  }
-  const std::string digits = text(attribute);
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (error != std::errc() || end != digits.data() + digits.size()) refuse(attribute, digits, "a whole number");
+  std::int64_t sign = 0;
+  const bool one = H5Tget_class(type) == H5T_INTEGER && H5Sget_simple_extent_npoints(space) == 1 &&
+                   H5Aread(open, H5T_NATIVE_UINT64, &value) >= 0 && H5Aread(open, H5T_NATIVE_INT64, &sign) >= 0;
+  if (!one) refuse(attribute, "not one whole number", "a whole number");
+  if (sign < 0) refuse(attribute, fmt::format("{}", sign), "a whole number, at least 0");
   return value;
 }
 

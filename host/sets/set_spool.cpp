@@ -2,7 +2,6 @@
 #include "host/sets/set_spool.h"
 
 #include <fmt/format.h>
-#include <signal.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -23,7 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t version_bits = 0xff00000000000000;
 /// Chunks that wait in memory for their predecessors before a thread waits with its own.
 constexpr std::size_t most_waiting = 1;
 
@@ -87,22 +85,6 @@ void remove_spool(const fs::path& folder) {
   fs::remove_all(folder);
 }
 
-/// What was left of `output` by versions that named their temporary SET.h5.PID.part, if that process is gone.
-void remove_old_leftovers(const fs::path& output) {
-  const fs::path folder = output.has_parent_path() ? output.parent_path() : ".";
-  const std::string begin = output.filename().string() + ".", end = ".part";
-  std::vector<fs::path> left;
-  std::error_code error;
-  for (fs::directory_iterator entry(folder, error), last; !error && entry != last; entry.increment(error)) {
-    const std::string name = entry->path().filename().string();
-    if (name.size() <= begin.size() + end.size() || !name.starts_with(begin) || !name.ends_with(end)) continue;
-    const std::string pid = name.substr(begin.size(), name.size() - begin.size() - end.size());
-    if (pid.size() > 9 || pid.find_first_not_of("0123456789") != std::string::npos) continue;
-    if (::kill(std::stoi(pid), 0) != 0 && errno == ESRCH) left.push_back(entry->path());
-  }
-  for (const fs::path& path : left) fs::remove(path, error);
-}
-
 }  // namespace
 
 fs::path SetSpool::folder(const fs::path& output) { return output.string() + ".parts"; }
@@ -126,10 +108,7 @@ SetSpool::SetSpool(const fs::path& output, const std::string& plan, const SetCol
       holds_end_(how != Open::join) {
   make_folder("--output", folder_);
   with_output(output_, [&] {
-    if (how != Open::join) {
-      lock_ = locked(folder_, output_);
-      remove_old_leftovers(output_);
-    }
+    if (how != Open::join) lock_ = locked(folder_, output_);
     check_plan(plan, how);
     const std::vector<ChunkHeader> found = how == Open::join ? std::vector<ChunkHeader>() : headers();
     try {
@@ -187,21 +166,8 @@ void SetSpool::check(const ChunkHeader& header) const {
                                     "--force starts anew");
 }
 
-/// Refuses a file whose first chunk another version wrote, in a layout that this one does not read.
-void SetSpool::check_version(const fs::path& file) const {
-  std::uint64_t first = 0;
-  std::ifstream in(file, std::ios::binary);
-  if (!in.read(reinterpret_cast<char*>(&first), sizeof first)) return;
-  constexpr std::uint64_t own = ChunkHeader::right_magic;
-  if (first == own || ((first ^ own) & ~version_bits) != 0) return;
-  throw output_error(output_, "made of chunks of this version of tactel: " + file.string() +
-                                  " holds some of another; that version goes on with it, and --force starts anew");
-}
-
 /// Returns the headers of the folder, sorted, each chunk once.
 std::vector<ChunkHeader> SetSpool::headers() {
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder_))
-    if (entry.is_regular_file()) check_version(entry.path());  // a pipe could wait for ever
   std::map<std::uint64_t, ChunkHeader> all;
   for (const fs::path& file : PlacedSet::header_files(folder_)) {
     std::ifstream in(file, std::ios::binary);

@@ -81,7 +81,6 @@ class SetSpool {
                         const std::vector<std::string_view>& payload) const;
   bool sync_sometimes();
   void check_plan(const std::string& plan, Open how) const;
-  void check_version(const std::filesystem::path& file) const;
   void check(const ChunkHeader& header) const;
   std::vector<ChunkHeader> headers();
   int owner(std::uint64_t chunk) const;

@@ -71,10 +71,7 @@ Json to_json(const Coverage& coverage) {
           {"unlike", figure(coverage.unlike)}};
 }
 
-std::string slip_name(int tenth) { return fmt::format("{:.1f} to {:.1f}", tenth / 10.0, (tenth + 1) / 10.0); }
-
-}  // namespace
-
+/// Key of BoundReport::by_touching for a number of nodes.
 int touching_key(int nodes) {
   int key = groups[0];
   for (const int least : groups)
@@ -82,20 +79,17 @@ int touching_key(int nodes) {
   return key;
 }
 
+/// Key of BoundReport::by_slip for S.
 int slip_key(float slip_index) { return static_cast<int>(std::clamp(10 * slip_index, 0.0f, 9.0f)); }
+
+std::string slip_name(int tenth) { return fmt::format("{:.1f} to {:.1f}", tenth / 10.0, (tenth + 1) / 10.0); }
+
+}  // namespace
 
 std::string touching_name(int key) {
   const auto* next = std::upper_bound(std::begin(groups), std::end(groups), key);
   if (next == std::end(groups)) return fmt::format("{} and more", key);
   return *next == key + 1 ? std::to_string(key) : fmt::format("{} to {}", key, *next - 1);
-}
-
-double BoundReport::least(double Coverage::*what, std::size_t rows) const {
-  double least = 1;
-  for (const auto* classes : {&by_class, &by_touching, &by_slip})
-    for (const auto& [key, coverage] : *classes)
-      if (coverage.rows >= rows) least = std::min(least, coverage.*what);
-  return least;
 }
 
 template <class Real>
@@ -143,9 +137,7 @@ Json to_json(const nn::Bound& bound) {
           {"level", bound.level},
           {"set", bound.set},
           {"rows", bound.rows},
-          {"seed", bound.seed},
-          {"least", bound.least},
-          {"left_out", bound.left_out}};
+          {"seed", bound.seed}};
 }
 
 Json to_json(const BoundReport& report, const std::vector<std::string>& indenter_names) {

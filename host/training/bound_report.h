@@ -35,17 +35,10 @@ struct BoundReport {
   std::map<int, Coverage> by_touching{};  ///< key: the least of the group, 1, 2, 3, 5, 9 or 17
   std::map<int, Coverage> by_slip{};      ///< key: tenths of S, 0 to 9
   std::vector<Answered> answered{};       ///< all rows, then fewer
-
-  /// Returns the lowest coverage of the upper bound, or of the interval, in a class of at least `rows` rows.
-  double least(double Coverage::*what, std::size_t rows) const;
 };
 
 /// Returns "1", "2", "3 to 4", ..., "17 and more" for a key of BoundReport::by_touching.
 std::string touching_name(int key);
-/// Returns the key of BoundReport::by_touching for a number of nodes.
-int touching_key(int nodes);
-/// Returns the key of BoundReport::by_slip for S.
-int slip_key(float slip_index);
 
 /// Returns the bound of every frame: [rows]. `model` has a bound; `answer` is that of its network, S and quantiles.
 template <class Real>
@@ -56,7 +49,7 @@ std::vector<nn::BoundAnswer> bounds_of(const nn::Model& model, const nn::Recall<
 BoundReport report_bound(std::span<const nn::BoundAnswer> bounds, std::span<const double> errors,
                          const nn::FrameSet& set);
 
-/// Returns {"calibrated", "level", "set", "rows", "seed", "least", "left_out"} of a bound.
+/// Returns {"calibrated", "level", "set", "rows", "seed"} of a bound.
 nlohmann::ordered_json to_json(const nn::Bound& bound);
 /// Returns {"coverage", "interval_coverage", "width", "unlike", "alike", "by_indenter", "by_touching",
 /// "by_slip_index", "answered"}.

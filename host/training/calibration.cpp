@@ -3,13 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-#include <map>
+#include <algorithm>
 
 #include "fem/value_error.h"
 #include "host/networks/forward.h"
 #include "host/support/errors.h"
-#include "host/training/bound_report.h"
 
 namespace tactel::host {
 namespace {
@@ -26,29 +24,11 @@ std::vector<nn::CalibrationRow> calibration_rows(const nn::Recall<float>& answer
   return rows;
 }
 
-using Kinds = std::vector<std::vector<std::uint32_t>>;
+}  // namespace
 
-/// Places among calibration_rows of each kind that a report judges by: indenter, touching elements, tenth of S.
-Kinds kinds_of(const nn::Recall<float>& answer, const nn::FrameSet& frames) {
-  std::map<std::pair<int, int>, std::vector<std::uint32_t>> kinds;
-  std::uint32_t place = 0;
-  for (std::size_t row = 0; row < answer.status.size(); ++row) {
-    if (answer.status[row] != nn::FrameStatus::ok) continue;
-    if (row < frames.shape_class.size()) kinds[{0, frames.shape_class[row]}].push_back(place);
-    if (row < frames.contact_nodes.size()) kinds[{1, touching_key(frames.contact_nodes[row])}].push_back(place);
-    kinds[{2, slip_key(frames.slip_index(static_cast<Eigen::Index>(row)))}].push_back(place);
-    ++place;
-  }
-  Kinds all;
-  for (auto& [key, rows] : kinds) all.push_back(std::move(rows));
-  return all;
-}
-
-/// Calls judge(rows, kinds), the rows of a set with the answers of a network with a bound.
-template <class Judge>
-auto with_rows(Executor& executor, const NamedNetwork& network, const ContactSet& set, const std::string& file,
-               const Judge& judge) {
-  const nn::Model& model = network.model;
+nn::Calibration calibrate_bound(Executor& executor, NamedNetwork& network, const ContactSet& set,
+                                const std::string& file, double level) try {
+  nn::Model& model = network.model;
   if (!model.bound)
     throw ConfigError(network.file, "topology", model.weights.topology.text(),
                       "a network with a bound, see tactel train --bound");
@@ -61,47 +41,14 @@ auto with_rows(Executor& executor, const NamedNetwork& network, const ContactSet
   Forward<float> forward(executor, std::span(&model.weights, 1), model.scaling);
   const nn::Recall<float> answer = forward.recall(rows.frames.frames);
   const nn::RowMatrix<float> scaled = nn::scale_frames<float>(model.scaling, rows.frames.frames);
-  return judge(calibration_rows(answer, rows.frames, scaled), kinds_of(answer, rows.frames));
-}
-
-}  // namespace
-
-nn::Calibration calibrate_bound(Executor& executor, NamedNetwork& network, const ContactSet& set,
-                                const std::string& file, double level, double least) try {
-  return with_rows(executor, network, set, file, [&](const std::vector<nn::CalibrationRow>& rows, const Kinds& kinds) {
-    nn::Bound& bound = *network.model.bound;
-    nn::Bound renewed = bound;
-    nn::renew_classes(renewed, rows);
-    nn::Calibration report = nn::calibrate(renewed, rows, level);
-    if (least > 0) report.least = nn::raise(renewed, rows, kinds, least);
-    renewed.set = file;
-    renewed.seed = set.seed;
-    renewed.left_out.clear();
-    bound = std::move(renewed);
-    return report;
-  });
-} catch (const ValueError& error) {
-  throw ConfigError(file, error);
-}
-
-void widen_bound(Executor& executor, NamedNetwork& network, NamedNetwork witness, const ContactSet& set,
-                 const std::string& file, double level) try {
-  if (!network.model.bound || witness.model.weights.topology.inputs() != network.model.weights.topology.inputs())
-    throw ConfigError(witness.file, "topology", witness.model.weights.topology.text(),
-                      "a network with the inputs of " + network.model.weights.topology.text());
-  nn::Bound& bound = *network.model.bound;
-  with_rows(executor, witness, set, file, [&](const std::vector<nn::CalibrationRow>& rows, const Kinds&) {
-    nn::Bound other = *witness.model.bound;
-    other.touching = bound.touching;
-    other.slip_index = bound.slip_index;
-    other.width = bound.width;
-    other.distance = bound.distance;
-    other.upper_correction.assign(bound.classes(), 0.0f);
-    other.interval_correction = other.upper_correction;
-    nn::calibrate(other, rows, level);
-    nn::widen(bound, other);
-  });
-  bound.left_out += (bound.left_out.empty() ? "" : ",") + file;
+  const std::vector<nn::CalibrationRow> judged = calibration_rows(answer, rows.frames, scaled);
+  nn::Bound renewed = *model.bound;
+  nn::renew_classes(renewed, judged);
+  const nn::Calibration report = nn::calibrate(renewed, judged, level);
+  renewed.set = file;
+  renewed.seed = set.seed;
+  model.bound = std::move(renewed);
+  return report;
 } catch (const ValueError& error) {
   throw ConfigError(file, error);
 }

@@ -30,6 +30,7 @@ struct TrainRequest {
   std::optional<std::string> optimizer, activation;
   std::optional<double> stop_error;
   bool bound = false;           ///< give every network the heads of a bound
+  std::string bound_set;        ///< by which it is calibrated; empty: it is not
   std::optional<double> level;  ///< of that bound; 0.95 if not given
   double checkpoint_seconds = 10;
   bool resume = false, force = false;

@@ -74,9 +74,7 @@ void add_bound_metadata(const nn::Bound& bound, Metadata& metadata) {
   metadata["bound_set"] = bound.set;
   metadata["bound_rows"] = exact(bound.rows);
   metadata["bound_seed"] = exact(bound.seed);
-  if (!bound.distance.empty()) metadata["bound_version"] = "2";  // classes by distance too; absent: the first
-  if (bound.least > 0) metadata["bound_least"] = exact(bound.least);
-  if (!bound.left_out.empty()) metadata["bound_left_out"] = bound.left_out;
+  if (!bound.distance.empty()) metadata["bound_version"] = "2";  // classes by distance, too
   metadata["bound_scope"] =
       bound.calibrated() ? "slip_upper and slip_interval hold at bound_level for frames drawn as the rows of bound_set "
                            "were, and for no others"
@@ -136,14 +134,6 @@ string checksum_of(const std::vector<Tensor>& tensors, const Metadata& metadata)
   return checksum_text(all);
 }
 
-/// The same in files of the first versions: of the graph's bytes and all metadata.
-string first_checksum_of(string_view graph, const Metadata& metadata) {
-  string all(graph);
-  for (const auto& [key, value] : metadata)
-    if (key != checksum_key) all.append("\n").append(key).append("=").append(value);
-  return checksum_text(all);
-}
-
 Message message_of(const Node& node) {
   Message message;
   for (const string& input : node.inputs) message.add(node_input, input);
@@ -193,12 +183,11 @@ Message message_of(const Graph& graph) {
   return message;
 }
 
-/// The file of a network by a version of tactel. checksum: its text; empty: that of its content.
-string bytes_of(const nn::Model& model, const string& version, string checksum) {
+/// The file of a network by a version of tactel.
+string bytes_of(const nn::Model& model, const string& version) {
   const Graph contents = graph_of(model);
   Metadata metadata = metadata_of(model, version);
-  if (checksum.empty()) checksum = checksum_of(contents.tensors, metadata);
-  metadata[checksum_key] = checksum;
+  metadata[checksum_key] = checksum_of(contents.tensors, metadata);
   Message message, opset;
   message.add(ir_version, 7);  // the one that came with opset 13 (ONNX 1.8)
   message.add(producer_name, "tactel");
@@ -231,7 +220,7 @@ std::uint64_t number_of(const Field& field) {
 
 /// What the reader looks for in a file, by name.
 struct Contents {
-  string_view producer, graph;
+  string_view producer;
   std::vector<Tensor> tensors;
   Metadata metadata;
 };
@@ -264,14 +253,15 @@ void expect_few(std::size_t parts) {
 
 Contents read_contents(string_view bytes) {
   Contents contents;
+  string_view nodes_and_tensors;
   Fields fields(bytes);
   for (Field field; fields.next(field);) {
     if (field.number == producer_name) contents.producer = content_of(field);
-    if (field.number == graph) contents.graph = content_of(field);
+    if (field.number == graph) nodes_and_tensors = content_of(field);
     if (field.number == metadata_props) contents.metadata.insert(read_entry(content_of(field)));
     expect_few(contents.metadata.size());
   }
-  Fields parts(contents.graph);
+  Fields parts(nodes_and_tensors);
   for (Field field; parts.next(field); expect_few(contents.tensors.size()))
     if (field.number == graph_tensor) contents.tensors.push_back(read_tensor(content_of(field)));
   return contents;
@@ -359,8 +349,6 @@ nn::Bound read_bound(const Contents& contents, int inputs) {
   bound.set = text_of(metadata, "bound_set");
   bound.rows = number_of<std::uint64_t>(metadata, "bound_rows");
   bound.seed = number_of<std::uint64_t>(metadata, "bound_seed");
-  if (metadata.contains("bound_least")) bound.least = number_of<double>(metadata, "bound_least");
-  if (metadata.contains("bound_left_out")) bound.left_out = text_of(metadata, "bound_left_out");
   bound.touching = read_edges(contents, "touching_edges");
   bound.slip_index = read_edges(contents, "slip_index_edges");
   bound.width = read_edges(contents, "width_edges");
@@ -424,12 +412,10 @@ NetworkFile read(string_view bytes) {
   if (bytes.size() > most_network_bytes) throw Refused{"larger than 4 MiB"};
   Contents contents = read_contents(bytes);
   if (contents.producer != "tactel") throw Refused{"a model by \"" + shown(string(contents.producer)) + '"'};
-  const string& sum = text_of(contents.metadata, checksum_key);
-  if (sum != checksum_of(contents.tensors, contents.metadata) &&
-      sum != first_checksum_of(contents.graph, contents.metadata))
+  if (text_of(contents.metadata, checksum_key) != checksum_of(contents.tensors, contents.metadata))
     throw Refused{"damaged (its checksum does not match)"};
   nn::Model model = model_of(contents);
-  const string again = bytes_of(model, text_of(contents.metadata, "tactel"), sum);
+  const string again = bytes_of(model, text_of(contents.metadata, "tactel"));
   if (sorted_fields(bytes) != sorted_fields(again)) throw Refused{"a model of another form"};
   const float factor = 1.0f / model.scaling.largest_stress;
   return {std::move(model), factor, std::move(contents.metadata)};
@@ -439,7 +425,7 @@ NetworkFile read(string_view bytes) {
 
 string network_bytes(const nn::Model& model) {
   const RoundingToNearest rounding;
-  return bytes_of(model, TACTEL_VERSION, "");
+  return bytes_of(model, TACTEL_VERSION);
 }
 
 NetworkFile read_network(string_view bytes) try {

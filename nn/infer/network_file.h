@@ -22,7 +22,7 @@ inline constexpr std::size_t most_network_bytes = 4 << 20;  ///< of a file; the 
 /// frames; magnitude; what a bound was calibrated on.
 std::string network_bytes(const nn::Model& model);
 
-/// Reads what network_bytes wrote, in this version or an earlier one. The bytes are read by name, written again, and
+/// Reads what network_bytes wrote. The bytes are read by name, written again, and
 /// compared: they hold the one graph that this reader knows, and nothing else of ONNX. Throws ValueError, key
 /// "network", whose value is the problem: truncated or damaged bytes, or another graph.
 NetworkFile read_network(std::string_view bytes);

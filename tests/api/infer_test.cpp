@@ -148,7 +148,7 @@ TEST(Infer, AnswersDoNotDependOnTheBatch) {
 TEST(Infer, GivesTheBoundOfTheProgram) {
   for (const char* topology : {"42-42-21-3", "8-32-3", "8-33-3_leaky-relu"}) {
     for (const ScalingKind kind : {ScalingKind::set, ScalingKind::frame}) {
-      const bool by_distance = std::string_view(topology) != "8-32-3";  // else a file of the first version
+      const bool by_distance = std::string_view(topology) != "8-32-3";
       const nn::Model model = tactel::testing::bounded_model(topology, kind, by_distance);
       nn::FrameSet set;
       set.frames = some_frames(model.weights.topology.inputs());
@@ -472,20 +472,6 @@ TEST(Infer, SaysWhatIsWrongWithAFile) {
                 tensor.mutable_raw_data()->replace(0, 4, reinterpret_cast<const char*>(&infinite), 4);
               }),
               HasSubstr("NaN or infinite"));
-}
-
-// Files of the first versions have the checksum of the graph's bytes.
-TEST(Infer, ReadsFilesOfTheFirstVersions) {
-  onnx::ModelProto proto;
-  ASSERT_TRUE(proto.ParseFromString(infer::network_bytes(some_model("4-3-1", ScalingKind::set))));
-  std::map<std::string, std::string> metadata;
-  for (const auto& entry : proto.metadata_props()) metadata[entry.key()] = entry.value();
-  std::string all = proto.graph().SerializeAsString();
-  for (const auto& [key, value] : metadata)
-    if (key != "checksum") all.append("\n").append(key).append("=").append(value);
-  for (auto& entry : *proto.mutable_metadata_props())
-    if (entry.key() == "checksum") entry.set_value(host::checksum_text(all));
-  EXPECT_EQ(problem_of(proto.SerializeAsString()), "none");
 }
 
 TEST(Infer, NamesTheFileThatCannotBeRead) {

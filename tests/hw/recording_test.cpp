@@ -129,14 +129,6 @@ TEST_F(Recording, AnArrivalThatIsNoTimeIsDamage) {
   }
 }
 
-// Earlier files end with an index, of 24 bytes for every 256th packet.
-TEST_F(Recording, OldFilesWithAnIndexOfAnyLengthAreWhole) {
-  write_records(path_, {packet_of(0.5, {1}), record_of('I', ByteVector((1 << 24) + 24, 7))});
-  ReplaySource source(path_);
-  EXPECT_EQ(packets_in(source), 1u);
-  EXPECT_FALSE(source.cut_short());
-}
-
 TEST_F(Recording, AnEndThatIsNotWholeIsCutOffAndADamagedOneIsDamage) {
   write_records(path_, {packet_of(0.5, {1}), record_of('I', ByteVector(100000, 7))});
   const auto size = fs::file_size(path_);

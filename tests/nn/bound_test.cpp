@@ -251,42 +251,6 @@ TEST(Conformal, WidensFarFrames) {
   // deviation of 0.5 %, and the correction one of 1 % of the half width.
   EXPECT_NEAR(bounded(bound, {0.5f, 0.5f, 0.5f}, near).upper, 0.5 + 0.01 * 0.9, 0.01 * 0.04);
   EXPECT_NEAR(bounded(bound, {0.5f, 0.5f, 0.5f}, far).upper, 0.5 + 0.2 * 0.9, 0.2 * 0.04);
-  Bound other = bound;
-  other.upper_correction.assign(bound.classes(), 0.05f);
-  widen(bound, other);
-  EXPECT_NEAR(bounded(bound, {0.5f, 0.5f, 0.5f}, near).upper, 0.55, 1e-6);
-  EXPECT_NEAR(bounded(bound, {0.5f, 0.5f, 0.5f}, far).upper, 0.5 + 0.2 * 0.9, 0.2 * 0.04);
-}
-
-// The network says 0.5 +- nothing in one class; S is uniform within 0.1 of it for four rows of five, within 0.4 for the
-// fifth, a kind that nobody knows of a frame. For all rows 95 % are within c with 0.2 (1 - c / 0.4) = 0.05: 0.3, and
-// the kind has 75 %. It has 93 % within 0.93 of 0.4, and below (0.93 - 0.5) of 0.8. 4000 rows of the kind: a standard
-// deviation of 0.4 % of the share, of 0.2 % of S in the interval and 0.3 % in the bound; five of them.
-TEST(Conformal, RaisesAKindThatIsHard) {
-  Bound bound = plain_bound();
-  std::mt19937 random(7);
-  std::uniform_real_distribution<float> uniform(-1, 1);
-  const float frame[2] = {1, 0};
-  std::vector<CalibrationRow> rows;
-  std::vector<std::vector<std::uint32_t>> kinds(3);
-  for (std::uint32_t k = 0; k < 20000; ++k) {
-    const bool hard = k % 5 == 0;
-    rows.push_back({{0.5f, 0.5f, 0.5f}, 0.5f + (hard ? 0.4f : 0.1f) * uniform(random), frame});
-    kinds[hard].push_back(k);
-  }
-  kinds[2] = {0, 5};  // too few to judge by
-  calibrate(bound, rows, 0.95);
-  EXPECT_NEAR(bounded(bound, {0.5f, 0.5f, 0.5f}, frame).interval[1], 0.8, 0.01);
-  const Bound plain = bound;
-  raise(bound, rows, kinds, 0.93);
-  EXPECT_EQ(bound.least, 0.93);
-  const BoundAnswer answer = bounded(bound, {0.5f, 0.5f, 0.5f}, frame);
-  EXPECT_NEAR(answer.interval[1], 0.5 + 0.93 * 0.4, 0.01);
-  EXPECT_NEAR(answer.interval[0], 0.5 - 0.93 * 0.4, 0.01);
-  EXPECT_NEAR(answer.upper, 0.5 + 0.43 * 0.8, 0.015);
-  raise(bound = plain, rows, kinds, 0.5);  // every kind has that: the corrections of a plain calibration
-  EXPECT_EQ(bound.upper_correction, plain.upper_correction);
-  EXPECT_EQ(bound.interval_correction, plain.interval_correction);
 }
 
 // The network says 0.5 +- nothing; S is normal about 0.5 with deviation 0.05 in one class (S of the network above an

@@ -93,10 +93,10 @@ int run_tare(const TareRequest& request) {
 void add_tare_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<TareRequest>();
   request->seconds = 2;
-  CLI::App* command = app.add_subcommand("tare", "measure the offsets of a sensor at rest, as a calibration file");
+  CLI::App* command = app.add_subcommand("tare", "measure the offsets of a sensor at rest");
   command->group("Read a sensor");
   add_sensor_options(*command, *request);
-  command->add_option("--output", request->output, "calibration file, for --calibration")
+  command->add_option("--output", request->output, "file of offsets and noise, for --calibration")
       ->type_name("FILE.toml")
       ->required();
   command->add_option("--seconds", request->seconds, "time to listen, s")

@@ -333,7 +333,7 @@ def solve(
     *,
     accuracy: float | None = None,
     rung: str = "",
-    solver: Literal["batched", "reference"] = "batched",
+    solver: Literal["batched", "full-mesh", "reference"] = "batched",
     precision: Literal["", "fp32", "fp64"] = "",
     device: str = "",
     tolerance: float | None = None,

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/studies/extremes/extreme_scenes.h"
-
 #include <fmt/format.h>
 
 #include <cmath>
 #include <functional>
 #include <limits>
+
+#include "host/studies/extremes/extremes.h"
 
 namespace tactel::host {
 namespace {

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 
 #include "fem/contact_laws.h"
@@ -11,7 +10,6 @@
 #include "fem/solution_difference.h"
 #include "host/contact/gap_sweep.h"
 #include "host/contact/solve.h"
-#include "host/studies/extremes/extreme_scenes.h"
 
 namespace tactel::host {
 namespace {
@@ -19,16 +17,14 @@ namespace {
 using fem::ContactSolution;
 using fem::ContactStep;
 
-struct Timed {
+struct Answered {
   ContactSolution solution;
   ExtremeAnswer answer;
 };
 
 template <class Solve>
-Timed timed_solve(const Solve& solve) {
-  const auto start = std::chrono::steady_clock::now();
-  Timed result{solve(), {}};
-  result.answer.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+Answered answered(const Solve& solve) {
+  Answered result{solve(), {}};
   result.answer.solved = std::ranges::all_of(result.solution.steps, &ContactStep::converged);
   result.answer.fell_back = result.solution.fell_back;
   for (const ContactStep& step : result.solution.steps) {
@@ -41,7 +37,7 @@ Timed timed_solve(const Solve& solve) {
 /// Two answers that are both certified and yet differ by more than rounding can explain.
 constexpr double another_solution = 1e-6;
 
-std::string told(const fem::Scene& scene, const Timed& fp32, const Timed& fp64, const Timed& reference) {
+std::string told(const fem::Scene& scene, const Answered& fp32, const Answered& fp64, const Answered& reference) {
   std::vector<std::string> words;
   if (auto warning = depth_warning(scene, fp64.solution))
     words.push_back("warning: depth beyond 20 % of the thickness");
@@ -60,10 +56,10 @@ std::string told(const fem::Scene& scene, const Timed& fp32, const Timed& fp64, 
 
 Extreme solve_extreme(Executor& executor, const ExtremeScene& extreme) {
   const auto batched = [&](Precision precision) {
-    return timed_solve([&] { return solve_gap_sweep(executor, std::span(&extreme.scene, 1), precision).front(); });
+    return answered([&] { return solve_gap_sweep(executor, std::span(&extreme.scene, 1), precision).front(); });
   };
-  Timed fp32 = batched(Precision::fp32), fp64 = batched(Precision::fp64);
-  const Timed reference = timed_solve([&] { return fem::solve_gap_reference(extreme.scene); });
+  Answered fp32 = batched(Precision::fp32), fp64 = batched(Precision::fp64);
+  const Answered reference = answered([&] { return fem::solve_gap_reference(extreme.scene); });
   fp32.answer.off = fem::base_force_difference(fp32.solution, reference.solution);
   fp64.answer.off = fem::base_force_difference(fp64.solution, reference.solution);
   return {extreme.group, extreme.name,     fp32.answer,

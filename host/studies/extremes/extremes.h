@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "fem/scene.h"
 #include "host/device/executor.h"
 
 namespace tactel::host {
@@ -12,6 +13,19 @@ struct ExtremesOptions {
   bool quick = false;  ///< short paths instead of long ones, and no mesh beyond 123 x 33
 };
 
+struct ExtremeScene {
+  std::string group, name;
+  fem::Scene scene;
+};
+
+/// Returns the scenes of the table of extremes: one quantity at a time takes its extreme values. `finest`: with
+/// the mesh of 401 x 101.
+std::vector<ExtremeScene> extreme_scenes(bool finest);
+
+/// Returns the scene that the extremes vary: a parabola on mesh B, pressed in, dragged until it nearly slides, and
+/// back.
+fem::Scene ordinary_scene();
+
 /// Answer of one solver to an extreme scene.
 struct ExtremeAnswer {
   bool solved = false;     ///< every step met its tolerance
@@ -19,7 +33,6 @@ struct ExtremeAnswer {
   int iterations = 0;      ///< most in a step
   double residual = 0;     ///< worst of the certificates
   double off = 0;          ///< base forces beside the reference's (fem::base_force_difference); NaN where one is NaN
-  double seconds = 0;
 };
 
 /// One line of the table.

@@ -95,26 +95,6 @@ void report_sensitivity(Page& page, const std::vector<SensitivityRow>& rows) {
   page.table(table);
 }
 
-/// For each parameter that is a number: the largest of the ten differences over its value.
-Figure sensitivity_figure(const std::vector<SensitivityRow>& rows) {
-  Figure figure{.columns = 2, .panel_height = 260};
-  for (const SensitivityRow& row : rows) {
-    if (row.value.find(',') != std::string::npos) continue;  // an element
-    if (figure.panels.empty() || figure.panels.back().x_label != row.parameter) {
-      figure.panels.push_back({.x_label = row.parameter,
-                               .y_label = "largest difference (%)",
-                               .series = {{.mark = Mark::line_dots}, {.mark = Mark::circles, .ink = Ink::red}}});
-      figure.panels.back().y_range = {0, 80};
-    }
-    for (Series* series : {&figure.panels.back().series[0], row.chosen ? &figure.panels.back().series[1] : nullptr}) {
-      if (!series) continue;
-      series->x.push_back(std::stod(row.value));
-      series->y.push_back(100 * row.worst);
-    }
-  }
-  return figure;
-}
-
 }  // namespace
 
 nlohmann::ordered_json report_direct_problem(Executor& executor, Page& page) {
@@ -153,9 +133,6 @@ nlohmann::ordered_json report_direct_problem(Executor& executor, Page& page) {
   page.section("Effect of the open parameters on Table I");
   const auto rows = sensitivity_study(executor, choice);
   report_sensitivity(page, rows);
-  page.figure(
-      sensitivity_figure(rows),
-      "The largest of the ten differences from the paper's Table I as one parameter changes; the preset is red.");
   page.note(
       "q8 has gap elements only at the corners of its elements. Its surface bulges between them, and the two meshes "
       "differ more than with any other element.");

@@ -13,16 +13,15 @@
 namespace tactel::host {
 namespace {
 
-const std::vector<int> all_numbers = {1, 2, 3, 4, 5, 6};
 constexpr std::uint64_t recall_noise_seed = 1'000'003, learning_noise_seed = 1'000'033;  // no network's own
+constexpr double taylor_scale = 10;     // mm: x and y of the Taylor shapes in centimetres
 constexpr int most_noisy_copies = 400;  // of the learning set: 18 MB on the device
 
-TrainingPlan paper_plan(const InverseChoice& choice, std::vector<int> numbers, std::size_t seeds, double noise = 0) {
+TrainingPlan paper_plan(const InverseChoice& choice, std::size_t seeds, double noise = 0) {
   TrainingPlan plan;
   plan.noises = {noise};
-  plan.scaling = choice.scaling;
   plan.options = choice.options;
-  for (int number : numbers) plan.topologies.push_back(nn::Topology::paper(number));
+  for (int number = 1; number <= 6; ++number) plan.topologies.push_back(nn::Topology::paper(number));
   for (std::uint64_t seed = 1; seed <= seeds; ++seed) plan.seeds.push_back(seed);
   return plan;
 }
@@ -34,8 +33,7 @@ std::pair<nn::FrameSet, TrainingPlan> fresh_noise_lesson(const InverseChoice& ch
   const int copies = std::min(showings, most_noisy_copies);
   InverseChoice fresh = choice;
   fresh.options.cycle_limit = showings / copies;
-  return {nn::with_frame_noise(sets.learning, paper_noise, learning_noise_seed, copies),
-          paper_plan(fresh, all_numbers, seeds)};
+  return {nn::with_frame_noise(sets.learning, paper_noise, learning_noise_seed, copies), paper_plan(fresh, seeds)};
 }
 
 /// Index of the median of the mean errors; of an even number, the lower of the two in the middle.
@@ -76,38 +74,6 @@ void add_studies(const NetworkTraining<float>& training, const TrainingPlan& pla
   }
 }
 
-struct ChoiceVariant {
-  std::string parameter, value;
-  InverseChoice choice;
-  bool chosen = false;
-};
-
-/// The choice with one parameter at a time at other values.
-std::vector<ChoiceVariant> choice_variants(const InverseChoice& choice) {
-  std::vector<ChoiceVariant> all{{"(as chosen)", "", choice, true}};
-  const auto add = [&](const std::string& parameter, const std::string& value,
-                       const std::function<void(InverseChoice&)>& change) {
-    all.push_back({parameter, value, choice});
-    change(all.back().choice);
-  };
-  for (const auto& [x, y, name] : {std::tuple{20., 20., "x and y in 20 mm"}, std::tuple{10., 1., "x in cm, y in mm"},
-                                   std::tuple{5., 5., "x and y in 5 mm"}, std::tuple{1., 1., "x and y in mm"}})
-    add("units of the Taylor shapes", name, [&](InverseChoice& c) { c.scale = x, c.height = y; });
-  for (double mu : {0.2, 0.8})
-    add("friction, learning and recall", fmt::format("{}", mu), [=](InverseChoice& c) { c.base.friction = mu; });
-  add("drag", "to 0.3 mm only", [](InverseChoice& c) { c.base.load.tangential_steps = 6; });
-  add("drag", "in steps of 0.025 mm", [](InverseChoice& c) { c.base.load.tangential_step = 0.025; });
-  add("element, base stress", "bbar, reaction", [](InverseChoice& c) {
-    c.base.sensor.element = fem::Element::bbar;
-    c.base.sensor.stress = fem::StressRecovery::reaction;
-  });
-  add("input scaling", "by the frame's largest normal stress",
-      [](InverseChoice& c) { c.scaling = nn::ScalingKind::frame; });
-  add("order of patterns", "the set's own",
-      [](InverseChoice& c) { c.options.order = nn::PresentationOrder::sequential; });
-  return all;
-}
-
 }  // namespace
 
 InverseChoice inverse_choice() { return {.base = paper_set_scene(), .options = {}}; }
@@ -120,7 +86,7 @@ InverseSets simulate_sets(Executor& executor, const InverseChoice& choice) {
     return set;
   };
   const SceneFamily recall_family = paper_recall_family(choice.base);
-  ContactSet learning = simulate(paper_learning_family(choice.base, choice.scale, choice.height));
+  ContactSet learning = simulate(paper_learning_family(choice.base, taylor_scale, taylor_scale));
   ContactSet recall = simulate(recall_family);
   return {.learning = learning.frames_with_answers(),
           .recall = recall.frames_with_answers(),
@@ -131,13 +97,13 @@ InverseSets simulate_sets(Executor& executor, const InverseChoice& choice) {
 
 void expect_own_checkpoint(Executor& executor, const InverseChoice& choice, double noise, std::size_t seeds,
                            const InverseSets& sets, const std::filesystem::path& checkpoint) {
-  const TrainingPlan plan = paper_plan(choice, all_numbers, seeds, noise);
+  const TrainingPlan plan = paper_plan(choice, seeds, noise);
   expect_checkpoint_of(checkpoint, training_description<float>(executor, sets.learning, plan));
 }
 
 bool train_and_recall(Executor& executor, const InverseChoice& choice, double noise, std::size_t seeds,
                       const TrainingRunOptions& options, InverseProblem& problem) {
-  const TrainingPlan plan = paper_plan(choice, all_numbers, seeds, noise);
+  const TrainingPlan plan = paper_plan(choice, seeds, noise);
   NetworkTraining<float> training(executor, problem.sets.learning, plan);
   if (!options.checkpoint.empty()) training.load(options.checkpoint);
   if (!training.run(options)) return false;
@@ -176,13 +142,6 @@ bool train_on_fresh_noise(Executor& executor, const InverseChoice& choice, std::
   return true;
 }
 
-Spread spread(const std::vector<nn::ErrorReport>& reports,
-              const std::function<double(const nn::ErrorReport&)>& figure) {
-  std::vector<double> values;
-  for (const nn::ErrorReport& report : reports) values.push_back(figure(report));
-  return {nn::quantile(values, 0.5), nn::quantile(values, 0.05), nn::quantile(values, 0.95)};
-}
-
 const TableTwoRow& paper_table_two(int number) {
   static const std::array<TableTwoRow, 6> rows{{
       {{0, 0.04922, 0.00264, 0.00438}, {0, 0.27284, 0.03558, 0.03401}},
@@ -193,27 +152,6 @@ const TableTwoRow& paper_table_two(int number) {
       {{0, 0.04082, 0.00130, 0.00258}, {0, 0.17709, 0.03416, 0.02918}},
   }};
   return rows.at(static_cast<std::size_t>(number - 1));
-}
-
-InverseSensitivity inverse_sensitivity(Executor& executor, const InverseChoice& choice, std::size_t seeds, int cycles) {
-  InverseSensitivity sensitivity{.seeds = seeds, .cycles = cycles, .rows = {}};
-  for (ChoiceVariant& variant : choice_variants(choice)) {
-    variant.choice.options.cycle_limit = cycles;
-    const InverseSets sets = simulate_sets(executor, variant.choice);
-    NetworkTraining<float> training(executor, sets.learning, paper_plan(variant.choice, {1, 6}, seeds));
-    training.run();
-    const auto learning = training.recall_learning_set(), recalling = training.recall(sets.recall);
-    InverseSensitivityRow row{variant.parameter, variant.value, variant.chosen, sets.learning.rows()};
-    for (std::size_t n = 0; n < 2; ++n) {
-      const auto of = [&](const auto& all) {
-        return std::vector<nn::ErrorReport>(all.begin() + n * seeds, all.begin() + (n + 1) * seeds);
-      };
-      row.learning[n] = spread(of(learning), mean_error);
-      row.recalling[n] = spread(of(recalling), mean_error);
-    }
-    sensitivity.rows.push_back(std::move(row));
-  }
-  return sensitivity;
 }
 
 }  // namespace tactel::host

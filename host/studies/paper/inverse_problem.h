@@ -10,6 +10,7 @@
 #include "host/device/executor.h"
 #include "host/networks/network_training.h"
 #include "host/sets/contact_set.h"
+#include "host/studies/study_report.h"
 
 namespace tactel::host {
 
@@ -18,9 +19,7 @@ namespace tactel::host {
 
 /// Choice of the parameters that the paper leaves open, and its learning rule.
 struct InverseChoice {
-  fem::Scene base;                 ///< all but the indenter
-  double scale = 10, height = 10;  ///< of the Taylor shapes, mm: x and y in centimetres
-  nn::ScalingKind scaling = nn::ScalingKind::set;
+  fem::Scene base;  ///< all but the indenter
   nn::OnlineOptions options;
 };
 /// Returns the defaults, with the scene of the paper's sets (paper_set_scene).
@@ -39,13 +38,13 @@ struct NetworkStudy {
   int number = 0;  ///< 1 ... 6
   nn::Topology topology;
   double noise = 0;
-  std::vector<TrainedNetwork> networks;              ///< [seeds]
-  std::vector<nn::ErrorReport> learning, recalling;  ///< [seeds]
-  std::vector<nn::ErrorReport> recalling_noisy;      ///< [seeds] on the recall set with 10 % noise
-  std::vector<std::vector<double>> recall_errors;    ///< [seeds][rows of the recall set] |error of S|
-  std::size_t typical = 0;                           ///< the seed whose mean recall error is the median
-  std::vector<double> slip_index{};                  ///< [rows of the recall set] S of that seed's network
-  std::vector<nn::Model> models{};                   ///< [seeds] as in their files
+  std::vector<TrainedNetwork> networks;            ///< [seeds]
+  Reports learning, recalling;                     ///< [seeds]
+  Reports recalling_noisy;                         ///< [seeds] on the recall set with 10 % noise
+  std::vector<std::vector<double>> recall_errors;  ///< [seeds][rows of the recall set] |error of S|
+  std::size_t typical = 0;                         ///< the seed whose mean recall error is the median
+  std::vector<double> slip_index{};                ///< [rows of the recall set] S of that seed's network
+  std::vector<nn::Model> models{};                 ///< [seeds] as in their files
 };
 
 /// A network of the paper that learnt from noise drawn anew at each showing, relative to each frame's own largest
@@ -53,7 +52,7 @@ struct NetworkStudy {
 struct FreshNoiseStudy {
   int number = 0;  ///< 1 ... 6
   nn::Topology topology;
-  std::vector<nn::ErrorReport> recalling, recalling_noisy;  ///< [seeds] without noise, and with noise of the same kind
+  Reports recalling, recalling_noisy;  ///< [seeds] without noise, and with noise of the same kind
 };
 
 struct InverseProblem {
@@ -90,38 +89,11 @@ void expect_own_fresh_noise_checkpoint(Executor& executor, const InverseChoice& 
 bool train_on_fresh_noise(Executor& executor, const InverseChoice& choice, std::size_t seeds,
                           const TrainingRunOptions& options, InverseProblem& problem);
 
-/// Return an error over all rows of a report.
-inline double max_error(const nn::ErrorReport& report) { return report.all.max; }
-inline double mean_error(const nn::ErrorReport& report) { return report.all.mean; }
-inline double std_error(const nn::ErrorReport& report) { return report.all.std; }
-
-/// Median over seeds with the 5 and 95 % quantiles.
-struct Spread {
-  double median = 0, low = 0, high = 0;
-};
-/// Returns the spread of one number of each report.
-Spread spread(const std::vector<nn::ErrorReport>& reports, const std::function<double(const nn::ErrorReport&)>& figure);
-
 /// A row of Table II as printed. The paper does not state which rows were trained with noise.
 struct TableTwoRow {
   nn::ErrorSummary learning, recalling;  ///< without counts
 };
 /// Returns row `number`, 1 ... 6.
 const TableTwoRow& paper_table_two(int number);
-
-/// Effect of one changed choice on networks 1 and 6.
-struct InverseSensitivityRow {
-  std::string parameter, value;
-  bool chosen = false;
-  long learning_rows = 0;
-  std::array<Spread, 2> learning{}, recalling{};  ///< mean errors of networks 1 and 6
-};
-struct InverseSensitivity {
-  std::size_t seeds = 0;  ///< of each row
-  int cycles = 0;         ///< at most
-  std::vector<InverseSensitivityRow> rows;
-};
-/// Varies units of the Taylor shapes, friction, drag, scaling and order, one at a time, with few seeds and cycles.
-InverseSensitivity inverse_sensitivity(Executor& executor, const InverseChoice& choice, std::size_t seeds, int cycles);
 
 }  // namespace tactel::host

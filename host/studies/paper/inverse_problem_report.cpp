@@ -12,14 +12,7 @@
 namespace tactel::host {
 namespace {
 
-constexpr Ink network_inks[] = {Ink::black, Ink::blue, Ink::green, Ink::orange, Ink::red, Ink::purple, Ink::brown};
 constexpr double large_error = 0.1;  // the paper looked at the examples above it (section V.E)
-
-using Reports = std::vector<nn::ErrorReport>;
-
-std::string text_of(const Spread& s, int digits) {
-  return fmt::format("{:.{}f} [{:.{}f}, {:.{}f}]", s.median, digits, s.low, digits, s.high, digits);
-}
 
 std::vector<const NetworkStudy*> with_noise(const InverseProblem& problem, bool noisy) {
   std::vector<const NetworkStudy*> chosen;
@@ -162,18 +155,9 @@ Panel distribution(const InverseProblem& problem, bool noisy, bool learning, con
   Series median{.label = "median, 5 to 95 %", .mark = Mark::whiskers, .ink = Ink::blue};
   Series paper{.label = "the paper", .mark = Mark::diamonds, .ink = Ink::red};
   for (const NetworkStudy* study : with_noise(problem, noisy)) {
-    const Reports& reports = learning ? study->learning : study->recalling;
-    for (std::size_t i = 0; i < reports.size(); ++i) {
-      const double spread_out =
-          reports.size() > 1 ? static_cast<double>(i) / static_cast<double>(reports.size() - 1) - 0.5 : 0;
-      seeds.x.push_back(study->number + 0.5 * spread_out);
-      seeds.y.push_back(reports[i].all.mean);
-    }
-    const Spread s = spread(reports, mean_error);
-    median.x.push_back(study->number), median.y.push_back(s.median);
-    median.low.push_back(s.low), median.high.push_back(s.high);
-    const TableTwoRow& row = paper_table_two(study->number);
-    paper.x.push_back(study->number), paper.y.push_back((learning ? row.learning : row.recalling).mean);
+    const Reports& reports = reports_of(*study, learning);
+    add_networks(seeds, median, study->number, 0.5, reports);
+    paper.x.push_back(study->number), paper.y.push_back(of_paper(*study, learning).mean);
   }
   Panel panel{.title = title,
               .x_label = "network",
@@ -195,89 +179,7 @@ Figure distribution_figure(const InverseProblem& problem) {
           .panel_height = 340};
 }
 
-// ---- learning curves
-
-/// The value that a curve had at a cycle; after its end, its last.
-double at_cycle(const TrainedNetwork& network, const std::vector<float>& values, std::uint64_t cycle) {
-  const auto& cycles = network.curve.cycle;
-  const auto after = std::upper_bound(cycles.begin(), cycles.end(), cycle) - cycles.begin();
-  return values[static_cast<std::size_t>(std::max<std::ptrdiff_t>(after - 1, 0))];
-}
-
-Series median_curve(const NetworkStudy& study, std::vector<float> LearningCurve::*values, Ink ink) {
-  const auto longest = std::ranges::max_element(study.networks, {}, &TrainedNetwork::cycles);
-  Series series{.label = fmt::format("{} ({})", study.number, study.topology.text()), .ink = ink};
-  for (std::uint64_t cycle : longest->curve.cycle) {
-    std::vector<double> here;
-    for (const TrainedNetwork& network : study.networks)
-      here.push_back(at_cycle(network, network.curve.*values, cycle));
-    series.x.push_back(static_cast<double>(cycle));
-    series.y.push_back(nn::quantile(here, 0.5));
-  }
-  return series;
-}
-
-Figure curve_figure(const InverseProblem& problem) {
-  Figure figure{.columns = 2, .panel_height = 340};
-  for (bool noisy : {false, true}) {
-    Panel sse{.title = noisy ? "10 % noise" : "without noise",
-              .x_label = "cycle",
-              .y_label = "sum of squared errors",
-              .log_x = true,
-              .log_y = true};
-    Panel largest = sse;
-    largest.y_label = "largest error";
-    for (const NetworkStudy* study : with_noise(problem, noisy)) {
-      const Ink ink = network_inks[study->number - 1];
-      sse.series.push_back(median_curve(*study, &LearningCurve::sse, ink));
-      largest.series.push_back(median_curve(*study, &LearningCurve::largest, ink));
-    }
-    figure.panels.push_back(std::move(sse));
-    figure.panels.push_back(std::move(largest));
-  }
-  return figure;
-}
-
 // ---- which examples go wrong
-
-Panel class_panel(const InverseProblem& problem, const NetworkStudy& study, const std::string& title) {
-  Panel panel{.title = title, .y_label = "mean error of S", .series = {{.mark = Mark::whiskers}}};
-  Series& bars = panel.series[0];
-  for (const auto& [kind, unused] : study.recalling.front().by_class) {
-    const Spread s = spread(study.recalling, [k = kind](const auto& r) { return r.by_class.at(k).mean; });
-    bars.x.push_back(kind), bars.y.push_back(s.median), bars.low.push_back(s.low), bars.high.push_back(s.high);
-    panel.x_ticks.push_back({static_cast<double>(kind), problem.sets.class_names[kind]});
-  }
-  panel.x_range = {{-0.6, static_cast<double>(panel.x_ticks.size()) - 0.4}};
-  panel.y_range = {{0, 1.1 * std::ranges::max(bars.high)}};
-  return panel;
-}
-
-/// Each row of the recall set: its median error over seeds against how many nodes touch.
-Panel nodes_panel(const InverseProblem& problem, const NetworkStudy& study, const std::string& title) {
-  Panel panel{.title = title, .x_label = "nodes in contact", .y_label = "median error of S"};
-  const nn::FrameSet& recall = problem.sets.recall;
-  for (std::size_t kind = 0; kind < problem.sets.class_names.size(); ++kind)
-    panel.series.push_back({.label = problem.sets.class_names[kind],
-                            .mark = Mark::dots,
-                            .ink = network_inks[kind % std::size(network_inks)]});
-  for (std::size_t row = 0; row < recall.shape_class.size(); ++row) {
-    std::vector<double> errors;
-    for (const auto& network : study.recall_errors) errors.push_back(network[row]);
-    Series& series = panel.series[recall.shape_class[row]];
-    series.x.push_back(recall.contact_nodes[row]);
-    series.y.push_back(nn::quantile(errors, 0.5));
-  }
-  return panel;
-}
-
-Figure class_figure(const InverseProblem& problem) {
-  const auto clean = with_noise(problem, false);
-  Figure figure{.columns = 1, .panel_height = 280};
-  figure.panels = {class_panel(problem, *clean[0], "network 1"), class_panel(problem, *clean[5], "network 6"),
-                   nodes_panel(problem, *clean[5], "network 6, row by row")};
-  return figure;
-}
 
 double percent(std::size_t part, std::size_t all) { return 100 * static_cast<double>(part) / static_cast<double>(all); }
 
@@ -351,27 +253,6 @@ std::uint32_t most_cycles(const std::vector<const NetworkStudy*>& studies) {
   return most;
 }
 
-void report_network_sensitivity(Page& page, const InverseProblem& problem, const InverseSensitivity& sensitivity) {
-  const NetworkStudy& first = problem.studies.front();
-  page.paragraph(fmt::format(
-      "Each row is {} seed{} of at most {} cycles, without noise; Table II is {} seed{} of at most {} cycles (network "
-      "6: {}). The row \"as chosen\" therefore differs from Table II: compare the rows of this table with each other.",
-      sensitivity.seeds, sensitivity.seeds == 1 ? "" : "s", sensitivity.cycles, first.networks.size(),
-      first.networks.size() == 1 ? "" : "s", most_cycles({&first}), most_cycles({with_noise(problem, false).back()})));
-  PageTable table{.caption = fmt::format("One choice changed at a time: mean errors, median over {} seed{}, at most "
-                                         "{} cycles",
-                                         sensitivity.seeds, sensitivity.seeds == 1 ? "" : "s", sensitivity.cycles),
-                  .head = {"choice", "value", "learning rows", "network 1, learning", "recalling",
-                           "network 6, learning", "recalling"}};
-  for (const InverseSensitivityRow& row : sensitivity.rows) {
-    std::vector<Cell> cells{row.parameter, row.value, std::to_string(row.learning_rows)};
-    for (std::size_t n = 0; n < 2; ++n)
-      for (const Spread* s : {&row.learning[n], &row.recalling[n]}) cells.push_back(fmt::format("{:.4f}", s->median));
-    table.add(std::move(cells));
-  }
-  page.table(table);
-}
-
 /// Number of seeds from which the quantiles of Table II are meaningful.
 constexpr std::size_t enough_seeds = 100;
 
@@ -405,15 +286,6 @@ void report_network_choices(Page& page, const InverseProblem& problem, const Inv
 
 }  // namespace
 
-nlohmann::ordered_json errors_json(const Reports& reports) {
-  const Spread max = spread(reports, max_error), mean = spread(reports, mean_error), std = spread(reports, std_error);
-  return {{"max", max.median},
-          {"mean", mean.median},
-          {"std", std.median},
-          {"low", {{"max", max.low}, {"mean", mean.low}, {"std", std.low}}},
-          {"high", {{"max", max.high}, {"mean", mean.high}, {"std", std.high}}}};
-}
-
 nlohmann::ordered_json table_two_json(const InverseProblem& problem) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   for (const NetworkStudy& study : problem.studies)
@@ -428,7 +300,7 @@ nlohmann::ordered_json table_two_json(const InverseProblem& problem) {
 }
 
 void report_inverse_problem(Page& page, const InverseProblem& problem, const InverseChoice& choice,
-                            const InverseBaselines& baselines, const InverseSensitivity& sensitivity) {
+                            const InverseBaselines& baselines) {
   page.section("The inverse problem (section V)");
   report_seeds(page, problem);
   report_network_choices(page, problem, choice);
@@ -445,15 +317,12 @@ void report_inverse_problem(Page& page, const InverseProblem& problem, const Inv
   page.figure(
       distribution_figure(problem),
       "Mean errors of every training. The paper's six rows are one training each; it does not state with which noise.");
-  page.figure(curve_figure(problem), "Learning curves, median over seeds.");
 
   page.section("Without a network");
   report_baselines(page, baselines, problem);
 
   page.section("Difficult shapes");
   report_large_errors(page, problem);
-  page.figure(class_figure(problem),
-              "Recall errors without noise by class, and by the number of nodes that touch (coloured by class).");
 
   page.section("Noise");
   report_noise(page, problem);
@@ -462,15 +331,6 @@ void report_inverse_problem(Page& page, const InverseProblem& problem, const Inv
       "table "
       "it is drawn once, as in the paper's noise-added learning sets; the networks fit it within a thousand cycles.");
   report_fresh_noise(page, problem);
-
-  page.section("Effect of the open choices on Table II");
-  report_network_sensitivity(page, problem, sensitivity);
-  page.note(
-      "The paper's networks reached a mean error of about 0.003 on their learning set; those with one hidden layer do "
-      "not reach it on this set. It spans contacts of one node to the whole surface. Divided by the stress of the "
-      "sharpest contact, the frames of blunt contacts are small, and the rule learns from them slowly. Divided by its "
-      "own largest stress, each frame is learned better (row `input scaling`). The paper does not state its shapes, "
-      "and thus not its stresses.");
 }
 
 }  // namespace tactel::host

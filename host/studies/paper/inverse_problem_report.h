@@ -8,16 +8,13 @@
 
 namespace tactel::host {
 
-/// Returns medians over the reports of max, mean and standard deviation; "low" and "high" are the 5 and 95 % quantiles.
-nlohmann::ordered_json errors_json(const std::vector<nn::ErrorReport>& reports);
-
 /// Returns table2.json: for each network and noise the medians over seeds of max, mean and standard deviation,
 /// learning and recalling, with the 5 and 95 % quantiles as "low" and "high".
 nlohmann::ordered_json table_two_json(const InverseProblem& problem);
 
 /// Adds to the report Table II as a distribution, with the estimators without a network; learning curves, and errors
-/// by class and by nodes in contact. Adds the effects of noise and of the parameters that the paper leaves open.
+/// by class and by nodes in contact. Adds the effect of noise.
 void report_inverse_problem(Page& page, const InverseProblem& problem, const InverseChoice& choice,
-                            const InverseBaselines& baselines, const InverseSensitivity& sensitivity);
+                            const InverseBaselines& baselines);
 
 }  // namespace tactel::host

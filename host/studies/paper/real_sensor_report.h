@@ -11,8 +11,7 @@ namespace tactel::host {
 /// and on all others, as in table2.json; on the last also by indenter.
 nlohmann::ordered_json real_sensor_json(const RealSensorStudy& study);
 
-/// Adds to the report a record and its sample, and errors over draws and seeds, by indenter and by the number of
-/// examples.
+/// Adds to the report a record and its sample, and errors over draws and seeds, and by indenter.
 void report_real_sensor(Page& page, const RealSensorStudy& study);
 
 }  // namespace tactel::host

@@ -8,18 +8,12 @@
 namespace tactel::host {
 namespace {
 
-/// 25 examples: both data, both scalings; then how many examples are enough.
+/// Both data, both scalings.
 std::vector<RealSensorCase> all_cases() {
   std::vector<RealSensorCase> cases;
   for (RealData data : {RealData::stresses, RealData::records})
     for (nn::ScalingKind scaling : {nn::ScalingKind::set, nn::ScalingKind::frame}) cases.push_back({data, scaling});
-  for (RealData data : {RealData::stresses, RealData::records})
-    for (std::size_t examples : {10, 50, 94}) cases.push_back({data, nn::ScalingKind::set, examples});
   return cases;
-}
-
-std::size_t draws_of(const RealSensorCase& what, const RealSensorOptions& options) {
-  return what.examples == paper_examples ? options.draws : options.other_draws;
 }
 
 TrainingPlan plan_of(const RealSensorCase& what, std::size_t seeds, const nn::OnlineOptions& training) {
@@ -68,12 +62,6 @@ class Counter {
   std::size_t done_ = 0, all_;
 };
 
-std::size_t networks_of(const std::vector<RealSensorCase>& cases, const RealSensorOptions& options) {
-  std::size_t all = 0;
-  for (const RealSensorCase& what : cases) all += draws_of(what, options) * options.seeds;
-  return all;
-}
-
 /// All cases on one draw. False when it was stopped.
 bool train_draw(Executor& executor, RealSensorStudy& study, std::uint64_t draw, Counter& counter) {
   const RealSensorOptions& options = study.options;
@@ -82,12 +70,9 @@ bool train_draw(Executor& executor, RealSensorStudy& study, std::uint64_t draw, 
   if (draw == 1) study.records = std::move(records);
   const auto contacts = static_cast<std::uint32_t>(study.contacts.size());
   for (RealSensorResult& result : study.results) {
-    if (draw > draws_of(result.what, options)) continue;
     const TrainingPlan plan = plan_of(result.what, options.seeds, options.training);
     const nn::FrameSet& set = result.what.data == RealData::stresses ? study.ideal : recorded;
-    if (!train_case(executor, set, draw_contacts(draw, contacts, result.what.examples), plan, counter.options(),
-                    result))
-      return false;
+    if (!train_case(executor, set, draw_contacts(draw, contacts), plan, counter.options(), result)) return false;
     counter.add(plan.seeds.size());
   }
   return true;
@@ -102,9 +87,9 @@ const nn::Topology& real_topology() {
 
 const char* name(RealData data) { return data == RealData::stresses ? "stresses" : "records"; }
 
-ContactDraw draw_contacts(std::uint64_t draw, std::uint32_t contacts, std::size_t examples) {
+ContactDraw draw_contacts(std::uint64_t draw, std::uint32_t contacts) {
   const auto order = nn::presentation_order(nn::PresentationOrder::permuted, draw, 0, contacts);
-  const auto recall_end = order.begin() + paper_recalls, learning_end = recall_end + static_cast<long>(examples);
+  const auto recall_end = order.begin() + paper_recalls, learning_end = recall_end + static_cast<long>(paper_examples);
   ContactDraw result{{recall_end, learning_end}, {order.begin(), recall_end}, {order.begin(), recall_end}};
   result.unseen.insert(result.unseen.end(), learning_end, order.end());
   return result;
@@ -146,12 +131,12 @@ std::optional<RealSensorStudy> study_real_sensor(Executor& executor, const RealS
   study.solutions = solve_real_contacts(executor, choice, study.contacts);
   study.ideal = ideal_frames(study.contacts, study.solutions);
   for (const RealSensorCase& what : all_cases()) study.results.push_back({what, {}, {}, {}});
-  Counter counter(options.progress, networks_of(all_cases(), options));
+  Counter counter(options.progress, all_cases().size() * options.draws * options.seeds);
   const auto contacts = static_cast<std::uint32_t>(study.contacts.size());
   const std::vector<double> by_angle = errors_by_angle_alone(study.contacts);
-  for (std::uint64_t draw = 1; draw <= std::max(options.draws, options.other_draws); ++draw) {
+  for (std::uint64_t draw = 1; draw <= options.draws; ++draw) {
     if (!train_draw(executor, study, draw, counter)) return std::nullopt;
-    const ContactDraw drawn = draw_contacts(draw, contacts, paper_examples);
+    const ContactDraw drawn = draw_contacts(draw, contacts);
     study.angle_alone.push_back(report_of(by_angle, study.ideal, drawn.recall));
   }
   for (RealSensorResult& result : study.results) result.learnt /= static_cast<double>(result.learning.size());

@@ -6,6 +6,7 @@
 
 #include "host/networks/network_training.h"
 #include "host/studies/paper/real_sensor.h"
+#include "host/studies/study_report.h"
 
 namespace tactel::host {
 
@@ -20,9 +21,8 @@ struct ContactDraw {
   std::vector<std::uint32_t> unseen;            ///< all contacts outside of learning, the recall set first
 };
 /// Returns the contacts in the order of presentation_order(permuted, draw, 0, contacts): the first 11 are
-/// recalled, the next `examples` learned. Larger learning sets of a draw therefore contain the smaller ones and
-/// are judged by the same 11.
-ContactDraw draw_contacts(std::uint64_t draw, std::uint32_t contacts, std::size_t examples);
+/// recalled, the next 25 learned.
+ContactDraw draw_contacts(std::uint64_t draw, std::uint32_t contacts);
 
 /// Returns the rows of a set in this order.
 nn::FrameSet chosen_rows(const nn::FrameSet& set, const std::vector<std::uint32_t>& rows);
@@ -34,19 +34,17 @@ const char* name(RealData data);
 struct RealSensorCase {
   RealData data = RealData::stresses;
   nn::ScalingKind scaling = nn::ScalingKind::set;
-  std::size_t examples = paper_examples;
 };
 /// Errors of one case's networks, [draws][seeds].
 struct RealSensorResult {
   RealSensorCase what;
-  std::vector<nn::ErrorReport> learning, recalling, unseen;
+  Reports learning, recalling, unseen;
   double learnt = 0;  ///< share of the networks that reached the stop error
 };
 
 struct RealSensorOptions {
-  std::size_t draws = 20;       ///< of the cases with the paper's 25 examples
-  std::size_t other_draws = 4;  ///< of those with fewer or more
-  std::size_t seeds = 8;        ///< initial weights on each draw
+  std::size_t draws = 20;  ///< of the contacts to learn and to recall
+  std::size_t seeds = 8;   ///< initial weights on each draw
   nn::OnlineOptions training;
   Progress progress;  ///< networks; false stops
 };
@@ -57,8 +55,8 @@ struct RealSensorStudy {
   std::vector<fem::ContactSolution> solutions;  ///< [contacts]
   nn::FrameSet ideal;                           ///< [contacts]
   std::vector<float> records;                   ///< read_records of the first draw
-  std::vector<RealSensorResult> results;        ///< 25 examples: both data, both scalings; then other numbers of them
-  std::vector<nn::ErrorReport> angle_alone;     ///< [draws] of the recall sets
+  std::vector<RealSensorResult> results;        ///< both data, both scalings
+  Reports angle_alone;                          ///< [draws] of the recall sets
   RealSensorOptions options;
   double seconds = 0;
 };

@@ -1,12 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cmath>
 #include <cstdint>
+#include <random>
 #include <string>
 #include <vector>
 
 #include "fem/scene.h"
 
 namespace tactel::host {
+
+/// Numbers that are the same wherever the program was built, unlike those of std::uniform_real_distribution.
+class SceneDraw {
+ public:
+  SceneDraw(std::uint64_t seed, std::size_t place) : random_(seed * 1000003 + place) {}
+  double uniform(double low, double high) {
+    return low + (high - low) * static_cast<double>(random_() >> 11) * 0x1p-53;
+  }
+  double log_uniform(double low, double high) { return std::exp(uniform(std::log(low), std::log(high))); }
+
+ private:
+  std::mt19937_64 random_;
+};
+
+inline constexpr std::size_t mix_kinds = 8;  ///< of indenter, in turn
 
 /// Returns the mix of contacts on which rungs of the ladder are judged (host/scenes/ladder.h). It has eight kinds
 /// of indenter at positions between -4 and 4 mm. The sharpest touch a single node of mesh B, the widest cover
@@ -15,20 +32,6 @@ namespace tactel::host {
 /// the default. A contact depends on seed and index alone, so that a smaller mix is the beginning of a larger
 /// one.
 std::vector<fem::Scene> mixed_scenes(std::uint64_t seed, std::size_t count);
-
-/// Scenes unlike the mix in one respect.
-enum class Unlike { thickness, length, poisson, tactels, force, profile, ends, thin, slippery, over_end };
-inline constexpr Unlike all_unlike[] = {Unlike::thickness, Unlike::length,  Unlike::poisson, Unlike::tactels,
-                                        Unlike::force,     Unlike::profile, Unlike::ends,    Unlike::thin,
-                                        Unlike::slippery,  Unlike::over_end};
-
-/// Returns "rubber 0.5 to 4 mm thick" and its like.
-const char* description(Unlike respect);
-
-/// Returns scenes of the mix, changed in one respect: thickness (depths in proportion), length, nu between 0 and
-/// 0.4999, number, span and width of tactels, a given force, a measured profile, the last 3 mm before an end, a
-/// contact 5 to 60 thicknesses to a side at nu 0.49 to 0.5, mu 0.02 to 0.1, or a contact over an end.
-std::vector<fem::Scene> unlike_scenes(Unlike respect, std::uint64_t seed, std::size_t count);
 
 /// Returns a description of `mixed_scenes`, for reports.
 std::string mix_description(std::uint64_t seed, std::size_t count);

@@ -6,7 +6,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "host/figures/gnuplot_script.h"
+#include "host/contact/planner.h"
+#include "host/figures/page.h"
 
 namespace tactel::host {
 namespace {
@@ -117,43 +118,11 @@ const char* const definitions =
 }  // namespace
 
 Json to_json(const Tradeoff& tradeoff) {
-  Json models = Json::array(), sources = Json::array();
+  Json models = Json::array();
   for (const MeasuredModel& model : tradeoff.models) models.push_back(model_json(model));
-  for (const ErrorSource& source : tradeoff.sources) {
-    Json rows = Json::array();
-    for (const MeasuredModel& model : source.models) rows.push_back(model_json(model));
-    sources.push_back({{"what", source.what}, {"judge", rung_json(source.judge)}, {"models", std::move(rows)}});
-  }
-  return {{"tactel", TACTEL_VERSION},
-          {"device", tradeoff.device},
-          {"scenes", tradeoff.scenes},
-          {"seed", tradeoff.seed},
-          {"mix", tradeoff.mix},
-          {"definitions", definitions},
-          {"reference",
-           {{"error_S_most95", tradeoff.reference_error},
-            {"observed_order", tradeoff.observed_order},
-            {"smooth_scenes", tradeoff.smooth_scenes},
-            {"finest_mesh_S_median", tradeoff.mesh_agreement.median.S},
-            {"finest_mesh_S_most95", tradeoff.mesh_agreement.most95.S},
-            {"full_mesh_difference_S", tradeoff.full_mesh_difference},
-            {"full_mesh_steps_per_second", tradeoff.full_mesh_per_second}}},
-          {"models", std::move(models)},
-          {"sources", std::move(sources)}};
-}
-
-Json to_json(const std::vector<Promise>& promises) {
-  Json out = Json::array();
-  for (const Promise& p : promises) {
-    Json chosen;
-    for (std::size_t k = 0; k < p.by_rung.size(); ++k) chosen[ladder()[k].name] = p.by_rung[k];
-    out.push_back({{"what", p.what},
-                   {"accuracy", p.accuracy},
-                   {"scenes", p.scenes},
-                   {"kept", p.kept},
-                   {"chosen", std::move(chosen)}});
-  }
-  return out;
+  return {{"tactel", TACTEL_VERSION},   {"device", tradeoff.device}, {"scenes", tradeoff.scenes},
+          {"seed", tradeoff.seed},      {"mix", tradeoff.mix},       {"definitions", definitions},
+          {"models", std::move(models)}};
 }
 
 Figure tradeoff_figure(const Tradeoff& tradeoff) {
@@ -174,34 +143,6 @@ Figure tradeoff_figure(const Tradeoff& tradeoff) {
   return {.title = "Cost of accuracy", .panels = {panel}, .width = 820, .panel_height = 420};
 }
 
-Figure sources_figure(const Tradeoff& tradeoff) {
-  Figure figure{.columns = 2, .width = 900, .panel_height = 260};
-  const auto value = [](const ErrorSource& source, const Rung& rung) -> double {
-    if (source.what.starts_with("elements")) return rung.elements;
-    if (source.what.starts_with("contact")) return rung.columns;
-    if (source.what.starts_with("block")) return rung.rows;
-    if (source.what.starts_with("load") || source.what.starts_with("pressing")) return rung.steps;
-    return rung.tolerance;
-  };
-  for (const ErrorSource& source : tradeoff.sources) {
-    if (source.what.starts_with("free sides")) continue;  // with or without: in the table
-    Series median{.label = "median", .mark = Mark::line_dots},
-        most{.label = "95 %", .mark = Mark::line_dots, .ink = Ink::orange};
-    for (const MeasuredModel& model : source.models)
-      for (Series* series : {&median, &most}) {
-        series->x.push_back(value(source, model.rung));
-        series->y.push_back(std::max(1e-9, series == &median ? model.error.median.S : model.error.most95.S));
-      }
-    figure.panels.push_back({.x_label = source.what,
-                             .y_label = "error in S",
-                             .series = {median, most},
-                             .y_range = std::pair{1e-7, 1.0},
-                             .log_x = true,
-                             .log_y = true});
-  }
-  return figure;
-}
-
 std::string tradeoff_page(const Tradeoff& tradeoff) {
   Page page("tactel: speed against accuracy", "tactel " TACTEL_VERSION " on " + tradeoff.device);
   report_tradeoff_verdict(page, tradeoff);
@@ -212,75 +153,26 @@ std::string tradeoff_page(const Tradeoff& tradeoff) {
   for (const MeasuredModel& model : tradeoff.models) table.add(model_row(model));
   page.table(table);
   page.note(fmt::format(
-      "The judge is the rung `reference`. Its own error in S, by extrapolation from fewer elements (observed order "
-      "{:.2f}), is below {:.2g} for 95 % of the scenes: smaller errors in the table mean little. The finest mesh, "
-      "which shares only the laws of contact with it, differs in S by {:.2g} (median) and {:.2g} (95 %) on the {} "
-      "smooth contacts wider than {:g} mm. On the same mesh, the solver of the whole mesh without condensation differs "
-      "in S by {:.1e} at most ({:.0f} load steps a second).",
-      tradeoff.observed_order, tradeoff.reference_error, tradeoff.mesh_agreement.median.S,
-      tradeoff.mesh_agreement.most95.S, tradeoff.smooth_scenes, smooth_width, tradeoff.full_mesh_difference,
-      tradeoff.full_mesh_per_second));
-  page.section("Where the error comes from");
-  page.paragraph("Each row makes one quantity coarser than in the judge; all others are equal.");
-  page.figure(sources_figure(tradeoff), "Error in S against the judge of each table below.");
-  for (const ErrorSource& source : tradeoff.sources) {
-    PageTable rows{.caption = source.what + "; judge: " + description(source.judge), .head = head};
-    for (const MeasuredModel& model : source.models) rows.add(model_row(model));
-    page.table(rows);
-  }
+      "The judge is the rung `reference`. Its own error in S, by extrapolation from fewer elements, is below "
+      "{:.2g} for 95 % of such scenes: smaller errors in the table mean little.",
+      measured_ladder().back().most));
   return page.html();
 }
 
 std::string tradeoff_table(const Tradeoff& tradeoff) {
   std::string out = tradeoff.mix + "\n\n";
-  const auto add = [&](const std::vector<MeasuredModel>& models) {
-    out += fmt::format("{:<42} {:>8} | {:^23} | {:^15} | {:^15} | {:^15} | {:^15}\n", "", "steps/s",
-                       "S: median, 95 %, largest", "P: median, 95 %", "Q", "sigma", "tau");
-    for (const MeasuredModel& model : models) {
-      out += fmt::format("{:<42} {:>8}", model_name(model), speed_text(model.steps_per_second));
-      for (std::size_t k = 0; k < error_members.size(); ++k) {
-        out += fmt::format(" | {:7.2g} {:7.2g}", model.error.median.*error_members[k],
-                           model.error.most95.*error_members[k]);
-        if (k == 0) out += fmt::format(" {:7.2g}", model.error.largest.S);
-      }
-      out += "\n";
+  out += fmt::format("{:<42} {:>8} | {:^23} | {:^15} | {:^15} | {:^15} | {:^15}\n", "", "steps/s",
+                     "S: median, 95 %, largest", "P: median, 95 %", "Q", "sigma", "tau");
+  for (const MeasuredModel& model : tradeoff.models) {
+    out += fmt::format("{:<42} {:>8}", model_name(model), speed_text(model.steps_per_second));
+    for (std::size_t k = 0; k < error_members.size(); ++k) {
+      out +=
+          fmt::format(" | {:7.2g} {:7.2g}", model.error.median.*error_members[k], model.error.most95.*error_members[k]);
+      if (k == 0) out += fmt::format(" {:7.2g}", model.error.largest.S);
     }
-  };
-  add(tradeoff.models);
-  out += fmt::format(
-      "\nreference: observed order {:.2f}, own error in S below {:.2g} (95 %); full mesh differs by {:.1e}\n"
-      "finest mesh beside the reference, {} smooth contacts wider than {:g} mm: S {:.2g} (median), {:.2g} (95 %)\n",
-      tradeoff.observed_order, tradeoff.reference_error, tradeoff.full_mesh_difference, tradeoff.smooth_scenes,
-      smooth_width, tradeoff.mesh_agreement.median.S, tradeoff.mesh_agreement.most95.S);
-  for (const ErrorSource& source : tradeoff.sources) {
-    out += fmt::format("\n{}; judge: {}\n", source.what, description(source.judge));
-    add(source.models);
+    out += "\n";
   }
-  return out;
-}
-
-std::string promise_table(const std::vector<Promise>& promises) {
-  std::string out = fmt::format("{:<36} {:>8} {:>6} {:>7}", "scenes", "accuracy", "number", "kept");
-  for (const Rung& rung : ladder()) out += fmt::format(" {:>9}", rung.name);
-  for (const Promise& p : promises) {
-    out += fmt::format("\n{:<36} {:>8g} {:>6} {:>5.1f} %", p.what, p.accuracy, p.scenes,
-                       100.0 * static_cast<double>(p.kept) / static_cast<double>(p.scenes));
-    for (std::size_t count : p.by_rung) out += fmt::format(" {:>9}", count);
-  }
-  return out + "\n";
-}
-
-std::string planner_source(const Tradeoff& tradeoff, const std::string& command) {
-  std::string out = fmt::format(
-      "// SPDX-License-Identifier: Apache-2.0\n\n// Written by `{}`; do not edit.\n// {}.\n// Device: {}\n#include "
-      "\"host/contact/planner.h\"\n\n"
-      "namespace tactel::host {{\n\nstd::span<const MeasuredRung> measured_ladder() {{\n"
-      "  static constexpr MeasuredRung rungs[] = {{\n",
-      command, tradeoff.mix, tradeoff.device);
-  for (const MeasuredRung& r : tradeoff.planner)
-    out += fmt::format("      {{\"{}\", {{{:.3g}, {:.3g}}}, {{{:.3g}, {:.3g}}}, {:.3g}}},\n", r.name, r.error.least,
-                       r.error.slope, r.next_error.least, r.next_error.slope, r.most);
-  return out + "  };\n  return rungs;\n}\n\n}  // namespace tactel::host\n";
+  return out + fmt::format("\nreference: own error in S below {:.2g} (95 %)\n", measured_ladder().back().most);
 }
 
 }  // namespace tactel::host

@@ -143,37 +143,10 @@ TEST(PressPlanNightly, AlsoOfAnotherListOnAnotherSensor) {
           1.18);
 }
 
-/// Expected deviations of ten planned presses by the weight of the sensor's numbers. With the default weight they are
-/// those of twenty random ones, but for the 4 % by which E of the first list is known less well.
-TEST(PressPlanNightly, WeightOfTheNumbers) {
-  const fem::SensorFamily eight({.poisson_low = 0.4, .poisson_high = 0.49, .tactels = 8}, false);
-  const auto show = [](const char* name, double weight, const ExpectedDeviations& d) {
-    printf("%s, weight %g: normal gains %.5f, shear gains %.5f, E %.5f, nu %.5f\n", name, weight, d.normal_gain,
-           d.shear_gain, d.number[0], d.number[1]);
-  };
-  const auto table = [&](const fem::SensorFamily& of, const std::vector<PressCandidate>& list) {
-    for (const double weight : {0.25, 1.0, 2.0, 4.0, 16.0, 64.0}) {
-      PlanOptions own = options();
-      own.weight = weight;
-      const PressPlan plan = plan_presses(of, list, own);
-      show("ten planned", weight, plan.planned);
-      if (weight != PlanOptions{}.weight) continue;
-      show("twenty random", weight, plan.random_twice);
-      EXPECT_LE(plan.planned.normal_gain, plan.random_twice.normal_gain);
-      EXPECT_LE(plan.planned.shear_gain, plan.random_twice.shear_gain);
-      EXPECT_LE(plan.planned.number[0], 1.05 * plan.random_twice.number[0]);
-      EXPECT_LE(plan.planned.number[1], plan.random_twice.number[1]);
-    }
-  };
-  table(family(), candidates());
-  table(eight, other_candidates());
-}
-
 /// What the plan expects of ten presses is what a calibration of the nominal sensor reports.
 void expect_deviations_of_the_fit(const CalibrationOptions& fit, const std::vector<int>& numbers) {
   PlanOptions own = options();
   own.fit = fit;
-  own.draws = 1;
   own.noise.setConstant(2 * tactels, 0.03);  // beside it the model's error, which a plan does not know, is small
   std::vector<PressCandidate> few;
   std::vector<KnownPress> presses;
@@ -222,7 +195,6 @@ TEST(PressPlan, SaysWhatNoPlanFinds) {
   PlanOptions own = options();
   own.forces = false;
   own.presses = 2;
-  own.draws = 1;
   std::vector<PressCandidate> middle;
   for (const PressCandidate& candidate : candidates())
     if (std::abs(candidate.scene.indenter.position) < 3 && candidate.scene.load.tangential.empty())

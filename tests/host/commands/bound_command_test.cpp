@@ -31,10 +31,16 @@ class BoundCommand : public ::testing::Test {
       const ChildResult made = run_tactel({"generate", file(name, ".toml"), "--output", file(name, ".h5"), "--quiet"});
       ASSERT_EQ(made.exit_code, 0) << made.err;
     }
-    const ChildResult trained = run_tactel({"train", file("learn", ".h5"), "--network", "10-12-1", "--schedule",
-                                            "batch", "--bound", "--scaling", "frame", "--epochs", "20",
-                                            "--learning-rate", "0.01", "--output", file("net"), "--quiet"});
+    const ChildResult trained = train("net", {});
     ASSERT_EQ(trained.exit_code, 0) << trained.err;
+  }
+  static ChildResult train(const std::string& output, const std::vector<std::string>& more) {
+    std::vector<std::string> call = {
+        "train",   file("learn", ".h5"), "--network",  "10-12-1",  "--schedule", "batch",
+        "--bound", "--scaling",          "frame",      "--epochs", "20",         "--learning-rate",
+        "0.01",    "--output",           file(output), "--quiet"};
+    call.insert(call.end(), more.begin(), more.end());
+    return run_tactel(call);
   }
   static void TearDownTestSuite() { folder_.reset(); }
   static std::string file(const std::string& name, const std::string& extension = "") {
@@ -101,6 +107,15 @@ TEST_F(BoundCommand, CoversTheRowsThatAUserCounts) {
   EXPECT_NEAR(report["networks"][0]["bound"]["coverage"], covered / rows, 5e-4);
 }
 
+TEST_F(BoundCommand, TrainCalibratesAtItsEnd) {
+  const ChildResult result = train("bound_set", {"--bound-set", file("other", ".h5")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(text_of(file("bound_set/10-12-3_noise0_seed1.onnx")), text_of(calibrated()));
+  const ChildResult missing = train("never", {"--bound-set", file("never", ".h5")});
+  EXPECT_EQ(missing.exit_code, 2);
+  EXPECT_FALSE(std::filesystem::exists(file("never"))) << "it is asked for before the training";
+}
+
 TEST_F(BoundCommand, RenewsTheBoundInPlace) {
   const std::string copy = file("copy.onnx");
   std::filesystem::copy_file(network(), copy);
@@ -109,46 +124,6 @@ TEST_F(BoundCommand, RenewsTheBoundInPlace) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.out, "");
   EXPECT_THAT(run_tactel({"recall", copy, file("other", ".h5")}).out, HasSubstr("bound of 80 %"));
-}
-
-// Every kind of rows of the set has the share, to a thousandth.
-TEST_F(BoundCommand, RaisesEveryKindOfRows) {
-  const std::string output = file("raised.onnx");
-  const ChildResult result = run_tactel(
-      {"calibrate", "bound", network(), file("other", ".h5"), "--output", output, "--level", "0.8", "--least", "0.78"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_THAT(result.out, HasSubstr("tenth of S has 78."));
-  const json report =
-      json::parse(run_tactel({"recall", output, file("other", ".h5"), "--json", "-"}).out)["networks"][0];
-  EXPECT_EQ(report["calibration"]["least"], 0.78);
-  for (const char* kinds : {"by_indenter", "by_touching", "by_slip_index"})
-    for (const json& kind : report["bound"][kinds])
-      if (kind["rows"] >= 200) {
-        EXPECT_GE(kind["coverage"], 0.779) << kind;
-        EXPECT_GE(kind["interval_coverage"], 0.779) << kind;
-      }
-}
-
-// The network itself is the witness, at a higher level: the bound becomes that level's, and no narrower than it was.
-TEST_F(BoundCommand, WidensTheBoundForFamiliesLeftOut) {
-  const std::string plain = calibrated(), wide = file("wide.onnx");
-  const ChildResult result = run_tactel({"calibrate", "bound", network(), file("other", ".h5"), "--output", wide,
-                                         "--left-out", network(), file("other", ".h5"), "--left-out-level", "0.99"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_THAT(result.out, HasSubstr("widened to hold at 99 %"));
-  const auto judged = [](const std::string& net) {
-    return json::parse(run_tactel({"recall", net, file("other", ".h5"), "--json", "-"}).out)["networks"][0];
-  };
-  const json before = judged(plain), after = judged(wide);
-  EXPECT_GE(after["bound"]["coverage"], 0.985);
-  EXPECT_GE(after["bound"]["interval_coverage"], 0.985);
-  EXPECT_GT(after["bound"]["width"], before["bound"]["width"]);
-  EXPECT_EQ(after["calibration"]["left_out"], file("other", ".h5"));
-  const ChildResult odd = run_tactel({"calibrate", "bound", network(), file("other", ".h5"), "--left-out", network()});
-  EXPECT_EQ(odd.exit_code, 2);
-  const ChildResult other = run_tactel({"calibrate", "bound", network(), file("other", ".h5"), "--output", wide,
-                                        "--left-out", file("other", ".h5"), file("other", ".h5")});
-  EXPECT_EQ(other.exit_code, 2);
 }
 
 TEST_F(BoundCommand, SaysWhatCannotBeCalibrated) {

@@ -48,7 +48,6 @@ TEST_F(CalibratePlan, WritesPressesToRecord) {
       plan({"--candidates", (folder_ / "list.toml").string(), "--presses", "6", "--output", output, "--json", json});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("sensor.young"));
-  EXPECT_THAT(result.out, HasSubstr("6 at random"));
   EXPECT_THAT(result.out, HasSubstr("sensor.thickness is held"));
   const nlohmann::json found = nlohmann::json::parse(std::ifstream(json));
   EXPECT_EQ(found["candidates"], 20);
@@ -56,8 +55,6 @@ TEST_F(CalibratePlan, WritesPressesToRecord) {
   EXPECT_EQ(found["noise"][0], 0.003);  // 0.3 units of 0.01 MPa
   EXPECT_TRUE(found["noise"][15].is_null());
   EXPECT_TRUE(found["planned"]["poisson"].is_null());
-  EXPECT_LT(found["planned"]["normal_gain"], found["random"]["normal_gain"]);
-  EXPECT_LT(found["all"]["normal_gain"], found["planned"]["normal_gain"]);
   for (int k = 1; k <= 6; ++k) {
     const fem::Scene scene = read_scene(folder_ / ("my plan-0" + std::to_string(k) + ".toml"));
     const nlohmann::json& json_scene = found["presses"][k - 1]["scene"];

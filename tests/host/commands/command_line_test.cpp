@@ -82,7 +82,7 @@ TEST(Help, FitsSeventyNineColumnsInWordsOfOurOwn) {
       EXPECT_THAT(result.out, Not(HasSubstr(notation))) << command;
   }
   EXPECT_THAT(run_tactel({"solve", "--help"}).out,
-              AllOf(HasSubstr("--precision fp32|fp64"), HasSubstr("--solver batched|reference"),
+              AllOf(HasSubstr("--precision fp32|fp64"), HasSubstr("--solver batched|full-mesh"),
                     HasSubstr("(default: batched)")));
   EXPECT_THAT(run_tactel({"generate", "--help"}).out, HasSubstr("(required)"));
 }
@@ -215,7 +215,7 @@ TEST(Numbers, NanAndInfinityAreRefusedByEveryOption) {
       {"train", "/no/set.h5", "--output", "/tmp/x", "--noise"},
       {"train", "/no/set.h5", "--output", "/tmp/x", "--learning-rate"},
       {"train", "/no/set.h5", "--output", "/tmp/x", "--checkpoint-seconds"},
-      {"tradeoff", "--accuracy"},
+      {"tradeoff", "--scenes"},
       {"monitor", "--source", "x", "--network", "y", "--seconds"},
       {"monitor", "--source", "x", "--network", "y", "--late"},
       {"record", "--source", "x", "--output", "/tmp/x", "--seconds"},

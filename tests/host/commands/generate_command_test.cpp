@@ -467,15 +467,12 @@ TEST_F(SmallSet, ResumeRefusesACompleteSetMadeOtherwise) {
   }
   const ChildResult changed = run(sweep("b.toml", SmallSweep{.sweep = "seed = 5\n"}.text()), "set.h5", {"--resume"});
   EXPECT_EQ(changed.exit_code, 2);
-  // Another version, and a set of before plans were stored.
+  // Another version.
   const std::string python = "import h5py,sys\nwith h5py.File(sys.argv[1], 'r+') as f:\n";
   const auto edit = [&](const std::string& lines) {
     return run_child({"/usr/bin/python3", "-c", python + lines, *this / "set.h5"});
   };
-  ASSERT_EQ(edit("  del f.attrs['plan']\n").exit_code, 0);
-  EXPECT_EQ(run(text, "set.h5", {"--resume"}).exit_code, 0);
-  EXPECT_EQ(run(text, "set.h5", {"--resume", "--precision", "fp64"}).exit_code, 2);
-  ASSERT_EQ(edit("  f.attrs['tactel'] = '0.0.1'\n").exit_code, 0);
+  ASSERT_EQ(edit("  f.attrs['plan'] = 'tactel 0.0.1\\n'\n").exit_code, 0);
   EXPECT_THAT(run(text, "set.h5", {"--resume"}).err, HasSubstr("tactel 0.0.1"));
 }
 
@@ -631,22 +628,6 @@ TEST_F(SmallSet, CountsDragsUntilSlidingThatNeverSlide) {
   EXPECT_THAT(result.out, HasSubstr(std::to_string(pressed) + " of 40 contacts do not slide as a whole within 1000"));
   EXPECT_THAT(result.out, HasSubstr(std::to_string(40 - pressed) + " of 40 contacts have no row"));
   EXPECT_EQ(read_contact_set(*this / "set.h5").rows(), 1001 * pressed);
-}
-
-// What an earlier version left, whose chunks have another layout, is refused and stays as it is.
-TEST_F(SmallSet, RefusesChunksOfAnotherVersion) {
-  const std::string path = sweep("a.toml", SmallSweep{}.text());
-  stop_half_way(path, "set.h5");
-  const auto spool = SetSpool::folder(*this / "set.h5") / "0000.placed";
-  std::string chunks = text_of(spool);
-  ASSERT_EQ(chunks.substr(0, 8), "tlspool6");
-  chunks[7] = '5';
-  std::ofstream(spool, std::ios::binary) << chunks;
-  const ChildResult result = run(path, "set.h5", {"--resume"});
-  EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.err, HasSubstr("0000.placed holds some of another; that version goes on with it, and --force"));
-  EXPECT_EQ(text_of(spool), chunks);
-  EXPECT_EQ(run(path, "set.h5", {"--force"}).exit_code, 0);
 }
 
 /// What is in the folder beside the sweep file.

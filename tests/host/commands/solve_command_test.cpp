@@ -126,7 +126,9 @@ TEST(SolveCommand, AnswersAlikeWithAndWithoutWhatIsKept) {
 }
 
 TEST(SolveCommand, JsonNumbersReadBackToTheSameBits) {
-  const json answer = json::parse(run_tactel({"solve", parabola, "--json", "-", "--solver", "reference"}).out);
+  const json answer =
+      json::parse(run_tactel({"solve", parabola, "--json", "-", "--solver", "reference"}).out);  // the old word
+  EXPECT_EQ(answer["solver"], "full-mesh");
   const fem::ContactSolution solution = fem::solve_gap_reference(read_scene(parabola));
   const fem::ContactStep& step = solution.steps.back();
   EXPECT_EQ(answer["steps"].back()["P"].get<double>(), step.P);
@@ -140,7 +142,7 @@ TEST(SolveCommand, SlipIndexIsNullWithoutFriction) {
   const std::string scene = folder.write(
       "scene.toml",
       "[indenter]\nshape = \"parabola\"\nradius = 10\n[contact]\nfriction = 0\n[load]\nindentation = [0.1, 0.0]\n");
-  const json answer = json::parse(run_tactel({"solve", scene, "--json", "-", "--solver", "reference"}).out);
+  const json answer = json::parse(run_tactel({"solve", scene, "--json", "-", "--solver", "full-mesh"}).out);
   EXPECT_TRUE(answer["steps"][0]["slip_index"].is_null());
   EXPECT_GT(answer["steps"][0]["P"].get<double>(), 0.0);
   EXPECT_TRUE(answer["steps"][1]["slip_index"].is_null());
@@ -257,7 +259,7 @@ TEST(SolveCommand, ATitleIsNeverRun) {
 }
 
 TEST(SolveCommand, MissedToleranceEndsWithFour) {
-  const ChildResult result = run_tactel({"solve", parabola, "--solver", "reference", "--tolerance", "1e-30"});
+  const ChildResult result = run_tactel({"solve", parabola, "--solver", "full-mesh", "--tolerance", "1e-30"});
   EXPECT_EQ(result.exit_code, 4);
   EXPECT_THAT(result.out, HasSubstr(" NO "));
   EXPECT_THAT(result.err, HasSubstr("some steps missed their tolerance"));
@@ -290,7 +292,7 @@ TEST(SolveCommand, ADragThatTouchesAndNeverSlidesEndsWithFour) {
 TEST(SolveCommand, TwoSolutionsOfAWideFlatAreNamed) {
   const std::string scene = source_file("tests/host/contact/scenes/wide_flat_with_two_solutions.toml");
   const ChildResult sweeps = run_tactel({"solve", scene, "--json", "-"}),
-                    exact = run_tactel({"solve", scene, "--solver", "reference", "--json", "-"});
+                    exact = run_tactel({"solve", scene, "--solver", "full-mesh", "--json", "-"});
   ASSERT_EQ(sweeps.exit_code, 0) << sweeps.err;
   ASSERT_EQ(exact.exit_code, 0) << exact.err;
   const double one = json::parse(sweeps.out)["steps"].back()["Q"], other = json::parse(exact.out)["steps"].back()["Q"];
@@ -300,7 +302,7 @@ TEST(SolveCommand, TwoSolutionsOfAWideFlatAreNamed) {
 
 // P of the example is 2.7 % off; the whole answer says so, on the device and on the host, and every other key stays.
 TEST(SolveCommand, SaysWhatTheMeshLeavesUndetermined) {
-  for (const char* solver : {"batched", "reference"}) {
+  for (const char* solver : {"batched", "full-mesh"}) {
     const ChildResult table = run_tactel({"solve", parabola, "--solver", solver});
     EXPECT_THAT(table.out, HasSubstr("error of the mesh to expect (from 81 x 21): S 0.0"));
     const auto json = nlohmann::json::parse(run_tactel({"solve", parabola, "--solver", solver, "--json", "-"}).out);
@@ -320,7 +322,7 @@ TEST(SolveCommand, WarnsOfSlidingFar) {
 TEST(SolveCommand, SinglePrecisionSaysSo) {
   const json answer = json::parse(run_tactel({"solve", parabola, "--json", "-", "--precision", "fp32"}).out);
   EXPECT_EQ(answer["precision"], "fp32");
-  const json exact = json::parse(run_tactel({"solve", parabola, "--json", "-", "--solver", "reference"}).out);
+  const json exact = json::parse(run_tactel({"solve", parabola, "--json", "-", "--solver", "full-mesh"}).out);
   // fp32 carries 6e-8, the condensed compliance amplifies it by its condition of up to 300
   EXPECT_NEAR(answer["steps"][8]["P"].get<double>(), exact["steps"][8]["P"].get<double>(), 1e-4);
 }
@@ -369,7 +371,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongCall{"TwoScenes", {"solve", parabola, parabola}, parabola},
         WrongCall{"UnknownSolver",
                   {"solve", parabola, "--solver", "magic"},
-                  "--solver = magic: must be one of batched, reference"},
+                  "--solver = magic: must be one of batched, full-mesh"},
         WrongCall{"UnknownPrecision",
                   {"solve", parabola, "--precision", "fp16"},
                   "--precision = fp16: must be one of fp32, fp64"},
@@ -384,10 +386,10 @@ INSTANTIATE_TEST_SUITE_P(
                   {"solve", parabola, "--tolerance", "nan"},
                   "--tolerance = nan: must be a finite number"},
         WrongCall{"ReferenceInSingle",
-                  {"solve", parabola, "--solver", "reference", "--precision", "fp32"},
-                  "--precision = fp32: must be fp64 with --solver reference"},
+                  {"solve", parabola, "--solver", "full-mesh", "--precision", "fp32"},
+                  "--precision = fp32: must be fp64 with --solver full-mesh"},
         WrongCall{"ReferenceOnADevice",
-                  {"solve", parabola, "--solver", "reference", "--device", "0"},
+                  {"solve", parabola, "--solver", "full-mesh", "--device", "0"},
                   "--device = 0: must be left out"},
         WrongCall{"UnknownDevice", {"solve", parabola, "--device", "abacus"}, "abacus"},
         WrongCall{"StepBeyondTheLast",

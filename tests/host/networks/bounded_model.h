@@ -8,7 +8,6 @@
 namespace tactel::testing {
 
 /// A network with a bound whose tables differ from class to class, and whose limit of unlike frames divides `bumps`.
-/// Without classes by distance its file is of the first version.
 inline nn::Model bounded_model(const char* topology, nn::ScalingKind kind, bool by_distance = true) {
   nn::Weights<float> weights = nn::initial_weights(nn::Topology::parse(topology), 7);
   for (float& w : weights.values) w *= 3;  // S well away from 0.5

@@ -67,7 +67,7 @@ TEST(OnnxBound, SatisfiesTheStandardsChecker) {
 TEST(OnnxBound, MeansTheSameToAnotherRuntime) {
   for (const char* topology : {"42-42-21-3", "16-9-3", "16-9-3_leaky-relu"}) {
     for (const ScalingKind kind : {ScalingKind::set, ScalingKind::frame}) {
-      const bool by_distance = topology[0] == '1';  // else a file of the first version
+      const bool by_distance = topology[0] == '1';
       const nn::Model model = bounded_model(topology, kind, by_distance);
       const int inputs = model.weights.topology.inputs();
       nn::FrameSet set = bumps(300, inputs, 9);
@@ -100,9 +100,7 @@ TEST(OnnxBound, MeansTheSameToAnotherRuntime) {
 }
 
 TEST(OnnxBound, IsReadBackAsItWas) {
-  nn::Model model = bounded_model("16-9-3", ScalingKind::frame);
-  model.bound->left_out = "flats.h5";
-  model.bound->least = 0.93;
+  const nn::Model model = bounded_model("16-9-3", ScalingKind::frame);
   const fs::path path = fs::temp_directory_path() / "tactel_onnx_bound_back.onnx";
   write_onnx(path, model);
   const nn::Model read = read_onnx(path);
@@ -112,8 +110,6 @@ TEST(OnnxBound, IsReadBackAsItWas) {
   EXPECT_EQ(read.bound->slip_index, model.bound->slip_index);
   EXPECT_EQ(read.bound->width, model.bound->width);
   EXPECT_EQ(read.bound->distance, model.bound->distance);
-  EXPECT_EQ(read.bound->left_out, "flats.h5");
-  EXPECT_EQ(read.bound->least, 0.93);
   EXPECT_EQ(read.bound->upper_correction, model.bound->upper_correction);
   EXPECT_EQ(read.bound->interval_correction, model.bound->interval_correction);
   EXPECT_EQ(read.bound->centre, model.bound->centre);
@@ -124,21 +120,6 @@ TEST(OnnxBound, IsReadBackAsItWas) {
   EXPECT_EQ(read.bound->set, "other.h5");
   EXPECT_EQ(read.bound->rows, 4321u);
   EXPECT_EQ(read.bound->seed, 77u);
-}
-
-// A file without classes by distance is one of the first version: the same bytes after reading, and no word of a
-// second.
-TEST(OnnxBound, KeepsFilesOfTheFirstVersion) {
-  const nn::Model model = bounded_model("16-9-3", ScalingKind::frame, false);
-  const std::string bytes = infer::network_bytes(model);
-  EXPECT_EQ(bytes.find("bound_version"), std::string::npos);
-  EXPECT_NE(infer::network_bytes(bounded_model("16-9-3", ScalingKind::frame)).find("bound_version"), std::string::npos);
-  const fs::path path = fs::temp_directory_path() / "tactel_onnx_bound_first.onnx";
-  write_onnx(path, model);
-  const nn::Model read = read_onnx(path);
-  fs::remove(path);
-  EXPECT_TRUE(read.bound->distance.empty());
-  EXPECT_EQ(infer::network_bytes(read), bytes);
 }
 
 // Files with a matching checksum whose tables have other sizes, types or numbers.

@@ -173,8 +173,8 @@ TEST(ContactSetFile, TrustsNoFile) {
       EXPECT_FALSE(as_written(path));
     }
   }
-  EXPECT_EQ(good, 9);
-  EXPECT_EQ(bad, 54);
+  EXPECT_EQ(good, 7);
+  EXPECT_EQ(bad, 56);
 }
 
 /// A set whose chunks are small enough to be several: two and a half.

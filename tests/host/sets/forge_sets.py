@@ -34,15 +34,6 @@ def attribute(name, key, value, **more):
 LATER = ("indentation", "tangential", "tactel_x", "parameters")
 
 
-def as_before(file):
-    """As versions without the later datasets wrote it."""
-    for name in LATER:
-        del file[name]
-    del file.attrs["columns"]
-    for name in ("seed", "contacts", "contacts_without_rows", "fallback_contacts", "unsolved_contacts"):
-        file.attrs[name] = str(int(file.attrs[name])).encode()
-
-
 with h5py.File(good) as file:
     contacts, parameters = file["parameters"].shape
     rows, inputs = file["inputs"].shape
@@ -62,11 +53,10 @@ attribute("good_names_list", "indenter_names", names)
 attribute("good_names_fixed_list", "indenter_names", np.array([n.encode() for n in names]))
 attribute("bad_seed_negative", "seed", -1)
 attribute("bad_seed_real", "seed", 7.5)
-attribute("good_seed_digits", "seed", "7")
+attribute("bad_seed_digits", "seed", "7")
 attribute("bad_columns_without_slip_index", "columns", "inputs")
 attribute("bad_contacts", "contacts", contacts + 1)
-with forge("good_as_before") as file:
-    as_before(file)
+attribute("bad_columns_missing", "columns", None)
 
 # Datasets: rank, type, extent.
 for name, shape in (("inputs", (rows, inputs, 1)), ("inputs", (rows * inputs,)), ("slip_index", (rows, 1)),
@@ -117,14 +107,11 @@ with forge("bad_external") as file:
     values = file["residual"][:]
     replace(file, "residual", shape=values.shape, dtype="f4", external=[("/etc/passwd", 0, h5py.h5f.UNLIMITED)])
 
-# As versions without checksums wrote them, and as users may store them anew.
+# As users may store them anew, without checksums.
 for name, how in (("good_contiguous", {}), ("good_gzip", {"compression": "gzip", "chunks": True}),
                   ("good_double", {"chunks": True, "fletcher32": True})):
     with forge(name) as file:
-        as_before(file)
         for key in list(file):
             values = file[key][:]
             replace(file, key, data=values.astype("f8") if name == "good_double" and values.dtype.kind == "f" else values,
                     **how)
-        for key in ("plan", "contacts", "contacts_without_rows"):
-            file.attrs.pop(key, None)

@@ -200,15 +200,13 @@ TEST(InverseProblem, ReproduceWritesTableTwo) {
   EXPECT_EQ(estimators["one_friction"].size(), 2u);
   const auto section_six = nlohmann::json::parse(text_of(report + "/section6.json"));
   EXPECT_EQ(section_six["seeds"], 2);
-  EXPECT_EQ(section_six["cases"].size(), 10u);
+  EXPECT_EQ(section_six["cases"].size(), 4u);
   for (const char* text : {"The inverse problem", "A network for the real sensor",
                            "Each network below is trained from 2 seeds. <code>tactel reproduce --seeds 100</code> "
                            "gives the full statistics.",
                            "on their own learning set are", "Predicted over true slippage index"})
     EXPECT_NE(text_of(report + "/index.html").find(text), std::string::npos) << text;
   EXPECT_LT(std::filesystem::file_size(report + "/index.html"), largest_page);
-  // what the table of open choices rests on
-  EXPECT_NE(text_of(report + "/index.html").find("median over 2 seeds, at most 20 cycles"), std::string::npos);
 }
 
 }  // namespace

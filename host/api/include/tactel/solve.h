@@ -15,7 +15,7 @@ namespace tactel {
 struct SolveOptions {
   std::optional<double> accuracy{};  ///< largest error in S: the planner chooses the rung
   std::string rung{};                ///< "patch-12", "mesh-81", "paper", "reference", ...; empty: the scene's own model
-  std::string solver = "batched";    ///< or "reference", of solve() alone
+  std::string solver = "batched";    ///< or "full-mesh", of solve() alone
   std::string precision{};  ///< "fp32", "fp64"; empty: of solve() fp64 where the device has it, else the rung's
   std::string device{};     ///< name or index of an OpenCL device; empty: the default device
   std::optional<double> tolerance{};  ///< largest relative residual that counts as converged; none: the solver's own

@@ -44,17 +44,6 @@ std::string differences(const std::map<std::string, std::string>& asked,
   return text;
 }
 
-/// What a set says that does not store its plan.
-std::map<std::string, std::string> conditions_of_old(const ContactSet& set) {
-  std::map<std::string, std::string> made = {{"tactel", set.version}};
-  const auto colon = set.rung.find(':');
-  if (colon != std::string::npos)
-    made["rung"] = set.rung.substr(0, colon);
-  else
-    made["rung"] = "as the file says", made["precision"] = set.rung;
-  return made;
-}
-
 [[noreturn]] void refuse(const std::string& path, const std::string& allowed) {
   throw ConfigError("command line", "--resume", path, allowed + "; --force overwrites it");
 }
@@ -79,12 +68,7 @@ SetPlan plan_of(const Sweep& sweep, const std::string& rung, const SetOptions& o
 void expect_made_by(const SetPlan& plan, const std::string& path) {
   const ContactSet set = read_attributes(path);
   if (set.sweep != plan.sweep) refuse(path, "a set of this sweep file; it has another");
-  std::map<std::string, std::string> asked = by_name(plan.conditions), made = by_name(set.plan);
-  if (set.plan.empty()) {
-    made = conditions_of_old(set);
-    std::erase_if(asked, [&](const auto& condition) { return !made.contains(condition.first); });
-  }
-  if (const std::string other = differences(asked, made); !other.empty())
+  if (const std::string other = differences(by_name(plan.conditions), by_name(set.plan)); !other.empty())
     refuse(path, "a set of the requested conditions; it has " + other);
 }
 

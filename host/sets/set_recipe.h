@@ -23,7 +23,6 @@ SetPlan plan_of(const Sweep& sweep, const std::string& rung, const SetOptions& o
                 bool compress = false);
 
 /// Throws ConfigError naming --resume and the difference, where the finished set `path` was made by another plan.
-/// Sets of versions that did not store their plan are compared by sweep file, version and precision or rung.
 void expect_made_by(const SetPlan& plan, const std::string& path);
 
 }  // namespace tactel::host
