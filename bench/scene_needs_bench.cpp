@@ -137,7 +137,7 @@ void contact_mesh(benchmark::State& state, bool planned) {
   constexpr double accuracy = 0.02;
   const Scenes scenes = parabolas({}, 48, dragged(), 30);
   const auto solve = [&](const host::Rung& rung) { return host::solve_on_rung(executor(), scenes, rung); };
-  const host::Plan plan = host::plan(scenes, accuracy, solve);
+  const host::RungChoice plan = host::plan(scenes, accuracy, solve);
   const host::Rung& finest = host::rung_named("mesh-321");
   const Solutions truth = solve(finest);
   std::size_t off = 0;

@@ -4,6 +4,7 @@
 #include "host/api/api_errors.h"
 #include "host/api/scene_conversion.h"
 #include "host/scenes/scene_file.h"
+#include "host/support/errors.h"
 
 namespace tactel {
 namespace api {
@@ -96,6 +97,11 @@ Scene from_fem(const fem::Scene& scene) {
   made.friction = scene.friction;
   made.load = load_as<Load>(scene.load);
   return made;
+}
+
+void check_precision(const std::string& precision) {
+  if (!precision.empty() && precision != "fp32" && precision != "fp64")
+    throw ConfigError("command line", "--precision", precision, "fp32 or fp64");
 }
 
 void check_scene(const fem::Scene& scene, const std::string& item) {

@@ -14,5 +14,7 @@ Scene from_fem(const fem::Scene& scene);
 
 /// Throws InputError naming `item` for a scene that the model rejects.
 void check_scene(const fem::Scene& scene, const std::string& item = {});
+/// Throws ConfigError for what is neither "", "fp32" nor "fp64".
+void check_precision(const std::string& precision);
 
 }  // namespace tactel::api

@@ -7,7 +7,6 @@
 
 #include "host/api/api_errors.h"
 #include "host/api/many_solver.h"
-#include "host/api/modelling.h"
 #include "host/api/scene_conversion.h"
 #include "host/contact/derivatives.h"
 #include "host/contact/solve.h"

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "host/api/api_errors.h"
-#include "host/api/modelling.h"
 #include "host/api/scene_conversion.h"
 #include "host/api/set_conversion.h"
 #include "host/contact/rung_for_many.h"

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "host/api/api_errors.h"
-#include "host/api/modelling.h"
+#include "host/api/scene_conversion.h"
 #include "host/api/set_conversion.h"
 #include "host/networks/network_training.h"
 #include "host/networks/onnx_file.h"

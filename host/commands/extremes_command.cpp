@@ -13,15 +13,14 @@ namespace {
 
 struct ExtremesRequest {
   std::string device;
-  ExtremesOptions options;
-  bool quiet = false;
+  bool quick = false, quiet = false;
 };
 
 int run_extremes(const ExtremesRequest& request) {
   Executor executor{Device(request.device)};
   const auto extremes = [&] {
     ProgressLine line("extreme scenes", "scenes", request.quiet);
-    return scene_extremes(executor, request.options, [&](std::size_t done, std::size_t total) {
+    return scene_extremes(executor, request.quick, [&](std::size_t done, std::size_t total) {
       line.show(done, total);
       return true;
     });
@@ -29,7 +28,7 @@ int run_extremes(const ExtremesRequest& request) {
   fmt::print("{}\n", extremes_table(extremes));
   const auto findings = [&] {
     const StageLine stage("drift, restarts and paths at the extremes", request.quiet);
-    return extreme_findings(executor, request.options);
+    return extreme_findings(executor, request.quick);
   }();
   fmt::print("{}", findings_table(findings));
   const auto solved = [](const Extreme& e) { return e.fp32.solved && e.fp64.solved && e.reference.solved; };
@@ -43,8 +42,7 @@ void add_extremes_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<ExtremesRequest>();
   CLI::App* command = app.add_subcommand("extremes", "test the solvers at the limits of valid scenes, as a table");
   command->group("Verify");
-  command->add_flag("--quick", request->options.quick,
-                    "shorter paths and no mesh beyond 123 x 33: seconds instead of minutes");
+  command->add_flag("--quick", request->quick, "shorter paths and no mesh beyond 123 x 33: seconds instead of minutes");
   add_device_option(*command, request->device);
   command->add_flag("--quiet", request->quiet, "no progress on stderr");
   command->callback([=, &action] { action = [=] { return run_extremes(*request); }; });

@@ -10,8 +10,8 @@
 #include "host/scenes/end_tactels.h"
 #include "host/scenes/sweep_file.h"
 #include "host/scenes/unit_warnings.h"
-#include "host/sets/set_plan.h"
 #include "host/sets/set_production.h"
+#include "host/sets/set_recipe.h"
 #include "host/support/durable_file.h"
 #include "host/support/errors.h"
 #include "host/support/interrupt.h"
@@ -58,7 +58,7 @@ Modelling modelling(const GenerateRequest& request, const SceneSource& source, b
   const std::uint64_t count = std::min(source.contacts(), most_tried);
   const StageLine stage(fmt::format("trying rungs on {} contacts", count), quiet);
   Executor executor{Device(solve.device)};
-  const Plan chosen = plan_for_many(
+  const RungChoice chosen = plan_for_many(
       executor, *solve.accuracy,
       {source.contacts(), [&](std::uint64_t k) { return source.contact(k).scene; }, source.own_sensors()});
   if (!quiet) {
@@ -78,12 +78,12 @@ void model_on(const Rung& rung, const SolveOptions& solve, Sweep& sweep, SetOpti
 }
 
 /// Returns true where a complete set exists and may stay.
-bool already_there(const GenerateRequest& request, const SetPlan& plan) {
+bool already_there(const GenerateRequest& request, const SetRecipe& recipe) {
   std::error_code error;
   if (request.force || !std::filesystem::exists(request.output, error)) return false;
   if (!request.resume)
     throw ConfigError("command line", "--output", request.output, "a new file, or --force to overwrite it");
-  expect_made_by(plan, request.output);
+  expect_made_by(recipe, request.output);
   SetSpool::discard(request.output);  // of a run that was killed after the set was complete
   return true;
 }
@@ -171,9 +171,9 @@ int run_generate(const GenerateRequest& request) {
     for (const std::string& warning : unit_warnings(sweep.source)) print_warning(warning);
   SetColumns columns = columns_of(sweep.source);
   if (!request.columns.empty()) columns = only_columns(columns, request.columns);
-  const SetPlan plan =
-      plan_of(sweep, rung ? rung->name : "as the file says", options.set, request.columns, request.compress);
-  const bool complete = ranks.first() && already_there(request, plan);
+  const SetRecipe recipe =
+      recipe_of(sweep, rung ? rung->name : "as the file says", options.set, request.columns, request.compress);
+  const bool complete = ranks.first() && already_there(request, recipe);
   if (ranks.sum({complete ? 1.0 : 0.0})[0] > 0) {  // all processes must agree
     if (complete && !request.shared.quiet) fmt::print("{}: complete already\n", request.output);
     return done;
@@ -187,11 +187,11 @@ int run_generate(const GenerateRequest& request) {
     check_writable("--output", request.output);
     if (request.force) SetSpool::discard(request.output);
     check_room(request.output, expected_bytes(sweep.source, columns));
-    spool.emplace(request.output, plan.text(), columns, chunks,
+    spool.emplace(request.output, recipe.text(), columns, chunks,
                   request.resume ? SetSpool::Open::resume : SetSpool::Open::fresh, ring);
   }
   const auto there = static_cast<std::uint64_t>(ranks.sum({spool ? static_cast<double>(spool->chunks()) : 0.0})[0]);
-  if (!ranks.first()) spool.emplace(request.output, plan.text(), columns, chunks, SetSpool::Open::join, ring, there);
+  if (!ranks.first()) spool.emplace(request.output, recipe.text(), columns, chunks, SetSpool::Open::join, ring, there);
   if (ranks.first() && !request.shared.quiet && request.resume)
     fmt::print("{} of {} chunks exist{}\n", there, chunks,
                spool->torn() ? "; torn ones, and those behind a gap, are generated again" : "");
@@ -220,7 +220,7 @@ int run_generate(const GenerateRequest& request) {
   const auto start = std::chrono::steady_clock::now();
   ContactSet set(columns);
   set.sweep = sweep.text;
-  set.plan = plan.conditions;
+  set.plan = recipe.conditions;
   set.contacts = sweep.source.contacts();
   set.seed = sweep.source.seed();
   set.press_rows = sweep.source.press_rows();

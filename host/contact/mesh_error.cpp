@@ -155,7 +155,7 @@ std::string why_no_estimate(const fem::Scene& scene, const fem::ContactSolution&
   return fmt::format("the {} for comparison could not be solved", patch ? "patch" : "mesh");
 }
 
-std::optional<MeshError> mesh_error(const Plan& plan) {
+std::optional<MeshError> mesh_error(const RungChoice& plan) {
   if (plan.trials.empty() || plan.trials.back().missed) return {};
   const PlanTrial& last = plan.trials.back();
   const bool coarser = last.rung == plan.rung.name;  // else the finest, which differs from the rung below

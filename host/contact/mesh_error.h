@@ -24,6 +24,6 @@ std::optional<MeshError> mesh_error(const fem::Scene& scene, const fem::ContactS
 std::string why_no_estimate(const fem::Scene& scene, const fem::ContactSolution& answer);
 
 /// Returns what the planner knows of its answer's error; none where a mesh missed a contact or no rung was compared.
-std::optional<MeshError> mesh_error(const Plan& plan);
+std::optional<MeshError> mesh_error(const RungChoice& plan);
 
 }  // namespace tactel::host

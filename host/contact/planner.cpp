@@ -78,9 +78,9 @@ bool outside_the_mix(const fem::Scene& scene, const fem::ContactSolution& answer
          near_end(scene.sensor, answer);
 }
 
-Plan plan(std::span<const fem::Scene> scenes, double accuracy, const SolveRung& solve) {
+RungChoice plan(std::span<const fem::Scene> scenes, double accuracy, const SolveRung& solve) {
   const auto& rungs = ladder();
-  Plan result{.accuracy = accuracy, .rung = rungs.front()};
+  RungChoice result{.accuracy = accuracy, .rung = rungs.front()};
   std::vector<fem::ContactSolution> answers = solve(rungs.front());
   for (std::size_t low = 0; low + 1 < rungs.size(); ++low) {
     std::vector<fem::ContactSolution> finer = solve(rungs[low + 1]);
@@ -101,11 +101,11 @@ Plan plan(std::span<const fem::Scene> scenes, double accuracy, const SolveRung& 
   return result;
 }
 
-const Rung& Plan::rung_for_many() const {
+const Rung& RungChoice::rung_for_many() const {
   return rung.exact ? *std::prev(std::ranges::find(ladder(), true, &Rung::exact)) : rung;
 }
 
-std::string Plan::why() const {
+std::string RungChoice::why() const {
   const PlanTrial& last = trials.back();
   const std::string& other = last.rung == rung.name ? last.next : last.rung;
   std::string text = fmt::format("rung {} ({}): ", rung.name, model);
@@ -119,7 +119,7 @@ std::string Plan::why() const {
                      last.sigma, last.tau);
 }
 
-nlohmann::ordered_json to_json(const Plan& plan) {
+nlohmann::ordered_json to_json(const RungChoice& plan) {
   nlohmann::ordered_json trials = nlohmann::ordered_json::array();
   for (const PlanTrial& t : plan.trials)
     trials.push_back({{"rung", t.rung},

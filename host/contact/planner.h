@@ -48,7 +48,7 @@ bool outside_the_mix(const fem::Scene& scene, const fem::ContactSolution& answer
 
 /// The rung for an accuracy, and the reason. The accuracy holds for S alone; the trials contain the differences
 /// of stresses.
-struct Plan {
+struct RungChoice {
   double accuracy = 0;  ///< requested largest error in S
   Rung rung;
   std::string model{};  ///< description of the rung
@@ -60,13 +60,13 @@ struct Plan {
   /// Returns the rung, or the finest of the device in place of an exact one, which is too slow for many contacts.
   const Rung& rung_for_many() const;
 };
-nlohmann::ordered_json to_json(const Plan& plan);
+nlohmann::ordered_json to_json(const RungChoice& plan);
 
 /// Answers of scenes on a rung.
 using SolveRung = std::function<std::vector<fem::ContactSolution>(const Rung&)>;
 
 /// Returns the cheapest rung that is expected to keep `accuracy` in S on these scenes (in 95 % of them). Climbs the
 /// ladder from the cheapest rung on and compares each rung with the next.
-Plan plan(std::span<const fem::Scene> scenes, double accuracy, const SolveRung& solve);
+RungChoice plan(std::span<const fem::Scene> scenes, double accuracy, const SolveRung& solve);
 
 }  // namespace tactel::host

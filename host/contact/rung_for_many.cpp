@@ -19,7 +19,7 @@ std::optional<Rung> named_rung_for_many(const SolveOptions& options) {
   return rung;
 }
 
-Plan plan_for_many(Executor& executor, double accuracy, const ManyContacts& contacts) {
+RungChoice plan_for_many(Executor& executor, double accuracy, const ManyContacts& contacts) {
   std::vector<fem::Scene> sample;
   const std::uint64_t count = std::min(contacts.count, most_tried);
   for (std::uint64_t k = 0; k < count; ++k) sample.push_back(contacts.contact(chosen_row(k, count, contacts.count)));

@@ -26,7 +26,7 @@ struct ManyContacts {
 std::optional<Rung> named_rung_for_many(const SolveOptions& options);
 
 /// Returns the planner's choice for at most most_tried of the contacts, one from each equal part of all.
-Plan plan_for_many(Executor& executor, double accuracy, const ManyContacts& contacts);
+RungChoice plan_for_many(Executor& executor, double accuracy, const ManyContacts& contacts);
 
 /// Returns the rung that --rung names, or that --accuracy takes; none without both. Throws as named_rung_for_many.
 std::optional<Rung> rung_for_many(Executor& executor, const SolveOptions& options, const ManyContacts& contacts);

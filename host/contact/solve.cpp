@@ -94,8 +94,8 @@ SolveOutcome solve_on_mesh(const fem::Scene& scene, const SolveOptions& options)
 SolveOutcome solve_to_accuracy(const fem::Scene& scene, const SolveOptions& options) {
   scene.validate();
   Executor executor{Device(options.device).for_one_contact()};
-  Plan chosen = plan(std::span(&scene, 1), *options.accuracy,
-                     [&](const Rung& rung) { return solve_on_rung(executor, std::span(&scene, 1), rung); });
+  RungChoice chosen = plan(std::span(&scene, 1), *options.accuracy,
+                           [&](const Rung& rung) { return solve_on_rung(executor, std::span(&scene, 1), rung); });
   SolveOutcome outcome = outcome_on(chosen.rung, scene, std::move(chosen.answers.front()),
                                     executor.device().info().name, fmt::format("--accuracy {:g}", *options.accuracy));
   outcome.plan = std::move(chosen);

@@ -34,7 +34,7 @@ struct SolveOutcome {
   std::string solver, precision, device;
   fem::Scene scene{};                                       ///< as it was modelled
   std::string rung{};                                       ///< empty: the scene's own model
-  std::optional<Plan> plan{};                               ///< reason for the rung, where an accuracy was requested
+  std::optional<RungChoice> plan{};                         ///< reason for the rung, where an accuracy was requested
   std::string model_reason{};                               ///< why this model, patch or mesh, answered
   std::optional<MeshError> mesh_error{};                    ///< of solve's command; none: not estimated
   std::string no_estimate{};                                ///< why there is none, where one was wanted

@@ -56,7 +56,7 @@ struct ContactSet : SetColumns {
   std::uint64_t unsolved = 0;               ///< attribute: contacts with a load step over tolerance
   std::uint64_t contacts = 0;               ///< attribute: contacts that were simulated
   std::uint64_t without_rows = 0;           ///< attribute: contacts without a row, because mu P = 0 in every step
-  std::string plan;              ///< attribute: conditions of the rows beside the sweep file, SetPlan::conditions
+  std::string plan;              ///< attribute: conditions of the rows beside the sweep file, SetRecipe::conditions
   std::uint64_t too_deep = 0;    ///< contacts indented beyond the depth to which rubber is linear; not in the file
   std::uint64_t far_slip = 0;    ///< contacts that slide beyond slip_limit; not in the file
   std::uint64_t never_slid = 0;  ///< contacts with rows whose drag until sliding ends without it; not in the file

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/sets/set_plan.h"
+#include "host/sets/set_recipe.h"
 
 #include <fmt/format.h>
 
@@ -50,8 +50,8 @@ std::string differences(const std::map<std::string, std::string>& asked,
 
 }  // namespace
 
-SetPlan plan_of(const Sweep& sweep, const std::string& rung, const SetOptions& options, const std::string& columns,
-                bool compress) {
+SetRecipe recipe_of(const Sweep& sweep, const std::string& rung, const SetOptions& options, const std::string& columns,
+                    bool compress) {
   const std::string tolerance =
       options.accept > 0 ? fmt::format("accepting {:a}", options.accept) : fmt::format("{:a}", options.tolerance);
   std::string conditions =
@@ -65,10 +65,10 @@ SetPlan plan_of(const Sweep& sweep, const std::string& rung, const SetOptions& o
   return {conditions, sweep.text};
 }
 
-void expect_made_by(const SetPlan& plan, const std::string& path) {
+void expect_made_by(const SetRecipe& recipe, const std::string& path) {
   const ContactSet set = read_attributes(path);
-  if (set.sweep != plan.sweep) refuse(path, "a set of this sweep file; it has another");
-  if (const std::string other = differences(by_name(plan.conditions), by_name(set.plan)); !other.empty())
+  if (set.sweep != recipe.sweep) refuse(path, "a set of this sweep file; it has another");
+  if (const std::string other = differences(by_name(recipe.conditions), by_name(set.plan)); !other.empty())
     refuse(path, "a set of the requested conditions; it has " + other);
 }
 

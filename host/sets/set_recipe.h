@@ -8,7 +8,7 @@
 namespace tactel::host {
 
 /// All inputs of the rows of a set.
-struct SetPlan {
+struct SetRecipe {
   /// One line each, "name value": version, layout of the spool, rung, precision, tolerance, requested residual and
   /// contacts of a chunk.
   /// A further line per file that the sweep file names holds the checksum of its numbers.
@@ -19,10 +19,10 @@ struct SetPlan {
 };
 
 /// `rung`: its name, or "as the file says". `columns`: datasets that --columns names; empty: all.
-SetPlan plan_of(const Sweep& sweep, const std::string& rung, const SetOptions& options, const std::string& columns = "",
-                bool compress = false);
+SetRecipe recipe_of(const Sweep& sweep, const std::string& rung, const SetOptions& options,
+                    const std::string& columns = "", bool compress = false);
 
 /// Throws ConfigError naming --resume and the difference, where the finished set `path` was made by another plan.
-void expect_made_by(const SetPlan& plan, const std::string& path);
+void expect_made_by(const SetRecipe& recipe, const std::string& path);
 
 }  // namespace tactel::host

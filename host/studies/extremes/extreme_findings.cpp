@@ -138,9 +138,8 @@ double loop_drift(const ForcePath& path, std::size_t first) {
   return drift / path.P[first];
 }
 
-std::vector<ExtremeFinding> extreme_findings(Executor& executor, const ExtremesOptions& options) {
-  const int turns = options.quick ? 300 : 10000, holds = options.quick ? 1000 : 100000,
-            scenes = options.quick ? 40 : 500;
+std::vector<ExtremeFinding> extreme_findings(Executor& executor, bool quick) {
+  const int turns = quick ? 300 : 10000, holds = quick ? 1000 : 100000, scenes = quick ? 40 : 500;
   std::vector<ExtremeFinding> found = {reversals<float>(executor, turns), reversals<double>(executor, turns)};
   for (double drag : {0.1148, 0.236}) {
     found.push_back(holding<float>(executor, drag, holds));

@@ -73,9 +73,9 @@ std::string columns_of(const ExtremeAnswer& answer) {
 
 }  // namespace
 
-std::vector<Extreme> scene_extremes(Executor& executor, const ExtremesOptions& options, const Progress& progress) {
+std::vector<Extreme> scene_extremes(Executor& executor, bool quick, const Progress& progress) {
   std::vector<Extreme> extremes;
-  const auto scenes = extreme_scenes(!options.quick);
+  const auto scenes = extreme_scenes(!quick);
   for (const ExtremeScene& extreme : scenes) {
     if (progress && !progress(extremes.size(), scenes.size())) break;
     extremes.push_back(solve_extreme(executor, extreme));

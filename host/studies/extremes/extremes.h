@@ -8,11 +8,6 @@
 
 namespace tactel::host {
 
-/// Extent of the table of extremes. The whole table takes minutes, `quick` a few seconds.
-struct ExtremesOptions {
-  bool quick = false;  ///< short paths instead of long ones, and no mesh beyond 123 x 33
-};
-
 struct ExtremeScene {
   std::string group, name;
   fem::Scene scene;
@@ -42,8 +37,9 @@ struct Extreme {
   std::string told;  ///< warnings to the user beside the answer
 };
 
-/// Solves every extreme by the batched solver, in fp32 and fp64, and by the reference.
-std::vector<Extreme> scene_extremes(Executor& executor, const ExtremesOptions& options, const Progress& progress = {});
+/// Solves every extreme by the batched solver, in fp32 and fp64, and by the reference. `quick`: without the mesh of
+/// 401 x 101, and with short paths in the findings; seconds instead of minutes.
+std::vector<Extreme> scene_extremes(Executor& executor, bool quick, const Progress& progress = {});
 
 /// P and Q of a contact after each load step. [steps] N/mm
 struct ForcePath {
@@ -59,7 +55,7 @@ struct ExtremeFinding {
   std::string question, found;
   bool good = false;  ///< the finding is the required one
 };
-std::vector<ExtremeFinding> extreme_findings(Executor& executor, const ExtremesOptions& options);
+std::vector<ExtremeFinding> extreme_findings(Executor& executor, bool quick);
 
 std::string extremes_table(const std::vector<Extreme>& extremes);
 std::string findings_table(const std::vector<ExtremeFinding>& findings);

@@ -131,7 +131,7 @@ TEST(MeshError, IsNoneOfARoundingThatIsQ) {
 
 // The planner's own estimate of S, and twice the differences from the finer rung; of the finest rung, these themselves.
 TEST(MeshError, OfAPlanIsThePlanners) {
-  Plan plan{.accuracy = 0.02, .rung = rung_named("paper"), .estimate = 0.0125, .kept = true};
+  RungChoice plan{.accuracy = 0.02, .rung = rung_named("paper"), .estimate = 0.0125, .kept = true};
   EXPECT_FALSE(mesh_error(plan));
   PlanTrial trial{.rung = "paper", .next = "medium", .difference = 0.006, .estimate = 0.0125};
   trial.sigma = 0.05, trial.tau = 0.04, trial.P = 0.03, trial.Q = 0.02;

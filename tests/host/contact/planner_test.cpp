@@ -78,7 +78,7 @@ TEST(Planner, FinerAccuracyNeverTakesACheaperRung) {
   const fem::Scene scene = pressed();
   int elements = 0;
   for (const double accuracy : {1.0, 0.1, 0.03, 0.01, 0.003, 1e-6}) {
-    const Plan chosen = plan(std::span(&scene, 1), accuracy, first_order);
+    const RungChoice chosen = plan(std::span(&scene, 1), accuracy, first_order);
     EXPECT_GE(chosen.rung.elements, elements);
     EXPECT_EQ(chosen.kept, chosen.estimate <= accuracy);
     elements = chosen.rung.elements;
@@ -114,7 +114,8 @@ TEST(Planner, EveryRungHasBeenMeasured) {
 /// Two rungs that agree by chance are not believed more than the rung deserves on the mix.
 TEST(Planner, AgreementByChanceIsNoProof) {
   const fem::Scene scene = pressed();
-  const Plan chosen = plan(std::span(&scene, 1), 1e-3, [](const Rung&) { return std::vector{answer_with(0.5, 1)}; });
+  const RungChoice chosen =
+      plan(std::span(&scene, 1), 1e-3, [](const Rung&) { return std::vector{answer_with(0.5, 1)}; });
   EXPECT_EQ(chosen.trials.front().difference, 0);
   EXPECT_EQ(chosen.trials.front().estimate, measured_ladder()[0].error.least);
   EXPECT_EQ(chosen.trials.front().next_estimate, measured_ladder()[0].next_error.least);
@@ -125,12 +126,12 @@ TEST(Planner, SaysNoLessThanItHasMeasured) {
   const fem::Scene scene = pressed();
   const auto far_apart = [](const Rung& rung) { return std::vector{answer_with(0.5 + 1.0 / rung.elements, 1)}; };
   for (const double accuracy : {0.1, 0.05, 0.02, 0.01, 1e-3}) {
-    const Plan chosen = plan(std::span(&scene, 1), accuracy, far_apart);
+    const RungChoice chosen = plan(std::span(&scene, 1), accuracy, far_apart);
     EXPECT_GE(chosen.estimate, chosen.trials.back().difference);
     EXPECT_EQ(chosen.kept, chosen.estimate <= accuracy);
   }
   // the reference differs by 1/120 from half as many elements
-  const Plan finest = plan(std::span(&scene, 1), 1e-3, far_apart);
+  const RungChoice finest = plan(std::span(&scene, 1), 1e-3, far_apart);
   EXPECT_EQ(finest.rung.name, "reference");
   EXPECT_NEAR(finest.estimate, 1.0 / 60 - 1.0 / 120, 1e-12);
   EXPECT_FALSE(finest.kept);
@@ -154,7 +155,7 @@ TEST(Planner, TheFinerOfTwoIsTakenWithoutAThird) {
   std::vector<std::string> solved;
   const double accuracy = 1.001 * measured_ladder()[0].next_error.at(0.01);
   ASSERT_LT(accuracy, expected_error(0, 0.01));
-  const Plan chosen = plan(std::span(&scene, 1), accuracy, [&](const Rung& rung) {
+  const RungChoice chosen = plan(std::span(&scene, 1), accuracy, [&](const Rung& rung) {
     solved.push_back(rung.name);
     return std::vector{answer_with(rung.elements == 8 ? 0.51 : 0.5, 1)};
   });
@@ -176,12 +177,12 @@ TEST(Planner, AContactThatBothRungsMissIsUnknown) {
       return answers;
     };
   };
-  const Plan sharp = plan(std::span(&scene, 1), 0.3, missed_below(16));
+  const RungChoice sharp = plan(std::span(&scene, 1), 0.3, missed_below(16));
   EXPECT_GE(sharp.rung.elements, 16);
   EXPECT_TRUE(sharp.trials.front().missed);
   EXPECT_EQ(sharp.trials.front().difference, 1);
   EXPECT_FALSE(sharp.trials.back().missed);
-  const Plan never = plan(std::span(&scene, 1), 0.3, missed_below(1 << 20));
+  const RungChoice never = plan(std::span(&scene, 1), 0.3, missed_below(1 << 20));
   EXPECT_FALSE(never.kept);
   EXPECT_NE(never.why().find("misses a contact"), std::string::npos) << never.why();
 }
@@ -190,7 +191,7 @@ TEST(Planner, AContactThatBothRungsMissIsUnknown) {
 TEST(Planner, AReleaseIsNoMissedContact) {
   fem::Scene scene = pressed();
   scene.load.indentation = {0.1, 0.0};
-  const Plan chosen = plan(std::span(&scene, 1), 0.3, [](const Rung& rung) {
+  const RungChoice chosen = plan(std::span(&scene, 1), 0.3, [](const Rung& rung) {
     std::vector<fem::ContactSolution> answers = first_order(rung);
     fem::ContactStep released = answers[0].steps[0];
     released.P = 0, released.slip_index.reset();
@@ -203,7 +204,7 @@ TEST(Planner, AReleaseIsNoMissedContact) {
 
 TEST(Planner, StressesAreMeasuredAndNotPromised) {
   const fem::Scene scene = pressed();
-  const Plan chosen = plan(std::span(&scene, 1), 0.3, [](const Rung& rung) {
+  const RungChoice chosen = plan(std::span(&scene, 1), 0.3, [](const Rung& rung) {
     std::vector<fem::ContactSolution> answers = first_order(rung);
     for (fem::ContactStep& step : answers[0].steps) {
       step.sigma_y << 0, 0, -2, 0, 0;
@@ -301,8 +302,8 @@ TEST(Planner, KeepsItsPromiseOnHeldOutScenes) {
   for (const double accuracy : {0.05, 0.01}) {
     int below = 0, broken = 0;
     for (std::size_t i = 0; i < scenes.size(); ++i) {
-      const Plan chosen = plan(std::span(&scenes[i], 1), accuracy,
-                               [&](const Rung& rung) { return std::vector{answers[rung.name][i]}; });
+      const RungChoice chosen = plan(std::span(&scenes[i], 1), accuracy,
+                                     [&](const Rung& rung) { return std::vector{answers[rung.name][i]}; });
       below += chosen.rung.name != judge.name;
       broken += answer_error(scenes[i], chosen.answers[0], chosen.rung, answers[judge.name][i], judge).S > accuracy;
     }

@@ -15,7 +15,7 @@ using namespace tactel;
 
 TEST(Extremes, EverySceneIsSolvedOrSaysSo) {
   host::Executor executor{host::Device()};
-  const auto extremes = host::scene_extremes(executor, {.quick = true});
+  const auto extremes = host::scene_extremes(executor, true);
   std::printf("%s\n", host::extremes_table(extremes).c_str());
   for (const host::Extreme& e : extremes) {
     SCOPED_TRACE(e.group + " " + e.name);
@@ -34,7 +34,7 @@ TEST(Extremes, EverySceneIsSolvedOrSaysSo) {
 
 TEST(Extremes, PathsUniquenessAndWrongInput) {
   host::Executor executor{host::Device()};
-  const auto findings = host::extreme_findings(executor, {.quick = true});
+  const auto findings = host::extreme_findings(executor, true);
   std::printf("%s\n", host::findings_table(findings).c_str());
   int held = 0;
   for (const host::ExtremeFinding& f : findings) {
