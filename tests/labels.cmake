@@ -32,6 +32,14 @@ set(program_commands "^([^D]|Du|Dem)")  # all but DevicesCommand
 
 set(slow "SaidAndMade|^CraftedNetworks[.]NoChange|^SolveWithCache[.](Nobody|Killed|Little|Two|Inter)|^(ClosedForms|GapReferenceRandom|IndependentContact|Extremes|InverseProblem|DirectProblem|StreamTraining|RankTraining)[.]|^Planner[.]K|OverTheEnd|^Demo[.]S|EveryShape|CondensationCache.AnyFlippedByte|/100000$")
 
+# What scripts/test leaves to scripts/nightly, because another test of its kind stays: more numbers of lanes, elements and layers, more moments of
+# a kill, larger campaigns, a second runtime, a second precision.
+set(nightly "Nightly[.]|^(Lanes[.]|PatchBits[.]AreTheSameAt|PatchBits.*Chunks<double>|NetworkLanes[.]T|NetworkLanes.*<double>)"
+  "^(SolveWithCache[.](Inter|Little)|OnAFullDisk[.]ThatFillsD|InverseProblem[.](Goes|Leaves)|Durability[.]NetworksOfS|BadFiles[.]FileOfAFrame)"
+  "Twin[.]Fp64MatchesIt/(16|24)$|/Twin[.]Fp32MatchesIt/16$|MeshAMatchesReference/0(|[.]45|[.]49)$|MatchesReference/\"30-31-33-1\"|OfSeveralFrames"
+  "^(Extremes[.]Every|Planner[.]Keeps|DirectProblem[.]EveryOpen|CalibrationCampaign|PressPlan[.]Ten|PatchSensors[.]AgreeWith|TrainApi[.]TrainsB|BoundCommand[.]MonitorP)")
+list(JOIN nightly "|" nightly)
+
 foreach(program fem layer nn hw support figures scenes device networks contact calibration sets live training studies commands api)
   foreach(test IN LISTS tactel_${program}_tests_TESTS)
     set(labels device)
@@ -59,7 +67,7 @@ foreach(program fem layer nn hw support figures scenes device networks contact c
     if(test MATCHES "${slow}")
       set(labels "${labels};slow")
     endif()
-    if(test MATCHES "Nightly[.]")
+    if(test MATCHES "${nightly}")
       set(labels nightly)
     endif()
     set_tests_properties("${test}" PROPERTIES LABELS "${labels}")
