@@ -9,7 +9,7 @@
 #include "fem/contact_laws.h"
 #include "fem/gap_reference.h"
 #include "fem/solution_difference.h"
-#include "host/contact/gap_sweep.h"
+#include "host/contact/contact_stream.h"
 #include "host/contact/solve.h"
 #include "host/studies/extremes/extreme_scenes.h"
 
@@ -60,7 +60,7 @@ std::string told(const fem::Scene& scene, const Timed& fp32, const Timed& fp64, 
 
 Extreme solve_extreme(Executor& executor, const ExtremeScene& extreme) {
   const auto batched = [&](Precision precision) {
-    return timed_solve([&] { return solve_gap_sweep(executor, std::span(&extreme.scene, 1), precision).front(); });
+    return timed_solve([&] { return solve_on_meshes(executor, std::span(&extreme.scene, 1), precision).front(); });
   };
   Timed fp32 = batched(Precision::fp32), fp64 = batched(Precision::fp64);
   const Timed reference = timed_solve([&] { return fem::solve_gap_reference(extreme.scene); });

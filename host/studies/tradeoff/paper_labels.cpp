@@ -7,7 +7,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "host/contact/gap_sweep.h"
+#include "host/contact/contact_fallback.h"
+#include "host/contact/contact_stream.h"
 #include "host/contact/rung_error.h"
 #include "host/contact/solve_on_rung.h"
 #include "host/scenes/paper_sets.h"
@@ -101,7 +102,7 @@ LabelGroup group(std::string what, const std::vector<JudgedContact>& contacts,
 std::vector<JudgedContact> judged_family(Executor& executor, const SceneFamily& family, const Rung& judge_rung,
                                          std::size_t& unjudged, const std::function<void()>& step) {
   step();
-  const Answers mesh = solve_gap_sweep(executor, family.scenes, Precision::fp64);
+  const Answers mesh = solve_on_meshes(executor, family.scenes, Precision::fp64);
   std::vector<fem::Scene> scenes;
   for (std::size_t i = 0; i < mesh.size(); ++i) scenes.push_back(with_steps_of(family.scenes[i], mesh[i]));
   step();

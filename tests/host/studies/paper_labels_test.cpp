@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-#include "host/contact/gap_sweep.h"
+#include "host/contact/contact_stream.h"
 #include "host/contact/solve_on_rung.h"
 #include "host/scenes/paper_sets.h"
 #include "host/sets/simulate_family.h"
@@ -55,7 +55,7 @@ TEST_F(PaperLabelsTest, ErrorIsThatOfTheContactItself) {
   std::size_t count = 0;
   for (std::size_t i = 0; i < family.scenes.size(); ++i) {
     if (family.kind_names[family.kind[i]] != "parabolic") continue;
-    const auto mesh = solve_gap_sweep(*executor, {&family.scenes[i], 1}, Precision::fp64).front();
+    const auto mesh = solve_on_meshes(*executor, {&family.scenes[i], 1}, Precision::fp64).front();
     fem::Scene same = family.scenes[i];
     same.load.tangential_steps = static_cast<int>(mesh.steps.size()) - same.load.indentation_steps;
     const auto judge = solve_on_rung(*executor, {&same, 1}, rung_named("patch-24")).front();
