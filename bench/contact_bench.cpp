@@ -16,6 +16,7 @@
 #include "fem/gap_sweep.h"
 #include "fem/layer/patch_solver.h"
 #include "fem/solution_difference.h"
+#include "host/contact/contact_fallback.h"
 #include "host/contact/gap_sweep.h"
 #include "host/contact/patch_contact.h"
 #include "host/studies/tradeoff/scene_mix.h"
@@ -300,7 +301,7 @@ void mixed(benchmark::State& state, int elements, int threads) {
   state.counters["path_sweeps_with_neighbours"] = sweeps;
   state.counters["path_sweeps_of_warp"] = path_sweeps<Real>(steps, 32);
   const auto seconds = [&](bool path, bool base_stress) {
-    batch.set_parts(path, base_stress);
+    host::PatchContact<Real>::set_parts(batch, path, base_stress);
     batch.run();
     return batch.seconds();
   };

@@ -21,6 +21,8 @@
 #include "bench/unlike_scenes.h"
 #include "fem/layer/layer_model.h"
 #include "fem/layer/patch_reference.h"
+#include "host/contact/contact_fallback.h"
+#include "host/contact/contact_stream.h"
 #include "host/contact/patch_contact.h"
 #include "host/contact/solve.h"
 #include "host/contact/solve_on_rung.h"
@@ -55,9 +57,13 @@ Judged judge_inside(const fem::Scene& scene) {
 Judged judge_over_end(Executor& executor, const fem::Scene& scene) {
   const auto on = [&](const char* name) {
     const Rung& rung = rung_named(name);
-    const MeshedScene meshed = meshed_with_own_steps(scene, rung);
-    auto answers = mesh_solver(executor, rung, false).solve(std::span(&meshed.scene, 1));
-    fem::keep_own_steps(answers.front(), scene.load, meshed.parts);
+    fem::Scene meshed = on_mesh(scene, rung);
+    const int parts = fem::pressing_parts(scene.load, rung.steps);
+    meshed.load.indentation_steps = scene.load.indentation_steps * parts;
+    ContactModel model = model_of(rung);
+    std::get<MeshModel>(model.surface).options.nodes = false;
+    auto answers = ContactStream(executor, model).solve(std::span(&meshed, 1));
+    fem::keep_own_steps(answers.front(), scene.load, parts);
     return std::move(answers.front());
   };
   Judged judged{on("mesh-641")};

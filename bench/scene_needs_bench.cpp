@@ -11,6 +11,7 @@
 
 #include "fem/gap_sweep.h"
 #include "fem/solution_difference.h"
+#include "host/contact/contact_stream.h"
 #include "host/contact/gap_sweep.h"
 #include "host/contact/planner.h"
 #include "host/contact/rung_error.h"
@@ -120,11 +121,11 @@ void mixed_sensors(benchmark::State& state, bool one_for_all) {
   Scenes scenes = parabolas(mesh('B'), 24, dragged());
   for (std::size_t i = 0; i < scenes.size(); ++i) scenes[i].sensor.poisson = i % 2 ? 0.45 : 0.49;
   const auto solve = [&](bool together) {
-    if (together) return host::solve_gap_sweep(executor(), scenes, host::Precision::fp32, {.tolerance = tolerance});
+    if (together) return host::solve_on_meshes(executor(), scenes, host::Precision::fp32, {.tolerance = tolerance});
     Solutions answers;
     for (const fem::Scene& scene : scenes)
       answers.push_back(
-          host::solve_gap_sweep(executor(), std::span(&scene, 1), host::Precision::fp32, {.tolerance = tolerance})[0]);
+          host::solve_on_meshes(executor(), std::span(&scene, 1), host::Precision::fp32, {.tolerance = tolerance})[0]);
     return answers;
   };
   if (!same_answers(state, solve(one_for_all), solve(!one_for_all))) return;

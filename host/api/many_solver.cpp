@@ -2,26 +2,17 @@
 #include "host/api/many_solver.h"
 
 #include <algorithm>
-#include <cmath>
-#include <future>
 #include <limits>
-#include <map>
-#include <tuple>
 
-#include "fem/layer/layer_model.h"
-#include "fem/layer/linear_elements.h"
 #include "fem/load_stepping.h"
-#include "host/contact/gap_sweep.h"
-#include "host/contact/patch_contact.h"
+#include "host/contact/contact_stream.h"
 #include "host/contact/rung_for_many.h"
-#include "host/contact/solve_on_rung.h"
 #include "kernels/shared/contact_layout.h"
 
 namespace tactel::api {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t launch_scenes = 8192;      ///< of one launch, at most
 constexpr std::size_t steps_until_sliding = 16;  ///< room for the drag of a path whose steps are not known
 
 bool on_mesh(const fem::Scene& scene) { return scene.model == fem::SurfaceModel::mesh; }
@@ -38,58 +29,6 @@ void set_row(std::vector<Number>& list, std::size_t rows, std::size_t from, std:
     std::copy_n(list.begin() + static_cast<std::ptrdiff_t>(i * from), std::min(from, to),
                 other.begin() + static_cast<std::ptrdiff_t>(i * to));
   list.swap(other);
-}
-
-/// Groups of scenes that share a launch: equal keys, in the order of their first scene.
-template <class KeyOf>
-std::vector<std::vector<std::size_t>> groups(const std::vector<std::size_t>& which, const KeyOf& key_of) {
-  std::vector<std::vector<std::size_t>> all;
-  std::map<decltype(key_of(0)), std::size_t> places;
-  for (const std::size_t i : which) {
-    const auto [place, is_new] = places.try_emplace(key_of(i), all.size());
-    if (is_new) all.emplace_back();
-    all[place->second].push_back(i);
-  }
-  return all;
-}
-
-auto layer_key(const fem::Sensor& s) {
-  return std::tuple(s.length, s.thickness, s.poisson, s.tactels, s.tactel_span.value_or(-1), s.tactel_width);
-}
-auto mesh_key(const fem::Sensor& s) {
-  return std::tuple_cat(layer_key(s), std::tuple(s.columns, s.rows, s.grading, s.element, s.stress));
-}
-
-template <class View>
-bool every_step_solved(const View& view, std::size_t i) {
-  for (int k = 0; k < view.path_steps(i); ++k)
-    if (const int status = static_cast<int>(view.result(i, k, LANE_STATUS));
-        status == LANE_UNSOLVED || status == LANE_INVALID)
-      return false;
-  return true;
-}
-
-/// Puts the answer of the kernel for scene k of a view, without the increments between the steps that it asks for.
-template <class View>
-void put_answer(PathArrays& arrays, std::size_t scene, const View& view, std::size_t k, double mu, int parts,
-                std::vector<double>& stress) {
-  const int pressed = view.indentation_steps(k);
-  std::size_t step = 0;
-  bool sliding = false;
-  for (int made = 0; made < view.path_steps(k); ++made) {
-    const auto said = [&](int row) { return static_cast<double>(view.result(k, made, row)); };
-    const int status = static_cast<int>(said(LANE_STATUS));
-    if (status == LANE_NOT_RUN) break;
-    sliding = status == LANE_SLIDING && made >= pressed;
-    if (made < pressed && (made + 1) % parts != 0) continue;
-    const PathArrays::Stress to = arrays.put(scene, step++, host::lane_step(said, mu));
-    const std::size_t tactels = to.sigma_y.size();
-    stress.resize(2 * tactels);
-    view.answer(k).tactels(made, std::span(stress));
-    std::copy_n(stress.begin(), tactels, to.sigma_y.begin());
-    std::copy_n(stress.begin() + static_cast<std::ptrdiff_t>(tactels), tactels, to.tau_xy.begin());
-  }
-  arrays.end(scene, step, sliding, false);
 }
 
 }  // namespace
@@ -155,6 +94,26 @@ void PathArrays::put(std::size_t scene, const fem::ContactSolution& solution) {
   end(scene, solution.steps.size(), solution.sliding, solution.fell_back);
 }
 
+void PathArrays::put(std::size_t scene, const host::LaneAnswer& answer, double mu, int parts) {
+  std::size_t step = 0;
+  bool sliding = false;
+  for (int made = 0; made < answer.steps; ++made) {
+    const auto result = [&](int row) { return answer.result(made, row); };
+    const int status = static_cast<int>(result(LANE_STATUS));
+    if (status == LANE_NOT_RUN) break;
+    const bool pressing = made < answer.indentation_steps;
+    sliding = status == LANE_SLIDING && !pressing;
+    if (pressing && (made + 1) % parts != 0) continue;
+    const Stress to = put(scene, step++, host::lane_step(result, mu));
+    const std::size_t tactels = to.sigma_y.size();
+    stress_.resize(2 * tactels);
+    answer.tactels(made, std::span(stress_));
+    std::copy_n(stress_.begin(), tactels, to.sigma_y.begin());
+    std::copy_n(stress_.begin() + static_cast<std::ptrdiff_t>(tactels), tactels, to.tau_xy.begin());
+  }
+  end(scene, step, sliding, false);
+}
+
 Paths PathArrays::take() {
   std::size_t most = 0;
   for (const std::uint32_t steps : paths_.steps_made) most = std::max<std::size_t>(most, steps);
@@ -162,133 +121,63 @@ Paths PathArrays::take() {
   return std::move(paths_);
 }
 
-ManySolver::ManySolver(const host::SolveOptions& options, std::span<const fem::Scene> scenes)
-    : options_(options), asked_(scenes), executor_(host::Device(options.device)), arrays_(scenes) {
+Paths solve_paths(const host::SolveOptions& options, std::span<const fem::Scene> scenes,
+                  const ProgressFunction& progress) {
+  host::Executor executor{host::Device(options.device)};
   host::SolveOptions modelling;
   modelling.rung = options.rung, modelling.accuracy = options.accuracy;
-  rung_ = host::rung_for_many(executor_, modelling, {scenes.size(), [&](std::uint64_t k) { return scenes[k]; }});
-  patch_ = rung_.value_or(host::usual_patch());
+  const std::optional<host::Rung> asked =
+      host::rung_for_many(executor, modelling, {scenes.size(), [&](std::uint64_t k) { return scenes[k]; }});
+  host::Rung rung = asked.value_or(host::usual_patch());
   if (!options.precision.empty())
-    patch_.precision = options.precision == "fp64" ? host::Precision::fp64 : host::Precision::fp32;
-  if (options.tolerance) patch_.accept_at_most(*options.tolerance);
-  if (patch_.patch()) return;
-  for (const fem::Scene& scene : scenes) {
-    host::MeshedScene meshed = host::meshed_with_own_steps(scene, patch_);
-    modelled_.push_back(std::move(meshed.scene));
-    parts_.push_back(meshed.parts);
-  }
-}
+    rung.precision = options.precision == "fp64" ? host::Precision::fp64 : host::Precision::fp32;
+  if (options.tolerance) rung.accept_at_most(*options.tolerance);
+  const host::Precision own = options.precision == "fp64" ? host::Precision::fp64 : host::Precision::fp32;
+  const host::Precision meshes = asked ? rung.precision : own;
 
-std::vector<fem::Scene> ManySolver::copies(std::span<const std::size_t> which) const {
-  std::vector<fem::Scene> scenes;
-  scenes.reserve(which.size());
-  for (const std::size_t i : which) scenes.push_back(modelled_.empty() ? asked_[i] : modelled_[i]);
-  return scenes;
-}
-
-/// Lays out the next scenes, and gathers the ones before, while the device computes. Returns those that are not served.
-template <class Launcher, class Served>
-std::vector<std::size_t> ManySolver::launch(const Launcher& launcher, const std::vector<std::size_t>& which,
-                                            const Served& served, const ProgressFunction& progress) {
-  using Batch = typename Launcher::Batch;
-  std::vector<std::size_t> others;
-  const auto part = [&](std::size_t first) {
-    return std::span(which).subspan(first, std::min(launch_scenes, which.size() - first));
-  };
-  const auto laid_out = [&](std::size_t first) {
-    return std::async(std::launch::async, [&, first] { return launcher.prepare(copies(part(first))); });
-  };
-  const auto gather = [&](const Batch& batch, std::size_t first) {
-    const typename Batch::View view(batch);
-    std::vector<double> stress;
-    for (std::size_t k = 0; k < batch.size(); ++k) {
-      const std::size_t i = part(first)[k];
-      if (served(view, k, i))
-        put_answer(arrays_, i, view, k, asked_[i].friction, parts_.empty() ? 1 : parts_[i], stress);
-      else
-        others.push_back(i);
+  PathArrays arrays(scenes);
+  std::size_t done = 0;
+  const auto solve = [&](bool on_meshes) {
+    std::vector<std::size_t> which;
+    for (std::size_t i = 0; i < scenes.size(); ++i)
+      if ((asked ? !rung.patch() : on_mesh(scenes[i])) == on_meshes) which.push_back(i);
+    if (which.empty()) return;
+    const bool meshed = on_meshes && asked;
+    std::vector<int> parts(which.size(), 1);  // increments of a pressing step
+    std::vector<fem::Scene> modelled;         // empty: as they were asked
+    for (std::size_t k = 0; k < which.size() && (meshed || which.size() < scenes.size()); ++k) {
+      const fem::Scene& scene = scenes[which[k]];
+      modelled.push_back(meshed ? host::on_mesh(scene, rung) : scene);
+      if (!meshed) continue;
+      parts[k] = fem::pressing_parts(scene.load, rung.steps);
+      modelled.back().load.indentation_steps = scene.load.indentation_steps * parts[k];
     }
-  };
-  std::future<Batch> next = laid_out(0);
-  std::future<void> gathered;
-  for (std::size_t first = 0; first < which.size(); first += launch_scenes) {
-    if (!progress(done_, asked_.size())) throw Cancelled("solve_many: cancelled by progress");
-    Batch batch = next.get();
-    if (first + launch_scenes < which.size()) next = laid_out(first + launch_scenes);
-    batch.run();
-    if (gathered.valid()) gathered.get();
-    gathered = std::async(std::launch::async, [&gather, batch, first] { gather(batch, first); });
-    done_ += batch.size();
-  }
-  gathered.get();
-  return others;
-}
-
-template <class Real>
-void ManySolver::solve_on_patches(const std::vector<std::size_t>& which, const ProgressFunction& progress) {
-  const host::PatchContactOptions options = host::patch_options(patch_);
-  const auto served = [&](const auto& view, std::size_t k, std::size_t i) {
-    return every_step_solved(view, k) && !fem::needs_linear_pressure(asked_[i].sensor, view.patch(k, PATCH_ELEMENT)) &&
-           !host::grown_contact<Real>(view, k, options.elements);
-  };
-  for (const auto& alike : groups(which, [&](std::size_t i) { return layer_key(asked_[i].sensor); })) {
-    const fem::Sensor& sensor = asked_[alike.front()].sensor;
-    const host::PatchContact<Real> launcher(
-        executor_, options.sides ? fem::layer_model(sensor) : fem::endless_layer(sensor), options);
-    std::vector<std::size_t> others;
-    for (const auto& kind : groups(alike, [&](std::size_t i) {
-           const host::ContactKind k = host::kind_of(asked_[i]);
-           return std::pair(k.force, k.friction);
-         }))
-      std::ranges::copy(launch(launcher, kind, served, progress), std::back_inserter(others));
-    const std::vector<fem::Scene> scenes = copies(others);
-    auto answers = host::solve_patch_contact(launcher, scenes);
-    host::finish_on_mesh(host::mesh_solver(executor_, patch_, false), scenes, patch_, answers);
-    for (std::size_t k = 0; k < others.size(); ++k) arrays_.put(others[k], answers[k]);
-  }
-}
-
-template <class Real>
-void ManySolver::solve_on_meshes(const std::vector<std::size_t>& which, const ProgressFunction& progress) {
-  host::GapSweepOptions options = rung_ ? host::mesh_options(patch_, false) : host::GapSweepOptions{.nodes = false};
-  if (options_.tolerance) options.tolerance = 0, options.accept = *options_.tolerance;
-  const auto& scenes = modelled_;
-  const auto at = [&](std::size_t i) -> const fem::Scene& { return scenes.empty() ? asked_[i] : scenes[i]; };
-  const auto served = [](const auto& view, std::size_t k, std::size_t) { return every_step_solved(view, k); };
-  for (const auto& alike : groups(which, [&](std::size_t i) { return mesh_key(at(i).sensor); })) {
-    const host::GapSweep<Real> launcher(executor_, at(alike.front()).sensor, options);
-    std::vector<std::size_t> others;
-    for (const auto& kind : groups(alike, [&](std::size_t i) {
-           const host::ContactKind k = host::kind_of(asked_[i]);
-           return std::pair(k.force, k.friction);
-         }))
-      std::ranges::copy(launch(launcher, kind, served, progress), std::back_inserter(others));
-    auto answers = host::solve_gap_sweep(executor_, copies(others),
-                                         sizeof(Real) == 4 ? host::Precision::fp32 : host::Precision::fp64, options);
-    for (std::size_t k = 0; k < others.size(); ++k) {
-      if (!parts_.empty()) fem::keep_own_steps(answers[k], asked_[others[k]].load, parts_[others[k]]);
-      arrays_.put(others[k], answers[k]);
+    host::ContactModel model = host::model_of(rung);
+    if (on_meshes && !asked) {
+      host::GapSweepOptions sweep;
+      if (options.tolerance) sweep.accept = *options.tolerance;
+      model = {host::MeshModel{sweep}, meshes};
     }
-  }
-}
-
-Paths ManySolver::solve(const ProgressFunction& progress) {
-  std::vector<std::size_t> of_model[2];
-  for (std::size_t i = 0; i < asked_.size(); ++i) of_model[rung_ ? !patch_.patch() : on_mesh(asked_[i])].push_back(i);
-  const host::Precision own = options_.precision == "fp64" ? host::Precision::fp64 : host::Precision::fp32;
-  const host::Precision meshes = rung_ ? patch_.precision : own;
-  if (patch_.precision == host::Precision::fp32)
-    solve_on_patches<float>(of_model[0], progress);
-  else
-    solve_on_patches<double>(of_model[0], progress);
-  if (meshes == host::Precision::fp32)
-    solve_on_meshes<float>(of_model[1], progress);
-  else
-    solve_on_meshes<double>(of_model[1], progress);
-  Paths paths = arrays_.take();
-  if (rung_ || of_model[1].empty()) paths.rung = patch_.name;
+    const host::ContactStream stream(executor, std::move(model));
+    const bool all = stream.solve(
+        modelled.empty() ? scenes : modelled,
+        [&](std::size_t k, const host::LaneAnswer& answer) {
+          arrays.put(which[k], answer, scenes[which[k]].friction, parts[k]);
+        },
+        [&](std::size_t k, fem::ContactSolution&& solution) {
+          if (parts[k] > 1) fem::keep_own_steps(solution, scenes[which[k]].load, parts[k]);
+          arrays.put(which[k], solution);
+        },
+        [&](std::size_t some) { return progress(done + some, scenes.size()); });
+    if (!all) throw Cancelled("solve_many: cancelled by progress");
+    done += which.size();
+  };
+  solve(false);
+  solve(true);
+  Paths paths = arrays.take();
+  if (asked || std::ranges::none_of(scenes, on_mesh)) paths.rung = rung.name;
   paths.precision = name(meshes);
-  paths.device = executor_.device().info().name;
+  paths.device = executor.device().info().name;
   return paths;
 }
 

@@ -125,7 +125,7 @@ Paths solve_many(std::span<const Scene> scenes, const SolveOptions& options, con
       throw ConfigError("command line", "--solver", options.solver, "batched for many scenes");
     if (options.tolerance && !(std::isfinite(*options.tolerance) && *options.tolerance > 0))
       throw ConfigError("command line", "--tolerance", std::to_string(*options.tolerance), "a number above 0");
-    Paths paths = api::ManySolver(options_of(options), all).solve(progress);
+    Paths paths = api::solve_paths(options_of(options), all, progress);
     paths.warnings = host::unit_warnings(all);
     progress(all.size(), all.size());
     return paths;

@@ -8,7 +8,6 @@
 #include "host/commands/shared_options.h"
 #include "host/commands/solve_page.h"
 #include "host/contact/derivatives.h"
-#include "host/contact/finer_answer.h"
 #include "host/contact/scene_json.h"
 #include "host/contact/solution_table.h"
 #include "host/figures/contact_figure.h"

@@ -15,8 +15,7 @@
 #include "fem/layer/patch_solver.h"
 #include "fem/load_stepping.h"
 #include "fem/value_error.h"
-#include "host/contact/finer_answer.h"
-#include "host/contact/patch_contact.h"
+#include "host/contact/contact_fallback.h"
 #include "host/contact/rung_error.h"
 
 namespace tactel::host {
@@ -141,10 +140,6 @@ std::optional<MeshError> mesh_error(const fem::Scene& scene, const fem::ContactS
   fem::keep_own_steps(judge, scene.load, finer_parts);
   const fem::Sensor fine = refined(scene.sensor);
   return error_beside(answer, judge, fmt::format("{} x {}", fine.columns, fine.rows));
-}
-
-std::optional<MeshError> mesh_error(const fem::Scene& scene, const fem::ContactSolution& answer) {
-  return mesh_error(scene, answer, {});
 }
 
 std::string why_no_estimate(const fem::Scene& scene, const fem::ContactSolution& answer) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "host/contact/sensor_tables.h"
 #include "host/contact/solve_on_rung.h"
 #include "host/support/chosen_row.h"
 #include "host/support/errors.h"
@@ -23,10 +24,10 @@ RungChoice plan_for_many(Executor& executor, double accuracy, const ManyContacts
   std::vector<fem::Scene> sample;
   const std::uint64_t count = std::min(contacts.count, most_tried);
   for (std::uint64_t k = 0; k < count; ++k) sample.push_back(contacts.contact(chosen_row(k, count, contacts.count)));
-  if (!contacts.own_sensors)
-    return plan(sample, accuracy, [&](const Rung& rung) { return solve_on_rung(executor, sample, rung); });
-  const fem::SensorFamily family = sensor_family(executor, *contacts.own_sensors);
-  return plan(sample, accuracy, [&](const Rung& rung) { return solve_on_rung(executor, family, sample, rung); });
+  std::shared_ptr<const fem::SensorFamily> family;
+  if (contacts.own_sensors)
+    family = std::make_shared<const fem::SensorFamily>(sensor_family(executor, *contacts.own_sensors));
+  return plan(sample, accuracy, [&](const Rung& rung) { return solve_on_rung(executor, sample, rung, true, family); });
 }
 
 std::optional<Rung> rung_for_many(Executor& executor, const SolveOptions& options, const ManyContacts& contacts) {

@@ -11,8 +11,7 @@
 #include "fem/gap_reference.h"
 #include "fem/layer/patch_solver.h"
 #include "fem/stress_field.h"
-#include "host/contact/finer_answer.h"
-#include "host/contact/gap_sweep.h"
+#include "host/contact/contact_stream.h"
 #include "host/contact/solve_on_rung.h"
 #include "host/scenes/ladder.h"
 #include "host/scenes/unit_warnings.h"
@@ -66,10 +65,9 @@ SolveOutcome outcome_on(const Rung& rung, const fem::Scene& scene, fem::ContactS
 }
 
 SolveOutcome solve_on_patch(const fem::Scene& scene, const SolveOptions& options) {
-  scene.validate();
   Executor executor{Device(options.device).for_one_contact()};
-  Rung rung = patch_rung(options, executor.device().info());
-  auto answers = solve_on_rung(executor, std::span(&scene, 1), rung);
+  const Rung rung = patch_rung(options, executor.device().info());
+  auto answers = ContactStream(executor, model_of(rung)).solve(std::span(&scene, 1));
   SolveOutcome outcome =
       outcome_on(rung, scene, std::move(answers.front()), executor.device().info().name, rung_reason(options));
   outcome.rung = options.rung.empty() ? "" : rung.name;
@@ -84,15 +82,14 @@ SolveOutcome solve_on_mesh(const fem::Scene& scene, const SolveOptions& options)
   const bool wanted = rung ? rung->precision == Precision::fp64 : device.fp64;
   const bool fp64 = options.precision.empty() ? wanted : options.precision == "fp64";
   const Precision precision = fp64 ? Precision::fp64 : Precision::fp32;
-  GapSweepOptions sweep = rung ? mesh_options(*rung, true) : GapSweepOptions{};
+  GapSweepOptions sweep = rung ? std::get<MeshModel>(model_of(*rung).surface).options : GapSweepOptions{};
   if (options.tolerance) sweep.tolerance = 0, sweep.accept = *options.tolerance;
   sweep.second_opinion = scene.sensor.columns <= most_columns_asked_twice;
-  auto solutions = solve_gap_sweep(executor, std::span(&scene, 1), precision, sweep);
+  auto solutions = solve_on_meshes(executor, std::span(&scene, 1), precision, sweep);
   return {std::move(solutions.front()), "batched", name(precision), device.name};
 }
 
 SolveOutcome solve_to_accuracy(const fem::Scene& scene, const SolveOptions& options) {
-  scene.validate();
   Executor executor{Device(options.device).for_one_contact()};
   RungChoice chosen = plan(std::span(&scene, 1), *options.accuracy,
                            [&](const Rung& rung) { return solve_on_rung(executor, std::span(&scene, 1), rung); });
@@ -116,8 +113,6 @@ std::optional<MeshError> mesh_error(const SolveOutcome& outcome, FinerAnswer fin
   if (error && only_pressed(outcome.solution)) error->expected.Q = 0;  // relative to Q, rounding would be any number
   return error;
 }
-
-std::optional<MeshError> mesh_error(const SolveOutcome& outcome) { return mesh_error(outcome, {}); }
 
 std::string why_no_estimate(const SolveOutcome& outcome) {
   if (outcome.plan) return "one of the rungs that were compared misses the contact";

@@ -51,7 +51,8 @@ void check_modelling(const SolveOptions& options);
 SolveOutcome solve(const fem::Scene& scene, const SolveOptions& options);
 
 /// Returns the error to expect of an answer: the planner's, where it chose the rung, else that of the mesh.
-std::optional<MeshError> mesh_error(const SolveOutcome& outcome);
+/// `finer`: of begin_finer.
+std::optional<MeshError> mesh_error(const SolveOutcome& outcome, FinerAnswer finer = {});
 /// Returns why mesh_error returns none.
 std::string why_no_estimate(const SolveOutcome& outcome);
 

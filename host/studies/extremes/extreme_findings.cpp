@@ -7,6 +7,7 @@
 
 #include "fem/gap_reference.h"
 #include "fem/value_error.h"
+#include "host/contact/contact_stream.h"
 #include "host/contact/gap_sweep.h"
 #include "host/studies/extremes/extremes.h"
 #include "kernels/shared/contact_layout.h"
@@ -96,7 +97,7 @@ bool solved(const fem::ContactSolution& solution) { return solution.steps.back()
 /// differently, may then end in different ones, each with a certificate.
 ExtremeFinding several_solutions(Executor& executor, double mu, int count) {
   const auto scenes = drags(mu, count);
-  const auto sweeps = solve_gap_sweep(executor, scenes, Precision::fp64);
+  const auto sweeps = solve_on_meshes(executor, scenes, Precision::fp64);
   fem::GapReference reference(scenes.front().sensor);
   int unsolved = 0, fell_back = 0, different = 0;
   for (int i = 0; i < count; ++i) {

@@ -8,7 +8,7 @@
 #include "fem/contact_laws.h"
 #include "fem/gap_reference.h"
 #include "fem/solution_difference.h"
-#include "host/contact/gap_sweep.h"
+#include "host/contact/contact_stream.h"
 #include "host/contact/solve.h"
 
 namespace tactel::host {
@@ -56,7 +56,7 @@ std::string told(const fem::Scene& scene, const Answered& fp32, const Answered& 
 
 Extreme solve_extreme(Executor& executor, const ExtremeScene& extreme) {
   const auto batched = [&](Precision precision) {
-    return answered([&] { return solve_gap_sweep(executor, std::span(&extreme.scene, 1), precision).front(); });
+    return answered([&] { return solve_on_meshes(executor, std::span(&extreme.scene, 1), precision).front(); });
   };
   Answered fp32 = batched(Precision::fp32), fp64 = batched(Precision::fp64);
   const Answered reference = answered([&] { return fem::solve_gap_reference(extreme.scene); });

@@ -6,7 +6,7 @@
 #include <functional>
 #include <unsupported/Eigen/Splines>
 
-#include "host/contact/gap_sweep.h"
+#include "host/contact/contact_stream.h"
 
 namespace tactel::host {
 namespace {
@@ -111,7 +111,7 @@ std::vector<DirectProblem> solve_direct_problems(Executor& executor, const std::
   std::vector<fem::Scene> scenes;
   for (const fem::Scene& choice : choices)
     for (char mesh : {'A', 'B'}) scenes.push_back(on_mesh(choice, mesh));
-  const auto solutions = solve_gap_sweep(executor, scenes, Precision::fp64);
+  const auto solutions = solve_on_meshes(executor, scenes, Precision::fp64);
   std::vector<DirectProblem> problems;
   for (std::size_t i = 0; i < scenes.size(); i += 2) {
     DirectProblem p{scenes[i], scenes[i + 1], solutions[i], solutions[i + 1], {}};

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "host/contact/gap_sweep.h"
+#include "host/contact/contact_stream.h"
 #include "host/sets/transducer_chain.h"
 #include "nn/philox.h"
 
@@ -124,7 +124,7 @@ std::vector<fem::ContactSolution> solve_real_contacts(Executor& executor, const 
                                                       const std::vector<RealContact>& contacts) {
   std::vector<fem::Scene> scenes;
   for (const RealContact& contact : contacts) scenes.push_back(real_scene(choice, contact));
-  auto solutions = solve_gap_sweep(executor, scenes, Precision::fp64);
+  auto solutions = solve_on_meshes(executor, scenes, Precision::fp64);
   for (const fem::ContactSolution& solution : solutions)
     if (!solution.steps.back().converged)
       throw std::runtime_error("the paper's real sensor: a load step did not meet its tolerance");

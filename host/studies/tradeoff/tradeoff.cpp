@@ -65,12 +65,13 @@ double seconds_of(Executor& executor, const std::vector<fem::Scene>& scenes, con
   const bool fp32 = rung.precision == Precision::fp32;
   const fem::Sensor& sensor = scenes.front().sensor;
   if (rung.patch()) {
-    const PatchContactOptions options = patch_options(rung);
+    const PatchContactOptions options = std::get<PatchModel>(model_of(rung).surface).options;
     const fem::LayerModel model = fem::layer_model(sensor);
     return fp32 ? timed(PatchContact<float>(executor, model, options), scenes, runs)
                 : timed(PatchContact<double>(executor, model, options), scenes, runs);
   }
-  const GapSweepOptions options = mesh_options(rung, false);
+  GapSweepOptions options = std::get<MeshModel>(model_of(rung).surface).options;
+  options.nodes = false;
   return fp32 ? timed(GapSweep<float>(executor, sensor, options), scenes, runs)
               : timed(GapSweep<double>(executor, sensor, options), scenes, runs);
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "fem/contact_laws.h"
+#include "host/contact/contact_model.h"
 #include "host/contact/solve.h"
 #include "host/contact/solve_on_rung.h"
 #include "tests/host/device/test_device.h"
@@ -43,7 +44,9 @@ TEST_P(Acceptance, OfARungHoldsTheBound) {
   for (const Precision precision : {Precision::fp32, Precision::fp64}) {
     Rung rung = named;
     rung.precision = precision;
-    const GapSweepOptions mesh = mesh_options(rung, false);
+    const ContactModel model = model_of(rung);
+    const auto* on_patch = std::get_if<PatchModel>(&model.surface);
+    const GapSweepOptions mesh = on_patch ? on_patch->mesh : std::get<MeshModel>(model.surface).options;
     fem::Sensor small;
     small.columns = 5, small.rows = 3;
     const auto accepted = [&](const auto& launcher) { return launcher.options().accept; };
@@ -52,8 +55,8 @@ TEST_P(Acceptance, OfARungHoldsTheBound) {
     EXPECT_LE(
         fp32 ? accepted(GapSweep<float>(executor, small, mesh)) : accepted(GapSweep<double>(executor, small, mesh)),
         bound(precision));
-    if (!rung.patch()) continue;
-    const PatchContactOptions patch = patch_options(rung);
+    if (!on_patch) continue;
+    const PatchContactOptions& patch = on_patch->options;
     EXPECT_LE(fp32 ? accepted(PatchContact<float>(executor, sensor, patch))
                    : accepted(PatchContact<double>(executor, sensor, patch)),
               bound(precision));

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "fem/contact_laws.h"
+#include "host/contact/contact_stream.h"
 #include "host/contact/gap_sweep.h"
 #include "tests/host/contact/contact_cases.h"
 
@@ -88,7 +89,7 @@ class Certificate : public ::testing::TestWithParam<Case> {
   std::pair<int, int> audit(const host::GapSweepOptions& options) const {
     const auto scenes = this->scenes();
     const auto condensation = fem::condense(scenes.front().sensor);
-    const auto solutions = host::solve_gap_sweep(executor(), scenes, GetParam().precision, options);
+    const auto solutions = host::solve_on_meshes(executor(), scenes, GetParam().precision, options);
     int steps = 0, unsolved = 0;
     for (std::size_t i = 0; i < scenes.size(); ++i) {
       Auditor auditor(condensation, scenes[i]);
@@ -124,8 +125,8 @@ TEST_P(Certificate, IsThatOfTheWrittenForcesWhereSweepsWereCutShort) {
 /// The same scenes: the fallback solves all of them, and to where the sweeps would have come.
 TEST_P(Certificate, FallbackSolvesWhatSweepsGaveUp) {
   const auto scenes = this->scenes();
-  const auto cut = host::solve_gap_sweep(executor(), scenes, GetParam().precision, {.most_sweeps = 3});
-  const auto whole = host::solve_gap_sweep(executor(), scenes, host::Precision::fp64);
+  const auto cut = host::solve_on_meshes(executor(), scenes, GetParam().precision, {.most_sweeps = 3});
+  const auto whole = host::solve_on_meshes(executor(), scenes, host::Precision::fp64);
   std::size_t fell_back = 0;
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     EXPECT_TRUE(cut[i].steps.back().converged) << i;

@@ -14,6 +14,7 @@
 #include "fem/gap_reference.h"
 #include "fem/gap_sweep.h"
 #include "fem/value_error.h"
+#include "host/contact/contact_stream.h"
 #include "kernels/shared/contact_layout.h"
 #include "tests/host/contact/contact_cases.h"
 
@@ -44,8 +45,8 @@ std::string describe(const fem::Scene& s) {
 constexpr double agree_fp64 = 1e-8, agree_fp32 = 1e-3;
 
 void expect_reference(const std::vector<fem::Scene>& scenes) {
-  const auto fp64 = host::solve_gap_sweep(executor(), scenes, host::Precision::fp64);
-  const auto fp32 = host::solve_gap_sweep(executor(), scenes, host::Precision::fp32);
+  const auto fp64 = host::solve_on_meshes(executor(), scenes, host::Precision::fp64);
+  const auto fp32 = host::solve_on_meshes(executor(), scenes, host::Precision::fp32);
   fem::GapReference reference(scenes.front().sensor);
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     const auto truth = reference.solve(scenes[i]);
@@ -93,7 +94,7 @@ TEST(GapSweep, EveryElementMatchesReference) {
       fem::Scene scene{"", paper_mesh('B'), {fem::Parabola{10}, 1.3}, 0.6, reversal()};
       scene.sensor.element = element;
       scene.sensor.stress = stress;
-      const auto batched = host::solve_gap_sweep(executor(), std::vector{scene}, host::Precision::fp64)[0];
+      const auto batched = host::solve_on_meshes(executor(), std::vector{scene}, host::Precision::fp64)[0];
       const auto truth = fem::solve_gap_reference(scene);
       EXPECT_LE(base_force_difference(batched, truth), agree_fp64) << fem::name(element);
       for (std::size_t k = 0; k < truth.steps.size(); ++k) {
@@ -117,8 +118,8 @@ TEST(GapSweep, ForceControlMatchesReference) {
       scene.load.indentation_steps = 3;
       if (kind == 1) scene.load.tangential = {0.05, 0.1, -0.05};
       if (kind == 2) scene.load.angle = 20.0;
-      const auto fp64 = host::solve_gap_sweep(executor(), std::vector{scene}, host::Precision::fp64)[0];
-      const auto fp32 = host::solve_gap_sweep(executor(), std::vector{scene}, host::Precision::fp32)[0];
+      const auto fp64 = host::solve_on_meshes(executor(), std::vector{scene}, host::Precision::fp64)[0];
+      const auto fp32 = host::solve_on_meshes(executor(), std::vector{scene}, host::Precision::fp32)[0];
       const auto truth = fem::solve_gap_reference(scene);
       EXPECT_LE(base_force_difference(fp64, truth), agree_fp64) << "kind " << kind;
       EXPECT_LE(base_force_difference(fp32, truth), agree_fp32) << "kind " << kind;
@@ -133,7 +134,7 @@ TEST(GapSweep, ForceControlMatchesReference) {
 TEST(GapSweep, GoesOnUntilTheContactSlides) {
   fem::Scene scene{"", paper_mesh('B'), {fem::Parabola{10}, 0.0}, 0.4, {}};
   scene.load.tangential_step = 0.05;
-  const auto batched = host::solve_gap_sweep(executor(), std::vector{scene}, host::Precision::fp64)[0];
+  const auto batched = host::solve_on_meshes(executor(), std::vector{scene}, host::Precision::fp64)[0];
   const auto truth = fem::solve_gap_reference(scene);
   ASSERT_EQ(batched.steps.size(), truth.steps.size());
   EXPECT_TRUE(batched.sliding);
@@ -177,7 +178,7 @@ TEST(GapSweep, FrictionlessIsTheLimitOfLittleFriction) {
     scenes.back().friction = 1e-30;
   }
   for (auto precision : {host::Precision::fp32, host::Precision::fp64}) {
-    const auto solutions = host::solve_gap_sweep(executor(), scenes, precision);
+    const auto solutions = host::solve_on_meshes(executor(), scenes, precision);
     std::size_t touching = 0;
     for (std::size_t i = 0; i < count; ++i)
       for (std::size_t k = 0; k < solutions[i].steps.size(); ++k) {
@@ -195,7 +196,7 @@ TEST(GapSweep, FrictionlessIsTheLimitOfLittleFriction) {
 TEST(GapSweep, FrictionlessDragsChangeNothing) {
   std::vector<fem::Scene> scenes;
   for (const auto& shape : all_shapes()) scenes.push_back({"", paper_mesh('B'), {shape, 0.3}, 0.0, reversal()});
-  for (const auto& solution : host::solve_gap_sweep(executor(), scenes, host::Precision::fp32)) {
+  for (const auto& solution : host::solve_on_meshes(executor(), scenes, host::Precision::fp32)) {
     const fem::ContactStep& pressed = solution.steps[1];
     for (std::size_t k = 2; k < solution.steps.size(); ++k) {
       const fem::ContactStep& step = solution.steps[k];
@@ -220,8 +221,8 @@ TEST(GapSweep, RefusesABatchOfDifferentKinds) {
 /// Gap elements at every node from the start, or only where the indenter comes near: the same contact.
 TEST(GapSweep, WindowCostsNoAccuracy) {
   const auto scenes = random_scenes(paper_mesh('B'), 100, 12);
-  const auto windows = host::solve_gap_sweep(executor(), scenes, host::Precision::fp64);
-  const auto all = host::solve_gap_sweep(executor(), scenes, host::Precision::fp64, {.reach = 1e6});
+  const auto windows = host::solve_on_meshes(executor(), scenes, host::Precision::fp64);
+  const auto all = host::solve_on_meshes(executor(), scenes, host::Precision::fp64, {.reach = 1e6});
   for (std::size_t i = 0; i < scenes.size(); ++i)
     ASSERT_LE(base_force_difference(windows[i], all[i]), agree_fp64) << describe(scenes[i]);
 }
@@ -229,10 +230,10 @@ TEST(GapSweep, WindowCostsNoAccuracy) {
 TEST(GapSweep, UnreachableToleranceIsSaidNotHidden) {
   std::vector scenes(5, fem::Scene{"", paper_mesh('B'), {fem::Parabola{10}, 0.0}, 0.5, reversal()});
   for (const auto& solution :
-       host::solve_gap_sweep(executor(), scenes, host::Precision::fp64, {.most_sweeps = 2, .fallback = false}))
+       host::solve_on_meshes(executor(), scenes, host::Precision::fp64, {.most_sweeps = 2, .fallback = false}))
     EXPECT_FALSE(solution.steps.front().converged);
   // Less than rounding: the fallback cannot, either.
-  for (const auto& solution : host::solve_gap_sweep(executor(), scenes, host::Precision::fp64, {.accept = 1e-30})) {
+  for (const auto& solution : host::solve_on_meshes(executor(), scenes, host::Precision::fp64, {.accept = 1e-30})) {
     EXPECT_TRUE(solution.fell_back);
     EXPECT_FALSE(solution.steps.back().converged);
   }
@@ -241,7 +242,7 @@ TEST(GapSweep, UnreachableToleranceIsSaidNotHidden) {
 TEST(GapSweep, RefusesAnInvalidScene) {
   auto scenes = random_scenes(paper_mesh('B'), 2, 11);
   scenes[1].sensor.poisson = 0.5;
-  EXPECT_THROW(host::solve_gap_sweep(executor(), scenes, host::Precision::fp64), ValueError);
+  EXPECT_THROW(host::solve_on_meshes(executor(), scenes, host::Precision::fp64), ValueError);
 }
 
 }  // namespace

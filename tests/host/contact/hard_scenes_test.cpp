@@ -10,6 +10,7 @@
 #include "fem/contact_laws.h"
 #include "fem/gap_reference.h"
 #include "fem/solution_difference.h"
+#include "host/contact/contact_stream.h"
 #include "host/contact/gap_sweep.h"
 #include "host/contact/scene_json.h"
 #include "host/contact/solve.h"
@@ -79,7 +80,7 @@ TEST(HardScenes, ADragThatTouchesNothingEndsAtOnce) {
   const fem::Scene both[] = {scene, touching};
   Executor executor{Device()};
   for (const Precision precision : {Precision::fp32, Precision::fp64}) {
-    const auto solutions = solve_gap_sweep(executor, both, precision, {});
+    const auto solutions = solve_on_meshes(executor, both, precision, {});
     EXPECT_EQ(solutions[0].steps.size(), 3u) << name(precision);
     EXPECT_FALSE(solutions[0].sliding);
     EXPECT_TRUE(converged(solutions[0]));
@@ -159,9 +160,9 @@ TEST(HardScenes, CertificatesInSinglePrecisionAreNotBetterThanTrue) {
   Executor executor{Device()};
   GapSweepOptions options;
   options.fallback = options.audit = false;
-  const auto unaudited = solve_gap_sweep(executor, std::span(&scene, 1), Precision::fp32, options).front();
+  const auto unaudited = solve_on_meshes(executor, std::span(&scene, 1), Precision::fp32, options).front();
   options.audit = true;
-  const auto solution = solve_gap_sweep(executor, std::span(&scene, 1), Precision::fp32, options).front();
+  const auto solution = solve_on_meshes(executor, std::span(&scene, 1), Precision::fp32, options).front();
   const std::vector<double> found = residuals_by_hand(scene, solution);
   EXPECT_TRUE(unaudited.steps[1].converged);
   EXPECT_GT(found[1], 1.7 * fem::largest(unaudited.steps[1].residual));
@@ -174,7 +175,7 @@ TEST(HardScenes, CertificatesInSinglePrecisionAreNotBetterThanTrue) {
     EXPECT_EQ(solution.steps[k].converged, solved) << k;
   }
   options.fallback = true;
-  const auto exact = solve_gap_sweep(executor, std::span(&scene, 1), Precision::fp32, options).front();
+  const auto exact = solve_on_meshes(executor, std::span(&scene, 1), Precision::fp32, options).front();
   EXPECT_TRUE(exact.fell_back);
   EXPECT_TRUE(converged(exact));
   EXPECT_LE(fem::base_force_difference(exact, fem::solve_gap_reference(scene)), 1e-8);
@@ -203,7 +204,7 @@ TEST(HardScenes, SeveralSolutionsAreNamed) {
   Executor executor{Device()};
   auto scenes = tactel::testing::random_scenes(tactel::testing::paper_mesh('B'), 150, 31);
   for (fem::Scene& scene : scenes) scene.friction = 100, scene.sensor.young = 2;
-  const auto found = solve_gap_sweep(executor, scenes, Precision::fp64, {.second_opinion = true});
+  const auto found = solve_on_meshes(executor, scenes, Precision::fp64, {.second_opinion = true});
   fem::GapReference reference(scenes.front().sensor);
   int different = 0;
   for (std::size_t i = 0; i < scenes.size(); ++i) {
@@ -215,7 +216,7 @@ TEST(HardScenes, SeveralSolutionsAreNamed) {
     EXPECT_TRUE(!differs || found[i].several) << i;
     different += differs;
     if (!differs && !found[i].several) continue;
-    const auto own = solve_gap_sweep(executor, std::span(&bonded, 1), Precision::fp64, {.second_opinion = true})[0];
+    const auto own = solve_on_meshes(executor, std::span(&bonded, 1), Precision::fp64, {.second_opinion = true})[0];
     EXPECT_TRUE(converged(own) && converged(limit)) << i;
     EXPECT_LE(fem::base_force_difference(own, limit), 1e-6) << i;
   }

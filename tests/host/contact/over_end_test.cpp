@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "host/contact/contact_fallback.h"
 #include "host/contact/mesh_error.h"
 #include "host/contact/patch_contact.h"
 #include "host/contact/solve.h"

@@ -15,6 +15,8 @@
 #include <random>
 
 #include "fem/layer/patch_solver.h"
+#include "host/contact/contact_fallback.h"
+#include "host/contact/contact_stream.h"
 #include "kernels/shared/contact_layout.h"
 #include "tests/host/contact/contact_cases.h"
 #include "tests/host/device/test_device.h"
@@ -311,7 +313,7 @@ TEST(PatchContact, TooSmallPatchIsFlaggedAndGrows) {
   EXPECT_EQ(batch.patch(0, PATCH_ORIGIN), -0.9);
   EXPECT_EQ(batch.patch(0, PATCH_OUT_RIGHT), 3);
   const PatchContact<double>::Batch::View view(batch);
-  const auto grown = grown_contact<double>(view, 0, 12);
+  const auto grown = patch_certificate(view.answer(0), 12).larger;
   ASSERT_TRUE(grown);
   EXPECT_NEAR(grown->right, 0.3 + 3.5 * 0.1, 1e-12);
 }
@@ -323,7 +325,7 @@ TEST(PatchContact, GrownPatchesAreCertified) {
   std::vector<fem::Scene> scenes = mixed_scenes(model.sensor, 150, 2);
   PatchContactReport report;
   const PatchContact<double> contact(executor(), model, {.accept = 2e-2});  // as the twin
-  const auto solutions = solve_patch_contact(contact, scenes, &report);
+  const auto solutions = solve_patch_contact(contact, scenes, {}, &report);
   EXPECT_GT(report.grown, 2u);
   EXPECT_LE(report.fell_back, scenes.size() / 20);
   EXPECT_LE(report.unsolved, scenes.size() / 30);
@@ -340,7 +342,7 @@ TEST(PatchContact, FallsBackWhereSweepsWereCutShort) {
   for (const auto& shape : all_shapes()) scenes.push_back({"", model.sensor, {shape, 0.2}, 0.5, reversal()});
   PatchContactReport report;
   const PatchContact<float> contact(executor(), model, {.most_sweeps = 3});
-  const auto solutions = solve_patch_contact(contact, scenes, &report);
+  const auto solutions = solve_patch_contact(contact, scenes, {}, &report);
   EXPECT_GE(report.fell_back, scenes.size() / 2);
   EXPECT_EQ(report.unsolved, 0u);
   for (const auto& solution : solutions)
@@ -366,11 +368,11 @@ TEST(PatchContact, LittleFrictionAndBondedCompressibleContactsAreSolved) {
       bonded.push_back(scene);
     }
   PatchContactReport report;
-  solve_patch_contact(PatchContact<float>(executor(), model, {.fallback = false}), angles, &report);
+  solve_patch_contact(PatchContact<float>(executor(), model, {.fallback = false}), angles, {}, &report);
   EXPECT_LE(report.unsolved, 1u);  // by sweeps alone
-  solve_patch_contact(PatchContact<float>(executor(), model), angles, &report);
+  solve_patch_contact(PatchContact<float>(executor(), model), angles, {}, &report);
   EXPECT_EQ(report.unsolved, 0u);
-  solve_patch_contact(PatchContact<float>(executor(), model), bonded, &report);
+  solve_patch_contact(PatchContact<float>(executor(), model), bonded, {}, &report);
   EXPECT_EQ(report.unsolved, 0u);
 }
 
@@ -379,9 +381,10 @@ TEST(PatchContact, ManySensorsInOneCall) {
   for (const double poisson : {0.3, 0.45})
     for (const auto& shape : all_shapes()) scenes.push_back({"", sensor_of(poisson), {shape, 0.0}, 0.5, reversal()});
   std::shuffle(scenes.begin(), scenes.end(), std::mt19937_64(3));
-  const auto together = solve_patch_contact(executor(), scenes, Precision::fp32);
+  const ContactStream stream(executor(), model_of(usual_patch()));
+  const auto together = stream.solve(scenes);
   for (std::size_t i = 0; i < scenes.size(); i += 7)
-    EXPECT_EQ(hash(together[i]), hash(solve_patch_contact(executor(), std::span(&scenes[i], 1), Precision::fp32)[0]));
+    EXPECT_EQ(hash(together[i]), hash(stream.solve(std::span(&scenes[i], 1))[0]));
 }
 
 TEST(PatchContact, NumberOfElementsWithoutProgramIsRefused) {

@@ -12,9 +12,11 @@
 
 #include "fem/layer/patch_solver.h"
 #include "fem/value_error.h"
+#include "host/contact/contact_fallback.h"
+#include "host/contact/contact_model.h"
 #include "host/contact/patch_contact.h"
 #include "host/contact/rung_for_many.h"
-#include "host/contact/solve_on_rung.h"
+#include "host/contact/sensor_tables.h"
 #include "tests/host/contact/contact_cases.h"
 
 namespace tactel::host {
@@ -273,7 +275,8 @@ TEST(PatchSensors, ThePlannerTriesThemOnTheirFamily) {
   const auto scenes = scenes_on_sensors(4, 5);
   const auto contact = [&](std::uint64_t k) { return scenes[k]; };
   const Plan chosen = plan_for_many(executor(), 0.9, {scenes.size(), contact, range});
-  const PatchContact<float> launcher(executor(), sensor_family(executor(), range), patch_options(chosen.rung));
+  const PatchContact<float> launcher(executor(), sensor_family(executor(), range),
+                                     std::get<PatchModel>(model_of(chosen.rung).surface).options);
   const auto expected = solve_patch_contact(launcher, scenes);
   ASSERT_EQ(chosen.answers.size(), scenes.size());
   for (std::size_t i = 0; i < scenes.size(); ++i) EXPECT_TRUE(same_bits(chosen.answers[i], expected[i])) << i;

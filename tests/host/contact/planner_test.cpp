@@ -7,6 +7,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "host/contact/contact_fallback.h"
+#include "host/contact/line_contacts.h"
 #include "host/contact/rung_error.h"
 #include "host/contact/rung_for_many.h"
 #include "host/contact/solve.h"
@@ -281,7 +283,7 @@ TEST(SolveOnRung, TheMeshAnswersWhatIsNotSolvedOnAPatch) {
   const Rung& rung = rung_named("patch-8");
   std::vector<fem::ContactSolution> answers(2, solve_on_rung(executor, std::vector{scene}, rung).front());
   answers[0].steps[1].converged = false;
-  finish_on_mesh(mesh_solver(executor, rung, true), std::vector{scene, scene}, rung, answers);
+  LineContacts(executor, model_of(rung)).finish(std::vector{scene, scene}, answers);
   EXPECT_EQ(answers[0].surface_width.size(), 0);
   EXPECT_EQ(answers[0].surface_x.size(), 81);
   EXPECT_EQ(answers[0].steps.size(), 3u);

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "host/contact/contact_fallback.h"
 #include "host/contact/patch_contact.h"
 #include "host/contact/solve.h"
 #include "tests/host/device/test_device.h"

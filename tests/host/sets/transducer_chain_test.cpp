@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-#include "host/contact/gap_sweep.h"
+#include "host/contact/contact_stream.h"
 #include "host/scenes/sweep_file.h"
 #include "host/sets/set_simulator.h"
 #include "host/support/errors.h"
@@ -163,7 +163,7 @@ TEST(TransducerSet, HoldsReadingsOfAllLoadSteps) {
   ASSERT_EQ(set.rows(), 40u * 6);
   for (std::size_t row = 0; row < set.rows(); row += 6) {
     const fem::Scene scene = sweep.source.contact(row / 6).scene;
-    const auto steps = solve_gap_sweep(executor(), std::span(&scene, 1), Precision::fp32, {})[0].steps;
+    const auto steps = solve_on_meshes(executor(), std::span(&scene, 1), Precision::fp32, {})[0].steps;
     nn::RowMatrix<double> stress(8, 16);
     for (int k = 0; k < 8; ++k) stress.row(k) << steps[k].sigma_y.transpose(), steps[k].tau_xy.transpose();
     const auto reading = nn::transducer_chain(sweep.source.transducer(), 3, row / 6, stress);

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "fem/contact_solution.h"
+#include "fem/scene.h"
+#include "host/device/buffer.h"
+#include "host/device/executor.h"
+
+namespace tactel::host {
+
+/// Common property of the scenes of a launch. Each kind has its own program, so that no scene pays for parts that
+/// it lacks. A scene takes the program of its kind regardless of its neighbours.
+struct ContactKind {
+  bool force = false;    ///< driven by force, not by depth
+  bool friction = true;  ///< mu > 0
+  auto operator<=>(const ContactKind&) const = default;
+};
+ContactKind kind_of(const fem::Scene& scene);
+
+/// Returns S of an increment in the kernel's precision, from mu, P (N/mm) and LANE_SLIP_INDEX: none where mu P = 0,
+/// 0 where friction is unlimited, as fem::slip_index.
+std::optional<double> slip_index(double mu, double P, double kernel_index);
+
+/// Returns the step of a scene with friction mu from a lane's LaneResultRow numbers, without forces of nodes and
+/// stresses.
+fem::ContactStep lane_step(const std::function<double(int row)>& row, double mu);
+
+/// The numbers of a scene in the outputs of a launch, in place, in either precision.
+class LaneAnswer {
+ public:
+  int steps = 0;              ///< of the scene's path
+  int indentation_steps = 0;  ///< of these the first
+  const fem::Sensor* sensor;  ///< of the scene; of a launch on one sensor its own, but for E
+  std::size_t stride = 1;     ///< from number to number
+
+  /// Returns one number of LaneResultRow.
+  double result(int step, int row) const { return number(results_, step, row); }
+  /// Returns one number of PatchRow; 0 on a mesh.
+  double patch(int row) const { return patch_.from ? number(patch_, 0, row) : 0; }
+  /// Returns the width of an element of the surface, mm.
+  double element() const;
+  /// Returns true where every step that ran met its tolerance.
+  bool solved() const;
+  /// Asks the memory for the results, and for the stresses, some time before they are read: contacts lie in the order
+  /// of lanes, which no processor foresees. Does nothing where lanes take turns.
+  void fetch_results() const { fetch(results_); }
+  void fetch_stresses() const { fetch(stresses_); }
+  /// [2 tactels]: sigma_y of every tactel, then tau_xy, MPa.
+  template <class Number>
+  void tactels(int step, std::span<Number> stress) const {
+    if (fp64_)
+      copy(static_cast<const double*>(stresses_.from), step, stress);
+    else
+      copy(static_cast<const float*>(stresses_.from), step, stress);
+  }
+
+ private:
+  template <class Real>
+  friend class ContactBatch;
+  struct Numbers {
+    const void* from = nullptr;
+    std::size_t rows = 0;  ///< of a load step
+  };
+  double number(const Numbers& of, int step, int row) const {
+    const std::size_t at = (static_cast<std::size_t>(step) * of.rows + static_cast<std::size_t>(row)) * stride;
+    return fp64_ ? static_cast<const double*>(of.from)[at] : double{static_cast<const float*>(of.from)[at]};
+  }
+  template <class Real, class Number>
+  void copy(const Real* from, int step, std::span<Number> to) const {
+    from += static_cast<std::size_t>(step) * stresses_.rows * stride;
+    if (stride == 1)
+      for (std::size_t k = 0; k < to.size(); ++k) to[k] = static_cast<Number>(from[k]);
+    else
+      for (std::size_t k = 0; k < to.size(); ++k) to[k] = static_cast<Number>(from[k * stride]);
+  }
+  void fetch(const Numbers& of) const {
+    constexpr std::size_t line = 64;
+    const std::size_t bytes = static_cast<std::size_t>(steps) * of.rows * (fp64_ ? sizeof(double) : sizeof(float));
+    if (stride == 1)
+      for (std::size_t k = 0; k < bytes; k += line) __builtin_prefetch(static_cast<const char*>(of.from) + k);
+  }
+
+  Numbers results_, stresses_, patch_;
+  bool fp64_ = false;
+};
+
+/// Numbers of lanes on a device, [lanes / tile][rows][tile]: those of a tile's lanes lie side by side.
+template <class Real>
+struct LaneArray {
+  LaneArray() = default;
+  LaneArray(const Device& device, std::size_t lanes, std::size_t tile, std::size_t rows)
+      : numbers(device, std::max<std::size_t>(lanes * rows, 1)), tile(tile), rows(rows) {}
+  std::size_t at(std::size_t lane, std::size_t row) const { return ((lane / tile) * rows + row) * tile + lane % tile; }
+  /// Writes the first numbers of a lane.
+  void put(std::span<Real> all, std::size_t lane, std::span<const Real> numbers_of_lane) const {
+    Real* to = &all[at(lane, 0)];
+    for (const Real number : numbers_of_lane) *to = number, to += tile;
+  }
+
+  Buffer<Real> numbers;
+  std::size_t tile = 1, rows = 0;
+};
+
+/// Scenes on their way into a batch: the numbers that a kernel takes of each.
+template <class Real>
+struct LaneScenes {
+  struct One {
+    int steps = 0, indentation_steps = 0;
+    int increments = 0;  ///< targets of the kernel: the steps, and those between them
+    double friction = 0, young = 0, position = 0;
+    std::size_t targets_at = 0;
+  };
+  std::size_t size() const { return scenes.size(); }
+
+  ContactKind kind;
+  std::vector<One> scenes;
+  std::vector<Real> inputs;          ///< [scenes][input rows]
+  std::vector<Real> targets;         ///< [increments of all][path rows]
+  std::vector<fem::Sensor> sensors;  ///< one, or [scenes]
+
+ protected:
+  /// Throws std::invalid_argument where the ContactKind is not that of the first.
+  void begin(const fem::Scene& scene, const fem::LoadPath& path, std::size_t increments);
+};
+
+/// Scenes with their load paths laid out in lanes, all of one ContactKind. Copies share the scenes.
+template <class Real>
+class ContactBatch {
+ public:
+  struct State;
+  class View;
+  explicit ContactBatch(std::shared_ptr<State> state) : state_(std::move(state)) {}
+
+  void run(const RunOptions& options = {});  ///< one launch
+  std::size_t size() const;                  ///< scenes
+  int steps() const;                         ///< of the longest path
+  std::size_t steps_in_all() const;          ///< load steps of all scenes
+  double seconds() const;                    ///< of the last run
+  void fill_outputs(Real value);             ///< sets all outputs before a run; tests use NaN
+  void fill_unused(Real value);              ///< the same for lanes without a scene and targets behind a path's end
+  /// Returns the answer of the kernel for scene `i`, in the order of prepare(). For many scenes use a View.
+  fem::ContactSolution solution(std::size_t i) const;
+  double result(std::size_t i, int step, int row) const;  ///< one number of LaneResultRow
+  double output(std::size_t i, int step, int row) const;  ///< one output row: of meshes base forces, then tactels
+  double patch(std::size_t i, int row) const;             ///< one number of PatchRow
+  State& state() { return *state_; }
+
+ private:
+  std::shared_ptr<State> state_;
+};
+
+/// The outputs in place, without copies. The batch must not run during the life of a view.
+template <class Real>
+class ContactBatch<Real>::View {
+ public:
+  explicit View(const ContactBatch& batch);
+  /// Returns one number of LaneResultRow for a scene's step; LANE_NOT_RUN after the last that ran.
+  Real result(std::size_t i, int step, int row) const;
+  Real output(std::size_t i, int step, int row) const;  ///< as of the batch
+  Real force(std::size_t i, int step, int row) const;   ///< one number of the elements of the surface
+  Real patch(std::size_t i, int row) const;             ///< one number of PatchRow
+  /// Returns the numbers of a scene, which are valid as long as the view.
+  LaneAnswer answer(std::size_t i) const;
+  /// Returns how many scenes share a place: their numbers take turns in memory. 1: those of a scene lie together.
+  std::size_t interleaved() const;
+  int path_steps(std::size_t i) const;
+  int indentation_steps(std::size_t i) const;  ///< of these the first
+  /// Returns the scenes in the order of memory, in which reading many is fast.
+  std::span<const std::size_t> by_lane() const;
+  /// Returns the answer of the kernel for scene `i`.
+  fem::ContactSolution solution(std::size_t i) const;
+
+ private:
+  std::shared_ptr<State> state_;
+  typename Buffer<Real>::Mapping results_, outputs_, forces_, patches_;
+};
+
+/// What a launcher makes of its scenes: it sets all members and the launch.
+template <class Real>
+struct ContactBatch<Real>::State {
+  virtual ~State() = default;
+  /// Returns the answer of the kernel for scene `i`.
+  virtual fem::ContactSolution solution(const View& view, std::size_t i) const = 0;
+
+  /// Takes the scenes, and lays them out in the order of lanes, `lanes` a group and as many groups side by side as
+  /// numbers are interleaved. `order`: [scenes] scene in a lane.
+  void lay_out(Executor& on, LaneScenes<Real>&& from, std::vector<std::size_t> lane_order, std::size_t lanes,
+               std::size_t interleaved, std::size_t input_rows, std::size_t path_rows);
+  const fem::Sensor& sensor(std::size_t i) const { return sensors[sensors.size() == 1 ? 0 : i]; }
+  const Device& device() const { return executor->device(); }
+
+  Executor* executor = nullptr;
+  std::vector<typename LaneScenes<Real>::One> scenes;
+  std::vector<fem::Sensor> sensors;                              ///< one, or [scenes]
+  std::vector<std::size_t> order, place;                         ///< [scenes] scene in a lane, lane of a scene
+  int steps = 0, increments = 0;                                 ///< of the longest path
+  std::size_t groups = 0, lanes = 0;                             ///< groups that run; lanes of all arrays
+  std::size_t path_rows = 0;                                     ///< of an increment
+  std::size_t result_rows = 0, output_rows = 0, force_rows = 0;  ///< of a load step
+  std::size_t stresses_from = 0;                                 ///< output row
+  LaneArray<Real> path, input;
+  std::vector<LaneArray<Real>> more_inputs;  ///< that lanes without a scene have, too
+  LaneArray<Real> results, outputs, forces, patches;
+  Launch launch;
+  double seconds = 0;
+};
+
+extern template struct LaneScenes<float>;
+extern template struct LaneScenes<double>;
+extern template class ContactBatch<float>;
+extern template class ContactBatch<double>;
+
+}  // namespace tactel::host

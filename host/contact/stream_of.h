@@ -1,0 +1,339 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <future>
+#include <list>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "host/contact/contact_batch.h"
+#include "host/contact/sensor_tables.h"
+#include "host/device/executor.h"
+
+namespace tactel::host {
+
+/// Scenes of one launch: they are added, laid out in lanes, run and read.
+template <class Contacts>
+class ContactLaunch {
+ public:
+  virtual ~ContactLaunch() = default;
+  virtual void add(const typename Contacts::Scene& scene, const typename Contacts::Path& path) = 0;
+  virtual void lay_out() = 0;
+  virtual void run(const RunOptions& options) = 0;
+  virtual void open() = 0;                                   ///< for reading, until the launch ends
+  virtual LaneAnswer answer(std::size_t i) const = 0;        ///< of scene i, in the order of add()
+  virtual std::span<const std::size_t> by_lane() const = 0;  ///< scenes in the order of memory
+  virtual std::size_t steps() const = 0;                     ///< load steps of all scenes
+  virtual double seconds() const = 0;                        ///< of the run
+};
+
+/// The launch of a kernel's launcher, which has Scenes, a Batch and prepare() (GapSweep, PatchContact).
+template <class Contacts, class Launcher>
+class LaunchOf final : public ContactLaunch<Contacts> {
+ public:
+  explicit LaunchOf(const Launcher& launcher) : launcher_(launcher), scenes_(launcher) {}
+  void add(const typename Contacts::Scene& scene, const typename Contacts::Path& path) override {
+    scenes_.push_back(scene, path);
+  }
+  void lay_out() override {
+    if constexpr (requires { launcher_.prepare(std::move(scenes_), false); })
+      batch_.emplace(launcher_.prepare(std::move(scenes_), false));  // without forces of elements
+    else
+      batch_.emplace(launcher_.prepare(std::move(scenes_)));
+  }
+  void run(const RunOptions& options) override { batch_->run(options); }
+  void open() override { view_.emplace(*batch_); }
+  LaneAnswer answer(std::size_t i) const override { return view_->answer(i); }
+  std::span<const std::size_t> by_lane() const override { return view_->by_lane(); }
+  std::size_t steps() const override { return batch_->steps_in_all(); }
+  double seconds() const override { return batch_->seconds(); }
+
+ private:
+  Launcher launcher_;
+  typename Launcher::Scenes scenes_;
+  std::optional<typename Launcher::Batch> batch_;
+  std::optional<typename Launcher::Batch::View> view_;
+};
+
+/// A model of contact on one sensor: its launches, the worth of their answers, and the way back.
+template <class Contacts>
+class SensorSolver {
+ public:
+  using Scene = typename Contacts::Scene;
+  virtual ~SensorSolver() = default;
+  virtual std::unique_ptr<ContactLaunch<Contacts>> launch() const = 0;
+  /// Returns true where the certificate of an answer holds.
+  virtual bool holds(const LaneAnswer& answer) const = 0;
+  /// Solves scenes with all their forces, and by other means what the kernel does not solve. `known`: the answers of a
+  /// launch, which do not hold; empty: there was none.
+  virtual std::vector<typename Contacts::Solution> solve(std::span<const Scene> scenes,
+                                                         std::span<const LaneAnswer> known) const = 0;
+};
+
+/// Scenes in, answers to a sink. The stream groups scenes by launch, lays them out, launches them beside the ones
+/// before, checks certificates, and solves again what does not hold. Answers depend on their scene alone. Threads may
+/// use one stream at once.
+template <class Contacts>
+class StreamOf {
+ public:
+  using Scene = typename Contacts::Scene;
+  using Sensor = typename Contacts::Sensor;
+  using Solution = typename Contacts::Solution;
+  using Key = typename Contacts::Key;
+  using Solver = SensorSolver<Contacts>;
+  /// Takes the answer of scene i in place.
+  using LaneSink = std::function<void(std::size_t i, const LaneAnswer& answer)>;
+  /// Takes the answer of a scene that was solved again.
+  using SolutionSink = std::function<void(std::size_t i, Solution&& solution)>;
+
+  StreamOf(Executor& executor, typename Contacts::Model model)
+      : executor_(executor), contacts_(executor, std::move(model)) {}
+
+  /// Makes the tables of these sensors beforehand, on all threads, and keeps them.
+  void keep(std::span<const Sensor> sensors);
+
+  /// Scenes of a part of the stream, in its launches.
+  class Part {
+   public:
+    std::size_t size() const { return places_.size(); }
+    std::size_t steps() const;  ///< load steps of all scenes
+    double seconds() const;     ///< in kernels
+    void lay_out();
+    void run(const RunOptions& options = {});
+    /// Calls visit(i, answer) for all scenes in the order in which memory is read fast. `stresses`: they are read, too.
+    template <class Visit>
+    void each(bool stresses, const Visit& visit) const;
+    LaneAnswer answer(std::size_t i) const { return launches_[places_[i].launch].launch->answer(places_[i].i); }
+
+   private:
+    friend class StreamOf;
+    struct Launched {
+      Key key;
+      std::shared_ptr<const Solver> solver;
+      std::unique_ptr<ContactLaunch<Contacts>> launch;
+      std::size_t longest = 0;           ///< steps of a scene
+      std::vector<std::size_t> which{};  ///< scenes
+    };
+    struct Place {
+      std::uint32_t launch = 0, i = 0;
+    };
+    void open();
+    std::vector<Launched> launches_;
+    std::vector<Place> places_;       ///< [scenes]
+    std::vector<std::size_t> order_;  ///< of reading; empty: that of the scenes
+  };
+  void add(Part& part, const Scene& scene, const typename Contacts::Path& path) const;
+  /// Gives the answers of a part that has run: lane() where the certificate holds, then solution(). `scene`: returns
+  /// scene i. The part can be read until it ends.
+  void collect(Part& part, const std::function<Scene(std::size_t i)>& scene, const LaneSink& lane,
+               const SolutionSink& solution) const;
+
+  /// Solves scenes with all their forces. Throws ValueError for an invalid scene.
+  std::vector<Solution> solve(std::span<const Scene> scenes) const;
+  /// Solves many scenes without their forces, part by part. The sinks are called in one other thread. Returns false
+  /// where progress, in scenes, did.
+  bool solve(std::span<const Scene> scenes, const LaneSink& lane, const SolutionSink& solution,
+             const std::function<bool(std::size_t done)>& progress) const;
+
+ private:
+  using Groups = std::vector<std::vector<std::size_t>>;
+  Groups alike(std::span<const Scene> scenes) const;
+  std::shared_ptr<const Solver> solver(const Key& key, const Sensor& sensor) const;
+
+  /// Lanes times load steps of a launch, at most: some 60 MB of results.
+  static constexpr std::size_t most_lane_steps = 1u << 18, most_scenes_of_a_part = 8192;
+  /// Contacts between the request of an answer and its use: some 5 kB.
+  static constexpr std::size_t fetched_ahead = 2;
+
+  Executor& executor_;
+  Contacts contacts_;
+  std::size_t most_kept_ = 16;
+  mutable std::mutex turn_;                                                                  ///< of the next
+  mutable std::list<std::pair<decltype(Key::sensor), std::shared_ptr<const Solver>>> kept_;  ///< the last used first
+};
+
+template <class Contacts>
+void StreamOf<Contacts>::keep(std::span<const Sensor> sensors) {
+  std::map<decltype(Key::sensor), const Sensor*> distinct;
+  for (const Sensor& sensor : sensors) distinct.try_emplace(contacts_.key(sensor, {}).sensor, &sensor);
+  const std::vector<std::pair<decltype(Key::sensor), const Sensor*>> all(distinct.begin(), distinct.end());
+  most_kept_ = std::max(most_kept_, all.size());
+  make_tables(executor_, all.size(), [&](std::size_t k) {
+    auto made = contacts_.solver(*all[k].second);
+    const std::lock_guard lock(turn_);
+    kept_.emplace_front(all[k].first, std::move(made));
+  });
+}
+
+template <class Contacts>
+auto StreamOf<Contacts>::solver(const Key& key, const Sensor& sensor) const -> std::shared_ptr<const Solver> {
+  const std::lock_guard lock(turn_);
+  const auto found = std::ranges::find(kept_, key.sensor, [](const auto& kept) { return kept.first; });
+  if (found != kept_.end()) {
+    kept_.splice(kept_.begin(), kept_, found);
+  } else {
+    kept_.emplace_front(key.sensor, contacts_.solver(sensor));
+    if (kept_.size() > most_kept_) kept_.pop_back();
+  }
+  return kept_.front().second;
+}
+
+template <class Contacts>
+std::size_t StreamOf<Contacts>::Part::steps() const {
+  return std::accumulate(launches_.begin(), launches_.end(), std::size_t{0},
+                         [](std::size_t sum, const Launched& of) { return sum + of.launch->steps(); });
+}
+
+template <class Contacts>
+double StreamOf<Contacts>::Part::seconds() const {
+  return std::accumulate(launches_.begin(), launches_.end(), 0.0,
+                         [](double sum, const Launched& of) { return sum + of.launch->seconds(); });
+}
+
+template <class Contacts>
+void StreamOf<Contacts>::Part::lay_out() {
+  for (Launched& of : launches_) of.launch->lay_out();
+}
+
+template <class Contacts>
+void StreamOf<Contacts>::Part::run(const RunOptions& options) {
+  for (Launched& of : launches_) of.launch->run(options);
+}
+
+/// Where lanes take turns in memory they are read as they lie there; else in the order of the scenes.
+template <class Contacts>
+void StreamOf<Contacts>::Part::open() {
+  for (Launched& of : launches_) {
+    of.launch->open();
+    if (of.launch->answer(0).stride == 1) continue;
+    for (const std::size_t i : of.launch->by_lane()) order_.push_back(of.which[i]);
+  }
+}
+
+template <class Contacts>
+template <class Visit>
+void StreamOf<Contacts>::Part::each(bool stresses, const Visit& visit) const {
+  const auto scene_at = [&](std::size_t place) { return order_.empty() ? place : order_[place]; };
+  for (std::size_t place = 0; place < size(); ++place) {
+    const LaneAnswer ahead = answer(scene_at(std::min(place + fetched_ahead, size() - 1)));
+    ahead.fetch_results();
+    if (stresses) ahead.fetch_stresses();
+    visit(scene_at(place), answer(scene_at(place)));
+  }
+}
+
+template <class Contacts>
+void StreamOf<Contacts>::add(Part& part, const Scene& scene, const typename Contacts::Path& path) const {
+  const Key key = contacts_.key(scene);
+  const std::size_t steps = path.steps.size();
+  std::size_t l = part.launches_.size();
+  while (l > 0 && part.launches_[l - 1].key != key) --l;
+  if (l == 0 ||
+      (part.launches_[l - 1].which.size() + 1) * std::max(steps, part.launches_[l - 1].longest) > most_lane_steps) {
+    auto own = solver(key, scene.sensor);
+    auto launch = own->launch();
+    part.launches_.push_back({key, std::move(own), std::move(launch)});
+    l = part.launches_.size();
+  }
+  auto& of = part.launches_[l - 1];
+  of.launch->add(scene, path);
+  of.longest = std::max(of.longest, steps);
+  part.places_.push_back({static_cast<std::uint32_t>(l - 1), static_cast<std::uint32_t>(of.which.size())});
+  of.which.push_back(part.places_.size() - 1);
+}
+
+template <class Contacts>
+void StreamOf<Contacts>::collect(Part& part, const std::function<Scene(std::size_t)>& scene, const LaneSink& lane,
+                                 const SolutionSink& solution) const {
+  part.open();
+  Groups others(part.launches_.size());
+  part.each(false, [&](std::size_t i, const LaneAnswer& answer) {
+    const std::size_t launch = part.places_[i].launch;
+    if (part.launches_[launch].solver->holds(answer))
+      lane(i, answer);
+    else
+      others[launch].push_back(i);
+  });
+  for (std::size_t launch = 0; launch < others.size(); ++launch) {
+    if (others[launch].empty()) continue;
+    std::vector<Scene> scenes;
+    std::vector<LaneAnswer> known;
+    for (const std::size_t i : others[launch]) scenes.push_back(scene(i)), known.push_back(part.answer(i));
+    std::vector<Solution> solutions = part.launches_[launch].solver->solve(scenes, known);
+    contacts_.finish(scenes, solutions);
+    for (std::size_t k = 0; k < scenes.size(); ++k) solution(others[launch][k], std::move(solutions[k]));
+  }
+}
+
+/// Groups of scenes with equal keys, in the order of their first scene.
+template <class Contacts>
+auto StreamOf<Contacts>::alike(std::span<const Scene> scenes) const -> Groups {
+  Groups groups;
+  std::map<Key, std::size_t> places;
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const auto [place, is_new] = places.try_emplace(contacts_.key(scenes[i]), groups.size());
+    if (is_new) groups.emplace_back();
+    groups[place->second].push_back(i);
+  }
+  return groups;
+}
+
+template <class Contacts>
+auto StreamOf<Contacts>::solve(std::span<const Scene> scenes) const -> std::vector<Solution> {
+  for (const Scene& scene : scenes) scene.validate();
+  std::vector<Solution> all(scenes.size());
+  for (const auto& which : alike(scenes)) {
+    std::vector<Scene> copies;
+    if (which.size() < scenes.size())
+      for (const std::size_t i : which) copies.push_back(scenes[i]);
+    const std::span<const Scene> group = copies.empty() ? scenes : copies;
+    const Scene& first = group.front();
+    std::vector<Solution> solutions = solver(contacts_.key(first), first.sensor)->solve(group, {});
+    contacts_.finish(group, solutions);
+    for (std::size_t k = 0; k < which.size(); ++k) all[which[k]] = std::move(solutions[k]);
+  }
+  return all;
+}
+
+template <class Contacts>
+bool StreamOf<Contacts>::solve(std::span<const Scene> scenes, const LaneSink& lane, const SolutionSink& solution,
+                               const std::function<bool(std::size_t)>& progress) const {
+  std::vector<std::size_t> order;
+  for (const auto& group : alike(scenes)) order.insert(order.end(), group.begin(), group.end());
+  const auto begin = [&](std::size_t first) {
+    return std::async(std::launch::async, [&, first] {
+      Part part;
+      for (std::size_t k = first; k < std::min(first + most_scenes_of_a_part, order.size()); ++k)
+        add(part, scenes[order[k]], Contacts::path(scenes[order[k]]));
+      part.lay_out();
+      return part;
+    });
+  };
+  const auto gather = [&](Part& part, std::size_t first) {
+    collect(
+        part, [&](std::size_t k) { return scenes[order[first + k]]; },
+        [&](std::size_t k, const LaneAnswer& answer) { lane(order[first + k], answer); },
+        [&](std::size_t k, Solution&& solved) { solution(order[first + k], std::move(solved)); });
+  };
+  std::future<void> gathered;
+  std::future<Part> next;
+  for (std::size_t first = 0; first < order.size(); first += most_scenes_of_a_part) {
+    if (!progress(first)) return false;
+    auto part = std::make_shared<Part>(first == 0 ? begin(0).get() : next.get());
+    if (first + most_scenes_of_a_part < order.size()) next = begin(first + most_scenes_of_a_part);
+    part->run();
+    if (gathered.valid()) gathered.get();
+    gathered = std::async(std::launch::async, [&gather, part, first] { gather(*part, first); });
+  }
+  if (gathered.valid()) gathered.get();
+  return true;
+}
+
+}  // namespace tactel::host
