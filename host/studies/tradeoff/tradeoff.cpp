@@ -7,6 +7,7 @@
 #include <chrono>
 #include <functional>
 
+#include "host/contact/contact_model.h"
 #include "host/contact/gap_sweep.h"
 #include "host/contact/patch_contact.h"
 #include "host/contact/solve_on_rung.h"
