@@ -16,17 +16,13 @@
 #include "host/contact/rung_for_many.h"
 #include "host/contact/solve_on_rung.h"
 #include "tests/host/contact/contact_cases.h"
+#include "tests/host/device/test_device.h"
 
 namespace tactel::host {
 namespace {
 
 using tactel::testing::random_force_scenes;
 using tactel::testing::random_scenes;
-
-Executor& executor() {
-  static Executor executor{Device()};
-  return executor;
-}
 
 constexpr fem::SensorRange range{.poisson_low = 0.3, .poisson_high = 0.499, .longest = 14};
 
@@ -272,7 +268,7 @@ TEST(PatchSensors, AFamilyOfOnePoissonIsItsSensor) {
 TEST(PatchSensors, ThePlannerTriesThemOnTheirFamily) {
   const auto scenes = scenes_on_sensors(4, 5);
   const auto contact = [&](std::uint64_t k) { return scenes[k]; };
-  const Plan chosen = plan_for_many(executor(), 0.9, {scenes.size(), contact, range});
+  const RungChoice chosen = plan_for_many(executor(), 0.9, {scenes.size(), contact, range});
   const PatchContact<float> launcher(executor(), sensor_family(executor(), range), patch_options(chosen.rung));
   const auto expected = solve_patch_contact(launcher, scenes);
   ASSERT_EQ(chosen.answers.size(), scenes.size());
