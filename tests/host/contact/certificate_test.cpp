@@ -10,19 +10,16 @@
 #include "host/contact/contact_stream.h"
 #include "host/contact/gap_sweep.h"
 #include "tests/host/contact/contact_cases.h"
+#include "tests/host/device/test_device.h"
 
 namespace {
 
 using namespace tactel;
 using fem::base_force_difference;
+using host::executor;
 using tactel::testing::paper_mesh;
 using tactel::testing::random_force_scenes;
 using tactel::testing::random_scenes;
-
-host::Executor& executor() {
-  static host::Executor executor{host::Device()};
-  return executor;
-}
 
 /// Walks along a solution; residual() is that of the step just taken.
 class Auditor {

@@ -17,20 +17,17 @@
 #include "host/contact/contact_stream.h"
 #include "kernels/shared/contact_layout.h"
 #include "tests/host/contact/contact_cases.h"
+#include "tests/host/device/test_device.h"
 
 namespace {
 
 using namespace tactel;
 using fem::base_force_difference;
+using host::executor;
 using tactel::testing::all_shapes;
 using tactel::testing::paper_mesh;
 using tactel::testing::random_scenes;
 using tactel::testing::reversal;
-
-host::Executor& executor() {
-  static host::Executor executor{host::Device()};
-  return executor;
-}
 
 const std::vector<double> all_nu{0, 0.3, 0.45, 0.49, 0.4999}, all_mu{0, 0.2, 0.5, 1, 5};
 

@@ -31,11 +31,6 @@ using tactel::testing::reversal;
 
 constexpr double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
 
-Executor& executor() {
-  static Executor executor{Device()};
-  return executor;
-}
-
 fem::Sensor sensor_of(double poisson) {
   fem::Sensor sensor;
   sensor.poisson = poisson;

@@ -18,17 +18,13 @@
 #include "host/contact/rung_for_many.h"
 #include "host/contact/sensor_tables.h"
 #include "tests/host/contact/contact_cases.h"
+#include "tests/host/device/test_device.h"
 
 namespace tactel::host {
 namespace {
 
 using tactel::testing::random_force_scenes;
 using tactel::testing::random_scenes;
-
-Executor& executor() {
-  static Executor executor{Device()};
-  return executor;
-}
 
 constexpr fem::SensorRange range{.poisson_low = 0.3, .poisson_high = 0.499, .longest = 14};
 
@@ -274,7 +270,7 @@ TEST(PatchSensors, AFamilyOfOnePoissonIsItsSensor) {
 TEST(PatchSensors, ThePlannerTriesThemOnTheirFamily) {
   const auto scenes = scenes_on_sensors(4, 5);
   const auto contact = [&](std::uint64_t k) { return scenes[k]; };
-  const Plan chosen = plan_for_many(executor(), 0.9, {scenes.size(), contact, range});
+  const RungChoice chosen = plan_for_many(executor(), 0.9, {scenes.size(), contact, range});
   const PatchContact<float> launcher(executor(), sensor_family(executor(), range),
                                      std::get<PatchModel>(model_of(chosen.rung).surface).options);
   const auto expected = solve_patch_contact(launcher, scenes);

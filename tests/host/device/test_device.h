@@ -17,6 +17,12 @@ inline const Device& device(const std::string& choice = "basic") {
   return found != opened.end() ? found->second : opened.emplace(choice, Device(choice)).first->second;
 }
 
+/// Of all threads on the default device.
+inline Executor& executor() {
+  static Executor executor{Device()};
+  return executor;
+}
+
 /// `basic` with each number of lanes that a device may have, and as single contacts run on it.
 inline std::vector<Device> devices_of_all_lanes() {
   const Device basic("basic");

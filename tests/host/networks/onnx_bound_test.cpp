@@ -122,12 +122,8 @@ TEST(OnnxBound, IsReadBackAsItWas) {
   EXPECT_EQ(read.bound->seed, 77u);
 }
 
-// Files with a matching checksum whose tables have other sizes, types or numbers.
-TEST(OnnxBound, RefusesOtherTables) {
-  const auto shorter = [](onnx::TensorProto& tensor) {
-    tensor.set_raw_data(tensor.raw_data().substr(4));
-    tensor.set_dims(0, tensor.dims(0) - 1);
-  };
+// Files with a matching checksum whose tables hold other numbers (of other changes: CraftedNetworks).
+TEST(OnnxBound, RefusesOtherNumbers) {
   const auto not_finite = [](onnx::TensorProto& tensor) {
     const float nan = NAN;
     std::string raw = tensor.raw_data();
@@ -135,21 +131,8 @@ TEST(OnnxBound, RefusesOtherTables) {
     tensor.set_raw_data(raw);
   };
   for (const char* name : {"upper_corrections", "interval_corrections", "centre", "whitening", "unlike_above",
-                           "touching_edges", "slip_index_edges", "width_edges", "distance_edges"}) {
-    if (std::string(name) != "unlike_above") {
-      EXPECT_THAT(refusal(name, shorter), ::testing::HasSubstr("must be")) << name;
-    }
+                           "touching_edges", "slip_index_edges", "width_edges", "distance_edges"})
     EXPECT_THAT(refusal(name, not_finite), ::testing::HasSubstr("must be")) << name;
-    EXPECT_THAT(refusal(name, [](onnx::TensorProto& tensor) { tensor.set_name("other"); }),
-                ::testing::HasSubstr("must be"))
-        << name;
-    EXPECT_THAT(refusal(name, [](onnx::TensorProto& tensor) { tensor.set_data_type(onnx::TensorProto::DOUBLE); }),
-                ::testing::HasSubstr("must be"))
-        << name;
-    EXPECT_THAT(refusal(name, [](onnx::TensorProto& tensor) { tensor.clear_raw_data(); }),
-                ::testing::HasSubstr("must be"))
-        << name;
-  }
   const auto seven = [](onnx::TensorProto& tensor) {
     const std::int64_t number = 7;
     tensor.set_raw_data(&number, sizeof number);

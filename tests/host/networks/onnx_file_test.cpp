@@ -188,21 +188,11 @@ TEST_F(OnnxFile, RefusesModelsThatTactelDidNotWrite) {
   put(bare.SerializeAsString());
   EXPECT_THAT(message(), ::testing::HasSubstr("metadata"));
 
-  onnx::ModelProto changed = parsed(some_model("16-16-8-1", ScalingKind::set));
-  changed.mutable_graph()->mutable_node(2)->set_op_type("Relu");
-  put(changed.SerializeAsString());
-  EXPECT_THAT(message(), ::testing::HasSubstr("of another form"));
-
   onnx::ModelProto other = parsed(some_model("16-16-8-1", ScalingKind::set));
   for (onnx::StringStringEntryProto& entry : *other.mutable_metadata_props())
     if (entry.key() == "topology") entry.set_value("16-16-9-1");
   put(other.SerializeAsString());
   EXPECT_THAT(message(), ::testing::HasSubstr("damaged"));
-
-  onnx::ModelProto newer = parsed(some_model("16-16-8-1", ScalingKind::set));
-  newer.mutable_opset_import(0)->set_version(17);
-  put(newer.SerializeAsString());
-  EXPECT_THAT(message(), ::testing::HasSubstr("another form"));
 }
 
 // Joining two halves of a message gives its fields another order, which means nothing.
@@ -230,21 +220,14 @@ onnx::TensorProto& initializer(onnx::ModelProto& model, const std::string& name)
   throw std::runtime_error("no initializer " + name);
 }
 
-// Every one of these once more with a right checksum: what keeps them out is then not the checksum. None may crash,
-// hang, or ask for memory by a number that the file names.
+// Beside the changes of single fields (CraftedNetworks): none may crash, hang, or ask for memory by a number that the
+// file names, once more with a right checksum.
 TEST_F(OnnxFile, CraftedFilesAreRefused) {
   const std::vector<Crafted> all = {
       {"huge dimension", [](auto& m) { initializer(m, "weight1").set_dims(0, std::int64_t{1} << 62); }},
       {"negative dimension", [](auto& m) { initializer(m, "weight1").set_dims(1, -16); }},
-      {"no dimensions", [](auto& m) { initializer(m, "weight2").clear_dims(); }},
-      {"missing weights", [](auto& m) { initializer(m, "weight2").set_name("weight9"); }},
-      {"missing bias", [](auto& m) { m.mutable_graph()->mutable_initializer()->RemoveLast(); }},
-      {"no initializers", [](auto& m) { m.mutable_graph()->clear_initializer(); }},
       {"too little data", [](auto& m) { initializer(m, "bias1").mutable_raw_data()->resize(3); }},
       {"too much data", [](auto& m) { initializer(m, "bias1").mutable_raw_data()->append(64, 'x'); }},
-      {"data elsewhere", [](auto& m) { initializer(m, "weight1").clear_raw_data(); }},
-      {"of doubles", [](auto& m) { initializer(m, "weight1").set_data_type(onnx::TensorProto::DOUBLE); }},
-      {"twice the same name", [](auto& m) { *m.mutable_graph()->add_initializer() = initializer(m, "bias1"); }},
       {"NaN",
        [](auto& m) {
          const float nan = std::numeric_limits<float>::quiet_NaN();
@@ -255,12 +238,6 @@ TEST_F(OnnxFile, CraftedFilesAreRefused) {
          const float infinity = std::numeric_limits<float>::infinity();
          std::memcpy(initializer(m, "bias2").mutable_raw_data()->data(), &infinity, sizeof infinity);
        }},
-      {"cycle", [](auto& m) { m.mutable_graph()->mutable_node(0)->set_input(0, "slip_index"); }},
-      {"node more", [](auto& m) { *m.mutable_graph()->add_node() = m.graph().node(0); }},
-      {"no nodes", [](auto& m) { m.mutable_graph()->clear_node(); }},
-      {"other operator", [](auto& m) { m.mutable_graph()->mutable_node(2)->set_op_type("Relu"); }},
-      {"no input", [](auto& m) { m.mutable_graph()->clear_input(); }},
-      {"two outputs", [](auto& m) { *m.mutable_graph()->add_output() = m.graph().output(0); }},
       {"graph in an attribute",
        [](auto& m) {
          onnx::AttributeProto& attribute = *m.mutable_graph()->mutable_node(0)->add_attribute();
@@ -268,23 +245,14 @@ TEST_F(OnnxFile, CraftedFilesAreRefused) {
          onnx::GraphProto* inner = attribute.mutable_g();
          for (int depth = 0; depth < 20; ++depth) inner = inner->add_node()->add_attribute()->mutable_g();
        }},
-      {"topology of another", [](auto& m) { metadata(m, "topology") = "16-16-9-1"; }},
       {"huge topology", [](auto& m) { metadata(m, "topology") = "2147483646-9999-1"; }},
       {"long topology", [](auto& m) { metadata(m, "topology") = std::string(1 << 20, '1'); }},
-      {"seed of text", [](auto& m) { metadata(m, "seed") = "seven"; }},
-      {"seed out of range", [](auto& m) { metadata(m, "seed") = "99999999999999999999999"; }},
-      {"noise NaN", [](auto& m) { metadata(m, "noise") = "nan"; }},
-      {"error infinite", [](auto& m) { metadata(m, "error_mean") = "inf"; }},
-      {"largest stress 0", [](auto& m) { metadata(m, "largest_stress") = "0"; }},
-      {"largest stress negative", [](auto& m) { metadata(m, "largest_stress") = "-1"; }},
-      {"other scaling", [](auto& m) { metadata(m, "scaling") = "sideways"; }},
       {"metadata twice",
        [](auto& m) {
          onnx::StringStringEntryProto& entry = *m.add_metadata_props();
          entry.set_key("seed");
          entry.set_value("8");
        }},
-      {"functions", [](auto& m) { m.add_opset_import()->set_domain("another"); }},
   };
   for (const Crafted& crafted : all) {
     onnx::ModelProto proto = parsed(some_model("16-16-8-1", ScalingKind::set));
