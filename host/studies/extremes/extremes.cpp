@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 
 #include "fem/contact_laws.h"
@@ -12,6 +11,7 @@
 #include "host/contact/gap_sweep.h"
 #include "host/contact/solve.h"
 #include "host/studies/extremes/extreme_scenes.h"
+#include "host/support/seconds.h"
 
 namespace tactel::host {
 namespace {
@@ -26,9 +26,9 @@ struct Timed {
 
 template <class Solve>
 Timed timed_solve(const Solve& solve) {
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   Timed result{solve(), {}};
-  result.answer.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  result.answer.seconds = seconds_since(start);
   result.answer.solved = std::ranges::all_of(result.solution.steps, &ContactStep::converged);
   result.answer.fell_back = result.solution.fell_back;
   for (const ContactStep& step : result.solution.steps) {

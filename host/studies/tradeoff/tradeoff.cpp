@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <map>
 #include <variant>
@@ -15,6 +14,7 @@
 #include "host/contact/patch_contact.h"
 #include "host/contact/solve_on_rung.h"
 #include "host/studies/tradeoff/scene_mix.h"
+#include "host/support/seconds.h"
 
 namespace tactel::host {
 namespace {
@@ -207,7 +207,7 @@ void compare_full_mesh(Executor& executor, const Study& study, Tradeoff& result)
   const std::size_t count = std::min<std::size_t>(study.scenes().size(), 8);
   const std::span some(study.scenes().data(), count);
   const Answers condensed = solve_on_rung(executor, some, rung, false);
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   double asked = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const auto full = fem::solve_gap_reference(on_rung(some[i], rung));
@@ -215,7 +215,7 @@ void compare_full_mesh(Executor& executor, const Study& study, Tradeoff& result)
     result.full_mesh_difference =
         std::max(result.full_mesh_difference, answer_error(some[i], condensed[i], rung, full, rung).S);
   }
-  result.full_mesh_per_second = asked / std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  result.full_mesh_per_second = asked / seconds_since(start);
 }
 
 /// What halving the elements of the reference does to S, and the reference's own error by extrapolation, with first
@@ -256,12 +256,12 @@ double seconds_of(Executor& executor, const std::vector<fem::Scene>& scenes, con
 
 double reference_steps_per_second(Executor& executor, const Rung& rung) {
   const std::vector<fem::Scene> scenes = mixed_scenes(7, 16);
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   double asked = 0;
   const Answers answers = solve_on_rung(executor, scenes, rung);
   for (std::size_t i = 0; i < scenes.size(); ++i)
     asked += static_cast<double>(asked_steps(scenes[i].load, answers[i].steps.size()).size());
-  return asked / std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return asked / seconds_since(start);
 }
 
 }  // namespace

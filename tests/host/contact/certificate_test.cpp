@@ -9,6 +9,7 @@
 #include "fem/contact_laws.h"
 #include "host/contact/gap_sweep.h"
 #include "tests/host/contact/contact_cases.h"
+#include "tests/host/device/test_executor.h"
 
 namespace {
 
@@ -18,10 +19,7 @@ using tactel::testing::paper_mesh;
 using tactel::testing::random_force_scenes;
 using tactel::testing::random_scenes;
 
-host::Executor& executor() {
-  static host::Executor executor{host::Device()};
-  return executor;
-}
+using tactel::testing::executor;
 
 /// Walks along a solution; residual() is that of the step just taken.
 class Auditor {

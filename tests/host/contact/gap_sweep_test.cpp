@@ -16,6 +16,7 @@
 #include "fem/value_error.h"
 #include "kernels/shared/contact_layout.h"
 #include "tests/host/contact/contact_cases.h"
+#include "tests/host/device/test_executor.h"
 
 namespace {
 
@@ -26,10 +27,7 @@ using tactel::testing::paper_mesh;
 using tactel::testing::random_scenes;
 using tactel::testing::reversal;
 
-host::Executor& executor() {
-  static host::Executor executor{host::Device()};
-  return executor;
-}
+using tactel::testing::executor;
 
 const std::vector<double> all_nu{0, 0.3, 0.45, 0.49, 0.4999}, all_mu{0, 0.2, 0.5, 1, 5};
 

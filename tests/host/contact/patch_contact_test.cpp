@@ -18,6 +18,7 @@
 #include "kernels/shared/contact_layout.h"
 #include "tests/host/contact/contact_cases.h"
 #include "tests/host/device/test_device.h"
+#include "tests/host/device/test_executor.h"
 
 namespace tactel::host {
 namespace {
@@ -29,10 +30,7 @@ using tactel::testing::reversal;
 
 constexpr double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
 
-Executor& executor() {
-  static Executor executor{Device()};
-  return executor;
-}
+using tactel::testing::executor;
 
 fem::Sensor sensor_of(double poisson) {
   fem::Sensor sensor;

@@ -16,6 +16,7 @@
 #include "host/contact/rung_for_many.h"
 #include "host/contact/solve_on_rung.h"
 #include "tests/host/contact/contact_cases.h"
+#include "tests/host/device/test_executor.h"
 
 namespace tactel::host {
 namespace {
@@ -23,10 +24,7 @@ namespace {
 using tactel::testing::random_force_scenes;
 using tactel::testing::random_scenes;
 
-Executor& executor() {
-  static Executor executor{Device()};
-  return executor;
-}
+using tactel::testing::executor;
 
 constexpr fem::SensorRange range{.poisson_low = 0.3, .poisson_high = 0.499, .longest = 14};
 

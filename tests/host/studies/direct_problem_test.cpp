@@ -6,16 +6,14 @@
 #include <gtest/gtest.h>
 
 #include "host/scenes/scene_file.h"
+#include "tests/host/device/test_executor.h"
 
 namespace {
 
 using namespace tactel;
 using namespace tactel::host;
 
-Executor& executor() {
-  static Executor executor{Device()};
-  return executor;
-}
+using tactel::testing::executor;
 
 /// 6 % is what is asked of the preset; it was chosen so, and reaches 4 %.
 TEST(DirectProblem, TableOneIsThePapersWithinSixPercent) {
