@@ -197,21 +197,14 @@ Figure distribution_figure(const InverseProblem& problem) {
 
 // ---- learning curves
 
-/// The value that a curve had at a cycle; after its end, its last.
-double at_cycle(const TrainedNetwork& network, const std::vector<float>& values, std::uint64_t cycle) {
-  const auto& cycles = network.curve.cycle;
-  const auto after = std::upper_bound(cycles.begin(), cycles.end(), cycle) - cycles.begin();
-  return values[static_cast<std::size_t>(std::max<std::ptrdiff_t>(after - 1, 0))];
-}
-
-Series median_curve(const NetworkStudy& study, std::vector<float> LearningCurve::*values, Ink ink) {
+Series median_curve(const NetworkStudy& study, float CurvePoint::*value, Ink ink) {
   const auto longest = std::ranges::max_element(study.networks, {}, &TrainedNetwork::cycles);
   Series series{.label = fmt::format("{} ({})", study.number, study.topology.text()), .ink = ink};
-  for (std::uint64_t cycle : longest->curve.cycle) {
+  for (const CurvePoint& point : longest->curve) {
     std::vector<double> here;
     for (const TrainedNetwork& network : study.networks)
-      here.push_back(at_cycle(network, network.curve.*values, cycle));
-    series.x.push_back(static_cast<double>(cycle));
+      here.push_back(point_at(network.curve, &CurvePoint::cycle, point.cycle).*value);
+    series.x.push_back(static_cast<double>(point.cycle));
     series.y.push_back(nn::quantile(here, 0.5));
   }
   return series;
@@ -229,8 +222,8 @@ Figure curve_figure(const InverseProblem& problem) {
     largest.y_label = "largest error";
     for (const NetworkStudy* study : with_noise(problem, noisy)) {
       const Ink ink = network_inks[study->number - 1];
-      sse.series.push_back(median_curve(*study, &LearningCurve::sse, ink));
-      largest.series.push_back(median_curve(*study, &LearningCurve::largest, ink));
+      sse.series.push_back(median_curve(*study, &CurvePoint::sse, ink));
+      largest.series.push_back(median_curve(*study, &CurvePoint::largest, ink));
     }
     figure.panels.push_back(std::move(sse));
     figure.panels.push_back(std::move(largest));
