@@ -118,18 +118,7 @@ void latency(benchmark::State& state, const Case& c, const Call& call) {
   state.counters["p99.9_us"] = nn::quantile(microseconds, 0.999);
 }
 
-void one_frame(benchmark::State& state, int network) {
-  const Case c(network, 1024);
-  host::ForwardOne<float> one(testing::executor(), c.weights, scaling);
-  const int inputs = c.topology.inputs();
-  nn::Vector<float> s(200);
-  for (int row = 0; row < 200; ++row) s(row) = one(std::span(c.frames.row(row).data(), inputs)).slip_index;
-  if (!c.right(s)) return state.SkipWithError("S differs from the reference");
-  latency(state, c, [&](const float* frame) { return one(std::span(frame, inputs)).slip_index; });
-  state.SetLabel(testing::executor().device().info().name);
-}
-
-// The same network through tactel::infer.
+// One frame through tactel::infer, as tactel monitor takes it.
 void one_frame_infer(benchmark::State& state, int network) {
   const Case c(network, 1024);
   const std::string bytes = infer::network_bytes({c.weights, scaling, 1, 0, "bumps", 0, {}});
@@ -193,9 +182,6 @@ const bool registered = [] {
         ->Arg(64)
         ->Arg(4096)
         ->UseRealTime()
-        ->Unit(benchmark::kMicrosecond);
-    benchmark::RegisterBenchmark((name + "/one_frame").c_str(), [=](benchmark::State& s) { one_frame(s, network); })
-        ->UseManualTime()
         ->Unit(benchmark::kMicrosecond);
     benchmark::RegisterBenchmark((name + "/one_frame_infer").c_str(),
                                  [=](benchmark::State& s) { one_frame_infer(s, network); })

@@ -17,6 +17,7 @@
 #include "host/contact/rung_error.h"
 #include "host/contact/solve_on_rung.h"
 #include "host/scenes/ladder.h"
+#include "tests/host/device/test_device.h"
 
 namespace {
 
@@ -36,10 +37,7 @@ fem::Sensor mesh(char which) {
   return sensor;
 }
 
-host::Executor& executor() {
-  static host::Executor executor{host::Device()};
-  return executor;
-}
+using tactel::testing::executor;
 
 /// Parabolas of log-uniform radius and random friction, in the middle, with one path for all.
 Scenes parabolas(const fem::Sensor& sensor, std::size_t count, const fem::Load& load, double least_radius = 1) {

@@ -37,7 +37,6 @@ struct Options {
   double rate = 1000, seconds = 10;
   int per_packet = 1;
   bool busy = false;
-  std::string device;
 };
 
 // 48 bytes: sync, counter, the device's clock in ns, 16 readings; ten fill a packet of a fast endpoint.
@@ -188,9 +187,7 @@ int run(const Options& options) {
   const Answers answers(model);
   Times times;
   Sender sender(options);
-  // First what sets environment variables: the emulated device's threads read them.
-  host::Executor executor{host::Device(options.device), {.threads = 1}};
-  host::LiveMonitor monitor(executor, model, profile(), {});
+  host::LiveMonitor monitor(model, profile(), {});
   hw::testing::EmulatedDevice device(hw::testing::fast_kind());
   const auto source = hw::open_usb(profile().usb);
   std::atomic<bool> done{false};
@@ -231,7 +228,6 @@ int main(int count, char** arguments) {
       ->capture_default_str();
   app.add_option("--seconds", options.seconds, "how long")->check(CLI::PositiveNumber)->capture_default_str();
   app.add_flag("--busy", options.busy, "one more thread, of ordinary priority, that takes all it can of a core");
-  app.add_option("--device", options.device, "OpenCL device, as of tactel monitor");
   CLI11_PARSE(app, count, arguments);
   try {
     return run(options);

@@ -87,8 +87,7 @@ def networks(runs):
 
 def one_frame(runs):
     lines = ["| one frame of 42 stresses, us | median | 99 % | 99.9 % |", "|---|---|---|---|"]
-    for shown, name in (("`tactel::infer`", "one_frame_infer"), ("`tactel monitor`'s network", "one_frame"),
-                        ("Eigen, for comparison", "one_frame_eigen")):
+    for shown, name in (("`tactel::infer`, also in `tactel monitor`", "one_frame_infer"), ("Eigen, for comparison", "one_frame_eigen")):
         run = runs.of[f"forward/42-42-21-1/{name}"]
         lines.append(f"| {shown} | " + " | ".join(f"{run[key]:.2f}" for key in ("p50_us", "p99_us", "p99.9_us")) + " |")
     return lines

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "hw/profile_error.h"
+#include "hw/require.h"
 
 namespace tactel::hw {
 namespace {

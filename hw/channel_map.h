@@ -29,7 +29,7 @@ struct ChannelMap {
   /// Returns the largest normal stress of noise at rest, MPa: touch_deviations of the noisiest normal channel; 0 where
   /// the noise is not known.
   double touch() const;
-  void validate(std::size_t channels) const;  ///< throws ProfileError, keys as in profile files
+  void validate(std::size_t channels) const;  ///< throws ValueError, keys as in profile files
   /// Converts values [channels], in the device's units, to frame [2 tactels] MPa, normal stresses first, as
   /// networks take them.
   void apply(std::span<const double> values, std::span<float> frame) const;

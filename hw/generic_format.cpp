@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "hw/bytes.h"
-#include "hw/profile_error.h"
+#include "hw/require.h"
 
 namespace tactel::hw {
 namespace {

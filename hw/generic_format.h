@@ -28,7 +28,7 @@ struct GenericLayout {
   int checksum_from = 0;               ///< offset in the frame, bytes
   std::vector<std::uint8_t> trailer;   ///< at most 16 bytes at the end of every frame
   int confirmations = 3;               ///< frames in a row before the first counts
-  void validate() const;               ///< throws ProfileError, keys as in profile files
+  void validate() const;               ///< throws ValueError, keys as in profile files
 };
 
 std::unique_ptr<const WireFormat> generic_format(const GenericLayout& layout);

@@ -3,7 +3,7 @@
 
 #include "hw/bytes.h"
 #include "hw/formats.h"
-#include "hw/profile_error.h"
+#include "hw/require.h"
 
 namespace tactel::hw {
 namespace {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Slippage index S of frames, and its quantiles where the network has their heads: scaling, network, shift by 0.5. Two kernels share one arithmetic (shared/forward_layer.h). A frame therefore has
-   equal bits alone, in a batch of any size and at any position. `forward` has frames in the lanes, for batches. `forward_one` has neurons in
-   the lanes, so that a single frame uses whole vectors.
+/* Slippage index S of frames, and its quantiles where the network has their heads: scaling, network, shift by 0.5. Frames
+   are in the lanes. A frame has equal bits in a batch of any size and at any position, and those of nn/infer/layers.h.
 
    Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer), OUTPUTS (3: S, its upper and its lower quantile), LEAKY_RELU (1:
    hidden neurons are leaky rectifiers), and NORMALS where an input has several frames: the normal stresses of the first. */
@@ -10,7 +9,6 @@
 #include "shared/frame_status.h"
 #include "shared/group.h"
 #include "shared/lane_sums.h"
-#include "shared/one_frame.h"
 #include "shared/transpose.h"
 
 #ifndef NORMALS
@@ -107,13 +105,6 @@ INLINE vint scaled_frames(global const float *frames, uint first, uint rows, Sca
   return PICK(not_finite, (vint)(FRAME_NOT_FINITE), PICK(no_stress, (vint)(FRAME_NO_STRESS), (vint)(FRAME_OK)));
 }
 
-/* The output neuron of one frame as forward_output has it, in every lane. */
-INLINE vreal output_of_one(global const real *w, const real *o) {
-  real sum[4] = {w[LAST], 0, 0, 0};
-  UNROLL for (int k = 0; k < LAST; ++k) sum[k % 4] = fma(w[k], o[k], sum[k % 4]);
-  return activation(ALL_LANES((sum[0] + sum[1]) + (sum[2] + sum[3])));
-}
-
 /* Writes the answer to a frame: NaN and a status where it has none. */
 INLINE real answer(real s, int status_before, int *status) {
   *status = status_before == FRAME_OK && isnan(s) ? FRAME_OVERFLOW : status_before;
@@ -181,62 +172,4 @@ kernel void forward(uint first_group, global const real *weights, global const f
       status[row] = (uchar)final_status;
     }
   }
-}
-
-/* Outputs of one layer for one frame. w: [fan_in + 1][vectors][LANES]; x: [fan_in]; o: [vectors]. */
-INLINE void forward_one_layer(const int fan_in, const int vectors, global const real *w, const real *x, vreal *o) {
-  EACH(v, vectors) { o[v] = LOAD(w + (fan_in * vectors + v) * LANES); }
-  for (int k = 0; k < fan_in; ++k) {
-    EACH(v, vectors) { o[v] = fma(LOAD(w + (k * vectors + v) * LANES), ALL_LANES(x[k]), o[v]); }
-  }
-  EACH(v, vectors) { o[v] = hidden_activation(o[v]); }
-}
-
-/* Largest |normal stress| of one frame. */
-INLINE real largest_normal(const real *x) {
-  real most[4] = {0, 0, 0, 0};
-  UNROLL for (int k = 0; k < NORMALS; ++k) most[k % 4] = fmax(most[k % 4], fabs(x[k]));
-  return fmax(fmax(most[0], most[1]), fmax(most[2], most[3]));
-}
-
-/* Evaluates one frame. Each argument costs time in a launch, so one array holds all: numbers at the places of shared/one_frame.h, then
-   the hidden layers, [fan_in + 1][vectors of neurons][LANES] with the bias last, then the output neurons, [OUTPUTS][LAST + 1]. */
-kernel void forward_one(uint first_group, global real *all) {
-  TAKE_GROUP(group);
-  global const real *w = all + ONE_FRAME + VECTORS_OF(INPUTS) * LANES;
-  vreal x[VECTORS_OF(INPUTS)], o1[V1], noted = 0;
-  EACH(v, VECTORS_OF(INPUTS)) {
-    x[v] = LOAD(all + ONE_FRAME + v * LANES);
-    noted = note_not_finite(noted, x[v]);
-  }
-  const real sum = lane_sum(noted);
-  int status = sum != sum ? FRAME_NOT_FINITE : FRAME_OK;
-  real factor = all[ONE_FACTOR];
-  if (all[ONE_BY_FRAME] != 0) {
-    const real largest = largest_normal((const real *)x);
-    if (status == FRAME_OK && largest < SMALLEST_STRESS) status = FRAME_NO_STRESS;
-    const real scale = largest > LARGE_STRESS ? (real)LARGE_SCALE : (real)1;
-    EACH(v, VECTORS_OF(INPUTS)) { x[v] *= ALL_LANES(scale); }
-    factor = 1 / (largest * scale);
-  }
-  EACH(v, VECTORS_OF(INPUTS)) { x[v] = status == FRAME_OK ? x[v] * factor : ALL_LANES(0); }
-  forward_one_layer(INPUTS, V1, w, (const real *)x, o1);
-  w += (INPUTS + 1) * V1 * LANES;
-#if HIDDEN2
-  vreal last[V2];
-  forward_one_layer(HIDDEN1, V2, w, (const real *)o1, last);
-  w += (HIDDEN1 + 1) * V2 * LANES;
-#else
-  const vreal *last = o1;
-#endif
-  vreal s[OUTPUTS];
-  EACH(h, OUTPUTS) { s[h] = output_of_one(w + h * (LAST + 1), (const real *)last); }
-  quantiles(s);
-  const int before = status;
-#if OUTPUTS > 1
-  all[ONE_UPPER] = answer(((const real *)(s + 1))[0], before, &status);
-  all[ONE_LOWER] = answer(((const real *)(s + 2))[0], before, &status);
-#endif
-  all[ONE_SLIP_INDEX + group] = answer(((const real *)s)[0], before, &status);
-  all[ONE_STATUS] = status;
 }

@@ -7,7 +7,6 @@
 
 #include "host/support/errors.h"
 #include "hw/frame_source.h"
-#include "hw/profile_error.h"
 
 namespace tactel {
 
@@ -55,8 +54,6 @@ void rethrow_public(const std::string& item) {
   } catch (const ConfigError& error) {
     throw_input_error(error, item);
   } catch (const ValueError& error) {
-    throw InputError(plain(joined(item, error.key)), plain(error.value), plain("must be " + error.allowed));
-  } catch (const hw::ProfileError& error) {
     throw InputError(plain(joined(item, error.key)), plain(error.value), plain("must be " + error.allowed));
   } catch (const DeviceError& error) {
     throw HardwareError(error.what());

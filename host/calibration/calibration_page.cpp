@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/calibration/median.h"
 #include "host/figures/gnuplot_script.h"
 
 namespace tactel::host {
@@ -35,13 +36,6 @@ double rms(const Values& values) {
     for (Index k = 0; k < values.cols(); ++k)
       if (std::isfinite(values(i, k))) sum += values(i, k) * values(i, k), n += 1;
   return n > 0 ? std::sqrt(sum / n) : NAN;
-}
-
-double median(std::vector<double> values) {
-  std::erase_if(values, [](double value) { return std::isnan(value); });
-  if (values.empty()) return NAN;
-  std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
-  return values[values.size() / 2];
 }
 
 /// Relative deviations of gains; NaN where a transducer was left out.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <chrono>
 #include <optional>
 
 #include "fem/stress_field.h"
@@ -17,6 +16,7 @@
 #include "host/support/interrupt.h"
 #include "host/support/progress_line.h"
 #include "host/support/ranks.h"
+#include "host/support/seconds.h"
 #include "host/support/terminal.h"
 
 namespace tactel::host {
@@ -217,7 +217,7 @@ int run_generate(const GenerateRequest& request) {
     return interrupted;
   }
   if (!ranks.first()) return done;
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   ContactSet set(columns);
   set.sweep = sweep.text;
   set.plan = recipe.conditions;
@@ -234,7 +234,7 @@ int run_generate(const GenerateRequest& request) {
     const StageLine stage("assembling " + request.output, request.shared.quiet);
     spool->assemble(set, request.compress);
   }
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double seconds = seconds_since(start);
   if (!request.shared.quiet) {
     warn_of_depth(set.too_deep, sweep.source.contacts());
     fmt::print("{}", report_text(request, set, work, spool->rows(), report.seconds, seconds));

@@ -8,17 +8,10 @@
 #include "host/support/interrupt.h"
 #include "host/support/progress_line.h"
 #include "host/support/terminal.h"
-#include "host/training/rank_training.h"
-#include "host/training/stream_training.h"
 #include "host/training/training.h"
-#include "host/training/training_directory.h"
 
 namespace tactel::host {
 namespace {
-
-void check_training_output(const TrainRequest& request) {
-  TrainingDirectory(request.output).check(request.resume, request.force);
-}
 
 std::string how_to_go_on(const TrainRequest& request, const TrainingOutcome& outcome) {
   if (outcome.checkpoint.empty()) return "stopped; the same command with --resume and as many processes continues\n";
@@ -50,54 +43,32 @@ int say(const TrainRequest& request, const TrainingOutcome& outcome) {
   return not_converged;
 }
 
-/// Runs a training under Ctrl-C, with a line of progress on a terminal unless `silent`.
-TrainingOutcome run_job(TrainingJob& job, const TrainRequest& request, bool silent = false) {
-  const Interrupt interrupt;
-  ProgressLine line("training", request.streams() ? "rows" : "weight updates", silent || request.shared.quiet);
-  const auto progress = [&](std::size_t done, std::size_t all, double pace) {
-    line.show(done, all, pace > 0 ? with_prefix(pace) + " patterns/s" : "");
-    return !interrupt.requested();
-  };
-  const auto log = [&](LogLevel level, std::string_view message) {
-    if (level == LogLevel::warning && !request.shared.quiet) print_warning(message);
-  };
-  return job.run({.progress = progress, .log = log});
-}
-
-/// A stream of frames, or a set that does not fit memory: mini-batches, one pass after the other.
-int run_train_stream(const TrainRequest& request, const Ranks& ranks) {
-  const TrainingPlan plan = plan_of(request);
-  if (plan.noises.size() > 1)
-    throw ConfigError("command line", "--noise", "several levels", "one level with --stream or --block");
-  if (ranks.count() > 1)
-    throw ConfigError("command line", request.stream.empty() ? "--block" : "--stream",
-                      fmt::format("with {} processes", ranks.count()), "trained by one process, without mpirun");
-  check_training_output(request);
-  if (!request.stream.empty()) keep_freed_memory(1 << 30);
-  return say(request, run_job(*stream_training(request, plan), request));
-}
-
+/// Trains under Ctrl-C, with a line of progress; the first of several processes alone reports.
 int train_networks(const TrainRequest& request, const Ranks& ranks) {
   if (request.set.empty() == request.stream.empty())
     throw ConfigError("command line", "SET.h5", request.set.empty() ? "(missing)" : request.set,
                       "given, or --stream SWEEP.toml instead of it");
-  if (request.streams()) return run_train_stream(request, ranks);
-  const TrainingPlan plan = plan_of(request);
-  std::optional<StageLine> stage(std::in_place, "reading " + request.set, request.shared.quiet);
-  const NamedSet set = read_learning_set(request);
-  check_width(plan, set);
-  std::optional<NamedSet> recall_set;
-  if (!request.recall_set.empty()) {
-    stage.emplace("reading " + request.recall_set, request.shared.quiet);
-    recall_set = read_set(request.recall_set);
-    check_width(plan, *recall_set);
-  }
-  stage.reset();
-  if (ranks.count() == 1) {
-    check_training_output(request);
-    return say(request, run_job(*set_training(request, plan, set, recall_set), request));
-  }
-  const TrainingOutcome outcome = run_job(*rank_training(ranks, request, plan, set, recall_set), request, true);
+  if (!request.stream.empty()) keep_freed_memory(1 << 30);
+  const bool silent = request.shared.quiet || ranks.count() > 1;
+  std::optional<Interrupt> interrupt;
+  std::optional<StageLine> stage;
+  std::optional<ProgressLine> line;
+  TrainingWatch watch;
+  watch.stage = [&](const std::string& text) {
+    stage.reset();
+    if (!text.empty()) return static_cast<void>(stage.emplace(text, silent));
+    interrupt.emplace();
+    line.emplace("training", "weight updates", silent);
+  };
+  watch.progress = [&](std::size_t done, std::size_t all, double pace) {
+    if (line) line->show(done, all, pace > 0 ? with_prefix(pace) + " patterns/s" : "");
+    return !interrupt || !interrupt->requested();
+  };
+  watch.log = [&](LogLevel level, std::string_view message) {
+    if (level == LogLevel::warning && !request.shared.quiet) print_warning(message);
+  };
+  const TrainingOutcome outcome = train(request, ranks, watch);
+  line.reset();
   if (ranks.first()) return say(request, outcome);
   return outcome.end == TrainingEnd::stopped ? interrupted : outcome.diverged > 0 ? not_converged : done;
 }

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <limits>
 #include <mutex>
 #include <optional>
@@ -13,18 +12,15 @@
 #include "host/device/launcher.h"
 #include "host/device/thread_team.h"
 #include "host/support/host_threads.h"
+#include "host/support/seconds.h"
 
 namespace tactel::host {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 // Below this much work on one thread, waking another costs more than it brings.
 constexpr double alone_seconds = 8e-6;
 // With progress, a device that schedules itself gets its work in so many slices, none smaller than this many groups.
 constexpr std::size_t progress_slices = 64, smallest_slice = 64;
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 int chosen_threads(int wanted) { return wanted > 0 ? std::min(wanted, most_host_threads) : host_threads(); }
 

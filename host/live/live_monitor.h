@@ -1,21 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <tactel/infer.h>
+
 #include <functional>
 
 #include "host/live/drift_watch.h"
 #include "host/live/live_frames.h"
 #include "host/live/sensor_profile.h"
-#include "host/networks/forward.h"
 #include "hw/decoder.h"
 #include "hw/frame_source.h"
-#include "nn/frame_history.h"
+#include "nn/model.h"
 
 namespace tactel::host {
 
 struct MonitorOptions {
-  double late = 0.1;            ///< s: a live frame older than this is dropped and counted
-  std::size_t queue = 4096;     ///< most frames that wait
-  std::size_t batch_from = 16;  ///< number of waiting frames from which one launch answers all
+  double late = 0.1;  ///< s: a live frame older than this is dropped and counted
   /// MPa: a frame whose normal stresses all stay below is no contact; none: ChannelMap::touch() of the profile, 0: all
   /// frames are contacts
   std::optional<double> touch{};
@@ -27,26 +26,26 @@ struct MonitorOptions {
 struct MonitorLine {
   LiveFrame frame;
   std::span<const float> stresses;  ///< [2 tactels] MPa
-  FrameAnswer<float> answer;
-  std::optional<nn::BoundAnswer> bound{};  ///< of a network with a bound
-  std::optional<bool> contact{};           ///< false: no contact, S and its bound are NaN; none without a threshold
-  std::vector<Drift> drift{};              ///< what this frame showed to have moved; mostly nothing
-  double latency = 0;                      ///< us from the frame's last byte to S
-  double answer_time = 0;                  ///< us of the latency, from the decoded frame to S
+  Answer answer{};
+  bool has_bound = false;         ///< the network has a bound
+  std::optional<bool> contact{};  ///< false: no contact, S and its bound are NaN; none without a threshold
+  std::vector<Drift> drift{};     ///< what this frame showed to have moved; mostly nothing
+  double latency = 0;             ///< us from the frame's last byte to S
+  double answer_time = 0;         ///< us of the latency, from the decoded frame to S
 
   /// Returns the number to act on: the upper bound of S, or S where the network has no bound; 0 where nothing touches.
   float acted_on() const {
-    if (answer.status == nn::FrameStatus::no_stress || contact == false) return 0;
-    return bound ? bound->upper : answer.slip_index;
+    if (answer.status == AnswerStatus::no_stress || contact == false) return 0;
+    return has_bound ? answer.slip_upper : answer.slip_index;
   }
   /// Returns the width of the interval of S; 0 without a bound.
-  float width() const { return bound ? bound->interval[1] - bound->interval[0] : 0; }
+  float width() const { return has_bound ? answer.slip_interval[1] - answer.slip_interval[0] : 0; }
 };
 
 struct MonitorSummary {
   hw::DecoderCounts decoder;
   hw::TransportCounts transport;
-  std::uint64_t late = 0, batched = 0;
+  std::uint64_t late = 0;
   std::uint64_t silences = 0;  ///< each counts once, regardless of its length
   std::uint64_t drifts = 0;    ///< each counts once
   LatencyHistogram latency;
@@ -60,27 +59,16 @@ struct MonitorEvents {
   std::function<bool()> stop{};                         ///< true ends it
 };
 
-/// Turns frames of a source into slippage indices, in the calling thread. Single frames take the shortest path;
-/// many waiting frames are answered as a batch, with the same bits.
+/// Turns frames of a source into slippage indices, in the calling thread, by tactel::SlipHistory.
 class LiveMonitor {
  public:
-  /// Compiles the network for live frames. Call it before the source is opened: frames then do not wait for a compiler.
-  static void compile(Executor& executor, const nn::Model& model);
-  /// Runs the network once. Throws ConfigError where its inputs do not match the tactels of the
-  /// profile.
-  LiveMonitor(Executor& executor, const nn::Model& model, const SensorProfile& profile, const MonitorOptions& options);
+  /// Throws ConfigError where the network's inputs do not match the tactels of the profile.
+  LiveMonitor(const nn::Model& model, const SensorProfile& profile, const MonitorOptions& options);
   /// Runs until the source ends or `stop` returns true.
   MonitorSummary run(hw::FrameSource& source, const MonitorEvents& events);
 
  private:
-  void queue(const hw::DecodedFrame& frame, double arrival);
-  void answer_waiting(const MonitorEvents& events);
-  void drop_late();
-  void answer_one(const MonitorEvents& events);
-  void answer_batch(const MonitorEvents& events);
-  std::optional<nn::BoundAnswer> bounded(std::span<const float> input, const FrameAnswer<float>& answer);
-  void tell(std::size_t i, FrameAnswer<float> answer, std::optional<nn::BoundAnswer> bound, double now,
-            const MonitorEvents& events);
+  void answer(const hw::DecodedFrame& frame, double arrival, const MonitorEvents& events);
   void refresh();
   void watch(const MonitorEvents& events);
   void listen(double now, const MonitorEvents& events);
@@ -90,19 +78,12 @@ class LiveMonitor {
   double touch_;  ///< MPa; 0: every frame is a contact
   std::optional<DriftWatch> drift_;
   hw::Decoder decoder_;
-  FrameQueue queue_;
-  nn::FrameHistory history_;  ///< of the frames answered, or dropped as late
-  std::vector<float> input_;  ///< scratch: [inputs of the network]
-  ForwardOne<float> one_;
-  Forward<float> batch_;
-  const Device* device_;
-  std::optional<nn::Bound> bound_;
-  nn::InputScaling scaling_;
-  std::vector<float> scaled_;                           ///< scratch, [inputs]
+  bool has_bound_;
+  SlipHistory history_;                                 ///< of the frames answered, or dropped as late
+  std::vector<float> stresses_;                         ///< [2 tactels] MPa, of the newest frame
   const hw::FrameSource* source_ = nullptr;             ///< of the run, for its clock
   double next_second_ = 1, last_turn_ = 0, quiet_ = 0;  ///< s; quiet_: listened since the last frame
-  std::size_t dropped_before_ = 0;
-  std::uint64_t frames_before_ = 0;  ///< decoded until the last turn
+  std::uint64_t frames_before_ = 0;                     ///< decoded until the last turn
   bool silent_ = false;
   MonitorSummary summary_;
 };

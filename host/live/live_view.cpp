@@ -68,7 +68,7 @@ std::string arrows(const std::vector<float>& stresses, float largest, std::size_
 }
 
 /// The newest columns that fit, the last one at the right.
-std::string history_text(const SlipHistory& history, std::size_t room) {
+std::string history_text(const SlipTrace& history, std::size_t room) {
   const auto& all = history.columns();
   const std::size_t shown = std::min(room, all.size());
   std::string text(room - shown, ' ');
@@ -83,7 +83,7 @@ Colour colour_of(float s, float alarm) {
 
 }  // namespace
 
-void SlipHistory::add(double arrival, float slip_index, std::size_t longest) {
+void SlipTrace::add(double arrival, float slip_index, std::size_t longest) {
   if (!(std::abs(arrival) < 1e12)) return;
   const auto now = static_cast<std::int64_t>(std::floor(arrival / seconds_per_column));
   if (columns_.empty()) newest_ = now - 1;
@@ -94,7 +94,7 @@ void SlipHistory::add(double arrival, float slip_index, std::size_t longest) {
   while (columns_.size() > longest) columns_.pop_front();
 }
 
-std::string view_text(const MonitorLine& line, const SlipHistory& history, float largest_stress, int columns,
+std::string view_text(const MonitorLine& line, const SlipTrace& history, float largest_stress, int columns,
                       const ViewOptions& options, const std::string& note) {
   const int width = std::max(columns, least_columns);
   const float s = line.answer.slip_index, acted_on = line.acted_on();
@@ -109,7 +109,7 @@ std::string view_text(const MonitorLine& line, const SlipHistory& history, float
       line.contact == false       ? "no contact; "
       : acted_on >= options.alarm ? "ALARM: slip is near; "
                                   : "",
-      line.frame.number, line.latency, largest_stress, static_cast<double>(room) * SlipHistory::seconds_per_column);
+      line.frame.number, line.latency, largest_stress, static_cast<double>(room) * SlipTrace::seconds_per_column);
   return fmt::format("{}\nhistory|{}|\nnormal |{}|\nshear  |{}|\n       |{}|\n{}\n", index, history_text(history, room),
                      blocks(normal, largest_stress, room), blocks(shear, largest_stress, room),
                      arrows(shear, largest_stress, room), words.substr(0, static_cast<std::size_t>(width)));

@@ -17,7 +17,7 @@ struct ViewOptions {
 };
 
 /// The largest S of each quarter of a second, the newest last.
-class SlipHistory {
+class SlipTrace {
  public:
   static constexpr double seconds_per_column = 0.25;
   /// Adds S at an arrival time in s; S that is not finite leaves a gap. Keeps the newest `longest` columns.
@@ -35,7 +35,7 @@ class SlipHistory {
 /// for. Where the tactels exceed the columns, neighbours share one, which shows the largest of them.
 /// largest_stress: MPa of a full block.
 /// note: stands first in the last line.
-std::string view_text(const MonitorLine& line, const SlipHistory& history, float largest_stress, int columns,
+std::string view_text(const MonitorLine& line, const SlipTrace& history, float largest_stress, int columns,
                       const ViewOptions& options, const std::string& note = "");
 
 /// Draws the latest frame, some twenty times a second.
@@ -51,7 +51,7 @@ class LiveView {
   std::string picture(const MonitorLine& line, int columns);
 
   ViewOptions options_;
-  SlipHistory history_;
+  SlipTrace history_;
   std::optional<MonitorLine> waiting_;  ///< the newest frame, not yet shown; of the stresses in stresses_
   std::vector<float> stresses_;         ///< [2 tactels] MPa
   std::chrono::steady_clock::time_point last_{};

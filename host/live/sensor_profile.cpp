@@ -9,7 +9,6 @@
 #include "host/scenes/toml_table.h"
 #include "hw/formats.h"
 #include "hw/generic_format.h"
-#include "hw/profile_error.h"
 
 namespace tactel::host {
 namespace {
@@ -143,8 +142,8 @@ SensorProfile parse(const TomlFile& file) {
   profile.format = read_format(file);
   try {
     read_map(file, profile.map, profile.format()->channels());
-  } catch (const hw::ProfileError& error) {
-    throw file.error(ValueError(error.key, error.value, error.allowed));
+  } catch (const ValueError& error) {
+    throw file.error(error);
   }
   return profile;
 }
@@ -181,8 +180,8 @@ void read_calibration(const std::filesystem::path& path, SensorProfile& profile)
   read_calibration(file, profile.map.calibration, channels);
   try {
     profile.map.validate(channels);
-  } catch (const hw::ProfileError& error) {
-    throw file.error(ValueError(error.key, error.value, error.allowed));
+  } catch (const ValueError& error) {
+    throw file.error(error);
   }
 }
 

@@ -13,11 +13,11 @@
 #include "host/live/source_options.h"
 #include "host/scenes/scene_file.h"
 #include "host/support/errors.h"
+#include "host/support/seconds.h"
 
 namespace tactel::host {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 constexpr std::size_t most_frames_a_packet = 64;
 constexpr double most_frames = 1e12;  // 30 years at 1 kHz; a number of frames must fit its type
 constexpr double headroom = 1.5;      // full scale over the largest stress: gains spread, and ramps must not clip
@@ -126,7 +126,7 @@ std::string SimulatedSensor::profile_text() const {
 }
 
 // Without pace the clock begins anew at each frame's own time, when it is handed out.
-double SimulatedSensor::now() const { return zero_time_ + std::chrono::duration<double>(Clock::now() - zero_).count(); }
+double SimulatedSensor::now() const { return zero_time_ + seconds_since(zero_); }
 
 // What is overdue comes at once in one packet, as from a device whose bytes were not fetched in time.
 std::optional<hw::Packet> SimulatedSensor::wait(double timeout) {

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <optional>
 
 #include "host/networks/train_batch.h"
 #include "host/networks/training_schedule.h"
+#include "host/support/seconds.h"
 
 namespace tactel::host {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 // An epoch that can be broken off keeps a copy of all networks: not worth it for epochs shorter than this.
 constexpr double long_epoch_seconds = 0.2;
@@ -18,15 +16,20 @@ constexpr double long_epoch_seconds = 0.2;
 template <class Real>
 class BatchSchedule : public TrainingSchedule<Real> {
  public:
-  BatchSchedule(Executor& executor, const LearningInputs<Real>& inputs, const TrainingMembers& members,
-                const nn::BatchOptions& options, const nn::OnlineOptions& limits)
-      : executor_(executor), inputs_(inputs), members_(members), options_(options), limits_(limits) {
-    for (std::size_t network = 0; network < members.size(); ++network) {
+  BatchSchedule(Executor& executor, const TrainingPlan& plan, const std::vector<OnlineMember>& members)
+      : executor_(executor), plan_(plan), members_(members), families_(plan.topologies.size()) {
+    for (std::size_t network = 0; network < plan.topologies.size() * members.size(); ++network) {
       states_.emplace_back(nn::initial_weights(topology_of(network), member_of(network).seed));
       stopped_.push_back(false);
-      if (network % members.members.size() == 0) families_.push_back({});
-      families_.back().networks.push_back(network);
+      families_[network / members.size()].networks.push_back(network);
     }
+  }
+
+  void take(const LearningInputs<Real>& inputs, double share_of_rate) override {
+    for (Family& family : families_) keep_states(family);
+    inputs_ = inputs;
+    options_ = *plan_.batch;
+    options_.rate *= share_of_rate;
     for (Family& family : families_) gather(family);
   }
 
@@ -44,12 +47,9 @@ class BatchSchedule : public TrainingSchedule<Real> {
   void restore(std::span<const NetworkRecord<Real>> records) override {
     for (Family& family : families_) family.networks.clear();
     for (std::size_t i = 0; i < records.size(); ++i) {
-      nn::BatchState<Real>& state = states_[i];
-      state = records[i].state;
-      state.epoch = records[i].network.cycles;
-      state.updates = std::uint64_t{state.epoch} * updates_of_an_epoch();
-      stopped_[i] = records[i].network.status != nn::TrainStatus::running;
-      if (!stopped_[i]) families_[i / members_.members.size()].networks.push_back(i);
+      states_[i] = records[i].state;
+      stopped_[i] = !records[i].network.running();
+      if (!stopped_[i]) families_[i / members_.size()].networks.push_back(i);
     }
     for (Family& family : families_) gather(family);
   }
@@ -62,30 +62,29 @@ class BatchSchedule : public TrainingSchedule<Real> {
     double epoch_seconds = 0;                    ///< of the last one
   };
 
-  const nn::Topology& topology_of(std::size_t network) const {
-    return members_.topologies[network / members_.members.size()];
-  }
-  const OnlineMember& member_of(std::size_t network) const {
-    return members_.members[network % members_.members.size()];
-  }
-  std::uint64_t updates_of_an_epoch() const {
-    const auto batch = static_cast<std::uint64_t>(options_.batch);
-    return (inputs_.rows() + batch - 1) / batch;
-  }
+  const nn::Topology& topology_of(std::size_t network) const { return plan_.topologies[network / members_.size()]; }
+  const OnlineMember& member_of(std::size_t network) const { return members_[network % members_.size()]; }
 
-  // Puts the family's networks on the device.
+  // Puts the family's networks on the device, once there are rows.
   void gather(Family& family) {
     family.training.reset();
-    if (family.networks.empty()) return;
+    if (family.networks.empty() || !inputs_) return;
     std::vector<OnlineMember> members;
     for (const std::size_t network : family.networks) members.push_back(member_of(network));
-    family.training.emplace(executor_, topology_of(family.networks[0]), inputs_, members, options_);
+    family.training.emplace(executor_, topology_of(family.networks[0]), *inputs_, members, options_);
     for (std::size_t i = 0; i < members.size(); ++i) family.training->set_state(i, states_[family.networks[i]]);
   }
 
+  // Takes the states of its running networks off the device, and leaves those alone there.
+  void keep_states(Family& family) {
+    for (std::size_t i = 0; family.training && i < family.networks.size(); ++i)
+      if (!stopped_[family.networks[i]]) states_[family.networks[i]] = family.training->state(i);
+    std::erase_if(family.networks, [&](std::size_t network) { return stopped_[network]; });
+  }
+
   nn::BatchState<Real> state(std::size_t network) const {
-    if (stopped_[network]) return states_[network];
-    const Family& family = families_[network / members_.members.size()];
+    const Family& family = families_[network / members_.size()];
+    if (stopped_[network] || !family.training) return states_[network];
     const auto found = std::ranges::find(family.networks, network);
     return family.training->state(static_cast<std::size_t>(found - family.networks.begin()));
   }
@@ -96,7 +95,7 @@ class BatchSchedule : public TrainingSchedule<Real> {
     if (go_on && family.epoch_seconds > long_epoch_seconds)
       progress = [&](std::size_t, std::size_t) { return go_on(); };
     const auto errors = family.training->train_epoch(progress);
-    family.epoch_seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    family.epoch_seconds = seconds_since(start);
     if (!errors) return false;
     for (std::size_t i = 0; i < family.networks.size(); ++i) {
       const std::size_t network = family.networks[i];
@@ -110,33 +109,29 @@ class BatchSchedule : public TrainingSchedule<Real> {
 
   // Returns whether it was the network's last.
   bool note_epoch(TrainedNetwork& network, const nn::CycleErrors& errors) const {
-    const auto epoch = static_cast<int>(network.cycles) + 1;
     if (!std::isfinite(errors.sse) || !std::isfinite(errors.largest))
       network.status = nn::TrainStatus::not_finite;
-    else if (errors.largest < limits_.stop_error)
+    else if (!plan_.rows && errors.largest < plan_.options.stop_error)
       network.status = nn::TrainStatus::learnt;
-    else if (epoch >= limits_.cycles(network.topology))
+    else if (plan_.over(network.topology, network.cycles + 1, network.rows + inputs_->rows()))
       network.status = nn::TrainStatus::cycle_limit;
-    const bool last = network.status != nn::TrainStatus::running;
-    note_cycle(network, errors, last);
-    return last;
+    network.note_cycle(errors, inputs_->rows(), !network.running());
+    return !network.running();
   }
 
   // Takes stopped networks off the device once they are half of those there: doing so costs more than some epochs.
   void shrink(Family& family) {
     const auto stopped = std::ranges::count_if(family.networks, [&](std::size_t network) { return stopped_[network]; });
     if (2 * static_cast<std::size_t>(stopped) < family.networks.size()) return;
-    for (std::size_t i = 0; i < family.networks.size(); ++i)
-      if (!stopped_[family.networks[i]]) states_[family.networks[i]] = family.training->state(i);
-    std::erase_if(family.networks, [&](std::size_t network) { return stopped_[network]; });
+    keep_states(family);
     gather(family);
   }
 
   Executor& executor_;
-  LearningInputs<Real> inputs_;
-  TrainingMembers members_;
-  nn::BatchOptions options_;
-  nn::OnlineOptions limits_;
+  const TrainingPlan& plan_;
+  std::vector<OnlineMember> members_;
+  std::optional<LearningInputs<Real>> inputs_{};
+  nn::BatchOptions options_{};                ///< with the rate of the rows taken
   std::vector<Family> families_;              ///< [topologies]
   std::vector<bool> stopped_;                 ///< [networks]
   std::vector<nn::BatchState<Real>> states_;  ///< [networks] of stopped ones; others' are on the device
@@ -145,17 +140,14 @@ class BatchSchedule : public TrainingSchedule<Real> {
 }  // namespace
 
 template <class Real>
-std::unique_ptr<TrainingSchedule<Real>> batch_schedule(Executor& executor, const LearningInputs<Real>& inputs,
-                                                       const TrainingMembers& members, const nn::BatchOptions& options,
-                                                       const nn::OnlineOptions& limits) {
-  return std::make_unique<BatchSchedule<Real>>(executor, inputs, members, options, limits);
+std::unique_ptr<TrainingSchedule<Real>> batch_schedule(Executor& executor, const TrainingPlan& plan,
+                                                       const std::vector<OnlineMember>& members) {
+  return std::make_unique<BatchSchedule<Real>>(executor, plan, members);
 }
 
-template std::unique_ptr<TrainingSchedule<float>> batch_schedule(Executor&, const LearningInputs<float>&,
-                                                                 const TrainingMembers&, const nn::BatchOptions&,
-                                                                 const nn::OnlineOptions&);
-template std::unique_ptr<TrainingSchedule<double>> batch_schedule(Executor&, const LearningInputs<double>&,
-                                                                  const TrainingMembers&, const nn::BatchOptions&,
-                                                                  const nn::OnlineOptions&);
+template std::unique_ptr<TrainingSchedule<float>> batch_schedule(Executor&, const TrainingPlan&,
+                                                                 const std::vector<OnlineMember>&);
+template std::unique_ptr<TrainingSchedule<double>> batch_schedule(Executor&, const TrainingPlan&,
+                                                                  const std::vector<OnlineMember>&);
 
 }  // namespace tactel::host

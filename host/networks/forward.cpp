@@ -7,7 +7,6 @@
 #include "fem/value_error.h"
 #include "kernels/shared/frame_status.h"
 #include "kernels/shared/network_work.h"
-#include "kernels/shared/one_frame.h"
 
 namespace tactel::host {
 namespace {
@@ -16,10 +15,6 @@ static_assert(int(nn::FrameStatus::ok) == FRAME_OK && int(nn::FrameStatus::no_st
 static_assert(int(nn::FrameStatus::not_finite) == FRAME_NOT_FINITE && int(nn::FrameStatus::overflow) == FRAME_OVERFLOW);
 static_assert(nn::InputScaling::smallest_stress == SMALLEST_STRESS);
 static_assert(nn::InputScaling::large_stress == LARGE_STRESS && nn::InputScaling::large_scale == LARGE_SCALE);
-
-// Places of the kernels' arguments that change from run to run.
-
-int vectors_of(int numbers, int lanes) { return (numbers + lanes - 1) / lanes; }
 
 void check_width(const nn::Topology& topology, std::size_t inputs) {
   if (inputs != static_cast<std::size_t>(topology.inputs()))
@@ -30,22 +25,6 @@ void check_width(const nn::Topology& topology, std::size_t inputs) {
 template <class Real>
 Real factor_of(const nn::InputScaling& scaling) {
   return Real(1) / static_cast<Real>(scaling.largest_stress);
-}
-
-/// The weights as forward_one reads them: hidden layers [fan_in + 1][vectors][lanes], then the output neurons.
-template <class Real>
-std::vector<Real> neurons_in_lanes(const nn::Weights<Real>& weights, int lanes) {
-  std::vector<Real> packed;
-  const nn::Topology& topology = weights.topology;
-  for (int l = 0; l + 1 < topology.layers(); ++l) {
-    const std::size_t begin = packed.size(), width = vectors_of(topology.fan_out(l), lanes) * lanes;
-    packed.resize(begin + (topology.fan_in(l) + 1) * width, Real(0));
-    for (int k = 0; k <= topology.fan_in(l); ++k)
-      for (int n = 0; n < topology.fan_out(l); ++n) packed[begin + k * width + n] = weights.layer(l)(n, k);
-  }
-  const auto output = weights.layer(topology.layers() - 1);
-  packed.insert(packed.end(), output.data(), output.data() + output.size());
-  return packed;
 }
 
 template <class Real>
@@ -166,37 +145,7 @@ nn::Recall<Real> Forward<Real>::recall(const nn::RowMatrix<float>& frames) {
   return result(0);
 }
 
-template <class Real>
-ForwardOne<Real>::ForwardOne(Executor& executor, const nn::Weights<Real>& weights, const nn::InputScaling& scaling)
-    : executor_(&executor), topology_(weights.topology), frame_(topology_.inputs()) {
-  scaling.validate();
-  const Device& device = executor.device();
-  const int lanes = device.lanes(precision_of<Real>);
-  std::vector<Real> all(ONE_FRAME + vectors_of(topology_.inputs(), lanes) * lanes, Real(0));
-  all[ONE_BY_FRAME] = scaling.kind == nn::ScalingKind::frame;
-  all[ONE_FACTOR] = factor_of<Real>(scaling);
-  const std::vector<Real> packed = neurons_in_lanes(weights, lanes);
-  all.insert(all.end(), packed.begin(), packed.end());
-  all_ = Buffer<Real>(device, std::span<const Real>(all));
-  const Program program(device, "forward.cl", forward_defines(topology_, scaling, lanes, precision_of<Real>));
-  launch_ = executor.prepare(program, "forward_one", [&](KernelArguments& kernel) { kernel.set("all", all_); });
-}
-
-template <class Real>
-FrameAnswer<Real> ForwardOne<Real>::operator()(std::span<const float> frame) {
-  check_width(topology_, frame.size());
-  std::copy(frame.begin(), frame.end(), frame_.begin());
-  all_.write(frame_, ONE_FRAME);
-  executor_->run_here(launch_);
-  Real answer[ONE_LOWER + 1];
-  all_.read(answer);
-  return {answer[ONE_SLIP_INDEX], answer[ONE_UPPER], answer[ONE_LOWER],
-          static_cast<nn::FrameStatus>(static_cast<int>(answer[ONE_STATUS]))};
-}
-
 template class Forward<float>;
 template class Forward<double>;
-template class ForwardOne<float>;
-template class ForwardOne<double>;
 
 }  // namespace tactel::host

@@ -27,7 +27,8 @@ class DeviceFrames {
 };
 
 /// Launcher of kernels/forward.cl for batches: networks of one topology and scaling on a device. The answer to a
-/// frame does not depend on its batch, its position or the number of threads, and equals that of ForwardOne.
+/// frame does not depend on its batch, its position or the number of threads, and in fp32 equals that of
+/// tactel::SlipEstimator.
 template <class Real>
 class Forward {
  public:
@@ -56,36 +57,8 @@ class Forward {
   Launch launch_;
 };
 
-/// S of one frame.
-template <class Real>
-struct FrameAnswer {
-  Real slip_index = 0;  ///< 0..1; NaN where the status is not_finite or overflow
-  /// Quantiles of S, not calibrated, of a network with the heads of a bound; 0 of others, NaN as slip_index.
-  Real upper = 0, lower = 0;
-  nn::FrameStatus status = nn::FrameStatus::ok;
-};
-
-/// Evaluates one frame at a time in the calling thread: about a microsecond on PoCL's `basic`, copies included.
-template <class Real>
-class ForwardOne {
- public:
-  ForwardOne(Executor& executor, const nn::Weights<Real>& weights, const nn::InputScaling& scaling);
-  /// Returns the answer to frame [inputs] MPa, normal stresses first. Throws ValueError for another width. Not
-  /// thread-safe.
-  FrameAnswer<Real> operator()(std::span<const float> frame);
-
- private:
-  Executor* executor_;
-  nn::Topology topology_;
-  std::vector<Real> frame_;  ///< scratch, [inputs]
-  Buffer<Real> all_;         ///< answer, scaling, frame and weights (kernels/shared/one_frame.h)
-  Launch launch_;
-};
-
 extern template class Forward<float>;
 extern template class Forward<double>;
-extern template class ForwardOne<float>;
-extern template class ForwardOne<double>;
 
 /// Returns the compile-time values of the kernels of a network.
 Defines network_defines(const nn::Topology& topology, int lanes, Precision precision);

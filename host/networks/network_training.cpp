@@ -1,249 +1,245 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/networks/network_training.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <map>
+#include <tuple>
+#include <utility>
 
 #include "fem/value_error.h"
 #include "host/networks/forward.h"
-#include "host/networks/training_checkpoint.h"
 #include "host/networks/training_schedule.h"
-#include "host/support/checksum.h"
 #include "host/support/errors.h"
+#include "host/support/made_ahead.h"
+#include "host/support/seconds.h"
 
 namespace tactel::host {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+/// The blocks under way at the end of a training are of no use.
+class StopAtEnd {
+ public:
+  explicit StopAtEnd(FrameStream* stream) : stream_(stream) {}
+  ~StopAtEnd() {
+    if (stream_ != nullptr) stream_->stop();
+  }
+  StopAtEnd(const StopAtEnd&) = delete;
+  StopAtEnd& operator=(const StopAtEnd&) = delete;
 
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-// The cycle that a learning curve keeps after this one.
-std::uint64_t next_point(std::uint64_t cycle) { return cycle < 10 ? cycle + 1 : cycle + cycle / 10; }
-
-std::string exact_text(double number) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%a", number);
-  return text;
-}
-
-std::uint64_t set_hash(const nn::FrameSet& set) {
-  const auto bytes = [](const float* data, Eigen::Index count) {
-    return std::string_view(reinterpret_cast<const char*>(data), static_cast<std::size_t>(count) * sizeof(float));
-  };
-  return checksum(bytes(set.frames.data(), set.frames.size())) ^
-         (checksum(bytes(set.slip_index.data(), set.slip_index.size())) << 1);
-}
-
-std::string describe(const nn::BatchOptions& options) {
-  std::string text = std::string(" batch ") + nn::name(options.rule) + ' ' + std::to_string(options.batch);
-  for (const double number : {options.rate, options.momentum, options.beta1, options.beta2, options.epsilon})
-    text += ' ' + exact_text(number);
-  return text + ' ' + nn::name(options.order);
-}
+ private:
+  FrameStream* stream_;
+};
 
 }  // namespace
 
 template <class Real>
-std::string training_description(const Executor& executor, const nn::FrameSet& set, const TrainingPlan& plan) {
-  const int lanes = executor.device().lanes(precision_of<Real>);
-  std::string text = "precision " + std::to_string(sizeof(Real)) + " lanes " + std::to_string(lanes) + " scaling " +
-                     nn::name(plan.scaling) + " set " + std::to_string(set.rows()) + " " +
-                     std::to_string(set_hash(set)) + " networks";
-  for (const nn::Topology& topology : plan.topologies) text += ' ' + topology.text();
-  text += " seeds";
-  for (const std::uint64_t seed : plan.seeds) text += ' ' + std::to_string(seed);
-  text += " noises";
-  for (const double noise : plan.noises) text += ' ' + exact_text(noise);
-  const nn::OnlineOptions& options = plan.options;
-  const std::string limits =
-      " stop " + exact_text(options.stop_error) + " limit " + std::to_string(options.cycle_limit);
-  if (plan.batch) {
-    const bool bound = std::ranges::any_of(plan.topologies, &nn::Topology::has_bound);
-    return text + limits + describe(*plan.batch) + (bound ? " level " + exact_text(plan.batch->level) : "");
-  }
-  return text + " rate " + exact_text(options.rate) + " momentum " + exact_text(options.momentum) + limits + ' ' +
-         nn::name(options.order);
-}
-
-void note_cycle(TrainedNetwork& network, const nn::CycleErrors& errors, bool last) {
-  ++network.cycles;
-  network.sse = static_cast<float>(errors.sse);
-  network.largest = static_cast<float>(errors.largest);
-  LearningCurve& curve = network.curve;
-  if (!last && network.cycles != next_point(curve.cycle.empty() ? 0 : curve.cycle.back())) return;
-  curve.cycle.push_back(network.cycles);
-  curve.sse.push_back(network.sse);
-  curve.largest.push_back(network.largest);
-}
-
-void TrainingPlan::validate() const {
-  if (topologies.empty()) throw ValueError("network", "none", "at least one network");
-  if (seeds.empty()) throw ValueError("seeds", "none", "at least one seed");
-  if (noises.empty()) throw ValueError("noise", "none", "at least one level, 0 for none");
-  for (const double noise : noises)
-    if (!(noise >= 0 && noise <= 1))
-      throw ValueError("noise", std::to_string(noise), "a fraction of the largest stress, 0 to 1: 0.1 for 10 %");
-  for (const nn::Topology& topology : topologies) {
-    if (batch) break;
-    if (topology.has_bound())
-      throw ValueError("network", topology.text(), "one output, or --schedule batch for the heads of a bound");
-    if (topology.hidden_activation() != nn::Activation::logistic)
-      throw ValueError("network", topology.text(), "logistic neurons, or --schedule batch");
-  }
-  options.validate();
-  if (batch) batch->validate();
-}
+NetworkTraining<Real>::NetworkTraining(Executor& executor, const nn::FrameSet& set, const TrainingPlan& plan)
+    : NetworkTraining(executor, nullptr, &set, plan) {}
 
 template <class Real>
-struct NetworkTraining<Real>::State {
-  Executor& executor;
-  TrainingPlan plan;
-  nn::FrameSet set;
-  nn::InputScaling scaling;
-  std::vector<TrainedNetwork> networks;  ///< [topologies][noises][seeds]
-  std::unique_ptr<TrainingSchedule<Real>> schedule;
-  double seconds = 0;
-
-  State(Executor& executor, const nn::FrameSet& set, const TrainingPlan& plan);
-  std::size_t per_topology() const { return plan.noises.size() * plan.seeds.size(); }
-  bool running() const;
-  std::size_t work_done() const;
-  std::size_t work_of_all() const;
-  bool run_round(const TrainingRunOptions& options);
-  nn::Weights<Real> weights(std::size_t network) const {
-    return nn::weights_of_frames(schedule->weights(network), set.history);
-  }
-  std::vector<NetworkRecord<Real>> records() const;
-  bool possible(std::span<const NetworkRecord<Real>> records) const;
-  std::string description() const { return training_description<Real>(executor, set, plan); }
-};
+NetworkTraining<Real>::NetworkTraining(Executor& executor, FrameStream& stream, const TrainingPlan& plan)
+    : NetworkTraining(executor, &stream, nullptr, plan) {}
 
 template <class Real>
-NetworkTraining<Real>::State::State(Executor& executor, const nn::FrameSet& set, const TrainingPlan& plan)
-    : executor(executor), plan(plan), set(set), scaling(nn::fit_scaling(plan.scaling, set)) {
+NetworkTraining<Real>::NetworkTraining(Executor& executor, FrameStream* stream, const nn::FrameSet* set,
+                                       const TrainingPlan& plan)
+    : executor_(executor), plan_(plan), stream_(stream) {
   plan.validate();
-  set.validate();
-  std::vector<SetVariant> variants{{}};  // the clean set serves every seed; noise is drawn for each
-  TrainingMembers members{plan.topologies, {}};
-  for (const double noise : plan.noises) {
-    for (const std::uint64_t seed : plan.seeds) {
-      if (noise != 0) variants.push_back({noise, seed});
-      members.members.push_back({seed, noise == 0 ? 0 : static_cast<std::uint32_t>(variants.size() - 1)});
-    }
-  }
-  const LearningInputs<Real> inputs(executor.device(), set, scaling, variants);
-  schedule = plan.batch ? batch_schedule(executor, inputs, members, *plan.batch, plan.options)
-                        : online_schedule(executor, inputs, members, plan.options);
+  source_ = stream != nullptr ? stream->description() : set_description(*set);
+  if (stream != nullptr)
+    take_first_block();
+  else
+    set_ = *set;
+  set_.validate();
+  scaling_ = nn::fit_scaling(plan.scaling, set_);
+  if (stream != nullptr && std::ranges::any_of(plan.topologies, &nn::Topology::has_bound))
+    bound_ = bound_of(plan.noises[0], plan.seeds[0]);
+  std::vector<OnlineMember> members;  // of each topology: the clean rows serve every seed, noise is drawn for each
+  std::uint32_t noisy = std::ranges::count(plan.noises, 0.0) > 0 ? 1 : 0;
+  for (const double noise : plan.noises)
+    for (const std::uint64_t seed : plan.seeds) members.push_back({seed, noise == 0 ? 0 : noisy++});
   for (const nn::Topology& topology : plan.topologies)
     for (const double noise : plan.noises)
       for (const std::uint64_t seed : plan.seeds)
-        networks.push_back({.topology = topology, .seed = seed, .noise = noise, .curve = {}});
+        networks_.push_back({.topology = topology, .seed = seed, .noise = noise});
+  schedule_ =
+      plan.batch ? batch_schedule<Real>(executor, plan_, members) : online_schedule<Real>(executor, plan_, members);
+  if (stream == nullptr) schedule_->take(*made_block(0).inputs, 1);
 }
-
-template <class Real>
-bool NetworkTraining<Real>::State::running() const {
-  return std::any_of(networks.begin(), networks.end(),
-                     [](const TrainedNetwork& n) { return n.status == nn::TrainStatus::running; });
-}
-
-// In weight updates; a network that has stopped counts as done.
-template <class Real>
-std::size_t NetworkTraining<Real>::State::work_done() const {
-  std::size_t done = 0;
-  for (const TrainedNetwork& n : networks) {
-    const std::size_t cycles = n.status == nn::TrainStatus::running ? n.cycles : plan.options.cycles(n.topology);
-    done += cycles * n.topology.weight_count() * set.rows();
-  }
-  return done;
-}
-
-template <class Real>
-std::size_t NetworkTraining<Real>::State::work_of_all() const {
-  std::size_t all = 0;
-  for (const TrainedNetwork& n : networks)
-    all += plan.options.cycles(n.topology) * n.topology.weight_count() * set.rows();
-  return all;
-}
-
-// Returns true to continue.
-template <class Real>
-bool NetworkTraining<Real>::State::run_round(const TrainingRunOptions& options) {
-  const std::size_t done = work_done(), all = work_of_all();
-  bool going = true;
-  std::function<bool()> go_on;
-  if (options.progress) go_on = [&] { return going = going && options.progress(done, all); };
-  std::vector<std::uint32_t> cycles;
-  for (const TrainedNetwork& network : networks) cycles.push_back(network.cycles);
-  const auto start = Clock::now();
-  schedule->run_round(networks, go_on);
-  seconds += seconds_since(start);
-  for (std::size_t i = 0; i < networks.size(); ++i)
-    if (networks[i].cycles != cycles[i]) networks[i].seconds = seconds;
-  return going && (!options.progress || options.progress(work_done(), all));
-}
-
-template <class Real>
-NetworkTraining<Real>::NetworkTraining(Executor& executor, const nn::FrameSet& set, const TrainingPlan& plan)
-    : state_(std::make_unique<State>(executor, set, plan)) {}
 
 template <class Real>
 NetworkTraining<Real>::~NetworkTraining() = default;
 
 template <class Real>
-bool NetworkTraining<Real>::run(const TrainingRunOptions& options) {
-  auto written = Clock::now();
-  bool going = true;
-  while (going && state_->running()) {
-    going = state_->run_round(options);
-    if (!options.checkpoint.empty() && seconds_since(written) > options.checkpoint_seconds) {
-      save(options.checkpoint);
-      written = Clock::now();
-    }
-  }
-  if (!options.checkpoint.empty()) save(options.checkpoint);
-  return !state_->running();
+void NetworkTraining<Real>::take_first_block() {
+  const auto start = Clock::now();
+  for (; first_ < stream_->blocks() && set_.rows() == 0; ++first_) set_ = stream_->block(first_);
+  if (set_.rows() == 0)
+    throw ConfigError(stream_->name(), "slip_index", "of no row solved", "at least one row to learn from");
+  --first_;
+  first_seconds_ = seconds_since(start);
+}
+
+// Noise of a stream is drawn anew for every block.
+template <class Real>
+NetworkTraining<Real>::Block NetworkTraining<Real>::made_block(std::uint64_t k) try {
+  const auto start = Clock::now();
+  nn::FrameSet rows;
+  if (stream_ != nullptr) rows = k == first_ ? std::exchange(set_, {}) : stream_->block(k);
+  const nn::FrameSet& shown = stream_ != nullptr ? rows : set_;
+  Block block;
+  block.rows_seconds = seconds_since(start);
+  if (shown.rows() == 0) return block;
+  std::vector<SetVariant> variants;
+  if (std::ranges::count(plan_.noises, 0.0) > 0) variants.emplace_back();
+  for (const double noise : plan_.noises)
+    for (const std::uint64_t seed : plan_.seeds)
+      if (noise != 0) variants.push_back({noise, seed + (k << 20)});
+  block.inputs.emplace(executor_.device(), shown, scaling_, variants);
+  block.inputs_seconds = seconds_since(start) - block.rows_seconds;
+  return block;
+} catch (const ValueError& error) {
+  if (stream_ == nullptr) throw;
+  throw ConfigError(stream_->name(), fmt::format("{} of block {}", error.key, k), error.value, error.allowed);
 }
 
 template <class Real>
-const std::vector<TrainedNetwork>& NetworkTraining<Real>::networks() const {
-  return state_->networks;
+nn::Bound NetworkTraining<Real>::bound_of(double noise, std::uint64_t seed) const {
+  const nn::FrameSet shown = nn::with_noise(set_, noise, seed);
+  nn::Bound bound = nn::uncalibrated_bound(nn::scale_frames<float>(scaling_, shown.frames),
+                                           static_cast<int>(shown.frames.cols()) / (2 * plan_.history.frames));
+  bound.level = plan_.batch->level;
+  return bound;
+}
+
+template <class Real>
+bool NetworkTraining<Real>::running() const {
+  return std::ranges::any_of(networks_, &TrainedNetwork::running);
+}
+
+// In weight updates; a network that has stopped counts as done.
+template <class Real>
+std::size_t NetworkTraining<Real>::work(bool of_all) const {
+  std::size_t work = 0;
+  for (const TrainedNetwork& n : networks_) {
+    const std::uint64_t all = plan_.rows.value_or(plan_.options.cycles(n.topology) * set_.rows());
+    work += n.topology.weight_count() * (of_all || !n.running() ? all : std::min(n.rows, all));
+  }
+  return work;
+}
+
+template <class Real>
+bool NetworkTraining<Real>::run(const TrainingRunOptions& options) {
+  auto written = Clock::now();
+  if (stream_ != nullptr && block_ > first_) set_ = {};
+  if (stream_ != nullptr && block_ <= first_)
+    seconds_ += first_seconds_, stages_.rows += first_seconds_, stages_.all += first_seconds_;
+  const int threads = stream_ != nullptr ? stream_->at_once() : 0;
+  MadeAhead<Block> blocks(block_, threads, static_cast<std::size_t>(threads) + 2,
+                          [this](std::uint64_t k) { return made_block(k); });
+  const StopAtEnd stop_at_end(stream_);
+  bool going = true;
+  while (going && running()) {
+    going = run_round(blocks, options);
+    if (options.checkpoint.empty() || seconds_since(written) <= options.checkpoint_seconds) continue;
+    save(options.checkpoint);
+    written = Clock::now();
+  }
+  if (!options.checkpoint.empty()) save(options.checkpoint);
+  if (running()) return false;
+  for (std::size_t i = 0; i < networks_.size(); ++i)  // errors may be finite where outputs saturate
+    if (!nn::all_finite(weights(i))) networks_[i].status = nn::TrainStatus::not_finite;
+  return true;
+}
+
+// Returns true to continue. A block of a stream is learnt as a whole.
+template <class Real>
+bool NetworkTraining<Real>::run_round(MadeAhead<Block>& blocks, const TrainingRunOptions& options) {
+  const auto start = Clock::now();
+  const std::size_t done = work(false), all = work(true);
+  std::vector<std::uint32_t> cycles;
+  for (const TrainedNetwork& network : networks_) cycles.push_back(network.cycles);
+  bool going = true;
+  std::function<bool()> go_on;
+  if (options.progress && stream_ == nullptr) go_on = [&] { return going = going && options.progress(done, all); };
+  auto taken = start;
+  bool rows = true;
+  if (stream_ != nullptr) {
+    const Block block = blocks.next();
+    taken = Clock::now();
+    rows = take(block, options.log);
+  }
+  if (rows) schedule_->run_round(networks_, go_on);
+  if (options.recall != nullptr) judge(cycles, *options.recall);
+  const double seconds = seconds_since(start);
+  seconds_ += seconds;
+  stages_.training += seconds_since(taken), stages_.all += seconds * (1 + blocks.threads());
+  for (std::size_t i = 0; i < networks_.size(); ++i)
+    if (networks_[i].cycles != cycles[i]) networks_[i].seconds = seconds_;
+  return going && (!options.progress || options.progress(work(false), all));
+}
+
+// Takes the stream's next block. Returns false where it has no rows.
+template <class Real>
+bool NetworkTraining<Real>::take(const Block& block, const LogSink& log) {
+  ++block_;
+  stages_.rows += block.rows_seconds, stages_.inputs += block.inputs_seconds;
+  if (!block.inputs) {
+    if (block_ <= stream_->blocks() && log)
+      log(LogLevel::warning, stream_->name() + ": a block without a row that was solved with a slippage index");
+    for (TrainedNetwork& network : networks_) network.cycles += network.running();
+    return false;
+  }
+  const double left = 1 - static_cast<double>(rows()) / static_cast<double>(*plan_.rows);
+  schedule_->take(*block.inputs, std::max(TrainingPlan::last_rate, left));
+  return true;
+}
+
+// Judges the networks whose curves have a new point. `cycles`: before it.
+template <class Real>
+void NetworkTraining<Real>::judge(std::span<const std::uint32_t> cycles, const nn::FrameSet& recall_set) {
+  std::optional<std::vector<nn::ErrorReport>> reports;
+  for (std::size_t i = 0; i < networks_.size(); ++i) {
+    TrainedNetwork& network = networks_[i];
+    if (network.cycles == cycles[i] || network.curve.empty() || network.curve.back().cycle != network.cycles) continue;
+    if (!reports) reports = recall(recall_set);
+    const bool good = network.status != nn::TrainStatus::not_finite;
+    network.curve.back().recall = good ? static_cast<float>((*reports)[i].all.mean) : NAN;
+  }
 }
 
 template <class Real>
 nn::Weights<Real> NetworkTraining<Real>::weights(std::size_t network) const {
-  return state_->weights(network);
-}
-
-template <class Real>
-const nn::InputScaling& NetworkTraining<Real>::scaling() const {
-  return state_->scaling;
+  return nn::weights_of_frames(schedule_->weights(network), plan_.history.frames);
 }
 
 template <class Real>
 double NetworkTraining<Real>::patterns() const {
-  double cycles = 0;
-  for (const TrainedNetwork& network : state_->networks) cycles += network.cycles;
-  return cycles * static_cast<double>(state_->set.rows());
+  double patterns = 0;
+  for (const TrainedNetwork& network : networks_) patterns += static_cast<double>(network.rows);
+  return patterns;
 }
 
 template <class Real>
-double NetworkTraining<Real>::seconds() const {
-  return state_->seconds;
+std::uint64_t NetworkTraining<Real>::rows() const {
+  if (stream_ == nullptr) return static_cast<std::uint64_t>(set_.rows());
+  return std::ranges::max(networks_, {}, &TrainedNetwork::rows).rows;
 }
 
 template <class Real>
 std::vector<std::vector<double>> NetworkTraining<Real>::absolute_errors(const nn::FrameSet& set) const {
-  const DeviceFrames frames(state_->executor.device(), set.frames);
+  const DeviceFrames frames(executor_.device(), set.frames);
   std::vector<std::vector<double>> errors;
-  while (errors.size() < state_->networks.size()) {
-    std::vector<nn::Weights<Real>> weights;
-    for (std::size_t i = 0; i < state_->per_topology(); ++i) weights.push_back(state_->weights(errors.size() + i));
-    Forward<Real> forward(state_->executor, std::span<const nn::Weights<Real>>(weights), state_->scaling);
+  while (errors.size() < networks_.size()) {
+    std::vector<nn::Weights<Real>> own;
+    for (std::size_t i = 0; i < plan_.noises.size() * plan_.seeds.size(); ++i)
+      own.push_back(weights(errors.size() + i));
+    Forward<Real> forward(executor_, std::span<const nn::Weights<Real>>(own), scaling_);
     forward.run(frames);
-    for (std::size_t i = 0; i < weights.size(); ++i)
+    for (std::size_t i = 0; i < own.size(); ++i)
       errors.push_back(nn::absolute_errors(forward.result(i).slip_index, set));
   }
   return errors;
@@ -252,7 +248,7 @@ std::vector<std::vector<double>> NetworkTraining<Real>::absolute_errors(const nn
 template <class Real>
 std::vector<double> NetworkTraining<Real>::slip_index(std::size_t network, const nn::FrameSet& set) const {
   const nn::Weights<Real> own = weights(network);
-  Forward<Real> forward(state_->executor, std::span(&own, 1), state_->scaling);
+  Forward<Real> forward(executor_, std::span(&own, 1), scaling_);
   const auto answer = forward.recall(set.frames);
   return {answer.slip_index.begin(), answer.slip_index.end()};
 }
@@ -266,18 +262,23 @@ std::vector<nn::ErrorReport> NetworkTraining<Real>::recall(const nn::FrameSet& s
 
 template <class Real>
 std::vector<nn::ErrorReport> NetworkTraining<Real>::recall_learning_set() const {
-  std::vector<nn::ErrorReport> reports = recall(state_->set);
+  if (stream_ != nullptr) {
+    nn::ErrorReport counted;
+    counted.all.count = rows();
+    return std::vector(networks_.size(), counted);
+  }
+  std::vector<nn::ErrorReport> reports = recall(set_);
   std::optional<Forward<Real>> forward;  // of one topology after the other
   std::optional<nn::Topology> its_topology;
   for (std::size_t i = 0; i < reports.size(); ++i) {
-    const TrainedNetwork& network = state_->networks[i];
+    const TrainedNetwork& network = networks_[i];
     if (network.noise == 0) continue;
-    const nn::FrameSet noisy = nn::with_noise(state_->set, network.noise, network.seed);
+    const nn::FrameSet noisy = nn::with_noise(set_, network.noise, network.seed);
     const nn::Weights<Real> own = weights(i);
     if (its_topology == network.topology)
       forward->set_network(0, own);
     else
-      forward.emplace(state_->executor, std::span(&own, 1), state_->scaling);
+      forward.emplace(executor_, std::span(&own, 1), scaling_);
     its_topology = network.topology;
     reports[i] = nn::report_errors(nn::absolute_errors(forward->recall(noisy.frames).slip_index, noisy), noisy);
   }
@@ -285,92 +286,82 @@ std::vector<nn::ErrorReport> NetworkTraining<Real>::recall_learning_set() const 
 }
 
 template <class Real>
-nn::Model NetworkTraining<Real>::model(std::size_t i, const std::string& learning_set) const {
-  const TrainedNetwork& network = state_->networks[i];
-  const nn::FrameSet shown = nn::with_noise(state_->set, network.noise, network.seed);
-  const nn::Weights<Real> own = weights(i);
-  Forward<Real> forward(state_->executor, std::span(&own, 1), state_->scaling);
-  const nn::Recall<Real> answer = forward.recall(shown.frames);
-  return model(i, learning_set, nn::report_errors(nn::absolute_errors(answer.slip_index, shown), shown).all);
-}
-
-template <class Real>
 nn::Model NetworkTraining<Real>::model(std::size_t i, const std::string& learning_set,
                                        const nn::ErrorSummary& learning_errors) const {
-  const TrainedNetwork& network = state_->networks[i];
+  const TrainedNetwork& network = networks_[i];
   nn::Model model{nn::Weights<float>(weights(i)),
-                  state_->scaling,
+                  scaling_,
                   network.seed,
                   network.noise,
                   learning_set,
                   network.cycles,
                   learning_errors,
-                  state_->plan.history,
-                  state_->plan.magnitude};
-  if (network.topology.has_bound()) {
-    const nn::FrameSet shown = nn::with_noise(state_->set, network.noise, network.seed);
-    model.bound = nn::uncalibrated_bound(nn::scale_frames<float>(state_->scaling, shown.frames),
-                                         network.topology.inputs() / (2 * model.history.frames));
-    model.bound->level = state_->plan.batch->level;
-  }
+                  plan_.history,
+                  plan_.magnitude};
+  if (network.topology.has_bound()) model.bound = bound_ ? *bound_ : bound_of(network.noise, network.seed);
   return model;
 }
 
 template <class Real>
-std::string NetworkTraining<Real>::description() const {
-  return state_->description();
+std::string NetworkTraining<Real>::description(const TrainingPlan& plan) const {
+  return training_description(source_, executor_.device().lanes(precision_of<Real>), precision_of<Real>, plan);
 }
 
 template <class Real>
-std::vector<NetworkRecord<Real>> NetworkTraining<Real>::State::records() const {
+std::vector<NetworkRecord<Real>> NetworkTraining<Real>::records() const {
   std::vector<NetworkRecord<Real>> records;
-  for (std::size_t i = 0; i < networks.size(); ++i) {
-    records.push_back({networks[i], nn::BatchState<Real>(nn::Weights<float>(networks[i].topology))});
-    schedule->store(i, records.back());
+  for (std::size_t i = 0; i < networks_.size(); ++i) {
+    records.push_back({networks_[i], nn::BatchState<Real>(nn::Weights<float>(networks_[i].topology))});
+    schedule_->store(i, records.back());
   }
   return records;
 }
 
-// Whether a training by this plan can have come there: nothing runs beyond its limit of cycles, and networks of one
-// topology that still learn by mini-batches are at the same epoch.
+// Whether a training by this plan can have come there: nothing runs beyond its limit, and networks that still learn by
+// mini-batches are in step: those of a topology, and all those of a stream.
 template <class Real>
-bool NetworkTraining<Real>::State::possible(std::span<const NetworkRecord<Real>> records) const {
-  std::map<std::string, std::uint32_t> epoch;
+bool NetworkTraining<Real>::possible(std::span<const NetworkRecord<Real>> records) const {
+  std::map<std::string, std::tuple<std::uint64_t, std::uint64_t, std::uint64_t, std::uint64_t>> steps;
   for (const NetworkRecord<Real>& record : records) {
     const TrainedNetwork& network = record.network;
-    const auto limit = static_cast<std::uint32_t>(plan.options.cycles(network.topology));
-    const bool runs = network.status == nn::TrainStatus::running;
-    if (network.cycles > limit || (runs && network.cycles == limit)) return false;
-    if (!network.curve.cycle.empty() && network.curve.cycle.back() > network.cycles) return false;
-    if (plan.batch && runs &&
-        epoch.try_emplace(network.topology.text(), network.cycles).first->second != network.cycles)
-      return false;
+    if (!network.curve.empty() && network.curve.back().cycle > network.cycles) return false;
+    if (!network.running()) continue;
+    if (plan_.over(network.topology, network.cycles, network.rows)) return false;
+    if (!plan_.batch) continue;
+    const std::tuple step{network.cycles, network.rows, record.state.epoch, record.state.updates};
+    const std::string together = stream_ != nullptr ? "all" : network.topology.text();
+    if (steps.try_emplace(together, step).first->second != step) return false;
   }
   return true;
 }
 
 template <class Real>
 void NetworkTraining<Real>::save(const std::filesystem::path& checkpoint) const {
-  const std::vector<NetworkRecord<Real>> records = state_->records();
-  write_checkpoint<Real>(checkpoint, state_->description(), records);
+  write_checkpoint<Real>(checkpoint, description(), records());
 }
 
 template <class Real>
-bool NetworkTraining<Real>::load(const std::filesystem::path& checkpoint) {
-  std::vector<NetworkRecord<Real>> records = state_->records();  // for their sizes
-  if (!read_checkpoint<Real>(checkpoint, state_->description(), records)) return false;
-  if (!state_->possible(records))
-    throw ConfigError(checkpoint.string(), "checkpoint", "damaged", "whole; delete it to start anew");
-  state_->schedule->restore(records);
-  for (std::size_t i = 0; i < records.size(); ++i) {
-    state_->networks[i] = records[i].network;
-    state_->seconds = std::max(state_->seconds, records[i].network.seconds);
+bool NetworkTraining<Real>::load(const std::filesystem::path& checkpoint, const std::vector<std::uint64_t>& seeds) {
+  TrainingPlan part = plan_;
+  part.seeds = seeds;
+  const auto in_part = [&](const NetworkRecord<Real>& record) {
+    return std::ranges::find(seeds, record.network.seed) != seeds.end();
+  };
+  std::vector<NetworkRecord<Real>> all = records(), read;
+  std::ranges::copy_if(all, std::back_inserter(read), in_part);
+  if (!read_checkpoint<Real>(checkpoint, description(part), read)) return false;
+  for (auto from = read.begin(); NetworkRecord<Real> & record : all)
+    if (in_part(record)) record = *from++;
+  if (!possible(all)) throw ConfigError(checkpoint.string(), "checkpoint", "damaged", "whole; delete it to start anew");
+  schedule_->restore(all);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    networks_[i] = all[i].network;
+    seconds_ = std::max(seconds_, networks_[i].seconds);
+    if (stream_ != nullptr) block_ = std::max<std::uint64_t>(block_, networks_[i].cycles);
   }
   return true;
 }
 
-template std::string training_description<float>(const Executor&, const nn::FrameSet&, const TrainingPlan&);
-template std::string training_description<double>(const Executor&, const nn::FrameSet&, const TrainingPlan&);
 template class NetworkTraining<float>;
 template class NetworkTraining<double>;
 

@@ -2,105 +2,118 @@
 #pragma once
 #include <filesystem>
 #include <memory>
-#include <optional>
-#include <span>
-#include <string>
 #include <vector>
 
 #include "host/device/executor.h"
-#include "host/networks/train_online.h"
+#include "host/networks/frame_stream.h"
+#include "host/networks/learning_inputs.h"
+#include "host/networks/training_checkpoint.h"
+#include "host/support/log.h"
 #include "nn/metrics.h"
 #include "nn/model.h"
-#include "nn/train_batch.h"
 
 namespace tactel::host {
 
-/// Networks to train: every topology with every seed at every noise level, on one learning set; pattern by
-/// pattern, or by mini-batches.
-struct TrainingPlan {
-  std::vector<nn::Topology> topologies;
-  std::vector<std::uint64_t> seeds;
-  std::vector<double> noises{0.0};  ///< standard deviations over the set's largest |stress|; drawn anew for each seed
-  nn::ScalingKind scaling = nn::ScalingKind::set;
-  nn::OnlineOptions options;
-  /// Options of mini-batches. Of the other options only stop_error and the limit of cycles (epochs) then apply.
-  std::optional<nn::BatchOptions> batch{};
-  nn::InputHistory history{};  ///< of the inputs; the learning set has them already (nn::with_history)
-  bool magnitude = false;      ///< learn |S|
-  void validate() const;       ///< throws ValueError, keys "network", "seeds", "noise", "training. ..."
-};
-
-/// Errors at some cycles: the first ten, then cycles a tenth apart, and the last.
-struct LearningCurve {
-  std::vector<std::uint64_t> cycle;  ///< counted from 1
-  std::vector<float> sse, largest;   ///< of that cycle; the error of a pattern is taken as it is shown
-};
-
-/// One network and the state of its training.
-struct TrainedNetwork {
-  nn::Topology topology;
-  std::uint64_t seed = 0;
-  double noise = 0;
-  nn::TrainStatus status = nn::TrainStatus::running;
-  std::uint32_t cycles = 0;
-  float sse = 0, largest = 0;  ///< of its last cycle
-  double seconds = 0;          ///< of training until its last cycle ended, earlier runs included
-  LearningCurve curve;
-};
-
-/// Returns all inputs of the networks' bits, as text. Checkpoints of another description are rejected.
-template <class Real>
-std::string training_description(const Executor& executor, const nn::FrameSet& set, const TrainingPlan& plan);
-
 struct TrainingRunOptions {
-  Progress progress;                 ///< weight updates of the most possible; false stops
-  std::filesystem::path checkpoint;  ///< file of the state; empty: none
-  double checkpoint_seconds = 10;    ///< s between two writings; the state is also written at the end of the run
+  Progress progress;                     ///< weight updates of the most possible; false stops
+  std::filesystem::path checkpoint;      ///< file of the state; empty: none
+  double checkpoint_seconds = 10;        ///< s between two writings; the state is also written at the end of the run
+  const nn::FrameSet* recall = nullptr;  ///< rows that judge the networks of a stream at each point of their curves
+  LogSink log{};
 };
 
-/// Trains many networks at once. The bits of a network depend on its topology, seed, noise, the set and the
-/// options. They do not depend on the other networks, interruptions or the number of threads.
+template <class T>
+class MadeAhead;
+template <class Real>
+class TrainingSchedule;
+
+/// Time of a run, s, summed over threads; the rest of `all` they waited.
+struct TrainingStages {
+  double rows = 0, inputs = 0, training = 0, all = 0;
+};
+
+/// Trains many networks at once. The bits of a network depend on its topology, seed, noise, the set or stream and the
+/// options. They do not depend on the other networks, interruptions or the number of threads. A set is one block of
+/// rows that every cycle shows again; a stream gives new rows for every cycle, made ahead on its threads.
 template <class Real>
 class NetworkTraining {
  public:
   /// Throws ValueError for an invalid plan or set.
   NetworkTraining(Executor& executor, const nn::FrameSet& set, const TrainingPlan& plan);
+  /// The same on the blocks of a stream, plan.rows of them: mini-batches. The frames are scaled by the first block that
+  /// has rows. Throws ConfigError for a stream without.
+  NetworkTraining(Executor& executor, FrameStream& stream, const TrainingPlan& plan);
   ~NetworkTraining();
 
   /// Trains until every network has stopped and returns true. Returns false where progress stops it; run may be
-  /// called again.
+  /// called again. Throws ConfigError for a block that cannot be learnt.
   bool run(const TrainingRunOptions& options = {});
 
   /// In the order topologies, noises, seeds (fastest).
-  const std::vector<TrainedNetwork>& networks() const;
+  const std::vector<TrainedNetwork>& networks() const { return networks_; }
   nn::Weights<Real> weights(std::size_t network) const;
-  const nn::InputScaling& scaling() const;
+  const nn::InputScaling& scaling() const { return scaling_; }
   /// Returns the patterns shown so far and their seconds, including those before a loaded checkpoint.
   double patterns() const;
-  double seconds() const;
+  double seconds() const { return seconds_; }
+  const TrainingStages& stages() const { return stages_; }
+  std::uint64_t blocks() const { return stream_ != nullptr ? block_ : 1; }  ///< taken so far
+  std::uint64_t rows() const;                                               ///< of these blocks
 
   /// Returns |S of a network - S of the set|: [networks][rows], NaN where the network gave none.
   std::vector<std::vector<double>> absolute_errors(const nn::FrameSet& set) const;
   /// Returns S of one network on a set: [rows], NaN where it gave none.
   std::vector<double> slip_index(std::size_t network, const nn::FrameSet& set) const;
-  /// Returns the errors of every network: on a set, or on its own learning set, noise included.
+  /// Returns the errors of every network: on a set, or on its own learning set, noise included. The rows of a stream
+  /// are counted alone.
   std::vector<nn::ErrorReport> recall(const nn::FrameSet& set) const;
   std::vector<nn::ErrorReport> recall_learning_set() const;
-  /// Returns a network as in a model file. `learning_set`: the name of the set.
-  nn::Model model(std::size_t network, const std::string& learning_set) const;
-  /// The same with known errors on its learning set.
+  /// Returns a network as in a model file. `learning_set`: the name of the set; `learning_errors`: on it.
   nn::Model model(std::size_t network, const std::string& learning_set, const nn::ErrorSummary& learning_errors) const;
 
-  std::string description() const;  ///< training_description
+  /// Returns all inputs of the bits of this plan's networks as text, or of another plan's.
+  std::string description() const { return description(plan_); }
+  std::string description(const TrainingPlan& plan) const;
 
   void save(const std::filesystem::path& checkpoint) const;
   /// Loads a checkpoint. Returns false where there is no such file. Throws ConfigError for a damaged one, or
   /// that of another training.
-  bool load(const std::filesystem::path& checkpoint);
+  bool load(const std::filesystem::path& checkpoint) { return load(checkpoint, plan_.seeds); }
+  /// The same for the networks of these seeds, from the checkpoint of a training of them alone.
+  bool load(const std::filesystem::path& checkpoint, const std::vector<std::uint64_t>& seeds);
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  /// Rows as networks learn them, and the time that their parts took, s.
+  struct Block {
+    std::optional<LearningInputs<Real>> inputs{};  ///< none: no row has an answer
+    double rows_seconds = 0, inputs_seconds = 0;
+  };
+
+  NetworkTraining(Executor& executor, FrameStream* stream, const nn::FrameSet* set, const TrainingPlan& plan);
+  void take_first_block();
+  Block made_block(std::uint64_t k);
+  bool take(const Block& block, const LogSink& log);
+  bool run_round(MadeAhead<Block>& blocks, const TrainingRunOptions& options);
+  void judge(std::span<const std::uint32_t> cycles, const nn::FrameSet& recall_set);
+  bool running() const;
+  std::size_t work(bool of_all) const;
+  nn::Bound bound_of(double noise, std::uint64_t seed) const;
+  std::vector<NetworkRecord<Real>> records() const;
+  bool possible(std::span<const NetworkRecord<Real>> records) const;
+
+  Executor& executor_;
+  const TrainingPlan plan_;
+  FrameStream* stream_;                  ///< none: a set
+  std::string source_;                   ///< description of the set or stream
+  nn::FrameSet set_;                     ///< the learning set; of a stream its first rows, until they are learnt
+  std::uint64_t first_ = 0, block_ = 0;  ///< the stream's first block that has rows, and its next
+  double first_seconds_ = 0;             ///< s until the first rows were there
+  nn::InputScaling scaling_;
+  std::optional<nn::Bound> bound_;        ///< of a stream, before its calibration
+  std::vector<TrainedNetwork> networks_;  ///< [topologies][noises][seeds]
+  std::unique_ptr<TrainingSchedule<Real>> schedule_;
+  double seconds_ = 0;
+  TrainingStages stages_;
 };
 
 extern template class NetworkTraining<float>;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <chrono>
 
 #include "host/networks/training_schedule.h"
 
@@ -13,11 +12,13 @@ constexpr std::uint32_t longest_round = 1024;  ///< cycles; the kernel's curve b
 template <class Real>
 class OnlineSchedule : public TrainingSchedule<Real> {
  public:
-  OnlineSchedule(Executor& executor, const LearningInputs<Real>& inputs, const TrainingMembers& members,
-                 const nn::OnlineOptions& options)
-      : executor_(executor), per_topology_(members.members.size()) {
-    for (const nn::Topology& topology : members.topologies)
-      trainings_.emplace_back(executor, topology, inputs, members.members, options);
+  OnlineSchedule(Executor& executor, const TrainingPlan& plan, const std::vector<OnlineMember>& members)
+      : executor_(executor), plan_(plan), members_(members) {}
+
+  void take(const LearningInputs<Real>& inputs, double) override {
+    rows_ = inputs.rows();
+    for (const nn::Topology& topology : plan_.topologies)
+      trainings_.emplace_back(executor_, topology, inputs, members_, plan_.options);
   }
 
   void run_round(std::vector<TrainedNetwork>& networks, const std::function<bool()>& go_on) override {
@@ -25,7 +26,7 @@ class OnlineSchedule : public TrainingSchedule<Real> {
     if (go_on) run.progress = [&](std::size_t, std::size_t) { return go_on(); };
     const double seconds = executor_.run(jobs(), run).seconds;
     for (std::size_t i = 0; i < networks.size(); ++i)
-      if (networks[i].status == nn::TrainStatus::running) collect(i, networks[i]);
+      if (networks[i].running()) collect(i, networks[i]);
     const double pace = round_seconds / std::max(seconds, 1e-3);
     round_cycles_ = std::clamp(static_cast<std::uint32_t>(round_cycles_ * std::min(pace, 4.0)), 1u, longest_round);
   }
@@ -47,13 +48,13 @@ class OnlineSchedule : public TrainingSchedule<Real> {
       state.step = record.state.first;
       state.cycle = record.network.cycles;
       state.status = record.network.status;
-      trainings_[i / per_topology_].set_state(i % per_topology_, state);
+      trainings_[i / members_.size()].set_state(i % members_.size(), state);
     }
   }
 
  private:
   nn::OnlineState<Real> state(std::size_t network) const {
-    return trainings_[network / per_topology_].state(network % per_topology_);
+    return trainings_[network / members_.size()].state(network % members_.size());
   }
 
   // The largest networks first, so that the threads end together.
@@ -70,37 +71,38 @@ class OnlineSchedule : public TrainingSchedule<Real> {
 
   // Reads what the last round did to a network.
   void collect(std::size_t i, TrainedNetwork& network) {
-    const TrainOnline<Real>& training = trainings_[i / per_topology_];
-    const std::size_t place = i % per_topology_;
+    const TrainOnline<Real>& training = trainings_[i / members_.size()];
+    const std::size_t place = i % members_.size();
     const OnlineReport from{0, network.cycles, 0, 0};
     const OnlineReport now = training.report(place);
     if (now.cycle == network.cycles) return;
     const std::vector<nn::CycleErrors> errors = training.curve(place, from);
     network.status = static_cast<nn::TrainStatus>(now.status);
     for (const nn::CycleErrors& cycle : errors)
-      note_cycle(network, cycle, network.cycles + 1 == now.cycle && network.status != nn::TrainStatus::running);
+      network.note_cycle(cycle, rows_, network.cycles + 1 == now.cycle && !network.running());
     network.sse = now.sse;
     network.largest = now.largest;
   }
 
   Executor& executor_;
-  std::size_t per_topology_;
+  const TrainingPlan& plan_;
+  std::vector<OnlineMember> members_;
   std::vector<TrainOnline<Real>> trainings_;  ///< [topologies]
+  std::uint32_t rows_ = 0;                    ///< of a cycle
   std::uint32_t round_cycles_ = 4;
 };
 
 }  // namespace
 
 template <class Real>
-std::unique_ptr<TrainingSchedule<Real>> online_schedule(Executor& executor, const LearningInputs<Real>& inputs,
-                                                        const TrainingMembers& members,
-                                                        const nn::OnlineOptions& options) {
-  return std::make_unique<OnlineSchedule<Real>>(executor, inputs, members, options);
+std::unique_ptr<TrainingSchedule<Real>> online_schedule(Executor& executor, const TrainingPlan& plan,
+                                                        const std::vector<OnlineMember>& members) {
+  return std::make_unique<OnlineSchedule<Real>>(executor, plan, members);
 }
 
-template std::unique_ptr<TrainingSchedule<float>> online_schedule(Executor&, const LearningInputs<float>&,
-                                                                  const TrainingMembers&, const nn::OnlineOptions&);
-template std::unique_ptr<TrainingSchedule<double>> online_schedule(Executor&, const LearningInputs<double>&,
-                                                                   const TrainingMembers&, const nn::OnlineOptions&);
+template std::unique_ptr<TrainingSchedule<float>> online_schedule(Executor&, const TrainingPlan&,
+                                                                  const std::vector<OnlineMember>&);
+template std::unique_ptr<TrainingSchedule<double>> online_schedule(Executor&, const TrainingPlan&,
+                                                                   const std::vector<OnlineMember>&);
 
 }  // namespace tactel::host

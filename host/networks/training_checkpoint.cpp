@@ -13,12 +13,13 @@
 #include "host/support/checksum.h"
 #include "host/support/durable_file.h"
 #include "host/support/errors.h"
+#include "kernels/shared/online_report.h"
 
 namespace tactel::host {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::string_view magic = "tactel checkpoint 3\n";
+constexpr std::string_view magic = "tactel checkpoint 4\n";
 
 // File: magic, checksum of all that follows (8 bytes), then items, each with its number of bytes (8) before it: the
 // plan; for each network its report, seconds, curve, weights, moments. Byte order is the machine's.
@@ -94,14 +95,9 @@ std::optional<std::string> content_of(const fs::path& path, std::uintmax_t most)
                     "one of this training, or absent");
 }
 
-bool rising(std::span<const std::uint64_t> numbers) {
-  return std::ranges::adjacent_find(numbers, std::greater_equal()) == numbers.end();
-}
-
-/// Whether a curve is one: its three lists as long, its cycles rising.
-bool sound(const LearningCurve& curve) {
-  const std::size_t points = curve.cycle.size();
-  return curve.sse.size() == points && curve.largest.size() == points && rising(curve.cycle);
+/// Whether the cycles of a curve rise.
+bool rising(const std::vector<CurvePoint>& curve) {
+  return std::ranges::adjacent_find(curve, std::greater_equal(), &CurvePoint::cycle) == curve.end();
 }
 
 template <class Real>
@@ -111,10 +107,8 @@ void read_record(Reader& reader, NetworkRecord<Real>& record) {
   const std::vector<OnlineReport> report = reader.take<OnlineReport>();
   const std::vector<double> seconds = reader.take<double>();
   const std::vector<std::uint64_t> counters = reader.take<std::uint64_t>();
-  network.curve.cycle = reader.take<std::uint64_t>();
-  network.curve.sse = reader.take<float>();
-  network.curve.largest = reader.take<float>();
-  if (report.size() != 1 || seconds.size() != 1 || counters.size() != 3 || !sound(network.curve)) reader.damaged();
+  network.curve = reader.take<CurvePoint>();
+  if (report.size() != 1 || seconds.size() != 1 || counters.size() != 3 || !rising(network.curve)) reader.damaged();
   for (auto* numbers : {&state.weights, &state.first, &state.second}) {
     const std::size_t expected = numbers->values.size();
     numbers->values = reader.take<Real>();
@@ -125,7 +119,7 @@ void read_record(Reader& reader, NetworkRecord<Real>& record) {
       counters[2] > std::numeric_limits<std::uint32_t>::max())
     reader.damaged();
   network.seconds = seconds[0];
-  record.rows = counters[0];
+  network.rows = counters[0];
   state.updates = counters[1];
   state.epoch = static_cast<std::uint32_t>(counters[2]);
   network.status = static_cast<nn::TrainStatus>(report[0].status);
@@ -146,10 +140,8 @@ void write_checkpoint(const fs::path& path, const std::string& plan, std::span<c
     const OnlineReport report{static_cast<std::int32_t>(network.status), network.cycles, network.sse, network.largest};
     writer.put(std::span<const OnlineReport>(&report, 1));
     writer.put(std::span<const double>(&network.seconds, 1));
-    writer.put(std::span<const std::uint64_t>(std::array{record.rows, state.updates, std::uint64_t{state.epoch}}));
-    writer.put(std::span<const std::uint64_t>(network.curve.cycle));
-    writer.put(std::span<const float>(network.curve.sse));
-    writer.put(std::span<const float>(network.curve.largest));
+    writer.put(std::span<const std::uint64_t>(std::array{network.rows, state.updates, std::uint64_t{state.epoch}}));
+    writer.put(std::span<const CurvePoint>(network.curve));
     for (const auto* numbers : {&state.weights, &state.first, &state.second})
       writer.put(std::span<const Real>(numbers->values));
   }

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <span>
 #include <string>
-#include <vector>
 
-#include "host/networks/network_training.h"
+#include "host/networks/training_plan.h"
 
 namespace tactel::host {
 
@@ -16,7 +13,6 @@ template <class Real>
 struct NetworkRecord {
   TrainedNetwork network;      ///< topology, seed and noise are the plan's and not stored
   nn::BatchState<Real> state;  ///< pattern by pattern: `first` holds the momentum's steps, `second` is empty
-  std::uint64_t rows = 0;      ///< rows of a stream seen so far
 };
 
 /// Writes records under a temporary name, then renames. `plan` is all inputs of the records, as text. Throws
@@ -33,13 +29,5 @@ void expect_checkpoint_of(const std::filesystem::path& path, const std::string& 
 template <class Real>
 bool read_checkpoint(const std::filesystem::path& path, const std::string& plan,
                      std::span<NetworkRecord<Real>> records);
-
-extern template void write_checkpoint(const std::filesystem::path&, const std::string&,
-                                      std::span<const NetworkRecord<float>>);
-extern template void write_checkpoint(const std::filesystem::path&, const std::string&,
-                                      std::span<const NetworkRecord<double>>);
-extern template bool read_checkpoint(const std::filesystem::path&, const std::string&, std::span<NetworkRecord<float>>);
-extern template bool read_checkpoint(const std::filesystem::path&, const std::string&,
-                                     std::span<NetworkRecord<double>>);
 
 }  // namespace tactel::host

@@ -5,24 +5,19 @@
 #include <vector>
 
 #include "host/networks/learning_inputs.h"
-#include "host/networks/network_training.h"
 #include "host/networks/train_online.h"
 #include "host/networks/training_checkpoint.h"
+#include "host/networks/training_plan.h"
 
 namespace tactel::host {
-
-/// Networks of a schedule: for every topology, these members.
-struct TrainingMembers {
-  std::vector<nn::Topology> topologies;
-  std::vector<OnlineMember> members;  ///< of each topology
-  std::size_t size() const { return topologies.size() * members.size(); }
-};
 
 /// Training of the networks of a NetworkTraining. Networks are numbered [topologies][members].
 template <class Real>
 class TrainingSchedule {
  public:
   virtual ~TrainingSchedule() = default;
+  /// Takes the rows of the next cycles, and the share of the learning rate that they are learnt at.
+  virtual void take(const LearningInputs<Real>& inputs, double share_of_rate) = 0;
   /// Trains some cycles of every running network and records the result in `networks`. Calls `go_on`
   /// repeatedly; false ends the round early.
   virtual void run_round(std::vector<TrainedNetwork>& networks, const std::function<bool()>& go_on) = 0;
@@ -33,33 +28,13 @@ class TrainingSchedule {
   virtual void restore(std::span<const NetworkRecord<Real>> records) = 0;
 };
 
-/// Returns a schedule that trains pattern by pattern (train_online.h).
+/// Returns a schedule of a plan: pattern by pattern (train_online.h), which takes rows once, or by mini-batches
+/// (train_batch.h). `members`: of each topology.
 template <class Real>
-std::unique_ptr<TrainingSchedule<Real>> online_schedule(Executor& executor, const LearningInputs<Real>& inputs,
-                                                        const TrainingMembers& members,
-                                                        const nn::OnlineOptions& options);
-/// Returns a schedule of mini-batches (train_batch.h). Of `limits` it uses stop_error and the limit of cycles.
+std::unique_ptr<TrainingSchedule<Real>> online_schedule(Executor& executor, const TrainingPlan& plan,
+                                                        const std::vector<OnlineMember>& members);
 template <class Real>
-std::unique_ptr<TrainingSchedule<Real>> batch_schedule(Executor& executor, const LearningInputs<Real>& inputs,
-                                                       const TrainingMembers& members, const nn::BatchOptions& options,
-                                                       const nn::OnlineOptions& limits);
-
-/// Records one more cycle of a network. Its curve keeps the first ten cycles, then cycles a tenth apart, and the
-/// last.
-void note_cycle(TrainedNetwork& network, const nn::CycleErrors& errors, bool last);
-
-extern template std::unique_ptr<TrainingSchedule<float>> online_schedule(Executor&, const LearningInputs<float>&,
-                                                                         const TrainingMembers&,
-                                                                         const nn::OnlineOptions&);
-extern template std::unique_ptr<TrainingSchedule<double>> online_schedule(Executor&, const LearningInputs<double>&,
-                                                                          const TrainingMembers&,
-                                                                          const nn::OnlineOptions&);
-extern template std::unique_ptr<TrainingSchedule<float>> batch_schedule(Executor&, const LearningInputs<float>&,
-                                                                        const TrainingMembers&, const nn::BatchOptions&,
-                                                                        const nn::OnlineOptions&);
-extern template std::unique_ptr<TrainingSchedule<double>> batch_schedule(Executor&, const LearningInputs<double>&,
-                                                                         const TrainingMembers&,
-                                                                         const nn::BatchOptions&,
-                                                                         const nn::OnlineOptions&);
+std::unique_ptr<TrainingSchedule<Real>> batch_schedule(Executor& executor, const TrainingPlan& plan,
+                                                       const std::vector<OnlineMember>& members);
 
 }  // namespace tactel::host

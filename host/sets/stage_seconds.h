@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <chrono>
+#include "host/support/seconds.h"
 
 namespace tactel::host {
 
@@ -16,9 +16,5 @@ struct StageSeconds {
     return *this;
   }
 };
-
-inline double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 }  // namespace tactel::host

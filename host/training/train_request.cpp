@@ -42,6 +42,7 @@ void refuse_beside_stream(const TrainRequest& request) {
   if (request.schedule == "online") refuse(request.schedule, "--schedule", "batch, or left out," + beside);
   refuse(request.cycles, "--cycles", "left out" + beside + ": --rows sets the end");
   refuse(request.stop_error, "--stop-error", "left out" + beside + ": a stream has no cycles");
+  if (request.noises.size() > 1) throw ConfigError("command line", "--noise", "several levels", "one level" + beside);
 }
 
 void refuse_unused(const TrainRequest& request) {
@@ -144,6 +145,7 @@ TrainingPlan plan_of(const TrainRequest& request) try {
   if (std::set<double>(plan.noises.begin(), plan.noises.end()).size() < plan.noises.size())
     throw ValueError("noise", fmt::format("{}", fmt::join(plan.noises, ", ")), "levels that differ");
   plan.scaling = nn::parse_scaling(request.scaling);
+  if (request.streams()) plan.rows = request.rows.value_or(default_rows);
   plan.options.stop_error = request.stop_error.value_or(plan.options.stop_error);
   plan.options.cycle_limit = request.cycles.value_or(request.batches() ? default_epochs : 0);
   plan.options.order = nn::parse_order(request.order);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "host/networks/network_options.h"
-#include "host/networks/network_training.h"
+#include "host/networks/training_plan.h"
 #include "host/training/named_network.h"
 
 namespace tactel::host {

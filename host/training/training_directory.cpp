@@ -51,7 +51,14 @@ std::string read_report(const fs::path& path) try {
 
 bool TrainingDirectory::finished() const { return fs::exists(report()); }
 
-bool TrainingDirectory::interrupted() const { return fs::exists(checkpoint()); }
+bool TrainingDirectory::interrupted() const { return !checkpoints().empty(); }
+
+std::vector<fs::path> TrainingDirectory::checkpoints() const {
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(path_))
+    if (entry.path().filename().string().starts_with("checkpoint")) files.push_back(entry.path());
+  return files;
+}
 
 std::vector<std::string> TrainingDirectory::own_networks() const {
   std::vector<std::string> files;
@@ -90,7 +97,7 @@ void TrainingDirectory::clear() const {
   for (const std::string& file : own_networks()) fs::remove(network(file));
   fs::remove(report());
   fs::remove(figure());
-  remove_checkpoint();
+  remove_checkpoints();
 }
 
 std::string TrainingDirectory::draw(const Figure& curves) const try {
@@ -100,9 +107,8 @@ std::string TrainingDirectory::draw(const Figure& curves) const try {
   return error.what();
 }
 
-void TrainingDirectory::remove_checkpoint() const {
-  fs::remove(checkpoint());
-  fs::remove(checkpoint().string() + ".part");  // of a writing that was killed
+void TrainingDirectory::remove_checkpoints() const {
+  for (const fs::path& file : checkpoints()) fs::remove(file);
 }
 
 }  // namespace tactel::host

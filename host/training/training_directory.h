@@ -15,6 +15,8 @@ class TrainingDirectory {
   explicit TrainingDirectory(std::filesystem::path path) : path_(std::move(path)) {}
 
   std::filesystem::path checkpoint() const { return path_ / "checkpoint"; }
+  /// Returns the checkpoint of one of several processes.
+  std::filesystem::path checkpoint(int rank) const { return path_ / ("checkpoint-" + std::to_string(rank)); }
   std::filesystem::path report() const { return path_ / "training.json"; }
   std::filesystem::path figure() const { return path_ / "learning_curves.svg"; }
   std::filesystem::path network(const std::string& file) const { return path_ / file; }
@@ -28,12 +30,13 @@ class TrainingDirectory {
   void expect_same(const std::string& fingerprint) const;
   /// Removes the files of an earlier training.
   void clear() const;
-  void remove_checkpoint() const;
+  void remove_checkpoints() const;
   /// Draws learning_curves.svg. Returns why that failed, or an empty text: no training is lost for a picture.
   std::string draw(const Figure& curves) const;
 
  private:
   std::vector<std::string> own_networks() const;
+  std::vector<std::filesystem::path> checkpoints() const;  ///< and what a writing that was killed left of one
 
   std::filesystem::path path_;
 };

@@ -15,12 +15,13 @@ inline std::vector<host::NetworkRecord<float>> checkpoint_records() {
   std::vector<host::NetworkRecord<float>> records;
   for (const auto& widths : {std::vector{4, 3, 1}, std::vector{2, 2, 2, 1}}) {
     const nn::Topology topology(widths);
-    host::NetworkRecord<float> record{.network = {.topology = topology, .curve = {}},
+    host::NetworkRecord<float> record{.network = {.topology = topology},
                                       .state = nn::BatchState<float>(nn::Weights<float>(topology))};
     record.network.cycles = 2;
+    record.network.rows = 12;
     record.network.sse = 0.5f;
     record.network.largest = 0.25f;
-    record.network.curve = {{1, 2}, {0.75f, 0.5f}, {0.5f, 0.25f}};
+    record.network.curve = {{1, 6, 0.75f, 0.125f, 0.5f}, {2, 12, 0.5f, 0.08f, 0.25f}};
     std::iota(record.state.weights.values.begin(), record.state.weights.values.end(), -4.0f);
     std::ranges::fill(record.state.first.values, 0.125f);
     record.state.updates = 6;

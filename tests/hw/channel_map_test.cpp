@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "hw/profile_error.h"
+#include "fem/value_error.h"
 
 namespace tactel::hw {
 namespace {
@@ -27,7 +27,7 @@ TEST(ChannelMap, RefusesWhatDoesNotFitTheDevice) {
   const auto refused = [](auto&& change) {
     ChannelMap map = three_channels();
     change(map);
-    EXPECT_THROW(map.validate(3), ProfileError);
+    EXPECT_THROW(map.validate(3), ValueError);
   };
   refused([](ChannelMap& m) { m.normal[0] = 3; });
   refused([](ChannelMap& m) { m.shear[0] = -2; });
@@ -46,7 +46,7 @@ TEST(ChannelMap, NamesNumbersThatGiveNoStress) {
     change(map.calibration);
     try {
       map.validate(3);
-    } catch (const ProfileError& error) {
+    } catch (const ValueError& error) {
       return error.what();
     }
     return "";

@@ -5,7 +5,7 @@
 
 #include <gmock/gmock.h>
 
-#include "hw/profile_error.h"
+#include "fem/value_error.h"
 #include "tests/hw/byte_vectors.h"
 
 namespace tactel::hw::testing {
@@ -168,9 +168,9 @@ TEST(PaxiniFormat, TheBoardsOwnErrorIsABadFrame) {
 }
 
 TEST(Formats, RefuseWhatCannotBeMeant) {
-  EXPECT_THROW(papillarray_format(3), ProfileError);
-  EXPECT_THROW(paxini_format(0, 9), ProfileError);
-  EXPECT_THROW(paxini_format(1, 100000), ProfileError);
+  EXPECT_THROW(papillarray_format(3), ValueError);
+  EXPECT_THROW(paxini_format(0, 9), ValueError);
+  EXPECT_THROW(paxini_format(1, 100000), ValueError);
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "hw/profile_error.h"
+#include "fem/value_error.h"
 #include "tests/hw/byte_vectors.h"
 
 namespace tactel::hw::testing {
@@ -127,7 +127,7 @@ TEST(GenericFormat, RefusesLayoutsThatCannotBeMeant) {
   const auto refused = [](auto&& change) {
     GenericLayout layout = small_layout();
     change(layout);
-    EXPECT_THROW(layout.validate(), ProfileError);
+    EXPECT_THROW(layout.validate(), ValueError);
   };
   refused([](GenericLayout& l) { l.sync.clear(); });
   refused([](GenericLayout& l) { l.header = 1; });

@@ -25,7 +25,7 @@ namespace {
 constexpr float default_alarm = 0.8f, never = 2;
 
 struct MonitorRequest : SensorRequest {
-  std::string network, device;
+  std::string network;
   int every = 1;
   std::optional<float> alarm;   ///< default_alarm for --view where not given
   std::optional<float> widest;  ///< interval of S at which an alarm begins
@@ -43,8 +43,9 @@ std::string bound_text(const MonitorLine& line, const std::optional<bool>& alarm
                        const std::optional<bool>& cannot_tell) {
   std::string text;
   if (line.contact) text += fmt::format(", \"contact\": {}", *line.contact);
-  if (line.bound)
-    text += fmt::format(", \"slip_upper\": {}, \"unlike\": {}", json_number(line.bound->upper), line.bound->unlike);
+  if (line.has_bound)
+    text += fmt::format(", \"slip_upper\": {}, \"unlike\": {}", json_number(line.answer.slip_upper),
+                        line.answer.unlike != 0);
   if (alarm) text += fmt::format(", \"alarm\": {}", *alarm);
   if (cannot_tell) text += fmt::format(", \"cannot_tell\": {}", *cannot_tell);
   for (const Drift& drift : line.drift)
@@ -71,10 +72,10 @@ std::string summary_text(const MonitorSummary& all, bool cut_short) {
       "{{\"frames\": {}, \"lost\": {}, \"bad\": {}, \"resynchronised\": {}, \"late\": {}, \"latency_us\": "
       "{{\"p50\": {:.1f}, "
       "\"p99\": {:.1f}, \"p99.9\": {:.1f}, \"max\": {:.1f}}}, \"duplicated\": {}, \"discarded_bytes\": {}, "
-      "\"batched\": {}, \"silences\": {}, \"overruns\": {}, \"stalls\": {}, \"transfer_errors\": {}, "
+      "\"silences\": {}, \"overruns\": {}, \"stalls\": {}, \"transfer_errors\": {}, "
       "\"reconnects\": {}, \"drifts\": {}, \"cut_short\": {}}}",
       d.frames, d.lost, d.bad, d.resynchronised, all.late, all.latency.quantile(0.5), all.latency.quantile(0.99),
-      all.latency.quantile(0.999), all.latency.largest(), d.duplicated, d.discarded, all.batched, all.silences,
+      all.latency.quantile(0.999), all.latency.largest(), d.duplicated, d.discarded, all.silences,
       all.transport.overruns, all.transport.stalls, all.transport.errors, all.transport.reconnects, all.drifts,
       cut_short);
 }
@@ -143,15 +144,13 @@ int run_monitor(const MonitorRequest& request) {
   if (request.widest && !model.bound)
     throw ConfigError("command line", "--widest", fmt::format("{}", *request.widest),
                       "left out for a network without a bound: it has no interval");
-  Executor executor{Device(request.device)};  // sets environment variables: before there are other threads
-  LiveMonitor::compile(executor, model);
   OpenSource opened = open_for(request);
   const bool touch_known = request.options.touch || opened.profile.map.touch() > 0;
   if (request.alarm && !touch_known)
     throw ConfigError("command line", "--alarm", fmt::format("{}", *request.alarm),
                       "given with --touch MPa, or with noise in [calibration] (tactel tare measures it): without a "
                       "threshold of touch, noise at rest raises alarms");
-  LiveMonitor monitor(executor, model, opened.profile, request.options);
+  LiveMonitor monitor(model, opened.profile, request.options);
   Output output;
   if (model.bound && !model.bound->calibrated() && !request.quiet)
     print_warning(request.network + ": its bound is not calibrated (tactel calibrate bound)");
@@ -228,9 +227,6 @@ void add_monitor_command(CLI::App& app, Action& action) {
       ->check(CLI::Range(0.0f, 2.0f))
       ->needs(alarm)
       ->excludes("--view");
-  command
-      ->add_option("--device", request->device, "OpenCL device: a part of its name or its index, see `tactel devices`")
-      ->type_name("NAME|INDEX");
   command->add_flag("--quiet", request->quiet, "no summary each second and no warnings; the final summary stays");
   command->callback([request, &action] { action = [request] { return run_monitor(*request); }; });
 }

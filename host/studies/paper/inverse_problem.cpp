@@ -26,6 +26,10 @@ TrainingPlan paper_plan(const InverseChoice& choice, std::size_t seeds, double n
   return plan;
 }
 
+std::string description(const Executor& executor, const nn::FrameSet& set, const TrainingPlan& plan) {
+  return training_description(set_description(set), executor.device().lanes(Precision::fp32), Precision::fp32, plan);
+}
+
 /// Copies of the learning set with noise, and the plan that shows each of them once a cycle.
 std::pair<nn::FrameSet, TrainingPlan> fresh_noise_lesson(const InverseChoice& choice, std::size_t seeds,
                                                          const InverseSets& sets) {
@@ -98,7 +102,7 @@ InverseSets simulate_sets(Executor& executor, const InverseChoice& choice) {
 void expect_own_checkpoint(Executor& executor, const InverseChoice& choice, double noise, std::size_t seeds,
                            const InverseSets& sets, const std::filesystem::path& checkpoint) {
   const TrainingPlan plan = paper_plan(choice, seeds, noise);
-  expect_checkpoint_of(checkpoint, training_description<float>(executor, sets.learning, plan));
+  expect_checkpoint_of(checkpoint, description(executor, sets.learning, plan));
 }
 
 bool train_and_recall(Executor& executor, const InverseChoice& choice, double noise, std::size_t seeds,
@@ -116,7 +120,7 @@ bool train_and_recall(Executor& executor, const InverseChoice& choice, double no
 void expect_own_fresh_noise_checkpoint(Executor& executor, const InverseChoice& choice, std::size_t seeds,
                                        const InverseSets& sets, const std::filesystem::path& checkpoint) {
   const auto [learning, plan] = fresh_noise_lesson(choice, seeds, sets);
-  expect_checkpoint_of(checkpoint, training_description<float>(executor, learning, plan));
+  expect_checkpoint_of(checkpoint, description(executor, learning, plan));
 }
 
 bool train_on_fresh_noise(Executor& executor, const InverseChoice& choice, std::size_t seeds,

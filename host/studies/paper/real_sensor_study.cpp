@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/studies/paper/real_sensor_study.h"
 
-#include <chrono>
 #include <cmath>
 #include <map>
+
+#include "host/support/seconds.h"
 
 namespace tactel::host {
 namespace {
@@ -123,7 +124,7 @@ std::vector<double> errors_by_angle_alone(const std::vector<RealContact>& contac
 
 std::optional<RealSensorStudy> study_real_sensor(Executor& executor, const RealSensorChoice& choice,
                                                  const RealSensorOptions& options) {
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   RealSensorStudy study;
   study.choice = choice;
   study.options = options;
@@ -140,7 +141,7 @@ std::optional<RealSensorStudy> study_real_sensor(Executor& executor, const RealS
     study.angle_alone.push_back(report_of(by_angle, study.ideal, drawn.recall));
   }
   for (RealSensorResult& result : study.results) result.learnt /= static_cast<double>(result.learning.size());
-  study.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  study.seconds = seconds_since(start);
   return study;
 }
 

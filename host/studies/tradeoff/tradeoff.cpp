@@ -12,6 +12,7 @@
 #include "host/contact/patch_contact.h"
 #include "host/contact/solve_on_rung.h"
 #include "host/studies/tradeoff/scene_mix.h"
+#include "host/support/seconds.h"
 
 namespace tactel::host {
 namespace {

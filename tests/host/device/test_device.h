@@ -37,3 +37,7 @@ inline Defines lanes_of(const Device& device, Precision precision) {
 }
 
 }  // namespace tactel::host
+
+namespace tactel::testing {
+using host::executor;
+}

@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "tests/host/live/simulated_frames.h"
-#include "tests/host/networks/network_cases.h"
 
 namespace tactel::host {
 namespace {
@@ -34,22 +33,10 @@ class GivenSource final : public hw::FrameSource {
 
 std::vector<float> answers(const MonitorOptions& options, hw::FrameSource& source, const SensorProfile& profile,
                            MonitorSummary& summary) {
-  LiveMonitor monitor(tactel::testing::executor(), network(21), profile, options);
+  LiveMonitor monitor(network(21), profile, options);
   std::vector<float> all;
   summary = monitor.run(source, {.line = [&](const MonitorLine& line) { all.push_back(line.answer.slip_index); }});
   return all;
-}
-
-TEST(LiveMonitor, ABatchAnswersAsSingleFramesDo) {
-  const auto [bytes, profile] = simulated_bytes();
-  MonitorSummary batched, single;
-  GivenSource first(bytes, false, 0), second(bytes, false, 0);
-  const auto in_batch = answers({.touch = 0}, first, profile, batched);
-  const auto one_by_one = answers({.batch_from = 100000, .touch = 0}, second, profile, single);
-  ASSERT_EQ(in_batch.size(), 321u);
-  EXPECT_EQ(batched.batched, 321u);
-  EXPECT_EQ(single.batched, 0u);
-  EXPECT_EQ(in_batch, one_by_one);
 }
 
 TEST(LiveMonitor, LateFramesAreDroppedAndCounted) {
@@ -60,9 +47,9 @@ TEST(LiveMonitor, LateFramesAreDroppedAndCounted) {
   EXPECT_EQ(summary.late, 321u);
   EXPECT_EQ(summary.decoder.frames, 321u);
 
-  GivenSource too_many(bytes, true, 0.0);
-  EXPECT_EQ(answers({.queue = 100}, too_many, profile, summary).size(), 100u);
-  EXPECT_EQ(summary.late, 221u);
+  GivenSource in_time(bytes, true, 0.05);
+  EXPECT_EQ(answers({}, in_time, profile, summary).size(), 321u);
+  EXPECT_EQ(summary.late, 0u);
 
   GivenSource replayed(bytes, false, 0.2);
   EXPECT_EQ(answers({}, replayed, profile, summary).size(), 321u) << "a recording is never late";
@@ -131,29 +118,29 @@ TEST(LiveMonitor, APauseOfTheReaderIsNoSilence) {
   EXPECT_EQ(silences(turns), 0u);
 }
 
-/// A frame at rest, then one of contact, in every way of answering: S of the first is NaN, its alarm value 0.
+/// A frame at rest, then one of contact: S of the first is NaN, its alarm value 0.
 TEST(LiveMonitor, BelowTheThresholdOfTouchThereIsNoContact) {
   const auto [bytes, profile] = simulated_bytes();
-  for (const std::size_t batch_from : {std::size_t{1}, std::size_t{100000}}) {
-    GivenSource source(bytes, false, 0);
-    LiveMonitor monitor(tactel::testing::executor(), network(21), profile, {.batch_from = batch_from, .touch = 0.01});
-    std::size_t contacts = 0, others = 0;
-    monitor.run(source, {.line = [&](const MonitorLine& line) {
-                  float largest = 0;
-                  for (int k = 0; k < 21; ++k) largest = std::max(largest, std::abs(line.stresses[k]));
-                  ASSERT_TRUE(line.contact.has_value());
-                  EXPECT_EQ(*line.contact, largest >= 0.01f) << line.frame.number;
-                  EXPECT_EQ(std::isnan(line.answer.slip_index), !*line.contact);
-                  EXPECT_EQ(line.acted_on() == 0, !*line.contact);
-                  ++(*line.contact ? contacts : others);
-                }});
-    EXPECT_GT(contacts, 200u);
-    EXPECT_GT(others, 0u) << "the play begins at rest";
-  }
+  GivenSource with_threshold(bytes, false, 0);
+  std::size_t contacts = 0, others = 0;
+  LiveMonitor(network(21), profile, {.touch = 0.01}).run(with_threshold, {.line = [&](const MonitorLine& line) {
+                                                           float largest = 0;
+                                                           for (int k = 0; k < 21; ++k)
+                                                             largest = std::max(largest, std::abs(line.stresses[k]));
+                                                           ASSERT_TRUE(line.contact.has_value());
+                                                           EXPECT_EQ(*line.contact, largest >= 0.01f)
+                                                               << line.frame.number;
+                                                           EXPECT_EQ(std::isnan(line.answer.slip_index),
+                                                                     !*line.contact);
+                                                           EXPECT_EQ(line.acted_on() == 0, !*line.contact);
+                                                           ++(*line.contact ? contacts : others);
+                                                         }});
+  EXPECT_GT(contacts, 200u);
+  EXPECT_GT(others, 0u) << "the play begins at rest";
   GivenSource source(bytes, false, 0);
   SensorProfile without_noise = profile;
   without_noise.map.calibration.noise.clear();
-  LiveMonitor monitor(tactel::testing::executor(), network(21), without_noise, {});
+  LiveMonitor monitor(network(21), without_noise, {});
   monitor.run(source, {.line = [](const MonitorLine& line) { EXPECT_FALSE(line.contact.has_value()); }});
 }
 

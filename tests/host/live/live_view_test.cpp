@@ -11,6 +11,12 @@
 namespace tactel::host {
 namespace {
 
+Answer answer_of(float slip_index) {
+  Answer answer{};
+  answer.slip_index = slip_index;
+  return answer;
+}
+
 using ::testing::HasSubstr;
 
 /// Columns that a terminal needs for a line of UTF-8 whose characters are one wide each.
@@ -20,7 +26,7 @@ int width_of(const std::string& line) {
 
 std::vector<std::string> view_lines(const std::vector<float>& stresses, float largest, int columns, float s = 0.5f) {
   std::istringstream in(
-      view_text({.frame = {.number = 123456}, .stresses = stresses, .answer = {.slip_index = s}, .latency = 6}, {},
+      view_text({.frame = {.number = 123456}, .stresses = stresses, .answer = answer_of(s), .latency = 6}, {},
                 largest, columns, {}));
   std::vector<std::string> lines;
   for (std::string line; std::getline(in, line);) lines.push_back(line);
@@ -47,7 +53,7 @@ TEST(LiveView, MarksTheAlarmAndSaysIt) {
 TEST(LiveView, ColoursSWhereAsked) {
   const std::vector<float> stresses(4, 0.1f);
   const auto first = [&](float s) {
-    return view_text({.frame = {}, .stresses = stresses, .answer = {.slip_index = s}}, {}, 1, 80, {.colour = true})
+    return view_text({.frame = {}, .stresses = stresses, .answer = answer_of(s)}, {}, 1, 80, {.colour = true})
         .substr(0, 7);
   };
   EXPECT_EQ(first(0.5f), "\x1b[1;32m");
@@ -56,8 +62,8 @@ TEST(LiveView, ColoursSWhereAsked) {
   EXPECT_EQ(first(std::nanf("")), "S   -  ");
 }
 
-TEST(SlipHistory, KeepsTheLargestOfEachQuarterSecondAndShowsGaps) {
-  SlipHistory history;
+TEST(SlipTrace, KeepsTheLargestOfEachQuarterSecondAndShowsGaps) {
+  SlipTrace history;
   for (const auto& [at, s] : {std::pair{10.0, 0.1f}, {10.1, 0.9f}, {10.2, 0.2f}, {10.8, 0.3f}, {10.9, std::nanf("")}})
     history.add(at, s, 4);
   const auto& kept = history.columns();
@@ -85,7 +91,7 @@ TEST(LiveView, NoLineIsWiderThanTheTerminal) {
 
 TEST(LiveView, GoesUpOverThePictureBeforeOnATerminalAlone) {
   const std::vector<float> stresses(4, 0.1f);
-  const MonitorLine line{.frame = {}, .stresses = stresses, .answer = {.slip_index = 0.5f}};
+  const MonitorLine line{.frame = {}, .stresses = stresses, .answer = answer_of(0.5f)};
   LiveView on_terminal({.cursor = true}), in_file({});
   EXPECT_THAT(*on_terminal.show(line, 80), ::testing::Not(HasSubstr("\x1b[6A")));
   EXPECT_THAT(*in_file.show(line, 80), ::testing::Not(HasSubstr("\x1b")));
@@ -99,7 +105,7 @@ TEST(LiveView, ShowsTheNewestFrameOnceWhereItCameTooSoon) {
   LiveView view({});
   std::vector<float> stresses(4, 0.1f);
   const auto show = [&](std::uint64_t number) {
-    return view.show({.frame = {.number = number}, .stresses = stresses, .answer = {.slip_index = 0.5f}}, 80);
+    return view.show({.frame = {.number = number}, .stresses = stresses, .answer = answer_of(0.5f)}, 80);
   };
   EXPECT_FALSE(view.show_newest(80));
   EXPECT_TRUE(show(1));

@@ -92,7 +92,7 @@ TEST(SimulatedSensor, AnHourOfNoiseAtRestRaisesNoAlarm) {
 
   const auto alarms = [&](double seconds, const MonitorOptions& options) {
     SimulatedSensor source = resting(seconds);
-    LiveMonitor monitor(tactel::testing::executor(), network(21), profile, options);
+    LiveMonitor monitor(network(21), profile, options);
     std::vector<std::uint64_t> began;
     Alarm alarm(0.01f);
     monitor.run(source, {.line = [&](const MonitorLine& line) {

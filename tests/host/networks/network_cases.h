@@ -3,15 +3,10 @@
 #include <cmath>
 #include <random>
 
-#include "host/device/executor.h"
 #include "nn/frame_set.h"
+#include "tests/host/device/test_device.h"
 
 namespace tactel::testing {
-
-inline host::Executor& executor() {
-  static host::Executor executor{host::Device()};
-  return executor;
-}
 
 /// Rows that look like frames: a bump of normal stress of random place, width and height (compression: negative), and
 /// beneath it a shear bump that grows, skewed, with the slippage index. MPa.

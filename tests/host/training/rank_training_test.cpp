@@ -48,7 +48,7 @@ TEST_F(RankTraining, SeveralProcessesMakeTheNetworksOfOne) {
     EXPECT_EQ(joined["networks"][i]["sse"], whole["networks"][i]["sse"]);
   }
   EXPECT_TRUE(std::filesystem::exists(folder_ / "three" / "learning_curves.svg"));
-  EXPECT_FALSE(std::filesystem::exists(folder_ / "three" / "rank-1"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "three" / "checkpoint-1"));
 }
 
 // All processes are killed, as by a node that fails, once each has kept something; then they are started again.
@@ -59,7 +59,7 @@ TEST_F(RankTraining, GoesOnAfterAKill) {
   const std::string command =
       mpirun + TACTEL_PROGRAM + arguments("three", cycles) + " --stop-error 0 --checkpoint-seconds 0 --resume";
   const ChildResult kept = shell(command + " >/dev/null 2>&1 & for i in $(seq 1500); do [ $(ls " + three +
-                                 "/rank-*/checkpoint | wc -l) = 3 ] && exit 0; sleep 0.02; done; exit 1");
+                                 "/checkpoint-? | wc -l) = 3 ] && exit 0; sleep 0.02; done; exit 1");
   ASSERT_EQ(kept.exit_code, 0) << "no checkpoints: " << kept.err;
   run_child({"pkill", "-KILL", "-f", "--", "--output " + three});
   while (run_child({"pgrep", "-f", "--", "--output " + three}).exit_code == 0) std::this_thread::sleep_for(20ms);

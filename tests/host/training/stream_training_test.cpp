@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Frames block by block, and networks that learn from them.
-#include "host/training/stream_training.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,7 +10,8 @@
 
 #include "host/scenes/paper_sets.h"
 #include "host/support/errors.h"
-#include "host/training/frame_stream.h"
+#include "host/training/streams.h"
+#include "host/training/training.h"
 #include "test_paths.h"
 #include "tests/host/device/test_device.h"
 #include "tests/host/sets/network_files.h"
@@ -39,6 +38,11 @@ indentation_steps = 1
 tangential_step = 0.05
 tangential_steps = 3
 )";
+
+void without_times(nlohmann::json& report) {
+  for (const char* time : {"seconds", "patterns_per_second"}) report.erase(time);
+  for (nlohmann::json& network : report["networks"]) network.erase("seconds");
+}
 
 class Stream : public ::testing::Test {
  protected:
@@ -97,10 +101,10 @@ class StreamTraining : public Stream {
   std::string network(const std::string& output) const {
     return text_of(folder_ / output / "42-21-1_noise0_seed1.onnx");
   }
-  /// training.json but for the time that it took.
+  /// training.json but for the times.
   nlohmann::json report(const std::string& output) const {
     auto all = nlohmann::json::parse(text_of(folder_ / output / "training.json"));
-    all.erase("seconds");
+    without_times(all);
     return all;
   }
 };
@@ -111,13 +115,12 @@ TEST_F(StreamTraining, ResumedReportIsThatOfOneRun) {
   request.stream = sweep_;
   request.rows = 250'000;
   request.networks = {"42-5-1"};
-  const TrainingPlan plan = plan_of(request);
   const auto run = [&](const std::string& output, int blocks) {
     request.output = folder_ / output;
     request.resume = std::filesystem::exists(request.output);
     std::filesystem::create_directories(request.output);
     const auto progress = [&](std::size_t, std::size_t, double) { return --blocks > 0; };
-    return stream_training(request, plan)->run({.progress = progress}).end;
+    return tactel::host::train(request, Ranks(), {.progress = progress}).end;
   };
   ASSERT_EQ(run("whole", 1000), TrainingEnd::finished);
   ASSERT_GT(report("whole")["networks"][0]["curve"]["rows"].size(), 3u);
@@ -284,25 +287,24 @@ TEST_F(BlockTraining, ResumedReportIsThatOfOneRun) {
     if (judged) request.recall_set = PaperSetFiles::recall();
     request.networks = {"42-5-1"};
     request.seeds = 2;
-    const TrainingPlan plan = plan_of(request);
     const auto run = [&](const std::string& output, int blocks) {
       request.output = folder_ / output;
       request.resume = std::filesystem::exists(request.output);
       std::filesystem::create_directories(request.output);
       const auto progress = [&](std::size_t, std::size_t, double) { return --blocks > 0; };
-      return stream_training(request, plan)->run({.progress = progress}).end;
+      return tactel::host::train(request, Ranks(), {.progress = progress}).end;
     };
     const std::string whole = judged ? "whole judged" : "whole";
     ASSERT_EQ(run(whole, 1000), TrainingEnd::finished);
     auto expected = report(whole);
-    expected.erase("seconds");
+    without_times(expected);
     for (const int first : {1, 2, 3, 7, 20}) {
       const std::string stopped = whole + std::to_string(first);
       ASSERT_EQ(run(stopped, first), TrainingEnd::stopped);
       ASSERT_EQ(run(stopped, 3), TrainingEnd::stopped);
       ASSERT_EQ(run(stopped, 1000), TrainingEnd::finished);
       auto resumed = report(stopped);
-      resumed.erase("seconds");
+      without_times(resumed);
       EXPECT_EQ(resumed, expected) << "stopped after " << first;
       EXPECT_EQ(tactel::testing::networks_in(folder_ / stopped), tactel::testing::networks_in(folder_ / whole));
     }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/training/frame_stream.h"
+#include "host/training/streams.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <atomic>
 #include <optional>
+#include <string>
 
 #include "host/scenes/end_tactels.h"
 #include "host/scenes/sweep_file.h"
@@ -58,6 +59,7 @@ class SimulatedStream : public FrameStream {
   int at_once() const override { return threads_; }
   void stop() override { stopped_ = true; }
   std::uint64_t blocks() const override { return 1; }
+  std::string name() const override { return name_; }
   int inputs() const override { return 2 * sweep_.source.tactels() * shown_.history.frames; }
   std::vector<std::string> warnings() const override {
     std::vector<std::string> all = unit_warnings(sweep_.source);
@@ -67,7 +69,7 @@ class SimulatedStream : public FrameStream {
     return all;
   }
   std::string description() const override {
-    return "simulated " + std::to_string(contacts_) + " contacts a block, precision " +
+    return "tactel " TACTEL_VERSION " simulated " + std::to_string(contacts_) + " contacts a block, precision " +
            std::to_string(static_cast<int>(options_.precision)) + text_of(shown_) + "\n" + sweep_.text;
   }
 
@@ -104,6 +106,7 @@ class FileStream : public FrameStream {
     return as_shown(std::move(rows.frames), shown_, name_);
   }
   std::uint64_t blocks() const override { return (reader_.rows() + rows_ - 1) / rows_; }
+  std::string name() const override { return name_; }
   int inputs() const override { return reader_.inputs() * shown_.history.frames; }
   std::string description() const override {
     return "file " + std::to_string(reader_.rows()) + " rows, " + std::to_string(rows_) + " a block, " +
