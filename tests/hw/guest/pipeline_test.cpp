@@ -9,10 +9,11 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <random>
 #include <set>
 #include <thread>
 
-#include "host/networks/onnx_file.h"
+#include "nn/infer/network_file.h"
 #include "tests/hw/guest/rig.h"
 
 namespace tactel::hw::testing {
@@ -27,7 +28,7 @@ constexpr auto period = std::chrono::milliseconds(10);
 class Running {
  public:
   explicit Running(const std::string& arguments)
-      : pipe_(popen(("echo $$; exec " + std::string(getenv("TACTEL_LIVE")) + " " + arguments).c_str(), "r")) {
+      : pipe_(popen(("echo $$; exec " + std::string(getenv("TACTEL_PROGRAM")) + " " + arguments).c_str(), "r")) {
     pid_ = std::stoi(line());
   }
   /// The next line; empty at the end.
@@ -50,10 +51,12 @@ void send_frame(DeviceModel& model, int i) { model.send(glove_frame(7 * i)); }
 
 json slip_of(const std::string& line) { return json::parse(line).at("slip_index"); }
 
-/// An untrained network of the glove's 64 tactels: any S will do to follow frames through.
+/// A network of the glove's 64 tactels with any weights: any S will do to follow frames through.
 void write_network() {
-  const nn::Topology topology({128, 128, 1});
-  host::write_onnx("network.onnx", {nn::initial_weights(topology, 7), {nn::ScalingKind::frame, 1.0f}, 7, 0, "", 0, {}});
+  nn::Model model{nn::Weights<float>(nn::Topology({128, 128, 1})), {nn::ScalingKind::frame, 1.0f}, 7, 0, "", 0, {}};
+  std::minstd_rand draw(7);
+  for (float& weight : model.weights.values) weight = std::uniform_real_distribution<float>(-0.5f, 0.5f)(draw);
+  std::ofstream("network.onnx", std::ios::binary) << infer::network_bytes(model);
 }
 
 /// S of each frame, live: the first frame waits until the kernel is compiled, the others come at 100 Hz.
@@ -98,7 +101,7 @@ void expect_nothing_lost(const std::string& file) {
     EXPECT_EQ(counts.at(what), 0) << what << " in " << file;
 }
 
-TEST(Vhci, UsbToOpenClAndBackFromARecording) {
+TEST(Pipeline, UsbToOpenClAndBackFromARecording) {
   DeviceModel model;
   const auto rig = vhci_rig(model);
   rig->plug_in();
