@@ -25,7 +25,7 @@ namespace {
 constexpr float default_alarm = 0.8f, never = 2;
 
 struct MonitorRequest : SensorRequest {
-  std::string network;
+  std::string network, device;
   int every = 1;
   std::optional<float> alarm;   ///< default_alarm for --view where not given
   std::optional<float> widest;  ///< interval of S at which an alarm begins
@@ -144,6 +144,8 @@ int run_monitor(const MonitorRequest& request) {
   if (request.widest && !model.bound)
     throw ConfigError("command line", "--widest", fmt::format("{}", *request.widest),
                       "left out for a network without a bound: it has no interval");
+  if (!request.device.empty() && !request.quiet)
+    print_warning("--device has no effect: monitor evaluates networks on the processor, with the bits of every device");
   OpenSource opened = open_for(request);
   const bool touch_known = request.options.touch || opened.profile.map.touch() > 0;
   if (request.alarm && !touch_known)
@@ -227,6 +229,8 @@ void add_monitor_command(CLI::App& app, Action& action) {
       ->check(CLI::Range(0.0f, 2.0f))
       ->needs(alarm)
       ->excludes("--view");
+  command->add_option("--device", request->device, "without effect: networks are evaluated on the processor")
+      ->type_name("NAME|INDEX");
   command->add_flag("--quiet", request->quiet, "no summary each second and no warnings; the final summary stays");
   command->callback([request, &action] { action = [request] { return run_monitor(*request); }; });
 }
