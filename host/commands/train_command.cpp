@@ -77,7 +77,7 @@ int run_train_stream(const TrainRequest& request, const Ranks& ranks) {
   return say(request, run_job(*stream_training(request, plan), request));
 }
 
-int train_networks(const TrainRequest& request, const Ranks& ranks) {
+int train_as_asked(const TrainRequest& request, const Ranks& ranks) {
   if (request.set.empty() == request.stream.empty())
     throw ConfigError("command line", "SET.h5", request.set.empty() ? "(missing)" : request.set,
                       "given, or --stream SWEEP.toml instead of it");
@@ -105,7 +105,7 @@ int train_networks(const TrainRequest& request, const Ranks& ranks) {
 int run_train(const TrainRequest& request) {
   if (!request.bound_set.empty()) read_columns(request.bound_set);  // not after hours
   const Ranks ranks;
-  const int code = train_networks(request, ranks);
+  const int code = train_as_asked(request, ranks);
   if (code == done && !request.bound_set.empty() && ranks.first()) {
     std::vector<NamedNetwork> networks = read_networks(request.output);
     for (NamedNetwork& network : networks) network.file = std::filesystem::path(request.output) / network.file;
