@@ -44,7 +44,7 @@ int say(const TrainRequest& request, const TrainingOutcome& outcome) {
 }
 
 /// Trains under Ctrl-C, with a line of progress; the first of several processes alone reports.
-int train_networks(const TrainRequest& request, const Ranks& ranks) {
+int train_as_asked(const TrainRequest& request, const Ranks& ranks) {
   if (request.set.empty() == request.stream.empty())
     throw ConfigError("command line", "SET.h5", request.set.empty() ? "(missing)" : request.set,
                       "given, or --stream SWEEP.toml instead of it");
@@ -76,7 +76,7 @@ int train_networks(const TrainRequest& request, const Ranks& ranks) {
 int run_train(const TrainRequest& request) {
   if (!request.bound_set.empty()) read_columns(request.bound_set);  // not after hours
   const Ranks ranks;
-  const int code = train_networks(request, ranks);
+  const int code = train_as_asked(request, ranks);
   if (code == done && !request.bound_set.empty() && ranks.first()) {
     std::vector<NamedNetwork> networks = read_networks(request.output);
     for (NamedNetwork& network : networks) network.file = std::filesystem::path(request.output) / network.file;

@@ -128,7 +128,7 @@ Figure frame_figure(const RealSensorStudy& study) {
           .columns = 2};
 }
 
-Figure error_figure(const RealSensorStudy& study) {
+Figure sensor_error_figure(const RealSensorStudy& study) {
   return {.panels = {distribution_panel(study)}, .panel_height = 270};
 }
 
@@ -282,7 +282,7 @@ void report_real_sensor(Page& page, const RealSensorStudy& study) {
       frame_figure(study),
       "The two contacts of the paper's Fig. 7: stresses at the tactels (lines) and the selected sample (crosses).");
   report_errors_table(page, study);
-  page.figure(error_figure(study),
+  page.figure(sensor_error_figure(study),
               fmt::format("Errors of S over draws and initial weights; the networks of a draw are adjacent. Dashed: an "
                           "estimator with a perfect force angle but no knowledge of friction. {} draws.",
                           study.options.draws));

@@ -48,23 +48,9 @@ bool train_case(Executor& executor, const nn::FrameSet& set, const ContactDraw& 
   return true;
 }
 
-/// Counts networks over all trainings, and passes a stop on to the one that runs.
-class Counter {
- public:
-  Counter(const Progress& progress, std::size_t all) : progress_(progress), all_(all) {}
-  TrainingRunOptions options() const {
-    return {.progress = [this](std::size_t, std::size_t) { return !progress_ || progress_(done_, all_); },
-            .checkpoint = {}};
-  }
-  void add(std::size_t networks) { done_ += networks; }
-
- private:
-  const Progress& progress_;
-  std::size_t done_ = 0, all_;
-};
-
-/// All cases on one draw. False when it was stopped.
-bool train_draw(Executor& executor, RealSensorStudy& study, std::uint64_t draw, Counter& counter) {
+/// All cases on one draw; counts the networks. False when it was stopped.
+bool train_draw(Executor& executor, RealSensorStudy& study, std::uint64_t draw, const TrainingRunOptions& run,
+                std::size_t& networks) {
   const RealSensorOptions& options = study.options;
   auto records = read_records(executor, study.choice, study.solutions, draw);
   const nn::FrameSet recorded = recorded_frames(study.contacts, study.solutions, records);
@@ -73,8 +59,8 @@ bool train_draw(Executor& executor, RealSensorStudy& study, std::uint64_t draw, 
   for (RealSensorResult& result : study.results) {
     const TrainingPlan plan = plan_of(result.what, options.seeds, options.training);
     const nn::FrameSet& set = result.what.data == RealData::stresses ? study.ideal : recorded;
-    if (!train_case(executor, set, draw_contacts(draw, contacts), plan, counter.options(), result)) return false;
-    counter.add(plan.seeds.size());
+    if (!train_case(executor, set, draw_contacts(draw, contacts), plan, run, result)) return false;
+    networks += plan.seeds.size();
   }
   return true;
 }
@@ -132,11 +118,15 @@ std::optional<RealSensorStudy> study_real_sensor(Executor& executor, const RealS
   study.solutions = solve_real_contacts(executor, choice, study.contacts);
   study.ideal = ideal_frames(study.contacts, study.solutions);
   for (const RealSensorCase& what : all_cases()) study.results.push_back({what, {}, {}, {}});
-  Counter counter(options.progress, all_cases().size() * options.draws * options.seeds);
+  std::size_t networks = 0;
+  const std::size_t all = all_cases().size() * options.draws * options.seeds;
+  const TrainingRunOptions run{
+      .progress = [&](std::size_t, std::size_t) { return !options.progress || options.progress(networks, all); },
+      .checkpoint = {}};
   const auto contacts = static_cast<std::uint32_t>(study.contacts.size());
   const std::vector<double> by_angle = errors_by_angle_alone(study.contacts);
   for (std::uint64_t draw = 1; draw <= options.draws; ++draw) {
-    if (!train_draw(executor, study, draw, counter)) return std::nullopt;
+    if (!train_draw(executor, study, draw, run, networks)) return std::nullopt;
     const ContactDraw drawn = draw_contacts(draw, contacts);
     study.angle_alone.push_back(report_of(by_angle, study.ideal, drawn.recall));
   }

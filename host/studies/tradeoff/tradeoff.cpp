@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <functional>
 
 #include "host/contact/contact_model.h"
 #include "host/contact/gap_sweep.h"
@@ -18,12 +17,6 @@ namespace tactel::host {
 namespace {
 
 using Answers = std::vector<fem::ContactSolution>;
-
-Rung with(Rung rung, const std::function<void(Rung&)>& change) {
-  rung.name.clear();
-  change(rung);
-  return rung;
-}
 
 /// What else is set beside the named rungs.
 std::vector<Rung> other_models() {
@@ -39,8 +32,10 @@ std::vector<Rung> other_models() {
       model(123, 33, 4, fp32, 1e-4), model(161, 17, 2, fp32, 1e-3), model(161, 25, 10, fp32, 1e-5),
       model(161, 25, 4, fp64, 1e-7), model(321, 25, 4, fp32, 1e-4),
   };
-  for (const fem::Element element : {fem::Element::q4, fem::Element::q4i, fem::Element::q8})
-    models.push_back(with(rung_named("paper"), [&](Rung& r) { r.element = element; }));
+  for (const fem::Element element : {fem::Element::q4, fem::Element::q4i, fem::Element::q8}) {
+    models.push_back(rung_named("paper"));
+    models.back().name.clear(), models.back().element = element;
+  }
   return models;
 }
 
@@ -133,21 +128,23 @@ Tradeoff measure_tradeoff(Executor& executor, const TradeoffOptions& options) {
                   .seed = options.seed};
   const Rung& reference = ladder().back();
   std::size_t done = 0;
-  const auto step = [&] {
-    if (options.progress && !options.progress(done++, models.size() + 1))
-      throw Stopped("stopped; no report is written");
+  double seconds = 0;  // of the last call
+  const auto solve = [&](std::span<const fem::Scene> some, const Rung& rung) {
+    if (options.progress && !options.progress(done++, models.size())) throw Stopped("stopped; no report is written");
+    const auto start = std::chrono::steady_clock::now();
+    Answers answers = solve_on_rung(executor, some, rung, false);
+    seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return answers;
   };
-  step();
-  const auto start = std::chrono::steady_clock::now();
-  const Answers truth = solve_on_rung(executor, scenes, reference);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const Answers truth = solve(scenes, reference);
+  const double reference_seconds = seconds;
   for (const Rung& rung : models) {
-    step();
     const bool judge = rung.name == reference.name;
     const std::span<const fem::Scene> some = rung.patch() ? std::span(scenes) : few;
-    const Answers answers = judge ? truth : solve_on_rung(executor, some, rung, false);
+    const Answers answers = judge ? truth : solve(some, rung);
     result.models.push_back(judged_model(some, answers, rung, truth, reference));
-    result.models.back().steps_per_second = judge ? asked_in_all(scenes) / seconds : steps_per_second(executor, rung);
+    result.models.back().steps_per_second =
+        rung.exact ? asked_in_all(some) / (judge ? reference_seconds : seconds) : steps_per_second(executor, rung);
   }
   mark_front(result.models);
   return result;

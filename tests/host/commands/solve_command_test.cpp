@@ -56,12 +56,8 @@ TEST(SolveCommand, DerivativesStandInTheJson) {
   EXPECT_NEAR(by["P"][index["sensor.young"]].get<double>(), step["P"].get<double>() / young, 1e-5);
   EXPECT_NEAR(by["sigma_y"][index["sensor.young"]][10].get<double>(), step["sigma_y"][10].get<double>() / young, 1e-5);
 
-  const ChildResult reference = solve("reference", true);
-  EXPECT_EQ(reference.exit_code, 2);
-  EXPECT_THAT(reference.err, HasSubstr("--derivatives"));
-  const ChildResult nowhere = run_tactel({"solve", parabola, "--derivatives"});
-  EXPECT_EQ(nowhere.exit_code, 2);
-  EXPECT_THAT(nowhere.err, HasSubstr("--json"));
+  EXPECT_TRUE(is_refused(solve("reference", true), {"--derivatives"}));
+  EXPECT_TRUE(is_refused(run_tactel({"solve", parabola, "--derivatives"}), {"--json"}));
   EXPECT_EQ(run_tactel({"solve", parabola, "--json", "-", "--derivatives"}).exit_code, 0);  // on a mesh
 }
 
@@ -164,9 +160,8 @@ TEST(SolveCommand, JsonSaysWhenTheFallbackAnswered) {
 TEST(SolveCommand, WritesEveryOutput) {
   const ScratchFolder folder;
   const std::string answer = folder / "a.json", svg = folder / "a.svg", field = folder / "a.vtu";
-  const ChildResult result =
-      run_tactel({"solve", parabola, "--json", answer, "--plot", svg, "--field", field, "--step", "5"});
-  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(run_tactel({"solve", parabola, "--json", answer, "--plot", svg, "--field", field, "--step", "5"}).exit_code,
+            0);
   EXPECT_TRUE(json::accept(text_of(answer)));
   EXPECT_THAT(text_of(svg), HasSubstr("depth 0.15 mm, drag 0.2 mm"));
   EXPECT_THAT(text_of(field), HasSubstr("<VTKFile type=\"UnstructuredGrid\""));
@@ -184,8 +179,7 @@ json contact_of(const std::string& page) {
 TEST(SolveCommand, PageHoldsTheAnswer) {
   const ScratchFolder folder;
   const std::string page = folder / "contact.html";
-  const ChildResult result = run_tactel({"solve", parabola, "--html", page, "--json", folder / "contact.json"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  ASSERT_EQ(run_tactel({"solve", parabola, "--html", page, "--json", folder / "contact.json"}).exit_code, 0);
   const json answer = json::parse(text_of(folder / "contact.json")), contact = contact_of(text_of(page));
   EXPECT_THAT(text_of(page), HasSubstr("The whole contact slides from load step 7 on"));
   EXPECT_LT(text_of(page).size(), 300'000u);

@@ -107,8 +107,7 @@ TEST(ContactSetFile, OpensInH5pyAsDocumented) {
   const std::string path = scratch("python.h5");
   ASSERT_EQ(run_tactel({"generate", source_file("examples/paper_recall.toml"), "--output", path, "--force"}).exit_code,
             0);
-  const ChildResult result = run_child({"/usr/bin/python3", source_file("tests/host/sets/open_set.py"), path});
-  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(run_child({"/usr/bin/python3", source_file("tests/host/sets/open_set.py"), path}).exit_code, 0);
 }
 
 TEST(ContactSetFile, RefusesWhatIsNoSet) {
@@ -150,9 +149,10 @@ TEST(ContactSetFile, TrustsNoFile) {
   const ScratchFolder folder;
   const ContactSet& set = recall_set();
   write_contact_set(folder / "set.h5", set);
-  const ChildResult forged =
-      run_child({"/usr/bin/python3", source_file("tests/host/sets/forge_sets.py"), folder / "set.h5", folder / ""});
-  ASSERT_EQ(forged.exit_code, 0) << forged.err;
+  ASSERT_EQ(
+      run_child({"/usr/bin/python3", source_file("tests/host/sets/forge_sets.py"), folder / "set.h5", folder / ""})
+          .exit_code,
+      0);
   int bad = 0, good = 0;
   for (const auto& entry : fs::directory_iterator(folder / "")) {
     const fs::path& path = entry.path();

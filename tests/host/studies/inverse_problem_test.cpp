@@ -173,8 +173,7 @@ TEST(InverseProblem, ReproduceRefusesAForeignCheckpoint) {
 TEST(InverseProblem, ReproduceWritesTableTwo) {
   const ScratchFolder folder;
   const std::string report = (folder / "report").string();
-  const ChildResult result = run_tactel({"reproduce", "--output", report, "--seeds", "2", "--cycles", "20"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  ASSERT_EQ(run_tactel({"reproduce", "--output", report, "--seeds", "2", "--cycles", "20"}).exit_code, 0);
   const auto json = nlohmann::json::parse(text_of(report + "/table2.json"));
   ASSERT_EQ(json.size(), 12u);
   std::set<std::pair<int, double>> rows;

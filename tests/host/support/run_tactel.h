@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <gtest/gtest.h>
 #include <stdlib.h>
 
 #include <cstdlib>
@@ -22,6 +23,17 @@ inline ChildResult run_tactel(const std::vector<std::string>& arguments) {
   std::vector<std::string> command{TACTEL_PROGRAM};
   command.insert(command.end(), arguments.begin(), arguments.end());
   return run_child(command);
+}
+
+/// Whether a run ended with this exit code and a message that holds all of `says`.
+inline ::testing::AssertionResult is_refused(const ChildResult& result, const std::vector<std::string>& says,
+                                             int exit_code = 2) {
+  if (result.exit_code != exit_code)
+    return ::testing::AssertionFailure() << "exit code " << result.exit_code << "\n" << result.out << result.err;
+  for (const std::string& text : says)
+    if (result.err.find(text) == std::string::npos)
+      return ::testing::AssertionFailure() << '"' << text << "\" is not in\n" << result.err;
+  return ::testing::AssertionSuccess();
 }
 
 /// What the program said on stderr but how far it is, which it says when a job takes longer than a second.
