@@ -40,6 +40,9 @@ struct BoundReport {
   double least(double Coverage::*what, std::size_t rows) const;
 };
 
+/// Returns the name of a kind of indenter, or "kind 3" where a set has none.
+std::string indenter_name(const std::vector<std::string>& names, int kind);
+
 /// Returns "1", "2", "3 to 4", ..., "17 and more" for a key of BoundReport::by_touching.
 std::string touching_name(int key);
 /// Returns the key of BoundReport::by_touching for a number of nodes.
