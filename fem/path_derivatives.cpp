@@ -269,59 +269,57 @@ std::vector<PathAnswer> PathDerivatives::forward(const PathDirection& d) const {
   return result;
 }
 
-PathDirection PathDerivatives::adjoint(const std::vector<PathWeights>& weights) const {
-  require(weights.size() == answers_.size(), "weights are not [asked increments]");
-  const Index n = elements(), count = static_cast<Index>(increments_.size());
-  const double E = path_.young, mu = path_.mu;
-  PathDirection g;
-  g.compliance = Eigen::MatrixXd::Zero(2 * n, 2 * n);
-  g.tactel_stress = Eigen::MatrixXd::Zero(path_.tactel_stress.rows(), 2 * n);
-  g.height = VectorXd::Zero(n);
-  g.normal = g.tangential = VectorXd::Zero(count);
-  // dL by displacement and position of every increment, of which later ones are the history; [0] is undeformed.
-  Eigen::MatrixXd u = Eigen::MatrixXd::Zero(2 * n, count + 2);
-  VectorXd depth = VectorXd::Zero(count + 2), x = depth;
-  std::size_t asked = weights.size();
-  for (Index k = count - 1; k >= 0; --k) {
-    const std::size_t step = static_cast<std::size_t>(k);
-    const Increment &now = increments_[step], &past = back(step, 1), &past_before = back(step, 2);
-    const LoadStep& target = path_.increments[step].target;
-    const Index column = k + 2;
-    VectorXd f = VectorXd::Zero(2 * n);
-    if (path_.increments[step].asked) {
-      const PathWeights& w = weights[--asked];
-      const PathAnswer& a = answers_[asked];
-      double P = w.P, Q = w.Q;
-      if (a.S && !bonded(mu)) {
-        Q += w.S / (mu * a.P);
-        P -= w.S * *a.S / a.P;
-        g.mu -= w.S * *a.S / mu;
-      }
-      depth[column] += w.depth;
-      x[column] += w.x;
-      for (Index i = 0; i < n; ++i) f[2 * i + 1] -= E * P, f[2 * i] += E * Q;
-      g.young += (P * a.P + Q * a.Q) / E;
-      if (w.frame.size() > 0) {
-        f += E * (path_.tactel_stress.transpose() * w.frame);
-        g.tactel_stress += E * w.frame * now.f.transpose();
-        g.young += w.frame.dot(a.frame) / E;
-      }
+/// dL by the inputs; and by displacement, depth and x of the increments, which are history of later ones. Columns: the
+/// undeformed rubber twice, then the increments.
+struct PathDerivatives::Adjoint {
+  explicit Adjoint(const PathDerivatives& of) : path(of.path_) {
+    const Index n = of.elements(), count = static_cast<Index>(of.increments_.size());
+    g.compliance = Eigen::MatrixXd::Zero(2 * n, 2 * n);
+    g.tactel_stress = Eigen::MatrixXd::Zero(path.tactel_stress.rows(), 2 * n);
+    g.height = VectorXd::Zero(n);
+    g.normal = g.tangential = VectorXd::Zero(count);
+    u = Eigen::MatrixXd::Zero(2 * n, count + 2);
+    depth = x = VectorXd::Zero(count + 2);
+  }
+
+  /// Adds what an answer with these weights takes from the inputs and its increment's position; returns dL by its
+  /// forces over E.
+  VectorXd answer_row(const Increment& now, const PathWeights& w, const PathAnswer& a, Index column) {
+    const double E = path.young;
+    double P = w.P, Q = w.Q;
+    if (a.S && !bonded(path.mu)) {
+      Q += w.S / (path.mu * a.P);
+      P -= w.S * *a.S / a.P;
+      g.mu -= w.S * *a.S / path.mu;
     }
-    const VectorXd sliding = sliding_forces(now);
-    f += path_.compliance.transpose() * u.col(column);
-    g.compliance += u.col(column) * now.f.transpose();
-    g.mu += f.dot(sliding);
-    const auto touching = static_cast<Index>(now.touching.size());
-    const Index m = touching + static_cast<Index>(now.sticking.size());
+    depth[column] += w.depth;
+    x[column] += w.x;
+    VectorXd f = VectorXd::Zero(now.f.size());
+    for (Index i = 0; i < f.size(); i += 2) f[i + 1] -= E * P, f[i] += E * Q;
+    g.young += (P * a.P + Q * a.Q) / E;
+    if (w.frame.size() == 0) return f;
+    f += E * (path.tactel_stress.transpose() * w.frame);
+    g.tactel_stress += E * w.frame * now.f.transpose();
+    g.young += w.frame.dot(a.frame) / E;
+    return f;
+  }
+
+  /// dL by the unknowns, from that by the forces.
+  VectorXd by_unknowns(const Increment& now, const VectorXd& f, Index column) const {
+    const auto m = static_cast<Index>(now.touching.size() + now.sticking.size());
     VectorXd z(m + 2);
     Index row = 0;
-    for (const Index i : now.touching) z[row++] = now.sign[static_cast<std::size_t>(i)] * mu * f[2 * i] - f[2 * i + 1];
+    for (const Index i : now.touching)
+      z[row++] = now.sign[static_cast<std::size_t>(i)] * path.mu * f[2 * i] - f[2 * i + 1];
     for (const Index i : now.sticking) z[row++] = f[2 * i];
-    z[m] = depth[column];
-    z[m + 1] = x[column];
-    const VectorXd lambda = now.equations.transpose().solve(z);
-    VectorXd rows = VectorXd::Zero(2 * n);  // lambda at the displacements that its equations hold
-    row = 0;
+    z[m] = depth[column], z[m + 1] = x[column];
+    return z;
+  }
+
+  /// The equations of touching and sticking elements. Returns lambda at the displacements that they hold.
+  VectorXd element_rows(const Increment& now, const VectorXd& lambda, Index column) {
+    VectorXd rows = VectorXd::Zero(now.f.size());
+    Index row = 0;
     for (const Index i : now.touching) {
       rows[2 * i + 1] = lambda[row];
       g.height[i] += lambda[row++];
@@ -331,39 +329,67 @@ PathDirection PathDerivatives::adjoint(const std::vector<PathWeights>& weights) 
       u(2 * i, column - 1) += lambda[row];
       x[column - 1] -= lambda[row++];
     }
+    return rows;
+  }
+
+  /// An element that touched within the increment: `weight` is lambda of its equation.
+  void entry_row(const Entry& entry, const Closing& gap, double slip_before, double weight, Index column) {
+    const Index i = entry.element;
+    const double by_part = weight * slip_before / (gap.closed() * gap.closed());
+    const double by_gap = by_part * gap.before, by_gap_before = -by_part * gap.last;
+    g.height[i] += by_gap + by_gap_before;
+    depth[column - 1] -= by_gap, u(2 * i + 1, column - 1) -= by_gap;
+    depth[column - 2] -= by_gap_before, u(2 * i + 1, column - 2) -= by_gap_before;
+    u(2 * i, column - 1) += weight * entry.part, u(2 * i, column - 2) -= weight * entry.part;
+  }
+
+  /// The equation of a target: a position, a force, or a force without contact, which keeps the last position.
+  void target_row(double lambda, double given, bool is_force, bool is_free, double& by_target, double& by_last) {
+    const double E = path.young;
+    if (is_free) {
+      by_target += lambda / E;
+      g.young -= lambda * given / (E * E);
+    } else {
+      (is_force ? by_last : by_target) += lambda;
+    }
+  }
+
+  const ContactPath& path;
+  PathDirection g;
+  Eigen::MatrixXd u;  ///< [2 elements, increments + 2]
+  VectorXd depth, x;  ///< [increments + 2]
+};
+
+PathDirection PathDerivatives::adjoint(const std::vector<PathWeights>& weights) const {
+  require(weights.size() == answers_.size(), "weights are not [asked increments]");
+  Adjoint all(*this);
+  PathDirection& g = all.g;
+  std::size_t asked = weights.size();
+  for (std::size_t step = increments_.size(); step-- > 0;) {
+    const Increment &now = increments_[step], &past = back(step, 1), &past_before = back(step, 2);
+    const LoadStep& target = path_.increments[step].target;
+    const auto k = static_cast<Index>(step), column = k + 2;
+    VectorXd f = VectorXd::Zero(2 * elements());
+    if (path_.increments[step].asked) --asked, f = all.answer_row(now, weights[asked], answers_[asked], column);
+    const VectorXd sliding = sliding_forces(now);
+    f += path_.compliance.transpose() * all.u.col(column);
+    g.compliance += all.u.col(column) * now.f.transpose();
+    g.mu += f.dot(sliding);
+    const VectorXd lambda = now.equations.transpose().solve(all.by_unknowns(now, f, column));
+    const VectorXd rows = all.element_rows(now, lambda, column);
     for (const Entry& entry : now.entries) {
       const Index i = entry.element, place = std::ranges::find(now.sticking, i) - now.sticking.begin();
-      const double weight = lambda[touching + place];
-      const Closing gap = closing(i, past, past_before);
-      const double by_part = weight * (past.u[2 * i] - past_before.u[2 * i]) / (gap.closed() * gap.closed());
-      const double by_gap = by_part * gap.before, by_gap_before = -by_part * gap.last;
-      g.height[i] += by_gap + by_gap_before;
-      depth[column - 1] -= by_gap;
-      u(2 * i + 1, column - 1) -= by_gap;
-      depth[column - 2] -= by_gap_before;
-      u(2 * i + 1, column - 2) -= by_gap_before;
-      u(2 * i, column - 1) += weight * entry.part;
-      u(2 * i, column - 2) -= weight * entry.part;
+      all.entry_row(entry, closing(i, past, past_before), past.u[2 * i] - past_before.u[2 * i],
+                    lambda[static_cast<Index>(now.touching.size()) + place], column);
     }
     g.compliance -= rows * now.f.transpose();
     g.mu -= rows.dot(path_.compliance * sliding);
-    if (now.free_depth) {
-      g.normal[k] += lambda[m] / E;
-      g.young -= lambda[m] * target.normal / (E * E);
-    } else if (target.normal_is_force) {
-      depth[column - 1] += lambda[m];
-    } else {
-      g.normal[k] += lambda[m];
-    }
-    if (now.free_x) {
-      g.tangential[k] += lambda[m + 1] / E;
-      g.young -= lambda[m + 1] * target.tangential / (E * E);
-      g.mu -= lambda[m + 1] * sliding.sum();
-    } else if (target.tangential_is_force) {
-      x[column - 1] += lambda[m + 1];
-    } else {
-      g.tangential[k] += lambda[m + 1];
-    }
+    const Index m = lambda.size() - 2;
+    all.target_row(lambda[m], target.normal, target.normal_is_force, now.free_depth, g.normal[k],
+                   all.depth[column - 1]);
+    all.target_row(lambda[m + 1], target.tangential, target.tangential_is_force, now.free_x, g.tangential[k],
+                   all.x[column - 1]);
+    if (now.free_x) g.mu -= lambda[m + 1] * sliding.sum();
   }
   return g;
 }

@@ -105,6 +105,8 @@ class PathDerivatives {
     Eigen::PartialPivLU<Eigen::MatrixXd> equations;
   };
 
+  struct Adjoint;
+
   /// Gap of an element at the last increment and the one before, mm, and whether it was open and closing.
   struct Closing {
     double last, before;

@@ -4,8 +4,8 @@
 #include "shared/group.h"
 #include "shared/lanes.h"
 
-/* Twelve accumulators hide the latency of two FMA units (4 cycles each). Every a moves half-way to 1 in each of `rounds` rounds:
-   out [groups][lane] = their sum, 12 after a while. 24 LANES flops a round. */
+/* Twelve accumulators hide the latency of two FMA units (4 cycles each). Every a moves half-way to 1 in each of
+   `rounds` rounds: out [groups][lane] = their sum, 12 after a while. 24 LANES flops a round. */
 kernel void fma_peak(uint first_group, global vreal *out, int rounds) {
   TAKE_GROUP(group);
   const vreal h = ALL_LANES((REAL)0.5);

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Slippage index S of frames, and its quantiles where the network has their heads: scaling, network, shift by 0.5. Frames
-   are in the lanes. A frame has equal bits in a batch of any size and at any position, and those of nn/infer/layers.h.
+/* Slippage index S of frames, and its quantiles where the network has their heads: scaling, network, shift by 0.5.
+   Frames are in the lanes. A frame has equal bits in a batch of any size and at any position, and those of
+   nn/infer/layers.h.
 
-   Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer), OUTPUTS (3: S, its upper and its lower quantile), LEAKY_RELU (1:
-   hidden neurons are leaky rectifiers), and NORMALS where an input has several frames: the normal stresses of the first. */
+   Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer), OUTPUTS (3: S, its upper and its lower
+   quantile), LEAKY_RELU (1: hidden neurons are leaky rectifiers), and NORMALS where an input has several frames: the
+   normal stresses of the first. */
 // defines: INPUTS=42 HIDDEN1=42 HIDDEN2=21 OUTPUTS=3 LEAKY_RELU=0
 #include "shared/forward_layer.h"
 #include "shared/frame_status.h"
@@ -44,9 +46,10 @@ typedef struct {
 /* NaN or infinite where any of the numbers was. */
 INLINE vreal note_not_finite(vreal noted, vreal x) { return fma(x, ALL_LANES(0), noted); }
 
-/* Loads LANES frames from `first` on, times `factor`: x[k] is input k of each. Lanes beyond the last row repeat it. Returns the lanes whose
-   frames are not finite. */
-INLINE vint load_frames(global const float *frames, uint first, uint rows, vreal factor, int v, vreal (*x)[FRAME_VECTORS]) {
+/* Loads LANES frames from `first` on, times `factor`: x[k] is input k of each. Lanes beyond the last row repeat it.
+   Returns the lanes whose frames are not finite. */
+INLINE vint load_frames(global const float *frames, uint first, uint rows, vreal factor, int v,
+                        vreal (*x)[FRAME_VECTORS]) {
   vreal noted[4] = {0, 0, 0, 0};
 #if INPUTS >= LANES
   first = min(first, rows - 1);
@@ -68,7 +71,8 @@ INLINE vint load_frames(global const float *frames, uint first, uint rows, vreal
 #else
   for (int k = 0; k < INPUTS; ++k) {
     vreal input;
-    for (uint lane = 0; lane < LANES; ++lane) ((real *)&input)[lane] = frames[(size_t)min(first + lane, rows - 1) * INPUTS + k];
+    for (uint lane = 0; lane < LANES; ++lane)
+      ((real *)&input)[lane] = frames[(size_t)min(first + lane, rows - 1) * INPUTS + k];
     noted[k % 4] = note_not_finite(noted[k % 4], input);
     x[k][v] = input * factor;
   }
@@ -94,8 +98,10 @@ INLINE vint scale_by_frame(int v, vreal (*x)[FRAME_VECTORS]) {
 }
 
 /* The scaled inputs of LANES frames; a frame that is not finite or carries no stress becomes zeros and has a status. */
-INLINE vint scaled_frames(global const float *frames, uint first, uint rows, Scaling scaling, int v, vreal (*x)[FRAME_VECTORS]) {
-  const vint not_finite = load_frames(frames, first, rows, ALL_LANES(scaling.by_frame ? (real)1 : scaling.factor), v, x);
+INLINE vint scaled_frames(global const float *frames, uint first, uint rows, Scaling scaling, int v,
+                          vreal (*x)[FRAME_VECTORS]) {
+  const vint not_finite =
+      load_frames(frames, first, rows, ALL_LANES(scaling.by_frame ? (real)1 : scaling.factor), v, x);
   vint no_stress = 0;
   if (scaling.by_frame) no_stress = scale_by_frame(v, x);
   const vint zero = not_finite | no_stress;
@@ -111,8 +117,8 @@ INLINE real answer(real s, int status_before, int *status) {
   return status_before == FRAME_NOT_FINITE ? (real)NAN : s;
 }
 
-/* S, its upper and its lower quantile from the outputs of the last layer (nn/quantile_heads.h); in place. All are NaN where one is.
-   One output: S alone. */
+/* S, its upper and its lower quantile from the outputs of the last layer (nn/quantile_heads.h); in place. All are NaN
+   where one is. One output: S alone. */
 INLINE void quantiles(vreal *o) {
   EACH(h, OUTPUTS) { o[h] = o[h] + ALL_LANES(0.5f); }
 #if OUTPUTS > 1
@@ -123,9 +129,10 @@ INLINE void quantiles(vreal *o) {
 #endif
 }
 
-/* Outputs of the hidden layers for the frames in the first `vectors` vectors; `last` is o1 of a network with one of them. */
-INLINE void hidden_layers(const int vectors, global const real *w, const vreal (*x)[FRAME_VECTORS], vreal (*o1)[FRAME_VECTORS],
-                          vreal (*last)[FRAME_VECTORS]) {
+/* Outputs of the hidden layers for the frames in the first `vectors` vectors; `last` is o1 of a network with one of
+   them. */
+INLINE void hidden_layers(const int vectors, global const real *w, const vreal (*x)[FRAME_VECTORS],
+                          vreal (*o1)[FRAME_VECTORS], vreal (*last)[FRAME_VECTORS]) {
   forward_layer(vectors, INPUTS, HIDDEN1, INPUTS + 1, w, x, o1);
 #if HIDDEN2
   forward_layer(vectors, HIDDEN1, HIDDEN2, HIDDEN1 + 1, w + LAYER1, o1, last);
@@ -138,8 +145,8 @@ INLINE void hidden_layers(const int vectors, global const real *w, const vreal (
    weights: [networks][NETWORK_WEIGHTS], each [layer][out][in + 1] with the bias last
    frames:  [rows][INPUTS] MPa, normal stresses first
    slip_index: [networks][OUTPUTS][rows];  status: [networks][rows] */
-kernel void forward(uint first_group, global const real *weights, global const float *frames, global real *slip_index, global uchar *status,
-                    uint rows, uint tiles, int by_frame, real factor) {
+kernel void forward(uint first_group, global const real *weights, global const float *frames, global real *slip_index,
+                    global uchar *status, uint rows, uint tiles, int by_frame, real factor) {
   TAKE_GROUP(group);
   const size_t network = group / tiles;
   const uint first = (uint)(group % tiles) * TILE, end = min(first + TILE, rows);

@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Batched contact of rigid indenters with one sensor: block Gauss-Seidel over gap elements on the surface compliance. One launch solves
-   whole load paths.
+/* Batched contact of rigid indenters with one sensor: block Gauss-Seidel over gap elements on the surface compliance.
+   One launch solves whole load paths.
 
-   One work-item carries VECTORS vectors of LANES scenes (GROUP scenes). Surface forces are the pressure n >= 0 and the traction force t on
-   the rubber. With u = C load / E the kernel computes at E = 1, where forces are in mm, and scales its outputs.
+   One work-item carries VECTORS vectors of LANES scenes (GROUP scenes). Surface forces are the pressure n >= 0 and the
+   traction force t on the rubber. With u = C load / E the kernel computes at E = 1, where forces are in mm, and scales
+   its outputs.
 
-   Law at node i, with gap g = h - d - u_y and slip s = (u_x - u_x at the last increment) - (X - X at the last increment):
+   Law at node i, with gap g = h - d - u_y and slip s = (u_x - u_x at the last increment) - (X - X there):
      n >= 0,  g >= 0,  n g = 0;   |t| <= mu n,  s = 0 inside the cone,  s t <= 0 on its edge.
 
-   A lane's result depends on the lane alone: finished lanes keep their bits, nodes that only its neighbours use add exact zeros,
-   and every sum runs in an order fixed by the node's index.
+   A lane's result depends on the lane alone: finished lanes keep their bits, nodes that only its neighbours use add
+   exact zeros, and every sum runs in an order fixed by the node's index.
 
-   Built with -D REAL (float | double), LANES (1, 4, 8, 16), VECTORS, NODES, FORCE_CONTROL (0 | 1), FRICTION (0 | 1). Without FRICTION all
-   lanes have mu = 0: t stays 0, the tangential position has no effect, there is no history, and C is its n, u_y part alone. */
+   Built with -D REAL (float | double), LANES (1, 4, 8, 16), VECTORS, NODES, FORCE_CONTROL (0 | 1), FRICTION (0 | 1).
+   Without FRICTION all lanes have mu = 0: t stays 0, the tangential position has no effect, there is no history, and C
+   is its n, u_y part alone. */
 // defines: NODES=41 VECTORS=2 FORCE_CONTROL=1 FRICTION=1
 #include "shared/group.h"
 #include "shared/lanes.h"
@@ -34,11 +36,12 @@ typedef struct {
   vreal n_last[NODES][VECTORS]; /* both at the last increment */
   vreal t_last[NODES][VECTORS];
   vreal h[NODES][VECTORS];       /* profile height of active gap elements, FAR elsewhere, mm */
-  vreal ux_last[NODES][VECTORS]; /* u_x at the last increment where a gap element is active, mm; of a sticking node its exact position */
+  vreal ux_last[NODES][VECTORS]; /* u_x at the last increment where a gap element is active, mm; of a sticking node its
+                                    exact position */
   vreal ux[NODES][VECTORS], uy[NODES][VECTORS]; /* as certify computed them, mm */
   vreal reached[VECTORS];                       /* greatest depth at which activate_reached looked, mm */
   int first, end;                               /* nodes [first, end): all gap elements that are active in any lane */
-  int first_pressed, end_pressed;               /* nodes [first_pressed, end_pressed): all that bear a force in any lane */
+  int first_pressed, end_pressed; /* nodes [first_pressed, end_pressed): all that bear a force in any lane */
 } Contact;
 
 /* Position of the indenter, and the lanes that iterate. */
@@ -76,9 +79,10 @@ static inline int any_vector(const vint *mask) {
   return ANY(all);
 }
 
-/* Adds the displacement u_y and u_x of one node under the forces of nodes [first, end); c: its row of the compliance. */
-static inline void add_forces(global const real *c, const vreal (*n)[VECTORS], const vreal (*t)[VECTORS], int first, int end, vreal *yn,
-                              vreal *yt, vreal *xn, vreal *xt) {
+/* Adds the displacement u_y and u_x of one node under the forces of nodes [first, end); c: its row of the
+   compliance. */
+static inline void add_forces(global const real *c, const vreal (*n)[VECTORS], const vreal (*t)[VECTORS], int first,
+                              int end, vreal *yn, vreal *yt, vreal *xn, vreal *xt) {
   c += C_PARTS * first;
   for (int j = first; j < end; ++j, c += C_PARTS) {
     EACH_VECTOR {
@@ -91,10 +95,10 @@ static inline void add_forces(global const real *c, const vreal (*n)[VECTORS], c
   }
 }
 
-/* Displacement of node i under the forces of nodes [first, end). The node that a sweep has updated last, i - 1, comes last: its latency
-   hides behind the others. */
-static inline RowDisplacement row_displacement(const Rules *rules, int i, const vreal (*n)[VECTORS], const vreal (*t)[VECTORS], int first,
-                                               int end) {
+/* Displacement of node i under the forces of nodes [first, end). The node that a sweep has updated last, i - 1, comes
+   last: its latency hides behind the others. */
+static inline RowDisplacement row_displacement(const Rules *rules, int i, const vreal (*n)[VECTORS],
+                                               const vreal (*t)[VECTORS], int first, int end) {
   global const real *row = rules->compliance + i * (NODES * C_PARTS);
   vreal yn[VECTORS], yt[VECTORS], xn[VECTORS], xt[VECTORS];
   EACH_VECTOR { yn[v] = yt[v] = xn[v] = xt[v] = 0; }
@@ -109,8 +113,8 @@ static inline RowDisplacement row_displacement(const Rules *rules, int i, const 
   return u;
 }
 
-/* Displacement of node i under all forces. Nodes without a force are left out: they would add exact zeros. A macro, as oclgrind cannot run
-   what clang makes of one function that hands on the struct of another. */
+/* Displacement of node i under all forces. Nodes without a force are left out: they would add exact zeros. A macro, as
+   oclgrind cannot run what clang makes of one function that hands on the struct of another. */
 #define DISPLACEMENT(rules, c, i) row_displacement(rules, i, (c)->n, (c)->t, (c)->first_pressed, (c)->end_pressed)
 
 /* Extends the nodes that bear a force by node i, where it does. */
@@ -122,8 +126,8 @@ static inline void note_pressed(Contact *c, int i) {
   c->end_pressed = max(c->end_pressed, i + 1);
 }
 
-/* One Gauss-Seidel sweep: at each node the normal force, then the tangential one in the new cone. moving: active lanes whose largest
-   change was above tolerance times their largest pressure force. */
+/* One Gauss-Seidel sweep: at each node the normal force, then the tangential one in the new cone. moving: active lanes
+   whose largest change was above tolerance times their largest pressure force. */
 static inline void sweep(const Rules *rules, Contact *c, const Indenter *in, real relaxation, vint *moving) {
   vreal change[VECTORS], largest[VECTORS], dx[VECTORS];
   EACH_VECTOR {
@@ -157,8 +161,9 @@ static inline void sweep(const Rules *rules, Contact *c, const Indenter *in, rea
   EACH_VECTOR { moving[v] = in->active[v] & (change[v] > rules->tolerance * largest[v]); }
 }
 
-/* Sweeps until every iterating lane has converged, or most_sweeps. Leaves in in->active the lanes that did not converge. Where friction is high and the
-   rubber compressible, plain Gauss-Seidel can go round in circles: lanes that take long go on with damped steps. */
+/* Sweeps until every iterating lane has converged, or most_sweeps. Leaves in in->active the lanes that did not
+   converge. Where friction is high and the rubber compressible, plain Gauss-Seidel can go round in circles: lanes that
+   take long go on with damped steps. */
 static inline void iterate(const Rules *rules, Contact *c, Indenter *in, vreal *sweeps) {
   c->first_pressed = c->end_pressed = 0;
   for (int i = c->first; i < c->end; ++i) note_pressed(c, i);
@@ -183,7 +188,8 @@ static inline void activate(const Rules *rules, global const vreal *profile, Con
   c->end = max(c->end, i + 1);
 }
 
-/* Gap elements where the rigid profile comes near the flat surface. Lanes that are no deeper than before have theirs. */
+/* Gap elements where the rigid profile comes near the flat surface. Lanes that are no deeper than before have
+   theirs. */
 static inline void activate_reached(const Rules *rules, global const vreal *profile, Contact *c, const Indenter *in) {
   vint deeper[VECTORS];
   EACH_VECTOR {
@@ -198,10 +204,11 @@ static inline void activate_reached(const Rules *rules, global const vreal *prof
   }
 }
 
-/* u_y of nodes [from, to) without gap elements, and in `inside` the largest penetration there, at least what it was. Rows are left out where
-   in no lane the rubber can rise to the profile, whatever the forces: u_y <= (sum n) (largest rise by n) + (sum |t|) (largest rise by t). */
-static inline void look_outside(const Rules *rules, global const vreal *profile, Contact *c, const Indenter *in, const vreal *sum_n,
-                                const vreal *sum_t, int from, int to, vreal *inside) {
+/* u_y of nodes [from, to) without gap elements, and in `inside` the largest penetration there, at least what it was.
+   Rows are left out where in no lane the rubber can rise to the profile, whatever the forces: u_y <= (sum n) (largest
+   rise by n) + (sum |t|) (largest rise by t). */
+static inline void look_outside(const Rules *rules, global const vreal *profile, Contact *c, const Indenter *in,
+                                const vreal *sum_n, const vreal *sum_t, int from, int to, vreal *inside) {
   for (int i = from; i < to; ++i) {
     global const real *node = rules->node + i * NODE_ROWS;
     vint near[VECTORS];
@@ -219,9 +226,10 @@ static inline void look_outside(const Rules *rules, global const vreal *profile,
   }
 }
 
-/* Activates nodes without a gap element that are penetrated by more than `allowed`, in the lanes of `checked`; these are then in->active. */
-static inline void activate_penetrated(const Rules *rules, global const vreal *profile, Contact *c, Indenter *in, const vint *checked,
-                                       const vreal *allowed) {
+/* Activates nodes without a gap element that are penetrated by more than `allowed`, in the lanes of `checked`; these
+   are then in->active. */
+static inline void activate_penetrated(const Rules *rules, global const vreal *profile, Contact *c, Indenter *in,
+                                       const vint *checked, const vreal *allowed) {
   for (int i = 0; i < NODES; ++i) {
     vint activated[VECTORS];
     EACH_VECTOR {
@@ -233,9 +241,10 @@ static inline void activate_penetrated(const Rules *rules, global const vreal *p
   }
 }
 
-/* The contact laws at every surface node, from the forces alone. Lanes of `checked` in which a node without a gap element is penetrated
-   get one there and come back in in->active. */
-static inline void certify(const Rules *rules, global const vreal *profile, Contact *c, Indenter *in, const vint *checked, Certificate *k) {
+/* The contact laws at every surface node, from the forces alone. Lanes of `checked` in which a node without a gap
+   element is penetrated get one there and come back in in->active. */
+static inline void certify(const Rules *rules, global const vreal *profile, Contact *c, Indenter *in,
+                           const vint *checked, Certificate *k) {
   vreal largest_uy[VECTORS], largest_n[VECTORS], sum_n[VECTORS], sum_t[VECTORS], finite[VECTORS];
   vreal idle_inside[VECTORS]; /* the largest penetration of a node without a gap element, mm */
   EACH_VECTOR {
@@ -254,7 +263,8 @@ static inline void certify(const Rules *rules, global const vreal *profile, Cont
       const vreal inside = u.uy[v] - (profile[AT(i)] - in->d[v]);
       const vreal moved = u.ux[v] - (c->ux_last[i][v] + (in->x[v] - in->x_last[v]));
       const vreal slip = PICK(in->held[v], ALL_LANES(0), moved);
-      const vreal along = PICK(t > 0, slip, PICK(t < 0, -slip, ALL_LANES(0))); /* slip with friction instead of against it */
+      const vreal along =
+          PICK(t > 0, slip, PICK(t < 0, -slip, ALL_LANES(0))); /* slip with friction instead of against it */
       const vreal drift = PICK(pressed, PICK(fabs(t) < cone, fabs(slip), along), ALL_LANES(0));
       const vreal apart = PICK(pressed, fabs(inside), ALL_LANES(0));
       const vreal size = PICK(works, fabs(u.uy[v]), ALL_LANES(0));
@@ -295,9 +305,10 @@ static inline void certify(const Rules *rules, global const vreal *profile, Cont
   }
 }
 
-/* Solves the contact at the indenter's position, in the active lanes. Returns in `failed` the lanes that ran out of sweeps. */
-static inline void solve_contact(const Rules *rules, global const vreal *profile, Contact *c, Indenter *in, vreal *sweeps, vint *failed,
-                                 Certificate *k) {
+/* Solves the contact at the indenter's position, in the active lanes. Returns in `failed` the lanes that ran out of
+   sweeps. */
+static inline void solve_contact(const Rules *rules, global const vreal *profile, Contact *c, Indenter *in,
+                                 vreal *sweeps, vint *failed, Certificate *k) {
   vint checked[VECTORS];
   EACH_VECTOR {
     checked[v] = in->active[v];
@@ -336,15 +347,16 @@ static inline void extrapolate(Contact *c, const Indenter *in, const vreal *rati
 }
 
 #if FORCE_CONTROL
-/* Search for the indenter's position z = (d, x) that gives the target forces: f = (P - P_target, Q - (Q_target / P_target) P) = 0, by Broyden's inverse update
-   (Broyden 1965). */
+/* Search for the indenter's position z = (d, x) that gives the target forces: f = (P - P_target, Q - (Q_target /
+   P_target) P) = 0, by Broyden's inverse update (Broyden 1965). */
 typedef struct {
   vreal b[2][2][VECTORS];             /* inverse Jacobian */
   vreal z[2][VECTORS], g[2][VECTORS]; /* last trial: position; P and Q - (Q_target / P_target) P */
   vreal low[VECTORS], high[VECTORS];  /* bracket of d */
   vreal nearest[VECTORS];             /* depth at which the undeformed surface is touched */
   vreal p_target[VECTORS], q_target[VECTORS];
-  vint by_force[VECTORS], both[VECTORS]; /* lanes whose normal target is a force; lanes whose tangential target is also one */
+  vint by_force[VECTORS]; /* lanes whose normal target is a force */
+  vint both[VECTORS];     /* lanes whose tangential target is also one */
 } Search;
 
 /* Inverse update with the trial (z, g) in the given lanes; b is unchanged where the step was too small. */
@@ -368,13 +380,15 @@ static inline void broyden_update(Search *s, int v, const vreal *z, const vreal 
   }
 }
 
-/* A trial inside the bracket: where Broyden's step leaves it, halfway to the bound, or twice as deep where there is no bound yet. */
+/* A trial inside the bracket: where Broyden's step leaves it, halfway to the bound, or twice as deep where there is no
+   bound yet. */
 static inline vreal bracketed(vreal trial, vreal now, vreal low, vreal high) {
   const vreal deeper = PICK(high < FAR, (real)0.5 * (now + high), 2 * now);
   return PICK(trial >= high, deeper, PICK(trial <= low, (real)0.5 * (now + low), trial));
 }
 
-/* Moves the indenter of the active lanes towards the target forces. Leaves in in->active those that had not reached them. */
+/* Moves the indenter of the active lanes towards the target forces. Leaves in in->active those that had not reached
+   them. */
 static inline void update_force_control(Search *s, const Contact *c, Indenter *in, real tolerance) {
   vreal p[VECTORS], q[VECTORS];
   resultants(c, p, q);
@@ -387,10 +401,12 @@ static inline void update_force_control(Search *s, const Contact *c, Indenter *i
     broyden_update(s, v, z, g, in->active[v]);
     in->active[v] &= (fabs(miss[0]) > enough) | (fabs(miss[1]) > enough);
     in->held[v] &= NOT(in->active[v]);
-    const vreal step[2] = {s->b[0][0][v] * miss[0] + s->b[0][1][v] * miss[1], s->b[1][0][v] * miss[0] + s->b[1][1][v] * miss[1]};
+    const vreal step[2] = {s->b[0][0][v] * miss[0] + s->b[0][1][v] * miss[1],
+                           s->b[1][0][v] * miss[0] + s->b[1][1][v] * miss[1]};
     s->low[v] = PICK(miss[0] < 0, LARGER(z[0], s->low[v]), s->low[v]);
     s->high[v] = PICK(miss[0] > 0, SMALLER(z[0], s->high[v]), s->high[v]);
-    /* P grows with d alone where x is given: keep inside the bracket. With both unknown the bracket moves: bound the step instead. */
+    /* P grows with d alone where x is given: keep inside the bracket. With both unknown the bracket moves: bound the
+       step instead. */
     const vreal far_d = (real)0.5 * z[0], far_x = LARGER(fabs(z[1]), far_d);
     const vreal bounded = SMALLER(LARGER(z[0] - step[0], z[0] - far_d), z[0] + 2 * far_d);
     const vreal next[2] = {PICK(s->both[v], bounded, bracketed(z[0] - step[0], z[0], s->low[v], s->high[v])),
@@ -401,10 +417,10 @@ static inline void update_force_control(Search *s, const Contact *c, Indenter *i
 }
 #endif
 
-/* Output rows = map x surface forces, e.g. base forces; map: [blocks of rows][NODES][ROW_BLOCK][2], by n and by t. Leaves in base_x and base_y
-   the sums of the first base_rows, x and y in turn. */
-static inline void write_rows(global const real *map, int rows, int base_rows, const Contact *c, const vreal *scale, global vreal *out,
-                              vreal *base_x, vreal *base_y) {
+/* Output rows = map x surface forces, e.g. base forces; map: [blocks of rows][NODES][ROW_BLOCK][2], by n and by t.
+   Leaves in base_x and base_y the sums of the first base_rows, x and y in turn. */
+static inline void write_rows(global const real *map, int rows, int base_rows, const Contact *c, const vreal *scale,
+                              global vreal *out, vreal *base_x, vreal *base_y) {
   EACH_VECTOR { base_x[v] = base_y[v] = 0; }
   for (int r = 0; r < rows; r += ROW_BLOCK, map += NODES * ROW_BLOCK * 2) {
     vreal sum[ROW_BLOCK][VECTORS];
@@ -429,7 +445,8 @@ static inline void write_rows(global const real *map, int rows, int base_rows, c
 }
 
 /* Lanes with finite, valid input along their own path. */
-static inline void check_input(global const vreal *lane_input, global const vreal *profile, global const vreal *path, int steps, vint *valid) {
+static inline void check_input(global const vreal *lane_input, global const vreal *profile, global const vreal *path,
+                               int steps, vint *valid) {
   EACH_VECTOR {
     vreal sum = 0;
     for (int r = 0; r < LANE_INPUT_ROWS; ++r) sum = finite_sum(sum, lane_input[AT(r)]);
@@ -472,8 +489,8 @@ static inline vreal balance(vreal base_x, vreal base_y, vreal p, vreal q) {
 
 /* Every residual within bounds; no comparison holds for NaN. */
 static inline vint within(const Certificate *said, int v, vreal off_balance, real accept) {
-  return (said->penetration[v] <= accept) & (said->cone[v] <= accept) & (said->complementarity[v] <= accept) & (said->drift[v] <= accept) &
-         (off_balance <= accept);
+  return (said->penetration[v] <= accept) & (said->cone[v] <= accept) & (said->complementarity[v] <= accept) &
+         (said->drift[v] <= accept) & (off_balance <= accept);
 }
 
 /* State of a lane along its load path. */
@@ -488,7 +505,8 @@ typedef struct {
   Certificate certificate;
 } LoadStepping;
 
-static inline void start(global const vreal *lane_input, global const vreal *profile, Contact *c, Indenter *in, LoadStepping *w) {
+static inline void start(global const vreal *lane_input, global const vreal *profile, Contact *c, Indenter *in,
+                         LoadStepping *w) {
   c->first = NODES;
   c->end = c->first_pressed = c->end_pressed = 0;
   EACH_VECTOR {
@@ -511,10 +529,10 @@ static inline void start(global const vreal *lane_input, global const vreal *pro
   }
 }
 
-/* Target of increment k: (d, x), mm; lanes beyond their path stop and stay where they are. ratio: this change of the target over the last one, 0 where
-   both d and x change, or the way turns, or the load is a force. */
-static inline void next_target(global const vreal *lane_input, global const vreal *path, int k, const Indenter *in, LoadStepping *w, vreal *d,
-                               vreal *x, vreal *ratio) {
+/* Target of increment k: (d, x), mm; lanes beyond their path stop and stay where they are. ratio: this change of the
+   target over the last one, 0 where both d and x change, or the way turns, or the load is a force. */
+static inline void next_target(global const vreal *lane_input, global const vreal *path, int k, const Indenter *in,
+                               LoadStepping *w, vreal *d, vreal *x, vreal *ratio) {
   global const vreal *target = path + k * PATH_ROWS * STRIDE;
   EACH_VECTOR {
     w->running[v] &= lane_input[AT(LANE_STEPS)] > (real)k;
@@ -532,7 +550,8 @@ static inline void next_target(global const vreal *lane_input, global const vrea
   }
 }
 
-/* Lanes whose target equals their position are not iterated: their state is a solution, and a held contact does not creep by rounding. */
+/* Lanes whose target equals their position are not iterated: their state is a solution, and a held contact does not
+   creep by rounding. */
 static inline void move_to(Indenter *in, const LoadStepping *w, const vreal *d, const vreal *x) {
   EACH_VECTOR {
     in->held[v] = d[v] == in->d[v];
@@ -553,8 +572,8 @@ static inline void release(Contact *c, const vint *none) {
     }
 }
 
-/* Clears lanes driven by depth whose indenter does not reach the undeformed surface: the rubber without forces is a solution. Sweeps alone
-   would approach it through ever smaller forces. */
+/* Clears lanes driven by depth whose indenter does not reach the undeformed surface: the rubber without forces is a
+   solution. Sweeps alone would approach it through ever smaller forces. */
 static inline void lift_off(global const vreal *lane_input, Contact *c, const Indenter *in, const LoadStepping *w) {
   vint none[VECTORS];
   EACH_VECTOR { none[v] = w->running[v] & (in->d[v] <= w->nearest[v]) & (lane_input[AT(LANE_FORCE)] < FORCE_NORMAL); }
@@ -581,7 +600,8 @@ static inline void release_unloaded(const Search *s, Contact *c, const LoadStepp
   release(c, none);
 }
 
-/* Where targets are forces: stores them in the search, and replaces them by the indenter's position or a first guess. */
+/* Where targets are forces: stores them in the search, and replaces them by the indenter's position or a first
+   guess. */
 static inline void first_trial(Search *s, const Indenter *in, vreal *d, vreal *x) {
   EACH_VECTOR {
     const vreal guess = PICK(in->d[v] > s->nearest[v], in->d[v], fma(s->b[0][0][v], d[v], s->nearest[v]));
@@ -594,7 +614,8 @@ static inline void first_trial(Search *s, const Indenter *in, vreal *d, vreal *x
   }
 }
 
-static inline void reach_forces(const Rules *rules, global const vreal *profile, Search *s, Contact *c, Indenter *in, LoadStepping *w) {
+static inline void reach_forces(const Rules *rules, global const vreal *profile, Search *s, Contact *c, Indenter *in,
+                                LoadStepping *w) {
   EACH_VECTOR { in->active[v] = w->running[v] & s->by_force[v] & (s->p_target[v] > 0); }
   for (int trial = 0; trial < MOST_FORCE_TRIALS; ++trial) {
     update_force_control(s, c, in, 10 * rules->tolerance);
@@ -611,17 +632,19 @@ static inline void reach_forces(const Rules *rules, global const vreal *profile,
 }
 #endif
 
-/* Writes the result of this increment, LaneResultRow by row; ends lanes that slide where they may stop. base_x, base_y: sums of the base forces,
-   where base_rows is not 0. */
-static inline void report(global const vreal *lane_input, int k, const Contact *c, const Indenter *in, real accept, int base_rows,
-                          const vreal *base_x, const vreal *base_y, LoadStepping *w, global vreal *result) {
+/* Writes the result of this increment, LaneResultRow by row; ends lanes that slide where they may stop. base_x, base_y:
+   sums of the base forces, where base_rows is not 0. */
+static inline void report(global const vreal *lane_input, int k, const Contact *c, const Indenter *in, real accept,
+                          int base_rows, const vreal *base_x, const vreal *base_y, LoadStepping *w,
+                          global vreal *result) {
   vreal p[VECTORS], q[VECTORS], sticking[VECTORS], slipping[VECTORS];
   resultants(c, p, q);
   count_nodes(c, in, sticking, slipping);
   EACH_VECTOR {
     const Certificate *said = &w->certificate;
     const vreal held = in->mu[v] * p[v];
-    const vreal off_balance = base_rows == 0 ? ALL_LANES(0) : balance(base_x[v], base_y[v], p[v] * w->young[v], q[v] * w->young[v]);
+    const vreal off_balance =
+        base_rows == 0 ? ALL_LANES(0) : balance(base_x[v], base_y[v], p[v] * w->young[v], q[v] * w->young[v]);
     const vint slides = w->running[v] & (sticking[v] == 0) & (slipping[v] > 0);
     const vint finite = finite_sum(0, (p[v] + fabs(q[v])) * w->young[v]) == 0;
     const vint solved = NOT(w->lost[v] | w->failed[v]) & finite & within(said, v, off_balance, accept);
@@ -648,8 +671,8 @@ static inline void report(global const vreal *lane_input, int k, const Contact *
   }
 }
 
-/* Stores the history for the next increment. A sticking node is taken to have followed the indenter exactly. The next increment then corrects the
-   error of convergence, which does not accumulate over thousands of increments. */
+/* Stores the history for the next increment. A sticking node is taken to have followed the indenter exactly. The next
+   increment then corrects the error of convergence, which does not accumulate over thousands of increments. */
 static inline void remember(Contact *c, const Indenter *in) {
   for (int i = c->first; i < c->end; ++i) EACH_VECTOR {
       const vint sticks = (c->n[i][v] > 0) & (fabs(c->t[i][v]) < in->mu[v] * c->n[i][v]);
@@ -664,14 +687,16 @@ static inline void report_idle(const LoadStepping *w, global vreal *result) {
     }
 }
 
-/* compliance [NODES][NODES][C_PARTS]; node [NODES][NODE_ROWS]; map [blocks of ROW_BLOCK rows][NODES][ROW_BLOCK][2], base forces first
-   (base_rows of them); lane_input [group][LANE_INPUT_ROWS][lane]; profile [group][NODES][lane] mm, >= FAR where there is no indenter; path [group][steps][PATH_ROWS][lane].
-   Out: result [group][steps][LANE_RESULT_ROWS][lane]; rows_out [group][steps][rows][lane]; nodes_out [group][steps][3 NODES][lane] unless
-   write_node_rows is 0. With one lane an item each array lies in blocks of INTERLEAVED items (shared/group.h). */
-kernel void gap_sweep(uint first_group, global const real *compliance, global const real *node, global const real *map, int rows, int base_rows,
-                      global const vreal *lane_input, global const vreal *profile, global const vreal *path, int steps, real tolerance,
-                      real accept, int most_sweeps, real reach, global vreal *result, global vreal *rows_out, global vreal *nodes_out,
-                      int write_node_rows) {
+/* compliance [NODES][NODES][C_PARTS]; node [NODES][NODE_ROWS]; map [blocks of ROW_BLOCK rows][NODES][ROW_BLOCK][2],
+   base forces first (base_rows of them); lane_input [group][LANE_INPUT_ROWS][lane]; profile [group][NODES][lane] mm, >=
+   FAR where there is no indenter; path [group][steps][PATH_ROWS][lane]. Out: result
+   [group][steps][LANE_RESULT_ROWS][lane]; rows_out [group][steps][rows][lane]; nodes_out [group][steps][3 NODES][lane]
+   unless write_node_rows is 0. With one lane an item each array lies in blocks of INTERLEAVED items
+   (shared/group.h). */
+kernel void gap_sweep(uint first_group, global const real *compliance, global const real *node, global const real *map,
+                      int rows, int base_rows, global const vreal *lane_input, global const vreal *profile,
+                      global const vreal *path, int steps, real tolerance, real accept, int most_sweeps, real reach,
+                      global vreal *result, global vreal *rows_out, global vreal *nodes_out, int write_node_rows) {
   TAKE_GROUP(group);
   const Rules rules = {compliance, node, tolerance, most_sweeps, reach};
   lane_input += FIRST_NUMBER(group, LANE_INPUT_ROWS * VECTORS);

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Mini-batch training. Each batch gives the mean of delta_j o_i, the descent of each weight, and one change of the weights: by the delta rule with
-   momentum, or by Adam (Kingma and Ba 2015, algorithm 1). Twin of nn/train_batch.cpp.
+/* Mini-batch training. Each batch gives the mean of delta_j o_i, the descent of each weight, and one change of the
+   weights: by the delta rule with momentum, or by Adam (Kingma and Ba 2015, algorithm 1). Twin of nn/train_batch.cpp.
 
-   Frames are in the lanes, a tile of FRAME_VECTORS LANES of them at a time. The outer products have a layer's inputs in the lanes and need no sum
-   over lanes. Sums run over the frames of a slice one by one, then over slices in order. No result therefore depends on the number of threads.
+   Frames are in the lanes, a tile of FRAME_VECTORS LANES of them at a time. The outer products have a layer's inputs in
+   the lanes and need no sum over lanes. Sums run over the frames of a slice one by one, then over slices in order. No
+   result therefore depends on the number of threads.
 
    Three kernels:
      train_batch    batches of at most one slice, many of them in one launch; a work-item trains a network
      batch_descent  one slice of a larger batch
      batch_update   the sum over slices and the change of the weights; a work-item takes some of the weights
 
-   A network's numbers: [layer][out][padded row], a padded row having fan_in weights, the bias and zeros up to whole vectors.
-   Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer), OUTPUTS (3: quantile heads, with the pinball loss),
-   LEAKY_RELU (1: hidden neurons are leaky rectifiers). */
+   A network's numbers: [layer][out][padded row], a padded row having fan_in weights, the bias and zeros up to whole
+   vectors. Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer), OUTPUTS (3: quantile heads, with
+   the pinball loss), LEAKY_RELU (1: hidden neurons are leaky rectifiers). */
 // defines: INPUTS=42 HIDDEN1=42 HIDDEN2=21 OUTPUTS=3 LEAKY_RELU=0
 #include "shared/forward_layer.h"
 #include "shared/group.h"
@@ -65,7 +66,8 @@ INLINE void frames_to_rows(const int vectors, const int numbers, const vreal (*c
 #endif
 
 /* inputs: [rows + 1][ROW0]; shown: [count], which rows; zero_row: the row of zeros. */
-INLINE void load_tile(Tile *tile, global const real *inputs, global const real *targets, global const uint *shown, uint count, uint zero_row) {
+INLINE void load_tile(Tile *tile, global const real *inputs, global const real *targets, global const uint *shown,
+                      uint count, uint zero_row) {
   tile->frames = (int)min(count, (uint)TILE);
   tile->vectors = LANES > 1 && count <= LANES ? 1 : FRAME_VECTORS;
   global const real *from[TILE];
@@ -90,7 +92,8 @@ INLINE void load_tile(Tile *tile, global const real *inputs, global const real *
 }
 
 #if HIDDEN2
-/* back_k = sum_n w_nk d_n for `rows` neurons k, at most ROWS_TOGETHER; times the slope there. w: [fan_out][stride], from neuron k on. */
+/* back_k = sum_n w_nk d_n for `rows` neurons k, at most ROWS_TOGETHER; times the slope there. w: [fan_out][stride],
+   from neuron k on. */
 #define START_BACK(r, a, b) vreal a = 0, b = 0;
 #define ADD_DELTA(r, a, b)                                                     \
   if (r < ROWS && r < rows) a = fma(ALL_LANES(w[n * stride + r]), d[n][0], a); \
@@ -99,24 +102,27 @@ INLINE void load_tile(Tile *tile, global const real *inputs, global const real *
   if (r < ROWS && r < rows) d_below[r][0] = hidden_slope(o[r][0]) * a; \
   if (r < ROWS && B_ROW(r) < rows) d_below[B_ROW(r)][vectors - 1] = hidden_slope(o[B_ROW(r)][vectors - 1]) * b;
 INLINE void backward_rows(const int vectors, const int rows, const int fan_out, const int stride, global const real *w,
-                          const vreal (*d)[FRAME_VECTORS], const vreal (*o)[FRAME_VECTORS], vreal (*d_below)[FRAME_VECTORS]) {
+                          const vreal (*d)[FRAME_VECTORS], const vreal (*o)[FRAME_VECTORS],
+                          vreal (*d_below)[FRAME_VECTORS]) {
   EACH_ROW(START_BACK);
   ROLLED for (int n = 0; n < fan_out; ++n) { EACH_ROW(ADD_DELTA); }
   EACH_ROW(END_BACK);
 }
 
-INLINE void backward_layer(const int vectors, const int fan_in, const int fan_out, const int stride, global const real *w,
-                           const vreal (*d)[FRAME_VECTORS], const vreal (*o)[FRAME_VECTORS], vreal (*d_below)[FRAME_VECTORS]) {
+INLINE void backward_layer(const int vectors, const int fan_in, const int fan_out, const int stride,
+                           global const real *w, const vreal (*d)[FRAME_VECTORS], const vreal (*o)[FRAME_VECTORS],
+                           vreal (*d_below)[FRAME_VECTORS]) {
   const int together = ROWS_TOGETHER(vectors), rest = fan_in % together, begin = fan_in - rest;
-  ROLLED for (int k = 0; k < begin; k += together) backward_rows(vectors, together, fan_out, stride, w + k, d, o + k, d_below + k);
+  ROLLED for (int k = 0; k < begin; k += together)
+      backward_rows(vectors, together, fan_out, stride, w + k, d, o + k, d_below + k);
   if (rest) backward_rows(vectors, rest, fan_out, stride, w + begin, d, o + begin, d_below + begin);
 }
 #endif
 
-/* sums[r][k] += d[r][f] x[f][k] over the tile's frames, for `rows` rows and `vectors` vectors of k; the sums begin at 0 with the first tile.
-   d: [rows][TILE]; x: [TILE][stride]; sums: [rows][stride]. */
-INLINE void outer_block(int begins, int frames, const int rows, const int vectors, const int stride, const real *d, const real *x,
-                        global real *sums) {
+/* sums[r][k] += d[r][f] x[f][k] over the tile's frames, for `rows` rows and `vectors` vectors of k; the sums begin at 0
+   with the first tile. d: [rows][TILE]; x: [TILE][stride]; sums: [rows][stride]. */
+INLINE void outer_block(int begins, int frames, const int rows, const int vectors, const int stride, const real *d,
+                        const real *x, global real *sums) {
   vreal sum[OUTER_ROWS][OUTER_VECTORS];
   if (begins) {
     EACH(r, rows) {
@@ -140,7 +146,8 @@ INLINE void outer_block(int begins, int frames, const int rows, const int vector
 }
 
 /* The same for every k. */
-INLINE void outer_rows(int begins, int frames, const int rows, const int stride, const real *d, const real *x, global real *sums) {
+INLINE void outer_rows(int begins, int frames, const int rows, const int stride, const real *d, const real *x,
+                       global real *sums) {
   const int vectors = stride / LANES, rest = vectors % OUTER_VECTORS, begin = (vectors - rest) * LANES;
   ROLLED for (int k = 0; k + OUTER_VECTORS * LANES <= stride; k += OUTER_VECTORS * LANES) {
     outer_block(begins, frames, rows, OUTER_VECTORS, stride, d, x + k, sums + k);
@@ -149,17 +156,19 @@ INLINE void outer_rows(int begins, int frames, const int rows, const int stride,
 }
 
 /* The same for every row: the descent of a layer's weights. d: [fan_out][FRAME_VECTORS]. */
-INLINE void outer_layer(int begins, int frames, const int fan_out, const int stride, const vreal (*d)[FRAME_VECTORS], const real *x,
-                        global real *sums) {
+INLINE void outer_layer(int begins, int frames, const int fan_out, const int stride, const vreal (*d)[FRAME_VECTORS],
+                        const real *x, global real *sums) {
   ROLLED for (int n = 0; n + OUTER_ROWS <= fan_out; n += OUTER_ROWS) {
     outer_rows(begins, frames, OUTER_ROWS, stride, (const real *)(d + n), x, sums + n * stride);
   }
   const int rest = fan_out - fan_out % OUTER_ROWS;
-  if (fan_out % OUTER_ROWS) outer_rows(begins, frames, fan_out % OUTER_ROWS, stride, (const real *)(d + rest), x, sums + rest * stride);
+  if (fan_out % OUTER_ROWS)
+    outer_rows(begins, frames, fan_out % OUTER_ROWS, stride, (const real *)(d + rest), x, sums + rest * stride);
 }
 
 /* An output neuron's: sums[k] += sum over frames of d_out o_k; the bias at LAST. */
-INLINE void outer_output(int begins, int vectors, const vreal (*o)[FRAME_VECTORS], const vreal *d_out, global real *sums) {
+INLINE void outer_output(int begins, int vectors, const vreal (*o)[FRAME_VECTORS], const vreal *d_out,
+                         global real *sums) {
   ROLLED for (int begin = 0; begin < ROWL; begin += LANES) {
     vreal product[LANES];
     ROLLED for (int i = 0; i < LANES; ++i) {
@@ -177,7 +186,9 @@ INLINE void outer_output(int begins, int vectors, const vreal (*o)[FRAME_VECTORS
 
 #if OUTPUTS > 1
 /* -dL/dq of the pinball loss: level - [target < q]. */
-INLINE vreal pinball_error(vreal target, vreal q, real level) { return PICK(target < q, ALL_LANES(level - 1), ALL_LANES(level)); }
+INLINE vreal pinball_error(vreal target, vreal q, real level) {
+  return PICK(target < q, ALL_LANES(level - 1), ALL_LANES(level));
+}
 
 /* The deltas of the three heads (nn/quantile_heads.h). o, delta: [3]; target: S - 0.5, as the outputs. */
 INLINE void quantile_deltas(const vreal *o, vreal target, real level, vreal counts, vreal *delta) {
@@ -196,7 +207,8 @@ INLINE void forward_tile(const int vectors, Tile *t, global const real *w) {
 #endif
 }
 
-/* Forward, errors, backward, outer products of one tile. errors: sum of squares and largest, by lane. begins: 1 for the slice's first tile. */
+/* Forward, errors, backward, outer products of one tile. errors: sum of squares and largest, by lane. begins: 1 for the
+   slice's first tile. */
 INLINE void learn_tile(int begins, Tile *t, global const real *w, global real *sums, vreal *errors, real level) {
   const int vectors = t->vectors;
   if (LANES > 1 && vectors == 1)
@@ -216,7 +228,8 @@ INLINE void learn_tile(int begins, Tile *t, global const real *w, global real *s
     errors[0] = fma(error, error, errors[0]);
     errors[1] = fmax(errors[1], fabs(error));
 #if OUTPUTS > 1
-    const vreal outputs[3] = {output, forward_output(LAST, w + LAYER3 + ROWL, last, v), forward_output(LAST, w + LAYER3 + 2 * ROWL, last, v)};
+    const vreal outputs[3] = {output, forward_output(LAST, w + LAYER3 + ROWL, last, v),
+                              forward_output(LAST, w + LAYER3 + 2 * ROWL, last, v)};
     vreal delta[3];
     quantile_deltas(outputs, t->target[v], level, t->counts[v], delta);
     EACH(h, 3) { t->d_out[h][v] = delta[h]; }
@@ -247,9 +260,9 @@ INLINE void learn_tile(int begins, Tile *t, global const real *w, global real *s
 }
 
 /* Sums over the frames of one slice, [NUMBERS], and its errors, [2]. */
-static __attribute__((noinline)) void learn_slice(global const real *w, global const real *inputs, global const real *targets,
-                                                  global const uint *shown, uint count, uint zero_row, global real *sums, global real *errors,
-                                                  real level) {
+static __attribute__((noinline)) void learn_slice(global const real *w, global const real *inputs,
+                                                  global const real *targets, global const uint *shown, uint count,
+                                                  uint zero_row, global real *sums, global real *errors, real level) {
   Tile tile;
   vreal lane_errors[2] = {0, 0};
   for (uint first = 0; first < count; first += TILE) {
@@ -262,7 +275,8 @@ static __attribute__((noinline)) void learn_slice(global const real *w, global c
 }
 
 /* One vector of weights: descent is the mean over the batch; unbias: Adam's 1 / (1 - beta1^t) and 1 / (1 - beta2^t). */
-INLINE void update_vector(const Rule *rule, vreal descent, global real *w, global real *first, global real *second, global const real *unbias) {
+INLINE void update_vector(const Rule *rule, vreal descent, global real *w, global real *first, global real *second,
+                          global const real *unbias) {
   vreal m = LOAD(first);
   if (rule->adam) {
     m = fma(ALL_LANES(rule->beta1), m, (1 - rule->beta1) * descent);
@@ -277,18 +291,17 @@ INLINE void update_vector(const Rule *rule, vreal descent, global real *w, globa
 }
 
 /* Trains network `group` on `batches` batches of at most one slice.
-   weights, first, second: [networks][NUMBERS], changed in place; first: last change or first moment, second: second moment
-   sums:    [networks][NUMBERS]    scratch
-   errors:  [networks][batches][2] sum of squared errors and largest error of each batch, as it was shown
-   unbias:  [batches][2]
-   inputs:  [sets][rows + 1][ROW0] scaled, 1 at place INPUTS, then zeros; row `rows` all zeros;  set_of: [networks]
-   targets: [rows + 1]             S - 0.5; the last unused
-   order:   [networks][rows]       rows as this epoch shows them; the launch begins at place `begin`
-   level:   of the upper quantile, where OUTPUTS is 3 */
-kernel void train_batch(uint first_group, global real *weights, global real *first, global real *second, global real *sums, global real *errors,
-                        global const real *unbias, global const real *inputs, global const uint *set_of, global const real *targets,
-                        global const uint *order, uint rows, uint begin, uint batch, uint batches, real level, int adam, real rate,
-                        real momentum, real beta1, real beta2, real epsilon) {
+   weights, first, second: [networks][NUMBERS], changed in place; first: last change or first moment, second: second
+   moment sums:    [networks][NUMBERS]    scratch errors:  [networks][batches][2] sum of squared errors and largest
+   error of each batch, as it was shown unbias:  [batches][2] inputs:  [sets][rows + 1][ROW0] scaled, 1 at place INPUTS,
+   then zeros; row `rows` all zeros;  set_of: [networks] targets: [rows + 1]             S - 0.5; the last unused order:
+   [networks][rows]       rows as this epoch shows them; the launch begins at place `begin` level:   of the upper
+   quantile, where OUTPUTS is 3 */
+kernel void train_batch(uint first_group, global real *weights, global real *first, global real *second,
+                        global real *sums, global real *errors, global const real *unbias, global const real *inputs,
+                        global const uint *set_of, global const real *targets, global const uint *order, uint rows,
+                        uint begin, uint batch, uint batches, real level, int adam, real rate, real momentum,
+                        real beta1, real beta2, real epsilon) {
   TAKE_GROUP(group);
   const Rule rule = {adam, rate, momentum, beta1, beta2, epsilon};
   const size_t at = group * NUMBERS;
@@ -307,21 +320,22 @@ kernel void train_batch(uint first_group, global real *weights, global real *fir
 
 /* Slice `group` of the batch that is order[begin ... begin + count - 1], for one network.
    sums: [slices][NUMBERS];  errors: [slices][2];  the others as above */
-kernel void batch_descent(uint first_group, global const real *weights, global real *sums, global real *errors, global const real *inputs,
-                          global const uint *set_of, global const real *targets, global const uint *order, uint rows, uint network, uint begin,
-                          uint count, uint slice, real level) {
+kernel void batch_descent(uint first_group, global const real *weights, global real *sums, global real *errors,
+                          global const real *inputs, global const uint *set_of, global const real *targets,
+                          global const uint *order, uint rows, uint network, uint begin, uint count, uint slice,
+                          real level) {
   TAKE_GROUP(group);
   const uint from = (uint)group * slice;
   inputs += (size_t)set_of[network] * (rows + 1) * ROW0;
   order += (size_t)network * rows + begin + from;
-  learn_slice(weights + (size_t)network * NUMBERS, inputs, targets, order, min(slice, count - from), rows, sums + group * NUMBERS,
-              errors + 2 * group, level);
+  learn_slice(weights + (size_t)network * NUMBERS, inputs, targets, order, min(slice, count - from), rows,
+              sums + group * NUMBERS, errors + 2 * group, level);
 }
 
 /* Vectors group * UPDATE_VECTORS ... of one network's weights, after the batch's `slices` slices. unbias: [2]. */
-kernel void batch_update(uint first_group, global real *weights, global real *first, global real *second, global const real *sums, uint network,
-                         uint slices, uint count, global const real *unbias, int adam, real rate, real momentum, real beta1, real beta2,
-                         real epsilon) {
+kernel void batch_update(uint first_group, global real *weights, global real *first, global real *second,
+                         global const real *sums, uint network, uint slices, uint count, global const real *unbias,
+                         int adam, real rate, real momentum, real beta1, real beta2, real epsilon) {
   TAKE_GROUP(group);
   const Rule rule = {adam, rate, momentum, beta1, beta2, epsilon};
   const size_t at = (size_t)network * NUMBERS;

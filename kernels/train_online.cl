@@ -1,22 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Pattern-by-pattern training by the generalized delta rule with momentum (Rumelhart, Hinton and Williams 1986, eq. 16). One work-item
-   trains a group of NETWORKS networks of one topology: LANES / NETWORKS neurons of each share a vector, lane = neuron NETWORKS + network. Each
-   network has its own weights, set, order and end. Every sum over lanes is taken in the same LANES parts. The bits of a network therefore
-   depend neither on its neighbours nor on NETWORKS.
+/* Pattern-by-pattern training by the generalized delta rule with momentum (Rumelhart, Hinton and Williams 1986, eq.
+   16). One work-item trains a group of NETWORKS networks of one topology: LANES / NETWORKS neurons of each share a
+   vector, lane = neuron NETWORKS + network. Each network has its own weights, set, order and end. Every sum over lanes
+   is taken in the same LANES parts. The bits of a network therefore depend neither on its neighbours nor on NETWORKS.
 
    The rule, for a layer with inputs x(t) and deltas d(t):  S(t+1) = m S(t) + eta d(t) x(t)',  W(t+1) = W(t) + S(t+1).
 
-   First layer. Its inputs do not depend on the weights. BLOCK patterns are therefore taken together, with one read and one write of the weights.
-   With a_k = 1 + m + ... + m^(k-1) and W, S at the block's start, the rule gives by induction
+   First layer. Its inputs do not depend on the weights. BLOCK patterns are therefore taken together, with one read and
+   one write of the weights. With a_k = 1 + m + ... + m^(k-1) and W, S at the block's start, the rule gives by induction
      W(t) = W + m a_t S + eta sum_{s<t} a_{t-s} d(s) x(s)',
      S(t) = m^t S + eta sum_{s<t} m^(t-1-s) d(s) x(s)';
-   hence W(t) x(t) = [W x(t) + m a_t S x(t)] + sum_{s<t} a_{t-s} (x(s).x(t)) eta d(s): a product before the block, a few dots inside it,
-   and one update after it. The numbers equal those of pattern by pattern, up to rounding.
+   hence W(t) x(t) = [W x(t) + m a_t S x(t)] + sum_{s<t} a_{t-s} (x(s).x(t)) eta d(s): a product before the block, a few
+   dots inside it, and one update after it. The numbers equal those of pattern by pattern, up to rounding.
 
-   Second hidden layer. One pass makes its step for pattern t - 1 and evaluates it for pattern t. With a single output, its deltas are
-   g = f' w_out times one number. Its backward pass therefore does not wait for the output.
+   Second hidden layer. One pass makes its step for pattern t - 1 and evaluates it for pattern t. With a single output,
+   its deltas are g = f' w_out times one number. Its backward pass therefore does not wait for the output.
 
-   Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer), NETWORKS (a power of two, at most LANES). */
+   Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer), NETWORKS (a power of two, at most
+   LANES). */
 // defines: INPUTS=42 HIDDEN1=42 HIDDEN2=21 NETWORKS=1
 #include "shared/activation.h"
 #include "shared/group.h"
@@ -41,8 +42,8 @@ typedef struct {
   vreal w, s; /* weight and last step */
 } Weight;
 
-/* A group's weights: Weight [V1][INPUTS + 1], [HIDDEN1 + 1][V2], [VL], [1]. The bias comes last (of the last layer: the bias alone, in
-   every lane). Neurons that only fill a vector have zero weights and stay so. */
+/* A group's weights: Weight [V1][INPUTS + 1], [HIDDEN1 + 1][V2], [VL], [1]. The bias comes last (of the last layer: the
+   bias alone, in every lane). Neurons that only fill a vector have zero weights and stay so. */
 #define LAYER1 ((INPUTS + 1) * V1)
 #define LAYER2 (HIDDEN2 ? (HIDDEN1 + 1) * V2 : 0)
 #define GROUP_WEIGHTS (LAYER1 + LAYER2 + VL + 1)
@@ -53,7 +54,8 @@ typedef struct {
 
 typedef struct {
   global Weight *layer1, *layer2, *layer3;
-  vreal x[BLOCK * ROW * NETWORKS]; /* [pattern][input][network], inputs that the block shows; zeros behind the block's end */
+  vreal x[BLOCK * ROW *
+          NETWORKS]; /* [pattern][input][network], inputs that the block shows; zeros behind the block's end */
   vreal target[BLOCK];
   vreal dots[NEURON_VECTORS(PAIRS)]; /* x(s).x(t), s < t < BLOCK, [t (t - 1) / 2 + s][network] */
   vreal u[BLOCK][V1];                /* first the product of the block's weights with x(t), then eta d(t) */
@@ -101,8 +103,9 @@ INLINE void make_rule(Rule *rule, real rate, real momentum) {
   }
 }
 
-/* Sums over a network's neurons or inputs of a b, [vectors]; what is left to add are the pieces of the vector. In LANES parts, number i mod LANES
-   in part i, then halves of the parts first: so that a network's bits do not depend on NETWORKS. */
+/* Sums over a network's neurons or inputs of a b, [vectors]; what is left to add are the pieces of the vector. In LANES
+   parts, number i mod LANES in part i, then halves of the parts first: so that a network's bits do not depend on
+   NETWORKS. */
 INLINE vreal parts_of_dot(const int vectors, const vreal *a, const vreal *b) {
   vreal part[NETWORKS];
   EACH(i, NETWORKS) { part[i] = i < vectors ? a[i] * b[i] : ALL_LANES(0); }
@@ -134,15 +137,16 @@ INLINE void multiply_rows(Group *g) {
   vreal product[NEURON_VECTORS(PAIRS) * NEURONS];
   ROLLED for (int t = 1; t < BLOCK; ++t) {
     ROLLED for (int s = 0; s < t; ++s) {
-      product[t * (t - 1) / 2 + s] = parts_of_dot(NEURON_VECTORS(INPUTS + 1), g->x + s * (ROW * NETWORKS), g->x + t * (ROW * NETWORKS));
+      product[t * (t - 1) / 2 + s] =
+          parts_of_dot(NEURON_VECTORS(INPUTS + 1), g->x + s * (ROW * NETWORKS), g->x + t * (ROW * NETWORKS));
     }
   }
   for (int pair = PAIRS; pair < NEURON_VECTORS(PAIRS) * NEURONS; ++pair) product[pair] = 0;
   ROLLED for (int v = 0; v < NEURON_VECTORS(PAIRS); ++v) g->dots[v] = piece_sums(NETWORKS, product + v * NEURONS);
 }
 
-/* u(t) = W x(t) + m a_t S x(t) for the neurons in vectors v and, where `two`, v + 1: an input that is loaded serves both. Their weights lie in
-   rows. */
+/* u(t) = W x(t) + m a_t S x(t) for the neurons in vectors v and, where `two`, v + 1: an input that is loaded serves
+   both. Their weights lie in rows. */
 INLINE void multiply_vectors(const int two, Group *g, const Rule *rule, int v) {
   const real *x = (const real *)g->x;
   global const Weight *weight = g->layer1 + v * (INPUTS + 1), *next = weight + two * (INPUTS + 1);
@@ -203,8 +207,8 @@ INLINE void update_layer1(Group *g, const Rule *rule, int count) {
 }
 
 #if HIDDEN2
-/* The pending step, where there is one, then z = W o; o: [HIDDEN1 + 1][NETWORKS], the last 1. The weight's new value is a plain sum: adders are
-   idle here, and multipliers are not. */
+/* The pending step, where there is one, then z = W o; o: [HIDDEN1 + 1][NETWORKS], the last 1. The weight's new value is
+   a plain sum: adders are idle here, and multipliers are not. */
 INLINE void step_layer2_pending(const int pending, Group *g, real momentum, const real *o, vreal *z) {
   global Weight *weight = g->layer2;
   const real *o_before = (const real *)g->o1;
@@ -236,7 +240,8 @@ INLINE void step_layer2(Group *g, real momentum, const real *o, vreal *z) {
     step_layer2_pending(0, g, momentum, o, z);
 }
 
-/* (W' g) of `count` neurons of the first layer, in the lanes of one vector; zero in lanes that only fill it. weight: of the first one. */
+/* (W' g) of `count` neurons of the first layer, in the lanes of one vector; zero in lanes that only fill it. weight: of
+   the first one. */
 INLINE vreal back_vector(const int count, global const Weight *weight, const vreal *g) {
   vreal row[NEURONS];
   EACH(i, NEURONS) {
@@ -249,7 +254,8 @@ INLINE vreal back_vector(const int count, global const Weight *weight, const vre
 
 /* back = W' g, [V1]. */
 INLINE void back_layer2(const Group *group, const vreal *g, vreal *back) {
-  ROLLED for (int b = 0; b < HIDDEN1 / NEURONS; ++b) back[b] = back_vector(NEURONS, group->layer2 + b * NEURONS * V2, g);
+  ROLLED for (int b = 0; b < HIDDEN1 / NEURONS; ++b) back[b] =
+      back_vector(NEURONS, group->layer2 + b * NEURONS * V2, g);
   const int rest = HIDDEN1 % NEURONS;
   if (rest) back[V1 - 1] = back_vector(rest, group->layer2 + (HIDDEN1 - rest) * V2, g);
 }
@@ -378,8 +384,8 @@ INLINE void move_weight(int keep, global Weight *at, int neuron, int n, global r
   }
 }
 
-INLINE void move_layer(int keep, global Weight *layer, int to_input, int to_vector, int fan_in, int fan_out, int n, global real *w,
-                       global real *s) {
+INLINE void move_layer(int keep, global Weight *layer, int to_input, int to_vector, int fan_in, int fan_out, int n,
+                       global real *w, global real *s) {
   ROLLED for (int neuron = 0; neuron < fan_out; ++neuron) {
     ROLLED for (int k = 0; k <= fan_in; ++k, ++w, ++s)
         move_weight(keep, layer + k * to_input + neuron / NEURONS * to_vector, neuron % NEURONS, n, w, s);
@@ -444,9 +450,10 @@ INLINE int status_after(real sse, real largest, uint cycle, uint cycle_limit, re
    inputs:  [sets][rows + 1][ROW][LANES]         scaled, 1 at place INPUTS, then zeros; row `rows` all zeros
    set_of:  [networks]                           which of the sets it learns
    targets: [rows + 1]                           S - 0.5; the last unused */
-kernel void train_online(uint first_group, global real *weights, global OnlineReport *reports, global real *curve, global Weight *vectors,
-                         global uint *order, global const uint *slots, global const ulong *seeds, global const real *inputs,
-                         global const uint *set_of, global const real *targets, uint rows, uint most_cycles, uint cycle_limit, int permuted,
+kernel void train_online(uint first_group, global real *weights, global OnlineReport *reports, global real *curve,
+                         global Weight *vectors, global uint *order, global const uint *slots,
+                         global const ulong *seeds, global const real *inputs, global const uint *set_of,
+                         global const real *targets, uint rows, uint most_cycles, uint cycle_limit, int permuted,
                          real rate, real momentum, real stop_error) {
   TAKE_GROUP(group);
   Group g;

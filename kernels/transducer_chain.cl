@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Readings of transducers from their stresses, for many contacts; twin: nn/transducer_chain.*. For each channel, over the load steps k = 0, 1, ... of a contact:
-     s_k = the stress at the tactel's shifted place, linear between tactels, and a share of its neighbours' stresses; 0 where it is dead
-     x_k = (1 + gain_spread g) (s_k - lag h_k),        h_k = lag_decay h_{k-1} + lag_pass (s_k - s_{k-1}): the share that arrives late
-     y_k = decay y_{k-1} + pass (x_k - x_{k-1})        the charge amplifier: tau y' + y = tau x', exactly where x is linear between
-                                                       steps of h: decay = exp(-h / tau), pass = (1 - decay) tau / h
+/* Readings of transducers from their stresses, for many contacts; twin: nn/transducer_chain.*. For each channel, over
+   the load steps k = 0, 1, ... of a contact:
+     s_k = the stress at the tactel's shifted place, linear between tactels, and a share of its neighbours' stresses;
+           0 where it is dead
+     x_k = (1 + gain_spread g) (s_k - lag h_k),    h_k = lag_decay h_{k-1} + lag_pass (s_k - s_{k-1}): arrives late
+     y_k = decay y_{k-1} + pass (x_k - x_{k-1})    the charge amplifier: tau y' + y = tau x', exactly where x is linear
+                                                   between steps of h: decay = exp(-h / tau), pass = (1 - decay) tau / h
      reading_k = cut off and rounded (y_k + offset_spread o + noise n_k)
    with normal numbers g, o, n_k from Philox counters {item, item's upper half, stream, which}:
-     g, o   item: the instance, stream 7, which: the channel; words 0, 1
-     n_k    item: the contact, stream 6, which: k / 4 channels + channel; words 0, 1 for k mod 4 = 0, 1, words 2, 3 for 2, 3
-     spreads: item: the instance, stream 10, which 0; words 0 (gains), 1 (offsets), 2 (noise), 3 (tau): evenly between the least and the
-              most; which 1, word 0: the bits, least + word times their count over 2^32
+     g, o     item: the instance, stream 7, which: the channel; words 0, 1
+     n_k      item: the contact, stream 6, which: k / 4 channels + channel; words 0, 1 for k mod 4 = 0, 1, else 2, 3
+     spreads  item: the instance, stream 10, which 0; words 0 (gains), 1 (offsets), 2 (noise), 3 (tau): evenly between
+              the least and the most; which 1, word 0: the bits, least + word times their count over 2^32
      faults   item: the instance, stream 11, which: the channel; word 0: dead, words 2, 3: the share of neighbours
               and which: channels + the tactel; words 0, 1: the shift of its place
-   (Box and Muller 1958: the pair's cosine comes first), and the instance is the contact itself, or word 0 of {contact, stream 8, 0}
-   times `instances` over 2^32.
+   (Box and Muller 1958: the pair's cosine comes first), and the instance is the contact itself, or word 0 of
+   {contact, stream 8, 0} times `instances` over 2^32.
 
    One work-item takes LANES channels of one contact. Built with -D REAL, LANES. */
 #include "shared/chain_settings.h"
@@ -49,7 +51,9 @@ INLINE ulong instance_of(const ChainSettings *chain, ulong contact) {
 }
 
 /* A sensor's own spread, by a word. */
-INLINE vreal spread_of(const float *ends, vuint word) { return ALL_LANES(ends[0]) + ALL_LANES(ends[1] - ends[0]) * unit_number(word); }
+INLINE vreal spread_of(const float *ends, vuint word) {
+  return ALL_LANES(ends[0]) + ALL_LANES(ends[1] - ends[0]) * unit_number(word);
+}
 
 /* What a sensor has of its own: its charge amplifier and its converter. */
 typedef struct {
@@ -58,7 +62,8 @@ typedef struct {
 } Electronics;
 
 INLINE Electronics electronics_of(const ChainSettings *chain, ulong instance, vuint tau_word) {
-  Electronics own = {ALL_LANES(chain->decay), ALL_LANES(chain->pass), ALL_LANES(chain->quantum), chain->low, chain->high};
+  Electronics own = {ALL_LANES(chain->decay), ALL_LANES(chain->pass), ALL_LANES(chain->quantum), chain->low,
+                     chain->high};
   if (chain->time_constant[0] < chain->time_constant[1]) {
     const vreal ratio = ALL_LANES(chain->step_time) / spread_of(chain->time_constant, tau_word);
     own.decay = exp(-ratio);
@@ -83,7 +88,8 @@ typedef struct {
 INLINE Shares shares_of(const ChainSettings *chain, ulong instance, vuint channel, uint channels) {
   const uint tactels = channels / 2;
   const RandomWords fault = words_of_item(chain->instance_seed, FAULT_STREAM, instance, channel);
-  const RandomWords place = words_of_item(chain->instance_seed, FAULT_STREAM, instance, (vuint)(channels) + channel % (vuint)(tactels));
+  const RandomWords place =
+      words_of_item(chain->instance_seed, FAULT_STREAM, instance, (vuint)(channels) + channel % (vuint)(tactels));
   const vreal share = ALL_LANES(chain->crosstalk) * fabs(normal_pair(fault.word[2], fault.word[3]).first);
   const vreal shift = ALL_LANES(chain->shift_spread) * normal_pair(place.word[0], place.word[1]).first;
   const vreal alive = unit_number(fault.word[0]);
@@ -99,11 +105,13 @@ INLINE Shares shares_of(const ChainSettings *chain, ulong instance, vuint channe
   return shares;
 }
 
-/* The stresses of LANES channels from `first` on, each `beside` places further, within the row; 0 where its share is 0. */
+/* The stresses of LANES channels from `first` on, each `beside` places further, within the row; 0 where its share is
+   0. */
 INLINE vreal beside(global const real *row, uint first, int by, uint channels, vreal share) {
   vreal x;
   for (uint lane = 0; lane < LANES; ++lane)
-    ((real *)&x)[lane] = ((const real *)&share)[lane] != 0 ? row[clamp((int)(first + lane) + by, 0, (int)channels - 1)] : 0;
+    ((real *)&x)[lane] =
+        ((const real *)&share)[lane] != 0 ? row[clamp((int)(first + lane) + by, 0, (int)channels - 1)] : 0;
   return x;
 }
 
@@ -117,10 +125,11 @@ INLINE vreal cut_off(vreal x, float low, float high) {
    contact:   [contacts] its number in the sweep
    first_row: [contacts + 1] rows first_row[c] ... first_row[c + 1] - 1 are the load steps of contact c
    largest:   [contacts] MPa, the largest |stress|
-   stress:    [rows][vectors * LANES] MPa; places beyond `channels` only fill a vector. May be `signal` where no neighbours count.
-   signal:    [rows][vectors * LANES] MPa, becomes readings */
-kernel void transducer_chain(uint first_group, global const ulong *contact, global const uint *first_row, global const float *largest,
-                             global const real *stress, global real *signal, uint vectors, uint channels, ChainSettings chain) {
+   stress:    [rows][vectors * LANES] MPa; places beyond `channels` only fill a vector. May be `signal` where no
+   neighbours count. signal:    [rows][vectors * LANES] MPa, becomes readings */
+kernel void transducer_chain(uint first_group, global const ulong *contact, global const uint *first_row,
+                             global const float *largest, global const real *stress, global real *signal, uint vectors,
+                             uint channels, ChainSettings chain) {
   TAKE_GROUP(group);
   const size_t c = group / vectors;
   const uint vector = (uint)(group % vectors), row = first_row[c], steps = first_row[c + 1] - row;
@@ -167,7 +176,8 @@ kernel void transducer_chain(uint first_group, global const ulong *contact, glob
     y += offset;
     if (noisy) {
       if (k % 4 == 0) {
-        const RandomWords words = words_of_item(chain.reading_seed, READING_STREAM, contact[c], (vuint)(k / 4 * channels) + channel);
+        const RandomWords words =
+            words_of_item(chain.reading_seed, READING_STREAM, contact[c], (vuint)(k / 4 * channels) + channel);
         noise[0] = normal_pair(words.word[0], words.word[1]);
         noise[1] = normal_pair(words.word[2], words.word[3]);
       }

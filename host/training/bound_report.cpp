@@ -8,7 +8,6 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
-#include "host/training/network_report.h"
 #include "nn/bound.h"
 #include "nn/metrics.h"
 
@@ -110,6 +109,11 @@ std::vector<nn::BoundAnswer> bounds_of(const nn::Model& model, const nn::Recall<
 
 template std::vector<nn::BoundAnswer> bounds_of(const nn::Model&, const nn::Recall<float>&, const nn::FrameSet&);
 template std::vector<nn::BoundAnswer> bounds_of(const nn::Model&, const nn::Recall<double>&, const nn::FrameSet&);
+
+std::string indenter_name(const std::vector<std::string>& names, int kind) {
+  const auto place = static_cast<std::size_t>(kind);
+  return place < names.size() ? names[place] : fmt::format("kind {}", kind);
+}
 
 BoundReport report_bound(std::span<const nn::BoundAnswer> bounds, std::span<const double> errors,
                          const nn::FrameSet& set) {

@@ -37,6 +37,9 @@ struct BoundReport {
   std::vector<Answered> answered{};       ///< all rows, then fewer
 };
 
+/// Returns the name of a kind of indenter, or "kind 3" where a set has none.
+std::string indenter_name(const std::vector<std::string>& names, int kind);
+
 /// Returns "1", "2", "3 to 4", ..., "17 and more" for a key of BoundReport::by_touching.
 std::string touching_name(int key);
 

@@ -131,11 +131,6 @@ std::string lines_by_kind(std::span<const NetworkResult> results, const std::vec
 
 }  // namespace
 
-std::string indenter_name(const std::vector<std::string>& names, int kind) {
-  const auto place = static_cast<std::size_t>(kind);
-  return place < names.size() ? names[place] : fmt::format("kind {}", kind);
-}
-
 std::string error_table(std::span<const NamedNetwork> networks, std::span<const NetworkResult> results) {
   const std::vector<Group> groups = groups_of(networks);
   return networks.size() <= most_lines ? lines_by_network(networks, results, groups) : lines_by_group(results, groups);

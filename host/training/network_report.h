@@ -9,9 +9,6 @@
 
 namespace tactel::host {
 
-/// Returns the name of a kind of indenter, or "kind 3" where a set has none.
-std::string indenter_name(const std::vector<std::string>& names, int kind);
-
 /// Returns the errors |S of the network - S of the set| as a table. Up to 24 networks have a line each. Of more,
 /// those that differ in their seed alone share a line, with the median and the 5 and 95 % quantiles over seeds.
 std::string error_table(std::span<const NamedNetwork> networks, std::span<const NetworkResult> results);

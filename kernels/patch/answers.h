@@ -4,8 +4,8 @@
 #define TACTEL_PATCH_ANSWERS_H
 #include "patch/base_stress.h"
 
-/* Adds penetration of places beyond the ends to the certificate. out: how many elements beyond the left and the right end are penetrated by
-   more than `accept`. */
+/* Adds penetration of places beyond the ends to the certificate. out: how many elements beyond the left and the right
+   end are penetrated by more than `accept`. */
 static inline void look_outside(const Contact *c, const Solved *s, real accept, Certificate *k, vreal *out) {
   vreal uy[2 * OUTSIDE];
   EACH(o, 2 * OUTSIDE) { uy[o] = 0; }
@@ -22,7 +22,8 @@ static inline void look_outside(const Contact *c, const Solved *s, real accept, 
 }
 
 /* Results and forces of one increment go to its place among the reported ones. */
-static inline void write_report(const vreal *lane, const Contact *c, const Solved *s, const Answers *answers, Reports *to) {
+static inline void write_report(const vreal *lane, const Contact *c, const Solved *s, const Answers *answers,
+                                Reports *to) {
   const real accept = answers->accept;
   Certificate said = s->certificate;
   const vreal young = lane[PATCH_YOUNG], mu = lane[PATCH_MU];
@@ -37,7 +38,8 @@ static inline void write_report(const vreal *lane, const Contact *c, const Solve
   const vreal cone = mu * p;
   const vint reports = s->slot >= 0;
   const vint finite = finite_sum(0, (p + fabs(q)) * young) == 0;
-  const vint within = (said.penetration <= accept) & (said.cone <= accept) & (said.complementarity <= accept) & (said.drift <= accept);
+  const vint within =
+      (said.penetration <= accept) & (said.cone <= accept) & (said.complementarity <= accept) & (said.drift <= accept);
   const vint solved = NOT(to->lost | s->failed) & finite & within;
   const vreal good = PICK(s->slides, ALL_LANES(LANE_SLIDING), ALL_LANES(LANE_SOLVED));
   to->out_left = PICK(reports, LARGER(out[0], to->out_left), to->out_left);
@@ -65,16 +67,23 @@ static inline void write_report(const vreal *lane, const Contact *c, const Solve
   rows[LANE_COMPLEMENTARITY] = said.complementarity;
   rows[LANE_DRIFT] = said.drift;
   rows[LANE_SLIP_DISTANCE] = said.slip_distance;
-  EACH(l, LANES) { row_at[l] = place[l] < 0 ? -1 : (long)answer_at(first_lane + l, answers->slots, (long)place[l], PATCH_BLOCK); }
+  EACH(l, LANES) {
+    row_at[l] = place[l] < 0 ? -1 : (long)answer_at(first_lane + l, answers->slots, (long)place[l], PATCH_BLOCK);
+  }
   store_rows(rows, row_at, answers->result);
   if (!answers->write_forces) return;
   EACH(i, FORCE_ROWS) { rows[i] = i < N ? s->n[i % N] : i < 2 * N ? s->t[i % N] : ALL_LANES(0); }
-  EACH(l, LANES) { row_at[l] = place[l] < 0 ? -1 : (long)answer_at(first_lane + l, answers->slots, (long)place[l], FORCE_ROWS); }
-  EACH(b, FORCE_ROWS / PATCH_BLOCK) { store_rows(rows + b * PATCH_BLOCK, row_at, answers->forces + AT(b * PATCH_BLOCK)); }
+  EACH(l, LANES) {
+    row_at[l] = place[l] < 0 ? -1 : (long)answer_at(first_lane + l, answers->slots, (long)place[l], FORCE_ROWS);
+  }
+  EACH(b, FORCE_ROWS / PATCH_BLOCK) {
+    store_rows(rows + b * PATCH_BLOCK, row_at, answers->forces + AT(b * PATCH_BLOCK));
+  }
 }
 
 /* Writes the reports that wait. */
-OUTLINE void write_reports(const vreal *lane, const Contact *c, const Patch *patch, const Answers *to, Reports *reports) {
+OUTLINE void write_reports(const vreal *lane, const Contact *c, const Patch *patch, const Answers *to,
+                           Reports *reports) {
   if (reports->count == 0) return;
   for (int r = 0; r < reports->count; ++r) write_report(lane, c, &reports->solved[r], to, reports);
   for (int l = 0; l < LANES; ++l)
@@ -83,9 +92,10 @@ OUTLINE void write_reports(const vreal *lane, const Contact *c, const Patch *pat
   reports->count = 0;
 }
 
-/* Takes this increment among the reports in lanes where it has a place. Lanes that slide as a whole may end their path with it. */
-static inline void report(const vreal *lane, vreal slot, int k, const Contact *c, const Indenter *in, const Certificate *said, LoadStepping *w,
-                          Reports *to) {
+/* Takes this increment among the reports in lanes where it has a place. Lanes that slide as a whole may end their path
+   with it. */
+static inline void report(const vreal *lane, vreal slot, int k, const Contact *c, const Indenter *in,
+                          const Certificate *said, LoadStepping *w, Reports *to) {
   const vint reports = w->running & (slot >= 0);
   const vint slides = w->running & NOT(said->sticks) & said->slips;
   w->failed_before |= w->failed;
@@ -107,7 +117,8 @@ static inline void report(const vreal *lane, vreal slot, int k, const Contact *c
 }
 
 /* The patch of each lane, and a status for increments that did not run. */
-static inline void finish(const Answers *answers, const Patch *patch, vint valid, const Reports *to, global real *patches) {
+static inline void finish(const Answers *answers, const Patch *patch, vint valid, const Reports *to,
+                          global real *patches) {
   real done[LANES], idle[LANES];
   STORE(to->slots, done);
   STORE(PICK(valid, ALL_LANES(LANE_NOT_RUN), ALL_LANES(LANE_INVALID)), idle);

@@ -34,20 +34,24 @@ typedef struct {
 } TactelRows;
 
 /* x: tactels less the first element's middle, element: its width, both over h. */
-INLINE void layer_stress(const StressTables *tables, int poissons, int poisson, real part, real per_h, vreal x, real element, TactelRows *to) {
+INLINE void layer_stress(const StressTables *tables, int poissons, int poisson, real part, real per_h, vreal x,
+                         real element, TactelRows *to) {
   for (int j = 0; j < N; ++j) {
     const vreal distance = x - element * (real)j;
     const Place place = place_in(fabs(distance) * tables->cells_per_h, tables->cells);
     vreal c[PATCH_BLOCK], value[4];
     EACH(b, PATCH_BLOCK / LANES) {
       vreal r[LANES];
-      EACH(l, LANES) { r[l] = LOAD(tables->layer + ((size_t)place.cell[l] * poissons + poisson) * STRESS_NUMBERS + b * LANES); }
+      EACH(l, LANES) {
+        r[l] = LOAD(tables->layer + ((size_t)place.cell[l] * poissons + poisson) * STRESS_NUMBERS + b * LANES);
+      }
       transpose(r);
       EACH(l, LANES) { c[b * LANES + l] = r[l]; }
     }
     EACH(a, 4) {
       const vreal low = fma(place.q, c[2 * a + 1] - c[2 * a], c[2 * a]);
-      const vreal high = fma(place.q, c[STRESS_NUMBERS + 2 * a + 1] - c[STRESS_NUMBERS + 2 * a], c[STRESS_NUMBERS + 2 * a]);
+      const vreal high =
+          fma(place.q, c[STRESS_NUMBERS + 2 * a + 1] - c[STRESS_NUMBERS + 2 * a], c[STRESS_NUMBERS + 2 * a]);
       value[a] = per_h * fma(ALL_LANES(part), high - low, low);
     }
     to->sigma_n[j] = -value[0];
@@ -58,7 +62,8 @@ INLINE void layer_stress(const StressTables *tables, int poissons, int poisson, 
 }
 
 /* Adds what one end changes. distance: of the tactels from it, over h; forces: of this lane and end. */
-INLINE void side_stress(const Layer *layer, const StressTables *tables, vreal distance, real sign, const real *forces, TactelRows *to) {
+INLINE void side_stress(const Layer *layer, const StressTables *tables, vreal distance, real sign, const real *forces,
+                        TactelRows *to) {
   const Place place = place_in(distance * layer->side_rows_per_h, layer->side_rows - 1);
   vreal v[PATCH_BLOCK], next[PATCH_BLOCK];
   gather_rows(tables->sides, place.cell, v);
@@ -89,7 +94,8 @@ INLINE void store_first(vreal v, int count, global real *to) {
 }
 
 /* Base stresses of lane l at all its tactels, in the increments that wait. */
-static inline void write_stress(const Answers *to, const Reports *reports, int l, real origin, real element, real young, size_t lane) {
+static inline void write_stress(const Answers *to, const Reports *reports, int l, real origin, real element, real young,
+                                size_t lane) {
   const Layer *layer = to->layer;
   const StressTables *tables = to->tables;
   const real *sensor = to->sensor, *side = to->side + l * SIDE_FORCES;
@@ -128,8 +134,10 @@ static inline void write_stress(const Answers *to, const Reports *reports, int l
 }
 
 #else
-/* Base stresses of one lane in the increments that wait: its rows of the table at the elements' middles, times the forces. */
-static inline void write_stress(const Answers *to, const Reports *reports, int l, real origin, real element, real young, size_t lane) {
+/* Base stresses of one lane in the increments that wait: its rows of the table at the elements' middles, times the
+   forces. */
+static inline void write_stress(const Answers *to, const Reports *reports, int l, real origin, real element, real young,
+                                size_t lane) {
   (void)l;
   int row[N];
   real part[N];
@@ -160,7 +168,8 @@ static inline void write_stress(const Answers *to, const Reports *reports, int l
           t_odd = fma(ALL_LANES(NUMBER(s->t[2 * j + 1], l)), by_t[2 * j + 1], t_odd);
         }
       }
-      STORE_AWAY(((n_even + n_odd) + (t_even + t_odd)) * young, to->stress + answer_at(lane, to->slots, (long)slot, to->outputs) + AT(first));
+      STORE_AWAY(((n_even + n_odd) + (t_even + t_odd)) * young,
+                 to->stress + answer_at(lane, to->slots, (long)slot, to->outputs) + AT(first));
     }
   }
 }

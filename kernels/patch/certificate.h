@@ -11,8 +11,9 @@ typedef struct {
   vint sticks, slips; /* whether any element does */
 } Certificate;
 
-/* The contact laws at every element, from the forces alone, and the history for the next increment. A sticking element counts as having
-   followed the indenter: what convergence left of it is then made good by the next increment instead of adding up over thousands of them. */
+/* The contact laws at every element, from the forces alone, and the history for the next increment. A sticking element
+   counts as having followed the indenter: what convergence left of it is then made good by the next increment instead
+   of adding up over thousands of them. */
 OUTLINE void certify(Contact *c, const Indenter *in, Certificate *k) {
   vreal largest_uy = 0, largest_n = 0, finite = 0;
   k->sticks = k->slips = 0;
@@ -44,7 +45,8 @@ OUTLINE void certify(Contact *c, const Indenter *in, Certificate *k) {
     const vreal per_wx = c->per_wx[i];
     const vreal ux = t - t_sum; /* wx times u_x */
     const vreal slip = PICK(in->held, ALL_LANES(0), (ux - c->bt[i]) * per_wx);
-    const vreal along = PICK(t > 0, slip, PICK(t < 0, -slip, ALL_LANES(0))); /* slip with friction instead of against it */
+    const vreal along =
+        PICK(t > 0, slip, PICK(t < 0, -slip, ALL_LANES(0))); /* slip with friction instead of against it */
     const vreal drift = PICK(pressed, PICK(fabs(t) < cone, fabs(slip), along), ALL_LANES(0));
     const vreal slid = PICK(pressed, fabs(fma(ux, per_wx, -in->x)), ALL_LANES(0));
     c->ux_last[i] = PICK(sticks, c->bt[i], ux);

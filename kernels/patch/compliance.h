@@ -59,7 +59,8 @@ static inline void layer_rows(const Layer *layer, vreal width, LayerRows *rows) 
   }
 }
 
-/* Adds the sides' part of u_y by f_y, u_x by f_x, u_x(i) by f_y(j) and u_x(j) by f_y(i). vi: weighted modes of place i. */
+/* Adds the sides' part of u_y by f_y, u_x by f_x, u_x(i) by f_y(j) and u_x(j) by f_y(i). vi: weighted modes of place
+   i. */
 INLINE void add_sides(const vreal *vi, const vreal *vj, vreal *yy, vreal *xx, vreal *xy, vreal *yx) {
   EACH(m, MODES) {
     *yy = fma(vi[m], vj[m], *yy);
@@ -69,7 +70,9 @@ INLINE void add_sides(const vreal *vi, const vreal *vj, vreal *yy, vreal *xx, vr
   }
 }
 
-static inline vreal middle_of(const Patch *patch, int i) { return fma(patch->element, ALL_LANES((real)i + (real)0.5), patch->origin); }
+static inline vreal middle_of(const Patch *patch, int i) {
+  return fma(patch->element, ALL_LANES((real)i + (real)0.5), patch->origin);
+}
 
 /* Index of the places beyond the ends: to the left from the patch on, then to the right. */
 static inline int outside_place(int o) { return o < OUTSIDE ? -1 - o : N + o - OUTSIDE; }

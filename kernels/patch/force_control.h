@@ -8,8 +8,8 @@
 #define MOST_FORCE_TRIALS 60        /* trials of depth (and position) to reach given forces */
 
 #if FORCE_CONTROL
-/* Search for the indenter's place z = (d, x) that gives the forces asked for: f = (P - P_target, Q - (Q_target / P_target) P) = 0, by
-   Broyden's inverse update (Broyden 1965). */
+/* Search for the indenter's place z = (d, x) that gives the forces asked for: f = (P - P_target, Q - (Q_target /
+   P_target) P) = 0, by Broyden's inverse update (Broyden 1965). */
 typedef struct {
   vreal b[2][2];    /* inverse Jacobian */
   vreal z[2], g[2]; /* last trial that did not slide: place; P and Q - (Q_target / P_target) P */
@@ -38,15 +38,16 @@ static inline void broyden_update(Search *s, const vreal *z, const vreal *g, vin
   }
 }
 
-/* A trial inside the bracket: where Broyden's step leaves it, halfway to the bound, or twice as deep where there is no bound yet. */
+/* A trial inside the bracket: where Broyden's step leaves it, halfway to the bound, or twice as deep where there is no
+   bound yet. */
 static inline vreal bracketed(vreal trial, vreal now, vreal low, vreal high) {
   const vreal deeper = PICK(high < FAR, (real)0.5 * (now + high), 2 * now);
   return PICK(trial >= high, deeper, PICK(trial <= low, (real)0.5 * (now + low), trial));
 }
 
-/* Moves the indenter of the active lanes towards the forces asked for. Leaves in in->active those that were not there yet. Forces do not
-   change with x where the contact slides as a whole: such a trial teaches nothing, and the next one lies halfway to the last that did not
-   slide. */
+/* Moves the indenter of the active lanes towards the forces asked for. Leaves in in->active those that were not there
+   yet. Forces do not change with x where the contact slides as a whole: such a trial teaches nothing, and the next one
+   lies halfway to the last that did not slide. */
 static inline void update_force_control(Search *s, const Contact *c, Indenter *in, vint both, real tolerance) {
   vreal p, q;
   resultants(c->n, c->t, &p, &q);
@@ -62,7 +63,8 @@ static inline void update_force_control(Search *s, const Contact *c, Indenter *i
   const vreal step[2] = {s->b[0][0] * miss[0] + s->b[0][1] * miss[1], s->b[1][0] * miss[0] + s->b[1][1] * miss[1]};
   s->low = PICK(miss[0] < 0, LARGER(z[0], s->low), s->low);
   s->high = PICK(miss[0] > 0, SMALLER(z[0], s->high), s->high);
-  /* P grows with d alone where x is given: keep inside the bracket. With both unknown the bracket moves: bound the step instead. */
+  /* P grows with d alone where x is given: keep inside the bracket. With both unknown the bracket moves: bound the step
+     instead. */
   const vreal far_d = (real)0.5 * z[0], far_x = LARGER(fabs(z[1]), far_d);
   const vreal bounded = SMALLER(LARGER(z[0] - step[0], z[0] - far_d), z[0] + 2 * far_d);
   const vreal near_x = SMALLER(LARGER(z[1] - step[1], z[1] - far_x), z[1] + far_x);

@@ -5,13 +5,14 @@
 #include "patch/numbers.h"
 
 /* c_k of the compliance: (k + 1/2) ln|k + 1/2| - (k - 1/2) ln|k - 1/2| - 1. */
-constant real log_part[28] = {(real)-1.6931471805599453, (real)-0.045228747557780772, (real)0.68252916752314109, (real)1.0939435600484003,
-                              (real)1.3836778957594453,  (real)1.6077662218181055,    (real)1.7905996425490055,  (real)1.9450585042066414,
-                              (real)2.0787897356513159,  (real)2.1967096970434024,    (real)2.3021681134548118,  (real)2.3975507065293347,
-                              (real)2.4846171471073426,  (real)2.5647026996459878,    (real)2.6388446631854856,  (real)2.7078649541559481,
-                              (real)2.7724259141172118,  (real)2.8330691313078702,    (real)2.8902431272934675,  (real)2.9443235350500078,
-                              (real)2.9956280873502593,  (real)3.0444279394133368,    (real)3.0909563518606571,  (real)3.1354154397942369,
-                              (real)3.1779814829640299,  (real)3.2188091502000099,    (real)3.2580348941009761,  (real)3.2957797042017763};
+constant real log_part[28] = {
+    (real)-1.6931471805599453, (real)-0.045228747557780772, (real)0.68252916752314109, (real)1.0939435600484003,
+    (real)1.3836778957594453,  (real)1.6077662218181055,    (real)1.7905996425490055,  (real)1.9450585042066414,
+    (real)2.0787897356513159,  (real)2.1967096970434024,    (real)2.3021681134548118,  (real)2.3975507065293347,
+    (real)2.4846171471073426,  (real)2.5647026996459878,    (real)2.6388446631854856,  (real)2.7078649541559481,
+    (real)2.7724259141172118,  (real)2.8330691313078702,    (real)2.8902431272934675,  (real)2.9443235350500078,
+    (real)2.9956280873502593,  (real)3.0444279394133368,    (real)3.0909563518606571,  (real)3.1354154397942369,
+    (real)3.1779814829640299,  (real)3.2188091502000099,    (real)3.2580348941009761,  (real)3.2957797042017763};
 
 #if SENSORS
 /* A number of the sensor: of each lane, or of all. */
@@ -21,7 +22,8 @@ constant real log_part[28] = {(real)-1.6931471805599453, (real)-0.04522874755778
 #define OF_LANES(x) ALL_LANES(x)
 #define ENDS 1
 #endif
-#define MODES (ENDS * SIDE_MODES) /* of the sides at a place: v_y of all, then v_x of all; those of the left end first */
+#define MODES \
+  (ENDS * SIDE_MODES) /* of the sides at a place: v_y of all, then v_x of all; those of the left end first */
 
 /* The sensor, and what the host chose. */
 #if SENSORS
@@ -78,8 +80,8 @@ OUTLINE void smooth_integrals(const Layer *layer, vreal x, vreal *r) {
   EACH(a, 3) { r[a] = fma(layer->part, cubic(c + a * LAYER_COEFFICIENTS, place.q) - r[a], r[a]); }
 }
 
-/* A row of a table over the distance from an end, mm: linear between rows. The first half of its columns to `y`, the second, times
-   `sign`, to `x`. */
+/* A row of a table over the distance from an end, mm: linear between rows. The first half of its columns to `y`, the
+   second, times `sign`, to `x`. */
 INLINE void end_row(const Layer *layer, global const real *table, vreal distance, real sign, vreal *y, vreal *x) {
   const Place place = place_in(distance * layer->per_thickness * layer->side_rows_per_h, layer->side_rows - 1);
   vreal v[PATCH_BLOCK], next[PATCH_BLOCK];
@@ -98,7 +100,8 @@ OUTLINE void side_modes(const Layer *layer, vreal x, vreal *v) {
   end_row(layer, layer->sides, end - x, -1, v + SIDE_MODES, v + MODES + SIDE_MODES);
 }
 
-#define CORE_PAIR(r, q) ((r) < (q) ? (r) * (2 * SIDE_MODES - 1 - (r)) / 2 + (q) : (q) * (2 * SIDE_MODES - 1 - (q)) / 2 + (r))
+#define CORE_PAIR(r, q) \
+  ((r) < (q) ? (r) * (2 * SIDE_MODES - 1 - (r)) / 2 + (q) : (q) * (2 * SIDE_MODES - 1 - (q)) / 2 + (r))
 
 /* C times the modes v of a place. */
 OUTLINE void weighted_modes(const Layer *layer, const vreal *v, vreal *to) {
@@ -149,8 +152,8 @@ static inline vint check_sensors(global const vreal *sensors) {
 }
 
 /* The sensor of every lane; in lanes that are not valid some sensor. */
-static inline void take_sensors(global const vreal *sensors, vint valid, global const real *cores, real cells_per_h, Layer *layer,
-                                real *numbers) {
+static inline void take_sensors(global const vreal *sensors, vint valid, global const real *cores, real cells_per_h,
+                                Layer *layer, real *numbers) {
   EACH(r, PATCH_SENSOR_ROWS) {
     const real harmless = r == SENSOR_POISSON || r == SENSOR_TACTEL ? 0 : 1;
     STORE(PICK(valid, sensors[AT(r)], ALL_LANES(harmless)), numbers + r * LANES);
@@ -166,7 +169,8 @@ static inline void take_sensors(global const vreal *sensors, vint valid, global 
   EACH(l, LANES) { layer->poisson[l] = place.cell[l]; }
   layer->part = place.q;
   if (layer->side_rows > 0)
-    for (int b = 0; b < CORE_NUMBERS / PATCH_BLOCK; ++b) gather_between(layer, cores, CORE_NUMBERS, b, layer->core + b * PATCH_BLOCK);
+    for (int b = 0; b < CORE_NUMBERS / PATCH_BLOCK; ++b)
+      gather_between(layer, cores, CORE_NUMBERS, b, layer->core + b * PATCH_BLOCK);
 }
 #endif
 

@@ -15,8 +15,9 @@ static inline void set_indenter(Contact *c, const Indenter *in) {
 }
 
 #if ENTRIES
-/* While the indenter presses only, an open element whose gap would close within this increment, `part` of the last change from now, sticks
-   from where it would be then. Without that it would stick from where the last increment left it. */
+/* While the indenter presses only, an open element whose gap would close within this increment, `part` of the last
+   change from now, sticks from where it would be then. Without that it would stick from where the last increment left
+   it. */
 static inline void touch_within(Contact *c, const Indenter *in, vreal ratio) {
   const vint presses = in->active & (in->x == in->x_last) & (ratio > 0);
   if (!ANY(presses)) return;
@@ -64,10 +65,10 @@ static inline void release(Contact *c, vint none) {
   }
 }
 
-/* Target of increment k: (d, x), mm, or forces; lanes beyond their path stop and stay where they are. ratio: this change of the target
-   over the last one, 0 where both d and x change, or the way turns, or the load is a force. */
-static inline void next_target(const vreal *lane, global const vreal *path, int k, const Indenter *in, LoadStepping *w, vreal *d, vreal *x,
-                               vreal *ratio) {
+/* Target of increment k: (d, x), mm, or forces; lanes beyond their path stop and stay where they are. ratio: this
+   change of the target over the last one, 0 where both d and x change, or the way turns, or the load is a force. */
+static inline void next_target(const vreal *lane, global const vreal *path, int k, const Indenter *in, LoadStepping *w,
+                               vreal *d, vreal *x, vreal *ratio) {
   global const vreal *target = path + AT(k * PATCH_PATH_ROWS);
   w->running &= lane[PATCH_STEPS] > (real)k;
   *d = PICK(w->running, target[AT(PATCH_NORMAL)], in->d);
@@ -81,7 +82,8 @@ static inline void next_target(const vreal *lane, global const vreal *path, int 
   w->x_change = x_now;
 }
 
-/* Lanes whose target is where they are rest as they are: that is a solution, and so a held contact does not creep by rounding. */
+/* Lanes whose target is where they are rest as they are: that is a solution, and so a held contact does not creep by
+   rounding. */
 static inline void move_to(Indenter *in, const LoadStepping *w, vreal d, vreal x) {
   in->held = d == in->d;
   if (FRICTION) in->held &= x == in->x;

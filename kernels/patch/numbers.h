@@ -16,8 +16,8 @@
 /* A function of its own: what is unrolled in it exists once. */
 #define OUTLINE static __attribute__((noinline))
 
-/* Keeps the compiler from holding loaded numbers of one row for the next, which spills. Empty on GPUs, and in oclgrind (SPIR), whose builder
-   crashes at inline assembly. */
+/* Keeps the compiler from holding loaded numbers of one row for the next, which spills. Empty on GPUs, and in oclgrind
+   (SPIR), whose builder crashes at inline assembly. */
 #if LANES > 1 && !defined(__SPIR__)
 #define ROW_BARRIER __asm__ volatile("" ::: "memory")
 #else
@@ -54,12 +54,14 @@ INLINE void gather_rows(global const real *table, const int *rows, vreal *to) {
 
 INLINE vreal cubic(const vreal *c, vreal q) { return fma(fma(fma(c[3], q, c[2]), q, c[1]), q, c[0]); }
 
-/* Where a lane's answer of `numbers` numbers begins in [lanes / INTERLEAVED][slots][numbers][INTERLEAVED], the lane counted over all groups. */
+/* Where a lane's answer of `numbers` numbers begins in [lanes / INTERLEAVED][slots][numbers][INTERLEAVED], the lane
+   counted over all groups. */
 static inline size_t answer_at(size_t lane, int slots, long slot, int numbers) {
   return AT((lane / INTERLEAVED * (size_t)slots + (size_t)slot) * (size_t)numbers) + lane % INTERLEAVED;
 }
 
-/* Block b of PATCH_BLOCK vectors as a row of numbers for each lane, at[l] numbers into `out`; lanes with at[l] < 0 are left out. */
+/* Block b of PATCH_BLOCK vectors as a row of numbers for each lane, at[l] numbers into `out`; lanes with at[l] < 0 are
+   left out. */
 INLINE void store_rows(const vreal *rows, const long *at, global real *out) {
   EACH(b, PATCH_BLOCK / LANES) {
     vreal r[LANES];

@@ -16,7 +16,8 @@ typedef struct {
   Certificate certificate;
 } Solved;
 
-/* Reports wait here, so that writing them does not drive the compliance out of the first-level cache at every increment. */
+/* Reports wait here, so that writing them does not drive the compliance out of the first-level cache at every
+   increment. */
 #define MOST_WAITING 10
 typedef struct {
   Solved solved[MOST_WAITING];

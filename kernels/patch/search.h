@@ -40,7 +40,8 @@ static inline vint search_sweep(const vreal *a, const vreal *b, vreal *n, vint a
   return active & (change > SEARCH_TOLERANCE * largest);
 }
 
-static inline void search_iterate(const vreal *a, const vreal *b, vreal *n, vint active, int most_sweeps, vreal *sweeps) {
+static inline void search_iterate(const vreal *a, const vreal *b, vreal *n, vint active, int most_sweeps,
+                                  vreal *sweeps) {
   for (int k = 0; k < most_sweeps && ANY(active); ++k) {
     *sweeps += PICK(active, ALL_LANES(1), ALL_LANES(0));
     active = search_sweep(a, b, n, active);
@@ -73,7 +74,8 @@ static inline void start_round(const Layer *layer, const Profile *profile, vreal
 
 /* The pressed extent of a round becomes [*left, *right]; *from and *to become the next window. Where nothing presses
    the extent is the window. */
-static inline void next_window(const Profile *profile, const SearchContact *s, vreal width, vreal *from, vreal *to, vreal *left, vreal *right) {
+static inline void next_window(const Profile *profile, const SearchContact *s, vreal width, vreal *from, vreal *to,
+                               vreal *left, vreal *right) {
   vreal first = FAR, end = 0;
   for (int k = 0; k < SEARCH_ELEMENTS; ++k) {
     const vint pressed = s->n[k] > 0;
@@ -92,23 +94,25 @@ static inline void next_window(const Profile *profile, const SearchContact *s, v
 }
 
 /* Elements over the contact [left, right]. */
-static inline void lay_patch(const Layer *layer, const vreal *in, const Profile *profile, vreal left, vreal right, Patch *patch) {
+static inline void lay_patch(const Layer *layer, const vreal *in, const Profile *profile, vreal left, vreal right,
+                             Patch *patch) {
   const vreal part = ALL_LANES(EDGE_PART), none = ALL_LANES(0);
   const vreal edge_left = PICK((left <= profile->left) & (in[PATCH_LEFT_EDGE] > 0), part, none);
   const vreal edge_right = PICK((right >= profile->right) & (in[PATCH_RIGHT_EDGE] > 0), part, none);
   const vreal l = LARGER(left, profile->left), r = SMALLER(right, profile->right);
   const vreal element = (r - l) / ((real)N - (edge_left + edge_right));
-  const vreal end = (real)0.5 * layer->length, sensor_left = -end - in[PATCH_POSITION], sensor_right = end - in[PATCH_POSITION];
+  const vreal end = (real)0.5 * layer->length, sensor_left = -end - in[PATCH_POSITION],
+              sensor_right = end - in[PATCH_POSITION];
   const vreal from = LARGER(fma(-edge_left, element, l), SMALLER(sensor_left, l));
   const vreal to = SMALLER(fma(edge_right, element, r), LARGER(sensor_right, r));
   patch->origin = from;
   patch->element = (to - from) / N;
 }
 
-/* Rounds of frictionless contact at this depth from the window [from, to] on. Returns the force of the last; [*left, *right]: what
-   presses. */
-OUTLINE vreal search_at(const Layer *layer, const Profile *profile, vreal depth, vreal from, vreal to, vint searching, vreal *left, vreal *right,
-                        vreal *sweeps) {
+/* Rounds of frictionless contact at this depth from the window [from, to] on. Returns the force of the last; [*left,
+   *right]: what presses. */
+OUTLINE vreal search_at(const Layer *layer, const Profile *profile, vreal depth, vreal from, vreal to, vint searching,
+                        vreal *left, vreal *right, vreal *sweeps) {
   vreal p = 0;
   *left = from;
   *right = to;
@@ -144,9 +148,10 @@ static inline vreal exponential(vreal x) {
   return PICK(x < 0, 1 / e, e);
 }
 
-/* The extent that the largest force presses without friction: searches at depths from secants in the logarithms of depth and force. */
-static inline void search_force(const Layer *layer, const Profile *profile, const vreal *in, vint searching, vreal *left, vreal *right,
-                                vreal *sweeps) {
+/* The extent that the largest force presses without friction: searches at depths from secants in the logarithms of
+   depth and force. */
+static inline void search_force(const Layer *layer, const Profile *profile, const vreal *in, vint searching,
+                                vreal *left, vreal *right, vreal *sweeps) {
   const vreal wanted = in[PATCH_MOST];
   vreal depth = (real)0.3 * wanted, depth_last = depth, p = 0, p_last = 0, power = 1;
   searching &= wanted > 0;
@@ -167,7 +172,8 @@ static inline void search_force(const Layer *layer, const Profile *profile, cons
     const vreal to = last_below(profile, depth, in[PATCH_LOWEST_RIGHT], profile->right);
     const vint touches = to > from;
     const vreal window_from = PICK(touches, from, profile->left), window_to = PICK(touches, to, profile->right);
-    const vreal found = search_at(layer, profile, depth, window_from, window_to, searching & touches, &trial_left, &trial_right, sweeps);
+    const vreal found = search_at(layer, profile, depth, window_from, window_to, searching & touches, &trial_left,
+                                  &trial_right, sweeps);
     p = PICK(searching, found, p);
     *left = PICK(searching & touches, trial_left, *left);
     *right = PICK(searching & touches, trial_right, *right);
@@ -184,10 +190,12 @@ static inline void find_patch(const Layer *layer, const Profile *profile, const 
 #if FORCE_CONTROL
   search_force(layer, profile, in, valid & NOT(given), &left, &right, &patch->sweeps);
 #else
-  search_at(layer, profile, in[PATCH_MOST], in[PATCH_FROM], in[PATCH_TO], valid & NOT(given), &left, &right, &patch->sweeps);
+  search_at(layer, profile, in[PATCH_MOST], in[PATCH_FROM], in[PATCH_TO], valid & NOT(given), &left, &right,
+            &patch->sweeps);
 #endif
   const vreal margin = MARGIN * (right - left);
-  lay_patch(layer, in, profile, PICK(given, in[PATCH_FROM], left - margin), PICK(given, in[PATCH_TO], right + margin), patch);
+  lay_patch(layer, in, profile, PICK(given, in[PATCH_FROM], left - margin), PICK(given, in[PATCH_TO], right + margin),
+            patch);
 }
 
 #endif

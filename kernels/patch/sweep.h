@@ -18,19 +18,22 @@ typedef struct {
   int most_sweeps;
 } Rules;
 
-/* Rows are unrolled up to 16 elements; more would not fit the compiler's limits, and C is in the second-level cache there. A row's sums
-   start at its own element when unrolled: the one that was updated last comes last, and its latency hides behind the others. */
+/* Rows are unrolled up to 16 elements; more would not fit the compiler's limits, and C is in the second-level cache
+   there. A row's sums start at its own element when unrolled: the one that was updated last comes last, and its latency
+   hides behind the others. */
 #if N <= 16
 #define EACH_ROW(i) EACH(i, N)
 #define COLUMN(i, k) (((i) + (k)) % N)
-#define OWN(k, factor) (!SYMMETRIC && (k) == 0 ? ALL_LANES(1 - RELAXATION) : (factor)) /* of the element itself it needs no load */
+#define OWN(k, factor) \
+  (!SYMMETRIC && (k) == 0 ? ALL_LANES(1 - RELAXATION) : (factor)) /* of the element itself it needs no load */
 #else
 #define EACH_ROW(i) ROLLED for (int i = 0; i < N; ++i)
 #define COLUMN(i, k) (k)
 #define OWN(k, factor) (factor)
 #endif
 
-/* Factors of n_j and t_j in the rows of element i, and what finishes a row: its sum becomes the free force without the constant part. */
+/* Factors of n_j and t_j in the rows of element i, and what finishes a row: its sum becomes the free force without the
+   constant part. */
 #if SYMMETRIC
 #define N_BY_N(c, i, j) (c)->yy[PAIR(i, j)]
 #define N_BY_T(c, i, j) (c)->xy[j][i]
@@ -51,8 +54,9 @@ typedef struct {
 #define CONSTANT(constant) ALL_LANES(0)
 #endif
 
-/* One Gauss-Seidel sweep. Returns the active lanes whose largest change was above tolerance times their largest pressure force. Forces are
-   in registers up to 12 elements; those of the last sweep stay in memory until all rows are done, and the change is found then. */
+/* One Gauss-Seidel sweep. Returns the active lanes whose largest change was above tolerance times their largest
+   pressure force. Forces are in registers up to 12 elements; those of the last sweep stay in memory until all rows are
+   done, and the change is found then. */
 INLINE vint sweep(Contact *c, const Indenter *in, real tolerance) {
   vreal n[N], t[N];
   EACH(i, N) {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/* The activation of the networks, f(z) = 1/2 (1 - e^-z) / (1 + e^-z) = 1/2 tanh(z / 2), on vectors of lanes. Written out, so that every
-   kernel and every place in a batch gets the same bits. Device only.
+/* The activation of the networks, f(z) = 1/2 (1 - e^-z) / (1 + e^-z) = 1/2 tanh(z / 2), on vectors of lanes. Written
+   out, so that every kernel and every place in a batch gets the same bits. Device only.
 
-   fp32: z P(z^2) / Q(z^2) with polynomials of degree 4, minimax for the absolute error on |z| <= 16 (linear programming, then a search
-   over the coefficients' last bits); beyond, the value at 16. Over all floats: absolute error at most 1.7e-7, relative 3.3e-7, and |f| < 0.5.
-   fp64: the library's tanh. NaN stays NaN. */
+   fp32: z P(z^2) / Q(z^2) with polynomials of degree 4, minimax for the absolute error on |z| <= 16 (linear
+   programming, then a search over the coefficients' last bits); beyond, the value at 16. Over all floats: absolute
+   error at most 1.7e-7, relative 3.3e-7, and |f| < 0.5. fp64: the library's tanh. NaN stays NaN. */
 #ifndef TACTEL_SHARED_ACTIVATION_H
 #define TACTEL_SHARED_ACTIVATION_H
 #include "shared/lanes.h"

@@ -6,23 +6,23 @@
 
 typedef struct ChainSettings {
   shared_u64 reading_seed, instance_seed;
-  shared_u32 instances;           /* sensors of which a contact meets one; 0: each its own */
-  shared_i32 high_pass;           /* 1: there is one */
-  float decay, pass;              /* y = decay y_before + pass (x - x_before), where all sensors have one time constant */
-  float step_time;                /* s */
-  float time_constant[2];         /* s; of a sensor, evenly between the two; alike: decay and pass hold */
-  float gain_spread[2];           /* about 1; of a sensor, evenly between the two */
-  float offset_spread[2];         /* MPa, alike */
-  float noise[2];                 /* MPa, alike */
-  float noise_of_largest;         /* over the contact's largest stress */
-  float shift_spread;             /* distances of two tactels */
-  float crosstalk;                /* share of each neighbour's stress */
-  float dead;                     /* probability */
+  shared_u32 instances;   /* sensors of which a contact meets one; 0: each its own */
+  shared_i32 high_pass;   /* 1: there is one */
+  float decay, pass;      /* y = decay y_before + pass (x - x_before), where all sensors have one time constant */
+  float step_time;        /* s */
+  float time_constant[2]; /* s; of a sensor, evenly between the two; alike: decay and pass hold */
+  float gain_spread[2];   /* about 1; of a sensor, evenly between the two */
+  float offset_spread[2]; /* MPa, alike */
+  float noise[2];         /* MPa, alike */
+  float noise_of_largest; /* over the contact's largest stress */
+  float shift_spread;     /* distances of two tactels */
+  float crosstalk;        /* share of each neighbour's stress */
+  float dead;             /* probability */
   float lag, lag_decay, lag_pass; /* x less lag h, h = lag_decay h_before + lag_pass (x - x_before) */
-  float low, high;                /* readings are cut off there: in quanta where there are any, else in MPa; may be infinite */
-  float quantum;                  /* MPa; 0: none */
-  shared_i32 bits[2];             /* of a sensor, one of the whole numbers from the first to the second; alike: low, high, quantum hold */
-  float range;                    /* MPa */
+  float low, high;    /* readings are cut off there: in quanta where there are any, else in MPa; may be infinite */
+  float quantum;      /* MPa; 0: none */
+  shared_i32 bits[2]; /* of a sensor, a whole number from the first to the second; alike: low, high, quantum hold */
+  float range;        /* MPa */
 } ChainSettings;
 
 #endif

@@ -31,14 +31,22 @@ enum LaneStatus {
   LANE_NOT_RUN     /* the path had ended */
 };
 
-/* Height of a node that carries no gap element, mm: a number that no profile reaches, small enough for its square in fp32. */
+/* Height of a node that carries no gap element, mm: a number that no profile reaches, small enough for its square in
+   fp32. */
 #define NO_GAP_ELEMENT 1e15
 
 /* Output rows that the kernel computes together: `map` is [blocks of rows][NODES][ROW_BLOCK][2]. */
 enum { ROW_BLOCK = 4 };
 
-/* Numbers that the compliance holds of a pair of nodes, [NODES][NODES][COMPLIANCE_PARTS]; the first alone where there is no friction. */
-enum CompliancePart { COMPLIANCE_UY_BY_N = 0, COMPLIANCE_UY_BY_T, COMPLIANCE_UX_BY_N, COMPLIANCE_UX_BY_T, COMPLIANCE_PARTS };
+/* Numbers that the compliance holds of a pair of nodes, [NODES][NODES][COMPLIANCE_PARTS]; the first alone where there
+   is no friction. */
+enum CompliancePart {
+  COMPLIANCE_UY_BY_N = 0,
+  COMPLIANCE_UY_BY_T,
+  COMPLIANCE_UX_BY_N,
+  COMPLIANCE_UX_BY_T,
+  COMPLIANCE_PARTS
+};
 
 /* Load targets, rows of `path`, [group][step][PATH_ROWS][lane]. */
 enum PathRow {
@@ -52,7 +60,8 @@ enum LaneInputRow {
   LANE_MU = 0,
   LANE_YOUNG,    /* MPa */
   LANE_STEPS,    /* increments of this lane's path */
-  LANE_MAY_STOP, /* index of the first increment after which a lane without a sticking node stops; a huge number: never */
+  LANE_MAY_STOP, /* index of the first increment after which a lane without a sticking node stops; a huge number:
+                    never */
   LANE_FORCE,    /* ForceControl */
   LANE_INPUT_ROWS
 };

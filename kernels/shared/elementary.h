@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Logarithm and exponential on vectors of lanes. Written out, so that every number of lanes gives the same bits. Device only. */
+/* Logarithm and exponential on vectors of lanes. Written out, so that every number of lanes gives the same bits. Device
+   only. */
 #ifndef TACTEL_SHARED_ELEMENTARY_H
 #define TACTEL_SHARED_ELEMENTARY_H
 #include "shared/lanes.h"

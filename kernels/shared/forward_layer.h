@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/* One layer of a network with frames in the lanes. forward.cl and train_batch.cl share it, so that training and recall compute equal bits.
+/* One layer of a network with frames in the lanes. forward.cl and train_batch.cl share it, so that training and recall
+   compute equal bits.
      z_j = b_j, then z_j = fma(w_ji, o_i, z_j) for i = 0, 1, ...;  o_j = f(z_j). Device only. */
 #ifndef TACTEL_SHARED_FORWARD_LAYER_H
 #define TACTEL_SHARED_FORWARD_LAYER_H
@@ -9,8 +10,9 @@
 
 #define ROWS (sizeof(vreal) == 64 ? 7 : 6) /* ROWS times FRAME_VECTORS sums and a few operands fill the registers */
 
-/* Sums of a block of neurons: a<r> of neuron r for the frames in vector 0; b<r> of neuron r for those in vector 1, or, where only vector 0 holds
-   frames, of neuron ROWS + r for them. They are named variables, as PoCL keeps an array of them on the stack before and after the loop. */
+/* Sums of a block of neurons: a<r> of neuron r for the frames in vector 0; b<r> of neuron r for those in vector 1, or,
+   where only vector 0 holds frames, of neuron ROWS + r for them. They are named variables, as PoCL keeps an array of
+   them on the stack before and after the loop. */
 #define EACH_ROW(DO) DO(0, a0, b0) DO(1, a1, b1) DO(2, a2, b2) DO(3, a3, b3) DO(4, a4, b4) DO(5, a5, b5) DO(6, a6, b6)
 #define ROWS_TOGETHER(vectors) ((vectors) == 1 ? 2 * ROWS : ROWS)
 #define B_ROW(r) (vectors == 1 ? ROWS + r : r)
@@ -45,10 +47,11 @@ INLINE void forward_rows(const int vectors, const int rows, const int fan_in, co
 }
 
 /* The layer for the frames in the first `vectors` vectors, 1 or FRAME_VECTORS. */
-INLINE void forward_layer(const int vectors, const int fan_in, const int fan_out, const int stride, global const real *w,
-                          const vreal (*x)[FRAME_VECTORS], vreal (*o)[FRAME_VECTORS]) {
+INLINE void forward_layer(const int vectors, const int fan_in, const int fan_out, const int stride,
+                          global const real *w, const vreal (*x)[FRAME_VECTORS], vreal (*o)[FRAME_VECTORS]) {
   const int together = ROWS_TOGETHER(vectors), rest = fan_out % together;
-  ROLLED for (int n = 0; n + together <= fan_out; n += together) forward_rows(vectors, together, fan_in, stride, w + n * stride, x, o + n);
+  ROLLED for (int n = 0; n + together <= fan_out; n += together)
+      forward_rows(vectors, together, fan_in, stride, w + n * stride, x, o + n);
   if (rest) forward_rows(vectors, rest, fan_in, stride, w + (fan_out - rest) * stride, x, o + fan_out - rest);
 }
 

@@ -10,8 +10,8 @@
 
 #define SMALLEST_STRESS 1e-12f /* MPa: less is no stress (scaling by frame) */
 
-/* Above LARGE_STRESS [MPa] the reciprocal of a stress is no normal number in fp32, and devices may flush it to zero. Such a
-   frame is first multiplied by LARGE_SCALE, a power of two, which keeps its bits. */
+/* Above LARGE_STRESS [MPa] the reciprocal of a stress is no normal number in fp32, and devices may flush it to zero.
+   Such a frame is first multiplied by LARGE_SCALE, a power of two, which keeps its bits. */
 #define LARGE_STRESS 0x1p126f
 #define LARGE_SCALE 0x1p-8f
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Sums over the lanes of vectors, in a fixed order: neighbours first, then neighbouring pairs, and so on. Device only. */
+/* Sums over the lanes of vectors, in a fixed order: neighbours first, then neighbouring pairs, and so on. Device
+   only. */
 #ifndef TACTEL_SHARED_LANE_SUMS_H
 #define TACTEL_SHARED_LANE_SUMS_H
 #include "shared/lanes.h"
@@ -8,24 +9,31 @@
 /* How many vectors hold n numbers. */
 #define VECTORS_OF(n) (((n) + LANES - 1) / LANES)
 
-/* Of two vectors that hold sums in pieces of 2 n lanes, one with pieces of n: the halves of each piece are added. Clang's shuffle becomes one
-   instruction, where a literal of OpenCL C becomes three or four. */
+/* Of two vectors that hold sums in pieces of 2 n lanes, one with pieces of n: the halves of each piece are added.
+   Clang's shuffle becomes one instruction, where a literal of OpenCL C becomes three or four. */
 #if LANES == 2
-static inline vreal add_halves(vreal a, vreal b) { return __builtin_shufflevector(a, b, 0, 2) + __builtin_shufflevector(a, b, 1, 3); }
+static inline vreal add_halves(vreal a, vreal b) {
+  return __builtin_shufflevector(a, b, 0, 2) + __builtin_shufflevector(a, b, 1, 3);
+}
 #elif LANES == 4
 static inline vreal add_halves(vreal a, vreal b) {
   return __builtin_shufflevector(a, b, 0, 1, 4, 5) + __builtin_shufflevector(a, b, 2, 3, 6, 7);
 }
-static inline vreal add_pairs(vreal a, vreal b) { return __builtin_shufflevector(a, b, 0, 4, 2, 6) + __builtin_shufflevector(a, b, 1, 5, 3, 7); }
+static inline vreal add_pairs(vreal a, vreal b) {
+  return __builtin_shufflevector(a, b, 0, 4, 2, 6) + __builtin_shufflevector(a, b, 1, 5, 3, 7);
+}
 #elif LANES == 8
 static inline vreal add_halves(vreal a, vreal b) {
-  return __builtin_shufflevector(a, b, 0, 1, 2, 3, 8, 9, 10, 11) + __builtin_shufflevector(a, b, 4, 5, 6, 7, 12, 13, 14, 15);
+  return __builtin_shufflevector(a, b, 0, 1, 2, 3, 8, 9, 10, 11) +
+         __builtin_shufflevector(a, b, 4, 5, 6, 7, 12, 13, 14, 15);
 }
 static inline vreal add_quads(vreal a, vreal b) {
-  return __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13) + __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15);
+  return __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13) +
+         __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15);
 }
 static inline vreal add_pairs(vreal a, vreal b) {
-  return __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14) + __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
+  return __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14) +
+         __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
 }
 #elif LANES == 16
 static inline vreal add_halves(vreal a, vreal b) {
@@ -46,8 +54,8 @@ static inline vreal add_pairs(vreal a, vreal b) {
 }
 #endif
 
-/* Vectors are taken as `piece` lanes wide pieces, LANES / piece of them. Piece i: the sum over the pieces of rows[i], lane by lane; halves
-   first. Overwrites rows [LANES / piece]. */
+/* Vectors are taken as `piece` lanes wide pieces, LANES / piece of them. Piece i: the sum over the pieces of rows[i],
+   lane by lane; halves first. Overwrites rows [LANES / piece]. */
 INLINE vreal piece_sums(const int piece, vreal *rows) {
   const int pieces = LANES / piece;
   (void)pieces;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Vectors of lanes for kernels: LANES and REAL come from the build. Device only.
    vreal: LANES numbers of type REAL; vint: as many integers of the same width, the type of comparisons.
-   LANES = 1 gives scalars, for GPUs; there a comparison yields 1, not -1. Take masks apart with PICK, ANY, ALL, NOT, vectors with NUMBER, join masks with
-   & and |, and the same text serves every width. */
+   LANES = 1 gives scalars, for GPUs; there a comparison yields 1, not -1. Take masks apart with PICK, ANY, ALL, NOT,
+   vectors with NUMBER, join masks with & and |, and the same text serves every width. */
 #ifndef TACTEL_SHARED_LANES_H
 #define TACTEL_SHARED_LANES_H
 
@@ -42,7 +42,8 @@ typedef JOIN(REAL_INT, LANES) vint;
 #define NUMBER(v, lane) (((const real *)&(v))[lane])
 #endif
 
-/* The mask of all lanes in one number. any() would branch for each lane, and be mispredicted where lanes finish one by one. */
+/* The mask of all lanes in one number. any() would branch for each lane, and be mispredicted where lanes finish one by
+   one. */
 #if LANES > 1
 static inline REAL_INT joined(vint mask) {
 #if LANES == 16
@@ -77,7 +78,8 @@ static inline REAL_INT joined(vint mask) {
 /* The same number in every lane. */
 #define ALL_LANES(x) ((vreal)(x))
 
-/* The largest and the smallest; unlike fmax and fmin one instruction, and the second argument where one is not a number. */
+/* The largest and the smallest; unlike fmax and fmin one instruction, and the second argument where one is not a
+   number. */
 #define LARGER(a, b) PICK((a) > (b), a, b)
 #define SMALLER(a, b) PICK((a) < (b), a, b)
 

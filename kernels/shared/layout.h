@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Every struct that host and device share, with every field: a test expands this list on both sides and compares sizes
-   and offsets. Add a struct here when you add one to kernels/shared; a forgotten field is noticed by the sum of sizes. */
+   and offsets. Add a struct here when you add one to kernels/shared; a forgotten field is noticed by the sum of
+   sizes. */
 #ifndef TACTEL_SHARED_LAYOUT_H
 #define TACTEL_SHARED_LAYOUT_H
 #include "shared/chain_settings.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Rows of the patch kernel's arrays. Everything is stored in the kernel's real type. contact_layout.h has the rows of results. */
+/* Rows of the patch kernel's arrays. Everything is stored in the kernel's real type. contact_layout.h has the rows of
+   results. */
 #ifndef TACTEL_PATCH_LAYOUT_H
 #define TACTEL_PATCH_LAYOUT_H
 
@@ -12,9 +13,9 @@ enum { LAYER_COEFFICIENTS = 4 };
 /* Columns of one row of the sides' table: v_y of every mode, then v_x. */
 enum { SIDE_MODES = 8 };
 
-/* Where every lane has its own sensor: numbers of a core row, C (upper triangle by rows) and then K of fem/layer/end_modes.h, and those
-   of one place in the table of the layer's base stress: sigma_y by f_y, tau by f_x, tau by f_y, sigma_y by f_x, each here and one
-   cell farther. */
+/* Where every lane has its own sensor: numbers of a core row, C (upper triangle by rows) and then K of
+   fem/layer/end_modes.h, and those of one place in the table of the layer's base stress: sigma_y by f_y, tau by f_x,
+   tau by f_y, sigma_y by f_x, each here and one cell farther. */
 enum { CORE_COMPLIANCE = SIDE_MODES * (SIDE_MODES + 1) / 2, CORE_NUMBERS = 112, STRESS_NUMBERS = 8 };
 
 /* Rows of `sensors`, [group][PATCH_SENSOR_ROWS][lane]. */

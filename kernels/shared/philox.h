@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Philox4x32-10 (Salmon, Moraes, Dror, Shaw, SC'11): the same numbers as nn/philox.h, LANES counters at once. Device only. */
+/* Philox4x32-10 (Salmon, Moraes, Dror, Shaw, SC'11): the same numbers as nn/philox.h, LANES counters at once. Device
+   only. */
 #ifndef TACTEL_SHARED_PHILOX_H
 #define TACTEL_SHARED_PHILOX_H
 #include "shared/lanes.h"

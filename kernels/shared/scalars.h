@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Scalar types that host and device agree on, for structs in kernels/shared: no size_t, bool, pointers or vectors there. */
+/* Scalar types that host and device agree on, for structs in kernels/shared: no size_t, bool, pointers or vectors
+   there. */
 #ifndef TACTEL_SHARED_SCALARS_H
 #define TACTEL_SHARED_SCALARS_H
 #ifdef __OPENCL_C_VERSION__ /* offline clang does not set __OPENCL_VERSION__ */

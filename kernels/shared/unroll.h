@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Loops that must be unrolled, so that arrays live in registers, and loops that must not, so that compiling stays short. Device only. */
+/* Loops that must be unrolled, so that arrays live in registers, and loops that must not, so that compiling stays
+   short. Device only. */
 #ifndef TACTEL_SHARED_UNROLL_H
 #define TACTEL_SHARED_UNROLL_H
 

@@ -26,8 +26,8 @@ int width_of(const std::string& line) {
 
 std::vector<std::string> view_lines(const std::vector<float>& stresses, float largest, int columns, float s = 0.5f) {
   std::istringstream in(
-      view_text({.frame = {.number = 123456}, .stresses = stresses, .answer = answer_of(s), .latency = 6}, {},
-                largest, columns, {}));
+      view_text({.frame = {.number = 123456}, .stresses = stresses, .answer = answer_of(s), .latency = 6}, {}, largest,
+                columns, {}));
   std::vector<std::string> lines;
   for (std::string line; std::getline(in, line);) lines.push_back(line);
   return lines;
