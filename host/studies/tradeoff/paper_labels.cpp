@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "host/contact/contact_fallback.h"
-#include "host/contact/contact_stream.h"
 #include "host/contact/rung_error.h"
 #include "host/contact/solve_on_rung.h"
 #include "host/scenes/paper_sets.h"

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 
-#include "host/contact/contact_stream.h"
 #include "host/contact/solve_on_rung.h"
 #include "host/scenes/paper_sets.h"
 #include "host/sets/simulate_family.h"
