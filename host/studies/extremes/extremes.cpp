@@ -9,8 +9,8 @@
 #include "fem/contact_laws.h"
 #include "fem/gap_reference.h"
 #include "fem/solution_difference.h"
-#include "host/contact/solve_on_rung.h"
 #include "host/contact/solve.h"
+#include "host/contact/solve_on_rung.h"
 #include "host/studies/extremes/extreme_scenes.h"
 
 namespace tactel::host {
