@@ -2,7 +2,6 @@
 #include "host/contact/contact_batch.h"
 
 #include <algorithm>
-#include <numeric>
 #include <stdexcept>
 
 #include "fem/contact_laws.h"
@@ -48,26 +47,20 @@ bool LaneAnswer::solved() const {
 }
 
 template <class Real>
-void LaneScenes<Real>::begin(const fem::Scene& scene, const fem::LoadPath& path, std::size_t increments) {
-  if (scenes.empty()) kind = kind_of(scene);
-  if (kind_of(scene) != kind) throw std::invalid_argument("scenes of different kinds in one batch");
-  const std::size_t at = scenes.empty() ? 0 : scenes.back().targets_at + scenes.back().increments;
-  scenes.push_back({.steps = static_cast<int>(path.steps.size()),
-                    .indentation_steps = path.indentation_steps,
-                    .increments = static_cast<int>(increments),
-                    .friction = scene.friction,
-                    .young = scene.sensor.young,
-                    .position = scene.indenter.position,
-                    .targets_at = at});
+void LaneScenes<Real>::add(ContactKind of, One scene) {
+  if (scenes.empty()) kind = of;
+  if (of != kind) throw std::invalid_argument("scenes of different kinds in one batch");
+  scene.targets_at = scenes.empty() ? 0 : scenes.back().targets_at + scenes.back().increments;
+  scenes.push_back(scene);
 }
 
 template <class Real>
-void ContactBatch<Real>::State::lay_out(Executor& on, LaneScenes<Real>&& from, std::vector<std::size_t> lane_order,
-                                        std::size_t lanes_of_group, std::size_t interleaved, std::size_t input_rows,
-                                        std::size_t rows_of_increment) {
+void LaneState<Real>::lay_out(Executor& on, LaneScenes<Real>&& from, std::vector<std::size_t> lane_order,
+                              std::size_t lanes_of_group, std::size_t interleaved, std::size_t input_rows,
+                              std::size_t path_rows) {
   executor = &on;
   scenes = std::move(from.scenes), sensors = std::move(from.sensors);
-  order = std::move(lane_order), path_rows = rows_of_increment;
+  order = std::move(lane_order);
   place.resize(order.size());
   for (std::size_t lane = 0; lane < order.size(); ++lane) place[order[lane]] = lane;
   for (const auto& scene : scenes) {
@@ -77,8 +70,8 @@ void ContactBatch<Real>::State::lay_out(Executor& on, LaneScenes<Real>&& from, s
   const std::size_t tile = lanes_of_group * interleaved;
   groups = (scenes.size() + lanes_of_group - 1) / lanes_of_group;
   lanes = (scenes.size() + tile - 1) / tile * tile;
-  input = {device(), lanes, tile, input_rows};
-  path = {device(), lanes, tile, static_cast<std::size_t>(increments) * path_rows};
+  input = {device(), lanes, tile, 1, input_rows};
+  path = {device(), lanes, tile, static_cast<std::size_t>(increments), path_rows};
   const auto in = input.numbers.map(MapFor::writing), targets = path.numbers.map(MapFor::writing);
   std::fill(in.view().begin(), in.view().end(), Real(0));  // lanes without a scene run no step
   std::fill(targets.view().begin(), targets.view().end(), Real(0));
@@ -91,31 +84,10 @@ void ContactBatch<Real>::State::lay_out(Executor& on, LaneScenes<Real>&& from, s
 }
 
 template <class Real>
-void ContactBatch<Real>::run(const RunOptions& options) {
-  state_->seconds = state_->executor->run(state_->launch, state_->groups, options).seconds;
-}
-
-template <class Real>
-std::size_t ContactBatch<Real>::size() const {
-  return state_->scenes.size();
-}
-
-template <class Real>
-int ContactBatch<Real>::steps() const {
-  return state_->steps;
-}
-
-template <class Real>
 std::size_t ContactBatch<Real>::steps_in_all() const {
-  const auto& scenes = state_->scenes;
-  return std::accumulate(scenes.begin(), scenes.end(), std::size_t{0}, [](std::size_t sum, const auto& scene) {
-    return sum + static_cast<std::size_t>(scene.steps);
-  });
-}
-
-template <class Real>
-double ContactBatch<Real>::seconds() const {
-  return state_->seconds;
+  std::size_t all = 0;
+  for (const auto& scene : state_->scenes) all += static_cast<std::size_t>(scene.steps);
+  return all;
 }
 
 template <class Real>
@@ -128,129 +100,40 @@ void ContactBatch<Real>::fill_outputs(Real value) {
 
 template <class Real>
 void ContactBatch<Real>::fill_unused(Real value) {
-  const State& b = *state_;
-  const auto fill = [&](const LaneArray<Real>& array, const auto& used_rows) {
+  const LaneState<Real>& b = *state_;
+  const auto fill = [&](const LaneArray<Real>& array, const auto& used_steps) {
     const auto mapped = array.numbers.map(MapFor::both);
     for (std::size_t lane = 0; lane < b.lanes; ++lane)
-      for (std::size_t row = used_rows(lane); row < array.rows; ++row) mapped[array.at(lane, row)] = value;
+      for (std::size_t step = lane < b.order.size() ? used_steps(lane) : 0; step < array.steps; ++step)
+        for (std::size_t row = 0; row < array.rows; ++row) mapped[array.at(lane, step, row)] = value;
   };
-  fill(b.path, [&](std::size_t lane) {
-    return lane < b.order.size() ? static_cast<std::size_t>(b.scenes[b.order[lane]].increments) * b.path_rows : 0;
-  });
-  const auto all_or_none = [&](const LaneArray<Real>& array) {
-    fill(array, [&](std::size_t lane) { return lane < b.order.size() ? array.rows : 0; });
-  };
-  all_or_none(b.input);
-  for (const auto& array : b.more_inputs) all_or_none(array);
-}
-
-namespace {
-
-template <class Real>
-double one_number(const LaneArray<Real>& array, std::size_t lane, std::size_t row) {
-  Real value;
-  array.numbers.read(std::span(&value, 1), array.at(lane, row));
-  return value;
-}
-
-/// Row of number `row` of a load step.
-std::size_t row_of(int step, std::size_t rows, int row) {
-  return static_cast<std::size_t>(step) * rows + static_cast<std::size_t>(row);
-}
-
-}  // namespace
-
-template <class Real>
-fem::ContactSolution ContactBatch<Real>::solution(std::size_t i) const {
-  return View(*this).solution(i);
+  fill(b.path, [&](std::size_t lane) { return static_cast<std::size_t>(b.scenes[b.order[lane]].increments); });
+  fill(b.input, [](std::size_t) { return 1; });
+  for (const auto& array : b.more_inputs) fill(array, [](std::size_t) { return 1; });
 }
 
 template <class Real>
-double ContactBatch<Real>::result(std::size_t i, int step, int row) const {
-  return one_number(state_->results, state_->place[i], row_of(step, state_->result_rows, row));
-}
-
-template <class Real>
-double ContactBatch<Real>::output(std::size_t i, int step, int row) const {
-  return one_number(state_->outputs, state_->place[i], row_of(step, state_->output_rows, row));
-}
-
-template <class Real>
-double ContactBatch<Real>::patch(std::size_t i, int row) const {
-  return one_number(state_->patches, state_->place[i], static_cast<std::size_t>(row));
-}
-
-template <class Real>
-ContactBatch<Real>::View::View(const ContactBatch& batch)
-    : state_(batch.state_),
-      results_(state_->results.numbers.map(MapFor::reading)),
-      outputs_(state_->outputs.numbers.map(MapFor::reading)),
-      forces_(state_->forces.numbers.map(MapFor::reading)),
-      patches_(state_->patches.numbers.map(MapFor::reading)) {}
-
-template <class Real>
-Real ContactBatch<Real>::View::result(std::size_t i, int step, int row) const {
-  return results_[state_->results.at(state_->place[i], row_of(step, state_->result_rows, row))];
-}
-
-template <class Real>
-Real ContactBatch<Real>::View::output(std::size_t i, int step, int row) const {
-  return outputs_[state_->outputs.at(state_->place[i], row_of(step, state_->output_rows, row))];
-}
-
-template <class Real>
-Real ContactBatch<Real>::View::force(std::size_t i, int step, int row) const {
-  return forces_[state_->forces.at(state_->place[i], row_of(step, state_->force_rows, row))];
-}
-
-template <class Real>
-Real ContactBatch<Real>::View::patch(std::size_t i, int row) const {
-  return patches_[state_->patches.at(state_->place[i], static_cast<std::size_t>(row))];
-}
-
-template <class Real>
-LaneAnswer ContactBatch<Real>::View::answer(std::size_t i) const {
-  const State& b = *state_;
+LaneAnswer LaneView<Real>::answer(std::size_t i) const {
+  const LaneState<Real>& b = *state_;
   const std::size_t lane = b.place[i];
   LaneAnswer answer;
   answer.steps = b.scenes[i].steps, answer.indentation_steps = b.scenes[i].indentation_steps;
-  answer.sensor = &b.sensor(i);
+  answer.sensor = &sensor(i);
   answer.stride = interleaved();
   answer.fp64_ = sizeof(Real) == sizeof(double);
-  answer.results_ = {&results_[b.results.at(lane, 0)], b.result_rows};
-  answer.stresses_ = {outputs_.view().data() + b.outputs.at(lane, b.stresses_from), b.output_rows};
-  if (b.patches.rows > 0) answer.patch_ = {&patches_[b.patches.at(lane, 0)], b.patches.rows};
+  answer.results_ = {results_.view().data() + b.results.at(lane, 0, 0), b.results.rows};
+  answer.stresses_ = {outputs_.view().data() + b.outputs.at(lane, 0, b.stresses_from), b.outputs.rows};
+  if (b.patches.rows > 0) answer.patch_ = {patches_.view().data() + b.patches.at(lane, 0, 0), b.patches.rows};
   return answer;
-}
-
-template <class Real>
-std::size_t ContactBatch<Real>::View::interleaved() const {
-  return state_->results.tile;
-}
-
-template <class Real>
-int ContactBatch<Real>::View::path_steps(std::size_t i) const {
-  return state_->scenes[i].steps;
-}
-
-template <class Real>
-int ContactBatch<Real>::View::indentation_steps(std::size_t i) const {
-  return state_->scenes[i].indentation_steps;
-}
-
-template <class Real>
-std::span<const std::size_t> ContactBatch<Real>::View::by_lane() const {
-  return state_->order;
-}
-
-template <class Real>
-fem::ContactSolution ContactBatch<Real>::View::solution(std::size_t i) const {
-  return state_->solution(*this, i);
 }
 
 template struct LaneScenes<float>;
 template struct LaneScenes<double>;
+template struct LaneState<float>;
+template struct LaneState<double>;
 template class ContactBatch<float>;
 template class ContactBatch<double>;
+template class LaneView<float>;
+template class LaneView<double>;
 
 }  // namespace tactel::host

@@ -61,7 +61,7 @@ class LaneAnswer {
 
  private:
   template <class Real>
-  friend class ContactBatch;
+  friend class LaneView;
   struct Numbers {
     const void* from = nullptr;
     std::size_t rows = 0;  ///< of a load step
@@ -89,21 +89,28 @@ class LaneAnswer {
   bool fp64_ = false;
 };
 
-/// Numbers of lanes on a device, [lanes / tile][rows][tile]: those of a tile's lanes lie side by side.
+/// Numbers of lanes on a device, [lanes / tile][steps][rows][tile]: those of a tile's lanes lie side by side.
 template <class Real>
 struct LaneArray {
   LaneArray() = default;
-  LaneArray(const Device& device, std::size_t lanes, std::size_t tile, std::size_t rows)
-      : numbers(device, std::max<std::size_t>(lanes * rows, 1)), tile(tile), rows(rows) {}
-  std::size_t at(std::size_t lane, std::size_t row) const { return ((lane / tile) * rows + row) * tile + lane % tile; }
+  LaneArray(const Device& device, std::size_t lanes, std::size_t tile, std::size_t steps, std::size_t rows)
+      : numbers(device, std::max<std::size_t>(lanes * steps * rows, 1)), tile(tile), steps(steps), rows(rows) {}
+  std::size_t at(std::size_t lane, std::size_t step, std::size_t row) const {
+    return ((lane / tile * steps + step) * rows + row) * tile + lane % tile;
+  }
   /// Writes the first numbers of a lane.
   void put(std::span<Real> all, std::size_t lane, std::span<const Real> numbers_of_lane) const {
-    Real* to = &all[at(lane, 0)];
+    Real* to = &all[at(lane, 0, 0)];
     for (const Real number : numbers_of_lane) *to = number, to += tile;
+  }
+  double read(std::size_t lane, std::size_t step, std::size_t row) const {
+    Real value;
+    numbers.read(std::span(&value, 1), at(lane, step, row));
+    return value;
   }
 
   Buffer<Real> numbers;
-  std::size_t tile = 1, rows = 0;
+  std::size_t tile = 1, steps = 0, rows = 0;
 };
 
 /// Scenes on their way into a batch: the numbers that a kernel takes of each.
@@ -124,95 +131,118 @@ struct LaneScenes {
   std::vector<fem::Sensor> sensors;  ///< one, or [scenes]
 
  protected:
-  /// Throws std::invalid_argument where the ContactKind is not that of the first.
-  void begin(const fem::Scene& scene, const fem::LoadPath& path, std::size_t increments);
+  /// Adds a scene. Throws std::invalid_argument where the kind is not that of the first.
+  void add(ContactKind of, One scene);
+};
+
+template <class Real>
+class LaneView;
+
+/// What a launcher makes of its scenes: all members, and the launch.
+template <class Real>
+struct LaneState {
+  /// Takes the scenes, and lays them out in the order of lanes, `lanes_of_group` a group and as many groups side by
+  /// side as numbers are interleaved. `lane_order`: [scenes] scene in a lane.
+  void lay_out(Executor& on, LaneScenes<Real>&& from, std::vector<std::size_t> lane_order, std::size_t lanes_of_group,
+               std::size_t interleaved, std::size_t input_rows, std::size_t path_rows);
+  const Device& device() const { return executor->device(); }
+
+  Executor* executor = nullptr;
+  std::vector<typename LaneScenes<Real>::One> scenes;
+  std::vector<fem::Sensor> sensors;       ///< one, or [scenes]
+  std::vector<std::size_t> order, place;  ///< [scenes] scene in a lane, lane of a scene
+  int steps = 0, increments = 0;          ///< of the longest path
+  std::size_t groups = 0, lanes = 0;      ///< groups that run; lanes of all arrays
+  std::size_t stresses_from = 0;          ///< row of outputs
+  LaneArray<Real> path, input;
+  std::vector<LaneArray<Real>> more_inputs;  ///< that lanes without a scene have, too
+  LaneArray<Real> results, outputs, forces, patches;
+  Buffer<Real> shapes;  ///< numbers of shapes, where a kernel takes any
+  Launch launch;
+  /// Returns the answer of the kernel for scene `i`.
+  std::function<fem::ContactSolution(const LaneView<Real>& view, std::size_t i)> solution;
+  double seconds = 0;
 };
 
 /// Scenes with their load paths laid out in lanes, all of one ContactKind. Copies share the scenes.
 template <class Real>
 class ContactBatch {
  public:
-  struct State;
-  class View;
-  explicit ContactBatch(std::shared_ptr<State> state) : state_(std::move(state)) {}
+  using View = LaneView<Real>;
+  explicit ContactBatch(std::shared_ptr<LaneState<Real>> state) : state_(std::move(state)) {}
 
-  void run(const RunOptions& options = {});  ///< one launch
-  std::size_t size() const;                  ///< scenes
-  int steps() const;                         ///< of the longest path
-  std::size_t steps_in_all() const;          ///< load steps of all scenes
-  double seconds() const;                    ///< of the last run
-  void fill_outputs(Real value);             ///< sets all outputs before a run; tests use NaN
-  void fill_unused(Real value);              ///< the same for lanes without a scene and targets behind a path's end
+  void run(const RunOptions& options = {}) {  ///< one launch
+    state_->seconds = state_->executor->run(state_->launch, state_->groups, options).seconds;
+  }
+  std::size_t size() const { return state_->scenes.size(); }
+  int steps() const { return state_->steps; }         ///< of the longest path
+  std::size_t steps_in_all() const;                   ///< load steps of all scenes
+  double seconds() const { return state_->seconds; }  ///< of the last run
+  void fill_outputs(Real value);                      ///< sets all outputs before a run; tests use NaN
+  void fill_unused(Real value);  ///< the same for lanes without a scene and targets behind a path's end
   /// Returns the answer of the kernel for scene `i`, in the order of prepare(). For many scenes use a View.
-  fem::ContactSolution solution(std::size_t i) const;
-  double result(std::size_t i, int step, int row) const;  ///< one number of LaneResultRow
-  double output(std::size_t i, int step, int row) const;  ///< one output row: of meshes base forces, then tactels
-  double patch(std::size_t i, int row) const;             ///< one number of PatchRow
-  State& state() { return *state_; }
+  fem::ContactSolution solution(std::size_t i) const { return View(*this).solution(i); }
+  /// Returns one number of LaneResultRow.
+  double result(std::size_t i, int step, int row) const {
+    return state_->results.read(state_->place[i], static_cast<std::size_t>(step), static_cast<std::size_t>(row));
+  }
+  /// Returns one number of PatchRow.
+  double patch(std::size_t i, int row) const {
+    return state_->patches.read(state_->place[i], 0, static_cast<std::size_t>(row));
+  }
+  const std::shared_ptr<LaneState<Real>>& state() const { return state_; }
 
  private:
-  std::shared_ptr<State> state_;
+  std::shared_ptr<LaneState<Real>> state_;
 };
 
-/// The outputs in place, without copies. The batch must not run during the life of a view.
+/// The outputs of a batch in place, without copies. The batch must not run during the life of a view.
 template <class Real>
-class ContactBatch<Real>::View {
+class LaneView {
  public:
-  explicit View(const ContactBatch& batch);
+  explicit LaneView(const ContactBatch<Real>& batch)
+      : state_(batch.state()),
+        results_(state_->results.numbers.map(MapFor::reading)),
+        outputs_(state_->outputs.numbers.map(MapFor::reading)),
+        forces_(state_->forces.numbers.map(MapFor::reading)),
+        patches_(state_->patches.numbers.map(MapFor::reading)) {}
   /// Returns one number of LaneResultRow for a scene's step; LANE_NOT_RUN after the last that ran.
-  Real result(std::size_t i, int step, int row) const;
-  Real output(std::size_t i, int step, int row) const;  ///< as of the batch
-  Real force(std::size_t i, int step, int row) const;   ///< one number of the elements of the surface
-  Real patch(std::size_t i, int row) const;             ///< one number of PatchRow
+  Real result(std::size_t i, int step, int row) const { return number(state_->results, results_, i, step, row); }
+  /// Returns one output row: of meshes base forces, then tactels.
+  Real output(std::size_t i, int step, int row) const { return number(state_->outputs, outputs_, i, step, row); }
+  /// Returns one number of the elements of the surface.
+  Real force(std::size_t i, int step, int row) const { return number(state_->forces, forces_, i, step, row); }
+  /// Returns one number of PatchRow.
+  Real patch(std::size_t i, int row) const { return number(state_->patches, patches_, i, 0, row); }
   /// Returns the numbers of a scene, which are valid as long as the view.
   LaneAnswer answer(std::size_t i) const;
   /// Returns how many scenes share a place: their numbers take turns in memory. 1: those of a scene lie together.
-  std::size_t interleaved() const;
-  int path_steps(std::size_t i) const;
-  int indentation_steps(std::size_t i) const;  ///< of these the first
+  std::size_t interleaved() const { return state_->results.tile; }
+  const typename LaneScenes<Real>::One& scene(std::size_t i) const { return state_->scenes[i]; }
+  const fem::Sensor& sensor(std::size_t i) const { return state_->sensors[state_->sensors.size() == 1 ? 0 : i]; }
+  int path_steps(std::size_t i) const { return state_->scenes[i].steps; }
+  int indentation_steps(std::size_t i) const { return state_->scenes[i].indentation_steps; }  ///< of these the first
   /// Returns the scenes in the order of memory, in which reading many is fast.
-  std::span<const std::size_t> by_lane() const;
+  std::span<const std::size_t> by_lane() const { return state_->order; }
   /// Returns the answer of the kernel for scene `i`.
-  fem::ContactSolution solution(std::size_t i) const;
+  fem::ContactSolution solution(std::size_t i) const { return state_->solution(*this, i); }
 
  private:
-  std::shared_ptr<State> state_;
-  typename Buffer<Real>::Mapping results_, outputs_, forces_, patches_;
-};
-
-/// What a launcher makes of its scenes: it sets all members and the launch.
-template <class Real>
-struct ContactBatch<Real>::State {
-  virtual ~State() = default;
-  /// Returns the answer of the kernel for scene `i`.
-  virtual fem::ContactSolution solution(const View& view, std::size_t i) const = 0;
-
-  /// Takes the scenes, and lays them out in the order of lanes, `lanes` a group and as many groups side by side as
-  /// numbers are interleaved. `order`: [scenes] scene in a lane.
-  void lay_out(Executor& on, LaneScenes<Real>&& from, std::vector<std::size_t> lane_order, std::size_t lanes,
-               std::size_t interleaved, std::size_t input_rows, std::size_t path_rows);
-  const fem::Sensor& sensor(std::size_t i) const { return sensors[sensors.size() == 1 ? 0 : i]; }
-  const Device& device() const { return executor->device(); }
-
-  Executor* executor = nullptr;
-  std::vector<typename LaneScenes<Real>::One> scenes;
-  std::vector<fem::Sensor> sensors;                              ///< one, or [scenes]
-  std::vector<std::size_t> order, place;                         ///< [scenes] scene in a lane, lane of a scene
-  int steps = 0, increments = 0;                                 ///< of the longest path
-  std::size_t groups = 0, lanes = 0;                             ///< groups that run; lanes of all arrays
-  std::size_t path_rows = 0;                                     ///< of an increment
-  std::size_t result_rows = 0, output_rows = 0, force_rows = 0;  ///< of a load step
-  std::size_t stresses_from = 0;                                 ///< output row
-  LaneArray<Real> path, input;
-  std::vector<LaneArray<Real>> more_inputs;  ///< that lanes without a scene have, too
-  LaneArray<Real> results, outputs, forces, patches;
-  Launch launch;
-  double seconds = 0;
+  using Mapping = typename Buffer<Real>::Mapping;
+  Real number(const LaneArray<Real>& array, const Mapping& numbers, std::size_t i, int step, int row) const {
+    return numbers[array.at(state_->place[i], static_cast<std::size_t>(step), static_cast<std::size_t>(row))];
+  }
+  std::shared_ptr<LaneState<Real>> state_;
+  Mapping results_, outputs_, forces_, patches_;
 };
 
 extern template struct LaneScenes<float>;
 extern template struct LaneScenes<double>;
+extern template struct LaneState<float>;
+extern template struct LaneState<double>;
 extern template class ContactBatch<float>;
 extern template class ContactBatch<double>;
+extern template class LaneView<float>;
+extern template class LaneView<double>;
 
 }  // namespace tactel::host

@@ -81,22 +81,6 @@ void ask_again(const fem::GapCondensed& exact, const fem::Scene& scene, double a
   solution.several = true;
 }
 
-/// The exact solver of a launcher's sensor, made for the first scene that needs it: its numbers have extended
-/// precision.
-class Exact {
- public:
-  Exact(const fem::Condensation& condensation, double tolerance) : condensation_(condensation), tolerance_(tolerance) {}
-  const fem::GapCondensed& solver() {
-    if (!made_) made_.emplace(condensation_, fem::GapReferenceOptions{.tolerance = tolerance_});
-    return *made_;
-  }
-
- private:
-  const fem::Condensation& condensation_;
-  double tolerance_;
-  std::optional<fem::GapCondensed> made_;
-};
-
 }  // namespace
 
 bool every_step_converged(const fem::ContactSolution& solution) {
@@ -165,7 +149,11 @@ std::vector<fem::ContactSolution> solve_gap_sweep(const GapSweep<Real>& sweep, s
   const GapSweepOptions& options = sweep.options();
   auto batch = sweep.prepare(scenes);
   batch.run();
-  Exact exact(sweep.condensation(), options.accept);
+  std::optional<fem::GapCondensed> made;  // for the first scene that needs it: its numbers have extended precision
+  const auto exact = [&]() -> const fem::GapCondensed& {
+    if (!made) made.emplace(sweep.condensation(), fem::GapReferenceOptions{.tolerance = options.accept});
+    return *made;
+  };
   const typename ContactBatch<Real>::View view(batch);
   std::vector<fem::ContactSolution> solutions;
   for (const fem::Scene& scene : scenes) {
@@ -177,10 +165,10 @@ std::vector<fem::ContactSolution> solve_gap_sweep(const GapSweep<Real>& sweep, s
     }
     if (!every_step_converged(solution)) {
       if (!options.fallback) continue;
-      keep_better(solution, exact.solver().solve(scene));
+      keep_better(solution, exact().solve(scene));
       solution.fell_back = true;
     } else if (options.second_opinion && scene.friction >= several_solutions_from) {
-      ask_again(exact.solver(), scene, options.accept, solution);
+      ask_again(exact(), scene, options.accept, solution);
     }
   }
   return solutions;

@@ -121,6 +121,8 @@ struct GapSweep<Real>::State {
     return *program;
   }
 
+  fem::ContactSolution solution(const LaneView<Real>& view, std::size_t i) const;
+
   Executor& executor;
   fem::Sensor sensor;
   GapSweepOptions options;
@@ -135,15 +137,40 @@ struct GapSweep<Real>::State {
 };
 
 template <class Real>
-struct GapSweep<Real>::BatchState : ContactBatch<Real>::State {
-  fem::ContactSolution solution(const typename Batch::View& view, std::size_t i) const override;
-
-  std::shared_ptr<GapSweep<Real>::State> sweep;
-};
+fem::ContactSolution GapSweep<Real>::State::solution(const LaneView<Real>& view, std::size_t i) const {
+  const fem::Condensation& c = condensation;
+  const auto& scene = view.scene(i);
+  const int nodes = columns(), base_nodes = base_rows / 2, tactels = (rows - base_rows) / 2;
+  fem::ContactSolution solution{c.surface_x, c.base_x, c.tactel_x, {}, false};
+  for (int k = 0; k < scene.steps; ++k) {
+    const auto result = [&](int row) { return static_cast<double>(view.result(i, k, row)); };
+    const auto output = [&](auto row) { return static_cast<double>(view.output(i, k, static_cast<int>(row))); };
+    const auto node = [&](auto row) { return static_cast<double>(view.force(i, k, static_cast<int>(row))); };
+    const int status = static_cast<int>(result(LANE_STATUS));
+    if (status == LANE_NOT_RUN) break;
+    fem::ContactStep step = lane_step(result, scene.friction);
+    if (options.nodes) {
+      step.normal_force = Eigen::VectorXd::NullaryExpr(nodes, [&](auto n) { return node(n); });
+      step.tangential_force = Eigen::VectorXd::NullaryExpr(nodes, [&](auto n) { return node(nodes + n); });
+      for (int n = 0; n < nodes; ++n)  // a force that E scales down to 0 is none
+        step.status.push_back(node(n) > 0 ? static_cast<fem::GapStatus>(node(2 * nodes + n)) : fem::GapStatus::open);
+    }
+    step.base_force_x = Eigen::VectorXd::NullaryExpr(base_nodes, [&](auto n) { return output(2 * n); });
+    step.base_force_y = Eigen::VectorXd::NullaryExpr(base_nodes, [&](auto n) { return output(2 * n + 1); });
+    step.sigma_y = Eigen::VectorXd::NullaryExpr(tactels, [&](auto n) { return output(base_rows + n); });
+    step.tau_xy = Eigen::VectorXd::NullaryExpr(tactels, [&](auto n) { return output(base_rows + tactels + n); });
+    solution.sliding = status == LANE_SLIDING && k >= scene.indentation_steps;
+    solution.steps.push_back(std::move(step));
+  }
+  return solution;
+}
 
 template <class Real>
 void GapSweep<Real>::Scenes::push_back(const fem::Scene& scene, const fem::LoadPath& path) {
-  this->begin(scene, path, path.steps.size());
+  const auto steps = static_cast<int>(path.steps.size());
+  this->add(
+      kind_of(scene),
+      {.steps = steps, .indentation_steps = path.indentation_steps, .increments = steps, .friction = scene.friction});
   const Eigen::VectorXd heights = fem::profile_heights(scene.indenter, sweep_->condensation.surface_x);  // mm
   const double young = scene.sensor.young, depth = expected_depth(scene, path);
   const auto [nodes, overlap] = expected_window(heights, depth);
@@ -204,9 +231,8 @@ std::vector<std::size_t> GapSweep<Real>::Scenes::by_cost() const {
 
 template <class Real>
 ContactBatch<Real> GapSweep<Real>::prepare(Scenes scenes) const {
-  auto batch = std::make_shared<BatchState>();
+  auto batch = std::make_shared<LaneState<Real>>();
   auto& b = *batch;
-  b.sweep = state_;
   const GapSweepOptions& o = state_->options;
   const ContactKind kind = scenes.kind;
   const int vectors = state_->vectors(scenes.size());
@@ -217,7 +243,7 @@ ContactBatch<Real> GapSweep<Real>::prepare(Scenes scenes) const {
   b.lay_out(state_->executor, std::move(scenes), std::move(order),
             static_cast<std::size_t>(state_->lanes_of_vector) * vectors, state_->interleaved, LANE_INPUT_ROWS,
             PATH_ROWS);
-  const LaneArray<Real> profile(b.device(), b.lanes, b.input.tile, columns);
+  const LaneArray<Real> profile(b.device(), b.lanes, b.input.tile, 1, columns);
   {
     const auto all = profile.numbers.map(MapFor::writing);
     std::fill(all.view().begin(), all.view().end(), Real(far_away));
@@ -225,13 +251,12 @@ ContactBatch<Real> GapSweep<Real>::prepare(Scenes scenes) const {
       profile.put(all.view(), lane, std::span(heights).subspan(b.order[lane] * columns, columns));
   }
   b.more_inputs = {profile};
-  b.result_rows = LANE_RESULT_ROWS, b.output_rows = state_->rows, b.force_rows = o.nodes ? 3 * columns : 0;
   b.stresses_from = state_->base_rows;
-  const auto outputs = [&](std::size_t rows) {
-    return LaneArray<Real>(b.device(), b.lanes, b.input.tile, b.steps * rows);
+  const auto outputs = [&](std::size_t rows, bool written = true) {
+    return LaneArray<Real>(b.device(), written ? b.lanes : 0, b.input.tile, b.steps, rows);
   };
-  b.results = outputs(b.result_rows), b.outputs = outputs(b.output_rows), b.forces = outputs(b.force_rows);
-  b.patches = outputs(0);
+  b.results = outputs(LANE_RESULT_ROWS), b.outputs = outputs(state_->rows);
+  b.forces = outputs(3 * columns, o.nodes), b.patches = outputs(0);
   b.launch = state_->executor.prepare(state_->program(kind, vectors), "gap_sweep", [&](KernelArguments& kernel) {
     kernel.set("compliance", state_->compliance(kind.friction));
     kernel.set("node", state_->node);
@@ -251,37 +276,8 @@ ContactBatch<Real> GapSweep<Real>::prepare(Scenes scenes) const {
     kernel.set("nodes_out", b.forces.numbers);
     kernel.set("write_node_rows", std::int32_t(o.nodes));
   });
+  b.solution = [sweep = state_](const LaneView<Real>& view, std::size_t i) { return sweep->solution(view, i); };
   return Batch(std::move(batch));
-}
-
-template <class Real>
-fem::ContactSolution GapSweep<Real>::BatchState::solution(const typename Batch::View& view, std::size_t i) const {
-  const fem::Condensation& c = sweep->condensation;
-  const auto& scene = this->scenes[i];
-  const int columns = sweep->columns(), base_nodes = sweep->base_rows / 2,
-            tactels = (sweep->rows - sweep->base_rows) / 2;
-  fem::ContactSolution solution{c.surface_x, c.base_x, c.tactel_x, {}, false};
-  for (int k = 0; k < scene.steps; ++k) {
-    const auto result = [&](int row) { return static_cast<double>(view.result(i, k, row)); };
-    const auto output = [&](auto row) { return static_cast<double>(view.output(i, k, static_cast<int>(row))); };
-    const auto node = [&](auto row) { return static_cast<double>(view.force(i, k, static_cast<int>(row))); };
-    const int status = static_cast<int>(result(LANE_STATUS));
-    if (status == LANE_NOT_RUN) break;
-    fem::ContactStep step = lane_step(result, scene.friction);
-    if (sweep->options.nodes) {
-      step.normal_force = Eigen::VectorXd::NullaryExpr(columns, [&](auto n) { return node(n); });
-      step.tangential_force = Eigen::VectorXd::NullaryExpr(columns, [&](auto n) { return node(columns + n); });
-      for (int n = 0; n < columns; ++n)  // a force that E scales down to 0 is none
-        step.status.push_back(node(n) > 0 ? static_cast<fem::GapStatus>(node(2 * columns + n)) : fem::GapStatus::open);
-    }
-    step.base_force_x = Eigen::VectorXd::NullaryExpr(base_nodes, [&](auto n) { return output(2 * n); });
-    step.base_force_y = Eigen::VectorXd::NullaryExpr(base_nodes, [&](auto n) { return output(2 * n + 1); });
-    step.sigma_y = Eigen::VectorXd::NullaryExpr(tactels, [&](auto n) { return output(sweep->base_rows + n); });
-    step.tau_xy = Eigen::VectorXd::NullaryExpr(tactels, [&](auto n) { return output(sweep->base_rows + tactels + n); });
-    solution.sliding = status == LANE_SLIDING && k >= scene.indentation_steps;
-    solution.steps.push_back(std::move(step));
-  }
-  return solution;
 }
 
 template class GapSweep<float>;

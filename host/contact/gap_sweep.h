@@ -69,7 +69,6 @@ class GapSweep {
   const GapSweepOptions& options() const;
 
  private:
-  struct BatchState;
   std::shared_ptr<State> state_;
 };
 

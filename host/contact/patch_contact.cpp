@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
 #include <mutex>
 #include <stdexcept>
 #include <tuple>
@@ -22,35 +21,28 @@ namespace {
 
 constexpr int friction_strata = 4;  ///< measured beside 2, 8 and 16
 
-/// Tables of a kernel on a device, with their numbers.
+/// Tables of a kernel on a device.
 template <class Real>
 class DeviceTables {
  public:
-  template <class Value>
-  using Named = std::initializer_list<std::pair<const char*, Value>>;
-
-  DeviceTables() = default;
-  DeviceTables(const Device& device, Named<const std::vector<double>&> tables, Named<int> counts, Named<double> numbers)
-      : counts_(counts.begin(), counts.end()), numbers_(numbers.begin(), numbers.end()) {
-    for (const auto& [name, values] : tables) {
+  DeviceTables(const Device& device, KernelTables&& from) : from_(std::move(from)) {
+    for (auto& [name, values] : from_.tables) {
       std::vector<Real> rounded(values.begin(), values.end());
       if (rounded.empty()) rounded.resize(1);
       tables_.emplace_back(name, Buffer<Real>(device, std::span<const Real>(rounded)));
+      values = {};
     }
   }
   void bind(KernelArguments& kernel) const {
     for (const auto& [name, table] : tables_) kernel.set(name, table);
-    for (const auto& [name, count] : counts_) kernel.set(name, std::int32_t(count));
-    for (const auto& [name, number] : numbers_) kernel.set(name, Real(number));
+    for (const auto& [name, count] : from_.counts) kernel.set(name, std::int32_t(count));
+    for (const auto& [name, number] : from_.numbers) kernel.set(name, Real(number));
   }
 
  private:
+  KernelTables from_;
   std::vector<std::pair<const char*, Buffer<Real>>> tables_;
-  std::vector<std::pair<const char*, int>> counts_;
-  std::vector<std::pair<const char*, double>> numbers_;
 };
-
-int rounded_up(int count) { return (count + PATCH_BLOCK - 1) / PATCH_BLOCK * PATCH_BLOCK; }
 
 /// Whether the indenter turns back on its way along x.
 bool turns_back(const PatchPath& path) {
@@ -67,58 +59,19 @@ bool turns_back(const PatchPath& path) {
 
 template <class Real>
 struct PatchContact<Real>::State {
-  State(Executor& executor, const PatchContactOptions& options)
+  State(Executor& executor, const PatchContactOptions& of, KernelTables&& numbers)
       : executor(executor),
-        options(options),
+        options(of),
         lanes_of_group(executor.device().lanes(precision())),
-        interleaved_lanes(executor.device().interleaved(precision())) {
+        interleaved_lanes(executor.device().interleaved(precision())),
+        tactels(numbers.tactels),
+        outputs(static_cast<std::size_t>(numbers.outputs)),
+        tables(executor.device(), std::move(numbers)) {
     for (const int known : {8, 12, 16, 24})
       if (options.elements == known) elements = known;
     if (elements == 0) throw ValueError("elements", std::to_string(options.elements), "8, 12, 16 or 24");
     const auto [tolerance, accept] = fem::by_rule<Real>({options.tolerance, options.accept}, fem::slow_on_patch);
-    this->options.tolerance = tolerance, this->options.accept = accept;
-  }
-  State(Executor& executor, const fem::LayerModel& layer, const PatchContactOptions& options)
-      : State(executor, options) {
-    model = std::make_shared<const fem::LayerModel>(layer);
-    const PatchTables t = patch_tables(layer);
-    tactels = layer.base.tactels();
-    outputs = static_cast<std::size_t>(t.outputs);
-    tables = {executor.device(),
-              {{"smooth", t.smooth}, {"sides", t.sides}, {"signs", t.signs}, {"base", t.base}},
-              {{"cells", t.cells()}, {"side_rows", t.side_rows()}, {"base_rows", t.base_rows()}},
-              {{"cells_per_mm", t.cells_per_mm},
-               {"thickness", layer.sensor.thickness},
-               {"length", layer.sensor.length},
-               {"cy", t.cy},
-               {"cx", t.cx},
-               {"jump", t.jump},
-               {"side_rows_per_mm", t.side_rows_per_mm},
-               {"sides_from", t.sides_from},
-               {"base_rows_per_mm", t.base_rows_per_mm},
-               {"base_from", t.base_from}}};
-  }
-  State(Executor& executor, const fem::SensorFamily& of, const PatchContactOptions& options)
-      : State(executor, options) {
-    family = of;
-    const FamilyTables t = family_tables(of);
-    tactels = of.range().tactels;
-    outputs = static_cast<std::size_t>(rounded_up(tactels + rounded_up(tactels)));
-    tables = {executor.device(),
-              {{"smooth", t.smooth},
-               {"sides", t.sides},
-               {"side_forces", t.side_forces},
-               {"side_stresses", t.side_stresses},
-               {"cores", t.cores},
-               {"layer_stresses", t.stresses}},
-              {{"cells", t.cells()},
-               {"poissons", t.poissons},
-               {"side_rows", t.side_rows()},
-               {"stress_cells", t.stress_cells()},
-               {"tactels", tactels}},
-              {{"cells_per_h", fem::LayerTable::cells_a_thickness},
-               {"side_rows_per_h", fem::EndModes::rows_a_thickness},
-               {"stress_cells_per_h", fem::SensorFamily::stress_cells_a_thickness}}};
+    options.tolerance = tolerance, options.accept = accept;
   }
 
   static Precision precision() { return sizeof(Real) == 4 ? Precision::fp32 : Precision::fp64; }
@@ -126,11 +79,11 @@ struct PatchContact<Real>::State {
   int pressing_increments() const {
     return fem::PatchOptions{.elements = options.elements, .pressing_increments = options.increments}.increments();
   }
-  int force_rows() const { return rounded_up(2 * elements); }
+  int force_rows() const { return padded(2 * elements); }
 
   /// The sensors of lanes. Lanes without a scene have thickness 0, which is no sensor.
-  LaneArray<Real> sensor_rows(const typename ContactBatch<Real>::State& b) const {
-    LaneArray<Real> array(b.device(), b.lanes, b.input.tile, PATCH_SENSOR_ROWS);
+  LaneArray<Real> sensor_rows(const LaneState<Real>& b) const {
+    LaneArray<Real> array(b.device(), b.lanes, b.input.tile, 1, PATCH_SENSOR_ROWS);
     const auto rows = array.numbers.map(MapFor::writing);
     std::fill(rows.view().begin(), rows.view().end(), Real(0));
     for (std::size_t lane = 0; lane < b.order.size(); ++lane) {
@@ -157,30 +110,71 @@ struct PatchContact<Real>::State {
     return *program;
   }
 
+  fem::ContactSolution solution(const LaneView<Real>& view, std::size_t i) const;
+
   Executor& executor;
   PatchContactOptions options;
-  int lanes_of_group, interleaved_lanes;         ///< of the device
-  std::shared_ptr<const fem::LayerModel> model;  ///< of the one sensor, or
-  std::optional<fem::SensorFamily> family;       ///< of those of all scenes
+  int lanes_of_group, interleaved_lanes;  ///< of the device
+  int elements = 0, tactels;
+  std::size_t outputs;  ///< numbers of a load step in the stresses
   DeviceTables<Real> tables;
-  int elements = 0, tactels = 0;
-  std::size_t outputs = 0;                  ///< numbers of a load step in the stresses
-  std::unique_ptr<Program> programs[2][2];  ///< [force][friction]
-  std::mutex making;                        ///< of what is made at first use
+  std::shared_ptr<const fem::LayerModel> model{};  ///< of the one sensor, or
+  std::optional<fem::SensorFamily> family{};       ///< of those of all scenes
+  std::unique_ptr<Program> programs[2][2];         ///< [force][friction]
+  std::mutex making;                               ///< of what is made at first use
 };
 
 template <class Real>
-struct PatchContact<Real>::BatchState : ContactBatch<Real>::State {
-  fem::ContactSolution solution(const typename Batch::View& view, std::size_t i) const override;
-
-  std::shared_ptr<PatchContact<Real>::State> contact;
-  Buffer<Real> shapes;  ///< terms and points of all
-};
+fem::ContactSolution PatchContact<Real>::State::solution(const LaneView<Real>& view, std::size_t i) const {
+  const auto& scene = view.scene(i);
+  const double origin = view.patch(i, PATCH_ORIGIN), width = view.patch(i, PATCH_ELEMENT);
+  const Real mu = static_cast<Real>(std::min(scene.friction, fem::largest_friction));
+  fem::ContactSolution solution;
+  solution.surface_x = Eigen::VectorXd::NullaryExpr(
+      elements, [&](auto n) { return scene.position + origin + width * (static_cast<double>(n) + 0.5); });
+  solution.surface_width = Eigen::VectorXd::Constant(elements, width);
+  solution.tactel_x = fem::tactel_positions(view.sensor(i));
+  for (int k = 0; k < scene.steps; ++k) {
+    const auto result = [&](int row) { return static_cast<double>(view.result(i, k, row)); };
+    const int status = static_cast<int>(result(LANE_STATUS));
+    if (status == LANE_NOT_RUN) break;
+    fem::ContactStep step = lane_step(result, scene.friction);
+    if (status != LANE_INVALID) {
+      const auto force = [&](auto row) { return view.force(i, k, static_cast<int>(row)); };
+      step.normal_force =
+          Eigen::VectorXd::NullaryExpr(elements, [&](auto n) { return static_cast<double>(force(n)) * scene.young; });
+      step.tangential_force = Eigen::VectorXd::NullaryExpr(
+          elements, [&](auto n) { return static_cast<double>(force(elements + n)) * scene.young; });
+      for (int n = 0; n < elements; ++n) {
+        const bool sticks = std::abs(force(elements + n)) < mu * force(n);
+        step.status.push_back(!(force(n) > 0) ? fem::GapStatus::open
+                              : sticks        ? fem::GapStatus::stick
+                                              : fem::GapStatus::slip);
+      }
+      std::vector<double> stress(2 * static_cast<std::size_t>(tactels));
+      view.answer(i).tactels(k, std::span(stress));
+      step.sigma_y = Eigen::Map<const Eigen::VectorXd>(stress.data(), tactels);
+      step.tau_xy = Eigen::Map<const Eigen::VectorXd>(stress.data() + tactels, tactels);
+    } else {
+      step.normal_force = step.tangential_force = Eigen::VectorXd::Zero(elements);
+      step.sigma_y = step.tau_xy = Eigen::VectorXd::Zero(tactels);
+      step.status.assign(elements, fem::GapStatus::open);
+    }
+    solution.sliding = status == LANE_SLIDING && k >= scene.indentation_steps;
+    solution.steps.push_back(std::move(step));
+  }
+  return solution;
+}
 
 template <class Real>
 void PatchContact<Real>::Scenes::push_back(const fem::Scene& scene, const fem::LoadPath& load, const Given& given) {
   const PatchPath path = patch_path(load, scene.load, contact_->pressing_increments());
-  this->begin(scene, load, path.steps.size());
+  this->add(kind_of(scene), {.steps = path.slots,
+                             .indentation_steps = path.indentation_slots,
+                             .increments = static_cast<int>(path.steps.size()),
+                             .friction = scene.friction,
+                             .young = scene.sensor.young,
+                             .position = scene.indenter.position});
   if (contact_->family) {
     contact_->family->require(scene.sensor);
     this->sensors.push_back(scene.sensor);
@@ -226,11 +220,15 @@ std::vector<std::size_t> PatchContact<Real>::Scenes::by_cost() const {
 template <class Real>
 PatchContact<Real>::PatchContact(Executor& executor, const fem::SensorFamily& family,
                                  const PatchContactOptions& options)
-    : state_(std::make_shared<State>(executor, family, options)) {}
+    : state_(std::make_shared<State>(executor, options, family_tables(family))) {
+  state_->family = family;
+}
 
 template <class Real>
 PatchContact<Real>::PatchContact(Executor& executor, const fem::LayerModel& model, const PatchContactOptions& options)
-    : state_(std::make_shared<State>(executor, model, options)) {}
+    : state_(std::make_shared<State>(executor, options, patch_tables(model))) {
+  state_->model = std::make_shared<const fem::LayerModel>(model);
+}
 
 template <class Real>
 std::shared_ptr<const fem::LayerModel> PatchContact<Real>::model_of(const fem::Sensor& sensor) const {
@@ -252,9 +250,8 @@ ContactBatch<Real> PatchContact<Real>::prepare(std::span<const fem::Scene> scene
 
 template <class Real>
 ContactBatch<Real> PatchContact<Real>::prepare(Scenes scenes, bool forces) const {
-  auto batch = std::make_shared<BatchState>();
+  auto batch = std::make_shared<LaneState<Real>>();
   auto& b = *batch;
-  b.contact = state_;
   const ContactKind kind = scenes.kind;
   const std::vector<Real> shape_numbers = std::move(scenes.shapes_);
   std::vector<std::size_t> order = scenes.by_cost();
@@ -264,17 +261,16 @@ ContactBatch<Real> PatchContact<Real>::prepare(Scenes scenes, bool forces) const
   b.shapes = Buffer<Real>(b.device(), std::max<std::size_t>(shape_numbers.size(), 1));
   std::ranges::copy(shape_numbers, b.shapes.map(MapFor::writing).view().begin());
   if (state_->family) b.more_inputs = {state_->sensor_rows(b)};
-  b.result_rows = PATCH_BLOCK, b.output_rows = state_->outputs, b.force_rows = forces ? state_->force_rows() : 0;
-  const auto outputs = [&](std::size_t rows) {
-    return LaneArray<Real>(b.device(), b.lanes, state_->interleaved_lanes, rows);
+  const auto outputs = [&](std::size_t steps, std::size_t rows, bool written = true) {
+    return LaneArray<Real>(b.device(), written ? b.lanes : 0, state_->interleaved_lanes, steps, rows);
   };
-  b.results = outputs(b.steps * b.result_rows), b.outputs = outputs(b.steps * b.output_rows);
-  b.forces = outputs(b.steps * b.force_rows), b.patches = outputs(PATCH_BLOCK);
+  b.results = outputs(b.steps, PATCH_BLOCK), b.outputs = outputs(b.steps, state_->outputs);
+  b.forces = outputs(b.steps, state_->force_rows(), forces), b.patches = outputs(1, PATCH_BLOCK);
   const PatchContactOptions& o = state_->options;
   b.launch = state_->executor.prepare(state_->program(kind), state_->kernel(), [&](KernelArguments& kernel) {
     state_->tables.bind(kernel);
     if (state_->family) kernel.set("sensors", b.more_inputs.front().numbers);
-    kernel.set("outputs", std::int32_t(b.output_rows));
+    kernel.set("outputs", std::int32_t(b.outputs.rows));
     kernel.set("shapes", b.shapes);
     kernel.set("lane_input", b.input.numbers);
     kernel.set("path", b.path.numbers);
@@ -289,58 +285,18 @@ ContactBatch<Real> PatchContact<Real>::prepare(Scenes scenes, bool forces) const
     kernel.set("stress", b.outputs.numbers);
     kernel.set("patches", b.patches.numbers);
   });
+  b.solution = [contact = state_, forces](const LaneView<Real>& view, std::size_t i) {
+    if (!forces) throw std::logic_error("PatchContact: a solution of a batch without forces");
+    return contact->solution(view, i);
+  };
   return Batch(std::move(batch));
 }
 
 template <class Real>
 void PatchContact<Real>::set_parts(Batch& batch, bool path, bool base_stress) {
-  auto& b = batch.state();
+  LaneState<Real>& b = *batch.state();
   b.launch.set("increments", std::int32_t(path ? b.increments : 0));
-  b.launch.set("outputs", std::int32_t(path && base_stress ? b.output_rows : 0));
-}
-
-template <class Real>
-fem::ContactSolution PatchContact<Real>::BatchState::solution(const typename Batch::View& view, std::size_t i) const {
-  if (this->force_rows == 0) throw std::logic_error("PatchContact: a solution of a batch without forces");
-  const auto& scene = this->scenes[i];
-  const int elements = contact->elements, tactels = contact->tactels;
-  const double origin = view.patch(i, PATCH_ORIGIN), width = view.patch(i, PATCH_ELEMENT);
-  const Real mu = static_cast<Real>(std::min(scene.friction, fem::largest_friction));
-  fem::ContactSolution solution;
-  solution.surface_x = Eigen::VectorXd::NullaryExpr(
-      elements, [&](auto n) { return scene.position + origin + width * (static_cast<double>(n) + 0.5); });
-  solution.surface_width = Eigen::VectorXd::Constant(elements, width);
-  solution.tactel_x = fem::tactel_positions(this->sensor(i));
-  for (int k = 0; k < scene.steps; ++k) {
-    const auto result = [&](int row) { return static_cast<double>(view.result(i, k, row)); };
-    const int status = static_cast<int>(result(LANE_STATUS));
-    if (status == LANE_NOT_RUN) break;
-    fem::ContactStep step = lane_step(result, scene.friction);
-    if (status != LANE_INVALID) {
-      const auto force = [&](auto row) { return view.force(i, k, static_cast<int>(row)); };
-      step.normal_force =
-          Eigen::VectorXd::NullaryExpr(elements, [&](auto n) { return static_cast<double>(force(n)) * scene.young; });
-      step.tangential_force = Eigen::VectorXd::NullaryExpr(
-          elements, [&](auto n) { return static_cast<double>(force(elements + n)) * scene.young; });
-      for (int n = 0; n < elements; ++n) {
-        const bool sticks = std::abs(force(elements + n)) < mu * force(n);
-        step.status.push_back(!(force(n) > 0) ? fem::GapStatus::open
-                              : sticks        ? fem::GapStatus::stick
-                                              : fem::GapStatus::slip);
-      }
-      std::vector<double> stress(2 * static_cast<std::size_t>(tactels));
-      view.answer(i).tactels(k, std::span(stress));
-      step.sigma_y = Eigen::Map<const Eigen::VectorXd>(stress.data(), tactels);
-      step.tau_xy = Eigen::Map<const Eigen::VectorXd>(stress.data() + tactels, tactels);
-    } else {
-      step.normal_force = step.tangential_force = Eigen::VectorXd::Zero(elements);
-      step.sigma_y = step.tau_xy = Eigen::VectorXd::Zero(tactels);
-      step.status.assign(elements, fem::GapStatus::open);
-    }
-    solution.sliding = status == LANE_SLIDING && k >= scene.indentation_steps;
-    solution.steps.push_back(std::move(step));
-  }
-  return solution;
+  b.launch.set("outputs", std::int32_t(path && base_stress ? b.outputs.rows : 0));
 }
 
 template class PatchContact<float>;

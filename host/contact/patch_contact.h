@@ -78,7 +78,6 @@ class PatchContact {
   const PatchContactOptions& options() const;
 
  private:
-  struct BatchState;
   std::shared_ptr<State> state_;
 };
 

@@ -36,15 +36,6 @@ SolveOutcome solve_reference(const fem::Scene& scene, const SolveOptions& option
   return {fem::solve_gap_reference(scene, reference), "full-mesh", "fp64", "host"};
 }
 
-/// The rung of a scene on a patch: the one asked for; where none is, the usual one, in fp64 where the device has it.
-Rung patch_rung(const SolveOptions& options, const DeviceInfo& device) {
-  Rung rung = options.rung.empty() ? usual_patch() : rung_named(options.rung);
-  if (options.rung.empty() && device.fp64) rung.precision = Precision::fp64;
-  if (!options.precision.empty()) rung.precision = options.precision == "fp64" ? Precision::fp64 : Precision::fp32;
-  if (options.tolerance) rung.accept_at_most(*options.tolerance);
-  return rung;
-}
-
 std::string rung_reason(const SolveOptions& options) {
   if (!options.rung.empty()) return "--rung " + options.rung;
   return options.model ? "a patch was requested" : "the scene file names no mesh";
@@ -64,29 +55,29 @@ SolveOutcome outcome_on(const Rung& rung, const fem::Scene& scene, fem::ContactS
   return outcome;
 }
 
-SolveOutcome solve_on_patch(const fem::Scene& scene, const SolveOptions& options) {
-  Executor executor{Device(options.device).for_one_contact()};
-  const Rung rung = patch_rung(options, executor.device().info());
-  auto answers = ContactStream(executor, model_of(rung)).solve(std::span(&scene, 1));
-  SolveOutcome outcome =
-      outcome_on(rung, scene, std::move(answers.front()), executor.device().info().name, rung_reason(options));
-  outcome.rung = options.rung.empty() ? "" : rung.name;
-  return outcome;
-}
-
-/// One scene is no work at all: fp64 unless the device lacks it or fp32 is asked for.
-SolveOutcome solve_on_mesh(const fem::Scene& scene, const SolveOptions& options) {
+/// On the rung that was asked for; where none was, on the usual patch or the scene's own mesh, in fp64 where the device
+/// has it: one scene is no work at all.
+SolveOutcome solve_batched(const fem::Scene& scene, const SolveOptions& options, bool on_patch) {
   Executor executor{Device(options.device).for_one_contact()};
   const DeviceInfo& device = executor.device().info();
-  const Rung* rung = options.rung.empty() ? nullptr : &rung_named(options.rung);
-  const bool wanted = rung ? rung->precision == Precision::fp64 : device.fp64;
-  const bool fp64 = options.precision.empty() ? wanted : options.precision == "fp64";
-  const Precision precision = fp64 ? Precision::fp64 : Precision::fp32;
-  GapSweepOptions sweep = rung ? std::get<MeshModel>(model_of(*rung).surface).options : GapSweepOptions{};
-  if (options.tolerance) sweep.tolerance = 0, sweep.accept = *options.tolerance;
-  sweep.second_opinion = scene.sensor.columns <= most_columns_asked_twice;
-  auto solutions = solve_on_meshes(executor, std::span(&scene, 1), precision, sweep);
-  return {std::move(solutions.front()), "batched", name(precision), device.name};
+  const bool named = !options.rung.empty();
+  Rung rung = named ? rung_named(options.rung) : usual_patch();
+  if (!named && device.fp64) rung.precision = Precision::fp64;
+  if (!options.precision.empty()) rung.precision = options.precision == "fp64" ? Precision::fp64 : Precision::fp32;
+  if (options.tolerance) rung.accept_at_most(*options.tolerance);
+  ContactModel model = model_of(rung);
+  if (!on_patch) {
+    GapSweepOptions sweep;
+    if (named) sweep.tolerance = rung.tolerance;
+    sweep.accept = rung.accept;
+    sweep.second_opinion = scene.sensor.columns <= most_columns_asked_twice;
+    model.surface = MeshModel{sweep};
+  }
+  auto solutions = ContactStream(executor, std::move(model)).solve(std::span(&scene, 1));
+  if (!on_patch) return {std::move(solutions.front()), "batched", name(rung.precision), device.name};
+  SolveOutcome outcome = outcome_on(rung, scene, std::move(solutions.front()), device.name, rung_reason(options));
+  if (!named) outcome.rung.clear();
+  return outcome;
 }
 
 SolveOutcome solve_to_accuracy(const fem::Scene& scene, const SolveOptions& options) {
@@ -234,9 +225,10 @@ SolveOutcome solve(const fem::Scene& scene, const SolveOptions& options) {
   const Rung* rung = options.rung.empty() ? nullptr : &rung_named(options.rung);
   const bool full_mesh = options.solver == "full-mesh";
   const fem::SurfaceModel model = options.model.value_or(scene.model);
-  if (!full_mesh && (rung ? rung->patch() : model == fem::SurfaceModel::patch)) return solve_on_patch(scene, options);
+  if (!full_mesh && (rung ? rung->patch() : model == fem::SurfaceModel::patch))
+    return solve_batched(scene, options, true);
   const fem::Scene modelled = rung ? on_mesh(scene, *rung) : scene;
-  SolveOutcome outcome = full_mesh ? solve_reference(modelled, options) : solve_on_mesh(modelled, options);
+  SolveOutcome outcome = full_mesh ? solve_reference(modelled, options) : solve_batched(modelled, options, false);
   outcome.scene = modelled;
   outcome.rung = options.rung;
   outcome.model_reason = rung                                     ? "--rung " + options.rung

@@ -19,4 +19,9 @@ std::vector<fem::ContactSolution> solve_on_rung(Executor& executor, std::span<co
   return ContactStream(executor, std::move(model)).solve(meshed);
 }
 
+std::vector<fem::ContactSolution> solve_on_meshes(Executor& executor, std::span<const fem::Scene> scenes,
+                                                  Precision precision, const GapSweepOptions& options) {
+  return ContactStream(executor, {MeshModel{options}, precision}).solve(scenes);
+}
+
 }  // namespace tactel::host

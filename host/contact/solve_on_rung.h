@@ -7,6 +7,7 @@
 #include "fem/contact_solution.h"
 #include "fem/layer/sensor_family.h"
 #include "fem/scene.h"
+#include "host/contact/gap_sweep.h"
 #include "host/device/executor.h"
 #include "host/scenes/ladder.h"
 
@@ -18,5 +19,9 @@ namespace tactel::host {
 std::vector<fem::ContactSolution> solve_on_rung(Executor& executor, std::span<const fem::Scene> scenes,
                                                 const Rung& rung, bool nodes = true,
                                                 std::shared_ptr<const fem::SensorFamily> family = {});
+
+/// Solves scenes on the meshes of their sensors.
+std::vector<fem::ContactSolution> solve_on_meshes(Executor& executor, std::span<const fem::Scene> scenes,
+                                                  Precision precision, const GapSweepOptions& options = {});
 
 }  // namespace tactel::host

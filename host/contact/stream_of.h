@@ -8,7 +8,6 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <numeric>
 #include <optional>
 #include <span>
 #include <vector>
@@ -97,19 +96,50 @@ class StreamOf {
       : executor_(executor), contacts_(executor, std::move(model)) {}
 
   /// Makes the tables of these sensors beforehand, on all threads, and keeps them.
-  void keep(std::span<const Sensor> sensors);
+  void keep(std::span<const Sensor> sensors) {
+    std::map<decltype(Key::sensor), const Sensor*> distinct;
+    for (const Sensor& sensor : sensors) distinct.try_emplace(contacts_.key(sensor, {}).sensor, &sensor);
+    const std::vector<std::pair<decltype(Key::sensor), const Sensor*>> all(distinct.begin(), distinct.end());
+    most_kept_ = std::max(most_kept_, all.size());
+    make_tables(executor_, all.size(), [&](std::size_t k) {
+      auto made = contacts_.solver(*all[k].second);
+      made->launch();  // which makes what launches need
+      const std::lock_guard lock(turn_);
+      kept_.emplace_front(all[k].first, std::move(made));
+    });
+  }
 
   /// Scenes of a part of the stream, in its launches.
   class Part {
    public:
     std::size_t size() const { return places_.size(); }
-    std::size_t steps() const;  ///< load steps of all scenes
-    double seconds() const;     ///< in kernels
-    void lay_out();
-    void run(const RunOptions& options = {});
+    std::size_t steps() const {  ///< load steps of all scenes
+      std::size_t all = 0;
+      for (const Launched& of : launches_) all += of.launch->steps();
+      return all;
+    }
+    double seconds() const {  ///< in kernels
+      double all = 0;
+      for (const Launched& of : launches_) all += of.launch->seconds();
+      return all;
+    }
+    void lay_out() {
+      for (Launched& of : launches_) of.launch->lay_out();
+    }
+    void run(const RunOptions& options = {}) {
+      for (Launched& of : launches_) of.launch->run(options);
+    }
     /// Calls visit(i, answer) for all scenes in the order in which memory is read fast. `stresses`: they are read, too.
     template <class Visit>
-    void each(bool stresses, const Visit& visit) const;
+    void each(bool stresses, const Visit& visit) const {
+      const auto scene_at = [&](std::size_t place) { return order_.empty() ? place : order_[place]; };
+      for (std::size_t place = 0; place < size(); ++place) {
+        const LaneAnswer ahead = answer(scene_at(std::min(place + fetched_ahead, size() - 1)));
+        ahead.fetch_results();
+        if (stresses) ahead.fetch_stresses();
+        visit(scene_at(place), answer(scene_at(place)));
+      }
+    }
     LaneAnswer answer(std::size_t i) const { return launches_[places_[i].launch].launch->answer(places_[i].i); }
 
    private:
@@ -124,28 +154,135 @@ class StreamOf {
     struct Place {
       std::uint32_t launch = 0, i = 0;
     };
-    void open();
+    /// Where lanes take turns in memory they are read as they lie there; else in the order of the scenes.
+    void open() {
+      for (Launched& of : launches_) {
+        of.launch->open();
+        if (of.launch->answer(0).stride == 1) continue;
+        for (const std::size_t i : of.launch->by_lane()) order_.push_back(of.which[i]);
+      }
+    }
     std::vector<Launched> launches_;
     std::vector<Place> places_;       ///< [scenes]
     std::vector<std::size_t> order_;  ///< of reading; empty: that of the scenes
   };
-  void add(Part& part, const Scene& scene, const typename Contacts::Path& path) const;
+  void add(Part& part, const Scene& scene, const typename Contacts::Path& path) const {
+    const Key key = contacts_.key(scene);
+    const std::size_t steps = path.steps.size();
+    std::size_t l = part.launches_.size();
+    while (l > 0 && part.launches_[l - 1].key != key) --l;
+    if (l == 0 ||
+        (part.launches_[l - 1].which.size() + 1) * std::max(steps, part.launches_[l - 1].longest) > most_lane_steps) {
+      auto own = solver(key, scene.sensor);
+      auto launch = own->launch();
+      part.launches_.push_back({key, std::move(own), std::move(launch)});
+      l = part.launches_.size();
+    }
+    auto& of = part.launches_[l - 1];
+    of.launch->add(scene, path);
+    of.longest = std::max(of.longest, steps);
+    part.places_.push_back({static_cast<std::uint32_t>(l - 1), static_cast<std::uint32_t>(of.which.size())});
+    of.which.push_back(part.places_.size() - 1);
+  }
   /// Gives the answers of a part that has run: lane() where the certificate holds, then solution(). `scene`: returns
   /// scene i. The part can be read until it ends.
   void collect(Part& part, const std::function<Scene(std::size_t i)>& scene, const LaneSink& lane,
-               const SolutionSink& solution) const;
+               const SolutionSink& solution) const {
+    part.open();
+    Groups others(part.launches_.size());
+    part.each(false, [&](std::size_t i, const LaneAnswer& answer) {
+      const std::size_t launch = part.places_[i].launch;
+      if (part.launches_[launch].solver->holds(answer))
+        lane(i, answer);
+      else
+        others[launch].push_back(i);
+    });
+    for (std::size_t launch = 0; launch < others.size(); ++launch) {
+      if (others[launch].empty()) continue;
+      std::vector<Scene> scenes;
+      std::vector<LaneAnswer> known;
+      for (const std::size_t i : others[launch]) scenes.push_back(scene(i)), known.push_back(part.answer(i));
+      std::vector<Solution> solutions = part.launches_[launch].solver->solve(scenes, known);
+      contacts_.finish(scenes, solutions);
+      for (std::size_t k = 0; k < scenes.size(); ++k) solution(others[launch][k], std::move(solutions[k]));
+    }
+  }
 
   /// Solves scenes with all their forces. Throws ValueError for an invalid scene.
-  std::vector<Solution> solve(std::span<const Scene> scenes) const;
+  std::vector<Solution> solve(std::span<const Scene> scenes) const {
+    for (const Scene& scene : scenes) scene.validate();
+    std::vector<Solution> all(scenes.size());
+    for (const auto& which : alike(scenes)) {
+      std::vector<Scene> copies;
+      if (which.size() < scenes.size())
+        for (const std::size_t i : which) copies.push_back(scenes[i]);
+      const std::span<const Scene> group = copies.empty() ? scenes : copies;
+      const Scene& first = group.front();
+      std::vector<Solution> solutions = solver(contacts_.key(first), first.sensor)->solve(group, {});
+      contacts_.finish(group, solutions);
+      for (std::size_t k = 0; k < which.size(); ++k) all[which[k]] = std::move(solutions[k]);
+    }
+    return all;
+  }
   /// Solves many scenes without their forces, part by part. The sinks are called in one other thread. Returns false
   /// where progress, in scenes, did.
   bool solve(std::span<const Scene> scenes, const LaneSink& lane, const SolutionSink& solution,
-             const std::function<bool(std::size_t done)>& progress) const;
+             const std::function<bool(std::size_t done)>& progress) const {
+    std::vector<std::size_t> order;
+    for (const auto& group : alike(scenes)) order.insert(order.end(), group.begin(), group.end());
+    const auto begin = [&](std::size_t first) {
+      return std::async(std::launch::async, [&, first] {
+        Part part;
+        for (std::size_t k = first; k < std::min(first + most_scenes_of_a_part, order.size()); ++k)
+          add(part, scenes[order[k]], Contacts::path(scenes[order[k]]));
+        part.lay_out();
+        return part;
+      });
+    };
+    const auto gather = [&](Part& part, std::size_t first) {
+      collect(
+          part, [&](std::size_t k) { return scenes[order[first + k]]; },
+          [&](std::size_t k, const LaneAnswer& answer) { lane(order[first + k], answer); },
+          [&](std::size_t k, Solution&& solved) { solution(order[first + k], std::move(solved)); });
+    };
+    std::future<void> gathered;
+    std::future<Part> next;
+    for (std::size_t first = 0; first < order.size(); first += most_scenes_of_a_part) {
+      if (!progress(first)) return false;
+      auto part = std::make_shared<Part>(first == 0 ? begin(0).get() : next.get());
+      if (first + most_scenes_of_a_part < order.size()) next = begin(first + most_scenes_of_a_part);
+      part->run();
+      if (gathered.valid()) gathered.get();
+      gathered = std::async(std::launch::async, [&gather, part, first] { gather(*part, first); });
+    }
+    if (gathered.valid()) gathered.get();
+    return true;
+  }
 
  private:
   using Groups = std::vector<std::vector<std::size_t>>;
-  Groups alike(std::span<const Scene> scenes) const;
-  std::shared_ptr<const Solver> solver(const Key& key, const Sensor& sensor) const;
+  /// Groups of scenes with equal keys, in the order of their first scene.
+  Groups alike(std::span<const Scene> scenes) const {
+    Groups groups;
+    std::map<Key, std::size_t> places;
+    for (std::size_t i = 0; i < scenes.size(); ++i) {
+      const auto [place, is_new] = places.try_emplace(contacts_.key(scenes[i]), groups.size());
+      if (is_new) groups.emplace_back();
+      groups[place->second].push_back(i);
+    }
+    return groups;
+  }
+  std::shared_ptr<const Solver> solver(const Key& key, const Sensor& sensor) const {
+    const std::lock_guard lock(turn_);
+    const auto found = std::ranges::find(kept_, key.sensor, [](const auto& kept) { return kept.first; });
+    if (found != kept_.end()) {
+      kept_.splice(kept_.begin(), kept_, found);
+    } else {
+      kept_.emplace_front(key.sensor, contacts_.solver(sensor));
+      if (kept_.size() > most_kept_) kept_.pop_back();
+    }
+    return kept_.front().second;
+  }
 
   /// Lanes times load steps of a launch, at most: some 60 MB of results.
   static constexpr std::size_t most_lane_steps = 1u << 18, most_scenes_of_a_part = 8192;
@@ -158,182 +295,5 @@ class StreamOf {
   mutable std::mutex turn_;                                                                  ///< of the next
   mutable std::list<std::pair<decltype(Key::sensor), std::shared_ptr<const Solver>>> kept_;  ///< the last used first
 };
-
-template <class Contacts>
-void StreamOf<Contacts>::keep(std::span<const Sensor> sensors) {
-  std::map<decltype(Key::sensor), const Sensor*> distinct;
-  for (const Sensor& sensor : sensors) distinct.try_emplace(contacts_.key(sensor, {}).sensor, &sensor);
-  const std::vector<std::pair<decltype(Key::sensor), const Sensor*>> all(distinct.begin(), distinct.end());
-  most_kept_ = std::max(most_kept_, all.size());
-  make_tables(executor_, all.size(), [&](std::size_t k) {
-    auto made = contacts_.solver(*all[k].second);
-    const std::lock_guard lock(turn_);
-    kept_.emplace_front(all[k].first, std::move(made));
-  });
-}
-
-template <class Contacts>
-auto StreamOf<Contacts>::solver(const Key& key, const Sensor& sensor) const -> std::shared_ptr<const Solver> {
-  const std::lock_guard lock(turn_);
-  const auto found = std::ranges::find(kept_, key.sensor, [](const auto& kept) { return kept.first; });
-  if (found != kept_.end()) {
-    kept_.splice(kept_.begin(), kept_, found);
-  } else {
-    kept_.emplace_front(key.sensor, contacts_.solver(sensor));
-    if (kept_.size() > most_kept_) kept_.pop_back();
-  }
-  return kept_.front().second;
-}
-
-template <class Contacts>
-std::size_t StreamOf<Contacts>::Part::steps() const {
-  return std::accumulate(launches_.begin(), launches_.end(), std::size_t{0},
-                         [](std::size_t sum, const Launched& of) { return sum + of.launch->steps(); });
-}
-
-template <class Contacts>
-double StreamOf<Contacts>::Part::seconds() const {
-  return std::accumulate(launches_.begin(), launches_.end(), 0.0,
-                         [](double sum, const Launched& of) { return sum + of.launch->seconds(); });
-}
-
-template <class Contacts>
-void StreamOf<Contacts>::Part::lay_out() {
-  for (Launched& of : launches_) of.launch->lay_out();
-}
-
-template <class Contacts>
-void StreamOf<Contacts>::Part::run(const RunOptions& options) {
-  for (Launched& of : launches_) of.launch->run(options);
-}
-
-/// Where lanes take turns in memory they are read as they lie there; else in the order of the scenes.
-template <class Contacts>
-void StreamOf<Contacts>::Part::open() {
-  for (Launched& of : launches_) {
-    of.launch->open();
-    if (of.launch->answer(0).stride == 1) continue;
-    for (const std::size_t i : of.launch->by_lane()) order_.push_back(of.which[i]);
-  }
-}
-
-template <class Contacts>
-template <class Visit>
-void StreamOf<Contacts>::Part::each(bool stresses, const Visit& visit) const {
-  const auto scene_at = [&](std::size_t place) { return order_.empty() ? place : order_[place]; };
-  for (std::size_t place = 0; place < size(); ++place) {
-    const LaneAnswer ahead = answer(scene_at(std::min(place + fetched_ahead, size() - 1)));
-    ahead.fetch_results();
-    if (stresses) ahead.fetch_stresses();
-    visit(scene_at(place), answer(scene_at(place)));
-  }
-}
-
-template <class Contacts>
-void StreamOf<Contacts>::add(Part& part, const Scene& scene, const typename Contacts::Path& path) const {
-  const Key key = contacts_.key(scene);
-  const std::size_t steps = path.steps.size();
-  std::size_t l = part.launches_.size();
-  while (l > 0 && part.launches_[l - 1].key != key) --l;
-  if (l == 0 ||
-      (part.launches_[l - 1].which.size() + 1) * std::max(steps, part.launches_[l - 1].longest) > most_lane_steps) {
-    auto own = solver(key, scene.sensor);
-    auto launch = own->launch();
-    part.launches_.push_back({key, std::move(own), std::move(launch)});
-    l = part.launches_.size();
-  }
-  auto& of = part.launches_[l - 1];
-  of.launch->add(scene, path);
-  of.longest = std::max(of.longest, steps);
-  part.places_.push_back({static_cast<std::uint32_t>(l - 1), static_cast<std::uint32_t>(of.which.size())});
-  of.which.push_back(part.places_.size() - 1);
-}
-
-template <class Contacts>
-void StreamOf<Contacts>::collect(Part& part, const std::function<Scene(std::size_t)>& scene, const LaneSink& lane,
-                                 const SolutionSink& solution) const {
-  part.open();
-  Groups others(part.launches_.size());
-  part.each(false, [&](std::size_t i, const LaneAnswer& answer) {
-    const std::size_t launch = part.places_[i].launch;
-    if (part.launches_[launch].solver->holds(answer))
-      lane(i, answer);
-    else
-      others[launch].push_back(i);
-  });
-  for (std::size_t launch = 0; launch < others.size(); ++launch) {
-    if (others[launch].empty()) continue;
-    std::vector<Scene> scenes;
-    std::vector<LaneAnswer> known;
-    for (const std::size_t i : others[launch]) scenes.push_back(scene(i)), known.push_back(part.answer(i));
-    std::vector<Solution> solutions = part.launches_[launch].solver->solve(scenes, known);
-    contacts_.finish(scenes, solutions);
-    for (std::size_t k = 0; k < scenes.size(); ++k) solution(others[launch][k], std::move(solutions[k]));
-  }
-}
-
-/// Groups of scenes with equal keys, in the order of their first scene.
-template <class Contacts>
-auto StreamOf<Contacts>::alike(std::span<const Scene> scenes) const -> Groups {
-  Groups groups;
-  std::map<Key, std::size_t> places;
-  for (std::size_t i = 0; i < scenes.size(); ++i) {
-    const auto [place, is_new] = places.try_emplace(contacts_.key(scenes[i]), groups.size());
-    if (is_new) groups.emplace_back();
-    groups[place->second].push_back(i);
-  }
-  return groups;
-}
-
-template <class Contacts>
-auto StreamOf<Contacts>::solve(std::span<const Scene> scenes) const -> std::vector<Solution> {
-  for (const Scene& scene : scenes) scene.validate();
-  std::vector<Solution> all(scenes.size());
-  for (const auto& which : alike(scenes)) {
-    std::vector<Scene> copies;
-    if (which.size() < scenes.size())
-      for (const std::size_t i : which) copies.push_back(scenes[i]);
-    const std::span<const Scene> group = copies.empty() ? scenes : copies;
-    const Scene& first = group.front();
-    std::vector<Solution> solutions = solver(contacts_.key(first), first.sensor)->solve(group, {});
-    contacts_.finish(group, solutions);
-    for (std::size_t k = 0; k < which.size(); ++k) all[which[k]] = std::move(solutions[k]);
-  }
-  return all;
-}
-
-template <class Contacts>
-bool StreamOf<Contacts>::solve(std::span<const Scene> scenes, const LaneSink& lane, const SolutionSink& solution,
-                               const std::function<bool(std::size_t)>& progress) const {
-  std::vector<std::size_t> order;
-  for (const auto& group : alike(scenes)) order.insert(order.end(), group.begin(), group.end());
-  const auto begin = [&](std::size_t first) {
-    return std::async(std::launch::async, [&, first] {
-      Part part;
-      for (std::size_t k = first; k < std::min(first + most_scenes_of_a_part, order.size()); ++k)
-        add(part, scenes[order[k]], Contacts::path(scenes[order[k]]));
-      part.lay_out();
-      return part;
-    });
-  };
-  const auto gather = [&](Part& part, std::size_t first) {
-    collect(
-        part, [&](std::size_t k) { return scenes[order[first + k]]; },
-        [&](std::size_t k, const LaneAnswer& answer) { lane(order[first + k], answer); },
-        [&](std::size_t k, Solution&& solved) { solution(order[first + k], std::move(solved)); });
-  };
-  std::future<void> gathered;
-  std::future<Part> next;
-  for (std::size_t first = 0; first < order.size(); first += most_scenes_of_a_part) {
-    if (!progress(first)) return false;
-    auto part = std::make_shared<Part>(first == 0 ? begin(0).get() : next.get());
-    if (first + most_scenes_of_a_part < order.size()) next = begin(first + most_scenes_of_a_part);
-    part->run();
-    if (gathered.valid()) gathered.get();
-    gathered = std::async(std::launch::async, [&gather, part, first] { gather(*part, first); });
-  }
-  if (gathered.valid()) gathered.get();
-  return true;
-}
 
 }  // namespace tactel::host

@@ -20,10 +20,72 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// One load step as a row of a set.
+/// One load step of a contact.
 struct Row {
-  double slip_index = 0, P = 0, Q = 0, indentation = 0, tangential = 0, residual = 0;
+  std::optional<double> slip_index{};  ///< none: the step is no row
+  double P = 0, Q = 0, indentation = 0, tangential = 0, slip_distance = 0, residual = 0;
   int sticking = 0, slipping = 0, status = LANE_SOLVED;
+};
+
+/// The steps of an answer in place.
+struct StepsOfLane {
+  int count() const { return answer.steps; }
+  double element() const { return answer.element(); }
+  Row row(int k) const {
+    const auto result = [&](int row) { return answer.result(k, row); };
+    return {.slip_index = slip_index(friction, result(LANE_P), result(LANE_SLIP_INDEX)),
+            .P = result(LANE_P),
+            .Q = result(LANE_Q),
+            .indentation = result(LANE_INDENTATION),
+            .tangential = result(LANE_TANGENTIAL),
+            .slip_distance = result(LANE_SLIP_DISTANCE),
+            .residual = std::max({result(LANE_PENETRATION), result(LANE_CONE), result(LANE_COMPLEMENTARITY),
+                                  result(LANE_DRIFT), result(LANE_BALANCE)}),
+            .sticking = static_cast<int>(result(LANE_STICKING)),
+            .slipping = static_cast<int>(result(LANE_SLIPPING)),
+            .status = static_cast<int>(result(LANE_STATUS))};
+  }
+  void stress(int k, std::span<float> frame) const { answer.tactels(k, frame); }
+  bool slid() const { return static_cast<int>(answer.result(answer.steps - 1, LANE_STATUS)) >= LANE_SLIDING; }
+
+  LaneAnswer answer;
+  double friction = 0;
+};
+
+/// The steps of a contact that was solved again.
+struct StepsOfSolution {
+  int count() const { return static_cast<int>(solution.steps.size()); }
+  double element() const {
+    return solution.surface_width.size() > 0 ? solution.surface_width[0] : sensor.length / (sensor.columns - 1);
+  }
+  Row row(int k) const {
+    const fem::ContactStep& step = solution.steps[static_cast<std::size_t>(k)];
+    const auto touching = [&](fem::GapStatus status) {
+      return static_cast<int>(std::ranges::count(step.status, status));
+    };
+    const int sticking = touching(fem::GapStatus::stick);
+    return {.slip_index = step.slip_index,
+            .P = step.P,
+            .Q = step.Q,
+            .indentation = step.indentation,
+            .tangential = step.tangential,
+            .slip_distance = step.slip_distance,
+            .residual = fem::largest(step.residual),
+            .sticking = sticking,
+            .slipping = touching(fem::GapStatus::slip),
+            .status = !step.converged ? LANE_UNSOLVED
+                      : sticking      ? LANE_SOLVED
+                                      : LANE_SLIDING};
+  }
+  void stress(int k, std::span<float> frame) const {
+    const fem::ContactStep& step = solution.steps[static_cast<std::size_t>(k)];
+    std::ranges::copy(step.sigma_y.cast<float>(), frame.begin());
+    std::ranges::copy(step.tau_xy.cast<float>(), frame.begin() + step.sigma_y.size());
+  }
+  bool slid() const { return solution.sliding; }
+
+  const fem::ContactSolution& solution;
+  const fem::Sensor& sensor;
 };
 
 void resize(ContactSet& set, std::size_t rows) {
@@ -47,10 +109,11 @@ struct Contact {
   bool until_sliding = false;
 };
 
-/// Fills row `at` but for its frame, whose place it returns.
-std::span<float> put_row(ContactSet& set, std::size_t at, const Row& row, const Contact& of, int step) {
+/// Puts a step into row `at`.
+template <class Steps>
+void put_row(ContactSet& set, std::size_t at, const Steps& steps, const Row& row, const Contact& of, int step) {
   const int touching = row.sticking + row.slipping;
-  set.slip_index[at] = static_cast<float>(std::clamp(row.slip_index, -1.0, 1.0));  // rounding apart, Q <= mu P
+  set.slip_index[at] = static_cast<float>(std::clamp(*row.slip_index, -1.0, 1.0));  // rounding apart, Q <= mu P
   set.normal_force[at] = static_cast<float>(row.P);
   set.tangential_force[at] = static_cast<float>(row.Q);
   set.indentation[at] = static_cast<float>(row.indentation);
@@ -69,121 +132,57 @@ std::span<float> put_row(ContactSet& set, std::size_t at, const Row& row, const 
     set.young[at] = static_cast<float>(of.sensor.young);
     set.length[at] = static_cast<float>(of.sensor.length);
   }
-  return std::span(set.frames).subspan(at * set.inputs, set.inputs);
+  steps.stress(step, std::span(set.frames).subspan(at * set.inputs, set.inputs));
 }
 
-/// Which steps of a contact that the fallback solved become rows.
-std::vector<int> rows_of(const fem::ContactSolution& solution, int first) {
-  std::vector<int> steps;
-  for (int k = first; k < static_cast<int>(solution.steps.size()); ++k)
-    if (solution.steps[k].slip_index) steps.push_back(k);
-  return steps;
+/// Whether a step of a contact becomes a row.
+bool is_row(const Row& row, const Contact& of, int step) {
+  return step >= of.first_step && row.status != LANE_NOT_RUN && row.slip_index;
 }
 
-void put_stress(const fem::ContactStep& step, std::span<float> frame) {
-  std::ranges::copy(step.sigma_y.cast<float>(), frame.begin());
-  std::ranges::copy(step.tau_xy.cast<float>(), frame.begin() + step.sigma_y.size());
-}
-
-void put_rows(ContactSet& set, std::size_t at, const fem::ContactSolution& solution, const Contact& of) {
-  for (const int k : rows_of(solution, of.first_step)) {
-    const fem::ContactStep& step = solution.steps[k];
-    Row row{.slip_index = *step.slip_index,
-            .P = step.P,
-            .Q = step.Q,
-            .indentation = step.indentation,
-            .tangential = step.tangential};
-    row.sticking = static_cast<int>(std::ranges::count(step.status, fem::GapStatus::stick));
-    row.slipping = static_cast<int>(std::ranges::count(step.status, fem::GapStatus::slip));
-    row.status = !step.converged ? LANE_UNSOLVED : row.sticking ? LANE_SOLVED : LANE_SLIDING;
-    const fem::Residual& r = step.residual;
-    row.residual = std::max({r.penetration, r.cone, r.complementarity, r.drift, r.balance});
-    put_stress(step, put_row(set, at++, row, of, k));
+/// Adds what the steps of a contact say together to the counts of a set. Returns how many of them become rows.
+template <class Steps>
+std::size_t survey(ContactSet& set, const Steps& steps, const Contact& of) {
+  const double element = steps.element();
+  std::size_t rows = 0;
+  double deepest = 0;  // mm
+  bool far = false;    // the indenter slides further over the rubber than displacements are small
+  for (int k = 0; k < steps.count(); ++k) {
+    const Row row = steps.row(k);
+    if (row.status == LANE_NOT_RUN) break;
+    deepest = std::max(deepest, row.indentation);
+    far = far || row.slip_distance > slip_limit(of.sensor, element * (row.sticking + row.slipping));
+    rows += is_row(row, of, k);
   }
+  set.too_deep += too_deep(of.sensor, deepest);
+  set.far_slip += far;
+  set.never_slid += rows > 0 && of.until_sliding && !steps.slid();
+  return rows;
 }
 
-/// What the load steps of a contact say together.
-struct Survey {
-  std::size_t rows = 0;      ///< steps that become rows
-  double deepest = 0;        ///< mm
-  bool slides_far = false;   ///< further over the rubber than displacements are small
-  bool ran_through = false;  ///< all steps, and did not slide in the last: a drag until sliding then never slid
-};
-
-double deepest(const fem::ContactSolution& solution) {
-  double most = 0;  // mm
-  for (const fem::ContactStep& step : solution.steps) most = std::max(most, step.indentation);
-  return most;
-}
-
-/// Whether the indenter slides further over the rubber than displacements are small.
-bool slides_far(const fem::Scene& scene, const fem::ContactSolution& solution) {
-  const bool patch = solution.surface_width.size() > 0;
-  const double element = patch ? solution.surface_width[0] : scene.sensor.length / (scene.sensor.columns - 1);
-  return std::ranges::any_of(solution.steps, [&](const fem::ContactStep& step) {
-    const auto touches = [](fem::GapStatus status) { return status != fem::GapStatus::open; };
-    const auto touching = static_cast<double>(std::ranges::count_if(step.status, touches));
-    return step.slip_distance > slip_limit(scene.sensor, element * touching);
-  });
-}
-
-Survey survey(const LaneAnswer& answer, const Contact& contact) {
-  const double element = answer.element();
-  Survey found;
-  for (int k = 0; k < answer.steps; ++k) {
-    const auto result = [&](int row) { return answer.result(k, row); };
-    const int status = static_cast<int>(result(LANE_STATUS));
-    if (status == LANE_NOT_RUN) break;
-    found.deepest = std::max(found.deepest, result(LANE_INDENTATION));
-    found.slides_far =
-        found.slides_far || result(LANE_SLIP_DISTANCE) >
-                                slip_limit(contact.sensor, element * (result(LANE_STICKING) + result(LANE_SLIPPING)));
-    found.rows += k >= contact.first_step && slip_index(contact.friction, result(LANE_P), 0);
-    found.ran_through = k == answer.steps - 1 && status != LANE_SLIDING;
-  }
-  return found;
-}
-
-/// A contact of the sweeps whose rows go into a set.
+/// Contacts whose rows go into a set, the next of each into row `at`.
+template <class Steps>
 struct RowsFrom {
   const Contact* contact = nullptr;
-  std::size_t at = 0;  ///< its next row
-  LaneAnswer answer;
+  std::size_t at = 0;
+  Steps steps;
 };
 
 /// Lanes whose numbers lie side by side in memory are read together, step by step.
-void put_rows(ContactSet& set, std::span<RowsFrom> contacts) {
-  int steps = 0;
-  for (const auto& rows : contacts) steps = std::max(steps, rows.answer.steps);
-  for (int k = 0; k < steps; ++k)
-    for (RowsFrom& rows : contacts) {
-      const Contact& contact = *rows.contact;
-      if (k < contact.first_step || k >= rows.answer.steps) continue;
-      const auto result = [&](int row) { return rows.answer.result(k, row); };
-      const int status = static_cast<int>(result(LANE_STATUS));
-      if (status == LANE_NOT_RUN) continue;
-      const auto S = slip_index(contact.friction, result(LANE_P), result(LANE_SLIP_INDEX));
-      if (!S) continue;
-      const Row row{.slip_index = *S,
-                    .P = result(LANE_P),
-                    .Q = result(LANE_Q),
-                    .indentation = result(LANE_INDENTATION),
-                    .tangential = result(LANE_TANGENTIAL),
-                    .residual = std::max({result(LANE_PENETRATION), result(LANE_CONE), result(LANE_COMPLEMENTARITY),
-                                          result(LANE_DRIFT), result(LANE_BALANCE)}),
-                    .sticking = static_cast<int>(result(LANE_STICKING)),
-                    .slipping = static_cast<int>(result(LANE_SLIPPING)),
-                    .status = status};
-      rows.answer.tactels(k, put_row(set, rows.at++, row, contact, k));
+template <class Steps>
+void put_rows(ContactSet& set, std::span<RowsFrom<Steps>> contacts) {
+  int most = 0;
+  for (const auto& from : contacts) most = std::max(most, from.steps.count());
+  for (int k = 0; k < most; ++k)
+    for (auto& from : contacts) {
+      if (k < from.contact->first_step || k >= from.steps.count()) continue;
+      const Row row = from.steps.row(k);
+      if (is_row(row, *from.contact, k)) put_row(set, from.at++, from.steps, row, *from.contact, k);
     }
 }
 
 /// Contacts that are solved again, by their place in the range.
-struct FallenContact {
-  fem::Scene scene;
-  fem::ContactSolution solution;
-};
-using Fallen = std::map<std::uint64_t, FallenContact>;
+using Fallen = std::map<std::uint64_t, fem::ContactSolution>;
 
 struct Chunk : SetSimulator::Range {
   std::vector<Contact> contacts;
@@ -222,7 +221,7 @@ struct SetSimulator::State {
         parameters(source.parameters()),
         columns(columns_of(source)),
         stream(executor, model_for(executor, source, options)) {
-    stream.keep(source.sensors());
+    if (!source.own_sensors()) stream.keep(source.sensors());  // of others the family has the tables
     if (source.transducer().present())
       chain.emplace(executor, source.transducer(), source.seed(), 2 * source.tactels());
   }
@@ -253,7 +252,7 @@ void SetSimulator::State::measure(ContactSet& set, const std::vector<std::size_t
       if (solution == fallen.end())
         answer.tactels(static_cast<int>(step), frame);
       else
-        put_stress(solution->second.solution.steps[step], frame);
+        StepsOfSolution{solution->second, chunk.contacts[k].sensor}.stress(static_cast<int>(step), frame);
     }
   });
   {
@@ -332,45 +331,38 @@ ContactSet SetSimulator::collect(Range& range) const {
       chunk.part,
       [&](std::size_t k) {
         if (!begin_again) begin_again = Clock::now();
-        return fallen[k].scene = state.source.contact(chunk.contacts[k].number).scene;
+        return state.source.contact(chunk.contacts[k].number).scene;
       },
       [&](std::size_t k, const LaneAnswer& answer) {
         const Contact& contact = chunk.contacts[k];
-        const Survey found = survey(answer, contact);
-        rows[k + 1] = found.rows;
-        set.too_deep += too_deep(contact.sensor, found.deepest);
-        set.far_slip += found.slides_far;
-        set.never_slid += found.rows > 0 && contact.until_sliding && found.ran_through;
+        rows[k + 1] = survey(set, StepsOfLane{answer, contact.friction}, contact);
       },
       [&](std::size_t k, fem::ContactSolution&& solution) {
-        rows[k + 1] = rows_of(solution, chunk.contacts[k].first_step).size();
-        fallen[k].solution = std::move(solution);
+        const Contact& contact = chunk.contacts[k];
+        set.fell_back += solution.fell_back;
+        set.unsolved += std::ranges::any_of(solution.steps, [](const auto& step) { return !step.converged; });
+        rows[k + 1] = survey(set, StepsOfSolution{solution, contact.sensor}, contact);
+        fallen[k] = std::move(solution);
       });
   if (begin_again) range.seconds.solve_again = seconds_since(*begin_again);
   set.contacts = chunk.count;
   set.without_rows = static_cast<std::uint64_t>(std::count(rows.begin() + 1, rows.end(), std::size_t{0}));
   std::partial_sum(rows.begin(), rows.end(), rows.begin());
   resize(set, rows.back());
-  std::vector<RowsFrom> together;
+  std::vector<RowsFrom<StepsOfLane>> together;
   const auto put = [&] {
-    put_rows(set, together);
+    put_rows(set, std::span(together));
     together.clear();
   };
   chunk.part.each(true, [&](std::size_t k, const LaneAnswer& answer) {
     if (rows[k] == rows[k + 1] || fallen.contains(k)) return;
-    together.push_back({&chunk.contacts[k], rows[k], answer});
+    together.push_back({&chunk.contacts[k], rows[k], {answer, chunk.contacts[k].friction}});
     if (together.size() == std::min(answer.stride, side_by_side_answers)) put();
   });
   put();
-  for (const auto& [k, contact] : fallen) {
-    const fem::Scene& scene = contact.scene;
-    const fem::ContactSolution& solution = contact.solution;
-    put_rows(set, rows[k], solution, chunk.contacts[k]);
-    set.fell_back += solution.fell_back;
-    set.too_deep += too_deep(scene.sensor, deepest(solution));
-    set.far_slip += slides_far(scene, solution);
-    set.never_slid += rows[k] < rows[k + 1] && never_slid(scene, solution);
-    set.unsolved += std::ranges::any_of(solution.steps, [](const auto& step) { return !step.converged; });
+  for (const auto& [k, solution] : fallen) {
+    RowsFrom<StepsOfSolution> one{&chunk.contacts[k], rows[k], {solution, chunk.contacts[k].sensor}};
+    put_rows(set, std::span(&one, 1));
   }
   set.contact_parameters = std::move(chunk.parameters);
   if (state.chain) state.measure(set, rows, chunk, fallen);

@@ -7,8 +7,8 @@
 
 #include "fem/gap_reference.h"
 #include "fem/value_error.h"
-#include "host/contact/contact_stream.h"
 #include "host/contact/gap_sweep.h"
+#include "host/contact/solve_on_rung.h"
 #include "host/studies/extremes/extremes.h"
 #include "kernels/shared/contact_layout.h"
 

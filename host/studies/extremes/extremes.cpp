@@ -8,8 +8,8 @@
 #include "fem/contact_laws.h"
 #include "fem/gap_reference.h"
 #include "fem/solution_difference.h"
-#include "host/contact/contact_stream.h"
 #include "host/contact/solve.h"
+#include "host/contact/solve_on_rung.h"
 
 namespace tactel::host {
 namespace {

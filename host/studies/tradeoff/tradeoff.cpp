@@ -4,11 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 
-#include "host/contact/contact_model.h"
-#include "host/contact/gap_sweep.h"
-#include "host/contact/patch_contact.h"
+#include "host/contact/contact_stream.h"
 #include "host/contact/solve_on_rung.h"
 #include "host/studies/tradeoff/scene_mix.h"
 #include "host/support/seconds.h"
@@ -47,30 +44,18 @@ void mark_front(std::vector<MeasuredModel>& models) {
     });
 }
 
-template <class Launcher>
-double timed(const Launcher& launcher, const std::vector<fem::Scene>& scenes, int runs) {
-  auto batch = launcher.prepare(scenes);
+/// Seconds in kernels, as sets run them: without forces of elements.
+double seconds_of(Executor& executor, const std::vector<fem::Scene>& scenes, const Rung& rung, int runs) {
+  const ContactStream stream(executor, model_of(rung));
+  ContactStream::Part part;
+  for (const fem::Scene& scene : scenes) stream.add(part, scene, fem::load_path(scene.load));
+  part.lay_out();
   double best = 1e300;
   for (int run = 0; run < runs; ++run) {
-    batch.run();
-    best = std::min(best, batch.seconds());
+    part.run();
+    best = std::min(best, part.seconds());
   }
   return best;
-}
-
-double seconds_of(Executor& executor, const std::vector<fem::Scene>& scenes, const Rung& rung, int runs) {
-  const bool fp32 = rung.precision == Precision::fp32;
-  const fem::Sensor& sensor = scenes.front().sensor;
-  if (rung.patch()) {
-    const PatchContactOptions options = std::get<PatchModel>(model_of(rung).surface).options;
-    const fem::LayerModel model = fem::layer_model(sensor);
-    return fp32 ? timed(PatchContact<float>(executor, model, options), scenes, runs)
-                : timed(PatchContact<double>(executor, model, options), scenes, runs);
-  }
-  GapSweepOptions options = std::get<MeshModel>(model_of(rung).surface).options;
-  options.nodes = false;
-  return fp32 ? timed(GapSweep<float>(executor, sensor, options), scenes, runs)
-              : timed(GapSweep<double>(executor, sensor, options), scenes, runs);
 }
 
 double asked_in_all(std::span<const fem::Scene> scenes) {

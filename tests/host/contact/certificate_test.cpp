@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "fem/contact_laws.h"
-#include "host/contact/contact_stream.h"
+#include "host/contact/solve_on_rung.h"
 #include "host/contact/gap_sweep.h"
 #include "tests/host/contact/contact_cases.h"
 #include "tests/host/device/test_device.h"

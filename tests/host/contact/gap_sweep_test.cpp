@@ -14,7 +14,7 @@
 #include "fem/gap_reference.h"
 #include "fem/gap_sweep.h"
 #include "fem/value_error.h"
-#include "host/contact/contact_stream.h"
+#include "host/contact/solve_on_rung.h"
 #include "kernels/shared/contact_layout.h"
 #include "tests/host/contact/contact_cases.h"
 #include "tests/host/device/test_device.h"

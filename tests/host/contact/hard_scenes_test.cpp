@@ -10,7 +10,7 @@
 #include "fem/contact_laws.h"
 #include "fem/gap_reference.h"
 #include "fem/solution_difference.h"
-#include "host/contact/contact_stream.h"
+#include "host/contact/solve_on_rung.h"
 #include "host/contact/gap_sweep.h"
 #include "host/contact/scene_json.h"
 #include "host/contact/solve.h"

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/contact/contact_fallback.h"
-#include "host/contact/line_contacts.h"
+#include "host/contact/contact_stream.h"
 #include "host/contact/rung_error.h"
 #include "host/contact/rung_for_many.h"
 #include "host/contact/solve.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/contact/line_contacts.h"
+#include "host/contact/contact_stream.h"
 
 #include <map>
 #include <mutex>
@@ -8,7 +8,6 @@
 #include "fem/layer/patch_reference.h"
 #include "fem/load_stepping.h"
 #include "host/contact/contact_fallback.h"
-#include "host/contact/contact_stream.h"
 #include "host/support/side_by_side.h"
 
 namespace tactel::host {
@@ -161,10 +160,5 @@ void LineContacts::finish(std::span<const fem::Scene> scenes, Solutions& solutio
 }
 
 template class StreamOf<LineContacts>;
-
-std::vector<fem::ContactSolution> solve_on_meshes(Executor& executor, std::span<const fem::Scene> scenes,
-                                                  Precision precision, const GapSweepOptions& options) {
-  return ContactStream(executor, {MeshModel{options}, precision}).solve(scenes);
-}
 
 }  // namespace tactel::host
