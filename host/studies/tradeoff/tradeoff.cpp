@@ -116,9 +116,9 @@ Tradeoff measure_tradeoff(Executor& executor, const TradeoffOptions& options) {
   double seconds = 0;  // of the last call
   const auto solve = [&](std::span<const fem::Scene> some, const Rung& rung) {
     if (options.progress && !options.progress(done++, models.size())) throw Stopped("stopped; no report is written");
-    const auto start = std::chrono::steady_clock::now();
+    const auto start = Clock::now();
     Answers answers = solve_on_rung(executor, some, rung, false);
-    seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    seconds = seconds_since(start);
     return answers;
   };
   const Answers truth = solve(scenes, reference);
