@@ -6,6 +6,8 @@
 #include <limits>
 #include <set>
 
+#include "fem/gap_path.h"
+
 namespace tactel::fem {
 namespace {
 

@@ -64,11 +64,6 @@ struct GapSearch {
 /// succeeds. Returns the pose that violates nothing, or none if a trial recurs or the search is exhausted.
 std::optional<GapPose> switch_statuses(const GapIncrement& increment, std::vector<Trial> trial, GapSearch& search);
 
-/// Path following: follows the solution from the previous pose as the load grows to its target, one status change
-/// at a time. It is slower, for increments where simultaneous changes cycle. Returns the statuses at the target,
-/// or none where the path does not reach it.
-std::optional<std::vector<Trial>> follow_path(const GapIncrement& increment, GapSearch& search, double offset_size);
-
 struct GapAnswer {
   GapPose pose;
   bool converged = false;

@@ -8,13 +8,13 @@
 //   gap + (1 - lambda) a >= 0,  n + (1 - lambda) b >= 0,  |t| <= mu (n + (1 - lambda) b)
 // with random a > 0 where the previous pose is open, b > 0 where it touches, large enough for it to be the solution at
 // lambda = 0.
+#include "fem/gap_path.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
 #include <utility>
-
-#include "fem/gap_increment.h"
 
 namespace tactel::fem {
 namespace {

@@ -31,95 +31,103 @@ void set_row(std::vector<Number>& list, std::size_t rows, std::size_t from, std:
   list.swap(other);
 }
 
-}  // namespace
-
-PathArrays::PathArrays(std::span<const fem::Scene> scenes) {
-  std::size_t steps = 0;
-  for (const fem::Scene& scene : scenes) {
-    const fem::Load& load = scene.load;
-    const auto pressed = static_cast<std::size_t>(load.indentation_steps);
-    steps = std::max(steps, until_sliding(load) ? pressed + steps_until_sliding : fem::load_path(load).steps.size());
-    tactels_.push_back(static_cast<std::size_t>(scene.sensor.tactels));
-    paths_.tactels = std::max(paths_.tactels, tactels_.back());
+/// The answers of many scenes as arrays, which grow with the longest path.
+class PathArrays {
+ public:
+  /// Room for the steps that the loads ask for; of drags until sliding for the first ones.
+  explicit PathArrays(std::span<const fem::Scene> scenes) {
+    std::size_t steps = 0;
+    for (const fem::Scene& scene : scenes) {
+      const fem::Load& load = scene.load;
+      const auto pressed = static_cast<std::size_t>(load.indentation_steps);
+      steps = std::max(steps, until_sliding(load) ? pressed + steps_until_sliding : fem::load_path(load).steps.size());
+      tactels_.push_back(static_cast<std::size_t>(scene.sensor.tactels));
+      paths_.tactels = std::max(paths_.tactels, tactels_.back());
+    }
+    paths_.scenes = scenes.size();
+    paths_.steps_made.resize(paths_.scenes);
+    paths_.sliding.resize(paths_.scenes), paths_.fell_back.resize(paths_.scenes);
+    widen(steps);
   }
-  paths_.scenes = scenes.size();
-  paths_.steps_made.resize(paths_.scenes);
-  paths_.sliding.resize(paths_.scenes), paths_.fell_back.resize(paths_.scenes);
-  widen(steps);
-}
 
-void PathArrays::widen(std::size_t steps) {
-  Paths& p = paths_;
-  if (steps == p.steps) return;
-  for (auto* list : {&p.slip_index, &p.P, &p.Q, &p.indentation, &p.tangential})
-    set_row(*list, p.scenes, p.steps, steps, nan);
-  for (auto* list : {&p.sigma_y, &p.tau_xy}) set_row(*list, p.scenes, p.steps * p.tactels, steps * p.tactels, nan);
-  set_row(p.converged, p.scenes, p.steps, steps, std::uint8_t(0));
-  p.steps = steps;
-}
+  void put(std::size_t scene, const fem::ContactSolution& solution) {
+    for (std::size_t k = 0; k < solution.steps.size(); ++k) {
+      const fem::ContactStep& step = solution.steps[k];
+      const Stress to = put(scene, k, step);
+      std::ranges::copy(step.sigma_y, to.sigma_y.begin());
+      std::ranges::copy(step.tau_xy, to.tau_xy.begin());
+    }
+    end(scene, solution.steps.size(), solution.sliding, solution.fell_back);
+  }
 
-PathArrays::Stress PathArrays::put(std::size_t scene, std::size_t step, const fem::ContactStep& from) {
-  if (step >= paths_.steps) widen(2 * paths_.steps + steps_until_sliding);
-  Paths& p = paths_;
-  const std::size_t at = scene * p.steps + step;
-  p.slip_index[at] = std::clamp(from.slip_index.value_or(nan), -1.0, 1.0);  // as in sets
-  p.P[at] = from.P, p.Q[at] = from.Q;
-  p.indentation[at] = from.indentation, p.tangential[at] = from.tangential;
-  p.converged[at] = from.converged;
-  const auto place = [&](std::vector<double>& list) {
-    return std::span(list).subspan(at * p.tactels, tactels_[scene]);
+  /// The same of an answer in place, without the increments between the steps that its load asks for: each pressing
+  /// step has `parts`.
+  void put(std::size_t scene, const host::LaneAnswer& answer, double mu, int parts) {
+    std::size_t step = 0;
+    bool sliding = false;
+    for (int made = 0; made < answer.steps; ++made) {
+      const auto result = [&](int row) { return answer.result(made, row); };
+      const int status = static_cast<int>(result(LANE_STATUS));
+      if (status == LANE_NOT_RUN) break;
+      const bool pressing = made < answer.indentation_steps;
+      sliding = status == LANE_SLIDING && !pressing;
+      if (pressing && (made + 1) % parts != 0) continue;
+      const Stress to = put(scene, step++, host::lane_step(result, mu));
+      const std::size_t tactels = to.sigma_y.size();
+      stress_.resize(2 * tactels);
+      answer.tactels(made, std::span(stress_));
+      std::copy_n(stress_.begin(), tactels, to.sigma_y.begin());
+      std::copy_n(stress_.begin() + static_cast<std::ptrdiff_t>(tactels), tactels, to.tau_xy.begin());
+    }
+    end(scene, step, sliding, false);
+  }
+
+  /// Returns the arrays, cut to the longest path that was made.
+  Paths take() {
+    std::size_t most = 0;
+    for (const std::uint32_t steps : paths_.steps_made) most = std::max<std::size_t>(most, steps);
+    widen(most);
+    return std::move(paths_);
+  }
+
+ private:
+  struct Stress {
+    std::span<double> sigma_y, tau_xy;
   };
-  return {place(p.sigma_y), place(p.tau_xy)};
-}
-
-void PathArrays::end(std::size_t scene, std::size_t steps, bool sliding, bool fell_back) {
-  Paths& p = paths_;
-  for (std::size_t at = scene * p.steps + steps; at < scene * p.steps + p.steps_made[scene]; ++at) {
-    for (auto* list : {&p.slip_index, &p.P, &p.Q, &p.indentation, &p.tangential}) (*list)[at] = nan;
-    for (auto* list : {&p.sigma_y, &p.tau_xy})
-      std::fill_n(list->begin() + static_cast<std::ptrdiff_t>(at * p.tactels), p.tactels, nan);
-    p.converged[at] = 0;
+  /// Puts the numbers of a step, without stresses. Returns the places of sigma_y and tau_xy, [tactels].
+  Stress put(std::size_t scene, std::size_t step, const fem::ContactStep& from) {
+    if (step >= paths_.steps) widen(2 * paths_.steps + steps_until_sliding);
+    Paths& p = paths_;
+    const std::size_t at = scene * p.steps + step;
+    p.slip_index[at] = std::clamp(from.slip_index.value_or(nan), -1.0, 1.0);  // as in sets
+    p.P[at] = from.P, p.Q[at] = from.Q;
+    p.indentation[at] = from.indentation, p.tangential[at] = from.tangential;
+    p.converged[at] = from.converged;
+    const auto place = [&](std::vector<double>& list) {
+      return std::span(list).subspan(at * p.tactels, tactels_[scene]);
+    };
+    return {place(p.sigma_y), place(p.tau_xy)};
   }
-  p.steps_made[scene] = static_cast<std::uint32_t>(steps);
-  p.sliding[scene] = sliding, p.fell_back[scene] = fell_back;
-}
-
-void PathArrays::put(std::size_t scene, const fem::ContactSolution& solution) {
-  for (std::size_t k = 0; k < solution.steps.size(); ++k) {
-    const fem::ContactStep& step = solution.steps[k];
-    const Stress to = put(scene, k, step);
-    std::ranges::copy(step.sigma_y, to.sigma_y.begin());
-    std::ranges::copy(step.tau_xy, to.tau_xy.begin());
+  void end(std::size_t scene, std::size_t steps, bool sliding, bool fell_back) {
+    paths_.steps_made[scene] = static_cast<std::uint32_t>(steps);
+    paths_.sliding[scene] = sliding, paths_.fell_back[scene] = fell_back;
   }
-  end(scene, solution.steps.size(), solution.sliding, solution.fell_back);
-}
-
-void PathArrays::put(std::size_t scene, const host::LaneAnswer& answer, double mu, int parts) {
-  std::size_t step = 0;
-  bool sliding = false;
-  for (int made = 0; made < answer.steps; ++made) {
-    const auto result = [&](int row) { return answer.result(made, row); };
-    const int status = static_cast<int>(result(LANE_STATUS));
-    if (status == LANE_NOT_RUN) break;
-    const bool pressing = made < answer.indentation_steps;
-    sliding = status == LANE_SLIDING && !pressing;
-    if (pressing && (made + 1) % parts != 0) continue;
-    const Stress to = put(scene, step++, host::lane_step(result, mu));
-    const std::size_t tactels = to.sigma_y.size();
-    stress_.resize(2 * tactels);
-    answer.tactels(made, std::span(stress_));
-    std::copy_n(stress_.begin(), tactels, to.sigma_y.begin());
-    std::copy_n(stress_.begin() + static_cast<std::ptrdiff_t>(tactels), tactels, to.tau_xy.begin());
+  void widen(std::size_t steps) {
+    Paths& p = paths_;
+    if (steps == p.steps) return;
+    for (auto* list : {&p.slip_index, &p.P, &p.Q, &p.indentation, &p.tangential})
+      set_row(*list, p.scenes, p.steps, steps, nan);
+    for (auto* list : {&p.sigma_y, &p.tau_xy}) set_row(*list, p.scenes, p.steps * p.tactels, steps * p.tactels, nan);
+    set_row(p.converged, p.scenes, p.steps, steps, std::uint8_t(0));
+    p.steps = steps;
   }
-  end(scene, step, sliding, false);
-}
 
-Paths PathArrays::take() {
-  std::size_t most = 0;
-  for (const std::uint32_t steps : paths_.steps_made) most = std::max<std::size_t>(most, steps);
-  widen(most);
-  return std::move(paths_);
-}
+  Paths paths_;
+  std::vector<std::size_t> tactels_;  ///< [scenes]
+  std::vector<double> stress_;        ///< of one step
+};
+
+}  // namespace
 
 Paths solve_paths(const host::SolveOptions& options, std::span<const fem::Scene> scenes,
                   const ProgressFunction& progress) {
