@@ -26,7 +26,7 @@ MUTANTS = [
     ("kernels/shared/philox.h", "key1 += 0xBB67AE85u;", "key1 += 0xBB67AE86u;", "sets", "TransducerChannels.MatchesTwin"),
     ("fem/gap_sweep.cpp", "static_cast<Real>(c(2 * i + 1, 2 * j));", "static_cast<Real>(-c(2 * i + 1, 2 * j));", "contact", "Ragged.*Fp64MatchesTwin/17"),
     ("fem/layer/patch_contact.cpp", "(x - x_last_) : now[i];", "(x - x_last_) : ux_last_[i];", "layer", "PatchSolver|PatchShapes|PatchClosedForms"),
-    ("nn/train_batch.cpp", "std::sqrt(second * unbias2)", "std::sqrt(second * unbias1)", "nn", "TrainBatch.AdamsFirstStep"),
+    ("nn/train_batch.cpp", "std::pow(options.beta2, t)", "std::pow(options.beta2, 2 * t)", "nn", "TrainBatch.AdamsFirstStep"),
     ("nn/train_online.cpp", "step *= Scalar(options.momentum);", "step *= Scalar(options.rate);", "nn", "TrainOnline.FollowsTheRule"),
     ("nn/transducer_chain.cpp", "std::clamp(code, -half, half - 1)", "std::clamp(code, -half, half)", "nn", "Transducer.ConvertsByHand"),
     ("hw/decoder.cpp", "counts_.lost += ahead - 1;", "counts_.lost += ahead;", "hw", "EveryFormat.GoesOnAfterAnInterruption"),
