@@ -8,7 +8,7 @@
 #   nightly    run by scripts/nightly alone
 
 # Regular expressions of test names, by test program. A unit test runs without OpenCL platforms (below): it fails where it needs one.
-foreach(program fem layer nn hw support figures scenes)
+foreach(program fem layer pad nn hw support figures scenes)
   set(unit_${program} ".")
 endforeach()
 set(unit_device "^(ThreadTeam|Cache|CachePlace|GroupSupply|Pace|LayoutList)[.]|/(DamagedCache|Balance)[.]|^Embedded[.][EI]|OfADoubleProgram|GoesOnWithTheThreads")
@@ -32,7 +32,7 @@ set(program_commands "^([^D]|Du|Dem)")  # all but DevicesCommand
 
 set(slow "SaidAndMade|^CraftedNetworks[.]NoChange|^SolveWithCache[.](Nobody|Killed|Little|Two|Inter)|^(ClosedForms|GapReferenceRandom|IndependentContact|Extremes|InverseProblem|DirectProblem|StreamTraining|RankTraining)[.]|^Planner[.]K|OverTheEnd|^Demo[.]S|EveryShape|CondensationCache.AnyFlippedByte|/100000$")
 
-foreach(program fem layer nn hw support figures scenes device networks contact calibration sets live training studies commands api)
+foreach(program fem layer pad nn hw support figures scenes device networks contact calibration sets live training studies commands api)
   foreach(test IN LISTS tactel_${program}_tests_TESTS)
     set(labels device)
     if(test MATCHES "${unit_${program}}")
@@ -51,7 +51,7 @@ foreach(program fem layer nn hw support figures scenes device networks contact c
         set(labels "${labels};program")
       endif()
     endif()
-    if(program MATCHES "^(fem|layer|nn)$")
+    if(program MATCHES "^(fem|layer|pad|nn)$")
       set(labels "${labels};reference")
     elseif(program STREQUAL "hw")
       set(labels "${labels};hw")
