@@ -72,16 +72,20 @@ Eigen::Array<double, 5, 1> PadLayer::stresses(double rho) const {
   return b;
 }
 
-double PadLayer::normal_influence(double thickness, double hx, double hy, double x, double y) const {
-  hx /= thickness, hy /= thickness, x /= thickness, y /= thickness;
-  double rest = 0;
-  over_cell(hx, hy, x, y, [&](double X, double Y, double weight) {
-    const double rho = std::hypot(X, Y);
-    rest += weight * (rho < range ? value(pad_z0, rho) : -1 / rho);
-  });
-  const double half_space =
-      corners(hx, hy, x, y, along_x) + corners(hx, hy, x, y, [](double X, double Y) { return along_x(Y, X); });
-  return thickness * (1 - poisson_ * poisson_) / pi * (half_space + hx * hy * rest);
+Eigen::MatrixXd PadLayer::normal_influence(double thickness, double hx, double hy, int n) const {
+  hx /= thickness, hy /= thickness;
+  Eigen::MatrixXd corner(n + 1, n + 1), zz(n, n);  // neighbours share corners
+  for (int i = 0; i <= n; ++i)
+    for (int j = 0; j <= n; ++j) {
+      const double x = (i - 0.5) * hx, y = (j - 0.5) * hy;
+      corner(i, j) = along_x(x, y) + along_x(y, x);
+    }
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      const double rho = std::hypot(i * hx, j * hy), rest = rho < range ? value(pad_z0, rho) : -1 / rho;
+      zz(i, j) = corner(i + 1, j + 1) - corner(i, j + 1) - corner(i + 1, j) + corner(i, j) + hx * hy * rest;
+    }
+  return thickness * (1 - poisson_ * poisson_) / pi * zz;
 }
 
 CellInfluence PadLayer::influence(double thickness, double hx, double hy, double x, double y) const {

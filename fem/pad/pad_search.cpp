@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <utility>
 
 #include "fem/layer/patch_search.h"
 
@@ -17,16 +19,15 @@ Eigen::ArrayXd press(const Eigen::MatrixXd& c, const Eigen::ArrayXd& gap) {
   Eigen::MatrixXd mirrored(2 * n - 1, 2 * n - 1);  // [along y][along x]: columns lie side by side
   for (int i = 1 - n; i < n; ++i)
     for (int j = 1 - n; j < n; ++j) mirrored(j + n - 1, i + n - 1) = c(std::abs(i), std::abs(j));
-  Eigen::VectorXd p = Eigen::VectorXd::Zero(n * n);
+  Eigen::ArrayXd p = Eigen::ArrayXd::Zero(n * n), opening = gap;
   for (int sweep = 0; sweep < search_most_sweeps; ++sweep) {
     double change = 0;
     for (int i = 0; i < n * n; ++i) {
-      if (!std::isfinite(gap[i])) continue;
-      double opening = gap[i];
+      const double pressed = std::max(0.0, p[i] - opening[i] / c(0, 0)), more = pressed - p[i];
+      if (more == 0) continue;  // only cells that change are heard by the others
       for (int j = 0; j < n; ++j)
-        opening += mirrored.col(j - i / n + n - 1).segment<n>(n - 1 - i % n).dot(p.segment<n>(j * n));
-      const double pressed = std::max(0.0, p[i] - opening / c(0, 0));
-      change = std::max(change, std::abs(pressed - p[i]));
+        opening.segment<n>(j * n) += more * mirrored.col(j - i / n + n - 1).segment<n>(n - 1 - i % n).array();
+      change = std::max(change, std::abs(more));
       p[i] = pressed;
     }
     if (change <= search_tolerance * p.maxCoeff()) break;
@@ -58,7 +59,32 @@ Interval widened(const Interval& a, double part) {
   return {a.left - more, a.right + more};
 }
 
+/// The indenter with sharp edges in place of those whose rounding `cells` cells along a side do not resolve. A tilted
+/// one keeps them where it is pressed on one side alone.
+PadIndenter sharpened(PadIndenter indenter, int cells, double depth) {
+  const auto sharp = [cells, depth, tilt = indenter.tilt](double& edge, double half_width) {
+    const double rise = 2 * half_width * std::tan(tilt * std::numbers::pi / 180);
+    if (!(edge > 0 && rise < depth / 2 && edge < least_rounding * 2 * half_width / cells)) return 0.0;
+    return sharp_beyond * std::sqrt(std::exchange(edge, 0) * depth);
+  };
+  if (auto* punch = std::get_if<Punch>(&indenter.shape)) punch->radius += sharp(punch->edge, punch->radius);
+  if (auto* box = std::get_if<Box>(&indenter.shape)) {
+    const double beyond = sharp(box->edge, std::sqrt(box->half_widths[0] * box->half_widths[1]));
+    for (double& width : box->half_widths) width += beyond;
+  }
+  return indenter;
+}
+
 }  // namespace
+
+PadLayout lay_cells(const PadScene& scene, const PadLayer& layer, int cells, bool ladder) {
+  PadSearch found = find_pad_contact(scene, layer);
+  PadScene seen = scene;
+  seen.indenter = sharpened(scene.indenter, cells, found.depth);
+  if (!(pad_edges(seen.indenter.shape).x.right == pad_edges(scene.indenter.shape).x.right))
+    found = find_pad_contact_at(found.depth, seen, layer);
+  return {seen.indenter, pad_cells(found.contact, seen.indenter, cells, scene.sensor.thickness, ladder)};
+}
 
 PadSearch find_pad_contact_at(double depth, const PadScene& scene, const PadLayer& layer) {
   const PadBox edges = pad_edges(scene.indenter.shape);
@@ -69,14 +95,12 @@ PadSearch find_pad_contact_at(double depth, const PadScene& scene, const PadLaye
   double P = 0;
   for (int round = 0; depth > 0 && round < search_rounds; ++round) {
     const double hx = (window.x.right - window.x.left) / n, hy = (window.y.right - window.y.left) / n;
-    Eigen::MatrixXd c(n, n);
+    const Eigen::MatrixXd c = layer.normal_influence(H, hx, hy, n);
     Eigen::ArrayXd gap(n * n);
     for (int i = 0; i < n; ++i)
-      for (int j = 0; j < n; ++j) {
-        c(i, j) = layer.normal_influence(H, hx, hy, i * hx, j * hy);
+      for (int j = 0; j < n; ++j)
         gap[i * n + j] =
             pad_height(scene.indenter, window.x.left + (i + 0.5) * hx, window.y.left + (j + 0.5) * hy) - depth;
-      }
     const Eigen::ArrayXd p = press(c, gap);
     Extent x, y;
     for (int i = 0; i < n * n; ++i)

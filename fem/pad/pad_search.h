@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "fem/pad/pad_layer.h"
+#include "fem/pad/pad_cells.h"
 #include "fem/pad/pad_scene.h"
 
 namespace tactel::fem {
@@ -26,6 +26,20 @@ struct PadSearch {
 /// Returns the contact of a scene. For given forces the depth is sought by secants in the logarithms of depth and
 /// force.
 PadSearch find_pad_contact(const PadScene& scene, const PadLayer& layer);
+
+/// What a scene is solved on.
+struct PadLayout {
+  PadIndenter indenter;  ///< as the cells see it
+  PadCells cells;
+};
+
+/// An edge whose rounding is below this part of a cell stands to the cells as a sharp one, that lies `sharp_beyond`
+/// sqrt(edge depth) farther out: cells resolve neither its pressure nor where it ends. Left alone it makes P of boxes 4
+/// to 7 % wrong at 12 cells, as a sharp one below 1 %; mean heights of the cells make it worse.
+inline constexpr double least_rounding = 0.6, sharp_beyond = 0.5;
+
+/// Returns the cells of a scene, `cells` along a side (pad_cells), over the contact of the search.
+PadLayout lay_cells(const PadScene& scene, const PadLayer& layer, int cells, bool ladder);
 
 /// Returns the contact at a depth, in mm.
 PadSearch find_pad_contact_at(double depth, const PadScene& scene, const PadLayer& layer);

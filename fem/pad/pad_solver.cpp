@@ -254,14 +254,15 @@ PadSolution PadSolver::solve_on(const PadCells& cells, const PadScene& scene) co
 
 PadSolution PadSolver::solve(const PadScene& scene) const {
   scene.validate();
-  const PadBox contact = find_pad_contact(scene, layer_).contact;
-  PadCells cells = pad_cells(contact, scene.indenter, options_.cells, scene.sensor.thickness, options_.ladder);
+  auto [indenter, cells] = lay_cells(scene, layer_, options_.cells, options_.ladder);
+  PadScene seen = scene;
+  seen.indenter = std::move(indenter);
   for (int growths = 0;; ++growths) {
-    PadSolution solution = solve_on(cells, scene);
+    PadSolution solution = solve_on(cells, seen);
     const auto& out = solution.outside;
     if (std::none_of(out.begin(), out.end(), [](bool side) { return side; }) || growths == options_.most_growths)
       return solution;
-    cells = grown(cells, out, scene, options_.ladder);
+    cells = grown(cells, out, seen, options_.ladder);
   }
 }
 

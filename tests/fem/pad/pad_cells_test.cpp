@@ -10,7 +10,8 @@
 #include <numbers>
 
 #include "fem/pad/pad_search.h"
-#include "pad_mix.h"
+#include "fem/pad/pad_solver.h"
+#include "tests/fem/pad/pad_mix.h"
 
 namespace tactel::fem {
 namespace {
@@ -96,6 +97,39 @@ TEST(PadSearch, MeetsAForce) {
   const PadSearch found = find_pad_contact(scene, layer);
   EXPECT_NEAR(found.P / given.P, 1, 0.02);
   EXPECT_NEAR(found.depth, 0.25, 0.005);
+}
+
+/// A box with a rounding, or the sharp one that stands for it.
+PadScene box_scene(double edge, double tilt = 0) {
+  PadScene scene;
+  scene.indenter.shape = Box{{2, 1}, edge};
+  scene.indenter.tilt = tilt;
+  scene.load.indentation = {0.2};
+  return scene;
+}
+
+TEST(PadLayout, RoundingsBelowACellStandAsSharpEdges) {
+  const PadLayer layer(PadScene{}.sensor.poisson);
+  const PadLayout fine = lay_cells(box_scene(0.05), layer, 12, true);
+  const Box& sharp = std::get<Box>(fine.indenter.shape);
+  EXPECT_EQ(sharp.edge, 0);
+  EXPECT_NEAR(sharp.half_widths[0], 2 + 0.5 * std::sqrt(0.05 * 0.2), 1e-12);
+  EXPECT_NEAR(fine.cells.box().x.right, sharp.half_widths[0] + 0.15 * fine.cells.hx, 1e-12);
+  EXPECT_EQ(std::get<Box>(lay_cells(box_scene(0.5), layer, 12, true).indenter.shape).edge, 0.5);  // wide enough
+  EXPECT_EQ(std::get<Box>(lay_cells(box_scene(0.05, 3), layer, 12, true).indenter.shape).edge,
+            0.05);  // pressed on a side
+}
+
+TEST(PadLayout, ASmallRoundingCostsLittle) {
+  // Against many cells, which resolve it: without the sharp edge P is 5 % off.
+  const PadScene scene = box_scene(0.1);
+  const PadLayer layer(scene.sensor.poisson);
+  const auto P = [&](int cells) {
+    PadOptions options;
+    options.cells = cells, options.ladder = false;
+    return PadSolver(layer, options).solve(scene).steps.back().P;
+  };
+  EXPECT_NEAR(P(12) / P(56), 1, 0.015);
 }
 
 TEST(PadCells, JustCoverTheContact) {
