@@ -16,6 +16,8 @@
    - Sweeps run over the window, the cells that press or would be penetrated, in the order of their index. A sweep is the last when no
      traction changes by more than the tolerance times the largest pressure. After DAMPED_AFTER sweeps steps are halved.
    - Fresh sums at all cells then find penetrated cells outside the window; they join it, and sweeps go on.
+   - Driven by force, sweeps go to a tenth of the tolerance, and the depth follows secants in the logarithms of depth and force inside a bracket
+     until the force is met to the tolerance.
    - A sticking cell's history is its exact position, that of another one where the fresh sums find it.
    - The certificate comes from the final tractions alone; a ring of cells around the grid counts for penetration.
 
@@ -26,6 +28,7 @@
    its own, one quadrant of it, and VECTORS is 1: for sizes of cells that few scenes share. The bits are those of a shared table. */
 // defines: CELLS=8 VECTORS=1 OWN_TABLES=1
 #include "patch/numbers.h"
+#include "shared/elementary.h"
 #include "shared/pad_layout.h"
 
 #pragma OPENCL FP_CONTRACT OFF
@@ -37,6 +40,9 @@
 #define RELAXATION ((real)0.85)
 #define DAMPED_AFTER 300
 #define MARGIN_ROUNDS 4
+#define MOST_FORCE_TRIALS 60
+#define FIRST_DEPTH ((real)0.05) /* tried first for a force */
+#define NO_BOUND ((real)1e30)
 #define INSIDE_CONE (REAL_IS_DOUBLE ? (real)(1 - 1e-12) : (real)(1 - 1e-6)) /* a shorter traction sticks */
 #define MOST_STEPS 16                                                       /* load steps that the base stress is summed for at once */
 
@@ -76,8 +82,10 @@ typedef struct {
   Lanes change_d, change_x, change_y, change_twist; /* of the last increment; the twist times the half size */
   Lanes mu;                                         /* of scaled tractions */
   Lanes lowest, x_middle, y_middle;
-  Lanes sweeps;
-  Masks valid, running, active, failed, lost;
+  Lanes sweeps, trial_sweeps;                             /* of this increment, and since the indenter last moved */
+  Lanes tolerance;                                        /* of the sweeps */
+  Lanes target, low, high, power, last_d, last_P, trials; /* the search for the depth that gives a force */
+  Masks valid, running, active, failed, lost, by_force, searching;
   side half_size;
 } State;
 
@@ -140,12 +148,14 @@ static inline int any_of(const Masks *m) {
 }
 
 /* One sweep over the window. A lane whose tractions changed by no more than the tolerance has settled. */
-OUTLINE void sweep(const Influence *influence, real tolerance, int most_sweeps, Cells *c, State *s) {
+OUTLINE void sweep(const Influence *influence, int most_sweeps, Cells *c, State *s) {
   Lanes change, largest, w;
   EACH_VECTOR(v) {
     change.v[v] = largest.v[v] = 0;
-    w.v[v] = PICK(s->sweeps.v[v] >= ALL_LANES(DAMPED_AFTER), ALL_LANES(RELAXATION / 2), ALL_LANES(RELAXATION));
-    s->sweeps.v[v] += PICK(s->active.v[v], ALL_LANES(1), ALL_LANES(0));
+    w.v[v] = PICK(s->trial_sweeps.v[v] >= ALL_LANES(DAMPED_AFTER), ALL_LANES(RELAXATION / 2), ALL_LANES(RELAXATION));
+    const vreal more = PICK(s->active.v[v], ALL_LANES(1), ALL_LANES(0));
+    s->sweeps.v[v] += more;
+    s->trial_sweeps.v[v] += more;
   }
   ROLLED for (int k = 0; k < c->listed; ++k) {
     const int i = c->list[k];
@@ -170,22 +180,64 @@ OUTLINE void sweep(const Influence *influence, real tolerance, int most_sweeps, 
     }
   }
   EACH_VECTOR(v) {
-    const vint out = s->active.v[v] & (s->sweeps.v[v] >= ALL_LANES((real)most_sweeps)) & NOT(change.v[v] <= tolerance * largest.v[v]);
+    const vint settled = change.v[v] <= s->tolerance.v[v] * largest.v[v];
+    const vint out = s->active.v[v] & NOT(settled) & (s->trial_sweeps.v[v] >= ALL_LANES((real)most_sweeps));
     s->failed.v[v] |= out;
-    s->active.v[v] &= NOT(change.v[v] <= tolerance * largest.v[v]) & NOT(out);
+    s->active.v[v] &= NOT(settled | out);
   }
 }
 
 /* Fresh sums at all cells. Cells of lanes that solve which are penetrated outside their window join it; these lanes go on. */
-OUTLINE void widen(const Influence *influence, real tolerance, const Masks *solving, Cells *c, State *s) {
+OUTLINE void widen(const Influence *influence, const Masks *solving, Cells *c, State *s) {
   ROLLED for (int i = 0; i < COUNT; ++i) displacement(influence, c, i / CELLS, i % CELLS, &c->ux[i], &c->uy[i], &c->uz[i]);
   ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
     const vreal gap = c->open[i].v[v] - c->uz[i].v[v];
-    const vint joins = solving->v[v] & NOT(s->failed.v[v]) & NOT(c->window[i].v[v]) & (gap * influence->root_zz < -tolerance * s->d.v[v]);
+    const vint joins =
+        solving->v[v] & NOT(s->failed.v[v]) & NOT(c->window[i].v[v]) & (gap * influence->root_zz < -s->tolerance.v[v] * s->d.v[v]);
     c->window[i].v[v] |= joins;
     s->active.v[v] |= joins;
   }
   list_cells(c);
+}
+
+/* ratio^(1 / power), between 0.1 and 10. */
+static inline vreal depth_factor(vreal ratio, vreal power) {
+  const vreal z = natural_log(LARGER(ratio, ALL_LANES((real)1e-20))) / power, most = ALL_LANES((real)2.302585092994046);
+  const vreal e = 1 + exp_minus_1(SMALLER(fabs(z), most));
+  return PICK(z < 0, 1 / e, e);
+}
+
+static vreal pressing(const Influence *influence, const Cells *c, int v) {
+  vreal sum = 0;
+  for (int k = 0; k < c->listed; ++k) sum += c->n[c->list[k]].v[v];
+  return sum * (influence->hx * influence->hy / influence->root_zz);
+}
+
+/* Judges the force of lanes that search their depth, and moves those that miss it: they solve again. */
+OUTLINE void next_depth(const Influence *influence, global const vreal *heights, real tolerance, Cells *c, State *s) {
+  EACH_VECTOR(v) {
+    const vreal P = pressing(influence, c, v), d = s->d.v[v], target = s->target.v[v];
+    s->searching.v[v] &= NOT(s->failed.v[v] | (fabs(P - target) <= tolerance * target));
+    const vint goes_on = s->searching.v[v], both = goes_on & (s->last_P.v[v] > 0) & (P > 0) & (d != s->last_d.v[v]);
+    s->trials.v[v] += PICK(goes_on, ALL_LANES(1), ALL_LANES(0));
+    const vint out = goes_on & (s->trials.v[v] >= ALL_LANES(MOST_FORCE_TRIALS));
+    s->failed.v[v] |= out;
+    s->searching.v[v] &= NOT(out);
+    const vreal slope = natural_log(PICK(both, P / s->last_P.v[v], ALL_LANES(2))) / natural_log(PICK(both, d / s->last_d.v[v], ALL_LANES(2)));
+    s->power.v[v] = PICK(both, SMALLER(LARGER(slope, ALL_LANES((real)0.5)), ALL_LANES(4)), s->power.v[v]);
+    s->last_d.v[v] = d;
+    s->last_P.v[v] = P;
+    s->low.v[v] = PICK(P < target, d, s->low.v[v]);
+    s->high.v[v] = PICK(P < target, s->high.v[v], d);
+    const vreal trial = d * PICK(P > 0, depth_factor(target / LARGER(P, ALL_LANES((real)1e-30)), s->power.v[v]), ALL_LANES(2));
+    const vreal halved = PICK(s->high.v[v] < NO_BOUND, (s->low.v[v] + s->high.v[v]) / 2, 2 * d);
+    s->active.v[v] = s->searching.v[v];
+    s->d.v[v] = PICK(s->active.v[v], PICK((trial > s->low.v[v]) & (trial < s->high.v[v]), trial, halved), d);
+    s->trial_sweeps.v[v] = PICK(s->active.v[v], ALL_LANES(0), s->trial_sweeps.v[v]);
+  }
+  ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
+    c->open[i].v[v] = (heights[(v * RING + i / CELLS + 1) * RING + i % CELLS + 1] - s->d.v[v]) / influence->root_zz;
+  }
 }
 
 /* The next target, the first guess and the window. Lanes without a next target, or that it leaves where they are, do not solve. */
@@ -195,12 +247,19 @@ OUTLINE void start_increment(const Influence *influence, global const vreal *pat
   EACH_VECTOR(v) {
     global const vreal *target = path + (v * increments + k) * PAD_PATH_ROWS;
     const vint running = s->running.v[v];
-    const vreal d = PICK(running, target[PAD_NORMAL], s->d.v[v]);
+    const vint by_force = running & s->by_force.v[v];
+    const vreal normal = PICK(running, target[PAD_NORMAL], s->d.v[v]), P = pressing(influence, c, v);
+    const vreal first = PICK(P > 0, s->d.v[v] * depth_factor(normal / LARGER(P, ALL_LANES((real)1e-30)), s->power.v[v]), ALL_LANES(FIRST_DEPTH));
+    const vreal d = PICK(by_force, PICK(normal > 0, first, ALL_LANES(0)), normal);
+    s->searching.v[v] = by_force & (normal > 0);
+    s->target.v[v] = normal;
+    s->low.v[v] = s->last_d.v[v] = s->last_P.v[v] = s->trials.v[v] = s->trial_sweeps.v[v] = 0;
+    s->high.v[v] = NO_BOUND;
     dx.v[v] = PICK(running, target[PAD_X], s->x.v[v]) - s->x.v[v];
     dy.v[v] = PICK(running, target[PAD_Y], s->y.v[v]) - s->y.v[v];
     dtwist.v[v] = PICK(running, target[PAD_TWIST], s->twist.v[v]) - s->twist.v[v];
     const vreal change_d = d - s->d.v[v], change_twist = s->half_size * dtwist.v[v];
-    const vint moves = running & ((change_d != 0) | (dx.v[v] != 0) | (dy.v[v] != 0) | (dtwist.v[v] != 0));
+    const vint moves = s->searching.v[v] | (running & ((change_d != 0) | (dx.v[v] != 0) | (dy.v[v] != 0) | (dtwist.v[v] != 0)));
     const vreal along =
         fma(change_d, s->change_d.v[v], fma(dx.v[v], s->change_x.v[v], fma(dy.v[v], s->change_y.v[v], change_twist * s->change_twist.v[v])));
     const vreal last =
@@ -474,7 +533,11 @@ kernel void pad_contact(uint first_group, global const side *tables, global cons
   EACH_VECTOR(v) {
     global const vreal *in = lane_input + v * PAD_INPUT_ROWS;
     s.d.v[v] = s.x.v[v] = s.y.v[v] = s.twist.v[v] = s.change_d.v[v] = s.change_x.v[v] = s.change_y.v[v] = s.change_twist.v[v] = 0;
-    s.lost.v[v] = s.failed.v[v] = 0;
+    s.lost.v[v] = s.failed.v[v] = s.searching.v[v] = 0;
+    s.by_force.v[v] = s.valid.v[v] & (in[PAD_BY_FORCE] > 0);
+    s.tolerance.v[v] = PICK(s.by_force.v[v], ALL_LANES((real)0.1 * tolerance), ALL_LANES(tolerance));
+    s.power.v[v] = (real)1.5;
+    s.trial_sweeps.v[v] = 0;
     s.mu.v[v] = PICK(s.valid.v[v], in[PAD_MU], ALL_LANES(0)) * (influence.root_tt / influence.root_zz);
     s.x_middle.v[v] = PICK(s.valid.v[v], in[PAD_X_MIDDLE], ALL_LANES(0));
     s.y_middle.v[v] = PICK(s.valid.v[v], in[PAD_Y_MIDDLE], ALL_LANES(0));
@@ -494,8 +557,9 @@ kernel void pad_contact(uint first_group, global const side *tables, global cons
     if (!any_of(&s.running)) break;
     start_increment(&influence, path, heights, increments, k, &c, &s, &solving);
     do {
-      while (any_of(&s.active)) sweep(&influence, tolerance, most_sweeps, &c, &s);
-      widen(&influence, tolerance, &solving, &c, &s);
+      while (any_of(&s.active)) sweep(&influence, most_sweeps, &c, &s);
+      widen(&influence, &solving, &c, &s);
+      if (!any_of(&s.active) && any_of(&s.searching)) next_depth(&influence, heights, tolerance, &c, &s);
     } while (any_of(&s.active));
     Masks asked;
     EACH_VECTOR(v) {

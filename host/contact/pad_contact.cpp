@@ -303,6 +303,7 @@ void PadContact<Real>::Batch::State::fill() {
     in(PAD_X_MIDDLE, cells[i].x_middle / H), in(PAD_Y_MIDDLE, cells[i].y_middle / H);
     in(PAD_FORCE, scene.sensor.young * H * H), in(PAD_THICKNESS, H);
     in(PAD_COSINE, cosine), in(PAD_SINE, sine);
+    in(PAD_BY_FORCE, by_force(scene));
     const Eigen::MatrixXd h = fem::cell_heights(cells[i], scene.indenter);
     for (std::size_t k = 0; k < ring; ++k) {
       const double height = h(static_cast<Eigen::Index>(k) / (n() + 2), static_cast<Eigen::Index>(k) % (n() + 2)) / H;
@@ -314,7 +315,7 @@ void PadContact<Real>::Batch::State::fill() {
       const auto target = [&](int row, double value) {
         put(targets, most_increments * std::size_t{PAD_PATH_ROWS}, k * PAD_PATH_ROWS + row, value);
       };
-      target(PAD_NORMAL, to.normal / H);
+      target(PAD_NORMAL, to.normal / (by_force(scene) ? scene.sensor.young * H * H : H));
       target(PAD_X, (cosine * to.x + sine * to.y) / H), target(PAD_Y, (cosine * to.y - sine * to.x) / H);
       target(PAD_TWIST, to.twist);
       target(PAD_SLOT, asked ? slot++ : -1);
@@ -378,7 +379,6 @@ typename PadContact<Real>::Batch PadContact<Real>::prepare(std::span<const fem::
     const fem::PadSensor &sensor = scenes[i].sensor, &first = scenes[0].sensor;
     if (sensor.tactels != first.tactels || sensor.pitch != first.pitch || sensor.tactel_size != first.tactel_size)
       throw std::invalid_argument("PadContact::prepare: scenes with different tactels in one batch");
-    if (by_force(scenes[i])) throw std::invalid_argument("PadContact::prepare: a load by force");
     if (cells.empty()) {
       auto [indenter, own] = fem::lay_cells(scenes[i], *layer(sensor.poisson), state_->cells, options.ladder);
       b.scenes[i].indenter = std::move(indenter);
@@ -528,7 +528,7 @@ fem::PadSolution PadContact<Real>::Batch::solution(std::size_t i) const {
       return Eigen::Map<const Eigen::VectorX<Real>>(&forces[part * b.count()], count).template cast<double>();
     };
     fem::PadStep step;
-    step.indentation = targets[k].normal;
+    step.indentation = said(PAD_RESULT_DEPTH);
     step.x = targets[k].x, step.y = targets[k].y, step.twist = targets[k].twist;
     step.P = said(PAD_RESULT_P), step.Q = {said(PAD_RESULT_QX), said(PAD_RESULT_QY)}, step.M = said(PAD_RESULT_M);
     const int status = static_cast<int>(said(PAD_RESULT_STATUS));

@@ -55,7 +55,7 @@ class PadContact {
   };
 
   /// `cells`: [scenes], or empty: those of fem::lay_cells. The sensors of all scenes must have the
-  /// same tactels. Throws std::invalid_argument otherwise, and for a load by force.
+  /// same tactels. Throws std::invalid_argument otherwise.
   Batch prepare(std::span<const fem::PadScene> scenes, std::span<const fem::PadCells> cells = {}) const;
 
   /// Returns the layer of a Poisson's ratio, made at its first use.

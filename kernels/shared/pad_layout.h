@@ -36,12 +36,13 @@ enum PadInputRow {
   PAD_THICKNESS, /* mm */
   PAD_COSINE,    /* of the angle from the pad's frame to the own one */
   PAD_SINE,
+  PAD_BY_FORCE, /* 1: the path's normal targets are forces */
   PAD_INPUT_ROWS
 };
 
 /* Rows of `path`, [group][vector][increments][PAD_PATH_ROWS][lane]. */
 enum PadPathRow {
-  PAD_NORMAL = 0, /* depth */
+  PAD_NORMAL = 0, /* depth, or P / (E H^2) */
   PAD_X,          /* motion of the indenter since first touch */
   PAD_Y,
   PAD_TWIST, /* rad */

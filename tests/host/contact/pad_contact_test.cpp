@@ -185,6 +185,36 @@ TEST(PadContact, ThreadsDoNotChangeBits) {
   for (std::size_t i = 0; i < scenes.size(); ++i) EXPECT_EQ(numbers<float>(a, i, 9), numbers<float>(b, i, 9)) << i;
 }
 
+TEST(PadContact, ReachesGivenForcesAsItsTwin) {
+  const fem::PadSensor sensor = sensor_of(0.45);
+  auto scenes = mix(sensor, 27, 6);
+  const PadContact<float> contact(executor(), {.cells = 8});
+  const auto by_depth = ran(contact, scenes);
+  for (std::size_t i = 0; i < scenes.size(); i += 2) {  // beside others by depth
+    scenes[i].load.normal_force = {by_depth.result(i, 0, PAD_RESULT_P), 0.6 * by_depth.result(i, 0, PAD_RESULT_P)};
+    scenes[i].load.indentation.clear();
+  }
+  const auto batch = ran(contact, scenes);
+  fem::PadOptions options;
+  options.cells = 8, options.tolerance = 1e-6;
+  const fem::PadSolver twin(*contact.layer(sensor.poisson), options);
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    if (i % 2 == 1) {
+      EXPECT_EQ(batch.result(i, 3, PAD_RESULT_P), by_depth.result(i, 3, PAD_RESULT_P)) << i;
+      continue;
+    }
+    const fem::PadSolution a = batch.solution(i), b = twin.solve_on(batch.cells(i), batch.scene(i));
+    ASSERT_EQ(a.steps.size(), 10u);
+    for (std::size_t k = 0; k < a.steps.size(); ++k) {
+      const fem::PadStep &p = a.steps[k], &q = b.steps[k];
+      EXPECT_TRUE(p.converged) << i << " " << k << ": " << p.residual.largest();
+      EXPECT_NEAR(p.P / q.P, 1, 1.2e-3) << i << " " << k;  // the tolerance of given forces
+      EXPECT_NEAR(p.indentation / q.indentation, 1, 2e-3) << i << " " << k;
+      EXPECT_NEAR(*p.slip_index, *q.slip_index, 5e-3) << i << " " << k;
+    }
+  }
+}
+
 TEST(PadContact, AnInvalidSceneDoesNotHarmItsNeighbours) {
   fem::PadSensor sensor = sensor_of(0.45);
   std::vector<fem::PadScene> scenes(3);
