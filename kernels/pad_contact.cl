@@ -529,6 +529,7 @@ kernel void pad_contact(uint first_group, global const side *tables, global cons
   Cells c;
   State s;
   check_input(lane_input, path, heights, increments, &s);
+  c.listed = 0;
   s.half_size = (real)0.5 * CELLS * fmax(influence.hx, influence.hy);
   EACH_VECTOR(v) {
     global const vreal *in = lane_input + v * PAD_INPUT_ROWS;
