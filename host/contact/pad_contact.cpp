@@ -7,6 +7,7 @@
 #include <map>
 #include <mutex>
 #include <numbers>
+#include <numeric>
 #include <stdexcept>
 #include <tuple>
 
@@ -566,7 +567,59 @@ fem::PadSolution PadContact<Real>::Batch::solution(std::size_t i) const {
   return solution;
 }
 
+template <class Real>
+const PadContactOptions& PadContact<Real>::options() const {
+  return state_->options;
+}
+
+template <class Real>
+std::vector<fem::PadSolution> solve_pad_contact(const PadContact<Real>& contact, std::span<const fem::PadScene> scenes,
+                                                std::span<const fem::PadCells> cells, PadContactReport* report) {
+  const PadContactOptions& options = contact.options();
+  const auto any = [](const std::array<bool, 4>& sides) { return std::ranges::find(sides, true) != sides.end(); };
+  const auto solved = [](const fem::PadSolution& s) { return std::ranges::all_of(s.steps, &fem::PadStep::converged); };
+  PadContactReport said;
+  std::vector<fem::PadSolution> solutions(scenes.size());
+  std::vector<fem::PadScene> now(scenes.begin(), scenes.end());
+  std::vector<fem::PadCells> laid(cells.begin(), cells.end());
+  std::vector<std::size_t> of(scenes.size());
+  std::iota(of.begin(), of.end(), 0);
+  for (int growths = 0; !now.empty(); ++growths) {
+    auto batch = contact.prepare(now, laid);
+    batch.run();
+    std::vector<fem::PadScene> again;
+    std::vector<std::size_t> again_of;
+    laid.clear();
+    for (std::size_t k = 0; k < now.size(); ++k) {
+      fem::PadSolution& solution = solutions[of[k]] = batch.solution(k);
+      if (!any(solution.outside) || growths == options.most_growths) continue;
+      said.grown += growths == 0;
+      again.push_back(batch.scene(k));
+      again_of.push_back(of[k]);
+      laid.push_back(fem::grown(batch.cells(k), solution.outside, batch.scene(k), options.ladder));
+    }
+    now = std::move(again);
+    of = std::move(again_of);
+  }
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    if (solved(solutions[i])) continue;
+    ++said.fell_back;
+    fem::PadOptions exact;
+    exact.cells = options.cells, exact.pressing_increments = options.increments;
+    exact.tolerance = 1e-6, exact.accept = options.accept;
+    exact.halve_turns = options.halve_turns, exact.ladder = options.ladder;
+    solutions[i] = fem::PadSolver(*contact.layer(scenes[i].sensor.poisson), exact).solve(scenes[i]);
+    said.unsolved += !solved(solutions[i]);
+  }
+  if (report) *report = said;
+  return solutions;
+}
+
 template class PadContact<float>;
 template class PadContact<double>;
+template std::vector<fem::PadSolution> solve_pad_contact(const PadContact<float>&, std::span<const fem::PadScene>,
+                                                         std::span<const fem::PadCells>, PadContactReport*);
+template std::vector<fem::PadSolution> solve_pad_contact(const PadContact<double>&, std::span<const fem::PadScene>,
+                                                         std::span<const fem::PadCells>, PadContactReport*);
 
 }  // namespace tactel::host

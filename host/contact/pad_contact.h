@@ -2,6 +2,7 @@
 #pragma once
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "fem/pad/pad_solver.h"
 #include "host/device/buffer.h"
@@ -18,6 +19,7 @@ struct PadContactOptions {
   double tolerance = 1e-3;  ///< largest change of a traction in the last sweep over the largest pressure
   double accept = 0;        ///< largest residual of a solved step; 0: fem::by_rule
   int most_sweeps = 2000;   ///< an increment that needs more is reported as unsolved
+  int most_growths = 4;     ///< solve_pad_contact enlarges cells that are too small this many times
   int vectors = 0;          ///< of scenes in a work-item, 1 to 3; 0: by the size of the batch
 };
 
@@ -58,12 +60,28 @@ class PadContact {
   /// same tactels. Throws std::invalid_argument otherwise.
   Batch prepare(std::span<const fem::PadScene> scenes, std::span<const fem::PadCells> cells = {}) const;
 
+  const PadContactOptions& options() const;
   /// Returns the layer of a Poisson's ratio, made at its first use.
   std::shared_ptr<const fem::PadLayer> layer(double poisson) const;
 
  private:
   std::shared_ptr<State> state_;
 };
+
+/// What became of the scenes of a solve_pad_contact.
+struct PadContactReport {
+  std::size_t grown = 0;      ///< scenes whose cells the search laid too small
+  std::size_t fell_back = 0;  ///< scenes that the twin solved in the kernel's place
+  std::size_t unsolved = 0;   ///< scenes with a step that missed its tolerance all the same
+};
+
+/// Solves scenes in their order; `cells` as PadContact::prepare. Where the surface is penetrated beyond the cells, they
+/// grow, and the scene is solved again. A scene with a step over tolerance after that is solved by the twin in fp64, to
+/// a sweep tolerance of 1e-6.
+template <class Real>
+std::vector<fem::PadSolution> solve_pad_contact(const PadContact<Real>& contact, std::span<const fem::PadScene> scenes,
+                                                std::span<const fem::PadCells> cells = {},
+                                                PadContactReport* report = nullptr);
 
 extern template class PadContact<float>;
 extern template class PadContact<double>;

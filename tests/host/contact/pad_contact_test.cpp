@@ -242,6 +242,27 @@ TEST(PadContact, SaysOnWhichSidesItsCellsAreTooSmall) {
   EXPECT_FALSE(solution.steps[0].converged);
 }
 
+TEST(PadContact, CellsGrowUntilTheContactLiesInside) {
+  std::vector<fem::PadScene> scenes(2);
+  for (fem::PadScene& scene : scenes) scene.load.indentation = {0.25};
+  const PadContact<float> contact(executor(), {.cells = 8});
+  const std::vector<fem::PadCells> cells{{.n = 8, .hx = 0.2, .hy = 0.25}, {.n = 8, .hx = 0.5, .hy = 0.5}};
+  PadContactReport report;
+  const auto solutions = solve_pad_contact(contact, scenes, cells, &report);
+  EXPECT_EQ(report.grown, 1u);
+  EXPECT_EQ(report.fell_back, 0u);
+  EXPECT_TRUE(solutions[0].steps[0].converged);
+  EXPECT_NEAR(solutions[0].steps[0].P / solutions[1].steps[0].P, 1, 0.04);  // other cells of the same contact
+}
+
+TEST(PadContact, TheTwinSolvesWhatTheKernelDoesNot) {
+  auto scenes = mix(sensor_of(0.45), 9, 8);
+  PadContactReport report;
+  solve_pad_contact(PadContact<float>(executor(), {.cells = 8, .most_sweeps = 1}), scenes, {}, &report);
+  EXPECT_EQ(report.fell_back, 9u);
+  EXPECT_EQ(report.unsolved, 0u);
+}
+
 TEST(PadContact, TactelsTakeTheMeanOverTheirSquare) {
   fem::PadScene scene;
   scene.sensor.tactel_size = 2.5;
