@@ -199,9 +199,10 @@ std::vector<PadIncrement> pad_increments(const PadLoad& load, const PadOptions& 
 Eigen::MatrixX2d tactel_places(const PadSensor& sensor) {
   const auto [columns, rows] = sensor.tactels;
   Eigen::MatrixX2d places(columns * rows, 2);
-  for (int k = 0; k < columns * rows; ++k)
-    places.row(k) << (k % columns - (columns - 1) / 2.0) * sensor.pitch[0],
-        (k / columns - (rows - 1) / 2.0) * sensor.pitch[1];
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column)
+      places.row(row * columns + column) << (column - (columns - 1) / 2.0) * sensor.pitch[0],
+          (row - (rows - 1) / 2.0) * sensor.pitch[1];
   return places;
 }
 
