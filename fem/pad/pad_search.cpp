@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <utility>
 
 #include "fem/layer/patch_search.h"
 
@@ -63,9 +62,11 @@ Interval widened(const Interval& a, double part) {
 /// one keeps them where it is pressed on one side alone.
 PadIndenter sharpened(PadIndenter indenter, int cells, double depth) {
   const auto sharp = [cells, depth, tilt = indenter.tilt](double& edge, double half_width) {
+    const double h = 2 * half_width / cells, reach = std::sqrt(edge * std::max(depth, 0.0));
     const double rise = 2 * half_width * std::tan(tilt * std::numbers::pi / 180);
-    if (!(edge > 0 && rise < depth / 2 && edge < least_rounding * 2 * half_width / cells)) return 0.0;
-    return sharp_beyond * std::sqrt(std::exchange(edge, 0) * depth);
+    if (!(edge > 0 && rise < depth / 2 && edge < least_rounding * h && reach < least_reach * h)) return 0.0;
+    edge = 0;
+    return sharp_beyond * reach;
   };
   if (auto* punch = std::get_if<Punch>(&indenter.shape)) punch->radius += sharp(punch->edge, punch->radius);
   if (auto* box = std::get_if<Box>(&indenter.shape)) {
