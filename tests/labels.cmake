@@ -8,7 +8,7 @@
 #   nightly    run by scripts/nightly alone
 
 # Regular expressions of test names, by test program. A unit test runs without OpenCL platforms (below): it fails where it needs one.
-foreach(program fem layer nn hw support figures scenes)
+foreach(program fem layer pad nn hw support figures scenes)
   set(unit_${program} ".")
 endforeach()
 set(unit_device "^(ThreadTeam|Cache|CachePlace|GroupSupply|Pace|LayoutList)[.]|/(DamagedCache|Balance)[.]|^Embedded[.][EI]|OfADoubleProgram|GoesOnWithTheThreads")
@@ -30,7 +30,7 @@ set(program_training "^[^AB]")
 set(program_studies "[.]Reproduce")
 set(program_commands "^([^D]|Du|Dem)")  # all but DevicesCommand
 
-set(slow "SaidAndMade|^CraftedNetworks[.]NoChange|^SolveWithCache[.](Nobody|Killed|Little|Two|Inter)|^(ClosedForms|GapReferenceRandom|IndependentContact|Extremes|InverseProblem|DirectProblem|StreamTraining|RankTraining)[.]|^Planner[.]K|OverTheEnd|^Demo[.]S|EveryShape|CondensationCache.AnyFlippedByte|/100000$")
+set(slow "SaidAndMade|^CraftedNetworks[.]NoChange|^SolveWithCache[.](Nobody|Killed|Little|Two|Inter)|^(ClosedForms|GapReferenceRandom|IndependentContact|Extremes|InverseProblem|DirectProblem|StreamTraining|RankTraining)[.]|^Planner[.]K|OverTheEnd|^Demo[.]S|EveryShape|^PadReference[.]|CondensationCache.AnyFlippedByte|/100000$")
 
 # What scripts/test leaves to scripts/nightly, because another test of its kind stays: more numbers of lanes, elements and layers, more moments of
 # a kill, larger campaigns, a second runtime, a second precision.
@@ -40,7 +40,7 @@ set(nightly "Nightly[.]|^(Lanes[.]|PatchBits[.]AreTheSameAt|PatchBits.*Chunks<do
   "^(Extremes[.]Every|Planner[.]Keeps|DirectProblem[.]EveryOpen|CalibrationCampaign|PressPlan[.]Ten|PatchSensors[.]AgreeWith|TrainApi[.]TrainsB|BoundCommand[.]MonitorP)")
 list(JOIN nightly "|" nightly)
 
-foreach(program fem layer nn hw support figures scenes device networks contact calibration sets live training studies commands api)
+foreach(program fem layer pad nn hw support figures scenes device networks contact calibration sets live training studies commands api)
   foreach(test IN LISTS tactel_${program}_tests_TESTS)
     set(labels device)
     if(test MATCHES "${unit_${program}}")
@@ -59,7 +59,7 @@ foreach(program fem layer nn hw support figures scenes device networks contact c
         set(labels "${labels};program")
       endif()
     endif()
-    if(program MATCHES "^(fem|layer|nn)$")
+    if(program MATCHES "^(fem|layer|pad|nn)$")
       set(labels "${labels};reference")
     elseif(program STREQUAL "hw")
       set(labels "${labels};hw")

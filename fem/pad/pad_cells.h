@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <Eigen/Dense>
+#include <array>
+#include <optional>
+
+#include "fem/pad/pad_layer.h"
+#include "fem/pad/pad_scene.h"
+
+namespace tactel::fem {
+
+/// n x n equal cells on the part of the surface that an indenter touches, in the indenter's own frame. Cell (i, j), i
+/// along x, j along y, has index i n + j.
+struct PadCells {
+  int n = 0;
+  double hx = 0, hy = 0;              ///< mm, sides of a cell
+  double x_middle = 0, y_middle = 0;  ///< mm, of the grid
+  bool round = false;          ///< only cells whose middles lie in the disc of n / 2 cells: below a sharp round edge
+  std::array<bool, 4> edge{};  ///< sides -x, +x, -y, +y end at sharp edges of the indenter
+
+  int count() const { return n * n; }
+  double x(int i) const { return x_middle + (i - (n - 1) / 2.0) * hx; }
+  double y(int j) const { return y_middle + (j - (n - 1) / 2.0) * hy; }
+  double area() const { return hx * hy; }
+  double half_size() const { return n * std::max(hx, hy) / 2; }  ///< mm: the lever that turns a twist into a path
+  PadBox box() const {
+    return {{x_middle - n * hx / 2, x_middle + n * hx / 2}, {y_middle - n * hy / 2, y_middle + n * hy / 2}};
+  }
+  bool allowed(int i, int j) const;  ///< the indenter may touch the cell; i and j from -1 to n
+};
+
+/// Part of a cell by which the grid reaches beyond a sharp edge. Pressure is singular there: with 0 the force of a
+/// punch is 3 to 5 % low at 12 cells, with these 0.3 and 0.6 %.
+inline constexpr double straight_overhang = 0.15, round_overhang = 0.125;
+
+/// Steps of the ladder of cell sizes in an octave.
+inline constexpr int rungs_an_octave = 4;
+
+/// Returns n x n cells over a contact, clipped to the indenter's edges. Along a side between sharp edges they reach
+/// straight_overhang beyond; below a sharp round edge N of them have N h^2 = pi (radius + round_overhang h)^2. Other
+/// sides are H 2^(k/4), the least that cover the contact, so that scenes share their influence; the k of both sides
+/// differ by an even number. Without `ladder` they just cover it.
+PadCells pad_cells(const PadBox& contact, const PadIndenter& indenter, int n, double thickness, bool ladder);
+
+/// Returns the profile at the middles of the cells and of one ring around them, [n + 2][n + 2] mm, index (i + 1, j +
+/// 1); +infinity where the indenter may not touch.
+Eigen::MatrixXd cell_heights(const PadCells& cells, const PadIndenter& indenter);
+
+/// The influence of cells on each other, for E = 1: six planes [2 n + 1][2 n + 1] over source less place, -n to n. The
+/// entry of a source at (jx, jy) on a place at (ix, iy) is at(jx - ix, jy - iy): sources of one jx lie side by side.
+struct PadInfluence {
+  PadInfluence(const PadLayer& layer, double thickness, double hx, double hy, int n);
+
+  Eigen::Index at(int dx, int dy) const { return (dx + n) * (2 * n + 1) + dy + n; }
+
+  int n;
+  Eigen::ArrayXd zz, xx, yy, xy, xz, yz;
+  double own_normal, own_tangential;  ///< zz and the larger of xx and yy of a cell on itself
+};
+
+}  // namespace tactel::fem

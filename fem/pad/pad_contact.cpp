@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fem/pad/pad_contact.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactel::fem {
+namespace {
+
+constexpr double relaxation = 0.85;
+// Sweeps after which steps are halved: where friction is high they may go round in circles.
+constexpr int damped_after = 300;
+
+/// Shortens a traction to the cone.
+void to_cone(Eigen::Ref<Eigen::RowVector2d, 0, Eigen::InnerStride<>> t, double most) {
+  const double length = t.norm();
+  if (length > most) t *= most / length;
+}
+
+}  // namespace
+
+double PadResidual::largest() const { return std::max({penetration, complementarity, cone, drift, angle}); }
+
+PadContact::PadContact(const PadInfluence& influence, const PadCells& cells, Eigen::MatrixXd height, double mu,
+                       const PadSweepOptions& options)
+    : influence_(influence), cells_(cells), height_(std::move(height)), mu_(mu), options_(options) {
+  const int count = cells.count();
+  n_ = n_last_ = Eigen::VectorXd::Zero(count);
+  t_ = t_last_ = stick_ = Eigen::MatrixX2d::Zero(count, 2);
+  u_ = Eigen::MatrixX3d::Zero(count, 3);
+  active_.assign(count, 0);
+  columns_.assign(cells.n, {0, 0});
+}
+
+/// Sums over the window. Cells may lie in the ring around the grid.
+Eigen::Vector3d PadContact::displacement(int ix, int iy) const {
+  const PadInfluence& c = influence_;
+  double x = 0, y = 0, z = 0;
+  for (int jx = 0; jx < cells_.n; ++jx) {
+    const auto [first, end] = columns_[jx];
+    if (first == end) continue;
+    const Eigen::Index from = c.at(jx - ix, first - iy), own = jx * cells_.n + first, count = end - first;
+    const auto n = n_.segment(own, count).array();
+    const auto tx = t_.col(0).segment(own, count).array(), ty = t_.col(1).segment(own, count).array();
+    const auto xz = c.xz.segment(from, count), yz = c.yz.segment(from, count), xy = c.xy.segment(from, count);
+    x += (c.xx.segment(from, count) * tx + xy * ty - xz * n).sum();
+    y += (xy * tx + c.yy.segment(from, count) * ty - yz * n).sum();
+    z -= (c.zz.segment(from, count) * n + xz * tx + yz * ty).sum();
+  }
+  return {x, y, z};
+}
+
+/// How far the indenter has moved at a cell since `from`.
+Eigen::Vector2d PadContact::path(Eigen::Index i, const PadMotion& from) const {
+  const PadMotion change = motion - from;
+  const int ix = static_cast<int>(i) / cells_.n, iy = static_cast<int>(i) % cells_.n;
+  return {change[0] - change[2] * cells_.y(iy), change[1] + change[2] * cells_.x(ix)};
+}
+
+void PadContact::activate(Eigen::Index i) {
+  active_[i] = 1;
+  const int iy = static_cast<int>(i) % cells_.n;
+  auto& [first, end] = columns_[i / cells_.n];
+  if (first == end) first = iy, end = iy + 1;
+  first = std::min(first, iy);
+  end = std::max(end, iy + 1);
+}
+
+void PadContact::extrapolate(double ratio) {
+  const Eigen::VectorXd n = n_;
+  const Eigen::MatrixX2d t = t_;
+  n_ = (n + ratio * (n - n_last_)).cwiseMax(0);
+  t_ = t + ratio * (t - t_last_);
+  n_last_ = n;
+  t_last_ = t;
+  const bool touches = depth > height_.minCoeff();
+  std::fill(active_.begin(), active_.end(), 0);
+  std::fill(columns_.begin(), columns_.end(), std::array{0, 0});
+  for (int i = 0; i < cells_.count(); ++i) {
+    if (!touches) n_[i] = 0;
+    to_cone(t_.row(i), mu_ * n_[i]);
+    const double gap = height_(i / cells_.n + 1, i % cells_.n + 1) - depth - u_(i, 2);
+    if (n_[i] > 0 || (touches && gap < 0)) activate(i);
+  }
+}
+
+/// Returns the largest change over the largest pressure, tractions weighed by the root of the own influence.
+double PadContact::sweep(double w) {
+  const double per_t = w / influence_.own_tangential, per_n = w / influence_.own_normal;
+  const double weight = std::sqrt(influence_.own_tangential / influence_.own_normal);
+  double change = 0, largest = 0;
+  for (int i = 0; i < cells_.count(); ++i) {
+    if (!active_[i]) continue;
+    const Eigen::Vector3d u = displacement(i / cells_.n, i % cells_.n);
+    const double n = std::max(0.0, n_[i] + per_n * (u[2] - (height_(i / cells_.n + 1, i % cells_.n + 1) - depth)));
+    const Eigen::Vector2d goal = stick_.row(i).transpose() + path(i, motion_last_);
+    Eigen::RowVector2d t = t_.row(i) + per_t * (goal - u.head<2>()).transpose();
+    to_cone(t, mu_ * n);
+    change = std::max({change, std::abs(n - n_[i]), weight * (t - t_.row(i)).cwiseAbs().maxCoeff()});
+    largest = std::max(largest, n);
+    n_[i] = n;
+    t_.row(i) = t;
+  }
+  return largest > 0 ? change / largest : 0;
+}
+
+/// Fresh sums at all cells. Returns true where cells outside the window are penetrated, which then belong to it.
+bool PadContact::widen() {
+  bool more = false;
+  for (int i = 0; i < cells_.count(); ++i) u_.row(i) = displacement(i / cells_.n, i % cells_.n);
+  for (int i = 0; i < cells_.count(); ++i) {
+    const double gap = height_(i / cells_.n + 1, i % cells_.n + 1) - depth - u_(i, 2);
+    if (active_[i] || !(gap < -options_.tolerance * depth)) continue;
+    activate(i);
+    more = true;
+  }
+  return more;
+}
+
+bool PadContact::solve(int& sweeps) {
+  for (int k = 0; k < options_.most_sweeps; ++k) {
+    ++sweeps;
+    if (sweep(k < damped_after ? relaxation : relaxation / 2) <= options_.tolerance && !widen()) return true;
+  }
+  widen();
+  return false;
+}
+
+PadResidual PadContact::residual(double accept, std::array<bool, 4>& outside) const {
+  PadResidual r;
+  const double most_n = n_.maxCoeff(),
+               moved = std::max(0.1 * depth, (motion - motion_last_).head<2>().norm() +
+                                                 std::abs(motion[2] - motion_last_[2]) * cells_.half_size());
+  const int size = cells_.n;
+  for (int ix = -1; ix <= size; ++ix)
+    for (int iy = -1; iy <= size; ++iy) {
+      const double h = height_(ix + 1, iy + 1);
+      if (!(depth > 0) || !std::isfinite(h)) continue;
+      const Eigen::Vector3d u = displacement(ix, iy);
+      const double gap = (h - depth - u[2]) / depth;
+      r.penetration = std::max(r.penetration, -gap);
+      if (ix < 0 || iy < 0 || ix == size || iy == size) {
+        const bool beyond = gap < -accept;
+        outside[0] |= beyond && ix < 0;
+        outside[1] |= beyond && ix == size;
+        outside[2] |= beyond && iy < 0;
+        outside[3] |= beyond && iy == size;
+        continue;
+      }
+      const Eigen::Index i = ix * size + iy;
+      if (!(n_[i] > 0)) continue;
+      const double length = t_.row(i).norm();
+      const Eigen::Vector2d slip = stick_.row(i).transpose() + path(i, motion_last_) - u.head<2>();  // of the indenter
+      r.complementarity = std::max(r.complementarity, std::abs(gap));
+      r.cone = std::max(r.cone, (length - mu_ * n_[i]) / most_n);
+      if (sticks(i))
+        r.drift = std::max(r.drift, slip.norm() / moved);
+      else if (length > 0)
+        r.angle = std::max(r.angle, (slip.norm() - t_.row(i).dot(slip) / length) / moved);
+    }
+  return r;
+}
+
+void PadContact::remember() {
+  for (int i = 0; i < cells_.count(); ++i) {
+    if (sticks(i))
+      stick_.row(i) += path(i, motion_last_).transpose();
+    else
+      stick_.row(i) = u_.row(i).head<2>();
+  }
+  motion_last_ = motion;
+}
+
+double PadContact::slip_distance() const {
+  double most = 0;
+  for (int i = 0; i < cells_.count(); ++i)
+    if (n_[i] > 0) most = std::max(most, (path(i, PadMotion::Zero()) - u_.row(i).head<2>().transpose()).norm());
+  return most;
+}
+
+}  // namespace tactel::fem

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <vector>
+
+#include "fem/pad/pad_cells.h"
+
+namespace tactel::fem {
+
+struct PadSweepOptions {
+  double tolerance = 1e-3;  ///< largest change of a traction in the last sweep over the largest pressure, scaled
+  int most_sweeps = 2000;   ///< of an increment
+};
+
+/// Residual of the contact laws, from the final tractions alone; all members are relative.
+struct PadResidual {
+  double penetration = 0;      ///< largest penetration of a cell, also of the ring around the grid, over the depth
+  double complementarity = 0;  ///< largest |gap| of a cell with n > 0, over the depth
+  double cone = 0;             ///< largest |t| - mu n over the largest n
+  double drift = 0;            ///< largest slip of a sticking cell over the motion of the increment, at least 0.1 depth
+  double angle = 0;            ///< largest (1 - cos) slip, by the angle between traction and slip; as drift
+
+  double largest() const;
+};
+
+/// A rigid motion of the indenter in its own frame: x, y (mm), twist (rad) about its axis.
+using PadMotion = Eigen::Vector3d;
+
+/// The cells under one indenter, and where it is. Tractions are over E: n >= 0 presses, t drags the rubber along. With
+/// the influence C at E = 1 and offsets from source to place,
+///
+///     u_z = -sum (zz n + xz t_x + yz t_y)    u_x = sum (xx t_x + xy t_y - xz n)    u_y = sum (xy t_x + yy t_y - yz n)
+///     gap = h - d - u_z >= 0,  n >= 0,  n gap = 0;    |t| <= mu n,  t along the slip of the indenter over the rubber
+///
+/// Projected Gauss-Seidel over the cells, relaxed by w = 0.85 (M. Jean, Comput. Methods Appl. Mech. Eng. 177, 1999,
+/// 235-257, with the disc of friction): with g where a cell would be if it stuck, and C_zz, C_tt of a cell on itself,
+///
+///     n <- max(0, n + w (u_z - (h - d)) / C_zz)
+///     t <- t + w (g - u_t) / C_tt, shortened to mu n where it is longer
+class PadContact {
+ public:
+  /// `height` as cell_heights gives it.
+  PadContact(const PadInfluence& influence, const PadCells& cells, Eigen::MatrixXd height, double mu,
+             const PadSweepOptions& options);
+
+  double depth = 0;                      ///< mm, set by the caller
+  PadMotion motion = PadMotion::Zero();  ///< since first touch, set by the caller
+
+  const Eigen::VectorXd& n() const { return n_; }   ///< [cells]
+  const Eigen::MatrixX2d& t() const { return t_; }  ///< [cells]
+  double pressing() const { return n_.sum(); }
+  bool sticks(Eigen::Index i) const { return n_[i] > 0 && t_.row(i).norm() < (1 - 1e-12) * mu_ * n_[i]; }
+
+  /// Starts an increment: guesses that the tractions change `ratio` times as much as last time.
+  void extrapolate(double ratio);
+
+  /// Sweeps over the window, the cells that press or would be penetrated, until no traction changes by more than the
+  /// tolerance; then over more cells where fresh sums find more. Returns false where most_sweeps do not suffice.
+  bool solve(int& sweeps);
+
+  /// State of the laws from the tractions alone. `outside` takes the sides -x, +x, -y, +y beyond which the surface is
+  /// penetrated by more than `accept` times the depth.
+  PadResidual residual(double accept, std::array<bool, 4>& outside) const;
+
+  /// Ends an increment. A sticking cell counts as having followed the indenter, so that what the tolerance left is made
+  /// good by the next increment; another one has slipped to where it is.
+  void remember();
+
+  /// Returns how far the indenter has slid over the rubber since first touch at most, mm.
+  double slip_distance() const;
+
+ private:
+  Eigen::Vector3d displacement(int ix, int iy) const;
+  Eigen::Vector2d path(Eigen::Index i, const PadMotion& from) const;
+  double sweep(double w);
+  void activate(Eigen::Index i);
+  bool widen();
+
+  const PadInfluence& influence_;
+  PadCells cells_;
+  Eigen::MatrixXd height_;
+  double mu_;
+  PadSweepOptions options_;
+  Eigen::VectorXd n_, n_last_;
+  Eigen::MatrixX2d t_, t_last_;
+  Eigen::MatrixX2d stick_;  ///< mm: where a cell was at the last increment; it sticks from there
+  Eigen::MatrixX3d u_;      ///< mm: displacements by fresh sums
+  PadMotion motion_last_ = PadMotion::Zero();
+  std::vector<char> active_;                 ///< [cells] in the window
+  std::vector<std::array<int, 2>> columns_;  ///< [n] first and one after last active cell of each column
+};
+
+}  // namespace tactel::fem

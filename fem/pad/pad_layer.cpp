@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fem/pad/pad_layer.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "fem/layer/legendre_points.h"
+
+namespace tactel::fem {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+/// Gauss points along a side of a cell. They leave 1e-10 of an influence up to 1 H.
+const std::vector<LegendrePoint>& points_along(double side) {
+  static const std::vector<LegendrePoint> few = legendre_points(4), some = legendre_points(6),
+                                          many = legendre_points(16);
+  return side <= 0.25 ? few : side <= 1 ? some : many;
+}
+
+/// Calls f(x, y, weight) at Gauss points of a cell about (x, y); weights sum to 1. All in units of H.
+template <class F>
+void over_cell(double hx, double hy, double x, double y, F f) {
+  for (const LegendrePoint& p : points_along(hx))
+    for (const LegendrePoint& q : points_along(hy)) f(x - hx / 2 * p.x, y - hy / 2 * q.x, p.weight * q.weight / 4);
+}
+
+/// [F] over the corners of a cell.
+template <class F>
+double corners(double hx, double hy, double x, double y, F f) {
+  const double x0 = x - hx / 2, x1 = x + hx / 2, y0 = y - hy / 2, y1 = y + hy / 2;
+  return f(x1, y1) - f(x0, y1) - f(x1, y0) + f(x0, y0);
+}
+
+double along_x(double x, double y) { return y * std::asinh(x / std::abs(y)); }
+double potential_slope(double x, double y) { return y * std::log(std::hypot(x, y)) + x * std::atan(y / x); }
+
+}  // namespace
+
+PadLayer::PadLayer(double poisson) : poisson_(poisson) {
+  const PadIntegrals integrals(poisson);
+  const double step = 1.0 / steps_a_thickness;
+  PadIntegrals::At left = integrals.at(0);
+  for (int cell = 0; cell < range * steps_a_thickness; ++cell) {
+    const PadIntegrals::At right = integrals.at((cell + 1) * step);
+    const PadValues rise = right.value - left.value, s0 = step * left.slope, s1 = step * right.slope;
+    auto& row = cells_.emplace_back();
+    for (int f = 0; f < pad_integrals; ++f)
+      row[f] = {left.value[f], s0[f], 3 * rise[f] - 2 * s0[f] - s1[f], s0[f] + s1[f] - 2 * rise[f]};
+    left = right;
+  }
+}
+
+double PadLayer::value(PadIntegral f, double rho) const {
+  const double place = rho * steps_a_thickness;
+  const auto cell = std::min(static_cast<std::size_t>(place), cells_.size() - 1);
+  const double q = place - static_cast<double>(cell);
+  const Cubic& c = cells_[cell][f];
+  return c[0] + q * (c[1] + q * (c[2] + q * c[3]));
+}
+
+/// Beyond the range the rest is the negative of the half-space's part.
+Eigen::Array4d PadLayer::displacements(double rho) const {
+  if (rho >= range) return {-1 / rho, (poisson_ - 2) / rho, poisson_ / rho, (2 * poisson_ - 1) / rho};
+  return {value(pad_z0, rho), value(pad_A, rho), value(pad_B, rho), value(pad_Z, rho)};
+}
+
+Eigen::Array<double, 5, 1> PadLayer::stresses(double rho) const {
+  Eigen::Array<double, 5, 1> b = Eigen::Array<double, 5, 1>::Zero();
+  if (rho < range)
+    b << value(pad_b0, rho), value(pad_bA, rho), value(pad_bB, rho), value(pad_bxz, rho), value(pad_bzx, rho);
+  return b;
+}
+
+Eigen::MatrixXd PadLayer::normal_influence(double thickness, double hx, double hy, int n) const {
+  hx /= thickness, hy /= thickness;
+  Eigen::MatrixXd corner(n + 1, n + 1), zz(n, n);  // neighbours share corners
+  for (int i = 0; i <= n; ++i)
+    for (int j = 0; j <= n; ++j) {
+      const double x = (i - 0.5) * hx, y = (j - 0.5) * hy;
+      corner(i, j) = along_x(x, y) + along_x(y, x);
+    }
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      const double rho = std::hypot(i * hx, j * hy), rest = rho < range ? value(pad_z0, rho) : -1 / rho;
+      zz(i, j) = corner(i + 1, j + 1) - corner(i, j + 1) - corner(i + 1, j) + corner(i, j) + hx * hy * rest;
+    }
+  return thickness * (1 - poisson_ * poisson_) / pi * zz;
+}
+
+CellInfluence PadLayer::influence(double thickness, double hx, double hy, double x, double y) const {
+  hx /= thickness, hy /= thickness, x /= thickness, y /= thickness;
+  double z0 = 0, A = 0, B_cos = 0, B_sin = 0, Zx = 0, Zy = 0;
+  over_cell(hx, hy, x, y, [&](double X, double Y, double weight) {
+    const double rho = std::hypot(X, Y), cosine = rho > 0 ? X / rho : 1, sine = rho > 0 ? Y / rho : 0;
+    const Eigen::Array4d at = weight * displacements(rho);
+    z0 += at[pad_z0];
+    A += at[pad_A];
+    B_cos += at[pad_B] * (cosine * cosine - sine * sine);
+    B_sin += at[pad_B] * 2 * sine * cosine;
+    Zx += at[pad_Z] * cosine;
+    Zy += at[pad_Z] * sine;
+  });
+  const double nu = poisson_, cell = hx * hy;
+  const double Ixx = corners(hx, hy, x, y, along_x);
+  const double Iyy = corners(hx, hy, x, y, [](double X, double Y) { return along_x(Y, X); });
+  const double Ixy = -corners(hx, hy, x, y, [](double X, double Y) { return std::hypot(X, Y); });
+  const double Ix = corners(hx, hy, x, y, potential_slope);
+  const double Iy = corners(hx, hy, x, y, [](double X, double Y) { return potential_slope(Y, X); });
+  const double c = thickness * (1 + nu) / pi;
+  return {.zz = c * (1 - nu) * (Ixx + Iyy + cell * z0),
+          .xx = c * (Ixx + (1 - nu) * Iyy + cell / 2 * (A - B_cos)),
+          .yy = c * ((1 - nu) * Ixx + Iyy + cell / 2 * (A + B_cos)),
+          .xy = c * (nu * Ixy - cell / 2 * B_sin),
+          .xz = c / 2 * ((1 - 2 * nu) * Ix + cell * Zx),
+          .yz = c / 2 * ((1 - 2 * nu) * Iy + cell * Zy)};
+}
+
+PadBaseStress PadLayer::base_stress(double thickness, double hx, double hy, double x, double y) const {
+  hx /= thickness, hy /= thickness, x /= thickness, y /= thickness;
+  PadBaseStress sum = PadBaseStress::Zero();
+  over_cell(hx, hy, x, y, [&](double X, double Y, double weight) {
+    const double rho = std::hypot(X, Y), cosine = rho > 0 ? X / rho : 1, sine = rho > 0 ? Y / rho : 0;
+    const Eigen::Array<double, 5, 1> b = weight * stresses(rho);
+    const double b0 = b[0], bA = b[1], even = b[2] * (cosine * cosine - sine * sine), odd = b[2] * 2 * sine * cosine;
+    const double bxz = b[3], bzx = b[4];
+    PadBaseStress at;
+    at << -cosine * bzx, -sine * bzx, b0,  //
+        bA - even, -odd, -cosine * bxz,    //
+        -odd, bA + even, -sine * bxz;
+    sum += at;
+  });
+  return hx * hy / (2 * pi) * sum;
+}
+
+}  // namespace tactel::fem

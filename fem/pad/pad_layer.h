@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <Eigen/Dense>
+#include <array>
+
+#include "fem/pad/pad_integrals.h"
+
+namespace tactel::fem {
+
+// Displacements and base stresses of the layer by a uniform traction of 1 MPa on a cell hx x hy of its surface, at the
+// offset (x, y) = place less the cell's middle; E = 1 MPa. The half-space's part is the integral over the cell in
+// closed form; with [F] = F(X1, Y1) - F(X0, Y1) - F(X1, Y0) + F(X0, Y0), X1, X0 = x +- hx / 2, Y alike, R^2 = X^2 + Y^2
+//
+//     I_xx = [Y asinh(X / |Y|)]    I_yy = [X asinh(Y / |X|)]    I_xy = -[R]
+//     I_x  = [Y ln R + X atan(Y / X)]                           I_y  = [X ln R + Y atan(X / Y)]
+//     zz = (1 - nu^2) / pi (I_xx + I_yy)
+//     xx = (1 + nu) / pi (I_xx + (1 - nu) I_yy)     yy = (1 + nu) / pi ((1 - nu) I_xx + I_yy)    xy = (1 + nu) nu / pi
+//     I_xy xz = (1 + nu) (1 - 2 nu) / (2 pi) I_x         yz with I_y
+//
+// (A. E. H. Love, Phil. Trans. R. Soc. A 228, 1929, 377-420; K. L. Johnson, Contact Mechanics, 1985, chapter 3). The
+// smooth rest and the base stress are averaged over the cell by Gauss's rule.
+
+/// u_z by f_z, u_x by f_x, u_y by f_y, u_x by f_y and u_y by f_x, u_x by f_z (u_z by f_x is its negative), u_y by f_z;
+/// mm per MPa over E.
+struct CellInfluence {
+  double zz = 0, xx = 0, yy = 0, xy = 0, xz = 0, yz = 0;
+};
+
+/// Stress at the base, MPa per MPa: rows sigma_z, tau_x, tau_y; columns by f_x, f_y, f_z.
+using PadBaseStress = Eigen::Matrix3d;
+
+/// The layer of one Poisson's ratio: the integrals as piecewise cubics over rho.
+class PadLayer {
+ public:
+  static constexpr int steps_a_thickness = 80;   ///< cells of width H / 80
+  static constexpr double range = 24;            ///< H; beyond, the layer does not move
+  static constexpr double largest_error = 1e-9;  ///< of the four integrals of displacements
+
+  /// Coefficients of one function in one cell: c0 + q (c1 + q (c2 + q c3)), q in [0, 1] from its left end.
+  using Cubic = std::array<double, 4>;
+
+  /// 0 <= poisson <= 1/2.
+  explicit PadLayer(double poisson);
+
+  double poisson() const { return poisson_; }
+
+  /// [cells][pad_integrals]
+  const std::vector<std::array<Cubic, pad_integrals>>& cells() const { return cells_; }
+
+  /// Returns the integrals z0, A, B, Z at any rho >= 0.
+  Eigen::Array4d displacements(double rho) const;
+
+  /// Returns the integrals b0, bA, bB, bxz, bzx at any rho >= 0.
+  Eigen::Array<double, 5, 1> stresses(double rho) const;
+
+  /// Returns the influence of a cell at an offset that is a multiple of its sides; all in mm.
+  CellInfluence influence(double thickness, double hx, double hy, double x, double y) const;
+
+  /// Returns zz of influence() alone for offsets of 0 to n - 1 cells, [n][n] mm. Its smooth rest is that of the cell's
+  /// middle: good to 1e-3 of the largest for cells up to H / 4.
+  Eigen::MatrixXd normal_influence(double thickness, double hx, double hy, int n) const;
+
+  /// Returns the base stress under a unit traction on a cell at any offset, mm.
+  PadBaseStress base_stress(double thickness, double hx, double hy, double x, double y) const;
+
+ private:
+  double value(PadIntegral f, double rho) const;
+
+  double poisson_;
+  std::vector<std::array<Cubic, pad_integrals>> cells_;
+};
+
+}  // namespace tactel::fem

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fem/pad/pad_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "fem/number_text.h"
+#include "fem/value_error.h"
+
+namespace tactel::fem {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+template <class... F>
+struct Overloaded : F... {
+  using F::operator()...;
+};
+template <class... F>
+Overloaded(F...) -> Overloaded<F...>;  // clang 14 does not deduce it
+
+double radians(double degrees) { return degrees * std::numbers::pi / 180; }
+
+/// height of a circle of this radius at distance r from its lowest point.
+double circle(double radius, double r) {
+  return r <= radius ? r * r / (radius + std::sqrt(radius * radius - r * r)) : infinity;
+}
+
+/// Half the width of a circle's section at a depth.
+double section(double radius, double depth) {
+  return depth < radius ? std::sqrt(depth * (2 * radius - depth)) : radius;
+}
+
+/// (distance beyond a flat)^2 / (2 edge); a sharp edge is ignored.
+double rounding(double beyond, double edge) { return beyond > 0 && edge > 0 ? beyond * beyond / (2 * edge) : 0; }
+
+double between(const HeightMap& map, double x, double y) {
+  const Eigen::Index rows = map.heights.rows(), columns = map.heights.cols();
+  const double i = x / map.pitch + static_cast<double>(rows - 1) / 2;
+  const double j = y / map.pitch + static_cast<double>(columns - 1) / 2;
+  if (!(i >= 0 && j >= 0 && i <= static_cast<double>(rows - 1) && j <= static_cast<double>(columns - 1)))
+    return infinity;
+  const Eigen::Index k = std::min(static_cast<Eigen::Index>(i), rows - 2),
+                     l = std::min(static_cast<Eigen::Index>(j), columns - 2);
+  const double p = i - static_cast<double>(k), q = j - static_cast<double>(l);
+  const auto h = map.heights.block<2, 2>(k, l);
+  return (1 - p) * ((1 - q) * h(0, 0) + q * h(0, 1)) + p * ((1 - q) * h(1, 0) + q * h(1, 1)) - map.heights.minCoeff();
+}
+
+double upright_height(const PadShape& shape, double x, double y) {
+  const double r = std::hypot(x, y);
+  return std::visit(Overloaded{[&](const Sphere& s) { return circle(s.radius, r); },
+                               [&](const Paraboloid& p) { return x * x / (2 * p.radii[0]) + y * y / (2 * p.radii[1]); },
+                               [&](const LyingCylinder& c) { return circle(c.radius, std::abs(x)); },
+                               [&](const Punch& p) { return rounding(r - p.radius, p.edge); },
+                               [&](const Box& b) {
+                                 return rounding(std::abs(x) - b.half_widths[0], b.edge) +
+                                        rounding(std::abs(y) - b.half_widths[1], b.edge);
+                               },
+                               [&](const Cone& c) { return r / std::tan(radians(c.angle)); },
+                               [&](const HeightMap& m) { return between(m, x, y); }},
+                    shape);
+}
+
+/// The tilted bottom as a plane: slopes along x and y, and how far its lowest point lies below the axis. On a rounding
+/// edge it lies slope * edge beyond the flat.
+struct Tilt {
+  explicit Tilt(const PadIndenter& indenter) {
+    const double slope = std::tan(radians(indenter.tilt)), direction = radians(indenter.tilt_direction);
+    x = slope * std::cos(direction), y = slope * std::sin(direction);
+    const auto lowest = [](double t, double flat, double edge) { return t * flat + t * t * edge / 2; };
+    if (const auto* punch = std::get_if<Punch>(&indenter.shape)) below = lowest(slope, punch->radius, punch->edge);
+    if (const auto* box = std::get_if<Box>(&indenter.shape))
+      below = lowest(std::abs(x), box->half_widths[0], box->edge) + lowest(std::abs(y), box->half_widths[1], box->edge);
+  }
+  double x, y, below = 0;
+};
+
+PadBox centred(double x, double y) { return {{-x, x}, {-y, y}}; }
+
+}  // namespace
+
+double pad_height(const PadIndenter& indenter, double x, double y, bool beyond_edges) {
+  const auto inside = [](const Interval& edges, double at) { return at >= edges.left && at <= edges.right; };
+  const PadBox edges = pad_edges(indenter.shape);
+  const bool round = std::holds_alternative<Punch>(indenter.shape);
+  if (!beyond_edges && !(round ? inside(edges.x, std::hypot(x, y)) : inside(edges.x, x) && inside(edges.y, y)))
+    return infinity;
+  const double height = upright_height(indenter.shape, x, y);
+  if (indenter.tilt == 0) return height;
+  const Tilt tilt(indenter);
+  return height + tilt.x * x + tilt.y * y + tilt.below;
+}
+
+PadBox pad_edges(const PadShape& shape) {
+  return std::visit(
+      Overloaded{[](const LyingCylinder& c) { return centred(infinity, c.half_length); },
+                 [](const Punch& p) { return p.edge > 0 ? centred(infinity, infinity) : centred(p.radius, p.radius); },
+                 [](const Box& b) {
+                   return b.edge > 0 ? centred(infinity, infinity) : centred(b.half_widths[0], b.half_widths[1]);
+                 },
+                 [](const auto&) { return centred(infinity, infinity); }},
+      shape);
+}
+
+PadBox rigid_section(const PadIndenter& indenter, double depth) {
+  const double d = std::max(depth, 0.0);
+  // A tilted edge is touched that much farther out; the search finds how far inwards the bottom is touched.
+  const double steep = std::tan(radians(std::abs(indenter.tilt)));
+  const auto rounded = [&](double flat, double edge) { return flat + steep * edge + std::sqrt(2 * edge * d); };
+  return std::visit(
+      Overloaded{
+          [&](const Sphere& s) { return centred(section(s.radius, d), section(s.radius, d)); },
+          [&](const Paraboloid& p) { return centred(std::sqrt(2 * p.radii[0] * d), std::sqrt(2 * p.radii[1] * d)); },
+          [&](const LyingCylinder& c) { return centred(section(c.radius, d), c.half_length); },
+          [&](const Punch& p) { return centred(rounded(p.radius, p.edge), rounded(p.radius, p.edge)); },
+          [&](const Box& b) { return centred(rounded(b.half_widths[0], b.edge), rounded(b.half_widths[1], b.edge)); },
+          [&](const Cone& c) { return centred(d * std::tan(radians(c.angle)), d * std::tan(radians(c.angle))); },
+          [&](const HeightMap& m) {
+            PadBox box{{infinity, -infinity}, {infinity, -infinity}};
+            const double lowest = m.heights.minCoeff();
+            for (Eigen::Index i = 0; i < m.heights.rows(); ++i)
+              for (Eigen::Index j = 0; j < m.heights.cols(); ++j) {
+                if (m.heights(i, j) - lowest > d) continue;
+                const double x = m.pitch * (static_cast<double>(i) - static_cast<double>(m.heights.rows() - 1) / 2);
+                const double y = m.pitch * (static_cast<double>(j) - static_cast<double>(m.heights.cols() - 1) / 2);
+                box = {{std::min(box.x.left, x - m.pitch), std::max(box.x.right, x + m.pitch)},
+                       {std::min(box.y.left, y - m.pitch), std::max(box.y.right, y + m.pitch)}};
+              }
+            return box;
+          }},
+      indenter.shape);
+}
+
+namespace {
+
+void check(bool good, const std::string& key, double value, const char* allowed) {
+  if (!good) throw ValueError(key, number_text(value), allowed);
+}
+
+/// A length that any product with others leaves finite.
+void check_length(const char* member, double value) {
+  check(value >= 1e-6 && value <= 1e6, member, value, "a length in mm, between 1e-6 and 1e6");
+}
+
+void check_edge(double value) {
+  check(value == 0 || (value >= 1e-6 && value <= 1e6), "indenter.edge", value, "a radius in mm, 0 (sharp) to 1e6");
+}
+
+}  // namespace
+
+void PadSensor::validate() const {
+  check_length("sensor.thickness", thickness);
+  check(std::isfinite(young) && young > 0, "sensor.young", young, "a Young's modulus in MPa, finite and above 0");
+  check(poisson >= 0 && poisson <= 0.5, "sensor.poisson", poisson, "a Poisson's ratio, 0 <= poisson <= 0.5");
+  for (const int count : tactels)
+    check(count >= 1 && count <= 100, "sensor.tactels", count, "numbers of tactels along x and y, 1 to 100 each");
+  for (const double p : pitch) check_length("sensor.pitch", p);
+  check(tactel_size >= 0 && tactel_size <= std::min(pitch[0], pitch[1]), "sensor.tactel_size", tactel_size,
+        "a side in mm, 0 (a point) to the pitch");
+}
+
+void PadIndenter::validate() const {
+  std::visit(
+      Overloaded{[](const Sphere& s) { check_length("indenter.radius", s.radius); },
+                 [](const Paraboloid& p) {
+                   for (const double radius : p.radii) check_length("indenter.radii", radius);
+                 },
+                 [](const LyingCylinder& c) {
+                   check_length("indenter.radius", c.radius);
+                   check_length("indenter.half_length", c.half_length);
+                 },
+                 [](const Punch& p) {
+                   check_length("indenter.radius", p.radius);
+                   check_edge(p.edge);
+                 },
+                 [](const Box& b) {
+                   for (const double width : b.half_widths) check_length("indenter.half_widths", width);
+                   check_edge(b.edge);
+                 },
+                 [](const Cone& c) {
+                   check(c.angle > 0 && c.angle < 90, "indenter.angle", c.angle, "degrees, above 0 and below 90");
+                 },
+                 [](const HeightMap& m) {
+                   check_length("indenter.pitch", m.pitch);
+                   check(m.heights.rows() >= 2 && m.heights.cols() >= 2 && m.heights.allFinite(), "indenter.file",
+                         static_cast<double>(m.heights.size()), "a grid of 2 x 2 finite heights at least");
+                 }},
+      shape);
+  for (const double p : position)
+    check(std::abs(p) <= 1e6, "indenter.position", p, "a place in mm, at most 1e6 from the middle");
+  check(std::abs(yaw) <= 360, "indenter.yaw", yaw, "degrees, -360 to 360");
+  const bool flat = std::holds_alternative<Punch>(shape) || std::holds_alternative<Box>(shape);
+  check(tilt == 0 || (flat && tilt > 0 && tilt <= 45), "indenter.tilt", tilt,
+        "degrees, 0 to 45, and 0 but for punch and box");
+  check(std::abs(tilt_direction) <= 360, "indenter.tilt_direction", tilt_direction, "degrees, -360 to 360");
+}
+
+void PadLoad::validate() const {
+  const bool force = !normal_force.empty();
+  const std::vector<double>& normal = force ? normal_force : indentation;
+  if (normal.empty()) throw ValueError("load.indentation", "[]", "at least one depth in mm (or give normal_force)");
+  for (const double value : normal) {
+    if (force)
+      check(value >= 0 && value <= 1e9, "load.normal_force", value, "a force in N, 0 to 1e9");
+    else
+      check(value >= 0 && value <= 1e6, "load.indentation", value, "a depth in mm, 0 to 1e6");
+  }
+  check(indentation_steps >= 1 && indentation_steps <= 1000, "load.indentation_steps", indentation_steps, "1 to 1000");
+  check(drags.size() <= 1000, "load.tangential", static_cast<double>(drags.size()), "at most 1000 positions");
+  for (const auto& drag : drags) {
+    check(std::max(std::abs(drag[0]), std::abs(drag[1])) <= 1e6, "load.tangential", drag[0],
+          "a place in mm, at most 1e6 away");
+    check(std::abs(drag[2]) <= 2 * std::numbers::pi, "load.twist", drag[2], "a twist of one turn at most");
+  }
+}
+
+void PadScene::validate() const {
+  sensor.validate();
+  indenter.validate();
+  load.validate();
+  check(friction >= 0 && friction <= 100, "contact.friction", friction, "a coefficient of friction, 0 to 100");
+}
+
+std::vector<PadTarget> pad_targets(const PadLoad& load) {
+  const std::vector<double>& normal = load.normal_force.empty() ? load.indentation : load.normal_force;
+  std::vector<PadTarget> targets;
+  double from = 0;
+  for (const double to : normal) {
+    for (int k = 1; k <= load.indentation_steps; ++k)
+      targets.push_back({from + (to - from) * k / load.indentation_steps, 0, 0, 0});
+    from = to;
+  }
+  for (const auto& drag : load.drags) targets.push_back({from, drag[0], drag[1], drag[2]});
+  return targets;
+}
+
+}  // namespace tactel::fem

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <Eigen/Dense>
+#include <array>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "fem/indenter.h"
+
+namespace tactel::fem {
+
+// A pad is a layer of rubber, bonded to a rigid base, with tactels in two directions. x and y lie in its plane with 0
+// in its middle, z points up from the base. A rigid indenter presses it, drags it along x and y and turns about z.
+
+/// The rubber and its tactels.
+struct PadSensor {
+  double thickness = 2.0;                    ///< mm
+  double young = 2.0;                        ///< MPa
+  double poisson = 0.45;                     ///< 0 <= nu <= 0.5
+  std::array<int, 2> tactels = {4, 4};       ///< along x and y
+  std::array<double, 2> pitch = {4.7, 4.7};  ///< mm, from tactel to tactel; the array is centred
+  double tactel_size = 0;                    ///< mm: side of the square over which a tactel takes the mean; 0: a point
+
+  void validate() const;  ///< throws ValueError, key "sensor.<member>"
+};
+
+// Profiles: height [mm] above the lowest point at (x, y) from the indenter's axis, in the indenter's own frame.
+
+/// radius - sqrt(radius^2 - r^2), no indenter beyond r = radius.
+struct Sphere {
+  double radius = 8.0;  ///< mm
+};
+/// x^2 / (2 radii[0]) + y^2 / (2 radii[1]).
+struct Paraboloid {
+  std::array<double, 2> radii = {10.0, 10.0};  ///< mm
+};
+/// A lying cylinder: radius - sqrt(radius^2 - x^2) for |y| <= half_length.
+struct LyingCylinder {
+  double radius = 8.0, half_length = 4.0;  ///< mm
+};
+/// max(0, r - radius)^2 / (2 edge); edge 0: sharp, no indenter beyond the radius.
+struct Punch {
+  double radius = 2.0, edge = 0.0;  ///< mm
+};
+/// The sum of max(0, |x| - half_widths[0])^2 / (2 edge) and the same along y; edge 0: sharp.
+struct Box {
+  std::array<double, 2> half_widths = {2.0, 2.0};  ///< mm
+  double edge = 0.0;                               ///< mm
+};
+/// r / tan(angle), angle between axis and surface.
+struct Cone {
+  double angle = 75.0;  ///< degrees, above 0 and below 90
+};
+/// Measured: bilinear between heights on a grid whose middle is the axis; no indenter beyond it.
+struct HeightMap {
+  double pitch = 0.1;       ///< mm
+  Eigen::MatrixXd heights;  ///< [along x][along y] mm; counted from the lowest
+};
+using PadShape = std::variant<Sphere, Paraboloid, LyingCylinder, Punch, Box, Cone, HeightMap>;
+
+struct PadIndenter {
+  PadShape shape = Sphere{};
+  std::array<double, 2> position = {0, 0};  ///< mm: its axis on the pad
+  double yaw = 0;                           ///< degrees, of its own frame about z
+  double tilt = 0,
+         tilt_direction = 0;  ///< degrees, of a punch or box: its bottom rises along this direction of its own frame
+
+  void validate() const;  ///< throws ValueError, key "indenter.<member>"
+};
+
+/// Returns the height at (x, y) of the own frame, mm; +infinity beyond the indenter. With `beyond_edges` the bottom
+/// goes on beyond sharp edges.
+double pad_height(const PadIndenter& indenter, double x, double y, bool beyond_edges = false);
+
+/// A rectangle of the own frame, mm.
+struct PadBox {
+  Interval x, y;
+};
+
+/// Returns the indenter's own edges: infinite where it has none.
+PadBox pad_edges(const PadShape& shape);
+
+/// Returns a box around where the rigid profile lies below a depth, mm.
+PadBox rigid_section(const PadIndenter& indenter, double depth);
+
+/// Position of the indenter after an increment: `normal` is the depth, mm, or P, N.
+struct PadTarget {
+  double normal = 0;
+  double x = 0, y = 0;  ///< mm along the pad since first touch
+  double twist = 0;     ///< rad about the axis since first touch
+};
+
+/// The pressing, then the drags.
+struct PadLoad {
+  std::vector<double> indentation{0.2};  ///< mm: targets, each reached in indentation_steps equal increments
+  std::vector<double> normal_force{};    ///< N: instead of indentation
+  int indentation_steps = 1;
+  std::vector<std::array<double, 3>>
+      drags;  ///< successive positions x, y (mm) and twist (rad), at the last normal target
+
+  void validate() const;  ///< throws ValueError, key "load.<member>"
+};
+
+/// One contact on a pad.
+struct PadScene {
+  std::string title;
+  PadSensor sensor;
+  PadIndenter indenter;
+  double friction = 0.5;
+  PadLoad load;
+  void validate() const;
+};
+
+inline bool by_force(const PadScene& scene) { return !scene.load.normal_force.empty(); }
+
+/// Returns the targets that the load asks for, in order.
+std::vector<PadTarget> pad_targets(const PadLoad& load);
+
+}  // namespace tactel::fem

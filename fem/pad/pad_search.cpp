@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fem/pad/pad_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "fem/layer/patch_search.h"
+
+namespace tactel::fem {
+namespace {
+
+constexpr int n = pad_search_cells;
+
+/// Pressures without friction, [n n] over E, by Gauss-Seidel from zero; `c` [n][n]: influence by the offset.
+Eigen::ArrayXd press(const Eigen::MatrixXd& c, const Eigen::ArrayXd& gap) {
+  // The influence, mirrored, so that the sources of a row of cells lie side by side.
+  Eigen::MatrixXd mirrored(2 * n - 1, 2 * n - 1);  // [along y][along x]: columns lie side by side
+  for (int i = 1 - n; i < n; ++i)
+    for (int j = 1 - n; j < n; ++j) mirrored(j + n - 1, i + n - 1) = c(std::abs(i), std::abs(j));
+  Eigen::ArrayXd p = Eigen::ArrayXd::Zero(n * n), opening = gap;
+  for (int sweep = 0; sweep < search_most_sweeps; ++sweep) {
+    double change = 0;
+    for (int i = 0; i < n * n; ++i) {
+      const double pressed = std::max(0.0, p[i] - opening[i] / c(0, 0)), more = pressed - p[i];
+      if (more == 0) continue;  // only cells that change are heard by the others
+      for (int j = 0; j < n; ++j)
+        opening.segment<n>(j * n) += more * mirrored.col(j - i / n + n - 1).segment<n>(n - 1 - i % n).array();
+      change = std::max(change, std::abs(more));
+      p[i] = pressed;
+    }
+    if (change <= search_tolerance * p.maxCoeff()) break;
+  }
+  return p;
+}
+
+/// One direction of a round: first and last pressed cell.
+struct Extent {
+  int first = n, last = -1;
+  void add(int i) { first = std::min(first, i), last = std::max(last, i); }
+  Interval pressed(const Interval& window) const {
+    const double h = (window.right - window.left) / n;
+    return {window.left + first * h, window.right - (n - 1 - last) * h};
+  }
+  Interval next(const Interval& window) const {
+    const Interval now = pressed(window);
+    const double h = (window.right - window.left) / n, width = now.right - now.left;
+    return {now.left - (first == 0 ? search_growth * width : search_margin * h),
+            now.right + (last == n - 1 ? search_growth * width : search_margin * h)};
+  }
+};
+
+Interval clipped(const Interval& a, const Interval& b) {
+  return {std::max(a.left, b.left), std::min(a.right, b.right)};
+}
+Interval widened(const Interval& a, double part) {
+  const double more = part * (a.right - a.left);
+  return {a.left - more, a.right + more};
+}
+
+/// The indenter with sharp edges in place of those whose rounding `cells` cells along a side do not resolve. A tilted
+/// one keeps them where it is pressed on one side alone.
+PadIndenter sharpened(PadIndenter indenter, int cells, double depth) {
+  const auto sharp = [cells, depth, tilt = indenter.tilt](double& edge, double half_width) {
+    const double h = 2 * half_width / cells, reach = std::sqrt(edge * std::max(depth, 0.0));
+    const double rise = 2 * half_width * std::tan(tilt * std::numbers::pi / 180);
+    if (!(edge > 0 && rise < depth / 2 && edge < least_rounding * h && reach < least_reach * h)) return 0.0;
+    edge = 0;
+    return sharp_beyond * reach;
+  };
+  if (auto* punch = std::get_if<Punch>(&indenter.shape)) punch->radius += sharp(punch->edge, punch->radius);
+  if (auto* box = std::get_if<Box>(&indenter.shape)) {
+    const double beyond = sharp(box->edge, std::sqrt(box->half_widths[0] * box->half_widths[1]));
+    for (double& width : box->half_widths) width += beyond;
+  }
+  return indenter;
+}
+
+}  // namespace
+
+PadLayout lay_cells(const PadScene& scene, const PadLayer& layer, int cells, bool ladder) {
+  PadSearch found = find_pad_contact(scene, layer);
+  PadScene seen = scene;
+  seen.indenter = sharpened(scene.indenter, cells, found.depth);
+  if (!(pad_edges(seen.indenter.shape).x.right == pad_edges(scene.indenter.shape).x.right))
+    found = find_pad_contact_at(found.depth, seen, layer);
+  return {seen.indenter, pad_cells(found.contact, seen.indenter, cells, scene.sensor.thickness, ladder)};
+}
+
+PadSearch find_pad_contact_at(double depth, const PadScene& scene, const PadLayer& layer) {
+  const PadBox edges = pad_edges(scene.indenter.shape);
+  const double H = scene.sensor.thickness;
+  // An indenter that touches nothing: some cells below its lowest part.
+  const PadBox section = rigid_section(scene.indenter, std::max(depth, 1e-6 * H));
+  PadBox window{clipped(section.x, edges.x), clipped(section.y, edges.y)}, contact = window;
+  double P = 0;
+  for (int round = 0; depth > 0 && round < search_rounds; ++round) {
+    const double hx = (window.x.right - window.x.left) / n, hy = (window.y.right - window.y.left) / n;
+    const Eigen::MatrixXd c = layer.normal_influence(H, hx, hy, n);
+    Eigen::ArrayXd gap(n * n);
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j)
+        gap[i * n + j] =
+            pad_height(scene.indenter, window.x.left + (i + 0.5) * hx, window.y.left + (j + 0.5) * hy) - depth;
+    const Eigen::ArrayXd p = press(c, gap);
+    Extent x, y;
+    for (int i = 0; i < n * n; ++i)
+      if (p[i] > 0) x.add(i / n), y.add(i % n);
+    P = p.sum() * hx * hy;
+    if (x.last < 0) break;  // nothing presses: the section is below a cell of this window
+    contact = {x.pressed(window.x), y.pressed(window.y)};
+    window = {clipped(x.next(window.x), edges.x), clipped(y.next(window.y), edges.y)};
+  }
+  contact = {clipped(widened(contact.x, patch_margin), edges.x), clipped(widened(contact.y, patch_margin), edges.y)};
+  return {contact, depth, P * scene.sensor.young};
+}
+
+PadSearch find_pad_contact(const PadScene& scene, const PadLayer& layer) {
+  const std::vector<double>& targets = by_force(scene) ? scene.load.normal_force : scene.load.indentation;
+  const double wanted = *std::max_element(targets.begin(), targets.end());
+  if (!by_force(scene) || !(wanted > 0)) return find_pad_contact_at(by_force(scene) ? 0 : wanted, scene, layer);
+  PadSearch now = find_pad_contact_at(0.1 * scene.sensor.thickness, scene, layer), before = now;
+  double power = 1.5;  // P ~ depth^power: 1 below a flat, 1.5 for a sphere on a thick layer, more on a thin one
+  for (int trial = 1; trial < search_most_depths && std::abs(now.P - wanted) > search_force_error * wanted; ++trial) {
+    if (trial > 1 && now.depth != before.depth && now.P > 0 && before.P > 0)
+      power = std::clamp(std::log(now.P / before.P) / std::log(now.depth / before.depth), 0.5, 4.0);
+    before = now;
+    now = find_pad_contact_at(now.depth * std::clamp(std::pow(wanted / now.P, 1 / power), 0.1, 10.0), scene, layer);
+  }
+  return now;
+}
+
+}  // namespace tactel::fem

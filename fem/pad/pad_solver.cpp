@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fem/pad/pad_solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "fem/layer/legendre_points.h"
+#include "fem/pad/pad_search.h"
+#include "fem/pad/slip_margin.h"
+
+namespace tactel::fem {
+namespace {
+
+constexpr int most_force_trials = 60;
+const double turn_cosine = std::cos(20 * std::numbers::pi / 180);
+
+Eigen::Matrix2d own_to_pad(const PadIndenter& indenter) {
+  return Eigen::Rotation2Dd(indenter.yaw * std::numbers::pi / 180).toRotationMatrix();
+}
+
+Eigen::Vector2d position(const PadIndenter& indenter) { return {indenter.position[0], indenter.position[1]}; }
+
+/// How much of the last change of the tractions to expect again: the part of the new change of the load along the last
+/// one, over that; at most 2.
+double growth(const Eigen::Vector4d& change, const Eigen::Vector4d& last) {
+  return last.squaredNorm() > 0 ? std::clamp(change.dot(last) / last.squaredNorm(), 0.0, 2.0) : 0;
+}
+
+/// Search for the depth that gives a force, by secants in the logarithms of depth and force inside a bracket.
+class DepthSearch {
+ public:
+  /// The first depth to try.
+  double start(double target, double depth, double P, double first_guess) {
+    target_ = target, low_ = 0, high_ = infinity, last_ = {};
+    return P > 0 ? depth * std::clamp(std::pow(target / P, 1 / power_), 0.1, 10.0) : first_guess;
+  }
+  /// Judges a trial and gives the next depth. Returns false, and leaves it, within `tolerance` of the target.
+  bool next(double P, double tolerance, double& depth) {
+    if (std::abs(P - target_) <= tolerance * target_) return false;
+    if (last_[1] > 0 && P > 0 && depth != last_[0])
+      power_ = std::clamp(std::log(P / last_[1]) / std::log(depth / last_[0]), 0.5, 4.0);
+    last_ = {depth, P};
+    (P < target_ ? low_ : high_) = depth;
+    const double trial = depth * (P > 0 ? std::clamp(std::pow(target_ / P, 1 / power_), 0.1, 10.0) : 2);
+    depth = trial > low_ && trial < high_ ? trial : std::isfinite(high_) ? (low_ + high_) / 2 : 2 * depth;
+    return true;
+  }
+
+ private:
+  static constexpr double infinity = std::numeric_limits<double>::infinity();
+  double target_ = 0, low_ = 0, high_ = infinity, power_ = 1.5;
+  std::array<double, 2> last_{};  ///< depth and P of the last trial
+};
+
+/// A scene on its way along the load path, on one grid.
+class PadWalk {
+ public:
+  PadWalk(const PadLayer& layer, const PadOptions& options, const PadCells& cells, const PadScene& scene)
+      : options_(options),
+        scene_(scene),
+        cells_(cells),
+        turn_(own_to_pad(scene.indenter)),
+        influence_(layer, scene.sensor.thickness, cells.hx, cells.hy, cells.n),
+        contact_(influence_, cells, cell_heights(cells, scene.indenter), scene.friction,
+                 {by_force(scene) ? options.tolerance / 10 : options.tolerance, options.most_sweeps}),
+        stress_(base_stress_of_cells(layer, scene, cells)) {
+    own_places_.resize(cells.count(), 2);
+    for (int i = 0; i < cells.count(); ++i) own_places_.row(i) << cells.x(i / cells.n), cells.y(i % cells.n);
+  }
+
+  PadSolution walk();
+
+ private:
+  void move_to(const PadTarget& target);
+  PadStep step_here(std::array<bool, 4>& outside) const;
+
+  const PadOptions& options_;
+  const PadScene& scene_;
+  PadCells cells_;
+  Eigen::Matrix2d turn_;  ///< own frame to that of the pad
+  PadInfluence influence_;
+  PadContact contact_;
+  Eigen::MatrixXd stress_;
+  Eigen::MatrixX2d own_places_;
+  DepthSearch search_;
+  Eigen::Vector4d change_ = Eigen::Vector4d::Zero();  ///< of the last increment: depth, motion; mm
+  bool converged_ = true;
+  int sweeps_ = 0;
+};
+
+void PadWalk::move_to(const PadTarget& target) {
+  const double per_E = 1 / (scene_.sensor.young * cells_.area());
+  const double first_guess = 0.05 * scene_.sensor.thickness;
+  const double depth = !by_force(scene_) ? target.normal
+                       : target.normal > 0
+                           ? search_.start(target.normal * per_E, contact_.depth, contact_.pressing(), first_guess)
+                           : 0;
+  const Eigen::Vector2d own = turn_.transpose() * Eigen::Vector2d(target.x, target.y);
+  const PadMotion to(own[0], own[1], target.twist);
+  Eigen::Vector4d change(depth - contact_.depth, to[0] - contact_.motion[0], to[1] - contact_.motion[1],
+                         cells_.half_size() * (to[2] - contact_.motion[2]));
+  contact_.depth = depth;
+  contact_.motion = to;
+  if (!change.isZero(0)) contact_.extrapolate(growth(change, change_));
+  change_ = change;
+  bool solved = change.isZero(0) || contact_.solve(sweeps_);
+  if (by_force(scene_) && target.normal > 0) {
+    int trial = 0;
+    while (search_.next(contact_.pressing(), options_.tolerance, contact_.depth) && ++trial < most_force_trials)
+      solved = contact_.solve(sweeps_);
+    solved &= trial < most_force_trials;
+  }
+  converged_ &= solved;
+}
+
+PadStep PadWalk::step_here(std::array<bool, 4>& outside) const {
+  const double young = scene_.sensor.young, mu = scene_.friction, force = young * cells_.area();
+  PadStep step;
+  step.indentation = contact_.depth;
+  step.twist = contact_.motion[2];
+  const Eigen::Vector2d moved = turn_ * contact_.motion.head<2>();
+  step.x = moved[0], step.y = moved[1];
+  const Eigen::VectorXd n = force * contact_.n();
+  const Eigen::MatrixX2d t = force * contact_.t();
+  const Eigen::RowVector2d own_Q = t.colwise().sum();
+  step.P = n.sum();
+  step.Q = turn_ * own_Q.transpose();
+  step.M = own_places_.col(0).dot(t.col(1)) - own_places_.col(1).dot(t.col(0));
+  if (mu * step.P > 0) {
+    step.slip_index = slip_margin(own_places_, mu * n, {own_Q[0], own_Q[1], step.M});
+    step.force_ratio = step.Q.norm() / (mu * step.P);
+  }
+  int touch = 0, stick = 0;
+  for (Eigen::Index i = 0; i < n.size(); ++i) {
+    const bool sticks = contact_.sticks(i);
+    touch += n[i] > 0;
+    stick += sticks;
+    step.status.push_back(!(n[i] > 0) ? GapStatus::open : sticks ? GapStatus::stick : GapStatus::slip);
+  }
+  step.stick_fraction = touch > 0 ? static_cast<double>(stick) / touch : 0;
+  step.slip_distance = contact_.slip_distance();
+  step.normal_force = n;
+  step.tangential_force = t * turn_.transpose();
+  Eigen::VectorXd tractions(3 * n.size());
+  tractions << contact_.n(), contact_.t().col(0), contact_.t().col(1);
+  step.stress = young * (stress_ * tractions).reshaped(stress_.rows() / 3, 3);
+  step.residual = contact_.residual(options_.accepted(), outside);
+  step.converged = converged_ && step.residual.largest() <= options_.accepted();
+  step.sweeps = sweeps_;
+  return step;
+}
+
+PadSolution PadWalk::walk() {
+  PadSolution solution;
+  solution.cells = cells_;
+  solution.places = (own_places_ * turn_.transpose()).rowwise() + position(scene_.indenter).transpose();
+  for (const PadIncrement& increment : pad_increments(scene_.load, options_, cells_.half_size())) {
+    move_to(increment.target);
+    if (increment.asked) {
+      solution.steps.push_back(step_here(solution.outside));
+      converged_ = solution.steps.back().converged;
+      sweeps_ = 0;
+    }
+    contact_.remember();
+  }
+  return solution;
+}
+
+}  // namespace
+
+std::vector<PadIncrement> pad_increments(const PadLoad& load, const PadOptions& options, double half_size) {
+  const int parts = (options.increments() + load.indentation_steps - 1) / load.indentation_steps;
+  const std::vector<PadTarget> targets = pad_targets(load);
+  const std::size_t pressing = targets.size() - load.drags.size();
+  std::vector<PadIncrement> increments;
+  PadTarget from;
+  Eigen::Vector3d last = Eigen::Vector3d::Zero();
+  for (std::size_t k = 0; k < targets.size(); ++k) {
+    const PadTarget& to = targets[k];
+    const Eigen::Vector3d way(to.x - from.x, to.y - from.y, half_size * (to.twist - from.twist));
+    const bool turns = options.halve_turns && way.dot(last) < turn_cosine * way.norm() * last.norm();
+    const int count = k < pressing ? (to.normal == from.normal ? 1 : parts) : options.drag_increments * (turns ? 2 : 1);
+    const auto between = [](double a, double b, double part) { return a + (b - a) * part; };
+    for (int i = 1; i < count; ++i) {
+      const double part = static_cast<double>(i) / count;
+      increments.push_back({{between(from.normal, to.normal, part), between(from.x, to.x, part),
+                             between(from.y, to.y, part), between(from.twist, to.twist, part)},
+                            false});
+    }
+    increments.push_back({to, true});
+    from = to;
+    last = way;
+  }
+  return increments;
+}
+
+Eigen::MatrixX2d tactel_places(const PadSensor& sensor) {
+  const auto [columns, rows] = sensor.tactels;
+  Eigen::MatrixX2d places(columns * rows, 2);
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column)
+      places.row(row * columns + column) << (column - (columns - 1) / 2.0) * sensor.pitch[0],
+          (row - (rows - 1) / 2.0) * sensor.pitch[1];
+  return places;
+}
+
+Eigen::MatrixXd base_stress_of_cells(const PadLayer& layer, const PadScene& scene, const PadCells& cells) {
+  const Eigen::MatrixX2d tactels = tactel_places(scene.sensor);
+  const Eigen::Index count = tactels.rows(), cell_count = cells.count();
+  const double H = scene.sensor.thickness, half = scene.sensor.tactel_size / 2;
+  // Gauss points over a square tactel, some for each H of its side.
+  const std::vector<LegendrePoint> points =
+      half > 0 ? legendre_points(3 + static_cast<int>(std::ceil(4 * half / H))) : std::vector<LegendrePoint>{{0, 2}};
+  const Eigen::Matrix2d turn = own_to_pad(scene.indenter);
+  Eigen::Matrix3d turned = Eigen::Matrix3d::Identity();
+  turned.bottomRightCorner<2, 2>() = turn;
+  Eigen::MatrixXd stress(3 * count, 3 * cell_count);
+  for (Eigen::Index k = 0; k < count; ++k)
+    for (Eigen::Index i = 0; i < cell_count; ++i) {
+      const double x = cells.x(static_cast<int>(i) / cells.n), y = cells.y(static_cast<int>(i) % cells.n);
+      PadBaseStress sum = PadBaseStress::Zero();
+      for (const LegendrePoint& p : points)
+        for (const LegendrePoint& q : points) {
+          const Eigen::Vector2d place =
+              tactels.row(k).transpose() + half * Eigen::Vector2d(p.x, q.x) - position(scene.indenter);
+          const Eigen::Vector2d own = turn.transpose() * place;
+          sum += p.weight * q.weight / 4 * layer.base_stress(H, cells.hx, cells.hy, own[0] - x, own[1] - y);
+        }
+      const PadBaseStress at = turned * sum;
+      for (int row = 0; row < 3; ++row) {
+        stress(row * count + k, i) = -at(row, 2);  // pressure is the negative of f_z
+        stress(row * count + k, cell_count + i) = at(row, 0);
+        stress(row * count + k, 2 * cell_count + i) = at(row, 1);
+      }
+    }
+  return stress;
+}
+
+PadCells grown(const PadCells& cells, const std::array<bool, 4>& sides, const PadScene& scene, bool ladder) {
+  PadBox box = cells.box();
+  box.x.left -= sides[0] * 1.5 * cells.hx;
+  box.x.right += sides[1] * 1.5 * cells.hx;
+  box.y.left -= sides[2] * 1.5 * cells.hy;
+  box.y.right += sides[3] * 1.5 * cells.hy;
+  return pad_cells(box, scene.indenter, cells.n, scene.sensor.thickness, ladder);
+}
+
+PadSolver::PadSolver(const PadLayer& layer, const PadOptions& options) : layer_(layer), options_(options) {}
+
+PadSolution PadSolver::solve_on(const PadCells& cells, const PadScene& scene) const {
+  return PadWalk(layer_, options_, cells, scene).walk();
+}
+
+PadSolution PadSolver::solve(const PadScene& scene) const {
+  scene.validate();
+  auto [indenter, cells] = lay_cells(scene, layer_, options_.cells, options_.ladder);
+  PadScene seen = scene;
+  seen.indenter = std::move(indenter);
+  for (int growths = 0;; ++growths) {
+    PadSolution solution = solve_on(cells, seen);
+    const auto& out = solution.outside;
+    if (std::none_of(out.begin(), out.end(), [](bool side) { return side; }) || growths == options_.most_growths)
+      return solution;
+    cells = grown(cells, out, seen, options_.ladder);
+  }
+}
+
+}  // namespace tactel::fem

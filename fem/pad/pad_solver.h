@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <Eigen/Dense>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "fem/accuracy.h"
+#include "fem/contact_solution.h"
+#include "fem/pad/pad_contact.h"
+#include "fem/pad/pad_layer.h"
+#include "fem/pad/pad_scene.h"
+
+namespace tactel::fem {
+
+struct PadOptions {
+  int cells = 12;  ///< along a side
+  double tolerance =
+      1e-3;           ///< of the sweeps (PadSweepOptions); of given forces, which a tenth of it serves in the sweeps
+  double accept = 0;  ///< largest residual of a solved step; 0: as the kernel in fp32
+  int pressing_increments = 0;  ///< least number of increments to each pressing target; 0: cells / 3, at least 2
+  int drag_increments = 1;      ///< of each drag
+  bool halve_turns = true;      ///< a drag that turns by more than 20 degrees takes twice as many increments
+  bool ladder = true;           ///< cell sizes that scenes share (pad_cells)
+  int most_sweeps = 2000;       ///< an increment that needs more is not converged
+  int most_growths = 4;         ///< times that the grid may grow
+
+  double accepted() const { return accept > 0 ? accept : std::min(slow_on_patch * tolerance, largest_accept<float>); }
+  int increments() const { return pressing_increments > 0 ? pressing_increments : std::max(2, cells / 3); }
+};
+
+/// The state at the end of an asked increment, in the frame of the pad. Forces are those of the indenter on the rubber.
+struct PadStep {
+  double indentation = 0;             ///< mm
+  double x = 0, y = 0, twist = 0;     ///< mm, rad: the indenter since first touch
+  double P = 0;                       ///< N, >= 0
+  Eigen::Vector2d Q = {0, 0};         ///< N, > 0 drags the rubber to +x, +y
+  double M = 0;                       ///< N mm about the indenter's axis
+  std::optional<double> slip_index;   ///< S = 1 / lambda (slip_margin.h); none where mu P = 0
+  std::optional<double> force_ratio;  ///< |Q| / (mu P)
+  double stick_fraction = 0;          ///< cells that stick over those that touch; 0 where none touches
+  double slip_distance = 0;           ///< mm: how far the indenter has slid over the rubber at most
+  std::vector<GapStatus> status;      ///< [cells]
+  Eigen::VectorXd normal_force;       ///< [cells] N
+  Eigen::MatrixX2d tangential_force;  ///< [cells] N
+  Eigen::MatrixX3d stress;            ///< [tactels, x fastest] MPa: sigma_z, tau_x, tau_y of the rubber on the base
+  bool converged = false;             ///< and so are all steps before it
+  int sweeps = 0;                     ///< since the last asked step
+  PadResidual residual;
+};
+
+struct PadSolution {
+  PadCells cells;           ///< in the indenter's own frame
+  Eigen::MatrixX2d places;  ///< [cells] mm: middles of the cells on the pad
+  std::vector<PadStep> steps;
+  std::array<bool, 4> outside{};  ///< sides -x, +x, -y, +y of the own frame beyond which the surface is penetrated
+};
+
+/// One increment, in the frame of the pad.
+struct PadIncrement {
+  PadTarget target;
+  bool asked = true;  ///< the load has it, and the answer a step for it
+};
+
+/// Returns the increments of a load on cells whose half size turns twists into paths.
+std::vector<PadIncrement> pad_increments(const PadLoad& load, const PadOptions& options, double half_size);
+
+/// Returns the middles of the tactels on the pad, [tactels, x fastest] mm.
+Eigen::MatrixX2d tactel_places(const PadSensor& sensor);
+
+/// Returns by rows [3 tactels] (sigma_z, tau_x, tau_y of each) the base stress, in the frame of the pad, of unit
+/// pressures and tractions in the indenter's own frame: columns [3 cells], n, t_x, t_y of each.
+Eigen::MatrixXd base_stress_of_cells(const PadLayer& layer, const PadScene& scene, const PadCells& cells);
+
+/// Returns the cells grown by one and a half cells on the sides given.
+PadCells grown(const PadCells& cells, const std::array<bool, 4>& sides, const PadScene& scene, bool ladder);
+
+/// Contact on a pad, fp64, one scene at a time: the twin of the pad kernel. It shares the algorithm with the kernel,
+/// but no code. Keeps a reference to the layer, which must have the sensor's Poisson's ratio.
+class PadSolver {
+ public:
+  explicit PadSolver(const PadLayer& layer, const PadOptions& options = {});
+
+  /// Solves a scene. Where the surface is penetrated beyond the grid, that grows, and the scene is solved again.
+  PadSolution solve(const PadScene& scene) const;
+
+  /// The same on given cells, which do not grow.
+  PadSolution solve_on(const PadCells& cells, const PadScene& scene) const;
+
+  const PadOptions& options() const { return options_; }
+
+ private:
+  const PadLayer& layer_;
+  PadOptions options_;
+};
+
+}  // namespace tactel::fem

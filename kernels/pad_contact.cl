@@ -1,0 +1,648 @@
+// SPDX-License-Identifier: Apache-2.0
+/* Batched contact of rigid indenters with a pad, a layer bonded to a rigid base, each on its own CELLS x CELLS cells: load path, certificate,
+   slip index and share of sticking cells; and the stress that the base feels under an array of tactels.
+
+   One work-item carries VECTORS vectors of LANES scenes whose cells have one size over the thickness H and one Poisson's ratio: they share a
+   table of influence. Everything is in units of H at E = 1, in the indenter's own frame. With tractions n >= 0 (presses) and t (drags the
+   rubber along), and offsets from source to place,
+     u_z = -sum (zz n + xz t_x + yz t_y),   u_x = sum (xx t_x + xy t_y - xz n),   u_y = sum (xy t_x + yy t_y - yz n);
+   gap h - d - u_z >= 0, n >= 0, n gap = 0;   |t| <= mu n, t along the slip of the indenter over the rubber.
+   Unknowns are scaled by the roots of a cell's influence on itself, n sqrt(zz0), t sqrt(tt0), so that an update has neither division nor
+   diagonal term: with g where the cell would be if it stuck,
+     n <- max(0, n + w (u_z - (h - d))),   t <- t + w (g - u_t), shortened to mu n where it is longer,   w = 0.85.
+
+   The twin (fem/pad) follows the same rules:
+   - An increment starts from the last change of the tractions, times the part of the load's new change along its last one.
+   - Sweeps run over the window, the cells that press or would be penetrated, in the order of their index. A sweep is the last when no
+     traction changes by more than the tolerance times the largest pressure. After DAMPED_AFTER sweeps steps are halved.
+   - Fresh sums at all cells then find penetrated cells outside the window; they join it, and sweeps go on.
+   - Driven by force, sweeps go to a tenth of the tolerance, and the depth follows secants in the logarithms of depth and force inside a bracket
+     until the force is met to the tolerance.
+   - A sticking cell's history is its exact position, that of another one where the fresh sums find it.
+   - The certificate comes from the final tractions alone; a ring of cells around the grid counts for penetration.
+
+   A lane's result depends on nothing but the lane: lanes that have settled, and cells outside a lane's own window, keep their bits; a cell
+   without tractions adds an exact 0 to sums, whose order is that of the cells.
+
+   Built with -D REAL (float | double), LANES (1, 2, 4, 8, 16), CELLS, VECTORS, OWN_TABLES (0 | 1). With OWN_TABLES every lane has a table of
+   its own, one quadrant of it, and VECTORS is 1: for sizes of cells that few scenes share. The bits are those of a shared table. */
+// defines: CELLS=8 VECTORS=1 OWN_TABLES=1
+#include "patch/numbers.h"
+#include "shared/elementary.h"
+#include "shared/pad_layout.h"
+
+#pragma OPENCL FP_CONTRACT OFF
+
+#define COUNT (CELLS * CELLS)
+#define SPAN (2 * CELLS + 1) /* offsets -CELLS to CELLS: those of the ring, too */
+#define RING (CELLS + 2)
+#define EACH_VECTOR(v) EACH(v, VECTORS)
+#define RELAXATION ((real)0.85)
+#define DAMPED_AFTER 300
+#define MARGIN_ROUNDS 4
+#define MOST_FORCE_TRIALS 60
+#define FIRST_DEPTH ((real)0.05) /* tried first for a force */
+#define NO_BOUND ((real)1e30)
+#define INSIDE_CONE (REAL_IS_DOUBLE ? (real)(1 - 1e-12) : (real)(1 - 1e-6)) /* a shorter traction sticks */
+#define MOST_STEPS 16                                                       /* load steps that the base stress is summed for at once */
+
+/* One number of each scene. */
+typedef struct {
+  vreal v[VECTORS];
+} Lanes;
+typedef struct {
+  vint v[VECTORS];
+} Masks;
+
+typedef struct {
+  Lanes n[COUNT], tx[COUNT], ty[COUNT]; /* tractions, scaled */
+  Lanes gx[COUNT], gy[COUNT];           /* where a cell would be if it stuck, over sqrt(tt0) */
+  Lanes open[COUNT];                    /* h - d, over sqrt(zz0) */
+  Masks window[COUNT];
+  Lanes ux[COUNT], uy[COUNT], uz[COUNT];               /* fresh sums, over sqrt(tt0), sqrt(zz0) */
+  Lanes n_last[COUNT], tx_last[COUNT], ty_last[COUNT]; /* an increment earlier */
+  int list[COUNT], at[COUNT], listed;                  /* cells in the window of any lane: index, place in a shared table */
+} Cells;
+
+/* Numbers that belong to a table. */
+#if OWN_TABLES
+typedef vreal side;
+#else
+typedef real side;
+#endif
+
+typedef struct {
+  global const side *table; /* the entry of a source at offset 0 */
+  side root_zz, root_tt, hx, hy;
+} Influence;
+
+/* What changes from increment to increment, and the lane's constants. */
+typedef struct {
+  Lanes d, x, y, twist;                             /* where the indenter is */
+  Lanes change_d, change_x, change_y, change_twist; /* of the last increment; the twist times the half size */
+  Lanes mu;                                         /* of scaled tractions */
+  Lanes lowest, x_middle, y_middle;
+  Lanes sweeps, trial_sweeps;                             /* of this increment, and since the indenter last moved */
+  Lanes tolerance;                                        /* of the sweeps */
+  Lanes target, low, high, power, last_d, last_P, trials; /* the search for the depth that gives a force */
+  Masks valid, running, active, failed, lost, by_force, searching;
+  side half_size;
+} State;
+
+static inline side x_of(const Influence *c, int i) { return ((real)(i / CELLS) - (real)0.5 * (CELLS - 1)) * c->hx; }
+static inline side y_of(const Influence *c, int i) { return ((real)(i % CELLS) - (real)0.5 * (CELLS - 1)) * c->hy; }
+
+/* Displacement at a cell by the cells listed. A chain of its own for each product: additions do not wait for each other. ix, iy from -1 to CELLS. */
+INLINE void displacement(const Influence *influence, const Cells *c, int ix, int iy, Lanes *x, Lanes *y, Lanes *z) {
+#if !OWN_TABLES
+  global const real *row = influence->table - PAD_INFLUENCE * (ix * SPAN + iy);
+#endif
+  Lanes zn, zx, zy, xx, xy, xn, yx, yy, yn;
+  EACH_VECTOR(v) { zn.v[v] = zx.v[v] = zy.v[v] = xx.v[v] = xy.v[v] = xn.v[v] = yx.v[v] = yy.v[v] = yn.v[v] = 0; }
+  ROLLED for (int k = 0; k < c->listed; ++k) {
+    const int j = c->list[k];
+#if OWN_TABLES
+    const int dx = ix - j / CELLS, dy = iy - j % CELLS;
+    global const vreal *own = influence->table + PAD_OWN_INFLUENCE * (abs(dx) * (CELLS + 1) + abs(dy));
+    const real sx = dx < 0 ? -1 : 1, sy = dy < 0 ? -1 : 1;
+    const vreal t[PAD_OWN_INFLUENCE] = {own[PAD_ZZ], own[PAD_XX], own[PAD_YY], sx * sy * own[PAD_XY], sx * own[PAD_XZ], sy * own[PAD_YZ]};
+#else
+    global const real *t = row + c->at[k];
+#endif
+    EACH_VECTOR(v) {
+      const vreal n = c->n[j].v[v], tx = c->tx[j].v[v], ty = c->ty[j].v[v];
+      zn.v[v] = fma(ALL_LANES(t[PAD_ZZ]), n, zn.v[v]);
+      zx.v[v] = fma(ALL_LANES(t[PAD_XZ]), tx, zx.v[v]);
+      zy.v[v] = fma(ALL_LANES(t[PAD_YZ]), ty, zy.v[v]);
+      xx.v[v] = fma(ALL_LANES(t[PAD_XX]), tx, xx.v[v]);
+      xy.v[v] = fma(ALL_LANES(t[PAD_XY]), ty, xy.v[v]);
+      xn.v[v] = fma(ALL_LANES(t[PAD_XZ]), n, xn.v[v]);
+      yx.v[v] = fma(ALL_LANES(t[PAD_XY]), tx, yx.v[v]);
+      yy.v[v] = fma(ALL_LANES(t[PAD_YY]), ty, yy.v[v]);
+      yn.v[v] = fma(ALL_LANES(t[PAD_YZ]), n, yn.v[v]);
+    }
+  }
+  EACH_VECTOR(v) {
+    x->v[v] = xx.v[v] + xy.v[v] - xn.v[v];
+    y->v[v] = yx.v[v] + yy.v[v] - yn.v[v];
+    z->v[v] = -(zn.v[v] + zx.v[v] + zy.v[v]);
+  }
+}
+
+/* Cells in the window of any lane, in the order of their index. */
+static void list_cells(Cells *c) {
+  c->listed = 0;
+  for (int i = 0; i < COUNT; ++i) {
+    vint any = c->window[i].v[0];
+    for (int v = 1; v < VECTORS; ++v) any |= c->window[i].v[v];
+    if (!ANY(any)) continue;
+    c->list[c->listed] = i;
+    c->at[c->listed++] = PAD_INFLUENCE * (i / CELLS * SPAN + i % CELLS);
+  }
+}
+
+static inline int any_of(const Masks *m) {
+  vint any = m->v[0];
+  for (int v = 1; v < VECTORS; ++v) any |= m->v[v];
+  return ANY(any);
+}
+
+/* One sweep over the window. A lane whose tractions changed by no more than the tolerance has settled. */
+OUTLINE void sweep(const Influence *influence, int most_sweeps, Cells *c, State *s) {
+  Lanes change, largest, w;
+  EACH_VECTOR(v) {
+    change.v[v] = largest.v[v] = 0;
+    w.v[v] = PICK(s->trial_sweeps.v[v] >= ALL_LANES(DAMPED_AFTER), ALL_LANES(RELAXATION / 2), ALL_LANES(RELAXATION));
+    const vreal more = PICK(s->active.v[v], ALL_LANES(1), ALL_LANES(0));
+    s->sweeps.v[v] += more;
+    s->trial_sweeps.v[v] += more;
+  }
+  ROLLED for (int k = 0; k < c->listed; ++k) {
+    const int i = c->list[k];
+    Lanes ux, uy, uz;
+    displacement(influence, c, i / CELLS, i % CELLS, &ux, &uy, &uz);
+    EACH_VECTOR(v) {
+      const vint mine = s->active.v[v] & c->window[i].v[v];
+      const vreal n0 = c->n[i].v[v], x0 = c->tx[i].v[v], y0 = c->ty[i].v[v];
+      const vreal n = LARGER(fma(w.v[v], uz.v[v] - c->open[i].v[v], n0), ALL_LANES(0));
+      vreal x = fma(w.v[v], c->gx[i].v[v] - ux.v[v], x0), y = fma(w.v[v], c->gy[i].v[v] - uy.v[v], y0);
+      const vreal cone = s->mu.v[v] * n, q = fma(x, x, y * y);
+      const vint slips = q > cone * cone;
+      const vreal shorter = cone / sqrt(q);
+      x = PICK(slips, x * shorter, x);
+      y = PICK(slips, y * shorter, y);
+      c->n[i].v[v] = PICK(mine, n, n0);
+      c->tx[i].v[v] = PICK(mine, x, x0);
+      c->ty[i].v[v] = PICK(mine, y, y0);
+      const vreal dt = LARGER(fabs(x - x0), fabs(y - y0)), most = LARGER(fabs(n - n0), dt);
+      change.v[v] = PICK(mine, LARGER(most, change.v[v]), change.v[v]);
+      largest.v[v] = PICK(mine, LARGER(n, largest.v[v]), largest.v[v]);
+    }
+  }
+  EACH_VECTOR(v) {
+    const vint settled = change.v[v] <= s->tolerance.v[v] * largest.v[v];
+    const vint out = s->active.v[v] & NOT(settled) & (s->trial_sweeps.v[v] >= ALL_LANES((real)most_sweeps));
+    s->failed.v[v] |= out;
+    s->active.v[v] &= NOT(settled | out);
+  }
+}
+
+/* Fresh sums at all cells. Cells of lanes that solve which are penetrated outside their window join it; these lanes go on. */
+OUTLINE void widen(const Influence *influence, const Masks *solving, Cells *c, State *s) {
+  ROLLED for (int i = 0; i < COUNT; ++i) displacement(influence, c, i / CELLS, i % CELLS, &c->ux[i], &c->uy[i], &c->uz[i]);
+  ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
+    const vreal gap = c->open[i].v[v] - c->uz[i].v[v];
+    const vint joins =
+        solving->v[v] & NOT(s->failed.v[v]) & NOT(c->window[i].v[v]) & (gap * influence->root_zz < -s->tolerance.v[v] * s->d.v[v]);
+    c->window[i].v[v] |= joins;
+    s->active.v[v] |= joins;
+  }
+  list_cells(c);
+}
+
+/* ratio^(1 / power), between 0.1 and 10. */
+static inline vreal depth_factor(vreal ratio, vreal power) {
+  const vreal z = natural_log(LARGER(ratio, ALL_LANES((real)1e-20))) / power, most = ALL_LANES((real)2.302585092994046);
+  const vreal e = 1 + exp_minus_1(SMALLER(fabs(z), most));
+  return PICK(z < 0, 1 / e, e);
+}
+
+static vreal pressing(const Influence *influence, const Cells *c, int v) {
+  vreal sum = 0;
+  for (int k = 0; k < c->listed; ++k) sum += c->n[c->list[k]].v[v];
+  return sum * (influence->hx * influence->hy / influence->root_zz);
+}
+
+/* Judges the force of lanes that search their depth, and moves those that miss it: they solve again. */
+OUTLINE void next_depth(const Influence *influence, global const vreal *heights, real tolerance, Cells *c, State *s) {
+  EACH_VECTOR(v) {
+    const vreal P = pressing(influence, c, v), d = s->d.v[v], target = s->target.v[v];
+    s->searching.v[v] &= NOT(s->failed.v[v] | (fabs(P - target) <= tolerance * target));
+    const vint goes_on = s->searching.v[v], both = goes_on & (s->last_P.v[v] > 0) & (P > 0) & (d != s->last_d.v[v]);
+    s->trials.v[v] += PICK(goes_on, ALL_LANES(1), ALL_LANES(0));
+    const vint out = goes_on & (s->trials.v[v] >= ALL_LANES(MOST_FORCE_TRIALS));
+    s->failed.v[v] |= out;
+    s->searching.v[v] &= NOT(out);
+    const vreal slope = natural_log(PICK(both, P / s->last_P.v[v], ALL_LANES(2))) / natural_log(PICK(both, d / s->last_d.v[v], ALL_LANES(2)));
+    s->power.v[v] = PICK(both, SMALLER(LARGER(slope, ALL_LANES((real)0.5)), ALL_LANES(4)), s->power.v[v]);
+    s->last_d.v[v] = d;
+    s->last_P.v[v] = P;
+    s->low.v[v] = PICK(P < target, d, s->low.v[v]);
+    s->high.v[v] = PICK(P < target, s->high.v[v], d);
+    const vreal trial = d * PICK(P > 0, depth_factor(target / LARGER(P, ALL_LANES((real)1e-30)), s->power.v[v]), ALL_LANES(2));
+    const vreal halved = PICK(s->high.v[v] < NO_BOUND, (s->low.v[v] + s->high.v[v]) / 2, 2 * d);
+    s->active.v[v] = s->searching.v[v];
+    s->d.v[v] = PICK(s->active.v[v], PICK((trial > s->low.v[v]) & (trial < s->high.v[v]), trial, halved), d);
+    s->trial_sweeps.v[v] = PICK(s->active.v[v], ALL_LANES(0), s->trial_sweeps.v[v]);
+  }
+  ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
+    c->open[i].v[v] = (heights[(v * RING + i / CELLS + 1) * RING + i % CELLS + 1] - s->d.v[v]) / influence->root_zz;
+  }
+}
+
+/* The next target, the first guess and the window. Lanes without a next target, or that it leaves where they are, do not solve. */
+OUTLINE void start_increment(const Influence *influence, global const vreal *path, global const vreal *heights, int increments, int k, Cells *c,
+                             State *s, Masks *solving) {
+  Lanes ratio, dx, dy, dtwist, touches;
+  EACH_VECTOR(v) {
+    global const vreal *target = path + (v * increments + k) * PAD_PATH_ROWS;
+    const vint running = s->running.v[v];
+    const vint by_force = running & s->by_force.v[v];
+    const vreal normal = PICK(running, target[PAD_NORMAL], s->d.v[v]), P = pressing(influence, c, v);
+    const vreal first = PICK(P > 0, s->d.v[v] * depth_factor(normal / LARGER(P, ALL_LANES((real)1e-30)), s->power.v[v]), ALL_LANES(FIRST_DEPTH));
+    const vreal d = PICK(by_force, PICK(normal > 0, first, ALL_LANES(0)), normal);
+    s->searching.v[v] = by_force & (normal > 0);
+    s->target.v[v] = normal;
+    s->low.v[v] = s->last_d.v[v] = s->last_P.v[v] = s->trials.v[v] = s->trial_sweeps.v[v] = 0;
+    s->high.v[v] = NO_BOUND;
+    dx.v[v] = PICK(running, target[PAD_X], s->x.v[v]) - s->x.v[v];
+    dy.v[v] = PICK(running, target[PAD_Y], s->y.v[v]) - s->y.v[v];
+    dtwist.v[v] = PICK(running, target[PAD_TWIST], s->twist.v[v]) - s->twist.v[v];
+    const vreal change_d = d - s->d.v[v], change_twist = s->half_size * dtwist.v[v];
+    const vint moves = s->searching.v[v] | (running & ((change_d != 0) | (dx.v[v] != 0) | (dy.v[v] != 0) | (dtwist.v[v] != 0)));
+    const vreal along =
+        fma(change_d, s->change_d.v[v], fma(dx.v[v], s->change_x.v[v], fma(dy.v[v], s->change_y.v[v], change_twist * s->change_twist.v[v])));
+    const vreal last =
+        fma(s->change_d.v[v], s->change_d.v[v],
+            fma(s->change_x.v[v], s->change_x.v[v], fma(s->change_y.v[v], s->change_y.v[v], s->change_twist.v[v] * s->change_twist.v[v])));
+    ratio.v[v] = PICK(last > 0, SMALLER(LARGER(along / last, ALL_LANES(0)), ALL_LANES(2)), ALL_LANES(0));
+    solving->v[v] = s->active.v[v] = moves;
+    s->failed.v[v] = 0;
+    s->sweeps.v[v] = 0;
+    s->d.v[v] = d;
+    s->x.v[v] += dx.v[v];
+    s->y.v[v] += dy.v[v];
+    s->twist.v[v] += dtwist.v[v];
+    s->change_d.v[v] = PICK(running, change_d, s->change_d.v[v]);
+    s->change_x.v[v] = PICK(running, dx.v[v], s->change_x.v[v]);
+    s->change_y.v[v] = PICK(running, dy.v[v], s->change_y.v[v]);
+    s->change_twist.v[v] = PICK(running, change_twist, s->change_twist.v[v]);
+    touches.v[v] = PICK(d > s->lowest.v[v], ALL_LANES(1), ALL_LANES(0));
+  }
+  ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
+    const vint moves = solving->v[v];
+    const side per_tt = 1 / influence->root_tt;
+    const vreal n0 = c->n[i].v[v], x0 = c->tx[i].v[v], y0 = c->ty[i].v[v], r = ratio.v[v];
+    const vreal n = touches.v[v] * LARGER(fma(r, n0 - c->n_last[i].v[v], n0), ALL_LANES(0));
+    vreal x = fma(r, x0 - c->tx_last[i].v[v], x0), y = fma(r, y0 - c->ty_last[i].v[v], y0);
+    const vreal cone = s->mu.v[v] * n, q = fma(x, x, y * y);
+    const vint outside = q > cone * cone;
+    const vreal shorter = cone / sqrt(q);
+    x = PICK(outside, x * shorter, x);
+    y = PICK(outside, y * shorter, y);
+    c->n_last[i].v[v] = PICK(moves, n0, c->n_last[i].v[v]);
+    c->tx_last[i].v[v] = PICK(moves, x0, c->tx_last[i].v[v]);
+    c->ty_last[i].v[v] = PICK(moves, y0, c->ty_last[i].v[v]);
+    c->n[i].v[v] = PICK(moves, n, n0);
+    c->tx[i].v[v] = PICK(moves, x, x0);
+    c->ty[i].v[v] = PICK(moves, y, y0);
+    const vreal h = heights[(v * RING + i / CELLS + 1) * RING + i % CELLS + 1];
+    c->open[i].v[v] = (h - s->d.v[v]) / influence->root_zz;
+    c->gx[i].v[v] = fma(dx.v[v] - dtwist.v[v] * (s->y_middle.v[v] + y_of(influence, i)), ALL_LANES(per_tt), c->gx[i].v[v]);
+    c->gy[i].v[v] = fma(dy.v[v] + dtwist.v[v] * (s->x_middle.v[v] + x_of(influence, i)), ALL_LANES(per_tt), c->gy[i].v[v]);
+    const vint pressed = (c->n[i].v[v] > 0) | (moves & (touches.v[v] > 0) & (c->open[i].v[v] < c->uz[i].v[v]));
+    c->window[i].v[v] = pressed;
+  }
+  list_cells(c);
+}
+
+/* Ends an increment: where a cell sticks from next. */
+static void remember(Cells *c, const State *s) {
+  ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
+    const vreal x = c->tx[i].v[v], y = c->ty[i].v[v], cone = INSIDE_CONE * s->mu.v[v] * c->n[i].v[v];
+    const vint sticks = (c->n[i].v[v] > 0) & (fma(x, x, y * y) < cone * cone);
+    c->gx[i].v[v] = PICK(sticks, c->gx[i].v[v], c->ux[i].v[v]);
+    c->gy[i].v[v] = PICK(sticks, c->gy[i].v[v], c->uy[i].v[v]);
+  }
+}
+
+/* S = 1 / lambda of fem/pad/slip_margin.h for vector v, with the tractions as they are scaled: wrench and grip in the same unit. */
+OUTLINE vreal slip_margin(const Influence *influence, const Cells *c, const State *s, int v) {
+  vreal grip = 0, centre_x = 0, centre_y = 0, Wx = 0, Wy = 0, M = 0, r2 = 0;
+  for (int k = 0; k < c->listed; ++k) {
+    const int i = c->list[k];
+    const vreal g = s->mu.v[v] * c->n[i].v[v];
+    const side x = x_of(influence, i), y = y_of(influence, i);
+    grip += g;
+    centre_x = fma(g, ALL_LANES(x), centre_x);
+    centre_y = fma(g, ALL_LANES(y), centre_y);
+    r2 = fma(g, ALL_LANES(x * x + y * y), r2);
+    Wx += c->tx[i].v[v];
+    Wy += c->ty[i].v[v];
+    M = fma(ALL_LANES(x), c->ty[i].v[v], fma(ALL_LANES(-y), c->tx[i].v[v], M));
+  }
+  const vreal per_grip = 1 / LARGER(grip, ALL_LANES((real)1e-30));
+  centre_x *= per_grip;
+  centre_y *= per_grip;
+  const vreal gyration2 = r2 * per_grip - fma(centre_x, centre_x, centre_y * centre_y);
+  const vreal length = sqrt(LARGER(gyration2, ALL_LANES((real)1e-6 * influence->hx * influence->hy))), per_length = 1 / length;
+  Wx *= per_grip;
+  Wy *= per_grip;
+  M = (M * per_grip - (centre_x * Wy - centre_y * Wx)) * per_length;
+  const vreal W2 = fma(Wx, Wx, fma(Wy, Wy, M * M));
+  const vint bears = (grip > 0) & (W2 > (real)1e-12);
+  const vreal per_W2 = 1 / PICK(bears, W2, ALL_LANES(1));
+  vreal vx = Wx * per_W2, vy = Wy * per_W2, w = M * per_W2, least = (real)1e30;
+  for (int round = 0; round <= MARGIN_ROUNDS; ++round) {
+    vreal lambda = 0, K = 0, Kx = 0, Ky = 0, Kw = 0;
+    for (int k = 0; k < c->listed; ++k) {
+      const int i = c->list[k];
+      const vreal g = s->mu.v[v] * c->n[i].v[v] * per_grip;
+      const vreal x = (x_of(influence, i) - centre_x) * per_length, y = (y_of(influence, i) - centre_y) * per_length;
+      const vreal sx = fma(-w, y, vx), sy = fma(w, x, vy), slip = sqrt(fma(sx, sx, sy * sy));
+      const vreal weight = g / LARGER(slip, ALL_LANES((real)1e-6));
+      lambda = fma(g, slip, lambda);
+      K += weight;
+      Kx = fma(weight, x, Kx);
+      Ky = fma(weight, y, Ky);
+      Kw = fma(weight, fma(x, x, y * y), Kw);
+    }
+    least = SMALLER(lambda, least);
+    /* K v - Ky w = Wx, K v + Kx w = Wy, eliminated: */
+    const vreal per_K = 1 / LARGER(K, ALL_LANES((real)1e-30));
+    const vreal inertia = LARGER(Kw - (Kx * Kx + Ky * Ky) * per_K, ALL_LANES((real)1e-6));
+    w = (M + (Ky * Wx - Kx * Wy) * per_K) / inertia;
+    vx = (Wx + Ky * w) * per_K;
+    vy = (Wy - Kx * w) * per_K;
+    const vreal power = fma(vx, Wx, fma(vy, Wy, w * M)), per_power = 1 / PICK(bears, power, ALL_LANES(1));
+    vx *= per_power;
+    vy *= per_power;
+    w *= per_power;
+  }
+  return PICK(bears, 1 / least, ALL_LANES(0));
+}
+
+typedef struct {
+  size_t first_lane; /* of the group, over all groups */
+  int slots, write_forces, most_sweeps;
+  real accept;
+  global real *result, *forces;
+} Answers;
+
+/* The certificate of vector v, from the tractions and the fresh sums alone; rows PAD_RESULT_PENETRATION and on. */
+OUTLINE void certify(const Influence *influence, global const vreal *heights, real accept, const Cells *c, const State *s, vreal *rows) {
+  Lanes per_d, per_moved, penetration, outside[4], complementarity, cone, drift, angle, most;
+  EACH_VECTOR(v) {
+    per_d.v[v] = PICK(s->d.v[v] > 0, 1 / s->d.v[v], ALL_LANES(0));
+    const vreal x = s->change_x.v[v], y = s->change_y.v[v];
+    per_moved.v[v] = 1 / LARGER((real)0.1 * s->d.v[v], sqrt(fma(x, x, y * y)) + fabs(s->change_twist.v[v]));
+    per_moved.v[v] = PICK(s->d.v[v] > 0, per_moved.v[v], ALL_LANES(0));
+    penetration.v[v] = complementarity.v[v] = cone.v[v] = drift.v[v] = angle.v[v] = most.v[v] = 0;
+    EACH(b, 4) { outside[b].v[v] = 0; }
+  }
+  ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) { most.v[v] = LARGER(c->n[i].v[v], most.v[v]); }
+  ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
+    const vreal n = c->n[i].v[v], x = c->tx[i].v[v], y = c->ty[i].v[v],
+                gap = (c->open[i].v[v] - c->uz[i].v[v]) * influence->root_zz * per_d.v[v];
+    const vreal length = sqrt(fma(x, x, y * y)), edge = s->mu.v[v] * n;
+    const vreal sx = c->gx[i].v[v] - c->ux[i].v[v], sy = c->gy[i].v[v] - c->uy[i].v[v];
+    const vreal unit = influence->root_tt * per_moved.v[v], slip = sqrt(fma(sx, sx, sy * sy)) * unit;
+    const vint pressed = n > 0, sticks = pressed & (length < INSIDE_CONE * edge), slips = pressed & NOT(sticks) & (length > 0);
+    const vreal along = fma(sx, x, sy * y) / LARGER(length, ALL_LANES((real)1e-30)) * unit;
+    penetration.v[v] = LARGER(-gap, penetration.v[v]);
+    complementarity.v[v] = PICK(pressed, LARGER(fabs(gap), complementarity.v[v]), complementarity.v[v]);
+    cone.v[v] = PICK(pressed, LARGER((length - edge) / most.v[v], cone.v[v]), cone.v[v]);
+    drift.v[v] = PICK(sticks, LARGER(slip, drift.v[v]), drift.v[v]);
+    angle.v[v] = PICK(slips, LARGER(slip - along, angle.v[v]), angle.v[v]);
+  }
+  ROLLED for (int k = 0; k < 4 * (CELLS + 1); ++k) {
+    const int side = k / (CELLS + 1), along = k % (CELLS + 1); /* once round the ring */
+    const int ix = side == 0 ? along - 1 : side == 1 ? CELLS : side == 2 ? CELLS - along : -1;
+    const int iy = side == 0 ? -1 : side == 1 ? along - 1 : side == 2 ? CELLS : CELLS - along;
+    const int sides = (ix < 0 ? 1 : ix == CELLS ? 2 : 0) + (iy < 0 ? 4 : iy == CELLS ? 8 : 0);
+    Lanes ux, uy, uz;
+    displacement(influence, c, ix, iy, &ux, &uy, &uz);
+    EACH_VECTOR(v) {
+      const vreal inside = (uz.v[v] * influence->root_zz - (heights[(v * RING + ix + 1) * RING + iy + 1] - s->d.v[v])) * per_d.v[v];
+      penetration.v[v] = LARGER(inside, penetration.v[v]);
+      const vint beyond = inside > accept;
+      EACH(b, 4) { outside[b].v[v] = PICK(beyond, LARGER(ALL_LANES((real)(sides >> b & 1)), outside[b].v[v]), outside[b].v[v]); }
+    }
+  }
+  EACH_VECTOR(v) {
+    rows[PAD_BLOCK * v + PAD_RESULT_PENETRATION] = penetration.v[v];
+    rows[PAD_BLOCK * v + PAD_RESULT_COMPLEMENTARITY] = complementarity.v[v];
+    rows[PAD_BLOCK * v + PAD_RESULT_CONE] = cone.v[v];
+    rows[PAD_BLOCK * v + PAD_RESULT_DRIFT] = drift.v[v];
+    rows[PAD_BLOCK * v + PAD_RESULT_ANGLE] = angle.v[v];
+    rows[PAD_BLOCK * v + PAD_RESULT_OUTSIDE] = outside[0].v[v] + 2 * outside[1].v[v] + 4 * outside[2].v[v] + 8 * outside[3].v[v];
+  }
+}
+
+/* Writes the answers of lanes with a slot. */
+OUTLINE void report(const Influence *influence, global const vreal *lane_input, global const vreal *heights, const Answers *a, const Lanes *slot,
+                    const Cells *c, State *s) {
+  vreal rows[VECTORS * PAD_BLOCK];
+  certify(influence, heights, a->accept, c, s, rows);
+  const side n_unit = influence->hx * influence->hy / influence->root_zz, t_unit = influence->hx * influence->hy / influence->root_tt;
+  ROLLED for (int v = 0; v < VECTORS; ++v) {
+    vreal P = 0, Qx = 0, Qy = 0, M = 0, sticking = 0, touching = 0;
+    for (int k = 0; k < c->listed; ++k) {
+      const int i = c->list[k];
+      const vreal n = c->n[i].v[v], x = c->tx[i].v[v], y = c->ty[i].v[v], edge = INSIDE_CONE * s->mu.v[v] * n;
+      P += n;
+      Qx += x;
+      Qy += y;
+      M = fma(s->x_middle.v[v] + x_of(influence, i), y, fma(-(s->y_middle.v[v] + y_of(influence, i)), x, M));
+      touching += PICK(n > 0, ALL_LANES(1), ALL_LANES(0));
+      sticking += PICK((n > 0) & (fma(x, x, y * y) < edge * edge), ALL_LANES(1), ALL_LANES(0));
+    }
+    global const vreal *in = lane_input + v * PAD_INPUT_ROWS;
+    const vreal cosine = in[PAD_COSINE], sine = in[PAD_SINE], force = in[PAD_FORCE];
+    vreal *to = rows + PAD_BLOCK * v;
+    to[PAD_RESULT_P] = P * n_unit * force;
+    to[PAD_RESULT_QX] = (cosine * Qx - sine * Qy) * t_unit * force;
+    to[PAD_RESULT_QY] = (sine * Qx + cosine * Qy) * t_unit * force;
+    to[PAD_RESULT_M] = M * t_unit * force * in[PAD_THICKNESS];
+    to[PAD_RESULT_S] = slip_margin(influence, c, s, v);
+    to[PAD_RESULT_STICKING] = sticking;
+    to[PAD_RESULT_SLIPPING] = touching - sticking;
+    to[PAD_RESULT_SWEEPS] = s->sweeps.v[v];
+    to[PAD_RESULT_DEPTH] = s->d.v[v] * in[PAD_THICKNESS];
+    const vint reports = slot->v[v] >= 0;
+    vreal worst = to[PAD_RESULT_PENETRATION];
+    EACH(r, 4) { worst = LARGER(to[PAD_RESULT_COMPLEMENTARITY + r], worst); }
+    const vint finite = finite_sum(finite_sum(finite_sum(finite_sum(0, P), Qx), Qy), to[PAD_RESULT_DRIFT] + to[PAD_RESULT_ANGLE]) == 0;
+    const vint solved = NOT(s->lost.v[v] | s->failed.v[v]) & finite & (worst <= a->accept);
+    s->lost.v[v] |= reports & NOT(solved);
+    const vint slides = (touching > 0) & (sticking == 0);
+    to[PAD_RESULT_STATUS] = PICK(solved, PICK(slides, ALL_LANES(LANE_SLIDING), ALL_LANES(LANE_SOLVED)), ALL_LANES(LANE_UNSOLVED));
+    real place[LANES], number[LANES];
+    STORE(slot->v[v], place);
+    for (int r = 0; r < PAD_BLOCK; ++r) {
+      STORE(to[r], number);
+      for (int l = 0; l < LANES; ++l)
+        if (place[l] >= 0) a->result[((a->first_lane + v * LANES + l) * a->slots + (size_t)place[l]) * PAD_BLOCK + r] = number[l];
+    }
+    if (!a->write_forces) continue;
+    for (int i = 0; i < COUNT; ++i)
+      for (int part = 0; part < 3; ++part) {
+        STORE((part == 0 ? c->n[i].v[v] * n_unit : (part == 1 ? c->tx[i].v[v] : c->ty[i].v[v]) * t_unit) * force, number);
+        for (int l = 0; l < LANES; ++l)
+          if (place[l] >= 0) a->forces[(((a->first_lane + v * LANES + l) * a->slots + (size_t)place[l]) * 3 + part) * COUNT + i] = number[l];
+      }
+  }
+}
+
+/* Lanes whose input is finite and sensible, as far as their own path goes. */
+static void check_input(global const vreal *lane_input, global const vreal *path, global const vreal *heights, int increments, State *s) {
+  for (int v = 0; v < VECTORS; ++v) {
+    global const vreal *in = lane_input + v * PAD_INPUT_ROWS;
+    vreal sum = 0, lowest = PAD_OPEN;
+    for (int r = 0; r < PAD_INPUT_ROWS; ++r) sum = finite_sum(sum, in[r]);
+    for (int i = 0; i < RING * RING; ++i) {
+      const vreal h = heights[v * RING * RING + i];
+      sum = finite_sum(sum, h);
+      lowest = SMALLER(h, lowest);
+    }
+    for (int k = 0; k < increments; ++k) {
+      const vint own = in[PAD_STEPS] > (real)k;
+      for (int r = 0; r < PAD_PATH_ROWS; ++r) sum = PICK(own, finite_sum(sum, path[(v * increments + k) * PAD_PATH_ROWS + r]), sum);
+    }
+    s->valid.v[v] = (sum == 0) & (in[PAD_MU] >= 0);
+    s->lowest.v[v] = lowest;
+  }
+}
+
+/* tables [tables][PAD_TABLE_HEAD + (2 CELLS + 1)^2 PAD_INFLUENCE], table_of [groups]; or, with OWN_TABLES,
+   [groups][PAD_TABLE_HEAD + (CELLS + 1)^2 PAD_OWN_INFLUENCE][lane], and table_of is not read. The other arrays are as kernels/shared/pad_layout.h
+   has them; those of the launch begin with vector `first_vector` of all.
+   Out: result; forces [lane of all groups][slots][3][cells] N, n, t_x, t_y in the own frame, where write_forces is not 0. */
+kernel void pad_contact(uint first_group, global const side *tables, global const int *table_of, int first_vector,
+                        global const vreal *lane_input, global const vreal *path, global const vreal *heights, int increments, int slots,
+                        int write_forces, real tolerance, real accept, int most_sweeps, global real *result, global real *forces) {
+  TAKE_GROUP(group);
+#if OWN_TABLES
+  (void)table_of;
+  global const side *head = tables + group * (PAD_TABLE_HEAD + (CELLS + 1) * (CELLS + 1) * PAD_OWN_INFLUENCE), *table = head + PAD_TABLE_HEAD;
+#else
+  global const side *head = tables + (size_t)table_of[group] * (PAD_TABLE_HEAD + SPAN * SPAN * PAD_INFLUENCE);
+  global const side *table = head + PAD_TABLE_HEAD + PAD_INFLUENCE * (CELLS * SPAN + CELLS);
+#endif
+  const Influence influence = {table, head[PAD_ROOT_ZZ], head[PAD_ROOT_TT], head[PAD_HX], head[PAD_HY]};
+  const size_t vector = first_vector + group * VECTORS;
+  const Answers answers = {vector * LANES, slots, write_forces, most_sweeps, accept, result, forces};
+  lane_input += vector * PAD_INPUT_ROWS;
+  path += vector * increments * PAD_PATH_ROWS;
+  heights += vector * RING * RING;
+
+  Cells c;
+  State s;
+  check_input(lane_input, path, heights, increments, &s);
+  c.listed = 0;
+  s.half_size = (real)0.5 * CELLS * fmax(influence.hx, influence.hy);
+  EACH_VECTOR(v) {
+    global const vreal *in = lane_input + v * PAD_INPUT_ROWS;
+    s.d.v[v] = s.x.v[v] = s.y.v[v] = s.twist.v[v] = s.change_d.v[v] = s.change_x.v[v] = s.change_y.v[v] = s.change_twist.v[v] = 0;
+    s.lost.v[v] = s.failed.v[v] = s.searching.v[v] = 0;
+    s.by_force.v[v] = s.valid.v[v] & (in[PAD_BY_FORCE] > 0);
+    s.tolerance.v[v] = PICK(s.by_force.v[v], ALL_LANES((real)0.1 * tolerance), ALL_LANES(tolerance));
+    s.power.v[v] = (real)1.5;
+    s.trial_sweeps.v[v] = 0;
+    s.mu.v[v] = PICK(s.valid.v[v], in[PAD_MU], ALL_LANES(0)) * (influence.root_tt / influence.root_zz);
+    s.x_middle.v[v] = PICK(s.valid.v[v], in[PAD_X_MIDDLE], ALL_LANES(0));
+    s.y_middle.v[v] = PICK(s.valid.v[v], in[PAD_Y_MIDDLE], ALL_LANES(0));
+  }
+  ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
+    c.n[i].v[v] = c.tx[i].v[v] = c.ty[i].v[v] = c.gx[i].v[v] = c.gy[i].v[v] = 0;
+    c.ux[i].v[v] = c.uy[i].v[v] = c.uz[i].v[v] = c.n_last[i].v[v] = c.tx_last[i].v[v] = c.ty_last[i].v[v] = 0;
+  }
+  ROLLED for (int k = 0; k < increments; ++k) {
+    Lanes slot;
+    Masks solving;
+    EACH_VECTOR(v) {
+      global const vreal *in = lane_input + v * PAD_INPUT_ROWS;
+      s.running.v[v] = s.valid.v[v] & (in[PAD_STEPS] > (real)k);
+      slot.v[v] = PICK(s.running.v[v], path[(v * increments + k) * PAD_PATH_ROWS + PAD_SLOT], ALL_LANES(-1));
+    }
+    if (!any_of(&s.running)) break;
+    start_increment(&influence, path, heights, increments, k, &c, &s, &solving);
+    do {
+      while (any_of(&s.active)) sweep(&influence, most_sweeps, &c, &s);
+      widen(&influence, &solving, &c, &s);
+      if (!any_of(&s.active) && any_of(&s.searching)) next_depth(&influence, heights, tolerance, &c, &s);
+    } while (any_of(&s.active));
+    Masks asked;
+    EACH_VECTOR(v) {
+      asked.v[v] = slot.v[v] >= 0;
+      s.lost.v[v] |= s.failed.v[v];
+    }
+    if (any_of(&asked)) report(&influence, lane_input, heights, &answers, &slot, &c, &s);
+    remember(&c, &s);
+  }
+  /* Lanes whose input is no scene. */
+  ROLLED for (int v = 0; v < VECTORS; ++v) {
+    real valid[LANES];
+    STORE(PICK(s.valid.v[v], ALL_LANES(1), ALL_LANES(0)), valid);
+    for (int l = 0; l < LANES; ++l)
+      for (int k = 0; k < (valid[l] == 0 ? slots : 0) * PAD_BLOCK; ++k)
+        result[(answers.first_lane + v * LANES + l) * slots * PAD_BLOCK + k] = k % PAD_BLOCK == PAD_RESULT_STATUS ? (real)LANE_INVALID : 0;
+  }
+}
+
+/* Stress at the base under tactels in the lanes, one scene and LANES tactels a work-item, from the forces of pad_contact: the layer's kernels
+   (fem/pad/pad_integrals.h) by a table in rho, the mean of four Gauss points of each cell. layer [rows][PAD_BLOCK], rows_a_thickness rows for each
+   H and layer_rows for each Poisson's ratio; places [scenes][PAD_PLACE_ROWS]; tactels [2][blocks LANES] over mm: times 1 / H of the scene. Out: stress
+   [scenes][slots][3][blocks LANES] MPa: sigma_z, tau_x, tau_y in the pad's frame. */
+kernel void pad_base_stress(uint first_group, global const real *layer, int layer_rows, real rows_a_thickness, global const real *places,
+                            global const real *tactels, int blocks, int slots, global const real *forces, global real *stress) {
+  TAKE_GROUP(group);
+  const size_t scene = group / blocks, block = group % blocks;
+  global const real *place = places + scene * PAD_PLACE_ROWS;
+  const int steps = (int)place[PAD_PLACE_STEPS];
+  const real cosine = place[PAD_PLACE_COSINE], sine = place[PAD_PLACE_SINE], hx = place[PAD_PLACE_HX], hy = place[PAD_PLACE_HY];
+  const real per_H = place[PAD_PLACE_THICKNESS];
+  forces += scene * slots * 3 * COUNT;
+  stress += scene * slots * 3 * blocks * LANES + block * LANES;
+  /* Tactels in the own frame, from the middle of the grid. */
+  const vreal px = LOAD(tactels + block * LANES) * per_H - place[PAD_PLACE_X],
+              py = LOAD(tactels + (blocks + block) * LANES) * per_H - place[PAD_PLACE_Y];
+  const vreal own_x = cosine * px + sine * py - place[PAD_PLACE_X_MIDDLE], own_y = cosine * py - sine * px - place[PAD_PLACE_Y_MIDDLE];
+  vreal sum[3 * MOST_STEPS];
+  for (int first = 0; first < steps; first += MOST_STEPS) {
+    const int count = steps - first < MOST_STEPS ? steps - first : MOST_STEPS;
+    for (int k = 0; k < 3 * count; ++k) sum[k] = 0;
+    for (int i = 0; i < COUNT; ++i) {
+      int loaded = 0;
+      for (int k = 0; k < count; ++k) loaded |= forces[(first + k) * 3 * COUNT + i] > 0;
+      if (!loaded) continue;
+      vreal T[9];
+      EACH(r, 9) { T[r] = 0; }
+      ROLLED for (int p = 0; p < 4; ++p) {
+        const real gauss = (real)0.28867513459481287; /* half of 1 / sqrt(3) */
+        const vreal x = own_x - ((real)(i / CELLS) - (real)0.5 * (CELLS - 1) + (p < 2 ? -gauss : gauss)) * hx;
+        const vreal y = own_y - ((real)(i % CELLS) - (real)0.5 * (CELLS - 1) + (p % 2 == 0 ? -gauss : gauss)) * hy;
+        const vreal rho = sqrt(fma(x, x, y * y)), per_rho = 1 / LARGER(rho, ALL_LANES((real)1e-20));
+        Place at = place_in(rho * rows_a_thickness, layer_rows - 1);
+        EACH(l, LANES) { at.cell[l] += (int)place[PAD_PLACE_LAYER]; }
+        vreal c[PAD_BLOCK], b[5];
+        gather_rows(layer, at.cell, c);
+        EACH(f, 5) { b[f] = (real)0.25 * fma(fma(c[3 * f + 2], at.q, c[3 * f + 1]), at.q, c[3 * f]); }
+        const vreal ct = PICK(rho > 0, x * per_rho, ALL_LANES(1)), st = y * per_rho, even = b[2] * (ct * ct - st * st), odd = b[2] * 2 * ct * st;
+        T[0] -= b[0]; /* sigma_z by n, t_x, t_y */
+        T[1] -= ct * b[4];
+        T[2] -= st * b[4];
+        T[3] += ct * b[3]; /* tau_x */
+        T[4] += b[1] - even;
+        T[5] -= odd;
+        T[6] += st * b[3]; /* tau_y */
+        T[7] -= odd;
+        T[8] += b[1] + even;
+      }
+      for (int k = 0; k < count; ++k) {
+        global const real *f = forces + (first + k) * 3 * COUNT + i;
+        const real n = f[0], tx = f[COUNT], ty = f[2 * COUNT];
+        EACH(r, 3) {
+          sum[3 * k + r] = fma(T[3 * r], ALL_LANES(n), fma(T[3 * r + 1], ALL_LANES(tx), fma(T[3 * r + 2], ALL_LANES(ty), sum[3 * k + r])));
+        }
+      }
+    }
+    const real unit = place[PAD_PLACE_STRESS];
+    for (int k = 0; k < count; ++k) {
+      global real *to = stress + (first + k) * 3 * blocks * LANES;
+      STORE(unit * sum[3 * k], to);
+      STORE(unit * (cosine * sum[3 * k + 1] - sine * sum[3 * k + 2]), to + blocks * LANES);
+      STORE(unit * (sine * sum[3 * k + 1] + cosine * sum[3 * k + 2]), to + 2 * blocks * LANES);
+    }
+  }
+}

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Shapes, the search for the touched rectangle, cells and their ladder.
+#include "fem/pad/pad_cells.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "fem/pad/pad_search.h"
+#include "fem/pad/pad_solver.h"
+#include "tests/fem/pad/pad_mix.h"
+
+namespace tactel::fem {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+TEST(PadShapes, Heights) {
+  EXPECT_NEAR(pad_height({Sphere{5}}, 3, 0), 1, 1e-15);
+  EXPECT_EQ(pad_height({Sphere{5}}, 4, 4), infinity);
+  EXPECT_NEAR(pad_height({Paraboloid{{2, 4}}}, 1, 2), 0.75, 1e-15);
+  EXPECT_NEAR(pad_height({LyingCylinder{5, 2}}, 3, 2), 1, 1e-15);
+  EXPECT_EQ(pad_height({LyingCylinder{5, 2}}, 3, 2.1), infinity);
+  EXPECT_NEAR(pad_height({Punch{1, 0.5}}, 0, 2), 1, 1e-15);
+  EXPECT_EQ(pad_height({Punch{1, 0}}, 0.8, 0.8), infinity);
+  EXPECT_EQ(pad_height({Punch{1, 0}}, 0.8, 0.8, true), 0);
+  EXPECT_NEAR(pad_height({Box{{1, 2}, 0.5}}, 2, 4), 5, 1e-15);
+  EXPECT_NEAR(pad_height({Cone{45}}, 3, 4), 5, 1e-14);
+  HeightMap map{1, Eigen::MatrixXd(2, 3)};
+  map.heights << 3, 1, 2, 5, 3, 7;
+  EXPECT_NEAR(pad_height({map}, -0.5, 0), 0, 1e-15);
+  EXPECT_NEAR(pad_height({map}, 0.25, 0.5), 0.25 * 0.5 * (0 + 1) + 0.75 * 0.5 * (2 + 6), 1e-15);
+  EXPECT_EQ(pad_height({map}, 0, 1.1), infinity);
+}
+
+TEST(PadShapes, ATiltedBottomRisesFromItsLowestPoint) {
+  // The tilted punch of the six named scenes, written out.
+  PadIndenter punch{Punch{1.5, 0.5}};
+  punch.tilt = 3;
+  punch.tilt_direction = 30;
+  const double t = std::tan(3 * std::numbers::pi / 180), c = std::sqrt(0.75);
+  EXPECT_NEAR(pad_height(punch, 1.6, 0.2),
+              std::pow(std::hypot(1.6, 0.2) - 1.5, 2) + t * (1.6 * c + 0.1) + 1.5 * t + t * t / 4, 1e-14);
+  PadIndenter box{Box{{1, 0.5}, 0}};
+  box.tilt = 3;
+  box.tilt_direction = 30;
+  double least = infinity, least_punch = infinity;
+  for (double x = -2; x <= 2; x += 1.0 / 256)
+    for (double y = -2; y <= 2; y += 1.0 / 256) {
+      least = std::min(least, pad_height(box, x, y));
+      least_punch = std::min(least_punch, pad_height(punch, x, y));
+    }
+  EXPECT_NEAR(least, 0, 1e-14);  // its corner is a point of the grid
+  EXPECT_GE(least_punch, 0);
+  EXPECT_NEAR(least_punch, 0, 1e-5);
+}
+
+TEST(PadShapes, RigidSectionsHoldWhatLiesBelowADepth) {
+  PadMix mix(5);
+  for (int k = 0; k < 18; ++k) {
+    const PadScene scene = mix();
+    const double d = scene.load.indentation[0];
+    const PadBox box = rigid_section(scene.indenter, d);
+    for (int i = 0; i <= 40; ++i)
+      for (int j = 0; j <= 40; ++j) {
+        const double x = (i - 20) / 15.0 * box.x.right, y = (j - 20) / 15.0 * box.y.right;
+        if (!(pad_height(scene.indenter, x, y) < d)) continue;
+        EXPECT_LE(std::abs(x), box.x.right * (1 + 1e-12)) << k;
+        EXPECT_LE(std::abs(y), box.y.right * (1 + 1e-12)) << k;
+      }
+  }
+}
+
+TEST(PadSearch, FindsTheCircleOfHertz) {
+  PadScene scene;
+  scene.sensor.thickness = 1000;
+  scene.indenter.shape = Paraboloid{{1, 1}};
+  scene.load.indentation = {1e-4};
+  const PadBox contact = find_pad_contact(scene, PadLayer(scene.sensor.poisson)).contact;
+  const double a = 0.01;  // the rigid section is 1.41 times as wide
+  EXPECT_GT(contact.x.right, a);
+  EXPECT_LT(contact.x.right, 1.25 * a);
+  EXPECT_NEAR(contact.x.right, contact.y.right, 1e-12);
+}
+
+TEST(PadSearch, MeetsAForce) {
+  PadScene scene;
+  scene.indenter.shape = Sphere{8};
+  scene.load.indentation = {0.25};
+  const PadLayer layer(scene.sensor.poisson);
+  const PadSearch given = find_pad_contact(scene, layer);
+  scene.load.indentation = {};
+  scene.load.normal_force = {given.P};
+  const PadSearch found = find_pad_contact(scene, layer);
+  EXPECT_NEAR(found.P / given.P, 1, 0.02);
+  EXPECT_NEAR(found.depth, 0.25, 0.005);
+}
+
+/// A box with a rounding, or the sharp one that stands for it.
+PadScene box_scene(double edge, double tilt = 0) {
+  PadScene scene;
+  scene.indenter.shape = Box{{2, 1}, edge};
+  scene.indenter.tilt = tilt;
+  scene.load.indentation = {0.2};
+  return scene;
+}
+
+TEST(PadLayout, RoundingsBelowACellStandAsSharpEdges) {
+  const PadLayer layer(PadScene{}.sensor.poisson);
+  const PadLayout fine = lay_cells(box_scene(0.05), layer, 12, true);
+  const Box& sharp = std::get<Box>(fine.indenter.shape);
+  EXPECT_EQ(sharp.edge, 0);
+  EXPECT_NEAR(sharp.half_widths[0], 2 + 0.5 * std::sqrt(0.05 * 0.2), 1e-12);
+  EXPECT_NEAR(fine.cells.box().x.right, sharp.half_widths[0] + 0.15 * fine.cells.hx, 1e-12);
+  EXPECT_EQ(std::get<Box>(lay_cells(box_scene(0.5), layer, 12, true).indenter.shape).edge, 0.5);  // wide enough
+  EXPECT_EQ(std::get<Box>(lay_cells(box_scene(0.05, 3), layer, 12, true).indenter.shape).edge,
+            0.05);  // pressed on a side
+}
+
+TEST(PadLayout, ASmallRoundingCostsLittle) {
+  // Against many cells, which resolve it: without the sharp edge P is 5 % off.
+  const PadScene scene = box_scene(0.1);
+  const PadLayer layer(scene.sensor.poisson);
+  const auto P = [&](int cells) {
+    PadOptions options;
+    options.cells = cells, options.ladder = false;
+    return PadSolver(layer, options).solve(scene).steps.back().P;
+  };
+  EXPECT_NEAR(P(12) / P(56), 1, 0.015);
+}
+
+TEST(PadCells, JustCoverTheContact) {
+  const PadCells cells = pad_cells({{-1, 2}, {-1, 1}}, {Sphere{8}}, 10, 2, false);
+  EXPECT_DOUBLE_EQ(cells.hx, 0.3);
+  EXPECT_DOUBLE_EQ(cells.hy, 0.2);
+  EXPECT_DOUBLE_EQ(cells.x(0), -0.85);
+  EXPECT_DOUBLE_EQ(cells.y(9), 0.9);
+}
+
+TEST(PadCells, SizesAreOnTheLadderWithEqualParity) {
+  PadMix mix(2);
+  for (int k = 0; k < 60; ++k) {
+    const PadScene scene = mix();
+    if (!std::isinf(pad_edges(scene.indenter.shape).y.right)) continue;
+    const PadBox contact = rigid_section(scene.indenter, scene.load.indentation[0]);
+    const double H = scene.sensor.thickness;
+    const PadCells cells = pad_cells(contact, scene.indenter, 12, H, true);
+    const double kx = 4 * std::log2(cells.hx / H), ky = 4 * std::log2(cells.hy / H);
+    EXPECT_NEAR(kx, std::round(kx), 1e-9);
+    EXPECT_EQ(std::lround(kx - ky) % 2, 0);
+    EXPECT_GE(12 * cells.hx, (contact.x.right - contact.x.left) * (1 - 1e-8));
+    EXPECT_LE(12 * cells.hx, (contact.x.right - contact.x.left) * std::exp2(0.5) * (1 + 1e-8));
+    EXPECT_NEAR(cells.x_middle, (contact.x.right + contact.x.left) / 2, 1e-12);
+  }
+}
+
+TEST(PadCells, ReachPartOfACellBeyondSharpEdges) {
+  const PadIndenter box{Box{{1, 2}, 0}};
+  const PadCells both = pad_cells({{-9, 9}, {-9, 0.5}}, box, 12, 2, false);
+  EXPECT_NEAR(both.hx, 2 / (12 - 0.3), 1e-12);
+  EXPECT_NEAR(both.box().x.right, 1 + 0.15 * both.hx, 1e-12);
+  EXPECT_NEAR(both.hy, 2.5 / (12 - 0.15), 1e-12);
+  EXPECT_NEAR(both.box().y.left, -2 - 0.15 * both.hy, 1e-12);
+  EXPECT_NEAR(both.box().y.right, 0.5, 1e-12);
+  const Eigen::MatrixXd h = cell_heights(both, box);
+  EXPECT_EQ(h(0, 5), infinity);  // beyond the edge
+  EXPECT_EQ(h(5, 0), infinity);
+  EXPECT_EQ(h(5, 13), 0);  // the ring where the contact ends before the edge
+  EXPECT_EQ(h(1, 1), 0);
+}
+
+TEST(PadCells, BelowASharpRoundEdgeHaveItsArea) {
+  for (const int n : {8, 12}) {
+    const PadIndenter punch{Punch{1.5, 0}};
+    const PadCells cells = pad_cells({{-9, 9}, {-9, 9}}, punch, n, 2, true);
+    const Eigen::MatrixXd h = cell_heights(cells, punch);
+    const auto count = (h.array() == 0).count();
+    EXPECT_NEAR(static_cast<double>(count) * cells.area(), std::numbers::pi * std::pow(1.5 + 0.125 * cells.hx, 2),
+                1e-12);
+    EXPECT_EQ(h(1, 1), infinity);  // a corner
+    EXPECT_EQ(h(1, n / 2), 0);
+  }
+}
+
+}  // namespace
+}  // namespace tactel::fem

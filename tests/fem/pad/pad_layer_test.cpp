@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// The layer of a pad: integrals, influence of cells and base stress, against numbers of an independent quadrature with
+// twenty digits, against limits in closed form and against the line (fem/layer), a layer in plane strain.
+#include "fem/pad/pad_layer.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "fem/layer/element_compliance.h"
+#include "fem/layer/layer_table.h"
+#include "fem/layer/layer_transforms.h"
+#include "fem/pad/pad_cells.h"
+
+namespace tactel::fem {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr double printed = 1e-10;  // the numbers have ten digits behind the point
+
+struct IntegralCase {
+  double poisson, rho;
+  PadValues expected;
+};
+
+IntegralCase integrals(double poisson, double rho, std::array<double, pad_integrals> v) {
+  return {poisson, rho, Eigen::Map<const PadValues>(v.data())};
+}
+
+// z0, A, B, Z, b0, bA, bB, bxz, bzx
+const IntegralCase integral_cases[] = {
+    integrals(0.3, 0, {-1.3768541655, -1.2081554399, 0, 0, 4.3615935727, 0.4771309316, 0, 0, 0}),
+    integrals(0.3, 1,
+              {-0.9416638921, -0.9756658946, -0.0152589560, -0.3378856904, 0.5098587583, 0.5146327282, -0.3662317792,
+               0.5137206262, 0.8108925204}),
+    integrals(0.45, 0.5,
+              {-1.4376406996, -1.0052956555, -0.0080883633, -0.2281282386, 2.3199907058, 0.5125268704, -0.3761131016,
+               1.3391698952, 1.4398984781}),
+    integrals(0.45, 2,
+              {-0.5356253575, -0.6109805510, 0.0454257801, -0.1539634371, 0.0030853225, 0.1375024620, -0.1477974156,
+               0.0822047873, 0.1060057350}),
+    integrals(0.5, 1,
+              {-1.1256978531, -0.8193793370, -0.0081913207, -0.2779067186, 0.4019197479, 0.4908943346, -0.4747173541,
+               0.7700150585, 0.7700150585})};
+
+TEST(PadLayer, IntegralsAreThoseOfAnIndependentQuadrature) {
+  for (const IntegralCase& c : integral_cases) {
+    const PadValues off = PadIntegrals(c.poisson).at(c.rho).value - c.expected;
+    EXPECT_LE(off.abs().maxCoeff(), printed) << c.poisson << " " << c.rho << ": " << off.transpose();
+  }
+}
+
+TEST(PadLayer, SlopesAreThoseOfTheIntegrals) {
+  const PadIntegrals layer(0.45);
+  for (const double rho : {0.01, 0.4, 3.0}) {
+    const double step = 1e-4;
+    const PadValues slope = (layer.at(rho + step).value - layer.at(rho - step).value) / (2 * step);
+    EXPECT_LE((layer.at(rho).slope - slope).abs().maxCoeff(), 1e-6) << rho;  // step^2 times third derivatives of 40
+  }
+}
+
+TEST(PadLayer, TablesAreThoseOfDirectQuadrature) {
+  for (const double poisson : {0.0, 0.45, 0.5}) {
+    const PadLayer layer(poisson);
+    const PadIntegrals direct(poisson);
+    double worst = 0, worst_stress = 0;
+    for (double rho = 0.0031; rho < PadLayer::range; rho += rho < 1 ? 0.005 : 0.1) {
+      const PadValues value = direct.at(rho).value;
+      worst = std::max(worst, (layer.displacements(rho) - value.head<4>()).abs().maxCoeff());
+      worst_stress = std::max(worst_stress, (layer.stresses(rho) - value.tail<5>()).abs().maxCoeff());
+    }
+    EXPECT_LE(worst, PadLayer::largest_error) << poisson;
+    EXPECT_LE(worst_stress, 1e-7) << poisson;  // of 4.5: their fourth derivatives are larger
+  }
+}
+
+TEST(PadLayer, BeyondTheTablesTheLayerDoesNotMove) {
+  const PadLayer layer(0.5);  // where it moves farthest
+  const Eigen::Array4d inside = layer.displacements(PadLayer::range - 1e-9),
+                       beyond = layer.displacements(PadLayer::range);
+  EXPECT_LE((inside - beyond).abs().maxCoeff(), 1e-6);  // exp(-0.739 * 24) = 2e-8, times a
+}
+
+TEST(PadLayer, InfluenceOfCells) {
+  struct Case {
+    double poisson, hx, hy;
+    int i, j;
+    CellInfluence expected;
+  };
+  const Case cases[] = {
+      {0.3, .25, .25, 0, 0, {0.2304916581, 0.2944279541, 0.2944279541, 0, 0, 0}},
+      {0.3, .25, .25, 3, 2, {0.0020565184, 0.0131533553, 0.0097206431, 0.0041173284, 0.0012087739, 0.0008053773}},
+      {0.45, .25, .25, 0, 0, {0.1980865982, 0.2997860429, 0.2997860429, 0, 0, 0}},
+      {0.45, .25, .25, 1, 0, {0.0410182558, 0.0993615760, 0.0558756386, 0, 0.0038370285, 0}},
+      {0.45, .25, .25, 1, 1, {0.0218826982, 0.0498561959, 0.0498561959, 0.0174014394, 0.0011304945, 0.0011304945}},
+      {0.45, .25, .5, 1, 1, {0.0154273337, 0.0429002454, 0.0676656027, 0.0195109482, -0.0005325509, -0.0014209504}},
+      {0.5, .25, .25, 0, 0, {0.1841473131, 0.3001546334, 0.3001546334, 0, 0, 0}},
+      {0.5, 1, 1, 1, 0, {-0.0159149619, 0.2786420906, 0.0782539084, 0, -0.0586467446, 0}}};
+  for (const Case& c : cases) {
+    const double near_to = printed + 0.3 * PadLayer::largest_error * c.hx * c.hy;
+    static std::map<double, PadLayer> layers;
+    const CellInfluence now =
+        layers.try_emplace(c.poisson, c.poisson).first->second.influence(1, c.hx, c.hy, c.i * c.hx, c.j * c.hy);
+    const auto near = [&](double value, double expected) {
+      EXPECT_NEAR(value, expected, near_to) << c.poisson << c.i << c.j;
+    };
+    near(now.zz, c.expected.zz), near(now.xx, c.expected.xx), near(now.yy, c.expected.yy);
+    near(now.xy, c.expected.xy), near(now.xz, c.expected.xz), near(now.yz, c.expected.yz);
+  }
+}
+
+TEST(PadLayer, BaseStressOfACell) {
+  PadBaseStress expected;
+  expected << -.0054819550, -.0027405769, .0027155951, .0067593470, .0031623850, -.0048350463, .0031623850, .0020153755,
+      -.0024171419;
+  const PadBaseStress now = PadLayer(0.45).base_stress(1, 0.25, 0.25, 1, 0.5);
+  EXPECT_LE((now - expected).cwiseAbs().maxCoeff(), 1e-9) << now;  // 1e-7 of the tables times the cell over 2 pi
+}
+
+TEST(PadLayer, UnderUniformTractionItIsTheOedometerAndSimpleShear) {
+  for (const double nu : {0.3, 0.45, 0.5}) {
+    const PadLayer layer(nu);
+    const double H = 2, h = 0.5 * H;
+    CellInfluence sum;
+    PadBaseStress stress = PadBaseStress::Zero();
+    for (int i = -48; i <= 48; ++i)
+      for (int j = -48; j <= 48; ++j) {
+        const CellInfluence c = layer.influence(H, h, h, i * h, j * h);
+        sum.zz += c.zz, sum.xx += c.xx, sum.yy += c.yy, sum.xy += c.xy, sum.xz += c.xz, sum.yz += c.yz;
+        stress += layer.base_stress(H, h, h, i * h, j * h);
+      }
+    const double oedometer = (1 + nu) * (1 - 2 * nu) / (1 - nu) * H, shear = 2 * (1 + nu) * H;
+    EXPECT_NEAR(sum.zz, oedometer, 2e-6 * H) << nu;  // 24 H at nu = 1/2 cut off 1e-6
+    EXPECT_NEAR(sum.xx, shear, 2e-6 * H);
+    EXPECT_NEAR(sum.yy, shear, 2e-6 * H);
+    EXPECT_NEAR(sum.xy, 0, 1e-12);
+    EXPECT_NEAR(sum.xz, 0, 1e-12);
+    PadBaseStress uniform;
+    uniform << 0, 0, 1, 1, 0, 0, 0, 1, 0;
+    EXPECT_LE((stress - uniform).cwiseAbs().maxCoeff(), 2e-6) << stress;
+  }
+}
+
+/// int T cos(a x) da / pi of the antiplane stress 1 / cosh a, in closed form; H = 1.
+double antiplane_base(double x) { return 1 / (2 * std::cosh(pi * x / 2)); }
+
+TEST(PadLayer, ARowOfCellsIsTheLine) {
+  const double H = 1.5, h = 0.1, nu = 0.45;
+  const PadLayer layer(nu);
+  const LayerTable line(nu);
+  const ElementCompliance elements = element_compliance(line, H, h, 12);
+  for (const int k : {0, 1, 3, 10}) {
+    CellInfluence sum;
+    PadBaseStress stress = PadBaseStress::Zero();
+    for (int j = -360; j <= 360; ++j) {
+      const CellInfluence c = layer.influence(H, h, h, k * h, j * h);
+      sum.zz += c.zz, sum.xx += c.xx, sum.xz += c.xz;
+      stress += layer.base_stress(H, h, h, k * h, j * h);
+    }
+    EXPECT_NEAR(sum.zz / h, elements.yy[k], 2e-6) << k;  // the line's tables, and 24 H
+    EXPECT_NEAR(sum.xx / h, elements.xx[k], 2e-6) << k;
+    EXPECT_NEAR(sum.xz / h, elements.xy[k], 2e-6) << k;
+    if (k == 0) {
+      EXPECT_NEAR(sum.zz / h, 1.825497, 1e-6);
+    }
+    if (k == 1) {
+      EXPECT_NEAR(sum.xz / h, 0.051284, 1e-6);
+    }
+    // The means over an element of the line's base stress; u_y of the line is u_z here.
+    const BaseStress right = line.base_integral((k + 0.5) * h / H), left = line.base_integral((k - 0.5) * h / H);
+    EXPECT_NEAR(stress(0, 2), right.sigma_by_y - left.sigma_by_y, 1e-6) << k;
+    EXPECT_NEAR(stress(0, 0), right.sigma_by_x - left.sigma_by_x, 1e-6) << k;
+    EXPECT_NEAR(stress(1, 2), right.tau_by_y - left.tau_by_y, 1e-6) << k;
+    EXPECT_NEAR(stress(1, 0), right.tau_by_x - left.tau_by_x, 1e-6) << k;
+    EXPECT_NEAR(stress(2, 1), h / H * antiplane_base(k * h / H), 3e-4 * h / H) << k;  // at the middle, not the mean
+  }
+}
+
+TEST(PadLayer, AThickLayerIsTheHalfSpace) {
+  const double nu = 0.3, H = 1e6;
+  const PadLayer layer(nu);
+  // Boussinesq and Cerruti at (3, 4) from a small cell; both fall like 1 / r.
+  const double h = 0.01, r = 5, force = h * h;
+  const CellInfluence c = layer.influence(H, h, h, 300 * h, 400 * h);
+  const double near = 1e-4 * force / r;  // the cell's extension (h / r)^2, and 1 / H
+  EXPECT_NEAR(c.zz, (1 - nu * nu) / (pi * r) * force, near);
+  EXPECT_NEAR(c.xx, (1 + nu) / (pi * r) * (1 - nu + nu * 0.36) * force, near);
+  EXPECT_NEAR(c.yy, (1 + nu) / (pi * r) * (1 - nu + nu * 0.64) * force, near);
+  EXPECT_NEAR(c.xy, (1 + nu) / (pi * r) * nu * 0.48 * force, near);
+  EXPECT_NEAR(c.xz, (1 + nu) * (1 - 2 * nu) / (2 * pi * r) * 0.6 * force, near);
+  EXPECT_NEAR(c.yz, (1 + nu) * (1 - 2 * nu) / (2 * pi * r) * 0.8 * force, near);
+}
+
+TEST(PadLayer, InfluenceIsSymmetricAndPositiveDefinite) {
+  const int n = 6;
+  const double h = 0.2;
+  const PadInfluence c(PadLayer(0.5), 1, h, 1.5 * h, n);
+  Eigen::MatrixXd C(3 * n * n, 3 * n * n);  // u_z, u_x, u_y by f_z, f_x, f_y
+  for (int i = 0; i < n * n; ++i)
+    for (int j = 0; j < n * n; ++j) {
+      const Eigen::Index k = c.at(j / n - i / n, j % n - i % n);
+      C.block<3, 3>(3 * i, 3 * j) << c.zz[k], -c.xz[k], -c.yz[k], c.xz[k], c.xx[k], c.xy[k], c.yz[k], c.xy[k], c.yy[k];
+    }
+  EXPECT_LE((C - C.transpose()).cwiseAbs().maxCoeff(), 1e-15);
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(C).eigenvalues().minCoeff(), 0);
+}
+
+TEST(PadLayer, AtNuOneHalfBaseShearAndNormalAreReciprocal) {
+  const PadIntegrals layer(0.5);
+  for (const double rho : {0.1, 1.0, 5.0}) {
+    const PadValues v = layer.at(rho).value;
+    EXPECT_NEAR(v[pad_bxz], v[pad_bzx], 1e-13);
+  }
+}
+
+TEST(PadLayer, ATractionIsTransmittedToTheBase) {
+  // The quadrature over a cell is fine enough: the stress at many places under one cell sums to its force.
+  const PadLayer layer(0.45);
+  const double step = 0.2;
+  PadBaseStress sum = PadBaseStress::Zero();
+  for (int i = -100; i <= 100; ++i)
+    for (int j = -100; j <= 100; ++j) sum += step * step * layer.base_stress(1, 0.4, 0.3, i * step, j * step);
+  EXPECT_NEAR(sum(0, 2), 0.12, 1e-6);
+  EXPECT_NEAR(sum(1, 0), 0.12, 1e-6);
+}
+
+}  // namespace
+}  // namespace tactel::fem

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// The reference of pads: its own error, and the solver judged by it.
+#include "fem/pad/pad_reference.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/fem/pad/pad_mix.h"
+
+namespace tactel::fem {
+namespace {
+
+const PadReferenceOptions coarse{.cells = 24, .tolerance = 1e-4, .pressing_increments = 4, .drag_increments = 1};
+
+TEST(PadReference, StatesItsOwnError) {
+  PadSensor sensor;
+  const PadLayer layer(sensor.poisson);
+  PadReferenceOptions fine = coarse;
+  fine.cells = 40, fine.errors = false;
+  PadMix mix(11, &sensor);
+  for (int k = 0; k < 3; ++k) {
+    const PadScene scene = mix();
+    const PadReferenceSolution answer = PadReference(layer, coarse).solve(scene);
+    const auto off = pad_difference(answer.solution, PadReference(layer, fine).solve(scene).solution);
+    // An estimate, not a bound: the number of cells that touch jumps by steps.
+    EXPECT_LE(off.slip_index, 3 * answer.error.slip_index + 1e-3) << k;
+    EXPECT_LE(off.P, 3 * answer.error.P + 1e-3) << k;
+    EXPECT_LE(off.stress, 3 * answer.error.stress + 2e-3) << k;
+    EXPECT_LE(answer.error.slip_index, 0.01) << k;
+  }
+}
+
+TEST(PadReference, JudgesTheSolver) {
+  PadSensor sensor;
+  const PadLayer layer(sensor.poisson);
+  PadReferenceOptions judge = coarse;
+  judge.errors = false;
+  PadMix mix(12, &sensor);
+  for (int k = 0; k < 9; ++k) {
+    const PadScene scene = mix();
+    const auto off = pad_difference(PadSolver(layer).solve(scene), PadReference(layer, judge).solve(scene).solution);
+    EXPECT_LE(off.slip_index, 0.04) << k;  // 0.035 is the largest of 72 scenes at 12 cells
+    EXPECT_LE(off.P, 0.1) << k;            // of a rounding below a cell; 0.03 otherwise
+  }
+}
+
+}  // namespace
+}  // namespace tactel::fem

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Contacts on a pad: six scenes with totals of an independent program, closed forms, and symmetries.
+#include "fem/pad/pad_solver.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "fem/pad/pad_search.h"
+#include "tests/fem/pad/named_pad_scenes.h"
+#include "tests/fem/pad/pad_mix.h"
+
+namespace tactel::fem {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+class NamedPadScene : public testing::TestWithParam<NamedScene> {};
+
+TEST_P(NamedPadScene, HasTheTotalsOfAnIndependentProgram) {
+  const NamedScene& named = GetParam();
+  const PadLayer layer(named.scene.sensor.poisson);
+  const PadSolver solver(layer, {.cells = 16, .tolerance = 1e-8, .pressing_increments = 2, .halve_turns = false});
+  const PadSolution solution = solver.solve_on(named.cells(), named.scene);
+  ASSERT_EQ(solution.steps.size(), named.steps.size());
+  for (std::size_t k = 0; k < named.steps.size(); ++k) {
+    const auto& [P, Qx, Qy, M, S, stick, touch] = named.steps[k];
+    if (P == 0) continue;  // not stated
+    const PadStep& step = solution.steps[k];
+    EXPECT_NEAR(step.P, P, 2e-5) << k;
+    EXPECT_NEAR(step.Q[0], Qx, 2e-5) << k;
+    EXPECT_NEAR(step.Q[1], Qy, 2e-5) << k;
+    EXPECT_NEAR(step.M, M, 2e-5) << k;
+    EXPECT_NEAR(step.slip_index.value(), S, 6e-5) << k;  // four digits are stated
+    EXPECT_EQ(std::count(step.status.begin(), step.status.end(), GapStatus::stick), stick) << k;
+    EXPECT_EQ(step.status.size() - std::count(step.status.begin(), step.status.end(), GapStatus::open), touch) << k;
+  }
+  for (std::size_t k = 0; k < named.stress.size(); ++k)
+    EXPECT_NEAR(solution.steps.back().stress(k < 3 ? 4 : 8, k % 3), named.stress[k], 1e-5) << k;
+}
+
+INSTANTIATE_TEST_SUITE_P(Six, NamedPadScene, testing::ValuesIn(named_scenes()),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+/// Cells over a disc of radius a and 4 % more.
+PadCells over_disc(int n, double a) { return {.n = n, .hx = 2.08 * a / n, .hy = 2.08 * a / n}; }
+
+TEST(PadClosedForms, Hertz) {
+  const double nu = 0.3, R = 1, d = 1e-4, a = std::sqrt(R * d), H = 1000 * a;
+  const PadScene scene = scene_of(Paraboloid{{R, R}}, d, H, nu, 0, {});
+  const PadLayer layer(nu);
+  const double E = 1 / (1 - nu * nu), P = 4.0 / 3 * E * std::sqrt(R) * std::pow(d, 1.5), p0 = 2 * E * a / (pi * R);
+  for (const auto& [n, off] : {std::pair{12, 0.005}, {24, 0.002}}) {
+    const PadCells cells = over_disc(n, a);
+    const PadStep step = PadSolver(layer, {.cells = n, .tolerance = 1e-7}).solve_on(cells, scene).steps.back();
+    EXPECT_NEAR(step.P / P, 1, off) << n;
+    EXPECT_NEAR(step.normal_force.maxCoeff() / cells.area() / p0, 1, n == 12 ? 0.01 : 0.005) << n;
+  }
+}
+
+TEST(PadClosedForms, DimitriadisOnAThinLayer) {
+  // E. K. Dimitriadis et al., Biophys. J. 82 (2002) 2798, for nu = 1/2 bonded: a series in chi = sqrt(R d) / H.
+  const double nu = 0.5, R = 1, d = 1e-4, a = std::sqrt(R * d), H = 12 * a, chi = a / H;
+  const PadLayer layer(nu);
+  const PadScene scene = scene_of(Paraboloid{{R, R}}, d, H, nu, 0, {});
+  const double hertz = 16.0 / 9 * std::sqrt(R) * std::pow(d, 1.5);
+  const double series = 1 + 1.133 * chi + 1.283 * chi * chi + 0.769 * std::pow(chi, 3) + 0.0975 * std::pow(chi, 4);
+  EXPECT_NEAR(series, 1.1038, 1e-4);
+  const PadStep step =
+      PadSolver(layer, {.cells = 24, .tolerance = 1e-7}).solve_on(over_disc(24, a), scene).steps.back();
+  EXPECT_NEAR(step.P / hertz, series, 0.003);
+}
+
+/// A sphere on a half-space with nu = 1/2, where pressing and dragging do not couple.
+struct Incompressible {
+  double nu = 0.5, R = 1, d = 1e-4, a = std::sqrt(R * d), mu = 0.3;
+  PadLayer layer{nu};
+  PadStep after(const std::array<double, 3>& drag, int n) const {
+    PadScene scene = scene_of(Paraboloid{{R, R}}, d, 1000 * a, nu, mu, {drag});
+    scene.load.indentation_steps = 1;
+    return PadSolver(layer, {.cells = n, .tolerance = 1e-6, .pressing_increments = 1})
+        .solve_on(over_disc(n, a), scene)
+        .steps.back();
+  }
+};
+
+TEST(PadClosedForms, CattaneoMindlin) {
+  // Q / (mu P) = 1 - (1 - shift / sliding)^(3/2), sliding = 3 mu P (2 - nu) / (16 a G), one direction of slip.
+  const Incompressible s;
+  const double P = 16.0 / 9 * std::sqrt(s.R) * std::pow(s.d, 1.5), G = 1 / (2 * (1 + s.nu));
+  const double sliding = 3 * s.mu * P * (2 - s.nu) / (16 * s.a * G);
+  for (const double part : {0.2, 0.4, 0.6, 0.8}) {
+    const PadStep step = s.after({part * sliding, 0, 0}, 12);
+    EXPECT_NEAR(step.Q[0] / (s.mu * step.P), 1 - std::pow(1 - part, 1.5), 0.005) << part;
+    EXPECT_NEAR(step.slip_index.value(), step.force_ratio.value(), 1e-6);  // no torque
+  }
+}
+
+TEST(PadClosedForms, Torsion) {
+  const Incompressible s;
+  const PadStep step = s.after({0, 0, 1}, 12);  // far beyond sliding
+  EXPECT_NEAR(step.M / (s.mu * step.P * s.a), 3 * pi / 16, 0.005 * 3 * pi / 16);
+  EXPECT_NEAR(step.slip_index.value(), 1, 1e-4);
+  EXPECT_NEAR(step.force_ratio.value(), 0, 1e-6);  // the sweeps' tolerance
+}
+
+TEST(PadClosedForms, FlatRoundPunch) {
+  const double nu = 0.3, a = 1, d = 0.1;
+  const PadScene scene = scene_of(Punch{a, 0}, d, 1000 * a, nu, 0, {});
+  const PadLayer layer(nu);
+  const double P = 2 * a * d / (1 - nu * nu);
+  for (const int n : {8, 12, 16}) {
+    const PadStep step = PadSolver(layer, {.cells = n, .tolerance = 1e-6}).solve(scene).steps.back();
+    EXPECT_NEAR(step.P / P, 1, 0.008) << n;  // cells over the punch alone are 3 % low at 8
+  }
+}
+
+TEST(PadClosedForms, SlidingAsAWholeIsTheLimit) {
+  const Incompressible s;
+  for (const std::array<double, 3> drag : {std::array{1.0, 0.0, 0.0}, {0.0, 0.0, 1.0}, {0.02, 0.01, 1.0}}) {
+    EXPECT_NEAR(s.after(drag, 12).slip_index.value(), 1, 1e-4);
+    EXPECT_EQ(s.after(drag, 12).stick_fraction, 0);
+  }
+}
+
+PadScene turned(const PadScene& scene) {  // by 90 degrees
+  PadScene to = scene;
+  const auto& p = std::get<Paraboloid>(scene.indenter.shape);
+  to.indenter.shape = Paraboloid{{p.radii[1], p.radii[0]}};
+  for (auto& drag : to.load.drags) drag = {-drag[1], drag[0], drag[2]};
+  return to;
+}
+
+PadScene mirrored(const PadScene& scene) {  // y to -y
+  PadScene to = scene;
+  for (auto& drag : to.load.drags) drag = {drag[0], -drag[1], -drag[2]};
+  return to;
+}
+
+TEST(PadSymmetry, TurningAndMirroringAScene) {
+  const PadScene scene = scene_of(Paraboloid{{12, 4}}, .2, 3, .3, .3, {{.02, .03, 0}, {.05, .06, .02}});
+  const PadLayer layer(scene.sensor.poisson);
+  const PadSolver solver(layer, {.cells = 10, .tolerance = 1e-12});
+  const PadStep step = solver.solve(scene).steps.back(), turn = solver.solve(turned(scene)).steps.back(),
+                mirror = solver.solve(mirrored(scene)).steps.back();
+  const double near = 1e-9;  // sweeps are not symmetric; they end at 1e-12
+  EXPECT_NEAR(turn.P, step.P, near);
+  EXPECT_NEAR(turn.Q[0], -step.Q[1], near);
+  EXPECT_NEAR(turn.Q[1], step.Q[0], near);
+  EXPECT_NEAR(turn.M, step.M, near);
+  EXPECT_NEAR(*turn.slip_index, *step.slip_index, near);
+  EXPECT_NEAR(mirror.P, step.P, near);
+  EXPECT_NEAR(mirror.Q[0], step.Q[0], near);
+  EXPECT_NEAR(mirror.Q[1], -step.Q[1], near);
+  EXPECT_NEAR(mirror.M, -step.M, near);
+}
+
+TEST(PadSymmetry, YawTurnsTheAnswer) {
+  PadScene scene = scene_of(Box{{1, 0.6}, 0.4}, .2, 2, .45, .5, {{.03, .02, .01}});
+  scene.sensor.tactels = {1, 1};
+  const PadLayer layer(scene.sensor.poisson);
+  const PadSolver solver(layer, {.tolerance = 1e-10});
+  const PadStep straight = solver.solve(scene).steps.back();
+  scene.indenter.yaw = 90;
+  scene.load.drags = {{-.02, .03, .01}};
+  const PadStep yawed = solver.solve(scene).steps.back();
+  EXPECT_NEAR(yawed.Q[0], -straight.Q[1], 1e-9);
+  EXPECT_NEAR(yawed.Q[1], straight.Q[0], 1e-9);
+  EXPECT_NEAR(yawed.stress(0, 0), straight.stress(0, 0), 1e-9);
+  EXPECT_NEAR(yawed.stress(0, 1), -straight.stress(0, 2), 1e-9);
+  EXPECT_NEAR(yawed.stress(0, 2), straight.stress(0, 1), 1e-9);
+}
+
+TEST(PadSolver, CertifiesWhatItSolves) {
+  for (const double poisson : {0.3, 0.5}) {
+    PadSensor sensor;
+    sensor.poisson = poisson;
+    const PadLayer layer(poisson);
+    PadMix mix(3, &sensor);
+    for (int k = 0; k < 18; ++k) {
+      for (const PadStep& step : PadSolver(layer, {.cells = 8}).solve(mix()).steps) {
+        EXPECT_TRUE(step.converged) << k << ": " << step.residual.largest();
+        EXPECT_LE(step.slip_index.value_or(0), 1 + 1e-6);
+        EXPECT_GE(step.slip_index.value_or(0) + 1e-6, step.force_ratio.value_or(0)) << k;  // torque only adds
+      }
+    }
+  }
+}
+
+TEST(PadSolver, ReachesGivenForces) {
+  for (const PadShape& shape : {PadShape(Sphere{8}), PadShape(Box{{1, 1}, 0}), PadShape(Cone{75})}) {
+    PadScene scene = scene_of(shape, 0, 2, .45, .5, {{.05, .02, .01}, {.1, .04, .03}});
+    scene.load.indentation = {};
+    scene.load.normal_force = {0.7, 0.3};
+    scene.load.indentation_steps = 1;
+    const PadLayer layer(scene.sensor.poisson);
+    const PadSolution solution = PadSolver(layer).solve(scene);
+    ASSERT_EQ(solution.steps.size(), 4u);
+    EXPECT_NEAR(solution.steps[0].P, 0.7, 0.7e-3);
+    for (int k = 1; k < 4; ++k) EXPECT_NEAR(solution.steps[k].P, 0.3, 0.3e-3);
+    for (const PadStep& step : solution.steps) EXPECT_TRUE(step.converged) << step.residual.largest();
+  }
+}
+
+TEST(PadSolver, AnIndenterThatDoesNotTouchBearsNothing) {
+  PadScene scene = scene_of(Sphere{8}, .25, 2, .45, .5, {});
+  scene.load.indentation = {.25, 0};
+  const PadLayer layer(scene.sensor.poisson);
+  const PadStep step = PadSolver(layer).solve(scene).steps.back();
+  EXPECT_EQ(step.P, 0);
+  EXPECT_FALSE(step.slip_index.has_value());
+  EXPECT_TRUE(step.converged);
+}
+
+TEST(PadSolver, GrowsWhereTheSurfaceIsPenetratedBeyondTheCells) {
+  const PadScene scene = scene_of(Sphere{8}, .25, 2, .45, .5, {});
+  const PadLayer layer(scene.sensor.poisson);
+  const PadSolver solver(layer, {.ladder = false});
+  const PadCells small{.n = 12, .hx = 0.1, .hy = 0.2};
+  const PadSolution solution = solver.solve_on(small, scene);
+  EXPECT_EQ(solution.outside, (std::array{true, true, true, true}));
+  EXPECT_FALSE(solution.steps.back().converged);
+  const PadCells more = grown(small, {true, false, false, true}, scene, false);
+  EXPECT_NEAR(more.box().x.left, small.box().x.left - 0.15, 1e-12);
+  EXPECT_NEAR(more.box().x.right, small.box().x.right, 1e-12);
+  EXPECT_NEAR(more.box().y.right, small.box().y.right + 0.3, 1e-12);
+}
+
+TEST(PadSolver, TurningDragsTakeTwiceAsManyIncrements) {
+  const PadLoad load{.indentation = {.2}, .drags = {{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {2, 2, 0.1}}};
+  const PadOptions options{.cells = 12};
+  std::vector<bool> asked;
+  for (const PadIncrement& i : pad_increments(load, options, 1)) asked.push_back(i.asked);
+  EXPECT_EQ(asked, (std::vector{false, false, false, true, true, true, false, true, true}));
+}
+
+}  // namespace
+}  // namespace tactel::fem
