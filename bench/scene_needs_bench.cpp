@@ -36,7 +36,7 @@ fem::Sensor mesh(char which) {
   return sensor;
 }
 
-using tactel::testing::executor;
+using tactel::host::executor;
 
 /// Parabolas of log-uniform radius and random friction, in the middle, with one path for all.
 Scenes parabolas(const fem::Sensor& sensor, std::size_t count, const fem::Load& load, double least_radius = 1) {

@@ -37,7 +37,3 @@ inline Defines lanes_of(const Device& device, Precision precision) {
 }
 
 }  // namespace tactel::host
-
-namespace tactel::testing {
-using host::executor;
-}
