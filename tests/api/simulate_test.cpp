@@ -12,6 +12,7 @@
 #include "fem/scene.h"
 #include "host/contact/solve.h"
 #include "host/contact/solve_on_rung.h"
+#include "host/networks/network_training.h"
 #include "host/networks/onnx_file.h"
 #include "host/scenes/scene_file.h"
 #include "host/scenes/sweep_file.h"
