@@ -6,6 +6,7 @@
 
 #include "host/live/live_monitor.h"
 #include "host/networks/onnx_file.h"
+#include "host/support/errors.h"
 #include "nn/infer/network_file.h"
 #include "tests/host/live/simulated_frames.h"
 

@@ -48,7 +48,3 @@ inline auto throws_device_error(const std::string& call, const std::string& code
 }
 
 }  // namespace tactel::host
-
-namespace tactel::testing {
-using host::executor;
-}

@@ -8,6 +8,8 @@
 
 namespace tactel::testing {
 
+using host::executor;
+
 /// Rows that look like frames: a bump of normal stress of random place, width and height (compression: negative), and
 /// beneath it a shear bump that grows, skewed, with the slippage index. MPa.
 inline nn::FrameSet bumps(int rows, int inputs, std::uint32_t seed) {
