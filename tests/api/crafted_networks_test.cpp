@@ -5,7 +5,8 @@
 #include <gtest/gtest.h>
 #include <tactel/infer.h>
 
-#include <algorithm>
+#include <cmath>
+#include <functional>
 
 #include "host/networks/onnx_file.h"
 #include "host/support/errors.h"
@@ -17,8 +18,10 @@ namespace {
 
 using namespace tactel;
 using nn::ScalingKind;
+using tactel::testing::begin_with;
 using tactel::testing::bounded_model;
 using tactel::testing::each_change;
+using tactel::testing::initializer;
 using tactel::testing::metadata;
 using tactel::testing::parsed;
 using tactel::testing::sealed;
@@ -36,7 +39,8 @@ bool program_accepts(const std::filesystem::path& file) {
   try {
     host::read_onnx(file);
     return true;
-  } catch (const ConfigError&) {
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("must be"));
     return false;
   }
 }
@@ -82,11 +86,15 @@ TEST(CraftedNetworks, NoChangeOfAnyFieldIsAccepted) {
 TEST(CraftedNetworks, NumbersOutOfRangeAreRefused) {
   const host::ScratchFolder folder;
   for (const ScalingKind kind : {ScalingKind::set, ScalingKind::frame}) {
+    const nn::Model model = plain_model(kind);
+    EXPECT_EQ(host::read_onnx(folder.write("good", sealed(parsed(model)))).history, model.history);
     for (const auto& [key, values] : std::map<std::string, std::vector<const char*>>{
              {"largest_stress", {"nan", "inf", "-inf", "0", "-0", "-1", "1e-13", "1e38", "1e39", "", "2 ", "two"}},
-             {"history", {"2147483647", "1073741825", "1073741824", "2147483648", "-1", "0", "1", "4", "12", "0x3"}},
-             {"stride", {"0", "1001", "2147483647"}},
-             {"history_change", {"nan", "-0.1", "1.5"}},
+             {"history",
+              {"2147483647", "1073741825", "1073741824", "2147483648", "99999999999", "-1", "-3", "0", "1", "4", "5",
+               "12", "0x3", "x"}},
+             {"stride", {"0", "-1", "1001", "2000000", "2147483647"}},
+             {"history_change", {"nan", "-0.1", "1.5", "7"}},
              {"noise", {"nan", "0.10", "inf", "1e999"}},
              {"seed", {"-1", "18446744073709551616", "+7", "07"}},
              {"error_mean", {"nan", "inf"}},
@@ -94,13 +102,49 @@ TEST(CraftedNetworks, NumbersOutOfRangeAreRefused) {
              {"scaling", {"", "sideways", kind == ScalingKind::set ? "frame" : "set"}},
              {"tactel", {"", "1"}}}) {
       for (const char* value : values) {
-        onnx::ModelProto proto = parsed(plain_model(kind));
+        onnx::ModelProto proto = parsed(model);
         metadata(proto, key) = value;
         EXPECT_FALSE(infer_accepts(sealed(proto))) << key << " = " << value;
         EXPECT_FALSE(program_accepts(folder.write("file", sealed(proto)))) << key << " = " << value;
       }
     }
   }
+}
+
+// Tables of a bound of a wrong size, type or kind of number.
+TEST(CraftedNetworks, OtherTablesOfABoundAreRefused) {
+  using Change = std::function<void(onnx::TensorProto&)>;
+  const host::ScratchFolder folder;
+  const auto accepted = [&](const std::string& name, const Change& change) {
+    onnx::ModelProto proto = parsed(bounded_model("16-9-3", ScalingKind::set));
+    change(initializer(proto, name));
+    const bool by_infer = infer_accepts(sealed(proto));
+    EXPECT_EQ(program_accepts(folder.write("file", sealed(proto))), by_infer) << name;
+    return by_infer;
+  };
+  EXPECT_TRUE(accepted("centre", [](onnx::TensorProto&) {}));
+  const Change changes[] = {[](onnx::TensorProto& tensor) { begin_with(tensor, INFINITY); },
+                            [](onnx::TensorProto& tensor) { tensor.clear_raw_data(); },
+                            [](onnx::TensorProto& tensor) { tensor.set_data_type(onnx::TensorProto::DOUBLE); },
+                            [](onnx::TensorProto& tensor) {
+                              tensor.set_raw_data(tensor.raw_data().substr(4));
+                              tensor.set_dims(0, tensor.dims(0) - 1);
+                            }};
+  const std::vector<std::string> tables = {"upper_corrections", "interval_corrections", "centre",
+                                           "touching_edges",    "slip_index_edges",     "width_edges",
+                                           "distance_edges"};
+  for (const std::string& name : tables)
+    for (const Change& change : changes)
+      EXPECT_FALSE(accepted(name, change)) << name << ", change " << &change - changes;
+  for (const std::string name : {"whitening", "unlike_above"})
+    EXPECT_FALSE(accepted(name, [](onnx::TensorProto& tensor) { begin_with(tensor, NAN); })) << name;
+  const auto number = [](std::int64_t value) {
+    return [value](onnx::TensorProto& tensor) { tensor.set_raw_data(&value, sizeof value); };
+  };
+  for (const std::int64_t tactels : {-1, 0, 7, 9, 1 << 30})
+    EXPECT_FALSE(accepted("tactels", number(tactels))) << tactels;
+  EXPECT_TRUE(accepted("tactels", number(4)));  // two frames of four tactels
+  EXPECT_FALSE(accepted("column1", number(7)));
 }
 
 // The weights stand in the file: no runtime then looks for them elsewhere.

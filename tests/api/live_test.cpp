@@ -2,7 +2,6 @@
 
 // Frames through tactel/live.h: formats and bytes of a user's own, recordings and simulations.
 #include <fcntl.h>
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <tactel/live.h>
@@ -13,13 +12,13 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <new>
 #include <utility>
 
 #include "hw/recording.h"
 #include "test_paths.h"
 #include "tests/fuzz/counted_layout.h"
+#include "tests/scratch.h"
 
 // Every allocation of the program is counted, those inside the libraries too.
 static std::atomic<long> allocations = 0;
@@ -34,7 +33,6 @@ static std::atomic<long> allocations = 0;
 namespace {
 
 using namespace tactel;
-namespace fs = std::filesystem;
 
 constexpr const char* counted_profile =
     "[device]\nname = \"counted\"\n[format]\nkind = \"generic\"\nsync = [0xA5, 0x5A]\nheader = 8\ncounter_offset = 2\n"
@@ -66,19 +64,14 @@ bool readable(int fd, int milliseconds) {
 class LiveApi : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("tactel_live_api_" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-    std::ofstream(folder_ / "counted.toml") << counted_profile;
+    folder_.write("counted.toml", counted_profile);
     ASSERT_EQ(::pipe2(pipe_, O_CLOEXEC), 0);
   }
-  void TearDown() override {
-    ::close(pipe_[0]), ::close(pipe_[1]);
-    fs::remove_all(folder_);
-  }
+  void TearDown() override { ::close(pipe_[0]), ::close(pipe_[1]); }
   void send(const std::vector<std::uint8_t>& bytes) const {
     ASSERT_EQ(::write(pipe_[1], bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
   }
-  fs::path folder_;
+  tactel::ScratchFolder folder_;
   int pipe_[2] = {-1, -1};
 };
 
@@ -120,7 +113,7 @@ TEST_F(LiveApi, DecodesBytesOfAUsersDescriptor) {
 }
 
 TEST_F(LiveApi, ReplaysARecording) {
-  const fs::path path = folder_ / "run.tactel";
+  const std::filesystem::path path = folder_ / "run.tactel";
   hw::RecordingWriter writer(path, counted_profile);
   for (int i = 0; i < 4; ++i) writer.write({.bytes = counted_frame(i), .arrival = 0.01 * i});
   writer.finish();

@@ -6,8 +6,6 @@
 #include <tactel/simulate.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 
 #include "fem/scene.h"
 #include "host/contact/solve.h"
@@ -20,6 +18,8 @@
 #include "host/training/train_request.h"
 #include "nn/infer/network_file.h"
 #include "tests/host/networks/network_cases.h"
+#include "tests/scratch.h"
+#include "tests/thrown_message.h"
 
 namespace {
 
@@ -28,20 +28,16 @@ using tactel::testing::executor;
 using ::testing::DoubleNear;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-namespace fs = std::filesystem;
 
 /// A file of these lines that lives as long as the object.
 class SmallFile {
  public:
-  SmallFile(const std::string& name, const std::string& text)
-      : path_(fs::temp_directory_path() / ("tactel_api_" + std::to_string(::getpid()) + "_" + name)) {
-    std::ofstream(path_) << text;
-  }
-  ~SmallFile() { fs::remove(path_); }
-  std::string path() const { return path_.string(); }
+  SmallFile(const std::string& name, const std::string& text) : path_(folder_.write(name, text)) {}
+  std::string path() const { return path_; }
 
  private:
-  fs::path path_;
+  tactel::ScratchFolder folder_;
+  std::string path_;
 };
 
 const char* const sweep_text =
@@ -49,15 +45,7 @@ const char* const sweep_text =
     "[contact]\nfriction = { uniform = [0.2, 1.0] }\n[load]\nindentation = 0.15\ntangential_step = 0.05\n"
     "tangential_steps = 6\n";
 
-template <class Call>
-std::string message_of(const Call& call) {
-  try {
-    call();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "none";
-}
+const auto message_of = [](const auto& call) { return thrown_message<InputError>(call); };
 
 void expect_same(const std::vector<double>& a, const Eigen::VectorXd& b) {
   ASSERT_EQ(a.size(), static_cast<std::size_t>(b.size()));
@@ -83,20 +71,12 @@ void expect_same(const Path& path, const host::SolveOutcome& outcome) {
   EXPECT_EQ(path.model, host::model_name(outcome));
 }
 
-Scene some_scene(double friction = 0.5) {
-  Scene scene;
-  scene.friction = friction;
-  scene.load = press(0.1).drag(0.05, 3);
-  return scene;
-}
+Scene some_scene(double friction = 0.5) { return {.friction = friction, .load = press(0.1).drag(0.05, 3)}; }
 
 fem::Scene same_scene(double friction = 0.5) {
-  fem::Scene scene;
-  scene.friction = friction;
-  scene.load.indentation = {0.1};
-  scene.load.tangential_step = 0.05, scene.load.tangential_steps = 3;
-  scene.model = fem::SurfaceModel::patch;
-  return scene;
+  return {.friction = friction,
+          .load = {.indentation = {0.1}, .tangential_step = 0.05, .tangential_steps = 3},
+          .model = fem::SurfaceModel::patch};
 }
 
 }  // namespace
@@ -117,7 +97,7 @@ TEST(SceneApi, ReadsScenesAsTheProgramDoes) {
   EXPECT_EQ(scene.friction, bonded);
   EXPECT_EQ(scene.load.angle, 10);
   EXPECT_TRUE(scene.load.indentation.empty());
-  EXPECT_EQ(message_of([&] { validate(scene); }), "none");
+  EXPECT_EQ(message_of([&] { validate(scene); }), "no error");
 }
 
 TEST(SceneApi, SamplesAFunction) {
@@ -147,20 +127,15 @@ TEST(SceneApi, NamesPlaceProblemAndFix) {
 
 TEST(SolveApi, GivesTheBitsOfTheProgram) {
   for (const char* rung : {"", "mesh-41"}) {
-    host::SolveOptions options;
-    options.rung = rung;
-    SolveOptions chosen;
-    chosen.rung = rung;
-    expect_same(solve(some_scene(), chosen), host::solve(same_scene(), options));
+    const host::SolveOptions options{.rung = rung};
+    expect_same(solve(some_scene(), {.rung = rung}), host::solve(same_scene(), options));
   }
   Scene meshed = some_scene();
   meshed.sensor.mesh = Mesh{};
   fem::Scene twin = same_scene();
   twin.model = fem::SurfaceModel::mesh;
   const Path path = solve(meshed, {.solver = "reference", .estimate_error = true});  // the old word
-  host::SolveOptions options;
-  options.solver = "full-mesh";
-  expect_same(path, host::solve(twin, options));
+  expect_same(path, host::solve(twin, {.solver = "full-mesh"}));
   ASSERT_TRUE(path.error);
   EXPECT_GT(path.error->S, 0);
   EXPECT_EQ(path.error->finer, "81 x 21");
@@ -288,9 +263,9 @@ TEST(SweepApi, GivesTheRowsOfTheProgram) {
   const Set set = sweep.generate({}, {}, [&](std::uint64_t done, std::uint64_t) { return told.push_back(done), true; });
   host::Sweep twin = host::read_sweep(file.path());
   twin.source.model_on(host::usual_patch());
-  host::SetOptions options;
-  options.patch = host::usual_patch();
-  options.precision = host::usual_patch().precision, options.tolerance = host::usual_patch().tolerance;
+  const host::SetOptions options{.precision = host::usual_patch().precision,
+                                 .tolerance = host::usual_patch().tolerance,
+                                 .patch = host::usual_patch()};
   const host::ContactSet rows = host::SetSimulator(executor(), twin.source, options).simulate(0, 30);
   EXPECT_EQ(set.frames, rows.frames);
   EXPECT_EQ(set.slip_index, rows.slip_index);
@@ -349,15 +324,13 @@ TEST(SweepApi, TakesAnotherSeed) {
 TEST(TrainApi, TrainsTheNetworksOfTheProgram) {
   const SmallFile file("sweep.toml", sweep_text);
   const Set set = Sweep(file.path()).generate();
-  TrainOptions options;
-  options.networks = {"42-6-1"}, options.seeds = 2, options.cycles = 4, options.noises = {0.1};
+  const TrainOptions options{.networks = {"42-6-1"}, .seeds = 2, .noises = {0.1}, .cycles = 4};
   const std::vector<Network> networks = train(set, options);
   ASSERT_EQ(networks.size(), 2u);
   EXPECT_EQ(networks[1].topology(), "42-6-1");
   EXPECT_EQ(networks[1].seed(), 2u);
 
-  host::TrainRequest request;
-  request.networks = options.networks, request.seeds = 2, request.cycles = 4, request.noises = {0.1};
+  const host::TrainRequest request{.networks = options.networks, .noises = {0.1}, .seeds = 2, .cycles = 4};
   nn::FrameSet frames{nn::RowMatrix<float>(set.rows(), 42), nn::Vector<float>(set.rows()), {}, {}};
   std::ranges::copy(set.frames, frames.frames.data());
   std::ranges::copy(set.slip_index, frames.slip_index.data());

@@ -45,11 +45,10 @@ struct HalfPlane {
 // Largest error of the nodal pressure within 0.8 a, over the peak; beyond, the square root's infinite slope is the
 // mesh's affair.
 double hertz_error(const HalfPlane& half_plane) {
-  Scene scene;
-  scene.sensor = half_plane.sensor;
-  scene.indenter.shape = Parabola{HalfPlane::radius};
-  scene.friction = 0;
-  scene.load.normal_force = {half_plane.force};
+  const Scene scene{.sensor = half_plane.sensor,
+                    .indenter = {.shape = Parabola{HalfPlane::radius}},
+                    .friction = 0,
+                    .load = {.normal_force = {half_plane.force}}};
   const ContactSolution solution = solve_gap_reference(scene);
   const ContactStep& step = solution.steps.back();
   EXPECT_TRUE(step.converged);
@@ -133,16 +132,11 @@ double constrained_modulus(const Sensor& sensor) {
 double thin_layer_error(double thickness, double poisson, double mu) {
   constexpr double radius = 100, depth = 0.02;
   const double a = std::sqrt(2 * radius * depth);  // 2 mm
-  Scene scene;
-  scene.sensor.length = 6;
-  scene.sensor.thickness = thickness;
-  scene.sensor.columns = 241;
-  scene.sensor.rows = 9;
-  scene.sensor.grading = 1;
-  scene.sensor.poisson = poisson;
-  scene.indenter.shape = Parabola{radius};
-  scene.friction = mu;
-  scene.load.indentation = {depth};
+  const Scene scene{
+      .sensor = {.length = 6, .thickness = thickness, .poisson = poisson, .columns = 241, .rows = 9, .grading = 1},
+      .indenter = {.shape = Parabola{radius}},
+      .friction = mu,
+      .load = {.indentation = {depth}}};
   const ContactStep step = solve_gap_reference(scene).steps.back();
   EXPECT_TRUE(step.converged);
   const double expected =
@@ -165,10 +159,7 @@ TEST(ClosedForms, ThinBondedLayer) {
 TEST(ClosedForms, WideFlatOnColumnsThatDoNotSpread) {
   // nu = 0: every column of rubber by itself, p = E depth / h everywhere; end nodes bear half a column. Exact in any
   // mesh.
-  Scene scene;
-  scene.sensor.poisson = 0;
-  scene.indenter.shape = Flat{};
-  scene.load.indentation = {0.15};
+  const Scene scene{.sensor = {.poisson = 0}, .indenter = {.shape = Flat{}}, .load = {.indentation = {0.15}}};
   const ContactStep step = solve_gap_reference(scene).steps.back();
   const double per_node = 2.0 * 0.15 / 1.5 * 0.5;  // E depth / h, columns 0.5 mm apart
   for (int i = 0; i < 41; ++i) {
@@ -181,12 +172,10 @@ TEST(ClosedForms, WideFlatOnColumnsThatDoNotSpread) {
 TEST(ClosedForms, WideFlatOnAConstrainedLayer) {
   // Far from the free sides p = M depth / h without friction, and under a flat that sticks the drag adds tau = G X / h.
   // What the sides do fades over a few thicknesses: 10 mm to either side are twenty of them here.
-  Scene scene;
-  scene.sensor.thickness = 0.5;
-  scene.sensor.poisson = 0.3;
-  scene.indenter.shape = Flat{};
-  scene.load.indentation = {0.02};
-  scene.friction = 0;
+  Scene scene{.sensor = {.thickness = 0.5, .poisson = 0.3},
+              .indenter = {.shape = Flat{}},
+              .friction = 0,
+              .load = {.indentation = {0.02}}};
   const double pressure = constrained_modulus(scene.sensor) * 0.02 / 0.5, width = 0.5;
   const int middle = 20;
   EXPECT_NEAR(solve_gap_reference(scene).steps.back().normal_force[middle], pressure * width, 1e-8 * pressure);

@@ -3,29 +3,22 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <cstdint>
-#include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <sstream>
 #include <thread>
 
 #include "fem/cache_directory.h"
 #include "fem/condensation.h"
 #include "sensors.h"
+#include "tests/fem/resealed.h"
+#include "tests/scratch.h"
 
 namespace tactel::fem {
 namespace {
 
 namespace fs = std::filesystem;
 
-Sensor little() {
-  Sensor sensor;
-  sensor.columns = 9;
-  sensor.rows = 3;
-  sensor.tactels = 5;
-  return sensor;
-}
+Sensor little() { return {.columns = 9, .rows = 3, .tactels = 5}; }
 
 bool same_bits(const Condensation& a, const Condensation& b) {
   const auto same = [](const auto& p, const auto& q) {
@@ -37,37 +30,11 @@ bool same_bits(const Condensation& a, const Condensation& b) {
          same(a.tactel_x, b.tactel_x);
 }
 
-std::string read(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
+const auto read = text_of;
 void write(const fs::path& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
-
-/// FNV-1a as published: offset basis 14695981039346656037, prime 1099511628211.
-std::uint64_t fnv(const std::string& bytes) {
-  std::uint64_t hash = 14695981039346656037u;
-  for (unsigned char byte : bytes) {
-    hash ^= byte;
-    hash *= 1099511628211u;
-  }
-  return hash;
-}
-/// The same bytes with the checksum, which comes last, made right again.
-std::string resealed(std::string bytes) {
-  bytes.resize(bytes.size() - 8);
-  const std::uint64_t sum = fnv(bytes);
-  return bytes.append(reinterpret_cast<const char*>(&sum), 8);
-}
 
 class CondensationCache : public testing::Test {
  protected:
-  CondensationCache() {
-    std::string name = (fs::temp_directory_path() / "tactel-cache-test-XXXXXX").string();
-    directory = mkdtemp(name.data());
-  }
-  ~CondensationCache() override { fs::remove_all(directory); }
   std::vector<fs::path> files() const {
     std::vector<fs::path> found;
     if (fs::exists(directory))
@@ -79,7 +46,8 @@ class CondensationCache : public testing::Test {
     return files().at(0);
   }
 
-  fs::path directory;
+  const ScratchFolder folder;
+  const fs::path directory = folder / "";
   const Condensation computed = condense(little());
 };
 
@@ -285,32 +253,22 @@ TEST_F(CondensationCache, ProcessesAndThreadsShareItSafely) {
 }
 
 TEST(CacheDirectory, FollowsTheEnvironment) {
-  const auto with = [](const char* own, const char* cache, const char* home) {
-    const auto set = [](const char* name, const char* value) { value ? setenv(name, value, 1) : unsetenv(name); };
-    std::string saved[3];
-    const char* names[] = {"TACTEL_CACHE_DIR", "XDG_CACHE_HOME", "HOME"};
-    bool was[3];
-    for (int i = 0; i < 3; ++i) {
-      const char* value = getenv(names[i]);
-      was[i] = value;
-      saved[i] = value ? value : "";
-    }
-    set(names[0], own), set(names[1], cache), set(names[2], home);
-    const fs::path result = default_cache_directory();
-    for (int i = 0; i < 3; ++i) set(names[i], was[i] ? saved[i].c_str() : nullptr);
-    return result;
+  using Value = std::optional<std::string>;
+  const auto with = [](const Value& own, const Value& cache, const Value& home) {
+    const Environment first("TACTEL_CACHE_DIR", own), second("XDG_CACHE_HOME", cache), third("HOME", home);
+    return default_cache_directory();
   };
   EXPECT_EQ(with("/a", "/b", "/c"), "/a");
   EXPECT_EQ(with("", "/b", "/c"), "/b/tactel");
-  EXPECT_EQ(with(nullptr, nullptr, "/c"), "/c/.cache/tactel");
-  EXPECT_EQ(with(nullptr, "", nullptr), "");
+  EXPECT_EQ(with({}, {}, "/c"), "/c/.cache/tactel");
+  EXPECT_EQ(with({}, "", {}), "");
 }
 
 /// A folder in one that is removed after the test.
 struct Nested {
-  fs::path outer = fs::temp_directory_path() / ("tactel-nested-" + std::to_string(getpid())), inner = outer / "inner";
+  const ScratchFolder scratch;
+  const fs::path outer = scratch / "outer", inner = outer / "inner";
   Nested() { fs::create_directories(inner), mode(outer, 0700), mode(inner, 0700); }
-  ~Nested() { fs::remove_all(outer); }
   static void mode(const fs::path& folder, unsigned bits) { fs::permissions(folder, static_cast<fs::perms>(bits)); }
 };
 
@@ -340,13 +298,10 @@ TEST(CacheDirectory, OfOthersIsNotTrusted) {
 // Nothing is read from it, nor written.
 TEST(CacheDirectory, ThatOthersCanWriteIsNotUsed) {
   const Nested folders;
-  const char* const before = getenv("TACTEL_CACHE_DIR");
-  const std::string saved = before != nullptr ? before : "";
-  setenv("TACTEL_CACHE_DIR", folders.inner.c_str(), 1);
+  const Environment named("TACTEL_CACHE_DIR", folders.inner.string());
   EXPECT_EQ(default_cache_directory(), folders.inner);
   Nested::mode(folders.inner, 0777);
   EXPECT_EQ(default_cache_directory(), "");
-  before != nullptr ? setenv("TACTEL_CACHE_DIR", saved.c_str(), 1) : unsetenv("TACTEL_CACHE_DIR");
 }
 
 }  // namespace

@@ -14,15 +14,13 @@ constexpr double worst = std::numeric_limits<double>::max();
 
 // Four elements that meet every law: no indenter, open, stick, slip against friction.
 GapElements lawful() {
-  GapElements e;
-  e.mu = 0.5;
-  e.gap = Eigen::VectorXd{{infinity, 0.2, 0, 0}};
-  e.slip = Eigen::VectorXd{{0.3, -0.3, 0, -0.1}};
-  e.normal_force = Eigen::VectorXd{{0, 0, 4, 2}};
-  e.tangential_force = Eigen::VectorXd{{0, 0, -1.5, 1}};
-  e.base_force = {-0.5, -6};
-  e.largest_displacement = 0.25;
-  return e;
+  return {.mu = 0.5,
+          .gap = Eigen::VectorXd{{infinity, 0.2, 0, 0}},
+          .slip = Eigen::VectorXd{{0.3, -0.3, 0, -0.1}},
+          .normal_force = Eigen::VectorXd{{0, 0, 4, 2}},
+          .tangential_force = Eigen::VectorXd{{0, 0, -1.5, 1}},
+          .base_force = {-0.5, -6},
+          .largest_displacement = 0.25};
 }
 
 TEST(ContactLaws, StatusFollowsFromForces) {

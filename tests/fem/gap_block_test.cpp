@@ -91,8 +91,7 @@ TEST_P(GapBlockTest, SurfaceAndBaseForcesBalance) {
 
 TEST(GapBlock, SaysThatASystemIsSingular) {
   // f_x + mu f_y = 0 says nothing about u_x where K_xx + mu K_yx = 0.
-  Mesh mesh;
-  mesh.element = Element::q4;
+  Mesh mesh{.element = Element::q4};
   mesh.node.resize(2, 4);
   mesh.node << 0, 1, 0, 1, 0, 0, 1, 1;
   mesh.base = {0, 1};

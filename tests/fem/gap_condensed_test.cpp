@@ -31,8 +31,7 @@ std::vector<Load> loads() {
 }
 
 TEST(GapCondensed, AgreesWithTheWholeMesh) {
-  Sensor sensor;
-  sensor.poisson = 0.49;
+  const Sensor sensor{.poisson = 0.49};
   const Condensation condensation = condense(sensor);
   GapReference whole(sensor);
   const GapCondensed condensed(condensation);

@@ -79,8 +79,7 @@ State solve(const Problem& p, const State& before, const LoadStep& load, const s
   b(depth) = load.normal;
   b(position) = load.tangential;
   const Eigen::VectorXd z = a.fullPivLu().solve(b);
-  State state;
-  state.force = z.head(2 * nodes);
+  State state{.force = z.head(2 * nodes)};
   state.displacement = p.compliance * state.force;
   state.depth = z[depth];
   state.tangential = z[position];
@@ -119,14 +118,7 @@ std::vector<State> all_solutions(const Problem& p, const State& before, const Lo
 }
 
 Sensor small_sensor(double poisson) {
-  Sensor sensor;
-  sensor.length = 4;
-  sensor.thickness = 1;
-  sensor.poisson = poisson;
-  sensor.columns = nodes;
-  sensor.rows = 3;
-  sensor.grading = 1.5;
-  return sensor;
+  return {.length = 4, .thickness = 1, .poisson = poisson, .columns = nodes, .rows = 3, .grading = 1.5};
 }
 
 class Enumeration : public testing::TestWithParam<double> {};  // largest mu

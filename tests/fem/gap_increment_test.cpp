@@ -19,8 +19,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double exact = 1e-14;  // numbers of order 1 and a handful of operations
 
 Mesh two_columns() {
-  Mesh mesh;
-  mesh.element = Element::q4;
+  Mesh mesh{.element = Element::q4};
   mesh.node.resize(2, 4);
   mesh.node << 0, 1, 0, 1,  //
       0, 0, 1, 1;

@@ -29,14 +29,14 @@ class ForceWitness {
     Eigen::VectorXd load(2 * n);
     load.reshaped(2, n) << step.tangential_force.transpose(), -step.normal_force.transpose();
     const Eigen::VectorXd u = condensation_.compliance * load / scene_.sensor.young;
-    GapElements elements;
-    elements.mu = scene_.friction;
-    elements.gap = height_.array() - step.indentation - u.reshaped(2, n).row(1).transpose().array();
-    elements.slip = (u - before_).reshaped(2, n).row(0).transpose().array() - (step.tangential - tangential_);
-    elements.normal_force = step.normal_force;
-    elements.tangential_force = step.tangential_force;
-    elements.base_force = {step.base_force_x.sum(), step.base_force_y.sum()};
-    elements.largest_displacement = u.reshaped(2, n).colwise().norm().maxCoeff();
+    const GapElements elements{
+        .mu = scene_.friction,
+        .gap = height_.array() - step.indentation - u.reshaped(2, n).row(1).transpose().array(),
+        .slip = (u - before_).reshaped(2, n).row(0).transpose().array() - (step.tangential - tangential_),
+        .normal_force = step.normal_force,
+        .tangential_force = step.tangential_force,
+        .base_force = {step.base_force_x.sum(), step.base_force_y.sum()},
+        .largest_displacement = u.reshaped(2, n).colwise().norm().maxCoeff()};
     base_error_ = (condensation_.base_force * load).reshaped(2, step.base_force_x.size());
     base_error_.row(0) -= step.base_force_x.transpose();
     base_error_.row(1) -= step.base_force_y.transpose();
@@ -92,11 +92,9 @@ void expect_symmetric(const ContactStep& step, double tolerance) {
 
 // Mesh B; two depths, then a drag and its reversal.
 TEST_P(EveryShape, MeetsTheLawsAtEveryFriction) {
-  Scene scene;
-  scene.sensor.poisson = GetParam().poisson;
-  scene.indenter.shape = all_shapes()[GetParam().shape];
-  scene.load.indentation_steps = 2;
-  scene.load.tangential = {0.06, 0.12, 0.25, 0.1, -0.1};
+  Scene scene{.sensor = {.poisson = GetParam().poisson},
+              .indenter = {.shape = all_shapes()[GetParam().shape]},
+              .load = {.indentation_steps = 2, .tangential = {0.06, 0.12, 0.25, 0.1, -0.1}}};
   GapReference solver(scene.sensor);
   const Condensation condensation = condense(scene.sensor);
   for (double mu : {0.0, 0.2, 0.5, 1.0, 5.0}) {
@@ -171,9 +169,7 @@ Scene random_scene(std::mt19937& generator, const Sensor& sensor, double most_fr
 // Friction up to 1: every increment must converge. Beyond, solutions may be several, but the path finds one here too.
 TEST(GapReferenceRandom, ThousandScenesConverge) {
   std::mt19937 generator(2024);
-  Sensor sensor;
-  sensor.columns = 21;
-  sensor.rows = 5;
+  Sensor sensor{.columns = 21, .rows = 5};
   for (double most_friction : {1.0, 5.0}) {
     int increments = 0, converged = 0, with_path = 0, most_iterations = 0;
     long iterations = 0;
@@ -197,13 +193,7 @@ TEST(GapReferenceRandom, ThousandScenesConverge) {
   }
 }
 
-Scene dragged_parabola() {
-  Scene scene;
-  scene.load.indentation_steps = 3;
-  scene.load.tangential_step = 0.05;
-  scene.load.tangential_steps = 4;
-  return scene;
-}
+Scene dragged_parabola() { return {.load = {.indentation_steps = 3, .tangential_step = 0.05, .tangential_steps = 4}}; }
 
 TEST(GapReference, EveryElementAndRecoveryIsServed) {
   for (Element element : {Element::bbar, Element::q4, Element::q4i, Element::q8}) {
@@ -274,10 +264,7 @@ TEST(GapReference, ForceAndDepthAgree) {
 }
 
 TEST(GapReference, AnAngleKeepsItsRatioOfForces) {
-  Scene scene;
-  scene.load.normal_force = {1.5};
-  scene.load.angle = 20;
-  scene.load.indentation_steps = 4;
+  const Scene scene{.load = {.normal_force = {1.5}, .indentation_steps = 4, .angle = 20}};
   for (const ContactStep& step : solve_gap_reference(scene).steps) {
     EXPECT_TRUE(step.converged);
     EXPECT_NEAR(step.Q / step.P, std::tan(20 * std::numbers::pi / 180), 1e-12);
@@ -298,8 +285,7 @@ TEST(GapReference, YoungsModulusOnlyScalesForces) {
 }
 
 TEST(GapReference, UnloadingEndsWithoutForces) {
-  Scene scene;
-  scene.load.indentation = {0.15, 0.05, 0};
+  const Scene scene{.load = {.indentation = {0.15, 0.05, 0}}};
   const ContactSolution solution = solve_gap_reference(scene);
   EXPECT_GT(solution.steps[0].P, solution.steps[1].P);
   EXPECT_TRUE(solution.steps[2].converged);
@@ -319,14 +305,12 @@ TEST(GapReference, WithoutFrictionThereIsNoSlipIndex) {
 
 TEST(GapReference, RefusesASceneOnAnotherSensor) {
   GapReference solver{Sensor{}};
-  Scene scene;
-  scene.sensor.columns = 21;
+  const Scene scene{.sensor = {.columns = 21}};
   EXPECT_THROW(solver.solve(scene), std::invalid_argument);
 }
 
 TEST(GapReference, RefusesAScenesBadValue) {
-  Scene scene;
-  scene.friction = -1;
+  const Scene scene{.friction = -1};
   EXPECT_THROW(solve_gap_reference(scene), std::invalid_argument);
 }
 

@@ -22,11 +22,9 @@ struct Case {
 };
 
 Scene scene_of(const Case& c) {
-  Scene scene;
-  scene.sensor.element = c.element;
-  scene.sensor.poisson = c.poisson;
-  scene.friction = c.friction;
-  scene.indenter.position = c.position;
+  Scene scene{.sensor = {.poisson = c.poisson, .element = c.element},
+              .indenter = {.position = c.position},
+              .friction = c.friction};
   if (c.shape == "parabola") scene.indenter.shape = Parabola{c.size};
   if (c.shape == "wedge") scene.indenter.shape = Wedge{c.size};
   if (c.shape == "flat") scene.indenter.shape = Flat{c.size};

@@ -11,10 +11,7 @@ using testing::ElementsAre;
 
 /// Numbers of the steps that are kept of 2 targets in 2 steps, each in `parts`, and 3 drags.
 std::vector<int> kept(int parts) {
-  Load load;
-  load.indentation = {0.1, 0.05};
-  load.indentation_steps = 2;
-  load.tangential = {0.1, 0.2, 0.3};
+  const Load load{.indentation = {0.1, 0.05}, .indentation_steps = 2, .tangential = {0.1, 0.2, 0.3}};
   ContactSolution solution;
   for (int k = 0; k < 4 * parts + 3; ++k) solution.steps.emplace_back().iterations = k;
   keep_own_steps(solution, load, parts);
@@ -29,8 +26,7 @@ TEST(LoadStepping, KeepsTheStepsOfTheLoad) {
 }
 
 TEST(LoadStepping, PartsAreTheLeastThatSuffice) {
-  Load load;
-  load.indentation_steps = 3;
+  const Load load{.indentation_steps = 3};
   EXPECT_EQ(pressing_parts(load, 1), 1);
   EXPECT_EQ(pressing_parts(load, 3), 1);
   EXPECT_EQ(pressing_parts(load, 4), 2);

@@ -12,14 +12,7 @@ namespace {
 using testing::ElementsAre;
 
 Sensor small(Element element = Element::q4) {
-  Sensor sensor;
-  sensor.length = 4;
-  sensor.thickness = 7;
-  sensor.columns = 3;
-  sensor.rows = 4;
-  sensor.grading = 4;
-  sensor.element = element;
-  return sensor;
+  return {.length = 4, .thickness = 7, .columns = 3, .rows = 4, .grading = 4, .element = element};
 }
 
 TEST(Mesh, RowsFallGeometricallyFromTheBase) {

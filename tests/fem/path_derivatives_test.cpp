@@ -17,12 +17,11 @@ namespace {
 
 /// One element of compliance a in x and b in y, pressed by `depth` and dragged by `x`; one tactel of weights 0.5 and 2.
 ContactPath one_element(Trial trial, bool by_force) {
-  ContactPath path;
-  path.compliance = Eigen::Vector2d(0.25, 0.5).asDiagonal();
-  path.tactel_stress = Eigen::Vector2d(0.5, 2).asDiagonal();
-  path.height = Eigen::VectorXd::Constant(1, 0.02);
-  path.mu = 0.4;
-  path.young = 2;
+  ContactPath path{.compliance = Eigen::Vector2d(0.25, 0.5).asDiagonal(),
+                   .tactel_stress = Eigen::Vector2d(0.5, 2).asDiagonal(),
+                   .height = Eigen::VectorXd::Constant(1, 0.02),
+                   .mu = 0.4,
+                   .young = 2};
   path.increments.resize(2);
   path.increments[0] = {.target = {by_force, false, by_force ? 0.32 : 0.1, 0}, .trial = {Trial::stick}};
   path.increments[1] = {.target = {by_force, false, by_force ? 0.32 : 0.1, 0.01}, .trial = {trial}};
@@ -138,15 +137,10 @@ TEST(ShapeDerivatives, AgreeWithCentralDifferences) {
 }
 
 TEST(MeshDerivatives, AgreeWithCentralDifferencesOfTheExactSolver) {
-  Scene scene;
-  scene.sensor.columns = 25;
-  scene.sensor.rows = 5;
-  scene.sensor.poisson = 0.4;
-  scene.indenter = {Parabola{12}, 0.37};
-  scene.friction = 0.4;
-  scene.load.indentation = {0.2};
-  scene.load.indentation_steps = 2;
-  scene.load.tangential = {0.03, 0.07, 0.02};
+  const Scene scene{.sensor = {.poisson = 0.4, .columns = 25, .rows = 5},
+                    .indenter = {Parabola{12}, 0.37},
+                    .friction = 0.4,
+                    .load = {.indentation = {0.2}, .indentation_steps = 2, .tangential = {0.03, 0.07, 0.02}}};
   const SceneDerivatives d = mesh_derivatives(scene);
   const auto solve = [&](const std::function<void(Scene&, double)>& move, double by) {
     Scene moved = scene;

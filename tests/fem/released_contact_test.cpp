@@ -3,7 +3,6 @@
 // What is left of a contact that does not press any more, and friction without limit.
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <limits>
 
 #include "fem/gap_condensed.h"

@@ -17,11 +17,7 @@ LoadStep depth(double normal, double tangential = 0) { return {false, false, nor
 LoadStep force(double normal, double tangential = 0) { return {true, false, normal, tangential}; }
 
 TEST(LoadPath, DepthThenEqualTangentialSteps) {
-  Load load;
-  load.indentation = {0.5};
-  load.indentation_steps = 4;
-  load.tangential_step = 0.25;
-  load.tangential_steps = 2;
+  const Load load{.indentation = {0.5}, .indentation_steps = 4, .tangential_step = 0.25, .tangential_steps = 2};
   const LoadPath path = load_path(load);
   EXPECT_THAT(path.steps,
               ElementsAre(depth(0.125), depth(0.25), depth(0.375), depth(0.5), depth(0.5, 0.25), depth(0.5, 0.5)));
@@ -30,15 +26,12 @@ TEST(LoadPath, DepthThenEqualTangentialSteps) {
 }
 
 TEST(LoadPath, SeveralTargetsUnloadFromTheLastOne) {
-  Load load;
-  load.indentation = {0.5, 0.25};
-  load.indentation_steps = 2;
+  const Load load{.indentation = {0.5, 0.25}, .indentation_steps = 2};
   EXPECT_THAT(load_path(load).steps, ElementsAre(depth(0.25), depth(0.5), depth(0.375), depth(0.25)));
 }
 
 TEST(LoadPath, TargetsAreMetExactly) {
-  Load load;
-  load.indentation = {0.15, 0.07};
+  Load load{.indentation = {0.15, 0.07}};
   load.indentation_steps = 7;  // 0.15 / 7 * 7 is not 0.15 in binary
   const LoadPath path = load_path(load);
   EXPECT_EQ(path.steps[6].normal, 0.15);
@@ -46,27 +39,17 @@ TEST(LoadPath, TargetsAreMetExactly) {
 }
 
 TEST(LoadPath, ExplicitPositionsWithReversal) {
-  Load load;
-  load.normal_force = {2};
-  load.tangential = {0, 0.1, -0.05};
-  const LoadPath path = load_path(load);
+  const LoadPath path = load_path({.normal_force = {2}, .tangential = {0, 0.1, -0.05}});
   EXPECT_THAT(path.steps, ElementsAre(force(2), force(2, 0), force(2, 0.1), force(2, -0.05)));
   EXPECT_EQ(path.indentation_steps, 1);
 }
 
 TEST(LoadPath, ForceWinsOverTheDefaultDepth) {
-  Load load;
-  load.normal_force = {2};
-  load.indentation_steps = 2;
-  EXPECT_THAT(load_path(load).steps, ElementsAre(force(1), force(2)));
+  EXPECT_THAT(load_path({.normal_force = {2}, .indentation_steps = 2}).steps, ElementsAre(force(1), force(2)));
 }
 
 TEST(LoadPath, ForceAtAnAngleGrowsBothTogether) {
-  Load load;
-  load.normal_force = {1, 4};
-  load.indentation_steps = 2;
-  load.angle = -45;
-  const LoadPath path = load_path(load);
+  const LoadPath path = load_path({.normal_force = {1, 4}, .indentation_steps = 2, .angle = -45});
   ASSERT_EQ(path.steps.size(), 4u);
   EXPECT_EQ(path.indentation_steps, 4);
   const double normal[] = {0.5, 1, 2.5, 4};
@@ -78,9 +61,7 @@ TEST(LoadPath, ForceAtAnAngleGrowsBothTogether) {
 }
 
 TEST(LoadPath, UntilSlidingStopsAtTheMost) {
-  Load load;
-  load.tangential_step = -0.05;
-  const LoadPath path = load_path(load);
+  const LoadPath path = load_path({.tangential_step = -0.05});
   EXPECT_TRUE(path.until_sliding);
   ASSERT_EQ(path.steps.size(), 1u + most_tangential_steps);
   EXPECT_EQ(path.steps[1], depth(0.15, -0.05));

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fem/sensor.h"
 
-#include <cmath>
 #include <limits>
 
 #include "expect_error.h"

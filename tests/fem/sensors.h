@@ -12,10 +12,7 @@ inline constexpr Element all_elements[] = {Element::bbar, Element::q4, Element::
 
 /// The paper's meshes: B, 41 x 11 nodes, and A, 123 x 33.
 inline Sensor mesh_b(Element element = Element::bbar, double poisson = 0.45) {
-  Sensor sensor;
-  sensor.element = element;
-  sensor.poisson = poisson;
-  return sensor;
+  return {.poisson = poisson, .element = element};
 }
 inline Sensor mesh_a(Element element = Element::bbar, double poisson = 0.45) {
   Sensor sensor = mesh_b(element, poisson);

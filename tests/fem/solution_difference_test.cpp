@@ -9,9 +9,7 @@ namespace tactel::fem {
 namespace {
 
 ContactSolution with_forces(const Eigen::VectorXd& x, const Eigen::VectorXd& y) {
-  ContactStep step;
-  step.base_force_x = x;
-  step.base_force_y = y;
+  const ContactStep step{.base_force_x = x, .base_force_y = y};
   return {{}, {}, {}, {step}, false};
 }
 

@@ -13,13 +13,9 @@ namespace tactel::fem {
 namespace {
 
 Scene small_scene(Element element) {
-  Scene scene;
-  scene.sensor.columns = 21;
-  scene.sensor.rows = 5;
-  scene.sensor.element = element;
-  scene.indenter.shape = Parabola{.radius = 10.0};
-  scene.load.indentation = {0.15};
-  return scene;
+  return {.sensor = {.columns = 21, .rows = 5, .element = element},
+          .indenter = {.shape = Parabola{.radius = 10.0}},
+          .load = {.indentation = {0.15}}};
 }
 
 TEST(StressMeasures, VonMisesByHand) {

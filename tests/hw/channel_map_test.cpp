@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "fem/value_error.h"
+#include "tests/thrown_message.h"
 
 namespace tactel::hw {
 namespace {
@@ -44,14 +45,9 @@ TEST(ChannelMap, NamesNumbersThatGiveNoStress) {
     ChannelMap map = three_channels();
     map.calibration.noise = {1, 1, 1};
     change(map.calibration);
-    try {
-      map.validate(3);
-    } catch (const ValueError& error) {
-      return error.what();
-    }
-    return "";
+    return thrown_message<ValueError>([&] { map.validate(3); });
   };
-  EXPECT_EQ(message([](Calibration&) {}), "");
+  EXPECT_EQ(message([](Calibration&) {}), "no error");
   for (const double gain : {0.0, 1e300, -1e300, 1e-44})
     EXPECT_THAT(message([=](Calibration& c) { c.gain[2] = gain; }),
                 AllOf(HasSubstr("calibration.gain"), HasSubstr("channel 2 (normal stress of tactel 0)")))

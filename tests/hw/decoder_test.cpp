@@ -24,14 +24,12 @@ struct Case {
 void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 
 GenericLayout crc_layout() {
-  GenericLayout layout;
-  layout.sync = {0xA5, 0x5A};
-  layout.header = 4;
-  layout.counter = {2, 2};
-  layout.channels = 2;
-  layout.checksum = Checksum::crc16;
-  layout.confirmations = 2;
-  return layout;
+  return {.sync = {0xA5, 0x5A},
+          .header = 4,
+          .counter = {2, 2},
+          .channels = 2,
+          .checksum = Checksum::crc16,
+          .confirmations = 2};
 }
 
 ByteVector crc_frame(int i) {

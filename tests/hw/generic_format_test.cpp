@@ -12,15 +12,13 @@ namespace {
 using ::testing::ElementsAre;
 
 GenericLayout small_layout() {
-  GenericLayout layout;
-  layout.sync = {0xA5, 0x5A};
-  layout.header = 4;
-  layout.counter = {2, 1};
-  layout.clock = {3, 1};
-  layout.clock_tick = 1e-3;
-  layout.channels = 2;
-  layout.confirmations = 1;
-  return layout;
+  return {.sync = {0xA5, 0x5A},
+          .header = 4,
+          .counter = {2, 1},
+          .clock = {3, 1},
+          .clock_tick = 1e-3,
+          .channels = 2,
+          .confirmations = 1};
 }
 
 TEST(GenericFormat, SampleTypesInBothByteOrders) {

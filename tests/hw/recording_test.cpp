@@ -14,6 +14,7 @@
 
 #include "hw/formats.h"
 #include "tests/hw/byte_vectors.h"
+#include "tests/scratch.h"
 
 namespace tactel::hw::testing {
 namespace {
@@ -24,13 +25,6 @@ using ::testing::ThrowsMessage;
 
 class Recording : public ::testing::Test {
  protected:
-  Recording() {
-    std::string folder = (fs::temp_directory_path() / "tactel-recording-XXXXXX").string();
-    if (::mkdtemp(folder.data()) == nullptr) throw std::runtime_error("no folder " + folder);
-    path_ = fs::path(folder) / "glove.tactel";
-  }
-  ~Recording() override { fs::remove_all(path_.parent_path()); }
-
   /// 600 packets of 17 bytes at odd times, a gap before packet 100.
   void record() const {
     RecordingWriter writer(path_, "[device]\nformat = \"glove\"\n");
@@ -51,7 +45,8 @@ class Recording : public ::testing::Test {
     file.put(static_cast<char>(byte ^ 1));
   }
   static constexpr std::size_t packets = 600;
-  fs::path path_;
+  const ScratchFolder folder_;
+  const fs::path path_ = folder_ / "glove.tactel";
   ByteVector stream_ = glove_stream();
 };
 

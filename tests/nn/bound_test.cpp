@@ -10,9 +10,9 @@
 #include <numeric>
 #include <random>
 
-#include "fem/value_error.h"
 #include "nn/forward.h"
 #include "nn/train_batch.h"
+#include "tests/fem/expect_error.h"
 #include "tests/nn/random_set.h"
 
 using namespace tactel;
@@ -120,14 +120,7 @@ TEST(Conformal, TakesTheRank) {
 }
 
 TEST(Conformal, SaysWhenThereAreTooFewRows) {
-  try {
-    conformal_quantile(std::vector<double>(18, 0.0), 0.95);
-    FAIL();
-  } catch (const ValueError& error) {
-    EXPECT_EQ(error.key, "rows");
-    EXPECT_EQ(error.value, "18");
-    EXPECT_THAT(error.allowed, testing::HasSubstr("at least 19"));
-  }
+  expect_value_error([] { conformal_quantile(std::vector<double>(18, 0.0), 0.95); }, "rows", "18", "at least 19");
 }
 
 // Quantiles 0.2, 0.4, 0.5 of every row and S = 0.01 k, k = 31 ... 69: S - 0.5 has the 38th smallest of 39 at S = 0.68,

@@ -133,13 +133,11 @@ TEST(FrameHistory, AFactorOfAllStressesChangesNoChoice) {
 namespace {
 
 FrameSet two_contacts() {
-  FrameSet set;
-  set.frames = RowMatrix<float>{{1, 0}, {1, 0.5}, {1, 1}, {1, 2}, {1, 3}, {1, 4}};
-  set.slip_index = Vector<float>::LinSpaced(6, 0, 0.5);
-  set.contact = {3, 3, 3, 4, 4, 4};
-  set.step = {0, 1, 2, 0, 1, 3};
-  set.press_rows = true;
-  return set;
+  return {.frames = RowMatrix<float>{{1, 0}, {1, 0.5}, {1, 1}, {1, 2}, {1, 3}, {1, 4}},
+          .slip_index = Vector<float>::LinSpaced(6, 0, 0.5),
+          .contact = {3, 3, 3, 4, 4, 4},
+          .step = {0, 1, 2, 0, 1, 3},
+          .press_rows = true};
 }
 
 }  // namespace

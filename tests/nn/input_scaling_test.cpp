@@ -8,6 +8,7 @@
 
 #include "fem/value_error.h"
 #include "nn/frame_set.h"
+#include "tests/fem/expect_error.h"
 
 using namespace tactel;
 using namespace tactel::nn;
@@ -30,9 +31,8 @@ const InputScaling by_frame{ScalingKind::frame, 1.0f};
 }  // namespace
 
 TEST(InputScaling, BySetDividesByTheSetsLargestStress) {
-  FrameSet set;
-  set.frames = RowMatrix<float>{{1, -2, 0.5, 0}, {0.25, 0, -4, 1}};
-  set.slip_index = Vector<float>::Zero(2);
+  const FrameSet set{.frames = RowMatrix<float>{{1, -2, 0.5, 0}, {0.25, 0, -4, 1}},
+                     .slip_index = Vector<float>::Zero(2)};
   const InputScaling scaling = fit_scaling(ScalingKind::set, set);
   EXPECT_EQ(scaling.largest_stress, 4.0f);
   EXPECT_THAT(scale(scaling, {1, -2, 0.5, 0}).values, ElementsAre(0.25f, -0.5f, 0.125f, 0.0f));
@@ -52,10 +52,7 @@ TEST(InputScaling, ByFrameHoldsUpToTheLargestFloat) {
 
 TEST(InputScaling, RefusesASetWhoseReciprocalIsNoNormalNumber) {
   const auto set_with = [](float stress) {
-    FrameSet set;
-    set.frames = RowMatrix<float>{{stress, 0}};
-    set.slip_index = Vector<float>::Zero(1);
-    return set;
+    return FrameSet{.frames = RowMatrix<float>{{stress, 0}}, .slip_index = Vector<float>::Zero(1)};
   };
   EXPECT_NO_THROW(fit_scaling(ScalingKind::set, set_with(0x1p126f)));
   EXPECT_THROW(fit_scaling(ScalingKind::set, set_with(1e38f)), ValueError);
@@ -88,24 +85,15 @@ TEST(InputScaling, RefusesWhatCannotScale) {
   EXPECT_EQ(parse_scaling("frame"), ScalingKind::frame);
   for (const float divisor : {0.0f, -1.0f, not_a_number, inf, 1e-13f})
     EXPECT_THROW((InputScaling{ScalingKind::set, divisor}.validate()), ValueError) << divisor;
-  FrameSet zeros;
-  zeros.frames = RowMatrix<float>::Zero(3, 4);
-  zeros.slip_index = Vector<float>::Zero(3);
+  const FrameSet zeros{.frames = RowMatrix<float>::Zero(3, 4), .slip_index = Vector<float>::Zero(3)};
   EXPECT_THROW(fit_scaling(ScalingKind::set, zeros), ValueError);
 }
 
 TEST(FrameSet, NamesTheRowThatIsWrong) {
-  FrameSet set;
-  set.frames = RowMatrix<float>::Ones(3, 4);
-  set.slip_index = Vector<float>::Zero(3);
+  FrameSet set{.frames = RowMatrix<float>::Ones(3, 4), .slip_index = Vector<float>::Zero(3)};
   EXPECT_NO_THROW(set.validate());
   set.slip_index(1) = not_a_number;
-  try {
-    set.validate();
-    ADD_FAILURE();
-  } catch (const ValueError& error) {
-    EXPECT_EQ(error.key, "slip_index[1]");
-  }
+  expect_value_error([&] { set.validate(); }, "slip_index[1]", "", "");
   set.slip_index(1) = 0;
   set.frames(2, 3) = inf;
   EXPECT_THROW(set.validate(), ValueError);

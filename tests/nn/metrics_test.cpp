@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "nn/metrics.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -22,11 +21,10 @@ TEST(Metrics, MatchHandCalculation) {
 }
 
 TEST(Metrics, SplitErrorsByClassAndContact) {
-  FrameSet set;
-  set.frames = RowMatrix<float>::Zero(4, 2);
-  set.slip_index = Vector<float>{{0.0f, 0.5f, 1.0f, 0.5f}};
-  set.shape_class = {0, 2, 0, 2};
-  set.contact_nodes = {1, 1, 3, 3};
+  const FrameSet set{.frames = RowMatrix<float>::Zero(4, 2),
+                     .slip_index = Vector<float>{{0.0f, 0.5f, 1.0f, 0.5f}},
+                     .shape_class = {0, 2, 0, 2},
+                     .contact_nodes = {1, 1, 3, 3}};
   const std::vector<double> errors = absolute_errors(Vector<float>{{0.25f, 0.5f, 0.5f, NAN}}, set);
   const ErrorReport report = report_errors(errors, set);
   EXPECT_EQ(report.all.count, 3u);

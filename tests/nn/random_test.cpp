@@ -95,8 +95,7 @@ TEST(PresentationOrder, ShowsEveryRowOnce) {
 namespace {
 
 FrameSet flat_set(Eigen::Index rows, int inputs, float stress) {
-  FrameSet set;
-  set.frames = RowMatrix<float>::Zero(rows, inputs);
+  FrameSet set{.frames = RowMatrix<float>::Zero(rows, inputs)};
   set.frames(rows - 1, inputs - 1) = -stress;
   set.slip_index = Vector<float>::Constant(rows, 0.5f);
   return set;

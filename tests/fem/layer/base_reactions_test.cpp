@@ -74,10 +74,7 @@ TEST_P(BaseReactions, AreExactUnderATactelOfTwoColumns) {
   const auto [columns, rows] = GetParam();
   for (const double poisson : {0.3, 0.45, 0.49, 0.499}) {
     SCOPED_TRACE(poisson);
-    Sensor sensor;
-    sensor.poisson = poisson;
-    sensor.columns = columns;
-    sensor.rows = rows;
+    const Sensor sensor{.poisson = poisson, .columns = columns, .rows = rows};
     const BaseShear shear(sensor, columns);
     const std::vector<double> smooth = sliding_parabola(shear.spacing());
     const double point = shear.error({1}, false), wide = shear.error({1}, true);
@@ -103,18 +100,14 @@ INSTANTIATE_TEST_SUITE_P(Meshes, BaseReactions,
 
 // If the checkerboard goes, so does the advice in docs/accuracy.md.
 TEST(BaseReactions, AlternateNearOneHalfWhereRowsAreTallerThanColumns) {
-  Sensor sensor;
-  sensor.poisson = 0.499;
-  sensor.columns = 321;
-  sensor.rows = 25;
+  Sensor sensor{.poisson = 0.499, .columns = 321, .rows = 25};
   EXPECT_GT(BaseShear(sensor, 321).error({1}, false), 1);
   sensor.rows = 49;
   EXPECT_LT(BaseShear(sensor, 321).error({1}, false), 0.02);
 }
 
 TEST(BaseReactions, OfATactelOfTwoColumnsAreThreeNodes) {
-  Sensor point;
-  point.poisson = 0.499;
+  Sensor point{.poisson = 0.499};
   Sensor wide = point;
   wide.tactels = 11;  // every second node but those at the ends
   wide.tactel_width = 1;

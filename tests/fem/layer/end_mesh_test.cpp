@@ -5,8 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
 #include "fem/mesh.h"
 
 namespace tactel::fem {
@@ -31,8 +29,7 @@ TEST(EndMesh, ColumnsHoldTheContactAndWidenBeyondIt) {
 
 // With all nodes of a uniform mesh as the contact, the mesh is that of the sensor.
 TEST(EndMesh, OfAllNodesIsTheMeshOfTheSensor) {
-  Sensor sensor;
-  sensor.length = 6, sensor.columns = 31, sensor.rows = 33, sensor.grading = 64;
+  const Sensor sensor{.length = 6, .columns = 31, .rows = 33, .grading = 64};
   const LayerModel model = endless_layer(sensor);
   const Condensation found = end_condensation(model, surface_positions(sensor)), mesh = condense(sensor);
   EXPECT_LT((found.compliance - mesh.compliance).cwiseAbs().maxCoeff(), 1e-12 * mesh.compliance.maxCoeff());

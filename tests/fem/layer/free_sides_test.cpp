@@ -18,11 +18,7 @@
 namespace tactel::fem {
 namespace {
 
-Sensor with_poisson(double poisson) {
-  Sensor sensor;
-  sensor.poisson = poisson;
-  return sensor;
-}
+Sensor with_poisson(double poisson) { return {.poisson = poisson}; }
 
 TEST(LongLayer, IsTheMiddleOfALongBlock) {
   // 40 thicknesses long: what the ends change in the middle, 20 h there and back at e^(-0.75 x / h), is e^-30.
@@ -241,8 +237,7 @@ TEST(LayerModel, IncompressibleRubberIsTheLimit) {
 }
 
 TEST(LayerModel, RefusesSensorsThatAreTooLong) {
-  Sensor sensor;
-  sensor.length = 400;
+  const Sensor sensor{.length = 400};
   EXPECT_THROW(endless_layer(sensor), std::exception);
 }
 

@@ -5,12 +5,11 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdint>
 #include <cstring>
-#include <fstream>
 #include <limits>
-#include <sstream>
-#include <string>
+
+#include "tests/fem/resealed.h"
+#include "tests/scratch.h"
 
 namespace tactel::fem {
 namespace {
@@ -18,13 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// A short sensor, whose block has the fewest columns; `k` tells sensors apart.
-Sensor short_sensor(int k = 0) {
-  Sensor sensor;
-  sensor.length = 3.1 + 0.37 * k;
-  sensor.thickness = 1.5;
-  sensor.tactels = 3;
-  return sensor;
-}
+Sensor short_sensor(int k = 0) { return {.length = 3.1 + 0.37 * k, .thickness = 1.5, .tactels = 3}; }
 
 template <class Numbers>
 bool same(const Numbers& a, const Numbers& b) {
@@ -42,39 +35,22 @@ bool same_bits(const LayerModel& a, const LayerModel& b) {
 
 class LayerModelCache : public testing::Test {
  protected:
-  LayerModelCache() {
-    std::string name = (fs::temp_directory_path() / "tactel-layer-test-XXXXXX").string();
-    folder_ = mkdtemp(name.data());
-  }
-  ~LayerModelCache() override { fs::remove_all(folder_); }
-
   /// Through the folder, past the model that layer_model keeps in memory.
   LayerModel model(const Sensor& sensor) const {
     layer_model(short_sensor(9), folder_ / "other");
-    return layer_model(sensor, folder_);
+    return layer_model(sensor, folder_ / "");
   }
 
   fs::path file() const {
-    for (const auto& entry : fs::directory_iterator(folder_))
+    for (const auto& entry : fs::directory_iterator(folder_ / ""))
       if (entry.path().extension() == ".tables") return entry.path();
     return {};
   }
 
-  std::string content() const {
-    std::ostringstream text;
-    text << std::ifstream(file(), std::ios::binary).rdbuf();
-    return text.str();
-  }
+  std::string content() const { return text_of(file()); }
+  void write_sealed(const std::string& bytes) const { std::ofstream(file(), std::ios::binary) << resealed(bytes); }
 
-  /// Under a right checksum (FNV-1a, the last 8 bytes).
-  void write_sealed(std::string bytes) const {
-    bytes.resize(bytes.size() - 8);
-    std::uint64_t sum = 14695981039346656037u;
-    for (const unsigned char byte : bytes) sum = (sum ^ byte) * 1099511628211u;
-    std::ofstream(file(), std::ios::binary) << bytes.append(reinterpret_cast<const char*>(&sum), 8);
-  }
-
-  fs::path folder_;
+  const ScratchFolder folder_;
 };
 
 /// With `number` in the place of the last one: the last tactel's tau_xy by traction at the right end.
@@ -130,7 +106,7 @@ TEST_F(LayerModelCache, HasAFileForEachLayer) {
     change(sensor);
     model(sensor);
     int files = 0;
-    for (const auto& entry : fs::directory_iterator(folder_)) files += entry.path().extension() == ".tables";
+    for (const auto& entry : fs::directory_iterator(folder_ / "")) files += entry.path().extension() == ".tables";
     return files;
   };
   EXPECT_EQ(files_after([](Sensor&) {}), 1);

@@ -12,8 +12,7 @@ inline const LayerModel& endless(double poisson) {
   static std::map<double, LayerModel> models;
   const auto found = models.find(poisson);
   if (found != models.end()) return found->second;
-  Sensor sensor;
-  sensor.poisson = poisson;
+  const Sensor sensor{.poisson = poisson};
   return models.emplace(poisson, endless_layer(sensor)).first->second;
 }
 
@@ -22,10 +21,7 @@ inline const LayerModel& half_plane(double poisson) {
   static std::map<double, LayerModel> models;
   const auto found = models.find(poisson);
   if (found != models.end()) return found->second;
-  Sensor sensor;
-  sensor.length = 20;
-  sensor.thickness = 1500;
-  sensor.poisson = poisson;
+  const Sensor sensor{.length = 20, .thickness = 1500, .poisson = poisson};
   return models.emplace(poisson, endless_layer(sensor)).first->second;
 }
 

@@ -6,8 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "fem/layer/element_compliance.h"
 
 namespace tactel::fem {

@@ -13,17 +13,11 @@ namespace {
 
 /// A parabola pressed `depth` deep, without friction, that touches `half_width` to a side by Reynolds' equation.
 Scene pressed_parabola(double half_width, double depth) {
-  Scene scene;
-  scene.model = SurfaceModel::patch;
-  scene.sensor.length = 150;
-  scene.sensor.thickness = 1;
-  scene.sensor.young = 1;
-  scene.sensor.poisson = 0.5;
-  scene.sensor.tactel_span = 100;
-  scene.friction = 0;
-  scene.indenter.shape = Parabola{half_width * half_width / (6 * depth)};
-  scene.load.indentation = {depth};
-  return scene;
+  return {.sensor = {.length = 150, .thickness = 1, .young = 1, .poisson = 0.5, .tactel_span = 100},
+          .indenter = {.shape = Parabola{half_width * half_width / (6 * depth)}},
+          .friction = 0,
+          .load = {.indentation = {depth}},
+          .model = SurfaceModel::patch};
 }
 
 /// Reynolds: u_y = -(h^3 / E) p'' on incompressible rubber whose surface slides freely. Below a parabola p = p' = 0 at
@@ -75,8 +69,7 @@ TEST(LinearElements, TheOedometer) {
 }
 
 TEST(LinearElements, AreOfThinAndHardlyCompressibleRubberOnly) {
-  Sensor sensor;
-  sensor.poisson = 0.4999;
+  Sensor sensor{.poisson = 0.4999};
   EXPECT_TRUE(needs_linear_pressure(sensor, sensor.thickness));
   EXPECT_FALSE(needs_linear_pressure(sensor, sensor.thickness / 2));
   sensor.poisson = 0.49;

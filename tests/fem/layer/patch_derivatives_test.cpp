@@ -78,8 +78,7 @@ class RandomPaths {
   PathCase draw() {
     const LayerModel& model = endless(nu[pick(3)]);
     const double depth = between(0.03, 0.25), mu = between(0.1, 1.2), position = between(-5, 5);
-    Load load;
-    load.indentation = {depth};
+    Load load{.indentation = {depth}};
     double x = 0;
     for (int k = 0; k < 4; ++k) load.tangential.push_back(x += between(-0.2, 0.6) * mu * depth);
     Shape shape;
@@ -141,10 +140,24 @@ class RandomPaths {
   std::mt19937 random_{15};
 };
 
-Eigen::Index index_of(const SceneDerivatives& derivatives, const std::string& name) {
+std::size_t index_of(const SceneDerivatives& derivatives, const std::string& name) {
   const auto found = std::ranges::find(derivatives.parameters, name, &SceneParameter::name);
   EXPECT_NE(found, derivatives.parameters.end()) << name;
-  return found - derivatives.parameters.begin();
+  return static_cast<std::size_t>(found - derivatives.parameters.begin());
+}
+
+/// The derivatives of all outputs by a parameter.
+std::vector<Eigen::VectorXd> derivative(const SceneDerivatives& d, const std::string& name) {
+  return outputs(d.path.forward(d.directions[index_of(d, name)]));
+}
+
+/// The central difference of `at` about 0, over twice `size`.
+template <class Outputs>
+std::vector<Eigen::VectorXd> central_difference(const Outputs& at, double step, double size) {
+  std::vector<Eigen::VectorXd> plus = at(step);
+  const std::vector<Eigen::VectorXd> minus = at(-step);
+  for (std::size_t i = 0; i < plus.size(); ++i) plus[i] = (plus[i] - minus[i]) / (2 * size);
+  return plus;
 }
 
 std::vector<Eigen::VectorXd> by_differences(const PathCase& c, const Patch& patch, double step) {
@@ -156,10 +169,7 @@ std::vector<Eigen::VectorXd> by_differences(const PathCase& c, const Patch& patc
     c.change(scene, moved, by);
     return outputs(solver.solve_on(moved, scene));
   };
-  std::vector<Eigen::VectorXd> plus = at(step);
-  const std::vector<Eigen::VectorXd> minus = at(-step);
-  for (std::size_t i = 0; i < plus.size(); ++i) plus[i] = (plus[i] - minus[i]) / (2 * step);
-  return plus;
+  return central_difference(at, step, step);
 }
 
 /// Best agreement over a ladder of steps: their error falls with order 2 until rounding ends it.
@@ -213,7 +223,7 @@ TEST(PatchDerivatives, AgreeWithCentralDifferencesOnRandomPaths) {
         << k;  // what a tolerance of 1e-13 leaves where sweeps converge slowly
     expect_adjoint_is_forward(d, weights);
     if (d.path.answers().back().distance_to_switch < 1e-6) continue;
-    const auto i = static_cast<std::size_t>(index_of(d, c.name));
+    const std::size_t i = index_of(d, c.name);
     const double size = std::max(0.1, std::abs(d.parameters[i].value));
     const double error = ladder(c, trace.patch, outputs(d.path.forward(d.directions[i])), outputs(solution), size);
     // Elements that move may cross a row of the table of base stress, between which it is linear.
@@ -262,9 +272,8 @@ TEST(PatchDerivatives, GivenForcesAndSeveralTargets) {
     const SceneDerivatives d = patch_derivatives(model, layer, c.scene, trace, {});
     const auto compare = [&](const std::string& name, const Change& change) {
       c.change = change;
-      const auto i = static_cast<std::size_t>(index_of(d, name));
       // A force is searched to 1e-14 of it, a length to rounding.
-      EXPECT_LE(ladder(c, trace.patch, outputs(d.path.forward(d.directions[i])), outputs(solution), 1), 1e-6) << name;
+      EXPECT_LE(ladder(c, trace.patch, derivative(d, name), outputs(solution), 1), 1e-6) << name;
     };
     compare("contact.friction", [](Scene& s, Patch&, double by) { s.friction += by; });
     compare("sensor.young", [](Scene& s, Patch&, double by) { s.sensor.young += by; });
@@ -288,9 +297,7 @@ TEST(PatchDerivatives, PoissonAndThickness) {
   };
   const LayerModel model = model_of(nu, h);
   LayerDerivatives layer(model);
-  Load load;
-  load.tangential = {0.03, 0.06, 0.02};
-  const Scene scene = scene_on(model, Parabola{12}, 1.3, 0.5, load);
+  const Scene scene = scene_on(model, Parabola{12}, 1.3, 0.5, {.tangential = {0.03, 0.06, 0.02}});
   PatchTrace trace;
   const ContactSolution solution = PatchSolver(model, exact_sweeps({})).solve(scene, &trace);
   const SceneDerivatives d = patch_derivatives(model, layer, scene, trace, {});
@@ -301,11 +308,7 @@ TEST(PatchDerivatives, PoissonAndThickness) {
       own.sensor = moved.sensor;
       return outputs(PatchSolver(moved, exact_sweeps({})).solve_on(trace.patch, own));
     };
-    std::vector<Eigen::VectorXd> slope = at(step);
-    const std::vector<Eigen::VectorXd> minus = at(-step);
-    for (std::size_t i = 0; i < slope.size(); ++i) slope[i] = (slope[i] - minus[i]) / (2 * step);
-    const auto i = static_cast<std::size_t>(index_of(d, name));
-    return difference(outputs(d.path.forward(d.directions[i])), slope, outputs(solution), 1);
+    return difference(derivative(d, name), central_difference(at, step, step), outputs(solution), 1);
   };
   for (const auto& [name, dnu, dh] : {std::tuple{"sensor.poisson", 1.0, 0.0}, {"sensor.thickness", 0.0, 1.0}}) {
     const double coarse = error(name, 1.6e-3, dnu, dh), fine = error(name, 4e-4, dnu, dh);
@@ -322,10 +325,7 @@ TEST(PatchDerivatives, FreeSides) {
   sensor.poisson = 0.4;
   const LayerModel model = layer_model(sensor);
   LayerDerivatives layer(model);
-  Load load;
-  load.indentation = {0.1};
-  load.tangential = {0.03, 0.06};
-  const Scene scene = scene_on(model, Parabola{6}, -3.2, 0.5, load);
+  const Scene scene = scene_on(model, Parabola{6}, -3.2, 0.5, {.indentation = {0.1}, .tangential = {0.03, 0.06}});
   PatchTrace trace;
   const ContactSolution solution = PatchSolver(model, exact_sweeps({})).solve(scene, &trace);
   const SceneDerivatives d = patch_derivatives(model, layer, scene, trace, {});
@@ -339,25 +339,16 @@ TEST(PatchDerivatives, FreeSides) {
       own.sensor = beside.sensor;
       return outputs(PatchSolver(beside, exact_sweeps({})).solve_on(trace.patch, own));
     };
-    std::vector<Eigen::VectorXd> plus = at(1);
-    const std::vector<Eigen::VectorXd> minus = at(-1);
-    for (std::size_t i = 0; i < plus.size(); ++i) plus[i] = (plus[i] - minus[i]) / (2 * (dnu + dh));
-    return plus;
+    return central_difference(at, 1, dnu + dh);
   };
-  const auto of = [&](const char* name) {
-    return outputs(d.path.forward(d.directions[static_cast<std::size_t>(index_of(d, name))]));
-  };
-  EXPECT_LE(difference(of("sensor.poisson"), slope(2e-3, 0), outputs(solution), 1), 1e-3);
-  EXPECT_LE(difference(of("sensor.thickness"), slope(0, 2e-3), outputs(solution), 1), 1e-3);
+  EXPECT_LE(difference(derivative(d, "sensor.poisson"), slope(2e-3, 0), outputs(solution), 1), 1e-3);
+  EXPECT_LE(difference(derivative(d, "sensor.thickness"), slope(0, 2e-3), outputs(solution), 1), 1e-3);
   LayerModel bare = model;
   bare.sides = FreeSides();
   LayerDerivatives without(bare);
   PatchSolver(bare, exact_sweeps({})).solve_on(trace.patch, scene, &trace);
   const SceneDerivatives none = patch_derivatives(bare, without, scene, trace, {});
-  EXPECT_GT(difference(
-                outputs(none.path.forward(none.directions[static_cast<std::size_t>(index_of(none, "sensor.poisson"))])),
-                slope(2e-3, 0), outputs(solution), 1),
-            1e-2)
+  EXPECT_GT(difference(derivative(none, "sensor.poisson"), slope(2e-3, 0), outputs(solution), 1), 1e-2)
       << "the sides do not count in this scene";
 }
 

@@ -21,17 +21,9 @@ constexpr double pi = std::numbers::pi;
 constexpr double incompressible = 0.5 - 1e-9;  // no coupling on a half-plane
 
 Load by_depth(double depth, std::vector<double> tangential) {
-  Load load;
-  load.indentation = {depth};
-  load.tangential = std::move(tangential);
-  return load;
+  return {.indentation = {depth}, .tangential = std::move(tangential)};
 }
-Load given_force(double force) {
-  Load load;
-  load.indentation.clear();
-  load.normal_force = {force};
-  return load;
-}
+Load given_force(double force) { return {.indentation = {}, .normal_force = {force}}; }
 
 TEST(StripCompliance, IsThatOfEqualElements) {
   const LayerTable table(0.3, 10);

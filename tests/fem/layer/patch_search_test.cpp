@@ -19,11 +19,7 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-Load pressing(double depth) {
-  Load load;
-  load.indentation = {depth};
-  return load;
-}
+Load pressing(double depth) { return {.indentation = {depth}}; }
 
 TEST(Patch, OverhangsTheEdgesThatPress) {
   // d = 2 a / (n - 2 e): n elements over the punch and 0.15 of an element beyond each edge.
@@ -74,10 +70,7 @@ TEST(PatchSearch, HoldsHertzContactTightly) {
   // search (a sixth of a window) on each side is all it may add.
   for (const double P : {0.02, 0.1, 0.5}) {
     const LayerModel& model = half_plane(0.3);
-    Load load;
-    load.indentation.clear();
-    load.normal_force = {P};
-    const Scene scene = scene_on(model, Parabola{5}, 0.7, 0, load);
+    const Scene scene = scene_on(model, Parabola{5}, 0.7, 0, {.indentation = {}, .normal_force = {P}});
     const PatchSearch found = find_patch(scene, model.table, 12);
     const double a = std::sqrt(4 * P * 5 * (1 - 0.09) / (std::numbers::pi * 2));
     EXPECT_NEAR(found.P, P, 0.02 * P);
@@ -137,9 +130,7 @@ TEST(PatchSearch, UntouchedScenesHaveAPatch) {
 TEST(PatchSearch, FindsTheDepthOfAForce) {
   for (const Shape& shape : {Shape(Parabola{10}), Shape(Flat{2.0}), Shape(Wedge{160}), Shape(Flat{})}) {
     const LayerModel& model = endless(0.45);
-    Load load;
-    load.indentation.clear();
-    load.normal_force = {0.2, 0.8, 0.1};
+    const Load load{.indentation = {}, .normal_force = {0.2, 0.8, 0.1}};
     const PatchSearch found = find_patch(scene_on(model, shape, 0.3, 0.4, load), model.table, 12);
     EXPECT_NEAR(found.P, 0.8, 0.02 * 0.8) << shape_name(shape);
   }

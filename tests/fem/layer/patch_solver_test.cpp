@@ -22,17 +22,10 @@ namespace {
 constexpr double bonded = std::numeric_limits<double>::infinity();
 
 Load by_depth(std::vector<double> depths, std::vector<double> tangential) {
-  Load load;
-  load.indentation = std::move(depths);
-  load.tangential = std::move(tangential);
-  return load;
+  return {.indentation = std::move(depths), .tangential = std::move(tangential)};
 }
 Load by_force_load(std::vector<double> forces, std::vector<double> tangential) {
-  Load load;
-  load.indentation.clear();
-  load.normal_force = std::move(forces);
-  load.tangential = std::move(tangential);
-  return load;
+  return {.indentation = {}, .normal_force = std::move(forces), .tangential = std::move(tangential)};
 }
 
 /// Largest difference of tactel stresses and forces over the largest stress and force.
@@ -155,10 +148,7 @@ TEST(PatchSolver, PressedRubberBulgesOutwards) {
 TEST(PatchSolver, TactelsCarryTheForce) {
   // Tactels side by side: their stresses times their widths are the force on the base. Farther than 13 h nothing of it
   // is left.
-  Sensor sensor;
-  sensor.length = 40;
-  sensor.tactels = 80;
-  sensor.tactel_width = 0.5;
+  const Sensor sensor{.length = 40, .tactels = 80, .tactel_width = 0.5};
   const LayerModel model = endless_layer(sensor);
   const ContactSolution solution =
       PatchSolver(model).solve(scene_on(model, Parabola{10}, 0, 0.5, by_depth({0.15}, {0.05})));
@@ -169,8 +159,7 @@ TEST(PatchSolver, TactelsCarryTheForce) {
 
 TEST(PatchSolver, StopsWhereItSlides) {
   const LayerModel& model = endless(0.45);
-  Load load;
-  load.tangential_step = 0.02;
+  const Load load{.tangential_step = 0.02};
   const ContactSolution solution = PatchSolver(model).solve(scene_on(model, Parabola{10}, 0, 0.3, load));
   EXPECT_TRUE(solution.sliding);
   EXPECT_LT(solution.steps.size(), 50u);

@@ -24,11 +24,7 @@ const SensorFamily& family() {
 }
 
 Sensor sensor_of(double poisson, double thickness, double length) {
-  Sensor sensor;
-  sensor.poisson = poisson;
-  sensor.thickness = thickness;
-  sensor.length = length;
-  return sensor;
+  return {.length = length, .thickness = thickness, .poisson = poisson};
 }
 
 TEST(SensorFamily, InterpolatesTheLayer) {
@@ -111,13 +107,12 @@ void expect_agreement(double shortest, double longest, double larger) {
         sensor_of(uniform(range.poisson_low, range.poisson_high), thickness, thickness * uniform(shortest, longest));
     const LayerModel own = layer_model(sensor), shared = family().model(sensor);
     for (int k = 0; k < 8; ++k) {
-      Scene scene;
-      scene.sensor = sensor;
-      scene.indenter = {Parabola{std::exp(uniform(0, 4))}, uniform(-0.47, 0.47) * sensor.length};
-      scene.friction = uniform(0.1, 1.5);
-      scene.load.indentation = {uniform(0.01, 0.1) * thickness};
-      scene.load.tangential_step = uniform(0.005, 0.03) * thickness;
-      scene.load.tangential_steps = 8;
+      const Scene scene{.sensor = sensor,
+                        .indenter = {Parabola{std::exp(uniform(0, 4))}, uniform(-0.47, 0.47) * sensor.length},
+                        .friction = uniform(0.1, 1.5),
+                        .load = {.indentation = {uniform(0.01, 0.1) * thickness},
+                                 .tangential_step = uniform(0.005, 0.03) * thickness,
+                                 .tangential_steps = 8}};
       const PatchOptions options{.elements = 12, .tolerance = 1e-9};
       const ContactSolution a = PatchSolver(own, options).solve(scene), b = PatchSolver(shared, options).solve(scene);
       double S = 0, P = 0, sigma = 0;

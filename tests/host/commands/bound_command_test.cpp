@@ -33,12 +33,10 @@ class BoundCommand : public ::testing::Test {
     ASSERT_EQ(train("net", {}).exit_code, 0);
   }
   static ChildResult train(const std::string& output, const std::vector<std::string>& more) {
-    std::vector<std::string> call = {
-        "train",   file("learn", ".h5"), "--network",  "10-12-1",  "--schedule", "batch",
-        "--bound", "--scaling",          "frame",      "--epochs", "20",         "--learning-rate",
-        "0.01",    "--output",           file(output), "--quiet"};
-    call.insert(call.end(), more.begin(), more.end());
-    return run_tactel(call);
+    const std::string call = "train " + file("learn", ".h5") +
+                             " --network 10-12-1 --schedule batch --bound --scaling " +
+                             "frame --epochs 20 --learning-rate 0.01 --quiet --output " + file(output);
+    return run_tactel(words(call), more);
   }
   static void TearDownTestSuite() { folder_.reset(); }
   static std::string file(const std::string& name, const std::string& extension = "") {

@@ -3,7 +3,6 @@
 // tactel calibrate plan as a user runs it, and what it writes for tactel calibrate sensor.
 #include <gmock/gmock.h>
 
-#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -31,9 +30,7 @@ class CalibratePlan : public ::testing::Test {
   }
 
   ChildResult plan(std::vector<std::string> more) const {
-    std::vector<std::string> call{"calibrate", "plan", (folder_ / "p.toml").string()};
-    call.insert(call.end(), more.begin(), more.end());
-    return run_tactel(call);
+    return run_tactel({"calibrate", "plan", (folder_ / "p.toml").string()}, more);
   }
 
   const std::string list =

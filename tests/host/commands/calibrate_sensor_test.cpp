@@ -3,7 +3,6 @@
 // tactel calibrate sensor as a user runs it: recordings of presses on a simulated sensor with unknown gains and E.
 #include <gmock/gmock.h>
 
-#include <cmath>
 #include <fstream>
 
 #include "fem/layer/patch_solver.h"
@@ -37,13 +36,10 @@ class CalibrateSensor : public ::testing::Test {
   /// Half a second at rest, then half a second on each load step. Returns the press's table.
   std::string press(int k) {
     const std::string name = "press" + std::to_string(k), file = (folder_ / name).string();
-    fem::Scene scene;
-    scene.sensor.tactels = tactels;
-    scene.sensor.young = true_young;
-    scene.indenter = {fem::Cylinder{12}, -7.0 + 2.8 * k};
-    scene.friction = 0.6;
-    scene.load.indentation = {0.15};
-    scene.load.tangential = {0.03, 0.06};
+    const fem::Scene scene{.sensor = {.young = true_young, .tactels = tactels},
+                           .indenter = {fem::Cylinder{12}, -7.0 + 2.8 * k},
+                           .friction = 0.6,
+                           .load = {.indentation = {0.15}, .tangential = {0.03, 0.06}}};
     write(file + ".toml",
           "[sensor]\ntactels = 8\nyoung = 2.0\nmodel = \"patch\"\n[indenter]\nshape = \"cylinder\"\nradius = 12\n"
           "position = " +
@@ -57,9 +53,7 @@ class CalibrateSensor : public ::testing::Test {
   }
 
   ChildResult calibrate(std::vector<std::string> more = {}) const {
-    std::vector<std::string> call{"calibrate", "sensor", recordings_, "--profile", profile_, "--output", output_};
-    call.insert(call.end(), more.begin(), more.end());
-    return run_tactel(call);
+    return run_tactel({"calibrate", "sensor", recordings_, "--profile", profile_, "--output", output_}, more);
   }
 
   ScratchFolder folder_;

@@ -189,13 +189,6 @@ TEST(Help, SaysTheTruthAboutPrecision) {
   EXPECT_THAT(precision_line("solve"), HasSubstr("(default:fp64"));
 }
 
-TEST(Words, AMisspeltOptionIsNamedWithTheOneThatWasMeant) {
-  const ChildResult result = run_tactel({"solve", parabola, "--jsn", "x"});
-  EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.err, AllOf(HasSubstr("--jsn: must be an option of tactel solve; did you mean --json?"),
-                                HasSubstr("see tactel solve --help")));
-}
-
 TEST(Words, AFileOfTheOtherKindNamesTheOtherCommand) {
   EXPECT_TRUE(is_refused(run_tactel({"solve", source_file("examples/random_sweep.toml")}), {"tactel generate"}));
   const ScratchFolder folder;

@@ -2,7 +2,6 @@
 
 // What the commands write survives a power cut: system calls as strace sees them; and one program at a time writes a
 // folder.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "host/support/durable_file.h"

@@ -25,9 +25,7 @@ std::vector<std::string> examples() {
 class Example : public testing::TestWithParam<std::string> {};
 
 nlohmann::json solved(const std::vector<std::string>& arguments) {
-  std::vector<std::string> all = {"solve", "--json", "-"};
-  all.insert(all.end(), arguments.begin(), arguments.end());
-  const ChildResult result = run_tactel(all);
+  const ChildResult result = run_tactel({"solve", "--json", "-"}, arguments);
   EXPECT_EQ(result.exit_code, 0) << result.err;
   const auto json = nlohmann::json::parse(result.out);
   const bool fine_mesh =

@@ -326,9 +326,7 @@ class SmallSet : public ::testing::Test {
   std::string operator/(const std::string& name) const { return (folder_ / name).string(); }
   std::string sweep(const std::string& name, const std::string& text) const { return folder_.write(name, text); }
   ChildResult run(const std::string& sweep, const std::string& output, std::vector<std::string> more = {}) const {
-    std::vector<std::string> arguments = {"generate", sweep, "--output", *this / output};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return run_tactel(arguments);
+    return run_tactel({"generate", sweep, "--output", *this / output}, more);
   }
   /// Stopped with one chunk of two in the spool: 8192 contacts of two rows of 89 bytes and at most five parameters fit
   /// under the limit of 1.664 MB for a file, 9000 do not.
@@ -390,8 +388,7 @@ TEST_F(SmallSet, ASetLargerThanTheDiskIsRefusedBeforeItBegins) {
   const Sweep drawn = read_sweep(large), small = read_sweep(whole_chunks);
   const SetColumns columns = columns_of(drawn.source);
   const double parameters = 4 * static_cast<double>(columns.parameters.size());
-  const double contact =
-      3 * (2 * 5 * 4 + 8 * 4 + 2 + 8 + 4 + 2 + 1 + 0.0) + parameters;  // as docs/sets.md lists them
+  const double contact = 3 * (2 * 5 * 4 + 8 * 4 + 2 + 8 + 4 + 2 + 1 + 0.0) + parameters;  // as docs/sets.md lists them
   EXPECT_EQ(expected_bytes(drawn.source, columns), 1e12 * contact);
   ASSERT_EQ(run(whole_chunks, "small.h5").exit_code, 0);
   const auto bytes = static_cast<double>(std::filesystem::file_size(*this / "small.h5"));

@@ -102,10 +102,7 @@ TEST_F(Monitor, LinesThatCannotBeWrittenAreAnError) {
 /// Ten seconds of noise at rest (100 Hz, deviation 3 around 2048); from 4 s on channel 3 is 12 higher. `noise`: line of
 /// the calibration.
 void record_drift(const std::string& path, const std::string& noise_line = "noise = 3\n") {
-  hw::GenericLayout layout;
-  layout.sync = {0xA5, 0x5A};
-  layout.header = 2;
-  layout.channels = 42;
+  const hw::GenericLayout layout{.sync = {0xA5, 0x5A}, .header = 2, .channels = 42};
   std::string normal = "0", shear = "21";
   for (int i = 1; i < 21; ++i) normal += fmt::format(", {}", i), shear += fmt::format(", {}", 21 + i);
   hw::RecordingWriter writer(

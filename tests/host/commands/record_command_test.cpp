@@ -17,9 +17,7 @@ using ::testing::HasSubstr;
 class Record : public LiveCommand {
  protected:
   ChildResult record(std::vector<std::string> more, const std::string& source = simulation) const {
-    std::vector<std::string> arguments{"record", "--source", source, "--quiet"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return run_tactel(arguments);
+    return run_tactel({"record", "--source", source, "--quiet"}, more);
   }
   ChildResult replay() const {
     return run_tactel({"monitor", "--source", "replay:" + recording_, "--network", network_});

@@ -339,76 +339,43 @@ TEST(CommandLine, DevicesAreListed) {
   EXPECT_GE(json::parse(run_tactel({"devices", "--json"}).out).size(), 1u);
 }
 
-struct WrongCall {
-  std::string name;
-  std::vector<std::string> arguments;
-  std::string says;
-};
-void PrintTo(const WrongCall& call, std::ostream* out) { *out << call.name; }
-
 class WrongCallTest : public testing::TestWithParam<WrongCall> {};
 
 TEST_P(WrongCallTest, EndsWithTwoAndSaysWhy) {
-  const ChildResult result = run_tactel(GetParam().arguments);
+  const ChildResult result = run_tactel(words(GetParam().arguments));
   EXPECT_EQ(result.exit_code, 2) << result.out;
   EXPECT_THAT(result.err, HasSubstr(GetParam().says));
   EXPECT_EQ(result.out, "");
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    All, WrongCallTest,
-    testing::Values(
-        WrongCall{"Nothing", {}, "Usage: tactel "},
-        WrongCall{"UnknownCommand", {"solv", parabola}, "; did you mean solve?"},
-        WrongCall{"UnknownOption", {"solve", parabola, "--jsn", "x"}, "--jsn"},
-        WrongCall{"NoScene", {"solve"}, "SCENE.toml = (missing)"},
-        WrongCall{"TwoScenes", {"solve", parabola, parabola}, parabola},
-        WrongCall{"UnknownSolver",
-                  {"solve", parabola, "--solver", "magic"},
-                  "--solver = magic: must be one of batched, full-mesh"},
-        WrongCall{"UnknownPrecision",
-                  {"solve", parabola, "--precision", "fp16"},
-                  "--precision = fp16: must be one of fp32, fp64"},
-        WrongCall{"NegativeTolerance", {"solve", parabola, "--tolerance", "-1"}, "--tolerance"},
-        WrongCall{"AccuracyIsNoNumber",
-                  {"solve", parabola, "--accuracy", "nan"},
-                  "--accuracy = nan: must be a finite number"},
-        WrongCall{"AccuracyIsInfinite",
-                  {"solve", parabola, "--accuracy", "inf"},
-                  "--accuracy = inf: must be a number above 0"},
-        WrongCall{"ToleranceIsNoNumber",
-                  {"solve", parabola, "--tolerance", "nan"},
-                  "--tolerance = nan: must be a finite number"},
-        WrongCall{"ReferenceInSingle",
-                  {"solve", parabola, "--solver", "full-mesh", "--precision", "fp32"},
-                  "--precision = fp32: must be fp64 with --solver full-mesh"},
-        WrongCall{"ReferenceOnADevice",
-                  {"solve", parabola, "--solver", "full-mesh", "--device", "0"},
-                  "--device = 0: must be left out"},
-        WrongCall{"UnknownDevice", {"solve", parabola, "--device", "abacus"}, "abacus"},
-        WrongCall{"StepBeyondTheLast",
-                  {"solve", parabola, "--step", "10"},
-                  "--step = 10: must be a load step of this scene, 1 to 9"},
-        WrongCall{
-            "StepZero", {"solve", parabola, "--step", "0"}, "--step = 0: must be a load step of this scene, 1 to 9"},
-        WrongCall{"NoSuchFolder",
-                  {"solve", parabola, "--json", "/no/such/folder/a.json"},
-                  "--json = /no/such/folder/a.json: must be a file that can be written (No such file or directory; "
-                  "make the folder first)"},
-        WrongCall{"OutputIsFolder",
-                  {"solve", parabola, "--field", "/tmp"},
-                  "--field = /tmp: must be a file that can be written (it names a folder)"},
-        WrongCall{"PlotAsPdf",
-                  {"solve", parabola, "--plot", "/tmp/a.pdf"},
-                  "--plot = /tmp/a.pdf: must be a file name that ends in .svg or .png"}),
-    [](const auto& info) { return info.param.name; });
+const WrongCall wrong_calls[] = {
+    {"Nothing", "", "Usage: tactel "},
+    {"UnknownCommand", "solv " + parabola, "; did you mean solve?"},
+    {"TwoScenes", "solve " + parabola + " " + parabola, parabola},
+    {"NegativeTolerance", "solve " + parabola + " --tolerance -1", "--tolerance"},
+    {"AccuracyIsNoNumber", "solve " + parabola + " --accuracy nan", "--accuracy = nan: must be a finite number"},
+    {"AccuracyIsInfinite", "solve " + parabola + " --accuracy inf", "--accuracy = inf: must be a number above 0"},
+    {"ToleranceIsNoNumber", "solve " + parabola + " --tolerance nan", "--tolerance = nan: must be a finite number"},
+    {"ReferenceInSingle", "solve " + parabola + " --solver full-mesh --precision fp32",
+     "--precision = fp32: must be fp64 with --solver full-mesh"},
+    {"ReferenceOnADevice", "solve " + parabola + " --solver full-mesh --device 0", "--device = 0: must be left out"},
+    {"UnknownDevice", "solve " + parabola + " --device abacus", "abacus"},
+    {"StepBeyondTheLast", "solve " + parabola + " --step 10", "--step = 10: must be a load step of this scene, 1 to 9"},
+    {"StepZero", "solve " + parabola + " --step 0", "--step = 0: must be a load step of this scene, 1 to 9"},
+    {"NoSuchFolder", "solve " + parabola + " --json /no/such/folder/a.json",
+     "--json = /no/such/folder/a.json: must be a file that can be written (No such file or directory; make the folder "
+     "first)"},
+    {"OutputIsFolder", "solve " + parabola + " --field /tmp",
+     "--field = /tmp: must be a file that can be written (it names a folder)"},
+    {"PlotAsPdf", "solve " + parabola + " --plot /tmp/a.pdf",
+     "--plot = /tmp/a.pdf: must be a file name that ends in .svg or .png"}};
+INSTANTIATE_TEST_SUITE_P(All, WrongCallTest, testing::ValuesIn(wrong_calls),
+                         [](const auto& info) { return info.param.name; });
 
 TEST(CommandLine, SaysThatGnuplotIsMissing) {
-  const std::string path = ::getenv("PATH");
-  ::setenv("PATH", "/nowhere", 1);
+  const Environment without_gnuplot("PATH", "/nowhere");
   const ScratchFolder folder;
   const ChildResult result = run_tactel({"solve", parabola, "--plot", folder / "a.svg"});
-  ::setenv("PATH", path.c_str(), 1);
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.err, HasSubstr("gnuplot installed (apt-get install gnuplot-nox)"));
   EXPECT_EQ(folder.files(), 0u);

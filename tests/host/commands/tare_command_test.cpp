@@ -15,9 +15,7 @@ using ::testing::HasSubstr;
 class TareCommand : public LiveCommand {
  protected:
   ChildResult tare(const std::string& source, std::vector<std::string> more = {}) const {
-    std::vector<std::string> arguments{"tare", "--source", source, "--output", calibration_};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return run_tactel(arguments);
+    return run_tactel({"tare", "--source", source, "--output", calibration_}, more);
   }
   std::string calibration_ = (folder_ / "c.toml").string();
   // Pressed at once and held, without the amplifiers' decay: constant stresses and noise.

@@ -8,6 +8,7 @@
 #include <iostream>
 
 #include "host/device/opencl.h"
+#include "tests/host/device/test_device.h"
 
 namespace tactel::host {
 namespace {
@@ -77,15 +78,12 @@ TEST(Device, AnUnknownChoiceListsWhatThereIs) {
 
 TEST(Device, AFailedCallNamesCallCodeAndDevice) {
   const Device device("basic");
-  try {
+  const auto empty = [&] {
     translated(device.info().name, [&] { cl::Buffer(device.context(), CL_MEM_READ_WRITE, 0); });
-    FAIL();
-  } catch (const DeviceError& error) {
-    EXPECT_EQ(error.call, "clCreateBuffer");
-    EXPECT_EQ(error.code, "CL_INVALID_BUFFER_SIZE");
-    EXPECT_EQ(error.device, device.info().name);
-    EXPECT_THAT(error.what(), HasSubstr("clCreateBuffer: CL_INVALID_BUFFER_SIZE on device basic"));
-  }
+  };
+  EXPECT_THAT(empty, throws_device_error("clCreateBuffer", "CL_INVALID_BUFFER_SIZE", device.info().name));
+  EXPECT_THAT(empty,
+              testing::ThrowsMessage<DeviceError>(HasSubstr("clCreateBuffer: CL_INVALID_BUFFER_SIZE on device basic")));
   EXPECT_EQ(cl_code_name(-54), "CL_INVALID_WORK_GROUP_SIZE");
   EXPECT_EQ(cl_code_name(-9999), "CL error -9999");
 }

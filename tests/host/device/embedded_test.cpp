@@ -78,12 +78,8 @@ TEST(Embedded, IncludesAreReplacedOnceAndLinesKept) {
 }
 
 TEST(Embedded, AnUnknownSourceIsNamed) {
-  try {
-    Program(device(), "nothing.cl", {});
-    FAIL();
-  } catch (const std::out_of_range& error) {
-    EXPECT_THAT(error.what(), HasSubstr("nothing.cl"));
-  }
+  EXPECT_THAT([] { Program(device(), "nothing.cl", {}); },
+              testing::ThrowsMessage<std::out_of_range>(HasSubstr("nothing.cl")));
 }
 
 TEST(Embedded, BuildLogNamesFileAndLine) {
@@ -93,13 +89,13 @@ TEST(Embedded, BuildLogNamesFileAndLine) {
 }
 
 TEST(Embedded, BuildErrorNamesTheOptions) {
-  try {
-    Program::from_text(device(), "broken.cl", "?", {{"LANES", "16"}, {"REAL", "float"}});
-    FAIL();
-  } catch (const KernelBuildError& error) {
-    EXPECT_EQ(error.options, "-cl-std=CL1.2 -cl-denorms-are-zero -DLANES=16 -DREAL=float");
-    EXPECT_THAT(error.what(), HasSubstr(error.options));
-  }
+  const std::string options = "-cl-std=CL1.2 -cl-denorms-are-zero -DLANES=16 -DREAL=float";
+  EXPECT_THAT(
+      [] {
+        Program::from_text(device(), "broken.cl", "?", {{"LANES", "16"}, {"REAL", "float"}});
+      },
+      testing::Throws<KernelBuildError>(AllOf(testing::Field(&KernelBuildError::options, options),
+                                              testing::Property(&KernelBuildError::what, HasSubstr(options)))));
 }
 
 }  // namespace

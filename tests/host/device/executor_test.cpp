@@ -173,14 +173,8 @@ TEST(Executor, AnErrorInAWorkerReachesTheCaller) {
     if (bound++ == 0) slow.bind()(kernel);  // the second thread's kernel lacks its argument
   });
   EXPECT_EQ(bound, 2);
-  try {
-    executor.run(launch, slow_groups);
-    FAIL();
-  } catch (const DeviceError& error) {
-    EXPECT_EQ(error.call, "clEnqueueNDRangeKernel");
-    EXPECT_EQ(error.code, "CL_INVALID_KERNEL_ARGS");
-    EXPECT_THAT(error.device, testing::StartsWith("basic"));
-  }
+  EXPECT_THAT([&] { executor.run(launch, slow_groups); },
+              throws_device_error("clEnqueueNDRangeKernel", "CL_INVALID_KERNEL_ARGS", "basic"));
   Marks marks(executor.device(), 100);  // and the executor goes on working
   executor.run(program(executor.device()), "mark", 100, marks.bind());
   EXPECT_EQ(marks.done(), 100u);
@@ -189,13 +183,8 @@ TEST(Executor, AnErrorInAWorkerReachesTheCaller) {
 TEST(Executor, AWrongArgumentIsADeviceError) {
   Executor executor(device());
   const auto bind = [](KernelArguments& kernel) { kernel.set(7, 1); };
-  try {
-    executor.run(program(device()), "mark", 1, bind);
-    FAIL();
-  } catch (const DeviceError& error) {
-    EXPECT_EQ(error.call, "clSetKernelArg");
-    EXPECT_EQ(error.code, "CL_INVALID_ARG_INDEX");
-  }
+  EXPECT_THAT([&] { executor.run(program(device()), "mark", 1, bind); },
+              throws_device_error("clSetKernelArg", "CL_INVALID_ARG_INDEX"));
 }
 
 class ProgressOn : public testing::TestWithParam<std::string> {};

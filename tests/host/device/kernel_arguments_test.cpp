@@ -3,7 +3,6 @@
 // Arguments are set by name and type; both are what OpenCL's compiler saw.
 #include "host/device/kernel_arguments.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <regex>

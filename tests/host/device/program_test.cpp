@@ -52,13 +52,7 @@ TEST(Program, KnowsWhichKernelsTakeTheirGroup) {
 }
 
 TEST(Program, AnUnknownKernelIsADeviceError) {
-  try {
-    program("1").kernel("nonesuch");
-    FAIL();
-  } catch (const DeviceError& error) {
-    EXPECT_EQ(error.call, "clCreateKernel");
-    EXPECT_EQ(error.code, "CL_INVALID_KERNEL_NAME");
-  }
+  EXPECT_THAT([] { program("1").kernel("nonesuch"); }, throws_device_error("clCreateKernel", "CL_INVALID_KERNEL_NAME"));
 }
 
 TEST(Program, OutlivesItsDeviceHandle) {

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <gmock/gmock.h>
+
+#include <map>
 #include <string>
 #include <vector>
 
@@ -34,6 +37,14 @@ inline std::vector<Device> devices_of_all_lanes() {
 
 inline Defines lanes_of(const Device& device, Precision precision) {
   return {{"LANES", std::to_string(device.lanes(precision))}, {"REAL", real_type(precision)}};
+}
+
+/// Matches a call that throws a DeviceError of this OpenCL call and code, on a device of such a name.
+inline auto throws_device_error(const std::string& call, const std::string& code, const std::string& device = "") {
+  using ::testing::Field;
+  return ::testing::Throws<DeviceError>(::testing::AllOf(Field(&DeviceError::call, call),
+                                                         Field(&DeviceError::code, code),
+                                                         Field(&DeviceError::device, ::testing::StartsWith(device))));
 }
 
 }  // namespace tactel::host

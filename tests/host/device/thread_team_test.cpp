@@ -84,12 +84,7 @@ TEST(ThreadTeam, ExceptionsOfWorkersReachTheCaller) {
       while (!came) std::this_thread::yield();
       if (index == thrower) throw std::runtime_error("from " + std::to_string(index));
     };
-    try {
-      team.run(body);
-      FAIL();
-    } catch (const std::runtime_error& error) {
-      EXPECT_EQ(error.what(), "from " + std::to_string(thrower));
-    }
+    EXPECT_THAT([&] { team.run(body); }, testing::ThrowsMessage<std::runtime_error>("from " + std::to_string(thrower)));
   }
   EXPECT_NO_THROW(team.run([](int) {}));
 }

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <regex>
 
@@ -28,12 +27,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 fem::Scene dragged_parabola() {
-  fem::Scene scene;
-  scene.sensor.columns = 21;
-  scene.sensor.rows = 5;
-  scene.load.indentation = {0.15};
-  scene.load.tangential = {0.05, 0.1};
-  return scene;
+  return {.sensor = {.columns = 21, .rows = 5}, .load = {.indentation = {0.15}, .tangential = {0.05, 0.1}}};
 }
 
 /// The page without its own style and script.
@@ -86,8 +80,8 @@ TEST(Page, NeedsNothingOutsideAndUsesEveryIdOnce) {
 }
 
 TEST(Page, DataHaveSixDigitsAndNullForWhatIsNoNumber) {
-  Figure figure;
-  figure.panels = {{.title = "p", .series = {{.label = "s", .x = {1.23456789, 2}, .y = {NAN, INFINITY}}}}};
+  const Figure figure{
+      .panels = {{.title = "p", .series = {{.label = "s", .x = {1.23456789, 2}, .y = {NAN, INFINITY}}}}}};
   const Json series = to_json(figure)["panels"][0]["series"][0];
   EXPECT_EQ(series["x"], Json::parse("[1.23457, 2.0]"));
   EXPECT_EQ(series["y"], Json::parse("[null, null]"));

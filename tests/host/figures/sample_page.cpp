@@ -3,7 +3,6 @@
 // Writes a page with every kind of block, for check_page.py: sample_page FILE.html
 #include <cmath>
 #include <fstream>
-#include <limits>
 
 #include "fem/gap_reference.h"
 #include "host/figures/contact_figure.h"
@@ -56,13 +55,7 @@ PageTable ranges_beside_the_paper() {
   return table;
 }
 
-fem::Scene contact() {
-  fem::Scene scene;
-  scene.title = "parabola";
-  scene.load.indentation = {0.15};
-  scene.load.tangential_step = 0.1;
-  return scene;
-}
+fem::Scene contact() { return {.title = "parabola", .load = {.indentation = {0.15}, .tangential_step = 0.1}}; }
 
 }  // namespace
 

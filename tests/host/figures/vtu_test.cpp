@@ -14,13 +14,9 @@ namespace tactel::host {
 namespace {
 
 fem::Scene small_scene(fem::Element element) {
-  fem::Scene scene;
-  scene.sensor.columns = 21;
-  scene.sensor.rows = 5;
-  scene.sensor.element = element;
-  scene.indenter.shape = fem::Parabola{.radius = 10.0};
-  scene.load.indentation = {0.15};
-  return scene;
+  return {.sensor = {.columns = 21, .rows = 5, .element = element},
+          .indenter = {.shape = fem::Parabola{.radius = 10.0}},
+          .load = {.indentation = {0.15}}};
 }
 
 class Vtu : public testing::TestWithParam<fem::Element> {};

@@ -28,6 +28,17 @@ inline std::string& metadata(onnx::ModelProto& proto, std::string_view key) {
   throw std::logic_error("no metadata " + std::string(key));
 }
 
+inline onnx::TensorProto& initializer(onnx::ModelProto& proto, const std::string& name) {
+  for (onnx::TensorProto& tensor : *proto.mutable_graph()->mutable_initializer())
+    if (tensor.name() == name) return tensor;
+  throw std::logic_error("no initializer " + name);
+}
+
+/// Puts another number in the place of a tensor's first one.
+inline void begin_with(onnx::TensorProto& tensor, float number) {
+  tensor.mutable_raw_data()->replace(0, sizeof number, reinterpret_cast<const char*>(&number), sizeof number);
+}
+
 /// The checksum of a file's content: of names, types, dimensions and numbers of the initializers, then of the metadata
 /// but for the checksum, sorted. Texts follow their lengths.
 inline std::string content_checksum(const onnx::ModelProto& proto) {

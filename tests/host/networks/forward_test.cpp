@@ -3,7 +3,6 @@
 // The forward kernels against their Eigen twin, against each other, and against what every recall must obey.
 #include "host/networks/forward.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <bit>

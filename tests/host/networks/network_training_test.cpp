@@ -16,6 +16,8 @@
 #include "host/support/checksum.h"
 #include "host/support/errors.h"
 #include "tests/host/networks/network_cases.h"
+#include "tests/scratch.h"
+#include "tests/thrown_message.h"
 
 namespace {
 
@@ -26,32 +28,19 @@ using tactel::testing::executor;
 namespace fs = std::filesystem;
 
 TrainingPlan small_plan() {
-  TrainingPlan plan;
-  plan.topologies = {nn::Topology::parse("16-16-8-1"), nn::Topology::parse("16-9-1")};
-  plan.seeds = {3, 4, 11};
-  plan.noises = {0.0, 0.1};
+  TrainingPlan plan{.topologies = {nn::Topology::parse("16-16-8-1"), nn::Topology::parse("16-9-1")},
+                    .seeds = {3, 4, 11},
+                    .noises = {0.0, 0.1}};
   plan.options.cycle_limit = 150;
   return plan;
 }
 
 class NetworkTrainingTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    directory_ = fs::temp_directory_path() /
-                 ("tactel_sweep_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
-    fs::remove_all(directory_);
-    fs::create_directories(directory_);
-  }
-  void TearDown() override { fs::remove_all(directory_); }
   fs::path checkpoint() const { return directory_ / "training.checkpoint"; }
   std::string message_of_load(const TrainingPlan& plan, const nn::FrameSet& set) const {
     NetworkTraining<float> training(executor(), set, plan);
-    try {
-      training.load(checkpoint());
-    } catch (const ConfigError& error) {
-      return error.what();
-    }
-    return "no error";
+    return thrown_message<ConfigError>([&] { training.load(checkpoint()); });
   }
 
   /// A stop error that half of a plan's networks reach, by what the reference does with mini-batches.
@@ -70,7 +59,7 @@ class NetworkTrainingTest : public ::testing::Test {
     return nn::quantile(smallest, 0.5);
   }
 
-  fs::path directory_;
+  const tactel::ScratchFolder directory_;
   nn::FrameSet set_ = bumps(40, 16, 3);
 };
 

@@ -8,7 +8,6 @@
 #include <onnx/checker.h>
 
 #include <cfenv>
-#include <cstring>
 #include <fstream>
 #include <functional>
 #include <iterator>
@@ -21,14 +20,18 @@
 #include "tests/host/networks/crafted_network.h"
 #include "tests/host/networks/network_cases.h"
 #include "tests/host/networks/onnx_evaluator.h"
+#include "tests/scratch.h"
+#include "tests/thrown_message.h"
 
 namespace {
 
 using namespace tactel;
 using namespace tactel::host;
 using nn::ScalingKind;
+using tactel::testing::begin_with;
 using tactel::testing::bumps;
 using tactel::testing::executor;
+using tactel::testing::initializer;
 using tactel::testing::metadata;
 using tactel::testing::OnnxEvaluator;
 using tactel::testing::parsed;
@@ -44,24 +47,13 @@ nn::Model some_model(const char* topology, ScalingKind kind) {
 
 class OnnxFile : public ::testing::Test {
  protected:
-  void SetUp() override {
-    directory_ = fs::temp_directory_path() /
-                 ("tactel_onnx_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
-    fs::remove_all(directory_);
-    fs::create_directories(directory_);
-    path_ = directory_ / "network.onnx";
-  }
-  void TearDown() override { fs::remove_all(directory_); }
   void put(const std::string& bytes) const { std::ofstream(path_, std::ios::binary) << bytes; }
-  std::string message() const {
-    try {
-      read_onnx(path_);
-    } catch (const ConfigError& error) {
-      return error.what();
-    }
-    return "no error";
+  static std::string refusal(const fs::path& path) {
+    return thrown_message<ConfigError>([&] { read_onnx(path); });
   }
-  fs::path directory_, path_;
+  std::string message() const { return refusal(path_); }
+  const tactel::ScratchFolder folder_;
+  const fs::path directory_ = folder_ / "", path_ = directory_ / "network.onnx";
 };
 
 }  // namespace
@@ -116,16 +108,11 @@ TEST_F(OnnxFile, MeansTheSameToAnotherRuntime) {
       frames.row(6).head(inputs / 2).setZero();
       const nn::Recall<float> own =
           Forward<float>(executor(), std::span(&model.weights, 1), model.scaling).recall(frames);
-      const OnnxEvaluator::Tensor input{{150, inputs}, {frames.data(), frames.data() + frames.size()}};
-      const OnnxEvaluator::Tensor s = OnnxEvaluator(parsed(model)).run(input);
-      ASSERT_EQ(s.shape, (std::vector<std::int64_t>{150, 1}));
-      double lowest = 1, highest = 0;
-      for (int row = 0; row < 150; ++row) {
-        EXPECT_NEAR(s.data[row], own.slip_index(row), 1e-5) << topology << ' ' << nn::name(kind) << " row " << row;
-        lowest = std::min(lowest, s.data[row]);
-        highest = std::max(highest, s.data[row]);
-      }
-      EXPECT_GT(highest - lowest, 0.05);
+      const OnnxEvaluator::Tensor s = OnnxEvaluator(parsed(model)).run(frames.cast<double>());
+      ASSERT_TRUE(s.rows() == 150 && s.cols() == 1);
+      for (int row = 0; row < 150; ++row)
+        EXPECT_NEAR(s(row), own.slip_index(row), 1e-5) << topology << ' ' << nn::name(kind) << " row " << row;
+      EXPECT_GT(s.maxCoeff() - s.minCoeff(), 0.05);
     }
   }
 }
@@ -214,12 +201,6 @@ struct Crafted {
   std::function<void(onnx::ModelProto&)> change;
 };
 
-onnx::TensorProto& initializer(onnx::ModelProto& model, const std::string& name) {
-  for (onnx::TensorProto& tensor : *model.mutable_graph()->mutable_initializer())
-    if (tensor.name() == name) return tensor;
-  throw std::runtime_error("no initializer " + name);
-}
-
 // Beside the changes of single fields (CraftedNetworks): none may crash, hang, or ask for memory by a number that the
 // file names, once more with a right checksum.
 TEST_F(OnnxFile, CraftedFilesAreRefused) {
@@ -228,16 +209,8 @@ TEST_F(OnnxFile, CraftedFilesAreRefused) {
       {"negative dimension", [](auto& m) { initializer(m, "weight1").set_dims(1, -16); }},
       {"too little data", [](auto& m) { initializer(m, "bias1").mutable_raw_data()->resize(3); }},
       {"too much data", [](auto& m) { initializer(m, "bias1").mutable_raw_data()->append(64, 'x'); }},
-      {"NaN",
-       [](auto& m) {
-         const float nan = std::numeric_limits<float>::quiet_NaN();
-         std::memcpy(initializer(m, "weight1").mutable_raw_data()->data(), &nan, sizeof nan);
-       }},
-      {"infinity",
-       [](auto& m) {
-         const float infinity = std::numeric_limits<float>::infinity();
-         std::memcpy(initializer(m, "bias2").mutable_raw_data()->data(), &infinity, sizeof infinity);
-       }},
+      {"NaN", [](auto& m) { begin_with(initializer(m, "weight1"), std::numeric_limits<float>::quiet_NaN()); }},
+      {"infinity", [](auto& m) { begin_with(initializer(m, "bias2"), std::numeric_limits<float>::infinity()); }},
       {"graph in an attribute",
        [](auto& m) {
          onnx::AttributeProto& attribute = *m.mutable_graph()->mutable_node(0)->add_attribute();
@@ -268,14 +241,6 @@ TEST_F(OnnxFile, CraftedFilesAreRefused) {
 }
 
 TEST_F(OnnxFile, IsNoDeviceAndNotEndless) {
-  const auto refusal = [](const fs::path& path) {
-    try {
-      read_onnx(path);
-    } catch (const ConfigError& error) {
-      return std::string(error.what());
-    }
-    return std::string("no error");
-  };
   EXPECT_THAT(refusal("/dev/zero"), ::testing::HasSubstr("must be"));
   EXPECT_THAT(refusal(directory_), ::testing::HasSubstr("must be"));
   put(infer::network_bytes(some_model("2-1-1", ScalingKind::set)));

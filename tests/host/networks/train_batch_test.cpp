@@ -4,7 +4,6 @@
 // obey.
 #include "host/networks/train_batch.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "fem/value_error.h"

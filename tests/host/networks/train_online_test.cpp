@@ -3,7 +3,6 @@
 // The online training kernel against its Eigen twin, and against what every training must obey.
 #include "host/networks/train_online.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

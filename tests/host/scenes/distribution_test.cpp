@@ -10,6 +10,7 @@
 #include <functional>
 
 #include "tests/host/support/run_tactel.h"
+#include "tests/thrown_message.h"
 
 namespace tactel::host {
 namespace {
@@ -89,12 +90,8 @@ TEST(Distribution, DrawsDoNotKnowEachOther) {
 std::string message_of(const std::string& text) {
   const ScratchFolder folder;
   const TomlFile file(folder.write("s.toml", "[contact]\nfriction = " + text + "\n"));
-  try {
-    read_distribution(file, "contact.friction", *file.root().at_path("contact.friction").node());
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return "no error";
+  return thrown_message<ConfigError>(
+      [&] { read_distribution(file, "contact.friction", *file.root().at_path("contact.friction").node()); });
 }
 
 TEST(Distribution, RefusesWhatIsNone) {

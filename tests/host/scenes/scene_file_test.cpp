@@ -138,11 +138,8 @@ TEST(SceneFile, ProfileFromBesideTheScene) {
 
 TEST(SceneFile, PaperPreset) {
   const fem::Scene scene = read_text("preset = \"paper\"\n");
-  fem::Sensor expected;
-  expected.poisson = 0.49;
-  expected.grading = 2.75;
-  expected.element = fem::Element::q4i;
-  expected.stress = fem::StressRecovery::element;
+  const fem::Sensor expected{
+      .poisson = 0.49, .grading = 2.75, .element = fem::Element::q4i, .stress = fem::StressRecovery::element};
   EXPECT_EQ(scene.sensor, expected);
   EXPECT_EQ(std::get<fem::Parabola>(scene.indenter.shape).radius, 97.0);
   EXPECT_EQ(scene.friction, 0.4);
@@ -214,8 +211,7 @@ TEST(SceneFile, ModelIsTheMeshWhereTheFileNamesOne) {
 
 TEST(SceneJson, EveryKindOfLoad) {
   const auto json_of = [](const std::string& lines) {
-    fem::Scene scene;
-    scene.load = load_of(lines);
+    const fem::Scene scene{.load = load_of(lines)};
     return to_json(scene)["load"].dump();
   };
   EXPECT_EQ(json_of("indentation = [0.1, 0.05]\ntangential = [0.1, 0.0]"),

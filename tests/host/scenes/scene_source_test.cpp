@@ -249,12 +249,8 @@ TEST(SceneSource, OwnSensorsNeedPatches) {
   SceneSource sweep = source(head + load + parabola + own_sensor);
   sweep.model_on(rung_named("patch-8"));
   EXPECT_TRUE(sweep.own_sensors());
-  try {
-    sweep.model_on(rung_named("mesh-161"));
-    ADD_FAILURE() << "no error";
-  } catch (const ConfigError& error) {
-    EXPECT_THAT(error.what(), ::testing::HasSubstr("[sweep] sensors"));
-  }
+  EXPECT_THAT([&] { sweep.model_on(rung_named("mesh-161")); },
+              ::testing::ThrowsMessage<ConfigError>(::testing::HasSubstr("[sweep] sensors")));
 }
 
 TEST(SceneSource, RefusesWithFileLineAndKey) {

@@ -5,6 +5,7 @@
 #include "host/scenes/scene_source.h"
 #include "host/support/errors.h"
 #include "tests/host/support/run_tactel.h"
+#include "tests/thrown_message.h"
 
 namespace tactel::host {
 
@@ -16,12 +17,7 @@ inline SceneSource source(const std::string& text) {
 
 /// What is said of the text where it is refused.
 inline std::string message_of(const std::string& text) {
-  try {
-    source(text);
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return "no error";
+  return thrown_message<ConfigError>([&] { source(text); });
 }
 
 }  // namespace tactel::host

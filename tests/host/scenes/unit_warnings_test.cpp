@@ -20,10 +20,8 @@ using testing::IsEmpty;
 using testing::StartsWith;
 
 fem::Scene scene_with(double young, double thickness, double length = 20, double radius = 10) {
-  fem::Scene scene;
-  scene.sensor.young = young, scene.sensor.thickness = thickness, scene.sensor.length = length;
-  scene.indenter.shape = fem::Parabola{radius};
-  return scene;
+  return {.sensor = {.length = length, .thickness = thickness, .young = young},
+          .indenter = {.shape = fem::Parabola{radius}}};
 }
 
 TEST(UnitWarnings, ModuliAndLengthsOfOtherUnitsAreNamed) {

@@ -8,7 +8,6 @@
 
 #include <chrono>
 #include <csignal>
-#include <initializer_list>
 #include <thread>
 
 namespace tactel::host {

@@ -1,29 +1,46 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <optional>
 #include <sstream>
-#include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "host/support/child_process.h"
 #include "test_paths.h"
+#include "tests/scratch.h"
 
 namespace tactel::host {
 
-/// Runs the program as a user would.
-inline ChildResult run_tactel(const std::vector<std::string>& arguments) {
+using tactel::Environment;
+using tactel::ScratchFolder;
+using tactel::text_of;
+
+/// Runs the program as a user would, with these arguments and then `more`.
+inline ChildResult run_tactel(const std::vector<std::string>& arguments, const std::vector<std::string>& more = {}) {
   std::vector<std::string> command{TACTEL_PROGRAM};
   command.insert(command.end(), arguments.begin(), arguments.end());
+  command.insert(command.end(), more.begin(), more.end());
   return run_child(command);
 }
+
+/// The words of a line, which spaces separate.
+inline std::vector<std::string> words(const std::string& line) {
+  std::vector<std::string> all;
+  std::istringstream in(line);
+  for (std::string word; std::getline(in, word, ' ');) all.push_back(word);
+  return all;
+}
+
+/// A call that the program refuses, as a row of a table.
+struct WrongCall {
+  std::string name;       ///< of the test
+  std::string arguments;  ///< separated by spaces
+  std::string says;       ///< a part of the message
+  friend void PrintTo(const WrongCall& call, std::ostream* out) { *out << call.name; }
+};
 
 /// Whether a run ended with this exit code and a message that holds all of `says`.
 inline ::testing::AssertionResult is_refused(const ChildResult& result, const std::vector<std::string>& says,
@@ -44,57 +61,6 @@ inline std::string without_progress(const std::string& err) {
     if (!line.ends_with(" ...") && !line.ends_with(" left") && !line.ends_with(" %")) rest += line + "\n";
   return rest;
 }
-
-inline std::string text_of(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-/// A folder that is gone after the test.
-class ScratchFolder {
- public:
-  ScratchFolder() : path_((std::filesystem::temp_directory_path() / "tactel-test-XXXXXX").string()) {
-    if (::mkdtemp(path_.data()) == nullptr) throw std::runtime_error("no folder " + path_);
-  }
-  ~ScratchFolder() { std::filesystem::remove_all(path_); }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-
-  std::filesystem::path operator/(const std::string& name) const { return std::filesystem::path(path_) / name; }
-  std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(*this / name, std::ios::binary) << text;
-    return (*this / name).string();
-  }
-  std::size_t files() const {
-    const std::filesystem::directory_iterator all(path_);
-    return static_cast<std::size_t>(std::distance(begin(all), end(all)));
-  }
-
- private:
-  std::string path_;
-};
-
-/// While it lives, an environment variable has another value, or none.
-class Environment {
- public:
-  Environment(std::string name, const std::optional<std::string>& value) : name_(std::move(name)) {
-    if (const char* before = std::getenv(name_.c_str())) before_ = before;
-    set(value);
-  }
-  ~Environment() { set(before_); }
-  Environment(const Environment&) = delete;
-  Environment& operator=(const Environment&) = delete;
-
- private:
-  void set(const std::optional<std::string>& value) {
-    value ? ::setenv(name_.c_str(), value->c_str(), 1) : ::unsetenv(name_.c_str());
-  }
-
-  std::string name_;
-  std::optional<std::string> before_;
-};
 
 /// While it lives, the programs that run_tactel starts keep their caches apart from those of all others: also of this
 /// process, which names PoCL's to its children once it has opened a device.

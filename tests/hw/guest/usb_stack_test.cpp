@@ -12,6 +12,7 @@
 #include "hw/formats.h"
 #include "hw/usb_source.h"
 #include "tests/hw/guest/rig.h"
+#include "tests/thrown_message.h"
 
 namespace tactel::hw::testing {
 namespace {
@@ -233,12 +234,7 @@ TEST_P(UsbStack, Restart) {
 }
 
 std::string refusal() {
-  try {
-    open_usb(serial_glove);
-    return "no refusal";
-  } catch (const SourceError& error) {
-    return error.what();
-  }
+  return thrown_message<SourceError>([] { open_usb(serial_glove); });
 }
 
 TEST_P(UsbStack, InUse) {

@@ -13,7 +13,6 @@
 #include <chrono>
 #include <fstream>
 #include <stdexcept>
-#include <string>
 #include <thread>
 
 #include "tests/hw/guest/rig.h"

@@ -12,6 +12,7 @@
 
 #include "test_paths.h"
 #include "tests/hw/usb/emulated_device.h"
+#include "tests/scratch.h"
 
 namespace tactel::hw::testing {
 namespace {
@@ -26,30 +27,25 @@ ByteVector frames(int first) {
 
 class UsbCommands : public ::testing::Test {
  protected:
-  UsbCommands() {
-    if (::mkdtemp(folder_.data()) == nullptr) throw std::runtime_error("no folder");
-    left_.send(frames(0)), right_.send(frames(1000));
-  }
-  ~UsbCommands() override { std::filesystem::remove_all(folder_); }
+  UsbCommands() { left_.send(frames(0)), right_.send(frames(1000)); }
 
   /// Records for a second; what it says on stderr. first_: channel 0 of the first frame, as text.
   std::string record(const std::string& source) {
-    const std::string at = folder_ + "/", command = std::string(TACTEL_PROGRAM) +
-                                                    " record --seconds 1 --force --source '" + source + "' --output " +
-                                                    at + "r --frames " + at + "f.csv 2> " + at + "err";
+    const std::string at = folder_ / "", command = std::string(TACTEL_PROGRAM) +
+                                                   " record --seconds 1 --force --source '" + source + "' --output " +
+                                                   at + "r --frames " + at + "f.csv 2> " + at + "err";
     exit_code_ = WEXITSTATUS(std::system(command.c_str()));
     std::ifstream table(at + "f.csv");
     std::string line;
     std::getline(table, line), std::getline(table, line);
     std::istringstream cells(line);
     for (int i = 0; i < 4; ++i) std::getline(cells, first_, ',');
-    std::ostringstream said;
-    said << std::ifstream(at + "err").rdbuf();
-    return said.str();
+    return text_of(at + "err");
   }
 
   EmulatedDevice left_{glove_kind(), 1, "L-7"}, right_{glove_kind(), 2, "R-8"};
-  std::string folder_ = (std::filesystem::temp_directory_path() / "tactel-usb-XXXXXX").string(), first_;
+  const ScratchFolder folder_;
+  std::string first_;
   int exit_code_ = -1;
 };
 

@@ -11,6 +11,7 @@
 #include "hw/formats.h"
 #include "tests/hw/byte_vectors.h"
 #include "tests/hw/usb/emulated_device.h"
+#include "tests/thrown_message.h"
 
 namespace tactel::hw::testing {
 namespace {
@@ -244,12 +245,7 @@ TEST(UsbSource, GoesOnByItselfAfterUnplugAndReturn) {
 }
 
 std::string refusal(const UsbDevice& wanted) {
-  try {
-    open_usb(wanted);
-    return "no refusal";
-  } catch (const SourceError& error) {
-    return error.what();
-  }
+  return thrown_message<SourceError>([&] { open_usb(wanted); });
 }
 
 UsbDevice glove_at(const std::string& port) {
@@ -368,12 +364,7 @@ TEST(UsbSource, ASerialNumberHoldsNothingThatATerminalObeys) {
 
 TEST(UsbSource, SaysWhatToCheckWhenNothingIsThere) {
   EmulatedDevice device(glove_kind());
-  try {
-    open_usb({.vendor = 0x04D8, .product = 0x000B});
-    FAIL();
-  } catch (const SourceError& error) {
-    EXPECT_THAT(error.what(), ::testing::HasSubstr("lsusb -d 04d8:000b"));
-  }
+  EXPECT_THAT(refusal({.vendor = 0x04D8, .product = 0x000B}), ::testing::HasSubstr("lsusb -d 04d8:000b"));
   EXPECT_THROW(open_usb({.vendor = 0x04D8, .product = 0x000A, .endpoint = 0x8F}), SourceError);
 }
 
