@@ -20,7 +20,6 @@
 #include "kernels/shared/contact_layout.h"
 #include "tests/host/contact/contact_cases.h"
 #include "tests/host/device/test_device.h"
-#include "tests/host/device/test_device.h"
 
 namespace tactel::host {
 namespace {

@@ -20,8 +20,8 @@ namespace {
 
 using namespace tactel;
 using namespace tactel::host;
-using tactel::testing::all_parts;
 using tactel::host::executor;
+using tactel::testing::all_parts;
 using tactel::testing::largest_difference;
 using tactel::testing::TransducerCase;
 
