@@ -6,14 +6,16 @@ namespace tactel::hw {
 
 /// A generic frame with everything a profile can ask for: counter, clock, checksum, trailer.
 inline GenericLayout counted_layout() {
-  return {.sync = {0xA5, 0x5A},
-          .header = 8,
-          .counter = {2, 2},
-          .clock = {4, 4},
-          .channels = 4,
-          .checksum = Checksum::crc16,
-          .trailer = {0x0D},
-          .confirmations = 2};
+  GenericLayout layout;
+  layout.sync = {0xA5, 0x5A};
+  layout.header = 8;
+  layout.counter = {2, 2};
+  layout.clock = {4, 4};
+  layout.channels = 4;
+  layout.checksum = Checksum::crc16;
+  layout.trailer = {0x0D};
+  layout.confirmations = 2;
+  return layout;
 }
 
 }  // namespace tactel::hw

@@ -3,6 +3,7 @@
 // The file cache of condensations. The input says how a whole file is damaged: where to begin, what to do, and the
 // bytes to write there. The answer must be that of a fresh condensation.
 #include <cstring>
+#include <vector>
 
 #include "fem/condensation.h"
 #include "tests/fuzz/fuzz.h"
@@ -10,7 +11,13 @@
 namespace tactel::fuzz {
 namespace {
 
-fem::Sensor small_sensor() { return {.columns = 3, .rows = 2, .tactels = 2}; }
+fem::Sensor small_sensor() {
+  fem::Sensor sensor;
+  sensor.columns = 3;
+  sensor.rows = 2;
+  sensor.tactels = 2;
+  return sensor;
+}
 
 struct CacheFile {
   CacheFile() : fresh(fem::condense_cached(small_sensor(), folder())) {

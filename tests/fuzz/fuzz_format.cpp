@@ -2,7 +2,9 @@
 
 // One target a wire format (FUZZ_FORMAT, set by CMake): the input, decoded at once and in parts whose length it says
 // itself.
+#include <cmath>
 #include <cstdlib>
+#include <span>
 
 #include "hw/decoder.h"
 #include "hw/formats.h"

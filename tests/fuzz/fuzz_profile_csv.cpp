@@ -16,7 +16,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzz::check(std::isfinite(profile.x[i]) && std::isfinite(profile.y[i]), "numbers are finite");
     fuzz::check(i == 0 || profile.x[i] > profile.x[i - 1], "x increases");
   }
-  const fem::Indenter indenter{.shape = profile};
+  fem::Indenter indenter;
+  indenter.shape = profile;
   fuzz::accepts<ValueError>([&] { indenter.validate(); });
   return 0;
 }

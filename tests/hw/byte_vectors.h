@@ -2,6 +2,8 @@
 #pragma once
 #include <bit>
 #include <cstdint>
+#include <cstring>
+#include <string_view>
 #include <vector>
 
 #include "hw/decoder.h"

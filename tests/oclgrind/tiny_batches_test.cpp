@@ -58,11 +58,7 @@ INSTANTIATE_TEST_SUITE_P(Lanes, TinyBatches, ::testing::Values(1, 16));
 
 /// A sensor of few nodes; scenes that touch one node, some, and all of them.
 std::vector<fem::Scene> few_scenes(bool by_force, double friction) {
-  fem::Sensor sensor;
-  sensor.length = 6;
-  sensor.columns = 9;
-  sensor.rows = 3;
-  sensor.tactels = 4;
+  const fem::Sensor sensor{.length = 6, .columns = 9, .rows = 3, .tactels = 4};
   std::vector<fem::Scene> scenes;
   for (const fem::Shape& shape : {fem::Shape(fem::Parabola{10}), fem::Shape(fem::Wedge{120}), fem::Shape(fem::Flat{})})
     scenes.push_back({"", sensor, {shape, 0.0}, friction, {}});

@@ -2,7 +2,6 @@
 
 // How true the deviations of a calibration are: sensors whose frames come from twice the elements of the fit, each
 // on tables of its own layer, with an error of the gauge in each press, and with presses that the fit knows wrongly.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -37,8 +36,7 @@ Tally run(const Case& of, int sensors) {
   Tally sum;
   for (int k = 0; k < sensors; ++k) {
     const Simulated s = simulate_sensor(static_cast<unsigned>(1000 + k), all, noise, of.as);
-    CalibrationOptions options;
-    options.rest_noise = s.noise / s.gain.array();
+    const CalibrationOptions options{.rest_noise = s.noise / s.gain.array()};
     const SensorCalibration c = calibrate_sensor(family(), s.presses, nominal(), options);
     EXPECT_TRUE(c.converged) << of.name << ' ' << k;
     const auto within = [](const Fitted& found, double value) {

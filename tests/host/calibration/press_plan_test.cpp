@@ -20,12 +20,7 @@ namespace {
 using Eigen::Index;
 
 fem::Scene nominal_scene(int count) {
-  fem::Scene scene;
-  scene.sensor.poisson = nominal_poisson;
-  scene.sensor.young = nominal_young;
-  scene.sensor.tactels = count;
-  scene.friction = 0.6;
-  return scene;
+  return {.sensor = {.young = nominal_young, .poisson = nominal_poisson, .tactels = count}, .friction = 0.6};
 }
 
 /// The usual candidates, on the nominal sensor.
@@ -78,9 +73,7 @@ struct Found {
   std::vector<double> gain_error, young_error, poisson_error;
 
   void add(const fem::SensorFamily& of, const Simulated& s) {
-    CalibrationOptions fit;
-    fit.elements = elements;
-    const SensorCalibration c = calibrate_sensor(of, s.presses, nominal(), fit);
+    const SensorCalibration c = calibrate_sensor(of, s.presses, nominal(), {.elements = elements});
     EXPECT_TRUE(c.converged);
     for (Index i = 0; i < s.gain.size(); ++i) {
       const Fitted& gain = c.gain[static_cast<std::size_t>(i)];

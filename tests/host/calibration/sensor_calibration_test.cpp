@@ -159,8 +159,7 @@ TEST(SensorCalibration, TheIndenterThatDoesNotFitIsNamed) {
 
 TEST(SensorCalibration, ResidualsBeyondTheNoiseAtRestAreNamed) {
   const Simulated s = simulate(6);
-  CalibrationOptions options;
-  options.rest_noise = s.noise / s.gain.array() / 1.5;
+  const CalibrationOptions options{.rest_noise = s.noise / s.gain.array() / 1.5};
   const std::vector<std::string> found = texts(calibrate(s, options), CalibrationFault::Kind::model_misfit);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_THAT(found[0], testing::HasSubstr("residuals are 1.5 times the noise at rest"));
@@ -168,8 +167,7 @@ TEST(SensorCalibration, ResidualsBeyondTheNoiseAtRestAreNamed) {
 
 TEST(SensorCalibration, AllPressesWithAnotherIndenter) {
   Simulated s = simulate(2);
-  CalibrationOptions options;
-  options.rest_noise = s.noise / s.gain.array();
+  const CalibrationOptions options{.rest_noise = s.noise / s.gain.array()};
   for (KnownPress& press : s.presses) std::get<fem::Cylinder>(press.scene.indenter.shape).radius *= 0.3;
   const SensorCalibration c = calibrate(s, options);
   EXPECT_TRUE(std::ranges::any_of(
@@ -237,8 +235,7 @@ TEST(SensorCalibration, FindsTheTimeConstant) {
   constexpr double RC = 1.7;
   const std::vector<KnownPress> all = timed_presses();
   const Simulated s = simulate_sensor(7, all, 0.01 * largest_stress(all), {.time_constant = RC});
-  CalibrationOptions options;
-  options.time_constant = 1;
+  CalibrationOptions options{.time_constant = 1};
   options.fit_time_constant = true;
   const SensorCalibration c = calibrate(s, options);
   ASSERT_TRUE(c.converged);
@@ -288,8 +285,7 @@ TEST(SensorCalibration, FindsTheFrictionOfPresses) {
 }
 
 TEST(SensorCalibrationNightly, FrictionsOfTwentySensorsAreWithinTheirDeviations) {
-  CalibrationOptions options;
-  options.friction_deviation = 0.3;
+  const CalibrationOptions options{.friction_deviation = 0.3};
   double within = 0, all = 0, worst = 0;
   for (unsigned seed = 40; seed < 60; ++seed)
     for (const Fitted& mu : calibrate(with_other_frictions(seed), options).friction) {

@@ -40,7 +40,7 @@ std::map<std::string, std::string> options_of(const std::string& command) {
 }
 
 TEST(OptionErrors, AChoiceNamesAllThatIsAllowed) {
-  const std::regex choices("[a-z0-9]+([|][a-z0-9]+)+");
+  const std::regex choices("[a-z0-9-]+([|][a-z0-9-]+)+");
   std::set<std::string> found;
   for (const std::string& command : commands)
     for (auto [option, type] : options_of(command)) {

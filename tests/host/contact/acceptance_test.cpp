@@ -18,12 +18,10 @@ constexpr double bound(Precision precision) { return precision == Precision::fp3
 
 /// A round bar pressed into nearly incompressible rubber: sweeps to 1e-2 leave a residual of 0.048 on 41 columns.
 fem::Scene bar() {
-  fem::Scene scene;
-  scene.sensor.poisson = 0.499;
-  scene.indenter.shape = fem::Cylinder{30};
-  scene.friction = 1;
-  scene.load.indentation = {0.2};
-  return scene;
+  return {.sensor = {.poisson = 0.499},
+          .indenter = {.shape = fem::Cylinder{30}},
+          .friction = 1,
+          .load = {.indentation = {0.2}}};
 }
 
 void expect_accepted(const fem::ContactSolution& solution, double most) {
@@ -47,8 +45,7 @@ TEST_P(Acceptance, OfARungHoldsTheBound) {
     const ContactModel model = model_of(rung);
     const auto* on_patch = std::get_if<PatchModel>(&model.surface);
     const GapSweepOptions mesh = on_patch ? on_patch->mesh : std::get<MeshModel>(model.surface).options;
-    fem::Sensor small;
-    small.columns = 5, small.rows = 3;
+    const fem::Sensor small{.columns = 5, .rows = 3};
     const auto accepted = [&](const auto& launcher) { return launcher.options().accept; };
     const auto sensor = fem::endless_layer(scene.sensor);
     const bool fp32 = precision == Precision::fp32;
@@ -73,9 +70,7 @@ INSTANTIATE_TEST_SUITE_P(EveryRung, Acceptance,
 
 /// Pressed straight down, a symmetric contact has Q = 0. The exact fallback leaves what rounding does.
 TEST(Acceptance, ASymmetricPressHasNoTangentialForce) {
-  SolveOptions options;
-  options.rung = "mesh-41";
-  const fem::ContactStep step = solve(bar(), options).solution.steps.back();
+  const fem::ContactStep step = solve(bar(), {.rung = "mesh-41"}).solution.steps.back();
   EXPECT_TRUE(step.converged);
   EXPECT_LE(std::abs(step.Q), 1e-6 * step.P);
 }

@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "fem/contact_laws.h"
-#include "host/contact/solve_on_rung.h"
 #include "host/contact/gap_sweep.h"
+#include "host/contact/solve_on_rung.h"
 #include "tests/host/contact/contact_cases.h"
 #include "tests/host/device/test_device.h"
 

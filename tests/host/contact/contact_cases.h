@@ -26,19 +26,11 @@ inline std::vector<fem::Shape> all_shapes() {
 }
 
 inline fem::Sensor paper_mesh(char which) {
-  fem::Sensor sensor;
-  sensor.columns = which == 'A' ? 123 : 41;
-  sensor.rows = which == 'A' ? 33 : 11;
-  return sensor;
+  return {.columns = which == 'A' ? 123 : 41, .rows = which == 'A' ? 33 : 11};
 }
 
 /// Press in two steps, drag, go back through zero, and forth again.
-inline fem::Load reversal() {
-  fem::Load load;
-  load.indentation_steps = 2;
-  load.tangential = {0.05, 0.1, 0.2, 0.1, -0.1, -0.05};
-  return load;
-}
+inline fem::Load reversal() { return {.indentation_steps = 2, .tangential = {0.05, 0.1, 0.2, 0.1, -0.1, -0.05}}; }
 
 /// Random shapes, places, friction, depths and paths on one sensor.
 inline std::vector<fem::Scene> random_scenes(const fem::Sensor& sensor, std::size_t count, std::uint64_t seed) {

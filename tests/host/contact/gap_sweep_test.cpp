@@ -4,11 +4,9 @@
 // knows.
 #include "host/contact/gap_sweep.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "fem/gap_reference.h"

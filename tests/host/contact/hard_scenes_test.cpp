@@ -10,10 +10,10 @@
 #include "fem/contact_laws.h"
 #include "fem/gap_reference.h"
 #include "fem/solution_difference.h"
-#include "host/contact/solve_on_rung.h"
 #include "host/contact/gap_sweep.h"
 #include "host/contact/scene_json.h"
 #include "host/contact/solve.h"
+#include "host/contact/solve_on_rung.h"
 #include "host/scenes/scene_file.h"
 #include "host/support/errors.h"
 #include "test_paths.h"
@@ -29,11 +29,7 @@ fem::Scene scene_of(const std::string& name) {
   return read_scene(std::string(TACTEL_SOURCE_DIR) + "/tests/host/contact/scenes/" + name + ".toml");
 }
 
-SolveOutcome solve_in(const fem::Scene& scene, const char* precision) {
-  SolveOptions options;
-  options.precision = precision;
-  return solve(scene, options);
-}
+SolveOutcome solve_in(const fem::Scene& scene, const char* precision) { return solve(scene, {.precision = precision}); }
 
 bool converged(const fem::ContactSolution& solution) {
   return std::ranges::all_of(solution.steps, &fem::ContactStep::converged);
@@ -67,10 +63,8 @@ TEST(HardScenes, AReleasedFlatNeverSlides) {
 
 /// No solver goes through 1000 steps of a drag over nothing; a batch of many lanes neither, and what touches goes on.
 TEST(HardScenes, ADragThatTouchesNothingEndsAtOnce) {
-  fem::Scene scene;
-  scene.sensor.columns = 21, scene.sensor.rows = 4;
-  scene.load.indentation = {0.1, 0.0};
-  scene.load.tangential_step = 0.01;
+  const fem::Scene scene{.sensor = {.columns = 21, .rows = 4},
+                         .load = {.indentation = {0.1, 0.0}, .tangential_step = 0.01}};
   fem::Scene touching = scene;
   touching.load.indentation = {0.1, 0.05};
   const fem::ContactSolution exact = fem::solve_gap_reference(scene), slid = fem::solve_gap_reference(touching);
@@ -192,9 +186,7 @@ TEST(HardScenes, ForcesThatSinglePrecisionDoesNotResolveAreNamed) {
   EXPECT_LT(fp32.solution.base_force_error, 2 * off);
   EXPECT_THAT(warnings(fp32), Contains(HasSubstr("in fp32 single base forces may be off by some 0.02 of the largest")));
   EXPECT_THAT(warnings(solve_in(thick, "fp64")), ::testing::IsEmpty());
-  fem::Scene usual;
-  usual.indenter.shape = fem::Parabola{10};
-  usual.load.tangential = {0.05, 0.1, -0.1};
+  const fem::Scene usual{.indenter = {.shape = fem::Parabola{10}}, .load = {.tangential = {0.05, 0.1, -0.1}}};
   EXPECT_THAT(warnings(solve_in(usual, "fp32")), ::testing::IsEmpty());
 }
 
@@ -275,11 +267,9 @@ TEST(HardScenes, AnIndentationDoesNotSlide) {
 }
 
 TEST(HardScenes, AccuracyAndToleranceMustBeNumbersAboveZero) {
-  fem::Scene scene;
-  scene.indenter.shape = fem::Parabola{10};
+  const fem::Scene scene{.indenter = {.shape = fem::Parabola{10}}};
   for (const double wrong : {std::nan(""), double(INFINITY), 0.0, -0.1}) {
-    SolveOptions options;
-    options.accuracy = wrong;
+    SolveOptions options{.accuracy = wrong};
     EXPECT_THROW(solve(scene, options), ConfigError) << wrong;
     options.accuracy.reset();
     options.tolerance = wrong;

@@ -118,8 +118,7 @@ TEST(MeshError, IsNoneWithoutContact) {
 
 // Q of a symmetric indenter that is only pressed is rounding, some 1e-17 N/mm: its relative difference means nothing.
 TEST(MeshError, IsNoneOfARoundingThatIsQ) {
-  SolveOutcome outcome;
-  outcome.scene = parabola();
+  SolveOutcome outcome{.scene = parabola()};
   outcome.scene.load = {};
   outcome.scene.load.indentation = {0.05, 0.15, 0.05};
   outcome.solution = fem::solve_gap_reference(outcome.scene);

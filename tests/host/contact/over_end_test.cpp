@@ -15,15 +15,12 @@ namespace tactel::host {
 namespace {
 
 fem::Scene over_end(fem::Shape shape, double position, double friction) {
-  fem::Scene scene;
-  scene.sensor.length = 11.014, scene.sensor.thickness = 0.939;
-  scene.sensor.young = 0.7991, scene.sensor.poisson = 0;
-  scene.sensor.tactels = 33;
-  scene.sensor.tactel_span = 9.913;
-  scene.indenter = {std::move(shape), position};
-  scene.friction = friction;
-  scene.model = fem::SurfaceModel::patch;
-  return scene;
+  return {
+      .sensor =
+          {.length = 11.014, .thickness = 0.939, .young = 0.7991, .poisson = 0, .tactels = 33, .tactel_span = 9.913},
+      .indenter = {std::move(shape), position},
+      .friction = friction,
+      .model = fem::SurfaceModel::patch};
 }
 
 /// A scene, and S of one of its steps: three meshes agree within 0.001.
@@ -35,9 +32,8 @@ struct OverEnd {
 };
 
 OverEnd profile() {
-  fem::Profile shape;
-  shape.x = {-1.399, -1.115, -0.8047, -0.6947, -0.6331, -0.1774, 0.64, 1.1674};
-  shape.y = {0.03052, 0.01064, 0, 0.00522, 0.00952, 0.05283, 0.1649, 0.26697};
+  const fem::Profile shape{.x = {-1.399, -1.115, -0.8047, -0.6947, -0.6331, -0.1774, 0.64, 1.1674},
+                           .y = {0.03052, 0.01064, 0, 0.00522, 0.00952, 0.05283, 0.1649, 0.26697}};
   OverEnd of{"Profile", over_end(shape, -4.64825, 0.47998), 12, 0.795};
   of.scene.load.indentation = {0.046434};
   of.scene.load.tangential = {0.001791, 0.004732, 0.006233, 0.004023, -0.001319, -0.000434,
@@ -64,17 +60,13 @@ class OverTheEnd : public testing::TestWithParam<OverEnd (*)()> {};
 /// 0.002 of the 0.005 is what 120 nodes leave, and 0.001 the truth's own.
 TEST_P(OverTheEnd, TheReferenceResolvesTheCorner) {
   const OverEnd of = GetParam()();
-  SolveOptions options;
-  options.rung = "reference";
-  EXPECT_NEAR(*solved(of, options).solution.steps[of.step].slip_index, of.S, 0.005);
+  EXPECT_NEAR(*solved(of, {.rung = "reference"}).solution.steps[of.step].slip_index, of.S, 0.005);
 }
 
 TEST_P(OverTheEnd, TheSaidErrorCoversTheMadeOne) {
   const OverEnd of = GetParam()();
   for (const char* rung : {"", "patch-8", "patch-12", "patch-16", "patch-24", "paper", "mesh-81"}) {
-    SolveOptions options;
-    options.rung = rung;
-    const SolveOutcome outcome = solved(of, options);
+    const SolveOutcome outcome = solved(of, {.rung = rung});
     const auto said = mesh_error(outcome);
     ASSERT_TRUE(said) << rung;
     const std::size_t step = asked_steps(outcome.scene.load, outcome.solution.steps.size()).at(of.step);
@@ -85,9 +77,7 @@ TEST_P(OverTheEnd, TheSaidErrorCoversTheMadeOne) {
 /// Patches that are not exact have the unresolved corner in common: their differences do not show it.
 TEST_P(OverTheEnd, ThePlannerTakesAnExactRung) {
   const OverEnd of = GetParam()();
-  SolveOptions options;
-  options.accuracy = 0.02;
-  const SolveOutcome outcome = solved(of, options);
+  const SolveOutcome outcome = solved(of, {.accuracy = 0.02});
   EXPECT_TRUE(rung_named(outcome.rung).exact) << outcome.rung;
   EXPECT_LE(std::abs(*outcome.solution.steps[of.step].slip_index - of.S), outcome.plan->estimate);
 }

@@ -20,7 +20,6 @@
 #include "kernels/shared/contact_layout.h"
 #include "tests/host/contact/contact_cases.h"
 #include "tests/host/device/test_device.h"
-#include "tests/host/device/test_device.h"
 
 namespace tactel::host {
 namespace {
@@ -32,11 +31,7 @@ using tactel::testing::reversal;
 
 constexpr double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
 
-fem::Sensor sensor_of(double poisson) {
-  fem::Sensor sensor;
-  sensor.poisson = poisson;
-  return sensor;
-}
+fem::Sensor sensor_of(double poisson) { return {.poisson = poisson}; }
 
 /// Scenes of every kind: by depth, force and angle, bonded, frictionless, near the ends.
 std::vector<fem::Scene> mixed_scenes(const fem::Sensor& sensor, std::size_t count, std::uint64_t seed) {

@@ -17,6 +17,7 @@
 #include "host/contact/patch_contact.h"
 #include "host/contact/rung_for_many.h"
 #include "host/contact/sensor_tables.h"
+#include "tests/fem/expect_error.h"
 #include "tests/host/contact/contact_cases.h"
 #include "tests/host/device/test_device.h"
 
@@ -226,15 +227,9 @@ TEST(PatchSensors, LengthDoesNotMatterFarFromTheEnds) {
 }
 
 void expect_refused(const fem::Sensor& sensor, const std::string& key) {
-  fem::Scene scene;
-  scene.sensor = sensor;
+  fem::Scene scene{.sensor = sensor};
   const PatchContact<float> contact(executor(), family());
-  try {
-    contact.prepare(std::span(&scene, 1));
-    ADD_FAILURE() << "no error";
-  } catch (const ValueError& error) {
-    EXPECT_EQ(error.key, key);
-  }
+  expect_value_error([&] { contact.prepare(std::span(&scene, 1)); }, key, "", "");
 }
 
 TEST(PatchSensors, OutsideTheFamilyAreRefused) {

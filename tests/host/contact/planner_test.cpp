@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -21,18 +20,14 @@ namespace tactel::host {
 namespace {
 
 TEST(Ladder, OtherSensorsGetAsManyNodesToAThickness) {
-  fem::Scene scene;
-  scene.sensor.length = 40;
+  const fem::Scene scene{.sensor = {.length = 40}};
   const fem::Scene modelled = on_rung(scene, rung_named("paper"));
   EXPECT_EQ(modelled.sensor.columns, 81);  // 40 intervals to 20 mm, 80 to 40 mm
   EXPECT_EQ(modelled.sensor.rows, 11);
 }
 
 TEST(Ladder, AskedStepsAreTheLastOfEachTargetAndEveryDrag) {
-  fem::Load load;
-  load.indentation = {0.1, 0.05};
-  load.indentation_steps = 3;
-  load.tangential = {0.1, 0.2};
+  const fem::Load load{.indentation = {0.1, 0.05}, .indentation_steps = 3, .tangential = {0.1, 0.2}};
   EXPECT_EQ(asked_steps(load, 8), (std::vector<std::size_t>{2, 5, 6, 7}));
   EXPECT_EQ(asked_steps(load, 7), (std::vector<std::size_t>{2, 5, 6}));
 }
@@ -40,19 +35,12 @@ TEST(Ladder, AskedStepsAreTheLastOfEachTargetAndEveryDrag) {
 TEST(Ladder, UnknownRungIsRefused) { EXPECT_THROW(rung_named("coarse"), ConfigError); }
 
 fem::ContactSolution answer_with(double S, double P) {
-  fem::ContactStep step;
-  step.P = P;
-  step.slip_index = S;
-  step.normal_force = Eigen::VectorXd::Constant(20, P / 20);
+  fem::ContactStep step{.P = P, .slip_index = S, .normal_force = Eigen::VectorXd::Constant(20, P / 20)};
   step.sigma_y = step.tau_xy = Eigen::VectorXd::Zero(5);
   return {{}, {}, {}, {step}, false};
 }
 
-fem::Scene pressed() {
-  fem::Scene scene;
-  scene.load.indentation = {0.1};
-  return scene;
-}
+fem::Scene pressed() { return {.load = {.indentation = {0.1}}}; }
 
 TEST(RungError, RelativeToTheJudge) {
   const Rung one;
@@ -252,8 +240,7 @@ TEST(Ladder, APatchKeepsTheScenesOwnSteps) {
 }
 
 TEST(Planner, AccuracyChoosesAlone) {
-  SolveOptions options;
-  options.accuracy = 0.1;
+  SolveOptions options{.accuracy = 0.1};
   options.rung = "fine";
   EXPECT_THROW(solve(pressed(), options), ConfigError);
 }

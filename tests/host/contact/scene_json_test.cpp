@@ -29,8 +29,7 @@ TEST(SceneJson, HoldsEveryNumberOfAShape) {
   const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(21, -4, 4);
   const ScratchFolder folder;
   for (const fem::Shape& shape : shapes) {
-    fem::Scene scene;
-    scene.indenter.shape = shape;
+    const fem::Scene scene{.indenter = {.shape = shape}};
     const nlohmann::ordered_json json = to_json(scene);
     std::string text = "[indenter]\n";
     for (const auto& [key, value] : json["indenter"].items()) text += fmt::format("{} = {}\n", key, value.dump());

@@ -22,13 +22,14 @@ struct Case {
 };
 
 fem::Scene on_thin_rubber(double length, double thickness, double poisson, double span) {
-  fem::Scene scene;
-  scene.model = fem::SurfaceModel::patch;
-  scene.sensor.length = length, scene.sensor.thickness = thickness;
-  scene.sensor.young = 1.5, scene.sensor.poisson = poisson;
-  scene.sensor.tactels = 21, scene.sensor.tactel_span = span;
-  scene.friction = 0.3;
-  return scene;
+  return {.sensor = {.length = length,
+                     .thickness = thickness,
+                     .young = 1.5,
+                     .poisson = poisson,
+                     .tactels = 21,
+                     .tactel_span = span},
+          .friction = 0.3,
+          .model = fem::SurfaceModel::patch};
 }
 
 Case incompressible() {
@@ -62,11 +63,10 @@ Case small_friction() {
   c.scene.sensor.length = 4.623, c.scene.sensor.thickness = 0.67;
   c.scene.sensor.young = 0.311, c.scene.sensor.poisson = 0.3532271138194929;
   c.scene.sensor.tactels = 33, c.scene.sensor.tactel_span = 4.161;
-  fem::Profile profile;
-  profile.x = {-2.2938347523673586, -1.3487574755594087, 0.34160313816483356, 0.42631835453406486,
-               0.5211449700054643,  0.9803257030256813,  1.2015053180518263,  1.7313533960088718};
-  profile.y = {1.0032414744884919,  0.6028259377899231,   0.01269692279932122, 0.00381963338525082, 0.0,
-               0.01486220032736052, 0.026034253000829843, 0.15025278784544127};
+  const fem::Profile profile{.x = {-2.2938347523673586, -1.3487574755594087, 0.34160313816483356, 0.42631835453406486,
+                                   0.5211449700054643, 0.9803257030256813, 1.2015053180518263, 1.7313533960088718},
+                             .y = {1.0032414744884919, 0.6028259377899231, 0.01269692279932122, 0.00381963338525082,
+                                   0.0, 0.01486220032736052, 0.026034253000829843, 0.15025278784544127}};
   c.scene.indenter.shape = profile;
   c.scene.indenter.position = -0.3647431678927098;
   c.scene.friction = 0.040976523763826295;
@@ -91,9 +91,7 @@ class SaidAndMade : public testing::TestWithParam<Case (*)()> {};
 TEST_P(SaidAndMade, ByTheDefaultAndEveryRung) {
   const Case c = GetParam()();
   for (const char* rung : {"", "patch-8", "patch-12", "patch-16", "patch-24"}) {
-    SolveOptions options;
-    options.rung = rung;
-    const SolveOutcome outcome = solve(c.scene, options);
+    const SolveOutcome outcome = solve(c.scene, {.rung = rung});
     ASSERT_TRUE(every_step_converged(outcome.solution)) << c.name << ' ' << rung;
     const auto said = mesh_error(outcome);
     ASSERT_TRUE(said) << c.name << ' ' << rung;
@@ -105,9 +103,7 @@ TEST_P(SaidAndMade, ByTheDefaultAndEveryRung) {
 TEST_P(SaidAndMade, ByThePlanner) {
   const Case c = GetParam()();
   for (const double accuracy : {0.05, 0.02, 0.01}) {
-    SolveOptions options;
-    options.accuracy = accuracy;
-    const SolveOutcome outcome = solve(c.scene, options);
+    const SolveOutcome outcome = solve(c.scene, {.accuracy = accuracy});
     ASSERT_TRUE(outcome.plan);
     const double made = error_of_S(c, outcome.solution), said = mesh_error(outcome)->expected.S;
     EXPECT_LE(made, said + of_truth) << c.name << ' ' << accuracy << ' ' << outcome.plan->why();

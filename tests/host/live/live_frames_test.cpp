@@ -100,12 +100,9 @@ TEST(SensorProfile, EveryMistakeNamesItsKey) {
       {"[device]\nbaud = 0\n", "device.baud"},
       {"[devise]\n", "devise"}};
   for (const auto& mistake : mistakes) {
-    try {
-      parse_profile(mistake.text, "p.toml");
-      FAIL() << "accepted: " << mistake.text;
-    } catch (const ConfigError& error) {
-      EXPECT_EQ(error.key, mistake.key) << error.what();
-    }
+    EXPECT_THAT([&] { parse_profile(mistake.text, "p.toml"); },
+                ::testing::Throws<ConfigError>(::testing::Field(&ConfigError::key, mistake.key)))
+        << mistake.text;
   }
 }
 
@@ -130,12 +127,8 @@ TEST(OpenSource, RefusesWhatItDoesNotKnow) {
 
 // This machine has no such device, and perhaps no USB at all.
 TEST(OpenSource, ADeviceThatIsNotThereSaysWhatToCheck) {
-  try {
-    open_source("usb:glove", "", "");
-    FAIL();
-  } catch (const hw::SourceError& error) {
-    EXPECT_THAT(error.what(), ::testing::HasSubstr("lsusb -d 04d8:000a"));
-  }
+  EXPECT_THAT([] { open_source("usb:glove", "", ""); },
+              ::testing::ThrowsMessage<hw::SourceError>(::testing::HasSubstr("lsusb -d 04d8:000a")));
 }
 
 }  // namespace

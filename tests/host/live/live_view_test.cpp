@@ -11,11 +11,7 @@
 namespace tactel::host {
 namespace {
 
-Answer answer_of(float slip_index) {
-  Answer answer{};
-  answer.slip_index = slip_index;
-  return answer;
-}
+Answer answer_of(float slip_index) { return {.slip_index = slip_index}; }
 
 using ::testing::HasSubstr;
 

@@ -67,8 +67,7 @@ TEST(SimulatedSensor, TakesAsManyTactelsAsAsked) {
 /// Noise of a sensor at rest for some seconds at 100 Hz, then 1 MPa at every tactel.
 SimulatedSensor resting(double seconds) {
   const SimulationOptions options{.press = 0, .hold = seconds, .drag = 0, .slip = 0.1, .paced = false};
-  fem::ContactSolution solution;
-  solution.tactel_x = Eigen::VectorXd::Zero(21);
+  fem::ContactSolution solution{.tactel_x = Eigen::VectorXd::Zero(21)};
   solution.steps.resize(2);
   for (int k = 0; k < 2; ++k) solution.steps[k].sigma_y = solution.steps[k].tau_xy = Eigen::VectorXd::Constant(21, -k);
   return {ScenePlay(solution, 1, options), options};

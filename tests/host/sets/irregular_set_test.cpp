@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Sets of irregular paths with the rows of their pressing, and the histories that networks take from them.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "host/contact/solve_on_rung.h"

@@ -159,9 +159,7 @@ TEST_F(PatchSet, ARungIsTakenWhateverTheFileSays) {
                                                        "[sweep]\ncontacts = 5\n[indenter]\nshape = "
                                                        "\"parabola\"\nradius = 10\n[load]\nindentation "
                                                        "= 0.1\ntangential = [0.05]\n"));
-  SetOptions options;
-  options.patch = rung_named("patch-8");
-  const ContactSet patches = SetSimulator(executor_, source, options).simulate(0, 5);
+  const ContactSet patches = SetSimulator(executor_, source, {.patch = rung_named("patch-8")}).simulate(0, 5);
   const ContactSet meshes = SetSimulator(executor_, source, {}).simulate(0, 5);
   ASSERT_EQ(patches.slip_index.size(), meshes.slip_index.size());
   EXPECT_LE(patches.contact_nodes[0], 8);

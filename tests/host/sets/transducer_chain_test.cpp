@@ -14,13 +14,14 @@
 #include "host/support/errors.h"
 #include "tests/host/sets/transducer_cases.h"
 #include "tests/host/support/run_tactel.h"
+#include "tests/thrown_message.h"
 
 namespace {
 
 using namespace tactel;
 using namespace tactel::host;
+using tactel::host::executor;
 using tactel::testing::all_parts;
-using tactel::testing::executor;
 using tactel::testing::largest_difference;
 using tactel::testing::TransducerCase;
 
@@ -193,12 +194,7 @@ TEST(TransducerSet, RowsDoNotDependOnTheRange) {
 }
 
 std::string message_of(const std::string& table) {
-  try {
-    simulated(small_sweep + "[transducer]\n" + table);
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return "no error";
+  return thrown_message<ConfigError>([&] { simulated(small_sweep + "[transducer]\n" + table); });
 }
 
 TEST(TransducerTable, NamesWhatItRejects) {

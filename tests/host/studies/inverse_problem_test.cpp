@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -21,11 +20,7 @@ namespace {
 
 using tactel::testing::executor;
 
-nn::ErrorReport report_with(double max, double mean, double std) {
-  nn::ErrorReport report;
-  report.all = {1, max, mean, std};
-  return report;
-}
+nn::ErrorReport report_with(double max, double mean, double std) { return {.all = {1, max, mean, std}}; }
 
 // Of 1 ... 5 the median is 3; the 5 % quantile stands a fifth of the way from 1 to 2 (definition 7: place 0.05 x 4).
 TEST(InverseProblem, SpreadIsMedianAndQuantiles) {
@@ -140,8 +135,7 @@ TEST(InverseProblem, LeavesAForeignCheckpointAlone) {
   const ScratchFolder folder;
   InverseChoice choice = inverse_choice();
   choice.options.cycle_limit = 30;
-  InverseProblem problem;
-  problem.sets = simulate_sets(executor(), choice);
+  InverseProblem problem{.sets = simulate_sets(executor(), choice)};
   TrainingRunOptions options{.progress = [](std::size_t done, std::size_t all) { return done < all / 2; },
                              .checkpoint = folder / "checkpoint"};
   EXPECT_FALSE(train_and_recall(executor(), choice, 0, 2, options, problem));

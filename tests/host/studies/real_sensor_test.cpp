@@ -25,8 +25,7 @@ const std::vector<fem::ContactSolution>& solved() {
 
 /// One step, one tactel: -1 MPa of normal stress and 0.5 of shear under full load.
 fem::ContactSolution one_tactel() {
-  fem::ContactSolution solution;
-  solution.tactel_x = Eigen::VectorXd::Zero(1);
+  fem::ContactSolution solution{.tactel_x = Eigen::VectorXd::Zero(1)};
   solution.steps.resize(1);
   solution.steps[0].sigma_y = Eigen::VectorXd::Constant(1, -1);
   solution.steps[0].tau_xy = Eigen::VectorXd::Constant(1, 0.5);

@@ -3,7 +3,6 @@
 // The counting of alarms on drags, by hand, and the coverage of a bound on rows that are counted by hand.
 #include "host/training/decision.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -142,10 +141,9 @@ TEST(AlarmCounting, FindsPositionsInTheSweepOfTheSet) {
 
 // Six rows of two kinds; S 1.00001 counts as 1, the unlike row apart.
 TEST(BoundReport, CountsByClass) {
-  nn::FrameSet set;
-  set.slip_index = nn::Vector<float>{{0.05f, 0.5f, 0.55f, 1.00001f, 0.95f, 0.3f}};
-  set.shape_class = {0, 0, 1, 1, 1, 0};
-  set.contact_nodes = {1, 2, 4, 40, 3, 2};
+  const nn::FrameSet set{.slip_index = nn::Vector<float>{{0.05f, 0.5f, 0.55f, 1.00001f, 0.95f, 0.3f}},
+                         .shape_class = {0, 0, 1, 1, 1, 0},
+                         .contact_nodes = {1, 2, 4, 40, 3, 2}};
   const std::vector<nn::BoundAnswer> bounds{{0.1f, {0, 0.1f}, false},   {0.4f, {0.3f, 0.6f}, false},
                                             {0.6f, {0.5f, 0.6f}, true}, {1, {0.9f, 1}, false},
                                             {1, {0.97f, 1}, false},     {NAN, {NAN, NAN}, false}};

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // `tactel train` under mpirun: the networks of one process.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

@@ -111,10 +111,7 @@ class StreamTraining : public Stream {
 
 // Stopped after any of its blocks of 8192 contacts: the report is that of one run.
 TEST_F(StreamTraining, ResumedReportIsThatOfOneRun) {
-  TrainRequest request;
-  request.stream = sweep_;
-  request.rows = 250'000;
-  request.networks = {"42-5-1"};
+  TrainRequest request{.stream = sweep_, .rows = 250'000, .networks = {"42-5-1"}};
   const auto run = [&](const std::string& output, int blocks) {
     request.output = folder_ / output;
     request.resume = std::filesystem::exists(request.output);
@@ -183,10 +180,8 @@ TEST_F(StreamTraining, SaysWhatDoesNotFit) {
 class BlockTraining : public ::testing::Test {
  protected:
   ChildResult train(const std::string& output, std::vector<std::string> options) const {
-    std::vector<std::string> all = {"train", PaperSetFiles::learning(), "--output", folder_ / output, "--network",
-                                    "42-5-1"};
-    all.insert(all.end(), options.begin(), options.end());
-    return run_tactel(all);
+    return run_tactel({"train", PaperSetFiles::learning(), "--output", folder_ / output, "--network", "42-5-1"},
+                      options);
   }
   nlohmann::json report(const std::string& output) const {
     return nlohmann::json::parse(text_of(folder_ / output / "training.json"));
@@ -275,10 +270,7 @@ TEST_F(BlockTraining, StreamAndBlockExclude) {
 // everything but the time it took.
 TEST_F(BlockTraining, ResumedReportIsThatOfOneRun) {
   for (const bool judged : {false, true}) {
-    TrainRequest request;
-    request.set = PaperSetFiles::learning();
-    request.block = 50;
-    request.rows = 1500;
+    TrainRequest request{.set = PaperSetFiles::learning(), .block = 50, .rows = 1500};
     if (judged) request.recall_set = PaperSetFiles::recall();
     request.networks = {"42-5-1"};
     request.seeds = 2;

@@ -13,6 +13,7 @@
 #include <chrono>
 #include <fstream>
 #include <stdexcept>
+#include <string>
 #include <thread>
 
 #include "tests/hw/guest/rig.h"
