@@ -44,7 +44,7 @@
 #define FIRST_DEPTH ((real)0.05) /* tried first for a force */
 #define NO_BOUND ((real)1e30)
 #define INSIDE_CONE (REAL_IS_DOUBLE ? (real)(1 - 1e-12) : (real)(1 - 1e-6)) /* a shorter traction sticks */
-#define MOST_STEPS 16                                                       /* load steps that the base stress is summed for at once */
+#define MOST_STEPS 16 /* load steps that the base stress is summed for at once */
 
 /* One number of each scene. */
 typedef struct {
@@ -61,7 +61,7 @@ typedef struct {
   Masks window[COUNT];
   Lanes ux[COUNT], uy[COUNT], uz[COUNT];               /* fresh sums, over sqrt(tt0), sqrt(zz0) */
   Lanes n_last[COUNT], tx_last[COUNT], ty_last[COUNT]; /* an increment earlier */
-  int list[COUNT], at[COUNT], listed;                  /* cells in the window of any lane: index, place in a shared table */
+  int list[COUNT], at[COUNT], listed; /* cells in the window of any lane: index, place in a shared table */
 } Cells;
 
 /* Numbers that belong to a table. */
@@ -105,7 +105,8 @@ INLINE void displacement(const Influence *influence, const Cells *c, int ix, int
     const int dx = ix - j / CELLS, dy = iy - j % CELLS;
     global const vreal *own = influence->table + PAD_OWN_INFLUENCE * (abs(dx) * (CELLS + 1) + abs(dy));
     const real sx = dx < 0 ? -1 : 1, sy = dy < 0 ? -1 : 1;
-    const vreal t[PAD_OWN_INFLUENCE] = {own[PAD_ZZ], own[PAD_XX], own[PAD_YY], sx * sy * own[PAD_XY], sx * own[PAD_XZ], sy * own[PAD_YZ]};
+    const vreal t[PAD_OWN_INFLUENCE] = {own[PAD_ZZ],           own[PAD_XX],      own[PAD_YY],
+                                        sx * sy * own[PAD_XY], sx * own[PAD_XZ], sy * own[PAD_YZ]};
 #else
     global const real *t = row + c->at[k];
 #endif
@@ -189,11 +190,12 @@ OUTLINE void sweep(const Influence *influence, int most_sweeps, Cells *c, State 
 
 /* Fresh sums at all cells. Cells of lanes that solve which are penetrated outside their window join it; these lanes go on. */
 OUTLINE void widen(const Influence *influence, const Masks *solving, Cells *c, State *s) {
-  ROLLED for (int i = 0; i < COUNT; ++i) displacement(influence, c, i / CELLS, i % CELLS, &c->ux[i], &c->uy[i], &c->uz[i]);
+  ROLLED for (int i = 0; i < COUNT; ++i)
+      displacement(influence, c, i / CELLS, i % CELLS, &c->ux[i], &c->uy[i], &c->uz[i]);
   ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
     const vreal gap = c->open[i].v[v] - c->uz[i].v[v];
-    const vint joins =
-        solving->v[v] & NOT(s->failed.v[v]) & NOT(c->window[i].v[v]) & (gap * influence->root_zz < -s->tolerance.v[v] * s->d.v[v]);
+    const vint joins = solving->v[v] & NOT(s->failed.v[v]) & NOT(c->window[i].v[v]) &
+                       (gap * influence->root_zz < -s->tolerance.v[v] * s->d.v[v]);
     c->window[i].v[v] |= joins;
     s->active.v[v] |= joins;
   }
@@ -223,13 +225,15 @@ OUTLINE void next_depth(const Influence *influence, global const vreal *heights,
     const vint out = goes_on & (s->trials.v[v] >= ALL_LANES(MOST_FORCE_TRIALS));
     s->failed.v[v] |= out;
     s->searching.v[v] &= NOT(out);
-    const vreal slope = natural_log(PICK(both, P / s->last_P.v[v], ALL_LANES(2))) / natural_log(PICK(both, d / s->last_d.v[v], ALL_LANES(2)));
+    const vreal slope = natural_log(PICK(both, P / s->last_P.v[v], ALL_LANES(2))) /
+                        natural_log(PICK(both, d / s->last_d.v[v], ALL_LANES(2)));
     s->power.v[v] = PICK(both, SMALLER(LARGER(slope, ALL_LANES((real)0.5)), ALL_LANES(4)), s->power.v[v]);
     s->last_d.v[v] = d;
     s->last_P.v[v] = P;
     s->low.v[v] = PICK(P < target, d, s->low.v[v]);
     s->high.v[v] = PICK(P < target, s->high.v[v], d);
-    const vreal trial = d * PICK(P > 0, depth_factor(target / LARGER(P, ALL_LANES((real)1e-30)), s->power.v[v]), ALL_LANES(2));
+    const vreal trial =
+        d * PICK(P > 0, depth_factor(target / LARGER(P, ALL_LANES((real)1e-30)), s->power.v[v]), ALL_LANES(2));
     const vreal halved = PICK(s->high.v[v] < NO_BOUND, (s->low.v[v] + s->high.v[v]) / 2, 2 * d);
     s->active.v[v] = s->searching.v[v];
     s->d.v[v] = PICK(s->active.v[v], PICK((trial > s->low.v[v]) & (trial < s->high.v[v]), trial, halved), d);
@@ -241,15 +245,16 @@ OUTLINE void next_depth(const Influence *influence, global const vreal *heights,
 }
 
 /* The next target, the first guess and the window. Lanes without a next target, or that it leaves where they are, do not solve. */
-OUTLINE void start_increment(const Influence *influence, global const vreal *path, global const vreal *heights, int increments, int k, Cells *c,
-                             State *s, Masks *solving) {
+OUTLINE void start_increment(const Influence *influence, global const vreal *path, global const vreal *heights,
+                             int increments, int k, Cells *c, State *s, Masks *solving) {
   Lanes ratio, dx, dy, dtwist, touches;
   EACH_VECTOR(v) {
     global const vreal *target = path + (v * increments + k) * PAD_PATH_ROWS;
     const vint running = s->running.v[v];
     const vint by_force = running & s->by_force.v[v];
     const vreal normal = PICK(running, target[PAD_NORMAL], s->d.v[v]), P = pressing(influence, c, v);
-    const vreal first = PICK(P > 0, s->d.v[v] * depth_factor(normal / LARGER(P, ALL_LANES((real)1e-30)), s->power.v[v]), ALL_LANES(FIRST_DEPTH));
+    const vreal first = PICK(P > 0, s->d.v[v] * depth_factor(normal / LARGER(P, ALL_LANES((real)1e-30)), s->power.v[v]),
+                             ALL_LANES(FIRST_DEPTH));
     const vreal d = PICK(by_force, PICK(normal > 0, first, ALL_LANES(0)), normal);
     s->searching.v[v] = by_force & (normal > 0);
     s->target.v[v] = normal;
@@ -259,12 +264,14 @@ OUTLINE void start_increment(const Influence *influence, global const vreal *pat
     dy.v[v] = PICK(running, target[PAD_Y], s->y.v[v]) - s->y.v[v];
     dtwist.v[v] = PICK(running, target[PAD_TWIST], s->twist.v[v]) - s->twist.v[v];
     const vreal change_d = d - s->d.v[v], change_twist = s->half_size * dtwist.v[v];
-    const vint moves = s->searching.v[v] | (running & ((change_d != 0) | (dx.v[v] != 0) | (dy.v[v] != 0) | (dtwist.v[v] != 0)));
+    const vint moves =
+        s->searching.v[v] | (running & ((change_d != 0) | (dx.v[v] != 0) | (dy.v[v] != 0) | (dtwist.v[v] != 0)));
     const vreal along =
-        fma(change_d, s->change_d.v[v], fma(dx.v[v], s->change_x.v[v], fma(dy.v[v], s->change_y.v[v], change_twist * s->change_twist.v[v])));
-    const vreal last =
-        fma(s->change_d.v[v], s->change_d.v[v],
-            fma(s->change_x.v[v], s->change_x.v[v], fma(s->change_y.v[v], s->change_y.v[v], s->change_twist.v[v] * s->change_twist.v[v])));
+        fma(change_d, s->change_d.v[v],
+            fma(dx.v[v], s->change_x.v[v], fma(dy.v[v], s->change_y.v[v], change_twist * s->change_twist.v[v])));
+    const vreal last = fma(s->change_d.v[v], s->change_d.v[v],
+                           fma(s->change_x.v[v], s->change_x.v[v],
+                               fma(s->change_y.v[v], s->change_y.v[v], s->change_twist.v[v] * s->change_twist.v[v])));
     ratio.v[v] = PICK(last > 0, SMALLER(LARGER(along / last, ALL_LANES(0)), ALL_LANES(2)), ALL_LANES(0));
     solving->v[v] = s->active.v[v] = moves;
     s->failed.v[v] = 0;
@@ -298,8 +305,10 @@ OUTLINE void start_increment(const Influence *influence, global const vreal *pat
     c->ty[i].v[v] = PICK(moves, y, y0);
     const vreal h = heights[(v * RING + i / CELLS + 1) * RING + i % CELLS + 1];
     c->open[i].v[v] = (h - s->d.v[v]) / influence->root_zz;
-    c->gx[i].v[v] = fma(dx.v[v] - dtwist.v[v] * (s->y_middle.v[v] + y_of(influence, i)), ALL_LANES(per_tt), c->gx[i].v[v]);
-    c->gy[i].v[v] = fma(dy.v[v] + dtwist.v[v] * (s->x_middle.v[v] + x_of(influence, i)), ALL_LANES(per_tt), c->gy[i].v[v]);
+    c->gx[i].v[v] =
+        fma(dx.v[v] - dtwist.v[v] * (s->y_middle.v[v] + y_of(influence, i)), ALL_LANES(per_tt), c->gx[i].v[v]);
+    c->gy[i].v[v] =
+        fma(dy.v[v] + dtwist.v[v] * (s->x_middle.v[v] + x_of(influence, i)), ALL_LANES(per_tt), c->gy[i].v[v]);
     const vint pressed = (c->n[i].v[v] > 0) | (moves & (touches.v[v] > 0) & (c->open[i].v[v] < c->uz[i].v[v]));
     c->window[i].v[v] = pressed;
   }
@@ -335,7 +344,8 @@ OUTLINE vreal slip_margin(const Influence *influence, const Cells *c, const Stat
   centre_x *= per_grip;
   centre_y *= per_grip;
   const vreal gyration2 = r2 * per_grip - fma(centre_x, centre_x, centre_y * centre_y);
-  const vreal length = sqrt(LARGER(gyration2, ALL_LANES((real)1e-6 * influence->hx * influence->hy))), per_length = 1 / length;
+  const vreal length = sqrt(LARGER(gyration2, ALL_LANES((real)1e-6 * influence->hx * influence->hy))),
+              per_length = 1 / length;
   Wx *= per_grip;
   Wy *= per_grip;
   M = (M * per_grip - (centre_x * Wy - centre_y * Wx)) * per_length;
@@ -380,7 +390,8 @@ typedef struct {
 } Answers;
 
 /* The certificate of vector v, from the tractions and the fresh sums alone; rows PAD_RESULT_PENETRATION and on. */
-OUTLINE void certify(const Influence *influence, global const vreal *heights, real accept, const Cells *c, const State *s, vreal *rows) {
+OUTLINE void certify(const Influence *influence, global const vreal *heights, real accept, const Cells *c,
+                     const State *s, vreal *rows) {
   Lanes per_d, per_moved, penetration, outside[4], complementarity, cone, drift, angle, most;
   EACH_VECTOR(v) {
     per_d.v[v] = PICK(s->d.v[v] > 0, 1 / s->d.v[v], ALL_LANES(0));
@@ -397,7 +408,8 @@ OUTLINE void certify(const Influence *influence, global const vreal *heights, re
     const vreal length = sqrt(fma(x, x, y * y)), edge = s->mu.v[v] * n;
     const vreal sx = c->gx[i].v[v] - c->ux[i].v[v], sy = c->gy[i].v[v] - c->uy[i].v[v];
     const vreal unit = influence->root_tt * per_moved.v[v], slip = sqrt(fma(sx, sx, sy * sy)) * unit;
-    const vint pressed = n > 0, sticks = pressed & (length < INSIDE_CONE * edge), slips = pressed & NOT(sticks) & (length > 0);
+    const vint pressed = n > 0, sticks = pressed & (length < INSIDE_CONE * edge),
+               slips = pressed & NOT(sticks) & (length > 0);
     const vreal along = fma(sx, x, sy * y) / LARGER(length, ALL_LANES((real)1e-30)) * unit;
     penetration.v[v] = LARGER(-gap, penetration.v[v]);
     complementarity.v[v] = PICK(pressed, LARGER(fabs(gap), complementarity.v[v]), complementarity.v[v]);
@@ -413,10 +425,13 @@ OUTLINE void certify(const Influence *influence, global const vreal *heights, re
     Lanes ux, uy, uz;
     displacement(influence, c, ix, iy, &ux, &uy, &uz);
     EACH_VECTOR(v) {
-      const vreal inside = (uz.v[v] * influence->root_zz - (heights[(v * RING + ix + 1) * RING + iy + 1] - s->d.v[v])) * per_d.v[v];
+      const vreal inside =
+          (uz.v[v] * influence->root_zz - (heights[(v * RING + ix + 1) * RING + iy + 1] - s->d.v[v])) * per_d.v[v];
       penetration.v[v] = LARGER(inside, penetration.v[v]);
       const vint beyond = inside > accept;
-      EACH(b, 4) { outside[b].v[v] = PICK(beyond, LARGER(ALL_LANES((real)(sides >> b & 1)), outside[b].v[v]), outside[b].v[v]); }
+      EACH(b, 4) {
+        outside[b].v[v] = PICK(beyond, LARGER(ALL_LANES((real)(sides >> b & 1)), outside[b].v[v]), outside[b].v[v]);
+      }
     }
   }
   EACH_VECTOR(v) {
@@ -425,16 +440,18 @@ OUTLINE void certify(const Influence *influence, global const vreal *heights, re
     rows[PAD_BLOCK * v + PAD_RESULT_CONE] = cone.v[v];
     rows[PAD_BLOCK * v + PAD_RESULT_DRIFT] = drift.v[v];
     rows[PAD_BLOCK * v + PAD_RESULT_ANGLE] = angle.v[v];
-    rows[PAD_BLOCK * v + PAD_RESULT_OUTSIDE] = outside[0].v[v] + 2 * outside[1].v[v] + 4 * outside[2].v[v] + 8 * outside[3].v[v];
+    rows[PAD_BLOCK * v + PAD_RESULT_OUTSIDE] =
+        outside[0].v[v] + 2 * outside[1].v[v] + 4 * outside[2].v[v] + 8 * outside[3].v[v];
   }
 }
 
 /* Writes the answers of lanes with a slot. */
-OUTLINE void report(const Influence *influence, global const vreal *lane_input, global const vreal *heights, const Answers *a, const Lanes *slot,
-                    const Cells *c, State *s) {
+OUTLINE void report(const Influence *influence, global const vreal *lane_input, global const vreal *heights,
+                    const Answers *a, const Lanes *slot, const Cells *c, State *s) {
   vreal rows[VECTORS * PAD_BLOCK];
   certify(influence, heights, a->accept, c, s, rows);
-  const side n_unit = influence->hx * influence->hy / influence->root_zz, t_unit = influence->hx * influence->hy / influence->root_tt;
+  const side n_unit = influence->hx * influence->hy / influence->root_zz,
+             t_unit = influence->hx * influence->hy / influence->root_tt;
   ROLLED for (int v = 0; v < VECTORS; ++v) {
     vreal P = 0, Qx = 0, Qy = 0, M = 0, sticking = 0, touching = 0;
     for (int k = 0; k < c->listed; ++k) {
@@ -462,30 +479,37 @@ OUTLINE void report(const Influence *influence, global const vreal *lane_input, 
     const vint reports = slot->v[v] >= 0;
     vreal worst = to[PAD_RESULT_PENETRATION];
     EACH(r, 4) { worst = LARGER(to[PAD_RESULT_COMPLEMENTARITY + r], worst); }
-    const vint finite = finite_sum(finite_sum(finite_sum(finite_sum(0, P), Qx), Qy), to[PAD_RESULT_DRIFT] + to[PAD_RESULT_ANGLE]) == 0;
+    const vint finite =
+        finite_sum(finite_sum(finite_sum(finite_sum(0, P), Qx), Qy), to[PAD_RESULT_DRIFT] + to[PAD_RESULT_ANGLE]) == 0;
     const vint solved = NOT(s->lost.v[v] | s->failed.v[v]) & finite & (worst <= a->accept);
     s->lost.v[v] |= reports & NOT(solved);
     const vint slides = (touching > 0) & (sticking == 0);
-    to[PAD_RESULT_STATUS] = PICK(solved, PICK(slides, ALL_LANES(LANE_SLIDING), ALL_LANES(LANE_SOLVED)), ALL_LANES(LANE_UNSOLVED));
+    to[PAD_RESULT_STATUS] =
+        PICK(solved, PICK(slides, ALL_LANES(LANE_SLIDING), ALL_LANES(LANE_SOLVED)), ALL_LANES(LANE_UNSOLVED));
     real place[LANES], number[LANES];
     STORE(slot->v[v], place);
     for (int r = 0; r < PAD_BLOCK; ++r) {
       STORE(to[r], number);
       for (int l = 0; l < LANES; ++l)
-        if (place[l] >= 0) a->result[((a->first_lane + v * LANES + l) * a->slots + (size_t)place[l]) * PAD_BLOCK + r] = number[l];
+        if (place[l] >= 0)
+          a->result[((a->first_lane + v * LANES + l) * a->slots + (size_t)place[l]) * PAD_BLOCK + r] = number[l];
     }
     if (!a->write_forces) continue;
     for (int i = 0; i < COUNT; ++i)
       for (int part = 0; part < 3; ++part) {
-        STORE((part == 0 ? c->n[i].v[v] * n_unit : (part == 1 ? c->tx[i].v[v] : c->ty[i].v[v]) * t_unit) * force, number);
+        STORE((part == 0 ? c->n[i].v[v] * n_unit : (part == 1 ? c->tx[i].v[v] : c->ty[i].v[v]) * t_unit) * force,
+              number);
         for (int l = 0; l < LANES; ++l)
-          if (place[l] >= 0) a->forces[(((a->first_lane + v * LANES + l) * a->slots + (size_t)place[l]) * 3 + part) * COUNT + i] = number[l];
+          if (place[l] >= 0)
+            a->forces[(((a->first_lane + v * LANES + l) * a->slots + (size_t)place[l]) * 3 + part) * COUNT + i] =
+                number[l];
       }
   }
 }
 
 /* Lanes whose input is finite and sensible, as far as their own path goes. */
-static void check_input(global const vreal *lane_input, global const vreal *path, global const vreal *heights, int increments, State *s) {
+static void check_input(global const vreal *lane_input, global const vreal *path, global const vreal *heights,
+                        int increments, State *s) {
   for (int v = 0; v < VECTORS; ++v) {
     global const vreal *in = lane_input + v * PAD_INPUT_ROWS;
     vreal sum = 0, lowest = PAD_OPEN;
@@ -497,7 +521,8 @@ static void check_input(global const vreal *lane_input, global const vreal *path
     }
     for (int k = 0; k < increments; ++k) {
       const vint own = in[PAD_STEPS] > (real)k;
-      for (int r = 0; r < PAD_PATH_ROWS; ++r) sum = PICK(own, finite_sum(sum, path[(v * increments + k) * PAD_PATH_ROWS + r]), sum);
+      for (int r = 0; r < PAD_PATH_ROWS; ++r)
+        sum = PICK(own, finite_sum(sum, path[(v * increments + k) * PAD_PATH_ROWS + r]), sum);
     }
     s->valid.v[v] = (sum == 0) & (in[PAD_MU] >= 0);
     s->lowest.v[v] = lowest;
@@ -509,12 +534,14 @@ static void check_input(global const vreal *lane_input, global const vreal *path
    has them; those of the launch begin with vector `first_vector` of all.
    Out: result; forces [lane of all groups][slots][3][cells] N, n, t_x, t_y in the own frame, where write_forces is not 0. */
 kernel void pad_contact(uint first_group, global const side *tables, global const int *table_of, int first_vector,
-                        global const vreal *lane_input, global const vreal *path, global const vreal *heights, int increments, int slots,
-                        int write_forces, real tolerance, real accept, int most_sweeps, global real *result, global real *forces) {
+                        global const vreal *lane_input, global const vreal *path, global const vreal *heights,
+                        int increments, int slots, int write_forces, real tolerance, real accept, int most_sweeps,
+                        global real *result, global real *forces) {
   TAKE_GROUP(group);
 #if OWN_TABLES
   (void)table_of;
-  global const side *head = tables + group * (PAD_TABLE_HEAD + (CELLS + 1) * (CELLS + 1) * PAD_OWN_INFLUENCE), *table = head + PAD_TABLE_HEAD;
+  global const side *head = tables + group * (PAD_TABLE_HEAD + (CELLS + 1) * (CELLS + 1) * PAD_OWN_INFLUENCE),
+                    *table = head + PAD_TABLE_HEAD;
 #else
   global const side *head = tables + (size_t)table_of[group] * (PAD_TABLE_HEAD + SPAN * SPAN * PAD_INFLUENCE);
   global const side *table = head + PAD_TABLE_HEAD + PAD_INFLUENCE * (CELLS * SPAN + CELLS);
@@ -533,7 +560,8 @@ kernel void pad_contact(uint first_group, global const side *tables, global cons
   s.half_size = (real)0.5 * CELLS * fmax(influence.hx, influence.hy);
   EACH_VECTOR(v) {
     global const vreal *in = lane_input + v * PAD_INPUT_ROWS;
-    s.d.v[v] = s.x.v[v] = s.y.v[v] = s.twist.v[v] = s.change_d.v[v] = s.change_x.v[v] = s.change_y.v[v] = s.change_twist.v[v] = 0;
+    s.d.v[v] = s.x.v[v] = s.y.v[v] = s.twist.v[v] = s.change_d.v[v] = s.change_x.v[v] = s.change_y.v[v] =
+        s.change_twist.v[v] = 0;
     s.lost.v[v] = s.failed.v[v] = s.searching.v[v] = 0;
     s.by_force.v[v] = s.valid.v[v] & (in[PAD_BY_FORCE] > 0);
     s.tolerance.v[v] = PICK(s.by_force.v[v], ALL_LANES((real)0.1 * tolerance), ALL_LANES(tolerance));
@@ -576,7 +604,8 @@ kernel void pad_contact(uint first_group, global const side *tables, global cons
     STORE(PICK(s.valid.v[v], ALL_LANES(1), ALL_LANES(0)), valid);
     for (int l = 0; l < LANES; ++l)
       for (int k = 0; k < (valid[l] == 0 ? slots : 0) * PAD_BLOCK; ++k)
-        result[(answers.first_lane + v * LANES + l) * slots * PAD_BLOCK + k] = k % PAD_BLOCK == PAD_RESULT_STATUS ? (real)LANE_INVALID : 0;
+        result[(answers.first_lane + v * LANES + l) * slots * PAD_BLOCK + k] =
+            k % PAD_BLOCK == PAD_RESULT_STATUS ? (real)LANE_INVALID : 0;
   }
 }
 
@@ -584,20 +613,23 @@ kernel void pad_contact(uint first_group, global const side *tables, global cons
    (fem/pad/pad_integrals.h) by a table in rho, the mean of four Gauss points of each cell. layer [rows][PAD_BLOCK], rows_a_thickness rows for each
    H and layer_rows for each Poisson's ratio; places [scenes][PAD_PLACE_ROWS]; tactels [2][blocks LANES] over mm: times 1 / H of the scene. Out: stress
    [scenes][slots][3][blocks LANES] MPa: sigma_z, tau_x, tau_y in the pad's frame. */
-kernel void pad_base_stress(uint first_group, global const real *layer, int layer_rows, real rows_a_thickness, global const real *places,
-                            global const real *tactels, int blocks, int slots, global const real *forces, global real *stress) {
+kernel void pad_base_stress(uint first_group, global const real *layer, int layer_rows, real rows_a_thickness,
+                            global const real *places, global const real *tactels, int blocks, int slots,
+                            global const real *forces, global real *stress) {
   TAKE_GROUP(group);
   const size_t scene = group / blocks, block = group % blocks;
   global const real *place = places + scene * PAD_PLACE_ROWS;
   const int steps = (int)place[PAD_PLACE_STEPS];
-  const real cosine = place[PAD_PLACE_COSINE], sine = place[PAD_PLACE_SINE], hx = place[PAD_PLACE_HX], hy = place[PAD_PLACE_HY];
+  const real cosine = place[PAD_PLACE_COSINE], sine = place[PAD_PLACE_SINE], hx = place[PAD_PLACE_HX],
+             hy = place[PAD_PLACE_HY];
   const real per_H = place[PAD_PLACE_THICKNESS];
   forces += scene * slots * 3 * COUNT;
   stress += scene * slots * 3 * blocks * LANES + block * LANES;
   /* Tactels in the own frame, from the middle of the grid. */
   const vreal px = LOAD(tactels + block * LANES) * per_H - place[PAD_PLACE_X],
               py = LOAD(tactels + (blocks + block) * LANES) * per_H - place[PAD_PLACE_Y];
-  const vreal own_x = cosine * px + sine * py - place[PAD_PLACE_X_MIDDLE], own_y = cosine * py - sine * px - place[PAD_PLACE_Y_MIDDLE];
+  const vreal own_x = cosine * px + sine * py - place[PAD_PLACE_X_MIDDLE],
+              own_y = cosine * py - sine * px - place[PAD_PLACE_Y_MIDDLE];
   vreal sum[3 * MOST_STEPS];
   for (int first = 0; first < steps; first += MOST_STEPS) {
     const int count = steps - first < MOST_STEPS ? steps - first : MOST_STEPS;
@@ -618,7 +650,8 @@ kernel void pad_base_stress(uint first_group, global const real *layer, int laye
         vreal c[PAD_BLOCK], b[5];
         gather_rows(layer, at.cell, c);
         EACH(f, 5) { b[f] = (real)0.25 * fma(fma(c[3 * f + 2], at.q, c[3 * f + 1]), at.q, c[3 * f]); }
-        const vreal ct = PICK(rho > 0, x * per_rho, ALL_LANES(1)), st = y * per_rho, even = b[2] * (ct * ct - st * st), odd = b[2] * 2 * ct * st;
+        const vreal ct = PICK(rho > 0, x * per_rho, ALL_LANES(1)), st = y * per_rho, even = b[2] * (ct * ct - st * st),
+                    odd = b[2] * 2 * ct * st;
         T[0] -= b[0]; /* sigma_z by n, t_x, t_y */
         T[1] -= ct * b[4];
         T[2] -= st * b[4];
@@ -633,7 +666,8 @@ kernel void pad_base_stress(uint first_group, global const real *layer, int laye
         global const real *f = forces + (first + k) * 3 * COUNT + i;
         const real n = f[0], tx = f[COUNT], ty = f[2 * COUNT];
         EACH(r, 3) {
-          sum[3 * k + r] = fma(T[3 * r], ALL_LANES(n), fma(T[3 * r + 1], ALL_LANES(tx), fma(T[3 * r + 2], ALL_LANES(ty), sum[3 * k + r])));
+          sum[3 * k + r] = fma(T[3 * r], ALL_LANES(n),
+                               fma(T[3 * r + 1], ALL_LANES(tx), fma(T[3 * r + 2], ALL_LANES(ty), sum[3 * k + r])));
         }
       }
     }
