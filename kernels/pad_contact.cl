@@ -1,31 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Batched contact of rigid indenters with a pad, a layer bonded to a rigid base, each on its own CELLS x CELLS cells: load path, certificate,
-   slip index and share of sticking cells; and the stress that the base feels under an array of tactels.
+/* Batched contact of rigid indenters with a pad, a layer bonded to a rigid base, each on its own CELLS x CELLS cells:
+   load path, certificate, slip index and share of sticking cells; and the stress that the base feels under an array
+   of tactels.
 
-   One work-item carries VECTORS vectors of LANES scenes whose cells have one size over the thickness H and one Poisson's ratio: they share a
-   table of influence. Everything is in units of H at E = 1, in the indenter's own frame. With tractions n >= 0 (presses) and t (drags the
-   rubber along), and offsets from source to place,
+   One work-item carries VECTORS vectors of LANES scenes whose cells have one size over the thickness H and one
+   Poisson's ratio: they share a table of influence. Everything is in units of H at E = 1, in the indenter's own
+   frame. With tractions n >= 0 (presses) and t (drags the rubber along), and offsets from source to place,
      u_z = -sum (zz n + xz t_x + yz t_y),   u_x = sum (xx t_x + xy t_y - xz n),   u_y = sum (xy t_x + yy t_y - yz n);
    gap h - d - u_z >= 0, n >= 0, n gap = 0;   |t| <= mu n, t along the slip of the indenter over the rubber.
-   Unknowns are scaled by the roots of a cell's influence on itself, n sqrt(zz0), t sqrt(tt0), so that an update has neither division nor
-   diagonal term: with g where the cell would be if it stuck,
+   Unknowns are scaled by the roots of a cell's influence on itself, n sqrt(zz0), t sqrt(tt0), so that an update has
+   neither division nor diagonal term: with g where the cell would be if it stuck,
      n <- max(0, n + w (u_z - (h - d))),   t <- t + w (g - u_t), shortened to mu n where it is longer,   w = 0.85.
 
    The twin (fem/pad) follows the same rules:
-   - An increment starts from the last change of the tractions, times the part of the load's new change along its last one.
-   - Sweeps run over the window, the cells that press or would be penetrated, in the order of their index. A sweep is the last when no
-     traction changes by more than the tolerance times the largest pressure. After DAMPED_AFTER sweeps steps are halved.
+   - An increment starts from the last change of the tractions, times the part of the load's new change along its last
+     one.
+   - Sweeps run over the window, the cells that press or would be penetrated, in the order of their index. A sweep is
+     the last when no traction changes by more than the tolerance times the largest pressure. After DAMPED_AFTER
+     sweeps steps are halved.
    - Fresh sums at all cells then find penetrated cells outside the window; they join it, and sweeps go on.
-   - Driven by force, sweeps go to a tenth of the tolerance, and the depth follows secants in the logarithms of depth and force inside a bracket
-     until the force is met to the tolerance.
+   - Driven by force, sweeps go to a tenth of the tolerance, and the depth follows secants in the logarithms of depth
+     and force inside a bracket until the force is met to the tolerance.
    - A sticking cell's history is its exact position, that of another one where the fresh sums find it.
    - The certificate comes from the final tractions alone; a ring of cells around the grid counts for penetration.
 
-   A lane's result depends on nothing but the lane: lanes that have settled, and cells outside a lane's own window, keep their bits; a cell
-   without tractions adds an exact 0 to sums, whose order is that of the cells.
+   A lane's result depends on nothing but the lane: lanes that have settled, and cells outside a lane's own window,
+   keep their bits; a cell without tractions adds an exact 0 to sums, whose order is that of the cells.
 
-   Built with -D REAL (float | double), LANES (1, 2, 4, 8, 16), CELLS, VECTORS, OWN_TABLES (0 | 1). With OWN_TABLES every lane has a table of
-   its own, one quadrant of it, and VECTORS is 1: for sizes of cells that few scenes share. The bits are those of a shared table. */
+   Built with -D REAL (float | double), LANES (1, 2, 4, 8, 16), CELLS, VECTORS, OWN_TABLES (0 | 1). With OWN_TABLES
+   every lane has a table of its own, one quadrant of it, and VECTORS is 1: for sizes of cells that few scenes share.
+   The bits are those of a shared table. */
 // defines: CELLS=8 VECTORS=1 OWN_TABLES=1
 #include "patch/numbers.h"
 #include "shared/elementary.h"
