@@ -96,7 +96,8 @@ typedef struct {
 static inline side x_of(const Influence *c, int i) { return ((real)(i / CELLS) - (real)0.5 * (CELLS - 1)) * c->hx; }
 static inline side y_of(const Influence *c, int i) { return ((real)(i % CELLS) - (real)0.5 * (CELLS - 1)) * c->hy; }
 
-/* Displacement at a cell by the cells listed. A chain of its own for each product: additions do not wait for each other. ix, iy from -1 to CELLS. */
+/* Displacement at a cell by the cells listed. A chain of its own for each product: additions do not wait for each
+   other. ix, iy from -1 to CELLS. */
 INLINE void displacement(const Influence *influence, const Cells *c, int ix, int iy, Lanes *x, Lanes *y, Lanes *z) {
 #if !OWN_TABLES
   global const real *row = influence->table - PAD_INFLUENCE * (ix * SPAN + iy);
@@ -192,7 +193,8 @@ OUTLINE void sweep(const Influence *influence, int most_sweeps, Cells *c, State 
   }
 }
 
-/* Fresh sums at all cells. Cells of lanes that solve which are penetrated outside their window join it; these lanes go on. */
+/* Fresh sums at all cells. Cells of lanes that solve which are penetrated outside their window join it; these lanes
+   go on. */
 OUTLINE void widen(const Influence *influence, const Masks *solving, Cells *c, State *s) {
   ROLLED for (int i = 0; i < COUNT; ++i)
       displacement(influence, c, i / CELLS, i % CELLS, &c->ux[i], &c->uy[i], &c->uz[i]);
@@ -248,7 +250,8 @@ OUTLINE void next_depth(const Influence *influence, global const vreal *heights,
   }
 }
 
-/* The next target, the first guess and the window. Lanes without a next target, or that it leaves where they are, do not solve. */
+/* The next target, the first guess and the window. Lanes without a next target, or that it leaves where they are, do
+   not solve. */
 OUTLINE void start_increment(const Influence *influence, global const vreal *path, global const vreal *heights,
                              int increments, int k, Cells *c, State *s, Masks *solving) {
   Lanes ratio, dx, dy, dtwist, touches;
@@ -329,7 +332,8 @@ static void remember(Cells *c, const State *s) {
   }
 }
 
-/* S = 1 / lambda of fem/pad/slip_margin.h for vector v, with the tractions as they are scaled: wrench and grip in the same unit. */
+/* S = 1 / lambda of fem/pad/slip_margin.h for vector v, with the tractions as they are scaled: wrench and grip in the
+   same unit. */
 OUTLINE vreal slip_margin(const Influence *influence, const Cells *c, const State *s, int v) {
   vreal grip = 0, centre_x = 0, centre_y = 0, Wx = 0, Wy = 0, M = 0, r2 = 0;
   for (int k = 0; k < c->listed; ++k) {
@@ -534,9 +538,10 @@ static void check_input(global const vreal *lane_input, global const vreal *path
 }
 
 /* tables [tables][PAD_TABLE_HEAD + (2 CELLS + 1)^2 PAD_INFLUENCE], table_of [groups]; or, with OWN_TABLES,
-   [groups][PAD_TABLE_HEAD + (CELLS + 1)^2 PAD_OWN_INFLUENCE][lane], and table_of is not read. The other arrays are as kernels/shared/pad_layout.h
-   has them; those of the launch begin with vector `first_vector` of all.
-   Out: result; forces [lane of all groups][slots][3][cells] N, n, t_x, t_y in the own frame, where write_forces is not 0. */
+   [groups][PAD_TABLE_HEAD + (CELLS + 1)^2 PAD_OWN_INFLUENCE][lane], and table_of is not read. The other arrays are as
+   kernels/shared/pad_layout.h has them; those of the launch begin with vector `first_vector` of all.
+   Out: result; forces [lane of all groups][slots][3][cells] N, n, t_x, t_y in the own frame, where write_forces is
+   not 0. */
 kernel void pad_contact(uint first_group, global const side *tables, global const int *table_of, int first_vector,
                         global const vreal *lane_input, global const vreal *path, global const vreal *heights,
                         int increments, int slots, int write_forces, real tolerance, real accept, int most_sweeps,
@@ -613,9 +618,10 @@ kernel void pad_contact(uint first_group, global const side *tables, global cons
   }
 }
 
-/* Stress at the base under tactels in the lanes, one scene and LANES tactels a work-item, from the forces of pad_contact: the layer's kernels
-   (fem/pad/pad_integrals.h) by a table in rho, the mean of four Gauss points of each cell. layer [rows][PAD_BLOCK], rows_a_thickness rows for each
-   H and layer_rows for each Poisson's ratio; places [scenes][PAD_PLACE_ROWS]; tactels [2][blocks LANES] over mm: times 1 / H of the scene. Out: stress
+/* Stress at the base under tactels in the lanes, one scene and LANES tactels a work-item, from the forces of
+   pad_contact: the layer's kernels (fem/pad/pad_integrals.h) by a table in rho, the mean of four Gauss points of each
+   cell. layer [rows][PAD_BLOCK], rows_a_thickness rows for each H and layer_rows for each Poisson's ratio; places
+   [scenes][PAD_PLACE_ROWS]; tactels [2][blocks LANES] over mm: times 1 / H of the scene. Out: stress
    [scenes][slots][3][blocks LANES] MPa: sigma_z, tau_x, tau_y in the pad's frame. */
 kernel void pad_base_stress(uint first_group, global const real *layer, int layer_rows, real rows_a_thickness,
                             global const real *places, global const real *tactels, int blocks, int slots,

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Rows of the pad kernel's arrays. Everything is stored in the kernel's real type. Lengths are over the thickness H, except where a unit is
-   named; directions are those of the indenter's own frame, except in answers. */
+/* Rows of the pad kernel's arrays. Everything is stored in the kernel's real type. Lengths are over the thickness H,
+   except where a unit is named; directions are those of the indenter's own frame, except in answers. */
 #ifndef TACTEL_PAD_LAYOUT_H
 #define TACTEL_PAD_LAYOUT_H
 
 /* Numbers of a result; a gathered row of the base stress's table has as many. */
 enum { PAD_BLOCK = 16 };
 
-/* Influence of cells: `tables` holds PAD_TABLE_HEAD numbers of a table, then [2 CELLS + 1][2 CELLS + 1][PAD_INFLUENCE]: by source less place. */
+/* Influence of cells: `tables` holds PAD_TABLE_HEAD numbers of a table, then
+   [2 CELLS + 1][2 CELLS + 1][PAD_INFLUENCE]: by source less place. */
 enum PadTableHead {
   PAD_ROOT_ZZ = 0, /* root of zz of a cell on itself */
   PAD_ROOT_TT,     /* root of the larger of xx and yy of a cell on itself */
@@ -53,7 +54,8 @@ enum PadPathRow {
 /* Height of a cell that the indenter may not touch; `heights` is [group][vector][(CELLS + 2)^2][lane]. */
 #define PAD_OPEN 1e9f
 
-/* The result of a lane after an asked increment, `result`, [lane of all groups][slots][PAD_BLOCK], in the pad's frame. */
+/* The result of a lane after an asked increment, `result`, [lane of all groups][slots][PAD_BLOCK], in the pad's
+   frame. */
 enum PadResultRow {
   PAD_RESULT_P = 0,       /* N, >= 0 */
   PAD_RESULT_QX,          /* N, > 0 drags the rubber to +x */
