@@ -18,7 +18,7 @@ MUTANTS = [
     ("kernels/patch/compliance.h", "yx = -rows.xy[i - j];", "yx = rows.xy[i - j];", "contact", "PatchContact/Twin.Fp64MatchesIt/8"),
     ("kernels/patch/base_stress.h", "t0 = LOAD(here + to->outputs);", "t0 = LOAD(here);", "contact", "PatchContact/Twin.Fp64MatchesIt/8"),
     ("kernels/forward.cl", "o[2] = o[0] - o[2];", "o[2] = o[0] + o[2];", "networks", "ForwardHeads.MatchTheReference"),
-    ("kernels/forward.cl", "largest < SMALLEST_STRESS) status = FRAME_NO_STRESS;", "largest < 0) status = FRAME_NO_STRESS;", "networks",
+    ("kernels/forward.cl", "largest < ALL_LANES(SMALLEST_STRESS);", "largest < ALL_LANES(0);", "networks",
      "ForwardTest.NeverAnswersNaN"),
     ("kernels/train_online.cl", "momentum, (real)1);", "momentum, momentum);", "networks", "TrainOnlineTest.Fp64.*/\"1\""),
     ("kernels/train_batch.cl", "(o[2] + (real)0.5), 1 - level);", "(o[2] + (real)0.5), level);", "networks", "TrainBatchGradient.OfQuantiles"),
