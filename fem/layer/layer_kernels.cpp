@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <numbers>
-#include <utility>
 
 #include "fem/layer/legendre_points.h"
 
@@ -19,14 +18,6 @@ constexpr int points_a_panel = 16;
 // Near nu = 1/2 the integrands change at a of sqrt(1 - 2 nu): panels double from here on.
 constexpr double first_panel = 1e-4;
 
-std::vector<double> panel_ends() {
-  std::vector<double> ends = {0};
-  double a = first_panel;
-  while (a < panel) ends.push_back(std::exchange(a, 2 * a));
-  for (int k = 1; k * panel <= last_wavenumber; ++k) ends.push_back(k * panel);
-  return ends;
-}
-
 }  // namespace
 
 double layer_cy(double poisson) { return 2 * (1 - poisson * poisson) / pi; }
@@ -38,19 +29,13 @@ LayerKernels LayerKernels::by_poisson(double poisson) { return {poisson, layer_t
 
 LayerKernels::LayerKernels(double poisson, Transforms transforms, double log_part, double compressible)
     : poisson_(poisson), log_part_(log_part), compressible_(compressible) {
-  const std::vector<LegendrePoint> gauss = legendre_points(points_a_panel);
-  const std::vector<double> ends = panel_ends();
-  for (std::size_t i = 1; i < ends.size(); ++i) {
-    const double middle = (ends[i - 1] + ends[i]) / 2, half = (ends[i] - ends[i - 1]) / 2;
-    for (const LegendrePoint& g : gauss) {
-      const double a = middle + half * g.x, weight = half * g.weight, falling = std::expm1(-a);
-      const LayerTransforms t = transforms(poisson, a);
-      const double smooth = weight / a, base = weight / pi;
-      wave_.push_back({a,
-                       {smooth * (t.yy + log_part * falling), smooth * (t.xx + log_part * falling),
-                        smooth * (t.xy + compressible * falling)},
-                       {base * t.sigma_by_y, base * t.tau_by_x, -base * t.tau_by_y, -base * t.sigma_by_x}});
-    }
+  for (const auto& [a, weight] : points_on_doubling_panels(first_panel, panel, last_wavenumber, points_a_panel)) {
+    const double falling = std::expm1(-a), smooth = weight / a, base = weight / pi;
+    const LayerTransforms t = transforms(poisson, a);
+    wave_.push_back({a,
+                     {smooth * (t.yy + log_part * falling), smooth * (t.xx + log_part * falling),
+                      smooth * (t.xy + compressible * falling)},
+                     {base * t.sigma_by_y, base * t.tau_by_x, -base * t.tau_by_y, -base * t.sigma_by_x}});
   }
 }
 

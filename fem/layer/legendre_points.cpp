@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace tactel::fem {
 namespace {
@@ -33,6 +34,20 @@ std::vector<LegendrePoint> legendre_points(int count) {
     }
     const double slope = legendre(count, x).slope;
     points.push_back({x, 2 / ((1 - x * x) * slope * slope)});
+  }
+  return points;
+}
+
+std::vector<LegendrePoint> points_on_doubling_panels(double first, double panel, double last, int count) {
+  std::vector<double> ends = {0};
+  double end = first;
+  while (end < panel) ends.push_back(std::exchange(end, 2 * end));
+  for (int k = 1; k * panel <= last; ++k) ends.push_back(k * panel);
+  const std::vector<LegendrePoint> gauss = legendre_points(count);
+  std::vector<LegendrePoint> points;
+  for (std::size_t i = 1; i < ends.size(); ++i) {
+    const double middle = (ends[i - 1] + ends[i]) / 2, half = (ends[i] - ends[i - 1]) / 2;
+    for (const LegendrePoint& g : gauss) points.push_back({middle + half * g.x, half * g.weight});
   }
   return points;
 }

@@ -2,7 +2,6 @@
 #include "fem/pad/pad_integrals.h"
 
 #include <cmath>
-#include <utility>
 
 #include "fem/layer/layer_transforms.h"
 #include "fem/layer/legendre_points.h"
@@ -16,14 +15,6 @@ constexpr double panel = 0.8;
 constexpr int points_a_panel = 16;
 // Near nu = 1/2 the integrands change at a of sqrt(1 - 2 nu): panels double from here on.
 constexpr double first_panel = 1e-5;
-
-std::vector<double> panel_ends() {
-  std::vector<double> ends = {0};
-  double a = first_panel;
-  while (a < panel) ends.push_back(std::exchange(a, 2 * a));
-  for (int k = 1; k * panel <= last_wavenumber; ++k) ends.push_back(k * panel);
-  return ends;
-}
 
 /// J0, J1, J2 and their slopes.
 struct Bessel {
@@ -48,21 +39,15 @@ constexpr int order[pad_integrals] = {0, 0, 2, 1, 0, 0, 2, 1, 1};
 }  // namespace
 
 PadIntegrals::PadIntegrals(double poisson) {
-  const std::vector<LegendrePoint> gauss = legendre_points(points_a_panel);
-  const std::vector<double> ends = panel_ends();
-  for (std::size_t i = 1; i < ends.size(); ++i) {
-    const double middle = (ends[i - 1] + ends[i]) / 2, half = (ends[i] - ends[i - 1]) / 2;
-    for (const LegendrePoint& g : gauss) {
-      const double a = middle + half * g.x;
-      const LayerTransforms t = layer_transforms(poisson, a);
-      const double along = (1 - poisson) * (t.xx - 1), across = -2 / (std::exp(2 * a) + 1);  // tanh a - 1
-      const double base = 1 / std::cosh(a);
-      WaveNumber w{a, {}};
-      w.weight << t.yy - 1, along + across, along - across, t.xy - (1 - 2 * poisson), a * t.sigma_by_y,
-          a * (t.tau_by_x + base) / 2, a * (t.tau_by_x - base) / 2, a * t.tau_by_y, a * t.sigma_by_x;
-      w.weight *= half * g.weight;
-      wave_.push_back(w);
-    }
+  for (const auto& [a, weight] : points_on_doubling_panels(first_panel, panel, last_wavenumber, points_a_panel)) {
+    const LayerTransforms t = layer_transforms(poisson, a);
+    const double along = (1 - poisson) * (t.xx - 1), across = -2 / (std::exp(2 * a) + 1);  // tanh a - 1
+    const double base = 1 / std::cosh(a);
+    WaveNumber w{a, {}};
+    w.weight << t.yy - 1, along + across, along - across, t.xy - (1 - 2 * poisson), a * t.sigma_by_y,
+        a * (t.tau_by_x + base) / 2, a * (t.tau_by_x - base) / 2, a * t.tau_by_y, a * t.sigma_by_x;
+    w.weight *= weight;
+    wave_.push_back(w);
   }
 }
 
