@@ -82,6 +82,11 @@ PadBox centred(double x, double y) { return {{-x, x}, {-y, y}}; }
 
 }  // namespace
 
+const char* shape_name(const PadShape& shape) {
+  static constexpr const char* names[] = {"sphere", "paraboloid", "cylinder", "punch", "box", "cone", "heightmap"};
+  return names[shape.index()];
+}
+
 double pad_height(const PadIndenter& indenter, double x, double y, bool beyond_edges) {
   const auto inside = [](const Interval& edges, double at) { return at >= edges.left && at <= edges.right; };
   const PadBox edges = pad_edges(indenter.shape);

@@ -22,6 +22,8 @@ struct PadSensor {
   std::array<int, 2> tactels = {4, 4};       ///< along x and y
   std::array<double, 2> pitch = {4.7, 4.7};  ///< mm, from tactel to tactel; the array is centred
   double tactel_size = 0;                    ///< mm: side of the square over which a tactel takes the mean; 0: a point
+  int axes = 3;                              ///< 3, or 1: tactels that measure sigma_z only
+  std::optional<double> length, width;       ///< mm: the rubber along x and y; the model has no free sides
 
   void validate() const;  ///< throws ValueError, key "sensor.<member>"
 };
@@ -59,6 +61,9 @@ struct HeightMap {
   Eigen::MatrixXd heights;  ///< [along x][along y] mm; counted from the lowest
 };
 using PadShape = std::variant<Sphere, Paraboloid, LyingCylinder, Punch, Box, Cone, HeightMap>;
+
+/// Returns the name of a shape in scene files: "sphere".
+const char* shape_name(const PadShape& shape);
 
 struct PadIndenter {
   PadShape shape = Sphere{};
