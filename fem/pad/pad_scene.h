@@ -58,7 +58,8 @@ struct Cone {
 /// Measured: bilinear between heights on a grid whose middle is the axis; no indenter beyond it.
 struct HeightMap {
   double pitch = 0.1;       ///< mm
-  Eigen::MatrixXd heights;  ///< [along x][along y] mm; counted from the lowest
+  Eigen::MatrixXd heights;  ///< [along x][along y] mm above the lowest, which is 0
+  std::string file{};       ///< where it was read; empty: not from a file
 };
 using PadShape = std::variant<Sphere, Paraboloid, LyingCylinder, Punch, Box, Cone, HeightMap>;
 
@@ -117,6 +118,8 @@ struct PadScene {
   PadLoad load;
   void validate() const;
 };
+
+inline constexpr std::size_t most_pad_targets = 1000;  ///< increments of pressing that a load may ask for
 
 inline bool by_force(const PadScene& scene) { return !scene.load.normal_force.empty(); }
 
