@@ -199,7 +199,7 @@ std::string mosaic_colours(const Figure& f, std::size_t index, int height) {
       diverging ? "0 '#1b4b96', 1 '#6ba1d6', 2 '#f5f4f0', 3 '#e88f6c', 4 '#a11d22'"
                 : "0 '#f8f5ee', 1 '#f1c573', 2 '#d76f3d', 3 '#8d2048', 4 '#360d3c'",
       number(diverging ? -m.most : 0), number(m.most), in_quotes(m.unit), corner.left / f.width,
-      (corner.top + 8 + legend_row_height * legend_rows(f, f.panels[index])) / height, right / f.width,
+      (corner.top + 4 + legend_row_height * legend_rows(f, f.panels[index])) / height, right / f.width,
       corner.bottom / height, 10.0 / f.width, (corner.top - corner.bottom) / height,
       number(tick_distance({diverging ? -m.most : 0, m.most}, 5)));
 }

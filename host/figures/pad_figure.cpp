@@ -145,7 +145,7 @@ class PadFigure {
     const Eigen::RowVector2d pad(sensor.length.value_or(array[0]), sensor.width.value_or(array[1]));
     const Eigen::MatrixX2d rim = rectangle({0, 0}, pad);
     if (sensor.length && sensor.width) panel.series.push_back(closed_line(rim, Mark::line, Ink::grey));
-    fit(figure, panel, {rim, corners()});
+    fit(figure, panel, {rectangle({0, 0}, pad.cwiseMin(1.3 * array)), corners()});  // a wide pad is cut off
     return panel;
   }
 

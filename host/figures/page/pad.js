@@ -77,8 +77,10 @@ class PadView extends StepView {
     this.read(step, [["depth", fixed(step.indentation, 3), "mm"], ["drag x, y", pair(step.drag, 3), "mm"], ["twist", fixed(step.twist, 2), "°"], ["part that sticks", fixed(data.path.stick[step.number - 1], 2), ""],
       ["P, normal force", fixed(step.P, 3), "N"], ["Q_x, Q_y, tangential", pair(step.Q, 3), "N"], ["M, torque", fixed(step.M, 3), "N mm"], ["S, slip index", fixed(step.S, 3), ""], ["|Q| / µP", fixed(step.ratio, 3), ""]]);
     const columns = width < 640 ? 1 : 2, each = Math.floor((width - 26 * (columns - 1)) / columns);
-    const grid = (count, ...parts) => html("div", { class: "panels", style: `grid-template-columns:repeat(${count},minmax(0,1fr));margin-top:.8rem` }, ...parts);
-    const windows = [square(around(this.rim()), 0.05), square(around([...this.sides(), ...this.rim()]), 0.04)], heights = windows.map(w => mapHeight(each, w));
+    const grid = (count, ...parts) => html("div", { class: "panels", style: `grid-template-columns:repeat(${count},minmax(0,1fr));margin-top:.8rem;align-items:end` }, ...parts);
+    const { tactels, pitch } = data.sensor, nearby = place => place.map((v, k) => Math.sign(v) * Math.min(Math.abs(v), 0.65 * tactels[k] * pitch[k]));  // a wide pad is cut off
+    const windows = [square(around(this.rim()), 0.05), square(around([...this.sides().map(nearby), ...this.rim()]), 0.04)],
+      heights = windows.map(w => mapHeight(each, w));
     const height = k => columns === 1 ? heights[k] : Math.max(...heights);
     this.stage.replaceChildren(grid(columns, this.surface(mapAxes(each, height(0), windows[0], "On the surface"), step), this.pad(mapAxes(each, height(1), windows[1], "What the tactels feel"), step)));
     const q = this.quantities[this.quantity];
@@ -127,7 +129,7 @@ class PadView extends StepView {
     const { data } = this, { n } = data.cells, { node, inner, at, path } = this.map(axes, `Contact from above at load step ${step.number}`, true);
     const q = this.quantities[this.quantity], colour = colouring("sequential", [0, q.most || 1]), marks = [];
     let open = "", shafts = "", heads = "";
-    const every = Math.ceil(n / 16), long = 1.5 * every * axes.scale * Math.sqrt(data.cells.sides[0] * data.cells.sides[1]) / (data.most.t || 1);
+    const every = Math.ceil(n / 16), long = 1.35 * every * axes.scale * Math.sqrt(data.cells.sides[0] * data.cells.sides[1]) / (data.most.t || 1);
     for (let k = 0; k < n * n; ++k) {
       const shape = path(this.corners(k), true);
       if (step.status[k] === "o") { open += shape; continue; }
@@ -213,15 +215,20 @@ class PadView extends StepView {
     const bar = scaleBar("diverging", [-data.most.sigma || -1, data.most.sigma || 1], "MPa, σ_z");
     return html("div", {}, this.keys(bar, ...(measured === 3 ? [this.arrowKey(data.most.tau, long, "τ")] : [])), node);
   }
+  // Size that torques are drawn in: the largest, at least a twentieth of what the grip can bear.
+  mostTorque() {
+    const { path, mu, cells: { n, sides } } = this.data, most = values => Math.max(...values.map(v => Math.abs(v ?? 0)));
+    return Math.max(most(path.M), 0.05 * mu * most(path.P) * n * Math.max(...sides) / 2) || 1;
+  }
   // Q as an arrow at the indenter's axis, M as an arc about it.
   forces(axes, step) {
     const { path, position } = this.data, [x, y] = [axes.x(position[0]), axes.y(position[1])], out = [], most = values => Math.max(...values.map(v => Math.abs(v ?? 0)));
     const all = Math.hypot(most(path.Qx), most(path.Qy)) || 1, long = 0.2 * (axes.right - axes.left) / all, text = { class: "halo", style: "font-weight:650" };
     const tip = [x + long * step.Q[0], y - long * step.Q[1]], q = forceArrow(x, y, ...tip, "purple");
     if (q.length) out.push(...q, svgText(tip[0] + (step.Q[0] < 0 ? -6 : 6), tip[1] + (step.Q[1] < 0 ? 14 : -5), `Q ${fixed(Math.hypot(...step.Q), 3)} N`, { ...text, "text-anchor": step.Q[0] < 0 ? "end" : "start", style: `fill:${ink("purple")};font-weight:650` }));
-    const far = Math.max(...this.rim().map(p => Math.hypot(p[0] - position[0], p[1] - position[1]))), turned = step.M / (most(path.M) || 1) * 4.4;
+    const far = Math.max(...this.rim().map(p => Math.hypot(p[0] - position[0], p[1] - position[1]))), turned = 4.4 * step.M / this.mostTorque();
     const r = Math.min(0.36 * Math.min(axes.right - axes.left, axes.floor - axes.top), Math.max(22, 0.85 * far * axes.scale));
-    if (Math.abs(turned) > 0.25) {
+    if (Math.abs(turned) > 0.2) {
       const from = Math.PI / 2 - turned / 2, point = angle => [x + r * Math.cos(angle), y - r * Math.sin(angle)], [a, b] = [point(from), point(from + turned)];
       const way = Math.sign(turned), end = [b[0] - 9 * way * Math.sin(from + turned), b[1] - 9 * way * Math.cos(from + turned)];
       out.push(svg("path", { d: `M${a.map(v => v.toFixed(1))}A${r},${r} 0 ${Math.abs(turned) > Math.PI ? 1 : 0} ${way > 0 ? 0 : 1} ${b.map(v => v.toFixed(1))}`, fill: "none", stroke: ink("orange"), "stroke-width": 3 }),
@@ -244,6 +251,7 @@ class PadView extends StepView {
   }
   cutLegend() {
     const key = legend(this.cutLines([], [], [], []));
+    key.style.marginTop = "1.2rem";
     key.append(...statusLegend("tl").childNodes);
     key.append(html("span", {}, "A click on a cell cuts there."));
     return key;
@@ -253,7 +261,7 @@ class PadView extends StepView {
     const range = (...lists) => { const all = lists.flat().filter(finite), low = Math.min(0, ...all), high = Math.max(0, ...all), room = 0.06 * (high - low) || 1; return [low < 0 ? low - room : 0, high + room]; };
     return [pathPanel("Grip", "share", steps, [["S", S, "black"], ["|Q| / µP", ratio, "orange"], ["part that sticks", stick, "green"]], step.number, [0, 1.06], width),
       pathPanel("Forces", "force (N)", steps, [["P", P, "blue"], ["Q_x", Qx, "purple"], ["Q_y", Qy, "brown"]], step.number, range(P, Qx, Qy), width),
-      pathPanel("Torque", "torque about the indenter's axis (N mm)", steps, [["M", M, "orange"]], step.number, range(M), width)];
+      pathPanel("Torque", "torque about the indenter's axis (N mm)", steps, [["M", M, "orange"]], step.number, range(M, [Math.min(...M) < -0.1 * this.mostTorque() ? 0 : this.mostTorque()]), width)];
   }
 
   tables() { return [["CSV: surface", "surface", () => this.surfaceRows()], ["tactels", "tactels", () => this.tactelRows()], ["path", "path", () => this.pathRows()]]; }

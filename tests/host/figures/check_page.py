@@ -5,6 +5,7 @@ Usage: check_page.py SAMPLE_PAGE  (a program that writes a page and a VTU file t
        check_page.py FILE.html
 Prints every problem; ends with 1 where there is one. Checked at 1280 and 390 pixels, light and dark: no error in the console, no
 request, no horizontal scrolling (of tables at 1280), no text cut, figures drawn; the slider changes the picture; CSV holds the data; the page prints."""
+import math
 import os
 import pathlib
 import subprocess
@@ -58,7 +59,7 @@ PAD = """(() => {
   const marks = {stick: filled('green'), slip: filled('red')};
   const shear = shafts.split('M').slice(1).map(ends).reduce((sum, [x1, y1, x2, y2]) => [sum[0] + x2 - x1, sum[1] + y1 - y2], [0, 0]);
   return {contact: [touched[0] - rubber[0], rubber[1] - touched[1]], q: [q[2] - q[0], q[1] - q[3]], yaw: Math.atan2(own[1] - own[3], own[2] - own[0]) * 180 / Math.PI, arc, marks, shear,
-    tiles: tiles.length, tallest: tiles.length, cells: cells.length, shown, step, count: {stick: step.status.split('t').length - 1, slip: step.status.split('l').length - 1},
+    tiles: tiles.map(t => [...middle(t), ...ends(t.getAttribute('fill'))]), cells: cells.length, shown, step, count: {stick: step.status.split('t').length - 1, slip: step.status.split('l').length - 1},
     rows: view.surfaceRows().slice(1).filter(r => r[0] === step.number).map(r => [r[1], r[2], r[4]]), tactels: view.tactelRows().length - 1, path: view.pathRows().length - 1, steps: view.data.steps.length};
 })()"""
 
@@ -121,11 +122,15 @@ def check_pad(browser, path, expect, vtu):
     step = seen["step"]
     expect(seen["contact"][0] > 10 and seen["contact"][1] > 10, f"the contact lies at {seen['contact']} pixels from the pad's middle instead of right and up")
     expect(seen["q"][0] > 5 and 0 < seen["q"][1] < seen["q"][0], f"the arrow of Q is {seen['q']}")
-    expect(seen["shear"][0] > 20, f"arrows of shear sum to {seen['shear']} pixels, dragged to +x")
+    way = math.degrees(math.atan2(seen["shear"][1], seen["shear"][0]) - math.atan2(step["Q"][1], step["Q"][0]))
+    expect(math.hypot(*seen["shear"]) > 20 and abs(way) < 10, f"arrows of shear sum to {seen['shear']} pixels, {way} degrees off Q")
     expect(abs(seen["yaw"] - 30) < 0.1, f"x' is at {seen['yaw']} degrees instead of 30")
     expect((seen["arc"] == "0") == (step["M"] > 0) and step["M"] > 0, f"the arc of M = {step['M']} has sweep {seen['arc']}")
     expect(seen["marks"] == seen["count"], f"marks {seen['marks']}, cells {seen['count']}")
-    expect(seen["cells"] == sum(seen["count"].values()) and seen["tiles"] == 24, f"{seen['cells']} cells and {seen['tiles']} tactels are drawn")
+    expect(seen["cells"] == sum(seen["count"].values()) and len(seen["tiles"]) == 24, f"{seen['cells']} cells and {len(seen['tiles'])} tactels are drawn")
+    first, second, above = seen["tiles"][0], seen["tiles"][1], seen["tiles"][6]
+    expect(second[0] > first[0] + 10 and second[1] == first[1] and above[0] == first[0] and above[1] < first[1] - 10, "tactels are not drawn from the lower left on, along x")
+    expect(min(range(24), key=lambda k: seen["tiles"][k][2]) == min(range(24), key=lambda k: step["sigma"][k]), "the bluest tactel is not the one that is compressed most")
     expect(f"p {max(step['p']):.4g} MPa" in seen["shown"], f"the tip of the most pressed cell says {seen['shown']}")
     expect(seen["tactels"] == 24 * seen["steps"] and seen["path"] == 5, f"{seen['tactels']} rows of tactels, {seen['path']} of the path")
     # The script turns cells to the pad, the program their corners: the same cells with the same pressure.
