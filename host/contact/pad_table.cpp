@@ -32,8 +32,9 @@ std::string pad_row(std::size_t number, const fem::PadStep& step) {
 std::string error_line(const PadError& error) {
   std::string out = fmt::format("error in S to expect: {:.2g}", error.S);
   if (error.scenes == "this scene") return out + ", estimated by half as many cells\n";
-  out += fmt::format(" (95 % of scenes: {}; largest measured {:.2g}", error.scenes, error.largest);
-  return out + (error.outside.empty() ? ")\n" : "), three times\n  that of measured scenes, for this one is outside\n");
+  if (error.outside.empty())
+    return out + fmt::format(" (95 % of measured scenes, {}; the largest {:.2g})\n", error.scenes, error.largest);
+  return out + ", three times that of the scenes that were measured\n";
 }
 
 }  // namespace
