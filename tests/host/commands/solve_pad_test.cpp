@@ -119,7 +119,6 @@ TEST(SolvePad, WhatItRefuses) {
   };
   refused({"--rung", "patch-12"}, {"--rung = patch-12", "a rung of pads, one of pad-8"});
   refused({"--solver", "full-mesh"}, {"batched or twin for a pad"});
-  refused({"--field", "f.vtu"}, {"--field = f.vtu", "left out of a pad"});
   refused({"--step", "10"}, {"--step = 10", "1 to 9"});
   refused({"--json", "no/such/folder/a.json"}, {"--json"});
   EXPECT_TRUE(is_refused(run_tactel({"solve", source_file("examples/parabola.toml"), "--rung", "pad-8"}),
