@@ -20,8 +20,6 @@ using fem::PadSolution;
 using fem::PadStep;
 using Range = std::pair<double, double>;
 
-std::vector<double> list(const Eigen::VectorXd& values) { return {values.begin(), values.end()}; }
-
 /// A closed line through points.
 Series closed_line(const Eigen::MatrixX2d& points, Mark mark, Ink ink) {
   Series line{.x = list(points.col(0)), .y = list(points.col(1)), .mark = mark, .ink = ink};

@@ -23,7 +23,7 @@ Json points(const Eigen::MatrixX2d& places) {
 }
 
 /// Bytes of a step on the page, about: three numbers a cell that touches, and three a tactel.
-std::size_t bytes_of_step(const PadSolution& solution) {
+std::size_t bytes_of_pad_step(const PadSolution& solution) {
   std::size_t touching = 0, cells = static_cast<std::size_t>(solution.cells.count());
   for (const PadStep& step : solution.steps)
     touching =
@@ -32,12 +32,12 @@ std::size_t bytes_of_step(const PadSolution& solution) {
 }
 
 /// Builds the view step by step.
-class Builder {
+class PadBuilder {
  public:
-  Builder(const PadScene& scene, const PadSolution& solution, std::size_t shown)
+  PadBuilder(const PadScene& scene, const PadSolution& solution, std::size_t shown)
       : scene_(scene),
         solution_(solution),
-        steps_(shown_steps(solution.steps.size(), shown, bytes_of_step(solution))),
+        steps_(shown_steps(solution.steps.size(), shown, bytes_of_pad_step(solution))),
         shown_(shown) {}
 
   ContactView view() { return {data(), caption()}; }
@@ -178,7 +178,7 @@ Eigen::RowVector2d point_of_section(const fem::PadIndenter& indenter, const fem:
 }  // namespace
 
 ContactView contact_view(const PadScene& scene, const PadSolution& solution, std::size_t shown) {
-  return Builder(scene, solution, shown).view();
+  return PadBuilder(scene, solution, shown).view();
 }
 
 Eigen::MatrixX2d section_outline(const fem::PadIndenter& indenter, double depth) {

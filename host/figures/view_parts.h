@@ -2,6 +2,7 @@
 #pragma once
 #include <fmt/format.h>
 
+#include <Eigen/Dense>
 #include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
@@ -16,6 +17,8 @@ struct ContactView {
   nlohmann::ordered_json data;
   std::string caption;
 };
+
+inline std::vector<double> list(const Eigen::VectorXd& values) { return {values.begin(), values.end()}; }
 
 /// Returns a number with so many significant digits; null where it is none.
 inline nlohmann::ordered_json rounded(double value, int digits = 5) {
