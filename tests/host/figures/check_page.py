@@ -46,7 +46,7 @@ PAD = """(() => {
   const view = tactel.figures.find(f => f.name === figure.id).view, step = view.data.steps[view.index];
   const middle = node => { const r = node.getBoundingClientRect(); return [(r.left + r.right) / 2, (r.top + r.bottom) / 2]; };
   const ends = d => d.match(/-?[0-9.]+/g).map(Number);
-  const filled = name => [...surface.querySelectorAll('path')].filter(p => p.getAttribute('fill') === `var(--${name})`).length;
+  const filled = (name, round) => [...surface.querySelectorAll('path')].filter(p => p.getAttribute('fill') === `var(--${name})` && p.getAttribute('d').includes('a') === round).length;
   const paths = [...pad.querySelectorAll('path')], cells = [...surface.querySelectorAll('path')].filter(p => p.getAttribute('fill').startsWith('rgb'));
   const q = ends(paths.find(p => p.getAttribute('stroke') === 'var(--purple)').getAttribute('d'));
   const own = ends(paths.find(p => p.getAttribute('stroke-dasharray') === '9 3 2 3').getAttribute('d'));
@@ -56,7 +56,7 @@ PAD = """(() => {
   surface.dispatchEvent(new PointerEvent('pointermove', {clientX: x, clientY: y, bubbles: true}));
   const shown = document.querySelector('.tip').textContent;
   const [rubber, touched] = [paths[0], paths.find(p => p.getAttribute('stroke-width') === '1.3')].map(middle);
-  const marks = {stick: filled('green'), slip: filled('red')};
+  const marks = {stick: filled('green', true), slip: filled('red', false)};
   const shear = shafts.split('M').slice(1).map(ends).reduce((sum, [x1, y1, x2, y2]) => [sum[0] + x2 - x1, sum[1] + y1 - y2], [0, 0]);
   return {contact: [touched[0] - rubber[0], rubber[1] - touched[1]], q: [q[2] - q[0], q[1] - q[3]], yaw: Math.atan2(own[1] - own[3], own[2] - own[0]) * 180 / Math.PI, arc, marks, shear,
     tiles: tiles.map(t => [...middle(t), ...ends(t.getAttribute('fill'))]), cells: cells.length, shown, step, count: {stick: step.status.split('t').length - 1, slip: step.status.split('l').length - 1},
@@ -130,7 +130,7 @@ def check_pad(browser, path, expect, vtu):
     expect(seen["cells"] == sum(seen["count"].values()) and len(seen["tiles"]) == 24, f"{seen['cells']} cells and {len(seen['tiles'])} tactels are drawn")
     first, second, above = seen["tiles"][0], seen["tiles"][1], seen["tiles"][6]
     expect(second[0] > first[0] + 10 and second[1] == first[1] and above[0] == first[0] and above[1] < first[1] - 10, "tactels are not drawn from the lower left on, along x")
-    expect(min(range(24), key=lambda k: seen["tiles"][k][2]) == min(range(24), key=lambda k: step["sigma"][k]), "the bluest tactel is not the one that is compressed most")
+    expect(min(range(24), key=lambda k: seen["tiles"][k][2] - seen["tiles"][k][4]) == min(range(24), key=lambda k: step["sigma"][k]), "the bluest tactel is not the one that is compressed most")
     expect(f"p {max(step['p']):.4g} MPa" in seen["shown"], f"the tip of the most pressed cell says {seen['shown']}")
     expect(seen["tactels"] == 24 * seen["steps"] and seen["path"] == 5, f"{seen['tactels']} rows of tactels, {seen['path']} of the path")
     # The script turns cells to the pad, the program their corners: the same cells with the same pressure.
