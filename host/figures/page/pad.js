@@ -242,7 +242,7 @@ class PadView extends StepView {
   cutAlong(axis, width, step) {
     const { cells: { n, sides }, mu, most } = this.data, row = Array.from({ length: n }, (_, i) => axis ? this.cut[0] * n + i : i * n + this.cut[1]);
     const at = row.map(k => this.own(k)[axis]), widths = row.map(() => sides[axis]), p = row.map(k => step.p[k]), t = row.map(k => Math.hypot(step.tx[k], step.ty[k]));
-    const top = 1.06 * Math.max(most.p, mu * most.p) || 1, name = ["x′", "y′"], aside = this.own(row[0])[1 - axis];
+    const top = 1.06 * Math.max(most.p, most.t, Math.min(mu, 1.5) * most.p) || 1, name = ["x′", "y′"], aside = this.own(row[0])[1 - axis];
     return html("div", {}, tractionPanel({ title: `Along ${name[axis]}, at ${name[1 - axis]} = ${number(aside, 2)} mm`, x_label: `${name[axis]} (mm)`, y_label: "traction (MPa)", x_range: [at[0] - 1.2 * sides[axis], at[n - 1] + 1.2 * sides[axis]], y_range: [0, top], width },
       this.cutLines(at, widths, p, t), at, t, row.map(k => step.status[k])));
   }
