@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <tuple>
 
 #include "fem/number_text.h"
@@ -23,8 +22,6 @@ constexpr double near_edge = 2, at_edge = 1;                ///< thicknesses fro
 constexpr double smallest_cell = 1e-5, largest_cell = 100;  ///< sides over the thickness
 constexpr double twin_tolerance = 1e-7;                     ///< of sweeps, as the kernel in fp64
 
-double radians(double degrees) { return degrees * std::numbers::pi / 180; }
-
 void check_pad_options(const SolveOptions& options) {
   if (options.solver != "batched" && options.solver != "twin")
     throw ConfigError("command line", "--solver", options.solver,
@@ -40,13 +37,19 @@ void check_pad_options(const SolveOptions& options) {
   check_modelling(options);
 }
 
+/// Turns the frame of the cells to that of the pad.
+Eigen::Matrix2d frame_of(const fem::PadSolution& solution) {
+  const Eigen::Vector2d x = (solution.places.row(solution.cells.n) - solution.places.row(0)).normalized();
+  return (Eigen::Matrix2d() << x[0], -x[1], x[1], x[0]).finished();
+}
+
 /// Fills in how far the indenter has slid over the cells that touch, at most, which the kernel does not return: its
 /// path at the cell less the rubber's (fem/pad/pad_cells.h).
 void add_slip_distances(fem::PadSolution& solution, const fem::PadScene& scene, const fem::PadLayer& layer) {
   const fem::PadCells& cells = solution.cells;
   const fem::PadInfluence c(layer, scene.sensor.thickness, cells.hx, cells.hy, cells.n);
   const double per_force = 1 / (cells.area() * scene.sensor.young);
-  const Eigen::Matrix2d to_own = Eigen::Rotation2Dd(-radians(scene.indenter.yaw)).toRotationMatrix();
+  const Eigen::Matrix2d to_own = frame_of(solution).transpose();
   for (fem::PadStep& step : solution.steps) {
     const Eigen::MatrixX2d t = step.tangential_force * to_own.transpose();
     const Eigen::Vector2d moved = to_own * Eigen::Vector2d(step.x, step.y);
@@ -237,10 +240,8 @@ std::string model_name(const PadOutcome& outcome) {
 std::optional<double> distance_to_edge(const fem::PadScene& scene, const fem::PadSolution& solution) {
   const fem::PadSensor& sensor = scene.sensor;
   if (!sensor.length && !sensor.width) return std::nullopt;
-  const double yaw = radians(scene.indenter.yaw);
-  const double c = std::abs(std::cos(yaw)), s = std::abs(std::sin(yaw));
-  const Eigen::Vector2d half(c * solution.cells.hx / 2 + s * solution.cells.hy / 2,  // of a cell, along x and y
-                             s * solution.cells.hx / 2 + c * solution.cells.hy / 2);
+  const Eigen::Vector2d half =  // of a cell, along x and y
+      frame_of(solution).cwiseAbs() * Eigen::Vector2d(solution.cells.hx / 2, solution.cells.hy / 2);
   double least = std::numeric_limits<double>::infinity();
   each_touched(solution, [&](const Eigen::Vector2d& place) {
     const Eigen::Vector2d out = place.cwiseAbs() + half;
