@@ -50,6 +50,7 @@ template <class Numbers>
 PadLanes in_lanes(const std::vector<OnCells>& on_cells, const Numbers& scenes, const PadContactOptions& options,
                   std::size_t width) {
   std::vector<double> friction;
+  friction.reserve(on_cells.size());
   for (const OnCells& of : on_cells) friction.push_back(of.scene.friction);
   const std::vector<int> stratum = strata(friction, pad_friction_strata);
   using Cost = std::tuple<int, std::size_t, int, double, std::size_t>;
@@ -198,7 +199,8 @@ std::vector<OnCells> PadContact<Real>::State::on_cells(Scenes& scenes) {
       auto [indenter, laid] = fem::lay_cells(scene, *of->layer(), options.cells, options.ladder);
       scene.indenter = std::move(indenter), cells = laid;
     }
-    all.push_back({std::move(scene), *cells, cell_size(*cells, scene.sensor.thickness)});
+    const PadCellSize size = cell_size(*cells, scene.sensor.thickness);
+    all.push_back({std::move(scene), *cells, size});
   }
   return all;
 }
