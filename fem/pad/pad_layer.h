@@ -62,6 +62,9 @@ class PadLayer {
   /// Returns the influence of a cell at an offset that is a multiple of its sides; all in mm.
   CellInfluence influence(double thickness, double hx, double hy, double x, double y) const;
 
+  /// Returns the same for offsets of 0 to n cells, [n + 1][n + 1] along x and y. Neighbours share corners.
+  std::vector<CellInfluence> influences(double thickness, double hx, double hy, int n) const;
+
   /// Returns zz of influence() alone for offsets of 0 to n - 1 cells, [n][n] mm. Its smooth rest is that of the cell's
   /// middle: good to 1e-3 of the largest for cells up to H / 4.
   Eigen::MatrixXd normal_influence(double thickness, double hx, double hy, int n) const;
@@ -71,6 +74,8 @@ class PadLayer {
 
  private:
   double value(PadIntegral f, double rho) const;
+  CellInfluence with_rest(double thickness, double hx, double hy, double x, double y,
+                          const Eigen::Array<double, 5, 1>& half_space) const;
 
   double poisson_;
   std::vector<std::array<Cubic, pad_integrals>> cells_;
