@@ -5,12 +5,14 @@
 // turns.
 #include <benchmark/benchmark.h>
 
+#include <chrono>
 #include <cmath>
 #include <string>
 #include <vector>
 
 #include "bench/fma_peak.h"
 #include "host/contact/pad_contact.h"
+#include "host/contact/pad_search.h"
 #include "kernels/shared/contact_layout.h"
 #include "kernels/shared/pad_layout.h"
 #include "tests/fem/pad/pad_mix.h"
@@ -91,6 +93,30 @@ void pads(benchmark::State& state, int cells, int threads) {
   state.SetLabel(executor.device().info().name);
 }
 
+/// Contacts found on one thread, beside the twin's rate on some of them.
+void pads_searched(benchmark::State& state) {
+  host::Executor executor{host::Device(), {.threads = 1}};
+  const host::PadSearch<float> search(executor);
+  const fem::PadSensor sensor;
+  const fem::PadLayer layer(sensor.poisson);
+  fem::PadMix mix(3, &sensor);
+  std::vector<fem::PadScene> scenes(8192);
+  for (fem::PadScene& scene : scenes) scene = mix();
+  const auto found = search.find(scenes);
+  const auto began = std::chrono::steady_clock::now();
+  constexpr std::size_t some = 256;
+  for (std::size_t i = 0; i < some; ++i)
+    if (!(std::abs(found[i].P / fem::find_pad_contact(scenes[i], layer).P - 1) <= 5e-3)) {
+      state.SkipWithError("forces differ from the twin's");
+      return;
+    }
+  const std::chrono::duration<double> twin = std::chrono::steady_clock::now() - began;
+  for (auto _ : state) benchmark::DoNotOptimize(search.find(scenes));
+  state.counters["scenes_per_second"] =
+      benchmark::Counter(static_cast<double>(scenes.size()), benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["twin_scenes_per_second"] = some / twin.count();
+}
+
 /// What the host does for each scene: search, cells, tables of their own, layout.
 void pads_prepared(benchmark::State& state, int cells) {
   host::Executor executor{host::Device()};
@@ -106,6 +132,9 @@ void pads_prepared(benchmark::State& state, int cells) {
 }
 
 const bool registered = [] {
+  benchmark::RegisterBenchmark("contact/pad_search/fp32/threads:1", pads_searched)
+      ->Unit(benchmark::kMillisecond)
+      ->UseRealTime();
   for (const int cells : {8, 12}) {
     const std::string name = "contact/pad_" + std::to_string(cells);
     for (const int threads : {1, 2})
