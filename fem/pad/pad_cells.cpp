@@ -69,11 +69,12 @@ PadCells pad_cells(const PadBox& contact, const PadIndenter& indenter, int n, do
 }
 
 Eigen::MatrixXd cell_heights(const PadCells& cells, const PadIndenter& indenter) {
-  Eigen::MatrixXd heights(cells.n + 2, cells.n + 2);
+  Eigen::ArrayXd x(cells.n + 2), y(cells.n + 2);
+  for (int i = -1; i <= cells.n; ++i) x[i + 1] = cells.x(i), y[i + 1] = cells.y(i);
+  Eigen::MatrixXd heights = pad_heights(indenter, x, y);
   for (int i = -1; i <= cells.n; ++i)
     for (int j = -1; j <= cells.n; ++j)
-      heights(i + 1, j + 1) = cells.allowed(i, j) ? pad_height(indenter, cells.x(i), cells.y(j), true)
-                                                  : std::numeric_limits<double>::infinity();
+      if (!cells.allowed(i, j)) heights(i + 1, j + 1) = std::numeric_limits<double>::infinity();
   return heights;
 }
 

@@ -36,6 +36,26 @@ TEST(PadShapes, Heights) {
   EXPECT_EQ(pad_height({map}, 0, 1.1), infinity);
 }
 
+TEST(PadShapes, HeightsOnAGridAreThoseOfItsPlaces) {
+  HeightMap map{1.5, Eigen::MatrixXd(3, 3)};
+  map.heights << 3, 1, 2, 5, 3, 7, 4, 4, 4;
+  std::vector<PadIndenter> indenters{{.shape = map}};
+  PadMix mix(11);
+  for (int k = 0; k < 9; ++k) indenters.push_back(mix().indenter);
+  const Eigen::ArrayXd x = Eigen::ArrayXd::LinSpaced(7, -1.6, 1.4), y = Eigen::ArrayXd::LinSpaced(5, -0.3, 2);
+  for (const PadIndenter& indenter : indenters) {
+    const Eigen::MatrixXd heights = pad_heights(indenter, x, y);
+    for (int i = 0; i < x.size(); ++i)
+      for (int j = 0; j < y.size(); ++j) {
+        const double height = pad_height(indenter, x[i], y[j], true);
+        if (std::isinf(height))
+          EXPECT_EQ(heights(i, j), height);
+        else
+          EXPECT_NEAR(heights(i, j), height, 1e-14) << indenter.shape.index() << " " << i << " " << j;
+      }
+  }
+}
+
 TEST(PadShapes, ATiltedBottomRisesFromItsLowestPoint) {
   // The tilted punch of the six named scenes, written out.
   PadIndenter punch{Punch{1.5, 0.5}};
