@@ -13,8 +13,7 @@
    Influence of cells, with rho the distance of their middles and corners [F] as in fem/pad/pad_layer.h:
      zz = (1 - nu^2) / pi ([y asinh(x / y) + x asinh(y / x)] + hx hy z0(rho)),
      z0 = u sum_k a_k T_k(2 u - 1),   u = 1 / sqrt(1 + (rho / PAD_SEARCH_LENGTH)^2),
-   where the host gives a_k of the lane's Poisson's ratio: the layer's part is smooth, and -u / PAD_SEARCH_LENGTH far
-   away.
+ where the host gives a_k
 
    With MIRRORED all shapes are the same at -x and at -y. Unknowns are then the cells of one quadrant, and their influence
    is that of the four mirror images together: a 16th of the products.
@@ -41,6 +40,8 @@
 #define WINDOW_MARGIN ((real)1.5)       /* cells */
 #define WINDOW_GROWTH ((real)0.25)      /* of the pressed extent */
 #define MARGIN ((real)0.06)
+#define LEAST_PARTED ((real)0.35) /* longer sides of cells are parted for the smooth rest of their influence */
+#define MOST_PARTS 16
 
 /* Unknown cells of a row, and entries of the influence between two rows (BLOCKS: between rows of cells alike). */
 #if MIRRORED
@@ -84,18 +85,51 @@ static inline vreal smooth_rest(global const vreal *in, vreal rho2) {
   return u * fma(t, b, in[PAD_SEARCH_REST] - b_next);
 }
 
+/* Places along a side of a cell at which its smooth rest is taken: the middle, or two Gauss points of each of so many
+   parts. Lanes with fewer places than their neighbours take the others with weight 0. */
+typedef struct {
+  vreal side, parts, count;
+} Places;
+
+static inline Places places_along(vreal side) {
+  const vreal parts = SMALLER(TO_VREAL(TO_VINT(2 * side)) + 1, ALL_LANES(MOST_PARTS));
+  const Places places = {side, parts, PICK(side <= LEAST_PARTED, ALL_LANES(1), 2 * parts)};
+  return places;
+}
+
+static inline vreal place_of(const Places *p, int k) {
+  const real in_part = (real)(k / 2) + (real)0.5 + (k % 2 ? 1 : -1) * (real)0.28867513459481287;
+  return PICK(p->count > 1, p->side * (in_part / p->parts - (real)0.5), ALL_LANES(0));
+}
+
+/* The mean of the smooth rest over a cell. */
+static inline vreal mean_rest(global const vreal *in, const Places *along_x, const Places *along_y, vreal x, vreal y) {
+  vreal sum = 0;
+  ROLLED for (int k = 0; ANY(along_x->count > (real)k); ++k) {
+    const vreal at_x = x + place_of(along_x, k);
+    ROLLED for (int l = 0; ANY(along_y->count > (real)l); ++l) {
+      const vreal at_y = y + place_of(along_y, l);
+      const vint mine = (along_x->count > (real)k) & (along_y->count > (real)l);
+      const vreal weight = PICK(mine, 1 / (along_x->count * along_y->count), ALL_LANES(0));
+      sum = fma(weight, smooth_rest(in, fma(at_x, at_x, at_y * at_y)), sum);
+    }
+  }
+  return sum;
+}
+
 /* zz of cells hx x hy at 0 to SEARCH_CELLS - 1 cells along x and y. */
 OUTLINE void cell_influence(global const vreal *in, vreal hx, vreal hy, vreal *zz) {
+  const Places places_x = places_along(hx), places_y = places_along(hy);
   vreal log_y[SEARCH_CELLS], last[SEARCH_CELLS]; /* corners of the row before */
   ROLLED for (int j = 0; j < SEARCH_CELLS; ++j) log_y[j] = natural_log(((real)j + (real)0.5) * hy);
   ROLLED for (int i = 0; i < SEARCH_CELLS; ++i) {
-    const vreal x = ((real)i + (real)0.5) * hx, log_x = natural_log(x), middle_x = (real)i * hx;
+    const vreal x = ((real)i + (real)0.5) * hx, log_x = natural_log(x);
     vreal before = 0, before_last = 0;
     ROLLED for (int j = 0; j < SEARCH_CELLS; ++j) {
-      const vreal now = corner(x, ((real)j + (real)0.5) * hy, log_x, log_y[j]), middle_y = (real)j * hy;
+      const vreal now = corner(x, ((real)j + (real)0.5) * hy, log_x, log_y[j]);
       if (i == 0) last[j] = -now; /* corners are odd in x and in y */
       if (j == 0) before = -now, before_last = -last[j];
-      const vreal rest = smooth_rest(in, fma(middle_x, middle_x, middle_y * middle_y));
+      const vreal rest = mean_rest(in, &places_x, &places_y, (real)i * hx, (real)j * hy);
       zz[i * SEARCH_CELLS + j] =
           in[PAD_SEARCH_NORMAL_FACTOR] * fma(hx * hy, rest, (now - before) - (last[j] - before_last));
       before_last = last[j];

@@ -146,7 +146,8 @@ TEST(PadSearch, AnIndenterThatTouchesNothingKeepsAFewCells) {
 }
 
 /// H. Hertz, 1882: radius sqrt(R d) and force 4/3 E / (1 - nu^2) sqrt(R d^3) on a half-space. A layer 1000 times as
-/// thick as the contact is one. Half-widths are whole cells, some 4.5 a radius: half a cell is a ninth; 12 % lie around.
+/// thick as the contact is one. Half-widths are whole cells, some 4.5 a radius: half a cell is a ninth; 12 % lie
+/// around.
 TEST(PadSearch, HertzsRadiusAndForceOnAThickLayer) {
   std::vector<fem::PadScene> scenes(40);
   for (std::size_t i = 0; i < scenes.size(); ++i) {
@@ -160,6 +161,23 @@ TEST(PadSearch, HertzsRadiusAndForceOnAThickLayer) {
     EXPECT_NEAR(found[i].contact.x.right / a, 1.12, 0.15) << i;
     EXPECT_EQ(found[i].contact.x.right, found[i].contact.y.right) << i;
     EXPECT_NEAR(found[i].P / (4.0 / 3 / 0.91 * a * 0.05), 1, 0.02) << i;
+  }
+}
+
+/// A wide flat squeezes a thin layer like a short column that cannot widen: P = E (1 - nu) / ((1 + nu) (1 - 2 nu)) d /
+/// H of its area. 60 times as wide as the layer is thick, half a thickness of rim is 3 %, of which E acts on a part.
+TEST(PadSearch, AWideFlatCompressesAThinLayerLikeAColumn) {
+  std::vector<fem::PadScene> scenes(3);
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    scenes[i].sensor = {.thickness = 0.5, .young = 2, .poisson = 0.15 * static_cast<double>(i)};
+    scenes[i].indenter.shape = fem::Box{{15, 15}, 0};
+    scenes[i].load.indentation = {0.02};
+  }
+  const auto found = PadSearch<float>(executor()).find(scenes);
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const double nu = scenes[i].sensor.poisson;
+    EXPECT_NEAR(found[i].P / (2 * (1 - nu) / ((1 + nu) * (1 - 2 * nu)) * 0.02 / 0.5 * 900), 1, 0.02) << nu;
+    EXPECT_EQ(found[i].contact.x.right, 15) << nu;
   }
 }
 
