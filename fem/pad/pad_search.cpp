@@ -79,12 +79,15 @@ PadIndenter sharpened(PadIndenter indenter, int cells, double depth) {
 }  // namespace
 
 PadLayout lay_cells(const PadScene& scene, const PadLayer& layer, int cells, bool ladder) {
-  PadSearch found = find_pad_contact(scene, layer);
+  return lay_cells(find_pad_contact(scene, layer), scene, layer, cells, ladder);
+}
+
+PadLayout lay_cells(const PadSearch& found, const PadScene& scene, const PadLayer& layer, int cells, bool ladder) {
   PadScene seen = scene;
   seen.indenter = sharpened(scene.indenter, cells, found.depth);
-  if (!(pad_edges(seen.indenter.shape).x.right == pad_edges(scene.indenter.shape).x.right))
-    found = find_pad_contact_at(found.depth, seen, layer);
-  return {seen.indenter, pad_cells(found.contact, seen.indenter, cells, scene.sensor.thickness, ladder)};
+  const bool same = pad_edges(seen.indenter.shape).x.right == pad_edges(scene.indenter.shape).x.right;
+  const PadBox contact = same ? found.contact : find_pad_contact_at(found.depth, seen, layer).contact;
+  return {seen.indenter, pad_cells(contact, seen.indenter, cells, scene.sensor.thickness, ladder)};
 }
 
 PadSearch find_pad_contact_at(double depth, const PadScene& scene, const PadLayer& layer) {

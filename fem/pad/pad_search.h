@@ -38,7 +38,9 @@ struct PadLayout {
 /// boxes 3 to 8 % wrong at 12 cells, as a sharp one some 1 %; mean heights of the cells make it worse.
 inline constexpr double least_rounding = 1.2, least_reach = 0.6, sharp_beyond = 0.5;
 
-/// Returns the cells of a scene, `cells` along a side (pad_cells), over the contact of the search.
+/// Returns the cells of a scene, `cells` along a side (pad_cells), over the contact of the search: what
+/// find_pad_contact found.
+PadLayout lay_cells(const PadSearch& found, const PadScene& scene, const PadLayer& layer, int cells, bool ladder);
 PadLayout lay_cells(const PadScene& scene, const PadLayer& layer, int cells, bool ladder);
 
 /// Returns the contact at a depth, in mm.

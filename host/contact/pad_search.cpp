@@ -166,14 +166,23 @@ PadSearch<Real>::PadSearch(Executor& executor) : state_(std::make_shared<State>(
 template <class Real>
 std::vector<fem::PadSearch> PadSearch<Real>::find(std::span<const fem::PadScene> scenes,
                                                   std::span<const double> depths) const {
-  const auto forced = [&](std::size_t i) { return depths.empty() && by_force(scenes[i]); };
+  std::vector<const fem::PadScene*> all;
+  all.reserve(scenes.size());
+  for (const fem::PadScene& scene : scenes) all.push_back(&scene);
+  return find(all, depths);
+}
+
+template <class Real>
+std::vector<fem::PadSearch> PadSearch<Real>::find(std::span<const fem::PadScene* const> scenes,
+                                                  std::span<const double> depths) const {
+  const auto forced = [&](std::size_t i) { return depths.empty() && by_force(*scenes[i]); };
   // Scenes of one program, and those that are driven by force, side by side.
   std::array<std::vector<std::size_t>, 2> order;  // not mirrored, mirrored
   for (const bool force : {true, false})
     for (std::size_t i = 0; i < scenes.size(); ++i)
-      if (forced(i) == force) order[mirrored(scenes[i].indenter)].push_back(i);
+      if (forced(i) == force) order[mirrored(scenes[i]->indenter)].push_back(i);
   const auto target = [&](std::size_t i) {
-    const fem::PadLoad& load = scenes[i].load;
+    const fem::PadLoad& load = scenes[i]->load;
     return !depths.empty() ? depths[i] : largest(forced(i) ? load.normal_force : load.indentation);
   };
 
@@ -193,7 +202,7 @@ std::vector<fem::PadSearch> PadSearch<Real>::find(std::span<const fem::PadScene>
     std::fill(input.view().begin(), input.view().end(), Real(0));
     std::fill(at.view().begin(), at.view().end(), 0);
     for (std::size_t lane = 0; lane < order[kind].size(); ++lane) {
-      const fem::PadScene& scene = scenes[order[kind][lane]];
+      const fem::PadScene& scene = *scenes[order[kind][lane]];
       const double H = scene.sensor.thickness, nu = scene.sensor.poisson;
       const bool force = forced(order[kind][lane]);
       Rows rows{};
@@ -209,8 +218,7 @@ std::vector<fem::PadSearch> PadSearch<Real>::find(std::span<const fem::PadScene>
   }
   maps.numbers.resize(std::max<std::size_t>(maps.numbers.size(), 1));
   const Buffer<Real> heights(device, std::span<const Real>(maps.numbers));
-  std::vector<Job> jobs;
-  for (const bool kind : {false, true}) {
+  for (const bool kind : {false, true}) {  // one by one: each may run beside another batch's
     if (order[kind].empty()) continue;
     const auto bind = [&](KernelArguments& kernel) {
       kernel.set("lane_input", inputs[kind]);
@@ -218,10 +226,9 @@ std::vector<fem::PadSearch> PadSearch<Real>::find(std::span<const fem::PadScene>
       kernel.set("map_at", map_at[kind]);
       kernel.set("found", outputs[kind]);
     };
-    jobs.push_back({state_->executor.prepare(state_->program(kind), "pad_search", bind),
-                    (order[kind].size() + lanes - 1) / lanes});
+    const Launch launch = state_->executor.prepare(state_->program(kind), "pad_search", bind);
+    state_->executor.run(launch, (order[kind].size() + lanes - 1) / lanes);
   }
-  state_->executor.run(jobs);
 
   std::vector<fem::PadSearch> found(scenes.size());
   for (const bool kind : {false, true}) {
@@ -232,13 +239,13 @@ std::vector<fem::PadSearch> PadSearch<Real>::find(std::span<const fem::PadScene>
       const auto number = [&](int row) {
         return static_cast<double>(output[(lane / lanes * PAD_FOUND_ROWS + row) * lanes + lane % lanes]);
       };
-      const fem::PadBox edges = fem::pad_edges(scenes[i].indenter.shape);
-      const double H = scenes[i].sensor.thickness;
+      const fem::PadBox edges = fem::pad_edges(scenes[i]->indenter.shape);
+      const double H = scenes[i]->sensor.thickness;
       found[i].contact = {
           {std::max(H * number(PAD_FOUND_LEFT), edges.x.left), std::min(H * number(PAD_FOUND_RIGHT), edges.x.right)},
           {std::max(H * number(PAD_FOUND_BELOW), edges.y.left), std::min(H * number(PAD_FOUND_ABOVE), edges.y.right)}};
       found[i].depth = forced(i) ? H * number(PAD_FOUND_DEPTH) : target(i);
-      found[i].P = scenes[i].sensor.young * H * H * number(PAD_FOUND_P);
+      found[i].P = scenes[i]->sensor.young * H * H * number(PAD_FOUND_P);
     }
   }
   return found;

@@ -19,6 +19,8 @@ class PadSearch {
   /// Returns what fem::find_pad_contact finds for each scene, with `depths` ([scenes] mm) fem::find_pad_contact_at.
   /// A contact has the same bits in every batch and order. Where its outermost cells bear next to nothing, it may end a
   /// cell of the search beside the twin's.
+  std::vector<fem::PadSearch> find(std::span<const fem::PadScene* const> scenes,
+                                   std::span<const double> depths = {}) const;
   std::vector<fem::PadSearch> find(std::span<const fem::PadScene> scenes, std::span<const double> depths = {}) const;
 
  private:
