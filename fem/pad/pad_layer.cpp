@@ -48,18 +48,24 @@ double potential_slope(double x, double y) { return y * std::log(std::hypot(x, y
 
 }  // namespace
 
-PadLayer::PadLayer(double poisson) : poisson_(poisson) {
-  const PadIntegrals integrals(poisson);
+PadLayer::PadLayer(double poisson)
+    : PadLayer(poisson, PadIntegrals::sampled(std::vector{PadIntegrals(poisson)}, places()).front()) {}
+
+PadLayer::PadLayer(double poisson, const PadSamples& samples) : poisson_(poisson) {
   const double step = 1.0 / steps_a_thickness;
-  PadIntegrals::At left = integrals.at(0);
-  for (int cell = 0; cell < range * steps_a_thickness; ++cell) {
-    const PadIntegrals::At right = integrals.at((cell + 1) * step);
-    const PadValues rise = right.value - left.value, s0 = step * left.slope, s1 = step * right.slope;
+  for (Eigen::Index cell = 0; cell + 1 < samples.cols(); ++cell) {
+    const auto left = samples.col(cell), right = samples.col(cell + 1);
     auto& row = cells_.emplace_back();
-    for (int f = 0; f < pad_integrals; ++f)
-      row[f] = {left.value[f], s0[f], 3 * rise[f] - 2 * s0[f] - s1[f], s0[f] + s1[f] - 2 * rise[f]};
-    left = right;
+    for (int f = 0; f < pad_integrals; ++f) {
+      const double rise = right[f] - left[f], s0 = step * left[pad_integrals + f], s1 = step * right[pad_integrals + f];
+      row[f] = {left[f], s0, 3 * rise - 2 * s0 - s1, s0 + s1 - 2 * rise};
+    }
   }
+}
+
+Eigen::VectorXd PadLayer::places() {
+  constexpr auto count = static_cast<Eigen::Index>(range * steps_a_thickness);
+  return Eigen::VectorXd::LinSpaced(count + 1, 0, range);
 }
 
 double PadLayer::value(PadIntegral f, double rho) const {

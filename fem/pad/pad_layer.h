@@ -41,8 +41,14 @@ class PadLayer {
   /// Coefficients of one function in one cell: c0 + q (c1 + q (c2 + q c3)), q in [0, 1] from its left end.
   using Cubic = std::array<double, 4>;
 
-  /// 0 <= poisson <= 1/2.
+  /// 0 <= poisson <= 1/2. Takes a tenth of a second: pad_layer (pad_layers.h) is faster.
   explicit PadLayer(double poisson);
+
+  /// `samples`: of this Poisson's ratio at places().
+  PadLayer(double poisson, const PadSamples& samples);
+
+  /// Returns the ends of the cells, H.
+  static Eigen::VectorXd places();
 
   double poisson() const { return poisson_; }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "fem/layer/legendre_points.h"
+#include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_solver.h"
 #include "kernels/shared/pad_layout.h"
 
@@ -75,7 +76,7 @@ PadCellSize cell_size(const fem::PadCells& cells, double thickness) {
 PadTables::PadTables(double poisson, int cells, bool exact)
     : cells_(cells),
       exact_(exact),
-      layer_(std::make_shared<const fem::PadLayer>(poisson)),
+      layer_(std::make_shared<const fem::PadLayer>(fem::pad_layer(poisson))),
       stress_(stress_table(*layer_)) {}
 
 std::vector<double> PadTables::make_influence(const PadCellSize& size) const {
