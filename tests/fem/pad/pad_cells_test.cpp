@@ -31,7 +31,7 @@ TEST(PadShapes, Heights) {
   EXPECT_NEAR(pad_height({Box{{1, 2}, 0.5}}, 2, 4), 5, 1e-15);
   EXPECT_NEAR(pad_height({Cone{45}}, 3, 4), 5, 1e-14);
   HeightMap map{1, Eigen::MatrixXd(2, 3)};
-  map.heights << 3, 1, 2, 5, 3, 7;
+  map.heights << 2, 0, 1, 4, 2, 6;
   EXPECT_NEAR(pad_height({map}, -0.5, 0), 0, 1e-15);
   EXPECT_NEAR(pad_height({map}, 0.25, 0.5), 0.25 * 0.5 * (0 + 1) + 0.75 * 0.5 * (2 + 6), 1e-15);
   EXPECT_EQ(pad_height({map}, 0, 1.1), infinity);
