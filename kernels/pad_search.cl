@@ -373,7 +373,7 @@ static inline vreal depth_factor(vreal ratio, vreal power) {
   return PICK(z < 0, 1 / e, e);
 }
 
-/* lane_input [groups][PAD_SEARCH_ROWS][lane]; maps: measured heights less the lowest, mm, [rows][columns] each; map_at
+/* lane_input [groups][PAD_SEARCH_ROWS][lane]; maps: measured heights, mm, [rows][columns] each; map_at
    [groups][lane]: the first height of a lane's. Out: found [groups][PAD_FOUND_ROWS][lane]. */
 kernel void pad_search(uint first_group, global const vreal *lane_input, global const real *maps,
                        global const int *map_at, global vreal *found) {

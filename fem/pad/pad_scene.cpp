@@ -36,7 +36,7 @@ double section(double radius, double depth) {
 /// (distance beyond a flat)^2 / (2 edge); a sharp edge is ignored.
 double rounding(double beyond, double edge) { return beyond > 0 && edge > 0 ? beyond * beyond / (2 * edge) : 0; }
 
-double between(const HeightMap& map, double lowest, double x, double y) {
+double between(const HeightMap& map, double x, double y) {
   const Eigen::Index rows = map.heights.rows(), columns = map.heights.cols();
   const double i = x / map.pitch + static_cast<double>(rows - 1) / 2;
   const double j = y / map.pitch + static_cast<double>(columns - 1) / 2;
@@ -46,7 +46,7 @@ double between(const HeightMap& map, double lowest, double x, double y) {
                      l = std::min(static_cast<Eigen::Index>(j), columns - 2);
   const double p = i - static_cast<double>(k), q = j - static_cast<double>(l);
   const auto h = map.heights.block<2, 2>(k, l);
-  return (1 - p) * ((1 - q) * h(0, 0) + q * h(0, 1)) + p * ((1 - q) * h(1, 0) + q * h(1, 1)) - lowest;
+  return (1 - p) * ((1 - q) * h(0, 0) + q * h(0, 1)) + p * ((1 - q) * h(1, 0) + q * h(1, 1));
 }
 
 /// Returns use(h): h(x, y) is the height of the upright shape. What does not depend on the place is worked out once.
@@ -72,9 +72,7 @@ auto with_heights(const PadShape& shape, Use use) {
           [&](const Cone& c) {
             return use([wide = std::tan(radians(c.angle)), &far](double x, double y) { return far(x, y) / wide; });
           },
-          [&](const HeightMap& m) {
-            return use([&m, lowest = m.heights.minCoeff()](double x, double y) { return between(m, lowest, x, y); });
-          }},
+          [&](const HeightMap& m) { return use([&m](double x, double y) { return between(m, x, y); }); }},
       shape);
 }
 
@@ -96,6 +94,11 @@ PadBox centred(double x, double y) { return {{-x, x}, {-y, y}}; }
 
 }  // namespace
 
+const char* shape_name(const PadShape& shape) {
+  static constexpr const char* names[] = {"sphere", "paraboloid", "cylinder", "punch", "box", "cone", "heightmap"};
+  return names[shape.index()];
+}
+
 double pad_height(const PadIndenter& indenter, double x, double y, bool beyond_edges) {
   const auto inside = [](const Interval& edges, double at) { return at >= edges.left && at <= edges.right; };
   if (!beyond_edges) {
@@ -103,10 +106,13 @@ double pad_height(const PadIndenter& indenter, double x, double y, bool beyond_e
     const bool round = std::holds_alternative<Punch>(indenter.shape);
     if (!(round ? inside(edges.x, std::hypot(x, y)) : inside(edges.x, x) && inside(edges.y, y))) return infinity;
   }
-  const double height = with_heights(indenter.shape, [x, y](const auto& h) { return h(x, y); });
-  if (indenter.tilt == 0) return height;
+  return with_heights(indenter.shape, [x, y](const auto& h) { return h(x, y); }) + tilt_height(indenter, x, y);
+}
+
+double tilt_height(const PadIndenter& indenter, double x, double y) {
+  if (indenter.tilt == 0) return 0;
   const Tilt tilt(indenter);
-  return height + tilt.x * x + tilt.y * y + tilt.below;
+  return tilt.x * x + tilt.y * y + tilt.below;
 }
 
 Eigen::MatrixXd pad_heights(const PadIndenter& indenter, const Eigen::ArrayXd& x, const Eigen::ArrayXd& y) {
@@ -148,10 +154,9 @@ PadBox rigid_section(const PadIndenter& indenter, double depth) {
           [&](const Cone& c) { return centred(d * std::tan(radians(c.angle)), d * std::tan(radians(c.angle))); },
           [&](const HeightMap& m) {
             PadBox box{{infinity, -infinity}, {infinity, -infinity}};
-            const double lowest = m.heights.minCoeff();
             for (Eigen::Index i = 0; i < m.heights.rows(); ++i)
               for (Eigen::Index j = 0; j < m.heights.cols(); ++j) {
-                if (m.heights(i, j) - lowest > d) continue;
+                if (m.heights(i, j) > d) continue;
                 const double x = m.pitch * (static_cast<double>(i) - static_cast<double>(m.heights.rows() - 1) / 2);
                 const double y = m.pitch * (static_cast<double>(j) - static_cast<double>(m.heights.cols() - 1) / 2);
                 box = {{std::min(box.x.left, x - m.pitch), std::max(box.x.right, x + m.pitch)},
@@ -181,42 +186,54 @@ void check_edge(double value) {
 
 void PadSensor::validate() const {
   check_length("sensor.thickness", thickness);
-  check(std::isfinite(young) && young > 0, "sensor.young", young, "a Young's modulus in MPa, finite and above 0");
+  check(young >= 1e-9 && young <= 1e12, "sensor.young", young, "a Young's modulus in MPa, 1e-9 to 1e12");
   check(poisson >= 0 && poisson <= 0.5, "sensor.poisson", poisson, "a Poisson's ratio, 0 <= poisson <= 0.5");
   for (const int count : tactels)
     check(count >= 1 && count <= 100, "sensor.tactels", count, "numbers of tactels along x and y, 1 to 100 each");
   for (const double p : pitch) check_length("sensor.pitch", p);
   check(tactel_size >= 0 && tactel_size <= std::min(pitch[0], pitch[1]), "sensor.tactel_size", tactel_size,
         "a side in mm, 0 (a point) to the pitch");
+  check(axes == 1 || axes == 3, "sensor.axes", axes, "3, or 1 (normal stress only)");
+  const auto check_side = [&](const char* member, const std::optional<double>& side, int axis) {
+    if (!side) return;
+    check_length(member, *side);
+    const double array = std::round(1e6 * ((tactels[axis] - 1) * pitch[axis] + tactel_size)) / 1e6;
+    check(*side >= array, member, *side,
+          ("a length in mm that holds the tactels, " + number_text(array) + " or more").c_str());
+  };
+  check_side("sensor.length", length, 0);
+  check_side("sensor.width", width, 1);
 }
 
 void PadIndenter::validate() const {
-  std::visit(
-      Overloaded{[](const Sphere& s) { check_length("indenter.radius", s.radius); },
-                 [](const Paraboloid& p) {
-                   for (const double radius : p.radii) check_length("indenter.radii", radius);
-                 },
-                 [](const LyingCylinder& c) {
-                   check_length("indenter.radius", c.radius);
-                   check_length("indenter.half_length", c.half_length);
-                 },
-                 [](const Punch& p) {
-                   check_length("indenter.radius", p.radius);
-                   check_edge(p.edge);
-                 },
-                 [](const Box& b) {
-                   for (const double width : b.half_widths) check_length("indenter.half_widths", width);
-                   check_edge(b.edge);
-                 },
-                 [](const Cone& c) {
-                   check(c.angle > 0 && c.angle < 90, "indenter.angle", c.angle, "degrees, above 0 and below 90");
-                 },
-                 [](const HeightMap& m) {
-                   check_length("indenter.pitch", m.pitch);
-                   check(m.heights.rows() >= 2 && m.heights.cols() >= 2 && m.heights.allFinite(), "indenter.file",
-                         static_cast<double>(m.heights.size()), "a grid of 2 x 2 finite heights at least");
-                 }},
-      shape);
+  std::visit(Overloaded{[](const Sphere& s) { check_length("indenter.radius", s.radius); },
+                        [](const Paraboloid& p) {
+                          for (const double radius : p.radii) check_length("indenter.radii", radius);
+                        },
+                        [](const LyingCylinder& c) {
+                          check_length("indenter.radius", c.radius);
+                          check_length("indenter.half_length", c.half_length);
+                        },
+                        [](const Punch& p) {
+                          check_length("indenter.radius", p.radius);
+                          check_edge(p.edge);
+                        },
+                        [](const Box& b) {
+                          for (const double width : b.half_widths) check_length("indenter.half_widths", width);
+                          check_edge(b.edge);
+                        },
+                        [](const Cone& c) {
+                          check(c.angle > 0 && c.angle < 90, "indenter.angle", c.angle,
+                                "degrees, above 0 and below 90");
+                        },
+                        [](const HeightMap& m) {
+                          check_length("indenter.pitch", m.pitch);
+                          const bool grid = m.heights.rows() >= 2 && m.heights.cols() >= 2 && m.heights.allFinite();
+                          check(grid && m.heights.minCoeff() == 0 && m.heights.maxCoeff() <= 1e6, "indenter.file",
+                                static_cast<double>(m.heights.size()),
+                                "a grid of 2 x 2 heights at least, the lowest 0, the highest below 1e6 mm");
+                        }},
+             shape);
   for (const double p : position)
     check(std::abs(p) <= 1e6, "indenter.position", p, "a place in mm, at most 1e6 from the middle");
   check(std::abs(yaw) <= 360, "indenter.yaw", yaw, "degrees, -360 to 360");
@@ -237,11 +254,18 @@ void PadLoad::validate() const {
       check(value >= 0 && value <= 1e6, "load.indentation", value, "a depth in mm, 0 to 1e6");
   }
   check(indentation_steps >= 1 && indentation_steps <= 1000, "load.indentation_steps", indentation_steps, "1 to 1000");
+  if (normal.size() * indentation_steps > most_pad_targets)
+    throw ValueError(indentation_steps > 1 ? "load.indentation_steps"
+                     : force               ? "load.normal_force"
+                                           : "load.indentation",
+                     std::to_string(indentation_steps > 1 ? indentation_steps : static_cast<int>(normal.size())),
+                     "so few that the pressing takes 1000 increments at most");
   check(drags.size() <= 1000, "load.tangential", static_cast<double>(drags.size()), "at most 1000 positions");
   for (const auto& drag : drags) {
-    check(std::max(std::abs(drag[0]), std::abs(drag[1])) <= 1e6, "load.tangential", drag[0],
-          "a place in mm, at most 1e6 away");
-    check(std::abs(drag[2]) <= 2 * std::numbers::pi, "load.twist", drag[2], "a twist of one turn at most");
+    for (int axis = 0; axis < 2; ++axis)
+      check(std::abs(drag[axis]) <= 1e6, "load.tangential", drag[axis], "a place in mm, at most 1e6 away");
+    check(std::abs(drag[2]) <= 2 * std::numbers::pi, "load.twist",
+          std::round(drag[2] * 180 / std::numbers::pi * 1e9) / 1e9, "degrees, -360 to 360");
   }
 }
 

@@ -22,6 +22,8 @@ struct PadSensor {
   std::array<int, 2> tactels = {4, 4};       ///< along x and y
   std::array<double, 2> pitch = {4.7, 4.7};  ///< mm, from tactel to tactel; the array is centred
   double tactel_size = 0;                    ///< mm: side of the square over which a tactel takes the mean; 0: a point
+  int axes = 3;                              ///< 3, or 1: tactels that measure sigma_z only
+  std::optional<double> length, width;       ///< mm: the rubber along x and y; the model has no free sides
 
   void validate() const;  ///< throws ValueError, key "sensor.<member>"
 };
@@ -56,9 +58,13 @@ struct Cone {
 /// Measured: bilinear between heights on a grid whose middle is the axis; no indenter beyond it.
 struct HeightMap {
   double pitch = 0.1;       ///< mm
-  Eigen::MatrixXd heights;  ///< [along x][along y] mm; counted from the lowest
+  Eigen::MatrixXd heights;  ///< [along x][along y] mm above the lowest, which is 0
+  std::string file{};       ///< where it was read; empty: not from a file
 };
 using PadShape = std::variant<Sphere, Paraboloid, LyingCylinder, Punch, Box, Cone, HeightMap>;
+
+/// Returns the name of a shape in scene files: "sphere".
+const char* shape_name(const PadShape& shape);
 
 struct PadIndenter {
   PadShape shape = Sphere{};
@@ -76,6 +82,9 @@ double pad_height(const PadIndenter& indenter, double x, double y, bool beyond_e
 
 /// Returns heights at every x with every y, [x][y] mm: as pad_height beyond edges, but for rounding.
 Eigen::MatrixXd pad_heights(const PadIndenter& indenter, const Eigen::ArrayXd& x, const Eigen::ArrayXd& y);
+
+/// Returns the part of it that a tilt adds, mm.
+double tilt_height(const PadIndenter& indenter, double x, double y);
 
 /// A rectangle of the own frame, mm.
 struct PadBox {
@@ -115,6 +124,8 @@ struct PadScene {
   PadLoad load;
   void validate() const;
 };
+
+inline constexpr std::size_t most_pad_targets = 1000;  ///< increments of pressing that a load may ask for
 
 inline bool by_force(const PadScene& scene) { return !scene.load.normal_force.empty(); }
 

@@ -3,11 +3,23 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
+#include "host/contact/pad_solve.h"
 #include "host/support/durable_file.h"
 
 namespace tactel::host {
+namespace {
+
+/// The words of lines, and those of pads besides.
+std::vector<std::string> both(std::vector<std::string> words, const std::vector<std::string>& of_pads) {
+  for (const std::string& word : of_pads)
+    if (std::ranges::find(words, word) == words.end()) words.push_back(word);
+  return words;
+}
+
+}  // namespace
 
 void add_device_option(CLI::App& command, std::string& device) {
   command.add_option("--device", device, "OpenCL device: a part of its name or its index, see `tactel devices`")
@@ -22,8 +34,10 @@ void write_report(const std::string& folder, const std::string& page, bool quiet
 
 void add_shared_options(CLI::App& command, SharedOptions& options, const char* precision) {
   SolveOptions& solve = options.solve;
-  command.add_option("--solver", solve.solver, "solver: batched (OpenCL) or full-mesh (no OpenCL, slow)")
-      ->check(CLI::IsMember(solver_names()))
+  command
+      .add_option("--solver", solve.solver,
+                  "solver: batched (OpenCL), full-mesh (lines, no OpenCL, slow) or twin (pads, no OpenCL)")
+      ->check(CLI::IsMember(both(solver_names(), pad_solver_names())))
       ->transform([](std::string name) { return name == "reference" ? std::string("full-mesh") : name; })
       ->capture_default_str();
   command
@@ -38,8 +52,8 @@ void add_shared_options(CLI::App& command, SharedOptions& options, const char* p
   command
       .add_option("--rung", solve.rung,
                   "model, which overrides the file's: patch-8, patch-12, patch-16, patch-24, paper, mesh-321, "
-                  "reference (docs/accuracy.md has others)")
-      ->check(CLI::IsMember(rung_names()))
+                  "reference (docs/accuracy.md has others); of pads pad-8, pad-12, pad-16, pad-24, reference")
+      ->check(CLI::IsMember(both(rung_names(), pad_rung_names())))
       ->type_name("NAME");
   command
       .add_option("--accuracy", solve.accuracy,

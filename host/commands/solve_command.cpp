@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "fem/stress_field.h"
-#include "host/commands/shared_options.h"
 #include "host/commands/solve_page.h"
+#include "host/commands/solve_request.h"
 #include "host/contact/derivatives.h"
 #include "host/contact/scene_json.h"
 #include "host/contact/solution_table.h"
@@ -20,14 +20,22 @@
 #include "host/support/terminal.h"
 
 namespace tactel::host {
-namespace {
 
-struct SolveRequest {
-  SharedOptions shared;
-  std::string scene, json, plot, field, html;
-  std::optional<int> step;
-  bool derivatives = false;
-};
+std::size_t chosen_step(const SolveRequest& request, std::size_t steps) {
+  const int count = static_cast<int>(steps);
+  const int step = request.step.value_or(count);
+  if (step < 1 || step > count) {
+    throw ConfigError("command line", "--step", std::to_string(step),
+                      fmt::format("a load step of this scene, 1 to {}", count));
+  }
+  return static_cast<std::size_t>(step - 1);
+}
+
+void warn(const SolveRequest& request, const std::string& text) {
+  if (!request.shared.quiet) print_warning(text);
+}
+
+namespace {
 
 /// Everything that could make the results unwritable, before the work and not after it.
 void check_solve_outputs(const SolveRequest& request) {
@@ -44,21 +52,6 @@ void check_solve_outputs(const SolveRequest& request) {
                       "left out, or given with a mesh, such as --rung mesh-161: a patch has no nodes in the block");
 }
 
-/// Index of the step that --step names, from 1; the last by default.
-std::size_t chosen_step(const SolveRequest& request, const fem::ContactSolution& solution) {
-  const int count = static_cast<int>(solution.steps.size());
-  const int step = request.step.value_or(count);
-  if (step < 1 || step > count) {
-    throw ConfigError("command line", "--step", std::to_string(step),
-                      fmt::format("a load step of this scene, 1 to {}", count));
-  }
-  return static_cast<std::size_t>(step - 1);
-}
-
-void warn(const SolveRequest& request, const std::string& text) {
-  if (!request.shared.quiet) print_warning(text);
-}
-
 void warn_of_strain(const SolveRequest& request, const fem::StressField& field) {
   Eigen::Index node = 0;
   const double most = field.strain.maxCoeff(&node);
@@ -70,7 +63,7 @@ void warn_of_strain(const SolveRequest& request, const fem::StressField& field) 
 }
 
 void write_results(const SolveRequest& request, const fem::Scene& scene, const SolveOutcome& outcome) {
-  const std::size_t step = chosen_step(request, outcome.solution);
+  const std::size_t step = chosen_step(request, outcome.solution.steps.size());
   if (request.json == "-") {
     fmt::print("{}", json_text(to_json(scene, outcome)));
   } else {
@@ -88,8 +81,7 @@ void write_results(const SolveRequest& request, const fem::Scene& scene, const S
   warn_of_strain(request, field);
 }
 
-int run_solve(const SolveRequest& request) {
-  const fem::Scene asked = read_scene(request.scene);
+int run_solve_line(const SolveRequest& request, const fem::Scene& asked) {
   check_solve_outputs(request);
   const SolveOutcome outcome = [&] {
     const StageLine stage("solving " + request.scene, request.shared.quiet);
@@ -114,6 +106,12 @@ int run_solve(const SolveRequest& request) {
   const bool accurate = !outcome.plan || outcome.plan->kept;
   if (!accurate) warn(request, "no rung is known to keep this accuracy on this scene: the finest was taken");
   return converged && accurate && !never_slid(scene, outcome.solution) ? done : not_converged;
+}
+
+int run_solve(const SolveRequest& request) {
+  const AnyScene scene = read_any_scene(request.scene);
+  if (const auto* pad = std::get_if<fem::PadScene>(&scene)) return run_solve_pad(request, *pad);
+  return run_solve_line(request, std::get<fem::Scene>(scene));
 }
 
 }  // namespace

@@ -192,8 +192,11 @@ void PadContact<Real>::Scenes::push_back(const fem::PadScene& scene, PadPath pat
 template <class Real>
 std::vector<OnCells> PadContact<Real>::State::on_cells(Scenes& scenes) {
   std::vector<const fem::PadScene*> searched;
-  for (const auto& [scene, path, cells] : scenes.all_)
-    if (!cells) searched.push_back(&scene);
+  for (auto& [scene, path, cells] : scenes.all_) {
+    if (cells) continue;
+    scene.indenter = fem::aligned(std::move(scene.indenter));
+    searched.push_back(&scene);
+  }
   const std::vector<fem::PadSearch> found = search.find(searched);
   auto next = found.begin();
   std::vector<OnCells> all;
@@ -202,7 +205,7 @@ std::vector<OnCells> PadContact<Real>::State::on_cells(Scenes& scenes) {
   for (auto& [scene, path, cells] : scenes.all_) {
     if (!of || of->layer()->poisson() != scene.sensor.poisson) of = tables(scene.sensor.poisson);
     if (!cells) {
-      auto [indenter, laid] = fem::lay_cells(*next++, scene, *of->layer(), options.cells, options.ladder);
+      auto [indenter, laid] = fem::lay_cells(*next++, scene, options.cells, options.ladder);
       scene.indenter = std::move(indenter), cells = laid;
     }
     all.push_back({std::move(scene), *cells, of, cell_size(*cells, scene.sensor.thickness)});

@@ -106,7 +106,7 @@ bool mirrored(const fem::PadIndenter& indenter) {
 
 double largest(const std::vector<double>& targets) { return *std::max_element(targets.begin(), targets.end()); }
 
-/// Measured heights less their lowest, [rows][columns] mm, one after the other; equal ones stand once.
+/// Measured heights, [rows][columns] mm, one after the other; equal ones stand once.
 template <class Real>
 class Maps {
  public:
@@ -117,10 +117,8 @@ class Maps {
         return at;
     const auto at = static_cast<std::int32_t>(numbers.size());
     known_.emplace_back(&map.heights, at);
-    const double lowest = map.heights.minCoeff();
     for (Eigen::Index i = 0; i < map.heights.rows(); ++i)
-      for (Eigen::Index j = 0; j < map.heights.cols(); ++j)
-        numbers.push_back(static_cast<Real>(map.heights(i, j) - lowest));
+      for (Eigen::Index j = 0; j < map.heights.cols(); ++j) numbers.push_back(static_cast<Real>(map.heights(i, j)));
     return at;
   }
   std::vector<Real> numbers;

@@ -5,15 +5,12 @@
 #include <nlohmann/json.hpp>
 
 #include "host/contact/derivatives.h"
+#include "host/contact/json_values.h"
 
 namespace tactel::host {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json numbers(const Eigen::VectorXd& values) { return Json(std::vector<double>(values.begin(), values.end())); }
-
-Json one_or_more(const std::vector<double>& values) { return values.size() == 1 ? Json(values.front()) : Json(values); }
 
 void add_shape(Json& out, const fem::Flat& s) {
   if (s.half_width) out["half_width"] = *s.half_width;
@@ -74,10 +71,6 @@ Json load_json(const fem::Load& load) {
   return out;
 }
 
-const char* status_name(fem::GapStatus status) {
-  return status == fem::GapStatus::open ? "open" : status == fem::GapStatus::stick ? "stick" : "slip";
-}
-
 Json residual_json(const fem::Residual& r) {
   return {{"penetration", r.penetration},
           {"cone", r.cone},
@@ -88,21 +81,19 @@ Json residual_json(const fem::Residual& r) {
 
 /// `base`: with the forces of base nodes, which a patch lacks.
 Json step_json(const fem::ContactStep& step, bool base) {
-  Json status = Json::array();
-  for (const fem::GapStatus s : step.status) status.push_back(status_name(s));
   return {{"indentation", step.indentation},
           {"tangential", step.tangential},
           {"P", step.P},
           {"Q", step.Q},
           {"slip_index", step.slip_index ? Json(*step.slip_index) : Json()},
           {"slip_distance", step.slip_distance},
-          {"status", std::move(status)},
-          {"normal_force", numbers(step.normal_force)},
-          {"tangential_force", numbers(step.tangential_force)},
-          {"base_force_x", base ? numbers(step.base_force_x) : Json::array()},
-          {"base_force_y", base ? numbers(step.base_force_y) : Json::array()},
-          {"sigma_y", numbers(step.sigma_y)},
-          {"tau_xy", numbers(step.tau_xy)},
+          {"status", json_statuses(step.status)},
+          {"normal_force", json_numbers(step.normal_force)},
+          {"tangential_force", json_numbers(step.tangential_force)},
+          {"base_force_x", base ? json_numbers(step.base_force_x) : Json::array()},
+          {"base_force_y", base ? json_numbers(step.base_force_y) : Json::array()},
+          {"sigma_y", json_numbers(step.sigma_y)},
+          {"tau_xy", json_numbers(step.tau_xy)},
           {"converged", step.converged},
           {"iterations", step.iterations},
           {"residual", residual_json(step.residual)}};
@@ -128,8 +119,8 @@ Json derivatives_json(const ContactDerivatives& derivatives) {
       S.push_back(a.S ? Json(*a.S) : Json());
       depth.push_back(a.depth);
       x.push_back(a.x);
-      sigma.push_back(numbers(a.frame.head(a.frame.size() / 2)));
-      tau.push_back(numbers(a.frame.tail(a.frame.size() / 2)));
+      sigma.push_back(json_numbers(a.frame.head(a.frame.size() / 2)));
+      tau.push_back(json_numbers(a.frame.tail(a.frame.size() / 2)));
     }
     steps.push_back({{"distance_to_switch", derivatives.distance_to_switch[k]},
                      {"P", std::move(P)},
@@ -167,10 +158,10 @@ Json to_json(const fem::Scene& scene, const SolveOutcome& outcome) {
               {"device", outcome.device},
               {"model", model_name(outcome)},
               {"model_reason", outcome.model_reason},
-              {"surface_x", numbers(solution.surface_x)},
-              {"surface_width", numbers(solution.surface_width)},
-              {"base_x", outcome.on_patch() ? Json::array() : numbers(solution.base_x)},
-              {"tactel_x", numbers(solution.tactel_x)},
+              {"surface_x", json_numbers(solution.surface_x)},
+              {"surface_width", json_numbers(solution.surface_width)},
+              {"base_x", outcome.on_patch() ? Json::array() : json_numbers(solution.base_x)},
+              {"tactel_x", json_numbers(solution.tactel_x)},
               {"fallback", solution.fell_back},
               {"warnings", warnings(outcome)},
               {"steps", std::move(steps)}};

@@ -110,23 +110,34 @@ std::string why_no_estimate(const SolveOutcome& outcome) {
   return why_no_estimate(outcome.scene, outcome.solution);
 }
 
-bool too_deep(const fem::Sensor& sensor, double indentation) {
+namespace {
+
+bool too_deep(double thickness, double indentation) {
   constexpr double rounding = 1e-6;  // of a depth in fp32
-  return indentation > fem::linear_strain_limit * (1 + rounding) * sensor.thickness;
+  return indentation > fem::linear_strain_limit * (1 + rounding) * thickness;
+}
+
+}  // namespace
+
+bool too_deep(const fem::Sensor& sensor, double indentation) { return too_deep(sensor.thickness, indentation); }
+
+std::optional<std::string> depth_warning(double thickness, double deepest) {
+  if (!too_deep(thickness, deepest)) return std::nullopt;
+  return fmt::format(
+      "the indenter is {:.3g} mm deep, {:.0f} % of the thickness; rubber was measured to be linear up to {:.0f} %",
+      deepest, 100 * deepest / thickness, 100 * fem::linear_strain_limit);
 }
 
 std::optional<std::string> depth_warning(const fem::Scene& scene, const fem::ContactSolution& solution) {
   double deepest = 0;
   for (const fem::ContactStep& step : solution.steps) deepest = std::max(deepest, step.indentation);
-  const double share = deepest / scene.sensor.thickness;
-  if (!too_deep(scene.sensor, deepest)) return std::nullopt;
-  return fmt::format(
-      "the indenter is {:.3g} mm deep, {:.0f} % of the thickness; rubber was measured to be linear up to {:.0f} %",
-      deepest, 100 * share, 100 * fem::linear_strain_limit);
+  return depth_warning(scene.sensor.thickness, deepest);
 }
 
+double slip_limit(double contact_width) { return share_of_contact * contact_width; }
+
 double slip_limit(const fem::Sensor& sensor, double contact_width) {
-  return std::max(sensor.length / (sensor.columns - 1), share_of_contact * contact_width);
+  return std::max(sensor.length / (sensor.columns - 1), slip_limit(contact_width));
 }
 
 double slip_limit(const fem::Sensor& sensor, const fem::ContactSolution& solution, const fem::ContactStep& step) {
@@ -207,7 +218,7 @@ void check_modelling(const SolveOptions& options) {
   if (!options.rung.empty()) refuse("--rung");
   if (options.tolerance) refuse("--tolerance");
   if (!options.precision.empty()) refuse("--precision");
-  if (options.solver != "batched") refuse("--solver full-mesh");
+  if (options.solver != "batched") refuse("--solver");
 }
 
 std::string model_name(const SolveOutcome& outcome) {
@@ -220,6 +231,8 @@ std::string model_name(const SolveOutcome& outcome) {
 }
 
 SolveOutcome solve(const fem::Scene& scene, const SolveOptions& options) {
+  if (options.solver == "twin")
+    throw ConfigError("command line", "--solver", "twin", "batched or full-mesh for a line");
   check_modelling(options);
   if (options.accuracy) return solve_to_accuracy(scene, options);
   const Rung* rung = options.rung.empty() ? nullptr : &rung_named(options.rung);

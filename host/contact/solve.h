@@ -58,12 +58,15 @@ std::string why_no_estimate(const SolveOutcome& outcome);
 
 /// Returns true where an indentation, mm, exceeds the share of the thickness to which rubber is linear.
 bool too_deep(const fem::Sensor& sensor, double indentation);
-/// Returns a warning about an indentation that is too deep; none for others.
+/// Returns a warning about an indentation that is too deep for a thickness, both mm; none for others.
+std::optional<std::string> depth_warning(double thickness, double deepest);
 std::optional<std::string> depth_warning(const fem::Scene& scene, const fem::ContactSolution& solution);
 
 /// Returns "patch of 12 elements, 0.105 mm wide" or "mesh 41 x 11 bbar".
 std::string model_name(const SolveOutcome& outcome);
 
+/// Returns a tenth of a contact's width: the slip up to which displacements are small where no mesh is coarser.
+double slip_limit(double contact_width);
 /// Returns the slip of the indenter over the rubber, mm, up to which displacements are small. The profile stays
 /// above the nodes of its first position. The limit is the larger of the mesh's spacing and a tenth of the
 /// contact's width, mm, at this step.

@@ -118,7 +118,8 @@ const Rung& rung_named(const std::string& name) {
   const auto other = std::ranges::find(other_names(), name, &std::pair<std::string, std::string>::first);
   const std::string& own = other == other_names().end() ? name : other->second;
   const auto found = std::ranges::find(all_rungs(), own, &Rung::name);
-  if (found == all_rungs().end()) throw ConfigError("command line", "--rung", name, listed(rung_names()));
+  if (found == all_rungs().end())
+    throw ConfigError("command line", "--rung", name, "a rung of lines, one of " + listed(rung_names()));
   return *found;
 }
 

@@ -131,4 +131,53 @@ void read_profile_csv(const fs::path& path, fem::Profile& profile) {
     throw ConfigError(lines.file, "points", std::to_string(profile.x.size()), "at least 2 lines of x and y");
 }
 
+namespace {
+
+constexpr double highest = 1e6;  // mm
+constexpr const char* height_example =
+    "heights in mm, separated by comma, semicolon or tab: a line for each y, such as the two lines `0.1,0,0.1` `0,0,0`";
+
+/// The numbers of a line of heights.
+std::vector<double> heights_in(const CsvLines& lines, std::string_view text) {
+  std::vector<double> heights;
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find(lines.separator, at), text.size());
+    const std::string_view field = trimmed(text.substr(at, end - at));
+    const auto height = number_in(field, lines.separator);
+    if (!height || std::abs(*height) > highest) lines.refuse("height", field, "a finite number of mm, 1e6 at most");
+    if (heights.size() == longest_height_map) lines.refuse("line", "(long)", "at most 1000 heights");
+    heights.push_back(*height);
+    at = end + 1;
+  }
+  return heights;
+}
+
+}  // namespace
+
+void read_heights_csv(const fs::path& path, fem::HeightMap& map) {
+  CsvLines lines(path);
+  std::vector<std::vector<double>> rows;
+  for (std::string_view text = lines.next(); !text.empty(); text = lines.next()) {
+    if (rows.empty())
+      for (const char separator : {';', '\t', ','})
+        if (text.find(separator) != std::string_view::npos) {
+          lines.separator = separator;
+          break;
+        }
+    rows.push_back(heights_in(lines, text));
+    lines.proved = true;
+    if (rows.back().size() < 2) lines.refuse("line", text, height_example);
+    if (rows.back().size() != rows.front().size())
+      lines.refuse("heights", std::to_string(rows.back().size()),
+                   std::to_string(rows.front().size()) + ", as on the first line");
+    if (rows.size() > longest_height_map) lines.refuse("lines", "(more)", "at most 1000");
+  }
+  if (rows.size() < 2) throw ConfigError(lines.file, "lines", std::to_string(rows.size()), height_example);
+  map.heights.resize(static_cast<Eigen::Index>(rows.front().size()), static_cast<Eigen::Index>(rows.size()));
+  for (std::size_t j = 0; j < rows.size(); ++j)
+    map.heights.col(static_cast<Eigen::Index>(j)) =
+        Eigen::Map<const Eigen::VectorXd>(rows[j].data(), static_cast<Eigen::Index>(rows[j].size()));
+  map.heights.array() -= map.heights.minCoeff();
+}
+
 }  // namespace tactel::host

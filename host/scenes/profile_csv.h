@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "fem/indenter.h"
+#include "fem/pad/pad_scene.h"
 
 namespace tactel::host {
 
@@ -11,5 +12,13 @@ namespace tactel::host {
 /// be regular and hold at most 16 MiB. Errors quote its content only where the first line is that of a profile.
 /// Blank lines and lines that begin with # are skipped. Throws ConfigError naming the file and the line.
 void read_profile_csv(const std::filesystem::path& path, fem::Profile& profile);
+
+inline constexpr std::size_t longest_height_map = 1000;  ///< heights along a side
+
+/// Reads the heights of a height map, mm: a line holds those at one y, with x increasing; y increases from line to
+/// line. Separators, blank lines and remarks as above, no header. The lowest height becomes 0. Throws ConfigError
+/// naming the file and the line: all lines have equally many heights, 2 to longest_height_map of them, and so many
+/// lines.
+void read_heights_csv(const std::filesystem::path& path, fem::HeightMap& map);
 
 }  // namespace tactel::host

@@ -5,15 +5,25 @@
 #include <array>
 #include <limits>
 
+#include "host/scenes/pad_file.h"
 #include "host/scenes/scene_tables.h"
 #include "host/scenes/shape_reader.h"
 #include "host/scenes/toml_table.h"
 #include "host/support/nearest_word.h"
 
 namespace tactel::host {
+namespace {
+
+const std::string left_out_of_a_line = std::string("left out: it ") + of_a_pad;
+
+}  // namespace
+
 void read_sensor(const TomlFile& file, fem::Scene& scene, fem::SurfaceModel usual) {
   TomlTable in(file, "sensor");
   fem::Sensor& sensor = scene.sensor;
+  if (in.read_choice("kind", sensor_kinds) == 1u)
+    in.refuse("kind", "\"line\": of all commands `tactel solve` alone takes pads");
+  in.refuse_any({"pitch", "tactel_size", "axes", "width"}, left_out_of_a_line);
   const bool names_mesh = std::ranges::any_of(std::array{"columns", "rows", "grading", "element", "stress"},
                                               [&](const char* key) { return in.has(key); });
   const auto model = in.read_choice("model", {"auto", "mesh", "patch"});
@@ -52,22 +62,11 @@ void read_contact(const TomlFile& file, double& friction) {
 
 namespace {
 
-/// The one key of `keys` that is present; empty when none is; two are an error.
-std::string only_one(const TomlTable& in, const std::vector<std::string>& keys) {
-  std::string present;
-  for (const std::string& key : keys) {
-    if (!in.has(key)) continue;
-    if (!present.empty())
-      in.refuse(key, "left out, because load." + present + " is given too: only one of " + listed(keys) + " can be");
-    present = key;
-  }
-  return present;
-}
-
 void read_normal_load(TomlTable& in, fem::Load& load, bool preset) {
+  in.refuse_any({"twist", "twist_step"}, left_out_of_a_line);
   in.refuse_unknown({"indentation", "normal_force", "indentation_steps", "tangential_step", "tangential_steps",
                      "tangential", "angle"});
-  const std::string given = only_one(in, {"indentation", "normal_force"});
+  const std::string given = in.only_one({"indentation", "normal_force"});
   if (given.empty() && !preset)
     in.refuse_missing("indentation", "given, a number of mm (or load.normal_force, a number of N/mm)");
   if (given == "normal_force") load.indentation.clear();
@@ -77,7 +76,7 @@ void read_normal_load(TomlTable& in, fem::Load& load, bool preset) {
 }
 
 void read_tangential_load(TomlTable& in, fem::Load& load, bool preset) {
-  const std::string given = only_one(in, {"tangential_step", "tangential", "angle"});
+  const std::string given = in.only_one({"tangential_step", "tangential", "angle"});
   if (given == "tangential" || given == "angle") {
     load.tangential_step = 0.0;
     load.tangential_steps.reset();
@@ -124,8 +123,9 @@ fem::Scene paper_preset() {
   return scene;
 }
 
-fem::Scene read_scene(const std::filesystem::path& path) {
-  const TomlFile file(path);
+namespace {
+
+fem::Scene read_line(const TomlFile& file) {
   TomlTable root(file, "");
   fem::Scene scene;
   root.read("title", scene.title, "a text");
@@ -149,6 +149,16 @@ fem::Scene read_scene(const std::filesystem::path& path) {
     throw file.error(error);
   }
   return scene;
+}
+
+}  // namespace
+
+fem::Scene read_scene(const std::filesystem::path& path) { return read_line(TomlFile(path)); }
+
+AnyScene read_any_scene(const std::filesystem::path& path) {
+  const TomlFile file(path);
+  if (is_pad(file)) return read_pad(file);
+  return read_line(file);
 }
 
 }  // namespace tactel::host

@@ -8,6 +8,12 @@ namespace tactel::host {
 /// Model of contacts whose file asks for none and names no mesh.
 inline constexpr fem::SurfaceModel usual_model = fem::SurfaceModel::patch;
 
+/// Values of sensor.kind.
+inline const std::vector<std::string> sensor_kinds = {"line", "pad"};
+/// What errors say of keys of the other kind.
+inline constexpr const char* of_a_pad = "belongs to a pad (sensor.kind = \"pad\")";
+inline constexpr const char* of_a_line = "belongs to a line, and sensor.kind is \"pad\"";
+
 /// Read the tables that scene files and sweep files share, each strictly. Absent keys leave `out` unchanged.
 /// Reads the sensor and the model of the contact. `usual` is the model where the file asks for none and names no mesh.
 void read_sensor(const TomlFile& file, fem::Scene& out, fem::SurfaceModel usual);

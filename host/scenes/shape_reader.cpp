@@ -2,10 +2,10 @@
 #include "host/scenes/shape_reader.h"
 
 #include <algorithm>
-#include <functional>
 
 #include "host/scenes/profile_csv.h"
-#include "host/support/nearest_word.h"
+#include "host/scenes/scene_tables.h"
+#include "host/scenes/shape_choice.h"
 
 namespace tactel::host {
 namespace {
@@ -67,14 +67,8 @@ void read_shape(ShapeKeys& keys, fem::Profile& profile) {
   profile.file = path.string();
 }
 
-struct ShapeName {
-  std::string name;
-  std::vector<std::string> keys;  ///< besides shape and position
-  fem::Shape made;
-};
-
-const std::vector<ShapeName>& shapes() {
-  static const std::vector<ShapeName> all = {
+const std::vector<ShapeName<fem::Shape>>& shapes() {
+  static const std::vector<ShapeName<fem::Shape>> all = {
       {"flat", {"half_width"}, fem::Flat{}},
       {"wedge", {"edge_angle"}, fem::Wedge{}},
       {"parabola", {"radius"}, fem::Parabola{}},
@@ -88,50 +82,19 @@ const std::vector<ShapeName>& shapes() {
   return all;
 }
 
-std::vector<std::string> shape_names() {
-  std::vector<std::string> names;
-  for (const ShapeName& shape : shapes()) names.push_back(shape.name);
-  return names;
-}
-
-/// The keys of [indenter] with this shape; with any shape where `chosen` is null.
-std::vector<std::string> known_keys(const ShapeName* chosen) {
-  std::vector<std::string> known = {"shape", "position"};
-  for (const ShapeName& shape : shapes())
-    if (chosen == nullptr || chosen == &shape) known.insert(known.end(), shape.keys.begin(), shape.keys.end());
-  return known;
-}
-
-bool holds(const std::vector<std::string>& keys, const std::string& key) {
-  return std::ranges::find(keys, key) != keys.end();
-}
-
-/// A key that only makes sense for another shape: says for which.
-void refuse_foreign_keys(const TomlTable& in, const ShapeName& chosen) {
-  for (const std::string& key : in.keys()) {
-    if (holds(chosen.keys, key)) continue;
-    std::vector<std::string> owners;
-    for (const ShapeName& shape : shapes()) {
-      if (holds(shape.keys, key)) owners.push_back(shape.name);
-    }
-    if (owners.empty()) continue;
-    in.refuse(key, "left out: it belongs to shape " + listed(owners) + "; the keys of shape " + chosen.name + " are " +
-                       listed(chosen.keys));
-  }
-}
-
 }  // namespace
 
 void read_indenter(const TomlFile& file, fem::Indenter& indenter, bool preset) {
   TomlTable in(file, "indenter");
-  const auto choice = in.read_choice("shape", shape_names());
-  if (!choice && !preset) in.refuse_unknown(known_keys(nullptr));
-  if (!choice && !preset) in.refuse_missing("shape", "given, one of " + listed(shape_names()));
-  const std::string name = choice ? shape_names()[*choice] : fem::shape_name(indenter.shape);
-  const ShapeName& chosen = *std::ranges::find(shapes(), name, &ShapeName::name);
-  refuse_foreign_keys(in, chosen);
-  in.refuse_unknown(known_keys(&chosen));
-  const bool known = preset && name == fem::shape_name(indenter.shape);
+  OtherKind{{"radii", "half_length", "half_widths", "edge", "angle", "pitch", "yaw", "tilt", "tilt_direction"},
+            {"sphere", "paraboloid", "punch", "box", "cone", "heightmap"},
+            of_a_pad}
+      .refuse(in);
+  const std::string usual = fem::shape_name(indenter.shape);
+  const auto& chosen =
+      choose_shape(in, shapes(), {"shape", "position"},
+                   preset ? &*std::ranges::find(shapes(), usual, &ShapeName<fem::Shape>::name) : nullptr);
+  const bool known = preset && chosen.name == usual;
   if (!known) indenter.shape = chosen.made;
   ShapeKeys keys{in, file, !known};
   std::visit([&](auto& shape) { read_shape(keys, shape); }, indenter.shape);

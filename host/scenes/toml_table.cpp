@@ -252,6 +252,27 @@ bool TomlTable::read(const std::string& key, std::vector<int>& value, const std:
   return true;
 }
 
+std::array<double, 2> TomlTable::pair(const toml::node& node, const std::string& key, const std::string& what) const {
+  const toml::array* both = node.as_array();
+  if (both == nullptr || both->size() != 2) throw file_.error(full(key), &node, what);
+  return {number(*both->get(0), key, what), number(*both->get(1), key, what)};
+}
+
+bool TomlTable::read(const std::string& key, std::array<double, 2>& value, const std::string& what) {
+  const toml::node* node = find(key);
+  if (node != nullptr) value = pair(*node, key, what);
+  return node != nullptr;
+}
+
+bool TomlTable::read(const std::string& key, std::vector<std::array<double, 2>>& value, const std::string& what) {
+  const toml::node* node = find(key);
+  if (node == nullptr) return false;
+  if (!node->is_array()) throw file_.error(full(key), node, what);
+  value.clear();
+  for (const toml::node& entry : *node->as_array()) value.push_back(pair(entry, key, what));
+  return true;
+}
+
 bool TomlTable::read_one_or_more(const std::string& key, std::vector<double>& value, const std::string& what) {
   const toml::node* node = find(key);
   if (node == nullptr) return false;
@@ -289,6 +310,22 @@ void TomlTable::refuse_unknown(std::vector<std::string> known) const {
     const std::string nearest = nearest_word(key, known);
     refuse(key, "a known key, one of " + listed(known) + (nearest.empty() ? "" : "; did you mean " + nearest + "?"));
   }
+}
+
+void TomlTable::refuse_any(const std::vector<std::string>& keys, const std::string& allowed) const {
+  for (const std::string& key : this->keys())
+    if (std::ranges::find(keys, key) != keys.end()) refuse(key, allowed);
+}
+
+std::string TomlTable::only_one(const std::vector<std::string>& keys) const {
+  std::string present;
+  for (const std::string& key : keys) {
+    if (!has(key)) continue;
+    if (!present.empty())
+      refuse(key, "left out, because " + full(present) + " is given too: only one of " + listed(keys) + " can be");
+    present = key;
+  }
+  return present;
 }
 
 void TomlTable::finish() const { refuse_unknown({asked_.begin(), asked_.end()}); }

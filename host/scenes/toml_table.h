@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -67,6 +68,10 @@ class TomlTable {
   /// An array of numbers.
   bool read(const std::string& key, std::vector<double>& value, const std::string& what);
   bool read(const std::string& key, std::vector<int>& value, const std::string& what);
+  /// An array of two numbers.
+  bool read(const std::string& key, std::array<double, 2>& value, const std::string& what);
+  /// An array of such arrays.
+  bool read(const std::string& key, std::vector<std::array<double, 2>>& value, const std::string& what);
   /// One number, or an array of at least one.
   bool read_one_or_more(const std::string& key, std::vector<double>& value, const std::string& what);
   /// Reads one word of `words` and returns its index.
@@ -82,6 +87,10 @@ class TomlTable {
   /// Throws ConfigError for the first key that is not in `known`, with the nearest known key. Call it before
   /// `refuse_missing`: the error then names a misspelt key rather than the key that it replaces.
   void refuse_unknown(std::vector<std::string> known) const;
+  /// Throws ConfigError for the first key that is in `keys`: it must be `allowed`.
+  void refuse_any(const std::vector<std::string>& keys, const std::string& allowed) const;
+  /// Returns the one key of `keys` that is present; empty where none is. Throws ConfigError for two.
+  std::string only_one(const std::vector<std::string>& keys) const;
   /// Throws ConfigError for the first key that was not read, with the nearest known key.
   void finish() const;
 
@@ -89,6 +98,7 @@ class TomlTable {
   const toml::node* find(const std::string& key);
   std::string full(const std::string& key) const { return name_.empty() ? key : name_ + "." + key; }
   double number(const toml::node& node, const std::string& key, const std::string& what) const;
+  std::array<double, 2> pair(const toml::node& node, const std::string& key, const std::string& what) const;
   int whole(const toml::node& node, const std::string& key, const std::string& what) const;
 
   const TomlFile& file_;

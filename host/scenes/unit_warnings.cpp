@@ -4,35 +4,33 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <set>
 
 namespace tactel::host {
 namespace {
 
-/// A number of a scene with the range in which rubber skins and their indenters lie; beyond it the unit is doubtful.
+/// A number with the range in which rubber skins and their indenters lie; beyond it the unit is doubtful. 100 MPa is
+/// ten times the hardest rubber's; a meter in mm, a millimeter in m and in um lie outside of every range.
 struct UsualRange {
   const char *key, *unit;
   double low, high;
-  double (*value)(const fem::Scene&);  ///< `low` where the scene has no such number
 };
+constexpr double shortest = 0.5, longest = 5000;
+constexpr UsualRange usual_young{"sensor.young", "MPa", 0.01, 100}, usual_thickness{"sensor.thickness", "mm", 0.05, 50},
+    usual_length{"sensor.length", "mm", shortest, longest}, usual_width{"sensor.width", "mm", shortest, longest},
+    usual_radius{"indenter.radius", "mm", 0.05, longest};
 
-constexpr double lowest_radius = 0.05;
-
-double radius_of(const fem::Scene& scene) {
+/// The radius of a shape that has one.
+template <class Shapes>
+std::optional<double> radius_of(const Shapes& shape) {
   return std::visit(
-      [](const auto& shape) {
-        if constexpr (requires { shape.radius; }) return shape.radius;
-        return lowest_radius;
+      [](const auto& s) -> std::optional<double> {
+        if constexpr (requires { s.radius; }) return s.radius;
+        return std::nullopt;
       },
-      scene.indenter.shape);
+      shape);
 }
-
-// 100 MPa is ten times the hardest rubber's; a meter in mm, a millimeter in m and in um lie outside of every range.
-constexpr UsualRange usual_ranges[] = {
-    {"sensor.young", "MPa", 0.01, 100, [](const fem::Scene& s) { return s.sensor.young; }},
-    {"sensor.thickness", "mm", 0.05, 50, [](const fem::Scene& s) { return s.sensor.thickness; }},
-    {"sensor.length", "mm", 0.5, 5000, [](const fem::Scene& s) { return s.sensor.length; }},
-    {"indenter.radius", "mm", lowest_radius, 5000, radius_of}};
 
 constexpr std::uint64_t most_looked_at = 100;  ///< contacts of a sweep
 
@@ -40,16 +38,26 @@ constexpr std::uint64_t most_looked_at = 100;  ///< contacts of a sweep
 class UnitWarnings {
  public:
   void look_at(const fem::Scene& scene, const std::string& place = "") {
-    for (const UsualRange& usual : usual_ranges) {
-      const double value = usual.value(scene);
-      if ((value >= usual.low && value <= usual.high) || !seen_.insert(usual.key).second) continue;
-      all_.push_back(fmt::format("{}{} = {:g} {}: usual are {:g} to {:g} {}; check the unit", place, usual.key, value,
-                                 usual.unit, usual.low, usual.high, usual.unit));
-    }
+    look(usual_young, scene.sensor.young, place);
+    look(usual_thickness, scene.sensor.thickness, place);
+    look(usual_length, scene.sensor.length, place);
+    look(usual_radius, radius_of(scene.indenter.shape), place);
+  }
+  void look_at(const fem::PadScene& scene) {
+    look(usual_young, scene.sensor.young);
+    look(usual_thickness, scene.sensor.thickness);
+    look(usual_length, scene.sensor.length);
+    look(usual_width, scene.sensor.width);
+    look(usual_radius, radius_of(scene.indenter.shape));
   }
   std::vector<std::string> take() { return std::move(all_); }
 
  private:
+  void look(const UsualRange& usual, std::optional<double> value, const std::string& place = "") {
+    if (!value || (*value >= usual.low && *value <= usual.high) || !seen_.insert(usual.key).second) return;
+    all_.push_back(fmt::format("{}{} = {:g} {}: usual are {:g} to {:g} {}; check the unit", place, usual.key, *value,
+                               usual.unit, usual.low, usual.high, usual.unit));
+  }
   std::set<std::string> seen_;
   std::vector<std::string> all_;
 };
@@ -57,6 +65,12 @@ class UnitWarnings {
 }  // namespace
 
 std::vector<std::string> unit_warnings(const fem::Scene& scene) {
+  UnitWarnings warnings;
+  warnings.look_at(scene);
+  return warnings.take();
+}
+
+std::vector<std::string> unit_warnings(const fem::PadScene& scene) {
   UnitWarnings warnings;
   warnings.look_at(scene);
   return warnings.take();

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "fem/pad/pad_scene.h"
 #include "host/scenes/scene_source.h"
 
 namespace tactel::host {
@@ -11,6 +12,7 @@ namespace tactel::host {
 /// Returns a warning for each number that looks as if it had another unit, such as a Young's modulus in Pa; usually
 /// none. The number is solved as it stands.
 std::vector<std::string> unit_warnings(const fem::Scene& scene);
+std::vector<std::string> unit_warnings(const fem::PadScene& scene);
 /// The same of many scenes: of each number the first such scene, "scenes[3]: ...".
 std::vector<std::string> unit_warnings(std::span<const fem::Scene> scenes);
 /// The same of a sweep's first contacts and of all its sensors.

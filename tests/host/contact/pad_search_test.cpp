@@ -37,7 +37,8 @@ fem::HeightMap measured_sphere(double radius, double pitch, int points) {
   const auto along = [&](Eigen::Index i) { return pitch * (static_cast<double>(i) - (points - 1) / 2.0); };
   for (Eigen::Index i = 0; i < points; ++i)
     for (Eigen::Index j = 0; j < points; ++j)
-      map.heights(i, j) = 0.3 + radius - std::sqrt(radius * radius - along(i) * along(i) - along(j) * along(j));
+      map.heights(i, j) = radius - std::sqrt(radius * radius - along(i) * along(i) - along(j) * along(j));
+  map.heights.array() -= map.heights.minCoeff();
   return map;
 }
 

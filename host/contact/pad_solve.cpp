@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/contact/pad_solve.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <tuple>
+
+#include "fem/number_text.h"
+#include "fem/pad/pad_reference.h"
+#include "fem/value_error.h"
+#include "host/contact/pad_contact.h"
+#include "host/contact/pad_stream.h"
+#include "host/scenes/unit_warnings.h"
+#include "host/support/errors.h"
+
+namespace tactel::host {
+namespace {
+
+constexpr double near_edge = 2, at_edge = 1;                ///< thicknesses from an edge: warned of, refused
+constexpr double smallest_cell = 1e-5, largest_cell = 50;  ///< sides over the thickness
+constexpr double twin_tolerance = 1e-7;                     ///< of sweeps, as the kernel in fp64
+
+double radians(double degrees) { return degrees * std::numbers::pi / 180; }
+
+void check_pad_options(const SolveOptions& options) {
+  if (options.solver != "batched" && options.solver != "twin")
+    throw ConfigError("command line", "--solver", options.solver,
+                      "batched or twin for a pad; its reference is --rung reference");
+  const bool exact = !options.rung.empty() && pad_rung_named(options.rung).exact;
+  if (!exact && options.solver == "batched") return check_modelling(options);
+  const std::string host = exact ? "--rung reference" : "--solver twin";
+  if (exact && options.solver == "twin")
+    throw ConfigError("command line", "--solver", "twin", "left out with --rung reference");
+  if (options.precision == "fp32") throw ConfigError("command line", "--precision", "fp32", "fp64 with " + host);
+  if (!options.device.empty())
+    throw ConfigError("command line", "--device", options.device, "left out with " + host + ", which uses no device");
+  check_modelling(options);
+}
+
+/// Fills in how far the indenter has slid over the cells that touch, at most, which the kernel does not return: its
+/// path at the cell less the rubber's (fem/pad/pad_cells.h).
+void add_slip_distances(fem::PadSolution& solution, const fem::PadScene& scene, const fem::PadLayer& layer) {
+  const fem::PadCells& cells = solution.cells;
+  const fem::PadInfluence c(layer, scene.sensor.thickness, cells.hx, cells.hy, cells.n);
+  const double per_force = 1 / (cells.area() * scene.sensor.young);
+  const Eigen::Matrix2d to_own = Eigen::Rotation2Dd(-radians(scene.indenter.yaw)).toRotationMatrix();
+  for (fem::PadStep& step : solution.steps) {
+    const Eigen::MatrixX2d t = step.tangential_force * to_own.transpose();
+    const Eigen::Vector2d moved = to_own * Eigen::Vector2d(step.x, step.y);
+    for (int i = 0; i < cells.count(); ++i) {
+      if (!(step.normal_force[i] > 0)) continue;
+      const int ix = i / cells.n, iy = i % cells.n;
+      Eigen::Vector2d u = {0, 0};
+      for (int j = 0; j < cells.count(); ++j) {
+        const Eigen::Index at = c.at(j / cells.n - ix, j % cells.n - iy);
+        u[0] += c.xx[at] * t(j, 0) + c.xy[at] * t(j, 1) - c.xz[at] * step.normal_force[j];
+        u[1] += c.xy[at] * t(j, 0) + c.yy[at] * t(j, 1) - c.yz[at] * step.normal_force[j];
+      }
+      const Eigen::Vector2d path(moved[0] - step.twist * cells.y(iy), moved[1] + step.twist * cells.x(ix));
+      step.slip_distance = std::max(step.slip_distance, (path - per_force * u).norm());
+    }
+  }
+}
+
+template <class Real>
+void solve_by_kernel(PadOutcome& outcome, Executor& executor, const SolveOptions& options) {
+  PadContactOptions kernel{.cells = outcome.rung.cells, .increments = outcome.rung.increments};
+  if (options.tolerance) kernel.tolerance = 0, kernel.accept = *options.tolerance;
+  const PadContact<Real> contact(executor, kernel);
+  outcome.solution = std::move(solve_pad_contact(contact, std::span(&outcome.scene, 1)).front());
+  outcome.fell_back = outcome.solution.fell_back;
+  if (!outcome.fell_back)
+    add_slip_distances(outcome.solution, outcome.scene, *contact.layer(outcome.scene.sensor.poisson));
+}
+
+void solve_on_device(PadOutcome& outcome, const SolveOptions& options) {
+  Executor executor{Device(options.device).for_one_contact()};
+  const DeviceInfo& device = executor.device().info();
+  outcome.solver = "batched";
+  outcome.precision = !options.precision.empty() ? options.precision : device.fp64 ? "fp64" : "fp32";
+  outcome.device = device.name;
+  if (outcome.precision == "fp64")
+    solve_by_kernel<double>(outcome, executor, options);
+  else
+    solve_by_kernel<float>(outcome, executor, options);
+}
+
+void solve_on_host(PadOutcome& outcome, const SolveOptions& options) {
+  outcome.precision = "fp64", outcome.device = "host";
+  const fem::PadLayer layer(outcome.scene.sensor.poisson);
+  if (outcome.rung.exact) {
+    outcome.solver = "reference";
+    fem::PadReferenceSolution answer = fem::PadReference(layer).solve(outcome.scene);
+    outcome.error = PadError{answer.error.slip_index, answer.error.slip_index, "this scene"};
+    outcome.solution = std::move(answer.solution);
+    return;
+  }
+  outcome.solver = "twin";
+  fem::PadOptions twin;
+  twin.cells = outcome.rung.cells, twin.pressing_increments = outcome.rung.increments;
+  twin.tolerance = options.tolerance ? *options.tolerance / fem::slow_on_patch : twin_tolerance;
+  if (options.tolerance) twin.accept = *options.tolerance;
+  outcome.solution = fem::PadSolver(layer, twin).solve(outcome.scene);
+}
+
+double deepest(const fem::PadSolution& solution) {
+  double depth = 0;
+  for (const fem::PadStep& step : solution.steps) depth = std::max(depth, step.indentation);
+  return depth;
+}
+
+bool touches(const fem::PadSolution& solution) {
+  return std::ranges::any_of(solution.steps, [](const fem::PadStep& step) { return step.P > 0; });
+}
+
+/// Calls f for the place, mm on the pad, of every cell that touches in a step.
+template <class F>
+void each_touched(const fem::PadSolution& solution, const F& f) {
+  for (Eigen::Index i = 0; i < solution.places.rows(); ++i)
+    if (std::ranges::any_of(solution.steps, [&](const fem::PadStep& step) { return step.normal_force[i] > 0; }))
+      f(Eigen::Vector2d(solution.places.row(i).transpose()));
+}
+
+/// Shapes whose contact is a needle or a plain to the rubber are beyond the tables of the layer.
+void refuse_degenerate(const fem::PadScene& scene, const fem::PadSolution& solution) {
+  const auto& [hx, hy] = std::tie(solution.cells.hx, solution.cells.hy);
+  const double H = scene.sensor.thickness;
+  if (std::min(hx, hy) >= smallest_cell * H && std::max(hx, hy) <= largest_cell * H) return;
+  throw ValueError("indenter.shape", fem::shape_name(scene.indenter.shape),
+                   fmt::format("one whose contact measures {:.2g} to {:.2g} mm along a side, not {:.3g} x {:.3g} mm",
+                               solution.cells.n * smallest_cell * H, solution.cells.n * largest_cell * H,
+                               solution.cells.n * hx, solution.cells.n * hy));
+}
+
+void refuse_at_edge(const fem::PadScene& scene, const fem::PadSolution& solution) {
+  const auto distance = distance_to_edge(scene, solution);
+  const double H = scene.sensor.thickness;
+  if (!distance || *distance >= at_edge * H) return;
+  throw ValueError("indenter.position", fem::number_text(scene.indenter.position.data(), 2),
+                   fmt::format("a place where the contact stays {:.3g} mm (the thickness) from the edges that "
+                               "sensor.length and sensor.width give, not {:.3g} mm: the model has no free sides",
+                               H, *distance));
+}
+
+/// What free sides take of the surface's own stiffness at a distance over the thickness: a share of C(0), by the free
+/// sides of lines (H = 1.5 mm, nu 0.3 to 0.5): 9 to 17 % at 1.3, 1 to 2 % at 2.7; between them it falls exponentially.
+double missing_at_edge(double distance, double at_near, double at_far) {
+  constexpr double near = 1.3, far = 2.7;
+  return at_near * std::pow(at_far / at_near, (distance - near) / (far - near));
+}
+
+std::optional<std::string> edge_warning(const PadOutcome& outcome) {
+  const auto distance = distance_to_edge(outcome.scene, outcome.solution);
+  if (!distance || *distance >= near_edge * outcome.scene.sensor.thickness) return std::nullopt;
+  const double over = *distance / outcome.scene.sensor.thickness;
+  return fmt::format(
+      "the contact comes within {:.3g} mm ({:.2g} thicknesses) of the pad's edge: the model has no free sides, so "
+      "that {:.2g} to {:.2g} % of the surface's own compliance is missing there (as measured on lines)",
+      *distance, over, 100 * missing_at_edge(over, 0.09, 0.01), 100 * missing_at_edge(over, 0.17, 0.02));
+}
+
+std::optional<std::string> pad_slip_warning(const PadOutcome& outcome) {
+  const double area = outcome.solution.cells.area();
+  double worst = 0, limit_there = 0, slipped = 0;
+  for (const fem::PadStep& step : outcome.solution.steps) {
+    const double limit = slip_limit(std::sqrt(area * static_cast<double>((step.normal_force.array() > 0).count())));
+    if (limit > 0 && step.slip_distance / limit > worst)
+      worst = step.slip_distance / limit, limit_there = limit, slipped = step.slip_distance;
+  }
+  if (worst <= 1) return std::nullopt;
+  return fmt::format(
+      "the indenter slides {:.3g} mm over the rubber, more than {:.3g} mm: the model assumes small displacements, "
+      "and its profile stays over the cells of its first position",
+      slipped, limit_there);
+}
+
+/// Below a point load sigma_z falls to a tenth within a thickness: tactels farther apart hardly see what lies between.
+std::optional<std::string> pitch_warning(const PadOutcome& outcome) {
+  const fem::PadSensor& sensor = outcome.scene.sensor;
+  const double H = sensor.thickness, pitch = std::max(sensor.pitch[0], sensor.pitch[1]);
+  const Eigen::MatrixX2d tactels = fem::tactel_places(sensor);
+  double nearest = std::numeric_limits<double>::infinity();
+  each_touched(outcome.solution, [&](const Eigen::Vector2d& place) {
+    nearest = std::min(nearest, (tactels.rowwise() - place.transpose()).rowwise().norm().minCoeff());
+  });
+  if (!(pitch > 2 * H) || !std::isfinite(nearest) || nearest - sensor.tactel_size / 2 <= H) return std::nullopt;
+  return fmt::format(
+      "the contact stays {:.3g} mm from the nearest tactel, more than the thickness of {:.3g} mm: with a pitch of "
+      "{:.3g} mm the tactels hardly see it",
+      nearest, H, pitch);
+}
+
+}  // namespace
+
+std::vector<std::string> pad_solver_names() { return {"batched", "twin"}; }
+
+PadOutcome solve(const fem::PadScene& scene, const SolveOptions& options) {
+  check_pad_options(options);
+  scene.validate();
+  PadOutcome outcome;
+  outcome.scene = scene;
+  outcome.rung = !options.rung.empty() ? pad_rung_named(options.rung)
+                 : options.accuracy    ? pad_rungs().front()
+                                       : usual_pad_rung();
+  outcome.accuracy = options.accuracy;
+  const auto rough_depth = [&] { return deepest(outcome.solution); };
+  const auto on_rung = [&] {
+    if (outcome.rung.exact || options.solver == "twin")
+      solve_on_host(outcome, options);
+    else
+      solve_on_device(outcome, options);
+    refuse_degenerate(scene, outcome.solution);
+    if (!outcome.rung.exact) outcome.error = expected_pad_error(outcome.rung, scene, rough_depth());
+  };
+  on_rung();
+  refuse_at_edge(scene, outcome.solution);
+  if (options.accuracy) {  // the depth of a force is known now
+    const auto keeps = [&](const PadRung& rung) {
+      return rung.exact || expected_pad_error(rung, scene, rough_depth()).S <= *options.accuracy;
+    };
+    const PadRung& cheapest = *std::ranges::find_if(pad_rungs(), keeps);
+    if (cheapest.name != outcome.rung.name) outcome.rung = cheapest, on_rung();
+  }
+  if (!touches(outcome.solution)) outcome.error.reset();
+  return outcome;
+}
+
+std::string model_name(const PadOutcome& outcome) {
+  const fem::PadCells& cells = outcome.solution.cells;
+  return fmt::format("{0} x {0} cells of {1:.3g} x {2:.3g} mm", cells.n, cells.hx, cells.hy);
+}
+
+std::optional<double> distance_to_edge(const fem::PadScene& scene, const fem::PadSolution& solution) {
+  const fem::PadSensor& sensor = scene.sensor;
+  if (!sensor.length && !sensor.width) return std::nullopt;
+  const double yaw = radians(scene.indenter.yaw);
+  const double c = std::abs(std::cos(yaw)), s = std::abs(std::sin(yaw));
+  const Eigen::Vector2d half(c * solution.cells.hx / 2 + s * solution.cells.hy / 2,  // of a cell, along x and y
+                             s * solution.cells.hx / 2 + c * solution.cells.hy / 2);
+  double least = std::numeric_limits<double>::infinity();
+  each_touched(solution, [&](const Eigen::Vector2d& place) {
+    const Eigen::Vector2d out = place.cwiseAbs() + half;
+    if (sensor.length) least = std::min(least, *sensor.length / 2 - out[0]);
+    if (sensor.width) least = std::min(least, *sensor.width / 2 - out[1]);
+  });
+  return std::isfinite(least) ? std::optional(least) : std::nullopt;
+}
+
+std::vector<std::string> warnings(const PadOutcome& outcome) {
+  std::vector<std::string> all = unit_warnings(outcome.scene);
+  const auto add = [&](std::optional<std::string> warning) {
+    if (warning) all.push_back(std::move(*warning));
+  };
+  add(depth_warning(outcome.scene.sensor.thickness, deepest(outcome.solution)));
+  add(pad_slip_warning(outcome));
+  add(edge_warning(outcome));
+  add(pitch_warning(outcome));
+  if (outcome.error)
+    for (const std::string& what : outcome.error->outside)
+      all.push_back("errors were not measured for scenes like this one: " + what);
+  return all;
+}
+
+}  // namespace tactel::host

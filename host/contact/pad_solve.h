@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fem/pad/pad_solver.h"
+#include "host/contact/pad_rung.h"
+#include "host/contact/solve.h"
+
+namespace tactel::host {
+
+/// An answer on a pad with its solver, precision and device.
+struct PadOutcome {
+  fem::PadSolution solution;
+  fem::PadScene scene;
+  std::string solver;  ///< "batched", "twin" or "reference"
+  std::string precision, device;
+  PadRung rung;
+  std::optional<PadError> error{};   ///< to expect; none where nothing is touched
+  std::optional<double> accuracy{};  ///< that was asked for and decided the rung
+  bool fell_back = false;            ///< the twin answered in the kernel's place
+
+  bool kept() const { return !accuracy || !error || error->S <= *accuracy; }
+};
+
+/// Returns the solvers of pads: "batched" and "twin", which needs no device and computes in fp64.
+std::vector<std::string> pad_solver_names();
+
+/// Solves one scene on a pad. Throws ConfigError for contradictory options, and ValueError, key "indenter.position",
+/// for a contact nearer than its thickness to an edge of the pad.
+PadOutcome solve(const fem::PadScene& scene, const SolveOptions& options);
+
+/// Returns "12 x 12 cells of 0.21 x 0.21 mm".
+std::string model_name(const PadOutcome& outcome);
+
+/// Returns the distance, mm, from the contact to the nearest edge of the pad, negative beyond it; none where the scene
+/// gives no edges, or nothing is touched.
+std::optional<double> distance_to_edge(const fem::PadScene& scene, const fem::PadSolution& solution);
+
+/// Returns the warnings about an answer, one line each; usually none. They concern units, depth, slip, edges of the
+/// pad, a contact that the tactels hardly see, and an error that was not measured.
+std::vector<std::string> warnings(const PadOutcome& outcome);
+
+}  // namespace tactel::host

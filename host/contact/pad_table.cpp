@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/contact/pad_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "host/contact/solution_table.h"
+
+namespace tactel::host {
+namespace {
+
+std::string pad_header(const PadOutcome& outcome) {
+  const fem::PadSensor& s = outcome.scene.sensor;
+  std::string out = outcome.scene.title.empty() ? "" : outcome.scene.title + "\n";
+  out += fmt::format("{} on a pad of {} x {} tactels, {:g} mm of rubber, E = {:g} MPa, nu = {:g}, mu = {:g}\n",
+                     fem::shape_name(outcome.scene.indenter.shape), s.tactels[0], s.tactels[1], s.thickness, s.young,
+                     s.poisson, outcome.scene.friction);
+  return out + fmt::format("{} ({}), solver {}, {}\n{}\n\n", model_name(outcome), outcome.rung.name, outcome.solver,
+                           outcome.precision, outcome.device);
+}
+
+std::string pad_row(std::size_t number, const fem::PadStep& step) {
+  const auto part = [&](double Q) { return short_number(without_rounding(Q, step.P)); };
+  return fmt::format("{:>4} {:>7} {:>7} {:>7} {:>5.3g} {:>7} {:>7} {:>7} {:>7} {:>6} {:>4.0f}\n", number,
+                     short_number(step.indentation), short_number(step.x), short_number(step.y),
+                     step.twist * 180 / std::numbers::pi, short_number(step.P), part(step.Q[0]), part(step.Q[1]),
+                     part(step.M), step.slip_index ? fixed(*step.slip_index, 4) : "-", 100 * step.stick_fraction);
+}
+
+std::string error_line(const PadError& error) {
+  std::string out = fmt::format("error in S to expect: {:.2g}", error.S);
+  if (error.scenes == "this scene") return out + ", estimated by half as many cells\n";
+  if (error.outside.empty())
+    return out + fmt::format(" (95 % of measured scenes, {}; the largest {:.2g})\n", error.scenes, error.largest);
+  return out + ", three times that of the scenes that were measured\n";
+}
+
+}  // namespace
+
+std::string pad_table(const PadOutcome& outcome) {
+  std::string out = pad_header(outcome);
+  out += fmt::format("{:>4} {:>7} {:>7} {:>7} {:>5} {:>7} {:>7} {:>7} {:>7} {:>6} {:>4}\n", "step", "depth", "x", "y",
+                     "twist", "P", "Qx", "Qy", "M", "S", "stick");
+  out += fmt::format("{:>4} {:>7} {:>7} {:>7} {:>5} {:>7} {:>7} {:>7} {:>7} {:>6} {:>4}\n", "", "mm", "mm", "mm", "deg",
+                     "N", "N", "N", "N mm", "", "%");
+  const auto& steps = outcome.solution.steps;
+  double residual = 0;
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    out += pad_row(k + 1, steps[k]);
+    residual = std::max(residual, steps[k].residual.largest());
+  }
+  const auto met = std::ranges::count_if(steps, &fem::PadStep::converged);
+  out += fmt::format("{} of {} steps met the tolerance; largest residual {:.1e}\n", met, steps.size(), residual);
+  if (outcome.error) out += error_line(*outcome.error);
+  if (outcome.fell_back) out += "the sweeps did not converge: solved on the host by the twin, in fp64\n";
+  return out;
+}
+
+}  // namespace tactel::host

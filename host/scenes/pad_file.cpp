@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/scenes/pad_file.h"
+
+#include <numbers>
+
+#include "host/scenes/profile_csv.h"
+#include "host/scenes/scene_tables.h"
+#include "host/scenes/shape_choice.h"
+
+namespace tactel::host {
+namespace {
+
+constexpr const char *length_words = "a number of mm above 0", *two_mm = "two numbers of mm above 0, along x and y",
+                     *some_edge = "the radius of its rounding in mm, 0 for a sharp edge";
+const std::string left_out_of_a_pad = std::string("left out: it ") + of_a_line;
+
+double radians(double degrees) { return degrees * std::numbers::pi / 180; }
+
+void read_pad_sensor(const TomlFile& file, fem::PadSensor& sensor) {
+  TomlTable in(file, "sensor");
+  in.refuse_any({"model", "columns", "rows", "grading", "element", "stress", "tactel_span", "tactel_width"},
+                left_out_of_a_pad);
+  in.read_choice("kind", sensor_kinds);
+  if (std::vector<int> tactels; in.read("tactels", tactels, "two whole numbers [nx, ny] of tactels along x and y")) {
+    if (tactels.size() != 2) in.refuse("tactels", "two whole numbers [nx, ny] of tactels along x and y");
+    sensor.tactels = {tactels[0], tactels[1]};
+  }
+  const char* pitch_words = "a number of mm, or two [px, py] along x and y";
+  if (std::vector<double> pitch; in.read_one_or_more("pitch", pitch, pitch_words)) {
+    if (pitch.size() > 2) in.refuse("pitch", pitch_words);
+    sensor.pitch = {pitch.front(), pitch.back()};
+  }
+  in.read("tactel_size", sensor.tactel_size, "the side of a square in mm, 0 for a point");
+  in.read("axes", sensor.axes, "3, or 1 (normal stress only)");
+  const bool thick = in.read("thickness", sensor.thickness, length_words);
+  in.read("young", sensor.young, "a number of MPa above 0");
+  in.read("poisson", sensor.poisson, "a number with 0 <= poisson <= 0.5");
+  if (double side = 0; in.read("length", side, "a number of mm along x")) sensor.length = side;
+  if (double side = 0; in.read("width", side, "a number of mm along y")) sensor.width = side;
+  in.finish();
+  if (!thick) in.refuse_missing("thickness", "given, the thickness of the rubber in mm");
+}
+
+/// Reads the keys of one shape.
+struct PadShapeKeys {
+  TomlTable& in;
+  const TomlFile& file;
+
+  template <class T>
+  void need(const std::string& key, T& value, const std::string& what) {
+    if (!in.read(key, value, what)) in.refuse_missing(key, "given, " + what);
+  }
+  void read(fem::Sphere& sphere) { need("radius", sphere.radius, length_words); }
+  void read(fem::Paraboloid& paraboloid) { need("radii", paraboloid.radii, two_mm); }
+  void read(fem::LyingCylinder& cylinder) {
+    need("radius", cylinder.radius, length_words);
+    need("half_length", cylinder.half_length, length_words);
+  }
+  void read(fem::Punch& punch) {
+    need("radius", punch.radius, length_words);
+    in.read("edge", punch.edge, some_edge);
+  }
+  void read(fem::Box& box) {
+    need("half_widths", box.half_widths, two_mm);
+    in.read("edge", box.edge, some_edge);
+  }
+  void read(fem::Cone& cone) { need("angle", cone.angle, "degrees between surface and axis, above 0 and below 90"); }
+  void read(fem::HeightMap& map) {
+    std::string name;
+    need("pitch", map.pitch, "the distance of the grid's points in mm");
+    need("file", name, "the name of a CSV file with a grid of heights in mm");
+    const std::filesystem::path path = file.path().parent_path() / name;
+    read_heights_csv(path, map);
+    map.file = path.string();
+  }
+};
+
+const std::vector<ShapeName<fem::PadShape>>& pad_shapes() {
+  static const std::vector<ShapeName<fem::PadShape>> all = {
+      {"sphere", {"radius"}, fem::Sphere{}},
+      {"paraboloid", {"radii"}, fem::Paraboloid{}},
+      {"cylinder", {"radius", "half_length"}, fem::LyingCylinder{}},
+      {"punch", {"radius", "edge", "tilt", "tilt_direction"}, fem::Punch{}},
+      {"box", {"half_widths", "edge", "tilt", "tilt_direction"}, fem::Box{}},
+      {"cone", {"angle"}, fem::Cone{}},
+      {"heightmap", {"file", "pitch"}, fem::HeightMap{}},
+  };
+  return all;
+}
+
+void read_pad_indenter(const TomlFile& file, fem::PadIndenter& indenter) {
+  TomlTable in(file, "indenter");
+  OtherKind{
+      {"edge_angle", "height", "rate", "half_width", "slope", "powers", "scale", "coefficients", "x", "y", "smooth"},
+      {"flat", "wedge", "parabola", "exponential", "trapezoid", "rounded_flat", "taylor", "profile"},
+      of_a_line}
+      .refuse(in);
+  indenter.shape = choose_shape(in, pad_shapes(), {"shape", "position", "yaw"}).made;
+  PadShapeKeys keys{in, file};
+  std::visit([&](auto& shape) { keys.read(shape); }, indenter.shape);
+  in.read("position", indenter.position, "two numbers [x, y] of mm on the pad, [0, 0] in its middle");
+  in.read("yaw", indenter.yaw, "a number of degrees about z");
+  in.read("tilt", indenter.tilt, "a number of degrees, 0 to 45");
+  in.read("tilt_direction", indenter.tilt_direction, "the direction in degrees in which the bottom rises");
+  in.finish();
+}
+
+void read_pad_friction(const TomlFile& file, double& friction) {
+  TomlTable in(file, "contact");
+  if (in.has_text("friction")) in.refuse("friction", "a number, 0 to 100: of a line alone it may be \"bonded\"");
+  in.read("friction", friction, "a number, 0 to 100");
+  in.finish();
+}
+
+void read_pressing(TomlTable& in, fem::PadLoad& load) {
+  const std::string given = in.only_one({"indentation", "normal_force"});
+  if (given.empty()) in.refuse_missing("indentation", "given, a number of mm (or load.normal_force, a number of N)");
+  if (given == "normal_force") load.indentation.clear();
+  in.read_one_or_more("indentation", load.indentation, "a number of mm, or an array of successive targets");
+  in.read_one_or_more("normal_force", load.normal_force, "a number of N, or an array of successive targets");
+  in.read("indentation_steps", load.indentation_steps, "a whole number of steps, 1 to 1000");
+}
+
+/// Drags in equal steps.
+void read_drag_steps(TomlTable& in, fem::PadLoad& load) {
+  std::array<double, 2> step{};
+  double twist = 0;
+  int steps = 0;
+  const bool moves = in.read("tangential_step", step, "two numbers [dx, dy] of mm");
+  const bool turns = in.read("twist_step", twist, "a number of degrees");
+  const char* number = "a whole number of steps, 1 to 1000";
+  const bool counted = in.read("tangential_steps", steps, number);
+  if (counted && !moves && !turns)
+    in.refuse("tangential_steps", "left out, or given together with load.tangential_step or load.twist_step");
+  if (!moves && !turns) return;
+  if (!counted) in.refuse_missing("tangential_steps", std::string("given, ") + number);
+  if (steps < 1 || steps > 1000) in.refuse("tangential_steps", number);
+  for (int k = 1; k <= steps; ++k) load.drags.push_back({k * step[0], k * step[1], radians(k * twist)});
+}
+
+/// Drags to positions.
+void read_drag_positions(TomlTable& in, fem::PadLoad& load) {
+  std::vector<std::array<double, 2>> places;
+  std::vector<double> twists;
+  const char *words = "an array of positions [x, y] in mm, at least one", *turns = "an array of degrees, at least one";
+  const bool moves = in.read("tangential", places, words), twisted = in.read("twist", twists, turns);
+  if (moves && places.empty()) in.refuse("tangential", words);
+  if (twisted && twists.empty()) in.refuse("twist", turns);
+  if (moves && twisted && twists.size() != places.size())
+    in.refuse("twist", "as many numbers of degrees as load.tangential has positions, " + std::to_string(places.size()));
+  places.resize(std::max(places.size(), twists.size()));
+  twists.resize(places.size());
+  for (std::size_t k = 0; k < places.size(); ++k)
+    load.drags.push_back({places[k][0], places[k][1], radians(twists[k])});
+}
+
+void read_pad_load(const TomlFile& file, fem::PadLoad& load) {
+  TomlTable in(file, "load");
+  in.refuse_any({"angle"}, left_out_of_a_pad);
+  in.refuse_unknown({"indentation", "normal_force", "indentation_steps", "tangential", "twist", "tangential_step",
+                     "twist_step", "tangential_steps"});
+  read_pressing(in, load);
+  for (const char* step : {"tangential_step", "twist_step"})
+    for (const char* position : {"tangential", "twist"}) in.only_one({position, step});
+  read_drag_steps(in, load);
+  read_drag_positions(in, load);
+  in.finish();
+}
+
+}  // namespace
+
+bool is_pad(const TomlFile& file) { return TomlTable(file, "sensor").read_choice("kind", sensor_kinds) == 1u; }
+
+fem::PadScene read_pad(const TomlFile& file) {
+  TomlTable root(file, "");
+  fem::PadScene scene;
+  root.read("title", scene.title, "a text");
+  root.refuse_any({"preset"}, left_out_of_a_pad);
+  root.refuse_any({"sweep"}, "left out: a sweep draws contacts of a line; `tactel solve` takes one contact of a pad");
+  for (const char* table : {"sensor", "indenter", "contact", "load"}) root.expect_table(table);
+  root.finish();
+  read_pad_sensor(file, scene.sensor);
+  read_pad_indenter(file, scene.indenter);
+  read_pad_friction(file, scene.friction);
+  read_pad_load(file, scene.load);
+  try {
+    scene.validate();
+  } catch (const ValueError& error) {
+    throw file.error(error);
+  }
+  return scene;
+}
+
+}  // namespace tactel::host
