@@ -20,9 +20,9 @@
 namespace tactel::host {
 namespace {
 
-constexpr double near_edge = 2, at_edge = 1;                ///< thicknesses from an edge: warned of, refused
+constexpr double near_edge = 2, at_edge = 1;               ///< thicknesses from an edge: warned of, refused
 constexpr double smallest_cell = 1e-5, largest_cell = 50;  ///< sides over the thickness
-constexpr double twin_tolerance = 1e-7;                     ///< of sweeps, as the kernel in fp64
+constexpr double twin_tolerance = 1e-7;                    ///< of sweeps, as the kernel in fp64
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
