@@ -25,6 +25,17 @@ void over_cell(double hx, double hy, double x, double y, F f) {
     for (const LegendrePoint& q : points_along(hy)) f(x - hx / 2 * p.x, y - hy / 2 * q.x, p.weight * q.weight / 4);
 }
 
+/// Places along a side of a cell at which the rest of its normal influence is taken, from its middle, in units of H.
+std::vector<double> rest_places(double side) {
+  if (side <= PadLayer::least_parted) return {0};
+  const int parts = std::min(static_cast<int>(2 * side) + 1, PadLayer::most_parts);
+  std::vector<double> places;
+  for (int part = 0; part < parts; ++part)
+    for (const int sign : {-1, 1})
+      places.push_back(side * ((part + 0.5 + sign * 0.5 / std::numbers::sqrt3) / parts - 0.5));
+  return places;
+}
+
 double along_x(double x, double y) { return y * std::asinh(x / std::abs(y)); }
 
 /// What I_xx, I_yy, I_xy, I_x and I_y have at a corner.
@@ -84,9 +95,16 @@ Eigen::MatrixXd PadLayer::normal_influence(double thickness, double hx, double h
       const double x = (i - 0.5) * hx, y = (j - 0.5) * hy;
       corner(i, j) = along_x(x, y) + along_x(y, x);
     }
+  const std::vector<double> places_x = rest_places(hx), places_y = rest_places(hy);
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j) {
-      const double rho = std::hypot(i * hx, j * hy), rest = rho < range ? value(pad_z0, rho) : -1 / rho;
+      double rest = 0;
+      for (const double x : places_x)
+        for (const double y : places_y) {
+          const double rho = std::hypot(i * hx + x, j * hy + y);
+          rest += rho < range ? value(pad_z0, rho) : -1 / rho;
+        }
+      rest /= static_cast<double>(places_x.size() * places_y.size());
       zz(i, j) = corner(i + 1, j + 1) - corner(i, j + 1) - corner(i + 1, j) + corner(i, j) + hx * hy * rest;
     }
   return thickness * (1 - poisson_ * poisson_) / pi * zz;

@@ -35,6 +35,8 @@ class PadLayer {
   static constexpr int steps_a_thickness = 80;   ///< cells of width H / 80
   static constexpr double range = 24;            ///< H; beyond, the layer does not move
   static constexpr double largest_error = 1e-9;  ///< of the four integrals of displacements
+  static constexpr double least_parted = 0.35;   ///< H
+  static constexpr int most_parts = 16;          ///< of a side
 
   /// Coefficients of one function in one cell: c0 + q (c1 + q (c2 + q c3)), q in [0, 1] from its left end.
   using Cubic = std::array<double, 4>;
@@ -66,7 +68,8 @@ class PadLayer {
   std::vector<CellInfluence> influences(double thickness, double hx, double hy, int n) const;
 
   /// Returns zz of influence() alone for offsets of 0 to n - 1 cells, [n][n] mm. Its smooth rest is that of the cell's
-  /// middle: good to 1e-3 of the largest for cells up to H / 4.
+  /// middle; along sides above least_parted H the mean over parts of H / 2, two Gauss points each. Good to 3e-3 of the
+  /// largest.
   Eigen::MatrixXd normal_influence(double thickness, double hx, double hy, int n) const;
 
   /// Returns the base stress under a unit traction on a cell at any offset, mm.

@@ -11,9 +11,9 @@
 #include <stdexcept>
 #include <tuple>
 
-#include "fem/pad/pad_search.h"
 #include "fem/value_error.h"
 #include "host/contact/pad_contact_tables.h"
+#include "host/contact/pad_search.h"
 #include "host/contact/strata.h"
 #include "kernels/shared/contact_layout.h"
 #include "kernels/shared/pad_layout.h"
@@ -108,7 +108,7 @@ fem::PadOptions PadContactOptions::twin() const {
 
 template <class Real>
 struct PadContact<Real>::State {
-  State(Executor& executor, const PadContactOptions& given) : executor(executor), options(given) {
+  State(Executor& executor, const PadContactOptions& given) : executor(executor), options(given), search(executor) {
     constexpr std::array known{8, 12, 16, 24};
     if (std::ranges::find(known, given.cells) == known.end())
       throw ValueError("cells", std::to_string(given.cells), "8, 12, 16 or 24");
@@ -140,7 +140,7 @@ struct PadContact<Real>::State {
     if (found != kept.end()) {
       kept.splice(kept.begin(), kept, found);
     } else {
-      kept.push_front(std::make_shared<const PadTables>(poisson, options.cells));
+      kept.push_front(std::make_shared<const PadTables>(poisson, options.cells, precision() == Precision::fp64));
       if (kept.size() > most_poissons) kept.pop_back();
     }
     return kept.front();
@@ -160,6 +160,7 @@ struct PadContact<Real>::State {
 
   Executor& executor;
   PadContactOptions options;
+  PadSearch<Real> search;
   std::mutex making;                                 ///< of what is made at first use
   std::map<int, std::unique_ptr<Program>> programs;  ///< by vectors, or own_tables
   std::list<std::shared_ptr<const PadTables>> kept;  ///< the last used first
@@ -190,13 +191,21 @@ void PadContact<Real>::Scenes::push_back(const fem::PadScene& scene, PadPath pat
 /// The cells of each scene, and the tables that they need.
 template <class Real>
 std::vector<OnCells> PadContact<Real>::State::on_cells(Scenes& scenes) {
+  std::vector<const fem::PadScene*> searched;
+  for (auto& [scene, path, cells] : scenes.all_) {
+    if (cells) continue;
+    scene.indenter = fem::aligned(std::move(scene.indenter));
+    searched.push_back(&scene);
+  }
+  const std::vector<fem::PadSearch> found = search.find(searched);
+  auto next = found.begin();
   std::vector<OnCells> all;
   all.reserve(scenes.all_.size());
   std::shared_ptr<const PadTables> of;
   for (auto& [scene, path, cells] : scenes.all_) {
     if (!of || of->layer()->poisson() != scene.sensor.poisson) of = tables(scene.sensor.poisson);
     if (!cells) {
-      auto [indenter, laid] = fem::lay_cells(scene, *of->layer(), options.cells, options.ladder);
+      auto [indenter, laid] = fem::lay_cells(*next++, scene, options.cells, options.ladder);
       scene.indenter = std::move(indenter), cells = laid;
     }
     const PadCellSize size = cell_size(*cells, scene.sensor.thickness);

@@ -12,15 +12,16 @@
 #include "fem/pad/pad_reference.h"
 #include "fem/value_error.h"
 #include "host/contact/pad_contact.h"
+#include "host/contact/pad_stream.h"
 #include "host/scenes/unit_warnings.h"
 #include "host/support/errors.h"
 
 namespace tactel::host {
 namespace {
 
-constexpr double near_edge = 2, at_edge = 1;                ///< thicknesses from an edge: warned of, refused
-constexpr double smallest_cell = 1e-5, largest_cell = 100;  ///< sides over the thickness
-constexpr double twin_tolerance = 1e-7;                     ///< of sweeps, as the kernel in fp64
+constexpr double near_edge = 2, at_edge = 1;               ///< thicknesses from an edge: warned of, refused
+constexpr double smallest_cell = 1e-5, largest_cell = 50;  ///< sides over the thickness
+constexpr double twin_tolerance = 1e-7;                    ///< of sweeps, as the kernel in fp64
 
 void check_pad_options(const SolveOptions& options) {
   if (options.solver != "batched" && options.solver != "twin")
@@ -73,9 +74,8 @@ void solve_by_kernel(PadOutcome& outcome, Executor& executor, const SolveOptions
   PadContactOptions kernel{.cells = outcome.rung.cells, .increments = outcome.rung.increments};
   if (options.tolerance) kernel.tolerance = 0, kernel.accept = *options.tolerance;
   const PadContact<Real> contact(executor, kernel);
-  PadContactReport report;
-  outcome.solution = std::move(solve_pad_contact(contact, std::span(&outcome.scene, 1), {}, &report).front());
-  outcome.fell_back = report.fell_back > 0;
+  outcome.solution = std::move(solve_pad_contact(contact, std::span(&outcome.scene, 1)).front());
+  outcome.fell_back = outcome.solution.fell_back;
   if (!outcome.fell_back)
     add_slip_distances(outcome.solution, outcome.scene, *contact.layer(outcome.scene.sensor.poisson));
 }
