@@ -470,8 +470,8 @@ def pad():
         flat = solve_pad(rung, 'shape = "punch"\nradius = 2.0', 0.05, thickness=2000)["steps"][0]["P"]
         layer = solve_pad(rung, sphere, PAD_D, thickness=12 * PAD_A)["steps"][0]["P"]
         torsion = 3 * np.pi / 16 * 0.3 * turned["P"] * PAD_A
-    print(f"Pads: E = {E}, nu = 0.5, paraboloid of {PAD_R} mm, {PAD_D} mm deep, on 1000 a, mu = 0.3; errors")
-              f"          {np.max(np.abs(found - law)):.4f}       {turned['M'] / torsion - 1:+.4f}"
+        pressing = f"{answer['steps'][0]['P'] / P - 1:+.4f}    {pressure.max() / exact.max() - 1:+.4f}     {rms:.4f}"
+        print(f"  {rung:7}  {pressing}          {np.max(np.abs(found - law)):.4f}       {turned['M'] / torsion - 1:+.4f}"
               f"      {flat / punch - 1:+.4f}         {layer / P / series - 1:+.4f}")
         if mark:
             part = (x > 0) & (y >= x)  # the others lie at the same r
