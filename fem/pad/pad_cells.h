@@ -33,7 +33,7 @@ inline constexpr double rim_end = 0.6;
 
 /// A rounding that is touched over less than so many cells counts as a rim: along straight edges the cells are fitted
 /// to it; round ones pass through cells anywhere.
-inline constexpr double straight_rim = 2, round_rim = 0.5;
+inline constexpr double straight_rim = 3, round_rim = 0.5;
 
 /// Returns how far a rounding of radius `edge` is touched, mm; `strength` as in PadRim.
 double rim_reach(double strength, double edge);

@@ -136,8 +136,8 @@ TEST(PadLayout, CellsEndAtTheRimsOfABox) {
   EXPECT_NEAR(fine.box().x.right, 2 + 0.6 * reach + 0.15 * fine.hx, 0.02 * fine.hx);  // h is that of the search
   EXPECT_NEAR(fine.box().y.left, -1 - 0.6 * reach - 0.15 * fine.hy, 0.02 * fine.hy);
   // A rounding over many cells, and a side that a tilt lifts off, are what the search found.
-  const PadCells wide = lay_cells(box_scene(4), layer, 12, false).cells;
-  EXPECT_NEAR(wide.box().x.right, find_pad_contact(box_scene(4), layer).contact.x.right, 1e-12);
+  const PadCells wide = lay_cells(box_scene(30), layer, 12, false).cells;
+  EXPECT_NEAR(wide.box().x.right, find_pad_contact(box_scene(30), layer).contact.x.right, 1e-12);
   const PadCells tilted = lay_cells(box_scene(0.05, 8), layer, 12, false).cells;
   EXPECT_NEAR(tilted.box().x.right, find_pad_contact(box_scene(0.05, 8), layer).contact.x.right, 1e-12);
   EXPECT_LT(tilted.box().x.left, -2);
