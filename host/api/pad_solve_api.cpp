@@ -24,7 +24,7 @@ std::vector<double> list(const Matrix& from) {
   return {from.begin(), from.end()};
 }
 
-PadStep step_of(const fem::PadStep& from) {
+PadStep pad_step_of(const fem::PadStep& from) {
   PadStep step;
   step.indentation = from.indentation, step.tangential = {from.x, from.y}, step.twist = twist_in_degrees(from);
   step.P = from.P, step.Q = {from.Q[0], from.Q[1]}, step.M = from.M;
@@ -40,10 +40,10 @@ PadStep step_of(const fem::PadStep& from) {
   return step;
 }
 
-PadPath path_of(const host::PadOutcome& outcome) {
+PadPath pad_path_of(const host::PadOutcome& outcome) {
   const fem::PadSolution& solution = outcome.solution;
   PadPath path;
-  for (const fem::PadStep& step : solution.steps) path.steps.push_back(step_of(step));
+  for (const fem::PadStep& step : solution.steps) path.steps.push_back(pad_step_of(step));
   path.cell_x = list(solution.places.col(0)), path.cell_y = list(solution.places.col(1));
   path.cell_width = {solution.cells.hx, solution.cells.hy};
   const auto [nx, ny] = outcome.scene.sensor.tactels;
@@ -177,7 +177,7 @@ PadPath solve(const PadScene& scene, const SolveOptions& options) {
   return api::with_public_errors([&] {
     if (options.derivatives)
       throw ConfigError("command line", "--derivatives", "true", "left out for a pad, which has none");
-    return path_of(host::solve(api::to_fem(scene), api::to_host(options)));
+    return pad_path_of(host::solve(api::to_fem(scene), api::to_host(options)));
   });
 }
 
