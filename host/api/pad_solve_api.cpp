@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "host/api/scene_conversion.h"
-#include "host/contact/pad_contact.h"
 #include "host/contact/pad_solve.h"
+#include "host/contact/pad_stream.h"
 #include "host/contact/rung_for_many.h"
 #include "host/scenes/unit_warnings.h"
 #include "host/support/chosen_row.h"
@@ -80,17 +80,34 @@ class PadArrays {
       list->assign(all, nan);
     for (auto* list : {&p.Q, &p.tangential}) list->assign(2 * all, nan);
     for (auto* list : {&p.sigma_z, &p.tau_x, &p.tau_y}) list->assign(tactels_ * all, nan);
-    p.converged.assign(all, 0);
+    p.converged.assign(all, 0), p.fell_back.assign(p.scenes, 0);
   }
 
-  void put(std::size_t scene, const fem::PadSolution& solution) {
-    for (std::size_t k = 0; k < solution.steps.size(); ++k) put(scene * paths.steps + k, solution.steps[k]);
+  void put(std::size_t i, const fem::PadSolution& solution) {
+    for (std::size_t k = 0; k < solution.steps.size(); ++k) {
+      const fem::PadStep& step = solution.steps[k];
+      put(i * paths.steps + k, step, std::span(step.stress.data(), 3 * tactels_));
+    }
+    paths.fell_back[i] = solution.fell_back;
+  }
+
+  /// The same of an answer in place.
+  void put(std::size_t i, const host::LaneAnswer& answer, const fem::PadScene& scene) {
+    const std::vector<fem::PadTarget> targets = fem::pad_targets(scene.load);
+    stress_.resize(3 * tactels_);
+    for (int k = 0; k < answer.steps; ++k) {
+      const auto at = static_cast<std::size_t>(k);
+      answer.tactels(k, std::span(stress_));
+      put(i * paths.steps + at,
+          host::pad_step([&](int row) { return answer.result(k, row); }, targets[at], scene.friction), stress_);
+    }
   }
 
   PadPaths paths;
 
  private:
-  void put(std::size_t at, const fem::PadStep& step) {
+  /// `stress`: [3 tactels], sigma_z, tau_x, tau_y of all.
+  void put(std::size_t at, const fem::PadStep& step, std::span<const double> stress) {
     PadPaths& p = paths;
     p.slip_index[at] = or_nan(step.slip_index), p.force_ratio[at] = or_nan(step.force_ratio);
     p.P[at] = step.P, p.M[at] = step.M;
@@ -98,34 +115,20 @@ class PadArrays {
     p.indentation[at] = step.indentation, p.twist[at] = twist_in_degrees(step);
     p.tangential[2 * at] = step.x, p.tangential[2 * at + 1] = step.y;
     p.stick_fraction[at] = step.stick_fraction, p.converged[at] = step.converged;
-    Eigen::Index axis = 0;
-    for (auto* list : {&p.sigma_z, &p.tau_x, &p.tau_y})
-      std::ranges::copy(step.stress.col(axis++), list->begin() + static_cast<std::ptrdiff_t>(at * tactels_));
+    for (auto* list : {&p.sigma_z, &p.tau_x, &p.tau_y}) {
+      std::ranges::copy(stress.first(tactels_), list->begin() + static_cast<std::ptrdiff_t>(at * tactels_));
+      stress = stress.subspan(tactels_);
+    }
   }
 
   std::size_t tactels_ = 0;
+  std::vector<double> stress_;  ///< of one step
 };
 
 host::PadContactOptions kernel_of(const host::PadRung& rung, const std::optional<double>& tolerance) {
   host::PadContactOptions kernel{.cells = rung.cells, .increments = rung.increments};
   if (tolerance) kernel.tolerance = 0, kernel.accept = *tolerance;
   return kernel;
-}
-
-constexpr std::size_t scenes_of_a_part = 8192;
-
-/// Solves scenes part by part and gives put(i, solution). Returns false where progress, in scenes, does.
-template <class Real, class Put>
-bool solve_parts(host::Executor& executor, const host::PadContactOptions& kernel, std::span<const fem::PadScene> scenes,
-                 const Put& put, const ProgressFunction& progress) {
-  const host::PadContact<Real> contact(executor, kernel);
-  for (std::size_t first = 0; first < scenes.size(); first += scenes_of_a_part) {
-    if (!progress(first, scenes.size())) return false;
-    const auto part = scenes.subspan(first, std::min(scenes_of_a_part, scenes.size() - first));
-    const std::vector<fem::PadSolution> solutions = host::solve_pad_contact(contact, part);
-    for (std::size_t i = 0; i < part.size(); ++i) put(first + i, solutions[i]);
-  }
-  return true;
 }
 
 void check_tactels(std::span<const fem::PadScene> scenes) {
@@ -188,13 +191,15 @@ PadPaths solve_many(std::span<const PadScene> scenes, const SolveOptions& option
     const host::SolveOptions asked = api::to_host_for_many(options);
     host::Executor executor{host::Device(asked.device)};
     const host::PadRung rung = rung_for_pads(executor, asked, all);
-    const host::PadContactOptions kernel = kernel_of(rung, asked.tolerance);
+    const host::Precision precision = asked.precision == "fp64" ? host::Precision::fp64 : host::Precision::fp32;
+    const host::PadStream stream(executor, {kernel_of(rung, asked.tolerance), precision});
     PadArrays arrays(all);
-    const auto put = [&](std::size_t i, const fem::PadSolution& solution) { arrays.put(i, solution); };
-    const bool solved = asked.precision == "fp64" ? solve_parts<double>(executor, kernel, all, put, progress)
-                                                  : solve_parts<float>(executor, kernel, all, put, progress);
+    const bool solved = stream.solve(
+        all, [&](std::size_t i, const host::LaneAnswer& answer) { arrays.put(i, answer, all[i]); },
+        [&](std::size_t i, fem::PadSolution&& solution) { arrays.put(i, solution); },
+        [&](std::size_t done) { return progress(done, all.size()); });
     if (!solved) throw Cancelled("solve_many: cancelled by progress");
-    arrays.paths.rung = rung.name, arrays.paths.precision = asked.precision.empty() ? "fp32" : asked.precision;
+    arrays.paths.rung = rung.name, arrays.paths.precision = host::name(precision);
     arrays.paths.device = executor.device().info().name;
     arrays.paths.warnings = host::unit_warnings(std::span<const fem::PadScene>(all));
     progress(all.size(), all.size());

@@ -189,6 +189,7 @@ struct PadPaths {
   std::vector<double> stick_fraction;           ///< [scenes, steps]
   std::vector<double> sigma_z, tau_x, tau_y;    ///< [scenes, steps, tactels along y, tactels along x] MPa
   std::vector<std::uint8_t> converged;          ///< [scenes, steps] 1: within its tolerance
+  std::vector<std::uint8_t> fell_back;          ///< [scenes] 1: the exact fallback answered
   std::string rung, precision, device;
   std::vector<std::string> warnings;  ///< of numbers that look as if they had another unit
 };
