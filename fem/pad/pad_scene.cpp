@@ -157,7 +157,7 @@ void check_edge(double value) {
 
 void PadSensor::validate() const {
   check_length("sensor.thickness", thickness);
-  check(std::isfinite(young) && young > 0, "sensor.young", young, "a Young's modulus in MPa, finite and above 0");
+  check(young >= 1e-9 && young <= 1e12, "sensor.young", young, "a Young's modulus in MPa, 1e-9 to 1e12");
   check(poisson >= 0 && poisson <= 0.5, "sensor.poisson", poisson, "a Poisson's ratio, 0 <= poisson <= 0.5");
   for (const int count : tactels)
     check(count >= 1 && count <= 100, "sensor.tactels", count, "numbers of tactels along x and y, 1 to 100 each");
@@ -168,7 +168,7 @@ void PadSensor::validate() const {
   const auto check_side = [&](const char* member, const std::optional<double>& side, int axis) {
     if (!side) return;
     check_length(member, *side);
-    const double array = (tactels[axis] - 1) * pitch[axis] + tactel_size;
+    const double array = std::round(1e6 * ((tactels[axis] - 1) * pitch[axis] + tactel_size)) / 1e6;
     check(*side >= array, member, *side,
           ("a length in mm that holds the tactels, " + number_text(array) + " or more").c_str());
   };
@@ -236,8 +236,8 @@ void PadLoad::validate() const {
   for (const auto& drag : drags) {
     for (int axis = 0; axis < 2; ++axis)
       check(std::abs(drag[axis]) <= 1e6, "load.tangential", drag[axis], "a place in mm, at most 1e6 away");
-    check(std::abs(drag[2]) <= 2 * std::numbers::pi, "load.twist", drag[2] * 180 / std::numbers::pi,
-          "degrees, -360 to 360");
+    check(std::abs(drag[2]) <= 2 * std::numbers::pi, "load.twist",
+          std::round(drag[2] * 180 / std::numbers::pi * 1e9) / 1e9, "degrees, -360 to 360");
   }
 }
 
