@@ -81,9 +81,10 @@ PadInfluence::PadInfluence(const PadLayer& layer, double thickness, double hx, d
   const Eigen::Index entries = at(n, n) + 1;
   zz.resize(entries), xx.resize(entries), yy.resize(entries), xy.resize(entries), xz.resize(entries),
       yz.resize(entries);
+  const std::vector<CellInfluence> all = layer.influences(thickness, hx, hy, n);
   for (int i = 0; i <= n; ++i)
     for (int j = 0; j <= n; ++j) {
-      const CellInfluence c = layer.influence(thickness, hx, hy, i * hx, j * hy);
+      const CellInfluence& c = all[static_cast<std::size_t>(i * (n + 1) + j)];
       for (const int sx : {-1, 1})
         for (const int sy : {-1, 1}) {
           const Eigen::Index k = at(-sx * i, -sy * j);  // the place lies at +(sx i, sy j) from the source

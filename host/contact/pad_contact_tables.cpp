@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "fem/layer/legendre_points.h"
+#include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_solver.h"
 #include "kernels/shared/pad_layout.h"
 
@@ -46,23 +47,25 @@ PadCellSize cell_size(const fem::PadCells& cells, double thickness) {
 }
 
 PadTables::PadTables(double poisson, int cells)
-    : cells_(cells), layer_(std::make_shared<const fem::PadLayer>(poisson)), stress_(stress_table(*layer_)) {}
+    : cells_(cells),
+      layer_(std::make_shared<const fem::PadLayer>(fem::pad_layer(poisson))),
+      stress_(stress_table(*layer_)) {}
 
 std::vector<double> PadTables::make_influence(const PadCellSize& size) const {
   const double hx = PadCellSize::unit * static_cast<double>(size.hx),
                hy = PadCellSize::unit * static_cast<double>(size.hy);
-  const fem::CellInfluence own = layer_->influence(1, hx, hy, 0, 0);
+  const std::vector<fem::CellInfluence> all = layer_->influences(1, hx, hy, cells_);
+  const fem::CellInfluence& own = all.front();
   const double zz = std::sqrt(own.zz), tt = std::sqrt(std::max(own.xx, own.yy));
   std::vector<double> table(PAD_TABLE_HEAD + static_cast<std::size_t>((cells_ + 1) * (cells_ + 1)) * PAD_OWN_INFLUENCE);
   table[PAD_ROOT_ZZ] = zz, table[PAD_ROOT_TT] = tt, table[PAD_HX] = hx, table[PAD_HY] = hy;
   double* row = &table[PAD_TABLE_HEAD];
-  for (int i = 0; i <= cells_; ++i)
-    for (int j = 0; j <= cells_; ++j, row += PAD_OWN_INFLUENCE) {
-      const fem::CellInfluence c = layer_->influence(1, hx, hy, i * hx, j * hy);
-      row[PAD_ZZ] = c.zz / (zz * zz);
-      row[PAD_XX] = c.xx / (tt * tt), row[PAD_YY] = c.yy / (tt * tt), row[PAD_XY] = c.xy / (tt * tt);
-      row[PAD_XZ] = c.xz / (zz * tt), row[PAD_YZ] = c.yz / (zz * tt);
-    }
+  for (const fem::CellInfluence& c : all) {
+    row[PAD_ZZ] = c.zz / (zz * zz);
+    row[PAD_XX] = c.xx / (tt * tt), row[PAD_YY] = c.yy / (tt * tt), row[PAD_XY] = c.xy / (tt * tt);
+    row[PAD_XZ] = c.xz / (zz * tt), row[PAD_YZ] = c.yz / (zz * tt);
+    row += PAD_OWN_INFLUENCE;
+  }
   return table;
 }
 
