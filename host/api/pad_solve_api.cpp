@@ -2,6 +2,7 @@
 #include <tactel/pad.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numbers>
 
@@ -125,6 +126,39 @@ class PadArrays {
   std::vector<double> stress_;  ///< of one step
 };
 
+/// Returns true where a contact at this depth, mm, may come nearer than the thickness to an edge of the pad. Rubber
+/// bulges: contacts reach farther than the rigid section, but less than twice as far.
+bool may_reach_edge(const fem::PadScene& scene, double depth) {
+  const fem::PadSensor& sensor = scene.sensor;
+  const fem::PadBox box = fem::rigid_section(scene.indenter, depth);
+  const double reach = 2 * std::hypot(std::max(-box.x.left, box.x.right), std::max(-box.y.left, box.y.right));
+  const auto beyond = [&](const std::optional<double>& side, double at) {
+    return side && std::abs(at) + reach + sensor.thickness > *side / 2;
+  };
+  return beyond(sensor.length, scene.indenter.position[0]) || beyond(sensor.width, scene.indenter.position[1]);
+}
+
+/// Throws InputError for the first scene whose contact comes nearer than the thickness to an edge of its pad.
+void refuse_at_edges(const host::PadStream& stream, std::span<const fem::PadScene> scenes, const PadPaths& paths) {
+  constexpr std::size_t most_at_once = 512;
+  std::vector<std::size_t> which;
+  std::vector<fem::PadScene> near;
+  const auto check = [&] {
+    const std::vector<fem::PadSolution> solutions = stream.solve(near);  // with the places of their cells
+    for (std::size_t k = 0; k < which.size(); ++k)
+      api::with_public_errors([&] { host::refuse_at_edge(near[k], solutions[k]); },
+                              "scenes[" + std::to_string(which[k]) + "]");
+    which.clear(), near.clear();
+  };
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const auto first = paths.indentation.begin() + static_cast<std::ptrdiff_t>(i * paths.steps);
+    if (!may_reach_edge(scenes[i], *std::max_element(first, first + paths.steps_made[i]))) continue;
+    which.push_back(i), near.push_back(scenes[i]);
+    if (near.size() == most_at_once) check();
+  }
+  if (!near.empty()) check();
+}
+
 host::PadContactOptions kernel_of(const host::PadRung& rung, const std::optional<double>& tolerance) {
   host::PadContactOptions kernel{.cells = rung.cells, .increments = rung.increments};
   if (tolerance) kernel.tolerance = 0, kernel.accept = *tolerance;
@@ -199,6 +233,7 @@ PadPaths solve_many(std::span<const PadScene> scenes, const SolveOptions& option
         [&](std::size_t i, fem::PadSolution&& solution) { arrays.put(i, solution); },
         [&](std::size_t done) { return progress(done, all.size()); });
     if (!solved) throw Cancelled("solve_many: cancelled by progress");
+    refuse_at_edges(stream, all, arrays.paths);
     arrays.paths.rung = rung.name, arrays.paths.precision = host::name(precision);
     arrays.paths.device = executor.device().info().name;
     arrays.paths.warnings = host::unit_warnings(std::span<const fem::PadScene>(all));

@@ -138,16 +138,6 @@ void refuse_degenerate(const fem::PadScene& scene, const fem::PadSolution& solut
                                solution.cells.n * hx, solution.cells.n * hy));
 }
 
-void refuse_at_edge(const fem::PadScene& scene, const fem::PadSolution& solution) {
-  const auto distance = distance_to_edge(scene, solution);
-  const double H = scene.sensor.thickness;
-  if (!distance || *distance >= at_edge * H) return;
-  throw ValueError("indenter.position", fem::number_text(scene.indenter.position.data(), 2),
-                   fmt::format("a place where the contact stays {:.3g} mm (the thickness) from the edges that "
-                               "sensor.length and sensor.width give, not {:.3g} mm: the model has no free sides",
-                               H, *distance));
-}
-
 /// What free sides take of the surface's own stiffness at a distance over the thickness: a share of C(0), by the free
 /// sides of lines (H = 1.5 mm, nu 0.3 to 0.5): 9 to 17 % at 1.3, 1 to 2 % at 2.7; between them it falls exponentially.
 double missing_at_edge(double distance, double at_near, double at_far) {
@@ -248,6 +238,16 @@ std::optional<double> distance_to_edge(const fem::PadScene& scene, const fem::Pa
     if (sensor.width) least = std::min(least, *sensor.width / 2 - out[1]);
   });
   return std::isfinite(least) ? std::optional(least) : std::nullopt;
+}
+
+void refuse_at_edge(const fem::PadScene& scene, const fem::PadSolution& solution) {
+  const auto distance = distance_to_edge(scene, solution);
+  const double H = scene.sensor.thickness;
+  if (!distance || *distance >= at_edge * H) return;
+  throw ValueError("indenter.position", fem::number_text(scene.indenter.position.data(), 2),
+                   fmt::format("a place where the contact stays {:.3g} mm (the thickness) from the edges that "
+                               "sensor.length and sensor.width give, not {:.3g} mm: the model has no free sides",
+                               H, *distance));
 }
 
 std::vector<std::string> warnings(const PadOutcome& outcome) {

@@ -263,3 +263,21 @@ TEST(PadSolveApi, AnAccuracyTakesTheRungThatKeepsIt) {
   scenes[1].friction = 2;  // beyond the scenes that were measured: three times their error
   EXPECT_EQ(solve_many(scenes, {.accuracy = kept}).rung, "pad-12");
 }
+
+// The cylinder's end lies 3 mm from its axis, and the contact stays 2 mm from the edges: of 20 mm along y the axis may
+// reach 10 - 2 - 3 = 5 mm, one and many alike. A cell reaches 0.15 of its side beyond the end.
+TEST(PadSolveApi, RefusesContactsAtTheEdgeOfThePad) {
+  std::vector<PadScene> scenes(3, sphere_drag());
+  for (PadScene& scene : scenes) {
+    scene.sensor.width = 20;
+    scene.indenter.shape = LyingCylinder{.radius = 4, .half_length = 3};
+    scene.load = press_pad(0.2);
+  }
+  scenes[1].indenter.position = {0, 4.8};
+  EXPECT_EQ(message_of([&] { solve_many(scenes); }), "no error");
+  EXPECT_EQ(message_of([&] { solve(scenes[1]); }), "no error");
+  scenes[2].indenter.position = {0, -5.1};
+  EXPECT_THAT(message_of([&] { solve_many(scenes); }),
+              HasSubstr("scenes[2].indenter.position: [0, -5.1]; must be a place"));
+  EXPECT_THAT(message_of([&] { solve(scenes[2]); }), HasSubstr("indenter.position: [0, -5.1]; must be a place"));
+}
