@@ -38,7 +38,7 @@ void add_shared_options(CLI::App& command, SharedOptions& options, const char* p
       .add_option("--solver", solve.solver,
                   "solver: batched (OpenCL); without it full-mesh (lines, slow) or twin (pads)")
       ->check(CLI::IsMember(both(solver_names(), pad_solver_names())))
-      ->transform([](std::string name) { return name == "reference" ? std::string("full-mesh") : name; })
+      ->transform([](const std::string& name) { return name == "reference" ? std::string("full-mesh") : name; })
       ->capture_default_str();
   command
       .add_option("--precision", solve.precision,

@@ -7,7 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <numbers>
+#include <nlohmann/json.hpp>
+#include <tuple>
 
 #include "host/contact/pad_json.h"
 #include "host/contact/pad_table.h"
