@@ -84,7 +84,7 @@ PadInfluence::PadInfluence(const PadLayer& layer, double thickness, double hx, d
   const std::vector<CellInfluence> all = layer.influences(thickness, hx, hy, n);
   for (int i = 0; i <= n; ++i)
     for (int j = 0; j <= n; ++j) {
-      const CellInfluence& c = all[static_cast<std::size_t>(i * (n + 1) + j)];
+      const CellInfluence& c = all.data()[i * (n + 1) + j];
       for (const int sx : {-1, 1})
         for (const int sy : {-1, 1}) {
           const Eigen::Index k = at(-sx * i, -sy * j);  // the place lies at +(sx i, sy j) from the source

@@ -106,7 +106,7 @@ std::vector<CellInfluence> PadLayer::influences(double thickness, double hx, dou
   std::vector<CellInfluence> all;
   for (int i = 0; i <= n; ++i)
     for (int j = 0; j <= n; ++j) {
-      const auto* at = &corners[static_cast<std::size_t>(i * (n + 2) + j)];
+      const auto* at = corners.data() + i * (n + 2) + j;
       all.push_back(with_rest(thickness, hx, hy, i * hx, j * hy, at[n + 3] - at[1] - at[n + 2] + at[0]));
     }
   return all;

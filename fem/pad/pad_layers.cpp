@@ -26,6 +26,7 @@ PadLayers::PadLayers(const std::filesystem::path& cache_directory) {
   };
   if (read_arrays(file, arrays(std::vector<std::span<double>>()))) return;
   std::vector<PadIntegrals> integrals;
+  integrals.reserve(points);
   for (int k = 0; k < points; ++k) integrals.emplace_back(point(k));
   samples_ = PadIntegrals::sampled(integrals, places);
   write_arrays(file, arrays(std::vector<std::span<const double>>()));
