@@ -41,7 +41,7 @@ py::array_t<float> frames_of_pads(const PadPaths& all) {
 
 /// [scenes, steps, ...], the last axes as many as a step has numbers.
 template <class Number>
-auto pad_grid(std::vector<Number> PadPaths::*numbers, std::vector<py::ssize_t> of_a_step = {}) {
+auto pad_grid(std::vector<Number> PadPaths::*numbers, const std::vector<py::ssize_t>& of_a_step = {}) {
   return [numbers, of_a_step](const py::object& self) {
     const auto& all = self.cast<const PadPaths&>();
     std::vector<py::ssize_t> shape = {static_cast<py::ssize_t>(all.scenes), static_cast<py::ssize_t>(all.steps)};

@@ -20,13 +20,13 @@ using AnyPadLoad = std::variant<PadLoad, Load>;
 template <class Indenter, class Any>
 Indenter indenter_of(Any any) {
   return std::visit(
-      [](auto&& one) {
+      [](auto& one) {
         if constexpr (std::is_same_v<std::decay_t<decltype(one)>, Indenter>)
           return std::move(one);
         else
           return Indenter{.shape = std::move(one)};
       },
-      std::move(any));
+      any);
 }
 
 /// Returns a field that a constructor was given, or its usual value. Throws InputError for one of another kind.
@@ -40,23 +40,23 @@ Field field_of(const py::object& given, Field usual, const char* name, const cha
   }
 }
 
-AnyScene scene_of(std::variant<Sensor, Pad> sensor, const py::object& indenter, double friction, const py::object& load,
-                  std::string title) {
-  if (Pad* pad = std::get_if<Pad>(&sensor)) {
+AnyScene scene_of(const std::variant<Sensor, Pad>& sensor, const py::object& indenter, double friction,
+                  const py::object& load, std::string title) {
+  if (const Pad* pad = std::get_if<Pad>(&sensor)) {
     auto shape = field_of<AnyPadIndenter>(indenter, PadIndenter{}, "indenter",
                                           "must be a PadIndenter, Sphere, Paraboloid, LyingCylinder, Punch, Box, Cone "
                                           "or HeightMap, as the sensor is a Pad");
     auto path = field_of<AnyPadLoad>(load, PadLoad{}, "load", "must be a PadLoad, or Press or Force");
     const Load* press = std::get_if<Load>(&path);
-    return {PadScene{std::move(title), std::move(*pad), indenter_of<PadIndenter>(std::move(shape)), friction,
+    return {PadScene{std::move(title), *pad, indenter_of<PadIndenter>(std::move(shape)), friction,
                      press ? on_pad(*press) : std::get<PadLoad>(std::move(path))}};
   }
   auto shape = field_of<AnyIndenter>(indenter, Indenter{}, "indenter",
                                      "must be an Indenter, Parabola, Flat, Wedge, Cylinder, Exponential, Trapezoid, "
                                      "RoundedFlat, Taylor or Profile, as the sensor is no Pad");
   auto path = field_of<Load>(load, Load{}, "load", "must be a Load, of drags along x, as the sensor is no Pad");
-  return {Scene{std::move(title), std::get<Sensor>(std::move(sensor)), indenter_of<Indenter>(std::move(shape)),
-                friction, std::move(path)}};
+  return {Scene{std::move(title), std::get<Sensor>(sensor), indenter_of<Indenter>(std::move(shape)), friction,
+                std::move(path)}};
 }
 
 /// Getter of a member that scenes of both kinds have, a copy.
