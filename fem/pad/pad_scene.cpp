@@ -226,7 +226,8 @@ void PadIndenter::validate() const {
                         [](const HeightMap& m) {
                           check_length("indenter.pitch", m.pitch);
                           const bool grid = m.heights.rows() >= 2 && m.heights.cols() >= 2 && m.heights.allFinite();
-                          check(grid && m.heights.minCoeff() == 0 && m.heights.maxCoeff() <= 1e6, "indenter.file",
+                          const char* key = m.file.empty() ? "indenter.heights" : "indenter.file";
+                          check(grid && m.heights.minCoeff() == 0 && m.heights.maxCoeff() <= 1e6, key,
                                 static_cast<double>(m.heights.size()),
                                 "a grid of 2 x 2 heights at least, the lowest 0, the highest below 1e6 mm");
                         }},

@@ -38,6 +38,9 @@ std::string model_name(const PadOutcome& outcome);
 /// gives no edges, or nothing is touched.
 std::optional<double> distance_to_edge(const fem::PadScene& scene, const fem::PadSolution& solution);
 
+/// Throws ValueError, key "indenter.position", where that is less than the thickness.
+void refuse_at_edge(const fem::PadScene& scene, const fem::PadSolution& solution);
+
 /// Returns the warnings about an answer, one line each; usually none. They concern units, depth, slip, edges of the
 /// pad, a contact that the tactels hardly see, and an error that was not measured.
 std::vector<std::string> warnings(const PadOutcome& outcome);
