@@ -74,7 +74,7 @@ Eigen::MatrixXd cell_heights(const PadCells& cells, const PadIndenter& indenter)
   Eigen::MatrixXd heights = pad_heights(indenter, x, y);
   for (int i = -1; i <= cells.n; ++i)
     for (int j = -1; j <= cells.n; ++j)
-      if (!cells.allowed(i, j)) heights(i + 1, j + 1) = infinity;
+      if (!cells.allowed(i, j)) heights(i + 1, j + 1) = std::numeric_limits<double>::infinity();
   return heights;
 }
 
