@@ -93,10 +93,13 @@ double pad_height(const PadIndenter& indenter, double x, double y, bool beyond_e
   const bool round = std::holds_alternative<Punch>(indenter.shape);
   if (!beyond_edges && !(round ? inside(edges.x, std::hypot(x, y)) : inside(edges.x, x) && inside(edges.y, y)))
     return infinity;
-  const double height = upright_height(indenter.shape, x, y);
-  if (indenter.tilt == 0) return height;
+  return upright_height(indenter.shape, x, y) + tilt_height(indenter, x, y);
+}
+
+double tilt_height(const PadIndenter& indenter, double x, double y) {
+  if (indenter.tilt == 0) return 0;
   const Tilt tilt(indenter);
-  return height + tilt.x * x + tilt.y * y + tilt.below;
+  return tilt.x * x + tilt.y * y + tilt.below;
 }
 
 PadBox pad_edges(const PadShape& shape) {

@@ -80,6 +80,9 @@ struct PadIndenter {
 /// goes on beyond sharp edges.
 double pad_height(const PadIndenter& indenter, double x, double y, bool beyond_edges = false);
 
+/// Returns the part of it that a tilt adds, mm.
+double tilt_height(const PadIndenter& indenter, double x, double y);
+
 /// A rectangle of the own frame, mm.
 struct PadBox {
   Interval x, y;

@@ -33,11 +33,6 @@ struct PadLayout {
   PadCells cells;
 };
 
-/// An edge that cells of side h do not resolve, with a rounding below 1.2 h whose contact reaches some sqrt(edge depth)
-/// < 0.6 h beyond the flat, stands to the cells as a sharp one, half of that farther out. Left alone it makes P of
-/// boxes 3 to 8 % wrong at 12 cells, as a sharp one some 1 %; mean heights of the cells make it worse.
-inline constexpr double least_rounding = 1.2, least_reach = 0.6, sharp_beyond = 0.5;
-
 /// Returns the cells of a scene, `cells` along a side (pad_cells), over the contact of the search.
 PadLayout lay_cells(const PadScene& scene, const PadLayer& layer, int cells, bool ladder);
 
