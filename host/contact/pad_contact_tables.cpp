@@ -47,7 +47,9 @@ PadCellSize cell_size(const fem::PadCells& cells, double thickness) {
 }
 
 PadTables::PadTables(double poisson, int cells)
-    : cells_(cells), layer_(std::make_shared<const fem::PadLayer>(fem::pad_layer(poisson))), stress_(stress_table(*layer_)) {}
+    : cells_(cells),
+      layer_(std::make_shared<const fem::PadLayer>(fem::pad_layer(poisson))),
+      stress_(stress_table(*layer_)) {}
 
 std::vector<double> PadTables::make_influence(const PadCellSize& size) const {
   const double hx = PadCellSize::unit * static_cast<double>(size.hx),
