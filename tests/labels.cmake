@@ -19,7 +19,7 @@ set(unit_calibration ".")
 set(unit_live "^(FrameQueue|LatencyHistogram|SensorProfile|Calibration|OpenSource|LiveView|Alarm)[.]")
 set(unit_training "StreamAndBlockExclude|^(AlarmCounting|BoundReport)[.]")
 set(unit_api "^(CraftedNetworks[.]|Infer[.][^G]|InferHost[.]|Infer[.]GivesTheS|LiveApi[.]|SceneApi[.]|PadSceneApi[.])")
-set(unit_studies "^(HandPress|LoopDrift|SceneMix)[.]|^InverseProblem[.](Spread|Json|Counts)|AllCombinations|SlipIndexIs|DrawsAre|TheAngleAlone")
+set(unit_studies "^(HandPress|LoopDrift|SceneMix|TradeoffReport)[.]|^InverseProblem[.](Spread|Json|Counts)|AllCombinations|SlipIndexIs|DrawsAre|TheAngleAlone")
 set(unit_commands "^(DevicesCommandDeathTest|UnreadableScene|StandardError|Help|Completion|Words|Numbers|Memory|HostileFiles|ProfileFile|Keys)[.]|BadScene|WrongCall|^CommandLine[.][HS]|OutputsThatCannotBe|TimesThatAreNone|FilesItNames|^SolveCommand[.](SlipIndex|JsonNumbers|Missed)")
 # Of these, the calls that a device must judge.
 set(device_commands "WrongCall.*/(UnknownDevice|Step)|APipeWithoutAWriter")

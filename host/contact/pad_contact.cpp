@@ -92,7 +92,7 @@ PadLanes in_lanes(const std::vector<OnCells>& on_cells, const Numbers& scenes, c
 }
 
 template <class Real>
-Buffer<Real> device_copy(const Device& device, std::vector<Real> numbers) {
+Buffer<Real> buffer_of(const Device& device, std::vector<Real> numbers) {
   if (numbers.empty()) numbers.resize(1);
   return Buffer<Real>(device, std::span<const Real>(numbers));
 }
@@ -261,7 +261,7 @@ Buffer<Real> PadContact<Real>::State::shared_tables(const std::vector<OnCells>& 
     const std::vector<double> table = tables(of.scene.sensor.poisson)->shared_influence(of.size);
     for (const double number : table) numbers.push_back(static_cast<Real>(number));
   }
-  return device_copy(device(), std::move(numbers));
+  return buffer_of(device(), std::move(numbers));
 }
 
 template <class Real>
@@ -344,7 +344,7 @@ void PadContact<Real>::State::take_tactels(Laid& b) const {
     for (std::size_t axis = 0; axis < 2; ++axis)
       all[array.at(k / b.parts, k % b.parts, axis)] = static_cast<Real>(points.places(k, axis));
   b.points = array.numbers;
-  b.weights = device_copy(device(), std::vector<Real>(points.weights.begin(), points.weights.end()));
+  b.weights = buffer_of(device(), std::vector<Real>(points.weights.begin(), points.weights.end()));
 }
 
 template <class Real>
@@ -432,13 +432,13 @@ typename PadContact<Real>::Batch PadContact<Real>::prepare(Scenes scenes, bool f
 
   std::vector<std::int32_t> table_of_group;
   b.tables = s.shared_tables(b.on_cells, lanes, table_of_group);
-  b.table_of_group = device_copy(s.device(), std::move(table_of_group));
+  b.table_of_group = buffer_of(s.device(), std::move(table_of_group));
   b.own_tables = s.tables_of_lanes(b.on_cells, lanes);
   b.heights = s.heights(b.on_cells, b);
   b.more_inputs = {b.heights};
   std::vector<Real> stress_tables;
   b.places = s.places(b.on_cells, b, stress_tables);
-  b.stress_tables = device_copy(s.device(), std::move(stress_tables));
+  b.stress_tables = buffer_of(s.device(), std::move(stress_tables));
   s.take_tactels(b);
 
   const auto outputs = [&](std::size_t rows, bool written = true) {

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "fem/number_text.h"
+#include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_reference.h"
 #include "fem/value_error.h"
 #include "host/contact/pad_stream.h"
@@ -68,27 +69,18 @@ void add_slip_distances(fem::PadSolution& solution, const fem::PadScene& scene, 
   }
 }
 
-template <class Real>
-void solve_by_kernel(PadOutcome& outcome, Executor& executor, const SolveOptions& options) {
-  PadContactOptions kernel{.cells = outcome.rung.cells, .increments = outcome.rung.increments};
-  if (options.tolerance) kernel.tolerance = 0, kernel.accept = *options.tolerance;
-  const PadContact<Real> contact(executor, kernel);
-  outcome.solution = std::move(solve_pad_contact(contact, std::span(&outcome.scene, 1)).front());
-  outcome.fell_back = outcome.solution.fell_back;
-  if (!outcome.fell_back)
-    add_slip_distances(outcome.solution, outcome.scene, *contact.layer(outcome.scene.sensor.poisson));
-}
-
 void solve_on_device(PadOutcome& outcome, const SolveOptions& options) {
   Executor executor{Device(options.device).for_one_contact()};
   const DeviceInfo& device = executor.device().info();
   outcome.solver = "batched";
   outcome.precision = !options.precision.empty() ? options.precision : device.fp64 ? "fp64" : "fp32";
   outcome.device = device.name;
-  if (outcome.precision == "fp64")
-    solve_by_kernel<double>(outcome, executor, options);
-  else
-    solve_by_kernel<float>(outcome, executor, options);
+  PadModel model = model_of(outcome.rung);
+  if (outcome.precision == "fp64") model.precision = Precision::fp64;
+  if (options.tolerance) model.options.tolerance = 0, model.options.accept = *options.tolerance;
+  outcome.solution = std::move(PadStream(executor, model).solve(std::span(&outcome.scene, 1)).front());
+  if (!outcome.solution.fell_back)
+    add_slip_distances(outcome.solution, outcome.scene, fem::pad_layer(outcome.scene.sensor.poisson));
 }
 
 void solve_on_host(PadOutcome& outcome, const SolveOptions& options) {

@@ -19,7 +19,6 @@ struct PadOutcome {
   PadRung rung;
   std::optional<PadError> error{};   ///< to expect; none where nothing is touched
   std::optional<double> accuracy{};  ///< that was asked for and decided the rung
-  bool fell_back = false;            ///< the twin answered in the kernel's place
 
   bool kept() const { return !accuracy || !error || error->S <= *accuracy; }
 };

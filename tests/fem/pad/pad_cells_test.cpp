@@ -9,10 +9,10 @@
 #include <limits>
 #include <numbers>
 
+#include "fem/pad/pad_mix.h"
 #include "fem/pad/pad_search.h"
 #include "fem/pad/pad_solver.h"
 #include "tests/fem/pad/named_pad_scenes.h"
-#include "tests/fem/pad/pad_mix.h"
 
 namespace tactel::fem {
 namespace {

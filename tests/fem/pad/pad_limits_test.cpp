@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "fem/layer/patch_reference.h"
+#include "fem/pad/pad_mix.h"
 #include "fem/pad/pad_reference.h"
 #include "fem/pad/pad_search.h"
 #include "tests/fem/pad/named_pad_scenes.h"
-#include "tests/fem/pad/pad_mix.h"
 
 namespace tactel::fem {
 namespace {

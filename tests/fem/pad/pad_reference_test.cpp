@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/fem/pad/pad_mix.h"
+#include "fem/pad/pad_mix.h"
 
 namespace tactel::fem {
 namespace {

@@ -267,6 +267,7 @@ TEST(PadRungs, ClassesAndErrors) {
   EXPECT_THAT(outside.outside, ElementsAre("friction 2 (measured 0.1 to 1.5)"));
 }
 
+// With twice as many cells; between neighbours a class of eight scenes, the tilted, need not show it.
 TEST(PadRungs, MeasuredErrorsFallWithTheCells) {
   ASSERT_EQ(measured_pads().size() + 1, pad_rungs().size());
   for (std::size_t r = 0; r < measured_pads().size(); ++r)
@@ -274,8 +275,8 @@ TEST(PadRungs, MeasuredErrorsFallWithTheCells) {
       const PadErrors& e = measured_pads()[r].of[c];
       EXPECT_EQ(measured_pads()[r].name, pad_rungs()[r].name);
       EXPECT_TRUE(0 < e.median && e.median <= e.most95 && e.most95 <= e.largest);
-      if (r > 0) {
-        EXPECT_LE(e.most95, measured_pads()[r - 1].of[c].most95) << r << c;
+      if (r > 1) {
+        EXPECT_LT(1.3 * e.most95, measured_pads()[r - 2].of[c].most95) << r << c;
       }
     }
 }
