@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes 20 mistakes, one after the other, each of which a test of scripts/test must find: mutants.py [NUMBER...]
+"""Makes 21 mistakes, one after the other, each of which a test of scripts/test must find: mutants.py [NUMBER...]
 
 The mistakes are in kernels, their twins and readers of files. Each is put into the source, what it takes is built in build/, the tests
 that should find it run, and the source is put back. Ends with 1 where a mistake was not found, or its place in the source is gone."""
@@ -23,6 +23,7 @@ MUTANTS = [
     ("kernels/train_online.cl", "momentum, (real)1);", "momentum, momentum);", "networks", "TrainOnlineTest.Fp64.*/\"1\""),
     ("kernels/train_batch.cl", "(o[2] + (real)0.5), 1 - level);", "(o[2] + (real)0.5), level);", "networks", "TrainBatchGradient.OfQuantiles"),
     ("kernels/transducer_chain.cl", "    y += offset;\n", "", "sets", "TransducerChannels.MatchesTwin"),
+    ("kernels/transducer_chain.cl", "if (k > 0) y = PICK", "y = PICK", "sets", "TransducerChannels.SkinsMatchTwin"),
     ("kernels/shared/philox.h", "key1 += 0xBB67AE85u;", "key1 += 0xBB67AE86u;", "sets", "TransducerChannels.MatchesTwin"),
     ("fem/gap_sweep.cpp", "static_cast<Real>(c(2 * i + 1, 2 * j));", "static_cast<Real>(-c(2 * i + 1, 2 * j));", "contact", "Ragged.*Fp64MatchesTwin/17"),
     ("fem/layer/patch_contact.cpp", "(x - x_last_) : now[i];", "(x - x_last_) : ux_last_[i];", "layer", "PatchSolver|PatchShapes|PatchClosedForms"),
