@@ -226,7 +226,7 @@ kernel void transducer_chain(uint first_group, global const ulong *contact, glob
     }
     const vreal x = gain * s;
     vreal y = x;
-    if (chain.high_pass) y = fma(electronics.decay, y_before, electronics.pass * (x - x_before));
+    if (chain.time_constant[1] > 0) y = fma(electronics.decay, y_before, electronics.pass * (x - x_before));
     x_before = x;
     y_before = y;
     y += offset;

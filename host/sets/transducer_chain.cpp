@@ -47,7 +47,6 @@ ChainSettings settings(const nn::Transducer& t, std::uint64_t seed) {
   return {.reading_seed = seed,
           .instance_seed = t.seed,
           .instances = t.instances,
-          .high_pass = t.time_constant > 0,
           .decay = amplifier.decay,
           .pass = amplifier.pass,
           .step_time = static_cast<float>(t.step_time),

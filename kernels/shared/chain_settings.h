@@ -15,10 +15,9 @@ typedef struct LateShare {
 typedef struct ChainSettings {
   shared_u64 reading_seed, instance_seed;
   shared_u32 instances;   /* sensors of which a contact meets one; 0: each its own */
-  shared_i32 high_pass;   /* 1: there is one */
   float decay, pass;      /* y = decay y_before + pass (x - x_before), where all sensors have one time constant */
   float step_time;        /* s */
-  float time_constant[2]; /* s; of a sensor, evenly between the two; alike: decay and pass hold */
+  float time_constant[2]; /* s; of a sensor, evenly between the two; alike: decay and pass hold; 0: no high-pass */
   float gain_spread[2];   /* about 1; of a sensor, evenly between the two */
   float offset_spread[2]; /* MPa, alike */
   float noise[2];         /* MPa, alike */

@@ -27,7 +27,6 @@
   FIELD(ChainSettings, reading_seed)     \
   FIELD(ChainSettings, instance_seed)    \
   FIELD(ChainSettings, instances)        \
-  FIELD(ChainSettings, high_pass)        \
   FIELD(ChainSettings, decay)            \
   FIELD(ChainSettings, pass)             \
   FIELD(ChainSettings, step_time)        \
