@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes 21 mistakes, one after the other, each of which a test of scripts/test must find: mutants.py [NUMBER...]
+"""Makes 22 mistakes, one after the other, each of which a test of scripts/test must find: mutants.py [NUMBER...]
 
 The mistakes are in kernels, their twins and readers of files. Each is put into the source, what it takes is built in build/, the tests
 that should find it run, and the source is put back. Ends with 1 where a mistake was not found, or its place in the source is gone."""
@@ -31,6 +31,7 @@ MUTANTS = [
     ("nn/train_online.cpp", "step *= Scalar(options.momentum);", "step *= Scalar(options.rate);", "nn", "TrainOnline.FollowsTheRule"),
     ("nn/transducer_chain.cpp", "std::clamp(code, -half, half - 1)", "std::clamp(code, -half, half)", "nn", "Transducer.ConvertsByHand"),
     ("hw/decoder.cpp", "counts_.lost += ahead - 1;", "counts_.lost += ahead;", "hw", "EveryFormat.GoesOnAfterAnInterruption"),
+    ("host/live/csv_source.cpp", "if (packet_.empty()) throw;", "throw;", "live", "CsvPipe.FramesInFrontOfAWrongLineCount"),
     ("hw/recording.cpp", "if (crc32(Bytes(record).first(end)) != unsigned_at(record, end, 4))", "if (false)", "hw", "Recording.DamageIsFound"),
     ("host/scenes/profile_csv.cpp", "x <= profile.x.back()", "x < profile.x.back()", "commands", "BadScene.*Csv"),
     ("host/scenes/toml_table.cpp", "refuse_unknown({asked_.begin(), asked_.end()});", "", "commands", "BadSceneTest.*/(Misspelt|Unknown)Key"),
