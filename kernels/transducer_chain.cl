@@ -106,8 +106,9 @@ INLINE Shares shares_of(const ChainSettings *chain, ulong instance, vuint channe
   const RandomWords fault = words_of_item(chain->instance_seed, FAULT_STREAM, instance, channel);
   const RandomWords place =
       words_of_item(chain->instance_seed, FAULT_STREAM, instance, (vuint)(at.channels) + channel % (vuint)(at.tactels));
-  const RandomWords mixed =
-      words_of_item(chain->instance_seed, FAULT_STREAM, instance, (vuint)(2 * at.channels) + channel);
+  RandomWords mixed = place;
+  if (chain->mixing[1] > 0)
+    mixed = words_of_item(chain->instance_seed, FAULT_STREAM, instance, (vuint)(2 * at.channels) + channel);
   const vreal share = ALL_LANES(chain->crosstalk) * fabs(normal_pair(fault.word[2], fault.word[3]).first);
   const NormalPair shift = normal_pair(place.word[0], place.word[1]), axis = normal_pair(mixed.word[0], mixed.word[1]);
   const vreal alive = unit_number(fault.word[0]), along = ALL_LANES(chain->shift_spread) * shift.first,
@@ -136,8 +137,10 @@ INLINE Shares shares_of(const ChainSettings *chain, ulong instance, vuint channe
    first; 0 where its share is 0. */
 INLINE vreal beside(global const real *row, uint first, uint by, uint channels, vreal share) {
   vreal x;
-  for (uint lane = 0; lane < LANES; ++lane)
-    ((real *)&x)[lane] = NUMBER(share, lane) != 0 ? row[(first + lane + by) % channels] : 0;
+  for (uint lane = 0; lane < LANES; ++lane) {
+    const uint there = first + lane + by, around = there < channels ? there : there - channels;
+    ((real *)&x)[lane] = NUMBER(share, lane) != 0 ? row[min(around, channels - 1)] : 0;
+  }
   return x;
 }
 
@@ -166,8 +169,11 @@ kernel void transducer_chain(uint first_group, global const ulong *contact, glob
   const ulong instance = instance_of(&chain, contact[c]);
   vreal gain = 1, offset = 0, deviation = 0;
   const RandomWords own = words_of_item(chain.instance_seed, SPREAD_STREAM, instance, (vuint)(0));
-  const RandomWords skin = words_of_item(chain.instance_seed, SPREAD_STREAM, instance, (vuint)(2));
-  const RandomWords slow = words_of_item(chain.instance_seed, SPREAD_STREAM, instance, (vuint)(3));
+  RandomWords skin = own, slow = own;
+  if (chain.mixing[1] > 0 || chain.drift[1] > 0 || chain.repeats[1] > 0)
+    skin = words_of_item(chain.instance_seed, SPREAD_STREAM, instance, (vuint)(2));
+  if (chain.late[0].share[1] > 0 || chain.late[1].share[1] > 0)
+    slow = words_of_item(chain.instance_seed, SPREAD_STREAM, instance, (vuint)(3));
   if (chain.gain_spread[1] > 0 || chain.offset_spread[1] > 0) {
     const RandomWords drawn = words_of_item(chain.instance_seed, GAIN_STREAM, instance, channel);
     const NormalPair spread = normal_pair(drawn.word[0], drawn.word[1]);
