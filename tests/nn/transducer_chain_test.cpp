@@ -346,6 +346,7 @@ TEST(Transducer, MixingAddsTheOtherAxesOfTheTactel) {
   }
   expect_normal(shares, 0, 0.03);
   shares.clear();
+  double product = 0;  // of the two shares of a transducer, on average
   for (std::uint64_t contact = 0; contact < 500; ++contact) {
     RowMatrix<double> pressed[3], sum = RowMatrix<double>::Zero(1, 12);  // 2 x 2 tactels with z, x, y
     for (int axis = 0; axis < 3; ++axis) {
@@ -358,11 +359,13 @@ TEST(Transducer, MixingAddsTheOtherAxesOfTheTactel) {
           shares.push_back(pressed[axis](0, (axis + other) % 3 * 4 + tactel) / stress(0, 4 * axis + tactel));
       sum += 2 * (axis + 1) * pressed[axis];
     }
+    product += pressed[1](0, 0) * pressed[2](0, 0) / 500;
     RowMatrix<double> all(1, 12);
     all << 2, 20, 200, 2000, 4, 40, 400, 4000, 6, 60, 600, 6000;
     EXPECT_LT((transducer_chain(t, 0, contact, all, 3, 2) - sum).cwiseAbs().maxCoeff(), 1e-11);  // roundings of 6000
   }
   expect_normal(shares, 0, 0.03);
+  EXPECT_NEAR(product, 0, 5 * 0.03 * 0.03 / std::sqrt(500.0)) << "independent";
 }
 
 // A dead transducer feels the other axes no more than its own; a range of mixing is the sensor's.
