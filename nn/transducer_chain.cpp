@@ -85,7 +85,7 @@ Transducer of_sensor(Transducer t, std::uint64_t instance) {
   choose(t.memory_from, t.memory, late[2]);
   choose(t.memory_time_from, t.memory_time, late[3]);
   if (t.bits_from) {
-    const auto count = static_cast<std::uint64_t>(t.bits - *t.bits_from + 1);
+    const auto count = static_cast<std::uint64_t>(t.bits) - static_cast<std::uint64_t>(*t.bits_from) + 1;
     t.bits = *t.bits_from + static_cast<int>(own(1)[0] * count >> 32);
   }
   return t;
