@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes 25 mistakes, one after the other, each of which a test of scripts/test must find: mutants.py [NUMBER...]
+"""Makes 27 mistakes, one after the other, each of which a test of scripts/test must find: mutants.py [NUMBER...]
 
 The mistakes are in kernels, their twins and readers of files. Each is put into the source, what it takes is built in build/, the tests
 that should find it run, and the source is put back. Ends with 1 where a mistake was not found, or its place in the source is gone."""
@@ -26,6 +26,7 @@ MUTANTS = [
     ("kernels/train_online.cl", "momentum, (real)1);", "momentum, momentum);", "networks", "TrainOnlineTest.Fp64.*/\"1\""),
     ("kernels/train_batch.cl", "(o[2] + (real)0.5), 1 - level);", "(o[2] + (real)0.5), level);", "networks", "TrainBatchGradient.OfQuantiles"),
     ("kernels/transducer_chain.cl", "    y += offset;\n", "", "sets", "TransducerChannels.MatchesTwin"),
+    ("kernels/transducer_chain.cl", "if (k > 0) y = PICK", "y = PICK", "sets", "TransducerChannels.SkinsMatchTwin"),
     ("kernels/shared/philox.h", "key1 += 0xBB67AE85u;", "key1 += 0xBB67AE86u;", "sets", "TransducerChannels.MatchesTwin"),
     ("fem/gap_sweep.cpp", "static_cast<Real>(c(2 * i + 1, 2 * j));", "static_cast<Real>(-c(2 * i + 1, 2 * j));", "contact", "Ragged.*Fp64MatchesTwin/17"),
     ("fem/layer/patch_contact.cpp", "(x - x_last_) : now[i];", "(x - x_last_) : ux_last_[i];", "layer", "PatchSolver|PatchShapes|PatchClosedForms"),
@@ -36,6 +37,7 @@ MUTANTS = [
     ("nn/train_online.cpp", "step *= Scalar(options.momentum);", "step *= Scalar(options.rate);", "nn", "TrainOnline.FollowsTheRule"),
     ("nn/transducer_chain.cpp", "std::clamp(code, -half, half - 1)", "std::clamp(code, -half, half)", "nn", "Transducer.ConvertsByHand"),
     ("hw/decoder.cpp", "counts_.lost += ahead - 1;", "counts_.lost += ahead;", "hw", "EveryFormat.GoesOnAfterAnInterruption"),
+    ("host/live/csv_source.cpp", "if (packet_.empty()) throw;", "throw;", "live", "CsvPipe.FramesInFrontOfAWrongLineCount"),
     ("hw/recording.cpp", "if (crc32(Bytes(record).first(end)) != unsigned_at(record, end, 4))", "if (false)", "hw", "Recording.DamageIsFound"),
     ("host/scenes/profile_csv.cpp", "x <= profile.x.back()", "x < profile.x.back()", "commands", "BadScene.*Csv"),
     ("host/scenes/pad_file.cpp", "radians(twists[k])", "twists[k]", "scenes", "PadFile.EveryKey"),
