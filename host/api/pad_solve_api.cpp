@@ -52,7 +52,7 @@ PadPath pad_path_of(const host::PadOutcome& outcome) {
   const Eigen::MatrixX2d tactels = fem::tactel_places(outcome.scene.sensor);
   path.tactel_x = list(tactels.col(0).head(nx));
   for (Eigen::Index j = 0; j < ny; ++j) path.tactel_y.push_back(tactels(j * nx, 1));
-  path.solution.fell_back = outcome.fell_back;
+  path.fell_back = outcome.solution.fell_back;
   path.rung = outcome.rung.name, path.model = host::model_name(outcome);
   path.solver = outcome.solver, path.precision = outcome.precision, path.device = outcome.device;
   if (const auto& error = outcome.error) path.error = {error->S, error->largest, error->scenes, error->outside};
@@ -81,7 +81,7 @@ class PadArrays {
       list->assign(all, nan);
     for (auto* list : {&p.Q, &p.tangential}) list->assign(2 * all, nan);
     for (auto* list : {&p.sigma_z, &p.tau_x, &p.tau_y}) list->assign(tactels_ * all, nan);
-    p.converged.assign(all, 0), p.solution.fell_back.assign(p.scenes, 0);
+    p.converged.assign(all, 0), p.fell_back.assign(p.scenes, 0);
   }
 
   void put(std::size_t i, const fem::PadSolution& solution) {
@@ -89,7 +89,7 @@ class PadArrays {
       const fem::PadStep& step = solution.steps[k];
       put(i * paths.steps + k, step, std::span(step.stress.data(), 3 * tactels_));
     }
-    paths.solution.fell_back[i] = solution.fell_back;
+    paths.fell_back[i] = solution.fell_back;
   }
 
   /// The same of an answer in place.
