@@ -260,8 +260,9 @@ TEST(PadSolveApi, AnAccuracyTakesTheRungThatKeepsIt) {
   const double kept = solve(scenes[0], {.rung = "pad-8"}).error.value().S;
   EXPECT_EQ(solve_many(scenes, {.accuracy = kept}).rung, "pad-8");
   EXPECT_EQ(solve_many(scenes, {.accuracy = 0.99 * kept}).rung, "pad-12");
-  scenes[1].friction = 2;  // beyond the scenes that were measured: three times their error
-  EXPECT_EQ(solve_many(scenes, {.accuracy = kept}).rung, "pad-12");
+  // Beyond the scenes that were measured: three times the error of spheres, 0.0107 with 12 cells, 0.0067 with 16.
+  scenes[1].friction = 2;
+  EXPECT_EQ(solve_many(scenes, {.accuracy = kept}).rung, "pad-16");
 }
 
 // The cylinder's end lies 3 mm from its axis, and the contact stays 2 mm from the edges: of 20 mm along y the axis may

@@ -77,7 +77,7 @@ TEST_F(CsvCommand, TareTakesTheMeansOfTwoSeconds) {
   EXPECT_THAT(text_of(output), HasSubstr(fmt::format("offset = [{}, -7]", 500 + 100 / 201.0)));
 }
 
-TEST_F(CsvCommand, WrongCallsAreNamed) {
+TEST_F(CsvCommand, MistakesOfACallAreNamed) {
   const std::string network = "--network", out = "--output";
   EXPECT_TRUE(is_refused(run_tactel({"monitor", "--source", "csv:" + file_, network, network_}),
                          {"--profile", "format.kind is csv"}));

@@ -65,7 +65,7 @@ fem::Scene contact() { return {.title = "parabola", .load = {.indentation = {0.1
 fem::PadScene pad_contact() {
   return {.title = "box",
           .sensor = {.tactels = {6, 4}, .pitch = {2, 2}, .length = 15, .width = 11},
-          .indenter = {.shape = fem::Box{{1.2, 0.7}, 0.8}, .position = {1.5, 0.8}, .yaw = 30},
+          .indenter = {.shape = fem::Box{{1.2, 0.7}, 2.5}, .position = {1.5, 0.8}, .yaw = 30},
           .load = {.indentation = {0, 0.25}, .drags = {{0.05, 0.02, 0}, {0.12, 0.05, 0}, {0.12, 0.05, 0.1}}}};
 }
 
