@@ -620,26 +620,24 @@ kernel void pad_contact(uint first_group, global const side *tables, global cons
 
 /* Stress at the base under tactels in the lanes, one scene and LANES tactels a work-item, from the forces of
    pad_contact: the layer's kernels (fem/pad/pad_integrals.h) by a table in rho, the mean of four Gauss points of each
-   cell. layer [rows][PAD_BLOCK], rows_a_thickness rows for each H and layer_rows for each Poisson's ratio; places
-   [scenes][PAD_PLACE_ROWS]; tactels [2][blocks LANES] over mm: times 1 / H of the scene. Out: stress
-   [scenes][slots][3][blocks LANES] MPa: sigma_z, tau_x, tau_y in the pad's frame. */
+   cell. A tactel is the weighted mean of `parts` points. layer [rows][PAD_BLOCK], rows_a_thickness rows for each H and
+   layer_rows for each Poisson's ratio; places [scenes][PAD_PLACE_ROWS]; points [blocks][parts][x, y][LANES] mm: times
+   1 / H of the scene; weights [parts]. Out: stress [scenes][slots][3][tactels] MPa: sigma_z, tau_x, tau_y in the pad's
+   frame. */
 kernel void pad_base_stress(uint first_group, global const real *layer, int layer_rows, real rows_a_thickness,
-                            global const real *places, global const real *tactels, int blocks, int slots,
-                            global const real *forces, global real *stress) {
+                            global const real *places, global const real *points, global const real *weights, int parts,
+                            int tactels, int slots, global const real *forces, global real *stress) {
   TAKE_GROUP(group);
-  const size_t scene = group / blocks, block = group % blocks;
+  const size_t blocks = (tactels + LANES - 1) / LANES, scene = group / blocks, block = group % blocks;
   global const real *place = places + scene * PAD_PLACE_ROWS;
   const int steps = (int)place[PAD_PLACE_STEPS];
   const real cosine = place[PAD_PLACE_COSINE], sine = place[PAD_PLACE_SINE], hx = place[PAD_PLACE_HX],
              hy = place[PAD_PLACE_HY];
   const real per_H = place[PAD_PLACE_THICKNESS];
+  points += block * parts * 2 * LANES;
   forces += scene * slots * 3 * COUNT;
-  stress += scene * slots * 3 * blocks * LANES + block * LANES;
-  /* Tactels in the own frame, from the middle of the grid. */
-  const vreal px = LOAD(tactels + block * LANES) * per_H - place[PAD_PLACE_X],
-              py = LOAD(tactels + (blocks + block) * LANES) * per_H - place[PAD_PLACE_Y];
-  const vreal own_x = cosine * px + sine * py - place[PAD_PLACE_X_MIDDLE],
-              own_y = cosine * py - sine * px - place[PAD_PLACE_Y_MIDDLE];
+  stress += scene * slots * 3 * tactels + block * LANES;
+  const int own_tactels = tactels - (int)block * LANES < LANES ? tactels - (int)block * LANES : LANES;
   vreal sum[3 * MOST_STEPS];
   for (int first = 0; first < steps; first += MOST_STEPS) {
     const int count = steps - first < MOST_STEPS ? steps - first : MOST_STEPS;
@@ -650,16 +648,23 @@ kernel void pad_base_stress(uint first_group, global const real *layer, int laye
       if (!loaded) continue;
       vreal T[9];
       EACH(r, 9) { T[r] = 0; }
-      ROLLED for (int p = 0; p < 4; ++p) {
+      ROLLED for (int p = 0; p < 4 * parts; ++p) {
         const real gauss = (real)0.28867513459481287; /* half of 1 / sqrt(3) */
-        const vreal x = own_x - ((real)(i / CELLS) - (real)0.5 * (CELLS - 1) + (p < 2 ? -gauss : gauss)) * hx;
+        const int part = p / 4;
+        /* The point in the own frame, from the middle of the grid. */
+        const vreal px = LOAD(points + 2 * part * LANES) * per_H - place[PAD_PLACE_X],
+                    py = LOAD(points + (2 * part + 1) * LANES) * per_H - place[PAD_PLACE_Y];
+        const vreal own_x = cosine * px + sine * py - place[PAD_PLACE_X_MIDDLE],
+                    own_y = cosine * py - sine * px - place[PAD_PLACE_Y_MIDDLE];
+        const vreal x = own_x - ((real)(i / CELLS) - (real)0.5 * (CELLS - 1) + (p % 4 < 2 ? -gauss : gauss)) * hx;
         const vreal y = own_y - ((real)(i % CELLS) - (real)0.5 * (CELLS - 1) + (p % 2 == 0 ? -gauss : gauss)) * hy;
         const vreal rho = sqrt(fma(x, x, y * y)), per_rho = 1 / LARGER(rho, ALL_LANES((real)1e-20));
+        const real weight = (real)0.25 * weights[part];
         Place at = place_in(rho * rows_a_thickness, layer_rows - 1);
         EACH(l, LANES) { at.cell[l] += (int)place[PAD_PLACE_LAYER]; }
         vreal c[PAD_BLOCK], b[5];
         gather_rows(layer, at.cell, c);
-        EACH(f, 5) { b[f] = (real)0.25 * fma(fma(c[3 * f + 2], at.q, c[3 * f + 1]), at.q, c[3 * f]); }
+        EACH(f, 5) { b[f] = weight * fma(fma(c[3 * f + 2], at.q, c[3 * f + 1]), at.q, c[3 * f]); }
         const vreal ct = PICK(rho > 0, x * per_rho, ALL_LANES(1)), st = y * per_rho, even = b[2] * (ct * ct - st * st),
                     odd = b[2] * 2 * ct * st;
         T[0] -= b[0]; /* sigma_z by n, t_x, t_y */
@@ -683,10 +688,13 @@ kernel void pad_base_stress(uint first_group, global const real *layer, int laye
     }
     const real unit = place[PAD_PLACE_STRESS];
     for (int k = 0; k < count; ++k) {
-      global real *to = stress + (first + k) * 3 * blocks * LANES;
-      STORE(unit * sum[3 * k], to);
-      STORE(unit * (cosine * sum[3 * k + 1] - sine * sum[3 * k + 2]), to + blocks * LANES);
-      STORE(unit * (sine * sum[3 * k + 1] + cosine * sum[3 * k + 2]), to + 2 * blocks * LANES);
+      const vreal turned[3] = {unit * sum[3 * k], unit * (cosine * sum[3 * k + 1] - sine * sum[3 * k + 2]),
+                               unit * (sine * sum[3 * k + 1] + cosine * sum[3 * k + 2])};
+      for (int r = 0; r < 3; ++r) {
+        real numbers[LANES];
+        STORE(turned[r], numbers);
+        for (int l = 0; l < own_tactels; ++l) stress[((size_t)(first + k) * 3 + r) * tactels + l] = numbers[l];
+      }
     }
   }
 }

@@ -54,6 +54,7 @@ struct PadSolution {
   Eigen::MatrixX2d places;  ///< [cells] mm: middles of the cells on the pad
   std::vector<PadStep> steps;
   std::array<bool, 4> outside{};  ///< sides -x, +x, -y, +y of the own frame beyond which the surface is penetrated
+  bool fell_back = false;         ///< the pad kernel did not solve it, the twin did
 };
 
 /// One increment, in the frame of the pad.

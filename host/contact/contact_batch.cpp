@@ -55,32 +55,43 @@ void LaneScenes<Real>::add(ContactKind of, One scene) {
 }
 
 template <class Real>
-void LaneState<Real>::lay_out(Executor& on, LaneScenes<Real>&& from, std::vector<std::size_t> lane_order,
+void LaneState<Real>::lay_out(Executor& on, LaneScenes<Real>&& from, std::span<const std::size_t> in_lane,
                               std::size_t lanes_of_group, std::size_t interleaved, std::size_t input_rows,
                               std::size_t path_rows) {
   executor = &on;
   scenes = std::move(from.scenes), sensors = std::move(from.sensors);
-  order = std::move(lane_order);
-  place.resize(order.size());
-  for (std::size_t lane = 0; lane < order.size(); ++lane) place[order[lane]] = lane;
+  order.reserve(scenes.size());
+  place.resize(scenes.size());
+  for (std::size_t lane = 0; lane < in_lane.size(); ++lane) {
+    if (in_lane[lane] == no_scene) continue;
+    order.push_back(in_lane[lane]);
+    place[in_lane[lane]] = lane;
+  }
   for (const auto& scene : scenes) {
     steps = std::max(steps, scene.steps);
     increments = std::max(increments, scene.increments);
   }
   const std::size_t tile = lanes_of_group * interleaved;
-  groups = (scenes.size() + lanes_of_group - 1) / lanes_of_group;
-  lanes = (scenes.size() + tile - 1) / tile * tile;
+  groups = (in_lane.size() + lanes_of_group - 1) / lanes_of_group;
+  lanes = (in_lane.size() + tile - 1) / tile * tile;
   input = {device(), lanes, tile, 1, input_rows};
   path = {device(), lanes, tile, static_cast<std::size_t>(increments), path_rows};
   const auto in = input.numbers.map(MapFor::writing), targets = path.numbers.map(MapFor::writing);
   std::fill(in.view().begin(), in.view().end(), Real(0));  // lanes without a scene run no step
   std::fill(targets.view().begin(), targets.view().end(), Real(0));
-  for (std::size_t lane = 0; lane < order.size(); ++lane) {  // in the order of lanes, for the memory's sake
-    const auto& scene = scenes[order[lane]];
-    input.put(in.view(), lane, std::span(from.inputs).subspan(order[lane] * input_rows, input_rows));
-    path.put(targets.view(), lane,
+  for (const std::size_t i : order) {  // for the memory's sake
+    const auto& scene = scenes[i];
+    input.put(in.view(), place[i], std::span(from.inputs).subspan(i * input_rows, input_rows));
+    path.put(targets.view(), place[i],
              std::span(from.targets).subspan(scene.targets_at * path_rows, scene.increments * path_rows));
   }
+}
+
+template <class Real>
+void ContactBatch<Real>::run(const RunOptions& options) {
+  LaneState<Real>& b = *state_;
+  b.seconds = b.executor->run(b.jobs, options).seconds;
+  if (b.after.groups > 0) b.seconds += b.executor->run(b.after.launch, b.after.groups, options).seconds;
 }
 
 template <class Real>
@@ -102,12 +113,14 @@ template <class Real>
 void ContactBatch<Real>::fill_unused(Real value) {
   const LaneState<Real>& b = *state_;
   const auto fill = [&](const LaneArray<Real>& array, const auto& used_steps) {
+    std::vector<std::size_t> used(b.lanes, 0);
+    for (const std::size_t i : b.order) used[b.place[i]] = used_steps(i);
     const auto mapped = array.numbers.map(MapFor::both);
     for (std::size_t lane = 0; lane < b.lanes; ++lane)
-      for (std::size_t step = lane < b.order.size() ? used_steps(lane) : 0; step < array.steps; ++step)
+      for (std::size_t step = used[lane]; step < array.steps; ++step)
         for (std::size_t row = 0; row < array.rows; ++row) mapped[array.at(lane, step, row)] = value;
   };
-  fill(b.path, [&](std::size_t lane) { return static_cast<std::size_t>(b.scenes[b.order[lane]].increments); });
+  fill(b.path, [&](std::size_t i) { return static_cast<std::size_t>(b.scenes[i].increments); });
   fill(b.input, [](std::size_t) { return 1; });
   for (const auto& array : b.more_inputs) fill(array, [](std::size_t) { return 1; });
 }
@@ -118,7 +131,7 @@ LaneAnswer LaneView<Real>::answer(std::size_t i) const {
   const std::size_t lane = b.place[i];
   LaneAnswer answer;
   answer.steps = b.scenes[i].steps, answer.indentation_steps = b.scenes[i].indentation_steps;
-  answer.sensor = &sensor(i);
+  answer.sensor = b.sensors.empty() ? nullptr : &sensor(i);
   answer.stride = interleaved();
   answer.fp64_ = sizeof(Real) == sizeof(double);
   answer.results_ = {results_.view().data() + b.results.at(lane, 0, 0), b.results.rows};

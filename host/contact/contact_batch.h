@@ -35,10 +35,10 @@ class LaneAnswer {
  public:
   int steps = 0;              ///< of the scene's path
   int indentation_steps = 0;  ///< of these the first
-  const fem::Sensor* sensor;  ///< of the scene; of a launch on one sensor its own, but for E
+  const fem::Sensor* sensor;  ///< of a line's scene; of a launch on one sensor its own, but for E
   std::size_t stride = 1;     ///< from number to number
 
-  /// Returns one number of LaneResultRow.
+  /// Returns one number of LaneResultRow, of pads PadResultRow.
   double result(int step, int row) const { return number(results_, step, row); }
   /// Returns one number of PatchRow; 0 on a mesh.
   double patch(int row) const { return patch_.from ? number(patch_, 0, row) : 0; }
@@ -50,7 +50,7 @@ class LaneAnswer {
   /// of lanes, which no processor foresees. Does nothing where lanes take turns.
   void fetch_results() const { fetch(results_); }
   void fetch_stresses() const { fetch(stresses_); }
-  /// [2 tactels]: sigma_y of every tactel, then tau_xy, MPa.
+  /// [2 tactels]: sigma_y of every tactel, then tau_xy, MPa. Of pads [3 tactels]: sigma_z, tau_x, tau_y.
   template <class Number>
   void tactels(int step, std::span<Number> stress) const {
     if (fp64_)
@@ -123,17 +123,18 @@ struct LaneScenes {
     std::size_t targets_at = 0;
   };
   std::size_t size() const { return scenes.size(); }
+  /// Adds a scene. Throws std::invalid_argument where the kind is not that of the first.
+  void add(ContactKind of, One scene);
 
   ContactKind kind;
   std::vector<One> scenes;
   std::vector<Real> inputs;          ///< [scenes][input rows]
   std::vector<Real> targets;         ///< [increments of all][path rows]
-  std::vector<fem::Sensor> sensors;  ///< one, or [scenes]
-
- protected:
-  /// Adds a scene. Throws std::invalid_argument where the kind is not that of the first.
-  void add(ContactKind of, One scene);
+  std::vector<fem::Sensor> sensors;  ///< of lines: one, or [scenes]
 };
+
+/// In place of a scene, where a lane has none.
+inline constexpr std::size_t no_scene = -1;
 
 template <class Real>
 class LaneView;
@@ -142,24 +143,25 @@ class LaneView;
 template <class Real>
 struct LaneState {
   /// Takes the scenes, and lays them out in the order of lanes, `lanes_of_group` a group and as many groups side by
-  /// side as numbers are interleaved. `lane_order`: [scenes] scene in a lane.
-  void lay_out(Executor& on, LaneScenes<Real>&& from, std::vector<std::size_t> lane_order, std::size_t lanes_of_group,
+  /// side as numbers are interleaved. `in_lane`: scene in a lane, or no_scene.
+  void lay_out(Executor& on, LaneScenes<Real>&& from, std::span<const std::size_t> in_lane, std::size_t lanes_of_group,
                std::size_t interleaved, std::size_t input_rows, std::size_t path_rows);
   const Device& device() const { return executor->device(); }
 
   Executor* executor = nullptr;
   std::vector<typename LaneScenes<Real>::One> scenes;
-  std::vector<fem::Sensor> sensors;       ///< one, or [scenes]
-  std::vector<std::size_t> order, place;  ///< [scenes] scene in a lane, lane of a scene
+  std::vector<fem::Sensor> sensors;       ///< of lines: one, or [scenes]
+  std::vector<std::size_t> order, place;  ///< [scenes] scenes in the order of lanes, lane of a scene
   int steps = 0, increments = 0;          ///< of the longest path
   std::size_t groups = 0, lanes = 0;      ///< groups that run; lanes of all arrays
   std::size_t stresses_from = 0;          ///< row of outputs
   LaneArray<Real> path, input;
   std::vector<LaneArray<Real>> more_inputs;  ///< that lanes without a scene have, too
   LaneArray<Real> results, outputs, forces, patches;
-  Buffer<Real> shapes;  ///< numbers of shapes, where a kernel takes any
-  Launch launch;
-  /// Returns the answer of the kernel for scene `i`.
+  Buffer<Real> shapes;    ///< numbers of shapes, where a kernel takes any
+  std::vector<Job> jobs;  ///< that run side by side
+  Job after;              ///< what runs after them, where groups > 0
+  /// Returns the answer of the kernel for scene `i` of a line.
   std::function<fem::ContactSolution(const LaneView<Real>& view, std::size_t i)> solution;
   double seconds = 0;
 };
@@ -171,9 +173,7 @@ class ContactBatch {
   using View = LaneView<Real>;
   explicit ContactBatch(std::shared_ptr<LaneState<Real>> state) : state_(std::move(state)) {}
 
-  void run(const RunOptions& options = {}) {  ///< one launch
-    state_->seconds = state_->executor->run(state_->launch, state_->groups, options).seconds;
-  }
+  void run(const RunOptions& options = {});
   std::size_t size() const { return state_->scenes.size(); }
   int steps() const { return state_->steps; }         ///< of the longest path
   std::size_t steps_in_all() const;                   ///< load steps of all scenes
@@ -182,7 +182,7 @@ class ContactBatch {
   void fill_unused(Real value);  ///< the same for lanes without a scene and targets behind a path's end
   /// Returns the answer of the kernel for scene `i`, in the order of prepare(). For many scenes use a View.
   fem::ContactSolution solution(std::size_t i) const { return View(*this).solution(i); }
-  /// Returns one number of LaneResultRow.
+  /// Returns one number of LaneResultRow, of pads PadResultRow.
   double result(std::size_t i, int step, int row) const {
     return state_->results.read(state_->place[i], static_cast<std::size_t>(step), static_cast<std::size_t>(row));
   }

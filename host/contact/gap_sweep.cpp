@@ -238,11 +238,10 @@ ContactBatch<Real> GapSweep<Real>::prepare(Scenes scenes) const {
   const int vectors = state_->vectors(scenes.size());
   const std::size_t columns = state_->columns();
   const std::vector<Real> heights = std::move(scenes.heights_);
-  std::vector<std::size_t> order = scenes.by_cost();
+  const std::vector<std::size_t> order = scenes.by_cost();
   scenes.sensors = {state_->sensor};
-  b.lay_out(state_->executor, std::move(scenes), std::move(order),
-            static_cast<std::size_t>(state_->lanes_of_vector) * vectors, state_->interleaved, LANE_INPUT_ROWS,
-            PATH_ROWS);
+  b.lay_out(state_->executor, std::move(scenes), order, static_cast<std::size_t>(state_->lanes_of_vector) * vectors,
+            state_->interleaved, LANE_INPUT_ROWS, PATH_ROWS);
   const LaneArray<Real> profile(b.device(), b.lanes, b.input.tile, 1, columns);
   {
     const auto all = profile.numbers.map(MapFor::writing);
@@ -257,7 +256,7 @@ ContactBatch<Real> GapSweep<Real>::prepare(Scenes scenes) const {
   };
   b.results = outputs(LANE_RESULT_ROWS), b.outputs = outputs(state_->rows);
   b.forces = outputs(3 * columns, o.nodes), b.patches = outputs(0);
-  b.launch = state_->executor.prepare(state_->program(kind, vectors), "gap_sweep", [&](KernelArguments& kernel) {
+  auto launch = state_->executor.prepare(state_->program(kind, vectors), "gap_sweep", [&](KernelArguments& kernel) {
     kernel.set("compliance", state_->compliance(kind.friction));
     kernel.set("node", state_->node);
     kernel.set("map", state_->map);
@@ -276,6 +275,7 @@ ContactBatch<Real> GapSweep<Real>::prepare(Scenes scenes) const {
     kernel.set("nodes_out", b.forces.numbers);
     kernel.set("write_node_rows", std::int32_t(o.nodes));
   });
+  b.jobs = {{std::move(launch), b.groups}};
   b.solution = [sweep = state_](const LaneView<Real>& view, std::size_t i) { return sweep->solution(view, i); };
   return Batch(std::move(batch));
 }

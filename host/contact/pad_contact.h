@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <array>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "fem/pad/pad_solver.h"
-#include "host/device/buffer.h"
+#include "host/contact/contact_batch.h"
 #include "host/device/executor.h"
 
 namespace tactel::host {
@@ -21,67 +23,82 @@ struct PadContactOptions {
   int most_sweeps = 2000;   ///< an increment that needs more is reported as unsolved
   int most_growths = 4;     ///< solve_pad_contact enlarges cells that are too small this many times
   int vectors = 0;          ///< of scenes in a work-item, 1 to 3; 0: by the size of the batch
+
+  /// The twin's options for the same cells and path.
+  fem::PadOptions twin() const;
 };
 
-/// Contact of scenes on pads, each on its own cells over what its indenter touches. Scenes whose cells have one size
-/// over the thickness, and one Poisson's ratio, share a group. Tables and programs for one precision. Cheap to copy.
+/// What a load asks for, in order.
+struct PadPath {
+  std::vector<fem::PadTarget> steps;
+};
+
+/// Returns the sides -x, +x, -y, +y of its own frame beyond which the surface is penetrated: there its cells must grow.
+std::array<bool, 4> penetrated_sides(const LaneAnswer& answer);
+
+/// Contact of scenes on pads, each on its own cells over what its indenter touches. Sensors may differ in thickness,
+/// E and Poisson's ratio, not in their tactels. Scenes whose cells have one size over the thickness, and one Poisson's
+/// ratio, share a group; others have tables of their own. Tables and programs for one precision. Cheap to copy.
 template <class Real>
 class PadContact {
   struct State;
+  struct Laid;
 
  public:
   /// Throws ValueError for a number of cells that has no program.
   PadContact(Executor& executor, const PadContactOptions& options = {});
 
-  /// Scenes laid out in lanes, with their cells.
-  class Batch {
+  /// Scenes on their way into a batch.
+  class Scenes {
    public:
-    void run(const RunOptions& options = {});  ///< two launches: contact, then base stress
-    std::size_t size() const;                  ///< scenes
-    std::size_t steps_in_all() const;          ///< load steps of all scenes
-    double filled() const;                     ///< scenes over lanes
-    double seconds() const;                    ///< of the last run
-    /// Leaves out the base stress and the forces of cells: benchmarks time the parts with it.
-    void set_parts(bool base_stress);
-    void fill_outputs(Real value);                          ///< tests put NaN there before a run
-    double result(std::size_t i, int step, int row) const;  ///< one number of PadResultRow
-    const fem::PadScene& scene(std::size_t i) const;        ///< as the cells see it (fem::lay_cells)
-    const fem::PadCells& cells(std::size_t i) const;
-    /// Returns the answer for scene `i`, in the order of prepare().
-    fem::PadSolution solution(std::size_t i) const;
+    explicit Scenes(const PadContact&) {}
+    /// `path`: that of the scene's load. Without `cells` those of fem::lay_cells. Throws std::invalid_argument where
+    /// the tactels are not those of the first.
+    void push_back(const fem::PadScene& scene, PadPath path, const std::optional<fem::PadCells>& cells = {});
 
    private:
     friend class PadContact;
-    struct State;
-    std::shared_ptr<State> state_;
+    struct One {
+      fem::PadScene scene;
+      PadPath path;
+      std::optional<fem::PadCells> cells;
+    };
+    std::vector<One> all_;
   };
 
-  /// `cells`: [scenes], or empty: those of fem::lay_cells. The sensors of all scenes must have the
-  /// same tactels. Throws std::invalid_argument otherwise.
+  /// Scenes laid out in lanes, with their cells.
+  class Batch : public ContactBatch<Real> {
+   public:
+    /// Returns the answer for scene `i`, in the order of prepare().
+    fem::PadSolution solution(const LaneView<Real>& view, std::size_t i) const;
+    fem::PadSolution solution(std::size_t i) const { return solution(LaneView<Real>(*this), i); }
+    const fem::PadScene& scene(std::size_t i) const;  ///< as the cells see it (fem::lay_cells)
+    const fem::PadCells& cells(std::size_t i) const;
+    double filled() const;  ///< scenes over lanes
+    /// Leaves out the base stress and the forces of cells: benchmarks time the parts with it.
+    void set_parts(bool base_stress);
+
+   private:
+    friend class PadContact;
+    explicit Batch(std::shared_ptr<Laid> laid);
+    std::shared_ptr<Laid> laid_;
+  };
+
+  /// `cells`: [scenes], or empty: those of fem::lay_cells.
   Batch prepare(std::span<const fem::PadScene> scenes, std::span<const fem::PadCells> cells = {}) const;
+  /// Without `forces` the batch has no solution().
+  Batch prepare(Scenes scenes, bool forces = true) const;
 
   const PadContactOptions& options() const;
-  /// Returns the layer of a Poisson's ratio, made at its first use.
+  Executor& executor() const;
+  /// Returns the layer of a Poisson's ratio.
   std::shared_ptr<const fem::PadLayer> layer(double poisson) const;
+  /// Load steps of a launch, at most: some 130 MB of forces.
+  std::size_t most_lane_steps() const;
 
  private:
   std::shared_ptr<State> state_;
 };
-
-/// What became of the scenes of a solve_pad_contact.
-struct PadContactReport {
-  std::size_t grown = 0;      ///< scenes whose cells the search laid too small
-  std::size_t fell_back = 0;  ///< scenes that the twin solved in the kernel's place
-  std::size_t unsolved = 0;   ///< scenes with a step that missed its tolerance all the same
-};
-
-/// Solves scenes in their order; `cells` as PadContact::prepare. Where the surface is penetrated beyond the cells, they
-/// grow, and the scene is solved again. A scene with a step over tolerance after that is solved by the twin in fp64, to
-/// a sweep tolerance of 1e-6.
-template <class Real>
-std::vector<fem::PadSolution> solve_pad_contact(const PadContact<Real>& contact, std::span<const fem::PadScene> scenes,
-                                                std::span<const fem::PadCells> cells = {},
-                                                PadContactReport* report = nullptr);
 
 extern template class PadContact<float>;
 extern template class PadContact<double>;

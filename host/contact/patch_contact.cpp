@@ -254,9 +254,9 @@ ContactBatch<Real> PatchContact<Real>::prepare(Scenes scenes, bool forces) const
   auto& b = *batch;
   const ContactKind kind = scenes.kind;
   const std::vector<Real> shape_numbers = std::move(scenes.shapes_);
-  std::vector<std::size_t> order = scenes.by_cost();
+  const std::vector<std::size_t> order = scenes.by_cost();
   if (state_->model) scenes.sensors = {state_->model->sensor};
-  b.lay_out(state_->executor, std::move(scenes), std::move(order), state_->lanes_of_group, state_->interleaved_lanes,
+  b.lay_out(state_->executor, std::move(scenes), order, state_->lanes_of_group, state_->interleaved_lanes,
             PATCH_INPUT_ROWS, PATCH_PATH_ROWS);
   b.shapes = Buffer<Real>(b.device(), std::max<std::size_t>(shape_numbers.size(), 1));
   std::ranges::copy(shape_numbers, b.shapes.map(MapFor::writing).view().begin());
@@ -267,7 +267,7 @@ ContactBatch<Real> PatchContact<Real>::prepare(Scenes scenes, bool forces) const
   b.results = outputs(b.steps, PATCH_BLOCK), b.outputs = outputs(b.steps, state_->outputs);
   b.forces = outputs(b.steps, state_->force_rows(), forces), b.patches = outputs(1, PATCH_BLOCK);
   const PatchContactOptions& o = state_->options;
-  b.launch = state_->executor.prepare(state_->program(kind), state_->kernel(), [&](KernelArguments& kernel) {
+  auto launch = state_->executor.prepare(state_->program(kind), state_->kernel(), [&](KernelArguments& kernel) {
     state_->tables.bind(kernel);
     if (state_->family) kernel.set("sensors", b.more_inputs.front().numbers);
     kernel.set("outputs", std::int32_t(b.outputs.rows));
@@ -285,6 +285,7 @@ ContactBatch<Real> PatchContact<Real>::prepare(Scenes scenes, bool forces) const
     kernel.set("stress", b.outputs.numbers);
     kernel.set("patches", b.patches.numbers);
   });
+  b.jobs = {{std::move(launch), b.groups}};
   b.solution = [contact = state_, forces](const LaneView<Real>& view, std::size_t i) {
     if (!forces) throw std::logic_error("PatchContact: a solution of a batch without forces");
     return contact->solution(view, i);
@@ -295,8 +296,9 @@ ContactBatch<Real> PatchContact<Real>::prepare(Scenes scenes, bool forces) const
 template <class Real>
 void PatchContact<Real>::set_parts(Batch& batch, bool path, bool base_stress) {
   LaneState<Real>& b = *batch.state();
-  b.launch.set("increments", std::int32_t(path ? b.increments : 0));
-  b.launch.set("outputs", std::int32_t(path && base_stress ? b.outputs.rows : 0));
+  Launch& launch = b.jobs.front().launch;
+  launch.set("increments", std::int32_t(path ? b.increments : 0));
+  launch.set("outputs", std::int32_t(path && base_stress ? b.outputs.rows : 0));
 }
 
 template class PatchContact<float>;

@@ -30,10 +30,13 @@ class ContactLaunch {
   virtual LaneAnswer answer(std::size_t i) const = 0;        ///< of scene i, in the order of add()
   virtual std::span<const std::size_t> by_lane() const = 0;  ///< scenes in the order of memory
   virtual std::size_t steps() const = 0;                     ///< load steps of all scenes
-  virtual double seconds() const = 0;                        ///< of the run
+  /// Lanes times load steps, at most: some 60 MB of results.
+  virtual std::size_t most_lane_steps() const { return std::size_t{1} << 18; }
+  virtual double seconds() const = 0;  ///< of the run
 };
 
-/// The launch of a kernel's launcher, which has Scenes, a Batch and prepare() (GapSweep, PatchContact).
+/// The launch of a kernel's launcher, which has Scenes, a Batch and prepare() (GapSweep, PatchContact,
+/// PadContact).
 template <class Contacts, class Launcher>
 class LaunchOf final : public ContactLaunch<Contacts> {
  public:
@@ -52,6 +55,10 @@ class LaunchOf final : public ContactLaunch<Contacts> {
   LaneAnswer answer(std::size_t i) const override { return view_->answer(i); }
   std::span<const std::size_t> by_lane() const override { return view_->by_lane(); }
   std::size_t steps() const override { return batch_->steps_in_all(); }
+  std::size_t most_lane_steps() const override {
+    if constexpr (requires { launcher_.most_lane_steps(); }) return launcher_.most_lane_steps();
+    return ContactLaunch<Contacts>::most_lane_steps();
+  }
   double seconds() const override { return batch_->seconds(); }
 
  private:
@@ -171,8 +178,10 @@ class StreamOf {
     const std::size_t steps = path.steps.size();
     std::size_t l = part.launches_.size();
     while (l > 0 && part.launches_[l - 1].key != key) --l;
-    if (l == 0 ||
-        (part.launches_[l - 1].which.size() + 1) * std::max(steps, part.launches_[l - 1].longest) > most_lane_steps) {
+    const auto full = [&](const auto& of) {
+      return (of.which.size() + 1) * std::max(steps, of.longest) > of.launch->most_lane_steps();
+    };
+    if (l == 0 || full(part.launches_[l - 1])) {
       auto own = solver(key, scene.sensor);
       auto launch = own->launch();
       part.launches_.push_back({key, std::move(own), std::move(launch)});
@@ -284,8 +293,7 @@ class StreamOf {
     return kept_.front().second;
   }
 
-  /// Lanes times load steps of a launch, at most: some 60 MB of results.
-  static constexpr std::size_t most_lane_steps = 1u << 18, most_scenes_of_a_part = 8192;
+  static constexpr std::size_t most_scenes_of_a_part = 8192;
   /// Contacts between the request of an answer and its use: some 5 kB.
   static constexpr std::size_t fetched_ahead = 2;
 

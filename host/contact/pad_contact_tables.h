@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <compare>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "fem/pad/pad_cells.h"
+#include "fem/pad/pad_layer.h"
+#include "fem/pad/pad_scene.h"
+
+namespace tactel::host {
+
+/// Sides of a cell over H, rounded: scenes of one size share a table, whatever their thickness.
+struct PadCellSize {
+  static constexpr double unit = 1e-12;
+  long long hx = 0, hy = 0;  ///< units
+  auto operator<=>(const PadCellSize&) const = default;
+};
+PadCellSize cell_size(const fem::PadCells& cells, double thickness);
+
+/// Tables of the pad kernel for one Poisson's ratio. Threads may use them at once.
+class PadTables {
+ public:
+  /// Rows of the base stress for each H, and of all: beyond 12 H it is below 2e-4 of a unit stress.
+  static constexpr int stress_rows_a_thickness = 32, stress_rows = 12 * stress_rows_a_thickness + 1;
+
+  PadTables(double poisson, int cells);
+
+  const std::shared_ptr<const fem::PadLayer>& layer() const { return layer_; }
+  /// Influence of cells on each other, of offsets from 0 to `cells`, as every lane has its own:
+  /// [PAD_TABLE_HEAD], then [cells + 1][cells + 1][PAD_OWN_INFLUENCE].
+  std::shared_ptr<const std::vector<double>> influence(const PadCellSize& size) const;
+  /// The same as a group shares it: [PAD_TABLE_HEAD], then [2 cells + 1][2 cells + 1][PAD_INFLUENCE].
+  std::vector<double> shared_influence(const PadCellSize& size) const;
+  /// [stress_rows][PAD_BLOCK]
+  const std::vector<double>& stress() const { return stress_; }
+
+ private:
+  std::vector<double> make_influence(const PadCellSize& size) const;
+
+  int cells_;
+  std::shared_ptr<const fem::PadLayer> layer_;
+  std::vector<double> stress_;
+  mutable std::mutex making_;                                                            ///< of the next
+  mutable std::map<PadCellSize, std::shared_ptr<const std::vector<double>>> influence_;  ///< of the ladder
+};
+
+/// Points at which the base stress is computed.
+struct TactelPoints {
+  explicit TactelPoints(const fem::PadSensor& sensor);
+  /// Points along the side of a tactel.
+  static int along(const fem::PadSensor& sensor);
+
+  Eigen::MatrixX2d places;      ///< [tactels][points of a tactel] mm
+  std::vector<double> weights;  ///< [points of a tactel]; their sum is 1
+};
+
+}  // namespace tactel::host

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/contact/pad_stream.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "host/contact/pad_contact_tables.h"
+#include "host/support/side_by_side.h"
+
+namespace tactel::host {
+namespace {
+
+constexpr double exact_tolerance = 1e-6;
+constexpr int finest_cells = 24;
+
+bool any(const std::array<bool, 4>& sides) { return std::ranges::find(sides, true) != sides.end(); }
+
+template <class Real>
+class OnPads final : public SensorSolver<PadContacts> {
+ public:
+  explicit OnPads(const PadContact<Real>& contact) : contact_(contact) {}
+  std::unique_ptr<ContactLaunch<PadContacts>> launch() const override {
+    return std::make_unique<LaunchOf<PadContacts, PadContact<Real>>>(contact_);
+  }
+  bool holds(const LaneAnswer& answer) const override { return answer.solved() && !any(penetrated_sides(answer)); }
+  std::vector<fem::PadSolution> solve(std::span<const fem::PadScene> scenes,
+                                      std::span<const LaneAnswer>) const override {
+    return solve_pad_contact(contact_, scenes);
+  }
+
+ private:
+  PadContact<Real> contact_;
+};
+
+/// Solves by the twin what the kernel did not.
+template <class Real>
+fem::PadSolution by_twin(const PadContact<Real>& contact, const fem::PadScene& scene) {
+  const auto layer = contact.layer(scene.sensor.poisson);
+  fem::PadOptions exact = contact.options().twin();
+  exact.tolerance = exact_tolerance;
+  fem::PadSolution solution = fem::PadSolver(*layer, exact).solve(scene);
+  if (!every_step_converged(solution) && exact.cells < finest_cells) {
+    exact.cells = finest_cells;
+    fem::PadSolution finer = fem::PadSolver(*layer, exact).solve(scene);
+    if (every_step_converged(finer)) solution = std::move(finer);
+  }
+  solution.fell_back = true;
+  return solution;
+}
+
+}  // namespace
+
+PadContacts::PadContacts(Executor& executor, const PadModel& model)
+    : contact_(model.precision == Precision::fp32 ? decltype(contact_)(PadContact<float>(executor, model.options))
+                                                  : decltype(contact_)(PadContact<double>(executor, model.options))) {}
+
+PadKey PadContacts::key(const fem::PadSensor& s, ContactKind) {
+  return {{s.tactels, s.pitch, s.tactel_size, TactelPoints::along(s)}};
+}
+
+std::shared_ptr<const SensorSolver<PadContacts>> PadContacts::solver(const fem::PadSensor& sensor) const {
+  return std::visit(
+      [&]<class Real>(const PadContact<Real>& contact) -> std::shared_ptr<const SensorSolver<PadContacts>> {
+        contact.layer(sensor.poisson);
+        return std::make_shared<OnPads<Real>>(contact);
+      },
+      contact_);
+}
+
+bool every_step_converged(const fem::PadSolution& solution) {
+  return std::ranges::all_of(solution.steps, &fem::PadStep::converged);
+}
+
+template <class Real>
+std::vector<fem::PadSolution> solve_pad_contact(const PadContact<Real>& contact, std::span<const fem::PadScene> scenes,
+                                                std::span<const fem::PadCells> cells) {
+  const PadContactOptions& options = contact.options();
+  std::vector<fem::PadSolution> solutions(scenes.size());
+  std::vector<fem::PadScene> now(scenes.begin(), scenes.end());
+  std::vector<fem::PadCells> laid(cells.begin(), cells.end());
+  std::vector<std::size_t> which(scenes.size());
+  std::iota(which.begin(), which.end(), 0);
+  for (int growths = 0; !now.empty(); ++growths) {
+    auto batch = contact.prepare(now, laid);
+    batch.run();
+    const LaneView<Real> view(batch);
+    now.clear(), laid.clear();
+    std::vector<std::size_t> others;
+    for (std::size_t k = 0; k < which.size(); ++k) {
+      fem::PadSolution& solution = solutions[which[k]] = batch.solution(view, k);
+      if (!any(solution.outside) || growths == options.most_growths) continue;
+      others.push_back(which[k]);
+      now.push_back(batch.scene(k));
+      laid.push_back(fem::grown(batch.cells(k), solution.outside, batch.scene(k), options.ladder));
+    }
+    which = std::move(others);
+  }
+  std::vector<std::size_t> unsolved;
+  for (std::size_t i = 0; i < scenes.size(); ++i)
+    if (!every_step_converged(solutions[i])) unsolved.push_back(i);
+  side_by_side(unsolved.size(), contact.executor().threads(),
+               [&](std::size_t k) { solutions[unsolved[k]] = by_twin(contact, scenes[unsolved[k]]); });
+  return solutions;
+}
+
+template class StreamOf<PadContacts>;
+template std::vector<fem::PadSolution> solve_pad_contact(const PadContact<float>&, std::span<const fem::PadScene>,
+                                                         std::span<const fem::PadCells>);
+template std::vector<fem::PadSolution> solve_pad_contact(const PadContact<double>&, std::span<const fem::PadScene>,
+                                                         std::span<const fem::PadCells>);
+
+}  // namespace tactel::host

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// The stream of contacts on pads: every scene once, in place or solved again, with the numbers of its solution.
+#include "host/contact/pad_stream.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "kernels/shared/pad_layout.h"
+#include "tests/fem/pad/pad_mix.h"
+#include "tests/host/device/test_device.h"
+
+namespace tactel::host {
+namespace {
+
+Executor& executor() {
+  static Executor executor{Device()};
+  return executor;
+}
+
+/// Scenes of two Poisson's ratios, two arrays of tactels and any thickness and E; some by force.
+std::vector<fem::PadScene> pad_scenes(std::size_t count) {
+  fem::PadMix draw(11);
+  std::vector<fem::PadScene> scenes(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    fem::PadScene& scene = scenes[i] = draw();
+    scene.sensor.young = 1 + 0.1 * static_cast<double>(i % 7);
+    scene.sensor.poisson = i % 2 ? 0.3 : 0.48;
+    scene.sensor.pitch = {2, 2};
+    if (i % 3 == 0) scene.sensor.tactels = {3, 6};
+    if (i % 3 == 1) scene.sensor.tactel_size = 1.5;  // more points where H is small
+    scene.load.drags.resize(i % 4);
+    if (i % 5 == 4) {
+      scene.load.indentation.clear();
+      scene.load.normal_force = {0.05 * scene.sensor.young * std::pow(scene.sensor.thickness, 2)};
+    }
+  }
+  return scenes;
+}
+
+/// What the sinks took.
+struct Taken {
+  std::vector<int> in_place, again;  ///< [scenes] times
+  std::vector<std::vector<double>> numbers;
+
+  explicit Taken(std::size_t count) : in_place(count), again(count), numbers(count) {}
+  bool solve(
+      const PadStream& stream, std::span<const fem::PadScene> scenes,
+      const std::function<bool(std::size_t)>& progress = [](std::size_t) { return true; }) {
+    return stream.solve(
+        scenes,
+        [&](std::size_t i, const LaneAnswer& answer) {
+          ++in_place[i];
+          const std::array<int, 2> tactels = scenes[i].sensor.tactels;
+          std::vector<double> stress(static_cast<std::size_t>(3 * tactels[0] * tactels[1]));
+          for (int k = 0; k < answer.steps; ++k) {
+            for (const int row : {PAD_RESULT_P, PAD_RESULT_QX, PAD_RESULT_QY, PAD_RESULT_M, PAD_RESULT_DEPTH})
+              numbers[i].push_back(answer.result(k, row));
+            answer.tactels(k, std::span(stress));
+            numbers[i].insert(numbers[i].end(), stress.begin(), stress.end());
+          }
+        },
+        [&](std::size_t i, fem::PadSolution&& solution) {
+          ++again[i];
+          numbers[i] = numbers_of(solution);
+        },
+        progress);
+  }
+  static std::vector<double> numbers_of(const fem::PadSolution& solution) {
+    std::vector<double> all;
+    for (const fem::PadStep& step : solution.steps) {
+      for (const double number : {step.P, step.Q[0], step.Q[1], step.M, step.indentation}) all.push_back(number);
+      all.insert(all.end(), step.stress.data(), step.stress.data() + step.stress.size());
+    }
+    return all;
+  }
+};
+
+TEST(PadStream, LanesAndSolutionsHaveTheSameNumbers) {
+  const auto scenes = pad_scenes(180);
+  for (const Precision precision : {Precision::fp32, Precision::fp64}) {
+    if (precision == Precision::fp64 && !executor().device().info().fp64) continue;
+    const PadStream stream(executor(), {.options = {.cells = 8}, .precision = precision});
+    const auto solutions = stream.solve(scenes);
+    Taken taken(scenes.size());
+    EXPECT_TRUE(taken.solve(stream, scenes));
+    for (std::size_t i = 0; i < scenes.size(); ++i) {
+      EXPECT_TRUE(every_step_converged(solutions[i])) << i;
+      EXPECT_EQ(solutions[i].steps.size(), fem::pad_targets(scenes[i].load).size()) << i;
+      EXPECT_EQ(taken.in_place[i] + taken.again[i], 1) << i;
+      if (taken.in_place[i]) {
+        EXPECT_FALSE(solutions[i].fell_back) << i;
+      }
+      ASSERT_EQ(taken.numbers[i], Taken::numbers_of(solutions[i])) << i;
+    }
+    // Alone a scene has the same numbers.
+    for (const std::size_t i : {0u, 44u, 101u})
+      EXPECT_EQ(Taken::numbers_of(stream.solve(std::span(&scenes[i], 1))[0]), taken.numbers[i]) << i;
+  }
+}
+
+/// Such answers are rare: the search is generous. What becomes of them is a test of solve_pad_contact.
+TEST(PadStream, AnswersOnCellsThatAreTooSmallDoNotHold) {
+  std::vector<fem::PadScene> scenes(2);
+  for (fem::PadScene& scene : scenes) scene.load.indentation = {0.25};
+  const std::vector<fem::PadCells> cells{{.n = 8, .hx = 0.2, .hy = 0.25}, {.n = 8, .hx = 0.5, .hy = 0.5}};
+  const PadContactOptions options{.cells = 8};
+  auto batch = PadContact<float>(executor(), options).prepare(scenes, cells);
+  batch.run();
+  const auto solver = PadContacts(executor(), {.options = options}).solver(scenes[0].sensor);
+  const LaneView<float> view(batch);
+  EXPECT_FALSE(solver->holds(view.answer(0)));
+  EXPECT_TRUE(solver->holds(view.answer(1)));
+}
+
+TEST(PadStream, TheTwinSolvesWhatTheKernelDoesNot) {
+  const auto scenes = pad_scenes(9);
+  const PadStream stream(executor(), {.options = {.cells = 8, .most_sweeps = 1}});
+  Taken taken(scenes.size());
+  taken.solve(stream, scenes);
+  EXPECT_EQ(taken.again, std::vector<int>(9, 1));
+  const PadStream usual(executor(), {.options = {.cells = 8}});
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const fem::PadSolution twin = stream.solve(std::span(&scenes[i], 1))[0],
+                           kernel = usual.solve(std::span(&scenes[i], 1))[0];
+    EXPECT_TRUE(twin.fell_back && every_step_converged(twin)) << i;
+    EXPECT_FALSE(kernel.fell_back) << i;
+    EXPECT_NEAR(twin.steps.back().P / kernel.steps.back().P, 1, 2e-3) << i;  // the kernel's tolerance
+  }
+}
+
+TEST(PadStream, PartsFollowEachOtherUntilProgressEndsThem) {
+  auto few = pad_scenes(60);
+  for (fem::PadScene& scene : few) scene.load.drags.clear();
+  std::vector<fem::PadScene> scenes;
+  while (scenes.size() < 8400) scenes.push_back(few[scenes.size() % few.size()]);
+  const PadStream stream(executor(), {.options = {.cells = 8}});
+  Taken all(scenes.size()), some(scenes.size());
+  std::vector<std::size_t> progress;
+  EXPECT_TRUE(all.solve(stream, scenes, [&](std::size_t done) { return progress.push_back(done), true; }));
+  EXPECT_EQ(progress, (std::vector<std::size_t>{0, 8192}));
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    ASSERT_EQ(all.in_place[i] + all.again[i], 1) << i;
+    ASSERT_EQ(all.numbers[i], all.numbers[i % few.size()]) << i;
+  }
+  EXPECT_FALSE(some.solve(stream, scenes, [](std::size_t done) { return done < 8192; }));
+  std::size_t answers = 0;
+  for (std::size_t i = 0; i < scenes.size(); ++i) answers += static_cast<std::size_t>(some.in_place[i] + some.again[i]);
+  EXPECT_EQ(answers, 8192u);
+}
+
+}  // namespace
+}  // namespace tactel::host
