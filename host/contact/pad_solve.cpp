@@ -11,7 +11,7 @@
 #include "fem/number_text.h"
 #include "fem/pad/pad_reference.h"
 #include "fem/value_error.h"
-#include "host/contact/pad_contact.h"
+#include "host/contact/pad_stream.h"
 #include "host/scenes/unit_warnings.h"
 #include "host/support/errors.h"
 
@@ -41,9 +41,8 @@ void solve_by_kernel(PadOutcome& outcome, Executor& executor, const SolveOptions
   PadContactOptions kernel{.cells = outcome.rung.cells, .increments = outcome.rung.increments};
   if (options.tolerance) kernel.tolerance = 0, kernel.accept = *options.tolerance;
   const PadContact<Real> contact(executor, kernel);
-  PadContactReport report;
-  outcome.solution = std::move(solve_pad_contact(contact, std::span(&outcome.scene, 1), {}, &report).front());
-  outcome.fell_back = report.fell_back > 0;
+  outcome.solution = std::move(solve_pad_contact(contact, std::span(&outcome.scene, 1)).front());
+  outcome.fell_back = outcome.solution.fell_back;
 }
 
 void solve_on_device(PadOutcome& outcome, const SolveOptions& options) {
