@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/scenes/pad_file.h"
 
-#include <numbers>
-
 #include "host/scenes/profile_csv.h"
 #include "host/scenes/scene_tables.h"
 #include "host/scenes/shape_choice.h"
@@ -13,8 +11,6 @@ namespace {
 constexpr const char *length_words = "a number of mm above 0", *two_mm = "two numbers of mm above 0, along x and y",
                      *some_edge = "the radius of its rounding in mm, 0 for a sharp edge";
 const std::string left_out_of_a_pad = std::string("left out: it ") + of_a_line;
-
-double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
 void read_pad_sensor(const TomlFile& file, fem::PadSensor& sensor) {
   TomlTable in(file, "sensor");

@@ -204,7 +204,7 @@ TEST_F(Generate, RowsAreThoseOfTheReference) {
   const ContactSet set = SetSimulator(executor, sweep.source, {}).simulate(0, 24);
   std::size_t row = 0;
   for (std::uint64_t k = 0; k < 24; ++k) {
-    const fem::Scene scene = sweep.source.contact(k).scene;
+    const fem::Scene scene = sweep.lines("sweep").contact(k).scene;
     const fem::ContactSolution truth = fem::GapReference(scene.sensor).solve(scene);
     for (std::size_t s = fem::load_path(scene.load).indentation_steps - 1; s < truth.steps.size(); ++s, ++row) {
       const fem::ContactStep& step = truth.steps[s];
@@ -249,7 +249,7 @@ TEST_F(Generate, WarnsOnceOfDeepIndentersWithTheirCount) {
       folder_.write("deep.toml", SmallSweep{.contacts = 10000, .indentation = "{ uniform = [0.2, 0.4] }"}.text());
   const Sweep sweep = read_sweep(deep);
   int beyond = 0;
-  for (std::uint64_t k = 0; k < 10000; ++k) beyond += sweep.source.contact(k).scene.load.indentation[0] > 0.3;
+  for (std::uint64_t k = 0; k < 10000; ++k) beyond += sweep.lines("sweep").contact(k).scene.load.indentation[0] > 0.3;
   ASSERT_GT(beyond, 1000);
   const std::string said =
       "warning: in " + std::to_string(beyond) + " of 10000 contacts the indenter is deeper than 20 %";
