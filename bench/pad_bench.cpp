@@ -5,12 +5,14 @@
 // turns.
 #include <benchmark/benchmark.h>
 
+#include <chrono>
 #include <cmath>
 #include <string>
 #include <vector>
 
 #include "bench/fma_peak.h"
 #include "host/contact/pad_contact.h"
+#include "host/contact/pad_search.h"
 #include "kernels/shared/contact_layout.h"
 #include "kernels/shared/pad_layout.h"
 #include "tests/fem/pad/pad_mix.h"
@@ -91,13 +93,37 @@ void pads(benchmark::State& state, int cells, int threads) {
   state.SetLabel(executor.device().info().name);
 }
 
-/// What the host does for each scene: search, cells, tables of their own, layout.
+/// Contacts found on one thread, beside the twin's rate on some of them.
+void pads_searched(benchmark::State& state) {
+  host::Executor executor{host::Device(), {.threads = 1}};
+  const host::PadSearch<float> search(executor);
+  const fem::PadSensor sensor;
+  const fem::PadLayer layer(sensor.poisson);
+  fem::PadMix mix(3, &sensor);
+  std::vector<fem::PadScene> scenes(8192);
+  for (fem::PadScene& scene : scenes) scene = mix();
+  const auto found = search.find(scenes);
+  const auto began = std::chrono::steady_clock::now();
+  constexpr std::size_t some = 256;
+  for (std::size_t i = 0; i < some; ++i)
+    if (!(std::abs(found[i].P / fem::find_pad_contact(scenes[i], layer).P - 1) <= 5e-3)) {
+      state.SkipWithError("forces differ from the twin's");
+      return;
+    }
+  const std::chrono::duration<double> twin = std::chrono::steady_clock::now() - began;
+  for (auto _ : state) benchmark::DoNotOptimize(search.find(scenes));
+  state.counters["scenes_per_second"] =
+      benchmark::Counter(static_cast<double>(scenes.size()), benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["twin_scenes_per_second"] = some / twin.count();
+}
+
+/// What comes before the kernel for each scene: search, cells, tables of their own, layout.
 void pads_prepared(benchmark::State& state, int cells) {
-  host::Executor executor{host::Device()};
+  host::Executor executor{host::Device(), {.threads = 1}};
   const host::PadContact<float> contact(executor, {.cells = cells});
   const fem::PadSensor sensor;
   fem::PadMix mix(3, &sensor);
-  std::vector<fem::PadScene> scenes(1024);
+  std::vector<fem::PadScene> scenes(4096);
   for (fem::PadScene& scene : scenes) scene = mix();
   contact.prepare(scenes);
   for (auto _ : state) benchmark::DoNotOptimize(contact.prepare(scenes));
@@ -105,14 +131,60 @@ void pads_prepared(benchmark::State& state, int cells) {
       benchmark::Counter(static_cast<double>(scenes.size()), benchmark::Counter::kIsIterationInvariantRate);
 }
 
+/// From scenes to answers, tables and programs known before.
+void pads_end_to_end(benchmark::State& state, int cells, int threads) {
+  host::Executor executor{host::Device(), {.threads = threads}};
+  const host::PadContact<float> contact(executor, {.cells = cells});
+  const fem::PadSensor sensor;
+  fem::PadMix mix(3, &sensor);
+  std::vector<fem::PadScene> scenes(10000);
+  for (fem::PadScene& scene : scenes) scene = mix();
+  Batch batch = contact.prepare(scenes);
+  batch.run();
+  if (!right(batch, scenes, *contact.layer(sensor.poisson), cells)) {
+    state.SkipWithError("forces differ from the twin's");
+    return;
+  }
+  bench::Peak<float> peak(executor.device(), threads);
+  if (!peak.right()) {
+    state.SkipWithError("the peak's sums are wrong");
+    return;
+  }
+  std::vector<double> peaks, runs;
+  for (auto _ : state) {
+    const auto began = std::chrono::steady_clock::now();
+    batch = contact.prepare(scenes);
+    batch.run();
+    runs.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
+    state.PauseTiming();
+    peaks.push_back(peak.flops / peak.run() * 1e-9);
+    state.ResumeTiming();
+  }
+  const double seconds = bench::median(runs), gflops = 1e-9 * useful_flops(batch, scenes, cells) / seconds;
+  state.counters["steps_per_second"] = static_cast<double>(batch.steps_in_all()) / seconds;
+  state.counters["useful_GFLOP/s"] = gflops;
+  state.counters["peak_GFLOP/s"] = bench::median(peaks);
+  state.counters["of_peak"] = gflops / bench::median(peaks);
+  state.counters["kernel_part"] = batch.seconds() / runs.back();
+}
+
 const bool registered = [] {
+  benchmark::RegisterBenchmark("contact/pad_search/fp32/threads:1", pads_searched)
+      ->Unit(benchmark::kMillisecond)
+      ->UseRealTime();
   for (const int cells : {8, 12}) {
     const std::string name = "contact/pad_" + std::to_string(cells);
-    for (const int threads : {1, 2})
-      benchmark::RegisterBenchmark((name + "/fp32/threads:" + std::to_string(threads)).c_str(),
+    for (const int threads : {1, 2}) {
+      const std::string ending = "/fp32/threads:" + std::to_string(threads);
+      benchmark::RegisterBenchmark((name + ending).c_str(),
                                    [=](benchmark::State& state) { pads(state, cells, threads); })
           ->Unit(benchmark::kMillisecond)
           ->UseRealTime();
+      benchmark::RegisterBenchmark((name + "_end_to_end" + ending).c_str(),
+                                   [=](benchmark::State& state) { pads_end_to_end(state, cells, threads); })
+          ->Unit(benchmark::kMillisecond)
+          ->UseRealTime();
+    }
     benchmark::RegisterBenchmark((name + "/prepare").c_str(), [=](benchmark::State& state) {
       pads_prepared(state, cells);
     })->Unit(benchmark::kMillisecond);

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Draws the picture of README.md, docs/contact.webp and docs/contact-dark.webp, from the page of examples/parabola.toml.
+"""Draws the pictures of the manual, docs/NAME.webp and docs/NAME-dark.webp, from pages of examples.
 
-Usage: docs/pictures.py [TACTEL]  (the program, build/tactel by default)
-A headless Chromium shows what `tactel solve examples/parabola.toml --html` writes; the picture is its cross-section and tractions."""
+Usage: docs/pictures.py [TACTEL [NAME]]  (the program, build/tactel by default; one picture, all by default)
+A headless Chromium shows what `tactel solve EXAMPLE --html` writes; a picture is the read-out and the maps of its figure."""
 import pathlib
 import subprocess
 import sys
@@ -13,29 +13,36 @@ sys.path.insert(0, str(ROOT / "tests/host/figures"))
 from browser import Browser  # noqa: E402
 
 WIDTH = 860  # pixels of the page
-STEP = 5     # load step that is shown
 
-# Leaves the read-out, the cross-section and the tractions on the page.
+# Example, load step that is shown, and what the picture leaves out of the figure. On the line tractions stay, on the pad the colour scale.
+PICTURES = {
+    "contact": ("examples/parabola.toml", 5, ".controls, .panels"),
+    "pad": ("examples/pad_twist.toml", 4, ".controls:has(input), .choice, .drawing > :last-child"),
+}
+
 TRIM = """(() => {
-  document.querySelectorAll('h1, .subtitle, .verdict, nav, figcaption, .tools, .controls').forEach(e => e.remove());
+  document.querySelectorAll('h1, .subtitle, .verdict, nav, figcaption, .tools').forEach(e => e.remove());
   document.querySelectorAll('figure[data-kind="table"]').forEach(e => e.remove());
   const figure = document.querySelector('figure');
   document.querySelector('main').style.padding = '0';
   figure.style.margin = '0';
   tactel.figures.forEach(f => f.draw());  // at the new width
-  figure.querySelectorAll('.panels').forEach(e => e.remove());
+  figure.querySelectorAll('LEFT_OUT').forEach(e => e.remove());
 })()"""
 
 
 def main():
     tactel = sys.argv[1] if len(sys.argv) > 1 else ROOT / "build/tactel"
     with tempfile.TemporaryDirectory() as folder, Browser() as browser:
-        page = pathlib.Path(folder) / "contact.html"
-        subprocess.run([tactel, "solve", ROOT / "examples/parabola.toml", "--html", page, "--step", str(STEP), "--quiet"], check=True, stdout=subprocess.DEVNULL)
-        for dark in (False, True):
-            browser.open(page, width=WIDTH, dark=dark, sharp=2)
-            browser.run(TRIM)
-            (ROOT / f"docs/contact{'-dark' if dark else ''}.webp").write_bytes(browser.picture("figure", kind="webp"))
+        for name, (example, step, left_out) in PICTURES.items():
+            if name not in (sys.argv[2:] or PICTURES):
+                continue
+            page = pathlib.Path(folder) / "contact.html"
+            subprocess.run([tactel, "solve", ROOT / example, "--html", page, "--step", str(step), "--quiet"], check=True, stdout=subprocess.DEVNULL)
+            for dark in (False, True):
+                browser.open(page, width=WIDTH, dark=dark, sharp=2)
+                browser.run(TRIM.replace("LEFT_OUT", left_out))
+                (ROOT / f"docs/{name}{'-dark' if dark else ''}.webp").write_bytes(browser.picture("figure", kind="webp"))
 
 
 if __name__ == "__main__":

@@ -1,12 +1,17 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Compares tactel with closed forms, and its patch with its mesh: prints tables such as those of
-docs/notebook/2026-11-23-validation.md and draws its figures, docs/validation_*.svg.
+docs/notebook/2026-11-23-validation.md and docs/pads-validation.md and draws their figures, docs/validation_*.svg.
 
 Usage: PYTHONPATH=build/python docs/validation.py [NAME...]  (the sections to run, all by default)
+Pads are solved by the program build/tactel, or $TACTEL.
 Lengths are in mm, stresses in MPa, forces in N/mm. Debian: python3-numpy, python3-matplotlib."""
+import json
+import os
 import pathlib
+import subprocess
 import sys
+import tempfile
 
 import matplotlib
 import numpy as np
@@ -398,8 +403,140 @@ def reversal():
     save()
 
 
+# Pads --------------------------------------------------------------------------------------------------------------
+
+PAD_RUNGS = {"pad-8": 8, "pad-12": 12, "pad-16": 16, "pad-24": 24}
+PAD_R, PAD_D = 8.0, 0.01  # of a paraboloid on a half-space, nu = 1/2: pressing and dragging do not couple
+PAD_A = np.sqrt(PAD_R * PAD_D)
+
+
+def solve_pad(rung, indenter, depth, drags=(), thickness=1000 * PAD_A, poisson=0.5, young=E, friction=0.3):
+    """The JSON answer of the program to one scene; drags: x (mm) and twist (degrees)."""
+    scene = f"""[sensor]
+kind = "pad"
+tactels = [5, 1]
+pitch = 1.0
+thickness = {thickness}
+young = {young}
+poisson = {poisson}
+[indenter]
+{indenter}
+[contact]
+friction = {friction}
+[load]
+indentation = {depth}
+"""
+    if drags:
+        scene += (f"tangential = [{', '.join(f'[{x}, 0]' for x, _ in drags)}]\n"
+                  f"twist = [{', '.join(str(float(twist)) for _, twist in drags)}]\n")
+    with tempfile.TemporaryDirectory() as folder:
+        file, answer = pathlib.Path(folder) / "pad.toml", pathlib.Path(folder) / "pad.json"
+        file.write_text(scene)
+        subprocess.run([os.environ.get("TACTEL", DOCS.parent / "build/tactel"), "solve", file, "--rung", rung,
+                        "--json", answer], check=True, capture_output=True)
+        return json.loads(answer.read_text())
+
+
+def cells(answer):
+    """x and y of the cells' middles, and their sides."""
+    return np.array(answer["cell_x"]), np.array(answer["cell_y"]), answer["cell_width"]
+
+
+def pad():
+    """Contacts on a pad as thick as a half-space: Hertz, Mindlin, torsion, flat punch, and Dimitriadis' layer."""
+    print(f"Pads: E = {E}, nu = 0.5, paraboloid of {PAD_R} mm, {PAD_D} mm deep, thickness 1000 a, mu = 0.3")
+    (left, right), save = figure("pad")
+    sphere = f'shape = "paraboloid"\nradii = [{PAD_R}, {PAD_R}]'
+    P = 16 / 9 * E * np.sqrt(PAD_R) * PAD_D**1.5
+    p0 = 3 * P / (2 * np.pi * PAD_A**2)
+    shear = E / 3
+    sliding = 3 * 0.3 * P * 1.5 / (16 * PAD_A * shear)
+    shifts = np.arange(0.1, 1, 0.1)
+    law = 1 - (1 - shifts) ** 1.5
+    punch = 2 * 2.0 * 0.05 * E / 0.75
+    chi = 1 / 12
+    series = 1 + 1.133 * chi + 1.283 * chi**2 + 0.769 * chi**3 + 0.0975 * chi**4
+    print("  rung     P, Hertz   largest p   pressure, rms   Q, Mindlin   M, torsion   P, flat punch   P, Dimitriadis")
+    for rung, mark, colour in (("pad-8", "s", GREEN), ("pad-12", "o", BLUE), ("pad-16", None, None),
+                               ("pad-24", ".", ORANGE)):
+        answer = solve_pad(rung, sphere, PAD_D, [(part * sliding, 0) for part in shifts])
+        x, y, (hx, hy) = cells(answer)
+        pressure = np.array(answer["steps"][0]["normal_force"]) / (hx * hy)
+        r = np.hypot(x, y)
+        exact = p0 * np.sqrt(np.clip(1 - (r / PAD_A) ** 2, 0, None))
+        rms = np.sqrt(np.mean((pressure - exact)[(pressure > 0) | (exact > 0)] ** 2)) / p0
+        found = np.array([step["Q"][0] / (0.3 * step["P"]) for step in answer["steps"][1:]])
+        turned = solve_pad(rung, sphere, PAD_D, [(0, 20)])["steps"][-1]
+        flat = solve_pad(rung, 'shape = "punch"\nradius = 2.0', 0.05, thickness=2000)["steps"][0]["P"]
+        layer = solve_pad(rung, sphere, PAD_D, thickness=12 * PAD_A)["steps"][0]["P"]
+        torsion = 3 * np.pi / 16 * 0.3 * turned["P"] * PAD_A
+        pressing = f"{answer['steps'][0]['P'] / P - 1:+.4f}    {pressure.max() / exact.max() - 1:+.4f}     {rms:.4f}"
+        print(f"  {rung:7}  {pressing}          {np.max(np.abs(found - law)):.4f}       {turned['M'] / torsion - 1:+.4f}"
+              f"      {flat / punch - 1:+.4f}         {layer / P / series - 1:+.4f}")
+        if mark:
+            part = (x > 0) & (y >= x)  # the others lie at the same r
+            left.plot(r[part] / PAD_A, (pressure / p0)[part], mark, color=colour, label=rung, ms=4)
+            right.plot(shifts, found, mark, color=colour, label=rung)
+    r = np.linspace(0, 1, 201)
+    left.plot(r, np.sqrt(1 - r**2), color=EXACT, lw=1, label="Hertz")
+    left.set(xlabel="r / a", ylabel="p / p0", title="pressure of the cells", xlim=(0, 1.3))
+    left.legend(fontsize=8)
+    right.plot(r, 1 - (1 - r) ** 1.5, color=EXACT, lw=1, label="Cattaneo, Mindlin")
+    right.set(xlabel="drag / sliding drag", ylabel="Q / (mu P)", title="partial slip")
+    right.legend(fontsize=8)
+    save()
+
+
+def pad_line():
+    """The middle of a lying cylinder 24 mm long on 1.5 mm of rubber, beside the line's own reference."""
+    print("A long contact: cylinder of 8 mm, 0.2 mm deep, 1.5 mm of rubber, nu = 0.45, mu = 0.5, dragged across")
+    (left, right), save = figure("pad_line")
+    drags = [0.02, 0.04, 0.06]
+    sensor = tactel.Sensor(length=40, thickness=1.5, young=E, poisson=0.45, tactels=5, tactel_span=4)
+    line = tactel.solve(tactel.Scene(sensor, tactel.Cylinder(8.0), 0.5, tactel.Press(0.2).drag_to(drags)),
+                        rung="reference")
+    x, edges = elements(line)
+    left.plot(x, tractions(line, -1)[0], color=EXACT, lw=1, label="line, reference")
+    left.plot(x, tractions(line, -1)[1], color=EXACT, lw=1, ls="--")
+    stress = np.max(np.abs(line.tactels.normal[-1]))
+    print("  rung     P per length   largest p      S   sigma, tau over the largest sigma")
+    worst = {}
+    for rung, mark, colour in (("pad-8", None, None), ("pad-12", "s", GREEN), ("pad-16", None, None),
+                               ("pad-24", "o", BLUE)):
+        answer = solve_pad(rung, 'shape = "cylinder"\nradius = 8.0\nhalf_length = 12.0', 0.2, [(d, 0) for d in drags],
+                           thickness=1.5, poisson=0.45, friction=0.5)
+        cell_x, cell_y, (hx, hy) = cells(answer)
+        middle = (cell_y > 0) & (cell_y < hy)
+        errors = np.zeros(4)
+        for number, step in enumerate(answer["steps"]):
+            n = np.array(step["normal_force"])[middle]
+            t = np.array(step["tangential_force"])[middle, 0]
+            sigma = np.max(np.abs(np.array(step["sigma_z"]) - line.tactels.normal[number]))
+            tau = np.max(np.abs(np.array(step["tau_x"]) - line.tactels.shear[number]))
+            errors = np.maximum(errors, np.abs((n.sum() / hy / line.P[number] - 1,
+                                                n.max() / hx / hy / tractions(line, number)[0].max() - 1,
+                                                t.sum() / (0.5 * n.sum()) - line.slip_index[number],
+                                                max(sigma, tau) / stress)))
+        worst[rung] = errors
+        print(f"  {rung:7}  " + " ".join(f"{error:12.4f}" for error in errors))
+        if mark:
+            left.plot(cell_x[middle], n / (hx * hy), mark, color=colour, label=rung, ms=4)
+            left.plot(cell_x[middle], t / (hx * hy), mark, color=colour, ms=4, mfc="none")
+    sizes = list(PAD_RUNGS.values())
+    for column, mark, colour, label in ((0, "o", BLUE, "P per length"), (2, "^", GREEN, "S"),
+                                        (3, "s", ORANGE, "base stress")):
+        right.loglog(sizes, [worst[rung][column] for rung in PAD_RUNGS], mark + "-", color=colour, label=label)
+    right.set(xlabel="cells along a side", ylabel="largest difference", title="line and middle of the pad")
+    right.set_xticks(sizes, [str(size) for size in sizes])
+    right.minorticks_off()
+    right.legend(fontsize=8)
+    left.set(xlabel="x (mm)", ylabel="MPa", title="pressure; open and dashed: shear")
+    left.legend(fontsize=8)
+    save()
+
+
 SECTIONS = {section.__name__: section for section in (
-    hertz, cattaneo, reversal, punch, layer, balance, convergence, agreement)}
+    hertz, cattaneo, reversal, punch, layer, balance, convergence, agreement, pad, pad_line)}
 
 if __name__ == "__main__":
     for name in sys.argv[1:] or SECTIONS:

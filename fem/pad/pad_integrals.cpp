@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fem/pad/pad_integrals.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "fem/layer/layer_transforms.h"
@@ -39,28 +41,55 @@ constexpr int order[pad_integrals] = {0, 0, 2, 1, 0, 0, 2, 1, 1};
 }  // namespace
 
 PadIntegrals::PadIntegrals(double poisson) {
-  for (const auto& [a, weight] : points_on_doubling_panels(first_panel, panel, last_wavenumber, points_a_panel)) {
+  const auto points = points_on_doubling_panels(first_panel, panel, last_wavenumber, points_a_panel);
+  weight_.resize(pad_integrals, static_cast<Eigen::Index>(points.size()));
+  for (const auto& [a, weight] : points) {
     const LayerTransforms t = layer_transforms(poisson, a);
     const double along = (1 - poisson) * (t.xx - 1), across = -2 / (std::exp(2 * a) + 1);  // tanh a - 1
     const double base = 1 / std::cosh(a);
-    WaveNumber w{a, {}};
-    w.weight << t.yy - 1, along + across, along - across, t.xy - (1 - 2 * poisson), a * t.sigma_by_y,
+    PadValues w;
+    w << t.yy - 1, along + across, along - across, t.xy - (1 - 2 * poisson), a * t.sigma_by_y,
         a * (t.tau_by_x + base) / 2, a * (t.tau_by_x - base) / 2, a * t.tau_by_y, a * t.sigma_by_x;
-    w.weight *= weight;
-    wave_.push_back(w);
+    weight_.col(static_cast<Eigen::Index>(a_.size())) = weight * w;
+    a_.push_back(a);
   }
 }
 
 PadIntegrals::At PadIntegrals::at(double rho) const {
   At sum{PadValues::Zero(), PadValues::Zero()};
-  for (const WaveNumber& w : wave_) {
-    const Bessel J(w.a * rho);
+  for (std::size_t w = 0; w < a_.size(); ++w) {
+    const Bessel J(a_[w] * rho);
     for (int f = 0; f < pad_integrals; ++f) {
-      sum.value[f] += w.weight[f] * J.value[order[f]];
-      sum.slope[f] += w.weight[f] * w.a * J.slope[order[f]];
+      const double weight = weight_(f, static_cast<Eigen::Index>(w));
+      sum.value[f] += weight * J.value[order[f]];
+      sum.slope[f] += weight * a_[w] * J.slope[order[f]];
     }
   }
   return sum;
+}
+
+std::vector<PadSamples> PadIntegrals::sampled(std::span<const PadIntegrals> of, const Eigen::VectorXd& rho) {
+  constexpr Eigen::Index most_together = 32;
+  const std::vector<double>& a = of.front().a_;
+  const auto waves = static_cast<Eigen::Index>(a.size());
+  std::vector<PadSamples> samples(of.size(), PadSamples(2 * pad_integrals, rho.size()));
+  for (Eigen::Index first = 0; first < rho.size(); first += most_together) {
+    const Eigen::Index count = std::min(most_together, rho.size() - first);
+    std::array<Eigen::MatrixXd, 3> value, slope;  // by order, [waves][rho]
+    for (int k = 0; k < 3; ++k) value[k].resize(waves, count), slope[k].resize(waves, count);
+    for (Eigen::Index c = 0; c < count; ++c)
+      for (Eigen::Index w = 0; w < waves; ++w) {
+        const double wave = a[static_cast<std::size_t>(w)];
+        const Bessel J(wave * rho[first + c]);
+        for (int k = 0; k < 3; ++k) value[k](w, c) = J.value[k], slope[k](w, c) = wave * J.slope[k];
+      }
+    for (std::size_t k = 0; k < of.size(); ++k)
+      for (int f = 0; f < pad_integrals; ++f) {
+        samples[k].row(f).segment(first, count).noalias() = of[k].weight_.row(f) * value[order[f]];
+        samples[k].row(pad_integrals + f).segment(first, count).noalias() = of[k].weight_.row(f) * slope[order[f]];
+      }
+  }
+  return samples;
 }
 
 }  // namespace tactel::fem

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <Eigen/Dense>
+#include <span>
 #include <vector>
 
 namespace tactel::fem {
@@ -42,6 +43,9 @@ inline constexpr int pad_displacements = 4;
 
 using PadValues = Eigen::Array<double, pad_integrals, 1>;
 
+/// The integrals at some rho, then their slopes by rho: [2 pad_integrals][rho].
+using PadSamples = Eigen::Matrix<double, 2 * pad_integrals, Eigen::Dynamic>;
+
 /// The integrals of one Poisson's ratio, by Gauss quadrature over wavenumbers: the reference of PadLayer's tables.
 class PadIntegrals {
  public:
@@ -55,12 +59,13 @@ class PadIntegrals {
   /// Returns the integrals and their slopes at rho >= 0. They hold to some 1e-13 for rho up to 24.
   At at(double rho) const;
 
+  /// Returns the samples of several Poisson's ratios, which share the Bessel functions: these take most of the time.
+  static std::vector<PadSamples> sampled(std::span<const PadIntegrals> of, const Eigen::VectorXd& rho);
+
  private:
-  struct WaveNumber {
-    double a;
-    PadValues weight;  ///< of the quadrature times the integrands without their Bessel functions
-  };
-  std::vector<WaveNumber> wave_;
+  std::vector<double> a_;  ///< wavenumbers, the same for all Poisson's ratios
+  /// [integrals][wavenumbers]: of the quadrature times the integrands without their Bessel functions.
+  Eigen::Matrix<double, pad_integrals, Eigen::Dynamic> weight_;
 };
 
 }  // namespace tactel::fem

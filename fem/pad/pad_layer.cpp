@@ -25,30 +25,45 @@ void over_cell(double hx, double hy, double x, double y, F f) {
     for (const LegendrePoint& q : points_along(hy)) f(x - hx / 2 * p.x, y - hy / 2 * q.x, p.weight * q.weight / 4);
 }
 
-/// [F] over the corners of a cell.
-template <class F>
-double corners(double hx, double hy, double x, double y, F f) {
-  const double x0 = x - hx / 2, x1 = x + hx / 2, y0 = y - hy / 2, y1 = y + hy / 2;
-  return f(x1, y1) - f(x0, y1) - f(x1, y0) + f(x0, y0);
+/// Places along a side of a cell at which the rest of its normal influence is taken, from its middle, in units of H.
+std::vector<double> rest_places(double side) {
+  if (side <= PadLayer::least_parted) return {0};
+  const int parts = std::min(static_cast<int>(2 * side) + 1, PadLayer::most_parts);
+  std::vector<double> places;
+  for (int part = 0; part < parts; ++part)
+    for (const int sign : {-1, 1})
+      places.push_back(side * ((part + 0.5 + sign * 0.5 / std::numbers::sqrt3) / parts - 0.5));
+  return places;
 }
 
 double along_x(double x, double y) { return y * std::asinh(x / std::abs(y)); }
-double potential_slope(double x, double y) { return y * std::log(std::hypot(x, y)) + x * std::atan(y / x); }
+
+/// What I_xx, I_yy, I_xy, I_x and I_y have at a corner.
+Eigen::Array<double, 5, 1> corner(double x, double y) {
+  const double R = std::sqrt(x * x + y * y), ln_R = std::log(R);
+  return {along_x(x, y), along_x(y, x), -R, y * ln_R + x * std::atan(y / x), x * ln_R + y * std::atan(x / y)};
+}
 
 }  // namespace
 
-PadLayer::PadLayer(double poisson) : poisson_(poisson) {
-  const PadIntegrals integrals(poisson);
+PadLayer::PadLayer(double poisson)
+    : PadLayer(poisson, PadIntegrals::sampled(std::vector{PadIntegrals(poisson)}, places()).front()) {}
+
+PadLayer::PadLayer(double poisson, const PadSamples& samples) : poisson_(poisson) {
   const double step = 1.0 / steps_a_thickness;
-  PadIntegrals::At left = integrals.at(0);
-  for (int cell = 0; cell < range * steps_a_thickness; ++cell) {
-    const PadIntegrals::At right = integrals.at((cell + 1) * step);
-    const PadValues rise = right.value - left.value, s0 = step * left.slope, s1 = step * right.slope;
+  for (Eigen::Index cell = 0; cell + 1 < samples.cols(); ++cell) {
+    const auto left = samples.col(cell), right = samples.col(cell + 1);
     auto& row = cells_.emplace_back();
-    for (int f = 0; f < pad_integrals; ++f)
-      row[f] = {left.value[f], s0[f], 3 * rise[f] - 2 * s0[f] - s1[f], s0[f] + s1[f] - 2 * rise[f]};
-    left = right;
+    for (int f = 0; f < pad_integrals; ++f) {
+      const double rise = right[f] - left[f], s0 = step * left[pad_integrals + f], s1 = step * right[pad_integrals + f];
+      row[f] = {left[f], s0, 3 * rise - 2 * s0 - s1, s0 + s1 - 2 * rise};
+    }
   }
+}
+
+Eigen::VectorXd PadLayer::places() {
+  constexpr auto count = static_cast<Eigen::Index>(range * steps_a_thickness);
+  return Eigen::VectorXd::LinSpaced(count + 1, 0, range);
 }
 
 double PadLayer::value(PadIntegral f, double rho) const {
@@ -80,9 +95,16 @@ Eigen::MatrixXd PadLayer::normal_influence(double thickness, double hx, double h
       const double x = (i - 0.5) * hx, y = (j - 0.5) * hy;
       corner(i, j) = along_x(x, y) + along_x(y, x);
     }
+  const std::vector<double> places_x = rest_places(hx), places_y = rest_places(hy);
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j) {
-      const double rho = std::hypot(i * hx, j * hy), rest = rho < range ? value(pad_z0, rho) : -1 / rho;
+      double rest = 0;
+      for (const double x : places_x)
+        for (const double y : places_y) {
+          const double rho = std::hypot(i * hx + x, j * hy + y);
+          rest += rho < range ? value(pad_z0, rho) : -1 / rho;
+        }
+      rest /= static_cast<double>(places_x.size() * places_y.size());
       zz(i, j) = corner(i + 1, j + 1) - corner(i, j + 1) - corner(i + 1, j) + corner(i, j) + hx * hy * rest;
     }
   return thickness * (1 - poisson_ * poisson_) / pi * zz;
@@ -90,9 +112,30 @@ Eigen::MatrixXd PadLayer::normal_influence(double thickness, double hx, double h
 
 CellInfluence PadLayer::influence(double thickness, double hx, double hy, double x, double y) const {
   hx /= thickness, hy /= thickness, x /= thickness, y /= thickness;
+  const double x0 = x - hx / 2, x1 = x + hx / 2, y0 = y - hy / 2, y1 = y + hy / 2;
+  return with_rest(thickness, hx, hy, x, y, corner(x1, y1) - corner(x0, y1) - corner(x1, y0) + corner(x0, y0));
+}
+
+std::vector<CellInfluence> PadLayer::influences(double thickness, double hx, double hy, int n) const {
+  hx /= thickness, hy /= thickness;
+  std::vector<Eigen::Array<double, 5, 1>> corners;  // [n + 2][n + 2]
+  for (int i = 0; i < n + 2; ++i)
+    for (int j = 0; j < n + 2; ++j) corners.push_back(corner((i - 0.5) * hx, (j - 0.5) * hy));
+  std::vector<CellInfluence> all;
+  for (int i = 0; i <= n; ++i)
+    for (int j = 0; j <= n; ++j) {
+      const auto* at = corners.data() + i * (n + 2) + j;
+      all.push_back(with_rest(thickness, hx, hy, i * hx, j * hy, at[n + 3] - at[1] - at[n + 2] + at[0]));
+    }
+  return all;
+}
+
+/// Lengths are over H.
+CellInfluence PadLayer::with_rest(double thickness, double hx, double hy, double x, double y,
+                                  const Eigen::Array<double, 5, 1>& half_space) const {
   double z0 = 0, A = 0, B_cos = 0, B_sin = 0, Zx = 0, Zy = 0;
   over_cell(hx, hy, x, y, [&](double X, double Y, double weight) {
-    const double rho = std::hypot(X, Y), cosine = rho > 0 ? X / rho : 1, sine = rho > 0 ? Y / rho : 0;
+    const double rho = std::sqrt(X * X + Y * Y), cosine = rho > 0 ? X / rho : 1, sine = rho > 0 ? Y / rho : 0;
     const Eigen::Array4d at = weight * displacements(rho);
     z0 += at[pad_z0];
     A += at[pad_A];
@@ -102,11 +145,7 @@ CellInfluence PadLayer::influence(double thickness, double hx, double hy, double
     Zy += at[pad_Z] * sine;
   });
   const double nu = poisson_, cell = hx * hy;
-  const double Ixx = corners(hx, hy, x, y, along_x);
-  const double Iyy = corners(hx, hy, x, y, [](double X, double Y) { return along_x(Y, X); });
-  const double Ixy = -corners(hx, hy, x, y, [](double X, double Y) { return std::hypot(X, Y); });
-  const double Ix = corners(hx, hy, x, y, potential_slope);
-  const double Iy = corners(hx, hy, x, y, [](double X, double Y) { return potential_slope(Y, X); });
+  const double Ixx = half_space[0], Iyy = half_space[1], Ixy = half_space[2], Ix = half_space[3], Iy = half_space[4];
   const double c = thickness * (1 + nu) / pi;
   return {.zz = c * (1 - nu) * (Ixx + Iyy + cell * z0),
           .xx = c * (Ixx + (1 - nu) * Iyy + cell / 2 * (A - B_cos)),

@@ -35,12 +35,20 @@ class PadLayer {
   static constexpr int steps_a_thickness = 80;   ///< cells of width H / 80
   static constexpr double range = 24;            ///< H; beyond, the layer does not move
   static constexpr double largest_error = 1e-9;  ///< of the four integrals of displacements
+  static constexpr double least_parted = 0.35;   ///< H
+  static constexpr int most_parts = 16;          ///< of a side
 
   /// Coefficients of one function in one cell: c0 + q (c1 + q (c2 + q c3)), q in [0, 1] from its left end.
   using Cubic = std::array<double, 4>;
 
-  /// 0 <= poisson <= 1/2.
+  /// 0 <= poisson <= 1/2. Takes a tenth of a second: pad_layer (pad_layers.h) is faster.
   explicit PadLayer(double poisson);
+
+  /// `samples`: of this Poisson's ratio at places().
+  PadLayer(double poisson, const PadSamples& samples);
+
+  /// Returns the ends of the cells, H.
+  static Eigen::VectorXd places();
 
   double poisson() const { return poisson_; }
 
@@ -56,8 +64,12 @@ class PadLayer {
   /// Returns the influence of a cell at an offset that is a multiple of its sides; all in mm.
   CellInfluence influence(double thickness, double hx, double hy, double x, double y) const;
 
+  /// Returns the same for offsets of 0 to n cells, [n + 1][n + 1] along x and y. Neighbours share corners.
+  std::vector<CellInfluence> influences(double thickness, double hx, double hy, int n) const;
+
   /// Returns zz of influence() alone for offsets of 0 to n - 1 cells, [n][n] mm. Its smooth rest is that of the cell's
-  /// middle: good to 1e-3 of the largest for cells up to H / 4.
+  /// middle; along sides above least_parted H the mean over parts of H / 2, two Gauss points each. Good to 3e-3 of the
+  /// largest.
   Eigen::MatrixXd normal_influence(double thickness, double hx, double hy, int n) const;
 
   /// Returns the base stress under a unit traction on a cell at any offset, mm.
@@ -65,6 +77,8 @@ class PadLayer {
 
  private:
   double value(PadIntegral f, double rho) const;
+  CellInfluence with_rest(double thickness, double hx, double hy, double x, double y,
+                          const Eigen::Array<double, 5, 1>& half_space) const;
 
   double poisson_;
   std::vector<std::array<Cubic, pad_integrals>> cells_;

@@ -8,56 +8,56 @@ namespace tactel::fem {
 
 PadReferenceSolution::Errors pad_difference(const PadSolution& a, const PadSolution& b) {
   PadReferenceSolution::Errors e;
-  double tangential = 0, stress = 0, Q = 0, M = 0, stress_off = 0;
+  double tangential = 0, sigma = 0, tau = 0;
   const double size = b.cells.half_size();
   for (std::size_t k = 0; k < b.steps.size(); ++k) {
     const PadStep &p = a.steps[k], &q = b.steps[k];
     e.slip_index = std::max(e.slip_index, std::abs(p.slip_index.value_or(0) - q.slip_index.value_or(0)));
     if (q.P > 0) e.P = std::max(e.P, std::abs(p.P / q.P - 1));
-    Q = std::max(Q, (p.Q - q.Q).norm());
-    M = std::max(M, std::abs(p.M - q.M) / size);
+    e.Q = std::max(e.Q, (p.Q - q.Q).norm());
+    e.M = std::max(e.M, std::abs(p.M - q.M) / size);
     tangential = std::max({tangential, q.Q.norm(), std::abs(q.M) / size});
-    stress_off = std::max(stress_off, (p.stress - q.stress).cwiseAbs().maxCoeff());
-    stress = std::max(stress, q.stress.cwiseAbs().maxCoeff());
+    const Eigen::MatrixX3d off = (p.stress - q.stress).cwiseAbs();
+    e.sigma = std::max(e.sigma, off.col(0).maxCoeff()), e.tau = std::max(e.tau, off.rightCols<2>().maxCoeff());
+    sigma = std::max(sigma, q.stress.col(0).cwiseAbs().maxCoeff());
+    tau = std::max(tau, q.stress.rightCols<2>().cwiseAbs().maxCoeff());
   }
-  if (tangential > 0) e.Q = Q / tangential, e.M = M / tangential;
-  if (stress > 0) e.stress = stress_off / stress;
+  if (tangential > 0) e.Q /= tangential, e.M /= tangential;
+  if (sigma > 0) e.sigma /= sigma;
+  if (tau > 0) e.tau /= tau;
   return e;
 }
 
 PadReference::PadReference(const PadLayer& layer, const PadReferenceOptions& options)
     : layer_(layer), options_(options) {}
 
-PadSolution PadReference::extrapolated(const PadScene& scene, int cells) const {
+/// With `parts` times the increments of the options.
+PadSolution PadReference::solve_on(int cells, int parts, const PadScene& scene) const {
   PadOptions options{.cells = cells, .tolerance = options_.tolerance, .ladder = false};
   options.halve_turns = false;
-  options.pressing_increments = options_.pressing_increments;
-  options.drag_increments = options_.drag_increments;
-  const PadSolution a = PadSolver(layer_, options).solve(scene);
-  options.pressing_increments *= 2;
-  options.drag_increments *= 2;
-  PadSolution b = PadSolver(layer_, options).solve(scene);
-  for (std::size_t k = 0; k < b.steps.size(); ++k) {
-    const PadStep& p = a.steps[k];
-    PadStep& q = b.steps[k];
-    q.P = 2 * q.P - p.P;
-    q.Q = 2 * q.Q - p.Q;
-    q.M = 2 * q.M - p.M;
-    q.stress = 2 * q.stress - p.stress;
-    if (q.slip_index && p.slip_index) q.slip_index = std::min(2 * *q.slip_index - *p.slip_index, 1.0);
-    if (q.force_ratio) q.force_ratio = q.Q.norm() / (scene.friction * q.P);
-    q.converged &= p.converged;
-  }
-  return b;
+  options.pressing_increments = parts * options_.pressing_increments;
+  options.drag_increments = parts * options_.drag_increments;
+  return PadSolver(layer_, options).solve(scene);
 }
 
 PadReferenceSolution PadReference::solve(const PadScene& scene) const {
-  PadReferenceSolution answer{extrapolated(scene, options_.cells), {}};
-  if (!options_.errors) return answer;
-  answer.error = pad_difference(extrapolated(scene, options_.cells / 2), answer.solution);
-  const double rest = 1 / (std::exp2(1.5) - 1);
-  for (double* e : {&answer.error.slip_index, &answer.error.P, &answer.error.Q, &answer.error.M, &answer.error.stress})
-    *e *= rest;
+  PadReferenceSolution answer{solve_on(options_.cells, 1, scene), {}};
+  const PadSolution a = solve_on(options_.cells / 2, 1, scene), b = solve_on(options_.cells / 2, 2, scene);
+  answer.error = pad_difference(a, answer.solution);
+  auto& e = answer.error;
+  for (double* error : {&e.slip_index, &e.P, &e.Q, &e.M, &e.sigma, &e.tau}) *error /= std::exp2(1.5) - 1;
+  for (std::size_t k = 0; k < a.steps.size(); ++k) {
+    const PadStep &few = a.steps[k], &many = b.steps[k];
+    PadStep& step = answer.solution.steps[k];
+    step.P += 2 * (many.P - few.P);
+    step.Q += 2 * (many.Q - few.Q);
+    step.M += 2 * (many.M - few.M);
+    step.stress += 2 * (many.stress - few.stress);
+    if (step.slip_index && few.slip_index && many.slip_index)
+      step.slip_index = std::clamp(*step.slip_index + 2 * (*many.slip_index - *few.slip_index), 0.0, 1.0);
+    if (step.force_ratio) step.force_ratio = step.Q.norm() / (scene.friction * step.P);
+    step.converged &= few.converged && many.converged;
+  }
   return answer;
 }
 

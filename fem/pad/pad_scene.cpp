@@ -49,19 +49,31 @@ double between(const HeightMap& map, double x, double y) {
   return (1 - p) * ((1 - q) * h(0, 0) + q * h(0, 1)) + p * ((1 - q) * h(1, 0) + q * h(1, 1));
 }
 
-double upright_height(const PadShape& shape, double x, double y) {
-  const double r = std::hypot(x, y);
-  return std::visit(Overloaded{[&](const Sphere& s) { return circle(s.radius, r); },
-                               [&](const Paraboloid& p) { return x * x / (2 * p.radii[0]) + y * y / (2 * p.radii[1]); },
-                               [&](const LyingCylinder& c) { return circle(c.radius, std::abs(x)); },
-                               [&](const Punch& p) { return rounding(r - p.radius, p.edge); },
-                               [&](const Box& b) {
-                                 return rounding(std::abs(x) - b.half_widths[0], b.edge) +
-                                        rounding(std::abs(y) - b.half_widths[1], b.edge);
-                               },
-                               [&](const Cone& c) { return r / std::tan(radians(c.angle)); },
-                               [&](const HeightMap& m) { return between(m, x, y); }},
-                    shape);
+/// Returns use(h): h(x, y) is the height of the upright shape. What does not depend on the place is worked out once.
+template <class Use>
+auto with_heights(const PadShape& shape, Use use) {
+  const auto far = [](double x, double y) { return std::sqrt(x * x + y * y); };
+  return std::visit(
+      Overloaded{
+          [&](const Sphere& s) { return use([&](double x, double y) { return circle(s.radius, far(x, y)); }); },
+          [&](const Paraboloid& p) {
+            return use([&](double x, double y) { return x * x / (2 * p.radii[0]) + y * y / (2 * p.radii[1]); });
+          },
+          [&](const LyingCylinder& c) { return use([&](double x, double) { return circle(c.radius, std::abs(x)); }); },
+          [&](const Punch& p) {
+            return use([&](double x, double y) { return rounding(far(x, y) - p.radius, p.edge); });
+          },
+          [&](const Box& b) {
+            return use([&](double x, double y) {
+              return rounding(std::abs(x) - b.half_widths[0], b.edge) +
+                     rounding(std::abs(y) - b.half_widths[1], b.edge);
+            });
+          },
+          [&](const Cone& c) {
+            return use([wide = std::tan(radians(c.angle)), &far](double x, double y) { return far(x, y) / wide; });
+          },
+          [&](const HeightMap& m) { return use([&m](double x, double y) { return between(m, x, y); }); }},
+      shape);
 }
 
 /// The tilted bottom as a plane: slopes along x and y, and how far its lowest point lies below the axis. On a rounding
@@ -89,14 +101,31 @@ const char* shape_name(const PadShape& shape) {
 
 double pad_height(const PadIndenter& indenter, double x, double y, bool beyond_edges) {
   const auto inside = [](const Interval& edges, double at) { return at >= edges.left && at <= edges.right; };
-  const PadBox edges = pad_edges(indenter.shape);
-  const bool round = std::holds_alternative<Punch>(indenter.shape);
-  if (!beyond_edges && !(round ? inside(edges.x, std::hypot(x, y)) : inside(edges.x, x) && inside(edges.y, y)))
-    return infinity;
-  const double height = upright_height(indenter.shape, x, y);
-  if (indenter.tilt == 0) return height;
+  if (!beyond_edges) {
+    const PadBox edges = pad_edges(indenter.shape);
+    const bool round = std::holds_alternative<Punch>(indenter.shape);
+    if (!(round ? inside(edges.x, std::hypot(x, y)) : inside(edges.x, x) && inside(edges.y, y))) return infinity;
+  }
+  return with_heights(indenter.shape, [x, y](const auto& h) { return h(x, y); }) + tilt_height(indenter, x, y);
+}
+
+double tilt_height(const PadIndenter& indenter, double x, double y) {
+  if (indenter.tilt == 0) return 0;
   const Tilt tilt(indenter);
-  return height + tilt.x * x + tilt.y * y + tilt.below;
+  return tilt.x * x + tilt.y * y + tilt.below;
+}
+
+Eigen::MatrixXd pad_heights(const PadIndenter& indenter, const Eigen::ArrayXd& x, const Eigen::ArrayXd& y) {
+  Eigen::MatrixXd heights(x.size(), y.size());
+  with_heights(indenter.shape, [&](const auto& height) {
+    for (Eigen::Index j = 0; j < y.size(); ++j)
+      for (Eigen::Index i = 0; i < x.size(); ++i) heights(i, j) = height(x[i], y[j]);
+  });
+  if (indenter.tilt == 0) return heights;
+  const Tilt tilt(indenter);
+  heights.array().colwise() += tilt.x * x + tilt.below;
+  heights.array().rowwise() += tilt.y * y.transpose();
+  return heights;
 }
 
 PadBox pad_edges(const PadShape& shape) {
@@ -157,7 +186,7 @@ void check_edge(double value) {
 
 void PadSensor::validate() const {
   check_length("sensor.thickness", thickness);
-  check(std::isfinite(young) && young > 0, "sensor.young", young, "a Young's modulus in MPa, finite and above 0");
+  check(young >= 1e-9 && young <= 1e12, "sensor.young", young, "a Young's modulus in MPa, 1e-9 to 1e12");
   check(poisson >= 0 && poisson <= 0.5, "sensor.poisson", poisson, "a Poisson's ratio, 0 <= poisson <= 0.5");
   for (const int count : tactels)
     check(count >= 1 && count <= 100, "sensor.tactels", count, "numbers of tactels along x and y, 1 to 100 each");
@@ -168,7 +197,7 @@ void PadSensor::validate() const {
   const auto check_side = [&](const char* member, const std::optional<double>& side, int axis) {
     if (!side) return;
     check_length(member, *side);
-    const double array = (tactels[axis] - 1) * pitch[axis] + tactel_size;
+    const double array = std::round(1e6 * ((tactels[axis] - 1) * pitch[axis] + tactel_size)) / 1e6;
     check(*side >= array, member, *side,
           ("a length in mm that holds the tactels, " + number_text(array) + " or more").c_str());
   };
@@ -245,8 +274,8 @@ void PadLoad::validate() const {
   for (const auto& drag : drags) {
     for (int axis = 0; axis < 2; ++axis)
       check(std::abs(drag[axis]) <= 1e6, "load.tangential", drag[axis], "a place in mm, at most 1e6 away");
-    check(std::abs(drag[2]) <= 2 * std::numbers::pi, "load.twist", drag[2] * 180 / std::numbers::pi,
-          "degrees, -360 to 360");
+    check(std::abs(drag[2]) <= 2 * std::numbers::pi, "load.twist",
+          std::round(drag[2] * 180 / std::numbers::pi * 1e9) / 1e9, "degrees, -360 to 360");
   }
 }
 

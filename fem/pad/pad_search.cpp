@@ -58,33 +58,82 @@ Interval widened(const Interval& a, double part) {
   return {a.left - more, a.right + more};
 }
 
-/// The indenter with sharp edges in place of those whose rounding `cells` cells along a side do not resolve. A tilted
-/// one keeps them where it is pressed on one side alone.
-PadIndenter sharpened(PadIndenter indenter, int cells, double depth) {
-  const auto sharp = [cells, depth, tilt = indenter.tilt](double& edge, double half_width) {
-    const double h = 2 * half_width / cells, reach = std::sqrt(edge * std::max(depth, 0.0));
-    const double rise = 2 * half_width * std::tan(tilt * std::numbers::pi / 180);
-    if (!(edge > 0 && rise < depth / 2 && edge < least_rounding * h && reach < least_reach * h)) return 0.0;
-    edge = 0;
-    return sharp_beyond * reach;
+double rounding_of(const PadShape& shape) {
+  const auto* punch = std::get_if<Punch>(&shape);
+  const auto* box = std::get_if<Box>(&shape);
+  return punch ? punch->edge : box ? box->edge : 0;
+}
+
+/// The rim of a flat under the force that the search found. For a mean pressure p at a mean depth d over a contact of
+/// radius a, and s = P / (2 a d E'), which is 1 on a thick layer, the energy that an edge set outwards releases gives
+/// strength^2 = p d (1 - 1 / (2 s)) / (2 pi E'). What counts is more than that mean around the edge.
+PadRim rim_of(const PadSearch& found, const PadScene& scene) {
+  constexpr double round_more = 1.1, box_more = 1.2;  // a box has more pressure near its corners
+  const bool round = std::holds_alternative<Punch>(scene.indenter.shape);
+  const auto& [x, y] = found.contact;
+  const double mean_depth = found.depth - tilt_height(scene.indenter, (x.left + x.right) / 2, (y.left + y.right) / 2);
+  if (!(rounding_of(scene.indenter.shape) > 0 && mean_depth > 0 && found.P > 0)) return {};
+  const double nu = scene.sensor.poisson, force = found.P * (1 - nu * nu) / scene.sensor.young;
+  const double area = (round ? std::numbers::pi / 4 : 1) * (x.right - x.left) * (y.right - y.left);
+  const double stiffening = std::max(1.0, force / (2 * std::sqrt(area / std::numbers::pi) * mean_depth));
+  const double squared = force / area * mean_depth * (1 - 0.5 / stiffening) / (2 * std::numbers::pi);
+  return {(round ? round_more : box_more) * std::sqrt(squared), found.depth, mean_depth};
+}
+
+/// A punch with a rim that stands up straight is a sharp one to its cells.
+void sharpen(PadIndenter& indenter, const PadRim& rim, int cells) {
+  auto* punch = std::get_if<Punch>(&indenter.shape);
+  if (punch == nullptr || punch->edge == 0) return;
+  const double reach = rim_reach(rim.strength, punch->edge);
+  const double rise = 2 * punch->radius * std::tan(indenter.tilt * std::numbers::pi / 180);
+  if (!(reach > 0 && reach < round_rim * 2 * punch->radius / cells && rise < rim.depth / 2)) return;
+  *punch = {punch->radius + rim_end * reach, 0};
+}
+
+/// Sets the sides of a contact to the outlines of a box's rims. Returns whether there are any.
+bool fit_to_rims(PadBox& contact, const PadRim& rim, const PadIndenter& indenter, int cells) {
+  const auto* box = std::get_if<Box>(&indenter.shape);
+  if (box == nullptr) return false;
+  bool any = false;
+  const auto fit = [&](double& side, double end, double width, double x, double y) {
+    const double h = width / cells, reach = rim_reach(rim.at(tilt_height(indenter, x, y)), box->edge);
+    if (!(reach > 0 && reach < straight_rim * h)) return;
+    side = std::copysign(end + rim_outline(reach, h), side);
+    any = true;
   };
-  if (auto* punch = std::get_if<Punch>(&indenter.shape)) punch->radius += sharp(punch->edge, punch->radius);
-  if (auto* box = std::get_if<Box>(&indenter.shape)) {
-    const double beyond = sharp(box->edge, std::sqrt(box->half_widths[0] * box->half_widths[1]));
-    for (double& width : box->half_widths) width += beyond;
-  }
-  return indenter;
+  const double a = box->half_widths[0], b = box->half_widths[1];
+  const double along_x = contact.x.right - contact.x.left, along_y = contact.y.right - contact.y.left;
+  fit(contact.x.left, a, along_x, -a, 0);
+  fit(contact.x.right, a, along_x, a, 0);
+  fit(contact.y.left, b, along_y, 0, -b);
+  fit(contact.y.right, b, along_y, 0, b);
+  return any;
 }
 
 }  // namespace
 
+PadIndenter aligned(PadIndenter indenter) {
+  if (std::holds_alternative<Punch>(indenter.shape)) {
+    indenter.yaw += indenter.tilt_direction;
+    indenter.tilt_direction = 0;
+  }
+  return indenter;
+}
+
 PadLayout lay_cells(const PadScene& scene, const PadLayer& layer, int cells, bool ladder) {
-  PadSearch found = find_pad_contact(scene, layer);
   PadScene seen = scene;
-  seen.indenter = sharpened(scene.indenter, cells, found.depth);
-  if (!(pad_edges(seen.indenter.shape).x.right == pad_edges(scene.indenter.shape).x.right))
-    found = find_pad_contact_at(found.depth, seen, layer);
-  return {seen.indenter, pad_cells(found.contact, seen.indenter, cells, scene.sensor.thickness, ladder)};
+  seen.indenter = aligned(scene.indenter);
+  return lay_cells(find_pad_contact(seen, layer), seen, cells, ladder);
+}
+
+PadLayout lay_cells(PadSearch found, const PadScene& scene, int cells, bool ladder) {
+  PadLayout laid{scene.indenter, {}};
+  const PadRim rim = rim_of(found, scene);
+  sharpen(laid.indenter, rim, cells);
+  const bool fitted = fit_to_rims(found.contact, rim, laid.indenter, cells);
+  laid.cells = pad_cells(found.contact, laid.indenter, cells, scene.sensor.thickness, ladder && !fitted);
+  if (!laid.cells.round) laid.cells.rim = rim;
+  return laid;
 }
 
 PadSearch find_pad_contact_at(double depth, const PadScene& scene, const PadLayer& layer) {

@@ -33,12 +33,13 @@ struct PadLayout {
   PadCells cells;
 };
 
-/// An edge that cells of side h do not resolve, with a rounding below 1.2 h whose contact reaches some sqrt(edge depth)
-/// < 0.6 h beyond the flat, stands to the cells as a sharp one, half of that farther out. Left alone it makes P of
-/// boxes 3 to 8 % wrong at 12 cells, as a sharp one some 1 %; mean heights of the cells make it worse.
-inline constexpr double least_rounding = 1.2, least_reach = 0.6, sharp_beyond = 0.5;
+/// Returns an indenter as the search and the cells see it: a tilted punch, which touches along an arc, in a frame
+/// turned so that this lies along the cells.
+PadIndenter aligned(PadIndenter indenter);
 
-/// Returns the cells of a scene, `cells` along a side (pad_cells), over the contact of the search.
+/// Returns the cells of a scene, `cells` along a side (pad_cells), over the contact of the search. With `found`: what
+/// find_pad_contact found for the aligned indenter, which `scene` has.
+PadLayout lay_cells(PadSearch found, const PadScene& scene, int cells, bool ladder);
 PadLayout lay_cells(const PadScene& scene, const PadLayer& layer, int cells, bool ladder);
 
 /// Returns the contact at a depth, in mm.

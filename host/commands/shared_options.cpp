@@ -36,9 +36,9 @@ void add_shared_options(CLI::App& command, SharedOptions& options, const char* p
   SolveOptions& solve = options.solve;
   command
       .add_option("--solver", solve.solver,
-                  "solver: batched (OpenCL), full-mesh (lines, no OpenCL, slow) or twin (pads, no OpenCL)")
+                  "solver: batched (OpenCL); without it full-mesh (lines, slow) or twin (pads)")
       ->check(CLI::IsMember(both(solver_names(), pad_solver_names())))
-      ->transform([](std::string name) { return name == "reference" ? std::string("full-mesh") : name; })
+      ->transform([](const std::string& name) { return name == "reference" ? std::string("full-mesh") : name; })
       ->capture_default_str();
   command
       .add_option("--precision", solve.precision,

@@ -128,10 +128,14 @@ void add_solve_command(CLI::App& app, Action& action) {
                    "write the whole answer as JSON; - for standard output, instead of the table")
       ->type_name("FILE");
   command
-      ->add_option("--plot", request->plot,
-                   "draw tractions on the surface (MPa), stress at the tactels (MPa) and S, over x (mm)")
+      ->add_option(
+          "--plot", request->plot,
+          "draw tractions on the surface (MPa), stress at the tactels (MPa) and S, over x (mm); of a pad from above")
       ->type_name("FILE.svg|FILE.png");
-  command->add_option("--field", request->field, "write displacement (mm) and stress (MPa) in the block, for ParaView")
+  command
+      ->add_option("--field", request->field,
+                   "write displacement (mm) and stress (MPa) in the block, for ParaView; of a pad the cells of its "
+                   "surface with tractions (MPa) and status: 0 open, 1 stick, 2 slip")
       ->type_name("FILE.vtu");
   command
       ->add_option("--html", request->html,

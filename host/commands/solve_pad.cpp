@@ -3,9 +3,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/commands/solve_page.h"
 #include "host/commands/solve_request.h"
 #include "host/contact/pad_json.h"
 #include "host/contact/pad_table.h"
+#include "host/figures/pad_figure.h"
+#include "host/figures/pad_view.h"
+#include "host/figures/vtu.h"
 #include "host/scenes/toml_table.h"
 #include "host/support/durable_file.h"
 #include "host/support/errors.h"
@@ -18,23 +22,28 @@ namespace {
 /// Everything that could make the results unwritable, before the work and not after it.
 void check_pad_outputs(const SolveRequest& request) {
   if (!request.json.empty() && request.json != "-") check_writable("--json", request.json);
-  const auto refuse = [](const char* option, const std::string& value, const char* why) {
-    throw ConfigError("command line", option, value, std::string("left out of a pad: ") + why);
-  };
-  if (!request.field.empty()) refuse("--field", request.field, "it has no mesh in the block");
-  if (request.derivatives) refuse("--derivatives", "", "only answers of a line have them");
-  if (!request.html.empty()) refuse("--html", request.html, "only answers of a line have a page");
-  if (!request.plot.empty()) refuse("--plot", request.plot, "only answers of a line have a plot");
+  if (!request.plot.empty()) check_figure_path("--plot", request.plot);
+  if (!request.html.empty()) check_writable("--html", request.html);
+  if (!request.field.empty()) check_writable("--field", request.field);
+  if (request.derivatives)
+    throw ConfigError("command line", "--derivatives", "", "left out of a pad: only answers of a line have them");
 }
 
 void write_pad_results(const SolveRequest& request, const PadOutcome& outcome) {
-  chosen_step(request, outcome.solution.steps.size());
+  const fem::PadScene& scene = outcome.scene;
+  const std::size_t step = chosen_step(request, outcome.solution.steps.size());
   if (request.json == "-") {
     fmt::print("{}", json_text(to_json(outcome)));
-    return;
+  } else {
+    if (!request.json.empty()) write_file("--json", request.json, json_text(to_json(outcome)));
+    fmt::print("{}", pad_table(outcome));
   }
-  if (!request.json.empty()) write_file("--json", request.json, json_text(to_json(outcome)));
-  fmt::print("{}", pad_table(outcome));
+  if (!request.plot.empty()) write_figure("--plot", request.plot, contact_figure(scene, outcome.solution, step));
+  if (!request.html.empty()) {
+    const std::size_t shown = request.step ? step : telling_step(outcome.solution);
+    write_file("--html", request.html, solve_page(outcome, shown).html());
+  }
+  if (!request.field.empty()) write_file("--field", request.field, to_vtu(scene, outcome.solution, step));
 }
 
 /// Errors that the answer alone shows, with the line of the scene's file.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "fem/contact_laws.h"
 #include "host/contact/solution_table.h"
@@ -14,6 +15,7 @@ namespace {
 
 using fem::ContactStep;
 using fem::GapStatus;
+using fem::PadStep;
 
 auto number_of(const ContactStep& step, GapStatus status) { return std::ranges::count(step.status, status); }
 
@@ -39,16 +41,20 @@ std::string headline(const fem::ContactSolution& solution, bool patch) {
                      stick + slip, patch ? "elements" : "nodes", forces);
 }
 
-void add_findings(Page& page, const SolveOutcome& outcome) {
-  const auto& steps = outcome.solution.steps;
-  const auto met = std::ranges::count_if(steps, &ContactStep::converged);
-  double residual = 0;
-  for (const ContactStep& step : steps) residual = std::max(residual, fem::largest(step.residual));
-  const bool all = met == std::ssize(steps);
+/// `residuals` of the steps, `met` of them within the tolerance.
+void add_certificate(Page& page, const std::vector<double>& residuals, std::ptrdiff_t met) {
+  const bool all = met == std::ssize(residuals);
   page.finding(
       all ? Tone::good : Tone::poor, all ? "certified" : "not met",
       fmt::format("{} of {} load steps meet the tolerance of the contact laws; the largest residual is {:.1e}.", met,
-                  steps.size(), residual));
+                  residuals.size(), std::ranges::max(residuals)));
+}
+
+void add_findings(Page& page, const SolveOutcome& outcome) {
+  const auto& steps = outcome.solution.steps;
+  std::vector<double> residuals;
+  for (const ContactStep& step : steps) residuals.push_back(fem::largest(step.residual));
+  add_certificate(page, residuals, std::ranges::count_if(steps, &ContactStep::converged));
   if (outcome.mesh_error) {
     const AnswerError& e = outcome.mesh_error->expected;
     page.finding(
@@ -83,11 +89,90 @@ PageTable steps_table(const SolveOutcome& outcome) {
   return table;
 }
 
+// ---- of a pad
+
+std::string title_of(const fem::PadScene& scene) {
+  return scene.title.empty() ? fem::shape_name(scene.indenter.shape) : scene.title;
+}
+
+bool slides(const PadStep& step) { return step.P > 0 && step.stick_fraction == 0; }
+
+std::string headline(const fem::PadSolution& solution) {
+  const PadStep& last = solution.steps.back();
+  const auto number = [&](GapStatus status) { return std::ranges::count(last.status, status); };
+  const auto stick = number(GapStatus::stick), touch = stick + number(GapStatus::slip);
+  const std::string forces =
+      fmt::format("P = {:.3f} N, |Q| = {:.3f} N and M = {:.3f} N mm", last.P, last.Q.norm(), last.M);
+  if (touch == 0) return "The indenter does not touch the rubber at the end of the path.";
+  if (!last.slip_index) return fmt::format("The contact ends with {}; S is not defined.", forces);
+  if (!slides(last))
+    return fmt::format("The contact holds with S = {:.3f}: {} of {} touching cells stick, with {}.", *last.slip_index,
+                       stick, touch, forces);
+  std::size_t first = solution.steps.size() - 1;  // of the steps at the end in which the whole contact slides
+  while (first > 0 && slides(solution.steps[first - 1])) --first;
+  return fmt::format("The whole contact slides from load step {} on: S = {:.3f}, with {}.", first + 1, *last.slip_index,
+                     forces);
+}
+
+void add_findings(Page& page, const PadOutcome& outcome) {
+  const auto& steps = outcome.solution.steps;
+  std::vector<double> residuals;
+  for (const PadStep& step : steps) residuals.push_back(step.residual.largest());
+  add_certificate(page, residuals, std::ranges::count_if(steps, &PadStep::converged));
+  if (outcome.error)
+    page.finding(Tone::fact, "error",
+                 fmt::format("To expect in S: {:.2g}, {}.", outcome.error->S,
+                             outcome.error->scenes == "this scene"
+                                 ? "estimated by half as many cells"
+                                 : "what 95 % of measured scenes stay below (" + outcome.error->scenes + ")"));
+  page.finding(Tone::fact, "model", fmt::format("{} ({}).", model_name(outcome), outcome.rung.name));
+  for (const std::string& warning : warnings(outcome)) page.finding(Tone::fair, "warning", warning);
+}
+
+PageTable steps_table(const PadOutcome& outcome) {
+  PageTable table{.caption =
+                      "The load steps. P, Q and M are the forces and the torque of the indenter on the rubber, M about "
+                      "its axis. S is 1 where no larger Q and M could be borne.",
+                  .head = {"step", "depth, mm", "x, mm", "y, mm", "twist, °", "P, N", "Qx, N", "Qy, N", "M, N mm", "S",
+                           "|Q| / µP", "stick, %", "residual", "met"}};
+  for (const PadStep& step : outcome.solution.steps) {
+    const auto part = [&](double value) { return short_number(without_rounding(value, step.P)); };
+    table.add({std::to_string(table.rows.size() + 1),
+               short_number(step.indentation),
+               short_number(step.x),
+               short_number(step.y),
+               fmt::format("{:.3g}", step.twist * 180 / std::numbers::pi),
+               short_number(step.P),
+               part(step.Q[0]),
+               part(step.Q[1]),
+               part(step.M),
+               step.slip_index ? fixed(*step.slip_index, 4) : "-",
+               step.force_ratio ? fixed(*step.force_ratio, 4) : "-",
+               fmt::format("{:.0f}", 100 * step.stick_fraction),
+               fmt::format("{:.1e}", step.residual.largest()),
+               {step.converged ? "yes" : "no", step.converged ? Tone::plain : Tone::poor}});
+  }
+  return table;
+}
+
+std::string subtitle(const auto& outcome) {
+  return fmt::format("A contact solved by tactel {}: {} solver, {}, {}", TACTEL_VERSION, outcome.solver,
+                     outcome.precision, outcome.device);
+}
+
 }  // namespace
 
+Page solve_page(const PadOutcome& outcome, std::size_t shown) {
+  Page page(title_of(outcome.scene), subtitle(outcome));
+  page.verdict(headline(outcome.solution));
+  add_findings(page, outcome);
+  page.contact(outcome.scene, outcome.solution, shown);
+  page.table(steps_table(outcome));
+  return page;
+}
+
 Page solve_page(const SolveOutcome& outcome, std::size_t shown) {
-  Page page(title_of(outcome.scene), fmt::format("A contact solved by tactel {}: {} solver, {}, {}", TACTEL_VERSION,
-                                                 outcome.solver, outcome.precision, outcome.device));
+  Page page(title_of(outcome.scene), subtitle(outcome));
   page.verdict(headline(outcome.solution, outcome.on_patch()));
   add_findings(page, outcome);
   page.contact(outcome.scene, outcome.solution, shown);

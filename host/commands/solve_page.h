@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include "host/contact/pad_solve.h"
 #include "host/contact/solve.h"
 #include "host/figures/page.h"
 
@@ -8,5 +9,6 @@ namespace tactel::host {
 /// Returns the page of a solved contact: what became of it, the contact over its load steps with the step `shown`
 /// first, and a table of the steps.
 Page solve_page(const SolveOutcome& outcome, std::size_t shown);
+Page solve_page(const PadOutcome& outcome, std::size_t shown);
 
 }  // namespace tactel::host

@@ -11,9 +11,9 @@
 #include <stdexcept>
 #include <tuple>
 
-#include "fem/pad/pad_search.h"
 #include "fem/value_error.h"
 #include "host/contact/pad_contact_tables.h"
+#include "host/contact/pad_search.h"
 #include "host/contact/strata.h"
 #include "kernels/shared/contact_layout.h"
 #include "kernels/shared/pad_layout.h"
@@ -32,7 +32,6 @@ double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 struct OnCells {
   fem::PadScene scene;
   fem::PadCells cells;
-  std::shared_ptr<const PadTables> tables;
   PadCellSize size;
 };
 
@@ -51,12 +50,13 @@ template <class Numbers>
 PadLanes in_lanes(const std::vector<OnCells>& on_cells, const Numbers& scenes, const PadContactOptions& options,
                   std::size_t width) {
   std::vector<double> friction;
+  friction.reserve(on_cells.size());
   for (const OnCells& of : on_cells) friction.push_back(of.scene.friction);
   const std::vector<int> stratum = strata(friction, pad_friction_strata);
   using Cost = std::tuple<int, std::size_t, int, double, std::size_t>;
   std::map<std::tuple<double, PadCellSize>, std::vector<Cost>> by_table;
   for (std::size_t i = 0; i < on_cells.size(); ++i) {
-    const auto& [scene, cells, tables, size] = on_cells[i];
+    const auto& [scene, cells, size] = on_cells[i];
     by_table[{scene.sensor.poisson, size}].emplace_back(scenes[i].increments, scene.indenter.shape.index(), stratum[i],
                                                         cells.half_size(), i);
   }
@@ -92,7 +92,7 @@ PadLanes in_lanes(const std::vector<OnCells>& on_cells, const Numbers& scenes, c
 }
 
 template <class Real>
-Buffer<Real> on_device(const Device& device, std::vector<Real> numbers) {
+Buffer<Real> device_copy(const Device& device, std::vector<Real> numbers) {
   if (numbers.empty()) numbers.resize(1);
   return Buffer<Real>(device, std::span<const Real>(numbers));
 }
@@ -108,7 +108,7 @@ fem::PadOptions PadContactOptions::twin() const {
 
 template <class Real>
 struct PadContact<Real>::State {
-  State(Executor& executor, const PadContactOptions& given) : executor(executor), options(given) {
+  State(Executor& executor, const PadContactOptions& given) : executor(executor), options(given), search(executor) {
     constexpr std::array known{8, 12, 16, 24};
     if (std::ranges::find(known, given.cells) == known.end())
       throw ValueError("cells", std::to_string(given.cells), "8, 12, 16 or 24");
@@ -140,7 +140,7 @@ struct PadContact<Real>::State {
     if (found != kept.end()) {
       kept.splice(kept.begin(), kept, found);
     } else {
-      kept.push_front(std::make_shared<const PadTables>(poisson, options.cells));
+      kept.push_front(std::make_shared<const PadTables>(poisson, options.cells, precision() == Precision::fp64));
       if (kept.size() > most_poissons) kept.pop_back();
     }
     return kept.front();
@@ -149,17 +149,18 @@ struct PadContact<Real>::State {
   std::vector<OnCells> on_cells(Scenes& scenes);
   LaneScenes<Real> numbers(const std::vector<OnCells>& on_cells, const Scenes& scenes) const;
   Buffer<Real> shared_tables(const std::vector<OnCells>& on_cells, const PadLanes& lanes,
-                             std::vector<std::int32_t>& table_of_group) const;
-  Buffer<Real> tables_of_lanes(const std::vector<OnCells>& on_cells, const PadLanes& lanes) const;
+                             std::vector<std::int32_t>& table_of_group);
+  Buffer<Real> tables_of_lanes(const std::vector<OnCells>& on_cells, const PadLanes& lanes);
   LaneArray<Real> heights(const std::vector<OnCells>& on_cells, const LaneState<Real>& lanes) const;
   LaneArray<Real> places(const std::vector<OnCells>& on_cells, const LaneState<Real>& lanes,
-                         std::vector<Real>& stress_tables) const;
+                         std::vector<Real>& stress_tables);
   void take_tactels(Laid& b) const;
   Launch contact_launch(const Laid& b, int vectors, std::size_t first_vector);
   Launch stress_launch(const Laid& b, int vectors);
 
   Executor& executor;
   PadContactOptions options;
+  PadSearch<Real> search;
   std::mutex making;                                 ///< of what is made at first use
   std::map<int, std::unique_ptr<Program>> programs;  ///< by vectors, or own_tables
   std::list<std::shared_ptr<const PadTables>> kept;  ///< the last used first
@@ -190,16 +191,25 @@ void PadContact<Real>::Scenes::push_back(const fem::PadScene& scene, PadPath pat
 /// The cells of each scene, and the tables that they need.
 template <class Real>
 std::vector<OnCells> PadContact<Real>::State::on_cells(Scenes& scenes) {
+  std::vector<const fem::PadScene*> searched;
+  for (auto& [scene, path, cells] : scenes.all_) {
+    if (cells) continue;
+    scene.indenter = fem::aligned(std::move(scene.indenter));
+    searched.push_back(&scene);
+  }
+  const std::vector<fem::PadSearch> found = search.find(searched);
+  auto next = found.begin();
   std::vector<OnCells> all;
   all.reserve(scenes.all_.size());
   std::shared_ptr<const PadTables> of;
   for (auto& [scene, path, cells] : scenes.all_) {
     if (!of || of->layer()->poisson() != scene.sensor.poisson) of = tables(scene.sensor.poisson);
     if (!cells) {
-      auto [indenter, laid] = fem::lay_cells(scene, *of->layer(), options.cells, options.ladder);
+      auto [indenter, laid] = fem::lay_cells(*next++, scene, options.cells, options.ladder);
       scene.indenter = std::move(indenter), cells = laid;
     }
-    all.push_back({std::move(scene), *cells, of, cell_size(*cells, scene.sensor.thickness)});
+    const PadCellSize size = cell_size(*cells, scene.sensor.thickness);
+    all.push_back({std::move(scene), *cells, size});
   }
   return all;
 }
@@ -209,7 +219,7 @@ LaneScenes<Real> PadContact<Real>::State::numbers(const std::vector<OnCells>& on
   LaneScenes<Real> all;
   const auto put = [](std::vector<Real>& to, double number) { to.push_back(static_cast<Real>(number)); };
   for (std::size_t i = 0; i < on_cells.size(); ++i) {
-    const auto& [scene, cells, tables, size] = on_cells[i];
+    const auto& [scene, cells, size] = on_cells[i];
     const std::vector<fem::PadIncrement> path = fem::pad_increments(scene.load, options.twin(), cells.half_size());
     const int steps = static_cast<int>(scenes.all_[i].path.steps.size());
     all.add({}, {.steps = steps,
@@ -239,7 +249,7 @@ LaneScenes<Real> PadContact<Real>::State::numbers(const std::vector<OnCells>& on
 
 template <class Real>
 Buffer<Real> PadContact<Real>::State::shared_tables(const std::vector<OnCells>& on_cells, const PadLanes& lanes,
-                                                    std::vector<std::int32_t>& table_of_group) const {
+                                                    std::vector<std::int32_t>& table_of_group) {
   std::map<std::tuple<double, PadCellSize>, std::int32_t> index;
   std::vector<Real> numbers;
   for (const std::size_t i : lanes.first_of_group) {
@@ -248,14 +258,14 @@ Buffer<Real> PadContact<Real>::State::shared_tables(const std::vector<OnCells>& 
         index.try_emplace({of.scene.sensor.poisson, of.size}, static_cast<std::int32_t>(index.size()));
     table_of_group.push_back(entry->second);
     if (!is_new) continue;
-    for (const double number : of.tables->shared_influence(of.size)) numbers.push_back(static_cast<Real>(number));
+    const std::vector<double> table = tables(of.scene.sensor.poisson)->shared_influence(of.size);
+    for (const double number : table) numbers.push_back(static_cast<Real>(number));
   }
-  return on_device(device(), std::move(numbers));
+  return device_copy(device(), std::move(numbers));
 }
 
 template <class Real>
-Buffer<Real> PadContact<Real>::State::tables_of_lanes(const std::vector<OnCells>& on_cells,
-                                                      const PadLanes& lanes) const {
+Buffer<Real> PadContact<Real>::State::tables_of_lanes(const std::vector<OnCells>& on_cells, const PadLanes& lanes) {
   const std::size_t side = static_cast<std::size_t>(options.cells) + 1,
                     rows = PAD_TABLE_HEAD + side * side * PAD_OWN_INFLUENCE;
   const std::size_t first = lanes.in_lane.size() - lanes.own_groups * width();
@@ -265,7 +275,7 @@ Buffer<Real> PadContact<Real>::State::tables_of_lanes(const std::vector<OnCells>
   for (std::size_t lane = first; lane < lanes.in_lane.size(); ++lane) {
     if (lanes.in_lane[lane] == no_scene) continue;
     const OnCells& of = on_cells[lanes.in_lane[lane]];
-    const auto table = of.tables->influence(of.size);
+    const auto table = tables(of.scene.sensor.poisson)->influence(of.size);
     const std::vector<Real> numbers(table->begin(), table->end());
     array.put(all.view(), lane - first, std::span(numbers));
   }
@@ -281,7 +291,7 @@ LaneArray<Real> PadContact<Real>::State::heights(const std::vector<OnCells>& on_
   std::ranges::fill(all.view(), Real(0));
   std::vector<Real> numbers;
   for (const std::size_t i : lanes.order) {
-    const auto& [scene, cells, tables, size] = on_cells[i];
+    const auto& [scene, cells, size] = on_cells[i];
     const Eigen::MatrixXd h = fem::cell_heights(cells, scene.indenter);
     numbers.clear();
     for (int k = 0; k < ring * ring; ++k)
@@ -295,16 +305,18 @@ LaneArray<Real> PadContact<Real>::State::heights(const std::vector<OnCells>& on_
 /// Where the cells of each lane lie, for the base stress; `stress_tables` takes the tables of its Poisson's ratios.
 template <class Real>
 LaneArray<Real> PadContact<Real>::State::places(const std::vector<OnCells>& on_cells, const LaneState<Real>& lanes,
-                                                std::vector<Real>& stress_tables) const {
+                                                std::vector<Real>& stress_tables) {
   LaneArray<Real> array(device(), lanes.lanes, 1, 1, PAD_PLACE_ROWS);
   const auto all = array.numbers.map(MapFor::writing);
   std::ranges::fill(all.view(), Real(0));  // no steps
   std::map<double, std::size_t> rows;
   for (const std::size_t i : lanes.order) {
-    const auto& [scene, cells, tables, size] = on_cells[i];
+    const auto& [scene, cells, size] = on_cells[i];
     const auto [row, is_new] = rows.try_emplace(scene.sensor.poisson, rows.size() * PadTables::stress_rows);
-    if (is_new)
-      for (const double number : tables->stress()) stress_tables.push_back(static_cast<Real>(number));
+    if (is_new) {
+      const auto of = tables(scene.sensor.poisson);
+      for (const double number : of->stress()) stress_tables.push_back(static_cast<Real>(number));
+    }
     const double H = scene.sensor.thickness, yaw = radians(scene.indenter.yaw);
     double place[PAD_PLACE_ROWS] = {};
     place[PAD_PLACE_X] = scene.indenter.position[0] / H, place[PAD_PLACE_Y] = scene.indenter.position[1] / H;
@@ -332,7 +344,7 @@ void PadContact<Real>::State::take_tactels(Laid& b) const {
     for (std::size_t axis = 0; axis < 2; ++axis)
       all[array.at(k / b.parts, k % b.parts, axis)] = static_cast<Real>(points.places(k, axis));
   b.points = array.numbers;
-  b.weights = on_device(device(), std::vector<Real>(points.weights.begin(), points.weights.end()));
+  b.weights = device_copy(device(), std::vector<Real>(points.weights.begin(), points.weights.end()));
 }
 
 template <class Real>
@@ -420,13 +432,13 @@ typename PadContact<Real>::Batch PadContact<Real>::prepare(Scenes scenes, bool f
 
   std::vector<std::int32_t> table_of_group;
   b.tables = s.shared_tables(b.on_cells, lanes, table_of_group);
-  b.table_of_group = on_device(s.device(), std::move(table_of_group));
+  b.table_of_group = device_copy(s.device(), std::move(table_of_group));
   b.own_tables = s.tables_of_lanes(b.on_cells, lanes);
   b.heights = s.heights(b.on_cells, b);
   b.more_inputs = {b.heights};
   std::vector<Real> stress_tables;
   b.places = s.places(b.on_cells, b, stress_tables);
-  b.stress_tables = on_device(s.device(), std::move(stress_tables));
+  b.stress_tables = device_copy(s.device(), std::move(stress_tables));
   s.take_tactels(b);
 
   const auto outputs = [&](std::size_t rows, bool written = true) {

@@ -2,25 +2,53 @@
 #include "host/contact/pad_contact_tables.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "fem/layer/legendre_points.h"
+#include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_solver.h"
 #include "kernels/shared/pad_layout.h"
 
 namespace tactel::host {
 namespace {
 
-/// Tables that are kept: scenes of a sensor meet some 160 of the ladder. One has 30 kB at 24 cells.
-constexpr std::size_t most_kept = 512;
+/// Tables that are kept: scenes of a sensor meet some 160 of the ladder, and some 400 around sizes between its rungs.
+/// One has 30 kB at 24 cells.
+constexpr std::size_t most_kept_numbers = std::size_t{1} << 22;
 
-/// Whether other scenes are likely to have this size, too.
-bool on_ladder(const PadCellSize& size) {
-  for (const long long side : {size.hx, size.hy}) {
-    const double rung = fem::rungs_an_octave * std::log2(PadCellSize::unit * static_cast<double>(side));
-    if (std::abs(rung - std::round(rung)) > 1e-9) return false;
+/// A side of a cell on a ladder of sizes with twice the rungs of that of cells: on a rung, or between the rungs first +
+/// 1 and first + 2, with the weights of Lagrange's cubic in the logarithm.
+struct OnLadder {
+  explicit OnLadder(long long side) {
+    const double rung = steps_an_octave * std::log2(PadCellSize::unit * static_cast<double>(side)),
+                 nearest = std::round(rung), q = rung - std::floor(rung);
+    if (std::abs(rung - nearest) <= 1e-9) {
+      first = static_cast<int>(nearest), weights = {1};
+    } else {
+      first = static_cast<int>(std::floor(rung)) - 1;
+      weights = {-q * (q - 1) * (q - 2) / 6, (q + 1) * (q - 1) * (q - 2) / 2, -(q + 1) * q * (q - 2) / 2,
+                 (q + 1) * q * (q - 1) / 6};
+    }
   }
-  return true;
+  bool on_a_rung() const { return weights.size() == 1; }
+  /// Of the rung of weight k.
+  long long side(std::size_t k) const {
+    return std::llround(std::exp2((first + static_cast<double>(k)) / steps_an_octave) / PadCellSize::unit);
+  }
+
+  static constexpr int steps_an_octave = 2 * fem::rungs_an_octave;
+  int first;
+  std::vector<double> weights;
+};
+
+/// Units of the numbers of an entry.
+std::array<double, PAD_OWN_INFLUENCE> units(double root_zz, double root_tt) {
+  std::array<double, PAD_OWN_INFLUENCE> units{};
+  units[PAD_ZZ] = root_zz * root_zz;
+  units[PAD_XX] = units[PAD_YY] = units[PAD_XY] = root_tt * root_tt;
+  units[PAD_XZ] = units[PAD_YZ] = root_zz * root_tt;
+  return units;
 }
 
 std::vector<double> stress_table(const fem::PadLayer& layer) {
@@ -45,36 +73,67 @@ PadCellSize cell_size(const fem::PadCells& cells, double thickness) {
   return {std::llround(cells.hx / unit), std::llround(cells.hy / unit)};
 }
 
-PadTables::PadTables(double poisson, int cells)
-    : cells_(cells), layer_(std::make_shared<const fem::PadLayer>(poisson)), stress_(stress_table(*layer_)) {}
+PadTables::PadTables(double poisson, int cells, bool exact)
+    : cells_(cells),
+      exact_(exact),
+      layer_(std::make_shared<const fem::PadLayer>(fem::pad_layer(poisson))),
+      stress_(stress_table(*layer_)) {}
 
 std::vector<double> PadTables::make_influence(const PadCellSize& size) const {
   const double hx = PadCellSize::unit * static_cast<double>(size.hx),
                hy = PadCellSize::unit * static_cast<double>(size.hy);
-  const fem::CellInfluence own = layer_->influence(1, hx, hy, 0, 0);
+  const std::vector<fem::CellInfluence> all = layer_->influences(1, hx, hy, cells_);
+  const fem::CellInfluence& own = all.front();
   const double zz = std::sqrt(own.zz), tt = std::sqrt(std::max(own.xx, own.yy));
+  const auto unit = units(zz, tt);
   std::vector<double> table(PAD_TABLE_HEAD + static_cast<std::size_t>((cells_ + 1) * (cells_ + 1)) * PAD_OWN_INFLUENCE);
   table[PAD_ROOT_ZZ] = zz, table[PAD_ROOT_TT] = tt, table[PAD_HX] = hx, table[PAD_HY] = hy;
   double* row = &table[PAD_TABLE_HEAD];
-  for (int i = 0; i <= cells_; ++i)
-    for (int j = 0; j <= cells_; ++j, row += PAD_OWN_INFLUENCE) {
-      const fem::CellInfluence c = layer_->influence(1, hx, hy, i * hx, j * hy);
-      row[PAD_ZZ] = c.zz / (zz * zz);
-      row[PAD_XX] = c.xx / (tt * tt), row[PAD_YY] = c.yy / (tt * tt), row[PAD_XY] = c.xy / (tt * tt);
-      row[PAD_XZ] = c.xz / (zz * tt), row[PAD_YZ] = c.yz / (zz * tt);
+  for (const fem::CellInfluence& c : all) {
+    row[PAD_ZZ] = c.zz, row[PAD_XX] = c.xx, row[PAD_YY] = c.yy, row[PAD_XY] = c.xy;
+    row[PAD_XZ] = c.xz, row[PAD_YZ] = c.yz;
+    for (int k = 0; k < PAD_OWN_INFLUENCE; ++k) row[k] /= unit[k];
+    row += PAD_OWN_INFLUENCE;
+  }
+  return table;
+}
+
+std::vector<double> PadTables::between_rungs(const PadCellSize& size) const {
+  const OnLadder x(size.hx), y(size.hy);
+  std::vector<double> table(PAD_TABLE_HEAD + static_cast<std::size_t>((cells_ + 1) * (cells_ + 1)) * PAD_OWN_INFLUENCE);
+  const auto each = [&](const auto& change) {
+    for (std::size_t at = PAD_TABLE_HEAD; at < table.size(); at += PAD_OWN_INFLUENCE)
+      for (int k = 0; k < PAD_OWN_INFLUENCE; ++k) change(at + k, k);
+  };
+  for (std::size_t i = 0; i < x.weights.size(); ++i)
+    for (std::size_t j = 0; j < y.weights.size(); ++j) {
+      const auto rung = influence({x.side(i), y.side(j)});
+      const double *from = rung->data(), weight = x.weights[i] * y.weights[j];
+      auto part = units(from[PAD_ROOT_ZZ], from[PAD_ROOT_TT]);
+      for (double& number : part) number *= weight;
+      each([&](std::size_t at, int k) { table[at] += part[k] * from[at]; });
     }
+  const double* own = &table[PAD_TABLE_HEAD];
+  const double zz = std::sqrt(own[PAD_ZZ]), tt = std::sqrt(std::max(own[PAD_XX], own[PAD_YY]));
+  table[PAD_ROOT_ZZ] = zz, table[PAD_ROOT_TT] = tt;
+  table[PAD_HX] = PadCellSize::unit * static_cast<double>(size.hx);
+  table[PAD_HY] = PadCellSize::unit * static_cast<double>(size.hy);
+  auto per = units(zz, tt);
+  for (double& number : per) number = 1 / number;
+  each([&](std::size_t at, int k) { table[at] *= per[k]; });
   return table;
 }
 
 std::shared_ptr<const std::vector<double>> PadTables::influence(const PadCellSize& size) const {
-  const bool keep = on_ladder(size);
-  if (keep) {
+  const bool keep = OnLadder(size.hx).on_a_rung() && OnLadder(size.hy).on_a_rung();
+  if (!keep) return std::make_shared<const std::vector<double>>(exact_ ? make_influence(size) : between_rungs(size));
+  {
     const std::lock_guard lock(making_);
     if (const auto kept = influence_.find(size); kept != influence_.end()) return kept->second;
   }
   auto made = std::make_shared<const std::vector<double>>(make_influence(size));
   const std::lock_guard lock(making_);
-  if (keep && influence_.size() < most_kept) influence_.emplace(size, made);
+  if ((influence_.size() + 1) * made->size() <= most_kept_numbers) influence_.emplace(size, made);
   return made;
 }
 

@@ -26,7 +26,9 @@ class PadTables {
   /// Rows of the base stress for each H, and of all: beyond 12 H it is below 2e-4 of a unit stress.
   static constexpr int stress_rows_a_thickness = 32, stress_rows = 12 * stress_rows_a_thickness + 1;
 
-  PadTables(double poisson, int cells);
+  /// Not `exact`: the influence of cells whose sides are not on the ladder lies between those of rungs, right to 1e-4
+  /// of a cell's on itself.
+  PadTables(double poisson, int cells, bool exact);
 
   const std::shared_ptr<const fem::PadLayer>& layer() const { return layer_; }
   /// Influence of cells on each other, of offsets from 0 to `cells`, as every lane has its own:
@@ -39,8 +41,10 @@ class PadTables {
 
  private:
   std::vector<double> make_influence(const PadCellSize& size) const;
+  std::vector<double> between_rungs(const PadCellSize& size) const;
 
   int cells_;
+  bool exact_;
   std::shared_ptr<const fem::PadLayer> layer_;
   std::vector<double> stress_;
   mutable std::mutex making_;                                                            ///< of the next

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/contact/pad_json.h"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
@@ -11,7 +12,8 @@ namespace {
 
 using PadJson = nlohmann::ordered_json;
 
-double degrees(double radians) { return radians * 180 / std::numbers::pi; }
+/// As a file has them: without what the way to radians and back leaves.
+double degrees(double radians) { return std::round(radians * 180 / std::numbers::pi * 1e9) / 1e9; }
 
 void add_pad_shape(PadJson& out, const fem::Sphere& s) { out["radius"] = s.radius; }
 void add_pad_shape(PadJson& out, const fem::Paraboloid& s) { out["radii"] = s.radii; }

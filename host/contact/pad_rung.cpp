@@ -78,8 +78,7 @@ PadError expected_pad_error(const PadRung& rung, const fem::PadScene& scene, dou
                                        {"depth over thickness", share, 0.02, 0.2}};
   if (scene.friction > 0) ranges.push_back({"friction", scene.friction, 0.1, 1.5});
   PadError error{errors.most95, errors.largest, name(of), outside_of(ranges)};
-  if (!error.outside.empty())
-    for (double* e : {&error.S, &error.largest}) *e = std::min(1.0, beyond_the_measured * *e);
+  if (!error.outside.empty()) error.S = std::min(1.0, beyond_the_measured * error.S);
   return error;
 }
 

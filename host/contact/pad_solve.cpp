@@ -6,11 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
+#include <tuple>
 
 #include "fem/number_text.h"
 #include "fem/pad/pad_reference.h"
 #include "fem/value_error.h"
+#include "host/contact/pad_contact.h"
 #include "host/contact/pad_stream.h"
 #include "host/scenes/unit_warnings.h"
 #include "host/support/errors.h"
@@ -18,8 +19,9 @@
 namespace tactel::host {
 namespace {
 
-constexpr double near_edge = 2, at_edge = 1;  ///< thicknesses from an edge: warned of, refused
-constexpr double twin_tolerance = 1e-7;       ///< of sweeps, as the kernel in fp64
+constexpr double near_edge = 2, at_edge = 1;               ///< thicknesses from an edge: warned of, refused
+constexpr double smallest_cell = 1e-5, largest_cell = 50;  ///< sides over the thickness
+constexpr double twin_tolerance = 1e-7;                    ///< of sweeps, as the kernel in fp64
 
 void check_pad_options(const SolveOptions& options) {
   if (options.solver != "batched" && options.solver != "twin")
@@ -36,6 +38,37 @@ void check_pad_options(const SolveOptions& options) {
   check_modelling(options);
 }
 
+/// Turns the frame of the cells to that of the pad.
+Eigen::Matrix2d frame_of(const fem::PadSolution& solution) {
+  const Eigen::Vector2d x = (solution.places.row(solution.cells.n) - solution.places.row(0)).normalized();
+  return (Eigen::Matrix2d() << x[0], -x[1], x[1], x[0]).finished();
+}
+
+/// Fills in how far the indenter has slid over the cells that touch, at most, which the kernel does not return: its
+/// path at the cell less the rubber's (fem/pad/pad_cells.h).
+void add_slip_distances(fem::PadSolution& solution, const fem::PadScene& scene, const fem::PadLayer& layer) {
+  const fem::PadCells& cells = solution.cells;
+  const fem::PadInfluence c(layer, scene.sensor.thickness, cells.hx, cells.hy, cells.n);
+  const double per_force = 1 / (cells.area() * scene.sensor.young);
+  const Eigen::Matrix2d to_own = frame_of(solution).transpose();
+  for (fem::PadStep& step : solution.steps) {
+    const Eigen::MatrixX2d t = step.tangential_force * to_own.transpose();
+    const Eigen::Vector2d moved = to_own * Eigen::Vector2d(step.x, step.y);
+    for (int i = 0; i < cells.count(); ++i) {
+      if (!(step.normal_force[i] > 0)) continue;
+      const int ix = i / cells.n, iy = i % cells.n;
+      Eigen::Vector2d u = {0, 0};
+      for (int j = 0; j < cells.count(); ++j) {
+        const Eigen::Index at = c.at(j / cells.n - ix, j % cells.n - iy);
+        u[0] += c.xx[at] * t(j, 0) + c.xy[at] * t(j, 1) - c.xz[at] * step.normal_force[j];
+        u[1] += c.xy[at] * t(j, 0) + c.yy[at] * t(j, 1) - c.yz[at] * step.normal_force[j];
+      }
+      const Eigen::Vector2d path(moved[0] - step.twist * cells.y(iy), moved[1] + step.twist * cells.x(ix));
+      step.slip_distance = std::max(step.slip_distance, (path - per_force * u).norm());
+    }
+  }
+}
+
 template <class Real>
 void solve_by_kernel(PadOutcome& outcome, Executor& executor, const SolveOptions& options) {
   PadContactOptions kernel{.cells = outcome.rung.cells, .increments = outcome.rung.increments};
@@ -43,6 +76,8 @@ void solve_by_kernel(PadOutcome& outcome, Executor& executor, const SolveOptions
   const PadContact<Real> contact(executor, kernel);
   outcome.solution = std::move(solve_pad_contact(contact, std::span(&outcome.scene, 1)).front());
   outcome.fell_back = outcome.solution.fell_back;
+  if (!outcome.fell_back)
+    add_slip_distances(outcome.solution, outcome.scene, *contact.layer(outcome.scene.sensor.poisson));
 }
 
 void solve_on_device(PadOutcome& outcome, const SolveOptions& options) {
@@ -91,6 +126,17 @@ void each_touched(const fem::PadSolution& solution, const F& f) {
   for (Eigen::Index i = 0; i < solution.places.rows(); ++i)
     if (std::ranges::any_of(solution.steps, [&](const fem::PadStep& step) { return step.normal_force[i] > 0; }))
       f(Eigen::Vector2d(solution.places.row(i).transpose()));
+}
+
+/// Shapes whose contact is a needle or a plain to the rubber are beyond the tables of the layer.
+void refuse_degenerate(const fem::PadScene& scene, const fem::PadSolution& solution) {
+  const auto& [hx, hy] = std::tie(solution.cells.hx, solution.cells.hy);
+  const double H = scene.sensor.thickness;
+  if (std::min(hx, hy) >= smallest_cell * H && std::max(hx, hy) <= largest_cell * H) return;
+  throw ValueError("indenter.shape", fem::shape_name(scene.indenter.shape),
+                   fmt::format("one whose contact measures {:.2g} to {:.2g} mm along a side, not {:.3g} x {:.3g} mm",
+                               solution.cells.n * smallest_cell * H, solution.cells.n * largest_cell * H,
+                               solution.cells.n * hx, solution.cells.n * hy));
 }
 
 void refuse_at_edge(const fem::PadScene& scene, const fem::PadSolution& solution) {
@@ -170,6 +216,7 @@ PadOutcome solve(const fem::PadScene& scene, const SolveOptions& options) {
       solve_on_host(outcome, options);
     else
       solve_on_device(outcome, options);
+    refuse_degenerate(scene, outcome.solution);
     if (!outcome.rung.exact) outcome.error = expected_pad_error(outcome.rung, scene, rough_depth());
   };
   on_rung();
@@ -193,10 +240,8 @@ std::string model_name(const PadOutcome& outcome) {
 std::optional<double> distance_to_edge(const fem::PadScene& scene, const fem::PadSolution& solution) {
   const fem::PadSensor& sensor = scene.sensor;
   if (!sensor.length && !sensor.width) return std::nullopt;
-  const double yaw = scene.indenter.yaw * std::numbers::pi / 180;
-  const double c = std::abs(std::cos(yaw)), s = std::abs(std::sin(yaw));
-  const Eigen::Vector2d half(c * solution.cells.hx / 2 + s * solution.cells.hy / 2,  // of a cell, along x and y
-                             s * solution.cells.hx / 2 + c * solution.cells.hy / 2);
+  const Eigen::Vector2d half =  // of a cell, along x and y
+      frame_of(solution).cwiseAbs() * Eigen::Vector2d(solution.cells.hx / 2, solution.cells.hy / 2);
   double least = std::numeric_limits<double>::infinity();
   each_touched(solution, [&](const Eigen::Vector2d& place) {
     const Eigen::Vector2d out = place.cwiseAbs() + half;

@@ -14,26 +14,33 @@ namespace {
 std::string pad_header(const PadOutcome& outcome) {
   const fem::PadSensor& s = outcome.scene.sensor;
   std::string out = outcome.scene.title.empty() ? "" : outcome.scene.title + "\n";
-  out += fmt::format("{} on a pad of {} x {} tactels, {:g} mm of rubber, E = {:g} MPa, nu = {:g}, mu = {:g}\n",
+  out += fmt::format("{} on {} x {} tactels, {:g} mm of rubber, E = {:g} MPa, nu = {:g}, mu = {:g}\n",
                      fem::shape_name(outcome.scene.indenter.shape), s.tactels[0], s.tactels[1], s.thickness, s.young,
                      s.poisson, outcome.scene.friction);
   return out + fmt::format("{} ({}), solver {}, {}\n{}\n\n", model_name(outcome), outcome.rung.name, outcome.solver,
                            outcome.precision, outcome.device);
 }
 
+/// A part of the tangential load with as many digits as P has.
+std::string beside(double P, double part) {
+  const double value = without_rounding(part, P);
+  if (P < 0.01 || P >= 1000) return short_number(value);
+  return fixed(value, P < 10 ? 4 : P < 100 ? 3 : 2);
+}
+
 std::string pad_row(std::size_t number, const fem::PadStep& step) {
-  const auto part = [&](double Q) { return short_number(without_rounding(Q, step.P)); };
   return fmt::format("{:>4} {:>7} {:>7} {:>7} {:>5.3g} {:>7} {:>7} {:>7} {:>7} {:>6} {:>4.0f}\n", number,
                      short_number(step.indentation), short_number(step.x), short_number(step.y),
-                     step.twist * 180 / std::numbers::pi, short_number(step.P), part(step.Q[0]), part(step.Q[1]),
-                     part(step.M), step.slip_index ? fixed(*step.slip_index, 4) : "-", 100 * step.stick_fraction);
+                     step.twist * 180 / std::numbers::pi, short_number(step.P), beside(step.P, step.Q[0]),
+                     beside(step.P, step.Q[1]), beside(step.P, step.M),
+                     step.slip_index ? fixed(*step.slip_index, 4) : "-", 100 * step.stick_fraction);
 }
 
 std::string error_line(const PadError& error) {
   std::string out = fmt::format("error in S to expect: {:.2g}", error.S);
   if (error.scenes == "this scene") return out + ", estimated by half as many cells\n";
-  out += fmt::format(" (95 % of scenes: {}; largest measured {:.2g}", error.scenes, error.largest);
-  return out + (error.outside.empty() ? ")\n" : "), three times\n  that of measured scenes, for this one is outside\n");
+  if (!error.outside.empty()) return out + ", three times that of the scenes that were measured\n";
+  return out + fmt::format(" (95 % of scenes, {}), at most {:.2g}\n", error.scenes, error.largest);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "host/figures/gnuplot_script.h"
+#include "host/figures/view_parts.h"
 
 namespace tactel::host {
 namespace {
@@ -14,8 +15,6 @@ namespace {
 using fem::ContactSolution;
 using fem::ContactStep;
 using fem::GapStatus;
-
-std::vector<double> list(const Eigen::VectorXd& values) { return {values.begin(), values.end()}; }
 
 double column_width(const ContactSolution& solution) { return solution.surface_x[1] - solution.surface_x[0]; }
 

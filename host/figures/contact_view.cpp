@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "fem/stress_field.h"
 #include "host/figures/contact_figure.h"
@@ -21,17 +20,6 @@ using fem::GapStatus;
 using Range = std::pair<double, double>;
 
 constexpr int field_columns = 81, field_rows = 13;
-constexpr std::size_t most_steps = 24;
-
-Json rounded(double value, int digits = 5) {
-  if (!std::isfinite(value)) return {};
-  return std::strtod(fmt::format("{:.{}g}", value, digits).c_str(), nullptr);
-}
-Json rounded(const auto& values, int digits = 5) {
-  Json out = Json::array();
-  for (const double value : values) out.push_back(rounded(value, digits));
-  return out;
-}
 
 bool touches(GapStatus status) { return status != GapStatus::open; }
 
@@ -41,16 +29,6 @@ bool touches(GapStatus status) { return status != GapStatus::open; }
 std::size_t bytes_of_step(const ContactSolution& solution) {
   return 5 * 4 * field_columns * field_rows / 3 + 45 * static_cast<std::size_t>(solution.surface_x.size()) +
          18 * static_cast<std::size_t>(solution.tactel_x.size());
-}
-
-std::vector<std::size_t> shown_steps(const ContactSolution& solution, std::size_t shown) {
-  constexpr std::size_t budget = 330'000;  // bytes
-  const std::size_t count = solution.steps.size(),
-                    most = std::clamp<std::size_t>(budget / bytes_of_step(solution), 2, most_steps);
-  std::set<std::size_t> steps = {shown, count - 1};
-  const std::size_t even = count <= most ? count : most - 2;  // evenly along the path, from the first on
-  for (std::size_t k = 0; k < even; ++k) steps.insert(k * count / even);
-  return {steps.begin(), steps.end()};
 }
 
 /// The touched part of the surface over all steps, with the rubber around it.
@@ -207,7 +185,7 @@ class Builder {
       : scene_(scene),
         solution_(solution),
         window_(window_of(scene, solution)),
-        steps_(shown_steps(solution, shown)),
+        steps_(shown_steps(solution.steps.size(), shown, bytes_of_step(solution))),
         shown_(shown),
         sensor_(field_sensor(scene, patch())),
         fields_(fields_of(sensor_, solution, steps_)),
@@ -342,9 +320,7 @@ class Builder {
                 : fmt::format("the stress on the contact's own mesh of {}", mesh),
         field_columns, field_rows, clipped() ? "; the rarest 0.25 % at either end are cut off" : "",
         factor == 1 ? "" : fmt::format("Displacements and the indenter's height are drawn {} times as large. ", factor),
-        steps_.size() == solution_.steps.size()
-            ? ""
-            : fmt::format("{} of {} load steps are shown. ", steps_.size(), solution_.steps.size()));
+        steps_left_out(steps_.size(), solution_.steps.size()));
   }
   bool clipped() const { return std::ranges::any_of(quantities_, &Quantity::clipped); }
 

@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <nlohmann/json.hpp>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "fem/contact_solution.h"
 #include "fem/scene.h"
+#include "host/figures/view_parts.h"
 
 namespace tactel::host {
-
-/// A solved contact over its load steps as the script of pages draws it (host/figures/page/contact.js), and what the
-/// picture shows, in words.
-struct ContactView {
-  nlohmann::ordered_json data;
-  std::string caption;
-};
 
 /// Returns the view of a contact: indenter, displaced rubber, status, tractions, stress in the rubber and at the
 /// tactels, and forces along the path. The stress in the rubber is that of the block of finite elements under the

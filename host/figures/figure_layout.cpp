@@ -7,7 +7,7 @@
 namespace tactel::host {
 namespace {
 
-constexpr int right_margin = 24, title_margin = 36, legend_row_height = 20;
+constexpr int right_margin = 24, title_margin = 36;
 
 std::pair<double, double> data_range(const std::vector<Series>& series, std::vector<double> Series::*member) {
   double low = INFINITY, high = -INFINITY;
@@ -35,13 +35,16 @@ int legend_rows(const Figure& f, const Panel& p) {
     entries += s.label.empty() ? 0 : 1;
     longest = std::max(longest, static_cast<int>(s.label.size()));
   }
-  const int beside = std::max(1, axes_width(f) / (sample + letter * longest));
+  const int beside = p.mosaic ? 1 : std::max(1, axes_width(f, p) / (sample + letter * longest));
   return (entries + beside - 1) / beside;
 }
 
 int top_margin(const Figure& f, const Panel& p) { return title_margin + legend_row_height * legend_rows(f, p); }
 
-int axes_width(const Figure& f) { return f.width / std::max(1, f.columns) - left_margin - right_margin; }
+int axes_width(const Figure& f, const Panel& p) {
+  constexpr int colour_scale = 56;
+  return f.width / std::max(1, f.columns) - left_margin - right_margin - (p.mosaic ? colour_scale : 0);
+}
 
 int axes_height(const Figure& f, const Panel& p) { return f.panel_height - bottom_margin - top_margin(f, p); }
 

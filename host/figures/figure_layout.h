@@ -10,15 +10,16 @@ namespace tactel::host {
 
 /// Space under the axes for tick labels, and left of them.
 inline constexpr int bottom_margin = 54, left_margin = 86;
-inline constexpr int figure_title_height = 34;
+inline constexpr int figure_title_height = 34, legend_row_height = 20;
 
 /// Returns the height of the whole figure.
 int figure_height(const Figure& figure);
-/// Returns the rows of the legend over the axes. gnuplot gives every entry the width of the longest.
+/// Returns the rows of the legend over the axes. gnuplot gives every entry the width of the longest, and over a mosaic
+/// a row.
 int legend_rows(const Figure& figure, const Panel& panel);
 /// Returns the space over the axes, for title and legend.
 int top_margin(const Figure& figure, const Panel& panel);
-int axes_width(const Figure& figure);
+int axes_width(const Figure& figure, const Panel& panel);
 int axes_height(const Figure& figure, const Panel& panel);
 
 /// Return the range of the axes: the given one, or that of the data.

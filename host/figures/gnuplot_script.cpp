@@ -106,7 +106,7 @@ std::string tick_words(std::pair<double, double> shown, int pixels, int pixels_e
 std::string x_ticks(const Figure& f, const Panel& p) {
   constexpr int pixels_each = 56;
   if (p.x_ticks.empty())
-    return "set xtics " + (p.log_x ? "autofreq" : tick_words(shown_x(p), axes_width(f), pixels_each)) + "\n";
+    return "set xtics " + (p.log_x ? "autofreq" : tick_words(shown_x(p), axes_width(f, p), pixels_each)) + "\n";
   std::string out;
   for (const auto& [place, name] : p.x_ticks)
     out += (out.empty() ? "" : ", ") + tick_in_quotes(name) + " " + number(place);
@@ -132,33 +132,76 @@ std::string axes(const Figure& f, const Panel& p) {
   return out + "set grid lt 1 lw 0.7 lc rgb '#dfe3e7'\n";
 }
 
-/// Where the panel's axes stand in the figure, as fractions from its lower left.
-std::string place(const Figure& f, std::size_t index, int height) {
+/// Where the panel's axes stand in the figure, pixels from its lower left.
+struct Corner {
+  double left, bottom, top;
+};
+Corner corner_of(const Figure& f, std::size_t index, int height) {
   const int columns = std::max(1, f.columns), row = static_cast<int>(index) / columns,
             column = static_cast<int>(index) % columns;
-  const double panel_width = static_cast<double>(f.width) / columns;
   const int head = f.title.empty() ? 0 : figure_title_height;
   const double top = height - head - row * f.panel_height;
-  const double left = column * panel_width + left_margin;
+  return {static_cast<double>(f.width) / columns * column + left_margin, top - f.panel_height + bottom_margin,
+          top - top_margin(f, f.panels[index])};
+}
+
+/// The same as margins, fractions of the figure.
+std::string place(const Figure& f, std::size_t index, int height) {
+  const Corner corner = corner_of(f, index, height);
   const auto across = [&](double pixels) { return pixels / f.width; };
   const auto up = [&](double pixels) { return pixels / height; };
   return fmt::format(
       "set lmargin at screen {:.5f}\nset rmargin at screen {:.5f}\nset tmargin at screen {:.5f}\nset bmargin at screen "
       "{:.5f}\n",
-      across(left), across(left + axes_width(f)), up(top - top_margin(f, f.panels[index])),
-      up(top - f.panel_height + bottom_margin));
+      across(corner.left), across(corner.left + axes_width(f, f.panels[index])), up(corner.top), up(corner.bottom));
 }
 
 std::string plot_command(const Panel& p, std::size_t index) {
   std::vector<std::string> parts;
+  if (p.mosaic && !p.mosaic->values.empty())
+    parts.push_back(block_name(index, "tiles") + " using 1:2:(0):3 with pm3d notitle");
   for (std::size_t k = 0; k < p.series.size(); ++k) {
     const Series& s = p.series[k];
     const std::string legend = s.label.empty() ? "notitle" : "title " + in_quotes(s.label);
-    parts.push_back(
-        fmt::format("{} using {} {} {}", block_name(index, std::to_string(k)), columns_of(s), legend, style(s)));
+    parts.push_back(fmt::format("{} using {}{} {} {}", block_name(index, std::to_string(k)), columns_of(s),
+                                p.mosaic ? ":(0)" : "", legend, style(s)));
   }
   if (parts.empty()) parts.push_back("NaN notitle");
-  return fmt::format("plot {}\n", fmt::join(parts, ", \\\n  "));
+  return fmt::format("{} {}\n", p.mosaic ? "splot" : "plot", fmt::join(parts, ", \\\n  "));
+}
+
+/// A surface of two by two points each tile: x, y, value.
+std::string mosaic_data(const std::string& name, const Mosaic& m) {
+  std::string out = name + " << END\n";
+  for (std::size_t tile = 0; tile < m.values.size(); ++tile) {
+    for (const std::size_t corner : {0, 1, 3, 2}) {
+      const std::size_t at = 4 * tile + corner;
+      out += fmt::format("{} {} {}\n{}", number(m.x[at]), number(m.y[at]), number(m.values[tile]),
+                         corner == 1   ? "\n"
+                         : corner == 2 ? "\n\n"
+                                       : "");
+    }
+  }
+  return out + "END\n";
+}
+
+/// Colours as those of pages (host/figures/page/raster.js), their scale to the right of the axes.
+std::string mosaic_colours(const Figure& f, std::size_t index, int height) {
+  const Mosaic& m = *f.panels[index].mosaic;
+  const bool diverging = m.palette == Palette::diverging;
+  const Corner corner = corner_of(f, index, height);
+  const double right = corner.left + axes_width(f, f.panels[index]) + 10;
+  return fmt::format(
+      "set view map\nset pm3d map corners2color c1\nset palette defined ({})\nset cbrange [{}:{}]\nset cblabel {}\n"
+      "set xtics offset 0,0.5\nset xlabel offset 0,0.9\nset key at screen {:.5f},{:.5f}\nset colorbox user origin "
+      "screen {:.5f},{:.5f} size screen "
+      "{:.5f},{:.5f}\nset cbtics {}\n",
+      diverging ? "0 '#1b4b96', 1 '#6ba1d6', 2 '#f5f4f0', 3 '#e88f6c', 4 '#a11d22'"
+                : "0 '#f8f5ee', 1 '#f1c573', 2 '#d76f3d', 3 '#8d2048', 4 '#360d3c'",
+      number(diverging ? -m.most : 0), number(m.most), in_quotes(m.unit), corner.left / f.width,
+      (corner.top + 4 + legend_row_height * legend_rows(f, f.panels[index])) / height, right / f.width,
+      corner.bottom / height, 10.0 / f.width, (corner.top - corner.bottom) / height,
+      number(tick_distance({diverging ? -m.most : 0, m.most}, 5)));
 }
 
 /// Size and letters; a bitmap gets two pixels for one, to stay sharp.
@@ -173,7 +216,11 @@ std::string panel_script(const Figure& f, std::size_t index, int height) {
   if (p.raster) throw PlotError("gnuplot draws no raster; a page does");
   for (std::size_t k = 0; k < p.series.size(); ++k)
     out += series_data(block_name(index, std::to_string(k)), p.series[k]);
-  return out + axes(f, p) + place(f, index, height) + plot_command(p, index);
+  out += axes(f, p) + place(f, index, height);
+  if (!p.mosaic) return out + plot_command(p, index);
+  return out + mosaic_data(block_name(index, "tiles"), *p.mosaic) + mosaic_colours(f, index, height) +
+         "set border 15\nunset grid\n" + plot_command(p, index) +
+         "set border 3\nset xtics offset 0,0\nset xlabel offset 0,0.2\nset key at graph 0,1.03\n";
 }
 
 }  // namespace
@@ -194,7 +241,7 @@ std::string gnuplot_script(const Figure& figure, const std::string& terminal, co
   out +=
       "set border 3 lw 1 lc rgb '#7b828c'\nset tics nomirror out scale 0.6 textcolor rgb '#3a4048'\n"
       "set xlabel offset 0,0.2 textcolor rgb '#3a4048'\n"
-      "set ylabel textcolor rgb '#3a4048'\nset style fill solid\n"
+      "set ylabel textcolor rgb '#3a4048'\nset style fill solid\nset clip two\n"
       "set key at graph 0,1.03 left bottom horizontal Left reverse samplen 1.8 spacing 1.1 width 1 textcolor rgb "
       "'#3a4048'\n";
   out += fmt::format("set multiplot{}\n",

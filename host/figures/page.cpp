@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/figures/contact_view.h"
+#include "host/figures/pad_view.h"
 #include "host/figures/page_files.h"
 
 namespace tactel::host {
@@ -37,8 +38,8 @@ const char* name(Tone tone) {
 std::string rich(const std::string& text) {
   std::string out = escaped(text);
   for (const auto& [plain, low] :
-       {std::pair("σ_y", "σ<sub>y</sub>"), std::pair("τ_xy", "τ<sub>xy</sub>"), std::pair("u_x", "u<sub>x</sub>"),
-        std::pair("u_y", "u<sub>y</sub>"), std::pair("θ_L", "θ<sub>L</sub>")}) {
+       {std::pair("σ_y", "σ<sub>y</sub>"), std::pair("σ_z", "σ<sub>z</sub>"), std::pair("τ_xy", "τ<sub>xy</sub>"),
+        std::pair("u_x", "u<sub>x</sub>"), std::pair("u_y", "u<sub>y</sub>"), std::pair("θ_L", "θ<sub>L</sub>")}) {
     for (std::size_t at = out.find(plain); at != std::string::npos; at = out.find(plain, at))
       out.replace(at, std::string_view(plain).size(), low);
   }
@@ -264,6 +265,11 @@ void Page::contact(const fem::Scene& scene, const fem::ContactSolution& solution
                    const std::string& about) {
   const ContactView view = contact_view(scene, solution, shown);
   drawing("contact", view.data, view.caption + (about.empty() ? "" : " " + about));
+}
+void Page::contact(const fem::PadScene& scene, const fem::PadSolution& solution, std::size_t shown,
+                   const std::string& about) {
+  const ContactView view = contact_view(scene, solution, shown);
+  drawing("pad", view.data, view.caption + (about.empty() ? "" : " " + about));
 }
 
 std::string page_style() { return std::string(page_files::sources().front().text); }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "fem/contact_solution.h"
+#include "fem/pad/pad_solver.h"
 #include "fem/scene.h"
 #include "host/figures/plot.h"
 
@@ -67,6 +68,8 @@ class Page {
   void figure(const Figure& figure, const std::string& caption);
   /// Adds a solved contact with a slider over its load steps, the step `shown` first. `about` is added to the caption.
   void contact(const fem::Scene& scene, const fem::ContactSolution& solution, std::size_t shown,
+               const std::string& about = "");
+  void contact(const fem::PadScene& scene, const fem::PadSolution& solution, std::size_t shown,
                const std::string& about = "");
   std::string html() const;
 

@@ -9,7 +9,7 @@
 
 namespace tactel::host {
 
-/// Figures: panels in rows. A panel is series over a pair of axes, on top of an optional raster. gnuplot draws a figure
+/// Figures: panels in rows. A panel is series over a pair of axes, on top of an optional map. gnuplot draws a figure
 /// as a file (this header), a page draws it in the browser (page.h).
 
 /// `diamonds` are the numbers of the paper.
@@ -40,10 +40,20 @@ struct Raster {
   int isolines = 0;                                   ///< lines of equal value over a smooth image; 0: plain cells
 };
 
+/// Quadrangles coloured by their values, below the series. gnuplot alone draws them.
+struct Mosaic {
+  std::vector<double> x{}, y{};  ///< [tiles, 4] corners in their order around, in axis units
+  std::vector<double> values{};  ///< [tiles]
+  std::string unit{};            ///< beside the colour scale
+  Palette palette = Palette::sequential;
+  double most = 1;  ///< end of the colour scale; it begins at 0, a diverging one at -most
+};
+
 struct Panel {
   std::string title{}, x_label{}, y_label{};
   std::vector<Series> series{};
   std::optional<Raster> raster{};
+  std::optional<Mosaic> mosaic{};
   std::optional<std::pair<double, double>> x_range{}, y_range{};
   std::vector<std::pair<double, std::string>> x_ticks{};  ///< labelled positions instead of numbers
   bool log_x = false, log_y = false;

@@ -4,6 +4,8 @@
 #include <charconv>
 #include <vector>
 
+#include "host/figures/pad_view.h"
+
 namespace tactel::host {
 namespace {
 
@@ -31,15 +33,27 @@ std::vector<double> in_space(const Eigen::Matrix2Xd& plane) {
   return out;
 }
 
-std::string cells(const fem::Mesh& mesh) {
-  constexpr int vtk_quad = 9, vtk_quadratic_quad = 23;  // VTK's cell types; node order as in fem::Mesh
-  const Eigen::Index count = mesh.cell.rows(), nodes = mesh.cell.cols();
+constexpr int vtk_quad = 9, vtk_quadratic_quad = 23;  // VTK's cell types; node order as in fem::Mesh
+
+/// `nodes` [cells][nodes of a cell].
+std::string cells(const Eigen::MatrixXi& nodes, int type) {
   std::vector<Eigen::Index> offsets;
-  for (Eigen::Index i = 1; i <= count; ++i) offsets.push_back(i * nodes);
-  const std::vector<int> types(static_cast<std::size_t>(count), nodes == 8 ? vtk_quadratic_quad : vtk_quad);
-  return "      <Cells>\n" + data_array("type=\"Int32\" Name=\"connectivity\"", mesh.cell.reshaped<Eigen::RowMajor>()) +
+  for (Eigen::Index i = 1; i <= nodes.rows(); ++i) offsets.push_back(i * nodes.cols());
+  const std::vector<int> types(static_cast<std::size_t>(nodes.rows()), type);
+  return "      <Cells>\n" + data_array("type=\"Int32\" Name=\"connectivity\"", nodes.reshaped<Eigen::RowMajor>()) +
          data_array("type=\"Int32\" Name=\"offsets\"", offsets) + data_array("type=\"UInt8\" Name=\"types\"", types) +
          "      </Cells>\n";
+}
+
+/// A file of one piece. `data`: PointData or CellData; `points` [points, 3] mm.
+std::string document(const std::string& data, const std::vector<double>& points, const Eigen::MatrixXi& nodes,
+                     int type) {
+  return "<?xml version=\"1.0\"?>\n<!-- lengths in mm, stresses in MPa -->\n"
+         "<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n  <UnstructuredGrid>\n"
+         "    <Piece NumberOfPoints=\"" +
+         std::to_string(points.size() / 3) + "\" NumberOfCells=\"" + std::to_string(nodes.rows()) + "\">\n" + data +
+         "      <Points>\n" + data_array("type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\"", points) +
+         "      </Points>\n" + cells(nodes, type) + "    </Piece>\n  </UnstructuredGrid>\n</VTKFile>\n";
 }
 
 std::string point_data(const fem::StressField& field) {
@@ -55,13 +69,24 @@ std::string point_data(const fem::StressField& field) {
 }  // namespace
 
 std::string to_vtu(const fem::StressField& field) {
-  return "<?xml version=\"1.0\"?>\n<!-- lengths in mm, stresses in MPa -->\n"
-         "<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n  <UnstructuredGrid>\n"
-         "    <Piece NumberOfPoints=\"" +
-         std::to_string(field.mesh.node.cols()) + "\" NumberOfCells=\"" + std::to_string(field.mesh.cell.rows()) +
-         "\">\n" + point_data(field) + "      <Points>\n" +
-         data_array("type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\"", in_space(field.mesh.node)) +
-         "      </Points>\n" + cells(field.mesh) + "    </Piece>\n  </UnstructuredGrid>\n</VTKFile>\n";
+  return document(point_data(field), in_space(field.mesh.node), field.mesh.cell,
+                  field.mesh.cell.cols() == 8 ? vtk_quadratic_quad : vtk_quad);
+}
+
+std::string to_vtu(const fem::PadScene& scene, const fem::PadSolution& solution, std::size_t step) {
+  const fem::PadCells& grid = solution.cells;
+  const fem::PadStep& at = solution.steps[step];
+  const Eigen::MatrixX2d corners = cell_corners(scene.indenter, grid);
+  std::vector<double> points, shear;
+  for (const auto& corner : corners.rowwise())
+    points.insert(points.end(), {corner[0], corner[1], scene.sensor.thickness});
+  for (const auto& force : at.tangential_force.rowwise())
+    shear.insert(shear.end(), {force[0] / grid.area(), force[1] / grid.area(), 0.0});
+  const std::string data = "      <CellData Vectors=\"tangential_traction\" Scalars=\"normal_traction\">\n" +
+                           scalars("normal_traction", at.normal_force / grid.area()) +
+                           data_array("type=\"Float64\" Name=\"tangential_traction\" NumberOfComponents=\"3\"", shear) +
+                           data_array("type=\"UInt8\" Name=\"status\"", at.status) + "      </CellData>\n";
+  return document(data, points, corners_of_cells(grid.n), vtk_quad);
 }
 
 }  // namespace tactel::host

@@ -2,6 +2,7 @@
 #pragma once
 #include <string>
 
+#include "fem/pad/pad_solver.h"
 #include "fem/stress_field.h"
 
 namespace tactel::host {
@@ -9,5 +10,9 @@ namespace tactel::host {
 /// Returns the field as a VTK XML UnstructuredGrid (.vtu), for ParaView. `beyond_linear` is 1 where the strain
 /// exceeds linear_strain_limit.
 std::string to_vtu(const fem::StressField& field);
+
+/// Returns the cells of a contact on a pad at one of its steps as quads on the surface, z = thickness, with the
+/// indenter's tractions on the rubber, MPa, and the status, 0 open, 1 stick, 2 slip.
+std::string to_vtu(const fem::PadScene& scene, const fem::PadSolution& solution, std::size_t step);
 
 }  // namespace tactel::host

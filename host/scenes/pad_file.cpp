@@ -172,7 +172,7 @@ fem::PadScene read_pad(const TomlFile& file) {
   fem::PadScene scene;
   root.read("title", scene.title, "a text");
   root.refuse_any({"preset"}, left_out_of_a_pad);
-  root.refuse_any({"sweep"}, "left out: a sweep draws contacts of a line; `tactel solve` takes one contact of a pad");
+  root.refuse_any({"sweep"}, "left out: a scene is one contact; `tactel generate` takes sweeps");
   for (const char* table : {"sensor", "indenter", "contact", "load"}) root.expect_table(table);
   root.finish();
   read_pad_sensor(file, scene.sensor);

@@ -95,4 +95,60 @@ enum PadPlaceRow {
 /* Coefficients of a row of the base stress's table: c0 + q (c1 + q c2) of each of b0, bA, bB, bxz, bzx. */
 enum { PAD_STRESS_COEFFICIENTS = 3 };
 
+/* The smooth rest z0 of the normal influence, a Chebyshev sum (kernels/pad_search.cl). With these it is right to 1e-5
+   at any distance and Poisson's ratio. */
+#define PAD_SEARCH_LENGTH 2.5
+enum { PAD_SEARCH_TERMS = 14 };
+
+/* Rows of a scene for kernels/pad_search.cl, [group][PAD_SEARCH_ROWS][lane]. The profile is the sum of
+     slope rho,   the circle's rho^2 c / (1 + sqrt(1 - (c rho)^2)),   rho^2 = x^2 + round y^2,
+     curve max(0, rho - flat)^2,   alike along x with |x|, along y with |y|,   the plane tilt_x x + tilt_y y + below,
+   and open beyond rho = rim; or measured heights. Half a side of the rigid section at depth d is
+     flat + sqrt(m (wide - less m)) + slope d,   m = min(d, most). */
+enum PadSearchRow {
+  PAD_SEARCH_TARGET = 0, /* largest depth, or force over E H^2 */
+  PAD_SEARCH_BY_FORCE,
+  PAD_SEARCH_NORMAL_FACTOR, /* (1 - nu^2) / pi; 0: no scene */
+  PAD_SHAPE_ROUND,
+  PAD_SHAPE_SLOPE,
+  PAD_SHAPE_CIRCLE, /* its curvature */
+  PAD_SHAPE_FLAT,
+  PAD_SHAPE_CURVE,
+  PAD_SHAPE_FLAT_X,
+  PAD_SHAPE_CURVE_X,
+  PAD_SHAPE_FLAT_Y,
+  PAD_SHAPE_CURVE_Y,
+  PAD_SHAPE_RIM,
+  PAD_SHAPE_TILT_X,
+  PAD_SHAPE_TILT_Y,
+  PAD_SHAPE_BELOW,
+  PAD_SHAPE_EDGE_X, /* half the indenter's extent; PAD_OPEN: it has no edge */
+  PAD_SHAPE_EDGE_Y,
+  PAD_SECTION_X,
+  PAD_SECTION_Y,
+  PAD_SECTION_WIDE_X,
+  PAD_SECTION_WIDE_Y,
+  PAD_SECTION_LESS_X,
+  PAD_SECTION_LESS_Y,
+  PAD_SECTION_SLOPE,
+  PAD_SECTION_MOST,
+  PAD_MAP_ROWS, /* of measured heights, along x; 0: none */
+  PAD_MAP_COLUMNS,
+  PAD_MAP_PER_PITCH, /* H over their pitch */
+  PAD_MAP_UNIT,      /* a unit of heights over H */
+  PAD_SEARCH_REST,   /* PAD_SEARCH_TERMS coefficients of z0 */
+  PAD_SEARCH_ROWS = PAD_SEARCH_REST + PAD_SEARCH_TERMS
+};
+
+/* What it finds, [group][PAD_FOUND_ROWS][lane], in the own frame: the contact, not yet clipped to the edges. */
+enum PadFoundRow {
+  PAD_FOUND_LEFT = 0, /* x */
+  PAD_FOUND_RIGHT,
+  PAD_FOUND_BELOW, /* y */
+  PAD_FOUND_ABOVE,
+  PAD_FOUND_DEPTH,
+  PAD_FOUND_P, /* over E H^2 */
+  PAD_FOUND_ROWS
+};
+
 #endif

@@ -9,6 +9,8 @@
 #include "fem/gap_reference.h"
 #include "fem/layer/patch_solver.h"
 #include "host/contact/gap_sweep.h"
+#include "host/contact/pad_contact.h"
+#include "host/contact/pad_search.h"
 #include "host/contact/patch_contact.h"
 #include "host/device/opencl.h"
 #include "host/networks/forward.h"
@@ -192,6 +194,61 @@ TEST_P(TinyBatches, Forward) {
         nn::InputScaling{nn::ScalingKind::frame, 1.0f, 3}}) {
     expect_recall<float>(executor, scaling);
     expect_recall<double>(executor, scaling);
+  }
+}
+
+/// On a pad: without and with mirror images, measured, of all kinds of heights.
+std::vector<fem::PadScene> few_pads() {
+  const fem::HeightMap map{.pitch = 0.4, .heights = Eigen::MatrixXd{{0.2, 0.1, 0.3}, {0.1, 0.0, 0.2}, {0.2, 0.2, 0.4}}};
+  std::vector<fem::PadScene> scenes;
+  for (const fem::PadShape& shape :
+       {fem::PadShape(fem::Sphere{}), fem::PadShape(fem::Box{{1, 2}, 0}), fem::PadShape(fem::Punch{1, 0.5}),
+        fem::PadShape(fem::Cone{}), fem::PadShape(fem::LyingCylinder{}), fem::PadShape(map)}) {
+    fem::PadScene scene;
+    scene.indenter.shape = shape;
+    scene.load.drags = {{0.02, 0.01, 0.02}};
+    scenes.push_back(scene);
+  }
+  scenes[2].indenter.tilt = 2;
+  return scenes;
+}
+
+/// Sides within a cell of the search, P to what its sweeps leave: as in pad_search_test.
+template <class Real>
+void expect_pad_searches(Executor& executor) {
+  auto scenes = few_pads();
+  const fem::PadLayer layer(scenes.front().sensor.poisson);
+  scenes.back().load = {.indentation = {}, .normal_force = {0.2}};
+  const auto found = PadSearch<Real>(executor).find(scenes);
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const fem::PadSearch twin = fem::find_pad_contact(scenes[i], layer);
+    EXPECT_NEAR(found[i].contact.x.left, twin.contact.x.left, -0.25 * twin.contact.x.left) << i;
+    EXPECT_NEAR(found[i].P, twin.P, 5e-3 * twin.P) << i;
+  }
+}
+
+TEST_P(TinyBatches, PadSearch) {
+  expect_pad_searches<float>(executor);
+  expect_pad_searches<double>(executor);
+}
+
+/// Tables that a group shares, and a lane's own. Tolerance: what the sweeps leave, as in pad_contact_test.
+TEST_P(TinyBatches, PadContact) {
+  auto scenes = few_pads();
+  scenes.resize(2);
+  for (const int vectors : {1, 2}) {
+    const PadContact<float> contact(executor, {.cells = 8, .tolerance = 1e-2, .accept = 0.3, .vectors = vectors});
+    const fem::PadSolver twin(*contact.layer(scenes.front().sensor.poisson), {.cells = 8});
+    std::vector<fem::PadScene> many(10 * static_cast<std::size_t>(lanes_fp32) * vectors / 16 + 1, scenes.front());
+    many.push_back(scenes.back());
+    auto batch = contact.prepare(many);
+    batch.run();
+    for (const std::size_t i : {std::size_t{0}, many.size() - 1}) {
+      const fem::PadStep found = batch.solution(i).steps.back(),
+                         expected = twin.solve_on(batch.cells(i), batch.scene(i)).steps.back();
+      EXPECT_NEAR(found.P, expected.P, 1e-2 * expected.P) << i;
+      EXPECT_NEAR(found.Q.norm(), expected.Q.norm(), 2e-2 * expected.P) << i;
+    }
   }
 }
 

@@ -3,13 +3,6 @@
 // A contact over its load steps: cross-section with indenter, deformed rubber, status, forces, stress field and tactels;
 // tractions below it, then tactels and path. A slider, or a play button, moves through the steps.
 
-const statusInk = { o: "grey", t: "green", l: "red" };  // open, stick, slip
-const statusMark = { o: "circles", t: "circles", l: "triangles" };
-function statusLegend() {
-  const sample = (mark, colour, open) => svg("svg", { width: 14, height: 12 }, markNode(mark, 7, 6, open ? 2.6 : 3.8, open ? "none" : ink(colour), open ? { stroke: ink("grey") } : {}));
-  return html("div", { class: "legend" }, html("span", {}, sample("circles", "green"), "stick"), html("span", {}, sample("triangles", "red"), "slip"), html("span", {}, sample("circles", "grey", true), "open"));
-}
-
 function bytes(text) {
   const raw = atob(text), out = new Uint8Array(raw.length);
   for (let i = 0; i < raw.length; ++i) out[i] = raw.charCodeAt(i);
@@ -21,50 +14,13 @@ function fieldValues(field, step, quantity) {
   return Array.from(bytes(step.fields[quantity]), b => low + (high - low) * b / 255);
 }
 
-class ContactView {
+class ContactView extends StepView {
   constructor(data, box) {
-    this.data = data;
-    this.box = box;
-    this.index = data.shown;
+    super(data, box);
     this.quantity = 2;  // after both displacements: sigma_y
-    this.readout = html("div", { class: "readout" });
-    this.stage = html("div", { class: "stage" });
-    this.bar = html("div", {});
-    this.below = html("div", {});
-    this.slider = html("input", { type: "range", min: 0, max: data.steps.length - 1, step: 1, value: this.index, "aria-label": "load step" });
-    this.slider.addEventListener("input", () => this.show(Number(this.slider.value)));
-    this.playing = null;
-    this.play = html("button", { type: "button", "aria-pressed": "false" }, "▶ Play");
-    this.play.addEventListener("click", () => this.playing ? this.stop() : this.start());
-    const choices = data.field.quantities.slice(2).map((q, k) => {
-      const button = html("button", { type: "button", "aria-pressed": k === 0 }, ...richHtml(q.name));
-      button.addEventListener("click", () => {
-        this.quantity = k + 2;
-        choices.forEach((c, i) => c.setAttribute("aria-pressed", i === k));
-        this.draw();
-      });
-      return button;
-    });
-    const choice = html("div", { class: "choice", role: "group", "aria-label": "stress that colours the rubber" }, ...choices);
-    this.box.replaceChildren(this.readout, html("div", { class: "controls" }, this.play, this.slider), this.stage,
-      html("div", { class: "controls" }, choice, this.bar), this.below);
-    if (data.steps.length < 2) this.play.parentNode.remove();
+    const choice = this.choice(data.field.quantities.slice(2).map(q => q.name), "stress that colours the rubber", k => { this.quantity = k + 2; });
+    this.fill(this.stage, html("div", { class: "controls" }, choice, this.bar));
     this.values = new Map();
-  }
-  start() {
-    this.play.textContent = "⏸ Pause";
-    if (this.index === this.data.steps.length - 1) this.show(0);
-    this.playing = setInterval(() => this.index + 1 < this.data.steps.length ? this.show(this.index + 1) : this.stop(), 450);
-  }
-  stop() {
-    clearInterval(this.playing);
-    this.playing = null;
-    this.play.textContent = "▶ Play";
-  }
-  show(index) {
-    this.index = index;
-    this.slider.value = index;
-    this.draw();
   }
   field(quantity) {
     const key = `${this.index}/${quantity}`;
@@ -74,11 +30,8 @@ class ContactView {
 
   draw() {
     const { data } = this, step = data.steps[this.index];
-    this.slider.setAttribute("aria-valuetext", `load step ${step.number}`);
-    const entry = (name, value, unit) => html("div", {}, name, html("b", {}, value, html("small", {}, unit ? " " + unit : "")));
-    this.readout.replaceChildren(entry("load step", `${step.number}`, `of ${data.path.number.length}`), entry("depth", fixed(step.indentation, 3), "mm"),
-      entry("drag", fixed(step.tangential, 3), "mm"), entry("P, normal force", fixed(step.P, 3), "N/mm"), entry("Q, tangential", fixed(step.Q, 3), "N/mm"),
-      entry(data.mu === null ? "S" : "S = Q / µP", fixed(step.S, 3), ""));
+    this.read(step, [["depth", fixed(step.indentation, 3), "mm"], ["drag", fixed(step.tangential, 3), "mm"], ["P, normal force", fixed(step.P, 3), "N/mm"],
+      ["Q, tangential", fixed(step.Q, 3), "N/mm"], [data.mu === null ? "S" : "S = Q / µP", fixed(step.S, 3), ""]]);
     const width = Math.max(240, this.box.clientWidth);
     this.stage.replaceChildren(...this.crossSection(width, step));
     const q = data.field.quantities[this.quantity];
@@ -210,12 +163,8 @@ class ContactView {
     const { position, exaggeration } = this.data, x = Math.min(f.to - 40, Math.max(f.from + 40, f.x(position + exaggeration * step.tangential))), y = 84, out = [];
     const long = value => 52 * value / most;
     const arrow = (x1, y1, x2, y2, colour, label, lx, ly, anchor) => {
-      const size = Math.hypot(x2 - x1, y2 - y1);
-      if (size < 2.5) return;
-      const [dx, dy] = [(x2 - x1) / size, (y2 - y1) / size], head = Math.min(9, size), bx = x2 - head * dx, by = y2 - head * dy;
-      out.push(svg("path", { d: `M${x1},${y1}L${bx},${by}`, stroke: ink(colour), "stroke-width": 3.4 }),
-        svg("path", { d: `M${x2},${y2}L${bx - 0.55 * head * dy},${by + 0.55 * head * dx}L${bx + 0.55 * head * dy},${by - 0.55 * head * dx}Z`, fill: ink(colour) }),
-        svgText(lx, ly, label, { class: "halo", "text-anchor": anchor, style: `fill:${ink(colour)};font-weight:650` }));
+      const parts = forceArrow(x1, y1, x2, y2, colour);
+      if (parts.length) out.push(...parts, svgText(lx, ly, label, { class: "halo", "text-anchor": anchor, style: `fill:${ink(colour)};font-weight:650` }));
     };
     arrow(x, y - long(step.P), x, y, "blue", `P ${fixed(step.P, 2)} N/mm`, x - 8, Math.max(26, y - long(step.P) + 6), "end");
     const q = long(step.Q);
@@ -226,32 +175,11 @@ class ContactView {
   // Pressure, shear and the limit of friction over the same x as the cross-section. Of a patch the tractions are
   // constant on each element.
   tractions(width, step) {
-    const { surface_x, surface_width, mu, most_traction } = this.data, height = 220;
-    const series = (label, values, colour, mark) => {
-      const s = { label, mark, ink: colour, x: [], y: [], low: [], high: [] };
-      surface_x.forEach((x, k) => {
-        if (!surface_width) { s.x.push(x); s.y.push(values[k]); return; }
-        const half = surface_width[k] / 2;
-        if (k === 0) { s.x.push(x - half); s.y.push(0); }
-        s.x.push(x - half, x + half);
-        s.y.push(values[k], values[k]);
-        if (k === surface_x.length - 1) { s.x.push(x + half); s.y.push(0); }
-      });
-      return s;
-    };
+    const { surface_x, surface_width, mu, most_traction } = this.data, series = (...its) => along(its[0], surface_x, surface_width, ...its.slice(1));
     const lines = [series("pressure p", step.p, "blue", "line"), series("shear q", step.q, "purple", "line")];
     if (mu !== null) for (const sign of [1, -1]) lines.push(series(sign > 0 ? "limit ±µp" : "", step.p.map(p => sign * mu * p), "grey", "dashed"));
-    const panel = { title: "On the surface", x_label: "x (mm)", y_label: "traction of the indenter on the rubber (MPa)", series: lines, x_ticks: [], x_range: this.data.window, y_range: most_traction };
-    const axes = makeAxes({ width, height, x: this.data.window, y: most_traction, title: panel.title, xLabel: panel.x_label, yLabel: panel.y_label, left: 46, right: 12 });
-    const node = svg("svg", { width, height, viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": "Tractions on the surface" }, axes.node);
-    node.append(svg("line", { class: "axis", x1: axes.left, x2: axes.right, y1: axes.y(0), y2: axes.y(0) }));
-    node.append(svg("clipPath", { id: "traction-clip" }, svg("rect", { x: axes.left, y: axes.top - 4, width: axes.right - axes.left, height: axes.floor - axes.top + 8 })));
-    const group = svg("g", { "clip-path": "url(#traction-clip)" }, svg("path", { d: linePath(lines[0].x, lines[0].y, axes) + `L${axes.x(lines[0].x.at(-1))},${axes.y(0)}L${axes.x(lines[0].x[0])},${axes.y(0)}Z`, fill: ink("blue"), "fill-opacity": 0.1 }), ...lines.map(s => drawSeries(s, axes)));
-    surface_x.forEach((x, k) => {
-      if (step.status[k] !== "o") group.append(markNode(statusMark[step.status[k]], axes.x(x), axes.y(step.q[k]), surface_x.length > 60 ? 2.4 : 3.6, ink(statusInk[step.status[k]])));
-    });
-    node.append(group);
-    attachReadOut(node, panel, axes);
+    const node = tractionPanel({ title: "On the surface", x_label: "x (mm)", y_label: "traction of the indenter on the rubber (MPa)", x_range: this.data.window, y_range: most_traction, width, left: 46, right: 12 },
+      lines, surface_x, step.q, step.status);
     const key = legend(lines);
     key.append(...statusLegend().childNodes);
     return html("div", {}, key, node);
@@ -265,10 +193,7 @@ class ContactView {
     const parts = [html("div", {}, legend(tactels.series), drawPanel(tactels, each, 220, false))];
     if (data.path.number.length > 1) {
       const { number: steps, S, stick } = data.path;
-      const path = { title: "Along the path", x_label: "load step", y_label: "share", zero_line: true, y_range: data.path_range, x_range: [steps[0] - 0.5, steps[steps.length - 1] + 0.5],
-        series: [line("", [step.number, step.number], [-9, 9], "grey", "thin"), line("part that sticks", steps, stick, "green", steps.length > 60 ? "line" : "line_dots"),
-          line("slippage index S", steps, S, "black", steps.length > 60 ? "line" : "line_dots")] };
-      parts.push(html("div", {}, legend(path.series), drawPanel(path, each, 220, false)), ...this.strips(each));
+      parts.push(pathPanel("Along the path", "share", steps, [["part that sticks", stick, "green"], ["slippage index S", S, "black"]], step.number, data.path_range, each), ...this.strips(each));
     }
     return html("div", { class: "panels", style: `grid-template-columns:repeat(${columns},minmax(0,1fr));margin-top:.8rem` }, ...parts);
   }
@@ -293,11 +218,12 @@ class ContactView {
     });
   }
 
+  // What can be saved: label of the button, part of the file's name, rows.
+  tables() { return [["CSV: surface", "surface", () => this.surfaceRows()], ["tactels", "tactels", () => this.tactelRows()], ["field", "field", () => this.fieldRows()]]; }
   surfaceRows() {
     const rows = [["load step", "indentation (mm)", "tangential (mm)", "P (N/mm)", "Q (N/mm)", "S", "x (mm)", "status", "pressure (MPa)", "shear (MPa)", "u_x (mm)", "u_y (mm)"]];
-    const word = { o: "open", t: "stick", l: "slip" };
     for (const s of this.data.steps)
-      this.data.surface_x.forEach((x, k) => rows.push([s.number, s.indentation, s.tangential, s.P, s.Q, s.S, x, word[s.status[k]], s.p[k], s.q[k], s.ux[k], s.uy[k]]));
+      this.data.surface_x.forEach((x, k) => rows.push([s.number, s.indentation, s.tangential, s.P, s.Q, s.S, x, statusWord[s.status[k]], s.p[k], s.q[k], s.ux[k], s.uy[k]]));
     return rows;
   }
   tactelRows() {

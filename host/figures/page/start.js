@@ -16,10 +16,9 @@ for (const holder of document.querySelectorAll("figure[data-kind]")) {
     tools.append(csvButton("CSV", name, () => figureRows(data)));
     figures.push({ name, data, rows: () => figureRows(data), draw: () => chart(data, box) });
   } else {
-    const view = new ContactView(data, box);
-    for (const [label, part, rows] of [["CSV: surface", "surface", "surfaceRows"], ["tactels", "tactels", "tactelRows"], ["field", "field", "fieldRows"]])
-      tools.append(csvButton(label, `${name}-${part}`, () => view[rows]()), " ");
-    figures.push({ name, data, view, rows: () => view.surfaceRows(), draw: () => view.draw() });
+    const view = new (kind === "pad" ? PadView : ContactView)(data, box);
+    for (const [label, part, rows] of view.tables()) tools.append(csvButton(label, `${name}-${part}`, rows), " ");
+    figures.push({ name, data, view, rows: view.tables()[0][2], draw: () => view.draw() });
   }
 }
 document.body.append(tip);

@@ -227,5 +227,19 @@ TEST(PadLayer, ATractionIsTransmittedToTheBase) {
   EXPECT_NEAR(sum(1, 0), 0.12, 1e-6);
 }
 
+TEST(PadLayer, NormalInfluenceOfTheSearchHoldsForCellsOfAnySide) {
+  for (const double poisson : {0.3, 0.5}) {
+    const PadLayer layer(poisson);
+    for (const auto& [hx, hy] : {std::pair{0.1, 0.2}, {0.35, 0.35}, {0.4, 0.2}, {1.0, 0.4}, {2.0, 3.0}}) {
+      const Eigen::MatrixXd zz = layer.normal_influence(2, 2 * hx, 2 * hy, 5);
+      for (int i = 0; i < 5; ++i)
+        for (int j = 0; j < 5; ++j) {
+          const double exact = layer.influence(2, 2 * hx, 2 * hy, 2 * i * hx, 2 * j * hy).zz;
+          EXPECT_NEAR(zz(i, j), exact, 3e-3 * zz(0, 0)) << poisson << " " << hx << " " << hy << " " << i << " " << j;
+        }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace tactel::fem

@@ -145,7 +145,7 @@ const BadScene bad_scenes[] = {
     line("DateForNumber", "length = 20.0", "length = 1998-03-01", "sensor", "a number of mm"),
     // indenters
     indenter("NoShape", "radius = 10.0", "indenter.shape", "(missing)", "given, one of flat"),
-    indenter("UnknownShape", "shape = \"sphere\"", "one of flat, wedge, parabola, cylinder"),
+    indenter("UnknownShape", "shape = \"dome\"", "one of flat, wedge, parabola, cylinder"),
     indenter("MisspeltShape", "shape = \"parabolla\"", "did you mean parabola?"),
     indenter("NoRadius", "shape = \"parabola\"", "indenter.radius", "(missing)", "given, a number of mm"),
     indenter("ZeroRadius", "shape = \"parabola\"\nradius = 0", "length in mm"),

@@ -82,7 +82,7 @@ TEST(Help, FitsSeventyNineColumnsInWordsOfOurOwn) {
       EXPECT_THAT(result.out, Not(HasSubstr(notation))) << command;
   }
   EXPECT_THAT(run_tactel({"solve", "--help"}).out,
-              AllOf(HasSubstr("--precision fp32|fp64"), HasSubstr("--solver batched|full-mesh"),
+              AllOf(HasSubstr("--precision fp32|fp64"), HasSubstr("--solver batched|full-mesh|twin"),
                     HasSubstr("(default: batched)")));
   EXPECT_THAT(run_tactel({"generate", "--help"}).out, HasSubstr("(required)"));
 }

@@ -11,12 +11,14 @@
 namespace tactel::host {
 namespace {
 
-std::vector<std::string> examples() {
+/// Of lines or of pads.
+std::vector<std::string> examples(bool pads) {
   std::vector<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(source_file("examples"))) {
     const bool scene =
         entry.path().extension() == ".toml" && text_of(entry.path()).find("[sweep]") == std::string::npos;
-    if (scene) names.push_back(entry.path().stem().string());
+    const bool pad = text_of(entry.path()).find("kind = \"pad\"") != std::string::npos;
+    if (scene && pad == pads) names.push_back(entry.path().stem().string());
   }
   std::ranges::sort(names);
   return names;
@@ -80,7 +82,34 @@ TEST_P(Example, RunsAsItStandsAndOnAPatch) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Example, testing::ValuesIn(examples()), [](const auto& info) { return info.param; });
+INSTANTIATE_TEST_SUITE_P(All, Example, testing::ValuesIn(examples(false)), [](const auto& info) { return info.param; });
+
+class PadExample : public testing::TestWithParam<std::string> {};
+
+// The twin shares no code with the kernel. Its S is exact, where four rounds of the kernel leave 1e-3.
+TEST_P(PadExample, RunsBySolversThatAgree) {
+  const std::string scene = source_file("examples/" + GetParam() + ".toml");
+  EXPECT_EQ(text_of(scene).substr(0, 2), "# ") << "an example says in its first line what it shows";
+  const auto answer = [&](const std::string& solver) {
+    const ChildResult result = run_tactel({"solve", scene, "--json", "-", "--solver", solver});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(without_progress(result.err), "");
+    return nlohmann::json::parse(result.out);
+  };
+  const auto a = answer("batched"), b = answer("twin");
+  ASSERT_EQ(a["steps"].size(), b["steps"].size());
+  ASSERT_FALSE(a["steps"].empty());
+  for (std::size_t k = 0; k < a["steps"].size(); ++k) {
+    const auto &p = a["steps"][k], &q = b["steps"][k];
+    const double P = p["P"];
+    EXPECT_NEAR(P, q["P"].get<double>(), 1e-5 * P) << "step " << k + 1;
+    for (const int axis : {0, 1}) EXPECT_NEAR(p["Q"][axis].get<double>(), q["Q"][axis].get<double>(), 1e-5 * P);
+    EXPECT_NEAR(p["slip_index"].get<double>(), q["slip_index"].get<double>(), 1e-3) << "step " << k + 1;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, PadExample, testing::ValuesIn(examples(true)),
+                         [](const auto& info) { return info.param; });
 
 }  // namespace
 }  // namespace tactel::host

@@ -12,6 +12,7 @@
 #include <numeric>
 #include <random>
 
+#include "host/contact/pad_contact_tables.h"
 #include "host/contact/pad_stream.h"
 #include "kernels/shared/contact_layout.h"
 #include "kernels/shared/pad_layout.h"
@@ -278,6 +279,24 @@ TEST(PadContact, TactelsTakeTheMeanOverTheirSquare) {
                                                                        .solve_on(batch.cells(0), scene)
                                                                        .steps.back();
   EXPECT_LE((step.stress - twin.stress).cwiseAbs().maxCoeff(), 2e-3 * twin.stress.cwiseAbs().maxCoeff());
+}
+
+/// fp32: cells of any size take their influence from those of the ladder's rungs, right to 1e-5 of the largest.
+TEST(PadTables, InfluenceBetweenTheRungsOfTheLadder) {
+  constexpr int cells = 8;
+  for (const double poisson : {0.3, 0.5}) {
+    const PadTables between(poisson, cells, false), exact(poisson, cells, true);
+    for (const auto& [hx, hy] : {std::pair{0.03, 0.05}, {0.125, 0.3}, {0.31, 0.31}, {0.5, 0.25}, {1.7, 0.9}}) {
+      const PadCellSize size = cell_size({.n = cells, .hx = 3 * hx, .hy = 3 * hy}, 3);
+      const auto a = between.influence(size), b = exact.influence(size);
+      ASSERT_EQ(a->size(), PAD_TABLE_HEAD + 81u * PAD_OWN_INFLUENCE);
+      for (std::size_t k = 0; k < a->size(); ++k)
+        ASSERT_NEAR((*a)[k], (*b)[k], 1e-5 * (k < PAD_TABLE_HEAD ? (*b)[k] : 1)) << poisson << " " << hx << " " << k;
+      if (hx == 0.5) {  // both sides are on rungs
+        EXPECT_EQ(*a, *b);
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -19,14 +19,14 @@ Executor& executor() {
   return executor;
 }
 
-/// Scenes of two Poisson's ratios, two arrays of tactels and any thickness and E; some by force.
+/// Scenes of two Poisson's ratios, some with their own, two arrays of tactels and any thickness and E; some by force.
 std::vector<fem::PadScene> pad_scenes(std::size_t count) {
   fem::PadMix draw(11);
   std::vector<fem::PadScene> scenes(count);
   for (std::size_t i = 0; i < count; ++i) {
     fem::PadScene& scene = scenes[i] = draw();
     scene.sensor.young = 1 + 0.1 * static_cast<double>(i % 7);
-    scene.sensor.poisson = i % 2 ? 0.3 : 0.48;
+    scene.sensor.poisson = i % 7 == 6 ? 0.25 + 0.001 * static_cast<double>(i) : i % 2 ? 0.3 : 0.48;
     scene.sensor.pitch = {2, 2};
     if (i % 3 == 0) scene.sensor.tactels = {3, 6};
     if (i % 3 == 1) scene.sensor.tactel_size = 1.5;  // more points where H is small

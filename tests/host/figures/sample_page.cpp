@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Writes a page with every kind of block, for check_page.py: sample_page FILE.html
+// Writes a page with every kind of block for check_page.py, and a pad's cells for check_vtu.py: sample_page FILE.html
+// FILE.vtu
 #include <cmath>
 #include <fstream>
 
 #include "fem/gap_reference.h"
+#include "fem/pad/pad_solver.h"
 #include "host/figures/contact_figure.h"
 #include "host/figures/field_figure.h"
+#include "host/figures/pad_view.h"
 #include "host/figures/page.h"
+#include "host/figures/vtu.h"
 
 namespace {
 
@@ -57,10 +61,18 @@ PageTable ranges_beside_the_paper() {
 
 fem::Scene contact() { return {.title = "parabola", .load = {.indentation = {0.15}, .tangential_step = 0.1}}; }
 
+/// A turned box that comes down, is dragged and twisted, on a pad with sides.
+fem::PadScene pad_contact() {
+  return {.title = "box",
+          .sensor = {.tactels = {6, 4}, .pitch = {2, 2}, .length = 15, .width = 11},
+          .indenter = {.shape = fem::Box{{1.2, 0.7}, 0.8}, .position = {1.5, 0.8}, .yaw = 30},
+          .load = {.indentation = {0, 0.25}, .drags = {{0.05, 0.02, 0}, {0.12, 0.05, 0}, {0.12, 0.05, 0.1}}}};
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 2) return 2;
+  if (argc != 3) return 2;
   Page page("A page of every block", "for check_page.py");
   page.verdict("All blocks stand here.");
   page.finding(Tone::good, "good", "A finding.");
@@ -80,5 +92,15 @@ int main(int argc, char** argv) {
   page.contact(scene, solution, telling_step(solution));
   const fem::StressField field = fem::stress_field(scene.sensor, solution.steps.back());
   page.figure({.panels = {field_panel(field, field.stress.row(1), "σ_y", "MPa", {-10, 10})}}, "A map.");
+  page.section("A contact on a pad");
+  const fem::PadScene pad = pad_contact();
+  const fem::PadLayer layer(pad.sensor.poisson);
+  const fem::PadSolution answer = fem::PadSolver(layer).solve(pad);
+  page.contact(pad, answer, telling_step(answer));
+  fem::PadScene one = pad;  // a single step, normal stress alone, no sides of the pad
+  one.load = {};
+  one.sensor.axes = 1, one.sensor.length = {}, one.sensor.width = {};
+  page.contact(one, fem::PadSolver(layer).solve(one), 0);
   std::ofstream(argv[1], std::ios::binary) << page.html();
+  std::ofstream(argv[2], std::ios::binary) << to_vtu(pad, answer, telling_step(answer));
 }

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fem/pad/pad_layers.h"
+
+#include <cmath>
+#include <numbers>
+#include <span>
+
+#include "fem/array_cache.h"
+#include "fem/processor.h"
+
+namespace tactel::fem {
+namespace {
+
+double point(int k) { return 0.25 * (1 - std::cos(std::numbers::pi * k / (PadLayers::points - 1))); }
+
+}  // namespace
+
+PadLayers::PadLayers(const std::filesystem::path& cache_directory) {
+  const Eigen::VectorXd places = PadLayer::places();
+  samples_.assign(points, PadSamples(2 * pad_integrals, places.size()));
+  const CacheFile file = cache_file(cache_directory, "pad", "tables",
+                                    "tactel pad\nbuild " TACTEL_PAD_FINGERPRINT "\nprocessor " + processor_text());
+  const auto arrays = [&]<class Span>(std::vector<Span> all) {
+    for (PadSamples& of : samples_) all.emplace_back(of.data(), static_cast<std::size_t>(of.size()));
+    return all;
+  };
+  if (read_arrays(file, arrays(std::vector<std::span<double>>()))) return;
+  std::vector<PadIntegrals> integrals;
+  integrals.reserve(points);
+  for (int k = 0; k < points; ++k) integrals.emplace_back(point(k));
+  samples_ = PadIntegrals::sampled(integrals, places);
+  write_arrays(file, arrays(std::vector<std::span<const double>>()));
+}
+
+PadLayer PadLayers::layer(double poisson) const {
+  PadSamples sum = PadSamples::Zero(2 * pad_integrals, samples_.front().cols());
+  double weights = 0;
+  for (int k = 0; k < points; ++k) {
+    const double from = poisson - point(k);
+    if (from == 0) return {poisson, samples_[static_cast<std::size_t>(k)]};
+    const double weight = (k % 2 ? -1 : 1) * (k == 0 || k == points - 1 ? 0.5 : 1) / from;
+    sum += weight * samples_[static_cast<std::size_t>(k)];
+    weights += weight;
+  }
+  return {poisson, sum / weights};
+}
+
+PadLayer pad_layer(double poisson) {
+  static const PadLayers layers;
+  return layers.layer(poisson);
+}
+
+}  // namespace tactel::fem

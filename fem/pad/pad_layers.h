@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <filesystem>
+#include <vector>
+
+#include "fem/condensation.h"
+#include "fem/pad/pad_layer.h"
+
+namespace tactel::fem {
+
+/// Layers of any Poisson's ratio: their integrals are smooth in it, up to nu = 1/2. The polynomial through Chebyshev's
+/// points over [0, 1/2] gives them (J.-P. Berrut, L. N. Trefethen, SIAM Review 46, 2004, 501-517). The samples at the
+/// points take half a second; a file of the cache holds them.
+class PadLayers {
+ public:
+  static constexpr int points = 18;  ///< leave 1e-10 of the integrals
+
+  explicit PadLayers(const std::filesystem::path& cache_directory = default_cache_directory());
+
+  /// 0 <= poisson <= 1/2.
+  PadLayer layer(double poisson) const;
+
+ private:
+  std::vector<PadSamples> samples_;  ///< [points]
+};
+
+/// Returns a layer of the PadLayers of this process.
+PadLayer pad_layer(double poisson);
+
+}  // namespace tactel::fem

@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Scene files of pads: every key, shape and load, height maps, and every way to be wrong.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "host/scenes/profile_csv.h"
+#include "host/scenes/scene_file.h"
+#include "host/support/errors.h"
+#include "tests/scratch.h"
+#include "tests/thrown_message.h"
+
+namespace tactel::host {
+namespace {
+
+using testing::AllOf;
+
+using testing::HasSubstr;
+
+constexpr double degree = std::numbers::pi / 180;
+
+fem::PadScene read_text(const std::string& text) {
+  const ScratchFolder folder;
+  return std::get<fem::PadScene>(read_any_scene(folder.write("scene.toml", text)));
+}
+
+std::string pad_text(const std::string& indenter = "shape = \"sphere\"\nradius = 8",
+                     const std::string& load = "indentation = 0.2", const std::string& sensor = "thickness = 2") {
+  return "[sensor]\nkind = \"pad\"\n" + sensor + "\n[indenter]\n" + indenter + "\n[load]\n" + load + "\n";
+}
+
+fem::PadIndenter indenter_of(const std::string& lines) { return read_text(pad_text(lines)).indenter; }
+fem::PadLoad load_of(const std::string& lines) {
+  return read_text(pad_text("shape = \"cone\"\nangle = 80", lines)).load;
+}
+
+TEST(PadFile, EveryKey) {
+  const fem::PadScene scene = read_text(R"(title = "all of it"
+[sensor]
+kind = "pad"
+tactels = [4, 6]
+pitch = [4.7, 5.0]
+tactel_size = 1.5
+axes = 1
+thickness = 3.0
+young = 0.7
+poisson = 0.5
+length = 24.0
+width = 40.0
+[indenter]
+shape = "punch"
+radius = 3.0
+edge = 0.5
+position = [1.0, -0.5]
+yaw = 30.0
+tilt = 2.0
+tilt_direction = 90.0
+[contact]
+friction = 0.8
+[load]
+indentation = [0.1, 0.3]
+indentation_steps = 2
+tangential = [[0.1, 0.0], [0.2, 0.1]]
+twist = [0.0, 5.0]
+)");
+  EXPECT_EQ(scene.title, "all of it");
+  EXPECT_EQ(scene.sensor.tactels, (std::array{4, 6}));
+  EXPECT_EQ(scene.sensor.pitch, (std::array{4.7, 5.0}));
+  EXPECT_EQ(scene.sensor.tactel_size, 1.5);
+  EXPECT_EQ(scene.sensor.axes, 1);
+  EXPECT_EQ(scene.sensor.thickness, 3);
+  EXPECT_EQ(scene.sensor.young, 0.7);
+  EXPECT_EQ(scene.sensor.poisson, 0.5);
+  EXPECT_EQ(scene.sensor.length, 24);
+  EXPECT_EQ(scene.sensor.width, 40);
+  const auto& punch = std::get<fem::Punch>(scene.indenter.shape);
+  EXPECT_EQ(punch.radius, 3);
+  EXPECT_EQ(punch.edge, 0.5);
+  EXPECT_EQ(scene.indenter.position, (std::array{1.0, -0.5}));
+  EXPECT_EQ(scene.indenter.yaw, 30);
+  EXPECT_EQ(scene.indenter.tilt, 2);
+  EXPECT_EQ(scene.indenter.tilt_direction, 90);
+  EXPECT_EQ(scene.friction, 0.8);
+  EXPECT_EQ(scene.load.indentation, (std::vector{0.1, 0.3}));
+  EXPECT_EQ(scene.load.indentation_steps, 2);
+  ASSERT_EQ(scene.load.drags.size(), 2u);
+  EXPECT_EQ(scene.load.drags[1][1], 0.1);
+  EXPECT_DOUBLE_EQ(scene.load.drags[1][2], 5 * degree);
+}
+
+TEST(PadFile, WhatIsLeftOutTakesItsDefault) {
+  const fem::PadScene scene = read_text(pad_text());
+  EXPECT_EQ(scene.sensor.tactels, (std::array{4, 4}));
+  EXPECT_EQ(scene.sensor.pitch, (std::array{4.7, 4.7}));
+  EXPECT_EQ(scene.sensor.axes, 3);
+  EXPECT_FALSE(scene.sensor.length || scene.sensor.width);
+  EXPECT_EQ(scene.friction, 0.5);
+  EXPECT_EQ(scene.indenter.position, (std::array{0.0, 0.0}));
+  EXPECT_TRUE(scene.load.drags.empty());
+  EXPECT_EQ(read_text(pad_text("shape = \"punch\"\nradius = 2", "indentation = 0.1", "thickness = 1\npitch = 3"))
+                .sensor.pitch,
+            (std::array{3.0, 3.0}));
+}
+
+TEST(PadFile, ALineIsALine) {
+  const ScratchFolder folder;
+  const std::string rest = "[indenter]\nshape = \"flat\"\n[load]\nindentation = 0.1\n";
+  for (const char* sensor : {"", "[sensor]\nkind = \"line\"\n"})
+    EXPECT_TRUE(std::holds_alternative<fem::Scene>(read_any_scene(folder.write("scene.toml", sensor + rest))));
+}
+
+TEST(PadFile, EveryShape) {
+  EXPECT_EQ(std::get<fem::Sphere>(indenter_of("shape = \"sphere\"\nradius = 3").shape).radius, 3);
+  EXPECT_EQ(std::get<fem::Paraboloid>(indenter_of("shape = \"paraboloid\"\nradii = [3, 5]").shape).radii,
+            (std::array{3.0, 5.0}));
+  const auto cylinder =
+      std::get<fem::LyingCylinder>(indenter_of("shape = \"cylinder\"\nradius = 3\nhalf_length = 6").shape);
+  EXPECT_EQ(cylinder.radius, 3);
+  EXPECT_EQ(cylinder.half_length, 6);
+  EXPECT_EQ(std::get<fem::Punch>(indenter_of("shape = \"punch\"\nradius = 3").shape).edge, 0);
+  const auto box = std::get<fem::Box>(indenter_of("shape = \"box\"\nhalf_widths = [1, 2]\nedge = 0.5").shape);
+  EXPECT_EQ(box.half_widths, (std::array{1.0, 2.0}));
+  EXPECT_EQ(box.edge, 0.5);
+  EXPECT_EQ(std::get<fem::Cone>(indenter_of("shape = \"cone\"\nangle = 80").shape).angle, 80);
+}
+
+TEST(PadFile, LoadsMayBeSequences) {
+  EXPECT_EQ(load_of("normal_force = [1, 2]").normal_force, (std::vector{1.0, 2.0}));
+  EXPECT_TRUE(load_of("normal_force = 1").indentation.empty());
+  const fem::PadLoad steps =
+      load_of("indentation = 0.1\ntangential_step = [0.1, -0.2]\ntwist_step = 3\ntangential_steps = 4");
+  ASSERT_EQ(steps.drags.size(), 4u);
+  EXPECT_DOUBLE_EQ(steps.drags[2][0], 0.3);
+  EXPECT_DOUBLE_EQ(steps.drags[2][1], -0.6);
+  EXPECT_DOUBLE_EQ(steps.drags[2][2], 9 * degree);
+  const fem::PadLoad twist = load_of("indentation = 0.1\ntwist = [2, 0]");
+  ASSERT_EQ(twist.drags.size(), 2u);
+  EXPECT_EQ(twist.drags[0][0], 0);
+  EXPECT_DOUBLE_EQ(twist.drags[0][2], 2 * degree);
+  EXPECT_EQ(load_of("indentation = 0.1\ntwist_step = 1\ntangential_steps = 3").drags.size(), 3u);
+}
+
+// Rows of the file are y, columns x: the height at the middle of a cell of the grid is the mean of its corners.
+TEST(PadFile, HeightMapFromBesideTheScene) {
+  const ScratchFolder folder;
+  folder.write("tip.csv", "# scanned, mm\n5.0; 6,0; 9\n\n5,5; 8.0; 7.0\n");
+  const std::string text = pad_text("shape = \"heightmap\"\nfile = \"tip.csv\"\npitch = 0.5");
+  const auto scene = std::get<fem::PadScene>(read_any_scene(folder.write("scene.toml", text)));
+  const auto& map = std::get<fem::HeightMap>(scene.indenter.shape);
+  EXPECT_EQ(map.pitch, 0.5);
+  EXPECT_EQ(map.heights, (Eigen::MatrixXd(3, 2) << 0, 0.5, 1, 3, 4, 2).finished());
+  EXPECT_DOUBLE_EQ(fem::pad_height(scene.indenter, 0.5, -0.25), 4);
+  EXPECT_DOUBLE_EQ(fem::pad_height(scene.indenter, -0.25, 0), (0 + 0.5 + 1 + 3) / 4);
+}
+
+struct WrongMap {
+  const char *text, *says;
+};
+
+TEST(PadFile, HeightMapsThatAreNone) {
+  const ScratchFolder folder;
+  const std::string scene =
+      folder.write("scene.toml", pad_text("shape = \"heightmap\"\nfile = \"tip.csv\"\npitch = 0.5"));
+  const auto message = [&](const std::string& csv) {
+    folder.write("tip.csv", csv);
+    return thrown_message<ConfigError>([&] { read_any_scene(scene); });
+  };
+  for (const auto& [csv, says] :
+       std::initializer_list<WrongMap>{{"", "lines = 0"},
+                                       {"0,1,2\n", "lines = 1"},
+                                       {"0\n1\n", "tip.csv:1: line = 0"},
+                                       {"0,1\n0,1,2\n", "tip.csv:2: heights = 3: must be 2"},
+                                       {"0,1\n0,nan\n", "tip.csv:2: height = nan"},
+                                       {"0,1\n0,1e7\n", "tip.csv:2: height = 1e7"},
+                                       {"0,1\n0,\n", "tip.csv:2: height: must be"},
+                                       {"secret,1\n0,1\n", "tip.csv:1: height = (not shown)"}})
+    EXPECT_THAT(message(csv), HasSubstr(says)) << csv;
+  std::string wide = "0", tall;
+  for (std::size_t k = 0; k < longest_height_map; ++k) wide += ",0", tall += "0,0\n";
+  EXPECT_THAT(message(wide + "\n" + wide + "\n"), HasSubstr("at most 1000 heights"));
+  EXPECT_THAT(message(tall + "0,0\n"), HasSubstr("at most 1000"));
+  std::filesystem::remove(folder / "tip.csv");
+  EXPECT_THAT(thrown_message<ConfigError>([&] { read_any_scene(scene); }), HasSubstr("a readable CSV file"));
+}
+
+struct WrongPad {
+  std::string sensor, indenter, load;  ///< lines in place of the good ones, where not empty
+  std::string says;                    ///< after the file's name
+};
+
+TEST(PadFile, SaysWhatIsWrong) {
+  const std::string line = "it belongs to a line, and sensor.kind is \"pad\"";
+  const WrongPad wrong[] = {
+      {"young = 1", "", "", ": sensor.thickness = (missing)"},
+      {"thickness = 2\ntactels = [0, 1000000000]", "", "", ":4: sensor.tactels = 0: must be numbers"},
+      {"thickness = 2\ntactels = 4", "", "", ":4: sensor.tactels = 4: must be two whole numbers"},
+      {"thickness = 2\npitch = [1, 2, 3]", "", "", ":4: sensor.pitch = [1, 2, 3]"},
+      {"thickness = 2\ntactel_size = 5", "", "", ":4: sensor.tactel_size = 5"},
+      {"thickness = 2\naxes = 2", "", "", ":4: sensor.axes = 2: must be 3, or 1"},
+      {"thickness = nan", "", "", ":3: sensor.thickness = nan: must be finite"},
+      {"thickness = 2\nyoung = 1e308", "", "", ":4: sensor.young = 1e308"},
+      {"thickness = 2\npoisson = 0.51", "", "", ":4: sensor.poisson = 0.51"},
+      {"thickness = 2\nlength = 14", "", "",
+       ":4: sensor.length = 14: must be a length in mm that holds the tactels, 14.1"},
+      {"thicknes = 2", "", "", "did you mean thickness?"},
+      {"thickness = 2\ncolumns = 41", "", "", ":4: sensor.columns = 41: must be left out: " + line},
+      {"thickness = 2\nmodel = \"patch\"", "", "", ":4: sensor.model = \"patch\": must be left out: " + line},
+      {"", "radius = 8", "", ": indenter.shape = (missing)"},
+      {"", "shape = \"sphere\"", "", ": indenter.radius = (missing)"},
+      {"", "shape = \"parabola\"\nradius = 8", "", ":5: indenter.shape = \"parabola\": must be another one: " + line},
+      {"", "shape = \"sphere\"\nradius = 8\nslope = 1", "", ":7: indenter.slope = 1: must be left out: " + line},
+      {"", "shape = \"sphere\"\nradius = 8\nedge = 1", "",
+       ":7: indenter.edge = 1: must be left out: it belongs to shape punch, box"},
+      {"", "shape = \"sphere\"\nradius = 8\nposition = 1", "", ":7: indenter.position = 1: must be two numbers"},
+      {"", "shape = \"cylinder\"\nradius = 8", "", ": indenter.half_length = (missing)"},
+      {"", "shape = \"box\"\nhalf_widths = [1, nan]", "", ":6: indenter.half_widths = nan"},
+      {"", "shape = \"box\"\nhalf_widths = [1, -1]", "", ":6: indenter.half_widths = -1"},
+      {"", "shape = \"cone\"\nangle = 90", "", ":6: indenter.angle = 90"},
+      {"", "shape = \"sphere\"\nradius = 1e308", "", ":6: indenter.radius = 1e308"},
+      {"", "shape = \"punch\"\nradius = 2\ntilt = 60", "", ":7: indenter.tilt = 60"},
+      {"", "", "tangential_steps = 3", ": load.indentation = (missing)"},
+      {"", "", "indentation = []", ":8: load.indentation = []"},
+      {"", "", "indentation = -1", ":8: load.indentation = -1"},
+      {"", "", "indentation = 1\nnormal_force = 1", ":9: load.normal_force = 1: must be left out"},
+      {"", "", "indentation = 1\nindentation_steps = 100000000", ":9: load.indentation_steps = 100000000"},
+      {"", "", "indentation = [1, 2]\nindentation_steps = 501", ":9: load.indentation_steps = 501: must be so few"},
+      {"", "", "indentation = 1\nangle = 5", ":9: load.angle = 5: must be left out: " + line},
+      {"", "", "indentation = 1\ntangential = []", ":9: load.tangential = []"},
+      {"", "", "indentation = 1\ntangential = [0.1]", ":9: load.tangential = 0.1: must be an array of positions"},
+      {"", "", "indentation = 1\ntangential = [[1, 2, 3]]", ":9: load.tangential = [1, 2, 3]"},
+      {"", "", "indentation = 1\ntangential = [[1, 2e6]]", "load.tangential = 2000000: must be a place"},
+      {"", "", "indentation = 1\ntangential = [[1, 2]]\ntwist = [1, 2]", ":10: load.twist = [1, 2]: must be as many"},
+      {"", "", "indentation = 1\ntwist = [361]", ":9: load.twist = 361: must be degrees"},
+      {"", "", "indentation = 1\ntwist = [1]\ntangential_step = [1, 1]", "only one of twist, tangential_step can be"},
+      {"", "", "indentation = 1\ntangential_step = [1, 1]", ": load.tangential_steps = (missing)"},
+      {"", "", "indentation = 1\ntangential_steps = 5", ":9: load.tangential_steps = 5: must be left out"},
+      {"", "", "indentation = 1\ntwist_step = 1\ntangential_steps = 1000000000",
+       ":10: load.tangential_steps = 1000000000"},
+      {"", "", "indentation = 1\ndrag = 5", ":9: load.drag = 5: must be a known key"},
+  };
+  const ScratchFolder folder;
+  for (const WrongPad& w : wrong) {
+    const std::string text =
+        pad_text(w.indenter.empty() ? "shape = \"sphere\"\nradius = 8" : w.indenter,
+                 w.load.empty() ? "indentation = 0.2" : w.load, w.sensor.empty() ? "thickness = 2" : w.sensor);
+    const std::string scene = folder.write("scene.toml", text);
+    EXPECT_THAT(thrown_message<ConfigError>([&] { read_any_scene(scene); }),
+                AllOf(HasSubstr("scene.toml"), HasSubstr(w.says)))
+        << text;
+  }
+  for (const auto& [head, says] : {std::pair{"preset = \"paper\"\n", line.c_str()},
+                                   {"[sweep]\ncontacts = 5\n", "a sweep draws contacts of a line"}}) {
+    const std::string scene = folder.write("scene.toml", head + pad_text());
+    EXPECT_THAT(thrown_message<ConfigError>([&] { read_any_scene(scene); }), HasSubstr(says));
+  }
+  const std::string bonded = folder.write("scene.toml", pad_text() + "[contact]\nfriction = \"bonded\"\n");
+  EXPECT_THAT(thrown_message<ConfigError>([&] { read_any_scene(bonded); }), HasSubstr("of a line alone"));
+}
+
+TEST(PadFile, KeysOfAPadInALine) {
+  const ScratchFolder folder;
+  const auto message = [&](const std::string& sensor, const std::string& indenter, const std::string& load) {
+    const std::string scene = folder.write("scene.toml", "[sensor]\n" + sensor + "\n[indenter]\n" + indenter +
+                                                             "\n[load]\nindentation = 0.1\n" + load + "\n");
+    return thrown_message<ConfigError>([&] { read_scene(scene); });
+  };
+  const auto of_a_pad = HasSubstr("it belongs to a pad (sensor.kind = \"pad\")");
+  EXPECT_THAT(message("pitch = 4", "shape = \"flat\"", ""), AllOf(HasSubstr(":2: sensor.pitch = 4"), of_a_pad));
+  EXPECT_THAT(message("", "shape = \"sphere\"\nradius = 4", ""),
+              AllOf(HasSubstr("indenter.shape = \"sphere\""), of_a_pad));
+  EXPECT_THAT(message("", "shape = \"flat\"\nyaw = 4", ""), AllOf(HasSubstr("indenter.yaw = 4"), of_a_pad));
+  EXPECT_THAT(message("", "shape = \"flat\"", "twist = [4]"), AllOf(HasSubstr("load.twist = [4]"), of_a_pad));
+  EXPECT_THAT(
+      message("kind = \"pad\"", "shape = \"flat\"", ""),
+      HasSubstr(":2: sensor.kind = \"pad\": must be \"line\": of all commands `tactel solve` alone takes pads"));
+  EXPECT_THAT(message("kind = \"square\"", "shape = \"flat\"", ""), HasSubstr("one of line, pad"));
+}
+
+}  // namespace
+}  // namespace tactel::host
