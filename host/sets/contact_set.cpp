@@ -21,10 +21,14 @@ using Value = typename std::remove_cvref_t<Values>::value_type;
 /// Whether a dataset has columns; those of the inputs are not known before they are read.
 bool is_matrix(const char* name, int columns) { return columns > 0 || std::string_view(name) == "inputs"; }
 
-bool read_pad(const SetFile& in) {
+void read_kind(const SetFile& in, SetColumns& columns) {
   const std::string kind = in.text("kind");
   if (!kind.empty() && kind != "pad") in.refuse("kind", kind, "pad, or absent");
-  return !kind.empty();
+  columns.pad = !kind.empty();
+  if (!columns.pad) return;
+  const std::uint64_t axes = in.number("axes");
+  if (axes != 1 && axes != 3) in.refuse("axes", std::to_string(axes), "3, or 1");
+  columns.axes = static_cast<int>(axes);
 }
 
 bool read_press_rows(const SetFile& in) {
@@ -42,7 +46,7 @@ SetColumns columns_of(const SetFile& in) {
   if (!has.contains("slip_index"))
     in.refuse("columns", names.empty() ? "missing" : "without slip_index", "names of datasets, slip_index among them");
   SetColumns columns;
-  columns.pad = read_pad(in);
+  read_kind(in, columns);
   for (const char* name : {"poisson", "thickness", "young", "length"})
     columns.sensors = columns.sensors || has.contains(name);
   const auto leave_out = [&](const char* name, const auto&, int, const char*) {
@@ -89,7 +93,10 @@ struct Columns {
         in.refuse(name, fmt::format("{} columns", all.back().columns), fmt::format("{} columns", width));
       if (all.back().rows != rows)
         in.refuse(name, fmt::format("{} rows", all.back().rows), fmt::format("{} rows, as slip_index", rows));
-      if (std::string_view(name) == "inputs") of.inputs = all.back().columns;
+      if (std::string_view(name) != "inputs") return;
+      of.inputs = all.back().columns;
+      if (of.inputs % of.axes != 0)
+        in.refuse(name, fmt::format("{} columns", of.inputs), fmt::format("{} for each tactel", of.axes));
     });
     if (of.has("tactel_x")) of.tactel_x = tactels(in);
     if (of.has("parameters")) open_parameters(in);
@@ -224,6 +231,7 @@ nn::FrameSet ContactSet::frames_with_answers() const {
   out.contact_nodes.assign(contact_nodes.begin(), contact_nodes.end());
   out.contact = contact, out.step = step;
   out.press_rows = press_rows;
+  out.axes = axes;
   return out;
 }
 

@@ -19,6 +19,7 @@ struct SetColumns {
   int inputs;    ///< 2 tactels; of a pad axes nx ny
   bool sensors;  ///< each contact has its own sensor: its numbers are columns, too
   bool pad;      ///< contacts on pads
+  int axes = 2;  ///< stresses of a tactel; of a pad 3, or 1
   std::vector<std::string> parameters, parameter_units;  ///< columns of `/parameters`, ContactParameters; or none
   std::vector<float> tactel_x;                           ///< [tactels] mm; empty where contacts differ in them
   std::set<std::string> left_out;                        ///< names of datasets that the set does not have

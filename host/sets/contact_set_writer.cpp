@@ -90,7 +90,9 @@ bool write_attributes(hid_t file, const ContactSet& set) {
          write_number(file, "contacts_without_rows", set.without_rows) &&
          write_number(file, "fallback_contacts", set.fell_back) &&
          write_number(file, "unsolved_contacts", set.unsolved) &&
-         (!set.press_rows || write_text(file, "press_rows", "true")) && (!set.pad || write_text(file, "kind", "pad")) &&
+         (!set.press_rows || write_text(file, "press_rows", "true")) &&
+         (!set.pad ||
+          (write_text(file, "kind", "pad") && write_number(file, "axes", static_cast<std::uint64_t>(set.axes)))) &&
          write_text(file, "indenter_names", joined(set.indenter_names)) &&
          write_text(file, "units",
                     set.pad ? "mm, MPa, N, N mm, degrees; sigma_z < 0 is compression, tau > 0 drags towards +x, +y"

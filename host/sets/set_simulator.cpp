@@ -478,6 +478,7 @@ ContactSet Simulator<Contacts>::collect(Range& range) {
 template <class Scene>
 SetColumns columns_of_kind(const SourceOf<Scene>& source) {
   SetColumns columns(source.inputs(), source.own_sensors().has_value(), !SourceOf<Scene>::of_lines);
+  if constexpr (!SourceOf<Scene>::of_lines) columns.axes = source.sensors().front().axes;
   const auto parameters = source.parameters();
   for (const auto& column : parameters.columns()) {
     columns.parameters.push_back(column.name);

@@ -184,6 +184,8 @@ TEST_F(PadSet, FilesHoldTheColumnsOfPads) {
   const ContactSet read = read_contact_set(file);
   EXPECT_TRUE(read.pad);
   EXPECT_EQ(read.inputs, 36);
+  EXPECT_EQ(read.axes, 3);
+  EXPECT_EQ(read.frames_with_answers().axes, 3);  // a bound counts the tactels that touch
   std::vector<std::string> names;
   each_dataset(read, [&](const char* name, const auto&, int, const char*) { names.emplace_back(name); });
   EXPECT_THAT(names, testing::ElementsAre("inputs", "slip_index", "normal_force", "tangential_force", "torque",
