@@ -111,7 +111,7 @@ struct PadLoad {
   std::vector<double> normal_force{};    ///< N: instead of indentation
   int indentation_steps = 1;
   std::vector<std::array<double, 3>>
-      drags;  ///< successive positions x, y (mm) and twist (rad), at the last normal target
+      drags;                     ///< successive positions x, y (mm) and twist (rad), at the last normal target
   std::vector<PadTarget> moves;  ///< instead of the drags: one increment each, normal target and position together
 
   void validate() const;  ///< throws ValueError, key "load.<member>"

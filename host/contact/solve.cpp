@@ -110,10 +110,6 @@ std::string why_no_estimate(const SolveOutcome& outcome) {
   return why_no_estimate(outcome.scene, outcome.solution);
 }
 
-namespace {
-
-}  // namespace
-
 bool too_deep(double thickness, double indentation) {
   constexpr double rounding = 1e-6;  // of a depth in fp32
   return indentation > fem::linear_strain_limit * (1 + rounding) * thickness;
