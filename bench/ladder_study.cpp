@@ -93,7 +93,7 @@ std::vector<Source> sources() {
 }
 
 void print(const MeasuredModel& model) {
-  fmt::print("  {:<42}", description(model.rung));
+  fmt::print("  {:<42}", description(std::get<Rung>(model.rung)));
   for (std::size_t k = 0; k < error_members.size(); ++k)
     fmt::print(" | {} {:8.2g} {:8.2g}", error_names[k], model.error.median.*error_members[k],
                model.error.most95.*error_members[k]);

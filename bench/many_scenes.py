@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The rate of solve_many from Python beside that of C++, on the same scenes, in turns.
 
-Usage: PYTHONPATH=build/python bench/many_scenes.py [--program build/bench/tactel_many_scenes] [--scenes 100000] [--calls 5]
+Usage: PYTHONPATH=build/python bench/many_scenes.py [--program build/bench/tactel_many_scenes] [--scenes 100000] [--calls 5] [--pads]
 Prints both rates (medians) and their ratio. Ends with 1 where the answers differ in a bit, or with --least RATIO
 where the ratio is below it."""
 import argparse
@@ -27,6 +27,12 @@ def scene(k):
                         friction=0.1 + 0.9 * spread(k, 0.7548776662466927), load=load)
 
 
+def pad_scene(k):
+    load = tactel.Press(0.05 + 0.25 * spread(k, 0.5698402909980532)).drag((0.03, 0.01), steps=STEPS - 1, twist=0.2)
+    return tactel.Scene(tactel.Pad(), tactel.Sphere(5 + 10 * spread(k, 0.6180339887498949)),
+                        friction=0.1 + 0.9 * spread(k, 0.7548776662466927), load=load)
+
+
 def from_python(scenes):
     start = time.perf_counter()
     paths = tactel.solve_many(scenes)
@@ -38,8 +44,8 @@ def from_python(scenes):
     return seconds, total
 
 
-def from_cpp(program, count):
-    said = subprocess.run([program, str(count), "1"], check=True, capture_output=True, text=True).stdout.split()
+def from_cpp(program, count, kind):
+    said = subprocess.run([program, str(count), "1", *kind], check=True, capture_output=True, text=True).stdout.split()
     return float(said[0]), float(said[1])
 
 
@@ -48,11 +54,13 @@ def main():
     parser.add_argument("--program", default="build/bench/tactel_many_scenes")
     parser.add_argument("--scenes", type=int, default=100_000)
     parser.add_argument("--calls", type=int, default=5)
+    parser.add_argument("--pads", action="store_true", help="scenes on pads")
     parser.add_argument("--least", type=float, default=0.0)
     options = parser.parse_args()
-    scenes = [scene(k) for k in range(options.scenes)]
+    kind, make = (["pads"], pad_scene) if options.pads else ([], scene)
+    scenes = [make(k) for k in range(options.scenes)]
     tactel.solve_many(scenes[:100])  # kernels are compiled
-    runs = [(from_cpp(options.program, options.scenes), from_python(scenes)) for _ in range(options.calls)]
+    runs = [(from_cpp(options.program, options.scenes, kind), from_python(scenes)) for _ in range(options.calls)]
     if len({total for pair in runs for _, total in pair}) != 1:
         sys.exit(f"the answers differ: {runs}")
     seconds = [statistics.median(pair[k][0] for pair in runs) for k in (0, 1)]

@@ -11,11 +11,11 @@
 #include <vector>
 
 #include "bench/fma_peak.h"
+#include "fem/pad/pad_mix.h"
 #include "host/contact/pad_contact.h"
 #include "host/contact/pad_search.h"
 #include "kernels/shared/contact_layout.h"
 #include "kernels/shared/pad_layout.h"
-#include "tests/fem/pad/pad_mix.h"
 
 namespace {
 

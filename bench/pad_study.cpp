@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Errors of the rungs of pads, by class of scenes, on the mix of the tests (tests/fem/pad/pad_mix.h) against the
+// Errors of the rungs of pads, by class of scenes, on the mix of fem/pad/pad_mix.h against the
 // reference, whose own error is printed too; with cell sizes that scenes share, as `solve` has them, and fitted ones:
 //
 //     build/bench/tactel_pad_study [SCENES, 72] [SEED, 2026] [FILE] [ANSWERS]
@@ -17,9 +17,9 @@
 #include <map>
 #include <vector>
 
+#include "fem/pad/pad_mix.h"
 #include "fem/pad/pad_reference.h"
 #include "host/contact/pad_rung.h"
-#include "tests/fem/pad/pad_mix.h"
 
 namespace tactel::host {
 namespace {

@@ -41,6 +41,7 @@ const bool registered = [] {
     add("high_pass", {.time_constant = 1, .step_time = 0.05});
     add("noise", {.noise = 0.03});
     add("all_parts", tactel::testing::all_parts);
+    add("skin_parts", tactel::testing::skin_parts);
   }
   return true;
 }();

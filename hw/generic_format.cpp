@@ -13,7 +13,10 @@
 namespace tactel::hw {
 namespace {
 
-std::size_t size_of(SampleType type) { return type == SampleType::i16 || type == SampleType::u16 ? 2 : 4; }
+std::size_t size_of(SampleType type) {
+  if (type == SampleType::f64) return 8;
+  return type == SampleType::i16 || type == SampleType::u16 ? 2 : 4;
+}
 
 std::size_t size_of(Checksum kind) {
   if (kind == Checksum::none) return 0;
@@ -56,6 +59,8 @@ double sample_of(SampleType type, std::uint64_t bits) {
       return static_cast<std::int32_t>(bits);
     case SampleType::f32:
       return std::bit_cast<float>(static_cast<std::uint32_t>(bits));
+    case SampleType::f64:
+      return std::bit_cast<double>(bits);
   }
   return 0;
 }
@@ -73,6 +78,8 @@ std::uint64_t bits_of(SampleType type, double value) {
       return held(-2147483648.0, 2147483647.0) & 0xFFFFFFFF;
     case SampleType::f32:
       return std::bit_cast<std::uint32_t>(static_cast<float>(value));
+    case SampleType::f64:
+      return std::bit_cast<std::uint64_t>(value);
   }
   return 0;
 }

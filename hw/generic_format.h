@@ -7,7 +7,7 @@
 
 namespace tactel::hw {
 
-enum class SampleType { i16, u16, i32, f32 };
+enum class SampleType { i16, u16, i32, f32, f64 };
 enum class Checksum { none, sum8, sum16, xor8, crc16 };
 
 /// A number in a frame's header: `width` bytes (1, 2, 4, 8) from `offset` of the frame. Width 0: absent.

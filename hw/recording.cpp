@@ -4,13 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <chrono>
 #include <cstring>
 #include <fstream>
 #include <string_view>
-#include <thread>
 
 #include "hw/bytes.h"
+#include "hw/pace.h"
 
 namespace tactel::hw {
 namespace {
@@ -21,9 +20,6 @@ constexpr std::size_t record_head = 1 + 4, record_tail = 4;  // kind, length of 
 constexpr std::size_t packet_head = 8 + 1;                   // arrival, flags
 constexpr std::size_t largest_body = 1 << 24;                // bytes
 constexpr double latest_arrival = 1e9;  // s, 30 years: no clock that starts with its source shows more
-constexpr double longest_wait = 3600;   // s: a longer timeout would leave the clock's range
-
-using Clock = std::chrono::steady_clock;
 
 void put_number(std::vector<std::uint8_t>& bytes, std::uint64_t value, int width) {
   for (int i = 0; i < width; ++i) bytes.push_back(static_cast<std::uint8_t>(value >> 8 * i));
@@ -86,12 +82,10 @@ void RecordingWriter::finish() {
 struct ReplaySource::State {
   std::string path, description;
   std::ifstream file;
-  bool real_time = false, finished = false, cut_short = false;
+  bool finished = false, cut_short = false;
   std::vector<std::uint8_t> record;
-  std::optional<Clock::time_point> zero;
+  Pace pace;
   bool held = false;  ///< the record in hand waits for its time
-  double last_arrival = 0;
-  Clock::time_point handed_out = Clock::now();
   TransportCounts counts;
 
   [[noreturn]] void fail(const std::string& what) const { throw RecordingError(path + ": " + what); }
@@ -153,25 +147,11 @@ struct ReplaySource::State {
   }
 
   double arrival() const { return std::bit_cast<double>(unsigned_at(body(), 0, 8)); }
-
-  /// Waits for the packet's time; false when that is not within `timeout`.
-  bool due(double timeout) {
-    if (!real_time) return true;
-    const auto seconds = [](double s) {
-      return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
-    };
-    const auto now = Clock::now();
-    if (!zero) zero = now - seconds(arrival());
-    const auto time = *zero + seconds(arrival());
-    const auto end = now + seconds(std::min(timeout, longest_wait));
-    std::this_thread::sleep_until(std::min(time, end));
-    return time <= end;
-  }
 };
 
 ReplaySource::ReplaySource(const std::filesystem::path& path, bool real_time) : state_(std::make_unique<State>()) {
   state_->open(path);
-  state_->real_time = real_time;
+  state_->pace = Pace(real_time);
 }
 ReplaySource::~ReplaySource() = default;
 
@@ -180,21 +160,18 @@ bool ReplaySource::cut_short() const { return state_->cut_short; }
 bool ReplaySource::finished() const { return state_->finished; }
 TransportCounts ReplaySource::counts() const { return state_->counts; }
 
-double ReplaySource::now() const {
-  return state_->last_arrival + std::chrono::duration<double>(Clock::now() - state_->handed_out).count();
-}
+double ReplaySource::now() const { return state_->pace.now(); }
 
 std::optional<Packet> ReplaySource::wait(double timeout) {
   State& s = *state_;
   if (!s.held && !s.next()) return std::nullopt;
-  s.held = !s.due(timeout);
+  s.held = !s.pace.due(s.arrival(), timeout);
   if (s.held) return std::nullopt;
   const Bytes bytes = s.body().subspan(packet_head);
   ++s.counts.packets;
   s.counts.bytes += bytes.size();
-  s.last_arrival = s.arrival();
-  s.handed_out = Clock::now();
-  return Packet{bytes, s.last_arrival, s.body()[8] != 0};
+  s.pace.hand_out(s.arrival());
+  return Packet{bytes, s.arrival(), s.body()[8] != 0};
 }
 
 }  // namespace tactel::hw

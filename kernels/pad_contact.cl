@@ -47,6 +47,9 @@
 #define MOST_FORCE_TRIALS 60
 #define FIRST_DEPTH ((real)0.05) /* tried first for a force */
 #define NO_BOUND ((real)1e30)
+#define TURN(sum) sum.v[0] = -sum.v[0]
+#define TURN_X(s) TURN(s.zx), TURN(s.xn), TURN(s.xy), TURN(s.yx)
+#define TURN_Y(s) TURN(s.zy), TURN(s.yn), TURN(s.xy), TURN(s.yx)
 #define INSIDE_CONE (REAL_IS_DOUBLE ? (real)(1 - 1e-12) : (real)(1 - 1e-6)) /* a shorter traction sticks */
 #define MOST_STEPS 16 /* load steps that the base stress is summed for at once */
 
@@ -66,6 +69,7 @@ typedef struct {
   Lanes ux[COUNT], uy[COUNT], uz[COUNT];               /* fresh sums, over sqrt(tt0), sqrt(zz0) */
   Lanes n_last[COUNT], tx_last[COUNT], ty_last[COUNT]; /* an increment earlier */
   int list[COUNT], at[COUNT], listed; /* cells in the window of any lane: index, place in a shared table */
+  int ends[CELLS];                    /* of the columns in the list */
 } Cells;
 
 /* Numbers that belong to a table. */
@@ -96,42 +100,56 @@ typedef struct {
 static inline side x_of(const Influence *c, int i) { return ((real)(i / CELLS) - (real)0.5 * (CELLS - 1)) * c->hx; }
 static inline side y_of(const Influence *c, int i) { return ((real)(i % CELLS) - (real)0.5 * (CELLS - 1)) * c->hy; }
 
-/* Displacement at a cell by the cells listed. A chain of its own for each product: additions do not wait for each
-   other. ix, iy from -1 to CELLS. */
-INLINE void displacement(const Influence *influence, const Cells *c, int ix, int iy, Lanes *x, Lanes *y, Lanes *z) {
-#if !OWN_TABLES
-  global const real *row = influence->table - PAD_INFLUENCE * (ix * SPAN + iy);
-#endif
+/* The nine sums of a displacement, each a chain of its own: additions do not wait for each other. */
+typedef struct {
   Lanes zn, zx, zy, xx, xy, xn, yx, yy, yn;
-  EACH_VECTOR(v) { zn.v[v] = zx.v[v] = zy.v[v] = xx.v[v] = xy.v[v] = xn.v[v] = yx.v[v] = yy.v[v] = yn.v[v] = 0; }
-  ROLLED for (int k = 0; k < c->listed; ++k) {
-    const int j = c->list[k];
-#if OWN_TABLES
-    const int dx = ix - j / CELLS, dy = iy - j % CELLS;
-    global const vreal *own = influence->table + PAD_OWN_INFLUENCE * (abs(dx) * (CELLS + 1) + abs(dy));
-    const real sx = dx < 0 ? -1 : 1, sy = dy < 0 ? -1 : 1;
-    const vreal t[PAD_OWN_INFLUENCE] = {own[PAD_ZZ],           own[PAD_XX],      own[PAD_YY],
-                                        sx * sy * own[PAD_XY], sx * own[PAD_XZ], sy * own[PAD_YZ]};
-#else
-    global const real *t = row + c->at[k];
-#endif
-    EACH_VECTOR(v) {
-      const vreal n = c->n[j].v[v], tx = c->tx[j].v[v], ty = c->ty[j].v[v];
-      zn.v[v] = fma(ALL_LANES(t[PAD_ZZ]), n, zn.v[v]);
-      zx.v[v] = fma(ALL_LANES(t[PAD_XZ]), tx, zx.v[v]);
-      zy.v[v] = fma(ALL_LANES(t[PAD_YZ]), ty, zy.v[v]);
-      xx.v[v] = fma(ALL_LANES(t[PAD_XX]), tx, xx.v[v]);
-      xy.v[v] = fma(ALL_LANES(t[PAD_XY]), ty, xy.v[v]);
-      xn.v[v] = fma(ALL_LANES(t[PAD_XZ]), n, xn.v[v]);
-      yx.v[v] = fma(ALL_LANES(t[PAD_XY]), tx, yx.v[v]);
-      yy.v[v] = fma(ALL_LANES(t[PAD_YY]), ty, yy.v[v]);
-      yn.v[v] = fma(ALL_LANES(t[PAD_YZ]), n, yn.v[v]);
-    }
-  }
+} Sums;
+
+/* Adds the products of cell j and its entry of the table. */
+INLINE void add_products(global const side *t, const Cells *c, int j, Sums *s) {
   EACH_VECTOR(v) {
-    x->v[v] = xx.v[v] + xy.v[v] - xn.v[v];
-    y->v[v] = yx.v[v] + yy.v[v] - yn.v[v];
-    z->v[v] = -(zn.v[v] + zx.v[v] + zy.v[v]);
+    const vreal n = c->n[j].v[v], tx = c->tx[j].v[v], ty = c->ty[j].v[v];
+    s->zn.v[v] = fma(ALL_LANES(t[PAD_ZZ]), n, s->zn.v[v]);
+    s->zx.v[v] = fma(ALL_LANES(t[PAD_XZ]), tx, s->zx.v[v]);
+    s->zy.v[v] = fma(ALL_LANES(t[PAD_YZ]), ty, s->zy.v[v]);
+    s->xx.v[v] = fma(ALL_LANES(t[PAD_XX]), tx, s->xx.v[v]);
+    s->xy.v[v] = fma(ALL_LANES(t[PAD_XY]), ty, s->xy.v[v]);
+    s->xn.v[v] = fma(ALL_LANES(t[PAD_XZ]), n, s->xn.v[v]);
+    s->yx.v[v] = fma(ALL_LANES(t[PAD_XY]), tx, s->yx.v[v]);
+    s->yy.v[v] = fma(ALL_LANES(t[PAD_YY]), ty, s->yy.v[v]);
+    s->yn.v[v] = fma(ALL_LANES(t[PAD_YZ]), n, s->yn.v[v]);
+  }
+}
+
+/* Displacement at a cell by the cells listed. ix, iy from -1 to CELLS. A table of one quadrant lacks the signs of xy,
+   xz and yz: where they change, the sums change theirs, which gives the bits of a whole table. */
+INLINE void displacement(const Influence *influence, const Cells *c, int ix, int iy, Lanes *x, Lanes *y, Lanes *z) {
+  Sums s;
+  EACH_VECTOR(v) {
+    s.zn.v[v] = s.zx.v[v] = s.zy.v[v] = s.xx.v[v] = s.xy.v[v] = s.xn.v[v] = s.yx.v[v] = s.yy.v[v] = s.yn.v[v] = 0;
+  }
+#if OWN_TABLES
+  int k = 0;
+  ROLLED for (int jx = 0; jx < CELLS; ++jx) {
+    const int end = c->ends[jx], here = jx * CELLS + iy;
+    global const side *t = influence->table + PAD_OWN_INFLUENCE * abs(ix - jx) * (CELLS + 1);
+    if (jx == ix + 1) TURN_X(s);
+    ROLLED for (; k < end && c->list[k] <= here; ++k)
+        add_products(t + PAD_OWN_INFLUENCE * (here - c->list[k]), c, c->list[k], &s);
+    if (k == end) continue;
+    TURN_Y(s);
+    ROLLED for (; k < end; ++k) add_products(t + PAD_OWN_INFLUENCE * (c->list[k] - here), c, c->list[k], &s);
+    TURN_Y(s);
+  }
+  if (ix < CELLS - 1) TURN_X(s);
+#else
+  global const real *row = influence->table - PAD_INFLUENCE * (ix * SPAN + iy);
+  ROLLED for (int k = 0; k < c->listed; ++k) add_products(row + c->at[k], c, c->list[k], &s);
+#endif
+  EACH_VECTOR(v) {
+    x->v[v] = s.xx.v[v] + s.xy.v[v] - s.xn.v[v];
+    y->v[v] = s.yx.v[v] + s.yy.v[v] - s.yn.v[v];
+    z->v[v] = -(s.zn.v[v] + s.zx.v[v] + s.zy.v[v]);
   }
 }
 
@@ -141,9 +159,11 @@ static void list_cells(Cells *c) {
   for (int i = 0; i < COUNT; ++i) {
     vint any = c->window[i].v[0];
     for (int v = 1; v < VECTORS; ++v) any |= c->window[i].v[v];
-    if (!ANY(any)) continue;
-    c->list[c->listed] = i;
-    c->at[c->listed++] = PAD_INFLUENCE * (i / CELLS * SPAN + i % CELLS);
+    if (ANY(any)) {
+      c->list[c->listed] = i;
+      c->at[c->listed++] = PAD_INFLUENCE * (i / CELLS * SPAN + i % CELLS);
+    }
+    c->ends[i / CELLS] = c->listed;
   }
 }
 
@@ -566,6 +586,7 @@ kernel void pad_contact(uint first_group, global const side *tables, global cons
   State s;
   check_input(lane_input, path, heights, increments, &s);
   c.listed = 0;
+  for (int i = 0; i < CELLS; ++i) c.ends[i] = 0;
   s.half_size = (real)0.5 * CELLS * fmax(influence.hx, influence.hy);
   EACH_VECTOR(v) {
     global const vreal *in = lane_input + v * PAD_INPUT_ROWS;

@@ -35,7 +35,8 @@ enum class RandomStream : std::uint32_t {
   instance = 8,  ///< sensor that a contact meets
   path = 9,      ///< numbers of an irregular load path
   spread = 10,   ///< how much a sensor's transducers spread
-  fault = 11,    ///< place, crosstalk and failure of a transducer
+  fault = 11,    ///< place, crosstalk, mixing and failure of a transducer
+  frame = 12,    ///< drift and repeated frames of a contact
 };
 
 /// Returns four random words. `index` and `outer` count inside the stream: the weight; the step and the cycle;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <sstream>
+#include <stdexcept>
 #include <vector>
 
 #include "fem/value_error.h"
@@ -65,44 +66,78 @@ double spread_of(const std::optional<double>& from, double to, std::uint32_t wor
   return least + (to - least) * unit(word);
 }
 
-/// The time constant and the bits of a sensor, in place of their ranges.
-Transducer of_sensor(Transducer t, std::uint64_t instance, std::uint32_t word) {
-  t.time_constant = spread_of(t.time_constant_from, t.time_constant, word);
+/// The numbers of a sensor, in place of their ranges.
+Transducer of_sensor(Transducer t, std::uint64_t instance) {
+  const auto own = [&](std::uint32_t which) { return words(t.seed, RandomStream::spread, instance, which); };
+  const auto choose = [](const std::optional<double>& from, double& to, std::uint32_t word) {
+    to = spread_of(from, to, word);
+  };
+  const PhiloxCounter electric = own(0), skin = own(2), late = own(3);
+  choose(t.gain_spread_from, t.gain_spread, electric[0]);
+  choose(t.offset_spread_from, t.offset_spread, electric[1]);
+  choose(t.noise_from, t.noise, electric[2]);
+  choose(t.time_constant_from, t.time_constant, electric[3]);
+  choose(t.mixing_from, t.mixing, skin[0]);
+  choose(t.drift_from, t.drift, skin[1]);
+  choose(t.repeats_from, t.repeats, skin[2]);
+  choose(t.lag_from, t.lag, late[0]);
+  choose(t.lag_time_from, t.lag_time, late[1]);
+  choose(t.memory_from, t.memory, late[2]);
+  choose(t.memory_time_from, t.memory_time, late[3]);
   if (t.bits_from) {
-    const auto count = static_cast<std::uint64_t>(t.bits - *t.bits_from + 1);
-    t.bits = *t.bits_from + static_cast<int>(words(t.seed, RandomStream::spread, instance, 1)[0] * count >> 32);
+    const auto count = static_cast<std::uint64_t>(t.bits) - static_cast<std::uint64_t>(*t.bits_from) + 1;
+    t.bits = *t.bits_from + static_cast<int>(own(1)[0] * count >> 32);
   }
   return t;
 }
 
-/// The stress that a transducer feels: at its shifted place, linear between tactels, with shares of its neighbours'. At
-/// an end of the row the neighbour that is not there has no share, and the place does not shift beyond the row.
+/// Axes, rows and tactels of a row, as the channels lie.
+struct Layout {
+  std::uint32_t axes, rows, columns;
+  std::uint32_t tactels() const { return rows * columns; }
+  std::uint32_t channels() const { return axes * tactels(); }
+};
+
+/// The stress that a transducer feels: at its shifted place, linear between tactels, with shares of its neighbours' and
+/// of the other axes of its tactel. A neighbour beyond an edge has no share, and the place does not shift beyond it.
 std::vector<double> felt_stress(const Transducer& t, std::uint64_t instance, const RowMatrix<double>& stress,
-                                std::uint32_t channel) {
-  const auto channels = static_cast<std::uint32_t>(stress.cols()), tactels = channels / 2;
-  const std::uint32_t tactel = channel % tactels;
+                                const Layout& layout, std::uint32_t channel) {
+  const std::uint32_t channels = layout.channels(), tactels = layout.tactels(), columns = layout.columns;
+  const std::uint32_t tactel = channel % tactels, axis = channel / tactels;
   const PhiloxCounter fault = words(t.seed, RandomStream::fault, instance, channel);
   const PhiloxCounter place = words(t.seed, RandomStream::fault, instance, channels + tactel);
-  const bool left = tactel > 0, right = tactel + 1 < tactels;
+  const PhiloxCounter mixed = words(t.seed, RandomStream::fault, instance, 2 * channels + channel);
+  const bool left = tactel % columns > 0, right = tactel % columns + 1 < columns;
+  const bool below = tactel >= columns, above = tactel + columns < tactels;
   const double share = t.crosstalk * std::abs(normal_pair(fault[2], fault[3])[0]);
-  const double shift =
-      std::clamp(t.shift_spread * normal_pair(place[0], place[1])[0], left ? -1.0 : 0.0, right ? 1.0 : 0.0);
-  const double of_left = left ? std::max(-shift, 0.0) + share : 0, of_right = right ? std::max(shift, 0.0) + share : 0;
-  std::vector<double> x(stress.rows());
-  for (std::size_t k = 0; k < x.size(); ++k) {
-    x[k] = (1 - std::abs(shift)) * stress(k, channel);
-    if (left) x[k] += of_left * stress(k, channel - 1);
-    if (right) x[k] += of_right * stress(k, channel + 1);
-    if (unit(fault[0]) < t.dead) x[k] = 0;
+  const auto [along, across] = normal_pair(place[0], place[1]);
+  const double x = std::clamp(t.shift_spread * along, left ? -1.0 : 0.0, right ? 1.0 : 0.0);
+  const double rest = 1 - std::abs(x);  // of a triangle between three tactels
+  const double y = std::clamp(t.shift_spread * across, below ? -rest : 0.0, above ? rest : 0.0);
+  const auto mixing = normal_pair(mixed[0], mixed[1]);
+  std::vector<double> felt(stress.rows());
+  for (std::size_t k = 0; k < felt.size(); ++k) {
+    felt[k] = (1 - std::abs(x) - std::abs(y)) * stress(k, channel);
+    if (left) felt[k] += (std::max(-x, 0.0) + share) * stress(k, channel - 1);
+    if (right) felt[k] += (std::max(x, 0.0) + share) * stress(k, channel + 1);
+    if (below) felt[k] += (std::max(-y, 0.0) + share) * stress(k, channel - columns);
+    if (above) felt[k] += (std::max(y, 0.0) + share) * stress(k, channel + columns);
+    if (t.mixing > 0)
+      for (std::uint32_t other = 1; other < layout.axes; ++other)
+        felt[k] += t.mixing * mixing[other - 1] * stress(k, (axis + other) % layout.axes * tactels + tactel);
+    if (unit(fault[0]) < t.dead) felt[k] = 0;
   }
-  return x;
+  return felt;
 }
 
-/// Less the share that arrives late, as far as it has not.
+/// Less the shares that arrive late, as far as they have not.
 void delay(const Transducer& t, std::vector<double>& x) {
-  if (t.lag == 0) return;
-  const std::vector<double> late = high_pass(t.lag_time, t.step_time, x);
-  for (std::size_t k = 0; k < x.size(); ++k) x[k] -= t.lag * late[k];
+  const std::vector<double> felt = x;
+  for (const auto& [share, time] : {std::pair{t.lag, t.lag_time}, {t.memory, t.memory_time}}) {
+    if (share == 0) continue;
+    const std::vector<double> late = high_pass(time, t.step_time, felt);
+    for (std::size_t k = 0; k < x.size(); ++k) x[k] -= share * late[k];
+  }
 }
 
 double converted(const Transducer& t, double reading) {
@@ -116,7 +151,7 @@ double converted(const Transducer& t, double reading) {
 
 bool Transducer::present() const {
   return gain_spread > 0 || offset_spread > 0 || noise > 0 || time_constant > 0 || range > 0 || noise_of_largest > 0 ||
-         reaches_neighbours() || dead > 0 || lag > 0;
+         reaches_others() || dead > 0 || lag > 0 || memory > 0 || drift > 0 || repeats > 0;
 }
 
 double Transducer::quantum() const { return bits == 0 ? 0 : std::ldexp(range, 1 - bits); }
@@ -140,20 +175,38 @@ void Transducer::validate() const {
   check(lag >= 0 && lag <= 1, "lag", lag, "a share of the stress, 0 to 1");
   check(at_least_0(lag_time) && (lag > 0) == (lag_time > 0), "lag_time", lag_time,
         "a time in s, given with transducer.lag");
+  check(memory >= 0 && lag + memory <= 1, "memory", memory,
+        "a share of the stress, 0 to 1 with that of transducer.lag");
+  check(at_least_0(memory_time) && (memory > 0) == (memory_time > 0), "memory_time", memory_time,
+        "a time in s, given with transducer.memory");
+  check(mixing >= 0 && mixing <= 1, "mixing", mixing, "a share of each other axis of the tactel, 0 to 1");
+  check(at_least_0(drift), "drift", drift,
+        "a standard deviation over the contact's largest normal stress, finite, 0 or more");
+  check(repeats >= 0 && repeats <= 1, "repeats", repeats, "a probability, 0 to 1");
   check_from("gain_spread", gain_spread_from, gain_spread);
   check_from("offset_spread", offset_spread_from, offset_spread);
   check_from("noise", noise_from, noise);
   check_from("time_constant", time_constant_from, time_constant);
+  check_from("mixing", mixing_from, mixing);
+  check_from("drift", drift_from, drift);
+  check_from("repeats", repeats_from, repeats);
+  check_from("lag", lag_from, lag);
+  check_from("lag_time", lag_time_from, lag_time);
+  check_from("memory", memory_from, memory);
+  check_from("memory_time", memory_time_from, memory_time);
   check(!bits_from || (*bits_from >= 2 && *bits_from <= bits), "bits", bits_from.value_or(0),
         "a range of whole numbers from 2 upward");
-  // Beyond these bounds exp(-h / tau) is 0 or 1, and the filter is not what it says.
-  check((time_constant == 0 && lag_time == 0) == (step_time == 0), "step_time", step_time,
+  check((time_constant == 0 && lag_time == 0 && memory_time == 0) == (step_time == 0), "step_time", step_time,
         "given with transducer.time_constant, in s");
-  const double shortest = time_constant_from.value_or(time_constant);
-  check(time_constant == 0 || (step_time >= 1e-6 * time_constant && step_time <= 50 * shortest), "step_time", step_time,
-        "between 1e-6 and 50 of transducer.time_constant, in s");
-  check(lag_time == 0 || (step_time >= 1e-6 * lag_time && step_time <= 50 * lag_time), "step_time", step_time,
-        "between 1e-6 and 50 of transducer.lag_time, in s");
+  // Beyond these bounds exp(-h / T) is 0 or 1, and the filter is not what it says.
+  const auto check_step = [&](double longest, double shortest, const char* allowed) {
+    check(longest == 0 || (step_time >= 1e-6 * longest && step_time <= 50 * shortest), "step_time", step_time, allowed);
+  };
+  check_step(time_constant, time_constant_from.value_or(time_constant),
+             "between 1e-6 and 50 of transducer.time_constant, in s");
+  check_step(lag_time, lag_time_from.value_or(lag_time), "between 1e-6 and 50 of transducer.lag_time, in s");
+  check_step(memory_time, memory_time_from.value_or(memory_time),
+             "between 1e-6 and 50 of transducer.memory_time, in s");
 }
 
 std::string description(const Transducer& t) {
@@ -169,50 +222,65 @@ std::string description(const Transducer& t) {
   };
   say("shift_spread", t.shift_spread, "");
   say("crosstalk", t.crosstalk, "");
+  say_range("mixing", t.mixing_from, t.mixing, "");
   say("dead", t.dead, "");
-  say("lag", t.lag, "");
-  say("lag_time", t.lag_time, " s");
+  say_range("lag", t.lag_from, t.lag, "");
+  say_range("lag_time", t.lag_time_from, t.lag_time, " s");
+  say_range("memory", t.memory_from, t.memory, "");
+  say_range("memory_time", t.memory_time_from, t.memory_time, " s");
   say_range("gain_spread", t.gain_spread_from, t.gain_spread, "");
   say_range("time_constant", t.time_constant_from, t.time_constant, " s");
   say("step_time", t.step_time, " s");
   say_range("offset_spread", t.offset_spread_from, t.offset_spread, " MPa");
+  say_range("drift", t.drift_from, t.drift, "");
   say_range("noise", t.noise_from, t.noise, " MPa");
   say("noise_of_largest", t.noise_of_largest, "");
   say("range", t.range, " MPa");
   say_range("bits", t.bits_from, t.bits, "");
+  say_range("repeats", t.repeats_from, t.repeats, "");
   say("instances", t.instances, "");
-  if (t.gain_spread > 0 || t.offset_spread > 0 || t.noise_from || t.time_constant_from || t.bits_from ||
-      t.reaches_neighbours() || t.dead > 0)
+  const bool ranges = t.noise_from || t.time_constant_from || t.bits_from || t.lag_from || t.lag_time_from ||
+                      t.memory_from || t.memory_time_from || t.drift_from || t.repeats_from;
+  if (t.gain_spread > 0 || t.offset_spread > 0 || ranges || t.reaches_others() || t.dead > 0)
     text << ", seed " << t.seed;
   return t.present() ? text.str() : "none";
 }
 
 RowMatrix<double> transducer_chain(const Transducer& of_all, std::uint64_t seed, std::uint64_t contact,
-                                   const RowMatrix<double>& stress) {
+                                   const RowMatrix<double>& stress, int axes, int rows) {
   const auto channels = static_cast<std::uint32_t>(stress.cols());
+  const Layout layout{static_cast<std::uint32_t>(axes), static_cast<std::uint32_t>(rows), channels / (axes * rows)};
+  if (axes > 3 || layout.channels() != channels)
+    throw std::invalid_argument("channels that are no whole axes and rows");
   const std::uint64_t instance = instance_of(of_all, contact);
-  const PhiloxCounter own = words(of_all.seed, RandomStream::spread, instance, 0);
-  const Transducer t = of_sensor(of_all, instance, own[3]);
-  const double gain_spread = spread_of(t.gain_spread_from, t.gain_spread, own[0]);
-  const double offset_spread = spread_of(t.offset_spread_from, t.offset_spread, own[1]);
-  double largest = 0;
-  for (const double s : stress.reshaped())
-    if (std::isfinite(s)) largest = std::max(largest, std::abs(s));
-  const double deviation = spread_of(t.noise_from, t.noise, own[2]) + t.noise_of_largest * largest;
+  const Transducer t = of_sensor(of_all, instance);
+  const auto largest = [&](Eigen::Index first) {
+    double most = 0;
+    for (const double s : stress.leftCols(first).reshaped())
+      if (std::isfinite(s)) most = std::max(most, std::abs(s));
+    return most;
+  };
+  const double deviation = t.noise + t.noise_of_largest * largest(channels);
+  const double drift = t.drift * largest(layout.tactels());
   RowMatrix<double> reading(stress.rows(), stress.cols());
   for (std::uint32_t channel = 0; channel < channels; ++channel) {
     const PhiloxCounter drawn = words(t.seed, RandomStream::gain, instance, channel);
+    const PhiloxCounter drifted = words(seed, RandomStream::frame, contact, channel);
     const auto [gain, offset] = normal_pair(drawn[0], drawn[1]);
-    std::vector<double> x = felt_stress(t, instance, stress, channel);
+    const double zero = t.offset_spread * offset + drift * normal_pair(drifted[0], drifted[1])[0];
+    std::vector<double> x = felt_stress(t, instance, stress, layout, channel);
     delay(t, x);
-    for (double& s : x) s *= 1 + gain_spread * gain;
+    for (double& s : x) s *= 1 + t.gain_spread * gain;
     const std::vector<double> y = t.time_constant == 0 ? x : high_pass(t.time_constant, t.step_time, x);
     for (std::uint32_t k = 0; k < y.size(); ++k) {
       const PhiloxCounter noise = words(seed, RandomStream::reading, contact, k / 4 * channels + channel);
       const double normal = normal_pair(noise[k % 4 / 2 * 2], noise[k % 4 / 2 * 2 + 1])[k % 2];
-      reading(k, channel) = converted(t, y[k] + offset_spread * offset + deviation * normal);
+      reading(k, channel) = converted(t, y[k] + zero + deviation * normal);
     }
   }
+  for (std::uint32_t k = 1; k < reading.rows(); ++k)
+    if (unit(words(seed, RandomStream::frame, contact, channels + k / 4)[k % 4]) < t.repeats)
+      reading.row(k) = reading.row(k - 1);
   return reading;
 }
 

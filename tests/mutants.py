@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes 20 mistakes, one after the other, each of which a test of scripts/test must find: mutants.py [NUMBER...]
+"""Makes 27 mistakes, one after the other, each of which a test of scripts/test must find: mutants.py [NUMBER...]
 
 The mistakes are in kernels, their twins and readers of files. Each is put into the source, what it takes is built in build/, the tests
 that should find it run, and the source is put back. Ends with 1 where a mistake was not found, or its place in the source is gone."""
@@ -17,21 +17,30 @@ MUTANTS = [
     ("kernels/gap_sweep.cl", "k->drift[v] = LARGER(drift, k->drift[v]);", "k->drift[v] = drift;", "contact", "Certificate.IsThatOfTheWrittenForces"),
     ("kernels/patch/compliance.h", "yx = -rows.xy[i - j];", "yx = rows.xy[i - j];", "contact", "PatchContact/Twin.Fp64MatchesIt/8"),
     ("kernels/patch/base_stress.h", "t0 = LOAD(here + to->outputs);", "t0 = LOAD(here);", "contact", "PatchContact/Twin.Fp64MatchesIt/8"),
+    ("kernels/pad_contact.cl", "x->v[v] = xx.v[v] + xy.v[v] - xn.v[v];", "x->v[v] = xx.v[v] + xy.v[v] + xn.v[v];", "contact",
+     "PadContact.NamedScenesInFp64"),
+    ("kernels/pad_contact.cl", "const vint slips = q > cone * cone;", "const vint slips = q < 0;", "contact", "PadContact.NamedScenesInFp64"),
     ("kernels/forward.cl", "o[2] = o[0] - o[2];", "o[2] = o[0] + o[2];", "networks", "ForwardHeads.MatchTheReference"),
     ("kernels/forward.cl", "largest < ALL_LANES(SMALLEST_STRESS);", "largest < ALL_LANES(0);", "networks",
      "ForwardTest.NeverAnswersNaN"),
     ("kernels/train_online.cl", "momentum, (real)1);", "momentum, momentum);", "networks", "TrainOnlineTest.Fp64.*/\"1\""),
     ("kernels/train_batch.cl", "(o[2] + (real)0.5), 1 - level);", "(o[2] + (real)0.5), level);", "networks", "TrainBatchGradient.OfQuantiles"),
     ("kernels/transducer_chain.cl", "    y += offset;\n", "", "sets", "TransducerChannels.MatchesTwin"),
+    ("kernels/transducer_chain.cl", "if (k > 0) y = PICK", "y = PICK", "sets", "TransducerChannels.SkinsMatchTwin"),
     ("kernels/shared/philox.h", "key1 += 0xBB67AE85u;", "key1 += 0xBB67AE86u;", "sets", "TransducerChannels.MatchesTwin"),
     ("fem/gap_sweep.cpp", "static_cast<Real>(c(2 * i + 1, 2 * j));", "static_cast<Real>(-c(2 * i + 1, 2 * j));", "contact", "Ragged.*Fp64MatchesTwin/17"),
     ("fem/layer/patch_contact.cpp", "(x - x_last_) : now[i];", "(x - x_last_) : ux_last_[i];", "layer", "PatchSolver|PatchShapes|PatchClosedForms"),
+    ("fem/pad/pad_search.cpp", "indenter.yaw += indenter.tilt_direction;", "indenter.yaw -= indenter.tilt_direction;", "pad",
+     "PadLayout.ATiltedPunchKeepsItsForces"),
+    ("fem/pad/slip_margin.cpp", "wrench[2] - (centre[0]", "wrench[2] + (centre[0]", "pad", "SlipMargin.DoesNotDependOnThePoint"),
     ("nn/train_batch.cpp", "std::pow(options.beta2, t)", "std::pow(options.beta2, 2 * t)", "nn", "TrainBatch.AdamsFirstStep"),
     ("nn/train_online.cpp", "step *= Scalar(options.momentum);", "step *= Scalar(options.rate);", "nn", "TrainOnline.FollowsTheRule"),
     ("nn/transducer_chain.cpp", "std::clamp(code, -half, half - 1)", "std::clamp(code, -half, half)", "nn", "Transducer.ConvertsByHand"),
     ("hw/decoder.cpp", "counts_.lost += ahead - 1;", "counts_.lost += ahead;", "hw", "EveryFormat.GoesOnAfterAnInterruption"),
+    ("host/live/csv_source.cpp", "if (packet_.empty()) throw;", "throw;", "live", "CsvPipe.FramesInFrontOfAWrongLineCount"),
     ("hw/recording.cpp", "if (crc32(Bytes(record).first(end)) != unsigned_at(record, end, 4))", "if (false)", "hw", "Recording.DamageIsFound"),
     ("host/scenes/profile_csv.cpp", "x <= profile.x.back()", "x < profile.x.back()", "commands", "BadScene.*Csv"),
+    ("host/scenes/pad_file.cpp", "radians(twists[k])", "twists[k]", "scenes", "PadFile.EveryKey"),
     ("host/scenes/toml_table.cpp", "refuse_unknown({asked_.begin(), asked_.end()});", "", "commands", "BadSceneTest.*/(Misspelt|Unknown)Key"),
     ("host/sets/check_set.cpp", "if (in_.text(seal_name) != in_.seal())", "if (false)", "sets", "CheckSet.FindsEveryEdit"),
 ]

@@ -42,45 +42,7 @@ struct Side {
   bool free() const { return !first_edge && !last_edge; }
 };
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-/// Height of a cell, h wide across the edge, whose middle lies `beyond` the end of a flat.
-double rim_height(double beyond, double h, double strength, double edge, double most) {
-  const auto rounding = [edge](double x) { return x > 0 ? x * x / (2 * edge) : 0; };
-  const double reach = rim_reach(strength, edge);
-  if (!(reach > 0 && reach < most * h)) return rounding(beyond);
-  const double outline = rim_outline(reach, h), within = (outline - beyond) / h + 0.5;
-  if (within < 0.5) return infinity;
-  const double lacks = within < 1.5 ? 1 - within : 0;
-  return rounding(std::min(beyond, outline - h / 2)) + lacks * std::numbers::pi * strength * std::sqrt(h);
-}
-
-/// The profile of a flat with a rim.
-double rounded_height(const PadCells& cells, const PadIndenter& indenter, double x, double y) {
-  const auto strength = [&](double at_x, double at_y) { return cells.rim.at(tilt_height(indenter, at_x, at_y)); };
-  const double plane = tilt_height(indenter, x, y);
-  if (const auto* punch = std::get_if<Punch>(&indenter.shape)) {
-    const double r = std::hypot(x, y), cosine = r > 0 ? x / r : 1, sine = r > 0 ? y / r : 0;
-    return plane + rim_height(r - punch->radius, std::hypot(cells.hx * cosine, cells.hy * sine),
-                              strength(punch->radius * cosine, punch->radius * sine), punch->edge, round_rim);
-  }
-  const Box& box = std::get<Box>(indenter.shape);
-  const double a = box.half_widths[0], b = box.half_widths[1];
-  const double along_x = strength(std::copysign(a, x), std::clamp(y, -b, b)),
-               along_y = strength(std::clamp(x, -a, a), std::copysign(b, y));
-  return plane + rim_height(std::abs(x) - a, cells.hx, along_x, box.edge, straight_rim) +
-         rim_height(std::abs(y) - b, cells.hy, along_y, box.edge, straight_rim);
-}
-
 }  // namespace
-
-double rim_reach(double strength, double edge) {
-  return std::cbrt(std::pow(1.5 * std::numbers::pi * edge * strength, 2));
-}
-
-double rim_outline(double reach, double h) {
-  return reach + straight_overhang * h - (1 - rim_end) * std::min(reach, rim_end * h);
-}
 
 bool PadCells::allowed(int i, int j) const {
   if (round) return in_disc(n, i, j);
@@ -109,16 +71,10 @@ PadCells pad_cells(const PadBox& contact, const PadIndenter& indenter, int n, do
 Eigen::MatrixXd cell_heights(const PadCells& cells, const PadIndenter& indenter) {
   Eigen::ArrayXd x(cells.n + 2), y(cells.n + 2);
   for (int i = -1; i <= cells.n; ++i) x[i + 1] = cells.x(i), y[i + 1] = cells.y(i);
-  Eigen::MatrixXd heights;
-  if (cells.rim.strength > 0)
-    heights = Eigen::MatrixXd::NullaryExpr(cells.n + 2, cells.n + 2, [&](Eigen::Index i, Eigen::Index j) {
-      return rounded_height(cells, indenter, x[i], y[j]);
-    });
-  else
-    heights = pad_heights(indenter, x, y);
+  Eigen::MatrixXd heights = pad_heights(indenter, x, y);
   for (int i = -1; i <= cells.n; ++i)
     for (int j = -1; j <= cells.n; ++j)
-      if (!cells.allowed(i, j)) heights(i + 1, j + 1) = infinity;
+      if (!cells.allowed(i, j)) heights(i + 1, j + 1) = std::numeric_limits<double>::infinity();
   return heights;
 }
 

@@ -106,13 +106,10 @@ double pad_height(const PadIndenter& indenter, double x, double y, bool beyond_e
     const bool round = std::holds_alternative<Punch>(indenter.shape);
     if (!(round ? inside(edges.x, std::hypot(x, y)) : inside(edges.x, x) && inside(edges.y, y))) return infinity;
   }
-  return with_heights(indenter.shape, [x, y](const auto& h) { return h(x, y); }) + tilt_height(indenter, x, y);
-}
-
-double tilt_height(const PadIndenter& indenter, double x, double y) {
-  if (indenter.tilt == 0) return 0;
+  const double height = with_heights(indenter.shape, [x, y](const auto& h) { return h(x, y); });
+  if (indenter.tilt == 0) return height;
   const Tilt tilt(indenter);
-  return tilt.x * x + tilt.y * y + tilt.below;
+  return height + tilt.x * x + tilt.y * y + tilt.below;
 }
 
 Eigen::MatrixXd pad_heights(const PadIndenter& indenter, const Eigen::ArrayXd& x, const Eigen::ArrayXd& y) {
@@ -229,7 +226,8 @@ void PadIndenter::validate() const {
                         [](const HeightMap& m) {
                           check_length("indenter.pitch", m.pitch);
                           const bool grid = m.heights.rows() >= 2 && m.heights.cols() >= 2 && m.heights.allFinite();
-                          check(grid && m.heights.minCoeff() == 0 && m.heights.maxCoeff() <= 1e6, "indenter.file",
+                          const char* key = m.file.empty() ? "indenter.heights" : "indenter.file";
+                          check(grid && m.heights.minCoeff() == 0 && m.heights.maxCoeff() <= 1e6, key,
                                 static_cast<double>(m.heights.size()),
                                 "a grid of 2 x 2 heights at least, the lowest 0, the highest below 1e6 mm");
                         }},

@@ -84,9 +84,6 @@ double pad_height(const PadIndenter& indenter, double x, double y, bool beyond_e
 /// Returns heights at every x with every y, [x][y] mm: as pad_height beyond edges, but for rounding.
 Eigen::MatrixXd pad_heights(const PadIndenter& indenter, const Eigen::ArrayXd& x, const Eigen::ArrayXd& y);
 
-/// Returns the part of it that a tilt adds, mm.
-double tilt_height(const PadIndenter& indenter, double x, double y);
-
 /// A rectangle of the own frame, mm.
 struct PadBox {
   Interval x, y;

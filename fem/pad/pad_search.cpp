@@ -58,55 +58,55 @@ Interval widened(const Interval& a, double part) {
   return {a.left - more, a.right + more};
 }
 
-double rounding_of(const PadShape& shape) {
-  const auto* punch = std::get_if<Punch>(&shape);
-  const auto* box = std::get_if<Box>(&shape);
-  return punch ? punch->edge : box ? box->edge : 0;
-}
+/// A flat with a rounded edge, of half a width and the rounding's radius; width 0: another shape.
+struct RoundedFlat {
+  double half_width = 0, edge = 0;
 
-/// The rim of a flat under the force that the search found. For a mean pressure p at a mean depth d over a contact of
-/// radius a, and s = P / (2 a d E'), which is 1 on a thick layer, the energy that an edge set outwards releases gives
-/// strength^2 = p d (1 - 1 / (2 s)) / (2 pi E'). What counts is more than that mean around the edge.
-PadRim rim_of(const PadSearch& found, const PadScene& scene) {
-  constexpr double round_more = 1.1, box_more = 1.2;  // a box has more pressure near its corners
-  const bool round = std::holds_alternative<Punch>(scene.indenter.shape);
+  explicit RoundedFlat(const PadShape& shape) {
+    if (const auto* punch = std::get_if<Punch>(&shape)) half_width = punch->radius, edge = punch->edge;
+    if (const auto* box = std::get_if<Box>(&shape))
+      half_width = std::sqrt(box->half_widths[0] * box->half_widths[1]), edge = box->edge;
+  }
+};
+
+/// How far the rounding of a flat is touched beyond its end under the force that the search found, mm; 0 for other
+/// shapes, and for flats so tilted that they may touch on one side alone.
+double rim_reach(const PadSearch& found, const PadIndenter& indenter, const PadSensor& sensor) {
+  constexpr double round_more = 1.1, box_more = 1.2;  // strength that counts over its mean: a box has corners
+  const RoundedFlat flat(indenter.shape);
+  const double rise = 2 * flat.half_width * std::tan(indenter.tilt * std::numbers::pi / 180);
+  if (!(flat.edge > 0 && found.P > 0 && rise < found.depth / 2)) return 0;
+  const bool round = std::holds_alternative<Punch>(indenter.shape);
   const auto& [x, y] = found.contact;
-  const double mean_depth = found.depth - tilt_height(scene.indenter, (x.left + x.right) / 2, (y.left + y.right) / 2);
-  if (!(rounding_of(scene.indenter.shape) > 0 && mean_depth > 0 && found.P > 0)) return {};
-  const double nu = scene.sensor.poisson, force = found.P * (1 - nu * nu) / scene.sensor.young;
   const double area = (round ? std::numbers::pi / 4 : 1) * (x.right - x.left) * (y.right - y.left);
-  const double stiffening = std::max(1.0, force / (2 * std::sqrt(area / std::numbers::pi) * mean_depth));
-  const double squared = force / area * mean_depth * (1 - 0.5 / stiffening) / (2 * std::numbers::pi);
-  return {(round ? round_more : box_more) * std::sqrt(squared), found.depth, mean_depth};
+  const double force = found.P * (1 - sensor.poisson * sensor.poisson) / sensor.young, depth = found.depth - rise / 2;
+  const double stiffening = std::max(1.0, force / (2 * std::sqrt(area / std::numbers::pi) * depth));
+  const double squared = force / area * depth * (1 - 0.5 / stiffening) / (2 * std::numbers::pi);
+  const double strength = (round ? round_more : box_more) * std::sqrt(squared);
+  return std::cbrt(std::pow(1.5 * std::numbers::pi * flat.edge * strength, 2));
 }
 
-/// A punch with a rim that stands up straight is a sharp one to its cells.
-void sharpen(PadIndenter& indenter, const PadRim& rim, int cells) {
+/// Makes a punch sharp to its cells where they do not resolve its rounding.
+void sharpen(PadIndenter& indenter, double reach, int cells) {
   auto* punch = std::get_if<Punch>(&indenter.shape);
-  if (punch == nullptr || punch->edge == 0) return;
-  const double reach = rim_reach(rim.strength, punch->edge);
-  const double rise = 2 * punch->radius * std::tan(indenter.tilt * std::numbers::pi / 180);
-  if (!(reach > 0 && reach < round_rim * 2 * punch->radius / cells && rise < rim.depth / 2)) return;
+  if (punch == nullptr || !(reach > 0 && reach < round_rim * 2 * punch->radius / cells)) return;
   *punch = {punch->radius + rim_end * reach, 0};
 }
 
-/// Sets the sides of a contact to the outlines of a box's rims. Returns whether there are any.
-bool fit_to_rims(PadBox& contact, const PadRim& rim, const PadIndenter& indenter, int cells) {
+/// Sets the sides of the contact of a box to where cells should end for the right force. Returns whether it did.
+bool fit_to_rim(PadBox& contact, double reach, const PadIndenter& indenter, int cells) {
   const auto* box = std::get_if<Box>(&indenter.shape);
   if (box == nullptr) return false;
   bool any = false;
-  const auto fit = [&](double& side, double end, double width, double x, double y) {
-    const double h = width / cells, reach = rim_reach(rim.at(tilt_height(indenter, x, y)), box->edge);
+  const auto fit = [&](Interval& sides, double end) {
+    const double h = (sides.right - sides.left) / cells;
     if (!(reach > 0 && reach < straight_rim * h)) return;
-    side = std::copysign(end + rim_outline(reach, h), side);
+    const double outline = end + reach + straight_overhang * h - (1 - rim_end) * std::min(reach, rim_end * h);
+    sides = {-outline, outline};
     any = true;
   };
-  const double a = box->half_widths[0], b = box->half_widths[1];
-  const double along_x = contact.x.right - contact.x.left, along_y = contact.y.right - contact.y.left;
-  fit(contact.x.left, a, along_x, -a, 0);
-  fit(contact.x.right, a, along_x, a, 0);
-  fit(contact.y.left, b, along_y, 0, -b);
-  fit(contact.y.right, b, along_y, 0, b);
+  fit(contact.x, box->half_widths[0]);
+  fit(contact.y, box->half_widths[1]);
   return any;
 }
 
@@ -128,11 +128,10 @@ PadLayout lay_cells(const PadScene& scene, const PadLayer& layer, int cells, boo
 
 PadLayout lay_cells(PadSearch found, const PadScene& scene, int cells, bool ladder) {
   PadLayout laid{scene.indenter, {}};
-  const PadRim rim = rim_of(found, scene);
-  sharpen(laid.indenter, rim, cells);
-  const bool fitted = fit_to_rims(found.contact, rim, laid.indenter, cells);
+  const double reach = rim_reach(found, scene.indenter, scene.sensor);
+  sharpen(laid.indenter, reach, cells);
+  const bool fitted = fit_to_rim(found.contact, reach, laid.indenter, cells);
   laid.cells = pad_cells(found.contact, laid.indenter, cells, scene.sensor.thickness, ladder && !fitted);
-  if (!laid.cells.round) laid.cells.rim = rim;
   return laid;
 }
 

@@ -33,6 +33,25 @@ struct PadLayout {
   PadCells cells;
 };
 
+// The rounding, of radius R, of the edge of a flat may be about as small as a cell. With E' = E / (1 - nu^2), the
+// pressure near the edge is E' strength / sqrt(s) at a distance s within it, as below a sharp one. That touches
+//
+//     reach = (3 pi R strength / 2)^(2/3)
+//
+// of the rounding, which acts on what is far from it like a sharp edge at rim_end reach (plane strain near the edge; K.
+// L. Johnson, Contact Mechanics, 1985, section 5.3). For a mean pressure p over a contact of radius a at a depth d, and
+// s = P / (2 a d E'), which is 1 on a thick layer, the energy that an edge set outwards releases gives a mean
+// strength^2 of p d (1 - 1 / (2 s)) / (2 pi E').
+//
+// A punch whose rounding is touched over less than round_rim cells is sharp to them, and rim_end reach wider. Cells
+// below a box touched over less than straight_rim cells end, in cells,
+//
+//     straight_overhang - (1 - rim_end) min(reach, rim_end)
+//
+// beyond the contact, where the force is right: as at a sharp edge, and within the contact where cells resolve it.
+
+inline constexpr double rim_end = 0.6, round_rim = 0.5, straight_rim = 3;
+
 /// Returns an indenter as the search and the cells see it: a tilted punch, which touches along an arc, in a frame
 /// turned so that this lies along the cells.
 PadIndenter aligned(PadIndenter indenter);

@@ -244,9 +244,7 @@ PadCells grown(const PadCells& cells, const std::array<bool, 4>& sides, const Pa
   box.x.right += sides[1] * 1.5 * cells.hx;
   box.y.left -= sides[2] * 1.5 * cells.hy;
   box.y.right += sides[3] * 1.5 * cells.hy;
-  PadCells more = pad_cells(box, scene.indenter, cells.n, scene.sensor.thickness, ladder);
-  more.rim = cells.rim;
-  return more;
+  return pad_cells(box, scene.indenter, cells.n, scene.sensor.thickness, ladder);
 }
 
 PadSolver::PadSolver(const PadLayer& layer, const PadOptions& options) : layer_(layer), options_(options) {}

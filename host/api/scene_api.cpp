@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <tactel/scene.h>
+#include <tactel/pad.h>
+
+#include <cmath>
 
 #include "host/api/api_errors.h"
 #include "host/api/scene_conversion.h"
@@ -104,17 +106,58 @@ void check_precision(const std::string& precision) {
     throw ConfigError("command line", "--precision", precision, "fp32 or fp64");
 }
 
-void check_scene(const fem::Scene& scene, const std::string& item) {
-  with_public_errors([&] { scene.validate(); }, item);
+host::SolveOptions to_host(const SolveOptions& from) {
+  check_precision(from.precision);
+  host::SolveOptions options;
+  options.solver = from.solver, options.precision = from.precision, options.device = from.device;
+  options.rung = from.rung, options.accuracy = from.accuracy, options.tolerance = from.tolerance;
+  return options;
 }
 
+host::SolveOptions to_host_for_many(const SolveOptions& from) {
+  if (from.solver != "batched") throw ConfigError("command line", "--solver", from.solver, "batched for many scenes");
+  if (from.tolerance && !(std::isfinite(*from.tolerance) && *from.tolerance > 0))
+    throw ConfigError("command line", "--tolerance", std::to_string(*from.tolerance), "a number above 0");
+  return to_host(from);
+}
+
+namespace {
+
+/// Returns the scene of a file of this kind. `other`: the kind that it must not be, `own`: what is allowed.
+template <class Kind>
+auto read_kind(const std::string& path, const char* other, const char* own) {
+  return with_public_errors([&] {
+    const host::AnyScene scene = host::read_any_scene(path);
+    const Kind* one = std::get_if<Kind>(&scene);
+    if (one == nullptr) throw ConfigError(path, "sensor.kind", other, own);
+    return from_fem(*one);
+  });
+}
+
+}  // namespace
 }  // namespace api
 
 Scene read_scene(const std::string& path) {
-  return api::with_public_errors([&] { return api::from_fem(host::read_scene(path)); });
+  return api::read_kind<fem::Scene>(path, "\"pad\"", "\"line\", or read by read_pad_scene");
 }
 
-void validate(const Scene& scene) { api::check_scene(api::to_fem(scene)); }
+PadScene read_pad_scene(const std::string& path) {
+  return api::read_kind<fem::PadScene>(path, "\"line\"", "\"pad\", or read by read_scene");
+}
+
+std::variant<Scene, PadScene> read_any_scene(const std::string& path) {
+  using Any = std::variant<Scene, PadScene>;
+  return api::with_public_errors([&] {
+    return std::visit([](const auto& scene) { return Any(api::from_fem(scene)); }, host::read_any_scene(path));
+  });
+}
+
+void validate(const Scene& scene) {
+  api::with_public_errors([&] { api::to_fem(scene).validate(); });
+}
+void validate(const PadScene& scene) {
+  api::with_public_errors([&] { api::to_fem(scene).validate(); });
+}
 
 std::vector<double> heights(const Indenter& indenter, const std::vector<double>& x) {
   const fem::Indenter profile = api::to_fem(indenter);

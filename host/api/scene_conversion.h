@@ -1,20 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <tactel/scene.h>
+#include <tactel/pad.h>
 
+#include "fem/pad/pad_scene.h"
 #include "fem/scene.h"
+#include "host/api/api_errors.h"
+#include "host/contact/solve.h"
 
 namespace tactel::api {
 
 /// Returns the scene as the mechanics have it.
 fem::Scene to_fem(const Scene& scene);
+fem::PadScene to_fem(const PadScene& scene);
 fem::Indenter to_fem(const Indenter& indenter);
 /// Returns the scene as users have it.
 Scene from_fem(const fem::Scene& scene);
+PadScene from_fem(const fem::PadScene& scene);
 
-/// Throws InputError naming `item` for a scene that the model rejects.
-void check_scene(const fem::Scene& scene, const std::string& item = {});
+/// Returns the scenes as the mechanics have them. Throws InputError naming a scene that the model rejects.
+template <class Scene>
+auto checked_scenes(std::span<const Scene> scenes) {
+  std::vector<decltype(to_fem(scenes[0]))> all;
+  for (const Scene& scene : scenes)
+    with_public_errors([&] { all.push_back(to_fem(scene)), all.back().validate(); },
+                       "scenes[" + std::to_string(all.size()) + "]");
+  return all;
+}
+
 /// Throws ConfigError for what is neither "", "fp32" nor "fp64".
 void check_precision(const std::string& precision);
+/// Returns the options of the program. Throws ConfigError.
+host::SolveOptions to_host(const SolveOptions& options);
+/// The same for many scenes.
+host::SolveOptions to_host_for_many(const SolveOptions& options);
 
 }  // namespace tactel::api

@@ -80,32 +80,19 @@ Derivatives derivatives_of(const host::ContactDerivatives& from) {
 }
 
 host::SolveOptions options_of(const SolveOptions& from) {
-  api::check_precision(from.precision);
+  host::SolveOptions options = api::to_host(from);
   if (from.solver != "batched" && from.solver != "full-mesh" && from.solver != "reference")
     throw ConfigError("command line", "--solver", from.solver, "batched or full-mesh");
-  host::SolveOptions options;
-  if (from.solver != "batched") options.solver = "full-mesh";
-  options.precision = from.precision, options.device = from.device;
-  options.rung = from.rung, options.accuracy = from.accuracy, options.tolerance = from.tolerance;
+  if (from.solver == "reference") options.solver = "full-mesh";
   return options;
-}
-
-/// The scenes as the mechanics have them, each checked.
-std::vector<fem::Scene> checked_scenes(std::span<const Scene> scenes) {
-  std::vector<fem::Scene> all;
-  for (const Scene& scene : scenes) {
-    all.push_back(api::to_fem(scene));
-    api::check_scene(all.back(), "scenes[" + std::to_string(all.size() - 1) + "]");
-  }
-  return all;
 }
 
 }  // namespace
 
 Path solve(const Scene& scene, const SolveOptions& options) {
-  const fem::Scene checked = api::to_fem(scene);
-  api::check_scene(checked);
   return api::with_public_errors([&] {
+    const fem::Scene checked = api::to_fem(scene);
+    checked.validate();
     host::SolveOutcome outcome = host::solve(checked, options_of(options));
     const auto error = options.estimate_error ? host::mesh_error(outcome) : std::nullopt;
     if (options.estimate_error && !error) outcome.no_estimate = host::why_no_estimate(outcome);
@@ -119,13 +106,9 @@ Path solve(const Scene& scene, const SolveOptions& options) {
 }
 
 Paths solve_many(std::span<const Scene> scenes, const SolveOptions& options, const ProgressFunction& progress) {
-  const std::vector<fem::Scene> all = checked_scenes(scenes);
+  const std::vector<fem::Scene> all = api::checked_scenes(scenes);
   return api::with_public_errors([&] {
-    if (options_of(options).solver != "batched")
-      throw ConfigError("command line", "--solver", options.solver, "batched for many scenes");
-    if (options.tolerance && !(std::isfinite(*options.tolerance) && *options.tolerance > 0))
-      throw ConfigError("command line", "--tolerance", std::to_string(*options.tolerance), "a number above 0");
-    Paths paths = api::solve_paths(options_of(options), all, progress);
+    Paths paths = api::solve_paths(api::to_host_for_many(options), all, progress);
     paths.warnings = host::unit_warnings(all);
     progress(all.size(), all.size());
     return paths;

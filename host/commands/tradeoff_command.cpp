@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "host/commands/command.h"
 #include "host/commands/shared_options.h"
@@ -15,10 +16,13 @@
 namespace tactel::host {
 namespace {
 
+constexpr std::size_t pad_scenes = 24;  ///< by default; the reference takes ten seconds for each
+
 struct TradeoffRequest {
   std::string output = "tradeoff", device;
   TradeoffOptions options;
-  bool quiet = false;
+  std::optional<std::size_t> scenes{};
+  bool pads = false, quiet = false;
 };
 
 int run_tradeoff(const TradeoffRequest& request) {
@@ -26,14 +30,15 @@ int run_tradeoff(const TradeoffRequest& request) {
   make_folder("--output", directory);
   check_writable("--output", directory / "tradeoff.json");
   Executor executor{Device(request.device)};
-  ProgressLine line("tradeoff", "models", request.quiet);
+  ProgressLine line("tradeoff", request.pads ? "scenes" : "models", request.quiet);
   const Interrupt interrupt;
   TradeoffOptions options = request.options;
+  options.scenes = request.scenes.value_or(request.pads ? pad_scenes : options.scenes);
   options.progress = [&](std::size_t done, std::size_t total) {
     line.show(done, total);
     return !interrupt.requested();
   };
-  const Tradeoff tradeoff = measure_tradeoff(executor, options);
+  const Tradeoff tradeoff = (request.pads ? measure_pad_tradeoff : measure_tradeoff)(executor, options);
   line.clear();
   write_file("--output", directory / "tradeoff.json", json_text(to_json(tradeoff)));
   write_figure("--output", directory / "tradeoff.svg", tradeoff_figure(tradeoff));
@@ -52,11 +57,11 @@ void add_tradeoff_command(CLI::App& app, Action& action) {
       ->type_name("DIR")
       ->capture_default_str();
   command
-      ->add_option("--scenes", request->options.scenes,
-                   "contacts of the mix that patches are judged on; meshes are on a third of them")
-      ->check(CLI::Range(8, 100000))
-      ->capture_default_str();
+      ->add_option("--scenes", request->scenes,
+                   "contacts of the mix, by default 288 or of pads 24; meshes have a third of them")
+      ->check(CLI::Range(8, 100000));
   command->add_option("--seed", request->options.seed, "seed of the mix")->capture_default_str();
+  command->add_flag("--pads", request->pads, "rungs of pads in place of lines: some ten seconds a contact and core");
   add_device_option(*command, request->device);
   command->add_flag("--quiet", request->quiet, "no progress on stderr");
   command->callback([request, &action] { action = [request] { return run_tradeoff(*request); }; });

@@ -92,7 +92,7 @@ PadLanes in_lanes(const std::vector<OnCells>& on_cells, const Numbers& scenes, c
 }
 
 template <class Real>
-Buffer<Real> device_copy(const Device& device, std::vector<Real> numbers) {
+Buffer<Real> buffer_of(const Device& device, std::vector<Real> numbers) {
   if (numbers.empty()) numbers.resize(1);
   return Buffer<Real>(device, std::span<const Real>(numbers));
 }
@@ -261,7 +261,7 @@ Buffer<Real> PadContact<Real>::State::shared_tables(const std::vector<OnCells>& 
     const std::vector<double> table = tables(of.scene.sensor.poisson)->shared_influence(of.size);
     for (const double number : table) numbers.push_back(static_cast<Real>(number));
   }
-  return device_copy(device(), std::move(numbers));
+  return buffer_of(device(), std::move(numbers));
 }
 
 template <class Real>
@@ -344,7 +344,7 @@ void PadContact<Real>::State::take_tactels(Laid& b) const {
     for (std::size_t axis = 0; axis < 2; ++axis)
       all[array.at(k / b.parts, k % b.parts, axis)] = static_cast<Real>(points.places(k, axis));
   b.points = array.numbers;
-  b.weights = device_copy(device(), std::vector<Real>(points.weights.begin(), points.weights.end()));
+  b.weights = buffer_of(device(), std::vector<Real>(points.weights.begin(), points.weights.end()));
 }
 
 template <class Real>
@@ -432,13 +432,13 @@ typename PadContact<Real>::Batch PadContact<Real>::prepare(Scenes scenes, bool f
 
   std::vector<std::int32_t> table_of_group;
   b.tables = s.shared_tables(b.on_cells, lanes, table_of_group);
-  b.table_of_group = device_copy(s.device(), std::move(table_of_group));
+  b.table_of_group = buffer_of(s.device(), std::move(table_of_group));
   b.own_tables = s.tables_of_lanes(b.on_cells, lanes);
   b.heights = s.heights(b.on_cells, b);
   b.more_inputs = {b.heights};
   std::vector<Real> stress_tables;
   b.places = s.places(b.on_cells, b, stress_tables);
-  b.stress_tables = device_copy(s.device(), std::move(stress_tables));
+  b.stress_tables = buffer_of(s.device(), std::move(stress_tables));
   s.take_tactels(b);
 
   const auto outputs = [&](std::size_t rows, bool written = true) {
@@ -504,23 +504,7 @@ fem::PadSolution PadContact<Real>::Batch::solution(const LaneView<Real>& view, s
         return static_cast<double>(view.force(i, k, static_cast<int>(part * count + cell)));
       });
     };
-    const fem::PadTarget& target = targets[static_cast<std::size_t>(k)];
-    fem::PadStep step;
-    step.indentation = result(PAD_RESULT_DEPTH);
-    step.x = target.x, step.y = target.y, step.twist = target.twist;
-    step.P = result(PAD_RESULT_P), step.Q = {result(PAD_RESULT_QX), result(PAD_RESULT_QY)};
-    step.M = result(PAD_RESULT_M);
-    if (scene.friction * step.P > 0) {
-      step.slip_index = result(PAD_RESULT_S);
-      step.force_ratio = step.Q.norm() / (scene.friction * step.P);
-    }
-    const double stick = result(PAD_RESULT_STICKING), touch = stick + result(PAD_RESULT_SLIPPING);
-    step.stick_fraction = touch > 0 ? stick / touch : 0;
-    step.sweeps = static_cast<int>(result(PAD_RESULT_SWEEPS));
-    const int status = static_cast<int>(result(PAD_RESULT_STATUS));
-    step.converged = status == LANE_SOLVED || status == LANE_SLIDING;
-    step.residual = {result(PAD_RESULT_PENETRATION), result(PAD_RESULT_COMPLEMENTARITY), result(PAD_RESULT_CONE),
-                     result(PAD_RESULT_DRIFT), result(PAD_RESULT_ANGLE)};
+    fem::PadStep step = pad_step(result, targets[static_cast<std::size_t>(k)], scene.friction);
     step.normal_force = forces(0);
     Eigen::MatrixX2d own(count, 2);
     own << forces(1), forces(2);
@@ -537,6 +521,26 @@ fem::PadSolution PadContact<Real>::Batch::solution(const LaneView<Real>& view, s
     solution.steps.push_back(std::move(step));
   }
   return solution;
+}
+
+fem::PadStep pad_step(const std::function<double(int row)>& row, const fem::PadTarget& target, double mu) {
+  fem::PadStep step;
+  step.indentation = row(PAD_RESULT_DEPTH);
+  step.x = target.x, step.y = target.y, step.twist = target.twist;
+  step.P = row(PAD_RESULT_P), step.Q = {row(PAD_RESULT_QX), row(PAD_RESULT_QY)};
+  step.M = row(PAD_RESULT_M);
+  if (mu * step.P > 0) {
+    step.slip_index = row(PAD_RESULT_S);
+    step.force_ratio = step.Q.norm() / (mu * step.P);
+  }
+  const double stick = row(PAD_RESULT_STICKING), touch = stick + row(PAD_RESULT_SLIPPING);
+  step.stick_fraction = touch > 0 ? stick / touch : 0;
+  step.sweeps = static_cast<int>(row(PAD_RESULT_SWEEPS));
+  const int status = static_cast<int>(row(PAD_RESULT_STATUS));
+  step.converged = status == LANE_SOLVED || status == LANE_SLIDING;
+  step.residual = {row(PAD_RESULT_PENETRATION), row(PAD_RESULT_COMPLEMENTARITY), row(PAD_RESULT_CONE),
+                   row(PAD_RESULT_DRIFT), row(PAD_RESULT_ANGLE)};
+  return step;
 }
 
 std::array<bool, 4> penetrated_sides(const LaneAnswer& answer) {

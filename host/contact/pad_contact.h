@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <array>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -35,6 +36,9 @@ struct PadPath {
 
 /// Returns the sides -x, +x, -y, +y of its own frame beyond which the surface is penetrated: there its cells must grow.
 std::array<bool, 4> penetrated_sides(const LaneAnswer& answer);
+
+/// Returns the step of a scene with friction mu from its PadResultRow numbers, without forces of cells and stresses.
+fem::PadStep pad_step(const std::function<double(int row)>& row, const fem::PadTarget& target, double mu);
 
 /// Contact of scenes on pads, each on its own cells over what its indenter touches. Sensors may differ in thickness,
 /// E and Poisson's ratio, not in their tactels. Scenes whose cells have one size over the thickness, and one Poisson's

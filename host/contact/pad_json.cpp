@@ -123,7 +123,7 @@ PadJson to_json(const PadOutcome& outcome) {
                  {"cell_x", json_numbers(solution.places.col(0))},
                  {"cell_y", json_numbers(solution.places.col(1))},
                  {"cell_width", {solution.cells.hx, solution.cells.hy}},
-                 {"fallback", outcome.fell_back},
+                 {"fallback", outcome.solution.fell_back},
                  {"warnings", warnings(outcome)},
                  {"steps", std::move(steps)}};
   if (outcome.error) out["discretisation_error"] = pad_error_json(*outcome.error);

@@ -9,9 +9,9 @@
 #include <tuple>
 
 #include "fem/number_text.h"
+#include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_reference.h"
 #include "fem/value_error.h"
-#include "host/contact/pad_contact.h"
 #include "host/contact/pad_stream.h"
 #include "host/scenes/unit_warnings.h"
 #include "host/support/errors.h"
@@ -69,27 +69,18 @@ void add_slip_distances(fem::PadSolution& solution, const fem::PadScene& scene, 
   }
 }
 
-template <class Real>
-void solve_by_kernel(PadOutcome& outcome, Executor& executor, const SolveOptions& options) {
-  PadContactOptions kernel{.cells = outcome.rung.cells, .increments = outcome.rung.increments};
-  if (options.tolerance) kernel.tolerance = 0, kernel.accept = *options.tolerance;
-  const PadContact<Real> contact(executor, kernel);
-  outcome.solution = std::move(solve_pad_contact(contact, std::span(&outcome.scene, 1)).front());
-  outcome.fell_back = outcome.solution.fell_back;
-  if (!outcome.fell_back)
-    add_slip_distances(outcome.solution, outcome.scene, *contact.layer(outcome.scene.sensor.poisson));
-}
-
 void solve_on_device(PadOutcome& outcome, const SolveOptions& options) {
   Executor executor{Device(options.device).for_one_contact()};
   const DeviceInfo& device = executor.device().info();
   outcome.solver = "batched";
   outcome.precision = !options.precision.empty() ? options.precision : device.fp64 ? "fp64" : "fp32";
   outcome.device = device.name;
-  if (outcome.precision == "fp64")
-    solve_by_kernel<double>(outcome, executor, options);
-  else
-    solve_by_kernel<float>(outcome, executor, options);
+  PadModel model = model_of(outcome.rung);
+  if (outcome.precision == "fp64") model.precision = Precision::fp64;
+  if (options.tolerance) model.options.tolerance = 0, model.options.accept = *options.tolerance;
+  outcome.solution = std::move(PadStream(executor, model).solve(std::span(&outcome.scene, 1)).front());
+  if (!outcome.solution.fell_back)
+    add_slip_distances(outcome.solution, outcome.scene, fem::pad_layer(outcome.scene.sensor.poisson));
 }
 
 void solve_on_host(PadOutcome& outcome, const SolveOptions& options) {
@@ -139,21 +130,16 @@ void refuse_degenerate(const fem::PadScene& scene, const fem::PadSolution& solut
                                solution.cells.n * hx, solution.cells.n * hy));
 }
 
-void refuse_at_edge(const fem::PadScene& scene, const fem::PadSolution& solution) {
-  const auto distance = distance_to_edge(scene, solution);
-  const double H = scene.sensor.thickness;
-  if (!distance || *distance >= at_edge * H) return;
-  throw ValueError("indenter.position", fem::number_text(scene.indenter.position.data(), 2),
-                   fmt::format("a place where the contact stays {:.3g} mm (the thickness) from the edges that "
-                               "sensor.length and sensor.width give, not {:.3g} mm: the model has no free sides",
-                               H, *distance));
-}
-
-/// What free sides take of the surface's own stiffness at a distance over the thickness: a share of C(0), by the free
-/// sides of lines (H = 1.5 mm, nu 0.3 to 0.5): 9 to 17 % at 1.3, 1 to 2 % at 2.7; between them it falls exponentially.
+/// Error in S of lines without free sides, at a distance of the contact from the edge over the thickness: by the free
+/// sides of lines, nu 0.3 to 0.499 and contacts 1.2 H wide, 0.06 to 0.12 at 0.7 and 0.005 to 0.018 at 2.1; between them
+/// it falls exponentially.
 double missing_at_edge(double distance, double at_near, double at_far) {
-  constexpr double near = 1.3, far = 2.7;
+  constexpr double near = 0.7, far = 2.1;
   return at_near * std::pow(at_far / at_near, (distance - near) / (far - near));
+}
+std::string error_at_edge(double distance) {
+  return fmt::format("{:.2g} to {:.2g}", missing_at_edge(distance, 0.06, 0.005),
+                     missing_at_edge(distance, 0.12, 0.018));
 }
 
 std::optional<std::string> edge_warning(const PadOutcome& outcome) {
@@ -161,9 +147,9 @@ std::optional<std::string> edge_warning(const PadOutcome& outcome) {
   if (!distance || *distance >= near_edge * outcome.scene.sensor.thickness) return std::nullopt;
   const double over = *distance / outcome.scene.sensor.thickness;
   return fmt::format(
-      "the contact comes within {:.3g} mm ({:.2g} thicknesses) of the pad's edge: the model has no free sides, so "
-      "that {:.2g} to {:.2g} % of the surface's own compliance is missing there (as measured on lines)",
-      *distance, over, 100 * missing_at_edge(over, 0.09, 0.01), 100 * missing_at_edge(over, 0.17, 0.02));
+      "the contact comes within {:.3g} mm ({:.2g} thicknesses) of the pad's edge: the model has no free sides, which "
+      "puts S of lines off by {}",
+      *distance, over, error_at_edge(over));
 }
 
 std::optional<std::string> pad_slip_warning(const PadOutcome& outcome) {
@@ -249,6 +235,17 @@ std::optional<double> distance_to_edge(const fem::PadScene& scene, const fem::Pa
     if (sensor.width) least = std::min(least, *sensor.width / 2 - out[1]);
   });
   return std::isfinite(least) ? std::optional(least) : std::nullopt;
+}
+
+void refuse_at_edge(const fem::PadScene& scene, const fem::PadSolution& solution) {
+  const auto distance = distance_to_edge(scene, solution);
+  const double H = scene.sensor.thickness;
+  if (!distance || *distance >= at_edge * H) return;
+  throw ValueError("indenter.position", fem::number_text(scene.indenter.position.data(), 2),
+                   fmt::format("a place where the contact stays {:.3g} mm (the thickness) from the edges that "
+                               "sensor.length and sensor.width give, not {:.3g} mm: the model has no free sides, which "
+                               "puts S of lines off by {} at one thickness",
+                               H, *distance, error_at_edge(at_edge)));
 }
 
 std::vector<std::string> warnings(const PadOutcome& outcome) {

@@ -19,7 +19,6 @@ struct PadOutcome {
   PadRung rung;
   std::optional<PadError> error{};   ///< to expect; none where nothing is touched
   std::optional<double> accuracy{};  ///< that was asked for and decided the rung
-  bool fell_back = false;            ///< the twin answered in the kernel's place
 
   bool kept() const { return !accuracy || !error || error->S <= *accuracy; }
 };
@@ -37,6 +36,9 @@ std::string model_name(const PadOutcome& outcome);
 /// Returns the distance, mm, from the contact to the nearest edge of the pad, negative beyond it; none where the scene
 /// gives no edges, or nothing is touched.
 std::optional<double> distance_to_edge(const fem::PadScene& scene, const fem::PadSolution& solution);
+
+/// Throws ValueError, key "indenter.position", where that is less than the thickness.
+void refuse_at_edge(const fem::PadScene& scene, const fem::PadSolution& solution);
 
 /// Returns the warnings about an answer, one line each; usually none. They concern units, depth, slip, edges of the
 /// pad, a contact that the tactels hardly see, and an error that was not measured.

@@ -50,6 +50,8 @@ fem::PadSolution by_twin(const PadContact<Real>& contact, const fem::PadScene& s
 
 }  // namespace
 
+PadModel model_of(const PadRung& rung) { return {.options = {.cells = rung.cells, .increments = rung.increments}}; }
+
 PadContacts::PadContacts(Executor& executor, const PadModel& model)
     : contact_(model.precision == Precision::fp32 ? decltype(contact_)(PadContact<float>(executor, model.options))
                                                   : decltype(contact_)(PadContact<double>(executor, model.options))) {}

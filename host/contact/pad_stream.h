@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/contact/pad_contact.h"
+#include "host/contact/pad_rung.h"
 #include "host/contact/stream_of.h"
 
 namespace tactel::host {
@@ -17,6 +18,7 @@ struct PadModel {
   PadContactOptions options{};
   Precision precision = Precision::fp32;
 };
+PadModel model_of(const PadRung& rung);
 
 /// What scenes of one launch have in common: the tactels, and how many points make one.
 struct PadKey {

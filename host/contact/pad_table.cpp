@@ -60,7 +60,7 @@ std::string pad_table(const PadOutcome& outcome) {
   const auto met = std::ranges::count_if(steps, &fem::PadStep::converged);
   out += fmt::format("{} of {} steps met the tolerance; largest residual {:.1e}\n", met, steps.size(), residual);
   if (outcome.error) out += error_line(*outcome.error);
-  if (outcome.fell_back) out += "the sweeps did not converge: solved on the host by the twin, in fp64\n";
+  if (outcome.solution.fell_back) out += "the sweeps did not converge: solved on the host by the twin, in fp64\n";
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <optional>
 
+#include "host/live/csv_source.h"
 #include "host/live/simulated_sensor.h"
 #include "host/live/source_options.h"
 #include "host/support/bounded_file.h"
@@ -15,7 +16,8 @@ namespace tactel::host {
 namespace {
 
 constexpr const char* allowed_sources =
-    "usb:glove, usb:VID:PID with --profile, replay:FILE or 'simulate:SCENE.toml?rate=100'";
+    "usb:glove, usb:VID:PID with --profile, csv:FILE or csv:- with --profile, replay:FILE or "
+    "'simulate:SCENE.toml?rate=100'";
 
 /// "04D8" as a number; none for what is no such number.
 std::optional<std::uint16_t> hexadecimal(const std::string& text) {
@@ -33,6 +35,7 @@ SensorProfile usb_profile(const std::string& name, const std::string& file) {
   if (file.empty())
     throw ConfigError("command line", "--profile", "(missing)", "given with usb:VID:PID: a device profile (TOML)");
   SensorProfile profile = read_profile(file);
+  if (profile.kind == "csv") throw ConfigError(file, "format.kind", profile.kind, "that of the device's bytes");
   profile.usb.vendor = *vendor, profile.usb.product = *product;
   return profile;
 }
@@ -72,9 +75,22 @@ OpenSource open_replay(const std::string& text, const std::string& profile) {
   return {std::move(source), std::move(own)};
 }
 
+OpenSource open_csv(const std::string& text, const std::string& profile) {
+  SourceOptions options(text);
+  int paced = 0;
+  options.read("paced", paced);
+  options.finish();
+  if (profile.empty())
+    throw ConfigError("command line", "--profile", "(missing)", "given with csv: a profile whose format.kind is csv");
+  SensorProfile own = read_profile(profile);
+  if (own.kind != "csv") throw ConfigError(profile, "format.kind", own.kind, "csv, for --source csv:");
+  return {std::make_unique<CsvSource>(options.path(), own.format()->channels(), paced != 0), std::move(own)};
+}
+
 OpenSource open(const std::string& kind, const std::string& rest, const std::string& profile) {
   if (kind == "replay") return open_replay(rest, profile);
   if (kind == "usb") return open_usb_source(rest, profile);
+  if (kind == "csv") return open_csv(rest, profile);
   if (kind != "simulate") throw ConfigError("command line", "--source", kind + ":" + rest, allowed_sources);
   if (!profile.empty())
     throw ConfigError("command line", "--profile", profile, "left out with simulate:, which brings its own");

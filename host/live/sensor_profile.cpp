@@ -7,6 +7,7 @@
 #include <array>
 
 #include "host/scenes/toml_table.h"
+#include "hw/csv_format.h"
 #include "hw/formats.h"
 #include "hw/generic_format.h"
 
@@ -61,7 +62,7 @@ hw::GenericLayout read_layout(TomlTable& in) {
   read_field(in, "clock", layout.clock);
   in.read("clock_tick", layout.clock_tick, "a number of s above 0");
   in.read("channels", layout.channels, "a whole number of samples");
-  if (const auto choice = in.read_choice("sample", {"i16", "u16", "i32", "f32"}))
+  if (const auto choice = in.read_choice("sample", {"i16", "u16", "i32", "f32", "f64"}))
     layout.sample = static_cast<hw::SampleType>(*choice);
   if (const auto choice = in.read_choice("byte_order", {"little", "big"})) layout.big_endian = *choice == 1;
   if (const auto choice = in.read_choice("checksum", {"none", "sum8", "sum16", "xor8", "crc16"}))
@@ -72,16 +73,18 @@ hw::GenericLayout read_layout(TomlTable& in) {
   return layout;
 }
 
-FormatMaker read_format(const TomlFile& file) {
-  const std::vector<std::string> kinds = {"generic", "glove", "papillarray", "anyskin", "agni", "paxini"};
+FormatMaker read_format(const TomlFile& file, std::string& name) {
+  const std::vector<std::string> kinds = {"generic", "glove", "papillarray", "anyskin", "agni", "paxini", "csv"};
   TomlTable in(file, "format");
   const auto kind = in.read_choice("kind", kinds);
-  if (!kind) in.refuse_missing("kind", "generic, glove, papillarray, anyskin, agni or paxini");
+  if (!kind) in.refuse_missing("kind", "generic, glove, papillarray, anyskin, agni, paxini or csv");
+  name = kinds[*kind];
   FormatMaker maker;
-  int sensors = 1, points = 1;
+  int sensors = 1, points = 1, channels = 0;
   if (kinds[*kind] == "papillarray" || kinds[*kind] == "paxini")
     in.read("sensors", sensors, "the number of connected sensors");
   if (kinds[*kind] == "paxini") in.read("points", points, "the number of points of a sensor");
+  if (kinds[*kind] == "csv") in.read("channels", channels, "the number of numbers in a line, but for the time");
   switch (*kind) {
     case 0:
       maker = [layout = read_layout(in)] { return hw::generic_format(layout); };
@@ -98,8 +101,11 @@ FormatMaker read_format(const TomlFile& file) {
     case 4:
       maker = hw::agni_format;
       break;
-    default:
+    case 5:
       maker = [sensors, points] { return hw::paxini_format(sensors, points); };
+      break;
+    default:
+      maker = [channels] { return hw::csv_format(channels); };
   }
   in.finish();
   return maker;
@@ -139,7 +145,7 @@ SensorProfile parse(const TomlFile& file) {
   SensorProfile profile;
   profile.text = file.text();
   read_device(file, profile);
-  profile.format = read_format(file);
+  profile.format = read_format(file, profile.kind);
   try {
     read_map(file, profile.map, profile.format()->channels());
   } catch (const ValueError& error) {

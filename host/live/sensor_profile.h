@@ -16,6 +16,7 @@ namespace tactel::host {
 struct SensorProfile {
   std::string text;  ///< the file, for recordings
   std::string name;
+  std::string kind;  ///< of the format
   hw::UsbDevice usb;
   std::function<std::unique_ptr<const hw::WireFormat>()> format;
   hw::ChannelMap map;

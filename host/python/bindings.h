@@ -3,7 +3,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
-#include <tactel/progress.h>
+#include <tactel/pad.h>
 
 #include <cstdint>
 #include <initializer_list>
@@ -16,10 +16,39 @@ namespace py = pybind11;
 
 void bind_errors(py::module_& module);
 void bind_scenes(py::module_& module);
+void bind_pads(py::module_& module);
+void bind_pad_paths(py::module_& module);
 void bind_solve(py::module_& module);
 void bind_sweeps(py::module_& module);
 void bind_networks(py::module_& module);
 void bind_sources(py::module_& module);
+
+/// The class Scene of Python: of a line where its sensor is a Sensor, of a pad where it is a Pad.
+struct AnyScene {
+  std::variant<Scene, PadScene> of;
+};
+
+/// Returns a press on a pad. Throws InputError where it drags.
+PadLoad on_pad(const Load& load);
+
+/// One number or several.
+using Targets = std::variant<double, std::vector<double>>;
+
+inline std::vector<double> list_of(Targets targets) {
+  if (const double* one = std::get_if<double>(&targets)) return {*one};
+  return std::get<std::vector<double>>(std::move(targets));
+}
+
+/// Binds a class of values whose fields have the names of its constructor's arguments.
+template <class Value>
+py::class_<Value> value_class(py::module_& module, const char* name, const char* doc,
+                              std::initializer_list<const char*> fields) {
+  py::class_<Value> bound(module, name, doc);
+  py::list names;
+  for (const char* field : fields) names.append(field);
+  bound.attr("_fields") = py::tuple(names);
+  return bound;
+}
 
 /// Returns the numbers of a vector as an array [shape] without a copy. `owner` holds the vector, and lives as long as
 /// the array.

@@ -62,7 +62,9 @@ PYBIND11_MODULE(_tactel, module) {
   module.doc() = "The C++ library tactel::simulate for Python; use the package tactel.";
   module.attr("__version__") = tactel::version();
   bind_errors(module);
+  bind_pads(module);
   bind_scenes(module);
+  bind_pad_paths(module);
   bind_solve(module);
   bind_sweeps(module);
   bind_networks(module);

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <tactel/scene.h>
-
 #include <utility>
 #include <variant>
 
@@ -15,33 +13,58 @@ using namespace pybind11::literals;
 using AnyIndenter =
     std::variant<Indenter, Parabola, Flat, Wedge, Cylinder, Exponential, Trapezoid, RoundedFlat, Taylor, Profile>;
 
-Indenter indenter_of(AnyIndenter any) {
+/// The same of a pad.
+using AnyPadIndenter = std::variant<PadIndenter, Sphere, Paraboloid, LyingCylinder, Punch, Box, Cone, HeightMap>;
+using AnyPadLoad = std::variant<PadLoad, Load>;
+
+template <class Indenter, class Any>
+Indenter indenter_of(Any any) {
   return std::visit(
-      [](auto&& one) {
+      [](auto& one) {
         if constexpr (std::is_same_v<std::decay_t<decltype(one)>, Indenter>)
           return std::move(one);
         else
           return Indenter{.shape = std::move(one)};
       },
-      std::move(any));
+      any);
 }
 
-/// One number or several.
-using Targets = std::variant<double, std::vector<double>>;
-
-std::vector<double> list_of(Targets targets) {
-  if (const double* one = std::get_if<double>(&targets)) return {*one};
-  return std::get<std::vector<double>>(std::move(targets));
+/// Returns a field that a constructor was given, or its usual value. Throws InputError for one of another kind.
+template <class Field>
+Field field_of(const py::object& given, Field usual, const char* name, const char* kind) {
+  if (given.is_none()) return usual;
+  try {
+    return given.cast<Field>();
+  } catch (const py::cast_error&) {
+    throw InputError(name, py::type::of(given).attr("__name__").cast<std::string>(), kind);
+  }
 }
 
-template <class Value>
-py::class_<Value> value_class(py::module_& module, const char* name, const char* doc,
-                              std::initializer_list<const char*> fields) {
-  py::class_<Value> bound(module, name, doc);
-  py::list names;
-  for (const char* field : fields) names.append(field);
-  bound.attr("_fields") = py::tuple(names);
-  return bound;
+AnyScene scene_of(const std::variant<Sensor, Pad>& sensor, const py::object& indenter, double friction,
+                  const py::object& load, std::string title) {
+  if (const Pad* pad = std::get_if<Pad>(&sensor)) {
+    auto shape = field_of<AnyPadIndenter>(indenter, PadIndenter{}, "indenter",
+                                          "must be a PadIndenter, Sphere, Paraboloid, LyingCylinder, Punch, Box, Cone "
+                                          "or HeightMap, as the sensor is a Pad");
+    auto path = field_of<AnyPadLoad>(load, PadLoad{}, "load", "must be a PadLoad, or Press or Force");
+    const Load* press = std::get_if<Load>(&path);
+    return {PadScene{std::move(title), *pad, indenter_of<PadIndenter>(std::move(shape)), friction,
+                     press ? on_pad(*press) : std::get<PadLoad>(std::move(path))}};
+  }
+  auto shape = field_of<AnyIndenter>(indenter, Indenter{}, "indenter",
+                                     "must be an Indenter, Parabola, Flat, Wedge, Cylinder, Exponential, Trapezoid, "
+                                     "RoundedFlat, Taylor or Profile, as the sensor is no Pad");
+  auto path = field_of<Load>(load, Load{}, "load", "must be a Load, of drags along x, as the sensor is no Pad");
+  return {Scene{std::move(title), std::get<Sensor>(sensor), indenter_of<Indenter>(std::move(shape)), friction,
+                std::move(path)}};
+}
+
+/// Getter of a member that scenes of both kinds have, a copy.
+template <class Get>
+auto scene_field(const Get& get) {
+  return [get](const AnyScene& scene) {
+    return std::visit([&](const auto& one) { return py::cast(get(one)); }, scene.of);
+  };
 }
 
 void bind_shapes(py::module_& m) {
@@ -172,9 +195,27 @@ void bind_load(py::module_& m) {
            "tangential_steps"_a = py::none(), "angle"_a = py::none(),
            "indentation, tangential: mm; normal_force: N/mm; angle: degrees. See Press and Force.")
       .def("drag", &Load::drag, "step"_a, "steps"_a, "Returns this load with `steps` equal drags of `step` mm.")
+      .def(
+          "drag",
+          [](const Load& load, std::array<double, 2> step, int steps, double twist) {
+            return on_pad(load).drag(step, steps, twist);
+          },
+          "step"_a, "steps"_a, "twist"_a = 0.0,
+          "Of a pad: returns the PadLoad with `steps` equal drags of `step` (x, y) mm, each with a twist of `twist` "
+          "degrees.")
       .def("drag_until_sliding", &Load::drag_until_sliding, "step"_a,
            "Returns this load with drags of `step` mm until the whole contact slides.")
       .def("drag_to", &Load::drag_to, "positions"_a, "Returns this load with drags to these positions, mm.")
+      .def(
+          "drag_to",
+          [](const Load& load, const std::vector<std::array<double, 2>>& positions, const std::vector<double>& twist) {
+            return on_pad(load).drag_to(positions, twist);
+          },
+          "positions"_a, "twist"_a = std::vector<double>{},
+          "Of a pad: returns the PadLoad with drags to these positions (x, y) mm, and to these twists, degrees.")
+      .def(
+          "turn", [](const Load& load, double twist, int steps) { return on_pad(load).turn(twist, steps); }, "twist"_a,
+          "steps"_a, "Of a pad: returns the PadLoad with `steps` twists of `twist` degrees in place.")
       .def_readonly("indentation", &Load::indentation, "mm: targets")
       .def_readonly("normal_force", &Load::normal_force, "N/mm: targets in place of depths")
       .def_readonly("indentation_steps", &Load::indentation_steps)
@@ -203,7 +244,8 @@ void bind_load(py::module_& m) {
         return load;
       },
       "normal_force"_a, "angle"_a = py::none(), "steps"_a = 1,
-      "Returns the load of a normal force, or of several in turn (N/mm); with an angle (degrees) P and Q = P "
+      "Returns the load of a normal force, or of several in turn (N/mm, on a pad N); with an angle (degrees) P and Q = "
+      "P "
       "tan(angle) grow together.");
 }
 
@@ -221,25 +263,29 @@ void bind_scenes(py::module_& m) {
            "shape"_a, "position"_a = 0.0, "position: mm along the array, 0 in its middle.")
       .def_readonly("shape", &Indenter::shape)
       .def_readonly("position", &Indenter::position, "mm along the array");
-  value_class<Scene>(m, "Scene", "One contact.", {"sensor", "indenter", "friction", "load", "title"})
-      .def(py::init([](Sensor sensor, AnyIndenter indenter, double friction, Load load, std::string title) {
-             return Scene{std::move(title), std::move(sensor), indenter_of(std::move(indenter)), friction,
-                          std::move(load)};
-           }),
-           "sensor"_a = Sensor{}, "indenter"_a = Indenter{}, "friction"_a = 0.5, "load"_a = Load{}, "title"_a = "",
-           "friction: mu, or bonded; indenter: an Indenter, or a shape in the middle.")
-      .def("validate", &validate, "Raises InputError for the first value that the model rejects.")
-      .def_readonly("sensor", &Scene::sensor)
-      .def_readonly("indenter", &Scene::indenter)
-      .def_readonly("friction", &Scene::friction, "mu; infinite: bonded")
-      .def_readonly("load", &Scene::load)
-      .def_readonly("title", &Scene::title);
-  m.def("read_scene", &read_scene, "path"_a,
-        "Reads a scene file (TOML). Raises InputError with file, line, key and range.");
+  value_class<AnyScene>(m, "Scene", "One contact: on a pad where the sensor is a Pad, else on a line.",
+                        {"sensor", "indenter", "friction", "load", "title"})
+      .def(py::init(&scene_of), "sensor"_a = Sensor{}, "indenter"_a = py::none(), "friction"_a = 0.5,
+           "load"_a = py::none(), "title"_a = "",
+           "sensor: a Sensor or Pad; indenter: an Indenter, of a Pad a PadIndenter, or a shape in the middle, None: "
+           "Parabola(), Sphere(); friction: mu, or bonded on a line; load: Press or Force with drags, None: Load(), "
+           "PadLoad(). Raises InputError for an indenter or load of the other kind.")
+      .def(
+          "validate", [](const AnyScene& scene) { std::visit([](const auto& one) { validate(one); }, scene.of); },
+          "Raises InputError for the first value that the model rejects.")
+      .def_property_readonly("sensor", scene_field([](const auto& scene) { return scene.sensor; }))
+      .def_property_readonly("indenter", scene_field([](const auto& scene) { return scene.indenter; }))
+      .def_property_readonly("friction", scene_field([](const auto& scene) { return scene.friction; }),
+                             "mu; infinite: bonded")
+      .def_property_readonly("load", scene_field([](const auto& scene) { return scene.load; }))
+      .def_property_readonly("title", scene_field([](const auto& scene) { return scene.title; }));
+  m.def(
+      "read_scene", [](const std::string& path) { return AnyScene{read_any_scene(path)}; }, "path"_a,
+      "Reads a scene file (TOML) of a line or a pad. Raises InputError with file, line, key and range.");
   m.def(
       "heights",
       [](AnyIndenter indenter, const std::vector<double>& x) {
-        const std::vector<double> y = heights(indenter_of(std::move(indenter)), x);
+        const std::vector<double> y = heights(indenter_of<Indenter>(std::move(indenter)), x);
         return py::array_t<double>(static_cast<py::ssize_t>(y.size()), y.data());
       },
       "indenter"_a, "x"_a,

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <tactel/solve.h>
-
 #include <algorithm>
 #include <memory>
 #include <utility>
 
-#include "host/python/bindings.h"
+#include "host/python/path_arrays.h"
 
 namespace tactel::python {
 namespace {
@@ -20,28 +18,6 @@ SolveOptions solve_options_of(std::optional<double> accuracy, std::string rung, 
   options.precision = std::move(precision);
   options.device = std::move(device);
   return options;
-}
-
-/// One number of every step, [steps].
-template <class Number>
-py::array_t<Number> of_steps(const Path& path, Number Step::*number) {
-  py::array_t<Number> all(static_cast<py::ssize_t>(path.steps.size()));
-  std::ranges::transform(path.steps, all.mutable_data(), [&](const Step& step) { return step.*number; });
-  return all;
-}
-
-/// One array of every step, [steps, n].
-py::array_t<double> of_steps(const Path& path, std::vector<double> Step::*numbers) {
-  const std::size_t columns = path.steps.empty() ? 0 : (path.steps.front().*numbers).size();
-  py::array_t<double> all({path.steps.size(), columns});
-  double* to = all.mutable_data();
-  for (const Step& step : path.steps) to = std::ranges::copy(step.*numbers, to).out;
-  return all;
-}
-
-template <auto Member>
-auto steps_property() {
-  return [](const Path& path) { return of_steps(path, Member); };
 }
 
 /// Both stresses of the tactels.
@@ -120,15 +96,15 @@ void bind_path(py::module_& m) {
   py::class_<Path>(m, "Path",
                    "The answer to a scene: one entry for each load increment, those of the indentation first.")
       .def("__len__", [](const Path& path) { return path.steps.size(); })
-      .def_property_readonly("slip_index", steps_property<&Step::slip_index>(),
+      .def_property_readonly("slip_index", steps_property<Path, &Step::slip_index>(),
                              "[steps] S = Q / (mu P); NaN where mu P = 0")
-      .def_property_readonly("P", steps_property<&Step::P>(), "[steps] N/mm, of the indenter on the rubber")
-      .def_property_readonly("Q", steps_property<&Step::Q>(), "[steps] N/mm; > 0 drags the rubber toward +x")
-      .def_property_readonly("indentation", steps_property<&Step::indentation>(), "[steps] mm")
-      .def_property_readonly("tangential", steps_property<&Step::tangential>(), "[steps] mm")
-      .def_property_readonly("slip_distance", steps_property<&Step::slip_distance>(), "[steps] mm")
-      .def_property_readonly("converged", steps_property<&Step::converged>(), "[steps] bool")
-      .def_property_readonly("iterations", steps_property<&Step::iterations>(), "[steps]")
+      .def_property_readonly("P", steps_property<Path, &Step::P>(), "[steps] N/mm, of the indenter on the rubber")
+      .def_property_readonly("Q", steps_property<Path, &Step::Q>(), "[steps] N/mm; > 0 drags the rubber toward +x")
+      .def_property_readonly("indentation", steps_property<Path, &Step::indentation>(), "[steps] mm")
+      .def_property_readonly("tangential", steps_property<Path, &Step::tangential>(), "[steps] mm")
+      .def_property_readonly("slip_distance", steps_property<Path, &Step::slip_distance>(), "[steps] mm")
+      .def_property_readonly("converged", steps_property<Path, &Step::converged>(), "[steps] bool")
+      .def_property_readonly("iterations", steps_property<Path, &Step::iterations>(), "[steps]")
       .def_property_readonly(
           "tactels",
           [](const Path& path) {
@@ -147,22 +123,12 @@ void bind_path(py::module_& m) {
             return frames;
           },
           "[steps, 2 tactels] MPa, fp32, as networks take them: normal stresses, then shear")
-      .def_property_readonly("normal_force", steps_property<&Step::normal_force>(),
+      .def_property_readonly("normal_force", steps_property<Path, &Step::normal_force>(),
                              "[steps, surface] N/mm; >= 0 presses")
-      .def_property_readonly("tangential_force", steps_property<&Step::tangential_force>(), "[steps, surface] N/mm")
-      .def_property_readonly(
-          "status",
-          [](const Path& path) {
-            const std::size_t columns = path.surface_x.size();
-            py::array_t<std::uint8_t> all({path.steps.size(), columns});
-            std::uint8_t* to = all.mutable_data();
-            for (const Step& step : path.steps)
-              to = std::ranges::transform(step.status, to, [](NodeStatus s) {
-                     return static_cast<std::uint8_t>(s);
-                   }).out;
-            return all;
-          },
-          "[steps, surface] 0 open, 1 stick, 2 slip")
+      .def_property_readonly("tangential_force", steps_property<Path, &Step::tangential_force>(),
+                             "[steps, surface] N/mm")
+      .def_property_readonly("status", steps_property<Path, &Step::status>(),
+                             "[steps, surface] 0 open, 1 stick, 2 slip")
       .def_property_readonly("surface_x", column(&Path::surface_x), "[surface] mm")
       .def_property_readonly("tactel_x", column(&Path::tactel_x), "[tactels] mm")
       .def_readonly("sliding", &Path::sliding, "the last step slides as a whole")
@@ -218,6 +184,21 @@ void bind_paths(py::module_& m) {
       });
 }
 
+/// Copies of scenes that are all of one kind.
+template <class Kind>
+std::vector<Kind> copies_of(const std::vector<const AnyScene*>& scenes) {
+  std::vector<Kind> copies;
+  copies.reserve(scenes.size());
+  for (const AnyScene* scene : scenes) {
+    const Kind* one = std::get_if<Kind>(&scene->of);
+    if (one == nullptr)
+      throw InputError("scenes[" + std::to_string(copies.size()) + "]", "its sensor is of the other kind",
+                       "must be all Sensor or all Pad, as that of scenes[0]");
+    copies.push_back(*one);
+  }
+  return copies;
+}
+
 }  // namespace
 
 void bind_solve(py::module_& m) {
@@ -226,7 +207,7 @@ void bind_solve(py::module_& m) {
   bind_paths(m);
   m.def(
       "solve",
-      [](const Scene& scene, std::optional<double> accuracy, std::string rung, std::string solver,
+      [](const AnyScene& scene, std::optional<double> accuracy, std::string rung, std::string solver,
          std::string precision, std::string device, std::optional<double> tolerance, bool estimate_error,
          bool derivatives) {
         SolveOptions options = solve_options_of(accuracy, std::move(rung), std::move(precision), std::move(device));
@@ -235,28 +216,26 @@ void bind_solve(py::module_& m) {
         options.estimate_error = estimate_error;
         options.derivatives = derivatives;
         const py::gil_scoped_release released;
-        return solve(scene, options);
+        return std::visit([&](const auto& one) { return std::variant<Path, PadPath>(solve(one, options)); }, scene.of);
       },
       "scene"_a, py::kw_only(), "accuracy"_a = py::none(), "rung"_a = "", "solver"_a = "batched", "precision"_a = "",
       "device"_a = "", "tolerance"_a = py::none(), "estimate_error"_a = false, "derivatives"_a = false,
-      "Solves one contact.\n\naccuracy: largest error in S; the planner chooses the rung. rung: \"patch-12\", "
-      "\"mesh-81\", \"paper\", "
-      "\"reference\", ...\nsolver: \"batched\" or \"reference\". precision: \"fp32\" or \"fp64\".\nestimate_error: "
-      "also solve a finer "
-      "model, for Path.error. derivatives: also differentiate, for Path.derivatives.\nRaises InputError, "
-      "HardwareError.");
+      "Solves one contact. Returns a Path, of a pad's scene a PadPath.\n\naccuracy: largest error in S; the planner "
+      "chooses the rung. rung: \"patch-12\", \"mesh-81\", \"paper\", \"reference\", ...; of a pad \"pad-8\" to "
+      "\"pad-24\", \"reference\".\nsolver: \"batched\" or \"reference\"; of a pad \"batched\" or \"twin\". precision: "
+      "\"fp32\" or \"fp64\".\nestimate_error: also solve a finer model, for Path.error; PadPath.error is always there. "
+      "derivatives: also differentiate, for Path.derivatives; not of pads.\nRaises InputError, HardwareError.");
   m.def(
       "_solve_many",
-      [](const std::vector<const Scene*>& scenes, std::optional<double> accuracy, std::string rung,
+      [](const std::vector<const AnyScene*>& scenes, std::optional<double> accuracy, std::string rung,
          std::string precision, std::string device, py::object progress) {
         const SolveOptions options =
             solve_options_of(accuracy, std::move(rung), std::move(precision), std::move(device));
         const PythonProgress told(std::move(progress));
-        return told.run([&](const ProgressFunction& p) {
-          std::vector<Scene> copies;
-          copies.reserve(scenes.size());
-          for (const Scene* scene : scenes) copies.push_back(*scene);
-          return solve_many(copies, options, p);
+        return told.run([&](const ProgressFunction& p) -> std::variant<Paths, PadPaths> {
+          if (!scenes.empty() && std::holds_alternative<PadScene>(scenes.front()->of))
+            return solve_many(copies_of<PadScene>(scenes), options, p);
+          return solve_many(copies_of<Scene>(scenes), options, p);
         });
       },
       "scenes"_a, "accuracy"_a, "rung"_a, "precision"_a, "device"_a, "progress"_a);

@@ -97,7 +97,8 @@ void bind_sources(py::module_& m) {
         return std::make_unique<Source>(source, profile, calibration);
       },
       "source"_a, "profile"_a = "", "calibration"_a = "",
-      "Opens \"usb:glove\", \"usb:VID:PID\" with a profile, \"replay:FILE\" or \"simulate:SCENE.toml?rate=100\". "
+      "Opens \"usb:glove\", \"usb:VID:PID\" with a profile, \"csv:FILE\" with a profile, \"replay:FILE\" or "
+      "\"simulate:SCENE.toml?rate=100\". "
       "Raises InputError, "
       "HardwareError.");
 }

@@ -149,7 +149,9 @@ void bind_sweeps(py::module_& m) {
       .def_property_readonly("tactels", &Sweep::tactels)
       .def_property_readonly("indenter_names", &Sweep::indenter_names)
       .def_property_readonly("warnings", &Sweep::warnings, "of numbers that look as if they had another unit")
-      .def("scene", &Sweep::scene, "k"_a, "Returns contact k as a Scene.")
+      .def(
+          "scene", [](const Sweep& sweep, std::uint64_t k) { return AnyScene{sweep.scene(k)}; }, "k"_a,
+          "Returns contact k as a Scene.")
       .def(
           "_generate",
           [](const Sweep& sweep, std::optional<std::uint64_t> contacts, std::optional<double> accuracy,

@@ -32,6 +32,12 @@ void read_spread(const TomlFile& file, TomlTable& in, const char* key, double& v
   from = uniform->from, value = uniform->to;
 }
 
+/// A time of all sensors, or a range of it.
+void read_time(const TomlFile& file, TomlTable& in, const char* key, double& value, std::optional<double>& from) {
+  read_spread(file, in, key, value, from, "a time in s above 0");
+  if (in.has(key) && !(from.value_or(value) > 0)) in.refuse(key, "a time in s above 0");
+}
+
 /// The bits of all sensors, or { uniform = [fewest, most] } of them.
 void read_bits(const TomlFile& file, TomlTable& in, nn::Transducer& t) {
   const char* what = "a whole number of bits, 2 to 24";
@@ -66,8 +72,14 @@ nn::Transducer read_transducer(const TomlFile& file, std::uint64_t seed) {
   in.read("shift_spread", t.shift_spread, "a standard deviation over the distance of two tactels, 0 to 1");
   in.read("crosstalk", t.crosstalk, "a share of each neighbour's stress, 0 to 1");
   in.read("dead", t.dead, "a probability, 0 to 1");
-  in.read("lag", t.lag, "a share of the stress, 0 to 1");
-  read_positive(in, "lag_time", t.lag_time, "a time in s above 0");
+  read_spread(file, in, "lag", t.lag, t.lag_from, "a share of the stress, 0 to 1");
+  read_time(file, in, "lag_time", t.lag_time, t.lag_time_from);
+  read_spread(file, in, "memory", t.memory, t.memory_from, "a share of the stress, 0 to 1");
+  read_time(file, in, "memory_time", t.memory_time, t.memory_time_from);
+  read_spread(file, in, "mixing", t.mixing, t.mixing_from, "a share of each other axis of the tactel, 0 to 1");
+  read_spread(file, in, "drift", t.drift, t.drift_from,
+              "a standard deviation over the contact's largest normal stress, 0 or more");
+  read_spread(file, in, "repeats", t.repeats, t.repeats_from, "a probability, 0 to 1");
   read_positive(in, "range", t.range, "a stress in MPa above 0: the largest that is read");
   if (double fraction = 0;
       in.read("noise_fraction", fraction, "a standard deviation over transducer.range, 0 or more")) {
@@ -75,9 +87,7 @@ nn::Transducer read_transducer(const TomlFile& file, std::uint64_t seed) {
     if (t.range == 0) in.refuse("noise_fraction", "given with transducer.range, of which it is a fraction");
     t.noise = fraction * t.range;
   }
-  read_spread(file, in, "time_constant", t.time_constant, t.time_constant_from, "a time in s above 0");
-  if (in.has("time_constant") && !(t.time_constant_from.value_or(t.time_constant) > 0))
-    in.refuse("time_constant", "a time in s above 0");
+  read_time(file, in, "time_constant", t.time_constant, t.time_constant_from);
   read_positive(in, "step_time", t.step_time, "a time in s above 0, between load steps");
   read_bits(file, in, t);
   t.instances = static_cast<std::uint32_t>(read_count(in, "instances", 1, "a whole number of sensors, at least 1"));

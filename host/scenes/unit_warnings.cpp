@@ -43,17 +43,17 @@ class UnitWarnings {
     look(usual_length, scene.sensor.length, place);
     look(usual_radius, radius_of(scene.indenter.shape), place);
   }
-  void look_at(const fem::PadScene& scene) {
-    look(usual_young, scene.sensor.young);
-    look(usual_thickness, scene.sensor.thickness);
-    look(usual_length, scene.sensor.length);
-    look(usual_width, scene.sensor.width);
-    look(usual_radius, radius_of(scene.indenter.shape));
+  void look_at(const fem::PadScene& scene, const std::string& place = "") {
+    look(usual_young, scene.sensor.young, place);
+    look(usual_thickness, scene.sensor.thickness, place);
+    look(usual_length, scene.sensor.length, place);
+    look(usual_width, scene.sensor.width, place);
+    look(usual_radius, radius_of(scene.indenter.shape), place);
   }
   std::vector<std::string> take() { return std::move(all_); }
 
  private:
-  void look(const UsualRange& usual, std::optional<double> value, const std::string& place = "") {
+  void look(const UsualRange& usual, std::optional<double> value, const std::string& place) {
     if (!value || (*value >= usual.low && *value <= usual.high) || !seen_.insert(usual.key).second) return;
     all_.push_back(fmt::format("{}{} = {:g} {}: usual are {:g} to {:g} {}; check the unit", place, usual.key, *value,
                                usual.unit, usual.low, usual.high, usual.unit));
@@ -76,11 +76,15 @@ std::vector<std::string> unit_warnings(const fem::PadScene& scene) {
   return warnings.take();
 }
 
-std::vector<std::string> unit_warnings(std::span<const fem::Scene> scenes) {
+template <class Scene>
+std::vector<std::string> unit_warnings_of_many(std::span<const Scene> scenes) {
   UnitWarnings warnings;
   for (std::size_t i = 0; i < scenes.size(); ++i) warnings.look_at(scenes[i], fmt::format("scenes[{}]: ", i));
   return warnings.take();
 }
+
+std::vector<std::string> unit_warnings(std::span<const fem::Scene> scenes) { return unit_warnings_of_many(scenes); }
+std::vector<std::string> unit_warnings(std::span<const fem::PadScene> scenes) { return unit_warnings_of_many(scenes); }
 
 std::vector<std::string> unit_warnings(const AnySource& source) {
   UnitWarnings warnings;

@@ -15,6 +15,7 @@ std::vector<std::string> unit_warnings(const fem::Scene& scene);
 std::vector<std::string> unit_warnings(const fem::PadScene& scene);
 /// The same of many scenes: of each number the first such scene, "scenes[3]: ...".
 std::vector<std::string> unit_warnings(std::span<const fem::Scene> scenes);
+std::vector<std::string> unit_warnings(std::span<const fem::PadScene> scenes);
 /// The same of a sweep's first contacts and of all its sensors.
 std::vector<std::string> unit_warnings(const AnySource& source);
 

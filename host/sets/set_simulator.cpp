@@ -293,6 +293,9 @@ ContactModel model_for(Executor& executor, const SceneSource& source, const SetO
   return model;
 }
 
+int rows_of_tactels(const fem::Sensor&) { return 1; }
+int rows_of_tactels(const fem::PadSensor& sensor) { return sensor.tactels[1]; }
+
 PadModel model_for(Executor&, const PadSource&, const SetOptions& options) {
   PadModel model{{.cells = options.pad.cells, .increments = options.pad.increments}, options.precision};
   if (options.accept > 0) model.options.tolerance = 0, model.options.accept = options.accept;
@@ -326,7 +329,9 @@ class Simulator final : public SetSimulator::State {
         columns_(columns_of(source)),
         stream_(executor, model_for(executor, source, options)) {
     if (!source.own_sensors()) stream_.keep(source.sensors());  // of others the family has the tables
-    if (source.transducer().present()) chain_.emplace(executor, source.transducer(), source.seed(), source.inputs());
+    if (source.transducer().present())
+      chain_.emplace(executor, source.transducer(), source.seed(), source.inputs(), columns_.axes,
+                     rows_of_tactels(source.sensors().front()));
   }
   std::unique_ptr<Range> prepare(std::uint64_t first, std::uint64_t count) const override;
   void run(Range& range, const RunOptions& options) const override {

@@ -8,36 +8,61 @@
 #include <vector>
 
 #include "kernels/shared/chain_settings.h"
+#include "kernels/shared/random_streams.h"
+#include "nn/philox.h"
 
 namespace tactel::host {
 namespace {
 
+static_assert(int(nn::RandomStream::fault) == FAULT_STREAM && int(nn::RandomStream::frame) == FRAME_STREAM);
+
+/// The factors of a filter with this time constant; 1, 1 without one.
+struct Filter {
+  float decay, pass;
+  Filter(double time_constant, double step_time) {
+    const double ratio = time_constant > 0 ? step_time / time_constant : 0;
+    decay = static_cast<float>(std::exp(-ratio));
+    pass = ratio > 0 ? static_cast<float>(-std::expm1(-ratio) / ratio) : 1;
+  }
+};
+
+float least_of(const std::optional<double>& from, double to) { return static_cast<float>(from.value_or(to)); }
+
+LateShare late_share(const std::optional<double>& share_from, double share, const std::optional<double>& time_from,
+                     double time, double step_time) {
+  const Filter filter(time, step_time);
+  return {.share = {least_of(share_from, share), float(share)},
+          .time = {least_of(time_from, time), float(time)},
+          .decay = filter.decay,
+          .pass = filter.pass};
+}
+
 ChainSettings settings(const nn::Transducer& t, std::uint64_t seed) {
   t.validate();
   constexpr float infinity = std::numeric_limits<float>::infinity();
-  const bool filters = t.time_constant > 0, converts = t.bits > 0;
-  const double ratio = filters ? t.step_time / t.time_constant : 0;
-  const double late = t.lag > 0 ? t.step_time / t.lag_time : 0;
+  const bool converts = t.bits > 0;
   const float codes = converts ? std::ldexp(1.0f, t.bits - 1) : 0;
   const float limit = t.range > 0 ? static_cast<float>(t.range) : infinity;
+  const Filter amplifier(t.time_constant, t.step_time);
   return {.reading_seed = seed,
           .instance_seed = t.seed,
           .instances = t.instances,
-          .high_pass = filters,
-          .decay = static_cast<float>(std::exp(-ratio)),
-          .pass = filters ? static_cast<float>(-std::expm1(-ratio) / ratio) : 1,
+          .decay = amplifier.decay,
+          .pass = amplifier.pass,
           .step_time = static_cast<float>(t.step_time),
-          .time_constant = {float(t.time_constant_from.value_or(t.time_constant)), float(t.time_constant)},
-          .gain_spread = {float(t.gain_spread_from.value_or(t.gain_spread)), float(t.gain_spread)},
-          .offset_spread = {float(t.offset_spread_from.value_or(t.offset_spread)), float(t.offset_spread)},
-          .noise = {float(t.noise_from.value_or(t.noise)), float(t.noise)},
+          .time_constant = {least_of(t.time_constant_from, t.time_constant), float(t.time_constant)},
+          .gain_spread = {least_of(t.gain_spread_from, t.gain_spread), float(t.gain_spread)},
+          .offset_spread = {least_of(t.offset_spread_from, t.offset_spread), float(t.offset_spread)},
+          .noise = {least_of(t.noise_from, t.noise), float(t.noise)},
           .noise_of_largest = static_cast<float>(t.noise_of_largest),
+          .drift = {least_of(t.drift_from, t.drift), float(t.drift)},
+          .repeats = {least_of(t.repeats_from, t.repeats), float(t.repeats)},
+          .mixing = {least_of(t.mixing_from, t.mixing), float(t.mixing)},
           .shift_spread = static_cast<float>(t.shift_spread),
           .crosstalk = static_cast<float>(t.crosstalk),
           .dead = static_cast<float>(t.dead),
-          .lag = static_cast<float>(t.lag),
-          .lag_decay = static_cast<float>(std::exp(-late)),
-          .lag_pass = t.lag > 0 ? static_cast<float>(-std::expm1(-late) / late) : 1,
+          .late = {late_share(t.lag_from, t.lag, t.lag_time_from, t.lag_time, t.step_time),
+                   late_share(t.memory_from, t.memory, t.memory_time_from, t.memory_time, t.step_time)},
           .low = converts ? -codes : -limit,
           .high = converts ? codes - 1 : limit,
           .quantum = static_cast<float>(t.quantum()),
@@ -45,13 +70,22 @@ ChainSettings settings(const nn::Transducer& t, std::uint64_t seed) {
           .range = static_cast<float>(t.range)};
 }
 
+void raise_to_largest(float& most, std::span<const float> stresses) {
+  for (const float s : stresses)
+    if (std::isfinite(s)) most = std::max(most, std::abs(s));
+}
+
 }  // namespace
 
-TransducerChain::TransducerChain(Executor& executor, const nn::Transducer& transducer, std::uint64_t seed, int channels)
+TransducerChain::TransducerChain(Executor& executor, const nn::Transducer& transducer, std::uint64_t seed, int channels,
+                                 int axes, int rows)
     : executor_(&executor),
       channels_(static_cast<std::uint32_t>(channels)),
-      neighbours_(transducer.reaches_neighbours()),
-      relative_(transducer.noise_of_largest > 0) {
+      tactels_(channels_ / static_cast<std::uint32_t>(axes)),
+      others_(transducer.reaches_others()),
+      relative_(transducer.noise_of_largest > 0 || transducer.drift > 0) {
+  if (axes > 3 || channels % (axes * rows) != 0)
+    throw std::invalid_argument("channels that are no whole axes and rows");
   const Device& device = executor.device();
   const int lanes = device.lanes(Precision::fp32);
   vectors_ = static_cast<std::uint32_t>((channels + lanes - 1) / lanes);
@@ -70,6 +104,8 @@ TransducerChain::TransducerChain(Executor& executor, const nn::Transducer& trans
     kernel.set("signal", signal_);
     kernel.set("vectors", std::uint32_t{vectors_});
     kernel.set("channels", std::uint32_t{channels_});
+    kernel.set("tactels", std::uint32_t{tactels_});
+    kernel.set("columns", std::uint32_t{tactels_ / static_cast<std::uint32_t>(rows)});
     kernel.set("chain", chain);
   });
 }
@@ -88,7 +124,7 @@ void TransducerChain::run(std::span<const Contact> contacts, std::span<float> si
   const std::size_t row_size = std::size_t{vectors_} * device.lanes(Precision::fp32);
   if (signal_.size() < rows * row_size) {
     signal_ = Buffer<float>(device, rows * row_size);
-    stress_ = neighbours_ ? Buffer<float>(device, rows * row_size) : signal_;  // what neighbours read must stay
+    stress_ = others_ ? Buffer<float>(device, rows * row_size) : signal_;  // what others read must stay
   }
   {
     const auto view = stress_.map(MapFor::writing);
@@ -99,10 +135,12 @@ void TransducerChain::run(std::span<const Contact> contacts, std::span<float> si
   }
   const Buffer<std::uint64_t> numbers(device, std::span<const std::uint64_t>(number));
   const Buffer<std::uint32_t> first_rows(device, std::span<const std::uint32_t>(first_row));
-  std::vector<float> most(contacts.size(), 0.0f);
+  std::vector<float> most(2 * contacts.size(), 0.0f);  // [contacts][all axes, the normal one]
   for (std::size_t c = 0; relative_ && c < contacts.size(); ++c)
-    for (const float s : signal.subspan(first_row[c] * channels_, contacts[c].steps * channels_))
-      if (std::isfinite(s)) most[c] = std::max(most[c], std::abs(s));
+    for (std::size_t row = first_row[c]; row < first_row[c + 1]; ++row) {
+      raise_to_largest(most[2 * c], signal.subspan(row * channels_, channels_));
+      raise_to_largest(most[2 * c + 1], signal.subspan(row * channels_, tactels_));
+    }
   const Buffer<float> largest(device, std::span<const float>(most));
   launch_.bind([&](KernelArguments& kernel) {
     kernel.set("contact", numbers);

@@ -18,11 +18,15 @@
   FIELD(OnlineReport, cycle)             \
   FIELD(OnlineReport, sse)               \
   FIELD(OnlineReport, largest)           \
+  STRUCT(LateShare)                      \
+  FIELD(LateShare, share)                \
+  FIELD(LateShare, time)                 \
+  FIELD(LateShare, decay)                \
+  FIELD(LateShare, pass)                 \
   STRUCT(ChainSettings)                  \
   FIELD(ChainSettings, reading_seed)     \
   FIELD(ChainSettings, instance_seed)    \
   FIELD(ChainSettings, instances)        \
-  FIELD(ChainSettings, high_pass)        \
   FIELD(ChainSettings, decay)            \
   FIELD(ChainSettings, pass)             \
   FIELD(ChainSettings, step_time)        \
@@ -31,12 +35,13 @@
   FIELD(ChainSettings, offset_spread)    \
   FIELD(ChainSettings, noise)            \
   FIELD(ChainSettings, noise_of_largest) \
+  FIELD(ChainSettings, drift)            \
+  FIELD(ChainSettings, repeats)          \
+  FIELD(ChainSettings, mixing)           \
   FIELD(ChainSettings, shift_spread)     \
   FIELD(ChainSettings, crosstalk)        \
   FIELD(ChainSettings, dead)             \
-  FIELD(ChainSettings, lag)              \
-  FIELD(ChainSettings, lag_decay)        \
-  FIELD(ChainSettings, lag_pass)         \
+  FIELD(ChainSettings, late)             \
   FIELD(ChainSettings, low)              \
   FIELD(ChainSettings, high)             \
   FIELD(ChainSettings, quantum)          \

@@ -8,6 +8,7 @@
 #define GAIN_STREAM 7     /* gain and offset of a transducer */
 #define INSTANCE_STREAM 8 /* which sensor a contact meets */
 #define SPREAD_STREAM 10  /* how much a sensor's transducers spread */
-#define FAULT_STREAM 11   /* place, crosstalk and failure of a transducer */
+#define FAULT_STREAM 11   /* place, crosstalk, mixing and failure of a transducer */
+#define FRAME_STREAM 12   /* drift and repeated frames of a contact */
 
 #endif

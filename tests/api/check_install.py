@@ -162,6 +162,8 @@ class Check:
         tree = self.compile(self.work / "simulate", flags="-O1 -Wall -Wextra -Werror")
         said = self.run(tree / "skin", self.source / "examples/random_sweep.toml", cwd=self.work)
         self.expect("mean error 0." in said and "18 x 9 values" in said, f"skin: {said}")
+        said = self.run(tree / "pad", cwd=self.work)
+        self.expect(said.count(" N mm: S = 0.") == 8, f"pad: {said}")
         self.expect((self.work / "slip.onnx").exists(), "no network was written")
 
 

@@ -146,7 +146,7 @@ TEST(SolveApi, RefusesOptionsThatCannotBe) {
   EXPECT_THAT(message_of([] { solve(some_scene(), {.precision = "fp16"}); }),
               HasSubstr("precision: fp16; must be fp32"));
   EXPECT_THAT(message_of([] { solve(some_scene(), {.accuracy = 0.1, .rung = "paper"}); }), HasSubstr("accuracy"));
-  EXPECT_THAT(message_of([] { solve_many({}, {.solver = "reference"}); }), HasSubstr("solver"));
+  EXPECT_THAT(message_of([] { solve_many(std::span<const Scene>(), {.solver = "reference"}); }), HasSubstr("solver"));
 }
 
 // Many scenes give the bits of their rung, wherever they stand, and NaN behind the end of a path.
@@ -185,7 +185,7 @@ TEST(SolveApi, SolvesManyAsTheirRung) {
   EXPECT_TRUE(std::isnan(paths.slip_index[12]));                                      // mu P = 0
   EXPECT_NEAR(paths.P[8], solve(scenes[2], {.precision = "fp32"}).steps[0].P, 1e-4);  // on its own mesh
   EXPECT_EQ(solve_many(std::span(scenes).first(1), {.rung = "mesh-41"}).rung, "mesh-41");
-  EXPECT_EQ(solve_many({}).steps, 0u);
+  EXPECT_EQ(solve_many(std::span<const Scene>()).steps, 0u);
   scenes[3].friction = -1;
   EXPECT_THAT(message_of([&] { solve_many(scenes); }), HasSubstr("scenes[3].contact.friction"));
 }

@@ -8,7 +8,7 @@ The folder holds examples/ (sweeps of 300 contacts), docs/ and links to build/ a
 |---|---|
 | none, sh | run by bash; where lines begin with "$ ", those alone |
 | python | run by this Python; all blocks of a page share their names |
-| toml | a scene, completed where it is a part of one, is solved; a device profile is read |
+| toml | a scene, completed where it is a part of one, is solved; a device profile is read, of lines with a line |
 | cpp, c, cmake | a block whose first line names a file is written; CMake lines alone are configured |
 | text, json | shown only |
 
@@ -64,6 +64,10 @@ class Page:
             raise Failed(f"{type(error).__name__}: {error}") from error
 
     def run_toml(self, text, _line):
+        if channels := re.search(r'^kind = "csv"\nchannels = (\d+)', text, re.M):
+            (self.folder / "profile.toml").write_text(text)
+            self.shell(f"seq -s, {channels[1]} | tactel record --source csv:- --profile profile.toml --output lines.rec --force")
+            return
         if "[device]" in text:
             (self.folder / "profile.toml").write_text(text)
             self.shell("tactel record --source usb:1209:0001 --profile profile.toml --output none.rec", NO_SUCH_DEVICE)

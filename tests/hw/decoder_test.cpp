@@ -6,8 +6,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <random>
 
+#include "hw/csv_format.h"
 #include "hw/formats.h"
 #include "hw/generic_format.h"
 #include "tests/hw/byte_vectors.h"
@@ -50,7 +52,14 @@ const Case cases[] = {
     {"agni", agni_format, [](int i) { return agni_frame(100 * i); }, true},
     {"paxini", [] { return paxini_format(2, 2); }, [](int i) { return paxini_frame(static_cast<std::uint8_t>(i)); },
      true},
-    {"generic", [] { return generic_format(crc_layout()); }, crc_frame, true}};
+    {"generic", [] { return generic_format(crc_layout()); }, crc_frame, true},
+    {"csv", [] { return csv_format(2); },
+     [](int i) {
+       ByteVector frame;
+       append_csv_frame(static_cast<std::uint64_t>(i), 0.1 * i, std::array{1.5, 1e-3 * i}, frame);
+       return frame;
+     },
+     true}};
 
 class EveryFormat : public ::testing::TestWithParam<Case> {
  protected:

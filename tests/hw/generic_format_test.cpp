@@ -31,7 +31,8 @@ TEST(GenericFormat, SampleTypesInBothByteOrders) {
                      {SampleType::u16, true, {0x01, 0x02, 0xFF, 0xFF}, 258, 65535},
                      {SampleType::i16, false, {0xFE, 0xFF, 0x00, 0x80}, -2, -32768},
                      {SampleType::i32, true, {0xFF, 0xFF, 0xFF, 0xFE, 0, 0, 1, 0}, -2, 256},
-                     {SampleType::f32, false, {0, 0, 0xC0, 0x3F, 0, 0, 0, 0xC0}, 1.5, -2}};
+                     {SampleType::f32, false, {0, 0, 0xC0, 0x3F, 0, 0, 0, 0xC0}, 1.5, -2},
+                     {SampleType::f64, true, {0x3F, 0xF8, 0, 0, 0, 0, 0, 0, 0xC0, 0, 0, 0, 0, 0, 0, 0}, 1.5, -2}};
   for (const auto& c : cases) {
     GenericLayout layout = small_layout();
     layout.sample = c.type;

@@ -199,6 +199,240 @@ TEST(Transducer, TheLateShareArrivesWithItsTimeConstant) {
     EXPECT_NEAR(reading(k, 0), 0.5 * (1 - 0.1 * (1 - std::exp(-0.05)) / 0.05 * std::exp(-0.05 * k)), 1e-14);
 }
 
+/// Of a stress of 1 held from step 0 on and gone from step `end` on, each step a ramp of h: what of the late share with
+/// the time constant T has not arrived at step k.
+double not_arrived(double T, double h, int k, int end) {
+  const double first = T / h * (1 - std::exp(-h / T));
+  return first * (std::exp(-h * k / T) - (k < end ? 0 : std::exp(-h * (k - end) / T)));
+}
+
+// The rubber's memory: two shares arrive, and are left after the unloading, as a sum of two exponentials.
+TEST(Transducer, MemoryIsASumOfTwoExponentials) {
+  const Transducer t{.step_time = 0.02, .lag = 0.03, .lag_time = 0.3, .memory = 0.02, .memory_time = 0.6};
+  constexpr int end = 300;
+  const auto reading = transducer_chain(t, 0, 0, signal(400, [](int k) { return k < end ? 1 : 0; }));
+  for (int k = 0; k < 400; ++k)
+    EXPECT_NEAR(reading(k, 0),
+                (k < end) - 0.03 * not_arrived(0.3, 0.02, k, end) - 0.02 * not_arrived(0.6, 0.02, k, end), 1e-13)
+        << k;  // 400 roundings of at most 1
+  EXPECT_NEAR(reading(end + 49, 0), 0.03 * std::exp(-1 / 0.3) + 0.02 * std::exp(-1 / 0.6), 2e-4);  // after 1 s of 6 s
+}
+
+// A share of 1 or all but none of it, times far below and far above the steps: within the bounds the filter is exact.
+TEST(Transducer, MemoryOfExtremeSharesAndTimes) {
+  for (const double share : {1e-12, 0.5, 1.0})
+    for (const double T : {0.02, 1.0, 1e6}) {
+      const Transducer t{.step_time = 1, .memory = share, .memory_time = T};
+      EXPECT_NO_THROW(t.validate());
+      const auto reading = transducer_chain(t, 0, 0, signal(20, [](int k) { return k < 10 ? 1 : 0; }));
+      for (int k = 0; k < 20; ++k)
+        EXPECT_NEAR(reading(k, 0), (k < 10) - share * not_arrived(T, 1, k, 10),
+                    1e-9);  // T / h (1 - e) of 1e6 roundings
+    }
+}
+
+// From the first two readings of a held stress of 1: e = (1 - r_1) / (1 - r_0) = exp(-h / T), and the share is
+// (1 - r_0) h / (T (1 - e)). Shares evenly in 0.02 ... 0.04, times in 0.3 ... 0.6 s, each sensor's own.
+TEST(Transducer, ARangeGivesEachSensorItsOwnMemory) {
+  Transducer lag{.step_time = 0.1, .lag = 0.04, .lag_time = 0.6};
+  lag.lag_from = 0.02, lag.lag_time_from = 0.3;
+  Transducer memory{.step_time = 0.1, .memory = 0.04, .memory_time = 0.6};
+  memory.memory_from = 0.02, memory.memory_time_from = 0.3;
+  for (const Transducer& t : {lag, memory}) {
+    constexpr int sensors = 3000;
+    double share_mean = 0, time_mean = 0, product = 0;
+    for (std::uint64_t contact = 0; contact < sensors; ++contact) {
+      const auto reading = transducer_chain(t, 3, contact, RowMatrix<double>::Ones(2, 2));
+      EXPECT_EQ(transducer_chain(t, 99, contact, RowMatrix<double>::Ones(2, 2)), reading) << "the sensor's own";
+      const double e = (1 - reading(1, 0)) / (1 - reading(0, 0)), time = -0.1 / std::log(e);
+      const double share = (1 - reading(0, 0)) * 0.1 / (time * (1 - e));
+      EXPECT_TRUE(share > 0.02 && share < 0.04 && time > 0.3 && time < 0.6) << share << ' ' << time;
+      share_mean += share / sensors, time_mean += time / sensors, product += (share - 0.03) * (time - 0.45) / sensors;
+    }
+    const double five = 5 / std::sqrt(12.0 * sensors);  // deviations of the mean of numbers even in a range of 1
+    EXPECT_NEAR(share_mean, 0.03, 0.02 * five);
+    EXPECT_NEAR(time_mean, 0.45, 0.3 * five);
+    EXPECT_NEAR(product, 0, 0.02 * 0.3 * five / std::sqrt(12.0)) << "independent";
+  }
+}
+
+// The zero stands still along a contact, and elsewhere in the next: normal, 5 % of the largest normal stress, however
+// large the shear.
+TEST(Transducer, DriftMovesTheZeroOfAContact) {
+  const Transducer t{.instances = 1, .drift = 0.05};
+  std::vector<double> zeros;
+  for (std::uint64_t contact = 0; contact < 2000; ++contact) {
+    RowMatrix<double> stress = RowMatrix<double>::Zero(3, 8);
+    const double largest = 1 + static_cast<double>(contact % 5);
+    stress(1, 2) = -largest, stress(1, 6) = 100;
+    const RowMatrix<double> reading = transducer_chain(t, 3, contact, stress) - stress;
+    for (int c = 0; c < 8; ++c) {
+      EXPECT_NEAR(reading(0, c), reading(1, c), 1e-13);  // roundings of 100
+      EXPECT_EQ(reading(0, c), reading(2, c));
+      zeros.push_back(reading(0, c) / largest);
+    }
+  }
+  expect_normal(zeros, 0, 0.05);
+}
+
+TEST(Transducer, ARangeGivesEachSensorItsOwnDrift) {
+  Transducer t{.drift = 0.1};
+  t.drift_from = 0;
+  double squares = 0, within = 0;
+  for (std::uint64_t contact = 0; contact < 3000; ++contact) {
+    const double own = (transducer_chain(t, 3, contact, RowMatrix<double>::Ones(1, 40)).array() - 1).square().mean();
+    squares += own / 3000, within += own * own / 3000;
+  }
+  EXPECT_NEAR(squares, 0.01 / 3, 5 * 0.0031 / std::sqrt(3000.0));  // squares of even numbers spread by 0.298 of 0.01
+  EXPECT_GT(within, 1.5 * squares * squares);                      // one drift for all: 1 + 2 / 40; here 9 / 5 of it
+}
+
+// n frames of which each but the first repeats the one before with the probability p: whole rows, as often as a
+// binomial number; the others are what they were without repeats, memory and amplifier included.
+TEST(Transducer, RepeatedRowsAreBinomial) {
+  Transducer without{.time_constant = 1, .step_time = 0.1, .noise = 0.1, .lag = 0.1, .lag_time = 1};
+  Transducer t = without;
+  t.repeats = 0.08;
+  int repeated = 0, twice = 0;
+  constexpr int contacts = 400, steps = 101;
+  for (std::uint64_t contact = 0; contact < contacts; ++contact) {
+    const auto stress = RowMatrix<double>::Random(steps, 6);
+    const RowMatrix<double> all = stress, reading = transducer_chain(t, 5, contact, all),
+                            bare = transducer_chain(without, 5, contact, all);
+    EXPECT_EQ(reading.row(0), bare.row(0));
+    for (int k = 1; k < steps; ++k) {
+      const bool again = reading.row(k) == reading.row(k - 1);
+      EXPECT_TRUE(again || reading.row(k) == bare.row(k)) << k;
+      repeated += again;
+      twice += again && k > 1 && reading.row(k - 1) == reading.row(k - 2);
+    }
+  }
+  constexpr double n = contacts * (steps - 1);
+  EXPECT_NEAR(repeated, 0.08 * n, 5 * std::sqrt(n * 0.08 * 0.92));
+  EXPECT_NEAR(twice, 0.08 * 0.08 * n, 5 * std::sqrt(n * 0.0064 * 1.2));  // independent of the frame before
+  t.repeats = 1;
+  const auto frozen = transducer_chain(t, 5, 1, RowMatrix<double>::Random(9, 6));
+  for (int k = 1; k < 9; ++k) EXPECT_EQ(frozen.row(k), frozen.row(0));
+}
+
+// Each sensor's own share of repeats, evenly in 0 ... 0.1: the numbers of repeats among 100 have the mean 5 and the
+// variance 10000 0.01 / 12 + 100 (0.05 - 0.01 / 3) = 13.
+TEST(Transducer, ARangeGivesEachSensorItsOwnRepeats) {
+  Transducer t{.repeats = 0.1};
+  t.repeats_from = 0;
+  std::vector<double> counts;
+  const auto stress = signal(101, [](int k) { return k; });
+  for (std::uint64_t contact = 0; contact < 3000; ++contact) {
+    const auto reading = transducer_chain(t, 3, contact, stress);
+    int count = 0;
+    for (int k = 1; k < 101; ++k) count += reading(k, 0) == reading(k - 1, 0);
+    counts.push_back(count);
+  }
+  const Moments m = moments(counts);
+  EXPECT_NEAR(m.mean, 5, 5 * std::sqrt(13 / 3000.0));
+  EXPECT_NEAR(m.deviation * m.deviation, 13, 5 * 13 * std::sqrt(2 / 3000.0));  // kurtosis below 3
+}
+
+// By hand: tactel 1 of a line reads 2 + m 20 and 20 + m' 2; of a pad with one axis pressed, each other axis reads its
+// own share of it, and shares add.
+TEST(Transducer, MixingAddsTheOtherAxesOfTheTactel) {
+  const Transducer t{.seed = 3, .mixing = 0.03};
+  std::vector<double> shares;
+  for (std::uint64_t contact = 0; contact < 2000; ++contact) {
+    const RowMatrix<double> reading = transducer_chain(t, 0, contact, four_tactels());
+    const double normal = (reading(0, 1) - 2) / 20, shear = (reading(0, 5) - 20) / 2;
+    EXPECT_NE(normal, shear);
+    shares.push_back(normal), shares.push_back(shear);
+  }
+  expect_normal(shares, 0, 0.03);
+  shares.clear();
+  double product = 0;  // of the two shares of a transducer, on average
+  for (std::uint64_t contact = 0; contact < 500; ++contact) {
+    RowMatrix<double> pressed[3], sum = RowMatrix<double>::Zero(1, 12);  // 2 x 2 tactels with z, x, y
+    for (int axis = 0; axis < 3; ++axis) {
+      RowMatrix<double> stress = RowMatrix<double>::Zero(1, 12);
+      stress.middleCols(4 * axis, 4) << 1, 10, 100, 1000;
+      pressed[axis] = transducer_chain(t, 0, contact, stress, 3, 2);
+      EXPECT_EQ(pressed[axis].middleCols(4 * axis, 4), stress.middleCols(4 * axis, 4));
+      for (int other = 1; other < 3; ++other)
+        for (int tactel = 0; tactel < 4; ++tactel)
+          shares.push_back(pressed[axis](0, (axis + other) % 3 * 4 + tactel) / stress(0, 4 * axis + tactel));
+      sum += 2 * (axis + 1) * pressed[axis];
+    }
+    product += pressed[1](0, 0) * pressed[2](0, 0) / 500;
+    RowMatrix<double> all(1, 12);
+    all << 2, 20, 200, 2000, 4, 40, 400, 4000, 6, 60, 600, 6000;
+    EXPECT_LT((transducer_chain(t, 0, contact, all, 3, 2) - sum).cwiseAbs().maxCoeff(), 1e-11);  // roundings of 6000
+  }
+  expect_normal(shares, 0, 0.03);
+  EXPECT_NEAR(product, 0, 5 * 0.03 * 0.03 / std::sqrt(500.0)) << "independent";
+}
+
+// A dead transducer feels the other axes no more than its own; a range of mixing is the sensor's.
+TEST(Transducer, MixingOfDeadTransducersAndRanges) {
+  EXPECT_TRUE(transducer_chain({.dead = 1, .mixing = 0.5}, 0, 1, four_tactels()).isZero(0));
+  Transducer t{.mixing = 0.1};
+  t.mixing_from = 0;
+  double squares = 0, within = 0;
+  for (std::uint64_t contact = 0; contact < 3000; ++contact) {
+    const double own = (transducer_chain(t, 3, contact, RowMatrix<double>::Ones(1, 40)).array() - 1).square().mean();
+    squares += own / 3000, within += own * own / 3000;
+  }
+  EXPECT_NEAR(squares, 0.01 / 3, 5 * 0.0031 / std::sqrt(3000.0));  // as drift's
+  EXPECT_GT(within, 1.5 * squares * squares);
+}
+
+/// Stresses of 3 x 4 tactels with three axes: planes over row and column.
+RowMatrix<double> planes() {
+  RowMatrix<double> stress(1, 36);
+  for (int axis = 0; axis < 3; ++axis)
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 4; ++column)
+        stress(0, 12 * axis + 4 * row + column) = 1 + (2 + axis) * column + (7 - axis) * row;
+  return stress;
+}
+
+// On a plane, reading between tactels is exact: in the middle of the pad a reading less its own stress is the plane's
+// slopes by the shift along and across the row, the same shift for all axes. At the edges tactels shift only inward.
+TEST(Transducer, ATactelOfAPadShiftsAlongAndAcross) {
+  const Transducer t{.seed = 3, .shift_spread = 0.1};
+  const RowMatrix<double> stress = planes();
+  std::vector<double> along, across;
+  for (std::uint64_t contact = 0; contact < 4000; ++contact) {
+    const RowMatrix<double> moved = transducer_chain(t, 0, contact, stress, 3, 3) - stress;
+    const double z = moved(0, 5), x = moved(0, 17);  // 2 dx + 7 dy, 3 dx + 6 dy
+    const double dx = (7 * x - 6 * z) / 9, dy = (3 * z - 2 * x) / 9;
+    EXPECT_NEAR(moved(0, 29), 4 * dx + 5 * dy, 1e-12);
+    EXPECT_GE(moved(0, 0), 0);
+    EXPECT_LE(moved(0, 11), 0);
+    along.push_back(dx), across.push_back(dy);
+  }
+  expect_normal(along, 0, 0.1);
+  expect_normal(across, 0, 0.1);
+}
+
+// By hand: a tactel in the middle reads c times the four around it; the last of a row does not feel the first of the
+// next.
+TEST(Transducer, CrosstalkOfAPadReachesFourNeighbours) {
+  const Transducer t{.seed = 3, .crosstalk = 0.01};
+  RowMatrix<double> one = RowMatrix<double>::Zero(1, 36);
+  one(0, 12 + 5) = 1;  // axis x, row 1, column 1
+  for (std::uint64_t contact = 0; contact < 100; ++contact) {
+    const RowMatrix<double> reading = transducer_chain(t, 0, contact, one, 3, 3);
+    for (int c = 0; c < 36; ++c) {
+      const bool beside = c == 12 + 1 || c == 12 + 4 || c == 12 + 6 || c == 12 + 9;
+      EXPECT_EQ(reading(0, c) > 0 && reading(0, c) < 0.1, beside) << c;
+    }
+    const RowMatrix<double> all = transducer_chain(t, 0, contact, planes(), 3, 3);
+    const double c = (all(0, 17) - 10) / (4 * 10);  // 1 + 3 + 6, as the mean of the four around it
+    EXPECT_NEAR(c, (transducer_chain(t, 0, contact, RowMatrix<double>::Ones(1, 36), 3, 3)(0, 17) - 1) / 4, 1e-13);
+  }
+  one.setZero();
+  one(0, 3) = 1;
+  EXPECT_EQ(transducer_chain(t, 0, 1, one, 3, 3)(0, 4), 0);
+  EXPECT_THROW(transducer_chain(t, 0, 1, one, 3, 5), std::invalid_argument);
+}
+
 // Noise of 1 % of a contact's largest stress, wherever and whenever it is.
 TEST(Transducer, NoiseMayFollowTheContactsLargestStress) {
   const Transducer t{.noise_of_largest = 0.01};
@@ -287,6 +521,28 @@ TEST(Transducer, NamesWhatItRejects) {
   EXPECT_EQ(rejected({.step_time = 1}), "transducer.step_time");
   EXPECT_EQ(rejected({.time_constant = 1, .step_time = 1e-7}), "transducer.step_time");
   EXPECT_EQ(rejected({.time_constant = 1, .step_time = 0.05, .range = 1, .bits = 12}), "");
+  for (const double wrong : {-0.1, 1.1, inf, std::nan("")}) {
+    EXPECT_EQ(rejected({.mixing = wrong}), "transducer.mixing");
+    EXPECT_EQ(rejected({.repeats = wrong}), "transducer.repeats");
+    EXPECT_EQ(rejected({.step_time = 1, .lag = wrong, .lag_time = 1}), "transducer.lag");
+    EXPECT_EQ(rejected({.step_time = 1, .memory = wrong, .memory_time = 1}), "transducer.memory");
+    if (wrong != 1.1) {
+      EXPECT_EQ(rejected({.drift = wrong}), "transducer.drift");
+      EXPECT_EQ(rejected({.step_time = 1, .memory = 0.1, .memory_time = wrong}), "transducer.memory_time");
+    }
+  }
+  EXPECT_EQ(rejected({.step_time = 1, .lag = 0.6, .lag_time = 1, .memory = 0.6, .memory_time = 1}),
+            "transducer.memory");
+  EXPECT_EQ(rejected({.step_time = 1, .memory = 0.1}), "transducer.memory_time");
+  EXPECT_EQ(rejected({.step_time = 1, .memory_time = 1}), "transducer.memory_time");
+  EXPECT_EQ(rejected({.memory = 0.1, .memory_time = 1}), "transducer.step_time");
+  EXPECT_EQ(rejected({.step_time = 51, .memory = 0.1, .memory_time = 1}), "transducer.step_time");
+  EXPECT_EQ(rejected({.step_time = 1, .memory = 0.1, .memory_time = 2e6}), "transducer.step_time");
+  EXPECT_EQ(rejected({.drift = 0.1, .drift_from = 0.2}), "transducer.drift");
+  EXPECT_EQ(rejected({.repeats = 0.1, .repeats_from = std::nan("")}), "transducer.repeats");
+  EXPECT_EQ(rejected({.mixing = 0.1, .mixing_from = -0.1}), "transducer.mixing");
+  EXPECT_EQ(rejected({.step_time = 1, .lag = 0.1, .lag_time = 1, .lag_time_from = 1e-3}), "transducer.step_time");
+  EXPECT_EQ(rejected({.mixing = 1, .drift = 2, .repeats = 1}), "");
 }
 
 }  // namespace

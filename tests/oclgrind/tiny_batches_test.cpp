@@ -325,7 +325,7 @@ TEST_P(TinyBatches, TransducerChain) {
   nn::Transducer faults = all_parts;
   faults.shift_spread = 0.2, faults.crosstalk = 0.1, faults.dead = 0.2, faults.lag = 0.2, faults.lag_time = 0.3;
   faults.noise_of_largest = 0.02, faults.gain_spread_from = 0;
-  for (const nn::Transducer& t : {all_parts, faults}) {
+  for (const nn::Transducer& t : {all_parts, faults, tactel::testing::skin_parts}) {
     std::vector<float> signal = some.stress;
     TransducerChain(executor, t, 11, 6).run(some.contacts, signal);
     EXPECT_LT(largest_difference(signal, some.by_twin(t, 6)), 3e-6);

@@ -66,17 +66,18 @@ bool same_file(const std::string& a, const std::string& b) {
   return !a.empty() && !b.empty() && (a == b || fs::equivalent(a, b, error));
 }
 
-/// --force is no leave to write over the recording that is read, or to put two things into one file.
+/// --force is no leave to write over the file that is read, or to put two things into one file.
 void check_outputs(const RecordRequest& request) {
   check_output(request, "--output", request.output);
   check_output(request, "--frames", request.frames);
   if (same_file(request.output, request.frames))
     throw ConfigError("command line", "--frames", request.frames, "another file than --output");
-  const std::string replay = "replay:";
-  if (!request.source.starts_with(replay)) return;
-  const std::string read = request.source.substr(replay.size(), request.source.find('?') - replay.size());
+  const std::size_t kind = request.source.find(':') + 1;
+  if (!request.source.starts_with("replay:") && !request.source.starts_with("csv:")) return;
+  const std::string read = request.source.substr(kind, request.source.find('?') - kind);
   for (const auto& [option, path] : {std::pair{"--output", request.output}, {"--frames", request.frames}})
-    if (same_file(read, path)) throw ConfigError("command line", option, path, "another file than the one replayed");
+    if (same_file(read, path))
+      throw ConfigError("command line", option, path, "another file than the one that is read");
 }
 
 void print_counts(const hw::DecoderCounts& counts, const hw::TransportCounts& transport, double seconds) {

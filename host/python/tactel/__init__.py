@@ -3,6 +3,7 @@
 
 Lengths are in mm, stresses in MPa, forces in N per mm of depth, angles in degrees. x runs along the array, y up from the
 base. sigma_y < 0 is compression; tau_xy > 0 where the rubber is dragged toward +x. S = Q / (mu P).
+On a Pad x and y lie in its plane, z points up from the base, and forces are in N.
 
     scene = tactel.Scene(tactel.Sensor(), tactel.Parabola(radius=10), friction=0.5, load=tactel.Press(0.15).drag(0.05, steps=8))
     path = tactel.solve(scene)
@@ -14,17 +15,20 @@ import time as _time
 
 from . import _tactel
 from ._tactel import (
-    Cancelled, Cylinder, Derivatives, Element, Error, Errors, Exponential, Flat, Force, Frame, HardwareError, Indenter, InputError, Load,
-    Mesh, Network, Parabola, Path, Paths, Press, Profile, RoundedFlat, Scene, Sensor, Set, SlipEstimator, Stream,
-    StressRecovery, Tactels, Taylor, Trapezoid, Wedge, __version__, bonded, heights, open_sensor, read_scene, read_set,
-    solve,
+    Box, Cancelled, Cone, Cylinder, Derivatives, Element, Error, Errors, Exponential, Flat, Force, Frame, HardwareError,
+    HeightMap, Indenter, InputError, Load, LyingCylinder, Mesh, Network, Pad, PadIndenter, PadLoad, PadPath, PadPaths,
+    PadTactels, Parabola, Paraboloid, Path, Paths, Press, Profile, Punch, RoundedFlat, Scene, Sensor, Set, SlipEstimator,
+    Sphere, Stream, StressRecovery, Tactels, Taylor, Trapezoid, Wedge, __version__, bonded, heights, open_sensor, read_scene,
+    read_set, solve,
 )
 
 __all__ = [
-    "Cancelled", "Cylinder", "Derivatives", "Element", "Error", "Errors", "Exponential", "Flat", "Force", "Frame", "HardwareError",
-    "Indenter", "InputError", "Load", "Mesh", "Network", "Parabola", "Path", "Paths", "Press", "Profile", "RoundedFlat",
-    "Scene", "Sensor", "Set", "SlipEstimator", "Stream", "StressRecovery", "Sweep", "Tactels", "Taylor", "Trapezoid", "Wedge",
-    "bonded", "heights", "open_sensor", "read_scene", "read_set", "solve", "solve_many", "train",
+    "Box", "Cancelled", "Cone", "Cylinder", "Derivatives", "Element", "Error", "Errors", "Exponential", "Flat", "Force",
+    "Frame", "HardwareError", "HeightMap", "Indenter", "InputError", "Load", "LyingCylinder", "Mesh", "Network", "Pad",
+    "PadIndenter", "PadLoad", "PadPath", "PadPaths", "PadTactels", "Parabola", "Paraboloid", "Path", "Paths", "Press",
+    "Profile", "Punch", "RoundedFlat", "Scene", "Sensor", "Set", "SlipEstimator", "Sphere", "Stream", "StressRecovery", "Sweep",
+    "Tactels", "Taylor", "Trapezoid", "Wedge", "bonded", "heights", "open_sensor", "read_scene", "read_set", "solve",
+    "solve_many", "train",
 ]
 
 
@@ -44,11 +48,15 @@ def _describe(self):
     return f"{type(self).__name__}({', '.join(f'{name}={getattr(self, name)!r}' for name in self._fields)})"
 
 
+def _equal(a, b):
+    return a.tolist() == b.tolist() if hasattr(a, "tolist") else a == b
+
+
 for _class in (Parabola, Flat, Wedge, Cylinder, Exponential, Trapezoid, RoundedFlat, Taylor, Profile, Mesh, Sensor, Indenter,
-               Load, Scene):
+               Load, Sphere, Paraboloid, LyingCylinder, Punch, Box, Cone, HeightMap, Pad, PadIndenter, PadLoad, Scene):
     _class.with_ = _with
     _class.__repr__ = _describe
-    _class.__eq__ = lambda self, other: type(self) is type(other) and _values(self) == _values(other)
+    _class.__eq__ = lambda self, other: type(self) is type(other) and all(map(_equal, _values(self), _values(other)))
     _class.__hash__ = None
     _class.__reduce__ = lambda self: (type(self), _values(self))
 
@@ -97,10 +105,10 @@ class _Progress:
 
 
 def solve_many(scenes, *, accuracy=None, rung="", precision="", device="", keep=None, progress=None):
-    """Solves scenes in batches on the device.
+    """Solves scenes in batches on the device: all on lines, or all on pads with the same tactels.
 
-    keep: None returns Paths; "tactels" the frames alone, [scenes, steps, 2 tactels] fp32; the name of another array of Paths
-    that array. progress: True for a line on stderr, or a function (done, all). Raises InputError, which names the scene by its
+    keep: None returns Paths, of pads PadPaths; "tactels" the frames alone, [scenes, steps, 2 tactels] fp32, of pads [scenes,
+    steps, axes tactels]; the name of another array that array. progress: True for a line on stderr, or a function (done, all). Raises InputError, which names the scene by its
     index, HardwareError.
     """
     with _Progress(progress, "scenes", "scenes") as told:

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
+#include <limits>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
+#include "host/contact/pad_rung.h"
 #include "host/contact/rung_error.h"
+#include "host/contact/stream_of.h"
 #include "host/device/executor.h"
 
 namespace tactel::host {
@@ -13,12 +18,12 @@ struct TradeoffOptions {
   std::size_t scenes =
       288;  ///< for patches; meshes, which are slower, are judged on the first third of them, 8 at least
   std::uint64_t seed = 1998;
-  Progress progress{};  ///< models; false stops
+  Progress progress{};  ///< models, and of pads the judge's scenes; false stops
 };
 
 /// Error and speed of a model on the mix of scenes.
 struct MeasuredModel {
-  Rung rung;
+  std::variant<Rung, PadRung> rung;
   ErrorQuantiles error;         ///< against the judge
   double unsolved = 0;          ///< share of increments that missed the model's tolerance
   double sweeps = 0;            ///< Gauss-Seidel sweeps an increment, mean
@@ -38,10 +43,31 @@ struct Tradeoff {
   std::string mix, device;
   std::size_t scenes = 0;
   std::uint64_t seed = 0;
+  std::string definitions;              ///< of errors and speed
+  double judge_error = 0;               ///< of the reference in S, 95 % of the scenes
   std::vector<MeasuredModel> models{};  ///< named rungs first
 };
 
-/// Judges the models by the reference and times them. Throws Stopped where progress returns false.
+/// Judges the models of lines by the reference and times them. Throws Stopped where progress returns false.
 Tradeoff measure_tradeoff(Executor& executor, const TradeoffOptions& options);
+/// The same of pads, on scenes of fem::PadMix.
+Tradeoff measure_pad_tradeoff(Executor& executor, const TradeoffOptions& options);
+
+/// Marks the models that no other one beats in both error and speed.
+void mark_front(std::vector<MeasuredModel>& models);
+
+/// Returns the seconds in kernels, as sets run them: without forces of elements; best of a few runs.
+template <class Contacts>
+double seconds_of(const StreamOf<Contacts>& stream, const std::vector<typename Contacts::Scene>& scenes, int runs) {
+  typename StreamOf<Contacts>::Part part;
+  for (const auto& scene : scenes) stream.add(part, scene, Contacts::path(scene));
+  part.lay_out();
+  double best = std::numeric_limits<double>::infinity();
+  for (int run = 0; run < runs; ++run) {
+    part.run();
+    best = std::min(best, part.seconds());
+  }
+  return best;
+}
 
 }  // namespace tactel::host

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "host/contact/planner.h"
 #include "host/figures/page.h"
 
 namespace tactel::host {
@@ -27,13 +26,27 @@ Json rung_json(const Rung& rung) {
           {"tolerance", rung.tolerance}};
 }
 
+Json rung_json(const PadRung& rung) {
+  return {{"name", rung.name}, {"cells", rung.cells}, {"increments", rung.increments}};
+}
+
+const std::string& name_of(const MeasuredModel& model) {
+  return std::visit([](const auto& rung) -> const std::string& { return rung.name; }, model.rung);
+}
+
+std::string words_of(const MeasuredModel& model) {
+  return std::visit([](const auto& rung) { return description(rung); }, model.rung);
+}
+
 Json model_json(const MeasuredModel& model) {
   Json error;
   for (std::size_t k = 0; k < error_members.size(); ++k)
     error[error_names[k]] = {{"median", model.error.median.*error_members[k]},
                              {"most95", model.error.most95.*error_members[k]},
                              {"largest", model.error.largest.*error_members[k]}};
-  Json out = {{"model", rung_json(model.rung)}, {"error", std::move(error)}, {"unsolved", model.unsolved}};
+  Json out = {{"model", std::visit([](const auto& rung) { return rung_json(rung); }, model.rung)},
+              {"error", std::move(error)},
+              {"unsolved", model.unsolved}};
   out["sweeps"] = model.sweeps;
   if (model.steps_per_second > 0) {
     out["steps_per_second"] = model.steps_per_second;
@@ -53,9 +66,11 @@ std::string speed_text(double speed) {
                         : fmt::format("{:.3g}", speed);
 }
 
+std::string short_name(const MeasuredModel& model) { return name_of(model).empty() ? words_of(model) : name_of(model); }
+
 std::string model_name(const MeasuredModel& model) {
-  const std::string name = model.rung.name.empty() ? "" : model.rung.name + ": ";
-  return name + description(model.rung) + (model.front ? " *" : "");
+  const std::string name = name_of(model).empty() ? "" : name_of(model) + ": ";
+  return name + words_of(model) + (model.front ? " *" : "");
 }
 
 std::vector<Cell> model_row(const MeasuredModel& model) {
@@ -70,7 +85,7 @@ std::vector<Cell> model_row(const MeasuredModel& model) {
 }
 
 void add_point(Series& series, const MeasuredModel& model) {
-  series.names.push_back(model.rung.name);
+  series.names.push_back(name_of(model));
   series.x.push_back(model.steps_per_second);
   series.y.push_back(std::max(model.error.most95.S, 1e-6));
 }
@@ -83,8 +98,7 @@ std::vector<MeasuredModel> by_speed(std::vector<MeasuredModel> models) {
 /// For each error in S, the fastest model that 95 % of the scenes keep it on; and what the paper's mesh does.
 void report_tradeoff_verdict(Page& page, const Tradeoff& tradeoff) {
   const auto text = [](const MeasuredModel& m) {
-    return fmt::format("{} ({} load steps/s, error in S {:.2g})",
-                       m.rung.name.empty() ? description(m.rung) : m.rung.name, speed_text(m.steps_per_second),
+    return fmt::format("{} ({} load steps/s, error in S {:.2g})", short_name(m), speed_text(m.steps_per_second),
                        m.error.most95.S);
   };
   const MeasuredModel* fastest = nullptr;
@@ -98,22 +112,13 @@ void report_tradeoff_verdict(Page& page, const Tradeoff& tradeoff) {
         best ? "Fastest: " + text(*best) + "." : std::string("No timed model keeps it for 95 % of the contacts."));
   }
   for (const MeasuredModel& m : tradeoff.models)
-    if (m.rung.name == "paper") page.finding(Tone::fact, "the paper", "Its mesh: " + text(m) + ".");
+    if (name_of(m) == "paper") page.finding(Tone::fact, "the paper", "Its mesh: " + text(m) + ".");
   page.verdict(fastest
                    ? fmt::format("An error in S below 0.05 for 95 % of the contacts is had at {} load steps a second, "
                                  "on {}.",
-                                 speed_text(fastest->steps_per_second),
-                                 fastest->rung.name.empty() ? description(fastest->rung) : fastest->rung.name)
+                                 speed_text(fastest->steps_per_second), short_name(*fastest))
                    : std::string("No timed model has an error in S below 0.05 for 95 % of the contacts."));
 }
-
-const char* const definitions =
-    "Errors are the largest over the load steps that the scene requests: of S itself; of P and Q over the path's "
-    "largest; "
-    "of σ_y and τ_xy at any tactel over the largest at any of them along the path. The two tactels at the very ends "
-    "are excluded: there the bonded base meets the free side and the exact stress is infinite. Median and 95 % are "
-    "over the "
-    "scenes. Speed counts requested load steps; finer increments therefore reduce it.";
 
 }  // namespace
 
@@ -121,7 +126,7 @@ Json to_json(const Tradeoff& tradeoff) {
   Json models = Json::array();
   for (const MeasuredModel& model : tradeoff.models) models.push_back(model_json(model));
   return {{"tactel", TACTEL_VERSION},   {"device", tradeoff.device}, {"scenes", tradeoff.scenes},
-          {"seed", tradeoff.seed},      {"mix", tradeoff.mix},       {"definitions", definitions},
+          {"seed", tradeoff.seed},      {"mix", tradeoff.mix},       {"definitions", tradeoff.definitions},
           {"models", std::move(models)}};
 }
 
@@ -130,16 +135,23 @@ Figure tradeoff_figure(const Tradeoff& tradeoff) {
   Series meshes{.label = "meshes", .mark = Mark::line_dots, .ink = Ink::orange};
   Series paper{.label = "the paper's mesh", .mark = Mark::diamonds, .ink = Ink::red};
   Series others{.label = "other meshes", .mark = Mark::circles, .ink = Ink::grey};
+  Series pads{.label = "pads", .mark = Mark::line_dots, .ink = Ink::blue};
   for (const MeasuredModel& model : by_speed(tradeoff.models)) {
-    const Rung& rung = model.rung;
-    if (rung.exact) continue;
-    add_point(rung.patch() ? patches : rung.name == "paper" ? paper : rung.name.empty() ? others : meshes, model);
+    const Rung* rung = std::get_if<Rung>(&model.rung);
+    if (std::visit([](const auto& of) { return of.exact; }, model.rung)) continue;
+    add_point(!rung                   ? pads
+              : rung->patch()         ? patches
+              : rung->name == "paper" ? paper
+              : rung->name.empty()    ? others
+                                      : meshes,
+              model);
   }
   Panel panel{.x_label = "load steps per second",
               .y_label = "error in S, 95 % of the scenes",
-              .series = {others, meshes, paper, patches},
+              .series = {others, meshes, paper, patches, pads},
               .log_x = true,
               .log_y = true};
+  std::erase_if(panel.series, [](const Series& series) { return series.x.empty(); });
   return {.title = "Cost of accuracy", .panels = {panel}, .width = 820, .panel_height = 420};
 }
 
@@ -147,15 +159,15 @@ std::string tradeoff_page(const Tradeoff& tradeoff) {
   Page page("tactel: speed against accuracy", "tactel " TACTEL_VERSION " on " + tradeoff.device);
   report_tradeoff_verdict(page, tradeoff);
   page.section("The ladder");
-  page.paragraph(tradeoff.mix + ". " + definitions);
+  page.paragraph(tradeoff.mix + ". " + tradeoff.definitions);
   page.figure(tradeoff_figure(tradeoff), "95 % of the scenes have an error in S below the mark.");
   PageTable table{.caption = "Models, named rungs first; * nothing faster is better", .head = head};
   for (const MeasuredModel& model : tradeoff.models) table.add(model_row(model));
   page.table(table);
   page.note(fmt::format(
-      "The judge is the rung `reference`. Its own error in S, by extrapolation from fewer elements, is below "
+      "The judge is the rung `reference`. Its own error in S, by extrapolation from a coarser one, is below "
       "{:.2g} for 95 % of such scenes: smaller errors in the table mean little.",
-      measured_ladder().back().most));
+      tradeoff.judge_error));
   return page.html();
 }
 
@@ -172,7 +184,7 @@ std::string tradeoff_table(const Tradeoff& tradeoff) {
     }
     out += "\n";
   }
-  return out + fmt::format("\nreference: own error in S below {:.2g} (95 %)\n", measured_ladder().back().most);
+  return out + fmt::format("\nreference: own error in S below {:.2g} (95 %)\n", tradeoff.judge_error);
 }
 
 }  // namespace tactel::host

@@ -8,9 +8,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "fem/pad/pad_mix.h"
 #include "fem/pad/pad_search.h"
 #include "tests/fem/pad/named_pad_scenes.h"
-#include "tests/fem/pad/pad_mix.h"
 
 namespace tactel::fem {
 namespace {

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "fem/pad/pad_mix.h"
 #include "host/contact/pad_stream.h"
 #include "kernels/shared/pad_layout.h"
-#include "tests/fem/pad/pad_mix.h"
 #include "tests/host/device/test_device.h"
 
 namespace tactel::host {

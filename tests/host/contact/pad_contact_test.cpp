@@ -12,12 +12,12 @@
 #include <numeric>
 #include <random>
 
+#include "fem/pad/pad_mix.h"
 #include "host/contact/pad_contact_tables.h"
 #include "host/contact/pad_stream.h"
 #include "kernels/shared/contact_layout.h"
 #include "kernels/shared/pad_layout.h"
 #include "tests/fem/pad/named_pad_scenes.h"
-#include "tests/fem/pad/pad_mix.h"
 #include "tests/host/device/test_device.h"
 
 namespace tactel::host {

@@ -12,7 +12,7 @@
 #include <numeric>
 #include <random>
 
-#include "tests/fem/pad/pad_mix.h"
+#include "fem/pad/pad_mix.h"
 #include "tests/host/device/test_device.h"
 
 namespace tactel::host {

@@ -165,12 +165,12 @@ TEST(PadEdges, AreWarnedOfAndRefused) {
   EXPECT_NEAR(*distance_to_edge(box_at(-3, 90), at(-3, 90).solution), 5 - overhang, 1e-5);
   EXPECT_NEAR(*distance_to_edge(box_at(0, 45), at(0, 45).solution), 10 - std::sqrt(2.0) * (2 + overhang), 1e-5);
   EXPECT_THAT(warnings(at(3.9)), IsEmpty());  // 2.03 thicknesses
-  // 1.3 thicknesses from the edge: 9 to 17 % of C(0), by the free sides of lines.
-  EXPECT_THAT(warnings(at(10 - 2 - overhang - 2.6)),
-              ElementsAre(AllOf(HasSubstr("within 2.6 mm (1.3 thicknesses)"), HasSubstr("that 9 to 17 % of"))));
+  // Lines measured at 1.4 thicknesses: 0.016 to 0.049. Between 0.7 and 2.1: sqrt(0.06 0.005), sqrt(0.12 0.018).
+  EXPECT_THAT(warnings(at(10 - 2 - overhang - 2.8)), ElementsAre(AllOf(HasSubstr("within 2.8 mm (1.4 thicknesses)"),
+                                                                       HasSubstr("S of lines off by 0.017 to 0.046"))));
   EXPECT_THAT(thrown_message<ValueError>([&] { at(6.1); }),
               AllOf(HasSubstr("indenter.position = [6.1, 0]"), HasSubstr("stays 2 mm (the thickness)"),
-                    HasSubstr("not 1.85 mm")));
+                    HasSubstr("not 1.85 mm"), HasSubstr("off by 0.035 to 0.08 at one")));
   EXPECT_THAT(thrown_message<ValueError>([&] { at(30); }), HasSubstr("not -22.1 mm"));  // beside the pad
   fem::PadScene free = box_at(30);
   free.sensor.length.reset();
@@ -267,6 +267,7 @@ TEST(PadRungs, ClassesAndErrors) {
   EXPECT_THAT(outside.outside, ElementsAre("friction 2 (measured 0.1 to 1.5)"));
 }
 
+// With twice as many cells; between neighbours a class of eight scenes, the tilted, need not show it.
 TEST(PadRungs, MeasuredErrorsFallWithTheCells) {
   ASSERT_EQ(measured_pads().size() + 1, pad_rungs().size());
   for (std::size_t r = 0; r < measured_pads().size(); ++r)
@@ -274,8 +275,8 @@ TEST(PadRungs, MeasuredErrorsFallWithTheCells) {
       const PadErrors& e = measured_pads()[r].of[c];
       EXPECT_EQ(measured_pads()[r].name, pad_rungs()[r].name);
       EXPECT_TRUE(0 < e.median && e.median <= e.most95 && e.most95 <= e.largest);
-      if (r > 0) {
-        EXPECT_LE(e.most95, measured_pads()[r - 1].of[c].most95) << r << c;
+      if (r > 1) {
+        EXPECT_LT(1.3 * e.most95, measured_pads()[r - 2].of[c].most95) << r << c;
       }
     }
 }

@@ -7,8 +7,8 @@
 
 #include <cmath>
 
+#include "fem/pad/pad_mix.h"
 #include "kernels/shared/pad_layout.h"
-#include "tests/fem/pad/pad_mix.h"
 #include "tests/host/device/test_device.h"
 
 namespace tactel::host {

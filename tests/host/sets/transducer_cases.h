@@ -17,6 +17,27 @@ inline const nn::Transducer all_parts{.gain_spread = 0.1,
                                       .instances = 3,
                                       .seed = 5};
 
+/// Nuisances of real skins, each sensor its own.
+inline const nn::Transducer skin_parts{.step_time = 0.05,
+                                       .seed = 5,
+                                       .shift_spread = 0.1,
+                                       .crosstalk = 0.05,
+                                       .dead = 0.05,
+                                       .lag = 0.04,
+                                       .lag_time = 0.3,
+                                       .memory = 0.04,
+                                       .memory_time = 0.6,
+                                       .mixing = 0.05,
+                                       .drift = 0.1,
+                                       .repeats = 0.5,
+                                       .mixing_from = 0,
+                                       .drift_from = 0,
+                                       .repeats_from = 0,
+                                       .lag_from = 0.02,
+                                       .lag_time_from = 0.1,
+                                       .memory_from = 0,
+                                       .memory_time_from = 0.3};
+
 /// Contacts of ragged lengths with stresses up to 1 MPa, some contacts beyond 2^32.
 struct TransducerCase {
   std::vector<host::TransducerChain::Contact> contacts;
@@ -32,17 +53,17 @@ struct TransducerCase {
     stress.resize(std::size_t{steps} * channels);
     for (float& s : stress) s = uniform(random);
   }
-  std::vector<float> on_device(const nn::Transducer& t, int channels) const {
+  std::vector<float> on_device(const nn::Transducer& t, int channels, int axes = 2, int rows = 1) const {
     std::vector<float> signal = stress;
-    host::TransducerChain(executor(), t, 11, channels).run(contacts, signal);
+    host::TransducerChain(executor(), t, 11, channels, axes, rows).run(contacts, signal);
     return signal;
   }
-  std::vector<double> by_twin(const nn::Transducer& t, int channels) const {
+  std::vector<double> by_twin(const nn::Transducer& t, int channels, int axes = 2, int rows = 1) const {
     std::vector<double> all;
     std::size_t at = 0;
     for (const auto& contact : contacts) {
       const auto in = Eigen::Map<const nn::RowMatrix<float>>(&stress[at], contact.steps, channels);
-      const auto out = nn::transducer_chain(t, 11, contact.number, in.cast<double>());
+      const auto out = nn::transducer_chain(t, 11, contact.number, in.cast<double>(), axes, rows);
       all.insert(all.end(), out.data(), out.data() + out.size());
       at += in.size();
     }

@@ -23,6 +23,7 @@ using namespace tactel::host;
 using tactel::host::executor;
 using tactel::testing::all_parts;
 using tactel::testing::largest_difference;
+using tactel::testing::skin_parts;
 using tactel::testing::TransducerCase;
 
 class TransducerChannels : public ::testing::TestWithParam<int> {};
@@ -77,6 +78,42 @@ TEST_P(TransducerChannels, FaultsMatchTwin) {
     EXPECT_TRUE(std::equal(alone.begin(), alone.end(), together.begin() + at));
     at += size;
   }
+}
+
+// Nuisances of real skins, each by itself and all together.
+TEST_P(TransducerChannels, SkinsMatchTwin) {
+  const int channels = GetParam();
+  const TransducerCase some(17, channels);
+  for (const nn::Transducer& t :
+       {nn::Transducer{.step_time = 0.1, .memory = 0.3, .memory_time = 0.2},
+        nn::Transducer{.step_time = 0.1, .lag = 0.5, .lag_time = 1, .memory = 0.5, .memory_time = 0.01},
+        nn::Transducer{.mixing = 0.2}, nn::Transducer{.drift = 0.2}, nn::Transducer{.repeats = 0.3},
+        nn::Transducer{.repeats = 1}, skin_parts})
+    EXPECT_LT(largest_difference(some.on_device(t, channels), some.by_twin(t, channels)), 3e-6) << nn::description(t);
+}
+
+// Pads of three axes: rows of tactels have neighbours on four sides. A contact's bits do not depend on its batch.
+TEST(TransducerPads, MatchTwin) {
+  for (const auto& [channels, rows] : {std::pair{3, 1}, {9, 1}, {12, 2}, {48, 4}, {72, 6}, {72, 4}}) {
+    const TransducerCase some(17, channels);
+    nn::Transducer all = skin_parts;
+    all.gain_spread = 0.1, all.offset_spread = 0.01, all.noise = 0.02, all.range = 0.8;
+    for (const nn::Transducer& t : {nn::Transducer{.mixing = 0.2}, nn::Transducer{.shift_spread = 0.5},
+                                    nn::Transducer{.crosstalk = 0.2}, nn::Transducer{.drift = 0.2}, all})
+      EXPECT_LT(largest_difference(some.on_device(t, channels, 3, rows), some.by_twin(t, channels, 3, rows)), 3e-6)
+          << channels << ", " << nn::description(t);
+    const auto together = some.on_device(all, channels, 3, rows);
+    TransducerChain chain(executor(), all, 11, channels, 3, rows);
+    std::size_t at = together.size();
+    for (std::size_t c = some.contacts.size(); c-- > 0;) {
+      const std::size_t size = std::size_t{some.contacts[c].steps} * channels;
+      at -= size;
+      std::vector<float> alone(some.stress.begin() + at, some.stress.begin() + at + size);
+      chain.run(std::span(&some.contacts[c], 1), alone);
+      EXPECT_TRUE(std::equal(alone.begin(), alone.end(), together.begin() + at)) << c;
+    }
+  }
+  EXPECT_THROW(TransducerChain(executor(), {}, 11, 47, 3, 4), std::invalid_argument);
 }
 
 // Twelve bits: readings are whole quanta within the range, and the twin's but where it stood within 1e-5 of an edge
@@ -187,7 +224,15 @@ TEST(TransducerSet, LeavesTheAnswersAlone) {
 }
 
 TEST(TransducerSet, RowsDoNotDependOnTheRange) {
-  const ContactSet all = simulated(small_sweep + chain_table), part = simulated(small_sweep + chain_table, 17, 9);
+  const std::string text = small_sweep + chain_table +
+                           "memory = { uniform = [0.02, 0.04] }\nmemory_time = { uniform = [0.3, 0.6] }\n"
+                           "drift = { uniform = [0, 0.1] }\nrepeats = { uniform = [0, 0.1] }\n"
+                           "mixing = { uniform = [0, 0.05] }\n";
+  const ContactSet all = simulated(text), part = simulated(text, 17, 9);
+  EXPECT_EQ(all.transducer,
+            "mixing 0 to 0.05, memory 0.02 to 0.04, memory_time 0.3 to 0.6 s, gain_spread 0.1, time_constant 1 s, "
+            "step_time 0.2 s, offset_spread 0.01 MPa, drift 0 to 0.1, noise 0.02 MPa, range 1 MPa, bits 12, "
+            "repeats 0 to 0.1, seed 3");
   const std::size_t from = std::ranges::find(all.contact, 17u) - all.contact.begin();
   EXPECT_THAT(part.frames, ::testing::ElementsAreArray(all.frames.begin() + from * 16,
                                                        all.frames.begin() + (from + part.rows()) * 16));
@@ -211,6 +256,13 @@ TEST(TransducerTable, NamesWhatItRejects) {
   EXPECT_THAT(message_of("crosstalk = -0.1\n"), ::testing::HasSubstr("transducer.crosstalk"));
   EXPECT_THAT(message_of("shift_spread = 1.5\n"), ::testing::HasSubstr("transducer.shift_spread"));
   EXPECT_THAT(message_of("lag = 0.1\nstep_time = 0.1\n"), ::testing::HasSubstr("transducer.lag_time"));
+  for (const char* key : {"mixing", "repeats", "memory", "drift"})
+    for (const char* number : {"-0.1", "nan", "{ uniform = [-0.1, 0.2] }", "{ normal = [0.1, 0.01] }"})
+      EXPECT_THAT(message_of(key + std::string(" = ") + number +
+                             (key == std::string("memory") ? "\nmemory_time = 1\nstep_time = 0.1\n" : "\n")),
+                  ::testing::HasSubstr(std::string("transducer.") + key));
+  EXPECT_THAT(message_of("memory = 0.1\nmemory_time = { uniform = [0, 1] }\nstep_time = 0.1\n"),
+              ::testing::HasSubstr("transducer.memory_time"));
   EXPECT_EQ(message_of("lag = 0.1\nlag_time = 1\nstep_time = 0.1\nnoise = { uniform = [0, 0.01] }\n"), "no error");
   EXPECT_EQ(message_of("noise_fraction = 0.1\nrange = 1\n"), "no error");
   EXPECT_EQ(message_of("time_constant = { uniform = [0.5, 2] }\nstep_time = 0.1\n"), "no error");

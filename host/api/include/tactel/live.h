@@ -93,8 +93,8 @@ struct FrameCounts {
 /// Frames of a sensor. One thread may use a source at a time. After the first frames poll() allocates nothing.
 class TACTEL_API FrameSource {
  public:
-  /// Opens "usb:glove", "usb:VID:PID" with a profile, "replay:FILE" or "simulate:SCENE.toml?rate=100"
-  /// (docs/sensors.md). Empty names mean no file. Throws InputError, HardwareError.
+  /// Opens "usb:glove", "usb:VID:PID" with a profile, "csv:FILE" with a profile, "replay:FILE" or
+  /// "simulate:SCENE.toml?rate=100" (docs/sensors.md). Empty names mean no file. Throws InputError, HardwareError.
   static FrameSource open(const std::string& source, const std::string& profile = {},
                           const std::string& calibration = {});
   /// Reads `bytes` by a format of your own. Both must outlive the source. Throws InputError for channels that the

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Scenes to stresses, sweeps to sets, sets to networks.
+#include <tactel/pad.h>
 #include <tactel/scene.h>
 #include <tactel/solve.h>
 #include <tactel/sweep.h>

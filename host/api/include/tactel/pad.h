@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <tactel/solve.h>
+
+#include <array>
+
+// Contacts on a pad, a layer of rubber with tactels in two directions, as in scene files of pads (docs/pads.md):
+// lengths in mm, stresses in MPa, forces in N, angles in degrees. x and y lie in the plane with 0 in the pad's middle,
+// z points up from the base. Every number has the name, unit and default of its key.
+
+namespace tactel {
+
+/// The rubber and its tactels.
+struct Pad {
+  std::array<int, 2> tactels{4, 4};         ///< along x and y
+  std::array<double, 2> pitch{4.7, 4.7};    ///< mm, from tactel to tactel; the array is centred
+  double tactel_size = 0;                   ///< mm: side of the square over which a tactel takes the mean; 0: a point
+  int axes = 3;                             ///< 3, or 1: tactels that measure the normal stress alone
+  double thickness = 2.0;                   ///< mm
+  double young = 2.0;                       ///< MPa
+  double poisson = 0.45;                    ///< 0 <= poisson <= 0.5
+  std::optional<double> length{}, width{};  ///< mm: the rubber along x and y; none: not known
+};
+
+// Shapes of a rigid indenter: height [mm] above its lowest point at (x, y) from its axis, r = |(x, y)| [mm].
+
+/// radius - sqrt(radius^2 - r^2), no indenter beyond r = radius.
+struct Sphere {
+  double radius = 8.0;  ///< mm
+};
+/// x^2 / (2 radii[0]) + y^2 / (2 radii[1]).
+struct Paraboloid {
+  std::array<double, 2> radii{10.0, 10.0};  ///< mm
+};
+/// A cylinder along y: radius - sqrt(radius^2 - x^2), no indenter beyond |x| = radius and |y| = half_length.
+struct LyingCylinder {
+  double radius = 8.0, half_length = 4.0;  ///< mm
+};
+/// max(0, r - radius)^2 / (2 edge); edge 0: sharp, no indenter beyond the radius.
+struct Punch {
+  double radius = 2.0, edge = 0.0;  ///< mm
+};
+/// The sum of max(0, |x| - half_widths[0])^2 / (2 edge) and the same along y; edge 0: sharp.
+struct Box {
+  std::array<double, 2> half_widths{2.0, 2.0};  ///< mm
+  double edge = 0.0;                            ///< mm
+};
+/// r / tan(angle).
+struct Cone {
+  double angle = 75.0;  ///< degrees between surface and axis, above 0 and below 90
+};
+/// Heights on a grid whose middle is the axis: bilinear between them, no indenter beyond. The lowest counts as 0.
+struct HeightMap {
+  double pitch = 0.1;             ///< mm, from point to point
+  std::size_t columns = 0;        ///< points along x
+  std::vector<double> heights{};  ///< [rows along y][columns] mm
+};
+using PadShape = std::variant<Sphere, Paraboloid, LyingCylinder, Punch, Box, Cone, HeightMap>;
+
+struct PadIndenter {
+  PadShape shape = Sphere{};
+  std::array<double, 2> position{};  ///< mm: its axis on the pad
+  double yaw = 0;                    ///< degrees that the shape is turned about z
+  double tilt = 0;                   ///< degrees, of Punch and Box: the bottom rises along tilt_direction
+  double tilt_direction = 0;         ///< degrees, from x of the turned shape
+};
+
+/// The path of the indenter: a depth or normal force, then drags with twists about the indenter's axis.
+struct PadLoad {
+  std::vector<double> indentation{0.2};             ///< mm: targets, each reached in indentation_steps equal increments
+  std::vector<double> normal_force{};               ///< N: instead of indentation
+  int indentation_steps = 1;                        ///< increments of each target
+  std::vector<std::array<double, 2>> tangential{};  ///< mm: successive positions (x, y) after the pressing
+  std::vector<double> twist{};                      ///< degrees at these positions; empty: 0
+
+  /// Return this load with more drags: `steps` equal steps of `step` mm and `twist_step` degrees; to explicit
+  /// positions, mm, and twists, degrees.
+  PadLoad drag(std::array<double, 2> step, int steps, double twist_step = 0) const {
+    const std::array<double, 2> from = tangential.empty() ? std::array{0.0, 0.0} : tangential.back();
+    const double turned = twist.empty() ? 0 : twist.back();
+    PadLoad load = *this;
+    load.twist.resize(tangential.size());
+    for (int k = 1; k <= steps; ++k) {
+      load.tangential.push_back({from[0] + k * step[0], from[1] + k * step[1]});
+      load.twist.push_back(turned + k * twist_step);
+    }
+    return load;
+  }
+  PadLoad drag_to(const std::vector<std::array<double, 2>>& positions, const std::vector<double>& twists = {}) const {
+    PadLoad load = *this;
+    load.twist.resize(tangential.size());
+    load.tangential.insert(load.tangential.end(), positions.begin(), positions.end());
+    load.twist.insert(load.twist.end(), twists.begin(), twists.end());
+    if (twists.empty()) load.twist.resize(load.tangential.size());
+    return load;
+  }
+  /// Returns this load with `steps` equal twists of `twist_step` degrees in place.
+  PadLoad turn(double twist_step, int steps) const { return drag({0, 0}, steps, twist_step); }
+};
+
+/// Returns the load that presses a pad to `depth` mm in equal steps.
+inline PadLoad press_pad(double depth, int steps = 1) { return {.indentation = {depth}, .indentation_steps = steps}; }
+/// Returns the load of a normal force on a pad, N, in equal steps.
+inline PadLoad press_pad_by_force(double normal_force, int steps = 1) {
+  return {.indentation = {}, .normal_force = {normal_force}, .indentation_steps = steps};
+}
+
+/// One contact on a pad.
+struct PadScene {
+  std::string title{};
+  Pad sensor{};
+  PadIndenter indenter{};
+  double friction = 0.5;  ///< mu, 0 to 100
+  PadLoad load{};
+};
+
+/// Reads the scene file of a pad (TOML). Throws InputError with file, line, key, value and what is allowed.
+TACTEL_API PadScene read_pad_scene(const std::string& path);
+/// Reads a scene file of either kind.
+TACTEL_API std::variant<Scene, PadScene> read_any_scene(const std::string& path);
+/// Throws InputError for the first value that the model rejects.
+TACTEL_API void validate(const PadScene& scene);
+
+/// Residual of the contact laws in a step; all relative.
+struct PadResidual {
+  double penetration = 0, complementarity = 0, cone = 0, drift = 0, angle = 0;
+};
+
+/// The state at the end of a load increment. Forces are those of the indenter on the rubber.
+struct PadStep {
+  double indentation = 0;                               ///< mm
+  std::array<double, 2> tangential{};                   ///< mm along x, y since first touch
+  double twist = 0;                                     ///< degrees since first touch
+  double P = 0;                                         ///< N
+  std::array<double, 2> Q{};                            ///< N along x, y: > 0 drags the rubber to +x, +y
+  double M = 0;                                         ///< N mm about the indenter's axis
+  double slip_index = 0;                                ///< S = 1 / lambda, the margin of Q and M; NaN where mu P = 0
+  double force_ratio = 0;                               ///< |Q| / (mu P); NaN where mu P = 0
+  double stick_fraction = 0;                            ///< cells that stick over those that touch
+  double slip_distance = 0;                             ///< mm: largest slide of the indenter over the rubber
+  std::vector<NodeStatus> status;                       ///< [cells]
+  std::vector<double> normal_force;                     ///< [cells] N, >= 0 presses
+  std::vector<std::array<double, 2>> tangential_force;  ///< [cells] N along x, y
+  std::vector<double> sigma_z, tau_x, tau_y;            ///< [tactels along y][along x] MPa; sigma_z < 0 is compression
+  bool converged = false;
+  int iterations = 0;  ///< sweeps
+  PadResidual residual;
+};
+
+/// Error of S to expect of an answer.
+struct PadError {
+  double S = 0;                      ///< 95 % of the scenes of this kind stay below it
+  double largest = 0;                ///< the largest of them
+  std::string scenes;                ///< "smooth": the kind; "this scene" where the reference measured it
+  std::vector<std::string> outside;  ///< what lies outside the scenes that were measured
+};
+
+/// The answer to a scene: one PadStep for each load increment, those of the pressing first.
+struct PadPath {
+  std::vector<PadStep> steps;
+  std::vector<double> cell_x, cell_y;      ///< [cells] mm: their middles on the pad
+  std::array<double, 2> cell_width{};      ///< mm, along x and y of the turned shape
+  std::vector<double> tactel_x, tactel_y;  ///< [tactels along x], [tactels along y] mm
+  int axes = 3;                            ///< of a tactel
+  bool fell_back = false;                  ///< the exact fallback answered
+  std::string rung, model;                 ///< "pad-12", "12 x 12 cells of 0.21 x 0.21 mm"
+  std::string solver, precision, device;
+  std::optional<PadError> error;  ///< none where nothing is touched
+  std::vector<std::string> warnings;
+};
+
+/// Solves one contact. Options as of a line, but `rung` "pad-8" to "pad-24" or "reference", `solver` "batched" or
+/// "twin" (fp64 without a device), and no derivatives. Every answer states its error. Throws InputError, also for a
+/// contact nearer than its thickness to an edge of the pad, and HardwareError.
+TACTEL_API PadPath solve(const PadScene& scene, const SolveOptions& options = {});
+
+/// Answers of many scenes as arrays, the last index fastest; `steps` is that of the longest path. Entries beyond a
+/// scene's own steps are NaN, and so are S and the force ratio where mu P = 0.
+struct PadPaths {
+  std::size_t scenes = 0, steps = 0;
+  std::array<std::size_t, 2> tactels{};         ///< along x and y, of all scenes
+  int axes = 3;                                 ///< of a tactel, of all scenes
+  std::vector<std::uint32_t> steps_made;        ///< [scenes]
+  std::vector<double> slip_index, force_ratio;  ///< [scenes, steps]
+  std::vector<double> P, M;                     ///< [scenes, steps] N, N mm
+  std::vector<double> Q;                        ///< [scenes, steps, 2] N along x, y
+  std::vector<double> indentation, twist;       ///< [scenes, steps] mm, degrees
+  std::vector<double> tangential;               ///< [scenes, steps, 2] mm along x, y
+  std::vector<double> stick_fraction;           ///< [scenes, steps]
+  std::vector<double> sigma_z, tau_x, tau_y;    ///< [scenes, steps, tactels along y, tactels along x] MPa
+  std::vector<std::uint8_t> converged;          ///< [scenes, steps] 1: within its tolerance
+  std::vector<std::uint8_t> fell_back;          ///< [scenes] 1: the exact fallback answered
+  std::string rung, precision, device;
+  std::vector<std::string> warnings;  ///< of numbers that look as if they had another unit
+};
+
+/// Solves scenes in batches, without a rung on "pad-12", in fp32 unless `options.precision` says otherwise. The pads
+/// of all scenes have the same tactels. An accuracy is judged on at most 64 of the scenes. Throws InputError, naming
+/// the scene by its index, also for a contact nearer than its thickness to an edge of the pad, HardwareError, and
+/// Cancelled where progress (scenes) says so.
+TACTEL_API PadPaths solve_many(std::span<const PadScene> scenes, const SolveOptions& options = {},
+                               const ProgressFunction& progress = {});
+
+}  // namespace tactel

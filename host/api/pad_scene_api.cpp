@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <tactel/pad.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "fem/value_error.h"
+#include "host/api/scene_conversion.h"
+
+namespace tactel::api {
+namespace {
+
+fem::PadShape pad_shape_to_fem(const Sphere& s) { return fem::Sphere{s.radius}; }
+fem::PadShape pad_shape_to_fem(const Paraboloid& s) { return fem::Paraboloid{s.radii}; }
+fem::PadShape pad_shape_to_fem(const LyingCylinder& s) { return fem::LyingCylinder{s.radius, s.half_length}; }
+fem::PadShape pad_shape_to_fem(const Punch& s) { return fem::Punch{s.radius, s.edge}; }
+fem::PadShape pad_shape_to_fem(const Box& s) { return fem::Box{s.half_widths, s.edge}; }
+fem::PadShape pad_shape_to_fem(const Cone& s) { return fem::Cone{s.angle}; }
+fem::PadShape pad_shape_to_fem(const HeightMap& s) {
+  const std::size_t rows = s.columns > 0 ? s.heights.size() / s.columns : 0;
+  if (rows < 2 || s.columns < 2 || rows * s.columns != s.heights.size())
+    throw ValueError("indenter.heights", std::to_string(s.heights.size()) + " heights",
+                     "a grid of 2 x 2 heights at least, with as many in each row");
+  // Columns of Eigen's matrix are rows of the grid: both have x fastest.
+  fem::HeightMap map{s.pitch, Eigen::Map<const Eigen::MatrixXd>(s.heights.data(), static_cast<Eigen::Index>(s.columns),
+                                                                static_cast<Eigen::Index>(rows))};
+  map.heights.array() -= map.heights.minCoeff();
+  return map;
+}
+
+PadShape pad_shape_from_fem(const fem::Sphere& s) { return Sphere{s.radius}; }
+PadShape pad_shape_from_fem(const fem::Paraboloid& s) { return Paraboloid{s.radii}; }
+PadShape pad_shape_from_fem(const fem::LyingCylinder& s) { return LyingCylinder{s.radius, s.half_length}; }
+PadShape pad_shape_from_fem(const fem::Punch& s) { return Punch{s.radius, s.edge}; }
+PadShape pad_shape_from_fem(const fem::Box& s) { return Box{s.half_widths, s.edge}; }
+PadShape pad_shape_from_fem(const fem::Cone& s) { return Cone{s.angle}; }
+PadShape pad_shape_from_fem(const fem::HeightMap& s) {
+  return HeightMap{
+      s.pitch, static_cast<std::size_t>(s.heights.rows()), {s.heights.data(), s.heights.data() + s.heights.size()}};
+}
+
+/// The members of a pad have the same names on both sides.
+template <class To, class From>
+To pad_as(const From& from) {
+  To pad;
+  pad.tactels = from.tactels, pad.pitch = from.pitch, pad.tactel_size = from.tactel_size, pad.axes = from.axes;
+  pad.thickness = from.thickness, pad.young = from.young, pad.poisson = from.poisson;
+  pad.length = from.length, pad.width = from.width;
+  return pad;
+}
+
+double radians(double degrees) { return degrees * std::numbers::pi / 180; }
+
+/// Returns degrees that radians() turns into exactly these radians, so that a file's twist survives reading; those of
+/// few decimals where they do.
+double degrees(double from) {
+  const double near = from * 180 / std::numbers::pi;
+  for (const double candidate : {std::round(near * 1e10) / 1e10, std::nextafter(near, -1e9), std::nextafter(near, 1e9)})
+    if (radians(candidate) == from) return candidate;
+  return near;
+}
+
+}  // namespace
+
+fem::PadScene to_fem(const PadScene& scene) {
+  fem::PadScene made;
+  made.title = scene.title;
+  made.sensor = pad_as<fem::PadSensor>(scene.sensor);
+  const PadIndenter& indenter = scene.indenter;
+  made.indenter = {std::visit([](const auto& shape) { return pad_shape_to_fem(shape); }, indenter.shape),
+                   indenter.position, indenter.yaw, indenter.tilt, indenter.tilt_direction};
+  made.friction = scene.friction;
+  const PadLoad& load = scene.load;
+  if (!load.twist.empty() && load.twist.size() != load.tangential.size())
+    throw ValueError(
+        "load.twist", std::to_string(load.twist.size()) + " twists",
+        "as many as load.tangential has positions, " + std::to_string(load.tangential.size()) + ", or empty");
+  made.load.indentation = load.indentation, made.load.normal_force = load.normal_force;
+  made.load.indentation_steps = load.indentation_steps;
+  for (std::size_t k = 0; k < load.tangential.size(); ++k)
+    made.load.drags.push_back(
+        {load.tangential[k][0], load.tangential[k][1], load.twist.empty() ? 0 : radians(load.twist[k])});
+  return made;
+}
+
+PadScene from_fem(const fem::PadScene& scene) {
+  PadScene made;
+  made.title = scene.title;
+  made.sensor = pad_as<Pad>(scene.sensor);
+  const fem::PadIndenter& indenter = scene.indenter;
+  made.indenter = {std::visit([](const auto& shape) { return pad_shape_from_fem(shape); }, indenter.shape),
+                   indenter.position, indenter.yaw, indenter.tilt, indenter.tilt_direction};
+  made.friction = scene.friction;
+  const fem::PadLoad& load = scene.load;
+  made.load = {load.indentation, load.normal_force, load.indentation_steps};
+  for (const auto& [x, y, twist] : load.drags) {
+    made.load.tangential.push_back({x, y});
+    made.load.twist.push_back(degrees(twist));
+  }
+  return made;
+}
+
+}  // namespace tactel::api

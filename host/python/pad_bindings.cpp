@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/python/bindings.h"
+
+namespace tactel::python {
+
+using namespace pybind11::literals;
+
+namespace {
+
+using Pair = std::array<double, 2>;
+using Grid = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+HeightMap map_of(const Grid& heights, double pitch) {
+  if (heights.ndim() != 2)
+    throw InputError("heights", "an array of " + std::to_string(heights.ndim()) + " axes",
+                     "must have two, [rows along y, columns along x]");
+  return {pitch, static_cast<std::size_t>(heights.shape(1)), {heights.data(), heights.data() + heights.size()}};
+}
+
+py::object heights_of(const py::object& self) {
+  const auto& map = self.cast<const HeightMap&>();
+  const auto rows = static_cast<py::ssize_t>(map.columns > 0 ? map.heights.size() / map.columns : 0);
+  py::object array = view(map.heights, {rows, static_cast<py::ssize_t>(map.columns)}, self);
+  array.attr("setflags")("write"_a = false);  // values never change
+  return array;
+}
+
+void bind_pad_shapes(py::module_& m) {
+  value_class<Sphere>(m, "Sphere", "A sphere on a pad; no indenter beyond r = radius.", {"radius"})
+      .def(py::init([](double radius) { return Sphere{radius}; }), "radius"_a = 8.0, "radius: mm.")
+      .def_readonly("radius", &Sphere::radius, "mm");
+  value_class<Paraboloid>(m, "Paraboloid", "x^2 / (2 radii[0]) + y^2 / (2 radii[1]).", {"radii"})
+      .def(py::init([](Pair radii) { return Paraboloid{radii}; }), "radii"_a = Pair{10.0, 10.0},
+           "radii: mm, along x and y.")
+      .def_readonly("radii", &Paraboloid::radii, "mm, along x and y");
+  value_class<LyingCylinder>(m, "LyingCylinder",
+                             "A cylinder along y on a pad; no indenter beyond |x| = radius and |y| = half_length.",
+                             {"radius", "half_length"})
+      .def(py::init([](double radius, double half_length) {
+             return LyingCylinder{radius, half_length};
+           }),
+           "radius"_a = 8.0, "half_length"_a = 4.0, "radius, half_length: mm.")
+      .def_readonly("radius", &LyingCylinder::radius, "mm")
+      .def_readonly("half_length", &LyingCylinder::half_length, "mm");
+  value_class<Punch>(m, "Punch", "A round punch: max(0, r - radius)^2 / (2 edge); edge 0: sharp.", {"radius", "edge"})
+      .def(py::init([](double radius, double edge) {
+             return Punch{radius, edge};
+           }),
+           "radius"_a = 2.0, "edge"_a = 0.0, "radius, edge: mm.")
+      .def_readonly("radius", &Punch::radius, "mm")
+      .def_readonly("edge", &Punch::edge, "mm, radius of the rounding; 0: sharp");
+  value_class<Box>(m, "Box", "max(0, |x| - half_widths[0])^2 / (2 edge), and the same along y; edge 0: sharp.",
+                   {"half_widths", "edge"})
+      .def(py::init([](Pair half_widths, double edge) {
+             return Box{half_widths, edge};
+           }),
+           "half_widths"_a = Pair{2.0, 2.0}, "edge"_a = 0.0, "half_widths: mm, along x and y; edge: mm.")
+      .def_readonly("half_widths", &Box::half_widths, "mm, along x and y")
+      .def_readonly("edge", &Box::edge, "mm, radius of the rounding; 0: sharp");
+  value_class<Cone>(m, "Cone", "r / tan(angle).", {"angle"})
+      .def(py::init([](double angle) { return Cone{angle}; }), "angle"_a = 75.0,
+           "angle: degrees between surface and axis, above 0 and below 90.")
+      .def_readonly("angle", &Cone::angle, "degrees between surface and axis");
+  value_class<HeightMap>(m, "HeightMap", "Heights on a grid, bilinear between them; no indenter beyond.",
+                         {"heights", "pitch"})
+      .def(py::init(&map_of), "heights"_a, "pitch"_a = 0.1,
+           "heights: [rows along y, columns along x] mm, the middle on the axis, the lowest counts as 0; pitch: mm.")
+      .def_property_readonly("heights", &heights_of, "[rows along y, columns along x] mm, read only")
+      .def_readonly("pitch", &HeightMap::pitch, "mm, from point to point");
+}
+
+void bind_pad_sensor(py::module_& m) {
+  value_class<Pad>(m, "Pad", "A layer of rubber with tactels along x and y.",
+                   {"tactels", "pitch", "tactel_size", "axes", "thickness", "young", "poisson", "length", "width"})
+      .def(py::init([](std::array<int, 2> tactels, std::variant<double, Pair> pitch, double tactel_size, int axes,
+                       double thickness, double young, double poisson, std::optional<double> length,
+                       std::optional<double> width) {
+             const double* both = std::get_if<double>(&pitch);
+             return Pad{tactels,     both ? Pair{*both, *both} : std::get<Pair>(pitch),
+                        tactel_size, axes,
+                        thickness,   young,
+                        poisson,     length,
+                        width};
+           }),
+           "tactels"_a = std::array{4, 4}, "pitch"_a = 4.7, "tactel_size"_a = 0.0, "axes"_a = 3, "thickness"_a = 2.0,
+           "young"_a = 2.0, "poisson"_a = 0.45, "length"_a = py::none(), "width"_a = py::none(),
+           "tactels: (along x, along y); pitch: mm, one number or (x, y); tactel_size: mm, 0 for points; axes: 3, or 1 "
+           "for normal stress alone; thickness: mm; young: MPa; length, width: mm of rubber, None where not known.")
+      .def_readonly("tactels", &Pad::tactels, "along x and y")
+      .def_readonly("pitch", &Pad::pitch, "mm, along x and y")
+      .def_readonly("tactel_size", &Pad::tactel_size, "mm: side of a square; 0: points")
+      .def_readonly("axes", &Pad::axes, "3, or 1: normal stress alone")
+      .def_readonly("thickness", &Pad::thickness, "mm")
+      .def_readonly("young", &Pad::young, "MPa")
+      .def_readonly("poisson", &Pad::poisson)
+      .def_readonly("length", &Pad::length, "mm along x; None: not known")
+      .def_readonly("width", &Pad::width, "mm along y; None: not known");
+  value_class<PadIndenter>(m, "PadIndenter", "A shape on a pad: its place, and how it is turned.",
+                           {"shape", "position", "yaw", "tilt", "tilt_direction"})
+      .def(py::init([](PadShape shape, Pair position, double yaw, double tilt, double tilt_direction) {
+             return PadIndenter{std::move(shape), position, yaw, tilt, tilt_direction};
+           }),
+           "shape"_a, "position"_a = Pair{0, 0}, "yaw"_a = 0.0, "tilt"_a = 0.0, "tilt_direction"_a = 0.0,
+           "position: (x, y) mm, (0, 0) in the pad's middle; yaw: degrees about z; tilt: degrees, of Punch and Box, "
+           "whose "
+           "bottom rises along tilt_direction (degrees from x of the turned shape).")
+      .def_readonly("shape", &PadIndenter::shape)
+      .def_readonly("position", &PadIndenter::position, "mm, (x, y)")
+      .def_readonly("yaw", &PadIndenter::yaw, "degrees")
+      .def_readonly("tilt", &PadIndenter::tilt, "degrees")
+      .def_readonly("tilt_direction", &PadIndenter::tilt_direction, "degrees");
+}
+
+void bind_pad_load(py::module_& m) {
+  value_class<PadLoad>(m, "PadLoad",
+                       "The path of an indenter on a pad: a depth or normal force, then drags and twists.",
+                       {"indentation", "normal_force", "indentation_steps", "tangential", "twist"})
+      .def(py::init([](std::vector<double> indentation, std::vector<double> normal_force, int indentation_steps,
+                       std::vector<Pair> tangential, std::vector<double> twist) {
+             return PadLoad{std::move(indentation), std::move(normal_force), indentation_steps, std::move(tangential),
+                            std::move(twist)};
+           }),
+           "indentation"_a = std::vector<double>{0.2}, "normal_force"_a = std::vector<double>{},
+           "indentation_steps"_a = 1, "tangential"_a = std::vector<Pair>{}, "twist"_a = std::vector<double>{},
+           "indentation: mm; normal_force: N; tangential: mm, successive (x, y); twist: degrees there, empty for none. "
+           "See Press and Force.")
+      .def("drag", &PadLoad::drag, "step"_a, "steps"_a, "twist"_a = 0.0,
+           "Returns this load with `steps` more drags of `step` (x, y) mm, each with a twist of `twist` degrees.")
+      .def("drag_to", &PadLoad::drag_to, "positions"_a, "twist"_a = std::vector<double>{},
+           "Returns this load with more drags to these positions (x, y) mm, and to these twists, degrees.")
+      .def("turn", &PadLoad::turn, "twist"_a, "steps"_a,
+           "Returns this load with `steps` more twists of `twist` degrees in place.")
+      .def_readonly("indentation", &PadLoad::indentation, "mm: targets")
+      .def_readonly("normal_force", &PadLoad::normal_force, "N: targets in place of depths")
+      .def_readonly("indentation_steps", &PadLoad::indentation_steps)
+      .def_readonly("tangential", &PadLoad::tangential, "mm: positions (x, y)")
+      .def_readonly("twist", &PadLoad::twist, "degrees at these positions; empty: none");
+}
+
+}  // namespace
+
+PadLoad on_pad(const Load& load) {
+  if (!load.tangential.empty() || load.tangential_step != 0 || load.tangential_steps || load.angle ||
+      !load.moves.empty())
+    throw InputError("load", "a drag or an angle of a line",
+                     "must be a press with drags by (x, y): "
+                     "Press(0.2).drag((0.05, 0.02), steps=3)");
+  return {load.indentation, load.normal_force, load.indentation_steps};
+}
+
+void bind_pads(py::module_& m) {
+  bind_pad_shapes(m);
+  bind_pad_sensor(m);
+  bind_pad_load(m);
+}
+
+}  // namespace tactel::python

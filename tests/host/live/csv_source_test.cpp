@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Lines of numbers from files and pipes.
+#include "host/live/csv_source.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <thread>
+
+#include "host/live/frame_reader.h"
+#include "hw/csv_format.h"
+#include "tests/scratch.h"
+#include "tests/thrown_message.h"
+
+namespace tactel::host {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using Values = std::vector<std::vector<double>>;
+
+struct Seen {
+  Values values;
+  std::vector<std::optional<double>> times;
+  std::vector<double> arrivals;
+};
+
+/// The frames of a source until it ends or `most` are seen.
+Seen read(hw::FrameSource& source, int channels, std::size_t most = 1'000'000) {
+  Seen seen;
+  hw::Decoder decoder(hw::csv_format(channels));
+  read_frames(source, decoder,
+              {.frame =
+                   [&](const hw::DecodedFrame& frame, double arrival) {
+                     seen.values.emplace_back(frame.values.begin(), frame.values.end());
+                     seen.times.push_back(frame.device_time);
+                     seen.arrivals.push_back(arrival);
+                   },
+               .stop = [&] { return seen.values.size() >= most; }});
+  EXPECT_EQ(decoder.counts().lost + decoder.counts().bad + decoder.counts().discarded, 0u);
+  return seen;
+}
+
+class CsvFile : public ::testing::Test {
+ protected:
+  Seen read_text(const std::string& text, int channels) const {
+    CsvSource source(folder_.write("a.csv", text), static_cast<std::size_t>(channels), false);
+    return read(source, channels);
+  }
+  std::string refused(const std::string& text, int channels) const {
+    std::string message = thrown_message<hw::RecordingError>([&] { read_text(text, channels); });
+    const std::size_t at = message.find("a.csv");
+    return at == std::string::npos ? message : message.substr(at);
+  }
+  const ScratchFolder folder_;
+};
+
+TEST_F(CsvFile, TakesCommasSemicolonsTabsAndEveryEndOfLine) {
+  const Values expected = {{1, -2.5, 300}, {4, 5, 6}};
+  for (const char* text : {"1,-2.5,3e2\n4,5,6\n", "1;-2.5;3e2\r\n4;5;6\r\n", "1\t-2.5\t3e2\n4\t5\t6\n",
+                           " 1 , -2.50,+300 \n\n  \r\n4,5,6\n\n",
+                           "\xEF\xBB\xBF"
+                           "1,-2.5,300\n4,5,6\n",
+                           "a,b,c\n1,-2.5,300\n4,5,6\n", "\n\"x y\",2,3\n1,-2.5,300\n4,5,6\n"}) {
+    const Seen seen = read_text(text, 3);
+    EXPECT_EQ(seen.values, expected) << text;
+    EXPECT_EQ(seen.times.front(), std::nullopt);
+  }
+  EXPECT_EQ(read_text("7\n8\n", 1).values, (Values{{7}, {8}}));
+}
+
+// The header decides whether the first number is a time; frames then arrive at it, from 0 on.
+TEST_F(CsvFile, AHeaderSaysWhetherLinesHaveATime) {
+  for (const char* name : {"time", "Time", " TIME ", "\"time\"", "# time", "\xEF\xBB\xBFtime"}) {
+    const Seen seen = read_text(std::string(name) + ",a,b\n10.5,1,2\n10.75,3,4\n10.75,5,6\n", 2);
+    EXPECT_EQ(seen.values, (Values{{1, 2}, {3, 4}, {5, 6}})) << name;
+    EXPECT_THAT(seen.arrivals, ElementsAre(0, 0.25, 0.25));
+    ASSERT_TRUE(seen.times[1].has_value());
+    EXPECT_NEAR(*seen.times[1], 10.75, 1e-9);
+  }
+}
+
+TEST_F(CsvFile, NamesLineProblemAndFix) {
+  EXPECT_EQ(refused("1,2,3\n1,2\n", 3),
+            "a.csv:2: 2 fields; a line has 3 numbers, one for each of the profile's channels");
+  EXPECT_EQ(refused("time,a,b\n1,2\n", 2),
+            "a.csv:2: 2 fields; a line has 3 numbers, one for each of the profile's channels, behind the time");
+  EXPECT_THAT(refused("0.1,1,2\n", 2), HasSubstr("a.csv:1: 3 fields"));
+  EXPECT_THAT(refused("stamp,a,b\n1,2,3\n", 2), HasSubstr("a.csv:1: the header has 3 names;"));
+  EXPECT_THAT(refused("time,a\n1,2\n", 2), HasSubstr("a.csv:1: the header has 2 names;"));
+  EXPECT_THAT(refused("\n1,2\n\n1,x\x1b[2J\n", 2),
+              HasSubstr("a.csv:4: column 2 is \"x?[2J\"; write a finite number such as -1.5"));
+  EXPECT_THAT(refused("1,2\na,b\n", 2), HasSubstr("a.csv:2: column 1 is \"a\""));
+  for (const char* wrong : {"nan", "-nan", "inf", "-inf", "1e400", "1e39", "", "0x10", "1 2", "1.5.2", "--1", "++1"})
+    EXPECT_THAT(refused("1,2\n3," + std::string(wrong) + "\n", 2),
+                HasSubstr(fmt::format("a.csv:2: column 2 is \"{}\"", wrong)));
+  EXPECT_THAT(refused("nan,2\n", 2), HasSubstr("a.csv:1: column 1 is \"nan\""));
+  EXPECT_THAT(refused("1,2\n" + std::string(100'000, '1') + "\n", 2), HasSubstr("a.csv:2: longer than 256 bytes;"));
+  EXPECT_THAT(refused(std::string(100'000, '1'), 2), HasSubstr("a.csv:1: longer than 256 bytes;"));
+  EXPECT_THAT(refused("time,a\n-1,2\n", 1), HasSubstr("a.csv:2: the time is -1;"));
+  EXPECT_THAT(refused("time,a\n1e10,2\n", 1), HasSubstr("a.csv:2: the time is 10000000000;"));
+  EXPECT_THAT(refused("time,a\n2,2\n1.5,2\n", 1), HasSubstr("a.csv:3: the time 1.5 is earlier"));
+  EXPECT_THAT(refused("time,a\n0,2\n1.7e9,2\n", 1), HasSubstr("later than the first; sort the lines by time"));
+  for (const char* empty : {"", "\n\n", "time,a\n", "1"})
+    EXPECT_EQ(refused(empty, 1), "a.csv: ended without a line of numbers; write a line for each frame") << empty;
+  const auto message = [](const std::string& path, bool paced) {
+    return thrown_message<hw::RecordingError>([&] {
+      CsvSource source(path, 2, paced);
+      read(source, 2);
+    });
+  };
+  EXPECT_THAT(message(folder_.write("b.csv", "1,2\n"), true), HasSubstr("b.csv:1: no time; write a header"));
+  EXPECT_THAT(message((folder_ / "none").string(), false), HasSubstr("cannot be read: No such file"));
+  EXPECT_THAT(message("/tmp", false), HasSubstr("csv:/tmp: cannot be read"));
+  EXPECT_THAT(message("/dev/null", true), HasSubstr("leave paced=1 out"));
+}
+
+// What stands in front of a wrong line is not lost.
+TEST_F(CsvFile, FramesInFrontOfAWrongLineCount) {
+  CsvSource source(folder_.write("a.csv", "1\n2\nx\n3\n"), 1, false);
+  EXPECT_TRUE(source.wait(0) && source.wait(0));
+  for (int i = 0; i < 2; ++i) EXPECT_THROW(source.wait(0), hw::RecordingError);
+}
+
+TEST_F(CsvFile, ALastLineWithoutItsEndIsLeftOut) {
+  CsvSource source(folder_.write("a.csv", "1,2\n3,4"), 2, false);
+  EXPECT_EQ(read(source, 2).values, (Values{{1, 2}}));
+  EXPECT_TRUE(source.finished() && source.cut_short());
+  CsvSource whole(folder_.write("b.csv", "1,2\n  "), 2, false);
+  read(whole, 2);
+  EXPECT_FALSE(whole.cut_short());
+}
+
+// As fast as it is taken, or at its times.
+TEST_F(CsvFile, PacedGivesItsTimesAsThePace) {
+  const std::string path = folder_.write("a.csv", "time,a\n100,1\n100.1,2\n100.3,3\n");
+  for (const bool paced : {false, true}) {
+    CsvSource source(path, 1, paced);
+    const auto start = Clock::now();
+    EXPECT_THAT(read(source, 1).arrivals,
+                ElementsAre(0, ::testing::DoubleNear(0.1, 1e-9), ::testing::DoubleNear(0.3, 1e-9)));
+    EXPECT_EQ(seconds_since(start) >= 0.3, paced);
+    EXPECT_GE(source.now(), 0.3 - 1e-9);
+  }
+  CsvSource source(path, 1, true);
+  EXPECT_TRUE(source.wait(0.01));
+  EXPECT_FALSE(source.wait(0.01));  // not yet
+  EXPECT_FALSE(source.finished());
+}
+
+/// A named pipe, opened by the source before its writer.
+class CsvPipe : public ::testing::Test {
+ protected:
+  CsvPipe() {
+    ::mkfifo(path_.c_str(), 0600);
+    source_.emplace(path_, 2, false);
+  }
+  void open_writer() { writer_ = ::open(path_.c_str(), O_WRONLY); }
+  void write(std::string_view text) const {
+    ASSERT_EQ(::write(writer_, text.data(), text.size()), ssize_t(text.size()));
+  }
+  void close_writer() { ::close(std::exchange(writer_, -1)); }
+  ~CsvPipe() override {
+    if (writer_ >= 0) close_writer();
+  }
+  const ScratchFolder folder_;
+  const std::string path_ = (folder_ / "pipe").string();
+  std::optional<CsvSource> source_;
+  int writer_ = -1;
+};
+
+// A pipe that stays open is no end, and half a line no frame; the end of its writer is the end.
+TEST_F(CsvPipe, WaitsForLines) {
+  EXPECT_TRUE(source_->live());
+  EXPECT_FALSE(source_->wait(0.01));
+  EXPECT_FALSE(source_->finished()) << "its writer is yet to come";
+  open_writer();
+  write("1,2\n3,");
+  EXPECT_TRUE(source_->wait(1));
+  const auto start = Clock::now();
+  EXPECT_FALSE(source_->wait(0.05));
+  EXPECT_GE(seconds_since(start), 0.04);  // ms of poll, rounded down
+  EXPECT_FALSE(source_->finished());
+  write("4\n5,6\n7");
+  const auto packet = source_->wait(1);
+  ASSERT_TRUE(packet);
+  EXPECT_EQ(packet->bytes.size(), 2 * hw::csv_format(2)->longest_frame());
+  EXPECT_LE(packet->arrival, source_->now());
+  close_writer();
+  EXPECT_FALSE(source_->wait(1));
+  EXPECT_TRUE(source_->finished() && source_->cut_short());
+}
+
+TEST_F(CsvPipe, SplitsDoNotMatter) {
+  std::string text = "time,a,b\r\n";
+  for (int i = 0; i < 40; ++i) text += fmt::format("{},{},{}\r\n", 0.001 * i, i, -i);
+  for (const std::size_t part : {1, 2, 7, 64}) {
+    source_.emplace(path_, 2, false);
+    open_writer();
+    std::thread writer([&] {
+      for (std::size_t at = 0; at < text.size(); at += part) write(std::string_view(text).substr(at, part));
+      close_writer();
+    });
+    const Seen seen = read(*source_, 2);
+    writer.join();
+    ASSERT_EQ(seen.values.size(), 40u) << part;
+    for (int i = 0; i < 40; ++i)
+      EXPECT_EQ(seen.values[static_cast<std::size_t>(i)], (std::vector<double>{1.0 * i, -1.0 * i}));
+  }
+}
+
+TEST_F(CsvPipe, FramesInFrontOfAWrongLineCount) {
+  open_writer();
+  write("1,2\n3,4\n5\n");
+  EXPECT_EQ(source_->wait(1)->bytes.size(), 2 * hw::csv_format(2)->longest_frame());
+  EXPECT_FALSE(source_->finished());
+  EXPECT_THROW(source_->wait(1), hw::RecordingError);
+}
+
+// 48 numbers at 1 kHz: every frame, in order.
+TEST_F(CsvPipe, AThousandFramesASecond) {
+  source_.emplace(path_, 48, false);
+  open_writer();
+  std::thread writer([&] {
+    auto due = Clock::now();
+    for (int i = 0; i < 1000; ++i, due += 1ms) {
+      std::this_thread::sleep_until(due);
+      std::string line = std::to_string(i);
+      for (int c = 1; c < 48; ++c) line += fmt::format(",{}", 40000 + c + 0.125 * i);
+      write(line + "\n");
+    }
+    close_writer();
+  });
+  const Seen seen = read(*source_, 48);
+  writer.join();
+  ASSERT_EQ(seen.values.size(), 1000u);
+  for (int i = 0; i < 1000; ++i) {
+    EXPECT_EQ(seen.values[static_cast<std::size_t>(i)][0], i);
+    EXPECT_EQ(seen.values[static_cast<std::size_t>(i)][47], 40047 + 0.125 * i);
+  }
+  EXPECT_TRUE(std::ranges::is_sorted(seen.arrivals));
+}
+
+}  // namespace
+}  // namespace tactel::host

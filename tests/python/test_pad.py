@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pads in the Python package, against the program, closed forms and themselves."""
+
+import json
+import os
+import pathlib
+import pickle
+import subprocess
+import unittest
+
+import numpy as np
+import tactel
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PROGRAM = os.environ["TACTEL_PROGRAM"]
+PAD = tactel.Pad(tactels=(4, 3), pitch=(1.0, 1.5), thickness=2.0, young=1.0)
+DRAG = tactel.Press(0.25, steps=2).drag_to([(0.05, 0.02), (0.1, 0.04), (0.1, 0.1)], twist=[0.5, 1.5, 3.0])
+SPHERE = tactel.Scene(PAD, tactel.Sphere(8.0), friction=0.5, load=DRAG)
+
+
+def bowl(heights_x, heights_y):
+    """Heights on 41 x 61 points, row y, column x, 0.1 mm apart."""
+    x, y = np.linspace(-2, 2, 41), np.linspace(-3, 3, 61)
+    return tactel.HeightMap(np.add.outer(heights_y(y), heights_x(x)), pitch=0.1)
+
+
+class Values(unittest.TestCase):
+    def test_a_scene_is_of_the_kind_of_its_sensor(self):
+        self.assertEqual(SPHERE.sensor.pitch, [1.0, 1.5])
+        self.assertEqual(tactel.Pad(pitch=3).pitch, [3.0, 3.0])
+        self.assertEqual(SPHERE.indenter, tactel.PadIndenter(tactel.Sphere(8.0)))
+        self.assertEqual(tactel.Scene(PAD).load, tactel.PadLoad())
+        self.assertEqual(tactel.Scene().sensor, tactel.Sensor())
+        SPHERE.validate()
+
+    def test_loads_of_a_pad(self):
+        load = tactel.Force(3).drag((0.1, 0), steps=2).turn(4, steps=1).drag_to([(0, 0.5)])
+        self.assertEqual(load, tactel.PadLoad([], [3], 1, [(0.1, 0), (0.2, 0), (0.2, 0), (0, 0.5)], [0, 0, 4, 0]))
+        self.assertIsInstance(tactel.Press(0.1).drag(0.05, steps=2), tactel.Load)
+
+    def test_survives_pickling(self):
+        scene = SPHERE.with_(indenter=tactel.PadIndenter(bowl(np.square, np.square), position=(1, 0), yaw=20))
+        again = pickle.loads(pickle.dumps(scene))
+        self.assertEqual(again, scene)
+        self.assertNotEqual(again.with_(indenter=bowl(np.square, np.abs)), scene)
+
+    def test_shows_itself(self):
+        self.assertEqual(repr(tactel.Box((1, 2), edge=0.5)), "Box(half_widths=[1.0, 2.0], edge=0.5)")
+
+    def test_heights_never_change(self):
+        own = np.zeros((2, 3))
+        shape = tactel.HeightMap(own)
+        own[0, 0] = 1
+        self.assertEqual(shape.heights[0, 0], 0)
+        with self.assertRaises(ValueError):
+            shape.heights[0, 0] = 1
+
+
+class Errors(unittest.TestCase):
+    def test_names_place_problem_and_fix(self):
+        for place, problem, fix, call in (
+                ("indenter", "Parabola", "PadIndenter, Sphere", lambda: tactel.Scene(PAD, tactel.Parabola())),
+                ("indenter", "Sphere", "Indenter, Parabola", lambda: tactel.Scene(tactel.Sensor(), tactel.Sphere())),
+                ("indenter", "PadIndenter", "no Pad", lambda: SPHERE.with_(sensor=tactel.Sensor())),
+                ("load", "drag", "Press", lambda: tactel.Scene(PAD, load=tactel.Press(0.1).drag(0.1, steps=2))),
+                ("load", "PadLoad", "no Pad", lambda: tactel.Scene(load=DRAG)),
+                ("heights", "1 axes", "two", lambda: tactel.HeightMap([1, 2, 3])),
+                ("sensor.poisson", "0.6", "0.5", lambda: tactel.solve(SPHERE.with_(sensor=PAD.with_(poisson=0.6)))),
+                ("load.twist", "2 twists", "positions, 1", lambda: tactel.solve(
+                    SPHERE.with_(load=tactel.Press(0.1).drag_to([(1, 1)], twist=[1, 2])))),
+                ("derivatives", "true", "left out", lambda: tactel.solve(SPHERE, derivatives=True)),
+                ("rung", "patch-12", "pad-12", lambda: tactel.solve(SPHERE, rung="patch-12")),
+                ("scenes[1]", "other kind", "all Sensor or all Pad", lambda: tactel.solve_many([SPHERE, tactel.Scene()])),
+                ("scenes[1]", "other kind", "all Sensor or all Pad", lambda: tactel.solve_many([tactel.Scene(), SPHERE])),
+                ("scenes[1].sensor.tactels", "4 x 4", "4 x 3", lambda: tactel.solve_many(
+                    [SPHERE, SPHERE.with_(sensor=tactel.Pad())])),
+                ("scenes[2].contact.friction", "-1", "friction", lambda: tactel.solve_many(
+                    [SPHERE, SPHERE, SPHERE.with_(friction=-1)]))):
+            with self.subTest(place=place, problem=problem):
+                with self.assertRaises(tactel.InputError) as raised:
+                    call()
+                self.assertEqual(raised.exception.place, place)
+                self.assertIn(problem, raised.exception.problem)
+                self.assertIn(fix, raised.exception.fix)
+
+    def test_lines_do_not_turn(self):
+        with self.assertRaises(TypeError):
+            tactel.Press(0.1).drag(0.05, steps=2, twist=1)
+
+
+class Solve(unittest.TestCase):
+    def test_equals_the_program(self):
+        for name in ("pad.toml", "pad_twist.toml"):
+            file = str(ROOT / "examples" / name)
+            answer = json.loads(subprocess.run([PROGRAM, "solve", file, "--json", "-"], check=True, capture_output=True,
+                                               text=True).stdout)
+            path = tactel.solve(tactel.read_scene(file))
+            for member, key in ((path.P, "P"), (path.Q, "Q"), (path.M, "M"), (path.slip_index, "slip_index"),
+                                (path.force_ratio, "force_ratio"), (path.stick_fraction, "stick_fraction"),
+                                (path.indentation, "indentation"), (path.tangential, "tangential"), (path.twist, "twist"),
+                                (path.slip_distance, "slip_distance"), (path.converged, "converged"),
+                                (path.normal_force, "normal_force"), (path.tangential_force, "tangential_force")):
+                self.assertEqual(member.tolist(), [step[key] for step in answer["steps"]], key)
+            for grid, key in ((path.tactels.normal, "sigma_z"), (path.tactels.shear_x, "tau_x"), (path.tactels.shear_y, "tau_y")):
+                self.assertEqual(grid.shape, (len(path), len(path.tactel_y), len(path.tactel_x)))
+                self.assertEqual(grid.reshape(len(path), -1).tolist(), [step[key] for step in answer["steps"]], key)
+            words = np.array(["open", "stick", "slip"])
+            self.assertEqual(words[path.status].tolist(), [step["status"] for step in answer["steps"]])
+            self.assertEqual((path.cell_x.tolist(), path.cell_y.tolist()), (answer["cell_x"], answer["cell_y"]))
+            self.assertEqual(path.cell_width, answer["cell_width"])
+            self.assertEqual(np.tile(path.tactel_x, len(path.tactel_y)).tolist(), answer["tactel_x"])
+            self.assertEqual(np.repeat(path.tactel_y, len(path.tactel_x)).tolist(), answer["tactel_y"])
+            self.assertEqual((path.model, path.rung, path.warnings), (answer["model"], answer["rung"], answer["warnings"]))
+            self.assertEqual(path.error["S"], answer["discretisation_error"]["slip_index"])
+
+    def test_sums_over_cells(self):
+        path = tactel.solve(SPHERE)
+        self.assertTrue(path.converged.all())
+        np.testing.assert_allclose(path.normal_force.sum(axis=1), path.P, rtol=1e-12)
+        np.testing.assert_allclose(path.tangential_force.sum(axis=1), path.Q, atol=1e-12)
+        moment = path.tangential_force[:, :, 1] @ path.cell_x - path.tangential_force[:, :, 0] @ path.cell_y
+        np.testing.assert_allclose(moment, path.M, atol=1e-12)
+        np.testing.assert_allclose(path.force_ratio, np.hypot(*path.Q.T) / (0.5 * path.P), rtol=1e-12)
+        np.testing.assert_array_equal((path.status > 0), path.normal_force > 0)
+        self.assertLessEqual(path.residual.max(), 1e-6)
+
+    def test_tactels_side_by_side_bear_the_forces(self):
+        """Squares of 0.5 mm over 28 x 28 mm of a pad 2 mm thick measure what the rubber bears at its base: the stress
+        falls like exp(-0.74 r / H) or faster; 0.2 % of P and 0.6 % of Q lie beyond."""
+        sensor = tactel.Pad(tactels=(56, 56), pitch=0.5, tactel_size=0.5, thickness=2.0, young=1.0)
+        path = tactel.solve(SPHERE.with_(sensor=sensor))
+        total = lambda stress: stress.sum(axis=(1, 2)) * 0.25  # noqa: E731
+        np.testing.assert_allclose(-total(path.tactels.normal), path.P, rtol=1e-2)
+        np.testing.assert_allclose(total(path.tactels.shear_x), path.Q[:, 0], atol=1e-2 * path.Q.max())
+        np.testing.assert_allclose(total(path.tactels.shear_y), path.Q[:, 1], atol=1e-2 * path.Q.max())
+
+    def test_rows_are_along_y(self):
+        """A sphere above the tactel of row 2, column 0 presses that one most; dragged along y it shears in y."""
+        scene = SPHERE.with_(indenter=tactel.PadIndenter(tactel.Sphere(3), position=(-1.5, 1.5)),
+                             load=tactel.Press(0.1).drag((0, 0.02), steps=1))
+        path = tactel.solve(scene)
+        self.assertEqual((path.tactel_x.tolist(), path.tactel_y.tolist()), ([-1.5, -0.5, 0.5, 1.5], [-1.5, 0.0, 1.5]))
+        self.assertEqual(np.unravel_index(path.tactels.normal[-1].argmin(), (3, 4)), (2, 0))
+        self.assertEqual(np.unravel_index(path.tactels.shear_y[-1].argmax(), (3, 4)), (2, 0))
+        self.assertGreater(path.tactels.shear_y[-1, 2, 0], 10 * abs(path.tactels.shear_x[-1, 2, 0]))
+        normal, shear_x, shear_y = path.frames.reshape(2, 3, 3, 4).swapaxes(0, 1)
+        np.testing.assert_array_equal(normal, path.tactels.normal.astype(np.float32))
+        np.testing.assert_array_equal(shear_y, path.tactels.shear_y.astype(np.float32))
+        one = tactel.solve(scene.with_(sensor=PAD.with_(axes=1)))
+        np.testing.assert_array_equal(one.frames, path.frames[:, :12])
+
+    def test_a_height_map_is_its_shape(self):
+        """A paraboloid of radii 4 (x) and 12 mm (y) as heights: its bilinear chords lie 0.1^2 / (8 r) = 0.3 um above it."""
+        shape = bowl(lambda x: 5 + x**2 / 8, lambda y: y**2 / 24)
+        scene = SPHERE.with_(load=tactel.Press(0.15).drag((0.05, 0), steps=1))
+        mapped, exact = (tactel.solve(scene.with_(indenter=s), precision="fp64") for s in (shape, tactel.Paraboloid((4, 12))))
+        np.testing.assert_allclose(mapped.P, exact.P, rtol=0.02)  # cells of the search differ
+        # Longer along y: the pressed cells reach farther there, as roots of the radii do for thick rubber.
+        pressed = mapped.normal_force[0] > 0
+        self.assertGreater(np.ptp(mapped.cell_y[pressed]), 1.3 * np.ptp(mapped.cell_x[pressed]))
+
+    def test_many_are_the_same_as_one_by_one(self):
+        scenes = [SPHERE, SPHERE.with_(friction=0.9), SPHERE.with_(load=tactel.Press(0.1)),
+                  SPHERE.with_(indenter=tactel.PadIndenter(tactel.Box((1, 0.5), edge=0.5), yaw=30))]
+        many = tactel.solve_many(scenes)
+        self.assertEqual((len(many), many.tactels.normal.shape, many.Q.shape), (4, (4, 5, 3, 4), (4, 5, 2)))
+        for i, scene in enumerate(scenes):
+            one = tactel.solve(scene, precision="fp32")
+            k = many.steps_made[i]
+            self.assertEqual(k, len(one))
+            for name in ("P", "Q", "M", "slip_index", "force_ratio", "stick_fraction", "twist", "tangential"):
+                np.testing.assert_array_equal(getattr(many, name)[i, :k], getattr(one, name), name)
+                self.assertTrue(np.isnan(getattr(many, name)[i, k:]).all())
+            for name in ("normal", "shear_x", "shear_y"):
+                np.testing.assert_array_equal(getattr(many.tactels, name)[i, :k], getattr(one.tactels, name), name)
+            np.testing.assert_array_equal(many.frames[i, :k], one.frames)
+
+    def test_arrays_are_views_that_keep_their_owner(self):
+        many = tactel.solve_many([SPHERE])
+        p, normal = many.P, many.tactels.normal
+        self.assertIs(p.base, many)
+        self.assertIs(normal.base, many)
+        self.assertEqual(p.__array_interface__["data"], many.P.__array_interface__["data"])
+        expected = p.copy()
+        del many
+        np.testing.assert_array_equal(p, expected)
+        self.assertEqual(tactel.solve_many([SPHERE] * 2, keep="tactels").shape, (2, 5, 36))
+
+    def test_progress_is_told_and_may_stop(self):
+        told = []
+        tactel.solve_many([SPHERE] * 3, progress=lambda done, total: told.append((done, total)))
+        self.assertEqual(told, [(0, 3), (3, 3)])
+
+        def fail(done, total):
+            raise RuntimeError("enough")
+
+        with self.assertRaisesRegex(RuntimeError, "enough"):
+            tactel.solve_many([SPHERE] * 3, progress=fail)
+
+
+if __name__ == "__main__":
+    unittest.main()
