@@ -118,7 +118,8 @@ FrameSet with_frame_noise(const FrameSet& set, double fraction, std::uint64_t se
   FrameSet noisy{.frames = set.frames.replicate(copies, 1),
                  .slip_index = set.slip_index.replicate(copies, 1),
                  .shape_class = repeated(set.shape_class, copies),
-                 .contact_nodes = repeated(set.contact_nodes, copies)};
+                 .contact_nodes = repeated(set.contact_nodes, copies),
+                 .axes = set.axes};
   const Eigen::Index inputs = set.frames.cols();
   for (Eigen::Index row = 0; row < noisy.rows(); ++row) {
     auto frame = noisy.frames.row(row);

@@ -11,7 +11,7 @@ namespace tactel::nn {
 
 /// Frames with their answers: a learning set or a recall set. A row is one load step of one contact.
 struct FrameSet {
-  RowMatrix<float> frames;                  ///< [rows, history * 2 tactels] MPa: normal stresses first, then shear
+  RowMatrix<float> frames;                  ///< [rows, history * axes tactels] MPa: normal stresses first, then shear
   Vector<float> slip_index;                 ///< [rows] S = Q / (mu P)
   std::vector<std::uint16_t> shape_class;   ///< [rows] or empty: kind of indenter
   std::vector<std::int32_t> contact_nodes;  ///< [rows] or empty: surface nodes that touch
@@ -19,6 +19,7 @@ struct FrameSet {
   std::vector<std::uint32_t> step{};        ///< [rows] or empty: load step of the contact
   bool press_rows = false;                  ///< the rows of a contact begin with its pressing
   int history = 1;                          ///< frames in a row of `frames`, the newest first (with_history)
+  int axes = 2;                             ///< stresses of a tactel; of a pad 3, or 1
 
   static constexpr float largest_slip_index = 1e3f;  ///< more is an error of the set
 

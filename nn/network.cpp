@@ -81,7 +81,7 @@ void Bound::validate(int inputs) const {
   if (centre.size() != count || whitening.size() != count * count || !all_finite(centre) || !all_finite(whitening))
     throw ValueError("bound.whitening", std::to_string(whitening.size()) + " numbers",
                      "finite, as many rows and columns as the network has inputs");
-  if (tactels < 1 || tactels > inputs / 2 || inputs % (2 * tactels) != 0)
+  if (tactels < 1 || inputs % tactels != 0)
     throw ValueError("bound.tactels", std::to_string(tactels), "such that the network has whole frames of them");
   if (!(unlike_above > 0) || !std::isfinite(unlike_above))
     throw ValueError("bound.unlike_above", std::to_string(unlike_above), "finite and above 0");

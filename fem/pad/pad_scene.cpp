@@ -259,6 +259,16 @@ void PadLoad::validate() const {
                      std::to_string(indentation_steps > 1 ? indentation_steps : static_cast<int>(normal.size())),
                      "so few that the pressing takes 1000 increments at most");
   check(drags.size() <= 1000, "load.tangential", static_cast<double>(drags.size()), "at most 1000 positions");
+  check(moves.size() <= 1000, "load.moves", static_cast<double>(moves.size()), "at most 1000 moves");
+  if (!moves.empty() && !drags.empty())
+    throw ValueError("load.moves", std::to_string(moves.size()) + " moves", "left out where drags are given");
+  for (const PadTarget& move : moves) {
+    check(move.normal >= 0 && move.normal <= 1e6, "load.moves", move.normal, "a depth or force, 0 to 1e6");
+    check(std::abs(move.x) <= 1e6 && std::abs(move.y) <= 1e6, "load.moves", std::hypot(move.x, move.y),
+          "places in mm, at most 1e6 away");
+    check(std::abs(move.twist) <= 2 * std::numbers::pi, "load.moves", move.twist * 180 / std::numbers::pi,
+          "twists in degrees, -360 to 360");
+  }
   for (const auto& drag : drags) {
     for (int axis = 0; axis < 2; ++axis)
       check(std::abs(drag[axis]) <= 1e6, "load.tangential", drag[axis], "a place in mm, at most 1e6 away");
@@ -284,7 +294,19 @@ std::vector<PadTarget> pad_targets(const PadLoad& load) {
     from = to;
   }
   for (const auto& drag : load.drags) targets.push_back({from, drag[0], drag[1], drag[2]});
+  targets.insert(targets.end(), load.moves.begin(), load.moves.end());
   return targets;
+}
+
+std::size_t pressing_targets(const PadLoad& load) {
+  return (load.normal_force.empty() ? load.indentation : load.normal_force).size() *
+         static_cast<std::size_t>(load.indentation_steps);
+}
+
+double largest_normal(const PadLoad& load) {
+  double largest = 0;
+  for (const PadTarget& target : pad_targets(load)) largest = std::max(largest, target.normal);
+  return largest;
 }
 
 }  // namespace tactel::fem

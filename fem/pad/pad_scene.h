@@ -25,6 +25,7 @@ struct PadSensor {
   int axes = 3;                              ///< 3, or 1: tactels that measure sigma_z only
   std::optional<double> length, width;       ///< mm: the rubber along x and y; the model has no free sides
 
+  bool operator==(const PadSensor&) const = default;
   void validate() const;  ///< throws ValueError, key "sensor.<member>"
 };
 
@@ -107,7 +108,8 @@ struct PadLoad {
   std::vector<double> normal_force{};    ///< N: instead of indentation
   int indentation_steps = 1;
   std::vector<std::array<double, 3>>
-      drags;  ///< successive positions x, y (mm) and twist (rad), at the last normal target
+      drags;                     ///< successive positions x, y (mm) and twist (rad), at the last normal target
+  std::vector<PadTarget> moves;  ///< instead of the drags: one increment each, normal target and position together
 
   void validate() const;  ///< throws ValueError, key "load.<member>"
 };
@@ -126,7 +128,10 @@ inline constexpr std::size_t most_pad_targets = 1000;  ///< increments of pressi
 
 inline bool by_force(const PadScene& scene) { return !scene.load.normal_force.empty(); }
 
-/// Returns the targets that the load asks for, in order.
+/// Returns the targets that the load asks for, in order; the first `pressing_targets` press at the first place.
 std::vector<PadTarget> pad_targets(const PadLoad& load);
+std::size_t pressing_targets(const PadLoad& load);
+/// Returns the largest normal target of the load.
+double largest_normal(const PadLoad& load);
 
 }  // namespace tactel::fem

@@ -164,8 +164,7 @@ PadSearch find_pad_contact_at(double depth, const PadScene& scene, const PadLaye
 }
 
 PadSearch find_pad_contact(const PadScene& scene, const PadLayer& layer) {
-  const std::vector<double>& targets = by_force(scene) ? scene.load.normal_force : scene.load.indentation;
-  const double wanted = *std::max_element(targets.begin(), targets.end());
+  const double wanted = largest_normal(scene.load);
   if (!by_force(scene) || !(wanted > 0)) return find_pad_contact_at(by_force(scene) ? 0 : wanted, scene, layer);
   PadSearch now = find_pad_contact_at(0.1 * scene.sensor.thickness, scene, layer), before = now;
   double power = 1.5;  // P ~ depth^power: 1 below a flat, 1.5 for a sphere on a thick layer, more on a thin one

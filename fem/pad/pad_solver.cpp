@@ -173,7 +173,7 @@ PadSolution PadWalk::walk() {
 std::vector<PadIncrement> pad_increments(const PadLoad& load, const PadOptions& options, double half_size) {
   const int parts = (options.increments() + load.indentation_steps - 1) / load.indentation_steps;
   const std::vector<PadTarget> targets = pad_targets(load);
-  const std::size_t pressing = targets.size() - load.drags.size();
+  const std::size_t pressing = pressing_targets(load);
   std::vector<PadIncrement> increments;
   PadTarget from;
   Eigen::Vector3d last = Eigen::Vector3d::Zero();

@@ -18,6 +18,7 @@
 namespace tactel {
 
 struct Sweep::State {
+  State(std::string path, host::Sweep sweep) : path(std::move(path)), sweep(std::move(sweep)) {}
   std::string path;
   host::Sweep sweep;
 };
@@ -28,7 +29,7 @@ namespace {
 class Simulation {
  public:
   Simulation(const host::Sweep& sweep, const SweepOptions& options)
-      : text_(sweep.text), source_(sweep.source), executor_(host::Device(options.device)) {
+      : text_(sweep.text), source_(sweep.lines("sweep")), executor_(host::Device(options.device)) {
     api::check_precision(options.precision);
     host::SolveOptions modelling;
     modelling.rung = options.rung, modelling.accuracy = options.accuracy;
@@ -56,7 +57,7 @@ class Simulation {
   /// A set without rows.
   Set empty_set() const {
     Set set;
-    set.inputs = 2 * static_cast<std::size_t>(source_.tactels());
+    set.inputs = static_cast<std::size_t>(source_.inputs());
     set.indenter_names = source_.kind_names();
     set.sweep = text_, set.seed = source_.seed();
     set.press_rows = source_.press_rows();
@@ -122,7 +123,10 @@ Set rows_of(const Simulation& simulation, std::uint64_t first, std::uint64_t cou
 
 Sweep::Sweep(const std::string& path, std::optional<std::uint64_t> seed, const SensorChange& sensor)
     : state_(api::with_public_errors([&] {
-        return new State{path, host::read_sweep_of_sensor(path, seed, sensor.tactels, sensor.thickness)};
+        auto state =
+            std::make_unique<State>(path, host::read_sweep_of_sensor(path, seed, sensor.tactels, sensor.thickness));
+        state->sweep.lines(path);  // which pads do not have
+        return state.release();
       })) {}
 Sweep::~Sweep() { delete state_; }
 Sweep::Sweep(Sweep&& other) noexcept : state_(std::exchange(other.state_, nullptr)) {}
@@ -131,25 +135,27 @@ Sweep& Sweep::operator=(Sweep&& other) noexcept {
   return *this;
 }
 
-std::uint64_t Sweep::contacts() const { return state_->sweep.source.contacts(); }
-bool Sweep::endless() const { return state_->sweep.source.endless(); }
-std::uint64_t Sweep::seed() const { return state_->sweep.source.seed(); }
-std::size_t Sweep::tactels() const { return static_cast<std::size_t>(state_->sweep.source.tactels()); }
-std::vector<std::string> Sweep::indenter_names() const { return state_->sweep.source.kind_names(); }
+std::uint64_t Sweep::contacts() const { return state_->sweep.contacts().contacts(); }
+bool Sweep::endless() const { return state_->sweep.contacts().endless(); }
+std::uint64_t Sweep::seed() const { return state_->sweep.contacts().seed(); }
+std::size_t Sweep::tactels() const { return static_cast<std::size_t>(state_->sweep.lines(state_->path).inputs()) / 2; }
+std::vector<std::string> Sweep::indenter_names() const { return state_->sweep.contacts().kind_names(); }
 std::vector<std::string> Sweep::warnings() const {
   return api::with_public_errors([&] { return host::unit_warnings(state_->sweep.source); }, state_->path);
 }
 
 Scene Sweep::scene(std::uint64_t k) const {
   if (!endless() && k >= contacts()) throw_past_end(state_->path, k + 1, contacts());
-  return api::with_public_errors([&] { return api::from_fem(state_->sweep.source.contact(k).scene); }, state_->path);
+  return api::with_public_errors([&] { return api::from_fem(state_->sweep.lines(state_->path).contact(k).scene); },
+                                 state_->path);
 }
 
 Sweep Sweep::changed(double shift) const {
   if (!endless()) throw InputError(state_->path, "a listed set", "a sweep that draws its contacts (sweep.contacts)");
-  return Sweep(new State{state_->path, {state_->sweep.text, state_->sweep.source.changed(shift)}});
+  return Sweep(
+      new State{state_->path, host::Sweep{state_->sweep.text, state_->sweep.lines(state_->path).changed(shift)}});
 }
-std::uint64_t Sweep::changes() const { return state_->sweep.source.changes(); }
+std::uint64_t Sweep::changes() const { return state_->sweep.lines(state_->path).changes(); }
 
 Set Sweep::generate(std::optional<std::uint64_t> contacts, const SweepOptions& options,
                     const ProgressFunction& progress) const {

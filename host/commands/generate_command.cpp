@@ -5,12 +5,14 @@
 
 #include "fem/stress_field.h"
 #include "host/commands/shared_options.h"
+#include "host/contact/pad_rung.h"
 #include "host/contact/rung_for_many.h"
 #include "host/scenes/end_tactels.h"
 #include "host/scenes/sweep_file.h"
 #include "host/scenes/unit_warnings.h"
 #include "host/sets/set_production.h"
 #include "host/sets/set_recipe.h"
+#include "host/support/chosen_row.h"
 #include "host/support/durable_file.h"
 #include "host/support/errors.h"
 #include "host/support/interrupt.h"
@@ -21,6 +23,8 @@
 
 namespace tactel::host {
 namespace {
+
+constexpr double usual_depth = 0.1;  ///< over the thickness, of forces on pads
 
 struct GenerateRequest {
   SharedOptions shared;
@@ -42,12 +46,13 @@ ProductionOptions production_options(const GenerateRequest& request) {
   return options;
 }
 
+/// How the contacts are solved.
 struct Modelling {
-  std::optional<Rung> rung{};  ///< none: as the file says
+  std::optional<Rung> rung{};  ///< of lines; none: as the file says
   bool accurate = true;        ///< false: no rung is known to keep --accuracy
 };
 
-/// The rung that --rung names, or that --accuracy takes for a sample of the contacts.
+/// The rung of lines that --rung names, or that --accuracy takes for a sample of the contacts.
 Modelling modelling(const GenerateRequest& request, const SceneSource& source, bool quiet) {
   const SolveOptions& solve = request.shared.solve;
   if (const auto rung = named_rung_for_many(solve)) return {rung};
@@ -69,9 +74,36 @@ Modelling modelling(const GenerateRequest& request, const SceneSource& source, b
   return {chosen.rung_for_many(), chosen.kept && !chosen.rung.exact};
 }
 
+/// The rung of pads that --rung names, or the cheapest whose class of errors keeps --accuracy.
+PadRung pad_rung(const SolveOptions& solve, const PadSource& source) {
+  check_modelling(solve);
+  if (!solve.rung.empty()) {
+    const PadRung& rung = pad_rung_named(solve.rung);
+    if (rung.exact)
+      throw ConfigError("command line", "--rung", solve.rung, "pad-8, -12, -16 or -24: the reference solves one scene");
+    return rung;
+  }
+  if (!solve.accuracy) return usual_pad_rung();
+  const std::uint64_t count = std::min(source.contacts(), most_tried);
+  const auto keeps = [&](const PadRung& rung) {
+    for (std::uint64_t k = 0; k < count; ++k) {
+      const fem::PadScene scene = source.contact(chosen_row(k, count, source.contacts())).scene;
+      const double H = scene.sensor.thickness;
+      const double depth = by_force(scene) ? usual_depth * H : largest_normal(scene.load);
+      if (expected_pad_error(rung, scene, depth).S > *solve.accuracy) return false;
+    }
+    return true;
+  };
+  const PadRung& cheapest = *std::ranges::find_if(pad_rungs(), [&](const auto& r) { return r.exact || keeps(r); });
+  if (cheapest.exact)
+    throw ConfigError("command line", "--accuracy", fmt::format("{:g}", *solve.accuracy),
+                      "an error in S that a rung of pads keeps on these contacts (docs/pads.md); pad-24 is the finest");
+  return cheapest;
+}
+
 /// What --precision and --tolerance do not say, the rung does.
-void model_on(const Rung& rung, const SolveOptions& solve, Sweep& sweep, SetOptions& options) {
-  sweep.source.model_on(rung);
+void model_on(const Rung& rung, const SolveOptions& solve, SceneSource& source, SetOptions& options) {
+  source.model_on(rung);
   if (solve.precision.empty()) options.precision = rung.precision;
   if (!solve.tolerance) options.tolerance = rung.tolerance;
   if (rung.patch()) options.patch = rung;
@@ -158,21 +190,36 @@ void warn_of_depth(std::uint64_t too_deep, std::uint64_t contacts) {
       too_deep, contacts, limit, limit));
 }
 
+/// Chooses the model of the contacts. `quiet`: says nothing.
+Modelling modelling(const GenerateRequest& request, Sweep& sweep, SetOptions& options, bool quiet) {
+  if (const auto* pads = std::get_if<PadSource>(&sweep.source)) {
+    options.pad = pad_rung(request.shared.solve, *pads);
+    return {};
+  }
+  auto& lines = std::get<SceneSource>(sweep.source);
+  const Modelling chosen = modelling(request, lines, quiet);
+  if (chosen.rung) model_on(*chosen.rung, request.shared.solve, lines, options);
+  if (options.patch && tactels_at_ends(lines) && !quiet) fmt::print(stderr, "note: {}\n", tactels_at_ends_text);
+  return chosen;
+}
+
 int run_generate(const GenerateRequest& request) {
   Sweep sweep = read_sweep(request.sweep);
+  const bool pads = std::holds_alternative<PadSource>(sweep.source);
+  const ContactSource& contacts = sweep.contacts();
   ProductionOptions options = production_options(request);
   std::optional<Interrupt> interrupt;  // outlives ranks: a process that is done waits in MPI_Finalize for the others
   Ranks ranks;
-  const auto [rung, accurate] = modelling(request, sweep.source, request.shared.quiet || !ranks.first());
-  if (rung) model_on(*rung, request.shared.solve, sweep, options.set);
-  if (options.set.patch && tactels_at_ends(sweep.source) && ranks.first() && !request.shared.quiet)
-    fmt::print(stderr, "note: {}\n", tactels_at_ends_text);
+  const auto [rung, accurate] = modelling(request, sweep, options.set, request.shared.quiet || !ranks.first());
   if (ranks.first() && !request.shared.quiet)
     for (const std::string& warning : unit_warnings(sweep.source)) print_warning(warning);
   SetColumns columns = columns_of(sweep.source);
   if (!request.columns.empty()) columns = only_columns(columns, request.columns);
-  const SetRecipe recipe =
-      recipe_of(sweep, rung ? rung->name : "as the file says", options.set, request.columns, request.compress);
+  const SetRecipe recipe = recipe_of(sweep,
+                                     pads   ? options.set.pad.name
+                                     : rung ? rung->name
+                                            : "as the file says",
+                                     options.set, request.columns, request.compress);
   const bool complete = ranks.first() && already_there(request, recipe);
   if (ranks.sum({complete ? 1.0 : 0.0})[0] > 0) {  // all processes must agree
     if (complete && !request.shared.quiet) fmt::print("{}: complete already\n", request.output);
@@ -181,7 +228,7 @@ int run_generate(const GenerateRequest& request) {
   interrupt.emplace();  // before there is anything to keep
   const Ring ring{ranks.rank(), ranks.count(), [&](int to, std::string bytes) { ranks.send(to, std::move(bytes)); },
                   [&] { return ranks.receive(); }};
-  const std::uint64_t chunks = chunk_count(sweep.source);
+  const std::uint64_t chunks = chunk_count(contacts);
   std::optional<SetSpool> spool;
   if (ranks.first()) {
     check_writable("--output", request.output);
@@ -221,13 +268,16 @@ int run_generate(const GenerateRequest& request) {
   ContactSet set(columns);
   set.sweep = sweep.text;
   set.plan = recipe.conditions;
-  set.contacts = sweep.source.contacts();
-  set.seed = sweep.source.seed();
-  set.press_rows = sweep.source.press_rows();
-  set.indenter_names = sweep.source.kind_names();
-  set.transducer = nn::description(sweep.source.transducer());
+  set.contacts = contacts.contacts();
+  set.seed = contacts.seed();
+  set.press_rows = contacts.press_rows();
+  set.indenter_names = contacts.kind_names();
+  set.transducer = nn::description(contacts.transducer());
   set.device = fmt::format("{}", fmt::join(report.devices, ", "));
-  set.rung = rung ? fmt::format("{}: {}", rung->name, description(*rung)) : name(options.set.precision);
+  set.rung =
+      pads ? fmt::format("{}: {}, {}", options.set.pad.name, description(options.set.pad), name(options.set.precision))
+      : rung ? fmt::format("{}: {}", rung->name, description(*rung))
+             : name(options.set.precision);
   if (const auto accuracy = request.shared.solve.accuracy)
     set.rung += fmt::format("; the accuracy of {:g} holds for S alone, not for stresses", *accuracy);
   {
@@ -236,7 +286,7 @@ int run_generate(const GenerateRequest& request) {
   }
   const double seconds = seconds_since(start);
   if (!request.shared.quiet) {
-    warn_of_depth(set.too_deep, sweep.source.contacts());
+    warn_of_depth(set.too_deep, contacts.contacts());
     fmt::print("{}", report_text(request, set, work, spool->rows(), report.seconds, seconds));
   }
   return set.unsolved == 0 && accurate ? done : not_converged;

@@ -223,7 +223,7 @@ LaneScenes<Real> PadContact<Real>::State::numbers(const std::vector<OnCells>& on
     const std::vector<fem::PadIncrement> path = fem::pad_increments(scene.load, options.twin(), cells.half_size());
     const int steps = static_cast<int>(scenes.all_[i].path.steps.size());
     all.add({}, {.steps = steps,
-                 .indentation_steps = steps - static_cast<int>(scene.load.drags.size()),
+                 .indentation_steps = static_cast<int>(fem::pressing_targets(scene.load)),
                  .increments = static_cast<int>(path.size()),
                  .friction = scene.friction,
                  .young = scene.sensor.young});

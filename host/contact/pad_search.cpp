@@ -104,8 +104,6 @@ bool mirrored(const fem::PadIndenter& indenter) {
   return indenter.tilt == 0 && !std::holds_alternative<fem::HeightMap>(indenter.shape);
 }
 
-double largest(const std::vector<double>& targets) { return *std::max_element(targets.begin(), targets.end()); }
-
 /// Measured heights, [rows][columns] mm, one after the other; equal ones stand once.
 template <class Real>
 class Maps {
@@ -181,7 +179,7 @@ std::vector<fem::PadSearch> PadSearch<Real>::find(std::span<const fem::PadScene*
       if (forced(i) == force) order[mirrored(scenes[i]->indenter)].push_back(i);
   const auto target = [&](std::size_t i) {
     const fem::PadLoad& load = scenes[i]->load;
-    return !depths.empty() ? depths[i] : largest(forced(i) ? load.normal_force : load.indentation);
+    return !depths.empty() ? depths[i] : fem::largest_normal(load);
   };
 
   const Device& device = state_->executor.device();

@@ -110,16 +110,10 @@ std::string why_no_estimate(const SolveOutcome& outcome) {
   return why_no_estimate(outcome.scene, outcome.solution);
 }
 
-namespace {
-
 bool too_deep(double thickness, double indentation) {
   constexpr double rounding = 1e-6;  // of a depth in fp32
   return indentation > fem::linear_strain_limit * (1 + rounding) * thickness;
 }
-
-}  // namespace
-
-bool too_deep(const fem::Sensor& sensor, double indentation) { return too_deep(sensor.thickness, indentation); }
 
 std::optional<std::string> depth_warning(double thickness, double deepest) {
   if (!too_deep(thickness, deepest)) return std::nullopt;

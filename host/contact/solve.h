@@ -57,7 +57,7 @@ std::optional<MeshError> mesh_error(const SolveOutcome& outcome, FinerAnswer fin
 std::string why_no_estimate(const SolveOutcome& outcome);
 
 /// Returns true where an indentation, mm, exceeds the share of the thickness to which rubber is linear.
-bool too_deep(const fem::Sensor& sensor, double indentation);
+bool too_deep(double thickness, double indentation);
 /// Returns a warning about an indentation that is too deep for a thickness, both mm; none for others.
 std::optional<std::string> depth_warning(double thickness, double deepest);
 std::optional<std::string> depth_warning(const fem::Scene& scene, const fem::ContactSolution& solution);

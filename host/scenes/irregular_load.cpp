@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "host/scenes/scene_tables.h"
 #include "host/support/nearest_word.h"
 
 namespace tactel::host {
@@ -95,6 +96,24 @@ class PathDraws {
   std::uint32_t numbers_ = 0;  ///< uniform and log-uniform ones so far
 };
 
+/// Where a stroke goes: a unit vector, and its twist, rad.
+struct Stroke {
+  double x = 1, y = 0, twist = 0;
+
+  /// Draws the next: of a line the same again, of a pad any. A reversal goes, and twists, against the one before.
+  void turn(PathDraws& draws, const IrregularLoad& irregular, bool reversed) {
+    if (reversed) x = -x, y = -y;
+    if (!irregular.turning) return;
+    const double direction = radians(draws.number(irregular.turning->direction)),
+                 drawn = radians(draws.number(irregular.turning->twist));
+    if (!reversed) x = std::cos(direction), y = std::sin(direction);
+    twist = reversed ? std::copysign(drawn, -twist) : drawn;
+  }
+};
+
+void put(std::vector<fem::LoadMove>& moves, const fem::PadTarget& at) { moves.push_back({at.normal, at.x}); }
+void put(std::vector<fem::PadTarget>& moves, const fem::PadTarget& at) { moves.push_back(at); }
+
 }  // namespace
 
 double IrregularLoad::most_steps() const {
@@ -102,13 +121,19 @@ double IrregularLoad::most_steps() const {
   return rounded_most(presses) * (2 * rounded_most(press_steps) + rounded_most(strokes) * of_stroke);
 }
 
+double IrregularLoad::most_twist() const {
+  if (!turning) return 0;
+  const auto [low, high] = ends(turning->twist);
+  return rounded_most(presses) * rounded_most(strokes) * std::max(std::abs(low), std::abs(high));
+}
+
 std::uint32_t IrregularLoad::most_numbers() const {
-  const double of_stroke = 2 + rounded_most(release_steps) + rounded_most(stroke_steps);
+  const double of_stroke = (turning ? 4 : 2) + rounded_most(release_steps) + rounded_most(stroke_steps);
   return static_cast<std::uint32_t>(rounded_most(presses) *
                                     (1 + 2 * rounded_most(press_steps) + rounded_most(strokes) * of_stroke));
 }
 
-IrregularLoad read_irregular_load(const TomlFile& file, const toml::table& table) {
+IrregularLoad read_irregular_load(const TomlFile& file, const toml::table& table, bool pad) {
   constexpr const char* some = "a number of them, 1 to 100";
   constexpr const char* share = "a share of the first press, 0 to 2";
   IrregularReader in(file, table);
@@ -122,11 +147,17 @@ IrregularLoad read_irregular_load(const TomlFile& file, const toml::table& table
       .stroke_steps = in.distribution("stroke_steps", 6, 1, 100, some),
       .release_to = in.distribution("release_to", 0.5, 0, most_share, share),
       .release_steps = in.distribution("release_steps", 2, 1, 100, some),
-      .backward = in.probability("backward"),
+      .backward = pad ? 0 : in.probability("backward"),
       .reversal = in.probability("reversal"),
       .pause = in.probability("pause"),
       .release = in.probability("release")};
+  if (pad)
+    load.turning = {in.distribution("direction", 0, -360, 360, "degrees from x, -360 to 360"),
+                    in.distribution("twist", 0, -360, 360, "degrees, -360 to 360")};
   in.finish();
+  if (const double most = load.most_twist(); most > 360)
+    throw file.error("load.irregular.twist", table.get("twist"),
+                     fmt::format("twists of at most 360 degrees in a path; its strokes together may have {:g}", most));
   if (const double most = load.most_steps(); most > fem::most_tangential_steps)
     throw file.error(
         "load.irregular", &table,
@@ -134,20 +165,23 @@ IrregularLoad read_irregular_load(const TomlFile& file, const toml::table& table
   return load;
 }
 
-void draw_irregular_load(const IrregularLoad& irregular, std::uint64_t seed, std::uint64_t contact, fem::Load& load,
+template <class Load>
+void draw_irregular_load(const IrregularLoad& irregular, std::uint64_t seed, std::uint64_t contact, Load& load,
                          std::optional<std::uint32_t> moved, double shift) {
   PathDraws draws(seed, contact, moved, shift);
   std::vector<double>& first = load.normal_force.empty() ? load.indentation : load.normal_force;
   const double nominal = first.front();
-  fem::LoadMove at;
-  const auto go = [&](const fem::LoadMove& to, int steps, double pause) {
-    const fem::LoadMove from = at;
+  fem::PadTarget at;  // of a line x alone
+  const auto go = [&](const fem::PadTarget& to, int steps, double pause) {
+    const fem::PadTarget from = at;
     for (const double share : draws.shares(steps)) {
-      at = {std::lerp(from.normal, to.normal, share), std::lerp(from.tangential, to.tangential, share)};
-      load.moves.push_back(at);
-      if (pause > 0 && draws.happens(pause)) load.moves.push_back(at);
+      at = {std::lerp(from.normal, to.normal, share), std::lerp(from.x, to.x, share), std::lerp(from.y, to.y, share),
+            std::lerp(from.twist, to.twist, share)};
+      put(load.moves, at);
+      if (pause > 0 && draws.happens(pause)) put(load.moves, at);
     }
   };
+  const auto press_to = [&](double normal, int steps) { go({normal, at.x, at.y, at.twist}, steps, 0); };
   const int presses = draws.count(irregular.presses);
   for (int press = 0; press < presses; ++press) {
     const double depth = press == 0 ? nominal : nominal * draws.number(irregular.press_depth);
@@ -157,20 +191,29 @@ void draw_irregular_load(const IrregularLoad& irregular, std::uint64_t seed, std
       for (const double share : draws.shares(press_steps)) first.push_back(nominal * share);
       at.normal = nominal;
     } else {
-      go({depth, at.tangential}, press_steps, 0);
+      press_to(depth, press_steps);
     }
-    double sign = draws.happens(irregular.backward) ? -1 : 1;
+    Stroke stroke;
+    if (!irregular.turning && draws.happens(irregular.backward)) stroke.x = -1;
     const int strokes = draws.count(irregular.strokes);
-    for (int stroke = 0; stroke < strokes; ++stroke) {
-      if (draws.happens(irregular.release))
-        go({depth * draws.number(irregular.release_to), at.tangential}, draws.count(irregular.release_steps), 0);
-      if (stroke > 0 && draws.happens(irregular.reversal)) sign = -sign;
+    for (int k = 0; k < strokes; ++k) {
+      if (draws.happens(irregular.release)) {
+        const int steps = draws.count(irregular.release_steps);
+        press_to(depth * draws.number(irregular.release_to), steps);
+      }
+      stroke.turn(draws, irregular, k > 0 && draws.happens(irregular.reversal));
       const double length = draws.number(irregular.stroke);
-      go({at.normal, at.tangential + sign * length}, draws.count(irregular.stroke_steps), irregular.pause);
+      go({at.normal, at.x + stroke.x * length, at.y + stroke.y * length, at.twist + stroke.twist},
+         draws.count(irregular.stroke_steps), irregular.pause);
     }
-    if (press + 1 < presses) go({0, at.tangential}, draws.count(irregular.press_steps), 0);
+    if (press + 1 < presses) press_to(0, draws.count(irregular.press_steps));
   }
   load.indentation_steps = 1;
 }
+
+template void draw_irregular_load(const IrregularLoad&, std::uint64_t, std::uint64_t, fem::Load&,
+                                  std::optional<std::uint32_t>, double);
+template void draw_irregular_load(const IrregularLoad&, std::uint64_t, std::uint64_t, fem::PadLoad&,
+                                  std::optional<std::uint32_t>, double);
 
 }  // namespace tactel::host

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/scenes/pad_file.h"
 
-#include <numbers>
-
 #include "host/scenes/profile_csv.h"
 #include "host/scenes/scene_tables.h"
 #include "host/scenes/shape_choice.h"
@@ -13,8 +11,6 @@ namespace {
 constexpr const char *length_words = "a number of mm above 0", *two_mm = "two numbers of mm above 0, along x and y",
                      *some_edge = "the radius of its rounding in mm, 0 for a sharp edge";
 const std::string left_out_of_a_pad = std::string("left out: it ") + of_a_line;
-
-double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
 void read_pad_sensor(const TomlFile& file, fem::PadSensor& sensor) {
   TomlTable in(file, "sensor");
@@ -176,7 +172,7 @@ fem::PadScene read_pad(const TomlFile& file) {
   fem::PadScene scene;
   root.read("title", scene.title, "a text");
   root.refuse_any({"preset"}, left_out_of_a_pad);
-  root.refuse_any({"sweep"}, "left out: a sweep draws contacts of a line; `tactel solve` takes one contact of a pad");
+  root.refuse_any({"sweep"}, "left out: a scene is one contact; `tactel generate` takes sweeps");
   for (const char* table : {"sensor", "indenter", "contact", "load"}) root.expect_table(table);
   root.finish();
   read_pad_sensor(file, scene.sensor);

@@ -6,28 +6,27 @@
 #include <numbers>
 
 #include "fem/block.h"
-#include "host/scenes/distributed_keys.h"
 #include "host/scenes/sweep_reader.h"
-#include "host/support/checksum.h"
 #include "host/support/errors.h"
 
 namespace tactel::host {
 namespace {
 
-using Alternative = SceneSource::Alternative;
-
-double draw_number(const SceneSource::NumberDraw& from, DrawKey key) {
+template <class Draw>
+double draw_number(const Draw& from, DrawKey key) {
   key.draw = from.number;
   return draw(from.distribution, key);
 }
 
-const Alternative& draw_alternative(const SceneSource::Part& part, DrawKey key) {
+template <class Part>
+const auto& draw_alternative(const Part& part, DrawKey key) {
   key.draw = part.number;
   return part.alternatives.size() == 1 ? part.alternatives[0] : part.alternatives[draw_weighted(part.weights, key)];
 }
 
-void draw_numbers(const Alternative& from, fem::Scene& scene, const DrawKey& key) {
-  for (const SceneSource::NumberDraw& number : from.draws) number.place(scene, number.index) = draw_number(number, key);
+template <class Alternative, class Scene>
+void draw_numbers(const Alternative& from, Scene& scene, const DrawKey& key) {
+  for (const auto& number : from.draws) number.put(scene, draw_number(number, key));
 }
 
 /// Slopes between -1 and 1 in increasing order make it convex; then it is stretched to its width and height.
@@ -54,70 +53,74 @@ fem::Profile draw_profile(const SceneSource::RandomProfile& from, DrawKey key) {
   return profile;
 }
 
+/// What of a contact a line draws beside its numbers.
+void draw_others(const SceneSource::Alternative& indenter, const SceneSource::Alternative& load, fem::Scene& scene,
+                 const DrawKey& key) {
+  if (indenter.profile) scene.indenter.shape = draw_profile(*indenter.profile, key);
+  if (load.slip_index)
+    scene.load.angle = std::atan(draw_number(*load.slip_index, key) * scene.friction) * 180 / std::numbers::pi;
+}
+void draw_others(const PadSource::Alternative&, const PadSource::Alternative&, fem::PadScene&, const DrawKey&) {}
+
 }  // namespace
 
-SceneSource SceneSource::read(const std::filesystem::path& path, std::optional<std::uint64_t> seed) {
-  return SweepReader(path, seed).read();
+template <class Scene>
+SourceOf<Scene> SourceOf<Scene>::read(const std::filesystem::path& path, std::optional<std::uint64_t> seed) {
+  return SweepReaderOf<Scene>(path, seed).read();
 }
 
-SceneSource::SceneSource(std::vector<fem::Scene> scenes, std::vector<std::uint16_t> kinds,
-                         std::vector<std::string> kind_names)
-    : contacts_(scenes.size()),
-      kind_names_(std::move(kind_names)),
-      listed_(std::move(scenes)),
-      listed_kinds_(std::move(kinds)) {
-  for (const fem::Scene& scene : listed_)
+template <class Scene>
+SourceOf<Scene>::SourceOf(std::vector<Scene> scenes, std::vector<std::uint16_t> kinds,
+                          std::vector<std::string> kind_names)
+    : listed_(std::move(scenes)), listed_kinds_(std::move(kinds)) {
+  contacts_ = listed_.size(), endless_ = listed_.empty();
+  kind_names_ = std::move(kind_names);
+  for (const Scene& scene : listed_)
     if (std::ranges::find(sensors_, scene.sensor) == sensors_.end()) sensors_.push_back(scene.sensor);
+  inputs_ = inputs_of(sensors_.front());
 }
 
-int SceneSource::tactels() const { return sensors_.front().tactels; }
-
-ContactParameters SceneSource::parameters() const {
-  std::vector<fem::Scene> scenes = listed_;
+template <class Scene>
+ContactParametersOf<Scene> SourceOf<Scene>::parameters() const {
+  std::vector<Scene> scenes = listed_;
   for (const Alternative& indenter : indenter_.alternatives) scenes.push_back(indenter.scene);
   return {scenes, sensors_, own_sensors_.has_value()};
 }
 
-std::vector<float> SceneSource::tactel_x() const {
-  const NumberPlace length = number_place("sensor.length", ""), span = number_place("sensor.tactel_span", "");
-  for (const Alternative& sensor : sensor_.alternatives)
-    for (const NumberDraw& draw : sensor.draws)
-      if (draw.place == span || (draw.place == length && !sensor.scene.sensor.tactel_span)) return {};
-  for (const fem::Sensor& sensor : sensors_)
-    if (sensor.span() != sensors_[0].span()) return {};
-  const Eigen::VectorXf x = fem::tactel_positions(sensors_[0]).cast<float>();
-  return {x.begin(), x.end()};
+template <class Scene>
+std::vector<float> SourceOf<Scene>::tactel_x() const {
+  if constexpr (of_lines) {
+    const auto length = number_place<Scene>("sensor.length", ""), span = number_place<Scene>("sensor.tactel_span", "");
+    for (const Alternative& sensor : sensor_.alternatives)
+      for (const NumberDraw& draw : sensor.draws)
+        if (draw.place == span || (draw.place == length && !sensor.scene.sensor.tactel_span)) return {};
+    for (const Sensor& sensor : sensors_)
+      if (sensor.span() != sensors_[0].span()) return {};
+    const Eigen::VectorXf x = fem::tactel_positions(sensors_[0]).template cast<float>();
+    return {x.begin(), x.end()};
+  } else {
+    return {};
+  }
 }
 
-void SceneSource::model_on(const Rung& rung) {
+template <>
+void SourceOf<fem::Scene>::model_on(const Rung& rung) {
   if (own_sensors_ && !rung.patch())
     throw ConfigError(file_, "[sweep] sensors", "(missing)",
                       "a number of sensors to draw where rung " + rung.name +
                           " solves on a mesh: each sensor needs a condensation there");
   rung_ = rung;
   model_ = rung.patch() ? fem::SurfaceModel::patch : fem::SurfaceModel::mesh;
-  for (fem::Sensor& sensor : sensors_) {
+  for (Sensor& sensor : sensors_) {
     fem::Scene scene;
     scene.sensor = sensor;
     sensor = on_rung(scene, rung).sensor;
   }
 }
 
-std::vector<std::pair<std::string, std::string>> SceneSource::files() const {
-  std::vector<std::pair<std::string, std::string>> read;
-  for (const Alternative& indenter : indenter_.alternatives) {
-    const auto* profile = std::get_if<fem::Profile>(&indenter.scene.indenter.shape);
-    if (!profile || profile->file.empty()) continue;
-    RunningChecksum sum;
-    for (const auto* numbers : {&profile->x, &profile->y})
-      sum.add({reinterpret_cast<const char*>(numbers->data()), numbers->size() * sizeof(double)});
-    read.emplace_back(std::filesystem::path(profile->file).filename().string(), sum.text());
-  }
-  return read;
-}
-
-SceneSource SceneSource::changed(double shift) const {
-  SceneSource source = *this;
+template <class Scene>
+SourceOf<Scene> SourceOf<Scene>::changed(double shift) const {
+  SourceOf source = *this;
   source.shift_ = shift;
   const auto take = [&](const NumberDraw& draw) {
     if (over_a_range(draw.distribution)) source.moved_.push_back(draw.number);
@@ -133,13 +136,16 @@ SceneSource SceneSource::changed(double shift) const {
   return source;
 }
 
-SceneSource::Contact SceneSource::contact(std::uint64_t k) const {
+template <class Scene>
+typename SourceOf<Scene>::Contact SourceOf<Scene>::contact(std::uint64_t k) const {
   Contact contact = drawn_contact(k);
-  if (rung_ && !rung_->patch()) contact.scene = on_rung(contact.scene, *rung_);
+  if constexpr (of_lines)
+    if (rung_ && !rung_->patch()) contact.scene = on_rung(contact.scene, *rung_);
   return contact;
 }
 
-SceneSource::Contact SceneSource::drawn_contact(std::uint64_t k) const {
+template <class Scene>
+typename SourceOf<Scene>::Contact SourceOf<Scene>::drawn_contact(std::uint64_t k) const {
   if (!listed_.empty()) return {listed_[k], listed_kinds_[k]};
   const std::uint64_t item = k / changes(), change = k % changes();
   DrawKey key{.seed = seed_, .stream = nn::RandomStream::contact, .item = item};
@@ -152,8 +158,8 @@ SceneSource::Contact SceneSource::drawn_contact(std::uint64_t k) const {
   const Alternative &contact = draw_alternative(contact_, key), &load = draw_alternative(load_, key);
   Contact drawn;
   drawn.kind = static_cast<std::uint16_t>(&indenter - indenter_.alternatives.data());
-  fem::Scene& scene = drawn.scene;
-  scene.model = model_;
+  Scene& scene = drawn.scene;
+  if constexpr (of_lines) scene.model = model_;
   if (own_sensors_) {
     const Alternative& sensor = draw_alternative(sensor_, key);
     scene.sensor = sensor.scene.sensor;
@@ -165,9 +171,7 @@ SceneSource::Contact SceneSource::drawn_contact(std::uint64_t k) const {
   scene.friction = contact.scene.friction;
   scene.load = load.scene.load;
   for (const Alternative* part : {&indenter, &contact, &load}) draw_numbers(*part, scene, key);
-  if (indenter.profile) scene.indenter.shape = draw_profile(*indenter.profile, key);
-  if (load.slip_index)
-    scene.load.angle = std::atan(draw_number(*load.slip_index, key) * scene.friction) * 180 / std::numbers::pi;
+  draw_others(indenter, load, scene, key);
   if (load.irregular) draw_irregular_load(*load.irregular, seed_, item, scene.load, moved_of_path, shift_);
   try {
     scene.validate();
@@ -177,5 +181,8 @@ SceneSource::Contact SceneSource::drawn_contact(std::uint64_t k) const {
   }
   return drawn;
 }
+
+template class SourceOf<fem::Scene>;
+template class SourceOf<fem::PadScene>;
 
 }  // namespace tactel::host

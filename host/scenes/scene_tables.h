@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <numbers>
+
 #include "fem/scene.h"
 #include "host/scenes/toml_table.h"
 
@@ -13,6 +15,8 @@ inline const std::vector<std::string> sensor_kinds = {"line", "pad"};
 /// What errors say of keys of the other kind.
 inline constexpr const char* of_a_pad = "belongs to a pad (sensor.kind = \"pad\")";
 inline constexpr const char* of_a_line = "belongs to a line, and sensor.kind is \"pad\"";
+
+inline double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
 /// Read the tables that scene files and sweep files share, each strictly. Absent keys leave `out` unchanged.
 /// Reads the sensor and the model of the contact. `usual` is the model where the file asks for none and names no mesh.

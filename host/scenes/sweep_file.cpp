@@ -9,6 +9,7 @@
 #include "host/scenes/scene_tables.h"
 #include "host/scenes/sweep_reader.h"
 #include "host/scenes/transducer_table.h"
+#include "host/support/errors.h"
 
 namespace tactel::host {
 namespace {
@@ -28,7 +29,7 @@ fem::Scene base_scene(const TomlFile& file) {
   return base;
 }
 
-SceneSource paper_source(const TomlFile& file, std::optional<std::uint64_t> given_seed) {
+AnySource paper_source(const TomlFile& file, std::optional<std::uint64_t> given_seed) {
   const std::vector<std::string> sets = {"paper-learning", "paper-recall"};
   const fem::Scene base = base_scene(file);
   TomlTable in(file, "sweep");
@@ -54,19 +55,37 @@ SceneSource paper_source(const TomlFile& file, std::optional<std::uint64_t> give
   }
 }
 
+/// The kind of the first sensor.
+bool draws_pads(const TomlFile& file) {
+  const toml::node* node = file.root().get("sensor");
+  if (node != nullptr && node->is_array()) node = node->as_array()->get(0);
+  const toml::table* sensor = node != nullptr ? node->as_table() : nullptr;
+  return sensor != nullptr && (*sensor)["kind"].value<std::string>() == "pad";
+}
+
+AnySource read_drawn(TomlFile file, std::optional<std::uint64_t> seed) {
+  if (draws_pads(file)) return SweepReaderOf<fem::PadScene>(std::move(file), seed).read();
+  return SweepReaderOf<fem::Scene>(std::move(file), seed).read();
+}
+
 }  // namespace
+
+const SceneSource& Sweep::lines(const std::string& file) const {
+  if (const auto* of_lines = std::get_if<SceneSource>(&source)) return *of_lines;
+  throw ConfigError(file, "sensor.kind", "\"pad\"", "\"line\": this takes no pads");
+}
 
 Sweep read_sweep(const std::filesystem::path& path, std::optional<std::uint64_t> seed) {
   const TomlFile file(path);
   TomlTable sweep(file, "sweep");
-  return {file.text(), sweep.has("set") ? paper_source(file, seed) : SceneSource::read(path, seed)};
+  return {file.text(), sweep.has("set") ? paper_source(file, seed) : read_drawn(TomlFile(path), seed)};
 }
 
 Sweep read_sweep_text(const std::filesystem::path& path, std::string text, std::optional<std::uint64_t> seed) {
   TomlFile file(path, std::move(text));
   TomlTable sweep(file, "sweep");
   const std::string kept = file.text();
-  return {kept, sweep.has("set") ? paper_source(file, seed) : SweepReader(std::move(file), seed).read()};
+  return {kept, sweep.has("set") ? paper_source(file, seed) : read_drawn(std::move(file), seed)};
 }
 
 Sweep read_sweep_of_sensor(const std::filesystem::path& path, std::optional<std::uint64_t> seed,

@@ -12,7 +12,12 @@ namespace tactel::host {
 /// Contents of a sweep file.
 struct Sweep {
   std::string text;  ///< the file as it was read
-  SceneSource source;
+  AnySource source;
+
+  ContactSource& contacts() { return common(source); }
+  const ContactSource& contacts() const { return common(source); }
+  /// Returns the source of lines. Throws ConfigError for that of pads.
+  const SceneSource& lines(const std::string& file) const;
 };
 
 /// Reads a sweep file: either that of a SceneSource, or one of the paper's sets, with the optional tables [sensor],

@@ -10,10 +10,12 @@
 
 #include "host/scenes/distributed_keys.h"
 #include "host/scenes/distribution.h"
+#include "host/scenes/pad_file.h"
 #include "host/scenes/scene_file.h"
 #include "host/scenes/scene_tables.h"
 #include "host/scenes/shape_reader.h"
 #include "host/scenes/transducer_table.h"
+#include "host/support/checksum.h"
 #include "host/support/nearest_word.h"
 
 namespace tactel::host {
@@ -22,33 +24,56 @@ namespace {
 using std::string;
 constexpr std::array part_names{"sensor", "indenter", "contact", "load"};
 constexpr int most_sensors = 10000, usual_sensors = 16;
+constexpr std::size_t most_poissons = 16;  ///< of pads whose contacts draw their own sensors
 constexpr std::int64_t most_contacts = std::int64_t{1} << 40;
 constexpr const char* one_width = "the same for every [[sensor]]: a set's frames are of one width";
 
+template <class Scene>
+constexpr bool of_lines = SourceOf<Scene>::of_lines;
+
 /// Keys of a sweep that scene files do not have.
+template <class Scene>
 bool own_key(const string& table, std::string_view key) {
-  return key == "weight" || (table == "load" && (key == "slip_index" || key == "irregular")) ||
-         (table == "indenter" && (key == "points" || key == "name"));
+  if (key == "weight" || (table == "load" && key == "irregular")) return true;
+  return of_lines<Scene> &&
+         ((table == "load" && key == "slip_index") || (table == "indenter" && (key == "points" || key == "name")));
 }
 
 /// A random profile is read as some profile; its half_width and height belong to the sweep.
-bool is_random_profile(const toml::table& table) { return table.contains("points"); }
+template <class Scene>
+bool is_random_profile(const string& name, const toml::table& table) {
+  return of_lines<Scene> && name == "indenter" && table.contains("points");
+}
+
+/// Calls f(array, i, index) for the tables of an array, and of those in it: `index` counts through them.
+template <class Array, class F>
+void each_table(Array& array, const F& f) {
+  int index = 0;
+  for (std::size_t i = 0; i < array.size(); ++i, ++index) {
+    if (array[i].is_table()) f(array, i, index);
+    if (auto* inner = array[i].as_array()) {
+      index = static_cast<int>(i * inner->size());
+      for (std::size_t k = 0; k < inner->size(); ++k, ++index)
+        if ((*inner)[k].is_table()) f(*inner, k, index);
+      --index;
+    }
+  }
+}
 
 /// Takes the sweep's own keys out and puts `number(key, node)` in place of every distribution.
-template <class Number>
+template <class Scene, class Number>
 void make_plain(const string& name, toml::table& table, const Number& number) {
-  const bool random = name == "indenter" && is_random_profile(table);
+  const bool random = is_random_profile<Scene>(name, table);
   std::vector<string> keys;
   for (const auto& [key, node] : table) keys.emplace_back(key.str());
   for (const string& key : keys) {
     toml::node& node = *table.get(key);
-    if (own_key(name, key) || (random && (key == "half_width" || key == "height"))) {
+    if (own_key<Scene>(name, key) || (random && (key == "half_width" || key == "height"))) {
       table.erase(key);
     } else if (node.is_table()) {
       table.insert_or_assign(key, number(key, node));
     } else if (toml::array* array = node.as_array()) {
-      for (std::size_t i = 0; i < array->size(); ++i)
-        if ((*array)[i].is_table()) array->replace(array->cbegin() + i, number(key, (*array)[i]));
+      each_table(*array, [&](toml::array& of, std::size_t i, int) { of.replace(of.cbegin() + i, number(key, of[i])); });
     }
   }
   if (random) {
@@ -57,72 +82,7 @@ void make_plain(const string& name, toml::table& table, const Number& number) {
   }
 }
 
-}  // namespace
-
-SweepReader::SweepReader(const std::filesystem::path& path, std::optional<std::uint64_t> seed)
-    : SweepReader(TomlFile(path), seed) {}
-SweepReader::SweepReader(TomlFile file, std::optional<std::uint64_t> seed) : file_(std::move(file)), seed_(seed) {}
-
-/// [name] once, [[name]] several times, or not at all (one null).
-std::vector<const toml::table*> SweepReader::tables(const string& name) const {
-  const toml::node* node = file_.root().get(name);
-  if (node == nullptr) return {nullptr};
-  if (const toml::table* table = node->as_table()) return {table};
-  std::vector<const toml::table*> all;
-  if (const toml::array* array = node->as_array())
-    for (const toml::node& element : *array) all.push_back(element.as_table());
-  if (all.empty() || std::ranges::find(all, nullptr) != all.end())
-    throw file_.error(name, node, "a table [" + name + "], or several [[" + name + "]]");
-  return all;
-}
-
-std::vector<SweepReader::Found> SweepReader::distributions(const string& name, const toml::table& table) const {
-  std::vector<Found> found;
-  const auto add = [&](const string& key, int index, const toml::node& node) {
-    if (auto distribution = read_distribution(file_, key, node))
-      found.push_back({key, index, std::move(*distribution), &node});
-  };
-  const bool random = name == "indenter" && is_random_profile(table);
-  for (const auto& [key, node] : table) {
-    const string full = name + "." + string(key.str());
-    if (own_key(name, key.str()) || (random && (key == "half_width" || key == "height"))) continue;
-    add(full, -1, node);
-    if (const toml::array* array = node.as_array())
-      for (std::size_t i = 0; i < array->size(); ++i) add(full, static_cast<int>(i), (*array)[i]);
-  }
-  return found;
-}
-
-double SweepReader::weight(const string& name, const toml::table& table) const {
-  const toml::node* node = table.get("weight");
-  if (node == nullptr) return 1;
-  const auto value = node->value<double>();
-  if (!value || !(*value >= 0) || !std::isfinite(*value))
-    throw file_.error(name + ".weight", node, "a number, at least 0: relative frequency of this table");
-  return *value;
-}
-
-/// The file as a scene file: alternative `chosen` of table `name`, the first of the others; the smallest number for
-/// each distribution.
-TomlFile SweepReader::concrete(const string& name, std::size_t chosen) const {
-  TomlFile file(file_.path(), file_.text());
-  for (const char* own : {"sweep", "transducer"}) file.root().erase(own);
-  for (const string part : part_names) {
-    toml::node* node = file.root().get(part);
-    if (node == nullptr) continue;
-    if (toml::array* array = node->as_array()) {
-      toml::table one = std::move(*(*array)[part == name ? chosen : 0].as_table());
-      file.root().insert_or_assign(part, std::move(one));
-    }
-    toml::table& table = *file.root().get(part)->as_table();
-    make_plain(part, table, [&](const string& key, const toml::node& node) {
-      return ends(read_distribution(file_, part + "." + key, node).value()).first;
-    });
-  }
-  return file;
-}
-
-fem::Scene SweepReader::read_scene(const TomlFile& file) const {
+fem::Scene read_plain(const TomlFile& file, const fem::Scene*) {
   TomlTable root(file, "");
   fem::Scene scene;
   const bool preset = root.read_choice("preset", {"paper"}).has_value();
@@ -134,22 +94,127 @@ fem::Scene SweepReader::read_scene(const TomlFile& file) const {
   read_indenter(file, scene.indenter, preset);
   read_contact(file, scene.friction);
   read_load(file, scene.load, preset);
+  return scene;
+}
+
+fem::PadScene read_plain(const TomlFile& file, const fem::PadScene*) {
+  if (!is_pad(file)) throw file.error("sensor.kind", nullptr, "\"pad\" in every [[sensor]], or in none");
+  return read_pad(file);
+}
+
+/// Name of a measured file of a shape, and the checksum of its numbers.
+using FileSum = std::optional<std::pair<string, string>>;
+FileSum file_sum(const string& file, std::initializer_list<std::span<const double>> numbers) {
+  if (file.empty()) return {};
+  RunningChecksum sum;
+  for (const auto& of : numbers) sum.add({reinterpret_cast<const char*>(of.data()), of.size_bytes()});
+  return std::pair{std::filesystem::path(file).filename().string(), sum.text()};
+}
+FileSum file_of(const fem::Shape& shape) {
+  const auto* profile = std::get_if<fem::Profile>(&shape);
+  return profile ? file_sum(profile->file, {profile->x, profile->y}) : FileSum{};
+}
+FileSum file_of(const fem::PadShape& shape) {
+  const auto* map = std::get_if<fem::HeightMap>(&shape);
+  if (!map) return {};
+  return file_sum(map->file, {{&map->pitch, 1}, {map->heights.data(), static_cast<std::size_t>(map->heights.size())}});
+}
+
+}  // namespace
+
+template <class Scene>
+SweepReaderOf<Scene>::SweepReaderOf(const std::filesystem::path& path, std::optional<std::uint64_t> seed)
+    : SweepReaderOf(TomlFile(path), seed) {}
+
+template <class Scene>
+SweepReaderOf<Scene>::SweepReaderOf(TomlFile file, std::optional<std::uint64_t> seed)
+    : file_(std::move(file)), seed_(seed) {}
+
+/// [name] once, [[name]] several times, or not at all (one null).
+template <class Scene>
+std::vector<const toml::table*> SweepReaderOf<Scene>::tables(const string& name) const {
+  const toml::node* node = file_.root().get(name);
+  if (node == nullptr) return {nullptr};
+  if (const toml::table* table = node->as_table()) return {table};
+  std::vector<const toml::table*> all;
+  if (const toml::array* array = node->as_array())
+    for (const toml::node& element : *array) all.push_back(element.as_table());
+  if (all.empty() || std::ranges::find(all, nullptr) != all.end())
+    throw file_.error(name, node, "a table [" + name + "], or several [[" + name + "]]");
+  return all;
+}
+
+template <class Scene>
+auto SweepReaderOf<Scene>::distributions(const string& name, const toml::table& table) const -> std::vector<Found> {
+  std::vector<Found> found;
+  const auto add = [&](const string& key, int index, const toml::node& node) {
+    if (auto distribution = read_distribution(file_, key, node))
+      found.push_back({key, index, std::move(*distribution), &node});
+  };
+  const bool random = is_random_profile<Scene>(name, table);
+  for (const auto& [key, node] : table) {
+    const string full = name + "." + string(key.str());
+    if (own_key<Scene>(name, key.str()) || (random && (key == "half_width" || key == "height"))) continue;
+    add(full, -1, node);
+    if (const toml::array* array = node.as_array())
+      each_table(*array, [&](const toml::array& of, std::size_t i, int index) { add(full, index, of[i]); });
+  }
+  return found;
+}
+
+template <class Scene>
+double SweepReaderOf<Scene>::weight(const string& name, const toml::table& table) const {
+  const toml::node* node = table.get("weight");
+  if (node == nullptr) return 1;
+  const auto value = node->value<double>();
+  if (!value || !(*value >= 0) || !std::isfinite(*value))
+    throw file_.error(name + ".weight", node, "a number, at least 0: relative frequency of this table");
+  return *value;
+}
+
+/// The file as a scene file: alternative `chosen` of table `name`, the first of the others; the smallest number for
+/// each distribution.
+template <class Scene>
+TomlFile SweepReaderOf<Scene>::concrete(const string& name, std::size_t chosen) const {
+  TomlFile file(file_.path(), file_.text());
+  for (const char* own : {"sweep", "transducer"}) file.root().erase(own);
+  for (const string part : part_names) {
+    toml::node* node = file.root().get(part);
+    if (node == nullptr) continue;
+    if (toml::array* array = node->as_array()) {
+      toml::table one = std::move(*(*array)[part == name ? chosen : 0].as_table());
+      file.root().insert_or_assign(part, std::move(one));
+    }
+    toml::table& table = *file.root().get(part)->as_table();
+    make_plain<Scene>(part, table, [&](const string& key, const toml::node& node) {
+      return ends(read_distribution(file_, part + "." + key, node).value()).first;
+    });
+  }
+  return file;
+}
+
+template <class Scene>
+Scene SweepReaderOf<Scene>::read_scene(const TomlFile& file) const {
+  Scene scene = read_plain(file, static_cast<const Scene*>(nullptr));
   scene.title.clear();  // of the sweep, not of each contact
   return scene;
 }
 
-SceneSource::NumberDraw SweepReader::number_draw(const Found& found, const string& shape) {
+template <class Scene>
+typename SweepReaderOf<Scene>::NumberDraw SweepReaderOf<Scene>::number_draw(const Found& found, const string& shape) {
   const string table = found.key.substr(0, found.key.find('.'));
-  const NumberPlace place = number_place(found.key, shape);
+  const NumberPlace<Scene> place = number_place<Scene>(found.key, shape);
   if (place == nullptr)
     throw file_.error(found.key, found.node,
                       "a plain value; the keys of [" + table + "] that may be distributions are " +
-                          listed(drawable_keys(table, shape)));
+                          listed(drawable_keys<Scene>(table, shape)));
   return {next_++, found.distribution, place, std::max(found.index, 0)};
 }
 
 /// A number or a distribution of a key that the sweep itself uses.
-SceneSource::NumberDraw SweepReader::whole_draw(const string& key, const toml::node* node, const char* allowed) {
+template <class Scene>
+typename SweepReaderOf<Scene>::NumberDraw SweepReaderOf<Scene>::whole_draw(const string& key, const toml::node* node,
+                                                                           const char* allowed) {
   const auto value = node != nullptr ? node->value<double>() : std::nullopt;
   auto distribution = node != nullptr ? read_distribution(file_, key, *node) : std::nullopt;
   if (!distribution && value) distribution = ChoiceDraw{{*value}, {1}};
@@ -157,33 +222,47 @@ SceneSource::NumberDraw SweepReader::whole_draw(const string& key, const toml::n
   return {next_++, *distribution, nullptr, 0};
 }
 
-void SweepReader::take_random_profile(const toml::table& table, SceneSource::Alternative& into) {
+template <class Scene>
+void SweepReaderOf<Scene>::take_random_profile(const toml::table& table, Alternative& into) {
   constexpr const char* some_mm = "a number of mm above 0, or a distribution";
   const auto points = table["points"].value<std::int64_t>();
   if (!table["points"].is_integer() || *points < 3 || *points > 1000)
     throw file_.error("indenter.points", table.get("points"),
                       "a whole number of points of a random convex profile, 3 to 1000");
-  SceneSource::RandomProfile profile{.points = static_cast<int>(*points),
-                                     .number = next_++,
-                                     .half_width = whole_draw("indenter.half_width", table.get("half_width"), some_mm),
-                                     .height = whole_draw("indenter.height", table.get("height"), some_mm)};
+  typename Source::RandomProfile profile{
+      .points = static_cast<int>(*points),
+      .number = next_++,
+      .half_width = whole_draw("indenter.half_width", table.get("half_width"), some_mm),
+      .height = whole_draw("indenter.height", table.get("height"), some_mm)};
   for (const auto& [key, draw] : {std::pair{"half_width", &profile.half_width}, {"height", &profile.height}})
     if (!(ends(draw->distribution).first > 1e-6))
       throw file_.error(string("indenter.") + key, table.get(key), "above 1e-6 mm");
   into.profile = profile;
 }
 
+template <class Scene>
+void SweepReaderOf<Scene>::take_slip_index(const toml::table& load, Alternative& into) {
+  const toml::node* node = load.get("slip_index");
+  into.slip_index = whole_draw("load.slip_index", node, "a number from -1 to 1 (not reached), or a distribution");
+  const auto [low, high] = ends(into.slip_index->distribution);
+  if (!(low > -1 && high < 1)) throw file_.error("load.slip_index", node, "above -1 and below 1");
+  if constexpr (of_lines<Scene>)
+    if (into.scene.load.normal_force.empty() || into.scene.load.angle)
+      throw file_.error("load.slip_index", node, "given with load.normal_force and without load.angle");
+}
+
 /// Every distribution at its largest number, the others at their smallest: the model must accept it.
-void SweepReader::check_ends(const SceneSource::Alternative& alternative, const std::vector<Found>& found) const {
+template <class Scene>
+void SweepReaderOf<Scene>::check_ends(const Alternative& alternative, const std::vector<Found>& found) const {
   const auto blame = [&](const ValueError& error) {
     const auto its = std::ranges::find(found, error.key, &Found::key);
     return its == found.end() ? file_.error(error) : file_.error(its->key, its->node, error.allowed);
   };
   try {
     alternative.scene.validate();
-    for (const SceneSource::NumberDraw& draw : alternative.draws) {
-      fem::Scene scene = alternative.scene;
-      draw.place(scene, draw.index) = ends(draw.distribution).second;
+    for (const NumberDraw& draw : alternative.draws) {
+      Scene scene = alternative.scene;
+      draw.put(scene, ends(draw.distribution).second);
       scene.validate();
     }
   } catch (const ValueError& error) {
@@ -191,42 +270,41 @@ void SweepReader::check_ends(const SceneSource::Alternative& alternative, const 
   }
 }
 
-SceneSource::Alternative SweepReader::alternative(const string& name, std::size_t chosen, const toml::table& table) {
-  SceneSource::Alternative made;
+template <class Scene>
+typename SweepReaderOf<Scene>::Alternative SweepReaderOf<Scene>::alternative(const string& name, std::size_t chosen,
+                                                                             const toml::table& table) {
+  Alternative made;
   const TomlFile file = concrete(name, chosen);
   made.scene = read_scene(file);
   const auto found = distributions(name, table);
   for (const Found& f : found) made.draws.push_back(number_draw(f, fem::shape_name(made.scene.indenter.shape)));
   check_ends(made, found);
-  if (name == "indenter" && is_random_profile(table)) take_random_profile(table, made);
-  if (const toml::node* node = table.get("slip_index"); name == "load" && node != nullptr) {
-    made.slip_index = whole_draw("load.slip_index", node, "a number from -1 to 1 (not reached), or a distribution");
-    const auto [low, high] = ends(made.slip_index->distribution);
-    if (!(low > -1 && high < 1)) throw file_.error("load.slip_index", node, "above -1 and below 1");
-    if (made.scene.load.normal_force.empty() || made.scene.load.angle)
-      throw file_.error("load.slip_index", node, "given with load.normal_force and without load.angle");
+  if constexpr (of_lines<Scene>) {
+    if (is_random_profile<Scene>(name, table)) take_random_profile(table, made);
+    if (name == "load" && table.contains("slip_index")) take_slip_index(table, made);
   }
   if (const toml::node* node = table.get("irregular"); name == "load" && node != nullptr)
     take_irregular(table, *node, made);
   return made;
 }
 
-void SweepReader::take_irregular(const toml::table& load, const toml::node& node,
-                                 SceneSource::Alternative& into) const {
+template <class Scene>
+void SweepReaderOf<Scene>::take_irregular(const toml::table& load, const toml::node& node, Alternative& into) const {
   const toml::table* table = node.as_table();
   if (table == nullptr) throw file_.error("load.irregular", &node, "a table: [load.irregular]");
-  for (const char* key :
-       {"tangential_step", "tangential_steps", "tangential", "angle", "slip_index", "indentation_steps"})
+  for (const char* key : {"tangential_step", "tangential_steps", "tangential", "twist", "twist_step", "angle",
+                          "slip_index", "indentation_steps"})
     if (const toml::node* other = load.get(key))
       throw file_.error(std::string("load.") + key, other, "left out, because load.irregular is given too");
-  const fem::Load& base = into.scene.load;
+  const auto& base = into.scene.load;
   if (const auto& targets = base.normal_force.empty() ? base.indentation : base.normal_force; targets.size() != 1)
     throw file_.error("load.irregular", &node, "given with one indentation or normal_force");
-  into.irregular = read_irregular_load(file_, *table);
+  into.irregular = read_irregular_load(file_, *table, !of_lines<Scene>);
 }
 
-SceneSource::Part SweepReader::part(const string& name) {
-  SceneSource::Part part{.alternatives = {}, .weights = {}, .number = next_++};
+template <class Scene>
+typename SweepReaderOf<Scene>::Part SweepReaderOf<Scene>::part(const string& name) {
+  Part part{.alternatives = {}, .weights = {}, .number = next_++};
   const auto all = tables(name);
   static const toml::table nothing;
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -240,7 +318,8 @@ SceneSource::Part SweepReader::part(const string& name) {
 }
 
 /// Sensors of which every contact draws its own: on patches, and within what their tables serve.
-void SweepReader::read_own_sensors(SceneSource& source, SceneSource::Part&& part) {
+template <>
+void SweepReaderOf<fem::Scene>::read_own_sensors(SceneSource& source, SceneSource::Part&& part) {
   constexpr const char* instead = "; or [sweep] sensors = n, for n sensors that the contacts share";
   fem::SensorRange range{.poisson_low = 0.5, .poisson_high = 0, .longest = 0};
   double shortest = fem::longest_sensor;
@@ -252,7 +331,7 @@ void SweepReader::read_own_sensors(SceneSource& source, SceneSource::Part&& part
       throw file_.error("sweep.sensors", nullptr, "a number of sensors to draw: each needs a condensation on a mesh");
     fem::Scene least = from.scene, most = from.scene;
     for (const SceneSource::NumberDraw& d : from.draws)
-      std::tie(d.place(least, d.index), d.place(most, d.index)) = ends(d.distribution);
+      d.put(least, ends(d.distribution).first), d.put(most, ends(d.distribution).second);
     if (most.sensor.tactel_width > 0)
       throw file_.error("sensor.tactel_width", node("tactel_width"),
                         string("0 where each contact draws its own sensor") + instead);
@@ -268,8 +347,6 @@ void SweepReader::read_own_sensors(SceneSource& source, SceneSource::Part&& part
       throw file_.error("sensor.length", node("length"),
                         fmt::format("always {} to {} times sensor.thickness where each contact draws its own sensor{}",
                                     fem::shortest_of_family, fem::longest_sensor, instead));
-    if (range.tactels != part.alternatives[0].scene.sensor.tactels)
-      throw file_.error("sensor.tactels", node("tactels"), one_width);
     source.sensors_.push_back(from.scene.sensor);
   }
   source.model_ = fem::SurfaceModel::patch;
@@ -277,45 +354,73 @@ void SweepReader::read_own_sensors(SceneSource& source, SceneSource::Part&& part
   source.sensor_ = std::move(part);
 }
 
-/// Whether each contact draws its own of the numbers that a family of sensors serves.
-bool SweepReader::draws_own_sensors(const SceneSource::Part& part) const {
-  const auto own = [](const SceneSource::NumberDraw& draw) {
-    static const NumberPlace places[] = {number_place("sensor.poisson", ""), number_place("sensor.thickness", ""),
-                                         number_place("sensor.young", ""), number_place("sensor.length", "")};
-    return std::ranges::find(places, draw.place) != std::end(places);
+/// The same on pads: tables serve any thickness and E, and some Poisson's ratios.
+template <>
+void SweepReaderOf<fem::PadScene>::read_own_sensors(PadSource& source, PadSource::Part&& part) {
+  static const auto poisson = number_place<fem::PadScene>("sensor.poisson", "");
+  const auto all = tables("sensor");
+  for (std::size_t i = 0; i < part.alternatives.size(); ++i) {
+    const PadSource::Alternative& from = part.alternatives[i];
+    for (const PadSource::NumberDraw& d : from.draws)
+      if (const auto* choice = std::get_if<ChoiceDraw>(&d.distribution);
+          d.place == poisson && (choice == nullptr || choice->values.size() > most_poissons))
+        throw file_.error(
+            "sensor.poisson", all[i]->get("poisson"),
+            fmt::format("a number or a choice of at most {} where each contact draws its own sensor, for "
+                        "each needs tables; or [sweep] sensors = n, for n sensors that the contacts share",
+                        most_poissons));
+    source.sensors_.push_back(from.scene.sensor);
+  }
+  source.own_sensors_.emplace();
+  source.sensor_ = std::move(part);
+}
+
+/// Whether each contact draws its own of the numbers that tables of many sensors serve.
+template <class Scene>
+bool SweepReaderOf<Scene>::draws_own_sensors(const Part& part) const {
+  const auto own = [](const NumberDraw& draw) {
+    for (const char* key : {"sensor.poisson", "sensor.thickness", "sensor.young", "sensor.length"})
+      if (draw.place == number_place<Scene>(key, "")) return true;
+    return false;
   };
   return std::ranges::any_of(part.alternatives, [&](const auto& from) { return std::ranges::any_of(from.draws, own); });
 }
 
 /// Sensors that are given stand as they are; one with distributions is drawn `count` times, or by each contact (count
 /// 0).
-void SweepReader::read_sensors(SceneSource& source, int count) {
-  SceneSource::Part part = this->part("sensor");
+template <class Scene>
+void SweepReaderOf<Scene>::read_sensors(Source& source, int count) {
+  Part part = this->part("sensor");
+  source.inputs_ = inputs_of(part.alternatives[0].scene.sensor);
+  for (std::size_t i = 0; i < part.alternatives.size(); ++i)
+    if (inputs_of(part.alternatives[i].scene.sensor) != source.inputs_)
+      throw file_.error("sensor.tactels", tables("sensor")[i]->get("tactels"), one_width);
   if (count == 0 && draws_own_sensors(part)) return read_own_sensors(source, std::move(part));
   if (count == 0) count = usual_sensors;
   for (std::size_t i = 0; i < part.alternatives.size(); ++i) {
-    const SceneSource::Alternative& from = part.alternatives[i];
-    if (from.scene.model != part.alternatives[0].scene.model)
-      throw file_.error("sensor.model", nullptr, "the same for every [[sensor]], and a mesh named in all or in none");
-    source.model_ = from.scene.model;
+    const Alternative& from = part.alternatives[i];
+    if constexpr (of_lines<Scene>) {
+      if (from.scene.model != part.alternatives[0].scene.model)
+        throw file_.error("sensor.model", nullptr, "the same for every [[sensor]], and a mesh named in all or in none");
+      source.model_ = from.scene.model;
+    }
     const int copies = from.draws.empty() ? 1 : count;
     for (int copy = 0; copy < copies; ++copy) {
-      fem::Scene scene = from.scene;
-      for (const SceneSource::NumberDraw& d : from.draws)
-        d.place(scene, d.index) =
-            draw(d.distribution, {source.seed_, nn::RandomStream::sensor, static_cast<std::uint64_t>(copy), d.number});
+      Scene scene = from.scene;
+      for (const NumberDraw& d : from.draws)
+        d.put(scene, draw(d.distribution,
+                          {source.seed_, nn::RandomStream::sensor, static_cast<std::uint64_t>(copy), d.number}));
       scene.sensor.validate();
-      if (scene.sensor.tactels != part.alternatives[0].scene.sensor.tactels)
-        throw file_.error("sensor.tactels", nullptr, one_width);
       source.sensors_.push_back(scene.sensor);
       source.sensor_weights_.push_back(part.weights[i] / copies);
     }
   }
 }
 
-SceneSource SweepReader::read() {
+template <class Scene>
+typename SweepReaderOf<Scene>::Source SweepReaderOf<Scene>::read() {
   TomlTable sweep(file_, "sweep");
-  SceneSource source;
+  Source source;
   std::int64_t contacts = 0, seed = 0;
   int sensors = 0;
   sweep.refuse_unknown({"contacts", "seed", "sensors", "set", "press_rows"});
@@ -339,9 +444,15 @@ SceneSource SweepReader::read() {
   source.indenter_ = part("indenter");
   source.contact_ = part("contact");
   source.load_ = part("load");
-  for (const SceneSource::Alternative& kind : source.indenter_.alternatives)
-    source.kind_names_.emplace_back(kind.profile ? "random profile" : fem::shape_name(kind.scene.indenter.shape));
+  for (const Alternative& kind : source.indenter_.alternatives) {
+    const auto& shape = kind.scene.indenter.shape;
+    source.kind_names_.emplace_back(kind.profile ? "random profile" : fem::shape_name(shape));
+    if (auto file = file_of(shape)) source.files_.push_back(std::move(*file));
+  }
   return source;
 }
+
+template class SweepReaderOf<fem::Scene>;
+template class SweepReaderOf<fem::PadScene>;
 
 }  // namespace tactel::host

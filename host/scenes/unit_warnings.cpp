@@ -86,12 +86,16 @@ std::vector<std::string> unit_warnings_of_many(std::span<const Scene> scenes) {
 std::vector<std::string> unit_warnings(std::span<const fem::Scene> scenes) { return unit_warnings_of_many(scenes); }
 std::vector<std::string> unit_warnings(std::span<const fem::PadScene> scenes) { return unit_warnings_of_many(scenes); }
 
-std::vector<std::string> unit_warnings(const SceneSource& source) {
+std::vector<std::string> unit_warnings(const AnySource& source) {
   UnitWarnings warnings;
-  fem::Scene scene;
-  for (const fem::Sensor& sensor : source.sensors()) scene.sensor = sensor, warnings.look_at(scene);
-  for (std::uint64_t k = 0; k < std::min(source.contacts(), most_looked_at); ++k)
-    warnings.look_at(source.contact(k).scene);
+  std::visit(
+      [&](const auto& of) {
+        auto scene = typename std::remove_cvref_t<decltype(of)>::Contact{}.scene;
+        for (const auto& sensor : of.sensors()) scene.sensor = sensor, warnings.look_at(scene);
+        for (std::uint64_t k = 0; k < std::min(of.contacts(), most_looked_at); ++k)
+          warnings.look_at(of.contact(k).scene);
+      },
+      source);
   return warnings.take();
 }
 

@@ -17,6 +17,6 @@ std::vector<std::string> unit_warnings(const fem::PadScene& scene);
 std::vector<std::string> unit_warnings(std::span<const fem::Scene> scenes);
 std::vector<std::string> unit_warnings(std::span<const fem::PadScene> scenes);
 /// The same of a sweep's first contacts and of all its sensors.
-std::vector<std::string> unit_warnings(const SceneSource& source);
+std::vector<std::string> unit_warnings(const AnySource& source);
 
 }  // namespace tactel::host

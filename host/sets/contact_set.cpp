@@ -18,7 +18,18 @@ namespace {
 template <class Values>
 using Value = typename std::remove_cvref_t<Values>::value_type;
 
-bool is_matrix(const char* name) { return std::string_view(name) == "inputs"; }
+/// Whether a dataset has columns; those of the inputs are not known before they are read.
+bool is_matrix(const char* name, int columns) { return columns > 0 || std::string_view(name) == "inputs"; }
+
+void read_kind(const SetFile& in, SetColumns& columns) {
+  const std::string kind = in.text("kind");
+  if (!kind.empty() && kind != "pad") in.refuse("kind", kind, "pad, or absent");
+  columns.pad = !kind.empty();
+  if (!columns.pad) return;
+  const std::uint64_t axes = in.number("axes");
+  if (axes != 1 && axes != 3) in.refuse("axes", std::to_string(axes), "3, or 1");
+  columns.axes = static_cast<int>(axes);
+}
 
 bool read_press_rows(const SetFile& in) {
   const std::string text = in.text("press_rows");
@@ -35,6 +46,7 @@ SetColumns columns_of(const SetFile& in) {
   if (!has.contains("slip_index"))
     in.refuse("columns", names.empty() ? "missing" : "without slip_index", "names of datasets, slip_index among them");
   SetColumns columns;
+  read_kind(in, columns);
   for (const char* name : {"poisson", "thickness", "young", "length"})
     columns.sensors = columns.sensors || has.contains(name);
   const auto leave_out = [&](const char* name, const auto&, int, const char*) {
@@ -75,11 +87,16 @@ struct Columns {
   explicit Columns(const SetFile& in) : of(columns_of(in)) {
     ContactSet set(of);
     rows = in.column<float>("slip_index", false).rows;
-    each_dataset(set, [&](const char* name, auto& values, int, const char*) {
-      all.push_back(in.column<Value<decltype(values)>>(name, is_matrix(name)));
+    each_dataset(set, [&](const char* name, auto& values, int width, const char*) {
+      all.push_back(in.column<Value<decltype(values)>>(name, is_matrix(name, width)));
+      if (width > 0 && all.back().columns != width)
+        in.refuse(name, fmt::format("{} columns", all.back().columns), fmt::format("{} columns", width));
       if (all.back().rows != rows)
         in.refuse(name, fmt::format("{} rows", all.back().rows), fmt::format("{} rows, as slip_index", rows));
-      if (is_matrix(name)) of.inputs = all.back().columns;
+      if (std::string_view(name) != "inputs") return;
+      of.inputs = all.back().columns;
+      if (of.inputs % of.axes != 0)
+        in.refuse(name, fmt::format("{} columns", of.inputs), fmt::format("{} for each tactel", of.axes));
     });
     if (of.has("tactel_x")) of.tactel_x = tactels(in);
     if (of.has("parameters")) open_parameters(in);
@@ -113,9 +130,11 @@ struct Columns {
     std::size_t i = 0;
     each_dataset(set, [&](const char*, auto& values, int, const char*) { in.read(all[i++], first, count, values); });
     for (const auto& [name, values] : {std::pair("indentation", &set.indentation), {"tangential", &set.tangential}})
-      for (std::size_t row = 0; row < values->size(); ++row)
-        if (!std::isfinite((*values)[row]) && row < set.status.size() && set.status[row] != over_tolerance)
-          in.refuse(fmt::format("{}[{}]", name, first + row), fmt::format("{}", (*values)[row]), "finite, mm");
+      for (std::size_t i = 0; i < values->size(); ++i) {
+        const std::size_t row = values == &set.tangential ? i / static_cast<std::size_t>(of.directions()) : i;
+        if (!std::isfinite((*values)[i]) && row < set.status.size() && set.status[row] != over_tolerance)
+          in.refuse(fmt::format("{}[{}]", name, first + row), fmt::format("{}", (*values)[i]), "finite, mm");
+      }
     return set;
   }
   /// NaN: the contact has no such number. Friction may be unlimited.
@@ -212,6 +231,7 @@ nn::FrameSet ContactSet::frames_with_answers() const {
   out.contact_nodes.assign(contact_nodes.begin(), contact_nodes.end());
   out.contact = contact, out.step = step;
   out.press_rows = press_rows;
+  out.axes = axes;
   return out;
 }
 

@@ -15,14 +15,18 @@ namespace tactel::host {
 
 /// Which datasets a set has.
 struct SetColumns {
-  SetColumns(int inputs = 0, bool sensors = false) : inputs(inputs), sensors(sensors) {}
-  int inputs;    ///< 2 tactels
+  SetColumns(int inputs = 0, bool sensors = false, bool pad = false) : inputs(inputs), sensors(sensors), pad(pad) {}
+  int inputs;    ///< 2 tactels; of a pad axes nx ny
   bool sensors;  ///< each contact has its own sensor: its numbers are columns, too
+  bool pad;      ///< contacts on pads
+  int axes = 2;  ///< stresses of a tactel; of a pad 3, or 1
   std::vector<std::string> parameters, parameter_units;  ///< columns of `/parameters`, ContactParameters; or none
   std::vector<float> tactel_x;                           ///< [tactels] mm; empty where contacts differ in them
   std::set<std::string> left_out;                        ///< names of datasets that the set does not have
 
   bool has(const char* dataset) const { return !left_out.contains(dataset); }
+  /// Returns the directions along the surface.
+  int directions() const { return pad ? 2 : 1; }
 };
 
 /// A set of contacts as in a set file (docs/sets.md): one row a load step; HDF5, plain datasets.
@@ -30,13 +34,15 @@ struct ContactSet : SetColumns {
   ContactSet() = default;
   explicit ContactSet(const SetColumns& columns) : SetColumns(columns) {}
 
-  std::vector<float> frames;      ///< `/inputs` [rows, inputs] MPa: normal stress of every tactel, then shear
-  std::vector<float> slip_index;  ///< [rows] S = Q / (mu P)
-  std::vector<float> normal_force, tangential_force;     ///< [rows] P, Q, N/mm
-  std::vector<float> indentation, tangential;            ///< [rows] mm: depth, position along x since first touch
+  std::vector<float> frames;        ///< `/inputs` [rows, inputs] MPa: normal stress of every tactel, then shear
+  std::vector<float> slip_index;    ///< [rows] S = Q / (mu P); of pads 1 / lambda
+  std::vector<float> normal_force;  ///< [rows] P, N/mm; of pads N
+  std::vector<float> tangential_force, tangential;       ///< [rows, directions] Q; position since first touch, mm
+  std::vector<float> indentation;                        ///< [rows] mm: depth
+  std::vector<float> torque, twist, force_ratio;         ///< [rows] of pads: M, N mm; degrees; |Q| / (mu P)
   std::vector<float> friction;                           ///< [rows] mu
-  std::vector<float> stick_fraction;                     ///< [rows] stuck length over contact length
-  std::vector<std::uint16_t> contact_nodes;              ///< [rows] surface nodes that touch
+  std::vector<float> stick_fraction;                     ///< [rows] stuck share of the contact's length or cells
+  std::vector<std::uint16_t> contact_nodes;              ///< [rows] surface nodes, or cells, that touch
   std::vector<std::uint64_t> contact;                    ///< [rows] contact of the sweep
   std::vector<std::uint32_t> step;                       ///< [rows] load step of the contact, from 0
   std::vector<std::uint16_t> indenter;                   ///< [rows] kind of indenter: an index in indenter_names
@@ -74,15 +80,30 @@ void each_dataset(Set& set, const Visit& visit_any) {
   const auto visit = [&](const char* name, auto& values, int columns, const char* unit) {
     if (set.has(name)) visit_any(name, values, columns, unit);
   };
-  visit("inputs", set.frames, set.inputs, "MPa; normal stress of every tactel, then shear");
-  visit("slip_index", set.slip_index, 0, "1; Q / (mu P)");
-  visit("normal_force", set.normal_force, 0, "N/mm");
-  visit("tangential_force", set.tangential_force, 0, "N/mm");
-  visit("indentation", set.indentation, 0, "mm; depth of the indenter since first touch");
-  visit("tangential", set.tangential, 0, "mm; position of the indenter along x since first touch");
-  visit("friction", set.friction, 0, "1");
-  visit("stick_fraction", set.stick_fraction, 0, "1; stuck length over contact length");
-  visit("contact_nodes", set.contact_nodes, 0, "surface nodes that touch");
+  if (set.pad) {
+    visit("inputs", set.frames, set.inputs, "MPa; sigma_z of every tactel, x fastest, then tau_x, then tau_y");
+    visit("slip_index", set.slip_index, 0, "1; 1 / lambda, the share of the contact's limit that (Q, M) take");
+    visit("normal_force", set.normal_force, 0, "N");
+    visit("tangential_force", set.tangential_force, 2, "N; along x and y");
+    visit("torque", set.torque, 0, "N mm; about the indenter's axis");
+    visit("force_ratio", set.force_ratio, 0, "1; |Q| / (mu P)");
+    visit("indentation", set.indentation, 0, "mm; depth of the indenter since first touch");
+    visit("tangential", set.tangential, 2, "mm; position of the indenter along x and y since first touch");
+    visit("twist", set.twist, 0, "degrees; of the indenter about its axis since first touch");
+    visit("friction", set.friction, 0, "1");
+    visit("stick_fraction", set.stick_fraction, 0, "1; stuck cells over touching cells");
+    visit("contact_nodes", set.contact_nodes, 0, "surface cells that touch");
+  } else {
+    visit("inputs", set.frames, set.inputs, "MPa; normal stress of every tactel, then shear");
+    visit("slip_index", set.slip_index, 0, "1; Q / (mu P)");
+    visit("normal_force", set.normal_force, 0, "N/mm");
+    visit("tangential_force", set.tangential_force, 0, "N/mm");
+    visit("indentation", set.indentation, 0, "mm; depth of the indenter since first touch");
+    visit("tangential", set.tangential, 0, "mm; position of the indenter along x since first touch");
+    visit("friction", set.friction, 0, "1");
+    visit("stick_fraction", set.stick_fraction, 0, "1; stuck length over contact length");
+    visit("contact_nodes", set.contact_nodes, 0, "surface nodes that touch");
+  }
   visit("contact", set.contact, 0, "which contact");
   visit("step", set.step, 0, "which load step of the contact");
   visit("indenter", set.indenter, 0, "place in the attribute indenter_names");
@@ -92,7 +113,7 @@ void each_dataset(Set& set, const Visit& visit_any) {
   visit("poisson", set.poisson, 0, "1; of the contact's own sensor");
   visit("thickness", set.thickness, 0, "mm; of the contact's own sensor");
   visit("young", set.young, 0, "MPa; of the contact's own sensor");
-  visit("length", set.length, 0, "mm; of the contact's own sensor");
+  if (!set.pad) visit("length", set.length, 0, "mm; of the contact's own sensor");
 }
 
 /// The same for the datasets of a set that have no rows: a row a contact, and one a tactel.

@@ -91,8 +91,12 @@ bool write_attributes(hid_t file, const ContactSet& set) {
          write_number(file, "fallback_contacts", set.fell_back) &&
          write_number(file, "unsolved_contacts", set.unsolved) &&
          (!set.press_rows || write_text(file, "press_rows", "true")) &&
+         (!set.pad ||
+          (write_text(file, "kind", "pad") && write_number(file, "axes", static_cast<std::uint64_t>(set.axes)))) &&
          write_text(file, "indenter_names", joined(set.indenter_names)) &&
-         write_text(file, "units", "mm, MPa, N/mm; sigma_y < 0 is compression, tau_xy > 0 drags towards +x");
+         write_text(file, "units",
+                    set.pad ? "mm, MPa, N, N mm, degrees; sigma_z < 0 is compression, tau > 0 drags towards +x, +y"
+                            : "mm, MPa, N/mm; sigma_y < 0 is compression, tau_xy > 0 drags towards +x");
 }
 
 /// A new file whose bytes do not depend on the hour. The format of HDF5 1.8: its headers carry checksums, too, and an

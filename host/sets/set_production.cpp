@@ -23,10 +23,10 @@ constexpr int most_threads = 8;
 /// What the devices share: which chunk is next, the spool, and whether to stop.
 class Production {
  public:
-  Production(const SceneSource& source, SetSpool& spool, const ProductionOptions& options)
+  Production(const AnySource& source, SetSpool& spool, const ProductionOptions& options)
       : source_(source), spool_(spool), options_(options), missing_(spool.missing()) {}
 
-  const SceneSource& source() const { return source_; }
+  const AnySource& source() const { return source_; }
   std::optional<std::uint64_t> next() {
     const std::size_t i = next_++;
     return stopped_ || i >= missing_.size() ? std::nullopt : std::optional(missing_[i]);
@@ -83,7 +83,7 @@ class Production {
     spool_.stop();
   }
 
-  const SceneSource& source_;
+  const AnySource& source_;
   SetSpool& spool_;
   const ProductionOptions& options_;
   std::vector<std::uint64_t> missing_;
@@ -125,7 +125,8 @@ class Line {
   void produce() {
     while (const auto number = production_.next()) {
       const std::uint64_t first = *number * chunk_contacts;
-      const auto range = simulator_.prepare(first, std::min(chunk_contacts, production_.source().contacts() - first));
+      const auto range =
+          simulator_.prepare(first, std::min(chunk_contacts, common(production_.source()).contacts() - first));
       if (production_.stopped()) return;
       simulator_.run(*range);
       if (production_.stopped()) return;
@@ -149,19 +150,28 @@ void keep_memory_of_chunks() {
 
 }  // namespace
 
-std::uint64_t chunk_count(const SceneSource& source) {
+std::uint64_t chunk_count(const ContactSource& source) {
   return (source.contacts() + chunk_contacts - 1) / chunk_contacts;
 }
 
-double expected_bytes(const SceneSource& source, const SetColumns& columns) {
+double expected_bytes(const AnySource& any, const SetColumns& columns) {
+  const ContactSource& source = common(any);
   const std::uint64_t sample = std::min<std::uint64_t>(source.contacts(), 256), apart = source.contacts() / sample;
   std::size_t rows = 0;
+  const auto add_rows = [&](std::size_t steps, std::size_t pressed) {
+    rows += steps - (source.press_rows() ? 0 : pressed - 1);
+  };
   for (std::uint64_t k = 0; k < sample; ++k) {
-    const fem::Scene scene = source.contact(k * apart).scene;
-    if (scene.friction == 0) continue;
-    const fem::LoadPath path = fem::load_path(scene.load);
-    const auto pressed = static_cast<std::size_t>(path.indentation_steps);
-    rows += (path.until_sliding ? pressed : path.steps.size()) - (source.press_rows() ? 0 : pressed - 1);
+    if (const auto* lines = std::get_if<SceneSource>(&any)) {
+      const fem::Scene scene = lines->contact(k * apart).scene;
+      if (scene.friction == 0) continue;
+      const fem::LoadPath path = fem::load_path(scene.load);
+      const auto pressed = static_cast<std::size_t>(path.indentation_steps);
+      add_rows(path.until_sliding ? pressed : path.steps.size(), pressed);
+    } else {
+      const fem::PadScene scene = std::get<PadSource>(any).contact(k * apart).scene;
+      if (scene.friction > 0) add_rows(fem::pad_targets(scene.load).size(), fem::pressing_targets(scene.load));
+    }
   }
   const std::size_t numbers = columns.has("parameters") ? columns.parameters.size() : 0;
   const double of_contact =
@@ -170,7 +180,7 @@ double expected_bytes(const SceneSource& source, const SetColumns& columns) {
   return static_cast<double>(source.contacts()) * of_contact;
 }
 
-ProductionReport produce_set(const SceneSource& source, SetSpool& spool, const ProductionOptions& options) {
+ProductionReport produce_set(const AnySource& source, SetSpool& spool, const ProductionOptions& options) {
   keep_memory_of_chunks();
   const auto start = std::chrono::steady_clock::now();
   Production production(source, spool, options);

@@ -12,11 +12,11 @@ namespace tactel::host {
 
 /// Contacts of a chunk, the unit of simulation, checksum and storage.
 inline constexpr std::uint64_t chunk_contacts = 8192;
-std::uint64_t chunk_count(const SceneSource& source);
+std::uint64_t chunk_count(const ContactSource& source);
 
 /// Returns the bytes of a set, but for its headers. Rows are counted on some of its contacts; a drag until sliding
 /// counts as one row, which is the least.
-double expected_bytes(const SceneSource& source, const SetColumns& columns);
+double expected_bytes(const AnySource& source, const SetColumns& columns);
 
 struct ProductionOptions {
   std::vector<std::string> devices{""};  ///< names or indices; several share the chunks
@@ -37,6 +37,6 @@ struct ProductionReport {
 /// Simulates the missing chunks of the spool that are this process's. Each device has one thread more than it computes
 /// with, eight at most. A thread draws the contacts of a chunk, lays them out, solves them and gathers their rows, then
 /// takes the next chunk. The calling thread writes. Rethrows the exception of any thread after all have stopped.
-ProductionReport produce_set(const SceneSource& source, SetSpool& spool, const ProductionOptions& options);
+ProductionReport produce_set(const AnySource& source, SetSpool& spool, const ProductionOptions& options);
 
 }  // namespace tactel::host

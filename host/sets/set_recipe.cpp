@@ -60,7 +60,7 @@ SetRecipe recipe_of(const Sweep& sweep, const std::string& rung, const SetOption
   if (!columns.empty()) conditions += "columns " + columns + "\n";
   if (compress) conditions += "compress yes\n";
   int number = 0;
-  for (const auto& [file, sum] : sweep.source.files())
+  for (const auto& [file, sum] : common(sweep.source).files())
     conditions += fmt::format("file {} {} {}\n", number++, file, sum);
   return {conditions, sweep.text};
 }

@@ -2,18 +2,22 @@
 #include "host/sets/set_simulator.h"
 
 #include <array>
+#include <cmath>
 #include <map>
 #include <mutex>
+#include <numbers>
 #include <numeric>
 #include <optional>
 
 #include "fem/contact_laws.h"
 #include "host/contact/contact_stream.h"
+#include "host/contact/pad_stream.h"
 #include "host/contact/sensor_tables.h"
 #include "host/contact/solve.h"
 #include "host/sets/transducer_chain.h"
 #include "host/support/errors.h"
 #include "kernels/shared/contact_layout.h"
+#include "kernels/shared/pad_layout.h"
 
 namespace tactel::host {
 namespace {
@@ -23,101 +27,178 @@ using Clock = std::chrono::steady_clock;
 /// One load step of a contact.
 struct Row {
   std::optional<double> slip_index{};  ///< none: the step is no row
-  double P = 0, Q = 0, indentation = 0, tangential = 0, slip_distance = 0, residual = 0;
+  double P = 0, indentation = 0, slip_distance = 0, residual = 0;
+  std::array<double, 2> Q{}, tangential{};        ///< of lines the first alone
+  double torque = 0, twist = 0, force_ratio = 0;  ///< of pads; degrees
   int sticking = 0, slipping = 0, status = LANE_SOLVED;
 };
 
+/// A contact but for its shape and path, which its launch has.
+template <class Contacts>
+struct Contact {
+  static constexpr bool of_lines = std::is_same_v<Contacts, LineContacts>;
+  struct NoPath {};
+
+  std::uint64_t number = 0;  ///< in the sweep
+  typename Contacts::Sensor sensor;
+  double friction = 0;
+  int first_step = 0;  ///< the first that may be a row
+  std::uint16_t kind = 0;
+  bool until_sliding = false;
+  [[no_unique_address]] std::conditional_t<of_lines, NoPath, PadPath> path{};  ///< of pads: results do not hold it
+};
+using LineContact = Contact<LineContacts>;
+using PadContactOf = Contact<PadContacts>;
+
+/// What is read of the answer of a kernel, by kind of contact.
+Row row_of(const LaneAnswer& answer, const LineContact& contact, int k) {
+  const auto result = [&](int row) { return answer.result(k, row); };
+  return {.slip_index = slip_index(contact.friction, result(LANE_P), result(LANE_SLIP_INDEX)),
+          .P = result(LANE_P),
+          .indentation = result(LANE_INDENTATION),
+          .slip_distance = result(LANE_SLIP_DISTANCE),
+          .residual = std::max({result(LANE_PENETRATION), result(LANE_CONE), result(LANE_COMPLEMENTARITY),
+                                result(LANE_DRIFT), result(LANE_BALANCE)}),
+          .Q = {result(LANE_Q)},
+          .tangential = {result(LANE_TANGENTIAL)},
+          .sticking = static_cast<int>(result(LANE_STICKING)),
+          .slipping = static_cast<int>(result(LANE_SLIPPING)),
+          .status = static_cast<int>(result(LANE_STATUS))};
+}
+
+double degrees(double radians) { return radians * 180 / std::numbers::pi; }
+
+Row row_of(const LaneAnswer& answer, const PadContactOf& contact, int k) {
+  const auto result = [&](int row) { return answer.result(k, row); };
+  const fem::PadTarget& at = contact.path.steps[static_cast<std::size_t>(k)];
+  const double grip = contact.friction * result(PAD_RESULT_P);
+  Row row{.P = result(PAD_RESULT_P),
+          .indentation = result(PAD_RESULT_DEPTH),
+          .residual = std::max({result(PAD_RESULT_PENETRATION), result(PAD_RESULT_COMPLEMENTARITY),
+                                result(PAD_RESULT_CONE), result(PAD_RESULT_DRIFT), result(PAD_RESULT_ANGLE)}),
+          .Q = {result(PAD_RESULT_QX), result(PAD_RESULT_QY)},
+          .tangential = {at.x, at.y},
+          .torque = result(PAD_RESULT_M),
+          .twist = degrees(at.twist),
+          .sticking = static_cast<int>(result(PAD_RESULT_STICKING)),
+          .slipping = static_cast<int>(result(PAD_RESULT_SLIPPING)),
+          .status = static_cast<int>(result(PAD_RESULT_STATUS))};
+  if (grip > 0) row.slip_index = result(PAD_RESULT_S), row.force_ratio = std::hypot(row.Q[0], row.Q[1]) / grip;
+  return row;
+}
+
+/// The same of a contact that was solved again. Both kinds of steps count statuses of nodes or cells alike.
+template <class Step>
+Row row_common(const Step& step) {
+  const auto touching = [&](fem::GapStatus status) {
+    return static_cast<int>(std::ranges::count(step.status, status));
+  };
+  const int sticking = touching(fem::GapStatus::stick);
+  return {.slip_index = step.slip_index,
+          .P = step.P,
+          .indentation = step.indentation,
+          .slip_distance = step.slip_distance,
+          .sticking = sticking,
+          .slipping = touching(fem::GapStatus::slip),
+          .status = !step.converged ? LANE_UNSOLVED
+                    : sticking      ? LANE_SOLVED
+                                    : LANE_SLIDING};
+}
+Row row_of(const fem::ContactStep& step) {
+  Row row = row_common(step);
+  row.Q = {step.Q}, row.tangential = {step.tangential}, row.residual = fem::largest(step.residual);
+  return row;
+}
+Row row_of(const fem::PadStep& step) {
+  Row row = row_common(step);
+  row.Q = {step.Q[0], step.Q[1]}, row.tangential = {step.x, step.y}, row.residual = step.residual.largest();
+  row.torque = step.M, row.twist = degrees(step.twist), row.force_ratio = step.force_ratio.value_or(0);
+  return row;
+}
+void put_stress(const fem::ContactStep& step, std::span<float> frame) {
+  std::ranges::copy(step.sigma_y.cast<float>(), frame.begin());
+  std::ranges::copy(step.tau_xy.cast<float>(), frame.begin() + step.sigma_y.size());
+}
+void put_stress(const fem::PadStep& step, std::span<float> frame) {  // [tactels, 3] by columns
+  std::transform(step.stress.data(), step.stress.data() + frame.size(), frame.begin(),
+                 [](double stress) { return static_cast<float>(stress); });
+}
+
 /// The steps of an answer in place.
+template <class Contacts>
 struct StepsOfLane {
   int count() const { return answer.steps; }
   double element() const { return answer.element(); }
-  Row row(int k) const {
-    const auto result = [&](int row) { return answer.result(k, row); };
-    return {.slip_index = slip_index(friction, result(LANE_P), result(LANE_SLIP_INDEX)),
-            .P = result(LANE_P),
-            .Q = result(LANE_Q),
-            .indentation = result(LANE_INDENTATION),
-            .tangential = result(LANE_TANGENTIAL),
-            .slip_distance = result(LANE_SLIP_DISTANCE),
-            .residual = std::max({result(LANE_PENETRATION), result(LANE_CONE), result(LANE_COMPLEMENTARITY),
-                                  result(LANE_DRIFT), result(LANE_BALANCE)}),
-            .sticking = static_cast<int>(result(LANE_STICKING)),
-            .slipping = static_cast<int>(result(LANE_SLIPPING)),
-            .status = static_cast<int>(result(LANE_STATUS))};
-  }
+  Row row(int k) const { return row_of(answer, *contact, k); }
   void stress(int k, std::span<float> frame) const { answer.tactels(k, frame); }
   bool slid() const { return static_cast<int>(answer.result(answer.steps - 1, LANE_STATUS)) >= LANE_SLIDING; }
 
   LaneAnswer answer;
-  double friction = 0;
+  const Contact<Contacts>* contact;
 };
 
 /// The steps of a contact that was solved again.
+template <class Contacts>
 struct StepsOfSolution {
   int count() const { return static_cast<int>(solution.steps.size()); }
   double element() const {
-    return solution.surface_width.size() > 0 ? solution.surface_width[0] : sensor.length / (sensor.columns - 1);
+    return solution.surface_width.size() > 0 ? solution.surface_width[0]
+                                             : contact->sensor.length / (contact->sensor.columns - 1);
   }
-  Row row(int k) const {
-    const fem::ContactStep& step = solution.steps[static_cast<std::size_t>(k)];
-    const auto touching = [&](fem::GapStatus status) {
-      return static_cast<int>(std::ranges::count(step.status, status));
-    };
-    const int sticking = touching(fem::GapStatus::stick);
-    return {.slip_index = step.slip_index,
-            .P = step.P,
-            .Q = step.Q,
-            .indentation = step.indentation,
-            .tangential = step.tangential,
-            .slip_distance = step.slip_distance,
-            .residual = fem::largest(step.residual),
-            .sticking = sticking,
-            .slipping = touching(fem::GapStatus::slip),
-            .status = !step.converged ? LANE_UNSOLVED
-                      : sticking      ? LANE_SOLVED
-                                      : LANE_SLIDING};
-  }
-  void stress(int k, std::span<float> frame) const {
-    const fem::ContactStep& step = solution.steps[static_cast<std::size_t>(k)];
-    std::ranges::copy(step.sigma_y.cast<float>(), frame.begin());
-    std::ranges::copy(step.tau_xy.cast<float>(), frame.begin() + step.sigma_y.size());
-  }
+  Row row(int k) const { return row_of(solution.steps[static_cast<std::size_t>(k)]); }
+  void stress(int k, std::span<float> frame) const { put_stress(solution.steps[static_cast<std::size_t>(k)], frame); }
   bool slid() const { return solution.sliding; }
 
-  const fem::ContactSolution& solution;
-  const fem::Sensor& sensor;
+  const typename Contacts::Solution& solution;
+  const Contact<Contacts>* contact;
 };
 
 void resize(ContactSet& set, std::size_t rows) {
   set.frames.resize(rows * set.inputs);
-  for (auto* list : {&set.slip_index, &set.normal_force, &set.tangential_force, &set.indentation, &set.tangential,
-                     &set.friction, &set.stick_fraction, &set.residual})
+  for (auto* list :
+       {&set.slip_index, &set.normal_force, &set.indentation, &set.friction, &set.stick_fraction, &set.residual})
     list->resize(rows);
+  for (auto* list : {&set.tangential_force, &set.tangential})
+    list->resize(rows * static_cast<std::size_t>(set.directions()));
+  if (set.pad)
+    for (auto* list : {&set.torque, &set.twist, &set.force_ratio}) list->resize(rows);
   set.contact_nodes.resize(rows), set.indenter.resize(rows);
   if (set.sensors)
     for (auto* list : {&set.poisson, &set.thickness, &set.young, &set.length}) list->resize(rows);
   set.contact.resize(rows), set.step.resize(rows), set.status.resize(rows);
 }
 
-/// A contact but for its shape and path, which its launch has.
-struct Contact {
-  std::uint64_t number = 0;  ///< in the sweep
-  fem::Sensor sensor;
-  double friction = 0;
-  int first_step = 0;  ///< the first that may be a row
-  std::uint16_t kind = 0;
-  bool until_sliding = false;
-};
+void put_sensor(ContactSet& set, std::size_t at, const fem::Sensor& sensor) {
+  set.poisson[at] = static_cast<float>(sensor.poisson);
+  set.thickness[at] = static_cast<float>(sensor.thickness);
+  set.young[at] = static_cast<float>(sensor.young);
+  set.length[at] = static_cast<float>(sensor.length);
+}
+void put_sensor(ContactSet& set, std::size_t at, const fem::PadSensor& sensor) {
+  set.poisson[at] = static_cast<float>(sensor.poisson);
+  set.thickness[at] = static_cast<float>(sensor.thickness);
+  set.young[at] = static_cast<float>(sensor.young);
+}
 
 /// Puts a step into row `at`.
-template <class Steps>
+template <class Steps, class Contact>
 void put_row(ContactSet& set, std::size_t at, const Steps& steps, const Row& row, const Contact& of, int step) {
   const int touching = row.sticking + row.slipping;
   set.slip_index[at] = static_cast<float>(std::clamp(*row.slip_index, -1.0, 1.0));  // rounding apart, Q <= mu P
   set.normal_force[at] = static_cast<float>(row.P);
-  set.tangential_force[at] = static_cast<float>(row.Q);
   set.indentation[at] = static_cast<float>(row.indentation);
-  set.tangential[at] = static_cast<float>(row.tangential);
+  if constexpr (Contact::of_lines) {
+    set.tangential_force[at] = static_cast<float>(row.Q[0]);
+    set.tangential[at] = static_cast<float>(row.tangential[0]);
+  } else {
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      set.tangential_force[2 * at + axis] = static_cast<float>(row.Q[axis]);
+      set.tangential[2 * at + axis] = static_cast<float>(row.tangential[axis]);
+    }
+    set.torque[at] = static_cast<float>(row.torque);
+    set.twist[at] = static_cast<float>(row.twist);
+    set.force_ratio[at] = static_cast<float>(row.force_ratio);
+  }
   set.friction[at] = static_cast<float>(of.friction);
   set.stick_fraction[at] = touching ? static_cast<float>(row.sticking) / static_cast<float>(touching) : 0;
   set.contact_nodes[at] = static_cast<std::uint16_t>(touching);
@@ -126,24 +207,21 @@ void put_row(ContactSet& set, std::size_t at, const Steps& steps, const Row& row
   set.indenter[at] = of.kind;
   set.status[at] = static_cast<std::uint8_t>(row.status);
   set.residual[at] = static_cast<float>(row.residual);
-  if (set.sensors) {
-    set.poisson[at] = static_cast<float>(of.sensor.poisson);
-    set.thickness[at] = static_cast<float>(of.sensor.thickness);
-    set.young[at] = static_cast<float>(of.sensor.young);
-    set.length[at] = static_cast<float>(of.sensor.length);
-  }
+  if (set.sensors) put_sensor(set, at, of.sensor);
   steps.stress(step, std::span(set.frames).subspan(at * set.inputs, set.inputs));
 }
 
 /// Whether a step of a contact becomes a row.
+template <class Contact>
 bool is_row(const Row& row, const Contact& of, int step) {
   return step >= of.first_step && row.status != LANE_NOT_RUN && row.slip_index;
 }
 
 /// Adds what the steps of a contact say together to the counts of a set. Returns how many of them become rows.
-template <class Steps>
+template <class Steps, class Contact>
 std::size_t survey(ContactSet& set, const Steps& steps, const Contact& of) {
-  const double element = steps.element();
+  double element = 0;  // mm, of lines
+  if constexpr (Contact::of_lines) element = steps.element();
   std::size_t rows = 0;
   double deepest = 0;  // mm
   bool far = false;    // the indenter slides further over the rubber than displacements are small
@@ -151,19 +229,19 @@ std::size_t survey(ContactSet& set, const Steps& steps, const Contact& of) {
     const Row row = steps.row(k);
     if (row.status == LANE_NOT_RUN) break;
     deepest = std::max(deepest, row.indentation);
-    far = far || row.slip_distance > slip_limit(of.sensor, element * (row.sticking + row.slipping));
+    if constexpr (Contact::of_lines)
+      far = far || row.slip_distance > slip_limit(of.sensor, element * (row.sticking + row.slipping));
     rows += is_row(row, of, k);
   }
-  set.too_deep += too_deep(of.sensor, deepest);
+  set.too_deep += too_deep(of.sensor.thickness, deepest);
   set.far_slip += far;
-  set.never_slid += rows > 0 && of.until_sliding && !steps.slid();
+  if constexpr (Contact::of_lines) set.never_slid += rows > 0 && of.until_sliding && !steps.slid();
   return rows;
 }
 
 /// Contacts whose rows go into a set, the next of each into row `at`.
 template <class Steps>
 struct RowsFrom {
-  const Contact* contact = nullptr;
   std::size_t at = 0;
   Steps steps;
 };
@@ -175,19 +253,22 @@ void put_rows(ContactSet& set, std::span<RowsFrom<Steps>> contacts) {
   for (const auto& from : contacts) most = std::max(most, from.steps.count());
   for (int k = 0; k < most; ++k)
     for (auto& from : contacts) {
-      if (k < from.contact->first_step || k >= from.steps.count()) continue;
+      const auto& contact = *from.steps.contact;
+      if (k < contact.first_step || k >= from.steps.count()) continue;
       const Row row = from.steps.row(k);
-      if (is_row(row, *from.contact, k)) put_row(set, from.at++, from.steps, row, *from.contact, k);
+      if (is_row(row, contact, k)) put_row(set, from.at++, from.steps, row, contact, k);
     }
 }
 
 /// Contacts that are solved again, by their place in the range.
-using Fallen = std::map<std::uint64_t, fem::ContactSolution>;
+template <class Contacts>
+using Fallen = std::map<std::uint64_t, typename Contacts::Solution>;
 
+template <class Contacts>
 struct Chunk : SetSimulator::Range {
-  std::vector<Contact> contacts;
+  std::vector<Contact<Contacts>> contacts;
   std::vector<float> parameters;  ///< [contacts][columns]
-  ContactStream::Part part;
+  typename StreamOf<Contacts>::Part part;
 };
 
 /// Numbers of a cache line, which a processor reads together.
@@ -212,33 +293,72 @@ ContactModel model_for(Executor& executor, const SceneSource& source, const SetO
   return model;
 }
 
+int rows_of_tactels(const fem::Sensor&) { return 1; }
+int rows_of_tactels(const fem::PadSensor& sensor) { return sensor.tactels[1]; }
+
+PadModel model_for(Executor&, const PadSource&, const SetOptions& options) {
+  PadModel model{{.cells = options.pad.cells, .increments = options.pad.increments}, options.precision};
+  if (options.accept > 0) model.options.tolerance = 0, model.options.accept = options.accept;
+  return model;
+}
+
 }  // namespace
 
+/// The simulator of one kind of contact.
 struct SetSimulator::State {
-  State(Executor& executor, const SceneSource& source, const SetOptions& options)
-      : executor(executor),
-        source(source),
-        parameters(source.parameters()),
-        columns(columns_of(source)),
-        stream(executor, model_for(executor, source, options)) {
-    if (!source.own_sensors()) stream.keep(source.sensors());  // of others the family has the tables
+  virtual ~State() = default;
+  virtual std::unique_ptr<Range> prepare(std::uint64_t first, std::uint64_t count) const = 0;
+  virtual void run(Range& range, const RunOptions& options) const = 0;
+  virtual ContactSet collect(Range& range) = 0;
+};
+
+namespace {
+
+template <class Contacts>
+class Simulator final : public SetSimulator::State {
+  using Source = SourceOf<typename Contacts::Scene>;
+  using Chunk = host::Chunk<Contacts>;
+  using Fallen = host::Fallen<Contacts>;
+  using Range = SetSimulator::Range;
+
+ public:
+  Simulator(Executor& executor, const Source& source, const SetOptions& options)
+      : executor_(executor),
+        source_(source),
+        parameters_(source.parameters()),
+        columns_(columns_of(source)),
+        stream_(executor, model_for(executor, source, options)) {
+    if (!source.own_sensors()) stream_.keep(source.sensors());  // of others the family has the tables
     if (source.transducer().present())
-      chain.emplace(executor, source.transducer(), source.seed(), 2 * source.tactels());
+      chain_.emplace(executor, source.transducer(), source.seed(), source.inputs(), columns_.axes,
+                     rows_of_tactels(source.sensors().front()));
   }
+  std::unique_ptr<Range> prepare(std::uint64_t first, std::uint64_t count) const override;
+  void run(Range& range, const RunOptions& options) const override {
+    const auto start = Clock::now();
+    auto& part = static_cast<Chunk&>(range).part;
+    part.run(options);
+    range.kernel_seconds += part.seconds();
+    range.seconds.solve = seconds_since(start);
+  }
+  ContactSet collect(Range& range) override;
+
+ private:
   void measure(ContactSet& set, const std::vector<std::size_t>& rows, const Chunk& chunk, const Fallen& fallen);
 
-  Executor& executor;
-  const SceneSource& source;
-  ContactParameters parameters;
-  SetColumns columns;
-  ContactStream stream;
-  std::optional<TransducerChain> chain;  ///< where there is more than bare stresses; used by collect alone
-  std::mutex chain_turn;
+  Executor& executor_;
+  const Source& source_;
+  ContactParametersOf<typename Contacts::Scene> parameters_;
+  SetColumns columns_;
+  StreamOf<Contacts> stream_;
+  std::optional<TransducerChain> chain_;  ///< where there is more than bare stresses; used by collect alone
+  std::mutex chain_turn_;
 };
 
 /// Readings in place of stresses, in the rows of a chunk. They depend on all load steps up to them, so these go through
 /// the chain, rows or not.
-void SetSimulator::State::measure(ContactSet& set, const std::vector<std::size_t>& rows, const Chunk& chunk,
+template <class Contacts>
+void Simulator<Contacts>::measure(ContactSet& set, const std::vector<std::size_t>& rows, const Chunk& chunk,
                                   const Fallen& fallen) {
   const std::size_t inputs = set.inputs;
   std::vector<TransducerChain::Contact> contacts;
@@ -252,12 +372,12 @@ void SetSimulator::State::measure(ContactSet& set, const std::vector<std::size_t
       if (solution == fallen.end())
         answer.tactels(static_cast<int>(step), frame);
       else
-        StepsOfSolution{solution->second, chunk.contacts[k].sensor}.stress(static_cast<int>(step), frame);
+        put_stress(solution->second.steps[step], frame);
     }
   });
   {
-    const std::lock_guard turn(chain_turn);
-    chain->run(contacts, signal);
+    const std::lock_guard turn(chain_turn_);
+    chain_->run(contacts, signal);
   }
   auto reading = signal.begin();
   for (const TransducerChain::Contact& contact : contacts) {
@@ -268,41 +388,33 @@ void SetSimulator::State::measure(ContactSet& set, const std::vector<std::size_t
   }
 }
 
-SetColumns columns_of(const SceneSource& source) {
-  SetColumns columns(2 * source.tactels(), source.own_sensors().has_value());
-  const ContactParameters parameters = source.parameters();
-  for (const ContactParameters::Column& column : parameters.columns()) {
-    columns.parameters.push_back(column.name);
-    columns.parameter_units.push_back(column.unit);
-  }
-  columns.tactel_x = source.tactel_x();
-  return columns;
+int pressing_steps(const fem::Scene&, const fem::LoadPath& path) { return path.indentation_steps; }
+int pressing_steps(const fem::PadScene& scene, const PadPath&) {
+  return static_cast<int>(fem::pressing_targets(scene.load));
 }
+bool until_sliding(const fem::LoadPath& path) { return path.until_sliding; }
+bool until_sliding(const PadPath&) { return false; }
 
-SetSimulator::SetSimulator(Executor& executor, const SceneSource& source, const SetOptions& options)
-    : state_(std::make_unique<State>(executor, source, options)) {}
-
-SetSimulator::~SetSimulator() = default;
-
-std::unique_ptr<SetSimulator::Range> SetSimulator::prepare(std::uint64_t first, std::uint64_t count) const {
-  const State& state = *state_;
+template <class Contacts>
+std::unique_ptr<SetSimulator::Range> Simulator<Contacts>::prepare(std::uint64_t first, std::uint64_t count) const {
   auto chunk = std::make_unique<Chunk>();
   chunk->first = first, chunk->count = count;
-  const std::size_t numbers = state.parameters.columns().size();
+  const std::size_t numbers = parameters_.columns().size();
   chunk->contacts.reserve(count);
   chunk->parameters.resize(count * numbers);
   const auto start = Clock::now();
   for (std::uint64_t k = 0; k < count; ++k) {
-    const auto [scene, indenter] = state.source.contact(first + k);
-    const fem::LoadPath path = fem::load_path(scene.load);
-    state.parameters.put(scene, indenter, std::span(chunk->parameters).subspan(k * numbers, numbers));
+    const auto [scene, indenter] = source_.contact(first + k);
+    const typename Contacts::Path path = Contacts::path(scene);
+    parameters_.put(scene, indenter, std::span(chunk->parameters).subspan(k * numbers, numbers));
     chunk->contacts.push_back({.number = first + k,
                                .sensor = scene.sensor,
                                .friction = scene.friction,
-                               .first_step = state.source.press_rows() ? 0 : path.indentation_steps - 1,
+                               .first_step = source_.press_rows() ? 0 : pressing_steps(scene, path) - 1,
                                .kind = indenter,
-                               .until_sliding = path.until_sliding});
-    state.stream.add(chunk->part, scene, path);
+                               .until_sliding = until_sliding(path)});
+    if constexpr (!Contact<Contacts>::of_lines) chunk->contacts.back().path = path;
+    stream_.add(chunk->part, scene, path);
   }
   chunk->seconds.draw = seconds_since(start);
   chunk->part.lay_out();
@@ -311,37 +423,29 @@ std::unique_ptr<SetSimulator::Range> SetSimulator::prepare(std::uint64_t first, 
   return chunk;
 }
 
-void SetSimulator::run(Range& range, const RunOptions& options) const {
-  const auto start = Clock::now();
-  ContactStream::Part& part = static_cast<Chunk&>(range).part;
-  part.run(options);
-  range.kernel_seconds += part.seconds();
-  range.seconds.solve = seconds_since(start);
-}
-
-ContactSet SetSimulator::collect(Range& range) const {
-  State& state = *state_;
+template <class Contacts>
+ContactSet Simulator<Contacts>::collect(Range& range) {
   auto& chunk = static_cast<Chunk&>(range);
   const auto start = Clock::now();
-  ContactSet set(state.columns);
+  ContactSet set(columns_);
   std::vector<std::size_t> rows(chunk.count + 1, 0);  // of contact k: rows[k] ... rows[k + 1] - 1
   Fallen fallen;
   std::optional<Clock::time_point> begin_again;
-  state.stream.collect(
+  stream_.collect(
       chunk.part,
       [&](std::size_t k) {
         if (!begin_again) begin_again = Clock::now();
-        return state.source.contact(chunk.contacts[k].number).scene;
+        return source_.contact(chunk.contacts[k].number).scene;
       },
       [&](std::size_t k, const LaneAnswer& answer) {
-        const Contact& contact = chunk.contacts[k];
-        rows[k + 1] = survey(set, StepsOfLane{answer, contact.friction}, contact);
+        const auto& contact = chunk.contacts[k];
+        rows[k + 1] = survey(set, StepsOfLane<Contacts>{answer, &contact}, contact);
       },
-      [&](std::size_t k, fem::ContactSolution&& solution) {
-        const Contact& contact = chunk.contacts[k];
+      [&](std::size_t k, typename Contacts::Solution&& solution) {
+        const auto& contact = chunk.contacts[k];
         set.fell_back += solution.fell_back;
         set.unsolved += std::ranges::any_of(solution.steps, [](const auto& step) { return !step.converged; });
-        rows[k + 1] = survey(set, StepsOfSolution{solution, contact.sensor}, contact);
+        rows[k + 1] = survey(set, StepsOfSolution<Contacts>{solution, &contact}, contact);
         fallen[k] = std::move(solution);
       });
   if (begin_again) range.seconds.solve_again = seconds_since(*begin_again);
@@ -349,32 +453,69 @@ ContactSet SetSimulator::collect(Range& range) const {
   set.without_rows = static_cast<std::uint64_t>(std::count(rows.begin() + 1, rows.end(), std::size_t{0}));
   std::partial_sum(rows.begin(), rows.end(), rows.begin());
   resize(set, rows.back());
-  std::vector<RowsFrom<StepsOfLane>> together;
+  std::vector<RowsFrom<StepsOfLane<Contacts>>> together;
   const auto put = [&] {
     put_rows(set, std::span(together));
     together.clear();
   };
   chunk.part.each(true, [&](std::size_t k, const LaneAnswer& answer) {
     if (rows[k] == rows[k + 1] || fallen.contains(k)) return;
-    together.push_back({&chunk.contacts[k], rows[k], {answer, chunk.contacts[k].friction}});
+    together.push_back({rows[k], {answer, &chunk.contacts[k]}});
     if (together.size() == std::min(answer.stride, side_by_side_answers)) put();
   });
   put();
   for (const auto& [k, solution] : fallen) {
-    RowsFrom<StepsOfSolution> one{&chunk.contacts[k], rows[k], {solution, chunk.contacts[k].sensor}};
+    RowsFrom<StepsOfSolution<Contacts>> one{rows[k], {solution, &chunk.contacts[k]}};
     put_rows(set, std::span(&one, 1));
   }
   set.contact_parameters = std::move(chunk.parameters);
-  if (state.chain) state.measure(set, rows, chunk, fallen);
+  if (chain_) measure(set, rows, chunk, fallen);
   chunk.part = {};  // its memory, before the rows are written
-  set.indenter_names = state.source.kind_names();
-  set.transducer = nn::description(state.source.transducer());
-  set.device = state.executor.device().info().name;
-  set.seed = state.source.seed();
-  set.press_rows = state.source.press_rows();
+  set.indenter_names = source_.kind_names();
+  set.transducer = nn::description(source_.transducer());
+  set.device = executor_.device().info().name;
+  set.seed = source_.seed();
+  set.press_rows = source_.press_rows();
   range.seconds.gather = seconds_since(start) - range.seconds.solve_again;
   return set;
 }
+
+template <class Scene>
+SetColumns columns_of_kind(const SourceOf<Scene>& source) {
+  SetColumns columns(source.inputs(), source.own_sensors().has_value(), !SourceOf<Scene>::of_lines);
+  if constexpr (!SourceOf<Scene>::of_lines) columns.axes = source.sensors().front().axes;
+  const auto parameters = source.parameters();
+  for (const auto& column : parameters.columns()) {
+    columns.parameters.push_back(column.name);
+    columns.parameter_units.push_back(column.unit);
+  }
+  columns.tactel_x = source.tactel_x();
+  return columns;
+}
+
+}  // namespace
+
+SetColumns columns_of(const SceneSource& source) { return columns_of_kind(source); }
+SetColumns columns_of(const PadSource& source) { return columns_of_kind(source); }
+SetColumns columns_of(const AnySource& source) {
+  return std::visit([](const auto& of) { return columns_of_kind(of); }, source);
+}
+
+SetSimulator::SetSimulator(Executor& executor, const SceneSource& source, const SetOptions& options)
+    : state_(std::make_unique<Simulator<LineContacts>>(executor, source, options)) {}
+SetSimulator::SetSimulator(Executor& executor, const PadSource& source, const SetOptions& options)
+    : state_(std::make_unique<Simulator<PadContacts>>(executor, source, options)) {}
+SetSimulator::SetSimulator(Executor& executor, const AnySource& source, const SetOptions& options)
+    : SetSimulator(std::visit([&](const auto& of) { return SetSimulator(executor, of, options); }, source)) {}
+
+SetSimulator::~SetSimulator() = default;
+SetSimulator::SetSimulator(SetSimulator&&) noexcept = default;
+
+std::unique_ptr<SetSimulator::Range> SetSimulator::prepare(std::uint64_t first, std::uint64_t count) const {
+  return state_->prepare(first, count);
+}
+void SetSimulator::run(Range& range, const RunOptions& options) const { state_->run(range, options); }
+ContactSet SetSimulator::collect(Range& range) const { return state_->collect(range); }
 
 ContactSet SetSimulator::simulate(std::uint64_t first, std::uint64_t count) const {
   const auto range = prepare(first, count);

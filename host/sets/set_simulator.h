@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "host/contact/gap_sweep.h"
+#include "host/contact/pad_rung.h"
 #include "host/scenes/scene_source.h"
 #include "host/sets/contact_set.h"
 #include "host/sets/stage_seconds.h"
@@ -11,14 +12,17 @@ namespace tactel::host {
 
 struct SetOptions {
   Precision precision = Precision::fp32;
-  double tolerance = 0;         ///< as GapSweepOptions; 0 with patches: the rung's
-  double accept = 0;            ///< as GapSweepOptions
-  std::optional<Rung> patch{};  ///< contacts on patches of this rung, with its precision and tolerance; none: on the
-                                ///< mesh of their sensor
+  double tolerance = 0;            ///< as GapSweepOptions; 0 with patches: the rung's
+  double accept = 0;               ///< as GapSweepOptions
+  std::optional<Rung> patch{};     ///< contacts on patches of this rung, with its precision and tolerance; none: on the
+                                   ///< mesh of their sensor
+  PadRung pad = usual_pad_rung();  ///< of contacts on pads
 };
 
 /// Returns all datasets that the set of a source has.
 SetColumns columns_of(const SceneSource& source);
+SetColumns columns_of(const PadSource& source);
+SetColumns columns_of(const AnySource& source);
 
 /// Simulates contacts of a source, range by range. The rows of a contact depend on the source and the number of
 /// the contact alone. They do not depend on the range, the number of threads or earlier simulations.
@@ -26,7 +30,10 @@ class SetSimulator {
  public:
   /// Condenses in parallel every sensor of the source that the cache does not hold.
   SetSimulator(Executor& executor, const SceneSource& source, const SetOptions& options);
+  SetSimulator(Executor& executor, const PadSource& source, const SetOptions& options);
+  SetSimulator(Executor& executor, const AnySource& source, const SetOptions& options);
   ~SetSimulator();
+  SetSimulator(SetSimulator&& other) noexcept;
 
   /// A range of contacts in the three stages of simulate(). Threads may call them at once, on different ranges. A
   /// range is collected once.

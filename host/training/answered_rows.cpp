@@ -36,6 +36,7 @@ AnsweredRows find_answered_rows(const ContactSet& set) {
     frames.step.push_back(set.step[row]);
   }
   frames.press_rows = set.press_rows;
+  frames.axes = set.axes;
   return answered;
 }
 

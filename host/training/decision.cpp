@@ -107,7 +107,8 @@ std::vector<double> tangential_positions(const ContactSet& set, const std::strin
   const auto refuse = [&](const std::string& what) {
     return ConfigError(file, "sweep", what, "the sweep that the set's rows were drawn from");
   };
-  const SceneSource source = read_sweep_text(file, set.sweep, set.seed).source;
+  const Sweep sweep = read_sweep_text(file, set.sweep, set.seed);
+  const SceneSource& source = sweep.lines(file);
   std::vector<double> positions(set.rows());
   std::optional<std::uint64_t> drawn;
   fem::LoadPath path;

@@ -45,7 +45,7 @@ class SimulatedStream : public FrameStream {
         shown_(shown),
         threads_(std::clamp(executor.threads(), 2, most_threads)),
         simulator_(executor, sweep_.source, options) {
-    if (!sweep_.source.endless())
+    if (!sweep_.contacts().endless())
       throw ConfigError(name_, "sweep.set", "a listed set", "left out: a stream draws its contacts (sweep.contacts)");
   }
   nn::FrameSet block(std::uint64_t k) override {
@@ -60,10 +60,11 @@ class SimulatedStream : public FrameStream {
   void stop() override { stopped_ = true; }
   std::uint64_t blocks() const override { return 1; }
   std::string name() const override { return name_; }
-  int inputs() const override { return 2 * sweep_.source.tactels() * shown_.history.frames; }
+  int inputs() const override { return sweep_.contacts().inputs() * shown_.history.frames; }
   std::vector<std::string> warnings() const override {
     std::vector<std::string> all = unit_warnings(sweep_.source);
-    if (sweep_.source.model() == fem::SurfaceModel::patch && tactels_at_ends(sweep_.source))
+    const auto* lines = std::get_if<SceneSource>(&sweep_.source);
+    if (lines && lines->model() == fem::SurfaceModel::patch && tactels_at_ends(*lines))
       all.push_back(tactels_at_ends_text);
     for (std::string& warning : all) warning.insert(0, name_ + ": ");
     return all;

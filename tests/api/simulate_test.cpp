@@ -262,7 +262,7 @@ TEST(SweepApi, GivesTheRowsOfTheProgram) {
   std::vector<std::uint64_t> told;
   const Set set = sweep.generate({}, {}, [&](std::uint64_t done, std::uint64_t) { return told.push_back(done), true; });
   host::Sweep twin = host::read_sweep(file.path());
-  twin.source.model_on(host::usual_patch());
+  std::get<host::SceneSource>(twin.source).model_on(host::usual_patch());
   const host::SetOptions options{.precision = host::usual_patch().precision,
                                  .tolerance = host::usual_patch().tolerance,
                                  .patch = host::usual_patch()};
@@ -272,7 +272,7 @@ TEST(SweepApi, GivesTheRowsOfTheProgram) {
   EXPECT_EQ(set.contact, rows.contact);
   EXPECT_EQ(set.rows(), 30u * 7u);
   EXPECT_EQ(told, (std::vector<std::uint64_t>{0, 30}));
-  EXPECT_EQ(sweep.scene(4).friction, twin.source.contact(4).scene.friction);
+  EXPECT_EQ(sweep.scene(4).friction, twin.lines("sweep").contact(4).scene.friction);
   EXPECT_THROW(sweep.generate({}, {}, [](std::uint64_t, std::uint64_t) { return false; }), Cancelled);
 
   SweepBatches batches(sweep, 12);

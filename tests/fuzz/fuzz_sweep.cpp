@@ -5,22 +5,31 @@
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/measured_profile.h"
 
+namespace {
+bool has_step(const tactel::fem::Scene& scene) { return !tactel::fem::load_path(scene.load).steps.empty(); }
+bool has_step(const tactel::fem::PadScene& scene) { return !tactel::fem::pad_targets(scene.load).empty(); }
+}  // namespace
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace tactel;
   fuzz::provide_measured_profile();
   const auto path = fuzz::write_file("sweep.toml", {data, size});
   std::optional<host::Sweep> sweep;
   if (!fuzz::accepts([&] { sweep = host::read_sweep(path); })) return 0;
-  const host::SceneSource& source = sweep->source;
-  fuzz::check(source.contacts() > 0, "an accepted sweep has a contact");
-  fuzz::check(source.tactels() >= 2, "an accepted sweep has two tactels at least");
-  for (const std::uint64_t k : {std::uint64_t{0}, std::uint64_t{1}, source.contacts() - 1}) {
-    if (k >= source.contacts()) continue;
+  const host::ContactSource& all = sweep->contacts();
+  fuzz::check(all.contacts() > 0, "an accepted sweep has a contact");
+  fuzz::check(all.inputs() >= 1, "a frame of an accepted sweep has a number");
+  for (const std::uint64_t k : {std::uint64_t{0}, std::uint64_t{1}, all.contacts() - 1}) {
+    if (k >= all.contacts()) continue;
     // Drawn numbers that do not fit each other are a ValueError, by contract.
     fuzz::accepts<ValueError>([&] {
-      const host::SceneSource::Contact contact = source.contact(k);
-      fuzz::check(contact.kind < source.kind_names().size(), "a contact's indenter has a name");
-      fuzz::check(!fem::load_path(contact.scene.load).steps.empty(), "a drawn contact has a load step");
+      std::visit(
+          [&](const auto& source) {
+            const auto contact = source.contact(k);
+            fuzz::check(contact.kind < all.kind_names().size(), "a contact's indenter has a name");
+            fuzz::check(has_step(contact.scene), "a drawn contact has a load step");
+          },
+          sweep->source);
     });
   }
   return 0;

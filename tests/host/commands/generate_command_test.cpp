@@ -67,6 +67,32 @@ class Generate : public ::testing::Test {
   std::string sweep_ = folder_.write("sweep.toml", sweep_text);
 };
 
+// Three chunks of contacts on pads.
+TEST_F(Generate, PadsKilledAndResumedGiveTheSameBytes) {
+  const std::string pads = folder_.write("pads.toml",
+                                         "[sweep]\ncontacts = 20000\n[sensor]\nkind = \"pad\"\nthickness = 2\n"
+                                         "young = { uniform = [1, 2] }\n[indenter]\nshape = \"sphere\"\n"
+                                         "radius = { log_uniform = [3, 20] }\n[load]\n"
+                                         "indentation = { uniform = [0.1, 0.2] }\ntangential_step = [0.03, 0.01]\n"
+                                         "twist_step = 1\ntangential_steps = 2\n");
+  const auto generate = [&](const std::string& before, const std::string& name, const std::string& options) {
+    return run_child(
+        {"sh", "-c",
+         before + " " TACTEL_PROGRAM " generate " + pads + " --rung pad-8 --output " + output(name) + " " + options});
+  };
+  ASSERT_EQ(generate("", "whole.h5", "").exit_code, 0);
+  const std::string whole = text_of(output("whole.h5"));
+  int killed = 0;
+  for (int attempt = 0; attempt < 4; ++attempt)
+    killed +=
+        generate("timeout -s KILL " + std::to_string(0.3 + 0.3 * attempt), "killed.h5", "--resume").exit_code == 137;
+  EXPECT_GT(killed, 0);
+  ASSERT_EQ(generate("", "killed.h5", "--resume").exit_code, 0);
+  EXPECT_EQ(checksum(text_of(output("killed.h5"))), checksum(whole));
+  EXPECT_EQ(run_tactel({"check", output("killed.h5")}).exit_code, 0);
+  EXPECT_TRUE(is_refused(run_tactel({"generate", pads, "--output", output("killed.h5"), "--resume"}), {"rung pad-8"}));
+}
+
 TEST_F(Generate, KilledAtAnyMomentAndResumedGivesTheSameBytes) {
   ASSERT_EQ(run({"--output", output("whole.h5")}).exit_code, 0);
   const std::string whole = text_of(output("whole.h5"));
@@ -204,7 +230,7 @@ TEST_F(Generate, RowsAreThoseOfTheReference) {
   const ContactSet set = SetSimulator(executor, sweep.source, {}).simulate(0, 24);
   std::size_t row = 0;
   for (std::uint64_t k = 0; k < 24; ++k) {
-    const fem::Scene scene = sweep.source.contact(k).scene;
+    const fem::Scene scene = sweep.lines("sweep").contact(k).scene;
     const fem::ContactSolution truth = fem::GapReference(scene.sensor).solve(scene);
     for (std::size_t s = fem::load_path(scene.load).indentation_steps - 1; s < truth.steps.size(); ++s, ++row) {
       const fem::ContactStep& step = truth.steps[s];
@@ -249,7 +275,7 @@ TEST_F(Generate, WarnsOnceOfDeepIndentersWithTheirCount) {
       folder_.write("deep.toml", SmallSweep{.contacts = 10000, .indentation = "{ uniform = [0.2, 0.4] }"}.text());
   const Sweep sweep = read_sweep(deep);
   int beyond = 0;
-  for (std::uint64_t k = 0; k < 10000; ++k) beyond += sweep.source.contact(k).scene.load.indentation[0] > 0.3;
+  for (std::uint64_t k = 0; k < 10000; ++k) beyond += sweep.lines("sweep").contact(k).scene.load.indentation[0] > 0.3;
   ASSERT_GT(beyond, 1000);
   const std::string said =
       "warning: in " + std::to_string(beyond) + " of 10000 contacts the indenter is deeper than 20 %";
@@ -550,7 +576,7 @@ TEST_F(SmallSet, CountsContactsWithoutRows) {
   const std::string path = sweep("a.toml", SmallSweep{.friction = "{ choice = [0, 0.5] }"}.text());
   const Sweep drawn = read_sweep(path);
   std::uint64_t without = 0;
-  for (std::uint64_t k = 0; k < 9000; ++k) without += drawn.source.contact(k).scene.friction == 0;
+  for (std::uint64_t k = 0; k < 9000; ++k) without += drawn.lines("sweep").contact(k).scene.friction == 0;
   ASSERT_GT(without, 4000u);
   const ChildResult result = run(path, "set.h5");
   EXPECT_EQ(result.exit_code, 0);
@@ -567,7 +593,7 @@ TEST_F(SmallSet, CountsContactsThatSlideFar) {
       sweep("a.toml", SmallSweep{.friction = "0.1", .drag = "tangential = [{ choice = [0.05, 5] }]"}.text());
   const Sweep drawn = read_sweep(path);
   std::uint64_t far = 0;
-  for (std::uint64_t k = 0; k < 9000; ++k) far += drawn.source.contact(k).scene.load.tangential[0] == 5;
+  for (std::uint64_t k = 0; k < 9000; ++k) far += drawn.lines("sweep").contact(k).scene.load.tangential[0] == 5;
   ASSERT_GT(far, 4000u);
   stop_half_way(path, "set.h5");  // the counts of chunks that are there count, too
   const ChildResult result = run(path, "set.h5", {"--resume"});
@@ -583,7 +609,7 @@ TEST_F(SmallSet, CountsDragsUntilSlidingThatNeverSlide) {
   const std::string path = sweep("a.toml", few.text());
   const Sweep drawn = read_sweep(path);
   std::uint64_t pressed = 0;
-  for (std::uint64_t k = 0; k < 40; ++k) pressed += drawn.source.contact(k).scene.load.indentation[0] > 0;
+  for (std::uint64_t k = 0; k < 40; ++k) pressed += drawn.lines("sweep").contact(k).scene.load.indentation[0] > 0;
   ASSERT_GT(pressed, 5u);
   ASSERT_LT(pressed, 35u);
   const ChildResult result = run(path, "set.h5");

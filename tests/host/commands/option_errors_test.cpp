@@ -63,7 +63,8 @@ TEST(OptionErrors, ManyChoicesAreListedByTheError) {
     EXPECT_EQ(
         error_of({command, "--rung", "row"}),
         "error: command line: --rung = row: must be one of patch-8, patch-12, patch-16, patch-24, paper, mesh-41, "
-        "mesh-81, mesh-161, mesh-321, mesh-641, patch-60, reference, draft, medium, fine, finest, pad-8, pad-12, pad-16, pad-24");
+        "mesh-81, mesh-161, mesh-321, mesh-641, patch-60, reference, draft, medium, fine, finest, pad-8, pad-12, "
+        "pad-16, pad-24");
 }
 
 TEST(OptionErrors, EveryOptionWithoutItsValueSaysWhatItTakes) {

@@ -251,7 +251,7 @@ TEST(PadFile, SaysWhatIsWrong) {
         << text;
   }
   for (const auto& [head, says] : {std::pair{"preset = \"paper\"\n", line.c_str()},
-                                   {"[sweep]\ncontacts = 5\n", "a sweep draws contacts of a line"}}) {
+                                   {"[sweep]\ncontacts = 5\n", "`tactel generate` takes sweeps"}}) {
     const std::string scene = folder.write("scene.toml", head + pad_text());
     EXPECT_THAT(thrown_message<ConfigError>([&] { read_any_scene(scene); }), HasSubstr(says));
   }
@@ -274,7 +274,7 @@ TEST(PadFile, KeysOfAPadInALine) {
   EXPECT_THAT(message("", "shape = \"flat\"", "twist = [4]"), AllOf(HasSubstr("load.twist = [4]"), of_a_pad));
   EXPECT_THAT(
       message("kind = \"pad\"", "shape = \"flat\"", ""),
-      HasSubstr(":2: sensor.kind = \"pad\": must be \"line\": of all commands `tactel solve` alone takes pads"));
+      HasSubstr(":2: sensor.kind = \"pad\": must be \"line\": of pads, `tactel solve` takes scenes and `tactel generate` sweeps"));
   EXPECT_THAT(message("kind = \"square\"", "shape = \"flat\"", ""), HasSubstr("one of line, pad"));
 }
 

@@ -200,11 +200,11 @@ TEST(TransducerSet, HoldsReadingsOfAllLoadSteps) {
             "noise 0.02 MPa, range 1 MPa, seed 3");
   ASSERT_EQ(set.rows(), 40u * 6);
   for (std::size_t row = 0; row < set.rows(); row += 6) {
-    const fem::Scene scene = sweep.source.contact(row / 6).scene;
+    const fem::Scene scene = sweep.lines("sweep").contact(row / 6).scene;
     const auto steps = solve_on_meshes(executor(), std::span(&scene, 1), Precision::fp32, {})[0].steps;
     nn::RowMatrix<double> stress(8, 16);
     for (int k = 0; k < 8; ++k) stress.row(k) << steps[k].sigma_y.transpose(), steps[k].tau_xy.transpose();
-    const auto reading = nn::transducer_chain(sweep.source.transducer(), 3, row / 6, stress);
+    const auto reading = nn::transducer_chain(sweep.contacts().transducer(), 3, row / 6, stress);
     for (int k = 2; k < 8; ++k)
       for (int channel = 0; channel < 16; ++channel)
         EXPECT_NEAR(set.frames[(row + k - 2) * 16 + channel], reading(k, channel), 3e-6);  // as MatchesTwin
@@ -279,8 +279,8 @@ TEST(TransducerTable, GoesWithThePapersSets) {
   const ScratchFolder folder;
   const Sweep sweep =
       read_sweep(folder.write("sweep.toml", "[sweep]\nset = \"paper-recall\"\nseed = 5\n[transducer]\nnoise = 0.1\n"));
-  EXPECT_EQ(sweep.source.seed(), 5u);
-  EXPECT_EQ(sweep.source.transducer(), (nn::Transducer{.noise = 0.1, .seed = 5}));
+  EXPECT_EQ(sweep.contacts().seed(), 5u);
+  EXPECT_EQ(sweep.contacts().transducer(), (nn::Transducer{.noise = 0.1, .seed = 5}));
 }
 
 TEST(TransducerTable, PlacesAndWidthsAreTheSensors) {
@@ -288,8 +288,8 @@ TEST(TransducerTable, PlacesAndWidthsAreTheSensors) {
   std::string text = small_sweep;
   text.insert(text.find("columns"), "tactel_span = 17.5\ntactel_width = { uniform = [0.5, 2] }\n");
   const Sweep sweep = read_sweep(folder.write("sweep.toml", text));
-  EXPECT_EQ(sweep.source.sensors().size(), 16u);
-  for (const fem::Sensor& sensor : sweep.source.sensors()) {
+  EXPECT_EQ(sweep.lines("sweep").sensors().size(), 16u);
+  for (const fem::Sensor& sensor : sweep.lines("sweep").sensors()) {
     EXPECT_EQ(sensor.tactel_span, 17.5);
     EXPECT_THAT(sensor.tactel_width, ::testing::AllOf(::testing::Ge(0.5), ::testing::Le(2)));
   }

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Sets of contacts on pads: their rows are those of `tactel solve`, and depend on the contact alone.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "host/contact/pad_solve.h"
+#include "host/sets/check_set.h"
+#include "host/sets/set_simulator.h"
+#include "tests/host/device/test_device.h"
+#include "tests/host/support/run_tactel.h"
+
+namespace tactel::host {
+namespace {
+
+constexpr const char* sweep_text = R"(
+[sweep]
+contacts = 60
+seed = 26
+[sensor]
+kind = "pad"
+tactels = [4, 3]
+pitch = [2, 3]
+thickness = { uniform = [1.5, 2.5] }
+young = { log_uniform = [0.5, 3] }
+poisson = { choice = [0.4, 0.5] }
+[contact]
+friction = { uniform = [0.1, 1] }
+[[indenter]]
+shape = "sphere"
+radius = { log_uniform = [3, 20] }
+position = [{ uniform = [-3, 3] }, { uniform = [-3, 3] }]
+[[indenter]]
+shape = "box"
+half_widths = [{ uniform = [1, 2] }, 2]
+edge = 0.3
+yaw = { uniform = [0, 90] }
+tilt = 1
+tilt_direction = { uniform = [0, 360] }
+[[load]]
+indentation = [0.05, { uniform = [0.1, 0.25] }]
+tangential = [[{ uniform = [-0.1, 0.1] }, 0.05], [0.1, { uniform = [-0.1, 0.1] }]]
+twist = [{ uniform = [-3, 3] }, 2]
+[[load]]
+normal_force = { log_uniform = [0.5, 3] }
+tangential_step = [{ uniform = [-0.05, 0.05] }, 0.03]
+tangential_steps = 3
+)";
+
+class PadSet : public testing::Test {
+ protected:
+  PadSource source(const std::string& text = sweep_text) { return PadSource::read(folder_.write("sweep.toml", text)); }
+  ScratchFolder folder_;
+  Executor executor_{device()};
+  SetOptions options_{.pad = pad_rung_named("pad-8")};
+};
+
+std::vector<float> row_of(const std::vector<float>& all, std::size_t row, std::size_t width) {
+  return {all.begin() + static_cast<std::ptrdiff_t>(row * width),
+          all.begin() + static_cast<std::ptrdiff_t>((row + 1) * width)};
+}
+
+/// A set's numbers are those of the solution, to the bit: a lane's do not depend on its neighbours.
+TEST_F(PadSet, RowsAreThoseOfSolve) {
+  const PadSource sweep = source();
+  const ContactSet set = SetSimulator(executor_, sweep, options_).simulate(0, 60);
+  ASSERT_EQ(set.inputs, 36);
+  SolveOptions solving;
+  solving.rung = "pad-8", solving.precision = "fp32";
+  std::size_t row = 0;
+  for (std::uint64_t k = 0; k < 20; ++k) {
+    const auto [scene, kind] = sweep.contact(k);
+    const PadOutcome outcome = solve(scene, solving);
+    const std::size_t pressed = pressing_targets(scene.load);
+    for (std::size_t step = pressed - 1; step < outcome.solution.steps.size(); ++step, ++row) {
+      SCOPED_TRACE(testing::Message() << "contact " << k << ", step " << step);
+      const fem::PadStep& expected = outcome.solution.steps[step];
+      ASSERT_LT(row, set.rows());
+      ASSERT_EQ(set.contact[row], k);
+      ASSERT_EQ(set.step[row], step);
+      EXPECT_EQ(set.indenter[row], kind);
+      const auto f = [](double value) { return static_cast<float>(value); };
+      EXPECT_EQ(set.slip_index[row], std::min(f(*expected.slip_index), 1.0f));  // rounding apart
+      EXPECT_EQ(set.normal_force[row], f(expected.P));
+      EXPECT_EQ(row_of(set.tangential_force, row, 2), (std::vector{f(expected.Q[0]), f(expected.Q[1])}));
+      EXPECT_EQ(set.torque[row], f(expected.M));
+      EXPECT_EQ(set.force_ratio[row], f(*expected.force_ratio));
+      EXPECT_EQ(set.stick_fraction[row], f(expected.stick_fraction));
+      EXPECT_EQ(set.indentation[row], f(expected.indentation));
+      EXPECT_EQ(row_of(set.tangential, row, 2), (std::vector{f(expected.x), f(expected.y)}));
+      EXPECT_FLOAT_EQ(set.twist[row], f(expected.twist * 180 / std::numbers::pi));
+      EXPECT_EQ(set.contact_nodes[row], (expected.normal_force.array() > 0).count());
+      EXPECT_EQ(set.friction[row], f(scene.friction));
+      EXPECT_EQ(set.poisson[row], f(scene.sensor.poisson));
+      EXPECT_EQ(set.thickness[row], f(scene.sensor.thickness));
+      EXPECT_EQ(set.young[row], f(scene.sensor.young));
+      EXPECT_EQ(set.residual[row], f(expected.residual.largest()));
+      const Eigen::MatrixX3f stress = expected.stress.cast<float>();
+      EXPECT_EQ(row_of(set.frames, row, 36), std::vector<float>(stress.data(), stress.data() + 36));
+    }
+  }
+  EXPECT_EQ(set.contact[row], 20u);
+}
+
+TEST_F(PadSet, RowsOfAContactDependOnTheContactAlone) {
+  const PadSource sweep = source();
+  const ContactSet whole = SetSimulator(executor_, sweep, options_).simulate(0, 60);
+  Executor one{Device("").for_one_contact()};
+  const SetSimulator other(one, sweep, options_);
+  std::size_t row = 0;
+  for (std::uint64_t first = 0; first < 60; first += 7) {
+    const ContactSet part = other.simulate(first, std::min<std::uint64_t>(7, 60 - first));
+    for (std::size_t k = 0; k < part.rows(); ++k, ++row) {
+      ASSERT_EQ(part.contact[k], whole.contact[row]);
+      EXPECT_EQ(row_of(part.frames, k, 36), row_of(whole.frames, row, 36));
+      EXPECT_EQ(part.slip_index[k], whole.slip_index[row]);
+      EXPECT_EQ(part.torque[k], whole.torque[row]);
+    }
+  }
+  EXPECT_EQ(row, whole.rows());
+}
+
+const std::string at_a_tactel =
+    "[sweep]\ncontacts = 2\n[sensor]\nkind = \"pad\"\ntactels = [4, 3]\npitch = 3\nthickness = 1.5\n"
+    "[indenter]\nshape = \"sphere\"\nradius = 5\nposition = [-1.5, 3]\n"  // tactel 1 along x, 2 along y
+    "[load]\nindentation = 0.15\ntangential = [[0.05, 0]]\n";
+
+/// The rubber under the sphere is pressed, and dragged to +x: sigma_z < 0, tau_x > 0, each largest at its tactel.
+TEST_F(PadSet, InputsAreSigmaZThenTauXThenTauY) {
+  const ContactSet set = SetSimulator(executor_, source(at_a_tactel), options_).simulate(0, 1);
+  ASSERT_EQ(set.rows(), 2u);
+  const std::vector<float> pressed = row_of(set.frames, 0, 36);
+  std::vector<float> dragged = row_of(set.frames, 1, 36);
+  for (std::size_t k = 0; k < 36; ++k) dragged[k] -= pressed[k];  // which shears outwards
+  const auto largest = [](const std::vector<float>& frame, int axis) {
+    const auto at = frame.begin() + 12 * axis;
+    return std::max_element(at, at + 12, [](float a, float b) { return std::abs(a) < std::abs(b); }) - at;
+  };
+  EXPECT_EQ(largest(pressed, 0), 2 * 4 + 1);
+  EXPECT_LT(pressed[9], 0);
+  EXPECT_EQ(largest(dragged, 1), 2 * 4 + 1);
+  EXPECT_GT(dragged[12 + 9], 0);
+  EXPECT_GT(dragged[12 + 9], 10 * std::abs(dragged[24 + 9]));  // along y nothing drags
+}
+
+TEST_F(PadSet, OneAxisIsTheFirstOfThree) {
+  std::string text = at_a_tactel;
+  const ContactSet three = SetSimulator(executor_, source(text), options_).simulate(0, 1);
+  text.insert(text.find("tactels"), "axes = 1\n");
+  const ContactSet one = SetSimulator(executor_, source(text), options_).simulate(0, 1);
+  ASSERT_EQ(one.inputs, 12);
+  for (std::size_t row = 0; row < 2; ++row) {
+    const std::vector<float> all = row_of(three.frames, row, 36);
+    EXPECT_EQ(row_of(one.frames, row, 12), std::vector<float>(all.begin(), all.begin() + 12));
+  }
+}
+
+/// The rows of the pressing come first; after a release nothing is left to judge.
+TEST_F(PadSet, PathsReleaseAndPressAgain) {
+  const PadSource sweep = source(
+      "[sweep]\ncontacts = 3\npress_rows = true\n[sensor]\nkind = \"pad\"\nthickness = 2\n"
+      "[indenter]\nshape = \"sphere\"\nradius = 6\n[load]\nindentation = 0.2\n"
+      "[load.irregular]\npresses = 2\npress_steps = 2\nstroke = 0.05\nstroke_steps = 2\ntwist = 2\n");
+  const ContactSet set = SetSimulator(executor_, sweep, options_).simulate(0, 3);
+  // a press of 2, a stroke of 2, a release of 2 that ends without contact, a press of 2, a stroke of 2
+  ASSERT_EQ(set.rows(), 3u * 9);
+  const std::vector<std::uint32_t> steps(set.step.begin(), set.step.begin() + 9);
+  EXPECT_EQ(steps, (std::vector<std::uint32_t>{0, 1, 2, 3, 4, 6, 7, 8, 9}));
+  EXPECT_TRUE(std::ranges::all_of(set.status, [](int status) { return status < 2; }));
+  EXPECT_NEAR(set.normal_force[6] / set.normal_force[1], 1, 0.02);  // at the same depth, but for friction's memory
+}
+
+TEST_F(PadSet, FilesHoldTheColumnsOfPads) {
+  const PadSource sweep = source();
+  ContactSet set = SetSimulator(executor_, sweep, options_).simulate(0, 20);
+  set.sweep = sweep_text, set.rung = "pad-8", set.plan = "a plan";
+  const auto file = folder_ / "set.h5";
+  write_contact_set(file, set);
+  EXPECT_TRUE(check_contact_set(file, {}).damage.empty());
+  const ContactSet read = read_contact_set(file);
+  EXPECT_TRUE(read.pad);
+  EXPECT_EQ(read.inputs, 36);
+  EXPECT_EQ(read.axes, 3);
+  EXPECT_EQ(read.frames_with_answers().axes, 3);  // a bound counts the tactels that touch
+  std::vector<std::string> names;
+  each_dataset(read, [&](const char* name, const auto&, int, const char*) { names.emplace_back(name); });
+  EXPECT_THAT(names, testing::ElementsAre("inputs", "slip_index", "normal_force", "tangential_force", "torque",
+                                          "force_ratio", "indentation", "tangential", "twist", "friction",
+                                          "stick_fraction", "contact_nodes", "contact", "step", "indenter", "status",
+                                          "residual", "poisson", "thickness", "young"));
+  EXPECT_EQ(read.tangential, set.tangential);
+  EXPECT_EQ(read.tangential_force, set.tangential_force);
+  EXPECT_EQ(read.torque, set.torque);
+  EXPECT_EQ(read.frames, set.frames);
+  const SetColumns fewer = only_columns(columns_of(sweep), "inputs,torque");
+  EXPECT_TRUE(fewer.has("torque"));
+  EXPECT_FALSE(fewer.has("twist"));
+}
+
+}  // namespace
+}  // namespace tactel::host
