@@ -272,9 +272,9 @@ TEST(PadFile, KeysOfAPadInALine) {
               AllOf(HasSubstr("indenter.shape = \"sphere\""), of_a_pad));
   EXPECT_THAT(message("", "shape = \"flat\"\nyaw = 4", ""), AllOf(HasSubstr("indenter.yaw = 4"), of_a_pad));
   EXPECT_THAT(message("", "shape = \"flat\"", "twist = [4]"), AllOf(HasSubstr("load.twist = [4]"), of_a_pad));
-  EXPECT_THAT(
-      message("kind = \"pad\"", "shape = \"flat\"", ""),
-      HasSubstr(":2: sensor.kind = \"pad\": must be \"line\": of pads, `tactel solve` takes scenes and `tactel generate` sweeps"));
+  EXPECT_THAT(message("kind = \"pad\"", "shape = \"flat\"", ""),
+              HasSubstr(":2: sensor.kind = \"pad\": must be \"line\": of pads, `tactel solve` takes scenes and `tactel "
+                        "generate` sweeps"));
   EXPECT_THAT(message("kind = \"square\"", "shape = \"flat\"", ""), HasSubstr("one of line, pad"));
 }
 
