@@ -17,7 +17,7 @@ MUTANTS = [
     ("kernels/gap_sweep.cl", "k->drift[v] = LARGER(drift, k->drift[v]);", "k->drift[v] = drift;", "contact", "Certificate.IsThatOfTheWrittenForces"),
     ("kernels/patch/compliance.h", "yx = -rows.xy[i - j];", "yx = rows.xy[i - j];", "contact", "PatchContact/Twin.Fp64MatchesIt/8"),
     ("kernels/patch/base_stress.h", "t0 = LOAD(here + to->outputs);", "t0 = LOAD(here);", "contact", "PatchContact/Twin.Fp64MatchesIt/8"),
-    ("kernels/pad_contact.cl", "x->v[v] = xx.v[v] + xy.v[v] - xn.v[v];", "x->v[v] = xx.v[v] + xy.v[v] + xn.v[v];", "contact",
+    ("kernels/pad_contact.cl", "x->v[v] = s.xx.v[v] + s.xy.v[v] - s.xn.v[v];", "x->v[v] = s.xx.v[v] + s.xy.v[v] + s.xn.v[v];", "contact",
      "PadContact.NamedScenesInFp64"),
     ("kernels/pad_contact.cl", "const vint slips = q > cone * cone;", "const vint slips = q < 0;", "contact", "PadContact.NamedScenesInFp64"),
     ("kernels/forward.cl", "o[2] = o[0] - o[2];", "o[2] = o[0] + o[2];", "networks", "ForwardHeads.MatchTheReference"),
