@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "fem/angles.h"
 #include "fem/elements.h"
 #include "fem/mesh.h"
 #include "fem/number_text.h"
@@ -14,8 +14,6 @@ namespace tactel::fem {
 namespace {
 
 constexpr double most_load_steps = 100000;  // of a path: 5 GB of answers
-
-double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
 void check(bool good, const char* key, double value, const char* allowed) {
   if (!good) throw ValueError(key, number_text(value), allowed);
@@ -89,7 +87,7 @@ void check_angle(const Load& load, double friction) {
   check(!load.normal_force.empty(), "load.angle", *load.angle, "given together with load.normal_force");
   check(load.tangential.empty() && load.tangential_step == 0 && !load.tangential_steps, "load.angle", *load.angle,
         "given without load.tangential and load.tangential_step: the angle sets the tangential force");
-  const double limit = std::atan(friction) * 180 / std::numbers::pi;
+  const double limit = degrees(std::atan(friction));
   if (std::abs(*load.angle) < 90 && std::tan(std::abs(radians(*load.angle))) < friction) return;
   throw ValueError("load.angle", number_text(*load.angle),
                    "within the friction angle, -" + number_text(limit) + " < angle < " + number_text(limit) +

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "fem/angles.h"
 #include "fem/number_text.h"
 #include "fem/value_error.h"
 
@@ -20,8 +21,6 @@ struct Overloaded : F... {
 };
 template <class... F>
 Overloaded(F...) -> Overloaded<F...>;  // clang 14 does not deduce it
-
-double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
 /// height of a circle of this radius at distance r from its lowest point.
 double circle(double radius, double r) {
@@ -266,14 +265,13 @@ void PadLoad::validate() const {
     check(move.normal >= 0 && move.normal <= 1e6, "load.moves", move.normal, "a depth or force, 0 to 1e6");
     check(std::abs(move.x) <= 1e6 && std::abs(move.y) <= 1e6, "load.moves", std::hypot(move.x, move.y),
           "places in mm, at most 1e6 away");
-    check(std::abs(move.twist) <= 2 * std::numbers::pi, "load.moves", move.twist * 180 / std::numbers::pi,
+    check(std::abs(move.twist) <= 2 * std::numbers::pi, "load.moves", degrees(move.twist),
           "twists in degrees, -360 to 360");
   }
   for (const auto& drag : drags) {
     for (int axis = 0; axis < 2; ++axis)
       check(std::abs(drag[axis]) <= 1e6, "load.tangential", drag[axis], "a place in mm, at most 1e6 away");
-    check(std::abs(drag[2]) <= 2 * std::numbers::pi, "load.twist",
-          std::round(drag[2] * 180 / std::numbers::pi * 1e9) / 1e9, "degrees, -360 to 360");
+    check(std::abs(drag[2]) <= 2 * std::numbers::pi, "load.twist", clean_degrees(drag[2]), "degrees, -360 to 360");
   }
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "fem/angles.h"
 #include "fem/layer/patch_search.h"
 
 namespace tactel::fem {
@@ -74,7 +75,7 @@ struct RoundedFlat {
 double rim_reach(const PadSearch& found, const PadIndenter& indenter, const PadSensor& sensor) {
   constexpr double round_more = 1.1, box_more = 1.2;  // strength that counts over its mean: a box has corners
   const RoundedFlat flat(indenter.shape);
-  const double rise = 2 * flat.half_width * std::tan(indenter.tilt * std::numbers::pi / 180);
+  const double rise = 2 * flat.half_width * std::tan(radians(indenter.tilt));
   if (!(flat.edge > 0 && found.P > 0 && rise < found.depth / 2)) return 0;
   const bool round = std::holds_alternative<Punch>(indenter.shape);
   const auto& [x, y] = found.contact;

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
+#include "fem/angles.h"
 #include "fem/layer/legendre_points.h"
 #include "fem/pad/pad_search.h"
 #include "fem/pad/slip_margin.h"
@@ -14,10 +14,10 @@ namespace tactel::fem {
 namespace {
 
 constexpr int most_force_trials = 60;
-const double turn_cosine = std::cos(20 * std::numbers::pi / 180);
+const double turn_cosine = std::cos(radians(20));
 
 Eigen::Matrix2d own_to_pad(const PadIndenter& indenter) {
-  return Eigen::Rotation2Dd(indenter.yaw * std::numbers::pi / 180).toRotationMatrix();
+  return Eigen::Rotation2Dd(radians(indenter.yaw)).toRotationMatrix();
 }
 
 Eigen::Vector2d position(const PadIndenter& indenter) { return {indenter.position[0], indenter.position[1]}; }

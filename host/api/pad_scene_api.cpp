@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "fem/angles.h"
 #include "fem/value_error.h"
 #include "host/api/scene_conversion.h"
 
@@ -50,14 +50,12 @@ To pad_as(const From& from) {
   return pad;
 }
 
-double radians(double degrees) { return degrees * std::numbers::pi / 180; }
-
 /// Returns degrees that radians() turns into exactly these radians, so that a file's twist survives reading; those of
 /// few decimals where they do.
 double degrees(double from) {
-  const double near = from * 180 / std::numbers::pi;
+  const double near = fem::degrees(from);
   for (const double candidate : {std::round(near * 1e10) / 1e10, std::nextafter(near, -1e9), std::nextafter(near, 1e9)})
-    if (radians(candidate) == from) return candidate;
+    if (fem::radians(candidate) == from) return candidate;
   return near;
 }
 
@@ -80,7 +78,7 @@ fem::PadScene to_fem(const PadScene& scene) {
   made.load.indentation_steps = load.indentation_steps;
   for (std::size_t k = 0; k < load.tangential.size(); ++k)
     made.load.drags.push_back(
-        {load.tangential[k][0], load.tangential[k][1], load.twist.empty() ? 0 : radians(load.twist[k])});
+        {load.tangential[k][0], load.tangential[k][1], load.twist.empty() ? 0 : fem::radians(load.twist[k])});
   return made;
 }
 

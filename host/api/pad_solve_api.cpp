@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
+#include "fem/angles.h"
 #include "host/api/scene_conversion.h"
 #include "host/contact/pad_solve.h"
 #include "host/contact/pad_stream.h"
@@ -18,7 +18,7 @@ namespace tactel {
 namespace {
 
 double or_nan(const std::optional<double>& number) { return number.value_or(std::numeric_limits<double>::quiet_NaN()); }
-double twist_in_degrees(const fem::PadStep& step) { return step.twist * 180 / std::numbers::pi; }
+double twist_in_degrees(const fem::PadStep& step) { return fem::degrees(step.twist); }
 
 template <class Matrix>
 std::vector<double> list(const Matrix& from) {

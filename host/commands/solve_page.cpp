@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "fem/angles.h"
 #include "fem/contact_laws.h"
 #include "host/contact/solution_table.h"
 
@@ -141,7 +141,7 @@ PageTable steps_table(const PadOutcome& outcome) {
                short_number(step.indentation),
                short_number(step.x),
                short_number(step.y),
-               fmt::format("{:.3g}", step.twist * 180 / std::numbers::pi),
+               fmt::format("{:.3g}", fem::degrees(step.twist)),
                short_number(step.P),
                part(step.Q[0]),
                part(step.Q[1]),

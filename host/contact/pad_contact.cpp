@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "fem/angles.h"
 #include "fem/value_error.h"
 #include "host/contact/pad_contact_tables.h"
 #include "host/contact/pad_search.h"
@@ -25,8 +26,6 @@ constexpr int pad_friction_strata = 4;
 constexpr std::size_t most_poissons = 16;  ///< whose tables are kept
 constexpr int own_tables = 0;              ///< in place of a number of vectors: every lane has a table of its own
 static_assert(int{PAD_RESULT_STATUS} == int{LANE_STATUS});  // which LaneAnswer::solved reads
-
-double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
 /// A scene on its cells.
 struct OnCells {
@@ -227,7 +226,7 @@ LaneScenes<Real> PadContact<Real>::State::numbers(const std::vector<OnCells>& on
                  .increments = static_cast<int>(path.size()),
                  .friction = scene.friction,
                  .young = scene.sensor.young});
-    const double H = scene.sensor.thickness, force = scene.sensor.young * H * H, yaw = radians(scene.indenter.yaw),
+    const double H = scene.sensor.thickness, force = scene.sensor.young * H * H, yaw = fem::radians(scene.indenter.yaw),
                  cosine = std::cos(yaw), sine = std::sin(yaw);
     double input[PAD_INPUT_ROWS] = {};
     input[PAD_MU] = scene.friction, input[PAD_STEPS] = static_cast<double>(path.size());
@@ -317,7 +316,7 @@ LaneArray<Real> PadContact<Real>::State::places(const std::vector<OnCells>& on_c
       const auto of = tables(scene.sensor.poisson);
       for (const double number : of->stress()) stress_tables.push_back(static_cast<Real>(number));
     }
-    const double H = scene.sensor.thickness, yaw = radians(scene.indenter.yaw);
+    const double H = scene.sensor.thickness, yaw = fem::radians(scene.indenter.yaw);
     double place[PAD_PLACE_ROWS] = {};
     place[PAD_PLACE_X] = scene.indenter.position[0] / H, place[PAD_PLACE_Y] = scene.indenter.position[1] / H;
     place[PAD_PLACE_COSINE] = std::cos(yaw), place[PAD_PLACE_SINE] = std::sin(yaw);
@@ -486,7 +485,7 @@ fem::PadSolution PadContact<Real>::Batch::solution(const LaneView<Real>& view, s
   const fem::PadScene& scene = this->scene(i);
   const fem::PadCells& cells = this->cells(i);
   const Eigen::Index count = cells.count();
-  const Eigen::Matrix2d turn = Eigen::Rotation2Dd(radians(scene.indenter.yaw)).toRotationMatrix();
+  const Eigen::Matrix2d turn = Eigen::Rotation2Dd(fem::radians(scene.indenter.yaw)).toRotationMatrix();
   const std::vector<fem::PadTarget> targets = fem::pad_targets(scene.load);
   const LaneAnswer answer = view.answer(i);
   fem::PadSolution solution;

@@ -3,8 +3,8 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
+#include "fem/angles.h"
 #include "host/contact/json_values.h"
 
 namespace tactel::host {
@@ -13,7 +13,6 @@ namespace {
 using PadJson = nlohmann::ordered_json;
 
 /// As a file has them: without what the way to radians and back leaves.
-double degrees(double radians) { return std::round(radians * 180 / std::numbers::pi * 1e9) / 1e9; }
 
 void add_pad_shape(PadJson& out, const fem::Sphere& s) { out["radius"] = s.radius; }
 void add_pad_shape(PadJson& out, const fem::Paraboloid& s) { out["radii"] = s.radii; }
@@ -52,7 +51,7 @@ PadJson pad_load_json(const fem::PadLoad& load) {
   out["indentation_steps"] = load.indentation_steps;
   for (const auto& [x, y, twist] : load.drags) {
     out["tangential"].push_back({x, y});
-    out["twist"].push_back(degrees(twist));
+    out["twist"].push_back(fem::clean_degrees(twist));
   }
   return out;
 }
@@ -68,7 +67,7 @@ PadJson pad_step_json(const fem::PadStep& step, int axes) {
     traction.push_back({step.tangential_force(i, 0), step.tangential_force(i, 1)});
   PadJson out = {{"indentation", step.indentation},
                  {"tangential", {step.x, step.y}},
-                 {"twist", degrees(step.twist)},
+                 {"twist", fem::clean_degrees(step.twist)},
                  {"P", step.P},
                  {"Q", {step.Q[0], step.Q[1]}},
                  {"M", step.M},

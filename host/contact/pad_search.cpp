@@ -8,6 +8,7 @@
 #include <mutex>
 #include <numbers>
 
+#include "fem/angles.h"
 #include "host/device/buffer.h"
 #include "host/device/program.h"
 #include "kernels/shared/pad_layout.h"
@@ -60,7 +61,7 @@ void put_shape(const fem::PadIndenter& indenter, double H, Rows& rows) {
   const auto half = [H](double edge) { return std::min(edge / H, static_cast<double>(PAD_OPEN)); };
   rows[PAD_SHAPE_EDGE_X] = half(edges.x.right), rows[PAD_SHAPE_EDGE_Y] = half(edges.y.right);
   rows[PAD_SHAPE_RIM] = rows[PAD_SECTION_MOST] = PAD_OPEN;
-  const double slope = std::tan(indenter.tilt * std::numbers::pi / 180);
+  const double slope = std::tan(fem::radians(indenter.tilt));
   std::visit(Overloaded{[&](const fem::Sphere& s) { put_circle(rows, s.radius / H, true); },
                         [&](const fem::LyingCylinder& c) {
                           put_circle(rows, c.radius / H, false);
@@ -84,7 +85,7 @@ void put_shape(const fem::PadIndenter& indenter, double H, Rows& rows) {
                             put_flat(rows, direction, b.half_widths[direction] / H, b.edge / H, slope);
                         },
                         [&](const fem::Cone& c) {
-                          const double wide = std::tan(c.angle * std::numbers::pi / 180);
+                          const double wide = std::tan(fem::radians(c.angle));
                           rows[PAD_SHAPE_ROUND] = 1, rows[PAD_SHAPE_SLOPE] = 1 / wide, rows[PAD_SECTION_SLOPE] = wide;
                         },
                         [&](const fem::HeightMap& m) {
@@ -94,7 +95,7 @@ void put_shape(const fem::PadIndenter& indenter, double H, Rows& rows) {
                         }},
              indenter.shape);
   if (indenter.tilt == 0) return;
-  const double direction = indenter.tilt_direction * std::numbers::pi / 180;
+  const double direction = fem::radians(indenter.tilt_direction);
   rows[PAD_SHAPE_TILT_X] = slope * std::cos(direction), rows[PAD_SHAPE_TILT_Y] = slope * std::sin(direction);
   // On the axis the plane lies as high as its lowest point on the shape asks.
   rows[PAD_SHAPE_BELOW] = fem::pad_height(indenter, 0, 0) / H;

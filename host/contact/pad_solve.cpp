@@ -170,8 +170,7 @@ std::optional<std::string> wide_cells_warning(const PadOutcome& outcome) {
   if (outcome.scene.sensor.poisson <= nearly_incompressible || widest <= wide_cell) return std::nullopt;
   return fmt::format(
       "cells of {:.3g} thicknesses are wide for nearly incompressible rubber: P may come out some 10 to 30 % too "
-      "small; "
-      "take a rung with more cells",
+      "small; take a rung with more cells",
       widest);
 }
 
@@ -219,20 +218,19 @@ PadOutcome solve(const fem::PadScene& scene, const SolveOptions& options) {
                  : options.accuracy    ? pad_rungs().front()
                                        : usual_pad_rung();
   outcome.accuracy = options.accuracy;
-  const auto rough_depth = [&] { return deepest(outcome.solution); };
   const auto on_rung = [&] {
     if (outcome.rung.exact || options.solver == "twin")
       solve_on_host(outcome, options);
     else
       solve_on_device(outcome, options);
     refuse_degenerate(scene, outcome.solution);
-    if (!outcome.rung.exact) outcome.error = expected_pad_error(outcome.rung, scene, rough_depth());
+    if (!outcome.rung.exact) outcome.error = expected_pad_error(outcome.rung, scene, deepest(outcome.solution));
   };
   on_rung();
   refuse_at_edge(scene, outcome.solution);
   if (options.accuracy) {  // the depth of a force is known now
     const auto keeps = [&](const PadRung& rung) {
-      return rung.exact || expected_pad_error(rung, scene, rough_depth()).S <= *options.accuracy;
+      return rung.exact || expected_pad_error(rung, scene, deepest(outcome.solution)).S <= *options.accuracy;
     };
     const PadRung& cheapest = *std::ranges::find_if(pad_rungs(), keeps);
     if (cheapest.name != outcome.rung.name) outcome.rung = cheapest, on_rung();

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numbers>
 
+#include "fem/angles.h"
 #include "host/contact/solution_table.h"
 
 namespace tactel::host {
@@ -31,7 +31,7 @@ std::string beside(double P, double part) {
 std::string pad_row(std::size_t number, const fem::PadStep& step) {
   return fmt::format("{:>4} {:>7} {:>7} {:>7} {:>5.3g} {:>7} {:>7} {:>7} {:>7} {:>6} {:>4.0f}\n", number,
                      short_number(step.indentation), short_number(step.x), short_number(step.y),
-                     step.twist * 180 / std::numbers::pi, short_number(step.P), beside(step.P, step.Q[0]),
+                     fem::degrees(step.twist), short_number(step.P), beside(step.P, step.Q[0]),
                      beside(step.P, step.Q[1]), beside(step.P, step.M),
                      step.slip_index ? fixed(*step.slip_index, 4) : "-", 100 * step.stick_fraction);
 }

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "fem/angles.h"
 #include "host/figures/figure_layout.h"
 #include "host/figures/gnuplot_script.h"
 #include "host/figures/pad_view.h"
@@ -80,7 +80,7 @@ class PadFigure {
   Figure figure() const {
     const std::string what = scene_.title.empty() ? fem::shape_name(scene_.indenter.shape) : scene_.title;
     Figure figure{.title = fmt::format("{}: depth {:.4g} mm, drag ({:.4g}, {:.4g}) mm, twist {:.4g}°", plain(what),
-                                       step_.indentation, step_.x, step_.y, step_.twist * 180 / std::numbers::pi),
+                                       step_.indentation, step_.x, step_.y, fem::degrees(step_.twist)),
                   .columns = 2,
                   .width = 1000,
                   .panel_height = 440};

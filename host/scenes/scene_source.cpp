@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "fem/angles.h"
 #include "fem/block.h"
 #include "host/scenes/sweep_reader.h"
 #include "host/support/errors.h"
@@ -57,8 +57,7 @@ fem::Profile draw_profile(const SceneSource::RandomProfile& from, DrawKey key) {
 void draw_others(const SceneSource::Alternative& indenter, const SceneSource::Alternative& load, fem::Scene& scene,
                  const DrawKey& key) {
   if (indenter.profile) scene.indenter.shape = draw_profile(*indenter.profile, key);
-  if (load.slip_index)
-    scene.load.angle = std::atan(draw_number(*load.slip_index, key) * scene.friction) * 180 / std::numbers::pi;
+  if (load.slip_index) scene.load.angle = fem::degrees(std::atan(draw_number(*load.slip_index, key) * scene.friction));
 }
 void draw_others(const PadSource::Alternative&, const PadSource::Alternative&, fem::PadScene&, const DrawKey&) {}
 

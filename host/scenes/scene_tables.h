@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <numbers>
 
+#include "fem/angles.h"
 #include "fem/scene.h"
 #include "host/scenes/toml_table.h"
 
@@ -16,7 +16,7 @@ inline const std::vector<std::string> sensor_kinds = {"line", "pad"};
 inline constexpr const char* of_a_pad = "belongs to a pad (sensor.kind = \"pad\")";
 inline constexpr const char* of_a_line = "belongs to a line, and sensor.kind is \"pad\"";
 
-inline double radians(double degrees) { return degrees * std::numbers::pi / 180; }
+using fem::radians;
 
 /// Read the tables that scene files and sweep files share, each strictly. Absent keys leave `out` unchanged.
 /// Reads the sensor and the model of the contact. `usual` is the model where the file asks for none and names no mesh.

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <map>
 #include <mutex>
-#include <numbers>
 #include <numeric>
 #include <optional>
 
+#include "fem/angles.h"
 #include "fem/contact_laws.h"
 #include "host/contact/contact_stream.h"
 #include "host/contact/pad_stream.h"
@@ -66,8 +66,6 @@ Row row_of(const LaneAnswer& answer, const LineContact& contact, int k) {
           .status = static_cast<int>(result(LANE_STATUS))};
 }
 
-double degrees(double radians) { return radians * 180 / std::numbers::pi; }
-
 Row row_of(const LaneAnswer& answer, const PadContactOf& contact, int k) {
   const auto result = [&](int row) { return answer.result(k, row); };
   const fem::PadTarget& at = contact.path.steps[static_cast<std::size_t>(k)];
@@ -79,7 +77,7 @@ Row row_of(const LaneAnswer& answer, const PadContactOf& contact, int k) {
           .Q = {result(PAD_RESULT_QX), result(PAD_RESULT_QY)},
           .tangential = {at.x, at.y},
           .torque = result(PAD_RESULT_M),
-          .twist = degrees(at.twist),
+          .twist = fem::degrees(at.twist),
           .sticking = static_cast<int>(result(PAD_RESULT_STICKING)),
           .slipping = static_cast<int>(result(PAD_RESULT_SLIPPING)),
           .status = static_cast<int>(result(PAD_RESULT_STATUS))};
@@ -112,7 +110,7 @@ Row row_of(const fem::ContactStep& step) {
 Row row_of(const fem::PadStep& step) {
   Row row = row_common(step);
   row.Q = {step.Q[0], step.Q[1]}, row.tangential = {step.x, step.y}, row.residual = step.residual.largest();
-  row.torque = step.M, row.twist = degrees(step.twist), row.force_ratio = step.force_ratio.value_or(0);
+  row.torque = step.M, row.twist = fem::degrees(step.twist), row.force_ratio = step.force_ratio.value_or(0);
   return row;
 }
 void put_stress(const fem::ContactStep& step, std::span<float> frame) {
