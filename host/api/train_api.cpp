@@ -7,6 +7,7 @@
 #include "host/api/api_errors.h"
 #include "host/api/scene_conversion.h"
 #include "host/api/set_conversion.h"
+#include "host/networks/dense_chain.h"
 #include "host/networks/network_training.h"
 #include "host/networks/onnx_file.h"
 #include "host/training/train_request.h"
@@ -66,6 +67,39 @@ Network& Network::operator=(const Network& other) {
   return *this;
 }
 
+namespace {
+
+host::DenseLayer to_host(const DenseLayer& layer) {
+  using Activation = host::DenseLayer::Activation;
+  if (layer.inputs == 0 || layer.outputs == 0 || layer.weights.size() != layer.inputs * layer.outputs)
+    throw ValueError("layers", std::to_string(layer.weights.size()) + " weights",
+                     "layers of outputs times inputs weights");
+  const auto out = static_cast<Eigen::Index>(layer.outputs), in = static_cast<Eigen::Index>(layer.inputs);
+  host::DenseLayer made{
+      Eigen::Map<const nn::RowMatrix<float>>(layer.weights.data(), out, in).cast<double>(),
+      Eigen::Map<const nn::Vector<float>>(layer.biases.data(), static_cast<Eigen::Index>(layer.biases.size()))
+          .cast<double>()};
+  if (layer.activation == "tanh")
+    made.activation = Activation::tanh;
+  else if (layer.activation == "relu" || layer.activation == "leaky-relu")
+    made.activation = Activation::leaky_relu, made.slope = layer.activation == "relu" ? 0 : layer.slope;
+  else if (layer.activation != "sigmoid")
+    throw ValueError("activation", layer.activation, "sigmoid, tanh, relu or leaky-relu");
+  return made;
+}
+
+}  // namespace
+
+Network Network::from_layers(const std::vector<DenseLayer>& layers, const InputOptions& inputs) {
+  return api::with_public_errors([&] {
+    host::DenseChain chain;
+    for (const DenseLayer& layer : layers) chain.push_back(to_host(layer));
+    const auto history = host::parse_history(inputs.history.empty() ? std::nullopt : std::optional(inputs.history),
+                                             inputs.history_change);
+    return Network(new State{
+        host::model_of_chain(chain, nn::parse_scaling(inputs.scaling), inputs.largest_stress, history, inputs.name)});
+  });
+}
 Network Network::load(const std::string& path) {
   return api::with_public_errors([&] { return Network(new State{host::read_onnx(path)}); });
 }

@@ -90,6 +90,7 @@ int run(int argc, char** argv) {
   add_train_command(app, action);
   add_recall_command(app, action);
   add_calibrate_command(app, action);
+  add_import_network_command(app, action);
   add_monitor_command(app, action);
   add_record_command(app, action);
   add_tare_command(app, action);

@@ -59,6 +59,26 @@ py::array_t<Number> taken(const SlipEstimator& network, const Frames& frames, st
   return all;
 }
 
+Network from_arrays(const std::vector<Frames>& weights, const std::vector<Frames>& biases,
+                    const std::string& activation, double slope, std::string scaling, double largest_stress,
+                    std::string history, std::optional<double> history_change, std::string name) {
+  if (weights.size() != biases.size())
+    throw InputError("biases", std::to_string(biases.size()) + " arrays", "one for each of weights");
+  std::vector<DenseLayer> layers;
+  for (std::size_t l = 0; l < weights.size(); ++l) {
+    const Frames &w = weights[l], &b = biases[l];
+    if (w.ndim() != 2) throw InputError("weights", std::to_string(w.ndim()) + " axes", "arrays [out, in]");
+    layers.push_back({static_cast<std::size_t>(w.shape(1)),
+                      static_cast<std::size_t>(w.shape(0)),
+                      {w.data(), w.data() + w.size()},
+                      {b.data(), b.data() + b.size()},
+                      l + 1 < weights.size() ? activation : "sigmoid",
+                      slope});
+  }
+  return Network::from_layers(
+      layers, {std::move(scaling), largest_stress, std::move(history), history_change, std::move(name)});
+}
+
 }  // namespace
 
 void bind_networks(py::module_& m) {
@@ -99,6 +119,12 @@ void bind_networks(py::module_& m) {
            [](const SlipEstimator& network) { return "<tactel.SlipEstimator " + network.topology() + ">"; });
   py::class_<Network>(m, "Network", "A trained network with its origin.")
       .def_static("load", &Network::load, "path"_a, "Loads a network file (ONNX) that tactel wrote.")
+      .def_static("from_arrays", &from_arrays, "weights"_a, "biases"_a, "activation"_a = "sigmoid", py::kw_only(),
+                  "slope"_a = 0.01, "scaling"_a = "set", "largest_stress"_a = 1.0, "history"_a = "",
+                  "history_change"_a = py::none(), "name"_a = "own",
+                  "Returns a network that another program trained: weights [out, in] and biases [out] of one or two "
+                  "hidden layers with this activation (sigmoid, tanh, relu or leaky-relu), and of one output through "
+                  "a sigmoid, which is S.")
       .def(
           "__call__", [](const Network& network, const Frames& frames) { return call(network.estimator(), frames); },
           "frames"_a, "Returns S of a frame [2 tactels], or of frames [..., 2 tactels] as fp32; see SlipEstimator.")

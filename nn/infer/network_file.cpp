@@ -13,6 +13,7 @@
 
 #include "fem/value_error.h"
 #include "nn/infer/network_graph.h"
+#include "nn/infer/onnx_fields.h"
 #include "nn/infer/protobuf.h"
 
 namespace tactel::infer {
@@ -25,33 +26,6 @@ using Metadata = std::map<string, string, std::less<>>;
 constexpr const char* own_network = "a network that tactel wrote, whole and unchanged";
 constexpr const char* checksum_key = "checksum";
 constexpr std::size_t most_parts = 256;  ///< tensors, and entries of the metadata: more than any network has
-
-// Numbers of the fields, and values of types (onnx.proto of ONNX 1.8).
-enum ModelField : std::uint32_t {
-  ir_version = 1,
-  producer_name = 2,
-  producer_version = 3,
-  doc_string = 6,
-  graph = 7,
-  opset_import = 8,
-  metadata_props = 14
-};
-enum OpsetField : std::uint32_t { opset_domain = 1, opset_version = 2 };
-enum EntryField : std::uint32_t { entry_key = 1, entry_value = 2 };
-enum GraphField : std::uint32_t {
-  graph_node = 1,
-  graph_name = 2,
-  graph_tensor = 5,
-  graph_input = 11,
-  graph_output = 12
-};
-enum NodeField : std::uint32_t { node_input = 1, node_output = 2, node_name = 3, node_type = 4, node_attribute = 5 };
-enum AttributeField : std::uint32_t { attribute_name = 1, attribute_i = 3, attribute_ints = 8, attribute_type = 20 };
-enum AttributeType : std::uint64_t { type_int = 2, type_ints = 7 };
-enum TensorField : std::uint32_t { tensor_dims = 1, tensor_type = 2, tensor_name = 8, tensor_raw = 9 };
-enum ValueField : std::uint32_t { value_name = 1, value_type = 2 };
-enum TypeField : std::uint32_t { type_tensor = 1, element_type = 1, type_shape = 2, shape_dim = 1 };
-enum DimensionField : std::uint32_t { dim_value = 1, dim_param = 2 };
 
 /// Why some bytes are no network of ours.
 struct Refused {
@@ -208,16 +182,6 @@ string bytes_of(const nn::Model& model, const string& version) {
 
 // ------------------------------------------------------------------------------------------------------- reading ---
 
-string_view content_of(const Field& field) {
-  if (field.wire != Field::bytes) throw Malformed{};
-  return field.content;
-}
-
-std::uint64_t number_of(const Field& field) {
-  if (field.wire != Field::varint) throw Malformed{};
-  return field.value;
-}
-
 /// What the reader looks for in a file, by name.
 struct Contents {
   string_view producer;
@@ -265,15 +229,6 @@ Contents read_contents(string_view bytes) {
   for (Field field; parts.next(field); expect_few(contents.tensors.size()))
     if (field.number == graph_tensor) contents.tensors.push_back(read_tensor(content_of(field)));
   return contents;
-}
-
-/// A file's own words, safe to show: cut to 60 bytes, without control characters.
-string shown(string text) {
-  constexpr std::size_t most = 60;
-  if (text.size() > most) text = text.substr(0, most) + "...";
-  std::ranges::replace_if(
-      text, [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
-  return text;
 }
 
 const string& text_of(const Metadata& metadata, const char* key) {

@@ -57,20 +57,20 @@ class Program:
 
     def __init__(self, path):
         self.path = path
-        self.commands = {"help", *re.findall(r"^  ([a-z]+)  ", self.help(), re.M)}
+        self.commands = {"help", *re.findall(r"^  ([a-z-]+)  ", self.help(), re.M)}
         self.options = {"help": set()}
 
     def help(self, *command):
         return subprocess.run([self.path, *command, "--help"], check=True, capture_output=True, text=True).stdout
 
     def problems(self, code):
-        for command, rest in re.findall(r"(?:^|[/ `])tactel ([a-z]+)\b([^`#|;&]*)", code):
+        for command, rest in re.findall(r"(?:^|[/ `])tactel ([a-z][a-z-]*)\b([^`#|;&]*)", code):
             if command not in self.commands:
                 yield f"tactel {command}: no such command"
                 continue
             if command not in self.options:
                 text = self.help(command)
-                text += "".join(self.help(command, word) for word in re.findall(r"^  ([a-z]+)  ", text, re.M)
+                text += "".join(self.help(command, word) for word in re.findall(r"^  ([a-z-]+)  ", text, re.M)
                                 if "SUBCOMMAND" in text)
                 self.options[command] = set(re.findall(r"--[a-z][a-z0-9-]*", text))
             for option in re.findall(r"(?<![\w-])--[a-z][a-z0-9-]*", rest):

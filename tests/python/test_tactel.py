@@ -144,6 +144,51 @@ class Errors(unittest.TestCase):
             self.assertEqual(sorted(place.iterdir()), before)
 
 
+class OwnNetworks(unittest.TestCase):
+    """Networks of other programs, beside NumPy's answer."""
+
+    def layers(self, widths):
+        draw = np.random.default_rng(2)
+        return ([draw.normal(0, 0.4, (out, n)).astype(np.float32) for n, out in zip(widths, widths[1:])],
+                [draw.normal(0, 0.4, out).astype(np.float32) for out in widths[1:]])
+
+    def test_answers_are_those_of_the_layers(self):
+        weights, biases = self.layers([6, 5, 4, 1])
+        frames = np.random.default_rng(3).normal(0, 0.8, (50, 6)).astype(np.float32)
+        kinds = {"sigmoid": lambda z: 1 / (1 + np.exp(-z)), "tanh": np.tanh, "relu": lambda z: np.maximum(z, 0),
+                 "leaky-relu": lambda z: np.where(z > 0, z, 0.2 * z)}
+        for kind, activation in kinds.items():
+            with self.subTest(kind=kind), tempfile.TemporaryDirectory() as folder:
+                net = tactel.Network.from_arrays(weights, biases, kind, slope=0.2, largest_stress=2)
+                x = frames.astype(float) / 2
+                for w, b in zip(weights[:-1], biases[:-1]):
+                    x = activation(x @ w.T + b)
+                s = 1 / (1 + np.exp(-(x @ weights[-1].T + biases[-1])))[:, 0]
+                np.testing.assert_allclose(net(frames), s, atol=1e-6)
+                file = str(pathlib.Path(folder) / "own.onnx")
+                net.to_onnx(file)
+                np.testing.assert_array_equal(tactel.SlipEstimator.load(file)(frames), net(frames))
+                self.assertEqual(tactel.SlipEstimator.load(file).metadata("learning_set"), "own")
+
+    def test_frames_are_divided_by_their_own_stress(self):
+        weights, biases = self.layers([4, 3, 1])
+        net = tactel.Network.from_arrays(weights, biases, "tanh", scaling="frame")
+        frame = np.array([-0.4, -0.2, 0.1, 0.3], np.float32)
+        np.testing.assert_allclose(net(frame), net(7 * frame), atol=1e-6)
+
+    def test_wrong_layers_are_named(self):
+        weights, biases = self.layers([6, 5, 4, 1])
+        wrong = (((weights, biases[:2]), {}, "biases: 2 arrays"), ((weights[:2], biases[:2]), {}, "one output through a sigmoid"),
+                 ((weights[::-1], biases[::-1]), {}, "layers .* that fit each other"),
+                 ((weights, biases, "gelu"), {}, "activation: gelu"), ((weights, [b[:1] for b in biases]), {}, "1 biases"),
+                 (([w[0] for w in weights], biases), {}, "1 axes"), ((weights, biases), {"scaling": "none"}, "scaling"),
+                 ((weights, biases), {"largest_stress": 0}, "largest_stress"), ((weights, biases), {"history": "4"}, "history of 4"),
+                 (([w * np.inf for w in weights], biases), {}, "finite"))
+        for arguments, options, says in wrong:
+            with self.subTest(says=says), self.assertRaisesRegex(tactel.InputError, says):
+                tactel.Network.from_arrays(*arguments, **options)
+
+
 class Solve(unittest.TestCase):
     def test_equals_the_program(self):
         path = tactel.solve(tactel.read_scene(str(ROOT / "examples/flat.toml")))

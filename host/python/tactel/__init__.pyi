@@ -813,6 +813,19 @@ class SlipEstimator:
 class Network:
     @staticmethod
     def load(path: str) -> Network: ...
+    @staticmethod
+    def from_arrays(
+        weights: Sequence[ArrayLike],
+        biases: Sequence[ArrayLike],
+        activation: str = "sigmoid",
+        *,
+        slope: float = 0.01,
+        scaling: str = "set",
+        largest_stress: float = 1.0,
+        history: str = "",
+        history_change: float | None = None,
+        name: str = "own",
+    ) -> Network: ...
     def __call__(self, frames: ArrayLike | Frame) -> Any: ...
     def to_onnx(self, path: str) -> None: ...
     def errors(self, set: Set) -> Errors: ...

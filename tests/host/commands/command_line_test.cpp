@@ -72,7 +72,7 @@ TEST(StandardOutput, ThatTakesNotAllIsAnError) {
 TEST(Help, FitsSeventyNineColumnsInWordsOfOurOwn) {
   const std::string all = run_tactel({"--help"}).out;
   for (const std::string command : {"", "devices", "solve", "generate", "train", "recall", "reproduce", "tradeoff",
-                                    "extremes", "monitor", "record", "tare"}) {
+                                    "extremes", "monitor", "record", "tare", "import-network"}) {
     EXPECT_THAT(all, HasSubstr("  " + command));
     const ChildResult result = command.empty() ? run_tactel({"--help"}) : run_tactel({command, "--help"});
     EXPECT_EQ(result.exit_code, 0);

@@ -54,6 +54,9 @@ class OnnxEvaluator {
     const int extents = tensor.dims_size();
     if (extents > 2) throw std::runtime_error("more than two extents");
     Tensor result(extents > 1 ? tensor.dims(0) : 1, extents > 0 ? tensor.dims(extents - 1) : 1);
+    if (tensor.float_data_size() > 0)
+      return Eigen::Map<const Eigen::RowVectorXf>(tensor.float_data().data(), 1, tensor.float_data_size())
+          .cast<double>();
     tensor.data_type() == onnx::TensorProto::FLOAT ? copy<float>(tensor.raw_data(), result)
                                                    : copy<std::int64_t>(tensor.raw_data(), result);
     return result;
@@ -159,9 +162,12 @@ class OnnxEvaluator {
         {"Div", [](const Numbers& x) { return x[0] / x[1]; }},
         {"Where", [](const Numbers& x) { return x[0] != 0 ? x[1] : x[2]; }},
         {"Abs", [](const Numbers& x) { return std::abs(x[0]); }},
-        {"Tanh", [](const Numbers& x) { return std::tanh(x[0]); }}};
+        {"Tanh", [](const Numbers& x) { return std::tanh(x[0]); }},
+        {"Relu", [](const Numbers& x) { return std::max(x[0], 0.0); }},
+        {"Sigmoid", [](const Numbers& x) { return 1 / (1 + std::exp(-x[0])); }}};
     const std::string& type = node.op_type();
     if (const auto found = of_elements.find(type); found != of_elements.end()) return broadcast(in, found->second);
+    if (type == "Flatten") return in[0];
     if (type == "Gemm") return gemm(node, in);
     if (type == "Slice") return slice(in);
     if (type == "ReduceMax") return reduce_max(node, in[0]);

@@ -37,9 +37,30 @@ struct Errors {
   std::uint64_t rows = 0;
 };
 
+/// A dense layer of a network that another program trained: activation(weights x + biases).
+struct DenseLayer {
+  std::size_t inputs = 0, outputs = 0;
+  std::vector<float> weights;          ///< [outputs, inputs], as torch.nn.Linear.weight
+  std::vector<float> biases;           ///< [outputs]
+  std::string activation = "sigmoid";  ///< "sigmoid", "tanh", "relu" or "leaky-relu"
+  double slope = 0.01;                 ///< of leaky-relu below 0
+};
+
+/// How the frames of such a network become its inputs.
+struct InputOptions {
+  std::string scaling = "set";             ///< divided by largest_stress, or by the "frame"'s largest normal stress
+  double largest_stress = 1;               ///< MPa; 1: as they are
+  std::string history{};                   ///< "k" or "k:stride", as TrainOptions::history
+  std::optional<double> history_change{};  ///< as TrainOptions::history_change
+  std::string name = "own";                ///< of the learning set, in the network's metadata
+};
+
 /// A trained network with its origin.
 class TACTEL_API Network {
  public:
+  /// Returns a network of one or two hidden layers, all rectifiers or none, and one output through a sigmoid, which is
+  /// S. Its answers are those of the layers, to rounding. Throws InputError for other layers.
+  static Network from_layers(const std::vector<DenseLayer>& layers, const InputOptions& inputs = {});
   /// Reads a network file that tactel wrote. Throws InputError.
   static Network load(const std::string& path);
   ~Network();

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <random>
+
+#include "host/commands/command.h"
+#include "host/live/sensor_profile.h"
+#include "host/networks/onnx_chain.h"
+#include "host/networks/onnx_file.h"
+#include "host/support/bounded_file.h"
+#include "host/support/durable_file.h"
+#include "host/support/errors.h"
+#include "host/training/train_request.h"
+#include "nn/forward.h"
+
+namespace tactel::host {
+namespace {
+
+/// fp32 in both programs, in sums of other orders: a misread operation errs by far more.
+constexpr double largest_difference = 1e-4;
+constexpr int random_frames = 1000;
+constexpr std::uintmax_t most_bytes_of_frames = 64 << 20;
+
+struct ImportRequest {
+  std::string network, output, profile, frames, scaling = "set";
+  double largest_stress = 1;
+  std::optional<std::string> history;
+  std::optional<double> history_change;
+};
+
+nn::Model model_of(const ImportRequest& request, const DenseChain& chain) try {
+  return model_of_chain(chain, nn::parse_scaling(request.scaling), request.largest_stress,
+                        parse_history(request.history, request.history_change),
+                        std::filesystem::path(request.network).filename().string());
+} catch (const ValueError& error) {
+  throw ConfigError(request.network, error);
+}
+
+void check_inputs(const ImportRequest& request, const nn::Model& model) {
+  if (request.profile.empty()) return;
+  const int inputs = model.weights.topology.inputs();
+  const std::size_t wanted =
+      2 * read_profile(request.profile).map.tactels() * static_cast<std::size_t>(model.history.frames);
+  if (static_cast<std::size_t>(inputs) != wanted)
+    throw ConfigError(request.network, "network", fmt::format("{} inputs", inputs),
+                      fmt::format("a network of {} inputs for {}: normal stresses of all tactels, then the others",
+                                  wanted, request.profile));
+}
+
+/// Largest difference to the chain itself on random frames of up to twice the divisor.
+double difference_on_random_frames(const DenseChain& chain, const nn::Model& model) {
+  std::mt19937 generator(1);
+  std::uniform_real_distribution<float> stress(-2 * model.scaling.largest_stress, 2 * model.scaling.largest_stress);
+  nn::RowMatrix<float> frames(random_frames, model.weights.topology.inputs());
+  for (float& number : frames.reshaped()) number = stress(generator);
+  const nn::RowMatrix<double> scaled = nn::scale_frames<double>(model.scaling, frames);
+  const nn::Vector<float> answers = nn::recall(model.weights, model.scaling, frames).slip_index;
+  double most = 0;
+  for (Eigen::Index i = 0; i < frames.rows(); ++i)
+    most = std::max(most, std::abs(answers[i] - evaluate(chain, scaled.row(i).transpose())));
+  return most;
+}
+
+/// Lines of an input and its S, as the other program gave it. Returns the largest difference and the number of lines.
+std::pair<double, int> difference_on(const std::string& file, const nn::Model& model) {
+  const std::string text = [&] {
+    try {
+      return read_bounded_file(file, most_bytes_of_frames);
+    } catch (const UnreadableFile& error) {
+      throw ConfigError(file, "frames", fmt::format("cannot be read ({})", error.what()),
+                        "a CSV file of at most 64 MiB");
+    }
+  }();
+  const auto inputs = static_cast<std::size_t>(model.weights.topology.inputs());
+  double most = 0;
+  int lines = 0, number = 0;
+  for (const char *at = text.data(), *const end = at + text.size(); at < end;) {
+    const char* const stop = std::find(at, end, '\n');
+    std::vector<float> numbers;
+    ++number;
+    for (bool good = true; good && at < stop;) {
+      float value = 0;
+      const auto read = std::from_chars(at, stop, value);
+      good = read.ec == std::errc{} && std::isfinite(value);
+      if (good) numbers.push_back(value);
+      at = good ? read.ptr : at;
+      while (at < stop && (*at == ',' || *at == ';' || *at == '\t' || *at == ' ' || *at == '\r')) ++at;
+    }
+    const bool empty = numbers.empty() && at == stop;
+    if (!empty && (at < stop || numbers.size() != inputs + 1))
+      throw ConfigError(file, "line", fmt::format("{} numbers", numbers.size()),
+                        fmt::format("{} finite numbers: an input in MPa, then S of the other program", inputs + 1),
+                        number);
+    at = stop < end ? stop + 1 : end;
+    if (empty) continue;
+    const nn::RowMatrix<float> frame =
+        Eigen::Map<const nn::RowMatrix<float>>(numbers.data(), 1, static_cast<Eigen::Index>(inputs));
+    const float answer = nn::recall(model.weights, model.scaling, frame).slip_index[0];
+    most = std::max(most, double(std::abs(answer - numbers.back())));
+    ++lines;
+  }
+  if (lines == 0) throw ConfigError(file, "frames", "none", "at least one line of an input and its S");
+  return {most, lines};
+}
+
+int run_import(const ImportRequest& request) {
+  check_writable("--output", request.output);
+  const DenseChain chain = read_onnx_chain(request.network);
+  const nn::Model model = model_of(request, chain);
+  check_inputs(request, model);
+  double most = difference_on_random_frames(chain, model);
+  std::string where = fmt::format("{} random frames", random_frames);
+  if (!request.frames.empty() && most <= largest_difference) {
+    const auto [on_frames, lines] = difference_on(request.frames, model);
+    most = on_frames, where = fmt::format("the {} frames of {}", lines, request.frames);
+  }
+  if (!(most <= largest_difference)) {
+    complain(not_converged, fmt::format("{}: S differs by {:.2g} on {}; {} was not written; give the scaling that the "
+                                        "network learnt with (--scaling, --largest-stress)",
+                                        request.network, most, where, request.output));
+    return not_converged;
+  }
+  write_onnx(request.output, model);
+  fmt::print("{}: {}, within {:.1g} of {} on {}\n", request.output, model.weights.topology.text(), most,
+             request.network, where);
+  return done;
+}
+
+}  // namespace
+
+void add_import_network_command(CLI::App& app, Action& action) {
+  auto request = std::make_shared<ImportRequest>();
+  CLI::App* command = app.add_subcommand("import-network", "take a network that another program trained");
+  command->group("Learn");
+  command->add_option("network", request->network, "a chain of dense layers (ONNX), such as PyTorch exports")
+      ->type_name("OWN.onnx")
+      ->required();
+  command->add_option("--output", request->output, "network file to write")->type_name("N.onnx")->required();
+  command->add_option("--profile", request->profile, "sensor that it is for: checks the number of inputs")
+      ->type_name("P.toml");
+  command->add_option("--frames", request->frames, "inputs (MPa) and S of the other program, line by line, to check by")
+      ->type_name("FILE.csv");
+  command
+      ->add_option(
+          "--scaling", request->scaling,
+          "what divides a frame before the network: --largest-stress (set), or its largest normal stress (frame)")
+      ->check(CLI::IsMember({"set", "frame"}))
+      ->capture_default_str();
+  command->add_option("--largest-stress", request->largest_stress, "divisor of --scaling set, MPa; 1: none")
+      ->capture_default_str();
+  command->add_option("--history", request->history, "frames in an input, newest first, as of tactel train")
+      ->type_name("K[:STRIDE]");
+  command->add_option("--history-change", request->history_change, "as of tactel train (default: 0.1)");
+  command->footer("Exit codes: 0 done, 2 wrong input, 4 other answers than the network's own.");
+  command->callback([request, &action] { action = [request] { return run_import(*request); }; });
+}
+
+}  // namespace tactel::host

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// `tactel import-network` as a user meets it. Networks are tactel's own files: chains of dense layers, too, whose
+// answers are known. Those of other programs: onnx_chain_test.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "host/networks/onnx_file.h"
+#include "nn/forward.h"
+#include "tests/host/support/run_tactel.h"
+
+namespace {
+
+using namespace tactel;
+using namespace tactel::host;
+using ::testing::HasSubstr;
+
+const std::string profile = R"([device]
+name = "two tactels"
+[format]
+kind = "csv"
+channels = 4
+[channels]
+normal = [0, 1]
+shear = [2, 3]
+[calibration]
+offset = 0
+gain = 1
+)";
+
+class ImportNetwork : public ::testing::Test {
+ protected:
+  ImportNetwork() {
+    model_.weights = nn::initial_weights(model_.weights.topology, 3);
+    write_onnx(folder_ / "own.onnx", model_);
+  }
+  ChildResult run(const std::vector<std::string>& more) const {
+    return run_tactel({"import-network", folder_ / "own.onnx", "--output", folder_ / "new.onnx"}, more);
+  }
+  /// Three frames and S of the other program, which divides stresses by 2 MPa.
+  std::string frames(float error = 0) const {
+    nn::RowMatrix<float> frames(3, 4);
+    frames << -0.5f, -1, 0.25f, 0.5f, -2, -1, 1, -0.5f, -0.1f, 0, 0.05f, 0;
+    const nn::Vector<float> s = nn::recall(model_.weights, {nn::ScalingKind::set, 2}, frames).slip_index;
+    std::string text;
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      for (const float number : frames.row(i)) text += std::to_string(number) + ", ";
+      text += std::to_string(s[i] + error) + (i < 2 ? "\r\n" : "");
+    }
+    return folder_.write("frames.csv", text);
+  }
+
+  const ScratchFolder folder_;
+  nn::Model model_{.weights = nn::Weights<float>(nn::Topology::parse("4-6-3-1"))};
+};
+
+TEST_F(ImportNetwork, IsCheckedByItsFramesAndWritten) {
+  const ChildResult result =
+      run({"--frames", frames(), "--largest-stress", "2", "--profile", folder_.write("p.toml", profile)});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("new.onnx: 4-6-3-1, within "));
+  EXPECT_THAT(result.out, HasSubstr("on the 3 frames of "));
+  const nn::Model made = read_onnx(folder_ / "new.onnx");
+  EXPECT_EQ(made.scaling.largest_stress, 2);
+  EXPECT_EQ(made.learning_set, "own.onnx");
+}
+
+TEST_F(ImportNetwork, HistoryIsKept) {
+  ASSERT_EQ(run({"--history", "2:3", "--history-change", "0.2", "--scaling", "frame"}).exit_code, 0);
+  const nn::Model made = read_onnx(folder_ / "new.onnx");
+  EXPECT_EQ(made.history, (nn::InputHistory{2, 3, 0.2}));
+  EXPECT_EQ(made.scaling.kind, nn::ScalingKind::frame);
+}
+
+// Frames that the other program divided by 2 MPa; and an S that it never gave.
+TEST_F(ImportNetwork, OtherAnswersWriteNoFile) {
+  EXPECT_TRUE(is_refused(run({"--frames", frames()}), {"S differs by ", "was not written; give the scaling"}, 4));
+  EXPECT_TRUE(is_refused(run({"--frames", frames(2e-4f), "--largest-stress", "2"}), {"S differs by 0.0002"}, 4));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "new.onnx"));
+}
+
+TEST_F(ImportNetwork, WrongInputIsNamed) {
+  const auto file = [&](const std::string& text) { return folder_.write("wrong.csv", text); };
+  EXPECT_TRUE(
+      is_refused(run({"--frames", file("1,2,3,4,0.5\n1,2,3,4\n")}), {"wrong.csv:2: line = 4 numbers", "5 finite"}));
+  EXPECT_TRUE(is_refused(run({"--frames", file("1,2,x,4,0.5\n")}), {"wrong.csv:1: line = 2 numbers"}));
+  EXPECT_TRUE(is_refused(run({"--frames", file("1,2,nan,4,0.5\n")}), {"wrong.csv:1: line = 2 numbers"}));
+  EXPECT_TRUE(is_refused(run({"--frames", file("\n")}), {"frames = none"}));
+  EXPECT_TRUE(is_refused(run({"--frames", folder_ / "no.csv"}), {"no.csv", "cannot be read"}));
+  EXPECT_TRUE(is_refused(run({"--largest-stress", "0"}), {"largest_stress"}));
+  EXPECT_TRUE(is_refused(run({"--history", "3"}), {"4 inputs for a history of 3 frames"}));
+  std::string wide = profile;
+  wide.replace(wide.find("normal = [0, 1]"), 15, "normal = [0, 1, -1]");
+  wide.replace(wide.find("shear = [2, 3]"), 14, "shear = [2, 3, -1]");
+  EXPECT_TRUE(is_refused(run({"--profile", folder_.write("wide.toml", wide)}), {"4 inputs", "a network of 6 inputs"}));
+}
+
+}  // namespace
