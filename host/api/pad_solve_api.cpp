@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "fem/angles.h"
+#include "host/api/outcome.h"
 #include "host/api/scene_conversion.h"
 #include "host/contact/pad_solve.h"
 #include "host/contact/pad_stream.h"
@@ -214,7 +215,10 @@ PadPath solve(const PadScene& scene, const SolveOptions& options) {
   return api::with_public_errors([&] {
     if (options.derivatives)
       throw ConfigError("command line", "--derivatives", "true", "left out for a pad, which has none");
-    return pad_path_of(host::solve(api::to_fem(scene), api::to_host(options)));
+    host::PadOutcome outcome = host::solve(api::to_fem(scene), api::to_host(options));
+    PadPath path = pad_path_of(outcome);
+    path.outcome = std::make_shared<const Outcome>(std::move(outcome));
+    return path;
   });
 }
 

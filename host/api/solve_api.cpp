@@ -7,6 +7,7 @@
 
 #include "host/api/api_errors.h"
 #include "host/api/many_solver.h"
+#include "host/api/outcome.h"
 #include "host/api/scene_conversion.h"
 #include "host/contact/derivatives.h"
 #include "host/contact/solve.h"
@@ -95,12 +96,14 @@ Path solve(const Scene& scene, const SolveOptions& options) {
     checked.validate();
     host::SolveOutcome outcome = host::solve(checked, options_of(options));
     const auto error = options.estimate_error ? host::mesh_error(outcome) : std::nullopt;
+    outcome.mesh_error = error;
     if (options.estimate_error && !error) outcome.no_estimate = host::why_no_estimate(outcome);
     Path path = path_of(outcome);
     if (options.derivatives) path.derivatives = derivatives_of(host::derivatives(checked, outcome));
     if (error)
       path.error = {error->expected.S,     error->expected.P,   error->expected.Q,
                     error->expected.sigma, error->expected.tau, error->finer};
+    path.outcome = std::make_shared<const Outcome>(std::move(outcome));
     return path;
   });
 }

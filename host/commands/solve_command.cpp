@@ -5,11 +5,11 @@
 #include <nlohmann/json.hpp>
 
 #include "fem/stress_field.h"
-#include "host/commands/solve_page.h"
 #include "host/commands/solve_request.h"
 #include "host/contact/derivatives.h"
 #include "host/contact/scene_json.h"
 #include "host/contact/solution_table.h"
+#include "host/contact/solve_page.h"
 #include "host/figures/contact_figure.h"
 #include "host/figures/vtu.h"
 #include "host/scenes/scene_file.h"

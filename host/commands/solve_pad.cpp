@@ -3,10 +3,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/commands/solve_page.h"
 #include "host/commands/solve_request.h"
 #include "host/contact/pad_json.h"
 #include "host/contact/pad_table.h"
+#include "host/contact/solve_page.h"
 #include "host/figures/pad_figure.h"
 #include "host/figures/pad_view.h"
 #include "host/figures/vtu.h"

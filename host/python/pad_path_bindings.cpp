@@ -67,9 +67,10 @@ void bind_pad_path(py::module_& m) {
       .def_readonly("shear_x", &PadTactels::shear_x,
                     "[..., tactels along y, along x] MPa; tau_x > 0 where the rubber is dragged toward +x")
       .def_readonly("shear_y", &PadTactels::shear_y, "[..., tactels along y, along x] MPa; tau_y alike");
-  py::class_<PadPath>(m, "PadPath",
-                      "The answer to a scene on a pad: one entry for each load increment, those of the pressing first.")
-      .def("__len__", [](const PadPath& path) { return path.steps.size(); })
+  py::class_<PadPath> path(
+      m, "PadPath", "The answer to a scene on a pad: one entry for each load increment, those of the pressing first.");
+  bind_pictures(path);
+  path.def("__len__", [](const PadPath& path) { return path.steps.size(); })
       .def_property_readonly("slip_index", steps_property<PadPath, &PadStep::slip_index>(),
                              "[steps] S, 1 where the forces Q and the torque M can grow no more; NaN where mu P = 0")
       .def_property_readonly("force_ratio", steps_property<PadPath, &PadStep::force_ratio>(),

@@ -63,4 +63,24 @@ auto steps_property() {
   return [](const Path& path) { return of_steps(path, Member); };
 }
 
+/// Pages and VTK files of an answer.
+template <class Path>
+void bind_pictures(py::class_<Path>& path) {
+  using namespace pybind11::literals;
+  path.def(
+          "html", [](const Path& self, std::optional<std::size_t> step) { return html(self, step); },
+          "step"_a = py::none(),
+          "Returns the page of `tactel solve --html`, with this step first, from 0 (None: the last that sticks and "
+          "slips).")
+      .def(
+          "to_html",
+          [](const Path& self, const std::string& file, std::optional<std::size_t> step) { to_html(self, file, step); },
+          "file"_a, "step"_a = py::none(), "Writes that page to a file.")
+      .def(
+          "to_vtu",
+          [](const Path& self, const std::string& file, std::optional<std::size_t> step) { to_vtu(self, file, step); },
+          "file"_a, "step"_a = py::none(),
+          "Writes the VTK file of `tactel solve --field` of a step (None: the last), for ParaView.");
+}
+
 }  // namespace tactel::python

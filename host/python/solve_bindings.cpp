@@ -93,9 +93,10 @@ void bind_path(py::module_& m) {
   py::class_<Tactels>(m, "Tactels", "Stress at the tactels; arrays without copies where they come from solve_many.")
       .def_readonly("normal", &Tactels::normal, "[..., tactels] MPa; sigma_y < 0 is compression")
       .def_readonly("shear", &Tactels::shear, "[..., tactels] MPa; tau_xy > 0 where the rubber is dragged toward +x");
-  py::class_<Path>(m, "Path",
-                   "The answer to a scene: one entry for each load increment, those of the indentation first.")
-      .def("__len__", [](const Path& path) { return path.steps.size(); })
+  py::class_<Path> path(m, "Path",
+                        "The answer to a scene: one entry for each load increment, those of the indentation first.");
+  bind_pictures(path);
+  path.def("__len__", [](const Path& path) { return path.steps.size(); })
       .def_property_readonly("slip_index", steps_property<Path, &Step::slip_index>(),
                              "[steps] S = Q / (mu P); NaN where mu P = 0")
       .def_property_readonly("P", steps_property<Path, &Step::P>(), "[steps] N/mm, of the indenter on the rubber")

@@ -2,6 +2,7 @@
 """The Python package against laws, the program and itself: python3 -m unittest with PYTHONPATH=build/python."""
 
 import ast
+import html
 import io
 import itertools
 import json
@@ -142,6 +143,35 @@ class Errors(unittest.TestCase):
                 with self.subTest(name=name), self.assertRaisesRegex(tactel.InputError, "NUL byte"):
                     call(str(place / name) + "\0x")
             self.assertEqual(sorted(place.iterdir()), before)
+
+
+class Pictures(unittest.TestCase):
+    """Pages and VTK files are those of the program."""
+
+    def test_files_are_those_of_the_program(self):
+        with tempfile.TemporaryDirectory() as folder:
+            place = pathlib.Path(folder)
+            for name, options in (("parabola", {}), ("wedge", {"rung": "mesh-41"}), ("pad", {})):
+                with self.subTest(name=name):
+                    scene = ROOT / f"examples/{name}.toml"
+                    path = tactel.solve(tactel.read_scene(str(scene)), estimate_error=True, **options)
+                    chosen = [f"--rung={rung}" for rung in options.values()]
+                    field = [] if name == "parabola" else ["--field", str(place / "field.vtu")]
+                    subprocess.run([PROGRAM, "solve", str(scene), *chosen, "--html", str(place / "page.html"), *field,
+                                    "--step", "3", "--quiet"], check=True, capture_output=True)
+                    path.to_html(str(place / "own.html"), 2)
+                    path.to_vtu(str(place / "own.vtu"), 2) if field else None
+                    self.assertTrue((place / "own.html").read_text() == (place / "page.html").read_text())
+                    if field:
+                        self.assertTrue((place / "own.vtu").read_text() == (place / "field.vtu").read_text())
+                    self.assertTrue(html.escape(path.html()) in path._repr_html_())
+
+    def test_wrong_calls_are_named(self):
+        path = tactel.solve(PARABOLA)
+        for call, says in ((lambda: path.html(len(path)), "step: .*from 0 to"), (lambda: path.to_html("/no/such/page.html"), "/no/such"),
+                           (lambda: path.to_vtu("/tmp/x.vtu"), "a patch, which has no nodes"),):
+            with self.subTest(says=says), self.assertRaisesRegex(tactel.InputError, says):
+                call()
 
 
 class OwnNetworks(unittest.TestCase):

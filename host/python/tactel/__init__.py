@@ -10,6 +10,7 @@ On a Pad x and y lie in its plane, z points up from the base, and forces are in 
     path.slip_index, path.tactels.normal
 """
 
+import html as _html
 import sys as _sys
 import time as _time
 
@@ -59,6 +60,15 @@ for _class in (Parabola, Flat, Wedge, Cylinder, Exponential, Trapezoid, RoundedF
     _class.__eq__ = lambda self, other: type(self) is type(other) and all(map(_equal, _values(self), _values(other)))
     _class.__hash__ = None
     _class.__reduce__ = lambda self: (type(self), _values(self))
+
+
+def _repr_html(self):
+    """The page of the answer, in a notebook."""
+    return f'<iframe srcdoc="{_html.escape(self.html())}" style="width: 100%; height: 50em; border: 0"></iframe>'
+
+
+for _class in (Path, PadPath):
+    _class._repr_html_ = _repr_html
 
 
 def _with_prefix(number):

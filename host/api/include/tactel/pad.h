@@ -167,12 +167,18 @@ struct PadPath {
   std::string solver, precision, device;
   std::optional<PadError> error;  ///< none where nothing is touched
   std::vector<std::string> warnings;
+  std::shared_ptr<const Outcome> outcome{};
 };
 
 /// Solves one contact. Options as of a line, but `rung` "pad-8" to "pad-24" or "reference", `solver` "batched" or
 /// "twin" (fp64 without a device), and no derivatives. Every answer states its error. Throws InputError, also for a
 /// contact nearer than its thickness to an edge of the pad, and HardwareError.
 TACTEL_API PadPath solve(const PadScene& scene, const SolveOptions& options = {});
+
+/// As those of a line; the VTK file has the cells with their tractions.
+TACTEL_API std::string html(const PadPath& path, std::optional<std::size_t> step = {});
+TACTEL_API void to_html(const PadPath& path, const std::string& file, std::optional<std::size_t> step = {});
+TACTEL_API void to_vtu(const PadPath& path, const std::string& file, std::optional<std::size_t> step = {});
 
 /// Answers of many scenes as arrays, the last index fastest; `steps` is that of the longest path. Entries beyond a
 /// scene's own steps are NaN, and so are S and the force ratio where mu P = 0.

@@ -4,6 +4,7 @@
 #include <tactel/scene.h>
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -64,6 +65,8 @@ struct Derivatives {
   double answer_difference = 0;  ///< of S, between the answer and the exact fp64 path that was differentiated
 };
 
+struct Outcome;  ///< what solve() keeps for pages and fields
+
 /// The answer to a scene: one Step for each load increment, those of the indentation first.
 struct Path {
   std::vector<Step> steps;
@@ -76,10 +79,21 @@ struct Path {
   std::optional<ExpectedError> error;
   std::optional<Derivatives> derivatives{};
   std::vector<std::string> warnings;
+  std::shared_ptr<const Outcome> outcome{};
 };
 
 /// Solves one contact. Throws InputError for a scene or options that cannot be used, HardwareError without a device.
 TACTEL_API Path solve(const Scene& scene, const SolveOptions& options = {});
+
+/// Returns the page of `tactel solve --html`: the contact over its load steps, with this one first, from 0 (none: the
+/// last that sticks and slips). Throws InputError for a path that solve() did not return, or a step that it has not.
+TACTEL_API std::string html(const Path& path, std::optional<std::size_t> step = {});
+/// Writes that page to a file. Throws InputError also for a file that cannot be written.
+TACTEL_API void to_html(const Path& path, const std::string& file, std::optional<std::size_t> step = {});
+
+/// Writes the VTK file of `tactel solve --field` of a step (none: the last): displacement and stress in the block. Of
+/// an answer on a mesh alone: a patch has no nodes in the block. Throws InputError.
+TACTEL_API void to_vtu(const Path& path, const std::string& file, std::optional<std::size_t> step = {});
 
 /// Answers of many scenes as arrays, the last index fastest. Steps are those that the loads ask for, on every rung;
 /// `steps` is that of the longest path. Entries beyond a scene's own steps are NaN, and so is S where mu P = 0.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/commands/solve_page.h"
+#include "host/contact/solve_page.h"
 
 #include <fmt/format.h>
 

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <tactel/pad.h>
+
+#include "host/api/api_errors.h"
+#include "host/api/outcome.h"
+#include "host/contact/solve_page.h"
+#include "host/figures/contact_figure.h"
+#include "host/figures/pad_view.h"
+#include "host/figures/vtu.h"
+#include "host/support/durable_file.h"
+#include "host/support/errors.h"
+
+namespace tactel {
+namespace {
+
+/// Of a path that solve() returned.
+template <class Kind, class AnyPath>
+const Kind& outcome_of(const AnyPath& path) {
+  if (!path.outcome) throw ValueError("path", "one without its scene", "an answer of solve()");
+  return std::get<Kind>(path.outcome->of);
+}
+
+template <class Kind>
+std::size_t checked(std::optional<std::size_t> step, const Kind& outcome, std::size_t usual) {
+  const std::size_t steps = outcome.solution.steps.size();
+  if (step && *step >= steps)
+    throw ValueError("step", std::to_string(*step), "a load step from 0 to " + std::to_string(steps - 1));
+  return step.value_or(usual);
+}
+
+template <class Kind, class AnyPath>
+std::string page_of(const AnyPath& path, std::optional<std::size_t> step) {
+  return api::with_public_errors([&] {
+    const auto& outcome = outcome_of<Kind>(path);
+    return host::solve_page(outcome, checked(step, outcome, host::telling_step(outcome.solution))).html();
+  });
+}
+
+void write(const std::string& file, const std::string& text) {
+  api::with_public_errors([&] { host::write_file("file", file, text); }, file);
+}
+
+}  // namespace
+
+std::string html(const Path& path, std::optional<std::size_t> step) { return page_of<host::SolveOutcome>(path, step); }
+std::string html(const PadPath& path, std::optional<std::size_t> step) { return page_of<host::PadOutcome>(path, step); }
+void to_html(const Path& path, const std::string& file, std::optional<std::size_t> step) {
+  write(file, html(path, step));
+}
+void to_html(const PadPath& path, const std::string& file, std::optional<std::size_t> step) {
+  write(file, html(path, step));
+}
+
+void to_vtu(const Path& path, const std::string& file, std::optional<std::size_t> step) {
+  write(file, api::with_public_errors([&] {
+          const auto& outcome = outcome_of<host::SolveOutcome>(path);
+          if (outcome.on_patch())
+            throw ValueError("path", "an answer on a patch, which has no nodes in the block",
+                             "on a mesh, such as that of the rung mesh-161");
+          const auto& steps = outcome.solution.steps;
+          return host::to_vtu(fem::stress_field(outcome.scene.sensor, steps[checked(step, outcome, steps.size() - 1)]));
+        }));
+}
+void to_vtu(const PadPath& path, const std::string& file, std::optional<std::size_t> step) {
+  write(file, api::with_public_errors([&] {
+          const auto& outcome = outcome_of<host::PadOutcome>(path);
+          const std::size_t last = outcome.solution.steps.size() - 1;
+          return host::to_vtu(outcome.scene, outcome.solution, checked(step, outcome, last));
+        }));
+}
+
+}  // namespace tactel
