@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <optional>
 #include <vector>
 
 #include "hw/ftdi.h"
@@ -70,6 +71,12 @@ UsbRoute find_route(libusb_device* usb, const UsbDevice& device) {
   return route;
 }
 
+libusb_device_descriptor descriptor_of(libusb_device* usb) {
+  libusb_device_descriptor descriptor{};
+  libusb_get_device_descriptor(usb, &descriptor);
+  return descriptor;
+}
+
 /// "1-2.3"; a root hub, which has no port, is "1".
 std::string port_of(libusb_device* usb) {
   std::array<std::uint8_t, 8> ports;  // USB 3.0 allows seven
@@ -79,15 +86,14 @@ std::string port_of(libusb_device* usb) {
   return text;
 }
 
-/// The devices of one vendor and product that are plugged in, by port.
+/// The devices that are plugged in, by port: all, or those of one vendor and product.
 class Candidates {
  public:
-  Candidates(libusb_context* context, const UsbDevice& wanted) {
+  explicit Candidates(libusb_context* context, const UsbDevice* wanted = nullptr) {
     const ssize_t count = libusb_get_device_list(context, &list_);
     for (ssize_t i = 0; i < count; ++i) {
-      libusb_device_descriptor descriptor{};
-      if (libusb_get_device_descriptor(list_[i], &descriptor) == 0 && descriptor.idVendor == wanted.vendor &&
-          descriptor.idProduct == wanted.product)
+      const libusb_device_descriptor descriptor = descriptor_of(list_[i]);
+      if (!wanted || (descriptor.idVendor == wanted->vendor && descriptor.idProduct == wanted->product))
         all_.emplace_back(port_of(list_[i]), list_[i]);
     }
     std::ranges::stable_sort(all_, {}, &Candidate::first);
@@ -138,6 +144,38 @@ std::unique_ptr<LibusbDevice> try_to_open(libusb_device* usb, const UsbDevice& w
   }
 }
 
+/// Whether a device of this class may send frames of a sensor: the vendor's own classes, and serial ports.
+bool may_be_sensor(std::uint8_t of) {
+  return of == LIBUSB_CLASS_PER_INTERFACE || of == LIBUSB_CLASS_COMM || of == LIBUSB_CLASS_DATA ||
+         of == LIBUSB_CLASS_VENDOR_SPEC || of == 0xEF;  // miscellaneous: several interfaces
+}
+
+/// The device as a list has it; none where no interface may send frames.
+std::optional<ListedUsb> listed(libusb_device* usb, const std::string& port) {
+  const libusb_device_descriptor descriptor = descriptor_of(usb);
+  libusb_config_descriptor* config = nullptr;
+  if (!may_be_sensor(descriptor.bDeviceClass) || libusb_get_active_config_descriptor(usb, &config) != 0) return {};
+  ListedUsb device{.vendor = descriptor.idVendor, .product = descriptor.idProduct, .place = {port, ""}};
+  bool sends = false;
+  for (int i = 0; i < config->bNumInterfaces; ++i) {
+    if (config->interface[i].num_altsetting == 0) continue;
+    const libusb_interface_descriptor& interface = config->interface[i].altsetting[0];
+    device.is_serial = device.is_serial || interface.bInterfaceClass == LIBUSB_CLASS_COMM;
+    if (interface.bInterfaceClass != LIBUSB_CLASS_DATA && interface.bInterfaceClass != LIBUSB_CLASS_VENDOR_SPEC)
+      continue;
+    for (int e = 0; e < interface.bNumEndpoints; ++e) sends = sends || carries_frames(interface.endpoint[e], {});
+  }
+  libusb_free_config_descriptor(config);
+  if (!sends) return {};
+  try {
+    const LibusbDevice opened(usb, {.vendor = device.vendor, .product = device.product});
+    device.place.serial = opened.serial(), device.name = opened.name();
+  } catch (const SourceError& error) {
+    device.refusal = error.what();
+  }
+  return device;
+}
+
 /// The serial number of a device that is not to be used; empty where it may not be opened.
 std::string serial_of(libusb_device* usb, const UsbDevice& wanted) {
   try {
@@ -174,16 +212,21 @@ LibusbDevice::~LibusbDevice() {
 }
 
 // What a terminal would take for a command does not get through.
-std::string LibusbDevice::serial() const {
-  libusb_device_descriptor descriptor{};
-  libusb_get_device_descriptor(libusb_get_device(handle_), &descriptor);
-  if (descriptor.iSerialNumber == 0) return "";
-  std::array<unsigned char, 128> text;
-  const int length =
-      libusb_get_string_descriptor_ascii(handle_, descriptor.iSerialNumber, text.data(), static_cast<int>(text.size()));
-  std::string serial(text.begin(), text.begin() + std::clamp<int>(length, 0, static_cast<int>(text.size())));
-  std::erase_if(serial, [](char c) { return c <= ' ' || c > '~'; });
-  return serial;
+std::string LibusbDevice::text(std::uint8_t index, char least) const {
+  if (index == 0) return "";
+  std::array<unsigned char, 128> bytes;
+  const int length = libusb_get_string_descriptor_ascii(handle_, index, bytes.data(), static_cast<int>(bytes.size()));
+  std::string text(bytes.begin(), bytes.begin() + std::clamp<int>(length, 0, static_cast<int>(bytes.size())));
+  std::erase_if(text, [least](char c) { return c < least || c > '~'; });
+  return text;
+}
+
+std::string LibusbDevice::serial() const { return text(descriptor_of(libusb_get_device(handle_)).iSerialNumber, '!'); }
+
+std::string LibusbDevice::name() const {
+  const libusb_device_descriptor descriptor = descriptor_of(libusb_get_device(handle_));
+  const std::string maker = text(descriptor.iManufacturer, ' '), product = text(descriptor.iProduct, ' ');
+  return maker.empty() || product.empty() ? maker + product : maker + " " + product;
 }
 
 void LibusbDevice::prepare() {
@@ -244,8 +287,17 @@ void LibusbDevice::control(std::uint8_t type, std::uint8_t request, int value, i
   if (code < 0) fail(wanted_, what, code);
 }
 
+std::vector<ListedUsb> list_usb() {
+  const LibusbContext context;
+  std::vector<ListedUsb> all;
+  const Candidates candidates(context.get());
+  for (const auto& [port, usb] : candidates.all())
+    if (auto device = listed(usb, port)) all.push_back(std::move(*device));
+  return all;
+}
+
 OpenedUsb open_first_free(libusb_context* context, const UsbDevice& wanted, bool describe_others) {
-  const Candidates candidates(context, wanted);
+  const Candidates candidates(context, &wanted);
   OpenedUsb opened;
   for (const auto& [port, usb] : candidates.all()) {
     UsbChoice::Other other{{port, ""}};

@@ -44,10 +44,12 @@ class LibusbDevice {
   /// Claims the interfaces of the device and starts it. Throws SourceError.
   void prepare();
   std::string serial() const;  ///< as UsbPlace
+  std::string name() const;    ///< as ListedUsb
   libusb_device_handle* handle() const { return handle_; }
   const UsbRoute& route() const { return route_; }
 
  private:
+  std::string text(std::uint8_t index, char least) const;
   void claim();
   void prepare_cdc();
   void prepare_ftdi();

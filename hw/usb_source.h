@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -28,5 +29,18 @@ class UsbSource : public FrameSource {
 /// is none or it may not be opened. After an unplug the source waits for the same device. It identifies it by its
 /// serial number, or by its port where that number is not unique.
 std::unique_ptr<UsbSource> open_usb(const UsbDevice& device);
+
+/// A device that is plugged in and may send frames: one with a bulk or interrupt IN endpoint that is no hub, keyboard,
+/// disk, camera or the like.
+struct ListedUsb {
+  std::uint16_t vendor = 0, product = 0;
+  UsbPlace place{};
+  std::string name{};      ///< as the device says, printable characters only; may be empty
+  bool is_serial = false;  ///< a serial port by the CDC class
+  std::string refusal{};   ///< why it cannot be opened; empty: it can
+};
+
+/// Returns the devices that may send frames, by port. Throws SourceError.
+std::vector<ListedUsb> list_usb();
 
 }  // namespace tactel::hw

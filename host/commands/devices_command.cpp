@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "host/commands/command.h"
+#include "host/live/sensor_profile.h"
+#include "hw/usb_source.h"
 
 namespace tactel::host {
 
@@ -51,12 +53,52 @@ int devices_command(bool json, std::ostream& out, std::ostream& complaints) {
   return 3;
 }
 
+namespace {
+
+/// The source of --source, and the profile that it takes.
+std::pair<std::string, std::string> source_of(const hw::ListedUsb& device) {
+  const hw::UsbDevice glove = built_in_profile("glove").usb;
+  if (device.vendor == glove.vendor && device.product == glove.product) return {"usb:glove", "built in"};
+  return {fmt::format("usb:{:04x}:{:04x}", device.vendor, device.product),
+          device.is_serial ? "--profile, transport cdc-acm" : "--profile"};
+}
+
+}  // namespace
+
+int sensors_command(bool json, std::ostream& out, std::ostream& complaints) {
+  const std::vector<hw::ListedUsb> devices = hw::list_usb();
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const hw::ListedUsb& device : devices) {
+    const auto [source, profile] = source_of(device);
+    if (json)
+      list.push_back({{"source", source},
+                      {"profile", profile},
+                      {"port", device.place.port},
+                      {"serial", device.place.serial},
+                      {"name", device.name},
+                      {"refusal", device.refusal}});
+    else
+      out << fmt::format("{:14} {:28} {} {}\n", source, profile, place_text(device.place),
+                         device.refusal.empty() ? device.name : device.refusal);
+  }
+  if (json) out << list.dump(2) << "\n";
+  if (!devices.empty()) return 0;
+  complaints
+      << "no USB device that may send frames; connect the sensor: `lsusb` lists it once the system has found it, "
+         "docs/sensors.md says which can be read\n";
+  return 3;
+}
+
 void add_devices_command(CLI::App& app, Action& action) {
-  auto json = std::make_shared<bool>(false);
+  auto json = std::make_shared<bool>(false), sensors = std::make_shared<bool>(false);
   CLI::App* command = app.add_subcommand("devices", "list the OpenCL devices, with their lanes and precision");
   command->group("Set up");
   command->add_flag("--json", *json, "as JSON");
-  command->callback([json, &action] { action = [json] { return devices_command(*json, std::cout, std::cerr); }; });
+  command->add_flag("--sensors", *sensors,
+                    "list the USB devices that may be sensors instead, and the --source of each");
+  command->callback([json, sensors, &action] {
+    action = [json, sensors] { return (*sensors ? sensors_command : devices_command)(*json, std::cout, std::cerr); };
+  });
 }
 
 }  // namespace tactel::host

@@ -18,4 +18,7 @@ std::string devices_table(std::span<const DeviceInfo> devices);
 /// "default"}]
 std::string devices_json(std::span<const DeviceInfo> devices);
 
+/// `tactel devices --sensors`: the USB devices that may send frames, with the --source that would read each.
+int sensors_command(bool json, std::ostream& out, std::ostream& complaints);
+
 }  // namespace tactel::host

@@ -77,5 +77,18 @@ TEST_F(UsbCommands, ABusyDeviceIsPassedOver) {
   EXPECT_THAT(said, HasSubstr("port 1-1 (serial number L-7) (not free)"));
 }
 
+TEST_F(UsbCommands, DevicesListsSensorsWithTheirSources) {
+  EmulatedDevice board(interrupt_kind(), 3);
+  const std::string at = folder_ / "", command = std::string(TACTEL_PROGRAM) + " devices --sensors > " + at + "out";
+  EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 0);
+  std::istringstream lines(text_of(at + "out"));
+  std::vector<std::string> all;
+  for (std::string line; std::getline(lines, line);) all.push_back(line);
+  ASSERT_EQ(all.size(), 3u);
+  EXPECT_THAT(all[0], ::testing::AllOf(HasSubstr("usb:glove "), HasSubstr("port 1-1 (serial number L-7)")));
+  EXPECT_THAT(all[1], ::testing::AllOf(HasSubstr("usb:glove "), HasSubstr("port 1-2 (serial number R-8)")));
+  EXPECT_THAT(all[2], ::testing::AllOf(HasSubstr("usb:1209:0001 "), HasSubstr("--profile"), HasSubstr("port 1-3")));
+}
+
 }  // namespace
 }  // namespace tactel::hw::testing
