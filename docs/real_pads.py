@@ -3,7 +3,7 @@
 """Slip index of two real pads that hold a box, by a network taught by simulation alone: prints tables such as those of
 docs/notebook/2026-11-23-real-pads.md and draws a figure of each trial.
 
-Usage: docs/real_pads.py FOLDER [--output DIR] [--build build] [--contacts N]
+Usage: docs/real_pads.py FOLDER [--output DIR] [--build build] [--contacts N] [--shear-gain R]
 FOLDER holds trials data_sample_*, such as the folder data_set of github.com/imanlab/proactive-slip-control (MIT): Nazari, Mandil
 and Ghalamzan, "Proactive slip control by learned slip model and trajectory adaptation", CoRL 2022. A trial has counts of two uSkin
 pads (xela_sensor1.csv, xela_sensor2.csv), times (robot_state.csv) and a marker's label of slip (slip_label.csv).
@@ -184,13 +184,14 @@ class Chain:
     def answers(self, trial, pad, shear_gain, network):
         """What tactel monitor says of a pad: S, its upper bound, alarm and whether the frame is unlike those that the network
         learnt, [frames] each."""
-        channels = np.arange(3 * TACTELS).reshape(TACTELS, 3)
+        # All z, then x, then y, as the network has them; the profile of a line knows two halves of them.
+        channels = np.arange(3 * TACTELS).reshape(TACTELS, 3)[:, [2, 0, 1]].T.reshape(2, -1).tolist()
         zero = (trial.counts[pad, 0] - trial.load[pad, 0]).ravel()
         gain = np.tile([shear_gain * GAIN, shear_gain * GAIN, -GAIN], TACTELS)
         name = self.output / f"{trial.name}_pad{pad + 1}"
         name.with_suffix(".toml").write_text(
             f'[device]\nname = "uSkin 4 x 4"\n[format]\nkind = "csv"\nchannels = {3 * TACTELS}\n[channels]\n'
-            f"normal = {channels[:, [2, 0, 1]].T.ravel().tolist()[:24]}\nshear = {channels[:, [2, 0, 1]].T.ravel().tolist()[24:]}\n"
+            f"normal = {channels[0]}\nshear = {channels[1]}\n"
             f"[calibration]\noffset = {zero.tolist()}\ngain = {gain.tolist()}\n")
         frames = trial.counts[pad, :len(trial.time)].reshape(-1, 3 * TACTELS)
         np.savetxt(name.with_suffix(".csv"), np.column_stack([trial.time, frames]), delimiter=",", fmt="%.6g",
@@ -272,7 +273,7 @@ def figure(path, trial, S, upper, alarm):
         for begin in np.flatnonzero(trial.slip & ~np.r_[False, trial.slip[:-1]]):
             end = begin + np.argmin(np.r_[trial.slip[begin:], False]) - 1
             axes.axvspan(trial.time[begin], trial.time[end], color="#e8d5a0", lw=0, zorder=0,
-                         label="slip, by the marker" if begin == np.argmax(trial.slip) else None)
+                         label="slip, by the marker" if axes is force and begin == np.argmax(trial.slip) else None)
     index.fill_between(trial.time, 1.02, 1.06, where=alarm.any(0), color="#b3261e", lw=0, label=f"alarm, bound above {ALARM}")
     index.set(ylim=(0, 1.08), ylabel="S", title=f"{trial.name}: S by a network taught by simulation alone")
     index.legend(ncols=3, fontsize=8, loc="lower right")
@@ -289,6 +290,7 @@ def main():
     parser.add_argument("--output", type=pathlib.Path, default=pathlib.Path("real_pads"), metavar="DIR")
     parser.add_argument("--build", type=pathlib.Path, default=pathlib.Path("build"), help="holds the program")
     parser.add_argument("--contacts", type=int, default=60000, help="simulated, to learn from")
+    parser.add_argument("--shear-gain", type=float, metavar="R", help="counts of z that a count of shear is worth (by the spread at rest)")
     options = parser.parse_args()
     trials = read_trials(options.folder)
     options.output.mkdir(parents=True, exist_ok=True)
@@ -298,7 +300,7 @@ def main():
     if measured.mean() <= 0:
         wrong(options.folder, "shear at rest points inward, where a press spreads rubber", "check the order and signs of the axes")
     simulated = chain.simulated_spread()
-    shear_gain = simulated / measured.mean()
+    shear_gain = options.shear_gain or simulated / measured.mean()
     print(f"{len(trials)} trials, {sum(trial.gone() is not None for trial in trials)} of which end without the object.\n"
           f"Shear at the outer tactels over mean normal stress at rest: {measured.min():.3f} to {measured.max():.3f} in counts, "
           f"{simulated:.3f} simulated.\nA count of shear is taken as {shear_gain:.2f} counts of z.")
