@@ -172,7 +172,8 @@ int run_monitor(const MonitorRequest& request) {
         "tare, or give --touch MPa");
   LiveView view({.alarm = touch_known ? request.alarm.value_or(default_alarm) : never,
                  .cursor = output.terminal(),
-                 .colour = takes_colour(STDOUT_FILENO)});
+                 .colour = takes_colour(STDOUT_FILENO),
+                 .pads = opened.profile.pads});
   const Until until(request.seconds);
   std::vector<std::string> later;
   const MonitorSummary summary = monitor.run(*opened.source, make_events(request, view, output, until, later));
@@ -224,7 +225,8 @@ void add_monitor_command(CLI::App& app, Action& action) {
       ->capture_default_str();
   command->add_flag(
       "--view", request->view,
-      "a picture instead of lines: S and its history, the tactels' stresses as blocks, shear with its direction");
+      "a picture instead of lines: S and its history, the tactels' stresses as blocks, shear with its direction; of "
+      "pads a tile a tactel, shaded by pressure, with an arrow of shear");
   CLI::Option* alarm =
       command
           ->add_option(

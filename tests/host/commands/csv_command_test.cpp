@@ -206,6 +206,8 @@ TEST_F(PadCommand, TwoPadsOfALine) {
       run_tactel(with({"monitor", "--source", "replay:" + recording_}, with(calibration, network)));
   ASSERT_EQ(replayed.exit_code, 0) << replayed.err;
   expect_pads(lines_of(replayed.out), left, right, 0.4);
+  const ChildResult view = run("monitor", "csv:" + file_, with(with(second_, calibration), with(network, {"--view"})));
+  EXPECT_THAT(view.out, HasSubstr("█████"));
 }
 
 TEST_F(PadCommand, MistakesOfACallAreNamed) {
