@@ -181,25 +181,21 @@ class Chain:
         print(f"Mean error of S on simulated contacts: {report['recalling']['mean']:.3f}.\n")
         return next((self.output / "network").glob("*.onnx"))
 
-    def answers(self, trial, pad, shear_gain, network):
-        """What tactel monitor says of a pad: S, its upper bound, alarm and whether the frame is unlike those that the network
-        learnt, [frames] each."""
-        # All z, then x, then y, as the network has them; the profile of a line knows two halves of them.
-        channels = np.arange(3 * TACTELS).reshape(TACTELS, 3)[:, [2, 0, 1]].T.reshape(2, -1).tolist()
-        zero = (trial.counts[pad, 0] - trial.load[pad, 0]).ravel()
-        gain = np.tile([shear_gain * GAIN, shear_gain * GAIN, -GAIN], TACTELS)
-        name = self.output / f"{trial.name}_pad{pad + 1}"
-        name.with_suffix(".toml").write_text(
-            f'[device]\nname = "uSkin 4 x 4"\n[format]\nkind = "csv"\nchannels = {3 * TACTELS}\n[channels]\n'
-            f"normal = {channels[0]}\nshear = {channels[1]}\n"
-            f"[calibration]\noffset = {zero.tolist()}\ngain = {gain.tolist()}\n")
-        frames = trial.counts[pad, :len(trial.time)].reshape(-1, 3 * TACTELS)
-        np.savetxt(name.with_suffix(".csv"), np.column_stack([trial.time, frames]), delimiter=",", fmt="%.6g",
-                   header="time," + ",".join(f"t{i + 1}{axis}" for i in range(TACTELS) for axis in "xyz"), comments="")
-        lines = self.run("monitor", "--source", f"csv:{name.with_suffix('.csv')}", "--profile", name.with_suffix(".toml"), "--network",
-                         network, "--alarm", ALARM, "--touch", 0, "--drift", 0).splitlines()
-        lines = [json.loads(line) for line in lines]
-        return [np.array([float(line[key]) for line in lines]) for key in ("slip_index", "slip_upper", "alarm", "unlike")]
+    def answers(self, trial, shear_gain, network):
+        """What tactel monitor says of both pads: S, its upper bound and whether the frame is unlike those that the network learnt,
+        [pads, frames], and whether the alarm is on, [frames]."""
+        zero = trial.counts[:, 0] - trial.load[:, 0]
+        gain = [shear_gain * GAIN, shear_gain * GAIN, -GAIN] * (2 * TACTELS)
+        calibration, lines = (self.output / f"{trial.name}.{end}" for end in ("toml", "csv"))
+        calibration.write_text(f"[calibration]\noffset = {zero.ravel().tolist()}\ngain = {gain}\n")
+        frames = np.moveaxis(trial.counts[:, :len(trial.time)], 1, 0).reshape(len(trial.time), -1)
+        names = ["time", *(f"pad{pad}_{tactel}{axis}" for pad in (1, 2) for tactel in range(1, TACTELS + 1) for axis in "xyz")]
+        np.savetxt(lines, np.column_stack([trial.time, frames]), delimiter=",", fmt="%.6g", header=",".join(names), comments="")
+        said = self.run("monitor", "--source", f"csv:{lines}", "--profile", "uskin-4x4", "--profile", "uskin-4x4", "--calibration",
+                        calibration, "--network", network, "--alarm", ALARM, "--touch", 0, "--drift", 0)
+        said = [json.loads(line) for line in said.splitlines()]
+        of_pads = [[[float(line["pads"][pad][key]) for line in said] for pad in (0, 1)] for key in ("slip_index", "slip_upper", "unlike")]
+        return *np.array(of_pads), np.array([line["alarm"] for line in said])
 
 
 def change(values):
@@ -274,7 +270,7 @@ def figure(path, trial, S, upper, alarm):
             end = begin + np.argmin(np.r_[trial.slip[begin:], False]) - 1
             axes.axvspan(trial.time[begin], trial.time[end], color="#e8d5a0", lw=0, zorder=0,
                          label="slip, by the marker" if axes is force and begin == np.argmax(trial.slip) else None)
-    index.fill_between(trial.time, 1.02, 1.06, where=alarm.any(0), color="#b3261e", lw=0, label=f"alarm, bound above {ALARM}")
+    index.fill_between(trial.time, 1.02, 1.06, where=alarm, color="#b3261e", lw=0, label=f"alarm, bound above {ALARM}")
     index.set(ylim=(0, 1.08), ylabel="S", title=f"{trial.name}: S by a network taught by simulation alone")
     index.legend(ncols=3, fontsize=8, loc="lower right")
     ratio.set(ylabel="|Q| / P, counts")
@@ -310,10 +306,10 @@ def main():
     print("| trial | frames | slip | S at the start | largest S | frames of alarm: slip | others | unlike what was learnt |\n|---" + "|---" * 7
           + "|")
     for trial in trials:
-        S, upper, alarm, unlike = np.moveaxis([chain.answers(trial, pad, shear_gain, network) for pad in (0, 1)], 0, 1)
+        S, upper, unlike, alarm = chain.answers(trial, shear_gain, network)
         figure(options.output / f"{trial.name}.svg", trial, S, upper, alarm)
         scores.append(network_scores(S, upper) | baselines(trial.load))
-        alarms = [f"{100 * alarm.any(0)[chosen].mean():.0f} %" if chosen.any() else "" for chosen in (trial.slip, ~trial.slip)]
+        alarms = [f"{100 * alarm[chosen].mean():.0f} %" if chosen.any() else "" for chosen in (trial.slip, ~trial.slip)]
         print(f"| {trial.name} | {len(trial.slip)} | {trial.slip.sum()} | {S.max(0)[:START].mean():.2f} | {S.max():.2f} | {alarms[0]} | "
               f"{alarms[1]} | {100 * unlike.mean():.0f} % |")
     print()

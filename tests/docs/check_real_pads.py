@@ -19,11 +19,11 @@ FRAMES, LEAVES, ZERO = 140, 110, 38000.0
 BUILD = pathlib.Path(sys.argv.pop()) if len(sys.argv) > 1 else pathlib.Path("build")
 
 
-def held():
-    """Load [tactels, 3] of a held box: z 1000 everywhere, x -300 with -40 and 40 at the outer columns, y -60 and 60 at the outer
+def held(drag=-300):
+    """Load [tactels, 3] of a held box: z 1000 everywhere, x `drag` with -40 and 40 at the outer columns, y -60 and 60 at the outer
     rows: outward (80 + 120) / 4 over 1000."""
     load = np.zeros((4, 4, 3))
-    load[..., 2], load[..., 0] = 1000, -300
+    load[..., 2], load[..., 0] = 1000, drag
     load[:, 0, 0] -= 40
     load[:, 3, 0] += 40
     load[0, :, 1] -= 60
@@ -32,13 +32,14 @@ def held():
 
 
 def write(folder, name, leaves=None, slips_from=None):
-    """A trial whose net shear along x grows by a tenth from frame 60 on, and which ends without load from frame `leaves` on."""
+    """A trial whose net shear, to -x on pad 1 and to x on pad 2, grows by a tenth from frame 60 on, and which ends without load
+    from frame `leaves` on."""
     path = folder / f"data_sample_{name}"
     path.mkdir(parents=True)
-    load = np.tile(held(), (FRAMES, 1, 1))
-    load[60:, :, 0] -= 30
-    load[leaves if leaves is not None else FRAMES:] = 0
-    for pad in (1, 2):
+    for pad, drag in ((1, -300), (2, 300)):
+        load = np.tile(held(drag), (FRAMES, 1, 1))
+        load[60:, :, 0] += drag / 10
+        load[leaves if leaves is not None else FRAMES:] = 0
         counts = load + ZERO + 10 * pad + np.arange(48).reshape(16, 3)
         np.savetxt(path / f"xela_sensor{pad}.csv", counts.reshape(FRAMES, 48), delimiter=",", header="names", comments="")
     time = np.arange(FRAMES) / 60
@@ -61,8 +62,9 @@ class Conversion(unittest.TestCase):
         self.assertIsNone(stays.gone())
         self.assertEqual(leaves.gone(), LEAVES - 15)  # the first frame without load 15 frames later
         self.assertEqual((leaves.load.shape, len(leaves.time), len(leaves.slip)), ((2, LEAVES - 15, 16, 3), LEAVES - 15, LEAVES - 15))
-        np.testing.assert_allclose(stays.load[:, :60], np.broadcast_to(held(), (2, 60, 16, 3)), atol=1e-9)
-        self.assertAlmostEqual(real_pads.spread(stays.load[0, 0]), 0.05, places=12)
+        for pad, drag in ((0, -300), (1, 300)):
+            np.testing.assert_allclose(stays.load[pad, :60], np.broadcast_to(held(drag), (60, 16, 3)), atol=1e-9)
+        np.testing.assert_allclose(real_pads.spread(stays.load[:, 0]), 0.05, atol=1e-12)
 
     def test_scores_by_hand(self):
         load = np.tile(held(), (2, 100, 1, 1))
@@ -136,12 +138,15 @@ class Conversion(unittest.TestCase):
             self.assertEqual("slip, by the marker" in (output / f"{name}.svg").read_text(), name == "b")
         trial = real_pads.read_trials(self.folder)[0]
         (network,) = (output / "network").glob("*.onnx")
-        for pad in range(2):
-            S, upper, alarm, unlike = real_pads.Chain(BUILD, output).answers(trial, pad, 3.0, network)
+        S, upper, unlike, alarm = real_pads.Chain(BUILD, output).answers(trial, 3.0, network)
+        self.assertEqual((S.shape, unlike.shape, alarm.shape), ((2, FRAMES), (2, FRAMES), (FRAMES,)))
+        for pad in (0, 1):
             load = trial.load[pad] * 1e-5
             frames = np.hstack([-load[..., 2], 3 * load[..., 0], 3 * load[..., 1]]).astype(np.float32)
-            np.testing.assert_allclose(S, onnx_numpy.evaluate(network, frames)["slip_index"][:, 0], atol=1e-5)  # fp32, 48 terms a neuron
-            self.assertTrue(((0 <= upper) & (upper <= 1)).all())
+            truth = onnx_numpy.evaluate(network, frames)
+            np.testing.assert_allclose(S[pad], truth["slip_index"][:, 0], atol=1e-5)  # fp32, 48 terms a neuron
+            np.testing.assert_allclose(upper[pad], truth["slip_upper"][:, 0], atol=1e-5)
+        np.testing.assert_array_equal(alarm, upper.max(0) >= real_pads.ALARM)  # the bound does not fall by 0.05 in these frames
 
 
 if __name__ == "__main__":
