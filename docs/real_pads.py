@@ -147,7 +147,9 @@ def spread(load):
 
 class Chain:
     def __init__(self, build, output):
-        self.program, self.output = str(build.resolve() / "tactel"), output
+        self.program, self.output = build.resolve() / "tactel", output
+        if not self.program.is_file():
+            wrong(self.program, "no such program", "build it, or name its folder by --build")
 
     def run(self, *words):
         done = subprocess.run([self.program, *map(str, words), "--quiet"], capture_output=True, text=True)

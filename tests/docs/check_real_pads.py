@@ -120,6 +120,10 @@ class Conversion(unittest.TestCase):
         (path / "xela_sensor2.csv").write_text("a,b\n1,2\n3\n")
         self.assert_wrong(path / "xela_sensor2.csv", "different lengths")
 
+    def test_a_folder_without_the_program(self):
+        with self.assertRaisesRegex(SystemExit, "tactel: no such program; .*--build"):
+            real_pads.Chain(self.folder, self.folder)
+
     def test_from_counts_to_areas(self):
         write(self.folder, "a")
         write(self.folder, "b", leaves=LEAVES, slips_from=60)
