@@ -11,9 +11,10 @@
 namespace tactel::host {
 
 struct ViewOptions {
-  float alarm = 0.8f;   ///< S from which the picture shows an alarm
-  bool cursor = false;  ///< each picture replaces the previous one, by escape sequences
-  bool colour = false;  ///< S in green, yellow (three quarters of the alarm) or red, by escape sequences
+  float alarm = 0.8f;             ///< S from which the picture shows an alarm
+  bool cursor = false;            ///< each picture replaces the previous one, by escape sequences
+  bool colour = false;            ///< S in green, yellow (three quarters of the alarm) or red, by escape sequences
+  std::vector<PadLayout> pads{};  ///< none: a line
 };
 
 /// The largest S of each quarter of a second, the newest last.
@@ -29,10 +30,14 @@ class SlipTrace {
   std::int64_t newest_ = 0;  ///< number of the last column since arrival 0
 };
 
-/// Returns a frame as six lines of at most `columns` (at least 20) characters: S as a bar with a mark at the alarm, the
-/// history of S, the stresses of the tactels as blocks of proportional height, and an arrow below each shear. The arrow
-/// shows the direction in which the rubber is dragged, toward +x or -x. A tactel takes as many columns as there is room
-/// for. Where the tactels exceed the columns, neighbours share one, which shows the largest of them.
+/// Returns a line's frame as six lines of at most `columns` (at least 20) characters: S as a bar with a mark at the
+/// alarm, the history of S, the stresses of the tactels as blocks of proportional height, and an arrow below each
+/// shear. The arrow shows the direction in which the rubber is dragged, toward +x or -x. A tactel takes as many columns
+/// as there is room for. Where the tactels exceed the columns, neighbours share one, which shows the largest of them.
+///
+/// A pad's frame shows tiles instead of the stresses, with y upwards: two lines of characters whose shade is the normal
+/// stress, and an arrow of the shear, double from 3/16 of a full block on. Pads stand side by side where they fit;
+/// tactels beyond the last column are left out.
 /// largest_stress: MPa of a full block.
 /// note: stands first in the last line.
 std::string view_text(const MonitorLine& line, const SlipTrace& history, float largest_stress, int columns,
@@ -53,11 +58,11 @@ class LiveView {
   ViewOptions options_;
   SlipTrace history_;
   std::optional<MonitorLine> waiting_;  ///< the newest frame, not yet shown; of the stresses in stresses_
-  std::vector<float> stresses_;         ///< [2 tactels] MPa
+  std::vector<float> stresses_;         ///< [places of the channel map] MPa
   std::chrono::steady_clock::time_point last_{};
   float largest_stress_ = 1e-6f;  ///< MPa of a full block: the largest stress so far
-  bool shown_ = false;
-  std::string note_;  ///< of the last drift
+  std::ptrdiff_t lines_ = 0;      ///< of the last picture
+  std::string note_;              ///< of the last drift
 };
 
 }  // namespace tactel::host

@@ -41,9 +41,12 @@ def tensor(message):
 
 
 def attributes(node):
-    """Integers of a NodeProto by name."""
+    """Integers and floats of a NodeProto by name."""
     found = {}
     for attribute in every(node, 5):
+        if floats := every(attribute, 2):
+            found[every(attribute, 1)[0].decode()] = np.frombuffer(floats[0], np.float32)[0]
+            continue
         numbers = every(attribute, 3) or every(attribute, 8)
         found[every(attribute, 1)[0].decode()] = int.from_bytes(numbers[0], "little") if isinstance(numbers[0], bytes) else numbers[0]
     return found
@@ -58,6 +61,7 @@ OPERATORS = {
     "Gather": lambda a, b, **_: a[b],
     "Gemm": lambda a, b, c, transB=0, **_: a @ (b.T if transB else b) + c,
     "Greater": lambda a, b, **_: a > b,
+    "LeakyRelu": lambda a, alpha=np.float32(0.01), **_: np.where(a > 0, a, alpha * a),
     "Less": lambda a, b, **_: a < b,
     "LessOrEqual": lambda a, b, **_: a <= b,
     "MatMul": lambda a, b, **_: a @ b,

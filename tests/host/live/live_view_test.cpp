@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/live/live_view.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <chrono>
 #include <cmath>
 #include <sstream>
 #include <thread>
+#include <tuple>
 
 namespace tactel::host {
 namespace {
@@ -114,6 +116,74 @@ TEST(LiveView, ShowsTheNewestFrameOnceWhereItCameTooSoon) {
   EXPECT_THAT(*newest, HasSubstr("frame 3"));
   EXPECT_THAT(*newest, HasSubstr("████")) << "of the frame's own stresses";
   EXPECT_FALSE(view.show_newest(80));
+}
+
+/// The tiles of two tactels beside each other, and of one above them. y points upwards.
+std::string tiles_text(const std::vector<float>& stresses, std::vector<PadLayout> pads, int columns,
+                       std::vector<PadAnswer> answers = {}) {
+  const std::string text = view_text({.frame = {}, .stresses = stresses, .answer = answer_of(0.5f), .pads = answers},
+                                     {}, 1, columns, {.pads = std::move(pads)});
+  const std::size_t begin = text.find('\n', text.find('\n') + 1) + 1, end = text.rfind('\n', text.size() - 2) + 1;
+  return text.substr(begin, end - begin);
+}
+
+// Shares of a full block: 1 and 0.5 below, 0 and 0.25 above. Arrows: 0.25 to +x, 0.1 to +y; below that none.
+TEST(LiveView, APadIsTilesWithArrowsOfShear) {
+  EXPECT_EQ(tiles_text({-1, -0.5f, 0, -0.25f, /* x */ 0.25f, 0, 0, 0.05f, /* y */ 0, 0.1f, 0, 0}, {{{2, 2}}}, 40),
+            "····· ░░░░░ \n"
+            "····· ░░░░░ \n"
+            "█████ ▒▒▒▒▒ \n"
+            "██⇒██ ▒▒↑▒▒ \n");
+}
+
+TEST(LiveView, ArrowsHaveEightDirections) {
+  for (const auto& [x, y, arrow] : {std::tuple{1.f, 0.f, "⇒"},
+                                    {1.f, 1.f, "⇗"},
+                                    {0.f, 1.f, "⇑"},
+                                    {-1.f, 1.f, "⇖"},
+                                    {-1.f, 0.f, "⇐"},
+                                    {-1.f, -1.f, "⇙"},
+                                    {0.f, -1.f, "⇓"},
+                                    {1.f, -1.f, "⇘"},
+                                    {1.f, -0.4f, "⇒"},
+                                    {1.f, -0.5f, "⇘"}})  // 22.5 degrees are between: tan is 0.414
+    EXPECT_EQ(tiles_text({0, x, y}, {{{1, 1}}}, 40), fmt::format("····· \n··{}·· \n", arrow)) << x << " " << y;
+}
+
+TEST(LiveView, PadsStandSideBySideWithTheirSWhereTheyFit) {
+  const std::vector<float> stresses{-1, 0, 0, /* second */ 0, -1};
+  const std::vector<PadLayout> pads{{{2, 1}}, {{1, 3}}};
+  const std::vector<PadAnswer> answers{{.answer = answer_of(0.25f)}, {.answer = answer_of(std::nanf(""))}};
+  EXPECT_EQ(tiles_text(stresses, pads, 40, answers),
+            "S 0.250        S   -  \n"
+            "█████ ·····    █████ \n"
+            "█████ ·····    █████ \n"
+            "               ····· \n"
+            "               ····· \n"
+            "               ····· \n"
+            "               ····· \n");
+  const std::vector<PadLayout> wide{{{9, 1}}, {{9, 1}}};
+  EXPECT_EQ(tiles_text(std::vector<float>(18, 0.0f), wide, 20, answers),
+            "S 0.250\n··················\n··················\nS   -  \n··················\n··················\n");
+}
+
+TEST(LiveView, NoLineOfAPadIsWiderThanTheTerminal) {
+  const std::vector<float> stresses(3 * 128, -0.5f);
+  for (const std::vector<PadLayout>& pads :
+       {std::vector<PadLayout>{{{128, 1}}}, {{{16, 4}}, {{16, 4}}}, {{{120, 1}}, {{8, 1}}}, {{{4, 24}}, {{4, 8}}}})
+    for (const int columns : {20, 21, 40, 79, 80, 137, 200}) {
+      std::istringstream in(tiles_text(stresses, pads, columns, std::vector<PadAnswer>(pads.size())));
+      for (std::string line; std::getline(in, line);) EXPECT_LE(width_of(line), columns) << line;
+    }
+}
+
+TEST(LiveView, GoesUpOverAsManyLinesAsThePadHad) {
+  const std::vector<float> stresses(48, 0.1f);
+  LiveView view({.cursor = true, .pads = {{{4, 4}}}});
+  const MonitorLine line{.frame = {}, .stresses = stresses, .answer = answer_of(0.5f)};
+  ASSERT_TRUE(view.show(line, 80));
+  std::this_thread::sleep_for(std::chrono::milliseconds(60));
+  EXPECT_THAT(*view.show(line, 80), ::testing::StartsWith("\x1b[11A")) << "S, history, 4 times 2, words";
 }
 
 }  // namespace
