@@ -4,8 +4,8 @@
    nn/infer/layers.h.
 
    Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer), OUTPUTS (3: S, its upper and its lower
-   quantile), LEAKY_RELU (1: hidden neurons are leaky rectifiers), and NORMALS where an input has several frames: the
-   normal stresses of the first. */
+   quantile), LEAKY_RELU (1: hidden neurons are leaky rectifiers), and NORMALS where they are not INPUTS / 2: the normal
+   stresses of the first frame. */
 // defines: INPUTS=42 HIDDEN1=42 HIDDEN2=21 OUTPUTS=3 LEAKY_RELU=0
 #include "shared/forward_layer.h"
 #include "shared/frame_status.h"

@@ -51,6 +51,7 @@ void FrameSet::validate() const {
                      "one for each of the " + std::to_string(rows()) + " rows");
   check_labels("shape_class", shape_class.size(), rows());
   check_labels("contact_nodes", contact_nodes.size(), rows());
+  check_labels("torque", torque.size(), rows());
   const bool all_finite = (frames.array() * 0.0f).sum() == 0.0f;  // in vectors; NaN else
   for (Eigen::Index row = 0; row < rows(); ++row) {
     if (!all_finite && !frames.row(row).allFinite()) throw ValueError(at("inputs", row), "NaN or infinity", "finite");
@@ -60,7 +61,7 @@ void FrameSet::validate() const {
 }
 
 InputScaling fit_scaling(ScalingKind kind, const FrameSet& set) {
-  InputScaling scaling{kind, kind == ScalingKind::set ? set.largest_stress() : 1.0f, set.history};
+  InputScaling scaling{kind, kind == ScalingKind::set ? set.largest_stress() : 1.0f, set.history, set.axes};
   scaling.validate();
   return scaling;
 }
@@ -119,6 +120,7 @@ FrameSet with_frame_noise(const FrameSet& set, double fraction, std::uint64_t se
                  .slip_index = set.slip_index.replicate(copies, 1),
                  .shape_class = repeated(set.shape_class, copies),
                  .contact_nodes = repeated(set.contact_nodes, copies),
+                 .torque = repeated(set.torque, copies),
                  .axes = set.axes};
   const Eigen::Index inputs = set.frames.cols();
   for (Eigen::Index row = 0; row < noisy.rows(); ++row) {

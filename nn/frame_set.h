@@ -14,7 +14,8 @@ struct FrameSet {
   RowMatrix<float> frames;                  ///< [rows, history * axes tactels] MPa: normal stresses first, then shear
   Vector<float> slip_index;                 ///< [rows] S = Q / (mu P)
   std::vector<std::uint16_t> shape_class;   ///< [rows] or empty: kind of indenter
-  std::vector<std::int32_t> contact_nodes;  ///< [rows] or empty: surface nodes that touch
+  std::vector<std::int32_t> contact_nodes;  ///< [rows] or empty: surface nodes that touch; of pads touched tactels
+  std::vector<std::uint8_t> torque{};       ///< [rows] or empty, of pads: class of torque_class
   std::vector<std::uint64_t> contact{};     ///< [rows] or empty: which contact; rows of a contact are in its order
   std::vector<std::uint32_t> step{};        ///< [rows] or empty: load step of the contact
   bool press_rows = false;                  ///< the rows of a contact begin with its pressing

@@ -32,7 +32,7 @@ FrameStatus scale_frame(const InputScaling& scaling, const float* frame, int inp
   Scalar scale(1);
   if (scaling.kind == ScalingKind::frame) {
     divisor = 0.0f;
-    for (int k = 0; k < inputs / (2 * scaling.history); ++k) divisor = std::max(divisor, std::abs(frame[k]));
+    for (int k = 0; k < scaling.normals(inputs); ++k) divisor = std::max(divisor, std::abs(frame[k]));
     if (divisor < InputScaling::smallest_stress) return FrameStatus::no_stress;
     if (divisor > InputScaling::large_stress) scale = Scalar(InputScaling::large_scale);
   }

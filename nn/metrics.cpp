@@ -36,12 +36,25 @@ ErrorSummary summarize(std::span<const double> absolute_errors) {
   return summary;
 }
 
+std::uint8_t torque_class(float slip_index, float force_ratio) {
+  constexpr float smallest = 0.05f;
+  if (slip_index < smallest) return 0;
+  const float share = 1 - force_ratio / slip_index;
+  return static_cast<std::uint8_t>(1 + (share > 1.0f / 3) + (share > 2.0f / 3));
+}
+
+const char* torque_class_name(int torque_class) {
+  constexpr const char* names[] = {"S below 0.05", "torque below 1/3", "torque 1/3 to 2/3", "torque above 2/3"};
+  return names[torque_class];
+}
+
 ErrorReport report_errors(std::span<const double> errors, const FrameSet& set) {
   std::vector<double> answered;
   std::copy_if(errors.begin(), errors.end(), std::back_inserter(answered), [](double e) { return !std::isnan(e); });
   ErrorReport report{.all = summarize(answered),
                      .by_class = summarize_by(errors, set.shape_class),
-                     .by_contact_nodes = summarize_by(errors, set.contact_nodes)};
+                     .by_contact_nodes = summarize_by(errors, set.contact_nodes),
+                     .by_torque = summarize_by(errors, set.torque)};
   report.without_answer = errors.size() - answered.size();
   return report;
 }

@@ -20,12 +20,19 @@ std::vector<double> absolute_errors(const Vector<Scalar>& slip_index, const Fram
   return errors;
 }
 
-/// Errors of a network on a set: in all, by kind of indenter and by touching nodes. Rows without a slippage index
-/// are counted, not judged.
+/// Returns the class of a pad's row by the share of torque in S, 1 - |Q| / (mu P) / S: 1, 2 or 3 by thirds; 0 where S
+/// is too small to have shares.
+std::uint8_t torque_class(float slip_index, float force_ratio);
+/// Returns "S below 0.05", "torque below 1/3", "torque 1/3 to 2/3", "torque above 2/3".
+const char* torque_class_name(int torque_class);
+
+/// Errors of a network on a set: in all, by kind of indenter, by touching nodes and by torque. Rows without a slippage
+/// index are counted, not judged.
 struct ErrorReport {
   ErrorSummary all;
   std::map<int, ErrorSummary> by_class;          ///< key: FrameSet::shape_class
   std::map<int, ErrorSummary> by_contact_nodes;  ///< key: FrameSet::contact_nodes
+  std::map<int, ErrorSummary> by_torque;         ///< key: FrameSet::torque
   std::size_t without_answer = 0;                ///< rows whose error is NaN
 };
 

@@ -41,6 +41,7 @@ void InputScaling::validate() const {
   if (!(largest_stress >= smallest_stress && largest_stress <= large_stress))
     throw ValueError("scaling.largest_stress", std::to_string(largest_stress), "1e-12 to 8.5e37 MPa");
   if (history < 1) throw ValueError("scaling.history", std::to_string(history), "at least 1 frame");
+  if (axes < 1 || axes > 3) throw ValueError("scaling.axes", std::to_string(axes), "1, 2 or 3 stresses of a tactel");
 }
 
 std::size_t Bound::class_of(int touching_tactels, const Quantiles<float>& q, float squared_distance) const noexcept {

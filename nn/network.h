@@ -41,6 +41,7 @@ struct InputScaling {
   ScalingKind kind = ScalingKind::set;
   float largest_stress = 1.0f;  ///< MPa, > 0: the divisor of `set`; unused by `frame`
   int history = 1;              ///< frames in an input; `frame` divides all of them by the newest's, which is the first
+  int axes = 2;                 ///< stresses of a tactel; of a pad 3, or 1
 
   /// MPa: below it, a normal stress counts as none. A frame without larger ones carries no stress (`frame`
   /// only).
@@ -49,6 +50,8 @@ struct InputScaling {
   /// is first taken times large_scale (`frame`), which keeps its bits.
   static constexpr float large_stress = 0x1p126f, large_scale = 0x1p-8f;
   bool operator==(const InputScaling&) const = default;
+  /// Returns the normal stresses of the newest frame, with which an input begins.
+  int normals(int inputs) const { return inputs / (axes * history); }
   void validate() const;  ///< throws ValueError, key "scaling"
 };
 

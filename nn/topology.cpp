@@ -10,8 +10,7 @@ namespace tactel::nn {
 namespace {
 
 const std::string allowed =
-    "1 to 6 (the paper's networks), or widths such as 42-42-21-1: an even number of inputs, one or two hidden layers, "
-    "each 1 to " +
+    "1 to 6 (the paper's networks), or widths such as 42-42-21-1: inputs, one or two hidden layers, each 1 to " +
     std::to_string(Topology::widest_layer) +
     " wide, one output, or three for a bound; _leaky-relu behind them for other hidden neurons than the paper's";
 
@@ -47,8 +46,7 @@ Topology::Topology(std::vector<int> widths, Activation activation)
     : widths_(std::move(widths)), activation_(activation) {
   bool good = widths_.size() == 3 || widths_.size() == 4;
   for (const int width : widths_) good = good && width >= 1 && width <= widest_layer;
-  if (!good || widths_.front() % 2 != 0 || (outputs() != 1 && outputs() != heads))
-    throw ValueError("network", joined(widths_), allowed);
+  if (!good || (outputs() != 1 && outputs() != heads)) throw ValueError("network", joined(widths_), allowed);
 }
 
 Topology Topology::parse(std::string_view text) {

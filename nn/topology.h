@@ -10,11 +10,10 @@
 namespace tactel::nn {
 
 /// Widths of a network's layers, inputs first, and the activation of the hidden ones. The constructor requires 1 or 2
-/// hidden layers (the paper's two families), an even number of inputs (a normal and a shear stress for each tactel),
-/// and one output, or three: the heads of a bound (nn/quantile_heads.h).
+/// hidden layers (the paper's two families), and one output, or three: the heads of a bound (nn/quantile_heads.h).
 class Topology {
  public:
-  static constexpr int widest_layer = 256;
+  static constexpr int widest_layer = 384;
   static constexpr int heads = 3;  ///< outputs of a network with a bound
 
   /// Throws ValueError, key "network".

@@ -16,13 +16,15 @@ void each_array(From& from, To& to, const Visit& visit) {
   visit(from.friction, to.friction), visit(from.stick_fraction, to.stick_fraction);
   visit(from.residual, to.residual), visit(from.contact, to.contact), visit(from.step, to.step);
   visit(from.indenter, to.indenter), visit(from.contact_nodes, to.contact_nodes), visit(from.status, to.status);
+  if (from.axes == 2) return;  // a line
+  visit(from.torque, to.torque), visit(from.twist, to.twist), visit(from.force_ratio, to.force_ratio);
 }
 
 }  // namespace
 
 Set from_host(host::ContactSet&& from) {
   Set set;
-  set.inputs = static_cast<std::size_t>(from.inputs);
+  set.inputs = static_cast<std::size_t>(from.inputs), set.axes = static_cast<std::size_t>(from.axes);
   each_array(from, set, [](auto& array, auto& to) { to = std::move(array); });
   set.indenter_names = std::move(from.indenter_names);
   set.tactel_x = std::move(from.tactel_x), set.parameters = std::move(from.contact_parameters);
@@ -37,10 +39,11 @@ Set from_host(host::ContactSet&& from) {
 
 host::ContactSet to_host(const Set& from) {
   host::ContactSet set;
-  set.inputs = static_cast<int>(from.inputs);
+  set.inputs = static_cast<int>(from.inputs), set.axes = static_cast<int>(from.axes), set.pad = from.axes != 2;
   each_array(from, set, [&](const auto& array, auto& to) {
-    const std::size_t numbers =
-        &array == static_cast<const void*>(&from.frames) ? from.rows() * from.inputs : from.rows();
+    const auto is = [&](const auto& of) { return static_cast<const void*>(&array) == &of; };
+    const bool directed = is(from.tangential_force) || is(from.tangential);
+    const std::size_t numbers = from.rows() * (is(from.frames) ? from.inputs : directed && set.pad ? 2 : 1);
     if (array.size() != numbers && !array.empty())
       throw InputError("set", std::to_string(array.size()) + " numbers of an array",
                        "give " + std::to_string(numbers) + ", for " + std::to_string(from.rows()) + " rows");

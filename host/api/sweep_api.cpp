@@ -8,6 +8,7 @@
 #include "host/api/api_errors.h"
 #include "host/api/scene_conversion.h"
 #include "host/api/set_conversion.h"
+#include "host/contact/pad_rung.h"
 #include "host/contact/rung_for_many.h"
 #include "host/scenes/sweep_file.h"
 #include "host/scenes/unit_warnings.h"
@@ -25,50 +26,67 @@ struct Sweep::State {
 
 namespace {
 
+std::size_t axes_of(const host::AnySource& source) {
+  const auto* pads = std::get_if<host::PadSource>(&source);
+  return pads ? static_cast<std::size_t>(pads->sensors().front().axes) : 2;
+}
+
 /// A sweep with its device and model, ready to simulate.
 class Simulation {
  public:
   Simulation(const host::Sweep& sweep, const SweepOptions& options)
-      : text_(sweep.text), source_(sweep.lines("sweep")), executor_(host::Device(options.device)) {
+      : text_(sweep.text), source_(sweep.source), executor_(host::Device(options.device)) {
     api::check_precision(options.precision);
-    host::SolveOptions modelling;
-    modelling.rung = options.rung, modelling.accuracy = options.accuracy;
-    auto rung = host::rung_for_many(
-        executor_, modelling,
-        {source_.contacts(), [&](std::uint64_t k) { return source_.contact(k).scene; }, source_.own_sensors()});
-    if (!rung && source_.model() == fem::SurfaceModel::patch) rung = host::usual_patch();
     host::SetOptions set;
-    if (rung) {
-      source_.model_on(*rung);
-      set.precision = rung->precision, set.tolerance = rung->tolerance;
-      if (rung->patch()) set.patch = rung;
-    }
-    if (!options.transducer) source_.measure_with({}, source_.seed());
+    std::visit([&](auto& of) { choose_model(of, options, set); }, source_);
+    if (!options.transducer) host::common(source_).measure_with({}, source().seed());
     if (options.tolerance) set.tolerance = *options.tolerance;
     if (!options.precision.empty())
       set.precision = options.precision == "fp64" ? host::Precision::fp64 : host::Precision::fp32;
-    rung_ = rung ? rung->name + ": " + host::description(*rung) : name(set.precision);
+    if (rung_.empty()) rung_ = name(set.precision);
     simulator_ = std::make_unique<host::SetSimulator>(executor_, source_, set);
   }
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
-  const host::SceneSource& source() const { return source_; }
+  const host::ContactSource& source() const { return host::common(source_); }
   /// A set without rows.
   Set empty_set() const {
     Set set;
-    set.inputs = static_cast<std::size_t>(source_.inputs());
-    set.indenter_names = source_.kind_names();
-    set.sweep = text_, set.seed = source_.seed();
-    set.press_rows = source_.press_rows();
+    set.inputs = static_cast<std::size_t>(source().inputs()), set.axes = axes_of(source_);
+    set.indenter_names = source().kind_names();
+    set.sweep = text_, set.seed = source().seed();
+    set.press_rows = source().press_rows();
     set.rung = rung_, set.device = executor_.device().info().name;
     return set;
   }
   host::ContactSet rows(std::uint64_t first, std::uint64_t count) const { return simulator_->simulate(first, count); }
 
  private:
+  void choose_model(host::SceneSource& source, const SweepOptions& options, host::SetOptions& set) {
+    host::SolveOptions modelling;
+    modelling.rung = options.rung, modelling.accuracy = options.accuracy;
+    auto rung = host::rung_for_many(
+        executor_, modelling,
+        {source.contacts(), [&](std::uint64_t k) { return source.contact(k).scene; }, source.own_sensors()});
+    if (!rung && source.model() == fem::SurfaceModel::patch) rung = host::usual_patch();
+    if (!rung) return;
+    source.model_on(*rung);
+    set.precision = rung->precision, set.tolerance = rung->tolerance;
+    if (rung->patch()) set.patch = rung;
+    rung_ = rung->name + ": " + host::description(*rung);
+  }
+  void choose_model(host::PadSource&, const SweepOptions& options, host::SetOptions& set) {
+    if (options.accuracy)
+      throw InputError("accuracy", std::to_string(*options.accuracy), "leave it out for a sweep of pads: give a rung");
+    if (!options.rung.empty()) set.pad = host::pad_rung_named(options.rung);
+    if (set.pad.exact) throw InputError("rung", options.rung, "must be pad-8, -12, -16 or -24 for a sweep");
+    if (options.tolerance) set.accept = fem::slow_on_patch * *options.tolerance;
+    rung_ = set.pad.name + ": " + host::description(set.pad);
+  }
+
   std::string text_, rung_;
-  host::SceneSource source_;
+  host::AnySource source_;
   host::Executor executor_;
   std::unique_ptr<host::SetSimulator> simulator_;
 };
@@ -79,6 +97,7 @@ void append(Set& to, Set&& more) {
   join(to.frames, more.frames), join(to.slip_index, more.slip_index);
   join(to.normal_force, more.normal_force), join(to.tangential_force, more.tangential_force);
   join(to.indentation, more.indentation), join(to.tangential, more.tangential);
+  join(to.torque, more.torque), join(to.twist, more.twist), join(to.force_ratio, more.force_ratio);
   join(to.parameters, more.parameters);
   to.parameter_names = std::move(more.parameter_names), to.parameter_units = std::move(more.parameter_units);
   to.tactel_x = std::move(more.tactel_x);
@@ -122,12 +141,8 @@ Set rows_of(const Simulation& simulation, std::uint64_t first, std::uint64_t cou
 }  // namespace
 
 Sweep::Sweep(const std::string& path, std::optional<std::uint64_t> seed, const SensorChange& sensor)
-    : state_(api::with_public_errors([&] {
-        auto state =
-            std::make_unique<State>(path, host::read_sweep_of_sensor(path, seed, sensor.tactels, sensor.thickness));
-        state->sweep.lines(path);  // which pads do not have
-        return state.release();
-      })) {}
+    : state_(api::with_public_errors(
+          [&] { return new State(path, host::read_sweep_of_sensor(path, seed, sensor.tactels, sensor.thickness)); })) {}
 Sweep::~Sweep() { delete state_; }
 Sweep::Sweep(Sweep&& other) noexcept : state_(std::exchange(other.state_, nullptr)) {}
 Sweep& Sweep::operator=(Sweep&& other) noexcept {
@@ -138,7 +153,8 @@ Sweep& Sweep::operator=(Sweep&& other) noexcept {
 std::uint64_t Sweep::contacts() const { return state_->sweep.contacts().contacts(); }
 bool Sweep::endless() const { return state_->sweep.contacts().endless(); }
 std::uint64_t Sweep::seed() const { return state_->sweep.contacts().seed(); }
-std::size_t Sweep::tactels() const { return static_cast<std::size_t>(state_->sweep.lines(state_->path).inputs()) / 2; }
+std::size_t Sweep::axes() const { return axes_of(state_->sweep.source); }
+std::size_t Sweep::tactels() const { return static_cast<std::size_t>(state_->sweep.contacts().inputs()) / axes(); }
 std::vector<std::string> Sweep::indenter_names() const { return state_->sweep.contacts().kind_names(); }
 std::vector<std::string> Sweep::warnings() const {
   return api::with_public_errors([&] { return host::unit_warnings(state_->sweep.source); }, state_->path);
@@ -149,13 +165,20 @@ Scene Sweep::scene(std::uint64_t k) const {
   return api::with_public_errors([&] { return api::from_fem(state_->sweep.lines(state_->path).contact(k).scene); },
                                  state_->path);
 }
+PadScene Sweep::pad_scene(std::uint64_t k) const {
+  const auto* pads = std::get_if<host::PadSource>(&state_->sweep.source);
+  if (!pads) throw InputError(state_->path, "a sweep of lines", "take scene(), or give a sweep of pads");
+  return api::with_public_errors([&] { return api::from_fem(pads->contact(k).scene); }, state_->path);
+}
 
 Sweep Sweep::changed(double shift) const {
   if (!endless()) throw InputError(state_->path, "a listed set", "a sweep that draws its contacts (sweep.contacts)");
-  return Sweep(
-      new State{state_->path, host::Sweep{state_->sweep.text, state_->sweep.lines(state_->path).changed(shift)}});
+  auto source = std::visit([&](const auto& of) { return host::AnySource(of.changed(shift)); }, state_->sweep.source);
+  return Sweep(new State{state_->path, host::Sweep{state_->sweep.text, std::move(source)}});
 }
-std::uint64_t Sweep::changes() const { return state_->sweep.lines(state_->path).changes(); }
+std::uint64_t Sweep::changes() const {
+  return std::visit([](const auto& of) { return of.changes(); }, state_->sweep.source);
+}
 
 Set Sweep::generate(std::optional<std::uint64_t> contacts, const SweepOptions& options,
                     const ProgressFunction& progress) const {
@@ -187,7 +210,7 @@ SweepBatches& SweepBatches::operator=(SweepBatches&& other) noexcept {
 }
 
 bool SweepBatches::next(Set& rows) {
-  const host::SceneSource& source = state_->simulation.source();
+  const host::ContactSource& source = state_->simulation.source();
   std::uint64_t count = state_->batch;
   if (!source.endless()) count = std::min(count, source.contacts() - std::min(state_->next, source.contacts()));
   if (count == 0) return false;

@@ -35,13 +35,14 @@ const nn::Topology& common_topology(std::span<const nn::Weights<Real>> networks)
   return networks[0].topology;
 }
 
-/// network_defines, and the normal stresses of the newest frame where there are several.
+/// network_defines, and the normal stresses of the newest frame where they are not half of the input.
 Defines forward_defines(const nn::Topology& topology, const nn::InputScaling& scaling, int lanes, Precision precision) {
   Defines defines = network_defines(topology, lanes, precision);
-  if (topology.inputs() % (2 * scaling.history) != 0)
+  if (topology.inputs() % (scaling.axes * scaling.history) != 0)
     throw ValueError("history", std::to_string(scaling.history),
                      "frames of equal width in the network " + topology.text());
-  if (scaling.history > 1) defines.push_back({"NORMALS", std::to_string(topology.inputs() / (2 * scaling.history))});
+  if (scaling.history > 1 || scaling.axes != 2)
+    defines.push_back({"NORMALS", std::to_string(scaling.normals(topology.inputs()))});
   return defines;
 }
 

@@ -45,6 +45,16 @@ Set set_of(const py::array_t<float, py::array::c_style | py::array::forcecast>& 
   return set;
 }
 
+/// Getter of a vector of a set: [rows], of pads [rows, 2].
+auto directed(std::vector<float> Set::*numbers) {
+  return [numbers](const py::object& self) {
+    const auto& set = self.cast<const Set&>();
+    const auto& all = set.*numbers;
+    const auto count = static_cast<py::ssize_t>(all.size());
+    return set.axes == 2 ? view(all, {count}, self) : view(all, {count / 2, 2}, self);
+  };
+}
+
 /// Batches of a sweep as an iterator of (frames, slip_index) or of sets.
 class Batches {
  public:
@@ -79,12 +89,17 @@ void bind_set(py::module_& m) {
             const auto& set = self.cast<const Set&>();
             return view(set.frames, {static_cast<py::ssize_t>(set.rows()), static_cast<py::ssize_t>(set.inputs)}, self);
           },
-          "[rows, 2 tactels] MPa: normal stresses (compression < 0), then shear")
+          "[rows, axes tactels] MPa: normal stresses (compression < 0), then shear")
+      .def_readonly("axes", &Set::axes, "stresses of a tactel: 2; of a pad 3, or 1")
       .def_property_readonly("slip_index", column(&Set::slip_index), "[rows] S")
-      .def_property_readonly("P", column(&Set::normal_force), "[rows] N/mm")
-      .def_property_readonly("Q", column(&Set::tangential_force), "[rows] N/mm")
+      .def_property_readonly("P", column(&Set::normal_force), "[rows] N/mm; of pads N")
+      .def_property_readonly("Q", directed(&Set::tangential_force), "[rows] N/mm; of pads [rows, 2] N")
+      .def_property_readonly("M", column(&Set::torque), "[rows] N mm, of pads")
+      .def_property_readonly("force_ratio", column(&Set::force_ratio), "[rows] |Q| / (mu P), of pads")
+      .def_property_readonly("twist", column(&Set::twist), "[rows] degrees, of pads")
       .def_property_readonly("indentation", column(&Set::indentation), "[rows] mm, depth since first touch")
-      .def_property_readonly("tangential", column(&Set::tangential), "[rows] mm, way along x since first touch")
+      .def_property_readonly("tangential", directed(&Set::tangential),
+                             "[rows] mm, way along x since first touch; of pads [rows, 2]")
       .def_property_readonly("tactel_x", column(&Set::tactel_x), "[tactels] mm; empty where contacts differ in them")
       .def_property_readonly(
           "parameters",
@@ -113,7 +128,7 @@ void bind_set(py::module_& m) {
       .def_readonly("unsolved", &Set::unsolved, "contacts that stayed unsolved")
       .def_readonly("without_rows", &Set::without_rows, "contacts without a row")
       .def("__repr__", [](const Set& set) {
-        return "<tactel.Set: " + std::to_string(set.rows()) + " rows of " + std::to_string(set.inputs / 2) +
+        return "<tactel.Set: " + std::to_string(set.rows()) + " rows of " + std::to_string(set.inputs / set.axes) +
                " tactels, " + std::to_string(set.contacts) + " contacts>";
       });
   m.def(
@@ -147,11 +162,15 @@ void bind_sweeps(py::module_& m) {
       .def_property_readonly("endless", &Sweep::endless, "contacts beyond `contacts` exist")
       .def_property_readonly("seed", &Sweep::seed)
       .def_property_readonly("tactels", &Sweep::tactels)
+      .def_property_readonly("axes", &Sweep::axes, "stresses of a tactel: 2; of a pad 3, or 1")
       .def_property_readonly("indenter_names", &Sweep::indenter_names)
       .def_property_readonly("warnings", &Sweep::warnings, "of numbers that look as if they had another unit")
       .def(
-          "scene", [](const Sweep& sweep, std::uint64_t k) { return AnyScene{sweep.scene(k)}; }, "k"_a,
-          "Returns contact k as a Scene.")
+          "scene",
+          [](const Sweep& sweep, std::uint64_t k) {
+            return sweep.pads() ? AnyScene{sweep.pad_scene(k)} : AnyScene{sweep.scene(k)};
+          },
+          "k"_a, "Returns contact k as a Scene.")
       .def(
           "_generate",
           [](const Sweep& sweep, std::optional<std::uint64_t> contacts, std::optional<double> accuracy,

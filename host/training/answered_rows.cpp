@@ -7,6 +7,8 @@
 #include <cmath>
 
 #include "host/support/errors.h"
+#include "nn/bound.h"
+#include "nn/metrics.h"
 
 namespace tactel::host {
 namespace {
@@ -31,7 +33,10 @@ AnsweredRows find_answered_rows(const ContactSet& set) {
     to = std::copy_n(set.frames.data() + row * set.inputs, set.inputs, to);
     frames.slip_index(static_cast<Eigen::Index>(frames.step.size())) = set.slip_index[row];
     frames.shape_class.push_back(set.indenter[row]);
-    frames.contact_nodes.push_back(set.contact_nodes[row]);
+    const float* frame = set.frames.data() + row * set.inputs;
+    frames.contact_nodes.push_back(set.pad ? nn::touching_tactels(frame, set.inputs / set.axes)
+                                           : set.contact_nodes[row]);
+    if (set.pad) frames.torque.push_back(nn::torque_class(set.slip_index[row], set.force_ratio[row]));
     frames.contact.push_back(set.contact[row]);
     frames.step.push_back(set.step[row]);
   }
@@ -42,6 +47,7 @@ AnsweredRows find_answered_rows(const ContactSet& set) {
 
 void require_answers(const SetColumns& columns, const std::string& file) {
   require_datasets(columns, file, {"inputs", "slip_index", "contact_nodes", "contact", "step", "indenter", "status"});
+  if (columns.pad) require_datasets(columns, file, {"force_ratio"});
 }
 
 AnsweredRows answered_rows(const ContactSet& set, const std::string& file) {

@@ -118,13 +118,14 @@ std::string indenter_name(const std::vector<std::string>& names, int kind) {
 BoundReport report_bound(std::span<const nn::BoundAnswer> bounds, std::span<const double> errors,
                          const nn::FrameSet& set) {
   Rows all, alike;
-  std::map<int, Rows> classes, touching, slip;
+  std::map<int, Rows> classes, touching, torque, slip;
   for (std::size_t row = 0; row < bounds.size(); ++row) {
     if (std::isnan(bounds[row].upper)) continue;
     all.push_back(row);
     if (!bounds[row].unlike) alike.push_back(row);
     if (row < set.shape_class.size()) classes[set.shape_class[row]].push_back(row);
     if (row < set.contact_nodes.size()) touching[touching_key(set.contact_nodes[row])].push_back(row);
+    if (row < set.torque.size()) torque[set.torque[row]].push_back(row);
     slip[slip_key(set.slip_index(static_cast<Eigen::Index>(row)))].push_back(row);
   }
   BoundReport report{.all = coverage_of(all, bounds, set), .alike = coverage_of(alike, bounds, set)};
@@ -132,7 +133,8 @@ BoundReport report_bound(std::span<const nn::BoundAnswer> bounds, std::span<cons
     for (const auto& [key, rows] : from) to[key] = coverage_of(rows, bounds, set);
   };
   report.answered = answered_of(std::move(all), bounds, errors);
-  judge(classes, report.by_class), judge(touching, report.by_touching), judge(slip, report.by_slip);
+  judge(classes, report.by_class), judge(touching, report.by_touching);
+  judge(torque, report.by_torque), judge(slip, report.by_slip);
   return report;
 }
 
@@ -157,7 +159,9 @@ Json to_json(const BoundReport& report, const std::vector<std::string>& indenter
     json[name] = std::move(array);
   };
   list("by_indenter", "indenter", report.by_class, [&](int kind) { return indenter_name(indenter_names, kind); });
-  list("by_touching", "contact_nodes", report.by_touching, touching_name);
+  const bool pad = !report.by_torque.empty();
+  list("by_touching", pad ? "tactels" : "contact_nodes", report.by_touching, touching_name);
+  if (pad) list("by_torque", "torque", report.by_torque, nn::torque_class_name);
   list("by_slip_index", "slip_index", report.by_slip, slip_name);
   json["answered"] = Json::array();
   for (const Answered& answered : report.answered) json["answered"].push_back(to_json(answered));
@@ -181,6 +185,7 @@ std::string coverage_table(const BoundReport& report, const std::vector<std::str
   line("not unlike", report.alike);
   for (const auto& [kind, coverage] : report.by_class) line(indenter_name(indenter_names, kind), coverage);
   for (const auto& [key, coverage] : report.by_touching) line(touching_name(key) + " touching", coverage);
+  for (const auto& [key, coverage] : report.by_torque) line(nn::torque_class_name(key), coverage);
   for (const auto& [key, coverage] : report.by_slip) line("S " + slip_name(key), coverage);
   text += fmt::format("\n{:<24}{:>12}{:>12}{:>12}\n", "narrowest answered", "width up to", "mean error", "99 %");
   for (const Answered& some : report.answered)

@@ -27,12 +27,13 @@ struct Answered {
   double mean = 0, most = 0;  ///< of their errors, and 99 % of these
 };
 
-/// Coverage in all, and by what a set knows of its rows: kind of indenter, surface nodes or elements that touch, and S.
-/// Rows of which the network gave no answer are left out.
+/// Coverage in all, and by what a set knows of its rows: kind of indenter, what touches (FrameSet::contact_nodes),
+/// torque and S. Rows of which the network gave no answer are left out.
 struct BoundReport {
   Coverage all{}, alike{};  ///< alike: of the rows that are not `unlike`
   std::map<int, Coverage> by_class{};
   std::map<int, Coverage> by_touching{};  ///< key: the least of the group, 1, 2, 3, 5, 9 or 17
+  std::map<int, Coverage> by_torque{};    ///< of pads; key: nn::torque_class
   std::map<int, Coverage> by_slip{};      ///< key: tenths of S, 0 to 9
   std::vector<Answered> answered{};       ///< all rows, then fewer
 };
@@ -55,7 +56,7 @@ BoundReport report_bound(std::span<const nn::BoundAnswer> bounds, std::span<cons
 /// Returns {"calibrated", "level", "set", "rows", "seed"} of a bound.
 nlohmann::ordered_json to_json(const nn::Bound& bound);
 /// Returns {"coverage", "interval_coverage", "width", "unlike", "alike", "by_indenter", "by_touching",
-/// "by_slip_index", "answered"}.
+/// "by_slip_index", "answered"}, and of pads "by_torque".
 nlohmann::ordered_json to_json(const BoundReport& report, const std::vector<std::string>& indenter_names);
 
 /// Returns what a bound was calibrated on, in a line.

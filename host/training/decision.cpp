@@ -10,6 +10,7 @@
 #include <numeric>
 #include <optional>
 
+#include "fem/angles.h"
 #include "fem/value_error.h"
 #include "host/scenes/sweep_file.h"
 #include "host/support/errors.h"
@@ -41,6 +42,23 @@ std::vector<std::vector<std::size_t>> rows_by_contact(const ContactSet& set) {
     contacts.back().push_back(row);
   }
   return contacts;
+}
+
+/// The way up to each row, which adds up to itself; a contact begins at first touch. A turn counts by what it moves at
+/// turning_radius.
+std::vector<double> ways_on_pad(const ContactSet& set, const std::string& file) {
+  constexpr double turning_radius = 1;  // mm
+  require_datasets(set, file, {"tangential", "twist"});
+  std::vector<double> ways(set.rows());
+  for (const std::vector<std::size_t>& contact : rows_by_contact(set)) {
+    double way = 0, x = 0, y = 0, twist = 0;
+    for (const std::size_t row : contact) {
+      const double to_x = set.tangential[2 * row], to_y = set.tangential[2 * row + 1], to_twist = set.twist[row];
+      way += std::hypot(to_x - x, to_y - y) + turning_radius * std::abs(fem::radians(to_twist - twist));
+      ways[row] = way, x = to_x, y = to_y, twist = to_twist;
+    }
+  }
+  return ways;
 }
 
 /// The first alarm of a drag; none where it stays off. Counts those that begin falsely, and frames that cannot tell.
@@ -104,6 +122,7 @@ std::vector<double> alarm_thresholds() {
 }
 
 std::vector<double> tangential_positions(const ContactSet& set, const std::string& file) {
+  if (set.pad) return ways_on_pad(set, file);
   const auto refuse = [&](const std::string& what) {
     return ConfigError(file, "sweep", what, "the sweep that the set's rows were drawn from");
   };
@@ -134,7 +153,7 @@ std::vector<Drag> drags_of(const ContactSet& set, const AnsweredRows& rows, std:
   const auto inputs = static_cast<std::size_t>(set.inputs);
   for (std::size_t i = 0; i < rows.row.size(); ++i) {
     const std::size_t row = rows.row[i];
-    const auto normal = std::span(set.frames).subspan(row * inputs, inputs / 2);
+    const auto normal = std::span(set.frames).subspan(row * inputs, inputs / static_cast<std::size_t>(set.axes));
     value[row] = std::ranges::all_of(normal, [&](float s) { return std::abs(s) < touch; }) ? 0 : values[i];
     if (!widths.empty()) width[row] = widths[i];
     answered[row] = true;
@@ -171,8 +190,9 @@ std::vector<DecisionCurve> decide(const NetworkResult& result, const ContactSet&
   const auto add = [&](const std::string& signal, std::span<const float> values) {
     const std::vector<Drag> drags = drags_of(set, rows, values, positions, options.touch, widths);
     if (std::ranges::none_of(drags, &Drag::slides))
-      throw ConfigError(file, "status", "no drag that begins without sliding and ends with it",
-                        "a set whose drags reach sliding: a tangential_step without tangential_steps");
+      throw ConfigError(
+          file, "status", "no drag that begins without sliding and ends with it",
+          "a set whose drags reach sliding: a tangential_step without tangential_steps, of pads with enough");
     std::map<int, std::vector<Drag>> kinds;
     for (const Drag& drag : drags) kinds[drag.kind].push_back(drag);
     const auto curve = [&](const std::string& name, std::span<const Drag> some) {

@@ -69,8 +69,9 @@ AlarmCount count_alarms(std::span<const Drag> drags, double threshold, const Dec
 /// Returns the thresholds of curves: 0.30, 0.32, ... 0.98.
 std::vector<double> alarm_thresholds();
 
-/// Returns where each row of a set lies on the path of its contact, mm from first touch, from the sweep that the set
-/// keeps; NaN where a force drags. Throws ConfigError naming `file` for a set whose rows are not those of its sweep.
+/// Returns where each row of a set lies on the path of its contact, mm from first touch: of lines from the sweep that
+/// the set keeps, NaN where a force drags; of pads the way up to there, in which a turn of a radian counts as 1 mm.
+/// Throws ConfigError naming `file` for a set whose rows are not those of its sweep.
 std::vector<double> tangential_positions(const ContactSet& set, const std::string& file);
 
 /// Returns the drags of a set. values: [answered rows] that an alarm judges; widths: [answered rows] of the interval of

@@ -140,9 +140,13 @@ std::string error_table_by_kind(std::span<const NamedNetwork> networks, std::spa
                                 const std::vector<std::string>& indenter_names) {
   const std::vector<Group> groups = groups_of(networks);
   const auto name = [&](int kind) { return indenter_name(indenter_names, kind); };
-  return lines_by_kind(results, groups, "mean by indenter", &nn::ErrorReport::by_class, name) + "\n" +
-         lines_by_kind(results, groups, "by nodes touching", &nn::ErrorReport::by_contact_nodes,
-                       [](int nodes) { return std::to_string(nodes); });
+  const bool pad = !results.empty() && !results.front().errors.by_torque.empty();
+  std::string text = lines_by_kind(results, groups, "mean by indenter", &nn::ErrorReport::by_class, name) + "\n" +
+                     lines_by_kind(results, groups, pad ? "by tactels touching" : "by nodes touching",
+                                   &nn::ErrorReport::by_contact_nodes, [](int nodes) { return std::to_string(nodes); });
+  if (pad)
+    text += "\n" + lines_by_kind(results, groups, "by torque", &nn::ErrorReport::by_torque, nn::torque_class_name);
+  return text;
 }
 
 Json to_json(const nn::ErrorSummary& errors) {
@@ -168,22 +172,30 @@ Json to_json(const NamedNetwork& network) {
 }
 
 Json to_json(const NetworkResult& result, const std::vector<std::string>& indenter_names) {
-  Json by_indenter = Json::array(), by_nodes = Json::array(), frames = Json::object();
-  for (const auto& [kind, errors] : result.errors.by_class) {
-    by_indenter.push_back({{"indenter", indenter_name(indenter_names, kind)}});
-    by_indenter.back().update(to_json(errors));
-  }
-  for (const auto& [nodes, errors] : result.errors.by_contact_nodes) {
-    by_nodes.push_back({{"contact_nodes", nodes}});
-    by_nodes.back().update(to_json(errors));
-  }
+  const auto list = [](const char* key, const Kinds& kinds, const auto& name) {
+    Json array = Json::array();
+    for (const auto& [kind, errors] : kinds) {
+      array.push_back({{key, name(kind)}});
+      array.back().update(to_json(errors));
+    }
+    return array;
+  };
+  const bool pad = !result.errors.by_torque.empty();
+  const auto number = [](int touching) { return touching; };
+  Json frames = Json::object();
   for (std::size_t status = 0; status < result.frames.size(); ++status)
     frames[nn::name(static_cast<nn::FrameStatus>(status))] = result.frames[status];
   Json json = {{"recalling", to_json(result.errors.all)},
                {"without_answer", result.errors.without_answer},
                {"frames", frames},
-               {"by_indenter", by_indenter},
-               {"by_contact_nodes", by_nodes}};
+               {"by_indenter", list("indenter", result.errors.by_class,
+                                    [&](int kind) { return indenter_name(indenter_names, kind); })}};
+  if (pad) {
+    json["by_tactels"] = list("tactels", result.errors.by_contact_nodes, number);
+    json["by_torque"] = list("torque", result.errors.by_torque, nn::torque_class_name);
+  } else {
+    json["by_contact_nodes"] = list("contact_nodes", result.errors.by_contact_nodes, number);
+  }
   if (result.bound) json["bound"] = to_json(*result.bound, indenter_names);
   return json;
 }

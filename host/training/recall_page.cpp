@@ -179,6 +179,7 @@ PageTable coverage_page_table(const BoundReport& report, const std::vector<std::
     add(place < indenter_names.size() ? indenter_names[place] : fmt::format("kind {}", kind), coverage);
   }
   for (const auto& [key, coverage] : report.by_touching) add(touching_name(key) + " touching", coverage);
+  for (const auto& [key, coverage] : report.by_torque) add(nn::torque_class_name(key), coverage);
   for (const auto& [key, coverage] : report.by_slip)
     add(fmt::format("S {:.1f} to {:.1f}", key / 10.0, (key + 1) / 10.0), coverage);
   return table;

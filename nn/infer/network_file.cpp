@@ -73,6 +73,7 @@ Metadata metadata_of(const nn::Model& model, const string& version) {
     metadata["stride"] = exact(model.history.stride);
     metadata["history_change"] = exact(model.history.change);
   }
+  if (model.scaling.axes != 2) metadata["axes"] = exact(model.scaling.axes);
   if (model.magnitude) metadata["magnitude"] = "1";
   if (model.bound) add_bound_metadata(*model.bound, metadata);
   return metadata;
@@ -291,7 +292,7 @@ nn::InputHistory read_history(const Metadata& metadata, const nn::Topology& topo
   if (!metadata.contains("history")) return {};
   const nn::InputHistory history{number_of<int>(metadata, "history"), number_of<int>(metadata, "stride"),
                                  number_of<double>(metadata, "history_change")};
-  if (!history.valid() || history.frames < 2 || topology.inputs() % (2 * history.frames) != 0)
+  if (!history.valid() || history.frames < 2 || topology.inputs() % history.frames != 0)
     throw Refused{"history " + shown(text_of(metadata, "history")) + " of the network " + topology.text(),
                   "2 frames or more that divide its inputs, a stride of 1 to 1000, a change of 0 to 1"};
   return history;
@@ -327,8 +328,11 @@ nn::Model model_of(const Contents& contents) {
   const nn::Topology& topology = model.weights.topology;
   model.history = read_history(metadata, topology);
   model.scaling = {nn::parse_scaling(text_of(metadata, "scaling")), number_of<float>(metadata, "largest_stress"),
-                   model.history.frames};
+                   model.history.frames, metadata.contains("axes") ? number_of<int>(metadata, "axes") : 2};
   model.scaling.validate();
+  if (topology.inputs() % (model.scaling.axes * model.history.frames) != 0)
+    throw Refused{std::to_string(model.scaling.axes) + " axes of the network " + topology.text(),
+                  "stresses of a tactel that divide its frames"};
   model.magnitude = metadata.contains("magnitude");
   model.seed = number_of<std::uint64_t>(metadata, "seed");
   model.noise = number_of<double>(metadata, "noise");

@@ -218,7 +218,7 @@ Graph graph_of(const nn::Model& model) {
   if (model.scaling.kind == nn::ScalingKind::set)
     add_set_scaling(builder, model.scaling);
   else
-    add_frame_scaling(builder, topology.inputs() / (2 * model.scaling.history));
+    add_frame_scaling(builder, model.scaling.normals(topology.inputs()));
   builder.scalar("half", 0.5f);
   string last = "scaled";
   for (int l = 0; l < topology.layers(); ++l) {

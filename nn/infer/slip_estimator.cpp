@@ -216,7 +216,7 @@ SlipEstimator SlipEstimator::parse(std::span<const std::byte> bytes, const std::
   auto network = std::make_unique<Network>();
   network->inputs = topology.inputs();
   network->history = model.history;
-  network->normals = network->inputs / (2 * model.history.frames);
+  network->normals = model.scaling.normals(network->inputs);
   network->by_frame = model.scaling.kind == nn::ScalingKind::frame;
   network->factor = file.factor;
   network->metadata = std::move(file.metadata);

@@ -43,6 +43,19 @@ TEST(InputScaling, ByFrameDividesByItsLargestNormalStress) {
   EXPECT_THAT(scale(by_frame, {1, -2, 8, 0}).values, ElementsAre(0.5f, -1.0f, 4.0f, 0.0f));
 }
 
+// Two frames of two tactels with three axes, one that has a normal stress alone: tau_x of 8 MPa and the earlier frame
+// count for nothing.
+TEST(InputScaling, ByFrameTakesTheNormalStressesOfAPad) {
+  InputScaling pad = by_frame;
+  pad.axes = 3, pad.history = 2;
+  EXPECT_THAT(scale(pad, {1, -2, 8, 0, 4, 0, 6, 6, 0, 0, 0, 0}).values,
+              ElementsAre(0.5f, -1.0f, 4.0f, 0.0f, 2.0f, 0.0f, 3.0f, 3.0f, 0.0f, 0.0f, 0.0f, 0.0f));
+  pad.axes = 1, pad.history = 1;
+  EXPECT_THAT(scale(pad, {1, 0, -4}).values, ElementsAre(0.25f, 0.0f, -1.0f));
+  const FrameSet set{.frames = RowMatrix<float>{{1, 2, 3}}, .slip_index = Vector<float>::Zero(1), .axes = 3};
+  EXPECT_EQ(fit_scaling(ScalingKind::frame, set).axes, 3);
+}
+
 // Above 2^126 the reciprocal of a stress is no normal number in fp32; the answer is nevertheless the exact quotient.
 TEST(InputScaling, ByFrameHoldsUpToTheLargestFloat) {
   for (const float factor : {0x1p125f, 0x1p126f, 0x1p127f})

@@ -10,6 +10,17 @@
 using namespace tactel;
 using namespace tactel::nn;
 
+// S = 0.6 of which |Q| / (mu P) = 0.45 is a force alone: a quarter is torque. |Q| / (mu P) exceeds S by rounding alone.
+TEST(TorqueClass, IsThirdsOfWhatTheForceDoesNotExplain) {
+  EXPECT_EQ(torque_class(0.6f, 0.45f), 1);
+  EXPECT_EQ(torque_class(0.6f, 0.3f), 2);
+  EXPECT_EQ(torque_class(0.6f, 0.1f), 3);
+  EXPECT_EQ(torque_class(0.6f, 0.6001f), 1);
+  EXPECT_EQ(torque_class(1.0f, 0.0f), 3);
+  EXPECT_EQ(torque_class(0.049f, 0.0f), 0);
+  EXPECT_STREQ(torque_class_name(2), "torque 1/3 to 2/3");
+}
+
 TEST(Metrics, MatchHandCalculation) {
   const std::vector<double> errors = {0.1, 0.3, 0.2, 0.2};
   const ErrorSummary summary = summarize(errors);

@@ -53,26 +53,9 @@ TEST(Topology, NamesHiddenNeuronsOtherThanThePapers) {
 }
 
 TEST(Topology, SaysWhatIsWrong) {
-  for (const char* bad : {"",
-                          "0",
-                          "7",
-                          "42",
-                          "42-1",
-                          "42-42-2",
-                          "41-42-1",
-                          "42-0-1",
-                          "42--1",
-                          "42-42-1-",
-                          "-42-42-1",
-                          "42-42-42-42-1",
-                          "42-257-1",
-                          "42-x-1",
-                          "42 -42-1",
-                          "99999-42-1",
-                          "_leaky-relu",
-                          "42-42-1_relu",
-                          "42-42-1_leaky-relu_leaky-relu",
-                          "42-42-1-leaky-relu"}) {
+  for (const char* bad : {"", "0", "7", "42", "42-1", "42-42-2", "42-0-1", "42--1", "42-42-1-", "-42-42-1",
+                          "42-42-42-42-1", "42-385-1", "42-x-1", "42 -42-1", "99999-42-1", "_leaky-relu",
+                          "42-42-1_relu", "42-42-1_leaky-relu_leaky-relu", "42-42-1-leaky-relu"}) {
     expect_value_error([&] { Topology::parse(bad); }, "network", "", "42-42-21-1");
   }
 }

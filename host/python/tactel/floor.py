@@ -40,6 +40,12 @@ FAMILIES = {
     "elements that touch": ("1", "2 to 4", "5 to 8", "9 to 15", "16 or more"),
     "tactels above 5 % of the largest": ("1 to 3", "4 to 6", "7 to 10", "11 or more"),
 }
+#: Of pads: 1 - |Q| / (mu P) / S in thirds, as tactel recall has it.
+PAD_FAMILIES = {
+    "indenter": None,
+    "torque": ("S below 0.05", "torque below 1/3", "torque 1/3 to 2/3", "torque above 2/3"),
+    "tactels above 5 % of the largest": FAMILIES["tactels above 5 % of the largest"],
+}
 
 
 @dataclass(frozen=True)
@@ -325,14 +331,19 @@ def _collect(rows, options, every=1):
         if options.noise_of_contact:
             largest.append(np.full(len(those), np.abs(frames[first:end]).max()))
     places = np.concatenate(places) if places else np.empty((0, options.history), int)
-    newest = frames[places[:, 0]]
-    felt = newest[:, :inputs // 2].any(1)
+    newest, normals = frames[places[:, 0]], inputs // rows.axes
+    felt = newest[:, :normals].any(1)
     largest = (np.concatenate(largest) if largest else np.abs(newest).max(1, initial=0))[felt]
     places, newest = places[felt], newest[felt]
-    normal = np.abs(newest[:, :inputs // 2])
+    normal = np.abs(newest[:, :normals])
     touching = (normal > 0.05 * normal.max(1, keepdims=True)).sum(1)
-    classes = np.stack([rows.indenter[places[:, 0]], np.searchsorted([2, 5, 9, 16], rows.contact_nodes[places[:, 0]], "right"),
-                        np.searchsorted([4, 7, 11], touching, "right")]).astype(np.int64)
+    at = places[:, 0]
+    if rows.axes == 2:
+        second = np.searchsorted([2, 5, 9, 16], rows.contact_nodes[at], "right")
+    else:
+        S = rows.slip_index[at]
+        second = np.where(S < 0.05, 0, 1 + np.searchsorted([1 / 3, 2 / 3], 1 - rows.force_ratio[at] / np.maximum(S, 0.05)))
+    classes = np.stack([rows.indenter[at], second, np.searchsorted([4, 7, 11], touching, "right")]).astype(np.int64)
     history = np.where((places >= 0)[:, :, None], frames[places], 0)
     return Bank(history, rows.slip_index[places[:, 0]].copy(), largest.astype(float), classes), places
 
@@ -380,7 +391,7 @@ def measure(sweep, options=Options(), networks=None, device="", progress=None):
         return _joined(parts)
 
     bank, outside = collect(options.bank), collect(2 * options.readings)
-    families = {name: names or sweep.indenter_names for name, names in FAMILIES.items()}
+    families = {name: names or sweep.indenter_names for name, names in (FAMILIES if sweep.axes == 2 else PAD_FAMILIES).items()}
     floor = floor_of(bank, outside, options, families, networks, progress)
     changed = sweep._changed(CHANGE)
     every = changed._changes
@@ -519,8 +530,12 @@ def _run(given):
             def progress(done, count, before=len(floors)):
                 return show and show(before * count + done, len(skins) * count)
             sensor = sweep.scene(0).sensor
-            span = sensor.length if sensor.tactel_span is None else sensor.tactel_span
-            floors.append({"tactels": sensor.tactels, "pitch": span / (sensor.tactels - 1), "thickness": sensor.thickness,
+            if sweep.axes == 2:
+                span = sensor.length if sensor.tactel_span is None else sensor.tactel_span
+                pitch = span / (sensor.tactels - 1)
+            else:
+                pitch = sensor.pitch[0]
+            floors.append({"tactels": sweep.tactels, "pitch": pitch, "thickness": sensor.thickness,
                            **measure(sweep, option, networks, given.device, progress)})
     found = {"tactel": __version__, "sweep": given.sweep}
     if len(floors) == 1:

@@ -14,6 +14,7 @@ REST: np.float32
 MOST_FRAMES: int
 CONTACTS: int
 FAMILIES: dict[str, tuple[str, ...] | None]
+PAD_FAMILIES: dict[str, tuple[str, ...] | None]
 
 @dataclass(frozen=True)
 class Options:

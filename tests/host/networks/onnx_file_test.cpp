@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <onnx/checker.h>
+#include <tactel/infer.h>
 
 #include <cfenv>
 #include <fstream>
@@ -70,7 +71,7 @@ TEST_F(OnnxFile, HasTheBytesOfLibprotobuf) {
   std::vector<nn::Model> models;
   for (const ScalingKind kind : {ScalingKind::set, ScalingKind::frame}) {
     for (const char* topology :
-         {"1", "2", "3", "4", "5", "6", "16-16-8-1", "2-1-1", "256-256-256-1", "16-9-1_leaky-relu"})
+         {"1", "2", "3", "4", "5", "6", "16-16-8-1", "2-1-1", "384-384-384-1", "16-9-1_leaky-relu"})
       models.push_back(some_model(topology, kind));
     models.push_back(tactel::testing::bounded_model("16-9-3", kind));
     models.push_back(tactel::testing::bounded_model("42-42-21-3", kind, false));
@@ -115,6 +116,34 @@ TEST_F(OnnxFile, MeansTheSameToAnotherRuntime) {
       EXPECT_GT(s.maxCoeff() - s.minCoeff(), 0.05);
     }
   }
+}
+
+// A network of a pad, four frames of two tactels with three axes: file, kernel and library divide by the two normal
+// stresses of the newest frame.
+TEST_F(OnnxFile, KeepsTheAxesOfAPad) {
+  nn::Model model = some_model("24-9-1", ScalingKind::frame);
+  model.scaling.axes = 3, model.scaling.history = model.history.frames = 4;
+  write_onnx(path_, model);
+  EXPECT_EQ(read_onnx(path_).scaling, model.scaling);
+  nn::RowMatrix<float> frames = bumps(150, 24, 9).frames;
+  frames.leftCols(2).array() -= 0.1f;  // some stress in every frame
+  const nn::RowMatrix<float> divided =
+      frames.array().colwise() / frames.leftCols(2).cwiseAbs().rowwise().maxCoeff().array();
+  const auto recalled = [&](const nn::InputScaling& scaling, const nn::RowMatrix<float>& rows) {
+    return Forward<float>(executor(), std::span(&model.weights, 1), scaling).recall(rows).slip_index;
+  };
+  const nn::Vector<float> own = recalled(model.scaling, frames);
+  const nn::Vector<float> by_hand = recalled({ScalingKind::set, 1.0f, 4, 3}, divided);
+  const OnnxEvaluator::Tensor s = OnnxEvaluator(parsed(model)).run(frames.cast<double>());
+  const SlipEstimator library = SlipEstimator::load(path_.string());
+  for (int row = 0; row < 150; ++row) {
+    EXPECT_NEAR(own(row), by_hand(row), 1e-5) << row;  // another order of rounding
+    EXPECT_NEAR(s(row), own(row), 1e-5) << row;
+    EXPECT_EQ(library.estimate({frames.row(row).data(), 24}).slip_index, own(row)) << row;
+  }
+  model.weights = nn::Weights<float>(nn::Topology::parse("20-9-1"));
+  put(infer::network_bytes(model));
+  EXPECT_THAT(message(), ::testing::HasSubstr("3 axes"));
 }
 
 TEST_F(OnnxFile, IsReadBackAsItWas) {

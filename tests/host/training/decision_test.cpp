@@ -139,11 +139,53 @@ TEST(AlarmCounting, FindsPositionsInTheSweepOfTheSet) {
   EXPECT_NO_THROW(tangential_positions(set, "s.h5"));  // drawn contacts have no end
 }
 
+/// Rows of contact 5 on a pad of two tactels with three axes, out of order in the set: at first touch, after 3 mm along
+/// x and 4 mm along y, after half a turn back in place.
+ContactSet rows_on_pad() {
+  ContactSet set(SetColumns(6, false, true));
+  set.axes = 3;
+  set.contact = {5, 5, 5}, set.step = {2, 0, 1};
+  set.tangential = {3, 4, 0, 0, 3, 4}, set.twist = {-180, 0, 0};
+  set.frames = {0.05f, -0.04f, 9, 9, 9, 9, 0.2f, -0.001f, 0, 0, 0, 0, 0.3f, 0.3f, 0, 0, 0, 0};
+  set.slip_index = {0.9f, 0, 0.6f}, set.force_ratio = {0.1f, 0, 0.6f};
+  set.indenter = {0, 0, 0}, set.contact_nodes = {30, 20, 40}, set.status = {0, 0, 0};
+  return set;
+}
+
+// The hypotenuse, then pi at a radius of 1 mm.
+TEST(AlarmCounting, AddsUpTheWayOnAPad) {
+  ContactSet set = rows_on_pad();
+  const std::vector<double> ways = tangential_positions(set, "s.h5");
+  EXPECT_NEAR(ways[0], 5 + 3.14159265, 1e-6);
+  EXPECT_EQ(ways[1], 0);
+  EXPECT_EQ(ways[2], 5);
+  const AnsweredRows rows{{}, {0, 1, 2}, 0};
+  const std::vector<float> values{0.9f, 0.9f, 0.9f};
+  const std::vector<Drag> drags = drags_of(set, rows, values, ways, 0.1);
+  ASSERT_EQ(drags.size(), 1u);
+  EXPECT_NEAR(drags[0].rows[2].way, 8.14159265, 1e-6);
+  EXPECT_EQ(drags[0].rows[0].value, 0.9f);
+  EXPECT_EQ(drags[0].rows[2].value, 0);  // its normal stresses stay below 0.1 MPa, its shear does not
+  set.left_out = {"twist"};
+  EXPECT_THROW(tangential_positions(set, "s.h5"), ConfigError);
+}
+
+// Of pads the tactels above 5 % of the largest |sigma_z| count, and the share of torque.
+TEST(AnsweredRowsOfPads, HaveClasses) {
+  ContactSet set = rows_on_pad();
+  const nn::FrameSet frames = answered_rows(set, "s.h5").frames;
+  EXPECT_EQ(frames.contact_nodes, (std::vector<std::int32_t>{2, 1, 2}));
+  EXPECT_EQ(frames.torque, (std::vector<std::uint8_t>{3, 0, 1}));
+  set.left_out = {"force_ratio"};
+  EXPECT_THROW(answered_rows(set, "s.h5"), ConfigError);
+}
+
 // Six rows of two kinds; S 1.00001 counts as 1, the unlike row apart.
 TEST(BoundReport, CountsByClass) {
   const nn::FrameSet set{.slip_index = nn::Vector<float>{{0.05f, 0.5f, 0.55f, 1.00001f, 0.95f, 0.3f}},
                          .shape_class = {0, 0, 1, 1, 1, 0},
-                         .contact_nodes = {1, 2, 4, 40, 3, 2}};
+                         .contact_nodes = {1, 2, 4, 40, 3, 2},
+                         .torque = {0, 1, 3, 3, 3, 2}};
   const std::vector<nn::BoundAnswer> bounds{{0.1f, {0, 0.1f}, false},   {0.4f, {0.3f, 0.6f}, false},
                                             {0.6f, {0.5f, 0.6f}, true}, {1, {0.9f, 1}, false},
                                             {1, {0.97f, 1}, false},     {NAN, {NAN, NAN}, false}};
@@ -161,6 +203,8 @@ TEST(BoundReport, CountsByClass) {
   EXPECT_EQ(report.by_touching.at(3).rows, 2u);
   EXPECT_EQ(report.by_touching.at(17).rows, 1u);
   EXPECT_EQ(report.by_slip.at(9).rows, 2u);
+  EXPECT_EQ(report.by_torque.at(3).rows, 3u);
+  EXPECT_DOUBLE_EQ(report.by_torque.at(1).upper, 0);
   EXPECT_DOUBLE_EQ(report.by_slip.at(5).upper, 0.5);
   ASSERT_EQ(report.answered.size(), 5u);  // the widest is row 1, and row 5 has no answer
   EXPECT_NEAR(report.answered[0].mean, 0.03, 1e-12);

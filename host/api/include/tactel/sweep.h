@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <tactel/pad.h>
 #include <tactel/progress.h>
 #include <tactel/scene.h>
 
@@ -13,11 +14,14 @@ namespace tactel {
 
 /// Frames with their answers, as in a set file (docs/sets.md): one row a load step.
 struct Set {
-  std::size_t inputs = 0;                             ///< 2 tactels
+  std::size_t inputs = 0;                             ///< axes of every tactel
+  std::size_t axes = 2;                               ///< stresses of a tactel; of a pad 3, or 1
   std::vector<float> frames;                          ///< [rows, inputs] MPa: normal stresses first, then shear
   std::vector<float> slip_index;                      ///< [rows] S
-  std::vector<float> normal_force, tangential_force;  ///< [rows] P, Q, N/mm
-  std::vector<float> indentation, tangential;         ///< [rows] mm: depth and way along x since first touch; or empty
+  std::vector<float> normal_force, tangential_force;  ///< [rows] P, Q, N/mm; of pads [rows], [rows, 2] N
+  std::vector<float> indentation, tangential;         ///< [rows] mm: depth and way along x since first touch; or empty;
+                                                      ///< of pads the position [rows, 2]
+  std::vector<float> torque, twist, force_ratio;      ///< [rows] of pads: M, N mm; degrees; |Q| / (mu P)
   std::vector<float> friction, stick_fraction;        ///< [rows] mu; stuck length over contact length
   std::vector<float> residual;                        ///< [rows] largest relative residual
   std::vector<std::uint64_t> contact;                 ///< [rows] contact of the sweep
@@ -72,10 +76,14 @@ class TACTEL_API Sweep {
   bool endless() const;            ///< whether contacts beyond contacts() exist: drawn ones, not listed ones
   std::uint64_t seed() const;
   std::size_t tactels() const;
+  std::size_t axes() const;  ///< stresses of a tactel: 2 of lines; of pads 3, or 1
+  bool pads() const { return axes() != 2; }
   std::vector<std::string> indenter_names() const;
   std::vector<std::string> warnings() const;  ///< of numbers that look as if they had another unit; usually none
   /// Returns contact k < contacts(), or any k where endless().
   Scene scene(std::uint64_t k) const;
+  /// The same of a sweep of pads. Both throw InputError for a sweep of the other kind.
+  PadScene pad_scene(std::uint64_t k) const;
 
   /// Returns the sweep of this sweep's contacts with one drawn number changed, for derivatives by finite differences.
   /// Its contact k is contact k / n of this sweep, n = changes(): unchanged where k % n = 0, else with the (k % n)-th
