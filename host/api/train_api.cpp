@@ -96,8 +96,9 @@ Network Network::from_layers(const std::vector<DenseLayer>& layers, const InputO
     for (const DenseLayer& layer : layers) chain.push_back(to_host(layer));
     const auto history = host::parse_history(inputs.history.empty() ? std::nullopt : std::optional(inputs.history),
                                              inputs.history_change);
-    return Network(new State{
-        host::model_of_chain(chain, nn::parse_scaling(inputs.scaling), inputs.largest_stress, history, inputs.name)});
+    const nn::InputScaling scaling{nn::parse_scaling(inputs.scaling), static_cast<float>(inputs.largest_stress), 1,
+                                   inputs.axes};
+    return Network(new State{host::model_of_chain(chain, scaling, history, inputs.name)});
   });
 }
 Network Network::load(const std::string& path) {

@@ -32,20 +32,21 @@ struct ImportRequest {
   std::optional<double> history_change;
 };
 
-nn::Model model_of(const ImportRequest& request, const DenseChain& chain) try {
-  return model_of_chain(chain, nn::parse_scaling(request.scaling), request.largest_stress,
+/// `map`: of the profile; without one a tactel has two stresses.
+nn::Model model_of(const ImportRequest& request, const DenseChain& chain, const hw::ChannelMap* map) try {
+  const int axes = map != nullptr ? static_cast<int>(map->places() / map->tactels()) : 2;
+  return model_of_chain(chain,
+                        {nn::parse_scaling(request.scaling), static_cast<float>(request.largest_stress), 1, axes},
                         parse_history(request.history, request.history_change),
                         std::filesystem::path(request.network).filename().string());
 } catch (const ValueError& error) {
   throw ConfigError(request.network, error);
 }
 
-void check_inputs(const ImportRequest& request, const nn::Model& model) {
-  if (request.profile.empty()) return;
-  const int inputs = model.weights.topology.inputs();
-  const std::size_t wanted =
-      2 * read_profile(request.profile).map.tactels() * static_cast<std::size_t>(model.history.frames);
-  if (static_cast<std::size_t>(inputs) != wanted)
+void check_inputs(const ImportRequest& request, const nn::Model& model, const hw::ChannelMap& map) {
+  const auto inputs = static_cast<std::size_t>(model.weights.topology.inputs());
+  const std::size_t wanted = map.places() * static_cast<std::size_t>(model.history.frames);
+  if (inputs != wanted)
     throw ConfigError(request.network, "network", fmt::format("{} inputs", inputs),
                       fmt::format("a network of {} inputs for {}: normal stresses of all tactels, then the others",
                                   wanted, request.profile));
@@ -110,8 +111,9 @@ std::pair<double, int> difference_on(const std::string& file, const nn::Model& m
 int run_import(const ImportRequest& request) {
   check_writable("--output", request.output);
   const DenseChain chain = read_onnx_chain(request.network);
-  const nn::Model model = model_of(request, chain);
-  check_inputs(request, model);
+  const auto profile = request.profile.empty() ? std::nullopt : std::optional(read_profile(request.profile));
+  const nn::Model model = model_of(request, chain, profile ? &profile->map : nullptr);
+  if (profile) check_inputs(request, model, profile->map);
   double most = difference_on_random_frames(chain, model);
   std::string where = fmt::format("{} random frames", random_frames);
   if (!request.frames.empty() && most <= largest_difference) {
@@ -140,7 +142,8 @@ void add_import_network_command(CLI::App& app, Action& action) {
       ->type_name("OWN.onnx")
       ->required();
   command->add_option("--output", request->output, "network file to write")->type_name("N.onnx")->required();
-  command->add_option("--profile", request->profile, "sensor that it is for: checks the number of inputs")
+  command
+      ->add_option("--profile", request->profile, "sensor that it is for: checks the number of inputs; needed of a pad")
       ->type_name("P.toml");
   command->add_option("--frames", request->frames, "inputs (MPa) and S of the other program, line by line, to check by")
       ->type_name("FILE.csv");

@@ -94,16 +94,16 @@ nn::Weights<float> weights_of_chain(const DenseChain& chain) {
   return made;
 }
 
-nn::Model model_of_chain(const DenseChain& chain, nn::ScalingKind scaling, double largest_stress,
-                         const nn::InputHistory& history, const std::string& name) {
+nn::Model model_of_chain(const DenseChain& chain, nn::InputScaling scaling, const nn::InputHistory& history,
+                         const std::string& name) {
   nn::Weights<float> weights = weights_of_chain(chain);
-  if (weights.topology.inputs() % (2 * history.frames) != 0)
-    refuse(fmt::format("{} inputs for a history of {} frames", weights.topology.inputs(), history.frames),
+  scaling.history = history.frames;
+  scaling.validate();
+  if (weights.topology.inputs() % (scaling.axes * history.frames) != 0)
+    refuse(fmt::format("{} inputs for a history of {} frames with {} stresses a tactel", weights.topology.inputs(),
+                       history.frames, scaling.axes),
            "inputs of so many equal frames");
-  nn::Model model{
-      std::move(weights), {scaling, static_cast<float>(largest_stress), history.frames}, 0, 0, name, 0, {}, history};
-  model.scaling.validate();
-  return model;
+  return {std::move(weights), scaling, 0, 0, name, 0, {}, history};
 }
 
 }  // namespace tactel::host

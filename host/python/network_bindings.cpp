@@ -60,7 +60,7 @@ py::array_t<Number> taken(const SlipEstimator& network, const Frames& frames, st
 }
 
 Network from_arrays(const std::vector<Frames>& weights, const std::vector<Frames>& biases,
-                    const std::string& activation, double slope, std::string scaling, double largest_stress,
+                    const std::string& activation, double slope, std::string scaling, double largest_stress, int axes,
                     std::string history, std::optional<double> history_change, std::string name) {
   if (weights.size() != biases.size())
     throw InputError("biases", std::to_string(biases.size()) + " arrays", "one for each of weights");
@@ -76,7 +76,7 @@ Network from_arrays(const std::vector<Frames>& weights, const std::vector<Frames
                       slope});
   }
   return Network::from_layers(
-      layers, {std::move(scaling), largest_stress, std::move(history), history_change, std::move(name)});
+      layers, {std::move(scaling), largest_stress, axes, std::move(history), history_change, std::move(name)});
 }
 
 }  // namespace
@@ -120,11 +120,11 @@ void bind_networks(py::module_& m) {
   py::class_<Network>(m, "Network", "A trained network with its origin.")
       .def_static("load", &Network::load, "path"_a, "Loads a network file (ONNX) that tactel wrote.")
       .def_static("from_arrays", &from_arrays, "weights"_a, "biases"_a, "activation"_a = "sigmoid", py::kw_only(),
-                  "slope"_a = 0.01, "scaling"_a = "set", "largest_stress"_a = 1.0, "history"_a = "",
+                  "slope"_a = 0.01, "scaling"_a = "set", "largest_stress"_a = 1.0, "axes"_a = 2, "history"_a = "",
                   "history_change"_a = py::none(), "name"_a = "own",
                   "Returns a network that another program trained: weights [out, in] and biases [out] of one or two "
                   "hidden layers with this activation (sigmoid, tanh, relu or leaky-relu), and of one output through "
-                  "a sigmoid, which is S.")
+                  "a sigmoid, which is S. axes: stresses of a tactel, of a pad 3 or 1.")
       .def(
           "__call__", [](const Network& network, const Frames& frames) { return call(network.estimator(), frames); },
           "frames"_a, "Returns S of a frame [2 tactels], or of frames [..., 2 tactels] as fp32; see SlipEstimator.")

@@ -840,6 +840,7 @@ class Network:
         slope: float = 0.01,
         scaling: str = "set",
         largest_stress: float = 1.0,
+        axes: int = 2,
         history: str = "",
         history_change: float | None = None,
         name: str = "own",

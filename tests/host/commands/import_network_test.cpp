@@ -72,6 +72,17 @@ TEST_F(ImportNetwork, HistoryIsKept) {
   EXPECT_EQ(made.scaling.kind, nn::ScalingKind::frame);
 }
 
+// The divisor is the largest of the normal stresses, a third of the inputs.
+TEST_F(ImportNetwork, APadsFramesHaveThreeAxes) {
+  std::string pad = profile;
+  pad.replace(pad.find("channels = 4"), 12, "channels = 6");
+  pad.replace(pad.find("shear = [2, 3]"), 14, "shear_x = [2, 3]\nshear_y = [4, 5]");
+  pad.replace(pad.find("[channels]"), 10, "[pad]\ntactels = [2, 1]\n[channels]");
+  write_onnx(folder_ / "own.onnx", {.weights = nn::initial_weights(nn::Topology::parse("6-3-1"), 1)});
+  ASSERT_EQ(run({"--profile", folder_.write("pad.toml", pad), "--scaling", "frame"}).exit_code, 0);
+  EXPECT_EQ(read_onnx(folder_ / "new.onnx").scaling.normals(6), 2);
+}
+
 // Frames that the other program divided by 2 MPa; and an S that it never gave.
 TEST_F(ImportNetwork, OtherAnswersWriteNoFile) {
   EXPECT_TRUE(is_refused(run({"--frames", frames()}), {"S differs by ", "was not written; give the scaling"}, 4));

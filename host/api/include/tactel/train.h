@@ -50,6 +50,7 @@ struct DenseLayer {
 struct InputOptions {
   std::string scaling = "set";             ///< divided by largest_stress, or by the "frame"'s largest normal stress
   double largest_stress = 1;               ///< MPa; 1: as they are
+  int axes = 2;                            ///< stresses of a tactel: of a pad 3, or 1
   std::string history{};                   ///< "k" or "k:stride", as TrainOptions::history
   std::optional<double> history_change{};  ///< as TrainOptions::history_change
   std::string name = "own";                ///< of the learning set, in the network's metadata
