@@ -56,14 +56,13 @@ std::string bound_text(const MonitorLine& line, const std::optional<bool>& alarm
   return text;
 }
 
-std::string line_text(const MonitorLine& line, const std::optional<bool>& alarm,
+std::string line_text(const MonitorLine& line, const char* target, const std::optional<bool>& alarm,
                       const std::optional<bool>& cannot_tell) {
   const std::string latency = std::isfinite(line.latency) ? fmt::format("{:.1f}", line.latency) : "null";
-  return fmt::format(
-      "{{\"frame\": {}, \"device_time\": {}, \"arrival\": {}, \"slip_index\": {}{}, \"latency_us\": {}}}\n",
-      line.frame.number, line.frame.device_time ? json_number(*line.frame.device_time) : "null",
-      json_number(line.frame.arrival), json_number(line.answer.slip_index), bound_text(line, alarm, cannot_tell),
-      latency);
+  return fmt::format("{{\"frame\": {}, \"device_time\": {}, \"arrival\": {}, \"{}\": {}{}, \"latency_us\": {}}}\n",
+                     line.frame.number, line.frame.device_time ? json_number(*line.frame.device_time) : "null",
+                     json_number(line.frame.arrival), target, json_number(line.answer.slip_index),
+                     bound_text(line, alarm, cannot_tell), latency);
 }
 
 std::string summary_text(const MonitorSummary& all, bool cut_short) {
@@ -103,8 +102,8 @@ class Output {
 };
 
 /// Where the lines go, and when it ends. later: warnings that would tear a picture.
-MonitorEvents make_events(const MonitorRequest& request, LiveView& view, Output& output, const Until& until,
-                          std::vector<std::string>& later) {
+MonitorEvents make_events(const MonitorRequest& request, const char* target, LiveView& view, Output& output,
+                          const Until& until, std::vector<std::string>& later) {
   MonitorEvents events;
   constexpr float any = std::numeric_limits<float>::infinity();
   events.line = [&, alarm = Alarm(request.alarm.value_or(default_alarm), request.widest.value_or(any))](
@@ -121,7 +120,7 @@ MonitorEvents make_events(const MonitorRequest& request, LiveView& view, Output&
     const bool event = (request.alarm && (on != before || alarm.cannot_tell() != could_not)) || !line.drift.empty();
     if (!event && line.frame.number % static_cast<std::uint64_t>(request.every) != 0) return;
     if (!request.view)
-      return output.put(line_text(line, request.alarm ? std::optional(on) : std::nullopt,
+      return output.put(line_text(line, target, request.alarm ? std::optional(on) : std::nullopt,
                                   request.widest ? std::optional(alarm.cannot_tell()) : std::nullopt));
     if (const auto picture = view.show(line, output.columns())) output.put(*picture);
   };
@@ -144,6 +143,9 @@ int run_monitor(const MonitorRequest& request) {
   if (request.widest && !model.bound)
     throw ConfigError("command line", "--widest", fmt::format("{}", *request.widest),
                       "left out for a network without a bound: it has no interval");
+  if (model.target != nn::Target::slip_index && (request.alarm || request.view))
+    throw ConfigError("command line", request.view ? "--view" : "--alarm", request.network,
+                      fmt::format("left out for a network of {}: they are for S", nn::name(model.target)));
   if (!request.device.empty() && !request.quiet)
     print_warning("--device has no effect: monitor evaluates networks on the processor, with the bits of every device");
   OpenSource opened = open_for(request);
@@ -165,7 +167,8 @@ int run_monitor(const MonitorRequest& request) {
                  .colour = takes_colour(STDOUT_FILENO)});
   const Until until(request.seconds);
   std::vector<std::string> later;
-  const MonitorSummary summary = monitor.run(*opened.source, make_events(request, view, output, until, later));
+  const MonitorSummary summary =
+      monitor.run(*opened.source, make_events(request, nn::name(model.target), view, output, until, later));
   if (const auto picture = view.show_newest(output.columns())) output.put(*picture);
   for (const std::string& warning : later)
     if (!request.quiet) print_warning(warning);
