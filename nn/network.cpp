@@ -37,6 +37,24 @@ ScalingKind parse_scaling(std::string_view text) {
                    "set (by the learning set's largest stress) or frame (by each frame's own)");
 }
 
+const char* name(Target target) {
+  switch (target) {
+    case Target::slip_index:
+      return "slip_index";
+    case Target::force_ratio:
+      return "force_ratio";
+    case Target::stick_fraction:
+      return "stick_fraction";
+  }
+  return "unknown";
+}
+
+Target parse_target(std::string_view text) {
+  for (const Target target : {Target::slip_index, Target::force_ratio, Target::stick_fraction})
+    if (text == name(target)) return target;
+  throw ValueError("target", std::string(text), "slip_index, force_ratio or stick_fraction");
+}
+
 void InputScaling::validate() const {
   if (!(largest_stress >= smallest_stress && largest_stress <= large_stress))
     throw ValueError("scaling.largest_stress", std::to_string(largest_stress), "1e-12 to 8.5e37 MPa");

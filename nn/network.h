@@ -55,6 +55,14 @@ struct InputScaling {
   void validate() const;  ///< throws ValueError, key "scaling"
 };
 
+/// What a network estimates: a column of its learning set.
+enum class Target { slip_index, force_ratio, stick_fraction };
+
+/// Returns the name of the column, which is also that of the output in the network's file.
+const char* name(Target target);
+/// Returns the target of that name. Throws ValueError, key "target".
+Target parse_target(std::string_view text);
+
 /// Absolute errors of S over some rows, as in Table II of the paper.
 struct ErrorSummary {
   std::size_t count = 0;  ///< rows that have an error: status ok or no stress
@@ -125,14 +133,15 @@ struct Bound {
 struct Model {
   Weights<float> weights;
   InputScaling scaling;
-  std::uint64_t seed = 0;        ///< of initial weights, order and noise
-  double noise = 0;              ///< fraction of the largest stress
-  std::string learning_set;      ///< name of the learning set, as the user gave it
-  std::uint32_t cycles = 0;      ///< cycles or epochs of its training
-  ErrorSummary learning_errors;  ///< on its learning set
-  InputHistory history{};        ///< which earlier frames its input has
-  bool magnitude = false;        ///< its answer is |S|: it learnt from drags to both sides
-  std::optional<Bound> bound{};  ///< of a network with the heads of a bound
+  std::uint64_t seed = 0;              ///< of initial weights, order and noise
+  double noise = 0;                    ///< fraction of the largest stress
+  std::string learning_set;            ///< name of the learning set, as the user gave it
+  std::uint32_t cycles = 0;            ///< cycles or epochs of its training
+  ErrorSummary learning_errors;        ///< on its learning set
+  InputHistory history{};              ///< which earlier frames its input has
+  bool magnitude = false;              ///< its answer is |S|: it learnt from drags to both sides
+  Target target = Target::slip_index;  ///< its answer; S stands for it in the comments
+  std::optional<Bound> bound{};        ///< of a network with the heads of a bound
 };
 
 }  // namespace tactel::nn

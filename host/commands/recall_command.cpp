@@ -37,6 +37,23 @@ void check_recall_outputs(const RecallRequest& request) {
   if (!request.decision_csv.empty()) check_writable("--decision-csv", request.decision_csv);
 }
 
+/// The target of all networks. Throws ConfigError for networks of several, and for an option that needs another one.
+nn::Target target_of(const RecallRequest& request, std::span<const NamedNetwork> networks) {
+  const nn::Target target = networks.front().model.target;
+  const auto refuse = [&](const std::string& what, const std::string& value, const std::string& allowed) {
+    throw ConfigError("command line", what, value, allowed);
+  };
+  for (const NamedNetwork& network : networks)
+    if (network.model.target != target)
+      refuse("networks", fmt::format("of {} and {}", nn::name(target), nn::name(network.model.target)),
+             "networks of one target: name one file");
+  if (target != nn::Target::slip_index && !request.html.empty())
+    refuse("--html", request.html, fmt::format("left out for networks of {}: the page is about S", nn::name(target)));
+  if (target == nn::Target::stick_fraction && request.decides())
+    refuse("--decision", nn::name(target), "networks of slip_index or force_ratio, which rise toward sliding");
+  return target;
+}
+
 /// All networks on all rows; nothing after Ctrl-C.
 std::optional<std::vector<NetworkResult>> recall(const RecallRequest& request, std::span<const NamedNetwork> networks,
                                                  const nn::FrameSet& set) {
@@ -72,7 +89,7 @@ Json report_json(const RecallRequest& request, std::span<const NamedNetwork> net
 // An empty field where a network gave no answer.
 std::string rows_csv(std::span<const NamedNetwork> networks, std::span<const NetworkResult> results,
                      const AnsweredRows& rows) {
-  std::string text = "row,slip_index";
+  std::string text = fmt::format("row,{}", nn::name(rows.target));
   for (const NamedNetwork& network : networks) {
     text += "," + network.file;
     if (network.model.bound) text += fmt::format(",{0} slip_upper,{0} lower,{0} upper,{0} unlike", network.file);
@@ -97,7 +114,7 @@ std::string rows_csv(std::span<const NamedNetwork> networks, std::span<const Net
 std::string tables(const RecallRequest& request, std::span<const NamedNetwork> networks,
                    std::span<const NetworkResult> results, const ContactSet& set, const AnsweredRows& rows,
                    const Decisions& decisions) {
-  std::string text = fmt::format("errors |S - S of the set| of {} networks on {} rows of {}\n", networks.size(),
+  std::string text = fmt::format("{} of {} networks on {} rows of {}\n", errors_of(rows.target), networks.size(),
                                  rows.frames.rows(), request.set);
   if (rows.left_out > 0)
     text +=
@@ -123,11 +140,12 @@ std::string all_curves(std::span<const NamedNetwork> networks, const Decisions& 
 int run_recall(const RecallRequest& request) {
   check_recall_outputs(request);
   const std::vector<NamedNetwork> networks = read_networks(request.networks);
+  const nn::Target target = target_of(request, networks);
   const ContactSet set = [&] {
     const StageLine stage("reading " + request.set, request.shared.quiet);
     return read_contact_set(request.set);
   }();
-  const AnsweredRows rows = answered_rows(set, request.set);
+  const AnsweredRows rows = answered_rows(set, request.set, target);
   const auto results = recall(request, networks, rows.frames);
   if (!results) return interrupted;
   Decisions decisions;

@@ -165,6 +165,11 @@ void add_train_command(CLI::App& app, Action& action) {
                       "with --history: a frame is kept that differs by more than this share of the contact's largest "
                       "stress from the last kept one, 0 to 1 (default: 0.1)");
   command->add_flag("--magnitude", request->magnitude, "learn |S|: for drags to both sides");
+  command
+      ->add_option("--target", request->target,
+                   "column of the set to learn: slip_index, S; force_ratio, |Q| / (mu P) of pads; stick_fraction")
+      ->check(CLI::IsMember({"slip_index", "force_ratio", "stick_fraction"}))
+      ->capture_default_str();
   add_training_options(*command, *request);
   command
       ->add_option("--stream", request->stream,

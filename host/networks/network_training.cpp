@@ -297,7 +297,8 @@ nn::Model NetworkTraining<Real>::model(std::size_t i, const std::string& learnin
                   network.cycles,
                   learning_errors,
                   plan_.history,
-                  plan_.magnitude};
+                  plan_.magnitude,
+                  plan_.target};
   if (network.topology.has_bound()) model.bound = bound_ ? *bound_ : bound_of(network.noise, network.seed);
   return model;
 }

@@ -24,8 +24,9 @@ struct TrainingPlan {
   /// Rows of a stream to learn from. The learning rate falls linearly to last_rate of its start by then. Of the other
   /// options only `batch` then applies.
   std::optional<std::uint64_t> rows{};
-  nn::InputHistory history{};  ///< of the inputs; the learning set has them already (nn::with_history)
-  bool magnitude = false;      ///< learn |S|
+  nn::InputHistory history{};                  ///< of the inputs; the learning set has them already (nn::with_history)
+  bool magnitude = false;                      ///< learn |S|
+  nn::Target target = nn::Target::slip_index;  ///< that the learning set has in the place of S
 
   static constexpr double last_rate = 0.01;
   void validate() const;  ///< throws ValueError, keys "network", "seeds", "noise", "training. ..."

@@ -15,12 +15,20 @@ namespace {
 
 constexpr std::uint8_t over_tolerance = 2;  ///< LaneStatus, as in the set's file
 
+const std::vector<float>& column_of(const ContactSet& set, nn::Target target) {
+  return target == nn::Target::slip_index    ? set.slip_index
+         : target == nn::Target::force_ratio ? set.force_ratio
+                                             : set.stick_fraction;
+}
+
 }  // namespace
 
-AnsweredRows find_answered_rows(const ContactSet& set) {
+AnsweredRows find_answered_rows(const ContactSet& set, nn::Target target) {
   AnsweredRows answered;
+  answered.target = target;
+  const std::vector<float>& answer = column_of(set, target);
   for (std::size_t row = 0; row < set.rows(); ++row)
-    if (set.status[row] != over_tolerance && std::isfinite(set.slip_index[row])) answered.row.push_back(row);
+    if (set.status[row] != over_tolerance && std::isfinite(answer[row])) answered.row.push_back(row);
   answered.left_out = set.rows() - answered.row.size();
   if (answered.row.empty()) return answered;
   nn::FrameSet& frames = answered.frames;
@@ -31,7 +39,7 @@ AnsweredRows find_answered_rows(const ContactSet& set) {
   float* to = frames.frames.data();
   for (const std::size_t row : answered.row) {
     to = std::copy_n(set.frames.data() + row * set.inputs, set.inputs, to);
-    frames.slip_index(static_cast<Eigen::Index>(frames.step.size())) = set.slip_index[row];
+    frames.slip_index(static_cast<Eigen::Index>(frames.step.size())) = answer[row];
     frames.shape_class.push_back(set.indenter[row]);
     const float* frame = set.frames.data() + row * set.inputs;
     frames.contact_nodes.push_back(set.pad ? nn::touching_tactels(frame, set.inputs / set.axes)
@@ -45,16 +53,21 @@ AnsweredRows find_answered_rows(const ContactSet& set) {
   return answered;
 }
 
-void require_answers(const SetColumns& columns, const std::string& file) {
-  require_datasets(columns, file, {"inputs", "slip_index", "contact_nodes", "contact", "step", "indenter", "status"});
+void require_answers(const SetColumns& columns, const std::string& file, nn::Target target) {
+  if (target == nn::Target::force_ratio && !columns.pad)
+    throw ConfigError(file, nn::name(target), "missing", "a set of pads; of lines slip_index is this ratio");
+  require_datasets(
+      columns, file,
+      {"inputs", "slip_index", "contact_nodes", "contact", "step", "indenter", "status", nn::name(target)});
   if (columns.pad) require_datasets(columns, file, {"force_ratio"});
 }
 
-AnsweredRows answered_rows(const ContactSet& set, const std::string& file) {
-  require_answers(set, file);
-  AnsweredRows answered = find_answered_rows(set);
+AnsweredRows answered_rows(const ContactSet& set, const std::string& file, nn::Target target) {
+  require_answers(set, file, target);
+  AnsweredRows answered = find_answered_rows(set, target);
   if (answered.row.empty())
-    throw ConfigError(file, "slip_index", fmt::format("{} rows, none of them solved with a slippage index", set.rows()),
+    throw ConfigError(file, nn::name(target),
+                      fmt::format("{} rows, none of them solved with a slippage index", set.rows()),
                       "at least one row to learn from or to judge by");
   return answered;
 }
@@ -75,8 +88,8 @@ void check_learnable(const AnsweredRows& rows, const std::string& file, std::uin
     if (!all_finite && !rows.frames.frames.row(i).allFinite())
       throw ConfigError(file, fmt::format("inputs[{}]", row), "NaN or infinity", "finite");
     if (std::abs(rows.frames.slip_index(i)) > nn::FrameSet::largest_slip_index)
-      throw ConfigError(file, fmt::format("slip_index[{}]", row), fmt::format("{}", rows.frames.slip_index(i)),
-                        "finite, usually 0 to 1");
+      throw ConfigError(file, fmt::format("{}[{}]", nn::name(rows.target), row),
+                        fmt::format("{}", rows.frames.slip_index(i)), "finite, usually 0 to 1");
   }
 }
 

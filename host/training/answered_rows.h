@@ -10,17 +10,18 @@ namespace tactel::host {
 
 /// The rows of a set for training or judging networks: solved within tolerance, with a slippage index.
 struct AnsweredRows {
-  nn::FrameSet frames;
+  nn::FrameSet frames;           ///< with the target in the place of S
   std::vector<std::size_t> row;  ///< [frames.rows()] row of the set
   std::size_t left_out = 0;
+  nn::Target target = nn::Target::slip_index;
 };
 
 /// Throws ConfigError naming `file` and a dataset that training and judging need and that the set has not.
-void require_answers(const SetColumns& columns, const std::string& file);
+void require_answers(const SetColumns& columns, const std::string& file, nn::Target target = nn::Target::slip_index);
 /// Returns none where no row has an answer.
-AnsweredRows find_answered_rows(const ContactSet& set);
+AnsweredRows find_answered_rows(const ContactSet& set, nn::Target target = nn::Target::slip_index);
 /// The same; throws ConfigError naming `file` when no row is left.
-AnsweredRows answered_rows(const ContactSet& set, const std::string& file);
+AnsweredRows answered_rows(const ContactSet& set, const std::string& file, nn::Target target = nn::Target::slip_index);
 
 /// Returns the rows as a network takes them: with history (nn::with_history), and with |S| in place of S for
 /// `magnitude`. Throws ConfigError naming `file` for rows that no history can be formed from.

@@ -208,7 +208,7 @@ std::vector<DecisionCurve> decide(const NetworkResult& result, const ContactSet&
     for (const nn::BoundAnswer& bound : result.bounds) upper.push_back(bound.upper);
     add("slip_upper", upper);
   }
-  add("slip_index", result.slip_index);
+  add(nn::name(rows.target), result.slip_index);
   return curves;
 }
 

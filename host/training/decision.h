@@ -82,7 +82,7 @@ std::vector<Drag> drags_of(const ContactSet& set, const AnsweredRows& rows, std:
 
 /// Alarms of a network, by its bound or by S, of all drags or of one kind of indenter.
 struct DecisionCurve {
-  std::string signal;              ///< "slip_upper" or "slip_index"
+  std::string signal;              ///< "slip_upper" or the network's target
   std::string indenter;            ///< "all", or a kind
   std::vector<AlarmCount> counts;  ///< [thresholds]
 };

@@ -131,6 +131,10 @@ std::string lines_by_kind(std::span<const NetworkResult> results, const std::vec
 
 }  // namespace
 
+std::string errors_of(nn::Target target) {
+  return fmt::format("errors |{0} - {0} of the set|", target == nn::Target::slip_index ? "S" : nn::name(target));
+}
+
 std::string error_table(std::span<const NamedNetwork> networks, std::span<const NetworkResult> results) {
   const std::vector<Group> groups = groups_of(networks);
   return networks.size() <= most_lines ? lines_by_network(networks, results, groups) : lines_by_group(results, groups);
@@ -161,6 +165,7 @@ Json to_json(const NamedNetwork& network) {
   Json json = {{"file", network.file},
                {"network", number > 0 ? Json(number) : Json(nullptr)},
                {"topology", model.weights.topology.text()},
+               {"target", nn::name(model.target)},
                {"scaling", nn::name(model.scaling.kind)},
                {"noise", model.noise},
                {"seed", model.seed},

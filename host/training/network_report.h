@@ -9,6 +9,9 @@
 
 namespace tactel::host {
 
+/// Returns "errors |S - S of the set|", or of another target.
+std::string errors_of(nn::Target target);
+
 /// Returns the errors |S of the network - S of the set| as a table. Up to 24 networks have a line each. Of more,
 /// those that differ in their seed alone share a line, with the median and the 5 and 95 % quantiles over seeds.
 std::string error_table(std::span<const NamedNetwork> networks, std::span<const NetworkResult> results);

@@ -31,7 +31,8 @@ nn::FrameSet as_shown(nn::FrameSet rows, const ShownRows& shown, const std::stri
 std::string text_of(const ShownRows& shown) {
   const nn::InputHistory& h = shown.history;
   return (h.frames > 1 ? fmt::format(" history {}:{} change {:a}", h.frames, h.stride, h.change) : "") +
-         (shown.magnitude ? " magnitude" : "");
+         (shown.magnitude ? " magnitude" : "") +
+         (shown.target != nn::Target::slip_index ? fmt::format(" {}", nn::name(shown.target)) : "");
 }
 
 class SimulatedStream : public FrameStream {
@@ -52,7 +53,7 @@ class SimulatedStream : public FrameStream {
     const auto range = simulator_.prepare(k * contacts_, contacts_);
     simulator_.run(*range, {.progress = [this](std::size_t, std::size_t) { return !stopped_; }});
     if (stopped_) return {};
-    AnsweredRows rows = answered_rows(simulator_.collect(*range), name_);
+    AnsweredRows rows = answered_rows(simulator_.collect(*range), name_, shown_.target);
     check_learnable(rows, name_);
     return as_shown(std::move(rows.frames), shown_, name_);
   }
@@ -90,7 +91,7 @@ class FileStream : public FrameStream {
   FileStream(const std::filesystem::path& file, std::uint64_t rows, std::uint64_t seed, nn::PresentationOrder order,
              const ShownRows& shown)
       : name_(file.string()), reader_(file), rows_(rows), seed_(seed), how_(order), shown_(shown) {
-    require_answers(reader_.columns(), name_);
+    require_answers(reader_.columns(), name_, shown_.target);
     if (reader_.rows() == 0) throw ConfigError(name_, "slip_index", "0 rows", "at least one row to learn from");
   }
 
@@ -101,7 +102,7 @@ class FileStream : public FrameStream {
     pass_ = pass;
     std::uint64_t first = order_[k % blocks()] * rows_, end = std::min(first + rows_, reader_.rows());
     if (shown_.history.frames > 1) first = contact_border(first), end = contact_border(end);
-    AnsweredRows rows = find_answered_rows(reader_.read(first, end - first));
+    AnsweredRows rows = find_answered_rows(reader_.read(first, end - first), shown_.target);
     check_learnable(rows, name_, first);
     if (rows.row.empty()) return std::move(rows.frames);
     return as_shown(std::move(rows.frames), shown_, name_);

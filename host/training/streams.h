@@ -10,10 +10,11 @@
 
 namespace tactel::host {
 
-/// What a network learns of the rows: shown_rows.
+/// What a network learns of the rows: answered_rows, shown_rows.
 struct ShownRows {
   nn::InputHistory history{};
   bool magnitude = false;
+  nn::Target target = nn::Target::slip_index;
 };
 
 /// Returns an endless stream of contacts, simulated on demand and never stored. Block k holds `contacts` new

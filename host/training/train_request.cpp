@@ -50,6 +50,8 @@ void refuse_unused(const TrainRequest& request) {
     refuse_beside_stream(request);
   else
     refuse(request.rows, "--rows", "left out, or with --stream or --block");
+  if ((request.bound || request.magnitude) && request.target != "slip_index")
+    throw ConfigError("command line", "--target", request.target, "slip_index with --bound and --magnitude");
   if (!request.bound) refuse(request.level, "--level", "left out, or with --bound");
   if (!request.batches()) {
     if (request.bound) throw ConfigError("command line", "--bound", "given", "left out, or with --schedule batch");
@@ -116,14 +118,14 @@ nn::InputHistory parse_history(const std::optional<std::string>& text, std::opti
   return history;
 }
 
-NamedSet read_set(const std::string& file) {
+NamedSet read_set(const std::string& file, nn::Target target) {
   NamedSet set{file, read_contact_set(file), {}};
-  set.rows = answered_rows(set.contacts, file);
+  set.rows = answered_rows(set.contacts, file, target);
   return set;
 }
 
 NamedSet read_learning_set(const TrainRequest& request) try {
-  NamedSet set = read_set(request.set);
+  NamedSet set = read_set(request.set, nn::parse_target(request.target));
   check_learnable(set.rows, request.set);
   set.rows.frames = shown_rows(set.rows.frames, history_of(request), request.magnitude, request.set);
   set.rows.frames.validate();
@@ -138,6 +140,7 @@ TrainingPlan plan_of(const TrainRequest& request) try {
   TrainingPlan plan;
   plan.history = history_of(request);
   plan.magnitude = request.magnitude;
+  plan.target = nn::parse_target(request.target);
   plan.topologies = topologies_of(request, plan.history.frames);
   if (request.seeds > 1'000'000) throw ValueError("seeds", std::to_string(request.seeds), "at most a million");
   for (std::uint64_t i = 0; i < request.seeds; ++i) plan.seeds.push_back(request.first_seed + i);

@@ -24,6 +24,7 @@ struct TrainRequest {
   std::optional<std::string> history;  ///< "k" or "k:stride"
   std::optional<double> history_change;
   bool magnitude = false;
+  std::string target = "slip_index";
   std::optional<std::string> schedule;  ///< "online" or "batch"; default: batch for a stream, else online
   std::optional<double> rate, momentum;
   std::optional<int> cycles, batch;
@@ -51,7 +52,7 @@ struct NamedSet {
   AnsweredRows rows;
 };
 /// Throws ConfigError as read_contact_set and answered_rows.
-NamedSet read_set(const std::string& file);
+NamedSet read_set(const std::string& file, nn::Target target = nn::Target::slip_index);
 /// The same for the learning set, with history and |S| where they are asked for. Throws ConfigError also for a set that
 /// cannot train a network.
 NamedSet read_learning_set(const TrainRequest& request);

@@ -31,6 +31,7 @@ constexpr std::uint64_t contacts_a_block = 8192;
 Json options_json(const TrainRequest& request, const TrainingPlan& plan) {
   const double rate = plan.batch ? plan.batch->rate : plan.options.rate;
   Json options = {{"schedule", plan.batch ? "batch" : "online"},
+                  {"target", nn::name(plan.target)},
                   {"scaling", nn::name(plan.scaling)},
                   {"order", request.order},
                   {"learning_rate", rate},
@@ -192,12 +193,12 @@ class Training {
     }
     outcome.networks = networks.size();
     if (!lesson_.stream)
-      outcome.tables = {"errors |S - S of the set| on the learning set, noise included\n" +
+      outcome.tables = {fmt::format("{} on the learning set, noise included\n", errors_of(plan_.target)) +
                         error_table(networks, learnt)};
     if (lesson_.recall) {
       recalled = *recall_networks<Real>(executor_, networks, lesson_.recall->rows.frames, false, Progress());
       outcome.tables.push_back(
-          fmt::format("errors |S - S of the set| on {}\n{}", lesson_.recall->file, error_table(networks, recalled)));
+          fmt::format("{} on {}\n{}", errors_of(plan_.target), lesson_.recall->file, error_table(networks, recalled)));
     }
     outcome.undrawn = directory_.draw(learning_curves(training_->networks(), {.stream = lesson_.stream != nullptr,
                                                                               .judged = lesson_.recall.has_value(),
@@ -292,7 +293,7 @@ Lesson read_lesson(const TrainRequest& request, const TrainingPlan& plan, const 
     if (watch.stage) watch.stage(file.empty() ? "" : "reading " + file);
   };
   Lesson lesson;
-  const ShownRows shown{plan.history, plan.magnitude};
+  const ShownRows shown{plan.history, plan.magnitude, plan.target};
   if (!request.stream.empty()) {
     lesson.simulation = std::make_unique<Executor>(device);
     lesson.stream = simulated_stream(*lesson.simulation, request.stream, contacts_a_block, {}, shown);
@@ -310,7 +311,7 @@ Lesson read_lesson(const TrainRequest& request, const TrainingPlan& plan, const 
                         fmt::format("a network with {} inputs, as many as the frames have", lesson.stream->inputs()));
   if (!request.recall_set.empty()) {
     stage(request.recall_set);
-    lesson.recall = read_set(request.recall_set);
+    lesson.recall = read_set(request.recall_set, plan.target);
     check_width(plan, *lesson.recall);
   }
   stage("");

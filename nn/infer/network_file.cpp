@@ -75,6 +75,7 @@ Metadata metadata_of(const nn::Model& model, const string& version) {
   }
   if (model.scaling.axes != 2) metadata["axes"] = exact(model.scaling.axes);
   if (model.magnitude) metadata["magnitude"] = "1";
+  if (model.target != nn::Target::slip_index) metadata["target"] = nn::name(model.target);
   if (model.bound) add_bound_metadata(*model.bound, metadata);
   return metadata;
 }
@@ -167,7 +168,8 @@ string bytes_of(const nn::Model& model, const string& version) {
   message.add(ir_version, 7);  // the one that came with opset 13 (ONNX 1.8)
   message.add(producer_name, "tactel");
   message.add(producer_version, version);
-  message.add(doc_string, "slippage index S = Q / (mu P) from stresses at the tactels in MPa, normal stresses first");
+  const string what = model.target == nn::Target::slip_index ? "slippage index S = Q / (mu P)" : nn::name(model.target);
+  message.add(doc_string, what + " from stresses at the tactels in MPa, normal stresses first");
   message.add(graph, message_of(contents));
   opset.add(opset_domain, "");
   opset.add(opset_version, 13);
@@ -334,6 +336,7 @@ nn::Model model_of(const Contents& contents) {
     throw Refused{std::to_string(model.scaling.axes) + " axes of the network " + topology.text(),
                   "stresses of a tactel that divide its frames"};
   model.magnitude = metadata.contains("magnitude");
+  if (metadata.contains("target")) model.target = nn::parse_target(text_of(metadata, "target"));
   model.seed = number_of<std::uint64_t>(metadata, "seed");
   model.noise = number_of<double>(metadata, "noise");
   model.learning_set = text_of(metadata, "learning_set");

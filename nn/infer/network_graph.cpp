@@ -213,7 +213,7 @@ string bias_name(int l) { return "bias" + std::to_string(l + 1); }
 
 Graph graph_of(const nn::Model& model) {
   const nn::Topology& topology = model.weights.topology;
-  Graph graph{"tactel_" + topology.text(), {}, {}, {"frame", topology.inputs()}, {{"slip_index", 1}}};
+  Graph graph{"tactel_" + topology.text(), {}, {}, {"frame", topology.inputs()}, {{nn::name(model.target), 1}}};
   Builder builder(graph);
   if (model.scaling.kind == nn::ScalingKind::set)
     add_set_scaling(builder, model.scaling);
@@ -229,7 +229,7 @@ Graph graph_of(const nn::Model& model) {
     graph.outputs.insert(graph.outputs.end(), {{"slip_upper", 1}, {"slip_interval", 2}, {"unlike", 1}});
     add_bound(builder, model.bound.value(), last);
   } else {
-    builder.node("Add", {last, "half"}, "slip_index");
+    builder.node("Add", {last, "half"}, nn::name(model.target));
   }
   return graph;
 }

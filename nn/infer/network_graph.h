@@ -48,9 +48,9 @@ struct Graph {
 };
 
 /// Returns the graph of a network: `frame` [batch, inputs] MPa, of several frames the newest first -> scaling -> layers
-/// -> `slip_index` [batch, 1]. One with a bound also has `slip_upper` [batch, 1]: S is below it; `slip_interval`
-/// [batch, 2]: S is within it, lower end first; `unlike` [batch, 1]: 1 where the frame is unlike those of the learning
-/// set, else 0.
+/// -> `slip_index` [batch, 1], or another target by its name. One with a bound also has `slip_upper` [batch, 1]: S is
+/// below it; `slip_interval` [batch, 2]: S is within it, lower end first; `unlike` [batch, 1]: 1 where the frame is
+/// unlike those of the learning set, else 0.
 Graph graph_of(const nn::Model& model);
 
 /// Names of the numbers of layer l, from 0.

@@ -9,7 +9,7 @@ import tempfile
 import unittest
 
 import numpy as np
-from tactel import floor
+from tactel import InputError, floor
 
 ONE_FAMILY = {"all": ["one"]}
 
@@ -179,6 +179,16 @@ class Command(unittest.TestCase):
             self.assertNotEqual(estimate("--noise-of", "contact"), one)  # first steps of a press are below the contact's largest
             self.assertIn("--history", self.run_floor(file, "--history", "0", exit_code=2).stderr)
             self.run_floor(file, "--history-change", "0.2", exit_code=2)  # one frame has no change
+
+    def test_refuses_a_network_of_another_target(self):
+        class Network:
+            inputs = 4
+
+            @staticmethod
+            def metadata(key):
+                return {"target": "stick_fraction"}.get(key, "")
+        with self.assertRaisesRegex(InputError, "a network of slip_index"):
+            floor._network_errors({"n.onnx": Network}, np.zeros((2, 1, 4)), None, None)
 
     def test_compares_skins(self):
         # A line of the table is the floor of a file with that sensor.

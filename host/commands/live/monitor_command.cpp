@@ -38,9 +38,10 @@ struct MonitorRequest : SensorRequest {
 std::string json_number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : "null"; }
 std::string json_number(float value) { return std::isfinite(value) ? fmt::format("{}", value) : "null"; }
 
-/// S; whether there is a contact, where a threshold is known; the bound of a network that has one.
-std::string answer_text(const Answer& answer, const std::optional<bool>& contact, bool has_bound) {
-  std::string text = fmt::format("\"slip_index\": {}", json_number(answer.slip_index));
+/// S, or the network's other target; whether there is a contact, where a threshold is known; the bound of a network
+/// that has one.
+std::string answer_text(const char* target, const Answer& answer, const std::optional<bool>& contact, bool has_bound) {
+  std::string text = fmt::format("\"{}\": {}", target, json_number(answer.slip_index));
   if (contact) text += fmt::format(", \"contact\": {}", *contact);
   if (has_bound)
     text += fmt::format(", \"slip_upper\": {}, \"unlike\": {}", json_number(answer.slip_upper), answer.unlike != 0);
@@ -49,12 +50,13 @@ std::string answer_text(const Answer& answer, const std::optional<bool>& contact
 
 /// What a line says beside its answer: that of each of several pads; the alarm and whether the frame can tell, where
 /// they were asked for; what drifted.
-std::string further_text(const MonitorLine& line, const std::optional<bool>& alarm,
+std::string further_text(const MonitorLine& line, const char* target, const std::optional<bool>& alarm,
                          const std::optional<bool>& cannot_tell) {
   std::string text;
   for (const PadAnswer& pad : line.pads)
-    text += fmt::format("{}{{{}}}{}", &pad == line.pads.data() ? ", \"pads\": [" : ", ",
-                        answer_text(pad.answer, pad.contact, line.has_bound), &pad == &line.pads.back() ? "]" : "");
+    text +=
+        fmt::format("{}{{{}}}{}", &pad == line.pads.data() ? ", \"pads\": [" : ", ",
+                    answer_text(target, pad.answer, pad.contact, line.has_bound), &pad == &line.pads.back() ? "]" : "");
   if (alarm) text += fmt::format(", \"alarm\": {}", *alarm);
   if (cannot_tell) text += fmt::format(", \"cannot_tell\": {}", *cannot_tell);
   for (const Drift& drift : line.drift)
@@ -65,13 +67,13 @@ std::string further_text(const MonitorLine& line, const std::optional<bool>& ala
   return text;
 }
 
-std::string line_text(const MonitorLine& line, const std::optional<bool>& alarm,
+std::string line_text(const MonitorLine& line, const char* target, const std::optional<bool>& alarm,
                       const std::optional<bool>& cannot_tell) {
   const std::string latency = std::isfinite(line.latency) ? fmt::format("{:.1f}", line.latency) : "null";
   return fmt::format("{{\"frame\": {}, \"device_time\": {}, \"arrival\": {}, {}{}, \"latency_us\": {}}}\n",
                      line.frame.number, line.frame.device_time ? json_number(*line.frame.device_time) : "null",
-                     json_number(line.frame.arrival), answer_text(line.answer, line.contact, line.has_bound),
-                     further_text(line, alarm, cannot_tell), latency);
+                     json_number(line.frame.arrival), answer_text(target, line.answer, line.contact, line.has_bound),
+                     further_text(line, target, alarm, cannot_tell), latency);
 }
 
 std::string summary_text(const MonitorSummary& all, bool cut_short) {
@@ -111,8 +113,8 @@ class Output {
 };
 
 /// Where the lines go, and when it ends. later: warnings that would tear a picture.
-MonitorEvents make_events(const MonitorRequest& request, LiveView& view, Output& output, const Until& until,
-                          std::vector<std::string>& later) {
+MonitorEvents make_events(const MonitorRequest& request, const char* target, LiveView& view, Output& output,
+                          const Until& until, std::vector<std::string>& later) {
   MonitorEvents events;
   constexpr float any = std::numeric_limits<float>::infinity();
   events.line = [&, alarm = Alarm(request.alarm.value_or(default_alarm), request.widest.value_or(any))](
@@ -129,7 +131,7 @@ MonitorEvents make_events(const MonitorRequest& request, LiveView& view, Output&
     const bool event = (request.alarm && (on != before || alarm.cannot_tell() != could_not)) || !line.drift.empty();
     if (!event && line.frame.number % static_cast<std::uint64_t>(request.every) != 0) return;
     if (!request.view)
-      return output.put(line_text(line, request.alarm ? std::optional(on) : std::nullopt,
+      return output.put(line_text(line, target, request.alarm ? std::optional(on) : std::nullopt,
                                   request.widest ? std::optional(alarm.cannot_tell()) : std::nullopt));
     if (const auto picture = view.show(line, output.columns())) output.put(*picture);
   };
@@ -153,6 +155,14 @@ int run_monitor(const MonitorRequest& request) {
   if (request.widest && !networks.front().bound)
     throw ConfigError("command line", "--widest", fmt::format("{}", *request.widest),
                       "left out for a network without a bound: it has no interval");
+  const nn::Target target = networks.front().target;
+  for (std::size_t i = 1; i < networks.size(); ++i)
+    if (networks[i].target != target)
+      throw ConfigError("command line", "--network", request.networks[i],
+                        fmt::format("a network of {}, as the first", nn::name(target)));
+  if (target != nn::Target::slip_index && (request.alarm || request.view))
+    throw ConfigError("command line", request.view ? "--view" : "--alarm", request.networks.front(),
+                      fmt::format("left out for a network of {}: they are for S", nn::name(target)));
   if (!request.device.empty() && !request.quiet)
     print_warning("--device has no effect: monitor evaluates networks on the processor, with the bits of every device");
   OpenSource opened = open_for(request);
@@ -176,7 +186,8 @@ int run_monitor(const MonitorRequest& request) {
                  .pads = opened.profile.pads});
   const Until until(request.seconds);
   std::vector<std::string> later;
-  const MonitorSummary summary = monitor.run(*opened.source, make_events(request, view, output, until, later));
+  const MonitorSummary summary =
+      monitor.run(*opened.source, make_events(request, nn::name(target), view, output, until, later));
   if (const auto picture = view.show_newest(output.columns())) output.put(*picture);
   for (const std::string& warning : later)
     if (!request.quiet) print_warning(warning);

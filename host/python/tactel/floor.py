@@ -239,6 +239,8 @@ def _network_errors(networks, readings, asked, options):
     errors = {}
     for file, network in networks.items():
         width = network.inputs
+        if network.metadata("target"):
+            raise InputError(file, network.metadata("target"), "a network of slip_index")
         own = tuple(float(network.metadata(key) or default) for key, default in (("history", 1), ("stride", 1), ("history_change", 0.1)))
         if width not in (inputs, history * inputs):
             raise InputError(file, f"{width} inputs", f"a network of {inputs} inputs, as many as a frame")

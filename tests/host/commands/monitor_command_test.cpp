@@ -69,6 +69,24 @@ TEST_F(Monitor, EveryThinsTheLinesAndViewDrawsThem) {
   EXPECT_THAT(view.out, HasSubstr("frame 320,")) << "the last frame is shown, however fast the source";
 }
 
+// A network that learnt another column says so in each line; alarm and view are for S.
+TEST_F(Monitor, NamesWhatANetworkOfAnotherTargetReads) {
+  nn::Model model = network(21);
+  model.target = nn::Target::stick_fraction;
+  const std::string other = folder_ / "other.onnx";
+  write_onnx(other, model);
+  const auto lines = lines_of(run_tactel({"monitor", "--source", simulation, "--network", other}).out),
+             of_s = lines_of(run_tactel({"monitor", "--source", simulation, "--network", network_}).out);
+  ASSERT_EQ(lines.size(), of_s.size());
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    EXPECT_FALSE(lines[i].contains("slip_index"));
+    EXPECT_EQ(lines[i]["stick_fraction"], of_s[i]["slip_index"]) << i;  // the same weights
+  }
+  for (const std::vector<std::string>& option : {std::vector<std::string>{"--view"}, {"--alarm", "0.8"}})
+    EXPECT_TRUE(is_refused(run_tactel({"monitor", "--source", simulation, "--network", other}, option),
+                           {option[0], "network of stick_fraction"}));
+}
+
 TEST_F(Monitor, WrongInputIsNamed) {
   write_onnx(folder_ / "eight.onnx", network(8));
   EXPECT_TRUE(is_refused(

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/networks/onnx_file.h"
+#include "host/sets/contact_set.h"
 #include "tests/host/sets/network_files.h"
 
 namespace {
@@ -353,6 +354,66 @@ TEST_F(BadFiles, NetworksThatAreNone) {
   expect_refusal({"recall", folder_.write("text.onnx", "[sensor]\n"), recall}, {"text.onnx"});
 }
 
+// A network of another column is one of S on a set that holds that column in the place of S, to the bit.
+TEST(TrainTarget, IsThatColumnOfTheSet) {
+  const ScratchFolder folder;
+  const std::string sweep = folder.write("sweep.toml", R"([sweep]
+contacts = 40
+[sensor]
+kind = "pad"
+tactels = [2, 2]
+thickness = 2
+[indenter]
+shape = "sphere"
+radius = { uniform = [4, 9] }
+[load]
+indentation = { uniform = [0.05, 0.2] }
+[load.irregular]
+stroke_steps = 5
+direction = { uniform = [0, 360] }
+twist = { uniform = [0, 20] }
+)");
+  const std::string set = folder / "set.h5", swapped = folder / "swapped.h5";
+  ASSERT_EQ(run_tactel({"generate", sweep, "--rung", "pad-8", "--output", set, "--quiet"}).exit_code, 0);
+  struct Case {
+    const char* target;
+    std::vector<float> ContactSet::*column;
+    std::vector<std::string> how;  ///< from a set in memory, or block by block
+  };
+  for (const Case& c : {Case{"force_ratio", &ContactSet::force_ratio, {"--cycles", "20"}},
+                        {"stick_fraction", &ContactSet::stick_fraction, {"--block", "20", "--rows", "2000"}}}) {
+    ContactSet other = read_contact_set(set);
+    ASSERT_NE(other.slip_index, other.*c.column);
+    other.slip_index = other.*c.column;
+    write_contact_set(swapped, other);
+    const auto trained_on = [&](const std::string& file, const char* name, const char* target) {
+      const ChildResult result = run_tactel({"train", file, "--output", folder / name, "--target", target, "--recall",
+                                             file, "--network", "12-5-1", "--force", "--quiet"},
+                                            c.how);
+      EXPECT_EQ(result.exit_code, 0) << result.err;
+      return json::parse(text_of(folder / name / "training.json"));
+    };
+    const json report = trained_on(set, "ours", c.target), expected = trained_on(swapped, "theirs", "slip_index");
+    EXPECT_EQ(report["options"]["target"], c.target);
+    EXPECT_EQ(report["networks"][0]["recalling"], expected["networks"][0]["recalling"]);
+    const std::string file = report["networks"][0]["file"];
+    const nn::Model model = read_onnx(folder / "ours" / file), same = read_onnx(folder / "theirs" / file);
+    EXPECT_EQ(model.weights.values, same.weights.values) << c.target;
+    EXPECT_STREQ(nn::name(model.target), c.target);
+    EXPECT_EQ(same.target, nn::Target::slip_index);
+
+    EXPECT_EQ(recall_json(folder / "ours", set)["networks"][0]["recalling"],
+              recall_json(folder / "theirs", swapped)["networks"][0]["recalling"]);
+    const ChildResult recalled = run_tactel({"recall", folder / "ours", set, "--rows", folder / "rows.csv"});
+    EXPECT_THAT(recalled.out, HasSubstr(std::string("errors |") + c.target + " - " + c.target + " of the set|"));
+    EXPECT_THAT(text_of(folder / "rows.csv"), ::testing::StartsWith(std::string("row,") + c.target + ","));
+    EXPECT_TRUE(is_refused(run_tactel({"recall", folder / "ours", set, "--html", folder / "page.html"}), {"--html"}));
+  }
+  EXPECT_TRUE(is_refused(run_tactel({"recall", folder / "ours", set, "--decision"}), {"which rise toward sliding"}));
+  fs::copy(folder / "ours" / "12-5-1_noise0_seed1.onnx", folder / "theirs" / "other.onnx");
+  EXPECT_TRUE(is_refused(run_tactel({"recall", folder / "theirs", set}), {"networks of one target"}));
+}
+
 class WrongTrainingTest : public ::testing::TestWithParam<WrongCall> {};
 
 TEST_P(WrongTrainingTest, EndsWithTwoAndSaysWhy) {
@@ -389,6 +450,10 @@ const WrongCall wrong_calls[] = {
     {"RectifiersOnline", "--network 42-9-1_leaky-relu", "logistic neurons, or --schedule batch"},
     {"UnknownActivation", "--schedule batch --activation tanh",
      "--activation = tanh: must be one of logistic, leaky-relu"},
+    {"RatioOfALine", "--target force_ratio", "force_ratio = missing: must be a set of pads"},
+    {"UnknownTarget", "--target mu", "--target = mu: must be one of slip_index, force_ratio, stick_fraction"},
+    {"BoundOfAnotherTarget", "--schedule batch --bound --target stick_fraction",
+     "--target = stick_fraction: must be slip_index with --bound"},
     {"BatchZero", "--schedule batch --batch 0", "--batch = 0"},
     {"NoRecallSet", "--recall /nowhere.h5", "/nowhere.h5"}};
 INSTANTIATE_TEST_SUITE_P(All, WrongTrainingTest, ::testing::ValuesIn(wrong_calls),

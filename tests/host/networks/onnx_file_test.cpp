@@ -167,6 +167,26 @@ TEST_F(OnnxFile, IsReadBackAsItWas) {
   }
 }
 
+TEST_F(OnnxFile, AnotherTargetNamesTheOutput) {
+  nn::Model model = some_model("16-9-1", ScalingKind::frame);
+  const nn::RowMatrix<float> frames = bumps(20, 16, 9).frames;
+  const OnnxEvaluator::Tensor s = OnnxEvaluator(parsed(model)).run(frames.cast<double>());
+  for (const nn::Target target : {nn::Target::force_ratio, nn::Target::stick_fraction}) {
+    model.target = target;
+    const onnx::ModelProto file = parsed(model);
+    EXPECT_NO_THROW(onnx::checker::check_model(file));
+    ASSERT_EQ(file.graph().output_size(), 1);
+    EXPECT_EQ(file.graph().output(0).name(), nn::name(target));
+    EXPECT_EQ(OnnxEvaluator(file).run(frames.cast<double>()), s);
+    write_onnx(path_, model);
+    EXPECT_EQ(read_onnx(path_).target, target);
+    onnx::ModelProto crafted = file;
+    metadata(crafted, "target") = "mu";
+    put(sealed(crafted));
+    EXPECT_THAT(message(), ::testing::HasSubstr("slip_index, force_ratio or stick_fraction"));
+  }
+}
+
 TEST_F(OnnxFile, SaysWhatIsWrongWithABadFile) {
   EXPECT_THAT(message(), ::testing::HasSubstr("cannot be read"));
   put("");

@@ -25,7 +25,8 @@ TACTEL_API const char* name(AnswerStatus status) noexcept;
 
 /// The answer to a frame. Later versions may give a meaning to `reserved`, and change nothing else.
 struct Answer {
-  float slip_index;  ///< S, 0..1; NaN where the status is not_finite, overflow or wrong_size
+  float slip_index;  ///< S, or what metadata("target") names, 0..1; NaN where the status is not_finite, overflow or
+                     ///< wrong_size
   float slip_upper;  ///< upper bound of S, at most 1; NaN where the network has none
   AnswerStatus status;
   float slip_interval[2];     ///< S is within it, lower end first; NaN where the network has no bound
@@ -69,7 +70,7 @@ class TACTEL_API SlipEstimator {
 
   /// Returns the widths of the layers, "42-42-21-1".
   std::string topology() const;
-  /// Returns an entry of the file: "seed", "noise", "learning_set", "error_mean", "tactel", ...; empty where the file
+  /// Returns an entry of the file: "seed", "noise", "learning_set", "error_mean", "target", ...; empty where the file
   /// has none.
   std::string metadata(std::string_view key) const;
 
