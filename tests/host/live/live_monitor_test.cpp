@@ -97,7 +97,8 @@ std::uint64_t silences(std::vector<ScriptedSource::Turn> turns) {
 
 /// Waits in vain from `from` to `to` s.
 void wait_in_vain(std::vector<ScriptedSource::Turn>& turns, double from, double to) {
-  for (double now = from + 0.05; now <= to; now += 0.05) turns.push_back({now});
+  const long waits = std::lround((to - from) / 0.05);
+  for (long i = 1; i <= waits; ++i) turns.push_back({from + 0.05 * static_cast<double>(i)});
 }
 
 TEST(LiveMonitor, EachSilenceCountsOnce) {
@@ -114,6 +115,7 @@ TEST(LiveMonitor, EachSilenceCountsOnce) {
 // The reader lags by 2 s: the source was never silent.
 TEST(LiveMonitor, AReaderWhoLagsHearsNoSilence) {
   std::vector<ScriptedSource::Turn> turns;
+  turns.reserve(200);
   for (int i = 0; i < 200; ++i) turns.push_back({2 + 0.01 * i, 0.01 * i});
   EXPECT_EQ(silences(turns), 0u);
 }
