@@ -128,6 +128,22 @@ TEST_F(LiveApi, ReplaysARecording) {
   EXPECT_DOUBLE_EQ(frame.arrival, 0.03);
 }
 
+// The number of a channel is its reading; tactel 0 sends x, y, z as channels 0, 1, 2.
+TEST_F(LiveApi, APadHasAllNormalStressesThenShearAlongXThenAlongY) {
+  std::string line;
+  for (int channel = 0; channel < 48; ++channel) line += (channel > 0 ? "," : "") + std::to_string(channel);
+  FrameSource source = FrameSource::open("csv:" + folder_.write("pad.csv", line + "\n"), "uskin-4x4");
+  Frame frame;
+  ASSERT_TRUE(source.wait(frame, 10));
+  ASSERT_EQ(source.inputs(), 48u);
+  ASSERT_EQ(frame.stress.size(), 48u);
+  for (std::size_t i = 0; i < 16; ++i) {
+    EXPECT_FLOAT_EQ(frame.stress[i] / frame.stress[0], static_cast<float>(3 * i + 2) / 2);
+    EXPECT_FLOAT_EQ(frame.stress[16 + i] / frame.stress[0], -static_cast<float>(3 * i) / 2);
+    EXPECT_FLOAT_EQ(frame.stress[32 + i] / frame.stress[0], -static_cast<float>(3 * i + 1) / 2);
+  }
+}
+
 TEST_F(LiveApi, PollsWithoutAllocation) {
   PipeEnd bytes(pipe_[0]);
   FrameSource source(bytes, (folder_ / "counted.toml").string());

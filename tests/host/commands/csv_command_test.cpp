@@ -135,7 +135,8 @@ class PadCommand : public LiveCommand {
       const double grip = i < 250 ? 0 : 4.0 * (i - 250);
       const std::string a = readings(grip, 0.3 * grip), b = readings(0.5 * grip, -0.02 * i * (i >= 250));
       const std::string time = fmt::format("{},", 0.01 * i);
-      left += time + a + "\n", right += time + b + "\n", both += time + a + "," + b + "\n";
+      left += fmt::format("{}{}\n", time, a), right += fmt::format("{}{}\n", time, b);
+      both += fmt::format("{}{},{}\n", time, a, b);
     }
     left_ = "csv:" + folder_.write("left.csv", left), right_ = "csv:" + folder_.write("right.csv", right);
     file_ = folder_.write("both.csv", both);
@@ -146,7 +147,7 @@ class PadCommand : public LiveCommand {
   }
   /// Offsets and noise of the first two seconds, which are at rest.
   std::string tare(const std::string& source, const std::string& name, std::vector<std::string> more = {}) const {
-    const std::string output = (folder_ / name).string();
+    std::string output = (folder_ / name).string();
     more.insert(more.end(), {"--output", output});
     const ChildResult result = run("tare", source, more);
     EXPECT_EQ(result.exit_code, 0) << result.err;

@@ -97,7 +97,8 @@ std::uint64_t silences(std::vector<ScriptedSource::Turn> turns) {
 
 /// Waits in vain from `from` to `to` s.
 void wait_in_vain(std::vector<ScriptedSource::Turn>& turns, double from, double to) {
-  for (double now = from + 0.05; now <= to; now += 0.05) turns.push_back({now});
+  const long waits = std::lround((to - from) / 0.05);
+  for (long i = 1; i <= waits; ++i) turns.push_back({from + 0.05 * static_cast<double>(i)});
 }
 
 TEST(LiveMonitor, EachSilenceCountsOnce) {
@@ -114,6 +115,7 @@ TEST(LiveMonitor, EachSilenceCountsOnce) {
 // The reader lags by 2 s: the source was never silent.
 TEST(LiveMonitor, AReaderWhoLagsHearsNoSilence) {
   std::vector<ScriptedSource::Turn> turns;
+  turns.reserve(200);
   for (int i = 0; i < 200; ++i) turns.push_back({2 + 0.01 * i, 0.01 * i});
   EXPECT_EQ(silences(turns), 0u);
 }
@@ -215,6 +217,44 @@ TEST(LiveMonitor, TwoPadsOfALine) {
   }
   EXPECT_GT(left_leads, 0u);
   EXPECT_GT(right_leads, 0u);
+}
+
+// With a bound the line has the larger upper bound and the larger S, perhaps of two pads, and is unlike where one is.
+TEST(LiveMonitor, BoundsOfTwoPads) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> reading(0, 200);
+  nn::RowMatrix<float> learnt(60, 48);
+  for (float& value : learnt.reshaped()) value = static_cast<float>(reading(random) / 600);
+  nn::Model networks[] = {network(24), network(24)};
+  for (std::uint64_t i = 0; i < 2; ++i) {
+    networks[i].weights = nn::initial_weights(nn::Topology({48, 8, 3}), 20 + i);
+    networks[i].bound = nn::uncalibrated_bound(learnt, 24);
+  }
+  std::vector<std::vector<double>> left(60, std::vector<double>(48)), right = left, both;
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    for (double& value : left[i]) value = reading(random);
+    for (double& value : right[i]) value = i % 2 == 0 ? reading(random) : 0;
+    both.push_back(left[i]);
+    both.back().insert(both.back().end(), right[i].begin(), right[i].end());
+  }
+  const auto of_left = pad_lines({networks[0]}, quiet_pad(), left),
+             of_right = pad_lines({networks[1]}, quiet_pad(), right);
+  const auto of_both = pad_lines({networks[0], networks[1]}, joined_profile({quiet_pad(), quiet_pad()}), both);
+  ASSERT_EQ(of_both.size(), 60u);
+  std::size_t right_leads = 0, left_leads = 0;
+  for (std::size_t i = 0; i < 60; ++i) {
+    const Answer &a = of_left[i].answer, &b = of_right[i].answer, &line = of_both[i].answer;
+    ASSERT_TRUE(of_both[i].has_bound);
+    EXPECT_TRUE(same(line.slip_index, std::fmax(a.slip_index, b.slip_index))) << i;
+    EXPECT_TRUE(same(line.slip_upper, std::fmax(a.slip_upper, b.slip_upper))) << i;
+    EXPECT_EQ(line.unlike, a.unlike | b.unlike) << i;
+    const bool right_acts = b.slip_upper > a.slip_upper;
+    EXPECT_EQ(of_both[i].acted_on(), right_acts ? b.slip_upper : a.slip_upper) << i;
+    EXPECT_EQ(of_both[i].width(), right_acts ? of_right[i].width() : of_left[i].width()) << i;
+    if (i % 2 == 0) ++(right_acts ? right_leads : left_leads);
+  }
+  EXPECT_GT(right_leads, 0u);
+  EXPECT_GT(left_leads, 0u);
 }
 
 TEST(LiveMonitor, NetworksThatDoNotFitThePadsAreRefused) {
