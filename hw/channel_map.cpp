@@ -33,16 +33,19 @@ constexpr double least_gain = 1e-20, most_gain = 1e20, most_offset = 1e15, most_
 
 void ChannelMap::validate(std::size_t channels) const {
   require_within("channels.normal", static_cast<long>(normal.size()), 1, 128);
-  require(shear.size() == normal.size(), "channels.shear", "an array of " + std::to_string(shear.size()),
-          "as long as channels.normal, " + std::to_string(normal.size()));
+  const std::string x = shear_y.empty() ? "channels.shear" : "channels.shear_x";
+  for (const auto& [key, axis] : {std::pair{x, &shear}, {"channels.shear_y", &shear_y}}) {
+    require(axis->empty() || axis->size() == normal.size(), key, "an array of " + std::to_string(axis->size()),
+            "as long as channels.normal, " + std::to_string(normal.size()));
+    validate_channels(key, *axis, channels);
+  }
   validate_channels("channels.normal", normal, channels);
-  validate_channels("channels.shear", shear, channels);
   validate_numbers("calibration.offset", calibration.offset, channels);
   validate_numbers("calibration.gain", calibration.gain, channels);
   if (!calibration.noise.empty()) validate_numbers("calibration.noise", calibration.noise, channels);
   for (const double noise : calibration.noise)
     require(noise >= 0, "calibration.noise", text_of(noise), "0 or above, in the device's units");
-  for (std::size_t place = 0; place < 2 * tactels(); ++place) {
+  for (std::size_t place = 0; place < places(); ++place) {
     if (channel(place) < 0) continue;
     const auto c = static_cast<std::size_t>(channel(place));
     const std::string of = " for " + channel_text(place);
@@ -61,18 +64,25 @@ void ChannelMap::validate(std::size_t channels) const {
 }
 
 int ChannelMap::channel(std::size_t place) const {
-  return place < tactels() ? normal[place] : shear[place - tactels()];
+  for (const std::vector<int>* axis : {&normal, &shear, &shear_y}) {
+    if (place < axis->size()) return (*axis)[place];
+    place -= axis->size();
+  }
+  return -1;
 }
 
 std::string ChannelMap::channel_text(std::size_t place) const {
-  return "channel " + std::to_string(channel(place)) + (place < tactels() ? " (normal" : " (shear") +
-         " stress of tactel " + std::to_string(place % tactels()) + ")";
+  const char* axis = place < tactels()       ? " (normal stress"
+                     : shear_y.empty()       ? " (shear stress"
+                     : place < 2 * tactels() ? " (shear stress along x"
+                                             : " (shear stress along y";
+  return "channel " + std::to_string(channel(place)) + axis + " of tactel " + std::to_string(place % tactels()) + ")";
 }
 
-double ChannelMap::touch() const {
+double ChannelMap::touch(std::size_t first, std::size_t count) const {
   double most = 0;
   if (calibration.noise.empty()) return most;
-  for (const int channel : normal) {
+  for (const int channel : std::span(normal).subspan(first, count)) {
     if (channel < 0) continue;
     const auto c = static_cast<std::size_t>(channel);
     most = std::max(most, touch_deviations * calibration.noise[c] * std::abs(calibration.gain[c]));
@@ -86,8 +96,8 @@ void ChannelMap::apply(std::span<const double> values, std::span<float> frame) c
     const auto c = static_cast<std::size_t>(channel);
     return static_cast<float>((values[c] - calibration.offset[c]) * calibration.gain[c]);
   };
-  std::ranges::transform(normal, frame.begin(), stress);
-  std::ranges::transform(shear, frame.begin() + static_cast<long>(normal.size()), stress);
+  auto to = frame.begin();
+  for (const std::vector<int>* axis : {&normal, &shear, &shear_y}) to = std::ranges::transform(*axis, to, stress).out;
 }
 
 }  // namespace tactel::hw

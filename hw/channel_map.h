@@ -13,25 +13,28 @@ struct Calibration {
   std::vector<double> noise{};  ///< [channels] standard deviation at rest, in the device's units; empty: not known
 };
 
-/// Channels of the stresses of each tactel, and their calibration. -1: no channel, the stress is 0.
+/// Channels of the stresses of each tactel, and their calibration. -1: no channel, the stress is 0. A frame has a place
+/// for each stress: all normal stresses, then all shear stresses; of a pad those along x, then those along y.
 struct ChannelMap {
-  std::vector<int> normal, shear;  ///< [tactels] channel
+  std::vector<int> normal, shear;  ///< [tactels] channel; no shear: of a pad of one axis
   Calibration calibration;
+  std::vector<int> shear_y{};  ///< [tactels] channel, of a pad, whose `shear` is along x
 
   /// A normal stress within this many standard deviations of the noise at rest is no contact. Gaussian noise of 21
   /// tactels at 1 kHz exceeds it once in 5000 hours, or once in 450 where the noise was measured 5 % too small.
   static constexpr double touch_deviations = 7;
 
   std::size_t tactels() const { return normal.size(); }
-  int channel(std::size_t place) const;  ///< of a place in a frame [2 tactels]
+  std::size_t places() const { return normal.size() + shear.size() + shear_y.size(); }  ///< of a frame
+  int channel(std::size_t place) const;                                                 ///< -1: none
   /// Returns "channel 3 (shear stress of tactel 0)", of a place with a channel.
   std::string channel_text(std::size_t place) const;
-  /// Returns the largest normal stress of noise at rest, MPa: touch_deviations of the noisiest normal channel; 0 where
-  /// the noise is not known.
-  double touch() const;
+  /// Returns the largest normal stress of noise at rest, MPa: touch_deviations of the noisiest normal channel of
+  /// `count` tactels from `first` on; 0 where the noise is not known.
+  double touch(std::size_t first, std::size_t count) const;
+  double touch() const { return touch(0, tactels()); }
   void validate(std::size_t channels) const;  ///< throws ValueError, keys as in profile files
-  /// Converts values [channels], in the device's units, to frame [2 tactels] MPa, normal stresses first, as
-  /// networks take them.
+  /// Converts values [channels], in the device's units, to frame [places] MPa, as networks take them.
   void apply(std::span<const double> values, std::span<float> frame) const;
 };
 

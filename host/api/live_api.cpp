@@ -140,7 +140,7 @@ struct FrameSource::State {
       : source(std::move(source)),
         map(std::move(map)),
         decoder(std::move(format)),
-        waiting(most_waiting, 2 * this->map.tactels()),
+        waiting(most_waiting, this->map.places()),
         note(std::move(note)) {
     if (this->source->fd() < 0) own.emplace(this->source->live());
     sink = [this](const hw::DecodedFrame& frame) {
@@ -234,7 +234,7 @@ bool FrameSource::finished() const {
   return left == 0 && state_->source->finished();
 }
 
-std::size_t FrameSource::inputs() const { return 2 * state_->map.tactels(); }
+std::size_t FrameSource::inputs() const { return state_->map.places(); }
 std::string FrameSource::note() const { return state_->note; }
 
 FrameCounts FrameSource::counts() const {

@@ -34,7 +34,7 @@ Eigen::VectorXd profile_noise(const hw::ChannelMap& map) {
   const std::size_t tactels = map.tactels();
   Eigen::VectorXd noise(static_cast<Eigen::Index>(2 * tactels));
   for (std::size_t i = 0; i < 2 * tactels; ++i) {
-    const int channel = i < tactels ? map.normal[i] : map.shear[i - tactels];
+    const int channel = map.channel(i);
     const auto c = static_cast<std::size_t>(std::max(channel, 0));
     const double stress = calibration.noise[c] * std::abs(calibration.gain[c]);
     noise[static_cast<Eigen::Index>(i)] =

@@ -26,7 +26,7 @@ const char* Drift::advice() const {
 DriftWatch::DriftWatch(const hw::ChannelMap& map, double block, double most_shift)
     : block_(block), most_shift_(most_shift) {
   if (map.calibration.noise.empty()) return;
-  for (std::size_t i = 0; i < 2 * map.tactels(); ++i) {
+  for (std::size_t i = 0; i < map.places(); ++i) {
     const int channel = map.channel(i);
     if (channel < 0 || map.calibration.gain[static_cast<std::size_t>(channel)] == 0) continue;
     const auto c = static_cast<std::size_t>(channel);

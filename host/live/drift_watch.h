@@ -44,7 +44,7 @@ class DriftWatch {
   /// standard deviations of the noise. A calibration without noise leaves nothing to watch.
   DriftWatch(const hw::ChannelMap& map, double block, double most_shift = 1);
 
-  /// Takes the next frame [2 tactels] MPa, its contact and arrival in s. Returns what it completes: mostly nothing.
+  /// Takes the next frame [map.places()] MPa, its contact and arrival in s. Returns what it completes: mostly nothing.
   std::vector<Drift> next(std::span<const float> frame, bool contact, double arrival);
 
  private:

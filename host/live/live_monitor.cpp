@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "host/live/frame_reader.h"
 #include "host/support/errors.h"
@@ -16,22 +17,59 @@ namespace {
 // A pause of the reader (a slow disk, a stopped program) is no silence of the source: a turn counts for no more.
 constexpr double longest_turn = 2 * longest_wait;  // s
 
-void check_width(const nn::Model& model, const SensorProfile& profile) {
-  const std::size_t inputs = 2 * profile.map.tactels();
+void check_width(const nn::Model& model, const SensorProfile& profile, std::size_t tactels) {
+  const std::size_t axes = profile.map.places() / profile.map.tactels(), inputs = axes * tactels;
   const auto frames = static_cast<std::size_t>(model.history.frames);
   if (static_cast<std::size_t>(model.weights.topology.inputs()) == inputs * frames) return;
   throw ConfigError(
       "command line", "--network", model.weights.topology.text(),
-      fmt::format("a network with {} inputs, a normal and a shear stress for each of the {} tactels that the "
-                  "profile of {} maps{}",
-                  inputs * frames, profile.map.tactels(), profile.name.empty() ? "this source" : profile.name,
-                  frames > 1 ? fmt::format(", in each of {} frames", frames) : ""));
+      fmt::format(
+          "a network with {} inputs, {} for each of the {} tactels that the profile of {} maps{}{}", inputs * frames,
+          axes == 1   ? "a normal stress"
+          : axes == 2 ? "a normal and a shear stress"
+                      : "a normal stress and the shear along x and y",
+          tactels, profile.name.empty() ? "this source" : profile.name, profile.pads.size() > 1 ? " for a pad" : "",
+          frames > 1 ? fmt::format(", in each of {} frames", frames) : ""));
 }
 
-/// Whether a normal stress of the frame [2 tactels] MPa reaches the threshold.
-bool touches(std::span<const float> frame, double threshold) {
-  return std::ranges::any_of(frame.first(frame.size() / 2),
-                             [&](float stress) { return !(std::abs(stress) < threshold); });
+void check_networks(std::span<const nn::Model> networks, const SensorProfile& profile) {
+  const std::size_t pads = std::max<std::size_t>(profile.pads.size(), 1);
+  const auto bounded = static_cast<std::size_t>(
+      std::ranges::count_if(networks, [](const nn::Model& network) { return network.bound.has_value(); }));
+  if (networks.size() != 1 && networks.size() != pads)
+    throw ConfigError("command line", "--network", fmt::format("{} networks", networks.size()),
+                      pads == 1 ? "one network" : fmt::format("one network for all pads, or {}, one for each", pads));
+  if (bounded != 0 && bounded != networks.size())
+    throw ConfigError("command line", "--network", "a network with a bound and one without",
+                      "networks that all have a bound, or none");
+}
+
+/// Whether one of the stresses, MPa, reaches the threshold.
+bool touches(std::span<const float> normal, double threshold) {
+  return std::ranges::any_of(normal, [&](float stress) { return !(std::abs(stress) < threshold); });
+}
+
+float number_acted_on(const PadAnswer& pad, bool has_bound) {
+  if (pad.answer.status == AnswerStatus::no_stress || pad.contact == false) return 0;
+  return has_bound ? pad.answer.slip_upper : pad.answer.slip_index;
+}
+
+/// The answer of the pad with the largest number to act on; S and its upper bound are the largest of all pads.
+void take_largest(MonitorLine& line) {
+  float most = -std::numeric_limits<float>::infinity();
+  Answer largest = line.pads.front().answer;
+  for (const PadAnswer& pad : line.pads) {
+    if (pad.contact) line.contact = line.contact.value_or(false) || *pad.contact;
+    if (pad.contact == false) continue;
+    const float number = number_acted_on(pad, line.has_bound);
+    if (number > most) most = number, largest = pad.answer;
+  }
+  for (const PadAnswer& pad : line.pads) {
+    largest.slip_index = std::fmax(largest.slip_index, pad.answer.slip_index);
+    largest.slip_upper = std::fmax(largest.slip_upper, pad.answer.slip_upper);
+    largest.unlike |= pad.answer.unlike;
+  }
+  line.answer = largest;
 }
 
 SlipEstimator estimator_of(const nn::Model& model) {
@@ -41,15 +79,47 @@ SlipEstimator estimator_of(const nn::Model& model) {
 
 }  // namespace
 
-LiveMonitor::LiveMonitor(const nn::Model& model, const SensorProfile& profile, const MonitorOptions& options)
+float MonitorLine::acted_on() const { return number_acted_on({answer, contact}, has_bound); }
+
+LiveMonitor::Sensor::Sensor(const nn::Model& network, const SensorProfile& profile, std::size_t first_tactel,
+                            std::size_t count, const MonitorOptions& options)
+    : first(first_tactel),
+      tactels(count),
+      touch(options.touch.value_or(profile.map.touch(first, count))),
+      history((check_width(network, profile, count), estimator_of(network))),
+      stresses(count * (profile.map.places() / profile.map.tactels())) {}
+
+/// frame: [axes, tactels of all pads] MPa.
+PadAnswer LiveMonitor::Sensor::answer(std::span<const float> frame) {
+  const std::size_t axes = stresses.size() / tactels, all = frame.size() / axes;
+  for (std::size_t axis = 0; axis < axes; ++axis)
+    std::ranges::copy(frame.subspan(axis * all + first, tactels), stresses.begin() + static_cast<long>(axis * tactels));
+  PadAnswer result{.answer = history.estimate(stresses)};
+  if (touch > 0) {
+    result.contact = result.answer.status == AnswerStatus::not_finite ||
+                     touches(std::span<const float>(stresses).first(tactels), touch);
+    if (!*result.contact) result.answer.slip_index = result.answer.slip_upper = std::nanf("");
+  }
+  return result;
+}
+
+LiveMonitor::LiveMonitor(std::span<const nn::Model> networks, const SensorProfile& profile,
+                         const MonitorOptions& options)
     : options_(options),
       map_(profile.map),
-      touch_(options.touch.value_or(profile.map.touch())),
       drift_(options.drift > 0 ? std::optional<DriftWatch>(std::in_place, profile.map, options.drift) : std::nullopt),
-      decoder_((check_width(model, profile), profile.format())),
-      has_bound_(model.bound.has_value()),
-      history_(estimator_of(model)),
-      stresses_(2 * profile.map.tactels()) {}
+      decoder_((check_networks(networks, profile), profile.format())),
+      has_bound_(networks.front().bound.has_value()),
+      stresses_(profile.map.places()) {
+  if (profile.pads.empty()) sensors_.emplace_back(networks.front(), profile, 0, profile.map.tactels(), options);
+  std::size_t first = 0;
+  for (std::size_t i = 0; i < profile.pads.size(); first += profile.pads[i++].count())
+    sensors_.emplace_back(networks[networks.size() > 1 ? i : 0], profile, first, profile.pads[i].count(), options);
+}
+
+bool LiveMonitor::knows_touch() const {
+  return std::ranges::all_of(sensors_, [](const Sensor& sensor) { return sensor.touch > 0; });
+}
 
 MonitorSummary LiveMonitor::run(hw::FrameSource& source, const MonitorEvents& events) {
   source_ = &source;
@@ -69,17 +139,15 @@ void LiveMonitor::answer(const hw::DecodedFrame& frame, double arrival, const Mo
   map_.apply(frame.values, stresses_);
   MonitorLine line{.frame = {decoder_.counts().frames - 1, frame.device_time, arrival, decoded},
                    .stresses = stresses_,
-                   .answer = history_.estimate(stresses_),
                    .has_bound = has_bound_};
+  for (Sensor& sensor : sensors_) line.pads.push_back(sensor.answer(stresses_));
   if (source_->live() && decoded - arrival > options_.late) {
     ++summary_.late;
     return;
   }
+  take_largest(line);
+  if (line.pads.size() == 1) line.pads.clear();
   const double now = source_->now();
-  if (touch_ > 0) {
-    line.contact = line.answer.status == AnswerStatus::not_finite || touches(stresses_, touch_);
-    if (!*line.contact) line.answer.slip_index = line.answer.slip_upper = std::nanf("");
-  }
   line.latency = 1e6 * (now - arrival), line.answer_time = 1e6 * (now - decoded);
   summary_.latency.add(line.latency);
   if (drift_) line.drift = drift_->next(stresses_, line.contact.value_or(true), arrival);

@@ -2,6 +2,7 @@
 #pragma once
 #include <tactel/infer.h>
 
+#include <deque>
 #include <functional>
 
 #include "host/live/drift_watch.h"
@@ -22,22 +23,26 @@ struct MonitorOptions {
   double drift = 2.0;    ///< s of rest that are compared with the calibration at once (DriftWatch); 0: no watch
 };
 
+/// The answer about one of several pads.
+struct PadAnswer {
+  Answer answer{};
+  std::optional<bool> contact{};  ///< false: no contact, S and its bound are NaN; none without a threshold
+};
+
 /// The answer to a frame.
 struct MonitorLine {
   LiveFrame frame;
-  std::span<const float> stresses;  ///< [2 tactels] MPa
-  Answer answer{};
-  bool has_bound = false;         ///< the network has a bound
-  std::optional<bool> contact{};  ///< false: no contact, S and its bound are NaN; none without a threshold
-  std::vector<Drift> drift{};     ///< what this frame showed to have moved; mostly nothing
-  double latency = 0;             ///< us from the frame's last byte to S
-  double answer_time = 0;         ///< us of the latency, from the decoded frame to S
+  std::span<const float> stresses;  ///< [places of the channel map] MPa
+  Answer answer{};                  ///< of several pads: of the one with the largest number to act on
+  bool has_bound = false;           ///< the network has a bound
+  std::optional<bool> contact{};    ///< as of PadAnswer; of several pads whether one touches
+  std::vector<PadAnswer> pads{};    ///< of several pads; none: `answer` is all
+  std::vector<Drift> drift{};       ///< what this frame showed to have moved; mostly nothing
+  double latency = 0;               ///< us from the frame's last byte to S
+  double answer_time = 0;           ///< us of the latency, from the decoded frame to S
 
   /// Returns the number to act on: the upper bound of S, or S where the network has no bound; 0 where nothing touches.
-  float acted_on() const {
-    if (answer.status == AnswerStatus::no_stress || contact == false) return 0;
-    return has_bound ? answer.slip_upper : answer.slip_index;
-  }
+  float acted_on() const;
   /// Returns the width of the interval of S; 0 without a bound.
   float width() const { return has_bound ? answer.slip_interval[1] - answer.slip_interval[0] : 0; }
 };
@@ -62,12 +67,28 @@ struct MonitorEvents {
 /// Turns frames of a source into slippage indices, in the calling thread, by tactel::SlipHistory.
 class LiveMonitor {
  public:
-  /// Throws ConfigError where the network's inputs do not match the tactels of the profile.
-  LiveMonitor(const nn::Model& model, const SensorProfile& profile, const MonitorOptions& options);
+  /// `networks`: one, or one for each pad of the profile, all with a bound or none. Throws ConfigError where their
+  /// number is another, or the inputs of one do not match the tactels.
+  LiveMonitor(std::span<const nn::Model> networks, const SensorProfile& profile, const MonitorOptions& options);
+  LiveMonitor(const nn::Model& network, const SensorProfile& profile, const MonitorOptions& options)
+      : LiveMonitor(std::span(&network, 1), profile, options) {}
+  /// Returns whether every pad has a threshold of touch.
+  bool knows_touch() const;
   /// Runs until the source ends or `stop` returns true.
   MonitorSummary run(hw::FrameSource& source, const MonitorEvents& events);
 
  private:
+  /// A line, or a pad: some tactels of the map.
+  struct Sensor {
+    Sensor(const nn::Model& network, const SensorProfile& profile, std::size_t first, std::size_t tactels,
+           const MonitorOptions& options);
+    PadAnswer answer(std::span<const float> frame);
+
+    std::size_t first, tactels;
+    double touch;                 ///< MPa; 0: every frame is a contact
+    SlipHistory history;          ///< of the frames answered, or dropped as late
+    std::vector<float> stresses;  ///< [axes tactels] MPa, of the newest frame
+  };
   void answer(const hw::DecodedFrame& frame, double arrival, const MonitorEvents& events);
   void refresh();
   void watch(const MonitorEvents& events);
@@ -75,12 +96,11 @@ class LiveMonitor {
 
   MonitorOptions options_;
   hw::ChannelMap map_;
-  double touch_;  ///< MPa; 0: every frame is a contact
   std::optional<DriftWatch> drift_;
   hw::Decoder decoder_;
   bool has_bound_;
-  SlipHistory history_;                                 ///< of the frames answered, or dropped as late
-  std::vector<float> stresses_;                         ///< [2 tactels] MPa, of the newest frame
+  std::deque<Sensor> sensors_;
+  std::vector<float> stresses_;                         ///< [places of the map] MPa, of the newest frame
   const hw::FrameSource* source_ = nullptr;             ///< of the run, for its clock
   double next_second_ = 1, last_turn_ = 0, quiet_ = 0;  ///< s; quiet_: listened since the last frame
   std::uint64_t frames_before_ = 0;                     ///< decoded until the last turn

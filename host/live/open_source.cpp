@@ -75,22 +75,38 @@ OpenSource open_replay(const std::string& text, const std::string& profile) {
   return {std::move(source), std::move(own)};
 }
 
-OpenSource open_csv(const std::string& text, const std::string& profile) {
+/// The profiles of a line of numbers as one, each with its calibration where there is one for each.
+SensorProfile read_profiles(Files names, Files calibrations) {
+  std::vector<SensorProfile> profiles;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    profiles.push_back(read_profile(names[i]));
+    if (profiles[i].kind != "csv")
+      throw ConfigError(names[i], "format.kind", profiles[i].kind, "csv, for --source csv:");
+    if (calibrations.size() > 1) read_calibration(calibrations[i], profiles[i]);
+  }
+  return profiles.size() == 1 ? std::move(profiles[0]) : joined_profile(profiles);
+}
+
+OpenSource open_csv(const std::string& text, Files profiles, Files calibrations) {
   SourceOptions options(text);
   int paced = 0;
   options.read("paced", paced);
   options.finish();
-  if (profile.empty())
-    throw ConfigError("command line", "--profile", "(missing)", "given with csv: a profile whose format.kind is csv");
-  SensorProfile own = read_profile(profile);
-  if (own.kind != "csv") throw ConfigError(profile, "format.kind", own.kind, "csv, for --source csv:");
+  if (profiles.empty())
+    throw ConfigError("command line", "--profile", "(missing)",
+                      "given with csv: uskin-4x4, uskin-4x6, or a profile whose format.kind is csv");
+  SensorProfile own = read_profiles(profiles, calibrations);
   return {std::make_unique<CsvSource>(options.path(), own.format()->channels(), paced != 0), std::move(own)};
 }
 
-OpenSource open(const std::string& kind, const std::string& rest, const std::string& profile) {
+OpenSource open(const std::string& kind, const std::string& rest, Files profiles, Files calibrations) {
+  if (kind == "csv") return open_csv(rest, profiles, calibrations);
+  if (profiles.size() > 1)
+    throw ConfigError("command line", "--profile", profiles[1],
+                      "given once with " + kind + ":; several profiles are of the pads in a line of csv:");
+  const std::string profile = profiles.empty() ? "" : profiles[0];
   if (kind == "replay") return open_replay(rest, profile);
   if (kind == "usb") return open_usb_source(rest, profile);
-  if (kind == "csv") return open_csv(rest, profile);
   if (kind != "simulate") throw ConfigError("command line", "--source", kind + ":" + rest, allowed_sources);
   if (!profile.empty())
     throw ConfigError("command line", "--profile", profile, "left out with simulate:, which brings its own");
@@ -102,12 +118,19 @@ OpenSource open(const std::string& kind, const std::string& rest, const std::str
 }  // namespace
 
 OpenSource open_source(const std::string& source, const std::string& profile, const std::string& calibration) {
+  return open_source(source, Files(&profile, profile.empty() ? 0 : 1),
+                     Files(&calibration, calibration.empty() ? 0 : 1));
+}
+
+OpenSource open_source(const std::string& source, Files profiles, Files calibrations) {
   const auto colon = source.find(':');
   if (has_nul(source)) throw ConfigError("command line", "--source", source, "without a NUL byte");
   if (colon == std::string::npos || colon + 1 == source.size())
     throw ConfigError("command line", "--source", source, allowed_sources);
-  OpenSource opened = open(source.substr(0, colon), source.substr(colon + 1), profile);
-  if (!calibration.empty()) read_calibration(calibration, opened.profile);
+  if (calibrations.size() > 1 && calibrations.size() != profiles.size())
+    throw ConfigError("command line", "--calibration", calibrations[1], "given once, or once for each --profile");
+  OpenSource opened = open(source.substr(0, colon), source.substr(colon + 1), profiles, calibrations);
+  if (calibrations.size() == 1) read_calibration(calibrations[0], opened.profile);
   return opened;
 }
 

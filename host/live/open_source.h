@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <memory>
+#include <span>
 #include <string>
 
 #include "host/live/sensor_profile.h"
@@ -19,5 +20,10 @@ struct OpenSource {
 /// for one of several, "csv:FILE" and "csv:-" with a profile, "replay:FILE", "simulate:SCENE.toml?rate=1000". An empty
 /// path means no file. Throws ConfigError, hw::SourceError.
 OpenSource open_source(const std::string& source, const std::string& profile, const std::string& calibration);
+
+using Files = std::span<const std::string>;
+/// The same with several profiles, whose pads have their numbers one after the other in a line of csv:. `calibrations`:
+/// none, one for the source, or one for each profile.
+OpenSource open_source(const std::string& source, Files profiles, Files calibrations);
 
 }  // namespace tactel::host

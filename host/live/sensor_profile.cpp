@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
+#include <numeric>
 
 #include "host/scenes/toml_table.h"
 #include "hw/csv_format.h"
@@ -126,13 +128,45 @@ void read_calibration(const TomlFile& file, hw::Calibration& calibration, std::s
   in.finish();
 }
 
-void read_map(const TomlFile& file, hw::ChannelMap& map, std::size_t channels) {
-  TomlTable in(file, "channels");
-  in.read("normal", map.normal, "an array of channels from 0, one a tactel, -1 for none");
-  map.shear.assign(map.normal.size(), -1);
-  in.read("shear", map.shear, "an array of channels from 0, one a tactel, -1 for none");
+void read_pads(const TomlFile& file, std::vector<PadLayout>& pads) {
+  TomlTable in(file, "pad");
+  const char* of_pad = "whole numbers, 1 to 128: [nx, ny] along x and y of each pad";
+  const char* apart = "a number of mm above 0, or two [px, py] along x and y";
+  if (in.keys().empty()) return;
+  std::vector<int> sizes;
+  in.read("tactels", sizes, of_pad);
+  std::vector<double> pitch{0};
+  if (in.read_one_or_more("pitch", pitch, apart) &&
+      (pitch.size() > 2 || !std::ranges::all_of(pitch, [](double p) { return p > 0; })))
+    in.refuse("pitch", apart);
   in.finish();
-  if (map.normal.empty()) in.refuse_missing("normal", "an array of channels from 0, one a tactel, -1 for none");
+  if (sizes.empty()) in.refuse_missing("tactels", of_pad);
+  if (sizes.size() % 2 != 0 || std::ranges::any_of(sizes, [](int n) { return n < 1 || n > 128; }))
+    in.refuse("tactels", of_pad);
+  for (std::size_t i = 0; i < sizes.size(); i += 2)
+    pads.push_back({{sizes[i], sizes[i + 1]}, {pitch.front(), pitch.back()}});
+}
+
+void read_map(const TomlFile& file, SensorProfile& profile, std::size_t channels) {
+  const char* words = "an array of channels from 0, one a tactel, -1 for none";
+  hw::ChannelMap& map = profile.map;
+  TomlTable in(file, "channels");
+  in.read("normal", map.normal, words);
+  if (profile.pads.empty()) {
+    in.refuse_any({"shear_x", "shear_y"}, "left out without [pad]; a line has shear");
+    map.shear.assign(map.normal.size(), -1);
+    in.read("shear", map.shear, words);
+  } else {
+    in.refuse_any({"shear"}, "left out with [pad]; a pad has shear_x and shear_y");
+    const bool x = in.read("shear_x", map.shear, words), y = in.read("shear_y", map.shear_y, words);
+    if (x != y) in.refuse_missing(x ? "shear_y" : "shear_x", "given beside the shear of the other axis");
+  }
+  in.finish();
+  if (map.normal.empty()) in.refuse_missing("normal", words);
+  std::size_t of_pads = 0;
+  for (const PadLayout& pad : profile.pads) of_pads += pad.count();
+  if (!profile.pads.empty() && of_pads != map.normal.size())
+    in.refuse("normal", fmt::format("one channel for each of the {} tactels of [pad]", of_pads));
   map.calibration = {std::vector<double>(channels, 0.0), std::vector<double>(channels, 1.0)};
   read_calibration(file, map.calibration, channels);
   map.validate(channels);
@@ -140,14 +174,15 @@ void read_map(const TomlFile& file, hw::ChannelMap& map, std::size_t channels) {
 
 SensorProfile parse(const TomlFile& file) {
   TomlTable root(file, "");
-  for (const char* table : {"device", "format", "channels", "calibration"}) root.expect_table(table);
+  for (const char* table : {"device", "format", "pad", "channels", "calibration"}) root.expect_table(table);
   root.finish();
   SensorProfile profile;
   profile.text = file.text();
   read_device(file, profile);
   profile.format = read_format(file, profile.kind);
   try {
-    read_map(file, profile.map, profile.format()->channels());
+    read_pads(file, profile.pads);
+    read_map(file, profile, profile.format()->channels());
   } catch (const ValueError& error) {
     throw file.error(error);
   }
@@ -156,16 +191,41 @@ SensorProfile parse(const TomlFile& file) {
 
 std::string glove_text() {
   std::vector<int> cells(64);
-  for (int i = 0; i < 64; ++i) cells[static_cast<std::size_t>(i)] = i;
+  std::iota(cells.begin(), cells.end(), 0);
   return fmt::format(
       "[device]\nname = \"CITEC tactile glove\"\nvendor = 0x04D8\nproduct = 0x000A\ntransport = \"cdc-acm\"\n"
       "[format]\nkind = \"glove\"\n[channels]\nnormal = [{}]\n",
       fmt::join(cells, ", "));
 }
 
+/// Lines of x, y, z of each tactel, row by row. The gains have the signs alone: a pressed tactel counts upwards.
+std::string uskin_text(int nx, int ny) {
+  constexpr double nominal = 1e-5;  // MPa by a count
+  hw::ChannelMap map;
+  for (int tactel = 0; tactel < nx * ny; ++tactel) {
+    map.shear.push_back(3 * tactel), map.shear_y.push_back(3 * tactel + 1), map.normal.push_back(3 * tactel + 2);
+    map.calibration.gain.insert(map.calibration.gain.end(), {nominal, nominal, -nominal});
+  }
+  map.calibration.offset.assign(map.calibration.gain.size(), 0.0);
+  return fmt::format("[device]\nname = \"uSkin {} x {}\"\n[format]\nkind = \"csv\"\nchannels = {}\n", nx, ny,
+                     3 * nx * ny) +
+         channels_text(map, {{{nx, ny}, {4.7, 4.7}}}) + calibration_text(map.calibration);
+}
+
+/// The text of a built-in profile; empty for other names.
+std::string built_in_text(const std::string& name) {
+  if (name == "glove") return glove_text();
+  if (name == "uskin-4x4") return uskin_text(4, 4);
+  if (name == "uskin-4x6") return uskin_text(4, 6);
+  return "";
+}
+
 }  // namespace
 
-SensorProfile read_profile(const std::filesystem::path& path) { return parse(TomlFile(path)); }
+SensorProfile read_profile(const std::filesystem::path& path) {
+  const std::string text = built_in_text(path.string());
+  return text.empty() ? parse(TomlFile(path)) : parse_profile(text, path.string());
+}
 
 SensorProfile parse_profile(const std::string& text, const std::string& source) {
   return parse(TomlFile(source, text));
@@ -175,6 +235,51 @@ SensorProfile built_in_profile(const std::string& name) {
   if (name != "glove")
     throw ConfigError("command line", "--source", "usb:" + name, "usb:glove, or usb:VID:PID with --profile");
   return parse_profile(glove_text(), "usb:glove");
+}
+
+SensorProfile joined_profile(const std::vector<SensorProfile>& profiles) {
+  hw::ChannelMap map;
+  std::vector<PadLayout> pads;
+  std::size_t channels = 0;
+  const SensorProfile& first = profiles.front();
+  for (const SensorProfile& profile : profiles) {
+    const bool alike = !profile.pads.empty() && profile.kind == "csv" && profile.pads[0].pitch == first.pads[0].pitch &&
+                       profile.map.shear.empty() == first.map.shear.empty();
+    if (!alike)
+      throw ConfigError("command line", "--profile", profile.name.empty() ? profile.kind : profile.name,
+                        "with several profiles: pads in lines of numbers (format.kind csv, [pad]), of one pitch and "
+                        "with the same axes");
+    for (const auto& [to, from] : {std::pair{&map.normal, &profile.map.normal},
+                                   {&map.shear, &profile.map.shear},
+                                   {&map.shear_y, &profile.map.shear_y}})
+      for (const int channel : *from) to->push_back(channel < 0 ? -1 : channel + static_cast<int>(channels));
+    const hw::Calibration& own = profile.map.calibration;
+    const std::pair<std::vector<double>*, const std::vector<double>*> numbers[] = {
+        {&map.calibration.offset, &own.offset},
+        {&map.calibration.gain, &own.gain},
+        {&map.calibration.noise, &own.noise}};
+    for (const auto& [to, from] : numbers) to->insert(to->end(), from->begin(), from->end());
+    pads.insert(pads.end(), profile.pads.begin(), profile.pads.end());
+    channels += profile.format()->channels();
+  }
+  if (map.calibration.noise.size() != channels) map.calibration.noise.clear();
+  return parse_profile(fmt::format("[format]\nkind = \"csv\"\nchannels = {}\n", channels) + channels_text(map, pads) +
+                           calibration_text(map.calibration),
+                       "--profile");
+}
+
+std::string channels_text(const hw::ChannelMap& map, const std::vector<PadLayout>& pads) {
+  std::string text;
+  if (!pads.empty()) {
+    std::vector<int> sizes;
+    for (const PadLayout& pad : pads) sizes.insert(sizes.end(), pad.tactels.begin(), pad.tactels.end());
+    text = fmt::format("[pad]\ntactels = {}\n", sizes);
+    if (pads[0].pitch[0] > 0) text += fmt::format("pitch = {}\n", pads[0].pitch);
+  }
+  text += fmt::format("[channels]\nnormal = {}\n", map.normal);
+  if (!map.shear.empty()) text += fmt::format("shear{} = {}\n", pads.empty() ? "" : "_x", map.shear);
+  if (!map.shear_y.empty()) text += fmt::format("shear_y = {}\n", map.shear_y);
+  return text;
 }
 
 void read_calibration(const std::filesystem::path& path, SensorProfile& profile) {

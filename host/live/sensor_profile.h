@@ -1,15 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "hw/channel_map.h"
 #include "hw/usb_device.h"
 #include "hw/wire_format.h"
 
 namespace tactel::host {
+
+/// Tactels of a pad, x fastest.
+struct PadLayout {
+  std::array<int, 2> tactels{};       ///< along x and y
+  std::array<double, 2> pitch{0, 0};  ///< mm, from tactel to tactel; 0: not told
+  std::size_t count() const { return static_cast<std::size_t>(tactels[0]) * static_cast<std::size_t>(tactels[1]); }
+};
 
 /// Contents of a profile file (docs/sensors.md: every key): the USB device, the format of its bytes, and the
 /// channels of the stresses of the tactels.
@@ -20,14 +29,21 @@ struct SensorProfile {
   hw::UsbDevice usb;
   std::function<std::unique_ptr<const hw::WireFormat>()> format;
   hw::ChannelMap map;
+  std::vector<PadLayout> pads{};  ///< whose tactels follow each other in `map`; none: a line
 };
 
-/// Reads a profile strictly. Throws ConfigError.
+/// Reads a profile strictly, or takes the built-in one of that name: "glove", "uskin-4x4", "uskin-4x6". Throws
+/// ConfigError.
 SensorProfile read_profile(const std::filesystem::path& path);
 /// Reads a profile from a text; errors name `source`.
 SensorProfile parse_profile(const std::string& text, const std::string& source);
-/// Returns a built-in profile: "glove". Throws ConfigError.
+/// Returns the built-in profile of a USB device: "glove". Throws ConfigError.
 SensorProfile built_in_profile(const std::string& name);
+/// Returns the profile of lines of numbers that have the channels of one pad after those of the other. Throws
+/// ConfigError for what is not a pad in lines of numbers, or differs in pitch or axes from the first.
+SensorProfile joined_profile(const std::vector<SensorProfile>& profiles);
+/// Returns the tables [pad] and [channels] of a profile.
+std::string channels_text(const hw::ChannelMap& map, const std::vector<PadLayout>& pads);
 
 /// Replaces the calibration of a profile by that of a calibration file, a single table [calibration]. Throws
 /// ConfigError.

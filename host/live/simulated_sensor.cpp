@@ -2,13 +2,13 @@
 #include "host/live/simulated_sensor.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <thread>
+#include <utility>
 
 #include "host/live/source_options.h"
 #include "host/scenes/scene_file.h"
@@ -38,6 +38,13 @@ hw::GenericLayout layout_of(int channels) {
   return layout;
 }
 
+/// The channels of an axis whose tactels follow each other.
+std::vector<int> axis_channels(int axis, Eigen::Index tactels) {
+  std::vector<int> all(static_cast<std::size_t>(tactels));
+  std::iota(all.begin(), all.end(), axis * static_cast<int>(tactels));
+  return all;
+}
+
 void require_at_least(const std::string& key, double value, double least, const std::string& what) {
   if (!(value >= least && std::isfinite(value))) throw ValueError(key, fmt::format("{}", value), what);
 }
@@ -61,23 +68,40 @@ void SimulationOptions::validate() const {
         fmt::format("so small that at most {:.0e} frames are played, and not {:.0e}", most_frames, frames));
 }
 
-ScenePlay::ScenePlay(const fem::ContactSolution& solution, int indentation_steps, const SimulationOptions& options) {
-  const auto steps = static_cast<int>(solution.steps.size());
-  const auto tactels = solution.tactel_x.size();
-  stress_ = Eigen::MatrixXd::Zero(2 * tactels, steps + 3);
+ScenePlay::ScenePlay(const fem::ContactSolution& solution, int indentation_steps, const SimulationOptions& options)
+    : map_{axis_channels(0, solution.tactel_x.size()), axis_channels(1, solution.tactel_x.size()), {}} {
+  stress_ = Eigen::MatrixXd::Zero(2 * solution.tactel_x.size(), static_cast<Eigen::Index>(solution.steps.size()));
+  for (std::size_t i = 0; i < solution.steps.size(); ++i)
+    stress_.col(static_cast<Eigen::Index>(i)) << solution.steps[i].sigma_y, solution.steps[i].tau_xy;
+  set_times(indentation_steps, options);
+}
+
+ScenePlay::ScenePlay(const fem::PadSolution& solution, const fem::PadScene& scene, const SimulationOptions& options)
+    : pads_{{scene.sensor.tactels, scene.sensor.pitch}} {
+  const auto tactels = static_cast<Eigen::Index>(pads_[0].count());
+  map_.normal = axis_channels(0, tactels);
+  if (scene.sensor.axes == 3) map_.shear = axis_channels(1, tactels), map_.shear_y = axis_channels(2, tactels);
+  stress_ = Eigen::MatrixXd::Zero(scene.sensor.axes * tactels, static_cast<Eigen::Index>(solution.steps.size()));
+  for (std::size_t i = 0; i < solution.steps.size(); ++i)
+    stress_.col(static_cast<Eigen::Index>(i)) = solution.steps[i].stress.leftCols(scene.sensor.axes).reshaped();
+  set_times(static_cast<int>(fem::pressing_targets(scene.load)), options);
+}
+
+/// Knots: rest, each load step, and after the last step of pressing and of all it is held.
+void ScenePlay::set_times(int pressing_steps, const SimulationOptions& options) {
+  const Eigen::MatrixXd steps = std::exchange(stress_, Eigen::MatrixXd::Zero(stress_.rows(), stress_.cols() + 3));
   time_ = {0.0};
-  int knot = 0;
-  const auto add = [&](double time, int step) {
+  const auto add = [&](double time, Eigen::Index step) {
+    stress_.col(static_cast<Eigen::Index>(time_.size())) = steps.col(step);
     time_.push_back(time);
-    stress_.col(++knot) << solution.steps[static_cast<std::size_t>(step)].sigma_y,
-        solution.steps[static_cast<std::size_t>(step)].tau_xy;
   };
-  for (int i = 0; i < indentation_steps; ++i) add(options.press * (i + 1) / indentation_steps, i);
-  add(options.press + options.hold, indentation_steps - 1);
-  const int tangential = steps - indentation_steps;
-  for (int i = 0; i < tangential; ++i)
-    add(options.press + options.hold + options.drag * (i + 1) / tangential, indentation_steps + i);
-  add(time_.back() + options.slip, steps - 1);
+  for (int i = 0; i < pressing_steps; ++i) add(options.press * (i + 1) / pressing_steps, i);
+  add(options.press + options.hold, pressing_steps - 1);
+  const Eigen::Index tangential = steps.cols() - pressing_steps;
+  for (Eigen::Index i = 0; i < tangential; ++i)
+    add(options.press + options.hold + options.drag * static_cast<double>(i + 1) / static_cast<double>(tangential),
+        pressing_steps + i);
+  add(time_.back() + options.slip, steps.cols() - 1);
 }
 
 void ScenePlay::at(double t, Eigen::VectorXd& stress) const {
@@ -108,9 +132,6 @@ SimulatedSensor::SimulatedSensor(ScenePlay play, const SimulationOptions& option
 }
 
 std::string SimulatedSensor::profile_text() const {
-  std::vector<int> channels(codes_.size());
-  std::iota(channels.begin(), channels.end(), 0);
-  const auto middle = channels.begin() + static_cast<long>(channels.size() / 2);
   // Codes: before the converter and by its rounding; half a step at least, as tare has it.
   const double noise =
       std::max(0.5, std::sqrt(std::pow(options_.noise * converter_.full_scale / converter_.step(), 2) + 1.0 / 12));
@@ -119,10 +140,10 @@ std::string SimulatedSensor::profile_text() const {
       "[format]\nkind = \"generic\"\nsync = [0xA5, 0x5A]\nheader = {}\ncounter_offset = {}\ncounter_width = {}\n"
       "clock_offset = {}\nclock_width = {}\nclock_tick = {}\nchannels = {}\nsample = \"u16\"\nchecksum = \"crc16\"\n"
       "confirmations = {}\n"
-      "[channels]\nnormal = [{}]\nshear = [{}]\n[calibration]\noffset = {}\ngain = {}\nnoise = {}\n",
+      "{}[calibration]\noffset = {}\ngain = {}\nnoise = {}\n",
       layout_.header, layout_.counter.offset, layout_.counter.width, layout_.clock.offset, layout_.clock.width,
-      layout_.clock_tick, layout_.channels, layout_.confirmations, fmt::join(channels.begin(), middle, ", "),
-      fmt::join(middle, channels.end(), ", "), converter_.zero(), converter_.step(), noise);
+      layout_.clock_tick, layout_.channels, layout_.confirmations, play_.channels_text(), converter_.zero(),
+      converter_.step(), noise);
 }
 
 // Without pace the clock begins anew at each frame's own time, when it is handed out.
@@ -193,7 +214,12 @@ std::unique_ptr<SimulatedSensor> open_simulation(const std::string& scene_and_op
   given.finish();
   try {
     options.validate();
-    fem::Scene scene = read_scene(given.path());
+    AnyScene any = read_any_scene(given.path());
+    if (const auto* pad = std::get_if<fem::PadScene>(&any)) {
+      if (options.tactels != 0) throw ValueError("tactels", std::to_string(options.tactels), "left out of a pad");
+      return std::make_unique<SimulatedSensor>(ScenePlay(solve(*pad, {}).solution, *pad, options), options);
+    }
+    auto& scene = std::get<fem::Scene>(any);
     if (options.tactels != 0) scene.sensor.tactels = options.tactels;
     scene.validate();
     const fem::ContactSolution solution = solve(scene, {}).solution;

@@ -7,7 +7,9 @@
 #include <string>
 
 #include "fem/contact_solution.h"
+#include "host/contact/pad_solve.h"
 #include "host/contact/solve.h"
+#include "host/live/sensor_profile.h"
 #include "hw/charge_amplifier.h"
 #include "hw/frame_source.h"
 #include "hw/generic_format.h"
@@ -36,15 +38,22 @@ struct SimulationOptions {
 class ScenePlay {
  public:
   ScenePlay(const fem::ContactSolution& solution, int indentation_steps, const SimulationOptions& options);
+  ScenePlay(const fem::PadSolution& solution, const fem::PadScene& scene, const SimulationOptions& options);
   double duration() const { return time_.back(); }  ///< s, of one pass
   int channels() const { return static_cast<int>(stress_.rows()); }
   double largest() const { return stress_.cwiseAbs().maxCoeff(); }  ///< MPa
   /// Computes stress [channels] MPa at time t, normal stresses first.
   void at(double t, Eigen::VectorXd& stress) const;
+  /// Returns the channels of the stresses, and of a pad its layout.
+  std::string channels_text() const { return host::channels_text(map_, pads_); }
 
  private:
+  void set_times(int pressing_steps, const SimulationOptions& options);
+
   std::vector<double> time_;  ///< [knots] s
   Eigen::MatrixXd stress_;    ///< [channels, knots] MPa
+  hw::ChannelMap map_;
+  std::vector<PadLayout> pads_;
 };
 
 /// A simulated sensor: a played scene through the measuring chain, in frames of the generic format.

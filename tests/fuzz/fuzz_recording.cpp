@@ -33,7 +33,7 @@ std::vector<std::uint8_t> with_right_checksums(Bytes input) {
 
 void replay(hw::FrameSource& source, const host::SensorProfile& profile, std::size_t size) {
   hw::Decoder decoder(profile.format());
-  std::vector<float> frame(2 * profile.map.tactels());
+  std::vector<float> frame(profile.map.places());
   host::LatencyHistogram latency;
   std::size_t bytes = 0;
   while (!source.finished()) {

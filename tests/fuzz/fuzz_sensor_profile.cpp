@@ -14,7 +14,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   host::SensorProfile profile;
   if (!fuzz::accepts([&] { profile = host::parse_profile(text, "profile.toml"); })) return 0;
   hw::Decoder decoder(profile.format());
-  std::vector<float> frame(2 * profile.map.tactels());
+  std::vector<float> frame(profile.map.places());
   // The profile's own text stands for a stream of bytes: some sync marks occur in it.
   decoder.feed({data, size}, [&](const hw::DecodedFrame& decoded) { profile.map.apply(decoded.values, frame); });
   return 0;

@@ -69,5 +69,51 @@ TEST(ChannelMap, TouchIsSevenDeviationsOfTheNoisiestNormalStress) {
   EXPECT_DOUBLE_EQ(map.touch(), 7);
 }
 
+/// Two tactels that send x, y, z each; z counts upwards under pressure.
+ChannelMap pad_of_two() {
+  return {.normal = {2, 5},
+          .shear = {0, 3},
+          .calibration = {.offset = {100, 200, 300, 0, 0, 0}, .gain = {0.5, 2, -0.25, 1, 1, -1}},
+          .shear_y = {1, 4}};
+}
+
+TEST(ChannelMap, APadHasAllNormalStressesThenShearAlongXThenAlongY) {
+  const ChannelMap map = pad_of_two();
+  map.validate(6);
+  ASSERT_EQ(map.places(), 6u);
+  std::vector<float> frame(6);
+  map.apply(std::vector<double>{102, 199, 308, 7, 8, 9}, frame);
+  EXPECT_THAT(frame, ElementsAre(-2, -9, 1, 7, -2, 8));  // -(308-300)/4, -9; (102-100)/2, 7; 2 (199-200), 8
+  EXPECT_EQ(map.channel_text(1), "channel 5 (normal stress of tactel 1)");
+  EXPECT_EQ(map.channel_text(2), "channel 0 (shear stress along x of tactel 0)");
+  EXPECT_EQ(map.channel_text(5), "channel 4 (shear stress along y of tactel 1)");
+}
+
+TEST(ChannelMap, APadOfOneAxisHasNormalStressesAlone) {
+  const ChannelMap map{.normal = {1, 0}, .shear = {}, .calibration = {.offset = {0, 1}, .gain = {1, 3}}};
+  map.validate(2);
+  std::vector<float> frame(map.places());
+  map.apply(std::vector<double>{4, 2}, frame);
+  EXPECT_THAT(frame, ElementsAre(3, 4));
+  EXPECT_EQ(map.channel(2), -1);
+}
+
+TEST(ChannelMap, RefusesAPadWhoseAxesDiffer) {
+  ChannelMap map = pad_of_two();
+  map.shear_y.pop_back();
+  EXPECT_THAT(thrown_message<ValueError>([&] { map.validate(6); }), HasSubstr("channels.shear_y"));
+  map = pad_of_two();
+  map.shear.push_back(1);
+  EXPECT_THAT(thrown_message<ValueError>([&] { map.validate(6); }), HasSubstr("channels.shear_x"));
+}
+
+/// Each of two pads has the threshold of its own noise.
+TEST(ChannelMap, TouchOfSomeTactels) {
+  const ChannelMap map{{0, 1, 2}, {}, {{0, 0, 0}, {1, -2, 1}, {1, 1, 3}}};
+  EXPECT_EQ(map.touch(0, 1), 7);
+  EXPECT_EQ(map.touch(0, 2), 14);
+  EXPECT_EQ(map.touch(2, 1), 21);
+}
+
 }  // namespace
 }  // namespace tactel::hw

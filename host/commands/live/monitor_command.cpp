@@ -25,7 +25,8 @@ namespace {
 constexpr float default_alarm = 0.8f, never = 2;
 
 struct MonitorRequest : SensorRequest {
-  std::string network, device;
+  std::vector<std::string> networks;
+  std::string device;
   int every = 1;
   std::optional<float> alarm;   ///< default_alarm for --view where not given
   std::optional<float> widest;  ///< interval of S at which an alarm begins
@@ -37,15 +38,23 @@ struct MonitorRequest : SensorRequest {
 std::string json_number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : "null"; }
 std::string json_number(float value) { return std::isfinite(value) ? fmt::format("{}", value) : "null"; }
 
-/// What a line says beside S: whether there is a contact, where a threshold is known; the bound of a network that has
-/// one, the alarm and whether the frame can tell, where they were asked for, and what drifted.
-std::string bound_text(const MonitorLine& line, const std::optional<bool>& alarm,
-                       const std::optional<bool>& cannot_tell) {
+/// S; whether there is a contact, where a threshold is known; the bound of a network that has one.
+std::string answer_text(const Answer& answer, const std::optional<bool>& contact, bool has_bound) {
+  std::string text = fmt::format("\"slip_index\": {}", json_number(answer.slip_index));
+  if (contact) text += fmt::format(", \"contact\": {}", *contact);
+  if (has_bound)
+    text += fmt::format(", \"slip_upper\": {}, \"unlike\": {}", json_number(answer.slip_upper), answer.unlike != 0);
+  return text;
+}
+
+/// What a line says beside its answer: that of each of several pads; the alarm and whether the frame can tell, where
+/// they were asked for; what drifted.
+std::string further_text(const MonitorLine& line, const std::optional<bool>& alarm,
+                         const std::optional<bool>& cannot_tell) {
   std::string text;
-  if (line.contact) text += fmt::format(", \"contact\": {}", *line.contact);
-  if (line.has_bound)
-    text += fmt::format(", \"slip_upper\": {}, \"unlike\": {}", json_number(line.answer.slip_upper),
-                        line.answer.unlike != 0);
+  for (const PadAnswer& pad : line.pads)
+    text += fmt::format("{}{{{}}}{}", &pad == line.pads.data() ? ", \"pads\": [" : ", ",
+                        answer_text(pad.answer, pad.contact, line.has_bound), &pad == &line.pads.back() ? "]" : "");
   if (alarm) text += fmt::format(", \"alarm\": {}", *alarm);
   if (cannot_tell) text += fmt::format(", \"cannot_tell\": {}", *cannot_tell);
   for (const Drift& drift : line.drift)
@@ -59,11 +68,10 @@ std::string bound_text(const MonitorLine& line, const std::optional<bool>& alarm
 std::string line_text(const MonitorLine& line, const std::optional<bool>& alarm,
                       const std::optional<bool>& cannot_tell) {
   const std::string latency = std::isfinite(line.latency) ? fmt::format("{:.1f}", line.latency) : "null";
-  return fmt::format(
-      "{{\"frame\": {}, \"device_time\": {}, \"arrival\": {}, \"slip_index\": {}{}, \"latency_us\": {}}}\n",
-      line.frame.number, line.frame.device_time ? json_number(*line.frame.device_time) : "null",
-      json_number(line.frame.arrival), json_number(line.answer.slip_index), bound_text(line, alarm, cannot_tell),
-      latency);
+  return fmt::format("{{\"frame\": {}, \"device_time\": {}, \"arrival\": {}, {}{}, \"latency_us\": {}}}\n",
+                     line.frame.number, line.frame.device_time ? json_number(*line.frame.device_time) : "null",
+                     json_number(line.frame.arrival), answer_text(line.answer, line.contact, line.has_bound),
+                     further_text(line, alarm, cannot_tell), latency);
 }
 
 std::string summary_text(const MonitorSummary& all, bool cut_short) {
@@ -140,22 +148,24 @@ MonitorEvents make_events(const MonitorRequest& request, LiveView& view, Output&
 }
 
 int run_monitor(const MonitorRequest& request) {
-  const nn::Model model = read_onnx(request.network);
-  if (request.widest && !model.bound)
+  std::vector<nn::Model> networks;
+  for (const std::string& file : request.networks) networks.push_back(read_onnx(file));
+  if (request.widest && !networks.front().bound)
     throw ConfigError("command line", "--widest", fmt::format("{}", *request.widest),
                       "left out for a network without a bound: it has no interval");
   if (!request.device.empty() && !request.quiet)
     print_warning("--device has no effect: monitor evaluates networks on the processor, with the bits of every device");
   OpenSource opened = open_for(request);
-  const bool touch_known = request.options.touch || opened.profile.map.touch() > 0;
+  LiveMonitor monitor(networks, opened.profile, request.options);
+  const bool touch_known = request.options.touch || monitor.knows_touch();
   if (request.alarm && !touch_known)
     throw ConfigError("command line", "--alarm", fmt::format("{}", *request.alarm),
                       "given with --touch MPa, or with noise in [calibration] (tactel tare measures it): without a "
                       "threshold of touch, noise at rest raises alarms");
-  LiveMonitor monitor(model, opened.profile, request.options);
   Output output;
-  if (model.bound && !model.bound->calibrated() && !request.quiet)
-    print_warning(request.network + ": its bound is not calibrated (tactel calibrate bound)");
+  for (std::size_t i = 0; i < networks.size(); ++i)
+    if (networks[i].bound && !networks[i].bound->calibrated() && !request.quiet)
+      print_warning(request.networks[i] + ": its bound is not calibrated (tactel calibrate bound)");
   if (!touch_known && !request.quiet)
     print_warning(
         "no threshold of touch: [calibration] has no noise, so that frames at rest have an S, too; run tactel "
@@ -183,8 +193,11 @@ void add_monitor_command(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("monitor", "print the slippage index of a live sensor: one JSON line a frame");
   command->group("Read a sensor");
   add_sensor_options(*command, *request);
-  command->add_option("--network", request->network, "network that evaluates the frames, see tactel train")
+  command
+      ->add_option("--network", request->networks,
+                   "network that evaluates the frames, see tactel train; of several pads once, or once for each")
       ->type_name("FILE.onnx")
+      ->allow_extra_args(false)
       ->required();
   command->add_option("--every", request->every, "print only every N-th frame")
       ->type_name("N")

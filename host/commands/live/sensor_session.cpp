@@ -44,14 +44,21 @@ void add_sensor_options(CLI::App& command, SensorRequest& request) {
                   "(docs/sensors.md)")
       ->type_name("SOURCE")
       ->required();
-  command.add_option("--profile", request.profile, "device profile: wire format and channels")->type_name("FILE.toml");
   command
-      .add_option("--calibration", request.calibration, "offsets and gains instead of the profile's, see tactel tare")
-      ->type_name("FILE.toml");
+      .add_option("--profile", request.profiles,
+                  "device profile: wire format and channels; or uskin-4x4, uskin-4x6; again for each further pad of a "
+                  "line of csv:")
+      ->type_name("FILE.toml")
+      ->allow_extra_args(false);
+  command
+      .add_option("--calibration", request.calibrations,
+                  "offsets and gains instead of the profile's, see tactel tare; once, or for each --profile")
+      ->type_name("FILE.toml")
+      ->allow_extra_args(false);
 }
 
 OpenSource open_for(const SensorRequest& request) {
-  OpenSource opened = open_source(request.source, request.profile, request.calibration);
+  OpenSource opened = open_source(request.source, request.profiles, request.calibrations);
   if (!opened.note.empty() && !request.quiet) say("note: " + opened.note);
   return opened;
 }

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <string>
+#include <vector>
 
 #include "host/live/open_source.h"
 #include "host/support/interrupt.h"
@@ -12,7 +13,8 @@ namespace tactel::host {
 
 /// Options of the commands that read a sensor.
 struct SensorRequest {
-  std::string source, profile, calibration;
+  std::string source;
+  std::vector<std::string> profiles, calibrations;
   double seconds = 0;  ///< 0: until the source ends
   bool quiet = false;
 };

@@ -43,7 +43,7 @@ hw::Tare read_rest(const TareRequest& request, hw::FrameSource& source, hw::Deco
 std::string motion(const hw::Tare& tare, const hw::ChannelMap& map) {
   std::string worst;
   double most = 1;
-  for (std::size_t place = 0; place < 2 * map.tactels(); ++place) {
+  for (std::size_t place = 0; place < map.places(); ++place) {
     if (map.channel(place) < 0) continue;
     const hw::ChannelRest rest = tare.channel(static_cast<std::size_t>(map.channel(place)));
     if (rest.readings == 0) throw hw::SourceError(map.channel_text(place) + " sends no finite number");

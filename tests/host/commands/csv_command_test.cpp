@@ -4,6 +4,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <gmock/gmock.h>
+#include <sys/stat.h>
+
+#include <chrono>
+#include <fstream>
+#include <sstream>
+#include <thread>
 
 #include "hw/decoder.h"
 #include "tests/host/commands/live_command.h"
@@ -107,6 +113,136 @@ TEST_F(CsvCommand, ProfilesNameWhatTheyReject) {
   EXPECT_TRUE(refused("kind = \"csv\"\nchannels = 0\n", "channels"));
   EXPECT_TRUE(refused("kind = \"csv\"\nchannels = 2000\n", "channels"));
   EXPECT_TRUE(refused("kind = \"csv\"\nchannels = 2\nsync = [1]\n", "sync"));
+}
+
+/// Two pads whose readings differ, as the lines of a gripper, and a network of 16 tactels with three axes.
+class PadCommand : public LiveCommand {
+ protected:
+  PadCommand() {
+    write_onnx(network_, network(24));
+    std::string left = "time" + std::string(48, ',') + "\n", right = left;
+    std::string both = "time" + std::string(96, ',') + "\n";
+    for (int i = 0; i < frames; ++i) {
+      const auto readings = [&](double pressure, double drag) {
+        std::string line;
+        for (int tactel = 0; tactel < 16; ++tactel) {
+          const double share = 1 + 0.1 * tactel;
+          line += fmt::format("{}{},{},{}", tactel == 0 ? "" : ",", 16000 + drag * share, 16500 - drag,
+                              39000 + pressure * share + tactel * i % 3);
+        }
+        return line;
+      };
+      const double grip = i < 250 ? 0 : 4.0 * (i - 250);
+      const std::string a = readings(grip, 0.3 * grip), b = readings(0.5 * grip, -0.02 * i * (i >= 250));
+      const std::string time = fmt::format("{},", 0.01 * i);
+      left += time + a + "\n", right += time + b + "\n", both += time + a + "," + b + "\n";
+    }
+    left_ = "csv:" + folder_.write("left.csv", left), right_ = "csv:" + folder_.write("right.csv", right);
+    file_ = folder_.write("both.csv", both);
+  }
+  ChildResult run(const std::string& command, const std::string& source, std::vector<std::string> more = {}) const {
+    more.insert(more.end(), {"--profile", "uskin-4x4"});
+    return run_tactel({command, "--source", source}, more);
+  }
+  /// Offsets and noise of the first two seconds, which are at rest.
+  std::string tare(const std::string& source, const std::string& name, std::vector<std::string> more = {}) const {
+    const std::string output = (folder_ / name).string();
+    more.insert(more.end(), {"--output", output});
+    const ChildResult result = run("tare", source, more);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return output;
+  }
+  static constexpr int frames = 500;
+  std::string left_, right_, file_;
+  const std::vector<std::string> second_{"--profile", "uskin-4x4"};
+};
+
+std::vector<std::string> with(std::vector<std::string> words, const std::vector<std::string>& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+/// The pads' S, as lines of each pad alone have them.
+void expect_pads(const std::vector<nlohmann::json>& both, const std::vector<nlohmann::json>& left,
+                 const std::vector<nlohmann::json>& right, double alarm) {
+  ASSERT_EQ(both.size(), left.size());
+  bool on = false;
+  int begins = 0;
+  for (std::size_t i = 0; i < both.size(); ++i) {
+    for (const auto& [pad, alone] : {std::pair{both[i]["pads"][0], left[i]}, {both[i]["pads"][1], right[i]}})
+      for (const char* key : {"slip_index", "contact"}) EXPECT_EQ(pad[key], alone[key]) << i << key;
+    const auto number = [&](const nlohmann::json& of) {
+      return of["slip_index"].is_null() ? -1 : of["slip_index"].get<double>();
+    };
+    const double larger = std::max(number(left[i]), number(right[i]));
+    EXPECT_EQ(number(both[i]), larger) << i;
+    EXPECT_EQ(both[i]["contact"], left[i]["contact"] == true || right[i]["contact"] == true) << i;
+    if (larger >= alarm && !on) ++begins;
+    on = larger >= alarm || (on && larger >= alarm - 0.05);
+    EXPECT_EQ(both[i]["alarm"], on) << i;
+  }
+  EXPECT_GT(begins, 0);
+}
+
+// tare, record, replay and monitor of two pads in a line: each pad as by itself, the alarm by the larger S.
+TEST_F(PadCommand, TwoPadsOfALine) {
+  const std::vector<std::string> calibration = {"--calibration", tare("csv:" + file_, "both.toml", second_)};
+  const std::vector<std::string> of_each = {"--calibration", tare(left_, "left.toml"), "--calibration",
+                                            tare(right_, "right.toml")};
+  const std::vector<std::string> network = {"--network", network_, "--alarm", "0.4"};
+  const auto left = lines_of(run("monitor", left_, with({of_each[0], of_each[1]}, network)).out);
+  const auto right = lines_of(run("monitor", right_, with({of_each[2], of_each[3]}, network)).out);
+  ASSERT_EQ(left.size(), static_cast<std::size_t>(frames));
+
+  const ChildResult by_one = run("monitor", "csv:" + file_, with(with(second_, calibration), network));
+  ASSERT_EQ(by_one.exit_code, 0) << by_one.err;
+  expect_pads(lines_of(by_one.out), left, right, 0.4);
+  const ChildResult by_each = run("monitor", "csv:" + file_, with(with(second_, of_each), network));
+  expect_pads(lines_of(by_each.out), left, right, 0.4);
+
+  const ChildResult recorded = run("record", "csv:" + file_, with(second_, {"--output", recording_}));
+  ASSERT_EQ(recorded.exit_code, 0) << recorded.err;
+  const ChildResult replayed =
+      run_tactel(with({"monitor", "--source", "replay:" + recording_}, with(calibration, network)));
+  ASSERT_EQ(replayed.exit_code, 0) << replayed.err;
+  expect_pads(lines_of(replayed.out), left, right, 0.4);
+}
+
+TEST_F(PadCommand, MistakesOfACallAreNamed) {
+  const std::vector<std::string> monitor = {"--network", network_};
+  EXPECT_TRUE(is_refused(run("monitor", "csv:" + file_, monitor), {"97 names", "49 numbers"}));
+  EXPECT_TRUE(is_refused(run("monitor", "csv:" + file_, with(monitor, {"--profile", "glove"})), {"csv"}));
+  EXPECT_TRUE(is_refused(run("monitor", "replay:" + file_, with(monitor, second_)), {"--profile", "csv:"}));
+  const std::string own = tare(left_, "left.toml");
+  EXPECT_TRUE(is_refused(run("monitor", left_, with(monitor, {"--calibration", own, "--calibration", own})),
+                         {"--calibration", "once for each --profile"}));
+  EXPECT_TRUE(is_refused(run("monitor", "csv:" + file_, with(with(monitor, second_), {"--calibration", own})),
+                         {"calibration.offset", "96"}));
+}
+
+// 96 numbers a line at 1 kHz by the clock; the lines are whole and in their order.
+TEST_F(PadCommand, AThousandLinesASecondThroughAPipe) {
+  const std::string pipe = (folder_ / "pipe").string();
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  std::istringstream text(text_of(file_));
+  std::jthread sender([&] {
+    std::ofstream out(pipe);
+    auto next = std::chrono::steady_clock::now();
+    for (std::string line; std::getline(text, line); next += std::chrono::milliseconds(1)) {
+      std::this_thread::sleep_until(next);
+      out << line << std::endl;
+    }
+  });
+  // A test on a busy machine: no frame is lost, however late.
+  const ChildResult result =
+      run("monitor", "csv:" + pipe, with(second_, {"--network", network_, "--touch", "0", "--late", "100"}));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto lines = lines_of(result.out);
+  ASSERT_EQ(lines.size(), static_cast<std::size_t>(frames));
+  for (int i = 0; i < frames; ++i)
+    EXPECT_NEAR(lines[static_cast<std::size_t>(i)]["device_time"].get<double>(), 0.01 * i, 1e-9);
+  const auto summary = lines_of(result.err).back();
+  for (const char* key : {"lost", "bad", "late"}) EXPECT_EQ(summary[key], 0) << key;
 }
 
 }  // namespace

@@ -57,6 +57,7 @@ TEST(LatencyHistogram, WhatIsNotFiniteIsLeftOut) {
 std::string profile_text(const std::string& format, const std::string& rest) {
   return "[device]\nname = \"board\"\nvendor = 0x1209\nproduct = 0x0001\n[format]\n" + format + "\n" + rest;
 }
+const std::string six_channels = "kind = \"csv\"\nchannels = 6";
 const std::string two_channels = "kind = \"generic\"\nsync = [0xA5, 0x5A]\nchannels = 2";
 
 TEST(SensorProfile, ReadsWhatTheFileSays) {
@@ -80,6 +81,56 @@ TEST(SensorProfile, TheBuiltInGlove) {
   EXPECT_THROW(built_in_profile("mitten"), ConfigError);
 }
 
+// x, y, z of each tactel, row by row; the frame has all z, all x, all y. Readings are the channel's number.
+TEST(SensorProfile, TheBuiltInPads) {
+  for (const auto& [name, ny] : {std::pair{"uskin-4x4", 4}, {"uskin-4x6", 6}}) {
+    const SensorProfile pad = read_profile(name);
+    ASSERT_EQ(pad.pads.size(), 1u);
+    EXPECT_THAT(pad.pads[0].tactels, ElementsAre(4, ny));
+    EXPECT_THAT(pad.pads[0].pitch, ElementsAre(4.7, 4.7));
+    const auto tactels = static_cast<std::size_t>(4 * ny);
+    std::vector<double> readings(pad.format()->channels());
+    ASSERT_EQ(readings.size(), 3 * tactels);
+    for (std::size_t i = 0; i < readings.size(); ++i) readings[i] = static_cast<double>(i);
+    std::vector<float> frame(pad.map.places());
+    pad.map.apply(readings, frame);
+    for (std::size_t i = 0; i < tactels; ++i) {
+      EXPECT_LT(frame[i], 0) << "a pressed tactel counts upwards";
+      EXPECT_FLOAT_EQ(frame[i] / frame[0], static_cast<float>(3 * i + 2) / 2) << "z of " << i;
+      EXPECT_FLOAT_EQ(frame[tactels + i] / frame[0], -static_cast<float>(3 * i) / 2) << "x of " << i;
+      EXPECT_FLOAT_EQ(frame[2 * tactels + i] / frame[0], -static_cast<float>(3 * i + 1) / 2) << "y of " << i;
+    }
+  }
+}
+
+const std::string pad_of_two = "[pad]\ntactels = [2, 1]\npitch = [3, 4]\n[channels]\nnormal = [2, 5]\n";
+
+TEST(SensorProfile, JoinedPadsFollowEachOtherInALine) {
+  const std::string format = "[format]\nkind = \"csv\"\nchannels = 6\n";
+  const std::string shear = "shear_x = [0, 3]\nshear_y = [1, -1]\n";
+  const SensorProfile a =
+      parse_profile(format + pad_of_two + shear + "[calibration]\noffset = 7\ngain = 2\nnoise = 1\n", "a.toml");
+  const SensorProfile b = parse_profile(format + pad_of_two + shear + "[calibration]\ngain = -1\nnoise = 3\n", "b");
+  const SensorProfile both = joined_profile({a, b});
+  EXPECT_EQ(both.format()->channels(), 12u);
+  EXPECT_THAT(both.map.normal, ElementsAre(2, 5, 8, 11));
+  EXPECT_THAT(both.map.shear, ElementsAre(0, 3, 6, 9));
+  EXPECT_THAT(both.map.shear_y, ElementsAre(1, -1, 7, -1));
+  EXPECT_THAT(both.map.calibration.offset, ElementsAre(7, 7, 7, 7, 7, 7, 0, 0, 0, 0, 0, 0));
+  EXPECT_THAT(both.map.calibration.gain, ElementsAre(2, 2, 2, 2, 2, 2, -1, -1, -1, -1, -1, -1));
+  EXPECT_THAT(both.map.calibration.noise, ElementsAre(1, 1, 1, 1, 1, 1, 3, 3, 3, 3, 3, 3));
+  ASSERT_EQ(both.pads.size(), 2u);
+  EXPECT_THAT(both.pads[1].tactels, ElementsAre(2, 1));
+  EXPECT_THAT(both.pads[1].pitch, ElementsAre(3, 4));
+
+  const SensorProfile of_one_axis = parse_profile(format + pad_of_two, "c.toml");
+  EXPECT_TRUE(of_one_axis.map.shear.empty());
+  for (const SensorProfile& other : {of_one_axis, read_profile("uskin-4x4"), built_in_profile("glove")}) {
+    EXPECT_THROW(joined_profile({a, other}), ConfigError) << other.name;
+    EXPECT_THROW(joined_profile({other, a}), ConfigError) << other.name;
+  }
+}
+
 TEST(SensorProfile, EveryMistakeNamesItsKey) {
   struct {
     std::string text, key;
@@ -98,6 +149,16 @@ TEST(SensorProfile, EveryMistakeNamesItsKey) {
       {"[device]\nvendor = 70000\n", "device.vendor"},
       {"[device]\nendpoint = 2\n", "device.endpoint"},
       {"[device]\nbaud = 0\n", "device.baud"},
+      {profile_text(six_channels, pad_of_two + "shear = [0, 3]\n"), "channels.shear"},
+      {profile_text(six_channels, pad_of_two + "shear_x = [0, 3]\n"), "channels.shear_y"},
+      {profile_text(six_channels, pad_of_two + "shear_x = [0]\nshear_y = [1, 4]\n"), "channels.shear_x"},
+      {profile_text(six_channels, pad_of_two + "shear_x = [0, 3]\nshear_y = [1, 6]\n"), "channels.shear_y"},
+      {profile_text(six_channels, "[channels]\nnormal = [0]\nshear_x = [1]\n"), "channels.shear_x"},
+      {profile_text(six_channels, "[pad]\ntactels = [2, 2]\n[channels]\nnormal = [0, 1]\n"), "channels.normal"},
+      {profile_text(six_channels, "[pad]\ntactels = [2]\n"), "pad.tactels"},
+      {profile_text(six_channels, "[pad]\ntactels = [2, 0]\n"), "pad.tactels"},
+      {profile_text(six_channels, "[pad]\npitch = 4.7\n"), "pad.tactels"},
+      {profile_text(six_channels, "[pad]\ntactels = [2, 1]\npitch = -1\n"), "pad.pitch"},
       {"[devise]\n", "devise"}};
   for (const auto& mistake : mistakes) {
     EXPECT_THAT([&] { parse_profile(mistake.text, "p.toml"); },

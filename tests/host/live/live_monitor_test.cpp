@@ -5,11 +5,17 @@
 
 #include <cmath>
 #include <optional>
+#include <random>
 
+#include "host/support/errors.h"
+#include "hw/csv_format.h"
 #include "tests/host/live/simulated_frames.h"
+#include "tests/thrown_message.h"
 
 namespace tactel::host {
 namespace {
+
+using ::testing::HasSubstr;
 
 /// A source that hands out what it is given, in one packet, as old as it is told.
 class GivenSource final : public hw::FrameSource {
@@ -142,6 +148,89 @@ TEST(LiveMonitor, BelowTheThresholdOfTouchThereIsNoContact) {
   without_noise.map.calibration.noise.clear();
   LiveMonitor monitor(network(21), without_noise, {});
   monitor.run(source, {.line = [](const MonitorLine& line) { EXPECT_FALSE(line.contact.has_value()); }});
+}
+
+/// A network of two frames of 16 tactels with three axes.
+nn::Model pad_network(std::uint64_t seed) {
+  nn::Model model = network(24);
+  model.weights = nn::initial_weights(nn::Topology({96, 8, 1}), seed);
+  model.scaling.history = model.history.frames = 2;
+  return model;
+}
+
+/// A uSkin whose noise is a count: 7 counts of z are the threshold of touch.
+SensorProfile quiet_pad() {
+  SensorProfile pad = read_profile("uskin-4x4");
+  pad.map.calibration.noise.assign(48, 1.0);
+  return pad;
+}
+
+/// Answers about frames [48 a pad] from lines of numbers.
+std::vector<MonitorLine> pad_lines(const std::vector<nn::Model>& networks, const SensorProfile& profile,
+                                   const std::vector<std::vector<double>>& frames) {
+  std::vector<std::uint8_t> bytes;
+  for (std::size_t i = 0; i < frames.size(); ++i) hw::append_csv_frame(i, std::nullopt, frames[i], bytes);
+  GivenSource source(bytes, false, 0);
+  LiveMonitor monitor(networks, profile, {});
+  EXPECT_TRUE(monitor.knows_touch());
+  std::vector<MonitorLine> lines;
+  monitor.run(source, {.line = [&](const MonitorLine& line) { lines.push_back(line); }});
+  return lines;
+}
+
+bool same(float a, float b) { return a == b || (std::isnan(a) && std::isnan(b)); }
+
+// Each pad as if it were alone, with its own history and threshold; S of the line is the larger one.
+TEST(LiveMonitor, TwoPadsOfALine) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> reading(0, 200);
+  std::vector<std::vector<double>> left(60, std::vector<double>(48)), right = left, both;
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    const bool left_touches = i % 3 != 0, right_touches = i >= 20;
+    for (double& value : left[i]) value = left_touches ? reading(random) : 0;
+    for (double& value : right[i]) value = right_touches ? reading(random) : 0;
+    both.push_back(left[i]);
+    both.back().insert(both.back().end(), right[i].begin(), right[i].end());
+  }
+  const nn::Model first = pad_network(7), second = pad_network(8);
+  const SensorProfile pads = joined_profile({quiet_pad(), quiet_pad()});
+  const auto of_left = pad_lines({first}, quiet_pad(), left), of_right = pad_lines({second}, quiet_pad(), right);
+  const auto of_both = pad_lines({first, second}, pads, both), by_one = pad_lines({first}, pads, both);
+  ASSERT_EQ(of_both.size(), 60u);
+  std::size_t left_leads = 0, right_leads = 0;
+  for (std::size_t i = 0; i < 60; ++i) {
+    const MonitorLine& line = of_both[i];
+    ASSERT_EQ(line.pads.size(), 2u);
+    EXPECT_TRUE(of_left[i].pads.empty());
+    const float a = of_left[i].answer.slip_index, b = of_right[i].answer.slip_index;
+    EXPECT_TRUE(same(line.pads[0].answer.slip_index, a) && same(line.pads[1].answer.slip_index, b)) << i;
+    EXPECT_EQ(line.pads[0].contact, i % 3 != 0) << i;
+    EXPECT_EQ(line.pads[1].contact, i >= 20) << i;
+    EXPECT_EQ(line.contact, i % 3 != 0 || i >= 20) << i;
+    const bool right_is_larger = std::isnan(a) || b > a;
+    EXPECT_TRUE(same(line.answer.slip_index, right_is_larger ? b : a)) << i;
+    EXPECT_EQ(line.acted_on(), std::isnan(a) && std::isnan(b) ? 0 : line.answer.slip_index) << i;
+    if (!std::isnan(a) && !std::isnan(b)) ++(right_is_larger ? right_leads : left_leads);
+    EXPECT_TRUE(same(by_one[i].pads[0].answer.slip_index, a)) << i;
+  }
+  EXPECT_GT(left_leads, 0u);
+  EXPECT_GT(right_leads, 0u);
+}
+
+TEST(LiveMonitor, NetworksThatDoNotFitThePadsAreRefused) {
+  const SensorProfile pads = joined_profile({quiet_pad(), quiet_pad()});
+  const auto refused = [&](const std::vector<nn::Model>& networks, const SensorProfile& profile) {
+    return thrown_message<ConfigError>([&] { LiveMonitor(networks, profile, {}); });
+  };
+  const nn::Model good = pad_network(1);
+  EXPECT_EQ(refused({good}, pads), "no error");
+  EXPECT_THAT(refused({good, good, good}, pads), HasSubstr("one network for all pads, or 2, one for each"));
+  EXPECT_THAT(refused({good, good}, quiet_pad()), HasSubstr("one network"));
+  EXPECT_THAT(refused({network(48)}, pads),  // 96 inputs, all of both pads
+              HasSubstr("48 inputs, a normal stress and the shear along x and y for each of the 16 tactels"));
+  nn::Model bounded = good;
+  bounded.bound.emplace();
+  EXPECT_THAT(refused({good, bounded}, pads), HasSubstr("networks that all have a bound, or none"));
 }
 
 }  // namespace

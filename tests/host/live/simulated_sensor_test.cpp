@@ -104,5 +104,41 @@ TEST(SimulatedSensor, AnHourOfNoiseAtRestRaisesNoAlarm) {
   EXPECT_THAT(alarms(2, {.touch = 0}), ::testing::ElementsAre(0)) << "without a threshold at once";
 }
 
+/// The last frame of a scene whose chain has no faults, and the profile.
+std::pair<std::vector<float>, SensorProfile> last_frame(const std::string& path) {
+  OpenSource opened =
+      open_source("simulate:" + path + "?rate=100&paced=0&noise=0&gain_spread=0&time_constant=0", "", "");
+  hw::Decoder decoder(opened.profile.format());
+  std::vector<float> frame(opened.profile.map.places());
+  while (const auto packet = opened.source->wait(0))
+    decoder.feed(packet->bytes,
+                 [&](const hw::DecodedFrame& decoded) { opened.profile.map.apply(decoded.values, frame); });
+  return {frame, opened.profile};
+}
+
+TEST(SimulatedSensor, APadGivesItsSceneBackInTheOrderOfNetworks) {
+  const std::string pad = source_file("examples/pad.toml");
+  const auto [frame, profile] = last_frame(pad);
+  ASSERT_EQ(profile.pads.size(), 1u);
+  EXPECT_THAT(profile.pads[0].tactels, ::testing::ElementsAre(4, 4));
+  EXPECT_THAT(profile.pads[0].pitch, ::testing::ElementsAre(4.7, 4.7));
+  ASSERT_EQ(frame.size(), 48u);
+  const auto scene = std::get<fem::PadScene>(read_any_scene(pad));
+  const Eigen::MatrixX3d stress = solve(scene, {}).solution.steps.back().stress;
+  for (Eigen::Index i = 0; i < 48; ++i)
+    EXPECT_NEAR(frame[static_cast<std::size_t>(i)], stress(i % 16, i / 16), 0.51 * profile.map.calibration.gain[0]);
+  EXPECT_GT(frame[16 + 10], 0) << "dragged to +x";
+}
+
+TEST(SimulatedSensor, APadOfOneAxisSendsNormalStressesAlone) {
+  const ScratchFolder folder;
+  std::string text = text_of(source_file("examples/pad.toml"));
+  text.replace(text.find("tactels ="), 0, "axes = 1\n");
+  const auto [frame, profile] = last_frame(folder.write("one.toml", text));
+  EXPECT_EQ(frame.size(), 16u);
+  EXPECT_TRUE(profile.map.shear.empty() && profile.map.shear_y.empty());
+  EXPECT_THROW(open_source("simulate:" + source_file("examples/pad.toml") + "?tactels=8", "", ""), ConfigError);
+}
+
 }  // namespace
 }  // namespace tactel::host

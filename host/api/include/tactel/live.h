@@ -74,7 +74,9 @@ struct Channels {
 
 /// A frame as networks take it.
 struct Frame {
-  std::span<const float> stress;        ///< [2 tactels] MPa, normal stresses first; valid until the next poll or wait
+  /// [2 tactels] MPa, normal stresses first; of a pad [3 tactels], sigma_z, then tau_x, then tau_y; valid until the
+  /// next poll or wait
+  std::span<const float> stress;
   std::uint64_t number = 0;             ///< from 0, in the order of decoding
   std::optional<double> device_time{};  ///< s by the device's clock
   double arrival = 0;                   ///< s since the source was opened
@@ -117,7 +119,7 @@ class TACTEL_API FrameSource {
   /// Returns true at the end of the source, once all frames are taken.
   bool finished() const;
 
-  std::size_t inputs() const;  ///< 2 tactels
+  std::size_t inputs() const;  ///< numbers of a frame
   FrameCounts counts() const;
   /// Returns a note for the user, such as which of several devices was opened; usually empty.
   std::string note() const;
