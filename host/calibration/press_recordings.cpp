@@ -87,6 +87,25 @@ std::pair<std::size_t, bool> load_steps_of(const AnyScene& scene) {
   return {path.steps.size(), path.until_sliding};
 }
 
+/// Whether the profile has the channels of a scene's tactels.
+bool has_channels(const SensorProfile& profile, const AnyScene& scene) {
+  const auto* pad = std::get_if<fem::PadScene>(&scene);
+  if (pad == nullptr)
+    return profile.pads.empty() && static_cast<std::size_t>(tactels_of(scene)) == profile.map.tactels();
+  return profile.pads.size() == 1 && profile.pads.front().tactels == pad->sensor.tactels &&
+         profile.map.places() == static_cast<std::size_t>(channels_of(scene));
+}
+
+/// What a scene with its channels is.
+std::string scene_with_channels(const SensorProfile& profile) {
+  if (profile.pads.empty())
+    return fmt::format("a scene of a line with the profile's {} tactels", profile.map.tactels());
+  if (profile.pads.size() > 1) return "used with the profile of one pad: calibrate pads one by one";
+  const auto [columns, rows] = profile.pads.front().tactels;
+  return fmt::format("a scene of a pad with the profile's {} x {} tactels of {} axes", columns, rows,
+                     profile.map.places() / profile.map.tactels());
+}
+
 /// Reads a press, and adds its noise.
 KnownPress read_press(const TomlFile& file, const std::string& name, const SensorProfile& profile, RestNoise& noise) {
   TomlTable in(file, name);
@@ -125,8 +144,7 @@ KnownPress read_press(const TomlFile& file, const std::string& name, const Senso
     throw file.error(ValueError(name + "." + error.key, error.value, error.allowed));
   }
   const Eigen::Index transducers = channels_of(press.scene);
-  if (static_cast<std::size_t>(tactels_of(press.scene)) != profile.map.tactels())
-    in.refuse("scene", fmt::format("a scene with the profile's {} tactels", profile.map.tactels()));
+  if (!has_channels(profile, press.scene)) in.refuse("scene", scene_with_channels(profile));
   const WindowReadings readings = read_windows(folder / recording, profile, times, window, in);
   const auto of_transducers = [&](const Eigen::MatrixXd& of_channels) {
     Eigen::MatrixXd result =

@@ -332,7 +332,8 @@ void Fit::choose_numbers() {
     numbers_.push_back(2);
   else
     result_.held.emplace_back(
-        "sensor.thickness is held: it and sensor.poisson change frames nearly alike, so measure it");
+        pads() ? "sensor.thickness is held: not asked for"
+               : "sensor.thickness is held: it and sensor.poisson change frames nearly alike, so measure it");
   if (options_.fit_shift) numbers_.push_back(shift_number);
   if (options_.fit_shift && pads()) numbers_.push_back(shift_y_number);
   if (options_.fit_time_constant) numbers_.push_back(time_constant_number);
