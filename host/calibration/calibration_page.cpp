@@ -17,15 +17,23 @@ using Eigen::Index;
 constexpr std::size_t most_named = 12;  ///< presses whose names fit below an axis
 
 struct Kind {
-  const char* name;
+  std::string name;
   Index first;  ///< place of its first transducer in a frame
   Mark mark;
   Ink ink;
 };
 
+Index channels(const SensorCalibration& found) { return static_cast<Index>(found.gain.size()); }
+
 std::vector<Kind> kinds(const SensorCalibration& found) {
-  return {{"normal stress", 0, Mark::circles, Ink::blue},
-          {"shear stress", static_cast<Index>(found.gain.size() / 2), Mark::triangles, Ink::orange}};
+  constexpr std::pair<Mark, Ink> looks[] = {
+      {Mark::circles, Ink::blue}, {Mark::triangles, Ink::orange}, {Mark::diamonds, Ink::green}};
+  std::vector<Kind> all;
+  for (std::string& name : stress_names(channels(found), found.tactels)) {
+    const auto k = static_cast<Index>(all.size());
+    all.push_back({std::move(name), k * found.tactels, looks[k].first, looks[k].second});
+  }
+  return all;
 }
 
 /// Root of the mean square of the finite numbers; NaN without any.
@@ -57,7 +65,7 @@ Figure gain_figure(const SensorCalibration& found) {
   Figure figure{.columns = 2, .panel_height = 280};
   for (const Kind& kind : kinds(found)) {
     Series series{.mark = Mark::whiskers, .ink = kind.ink};
-    const auto tactels = static_cast<Index>(found.gain.size() / 2);
+    const Index tactels = found.tactels;
     for (Index i = 0; i < tactels; ++i) {
       const Fitted& gain = found.gain[static_cast<std::size_t>(kind.first + i)];
       if (!std::isfinite(gain.value)) continue;
@@ -78,7 +86,7 @@ Figure gain_figure(const SensorCalibration& found) {
 /// Mean residual of each press and tactel, in colours.
 Figure residual_map(const SensorCalibration& found, const std::vector<KnownPress>& presses) {
   Figure figure{.columns = 2, .panel_height = 320};
-  const auto tactels = static_cast<Index>(found.gain.size() / 2);
+  const Index tactels = found.tactels;
   for (const Kind& kind : kinds(found)) {
     Raster raster{.rows = static_cast<int>(presses.size()),
                   .columns = static_cast<int>(tactels),
@@ -108,6 +116,7 @@ PageTable number_table(const SensorCalibration& found) {
   add("sensor.poisson", found.poisson, "");
   add("sensor.thickness", found.thickness, "mm");
   add("shift of the tactels", found.shift, "mm");
+  if (found.pad) add("shift along y", found.shift_y, "mm");
   if (std::isfinite(found.time_constant.value)) add("transducer.time_constant", found.time_constant, "s");
   return table;
 }
@@ -116,7 +125,7 @@ PageTable friction_table(const SensorCalibration& found, const std::vector<Known
   PageTable table{.caption = "Friction of each press", .head = {"press", "scene", "found", "standard deviation"}};
   for (std::size_t i = 0; i < presses.size(); ++i)
     if (found.friction[i].deviation > 0)
-      table.add({presses[i].name, fmt::format("{:.3g}", presses[i].scene.friction),
+      table.add({presses[i].name, fmt::format("{:.3g}", friction_of(presses[i].scene)),
                  fmt::format("{:.3g}", found.friction[i].value), fmt::format("{:.2g}", found.friction[i].deviation)});
   return table;
 }
@@ -124,9 +133,9 @@ PageTable friction_table(const SensorCalibration& found, const std::vector<Known
 PageTable gain_table(const SensorCalibration& found) {
   PageTable table{.caption = "Gains and offsets, noise of the residuals in the device's unit",
                   .head = {"transducer", "gain", "standard deviation", "offset", "standard deviation", "noise"}};
-  const auto tactels = static_cast<Index>(found.gain.size() / 2);
+  const Index tactels = found.tactels;
   for (std::size_t c = 0; c < found.gain.size(); ++c) {
-    const std::string name = transducer_name(static_cast<Index>(c), tactels);
+    const std::string name = transducer_name(static_cast<Index>(c), channels(found), tactels);
     const Fitted &gain = found.gain[c], &offset = found.offset[c];
     if (!std::isfinite(gain.value)) {
       table.add({name, {"left out", Tone::poor}, "", "", "", ""}, true);
@@ -171,7 +180,7 @@ void add_verdict(Page& page, const SensorCalibration& found) {
 Figure residual_figure(const SensorCalibration& found, const std::vector<KnownPress>& presses) {
   Panel by_press{.title = "by press", .x_label = "press", .y_label = "residual over noise, rms", .zero_line = true};
   Panel by_tactel{.title = "by tactel", .x_label = "tactel", .y_label = "residual, rms (kPa)", .zero_line = true};
-  const auto tactels = static_cast<Index>(found.gain.size() / 2);
+  const Index tactels = found.tactels;
   by_press.x_range = {0.5, static_cast<double>(presses.size()) + 0.5};
   by_tactel.x_range = {-0.5, static_cast<double>(tactels) - 0.5};
   add_press_axis(by_press, presses);

@@ -169,7 +169,7 @@ CandidateList read_candidates(const std::filesystem::path& path, std::size_t tac
     for (const fem::Scene& scene : read_candidate_table(file, name, tactels))
       list.candidates.push_back(candidate(name, scene));
     const PressCandidate& first = list.candidates.front();
-    require_same_sensor(file, name, list.candidates.back().scene.sensor, first.indenter, first.scene.sensor);
+    require_same_sensor(file, name, list.candidates.back().scene, first.indenter, first.scene);
     if (list.candidates.size() > most_candidates)
       throw file.error(name, nullptr, fmt::format("at most {} candidates in all", most_candidates));
   }

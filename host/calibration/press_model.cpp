@@ -10,6 +10,8 @@
 #include "fem/layer/rigid_contact.h"
 #include "fem/scene_derivatives.h"
 #include "fem/shape_derivatives.h"
+#include "host/calibration/pad_press.h"
+#include "host/scenes/scene_source.h"
 
 namespace tactel::host {
 namespace {
@@ -35,9 +37,36 @@ fem::Condensation rubber_at(const fem::LayerModel& model, const fem::Patch& patc
 
 }  // namespace
 
-PressModel::PressModel(const fem::SensorFamily& family, const fem::Scene& scene, const PressTiming& timing,
-                       const SensorState& first, int elements)
-    : family_(family), scene_(scene), timing_(timing) {
+double friction_of(const AnyScene& scene) {
+  return std::visit([](const auto& of) { return of.friction; }, scene);
+}
+bool by_force(const AnyScene& scene) {
+  return std::visit([](const auto& of) { return fem::by_force(of); }, scene);
+}
+Eigen::Index channels_of(const AnyScene& scene) {
+  return std::visit([](const auto& of) { return inputs_of(of.sensor); }, scene);
+}
+Eigen::Index tactels_of(const AnyScene& scene) {
+  if (const auto* line = std::get_if<fem::Scene>(&scene)) return line->sensor.tactels;
+  const auto& [columns, rows] = std::get<fem::PadScene>(scene).sensor.tactels;
+  return columns * rows;
+}
+
+std::vector<ShapeNumber> shape_numbers(const AnyScene& scene) {
+  std::vector<ShapeNumber> all;
+  if (const auto* line = std::get_if<fem::Scene>(&scene)) {
+    for (const fem::HeightDerivative& of : fem::height_derivatives(line->indenter, Eigen::VectorXd(0)))
+      all.push_back({of.key, of.unit, of.value});
+  } else {
+    fem::PadShape shape = std::get<fem::PadScene>(scene).indenter.shape;
+    for (const PadShapeNumber& of : pad_shape_numbers(shape)) all.push_back({of.key, of.unit, *of.value});
+  }
+  return all;
+}
+
+LinePress::LinePress(const fem::SensorFamily& family, const fem::Scene& scene, const PressTiming& timing,
+                     const SensorState& first, int elements)
+    : PressModel(timing), family_(family), scene_(scene) {
   scene_.indenter = fem::with_hull(scene.indenter);
   options_.elements = elements;
   options_.tolerance = sweep_tolerance;
@@ -50,7 +79,7 @@ PressModel::PressModel(const fem::SensorFamily& family, const fem::Scene& scene,
   patch_ = trace.patch;
 }
 
-fem::Sensor PressModel::sensor_at(const SensorState& state) const {
+fem::Sensor LinePress::sensor_at(const SensorState& state) const {
   fem::Sensor sensor = scene_.sensor;
   sensor.young = std::exp(state.log_young);
   sensor.poisson = state.poisson;
@@ -58,7 +87,7 @@ fem::Sensor PressModel::sensor_at(const SensorState& state) const {
   return sensor;
 }
 
-PressFrames PressModel::at(const SensorState& state, double friction, std::span<const int> numbers) const {
+PressFrames LinePress::stresses(const SensorState& state, double friction, std::span<const int> numbers) const {
   fem::Scene scene = scene_;
   scene.friction = friction;
   scene.sensor = sensor_at(state);
@@ -125,10 +154,15 @@ PressFrames PressModel::at(const SensorState& state, double friction, std::span<
   for (const int number : numbers)
     if (number != time_constant_number)
       table(path.forward(direction_of(number)), result.frame_by[number], result.P_by[number]);
-    else
-      result.P_by[number].setZero(steps);
-  if (std::isfinite(state.log_time_constant)) amplify(state.log_time_constant, numbers, result);
   return result;
+}
+
+PressFrames PressModel::at(const SensorState& state, double friction, std::span<const int> numbers) const {
+  PressFrames frames = stresses(state, friction, numbers);
+  for (const int number : numbers)
+    if (number == time_constant_number) frames.P_by[number].setZero(frames.P.size());
+  if (std::isfinite(state.log_time_constant)) amplify(state.log_time_constant, numbers, frames);
+  return frames;
 }
 
 void PressModel::amplify(double log_time_constant, std::span<const int> numbers, PressFrames& frames) const {

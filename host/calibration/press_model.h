@@ -4,10 +4,13 @@
 #include <array>
 #include <limits>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "fem/layer/patch_solver.h"
 #include "fem/layer/sensor_family.h"
 #include "host/calibration/press_timing.h"
+#include "host/scenes/scene_file.h"
 
 namespace tactel::host {
 
@@ -18,48 +21,82 @@ struct SensorState {
   double thickness = 1.5;  ///< mm
   double shift = 0;        ///< mm along x, of all tactels from their nominal places
   double log_time_constant = std::numeric_limits<double>::infinity();  ///< of RC in s; infinite: no decay
+  double shift_y = 0;                                                  ///< mm along y, of the tactels of a pad
 };
 
-inline constexpr int sensor_numbers = 5;  ///< in the order of SensorState
-inline constexpr const char* sensor_names[sensor_numbers] = {"ln E", "sensor.poisson", "sensor.thickness", "shift",
-                                                             "ln transducer.time_constant"};
-inline constexpr int time_constant_number = 4;
-/// Beside them, numbers of the press itself: its friction; tilt of the indenter, degrees; zero of the depth, mm; its
-/// given forces, relative; the first numbers of its shape (fem/shape_derivatives.h).
+inline constexpr int sensor_numbers = 6;  ///< in the order of SensorState
+inline constexpr const char* sensor_names[sensor_numbers] = {
+    "ln E", "sensor.poisson", "sensor.thickness", "shift", "ln transducer.time_constant", "shift along y"};
+inline constexpr int shift_number = 3, time_constant_number = 4, shift_y_number = 5;
+/// Beside them, numbers of the press itself: its friction; tilt of the indenter along its x, and on a pad along its y,
+/// degrees; zero of the depth, mm; its given forces, relative; the first numbers of its shape.
 inline constexpr int friction_number = sensor_numbers, tilt_number = friction_number + 1,
-                     depth_number = tilt_number + 1, load_number = depth_number + 1, shape_number = load_number + 1,
-                     most_shape_numbers = 2, press_numbers = shape_number + most_shape_numbers;
+                     tilt_y_number = tilt_number + 1, depth_number = tilt_y_number + 1, load_number = depth_number + 1,
+                     shape_number = load_number + 1, most_shape_numbers = 2,
+                     press_numbers = shape_number + most_shape_numbers;
+
+/// A number of the indenter's shape.
+struct ShapeNumber {
+  std::string key;  ///< as in scene files, such as "radius"
+  std::string unit;
+  double value;
+  bool operator==(const ShapeNumber&) const = default;
+};
+
+// What a calibration asks of a scene, of either kind of sensor.
+double friction_of(const AnyScene& scene);
+bool by_force(const AnyScene& scene);
+/// Returns the numbers of a frame, and the tactels.
+Eigen::Index channels_of(const AnyScene& scene);
+Eigen::Index tactels_of(const AnyScene& scene);
+/// Returns the numbers of the shape that move none of its sharp edges; the first most_shape_numbers have derivatives.
+std::vector<ShapeNumber> shape_numbers(const AnyScene& scene);
 
 /// Frames and forces of one press, and their derivatives by the numbers of a SensorState and of the press.
 struct PressFrames {
-  Eigen::MatrixXd frame;  ///< [steps, 2 tactels] MPa: sigma_y, then tau_xy, as amplifiers read them
-  Eigen::VectorXd P;      ///< [steps] N/mm
-  std::array<Eigen::MatrixXd, press_numbers> frame_by;  ///< [steps, 2 tactels]; empty where not asked for
+  Eigen::MatrixXd
+      frame;          ///< [steps, channels] MPa, as amplifiers read them: normal stresses of all tactels, then shear
+  Eigen::VectorXd P;  ///< [steps] N/mm; of a pad N
+  std::array<Eigen::MatrixXd, press_numbers> frame_by;  ///< [steps, channels]; empty where not asked for
   std::array<Eigen::VectorXd, press_numbers> P_by;      ///< [steps]
 };
 
-/// One press or drag of a known indenter on a sensor that is to be found. The patch is searched once, at the
+/// One press or drag of a known indenter on a sensor that is to be found. Where it touches is searched once, at the
 /// first state, so that answers change smoothly with the state.
 class PressModel {
  public:
-  /// `scene`: indenter, friction, load, and the nominal sensor, of which E, poisson and thickness are replaced.
-  /// `timing` is asked for where readings decay. Throws ValueError for a scene that the family does not serve,
-  /// fem::PathError where the sweeps do not converge.
-  PressModel(const fem::SensorFamily& family, const fem::Scene& scene, const PressTiming& timing,
-             const SensorState& first, int elements);
+  virtual ~PressModel() = default;
 
-  /// Returns frames and forces at a state and a friction, with derivatives by these numbers. Throws as the constructor.
+  /// Returns frames and forces at a state and a friction, with derivatives by these numbers. Throws fem::PathError
+  /// where the sweeps do not converge.
   PressFrames at(const SensorState& state, double friction, std::span<const int> numbers = {}) const;
 
-  const fem::Scene& scene() const { return scene_; }
+ protected:
+  /// `timing` is asked for where readings decay.
+  explicit PressModel(const PressTiming& timing) : timing_(timing) {}
 
  private:
-  fem::Sensor sensor_at(const SensorState& state) const;
+  /// Stresses and forces, with derivatives by all of these numbers but the time constant.
+  virtual PressFrames stresses(const SensorState& state, double friction, std::span<const int> numbers) const = 0;
   void amplify(double log_time_constant, std::span<const int> numbers, PressFrames& frames) const;
+
+  PressTiming timing_;
+};
+
+/// A press on a line, with derivatives by fem/path_derivatives.h.
+class LinePress : public PressModel {
+ public:
+  /// `scene`: indenter, friction, load, and the nominal sensor, of which E, poisson and thickness are replaced. Throws
+  /// ValueError for a scene that the family does not serve, fem::PathError where the sweeps do not converge.
+  LinePress(const fem::SensorFamily& family, const fem::Scene& scene, const PressTiming& timing,
+            const SensorState& first, int elements);
+
+ private:
+  PressFrames stresses(const SensorState& state, double friction, std::span<const int> numbers) const override;
+  fem::Sensor sensor_at(const SensorState& state) const;
 
   fem::SensorFamily family_;
   fem::Scene scene_;
-  PressTiming timing_;
   fem::PatchOptions options_;
   fem::Patch patch_;
 };

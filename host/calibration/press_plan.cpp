@@ -84,7 +84,7 @@ Planner::Planner(const fem::SensorFamily& family, const std::vector<PressCandida
     if (candidate.scene.sensor.tactels != sensor.tactels)
       throw ValueError("candidates", candidate.indenter, "presses on one sensor");
     try {
-      const PressModel model(family, candidate.scene, candidate.timing, nominal, options.fit.elements);
+      const LinePress model(family, candidate.scene, candidate.timing, nominal, options.fit.elements);
       frames[i] = model.at(nominal, candidate.scene.friction, asked);
     } catch (const fem::PathError&) {  // it tells nothing; lost() names it
     }
@@ -108,8 +108,12 @@ void Planner::choose_numbers() {
   const auto by_force = std::ranges::count_if(
       candidates_, [](const PressCandidate& candidate) { return fem::by_force(candidate.scene); });
   const bool by_depth = by_force < static_cast<std::ptrdiff_t>(candidates_.size());
-  const bool asked[] = {by_depth && (options_.forces || by_force > 0), fit.fit_poisson, fit.fit_thickness,
-                        fit.fit_shift, fit.fit_time_constant};
+  const bool asked[] = {by_depth && (options_.forces || by_force > 0),
+                        fit.fit_poisson,
+                        fit.fit_thickness,
+                        fit.fit_shift,
+                        fit.fit_time_constant,
+                        false};
   for (int number = 0; number < sensor_numbers; ++number)
     if (asked[number]) numbers_.push_back(number);
 }
@@ -290,10 +294,11 @@ std::vector<std::string> Planner::lost(const ExpectedDeviations& all, const Matr
                         sensor_names[numbers_[static_cast<std::size_t>(k)]], correlation(k, j)));
   for (Index c = 0; c < noise_.size(); ++c)
     if (all.gain[c] > never_found)
-      sentences.push_back(fmt::format(
-          "No candidate loads the {} enough: its gain would be known to {:.0f} % with all of "
-          "them. Add presses over it{}.",
-          transducer_name(c, noise_.size() / 2), 100 * all.gain[c], c < noise_.size() / 2 ? "" : ", with a drag"));
+      sentences.push_back(
+          fmt::format("No candidate loads the {} enough: its gain would be known to {:.0f} % with all of "
+                      "them. Add presses over it{}.",
+                      transducer_name(c, noise_.size(), noise_.size() / 2), 100 * all.gain[c],
+                      c < noise_.size() / 2 ? "" : ", with a drag"));
   return sentences;
 }
 

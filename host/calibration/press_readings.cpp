@@ -19,11 +19,19 @@ constexpr double outlier = 3;  ///< standard deviations, from which Huber's loss
 }  // namespace
 
 PressReadings::PressReadings(const std::vector<KnownPress>& known, const CalibrationOptions& options)
-    : presses(known), force_noise(options.force_noise), given_noise(options.noise), press_used(known.size(), true) {
+    : presses(known),
+      tactels(0),
+      force_noise(options.force_noise),
+      given_noise(options.noise),
+      press_used(known.size(), true) {
   if (presses.empty()) throw ValueError("presses", "none", "at least one known press");
-  const Index count = 2 * presses.front().scene.sensor.tactels;
+  const AnyScene& first = presses.front().scene;
+  const Index count = channels_of(first);
+  tactels = tactels_of(first);
   Index total = 0;
   for (const KnownPress& press : presses) {
+    if (press.scene.index() != first.index())
+      throw ValueError(press.name + ": sensor.kind", "another", "that of " + presses.front().name);
     if (press.readings.cols() != count || press.readings.rows() == 0 ||
         (press.P.size() > 0 && press.P.size() != press.readings.rows()))
       throw ValueError(press.name + ": readings", fmt::format("{} x {}", press.readings.rows(), press.readings.cols()),
@@ -61,7 +69,7 @@ void PressReadings::fit_channels(const MatrixXd& frame, bool renew_noise, std::v
     if (!(determinant > 1e-12 * normal(0, 0) * normal(1, 1))) {
       channel.used = false;
       faults.push_back({CalibrationFault::Kind::dead_channel, static_cast<int>(c), -1, -1,
-                        transducer_name(c, count() / 2) + ": no press changes its stress; it has no gain"});
+                        transducer_name(c, count(), tactels) + ": no press changes its stress; it has no gain"});
       continue;
     }
     const Eigen::Vector2d fitted = normal.inverse() * right;

@@ -48,11 +48,12 @@ struct PressReadings {
   void leave_out_press(std::size_t press);
 
   const std::vector<KnownPress>& presses;
+  Eigen::Index tactels;
   double force_noise;                   ///< relative, of a press
   Eigen::VectorXd given_noise;          ///< [channels] or empty
   std::vector<Eigen::Index> first_row;  ///< [presses]
   Eigen::MatrixXd value, weight;        ///< [rows, channels] the device's units; NaN: left out
-  Eigen::VectorXd P;                    ///< [rows] N/mm
+  Eigen::VectorXd P;                    ///< [rows] N/mm; of a pad N
   Eigen::VectorXd P_weight;             ///< [presses]
   std::vector<Channel> channels;
   std::vector<bool> press_used;

@@ -29,8 +29,8 @@ struct WindowReadings {
   Eigen::MatrixXd step;        ///< smallest change above 0 between neighbours; NaN: none
 };
 
-/// Noise of all presses while their indenters rest: a row for each load step, a column for each of the 2 tactels
-/// transducers. As in WindowReadings.
+/// Noise of all presses while their indenters rest: a row for each load step, a column for each transducer. As in
+/// WindowReadings.
 struct RestNoise {
   std::vector<Eigen::RowVectorXd> mean_noise, noise, step;
 };
@@ -80,20 +80,46 @@ PressTiming read_timing(TomlTable& in, const std::vector<double>& times, double 
   return timing;
 }
 
+/// Number of load steps, and whether they end by sliding alone.
+std::pair<std::size_t, bool> load_steps_of(const AnyScene& scene) {
+  if (const auto* pad = std::get_if<fem::PadScene>(&scene)) return {fem::pad_targets(pad->load).size(), false};
+  const fem::LoadPath path = fem::load_path(std::get<fem::Scene>(scene).load);
+  return {path.steps.size(), path.until_sliding};
+}
+
+/// Whether the profile has the channels of a scene's tactels.
+bool has_channels(const SensorProfile& profile, const AnyScene& scene) {
+  const auto* pad = std::get_if<fem::PadScene>(&scene);
+  if (pad == nullptr)
+    return profile.pads.empty() && static_cast<std::size_t>(tactels_of(scene)) == profile.map.tactels();
+  return profile.pads.size() == 1 && profile.pads.front().tactels == pad->sensor.tactels &&
+         profile.map.places() == static_cast<std::size_t>(channels_of(scene));
+}
+
+/// What a scene with its channels is.
+std::string scene_with_channels(const SensorProfile& profile) {
+  if (profile.pads.empty())
+    return fmt::format("a scene of a line with the profile's {} tactels", profile.map.tactels());
+  if (profile.pads.size() > 1) return "used with the profile of one pad: calibrate pads one by one";
+  const auto [columns, rows] = profile.pads.front().tactels;
+  return fmt::format("a scene of a pad with the profile's {} x {} tactels of {} axes", columns, rows,
+                     profile.map.places() / profile.map.tactels());
+}
+
 /// Reads a press, and adds its noise.
 KnownPress read_press(const TomlFile& file, const std::string& name, const SensorProfile& profile, RestNoise& noise) {
   TomlTable in(file, name);
-  std::string scene, recording;
+  std::string scene_file, recording;
   std::vector<double> times, P;
   double window = 0.1;
-  in.read("scene", scene, "a scene file");
+  in.read("scene", scene_file, "a scene file");
   in.read("recording", recording, "a file of tactel record");
   in.read("times", times, "an array of s since the first frame, one for each load step");
-  in.read("P", P, "an array of N/mm, one for each load step");
+  in.read("P", P, "an array of N/mm (pads: N), one for each load step");
   in.read("window", window, "s above 0, over which frames are averaged");
   PressTiming timing = read_timing(in, times, window);
   in.finish();
-  if (scene.empty()) in.refuse_missing("scene", "a scene file");
+  if (scene_file.empty()) in.refuse_missing("scene", "a scene file");
   if (recording.empty()) in.refuse_missing("recording", "a file of tactel record");
   if (times.empty()) in.refuse_missing("times", "an array of s since the first frame, one for each load step");
   double longest = 2 * times.front();
@@ -105,28 +131,27 @@ KnownPress read_press(const TomlFile& file, const std::string& name, const Senso
                                     longest));
   const std::filesystem::path folder = file.path().parent_path();
   KnownPress press{
-      .name = name, .scene = read_scene(folder / scene), .readings = {}, .P = {}, .timing = std::move(timing)};
-  const fem::LoadPath path = fem::load_path(press.scene.load);
-  if (path.until_sliding || path.steps.size() != times.size())
-    in.refuse("times", fmt::format("as long as the scene has load steps, {}", path.steps.size()));
+      .name = name, .scene = read_any_scene(folder / scene_file), .readings = {}, .P = {}, .timing = std::move(timing)};
+  const auto [load_steps, until_sliding] = load_steps_of(press.scene);
+  if (until_sliding || load_steps != times.size())
+    in.refuse("times", fmt::format("as long as the scene has load steps, {}", load_steps));
   if (!P.empty() && P.size() != times.size()) in.refuse("P", fmt::format("as long as times, {}", times.size()));
   if (std::ranges::any_of(P, [](double force) { return force <= 0; }))
-    in.refuse("P", "an array of N/mm above 0; left out where the force was not measured");
+    in.refuse("P", "an array of N/mm (pads: N) above 0; left out where the force was not measured");
   try {
     press.timing.validate(times.size());
   } catch (const ValueError& error) {
     throw file.error(ValueError(name + "." + error.key, error.value, error.allowed));
   }
-  const auto tactels = static_cast<std::size_t>(press.scene.sensor.tactels);
-  if (tactels != profile.map.tactels())
-    in.refuse("scene", fmt::format("a scene with the profile's {} tactels", profile.map.tactels()));
+  const Eigen::Index transducers = channels_of(press.scene);
+  if (!has_channels(profile, press.scene)) in.refuse("scene", scene_with_channels(profile));
   const WindowReadings readings = read_windows(folder / recording, profile, times, window, in);
   const auto of_transducers = [&](const Eigen::MatrixXd& of_channels) {
-    Eigen::MatrixXd result = Eigen::MatrixXd::Constant(of_channels.rows(), static_cast<Eigen::Index>(2 * tactels),
-                                                       std::numeric_limits<double>::quiet_NaN());
-    for (std::size_t i = 0; i < 2 * tactels; ++i)
-      if (const int channel = profile.map.channel(i); channel >= 0)
-        result.col(static_cast<Eigen::Index>(i)) = of_channels.col(channel);
+    Eigen::MatrixXd result =
+        Eigen::MatrixXd::Constant(of_channels.rows(), transducers, std::numeric_limits<double>::quiet_NaN());
+    for (Eigen::Index i = 0; i < transducers; ++i)
+      if (const int channel = profile.map.channel(static_cast<std::size_t>(i)); channel >= 0)
+        result.col(i) = of_channels.col(channel);
     return result;
   };
   press.readings = of_transducers(readings.mean);
@@ -172,6 +197,10 @@ bool same_sensor(const fem::Sensor& a, const fem::Sensor& b) {
          a.tactels == b.tactels && a.span() == b.span() && a.tactel_width == b.tactel_width;
 }
 
+bool same_sensor(const fem::PadSensor& a, const fem::PadSensor& b) { return a == b; }
+/// A line and a pad.
+bool same_sensor(const auto&, const auto&) { return false; }
+
 }  // namespace
 
 CalibrationOptions read_fit(const TomlFile& file) {
@@ -197,10 +226,24 @@ CalibrationOptions read_fit(const TomlFile& file) {
   return options;
 }
 
-void require_same_sensor(const TomlFile& file, const std::string& name, const fem::Sensor& sensor,
-                         const std::string& first, const fem::Sensor& expected) {
-  if (!same_sensor(sensor, expected))
+void require_same_sensor(const TomlFile& file, const std::string& name, const AnyScene& scene, const std::string& first,
+                         const AnyScene& expected) {
+  if (!std::visit([](const auto& a, const auto& b) { return same_sensor(a.sensor, b.sensor); }, scene, expected))
     throw ConfigError(file.path().string(), name + ".scene", "another sensor", "a scene with the sensor of " + first);
+}
+
+SensorCalibration calibrate_sensor(const PressRecordings& recordings, int threads) {
+  CalibrationOptions options = recordings.options;
+  options.threads = threads;
+  const AnyScene& scene = recordings.presses.front().scene;
+  const SensorState start = std::visit(
+      [](const auto& of) {
+        return SensorState{std::log(of.sensor.young), of.sensor.poisson, of.sensor.thickness};
+      },
+      scene);
+  if (std::holds_alternative<fem::PadScene>(scene)) return calibrate_pad(recordings.presses, start, options);
+  const fem::SensorFamily family = calibration_family(std::get<fem::Scene>(scene).sensor, options);
+  return calibrate_sensor(family, recordings.presses, start, options);
 }
 
 fem::SensorFamily calibration_family(const fem::Sensor& sensor, const CalibrationOptions& options) {
@@ -225,7 +268,7 @@ PressRecordings read_press_recordings(const std::filesystem::path& path, const S
     throw file.error("press", nullptr, "at least one table of a press: scene, recording, times");
   const KnownPress& first = result.presses.front();
   for (const KnownPress& press : result.presses)
-    require_same_sensor(file, press.name, press.scene.sensor, first.name, first.scene.sensor);
+    require_same_sensor(file, press.name, press.scene, first.name, first.scene);
   result.options.rest_noise = noise_of_means(noise);
   result.noise = noise_of_frames(noise);
   return result;
@@ -241,7 +284,7 @@ hw::Calibration merged_calibration(const SensorProfile& profile, const SensorCal
                                    const Eigen::VectorXd& noise) {
   hw::Calibration calibration = profile.map.calibration;
   if (calibration.noise.empty() && !noise.array().isNaN().all()) calibration.noise.assign(calibration.gain.size(), 0);
-  for (std::size_t i = 0; i < 2 * profile.map.tactels(); ++i) {
+  for (std::size_t i = 0; i < found.gain.size(); ++i) {
     const int place = profile.map.channel(i);
     if (place < 0) continue;
     const auto channel = static_cast<std::size_t>(place);

@@ -13,7 +13,7 @@ namespace tactel::host {
 struct PressRecordings {
   std::vector<KnownPress> presses;
   CalibrationOptions options;
-  /// [2 tactels] standard deviation of single readings while the indenter rests, the device's units; NaN: not known
+  /// [channels] standard deviation of single readings while the indenter rests, the device's units; NaN: not known
   Eigen::VectorXd noise{};
 };
 
@@ -24,17 +24,20 @@ CalibrationOptions read_fit(const TomlFile& file);
 fem::SensorFamily calibration_family(const fem::Sensor& sensor, const CalibrationOptions& options);
 
 /// Throws ConfigError for the table `name` of a file where its sensor is not that of the table `first`.
-void require_same_sensor(const TomlFile& file, const std::string& name, const fem::Sensor& sensor,
-                         const std::string& first, const fem::Sensor& expected);
+void require_same_sensor(const TomlFile& file, const std::string& name, const AnyScene& scene, const std::string& first,
+                         const AnyScene& expected);
 
 /// Reads such a file, its scenes and its recordings, by the format and the channels of the profile. Throws ConfigError
 /// for a wrong file, or a time without frames, and hw::RecordingError for a damaged recording.
 PressRecordings read_press_recordings(const std::filesystem::path& path, const SensorProfile& profile);
 
+/// Calibrates their sensor, a line or a pad, from the numbers of its scenes.
+SensorCalibration calibrate_sensor(const PressRecordings& recordings, int threads);
+
 /// Returns the text with control characters as blanks, for a comment in a file.
 std::string one_line(std::string text);
 
-/// Returns the calibration of the profile's channels: gains and offsets that were found, and noise [2 tactels] that is
+/// Returns the calibration of the profile's channels: gains and offsets that were found, and noise [channels] that is
 /// known; the others as they were.
 hw::Calibration merged_calibration(const SensorProfile& profile, const SensorCalibration& found,
                                    const Eigen::VectorXd& noise);

@@ -24,7 +24,9 @@ constexpr double wrong_indenter = 2;    ///< times noise at rest and model_error
 constexpr double misfit = 1.25;         ///< times noise at rest, which few frames tell up to 7 % too small
 constexpr double model_error = 0.02;    ///< of a transducer's signal: places, depths and shapes as a bench knows them
 
-std::string channel_name(const PressReadings& readings, Index c) { return transducer_name(c, readings.count() / 2); }
+std::string channel_name(const PressReadings& readings, Index c) {
+  return transducer_name(c, readings.count(), readings.tactels);
+}
 
 CalibrationFault channel_fault(CalibrationFault::Kind kind, Index channel, std::string text) {
   return {kind, static_cast<int>(channel), -1, -1, std::move(text)};

@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <memory>
 
-#include "fem/shape_derivatives.h"
 #include "fem/value_error.h"
+#include "host/calibration/pad_press.h"
 #include "host/calibration/press_readings.h"
 #include "host/calibration/recording_faults.h"
 #include "host/support/side_by_side.h"
@@ -30,6 +30,7 @@ constexpr double model_error_left = 0.35;
 constexpr std::size_t error_groups = 16;  ///< of presses, most
 constexpr double misfit_from = 4;         ///< standard deviations of a known number that does not fit
 constexpr double unjudged = 1e-6;         ///< of the information on a number, left by the fitted ones: too little
+constexpr int finer_drags = 2;            ///< increments of a drag on a pad, where the cells are halved
 constexpr int first_friction =
     sensor_numbers;  ///< numbers of the fit: those of SensorState, then each press's friction
 
@@ -56,26 +57,42 @@ struct Known {
   double deviation = 0;       ///< of its error
 };
 
+bool same_shape(const AnyScene& a, const AnyScene& b) {
+  const auto kind = [](const AnyScene& scene) {
+    return std::visit([](const auto& of) { return of.indenter.shape.index(); }, scene);
+  };
+  return kind(a) == kind(b) && shape_numbers(a) == shape_numbers(b);
+}
+
+/// Whether a tilt of the indenter of a pad changes its contact.
+bool has_flat(const AnyScene& scene) {
+  const auto& shape = std::get<fem::PadScene>(scene).indenter.shape;
+  return std::holds_alternative<fem::Punch>(shape) || std::holds_alternative<fem::Box>(shape);
+}
+
 class Fit {
  public:
-  Fit(const fem::SensorFamily& family, const std::vector<KnownPress>& presses, const SensorState& start,
+  /// `family`: of lines.
+  Fit(const fem::SensorFamily* family, const std::vector<KnownPress>& presses, const SensorState& start,
       const CalibrationOptions& options);
   SensorCalibration run();
 
  private:
+  std::unique_ptr<PressModel> model_of(const KnownPress& press, bool finer) const;
   void find_patches();
   void find_model_error();
   void append_model_error(Stack& at) const;
   Stack stack(const FitState& state, bool derivatives, const std::vector<Known>& known = {}) const;
   std::vector<Known> known_numbers() const;
+  double nominal_friction(std::size_t press) const { return friction_of(presses_[press].scene); }
   double friction_deviation(int number) const {
-    const double mu = presses_[static_cast<std::size_t>(number - first_friction)].scene.friction;
-    return options_.friction_deviation * mu;
+    return options_.friction_deviation * nominal_friction(static_cast<std::size_t>(number - first_friction));
   }
   static double& number_of(FitState& state, int number);
   std::string number_name(int number) const;
   double cost(const Stack& at) const;
   void normal_equations(const Stack& at, MatrixXd& H, VectorXd& g) const;
+  bool pads() const { return family_ == nullptr; }
   bool iterate(int& iterations);
   void choose_numbers();
   void weaken_forces(const Stack& at);
@@ -91,41 +108,50 @@ class Fit {
   void report_channels(const Stack& at, const MatrixXd& covariance);
   void report_residuals(const Stack& at);
 
-  const fem::SensorFamily& family_;
+  const fem::SensorFamily* family_;
   const std::vector<KnownPress>& presses_;
   const CalibrationOptions& options_;
   PressReadings readings_;
-  std::vector<PressModel> models_;
+  std::vector<std::unique_ptr<PressModel>> models_;
   Stack model_error_;  ///< twice the elements less the fit's; empty before it is known
   FitState state_;
   std::vector<int> numbers_;  ///< that are fitted
   SensorCalibration result_;
 };
 
-Fit::Fit(const fem::SensorFamily& family, const std::vector<KnownPress>& presses, const SensorState& start,
+Fit::Fit(const fem::SensorFamily* family, const std::vector<KnownPress>& presses, const SensorState& start,
          const CalibrationOptions& options)
     : family_(family), presses_(presses), options_(options), readings_(presses, options), state_{start, {}} {
   state_.sensor.log_time_constant = std::log(options.time_constant);
-  for (const KnownPress& press : presses) state_.friction.push_back(press.scene.friction);
+  for (const KnownPress& press : presses) state_.friction.push_back(friction_of(press.scene));
   find_patches();
+}
+
+/// At the present state; `finer`: on twice the elements.
+std::unique_ptr<PressModel> Fit::model_of(const KnownPress& press, bool finer) const {
+  const int elements = (finer ? 2 : 1) * options_.elements;
+  if (!pads())
+    return std::make_unique<LinePress>(*family_, std::get<fem::Scene>(press.scene), press.timing, state_.sensor,
+                                       elements);
+  try {
+    return std::make_unique<PadPress>(std::get<fem::PadScene>(press.scene), press.timing, state_.sensor, elements / 2,
+                                      finer ? finer_drags : 1);
+  } catch (const ValueError& error) {
+    throw ValueError(press.name + ": " + error.key, error.value, error.allowed);
+  }
 }
 
 /// Searches the patches of all presses at the present state.
 void Fit::find_patches() {
-  std::vector<std::optional<PressModel>> models(presses_.size());
-  side_by_side(presses_.size(), options_.threads, [&](std::size_t i) {
-    const KnownPress& press = presses_[i];
-    models[i].emplace(family_, press.scene, press.timing, state_.sensor, options_.elements);
-  });
-  models_.clear();
-  for (std::optional<PressModel>& model : models) models_.push_back(std::move(*model));
+  models_.resize(presses_.size());
+  side_by_side(presses_.size(), options_.threads, [&](std::size_t i) { models_[i] = model_of(presses_[i], false); });
 }
 
 double& Fit::number_of(FitState& state, int number) {
   if (number >= first_friction) return state.friction[static_cast<std::size_t>(number - first_friction)];
   SensorState& sensor = state.sensor;
-  double* const places[] = {&sensor.log_young, &sensor.poisson, &sensor.thickness, &sensor.shift,
-                            &sensor.log_time_constant};
+  double* const places[] = {&sensor.log_young, &sensor.poisson,           &sensor.thickness,
+                            &sensor.shift,     &sensor.log_time_constant, &sensor.shift_y};
   return *places[number];
 }
 
@@ -151,7 +177,7 @@ Stack Fit::stack(const FitState& state, bool derivatives, const std::vector<Know
     std::vector<int> asked;
     for (std::size_t k = 0; k < columns; ++k)
       if (of_press(k) >= 0) asked.push_back(of_press(k));
-    const PressFrames frames = models_[i].at(state.sensor, state.friction[i], asked);
+    const PressFrames frames = models_[i]->at(state.sensor, state.friction[i], asked);
     const Index first = readings_.first_row[i], steps = readings_.steps(i);
     if (frames.frame.rows() != steps)
       throw ValueError(presses_[i].name + ": readings", fmt::format("{} rows", steps),
@@ -176,12 +202,11 @@ void Fit::find_model_error() {
   Stack error{MatrixXd::Zero(readings_.rows(), readings_.count()), VectorXd::Zero(readings_.rows()), {}, {}};
   std::vector<char> known(presses_.size(), true);
   side_by_side(presses_.size(), options_.threads, [&](std::size_t i) {
-    const KnownPress& press = presses_[i];
     const Index first = readings_.first_row[i], steps = readings_.steps(i);
     try {
-      const PressModel finer(family_, press.scene, press.timing, state_.sensor, 2 * options_.elements);
-      const PressFrames to = finer.at(state_.sensor, state_.friction[i]),
-                        from = models_[i].at(state_.sensor, state_.friction[i]);
+      const std::unique_ptr<PressModel> finer = model_of(presses_[i], true);
+      const PressFrames to = finer->at(state_.sensor, state_.friction[i]),
+                        from = models_[i]->at(state_.sensor, state_.friction[i]);
       error.frame.middleRows(first, steps) = to.frame - from.frame;
       error.P.segment(first, steps) = to.P - from.P;
     } catch (const fem::PathError&) {
@@ -219,7 +244,7 @@ double Fit::cost(const Stack& at) const {
   for (const int number : numbers_)
     if (number >= first_friction)
       sum += std::pow((state_.friction[static_cast<std::size_t>(number - first_friction)] -
-                       presses_[static_cast<std::size_t>(number - first_friction)].scene.friction) /
+                       nominal_friction(static_cast<std::size_t>(number - first_friction))) /
                           friction_deviation(number),
                       2);
   return sum;
@@ -260,7 +285,7 @@ void Fit::normal_equations(const Stack& at, MatrixXd& H, VectorXd& g) const {
     const auto press = static_cast<std::size_t>(number - first_friction);
     const double weight = 1 / std::pow(friction_deviation(number), 2);
     H(k, k) += weight;
-    g[k] += weight * (presses_[press].scene.friction - state_.friction[press]);
+    g[k] += weight * (nominal_friction(press) - state_.friction[press]);
   }
 }
 
@@ -269,7 +294,9 @@ FitState Fit::moved(const VectorXd& step) const {
   for (Index k = 0; k < step.size(); ++k) number_of(next, numbers_[static_cast<std::size_t>(k)]) += step[k];
   SensorState& sensor = next.sensor;
   const SensorState& last = state_.sensor;
-  sensor.poisson = std::clamp(sensor.poisson, family_.range().poisson_low, family_.range().poisson_high);
+  const auto [lowest, highest] =
+      family_ != nullptr ? std::pair(family_->range().poisson_low, family_->range().poisson_high) : std::pair(0.0, 0.5);
+  sensor.poisson = std::clamp(sensor.poisson, lowest, highest);
   sensor.log_young = std::clamp(sensor.log_young, last.log_young - 1, last.log_young + 1);
   sensor.thickness = std::clamp(sensor.thickness, 0.8 * last.thickness, 1.25 * last.thickness);
   if (options_.fit_time_constant)
@@ -283,16 +310,16 @@ FitState Fit::moved(const VectorXd& step) const {
 /// E and gains are told apart where depth and force of a press are both known, or where some presses have one and some
 /// the other.
 void Fit::choose_numbers() {
-  bool both = false, by_depth = false, by_force = false;
+  bool both = false, depth_given = false, force_given = false;
   for (std::size_t i = 0; i < presses_.size(); ++i) {
     if (!readings_.press_used[i]) continue;
-    const bool force = fem::by_force(presses_[i].scene);
-    (force ? by_force : by_depth) = true;
+    const bool force = by_force(presses_[i].scene);
+    (force ? force_given : depth_given) = true;
     both |= !force && readings_.P.segment(readings_.first_row[i], readings_.steps(i)).array().isFinite().any();
   }
   numbers_.clear();
   result_.held.clear();
-  if (both || (by_depth && by_force))
+  if (both || (depth_given && force_given))
     numbers_.push_back(0);
   else
     result_.held.emplace_back(
@@ -305,11 +332,13 @@ void Fit::choose_numbers() {
     numbers_.push_back(2);
   else
     result_.held.emplace_back(
-        "sensor.thickness is held: it and sensor.poisson change frames nearly alike, so measure it");
-  if (options_.fit_shift) numbers_.push_back(3);
+        pads() ? "sensor.thickness is held: not asked for"
+               : "sensor.thickness is held: it and sensor.poisson change frames nearly alike, so measure it");
+  if (options_.fit_shift) numbers_.push_back(shift_number);
+  if (options_.fit_shift && pads()) numbers_.push_back(shift_y_number);
   if (options_.fit_time_constant) numbers_.push_back(time_constant_number);
   for (std::size_t i = 0; i < presses_.size(); ++i) {
-    const double mu = presses_[i].scene.friction;
+    const double mu = nominal_friction(i);
     if (options_.friction_deviation > 0 && readings_.press_used[i] && mu > 0 && std::isfinite(mu))
       numbers_.push_back(first_friction + static_cast<int>(i));
   }
@@ -363,7 +392,7 @@ bool Fit::iterate(int& iterations) {
 
 /// The part of cost() that a press's friction changes, all else held.
 double Fit::cost_of_friction(std::size_t press, double mu) const {
-  PressFrames frames = models_[press].at(state_.sensor, mu);
+  PressFrames frames = models_[press]->at(state_.sensor, mu);
   const Index first = readings_.first_row[press], steps = readings_.steps(press);
   VectorXd forces = VectorXd::Zero(readings_.rows());
   forces.segment(first, steps) = frames.P;
@@ -371,8 +400,8 @@ double Fit::cost_of_friction(std::size_t press, double mu) const {
     frames.frame += model_error_.frame.middleRows(first, steps);
     forces.segment(first, steps) += model_error_.P.segment(first, steps);
   }
-  const KnownPress& known = presses_[press];
-  double sum = std::pow((mu - known.scene.friction) / (options_.friction_deviation * known.scene.friction), 2);
+  const double nominal = nominal_friction(press);
+  double sum = std::pow((mu - nominal) / (options_.friction_deviation * nominal), 2);
   for (Index step = 0; step < steps; ++step)
     for (Index c = 0; c < readings_.count(); ++c)
       if (const Index row = first + step; readings_.takes(row, c))
@@ -422,10 +451,12 @@ void Fit::report_numbers(const Stack& at, const MatrixXd& covariance) {
   const double E = std::exp(state_.sensor.log_young), time_constant = std::exp(state_.sensor.log_time_constant);
   result_.young.value = E, result_.poisson.value = state_.sensor.poisson;
   result_.thickness.value = state_.sensor.thickness, result_.shift.value = state_.sensor.shift;
+  result_.shift_y.value = state_.sensor.shift_y;
   result_.time_constant.value = time_constant;
   for (const double friction : state_.friction) result_.friction.push_back({friction, 0});
-  double* const deviations[] = {&result_.young.deviation, &result_.poisson.deviation, &result_.thickness.deviation,
-                                &result_.shift.deviation, &result_.time_constant.deviation};
+  double* const deviations[] = {&result_.young.deviation,         &result_.poisson.deviation,
+                                &result_.thickness.deviation,     &result_.shift.deviation,
+                                &result_.time_constant.deviation, &result_.shift_y.deviation};
   std::string hardly_sliding;
   const auto size = static_cast<Index>(numbers_.size());
   result_.correlation = MatrixXd::Identity(size, size);
@@ -501,41 +532,41 @@ std::vector<Known> Fit::known_numbers() const {
       all.push_back({std::move(name), unit, value, number, std::move(presses)});
   };
   if (!options_.fit_thickness) add("sensor.thickness", " mm", state_.sensor.thickness, 2, every);
-  if (!options_.fit_shift) add("shift of the tactels", " mm", state_.sensor.shift, 3, every);
-  add("tilt of the indenters", " degrees", 0, tilt_number, every);
-  add("zero of the depth", " mm", 0, depth_number,
-      presses_of([](const fem::Scene& scene) { return !fem::by_force(scene); }));
+  if (!options_.fit_shift) {
+    add(pads() ? "shift of the tactels along x" : "shift of the tactels", " mm", state_.sensor.shift, shift_number,
+        every);
+    if (pads()) add("shift of the tactels along y", " mm", state_.sensor.shift_y, shift_y_number, every);
+  }
+  if (pads()) {
+    add("tilt of the indenters along their x", " degrees", 0, tilt_number, presses_of(has_flat));
+    add("tilt of the indenters along their y", " degrees", 0, tilt_y_number, presses_of(has_flat));
+  } else {
+    add("tilt of the indenters", " degrees", 0, tilt_number, every);
+  }
+  add("zero of the depth", " mm", 0, depth_number, presses_of([](const AnyScene& scene) { return !by_force(scene); }));
   const auto once = [&](std::size_t i, const auto& same) {
     for (std::size_t j = 0; j < i; ++j)
       if (same(presses_[j].scene, presses_[i].scene)) return false;
     return true;
   };
-  const auto same_friction = [](const fem::Scene& a, const fem::Scene& b) { return a.friction == b.friction; };
-  const auto shape_numbers = [](const fem::Scene& scene) {
-    return fem::height_derivatives(scene.indenter, Eigen::VectorXd(0));
-  };
-  const auto same_shape = [&](const fem::Scene& a, const fem::Scene& b) {
-    return a.indenter.shape.index() == b.indenter.shape.index() &&
-           std::ranges::equal(shape_numbers(a), shape_numbers(b), {}, &fem::HeightDerivative::value,
-                              &fem::HeightDerivative::value);
-  };
+  const auto same_friction = [](const AnyScene& a, const AnyScene& b) { return friction_of(a) == friction_of(b); };
   for (std::size_t i = 0; i < presses_.size(); ++i) {
-    const fem::Scene& scene = presses_[i].scene;
+    const AnyScene& scene = presses_[i].scene;
     const auto like_this = [&](const auto& same) {
-      return presses_of([&](const fem::Scene& other) { return same(other, scene); });
+      return presses_of([&](const AnyScene& other) { return same(other, scene); });
     };
-    if (options_.friction_deviation == 0 && scene.friction > 0 && std::isfinite(scene.friction) &&
-        once(i, same_friction))
-      add("contact.friction", "", scene.friction, friction_number, like_this(same_friction));
+    const double friction = friction_of(scene);
+    if (options_.friction_deviation == 0 && friction > 0 && std::isfinite(friction) && once(i, same_friction))
+      add("contact.friction", "", friction, friction_number, like_this(same_friction));
     if (once(i, same_shape)) {
-      const std::vector<fem::HeightDerivative> numbers = shape_numbers(scene);
+      const std::vector<ShapeNumber> numbers = shape_numbers(scene);
       for (int k = 0; k < std::min(most_shape_numbers, static_cast<int>(numbers.size())); ++k) {
-        const fem::HeightDerivative& of = numbers[static_cast<std::size_t>(k)];
+        const ShapeNumber& of = numbers[static_cast<std::size_t>(k)];
         add("indenter." + of.key, of.unit.empty() ? "" : (" " + of.unit).c_str(), of.value, shape_number + k,
             like_this(same_shape));
       }
     }
-    if (fem::by_force(scene) && readings_.press_used[i]) {
+    if (by_force(scene) && readings_.press_used[i]) {
       std::vector<bool> own(presses_.size(), false);
       own[i] = true;
       all.push_back({"", "", 0, load_number, std::move(own), readings_.force_noise});
@@ -623,6 +654,7 @@ void Fit::report_residuals(const Stack& at) {
 }
 
 SensorCalibration Fit::run() {
+  result_.pad = pads(), result_.tactels = readings_.tactels;
   find_constant_and_saturated(readings_, options_, result_.faults);
   find_swapped(readings_, stack(state_, false).frame, result_.faults);
   choose_numbers();
@@ -658,9 +690,20 @@ SensorCalibration Fit::run() {
 
 }  // namespace
 
-std::string transducer_name(Index channel, Index tactels) {
-  return channel < tactels ? fmt::format("normal stress of tactel {}", channel)
-                           : fmt::format("shear stress of tactel {}", channel - tactels);
+std::vector<std::string> stress_names(Index channels, Index tactels) {
+  switch (channels / tactels) {
+    case 2:
+      return {"normal stress", "shear stress"};
+    case 3:
+      return {"normal stress", "shear stress along x", "shear stress along y"};
+    default:
+      return {"normal stress"};
+  }
+}
+
+std::string transducer_name(Index channel, Index channels, Index tactels) {
+  return fmt::format("{} of tactel {}", stress_names(channels, tactels).at(static_cast<std::size_t>(channel / tactels)),
+                     channel % tactels);
 }
 
 void CalibrationOptions::validate() const {
@@ -681,7 +724,13 @@ void CalibrationOptions::validate() const {
 SensorCalibration calibrate_sensor(const fem::SensorFamily& family, const std::vector<KnownPress>& presses,
                                    const SensorState& start, const CalibrationOptions& options) {
   options.validate();
-  return Fit(family, presses, start, options).run();
+  return Fit(&family, presses, start, options).run();
+}
+
+SensorCalibration calibrate_pad(const std::vector<KnownPress>& presses, const SensorState& start,
+                                const CalibrationOptions& options) {
+  options.validate();
+  return Fit(nullptr, presses, start, options).run();
 }
 
 }  // namespace tactel::host

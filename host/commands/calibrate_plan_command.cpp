@@ -125,6 +125,10 @@ int run_calibrate_plan(const CalibratePlanRequest& request) {
   for (const auto& [option, path] : {std::pair{"--output", &request.output}, {"--json", &request.json}})
     if (!path->empty()) check_writable(option, *path);
   const SensorProfile profile = read_profile(request.profile);
+  if (!profile.pads.empty())
+    throw ConfigError(
+        request.profile, "pad", "given",
+        "left out: calibrate plan serves lines; press a pad as docs/calibration.md says, and record that");
   const CandidateList list = candidates_of(request, profile);
   PlanOptions options{.presses = request.presses,
                       .fit = list.fit,

@@ -71,23 +71,25 @@ Json to_json(const SensorCalibration& found, const std::vector<KnownPress>& pres
     }
     residuals.push_back({{"press", presses[i].name}, {"steps", std::move(rows)}});
   }
-  return {{"converged", found.converged},
-          {"iterations", found.iterations},
-          {"young", fitted_json(found.young)},
-          {"poisson", fitted_json(found.poisson)},
-          {"thickness", fitted_json(found.thickness)},
-          {"shift", fitted_json(found.shift)},
-          {"time_constant", fitted_json(found.time_constant)},
-          {"friction", std::move(friction)},
-          {"fitted", found.fitted},
-          {"correlation", std::move(correlation)},
-          {"held", found.held},
-          {"faults", std::move(faults)},
-          {"gain", std::move(gains)},
-          {"offset", std::move(offsets)},
-          {"noise", std::move(noise)},
-          {"rest_noise", std::move(rest)},
-          {"residuals", std::move(residuals)}};
+  Json json = {{"converged", found.converged},
+               {"iterations", found.iterations},
+               {"young", fitted_json(found.young)},
+               {"poisson", fitted_json(found.poisson)},
+               {"thickness", fitted_json(found.thickness)},
+               {"shift", fitted_json(found.shift)},
+               {"time_constant", fitted_json(found.time_constant)},
+               {"friction", std::move(friction)},
+               {"fitted", found.fitted},
+               {"correlation", std::move(correlation)},
+               {"held", found.held},
+               {"faults", std::move(faults)},
+               {"gain", std::move(gains)},
+               {"offset", std::move(offsets)},
+               {"noise", std::move(noise)},
+               {"rest_noise", std::move(rest)},
+               {"residuals", std::move(residuals)}};
+  if (found.pad) json["shift_y"] = fitted_json(found.shift_y);
+  return json;
 }
 
 std::string line(const char* name, const Fitted& fitted, const char* unit) {
@@ -127,18 +129,14 @@ int run_calibrate_sensor(const CalibrateSensorRequest& request) {
     const StageLine stage("reading " + request.recordings, request.quiet);
     return read_press_recordings(request.recordings, profile);
   }();
-  const fem::Sensor& sensor = recordings.presses.front().scene.sensor;
   const SensorCalibration found = [&] {
     const StageLine stage("fitting", request.quiet);
-    const fem::SensorFamily family = calibration_family(sensor, recordings.options);
-    const SensorState start{std::log(sensor.young), sensor.poisson, sensor.thickness, 0};
-    CalibrationOptions options = recordings.options;
-    options.threads = host_threads();
-    return calibrate_sensor(family, recordings.presses, start, options);
+    return calibrate_sensor(recordings, host_threads());
   }();
   std::vector<std::string> remarks = {
       line("sensor.young", found.young, " MPa"), line("sensor.poisson", found.poisson, ""),
       line("sensor.thickness", found.thickness, " mm"), line("shift of the tactels", found.shift, " mm")};
+  if (found.pad) remarks.push_back(line("shift along y", found.shift_y, " mm"));
   if (std::isfinite(found.time_constant.value))
     remarks.push_back(line("transducer.time_constant", found.time_constant, " s"));
   for (std::size_t i = 0; i < found.friction.size(); ++i)

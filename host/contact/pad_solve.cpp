@@ -127,22 +127,6 @@ double widest_cell(const fem::PadScene& scene, const fem::PadSolution& solution)
   return std::max(solution.cells.hx, solution.cells.hy) / scene.sensor.thickness;
 }
 
-/// Shapes whose contact is a needle or a plain to the rubber are beyond the tables of the layer.
-void refuse_degenerate(const fem::PadScene& scene, const fem::PadSolution& solution) {
-  const auto& [hx, hy] = std::tie(solution.cells.hx, solution.cells.hy);
-  const double H = scene.sensor.thickness, widest = widest_cell(scene, solution);
-  if (scene.sensor.poisson > nearly_incompressible && widest > too_wide_cell && widest <= largest_cell)
-    throw ValueError("sensor.poisson", fem::number_text(scene.sensor.poisson),
-                     fmt::format("at most {:.3g} for cells of {:.3g} thicknesses, or the contact smaller: in nearly "
-                                 "incompressible rubber cells must be narrower than {:.3g}",
-                                 nearly_incompressible, widest, too_wide_cell));
-  if (std::min(hx, hy) >= smallest_cell * H && widest <= largest_cell) return;
-  throw ValueError("indenter.shape", fem::shape_name(scene.indenter.shape),
-                   fmt::format("one whose contact measures {:.2g} to {:.2g} mm along a side, not {:.3g} x {:.3g} mm",
-                               solution.cells.n * smallest_cell * H, solution.cells.n * largest_cell * H,
-                               solution.cells.n * hx, solution.cells.n * hy));
-}
-
 /// Error in S of lines without free sides, at a distance of the contact from the edge over the thickness: by the free
 /// sides of lines, nu 0.3 to 0.499 and contacts 1.2 H wide, 0.06 to 0.12 at 0.7 and 0.005 to 0.018 at 2.1; between them
 /// it falls exponentially.
@@ -242,6 +226,21 @@ PadOutcome solve(const fem::PadScene& scene, const SolveOptions& options) {
 std::string model_name(const PadOutcome& outcome) {
   const fem::PadCells& cells = outcome.solution.cells;
   return fmt::format("{0} x {0} cells of {1:.3g} x {2:.3g} mm", cells.n, cells.hx, cells.hy);
+}
+
+void refuse_degenerate(const fem::PadScene& scene, const fem::PadSolution& solution) {
+  const auto& [hx, hy] = std::tie(solution.cells.hx, solution.cells.hy);
+  const double H = scene.sensor.thickness, widest = widest_cell(scene, solution);
+  if (scene.sensor.poisson > nearly_incompressible && widest > too_wide_cell && widest <= largest_cell)
+    throw ValueError("sensor.poisson", fem::number_text(scene.sensor.poisson),
+                     fmt::format("at most {:.3g} for cells of {:.3g} thicknesses, or the contact smaller: in nearly "
+                                 "incompressible rubber cells must be narrower than {:.3g}",
+                                 nearly_incompressible, widest, too_wide_cell));
+  if (std::min(hx, hy) >= smallest_cell * H && widest <= largest_cell) return;
+  throw ValueError("indenter.shape", fem::shape_name(scene.indenter.shape),
+                   fmt::format("one whose contact measures {:.2g} to {:.2g} mm along a side, not {:.3g} x {:.3g} mm",
+                               solution.cells.n * smallest_cell * H, solution.cells.n * largest_cell * H,
+                               solution.cells.n * hx, solution.cells.n * hy));
 }
 
 std::optional<double> distance_to_edge(const fem::PadScene& scene, const fem::PadSolution& solution) {

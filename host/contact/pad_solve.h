@@ -37,6 +37,10 @@ std::string model_name(const PadOutcome& outcome);
 /// gives no edges, or nothing is touched.
 std::optional<double> distance_to_edge(const fem::PadScene& scene, const fem::PadSolution& solution);
 
+/// Throws ValueError for a contact that is a needle or a plain to the rubber, and for cells that are wide for nearly
+/// incompressible rubber.
+void refuse_degenerate(const fem::PadScene& scene, const fem::PadSolution& solution);
+
 /// Throws ValueError, key "indenter.position", where that is less than the thickness.
 void refuse_at_edge(const fem::PadScene& scene, const fem::PadSolution& solution);
 

@@ -148,7 +148,7 @@ void expect_deviations_of_the_fit(const CalibrationOptions& fit, const std::vect
   const PressPlan plan = plan_presses(family(), few, own);
   own.fit.noise.setConstant(2 * tactels, 30);
   for (const PressCandidate& candidate : few) {
-    const PressModel model(family(), candidate.scene, candidate.timing, nominal(), own.fit.elements);
+    const LinePress model(family(), candidate.scene, candidate.timing, nominal(), own.fit.elements);
     SensorState state = nominal();
     state.log_time_constant = std::log(fit.time_constant);
     const PressFrames frames = model.at(state, candidate.scene.friction);

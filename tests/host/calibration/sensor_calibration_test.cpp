@@ -103,7 +103,7 @@ TEST(SensorCalibration, DeadAndSwappedChannelsAreNamed) {
 
 TEST(SensorCalibration, AWrongPressIsNamedAndLeftOut) {
   Simulated s = simulate(2);
-  s.presses[6].scene.indenter = {fem::Wedge{150}, s.presses[6].scene.indenter.position + 1};
+  line(s.presses[6]).indenter = {fem::Wedge{150}, line(s.presses[6]).indenter.position + 1};
   const SensorCalibration c = calibrate(s);
   ASSERT_EQ(c.faults.size(), 1u);
   EXPECT_EQ(c.faults[0].kind, CalibrationFault::Kind::wrong_press);
@@ -151,7 +151,7 @@ TEST(SensorCalibration, TheIndenterThatDoesNotFitIsNamed) {
   Simulated s = simulate(6);
   EXPECT_THAT(texts(calibrate(s), CalibrationFault::Kind::model_misfit), testing::IsEmpty());
   for (std::size_t k = 1; k < s.presses.size(); k += 2)
-    std::get<fem::Cylinder>(s.presses[k].scene.indenter.shape).radius = 6 / 1.05;
+    std::get<fem::Cylinder>(line(s.presses[k]).indenter.shape).radius = 6 / 1.05;
   const std::vector<std::string> found = texts(calibrate(s), CalibrationFault::Kind::model_misfit);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_THAT(found[0], testing::HasSubstr("indenter.radius of press 2, press 4 and 8 more? the readings ask for "));
@@ -168,7 +168,7 @@ TEST(SensorCalibration, ResidualsBeyondTheNoiseAtRestAreNamed) {
 TEST(SensorCalibration, AllPressesWithAnotherIndenter) {
   Simulated s = simulate(2);
   const CalibrationOptions options{.rest_noise = s.noise / s.gain.array()};
-  for (KnownPress& press : s.presses) std::get<fem::Cylinder>(press.scene.indenter.shape).radius *= 0.3;
+  for (KnownPress& press : s.presses) std::get<fem::Cylinder>(line(press).indenter.shape).radius *= 0.3;
   const SensorCalibration c = calibrate(s, options);
   EXPECT_TRUE(std::ranges::any_of(
       c.faults, [](const CalibrationFault& fault) { return fault.kind == CalibrationFault::Kind::wrong_indenter; }));
@@ -185,9 +185,9 @@ TEST(SensorCalibration, NoiseAtRestTellsAWrongIndenter) {
   };
   Simulated s = simulate(2, 0.002);
   EXPECT_FALSE(wrong(s));
-  for (KnownPress& press : s.presses) press.scene.load.indentation[0] *= 1.03;  // a depth as a bench knows it
+  for (KnownPress& press : s.presses) line(press).load.indentation[0] *= 1.03;  // a depth as a bench knows it
   EXPECT_FALSE(wrong(s));
-  for (KnownPress& press : s.presses) std::get<fem::Cylinder>(press.scene.indenter.shape).radius *= 0.3;
+  for (KnownPress& press : s.presses) std::get<fem::Cylinder>(line(press).indenter.shape).radius *= 0.3;
   EXPECT_TRUE(wrong(s));
 }
 
@@ -256,7 +256,7 @@ TEST(SensorCalibration, FindsTheTimeConstant) {
 /// A sensor whose presses have a friction of 0.6 and are taken for 0.5 and 0.7.
 Simulated with_other_frictions(unsigned seed) {
   Simulated s = simulate(seed);
-  for (std::size_t k = 0; k < s.presses.size(); ++k) s.presses[k].scene.friction = k % 2 ? 0.5 : 0.7;
+  for (std::size_t k = 0; k < s.presses.size(); ++k) line(s.presses[k]).friction = k % 2 ? 0.5 : 0.7;
   return s;
 }
 

@@ -22,6 +22,8 @@ inline const fem::SensorFamily& family() {
 
 inline SensorState nominal() { return {.log_young = std::log(nominal_young), .poisson = nominal_poisson}; }
 
+inline fem::Scene& line(KnownPress& press) { return std::get<fem::Scene>(press.scene); }
+
 /// How a sensor is, and what its calibration does not know of it.
 struct SimulatedAs {
   double thickness = 1.5;    ///< mm
@@ -43,7 +45,7 @@ inline const Truth& truth(double poisson, const KnownPress& press, const Simulat
   using Layer = std::tuple<double, double, int>;
   static std::map<Layer, fem::LayerModel> models;
   static std::map<std::tuple<Layer, double, int, std::string>, Truth> known;
-  fem::Scene own = press.scene;
+  fem::Scene own = std::get<fem::Scene>(press.scene);
   own.sensor.poisson = poisson;
   own.sensor.young = 1;
   own.sensor.thickness = as.thickness;
@@ -79,13 +81,13 @@ inline std::vector<KnownPress> presses() {
   for (int k = 0; k < 20; ++k) {
     KnownPress press;
     press.name = "press " + std::to_string(k + 1);
-    press.scene.sensor.poisson = nominal_poisson;
-    press.scene.sensor.young = nominal_young;
-    press.scene.indenter = {fem::Cylinder{k % 2 ? 6.0 : 15.0}, -9.0 + 18.0 * k / 19};
-    press.scene.friction = 0.6;
-    press.scene.load.indentation = {0.1 + 0.02 * (k % 4)};
-    press.scene.load.indentation_steps = 2;
-    press.scene.load.tangential = {0.02, 0.05, 0.08};
+    line(press).sensor.poisson = nominal_poisson;
+    line(press).sensor.young = nominal_young;
+    line(press).indenter = {fem::Cylinder{k % 2 ? 6.0 : 15.0}, -9.0 + 18.0 * k / 19};
+    line(press).friction = 0.6;
+    line(press).load.indentation = {0.1 + 0.02 * (k % 4)};
+    line(press).load.indentation_steps = 2;
+    line(press).load.tangential = {0.02, 0.05, 0.08};
     all.push_back(press);
   }
   return all;
@@ -105,7 +107,7 @@ inline Simulated simulate_sensor(unsigned seed, std::vector<KnownPress> presses,
   constexpr double poissons[] = {0.43, 0.447, 0.46, 0.475};
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
-  const Eigen::Index channels = 2 * presses.front().scene.sensor.tactels;
+  const Eigen::Index channels = channels_of(presses.front().scene);
   Simulated s{nominal_young * std::exp(0.3 * normal(random)),
               poissons[seed % 4],
               Eigen::VectorXd(channels),

@@ -4,8 +4,11 @@
 #include <gmock/gmock.h>
 
 #include <fstream>
+#include <random>
 
 #include "fem/layer/patch_solver.h"
+#include "fem/pad/pad_layers.h"
+#include "fem/pad/pad_solver.h"
 #include "host/live/sensor_profile.h"
 #include "tests/host/commands/live_command.h"
 #include "tests/host/commands/recorded_sensor.h"
@@ -154,6 +157,103 @@ TEST_F(CalibrateSensor, WrongFilesAreNamed) {
   refused(timed + "begin = [0.9, 1.2, 1.6]\nend = [0.8, 1.4, 1.8]\n", "s, not before begin");
   refused("[fit]\nforce_noise = 1e308\n" + timed, "fit.force_noise");
   refused("[fit]\nforce_noise = 0\n" + press + "times = [1, 1.5, 1.9]\n", "fit.force_noise");
+}
+
+/// A pad as the built-in profile uskin-4x4 has it, which counts lines of x, y, z of each tactel.
+class CalibratePad : public ::testing::Test {
+ protected:
+  static constexpr int tactels = 16;
+  static constexpr double young = 0.6, noise = 2e-4;  // MPa
+
+  CalibratePad() {
+    std::normal_distribution<double> normal;
+    for (double& g : gain_) g = 1e-5 * (1 + 0.15 * normal(random_));
+    for (double& o : offset_) o = 20000 + 100 * normal(random_);
+    std::string presses = "[fit]\npoisson = false\n";
+    for (int k = 0; k < 5; ++k) presses += press(k);
+    folder_.write("r.toml", presses);
+  }
+
+  /// A third of a second at rest and on each load step. Returns the press's table.
+  std::string press(int k) {
+    const std::string name = "press" + std::to_string(k);
+    const fem::PadScene scene{.title = "",
+                              .sensor = {.thickness = 4, .young = young, .poisson = 0.46},
+                              .indenter = {.shape = fem::Sphere{10},
+                                           .position = {k < 4 ? 4.0 * (k % 2) - 3 : 1, k < 4 ? 4.0 * (k / 2) - 2 : 1}},
+                              .friction = 0.8,
+                              .load = {.indentation = {1.0}, .drags = {{0.2, 0, 0}, {0.2, 0.2, 0}}}};
+    folder_.write(name + ".toml",
+                  "[sensor]\nkind = \"pad\"\nthickness = 4\nyoung = 0.5\npoisson = 0.46\n[indenter]\n"
+                  "shape = \"sphere\"\nradius = 10\nposition = [" +
+                      std::to_string(scene.indenter.position[0]) + ", " + std::to_string(scene.indenter.position[1]) +
+                      "]\n[contact]\nfriction = 0.8\n[load]\nindentation = 1.0\n"
+                      "tangential = [[0.2, 0], [0.2, 0.2]]\n");
+    const fem::PadSolution solution =
+        fem::PadSolver(fem::pad_layer(0.46), {.cells = 16, .tolerance = 1e-5, .ladder = false}).solve(scene);
+    std::ofstream lines(folder_ / (name + ".csv"));
+    std::normal_distribution<double> normal;
+    lines << "time";
+    for (int c = 0; c < 3 * tactels; ++c) lines << ",c" << c;
+    for (int frame = 0; frame < 120; ++frame) {
+      lines << '\n' << 0.01 * frame;
+      for (int c = 0; c < 3 * tactels; ++c) {
+        const int axis = (c % 3 + 1) % 3;  // x, y, z to sigma_z, tau_x, tau_y
+        const double stress =
+            frame < 30 ? 0 : solution.steps[static_cast<std::size_t>(frame / 30 - 1)].stress(c / 3, axis);
+        lines << ',' << (axis == 0 ? -1 : 1) * (stress + noise * normal(random_)) / gain_[c] + offset_[c];
+      }
+    }
+    lines << '\n';
+    lines.close();
+    const ChildResult recorded =
+        run_tactel({"record", "--source", "csv:" + (folder_ / (name + ".csv")).string(), "--profile", "uskin-4x4",
+                    "--output", (folder_ / (name + ".tactel")).string()});
+    EXPECT_EQ(recorded.exit_code, 0) << recorded.err;
+    std::string P;
+    for (const fem::PadStep& step : solution.steps) P += (P.empty() ? "" : ", ") + std::to_string(step.P);
+    return "[" + name + "]\nscene = \"" + name + ".toml\"\nrecording = \"" + name +
+           ".tactel\"\ntimes = [0.45, 0.75, 1.05]\nwindow = 0.2\nP = [" + P + "]\n";
+  }
+
+  ChildResult calibrate(const std::string& profile, std::vector<std::string> more = {}) const {
+    return run_tactel({"calibrate", "sensor", (folder_ / "r.toml").string(), "--profile", profile, "--output",
+                       (folder_ / "p2.toml").string()},
+                      std::move(more));
+  }
+
+  ScratchFolder folder_;
+  std::mt19937 random_{11};
+  Eigen::VectorXd gain_{3 * tactels}, offset_{3 * tactels};  ///< of the channels
+};
+
+TEST_F(CalibratePad, WritesAProfileWithTheGainsOfThreeAxes) {
+  const std::string json = (folder_ / "c.json").string(), html = (folder_ / "c.html").string();
+  const ChildResult result = calibrate("uskin-4x4", {"--json", json, "--html", html});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json found = nlohmann::json::parse(std::ifstream(json));
+  EXPECT_NEAR(found["young"]["value"].get<double>(), young, 3 * found["young"]["deviation"].get<double>());
+  ASSERT_EQ(found["gain"].size(), 3u * tactels);
+  EXPECT_EQ(found["shift_y"]["deviation"], 0) << "held";
+  EXPECT_THAT(text_of(html), HasSubstr("shear stress along y of tactel 15"));
+  const SensorProfile profile = read_profile(folder_ / "p2.toml");
+  ASSERT_EQ(profile.pads.size(), 1u);
+  for (int c = 0; c < 3 * tactels; ++c) {
+    const int place = (c % 3 + 1) % 3 * tactels + c / 3;
+    const double deviation = found["gain"][static_cast<std::size_t>(place)]["deviation"].get<double>();
+    const double gain = profile.map.calibration.gain[static_cast<std::size_t>(c)];
+    EXPECT_NEAR(gain, (c % 3 == 2 ? -1 : 1) * gain_[c], 4 * deviation) << c;  // 6e-5 of a normal distribution
+    EXPECT_LT(deviation, 0.15 * gain_[c]) << c;
+  }
+}
+
+TEST_F(CalibratePad, WrongProfilesAndScenesAreNamed) {
+  EXPECT_TRUE(
+      is_refused(calibrate("uskin-4x6"), {"press0.scene", "a scene of a pad with the profile's 4 x 6 tactels"}));
+  folder_.write("line.toml", "[format]\nkind = \"csv\"\nchannels = 48\n[channels]\nnormal = [0, 1]\n");
+  EXPECT_TRUE(is_refused(calibrate((folder_ / "line.toml").string()),
+                         {"press0.scene", "a scene of a line with the profile's 2 tactels"}));
+  EXPECT_TRUE(is_refused(run_tactel({"calibrate", "plan", "uskin-4x4"}), {"calibrate plan serves lines"}));
 }
 
 }  // namespace
