@@ -88,7 +88,7 @@ TEST(SensorProfile, TheBuiltInPads) {
     ASSERT_EQ(pad.pads.size(), 1u);
     EXPECT_THAT(pad.pads[0].tactels, ElementsAre(4, ny));
     EXPECT_THAT(pad.pads[0].pitch, ElementsAre(4.7, 4.7));
-    const auto tactels = static_cast<std::size_t>(4 * ny);
+    const auto tactels = 4 * static_cast<std::size_t>(ny);
     std::vector<double> readings(pad.format()->channels());
     ASSERT_EQ(readings.size(), 3 * tactels);
     for (std::size_t i = 0; i < readings.size(); ++i) readings[i] = static_cast<double>(i);

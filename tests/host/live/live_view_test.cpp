@@ -120,7 +120,7 @@ TEST(LiveView, ShowsTheNewestFrameOnceWhereItCameTooSoon) {
 
 /// The tiles of two tactels beside each other, and of one above them. y points upwards.
 std::string tiles_text(const std::vector<float>& stresses, std::vector<PadLayout> pads, int columns,
-                       std::vector<PadAnswer> answers = {}) {
+                       const std::vector<PadAnswer>& answers = {}) {
   const std::string text = view_text({.frame = {}, .stresses = stresses, .answer = answer_of(0.5f), .pads = answers},
                                      {}, 1, columns, {.pads = std::move(pads)});
   const std::size_t begin = text.find('\n', text.find('\n') + 1) + 1, end = text.rfind('\n', text.size() - 2) + 1;
