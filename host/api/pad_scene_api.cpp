@@ -79,6 +79,8 @@ fem::PadScene to_fem(const PadScene& scene) {
   for (std::size_t k = 0; k < load.tangential.size(); ++k)
     made.load.drags.push_back(
         {load.tangential[k][0], load.tangential[k][1], load.twist.empty() ? 0 : fem::radians(load.twist[k])});
+  for (const auto& [normal, at, twist] : load.moves)
+    made.load.moves.push_back({normal, at[0], at[1], fem::radians(twist)});
   return made;
 }
 
@@ -96,6 +98,7 @@ PadScene from_fem(const fem::PadScene& scene) {
     made.load.tangential.push_back({x, y});
     made.load.twist.push_back(degrees(twist));
   }
+  for (const auto& [normal, x, y, twist] : load.moves) made.load.moves.push_back({normal, {x, y}, degrees(twist)});
   return made;
 }
 

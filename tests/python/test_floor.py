@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 import tempfile
+import types
 import unittest
 
 import numpy as np
@@ -137,6 +138,23 @@ class KnownFloors(unittest.TestCase):
         self.assertAlmostEqual(found, math.sqrt(2 / math.pi) * 2 / math.sqrt(32), places=12)
 
 
+class PadRows(unittest.TestCase):
+    def test_have_classes_of_torque_and_tactels(self):
+        # Four steps of a contact on two tactels with three axes: S of 0.6 with 0.45, 0.3 and 0.1 by the force alone, and a small S.
+        frames = np.array([[-1, -0.04, 9, 9, 9, 9], [-1, -0.06, 0, 0, 0, 0], [-1, 1, 0, 0, 0, 0], [0, -1, 0, 0, 0, 0]], np.float32)
+        class Rows(types.SimpleNamespace):
+            def __len__(self):
+                return len(self.contact)
+        rows = Rows(
+            axes=3, frames=frames, slip_index=np.array([0.6, 0.6, 0.6, 0.04]), force_ratio=np.array([0.45, 0.3, 0.1, 0.0]),
+            status=np.zeros(4), contact=np.zeros(4, int), step=np.arange(4), indenter=np.full(4, 2), contact_nodes=np.full(4, 99))
+        bank, _ = floor._collect(rows, floor.Options())
+        self.assertEqual(bank.classes.tolist(), [[2, 2, 2, 2], [1, 2, 3, 0], [0, 0, 0, 0]])
+        rows.frames = np.concatenate([frames[:, :2]] * 3 + [frames[:, 2:]] * 2, axis=1)[:, :18]  # six tactels
+        touching = floor._collect(rows, floor.Options())[0].classes[2]
+        self.assertEqual(touching.tolist(), [0, 1, 1, 0])  # three; six; six; three
+
+
 class Command(unittest.TestCase):
     def run_floor(self, *words, exit_code=0):
         ran = subprocess.run([sys.executable, "-m", "tactel.floor", *words, "--quiet"], capture_output=True, text=True)
@@ -189,6 +207,23 @@ class Command(unittest.TestCase):
                 return {"target": "stick_fraction"}.get(key, "")
         with self.assertRaisesRegex(InputError, "a network of slip_index"):
             floor._network_errors({"n.onnx": Network}, np.zeros((2, 1, 4)), None, None)
+
+    def test_takes_pads(self):
+        # Three axes tell more than the normal one alone, of the same contacts; a network is judged beside.
+        sweep = ('[sweep]\ncontacts = 100\nseed = 3\n[sensor]\nkind = "pad"\nthickness = 4\n[contact]\nfriction = { uniform = [0.1, 1.0] }\n'
+                 '[indenter]\nshape = "sphere"\nradius = { log_uniform = [5, 50] }\nposition = [{ uniform = [-3, 3] }, 0]\n[load]\n'
+                 'indentation = 0.4\n[load.irregular]\npress_steps = 1\nstroke = { uniform = [0.1, 0.5] }\nstroke_steps = 2\n'
+                 'direction = { uniform = [0, 360] }\ntwist = { uniform = [-5, 5] }\n')
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "pad.toml")
+
+            def found(axes):
+                with open(file, "w", encoding="utf-8") as text:
+                    text.write(sweep.replace("thickness", f"axes = {axes}\nthickness"))
+                return self.floor_json(file, "--bank", "500", "--readings", "60")
+            three, one = found(3), found(1)
+            self.assertLess(three["all"]["estimate"]["mean"], 0.8 * one["all"]["estimate"]["mean"])
+            self.assertEqual({line["family"] for line in three["classes"]}, set(floor.PAD_FAMILIES))
 
     def test_compares_skins(self):
         # A line of the table is the floor of a file with that sensor.

@@ -6,6 +6,7 @@ import os
 import pathlib
 import pickle
 import subprocess
+import tempfile
 import unittest
 
 import numpy as np
@@ -86,6 +87,27 @@ class Errors(unittest.TestCase):
     def test_lines_do_not_turn(self):
         with self.assertRaises(TypeError):
             tactel.Press(0.1).drag(0.05, steps=2, twist=1)
+
+
+class Sweeps(unittest.TestCase):
+    def test_have_the_rows_of_the_program(self):
+        text = (ROOT / "examples/pad_sweep.toml").read_text(encoding="utf-8").replace("contacts = 20000", "contacts = 6")
+        with tempfile.TemporaryDirectory() as folder:
+            file, of_program = os.path.join(folder, "pads.toml"), os.path.join(folder, "pads.h5")
+            pathlib.Path(file).write_text(text, encoding="utf-8")
+            subprocess.run([PROGRAM, "generate", file, "--output", of_program, "--quiet"], check=True)
+            sweep, there = tactel.Sweep(file), tactel.read_set(of_program)
+            rows = sweep.generate()
+            self.assertEqual((sweep.axes, sweep.tactels, rows.axes), (3, 16, 3))
+            self.assertEqual(rows.Q.shape, (len(rows), 2))
+            for name in ("frames", "slip_index", "P", "Q", "M", "twist", "force_ratio", "tangential", "contact", "step"):
+                np.testing.assert_array_equal(getattr(rows, name), getattr(there, name), name)
+            for k in range(6):  # the scene has the irregular path; the sweeps' tolerance is 1e-3
+                path, own = tactel.solve(sweep.scene(k), precision="fp32"), rows.contact == k
+                np.testing.assert_allclose(rows.slip_index[own], path.slip_index[rows.step[own]], atol=2e-3)
+            self.assertEqual(sweep.generate(2, rung="pad-8").axes, 3)
+            with self.assertRaisesRegex(tactel.InputError, "rung"):
+                sweep.generate(2, accuracy=0.01)
 
 
 class Solve(unittest.TestCase):

@@ -72,6 +72,13 @@ struct PadLoad {
   int indentation_steps = 1;                        ///< increments of each target
   std::vector<std::array<double, 2>> tangential{};  ///< mm: successive positions (x, y) after the pressing
   std::vector<double> twist{};                      ///< degrees at these positions; empty: 0
+  /// An increment to a depth (mm) or force (N), a position (mm) and a twist (degrees).
+  struct Move {
+    double normal = 0;
+    std::array<double, 2> tangential{};
+    double twist = 0;
+  };
+  std::vector<Move> moves{};  ///< instead of drags, as irregular sweeps draw them
 
   /// Return this load with more drags: `steps` equal steps of `step` mm and `twist_step` degrees; to explicit
   /// positions, mm, and twists, degrees.
