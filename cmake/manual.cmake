@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 
-# Writes the manual pages that the program describes: cmake -DPROGRAM= -DHELP2MAN= -DVERSION= -DDOCS= -DFOLDER= -P manual.cmake
-# DOCS: the folder of the documentation to which the help points.
+# Writes the manual pages that the program describes: cmake -DPROGRAM= -DHELP2MAN= -DVERSION= -DDOCS= -DEXAMPLES= -DFOLDER= -P manual.cmake
+# DOCS, EXAMPLES: the folders docs/ and examples/ of the help.
 function(run output)
   execute_process(COMMAND ${ARGN} OUTPUT_VARIABLE out COMMAND_ERROR_IS_FATAL ANY)
   set(${output} "${out}" PARENT_SCOPE)
@@ -18,7 +18,7 @@ function(write_pages)
   string(REPLACE "\n" " " about "${about}")
   string(REGEX REPLACE "^tactel: |[.] .*" "" about "${about}")
   file(WRITE ${FOLDER}/included "[NAME]\n${page} \\- ${about}\n\n"
-       "[SEE ALSO]\nThe documentation that the help calls docs/ is in ${DOCS}.\n")
+       "[SEE ALSO]\nThe folders that the help calls docs/ and examples/ are ${DOCS} and ${EXAMPLES}.\n")
   run(text ${HELP2MAN} --no-info --no-discard-stderr --section=1 --source=tactel --version-string=${VERSION}
       --include=${FOLDER}/included "${called}")
   string(TOUPPER "${page}" title)

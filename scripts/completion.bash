@@ -12,6 +12,7 @@ _tactel_read_help() {
       '  '[^\ ]*)
         entry=${line#  } && entry=${entry%%  *}
         case $section,$entry in
+          Examples:,*) ;;
           Positionals:,*) positional=${entry#* } ;;
           *,-*)
             for name in ${entry//,/}; do

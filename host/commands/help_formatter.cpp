@@ -5,7 +5,9 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <sstream>
+#include <string_view>
 
 namespace tactel::host {
 namespace {
@@ -65,10 +67,39 @@ std::string range_in_words(const std::string& type) {
   return ", " + type.substr(open + 5, between - open - 5) + " to " + type.substr(between + 3, close - between - 3);
 }
 
+/// A call of every command that a user may copy. `examples/` is in the source tree, and in the packages.
+constexpr std::array<std::string_view, 16> examples = {
+    "solve examples/parabola.toml --html parabola.html",
+    "generate examples/random_sweep.toml --output random.h5",
+    "check random.h5",
+    "train random.h5 --output networks --schedule batch",
+    "recall networks recall.h5 --html recall.html",
+    "calibrate plan board.toml --scene press.toml --output plan.toml",
+    "calibrate sensor plan.toml --profile board.toml --output calibrated.toml",
+    "calibrate bound networks/bound.onnx other_seed.h5",
+    "monitor --source usb:glove --network slip.onnx --view",
+    "record --source usb:glove --output frames.tactel --seconds 10",
+    "tare --source usb:glove --output offsets.toml",
+    "reproduce --output report",
+    "tradeoff --output tradeoff",
+    "extremes --quick",
+    "devices --json",
+    "demo --output tactel-demo",
+};
+
+/// The example of a command or of its first; none of the program.
+std::string example_of(const CLI::App* app) {
+  std::string words;
+  for (; app->get_parent() != nullptr; app = app->get_parent()) words.insert(0, app->get_name() + " ");
+  if (words.empty()) return "";
+  const auto* found = std::ranges::find_if(examples, [&](std::string_view call) { return call.starts_with(words); });
+  return found == examples.end() ? "" : fmt::format("Examples:\n  tactel {}\n\n", *found);
+}
+
 class HelpFormatter : public CLI::Formatter {
  public:
   std::string make_description(const CLI::App* app) const override { return paragraph(app->get_description()); }
-  std::string make_footer(const CLI::App* app) const override { return paragraph(app->get_footer()); }
+  std::string make_footer(const CLI::App* app) const override { return example_of(app) + paragraph(app->get_footer()); }
   std::string make_subcommand(const CLI::App* sub) const override {
     return two_columns(sub->get_name(), sub->get_description());
   }

@@ -232,7 +232,8 @@ std::string no_device_advice() {
     return "POCL_CACHE_DIR = " + std::string(cache) + " must be a folder that can be written";
   if (cache == nullptr && !process().trouble.empty()) return no_cache();
   if (const std::string advice = address_space_advice(); !advice.empty()) return advice;
-  return "install one, for the processor: apt install pocl-opencl-icd; `clinfo -l` lists the devices";
+  return "install one, for the processor: apt install pocl-opencl-icd, or for the Python package pip install "
+         "intel-opencl-rt intel-cmplr-lib-rt; `clinfo -l` lists the devices";
 }
 
 void set_default_log(LogSink log) { process().log = std::move(log); }

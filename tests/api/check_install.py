@@ -108,7 +108,7 @@ class Check:
                 self.expect(PUBLIC_SYMBOL.match(name), f"{component} shows {name}")
             dynamic = self.run("readelf", "-d", library)
             self.expect(f"soname: [libtactel_{component}.so.1]" in dynamic, f"{component} has no soname")
-            self.expect(not re.search("onnx|protobuf", dynamic), f"{component} needs libonnx or libprotobuf")
+            self.expect(not re.search("onnx|protobuf|hdf5", dynamic), f"{component} needs libonnx, libprotobuf or libhdf5")
             if component == "infer":
                 others = set(re.findall(r"NEEDED.*\[(.*)\]", dynamic)) - STANDARD_LIBRARIES
                 self.expect(not others, f"infer needs {others}")

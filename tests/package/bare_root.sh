@@ -1,41 +1,96 @@
 #!/bin/bash
 # SPDX-License-Identifier: Apache-2.0
-# The Debian package in a bare Debian 12: installed, `tactel demo` run, purged without a trace: bare_root.sh FOLDER_OF_PACKAGES
-# Takes root, debootstrap and a Debian mirror.
+# The packages of a folder in a bare Debian, without a compiler: bare_root.sh deb|wheel FOLDER [SUITE], the suite bookworm unless named.
+#   deb    installed, `tactel demo` and two processes run, purged without a trace
+#   wheel  installed into an environment of the suite's Python, refused without an OpenCL device, run with that of pip
+# Takes root, debootstrap, a Debian mirror, for wheel also PyPI. Prints the seconds to the first answer.
 set -euo pipefail
 
-packages="$1"
+kind="$1" packages="$2" suite="${3:-bookworm}"
 root="$(mktemp -d)"
 leave() {
   umount -l "$root/proc" "$root/sys" "$root/dev" 2> /dev/null || true
   rm -rf --one-file-system "$root"
 }
 trap leave EXIT
-debootstrap --variant=minbase bookworm "$root" > /dev/null
+debootstrap --variant=minbase "$suite" "$root" > /dev/null
 mount -t proc proc "$root/proc"
 mount -t sysfs sys "$root/sys"
 mount --rbind /dev "$root/dev"
 cp /etc/resolv.conf "$root/etc/"
-cp "$packages"/tactel_*.deb "$root/root/tactel.deb"
+cp /etc/ssl/certs/ca-certificates.crt "$root/root"
+cp "$packages"/*."${kind/wheel/whl}" "$root/root"
 
-inside() { chroot "$root" env DEBIAN_FRONTEND=noninteractive HOME=/root bash -euc "$1"; }
-inside 'apt-get update -qq; apt-get install -y --no-install-recommends /root/tactel.deb > /dev/null'
+inside() {
+  chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root DEBIAN_FRONTEND=noninteractive \
+    PIP_CERT=/root/ca-certificates.crt bash -euc "cd /root; $1"
+}
+fail() { echo "$*" && exit 1; }
+said() { echo "$1: $((SECONDS - start)) s" && start=$SECONDS; }
+
+deb() {
+  local before after left
+  before="$(inside 'dpkg --list | grep -c "^ii"')"
+  inside 'apt-get install -y --no-install-recommends ./tactel_*.deb > /dev/null'
+  after="$(inside 'dpkg --list | grep -c "^ii"')"
+  said "installation of $((after - before)) packages"
+  [ $((after - before)) -lt 60 ] || fail "$((after - before)) packages are installed"
+  inside 'tactel solve /usr/share/tactel/examples/parabola.toml | grep "the whole contact slides"'
+  said "first answer"
+  inside 'tactel demo --output demo; test -s demo/contact.html; test -s demo/networks.html'
+  said "demo"
+  inside 'for page in /usr/share/man/man1/tactel*.1; do
+    name="$(basename "$page" .1)"
+    grep -A1 "^[.]SH NAME" "$page" | grep -q "^$name .- [a-z]" || { echo "$page: no NAME line"; exit 1; }
+    [ "$name" = tactel ] || grep -q "^[.]SH EXAMPLES" "$page" || { echo "$page: no example"; exit 1; }
+  done
+  tactel solve --help | grep -o "docs/[a-z]*[.]md" | while read -r page; do test -s "/usr/share/doc/tactel/$page"; done
+  tactel solve --help | grep -o "examples/[a-z]*[.]toml" | while read -r scene; do test -s "/usr/share/tactel/$scene"; done
+  source /usr/share/bash-completion/completions/tactel
+  if dpkg-query --show | grep -E "openmpi|mpich"; then echo "MPI is installed"; exit 1; fi
+  sed "s/^contacts .*/contacts = 300/" /usr/share/tactel/examples/random_sweep.toml > sweep.toml
+  if OMPI_COMM_WORLD_SIZE=2 tactel generate sweep.toml --output a.h5 2> said; then exit 1; fi
+  grep -q "tactel-mpi" said
+  apt-get install -y --no-install-recommends ./tactel-mpi_*.deb > /dev/null
+  export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+  tactel generate sweep.toml --output one.h5 --quiet
+  mpirun --oversubscribe -n 2 tactel-mpi generate sweep.toml --output two.h5 --quiet
+  cmp one.h5 two.h5
+  dpkg --purge tactel-mpi tactel > /dev/null'
+  left="$(chroot "$root" find / -xdev -name '*tactel*' -not -path '/proc/*' -not -path '/root/*' -not -path '/var/log/*')"
+  [ -z "$left" ] || fail "left after the removal: $left"
+}
+
+wheel() {
+  local python
+  inside 'apt-get install -y --no-install-recommends python3-venv > /dev/null; python3 -m venv venv'
+  python="$(inside 'python3 -c "import sys; print(\"cp%d%d\" % sys.version_info[:2])"')"
+  start=$SECONDS
+  inside "venv/bin/pip install -q ./tactel-*-$python-*.whl"
+  said "installation of the wheel for $python"
+  inside 'if ldconfig -p | grep -E "OpenCL|hdf5|libusb"; then echo "the root is not bare"; exit 1; fi
+  code=0; venv/bin/tactel solve venv/share/tactel/examples/parabola.toml 2> said || code=$?
+  test $code = 3; grep "apt install pocl-opencl-icd.*pip install intel-opencl-rt" said'
+  start=$SECONDS
+  inside "venv/bin/pip install -q \"\$(ls ./tactel-*-$python-*.whl)[device]\""
+  said "installation of a device"
+  inside 'venv/bin/tactel solve venv/share/tactel/examples/parabola.toml | grep "the whole contact slides"'
+  said "first answer"
+  inside 'cd venv/share/tactel/examples
+  ../../../bin/tactel solve parabola.toml --json /root/answer.json > /dev/null
+  sed "s/^contacts .*/contacts = 300/" random_sweep.toml > sweep.toml
+  ../../../bin/tactel generate sweep.toml --output /root/set.h5 --quiet
+  ../../../bin/python -c "
+import json, numpy, tactel
+steps = json.load(open(\"/root/answer.json\"))[\"steps\"]
+path = tactel.solve(tactel.read_scene(\"parabola.toml\"))
+assert numpy.array_equal([step[\"slip_index\"] for step in steps], path.slip_index), path.slip_index
+assert len(tactel.read_set(\"/root/set.h5\").frames) > 300
+"'
+  said "the module, the same numbers"
+}
+
+inside 'apt-get update -qq'
 start=$SECONDS
-inside 'cd /root; tactel demo --output demo; test -s demo/contact.html; test -s demo/networks.html'
-echo "demo: $((SECONDS - start)) s"
-inside 'for page in /usr/share/man/man1/tactel*.1; do
-  name="$(basename "$page" .1)"
-  grep -A1 "^[.]SH NAME" "$page" | grep -q "^$name .- [a-z]" || { echo "$page: no NAME line"; exit 1; }
-done
-tactel solve --help | grep -o "docs/[a-z]*[.]md" | while read -r page; do test -s "/usr/share/doc/tactel/$page"; done
-source /usr/share/bash-completion/completions/tactel
-if dpkg --list | grep -i mpi | grep "^ii"; then echo "MPI is installed"; exit 1; fi
-if OMPI_COMM_WORLD_SIZE=2 tactel generate /usr/share/tactel/examples/random_sweep.toml --output a.h5 2> said; then exit 1; fi
-grep -q "without MPI" said
-dpkg --purge tactel > /dev/null'
-left="$(chroot "$root" find / -xdev -name '*tactel*' -not -path '/proc/*' -not -path '/root/*' -not -path '/var/log/*')"
-if [ -n "$left" ]; then
-  echo "left after the removal: $left"
-  exit 1
-fi
-echo "installed, used and removed"
+"$kind"
+echo "installed and used"

@@ -14,7 +14,7 @@ import html as _html
 import sys as _sys
 import time as _time
 
-from . import _tactel
+from . import _driver as _driver, _tactel
 from ._tactel import (
     Box, Cancelled, Cone, Cylinder, Derivatives, Element, Error, Errors, Exponential, Flat, Force, Frame, HardwareError,
     HeightMap, Indenter, InputError, Load, LyingCylinder, Mesh, Network, Pad, PadIndenter, PadLoad, PadPath, PadPaths,

@@ -87,6 +87,26 @@ TEST(Help, FitsSeventyNineColumnsInWordsOfOurOwn) {
   EXPECT_THAT(run_tactel({"generate", "--help"}).out, HasSubstr("(required)"));
 }
 
+// Its files and options are those of the command: the examples of examples/ are there, every option is one of the help.
+TEST(Help, EndsWithAnExample) {
+  for (const std::string command :
+       {"solve", "generate", "check", "train", "recall", "calibrate plan", "calibrate sensor", "calibrate bound",
+        "monitor", "record", "tare", "reproduce", "tradeoff", "extremes", "devices", "demo"}) {
+    const std::string help = shell(std::string(TACTEL_PROGRAM) + " " + command + " --help").out;
+    const std::size_t at = help.find("\nExamples:\n  tactel " + command);
+    ASSERT_NE(at, std::string::npos) << help;
+    std::istringstream words(help.substr(at + 12, help.find('\n', at + 12) - at - 12));
+    for (std::string word; words >> word;) {
+      if (word.starts_with("--")) {
+        EXPECT_THAT(help.substr(0, at), HasSubstr("  " + word)) << command;
+      }
+      if (word.starts_with("examples/")) {
+        EXPECT_TRUE(std::filesystem::exists(source_file(word))) << word;
+      }
+    }
+  }
+}
+
 TEST(Help, GroupsTheCommandsByPurpose) {
   const std::string help = run_tactel({"--help"}).out;
   std::size_t at = 0;

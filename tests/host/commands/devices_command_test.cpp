@@ -50,7 +50,8 @@ TEST(DevicesCommandDeathTest, WithoutDevicesTheErrorSaysWhatToInstall) {
     }
     std::exit(0);
   };
-  EXPECT_EXIT(without_devices(), testing::ExitedWithCode(3), "apt install pocl-opencl-icd.*no OpenCL device; install");
+  EXPECT_EXIT(without_devices(), testing::ExitedWithCode(3),
+              "apt install pocl-opencl-icd.*no OpenCL device; install.*pip install intel-opencl-rt");
 }
 
 }  // namespace
