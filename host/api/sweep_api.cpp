@@ -38,11 +38,7 @@ class Simulation {
         {source_.contacts(), [&](std::uint64_t k) { return source_.contact(k).scene; }, source_.own_sensors()});
     if (!rung && source_.model() == fem::SurfaceModel::patch) rung = host::usual_patch();
     host::SetOptions set;
-    if (rung) {
-      source_.model_on(*rung);
-      set.precision = rung->precision, set.tolerance = rung->tolerance;
-      if (rung->patch()) set.patch = rung;
-    }
+    if (rung) model_on(*rung, source_, set);
     if (!options.transducer) source_.measure_with({}, source_.seed());
     if (options.tolerance) set.tolerance = *options.tolerance;
     if (!options.precision.empty())
