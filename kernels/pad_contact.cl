@@ -463,12 +463,12 @@ OUTLINE void certify(const Influence *influence, global const vreal *heights, re
     }
   }
   EACH_VECTOR(v) {
-    rows[PAD_BLOCK * v + PAD_RESULT_PENETRATION] = penetration.v[v];
-    rows[PAD_BLOCK * v + PAD_RESULT_COMPLEMENTARITY] = complementarity.v[v];
-    rows[PAD_BLOCK * v + PAD_RESULT_CONE] = cone.v[v];
-    rows[PAD_BLOCK * v + PAD_RESULT_DRIFT] = drift.v[v];
-    rows[PAD_BLOCK * v + PAD_RESULT_ANGLE] = angle.v[v];
-    rows[PAD_BLOCK * v + PAD_RESULT_OUTSIDE] =
+    rows[PAD_RESULT_ROWS * v + PAD_RESULT_PENETRATION] = penetration.v[v];
+    rows[PAD_RESULT_ROWS * v + PAD_RESULT_COMPLEMENTARITY] = complementarity.v[v];
+    rows[PAD_RESULT_ROWS * v + PAD_RESULT_CONE] = cone.v[v];
+    rows[PAD_RESULT_ROWS * v + PAD_RESULT_DRIFT] = drift.v[v];
+    rows[PAD_RESULT_ROWS * v + PAD_RESULT_ANGLE] = angle.v[v];
+    rows[PAD_RESULT_ROWS * v + PAD_RESULT_OUTSIDE] =
         outside[0].v[v] + 2 * outside[1].v[v] + 4 * outside[2].v[v] + 8 * outside[3].v[v];
   }
 }
@@ -476,34 +476,53 @@ OUTLINE void certify(const Influence *influence, global const vreal *heights, re
 /* Writes the answers of lanes with a slot. */
 OUTLINE void report(const Influence *influence, global const vreal *lane_input, global const vreal *heights,
                     const Answers *a, const Lanes *slot, const Cells *c, State *s) {
-  vreal rows[VECTORS * PAD_BLOCK];
+  vreal rows[VECTORS * PAD_RESULT_ROWS];
   certify(influence, heights, a->accept, c, s, rows);
   const side n_unit = influence->hx * influence->hy / influence->root_zz,
              t_unit = influence->hx * influence->hy / influence->root_tt;
   ROLLED for (int v = 0; v < VECTORS; ++v) {
-    vreal P = 0, Qx = 0, Qy = 0, M = 0, sticking = 0, touching = 0;
+    global const vreal *in = lane_input + v * PAD_INPUT_ROWS;
+    const vreal cosine = in[PAD_COSINE], sine = in[PAD_SINE], force = in[PAD_FORCE], H = in[PAD_THICKNESS];
+    vreal P = 0, Qx = 0, Qy = 0, M = 0, sticking = 0, touching = 0, slid = 0;
+    vreal left = PAD_OPEN, right = -PAD_OPEN, below = PAD_OPEN, above = -PAD_OPEN;
     for (int k = 0; k < c->listed; ++k) {
       const int i = c->list[k];
       const vreal n = c->n[i].v[v], x = c->tx[i].v[v], y = c->ty[i].v[v], edge = INSIDE_CONE * s->mu.v[v] * n;
       P += n;
       Qx += x;
       Qy += y;
-      M = fma(s->x_middle.v[v] + x_of(influence, i), y, fma(-(s->y_middle.v[v] + y_of(influence, i)), x, M));
+      const vreal own_x = s->x_middle.v[v] + x_of(influence, i), own_y = s->y_middle.v[v] + y_of(influence, i);
+      M = fma(own_x, y, fma(-own_y, x, M));
+      const vint touches = n > 0;
+      const vreal slip_x = s->x.v[v] - s->twist.v[v] * own_y - c->ux[i].v[v] * influence->root_tt,
+                  slip_y = s->y.v[v] + s->twist.v[v] * own_x - c->uy[i].v[v] * influence->root_tt;
+      slid = PICK(touches, LARGER(fma(slip_x, slip_x, slip_y * slip_y), slid), slid);
+      const vreal pad_x = cosine * own_x - sine * own_y, pad_y = sine * own_x + cosine * own_y;
+      left = PICK(touches, SMALLER(pad_x, left), left);
+      right = PICK(touches, LARGER(pad_x, right), right);
+      below = PICK(touches, SMALLER(pad_y, below), below);
+      above = PICK(touches, LARGER(pad_y, above), above);
       touching += PICK(n > 0, ALL_LANES(1), ALL_LANES(0));
       sticking += PICK((n > 0) & (fma(x, x, y * y) < edge * edge), ALL_LANES(1), ALL_LANES(0));
     }
-    global const vreal *in = lane_input + v * PAD_INPUT_ROWS;
-    const vreal cosine = in[PAD_COSINE], sine = in[PAD_SINE], force = in[PAD_FORCE];
-    vreal *to = rows + PAD_BLOCK * v;
+    vreal *to = rows + PAD_RESULT_ROWS * v;
     to[PAD_RESULT_P] = P * n_unit * force;
     to[PAD_RESULT_QX] = (cosine * Qx - sine * Qy) * t_unit * force;
     to[PAD_RESULT_QY] = (sine * Qx + cosine * Qy) * t_unit * force;
-    to[PAD_RESULT_M] = M * t_unit * force * in[PAD_THICKNESS];
+    to[PAD_RESULT_M] = M * t_unit * force * H;
     to[PAD_RESULT_S] = slip_margin(influence, c, s, v);
     to[PAD_RESULT_STICKING] = sticking;
     to[PAD_RESULT_SLIPPING] = touching - sticking;
     to[PAD_RESULT_SWEEPS] = s->sweeps.v[v];
-    to[PAD_RESULT_DEPTH] = s->d.v[v] * in[PAD_THICKNESS];
+    to[PAD_RESULT_DEPTH] = s->d.v[v] * H;
+    to[PAD_RESULT_SLIP_DISTANCE] = sqrt(slid) * H;
+    to[PAD_RESULT_AREA] = touching * influence->hx * influence->hy * H * H;
+    const vreal half_x = (real)0.5 * (fabs(cosine) * influence->hx + fabs(sine) * influence->hy),
+                half_y = (real)0.5 * (fabs(sine) * influence->hx + fabs(cosine) * influence->hy);
+    to[PAD_RESULT_LEFT] = (left - half_x) * H;
+    to[PAD_RESULT_RIGHT] = (right + half_x) * H;
+    to[PAD_RESULT_BELOW] = (below - half_y) * H;
+    to[PAD_RESULT_ABOVE] = (above + half_y) * H;
     const vint reports = slot->v[v] >= 0;
     vreal worst = to[PAD_RESULT_PENETRATION];
     EACH(r, 4) { worst = LARGER(to[PAD_RESULT_COMPLEMENTARITY + r], worst); }
@@ -516,11 +535,11 @@ OUTLINE void report(const Influence *influence, global const vreal *lane_input, 
         PICK(solved, PICK(slides, ALL_LANES(LANE_SLIDING), ALL_LANES(LANE_SOLVED)), ALL_LANES(LANE_UNSOLVED));
     real place[LANES], number[LANES];
     STORE(slot->v[v], place);
-    for (int r = 0; r < PAD_BLOCK; ++r) {
+    for (int r = 0; r < PAD_RESULT_ROWS; ++r) {
       STORE(to[r], number);
       for (int l = 0; l < LANES; ++l)
         if (place[l] >= 0)
-          a->result[((a->first_lane + v * LANES + l) * a->slots + (size_t)place[l]) * PAD_BLOCK + r] = number[l];
+          a->result[((a->first_lane + v * LANES + l) * a->slots + (size_t)place[l]) * PAD_RESULT_ROWS + r] = number[l];
     }
     if (!a->write_forces) continue;
     for (int i = 0; i < COUNT; ++i)
@@ -633,27 +652,32 @@ kernel void pad_contact(uint first_group, global const side *tables, global cons
     real valid[LANES];
     STORE(PICK(s.valid.v[v], ALL_LANES(1), ALL_LANES(0)), valid);
     for (int l = 0; l < LANES; ++l)
-      for (int k = 0; k < (valid[l] == 0 ? slots : 0) * PAD_BLOCK; ++k)
-        result[(answers.first_lane + v * LANES + l) * slots * PAD_BLOCK + k] =
-            k % PAD_BLOCK == PAD_RESULT_STATUS ? (real)LANE_INVALID : 0;
+      for (int k = 0; k < (valid[l] == 0 ? slots : 0) * PAD_RESULT_ROWS; ++k)
+        result[(answers.first_lane + v * LANES + l) * slots * PAD_RESULT_ROWS + k] =
+            k % PAD_RESULT_ROWS == PAD_RESULT_STATUS ? (real)LANE_INVALID : 0;
   }
 }
 
 /* Stress at the base under tactels in the lanes, one scene and LANES tactels a work-item, from the forces of
-   pad_contact: the layer's kernels (fem/pad/pad_integrals.h) by a table in rho, the mean of four Gauss points of each
-   cell. A tactel is the weighted mean of `parts` points. layer [rows][PAD_BLOCK], rows_a_thickness rows for each H and
+   pad_contact: the layer's kernels (fem/pad/pad_integrals.h) by a table in rho, the sum over points of each cell, four
+   Gauss points or the parts of a wide one (PadLayer::shares). A tactel is the weighted mean of `parts` points. layer [rows][PAD_BLOCK], rows_a_thickness rows for each H and
    layer_rows for each Poisson's ratio; places [scenes][PAD_PLACE_ROWS]; points [blocks][parts][x, y][LANES] mm: times
-   1 / H of the scene; weights [parts]. Out: stress [scenes][slots][3][tactels] MPa: sigma_z, tau_x, tau_y in the pad's
+   1 / H of the scene; weights [parts]; shares [points of a cell along a side][place over the side, share of its force].
+   Out: stress [scenes][slots][3][tactels] MPa: sigma_z, tau_x, tau_y in the pad's
    frame. */
 kernel void pad_base_stress(uint first_group, global const real *layer, int layer_rows, real rows_a_thickness,
-                            global const real *places, global const real *points, global const real *weights, int parts,
-                            int tactels, int slots, global const real *forces, global real *stress) {
+                            global const real *places, global const real *shares, global const real *points,
+                            global const real *weights, int parts, int tactels, int slots, global const real *forces,
+                            global real *stress) {
   TAKE_GROUP(group);
   const size_t blocks = (tactels + LANES - 1) / LANES, scene = group / blocks, block = group % blocks;
   global const real *place = places + scene * PAD_PLACE_ROWS;
   const int steps = (int)place[PAD_PLACE_STEPS];
   const real cosine = place[PAD_PLACE_COSINE], sine = place[PAD_PLACE_SINE], hx = place[PAD_PLACE_HX],
              hy = place[PAD_PLACE_HY];
+  global const real *shares_x = shares + 2 * (int)place[PAD_PLACE_SHARES_X],
+                    *shares_y = shares + 2 * (int)place[PAD_PLACE_SHARES_Y];
+  const int along_y = (int)place[PAD_PLACE_COUNT_Y], in_cell = (int)place[PAD_PLACE_COUNT_X] * along_y;
   const real per_H = place[PAD_PLACE_THICKNESS];
   points += block * parts * 2 * LANES;
   forces += scene * slots * 3 * COUNT;
@@ -669,18 +693,18 @@ kernel void pad_base_stress(uint first_group, global const real *layer, int laye
       if (!loaded) continue;
       vreal T[9];
       EACH(r, 9) { T[r] = 0; }
-      ROLLED for (int p = 0; p < 4 * parts; ++p) {
-        const real gauss = (real)0.28867513459481287; /* half of 1 / sqrt(3) */
-        const int part = p / 4;
+      ROLLED for (int p = 0; p < in_cell * parts; ++p) {
+        const int part = p / in_cell;
+        global const real *at_x = shares_x + 2 * (p % in_cell / along_y), *at_y = shares_y + 2 * (p % along_y);
         /* The point in the own frame, from the middle of the grid. */
         const vreal px = LOAD(points + 2 * part * LANES) * per_H - place[PAD_PLACE_X],
                     py = LOAD(points + (2 * part + 1) * LANES) * per_H - place[PAD_PLACE_Y];
         const vreal own_x = cosine * px + sine * py - place[PAD_PLACE_X_MIDDLE],
                     own_y = cosine * py - sine * px - place[PAD_PLACE_Y_MIDDLE];
-        const vreal x = own_x - ((real)(i / CELLS) - (real)0.5 * (CELLS - 1) + (p % 4 < 2 ? -gauss : gauss)) * hx;
-        const vreal y = own_y - ((real)(i % CELLS) - (real)0.5 * (CELLS - 1) + (p % 2 == 0 ? -gauss : gauss)) * hy;
+        const vreal x = own_x - ((real)(i / CELLS) - (real)0.5 * (CELLS - 1) + at_x[0]) * hx;
+        const vreal y = own_y - ((real)(i % CELLS) - (real)0.5 * (CELLS - 1) + at_y[0]) * hy;
         const vreal rho = sqrt(fma(x, x, y * y)), per_rho = 1 / LARGER(rho, ALL_LANES((real)1e-20));
-        const real weight = (real)0.25 * weights[part];
+        const real weight = at_x[1] * at_y[1] * weights[part];
         Place at = place_in(rho * rows_a_thickness, layer_rows - 1);
         EACH(l, LANES) { at.cell[l] += (int)place[PAD_PLACE_LAYER]; }
         vreal c[PAD_BLOCK], b[5];

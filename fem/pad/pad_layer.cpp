@@ -44,6 +44,17 @@ Eigen::Array<double, 5, 1> corner(double x, double y) {
   return {along_x(x, y), along_x(y, x), -R, y * ln_R + x * std::atan(y / x), x * ln_R + y * std::atan(x / y)};
 }
 
+/// The integral of the quadratic B-spline from 0 to r.
+double spline_integral(double r) {
+  const double q = std::abs(r);
+  const double integral = q < 0.5 ? q * (0.75 - q * q / 3) : 0.5 - std::pow(std::max(0.0, 1.5 - q), 3) / 6;
+  return std::copysign(integral, r);
+}
+
+int parts_of(const std::vector<PadLayer::Share>& shares) {
+  return shares.size() == 1 ? 1 : static_cast<int>(shares.size()) / 5;
+}
+
 }  // namespace
 
 PadLayer::PadLayer(double poisson)
@@ -64,6 +75,21 @@ PadLayer::PadLayer(double poisson, const PadSamples& samples) : poisson_(poisson
 Eigen::VectorXd PadLayer::places() {
   constexpr auto count = static_cast<Eigen::Index>(range * steps_a_thickness);
   return Eigen::VectorXd::LinSpaced(count + 1, 0, range);
+}
+
+std::vector<PadLayer::Share> PadLayer::shares(double side) {
+  if (side <= narrow_cell) return {{0, 1}};
+  const int parts = 2 * static_cast<int>(std::ceil(side)) + 1, last = 5 * parts / 2;
+  const double way = std::min(1.0, (side - narrow_cell) / (wide_cell - narrow_cell)),
+               smooth = way * way * (3 - 2 * way);
+  std::vector<Share> all;
+  for (int k = -last; k <= last; ++k) {
+    const double left = (k - 0.5) / parts, right = (k + 0.5) / parts;
+    const auto spline = [&](double shift) { return spline_integral(right - shift) - spline_integral(left - shift); };
+    all.push_back({static_cast<double>(k) / parts, (1 - smooth) * (2 * std::abs(k) < parts ? 1.0 / parts : 0) +
+                                                       smooth * (1.25 * spline(0) - (spline(-1) + spline(1)) / 8)});
+  }
+  return all;
 }
 
 double PadLayer::value(PadIntegral f, double rho) const {
@@ -116,16 +142,50 @@ CellInfluence PadLayer::influence(double thickness, double hx, double hy, double
   return with_rest(thickness, hx, hy, x, y, corner(x1, y1) - corner(x0, y1) - corner(x1, y0) + corner(x0, y0));
 }
 
+/// Of cells of uniform traction, sides over H, for offsets of 0 to nx and ny cells. Neighbours share corners.
+std::vector<CellInfluence> PadLayer::uniform_influences(double thickness, double hx, double hy, int nx, int ny) const {
+  std::vector<Eigen::Array<double, 5, 1>> corners;  // [nx + 2][ny + 2]
+  for (int i = 0; i < nx + 2; ++i)
+    for (int j = 0; j < ny + 2; ++j) corners.push_back(corner((i - 0.5) * hx, (j - 0.5) * hy));
+  std::vector<CellInfluence> all;
+  for (int i = 0; i <= nx; ++i)
+    for (int j = 0; j <= ny; ++j) {
+      const auto* at = corners.data() + i * (ny + 2) + j;
+      all.push_back(with_rest(thickness, hx, hy, i * hx, j * hy, at[ny + 3] - at[1] - at[ny + 2] + at[0]));
+    }
+  return all;
+}
+
 std::vector<CellInfluence> PadLayer::influences(double thickness, double hx, double hy, int n) const {
   hx /= thickness, hy /= thickness;
-  std::vector<Eigen::Array<double, 5, 1>> corners;  // [n + 2][n + 2]
-  for (int i = 0; i < n + 2; ++i)
-    for (int j = 0; j < n + 2; ++j) corners.push_back(corner((i - 0.5) * hx, (j - 0.5) * hy));
-  std::vector<CellInfluence> all;
+  const std::vector<Share> along_x = shares(hx), along_y = shares(hy);
+  const int mx = parts_of(along_x), my = parts_of(along_y);
+  if (mx == 1 && my == 1) return uniform_influences(thickness, hx, hy, n, n);
+  // Of uniform parts, as far as the layer moves.
+  const auto reach = [n](double side, int parts) {
+    return std::min(n * parts + 5 * parts / 2, static_cast<int>(range * parts / side) + 1);
+  };
+  const int nx = reach(hx, mx), ny = reach(hy, my);
+  const std::vector<CellInfluence> fine = uniform_influences(thickness, hx / mx, hy / my, nx, ny);
+  // Sums along x, then along y. On the other side of the source the parts that are odd change their sign.
+  const auto add = [](CellInfluence& to, double w, double odd_x, double odd_y, const CellInfluence& c) {
+    to.zz += w * c.zz, to.xx += w * c.xx, to.yy += w * c.yy;
+    to.xy += w * odd_x * odd_y * c.xy, to.xz += w * odd_x * c.xz, to.yz += w * odd_y * c.yz;
+  };
+  std::vector<CellInfluence> lines((n + 1) * (ny + 1)), all((n + 1) * (n + 1));
   for (int i = 0; i <= n; ++i)
-    for (int j = 0; j <= n; ++j) {
-      const auto* at = corners.data() + i * (n + 2) + j;
-      all.push_back(with_rest(thickness, hx, hy, i * hx, j * hy, at[n + 3] - at[1] - at[n + 2] + at[0]));
+    for (const auto& [place, share] : along_x) {
+      const int at = i * mx + static_cast<int>(std::lround(place * mx));
+      if (std::abs(at) > nx) continue;
+      for (int j = 0; j <= ny; ++j)
+        add(lines[i * (ny + 1) + j], share * mx, at < 0 ? -1 : 1, 1, fine[std::abs(at) * (ny + 1) + j]);
+    }
+  for (int j = 0; j <= n; ++j)
+    for (const auto& [place, share] : along_y) {
+      const int at = j * my + static_cast<int>(std::lround(place * my));
+      if (std::abs(at) > ny) continue;
+      for (int i = 0; i <= n; ++i)
+        add(all[i * (n + 1) + j], share * my, 1, at < 0 ? -1 : 1, lines[i * (ny + 1) + std::abs(at)]);
     }
   return all;
 }
@@ -157,18 +217,26 @@ CellInfluence PadLayer::with_rest(double thickness, double hx, double hy, double
 
 PadBaseStress PadLayer::base_stress(double thickness, double hx, double hy, double x, double y) const {
   hx /= thickness, hy /= thickness, x /= thickness, y /= thickness;
+  const std::vector<Share> along_x = shares(hx), along_y = shares(hy);
+  const int mx = parts_of(along_x), my = parts_of(along_y);
   PadBaseStress sum = PadBaseStress::Zero();
-  over_cell(hx, hy, x, y, [&](double X, double Y, double weight) {
-    const double rho = std::hypot(X, Y), cosine = rho > 0 ? X / rho : 1, sine = rho > 0 ? Y / rho : 0;
-    const Eigen::Array<double, 5, 1> b = weight * stresses(rho);
-    const double b0 = b[0], bA = b[1], even = b[2] * (cosine * cosine - sine * sine), odd = b[2] * 2 * sine * cosine;
-    const double bxz = b[3], bzx = b[4];
-    PadBaseStress at;
-    at << -cosine * bzx, -sine * bzx, b0,  //
-        bA - even, -odd, -cosine * bxz,    //
-        -odd, bA + even, -sine * bxz;
-    sum += at;
-  });
+  for (const auto& [px, share_x] : along_x) {
+    if (std::abs(x - px * hx) > range + hx) continue;
+    for (const auto& [py, share_y] : along_y)
+      over_cell(hx / mx, hy / my, x - px * hx, y - py * hy,
+                [&, share = share_x * share_y](double X, double Y, double w) {
+                  const double rho = std::hypot(X, Y), cosine = rho > 0 ? X / rho : 1, sine = rho > 0 ? Y / rho : 0;
+                  const Eigen::Array<double, 5, 1> b = share * w * stresses(rho);
+                  const double b0 = b[0], bA = b[1], even = b[2] * (cosine * cosine - sine * sine),
+                               odd = b[2] * 2 * sine * cosine;
+                  const double bxz = b[3], bzx = b[4];
+                  PadBaseStress at;
+                  at << -cosine * bzx, -sine * bzx, b0,  //
+                      bA - even, -odd, -cosine * bxz,    //
+                      -odd, bA + even, -sine * bxz;
+                  sum += at;
+                });
+  }
   return hx * hy / (2 * pi) * sum;
 }
 

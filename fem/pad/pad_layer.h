@@ -19,6 +19,13 @@ namespace tactel::fem {
 //
 // (A. E. H. Love, Phil. Trans. R. Soc. A 228, 1929, 377-420; K. L. Johnson, Contact Mechanics, 1985, chapter 3). The
 // smooth rest and the base stress are averaged over the cell by Gauss's rule.
+//
+// A cell wider than H hardly moves at its middle under a uniform pressure where nu is near 1/2: the rubber gives way at
+// its edges only. Along sides above narrow_cell its traction therefore passes over to a smooth one, about the middle,
+//
+//     phi = 5/4 B(r) - 1/8 (B(r - 1) + B(r + 1)),    r over the side,  B: the quadratic B-spline of unit area
+//
+// which reproduces cubic pressures at the middles of equal cells (I. J. Schoenberg, Q. Appl. Math. 4, 1946, 45-99).
 
 /// u_z by f_z, u_x by f_x, u_y by f_y, u_x by f_y and u_y by f_x, u_x by f_z (u_z by f_x is its negative), u_y by f_z;
 /// mm per MPa over E.
@@ -32,11 +39,12 @@ using PadBaseStress = Eigen::Matrix3d;
 /// The layer of one Poisson's ratio: the integrals as piecewise cubics over rho.
 class PadLayer {
  public:
-  static constexpr int steps_a_thickness = 80;   ///< cells of width H / 80
-  static constexpr double range = 24;            ///< H; beyond, the layer does not move
-  static constexpr double largest_error = 1e-9;  ///< of the four integrals of displacements
-  static constexpr double least_parted = 0.35;   ///< H
-  static constexpr int most_parts = 16;          ///< of a side
+  static constexpr int steps_a_thickness = 80;                  ///< cells of width H / 80
+  static constexpr double range = 24;                           ///< H; beyond, the layer does not move
+  static constexpr double largest_error = 1e-9;                 ///< of the four integrals of displacements
+  static constexpr double least_parted = 0.35;                  ///< H
+  static constexpr int most_parts = 16;                         ///< of a side
+  static constexpr double narrow_cell = 0.78, wide_cell = 1.1;  ///< H: sides whose traction is uniform, and smooth
 
   /// Coefficients of one function in one cell: c0 + q (c1 + q (c2 + q c3)), q in [0, 1] from its left end.
   using Cubic = std::array<double, 4>;
@@ -61,10 +69,18 @@ class PadLayer {
   /// Returns the integrals b0, bA, bB, bxz, bzx at any rho >= 0.
   Eigen::Array<double, 5, 1> stresses(double rho) const;
 
-  /// Returns the influence of a cell at an offset that is a multiple of its sides; all in mm.
+  /// A part of a side of a cell: its middle from the cell's over the side, and its share of the cell's force.
+  struct Share {
+    double place, share;
+  };
+  /// Returns the parts, narrower than H / 2, of a side over H: one where the traction is uniform, else an odd number
+  /// over each of the five sides that it covers.
+  static std::vector<Share> shares(double side);
+
+  /// Returns the influence of a cell of uniform traction at an offset that is a multiple of its sides; all in mm.
   CellInfluence influence(double thickness, double hx, double hy, double x, double y) const;
 
-  /// Returns the same for offsets of 0 to n cells, [n + 1][n + 1] along x and y. Neighbours share corners.
+  /// Returns the influence of a cell of shares() for offsets of 0 to n cells, [n + 1][n + 1] along x and y.
   std::vector<CellInfluence> influences(double thickness, double hx, double hy, int n) const;
 
   /// Returns zz of influence() alone for offsets of 0 to n - 1 cells, [n][n] mm. Its smooth rest is that of the cell's
@@ -72,13 +88,14 @@ class PadLayer {
   /// largest.
   Eigen::MatrixXd normal_influence(double thickness, double hx, double hy, int n) const;
 
-  /// Returns the base stress under a unit traction on a cell at any offset, mm.
+  /// Returns the base stress under a cell of shares() of unit mean traction at any offset, mm.
   PadBaseStress base_stress(double thickness, double hx, double hy, double x, double y) const;
 
  private:
   double value(PadIntegral f, double rho) const;
   CellInfluence with_rest(double thickness, double hx, double hy, double x, double y,
                           const Eigen::Array<double, 5, 1>& half_space) const;
+  std::vector<CellInfluence> uniform_influences(double thickness, double hx, double hy, int nx, int ny) const;
 
   double poisson_;
   std::vector<std::array<Cubic, pad_integrals>> cells_;

@@ -11,7 +11,9 @@
 namespace tactel::fem {
 namespace {
 
-double point(int k) { return 0.25 * (1 - std::cos(std::numbers::pi * k / (PadLayers::points - 1))); }
+double point(int k, int points = PadLayers::points) {
+  return 0.25 * (1 - std::cos(std::numbers::pi * k / (points - 1)));
+}
 
 }  // namespace
 
@@ -43,6 +45,25 @@ PadLayer PadLayers::layer(double poisson) const {
     weights += weight;
   }
   return {poisson, sum / weights};
+}
+
+double poisson_point(int k) { return point(k, poisson_points); }
+
+std::vector<double> poisson_shares(double poisson) {
+  std::vector<double> shares(poisson_points, 0);
+  double sum = 0;
+  for (int k = 0; k < poisson_points; ++k) {
+    const double from = poisson - poisson_point(k);
+    if (from == 0) {
+      shares.assign(poisson_points, 0);
+      shares[static_cast<std::size_t>(k)] = 1;
+      return shares;
+    }
+    sum += shares[static_cast<std::size_t>(k)] =
+        (k % 2 ? -1 : 1) * (k == 0 || k == poisson_points - 1 ? 0.5 : 1) / from;
+  }
+  for (double& share : shares) share /= sum;
+  return shares;
 }
 
 PadLayer pad_layer(double poisson) {

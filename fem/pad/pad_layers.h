@@ -24,6 +24,13 @@ class PadLayers {
   std::vector<PadSamples> samples_;  ///< [points]
 };
 
+/// Numbers that are linear in the integrals are polynomials in Poisson's ratio, too: through these points they are
+/// right to some 1e-7.
+inline constexpr int poisson_points = 12;
+double poisson_point(int k);
+/// Returns the shares of the points at a Poisson's ratio; their sum is 1.
+std::vector<double> poisson_shares(double poisson);
+
 /// Returns a layer of the PadLayers of this process.
 PadLayer pad_layer(double poisson);
 

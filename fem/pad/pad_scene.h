@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <Eigen/Dense>
+#include <algorithm>
 #include <array>
+#include <limits>
 #include <optional>
 #include <string>
 #include <variant>
@@ -84,10 +86,16 @@ double pad_height(const PadIndenter& indenter, double x, double y, bool beyond_e
 /// Returns heights at every x with every y, [x][y] mm: as pad_height beyond edges, but for rounding.
 Eigen::MatrixXd pad_heights(const PadIndenter& indenter, const Eigen::ArrayXd& x, const Eigen::ArrayXd& y);
 
-/// A rectangle of the own frame, mm.
+/// A rectangle, mm; of the own frame where nothing else is said.
 struct PadBox {
   Interval x, y;
+
+  void cover(const PadBox& other) {
+    x = {std::min(x.left, other.x.left), std::max(x.right, other.x.right)};
+    y = {std::min(y.left, other.y.left), std::max(y.right, other.y.right)};
+  }
 };
+inline constexpr Interval nowhere{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
 
 /// Returns the indenter's own edges: infinite where it has none.
 PadBox pad_edges(const PadShape& shape);

@@ -141,6 +141,13 @@ PadStep PadWalk::step_here(std::array<bool, 4>& outside) const {
   }
   step.stick_fraction = touch > 0 ? static_cast<double>(stick) / touch : 0;
   step.slip_distance = contact_.slip_distance();
+  step.area = touch * cells_.area();
+  const Eigen::Vector2d half = turn_.cwiseAbs() * Eigen::Vector2d(cells_.hx / 2, cells_.hy / 2);
+  for (Eigen::Index i = 0; i < n.size(); ++i) {
+    if (!(n[i] > 0)) continue;
+    const Eigen::Vector2d at = turn_ * own_places_.row(i).transpose(), low = at - half, high = at + half;
+    step.reach.cover({{low[0], high[0]}, {low[1], high[1]}});
+  }
   step.normal_force = n;
   step.tangential_force = t * turn_.transpose();
   Eigen::VectorXd tractions(3 * n.size());

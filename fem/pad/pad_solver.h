@@ -40,6 +40,8 @@ struct PadStep {
   std::optional<double> force_ratio;  ///< |Q| / (mu P)
   double stick_fraction = 0;          ///< cells that stick over those that touch; 0 where none touches
   double slip_distance = 0;           ///< mm: how far the indenter has slid over the rubber at most
+  double area = 0;                    ///< mm^2 of the cells that touch
+  PadBox reach{nowhere, nowhere};     ///< around these, along the pad from the indenter's axis
   std::vector<GapStatus> status;      ///< [cells]
   Eigen::VectorXd normal_force;       ///< [cells] N
   Eigen::MatrixX2d tangential_force;  ///< [cells] N

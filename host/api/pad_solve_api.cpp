@@ -83,12 +83,14 @@ class PadArrays {
     for (auto* list : {&p.Q, &p.tangential}) list->assign(2 * all, nan);
     for (auto* list : {&p.sigma_z, &p.tau_x, &p.tau_y}) list->assign(tactels_ * all, nan);
     p.converged.assign(all, 0), p.fell_back.assign(p.scenes, 0);
+    reach.assign(p.scenes, {fem::nowhere, fem::nowhere});
   }
 
   void put(std::size_t i, const fem::PadSolution& solution) {
+    reach[i] = {fem::nowhere, fem::nowhere};
     for (std::size_t k = 0; k < solution.steps.size(); ++k) {
       const fem::PadStep& step = solution.steps[k];
-      put(i * paths.steps + k, step, std::span(step.stress.data(), 3 * tactels_));
+      put(i, k, step, std::span(step.stress.data(), 3 * tactels_));
     }
     paths.fell_back[i] = solution.fell_back;
   }
@@ -100,17 +102,19 @@ class PadArrays {
     for (int k = 0; k < answer.steps; ++k) {
       const auto at = static_cast<std::size_t>(k);
       answer.tactels(k, std::span(stress_));
-      put(i * paths.steps + at,
-          host::pad_step([&](int row) { return answer.result(k, row); }, targets[at], scene.friction), stress_);
+      put(i, at, host::pad_step([&](int row) { return answer.result(k, row); }, targets[at], scene.friction), stress_);
     }
   }
 
   PadPaths paths;
+  std::vector<fem::PadBox> reach;  ///< [scenes] of the cells that touch, from the indenter's axis
 
  private:
   /// `stress`: [3 tactels], sigma_z, tau_x, tau_y of all.
-  void put(std::size_t at, const fem::PadStep& step, std::span<const double> stress) {
+  void put(std::size_t i, std::size_t k, const fem::PadStep& step, std::span<const double> stress) {
     PadPaths& p = paths;
+    const std::size_t at = i * p.steps + k;
+    reach[i].cover(step.reach);
     p.slip_index[at] = or_nan(step.slip_index), p.force_ratio[at] = or_nan(step.force_ratio);
     p.P[at] = step.P, p.M[at] = step.M;
     p.Q[2 * at] = step.Q[0], p.Q[2 * at + 1] = step.Q[1];
@@ -126,39 +130,6 @@ class PadArrays {
   std::size_t tactels_ = 0;
   std::vector<double> stress_;  ///< of one step
 };
-
-/// Returns true where a contact at this depth, mm, may come nearer than the thickness to an edge of the pad. Rubber
-/// bulges: contacts reach farther than the rigid section, but less than twice as far.
-bool may_reach_edge(const fem::PadScene& scene, double depth) {
-  const fem::PadSensor& sensor = scene.sensor;
-  const fem::PadBox box = fem::rigid_section(scene.indenter, depth);
-  const double reach = 2 * std::hypot(std::max(-box.x.left, box.x.right), std::max(-box.y.left, box.y.right));
-  const auto beyond = [&](const std::optional<double>& side, double at) {
-    return side && std::abs(at) + reach + sensor.thickness > *side / 2;
-  };
-  return beyond(sensor.length, scene.indenter.position[0]) || beyond(sensor.width, scene.indenter.position[1]);
-}
-
-/// Throws InputError for the first scene whose contact comes nearer than the thickness to an edge of its pad.
-void refuse_at_edges(const host::PadStream& stream, std::span<const fem::PadScene> scenes, const PadPaths& paths) {
-  constexpr std::size_t most_at_once = 512;
-  std::vector<std::size_t> which;
-  std::vector<fem::PadScene> near;
-  const auto check = [&] {
-    const std::vector<fem::PadSolution> solutions = stream.solve(near);  // with the places of their cells
-    for (std::size_t k = 0; k < which.size(); ++k)
-      api::with_public_errors([&] { host::refuse_at_edge(near[k], solutions[k]); },
-                              "scenes[" + std::to_string(which[k]) + "]");
-    which.clear(), near.clear();
-  };
-  for (std::size_t i = 0; i < scenes.size(); ++i) {
-    const auto first = paths.indentation.begin() + static_cast<std::ptrdiff_t>(i * paths.steps);
-    if (!may_reach_edge(scenes[i], *std::max_element(first, first + paths.steps_made[i]))) continue;
-    which.push_back(i), near.push_back(scenes[i]);
-    if (near.size() == most_at_once) check();
-  }
-  if (!near.empty()) check();
-}
 
 host::PadContactOptions kernel_of(const host::PadRung& rung, const std::optional<double>& tolerance) {
   host::PadContactOptions kernel{.cells = rung.cells, .increments = rung.increments};
@@ -181,14 +152,7 @@ void check_tactels(std::span<const fem::PadScene> scenes) {
 /// or the usual one.
 host::PadRung rung_for_pads(host::Executor& executor, const host::SolveOptions& options,
                             std::span<const fem::PadScene> scenes) {
-  host::check_modelling(options);
-  if (!options.rung.empty()) {
-    const host::PadRung& rung = host::pad_rung_named(options.rung);
-    if (rung.exact)
-      throw ConfigError("command line", "--rung", options.rung,
-                        "a rung for many scenes, pad-8 to pad-24: the reference solves single ones");
-    return rung;
-  }
+  if (const auto rung = host::pad_rung_for_many(options)) return *rung;
   if (!options.accuracy) return host::usual_pad_rung();
   std::vector<fem::PadScene> sample;
   const std::size_t count = std::min<std::size_t>(scenes.size(), host::most_tried);
@@ -237,7 +201,13 @@ PadPaths solve_many(std::span<const PadScene> scenes, const SolveOptions& option
         [&](std::size_t i, fem::PadSolution&& solution) { arrays.put(i, solution); },
         [&](std::size_t done) { return progress(done, all.size()); });
     if (!solved) throw Cancelled("solve_many: cancelled by progress");
-    refuse_at_edges(stream, all, arrays.paths);
+    for (std::size_t i = 0; i < all.size(); ++i)
+      api::with_public_errors(
+          [&] {
+            host::refuse_at_edge(all[i],
+                                 host::distance_to_edge(all[i].sensor, all[i].indenter.position, arrays.reach[i]));
+          },
+          "scenes[" + std::to_string(i) + "]");
     arrays.paths.rung = rung.name, arrays.paths.precision = host::name(precision);
     arrays.paths.device = executor.device().info().name;
     arrays.paths.warnings = host::unit_warnings(std::span<const fem::PadScene>(all));

@@ -71,9 +71,7 @@ class Simulation {
         {source.contacts(), [&](std::uint64_t k) { return source.contact(k).scene; }, source.own_sensors()});
     if (!rung && source.model() == fem::SurfaceModel::patch) rung = host::usual_patch();
     if (!rung) return;
-    source.model_on(*rung);
-    set.precision = rung->precision, set.tolerance = rung->tolerance;
-    if (rung->patch()) set.patch = rung;
+    model_on(*rung, source, set);
     rung_ = rung->name + ": " + host::description(*rung);
   }
   void choose_model(host::PadSource&, const SweepOptions& options, host::SetOptions& set) {

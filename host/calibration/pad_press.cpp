@@ -116,7 +116,7 @@ PadPress::PadPress(const fem::PadScene& scene, const PressTiming& timing, const 
   rough.tolerance = fem::PadOptions{}.tolerance;
   const fem::PadSolution solution = fem::PadSolver(fem::pad_layer(first.poisson), rough).solve(nominal);
   refuse_degenerate(nominal, solution);
-  refuse_at_edge(nominal, solution);
+  refuse_at_edge(nominal, distance_to_edge(nominal, solution));
   cells_ = solution.cells;
   scene_.indenter = fem::aligned(scene.indenter);
 }

@@ -76,13 +76,7 @@ Modelling modelling(const GenerateRequest& request, const SceneSource& source, b
 
 /// The rung of pads that --rung names, or the cheapest whose class of errors keeps --accuracy.
 PadRung pad_rung(const SolveOptions& solve, const PadSource& source) {
-  check_modelling(solve);
-  if (!solve.rung.empty()) {
-    const PadRung& rung = pad_rung_named(solve.rung);
-    if (rung.exact)
-      throw ConfigError("command line", "--rung", solve.rung, "pad-8, -12, -16 or -24: the reference solves one scene");
-    return rung;
-  }
+  if (const auto rung = pad_rung_for_many(solve)) return *rung;
   if (!solve.accuracy) return usual_pad_rung();
   const std::uint64_t count = std::min(source.contacts(), most_tried);
   const auto keeps = [&](const PadRung& rung) {
@@ -99,14 +93,6 @@ PadRung pad_rung(const SolveOptions& solve, const PadSource& source) {
     throw ConfigError("command line", "--accuracy", fmt::format("{:g}", *solve.accuracy),
                       "an error in S that a rung of pads keeps on these contacts (docs/pads.md); pad-24 is the finest");
   return cheapest;
-}
-
-/// What --precision and --tolerance do not say, the rung does.
-void model_on(const Rung& rung, const SolveOptions& solve, SceneSource& source, SetOptions& options) {
-  source.model_on(rung);
-  if (solve.precision.empty()) options.precision = rung.precision;
-  if (!solve.tolerance) options.tolerance = rung.tolerance;
-  if (rung.patch()) options.patch = rung;
 }
 
 /// Returns true where a complete set exists and may stay.
@@ -168,9 +154,14 @@ std::string report_text(const GenerateRequest& request, const ContactSet& set, c
                         set.contacts, fem::most_tangential_steps);
   if (set.far_slip > 0)
     text += fmt::format(
-        "{} of {} contacts slide further than an element and a tenth of their width: displacements are taken as "
-        "small (docs/scenes.md)\n",
-        set.far_slip, set.contacts);
+        "{} of {} contacts slide further than {}a tenth of their width: displacements are taken as small "
+        "(docs/{}.md)\n",
+        set.far_slip, set.contacts, set.pad ? "" : "an element and ", set.pad ? "pads" : "scenes");
+  if (set.near_edge > 0)
+    text += fmt::format(
+        "{} of {} contacts come nearer than the thickness to an edge of the pad, where the model has no free sides: "
+        "`tactel solve` refuses them (docs/pads.md)\n",
+        set.near_edge, set.contacts);
   if (work.contacts > 0)
     text += fmt::format(
         "{:.0f} contacts, {} load steps in {:.2f} s: {} steps/s, in kernels {} steps/s; chunks written at {}B/s, set "
@@ -198,7 +189,12 @@ Modelling modelling(const GenerateRequest& request, Sweep& sweep, SetOptions& op
   }
   auto& lines = std::get<SceneSource>(sweep.source);
   const Modelling chosen = modelling(request, lines, quiet);
-  if (chosen.rung) model_on(*chosen.rung, request.shared.solve, lines, options);
+  if (chosen.rung) {  // what --precision and --tolerance do not say
+    const SetOptions asked = options;
+    model_on(*chosen.rung, lines, options);
+    if (!request.shared.solve.precision.empty()) options.precision = asked.precision;
+    if (request.shared.solve.tolerance) options.tolerance = asked.tolerance;
+  }
   if (options.patch && tactels_at_ends(lines) && !quiet) fmt::print(stderr, "note: {}\n", tactels_at_ends_text);
   return chosen;
 }

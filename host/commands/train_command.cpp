@@ -175,6 +175,8 @@ void add_train_command(CLI::App& app, Action& action) {
       ->add_option("--stream", request->stream,
                    "instead of a set: contacts of this sweep file, simulated on demand and never stored")
       ->type_name("SWEEP.toml");
+  command->add_option("--rung", request->rung, "with --stream: model of its contacts, as `tactel generate` takes it")
+      ->type_name("NAME");
   command
       ->add_option("--rows", request->rows, "number of rows of --stream or --block to learn from (default: 10000000)")
       ->check(CLI::PositiveNumber);

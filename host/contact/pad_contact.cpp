@@ -12,6 +12,7 @@
 #include <tuple>
 
 #include "fem/angles.h"
+#include "fem/pad/pad_layers.h"
 #include "fem/value_error.h"
 #include "host/contact/pad_contact_tables.h"
 #include "host/contact/pad_search.h"
@@ -107,7 +108,8 @@ fem::PadOptions PadContactOptions::twin() const {
 
 template <class Real>
 struct PadContact<Real>::State {
-  State(Executor& executor, const PadContactOptions& given) : executor(executor), options(given), search(executor) {
+  State(Executor& executor, const PadContactOptions& given)
+      : executor(executor), options(given), search(executor, given.any_poisson) {
     constexpr std::array known{8, 12, 16, 24};
     if (std::ranges::find(known, given.cells) == known.end())
       throw ValueError("cells", std::to_string(given.cells), "8, 12, 16 or 24");
@@ -135,11 +137,17 @@ struct PadContact<Real>::State {
 
   std::shared_ptr<const PadTables> tables(double poisson) {
     const std::lock_guard lock(making);
-    const auto found = std::ranges::find(kept, poisson, [](const auto& of) { return of->layer()->poisson(); });
+    const bool exact = precision() == Precision::fp64;
+    if (options.any_poisson) {
+      for (int k = static_cast<int>(points.size()); k < fem::poisson_points; ++k)
+        points.push_back(std::make_shared<const PadTables>(fem::poisson_point(k), options.cells, exact));
+      return std::make_shared<const PadTables>(poisson, points);
+    }
+    const auto found = std::ranges::find(kept, poisson, [](const auto& of) { return of->poisson(); });
     if (found != kept.end()) {
       kept.splice(kept.begin(), kept, found);
     } else {
-      kept.push_front(std::make_shared<const PadTables>(poisson, options.cells, precision() == Precision::fp64));
+      kept.push_front(std::make_shared<const PadTables>(poisson, options.cells, exact));
       if (kept.size() > most_poissons) kept.pop_back();
     }
     return kept.front();
@@ -152,7 +160,7 @@ struct PadContact<Real>::State {
   Buffer<Real> tables_of_lanes(const std::vector<OnCells>& on_cells, const PadLanes& lanes);
   LaneArray<Real> heights(const std::vector<OnCells>& on_cells, const LaneState<Real>& lanes) const;
   LaneArray<Real> places(const std::vector<OnCells>& on_cells, const LaneState<Real>& lanes,
-                         std::vector<Real>& stress_tables);
+                         std::vector<Real>& stress_tables, std::vector<Real>& shares);
   void take_tactels(Laid& b) const;
   Launch contact_launch(const Laid& b, int vectors, std::size_t first_vector);
   Launch stress_launch(const Laid& b, int vectors);
@@ -160,9 +168,10 @@ struct PadContact<Real>::State {
   Executor& executor;
   PadContactOptions options;
   PadSearch<Real> search;
-  std::mutex making;                                 ///< of what is made at first use
-  std::map<int, std::unique_ptr<Program>> programs;  ///< by vectors, or own_tables
-  std::list<std::shared_ptr<const PadTables>> kept;  ///< the last used first
+  std::mutex making;                                     ///< of what is made at first use
+  std::map<int, std::unique_ptr<Program>> programs;      ///< by vectors, or own_tables
+  std::list<std::shared_ptr<const PadTables>> kept;      ///< the last used first
+  std::vector<std::shared_ptr<const PadTables>> points;  ///< of polynomials in Poisson's ratio
 };
 
 /// What a batch has besides the lanes' arrays.
@@ -172,7 +181,7 @@ struct PadContact<Real>::Laid : LaneState<Real> {
   std::vector<OnCells> on_cells;  ///< [scenes]
   std::size_t stress_groups = 0;
   int tactels = 0, parts = 0;  ///< of the sensor; points of a tactel
-  Buffer<Real> tables, own_tables, stress_tables, points, weights;
+  Buffer<Real> tables, own_tables, stress_tables, shares, points, weights;
   Buffer<std::int32_t> table_of_group;
   LaneArray<Real> heights, places, cell_forces;
 };
@@ -200,9 +209,7 @@ std::vector<OnCells> PadContact<Real>::State::on_cells(Scenes& scenes) {
   auto next = found.begin();
   std::vector<OnCells> all;
   all.reserve(scenes.all_.size());
-  std::shared_ptr<const PadTables> of;
   for (auto& [scene, path, cells] : scenes.all_) {
-    if (!of || of->layer()->poisson() != scene.sensor.poisson) of = tables(scene.sensor.poisson);
     if (!cells) {
       auto [indenter, laid] = fem::lay_cells(*next++, scene, options.cells, options.ladder);
       scene.indenter = std::move(indenter), cells = laid;
@@ -301,20 +308,32 @@ LaneArray<Real> PadContact<Real>::State::heights(const std::vector<OnCells>& on_
   return array;
 }
 
-/// Where the cells of each lane lie, for the base stress; `stress_tables` takes the tables of its Poisson's ratios.
+/// Where the cells of each lane lie, for the base stress; `stress_tables` takes the tables of its Poisson's ratios,
+/// `shares` the points of their cells.
 template <class Real>
 LaneArray<Real> PadContact<Real>::State::places(const std::vector<OnCells>& on_cells, const LaneState<Real>& lanes,
-                                                std::vector<Real>& stress_tables) {
+                                                std::vector<Real>& stress_tables, std::vector<Real>& shares) {
   LaneArray<Real> array(device(), lanes.lanes, 1, 1, PAD_PLACE_ROWS);
   const auto all = array.numbers.map(MapFor::writing);
   std::ranges::fill(all.view(), Real(0));  // no steps
   std::map<double, std::size_t> rows;
+  std::map<long long, std::pair<std::size_t, std::size_t>> points;  // of a side: first, number
+  const auto points_of = [&](long long side) {
+    const auto [at, is_new] = points.try_emplace(side);
+    if (!is_new) return at->second;
+    std::vector<fem::PadLayer::Share> all = fem::PadLayer::shares(PadCellSize::unit * static_cast<double>(side));
+    if (all.size() == 1) all = {{-0.5 / std::numbers::sqrt3, 0.5}, {0.5 / std::numbers::sqrt3, 0.5}};  // Gauss's points
+    at->second = {shares.size() / 2, all.size()};
+    for (const auto& [place, share] : all)
+      shares.insert(shares.end(), {static_cast<Real>(place), static_cast<Real>(share)});
+    return at->second;
+  };
   for (const std::size_t i : lanes.order) {
     const auto& [scene, cells, size] = on_cells[i];
     const auto [row, is_new] = rows.try_emplace(scene.sensor.poisson, rows.size() * PadTables::stress_rows);
     if (is_new) {
-      const auto of = tables(scene.sensor.poisson);
-      for (const double number : of->stress()) stress_tables.push_back(static_cast<Real>(number));
+      for (const double number : tables(scene.sensor.poisson)->stress())
+        stress_tables.push_back(static_cast<Real>(number));
     }
     const double H = scene.sensor.thickness, yaw = fem::radians(scene.indenter.yaw);
     double place[PAD_PLACE_ROWS] = {};
@@ -323,6 +342,10 @@ LaneArray<Real> PadContact<Real>::State::places(const std::vector<OnCells>& on_c
     place[PAD_PLACE_X_MIDDLE] = cells.x_middle / H, place[PAD_PLACE_Y_MIDDLE] = cells.y_middle / H;
     place[PAD_PLACE_HX] = cells.hx / H, place[PAD_PLACE_HY] = cells.hy / H;
     place[PAD_PLACE_THICKNESS] = 1 / H, place[PAD_PLACE_STRESS] = 1 / (2 * std::numbers::pi * H * H);
+    const auto [first_x, count_x] = points_of(size.hx);
+    const auto [first_y, count_y] = points_of(size.hy);
+    place[PAD_PLACE_SHARES_X] = static_cast<double>(first_x), place[PAD_PLACE_COUNT_X] = static_cast<double>(count_x);
+    place[PAD_PLACE_SHARES_Y] = static_cast<double>(first_y), place[PAD_PLACE_COUNT_Y] = static_cast<double>(count_y);
     place[PAD_PLACE_STEPS] = lanes.scenes[i].steps, place[PAD_PLACE_LAYER] = static_cast<double>(row->second);
     const std::vector<Real> numbers(std::begin(place), std::end(place));
     array.put(all.view(), lanes.place[i], std::span(numbers));
@@ -373,6 +396,7 @@ Launch PadContact<Real>::State::stress_launch(const Laid& b, int vectors) {
     kernel.set("layer_rows", std::int32_t(PadTables::stress_rows));
     kernel.set("rows_a_thickness", Real(PadTables::stress_rows_a_thickness));
     kernel.set("places", b.places.numbers);
+    kernel.set("shares", b.shares);
     kernel.set("points", b.points);
     kernel.set("weights", b.weights);
     kernel.set("parts", std::int32_t(b.parts));
@@ -399,7 +423,7 @@ Executor& PadContact<Real>::executor() const {
 
 template <class Real>
 std::shared_ptr<const fem::PadLayer> PadContact<Real>::layer(double poisson) const {
-  return state_->tables(poisson)->layer();
+  return std::make_shared<const fem::PadLayer>(fem::pad_layer(poisson));
 }
 
 template <class Real>
@@ -435,16 +459,17 @@ typename PadContact<Real>::Batch PadContact<Real>::prepare(Scenes scenes, bool f
   b.own_tables = s.tables_of_lanes(b.on_cells, lanes);
   b.heights = s.heights(b.on_cells, b);
   b.more_inputs = {b.heights};
-  std::vector<Real> stress_tables;
-  b.places = s.places(b.on_cells, b, stress_tables);
+  std::vector<Real> stress_tables, shares;
+  b.places = s.places(b.on_cells, b, stress_tables, shares);
   b.stress_tables = buffer_of(s.device(), std::move(stress_tables));
+  b.shares = buffer_of(s.device(), std::move(shares));
   s.take_tactels(b);
 
   const auto outputs = [&](std::size_t rows, bool written = true) {
     return LaneArray<Real>(s.device(), written ? b.lanes : 0, 1, b.steps, rows);
   };
   b.cell_forces = outputs(3 * s.count());
-  b.results = outputs(PAD_BLOCK), b.outputs = outputs(3 * static_cast<std::size_t>(b.tactels));
+  b.results = outputs(PAD_RESULT_ROWS), b.outputs = outputs(3 * static_cast<std::size_t>(b.tactels));
   b.forces = forces ? b.cell_forces : outputs(0, false), b.patches = outputs(0, false);
   if (lanes.own_groups > 0)  // first, for they take longer
     b.jobs.push_back({s.contact_launch(b, own_tables, lanes.groups * lanes.vectors), lanes.own_groups});
@@ -535,6 +560,8 @@ fem::PadStep pad_step(const std::function<double(int row)>& row, const fem::PadT
   const double stick = row(PAD_RESULT_STICKING), touch = stick + row(PAD_RESULT_SLIPPING);
   step.stick_fraction = touch > 0 ? stick / touch : 0;
   step.sweeps = static_cast<int>(row(PAD_RESULT_SWEEPS));
+  step.slip_distance = row(PAD_RESULT_SLIP_DISTANCE), step.area = row(PAD_RESULT_AREA);
+  step.reach = {{row(PAD_RESULT_LEFT), row(PAD_RESULT_RIGHT)}, {row(PAD_RESULT_BELOW), row(PAD_RESULT_ABOVE)}};
   const int status = static_cast<int>(row(PAD_RESULT_STATUS));
   step.converged = status == LANE_SOLVED || status == LANE_SLIDING;
   step.residual = {row(PAD_RESULT_PENETRATION), row(PAD_RESULT_COMPLEMENTARITY), row(PAD_RESULT_CONE),

@@ -74,10 +74,23 @@ PadCellSize cell_size(const fem::PadCells& cells, double thickness) {
 }
 
 PadTables::PadTables(double poisson, int cells, bool exact)
-    : cells_(cells),
+    : poisson_(poisson),
+      cells_(cells),
       exact_(exact),
       layer_(std::make_shared<const fem::PadLayer>(fem::pad_layer(poisson))),
       stress_(stress_table(*layer_)) {}
+
+PadTables::PadTables(double poisson, std::vector<std::shared_ptr<const PadTables>> points)
+    : poisson_(poisson), cells_(points.front()->cells_), exact_(points.front()->exact_), points_(std::move(points)) {}
+
+std::vector<double> PadTables::stress() const {
+  if (points_.empty()) return stress_;
+  const std::vector<double> shares = fem::poisson_shares(poisson_);
+  std::vector<double> all(points_.front()->stress_.size());
+  for (std::size_t p = 0; p < points_.size(); ++p)
+    for (std::size_t k = 0; k < all.size(); ++k) all[k] += shares[p] * points_[p]->stress_[k];
+  return all;
+}
 
 std::vector<double> PadTables::make_influence(const PadCellSize& size) const {
   const double hx = PadCellSize::unit * static_cast<double>(size.hx),
@@ -100,19 +113,25 @@ std::vector<double> PadTables::make_influence(const PadCellSize& size) const {
 
 std::vector<double> PadTables::between_rungs(const PadCellSize& size) const {
   const OnLadder x(size.hx), y(size.hy);
+  std::vector<Weighted> rungs;
+  for (std::size_t i = 0; i < x.weights.size(); ++i)
+    for (std::size_t j = 0; j < y.weights.size(); ++j)
+      rungs.emplace_back(x.weights[i] * y.weights[j], influence({x.side(i), y.side(j)}));
+  return sum(rungs, size);
+}
+
+std::vector<double> PadTables::sum(const std::vector<Weighted>& tables, const PadCellSize& size) const {
   std::vector<double> table(PAD_TABLE_HEAD + static_cast<std::size_t>((cells_ + 1) * (cells_ + 1)) * PAD_OWN_INFLUENCE);
   const auto each = [&](const auto& change) {
     for (std::size_t at = PAD_TABLE_HEAD; at < table.size(); at += PAD_OWN_INFLUENCE)
       for (int k = 0; k < PAD_OWN_INFLUENCE; ++k) change(at + k, k);
   };
-  for (std::size_t i = 0; i < x.weights.size(); ++i)
-    for (std::size_t j = 0; j < y.weights.size(); ++j) {
-      const auto rung = influence({x.side(i), y.side(j)});
-      const double *from = rung->data(), weight = x.weights[i] * y.weights[j];
-      auto part = units(from[PAD_ROOT_ZZ], from[PAD_ROOT_TT]);
-      for (double& number : part) number *= weight;
-      each([&](std::size_t at, int k) { table[at] += part[k] * from[at]; });
-    }
+  for (const auto& [weight, other] : tables) {
+    const double* from = other->data();
+    auto part = units(from[PAD_ROOT_ZZ], from[PAD_ROOT_TT]);
+    for (double& number : part) number *= weight;
+    each([&](std::size_t at, int k) { table[at] += part[k] * from[at]; });
+  }
   const double* own = &table[PAD_TABLE_HEAD];
   const double zz = std::sqrt(own[PAD_ZZ]), tt = std::sqrt(std::max(own[PAD_XX], own[PAD_YY]));
   table[PAD_ROOT_ZZ] = zz, table[PAD_ROOT_TT] = tt;
@@ -125,6 +144,12 @@ std::vector<double> PadTables::between_rungs(const PadCellSize& size) const {
 }
 
 std::shared_ptr<const std::vector<double>> PadTables::influence(const PadCellSize& size) const {
+  if (!points_.empty()) {
+    const std::vector<double> shares = fem::poisson_shares(poisson_);
+    std::vector<Weighted> tables;
+    for (std::size_t p = 0; p < points_.size(); ++p) tables.emplace_back(shares[p], points_[p]->influence(size));
+    return std::make_shared<const std::vector<double>>(sum(tables, size));
+  }
   const bool keep = OnLadder(size.hx).on_a_rung() && OnLadder(size.hy).on_a_rung();
   if (!keep) return std::make_shared<const std::vector<double>>(exact_ ? make_influence(size) : between_rungs(size));
   {

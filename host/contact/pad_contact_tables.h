@@ -29,22 +29,29 @@ class PadTables {
   /// Not `exact`: the influence of cells whose sides are not on the ladder lies between those of rungs, right to 1e-4
   /// of a cell's on itself.
   PadTables(double poisson, int cells, bool exact);
+  /// `points`: tables of fem::poisson_point, [fem::poisson_points], whose polynomial gives these.
+  PadTables(double poisson, std::vector<std::shared_ptr<const PadTables>> points);
 
-  const std::shared_ptr<const fem::PadLayer>& layer() const { return layer_; }
+  double poisson() const { return poisson_; }
   /// Influence of cells on each other, of offsets from 0 to `cells`, as every lane has its own:
   /// [PAD_TABLE_HEAD], then [cells + 1][cells + 1][PAD_OWN_INFLUENCE].
   std::shared_ptr<const std::vector<double>> influence(const PadCellSize& size) const;
   /// The same as a group shares it: [PAD_TABLE_HEAD], then [2 cells + 1][2 cells + 1][PAD_INFLUENCE].
   std::vector<double> shared_influence(const PadCellSize& size) const;
   /// [stress_rows][PAD_BLOCK]
-  const std::vector<double>& stress() const { return stress_; }
+  std::vector<double> stress() const;
 
  private:
   std::vector<double> make_influence(const PadCellSize& size) const;
   std::vector<double> between_rungs(const PadCellSize& size) const;
+  /// A table, and its weight.
+  using Weighted = std::pair<double, std::shared_ptr<const std::vector<double>>>;
+  std::vector<double> sum(const std::vector<Weighted>& tables, const PadCellSize& size) const;
 
+  double poisson_;
   int cells_;
   bool exact_;
+  std::vector<std::shared_ptr<const PadTables>> points_;
   std::shared_ptr<const fem::PadLayer> layer_;
   std::vector<double> stress_;
   mutable std::mutex making_;                                                            ///< of the next

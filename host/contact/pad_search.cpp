@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "fem/angles.h"
+#include "fem/pad/pad_layers.h"
 #include "host/device/buffer.h"
 #include "host/device/program.h"
 #include "kernels/shared/pad_layout.h"
@@ -130,7 +131,7 @@ class Maps {
 
 template <class Real>
 struct PadSearch<Real>::State {
-  explicit State(Executor& executor) : executor(executor) {}
+  State(Executor& executor, bool any_poisson) : executor(executor), any_poisson(any_poisson) {}
 
   static Precision precision() { return sizeof(Real) == 4 ? Precision::fp32 : Precision::fp64; }
 
@@ -145,20 +146,31 @@ struct PadSearch<Real>::State {
     return *program;
   }
 
-  const Rest& rest(double poisson) {
+  Rest rest(double poisson) {
     const std::lock_guard lock(making);
-    const auto known = rests.find(poisson);
-    return known != rests.end() ? known->second : rests.emplace(poisson, rest_of(poisson)).first->second;
+    const auto known = [this](double nu) -> const Rest& {
+      const auto found = rests.find(nu);
+      return found != rests.end() ? found->second : rests.emplace(nu, rest_of(nu)).first->second;
+    };
+    if (!any_poisson) return known(poisson);
+    const std::vector<double> shares = fem::poisson_shares(poisson);
+    Rest sum{};
+    for (int p = 0; p < fem::poisson_points; ++p)
+      for (std::size_t k = 0; k < sum.size(); ++k)
+        sum[k] += shares[static_cast<std::size_t>(p)] * known(fem::poisson_point(p))[k];
+    return sum;
   }
 
   Executor& executor;
+  bool any_poisson;
   std::mutex making;  ///< of what is made at first use
   std::unique_ptr<Program> programs[2];
   std::map<double, Rest> rests;  ///< by Poisson's ratio
 };
 
 template <class Real>
-PadSearch<Real>::PadSearch(Executor& executor) : state_(std::make_shared<State>(executor)) {}
+PadSearch<Real>::PadSearch(Executor& executor, bool any_poisson)
+    : state_(std::make_shared<State>(executor, any_poisson)) {}
 
 template <class Real>
 std::vector<fem::PadSearch> PadSearch<Real>::find(std::span<const fem::PadScene> scenes,

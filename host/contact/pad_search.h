@@ -14,7 +14,8 @@ namespace tactel::host {
 template <class Real>
 class PadSearch {
  public:
-  explicit PadSearch(Executor& executor);
+  /// `any_poisson`: of scenes with a Poisson's ratio each.
+  explicit PadSearch(Executor& executor, bool any_poisson = false);
 
   /// Returns what fem::find_pad_contact finds for each scene, with `depths` ([scenes] mm) fem::find_pad_contact_at.
   /// A contact has the same bits in every batch and order. Where its outermost cells bear next to nothing, it may end a

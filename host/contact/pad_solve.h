@@ -36,13 +36,17 @@ std::string model_name(const PadOutcome& outcome);
 /// Returns the distance, mm, from the contact to the nearest edge of the pad, negative beyond it; none where the scene
 /// gives no edges, or nothing is touched.
 std::optional<double> distance_to_edge(const fem::PadScene& scene, const fem::PadSolution& solution);
+/// The same of a contact that lies within `reach` from the indenter's axis.
+std::optional<double> distance_to_edge(const fem::PadSensor& sensor, const std::array<double, 2>& position,
+                                       const fem::PadBox& reach);
 
-/// Throws ValueError for a contact that is a needle or a plain to the rubber, and for cells that are wide for nearly
-/// incompressible rubber.
+/// Throws ValueError, key "indenter.shape", for a contact that is a needle or a plain to the rubber.
 void refuse_degenerate(const fem::PadScene& scene, const fem::PadSolution& solution);
 
-/// Throws ValueError, key "indenter.position", where that is less than the thickness.
-void refuse_at_edge(const fem::PadScene& scene, const fem::PadSolution& solution);
+/// Returns true where that is less than the thickness.
+bool too_near_edge(const fem::PadSensor& sensor, const std::optional<double>& distance);
+/// Throws ValueError, key "indenter.position", there.
+void refuse_at_edge(const fem::PadScene& scene, const std::optional<double>& distance);
 
 /// Returns the warnings about an answer, one line each; usually none. They concern units, depth, slip, edges of the
 /// pad, a contact that the tactels hardly see, and an error that was not measured.

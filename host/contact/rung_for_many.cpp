@@ -20,6 +20,16 @@ std::optional<Rung> named_rung_for_many(const SolveOptions& options) {
   return rung;
 }
 
+std::optional<PadRung> pad_rung_for_many(const SolveOptions& options) {
+  check_modelling(options);
+  if (options.rung.empty()) return {};
+  const PadRung& rung = pad_rung_named(options.rung);
+  if (rung.exact)
+    throw ConfigError("command line", "--rung", options.rung,
+                      "a rung for many scenes, pad-8 to pad-24: the reference solves single ones");
+  return rung;
+}
+
 RungChoice plan_for_many(Executor& executor, double accuracy, const ManyContacts& contacts) {
   std::vector<fem::Scene> sample;
   const std::uint64_t count = std::min(contacts.count, most_tried);

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "fem/layer/sensor_family.h"
+#include "host/contact/pad_rung.h"
 #include "host/contact/planner.h"
 #include "host/contact/solve.h"
 #include "host/device/executor.h"
@@ -24,6 +25,7 @@ struct ManyContacts {
 /// Returns the rung that --rung names; none where it names none. Throws ConfigError for contradictory options, and for
 /// a rung that solves single contacts.
 std::optional<Rung> named_rung_for_many(const SolveOptions& options);
+std::optional<PadRung> pad_rung_for_many(const SolveOptions& options);  ///< of pads
 
 /// Returns the planner's choice for at most most_tried of the contacts, one from each equal part of all.
 RungChoice plan_for_many(Executor& executor, double accuracy, const ManyContacts& contacts);

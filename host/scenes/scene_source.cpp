@@ -6,6 +6,7 @@
 
 #include "fem/angles.h"
 #include "fem/block.h"
+#include "fem/pad/pad_solver.h"
 #include "host/scenes/sweep_reader.h"
 #include "host/support/errors.h"
 
@@ -61,6 +62,14 @@ void draw_others(const SceneSource::Alternative& indenter, const SceneSource::Al
 }
 void draw_others(const PadSource::Alternative&, const PadSource::Alternative&, fem::PadScene&, const DrawKey&) {}
 
+/// Empty where sensors differ.
+std::vector<float> places_on_pad(const std::vector<fem::PadSensor>& sensors, Eigen::Index axis) {
+  const Eigen::MatrixX2f places = fem::tactel_places(sensors.front()).cast<float>();
+  for (const fem::PadSensor& sensor : sensors)
+    if (sensor.tactels != sensors.front().tactels || sensor.pitch != sensors.front().pitch) return {};
+  return {places.col(axis).begin(), places.col(axis).end()};
+}
+
 }  // namespace
 
 template <class Scene>
@@ -98,8 +107,16 @@ std::vector<float> SourceOf<Scene>::tactel_x() const {
     const Eigen::VectorXf x = fem::tactel_positions(sensors_[0]).template cast<float>();
     return {x.begin(), x.end()};
   } else {
-    return {};
+    return places_on_pad(sensors_, 0);
   }
+}
+
+template <class Scene>
+std::vector<float> SourceOf<Scene>::tactel_y() const {
+  if constexpr (of_lines)
+    return {};
+  else
+    return places_on_pad(sensors_, 1);
 }
 
 template <>

@@ -69,8 +69,11 @@ class SourceOf : public ContactSource {
  public:
   using Sensor = decltype(Scene::sensor);
   static constexpr bool of_lines = std::is_same_v<Scene, fem::Scene>;
+  struct OwnPads {
+    bool any_poisson = false;  ///< not only a few that stand in the file
+  };
   /// The range of the sensors where each contact draws its own.
-  using OwnSensors = std::conditional_t<of_lines, fem::SensorRange, std::monostate>;
+  using OwnSensors = std::conditional_t<of_lines, fem::SensorRange, OwnPads>;
 
   /// `seed`: takes the place of the file's. Throws ConfigError with file, line, key, value and the allowed values.
   static SourceOf read(const std::filesystem::path& path, std::optional<std::uint64_t> seed = {});
@@ -104,9 +107,10 @@ class SourceOf : public ContactSource {
   const std::vector<Sensor>& sensors() const { return sensors_; }
   /// Returns what a set keeps of each contact (`/parameters`).
   ContactParametersOf<Scene> parameters() const;
-  /// Returns the places of the tactels, [tactels] mm along the array; empty where they differ between contacts, and of
-  /// pads.
+  /// Returns the places of the tactels, [tactels] mm along the array; empty where they differ between contacts. Of pads
+  /// x is the fastest.
   std::vector<float> tactel_x() const;
+  std::vector<float> tactel_y() const;  ///< of pads
   const std::optional<OwnSensors>& own_sensors() const { return own_sensors_; }
 
   /// A number to draw and its place. `number` distinguishes the draws of a contact.

@@ -24,7 +24,7 @@ namespace {
 using std::string;
 constexpr std::array part_names{"sensor", "indenter", "contact", "load"};
 constexpr int most_sensors = 10000, usual_sensors = 16;
-constexpr std::size_t most_poissons = 16;  ///< of pads whose contacts draw their own sensors
+constexpr std::size_t most_poissons = 16;  ///< of pads, which have their own tables
 constexpr std::int64_t most_contacts = std::int64_t{1} << 40;
 constexpr const char* one_width = "the same for every [[sensor]]: a set's frames are of one width";
 
@@ -354,24 +354,19 @@ void SweepReaderOf<fem::Scene>::read_own_sensors(SceneSource& source, SceneSourc
   source.sensor_ = std::move(part);
 }
 
-/// The same on pads: tables serve any thickness and E, and some Poisson's ratios.
+/// The same on pads.
 template <>
 void SweepReaderOf<fem::PadScene>::read_own_sensors(PadSource& source, PadSource::Part&& part) {
   static const auto poisson = number_place<fem::PadScene>("sensor.poisson", "");
-  const auto all = tables("sensor");
-  for (std::size_t i = 0; i < part.alternatives.size(); ++i) {
-    const PadSource::Alternative& from = part.alternatives[i];
-    for (const PadSource::NumberDraw& d : from.draws)
-      if (const auto* choice = std::get_if<ChoiceDraw>(&d.distribution);
-          d.place == poisson && (choice == nullptr || choice->values.size() > most_poissons))
-        throw file_.error(
-            "sensor.poisson", all[i]->get("poisson"),
-            fmt::format("a number or a choice of at most {} where each contact draws its own sensor, for "
-                        "each needs tables; or [sweep] sensors = n, for n sensors that the contacts share",
-                        most_poissons));
+  source.own_sensors_.emplace();
+  for (const PadSource::Alternative& from : part.alternatives) {
+    for (const PadSource::NumberDraw& d : from.draws) {
+      const auto* choice = std::get_if<ChoiceDraw>(&d.distribution);
+      source.own_sensors_->any_poisson |=
+          d.place == poisson && (choice == nullptr || choice->values.size() > most_poissons);
+    }
     source.sensors_.push_back(from.scene.sensor);
   }
-  source.own_sensors_.emplace();
   source.sensor_ = std::move(part);
 }
 

@@ -44,13 +44,15 @@ class Checker {
       if (column.it) check_.rows = std::max(check_.rows, column.it->rows);
     std::vector<float> numbers;
     if (set.has("parameters")) open_one("parameters", numbers, 1, ""), columns.back().rows = in_.number("contacts");
-    if (set.has("tactel_x")) open_one("tactel_x", numbers, 0, ""), columns.back().rows = 0;
+    for (const char* name : {"tactel_x", "tactel_y"})
+      if (set.has(name)) open_one(name, numbers, 0, ""), columns.back().rows = 0;
     for (const Opened& column : columns)
       if (column.it) all_ += (column.it->rows + column.piece - 1) / column.piece;
     std::size_t i = 0;
     each_dataset(set, [&](const char* name, auto& values, int, const char*) { check(name, columns[i++], values); });
     if (set.has("parameters")) check("parameters", columns[i++], numbers);
-    if (set.has("tactel_x")) check("tactel_x", columns[i++], numbers);
+    for (const char* name : {"tactel_x", "tactel_y"})
+      if (set.has(name)) check(name, columns[i++], numbers);
     if (in_.text(seal_name) != in_.seal())
       check_.damage.push_back({.what = "attributes, or names of datasets, other than those written"});
     return check_;

@@ -54,7 +54,7 @@ SetColumns columns_of(const SetFile& in) {
   };
   const ContactSet all(columns);
   each_dataset(all, leave_out);
-  for (const char* name : {"parameters", "tactel_x"}) leave_out(name, 0, 0, "");
+  for (const char* name : {"parameters", "tactel_x", "tactel_y"}) leave_out(name, 0, 0, "");
   if (columns.has("parameters")) {
     columns.parameters = in.texts("parameters", "columns");
     columns.parameter_units = in.texts("parameters", "units");
@@ -98,21 +98,26 @@ struct Columns {
       if (of.inputs % of.axes != 0)
         in.refuse(name, fmt::format("{} columns", of.inputs), fmt::format("{} for each tactel", of.axes));
     });
-    if (of.has("tactel_x")) of.tactel_x = tactels(in);
+    if (of.has("tactel_x")) of.tactel_x = tactels(in, "tactel_x");
+    if (of.has("tactel_y")) of.tactel_y = tactels(in, "tactel_y");
     if (of.has("parameters")) open_parameters(in);
   }
 
-  /// Places of the tactels, finite and increasing.
-  std::vector<float> tactels(const SetFile& in) const {
-    const SetFile::Column column = in.column<float>("tactel_x", false);
-    if (column.rows < 2 || column.rows > SetFile::most_columns ||
-        (of.has("inputs") && 2 * column.rows != static_cast<std::uint64_t>(of.inputs)))
-      in.refuse("tactel_x", fmt::format("{} numbers", column.rows), "one a tactel: half as many as inputs has columns");
+  /// Places of the tactels, finite; of lines increasing.
+  std::vector<float> tactels(const SetFile& in, const char* name) const {
+    const SetFile::Column column = in.column<float>(name, false);
+    const auto axes = static_cast<std::uint64_t>(of.axes);
+    if (column.rows < (of.pad ? 1 : 2) || column.rows > SetFile::most_columns ||
+        (of.has("inputs") && axes * column.rows != static_cast<std::uint64_t>(of.inputs)))
+      in.refuse(name, fmt::format("{} numbers", column.rows),
+                of.pad ? fmt::format("one a tactel, of which inputs has {} columns", axes)
+                       : "one a tactel: half as many as inputs has columns");
     std::vector<float> x;
     in.read(column, 0, column.rows, x);
     for (std::size_t i = 0; i < x.size(); ++i)
-      if (!std::isfinite(x[i]) || (i > 0 && !(x[i] > x[i - 1])))
-        in.refuse("tactel_x", fmt::format("{}", x[i]), "places in mm, finite and increasing");
+      if (!std::isfinite(x[i]) || (!of.pad && i > 0 && !(x[i] > x[i - 1])))
+        in.refuse(name, fmt::format("{}", x[i]),
+                  of.pad ? "places in mm, finite" : "places in mm, finite and increasing");
     return x;
   }
   void open_parameters(const SetFile& in) {

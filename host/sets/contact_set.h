@@ -22,6 +22,7 @@ struct SetColumns {
   int axes = 2;  ///< stresses of a tactel; of a pad 3, or 1
   std::vector<std::string> parameters, parameter_units;  ///< columns of `/parameters`, ContactParameters; or none
   std::vector<float> tactel_x;                           ///< [tactels] mm; empty where contacts differ in them
+  std::vector<float> tactel_y;                           ///< [tactels] mm, of pads, whose x is the fastest
   std::set<std::string> left_out;                        ///< names of datasets that the set does not have
 
   bool has(const char* dataset) const { return !left_out.contains(dataset); }
@@ -65,6 +66,7 @@ struct ContactSet : SetColumns {
   std::string plan;              ///< attribute: conditions of the rows beside the sweep file, SetRecipe::conditions
   std::uint64_t too_deep = 0;    ///< contacts indented beyond the depth to which rubber is linear; not in the file
   std::uint64_t far_slip = 0;    ///< contacts that slide beyond slip_limit; not in the file
+  std::uint64_t near_edge = 0;   ///< contacts nearer than the thickness to an edge of their pad; not in the file
   std::uint64_t never_slid = 0;  ///< contacts with rows whose drag until sliding ends without it; not in the file
 
   std::size_t rows() const { return slip_index.size(); }
@@ -123,6 +125,7 @@ void each_other_dataset(Set& set, const Visit& visit) {
     visit("parameters", set.contact_parameters, static_cast<int>(set.parameters.size()),
           "one row a contact; attributes columns and units");
   if (set.has("tactel_x") && !set.tactel_x.empty()) visit("tactel_x", set.tactel_x, 0, "mm");
+  if (set.has("tactel_y") && !set.tactel_y.empty()) visit("tactel_y", set.tactel_y, 0, "mm");
 }
 
 /// Returns which datasets a set file has; inputs and tactel_x are not read. Throws as read_contact_set.

@@ -205,8 +205,10 @@ ContactSetWriter::ContactSetWriter(const std::filesystem::path& path, const SetC
     : state_(std::make_unique<State>(path)) {
   if (state_->file.open()) state_->columns = create_columns(state_->file, columns, rows, contacts, compress);
   if (state_->columns.empty()) fail();
-  for (Column& column : state_->columns)
-    if (column.name == "tactel_x" && !write_rows(column, columns.tactel_x.data(), columns.tactel_x.size())) fail();
+  for (const auto& [name, places] : {std::pair("tactel_x", &columns.tactel_x), {"tactel_y", &columns.tactel_y}}) {
+    const auto column = std::ranges::find(state_->columns, name, &Column::name);
+    if (column != state_->columns.end() && !write_rows(*column, places->data(), places->size())) fail();
+  }
 }
 
 ContactSetWriter::~ContactSetWriter() = default;

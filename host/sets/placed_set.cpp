@@ -52,11 +52,24 @@ std::optional<PlacedRows> placed_parameters(const SetColumns& columns) {
   return PlacedRows(std::move(datasets), rows_of_chunk(static_cast<int>(columns.parameters.size())));
 }
 
+/// The places of the tactels that a set has.
+std::vector<std::pair<const char*, const std::vector<float>*>> tactel_places(const SetColumns& columns) {
+  std::vector<std::pair<const char*, const std::vector<float>*>> all;
+  for (const auto& [name, places] : {std::pair("tactel_x", &columns.tactel_x), {"tactel_y", &columns.tactel_y}})
+    if (columns.has(name) && !places->empty()) all.emplace_back(name, places);
+  return all;
+}
+
 std::optional<PlacedRows> placed_tactels(const SetColumns& columns) {
-  if (!columns.has("tactel_x") || columns.tactel_x.empty()) return {};
+  const auto places = tactel_places(columns);
+  if (places.empty()) return {};
   std::vector<PlacedRows::Dataset> datasets;
-  datasets.push_back({"tactel_x", sizeof(float)});
-  return PlacedRows(std::move(datasets), std::min<std::uint64_t>(columns.tactel_x.size(), rows_of_chunk(0)));
+  for (const auto& [name, numbers] : places) datasets.push_back({name, sizeof(float)});
+  return PlacedRows(std::move(datasets), std::min<std::uint64_t>(places[0].second->size(), rows_of_chunk(0)));
+}
+
+std::uint64_t tactel_count(const SetColumns& columns) {
+  return std::max(columns.tactel_x.size(), columns.tactel_y.size());
 }
 
 /// Datasets and parameters apart.
@@ -80,7 +93,7 @@ PlacedSet::Places::Places(const SetColumns& columns)
       end(first_stripe) {}
 
 void PlacedSet::Places::skip(const ChunkHeader& header, const SetColumns& columns) {
-  if (tactels && header.chunk == 0) tactels->skip(end, columns.tactel_x.size());
+  if (tactels && header.chunk == 0) tactels->skip(end, tactel_count(columns));
   rows.skip(end, header.rows);
   if (parameters) parameters->skip(end, header.contacts);
 }
@@ -140,7 +153,7 @@ bool PlacedSet::read(const Places& places, const ChunkHeader& header, std::strin
   payload.clear();
   std::vector<std::string> values;
   std::uint64_t end = places.end;
-  if (places.tactels && header.chunk == 0) places.tactels->pieces(end, columns_.tactel_x.size());
+  if (places.tactels && header.chunk == 0) places.tactels->pieces(end, tactel_count(columns_));
   const auto take = [&](const PlacedRows& of, std::uint64_t rows) {
     if (!of.read(file_, end, rows, values)) return false;
     for (const std::string& part : values) payload += part;
@@ -153,9 +166,10 @@ bool PlacedSet::read(const Places& places, const ChunkHeader& header, std::strin
 std::optional<PlacedSet::Unwritten> PlacedSet::place(const ChunkHeader& header,
                                                      const std::vector<std::string_view>& payload) {
   if (places_.tactels && header.chunk == 0) {
-    const PlacedRows::Values x = {
-        {reinterpret_cast<const char*>(columns_.tactel_x.data()), columns_.tactel_x.size() * sizeof(float)}};
-    for (PlacedRows::Stripe& stripe : places_.tactels->place(places_.end, columns_.tactel_x.size(), x))
+    PlacedRows::Values x;
+    for (const auto& [name, numbers] : tactel_places(columns_))
+      x.emplace_back(reinterpret_cast<const char*>(numbers->data()), numbers->size() * sizeof(float));
+    for (PlacedRows::Stripe& stripe : places_.tactels->place(places_.end, tactel_count(columns_), x))
       if (!places_.tactels->write(direct_, std::move(stripe), x)) return {};
     if (!places_.tactels->flush(direct_)) return {};
   }

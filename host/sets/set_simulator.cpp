@@ -11,6 +11,7 @@
 #include "fem/angles.h"
 #include "fem/contact_laws.h"
 #include "host/contact/contact_stream.h"
+#include "host/contact/pad_solve.h"
 #include "host/contact/pad_stream.h"
 #include "host/contact/sensor_tables.h"
 #include "host/contact/solve.h"
@@ -30,6 +31,8 @@ struct Row {
   double P = 0, indentation = 0, slip_distance = 0, residual = 0;
   std::array<double, 2> Q{}, tangential{};        ///< of lines the first alone
   double torque = 0, twist = 0, force_ratio = 0;  ///< of pads; degrees
+  double area = 0;                                ///< of pads: mm^2 of the cells that touch
+  fem::PadBox reach{fem::nowhere, fem::nowhere};  ///< of pads: around these, from the indenter's axis
   int sticking = 0, slipping = 0, status = LANE_SOLVED;
 };
 
@@ -46,6 +49,7 @@ struct Contact {
   std::uint16_t kind = 0;
   bool until_sliding = false;
   [[no_unique_address]] std::conditional_t<of_lines, NoPath, PadPath> path{};  ///< of pads: results do not hold it
+  std::array<double, 2> position{};                                            ///< of pads, mm
 };
 using LineContact = Contact<LineContacts>;
 using PadContactOf = Contact<PadContacts>;
@@ -72,12 +76,16 @@ Row row_of(const LaneAnswer& answer, const PadContactOf& contact, int k) {
   const double grip = contact.friction * result(PAD_RESULT_P);
   Row row{.P = result(PAD_RESULT_P),
           .indentation = result(PAD_RESULT_DEPTH),
+          .slip_distance = result(PAD_RESULT_SLIP_DISTANCE),
           .residual = std::max({result(PAD_RESULT_PENETRATION), result(PAD_RESULT_COMPLEMENTARITY),
                                 result(PAD_RESULT_CONE), result(PAD_RESULT_DRIFT), result(PAD_RESULT_ANGLE)}),
           .Q = {result(PAD_RESULT_QX), result(PAD_RESULT_QY)},
           .tangential = {at.x, at.y},
           .torque = result(PAD_RESULT_M),
           .twist = fem::degrees(at.twist),
+          .area = result(PAD_RESULT_AREA),
+          .reach = {{result(PAD_RESULT_LEFT), result(PAD_RESULT_RIGHT)},
+                    {result(PAD_RESULT_BELOW), result(PAD_RESULT_ABOVE)}},
           .sticking = static_cast<int>(result(PAD_RESULT_STICKING)),
           .slipping = static_cast<int>(result(PAD_RESULT_SLIPPING)),
           .status = static_cast<int>(result(PAD_RESULT_STATUS))};
@@ -111,6 +119,7 @@ Row row_of(const fem::PadStep& step) {
   Row row = row_common(step);
   row.Q = {step.Q[0], step.Q[1]}, row.tangential = {step.x, step.y}, row.residual = step.residual.largest();
   row.torque = step.M, row.twist = fem::degrees(step.twist), row.force_ratio = step.force_ratio.value_or(0);
+  row.area = step.area, row.reach = step.reach;
   return row;
 }
 void put_stress(const fem::ContactStep& step, std::span<float> frame) {
@@ -223,16 +232,21 @@ std::size_t survey(ContactSet& set, const Steps& steps, const Contact& of) {
   std::size_t rows = 0;
   double deepest = 0;  // mm
   bool far = false;    // the indenter slides further over the rubber than displacements are small
+  fem::PadBox reach{fem::nowhere, fem::nowhere};
   for (int k = 0; k < steps.count(); ++k) {
     const Row row = steps.row(k);
     if (row.status == LANE_NOT_RUN) break;
     deepest = std::max(deepest, row.indentation);
     if constexpr (Contact::of_lines)
       far = far || row.slip_distance > slip_limit(of.sensor, element * (row.sticking + row.slipping));
+    else
+      far = far || (row.P > 0 && row.slip_distance > slip_limit(std::sqrt(row.area))), reach.cover(row.reach);
     rows += is_row(row, of, k);
   }
   set.too_deep += too_deep(of.sensor.thickness, deepest);
   set.far_slip += far;
+  if constexpr (!Contact::of_lines)
+    set.near_edge += too_near_edge(of.sensor, distance_to_edge(of.sensor, of.position, reach));
   if constexpr (Contact::of_lines) set.never_slid += rows > 0 && of.until_sliding && !steps.slid();
   return rows;
 }
@@ -294,8 +308,9 @@ ContactModel model_for(Executor& executor, const SceneSource& source, const SetO
 int rows_of_tactels(const fem::Sensor&) { return 1; }
 int rows_of_tactels(const fem::PadSensor& sensor) { return sensor.tactels[1]; }
 
-PadModel model_for(Executor&, const PadSource&, const SetOptions& options) {
+PadModel model_for(Executor&, const PadSource& source, const SetOptions& options) {
   PadModel model{{.cells = options.pad.cells, .increments = options.pad.increments}, options.precision};
+  model.options.any_poisson = source.own_sensors() && source.own_sensors()->any_poisson;
   if (options.accept > 0) model.options.tolerance = 0, model.options.accept = options.accept;
   return model;
 }
@@ -411,7 +426,10 @@ std::unique_ptr<SetSimulator::Range> Simulator<Contacts>::prepare(std::uint64_t 
                                .first_step = source_.press_rows() ? 0 : pressing_steps(scene, path) - 1,
                                .kind = indenter,
                                .until_sliding = until_sliding(path)});
-    if constexpr (!Contact<Contacts>::of_lines) chunk->contacts.back().path = path;
+    if constexpr (!Contact<Contacts>::of_lines) {
+      chunk->contacts.back().path = path;
+      chunk->contacts.back().position = scene.indenter.position;
+    }
     stream_.add(chunk->part, scene, path);
   }
   chunk->seconds.draw = seconds_since(start);
@@ -488,10 +506,17 @@ SetColumns columns_of_kind(const SourceOf<Scene>& source) {
     columns.parameter_units.push_back(column.unit);
   }
   columns.tactel_x = source.tactel_x();
+  if constexpr (!SourceOf<Scene>::of_lines) columns.tactel_y = source.tactel_y();
   return columns;
 }
 
 }  // namespace
+
+void model_on(const Rung& rung, SceneSource& source, SetOptions& options) {
+  source.model_on(rung);
+  options.precision = rung.precision, options.tolerance = rung.tolerance;
+  if (rung.patch()) options.patch = rung;
+}
 
 SetColumns columns_of(const SceneSource& source) { return columns_of_kind(source); }
 SetColumns columns_of(const PadSource& source) { return columns_of_kind(source); }

@@ -19,6 +19,9 @@ struct SetOptions {
   PadRung pad = usual_pad_rung();  ///< of contacts on pads
 };
 
+/// Models contacts of lines by a rung.
+void model_on(const Rung& rung, SceneSource& source, SetOptions& options);
+
 /// Returns all datasets that the set of a source has.
 SetColumns columns_of(const SceneSource& source);
 SetColumns columns_of(const PadSource& source);

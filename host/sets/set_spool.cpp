@@ -226,6 +226,7 @@ ChunkHeader SetSpool::header_of(std::uint64_t chunk, const ContactSet& rows,
                      .too_deep = rows.too_deep,
                      .without_rows = rows.without_rows,
                      .far_slip = rows.far_slip,
+                     .near_edge = rows.near_edge,
                      .never_slid = rows.never_slid,
                      .payload_sum = sum.value()};
   header.header_sum = header.sum();
@@ -374,6 +375,7 @@ void SetSpool::assemble(ContactSet& set, bool compress) {
     set.too_deep += header.too_deep;
     set.without_rows += header.without_rows;
     set.far_slip += header.far_slip;
+    set.near_edge += header.near_edge;
     set.never_slid += header.never_slid;
   }
   if (compress || !placed_->fits_hdf5()) {  // a copy

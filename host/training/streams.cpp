@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "host/contact/rung_for_many.h"
 #include "host/scenes/end_tactels.h"
 #include "host/scenes/sweep_file.h"
 #include "host/scenes/unit_warnings.h"
@@ -35,14 +36,27 @@ std::string text_of(const ShownRows& shown) {
          (shown.target != nn::Target::slip_index ? fmt::format(" {}", nn::name(shown.target)) : "");
 }
 
+/// Models the contacts of a sweep by the rung of a name; an empty one changes nothing.
+Sweep modelled(Sweep sweep, const std::string& name, SetOptions& options) {
+  if (name.empty()) return sweep;
+  SolveOptions asked;
+  asked.rung = name;
+  if (std::holds_alternative<PadSource>(sweep.source))
+    options.pad = pad_rung_for_many(asked).value();
+  else
+    model_on(named_rung_for_many(asked).value(), std::get<SceneSource>(sweep.source), options);
+  return sweep;
+}
+
 class SimulatedStream : public FrameStream {
  public:
   SimulatedStream(Executor& executor, const std::filesystem::path& file, std::uint64_t contacts,
-                  const SetOptions& options, const ShownRows& shown)
-      : sweep_(read_sweep(file)),
+                  const std::string& rung, const SetOptions& options, const ShownRows& shown)
+      : options_(options),
+        rung_(rung),
+        sweep_(modelled(read_sweep(file), rung, options_)),
         name_(file.string()),
         contacts_(contacts),
-        options_(options),
         shown_(shown),
         threads_(std::clamp(executor.threads(), 2, most_threads)),
         simulator_(executor, sweep_.source, options) {
@@ -72,14 +86,16 @@ class SimulatedStream : public FrameStream {
   }
   std::string description() const override {
     return "tactel " TACTEL_VERSION " simulated " + std::to_string(contacts_) + " contacts a block, precision " +
-           std::to_string(static_cast<int>(options_.precision)) + text_of(shown_) + "\n" + sweep_.text;
+           std::to_string(static_cast<int>(options_.precision)) + (rung_.empty() ? "" : " rung " + rung_) +
+           text_of(shown_) + "\n" + sweep_.text;
   }
 
  private:
+  SetOptions options_;
+  std::string rung_;
   Sweep sweep_;
   std::string name_;
   std::uint64_t contacts_;
-  SetOptions options_;
   ShownRows shown_;
   int threads_;
   SetSimulator simulator_;
@@ -143,9 +159,9 @@ class FileStream : public FrameStream {
 }  // namespace
 
 std::unique_ptr<FrameStream> simulated_stream(Executor& executor, const std::filesystem::path& sweep_file,
-                                              std::uint64_t contacts, const SetOptions& options,
-                                              const ShownRows& shown) {
-  return std::make_unique<SimulatedStream>(executor, sweep_file, contacts, options, shown);
+                                              std::uint64_t contacts, const std::string& rung,
+                                              const SetOptions& options, const ShownRows& shown) {
+  return std::make_unique<SimulatedStream>(executor, sweep_file, contacts, rung, options, shown);
 }
 
 std::unique_ptr<FrameStream> file_stream(const std::filesystem::path& set_file, std::uint64_t rows, std::uint64_t seed,

@@ -18,10 +18,11 @@ struct ShownRows {
 };
 
 /// Returns an endless stream of contacts, simulated on demand and never stored. Block k holds `contacts` new
-/// ones. The stream is the only user of `executor` while blocks are taken.
+/// ones, modelled by the rung of this name or, where it is empty, as the file says. The stream is the only user of
+/// `executor` while blocks are taken.
 std::unique_ptr<FrameStream> simulated_stream(Executor& executor, const std::filesystem::path& sweep_file,
-                                              std::uint64_t contacts, const SetOptions& options,
-                                              const ShownRows& shown = {});
+                                              std::uint64_t contacts, const std::string& rung,
+                                              const SetOptions& options, const ShownRows& shown = {});
 
 /// Returns a stream of the rows of a set file, `rows` at a time. Every pass takes the blocks in the order of the
 /// file, or in another permutation drawn from `seed`. Rows over tolerance or without a finite slippage index are

@@ -52,6 +52,8 @@ void refuse_unused(const TrainRequest& request) {
     refuse(request.rows, "--rows", "left out, or with --stream or --block");
   if ((request.bound || request.magnitude) && request.target != "slip_index")
     throw ConfigError("command line", "--target", request.target, "slip_index with --bound and --magnitude");
+  if (request.stream.empty() && !request.rung.empty())
+    throw ConfigError("command line", "--rung", request.rung, "left out, or with --stream");
   if (!request.bound) refuse(request.level, "--level", "left out, or with --bound");
   if (!request.batches()) {
     if (request.bound) throw ConfigError("command line", "--bound", "given", "left out, or with --schedule batch");

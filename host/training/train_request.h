@@ -15,6 +15,7 @@ namespace tactel::host {
 struct TrainRequest {
   NetworkOptions shared;
   std::string set, stream, recall_set, output;
+  std::string rung{};                 ///< of the contacts of `stream`; empty: as its file says
   std::optional<std::int64_t> block;  ///< rows of a set file to read at a time
   std::optional<std::uint64_t> rows;  ///< of a stream to learn from; default_rows if not given
   std::vector<std::string> networks;

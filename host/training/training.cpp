@@ -296,7 +296,7 @@ Lesson read_lesson(const TrainRequest& request, const TrainingPlan& plan, const 
   const ShownRows shown{plan.history, plan.magnitude, plan.target};
   if (!request.stream.empty()) {
     lesson.simulation = std::make_unique<Executor>(device);
-    lesson.stream = simulated_stream(*lesson.simulation, request.stream, contacts_a_block, {}, shown);
+    lesson.stream = simulated_stream(*lesson.simulation, request.stream, contacts_a_block, request.rung, {}, shown);
   } else if (request.block) {
     lesson.stream = file_stream(request.set, static_cast<std::uint64_t>(*request.block), plan.seeds.front(),
                                 plan.batch->order, shown);

@@ -54,7 +54,7 @@ enum PadPathRow {
 /* Height of a cell that the indenter may not touch; `heights` is [group][vector][(CELLS + 2)^2][lane]. */
 #define PAD_OPEN 1e9f
 
-/* The result of a lane after an asked increment, `result`, [lane of all groups][slots][PAD_BLOCK], in the pad's
+/* The result of a lane after an asked increment, `result`, [lane of all groups][slots][PAD_RESULT_ROWS], in the pad's
    frame. */
 enum PadResultRow {
   PAD_RESULT_P = 0,       /* N, >= 0 */
@@ -72,7 +72,14 @@ enum PadResultRow {
   PAD_RESULT_CONE,
   PAD_RESULT_DRIFT,
   PAD_RESULT_ANGLE,
-  PAD_RESULT_OUTSIDE /* sum of 1, 2, 4, 8: beyond the side -x, +x, -y, +y the surface is penetrated */
+  PAD_RESULT_OUTSIDE,       /* sum of 1, 2, 4, 8: beyond the side -x, +x, -y, +y the surface is penetrated */
+  PAD_RESULT_SLIP_DISTANCE, /* mm: how far the indenter has slid over the cells that touch, at most */
+  PAD_RESULT_AREA,          /* mm^2 of the cells that touch */
+  PAD_RESULT_LEFT,          /* mm along the pad from the indenter's axis to the edges of the outermost such cells: x */
+  PAD_RESULT_RIGHT,
+  PAD_RESULT_BELOW, /* y */
+  PAD_RESULT_ABOVE,
+  PAD_RESULT_ROWS
 };
 
 /* Rows of `places` of a scene, [scene][PAD_PLACE_ROWS], for the base stress. */
@@ -89,6 +96,10 @@ enum PadPlaceRow {
   PAD_PLACE_STRESS,    /* 1 / (2 pi H^2), 1/mm^2 */
   PAD_PLACE_STEPS,     /* slots that are filled */
   PAD_PLACE_LAYER,     /* first row of its Poisson's ratio in the table */
+  PAD_PLACE_SHARES_X,  /* first point along x of a cell in `shares` */
+  PAD_PLACE_COUNT_X,   /* points along x */
+  PAD_PLACE_SHARES_Y,
+  PAD_PLACE_COUNT_Y,
   PAD_PLACE_ROWS = 16
 };
 

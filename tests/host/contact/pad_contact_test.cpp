@@ -149,7 +149,7 @@ std::vector<double> numbers(const typename PadContact<Real>::Batch& batch, std::
   std::vector<double> all;
   const fem::PadSolution solution = batch.solution(i);
   for (std::size_t k = 0; k < steps; ++k) {
-    for (int row = 0; row < PAD_BLOCK; ++row) all.push_back(batch.result(i, static_cast<int>(k), row));
+    for (int row = 0; row < PAD_RESULT_ROWS; ++row) all.push_back(batch.result(i, static_cast<int>(k), row));
     const fem::PadStep& step = solution.steps[k];
     all.insert(all.end(), step.normal_force.data(), step.normal_force.data() + step.normal_force.size());
     all.insert(all.end(), step.stress.data(), step.stress.data() + step.stress.size());

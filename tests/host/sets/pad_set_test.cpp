@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "host/contact/pad_solve.h"
 #include "host/sets/check_set.h"
@@ -195,10 +196,66 @@ TEST_F(PadSet, FilesHoldTheColumnsOfPads) {
   EXPECT_EQ(read.tangential, set.tangential);
   EXPECT_EQ(read.tangential_force, set.tangential_force);
   EXPECT_EQ(read.torque, set.torque);
+  EXPECT_EQ(read.tactel_x, set.tactel_x);
+  EXPECT_EQ(read.tactel_y, set.tactel_y);
   EXPECT_EQ(read.frames, set.frames);
   const SetColumns fewer = only_columns(columns_of(sweep), "inputs,torque");
   EXPECT_TRUE(fewer.has("torque"));
+  EXPECT_FALSE(fewer.has("tactel_y"));
   EXPECT_FALSE(fewer.has("twist"));
+}
+
+/// Any Poisson's ratio: by polynomials, which leave 1e-7 of the tables; the sweeps' tolerance is 1e-3.
+TEST_F(PadSet, EveryContactHasItsOwnPoissonsRatio) {
+  std::string text = sweep_text;
+  const std::string choice = "{ choice = [0.4, 0.5] }";
+  text.replace(text.find(choice), choice.size(), "{ uniform = [0.2, 0.5] }");
+  const PadSource sweep = source(text);
+  const SetSimulator simulator(executor_, sweep, options_);
+  const ContactSet whole = simulator.simulate(0, 60);
+  const ContactSet part = simulator.simulate(23, 1);
+  const auto row = static_cast<std::size_t>(std::ranges::find(whole.contact, 23u) - whole.contact.begin());
+  ASSERT_GT(part.rows(), 0u);
+  EXPECT_GT(std::set<float>(whole.poisson.begin(), whole.poisson.end()).size(), 50u);
+  for (std::size_t k = 0; k < part.rows(); ++k) {
+    EXPECT_EQ(row_of(part.frames, k, 36), row_of(whole.frames, row + k, 36));
+    EXPECT_EQ(part.slip_index[k], whole.slip_index[row + k]);
+  }
+  for (std::size_t k = 0; k < whole.rows(); k += 37) {
+    const fem::PadScene scene = sweep.contact(whole.contact[k]).scene;
+    SCOPED_TRACE(testing::Message() << "contact " << whole.contact[k]);
+    const PadOutcome outcome = solve(scene, {.precision = "fp32", .rung = "pad-8"});
+    const fem::PadStep& expected = outcome.solution.steps[whole.step[k]];
+    EXPECT_NEAR(whole.normal_force[k] / expected.P, 1, 1e-3);
+    EXPECT_NEAR(whole.slip_index[k], *expected.slip_index, 1e-3);
+    const Eigen::MatrixX3f stress = expected.stress.cast<float>();
+    const float largest = stress.cwiseAbs().maxCoeff();
+    for (Eigen::Index i = 0; i < 36; ++i)
+      EXPECT_NEAR(whole.frames[36 * k + static_cast<std::size_t>(i)], stress(i % 12, i / 12), 1e-3 * largest);
+  }
+}
+
+/// The sphere touches less than 2 mm around its axis: 3 mm from the edge it comes nearer than the thickness. A drag of
+/// 2 mm is more than a tenth of its contact.
+TEST_F(PadSet, CountsContactsAtEdgesAndFarSlip) {
+  const auto counts = [&](const std::string& more, const std::string& drag) {
+    std::string text = at_a_tactel;
+    text.insert(text.find("pitch"), more);
+    const std::string old = "[[0.05, 0]]";
+    text.replace(text.find(old), old.size(), drag);
+    const ContactSet set = SetSimulator(executor_, source(text), options_).simulate(0, 2);
+    return std::pair(set.near_edge, set.far_slip);
+  };
+  EXPECT_EQ(counts("", "[[0.05, 0]]"), std::pair(0ul, 0ul));
+  EXPECT_EQ(counts("width = 16\n", "[[0.05, 0]]"), std::pair(0ul, 0ul));
+  EXPECT_EQ(counts("width = 10\n", "[[0.05, 0]]"), std::pair(2ul, 0ul));
+  EXPECT_EQ(counts("width = 10\n", "[[2, 0]]"), std::pair(2ul, 2ul));
+}
+
+TEST_F(PadSet, TactelsHaveTheirPlaces) {
+  const SetColumns columns = columns_of(source(at_a_tactel));
+  EXPECT_EQ(columns.tactel_x, (std::vector<float>{-4.5, -1.5, 1.5, 4.5, -4.5, -1.5, 1.5, 4.5, -4.5, -1.5, 1.5, 4.5}));
+  EXPECT_EQ(columns.tactel_y, (std::vector<float>{-3, -3, -3, -3, 0, 0, 0, 0, 3, 3, 3, 3}));
 }
 
 }  // namespace

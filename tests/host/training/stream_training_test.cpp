@@ -16,6 +16,7 @@
 #include "tests/host/device/test_device.h"
 #include "tests/host/sets/network_files.h"
 #include "tests/host/support/run_tactel.h"
+#include "tests/thrown_message.h"
 
 namespace tactel::host {
 namespace {
@@ -54,7 +55,7 @@ class Stream : public ::testing::Test {
 TEST_F(Stream, SimulatedBlocksAreTheRowsOfTheSet) {
   ASSERT_EQ(run_tactel({"generate", sweep_, "--output", (folder_ / "set.h5").string()}).exit_code, 0);
   const ContactSet set = read_contact_set(folder_ / "set.h5");
-  const auto stream = simulated_stream(executor_, sweep_, 250, {});
+  const auto stream = simulated_stream(executor_, sweep_, 250, "", {});
   std::size_t row = 0;
   for (std::uint64_t k = 0; k < 4; ++k) {
     const nn::FrameSet block = stream->block(k);
@@ -70,6 +71,24 @@ TEST_F(Stream, SimulatedBlocksAreTheRowsOfTheSet) {
   for (Eigen::Index i = 0; i < sticks.rows(); ++i)
     EXPECT_EQ(sticks.slip_index(i), set.stick_fraction[static_cast<std::size_t>(i)]);
   EXPECT_GT(stream->block(9).rows(), 0);  // beyond sweep.contacts: there is no end
+}
+
+TEST_F(Stream, ContactsAreModelledByTheirRung) {
+  const std::string pads = folder_.write("pads.toml",
+                                         "[sweep]\ncontacts = 8\n[sensor]\nkind = \"pad\"\nthickness = 2\n"
+                                         "[indenter]\nshape = \"sphere\"\nradius = { uniform = [5, 9] }\n"
+                                         "[load]\nindentation = 0.2\ntangential = [[0.1, 0], [0.2, 0.1]]\n");
+  for (const auto& [sweep, rung] : {std::pair(pads, "pad-8"), {sweep_, "patch-8"}}) {
+    const std::string set = (folder_ / rung).string() + ".h5";
+    ASSERT_EQ(run_tactel({"generate", sweep, "--rung", rung, "--output", set}).exit_code, 0);
+    const std::vector<float> expected = read_contact_set(set).slip_index;
+    const nn::FrameSet block = simulated_stream(executor_, sweep, 8, rung, {})->block(0);
+    ASSERT_GT(block.rows(), 0);
+    for (Eigen::Index i = 0; i < block.rows(); ++i)
+      EXPECT_EQ(block.slip_index(i), expected[static_cast<std::size_t>(i)]) << rung;
+  }
+  EXPECT_THAT(thrown_message<ConfigError>([&] { simulated_stream(executor_, pads, 8, "reference", {}); }),
+              testing::HasSubstr("--rung = reference"));
 }
 
 TEST_F(Stream, FileBlocksShowEveryRowOnceAPassInAnotherOrder) {
