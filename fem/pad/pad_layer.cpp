@@ -79,7 +79,7 @@ Eigen::VectorXd PadLayer::places() {
 
 std::vector<PadLayer::Share> PadLayer::shares(double side) {
   if (side <= narrow_cell) return {{0, 1}};
-  const int parts = 2 * static_cast<int>(std::ceil(side)) + 1, last = 5 * parts / 2;
+  const int parts = 2 * static_cast<int>(std::ceil(side - 1e-9)) + 1, last = 5 * parts / 2;
   const double way = std::min(1.0, (side - narrow_cell) / (wide_cell - narrow_cell)),
                smooth = way * way * (3 - 2 * way);
   std::vector<Share> all;

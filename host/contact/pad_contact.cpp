@@ -423,7 +423,8 @@ Executor& PadContact<Real>::executor() const {
 
 template <class Real>
 std::shared_ptr<const fem::PadLayer> PadContact<Real>::layer(double poisson) const {
-  return std::make_shared<const fem::PadLayer>(fem::pad_layer(poisson));
+  if (state_->options.any_poisson) return std::make_shared<const fem::PadLayer>(fem::pad_layer(poisson));
+  return state_->tables(poisson)->layer();
 }
 
 template <class Real>

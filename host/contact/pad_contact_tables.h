@@ -27,12 +27,14 @@ class PadTables {
   static constexpr int stress_rows_a_thickness = 32, stress_rows = 12 * stress_rows_a_thickness + 1;
 
   /// Not `exact`: the influence of cells whose sides are not on the ladder lies between those of rungs, right to 1e-4
-  /// of a cell's on itself.
+  /// of a cell's on itself, to 4e-3 for wide ones (fem::PadLayer::shares).
   PadTables(double poisson, int cells, bool exact);
   /// `points`: tables of fem::poisson_point, [fem::poisson_points], whose polynomial gives these.
   PadTables(double poisson, std::vector<std::shared_ptr<const PadTables>> points);
 
   double poisson() const { return poisson_; }
+  /// None where a polynomial gives the tables.
+  const std::shared_ptr<const fem::PadLayer>& layer() const { return layer_; }
   /// Influence of cells on each other, of offsets from 0 to `cells`, as every lane has its own:
   /// [PAD_TABLE_HEAD], then [cells + 1][cells + 1][PAD_OWN_INFLUENCE].
   std::shared_ptr<const std::vector<double>> influence(const PadCellSize& size) const;
