@@ -67,7 +67,7 @@ TEST_F(Stream, SimulatedBlocksAreTheRowsOfTheSet) {
   }
   EXPECT_EQ(row, set.rows());
   const nn::FrameSet sticks =
-      simulated_stream(executor_, sweep_, 250, {}, {.target = nn::Target::stick_fraction})->block(0);
+      simulated_stream(executor_, sweep_, 250, "", {}, {.target = nn::Target::stick_fraction})->block(0);
   for (Eigen::Index i = 0; i < sticks.rows(); ++i)
     EXPECT_EQ(sticks.slip_index(i), set.stick_fraction[static_cast<std::size_t>(i)]);
   EXPECT_GT(stream->block(9).rows(), 0);  // beyond sweep.contacts: there is no end
@@ -88,7 +88,7 @@ TEST_F(Stream, ContactsAreModelledByTheirRung) {
       EXPECT_EQ(block.slip_index(i), expected[static_cast<std::size_t>(i)]) << rung;
   }
   EXPECT_THAT(thrown_message<ConfigError>([&] { simulated_stream(executor_, pads, 8, "reference", {}); }),
-              testing::HasSubstr("--rung = reference"));
+              HasSubstr("--rung = reference"));
 }
 
 TEST_F(Stream, FileBlocksShowEveryRowOnceAPassInAnotherOrder) {
