@@ -84,7 +84,7 @@ TEST_F(Stream, ContactsAreModelledByTheirRung) {
       EXPECT_EQ(block.slip_index(i), expected[static_cast<std::size_t>(i)]) << rung;
   }
   EXPECT_THAT(thrown_message<ConfigError>([&] { simulated_stream(executor_, pads, 8, "reference", {}); }),
-              testing::HasSubstr("--rung = reference"));
+              HasSubstr("--rung = reference"));
 }
 
 TEST_F(Stream, FileBlocksShowEveryRowOnceAPassInAnotherOrder) {
