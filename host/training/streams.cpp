@@ -59,7 +59,7 @@ class SimulatedStream : public FrameStream {
         contacts_(contacts),
         shown_(shown),
         threads_(std::clamp(executor.threads(), 2, most_threads)),
-        simulator_(executor, sweep_.source, options) {
+        simulator_(executor, sweep_.source, options_) {
     if (!sweep_.contacts().endless())
       throw ConfigError(name_, "sweep.set", "a listed set", "left out: a stream draws its contacts (sweep.contacts)");
   }
