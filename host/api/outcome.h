@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <tactel/solve.h>
+
+#include <memory>
+#include <utility>
 #include <variant>
 
 #include "host/contact/pad_solve.h"
@@ -8,8 +12,14 @@
 namespace tactel {
 
 /// The answer that a Path or PadPath was made of.
-struct Outcome {
-  std::variant<host::SolveOutcome, host::PadOutcome> of;
+struct Outcome::State {
+  std::shared_ptr<const std::variant<host::SolveOutcome, host::PadOutcome>> of;
 };
+
+template <class Kind>
+Outcome outcome_of(Kind&& answer) {
+  return Outcome(new Outcome::State{
+      std::make_shared<const std::variant<host::SolveOutcome, host::PadOutcome>>(std::forward<Kind>(answer))});
+}
 
 }  // namespace tactel

@@ -181,7 +181,7 @@ PadPath solve(const PadScene& scene, const SolveOptions& options) {
       throw ConfigError("command line", "--derivatives", "true", "left out for a pad, which has none");
     host::PadOutcome outcome = host::solve(api::to_fem(scene), api::to_host(options));
     PadPath path = pad_path_of(outcome);
-    path.outcome = std::make_shared<const Outcome>(std::move(outcome));
+    path.outcome = outcome_of(std::move(outcome));
     return path;
   });
 }

@@ -15,9 +15,9 @@ namespace {
 
 /// Of a path that solve() returned.
 template <class Kind, class AnyPath>
-const Kind& outcome_of(const AnyPath& path) {
-  if (!path.outcome) throw ValueError("path", "one without its scene", "an answer of solve()");
-  return std::get<Kind>(path.outcome->of);
+const Kind& answer_of(const AnyPath& path) {
+  if (path.outcome.state() == nullptr) throw ValueError("path", "one without its scene", "an answer of solve()");
+  return std::get<Kind>(*path.outcome.state()->of);
 }
 
 template <class Kind>
@@ -31,7 +31,7 @@ std::size_t checked(std::optional<std::size_t> step, const Kind& outcome, std::s
 template <class Kind, class AnyPath>
 std::string page_of(const AnyPath& path, std::optional<std::size_t> step) {
   return api::with_public_errors([&] {
-    const auto& outcome = outcome_of<Kind>(path);
+    const auto& outcome = answer_of<Kind>(path);
     return host::solve_page(outcome, checked(step, outcome, host::telling_step(outcome.solution))).html();
   });
 }
@@ -41,6 +41,14 @@ void write(const std::string& file, const std::string& text) {
 }
 
 }  // namespace
+
+Outcome::~Outcome() { delete state_; }
+Outcome::Outcome(const Outcome& other) : state_(other.state_ ? new State(*other.state_) : nullptr) {}
+Outcome& Outcome::operator=(const Outcome& other) {
+  Outcome copy(other);
+  std::swap(state_, copy.state_);
+  return *this;
+}
 
 std::string html(const Path& path, std::optional<std::size_t> step) { return page_of<host::SolveOutcome>(path, step); }
 std::string html(const PadPath& path, std::optional<std::size_t> step) { return page_of<host::PadOutcome>(path, step); }
@@ -53,7 +61,7 @@ void to_html(const PadPath& path, const std::string& file, std::optional<std::si
 
 void to_vtu(const Path& path, const std::string& file, std::optional<std::size_t> step) {
   write(file, api::with_public_errors([&] {
-          const auto& outcome = outcome_of<host::SolveOutcome>(path);
+          const auto& outcome = answer_of<host::SolveOutcome>(path);
           if (outcome.on_patch())
             throw ValueError("path", "an answer on a patch, which has no nodes in the block",
                              "on a mesh, such as that of the rung mesh-161");
@@ -63,7 +71,7 @@ void to_vtu(const Path& path, const std::string& file, std::optional<std::size_t
 }
 void to_vtu(const PadPath& path, const std::string& file, std::optional<std::size_t> step) {
   write(file, api::with_public_errors([&] {
-          const auto& outcome = outcome_of<host::PadOutcome>(path);
+          const auto& outcome = answer_of<host::PadOutcome>(path);
           const std::size_t last = outcome.solution.steps.size() - 1;
           return host::to_vtu(outcome.scene, outcome.solution, checked(step, outcome, last));
         }));

@@ -103,7 +103,7 @@ Path solve(const Scene& scene, const SolveOptions& options) {
     if (error)
       path.error = {error->expected.S,     error->expected.P,   error->expected.Q,
                     error->expected.sigma, error->expected.tau, error->finer};
-    path.outcome = std::make_shared<const Outcome>(std::move(outcome));
+    path.outcome = outcome_of(std::move(outcome));
     return path;
   });
 }

@@ -28,7 +28,7 @@ constexpr const char* a_chain =
     "a chain of dense layers (Gemm or MatMul) with Sigmoid, Tanh, Relu or LeakyRelu behind each";
 constexpr std::size_t most_numbers = 1 << 20;  ///< of a matrix
 
-[[noreturn]] void refuse(const string& problem, const string& allowed = a_chain) {
+[[noreturn]] void refuse_graph(const string& problem, const string& allowed = a_chain) {
   throw ValueError("network", problem, allowed);
 }
 
@@ -100,13 +100,14 @@ string external_bytes(const fs::path& folder, const std::map<string, string>& en
   };
   const fs::path file = entry("location");
   if (file.empty() || file != file.filename() || file == "." || file == "..")
-    refuse("numbers in the file \"" + shown(file.string()) + '"', "a network whose numbers lie in files beside it");
+    refuse_graph("numbers in the file \"" + shown(file.string()) + '"',
+                 "a network whose numbers lie in files beside it");
   const string all = [&] {
     try {
       return read_bounded_file(folder / file, most_network_bytes);
     } catch (const UnreadableFile& error) {
-      refuse(fmt::format("numbers in \"{}\", which cannot be read ({})", shown(file.string()), error.what()),
-             "with that file beside it; torch.onnx.export(..., external_data=False) writes one file");
+      refuse_graph(fmt::format("numbers in \"{}\", which cannot be read ({})", shown(file.string()), error.what()),
+                   "with that file beside it; torch.onnx.export(..., external_data=False) writes one file");
     }
   }();
   const std::size_t offset = entry("offset").empty() ? 0 : whole_number(entry("offset"));
@@ -137,11 +138,12 @@ Constant read_constant(string_view message, const fs::path& folder) {
   if (type != 1) return constant;  // indices and the like: no operation of a chain takes them
   std::size_t rows = 1, columns = 1;
   for (const std::uint64_t extent : extents) {
-    if (extent == 0 || extent > most_numbers || (rows > 1 && extents.size() > 2)) refuse("a tensor of another shape");
+    if (extent == 0 || extent > most_numbers || (rows > 1 && extents.size() > 2))
+      refuse_graph("a tensor of another shape");
     rows *= columns, columns = static_cast<std::size_t>(extent);
   }
   const std::size_t size = rows * columns * sizeof(float);
-  if (size > most_network_bytes) refuse("a tensor of more than 4 MiB");
+  if (size > most_network_bytes) refuse_graph("a tensor of more than 4 MiB");
   if (!external.empty()) bytes = external_bytes(folder, external, size);
   if (bytes.size() != size) throw Malformed{};
   std::vector<float> values(rows * columns);
@@ -177,19 +179,19 @@ class ChainBuilder {
     else if (type == "Identity" || type == "Flatten" || type == "Squeeze" || type == "Dropout")
       take(operation);
     else
-      refuse("the operation " + shown(type));
+      refuse_graph("the operation " + shown(type));
     value_ = operation.outputs.front();
   }
 
   DenseChain finished(const string& output) {
-    if (value_ != output) refuse("an output that is not the chain's end");
-    if (layers_.empty()) refuse("no dense layer with an activation");
+    if (value_ != output) refuse_graph("an output that is not the chain's end");
+    if (layers_.empty()) refuse_graph("no dense layer with an activation");
     const bool halves = scale_.size() == 1 && !matrix_ && scale_[0] == 0.5 && shift_[0] == 0.5;
     DenseLayer& last = layers_.back();
     if (halves && last.activation == DenseLayer::Activation::tanh) {
       last = {2 * last.weights, 2 * last.bias, DenseLayer::Activation::sigmoid};  // 1/2 + 1/2 tanh z = sigmoid(2z)
     } else if (matrix_ || (scale_.array() != 1).any() || (shift_.array() != 0).any()) {
-      refuse("an output without a sigmoid", "one output through a sigmoid: S lies between 0 and 1");
+      refuse_graph("an output without a sigmoid", "one output through a sigmoid: S lies between 0 and 1");
     }
     return std::move(layers_);
   }
@@ -197,15 +199,16 @@ class ChainBuilder {
  private:
   const Matrix& constant(const string& name) const {
     const auto found = constants_.find(name);
-    if (found == constants_.end() || found->second.size() == 0) refuse("an operation on two values of the graph");
+    if (found == constants_.end() || found->second.size() == 0) refuse_graph("an operation on two values of the graph");
     return found->second;
   }
   void take(const Operation& operation) const {
-    if (operation.inputs.front() != value_) refuse("a graph with branches");
+    if (operation.inputs.front() != value_) refuse_graph("a graph with branches");
   }
   /// A constant for each place, or one for all.
   Numbers each(const Matrix& values, Eigen::Index places) const {
-    if (values.rows() != 1 || (values.cols() != 1 && values.cols() != places)) refuse("a constant of another shape");
+    if (values.rows() != 1 || (values.cols() != 1 && values.cols() != places))
+      refuse_graph("a constant of another shape");
     return values.cols() == 1 ? Numbers::Constant(places, values(0, 0)) : Numbers(values.row(0).transpose());
   }
 
@@ -228,11 +231,11 @@ class ChainBuilder {
   void combine(const Operation& operation) {
     if (operation.inputs.size() != 2) throw Malformed{};
     const bool first = operation.inputs[0] == value_;
-    if (first == (operation.inputs[1] == value_)) refuse("a graph with branches");
+    if (first == (operation.inputs[1] == value_)) refuse_graph("a graph with branches");
     const Matrix& other = constant(operation.inputs[first ? 1 : 0]);
     know_places(std::max(other.cols(), shift_.size()));
     Numbers numbers = each(other, shift_.size());
-    if (operation.type == "Div" && !first) refuse("a constant over a value");
+    if (operation.type == "Div" && !first) refuse_graph("a constant over a value");
     if (operation.type == "Div") numbers = numbers.cwiseInverse();
     if (operation.type == "Mul" || operation.type == "Div") {
       rescale(numbers);
@@ -252,7 +255,7 @@ class ChainBuilder {
 
   void activate(const Operation& operation, DenseLayer::Activation activation, double slope = 0) {
     take(operation);
-    if (!matrix_) refuse(operation.type + " without a dense layer before it");
+    if (!matrix_) refuse_graph(operation.type + " without a dense layer before it");
     const Eigen::Index places = matrix_->rows();
     layers_.push_back({std::move(*matrix_), shift_, activation, slope});
     matrix_.reset();
@@ -263,7 +266,7 @@ class ChainBuilder {
   void know_places(Eigen::Index places) {
     if (shift_.size() == 1 && !matrix_ && layers_.empty() && places > 1)
       scale_ = Numbers::Constant(places, scale_[0]), shift_ = Numbers::Constant(places, shift_[0]);
-    if (shift_.size() != places) refuse("layers that do not fit each other");
+    if (shift_.size() != places) refuse_graph("layers that do not fit each other");
   }
 
   std::map<string, Matrix> constants_;
@@ -301,8 +304,8 @@ DenseChain chain_of(string_view bytes, const fs::path& folder) {
   }
   std::erase_if(inputs, [&](const string& name) { return constants.contains(name); });
   if (inputs.size() != 1 || outputs.size() != 1)
-    refuse(fmt::format("{} inputs and {} outputs", inputs.size(), outputs.size()),
-           "a chain from one input to one output");
+    refuse_graph(fmt::format("{} inputs and {} outputs", inputs.size(), outputs.size()),
+                 "a chain from one input to one output");
   chain.begin(inputs.front());
   for (const Operation& operation : operations) {
     if (operation.type == "Constant" && !operation.outputs.empty())

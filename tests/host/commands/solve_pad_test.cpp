@@ -131,13 +131,6 @@ TEST(SolvePad, NamesTheLineOfAnErrorThatTheAnswerShows) {
   EXPECT_TRUE(is_refused(run_tactel({"solve", scene}), {"scene.toml:18: indenter.position = [15, 0]", "free sides"}));
 }
 
-TEST(SolvePad, OtherCommandsTakeLines) {
-  const ScratchFolder folder;
-  const std::string only = "must be \"line\": of pads, `tactel solve` takes scenes and `tactel generate` sweeps";
-  EXPECT_TRUE(is_refused(run_tactel({"record", "--source", "simulate:" + pad, "--output", (folder / "a.tct").string()}),
-                         {only}));
-}
-
 TEST(SolvePad, HelpNamesItsWords) {
   const std::string help = run_tactel({"solve", "--help"}).out;
   for (const char* word : {"pad-8, pad-12, pad-16", "twin"}) EXPECT_THAT(help, HasSubstr(word));

@@ -219,7 +219,7 @@ TEST_F(OnnxChain, WhatIsNoSuchChainIsNamed) {
   says(Chain(4).dense(1).op("Sigmoid"), "1 dense layers");
   says(Chain(4).dense(3).op("Tanh").dense(3).op("Tanh").dense(3).op("Tanh").dense(1).op("Sigmoid"), "4 dense layers");
   says(Chain(4).dense(3).op("Relu").dense(3).op("Tanh").dense(1).op("Sigmoid"), "a rectifier beside another");
-  says(Chain(4).dense(300).op("Tanh").dense(1).op("Sigmoid"), "4-300-1");
+  says(Chain(4).dense(400).op("Tanh").dense(1).op("Sigmoid"), "4-400-1");
   says(Chain(4).op("Tanh").dense(1).op("Sigmoid"), "without a dense layer before it");
   says(Chain(4).dense(3).by("Add", {1, 2}).op("Tanh").dense(1).op("Sigmoid"), "a constant of another shape");
   says(Chain(4).dense(3).leaky(1).dense(1).op("Sigmoid"), "a slope of 1");

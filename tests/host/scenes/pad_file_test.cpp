@@ -273,8 +273,7 @@ TEST(PadFile, KeysOfAPadInALine) {
   EXPECT_THAT(message("", "shape = \"flat\"\nyaw = 4", ""), AllOf(HasSubstr("indenter.yaw = 4"), of_a_pad));
   EXPECT_THAT(message("", "shape = \"flat\"", "twist = [4]"), AllOf(HasSubstr("load.twist = [4]"), of_a_pad));
   EXPECT_THAT(message("kind = \"pad\"", "shape = \"flat\"", ""),
-              HasSubstr(":2: sensor.kind = \"pad\": must be \"line\": of pads, `tactel solve` takes scenes and `tactel "
-                        "generate` sweeps"));
+              HasSubstr(":2: sensor.kind = \"pad\": must be \"line\" here: scenes of pads are for solve, simulate:"));
   EXPECT_THAT(message("kind = \"square\"", "shape = \"flat\"", ""), HasSubstr("one of line, pad"));
 }
 

@@ -174,7 +174,7 @@ struct PadPath {
   std::string solver, precision, device;
   std::optional<PadError> error;  ///< none where nothing is touched
   std::vector<std::string> warnings;
-  std::shared_ptr<const Outcome> outcome{};
+  Outcome outcome{};
 };
 
 /// Solves one contact. Options as of a line, but `rung` "pad-8" to "pad-24" or "reference", `solver` "batched" or

@@ -4,7 +4,6 @@
 #include <tactel/scene.h>
 
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -65,7 +64,20 @@ struct Derivatives {
   double answer_difference = 0;  ///< of S, between the answer and the exact fp64 path that was differentiated
 };
 
-struct Outcome;  ///< what solve() keeps for pages and fields
+/// What solve() keeps for pages and fields. Copies share it.
+class TACTEL_API Outcome {
+ public:
+  struct State;
+  Outcome() noexcept = default;  ///< none
+  explicit Outcome(State* state) noexcept : state_(state) {}
+  ~Outcome();
+  Outcome(const Outcome&);
+  Outcome& operator=(const Outcome&);
+  const State* state() const noexcept { return state_; }
+
+ private:
+  State* state_ = nullptr;
+};
 
 /// The answer to a scene: one Step for each load increment, those of the indentation first.
 struct Path {
@@ -79,7 +91,7 @@ struct Path {
   std::optional<ExpectedError> error;
   std::optional<Derivatives> derivatives{};
   std::vector<std::string> warnings;
-  std::shared_ptr<const Outcome> outcome{};
+  Outcome outcome{};
 };
 
 /// Solves one contact. Throws InputError for a scene or options that cannot be used, HardwareError without a device.
