@@ -78,9 +78,10 @@ std::optional<std::string> Ranks::receive() const {
 struct Ranks::Sending {};
 Ranks::Ranks() {
   if (const char* name = set_by_mpirun())
-    throw ConfigError("environment", name, std::getenv(name),
-                      "unset, without mpirun: this tactel was built without MPI, and each process would do all; the Debian "
-                      "package tactel-mpi has a program with MPI, `mpirun tactel-mpi`");
+    throw ConfigError(
+        "environment", name, std::getenv(name),
+        "unset, without mpirun: this tactel was built without MPI, and each process would do all; the Debian "
+        "package tactel-mpi has a program with MPI, `mpirun tactel-mpi`");
 }
 Ranks::~Ranks() = default;
 void Ranks::barrier() const {}
