@@ -188,7 +188,7 @@ Modelling modelling(const GenerateRequest& request, Sweep& sweep, SetOptions& op
     return {};
   }
   auto& lines = std::get<SceneSource>(sweep.source);
-  const Modelling chosen = modelling(request, lines, quiet);
+  Modelling chosen = modelling(request, lines, quiet);
   if (chosen.rung) {  // what --precision and --tolerance do not say
     const SetOptions asked = options;
     model_on(*chosen.rung, lines, options);

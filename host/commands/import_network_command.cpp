@@ -8,6 +8,7 @@
 #include <random>
 
 #include "host/commands/command.h"
+#include "host/commands/guarded.h"
 #include "host/live/sensor_profile.h"
 #include "host/networks/onnx_chain.h"
 #include "host/networks/onnx_file.h"
