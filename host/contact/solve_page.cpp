@@ -52,8 +52,8 @@ void add_certificate(Page& page, const std::vector<double>& residuals, std::ptrd
 
 void add_findings(Page& page, const SolveOutcome& outcome) {
   const auto& steps = outcome.solution.steps;
-  std::vector<double> residuals;
-  for (const ContactStep& step : steps) residuals.push_back(fem::largest(step.residual));
+  std::vector<double> residuals(steps.size());
+  std::ranges::transform(steps, residuals.begin(), [](const ContactStep& step) { return fem::largest(step.residual); });
   add_certificate(page, residuals, std::ranges::count_if(steps, &ContactStep::converged));
   if (outcome.mesh_error) {
     const AnswerError& e = outcome.mesh_error->expected;
@@ -116,8 +116,8 @@ std::string headline(const fem::PadSolution& solution) {
 
 void add_findings(Page& page, const PadOutcome& outcome) {
   const auto& steps = outcome.solution.steps;
-  std::vector<double> residuals;
-  for (const PadStep& step : steps) residuals.push_back(step.residual.largest());
+  std::vector<double> residuals(steps.size());
+  std::ranges::transform(steps, residuals.begin(), [](const PadStep& step) { return step.residual.largest(); });
   add_certificate(page, residuals, std::ranges::count_if(steps, &PadStep::converged));
   if (outcome.error)
     page.finding(Tone::fact, "error",

@@ -231,7 +231,7 @@ std::string no_device_advice() {
   if (cache != nullptr && access(cache, W_OK) != 0)
     return "POCL_CACHE_DIR = " + std::string(cache) + " must be a folder that can be written";
   if (cache == nullptr && !process().trouble.empty()) return no_cache();
-  if (const std::string advice = address_space_advice(); !advice.empty()) return advice;
+  if (std::string advice = address_space_advice(); !advice.empty()) return advice;
   return "install one, for the processor: apt install pocl-opencl-icd, or for the Python package pip install "
          "intel-opencl-rt intel-cmplr-lib-rt; `clinfo -l` lists the devices";
 }
