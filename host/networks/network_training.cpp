@@ -85,7 +85,7 @@ void NetworkTraining<Real>::take_first_block() {
 
 // Noise of a stream is drawn anew for every block.
 template <class Real>
-NetworkTraining<Real>::Block NetworkTraining<Real>::made_block(std::uint64_t k) try {
+typename NetworkTraining<Real>::Block NetworkTraining<Real>::made_block(std::uint64_t k) try {
   const auto start = Clock::now();
   nn::FrameSet rows;
   if (stream_ != nullptr) rows = k == first_ ? std::exchange(set_, {}) : stream_->block(k);
