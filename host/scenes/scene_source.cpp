@@ -82,7 +82,7 @@ SourceOf<Scene>::SourceOf(std::vector<Scene> scenes, std::vector<std::uint16_t> 
                           std::vector<std::string> kind_names)
     : listed_(std::move(scenes)), listed_kinds_(std::move(kinds)) {
   contacts_ = listed_.size(), endless_ = listed_.empty();
-  kind_names_ = std::move(kind_names);
+  kind_names_.swap(kind_names);
   for (const Scene& scene : listed_)
     if (std::ranges::find(sensors_, scene.sensor) == sensors_.end()) sensors_.push_back(scene.sensor);
   inputs_ = inputs_of(sensors_.front());

@@ -187,7 +187,9 @@ TomlFile SweepReaderOf<Scene>::concrete(const string& name, std::size_t chosen) 
     }
     toml::table& table = *file.root().get(part)->as_table();
     make_plain<Scene>(part, table, [&](const string& key, const toml::node& node) {
-      return ends(read_distribution(file_, part + "." + key, node).value()).first;
+      string place = part;
+      place.append(".").append(key);
+      return ends(read_distribution(file_, place, node).value()).first;
     });
   }
   return file;

@@ -64,6 +64,7 @@ std::optional<PlacedRows> placed_tactels(const SetColumns& columns) {
   const auto places = tactel_places(columns);
   if (places.empty()) return {};
   std::vector<PlacedRows::Dataset> datasets;
+  datasets.reserve(places.size());
   for (const auto& [name, numbers] : places) datasets.push_back({name, sizeof(float)});
   return PlacedRows(std::move(datasets), std::min<std::uint64_t>(places[0].second->size(), rows_of_chunk(0)));
 }

@@ -9,9 +9,11 @@
 
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <mutex>
 #include <set>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -261,9 +263,12 @@ void make_folder(const std::string& option, const fs::path& path) {
 
 namespace {
 
-/// Throws where another process holds the lock. A file system without locks counts as free.
+/// Throws where another process holds the lock. A file system without locks counts as free. A process that was killed
+/// holds its locks until the system has its memory back: it is waited for.
 void take(int file, const std::string& option, const fs::path& path, const std::string& allowed) {
-  if (lock_error(file, LOCK_EX | LOCK_NB) != EWOULDBLOCK) return;
+  constexpr auto turn = std::chrono::milliseconds(20);
+  for (int turns = 0; turns < 50; ++turns, std::this_thread::sleep_for(turn))
+    if (lock_error(file, LOCK_EX | LOCK_NB) != EWOULDBLOCK) return;
   ::close(file);
   throw ConfigError("command line", option, path.string(), allowed);
 }

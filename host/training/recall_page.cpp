@@ -135,8 +135,8 @@ Figure where_figure(Shown shown, const std::vector<std::string>& indenter_names)
   Panel index{.title = "by slippage index", .x_label = "true S", .y_label = "mean error of S", .zero_line = true};
   constexpr int parts = 10;
   for (std::size_t i = 0; i < shown.size(); ++i) {
-    Series of_kind{.label = shown[i].name(), .mark = Mark::circles, .ink = inks[i]}, of_index = of_kind;
-    of_index.mark = Mark::line_dots;
+    Series of_kind{.label = shown[i].name(), .mark = Mark::circles, .ink = inks[i]};
+    Series of_index{.label = shown[i].name(), .mark = Mark::line_dots, .ink = inks[i]};
     for (const auto& [kind, errors] : shown[i].result->errors.by_class) {
       of_kind.x.push_back(kind), of_kind.y.push_back(errors.mean);
       const auto place = static_cast<std::size_t>(kind);

@@ -318,7 +318,7 @@ TEST_F(Generate, AfterTheDeathOfAProcessOneMakesTheRest) {
   const std::string script = folder_.write(
       "killed.sh", "(" + mpirun + " " TACTEL_PROGRAM " generate " + sweep_ + " --output " + output("three.h5") +
                        ") &\nsleep 0.6\nkill -KILL $(pgrep -P $! | tail -1)\nwait $!\n");
-  run_child({"sh", script});
+  run_child({"timeout", "-s", "KILL", "60", "sh", script});  // mpirun may wait for ever
   wait_for_processes_of(output("three.h5"));
   const ChildResult rest = run({"--output", output("three.h5"), "--resume"});
   ASSERT_EQ(rest.exit_code, 0) << rest.err;
