@@ -4,6 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+// The variant is chosen when the program starts. Sanitizers do not go with that.
+#if defined(__x86_64__) && !defined(__FMA__) && !defined(TACTEL_SANITIZED)
+#define FOR_EACH_PROCESSOR __attribute__((target_clones("default", "fma")))
+#else
+#define FOR_EACH_PROCESSOR
+#endif
+
 namespace tactel::fem {
 namespace {
 
@@ -15,6 +22,20 @@ constexpr int damped_after = 300;
 void to_cone(Eigen::Ref<Eigen::RowVector2d, 0, Eigen::InnerStride<>> t, double most) {
   const double length = t.norm();
   if (length > most) t *= most / length;
+}
+
+/// Adds what `count` cells of a column do to u[3]. Nearly all time of a reference goes here.
+FOR_EACH_PROCESSOR void add_products(const double* xx, const double* yy, const double* zz, const double* xy,
+                                     const double* xz, const double* yz, const double* n, const double* tx,
+                                     const double* ty, int count, double* u) {
+  double x = 0, y = 0, z = 0;
+#pragma omp simd reduction(+ : x, y, z)
+  for (int j = 0; j < count; ++j) {
+    x += xx[j] * tx[j] + xy[j] * ty[j] - xz[j] * n[j];
+    y += xy[j] * tx[j] + yy[j] * ty[j] - yz[j] * n[j];
+    z -= zz[j] * n[j] + xz[j] * tx[j] + yz[j] * ty[j];
+  }
+  u[0] += x, u[1] += y, u[2] += z;
 }
 
 }  // namespace
@@ -35,19 +56,15 @@ PadContact::PadContact(const PadInfluence& influence, const PadCells& cells, Eig
 /// Sums over the window. Cells may lie in the ring around the grid.
 Eigen::Vector3d PadContact::displacement(int ix, int iy) const {
   const PadInfluence& c = influence_;
-  double x = 0, y = 0, z = 0;
+  Eigen::Vector3d u = Eigen::Vector3d::Zero();
   for (int jx = 0; jx < cells_.n; ++jx) {
     const auto [first, end] = columns_[jx];
     if (first == end) continue;
-    const Eigen::Index from = c.at(jx - ix, first - iy), own = jx * cells_.n + first, count = end - first;
-    const auto n = n_.segment(own, count).array();
-    const auto tx = t_.col(0).segment(own, count).array(), ty = t_.col(1).segment(own, count).array();
-    const auto xz = c.xz.segment(from, count), yz = c.yz.segment(from, count), xy = c.xy.segment(from, count);
-    x += (c.xx.segment(from, count) * tx + xy * ty - xz * n).sum();
-    y += (xy * tx + c.yy.segment(from, count) * ty - yz * n).sum();
-    z -= (c.zz.segment(from, count) * n + xz * tx + yz * ty).sum();
+    const Eigen::Index from = c.at(jx - ix, first - iy), own = jx * cells_.n + first;
+    add_products(&c.xx[from], &c.yy[from], &c.zz[from], &c.xy[from], &c.xz[from], &c.yz[from], &n_[own], &t_(own, 0),
+                 &t_(own, 1), end - first, u.data());
   }
-  return {x, y, z};
+  return u;
 }
 
 /// How far the indenter has moved at a cell since `from`.
