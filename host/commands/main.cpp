@@ -76,9 +76,13 @@ std::vector<std::string> arguments_of(int argc, char** argv) {
 
 int run(int argc, char** argv) {
   CLI::App app{
-      "tactel: a tactile rubber skin in contact. Units: mm, MPa (N/mm2), N/mm (force per unit depth), s, degrees.",
+      "tactel: a tactile rubber skin in contact. S is the slippage index: 0 sticks, 1 slides as a whole. Units: "
+      "mm, MPa (N/mm2), N/mm (force per unit depth), s, degrees. `tactel demo` shows a contact, a network and a live "
+      "view in a "
+      "minute; `tactel COMMAND --help` lists options, with an example.",
       "tactel"};
-  app.set_version_flag("-V,--version", "tactel " TACTEL_VERSION);
+  app.set_version_flag("-V,--version", "tactel " TACTEL_VERSION, "print the version");
+  app.set_help_flag("-h,--help", "print this help");
   app.formatter(help_formatter());
   app.require_subcommand(1);
   app.footer(
