@@ -9,6 +9,8 @@
 #include <sstream>
 #include <string_view>
 
+#include "host/commands/option_errors.h"
+
 namespace tactel::host {
 namespace {
 
@@ -58,13 +60,6 @@ std::string type_in_words(const std::string& type) {
   const std::string plain = type.substr(0, colon);
   if (plain == "FLOAT") return "NUMBER";
   return plain == "INT" || plain == "UINT" ? "N" : plain;
-}
-
-/// ", 8 to 100000" of "UINT:INT in [8 - 100000]"; empty of others.
-std::string range_in_words(const std::string& type) {
-  const auto open = type.find(" in ["), between = type.find(" - ", open), close = type.find(']', open);
-  if (open == std::string::npos || between == std::string::npos || close == std::string::npos) return "";
-  return ", " + type.substr(open + 5, between - open - 5) + " to " + type.substr(between + 3, close - between - 3);
 }
 
 struct OptionGroup {
@@ -151,7 +146,8 @@ class HelpFormatter : public CLI::Formatter {
     for (std::size_t comma = 0; (comma = name.find(',', comma)) != std::string::npos; comma += 2)
       name.insert(comma + 1, " ");
     if (takes_value && !type.empty()) name += " " + type_in_words(type);
-    std::string text = option->get_description() + range_in_words(type);
+    const std::string range = range_in(type);
+    std::string text = option->get_description() + (range.empty() ? "" : ", " + range);
     if (takes_value && !option->get_default_str().empty())
       text += fmt::format(" (default: {})", option->get_default_str());
     if (option->get_required() && !positional) text += " (required)";

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -41,27 +42,34 @@ int finished(int code) {
   return code == done ? static_cast<int>(wrong_input) : code;
 }
 
-/// Says that a first word is no command, and which are; CLI11 would only say that one is missing.
-bool refuse_unknown_command(const CLI::App& app, const std::string& word) {
+/// Says that a word where a command should be is none, and which are; CLI11 would only say that one is missing.
+bool refuse_unknown_command(const CLI::App& app, std::span<const std::string> words) {
   std::vector<std::string> known;
   for (const CLI::App* command : app.get_subcommands({})) known.push_back(command->get_name());
-  if (word.starts_with('-') || std::ranges::find(known, word) != known.end()) return false;
+  const std::string word = words.empty() ? "(missing)" : words.front();
+  if (known.empty() || app.get_option_no_throw(word) != nullptr) return false;
+  if (std::ranges::find(known, word) != known.end())
+    return refuse_unknown_command(*app.get_subcommand(word), words.subspan(1));
   if (word == "floor") {
     complain(wrong_input, "command line: command = floor: belongs to the Python package; python -m tactel.floor");
     return true;
   }
   const std::string nearest = nearest_word(word, known);
-  complain(wrong_input, fmt::format("command line: command = {}: must be one of {}{}", word, listed(known),
-                                    nearest.empty() ? "" : "; did you mean " + nearest + "?"));
+  complain(wrong_input,
+           fmt::format("command line: command = {}: must be one of {}{}\nsee {} --help", word, listed(known),
+                       nearest.empty() ? "" : "; did you mean " + nearest + "?", called(app)));
   return true;
 }
 
+/// The command that was typed: plan of `tactel calibrate plan`.
+const CLI::App& chosen(const CLI::App& app) {
+  const auto commands = app.get_subcommands();
+  return commands.empty() ? app : chosen(*commands.front());
+}
+
 /// CLI11's complaint in the form of ours.
-int refuse_options(const CLI::App& app, const CLI::ParseError& error) {
-  const auto chosen = app.get_subcommands();
-  const CLI::App& command = chosen.empty() ? app : *chosen.front();
-  return complain(wrong_input, fmt::format("{}\nsee {} --help", option_error(command, error),
-                                           chosen.empty() ? "tactel" : "tactel " + command.get_name()));
+int refuse_options(const CLI::App& command, const CLI::ParseError& error) {
+  return complain(wrong_input, fmt::format("{}\nsee {} --help", option_error(command, error), called(command)));
 }
 
 /// `tactel help [COMMAND]` as `tactel [COMMAND] --help`.
@@ -108,20 +116,18 @@ int run(int argc, char** argv) {
     std::fputs(app.help().c_str(), stderr);
     return wrong_input;
   }
-  if (refuse_unknown_command(app, words.front())) return wrong_input;
+  if (refuse_unknown_command(app, words)) return wrong_input;
   std::ranges::reverse(words);  // CLI11 takes them from the back
   try {
     app.parse(words);
   } catch (const CLI::Success& help) {
     return app.exit(help);
   } catch (const CLI::ParseError& error) {
-    return refuse_options(app, error);
+    return refuse_options(chosen(app), error);
   }
   return guarded([&] {
-    for (const CLI::App* command : app.get_subcommands()) {
-      check_numbers(*command);
-      show_messages(*command);
-    }
+    check_numbers(chosen(app));
+    show_messages(chosen(app));
     return action();
   });
 }

@@ -46,13 +46,6 @@ std::string choices_in(const std::string& type) {
   return type.substr(open + 1, close - open - 1);
 }
 
-/// "8 to 100000" of "UINT:INT in [8 - 100000]"; empty of others.
-std::string range_in(const std::string& type) {
-  const auto open = type.find(" in ["), between = type.find(" - ", open), close = type.find(']', open);
-  if (open == std::string::npos || between == std::string::npos || close == std::string::npos) return "";
-  return type.substr(open + 5, between - open - 5) + " to " + type.substr(between + 3, close - between - 3);
-}
-
 bool whole_number(const std::string& type) {
   const std::string plain = type.substr(0, type.find(':'));
   return plain == "INT" || plain == "UINT" || plain == "N" || plain == "K" || plain == "ROWS";
@@ -68,8 +61,8 @@ std::string allowed_by(const CLI::Option& option) {
       choices.insert(comma + 1, " ");
     return "one of " + choices;
   }
-  if (const std::string range = range_in(type); !range.empty()) return "a whole number, " + range;
   std::string number = whole_number(type) ? "a whole number" : "a number";
+  if (const std::string range = range_in(type); !range.empty()) return number + ", " + range;
   if (holds("NONNEGATIVE")) return number + " of 0 or more";
   if (holds("POSITIVE") || holds("above 0")) return number + " above 0";
   if (type == "UINT") return number + " of 0 or more";
@@ -106,15 +99,15 @@ std::string unknown_argument(const CLI::App& command) {
   const auto found = std::ranges::find_if(extras, is_option);
   if (found == extras.end())
     return message("argument", extras.empty() ? "" : extras.back(),
-                   fmt::format("left out: tactel {} takes no more", command.get_name()));
+                   fmt::format("left out: {} takes no more", called(command)));
   std::vector<std::string> known;
   for (const CLI::Option* option : command.get_options())
     for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
   const std::string word = found->substr(0, found->find('='));
   const std::string nearest = nearest_word(word, known);
-  return message(word, "",
-                 fmt::format("an option of tactel {}{}", command.get_name(),
-                             nearest.empty() ? "" : "; did you mean " + nearest + "?"));
+  return message(
+      word, "",
+      fmt::format("an option of {}{}", called(command), nearest.empty() ? "" : "; did you mean " + nearest + "?"));
 }
 
 /// Whether the text reads as nan or an infinity, as strtod does.
@@ -133,6 +126,16 @@ bool takes_number(const CLI::Option& option) {
 
 }  // namespace
 
+std::string range_in(const std::string& type) {
+  const auto open = type.find(" in ["), between = type.find(" - ", open), close = type.find(']', open);
+  if (open == std::string::npos || between == std::string::npos || close == std::string::npos) return "";
+  return type.substr(open + 5, between - open - 5) + " to " + type.substr(between + 3, close - between - 3);
+}
+
+std::string called(const CLI::App& command) {
+  return (command.get_parent() == nullptr ? "" : called(*command.get_parent()) + " ") + command.get_name();
+}
+
 std::string option_error(const CLI::App& command, const CLI::Error& error) {
   const auto is = [&]<class Kind>(const Kind*) { return dynamic_cast<const Kind*>(&error) != nullptr; };
   const std::string text = error.what();
@@ -143,6 +146,8 @@ std::string option_error(const CLI::App& command, const CLI::Error& error) {
     const std::string type = option->get_type_name();
     return message(name_of(*option), "(missing)", option->get_positional() ? "given" : allowed_by(*option));
   }
+  if (is(static_cast<CLI::RequiresError*>(nullptr)))
+    return message(option->get_name(), "", "left out, or with " + text.substr(text.rfind(' ') + 1));
   if (is(static_cast<CLI::ExcludesError*>(nullptr)))
     return message(option->get_name(), "", "left out with " + text.substr(text.rfind(' ') + 1));
   if (is(static_cast<CLI::ArgumentMismatch*>(nullptr)))

@@ -9,6 +9,12 @@ class Error;
 
 namespace tactel::host {
 
+/// "8 to 100000" of CLI11's type "UINT:INT in [8 - 100000]"; empty of others.
+std::string range_in(const std::string& type);
+
+/// "tactel calibrate plan": a command as a user writes it.
+std::string called(const CLI::App& command);
+
 /// Returns a wrong command line as one line of the form "command line: --scaling = row: must be one of set, frame", in
 /// place of CLI11's text. `command`: the one that was typed, its options parsed as far as they could be.
 std::string option_error(const CLI::App& command, const CLI::Error& error);

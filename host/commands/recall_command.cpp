@@ -214,7 +214,14 @@ void add_recall_command(CLI::App& app, Action& action) {
                    "(default: none)")
       ->check(CLI::NonNegativeNumber);
   add_network_options(*command, request->shared);
-  command->callback([request, &action] { action = [request] { return run_recall(*request); }; });
+  command->callback([command, request, &action] {
+    action = [command, request] {
+      for (const char* option : {"--rate", "--touch", "--widest"})
+        if (command->count(option) > 0 && !request->decides())
+          throw ConfigError("command line", option, "", "left out, or with --decision");
+      return run_recall(*request);
+    };
+  });
 }
 
 }  // namespace tactel::host

@@ -47,7 +47,7 @@ int say(const TrainRequest& request, const TrainingOutcome& outcome) {
 int train_as_asked(const TrainRequest& request, const Ranks& ranks) {
   if (request.set.empty() == request.stream.empty())
     throw ConfigError("command line", "SET.h5", request.set.empty() ? "(missing)" : request.set,
-                      "given, or --stream SWEEP.toml instead of it");
+                      request.set.empty() ? "given, or --stream SWEEP.toml instead of it" : "left out with --stream");
   if (!request.stream.empty()) keep_freed_memory(1 << 30);
   const bool silent = request.shared.quiet || ranks.count() > 1;
   std::optional<Interrupt> interrupt;
