@@ -42,22 +42,39 @@ int finished(int code) {
   return code == done ? static_cast<int>(wrong_input) : code;
 }
 
+std::vector<std::string> commands_of(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  return names;
+}
+
+bool holds(const std::vector<std::string>& words, const std::string& word) {
+  return std::ranges::find(words, word) != words.end();
+}
+
+/// "; did you mean X?", or where options and files stand; empty of other words that are near to none.
+std::string fix_of(const CLI::App& app, const std::string& word) {
+  for (const CLI::App* command : app.get_subcommands({}))
+    if (holds(commands_of(*command), word)) return "; did you mean " + command->get_name() + " " + word + "?";
+  std::vector<std::string> known = commands_of(app);
+  for (const std::string& name : names_of_options(app)) known.push_back(name);
+  const std::string nearest = did_you_mean(word, known);
+  const bool out_of_place = word.starts_with('-') || word.find('.') != std::string::npos;
+  return nearest.empty() && out_of_place ? "; options and files stand behind it" : nearest;
+}
+
 /// Says that a word where a command should be is none, and which are; CLI11 would only say that one is missing.
 bool refuse_unknown_command(const CLI::App& app, std::span<const std::string> words) {
-  std::vector<std::string> known;
-  for (const CLI::App* command : app.get_subcommands({})) known.push_back(command->get_name());
+  const std::vector<std::string> known = commands_of(app);
   const std::string word = words.empty() ? "(missing)" : words.front();
   if (known.empty() || app.get_option_no_throw(word) != nullptr) return false;
-  if (std::ranges::find(known, word) != known.end())
-    return refuse_unknown_command(*app.get_subcommand(word), words.subspan(1));
+  if (holds(known, word)) return refuse_unknown_command(*app.get_subcommand(word), words.subspan(1));
   if (word == "floor") {
     complain(wrong_input, "command line: command = floor: belongs to the Python package; python -m tactel.floor");
     return true;
   }
-  const std::string nearest = nearest_word(word, known);
-  complain(wrong_input,
-           fmt::format("command line: command = {}: must be one of {}{}\nsee {} --help", word, listed(known),
-                       nearest.empty() ? "" : "; did you mean " + nearest + "?", called(app)));
+  complain(wrong_input, fmt::format("command line: command = {}: must be one of {}{}\nsee {} --help", word,
+                                    listed(known), fix_of(app, word), called(app)));
   return true;
 }
 

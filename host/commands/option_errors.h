@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <string>
+#include <vector>
 
 namespace CLI {
 class App;
@@ -14,6 +15,9 @@ std::string range_in(const std::string& type);
 
 /// "tactel calibrate plan": a command as a user writes it.
 std::string called(const CLI::App& command);
+
+/// "--html" of each option.
+std::vector<std::string> names_of_options(const CLI::App& command);
 
 /// Returns a wrong command line as one line of the form "command line: --scaling = row: must be one of set, frame", in
 /// place of CLI11's text. `command`: the one that was typed, its options parsed as far as they could be.

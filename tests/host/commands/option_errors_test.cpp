@@ -100,6 +100,13 @@ const WrongCall wrong_calls[] = {
     {"FlagWithAValue", "solve a.toml --quiet=maybe", "--quiet = maybe: must be given without a value"},
     {"Unknown", "train --sclaing set --output a",
      "--sclaing: must be an option of tactel train; did you mean --scaling?"},
+    {"InPlaceOfARequiredOption", "generate a.toml --outptu b.h5",
+     "--outptu: must be an option of tactel generate; did you mean --output?"},
+    {"Beginning", "tradeoff --out a", "--out: must be an option of tactel tradeoff; did you mean --output?"},
+    {"Capitals", "solve a.toml --JSON -", "--JSON: must be an option of tactel solve; did you mean --json?"},
+    {"NearChoice", "train --target slipindex",
+     "--target = slipindex: must be one of slip_index, force_ratio, stick_fraction; did you mean slip_index?"},
+    {"Twice", "solve a.toml --rung paper --rung paper", "--rung = paper: must be given once"},
     {"OneTooMany", "check a.h5 b.h5", "argument = b.h5: must be left out: tactel check takes no more"},
     {"RangeOfNumbers", "monitor --alarm 2", "--alarm = 2: must be a number, 0 to 1"},
     {"Companion", "monitor --source x --network y --widest 1", "--widest: must be left out, or with --alarm"},
@@ -112,7 +119,8 @@ const WrongCall wrong_calls[] = {
      "--output = (missing): must be given as FILE.toml"},
     {"NestedCommand", "calibrate censor", "command = censor: must be one of plan, sensor, bound; did you mean sensor?"},
     {"NoNestedCommand", "calibrate", "command = (missing): must be one of plan, sensor, bound"},
-    {"OptionForACommand", "calibrate --html a.html", "command = --html: must be one of plan, sensor, bound"},
+    {"OptionForACommand", "calibrate --html a.html",
+     "command = --html: must be one of plan, sensor, bound; options and files stand behind it"},
     {"ControlCharacters", "train --scaling a\x1b[31m\n", "--scaling = a [31m : must be one of set, frame"}};
 INSTANTIATE_TEST_SUITE_P(All, WrongOptionTest, testing::ValuesIn(wrong_calls),
                          [](const auto& info) { return info.param.name; });
