@@ -21,11 +21,17 @@ function(write_pages)
        "[SEE ALSO]\nThe folders that the help calls docs/ and examples/ are ${DOCS} and ${EXAMPLES}.\n")
   run(text ${HELP2MAN} --no-info --no-discard-stderr --section=1 --source=tactel --version-string=${VERSION}
       --include=${FOLDER}/included "${called}")
+  if(NOT help MATCHES "OPTIONS. COMMAND")  # the groups of options
+    string(FIND "${text}" "\n.SS " groups)
+    string(SUBSTRING "${text}" 0 ${groups} about)
+    string(SUBSTRING "${text}" ${groups} -1 text)
+    string(PREPEND text "${about}\n.SH OPTIONS")
+  endif()
   string(TOUPPER "${page}" title)
   string(REGEX REPLACE "\n.TH [^ ]+ " "\n.TH ${title} " text "${text}")
   file(WRITE ${FOLDER}/${page}.1 "${text}")
-  if(help MATCHES "SUBCOMMAND")
-    string(REGEX MATCHALL "\n  [a-z]+  " commands "${help}")  # a line each
+  if(help MATCHES "OPTIONS. COMMAND")
+    string(REGEX MATCHALL "\n  [a-z-]+  " commands "${help}")  # a line each
     foreach(word IN LISTS commands)
       string(STRIP "${word}" word)
       write_pages(${ARGN} ${word})

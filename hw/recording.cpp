@@ -89,6 +89,7 @@ struct ReplaySource::State {
   TransportCounts counts;
 
   [[noreturn]] void fail(const std::string& what) const { throw RecordingError(path + ": " + what); }
+  [[noreturn]] void refuse(const std::string& what) const { fail(what + "; must be a file that tactel record wrote"); }
 
   /// Reads the head of a record; false at the end of the file, and where the file was cut off.
   bool read_head() {
@@ -118,12 +119,13 @@ struct ReplaySource::State {
   void open(const std::filesystem::path& from) {
     path = from.string();
     std::error_code error;
-    if (std::filesystem::is_other(from, error)) fail("no regular file");  // a pipe could wait for ever
+    if (std::filesystem::exists(from, error) && !std::filesystem::is_regular_file(from, error))
+      refuse("no regular file");  // a pipe could wait for ever
     file.open(from, std::ios::binary);
-    if (!file) fail("cannot be read: " + std::string(std::strerror(errno)));
+    if (!file) refuse("cannot be read: " + std::string(std::strerror(errno)));
     record.resize(magic.size());
     if (!read_into(0, magic.size()) || std::memcmp(record.data(), magic.data(), magic.size()) != 0)
-      fail("not a recording of tactel");
+      refuse("not a recording of tactel");
     if (!read_head() || record[0] != description_record || !read_body())
       fail("damaged: no description at its beginning");
     description.assign(body().begin(), body().end());

@@ -57,7 +57,6 @@ void calibrate_bounds(std::span<NamedNetwork> networks, const std::string& file,
 void add_calibrate_command(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
       "calibrate", "plan presses, calibrate a sensor by them, or renew the conformal bound of a network");
-  command->group("Learn");
   command->require_subcommand(1);
   add_calibrate_plan_command(*command, action);
   add_calibrate_sensor_command(*command, action);
@@ -77,6 +76,7 @@ void add_calibrate_command(CLI::App& app, Action& action) {
       ->capture_default_str();
   add_device_option(*bound, request->shared.device);
   bound->add_flag("--quiet", request->shared.quiet, "no progress, no warnings and no summary");
+  command->group("Learn");  // here, or its own commands would be in this group
   bound->callback([request, &action] { action = [request] { return run_calibrate_bound(*request); }; });
 }
 

@@ -75,14 +75,20 @@ struct DemoRequest {
   bool force = false;
 };
 
+struct Step {
+  std::string why;  ///< what the command does, in a line
+  std::vector<std::string> words;
+};
+
 /// Shows a command and runs it as a child of this program, with its standard streams. Returns its exit code.
-int run_shown(const std::vector<std::string>& words) {
-  std::string shown = "\n$ tactel";
-  for (const std::string& word : words) shown += " " + (word.find('?') == std::string::npos ? word : "'" + word + "'");
-  fmt::print("{}\n", takes_colour(STDOUT_FILENO) ? painted(shown, Colour::green) : shown);
+int run_shown(const Step& step) {
+  std::string shown = "$ tactel";
+  for (const std::string& word : step.words)
+    shown += " " + (word.find('?') == std::string::npos ? word : "'" + word + "'");
+  fmt::print("\n# {}\n{}\n", step.why, takes_colour(STDOUT_FILENO) ? painted(shown, Colour::green) : shown);
   std::fflush(stdout);
   std::vector<std::string> command = {"tactel"};
-  command.insert(command.end(), words.begin(), words.end());
+  command.insert(command.end(), step.words.begin(), step.words.end());
   const int code = run_attached("/proc/self/exe", command);
   if (code == 128 + SIGINT || code == 128 + SIGTERM) return interrupted;
   return code > 128 ? static_cast<int>(device_failed) : code;
@@ -104,18 +110,23 @@ int run_demo(const DemoRequest& request) {
   for (const char* word :
        looks ? std::vector{"--view", "--seconds", "10"} : std::vector{"--every", "50", "--seconds", "3"})
     live.emplace_back(word);
-  std::vector<std::vector<std::string>> commands = {
-      {"solve", file("contact.toml"), "--html", file("contact.html")},
-      {"generate", file("learning.toml"), "--output", file("learning.h5"), "--force"},
-      {"generate", file("recall.toml"), "--output", file("recall.h5"), "--force"},
-      {"train", file("learning.h5"), "--network", "42-42-21-1", "--schedule", "batch", "--scaling", "frame", "--noise",
-       "0.001", "--cycles", "300", "--output", file("networks"), "--force"},
-      {"recall", file("networks"), file("recall.h5"), "--html", file("networks.html")},
-      live};
+  std::vector<Step> steps = {
+      {"One contact: a fingertip is pressed into rubber and dragged until it slides.",
+       {"solve", file("contact.toml"), "--html", file("contact.html")}},
+      {"To learn from: 8000 random contacts, with stresses and slippage index S.",
+       {"generate", file("learning.toml"), "--output", file("learning.h5"), "--force"}},
+      {"To judge by: 1000 other contacts, from which no network learns.",
+       {"generate", file("recall.toml"), "--output", file("recall.h5"), "--force"}},
+      {"A network learns S from the 42 stresses of a frame, without the friction.",
+       {"train", file("learning.h5"), "--network", "42-42-21-1", "--schedule", "batch", "--scaling", "frame", "--noise",
+        "0.001", "--cycles", "300", "--output", file("networks"), "--force"}},
+      {"How far off is it on the other contacts? As tables, and as a page.",
+       {"recall", file("networks"), file("recall.h5"), "--html", file("networks.html")}},
+      {"A simulated sensor plays the first contact; the network reads S live.", live}};
   const Interrupt interrupt;
-  for (std::vector<std::string>& command : commands) {
-    if (!request.device.empty()) command.insert(command.end(), {"--device", request.device});
-    if (const int code = run_shown(command); code != done) return code;
+  for (Step& step : steps) {
+    if (!request.device.empty()) step.words.insert(step.words.end(), {"--device", request.device});
+    if (const int code = run_shown(step); code != done) return code;
     if (interrupt.requested()) return interrupted;
   }
   fmt::print("\nOpen {} and {} in a browser; every command above can be repeated.\n",
@@ -128,7 +139,9 @@ int run_demo(const DemoRequest& request) {
 void add_demo_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<DemoRequest>();
   CLI::App* command = app.add_subcommand(
-      "demo", "show tactel in a minute: a contact, a set, a network, its page and a live view; each command is shown");
+      "demo",
+      "show tactel in a minute: a contact, a set, a network, its page and a live view; each command is shown, with "
+      "its reason");
   command->group("Set up");
   command->add_option("--output", request->output, "directory of all files")->type_name("DIR")->capture_default_str();
   command->add_flag("--force", request->force, "overwrite the files in DIR");

@@ -93,7 +93,7 @@ void add_devices_command(CLI::App& app, Action& action) {
   auto json = std::make_shared<bool>(false), sensors = std::make_shared<bool>(false);
   CLI::App* command = app.add_subcommand("devices", "list the OpenCL devices, with their lanes and precision");
   command->group("Set up");
-  command->add_flag("--json", *json, "as JSON");
+  command->add_flag("--json", *json, "print JSON instead of the table");
   command->add_flag("--sensors", *sensors,
                     "list the USB devices that may be sensors instead, and the --source of each");
   command->callback([json, sensors, &action] {

@@ -9,6 +9,8 @@
 #include <sstream>
 #include <string_view>
 
+#include "host/commands/option_errors.h"
+
 namespace tactel::host {
 namespace {
 
@@ -60,23 +62,52 @@ std::string type_in_words(const std::string& type) {
   return plain == "INT" || plain == "UINT" ? "N" : plain;
 }
 
-/// ", 8 to 100000" of "UINT:INT in [8 - 100000]"; empty of others.
-std::string range_in_words(const std::string& type) {
-  const auto open = type.find(" in ["), between = type.find(" - ", open), close = type.find(']', open);
-  if (open == std::string::npos || between == std::string::npos || close == std::string::npos) return "";
-  return ", " + type.substr(open + 5, between - open - 5) + " to " + type.substr(between + 3, close - between - 3);
+struct OptionGroup {
+  std::string_view name, options;
+};
+/// Where the help of every command lists an option: groups and options that are used most come first. An option that
+/// means something else in one command names its group itself.
+constexpr std::array<OptionGroup, 8> option_groups = {{
+    {"Input",
+     "--source --profile --calibration --seconds --late --drift --stream --rows --block --scene --candidates "
+     "--presses --noise --target --magnitude --without-force --scenes --seed --pads --quick "},
+    {"Output",
+     "--output --html --json --plot --field --step --derivatives --view --every --frames --columns --compress --recall "
+     "--resume --force --checkpoint-seconds "},
+    {"Network",
+     "--network --history --history-change --scaling --largest-stress --activation --bound --bound-set --level "},
+    {"Learning",
+     "--schedule --cycles --seeds --first-seed --noise-cycles --batch --optimizer --learning-rate --momentum "
+     "--stop-error --order "},
+    {"Alarm", "--alarm --decision --decision-csv --touch --widest --rate "},
+    {"Accuracy", "--accuracy --rung --converge --tolerance "},
+    {"Device", "--device --also-device --precision --solver --sensors "},
+    {"Other", "--quiet --help --version "},
+}};
+
+std::size_t place_in(const OptionGroup& group, const CLI::Option* option) {
+  return group.options.find(option->get_name() + " ");
+}
+
+std::string_view group_of(const CLI::Option* option) {
+  if (option->get_group() != "Options") return option->get_group();
+  if (option->get_positional()) return "Input";
+  const auto* found = std::ranges::find_if(
+      option_groups, [&](const auto& group) { return place_in(group, option) != std::string_view::npos; });
+  return found == option_groups.end() ? "Other" : found->name;
 }
 
 /// A call of every command that a user may copy. `examples/` is in the source tree, and in the packages.
-constexpr std::array<std::string_view, 16> examples = {
+constexpr std::array<std::string_view, 17> examples = {
     "solve examples/parabola.toml --html parabola.html",
     "generate examples/random_sweep.toml --output random.h5",
     "check random.h5",
     "train random.h5 --output networks --schedule batch",
     "recall networks recall.h5 --html recall.html",
     "calibrate plan board.toml --scene press.toml --output plan.toml",
-    "calibrate sensor plan.toml --profile board.toml --output calibrated.toml",
+    "calibrate sensor plan.toml --profile board.toml --output new.toml",
     "calibrate bound networks/bound.onnx other_seed.h5",
+    "import-network torch.onnx --profile board.toml --output slip.onnx",
     "monitor --source usb:glove --network slip.onnx --view",
     "record --source usb:glove --output frames.tactel --seconds 10",
     "tare --source usb:glove --output offsets.toml",
@@ -98,10 +129,15 @@ std::string example_of(const CLI::App* app) {
 
 class HelpFormatter : public CLI::Formatter {
  public:
+  HelpFormatter() { label("SUBCOMMAND", "COMMAND"); }
   std::string make_description(const CLI::App* app) const override { return paragraph(app->get_description()); }
   std::string make_footer(const CLI::App* app) const override { return example_of(app) + paragraph(app->get_footer()); }
   std::string make_subcommand(const CLI::App* sub) const override {
     return two_columns(sub->get_name(), sub->get_description());
+  }
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
+    return make_description(app) + make_usage(app, std::move(name)) + make_subcommands(app, mode) + grouped(app) +
+           "\n" + make_footer(app);
   }
   std::string make_option(const CLI::Option* option, bool positional) const override {
     const std::string type = option->get_type_name();
@@ -110,7 +146,8 @@ class HelpFormatter : public CLI::Formatter {
     for (std::size_t comma = 0; (comma = name.find(',', comma)) != std::string::npos; comma += 2)
       name.insert(comma + 1, " ");
     if (takes_value && !type.empty()) name += " " + type_in_words(type);
-    std::string text = option->get_description() + range_in_words(type);
+    const std::string range = range_in(type);
+    std::string text = option->get_description() + (range.empty() ? "" : ", " + range);
     if (takes_value && !option->get_default_str().empty())
       text += fmt::format(" (default: {})", option->get_default_str());
     if (option->get_required() && !positional) text += " (required)";
@@ -118,6 +155,19 @@ class HelpFormatter : public CLI::Formatter {
   }
 
  private:
+  std::string grouped(const CLI::App* app) const {
+    std::string out;
+    for (const OptionGroup& group : option_groups) {
+      auto options = app->get_options([&](const CLI::Option* option) { return group_of(option) == group.name; });
+      if (options.empty()) continue;
+      std::ranges::stable_sort(options, {}, [&](const CLI::Option* option) {
+        return option->get_positional() ? 0 : place_in(group, option);
+      });
+      out += fmt::format("\n{}:\n", group.name);
+      for (const CLI::Option* option : options) out += make_option(option, option->get_positional());
+    }
+    return out;
+  }
   static std::string paragraph(const std::string& text) { return text.empty() ? "" : wrapped(text, 0, 0) + "\n"; }
 };
 

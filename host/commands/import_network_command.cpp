@@ -147,7 +147,8 @@ void add_import_network_command(CLI::App& app, Action& action) {
       ->add_option("--profile", request->profile, "sensor that it is for: checks the number of inputs; needed of a pad")
       ->type_name("P.toml");
   command->add_option("--frames", request->frames, "inputs (MPa) and S of the other program, line by line, to check by")
-      ->type_name("FILE.csv");
+      ->type_name("FILE.csv")
+      ->group("Input");
   command
       ->add_option(
           "--scaling", request->scaling,

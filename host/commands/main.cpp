@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -41,27 +42,51 @@ int finished(int code) {
   return code == done ? static_cast<int>(wrong_input) : code;
 }
 
-/// Says that a first word is no command, and which are; CLI11 would only say that one is missing.
-bool refuse_unknown_command(const CLI::App& app, const std::string& word) {
-  std::vector<std::string> known;
-  for (const CLI::App* command : app.get_subcommands({})) known.push_back(command->get_name());
-  if (word.starts_with('-') || std::ranges::find(known, word) != known.end()) return false;
+std::vector<std::string> commands_of(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  return names;
+}
+
+bool holds(const std::vector<std::string>& words, const std::string& word) {
+  return std::ranges::find(words, word) != words.end();
+}
+
+/// "; did you mean X?", or where options and files stand; empty of other words that are near to none.
+std::string fix_of(const CLI::App& app, const std::string& word) {
+  for (const CLI::App* command : app.get_subcommands({}))
+    if (holds(commands_of(*command), word)) return "; did you mean " + command->get_name() + " " + word + "?";
+  std::vector<std::string> known = commands_of(app);
+  for (const std::string& name : names_of_options(app)) known.push_back(name);
+  const std::string nearest = did_you_mean(word, known);
+  const bool out_of_place = word.starts_with('-') || word.find('.') != std::string::npos;
+  return nearest.empty() && out_of_place ? "; options and files stand behind it" : nearest;
+}
+
+/// Says that a word where a command should be is none, and which are; CLI11 would only say that one is missing.
+bool refuse_unknown_command(const CLI::App& app, std::span<const std::string> words) {
+  const std::vector<std::string> known = commands_of(app);
+  const std::string word = words.empty() ? "(missing)" : words.front();
+  if (known.empty() || app.get_option_no_throw(word) != nullptr) return false;
+  if (holds(known, word)) return refuse_unknown_command(*app.get_subcommand(word), words.subspan(1));
   if (word == "floor") {
     complain(wrong_input, "command line: command = floor: belongs to the Python package; python -m tactel.floor");
     return true;
   }
-  const std::string nearest = nearest_word(word, known);
-  complain(wrong_input, fmt::format("command line: command = {}: must be one of {}{}", word, listed(known),
-                                    nearest.empty() ? "" : "; did you mean " + nearest + "?"));
+  complain(wrong_input, fmt::format("command line: command = {}: must be one of {}{}\nsee {} --help", word,
+                                    listed(known), fix_of(app, word), called(app)));
   return true;
 }
 
+/// The command that was typed: plan of `tactel calibrate plan`.
+const CLI::App& chosen(const CLI::App& app) {
+  const auto commands = app.get_subcommands();
+  return commands.empty() ? app : chosen(*commands.front());
+}
+
 /// CLI11's complaint in the form of ours.
-int refuse_options(const CLI::App& app, const CLI::ParseError& error) {
-  const auto chosen = app.get_subcommands();
-  const CLI::App& command = chosen.empty() ? app : *chosen.front();
-  return complain(wrong_input, fmt::format("{}\nsee {} --help", option_error(command, error),
-                                           chosen.empty() ? "tactel" : "tactel " + command.get_name()));
+int refuse_options(const CLI::App& command, const CLI::ParseError& error) {
+  return complain(wrong_input, fmt::format("{}\nsee {} --help", option_error(command, error), called(command)));
 }
 
 /// `tactel help [COMMAND]` as `tactel [COMMAND] --help`.
@@ -76,9 +101,13 @@ std::vector<std::string> arguments_of(int argc, char** argv) {
 
 int run(int argc, char** argv) {
   CLI::App app{
-      "tactel: a tactile rubber skin in contact. Units: mm, MPa (N/mm2), N/mm (force per unit depth), s, degrees.",
+      "tactel: a tactile rubber skin in contact. S is the slippage index: 0 sticks, 1 slides as a whole. Units: "
+      "mm, MPa (N/mm2), N/mm (force per unit depth), s, degrees. `tactel demo` shows a contact, a network and a live "
+      "view in a "
+      "minute; `tactel COMMAND --help` lists options, with an example.",
       "tactel"};
-  app.set_version_flag("-V,--version", "tactel " TACTEL_VERSION);
+  app.set_version_flag("-V,--version", "tactel " TACTEL_VERSION, "print the version");
+  app.set_help_flag("-h,--help", "print this help");
   app.formatter(help_formatter());
   app.require_subcommand(1);
   app.footer(
@@ -104,20 +133,18 @@ int run(int argc, char** argv) {
     std::fputs(app.help().c_str(), stderr);
     return wrong_input;
   }
-  if (refuse_unknown_command(app, words.front())) return wrong_input;
+  if (refuse_unknown_command(app, words)) return wrong_input;
   std::ranges::reverse(words);  // CLI11 takes them from the back
   try {
     app.parse(words);
   } catch (const CLI::Success& help) {
     return app.exit(help);
   } catch (const CLI::ParseError& error) {
-    return refuse_options(app, error);
+    return refuse_options(chosen(app), error);
   }
   return guarded([&] {
-    for (const CLI::App* command : app.get_subcommands()) {
-      check_numbers(*command);
-      show_messages(*command);
-    }
+    check_numbers(chosen(app));
+    show_messages(chosen(app));
     return action();
   });
 }

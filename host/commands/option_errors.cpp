@@ -39,18 +39,11 @@ const CLI::Option* named_option(const CLI::App& command, const std::string& text
   return found;
 }
 
-/// "{set,frame}" of "TEXT:{set,frame}"; empty of others.
-std::string choices_in(const std::string& type) {
+/// "set", "frame" of "TEXT:{set,frame}"; none of others.
+std::vector<std::string> choices_in(const std::string& type) {
   const auto open = type.find('{'), close = type.find('}');
-  if (open == std::string::npos || close == std::string::npos) return "";
-  return type.substr(open + 1, close - open - 1);
-}
-
-/// "8 to 100000" of "UINT:INT in [8 - 100000]"; empty of others.
-std::string range_in(const std::string& type) {
-  const auto open = type.find(" in ["), between = type.find(" - ", open), close = type.find(']', open);
-  if (open == std::string::npos || between == std::string::npos || close == std::string::npos) return "";
-  return type.substr(open + 5, between - open - 5) + " to " + type.substr(between + 3, close - between - 3);
+  if (open == std::string::npos || close == std::string::npos) return {};
+  return CLI::detail::split(type.substr(open + 1, close - open - 1), ',');
 }
 
 bool whole_number(const std::string& type) {
@@ -63,13 +56,9 @@ std::string allowed_by(const CLI::Option& option) {
   if (!takes_value(option)) return "given without a value";
   const std::string type = option.get_type_name();
   const auto holds = [&](const char* word) { return type.find(word) != std::string::npos; };
-  if (std::string choices = choices_in(type); !choices.empty()) {
-    for (std::size_t comma = 0; (comma = choices.find(',', comma)) != std::string::npos; comma += 2)
-      choices.insert(comma + 1, " ");
-    return "one of " + choices;
-  }
-  if (const std::string range = range_in(type); !range.empty()) return "a whole number, " + range;
+  if (const auto choices = choices_in(type); !choices.empty()) return "one of " + listed(choices);
   std::string number = whole_number(type) ? "a whole number" : "a number";
+  if (const std::string range = range_in(type); !range.empty()) return number + ", " + range;
   if (holds("NONNEGATIVE")) return number + " of 0 or more";
   if (holds("POSITIVE") || holds("above 0")) return number + " above 0";
   if (type == "UINT") return number + " of 0 or more";
@@ -99,22 +88,18 @@ std::string refused_value(const CLI::Option& option, const std::string& text) {
   return found == values.end() ? values.back() : *found;
 }
 
+bool is_option(const std::string& word) { return word.starts_with("-"); }
+
 /// The first argument that the command does not know, with the most similar option.
 std::string unknown_argument(const CLI::App& command) {
   const std::vector<std::string> extras = command.remaining();
-  const auto is_option = [](const std::string& word) { return word.starts_with("-"); };
   const auto found = std::ranges::find_if(extras, is_option);
   if (found == extras.end())
     return message("argument", extras.empty() ? "" : extras.back(),
-                   fmt::format("left out: tactel {} takes no more", command.get_name()));
-  std::vector<std::string> known;
-  for (const CLI::Option* option : command.get_options())
-    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+                   fmt::format("left out: {} takes no more", called(command)));
   const std::string word = found->substr(0, found->find('='));
-  const std::string nearest = nearest_word(word, known);
   return message(word, "",
-                 fmt::format("an option of tactel {}{}", command.get_name(),
-                             nearest.empty() ? "" : "; did you mean " + nearest + "?"));
+                 fmt::format("an option of {}{}", called(command), did_you_mean(word, names_of_options(command))));
 }
 
 /// Whether the text reads as nan or an infinity, as strtod does.
@@ -133,23 +118,47 @@ bool takes_number(const CLI::Option& option) {
 
 }  // namespace
 
+std::string range_in(const std::string& type) {
+  const auto open = type.find(" in ["), between = type.find(" - ", open), close = type.find(']', open);
+  if (open == std::string::npos || between == std::string::npos || close == std::string::npos) return "";
+  return type.substr(open + 5, between - open - 5) + " to " + type.substr(between + 3, close - between - 3);
+}
+
+std::string called(const CLI::App& command) {
+  return (command.get_parent() == nullptr ? "" : called(*command.get_parent()) + " ") + command.get_name();
+}
+
+std::vector<std::string> names_of_options(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
 std::string option_error(const CLI::App& command, const CLI::Error& error) {
   const auto is = [&]<class Kind>(const Kind*) { return dynamic_cast<const Kind*>(&error) != nullptr; };
   const std::string text = error.what();
-  if (is(static_cast<CLI::ExtrasError*>(nullptr))) return unknown_argument(command);
+  const bool lacks = is(static_cast<CLI::RequiredError*>(nullptr));  // perhaps what a misspelt option should be
+  if (is(static_cast<CLI::ExtrasError*>(nullptr)) || (lacks && std::ranges::any_of(command.remaining(), is_option)))
+    return unknown_argument(command);
   const CLI::Option* option = named_option(command, text);
   if (option == nullptr) return "command line: " + text;
-  if (is(static_cast<CLI::RequiredError*>(nullptr))) {
+  if (lacks) {
     const std::string type = option->get_type_name();
     return message(name_of(*option), "(missing)", option->get_positional() ? "given" : allowed_by(*option));
   }
+  if (is(static_cast<CLI::RequiresError*>(nullptr)))
+    return message(option->get_name(), "", "left out, or with " + text.substr(text.rfind(' ') + 1));
   if (is(static_cast<CLI::ExcludesError*>(nullptr)))
     return message(option->get_name(), "", "left out with " + text.substr(text.rfind(' ') + 1));
   if (is(static_cast<CLI::ArgumentMismatch*>(nullptr)))
-    return message(name_of(*option), option->results().size() > 1 ? option->results().back() : "(missing)",
-                   allowed_by(*option) + (option->results().size() > 1 ? ", once" : ""));
-  if (is(static_cast<CLI::ValidationError*>(nullptr)) || is(static_cast<CLI::ConversionError*>(nullptr)))
-    return message(name_of(*option), refused_value(*option, text), allowed_by(*option));
+    return option->results().size() > 1 ? message(name_of(*option), option->results().back(), "given once")
+                                        : message(name_of(*option), "(missing)", allowed_by(*option));
+  if (is(static_cast<CLI::ValidationError*>(nullptr)) || is(static_cast<CLI::ConversionError*>(nullptr))) {
+    const std::string value = refused_value(*option, text);
+    return message(name_of(*option), value,
+                   allowed_by(*option) + did_you_mean(value, choices_in(option->get_type_name())));
+  }
   return "command line: " + text;
 }
 

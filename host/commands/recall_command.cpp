@@ -185,7 +185,8 @@ void add_recall_command(CLI::App& app, Action& action) {
   command->add_option("--json", request->json, "write all errors as JSON; - for standard output, instead of the tables")
       ->type_name("FILE");
   command->add_option("--rows", request->rows, "write S of the set and of every network, row by row, as CSV")
-      ->type_name("FILE.csv");
+      ->type_name("FILE.csv")
+      ->group("Output");
   command
       ->add_option("--html", request->html,
                    "write a page: predicted over true S, the distribution of errors, and errors by indenter and by S")
@@ -213,7 +214,14 @@ void add_recall_command(CLI::App& app, Action& action) {
                    "(default: none)")
       ->check(CLI::NonNegativeNumber);
   add_network_options(*command, request->shared);
-  command->callback([request, &action] { action = [request] { return run_recall(*request); }; });
+  command->callback([command, request, &action] {
+    action = [command, request] {
+      for (const char* option : {"--rate", "--touch", "--widest"})
+        if (command->count(option) > 0 && !request->decides())
+          throw ConfigError("command line", option, "", "left out, or with --decision");
+      return run_recall(*request);
+    };
+  });
 }
 
 }  // namespace tactel::host

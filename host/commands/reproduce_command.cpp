@@ -176,8 +176,7 @@ void add_reproduce_command(CLI::App& app, Action& action) {
                    "number of initial weights of each network of Table II; 100 give the full statistics")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  command
-      ->add_option("--cycles", request->cycles, "learning cycles, fewer than the paper's for a quick look; 0: as many")
+  command->add_option("--cycles", request->cycles, "learning cycles, fewer for a quick look; 0: as many as the paper")
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
   command->add_option("--noise-cycles", request->noise_cycles, "learning cycles with noise; 0: as many as the paper")

@@ -36,7 +36,7 @@ void add_shared_options(CLI::App& command, SharedOptions& options, const char* p
   SolveOptions& solve = options.solve;
   command
       .add_option("--solver", solve.solver,
-                  "solver: batched (OpenCL); without it full-mesh (lines, slow) or twin (pads)")
+                  "batched (OpenCL device); without one full-mesh (lines, slow) or twin (pads)")
       ->check(CLI::IsMember(both(solver_names(), pad_solver_names())))
       ->transform([](const std::string& name) { return name == "reference" ? std::string("full-mesh") : name; })
       ->capture_default_str();
@@ -50,9 +50,10 @@ void add_shared_options(CLI::App& command, SharedOptions& options, const char* p
                   "largest relative residual that counts as converged, no unit (default: the solver's own)")
       ->check(CLI::PositiveNumber);
   command
-      .add_option("--rung", solve.rung,
-                  "model, which overrides the file's: patch-8, patch-12, patch-16, patch-24, paper, mesh-321, "
-                  "reference (docs/accuracy.md has others); of pads pad-8, pad-12, pad-16, pad-24, reference")
+      .add_option(
+          "--rung", solve.rung,
+          "model, from fast to exact, instead of the file's: patch-8, patch-12, patch-16, patch-24, paper, mesh-321, "
+          "reference (docs/accuracy.md has others); of pads pad-8, pad-12, pad-16, pad-24, reference")
       ->check(CLI::IsMember(both(rung_names(), pad_rung_names())))
       ->type_name("NAME");
   command

@@ -58,7 +58,7 @@ void add_tradeoff_command(CLI::App& app, Action& action) {
       ->capture_default_str();
   command
       ->add_option("--scenes", request->scenes,
-                   "contacts of the mix, by default 288 or of pads 24; meshes have a third of them")
+                   "contacts of the mix, of which meshes take a third (default: 288, of pads 24)")
       ->check(CLI::Range(8, 100000));
   command->add_option("--seed", request->options.seed, "seed of the mix")->capture_default_str();
   command->add_flag("--pads", request->pads, "rungs of pads in place of lines: some ten seconds a contact and core");

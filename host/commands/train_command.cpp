@@ -47,7 +47,7 @@ int say(const TrainRequest& request, const TrainingOutcome& outcome) {
 int train_as_asked(const TrainRequest& request, const Ranks& ranks) {
   if (request.set.empty() == request.stream.empty())
     throw ConfigError("command line", "SET.h5", request.set.empty() ? "(missing)" : request.set,
-                      "given, or --stream SWEEP.toml instead of it");
+                      request.set.empty() ? "given, or --stream SWEEP.toml instead of it" : "left out with --stream");
   if (!request.stream.empty()) keep_freed_memory(1 << 30);
   const bool silent = request.shared.quiet || ranks.count() > 1;
   std::optional<Interrupt> interrupt;
@@ -103,15 +103,16 @@ void add_training_options(CLI::App& command, TrainRequest& request) {
   command.add_option("--order", request.order, "order of the rows in a cycle")
       ->check(CLI::IsMember({"permuted", "sequential"}))
       ->capture_default_str();
-  command.add_option("--batch", request.batch, "rows to a change of the weights, with --schedule batch (default: 64)");
+  command.add_option("--batch", request.batch,
+                     "rows that a change of the weights learns from, with --schedule batch (default: 64)");
   command
       .add_option("--optimizer", request.optimizer,
                   "with --schedule batch: delta (the delta rule with momentum) or adam (default: adam)")
       ->check(CLI::IsMember({"delta", "adam"}));
   command
       .add_option("--activation", request.activation,
-                  "with --schedule batch: of the hidden neurons, logistic (the paper's) or leaky-relu, which learns "
-                  "large sets better (default: logistic)")
+                  "with --schedule batch: function of the hidden neurons, logistic (the paper's) or leaky-relu, which "
+                  "learns large sets better (default: logistic)")
       ->check(CLI::IsMember({"logistic", "leaky-relu"}));
   command.add_flag("--bound", request.bound,
                    "with --schedule batch: three outputs, S and two quantiles, for an upper bound of S; it holds after "
@@ -158,8 +159,8 @@ void add_train_command(CLI::App& app, Action& action) {
       ->capture_default_str();
   command
       ->add_option("--history", request->history,
-                   "frames in an input, the newest and earlier ones of its contact, or frames:stride with every "
-                   "stride-th kept one (default: 1)")
+                   "number of frames in an input: the newest and earlier ones of its contact; with :STRIDE every "
+                   "STRIDE-th of these (default: 1)")
       ->type_name("K[:STRIDE]");
   command->add_option("--history-change", request->history_change,
                       "with --history: a frame is kept that differs by more than this share of the contact's largest "

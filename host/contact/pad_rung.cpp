@@ -41,7 +41,8 @@ const PadRung& usual_pad_rung() { return pad_rung_named("pad-12"); }
 const PadRung& pad_rung_named(const std::string& name) {
   const auto found = std::ranges::find(pad_rungs(), name, &PadRung::name);
   if (found == pad_rungs().end())
-    throw ConfigError("command line", "--rung", name, "a rung of pads, one of " + listed(pad_rung_names()));
+    throw ConfigError("command line", "--rung", name,
+                      "a rung of pads, one of " + listed(pad_rung_names()) + did_you_mean(name, pad_rung_names()));
   return *found;
 }
 

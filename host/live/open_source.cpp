@@ -9,6 +9,7 @@
 #include "host/live/source_options.h"
 #include "host/support/bounded_file.h"
 #include "host/support/errors.h"
+#include "host/support/nearest_word.h"
 #include "hw/recording.h"
 #include "hw/usb_source.h"
 
@@ -107,7 +108,10 @@ OpenSource open(const std::string& kind, const std::string& rest, Files profiles
   const std::string profile = profiles.empty() ? "" : profiles[0];
   if (kind == "replay") return open_replay(rest, profile);
   if (kind == "usb") return open_usb_source(rest, profile);
-  if (kind != "simulate") throw ConfigError("command line", "--source", kind + ":" + rest, allowed_sources);
+  if (kind != "simulate")
+    throw ConfigError(
+        "command line", "--source", kind + ":" + rest,
+        allowed_sources + did_you_mean(kind, std::vector<std::string>{"usb", "csv", "replay", "simulate"}));
   if (!profile.empty())
     throw ConfigError("command line", "--profile", profile, "left out with simulate:, which brings its own");
   auto sensor = open_simulation(rest);

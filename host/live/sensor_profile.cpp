@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "host/scenes/toml_table.h"
+#include "host/support/nearest_word.h"
 #include "hw/csv_format.h"
 #include "hw/formats.h"
 #include "hw/generic_format.h"
@@ -212,11 +213,14 @@ std::string uskin_text(int nx, int ny) {
          channels_text(map, {{{nx, ny}, {4.7, 4.7}}}) + calibration_text(map.calibration);
 }
 
-/// The text of a built-in profile; empty for other names.
+/// The text of a built-in profile; empty for other names. Throws ConfigError for one that is nearly one of these.
 std::string built_in_text(const std::string& name) {
   if (name == "glove") return glove_text();
   if (name == "uskin-4x4") return uskin_text(4, 4);
   if (name == "uskin-4x6") return uskin_text(4, 6);
+  const std::string meant = did_you_mean(name, std::vector<std::string>{"glove", "uskin-4x4", "uskin-4x6"});
+  if (!meant.empty() && !std::filesystem::exists(name))
+    throw ConfigError("command line", "--profile", name, "a readable TOML file" + meant);
   return "";
 }
 

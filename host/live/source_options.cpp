@@ -45,11 +45,8 @@ void SourceOptions::finish() const {
   std::vector<std::string> known;
   for (const auto& [key, asked] : asked_) known.push_back(key);
   for (const auto& [key, value] : given_) {
-    if (asked_.contains(key)) continue;
-    const std::string nearest = nearest_word(key, known);
-    throw ConfigError(
-        "--source", key, value,
-        "left out; known are " + listed(known) + (nearest.empty() ? "" : "; did you mean " + nearest + "?"));
+    if (!asked_.contains(key))
+      throw ConfigError("--source", key, value, "left out; known are " + listed(known) + did_you_mean(key, known));
   }
 }
 

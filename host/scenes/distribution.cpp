@@ -8,6 +8,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "host/support/nearest_word.h"
+
 namespace tactel::host {
 namespace {
 
@@ -165,9 +167,11 @@ std::optional<Distribution> read_distribution(const TomlFile& file, const std::s
   if (table->contains("log_uniform")) return uniform(in, "log_uniform");
   if (table->contains("normal")) return normal(in);
   if (table->contains("choice")) return choice(in, table->contains("weights"));
+  const std::vector<std::string> names = {"uniform", "log_uniform", "normal", "choice"};
   in.refuse(
       "a number, or a distribution: { uniform = [a, b] }, { log_uniform = [a, b] }, { normal = [mean, sd] } or "
-      "{ choice = [...] }");
+      "{ choice = [...] }" +
+      (table->empty() ? "" : did_you_mean(table->begin()->first.str(), names)));
 }
 
 }  // namespace tactel::host

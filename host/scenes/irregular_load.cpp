@@ -50,7 +50,8 @@ class IrregularReader {
   void finish() const {
     for (const auto& [key, node] : table_)
       if (std::ranges::find(known_, key.str()) == known_.end())
-        throw file_.error("load.irregular." + std::string(key.str()), &node, "one of " + listed(known_));
+        throw file_.error("load.irregular." + std::string(key.str()), &node,
+                          "one of " + listed(known_) + did_you_mean(key.str(), known_));
   }
 
  private:

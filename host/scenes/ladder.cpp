@@ -119,7 +119,8 @@ const Rung& rung_named(const std::string& name) {
   const std::string& own = other == other_names().end() ? name : other->second;
   const auto found = std::ranges::find(all_rungs(), own, &Rung::name);
   if (found == all_rungs().end())
-    throw ConfigError("command line", "--rung", name, "a rung of lines, one of " + listed(rung_names()));
+    throw ConfigError("command line", "--rung", name,
+                      "a rung of lines, one of " + listed(rung_names()) + did_you_mean(name, rung_names()));
   return *found;
 }
 

@@ -51,11 +51,14 @@ void read_sensor(const TomlFile& file, fem::Scene& scene, fem::SurfaceModel usua
 
 void read_contact(const TomlFile& file, double& friction) {
   TomlTable in(file, "contact");
+  const char* allowed = "a number, mu >= 0, or \"bonded\"";
   if (in.has_text("friction")) {
-    in.read_choice("friction", {"bonded"});
+    std::string word;
+    in.read("friction", word, allowed);
+    if (word != "bonded") in.refuse("friction", allowed);
     friction = std::numeric_limits<double>::infinity();
   } else {
-    in.read("friction", friction, "a number, mu >= 0, or \"bonded\"");
+    in.read("friction", friction, allowed);
   }
   in.finish();
 }

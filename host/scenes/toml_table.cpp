@@ -287,8 +287,7 @@ std::optional<std::size_t> TomlTable::read_choice(const std::string& key, const 
   if (!read(key, word, allowed)) return std::nullopt;
   const auto found = std::find(words.begin(), words.end(), word);
   if (found != words.end()) return static_cast<std::size_t>(found - words.begin());
-  const std::string nearest = nearest_word(word, words);
-  refuse(key, allowed + (nearest.empty() ? "" : "; did you mean " + nearest + "?"));
+  refuse(key, allowed + did_you_mean(word, words));
 }
 
 void TomlTable::expect_table(const std::string& key) { asked_.insert(key); }
@@ -306,9 +305,8 @@ std::vector<std::string> TomlTable::keys() const {
 void TomlTable::refuse_unknown(std::vector<std::string> known) const {
   std::ranges::sort(known);
   for (const std::string& key : keys()) {
-    if (std::ranges::binary_search(known, key)) continue;
-    const std::string nearest = nearest_word(key, known);
-    refuse(key, "a known key, one of " + listed(known) + (nearest.empty() ? "" : "; did you mean " + nearest + "?"));
+    if (!std::ranges::binary_search(known, key))
+      refuse(key, "a known key, one of " + listed(known) + did_you_mean(key, known));
   }
 }
 

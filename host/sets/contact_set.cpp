@@ -11,6 +11,7 @@
 
 #include "host/sets/set_file.h"
 #include "host/support/errors.h"
+#include "host/support/nearest_word.h"
 
 namespace tactel::host {
 namespace {
@@ -211,7 +212,7 @@ SetColumns only_columns(SetColumns columns, const std::string& wanted) {
     const std::size_t end = std::min(wanted.find(',', from), wanted.size());
     const std::string name = wanted.substr(from, end - from);
     if (std::ranges::find(known, name) == known.end())
-      throw ConfigError("command line", "--columns", name, fmt::format("of {}", fmt::join(known, ", ")));
+      throw ConfigError("command line", "--columns", name, "of " + listed(known) + did_you_mean(name, known));
     kept.insert(name);
     from = end + 1;
   }

@@ -25,19 +25,28 @@ int edits(std::string_view a, std::string_view b) {
   return d[a.size()][b.size()];
 }
 
+std::string in_small_letters(std::string_view word) {
+  std::string text(word);
+  for (char& letter : text)
+    if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
+  return text;
+}
+
 }  // namespace
 
-std::string nearest_word(std::string_view word, std::span<const std::string> known) {
+std::string did_you_mean(std::string_view word, std::span<const std::string> known) {
   std::string nearest;
+  const std::string typed = in_small_letters(word);
   int fewest = std::max(1, static_cast<int>(word.size()) / 3) + 1;  // a third of the letters may be wrong
   for (const std::string& candidate : known) {
-    const int count = edits(word, candidate);
+    const bool begun = typed.size() >= 3 && candidate.starts_with(typed);
+    const int count = begun ? 1 : edits(typed, in_small_letters(candidate));
     if (count < fewest) {
       fewest = count;
       nearest = candidate;
     }
   }
-  return nearest;
+  return nearest.empty() ? "" : "; did you mean " + nearest + "?";
 }
 
 std::string listed(std::span<const std::string> words) {

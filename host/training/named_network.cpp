@@ -10,6 +10,7 @@
 #include "host/networks/forward.h"
 #include "host/networks/onnx_file.h"
 #include "host/support/errors.h"
+#include "host/support/nearest_word.h"
 
 namespace tactel::host {
 namespace {
@@ -33,6 +34,7 @@ std::vector<fs::path> onnx_files(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status)) refuse("an existing directory or file");
+  if (path.extension() == ".h5") refuse("a directory of networks or a network (*.onnx); the set stands behind it");
   if (!fs::is_directory(status)) return {path};
   std::vector<fs::path> files;
   for (fs::directory_iterator entry(path, error), end; !error && entry != end; entry.increment(error))

@@ -71,7 +71,7 @@ class Program:
             if command not in self.options:
                 text = self.help(command)
                 text += "".join(self.help(command, word) for word in re.findall(r"^  ([a-z-]+)  ", text, re.M)
-                                if "SUBCOMMAND" in text)
+                                if "[OPTIONS] COMMAND" in text)
                 self.options[command] = set(re.findall(r"--[a-z][a-z0-9-]*", text))
             for option in re.findall(r"(?<![\w-])--[a-z][a-z0-9-]*", rest):
                 if option not in self.options[command]:

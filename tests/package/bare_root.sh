@@ -43,6 +43,7 @@ deb() {
     name="$(basename "$page" .1)"
     grep -A1 "^[.]SH NAME" "$page" | grep -q "^$name .- [a-z]" || { echo "$page: no NAME line"; exit 1; }
     [ "$name" = tactel ] || grep -q "^[.]SH EXAMPLES" "$page" || { echo "$page: no example"; exit 1; }
+    [[ "$name" =~ ^tactel(-calibrate)?$ ]] || grep -A1 "^[.]SH OPTIONS" "$page" | grep -q "^[.]SS" || { echo "$page: no groups of options"; exit 1; }
   done
   tactel solve --help | grep -o "docs/[a-z]*[.]md" | while read -r page; do test -s "/usr/share/doc/tactel/$page"; done
   tactel solve --help | grep -o "examples/[a-z]*[.]toml" | while read -r scene; do test -s "/usr/share/tactel/$scene"; done

@@ -45,9 +45,10 @@ void add_sensor_options(CLI::App& command, SensorRequest& request) {
       ->type_name("SOURCE")
       ->required();
   command
-      .add_option("--profile", request.profiles,
-                  "device profile: wire format and channels; or uskin-4x4, uskin-4x6; again for each further pad of a "
-                  "line of csv:")
+      .add_option(
+          "--profile", request.profiles,
+          "profile of the device: a file of wire format and channels, uskin-4x4 or uskin-4x6; repeatable, one for "
+          "each pad in a line of csv:")
       ->type_name("FILE.toml")
       ->allow_extra_args(false);
   command

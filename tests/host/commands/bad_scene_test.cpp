@@ -192,6 +192,7 @@ const BadScene bad_scenes[] = {
     profile("CsvConcave", "x,y\n-1,0\n0,1\n1,0\n", "indenter.file", "", "smooth = 1 (mm)", "scene.toml"),
     // loads
     line("NegativeFriction", "friction = 0.5", "friction = -0.1", "contact", "not below 0"),
+    line("FrictionIsText", "friction = 0.5", "friction = \"0.5\"", "contact", "a number, mu >= 0, or \"bonded\""),
     line("FrictionIsArray", "friction = 0.5", "friction = [0.5]", "contact", "a number, mu >= 0"),
     {"NoLoad", its_load, "tangential_step = 0.05\ntangential_steps = 4", "load.indentation", "(missing)",
      "load.normal_force"},

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <map>
 #include <set>
 
 #include "tests/host/commands/small_sweep.h"
@@ -69,12 +70,23 @@ TEST(StandardOutput, ThatTakesNotAllIsAnError) {
   }
 }
 
+std::vector<std::string> every_command() {
+  return {"solve",           "generate",       "check",   "train",  "recall", "calibrate plan", "calibrate sensor",
+          "calibrate bound", "import-network", "monitor", "record", "tare",   "reproduce",      "tradeoff",
+          "extremes",        "devices",        "demo"};
+}
+
+ChildResult help_of(const std::string& command) {
+  return shell(std::string(TACTEL_PROGRAM) + " " + command + " --help");
+}
+
 TEST(Help, FitsSeventyNineColumnsInWordsOfOurOwn) {
   const std::string all = run_tactel({"--help"}).out;
-  for (const std::string command : {"", "devices", "solve", "generate", "train", "recall", "reproduce", "tradeoff",
-                                    "extremes", "monitor", "record", "tare", "import-network"}) {
-    EXPECT_THAT(all, HasSubstr("  " + command));
-    const ChildResult result = command.empty() ? run_tactel({"--help"}) : run_tactel({command, "--help"});
+  std::vector<std::string> commands = every_command();
+  commands.emplace_back();
+  for (const std::string& command : commands) {
+    EXPECT_THAT(all, HasSubstr("  " + command.substr(0, command.find(' '))));
+    const ChildResult result = help_of(command);
     EXPECT_EQ(result.exit_code, 0);
     std::istringstream lines(result.out);
     for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 79u) << command << ": " << line;
@@ -89,10 +101,8 @@ TEST(Help, FitsSeventyNineColumnsInWordsOfOurOwn) {
 
 // Its files and options are those of the command: the examples of examples/ are there, every option is one of the help.
 TEST(Help, EndsWithAnExample) {
-  for (const std::string command :
-       {"solve", "generate", "check", "train", "recall", "calibrate plan", "calibrate sensor", "calibrate bound",
-        "monitor", "record", "tare", "reproduce", "tradeoff", "extremes", "devices", "demo"}) {
-    const std::string help = shell(std::string(TACTEL_PROGRAM) + " " + command + " --help").out;
+  for (const std::string& command : every_command()) {
+    const std::string help = help_of(command).out;
     const std::size_t at = help.find("\nExamples:\n  tactel " + command);
     ASSERT_NE(at, std::string::npos) << help;
     std::istringstream words(help.substr(at + 12, help.find('\n', at + 12) - at - 12));
@@ -150,6 +160,27 @@ TEST(Completion, KnowsCommandsOptionsValuesAndFiles) {
   EXPECT_EQ(completed("solve examples/par", 2), "examples/parabola.toml\n");
   EXPECT_EQ(completed("solve examples/measured", 2), "examples/measured.toml\n") << "not measured.csv";
   EXPECT_EQ(completed("solve --tolerance ''", 3), "\n") << "only the user knows a number";
+  EXPECT_EQ(completed("recall exa", 2), "examples\n") << "a directory of networks";
+  EXPECT_EQ(completed("recall networks host/sets", 3), "host/sets\n");
+}
+
+TEST(Completion, OffersTheRungsOfTheProgram) {
+  const std::string refusal = run_tactel({"generate", "--rung", "?"}).err;
+  std::istringstream lines(completed("solve --rung ''", 3));
+  std::size_t rungs = 0;
+  for (std::string rung; lines >> rung; ++rungs) EXPECT_THAT(refusal, HasSubstr(" " + rung));
+  EXPECT_GT(rungs, 9u);
+  EXPECT_EQ(completed("solve --rung mesh-32", 3), "mesh-321\n");
+  EXPECT_EQ(completed("train --rung patch-1", 3), "patch-12 patch-16\n");
+}
+
+// bash takes = and : for words of their own.
+TEST(Completion, GoesOnBehindEqualSignsAndColons) {
+  EXPECT_EQ(completed("solve --precision =", 3), "fp32 fp64\n");
+  EXPECT_EQ(completed("solve --precision = fp3", 4), "fp32\n");
+  EXPECT_EQ(completed("monitor --source s", 3), "simulate:\n");
+  EXPECT_EQ(completed("monitor --source simulate : examples/par", 5), "examples/parabola.toml\n");
+  EXPECT_EQ(completed("monitor --source csv : examples/measured.c", 5), "examples/measured.csv\n");
 }
 
 TEST(Completion, GoesOnAfterAnOptionWithoutValue) {
@@ -194,6 +225,29 @@ TEST(Help, IsFoundByAnyOfItsNames) {
   const ChildResult nothing = run_tactel({});
   EXPECT_EQ(nothing.exit_code, 2);
   EXPECT_EQ(nothing.err, help);
+}
+
+// The same option stands in the same group of every command, and no group is a heap of the rest.
+TEST(Help, ListsOptionsInTheSameGroupsEverywhere) {
+  const std::set<std::string> known = {"Input", "Output",   "Network", "Learning",
+                                       "Alarm", "Accuracy", "Device",  "Other"};
+  std::map<std::string, std::set<std::string>> groups;  // of an option
+  for (const std::string& command : every_command()) {
+    std::istringstream lines(help_of(command).out);
+    std::string group;
+    for (std::string line; std::getline(lines, line);) {
+      if (!line.empty() && line[0] != ' ' && line.back() == ':') group = line.substr(0, line.size() - 1);
+      if (!line.starts_with("  -")) continue;
+      EXPECT_TRUE(known.contains(group)) << command << ": " << line;
+      groups[line.substr(2, line.find_first_of(" ,", 2) - 2)].insert(group);
+    }
+  }
+  EXPECT_GT(groups.size(), 70u);
+  for (const auto& [option, found] : groups) {
+    const bool of_two_meanings = option == "--frames" || option == "--rows";
+    EXPECT_EQ(found.size(), of_two_meanings ? 2u : 1u) << option;
+    EXPECT_EQ(found.contains("Other"), option == "--quiet" || option == "-h") << option << " needs a group";
+  }
 }
 
 // fp32 is generate's default, fp64 solve's.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
+#include <set>
+
 #include "tests/host/support/run_tactel.h"
 
 namespace tactel::host {
@@ -17,6 +19,14 @@ TEST(Demo, ShowsEachCommandAndLeavesPagesAndANetwork) {
                               "$ tactel monitor --source 'simulate:"})
     EXPECT_THAT(result.out, HasSubstr(command));
   EXPECT_THAT(result.out, HasSubstr("\"slip_index\": "));
+  std::set<std::string> reasons;
+  std::istringstream lines(result.out);
+  for (std::string line, before; std::getline(lines, line); before = line) {
+    if (!line.starts_with("$ tactel ")) continue;
+    EXPECT_THAT(before, testing::MatchesRegex("# [A-Z].{30,75}[.?]")) << line;
+    reasons.insert(before);
+  }
+  EXPECT_EQ(reasons.size(), 6u) << "a reason of its own before each command";
   for (const char* page : {"contact.html", "networks.html"})
     EXPECT_THAT(text_of(folder / "demo" / page), testing::StartsWith("<!doctype html>")) << page;
   EXPECT_TRUE(std::filesystem::exists(folder / "demo/networks/42-42-21-1_noise0.001_seed1.onnx"));

@@ -93,6 +93,10 @@ TEST_F(Monitor, WrongInputIsNamed) {
       run_tactel({"monitor", "--source", simulation, "--network", (folder_ / "eight.onnx").string()}), {"42 inputs"}));
   EXPECT_EQ(run_tactel({"monitor", "--source", "replay:" + network_, "--network", network_}).exit_code, 2);
   EXPECT_EQ(run_tactel({"monitor", "--source", "usb:mitten", "--network", network_}).exit_code, 2);
+  EXPECT_THAT(run_tactel({"monitor", "--source", "sim:a.toml", "--network", network_}).err,
+              HasSubstr("; did you mean simulate?"));
+  EXPECT_THAT(run_tactel({"monitor", "--source", "csv:-", "--profile", "uskin-4x5", "--network", network_}).err,
+              HasSubstr("--profile = uskin-4x5: must be a readable TOML file; did you mean uskin-4x4?"));
   const auto absent = run_tactel({"monitor", "--source", "usb:glove", "--network", network_});
   EXPECT_EQ(absent.exit_code, 3) << absent.err;
   EXPECT_THAT(absent.err, HasSubstr("connect it"));

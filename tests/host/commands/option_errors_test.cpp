@@ -26,7 +26,7 @@ std::string error_of(const std::vector<std::string>& arguments) {
   const ChildResult result = run_tactel(arguments);
   EXPECT_EQ(result.exit_code, 2) << arguments.back();
   EXPECT_EQ(result.out, "");
-  EXPECT_THAT(result.err, HasSubstr("\nsee tactel " + arguments.front() + " --help\n"));
+  EXPECT_THAT(result.err, HasSubstr("\nsee tactel " + arguments.front() + " "));
   return result.err.substr(0, result.err.find('\n'));
 }
 
@@ -100,10 +100,36 @@ const WrongCall wrong_calls[] = {
     {"FlagWithAValue", "solve a.toml --quiet=maybe", "--quiet = maybe: must be given without a value"},
     {"Unknown", "train --sclaing set --output a",
      "--sclaing: must be an option of tactel train; did you mean --scaling?"},
+    {"InPlaceOfARequiredOption", "generate a.toml --outptu b.h5",
+     "--outptu: must be an option of tactel generate; did you mean --output?"},
+    {"Beginning", "tradeoff --out a", "--out: must be an option of tactel tradeoff; did you mean --output?"},
+    {"Capitals", "solve a.toml --JSON -", "--JSON: must be an option of tactel solve; did you mean --json?"},
+    {"NearChoice", "train --target slipindex",
+     "--target = slipindex: must be one of slip_index, force_ratio, stick_fraction; did you mean slip_index?"},
+    {"Twice", "solve a.toml --rung paper --rung paper", "--rung = paper: must be given once"},
     {"OneTooMany", "check a.h5 b.h5", "argument = b.h5: must be left out: tactel check takes no more"},
+    {"RangeOfNumbers", "monitor --alarm 2", "--alarm = 2: must be a number, 0 to 1"},
+    {"Companion", "monitor --source x --network y --widest 1", "--widest: must be left out, or with --alarm"},
+    {"UnknownOfANestedCommand", "calibrate plan a.toml --candidate b.toml",
+     "--candidate: must be an option of tactel calibrate plan; did you mean --candidates?"},
+    {"NoNumberOfANestedCommand", "calibrate plan a.toml --presses many", "--presses = many: must be a whole number"},
+    {"RangeOfANestedCommand", "calibrate bound a.onnx b.h5 --level 95",
+     "--level = 95: must be a number, 0.5 to 0.9999"},
+    {"MissingOfANestedCommand", "calibrate sensor a.toml --profile b.toml",
+     "--output = (missing): must be given as FILE.toml"},
+    {"NestedCommand", "calibrate censor", "command = censor: must be one of plan, sensor, bound; did you mean sensor?"},
+    {"NoNestedCommand", "calibrate", "command = (missing): must be one of plan, sensor, bound"},
+    {"OptionForACommand", "calibrate --html a.html",
+     "command = --html: must be one of plan, sensor, bound; options and files stand behind it"},
     {"ControlCharacters", "train --scaling a\x1b[31m\n", "--scaling = a [31m : must be one of set, frame"}};
 INSTANTIATE_TEST_SUITE_P(All, WrongOptionTest, testing::ValuesIn(wrong_calls),
                          [](const auto& info) { return info.param.name; });
+
+TEST(OptionErrors, AnOptionOfAlarmsNeedsTheirDecision) {
+  for (const std::string option : {"--rate", "--touch", "--widest"})
+    EXPECT_THAT(run_tactel({"recall", "a", "b.h5", option, "1"}).err,
+                testing::StartsWith("error: command line: " + option + ": must be left out, or with --decision\n"));
+}
 
 }  // namespace
 }  // namespace tactel::host

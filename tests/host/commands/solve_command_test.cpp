@@ -351,6 +351,11 @@ TEST_P(WrongCallTest, EndsWithTwoAndSaysWhy) {
 const WrongCall wrong_calls[] = {
     {"Nothing", "", "Usage: tactel "},
     {"UnknownCommand", "solv " + parabola, "; did you mean solve?"},
+    {"BeginningOfACommand", "calib plan", "; did you mean calibrate?"},
+    {"NestedCommandAlone", "bound a.onnx b.h5", "; did you mean calibrate bound?"},
+    {"OptionBeforeTheCommand", "--quiet solve a.toml", "; options and files stand behind it"},
+    {"FileBeforeTheCommand", "a.toml solve", "; options and files stand behind it"},
+    {"OptionOfTheProgram", "--hlep", "; did you mean --help?"},
     {"TwoScenes", "solve " + parabola + " " + parabola, parabola},
     {"NegativeTolerance", "solve " + parabola + " --tolerance -1", "--tolerance"},
     {"AccuracyIsNoNumber", "solve " + parabola + " --accuracy nan", "--accuracy = nan: must be a finite number"},

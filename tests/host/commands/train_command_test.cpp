@@ -344,6 +344,7 @@ TEST_F(BadFiles, SetsOfAnotherWidth) {
 TEST_F(BadFiles, NetworksThatAreNone) {
   const std::string recall = PaperSetFiles::recall();
   expect_refusal({"recall", folder_ / "absent", recall}, {"absent: must be an existing directory or file"});
+  expect_refusal({"recall", recall, trained() / "set"}, {recall, "the set stands behind it"});
   fs::create_directories(folder_ / "bare");
   expect_refusal({"recall", folder_ / "bare", recall}, {"a directory with networks (*.onnx)"});
   const std::string good = text_of(trained() / "set" / "42-5-1_noise0_seed1.onnx");

@@ -106,7 +106,7 @@ TEST(Distribution, RefusesWhatIsNone) {
                                                         {"{ choice = [] }", "at least one"},
                                                         {"{ choice = [1, 2], weights = [1] }", "as many weights"},
                                                         {"{ choice = [1, 2], weights = [0, 0] }", "not all 0"},
-                                                        {"{ unifrom = [1, 2] }", "a distribution"},
+                                                        {"{ unifrom = [1, 2] }", "did you mean uniform?"},
                                                         {"{ uniform = [1, 2], mean = 3 }", "without the key mean"}}) {
     EXPECT_NE(message_of(text).find(said), std::string::npos) << text << ": " << message_of(text);
     EXPECT_NE(message_of(text).find("s.toml:2: contact.friction"), std::string::npos) << message_of(text);

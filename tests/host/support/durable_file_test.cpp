@@ -136,10 +136,13 @@ TEST(FileLock, IsHeldByOneAndFreeAfterwards) {
 
 TEST(NearestWord, TakesTheNearestOrNone) {
   const std::vector<std::string> words{"length", "thickness", "tactels", "rows"};
-  EXPECT_EQ(nearest_word("lenght", words), "length");  // two letters swapped
-  EXPECT_EQ(nearest_word("row", words), "rows");
-  EXPECT_EQ(nearest_word("thicknes", words), "thickness");
-  EXPECT_EQ(nearest_word("gravity", words), "");
+  EXPECT_EQ(did_you_mean("lenght", words), "; did you mean length?");  // two letters swapped
+  EXPECT_EQ(did_you_mean("row", words), "; did you mean rows?");
+  EXPECT_EQ(did_you_mean("thicknes", words), "; did you mean thickness?");
+  EXPECT_EQ(did_you_mean("thick", words), "; did you mean thickness?") << "its beginning";
+  EXPECT_EQ(did_you_mean("LENGTH", words), "; did you mean length?");
+  EXPECT_EQ(did_you_mean("gravity", words), "");
+  EXPECT_EQ(did_you_mean("ta", words), "") << "two letters are a beginning of much";
   EXPECT_EQ(listed(words), "length, thickness, tactels, rows");
 }
 
