@@ -130,13 +130,14 @@ class Errors(unittest.TestCase):
             (place / "scene.toml").write_text((ROOT / "examples/parabola.toml").read_text())
             (place / "sweep.toml").write_text(SWEEP)
             (place / "set.h5").touch()
-            (net,) = tactel.train(tactel.Sweep(place / "sweep.toml").generate(5), layers=(42, 3, 1), cycles=1)
+            rows = tactel.Sweep(place / "sweep.toml").generate(5)
+            (net,) = tactel.train(rows, layers=(42, 3, 1), cycles=1)
             net.to_onnx(str(place / "slip.onnx"))
             before = sorted(place.iterdir())
             simulation = f"simulate:{place / 'scene.toml'}"
             for call, name in ((tactel.read_scene, "scene.toml"), (tactel.Sweep, "sweep.toml"), (tactel.read_set, "set.h5"),
                                (tactel.Network.load, "slip.onnx"), (tactel.SlipEstimator.load, "slip.onnx"),
-                               (net.to_onnx, "new.onnx"),
+                               (net.to_onnx, "new.onnx"), (rows.save, "new.h5"),
                                (lambda path: tactel.open_sensor(f"simulate:{path}"), "scene.toml"),
                                (lambda path: tactel.open_sensor(simulation, calibration=path), "scene.toml"),
                                (lambda path: tactel.open_sensor("usb:04D8:0001", profile=path), "scene.toml")):
@@ -381,6 +382,39 @@ class SetsAndNetworks(unittest.TestCase):
         for name in ("frames", "indentation", "tangential", "tactel_x", "parameters"):
             np.testing.assert_array_equal(getattr(read, name), getattr(self.set, name), name)
         self.assertEqual(read.parameter_names, self.set.parameter_names)
+
+    def test_saves_the_file_of_the_program(self):
+        own = SWEEP.replace("[sensor]", "[sensor]\nyoung = { uniform = [1, 3] }\nthickness = { uniform = [1, 2] }")
+        noisy = SWEEP.replace("seed = 3\n", "seed = 3\npress_rows = true\n") + "[transducer]\nnoise = 0.01\n"
+        for name, text in (("plain", SWEEP), ("own", own), ("noisy", noisy), ("many", SWEEP.replace("= 60", "= 2000"))):
+            with self.subTest(name=name):
+                place = pathlib.Path(self.folder.name) / name
+                sweep, there, saved = (place.with_suffix(suffix) for suffix in (".toml", ".h5", ".saved.h5"))
+                sweep.write_text(text)
+                subprocess.run([PROGRAM, "generate", str(sweep), "--output", str(there), "--quiet"], check=True)
+                tactel.Sweep(sweep).generate().save(str(saved))
+                self.assertTrue(saved.read_bytes() == there.read_bytes())
+                tactel.read_set(str(there)).save(str(saved))
+                self.assertTrue(saved.read_bytes() == there.read_bytes())
+
+    def test_saves_what_a_set_has(self):
+        place = pathlib.Path(self.folder.name)
+        some, again = place / "some.h5", place / "some_again.h5"
+        generate = [PROGRAM, "generate", str(self.path), "--quiet", "--output"]
+        subprocess.run([*generate, str(some), "--columns", "tactel_x,friction"], check=True)
+        tactel.read_set(str(some)).save(str(again))
+        self.assertTrue(again.read_bytes() == some.read_bytes())
+        # A part of a sweep, or its sensor with another seed, is not that file's set: --resume does not take it for it.
+        for made in (self.sweep.generate(20), tactel.Sweep(self.path, 4).generate()):
+            made.save(str(again))
+            subprocess.run([PROGRAM, "check", str(again)], check=True, capture_output=True)
+            answer = subprocess.run([*generate, str(again), "--resume"], capture_output=True, text=True)
+            self.assertEqual(answer.returncode, 2)
+            self.assertIn("a set of the requested conditions; it has", answer.stderr)
+        self.set.save(str(again))
+        subprocess.run([*generate, str(again), "--resume"], check=True)
+        with self.assertRaisesRegex(tactel.InputError, "/no/such"):
+            self.set.save("/no/such/set.h5")
 
     def test_scenes_of_a_sweep_can_be_solved(self):
         scene = self.sweep.scene(7)
