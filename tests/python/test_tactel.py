@@ -3,12 +3,14 @@
 
 import ast
 import html
+import inspect
 import io
 import itertools
 import json
 import os
 import pathlib
 import pickle
+import re
 import select
 import subprocess
 import tempfile
@@ -19,6 +21,7 @@ from unittest import mock
 import numpy as np
 import onnx_numpy
 import tactel
+from tactel import _calls
 
 try:
     import onnxruntime
@@ -57,7 +60,7 @@ class Values(unittest.TestCase):
         self.assertNotEqual(sensor, tactel.Sensor())
 
     def test_a_wrong_field_is_named(self):
-        with self.assertRaisesRegex(TypeError, "no field raduis; its fields: radius"):
+        with self.assertRaisesRegex(TypeError, "Parabola.with_: no argument raduis; did you mean radius?"):
             tactel.Parabola(3).with_(raduis=4)
         with self.assertRaises(AttributeError):
             PARABOLA.friction = 0.1  # a copy that would be lost elsewhere
@@ -144,6 +147,60 @@ class Errors(unittest.TestCase):
                 with self.subTest(name=name), self.assertRaisesRegex(tactel.InputError, "NUL byte"):
                     call(str(place / name) + "\0x")
             self.assertEqual(sorted(place.iterdir()), before)
+
+
+class Calls(unittest.TestCase):
+    """A wrong argument is named, whatever class or function it is of."""
+
+    def test_names_the_argument(self):
+        load = tactel.Press(0.1)
+        frames = tactel.Set(np.zeros((4, 2)), np.zeros(4))
+        for call, place, problem, fix in (
+                (lambda: tactel.Sensor(tactel_widht=3), "Sensor", "no argument tactel_widht", "did you mean tactel_width?"),
+                (lambda: tactel.Scene(frcition=0.3), "Scene", "no argument frcition", "did you mean friction?"),
+                (lambda: tactel.Wedge(opening=3), "Wedge", "no argument opening", "it has edge_angle"),
+                (lambda: load.drag(0.05, stepz=2), "Load.drag", "no argument stepz", "did you mean step?"),
+                (lambda: tactel.solve(PARABOLA, acuracy=0.1), "solve", "no argument acuracy", "did you mean accuracy?"),
+                (lambda: tactel.solve_many([PARABOLA], progres=True), "solve_many", "no argument progres", "did you mean progress?"),
+                (lambda: tactel.Sweep("a.toml", sed=3), "Sweep", "no argument sed", "did you mean seed?"),
+                (lambda: tactel.train(frames, sedes=3), "train", "no argument sedes", "did you mean seeds?"),
+                (lambda: tactel.Network.from_arrays([], [], slop=1), "Network.from_arrays", "no argument slop", "did you mean slope?"),
+                (lambda: tactel.open_sensor(sorce="x"), "open_sensor", "no argument sorce", "did you mean source?"),
+                (lambda: tactel.Press(), "Press", "no indentation", "give it"),
+                (lambda: tactel.Flat(1, 2), "Flat", "2 arguments without a name", "at most 1: half_width"),
+                (lambda: tactel.Flat(1, half_width=2), "Flat", "half_width twice", "leave one out"),
+                (lambda: tactel.Sensor(young="soft"), "Sensor: young", "'soft', of type str", "must be float"),
+                (lambda: tactel.Sensor(20.0, tactels=2.5), "Sensor: tactels", "2.5, of type float", "must be int"),
+                (lambda: tactel.Profile([0, 1], [0, "b"]), "Profile: y", "[0, 'b'], of type list", "must be Sequence[float]"),
+                (lambda: tactel.Sensor(mesh=3), "Sensor: mesh", "3, of type int", "must be Mesh | None"),
+                (lambda: load.drag(0.05, steps=2, twist=1), "Load.drag: step", "0.05, of type float",
+                 "must be tuple[float, float] | list[float]"),
+                (lambda: tactel.train("set.h5"), "train: data", "'set.h5', of type str", "must be Set"),
+                (lambda: tactel.solve(3), "solve: scene", "3, of type int", "must be Scene"),
+                (lambda: frames.save(3), "Set.save: path", "3, of type int", "must be str"),
+                (lambda: tactel.SlipEstimator.load(file="x"), "SlipEstimator.load", "no argument file", "it has path")):
+            with self.subTest(problem=problem), self.assertRaises(tactel.InputError) as raised:
+                call()
+            self.assertEqual((raised.exception.place, raised.exception.problem, raised.exception.fix), (place, problem, fix))
+            self.assertEqual(str(raised.exception), f"{place}: {problem}; {fix}")
+            self.assertIsInstance(raised.exception, TypeError)
+
+    def test_what_no_type_shows(self):
+        with self.assertRaisesRegex(tactel.InputError, r"Pad: \(tactels: tuple\); must be \(tactels: tuple\[int, int\]"):
+            tactel.Pad(tactels=(4, 5, 6))
+
+    def test_mistakes_of_own_functions_stay(self):
+        with self.assertRaisesRegex(TypeError, "unsupported operand") as raised:
+            tactel.Profile.sampled(lambda x: x + "a", left=0, right=1)
+        self.assertNotIsInstance(raised.exception, tactel.InputError)
+        with self.assertRaisesRegex(TypeError, "positional argument") as raised:
+            tactel.solve_many([PARABOLA] * 3, progress=lambda done: None)
+        self.assertNotIsInstance(raised.exception, tactel.InputError)
+
+    def test_functions_keep_their_words(self):
+        self.assertEqual(inspect.signature(tactel.Sweep.generate).parameters["contacts"].default, None)
+        self.assertIn("steps: ", tactel.Press.__doc__)
+        self.assertIs(pickle.loads(pickle.dumps(tactel.Press)), tactel.Press)
 
 
 class Pictures(unittest.TestCase):
@@ -552,6 +609,24 @@ class Stubs(unittest.TestCase):
             if name in ("Element", "StressRecovery"):
                 continue
             self.assertEqual(there, typed, name)
+
+    def test_arguments_agree(self):
+        """Those of the stubs, by which wrong calls are explained, are those of pybind11's signatures."""
+        compared = 0
+        for name, overloads in _calls._signatures().items():
+            of, _, member = name.partition(".")
+            public = getattr(tactel, of, None)
+            called = getattr(public, member or "__init__") if isinstance(public, type) else public
+            written = getattr(getattr(called, "__wrapped__", None), "__doc__", None) or ""
+            there = re.findall(rf"^(?:\d+\. )?(?:{called.__name__})\((.*)\) -> ", written, re.MULTILINE) if written else []
+            if of.startswith("_") or not there:
+                continue
+            compared += 1
+            typed = {tuple(one.arg for one in each.args + each.kwonlyargs) for each in overloads}
+            for arguments in there:
+                names = tuple(one for one in re.findall(r"(\w+): ", re.sub("<.*?>", "", arguments)) if one != "self")
+                self.assertIn(names, typed, name)
+        self.assertGreater(compared, 50)
 
     def test_everything_is_documented(self):
         for name in tactel.__all__:

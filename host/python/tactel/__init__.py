@@ -14,7 +14,7 @@ import html as _html
 import sys as _sys
 import time as _time
 
-from . import _driver as _driver, _tactel
+from . import _driver as _driver, _calls, _tactel
 from ._tactel import (
     Box, Cancelled, Cone, Cylinder, Derivatives, Element, Error, Errors, Exponential, Flat, Force, Frame, HardwareError,
     HeightMap, Indenter, InputError, Load, LyingCylinder, Mesh, Network, Pad, PadIndenter, PadLoad, PadPath, PadPaths,
@@ -39,9 +39,9 @@ def _values(self):
 
 def _with(self, **changes):
     """Returns a copy with these fields changed."""
-    unknown = set(changes) - set(self._fields)
-    if unknown:
-        raise TypeError(f"{type(self).__name__} has no field {', '.join(sorted(unknown))}; its fields: {', '.join(self._fields)}")
+    for name in changes:
+        if name not in self._fields:
+            raise _calls.unknown(f"{type(self).__name__}.with_", name, self._fields)
     return type(self)(**{name: changes.get(name, getattr(self, name)) for name in self._fields})
 
 
@@ -173,3 +173,6 @@ def train(data, layers=(42, 42, 21, 1), *, seeds=1, first_seed=1, noise=0.0, sca
     with _Progress(progress, "training", "weight updates") as told:
         return _tactel._train(data, _widths(layers), seeds, first_seed, noises, scaling, schedule, optimizer, cycles, batch,
                               rate, bound, level, str(history), history_change, device, told)
+
+
+_calls.check(globals(), __all__)

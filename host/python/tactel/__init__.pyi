@@ -18,7 +18,7 @@ Shown = bool | Callable[[int, int], Any] | None
 _Value = TypeVar("_Value", bound="_Fields")
 
 class Error(RuntimeError): ...
-class InputError(Error, ValueError):
+class InputError(Error, ValueError, TypeError):
     place: str
     problem: str
     fix: str
