@@ -125,13 +125,14 @@ void check_memory(const host::ContactSet& rows, std::uint64_t count, std::uint64
                          ", whose rows fit into memory; batches() takes them in parts, tactel generate writes a file");
 }
 
-/// Rows of contacts first ... first + count - 1, chunk by chunk.
+/// Rows of contacts first ... first + count - 1, chunk by chunk; of pads by smaller ones, as each takes seconds.
 Set rows_of(const Simulation& simulation, std::uint64_t first, std::uint64_t count, const ProgressFunction& progress) {
   Set set = simulation.empty_set();
   set.contacts = count;
-  for (std::uint64_t done = 0; done < count; done += host::chunk_contacts) {
+  const std::uint64_t chunk = host::chunk_contacts / (set.axes == 2 ? 1 : 4);
+  for (std::uint64_t done = 0; done < count; done += chunk) {
     if (!progress(done, count)) throw Cancelled("sweep: cancelled by progress");
-    const std::uint64_t some = std::min(host::chunk_contacts, count - done);
+    const std::uint64_t some = std::min(chunk, count - done);
     host::ContactSet rows = simulation.rows(first + done, some);
     if (done == 0) check_memory(rows, some, count);
     append(set, api::from_host(std::move(rows)));

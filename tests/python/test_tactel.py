@@ -356,17 +356,19 @@ class Solve(unittest.TestCase):
 
     def test_progress_in_words(self):
         """A second of weight updates of a long training: 1 082 568 400 000 less 2 868 806 260, at 286 880 626 a second, is 3764 s."""
-        for terminal, before, after in ((True, "\r\x1b[K", "\r\x1b[K"), (False, "", "\n")):
-            stderr = io.StringIO()
-            stderr.isatty = lambda: terminal
-            times = iter((100.0, 100.5, 110.0 if terminal else 131.0, 110.1 if terminal else 131.1))
+        notebook = "\r" + 79 * " " + "\r"
+        for kind, before, after in (("terminal", "\r\x1b[K", "\r\x1b[K"), ("notebook", notebook, notebook), ("log", "", "\n")):
+            live = kind != "log"
+            stderr = type("OutStream", (io.StringIO,), {"__module__": "ipykernel.iostream" if kind == "notebook" else "io"})()
+            stderr.isatty = lambda: kind == "terminal"
+            times = iter((100.0, 100.5, 110.0 if live else 131.0, 110.1 if live else 131.1))
             with mock.patch("sys.stderr", stderr), mock.patch("tactel._time.monotonic", lambda: next(times)):
                 with tactel._Progress(True, "training", "weight updates") as told:
                     told(0, 1082568400000)
                     told(10, 1082568400000)  # half a second: nothing yet
-                    told(2868806260 if terminal else 31 * 286880626, 1082568400000)
+                    told(2868806260 if live else 31 * 286880626, 1082568400000)
                     told(2868806261, 1082568400000)  # soon after
-            line = "training: 0.3 %, 287 M weight updates/s, 1 h 02 min left" if terminal else \
+            line = "training: 0.3 %, 287 M weight updates/s, 1 h 02 min left" if live else \
                 "training: 0.8 %, 287 M weight updates/s, 1 h 02 min left"
             self.assertEqual(stderr.getvalue(), before + line + after)
 

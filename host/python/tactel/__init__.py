@@ -86,17 +86,19 @@ def _duration(seconds):
 
 
 class _Progress:
-    """The function (done, all) of a progress argument: None, a function, or True for a line on stderr as the program prints it."""
+    """The function (done, all) of a progress argument: None, a function, or True for a line on stderr, or below a notebook's cell, as the program prints it."""
 
     def __init__(self, progress, job, unit):
         self.job, self.unit, self.first, self.drawn = job, unit, None, None
-        self.terminal = _sys.stderr is not None and _sys.stderr.isatty()
+        terminal = _sys.stderr is not None and _sys.stderr.isatty()
+        notebook = type(_sys.stderr).__module__.startswith("ipykernel")  # which removes escapes
+        self.clear = "\r\x1b[K" if terminal else "\r" + 79 * " " + "\r" if notebook else ""
         self.function = self.show if progress is True else None if progress is False else progress
 
     def show(self, done, total):
         now = _time.monotonic()
         self.first = self.first or (now, done)
-        if _sys.stderr is None or now - (self.drawn or self.first[0]) < (1 if not self.drawn else 0.2 if self.terminal else 30):
+        if _sys.stderr is None or now - (self.drawn or self.first[0]) < (1 if not self.drawn else 0.2 if self.clear else 30):
             return
         rate = (done - self.first[1]) / (now - self.first[0])
         pace = f", {_with_prefix(rate)} {self.unit}/s, {_duration((total - done) / rate)} left" if rate > 0 else ""
@@ -104,13 +106,13 @@ class _Progress:
         self.print(f"{self.job}: {100 * done / max(total, 1):.1f} %{pace}")
 
     def print(self, text):
-        print(f"\r\x1b[K{text}" if self.terminal else f"{text}\n", end="", file=_sys.stderr, flush=True)
+        print(f"{self.clear}{text}" if self.clear else f"{text}\n", end="", file=_sys.stderr, flush=True)
 
     def __enter__(self):
         return self.function
 
     def __exit__(self, *raised):
-        if self.drawn and self.terminal:
+        if self.drawn and self.clear:
             self.print("")
 
 
