@@ -186,8 +186,10 @@ class Calls(unittest.TestCase):
             self.assertIsInstance(raised.exception, TypeError)
 
     def test_what_no_type_shows(self):
-        with self.assertRaisesRegex(tactel.InputError, r"Pad: \(tactels: tuple\); must be \(tactels: tuple\[int, int\]"):
-            tactel.Pad(tactels=(4, 5, 6))
+        with self.assertRaisesRegex(tactel.InputError, r"Pad: \(tactels: tuple, axes: int\); must be \(tactels: tuple\[int, int\]"):
+            tactel.Pad(tactels=(4, 5, 6), axes=3)
+        with self.assertRaisesRegex(tactel.InputError, r"Profile: x: array\(3.*must be Sequence\[float\]"):
+            tactel.Profile(np.array(3.0), [0, 1])
 
     def test_mistakes_of_own_functions_stay(self):
         with self.assertRaisesRegex(TypeError, "unsupported operand") as raised:

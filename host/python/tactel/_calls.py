@@ -7,6 +7,7 @@ import functools
 import itertools
 import pathlib
 import re
+import reprlib
 
 from . import _tactel  # type: ignore[attr-defined]
 
@@ -61,13 +62,16 @@ def _fits(value, wanted):
         return hasattr(type(value), "__float__") and not getattr(value, "shape", ())
     if kind == "int":
         return hasattr(type(value), "__index__") and not getattr(value, "shape", ())
-    if kind in ("str", "Literal"):
+    if kind == "str" or kind == "Literal" and "'" in ast.unparse(wanted):
         return isinstance(value, str)
     if kind == "Callable":
         return callable(value)
     if kind in ("Sequence", "Iterable", "list", "tuple"):
         of = wanted.slice.elts[0] if isinstance(wanted.slice, ast.Tuple) else wanted.slice
-        return not isinstance(value, str) and hasattr(value, "__iter__") and all(_fits(one, of) for one in itertools.islice(value, 100))
+        try:
+            return not isinstance(value, str) and all(_fits(one, of) for one in itertools.islice(value, 100))
+        except TypeError:  # no list
+            return False
     known = getattr(_tactel, kind, None)
     return isinstance(value, known) if isinstance(known, type) else True
 
@@ -91,8 +95,7 @@ def _fault(name, arguments, args, kwargs, names):
         return 1, input_error(name, f"no {', '.join(missing)}", "give " + ("them" if missing[1:] else "it"))
     for word, value in given.items():
         if annotations.get(word) is not None and not _fits(value, annotations[word]):
-            shown = repr(value)
-            return 2, input_error(f"{name}: {word}", f"{shown if len(shown) < 60 else shown[:57] + '...'}, of type {type(value).__name__}",
+            return 2, input_error(f"{name}: {word}", f"{reprlib.repr(value)}, of type {type(value).__name__}",
                                   f"must be {ast.unparse(annotations[word])}")
     return None
 
