@@ -44,7 +44,7 @@ Set from_host(host::ContactSet&& from) {
 host::ContactSet to_host(const Set& from) {
   host::ContactSet set;
   set.inputs = static_cast<int>(from.inputs), set.axes = static_cast<int>(from.axes), set.pad = from.axes != 2;
-  set.sensors = !from.young.empty();
+  set.sensors = !(from.poisson.empty() && from.thickness.empty() && from.young.empty() && from.length.empty());
   each_array(from, set, [&](const auto& array, auto& to) {
     const auto is = [&](const auto& of) { return static_cast<const void*>(&array) == &of; };
     const bool directed = is(from.tangential_force) || is(from.tangential);

@@ -299,7 +299,8 @@ void write_contact_set(const std::filesystem::path& path, const ContactSet& set)
   const SetColumns columns = set.columns();
   const std::size_t contacts =
       columns.parameters.empty() ? 0 : set.contact_parameters.size() / columns.parameters.size();
-  ContactSetWriter writer(path, columns, set.rows(), contacts);
+  const bool compress = set.plan.find("\ncompress yes\n") != std::string::npos;
+  ContactSetWriter writer(path, columns, set.rows(), contacts, compress);
   writer.append(set);
   writer.finish(set);
 }

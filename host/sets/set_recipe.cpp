@@ -82,6 +82,8 @@ std::string model_text(const AnySource& source, const std::optional<Rung>& rung,
 void expect_made_by(const SetRecipe& recipe, const std::string& path) {
   const ContactSet set = read_attributes(path);
   if (set.sweep != recipe.sweep) refuse(path, "a set of this sweep file; it has another");
+  if (set.plan.empty())
+    refuse(path, "a set of the requested conditions; it is a part of the sweep, or of other options");
   if (const std::string other = differences(by_name(recipe.conditions), by_name(set.plan)); !other.empty())
     refuse(path, "a set of the requested conditions; it has " + other);
 }

@@ -400,6 +400,7 @@ indentation = 0.15
 tangential_step = 0.05
 tangential_steps = 5
 """
+OWN_SENSORS = SWEEP.replace("[sensor]", "[sensor]\nyoung = { uniform = [1, 3] }\nthickness = { uniform = [1, 2] }")
 
 
 class SetsAndNetworks(unittest.TestCase):
@@ -445,9 +446,8 @@ class SetsAndNetworks(unittest.TestCase):
         self.assertEqual(read.parameter_names, self.set.parameter_names)
 
     def test_saves_the_file_of_the_program(self):
-        own = SWEEP.replace("[sensor]", "[sensor]\nyoung = { uniform = [1, 3] }\nthickness = { uniform = [1, 2] }")
         noisy = SWEEP.replace("seed = 3\n", "seed = 3\npress_rows = true\n") + "[transducer]\nnoise = 0.01\n"
-        for name, text in (("plain", SWEEP), ("own", own), ("noisy", noisy), ("many", SWEEP.replace("= 60", "= 2000"))):
+        for name, text in (("plain", SWEEP), ("own", OWN_SENSORS), ("noisy", noisy), ("many", SWEEP.replace("= 60", "= 2000"))):
             with self.subTest(name=name):
                 place = pathlib.Path(self.folder.name) / name
                 sweep, there, saved = (place.with_suffix(suffix) for suffix in (".toml", ".h5", ".saved.h5"))
@@ -460,18 +460,20 @@ class SetsAndNetworks(unittest.TestCase):
 
     def test_saves_what_a_set_has(self):
         place = pathlib.Path(self.folder.name)
-        some, again = place / "some.h5", place / "some_again.h5"
+        some, again, own = place / "some.h5", place / "some_again.h5", place / "own_rubber.toml"
+        own.write_text(OWN_SENSORS)
         generate = [PROGRAM, "generate", str(self.path), "--quiet", "--output"]
-        subprocess.run([*generate, str(some), "--columns", "tactel_x,friction"], check=True)
-        tactel.read_set(str(some)).save(str(again))
-        self.assertTrue(again.read_bytes() == some.read_bytes())
+        for sweep, options in ((self.path, ["--columns", "tactel_x,friction"]), (own, ["--columns", "thickness"]), (self.path, ["--compress"])):
+            subprocess.run([PROGRAM, "generate", str(sweep), "--quiet", "--force", "--output", str(some), *options], check=True)
+            tactel.read_set(str(some)).save(str(again))
+            self.assertTrue(again.read_bytes() == some.read_bytes(), options)
         # A part of a sweep, or its sensor with another seed, is not that file's set: --resume does not take it for it.
         for made in (self.sweep.generate(20), tactel.Sweep(self.path, 4).generate()):
             made.save(str(again))
             subprocess.run([PROGRAM, "check", str(again)], check=True, capture_output=True)
             answer = subprocess.run([*generate, str(again), "--resume"], capture_output=True, text=True)
             self.assertEqual(answer.returncode, 2)
-            self.assertIn("a set of the requested conditions; it has", answer.stderr)
+            self.assertIn("a set of the requested conditions; it is a part of the sweep, or of other options", answer.stderr)
         self.set.save(str(again))
         subprocess.run([*generate, str(again), "--resume"], check=True)
         with self.assertRaisesRegex(tactel.InputError, "/no/such"):
