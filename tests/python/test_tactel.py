@@ -158,6 +158,14 @@ class Calls(unittest.TestCase):
         for call, place, problem, fix in (
                 (lambda: tactel.Sensor(tactel_widht=3), "Sensor", "no argument tactel_widht", "did you mean tactel_width?"),
                 (lambda: tactel.Scene(frcition=0.3), "Scene", "no argument frcition", "did you mean friction?"),
+                (lambda: tactel.Scene(tactel.Pad(), tactel.Sphere(), "low"), "Scene: friction", "'low', of type str", "must be float"),
+                (lambda: tactel.solve_many([PARABOLA], keep="slipindex"), "solve_many: keep", "no array slipindex", "did you mean slip_index?"),
+                (lambda: tactel.solve_many([PARABOLA], progress="yes"), "solve_many: progress", "'yes', of type str",
+                 "must be bool | Callable[[int, int], Any] | None"),
+                (lambda: PARABOLA.with_(3), "Scene.with_", "1 argument without a name", "give none"),
+                (lambda: PARABOLA.validate(deep=True), "Scene.validate", "no argument deep", "it has none"),
+                (lambda: tactel.Press(0.1).drag("a", 3), "Load.drag: step", "'a', of type str",
+                 "must be float | tuple[float, float] | list[float]"),
                 (lambda: tactel.Wedge(opening=3), "Wedge", "no argument opening", "it has edge_angle"),
                 (lambda: load.drag(0.05, stepz=2), "Load.drag", "no argument stepz", "did you mean step?"),
                 (lambda: tactel.solve(PARABOLA, acuracy=0.1), "solve", "no argument acuracy", "did you mean accuracy?"),
@@ -186,7 +194,7 @@ class Calls(unittest.TestCase):
             self.assertIsInstance(raised.exception, TypeError)
 
     def test_what_no_type_shows(self):
-        with self.assertRaisesRegex(tactel.InputError, r"Pad: \(tactels: tuple, axes: int\); must be \(tactels: tuple\[int, int\]"):
+        with self.assertRaisesRegex(tactel.InputError, r"Pad: \(tactels=\(4, 5, 6\), axes=3\); must be \(tactels: tuple\[int, int\]"):
             tactel.Pad(tactels=(4, 5, 6), axes=3)
         with self.assertRaisesRegex(tactel.InputError, r"Profile: x: array\(3.*must be Sequence\[float\]"):
             tactel.Profile(np.array(3.0), [0, 1])

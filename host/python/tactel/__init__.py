@@ -123,6 +123,9 @@ def solve_many(scenes, *, accuracy=None, rung="", precision="", device="", keep=
     steps, axes tactels]; the name of another array that array. progress: True for a line on stderr, or a function (done, all). Raises InputError, which names the scene by its
     index, HardwareError.
     """
+    arrays = [name for name in dict.fromkeys(dir(Paths) + dir(PadPaths)) if not name.startswith("_")]
+    if keep is not None and keep not in arrays:
+        raise _calls.unknown("solve_many: keep", keep, arrays, "array")
     with _Progress(progress, "scenes", "scenes") as told:
         paths = _tactel._solve_many(list(scenes), accuracy, rung, precision, device, told)
     return paths if keep is None else paths.frames if keep == "tactels" else getattr(paths, keep)

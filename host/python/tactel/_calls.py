@@ -19,10 +19,10 @@ def input_error(place, problem, fix):
     return error
 
 
-def unknown(place, name, names):
-    """Returns the InputError of an argument that is not among these names."""
+def unknown(place, name, names, kind="argument"):
+    """Returns the InputError of a name that is not among these."""
     near = difflib.get_close_matches(name, names, 1)
-    return input_error(place, f"no argument {name}", f"did you mean {near[0]}?" if near else f"it has {', '.join(names)}")
+    return input_error(place, f"no {kind} {name}", f"did you mean {near[0]}?" if near else f"it has {', '.join(names) or 'none'}")
 
 
 @functools.cache
@@ -43,7 +43,7 @@ def _signatures():
                 for one in node.args.args + node.args.kwonlyargs:
                     known = re.sub(r"\w+", lambda word: aliases.get(word[0], word[0]), ast.unparse(one.annotation))
                     one.annotation = ast.parse(known, mode="eval").body
-                found.setdefault(re.sub(r"\.__(init|new|call)__$", "", prefix + node.name), []).append(node.args)
+                found.setdefault(re.sub(r"\.__(init|new)__$", "", prefix + node.name), []).append(node.args)
             elif isinstance(node, ast.ClassDef):
                 add(node.body, node.name + ".", True)
 
@@ -62,8 +62,13 @@ def _fits(value, wanted):
         return hasattr(type(value), "__float__") and not getattr(value, "shape", ())
     if kind == "int":
         return hasattr(type(value), "__index__") and not getattr(value, "shape", ())
-    if kind == "str" or kind == "Literal" and "'" in ast.unparse(wanted):
+    if kind == "bool":
+        return type(value).__name__ in ("bool", "bool_")
+    if kind == "str":
         return isinstance(value, str)
+    if kind == "Literal":
+        of = {type(ast.literal_eval(one)).__name__ for one in getattr(wanted.slice, "elts", [wanted.slice])}
+        return any(_fits(value, ast.Name(one)) for one in of)
     if kind == "Callable":
         return callable(value)
     if kind in ("Sequence", "Iterable", "list", "tuple"):
@@ -77,39 +82,43 @@ def _fits(value, wanted):
 
 
 def _fault(name, arguments, args, kwargs, names):
-    """Returns (how near the call is to these arguments, the InputError), or None where it fits."""
+    """Returns how near the call is to these arguments, the place of its fault, the problem and the fix; None where it fits."""
     by_place = [one.arg for one in arguments.args]
     annotations = {one.arg: one.annotation for one in arguments.args + arguments.kwonlyargs}
     for word in kwargs:
         if word not in annotations and not arguments.kwarg:
-            return 0, unknown(name, word, names)
+            error = unknown(name, word, names)
+            return 0, name, error.problem, error.fix
     if len(args) > len(by_place):
-        return 1, input_error(name, f"{len(args)} arguments without a name", f"at most {len(by_place)}: {', '.join(by_place)}")
+        problem = f"{len(args)} argument{'s' if args[1:] else ''} without a name"
+        return 1, name, problem, f"at most {len(by_place)}: {', '.join(by_place)}" if by_place else "give none"
     given = dict(zip(by_place, args))
     for word in kwargs.keys() & given.keys():
-        return 1, input_error(name, f"{word} twice", "leave one out")
+        return 1, name, f"{word} twice", "leave one out"
     given |= kwargs
     needed = by_place[:len(by_place) - len(arguments.defaults)]
     needed += [one.arg for one, usual in zip(arguments.kwonlyargs, arguments.kw_defaults) if usual is None]
     if missing := [word for word in needed if word not in given]:
-        return 1, input_error(name, f"no {', '.join(missing)}", "give " + ("them" if missing[1:] else "it"))
-    for word, value in given.items():
+        return 1, name, f"no {', '.join(missing)}", "give " + ("them" if missing[1:] else "it")
+    for place, (word, value) in enumerate(given.items(), 2):
         if annotations.get(word) is not None and not _fits(value, annotations[word]):
-            return 2, input_error(f"{name}: {word}", f"{reprlib.repr(value)}, of type {type(value).__name__}",
-                                  f"must be {ast.unparse(annotations[word])}")
+            return place, f"{name}: {word}", f"{reprlib.repr(value)}, of type {type(value).__name__}", ast.unparse(annotations[word])
     return None
 
 
 def _wrong(name, args, kwargs, error):
     """Returns the InputError of a call that raised a TypeError, or None where the call was right."""
-    overloads = _signatures().get(name, [])
+    overloads = _signatures().get(name) or _signatures().get("_Fields." + name.rpartition(".")[2], [])
     names = list(dict.fromkeys(one.arg for each in overloads for one in each.args + each.kwonlyargs))
     faults = [_fault(name, arguments, args, kwargs, names) for arguments in overloads]
     if faults and all(faults):
-        return max(faults, key=lambda fault: fault[0])[1]
+        nearest, place, problem, fix = max(faults, key=lambda fault: fault[0])
+        if nearest > 1:  # a type; overloads may have others
+            fix = "must be " + " | ".join(dict.fromkeys(types for near, _, _, types in faults if near == nearest))
+        return input_error(place, problem, fix)
     if overloads and re.search("incompatible (function|constructor) arguments", str(error)):  # a type that is more than it shows
-        kinds = ", ".join([type(value).__name__ for value in args] + [f"{word}: {type(value).__name__}" for word, value in kwargs.items()])
-        return input_error(name, f"({kinds})", f"must be ({ast.unparse(overloads[0])})")
+        given = ", ".join([reprlib.repr(value) for value in args] + [f"{word}={reprlib.repr(value)}" for word, value in kwargs.items()])
+        return input_error(name, f"({given})", f"must be ({ast.unparse(overloads[faults.index(None)])})")
     return None
 
 
@@ -126,7 +135,7 @@ def _checked(name, function, is_method):
                 raise
             raise wrong from None
 
-    label = re.sub(r"\.__(init|call)__$", "", name)
+    label = name.removesuffix(".__init__")
     call.__module__, call.__qualname__ = "tactel", name
     return call
 
@@ -140,7 +149,7 @@ def check(scope, names):
                 scope[name] = _checked(name, public, False)
         elif not issubclass(public, BaseException):
             members = {member: value for base in reversed(public.__mro__) if base.__module__.startswith("tactel")
-                       for member, value in vars(base).items() if member != "with_"}  # it names a wrong field itself
+                       for member, value in vars(base).items()}
             for member, value in members.items():
                 static = isinstance(value, staticmethod)
                 if (callable(value) or static) and (member in ("__init__", "__call__") or not member.startswith("_")):
