@@ -16,6 +16,8 @@ void each_array(From& from, To& to, const Visit& visit) {
   visit(from.friction, to.friction), visit(from.stick_fraction, to.stick_fraction);
   visit(from.residual, to.residual), visit(from.contact, to.contact), visit(from.step, to.step);
   visit(from.indenter, to.indenter), visit(from.contact_nodes, to.contact_nodes), visit(from.status, to.status);
+  visit(from.poisson, to.poisson), visit(from.thickness, to.thickness), visit(from.young, to.young);
+  visit(from.length, to.length);
   if (from.axes == 2) return;  // a line
   visit(from.torque, to.torque), visit(from.twist, to.twist), visit(from.force_ratio, to.force_ratio);
 }
@@ -27,12 +29,14 @@ Set from_host(host::ContactSet&& from) {
   set.inputs = static_cast<std::size_t>(from.inputs), set.axes = static_cast<std::size_t>(from.axes);
   each_array(from, set, [](auto& array, auto& to) { to = std::move(array); });
   set.indenter_names = std::move(from.indenter_names);
-  set.tactel_x = std::move(from.tactel_x), set.parameters = std::move(from.contact_parameters);
+  set.tactel_x = std::move(from.tactel_x), set.tactel_y = std::move(from.tactel_y);
+  set.parameters = std::move(from.contact_parameters);
   set.parameter_names = std::move(from.host::SetColumns::parameters);
   set.parameter_units = std::move(from.parameter_units);
   set.contacts = from.contacts, set.without_rows = from.without_rows;
   set.fell_back = from.fell_back, set.unsolved = from.unsolved;
   set.sweep = std::move(from.sweep), set.rung = std::move(from.rung), set.device = std::move(from.device);
+  set.transducer = std::move(from.transducer), set.plan = std::move(from.plan);
   set.seed = from.seed, set.press_rows = from.press_rows;
   return set;
 }
@@ -40,6 +44,7 @@ Set from_host(host::ContactSet&& from) {
 host::ContactSet to_host(const Set& from) {
   host::ContactSet set;
   set.inputs = static_cast<int>(from.inputs), set.axes = static_cast<int>(from.axes), set.pad = from.axes != 2;
+  set.sensors = !(from.poisson.empty() && from.thickness.empty() && from.young.empty() && from.length.empty());
   each_array(from, set, [&](const auto& array, auto& to) {
     const auto is = [&](const auto& of) { return static_cast<const void*>(&array) == &of; };
     const bool directed = is(from.tangential_force) || is(from.tangential);
@@ -48,24 +53,27 @@ host::ContactSet to_host(const Set& from) {
       throw InputError("set", std::to_string(array.size()) + " numbers of an array",
                        "give " + std::to_string(numbers) + ", for " + std::to_string(from.rows()) + " rows");
     to.assign(array.begin(), array.end());
-    to.resize(numbers);
   });
-  if (from.indentation.empty()) set.indentation.clear();  // unknown, and not 0: no dataset
-  if (from.tangential.empty()) set.tangential.clear();
-  if (!from.tactel_x.empty() && 2 * from.tactel_x.size() != from.inputs)
-    throw InputError("set", std::to_string(from.tactel_x.size()) + " places of tactels",
-                     "give " + std::to_string(from.inputs / 2) + ", or none");
+  each_dataset(set, [&](const char* name, auto& values, int width, const char*) {
+    if (!values.empty() || from.rows() == 0) return;
+    set.left_out.insert(name);  // unknown, and not 0: no dataset
+    values.resize(from.rows() * static_cast<std::size_t>(width > 0 ? width : 1));
+  });
+  for (const auto* places : {&from.tactel_x, &from.tactel_y})
+    if (!places->empty() && !from.frames.empty() && from.axes * places->size() != from.inputs)
+      throw InputError("set", std::to_string(places->size()) + " places of tactels",
+                       "give " + std::to_string(from.inputs / from.axes) + ", or none");
   if (from.parameters.size() != from.contacts * from.parameter_names.size() ||
       from.parameter_units.size() != from.parameter_names.size())
     throw InputError("set", std::to_string(from.parameters.size()) + " parameters",
                      "give one for each contact and name, and a unit for each name");
-  set.tactel_x = from.tactel_x, set.contact_parameters = from.parameters;
+  set.tactel_x = from.tactel_x, set.tactel_y = from.tactel_y, set.contact_parameters = from.parameters;
   set.parameters = from.parameter_names, set.parameter_units = from.parameter_units;
   set.indenter_names = from.indenter_names;
   set.contacts = from.contacts, set.without_rows = from.without_rows;
   set.fell_back = from.fell_back, set.unsolved = from.unsolved;
   set.sweep = from.sweep, set.rung = from.rung, set.device = from.device, set.seed = from.seed;
-  set.press_rows = from.press_rows;
+  set.transducer = from.transducer, set.plan = from.plan, set.press_rows = from.press_rows;
   return set;
 }
 

@@ -13,15 +13,18 @@
 #include "host/scenes/sweep_file.h"
 #include "host/scenes/unit_warnings.h"
 #include "host/sets/set_production.h"
+#include "host/sets/set_recipe.h"
 #include "host/sets/set_simulator.h"
 #include "host/support/errors.h"
 
 namespace tactel {
 
 struct Sweep::State {
-  State(std::string path, host::Sweep sweep) : path(std::move(path)), sweep(std::move(sweep)) {}
+  State(std::string path, host::Sweep sweep, bool as_in_file)
+      : path(std::move(path)), sweep(std::move(sweep)), as_in_file(as_in_file) {}
   std::string path;
   host::Sweep sweep;
+  bool as_in_file;  ///< the text is all of it
 };
 
 namespace {
@@ -38,18 +41,21 @@ class Simulation {
       : text_(sweep.text), source_(sweep.source), executor_(host::Device(options.device)) {
     api::check_precision(options.precision);
     host::SetOptions set;
-    std::visit([&](auto& of) { choose_model(of, options, set); }, source_);
+    const std::optional<host::Rung> rung =
+        std::visit([&](auto& of) { return choose_model(of, options, set); }, source_);
     if (!options.transducer) host::common(source_).measure_with({}, source().seed());
     if (options.tolerance) set.tolerance = *options.tolerance;
     if (!options.precision.empty())
       set.precision = options.precision == "fp64" ? host::Precision::fp64 : host::Precision::fp32;
-    if (rung_.empty()) rung_ = name(set.precision);
+    rung_ = host::model_text(source_, rung, set, options.accuracy);
+    plan_ = host::recipe_of(sweep, rung, set).conditions;
     simulator_ = std::make_unique<host::SetSimulator>(executor_, source_, set);
   }
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
   const host::ContactSource& source() const { return host::common(source_); }
+  const std::string& plan() const { return plan_; }
   /// A set without rows.
   Set empty_set() const {
     Set set;
@@ -58,32 +64,33 @@ class Simulation {
     set.sweep = text_, set.seed = source().seed();
     set.press_rows = source().press_rows();
     set.rung = rung_, set.device = executor_.device().info().name;
+    set.transducer = nn::description(source().transducer());
     return set;
   }
   host::ContactSet rows(std::uint64_t first, std::uint64_t count) const { return simulator_->simulate(first, count); }
 
  private:
-  void choose_model(host::SceneSource& source, const SweepOptions& options, host::SetOptions& set) {
+  std::optional<host::Rung> choose_model(host::SceneSource& source, const SweepOptions& options,
+                                         host::SetOptions& set) {
     host::SolveOptions modelling;
     modelling.rung = options.rung, modelling.accuracy = options.accuracy;
     auto rung = host::rung_for_many(
         executor_, modelling,
         {source.contacts(), [&](std::uint64_t k) { return source.contact(k).scene; }, source.own_sensors()});
     if (!rung && source.model() == fem::SurfaceModel::patch) rung = host::usual_patch();
-    if (!rung) return;
-    model_on(*rung, source, set);
-    rung_ = rung->name + ": " + host::description(*rung);
+    if (rung) model_on(*rung, source, set);
+    return rung;
   }
-  void choose_model(host::PadSource&, const SweepOptions& options, host::SetOptions& set) {
+  std::optional<host::Rung> choose_model(host::PadSource&, const SweepOptions& options, host::SetOptions& set) {
     if (options.accuracy)
       throw InputError("accuracy", std::to_string(*options.accuracy), "leave it out for a sweep of pads: give a rung");
     if (!options.rung.empty()) set.pad = host::pad_rung_named(options.rung);
     if (set.pad.exact) throw InputError("rung", options.rung, "must be pad-8, -12, -16 or -24 for a sweep");
     if (options.tolerance) set.accept = fem::slow_on_patch * *options.tolerance;
-    rung_ = set.pad.name + ": " + host::description(set.pad);
+    return {};
   }
 
-  std::string text_, rung_;
+  std::string text_, rung_, plan_;
   host::AnySource source_;
   host::Executor executor_;
   std::unique_ptr<host::SetSimulator> simulator_;
@@ -98,7 +105,9 @@ void append(Set& to, Set&& more) {
   join(to.torque, more.torque), join(to.twist, more.twist), join(to.force_ratio, more.force_ratio);
   join(to.parameters, more.parameters);
   to.parameter_names = std::move(more.parameter_names), to.parameter_units = std::move(more.parameter_units);
-  to.tactel_x = std::move(more.tactel_x);
+  to.tactel_x = std::move(more.tactel_x), to.tactel_y = std::move(more.tactel_y);
+  join(to.poisson, more.poisson), join(to.thickness, more.thickness);
+  join(to.young, more.young), join(to.length, more.length);
   join(to.friction, more.friction), join(to.stick_fraction, more.stick_fraction), join(to.residual, more.residual);
   join(to.contact, more.contact), join(to.step, more.step), join(to.indenter, more.indenter);
   join(to.contact_nodes, more.contact_nodes), join(to.status, more.status);
@@ -116,13 +125,14 @@ void check_memory(const host::ContactSet& rows, std::uint64_t count, std::uint64
                          ", whose rows fit into memory; batches() takes them in parts, tactel generate writes a file");
 }
 
-/// Rows of contacts first ... first + count - 1, chunk by chunk.
+/// Rows of contacts first ... first + count - 1, chunk by chunk; of pads by smaller ones, as each takes seconds.
 Set rows_of(const Simulation& simulation, std::uint64_t first, std::uint64_t count, const ProgressFunction& progress) {
   Set set = simulation.empty_set();
   set.contacts = count;
-  for (std::uint64_t done = 0; done < count; done += host::chunk_contacts) {
+  const std::uint64_t chunk = host::chunk_contacts / (set.axes == 2 ? 1 : 4);
+  for (std::uint64_t done = 0; done < count; done += chunk) {
     if (!progress(done, count)) throw Cancelled("sweep: cancelled by progress");
-    const std::uint64_t some = std::min(host::chunk_contacts, count - done);
+    const std::uint64_t some = std::min(chunk, count - done);
     host::ContactSet rows = simulation.rows(first + done, some);
     if (done == 0) check_memory(rows, some, count);
     append(set, api::from_host(std::move(rows)));
@@ -139,8 +149,10 @@ Set rows_of(const Simulation& simulation, std::uint64_t first, std::uint64_t cou
 }  // namespace
 
 Sweep::Sweep(const std::string& path, std::optional<std::uint64_t> seed, const SensorChange& sensor)
-    : state_(api::with_public_errors(
-          [&] { return new State(path, host::read_sweep_of_sensor(path, seed, sensor.tactels, sensor.thickness)); })) {}
+    : state_(api::with_public_errors([&] {
+        return new State(path, host::read_sweep_of_sensor(path, seed, sensor.tactels, sensor.thickness),
+                         !seed && !sensor.tactels && !sensor.thickness);
+      })) {}
 Sweep::~Sweep() { delete state_; }
 Sweep::Sweep(Sweep&& other) noexcept : state_(std::exchange(other.state_, nullptr)) {}
 Sweep& Sweep::operator=(Sweep&& other) noexcept {
@@ -172,7 +184,7 @@ PadScene Sweep::pad_scene(std::uint64_t k) const {
 Sweep Sweep::changed(double shift) const {
   if (!endless()) throw InputError(state_->path, "a listed set", "a sweep that draws its contacts (sweep.contacts)");
   auto source = std::visit([&](const auto& of) { return host::AnySource(of.changed(shift)); }, state_->sweep.source);
-  return Sweep(new State{state_->path, host::Sweep{state_->sweep.text, std::move(source)}});
+  return Sweep(new State{state_->path, host::Sweep{state_->sweep.text, std::move(source)}, false});
 }
 std::uint64_t Sweep::changes() const {
   return std::visit([](const auto& of) { return of.changes(); }, state_->sweep.source);
@@ -182,8 +194,14 @@ Set Sweep::generate(std::optional<std::uint64_t> contacts, const SweepOptions& o
                     const ProgressFunction& progress) const {
   const std::uint64_t count = contacts.value_or(this->contacts());
   if (!endless() && count > this->contacts()) throw_past_end(state_->path, count, this->contacts());
-  return api::with_public_errors([&] { return rows_of(Simulation(state_->sweep, options), 0, count, progress); },
-                                 state_->path);
+  return api::with_public_errors(
+      [&] {
+        const Simulation simulation(state_->sweep, options);
+        Set set = rows_of(simulation, 0, count, progress);
+        if (state_->as_in_file && count == this->contacts() && options.transducer) set.plan = simulation.plan();
+        return set;
+      },
+      state_->path);
 }
 
 struct SweepBatches::State {

@@ -201,7 +201,6 @@ Modelling modelling(const GenerateRequest& request, Sweep& sweep, SetOptions& op
 
 int run_generate(const GenerateRequest& request) {
   Sweep sweep = read_sweep(request.sweep);
-  const bool pads = std::holds_alternative<PadSource>(sweep.source);
   const ContactSource& contacts = sweep.contacts();
   ProductionOptions options = production_options(request);
   std::optional<Interrupt> interrupt;  // outlives ranks: a process that is done waits in MPI_Finalize for the others
@@ -211,11 +210,7 @@ int run_generate(const GenerateRequest& request) {
     for (const std::string& warning : unit_warnings(sweep.source)) print_warning(warning);
   SetColumns columns = columns_of(sweep.source);
   if (!request.columns.empty()) columns = only_columns(columns, request.columns);
-  const SetRecipe recipe = recipe_of(sweep,
-                                     pads   ? options.set.pad.name
-                                     : rung ? rung->name
-                                            : "as the file says",
-                                     options.set, request.columns, request.compress);
+  const SetRecipe recipe = recipe_of(sweep, rung, options.set, request.columns, request.compress);
   const bool complete = ranks.first() && already_there(request, recipe);
   if (ranks.sum({complete ? 1.0 : 0.0})[0] > 0) {  // all processes must agree
     if (complete && !request.shared.quiet) fmt::print("{}: complete already\n", request.output);
@@ -270,12 +265,7 @@ int run_generate(const GenerateRequest& request) {
   set.indenter_names = contacts.kind_names();
   set.transducer = nn::description(contacts.transducer());
   set.device = fmt::format("{}", fmt::join(report.devices, ", "));
-  set.rung =
-      pads ? fmt::format("{}: {}, {}", options.set.pad.name, description(options.set.pad), name(options.set.precision))
-      : rung ? fmt::format("{}: {}", rung->name, description(*rung))
-             : name(options.set.precision);
-  if (const auto accuracy = request.shared.solve.accuracy)
-    set.rung += fmt::format("; the accuracy of {:g} holds for S alone, not for stresses", *accuracy);
+  set.rung = model_text(sweep.source, rung, options.set, request.shared.solve.accuracy);
   {
     const StageLine stage("assembling " + request.output, request.shared.quiet);
     spool->assemble(set, request.compress);

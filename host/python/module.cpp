@@ -24,8 +24,8 @@ bool PythonProgress::operator()(std::uint64_t done, std::uint64_t all) const {
 
 void bind_errors(py::module_& module) {
   static py::exception<Error> base(module, "Error", PyExc_RuntimeError);
-  // A ValueError too: what Python's own functions raise for a wrong value.
-  const py::tuple bases = py::make_tuple(base, py::handle(PyExc_ValueError));
+  // A ValueError and a TypeError too: what Python's own functions raise for a wrong value, and for a wrong argument.
+  const py::tuple bases = py::make_tuple(base, py::handle(PyExc_ValueError), py::handle(PyExc_TypeError));
   // Never freed: the interpreter may be gone when the library is unloaded.
   static const py::handle input = PyErr_NewExceptionWithDoc(
       "tactel.InputError",

@@ -101,6 +101,7 @@ void bind_set(py::module_& m) {
       .def_property_readonly("tangential", directed(&Set::tangential),
                              "[rows] mm, way along x since first touch; of pads [rows, 2]")
       .def_property_readonly("tactel_x", column(&Set::tactel_x), "[tactels] mm; empty where contacts differ in them")
+      .def_property_readonly("tactel_y", column(&Set::tactel_y), "[tactels] mm, of pads")
       .def_property_readonly(
           "parameters",
           [](const py::object& self) {
@@ -127,6 +128,14 @@ void bind_set(py::module_& m) {
       .def_readonly("press_rows", &Set::press_rows, "whether the load steps of the pressing are rows, too")
       .def_readonly("unsolved", &Set::unsolved, "contacts that stayed unsolved")
       .def_readonly("without_rows", &Set::without_rows, "contacts without a row")
+      .def(
+          "save",
+          [](const Set& set, const std::string& path) {
+            const py::gil_scoped_release released;
+            write_set(set, path);
+          },
+          "path"_a,
+          "Writes a set file (HDF5): that of `tactel generate` for the rows of a whole sweep. Raises InputError.")
       .def("__repr__", [](const Set& set) {
         return "<tactel.Set: " + std::to_string(set.rows()) + " rows of " + std::to_string(set.inputs / set.axes) +
                " tactels, " + std::to_string(set.contacts) + " contacts>";

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <functional>
+#include <map>
 
 #include "host/sets/contact_set.h"
 #include "host/sets/hdf5_handle.h"
@@ -21,18 +22,22 @@ namespace {
 constexpr std::uint64_t most_chunk_bytes = 1u << 20;
 constexpr std::uint64_t most_chunk_rows = 8192;
 
+/// `count`: of values in a list; none: one value.
+bool write_attribute(hid_t where, const char* name, hid_t type, const void* values, std::optional<hsize_t> count = {}) {
+  const Handle space(count ? H5Screate_simple(1, &*count, nullptr) : H5Screate(H5S_SCALAR), H5Sclose);
+  const Handle attribute(H5Acreate2(where, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  return attribute.open() && H5Awrite(attribute, type, values) >= 0;
+}
+
 bool write_text(hid_t where, const char* name, const std::string& text) {
-  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose), space(H5Screate(H5S_SCALAR), H5Sclose);
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
   H5Tset_size(type, text.size() + 1);
   H5Tset_cset(type, H5T_CSET_UTF8);
-  const Handle attribute(H5Acreate2(where, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-  return attribute.open() && H5Awrite(attribute, type, text.c_str()) >= 0;
+  return write_attribute(where, name, type, text.c_str());
 }
 
 bool write_number(hid_t where, const char* name, std::uint64_t value) {
-  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
-  const Handle attribute(H5Acreate2(where, name, H5T_STD_U64LE, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-  return attribute.open() && H5Awrite(attribute, H5T_NATIVE_UINT64, &value) >= 0;
+  return write_attribute(where, name, H5T_STD_U64LE, &value);
 }
 
 /// A dataset of its final size, its unit beside it, and the checksum of what was written to it.
@@ -42,9 +47,59 @@ struct Column {
   hid_t type;
   std::size_t value_bytes;
   int columns;
-  std::size_t written = 0;  ///< rows
+  std::vector<const char*> dimensions{};  ///< names
+  std::size_t written = 0;                ///< rows
   RunningChecksum sum{};
 };
+
+/// A dataset along one of its dimensions, as HDF5 Dimension Scales list it.
+struct AlongScale {
+  hobj_ref_t dataset;
+  int dimension, unused = 0;  ///< the same set gives the same bytes
+};
+
+/// Names the dimensions of the datasets, for netCDF, xarray and h5py: to each name belongs a dataset without numbers
+/// (HDF5 Dimension Scale Specification 1.0; its name is netCDF's, for a dimension without coordinates). It and the
+/// datasets along it refer to each other. Returns false on failure.
+bool write_dimensions(hid_t file, const std::vector<Column>& columns) {
+  const Handle many(H5Tvlen_create(H5T_STD_REF_OBJ), H5Tclose);
+  const Handle along(H5Tcreate(H5T_COMPOUND, sizeof(AlongScale)), H5Tclose);
+  H5Tinsert(along, "dataset", HOFFSET(AlongScale, dataset), H5T_STD_REF_OBJ);
+  H5Tinsert(along, "dimension", HOFFSET(AlongScale, dimension), H5T_NATIVE_INT);
+  std::map<std::string, std::vector<AlongScale>> scales;
+  std::map<std::string, hsize_t> sizes;
+  bool good = true;
+  for (const Column& column : columns) {
+    hsize_t extent[2] = {0, 0};
+    const Handle space(H5Dget_space(column.data), H5Sclose);
+    H5Sget_simple_extent_dims(space, extent, nullptr);
+    AlongScale self{};
+    good = good && H5Rcreate(&self.dataset, file, column.name.c_str(), H5R_OBJECT, -1) >= 0;
+    for (const char* name : column.dimensions) {
+      scales[name].push_back(self);
+      sizes[name] = extent[self.dimension++];
+    }
+  }
+  for (const auto& [name, datasets] : scales) {
+    const Handle space(H5Screate_simple(1, &sizes[name], nullptr), H5Sclose),
+        plain(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    H5Pset_obj_track_times(plain, false);
+    const Handle scale(H5Dcreate2(file, name.c_str(), H5T_IEEE_F32LE, space, H5P_DEFAULT, plain, H5P_DEFAULT),
+                       H5Dclose);
+    good = good && scale.open() && write_text(scale, "CLASS", "DIMENSION_SCALE") &&
+           write_text(scale, "NAME",
+                      fmt::format("This is a netCDF dimension but not a netCDF variable.{:10}", sizes[name])) &&
+           write_attribute(scale, "REFERENCE_LIST", along, datasets.data(), datasets.size());
+  }
+  for (const Column& column : columns) {
+    hobj_ref_t scale[2] = {0, 0};
+    const hvl_t lists[2] = {{1, &scale[0]}, {1, &scale[1]}};
+    for (std::size_t i = 0; i < column.dimensions.size(); ++i)
+      good = good && H5Rcreate(&scale[i], file, column.dimensions[i], H5R_OBJECT, -1) >= 0;
+    good = good && write_attribute(column.data, "DIMENSION_LIST", many, lists, column.dimensions.size());
+  }
+  return good;
+}
 
 Column create_column(hid_t file, const char* name, hid_t type, std::size_t rows, int columns, hsize_t rows_of_chunk,
                      const char* unit, bool compress) {
@@ -117,18 +172,24 @@ std::vector<Column> create_columns(hid_t file, const SetColumns& columns, std::s
   bool good = true;
   std::string names;
   const auto create = [&](const char* name, const auto& values, int width, const char* unit, std::size_t size,
-                          hsize_t rows_of_chunk) {
+                          hsize_t rows_of_chunk, std::vector<const char*> dimensions) {
     using T = typename std::remove_cvref_t<decltype(values)>::value_type;
     if (!good) return;
     names += (names.empty() ? "" : "\n") + std::string(name);
     all.push_back(create_column(file, name, type_of<T>(), size, width, rows_of_chunk, unit, compress));
+    all.back().dimensions = std::move(dimensions);
     good = all.back().data.open();
   };
   each_dataset(nothing, [&](const char* name, const auto& values, int width, const char* unit) {
-    create(name, values, width, unit, rows, rows_of_chunk(columns.inputs));
+    std::vector<const char*> dimensions = {"row"};
+    if (width > 0) dimensions.push_back(std::string_view(name) == "inputs" ? "input" : "direction");
+    create(name, values, width, unit, rows, rows_of_chunk(columns.inputs), std::move(dimensions));
   });
   each_other_dataset(nothing, [&](const char* name, const auto& values, int width, const char* unit) {
-    create(name, values, width, unit, width > 0 ? contacts : values.size(), rows_of_chunk(width));
+    std::vector<const char*> dimensions = {"tactel"};
+    if (width > 0) dimensions = {"contacts", "parameter"};
+    create(name, values, width, unit, width > 0 ? contacts : values.size(), rows_of_chunk(width),
+           std::move(dimensions));
     if (good && width > 0)
       good = write_text(all.back().data, "columns", joined(columns.parameters)) &&
              write_text(all.back().data, "units", joined(columns.parameter_units));
@@ -141,7 +202,7 @@ std::vector<Column> create_columns(hid_t file, const SetColumns& columns, std::s
 /// numbers. Returns false on failure.
 bool finish_file(Handle& file, std::vector<Column>& columns, const std::vector<std::string>& sums,
                  const ContactSet& set) {
-  bool good = write_attributes(file, set);
+  bool good = write_attributes(file, set) && write_dimensions(file, columns);
   for (std::size_t c = 0; c < columns.size(); ++c) {
     good = good && write_text(columns[c].data, seal_name, dataset_seal(columns[c].data, columns[c].name, sums[c]));
     good = columns[c].data.close() && good;
@@ -238,7 +299,8 @@ void write_contact_set(const std::filesystem::path& path, const ContactSet& set)
   const SetColumns columns = set.columns();
   const std::size_t contacts =
       columns.parameters.empty() ? 0 : set.contact_parameters.size() / columns.parameters.size();
-  ContactSetWriter writer(path, columns, set.rows(), contacts);
+  const bool compress = set.plan.find("\ncompress yes\n") != std::string::npos;
+  ContactSetWriter writer(path, columns, set.rows(), contacts, compress);
   writer.append(set);
   writer.finish(set);
 }

@@ -50,12 +50,15 @@ std::string differences(const std::map<std::string, std::string>& asked,
 
 }  // namespace
 
-SetRecipe recipe_of(const Sweep& sweep, const std::string& rung, const SetOptions& options, const std::string& columns,
-                    bool compress) {
+SetRecipe recipe_of(const Sweep& sweep, const std::optional<Rung>& rung, const SetOptions& options,
+                    const std::string& columns, bool compress) {
   const std::string tolerance =
       options.accept > 0 ? fmt::format("accepting {:a}", options.accept) : fmt::format("{:a}", options.tolerance);
   std::string conditions =
-      fmt::format("tactel " TACTEL_VERSION "\nspool 4\nrung {}\nprecision {}\ntolerance {}\nchunk {}\n", rung,
+      fmt::format("tactel " TACTEL_VERSION "\nspool 4\nrung {}\nprecision {}\ntolerance {}\nchunk {}\n",
+                  std::holds_alternative<PadSource>(sweep.source) ? options.pad.name
+                  : rung                                          ? rung->name
+                                                                  : "as the file says",
                   name(options.precision), tolerance, chunk_contacts);
   if (!columns.empty()) conditions += "columns " + columns + "\n";
   if (compress) conditions += "compress yes\n";
@@ -65,9 +68,22 @@ SetRecipe recipe_of(const Sweep& sweep, const std::string& rung, const SetOption
   return {conditions, sweep.text};
 }
 
+std::string model_text(const AnySource& source, const std::optional<Rung>& rung, const SetOptions& options,
+                       std::optional<double> accuracy) {
+  std::string text = name(options.precision);
+  if (std::holds_alternative<PadSource>(source))
+    text = fmt::format("{}: {}, {}", options.pad.name, description(options.pad), text);
+  else if (rung)
+    text = fmt::format("{}: {}", rung->name, description(*rung));
+  if (accuracy) text += fmt::format("; the accuracy of {:g} holds for S alone, not for stresses", *accuracy);
+  return text;
+}
+
 void expect_made_by(const SetRecipe& recipe, const std::string& path) {
   const ContactSet set = read_attributes(path);
   if (set.sweep != recipe.sweep) refuse(path, "a set of this sweep file; it has another");
+  if (set.plan.empty())
+    refuse(path, "a set of the requested conditions; it is a part of the sweep, or of other options");
   if (const std::string other = differences(by_name(recipe.conditions), by_name(set.plan)); !other.empty())
     refuse(path, "a set of the requested conditions; it has " + other);
 }

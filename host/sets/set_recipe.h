@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <optional>
 #include <string>
 
 #include "host/scenes/sweep_file.h"
@@ -18,9 +19,13 @@ struct SetRecipe {
   std::string text() const { return conditions + sweep; }
 };
 
-/// `rung`: its name, or "as the file says". `columns`: datasets that --columns names; empty: all.
-SetRecipe recipe_of(const Sweep& sweep, const std::string& rung, const SetOptions& options,
+/// `rung`: of lines; none: as the file says. `columns`: datasets that --columns names; empty: all.
+SetRecipe recipe_of(const Sweep& sweep, const std::optional<Rung>& rung, const SetOptions& options,
                     const std::string& columns = "", bool compress = false);
+
+/// Returns the attribute `rung` of a set. `accuracy`: asked for.
+std::string model_text(const AnySource& source, const std::optional<Rung>& rung, const SetOptions& options,
+                       std::optional<double> accuracy);
 
 /// Throws ConfigError naming --resume and the difference, where the finished set `path` was made by another plan.
 void expect_made_by(const SetRecipe& recipe, const std::string& path);

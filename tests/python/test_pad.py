@@ -9,6 +9,7 @@ import subprocess
 import tempfile
 import unittest
 
+import h5py
 import numpy as np
 import tactel
 
@@ -102,6 +103,13 @@ class Sweeps(unittest.TestCase):
             self.assertEqual(rows.Q.shape, (len(rows), 2))
             for name in ("frames", "slip_index", "P", "Q", "M", "twist", "force_ratio", "tangential", "contact", "step"):
                 np.testing.assert_array_equal(getattr(rows, name), getattr(there, name), name)
+            rows.save(os.path.join(folder, "saved.h5"))
+            self.assertTrue(pathlib.Path(folder, "saved.h5").read_bytes() == pathlib.Path(of_program).read_bytes())
+            with h5py.File(of_program) as saved:
+                for name, its in (("inputs", ("row", "input")), ("tangential_force", ("row", "direction")),
+                                  ("tactel_y", ("tactel",)), ("parameters", ("contacts", "parameter"))):
+                    self.assertEqual([along[0].name for along in saved[name].dims], ["/" + one for one in its])
+                    self.assertEqual(saved[name].shape, tuple(len(saved[one]) for one in its))
             for k in range(6):  # the scene has the irregular path; the sweeps' tolerance is 1e-3
                 path, own = tactel.solve(sweep.scene(k), precision="fp32"), rows.contact == k
                 np.testing.assert_allclose(rows.slip_index[own], path.slip_index[rows.step[own]], atol=2e-3)

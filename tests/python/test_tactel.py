@@ -3,12 +3,14 @@
 
 import ast
 import html
+import inspect
 import io
 import itertools
 import json
 import os
 import pathlib
 import pickle
+import re
 import select
 import subprocess
 import tempfile
@@ -19,6 +21,7 @@ from unittest import mock
 import numpy as np
 import onnx_numpy
 import tactel
+from tactel import _calls
 
 try:
     import onnxruntime
@@ -57,7 +60,7 @@ class Values(unittest.TestCase):
         self.assertNotEqual(sensor, tactel.Sensor())
 
     def test_a_wrong_field_is_named(self):
-        with self.assertRaisesRegex(TypeError, "no field raduis; its fields: radius"):
+        with self.assertRaisesRegex(TypeError, "Parabola.with_: no argument raduis; did you mean radius?"):
             tactel.Parabola(3).with_(raduis=4)
         with self.assertRaises(AttributeError):
             PARABOLA.friction = 0.1  # a copy that would be lost elsewhere
@@ -130,19 +133,84 @@ class Errors(unittest.TestCase):
             (place / "scene.toml").write_text((ROOT / "examples/parabola.toml").read_text())
             (place / "sweep.toml").write_text(SWEEP)
             (place / "set.h5").touch()
-            (net,) = tactel.train(tactel.Sweep(place / "sweep.toml").generate(5), layers=(42, 3, 1), cycles=1)
+            rows = tactel.Sweep(place / "sweep.toml").generate(5)
+            (net,) = tactel.train(rows, layers=(42, 3, 1), cycles=1)
             net.to_onnx(str(place / "slip.onnx"))
             before = sorted(place.iterdir())
             simulation = f"simulate:{place / 'scene.toml'}"
             for call, name in ((tactel.read_scene, "scene.toml"), (tactel.Sweep, "sweep.toml"), (tactel.read_set, "set.h5"),
                                (tactel.Network.load, "slip.onnx"), (tactel.SlipEstimator.load, "slip.onnx"),
-                               (net.to_onnx, "new.onnx"),
+                               (net.to_onnx, "new.onnx"), (rows.save, "new.h5"),
                                (lambda path: tactel.open_sensor(f"simulate:{path}"), "scene.toml"),
                                (lambda path: tactel.open_sensor(simulation, calibration=path), "scene.toml"),
                                (lambda path: tactel.open_sensor("usb:04D8:0001", profile=path), "scene.toml")):
                 with self.subTest(name=name), self.assertRaisesRegex(tactel.InputError, "NUL byte"):
                     call(str(place / name) + "\0x")
             self.assertEqual(sorted(place.iterdir()), before)
+
+
+class Calls(unittest.TestCase):
+    """A wrong argument is named, whatever class or function it is of."""
+
+    def test_names_the_argument(self):
+        load = tactel.Press(0.1)
+        frames = tactel.Set(np.zeros((4, 2)), np.zeros(4))
+        for call, place, problem, fix in (
+                (lambda: tactel.Sensor(tactel_widht=3), "Sensor", "no argument tactel_widht", "did you mean tactel_width?"),
+                (lambda: tactel.Scene(frcition=0.3), "Scene", "no argument frcition", "did you mean friction?"),
+                (lambda: tactel.Scene(tactel.Pad(), tactel.Sphere(), "low"), "Scene: friction", "'low', of type str", "must be float"),
+                (lambda: tactel.solve_many([PARABOLA], keep="slipindex"), "solve_many: keep", "no array slipindex", "did you mean slip_index?"),
+                (lambda: tactel.solve_many([PARABOLA], progress="yes"), "solve_many: progress", "'yes', of type str",
+                 "must be bool | Callable[[int, int], Any] | None"),
+                (lambda: PARABOLA.with_(3), "Scene.with_", "1 argument without a name", "give none"),
+                (lambda: PARABOLA.validate(deep=True), "Scene.validate", "no argument deep", "it has none"),
+                (lambda: tactel.Press(0.1).drag("a", 3), "Load.drag: step", "'a', of type str",
+                 "must be float | tuple[float, float] | list[float]"),
+                (lambda: tactel.Wedge(opening=3), "Wedge", "no argument opening", "it has edge_angle"),
+                (lambda: load.drag(0.05, stepz=2), "Load.drag", "no argument stepz", "did you mean step?"),
+                (lambda: tactel.solve(PARABOLA, acuracy=0.1), "solve", "no argument acuracy", "did you mean accuracy?"),
+                (lambda: tactel.solve_many([PARABOLA], progres=True), "solve_many", "no argument progres", "did you mean progress?"),
+                (lambda: tactel.Sweep("a.toml", sed=3), "Sweep", "no argument sed", "did you mean seed?"),
+                (lambda: tactel.train(frames, sedes=3), "train", "no argument sedes", "did you mean seeds?"),
+                (lambda: tactel.Network.from_arrays([], [], slop=1), "Network.from_arrays", "no argument slop", "did you mean slope?"),
+                (lambda: tactel.open_sensor(sorce="x"), "open_sensor", "no argument sorce", "did you mean source?"),
+                (lambda: tactel.Press(), "Press", "no indentation", "give it"),
+                (lambda: tactel.Flat(1, 2), "Flat", "2 arguments without a name", "at most 1: half_width"),
+                (lambda: tactel.Flat(1, half_width=2), "Flat", "half_width twice", "leave one out"),
+                (lambda: tactel.Sensor(young="soft"), "Sensor: young", "'soft', of type str", "must be float"),
+                (lambda: tactel.Sensor(20.0, tactels=2.5), "Sensor: tactels", "2.5, of type float", "must be int"),
+                (lambda: tactel.Profile([0, 1], [0, "b"]), "Profile: y", "[0, 'b'], of type list", "must be Sequence[float]"),
+                (lambda: tactel.Sensor(mesh=3), "Sensor: mesh", "3, of type int", "must be Mesh | None"),
+                (lambda: load.drag(0.05, steps=2, twist=1), "Load.drag: step", "0.05, of type float",
+                 "must be tuple[float, float] | list[float]"),
+                (lambda: tactel.train("set.h5"), "train: data", "'set.h5', of type str", "must be Set"),
+                (lambda: tactel.solve(3), "solve: scene", "3, of type int", "must be Scene"),
+                (lambda: frames.save(3), "Set.save: path", "3, of type int", "must be str"),
+                (lambda: tactel.SlipEstimator.load(file="x"), "SlipEstimator.load", "no argument file", "it has path")):
+            with self.subTest(problem=problem), self.assertRaises(tactel.InputError) as raised:
+                call()
+            self.assertEqual((raised.exception.place, raised.exception.problem, raised.exception.fix), (place, problem, fix))
+            self.assertEqual(str(raised.exception), f"{place}: {problem}; {fix}")
+            self.assertIsInstance(raised.exception, TypeError)
+
+    def test_what_no_type_shows(self):
+        with self.assertRaisesRegex(tactel.InputError, r"Pad: \(tactels=\(4, 5, 6\), axes=3\); must be \(tactels: tuple\[int, int\]"):
+            tactel.Pad(tactels=(4, 5, 6), axes=3)
+        with self.assertRaisesRegex(tactel.InputError, r"Profile: x: array\(3.*must be Sequence\[float\]"):
+            tactel.Profile(np.array(3.0), [0, 1])
+
+    def test_mistakes_of_own_functions_stay(self):
+        with self.assertRaisesRegex(TypeError, "unsupported operand") as raised:
+            tactel.Profile.sampled(lambda x: x + "a", left=0, right=1)
+        self.assertNotIsInstance(raised.exception, tactel.InputError)
+        with self.assertRaisesRegex(TypeError, "positional argument") as raised:
+            tactel.solve_many([PARABOLA] * 3, progress=lambda done: None)
+        self.assertNotIsInstance(raised.exception, tactel.InputError)
+
+    def test_functions_keep_their_words(self):
+        self.assertEqual(inspect.signature(tactel.Sweep.generate).parameters["contacts"].default, None)
+        self.assertIn("steps: ", tactel.Press.__doc__)
+        self.assertIs(pickle.loads(pickle.dumps(tactel.Press)), tactel.Press)
 
 
 class Pictures(unittest.TestCase):
@@ -298,17 +366,19 @@ class Solve(unittest.TestCase):
 
     def test_progress_in_words(self):
         """A second of weight updates of a long training: 1 082 568 400 000 less 2 868 806 260, at 286 880 626 a second, is 3764 s."""
-        for terminal, before, after in ((True, "\r\x1b[K", "\r\x1b[K"), (False, "", "\n")):
-            stderr = io.StringIO()
-            stderr.isatty = lambda: terminal
-            times = iter((100.0, 100.5, 110.0 if terminal else 131.0, 110.1 if terminal else 131.1))
+        notebook = "\r" + 79 * " " + "\r"
+        for kind, before, after in (("terminal", "\r\x1b[K", "\r\x1b[K"), ("notebook", notebook, notebook), ("log", "", "\n")):
+            live = kind != "log"
+            stderr = type("OutStream", (io.StringIO,), {"__module__": "ipykernel.iostream" if kind == "notebook" else "io"})()
+            stderr.isatty = lambda: kind == "terminal"
+            times = iter((100.0, 100.5, 110.0 if live else 131.0, 110.1 if live else 131.1))
             with mock.patch("sys.stderr", stderr), mock.patch("tactel._time.monotonic", lambda: next(times)):
                 with tactel._Progress(True, "training", "weight updates") as told:
                     told(0, 1082568400000)
                     told(10, 1082568400000)  # half a second: nothing yet
-                    told(2868806260 if terminal else 31 * 286880626, 1082568400000)
+                    told(2868806260 if live else 31 * 286880626, 1082568400000)
                     told(2868806261, 1082568400000)  # soon after
-            line = "training: 0.3 %, 287 M weight updates/s, 1 h 02 min left" if terminal else \
+            line = "training: 0.3 %, 287 M weight updates/s, 1 h 02 min left" if live else \
                 "training: 0.8 %, 287 M weight updates/s, 1 h 02 min left"
             self.assertEqual(stderr.getvalue(), before + line + after)
 
@@ -338,6 +408,7 @@ indentation = 0.15
 tangential_step = 0.05
 tangential_steps = 5
 """
+OWN_SENSORS = SWEEP.replace("[sensor]", "[sensor]\nyoung = { uniform = [1, 3] }\nthickness = { uniform = [1, 2] }")
 
 
 class SetsAndNetworks(unittest.TestCase):
@@ -381,6 +452,40 @@ class SetsAndNetworks(unittest.TestCase):
         for name in ("frames", "indentation", "tangential", "tactel_x", "parameters"):
             np.testing.assert_array_equal(getattr(read, name), getattr(self.set, name), name)
         self.assertEqual(read.parameter_names, self.set.parameter_names)
+
+    def test_saves_the_file_of_the_program(self):
+        noisy = SWEEP.replace("seed = 3\n", "seed = 3\npress_rows = true\n") + "[transducer]\nnoise = 0.01\n"
+        for name, text in (("plain", SWEEP), ("own", OWN_SENSORS), ("noisy", noisy), ("many", SWEEP.replace("= 60", "= 2000"))):
+            with self.subTest(name=name):
+                place = pathlib.Path(self.folder.name) / name
+                sweep, there, saved = (place.with_suffix(suffix) for suffix in (".toml", ".h5", ".saved.h5"))
+                sweep.write_text(text)
+                subprocess.run([PROGRAM, "generate", str(sweep), "--output", str(there), "--quiet"], check=True)
+                tactel.Sweep(sweep).generate().save(str(saved))
+                self.assertTrue(saved.read_bytes() == there.read_bytes())
+                tactel.read_set(str(there)).save(str(saved))
+                self.assertTrue(saved.read_bytes() == there.read_bytes())
+
+    def test_saves_what_a_set_has(self):
+        place = pathlib.Path(self.folder.name)
+        some, again, own = place / "some.h5", place / "some_again.h5", place / "own_rubber.toml"
+        own.write_text(OWN_SENSORS)
+        generate = [PROGRAM, "generate", str(self.path), "--quiet", "--output"]
+        for sweep, options in ((self.path, ["--columns", "tactel_x,friction"]), (own, ["--columns", "thickness"]), (self.path, ["--compress"])):
+            subprocess.run([PROGRAM, "generate", str(sweep), "--quiet", "--force", "--output", str(some), *options], check=True)
+            tactel.read_set(str(some)).save(str(again))
+            self.assertTrue(again.read_bytes() == some.read_bytes(), options)
+        # A part of a sweep, or its sensor with another seed, is not that file's set: --resume does not take it for it.
+        for made in (self.sweep.generate(20), tactel.Sweep(self.path, 4).generate()):
+            made.save(str(again))
+            subprocess.run([PROGRAM, "check", str(again)], check=True, capture_output=True)
+            answer = subprocess.run([*generate, str(again), "--resume"], capture_output=True, text=True)
+            self.assertEqual(answer.returncode, 2)
+            self.assertIn("a set of the requested conditions; it is a part of the sweep, or of other options", answer.stderr)
+        self.set.save(str(again))
+        subprocess.run([*generate, str(again), "--resume"], check=True)
+        with self.assertRaisesRegex(tactel.InputError, "/no/such"):
+            self.set.save("/no/such/set.h5")
 
     def test_scenes_of_a_sweep_can_be_solved(self):
         scene = self.sweep.scene(7)
@@ -518,6 +623,24 @@ class Stubs(unittest.TestCase):
             if name in ("Element", "StressRecovery"):
                 continue
             self.assertEqual(there, typed, name)
+
+    def test_arguments_agree(self):
+        """Those of the stubs, by which wrong calls are explained, are those of pybind11's signatures."""
+        compared = 0
+        for name, overloads in _calls._signatures().items():
+            of, _, member = name.partition(".")
+            public = getattr(tactel, of, None)
+            called = getattr(public, member or "__init__") if isinstance(public, type) else public
+            written = getattr(getattr(called, "__wrapped__", None), "__doc__", None) or ""
+            there = re.findall(rf"^(?:\d+\. )?(?:{called.__name__})\((.*)\) -> ", written, re.MULTILINE) if written else []
+            if of.startswith("_") or not there:
+                continue
+            compared += 1
+            typed = {tuple(one.arg for one in each.args + each.kwonlyargs) for each in overloads}
+            for arguments in there:
+                names = tuple(one for one in re.findall(r"(\w+): ", re.sub("<.*?>", "", arguments)) if one != "self")
+                self.assertIn(names, typed, name)
+        self.assertGreater(compared, 50)
 
     def test_everything_is_documented(self):
         for name in tactel.__all__:

@@ -14,7 +14,7 @@ import html as _html
 import sys as _sys
 import time as _time
 
-from . import _driver as _driver, _tactel
+from . import _driver as _driver, _calls, _tactel
 from ._tactel import (
     Box, Cancelled, Cone, Cylinder, Derivatives, Element, Error, Errors, Exponential, Flat, Force, Frame, HardwareError,
     HeightMap, Indenter, InputError, Load, LyingCylinder, Mesh, Network, Pad, PadIndenter, PadLoad, PadPath, PadPaths,
@@ -39,9 +39,9 @@ def _values(self):
 
 def _with(self, **changes):
     """Returns a copy with these fields changed."""
-    unknown = set(changes) - set(self._fields)
-    if unknown:
-        raise TypeError(f"{type(self).__name__} has no field {', '.join(sorted(unknown))}; its fields: {', '.join(self._fields)}")
+    for name in changes:
+        if name not in self._fields:
+            raise _calls.unknown(f"{type(self).__name__}.with_", name, self._fields)
     return type(self)(**{name: changes.get(name, getattr(self, name)) for name in self._fields})
 
 
@@ -86,17 +86,19 @@ def _duration(seconds):
 
 
 class _Progress:
-    """The function (done, all) of a progress argument: None, a function, or True for a line on stderr as the program prints it."""
+    """The function (done, all) of a progress argument: None, a function, or True for a line on stderr, or below a notebook's cell, as the program prints it."""
 
     def __init__(self, progress, job, unit):
         self.job, self.unit, self.first, self.drawn = job, unit, None, None
-        self.terminal = _sys.stderr is not None and _sys.stderr.isatty()
+        terminal = _sys.stderr is not None and _sys.stderr.isatty()
+        notebook = type(_sys.stderr).__module__.startswith("ipykernel")  # which removes escapes
+        self.clear = "\r\x1b[K" if terminal else "\r" + 79 * " " + "\r" if notebook else ""
         self.function = self.show if progress is True else None if progress is False else progress
 
     def show(self, done, total):
         now = _time.monotonic()
         self.first = self.first or (now, done)
-        if _sys.stderr is None or now - (self.drawn or self.first[0]) < (1 if not self.drawn else 0.2 if self.terminal else 30):
+        if _sys.stderr is None or now - (self.drawn or self.first[0]) < (1 if not self.drawn else 0.2 if self.clear else 30):
             return
         rate = (done - self.first[1]) / (now - self.first[0])
         pace = f", {_with_prefix(rate)} {self.unit}/s, {_duration((total - done) / rate)} left" if rate > 0 else ""
@@ -104,13 +106,13 @@ class _Progress:
         self.print(f"{self.job}: {100 * done / max(total, 1):.1f} %{pace}")
 
     def print(self, text):
-        print(f"\r\x1b[K{text}" if self.terminal else f"{text}\n", end="", file=_sys.stderr, flush=True)
+        print(f"{self.clear}{text}" if self.clear else f"{text}\n", end="", file=_sys.stderr, flush=True)
 
     def __enter__(self):
         return self.function
 
     def __exit__(self, *raised):
-        if self.drawn and self.terminal:
+        if self.drawn and self.clear:
             self.print("")
 
 
@@ -121,6 +123,9 @@ def solve_many(scenes, *, accuracy=None, rung="", precision="", device="", keep=
     steps, axes tactels]; the name of another array that array. progress: True for a line on stderr, or a function (done, all). Raises InputError, which names the scene by its
     index, HardwareError.
     """
+    arrays = [name for name in dict.fromkeys(dir(Paths) + dir(PadPaths)) if not name.startswith("_")]
+    if keep is not None and keep not in arrays:
+        raise _calls.unknown("solve_many: keep", keep, arrays, "array")
     with _Progress(progress, "scenes", "scenes") as told:
         paths = _tactel._solve_many(list(scenes), accuracy, rung, precision, device, told)
     return paths if keep is None else paths.frames if keep == "tactels" else getattr(paths, keep)
@@ -173,3 +178,6 @@ def train(data, layers=(42, 42, 21, 1), *, seeds=1, first_seed=1, noise=0.0, sca
     with _Progress(progress, "training", "weight updates") as told:
         return _tactel._train(data, _widths(layers), seeds, first_seed, noises, scaling, schedule, optimizer, cycles, batch,
                               rate, bound, level, str(history), history_change, device, told)
+
+
+_calls.check(globals(), __all__)

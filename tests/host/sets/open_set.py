@@ -13,9 +13,17 @@ TYPES = {
 
 with h5py.File(sys.argv[1], "r") as file:
     others = {"tactel_x", "parameters"}
-    assert set(file) == set(TYPES) | others, set(file) ^ set(TYPES) ^ others
-    assert set(file.attrs["columns"].decode().split("\n")) == set(file)
+    scales = {"row", "input", "contacts", "parameter", "tactel"}
+    assert set(file) == set(TYPES) | others | scales, set(file) ^ set(TYPES) ^ others ^ scales
+    assert set(file.attrs["columns"].decode().split("\n")) == set(file) - scales
     rows = len(file["slip_index"])
+    dimensions = {name: ["row"] for name in TYPES}
+    dimensions |= {"inputs": ["row", "input"], "parameters": ["contacts", "parameter"], "tactel_x": ["tactel"]}
+    for name, its in dimensions.items():
+        assert [[scale.name for scale in along.values()] for along in file[name].dims] == [["/" + one] for one in its], name
+        assert file[name].shape == tuple(len(file[one]) for one in its), name
+        for axis, one in enumerate(its):  # both refer to each other
+            assert h5py.h5ds.is_attached(file[name].id, file[one].id, axis), (name, one)
     for name, kind in TYPES.items():
         assert file[name].dtype == np.dtype(kind), (name, file[name].dtype)
         assert file[name].shape == ((rows, 42) if name == "inputs" else (rows,)), (name, file[name].shape)

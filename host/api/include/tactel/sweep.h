@@ -29,13 +29,16 @@ struct Set {
   std::vector<std::uint16_t> indenter;                ///< [rows] index in indenter_names
   std::vector<std::uint16_t> contact_nodes;           ///< [rows] surface nodes that touch
   std::vector<std::uint8_t> status;                   ///< [rows] 0 solved, 1 sliding, 2 over tolerance
-  std::vector<float> tactel_x;                        ///< [tactels] mm; empty where contacts differ in them
-  std::vector<float> parameters;                      ///< [contacts, names] what was drawn; NaN: has none; or empty
-  std::vector<std::string> parameter_names;           ///< keys, such as "indenter.radius"
-  std::vector<std::string> parameter_units;           ///< [names]
+  std::vector<float> poisson, thickness, young, length;  ///< [rows] of the contact's own sensor, mm and MPa; or empty
+  std::vector<float> tactel_x, tactel_y;     ///< [tactels] mm; empty where contacts differ in them; tactel_y: of pads
+  std::vector<float> parameters;             ///< [contacts, names] what was drawn; NaN: has none; or empty
+  std::vector<std::string> parameter_names;  ///< keys, such as "indenter.radius"
+  std::vector<std::string> parameter_units;  ///< [names]
   std::vector<std::string> indenter_names;
   std::uint64_t contacts = 0, fell_back = 0, unsolved = 0, without_rows = 0;
   std::string sweep, rung, device;  ///< text of the sweep file; model; OpenCL device
+  std::string transducer;           ///< measuring chain of the stresses
+  std::string plan;  ///< conditions of the rows beside the sweep; empty where they are not those of the whole file
   std::uint64_t seed = 0;
   bool press_rows = false;  ///< the load steps of the pressing are rows, too: networks with history need them
 
@@ -44,7 +47,8 @@ struct Set {
 
 /// Reads a set file (HDF5). Throws InputError for one that cannot be read or is damaged.
 TACTEL_API Set read_set(const std::string& path);
-/// Writes a set file, for `tactel train`, h5py and others. Throws InputError where it cannot be written.
+/// Writes a set file, for `tactel train`, h5py and others: that of `tactel generate` for the rows of a whole sweep
+/// file. Arrays that are empty are left out. Throws InputError where it cannot be written.
 TACTEL_API void write_set(const Set& set, const std::string& path);
 
 /// How a sweep is simulated.
