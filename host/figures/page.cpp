@@ -56,7 +56,8 @@ bool is_number(const std::string& text) {
   char* end = nullptr;
   std::strtod(text.c_str(), &end);
   const std::string rest = end;
-  return end != text.c_str() && (rest.empty() || rest == " %" || rest == "%" || rest.starts_with(" ["));
+  return end != text.c_str() &&
+         (rest.empty() || rest == " %" || rest == "%" || rest == " k" || rest == " M" || rest.starts_with(" ["));
 }
 
 /// Most of its cells are numbers; a remark in between does not change that.
