@@ -22,7 +22,7 @@ def check_search(browser, site, expect):
     while not found and time.monotonic() < deadline:
         time.sleep(0.1)
         found = browser.run("[...document.querySelectorAll('.md-search-result__link')].map(a => a.href)")
-    expect(any("networks.html" in link for link in found), f"the search for a word of networks.md finds {found}")
+    expect(any("bounds.html" in link for link in found), f"the search for a word of bounds.md finds {found}")
 
 
 def check_looks(browser, site, expect):
