@@ -65,6 +65,9 @@ def main(site):
         check_search(browser, site, expect)
         check_looks(browser, site, expect)
         check_copy(browser, site, expect)
+        browser.open(site / "reference.html")
+        expect(browser.run("document.querySelector('a[href=\"#slipestimator\"]') && document.querySelector('#slipestimator ~ ul').innerText.includes('Returns the upper bound of S')"),
+               "reference.html does not lead to SlipEstimator.upper and its text")
         browser.open(site / "api/index.html")
         start, example = (browser.run(f"document.querySelector('{part}').innerText") for part in (".contents", ".fragment"))
         expect("SlipEstimator" in start and "tactel/solve.h" in start, f"api/index.html begins with {start[:100]!r}")
