@@ -69,9 +69,11 @@ def described(name, nodes):
 def on_page_markdown(markdown, page, **_):
     if page.file.src_path != "reference.md":
         return markdown
-    nodes = {}
+    nodes, types = {}, []
     for node in ast.parse(STUB.read_text()).body:
+        if isinstance(node, ast.Assign) and not node.targets[0].id.startswith("_"):
+            types.append(ast.unparse(node))
         if isinstance(node, (ast.ClassDef, ast.FunctionDef)) and node.name in tactel.__all__:
             nodes.setdefault(node.name, []).append(node)
     linked = re.sub(r"`(\w+)`", lambda found: f"[`{found[1]}`](#{nodes[found[1]][0].name.lower()})", markdown)
-    return linked + "\n## Names\n\n" + "\n".join(line for name in sorted(nodes, key=str.lower) for line in described(name, nodes[name]))
+    return linked + "\n## Names\n\nSignatures abbreviate types:\n\n" + block(types) + "\n".join(line for name in sorted(nodes, key=str.lower) for line in described(name, nodes[name]))

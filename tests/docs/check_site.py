@@ -12,17 +12,33 @@ REPOSITORY = pathlib.Path(__file__).resolve().parent.parent.parent
 OF_HEADERS = ("index", "annotated", "files", "classtactel_1_1SlipEstimator", "solve_8h", "solve_8h_source")
 
 
+def check_phone(browser, where, expect):
+    scroll = browser.run("document.documentElement.scrollWidth")
+    expect(scroll <= 390, f"{where}: {scroll} pixels wide")
+    for text in browser.faint_texts():
+        expect(False, f"{where}: {text}")
+
+
 def check_search(browser, site, expect):
+    """On a telephone, light and dark: the page that has a word, and results that can be read."""
     browser.open(site / "index.html")
-    deadline = time.monotonic() + 30
-    while browser.run("document.querySelector('.md-search-result__meta').innerText").startswith("Initializing") and time.monotonic() < deadline:
-        time.sleep(0.1)
-    browser.run("(box => { box.focus(); box.value = 'conformal'; box.dispatchEvent(new Event('keyup', {bubbles: true})); })(document.querySelector('.md-search__input'))")
-    found = []
-    while not found and time.monotonic() < deadline:
-        time.sleep(0.1)
-        found = browser.run("[...document.querySelectorAll('.md-search-result__link')].map(a => a.href)")
-    expect(any("bounds.html" in link for link in found), f"the search for a word of bounds.md finds {found}")
+    for dark in (False, True):
+        browser.run("localStorage.clear()")
+        browser.open(site / "index.html", width=390, dark=dark)
+        deadline = time.monotonic() + 30
+        while browser.run("document.querySelector('.md-search-result__meta').innerText").startswith("Initializing") and time.monotonic() < deadline:
+            time.sleep(0.1)
+        browser.run("document.querySelector('label[for=__search]').click()")
+        browser.run("(box => { box.focus(); box.value = 'conformal'; box.dispatchEvent(new Event('keyup', {bubbles: true})); })(document.querySelector('.md-search__input'))")
+        found = []
+        while not found and time.monotonic() < deadline:
+            time.sleep(0.1)
+            found = browser.run("[...document.querySelectorAll('.md-search-result__link')].map(a => a.href)")
+        expect(any("bounds.html" in link for link in found), f"the search for a word of bounds.md finds {found}")
+        browser.run("document.querySelectorAll('.md-search-result details').forEach(more => more.open = true)")
+        while browser.run("document.documentElement.scrollWidth") > 390 and time.monotonic() < deadline:  # the page is locked late
+            time.sleep(0.1)
+        check_phone(browser, f"search, {'dark' if dark else 'light'}", expect)
 
 
 def check_looks(browser, site, expect):
@@ -33,10 +49,7 @@ def check_looks(browser, site, expect):
             where = f"{page.relative_to(site)}, {'dark' if dark else 'light'}"
             browser.run("localStorage.clear()")  # else the site keeps the first scheme
             browser.open(page, width=390, dark=dark)
-            scroll = browser.run("document.documentElement.scrollWidth")
-            expect(scroll <= 390, f"{where}: {scroll} pixels wide")
-            for text in browser.faint_texts():
-                expect(False, f"{where}: {text}")
+            check_phone(browser, where, expect)
 
 
 def check_copy(browser, site, expect):
