@@ -9,7 +9,7 @@ namespace tactel::host {
 /// Returns a pad's scene as in its file, with every default filled in (of a height map: its file).
 nlohmann::ordered_json to_json(const fem::PadScene& scene);
 
-/// Returns the whole answer, with the keys and units of docs/pads.md. Numbers read back to the same bits.
+/// Returns the whole answer, with the keys and units of docs/answers.md. Numbers read back to the same bits.
 nlohmann::ordered_json to_json(const PadOutcome& outcome);
 
 }  // namespace tactel::host

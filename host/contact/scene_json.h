@@ -11,7 +11,7 @@ namespace tactel::host {
 /// Returns a scene as in its file, with every default filled in (of a measured profile: its file and its points).
 nlohmann::ordered_json to_json(const fem::Scene& scene);
 
-/// Returns the whole answer, with the keys and units of docs/scenes.md. Numbers read back to the same bits.
+/// Returns the whole answer, with the keys and units of docs/answers.md. Numbers read back to the same bits.
 nlohmann::ordered_json to_json(const fem::Scene& scene, const SolveOutcome& outcome);
 
 }  // namespace tactel::host

@@ -56,7 +56,8 @@ bool is_number(const std::string& text) {
   char* end = nullptr;
   std::strtod(text.c_str(), &end);
   const std::string rest = end;
-  return end != text.c_str() && (rest.empty() || rest == " %" || rest == "%" || rest.starts_with(" ["));
+  return end != text.c_str() &&
+         (rest.empty() || rest == " %" || rest == "%" || rest == " k" || rest == " M" || rest.starts_with(" ["));
 }
 
 /// Most of its cells are numbers; a remark in between does not change that.
@@ -281,17 +282,19 @@ std::string page_script() {
 }
 
 std::string Page::html() const {
-  std::string contents;
+  std::string items;
   for (std::size_t i = 0; i < sections_.size(); ++i)
-    contents += fmt::format("<li><a href=\"#section-{}\">{}</a></li>\n", i + 1, escaped(sections_[i]));
+    items += fmt::format("<li><a href=\"#section-{}\">{}</a></li>\n", i + 1, escaped(sections_[i]));
+  const bool listed = sections_.size() > 1;
+  const std::string contents = "<nav aria-label=\"sections\"><details open><summary>Contents</summary><ol>\n" + items +
+                               "</ol></details></nav>\n";
   return fmt::format(
       "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
       "content=\"width=device-width, initial-scale=1\">\n<meta name=\"color-scheme\" content=\"light dark\">\n"
-      "<link rel=\"icon\" href=\"data:,\">\n<title>{0}</title>\n<style>\n{1}</style>\n</head>\n<body><main>\n"
+      "<link rel=\"icon\" href=\"data:,\">\n<title>{0}</title>\n<style>\n{1}</style>\n</head>\n<body><main{7}>\n"
       "<h1>{0}</h1>\n<p class=\"subtitle\">{2}</p>\n{3}{4}{5}</main>\n<script>\n{6}</script>\n</body>\n</html>\n",
-      escaped(title_), page_style(), escaped(subtitle_), verdict_html(headline_, findings_),
-      sections_.size() < 2 ? "" : "<nav aria-label=\"sections\"><ol>\n" + contents + "</ol></nav>\n", body_,
-      page_script());
+      escaped(title_), page_style(), escaped(subtitle_), listed ? contents : "", verdict_html(headline_, findings_),
+      body_, page_script(), listed ? " class=\"listed\"" : "");
 }
 
 }  // namespace tactel::host

@@ -20,7 +20,7 @@ struct PadLayout {
   std::size_t count() const { return static_cast<std::size_t>(tactels[0]) * static_cast<std::size_t>(tactels[1]); }
 };
 
-/// Contents of a profile file (docs/sensors.md: every key): the USB device, the format of its bytes, and the
+/// Contents of a profile file (docs/profiles.md: every key): the USB device, the format of its bytes, and the
 /// channels of the stresses of the tactels.
 struct SensorProfile {
   std::string text;  ///< the file, for recordings

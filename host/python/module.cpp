@@ -35,6 +35,9 @@ void bind_errors(py::module_& module) {
   module.attr("InputError") = input;
   static py::exception<HardwareError> hardware(module, "HardwareError", base);
   static py::exception<Cancelled> cancelled(module, "Cancelled", base);
+  base.doc() = "Base of the errors of this package.";
+  hardware.doc() = "No OpenCL device, a kernel that it cannot compile, or a sensor that cannot be used.";
+  cancelled.doc() = "Raised where a progress function cancelled.";
   py::register_exception_translator([](std::exception_ptr pointer) {
     try {
       if (pointer) std::rethrow_exception(pointer);

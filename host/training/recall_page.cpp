@@ -111,14 +111,16 @@ PageTable network_table(const std::vector<Judged>& all) {
 
 using Shown = std::span<const Judged>;
 
+int columns_for(Shown shown) { return shown.size() < 3 ? 2 : 3; }
+
 Figure predicted_figure(Shown shown) {
-  Figure figure{.columns = 3, .panel_height = 300};
+  Figure figure{.columns = columns_for(shown), .panel_height = 300};
   for (const Judged& one : shown) figure.panels.push_back(predicted_panel(one.truth, one.predicted, one.name()));
   return figure;
 }
 
 Figure distribution_figure(Shown shown) {
-  Figure figure{.columns = 3, .panel_height = 250};
+  Figure figure{.columns = columns_for(shown), .panel_height = 250};
   double most = 0.05;
   for (const Judged& one : shown)
     if (one.result->errors.all.count > 0)

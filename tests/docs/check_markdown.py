@@ -39,6 +39,12 @@ def exists(name, near, root):
     return any(base.joinpath(name).exists() or ("*" in name and any(base.glob(name))) for base in (near, root))
 
 
+def anchors(page):
+    """Of headings, as the site and GitHub name them."""
+    headings = [line.lstrip("# ") for _, line, kind in lines_with_kind(page.read_text()) if kind == "text" and line.startswith("#")]
+    return {re.sub(r"[-\s]+", "-", re.sub(r"[^\w\s-]", "", heading).strip().lower()) for heading in headings}
+
+
 def missing_files(line, near, root, sources):
     """Names with a folder of the tree or beside the document; and sources without a folder, which may be anywhere."""
     for name in re.findall(r"`([\w./*-]+)`", line):
@@ -117,9 +123,14 @@ def problems(path, root, sources, program):
         if kind == "text" and len(line) > WIDEST and not line.startswith("!["):
             found.append(f"{len(line)} columns, {WIDEST} at most")
         if kind in ("text", "table"):
-            for link in re.findall(r"\]\(([^)#]+)[^)]*\)", re.sub(r"`[^`]*`", "", line)):
-                if "://" not in link and not path.parent.joinpath(link).exists():
+            for link, anchor in re.findall(r"\]\(([^)#]*)#?([^)]*)\)", re.sub(r"`[^`]*`", "", line)):
+                target = path.parent / link if link else path
+                if "://" in link:
+                    continue
+                if not target.exists():
                     found.append(f"link to {link}: no such file")
+                elif anchor and target.suffix == ".md" and anchor not in anchors(target):
+                    found.append(f"link to {link}#{anchor}: no such heading")
             if not dated:
                 found += [f"{name}: no such file" for name in missing_files(line, path.parent, root, sources)]
             if of_manual:

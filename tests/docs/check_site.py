@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Checks the documentation site in a browser, from the file that scripts/site names: the search answers, links can be
-read, copy buttons copy commands, the reference of the headers has a start page. Usage: check_site.py SITE"""
+"""Checks the documentation site in a browser, from the file that scripts/site names: the search answers, texts can be
+read, no page is wider than a telephone, copy buttons copy commands, the reference of the headers has a start page. Usage: check_site.py SITE"""
 import pathlib
 import sys
 import time
@@ -8,53 +8,63 @@ import time
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "host/figures"))
 from browser import Browser  # noqa: E402
 
-LEAST_CONTRAST = 4.5  # WCAG 2.1, 1.4.3
+REPOSITORY = pathlib.Path(__file__).resolve().parent.parent.parent
+OF_HEADERS = ("index", "annotated", "files", "classtactel_1_1SlipEstimator", "solve_8h", "solve_8h_source")
 
-# Contrast of an element's colour over the first opaque background around it, by WCAG 2.1.
-CONTRAST = """(element => {
-  const numbers = colour => colour.match(/[\\d.]+/g).map(Number);
-  const luminance = ([r, g, b]) => [r, g, b].map(v => v / 255).map(v => v <= 0.03928 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4)
-    .reduce((sum, v, i) => sum + v * [0.2126, 0.7152, 0.0722][i], 0);
-  let behind = element;
-  while (behind && [0].includes(numbers(getComputedStyle(behind).backgroundColor)[3])) behind = behind.parentElement;
-  const two = [getComputedStyle(element).color, behind ? getComputedStyle(behind).backgroundColor : "rgb(255, 255, 255)"]
-    .map(numbers).map(luminance).sort((a, b) => b - a);
-  return (two[0] + 0.05) / (two[1] + 0.05);
-})"""
+
+def check_phone(browser, where, expect):
+    scroll = browser.run("document.documentElement.scrollWidth")
+    expect(scroll <= 390, f"{where}: {scroll} pixels wide")
+    for text in browser.faint_texts():
+        expect(False, f"{where}: {text}")
 
 
 def check_search(browser, site, expect):
+    """On a telephone, light and dark: the page that has a word, and results that can be read."""
     browser.open(site / "index.html")
-    deadline = time.monotonic() + 30
-    while browser.run("document.querySelector('.md-search-result__meta').innerText").startswith("Initializing") and time.monotonic() < deadline:
-        time.sleep(0.1)
-    browser.run("(box => { box.focus(); box.value = 'conformal'; box.dispatchEvent(new Event('keyup', {bubbles: true})); })(document.querySelector('.md-search__input'))")
-    found = []
-    while not found and time.monotonic() < deadline:
-        time.sleep(0.1)
-        found = browser.run("[...document.querySelectorAll('.md-search-result__link')].map(a => a.href)")
-    expect(any("networks.html" in link for link in found), f"the search for a word of networks.md finds {found}")
+    for dark in (False, True):
+        browser.run("localStorage.clear()")
+        browser.open(site / "index.html", width=390, dark=dark)
+        deadline = time.monotonic() + 30
+        while browser.run("document.querySelector('.md-search-result__meta').innerText").startswith("Initializing") and time.monotonic() < deadline:
+            time.sleep(0.1)
+        browser.run("document.querySelector('label[for=__search]').click()")
+        browser.run("(box => { box.focus(); box.value = 'conformal'; box.dispatchEvent(new Event('keyup', {bubbles: true})); })(document.querySelector('.md-search__input'))")
+        found = []
+        while not found and time.monotonic() < deadline:
+            time.sleep(0.1)
+            found = browser.run("[...document.querySelectorAll('.md-search-result__link')].map(a => a.href)")
+        expect(any("bounds.html" in link for link in found), f"the search for a word of bounds.md finds {found}")
+        browser.run("document.querySelectorAll('.md-search-result details').forEach(more => more.open = true)")
+        while browser.run("document.documentElement.scrollWidth") > 390 and time.monotonic() < deadline:  # the page is locked late
+            time.sleep(0.1)
+        check_phone(browser, f"search, {'dark' if dark else 'light'}", expect)
 
 
-def check_contrast(browser, site, expect):
-    for page, selector in (("index.html", ".md-content a"), ("index.html", ".md-header__title"), ("api/index.html", ".contents a")):
+def check_looks(browser, site, expect):
+    """Every page of the manual, and one of each kind of the reference, on a telephone: light and dark."""
+    browser.open(site / "index.html")
+    for page in sorted(set(site.glob("*.html")) - {site / "404.html"}) + [site / f"api/{name}.html" for name in OF_HEADERS]:
         for dark in (False, True):
-            browser.open(site / page)
-            browser.run("document.head.append(Object.assign(document.createElement('style'), {textContent: '* { transition: none !important }'}))")
-            browser.run(f"if (document.body.dataset.mdColorScheme) document.body.dataset.mdColorScheme = '{'slate' if dark else 'default'}'")
-            least = browser.run(f"Math.min(...[...document.querySelectorAll('{selector}')].filter(a => a.innerText.trim() && !a.matches('.headerlink')).map({CONTRAST}))")
-            expect(least is not None and least >= LEAST_CONTRAST, f"{page}, dark {dark}: {selector} has a contrast of {least}")
+            where = f"{page.relative_to(site)}, {'dark' if dark else 'light'}"
+            browser.run("localStorage.clear()")  # else the site keeps the first scheme
+            browser.open(page, width=390, dark=dark)
+            check_phone(browser, where, expect)
 
 
 def check_copy(browser, site, expect):
-    """The first block of networks.md: three commands, their output, and a fourth."""
-    browser.open(site / "networks.html")
-    while not browser.run("document.querySelector('.md-clipboard') !== null"):  # a script makes the buttons
-        time.sleep(0.1)
-    browser.run("document.querySelector('.md-clipboard').click()")
-    copied = browser.run("document.querySelector('.md-clipboard').dataset.clipboardText")
-    lines = (copied or "").split("\n")
-    expect(len(lines) == 4 and all(line.startswith("build/tactel ") for line in lines), f"a button copies {copied!r}")
+    def copied(page, block):
+        browser.open(site / page, height=20_000)  # a block has its button once it is in sight
+        button = f"[...document.querySelectorAll('.md-clipboard')].find(b => document.querySelector(b.dataset.clipboardTarget).innerText.startsWith({block!r}))"
+        deadline = time.monotonic() + 30
+        while not browser.run(f"{button} !== undefined") and time.monotonic() < deadline:
+            time.sleep(0.1)
+        return (browser.run(f"(b => {{ b.click(); return b.dataset.clipboardText; }})({button})") or "").split("\n")
+
+    lines = copied("networks.html", "$ build/tactel generate examples/paper")  # three commands, their output, and a fourth
+    expect(len(lines) == 4 and all(line.startswith("build/tactel ") for line in lines), f"a button copies {lines}")
+    lines = copied("ros.html", "$ printf")  # one on two lines, and its output
+    expect(len(lines) == 2 and lines[0].startswith("printf") and lines[0].endswith("\\") and lines[1].endswith("}'"), f"a button copies {lines}")
 
 
 def main(site):
@@ -66,11 +76,17 @@ def main(site):
 
     with Browser() as browser:
         check_search(browser, site, expect)
-        check_contrast(browser, site, expect)
+        check_looks(browser, site, expect)
         check_copy(browser, site, expect)
+        browser.open(site / "reference.html")
+        expect(browser.run("document.querySelector('a[href=\"#slipestimator\"]') && document.querySelector('#slipestimator ~ ul').innerText.includes('Returns the upper bound of S')"),
+               "reference.html does not lead to SlipEstimator.upper and its text")
         browser.open(site / "api/index.html")
-        start = browser.run("document.querySelector('.contents').innerText")
+        start, example = (browser.run(f"document.querySelector('{part}').innerText") for part in (".contents", ".fragment"))
         expect("SlipEstimator" in start and "tactel/solve.h" in start, f"api/index.html begins with {start[:100]!r}")
+        compiled = (REPOSITORY / "docs/cpp.md").read_text()  # install.snippets
+        unknown = [line for line in example.split("\n") if line.strip() not in compiled]
+        expect(len(example) > 300 and not unknown, f"lines of the example that docs/cpp.md does not have: {unknown}")
         problems += [f"console: {text}" for text in browser.problems]
         problems += [f"requests {url}" for url in set(browser.requests) if not url.startswith(("file:", "data:", "blob:"))]
     print("\n".join(problems))

@@ -76,7 +76,7 @@ void say_if_nothing_decoded(const SensorRequest& request, const hw::FrameSource&
     print_warning(request.source + ": no byte came, so there is no frame; is the sensor on?");
   else
     print_warning(request.source + ": no frame was found in " + std::to_string(bytes) +
-                  " bytes; the wire format of the profile must be that of the sensor (docs/sensors.md)");
+                  " bytes; the wire format of the profile must be that of the sensor (docs/profiles.md)");
 }
 
 void say(const std::string& text) {

@@ -28,4 +28,20 @@ let width = innerWidth;
 addEventListener("resize", () => { if (innerWidth !== width) { width = innerWidth; drawAll(); } });
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", drawAll);
 matchMedia("print").addEventListener("change", drawAll);
+
+// The contents: folded where they would cover the page; the section in sight is marked.
+const contents = document.querySelector("nav details");
+if (contents) {
+  const wide = matchMedia("(min-width: 1200px)"), fold = () => { contents.open = wide.matches; };
+  const links = contents.querySelectorAll("a"), heads = [...document.querySelectorAll("h2")];
+  const mark = () => {
+    const here = heads.filter(h => h.getBoundingClientRect().top < innerHeight / 3).length - 1;
+    links.forEach((link, i) => i === here ? link.setAttribute("aria-current", "true") : link.removeAttribute("aria-current"));
+  };
+  wide.addEventListener("change", fold);
+  contents.addEventListener("click", event => { if (event.target.closest("a")) fold(); });
+  addEventListener("scroll", mark, { passive: true });
+  fold();
+  mark();
+}
 window.tactel = { figures, csvText };  // for tests and the console

@@ -12,6 +12,37 @@ import tempfile
 import urllib.parse
 
 
+# Visible texts whose colour has less than this contrast over the backgrounds behind it, by WCAG 2.1 (1.4.3), with opacities and
+# the filter of the page.
+LEAST_CONTRAST = 4.5
+FAINT_TEXTS = """(least => {
+  const canvas = document.createElement('canvas').getContext('2d', {willReadFrequently: true});
+  const seen = colour => {  // as the page's filter shows it
+    canvas.filter = getComputedStyle(document.documentElement).filter;
+    canvas.fillStyle = `rgb(${colour.map(Math.round)})`;
+    canvas.fillRect(0, 0, 1, 1);
+    return [...canvas.getImageData(0, 0, 1, 1).data].slice(0, 3);
+  };
+  const numbers = colour => (colour.match(/[\\d.]+/g) || [0, 0, 0, 0]).map(Number);
+  const over = ([r, g, b, a = 1], under, opacity = 1) => [r, g, b].map((v, i) => v * a * opacity + under[i] * (1 - a * opacity));
+  const luminance = colour => seen(colour).map(v => v / 255).map(v => v <= 0.03928 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4)
+    .reduce((sum, v, i) => sum + v * [0.2126, 0.7152, 0.0722][i], 0);
+  const faint = new Set(), texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  for (let text; (text = texts.nextNode());) {
+    const element = text.parentElement, style = getComputedStyle(element);
+    if (!text.data.trim() || !element.getClientRects().length || style.visibility !== 'visible' || element.closest('script, style, .headerlink')) continue;
+    let behind = [255, 255, 255], opacity = 1;
+    const around = [];
+    for (let e = element; e; e = e.parentElement) around.unshift(getComputedStyle(e));
+    for (const one of around) behind = over(numbers(one.backgroundColor), behind), opacity *= one.opacity;
+    const two = [over(numbers(element.closest('svg') ? style.fill : style.color), behind, opacity), behind].map(luminance).sort((a, b) => b - a);
+    const contrast = (two[0] + 0.05) / (two[1] + 0.05);
+    if (opacity > 0 && contrast < least) faint.add(`${element.tagName} "${text.data.trim().slice(0, 30)}": contrast ${contrast.toFixed(2)}`);
+  }
+  return [...faint];
+})"""
+
+
 class BrowserError(Exception):
     pass
 
@@ -152,6 +183,10 @@ class Browser:
             details = result["exceptionDetails"]
             raise BrowserError(details.get("exception", {}).get("description", details["text"]))
         return result["result"].get("value")
+
+    def faint_texts(self):
+        self.run("document.head.append(Object.assign(document.createElement('style'), {textContent: '* { transition: none !important }'}))")
+        return self.run(f"{FAINT_TEXTS}({LEAST_CONTRAST})")
 
     def picture(self, selector=None, whole=True, kind="png"):
         """Bytes of a picture of the page, or of one element; "webp" is smaller."""

@@ -4,7 +4,7 @@
 Usage: check_page.py SAMPLE_PAGE  (a program that writes a page and a VTU file to the files it is given)
        check_page.py FILE.html
 Prints every problem; ends with 1 where there is one. Checked at 1280 and 390 pixels, light and dark: no error in the console, no
-request, no horizontal scrolling (of tables at 1280), no text cut, figures drawn; the slider changes the picture; CSV holds the data; the page prints."""
+request, no horizontal scrolling (of tables at 1280), no text cut or faint, figures drawn; the slider changes the picture; CSV holds the data; the page prints."""
 import math
 import os
 import pathlib
@@ -76,6 +76,8 @@ def check_layout(browser, path, expect):
                 expect(False, f"{where}: {table} scrolls")
             for fault in browser.run(FAULTS):
                 expect(False, f"{where}: {fault}")
+            for text in browser.faint_texts():
+                expect(False, f"{where}: {text}")
             smallest = browser.run("Math.min(...[...document.querySelectorAll('svg text, p, td, figcaption')].map(e => parseFloat(getComputedStyle(e).fontSize)))")
             expect(smallest >= 11, f"{where}: letters of {smallest} pixels")
             pictures.add(browser.picture(whole=False))
