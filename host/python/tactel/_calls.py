@@ -66,6 +66,8 @@ def _fits(value, wanted):
         return type(value).__name__ in ("bool", "bool_")
     if kind == "str":
         return isinstance(value, str)
+    if kind == "os.PathLike":
+        return hasattr(type(value), "__fspath__")
     if kind == "Literal":
         of = {type(ast.literal_eval(one)).__name__ for one in getattr(wanted.slice, "elts", [wanted.slice])}
         return any(_fits(value, ast.Name(one)) for one in of)
