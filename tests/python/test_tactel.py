@@ -201,6 +201,14 @@ class Calls(unittest.TestCase):
         with self.assertRaisesRegex(tactel.InputError, r"Profile: x: array\(3.*must be Sequence\[float\]"):
             tactel.Profile(np.array(3.0), [0, 1])
 
+    def test_answers_name_what_makes_them(self):
+        for kind, makers in ((tactel.Network, "Network.load, Network.from_arrays, train"), (tactel.Path, "solve"),
+                             (tactel.PadPaths, "solve_many"), (tactel.Tactels, "Path.tactels, Paths.tactels"),
+                             (tactel.Frame, "Stream.read"), (tactel.Stream, "open_sensor")):
+            with self.assertRaises(tactel.InputError) as raised:
+                kind()
+            self.assertEqual(str(raised.exception), f"{kind.__name__}: no constructor; it is made by {makers}")
+
     def test_mistakes_of_own_functions_stay(self):
         with self.assertRaisesRegex(TypeError, "unsupported operand") as raised:
             tactel.Profile.sampled(lambda x: x + "a", left=0, right=1)
