@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <initializer_list>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace tactel::python {
@@ -30,6 +31,9 @@ struct AnyScene {
 
 /// Returns a press on a pad. Throws InputError where it drags.
 PadLoad on_pad(const Load& load);
+
+/// A file's name, of a str or an os.PathLike.
+struct FileName : std::string {};
 
 /// One number or several.
 using Targets = std::variant<double, std::vector<double>>;
@@ -89,3 +93,16 @@ class PythonProgress {
 };
 
 }  // namespace tactel::python
+
+template <>
+struct pybind11::detail::type_caster<tactel::python::FileName> {
+  PYBIND11_TYPE_CASTER(tactel::python::FileName, const_name("str | os.PathLike"));
+  bool load(handle source, bool convert) {
+    const object name = reinterpret_steal<object>(PyOS_FSPath(source.ptr()));
+    PyErr_Clear();
+    make_caster<std::string> text;
+    if (!name || !text.load(name, convert)) return false;
+    value.assign(cast_op<std::string&>(text));
+    return true;
+  }
+};

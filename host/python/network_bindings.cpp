@@ -84,7 +84,9 @@ Network from_arrays(const std::vector<Frames>& weights, const std::vector<Frames
 void bind_networks(py::module_& m) {
   py::class_<SlipEstimator>(m, "SlipEstimator",
                             "A loaded network: frames to S. It never changes: threads may share it.")
-      .def_static("load", &SlipEstimator::load, "path"_a, "Loads a network file (ONNX) that tactel wrote.")
+      .def_static(
+          "load", [](const FileName& path) { return SlipEstimator::load(path); }, "path"_a,
+          "Loads a network file (ONNX) that tactel wrote.")
       .def("__call__", &call, "frames"_a,
            "Returns S of a frame [2 tactels], or of frames [..., 2 tactels] as fp32. MPa, normal stresses (compression "
            "< 0) "
@@ -118,7 +120,9 @@ void bind_networks(py::module_& m) {
       .def("__repr__",
            [](const SlipEstimator& network) { return "<tactel.SlipEstimator " + network.topology() + ">"; });
   py::class_<Network>(m, "Network", "A trained network with its origin.")
-      .def_static("load", &Network::load, "path"_a, "Loads a network file (ONNX) that tactel wrote.")
+      .def_static(
+          "load", [](const FileName& path) { return Network::load(path); }, "path"_a,
+          "Loads a network file (ONNX) that tactel wrote.")
       .def_static("from_arrays", &from_arrays, "weights"_a, "biases"_a, "activation"_a = "sigmoid", py::kw_only(),
                   "slope"_a = 0.01, "scaling"_a = "set", "largest_stress"_a = 1.0, "axes"_a = 2, "history"_a = "",
                   "history_change"_a = py::none(), "name"_a = "own",
@@ -128,7 +132,9 @@ void bind_networks(py::module_& m) {
       .def(
           "__call__", [](const Network& network, const Frames& frames) { return call(network.estimator(), frames); },
           "frames"_a, "Returns S of a frame [2 tactels], or of frames [..., 2 tactels] as fp32; see SlipEstimator.")
-      .def("to_onnx", &Network::to_onnx, "path"_a, "Writes the network file.")
+      .def(
+          "to_onnx", [](const Network& network, const FileName& path) { network.to_onnx(path); }, "path"_a,
+          "Writes the network file.")
       .def_property_readonly("estimator", &Network::estimator)
       .def_property_readonly("topology", &Network::topology)
       .def_property_readonly("seed", &Network::seed)

@@ -74,11 +74,11 @@ void bind_pictures(py::class_<Path>& path) {
           "slips).")
       .def(
           "to_html",
-          [](const Path& self, const std::string& file, std::optional<std::size_t> step) { to_html(self, file, step); },
+          [](const Path& self, const FileName& file, std::optional<std::size_t> step) { to_html(self, file, step); },
           "file"_a, "step"_a = py::none(), "Writes that page to a file.")
       .def(
           "to_vtu",
-          [](const Path& self, const std::string& file, std::optional<std::size_t> step) { to_vtu(self, file, step); },
+          [](const Path& self, const FileName& file, std::optional<std::size_t> step) { to_vtu(self, file, step); },
           "file"_a, "step"_a = py::none(),
           "Writes the VTK file of `tactel solve --field` of a step (None: the last), for ParaView.");
 }

@@ -280,7 +280,7 @@ void bind_scenes(py::module_& m) {
       .def_property_readonly("load", scene_field([](const auto& scene) { return scene.load; }))
       .def_property_readonly("title", scene_field([](const auto& scene) { return scene.title; }));
   m.def(
-      "read_scene", [](const std::string& path) { return AnyScene{read_any_scene(path)}; }, "path"_a,
+      "read_scene", [](const FileName& path) { return AnyScene{read_any_scene(path)}; }, "path"_a,
       "Reads a scene file (TOML) of a line or a pad. Raises InputError with file, line, key and range.");
   m.def(
       "heights",

@@ -93,7 +93,7 @@ void bind_sources(py::module_& m) {
                              "frames, lost, bad, resynchronised, overruns, stalls, errors, reconnects");
   m.def(
       "open_sensor",
-      [](const std::string& source, const std::string& profile, const std::string& calibration) {
+      [](const std::string& source, const FileName& profile, const FileName& calibration) {
         return std::make_unique<Source>(source, profile, calibration);
       },
       "source"_a, "profile"_a = "", "calibration"_a = "",

@@ -130,7 +130,7 @@ void bind_set(py::module_& m) {
       .def_readonly("without_rows", &Set::without_rows, "contacts without a row")
       .def(
           "save",
-          [](const Set& set, const std::string& path) {
+          [](const Set& set, const FileName& path) {
             const py::gil_scoped_release released;
             write_set(set, path);
           },
@@ -142,7 +142,7 @@ void bind_set(py::module_& m) {
       });
   m.def(
       "read_set",
-      [](const std::string& path) {
+      [](const FileName& path) {
         const py::gil_scoped_release released;
         return std::make_unique<Set>(read_set(path));
       },
@@ -158,7 +158,7 @@ void bind_sweeps(py::module_& m) {
       .def("__next__", &Batches::next);
   py::class_<Sweep>(m, "Sweep",
                     "The contacts of a sweep file: contact k is a function of the file, its seed and k alone.")
-      .def(py::init([](const std::string& path, std::optional<std::uint64_t> seed, std::optional<int> tactels,
+      .def(py::init([](const FileName& path, std::optional<std::uint64_t> seed, std::optional<int> tactels,
                        std::optional<double> thickness) {
              return Sweep(path, seed, {.tactels = tactels, .thickness = thickness});
            }),

@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import pathlib
 import subprocess
 import sys
 import tempfile
@@ -12,6 +13,7 @@ import unittest
 import numpy as np
 from tactel import InputError, floor
 
+EXAMPLES = pathlib.Path(__file__).resolve().parents[2] / "examples"
 ONE_FAMILY = {"all": ["one"]}
 
 
@@ -169,13 +171,13 @@ class Command(unittest.TestCase):
                 return json.load(text)
 
     def test_gives_numbers_below_and_above(self):
-        found = self.floor_json("examples/random_sweep.toml", "--noise", "0.02", "--bank", "4000", "--readings", "200")
+        found = self.floor_json(str(EXAMPLES / "random_sweep.toml"), "--noise", "0.02", "--bank", "4000", "--readings", "200")
         self.assertIn("rows of the bank", self.text)
         self.assertLess(found["all"]["lower"]["mean"], found["all"]["upper"]["mean"])
         self.assertGreater(found["all"]["estimate"]["mean"], 0)
         self.assertGreaterEqual(found["bank_rows"], 4000)
         self.assertEqual(len(found["convergence"]), 3)
-        listed = self.run_floor("examples/paper_learning.toml", exit_code=2)
+        listed = self.run_floor(str(EXAMPLES / "paper_learning.toml"), exit_code=2)
         self.assertIn("sweep.set", listed.stderr)
 
     def test_takes_the_frames_of_a_networks_input(self):
@@ -227,7 +229,7 @@ class Command(unittest.TestCase):
 
     def test_compares_skins(self):
         # A line of the table is the floor of a file with that sensor.
-        sweep = "examples/random_sweep.toml"
+        sweep = str(EXAMPLES / "random_sweep.toml")
         few = ("--bank", "4000", "--readings", "20", "--noise", "0.1")
         skins = self.floor_json(sweep, *few, "--tactels", "8", "--tactels", "21", "--thickness", "3")["skins"]
         self.assertIn("      8   2.86           3", self.text)

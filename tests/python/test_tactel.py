@@ -135,7 +135,7 @@ class Errors(unittest.TestCase):
             (place / "set.h5").touch()
             rows = tactel.Sweep(place / "sweep.toml").generate(5)
             (net,) = tactel.train(rows, layers=(42, 3, 1), cycles=1)
-            net.to_onnx(str(place / "slip.onnx"))
+            net.to_onnx(place / "slip.onnx")
             before = sorted(place.iterdir())
             simulation = f"simulate:{place / 'scene.toml'}"
             for call, name in ((tactel.read_scene, "scene.toml"), (tactel.Sweep, "sweep.toml"), (tactel.read_set, "set.h5"),
@@ -144,8 +144,9 @@ class Errors(unittest.TestCase):
                                (lambda path: tactel.open_sensor(f"simulate:{path}"), "scene.toml"),
                                (lambda path: tactel.open_sensor(simulation, calibration=path), "scene.toml"),
                                (lambda path: tactel.open_sensor("usb:04D8:0001", profile=path), "scene.toml")):
-                with self.subTest(name=name), self.assertRaisesRegex(tactel.InputError, "NUL byte"):
-                    call(str(place / name) + "\0x")
+                for kind in (str, pathlib.Path):
+                    with self.subTest(name=name, kind=kind), self.assertRaisesRegex(tactel.InputError, "NUL byte"):
+                        call(kind(str(place / name) + "\0x"))
             self.assertEqual(sorted(place.iterdir()), before)
 
 
@@ -185,7 +186,8 @@ class Calls(unittest.TestCase):
                  "must be tuple[float, float] | list[float]"),
                 (lambda: tactel.train("set.h5"), "train: data", "'set.h5', of type str", "must be Set"),
                 (lambda: tactel.solve(3), "solve: scene", "3, of type int", "must be Scene"),
-                (lambda: frames.save(3), "Set.save: path", "3, of type int", "must be str"),
+                (lambda: frames.save(3), "Set.save: path", "3, of type int", "must be str | os.PathLike[str]"),
+                (lambda: tactel.Sweep(3), "Sweep: path", "3, of type int", "must be str | os.PathLike[str]"),
                 (lambda: tactel.SlipEstimator.load(file="x"), "SlipEstimator.load", "no argument file", "it has path")):
             with self.subTest(problem=problem), self.assertRaises(tactel.InputError) as raised:
                 call()
@@ -198,6 +200,14 @@ class Calls(unittest.TestCase):
             tactel.Pad(tactels=(4, 5, 6), axes=3)
         with self.assertRaisesRegex(tactel.InputError, r"Profile: x: array\(3.*must be Sequence\[float\]"):
             tactel.Profile(np.array(3.0), [0, 1])
+
+    def test_answers_name_what_makes_them(self):
+        for kind, makers in ((tactel.Network, "Network.load, Network.from_arrays, train"), (tactel.Path, "solve"),
+                             (tactel.PadPaths, "solve_many"), (tactel.Tactels, "Path.tactels, Paths.tactels"),
+                             (tactel.Frame, "Stream.read"), (tactel.Stream, "open_sensor")):
+            with self.assertRaises(tactel.InputError) as raised:
+                kind()
+            self.assertEqual(str(raised.exception), f"{kind.__name__}: no constructor; it is made by {makers}")
 
     def test_mistakes_of_own_functions_stay(self):
         with self.assertRaisesRegex(TypeError, "unsupported operand") as raised:
@@ -222,13 +232,13 @@ class Pictures(unittest.TestCase):
             for name, options in (("parabola", {}), ("wedge", {"rung": "mesh-41"}), ("pad", {})):
                 with self.subTest(name=name):
                     scene = ROOT / f"examples/{name}.toml"
-                    path = tactel.solve(tactel.read_scene(str(scene)), estimate_error=True, **options)
+                    path = tactel.solve(tactel.read_scene(scene), estimate_error=True, **options)
                     chosen = [f"--rung={rung}" for rung in options.values()]
                     field = [] if name == "parabola" else ["--field", str(place / "field.vtu")]
                     subprocess.run([PROGRAM, "solve", str(scene), *chosen, "--html", str(place / "page.html"), *field,
                                     "--step", "3", "--quiet"], check=True, capture_output=True)
-                    path.to_html(str(place / "own.html"), 2)
-                    path.to_vtu(str(place / "own.vtu"), 2) if field else None
+                    path.to_html(place / "own.html", 2)
+                    path.to_vtu(place / "own.vtu", 2) if field else None
                     self.assertTrue((place / "own.html").read_text() == (place / "page.html").read_text())
                     if field:
                         self.assertTrue((place / "own.vtu").read_text() == (place / "field.vtu").read_text())
@@ -448,7 +458,7 @@ class SetsAndNetworks(unittest.TestCase):
     def test_is_the_set_of_the_program(self):
         output = pathlib.Path(self.folder.name) / "set.h5"
         subprocess.run([PROGRAM, "generate", str(self.path), "--output", str(output), "--quiet"], check=True)
-        read = tactel.read_set(str(output))
+        read = tactel.read_set(output)
         for name in ("frames", "indentation", "tangential", "tactel_x", "parameters"):
             np.testing.assert_array_equal(getattr(read, name), getattr(self.set, name), name)
         self.assertEqual(read.parameter_names, self.set.parameter_names)
@@ -461,9 +471,9 @@ class SetsAndNetworks(unittest.TestCase):
                 sweep, there, saved = (place.with_suffix(suffix) for suffix in (".toml", ".h5", ".saved.h5"))
                 sweep.write_text(text)
                 subprocess.run([PROGRAM, "generate", str(sweep), "--output", str(there), "--quiet"], check=True)
-                tactel.Sweep(sweep).generate().save(str(saved))
+                tactel.Sweep(sweep).generate().save(saved)
                 self.assertTrue(saved.read_bytes() == there.read_bytes())
-                tactel.read_set(str(there)).save(str(saved))
+                tactel.read_set(there).save(saved)
                 self.assertTrue(saved.read_bytes() == there.read_bytes())
 
     def test_saves_what_a_set_has(self):
@@ -473,16 +483,16 @@ class SetsAndNetworks(unittest.TestCase):
         generate = [PROGRAM, "generate", str(self.path), "--quiet", "--output"]
         for sweep, options in ((self.path, ["--columns", "tactel_x,friction"]), (own, ["--columns", "thickness"]), (self.path, ["--compress"])):
             subprocess.run([PROGRAM, "generate", str(sweep), "--quiet", "--force", "--output", str(some), *options], check=True)
-            tactel.read_set(str(some)).save(str(again))
+            tactel.read_set(some).save(again)
             self.assertTrue(again.read_bytes() == some.read_bytes(), options)
         # A part of a sweep, or its sensor with another seed, is not that file's set: --resume does not take it for it.
         for made in (self.sweep.generate(20), tactel.Sweep(self.path, 4).generate()):
-            made.save(str(again))
+            made.save(again)
             subprocess.run([PROGRAM, "check", str(again)], check=True, capture_output=True)
             answer = subprocess.run([*generate, str(again), "--resume"], capture_output=True, text=True)
             self.assertEqual(answer.returncode, 2)
             self.assertIn("a set of the requested conditions; it is a part of the sweep, or of other options", answer.stderr)
-        self.set.save(str(again))
+        self.set.save(again)
         subprocess.run([*generate, str(again), "--resume"], check=True)
         with self.assertRaisesRegex(tactel.InputError, "/no/such"):
             self.set.save("/no/such/set.h5")

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A program with types, which mypy --strict checks and nothing runs: what users call, and what it gives."""
 
+from pathlib import Path
 from typing import assert_type
 
 import numpy as np
@@ -33,7 +34,7 @@ assert_type(on_pad.load, tactel.PadLoad)
 assert_type(tactel.solve(on_pad.with_(friction=0.3)).tactels.shear_x, NDArray[np.float64])
 assert_type(tactel.solve_many([on_pad]), tactel.PadPaths)
 tactel.Scene(tactel.Pad(), tactel.Parabola(10))  # type: ignore[call-overload]  # a shape of a line
-print(tactel.solve(tactel.read_scene("examples/pad.toml")).P)
+print(tactel.solve(tactel.read_scene(Path("examples/pad.toml"))).P)
 
 sweep = tactel.Sweep("examples/random_sweep.toml")
 for frames, slip_index in sweep.batches(8192, seed=7):

@@ -11,6 +11,7 @@ On a Pad x and y lie in its plane, z points up from the base, and forces are in 
 """
 
 import html as _html
+import os as _os
 import sys as _sys
 import time as _time
 
@@ -136,8 +137,8 @@ class Sweep(_tactel.Sweep):
 
     def __init__(self, path, seed=None, *, tactels=None, thickness=None):
         """seed, tactels and thickness (mm) take the place of the file's."""
-        super().__init__(str(path), seed, tactels, thickness)
-        self.path = str(path)
+        super().__init__(path, seed, tactels, thickness)
+        self.path = _os.fspath(path)
         self._sensor = {"tactels": tactels, "thickness": thickness}
 
     def generate(self, contacts=None, *, accuracy=None, rung="", precision="", device="", progress=None):

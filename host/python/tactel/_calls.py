@@ -43,6 +43,7 @@ def _signatures():
                 for one in node.args.args + node.args.kwonlyargs:
                     known = re.sub(r"\w+", lambda word: aliases.get(word[0], word[0]), ast.unparse(one.annotation))
                     one.annotation = ast.parse(known, mode="eval").body
+                node.args.made = ast.unparse(node.returns)
                 found.setdefault(re.sub(r"\.__(init|new)__$", "", prefix + node.name), []).append(node.args)
             elif isinstance(node, ast.ClassDef):
                 add(node.body, node.name + ".", True)
@@ -66,6 +67,8 @@ def _fits(value, wanted):
         return type(value).__name__ in ("bool", "bool_")
     if kind == "str":
         return isinstance(value, str)
+    if kind == "os.PathLike":
+        return hasattr(type(value), "__fspath__")
     if kind == "Literal":
         of = {type(ast.literal_eval(one)).__name__ for one in getattr(wanted.slice, "elts", [wanted.slice])}
         return any(_fits(value, ast.Name(one)) for one in of)
@@ -108,6 +111,10 @@ def _fault(name, arguments, args, kwargs, names):
 
 def _wrong(name, args, kwargs, error):
     """Returns the InputError of a call that raised a TypeError, or None where the call was right."""
+    if "No constructor defined" in str(error):
+        makers = [maker for maker, overloads in _signatures().items() if "._" not in maker
+                  and any(re.search(rf"\b{name}\b", one.made) for one in overloads)]
+        return input_error(name, "no constructor", f"it is made by {', '.join(makers)}") if makers else None
     overloads = _signatures().get(name) or _signatures().get("_Fields." + name.rpartition(".")[2], [])
     names = list(dict.fromkeys(one.arg for each in overloads for one in each.args + each.kwonlyargs))
     faults = [_fault(name, arguments, args, kwargs, names) for arguments in overloads]
