@@ -16,6 +16,7 @@
 #include "host/sets/set_recipe.h"
 #include "host/sets/set_simulator.h"
 #include "host/support/errors.h"
+#include "host/training/frame_floor.h"
 
 namespace tactel {
 
@@ -202,6 +203,24 @@ Set Sweep::generate(std::optional<std::uint64_t> contacts, const SweepOptions& o
         return set;
       },
       state_->path);
+}
+
+std::vector<double> linear_errors(const Set& rows, std::uint64_t changes, double shift,
+                                  std::span<const std::int64_t> readings, std::span<const double> sigma, double gain) {
+  const auto all = static_cast<std::int64_t>(rows.rows());
+  const std::size_t frames = sigma.empty() ? 1 : readings.size() / sigma.size();
+  for (std::size_t k = 0; k < readings.size(); ++k)
+    if (readings[k] < (k % frames == 0 ? 0 : -1) || readings[k] >= all)
+      throw InputError("readings", std::to_string(readings[k]), "must be rows of the set");
+  return host::linear_errors({.inputs = static_cast<int>(rows.inputs),
+                              .changes = changes,
+                              .shift = shift,
+                              .frames = rows.frames,
+                              .slip_index = rows.slip_index,
+                              .contact = rows.contact,
+                              .step = rows.step,
+                              .status = rows.status},
+                             {{readings.begin(), readings.end()}, {sigma.begin(), sigma.end()}, gain});
 }
 
 struct SweepBatches::State {

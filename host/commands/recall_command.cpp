@@ -11,6 +11,7 @@
 #include "host/support/json_text.h"
 #include "host/support/progress_line.h"
 #include "host/training/decision.h"
+#include "host/training/frame_floor.h"
 #include "host/training/network_report.h"
 #include "host/training/recall_page.h"
 
@@ -22,7 +23,7 @@ using Json = nlohmann::ordered_json;
 struct RecallRequest {
   NetworkOptions shared;
   std::string networks, set, json, rows, html, decision_csv;
-  bool decision = false;
+  bool decision = false, no_floor = false;
   DecisionOptions alarms;
 
   bool decides() const { return decision || !decision_csv.empty(); }
@@ -69,21 +70,34 @@ std::optional<std::vector<NetworkResult>> recall(const RecallRequest& request, s
   return recall_networks<float>(executor, networks, set, keep_rows, progress);
 }
 
+/// Of the input with the most frames; none where S is not judged.
+std::optional<FrameFloor> floor_of(const RecallRequest& request, std::span<const NamedNetwork> networks,
+                                   const ContactSet& set, nn::Target target) {
+  if (request.no_floor || target != nn::Target::slip_index) return std::nullopt;
+  const StageLine stage("floor", request.shared.quiet);
+  Executor executor{Device(request.shared.device)};
+  const auto most =
+      std::ranges::max_element(networks, {}, [](const NamedNetwork& network) { return network.model.history.frames; });
+  return frame_floor(executor, set, request.set, most->model.history);
+}
+
 Json report_json(const RecallRequest& request, std::span<const NamedNetwork> networks,
                  std::span<const NetworkResult> results, const ContactSet& set, const AnsweredRows& rows,
-                 const Decisions& decisions) {
+                 const Decisions& decisions, const std::optional<FrameFloor>& floor) {
   Json list = Json::array();
   for (std::size_t i = 0; i < networks.size(); ++i) {
     list.push_back(to_json(networks[i]));
     list.back().update(to_json(results[i], set.indenter_names));
     if (!decisions.empty()) list.back()["decision"] = to_json(decisions[i], request.alarms);
   }
-  return {{"tactel", TACTEL_VERSION},
-          {"set", request.set},
-          {"rows", rows.frames.rows()},
-          {"rows_left_out", rows.left_out},
-          {"precision", request.shared.precision},
-          {"networks", list}};
+  Json report{{"tactel", TACTEL_VERSION},
+              {"set", request.set},
+              {"rows", rows.frames.rows()},
+              {"rows_left_out", rows.left_out},
+              {"precision", request.shared.precision},
+              {"networks", list}};
+  if (floor) report["floor"] = to_json(*floor);
+  return report;
 }
 
 // An empty field where a network gave no answer.
@@ -113,7 +127,7 @@ std::string rows_csv(std::span<const NamedNetwork> networks, std::span<const Net
 
 std::string tables(const RecallRequest& request, std::span<const NamedNetwork> networks,
                    std::span<const NetworkResult> results, const ContactSet& set, const AnsweredRows& rows,
-                   const Decisions& decisions) {
+                   const Decisions& decisions, const std::optional<FrameFloor>& floor) {
   std::string text = fmt::format("{} of {} networks on {} rows of {}\n", errors_of(rows.target), networks.size(),
                                  rows.frames.rows(), request.set);
   if (rows.left_out > 0)
@@ -126,6 +140,7 @@ std::string tables(const RecallRequest& request, std::span<const NamedNetwork> n
                           coverage_table(*results[i].bound, set.indenter_names));
   for (std::size_t i = 0; i < decisions.size(); ++i)
     text += fmt::format("\n{}\n{}", networks[i].file, decision_table(decisions[i], request.alarms));
+  if (floor) text += fmt::format("\n{}\n", floor->text());
   return text;
 }
 
@@ -154,19 +169,20 @@ int run_recall(const RecallRequest& request) {
     for (const NetworkResult& result : *results)
       decisions.push_back(decide(result, set, rows, positions, request.set, request.alarms));
   }
+  const std::optional<FrameFloor> floor = floor_of(request, networks, set, target);
   if (!request.decision_csv.empty())
     write_file("--decision-csv", request.decision_csv, all_curves(networks, decisions, request.alarms));
   if (!request.rows.empty()) write_file("--rows", request.rows, rows_csv(networks, *results, rows));
   if (!request.html.empty())
     write_file("--html", request.html,
-               recall_page(networks, *results, rows, set.indenter_names, request.set, decisions).html());
-  const Json report = report_json(request, networks, *results, set, rows, decisions);
+               recall_page(networks, *results, rows, set.indenter_names, request.set, decisions, floor).html());
+  const Json report = report_json(request, networks, *results, set, rows, decisions, floor);
   if (request.json == "-") {
     fmt::print("{}", json_text(report));
     return done;
   }
   if (!request.json.empty()) write_file("--json", request.json, json_text(report));
-  fmt::print("{}", tables(request, networks, *results, set, rows, decisions));
+  fmt::print("{}", tables(request, networks, *results, set, rows, decisions, floor));
   return done;
 }
 
@@ -213,6 +229,8 @@ void add_recall_command(CLI::App& app, Action& action) {
                    "with --decision: no alarm begins at a frame with a wider interval of S; it cannot tell, no unit "
                    "(default: none)")
       ->check(CLI::NonNegativeNumber);
+  command->add_flag("--no-floor", request->no_floor,
+                    "leave out the last line, the least error that the frames allow: about a second on pads");
   add_network_options(*command, request->shared);
   command->callback([command, request, &action] {
     action = [command, request] {

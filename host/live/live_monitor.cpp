@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "host/live/frame_reader.h"
 #include "host/support/errors.h"
@@ -44,27 +45,24 @@ void check_networks(std::span<const nn::Model> networks, const SensorProfile& pr
                       "networks that all have a bound, or none");
 }
 
-/// Whether one of the stresses, MPa, reaches the threshold.
-bool touches(std::span<const float> normal, double threshold) {
-  return std::ranges::any_of(normal, [&](float stress) { return !(std::abs(stress) < threshold); });
-}
-
-float number_acted_on(const PadAnswer& pad, bool has_bound) {
-  if (pad.answer.status == AnswerStatus::no_stress || pad.contact == false) return 0;
-  return has_bound ? pad.answer.slip_upper : pad.answer.slip_index;
+/// Tactels of each pad, or of the line.
+std::vector<std::size_t> tactels_of(const SensorProfile& profile) {
+  std::vector<std::size_t> tactels;
+  for (const PadLayout& pad : profile.pads) tactels.push_back(pad.count());
+  if (tactels.empty()) tactels.push_back(profile.map.tactels());
+  return tactels;
 }
 
 /// The answer of the pad with the largest number to act on; S and its upper bound are the largest of all pads.
 void take_largest(MonitorLine& line) {
   float most = -std::numeric_limits<float>::infinity();
   Answer largest = line.pads.front().answer;
-  for (const PadAnswer& pad : line.pads) {
+  for (const AlarmAnswer& pad : line.pads) {
     if (pad.contact) line.contact = line.contact.value_or(false) || *pad.contact;
     if (pad.contact == false) continue;
-    const float number = number_acted_on(pad, line.has_bound);
-    if (number > most) most = number, largest = pad.answer;
+    if (pad.acted_on > most) most = pad.acted_on, largest = pad.answer;
   }
-  for (const PadAnswer& pad : line.pads) {
+  for (const AlarmAnswer& pad : line.pads) {
     largest.slip_index = std::fmax(largest.slip_index, pad.answer.slip_index);
     largest.slip_upper = std::fmax(largest.slip_upper, pad.answer.slip_upper);
     largest.unlike |= pad.answer.unlike;
@@ -79,28 +77,27 @@ SlipEstimator estimator_of(const nn::Model& model) {
 
 }  // namespace
 
-float MonitorLine::acted_on() const { return number_acted_on({answer, contact}, has_bound); }
+bool knows_touch(const SensorProfile& profile) {
+  std::size_t first = 0;
+  return std::ranges::all_of(tactels_of(profile), [&](std::size_t tactels) {
+    return profile.map.touch(std::exchange(first, first + tactels), tactels) > 0;
+  });
+}
 
 LiveMonitor::Sensor::Sensor(const nn::Model& network, const SensorProfile& profile, std::size_t first_tactel,
                             std::size_t count, const MonitorOptions& options)
     : first(first_tactel),
       tactels(count),
-      touch(options.touch.value_or(profile.map.touch(first, count))),
-      history((check_width(network, profile, count), estimator_of(network))),
+      alarm((check_width(network, profile, count), estimator_of(network)),
+            {options.at, options.touch.value_or(profile.map.touch(first, count)), options.widest}),
       stresses(count * (profile.map.places() / profile.map.tactels())) {}
 
 /// frame: [axes, tactels of all pads] MPa.
-PadAnswer LiveMonitor::Sensor::answer(std::span<const float> frame) {
+AlarmAnswer LiveMonitor::Sensor::answer(std::span<const float> frame) {
   const std::size_t axes = stresses.size() / tactels, all = frame.size() / axes;
   for (std::size_t axis = 0; axis < axes; ++axis)
     std::ranges::copy(frame.subspan(axis * all + first, tactels), stresses.begin() + static_cast<long>(axis * tactels));
-  PadAnswer result{.answer = history.estimate(stresses)};
-  if (touch > 0) {
-    result.contact = result.answer.status == AnswerStatus::not_finite ||
-                     touches(std::span<const float>(stresses).first(tactels), touch);
-    if (!*result.contact) result.answer.slip_index = result.answer.slip_upper = std::nanf("");
-  }
-  return result;
+  return alarm.answer(stresses);
 }
 
 LiveMonitor::LiveMonitor(std::span<const nn::Model> networks, const SensorProfile& profile,
@@ -111,14 +108,10 @@ LiveMonitor::LiveMonitor(std::span<const nn::Model> networks, const SensorProfil
       decoder_((check_networks(networks, profile), profile.format())),
       has_bound_(networks.front().bound.has_value()),
       stresses_(profile.map.places()) {
-  if (profile.pads.empty()) sensors_.emplace_back(networks.front(), profile, 0, profile.map.tactels(), options);
   std::size_t first = 0;
-  for (std::size_t i = 0; i < profile.pads.size(); first += profile.pads[i++].count())
-    sensors_.emplace_back(networks[networks.size() > 1 ? i : 0], profile, first, profile.pads[i].count(), options);
-}
-
-bool LiveMonitor::knows_touch() const {
-  return std::ranges::all_of(sensors_, [](const Sensor& sensor) { return sensor.touch > 0; });
+  for (const std::size_t tactels : tactels_of(profile))
+    sensors_.emplace_back(networks[networks.size() > 1 ? sensors_.size() : 0], profile,
+                          std::exchange(first, first + tactels), tactels, options);
 }
 
 MonitorSummary LiveMonitor::run(hw::FrameSource& source, const MonitorEvents& events) {
@@ -146,6 +139,8 @@ void LiveMonitor::answer(const hw::DecodedFrame& frame, double arrival, const Mo
     return;
   }
   take_largest(line);
+  const AlarmAnswer judged = sensors_.front().alarm.judge({.answer = line.answer, .contact = line.contact});
+  line.acted_on = judged.acted_on, line.alarm = judged.on, line.cannot_tell = judged.cannot_tell;
   if (line.pads.size() == 1) line.pads.clear();
   const double now = source_->now();
   line.latency = 1e6 * (now - arrival), line.answer_time = 1e6 * (now - decoded);

@@ -4,6 +4,7 @@
 
 #include <deque>
 #include <functional>
+#include <limits>
 
 #include "host/live/drift_watch.h"
 #include "host/live/live_frames.h"
@@ -19,14 +20,10 @@ struct MonitorOptions {
   /// MPa: a frame whose normal stresses all stay below is no contact; none: ChannelMap::touch() of the profile, 0: all
   /// frames are contacts
   std::optional<double> touch{};
+  /// As of AlarmOptions.
+  float at = std::numeric_limits<float>::infinity(), widest = std::numeric_limits<float>::infinity();
   double silence = 1.0;  ///< s of listening to a live source without a frame before a warning
   double drift = 2.0;    ///< s of rest that are compared with the calibration at once (DriftWatch); 0: no watch
-};
-
-/// The answer about one of several pads.
-struct PadAnswer {
-  Answer answer{};
-  std::optional<bool> contact{};  ///< false: no contact, S and its bound are NaN; none without a threshold
 };
 
 /// The answer to a frame.
@@ -35,16 +32,13 @@ struct MonitorLine {
   std::span<const float> stresses;  ///< [places of the channel map] MPa
   Answer answer{};                  ///< of several pads: of the one with the largest number to act on
   bool has_bound = false;           ///< the network has a bound
-  std::optional<bool> contact{};    ///< as of PadAnswer; of several pads whether one touches
-  std::vector<PadAnswer> pads{};    ///< of several pads; none: `answer` is all
+  std::optional<bool> contact{};    ///< as of AlarmAnswer; of several pads whether one touches
+  float acted_on = 0;               ///< as of AlarmAnswer, and the next two
+  bool alarm = false, cannot_tell = false;
+  std::vector<AlarmAnswer> pads{};  ///< of several pads, without alarms of their own; none: `answer` is all
   std::vector<Drift> drift{};       ///< what this frame showed to have moved; mostly nothing
   double latency = 0;               ///< us from the frame's last byte to S
   double answer_time = 0;           ///< us of the latency, from the decoded frame to S
-
-  /// Returns the number to act on: the upper bound of S, or S where the network has no bound; 0 where nothing touches.
-  float acted_on() const;
-  /// Returns the width of the interval of S; 0 without a bound.
-  float width() const { return has_bound ? answer.slip_interval[1] - answer.slip_interval[0] : 0; }
 };
 
 struct MonitorSummary {
@@ -64,7 +58,10 @@ struct MonitorEvents {
   std::function<bool()> stop{};                         ///< true ends it
 };
 
-/// Turns frames of a source into slippage indices, in the calling thread, by tactel::SlipHistory.
+/// Returns whether the calibration gives every pad a threshold of touch.
+bool knows_touch(const SensorProfile& profile);
+
+/// Turns frames of a source into slippage indices and an alarm, in the calling thread, by tactel::Alarm.
 class LiveMonitor {
  public:
   /// `networks`: one, or one for each pad of the profile, all with a bound or none. Throws ConfigError where their
@@ -72,8 +69,6 @@ class LiveMonitor {
   LiveMonitor(std::span<const nn::Model> networks, const SensorProfile& profile, const MonitorOptions& options);
   LiveMonitor(const nn::Model& network, const SensorProfile& profile, const MonitorOptions& options)
       : LiveMonitor(std::span(&network, 1), profile, options) {}
-  /// Returns whether every pad has a threshold of touch.
-  bool knows_touch() const;
   /// Runs until the source ends or `stop` returns true.
   MonitorSummary run(hw::FrameSource& source, const MonitorEvents& events);
 
@@ -82,11 +77,10 @@ class LiveMonitor {
   struct Sensor {
     Sensor(const nn::Model& network, const SensorProfile& profile, std::size_t first, std::size_t tactels,
            const MonitorOptions& options);
-    PadAnswer answer(std::span<const float> frame);
+    AlarmAnswer answer(std::span<const float> frame);
 
     std::size_t first, tactels;
-    double touch;                 ///< MPa; 0: every frame is a contact
-    SlipHistory history;          ///< of the frames answered, or dropped as late
+    Alarm alarm;                  ///< has the frames answered, or dropped as late; that of the first pad judges all
     std::vector<float> stresses;  ///< [axes tactels] MPa, of the newest frame
   };
   void answer(const hw::DecodedFrame& frame, double arrival, const MonitorEvents& events);

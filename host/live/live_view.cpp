@@ -174,16 +174,16 @@ void SlipTrace::add(double arrival, float slip_index, std::size_t longest) {
 std::string view_text(const MonitorLine& line, const SlipTrace& history, float largest_stress, int columns,
                       const ViewOptions& options, const std::string& note) {
   const int width = std::max(columns, least_columns);
-  const float s = line.answer.slip_index, acted_on = line.acted_on();
+  const float s = line.answer.slip_index;
   const auto room = static_cast<std::size_t>(width - margin);
   std::string index =
       fmt::format("S {} {}", std::isfinite(s) ? fmt::format("{:.3f}", s) : "  -  ", bar(s, options.alarm, width - 8));
-  if (options.colour && std::isfinite(s)) index = painted(index, colour_of(acted_on, options.alarm));
+  if (options.colour && std::isfinite(s)) index = painted(index, colour_of(line.acted_on, options.alarm));
   const std::string words = fmt::format(
       "{}{}frame {}, {:.0f} us, full block {:.3g} MPa, history {:.0f} s", note.empty() ? "" : note + "; ",
-      line.contact == false       ? "no contact; "
-      : acted_on >= options.alarm ? "ALARM: slip is near; "
-                                  : "",
+      line.contact == false ? "no contact; "
+      : line.alarm          ? "ALARM: slip is near; "
+                            : "",
       line.frame.number, line.latency, largest_stress, static_cast<double>(room) * SlipTrace::seconds_per_column);
   return fmt::format("{}\nhistory|{}|\n{}{}\n", index, history_text(history, room),
                      options.pads.empty()

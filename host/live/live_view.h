@@ -11,7 +11,7 @@
 namespace tactel::host {
 
 struct ViewOptions {
-  float alarm = 0.8f;             ///< S from which the picture shows an alarm
+  float alarm = 0.8f;             ///< S at the mark, and from which S is red
   bool cursor = false;            ///< each picture replaces the previous one, by escape sequences
   bool colour = false;            ///< S in green, yellow (three quarters of the alarm) or red, by escape sequences
   std::vector<PadLayout> pads{};  ///< none: a line

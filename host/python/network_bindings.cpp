@@ -2,6 +2,8 @@
 #include <tactel/train.h>
 
 #include <algorithm>
+#include <cmath>
+#include <memory>
 #include <utility>
 
 #include "host/python/bindings.h"
@@ -57,6 +59,41 @@ py::array_t<Number> taken(const SlipEstimator& network, const Frames& frames, st
   Number* to = all.mutable_data();
   for (const Answer& answer : answers) take(answer, to);
   return all;
+}
+
+std::unique_ptr<Alarm> alarm_of(const py::object& network, float at, double touch, std::optional<float> widest) {
+  AlarmOptions options{.at = at, .touch = touch};
+  options.widest = widest.value_or(options.widest);
+  if (py::isinstance<Network>(network))
+    return std::make_unique<Alarm>(network.cast<const Network&>().estimator(), options);
+  return std::make_unique<Alarm>(network.cast<const SlipEstimator&>(), options);
+}
+
+AlarmAnswer next_answer(Alarm& alarm, const Frames& frame) {
+  if (frame.ndim() != 1 || static_cast<std::size_t>(frame.size()) != alarm.inputs())
+    throw InputError("frame", "an array of another shape", "[" + std::to_string(alarm.inputs()) + "]");
+  return alarm.next({frame.data(), alarm.inputs()});
+}
+
+/// A field of the answer's own Answer.
+template <class Number>
+auto field(Number Answer::*member) {
+  return [member](const AlarmAnswer& said) { return said.answer.*member; };
+}
+
+std::string text_of(const AlarmAnswer& said) {
+  const auto text = [](const py::object& value) { return py::str(value).cast<std::string>(); };
+  const auto number = [&](float value) { return text(py::str("{:.4g}").format(value)); };
+  const auto boolean = [](bool value) { return value ? "True" : "False"; };
+  const Answer& answer = said.answer;
+  std::string all = "AlarmAnswer(slip_index=" + number(answer.slip_index);
+  if (!std::isnan(answer.slip_interval[1]))
+    all += ", slip_upper=" + number(answer.slip_upper) + ", slip_interval=(" + number(answer.slip_interval[0]) + ", " +
+           number(answer.slip_interval[1]) + "), unlike=" + boolean(answer.unlike != 0);
+  all += std::string(", contact=") + (said.contact ? boolean(*said.contact) : "None") + ", on=" + boolean(said.on) +
+         ", cannot_tell=" + boolean(said.cannot_tell);
+  if (answer.status != AnswerStatus::ok) all += std::string(", status='") + name(answer.status) + "'";
+  return all + ")";
 }
 
 Network from_arrays(const std::vector<Frames>& weights, const std::vector<Frames>& biases,
@@ -119,6 +156,32 @@ void bind_networks(py::module_& m) {
       .def_property_readonly("topology", &SlipEstimator::topology, "\"42-42-21-1\"")
       .def("__repr__",
            [](const SlipEstimator& network) { return "<tactel.SlipEstimator " + network.topology() + ">"; });
+  py::class_<AlarmAnswer>(m, "AlarmAnswer", "What an Alarm says about a frame.")
+      .def_property_readonly("slip_index", field(&Answer::slip_index), "S; NaN without contact or answer")
+      .def_property_readonly("slip_upper", field(&Answer::slip_upper), "upper bound of S; NaN without a bound")
+      .def_property_readonly(
+          "slip_interval",
+          [](const AlarmAnswer& said) { return std::pair(said.answer.slip_interval[0], said.answer.slip_interval[1]); },
+          "interval of S; NaN without a bound")
+      .def_property_readonly(
+          "unlike", [](const AlarmAnswer& said) { return said.answer.unlike != 0; }, "the bound says nothing")
+      .def_property_readonly(
+          "status", [](const AlarmAnswer& said) { return name(said.answer.status); },
+          "\"ok\", \"no stress\", \"not finite\" or \"overflow\"")
+      .def_readonly("contact", &AlarmAnswer::contact, "whether something touches; None without a threshold of touch")
+      .def_readonly("acted_on", &AlarmAnswer::acted_on, "number that the alarm judges")
+      .def_readonly("on", &AlarmAnswer::on, "the alarm")
+      .def_readonly("cannot_tell", &AlarmAnswer::cannot_tell, "only the width of the interval keeps the alarm off")
+      .def("__repr__", &text_of);
+  py::class_<Alarm>(m, "Alarm", "The alarm of `tactel monitor`: frames of one sensor in turn, by its rules.")
+      .def(py::init(&alarm_of), "network"_a, py::kw_only(), "at"_a = 0.8f, "touch"_a = 0.0, "widest"_a = py::none(),
+           "network: a Network or SlipEstimator. at: upper bound of S (S itself without a bound) at which the alarm "
+           "begins; it ends below at - 0.05. touch: MPa; a frame whose normal stresses all stay below is no contact. "
+           "widest: no alarm begins at a wider interval of S.")
+      .def("next", &next_answer, "frame"_a,
+           "Takes the sensor's next frame [inputs] MPa, normal stresses of all tactels first, then shear.")
+      .def("clear", &Alarm::clear, "Ends the alarm and forgets all frames.")
+      .def_property_readonly("inputs", &Alarm::inputs, "numbers of a frame");
   py::class_<Network>(m, "Network", "A trained network with its origin.")
       .def_static(
           "load", [](const FileName& path) { return Network::load(path); }, "path"_a,

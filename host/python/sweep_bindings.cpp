@@ -141,6 +141,17 @@ void bind_set(py::module_& m) {
                " tactels, " + std::to_string(set.contacts) + " contacts>";
       });
   m.def(
+      "_linear_errors",
+      [](const Set& rows, std::uint64_t changes, double shift,
+         const py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>& readings,
+         const py::array_t<double, py::array::c_style | py::array::forcecast>& sigma, double gain) {
+        const std::span<const std::int64_t> places(readings.data(), static_cast<std::size_t>(readings.size()));
+        const std::span<const double> noise(sigma.data(), static_cast<std::size_t>(sigma.size()));
+        const py::gil_scoped_release released;
+        return linear_errors(rows, changes, shift, places, noise, gain);
+      },
+      "rows"_a, "changes"_a, "shift"_a, "readings"_a, "sigma"_a, "gain"_a);
+  m.def(
       "read_set",
       [](const FileName& path) {
         const py::gil_scoped_release released;

@@ -13,8 +13,6 @@
 namespace tactel::host {
 namespace {
 
-constexpr std::uint8_t over_tolerance = 2;  ///< LaneStatus, as in the set's file
-
 const std::vector<float>& column_of(const ContactSet& set, nn::Target target) {
   return target == nn::Target::slip_index    ? set.slip_index
          : target == nn::Target::force_ratio ? set.force_ratio

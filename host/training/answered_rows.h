@@ -8,6 +8,8 @@
 
 namespace tactel::host {
 
+inline constexpr std::uint8_t over_tolerance = 2;  ///< LaneStatus, as in the set's file
+
 /// The rows of a set for training or judging networks: solved within tolerance, with a slippage index.
 struct AnsweredRows {
   nn::FrameSet frames;           ///< with the target in the place of S

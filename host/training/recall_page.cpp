@@ -215,13 +215,14 @@ void add_decisions(Page& page, std::span<const NamedNetwork> networks, const std
 
 Page recall_page(std::span<const NamedNetwork> networks, std::span<const NetworkResult> results,
                  const AnsweredRows& rows, const std::vector<std::string>& indenter_names, const std::string& set,
-                 std::span<const std::vector<DecisionCurve>> decisions) {
+                 std::span<const std::vector<DecisionCurve>> decisions, const std::optional<FrameFloor>& floor) {
   const std::vector<Judged> all = judged(networks, results, rows.frames);
   const Shown shown = Shown(all).first(std::min(best, all.size()));
   Page page("tactel: networks judged by a set",
             fmt::format("{} network{} on {} frames of {}, by tactel {}", networks.size(),
                         networks.size() == 1 ? "" : "s", rows.frames.rows(), set, TACTEL_VERSION));
   report_recall_verdict(page, all, rows, indenter_names);
+  if (floor) page.finding(Tone::fact, "floor", floor->text() + ".");
   page.table(network_table(all));
   page.figure(
       predicted_figure(shown),

@@ -260,6 +260,8 @@ std::size_t SlipEstimator::estimate(std::span<const float> frames, std::span<Ans
 }
 
 std::size_t SlipEstimator::frames() const noexcept { return static_cast<std::size_t>(network_->history.frames); }
+std::size_t SlipEstimator::tactels() const noexcept { return static_cast<std::size_t>(network_->normals); }
+bool SlipEstimator::has_bound() const noexcept { return network_->bound.has_value(); }
 
 struct SlipHistory::State {
   explicit State(const SlipEstimator& network)

@@ -284,6 +284,37 @@ class OwnNetworks(unittest.TestCase):
         frame = np.array([-0.4, -0.2, 0.1, 0.3], np.float32)
         np.testing.assert_allclose(net(frame), net(7 * frame), atol=1e-6)
 
+    def shear_alarm(self, **options):
+        """S = 1 / (1 + exp(-10 shear)) of the first of two tactels' shears, which is above 0."""
+        net = tactel.Network.from_arrays([[[0, 0, 1, 0]], [[10]]], [[0], [0]], "relu")
+        return tactel.Alarm(net, **options)
+
+    def test_an_alarm_follows_known_answers(self):
+        alarm = self.shear_alarm(at=0.8, touch=0.1)
+        self.assertEqual(alarm.inputs, 4)
+        # Begins at 0.8, holds down to 0.75 and over a frame with NaN; without contact there is no S, and the alarm ends.
+        for normal, s, contact, on in ((-0.2, 0.79, True, False), (-0.2, 0.81, True, True), (-0.2, 0.76, True, True),
+                                       (-0.2, np.nan, True, True), (-0.2, 0.74, True, False), (-0.2, 0.9, True, True),
+                                       (-0.09, 0.9, False, False), (-0.2, 0.79, True, False)):
+            said = alarm.next([0, normal, np.log(s / (1 - s)) / 10, 0])
+            self.assertEqual((said.contact, said.on, said.cannot_tell), (contact, on, False), (normal, s))
+            np.testing.assert_allclose(said.slip_index, s if contact else np.nan, atol=1e-6)
+            self.assertEqual(said.status, "not finite" if np.isnan(s) else "ok")
+            self.assertTrue(np.isnan(said.slip_upper) and np.isnan(said.slip_interval[0]))
+        self.assertEqual(repr(said), "AlarmAnswer(slip_index=0.79, contact=True, on=False, cannot_tell=False)")
+        alarm.next([0, -0.2, 1, 0])
+        alarm.clear()
+        self.assertFalse(alarm.next([0, -0.2, np.log(0.77 / 0.23) / 10, 0]).on)
+        self.assertIsNone(self.shear_alarm().next(np.zeros(4)).contact)
+
+    def test_an_alarm_refuses_what_it_cannot_mean(self):
+        for options, says in (({"at": 1.1}, "at: 1.1"), ({"touch": -1}, "touch: -1"), ({"widest": 0.4}, "widest: 0.4.*without a bound")):
+            with self.subTest(says=says), self.assertRaisesRegex(tactel.InputError, says):
+                self.shear_alarm(**options)
+        for frame in (np.zeros(3), np.zeros((2, 4)), 0.0):
+            with self.assertRaisesRegex(tactel.InputError, r"frame: an array of another shape; \[4\]"):
+                self.shear_alarm().next(frame)
+
     def test_wrong_layers_are_named(self):
         weights, biases = self.layers([6, 5, 4, 1])
         wrong = (((weights, biases[:2]), {}, "biases: 2 arrays"), ((weights[:2], biases[:2]), {}, "one output through a sigmoid"),

@@ -8,11 +8,9 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <limits>
 
 #include "host/commands/command.h"
 #include "host/commands/live/sensor_session.h"
-#include "host/live/alarm.h"
 #include "host/live/live_monitor.h"
 #include "host/live/live_view.h"
 #include "host/networks/onnx_file.h"
@@ -28,8 +26,8 @@ struct MonitorRequest : SensorRequest {
   std::vector<std::string> networks;
   std::string device;
   int every = 1;
-  std::optional<float> alarm;   ///< default_alarm for --view where not given
-  std::optional<float> widest;  ///< interval of S at which an alarm begins
+  std::optional<float> alarm;  ///< default_alarm for --view where not given
+  std::optional<float> widest;
   MonitorOptions options;
   bool view = false;
 };
@@ -50,15 +48,14 @@ std::string answer_text(const char* target, const Answer& answer, const std::opt
 
 /// What a line says beside its answer: that of each of several pads; the alarm and whether the frame can tell, where
 /// they were asked for; what drifted.
-std::string further_text(const MonitorLine& line, const char* target, const std::optional<bool>& alarm,
-                         const std::optional<bool>& cannot_tell) {
+std::string further_text(const MonitorRequest& request, const MonitorLine& line, const char* target) {
   std::string text;
-  for (const PadAnswer& pad : line.pads)
+  for (const AlarmAnswer& pad : line.pads)
     text +=
         fmt::format("{}{{{}}}{}", &pad == line.pads.data() ? ", \"pads\": [" : ", ",
                     answer_text(target, pad.answer, pad.contact, line.has_bound), &pad == &line.pads.back() ? "]" : "");
-  if (alarm) text += fmt::format(", \"alarm\": {}", *alarm);
-  if (cannot_tell) text += fmt::format(", \"cannot_tell\": {}", *cannot_tell);
+  if (request.alarm) text += fmt::format(", \"alarm\": {}", line.alarm);
+  if (request.widest) text += fmt::format(", \"cannot_tell\": {}", line.cannot_tell);
   for (const Drift& drift : line.drift)
     text += fmt::format("{}{{\"kind\": \"{}\", \"channels\": [{}], \"size\": {}, \"text\": \"{}\"}}{}",
                         &drift == line.drift.data() ? ", \"drift\": [" : ", ", drift.name(),
@@ -67,13 +64,12 @@ std::string further_text(const MonitorLine& line, const char* target, const std:
   return text;
 }
 
-std::string line_text(const MonitorLine& line, const char* target, const std::optional<bool>& alarm,
-                      const std::optional<bool>& cannot_tell) {
+std::string line_text(const MonitorRequest& request, const MonitorLine& line, const char* target) {
   const std::string latency = std::isfinite(line.latency) ? fmt::format("{:.1f}", line.latency) : "null";
   return fmt::format("{{\"frame\": {}, \"device_time\": {}, \"arrival\": {}, {}{}, \"latency_us\": {}}}\n",
                      line.frame.number, line.frame.device_time ? json_number(*line.frame.device_time) : "null",
                      json_number(line.frame.arrival), answer_text(target, line.answer, line.contact, line.has_bound),
-                     further_text(line, target, alarm, cannot_tell), latency);
+                     further_text(request, line, target), latency);
 }
 
 std::string summary_text(const MonitorSummary& all, bool cut_short) {
@@ -116,11 +112,9 @@ class Output {
 MonitorEvents make_events(const MonitorRequest& request, const char* target, LiveView& view, Output& output,
                           const Until& until, std::vector<std::string>& later) {
   MonitorEvents events;
-  constexpr float any = std::numeric_limits<float>::infinity();
-  events.line = [&, alarm = Alarm(request.alarm.value_or(default_alarm), request.widest.value_or(any))](
-                    const MonitorLine& line) mutable {
-    const bool before = alarm.on(), could_not = alarm.cannot_tell();
-    const bool on = alarm.next(line.acted_on(), line.width());
+  events.line = [&, on = false, cannot_tell = false](const MonitorLine& line) mutable {
+    const bool turned = line.alarm != on || line.cannot_tell != cannot_tell;
+    on = line.alarm, cannot_tell = line.cannot_tell;
     for (const Drift& drift : line.drift) {
       if (request.view)
         later.push_back(drift.text);
@@ -128,11 +122,9 @@ MonitorEvents make_events(const MonitorRequest& request, const char* target, Liv
         print_warning(drift.text);
     }
     // Events are printed, whatever --every says.
-    const bool event = (request.alarm && (on != before || alarm.cannot_tell() != could_not)) || !line.drift.empty();
+    const bool event = (request.alarm && turned) || !line.drift.empty();
     if (!event && line.frame.number % static_cast<std::uint64_t>(request.every) != 0) return;
-    if (!request.view)
-      return output.put(line_text(line, target, request.alarm ? std::optional(on) : std::nullopt,
-                                  request.widest ? std::optional(alarm.cannot_tell()) : std::nullopt));
+    if (!request.view) return output.put(line_text(request, line, target));
     if (const auto picture = view.show(line, output.columns())) output.put(*picture);
   };
   events.second = [&](const MonitorSummary& summary) {
@@ -166,8 +158,11 @@ int run_monitor(const MonitorRequest& request) {
   if (!request.device.empty() && !request.quiet)
     print_warning("--device has no effect: monitor evaluates networks on the processor, with the bits of every device");
   OpenSource opened = open_for(request);
-  LiveMonitor monitor(networks, opened.profile, request.options);
-  const bool touch_known = request.options.touch || monitor.knows_touch();
+  const bool touch_known = request.options.touch || knows_touch(opened.profile);
+  MonitorOptions options = request.options;
+  if (request.alarm || (request.view && touch_known)) options.at = request.alarm.value_or(default_alarm);
+  options.widest = request.widest.value_or(options.widest);
+  LiveMonitor monitor(networks, opened.profile, options);
   if (request.alarm && !touch_known)
     throw ConfigError("command line", "--alarm", fmt::format("{}", *request.alarm),
                       "given with --touch MPa, or with noise in [calibration] (tactel tare measures it): without a "

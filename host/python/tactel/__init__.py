@@ -17,7 +17,7 @@ import time as _time
 
 from . import _driver as _driver, _calls, _tactel
 from ._tactel import (
-    Box, Cancelled, Cone, Cylinder, Derivatives, Element, Error, Errors, Exponential, Flat, Force, Frame, HardwareError,
+    Alarm, AlarmAnswer, Box, Cancelled, Cone, Cylinder, Derivatives, Element, Error, Errors, Exponential, Flat, Force, Frame, HardwareError,
     HeightMap, Indenter, InputError, Load, LyingCylinder, Mesh, Network, Pad, PadIndenter, PadLoad, PadPath, PadPaths,
     PadTactels, Parabola, Paraboloid, Path, Paths, Press, Profile, Punch, RoundedFlat, Scene, Sensor, Set, SlipEstimator,
     Sphere, Stream, StressRecovery, Tactels, Taylor, Trapezoid, Wedge, __version__, bonded, heights, open_sensor, read_scene,
@@ -25,7 +25,7 @@ from ._tactel import (
 )
 
 __all__ = [
-    "Box", "Cancelled", "Cone", "Cylinder", "Derivatives", "Element", "Error", "Errors", "Exponential", "Flat", "Force",
+    "Alarm", "AlarmAnswer", "Box", "Cancelled", "Cone", "Cylinder", "Derivatives", "Element", "Error", "Errors", "Exponential", "Flat", "Force",
     "Frame", "HardwareError", "HeightMap", "Indenter", "InputError", "Load", "LyingCylinder", "Mesh", "Network", "Pad",
     "PadIndenter", "PadLoad", "PadPath", "PadPaths", "PadTactels", "Parabola", "Paraboloid", "Path", "Paths", "Press",
     "Profile", "Punch", "RoundedFlat", "Scene", "Sensor", "Set", "SlipEstimator", "Sphere", "Stream", "StressRecovery", "Sweep",

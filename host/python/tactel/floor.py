@@ -28,7 +28,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import Cancelled, InputError, SlipEstimator, Sweep, __version__, _Progress
+from . import Cancelled, InputError, SlipEstimator, Sweep, __version__, _Progress, _tactel
 
 SPREADS = 4.0 ** np.arange(8)
 CHANGE = 1 / 64  #: of a number's range, for derivatives
@@ -159,21 +159,6 @@ def weighted_median(values, weights):
         inside = before + np.cumsum(weights[k, b * block:(b + 1) * block], dtype=float)
         found[k] = b * block + min(np.searchsorted(inside, half[k]), len(inside) - 1)
     return values[found]
-
-
-def linear_error(frames, j, g, sigma, gain):
-    """Mean of |error of S| of a reading of `frames` [history, inputs] where frames and S are linear in unknown numbers, each
-    uniform over a range of 1 (variance 1/12): sqrt(2 / pi) sd, sd^2 = g' (J' C^-1 J + 12 I)^-1 g.
-    j: [history, inputs, numbers] MPa and g: [numbers], derivatives of frames and S."""
-    variance, gain2 = sigma**2, gain**2
-    flat = j.reshape(-1, j.shape[2])
-    precision = flat.T @ flat / variance
-    if gain > 0:
-        fj = np.einsum("mt,mtn->tn", frames, j)
-        factor = gain2 / (variance * (variance + gain2 * (frames**2).sum(0)))
-        precision -= (factor[:, None] * fj).T @ fj
-    precision[np.diag_indices(len(g))] += 12
-    return np.sqrt(2 / np.pi * max(g @ np.linalg.solve(precision, g), 0.0))
 
 
 def _error(errors):
@@ -350,26 +335,11 @@ def _collect(rows, options, every=1):
     return Bank(history, rows.slip_index[places[:, 0]].copy(), largest.astype(float), classes), places
 
 
-def _estimates(changed, rows, options, every):
+def _estimates(rows, options, every):
     """Estimates of a Set's unchanged contacts: (errors, classes)."""
     bank, places = _collect(rows, options, every)
-    answered = (rows.status != 2) & np.isfinite(rows.slip_index)
-    row_of = {key: row for row, key in enumerate(zip(rows.contact.tolist(), rows.step.tolist())) if answered[row]}
-    errors = np.empty(len(bank))
-    for k, frames_at in enumerate(places):
-        j = np.zeros((*bank.frames[k].shape, every - 1))
-        g = np.zeros(every - 1)
-        contact, steps = int(rows.contact[frames_at[0]]), rows.step[frames_at].tolist()
-        truth = bank.frames[k].astype(float)
-        for n in range(every - 1):
-            moved = [row_of.get((contact + 1 + n, step)) if at >= 0 else -1 for at, step in zip(frames_at, steps)]
-            if None in moved:
-                continue
-            other = np.where(np.array(moved)[:, None] >= 0, rows.frames[moved], 0).astype(float)
-            j[:, :, n] = (other - truth) / CHANGE
-            g[n] = (float(rows.slip_index[moved[0]]) - float(bank.slip_index[k])) / CHANGE
-        errors[k] = linear_error(truth, j, g, options.noise * bank.largest[k], options.gain)
-    return errors, bank.classes
+    errors = _tactel._linear_errors(rows, every, CHANGE, places, options.noise * bank.largest, options.gain)
+    return np.asarray(errors), bank.classes
 
 
 def measure(sweep, options=Options(), networks=None, device="", progress=None):
@@ -400,7 +370,7 @@ def measure(sweep, options=Options(), networks=None, device="", progress=None):
     errors, classes = np.empty(0), np.empty((len(families), 0), int)
     at_once = 128
     for rows in changed._batches(at_once * every, contacts * every, True, None, "", "fp64", device, 1e-8, False):
-        more, kinds = _estimates(changed, rows, options, every)
+        more, kinds = _estimates(rows, options, every)
         errors, classes = np.concatenate([errors, more]), np.concatenate([classes, kinds], axis=1)
         if len(errors) >= options.readings:
             break

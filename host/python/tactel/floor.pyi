@@ -43,9 +43,6 @@ class LogDensity:
 
 def draw_readings(bank: Bank, options: Options, seed: int | Sequence[int]) -> NDArray[np.float64]: ...
 def weighted_median(values: NDArray[Any], weights: NDArray[Any]) -> NDArray[Any]: ...
-def linear_error(
-    frames: NDArray[Any], j: NDArray[np.float64], g: NDArray[np.float64], sigma: float, gain: float
-) -> float: ...
 def floor_of(
     bank: Bank,
     outside: Bank,

@@ -23,9 +23,9 @@ int width_of(const std::string& line) {
 }
 
 std::vector<std::string> view_lines(const std::vector<float>& stresses, float largest, int columns, float s = 0.5f) {
-  std::istringstream in(
-      view_text({.frame = {.number = 123456}, .stresses = stresses, .answer = answer_of(s), .latency = 6}, {}, largest,
-                columns, {}));
+  std::istringstream in(view_text(
+      {.frame = {.number = 123456}, .stresses = stresses, .answer = answer_of(s), .alarm = s >= 0.8f, .latency = 6}, {},
+      largest, columns, {}));
   std::vector<std::string> lines;
   for (std::string line; std::getline(in, line);) lines.push_back(line);
   return lines;
@@ -51,7 +51,8 @@ TEST(LiveView, MarksTheAlarmAndSaysIt) {
 TEST(LiveView, ColoursSWhereAsked) {
   const std::vector<float> stresses(4, 0.1f);
   const auto first = [&](float s) {
-    return view_text({.frame = {}, .stresses = stresses, .answer = answer_of(s)}, {}, 1, 80, {.colour = true})
+    return view_text({.frame = {}, .stresses = stresses, .answer = answer_of(s), .acted_on = s}, {}, 1, 80,
+                     {.colour = true})
         .substr(0, 7);
   };
   EXPECT_EQ(first(0.5f), "\x1b[1;32m");
@@ -120,7 +121,7 @@ TEST(LiveView, ShowsTheNewestFrameOnceWhereItCameTooSoon) {
 
 /// The tiles of two tactels beside each other, and of one above them. y points upwards.
 std::string tiles_text(const std::vector<float>& stresses, std::vector<PadLayout> pads, int columns,
-                       const std::vector<PadAnswer>& answers = {}) {
+                       const std::vector<AlarmAnswer>& answers = {}) {
   const std::string text = view_text({.frame = {}, .stresses = stresses, .answer = answer_of(0.5f), .pads = answers},
                                      {}, 1, columns, {.pads = std::move(pads)});
   const std::size_t begin = text.find('\n', text.find('\n') + 1) + 1, end = text.rfind('\n', text.size() - 2) + 1;
@@ -153,7 +154,7 @@ TEST(LiveView, ArrowsHaveEightDirections) {
 TEST(LiveView, PadsStandSideBySideWithTheirSWhereTheyFit) {
   const std::vector<float> stresses{-1, 0, 0, /* second */ 0, -1};
   const std::vector<PadLayout> pads{{{2, 1}}, {{1, 3}}};
-  const std::vector<PadAnswer> answers{{.answer = answer_of(0.25f)}, {.answer = answer_of(std::nanf(""))}};
+  const std::vector<AlarmAnswer> answers{{.answer = answer_of(0.25f)}, {.answer = answer_of(std::nanf(""))}};
   EXPECT_EQ(tiles_text(stresses, pads, 40, answers),
             "S 0.250        S   -  \n"
             "█████ ·····    █████ \n"
@@ -172,7 +173,7 @@ TEST(LiveView, NoLineOfAPadIsWiderThanTheTerminal) {
   for (const std::vector<PadLayout>& pads :
        {std::vector<PadLayout>{{{128, 1}}}, {{{16, 4}}, {{16, 4}}}, {{{120, 1}}, {{8, 1}}}, {{{4, 24}}, {{4, 8}}}})
     for (const int columns : {20, 21, 40, 79, 80, 137, 200}) {
-      std::istringstream in(tiles_text(stresses, pads, columns, std::vector<PadAnswer>(pads.size())));
+      std::istringstream in(tiles_text(stresses, pads, columns, std::vector<AlarmAnswer>(pads.size())));
       for (std::string line; std::getline(in, line);) EXPECT_LE(width_of(line), columns) << line;
     }
 }

@@ -5,7 +5,6 @@
 
 #include <cmath>
 
-#include "host/live/alarm.h"
 #include "host/live/live_monitor.h"
 #include "host/scenes/scene_file.h"
 #include "hw/decoder.h"
@@ -89,14 +88,15 @@ TEST(SimulatedSensor, AnHourOfNoiseAtRestRaisesNoAlarm) {
   // Noise of 0.001 of full scale, 1.5 MPa, in steps of a converter that are half of it
   EXPECT_NEAR(profile.map.touch(), 7 * 0.0015, 0.25 * 7 * 0.0015) << "the noisiest of 21";
 
-  const auto alarms = [&](double seconds, const MonitorOptions& options) {
+  const auto alarms = [&](double seconds, MonitorOptions options) {
     SimulatedSensor source = resting(seconds);
+    options.at = 0.01f;
     LiveMonitor monitor(network(21), profile, options);
     std::vector<std::uint64_t> began;
-    Alarm alarm(0.01f);
+    bool on = false;
     monitor.run(source, {.line = [&](const MonitorLine& line) {
-                  const bool before = alarm.on();
-                  if (alarm.next(line.acted_on()) && !before) began.push_back(line.frame.number);
+                  if (line.alarm && !on) began.push_back(line.frame.number);
+                  on = line.alarm;
                 }});
     return began;
   };

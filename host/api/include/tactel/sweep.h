@@ -108,6 +108,15 @@ class TACTEL_API Sweep {
   State* state_;
 };
 
+/// Returns the error of S of the best reader of each reading, where frames and S are linear in the drawn numbers: the
+/// estimate of `python -m tactel.floor` and of `tactel recall`. rows: of Sweep::changed(shift) with its changes().
+/// readings: [readings, frames of a reading] their rows, the newest first, -1 for zeros. sigma: [readings] MPa,
+/// standard deviation of the noise. gain: that of the transducers' gains about 1. Throws InputError for rows beyond the
+/// set.
+TACTEL_API std::vector<double> linear_errors(const Set& rows, std::uint64_t changes, double shift,
+                                             std::span<const std::int64_t> readings, std::span<const double> sigma,
+                                             double gain);
+
 /// Rows of a sweep batch after batch, never stored: contacts 0 ... contacts - 1, then the next ones.
 class TACTEL_API SweepBatches {
  public:

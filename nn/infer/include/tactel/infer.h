@@ -5,6 +5,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -55,6 +57,10 @@ class TACTEL_API SlipEstimator {
   /// Returns the frames of an input: 1, or those of `tactel train --history`, the newest first. SlipHistory gathers
   /// them.
   std::size_t frames() const noexcept;
+  /// Returns the tactels: of each frame so many numbers, the first, are normal stresses.
+  std::size_t tactels() const noexcept;
+  /// Returns whether answers have an upper bound and an interval of S.
+  bool has_bound() const noexcept;
 
   /// Returns S of one frame: [inputs] MPa, the normal stresses of all tactels first, then the shear stresses. At the
   /// base sigma_y < 0 is compression; tau_xy > 0 where the indenter drags the rubber toward +x. Allocates nothing,
@@ -99,6 +105,54 @@ class TACTEL_API SlipHistory {
   /// Allocates nothing, takes no lock and throws nothing.
   Answer estimate(std::span<const float> frame) noexcept;
   /// Forgets all frames: the next one begins a contact.
+  void clear() noexcept;
+
+ private:
+  struct State;
+  State* state_;
+};
+
+/// Rules of an Alarm.
+struct AlarmOptions {
+  /// The alarm begins where the upper bound of S (S itself of a network without a bound) reaches this, 0 to 1, and ends
+  /// below at - 0.05. Infinity: it never begins.
+  float at = 0.8f;
+  /// MPa: a frame whose normal stresses all stay below this is no contact. It has no S, and ends an alarm. 0: every
+  /// frame is one, and noise at rest raises alarms.
+  double touch = 0;
+  /// No alarm begins at a frame whose interval of S is wider than this: it cannot tell.
+  float widest = std::numeric_limits<float>::infinity();
+};
+
+/// What an Alarm says about a frame.
+struct AlarmAnswer {
+  Answer answer{};                ///< its S and upper bound are NaN without contact
+  std::optional<bool> contact{};  ///< none without a threshold of touch
+  float acted_on = 0;             ///< number that the alarm judges: the upper bound of S, or S; 0 without contact
+  bool on = false;                ///< the alarm
+  bool cannot_tell = false;       ///< only the width of the interval keeps the alarm off
+};
+
+/// The alarm of `tactel monitor`: its frames of one sensor in turn, by its rules. A frame without an answer changes
+/// nothing. An object is for one thread at a time.
+class TACTEL_API Alarm {
+ public:
+  /// Throws InputError for options out of range, `widest` without a bound, and a network that does not estimate S.
+  explicit Alarm(const SlipEstimator& network, const AlarmOptions& options = {});
+  ~Alarm();
+  Alarm(const Alarm&) = delete;
+  Alarm& operator=(const Alarm&) = delete;
+
+  /// Returns the numbers of one frame, in the order of SlipEstimator::estimate.
+  std::size_t inputs() const noexcept;
+  /// Takes the sensor's next frame [inputs] MPa. Allocates nothing, takes no lock and throws nothing.
+  AlarmAnswer next(std::span<const float> frame) noexcept { return judge(answer(frame)); }
+
+  /// The two parts of next(). answer() gives S and contact and leaves the alarm, as for frames that come too late. Of
+  /// several sensors with one alarm, each has its answer(), and one judges that with the largest acted_on.
+  AlarmAnswer answer(std::span<const float> frame) noexcept;
+  AlarmAnswer judge(AlarmAnswer answer) noexcept;
+  /// Ends the alarm and forgets all frames.
   void clear() noexcept;
 
  private:
