@@ -202,7 +202,9 @@ Extrapolation extrapolate(std::span<const double> h, std::span<const double> val
   fit.scatter = std::numeric_limits<double>::infinity();
   const Eigen::ArrayXd weight = size.square().inverse() / size.square().inverse().sum();
   double limit = 0, order = 0, misfit = 0;
-  for (double trial = least_order; trial <= most_order; trial += 1.0 / 32) {
+  constexpr int trials = 48;
+  for (int k = 0; k <= trials; ++k) {
+    const double trial = least_order + k * (most_order - least_order) / trials;
     const Eigen::ArrayXd power = size.unaryExpr([trial](double at) { return std::pow(at, trial); });
     const Eigen::ArrayXd x = power - (weight * power).sum();
     const double slope = (weight * x * value).sum() / (weight * x.square()).sum();

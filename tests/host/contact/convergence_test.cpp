@@ -22,8 +22,8 @@ const std::vector<double> halved = {0.8, 0.4, 0.2, 0.1};
 
 TEST(Extrapolation, FindsOrderAndLimitOfALaw) {
   for (const double order : {0.5, 1.0, 1.3125, 2.0}) {
-    std::vector<double> values;
-    for (const double h : halved) values.push_back(2 - 3 * std::pow(h, order));
+    std::vector<double> values(halved);
+    for (double& value : values) value = 2 - 3 * std::pow(value, order);
     const Extrapolation fit = extrapolate(halved, values);
     EXPECT_DOUBLE_EQ(fit.order, order);
     EXPECT_NEAR(fit.limit, 2, 1e-12);
