@@ -83,7 +83,7 @@ void write_results(const SolveRequest& request, const fem::Scene& scene, const S
 
 int run_solve_line(const SolveRequest& request, const fem::Scene& asked) {
   check_solve_outputs(request);
-  const SolveOutcome outcome = [&] {
+  SolveOutcome outcome = [&] {
     const StageLine stage("solving " + request.scene, request.shared.quiet);
     SolveOptions options = request.shared.solve;
     if (!request.field.empty()) options.model = fem::SurfaceModel::mesh;  // a patch has no nodes in the block
@@ -97,6 +97,7 @@ int run_solve_line(const SolveRequest& request, const fem::Scene& asked) {
       solved.derivatives = std::make_shared<const ContactDerivatives>(derivatives(asked, solved));
     return solved;
   }();
+  judge(request, outcome);
   const fem::Scene& scene = outcome.scene;
   if (outcome.plan && !request.shared.quiet) fmt::print(stderr, "{}\n", outcome.plan->why());
   for (const std::string& warning : warnings(outcome)) warn(request, warning);
@@ -142,11 +143,14 @@ void add_solve_command(CLI::App& app, Action& action) {
                    "write a page: the contact over its load steps, with rubber, tractions, stress and tactels")
       ->type_name("FILE.html");
   command
-      ->add_option("--step", request->step,
-                   "load step of --plot and --field, from 1 (default: the last), and the first of --html")
+      ->add_option(
+          "--step", request->step,
+          "load step of --plot and --field, from 1 (default: the last), the first of --html, that of --converge")
       ->type_name("K");
   command->add_flag("--derivatives", request->derivatives,
                     "add the derivatives of forces, S and stresses by the scene's numbers to --json");
+  command->add_flag("--converge", request->converge,
+                    "solve also on ever smaller cells: order, limit and its uncertainty, error of this answer");
   add_shared_options(*command, request->shared);
   command->callback([request, &action] { action = [request] { return run_solve(*request); }; });
 }

@@ -58,7 +58,8 @@ PadOutcome solve_file(const SolveRequest& request, const fem::PadScene& scene) t
 
 int run_solve_pad(const SolveRequest& request, const fem::PadScene& scene) {
   check_pad_outputs(request);
-  const PadOutcome outcome = solve_file(request, scene);
+  PadOutcome outcome = solve_file(request, scene);
+  judge(request, outcome);
   if (outcome.accuracy && !request.shared.quiet)
     fmt::print(stderr, "rung {} ({}): expected error in S {:.2g}, requested {:g}\n", outcome.rung.name,
                description(outcome.rung), outcome.error ? outcome.error->S : 0, *outcome.accuracy);

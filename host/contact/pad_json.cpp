@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "fem/angles.h"
+#include "host/contact/convergence.h"
 #include "host/contact/json_values.h"
 
 namespace tactel::host {
@@ -126,6 +127,7 @@ PadJson to_json(const PadOutcome& outcome) {
                  {"warnings", warnings(outcome)},
                  {"steps", std::move(steps)}};
   if (outcome.error) out["discretisation_error"] = pad_error_json(*outcome.error);
+  if (outcome.convergence) out["converge"] = to_json(*outcome.convergence);
   if (outcome.accuracy) out["accuracy"] = {{"asked", *outcome.accuracy}, {"kept", outcome.kept()}};
   return out;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,8 +18,9 @@ struct PadOutcome {
   std::string solver;  ///< "batched", "twin" or "reference"
   std::string precision, device;
   PadRung rung;
-  std::optional<PadError> error{};   ///< to expect; none where nothing is touched
-  std::optional<double> accuracy{};  ///< that was asked for and decided the rung
+  std::optional<PadError> error{};                   ///< to expect; none where nothing is touched
+  std::optional<double> accuracy{};                  ///< that was asked for and decided the rung
+  std::shared_ptr<const Convergence> convergence{};  ///< none: not asked for
 
   bool kept() const { return !accuracy || !error || error->S <= *accuracy; }
 };

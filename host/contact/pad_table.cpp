@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "fem/angles.h"
+#include "host/contact/convergence.h"
 #include "host/contact/solution_table.h"
 
 namespace tactel::host {
@@ -61,6 +62,7 @@ std::string pad_table(const PadOutcome& outcome) {
   out += fmt::format("{} of {} steps met the tolerance; largest residual {:.1e}\n", met, steps.size(), residual);
   if (outcome.error) out += error_line(*outcome.error);
   if (outcome.solution.fell_back) out += "the sweeps did not converge: solved on the host by the twin, in fp64\n";
+  if (outcome.convergence) out += convergence_table(*outcome.convergence);
   return out;
 }
 

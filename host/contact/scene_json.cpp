@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "host/contact/convergence.h"
 #include "host/contact/derivatives.h"
 #include "host/contact/json_values.h"
 
@@ -168,6 +169,7 @@ Json to_json(const fem::Scene& scene, const SolveOutcome& outcome) {
   if (!outcome.rung.empty()) out["rung"] = outcome.rung;
   if (outcome.plan) out["planner"] = to_json(*outcome.plan);
   if (outcome.derivatives) out["derivatives"] = derivatives_json(*outcome.derivatives);
+  if (outcome.convergence) out["converge"] = to_json(*outcome.convergence);
   if (outcome.mesh_error) out["discretisation_error"] = mesh_error_json(*outcome.mesh_error);
   return out;
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "fem/contact_laws.h"
+#include "host/contact/convergence.h"
 
 namespace tactel::host {
 
@@ -74,6 +75,7 @@ std::string solution_table(const fem::Scene& scene, const SolveOutcome& outcome)
     out += "wide elements on thin rubber: their pressures are linear, solved on the host in fp64\n";
   else if (outcome.solution.fell_back)
     out += "the sweeps did not converge: solved on the host by the exact fallback, in fp64\n";
+  if (outcome.convergence) out += convergence_table(*outcome.convergence);
   return out;
 }
 

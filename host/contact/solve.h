@@ -16,6 +16,7 @@ namespace tactel::host {
 std::vector<std::string> solver_names();
 
 struct ContactDerivatives;
+struct Convergence;
 
 /// Solver, precision, device and tolerance: the options --solver, --precision, --device and --tolerance.
 struct SolveOptions {
@@ -39,6 +40,7 @@ struct SolveOutcome {
   std::optional<MeshError> mesh_error{};                    ///< of solve's command; none: not estimated
   std::string no_estimate{};                                ///< why there is none, where one was wanted
   std::shared_ptr<const ContactDerivatives> derivatives{};  ///< none: not asked for
+  std::shared_ptr<const Convergence> convergence{};         ///< none: not asked for
 
   bool on_patch() const { return solution.surface_width.size() > 0; }
 };

@@ -8,6 +8,7 @@
 
 #include "fem/angles.h"
 #include "fem/contact_laws.h"
+#include "host/contact/convergence.h"
 #include "host/contact/solution_table.h"
 
 namespace tactel::host {
@@ -168,6 +169,7 @@ Page solve_page(const PadOutcome& outcome, std::size_t shown) {
   add_findings(page, outcome);
   page.contact(outcome.scene, outcome.solution, shown);
   page.table(steps_table(outcome));
+  if (outcome.convergence) add_convergence(page, *outcome.convergence);
   return page;
 }
 
@@ -177,6 +179,7 @@ Page solve_page(const SolveOutcome& outcome, std::size_t shown) {
   add_findings(page, outcome);
   page.contact(outcome.scene, outcome.solution, shown);
   page.table(steps_table(outcome));
+  if (outcome.convergence) add_convergence(page, *outcome.convergence);
   return page;
 }
 

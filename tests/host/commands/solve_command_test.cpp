@@ -61,6 +61,35 @@ TEST(SolveCommand, DerivativesStandInTheJson) {
   EXPECT_EQ(run_tactel({"solve", parabola, "--json", "-", "--derivatives"}).exit_code, 0);  // on a mesh
 }
 
+TEST(SolveCommand, ConvergeJudgesTheStepBesideSmallerCells) {
+  const ScratchFolder folder;
+  const std::string page = folder / "page.html", file = folder / "answer.json";
+  const std::vector<std::string> call = {"solve", source_file("examples/cylinder.toml"), "--converge"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), call.begin(), call.end());
+    return run_tactel(more);
+  };
+  const ChildResult result = with({"--html", page, "--json", file});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  std::istringstream lines(result.out);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 79u) << line;
+  const json answer = json::parse(text_of(file)), &found = answer["converge"];
+  const std::size_t step = found["step"].get<std::size_t>() - 1;
+  EXPECT_LT(answer["steps"][step]["slip_index"], 1);  // one that tells more than full sliding does
+  EXPECT_EQ(found["rungs"].size(), 4u);
+  for (const json& q : found["quantities"]) {
+    EXPECT_EQ(q["values"].size(), 4u) << q;
+    EXPECT_NEAR(q["error"].get<double>(), q["answer"].get<double>() - q["limit"].get<double>(), 1e-12) << q;
+  }
+  EXPECT_EQ(found["quantities"][0]["answer"], answer["steps"][step]["P"]);
+  EXPECT_THAT(text_of(page), HasSubstr("Convergence"));
+
+  EXPECT_EQ(json::parse(with({"--json", "-", "--step", "2"}).out)["converge"]["step"], 2);
+  EXPECT_TRUE(is_refused(with({"--step", "99"}), {"--step", "99"}));
+  // Steps are the same as without the option.
+  EXPECT_EQ(json::parse(run_tactel({call[0], call[1], "--json", "-"}).out)["steps"], answer["steps"]);
+}
+
 TEST(SolveCommand, TableHasALineAStep) {
   const ChildResult result = run_tactel({"solve", parabola});
   EXPECT_EQ(result.exit_code, 0) << result.err;
