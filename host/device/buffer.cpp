@@ -59,8 +59,10 @@ void RawBuffer::write(const void* from, std::size_t offset, std::size_t bytes) {
   if (state_->host)
     std::memcpy(static_cast<char*>(state_->host.get()) + offset, from, bytes);
   else
-    translated(state_->device.info().name,
-               [&] { state_->queue.enqueueWriteBuffer(state_->buffer, CL_TRUE, offset, bytes, from); });
+    translated(state_->device.info().name, [&] {
+      state_->queue.enqueueWriteBuffer(state_->buffer, CL_TRUE, offset, bytes, from);
+      state_->queue.finish();  // a blocking write may return when `from` is copied: other queues would read the old
+    });
 }
 
 void RawBuffer::read(void* to, std::size_t offset, std::size_t bytes) const {

@@ -289,22 +289,29 @@ void Device::log(LogLevel level, std::string_view message) const {
   if (state_->log) state_->log(level, message);
 }
 
-Device Device::with_lanes(int lanes) const {
-  Device other = *this;
+template <class Change>
+Device Device::changed(const Change& change) const {
   State state = *state_;
-  state.info.lanes_fp32 = lanes;
-  if (state.info.fp64) state.info.lanes_fp64 = lanes;
+  change(state);
+  Device other = *this;
   other.state_ = std::make_shared<State>(std::move(state));
   return other;
 }
 
+Device Device::with_lanes(int lanes) const {
+  return changed([&](State& state) {
+    state.info.lanes_fp32 = lanes;
+    if (state.info.fp64) state.info.lanes_fp64 = lanes;
+  });
+}
+
+Device Device::with_copies() const {
+  return changed([](State& state) { state.info.zero_copy = false; });
+}
+
 Device Device::for_one_contact() const {
   if (info().type != DeviceType::cpu) return *this;
-  Device other = with_lanes(1);
-  State state = *other.state_;
-  state.short_code = true;
-  other.state_ = std::make_shared<State>(std::move(state));
-  return other;
+  return with_lanes(1).changed([](State& state) { state.short_code = true; });
 }
 
 bool Device::short_code() const { return state_->short_code; }

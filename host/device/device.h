@@ -81,6 +81,8 @@ class Device {
   /// Returns the same device with this number of lanes in both precisions, 1, 2, 4, 8 or 16: for tests. Shares
   /// the context.
   Device with_lanes(int lanes) const;
+  /// Returns the same device with buffers in memory of its own, as a GPU has: for tests. Shares the context.
+  Device with_copies() const;
   /// Returns the same device for single contacts: kernels give the same bits, and a processor compiles them in half the
   /// time, with one lane and rolled loops. Shares the context.
   Device for_one_contact() const;
@@ -88,6 +90,8 @@ class Device {
 
  private:
   struct State;
+  template <class Change>
+  Device changed(const Change& change) const;  ///< change(State&)
   std::shared_ptr<const State> state_;
 };
 
