@@ -46,22 +46,22 @@ constexpr int idle_milliseconds = 2000;           // after which the compiling p
 constexpr std::size_t longest_message = 1 << 26;  // bytes
 constexpr std::size_t largest_argument = 4096;    // bytes
 
-bool is_pocl(const Device& device) { return device.info().platform == "Portable Computing Language"; }
-
 /// Whether compiled programs of this device are kept between runs. PoCL runs the compiler's front end to find out that
 /// it knows a program; Intel's driver for processors keeps nothing. Drivers of GPUs know by themselves, and oclgrind's
 /// reports need the source.
-bool keeps_binaries(const Device& device) { return is_pocl(device) || device.info().platform == "Intel(R) OpenCL"; }
+bool keeps_binaries(const Device& device) {
+  return is_pocl(device.info()) || device.info().platform == "Intel(R) OpenCL";
+}
 
-/// All that a binary depends on: what compiles, for which processor, and the program.
+/// All that a binary depends on: what compiles, for which processor, and the program. Two
+/// processors that Intel's driver names alike may differ in the width of their vectors.
 std::string key_of(const Device& device, const ProgramText& program) {
   const cl::Platform platform(device.cl_device().getInfo<CL_DEVICE_PLATFORM>());
   std::string key = platform.getInfo<CL_PLATFORM_VERSION>();
-  for (const std::string& part : {device.cl_device().getInfo<CL_DEVICE_VERSION>(), device.info().name,
-                                  device.info().driver, program.options, program.text})
+  for (const std::string& part : {device.cl_device().getInfo<CL_DEVICE_VERSION>(),
+                                  std::to_string(device.cl_device().getInfo<CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT>()),
+                                  device.info().name, device.info().driver, program.options, program.text})
     key.append("\n").append(part);
-  if (!is_pocl(device))  // a processor of the same name may have narrower vectors
-    key.append(fmt::format("\n{}", device.cl_device().getInfo<CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT>()));
   return key;
 }
 
@@ -112,7 +112,7 @@ cl::Program compile(const Device& device, const ProgramText& program) {
     for (const auto& [each, lines] : error.getBuildLog()) log += lines;
     throw KernelBuildError(program.name, program.options, log + (cache ? cache->advice() : ""));
   }
-  if (is_pocl(device)) compile_kernels(device, built, program.text);
+  if (is_pocl(device.info())) compile_kernels(device, built, program.text);
   return built;
 }
 

@@ -132,7 +132,7 @@ DeviceInfo describe(const cl::Platform& platform, const cl::Device& device, int 
     info.lanes_fp32 = *lanes;
     if (info.fp64) info.lanes_fp64 = *lanes;
   }
-  const bool pocl_cpu = contains(info.platform, "Portable Computing Language") && info.type == DeviceType::cpu;
+  const bool pocl_cpu = is_pocl(info) && info.type == DeviceType::cpu;
   info.zero_copy = pocl_cpu;
   info.low_latency = pocl_cpu && (info.name.starts_with("basic") || info.name.starts_with("cpu-minimal"));
   return info;
@@ -237,6 +237,8 @@ std::string no_device_advice() {
 }
 
 void set_default_log(LogSink log) { process().log = std::move(log); }
+
+bool is_pocl(const DeviceInfo& device) { return device.platform == "Portable Computing Language"; }
 
 const char* name(DeviceType type) {
   if (type == DeviceType::cpu) return "cpu";

@@ -41,6 +41,9 @@ struct DeviceInfo {
   bool zero_copy = false;  ///< kernels work on host memory in place
 };
 
+/// Whether the device is PoCL's.
+bool is_pocl(const DeviceInfo& device);
+
 /// Default log of devices without a log of their own; none at first. Set it before other threads exist.
 void set_default_log(LogSink log);
 
