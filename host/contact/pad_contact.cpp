@@ -317,11 +317,11 @@ LaneArray<Real> PadContact<Real>::State::places(const std::vector<OnCells>& on_c
   const auto all = array.numbers.map(MapFor::writing);
   std::ranges::fill(all.view(), Real(0));  // no steps
   std::map<double, std::size_t> rows;
-  std::map<long long, std::pair<std::size_t, std::size_t>> points;  // of a side: first, number
-  const auto points_of = [&](long long side) {
+  std::map<double, std::pair<std::size_t, std::size_t>> points;  // of a side: first, number
+  const auto points_of = [&](double side) {
     const auto [at, is_new] = points.try_emplace(side);
     if (!is_new) return at->second;
-    std::vector<fem::PadLayer::Share> all = fem::PadLayer::shares(PadCellSize::unit * static_cast<double>(side));
+    std::vector<fem::PadLayer::Share> all = fem::PadLayer::shares(side);
     if (all.size() == 1) all = {{-0.5 / std::numbers::sqrt3, 0.5}, {0.5 / std::numbers::sqrt3, 0.5}};  // Gauss's points
     at->second = {shares.size() / 2, all.size()};
     for (const auto& [place, share] : all)

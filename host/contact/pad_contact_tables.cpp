@@ -17,12 +17,17 @@ namespace {
 /// One has 30 kB at 24 cells.
 constexpr std::size_t most_kept_numbers = std::size_t{1} << 22;
 
+/// To 1e-12; finer where a side is so small that a rounded rung would no longer lie on its rung.
+double rounded_side(double side, double thickness) {
+  const double unit = std::ldexp(1e-12, std::min(0, std::ilogb(side / thickness) + 7));
+  return unit * std::round(side / (unit * thickness));
+}
+
 /// A side of a cell on a ladder of sizes with twice the rungs of that of cells: on a rung, or between the rungs first +
 /// 1 and first + 2, with the weights of Lagrange's cubic in the logarithm.
 struct OnLadder {
-  explicit OnLadder(long long side) {
-    const double rung = steps_an_octave * std::log2(PadCellSize::unit * static_cast<double>(side)),
-                 nearest = std::round(rung), q = rung - std::floor(rung);
+  explicit OnLadder(double side) {
+    const double rung = steps_an_octave * std::log2(side), nearest = std::round(rung), q = rung - std::floor(rung);
     if (std::abs(rung - nearest) <= 1e-9) {
       first = static_cast<int>(nearest), weights = {1};
     } else {
@@ -33,8 +38,8 @@ struct OnLadder {
   }
   bool on_a_rung() const { return weights.size() == 1; }
   /// Of the rung of weight k.
-  long long side(std::size_t k) const {
-    return std::llround(std::exp2((first + static_cast<double>(k)) / steps_an_octave) / PadCellSize::unit);
+  double side(std::size_t k) const {
+    return rounded_side(std::exp2((first + static_cast<double>(k)) / steps_an_octave), 1);
   }
 
   static constexpr int steps_an_octave = 2 * fem::rungs_an_octave;
@@ -69,8 +74,7 @@ std::vector<double> stress_table(const fem::PadLayer& layer) {
 }  // namespace
 
 PadCellSize cell_size(const fem::PadCells& cells, double thickness) {
-  const double unit = PadCellSize::unit * thickness;
-  return {std::llround(cells.hx / unit), std::llround(cells.hy / unit)};
+  return {rounded_side(cells.hx, thickness), rounded_side(cells.hy, thickness)};
 }
 
 PadTables::PadTables(double poisson, int cells, bool exact)
@@ -93,14 +97,12 @@ std::vector<double> PadTables::stress() const {
 }
 
 std::vector<double> PadTables::make_influence(const PadCellSize& size) const {
-  const double hx = PadCellSize::unit * static_cast<double>(size.hx),
-               hy = PadCellSize::unit * static_cast<double>(size.hy);
-  const std::vector<fem::CellInfluence> all = layer_->influences(1, hx, hy, cells_);
+  const std::vector<fem::CellInfluence> all = layer_->influences(1, size.hx, size.hy, cells_);
   const fem::CellInfluence& own = all.front();
   const double zz = std::sqrt(own.zz), tt = std::sqrt(std::max(own.xx, own.yy));
   const auto unit = units(zz, tt);
   std::vector<double> table(PAD_TABLE_HEAD + static_cast<std::size_t>((cells_ + 1) * (cells_ + 1)) * PAD_OWN_INFLUENCE);
-  table[PAD_ROOT_ZZ] = zz, table[PAD_ROOT_TT] = tt, table[PAD_HX] = hx, table[PAD_HY] = hy;
+  table[PAD_ROOT_ZZ] = zz, table[PAD_ROOT_TT] = tt, table[PAD_HX] = size.hx, table[PAD_HY] = size.hy;
   double* row = &table[PAD_TABLE_HEAD];
   for (const fem::CellInfluence& c : all) {
     row[PAD_ZZ] = c.zz, row[PAD_XX] = c.xx, row[PAD_YY] = c.yy, row[PAD_XY] = c.xy;
@@ -116,7 +118,7 @@ std::vector<double> PadTables::between_rungs(const PadCellSize& size) const {
   std::vector<Weighted> rungs;
   for (std::size_t i = 0; i < x.weights.size(); ++i)
     for (std::size_t j = 0; j < y.weights.size(); ++j)
-      rungs.emplace_back(x.weights[i] * y.weights[j], influence({x.side(i), y.side(j)}));
+      rungs.emplace_back(x.weights[i] * y.weights[j], on_rungs({x.side(i), y.side(j)}));
   return sum(rungs, size);
 }
 
@@ -135,8 +137,7 @@ std::vector<double> PadTables::sum(const std::vector<Weighted>& tables, const Pa
   const double* own = &table[PAD_TABLE_HEAD];
   const double zz = std::sqrt(own[PAD_ZZ]), tt = std::sqrt(std::max(own[PAD_XX], own[PAD_YY]));
   table[PAD_ROOT_ZZ] = zz, table[PAD_ROOT_TT] = tt;
-  table[PAD_HX] = PadCellSize::unit * static_cast<double>(size.hx);
-  table[PAD_HY] = PadCellSize::unit * static_cast<double>(size.hy);
+  table[PAD_HX] = size.hx, table[PAD_HY] = size.hy;
   auto per = units(zz, tt);
   for (double& number : per) number = 1 / number;
   each([&](std::size_t at, int k) { table[at] *= per[k]; });
@@ -150,8 +151,11 @@ std::shared_ptr<const std::vector<double>> PadTables::influence(const PadCellSiz
     for (std::size_t p = 0; p < points_.size(); ++p) tables.emplace_back(shares[p], points_[p]->influence(size));
     return std::make_shared<const std::vector<double>>(sum(tables, size));
   }
-  const bool keep = OnLadder(size.hx).on_a_rung() && OnLadder(size.hy).on_a_rung();
-  if (!keep) return std::make_shared<const std::vector<double>>(exact_ ? make_influence(size) : between_rungs(size));
+  if (OnLadder(size.hx).on_a_rung() && OnLadder(size.hy).on_a_rung()) return on_rungs(size);
+  return std::make_shared<const std::vector<double>>(exact_ ? make_influence(size) : between_rungs(size));
+}
+
+std::shared_ptr<const std::vector<double>> PadTables::on_rungs(const PadCellSize& size) const {
   {
     const std::lock_guard lock(making_);
     if (const auto kept = influence_.find(size); kept != influence_.end()) return kept->second;

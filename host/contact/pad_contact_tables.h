@@ -12,10 +12,9 @@
 
 namespace tactel::host {
 
-/// Sides of a cell over H, rounded: scenes of one size share a table, whatever their thickness.
+/// Sides of a cell over H, rounded to ten digits at least: scenes of one size share a table, whatever their thickness.
 struct PadCellSize {
-  static constexpr double unit = 1e-12;
-  long long hx = 0, hy = 0;  ///< units
+  double hx = 0, hy = 0;
   auto operator<=>(const PadCellSize&) const = default;
 };
 PadCellSize cell_size(const fem::PadCells& cells, double thickness);
@@ -46,6 +45,8 @@ class PadTables {
  private:
   std::vector<double> make_influence(const PadCellSize& size) const;
   std::vector<double> between_rungs(const PadCellSize& size) const;
+  /// The influence of cells with both sides on rungs, which is kept.
+  std::shared_ptr<const std::vector<double>> on_rungs(const PadCellSize& size) const;
   /// A table, and its weight.
   using Weighted = std::pair<double, std::shared_ptr<const std::vector<double>>>;
   std::vector<double> sum(const std::vector<Weighted>& tables, const PadCellSize& size) const;

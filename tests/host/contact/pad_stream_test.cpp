@@ -100,6 +100,55 @@ TEST(PadStream, LanesAndSolutionsHaveTheSameNumbers) {
   }
 }
 
+fem::HeightMap measured_bowl() {
+  fem::HeightMap map{.pitch = 0.05, .heights = Eigen::MatrixXd(9, 9)};
+  for (Eigen::Index i = 0; i < 9; ++i)
+    for (Eigen::Index j = 0; j < 9; ++j)
+      map.heights(i, j) = 1e-4 * static_cast<double>((i - 4) * (i - 4) + (j - 4) * (j - 4));
+  return map;
+}
+
+/// Cells from a millionth of the thickness to some of it: sizes on the ladder, between its rungs, and of needles and
+/// blades. Tables between rungs are right to 4e-3 for the widest cells. From 1e-5 H on more depth means more force.
+TEST(PadStream, EveryShapeAtEveryDepth) {
+  constexpr double depths[] = {0, 1e-5, 1e-3, 0.1, 1};
+  std::vector<fem::PadScene> scenes;
+  for (const fem::PadShape& shape :
+       {fem::PadShape(fem::Sphere{8}), fem::PadShape(fem::Sphere{0.05}), fem::PadShape(fem::Paraboloid{{3, 8}}),
+        fem::PadShape(fem::LyingCylinder{5, 4}), fem::PadShape(fem::LyingCylinder{0.01, 4}),
+        fem::PadShape(fem::Punch{2, 0}), fem::PadShape(fem::Punch{2, 0.3}), fem::PadShape(fem::Box{{1, 2}, 0}),
+        fem::PadShape(fem::Box{{10, 0.01}, 0}), fem::PadShape(fem::Box{{1, 2}, 0.3}), fem::PadShape(fem::Cone{45}),
+        fem::PadShape(fem::Cone{80}), fem::PadShape(measured_bowl())})
+    for (const double depth : depths) {
+      fem::PadScene& scene = scenes.emplace_back();
+      scene.indenter.shape = shape;
+      scene.load = {.indentation = {depth * scene.sensor.thickness}, .drags = {{0.05, 0, 0}}};
+    }
+  const auto stream = [](Precision precision) {
+    return PadStream(executor(), {.options = {.cells = 8}, .precision = precision});
+  };
+  const auto exact = stream(Precision::fp64).solve(scenes), single = stream(Precision::fp32).solve(scenes);
+  Taken taken(scenes.size());
+  taken.solve(stream(Precision::fp32), scenes);
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    SCOPED_TRACE(testing::Message() << fem::shape_name(scenes[i].indenter.shape) << " "
+                                    << scenes[i].load.indentation[0]);
+    const fem::PadStep &a = single[i].steps.back(), &b = exact[i].steps.back();
+    EXPECT_EQ(taken.numbers[i], Taken::numbers_of(single[i]));
+    if (i % std::size(depths) == 0) {
+      EXPECT_EQ(a.P, 0);
+      EXPECT_FALSE(a.slip_index);
+      EXPECT_EQ(b.P, 0);
+      EXPECT_FALSE(b.slip_index);
+    } else {
+      EXPECT_TRUE(every_step_converged(single[i]) && every_step_converged(exact[i]))
+          << a.residual.largest() << " " << b.residual.largest();
+      EXPECT_NEAR(a.P / b.P, 1, 4e-3);
+      EXPECT_GT(a.P, single[i - 1].steps.back().P);
+    }
+  }
+}
+
 /// Such answers are rare: the search is generous. What becomes of them is a test of solve_pad_contact.
 TEST(PadStream, AnswersOnCellsThatAreTooSmallDoNotHold) {
   std::vector<fem::PadScene> scenes(2);

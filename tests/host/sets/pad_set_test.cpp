@@ -125,6 +125,24 @@ TEST_F(PadSet, RowsOfAContactDependOnTheContactAlone) {
   EXPECT_EQ(row, whole.rows());
 }
 
+/// Depths from 0 on: the smallest contacts have cells far below the ladder's usual rungs, the first touches nothing.
+TEST_F(PadSet, DepthsFromZeroOn) {
+  std::string text = sweep_text;
+  text.replace(text.find("[0.05,"), 6, "[0.0,");
+  const ContactSet set = SetSimulator(executor_, source(text), options_).simulate(0, 60);
+  EXPECT_EQ(std::set(set.contact.begin(), set.contact.end()).size(), 60u);
+  const std::string shallow =
+      "[sweep]\ncontacts = 40\n[sensor]\nkind = \"pad\"\nthickness = 2.0\n"
+      "[indenter]\nshape = \"sphere\"\nradius = 8\n"
+      "[load]\nindentation = { choice = [0.0, 2e-5, 0.1] }\n";
+  const ContactSet few = SetSimulator(executor_, source(shallow), options_).simulate(0, 40);
+  const std::set<float> forces(few.normal_force.begin(), few.normal_force.end());  // no rows where nothing touches
+  ASSERT_EQ(forces.size(), 2u);
+  // Hertz: the rubber is thick beside the smaller contact.
+  const double hertz = 4.0 / 3 * 2 / (1 - 0.45 * 0.45) * std::sqrt(8.0) * std::pow(2e-5, 1.5);
+  EXPECT_NEAR(*forces.begin() / hertz, 1, 0.02);  // 8 cells along a side, and a / H = 0.006
+}
+
 const std::string at_a_tactel =
     "[sweep]\ncontacts = 2\n[sensor]\nkind = \"pad\"\ntactels = [4, 3]\npitch = 3\nthickness = 1.5\n"
     "[indenter]\nshape = \"sphere\"\nradius = 5\nposition = [-1.5, 3]\n"  // tactel 1 along x, 2 along y
