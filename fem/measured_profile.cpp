@@ -46,6 +46,9 @@ void check_points(const Profile& profile) {
     if (!(profile.x[i] > profile.x[i - 1]))
       throw ValueError("indenter.x", number_text(profile.x[i]) + " after " + number_text(profile.x[i - 1]),
                        "strictly increasing");
+  const auto [lowest, highest] = std::ranges::minmax(profile.y);
+  check_range(profile.file.empty() ? "indenter.y" : "indenter.file", highest - lowest,
+              profile.x.back() - profile.x.front());
 }
 
 std::string dents(const std::vector<NonConvexity>& found) {
@@ -57,6 +60,13 @@ std::string dents(const std::vector<NonConvexity>& found) {
 }
 
 }  // namespace
+
+void check_range(const std::string& key, double range, double width) {
+  if (range <= 10 * width) return;
+  throw ValueError(key, number_text(range) + " mm of heights over " + number_text(width) + " mm",
+                   "at most ten times as high as wide: heights in mm, and no number such as -9999 for a missing point; "
+                   "fill it from its neighbours");
+}
 
 std::vector<NonConvexity> non_convexities(const Profile& profile) {
   const Profile hull = lower_hull(profile);
@@ -93,10 +103,13 @@ void validate(const Profile& profile) {
   check_points(profile);
   const auto found = non_convexities(profile);
   if (found.empty() || found.front().height <= profile.smooth) return;
+  const auto [lowest, highest] = std::ranges::minmax(profile.y);
+  const bool upside_down = found.front().height > 0.5 * (highest - lowest);
   throw ValueError(profile.file.empty() ? "indenter.y" : "indenter.file",
                    profile.file.empty() ? number_text(profile.y.data(), profile.y.size()) : profile.file,
                    "convex: points lie above the lower convex hull, by " + dents(found) +
-                       "; smooth = " + number_text(found.front().height) + " (mm) or more accepts them");
+                       "; smooth = " + number_text(found.front().height) + " (mm) or more accepts them" +
+                       (upside_down ? "; is it upside down? y counts upwards from the lowest point" : ""));
 }
 
 }  // namespace tactel::fem

@@ -18,6 +18,10 @@ Profile convex_profile(const Profile& profile);
 /// are used as they are, without a hull.
 double height_between_points(const Profile& profile, double x);
 
+/// Throws ValueError where measured heights span more than ten times their width, both mm: they have another unit, or a
+/// number stands for a missing point.
+void check_range(const std::string& key, double range, double width);
+
 /// Throws ValueError unless there are at least two points, all finite, x increasing, convex within `smooth`.
 void validate(const Profile& profile);
 

@@ -17,8 +17,8 @@ std::unique_ptr<const WireFormat> glove_format();
 /// Dx, Dy, Dz in mm.
 std::unique_ptr<const WireFormat> papillarray_format(int sensors);
 
-/// AnySkin and ReSkin: five magnetometers. Values: for each t in degrees Celsius, Bx, By, Bz in microtesla.
-std::unique_ptr<const WireFormat> anyskin_format();
+/// AnySkin and ReSkin, 1 to 64 magnetometers. Values: for each t in degrees Celsius, Bx, By, Bz in microtesla.
+std::unique_ptr<const WireFormat> anyskin_format(int magnetometers = 5);
 
 /// CITEC glove on Teensy, AGNI serial protocol. Values: 64 readings by their id.
 std::unique_ptr<const WireFormat> agni_format();

@@ -22,6 +22,7 @@ struct TransportCounts {
   std::uint64_t overruns = 0;    ///< packets dropped because they were not read in time
   std::uint64_t stalls = 0;      ///< endpoint halted, and cleared again
   std::uint64_t errors = 0;      ///< other transfers that failed
+  std::uint64_t bad = 0;         ///< lines of text that were no frame
   std::uint64_t reconnects = 0;  ///< the device came back after it was away
 };
 
@@ -51,6 +52,8 @@ class FrameSource {
   virtual TransportCounts counts() const = 0;
   /// Returns true where the source was truncated, such as a recording that was cut off. Known once finished.
   virtual bool cut_short() const { return false; }
+  /// Returns what was wrong with the first of TransportCounts::bad; empty: none were.
+  virtual std::string first_bad() const { return ""; }
   /// Returns a descriptor that is readable while packets wait, for an event loop; -1 where the source has none.
   virtual int fd() const { return -1; }
 };

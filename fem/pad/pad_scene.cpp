@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "fem/angles.h"
+#include "fem/measured_profile.h"
 #include "fem/number_text.h"
 #include "fem/value_error.h"
 
@@ -202,35 +203,36 @@ void PadSensor::validate() const {
 }
 
 void PadIndenter::validate() const {
-  std::visit(Overloaded{[](const Sphere& s) { check_length("indenter.radius", s.radius); },
-                        [](const Paraboloid& p) {
-                          for (const double radius : p.radii) check_length("indenter.radii", radius);
-                        },
-                        [](const LyingCylinder& c) {
-                          check_length("indenter.radius", c.radius);
-                          check_length("indenter.half_length", c.half_length);
-                        },
-                        [](const Punch& p) {
-                          check_length("indenter.radius", p.radius);
-                          check_edge(p.edge);
-                        },
-                        [](const Box& b) {
-                          for (const double width : b.half_widths) check_length("indenter.half_widths", width);
-                          check_edge(b.edge);
-                        },
-                        [](const Cone& c) {
-                          check(c.angle > 0 && c.angle < 90, "indenter.angle", c.angle,
-                                "degrees, above 0 and below 90");
-                        },
-                        [](const HeightMap& m) {
-                          check_length("indenter.pitch", m.pitch);
-                          const bool grid = m.heights.rows() >= 2 && m.heights.cols() >= 2 && m.heights.allFinite();
-                          const char* key = m.file.empty() ? "indenter.heights" : "indenter.file";
-                          check(grid && m.heights.minCoeff() == 0 && m.heights.maxCoeff() <= 1e6, key,
-                                static_cast<double>(m.heights.size()),
-                                "a grid of 2 x 2 heights at least, the lowest 0, the highest below 1e6 mm");
-                        }},
-             shape);
+  std::visit(
+      Overloaded{[](const Sphere& s) { check_length("indenter.radius", s.radius); },
+                 [](const Paraboloid& p) {
+                   for (const double radius : p.radii) check_length("indenter.radii", radius);
+                 },
+                 [](const LyingCylinder& c) {
+                   check_length("indenter.radius", c.radius);
+                   check_length("indenter.half_length", c.half_length);
+                 },
+                 [](const Punch& p) {
+                   check_length("indenter.radius", p.radius);
+                   check_edge(p.edge);
+                 },
+                 [](const Box& b) {
+                   for (const double width : b.half_widths) check_length("indenter.half_widths", width);
+                   check_edge(b.edge);
+                 },
+                 [](const Cone& c) {
+                   check(c.angle > 0 && c.angle < 90, "indenter.angle", c.angle, "degrees, above 0 and below 90");
+                 },
+                 [](const HeightMap& m) {
+                   check_length("indenter.pitch", m.pitch);
+                   const bool grid = m.heights.rows() >= 2 && m.heights.cols() >= 2 && m.heights.allFinite();
+                   const char* key = m.file.empty() ? "indenter.heights" : "indenter.file";
+                   check(grid && m.heights.minCoeff() == 0 && m.heights.maxCoeff() <= 1e6, key,
+                         static_cast<double>(m.heights.size()),
+                         "a grid of 2 x 2 heights at least, the lowest 0, the highest below 1e6 mm");
+                   check_range(key, m.heights.maxCoeff(), m.pitch * (std::max(m.heights.rows(), m.heights.cols()) - 1));
+                 }},
+      shape);
   for (const double p : position)
     check(std::abs(p) <= 1e6, "indenter.position", p, "a place in mm, at most 1e6 from the middle");
   check(std::abs(yaw) <= 360, "indenter.yaw", yaw, "degrees, -360 to 360");

@@ -142,6 +142,11 @@ struct FrameSource::State {
         decoder(std::move(format)),
         waiting(most_waiting, this->map.places()),
         note(std::move(note)) {
+    if (!this->map.calibration.has_zero)
+      this->note += (this->note.empty() ? "" : "; ") +
+                    std::string(
+                        "stresses have no zero: the profile has gains without offsets; give a calibration of "
+                        "tactel tare");
     if (this->source->fd() < 0) own.emplace(this->source->live());
     sink = [this](const hw::DecodedFrame& frame) {
       const std::span<float> stress =
@@ -240,8 +245,8 @@ std::string FrameSource::note() const { return state_->note; }
 FrameCounts FrameSource::counts() const {
   const hw::DecoderCounts& frames = state_->decoder.counts();
   const hw::TransportCounts transport = state_->source->counts();
-  return {frames.frames,      frames.lost,      frames.bad,       frames.resynchronised,
-          transport.overruns, transport.stalls, transport.errors, transport.reconnects};
+  return {frames.frames,      frames.lost,      frames.bad + transport.bad, frames.resynchronised,
+          transport.overruns, transport.stalls, transport.errors,           transport.reconnects};
 }
 
 }  // namespace tactel

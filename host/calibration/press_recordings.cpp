@@ -293,6 +293,7 @@ hw::Calibration merged_calibration(const SensorProfile& profile, const SensorCal
     if (!std::isfinite(found.gain[i].value)) continue;
     calibration.gain[channel] = found.gain[i].value;
     calibration.offset[channel] = found.offset[i].value;
+    calibration.has_zero = true;
   }
   return calibration;
 }

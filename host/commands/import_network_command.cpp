@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <random>
@@ -12,9 +11,9 @@
 #include "host/live/sensor_profile.h"
 #include "host/networks/onnx_chain.h"
 #include "host/networks/onnx_file.h"
-#include "host/support/bounded_file.h"
 #include "host/support/durable_file.h"
 #include "host/support/errors.h"
+#include "host/support/number_lines.h"
 #include "host/training/train_request.h"
 #include "nn/forward.h"
 
@@ -69,42 +68,17 @@ double difference_on_random_frames(const DenseChain& chain, const nn::Model& mod
 
 /// Lines of an input and its S, as the other program gave it. Returns the largest difference and the number of lines.
 std::pair<double, int> difference_on(const std::string& file, const nn::Model& model) {
-  const std::string text = [&] {
-    try {
-      return read_bounded_file(file, most_bytes_of_frames);
-    } catch (const UnreadableFile& error) {
-      throw ConfigError(file, "frames", fmt::format("cannot be read ({})", error.what()),
-                        "a CSV file of at most 64 MiB");
-    }
-  }();
-  const auto inputs = static_cast<std::size_t>(model.weights.topology.inputs());
+  const Eigen::Index inputs = model.weights.topology.inputs();
+  NumberLines numbers(
+      file, {.count = static_cast<std::size_t>(inputs) + 1, .meaning = "an input in MPa, then S of the other program"});
   double most = 0;
-  int lines = 0, number = 0;
-  for (const char *at = text.data(), *const end = at + text.size(); at < end;) {
-    const char* const stop = std::find(at, end, '\n');
-    std::vector<float> numbers;
-    ++number;
-    for (bool good = true; good && at < stop;) {
-      float value = 0;
-      const auto read = std::from_chars(at, stop, value);
-      good = read.ec == std::errc{} && std::isfinite(value);
-      if (good) numbers.push_back(value);
-      at = good ? read.ptr : at;
-      while (at < stop && (*at == ',' || *at == ';' || *at == '\t' || *at == ' ' || *at == '\r')) ++at;
-    }
-    const bool empty = numbers.empty() && at == stop;
-    if (!empty && (at < stop || numbers.size() != inputs + 1))
-      throw ConfigError(file, "line", fmt::format("{} numbers", numbers.size()),
-                        fmt::format("{} finite numbers: an input in MPa, then S of the other program", inputs + 1),
-                        number);
-    at = stop < end ? stop + 1 : end;
-    if (empty) continue;
-    const nn::RowMatrix<float> frame =
-        Eigen::Map<const nn::RowMatrix<float>>(numbers.data(), 1, static_cast<Eigen::Index>(inputs));
+  int lines = 0;
+  read_number_file(file, most_bytes_of_frames, "frames", numbers, [&](std::span<const double> line) {
+    const nn::RowMatrix<float> frame = Eigen::Map<const nn::RowMatrix<double>>(line.data(), 1, inputs).cast<float>();
     const float answer = nn::recall(model.weights, model.scaling, frame).slip_index[0];
-    most = std::max(most, double(std::abs(answer - numbers.back())));
+    most = std::max(most, std::abs(double(answer) - line.back()));
     ++lines;
-  }
+  });
   if (lines == 0) throw ConfigError(file, "frames", "none", "at least one line of an input and its S");
   return {most, lines};
 }

@@ -109,6 +109,13 @@ bool is_not_finite(const std::string& text) {
   return !text.empty() && *end == '\0' && !std::isfinite(value);
 }
 
+/// Whether the text has a 0 in front, by which CLI11 reads a hexadecimal number or an octal one.
+bool has_other_base(const std::string& text) {
+  const std::size_t first = text.find_first_not_of("+-");
+  return first != std::string::npos && text[first] == '0' && first + 1 < text.size() && text[first + 1] != '.' &&
+         text[first + 1] != 'e' && text[first + 1] != 'E';
+}
+
 bool takes_number(const CLI::Option& option) {
   const std::string type = option.get_type_name();
   const auto holds = [&](const char* word) { return type.find(word) != std::string::npos; };
@@ -166,7 +173,9 @@ void check_numbers(const CLI::App& command) {
   for (const CLI::Option* option : command.get_options()) {
     if (!takes_number(*option)) continue;
     for (const std::string& value : option->results())
-      if (is_not_finite(value)) throw ConfigError("command line", option->get_name(), value, "a finite number");
+      if (is_not_finite(value) || has_other_base(value))
+        throw ConfigError("command line", option->get_name(), value,
+                          "a finite number, decimal and without a 0 in front");
   }
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace tactel::host {
@@ -17,10 +18,13 @@ constexpr std::size_t named = 3;         // channels in a sentence
 
 }  // namespace
 
-const char* Drift::name() const { return kind == Kind::offset ? "offset" : kind == Kind::noise ? "noise" : "stuck"; }
+const char* Drift::name() const {
+  return std::array{"offset", "noise", "stuck", "mounting"}[static_cast<std::size_t>(kind)];
+}
 
 const char* Drift::advice() const {
-  return kind == Kind::offset ? "offsets moved: tare again" : kind == Kind::noise ? "noise grew" : "a channel is stuck";
+  return std::array{"offsets moved: tare again", "noise grew", "a channel is stuck",
+                    "the pad is turned"}[static_cast<std::size_t>(kind)];
 }
 
 DriftWatch::DriftWatch(const hw::ChannelMap& map, double block, double most_shift)
@@ -31,7 +35,7 @@ DriftWatch::DriftWatch(const hw::ChannelMap& map, double block, double most_shif
     if (channel < 0 || map.calibration.gain[static_cast<std::size_t>(channel)] == 0) continue;
     const auto c = static_cast<std::size_t>(channel);
     inputs_.push_back(
-        {channel, map.channel_text(i), map.calibration.gain[c], map.calibration.noise[c], std::nan(""), 0, {}});
+        {channel, map.channel_text(i), map.calibration.gain[c], map.calibration.noise[c], std::nan(""), 0, {}, 0});
     places_.push_back(i);
   }
   readings_.resize(inputs_.size());
@@ -67,17 +71,20 @@ std::vector<Drift> DriftWatch::next(std::span<const float> frame, bool contact, 
 
 /// Readings less offsets, and their changes.
 void DriftWatch::read(std::span<const float> frame, double arrival) {
+  const double pause = std::max(0.0, arrival - last_arrival_.value_or(arrival) - block_);
+  last_arrival_ = arrival;
   for (std::size_t i = 0; i < inputs_.size(); ++i) {
     Input& input = inputs_[i];
     const double reading = static_cast<double>(frame[places_[i]]) / input.gain;
     readings_[i] = reading;
     const double change = std::abs(reading - input.last);
+    ++input.same, input.last_time += pause;
     if (change == 0 || !std::isfinite(reading)) {
       if (std::isnan(input.last) && input.last_time == 0) input.last_time = arrival;
       continue;
     }
     if (std::isfinite(change)) step_ = step_ > 0 ? std::min(step_, change) : change;
-    input.last = reading, input.last_time = arrival;
+    input.last = reading, input.last_time = arrival, input.same = 0;
   }
 }
 
@@ -98,7 +105,8 @@ void DriftWatch::find_stuck(double arrival, std::vector<Drift>& found) {
   std::vector<Finding> stuck;
   for (std::size_t i = 0; i < inputs_.size(); ++i) {
     const double quiet = arrival - inputs_[i].last_time;
-    if (step_ > 0 && inputs_[i].noise > seen_noise * step_ && quiet >= stuck_blocks * block_)
+    if (step_ > 0 && inputs_[i].noise > seen_noise * step_ && quiet >= stuck_blocks * block_ &&
+        static_cast<double>(inputs_[i].same) >= stuck_blocks * least_frames)
       stuck.push_back({i, quiet});
   }
   tell(Drift::Kind::stuck, std::move(stuck), found);

@@ -13,15 +13,16 @@ namespace tactel::host {
 /// Channels that no longer fit offsets and noise of the calibration, found at once.
 struct Drift {
   enum class Kind {
-    offset,  ///< the mean at rest moved from the offset
-    noise,   ///< the noise at rest grew
-    stuck    ///< the reading does not change
+    offset,   ///< the mean at rest moved from the offset
+    noise,    ///< the noise at rest grew
+    stuck,    ///< the reading does not change
+    mounting  ///< a pad's shear does not fit its tactels' places (MountingWatch)
   };
   Kind kind;
   std::vector<int> channels;  ///< of the device, the worst first
-  double size = 0;           ///< of the worst: shift over noise, noise over that of the calibration, s without a change
-  std::string text;          ///< a sentence: what was found, and the remedy
-  const char* name() const;  ///< "offset", "noise", "stuck"
+  double size = 0;   ///< of the worst: shift over noise, noise over that of the calibration, s without a change, fit
+  std::string text;  ///< a sentence: what was found, and the remedy
+  const char* name() const;    ///< "offset", "noise", "stuck", "mounting"
   const char* advice() const;  ///< in a few words
 };
 
@@ -33,8 +34,8 @@ struct Drift {
 /// that moved within its block is not judged. An offset moved where the mean of a block is farther than one standard
 /// deviation of the noise from it (or one and a half steps of the readings, where these are larger), and noise grew
 /// where it is twice that. The mean of n readings of white noise exceeds one deviation with the probability erfc(sqrt(n
-/// / 2)): 1e-15 for 64 frames. A channel is stuck where its reading is the same for five blocks, in contact or not,
-/// though its noise shows in the readings.
+/// / 2)): 1e-15 for 64 frames. A channel is stuck where its reading is the same for five blocks and 320 frames, in
+/// contact or not, though its noise shows in the readings. A pause of the frames counts as one block at most.
 class DriftWatch {
  public:
   static constexpr std::size_t least_frames = 64;  ///< of a block
@@ -54,6 +55,7 @@ class DriftWatch {
     double gain, noise;      ///< MPa by the device's unit; the device's unit
     double last, last_time;  ///< reading less offset and the time of its last change
     bool told[3];            ///< by Drift::Kind
+    std::size_t same;        ///< frames since its last change
   };
   struct Finding {
     std::size_t input;
@@ -75,6 +77,7 @@ class DriftWatch {
   bool rested_ = false;                 ///< before last_, too
   std::optional<double> begin_;         ///< s, of the block that is being filled
   double next_check_ = 0;               ///< s, of stuck channels
+  std::optional<double> last_arrival_;  ///< s
 };
 
 }  // namespace tactel::host

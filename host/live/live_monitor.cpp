@@ -33,7 +33,17 @@ void check_width(const nn::Model& model, const SensorProfile& profile, std::size
           frames > 1 ? fmt::format(", in each of {} frames", frames) : ""));
 }
 
+/// Counts that are not tared are stresses far beyond all that a network learnt.
+void check_zero(const SensorProfile& profile) {
+  if (profile.map.calibration.has_zero) return;
+  throw ConfigError("command line", "--calibration", "(missing)",
+                    "given: the profile has a gain, but no reading at rest; run tactel tare with the same --source and "
+                    "--profile and nothing touching, and give its --output here; of a device that sends 0 at rest, "
+                    "write offset = 0 into [calibration]");
+}
+
 void check_networks(std::span<const nn::Model> networks, const SensorProfile& profile) {
+  check_zero(profile);
   const std::size_t pads = std::max<std::size_t>(profile.pads.size(), 1);
   const auto bounded = static_cast<std::size_t>(
       std::ranges::count_if(networks, [](const nn::Model& network) { return network.bound.has_value(); }));
@@ -112,6 +122,9 @@ LiveMonitor::LiveMonitor(std::span<const nn::Model> networks, const SensorProfil
   for (const std::size_t tactels : tactels_of(profile))
     sensors_.emplace_back(networks[networks.size() > 1 ? sensors_.size() : 0], profile,
                           std::exchange(first, first + tactels), tactels, options);
+  for (std::size_t i = 0; i < profile.pads.size() && drift_; ++i)
+    sensors_[i].mounting.emplace(profile.pads[i], map_.touch(sensors_[i].first, sensors_[i].tactels),
+                                 !map_.shear_y.empty());
 }
 
 MonitorSummary LiveMonitor::run(hw::FrameSource& source, const MonitorEvents& events) {
@@ -146,6 +159,9 @@ void LiveMonitor::answer(const hw::DecodedFrame& frame, double arrival, const Mo
   line.latency = 1e6 * (now - arrival), line.answer_time = 1e6 * (now - decoded);
   summary_.latency.add(line.latency);
   if (drift_) line.drift = drift_->next(stresses_, line.contact.value_or(true), arrival);
+  for (Sensor& sensor : sensors_)
+    if (auto turned = sensor.mounting ? sensor.mounting->next(sensor.stresses) : std::nullopt)
+      line.drift.push_back(std::move(*turned));
   summary_.drifts += line.drift.size();
   if (events.line) events.line(line);
 }

@@ -8,6 +8,7 @@
 
 #include "host/live/drift_watch.h"
 #include "host/live/live_frames.h"
+#include "host/live/mounting_watch.h"
 #include "host/live/sensor_profile.h"
 #include "hw/decoder.h"
 #include "hw/frame_source.h"
@@ -80,8 +81,9 @@ class LiveMonitor {
     AlarmAnswer answer(std::span<const float> frame);
 
     std::size_t first, tactels;
-    Alarm alarm;                  ///< has the frames answered, or dropped as late; that of the first pad judges all
-    std::vector<float> stresses;  ///< [axes tactels] MPa, of the newest frame
+    Alarm alarm;  ///< has the frames answered, or dropped as late; that of the first pad judges all
+    std::optional<MountingWatch> mounting{};  ///< of a pad
+    std::vector<float> stresses;              ///< [axes tactels] MPa, of the newest frame
   };
   void answer(const hw::DecodedFrame& frame, double arrival, const MonitorEvents& events);
   void refresh();

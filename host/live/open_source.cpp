@@ -91,13 +91,15 @@ SensorProfile read_profiles(Files names, Files calibrations) {
 OpenSource open_csv(const std::string& text, Files profiles, Files calibrations) {
   SourceOptions options(text);
   int paced = 0;
+  std::optional<int> sensor;
   options.read("paced", paced);
+  if (int id = 0; options.read("sensor", id)) sensor = id;
   options.finish();
   if (profiles.empty())
     throw ConfigError("command line", "--profile", "(missing)",
                       "given with csv: uskin-4x4, uskin-4x6, or a profile whose format.kind is csv");
   SensorProfile own = read_profiles(profiles, calibrations);
-  return {std::make_unique<CsvSource>(options.path(), own.format()->channels(), paced != 0), std::move(own)};
+  return {std::make_unique<CsvSource>(options.path(), own.format()->channels(), paced != 0, sensor), std::move(own)};
 }
 
 OpenSource open(const std::string& kind, const std::string& rest, Files profiles, Files calibrations) {

@@ -83,10 +83,11 @@ FormatMaker read_format(const TomlFile& file, std::string& name) {
   if (!kind) in.refuse_missing("kind", "generic, glove, papillarray, anyskin, agni, paxini or csv");
   name = kinds[*kind];
   FormatMaker maker;
-  int sensors = 1, points = 1, channels = 0;
+  int sensors = 1, points = 1, channels = 0, magnetometers = 5;
   if (kinds[*kind] == "papillarray" || kinds[*kind] == "paxini")
     in.read("sensors", sensors, "the number of connected sensors");
   if (kinds[*kind] == "paxini") in.read("points", points, "the number of points of a sensor");
+  if (kinds[*kind] == "anyskin") in.read("magnetometers", magnetometers, "the number of magnetometers");
   if (kinds[*kind] == "csv") in.read("channels", channels, "the number of numbers in a line, but for the time");
   switch (*kind) {
     case 0:
@@ -99,7 +100,7 @@ FormatMaker read_format(const TomlFile& file, std::string& name) {
       maker = [sensors] { return hw::papillarray_format(sensors); };
       break;
     case 3:
-      maker = hw::anyskin_format;
+      maker = [magnetometers] { return hw::anyskin_format(magnetometers); };
       break;
     case 4:
       maker = hw::agni_format;
@@ -114,17 +115,20 @@ FormatMaker read_format(const TomlFile& file, std::string& name) {
   return maker;
 }
 
-/// One number stands for all channels.
-void read_numbers(TomlTable& in, const std::string& key, std::vector<double>& values, std::size_t channels) {
+/// One number stands for all channels. Returns whether the key is there.
+bool read_numbers(TomlTable& in, const std::string& key, std::vector<double>& values, std::size_t channels) {
   std::vector<double> read;
-  if (!in.read_one_or_more(key, read, "a number, or an array with one for each channel")) return;
+  if (!in.read_one_or_more(key, read, "a number, or an array with one for each channel")) return false;
   values = read.size() == 1 ? std::vector<double>(channels, read[0]) : read;
+  return true;
 }
 
+/// A gain without an offset is that of raw counts, whose zero is to be measured.
 void read_calibration(const TomlFile& file, hw::Calibration& calibration, std::size_t channels) {
   TomlTable in(file, "calibration");
-  read_numbers(in, "offset", calibration.offset, channels);
-  read_numbers(in, "gain", calibration.gain, channels);
+  const bool offset = read_numbers(in, "offset", calibration.offset, channels);
+  const bool gain = read_numbers(in, "gain", calibration.gain, channels);
+  calibration.has_zero = offset || (calibration.has_zero && !gain);
   read_numbers(in, "noise", calibration.noise, channels);
   in.finish();
 }
@@ -207,7 +211,7 @@ std::string uskin_text(int nx, int ny) {
     map.shear.push_back(3 * tactel), map.shear_y.push_back(3 * tactel + 1), map.normal.push_back(3 * tactel + 2);
     map.calibration.gain.insert(map.calibration.gain.end(), {nominal, nominal, -nominal});
   }
-  map.calibration.offset.assign(map.calibration.gain.size(), 0.0);
+  map.calibration.has_zero = false;
   return fmt::format("[device]\nname = \"uSkin {} x {}\"\n[format]\nkind = \"csv\"\nchannels = {}\n", nx, ny,
                      3 * nx * ny) +
          channels_text(map, {{{nx, ny}, {4.7, 4.7}}}) + calibration_text(map.calibration);
@@ -263,6 +267,7 @@ SensorProfile joined_profile(const std::vector<SensorProfile>& profiles) {
         {&map.calibration.gain, &own.gain},
         {&map.calibration.noise, &own.noise}};
     for (const auto& [to, from] : numbers) to->insert(to->end(), from->begin(), from->end());
+    map.calibration.has_zero &= own.has_zero;
     pads.insert(pads.end(), profile.pads.begin(), profile.pads.end());
     channels += profile.format()->channels();
   }
@@ -292,7 +297,9 @@ void read_calibration(const std::filesystem::path& path, SensorProfile& profile)
   root.expect_table("calibration");
   root.finish();
   const std::size_t channels = profile.format()->channels();
+  const bool had_zero = profile.map.calibration.has_zero;
   read_calibration(file, profile.map.calibration, channels);
+  profile.map.calibration.has_zero |= had_zero;
   try {
     profile.map.validate(channels);
   } catch (const ValueError& error) {
@@ -301,9 +308,10 @@ void read_calibration(const std::filesystem::path& path, SensorProfile& profile)
 }
 
 std::string calibration_text(const hw::Calibration& calibration) {
-  std::string text = fmt::format(
-      "[calibration]\noffset = [{}]  # the device's units, at rest\ngain = [{}]  # MPa by the device's unit\n",
-      fmt::join(calibration.offset, ", "), fmt::join(calibration.gain, ", "));
+  std::string text = "[calibration]\n";
+  if (calibration.has_zero)
+    text += fmt::format("offset = [{}]  # the device's units, at rest\n", fmt::join(calibration.offset, ", "));
+  text += fmt::format("gain = [{}]  # MPa by the device's unit\n", fmt::join(calibration.gain, ", "));
   if (!calibration.noise.empty())
     text += fmt::format("noise = [{}]  # the device's units, standard deviation at rest\n",
                         fmt::join(calibration.noise, ", "));

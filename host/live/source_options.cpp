@@ -2,6 +2,7 @@
 #include "host/live/source_options.h"
 
 #include <charconv>
+#include <cmath>
 #include <sstream>
 #include <vector>
 
@@ -21,17 +22,19 @@ SourceOptions::SourceOptions(const std::string& text) : path_(text.substr(0, tex
 }
 
 template <class Number>
-void SourceOptions::read_number(const std::string& key, Number& value, const char* what) {
+bool SourceOptions::read_number(const std::string& key, Number& value, const char* what) {
   asked_[key] = true;
   const auto found = given_.find(key);
-  if (found == given_.end()) return;
+  if (found == given_.end()) return false;
   const std::string& text = found->second;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) throw ConfigError("--source", key, text, what);
+  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(static_cast<double>(value)))
+    throw ConfigError("--source", key, text, what);
+  return true;
 }
 
-void SourceOptions::read(const std::string& key, double& value) { read_number(key, value, "a number"); }
-void SourceOptions::read(const std::string& key, int& value) { read_number(key, value, "a whole number"); }
+bool SourceOptions::read(const std::string& key, double& value) { return read_number(key, value, "a finite number"); }
+bool SourceOptions::read(const std::string& key, int& value) { return read_number(key, value, "a whole number"); }
 
 void SourceOptions::read(const std::string& key, std::string& value) {
   asked_[key] = true;

@@ -10,10 +10,10 @@ class SourceOptions {
  public:
   explicit SourceOptions(const std::string& text);
   const std::string& path() const { return path_; }
-  /// Reads a number. Leaves `value` unchanged where the key is absent. Throws ConfigError for a text that is no
-  /// number.
-  void read(const std::string& key, double& value);
-  void read(const std::string& key, int& value);
+  /// Reads a finite number. Returns whether the key is there, and leaves `value` unchanged where it is not. Throws
+  /// ConfigError for a text that is no number.
+  bool read(const std::string& key, double& value);
+  bool read(const std::string& key, int& value);
   /// Throws ConfigError for an empty text.
   void read(const std::string& key, std::string& value);
   /// Throws ConfigError for a key that was not read.
@@ -21,7 +21,7 @@ class SourceOptions {
 
  private:
   template <class Number>
-  void read_number(const std::string& key, Number& value, const char* what);
+  bool read_number(const std::string& key, Number& value, const char* what);
   std::string path_;
   std::map<std::string, std::string> given_;
   std::map<std::string, bool> asked_;

@@ -7,18 +7,16 @@
 
 namespace tactel::host {
 
-/// Reads a measured profile: two numbers a line, mm, x increasing; columns separated by comma, semicolon or tab. A
-/// header may name them ("x,y", "x [mm];y [mm]"). With semicolon or tab, decimal commas are accepted. The file must
-/// be regular and hold at most 16 MiB. Errors quote its content only where the first line is that of a profile.
-/// Blank lines and lines that begin with # are skipped. Throws ConfigError naming the file and the line.
+/// Reads a measured profile: lines of numbers (NumberLines), two a line, mm, x increasing. A header may name them
+/// ("x,y", "x [mm];y [mm]"). The file must be regular and hold at most 16 MiB. Errors quote its content only where the
+/// first line is that of a profile. Throws ConfigError naming the file and the line.
 void read_profile_csv(const std::filesystem::path& path, fem::Profile& profile);
 
 inline constexpr std::size_t longest_height_map = 1000;  ///< heights along a side
 
 /// Reads the heights of a height map, mm: a line holds those at one y, with x increasing; y increases from line to
-/// line. Separators, blank lines and remarks as above, no header. The lowest height becomes 0. Throws ConfigError
-/// naming the file and the line: all lines have equally many heights, 2 to longest_height_map of them, and so many
-/// lines.
+/// line. The lowest height becomes 0. Throws ConfigError naming the file and the line: all lines have equally many
+/// heights, 2 to longest_height_map of them, and so many lines.
 void read_heights_csv(const std::filesystem::path& path, fem::HeightMap& map);
 
 }  // namespace tactel::host

@@ -9,8 +9,9 @@
 
 namespace tactel::host {
 
-/// Returns a warning for each number that looks as if it had another unit, such as a Young's modulus in Pa; usually
-/// none. The number is solved as it stands.
+/// Returns a warning for each number that looks as if it had another unit, such as a Young's modulus in Pa, and for
+/// measured heights that touch at their border or hold a point far from its neighbours; usually none. What is given is
+/// solved as it stands.
 std::vector<std::string> unit_warnings(const fem::Scene& scene);
 std::vector<std::string> unit_warnings(const fem::PadScene& scene);
 /// The same of many scenes: of each number the first such scene, "scenes[3]: ...".

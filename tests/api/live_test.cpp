@@ -131,7 +131,7 @@ TEST_F(LiveApi, ReplaysARecording) {
 // The number of a channel is its reading; tactel 0 sends x, y, z as channels 0, 1, 2.
 TEST_F(LiveApi, APadHasAllNormalStressesThenShearAlongXThenAlongY) {
   std::string line;
-  for (int channel = 0; channel < 48; ++channel) line += (channel > 0 ? "," : "") + std::to_string(channel);
+  for (int channel = 0; channel < 48; ++channel) line += (channel > 0 ? "," : "") + std::to_string(channel) + ".0";
   FrameSource source = FrameSource::open("csv:" + folder_.write("pad.csv", line + "\n"), "uskin-4x4");
   Frame frame;
   ASSERT_TRUE(source.wait(frame, 10));
@@ -142,6 +142,7 @@ TEST_F(LiveApi, APadHasAllNormalStressesThenShearAlongXThenAlongY) {
     EXPECT_FLOAT_EQ(frame.stress[16 + i] / frame.stress[0], -static_cast<float>(3 * i) / 2);
     EXPECT_FLOAT_EQ(frame.stress[32 + i] / frame.stress[0], -static_cast<float>(3 * i + 1) / 2);
   }
+  EXPECT_NE(source.note().find("no zero"), std::string::npos) << source.note();
 }
 
 TEST_F(LiveApi, PollsWithoutAllocation) {

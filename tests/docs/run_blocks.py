@@ -66,7 +66,7 @@ class Page:
     def run_toml(self, text, _line):
         if channels := re.search(r'^kind = "csv"\nchannels = (\d+)', text, re.M):
             (self.folder / "profile.toml").write_text(text)
-            self.shell(f"seq -s, {channels[1]} | tactel record --source csv:- --profile profile.toml --output lines.rec --force")
+            self.shell(f"seq -s, 2 {int(channels[1]) + 1} | tactel record --source csv:- --profile profile.toml --output lines.rec --force")
             return
         if "[device]" in text:
             (self.folder / "profile.toml").write_text(text)

@@ -132,6 +132,21 @@ TEST(MeasuredProfile, NamesDentsWithSizeAndPlace) {
       "indenter.y", "", "by 4 mm at x = 0, 3 mm at x = -1, 3 mm at x = 1;");
 }
 
+TEST(MeasuredProfile, ANumberForAMissingPointAndOtherUnitsAreNoHeights) {
+  expect_value_error(
+      [] {
+        validate(Profile{{-2, -1, 0, 1, 2}, {4, 1, -9999, 1, 4}, 0, "tip.csv"});
+      },
+      "indenter.file", "10003 mm of heights over 4 mm", "at most ten times as high as wide");
+  expect_value_error([] { validate(Profile{{-2, 0, 2}, {40.1, 0, 40}, 0, ""}); }, "indenter.y", "40.1", "in mm");
+  EXPECT_NO_THROW(validate(Profile{{-2, 0, 2}, {40, 0, 40}, 0, ""}));
+  expect_value_error(
+      [] {
+        validate(Profile{{-2, 0, 2}, {0, 1, 0}, 0, ""});
+      },
+      "indenter.y", "[0, 1, 0]", "upside down?");
+}
+
 TEST(MeasuredProfile, DecimalRoundingIsNoDent) {
   Profile line;
   for (int i = 0; i <= 100; ++i) line.x.push_back(i * 0.1), line.y.push_back(i * 0.03);

@@ -103,9 +103,10 @@ inline ByteVector papillarray_frame(const PapillarrayBlocks& what) {
 }
 
 /// Value i is first + i, save value 5 where given.
-inline ByteVector anyskin_frame(float first, float fifth = 0) {
+inline ByteVector anyskin_frame(float first, float fifth = 0, int magnetometers = 5) {
   ByteVector bytes;
-  for (int i = 0; i < 20; ++i) put_float(bytes, i == 5 && fifth != 0 ? fifth : first + static_cast<float>(i));
+  for (int i = 0; i < 4 * magnetometers; ++i)
+    put_float(bytes, i == 5 && fifth != 0 ? fifth : first + static_cast<float>(i));
   append(bytes, {0x0D, 0x0A});
   return bytes;
 }

@@ -40,26 +40,26 @@ ByteVector crc_frame(int i) {
   return frame;
 }
 
-const Case cases[] = {
-    {"glove", glove_format, [](int i) { return glove_frame(37 * i); }, false},
-    {"papillarray", [] { return papillarray_format(1); },
-     [](int i) {
-       return papillarray_frame(
-           {.counter = static_cast<std::uint32_t>(i), .first_force = 0.5f * static_cast<float>(i)});
-     },
-     true},
-    {"anyskin", anyskin_format, [](int i) { return anyskin_frame(20.0f + 1.7f * static_cast<float>(i)); }, false},
-    {"agni", agni_format, [](int i) { return agni_frame(100 * i); }, true},
-    {"paxini", [] { return paxini_format(2, 2); }, [](int i) { return paxini_frame(static_cast<std::uint8_t>(i)); },
-     true},
-    {"generic", [] { return generic_format(crc_layout()); }, crc_frame, true},
-    {"csv", [] { return csv_format(2); },
-     [](int i) {
-       ByteVector frame;
-       append_csv_frame(static_cast<std::uint64_t>(i), 0.1 * i, std::array{1.5, 1e-3 * i}, frame);
-       return frame;
-     },
-     true}};
+const Case cases[] = {{"glove", glove_format, [](int i) { return glove_frame(37 * i); }, false},
+                      {"papillarray", [] { return papillarray_format(1); },
+                       [](int i) {
+                         return papillarray_frame(
+                             {.counter = static_cast<std::uint32_t>(i), .first_force = 0.5f * static_cast<float>(i)});
+                       },
+                       true},
+                      {"anyskin", [] { return anyskin_format(); },
+                       [](int i) { return anyskin_frame(20.0f + 1.7f * static_cast<float>(i)); }, false},
+                      {"agni", agni_format, [](int i) { return agni_frame(100 * i); }, true},
+                      {"paxini", [] { return paxini_format(2, 2); },
+                       [](int i) { return paxini_frame(static_cast<std::uint8_t>(i)); }, true},
+                      {"generic", [] { return generic_format(crc_layout()); }, crc_frame, true},
+                      {"csv", [] { return csv_format(2); },
+                       [](int i) {
+                         ByteVector frame;
+                         append_csv_frame(static_cast<std::uint64_t>(i), 0.1 * i, std::array{1.5, 1e-3 * i}, frame);
+                         return frame;
+                       },
+                       true}};
 
 class EveryFormat : public ::testing::TestWithParam<Case> {
  protected:

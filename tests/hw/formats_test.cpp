@@ -112,6 +112,19 @@ TEST(AnyskinFormat, ReadsTwentyValues) {
   EXPECT_EQ(decoded.values[3][19], 42.5);
 }
 
+// A fingertip has two, a skin of the larger kind sixteen.
+TEST(AnyskinFormat, ReadsOtherNumbersOfMagnetometers) {
+  for (const int magnetometers : {2, 16}) {
+    ByteVector stream;
+    for (int i = 0; i < 6; ++i) append(stream, anyskin_frame(20.5f + static_cast<float>(i), 0, magnetometers));
+    stream.erase(stream.begin(), stream.begin() + 7);
+    const Decoded decoded = decode(anyskin_format(magnetometers), stream);
+    ASSERT_EQ(decoded.values.size(), 5u);
+    EXPECT_EQ(decoded.values[4].size(), static_cast<std::size_t>(4 * magnetometers));
+    EXPECT_EQ(decoded.values[4].back(), 20.5 + 5 + 4 * magnetometers - 1);
+  }
+}
+
 // 0D 0A at each byte of a float that never changes, and a stream that begins just behind it.
 TEST(AnyskinFormat, ALineEndInsideAFloatIsNoLineEnd) {
   const float inside[] = {float_of_bytes(0x0D, 0x0A, 0x80, 0x41), float_of_bytes(0x12, 0x0D, 0x0A, 0x42)};
@@ -169,6 +182,8 @@ TEST(PaxiniFormat, TheBoardsOwnErrorIsABadFrame) {
 
 TEST(Formats, RefuseWhatCannotBeMeant) {
   EXPECT_THROW(papillarray_format(3), ValueError);
+  EXPECT_THROW(anyskin_format(0), ValueError);
+  EXPECT_THROW(anyskin_format(65), ValueError);
   EXPECT_THROW(paxini_format(0, 9), ValueError);
   EXPECT_THROW(paxini_format(1, 100000), ValueError);
 }

@@ -80,10 +80,10 @@ std::string summary_text(const MonitorSummary& all, bool cut_short) {
       "\"p99\": {:.1f}, \"p99.9\": {:.1f}, \"max\": {:.1f}}}, \"duplicated\": {}, \"discarded_bytes\": {}, "
       "\"silences\": {}, \"overruns\": {}, \"stalls\": {}, \"transfer_errors\": {}, "
       "\"reconnects\": {}, \"drifts\": {}, \"cut_short\": {}}}",
-      d.frames, d.lost, d.bad, d.resynchronised, all.late, all.latency.quantile(0.5), all.latency.quantile(0.99),
-      all.latency.quantile(0.999), all.latency.largest(), d.duplicated, d.discarded, all.silences,
-      all.transport.overruns, all.transport.stalls, all.transport.errors, all.transport.reconnects, all.drifts,
-      cut_short);
+      d.frames, d.lost, d.bad + all.transport.bad, d.resynchronised, all.late, all.latency.quantile(0.5),
+      all.latency.quantile(0.99), all.latency.quantile(0.999), all.latency.largest(), d.duplicated, d.discarded,
+      all.silences, all.transport.overruns, all.transport.stalls, all.transport.errors, all.transport.reconnects,
+      all.drifts, cut_short);
 }
 
 /// Standard output, each piece at once. The first failure ends the reading.

@@ -82,7 +82,8 @@ void check_outputs(const RecordRequest& request) {
 
 void print_counts(const hw::DecoderCounts& counts, const hw::TransportCounts& transport, double seconds) {
   say(fmt::format("{} frames in {:.1f} s, {} bytes; lost {}, bad {}, resynchronised {}, overruns {}", counts.frames,
-                  seconds, transport.bytes, counts.lost, counts.bad, counts.resynchronised, transport.overruns));
+                  seconds, transport.bytes, counts.lost, counts.bad + transport.bad, counts.resynchronised,
+                  transport.overruns));
 }
 
 /// Reads into both files. The recording gets its end also where the source or the table fails: its packets are whole.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/commands/live/sensor_session.h"
 
+#include <fmt/format.h>
+
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -65,7 +67,11 @@ OpenSource open_for(const SensorRequest& request) {
 }
 
 void say_if_cut_short(const SensorRequest& request, const hw::FrameSource& source) {
-  if (source.cut_short() && !request.quiet) print_warning(request.source + " was cut off: its end is missing");
+  if (request.quiet) return;
+  if (const std::uint64_t bad = source.counts().bad; bad > 0)
+    print_warning(
+        fmt::format("{} line{} left out, the first: {}", bad, bad == 1 ? " was" : "s were", source.first_bad()));
+  if (source.cut_short()) print_warning(request.source + " was cut off: its end is missing");
 }
 
 void say_if_nothing_decoded(const SensorRequest& request, const hw::FrameSource& source,

@@ -83,6 +83,7 @@ int run_tare(const TareRequest& request) {
   hw::Calibration calibration = opened.profile.map.calibration;
   calibration.offset = tare.offset();
   calibration.noise = tare.noise();
+  calibration.has_zero = true;
   write_file("--output", request.output, calibration_text(calibration));
   say(fmt::format("the mean of {} frames is in {}", tare.frames(), request.output));
   return done;

@@ -292,6 +292,14 @@ TEST(Numbers, NanAndInfinityAreRefusedByEveryOption) {
   }
 }
 
+// A 0 in front is not read as an octal number, in which 010 is 8.
+TEST(Numbers, OfOtherBasesAreRefused) {
+  for (const char* value : {"010", "0x10"})
+    EXPECT_TRUE(is_refused(run_tactel({"monitor", "--source", "x", "--network", "y", "--every", value}),
+                           {"--every = " + std::string(value), "decimal"}));
+  EXPECT_TRUE(is_refused(run_tactel({"solve", "none.toml", "--tolerance", "0.001"}), {"none.toml"}));
+}
+
 // 2001 x 1001 nodes within 1 GB: no memory, which is the input's fault.
 TEST(Memory, ThatIsNotThereIsSaidInWordsOfTheInput) {
   const ScratchFolder folder;

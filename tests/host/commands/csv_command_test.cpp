@@ -96,7 +96,7 @@ TEST_F(CsvCommand, MistakesOfACallAreNamed) {
   EXPECT_TRUE(is_refused(run("record", "csv:" + folder_.write("e.csv", ""), {out, recording_}),
                          {"e.csv: ended without a line of numbers"}));
   EXPECT_TRUE(is_refused(run("monitor", "csv:" + folder_.write("x.csv", "1,2\n"), {network, network_}),
-                         {"x.csv:1: 2 fields; a line has 42 numbers"}));
+                         {"x.csv:1: fields = 2: must be 42"}));
   const ChildResult cut =
       run("record", "csv:" + folder_.write("c.csv", text_of(file_) + "3.3,1"), {out, recording_, "--force"});
   EXPECT_EQ(cut.exit_code, 0);
@@ -211,9 +211,43 @@ TEST_F(PadCommand, TwoPadsOfALine) {
   EXPECT_THAT(view.out, HasSubstr("█████"));
 }
 
+// Raw counts are no stresses before a tare: no S, no alarm, but the command to run.
+TEST_F(PadCommand, WithoutAZeroThereIsNoS) {
+  const std::vector<std::string> monitor = {"--network", network_, "--touch", "1e-4", "--alarm", "0.8"};
+  EXPECT_TRUE(is_refused(run("monitor", left_, monitor), {"--calibration", "no reading at rest", "tactel tare"}));
+  const ChildResult recorded = run("record", left_, {"--output", recording_});
+  ASSERT_EQ(recorded.exit_code, 0) << recorded.err;
+  const std::vector<std::string> replay = {"monitor", "--source", "replay:" + recording_};
+  EXPECT_TRUE(is_refused(run_tactel(with(replay, monitor)), {"--calibration", "tactel tare"}));
+  const ChildResult tared = run_tactel(with(with(replay, monitor), {"--calibration", tare(left_, "left.toml")}));
+  EXPECT_EQ(tared.exit_code, 0) << tared.err;
+  EXPECT_EQ(lines_of(tared.out)[0]["contact"], false) << "at rest";
+}
+
+// A reader that attaches within a line, and a board that prints a word.
+TEST_F(PadCommand, ABadLineOfAPipeCountsAndTheNextIsAFrame) {
+  const std::string profile =
+      folder_.write("q.toml",
+                    "[format]\nkind = \"csv\"\nchannels = 3\n[pad]\ntactels = [1, 1]\n[channels]\n"
+                    "normal = [0]\nshear_x = [1]\nshear_y = [2]\n");
+  const std::string frames = (folder_ / "frames.csv").string();
+  const std::string piped = fmt::format(
+      "printf '0,39\\n40,41,39\\n41,40,39\\nbrown-out\\n40,40,40\\n' | {} record --source csv:- --profile {} --output "
+      "{} "
+      "--frames {}",
+      TACTEL_PROGRAM, profile, recording_, frames);
+  const ChildResult recorded = run_child({"sh", "-c", piped});
+  EXPECT_EQ(recorded.exit_code, 0) << recorded.err;
+  EXPECT_THAT(recorded.err, HasSubstr("3 frames"));
+  EXPECT_THAT(recorded.err, HasSubstr("bad 2"));
+  EXPECT_THAT(recorded.err, HasSubstr("2 lines were left out, the first: csv:-:1: fields = 2: must be 3"));
+  const std::string table = text_of(frames);
+  EXPECT_EQ(std::ranges::count(table, '\n'), 4) << table;
+}
+
 TEST_F(PadCommand, MistakesOfACallAreNamed) {
   const std::vector<std::string> monitor = {"--network", network_};
-  EXPECT_TRUE(is_refused(run("monitor", "csv:" + file_, monitor), {"97 names", "49 numbers"}));
+  EXPECT_TRUE(is_refused(run("record", "csv:" + file_, {"--output", recording_}), {"names = 97", "49"}));
   EXPECT_TRUE(is_refused(run("monitor", "csv:" + file_, with(monitor, {"--profile", "glove"})), {"csv"}));
   EXPECT_TRUE(is_refused(run("monitor", "replay:" + file_, with(monitor, second_)), {"--profile", "csv:"}));
   const std::string own = tare(left_, "left.toml");
@@ -225,6 +259,8 @@ TEST_F(PadCommand, MistakesOfACallAreNamed) {
 
 // 96 numbers a line at 1 kHz by the clock; the lines are whole and in their order.
 TEST_F(PadCommand, AThousandLinesASecondThroughAPipe) {
+  const std::vector<std::string> calibrated =
+      with(second_, {"--calibration", tare("csv:" + file_, "both.toml", second_)});
   const std::string pipe = (folder_ / "pipe").string();
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
   std::istringstream text(text_of(file_));
@@ -238,7 +274,7 @@ TEST_F(PadCommand, AThousandLinesASecondThroughAPipe) {
   });
   // A test on a busy machine: no frame is lost, however late.
   const ChildResult result =
-      run("monitor", "csv:" + pipe, with(second_, {"--network", network_, "--touch", "0", "--late", "100"}));
+      run("monitor", "csv:" + pipe, with(calibrated, {"--network", network_, "--touch", "0", "--late", "100"}));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const auto lines = lines_of(result.out);
   ASSERT_EQ(lines.size(), static_cast<std::size_t>(frames));

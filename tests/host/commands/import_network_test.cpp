@@ -92,12 +92,12 @@ TEST_F(ImportNetwork, OtherAnswersWriteNoFile) {
 
 TEST_F(ImportNetwork, WrongInputIsNamed) {
   const auto file = [&](const std::string& text) { return folder_.write("wrong.csv", text); };
-  EXPECT_TRUE(
-      is_refused(run({"--frames", file("1,2,3,4,0.5\n1,2,3,4\n")}), {"wrong.csv:2: line = 4 numbers", "5 finite"}));
-  EXPECT_TRUE(is_refused(run({"--frames", file("1,2,x,4,0.5\n")}), {"wrong.csv:1: line = 2 numbers"}));
-  EXPECT_TRUE(is_refused(run({"--frames", file("1,2,nan,4,0.5\n")}), {"wrong.csv:1: line = 2 numbers"}));
+  EXPECT_TRUE(is_refused(run({"--frames", file("1,2,3,4,0.5\n1,2,3,4\n")}),
+                         {"wrong.csv:2: fields = 4: must be 5", "an input in MPa, then S"}));
+  EXPECT_TRUE(is_refused(run({"--frames", file("1,2,x,4,0.5\n")}), {"wrong.csv:1: column 3"}));
+  EXPECT_TRUE(is_refused(run({"--frames", file("1,2,nan,4,0.5\n")}), {"wrong.csv:1: column 3"}));
   EXPECT_TRUE(is_refused(run({"--frames", file("\n")}), {"frames = none"}));
-  EXPECT_TRUE(is_refused(run({"--frames", folder_ / "no.csv"}), {"no.csv", "cannot be read"}));
+  EXPECT_TRUE(is_refused(run({"--frames", folder_ / "no.csv"}), {"no.csv", "a readable CSV file"}));
   EXPECT_TRUE(is_refused(run({"--largest-stress", "0"}), {"largest_stress"}));
   EXPECT_TRUE(is_refused(run({"--history", "3"}), {"4 inputs for a history of 3 frames"}));
   std::string wide = profile;

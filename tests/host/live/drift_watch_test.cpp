@@ -59,6 +59,7 @@ struct Player {
   Noise noise{7};
   std::function<bool(std::size_t)> contact = [](std::size_t) { return false; };
   std::size_t frame = 0;
+  double paused = 0;  // s
   std::vector<double> readings = std::vector<double>(channels);
   std::vector<float> stresses = std::vector<float>(channels);
 
@@ -67,7 +68,7 @@ struct Player {
     if (change) change(frame, readings);
     for (double& x : readings) x *= sigma;
     map.apply(readings, stresses);
-    const double arrival = 5 + static_cast<double>(frame) / rate;
+    const double arrival = 5 + paused + static_cast<double>(frame) / rate;
     const bool touching = contact(frame);
     ++frame;
     return watch.next(stresses, touching, arrival);
@@ -182,6 +183,37 @@ TEST(DriftWatch, AStuckChannelIsNamedInContactToo) {
   ASSERT_THAT(found, SizeIs(1));
   EXPECT_EQ(found[0].kind, Drift::Kind::stuck);
   EXPECT_THAT(found[0].channels, UnorderedElementsAre(2, 3));
+}
+
+/// A board that samples at 5 Hz and sends at 100 Hz, and stops sending for a minute.
+TEST(DriftWatch, APauseIsNoStuckChannel) {
+  Player player{.watch = DriftWatch(known_map(), 2), .rate = 100};
+  std::vector<double> held(channels);
+  const Player::Change hold = [&](std::size_t frame, std::vector<double>& readings) {
+    if (frame % 20 == 0) held = readings;
+    readings = held;
+  };
+  EXPECT_THAT(player.play(510, hold), IsEmpty());
+  player.paused = 60;
+  EXPECT_THAT(player.play(3000, hold), IsEmpty());
+}
+
+/// One frame a second, of whole numbers with a noise of 0.8: a tenth of five blocks' ten readings stay the same three
+/// times, as 0.37 of the neighbours are equal. A channel that is stuck indeed is named after 320 readings.
+TEST(DriftWatch, FewReadingsASecondAreNotStuck) {
+  hw::ChannelMap map = known_map();
+  map.calibration.noise.assign(channels, 0.8);
+  Player player{.watch = DriftWatch(map, 2), .rate = 1, .map = map};
+  bool stuck = false;
+  const Player::Change whole = [&](std::size_t, std::vector<double>& readings) {
+    for (double& x : readings) x = std::round(0.8 * x) / sigma;
+    if (stuck) readings[5] = 2 / sigma;
+  };
+  EXPECT_THAT(player.play(20000, whole), IsEmpty());
+  stuck = true;
+  EXPECT_THAT(player.play(319, whole), testing::Each(testing::Field(&Drift::kind, testing::Ne(Drift::Kind::stuck))));
+  const std::vector<Drift> found = player.play(10, whole);
+  EXPECT_THAT(found, testing::Contains(testing::Field(&Drift::kind, Drift::Kind::stuck)));
 }
 
 /// Touches that begin and end slowly, below the threshold of touch of 7 deviations, within the blocks beside them.

@@ -110,7 +110,8 @@ TEST(SensorProfile, JoinedPadsFollowEachOtherInALine) {
   const std::string shear = "shear_x = [0, 3]\nshear_y = [1, -1]\n";
   const SensorProfile a =
       parse_profile(format + pad_of_two + shear + "[calibration]\noffset = 7\ngain = 2\nnoise = 1\n", "a.toml");
-  const SensorProfile b = parse_profile(format + pad_of_two + shear + "[calibration]\ngain = -1\nnoise = 3\n", "b");
+  const SensorProfile b =
+      parse_profile(format + pad_of_two + shear + "[calibration]\noffset = 0\ngain = -1\nnoise = 3\n", "b");
   const SensorProfile both = joined_profile({a, b});
   EXPECT_EQ(both.format()->channels(), 12u);
   EXPECT_THAT(both.map.normal, ElementsAre(2, 5, 8, 11));
@@ -175,6 +176,28 @@ TEST(Calibration, AFileReadsBackToTheSameNumbers) {
   EXPECT_EQ(profile.map.calibration.offset, calibration.offset);
   EXPECT_EQ(profile.map.calibration.gain, calibration.gain);
   EXPECT_EQ(profile.map.calibration.noise, calibration.noise);
+}
+
+// Counts with a gain have a zero that is to be measured; stresses, and readings whose offset is told, have theirs.
+TEST(Calibration, AGainWithoutAnOffsetHasNoZero) {
+  const auto has_zero = [](const std::string& text) {
+    return parse_profile(profile_text(two_channels, "[channels]\nnormal = [0]\n" + text), "p.toml")
+        .map.calibration.has_zero;
+  };
+  EXPECT_TRUE(has_zero("") && has_zero("[calibration]\noffset = 0\ngain = 2\n") &&
+              has_zero("[calibration]\nnoise = 2\n"));
+  EXPECT_FALSE(has_zero("[calibration]\ngain = 2\n"));
+  SensorProfile pad = read_profile("uskin-4x4");
+  EXPECT_FALSE(pad.map.calibration.has_zero);
+  EXPECT_FALSE(joined_profile({pad, pad}).map.calibration.has_zero);
+  EXPECT_FALSE(parse_profile(joined_profile({pad, pad}).text, "recording").map.calibration.has_zero);
+  const ScratchFolder folder;
+  read_calibration(folder.write("gain.toml", "[calibration]\ngain = 1e-5\n"), pad);
+  EXPECT_FALSE(pad.map.calibration.has_zero);
+  read_calibration(folder.write("rest.toml", "[calibration]\noffset = 40000\n"), pad);
+  EXPECT_TRUE(pad.map.calibration.has_zero);
+  read_calibration(folder.write("gain.toml", "[calibration]\ngain = 1e-5\n"), pad);
+  EXPECT_TRUE(pad.map.calibration.has_zero);
 }
 
 TEST(OpenSource, RefusesWhatItDoesNotKnow) {

@@ -163,6 +163,7 @@ nn::Model pad_network(std::uint64_t seed) {
 /// A uSkin whose noise is a count: 7 counts of z are the threshold of touch.
 SensorProfile quiet_pad() {
   SensorProfile pad = read_profile("uskin-4x4");
+  pad.map.calibration.has_zero = true;
   pad.map.calibration.noise.assign(48, 1.0);
   return pad;
 }

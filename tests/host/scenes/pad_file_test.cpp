@@ -170,17 +170,19 @@ TEST(PadFile, HeightMapsThatAreNone) {
   for (const auto& [csv, says] :
        std::initializer_list<WrongMap>{{"", "lines = 0"},
                                        {"0,1,2\n", "lines = 1"},
-                                       {"0\n1\n", "tip.csv:1: line = 0"},
-                                       {"0,1\n0,1,2\n", "tip.csv:2: heights = 3: must be 2"},
-                                       {"0,1\n0,nan\n", "tip.csv:2: height = nan"},
-                                       {"0,1\n0,1e7\n", "tip.csv:2: height = 1e7"},
-                                       {"0,1\n0,\n", "tip.csv:2: height: must be"},
-                                       {"secret,1\n0,1\n", "tip.csv:1: height = (not shown)"}})
+                                       {"0\n1\n", "tip.csv:1: heights = 1: must be 2 to 1000 lines"},
+                                       {"0,1\n0,1,2\n", "tip.csv:2: fields = 3: must be 2"},
+                                       {"0,1\n0,nan\n", "tip.csv:2: column 2 = nan"},
+                                       {"0,1\n0,1e7\n", "tip.csv:2: column 2 = 1e7"},
+                                       {"0,1\n0,\n", "tip.csv:2: column 2: must be"},
+                                       {"0.0,1,2,3\n0,1,2,-9999\n", "indenter.file = 10002 mm of heights over 1.5 mm"},
+                                       {"0,1,2,3\n0,1,2,3\n0,1,2,3\n", "this numbers the columns"},
+                                       {"secret,1\n0,1\n", "tip.csv:1: column 1 = (not shown)"}})
     EXPECT_THAT(message(csv), HasSubstr(says)) << csv;
   std::string wide = "0", tall;
   for (std::size_t k = 0; k < longest_height_map; ++k) wide += ",0", tall += "0,0\n";
-  EXPECT_THAT(message(wide + "\n" + wide + "\n"), HasSubstr("at most 1000 heights"));
-  EXPECT_THAT(message(tall + "0,0\n"), HasSubstr("at most 1000"));
+  EXPECT_THAT(message(wide + "\n" + wide + "\n"), HasSubstr("2 to 1000 heights"));
+  EXPECT_THAT(message(tall + "0,0\n"), HasSubstr("2 to 1000 lines"));
   std::filesystem::remove(folder / "tip.csv");
   EXPECT_THAT(thrown_message<ConfigError>([&] { read_any_scene(scene); }), HasSubstr("a readable CSV file"));
 }

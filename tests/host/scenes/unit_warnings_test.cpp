@@ -6,6 +6,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <functional>
+#include <random>
+
 #include "host/scenes/scene_file.h"
 #include "host/scenes/sweep_file.h"
 #include "tests/host/scenes/sweep_text.h"
@@ -51,6 +55,67 @@ TEST(UnitWarnings, OfPads) {
   scene.indenter.shape = fem::Punch{0.002};
   EXPECT_THAT(unit_warnings(scene), ElementsAre(StartsWith("sensor.thickness"), StartsWith("sensor.length"),
                                                 StartsWith("sensor.width"), StartsWith("indenter.radius")));
+}
+
+/// A bowl of radius 10 mm on 31 x 31 points, 0.2 mm apart, as a scan of a sphere gives it; `change` spoils it.
+fem::PadScene with_scan(const std::function<void(Eigen::MatrixXd&)>& change, double pitch = 0.2) {
+  fem::HeightMap map{.pitch = pitch, .heights = Eigen::MatrixXd(31, 31), .file = "scan.csv"};
+  for (int i = 0; i < 31; ++i)
+    for (int j = 0; j < 31; ++j) map.heights(i, j) = 0.2 * 0.2 * ((i - 15) * (i - 15) + (j - 15) * (j - 15)) / 20.0;
+  change(map.heights);
+  map.heights.array() -= map.heights.minCoeff();
+  fem::PadScene scene;
+  scene.indenter.shape = map;
+  scene.load.indentation = {0.1};
+  return scene;
+}
+
+TEST(UnitWarnings, OfMeasuredHeights) {
+  const auto of = [](const std::function<void(Eigen::MatrixXd&)>& change, double pitch = 0.2) {
+    return unit_warnings(with_scan(change, pitch));
+  };
+  EXPECT_THAT(of([](Eigen::MatrixXd&) {}), IsEmpty());
+  EXPECT_THAT(of([](Eigen::MatrixXd& h) { h = -h; }), ElementsAre(HasSubstr("upside down")));
+  EXPECT_THAT(of([](Eigen::MatrixXd& h) { h *= 1e-3; }, 0.2e-3),
+              ElementsAre(StartsWith("indenter's measured width = 0.006 mm"), HasSubstr("at the border")));
+  EXPECT_THAT(of([](Eigen::MatrixXd& h) { h *= 1e3; }, 200),
+              ElementsAre(StartsWith("indenter's measured width = 6000")));
+  EXPECT_THAT(of([](Eigen::MatrixXd& h) { h *= 20; }), ElementsAre(HasSubstr("span 18 mm over a width of 6 mm")));
+  for (const double spike : {0.8, -0.8})
+    EXPECT_THAT(of([spike](Eigen::MatrixXd& h) { h(16, 9) += spike; }),
+                ElementsAre(AllOf(HasSubstr("height 17 of line 10 is 0.7"), HasSubstr("fill it"))));
+}
+
+// Smooth, rough, stepped and pointed shapes are what was measured.
+TEST(UnitWarnings, WhatIsMeasuredPasses) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  for (int k = 0; k < 200; ++k) {
+    const double rough = std::pow(10, -4 + 0.015 * k), step = 0.3 * (k % 3);  // mm
+    const auto spoilt = [&](Eigen::MatrixXd& h) {
+      for (double& height : h.reshaped()) height += rough * normal(random);
+      h.block(5, 8, 9, 4).array() -= step;            // a raised letter
+      h.row(0).array() += 1, h.row(30).array() += 1;  // no contact at the border
+      h.col(0).array() += 1, h.col(30).array() += 1;
+    };
+    EXPECT_THAT(unit_warnings(with_scan(spoilt)), IsEmpty()) << k;
+  }
+  for (const double power : {0.7, 1.0, 4.0})
+    EXPECT_THAT(unit_warnings(with_scan([power](Eigen::MatrixXd& h) { h = h.array().pow(power / 2); })), IsEmpty());
+}
+
+TEST(UnitWarnings, OfMeasuredProfiles) {
+  const auto of = [](double unit, double depth) {
+    fem::Profile profile{{}, {}, 0, "line.csv"};
+    for (int i = -40; i <= 40; ++i) profile.x.push_back(0.1 * i * unit), profile.y.push_back(0.01 * i * i / 20 * unit);
+    fem::Scene scene{.indenter = {.shape = profile}};
+    scene.load.indentation = {depth};
+    return unit_warnings(scene);
+  };
+  EXPECT_THAT(of(1, 0.1), IsEmpty());
+  EXPECT_THAT(of(1000, 0.1), ElementsAre(StartsWith("indenter's measured width = 8000 mm: usual are 0.1 to 1000 mm")));
+  EXPECT_THAT(of(0.001, 0.1), ElementsAre(StartsWith("indenter's measured width = 0.008"), HasSubstr("at the border")));
+  EXPECT_THAT(of(1, 0.8), ElementsAre(HasSubstr("at the border")));
 }
 
 TEST(UnitWarnings, OfManyTheFirstIsNamed) {
