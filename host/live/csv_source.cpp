@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cerrno>
 #include <cstring>
 
@@ -21,24 +20,15 @@ namespace tactel::host {
 namespace {
 
 constexpr std::size_t bytes_of_file = 1 << 16;
-constexpr std::size_t bytes_of_pipe = 1 << 12;  // few: what waits in the pipe has not arrived yet, and is not late
-constexpr double latest_arrival = 1e9;          // s, as of recordings
-
+constexpr std::size_t bytes_of_pipe = 1 << 12;    // few: what waits in the pipe has not arrived yet, and is not late
+constexpr double latest_arrival = 1e9;            // s, as of recordings
 constexpr std::uint64_t most_bad_at_first = 100;  // lines: what a board prints when it starts is less
-
-/// Whether a name means the number of the sensor that a line is of.
-bool is_sensor_id(std::string name) {
-  std::erase_if(name, [](char c) { return c == '_' || c == ' ' || c == '"'; });
-  std::ranges::transform(name, name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return name == "sensorid" || name == "sensor";
-}
 
 }  // namespace
 
 CsvSource::CsvSource(const std::string& path, std::size_t channels, bool paced, std::optional<int> sensor)
     : name_("csv:" + path),
       lines_(name_, {.count = channels, .meaning = "one for each of the profile's channels", .may_have_time = true}),
-      channels_(channels),
       sensor_(sensor),
       paced_(paced),
       chosen_(sensor.has_value()),
@@ -103,12 +93,12 @@ void CsvSource::set_arrival() {
 /// Whether the line is of the chosen sensor. Without a choice all lines have to be of one.
 bool CsvSource::is_of_sensor() {
   const std::vector<std::string>& names = lines_.header();
-  if (!id_column_) id_column_ = static_cast<std::size_t>(std::ranges::find_if(names, is_sensor_id) - names.begin());
-  if (*id_column_ == names.size()) {
+  const auto column = std::ranges::find(names, "sensorid");
+  if (column == names.end()) {
     if (chosen_) lines_.refuse("sensor", fmt::format("{}", *sensor_), "left out: no column is called sensor_id");
     return true;
   }
-  const double id = lines_.numbers()[*id_column_];
+  const double id = lines_.numbers()[static_cast<std::size_t>(column - names.begin())];
   if (!sensor_) sensor_ = id;
   if (id != *sensor_ && !chosen_)
     lines_.refuse("sensor_id", fmt::format("{}", id),
@@ -127,7 +117,7 @@ void CsvSource::take_line() {
   try {
     if (!dropping_ && lines_.read(std::string_view(text_).substr(0, line_end_), line_) && is_of_sensor()) {
       set_arrival();
-      hw::append_csv_frame(frames_++, time(), lines_.numbers().last(channels_), packet_);
+      hw::append_csv_frame(frames_++, time(), lines_.numbers().subspan(lines_.has_time()), packet_);
     }
   } catch (const ConfigError& error) {
     if (!live_) throw hw::RecordingError(error.what());

@@ -54,13 +54,11 @@ class CsvSource final : public hw::FrameSource {
 
   std::string name_;
   NumberLines lines_;
-  std::size_t channels_;
   std::optional<double> sensor_;  ///< whose lines are taken; without a choice that of the first
   int file_ = -1;
   bool live_ = false, paced_ = false, ended_ = false, cut_short_ = false, chosen_ = false;
   bool device_ = false;                       ///< a terminal that nobody types at
   bool dropping_ = false;                     ///< text_ goes on with the rest of a line that was too long
-  std::optional<std::size_t> id_column_;      ///< of sensor_id; the number of names: none
   std::string text_;                          ///< what was read and is not yet taken
   std::size_t line_end_ = std::string::npos;  ///< in text_, of its first line; npos: that is not whole
   std::uint64_t line_ = 1, frames_ = 0;       ///< number of the first line of text_; frames so far

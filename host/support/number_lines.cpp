@@ -103,20 +103,22 @@ void NumberLines::check_count(const char* key) const {
 }
 
 void NumberLines::take_header() {
-  has_time_ = columns_.may_have_time && bare(fields_.front()) == "time";
+  header_.resize(fields_.size());
+  std::ranges::transform(fields_, header_.begin(), bare);
+  has_time_ = columns_.may_have_time && header_.front() == "time";
   check_count("names");
   for (std::size_t i = 0; i < columns_.names.size(); ++i)
-    if (const std::string name = bare(fields_[i]); name != columns_.names[i] && name != columns_.names[i] + "mm")
+    if (header_[i] != columns_.names[i] && header_[i] != columns_.names[i] + "mm")
       refuse("header", fields_[i],
              fmt::format("the names {} of {}, or numbers", fmt::join(columns_.names, ","), columns_.meaning));
   if (columns_.count == 0) columns_.count = fields_.size();
-  header_.assign(fields_.begin(), fields_.end());
   begun_ = true;
   columns_.quotes |= !columns_.names.empty();
 }
 
 bool NumberLines::read(std::string_view line, std::uint64_t number) {
   number_ = number;
+  if (!begun_) has_time_ = false;
   if (number == 1 && line.starts_with(byte_order_mark)) line.remove_prefix(byte_order_mark.size());
   line = trimmed(line);
   const bool remark = line.starts_with('#');

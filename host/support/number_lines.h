@@ -37,8 +37,9 @@ class NumberLines {
   bool read(std::string_view line, std::uint64_t number);
   std::span<const double> numbers() const { return numbers_; }  ///< of the line read last, a time first
   bool has_time() const { return has_time_; }
-  const std::vector<std::string>& header() const { return header_; }  ///< its names; empty: none yet
-  std::size_t longest() const;                                        ///< bytes of a line
+  /// Letters and digits of its names, in lower case: "X [mm]" is "xmm". Empty: no header.
+  const std::vector<std::string>& header() const { return header_; }
+  std::size_t longest() const;  ///< bytes of a line
   /// Throws an error of the line read last.
   [[noreturn]] void refuse(const std::string& key, std::string_view value, const std::string& allowed) const;
 

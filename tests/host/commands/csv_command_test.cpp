@@ -69,6 +69,17 @@ TEST_F(CsvCommand, TheSameFramesGiveTheSameS) {
   expect_same_answers(run_tactel({"monitor", "--source", "replay:" + recording_, "--network", network_}).out, expected);
 }
 
+TEST_F(CsvCommand, MonitorGoesOnAfterABadLineOfAPipe) {
+  const std::string piped =
+      fmt::format("sed '5s/.*/brown-out/' {} | {} monitor --source csv:- --profile {} --network {} --late 100", file_,
+                  TACTEL_PROGRAM, profile_, network_);
+  const ChildResult result = run_child({"sh", "-c", piped});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(lines_of(result.out).size(), 320u);
+  EXPECT_THAT(result.err, HasSubstr("1 line was left out, the first: csv:-:5: fields = 1: must be 43"));
+  EXPECT_THAT(result.err.substr(result.err.rfind('{', result.err.rfind("latency"))), HasSubstr("\"bad\": 1,"));
+}
+
 // Lines that somebody else's program wrote at rest: their means, by hand.
 TEST_F(CsvCommand, TareTakesTheMeansOfTwoSeconds) {
   std::string lines = "time;z;x\n";
