@@ -76,7 +76,9 @@ void MountingWatch::look(std::span<const float> frame, std::size_t lowest) {
     return Eigen::Map<const Eigen::ArrayXXf>(frame.data() + axis * pad_.count(), nx, ny).cast<double>();
   };
   const Grid sigma = grid(0);
-  const auto without_drag = [&](Grid tau) -> Grid { return tau - (tau * sigma).sum() / sigma.square().sum() * sigma; };
+  const auto without_drag = [&](const Grid& tau) -> Grid {
+    return tau - (tau * sigma).sum() / sigma.square().sum() * sigma;
+  };
   const double ratio = pad_.pitch[0] > 0 ? pad_.pitch[0] / pad_.pitch[1] : 1;
   const Grid tau[] = {without_drag(grid(1)), without_drag(grid(2))};
   const Grid gradient[] = {slope(sigma), ratio * slope(sigma.transpose()).transpose()};

@@ -65,9 +65,7 @@ class CsvFile : public ::testing::Test {
 TEST_F(CsvFile, TakesEverySeparatorAndEndOfLine) {
   const Values expected = {{1, -2.5, 300}, {4, 5, 6}};
   for (const char* text : {"1,-2.5,3e2\n4,5,6\n", "1;-2,5;3e2\r\n4;5;6\r\n", "1\t-2.5\t3e2\n4\t5\t6\n",
-                           " 1 , -2.50,+300 \n\n  \r\n4,5,6\n\n",
-                           "\xEF\xBB\xBF"
-                           "1,-2.5,300\n4,5,6\n",
+                           " 1 , -2.50,+300 \n\n  \r\n4,5,6\n\n", "\xEF\xBB\xBF\x31,-2.5,300\n4,5,6\n",
                            "a,b,c\n1,-2.5,300\n4,5,6\n", "\n\"x y\",2,3\n1,-2.5,300\n4,5,6\n"}) {
     const Seen seen = read_text(text, 3);
     EXPECT_EQ(seen.values, expected) << text;
