@@ -14,7 +14,7 @@
 namespace tactel::hw {
 namespace {
 
-constexpr std::string_view magic = "tactel1\n";
+constexpr std::string_view magic = recording_magic;
 constexpr std::uint8_t description_record = 'D', packet_record = 'P', end_record = 'I';
 constexpr std::size_t record_head = 1 + 4, record_tail = 4;  // kind, length of the body; CRC-32 of both
 constexpr std::size_t packet_head = 8 + 1;                   // arrival, flags

@@ -3,12 +3,15 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hw/frame_source.h"
 #include "hw/output_file.h"
 
 namespace tactel::hw {
+
+inline constexpr std::string_view recording_magic = "tactel1\n";  ///< what a recording begins with
 
 /// Writes the packets of a source (format: hw/README.md). Written packets stay readable after a crash of the
 /// program. Every function throws RecordingError where the file cannot be written.

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Slippage index S of frames, and its quantiles where the network has their heads: scaling, network, shift by 0.5.
-   Frames are in the lanes. A frame has equal bits in a batch of any size and at any position, and those of
-   nn/infer/layers.h.
+/* Slippage index S of frames, and its quantiles or its bound where the network has their heads: scaling, network, shift
+   by 0.5, bound. Frames are in the lanes. A frame has equal bits in a batch of any size and at any position, and those
+   of nn/infer/layers.h and nn/infer/bound.cpp.
 
    Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer), OUTPUTS (3: S, its upper and its lower
-   quantile), LEAKY_RELU (1: hidden neurons are leaky rectifiers), and NORMALS where they are not INPUTS / 2: the normal
-   stresses of the first frame. */
-// defines: INPUTS=42 HIDDEN1=42 HIDDEN2=21 OUTPUTS=3 LEAKY_RELU=0
+   quantile), LEAKY_RELU (1: hidden neurons are leaky rectifiers), BOUND (1: the bound instead of the quantiles), and
+   NORMALS where they are not INPUTS / 2: the normal stresses of the first frame. */
+// defines: INPUTS=42 HIDDEN1=42 HIDDEN2=21 OUTPUTS=3 LEAKY_RELU=0 BOUND=1
 #include "shared/forward_layer.h"
 #include "shared/frame_status.h"
 #include "shared/group.h"
@@ -16,7 +16,8 @@
 #ifndef NORMALS
 #define NORMALS (INPUTS / 2)
 #endif
-#define TILE (FRAME_VECTORS * LANES) /* frames in a group */
+#define TILE (FRAME_VECTORS * LANES)  /* frames in a group */
+#define ANSWERS (BOUND ? 4 : OUTPUTS) /* numbers of a frame: S; upper and lower quantile, or upper bound and interval */
 #define LAST (HIDDEN2 ? HIDDEN2 : HIDDEN1)
 #define LAYER1 (HIDDEN1 * (INPUTS + 1))
 #define LAYER2 (HIDDEN2 * (HIDDEN1 + 1))
@@ -129,6 +130,80 @@ INLINE void quantiles(vreal *o) {
 #endif
 }
 
+#if BOUND
+/* The bound of a network, numbers of host/networks/forward.cpp: tactels; the largest squared distance of a frame that is
+   like the learning set's; edges of touching tactels, of S, of the quantiles' width, of the distance; then
+   centre [INPUTS], whitening [columns / BOUND_COLUMNS][INPUTS][BOUND_COLUMNS] with zeros beyond its columns, the edges
+   one after the other, corrections [classes] of the upper quantile and of the interval. */
+#define BOUND_CENTRE (bound + 6)
+#define BOUND_WHITENING (BOUND_CENTRE + INPUTS)
+#define BOUND_EDGES (BOUND_WHITENING + (INPUTS + BOUND_COLUMNS - 1) / BOUND_COLUMNS * BOUND_COLUMNS * INPUTS)
+
+/* nn::touching_tactels of scaled frames. */
+INLINE vreal touching_tactels(global const real *bound, const vreal (*x)[FRAME_VECTORS], int v) {
+  const int tactels = (int)bound[0];
+  vreal largest = 0, touching = 0;
+  ROLLED for (int k = 0; k < tactels; ++k) largest = LARGER(fabs(x[k][v]), largest);
+  const vreal least = ALL_LANES(TOUCHING_SHARE) * largest;
+  ROLLED for (int k = 0; k < tactels; ++k) touching += PICK(fabs(x[k][v]) > least, ALL_LANES(1), ALL_LANES(0));
+  return touching;
+}
+
+/* nn::squared_distance of scaled frames, in its order: each product from 0 on by the inputs, and nothing is fused. */
+INLINE vreal squared_distance(global const real *bound, const vreal (*x)[FRAME_VECTORS], int v) {
+  global const real *w = BOUND_WHITENING;
+  vreal sum = 0;
+  ROLLED for (int first = 0; first < INPUTS; first += BOUND_COLUMNS) {
+    vreal product[BOUND_COLUMNS] = {0};
+    ROLLED for (int j = 0; j < INPUTS; ++j, w += BOUND_COLUMNS) {
+      const vreal from_centre = x[j][v] - ALL_LANES(BOUND_CENTRE[j]);
+      EACH(i, BOUND_COLUMNS) { product[i] += from_centre * ALL_LANES(w[i]); }
+    }
+    EACH(i, BOUND_COLUMNS) { sum += product[i] * product[i]; }
+  }
+  return PICK(sum != sum, ALL_LANES(INFINITY), sum); /* infinity less infinity */
+}
+
+/* Adds a feature to the classes of LANES frames: how many of its next edges are below the value. */
+INLINE vreal classes_by(vreal classes, int count, global const real **edges, vreal value) {
+  classes *= ALL_LANES(count + 1);
+  ROLLED for (int i = 0; i < count; ++i) classes += PICK(value > ALL_LANES((*edges)[i]), ALL_LANES(1), ALL_LANES(0));
+  *edges += count;
+  return classes;
+}
+
+/* Each lane's number of a table. */
+INLINE vreal looked_up(global const real *table, vreal places) {
+  vreal found;
+  for (int lane = 0; lane < LANES; ++lane) ((real *)&found)[lane] = table[(int)((const real *)&places)[lane]];
+  return found;
+}
+
+/* nn::Bound::answer: S, its upper bound and its interval from S and its quantiles, in place. NaN stays. Returns the
+   lanes whose frames are unlike those of the learning set. */
+INLINE vint bounded(global const real *bound, const vreal (*x)[FRAME_VECTORS], int v, vreal *s) {
+  const vreal median = s[0], above = s[1], below = s[2], distance = squared_distance(bound, x, v);
+  global const real *tables = BOUND_EDGES;
+  vreal classes = classes_by(ALL_LANES(0), (int)bound[2], &tables, touching_tactels(bound, x, v));
+  classes = classes_by(classes, (int)bound[3], &tables, median);
+  classes = classes_by(classes, (int)bound[4], &tables, above - below);
+  classes = classes_by(classes, (int)bound[5], &tables, distance);
+  const int all = ((int)bound[2] + 1) * ((int)bound[3] + 1) * ((int)bound[4] + 1) * ((int)bound[5] + 1);
+  const vreal widening = looked_up(tables + all, classes);
+  s[1] = above + looked_up(tables, classes);
+  s[2] = below - widening;
+  s[3] = above + widening;
+  /* At most 1, where everything slides, and never on the wrong side of S. */
+  for (int end = 1; end < ANSWERS; end += 2) {
+    s[end] = PICK(s[end] < median, median, s[end]);
+    s[end] = PICK(s[end] > ALL_LANES(1), ALL_LANES(1), s[end]);
+  }
+  s[2] = PICK(median < s[2], median, s[2]);
+  s[2] = PICK(s[2] < ALL_LANES(-1), ALL_LANES(-1), s[2]);
+  return NOT(distance <= ALL_LANES(bound[1]));
+}
+#endif
+
 /* Outputs of the hidden layers for the frames in the first `vectors` vectors; `last` is o1 of a network with one of
    them. */
 INLINE void hidden_layers(const int vectors, global const real *w, const vreal (*x)[FRAME_VECTORS],
@@ -144,15 +219,17 @@ INLINE void hidden_layers(const int vectors, global const real *w, const vreal (
 /* Group g: tile g % tiles of the frames, for network g / tiles.
    weights: [networks][NETWORK_WEIGHTS], each [layer][out][in + 1] with the bias last
    frames:  [rows][INPUTS] MPa, normal stresses first
-   slip_index: [networks][OUTPUTS][rows];  status: [networks][rows] */
+   bounds:  [networks][bound_numbers], see BOUND_CENTRE; unused without BOUND
+   slip_index: [networks][ANSWERS][rows];  status: [networks][rows] FRAME_OK ..., plus FRAME_UNLIKE */
 kernel void forward(uint first_group, global const real *weights, global const float *frames, global real *slip_index,
-                    global uchar *status, uint rows, uint tiles, int by_frame, real factor) {
+                    global uchar *status, uint rows, uint tiles, int by_frame, real factor, global const real *bounds,
+                    uint bound_numbers) {
   TAKE_GROUP(group);
   const size_t network = group / tiles;
   const uint first = (uint)(group % tiles) * TILE, end = min(first + TILE, rows);
   global const real *w = weights + network * NETWORK_WEIGHTS;
   const Scaling scaling = {by_frame, factor};
-  slip_index += network * OUTPUTS * rows;
+  slip_index += network * ANSWERS * rows;
   status += network * rows;
   vreal x[INPUTS][FRAME_VECTORS], o1[HIDDEN1][FRAME_VECTORS];
   vint found[FRAME_VECTORS];
@@ -168,15 +245,19 @@ kernel void forward(uint first_group, global const real *weights, global const f
   else
     hidden_layers(FRAME_VECTORS, w, x, o1, last);
   ROLLED for (int v = 0; v < vectors; ++v) {
-    vreal s[OUTPUTS];
+    vreal s[ANSWERS];
+    vint unlike = 0;
     EACH(h, OUTPUTS) { s[h] = forward_output(LAST, w + LAYER1 + LAYER2 + h * (LAST + 1), last, v); }
     quantiles(s);
+#if BOUND
+    unlike = bounded(bounds + network * bound_numbers, x, v, s);
+#endif
     const uint begin = first + v * LANES;
     for (uint lane = 0, row = begin; lane < LANES && row < end; ++lane, ++row) {
       const int before = ((const REAL_INT *)&found[v])[lane];
       int final_status;
-      EACH(h, OUTPUTS) { slip_index[h * rows + row] = answer(((const real *)&s[h])[lane], before, &final_status); }
-      status[row] = (uchar)final_status;
+      EACH(h, ANSWERS) { slip_index[h * rows + row] = answer(((const real *)&s[h])[lane], before, &final_status); }
+      status[row] = (uchar)(final_status | (((const REAL_INT *)&unlike)[lane] ? FRAME_UNLIKE : 0));
     }
   }
 }

@@ -363,12 +363,12 @@ typedef struct {
 static inline void broyden_update(Search *s, int v, const vreal *z, const vreal *g, vint lanes) {
   const vreal dz0 = z[0] - s->z[0][v], dz1 = z[1] - s->z[1][v];
   const vreal dg0 = g[0] - s->g[0][v], dg1 = g[1] - s->g[1][v];
-  const vreal e0 = dz0 - (s->b[0][0][v] * dg0 + s->b[0][1][v] * dg1);
-  const vreal e1 = dz1 - (s->b[1][0][v] * dg0 + s->b[1][1][v] * dg1);
-  const vreal r0 = dz0 * s->b[0][0][v] + dz1 * s->b[1][0][v];
-  const vreal r1 = dz0 * s->b[0][1][v] + dz1 * s->b[1][1][v];
-  const vreal below = r0 * dg0 + r1 * dg1;
-  const vint use = lanes & (fabs(below) > (real)1e-2 * (dz0 * dz0 + dz1 * dz1));
+  const vreal e0 = dz0 - fma(s->b[0][0][v], dg0, s->b[0][1][v] * dg1);
+  const vreal e1 = dz1 - fma(s->b[1][0][v], dg0, s->b[1][1][v] * dg1);
+  const vreal r0 = fma(dz0, s->b[0][0][v], dz1 * s->b[1][0][v]);
+  const vreal r1 = fma(dz0, s->b[0][1][v], dz1 * s->b[1][1][v]);
+  const vreal below = fma(r0, dg0, r1 * dg1);
+  const vint use = lanes & (fabs(below) > (real)1e-2 * fma(dz0, dz0, dz1 * dz1));
   const vreal per = PICK(use, 1 / below, ALL_LANES(0));
   s->b[0][0][v] = fma(e0 * r0, per, s->b[0][0][v]);
   s->b[0][1][v] = fma(e0 * r1, per, s->b[0][1][v]);
@@ -395,14 +395,14 @@ static inline void update_force_control(Search *s, const Contact *c, Indenter *i
   EACH_VECTOR {
     const vreal ratio = PICK(s->both[v] & (s->p_target[v] > 0), s->q_target[v] / s->p_target[v], ALL_LANES(0));
     const vreal z[2] = {in->d[v], in->x[v]};
-    const vreal g[2] = {p[v], PICK(s->both[v], q[v] - ratio * p[v], ALL_LANES(0))};
+    const vreal g[2] = {p[v], PICK(s->both[v], fma(-ratio, p[v], q[v]), ALL_LANES(0))};
     const vreal miss[2] = {p[v] - s->p_target[v], g[1]};
     const vreal enough = tolerance * s->p_target[v];
     broyden_update(s, v, z, g, in->active[v]);
     in->active[v] &= (fabs(miss[0]) > enough) | (fabs(miss[1]) > enough);
     in->held[v] &= NOT(in->active[v]);
-    const vreal step[2] = {s->b[0][0][v] * miss[0] + s->b[0][1][v] * miss[1],
-                           s->b[1][0][v] * miss[0] + s->b[1][1][v] * miss[1]};
+    const vreal step[2] = {fma(s->b[0][0][v], miss[0], s->b[0][1][v] * miss[1]),
+                           fma(s->b[1][0][v], miss[0], s->b[1][1][v] * miss[1])};
     s->low[v] = PICK(miss[0] < 0, LARGER(z[0], s->low[v]), s->low[v]);
     s->high[v] = PICK(miss[0] > 0, SMALLER(z[0], s->high[v]), s->high[v]);
     /* P grows with d alone where x is given: keep inside the bracket. With both unknown the bracket moves: bound the

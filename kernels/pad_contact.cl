@@ -35,8 +35,6 @@
 #include "shared/elementary.h"
 #include "shared/pad_layout.h"
 
-#pragma OPENCL FP_CONTRACT OFF
-
 #define COUNT (CELLS * CELLS)
 #define SPAN (2 * CELLS + 1) /* offsets -CELLS to CELLS: those of the ring, too */
 #define RING (CELLS + 2)

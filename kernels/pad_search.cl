@@ -27,8 +27,6 @@
 #include "shared/elementary.h"
 #include "shared/pad_layout.h"
 
-#pragma OPENCL FP_CONTRACT OFF
-
 #define SEARCH_CELLS 12
 #define SEARCH_ROUNDS 3
 #define SEARCH_SWEEPS 200

@@ -59,7 +59,7 @@ INLINE ulong instance_of(const ChainSettings *chain, ulong contact) {
 
 /* A sensor's own spread, by a word. */
 INLINE vreal spread_of(const float *ends, vuint word) {
-  return ALL_LANES(ends[0]) + ALL_LANES(ends[1] - ends[0]) * unit_number(word);
+  return fma(ALL_LANES(ends[1] - ends[0]), unit_number(word), ALL_LANES(ends[0]));
 }
 
 /* The filter of a sensor with a time constant of its own. */
@@ -177,7 +177,7 @@ kernel void transducer_chain(uint first_group, global const ulong *contact, glob
   if (chain.gain_spread[1] > 0 || chain.offset_spread[1] > 0) {
     const RandomWords drawn = words_of_item(chain.instance_seed, GAIN_STREAM, instance, channel);
     const NormalPair spread = normal_pair(drawn.word[0], drawn.word[1]);
-    gain += spread_of(chain.gain_spread, own.word[0]) * spread.first;
+    gain = fma(spread_of(chain.gain_spread, own.word[0]), spread.first, gain);
     offset = spread_of(chain.offset_spread, own.word[1]) * spread.second;
   }
   if (chain.drift[1] > 0) {
@@ -228,7 +228,7 @@ kernel void transducer_chain(uint first_group, global const ulong *contact, glob
     UNROLL for (int i = 0; i < 2; ++i) {
       if (!(chain.late[i].share[1] > 0)) continue;
       late[i] = fma(decay[i], late[i], pass[i] * change);
-      s -= share[i] * late[i];
+      s = fma(-share[i], late[i], s);
     }
     const vreal x = gain * s;
     vreal y = x;

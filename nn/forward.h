@@ -73,6 +73,8 @@ struct Recall {
   std::vector<FrameStatus> status;  ///< [rows]
   /// [rows] quantiles of S where the network has the heads of a bound, else empty; NaN as slip_index.
   Vector<Scalar> upper{}, lower{};
+  std::vector<BoundAnswer> bounds{};  ///< [rows] instead of the quantiles, where the bound was evaluated; of
+                                      ///< kernels/forward.cl
 };
 
 /// Evaluates a network on frames [rows, inputs] in MPa, normal stresses first: the reference of

@@ -48,6 +48,7 @@ int devices_command(bool json, std::ostream& out, std::ostream& complaints) {
     out << devices_json(devices);
   else if (!devices.empty())
     out << devices_table(devices);
+  if (const std::string hidden = hidden_gpu_advice(devices); !hidden.empty()) complaints << hidden << "\n";
   if (!devices.empty()) return 0;
   complaints << "no OpenCL device; " << no_device_advice() << "\n";
   return 3;

@@ -169,7 +169,7 @@ std::string report_text(const GenerateRequest& request, const ContactSet& set, c
         work.contacts, with_prefix(work.steps), seconds, with_prefix(work.steps / seconds),
         with_prefix(work.steps / work.kernel), with_prefix(work.bytes / work.write_seconds), assemble_seconds,
         shares(work.stages));
-  return text;
+  return text + fmt::format("device: {}\n", set.device);
 }
 
 void warn_of_depth(std::uint64_t too_deep, std::uint64_t contacts) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "host/commands/recall_recording.h"
 #include "host/commands/shared_options.h"
 #include "host/support/durable_file.h"
 #include "host/support/errors.h"
@@ -56,9 +57,9 @@ nn::Target target_of(const RecallRequest& request, std::span<const NamedNetwork>
 }
 
 /// All networks on all rows; nothing after Ctrl-C.
-std::optional<std::vector<NetworkResult>> recall(const RecallRequest& request, std::span<const NamedNetwork> networks,
-                                                 const nn::FrameSet& set) {
-  Executor executor{Device(request.shared.device)};
+std::optional<std::vector<NetworkResult>> recall(const RecallRequest& request, const Device& device,
+                                                 std::span<const NamedNetwork> networks, const nn::FrameSet& set) {
+  Executor executor{device};
   const Interrupt interrupt;
   ProgressLine line("recall", "frames", request.shared.quiet);
   const auto progress = [&](std::size_t done, std::size_t all) {
@@ -83,7 +84,7 @@ std::optional<FrameFloor> floor_of(const RecallRequest& request, std::span<const
 
 Json report_json(const RecallRequest& request, std::span<const NamedNetwork> networks,
                  std::span<const NetworkResult> results, const ContactSet& set, const AnsweredRows& rows,
-                 const Decisions& decisions, const std::optional<FrameFloor>& floor) {
+                 const Decisions& decisions, const std::optional<FrameFloor>& floor, const std::string& device) {
   Json list = Json::array();
   for (std::size_t i = 0; i < networks.size(); ++i) {
     list.push_back(to_json(networks[i]));
@@ -94,6 +95,7 @@ Json report_json(const RecallRequest& request, std::span<const NamedNetwork> net
               {"set", request.set},
               {"rows", rows.frames.rows()},
               {"rows_left_out", rows.left_out},
+              {"device", device},
               {"precision", request.shared.precision},
               {"networks", list}};
   if (floor) report["floor"] = to_json(*floor);
@@ -127,7 +129,7 @@ std::string rows_csv(std::span<const NamedNetwork> networks, std::span<const Net
 
 std::string tables(const RecallRequest& request, std::span<const NamedNetwork> networks,
                    std::span<const NetworkResult> results, const ContactSet& set, const AnsweredRows& rows,
-                   const Decisions& decisions, const std::optional<FrameFloor>& floor) {
+                   const Decisions& decisions, const std::optional<FrameFloor>& floor, const std::string& device) {
   std::string text = fmt::format("{} of {} networks on {} rows of {}\n", errors_of(rows.target), networks.size(),
                                  rows.frames.rows(), request.set);
   if (rows.left_out > 0)
@@ -141,7 +143,7 @@ std::string tables(const RecallRequest& request, std::span<const NamedNetwork> n
   for (std::size_t i = 0; i < decisions.size(); ++i)
     text += fmt::format("\n{}\n{}", networks[i].file, decision_table(decisions[i], request.alarms));
   if (floor) text += fmt::format("\n{}\n", floor->text());
-  return text;
+  return text + "\ndevice: " + device + "\n";
 }
 
 std::string all_curves(std::span<const NamedNetwork> networks, const Decisions& decisions,
@@ -156,12 +158,19 @@ int run_recall(const RecallRequest& request) {
   check_recall_outputs(request);
   const std::vector<NamedNetwork> networks = read_networks(request.networks);
   const nn::Target target = target_of(request, networks);
+  if (is_recording(request.set)) {
+    for (const auto& [option, given] :
+         {std::pair("--html", !request.html.empty()), std::pair("--decision", request.decides())})
+      if (given) throw ConfigError("command line", option, request.set, "left out for a recording: it has no true S");
+    return recall_recording(networks, request.set, request.shared, request.json, request.rows);
+  }
   const ContactSet set = [&] {
     const StageLine stage("reading " + request.set, request.shared.quiet);
     return read_contact_set(request.set);
   }();
   const AnsweredRows rows = answered_rows(set, request.set, target);
-  const auto results = recall(request, networks, rows.frames);
+  const Device device(request.shared.device);
+  const auto results = recall(request, device, networks, rows.frames);
   if (!results) return interrupted;
   Decisions decisions;
   if (request.decides()) {
@@ -176,13 +185,13 @@ int run_recall(const RecallRequest& request) {
   if (!request.html.empty())
     write_file("--html", request.html,
                recall_page(networks, *results, rows, set.indenter_names, request.set, decisions, floor).html());
-  const Json report = report_json(request, networks, *results, set, rows, decisions, floor);
+  const Json report = report_json(request, networks, *results, set, rows, decisions, floor, device.info().name);
   if (request.json == "-") {
     fmt::print("{}", json_text(report));
     return done;
   }
   if (!request.json.empty()) write_file("--json", request.json, json_text(report));
-  fmt::print("{}", tables(request, networks, *results, set, rows, decisions, floor));
+  fmt::print("{}", tables(request, networks, *results, set, rows, decisions, floor, device.info().name));
   return done;
 }
 
@@ -195,8 +204,10 @@ void add_recall_command(CLI::App& app, Action& action) {
   command->add_option("networks", request->networks, "directory of tactel train, or one network (*.onnx)")
       ->type_name("DIR|FILE.onnx")
       ->required();
-  command->add_option("set", request->set, "set to judge by (HDF5), see tactel generate")
-      ->type_name("SET.h5")
+  command
+      ->add_option("set", request->set,
+                   "set to judge by (HDF5), see tactel generate; or a recording, whose frames have no true S")
+      ->type_name("SET.h5|RECORDING")
       ->required();
   command->add_option("--json", request->json, "write all errors as JSON; - for standard output, instead of the tables")
       ->type_name("FILE");

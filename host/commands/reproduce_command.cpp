@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "host/commands/command.h"
 #include "host/commands/shared_options.h"
@@ -16,6 +17,7 @@
 #include "host/support/interrupt.h"
 #include "host/support/json_text.h"
 #include "host/support/progress_line.h"
+#include "host/support/terminal.h"
 
 namespace tactel::host {
 namespace {
@@ -103,7 +105,7 @@ void keep_networks(const std::filesystem::path& directory, const InverseProblem&
 }
 
 /// Section V. False when Ctrl-C stopped it.
-bool reproduce_networks(const ReproduceRequest& request, Executor& executor, Page& page) {
+bool reproduce_networks(const ReproduceRequest& request, Executor& executor, Executor& learning, Page& page) {
   const std::filesystem::path directory = request.output;
   InverseChoice choice = inverse_choice();
   choice.options.cycle_limit = request.cycles;
@@ -115,16 +117,16 @@ bool reproduce_networks(const ReproduceRequest& request, Executor& executor, Pag
     problem.sets = simulate_sets(executor, choice);
   }
   if (request.force) remove_checkpoints(request);
-  expect_own_checkpoints(request, executor, choice, noisy, problem.sets);
+  expect_own_checkpoints(request, learning, choice, noisy, problem.sets);
   const auto train = [&](const InverseChoice& with, double noise, const std::string& what) {
     return train_networks(request, what, request.checkpoint(noise), [&](const TrainingRunOptions& options) {
-      return train_and_recall(executor, with, noise, request.seeds, options, problem);
+      return train_and_recall(learning, with, noise, request.seeds, options, problem);
     });
   };
   if (!train(choice, 0, "without noise") || !train(noisy, paper_noise, "with noise")) return false;
   if (!train_networks(request, "with noise drawn anew", request.fresh_noise_checkpoint(),
                       [&](const TrainingRunOptions& options) {
-                        return train_on_fresh_noise(executor, noisy, request.seeds, options, problem);
+                        return train_on_fresh_noise(learning, noisy, request.seeds, options, problem);
                       }))
     return false;
   keep_networks(directory, problem);
@@ -146,6 +148,12 @@ int run_reproduce(const ReproduceRequest& request) {
   const FileLock lock = FileLock::of_folder("--output", directory, "a directory in which no other program is training");
   check_writable("--output", directory / "index.html");
   Executor executor{Device(request.device)};
+  std::optional<Executor> other;  // where networks train elsewhere than contacts are solved
+  if (executor.device().info().type == DeviceType::gpu) {
+    other.emplace(executor.device().for_training());
+    if (!request.quiet) print_warning("networks train on " + other->device().info().name);
+  }
+  Executor& learning = other ? *other : executor;
   Page page("tactel: the paper reproduced",
             "Detection of incipient object slippage by skin-like sensing and neural network processing (1998), "
             "computed by tactel " TACTEL_VERSION " on " +
@@ -155,7 +163,7 @@ int run_reproduce(const ReproduceRequest& request) {
     return report_direct_problem(executor, page);
   }();
   write_file("--output", directory / "table1.json", json_text(table_one));
-  if (!reproduce_networks(request, executor, page) || !reproduce_real_sensor(request, executor, page))
+  if (!reproduce_networks(request, executor, learning, page) || !reproduce_real_sensor(request, learning, page))
     return interrupted;
   write_report(request.output, page.html(), request.quiet);
   remove_checkpoints(request);

@@ -22,7 +22,8 @@ std::vector<std::string> both(std::vector<std::string> words, const std::vector<
 }  // namespace
 
 void add_device_option(CLI::App& command, std::string& device) {
-  command.add_option("--device", device, "OpenCL device: a part of its name or its index, see `tactel devices`")
+  command
+      .add_option("--device", device, "OpenCL device: a part of its name, its index, gpu or cpu, see `tactel devices`")
       ->type_name("NAME|INDEX");
 }
 

@@ -38,6 +38,10 @@ struct RawBuffer::State {
     } else {
       buffer = cl::Buffer(device.context(), CL_MEM_READ_WRITE, bytes);
       queue = device.make_queue();
+      if (device.poisons()) {
+        queue.enqueueFillBuffer(buffer, cl_uchar{0xff}, 0, bytes);
+        queue.finish();
+      }
     }
   }
 };

@@ -183,14 +183,21 @@ int rank(const DeviceInfo& info) {
   return info.type == DeviceType::gpu ? 2 : 3;
 }
 
-// The best device with `part` in its name or its platform's, -1 without one. An empty part is in every name.
-int best_match(std::span<const DeviceInfo> devices, std::string_view part) {
+// The best device that `is_meant` accepts, -1 without one.
+template <class IsMeant>
+int best_match(std::span<const DeviceInfo> devices, const IsMeant& is_meant) {
   const DeviceInfo* best = nullptr;
-  for (const DeviceInfo& info : devices) {
-    if (!contains(info.name, part) && !contains(info.platform, part)) continue;
-    if (!best || rank(info) < rank(*best)) best = &info;
-  }
+  for (const DeviceInfo& info : devices)
+    if (is_meant(info) && (!best || rank(info) < rank(*best))) best = &info;
   return best ? best->index : -1;
+}
+
+// By type ("gpu", "cpu"), else by a part of the name or the platform's. An empty part is in every name.
+int best_match(std::span<const DeviceInfo> devices, std::string_view part) {
+  const int of_type = best_match(devices, [&](const DeviceInfo& info) { return name(info.type) == part; });
+  if (of_type >= 0) return of_type;
+  return best_match(devices,
+                    [&](const DeviceInfo& info) { return contains(info.name, part) || contains(info.platform, part); });
 }
 
 // Index of the device that `choice` means, -1 without one.
@@ -221,7 +228,10 @@ FoundDevice choose(std::string_view choice) {
   if (index >= 0) return found[index];
   std::string names;
   for (const FoundDevice& each : found) names += "\n  " + std::to_string(each.info.index) + "  " + each.info.name;
-  throw ConfigError("", "device", std::string(choice), "an index or a part of the name of one of" + names);
+  const std::string hidden = hidden_gpu_advice(infos_of(found));
+  throw ConfigError(
+      "", "device", std::string(choice),
+      "gpu, cpu, an index or a part of the name of one of" + names + (hidden.empty() ? "" : "\n" + hidden));
 }
 
 }  // namespace
@@ -234,6 +244,24 @@ std::string no_device_advice() {
   if (std::string advice = address_space_advice(); !advice.empty()) return advice;
   return "install one, for the processor: apt install pocl-opencl-icd, or for the Python package pip install "
          "intel-opencl-rt intel-cmplr-lib-rt; `clinfo -l` lists the devices";
+}
+
+std::string hidden_gpu_advice(std::span<const DeviceInfo> devices, const std::string& root) {
+  namespace fs = std::filesystem;
+  if (std::ranges::any_of(devices, [](const DeviceInfo& info) { return info.type == DeviceType::gpu; })) return "";
+  struct Maker {
+    const char *file, *of, *icd, *library;
+  };
+  constexpr Maker makers[] = {{"dev/nvidia0", "NVIDIA", "nvidia.icd", "libnvidia-opencl.so.1"},
+                              {"dev/kfd", "AMD", "amdocl64.icd", "libamdocl64.so"},
+                              {"dev/dri/renderD128", "its maker", "intel.icd, for Intel", "libigdrcl.so"}};
+  std::error_code error;
+  for (const Maker& maker : makers)
+    if (fs::exists(fs::path(root) / maker.file, error))
+      return std::string("there is a GPU (/") + maker.file + "), and no OpenCL platform for it: install the driver's " +
+             "OpenCL part of " + maker.of + "; in a container the file /etc/OpenCL/vendors/" + maker.icd +
+             " may be missing, with the line " + maker.library;
+  return "";
 }
 
 void set_default_log(LogSink log) { process().log = std::move(log); }
@@ -257,7 +285,7 @@ struct Device::State {
   cl::Context context;
   LogSink log;
   std::shared_ptr<BuiltPrograms> programs = std::make_shared<BuiltPrograms>();
-  bool short_code = false;
+  bool short_code = false, poisons = false;
 };
 
 Device::Device(std::string_view choice, LogSink log) {
@@ -311,9 +339,25 @@ Device Device::with_copies() const {
   return changed([](State& state) { state.info.zero_copy = false; });
 }
 
+Device Device::as_gpu() const {
+  return with_lanes(1).changed([](State& state) {
+    state.info.type = DeviceType::gpu;
+    state.info.zero_copy = state.info.low_latency = false;
+    state.poisons = true;
+  });
+}
+bool Device::poisons() const { return state_->poisons; }
+
 Device Device::for_one_contact() const {
   if (info().type != DeviceType::cpu) return *this;
   return with_lanes(1).changed([](State& state) { state.short_code = true; });
+}
+
+Device Device::for_training() const {
+  if (info().type == DeviceType::cpu) return *this;
+  const int processor =
+      best_match(list_devices(), [](const DeviceInfo& other) { return other.type == DeviceType::cpu; });
+  return processor < 0 ? *this : Device(std::to_string(processor), state_->log);
 }
 
 bool Device::short_code() const { return state_->short_code; }

@@ -58,14 +58,17 @@ std::vector<DeviceInfo> list_devices();
 int default_device(std::span<const DeviceInfo> devices);
 /// Returns the remedy for a missing device; it concerns the folder of compiled kernels where that is the cause.
 std::string no_device_advice();
+/// Returns why OpenCL does not show a GPU that this machine has: its device files (of `root`) are there, and no
+/// platform has a GPU. Empty where all is well, or there is none.
+std::string hidden_gpu_advice(std::span<const DeviceInfo> devices, const std::string& root = "/");
 
 /// A device with its context, for programs, buffers and executors. Cheap to copy; copies share the context.
 class Device {
  public:
-  /// `choice`: an index of list_devices(), or (part of) a name, any case. Empty: $TACTEL_DEVICE, else the best:
-  /// PoCL's `basic` first, then another CPU, then a GPU. Throws ConfigError, with a list of the devices, for a
-  /// choice that names none or several different ones. Throws DeviceError where there is no device. `log` defaults
-  /// to the default log.
+  /// `choice`: an index of list_devices(), "gpu" or "cpu", or (part of) a name, any case. Empty: $TACTEL_DEVICE, else
+  /// the best: PoCL's `basic` first, then another CPU, then a GPU. Throws ConfigError, with a list of the devices, for
+  /// a choice that names none or several different ones. Throws DeviceError where there is no device. `log` defaults to
+  /// the default log.
   explicit Device(std::string_view choice = {}, LogSink log = {});
 
   const DeviceInfo& info() const;
@@ -86,9 +89,16 @@ class Device {
   Device with_lanes(int lanes) const;
   /// Returns the same device with buffers in memory of its own, as a GPU has: for tests. Shares the context.
   Device with_copies() const;
+  /// Returns the same device as a GPU is: of this type, with one lane, work-groups of 64, launches as a whole, and
+  /// buffers in memory of its own, which hold NaN at first: for tests. Shares the context.
+  Device as_gpu() const;
+  bool poisons() const;  ///< whether new buffers hold NaN
   /// Returns the same device for single contacts: kernels give the same bits, and a processor compiles them in half the
   /// time, with one lane and rolled loops. Shares the context.
   Device for_one_contact() const;
+  /// Returns the device that trains networks for this one: of a GPU, where one network is one work-item, the best
+  /// processor. The same device where there is none.
+  Device for_training() const;
   bool short_code() const;  ///< whether kernels keep their loops rolled (kernels/shared/unroll.h)
 
  private:

@@ -19,8 +19,9 @@ namespace {
 
 // Below this much work on one thread, waking another costs more than it brings.
 constexpr double alone_seconds = 8e-6;
-// With progress, a device that schedules itself gets its work in so many slices, none smaller than this many groups.
-constexpr std::size_t progress_slices = 64, smallest_slice = 64;
+// With progress, a device that schedules itself gets its work in so many slices, none smaller than this many groups; of
+// a GPU than this many for each compute unit, as many as it holds.
+constexpr std::size_t progress_slices = 64, smallest_slice = 64, gpu_slice = 2048;
 
 int chosen_threads(int wanted) { return wanted > 0 ? std::min(wanted, most_host_threads) : host_threads(); }
 
@@ -147,7 +148,13 @@ void Executor::State::run_on_device(Run& run) {
 // A job on a device that schedules itself; false when progress ended the run.
 bool Executor::State::run_slices(Run& run, std::size_t job) {
   std::size_t slice = launcher.widest_launch();
-  if (run.options.progress) slice = std::clamp(run.jobs[job].groups / progress_slices, smallest_slice, slice);
+  if (run.options.progress) {
+    const DeviceInfo& info = launcher.device().info();
+    const std::size_t smallest =
+        std::min(slice, info.type == DeviceType::gpu ? gpu_slice * static_cast<std::size_t>(info.compute_units)
+                                                     : smallest_slice);
+    slice = std::clamp(run.jobs[job].groups / progress_slices, smallest, slice);
+  }
   for (std::size_t left = run.jobs[job].groups; left > 0;) {
     const Chunk chunk = run.supply.draw([&](std::size_t) { return std::min(slice, left); }).value();
     const auto start = Clock::now();

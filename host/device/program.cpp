@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "host/device/built_programs.h"
+#include "host/device/opencl.h"
 #include "kernels/embedded.h"
 
 namespace tactel::host {
@@ -49,10 +50,18 @@ void expand(std::string_view name, std::string_view text, std::set<std::string, 
   if (!out.ends_with('\n')) out += '\n';
 }
 
+// Whether single precision's quotients and roots are rounded correctly only where the program asks for it. On PoCL's
+// processors they always are.
+bool rounds_on_demand(const Device& device) {
+  return !is_pocl(device.info()) &&
+         (device.cl_device().getInfo<CL_DEVICE_SINGLE_FP_CONFIG>() & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
+}
+
 // Denormal numbers, to which the tails of frames and of momentum decay, would cost a processor ten times the time of
 // others; no result is in need of them.
 std::string option_text(const Device& device, const Defines& defines) {
   std::string text = "-cl-std=CL1.2 -cl-denorms-are-zero";
+  if (rounds_on_demand(device)) text += " -cl-fp32-correctly-rounded-divide-sqrt";
   if (device.short_code()) text += " -DSHORT_CODE=1";
   for (const auto& [key, value] : defines) text.append(" -D").append(key).append("=").append(value);
   return text;

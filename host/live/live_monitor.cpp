@@ -18,21 +18,6 @@ namespace {
 // A pause of the reader (a slow disk, a stopped program) is no silence of the source: a turn counts for no more.
 constexpr double longest_turn = 2 * longest_wait;  // s
 
-void check_width(const nn::Model& model, const SensorProfile& profile, std::size_t tactels) {
-  const std::size_t axes = profile.map.places() / profile.map.tactels(), inputs = axes * tactels;
-  const auto frames = static_cast<std::size_t>(model.history.frames);
-  if (static_cast<std::size_t>(model.weights.topology.inputs()) == inputs * frames) return;
-  throw ConfigError(
-      "command line", "--network", model.weights.topology.text(),
-      fmt::format(
-          "a network with {} inputs, {} for each of the {} tactels that the profile of {} maps{}{}", inputs * frames,
-          axes == 1   ? "a normal stress"
-          : axes == 2 ? "a normal and a shear stress"
-                      : "a normal stress and the shear along x and y",
-          tactels, profile.name.empty() ? "this source" : profile.name, profile.pads.size() > 1 ? " for a pad" : "",
-          frames > 1 ? fmt::format(", in each of {} frames", frames) : ""));
-}
-
 /// Counts that are not tared are stresses far beyond all that a network learnt.
 void check_zero(const SensorProfile& profile) {
   if (profile.map.calibration.has_zero) return;
@@ -53,14 +38,6 @@ void check_networks(std::span<const nn::Model> networks, const SensorProfile& pr
   if (bounded != 0 && bounded != networks.size())
     throw ConfigError("command line", "--network", "a network with a bound and one without",
                       "networks that all have a bound, or none");
-}
-
-/// Tactels of each pad, or of the line.
-std::vector<std::size_t> tactels_of(const SensorProfile& profile) {
-  std::vector<std::size_t> tactels;
-  for (const PadLayout& pad : profile.pads) tactels.push_back(pad.count());
-  if (tactels.empty()) tactels.push_back(profile.map.tactels());
-  return tactels;
 }
 
 /// The answer of the pad with the largest number to act on; S and its upper bound are the largest of all pads.
@@ -87,6 +64,28 @@ SlipEstimator estimator_of(const nn::Model& model) {
 
 }  // namespace
 
+std::vector<std::size_t> tactels_of(const SensorProfile& profile) {
+  std::vector<std::size_t> tactels;
+  for (const PadLayout& pad : profile.pads) tactels.push_back(pad.count());
+  if (tactels.empty()) tactels.push_back(profile.map.tactels());
+  return tactels;
+}
+
+void check_width(const nn::Model& model, const SensorProfile& profile, std::size_t tactels) {
+  const std::size_t axes = profile.map.places() / profile.map.tactels(), inputs = axes * tactels;
+  const auto frames = static_cast<std::size_t>(model.history.frames);
+  if (static_cast<std::size_t>(model.weights.topology.inputs()) == inputs * frames) return;
+  throw ConfigError(
+      "command line", "--network", model.weights.topology.text(),
+      fmt::format(
+          "a network with {} inputs, {} for each of the {} tactels that the profile of {} maps{}{}", inputs * frames,
+          axes == 1   ? "a normal stress"
+          : axes == 2 ? "a normal and a shear stress"
+                      : "a normal stress and the shear along x and y",
+          tactels, profile.name.empty() ? "this source" : profile.name, profile.pads.size() > 1 ? " for a pad" : "",
+          frames > 1 ? fmt::format(", in each of {} frames", frames) : ""));
+}
+
 bool knows_touch(const SensorProfile& profile) {
   std::size_t first = 0;
   return std::ranges::all_of(tactels_of(profile), [&](std::size_t tactels) {
@@ -94,34 +93,37 @@ bool knows_touch(const SensorProfile& profile) {
   });
 }
 
-LiveMonitor::Sensor::Sensor(const nn::Model& network, const SensorProfile& profile, std::size_t first_tactel,
+LiveMonitor::Sensor::Sensor(const SlipEstimator& network, const SensorProfile& profile, std::size_t first_tactel,
                             std::size_t count, const MonitorOptions& options)
     : first(first_tactel),
       tactels(count),
-      alarm((check_width(network, profile, count), estimator_of(network)),
-            {options.at, options.touch.value_or(profile.map.touch(first, count)), options.widest}),
-      stresses(count * (profile.map.places() / profile.map.tactels())) {}
-
-/// frame: [axes, tactels of all pads] MPa.
-AlarmAnswer LiveMonitor::Sensor::answer(std::span<const float> frame) {
-  const std::size_t axes = stresses.size() / tactels, all = frame.size() / axes;
-  for (std::size_t axis = 0; axis < axes; ++axis)
-    std::ranges::copy(frame.subspan(axis * all + first, tactels), stresses.begin() + static_cast<long>(axis * tactels));
-  return alarm.answer(stresses);
-}
+      alarm(network, {options.at, options.touch.value_or(profile.map.touch(first, count)), options.widest}) {}
 
 LiveMonitor::LiveMonitor(std::span<const nn::Model> networks, const SensorProfile& profile,
-                         const MonitorOptions& options)
+                         const MonitorOptions& options, const std::optional<Device>& device)
     : options_(options),
       map_(profile.map),
       drift_(options.drift > 0 ? std::optional<DriftWatch>(std::in_place, profile.map, options.drift) : std::nullopt),
       decoder_((check_networks(networks, profile), profile.format())),
       has_bound_(networks.front().bound.has_value()),
       stresses_(profile.map.places()) {
+  std::vector<SlipEstimator> estimators, of_sensors;
+  for (const nn::Model& network : networks) estimators.push_back(estimator_of(network));
+  std::vector<const nn::Model*> models;
   std::size_t first = 0;
-  for (const std::size_t tactels : tactels_of(profile))
-    sensors_.emplace_back(networks[networks.size() > 1 ? sensors_.size() : 0], profile,
-                          std::exchange(first, first + tactels), tactels, options);
+  for (const std::size_t tactels : tactels_of(profile)) {
+    const std::size_t which = networks.size() > 1 ? sensors_.size() : 0;
+    check_width(networks[which], profile, tactels);
+    models.push_back(&networks[which]);
+    of_sensors.push_back(estimators[which]);
+    sensors_.emplace_back(estimators[which], profile, std::exchange(first, first + tactels), tactels, options);
+  }
+  frames_.resize(stresses_.size()), answers_.resize(sensors_.size());
+  const std::size_t axes = frames_.size() / map_.tactels();
+  for (Sensor& sensor : sensors_)
+    sensor.stresses = std::span(frames_).subspan(axes * sensor.first, axes * sensor.tactels);
+  estimator_ = device ? device_estimator(*device, models) : host_estimator(of_sensors);
+  if (device) summary_.device = device->info().name;
   for (std::size_t i = 0; i < profile.pads.size() && drift_; ++i)
     sensors_[i].mounting.emplace(profile.pads[i], map_.touch(sensors_[i].first, sensors_[i].tactels),
                                  !map_.shear_y.empty());
@@ -139,14 +141,29 @@ MonitorSummary LiveMonitor::run(hw::FrameSource& source, const MonitorEvents& ev
   return summary_;
 }
 
+/// The pads' answers from stresses_, into line_.
+void LiveMonitor::estimate() {
+  const std::size_t all = map_.tactels(), axes = stresses_.size() / all;
+  for (const Sensor& sensor : sensors_)
+    for (std::size_t axis = 0; axis < axes; ++axis)
+      std::copy_n(&stresses_[axis * all + sensor.first], sensor.tactels, &sensor.stresses[axis * sensor.tactels]);
+  estimator_->estimate(frames_, answers_);
+  for (std::size_t i = 0; i < sensors_.size(); ++i)
+    line_.pads.push_back(sensors_[i].alarm.answer(sensors_[i].stresses, answers_[i]));
+}
+
 // A late frame is answered for the history alone.
 void LiveMonitor::answer(const hw::DecodedFrame& frame, double arrival, const MonitorEvents& events) {
   const double decoded = source_->now();
   map_.apply(frame.values, stresses_);
-  MonitorLine line{.frame = {decoder_.counts().frames - 1, frame.device_time, arrival, decoded},
-                   .stresses = stresses_,
-                   .has_bound = has_bound_};
-  for (Sensor& sensor : sensors_) line.pads.push_back(sensor.answer(stresses_));
+  MonitorLine& line = line_;
+  std::vector<AlarmAnswer> pads = std::move(line.pads);
+  pads.clear();
+  line = {.frame = {decoder_.counts().frames - 1, frame.device_time, arrival, decoded},
+          .stresses = stresses_,
+          .has_bound = has_bound_,
+          .pads = std::move(pads)};
+  estimate();
   if (source_->live() && decoded - arrival > options_.late) {
     ++summary_.late;
     return;

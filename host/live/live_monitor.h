@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "host/live/drift_watch.h"
+#include "host/live/live_estimator.h"
 #include "host/live/live_frames.h"
 #include "host/live/mounting_watch.h"
 #include "host/live/sensor_profile.h"
@@ -49,6 +50,7 @@ struct MonitorSummary {
   std::uint64_t silences = 0;  ///< each counts once, regardless of its length
   std::uint64_t drifts = 0;    ///< each counts once
   LatencyHistogram latency;
+  std::string device;  ///< that evaluated the networks; empty: host code
 };
 
 /// Callbacks of LiveMonitor. Empty functions are allowed.
@@ -62,12 +64,19 @@ struct MonitorEvents {
 /// Returns whether the calibration gives every pad a threshold of touch.
 bool knows_touch(const SensorProfile& profile);
 
+/// Returns the tactels of each pad, or of the line.
+std::vector<std::size_t> tactels_of(const SensorProfile& profile);
+/// Throws ConfigError where a network's inputs do not match a pad, or a line, of so many tactels.
+void check_width(const nn::Model& model, const SensorProfile& profile, std::size_t tactels);
+
 /// Turns frames of a source into slippage indices and an alarm, in the calling thread, by tactel::Alarm.
 class LiveMonitor {
  public:
   /// `networks`: one, or one for each pad of the profile, all with a bound or none. Throws ConfigError where their
-  /// number is another, or the inputs of one do not match the tactels.
-  LiveMonitor(std::span<const nn::Model> networks, const SensorProfile& profile, const MonitorOptions& options);
+  /// number is another, or the inputs of one do not match the tactels. `device`: evaluates them; none: host code, with
+  /// the same bits.
+  LiveMonitor(std::span<const nn::Model> networks, const SensorProfile& profile, const MonitorOptions& options,
+              const std::optional<Device>& device = {});
   LiveMonitor(const nn::Model& network, const SensorProfile& profile, const MonitorOptions& options)
       : LiveMonitor(std::span(&network, 1), profile, options) {}
   /// Runs until the source ends or `stop` returns true.
@@ -76,16 +85,16 @@ class LiveMonitor {
  private:
   /// A line, or a pad: some tactels of the map.
   struct Sensor {
-    Sensor(const nn::Model& network, const SensorProfile& profile, std::size_t first, std::size_t tactels,
+    Sensor(const SlipEstimator& network, const SensorProfile& profile, std::size_t first, std::size_t tactels,
            const MonitorOptions& options);
-    AlarmAnswer answer(std::span<const float> frame);
 
     std::size_t first, tactels;
     Alarm alarm;  ///< has the frames answered, or dropped as late; that of the first pad judges all
     std::optional<MountingWatch> mounting{};  ///< of a pad
-    std::vector<float> stresses;              ///< [axes tactels] MPa, of the newest frame
+    std::span<float> stresses{};              ///< [axes tactels] MPa, of frames_
   };
   void answer(const hw::DecodedFrame& frame, double arrival, const MonitorEvents& events);
+  void estimate();
   void refresh();
   void watch(const MonitorEvents& events);
   void listen(double now, const MonitorEvents& events);
@@ -96,6 +105,10 @@ class LiveMonitor {
   hw::Decoder decoder_;
   bool has_bound_;
   std::deque<Sensor> sensors_;
+  std::unique_ptr<LiveEstimator> estimator_;
+  std::vector<float> frames_;                           ///< [sensors][axes tactels] MPa, of the newest frame
+  std::vector<Answer> answers_;                         ///< [sensors]
+  MonitorLine line_;                                    ///< the newest, for its memory
   std::vector<float> stresses_;                         ///< [places of the map] MPa, of the newest frame
   const hw::FrameSource* source_ = nullptr;             ///< of the run, for its clock
   double next_second_ = 1, last_turn_ = 0, quiet_ = 0;  ///< s; quiet_: listened since the last frame

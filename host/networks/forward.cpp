@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/networks/forward.h"
 
+#include <algorithm>
 #include <limits>
 #include <stdexcept>
 
@@ -13,6 +14,7 @@ namespace {
 
 static_assert(int(nn::FrameStatus::ok) == FRAME_OK && int(nn::FrameStatus::no_stress) == FRAME_NO_STRESS);
 static_assert(int(nn::FrameStatus::not_finite) == FRAME_NOT_FINITE && int(nn::FrameStatus::overflow) == FRAME_OVERFLOW);
+static_assert(nn::Bound::touching_share == TOUCHING_SHARE);
 static_assert(nn::InputScaling::smallest_stress == SMALLEST_STRESS);
 static_assert(nn::InputScaling::large_stress == LARGE_STRESS && nn::InputScaling::large_scale == LARGE_SCALE);
 
@@ -35,15 +37,53 @@ const nn::Topology& common_topology(std::span<const nn::Weights<Real>> networks)
   return networks[0].topology;
 }
 
-/// network_defines, and the normal stresses of the newest frame where they are not half of the input.
-Defines forward_defines(const nn::Topology& topology, const nn::InputScaling& scaling, int lanes, Precision precision) {
+/// network_defines, whether there is a bound, and the normal stresses of the newest frame where they are not half of
+/// the input.
+Defines forward_defines(const nn::Topology& topology, const nn::InputScaling& scaling, bool bound, int lanes,
+                        Precision precision) {
   Defines defines = network_defines(topology, lanes, precision);
+  defines.push_back({"BOUND", bound ? "1" : "0"});
   if (topology.inputs() % (scaling.axes * scaling.history) != 0)
     throw ValueError("history", std::to_string(scaling.history),
                      "frames of equal width in the network " + topology.text());
   if (scaling.history > 1 || scaling.axes != 2)
     defines.push_back({"NORMALS", std::to_string(scaling.normals(topology.inputs()))});
   return defines;
+}
+
+/// A bound as kernels/forward.cl has it.
+template <class Real>
+std::vector<Real> bound_numbers(const nn::Bound& bound, int inputs) {
+  bound.validate(inputs);
+  std::vector<Real> all{static_cast<Real>(bound.tactels), bound.unlike_above};
+  const auto append = [&](const std::vector<float>& numbers) { all.insert(all.end(), numbers.begin(), numbers.end()); };
+  const std::vector<float>* const edges[] = {&bound.touching, &bound.slip_index, &bound.width, &bound.distance};
+  for (const auto* feature : edges) all.push_back(static_cast<Real>(feature->size()));
+  append(bound.centre);
+  for (int first = 0; first < inputs; first += BOUND_COLUMNS)
+    for (int j = 0; j < inputs; ++j)
+      for (int i = first; i < first + BOUND_COLUMNS; ++i)
+        all.push_back(i < inputs ? bound.whitening[static_cast<std::size_t>(j * inputs + i)] : 0);
+  for (const auto* feature : edges) append(*feature);
+  append(bound.upper_correction);
+  append(bound.interval_correction);
+  return all;
+}
+
+/// [bounds][numbers of the longest]; one number where there is none.
+template <class Real>
+std::vector<Real> all_bounds(std::span<const nn::Bound* const> bounds, int inputs) {
+  std::vector<std::vector<Real>> each;
+  std::size_t longest = 1;
+  for (const nn::Bound* bound : bounds)
+    longest = std::max(longest, each.emplace_back(bound_numbers<Real>(*bound, inputs)).size());
+  std::vector<Real> all;
+  for (std::vector<Real>& numbers : each) {
+    numbers.resize(longest);
+    all.insert(all.end(), numbers.begin(), numbers.end());
+  }
+  all.resize(std::max<std::size_t>(all.size(), 1));
+  return all;
 }
 
 }  // namespace
@@ -68,18 +108,27 @@ DeviceFrames::DeviceFrames(const Device& device, const nn::RowMatrix<float>& fra
 }
 
 template <class Real>
-Forward<Real>::Forward(Executor& executor, std::span<const nn::Weights<Real>> networks, const nn::InputScaling& scaling)
-    : executor_(&executor), topology_(common_topology(networks)), networks_(networks.size()) {
+Forward<Real>::Forward(Executor& executor, std::span<const nn::Weights<Real>> networks, const nn::InputScaling& scaling,
+                       std::span<const nn::Bound* const> bounds)
+    : executor_(&executor),
+      topology_(common_topology(networks)),
+      networks_(networks.size()),
+      answers_(bounds.empty() ? static_cast<std::size_t>(topology_.outputs()) : 4) {
   scaling.validate();
+  if (!bounds.empty() && (bounds.size() != networks_ || !topology_.has_bound()))
+    throw std::invalid_argument("bounds of other networks");
   const Device& device = executor.device();
   std::vector<Real> all;
   for (const auto& network : networks) all.insert(all.end(), network.values.begin(), network.values.end());
   weights_ = Buffer<Real>(device, std::span<const Real>(all));
+  const std::vector<Real> bound = all_bounds<Real>(bounds, topology_.inputs());
+  bounds_ = Buffer<Real>(device, std::span<const Real>(bound));
   const Buffer<float> no_frames(device, 1);
   slip_index_ = Buffer<Real>(device, 1);
   status_ = Buffer<std::uint8_t>(device, 1);
-  const Program program(device, "forward.cl",
-                        forward_defines(topology_, scaling, device.lanes(precision_of<Real>), precision_of<Real>));
+  const Program program(
+      device, "forward.cl",
+      forward_defines(topology_, scaling, !bounds.empty(), device.lanes(precision_of<Real>), precision_of<Real>));
   launch_ = executor.prepare(program, "forward", [&](KernelArguments& kernel) {
     kernel.set("weights", weights_);
     kernel.set("frames", no_frames);
@@ -89,6 +138,8 @@ Forward<Real>::Forward(Executor& executor, std::span<const nn::Weights<Real>> ne
     kernel.set("tiles", std::uint32_t{1});
     kernel.set("by_frame", std::int32_t{scaling.kind == nn::ScalingKind::frame});
     kernel.set("factor", factor_of<Real>(scaling));
+    kernel.set("bounds", bounds_);
+    kernel.set("bound_numbers", static_cast<std::uint32_t>(bound.size() / networks_));
   });
 }
 
@@ -103,7 +154,7 @@ void Forward<Real>::run(const DeviceFrames& frames, const RunOptions& options) {
   check_width(topology_, static_cast<std::size_t>(frames.inputs()));
   const std::uint32_t tile = FRAME_VECTORS * static_cast<std::uint32_t>(executor_->device().lanes(precision_of<Real>));
   const std::uint32_t tiles = (frames.rows() + tile - 1) / tile;
-  const std::size_t numbers = networks_ * topology_.outputs() * frames.rows();
+  const std::size_t numbers = networks_ * answers_ * frames.rows();
   if (numbers > slip_index_.size()) {
     slip_index_ = Buffer<Real>(executor_->device(), numbers);
     status_ = Buffer<std::uint8_t>(executor_->device(), networks_ * frames.rows());
@@ -128,16 +179,33 @@ void Forward<Real>::run(const DeviceFrames& frames, const RunOptions& options) {
 }
 
 template <class Real>
-nn::Recall<Real> Forward<Real>::result(std::size_t network) const {
-  nn::Recall<Real> answer{nn::Vector<Real>(rows_), std::vector<nn::FrameStatus>(rows_), {}, {}};
-  const auto read = [&](nn::Vector<Real>& to, std::size_t output) {
-    to.resize(rows_);
-    slip_index_.read(std::span<Real>(to.data(), rows_), (network * topology_.outputs() + output) * rows_);
-  };
-  read(answer.slip_index, 0);
-  if (topology_.has_bound()) read(answer.upper, 1), read(answer.lower, 2);
-  status_.read(std::span(reinterpret_cast<std::uint8_t*>(answer.status.data()), rows_), network * rows_);
+nn::Recall<Real> Forward<Real>::result(std::size_t network) {
+  nn::Recall<Real> answer;
+  read(network, answer);
   return answer;
+}
+
+template <class Real>
+void Forward<Real>::read(std::size_t network, nn::Recall<Real>& answer) {
+  read_.resize(answers_ * rows_);
+  slip_index_.read(std::span<Real>(read_), network * read_.size());
+  answer.status.resize(rows_);
+  status_.read(std::span(reinterpret_cast<std::uint8_t*>(answer.status.data()), rows_), network * rows_);
+  const auto numbers = [&](std::size_t which) { return read_.begin() + static_cast<std::ptrdiff_t>(which * rows_); };
+  const auto take = [&](nn::Vector<Real>& to, std::size_t which) {
+    to.resize(rows_);
+    std::copy_n(numbers(which), rows_, to.data());
+  };
+  take(answer.slip_index, 0);
+  if (answers_ == 3) take(answer.upper, 1), take(answer.lower, 2);
+  if (answers_ != 4) return;
+  answer.bounds.resize(rows_);
+  for (std::uint32_t row = 0; row < rows_; ++row) {
+    const auto number = [&](std::size_t which) { return static_cast<float>(numbers(which)[row]); };
+    const auto status = static_cast<std::uint8_t>(answer.status[row]);
+    answer.bounds[row] = {number(1), {number(2), number(3)}, (status & FRAME_UNLIKE) != 0};
+    answer.status[row] = static_cast<nn::FrameStatus>(status % FRAME_UNLIKE);
+  }
 }
 
 template <class Real>

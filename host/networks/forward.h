@@ -32,7 +32,9 @@ class DeviceFrames {
 template <class Real>
 class Forward {
  public:
-  Forward(Executor& executor, std::span<const nn::Weights<Real>> networks, const nn::InputScaling& scaling);
+  /// `bounds`: of each network, for the bound of S instead of its quantiles; or none.
+  Forward(Executor& executor, std::span<const nn::Weights<Real>> networks, const nn::InputScaling& scaling,
+          std::span<const nn::Bound* const> bounds = {});
 
   /// Replaces a network by another of the same topology. Throws std::invalid_argument for another topology.
   void set_network(std::size_t network, const nn::Weights<Real>& weights);
@@ -40,7 +42,9 @@ class Forward {
   /// Evaluates every network on every frame. Throws ValueError for frames of another width.
   void run(const DeviceFrames& frames, const RunOptions& options = {});
   /// Returns the answers of a network in the last run.
-  nn::Recall<Real> result(std::size_t network) const;
+  nn::Recall<Real> result(std::size_t network);
+  /// The same; allocates nothing where `answer` has as many rows already.
+  void read(std::size_t network, nn::Recall<Real>& answer);
   /// Runs the first network and returns its answers.
   nn::Recall<Real> recall(const nn::RowMatrix<float>& frames);
 
@@ -49,10 +53,11 @@ class Forward {
  private:
   Executor* executor_;
   nn::Topology topology_;
-  std::size_t networks_;
+  std::size_t networks_, answers_;  ///< answers_: numbers of a frame
   std::uint32_t rows_ = 0;
   std::uint64_t bound_ = 0;  ///< frames that the launch has as its arguments: the id of their buffer
-  Buffer<Real> weights_, slip_index_;
+  std::vector<Real> read_;   ///< [answers_][rows] of one network
+  Buffer<Real> weights_, bounds_, slip_index_;
   Buffer<std::uint8_t> status_;
   Launch launch_;
 };

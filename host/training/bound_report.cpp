@@ -8,7 +8,6 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
-#include "nn/bound.h"
 #include "nn/metrics.h"
 
 namespace tactel::host {
@@ -90,25 +89,6 @@ std::string touching_name(int key) {
   if (next == std::end(groups)) return fmt::format("{} and more", key);
   return *next == key + 1 ? std::to_string(key) : fmt::format("{} to {}", key, *next - 1);
 }
-
-template <class Real>
-std::vector<nn::BoundAnswer> bounds_of(const nn::Model& model, const nn::Recall<Real>& answer,
-                                       const nn::FrameSet& set) {
-  std::vector<nn::BoundAnswer> bounds;
-  bounds.reserve(static_cast<std::size_t>(set.rows()));
-  const auto inputs = static_cast<int>(set.frames.cols());
-  std::vector<float> scaled(static_cast<std::size_t>(inputs));
-  for (Eigen::Index row = 0; row < set.rows(); ++row) {
-    nn::scale_frame(model.scaling, set.frames.row(row).data(), inputs, scaled.data());
-    const nn::Quantiles<float> q{static_cast<float>(answer.slip_index(row)), static_cast<float>(answer.upper(row)),
-                                 static_cast<float>(answer.lower(row))};
-    bounds.push_back(nn::bounded(*model.bound, q, scaled.data()));
-  }
-  return bounds;
-}
-
-template std::vector<nn::BoundAnswer> bounds_of(const nn::Model&, const nn::Recall<float>&, const nn::FrameSet&);
-template std::vector<nn::BoundAnswer> bounds_of(const nn::Model&, const nn::Recall<double>&, const nn::FrameSet&);
 
 std::string indenter_name(const std::vector<std::string>& names, int kind) {
   const auto place = static_cast<std::size_t>(kind);

@@ -44,10 +44,6 @@ std::string indenter_name(const std::vector<std::string>& names, int kind);
 /// Returns "1", "2", "3 to 4", ..., "17 and more" for a key of BoundReport::by_touching.
 std::string touching_name(int key);
 
-/// Returns the bound of every frame: [rows]. `model` has a bound; `answer` is that of its network, S and quantiles.
-template <class Real>
-std::vector<nn::BoundAnswer> bounds_of(const nn::Model& model, const nn::Recall<Real>& answer, const nn::FrameSet& set);
-
 /// Judges bounds [rows] by the S of the set. S counts as at most 1: what a solver has beyond is its tolerance. errors:
 /// [rows], as nn::absolute_errors returns them.
 BoundReport report_bound(std::span<const nn::BoundAnswer> bounds, std::span<const double> errors,
@@ -63,9 +59,5 @@ nlohmann::ordered_json to_json(const BoundReport& report, const std::vector<std:
 std::string bound_line(const nn::Bound& bound);
 /// Returns the report as two tables, a line a class, and a line a share of answered rows.
 std::string coverage_table(const BoundReport& report, const std::vector<std::string>& indenter_names);
-
-extern template std::vector<nn::BoundAnswer> bounds_of(const nn::Model&, const nn::Recall<float>&, const nn::FrameSet&);
-extern template std::vector<nn::BoundAnswer> bounds_of(const nn::Model&, const nn::Recall<double>&,
-                                                       const nn::FrameSet&);
 
 }  // namespace tactel::host

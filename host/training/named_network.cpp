@@ -74,9 +74,8 @@ NetworkResult judge(const nn::Recall<Real>& answer, const nn::Model& model, cons
   for (const nn::FrameStatus status : answer.status) ++result.frames[static_cast<std::size_t>(status)];
   if (keep_rows) result.slip_index.assign(answer.slip_index.begin(), answer.slip_index.end());
   if (!model.bound) return result;
-  std::vector<nn::BoundAnswer> bounds = bounds_of(model, answer, set);
-  result.bound = report_bound(bounds, errors, set);
-  if (keep_rows) result.bounds = std::move(bounds);
+  result.bound = report_bound(answer.bounds, errors, set);
+  if (keep_rows) result.bounds = answer.bounds;
   return result;
 }
 
@@ -116,8 +115,12 @@ std::optional<std::vector<NetworkResult>> recall_networks(Executor& executor, st
       same = &model;
     }
     std::vector<nn::Weights<Real>> weights;
-    for (std::size_t i = 0; i < count; ++i) weights.emplace_back(networks[first + i].model.weights);
-    Forward<Real> forward(executor, std::span<const nn::Weights<Real>>(weights), networks[first].model.scaling);
+    std::vector<const nn::Bound*> bounds;
+    for (const NamedNetwork& network : networks.subspan(first, count)) {
+      weights.emplace_back(network.model.weights);
+      if (network.model.bound) bounds.push_back(&*network.model.bound);
+    }
+    Forward<Real> forward(executor, std::span<const nn::Weights<Real>>(weights), model.scaling, bounds);
     bool going = true;
     const auto ask = [&](std::size_t done, std::size_t all) {
       return going = progress((first + count * done / std::max<std::size_t>(all, 1)) * rows, networks.size() * rows);

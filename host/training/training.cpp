@@ -259,6 +259,7 @@ class Training {
                                    training_->seconds(), with_prefix(pace()));
     for (const auto& [status, many] : count) text += fmt::format(" {} {},", many, status);
     text.back() = '\n';
+    text += fmt::format("device: {}\n", executor_.device().info().name);
     if (lesson_.set && lesson_.set->rows.left_out > 0)
       text += fmt::format("{} rows of the set were left out: over tolerance, or without a slippage index\n",
                           lesson_.set->rows.left_out);
@@ -325,8 +326,12 @@ TrainingOutcome train(const TrainRequest& request, const Ranks& ranks, const Tra
   if (request.streams() && ranks.count() > 1)
     throw ConfigError("command line", request.stream.empty() ? "--block" : "--stream",
                       fmt::format("with {} processes", ranks.count()), "trained by one process, without mpirun");
-  Executor executor{Device(request.shared.device)};
-  Lesson lesson = read_lesson(request, plan, executor.device(), watch);
+  const Device device(request.shared.device);
+  Executor executor{device.for_training()};
+  if (watch.log && executor.device().info().index != device.info().index)
+    watch.log(LogLevel::warning, fmt::format("networks train on {}: training has no layout for {}",
+                                             executor.device().info().name, device.info().name));
+  Lesson lesson = read_lesson(request, plan, device, watch);
   if (ranks.first()) TrainingDirectory(request.output).check(request.resume, request.force);
   ranks.barrier();
   if (request.shared.precision == "fp64") return Training<double>(request, plan, ranks, lesson, executor, watch).run();

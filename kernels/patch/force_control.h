@@ -21,12 +21,12 @@ typedef struct {
 static inline void broyden_update(Search *s, const vreal *z, const vreal *g, vint lanes) {
   const vreal dz0 = z[0] - s->z[0], dz1 = z[1] - s->z[1];
   const vreal dg0 = g[0] - s->g[0], dg1 = g[1] - s->g[1];
-  const vreal e0 = dz0 - (s->b[0][0] * dg0 + s->b[0][1] * dg1);
-  const vreal e1 = dz1 - (s->b[1][0] * dg0 + s->b[1][1] * dg1);
-  const vreal r0 = dz0 * s->b[0][0] + dz1 * s->b[1][0];
-  const vreal r1 = dz0 * s->b[0][1] + dz1 * s->b[1][1];
-  const vreal below = r0 * dg0 + r1 * dg1;
-  const vint use = lanes & (fabs(below) > (real)1e-2 * (dz0 * dz0 + dz1 * dz1));
+  const vreal e0 = dz0 - fma(s->b[0][0], dg0, s->b[0][1] * dg1);
+  const vreal e1 = dz1 - fma(s->b[1][0], dg0, s->b[1][1] * dg1);
+  const vreal r0 = fma(dz0, s->b[0][0], dz1 * s->b[1][0]);
+  const vreal r1 = fma(dz0, s->b[0][1], dz1 * s->b[1][1]);
+  const vreal below = fma(r0, dg0, r1 * dg1);
+  const vint use = lanes & (fabs(below) > (real)1e-2 * fma(dz0, dz0, dz1 * dz1));
   const vreal per = PICK(use, 1 / below, ALL_LANES(0));
   s->b[0][0] = fma(e0 * r0, per, s->b[0][0]);
   s->b[0][1] = fma(e0 * r1, per, s->b[0][1]);
@@ -53,14 +53,15 @@ static inline void update_force_control(Search *s, const Contact *c, Indenter *i
   resultants(c->n, c->t, &p, &q);
   const vreal ratio = PICK(both & (s->p_target > 0), s->q_target / s->p_target, ALL_LANES(0));
   const vreal z[2] = {in->d, in->x};
-  const vreal g[2] = {p, PICK(both, q - ratio * p, ALL_LANES(0))};
+  const vreal g[2] = {p, PICK(both, fma(-ratio, p, q), ALL_LANES(0))};
   const vreal miss[2] = {p - s->p_target, g[1]};
   const vreal enough = tolerance * s->p_target;
   const vint slides = both & (p > 0) & (fabs(q) >= (1 - SLIDING_MARGIN) * in->mu * p);
   broyden_update(s, z, g, in->active & NOT(slides));
   in->active &= (fabs(miss[0]) > enough) | (fabs(miss[1]) > enough);
   in->held &= NOT(in->active);
-  const vreal step[2] = {s->b[0][0] * miss[0] + s->b[0][1] * miss[1], s->b[1][0] * miss[0] + s->b[1][1] * miss[1]};
+  const vreal step[2] = {fma(s->b[0][0], miss[0], s->b[0][1] * miss[1]),
+                         fma(s->b[1][0], miss[0], s->b[1][1] * miss[1])};
   s->low = PICK(miss[0] < 0, LARGER(z[0], s->low), s->low);
   s->high = PICK(miss[0] > 0, SMALLER(z[0], s->high), s->high);
   /* P grows with d alone where x is given: keep inside the bracket. With both unknown the bracket moves: bound the step

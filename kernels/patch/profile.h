@@ -70,7 +70,7 @@ OUTLINE vreal profile_height(const Profile *p, vreal x) {
     const vreal below = p->radius + sqrt((p->radius - inside) * (p->radius + inside));
     y += PICK(p->radius > 0, inside * inside / below, ALL_LANES(0));
   }
-  if (p->exponentials) y += p->exp_height * exp_minus_1(p->exp_rate * r);
+  if (p->exponentials) y = fma(p->exp_height, exp_minus_1(p->exp_rate * r), y);
   if (p->terms) y += term_heights(p, q);
   if (p->points) y = point_heights(p, x, y);
   return SMALLER(y, ALL_LANES(FAR));

@@ -9,8 +9,6 @@
 #define TACTEL_SHARED_ACTIVATION_H
 #include "shared/lanes.h"
 
-#pragma OPENCL FP_CONTRACT OFF
-
 #if REAL_IS_DOUBLE
 static inline vreal activation(vreal z) { return ALL_LANES(0.5) * tanh(ALL_LANES(0.5) * z); }
 #else

@@ -8,6 +8,9 @@
 #define FRAME_NOT_FINITE 2 /* the frame holds NaN or infinity; S is NaN */
 #define FRAME_OVERFLOW 3   /* a sum inside the network was not finite; S is NaN */
 
+#define FRAME_UNLIKE 4 /* added to one of these: the frame is unlike those of the learning set (nn::Bound) */
+
+#define TOUCHING_SHARE 0.05f   /* nn::Bound::touching_share */
 #define SMALLEST_STRESS 1e-12f /* MPa: less is no stress (scaling by frame) */
 
 /* Above LARGE_STRESS [MPa] the reciprocal of a stress is no normal number in fp32, and devices may flush it to zero.

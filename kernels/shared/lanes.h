@@ -19,6 +19,9 @@
 #define REAL_INT int
 #endif
 
+/* What is fused is written so: the same bits on every device. */
+#pragma OPENCL FP_CONTRACT OFF
+
 typedef REAL real;
 #if LANES == 1
 typedef REAL vreal;

@@ -46,7 +46,11 @@ Alarm::~Alarm() { delete state_; }
 std::size_t Alarm::inputs() const noexcept { return state_->history.inputs(); }
 
 AlarmAnswer Alarm::answer(std::span<const float> frame) noexcept {
-  AlarmAnswer given{.answer = state_->history.estimate(frame)};
+  return answer(frame, state_->history.estimate(frame));
+}
+
+AlarmAnswer Alarm::answer(std::span<const float> frame, const Answer& estimated) noexcept {
+  AlarmAnswer given{.answer = estimated};
   const double touch = state_->options.touch;
   if (touch > 0 && given.answer.status != AnswerStatus::wrong_size) {
     // NaN touches.

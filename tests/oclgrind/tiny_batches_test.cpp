@@ -18,6 +18,7 @@
 #include "host/networks/train_online.h"
 #include "host/sets/transducer_chain.h"
 #include "tests/host/contact/contact_cases.h"
+#include "tests/host/networks/bounded_model.h"
 #include "tests/host/networks/network_cases.h"
 #include "tests/host/sets/transducer_cases.h"
 
@@ -195,6 +196,23 @@ TEST_P(TinyBatches, Forward) {
     expect_recall<float>(executor, scaling);
     expect_recall<double>(executor, scaling);
   }
+}
+
+/// Each frame's bound is that of the twin, whose S and quantiles differ by the tolerance above: within it, but where a
+/// class's edge lies between.
+TEST_P(TinyBatches, ForwardBound) {
+  const nn::Model model = tactel::testing::bounded_model("6-5-3", nn::ScalingKind::frame);
+  const nn::Bound* const bound = &*model.bound;
+  const nn::RowMatrix<float> frames = bumps(35, 6, 4).frames;
+  Forward<float> forward(executor, std::span(&model.weights, 1), model.scaling, std::span(&bound, 1));
+  const nn::Recall<float> found = forward.recall(frames);
+  const auto truth = tactel::testing::bounds_of(model, nn::recall(model.weights, model.scaling, frames), frames);
+  int near = 0;
+  for (std::size_t row = 0; row < truth.size(); ++row) {
+    near += std::abs(found.bounds[row].upper - truth[row].upper) < 2e-6;
+    EXPECT_EQ(found.bounds[row].unlike, truth[row].unlike) << row;
+  }
+  EXPECT_GE(near, 33);
 }
 
 /// On a pad: without and with mirror images, measured, of all kinds of heights.

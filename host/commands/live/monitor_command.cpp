@@ -79,11 +79,11 @@ std::string summary_text(const MonitorSummary& all, bool cut_short) {
       "{{\"p50\": {:.1f}, "
       "\"p99\": {:.1f}, \"p99.9\": {:.1f}, \"max\": {:.1f}}}, \"duplicated\": {}, \"discarded_bytes\": {}, "
       "\"silences\": {}, \"overruns\": {}, \"stalls\": {}, \"transfer_errors\": {}, "
-      "\"reconnects\": {}, \"drifts\": {}, \"cut_short\": {}}}",
+      "\"reconnects\": {}, \"drifts\": {}, \"cut_short\": {}, \"device\": \"{}\"}}",
       d.frames, d.lost, d.bad + all.transport.bad, d.resynchronised, all.late, all.latency.quantile(0.5),
       all.latency.quantile(0.99), all.latency.quantile(0.999), all.latency.largest(), d.duplicated, d.discarded,
       all.silences, all.transport.overruns, all.transport.stalls, all.transport.errors, all.transport.reconnects,
-      all.drifts, cut_short);
+      all.drifts, cut_short, all.device.empty() ? "host code" : all.device);
 }
 
 /// Standard output, each piece at once. The first failure ends the reading.
@@ -155,14 +155,14 @@ int run_monitor(const MonitorRequest& request) {
   if (target != nn::Target::slip_index && (request.alarm || request.view))
     throw ConfigError("command line", request.view ? "--view" : "--alarm", request.networks.front(),
                       fmt::format("left out for a network of {}: they are for S", nn::name(target)));
-  if (!request.device.empty() && !request.quiet)
-    print_warning("--device has no effect: monitor evaluates networks on the processor, with the bits of every device");
+  std::optional<Device> device;
+  if (!request.device.empty()) device.emplace(request.device);
   OpenSource opened = open_for(request);
   const bool touch_known = request.options.touch || knows_touch(opened.profile);
   MonitorOptions options = request.options;
   if (request.alarm || (request.view && touch_known)) options.at = request.alarm.value_or(default_alarm);
   options.widest = request.widest.value_or(options.widest);
-  LiveMonitor monitor(networks, opened.profile, options);
+  LiveMonitor monitor(networks, opened.profile, options, device);
   if (request.alarm && !touch_known)
     throw ConfigError("command line", "--alarm", fmt::format("{}", *request.alarm),
                       "given with --touch MPa, or with noise in [calibration] (tactel tare measures it): without a "
@@ -250,7 +250,10 @@ void add_monitor_command(CLI::App& app, Action& action) {
       ->check(CLI::Range(0.0f, 2.0f))
       ->needs(alarm)
       ->excludes("--view");
-  command->add_option("--device", request->device, "without effect: networks are evaluated on the processor")
+  command
+      ->add_option("--device", request->device,
+                   "OpenCL device that evaluates the networks, all pads by one launch; gpu, cpu, or as of "
+                   "`tactel devices` (default: host code, with the same bits, quicker for a sensor or two)")
       ->type_name("NAME|INDEX");
   command->add_flag("--quiet", request->quiet, "no summary each second and no warnings; the final summary stays");
   command->callback([request, &action] { action = [request] { return run_monitor(*request); }; });

@@ -5,10 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <iostream>
 
 #include "host/device/opencl.h"
 #include "tests/host/device/test_device.h"
+#include "tests/scratch.h"
 
 namespace tactel::host {
 namespace {
@@ -63,6 +65,39 @@ TEST(Device, ChosenByIndexPartOfNameOrDefault) {
   EXPECT_THAT(Device().info().name, StartsWith("pthread"));
   EXPECT_THAT(Device("basic").info().name, StartsWith("basic"));
   unsetenv("TACTEL_DEVICE");
+}
+
+TEST(Device, ChosenByItsType) {
+  EXPECT_THAT(Device("cpu").info().name, StartsWith("basic"));
+  const auto devices = list_devices();
+  const bool has_gpu = std::ranges::any_of(devices, [](const auto& info) { return info.type == DeviceType::gpu; });
+  if (has_gpu)
+    EXPECT_EQ(Device("gpu").info().type, DeviceType::gpu);
+  else
+    EXPECT_THROW(Device("gpu"), ConfigError);
+}
+
+// Networks train on a processor: a GPU's program would take them one by one.
+TEST(Device, AGpuLeavesTrainingToTheProcessor) {
+  const Device gpu = Device("basic").as_gpu();
+  EXPECT_EQ(gpu.info().type, DeviceType::gpu);
+  EXPECT_FALSE(gpu.info().zero_copy);
+  EXPECT_EQ(gpu.lanes(Precision::fp32), 1);
+  EXPECT_EQ(gpu.for_training().info().type, DeviceType::cpu);
+  EXPECT_THAT(Device("pthread").for_training().info().name, StartsWith("pthread"));
+}
+
+TEST(Device, AGpuThatOpenClDoesNotShowIsNamed) {
+  const ScratchFolder root;
+  const std::vector<DeviceInfo> processor(1), gpu{{.type = DeviceType::gpu}};
+  EXPECT_EQ(hidden_gpu_advice(processor, (root / "").string()), "");
+  std::filesystem::create_directories(root / "dev");
+  root.write("dev/nvidia0", "");
+  EXPECT_THAT(hidden_gpu_advice(processor, (root / "").string()),
+              testing::AllOf(HasSubstr("/dev/nvidia0"), HasSubstr("/etc/OpenCL/vendors/nvidia.icd"),
+                             HasSubstr("libnvidia-opencl.so.1")));
+  EXPECT_THAT(hidden_gpu_advice({}, (root / "").string()), HasSubstr("nvidia.icd"));
+  EXPECT_EQ(hidden_gpu_advice(gpu, (root / "").string()), "");
 }
 
 TEST(Device, AnUnknownChoiceListsWhatThereIs) {

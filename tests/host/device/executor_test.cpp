@@ -229,6 +229,21 @@ TEST_P(ProgressOn, AnExceptionEndsTheRun) {
 
 INSTANTIATE_TEST_SUITE_P(Devices, ProgressOn, testing::ValuesIn(tested_devices()));
 
+// With progress a GPU still gets slices that fill it: 2048 groups for each compute unit.
+TEST(Executor, SlicesFillAGpu) {
+  Executor executor(Device("basic").as_gpu());
+  const std::size_t slice = 2048 * static_cast<std::size_t>(executor.device().info().compute_units);
+  const std::size_t groups = slice + 5;
+  Marks marks(executor.device(), groups);
+  std::vector<std::size_t> shown;
+  executor.run(program(executor.device()), "mark", groups, marks.bind(),
+               {.progress = [&](std::size_t done, std::size_t) {
+                 shown.push_back(done);
+                 return true;
+               }});
+  EXPECT_EQ(shown, (std::vector<std::size_t>{slice, groups}));
+}
+
 TEST(Executor, SeveralJobsAreOnePool) {
   for (const std::string& choice : tested_devices()) {
     Executor executor(device(choice), {.threads = 2});

@@ -170,11 +170,12 @@ SensorProfile quiet_pad() {
 
 /// Answers about frames [48 a pad] from lines of numbers.
 std::vector<MonitorLine> pad_lines(const std::vector<nn::Model>& networks, const SensorProfile& profile,
-                                   const std::vector<std::vector<double>>& frames) {
+                                   const std::vector<std::vector<double>>& frames,
+                                   const std::optional<Device>& device = {}) {
   std::vector<std::uint8_t> bytes;
   for (std::size_t i = 0; i < frames.size(); ++i) hw::append_csv_frame(i, std::nullopt, frames[i], bytes);
   GivenSource source(bytes, false, 0);
-  LiveMonitor monitor(networks, profile, {});
+  LiveMonitor monitor(networks, profile, {}, device);
   EXPECT_TRUE(knows_touch(profile));
   std::vector<MonitorLine> lines;
   monitor.run(source, {.line = [&](const MonitorLine& line) { lines.push_back(line); }});
@@ -220,7 +221,8 @@ TEST(LiveMonitor, TwoPadsOfALine) {
   EXPECT_GT(right_leads, 0u);
 }
 
-// With a bound the line has the larger upper bound and the larger S, perhaps of two pads, and is unlike where one is.
+// A device answers as host code does. With a bound the line has the larger upper bound and the larger S, perhaps of two
+// pads, and is unlike where one is.
 TEST(LiveMonitor, BoundsOfTwoPads) {
   std::mt19937 random(5);
   std::normal_distribution<double> reading(0, 200);
@@ -242,8 +244,15 @@ TEST(LiveMonitor, BoundsOfTwoPads) {
              of_right = pad_lines({networks[1]}, quiet_pad(), right);
   const auto of_both = pad_lines({networks[0], networks[1]}, joined_profile({quiet_pad(), quiet_pad()}), both);
   ASSERT_EQ(of_both.size(), 60u);
+  const auto on_device =
+      pad_lines({networks[0], networks[1]}, joined_profile({quiet_pad(), quiet_pad()}), both, Device("basic"));
   std::size_t right_leads = 0, left_leads = 0;
   for (std::size_t i = 0; i < 60; ++i) {
+    for (std::size_t pad = 0; pad < 2; ++pad) {
+      const Answer &host = of_both[i].pads[pad].answer, &kernel = on_device[i].pads[pad].answer;
+      EXPECT_TRUE(same(host.slip_index, kernel.slip_index) && same(host.slip_upper, kernel.slip_upper)) << i;
+      EXPECT_EQ(of_both[i].pads[pad].contact, on_device[i].pads[pad].contact) << i;
+    }
     const Answer &a = of_left[i].answer, &b = of_right[i].answer, &line = of_both[i].answer;
     ASSERT_TRUE(of_both[i].has_bound);
     EXPECT_TRUE(same(line.slip_index, std::fmax(a.slip_index, b.slip_index))) << i;

@@ -2,6 +2,7 @@
 #pragma once
 #include <random>
 
+#include "nn/forward.h"
 #include "nn/model.h"
 #include "tests/host/networks/network_cases.h"
 
@@ -30,6 +31,19 @@ inline nn::Model bounded_model(const char* topology, nn::ScalingKind kind, bool 
   bound.level = 0.9;
   bound.set = "other.h5", bound.rows = 4321, bound.seed = 77;
   return model;
+}
+
+/// The bound of every frame by the twin, from S and quantiles of its network: [rows].
+inline std::vector<nn::BoundAnswer> bounds_of(const nn::Model& model, const nn::Recall<float>& answer,
+                                              const nn::RowMatrix<float>& frames) {
+  std::vector<nn::BoundAnswer> bounds;
+  std::vector<float> scaled(static_cast<std::size_t>(frames.cols()));
+  for (Eigen::Index row = 0; row < frames.rows(); ++row) {
+    nn::scale_frame(model.scaling, frames.row(row).data(), static_cast<int>(scaled.size()), scaled.data());
+    bounds.push_back(
+        nn::bounded(*model.bound, {answer.slip_index(row), answer.upper(row), answer.lower(row)}, scaled.data()));
+  }
+  return bounds;
 }
 
 }  // namespace tactel::testing

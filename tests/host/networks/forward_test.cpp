@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "fem/value_error.h"
+#include "tests/host/networks/bounded_model.h"
 #include "tests/host/networks/network_cases.h"
 
 namespace {
@@ -112,6 +113,57 @@ TEST(ForwardHeads, HaveNoAnswerWhereOneOverflows) {
     if (answer.status[row] == FrameStatus::ok) continue;
     EXPECT_EQ(answer.status[row], FrameStatus::overflow);
     EXPECT_TRUE(std::isnan(answer.slip_index(row)) && std::isnan(answer.upper(row)) && std::isnan(answer.lower(row)));
+  }
+}
+
+/// Of one network's bound another, with fewer edges and other tables.
+nn::Bound other_bound(const nn::Model& model) {
+  nn::Bound bound = *model.bound;
+  bound.distance.clear(), bound.touching = {1.5f};
+  bound.upper_correction.assign(bound.classes(), 0.01f), bound.interval_correction.assign(bound.classes(), 0.03f);
+  bound.unlike_above = 0.3f * model.bound->unlike_above;
+  return bound;
+}
+
+// The bound of two networks in a launch: the bits of the twin on the kernel's own quantiles, at ragged sizes and in
+// every lane. Frames that are not finite have no bound.
+TEST(ForwardBound, MatchesTheTwinBitForBit) {
+  for (const char* topology : {"14-9-3"}) {  // 14 columns are one block and a part
+    for (const ScalingKind kind : {ScalingKind::set, ScalingKind::frame}) {
+      nn::Model models[] = {tactel::testing::bounded_model(topology, kind),
+                            tactel::testing::bounded_model(topology, kind)};
+      for (float& w : models[1].weights.values) w *= 0.7f;
+      models[1].bound = other_bound(models[0]);
+      const std::vector<nn::Weights<float>> networks{models[0].weights, models[1].weights};
+      const nn::Bound* const bounds[] = {&*models[0].bound, &*models[1].bound};
+      for (const int lanes : {16, 1}) {
+        Executor some{device().with_lanes(lanes), {.threads = 1}};
+        Forward<float> quantiles(some, networks, models[0].scaling), bounded(some, networks, models[0].scaling, bounds);
+        for (const int rows : {1, 5, 16, 33, 203}) {
+          nn::RowMatrix<float> frames = bumps(rows, networks[0].topology.inputs(), 4).frames;
+          frames(rows / 2, 3) = std::numeric_limits<float>::quiet_NaN();
+          if (rows > 2) frames.row(rows - 2) *= -1e3f, frames.row(rows - 1).setZero();
+          const DeviceFrames on_device(some.device(), frames);
+          quantiles.run(on_device), bounded.run(on_device);
+          for (std::size_t n = 0; n < 2; ++n) {
+            const nn::Recall<float> truth = quantiles.result(n), found = bounded.result(n);
+            const auto expected = tactel::testing::bounds_of(models[n], truth, frames);
+            EXPECT_EQ(found.status, truth.status);
+            int different = 0;
+            for (std::size_t row = 0; row < expected.size(); ++row) {
+              const nn::BoundAnswer &a = found.bounds[row], &b = expected[row];
+              const auto same = [](float x, float y) { return same_bits(x, y) || (std::isnan(x) && std::isnan(y)); };
+              different += !same(found.slip_index(static_cast<Eigen::Index>(row)),
+                                 truth.slip_index(static_cast<Eigen::Index>(row))) ||
+                           !same(a.upper, b.upper) || !same(a.interval[0], b.interval[0]) ||
+                           !same(a.interval[1], b.interval[1]) || a.unlike != b.unlike;
+            }
+            EXPECT_EQ(different, 0) << topology << ' ' << nn::name(kind) << ' ' << lanes << ' ' << rows << ' ' << n;
+            EXPECT_TRUE(std::isnan(found.bounds[static_cast<std::size_t>(rows / 2)].upper));
+          }
+        }
+      }
+    }
   }
 }
 

@@ -58,5 +58,29 @@ TYPED_TEST(NetworkLanes, TrainingGivesTheSameNetworkWithinRounding) {
   }
 }
 
+// The launches of a GPU, in work-groups of 64 with a ragged end, from memory of its own: the bits of one lane.
+TEST(OnAGpu, NetworksTrainToTheSameBits) {
+  const nn::Topology topology = nn::Topology::parse("16-9-1");
+  const nn::FrameSet set = bumps(77, 16, 4);
+  const nn::InputScaling scaling{nn::ScalingKind::set, 1.3f};
+  std::vector<OnlineMember> members;
+  for (std::uint64_t seed = 0; seed < 70; ++seed) members.push_back({seed, 0});
+  std::vector<float> expected;
+  for (const Device& device : {Device("basic").with_lanes(1), Device("basic").as_gpu()}) {
+    Executor executor{device, {.threads = 1}};
+    const LearningInputs<float> inputs(device, set, scaling, std::vector<SetVariant>{{0, 0}});
+    TrainOnline<float> online(executor, topology, inputs, members, {});
+    online.run(2);
+    TrainBatch<float> batch(executor, topology, inputs, members, {.batch = 16});
+    batch.train_epoch();
+    std::vector<float> found;
+    for (std::size_t i = 0; i < members.size(); ++i)
+      for (const auto& weights : {online.state(i).weights.values, batch.state(i).weights.values})
+        found.insert(found.end(), weights.begin(), weights.end());
+    if (expected.empty()) expected = found;
+    EXPECT_EQ(found, expected) << name(device.info().type);
+  }
+}
+
 }  // namespace
 }  // namespace tactel::host

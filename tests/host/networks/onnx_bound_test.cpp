@@ -9,7 +9,6 @@
 
 #include "host/networks/forward.h"
 #include "host/networks/onnx_file.h"
-#include "host/training/bound_report.h"
 #include "nn/infer/network_file.h"
 #include "tests/host/networks/bounded_model.h"
 #include "tests/host/networks/crafted_network.h"
@@ -48,7 +47,7 @@ TEST(OnnxBound, MeansTheSameToAnotherRuntime) {
       set.frames.row(5).reverseInPlace();
       Forward<float> forward(executor(), std::span(&model.weights, 1), model.scaling);
       const nn::Recall<float> answer = forward.recall(set.frames);
-      const std::vector<nn::BoundAnswer> own = bounds_of(model, answer, set);
+      const std::vector<nn::BoundAnswer> own = tactel::testing::bounds_of(model, answer, set.frames);
       const auto other = OnnxEvaluator(parsed(model)).all(set.frames.cast<double>());
       std::map<double, int> classes;
       int unlike = 0;

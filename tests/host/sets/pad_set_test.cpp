@@ -143,6 +143,18 @@ TEST_F(PadSet, DepthsFromZeroOn) {
   EXPECT_NEAR(*forces.begin() / hertz, 1, 0.02);  // 8 cells along a side, and a / H = 0.006
 }
 
+/// As a GPU has them: work-groups of 64 with a ragged end, and memory of its own.
+TEST_F(PadSet, OnAGpuTheRowsAreTheSame) {
+  const PadSource sweep = source();
+  Executor gpu{Device("").as_gpu()};
+  const ContactSet expected = SetSimulator(executor_, sweep, options_).simulate(0, 60),
+                   found = SetSimulator(gpu, sweep, options_).simulate(0, 60);
+  EXPECT_GT(expected.rows(), 60u);
+  EXPECT_EQ(found.frames, expected.frames);
+  EXPECT_EQ(found.slip_index, expected.slip_index);
+  EXPECT_EQ(found.torque, expected.torque);
+}
+
 const std::string at_a_tactel =
     "[sweep]\ncontacts = 2\n[sensor]\nkind = \"pad\"\ntactels = [4, 3]\npitch = 3\nthickness = 1.5\n"
     "[indenter]\nshape = \"sphere\"\nradius = 5\nposition = [-1.5, 3]\n"  // tactel 1 along x, 2 along y

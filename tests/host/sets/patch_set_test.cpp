@@ -45,6 +45,17 @@ class PatchSet : public testing::Test {
   Executor executor_;
 };
 
+// As a GPU has them: work-groups of 64 with a ragged end, and memory of its own.
+TEST_F(PatchSet, OnAGpuTheRowsAreTheSame) {
+  Executor gpu{device().as_gpu()};
+  const SetOptions options{.patch = rung_named("patch-8")};
+  const ContactSet expected = SetSimulator(executor_, source_, options).simulate(0, 150),
+                   found = SetSimulator(gpu, source_, options).simulate(0, 150);
+  EXPECT_GT(expected.rows(), 150u);
+  EXPECT_EQ(found.frames, expected.frames);
+  EXPECT_EQ(found.slip_index, expected.slip_index);
+}
+
 // Two sensors, then the one Poisson's ratio of own sensors. Every message ends before the next one.
 TEST_F(PatchSet, TheLogHearsHowManyTablesAreMade) {
   const auto heard = [&](const std::string& sensors) {

@@ -151,6 +151,8 @@ class TACTEL_API Alarm {
   /// The two parts of next(). answer() gives S and contact and leaves the alarm, as for frames that come too late. Of
   /// several sensors with one alarm, each has its answer(), and one judges that with the largest acted_on.
   AlarmAnswer answer(std::span<const float> frame) noexcept;
+  /// The same for an answer that was estimated elsewhere, as on a device: takes no frame into its own history.
+  AlarmAnswer answer(std::span<const float> frame, const Answer& estimated) noexcept;
   AlarmAnswer judge(AlarmAnswer answer) noexcept;
   /// Ends the alarm and forgets all frames.
   void clear() noexcept;

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <span>
+#include <string>
+
+#include "host/networks/network_options.h"
+#include "host/training/named_network.h"
+
+namespace tactel::host {
+
+/// Whether a file is a recording of tactel record.
+bool is_recording(const std::string& file);
+
+/// Evaluates networks on the frames of a recording, in batches on a device, and prints what they say, or writes it.
+/// json: a file, "-" for standard output, or empty; rows: a CSV file, or empty. Returns the exit code.
+int recall_recording(std::span<const NamedNetwork> networks, const std::string& file, const NetworkOptions& shared,
+                     const std::string& json, const std::string& rows);
+
+}  // namespace tactel::host

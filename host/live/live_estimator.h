@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <tactel/infer.h>
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "host/device/device.h"
+#include "nn/model.h"
+
+namespace tactel::host {
+
+/// Answers to the frames of several sensors, the pads of a hand, whose histories it keeps.
+class LiveEstimator {
+ public:
+  virtual ~LiveEstimator() = default;
+  /// Takes the next frame of every sensor: [sensors][inputs of one frame] MPa, as SlipHistory::estimate. answers:
+  /// [sensors]. Allocates nothing.
+  virtual void estimate(std::span<const float> frames, std::span<Answer> answers) = 0;
+};
+
+/// One network a sensor. In the calling thread, by tactel::infer: the shortest time for a sensor or two.
+std::unique_ptr<LiveEstimator> host_estimator(std::span<const SlipEstimator> networks);
+
+/// The same bits by kernels/forward.cl on a device: one launch for all sensors whose networks have one topology and
+/// scaling. It is compiled and has run once on return. networks: not null.
+std::unique_ptr<LiveEstimator> device_estimator(const Device& device, std::span<const nn::Model* const> networks);
+
+}  // namespace tactel::host

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// The device's answers to live frames beside those of the host's code.
+#include "host/live/live_estimator.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "nn/infer/network_file.h"
+#include "tests/host/networks/bounded_model.h"
+
+namespace tactel::host {
+namespace {
+
+using nn::ScalingKind;
+using tactel::testing::bounded_model;
+
+SlipEstimator estimator_of(const nn::Model& model) {
+  const std::string bytes = infer::network_bytes(model);
+  return SlipEstimator::parse(std::as_bytes(std::span(bytes)));
+}
+
+nn::Model plain(const char* topology) {
+  nn::Weights<float> weights = nn::initial_weights(nn::Topology::parse(topology), 7);
+  for (float& w : weights.values) w *= 3;  // S well away from 0.5
+  return {weights, {ScalingKind::set, 1.37f}, 7, 0.1, "bumps", 100, {1234, 0.31, 0.0123, 0.02}};
+}
+
+bool same(float a, float b) { return std::bit_cast<unsigned>(a) == std::bit_cast<unsigned>(b) || (a != a && b != b); }
+bool same(const Answer& a, const Answer& b) {
+  return same(a.slip_index, b.slip_index) && same(a.slip_upper, b.slip_upper) && a.status == b.status &&
+         same(a.slip_interval[0], b.slip_interval[0]) && same(a.slip_interval[1], b.slip_interval[1]) &&
+         a.unlike == b.unlike;
+}
+
+/// Presses and drags that end now and then, with noise, frames at rest and frames with NaN; each sensor by itself.
+class Frames {
+ public:
+  explicit Frames(std::span<const SlipEstimator> networks) : networks_(networks) {}
+  std::vector<float> next() {
+    std::vector<float> all;
+    for (std::size_t s = 0; s < networks_.size(); ++s) {
+      const std::size_t width = networks_[s].inputs() / networks_[s].frames();
+      const auto time = static_cast<float>(number_ + 13 * s);
+      const bool rest = (number_ + s) % 89 == 0;
+      for (std::size_t i = 0; i < width; ++i) {
+        const float x = 8.0f * static_cast<float>(i) / static_cast<float>(width) - 4 - std::sin(0.05f * time);
+        all.push_back(rest ? 0 : (i < width / 2 ? -1.0f : 0.4f) * std::exp(-x * x) + 1e-3f * noise_(random_));
+      }
+      if ((number_ + s) % 97 == 0) all.back() = std::numeric_limits<float>::quiet_NaN();
+    }
+    ++number_;
+    return all;
+  }
+
+ private:
+  std::span<const SlipEstimator> networks_;
+  std::size_t number_ = 0;
+  std::mt19937 random_{5};
+  std::normal_distribution<float> noise_;
+};
+
+/// `sensors`: which network each has.
+void expect_the_hosts_bits(const Device& device, const std::vector<nn::Model>& models,
+                           const std::vector<std::size_t>& sensors) {
+  std::vector<SlipEstimator> networks;
+  std::vector<const nn::Model*> of_sensors;
+  for (const std::size_t which : sensors) {
+    networks.push_back(estimator_of(models[which]));
+    of_sensors.push_back(&models[which]);
+  }
+  const auto host = host_estimator(networks), kernel = device_estimator(device, of_sensors);
+  std::vector<Answer> expected(sensors.size()), found(sensors.size());
+  Frames frames(networks);
+  std::size_t different = 0, answered = 0;
+  for (int k = 0; k < 300; ++k) {
+    const std::vector<float> all = frames.next();
+    host->estimate(all, expected);
+    kernel->estimate(all, found);
+    for (std::size_t s = 0; s < sensors.size(); ++s) {
+      different += !same(found[s], expected[s]);
+      answered += expected[s].status == AnswerStatus::ok;
+    }
+  }
+  EXPECT_EQ(different, 0u) << sensors.size() << " sensors on " << device.info().name;
+  EXPECT_GT(answered, 290 * sensors.size() * 9 / 10);
+}
+
+/// A network with a bound on three frames of four tactels.
+nn::Model with_history() {
+  nn::Model model = bounded_model("24-9-3", ScalingKind::frame);
+  model.history = {.frames = 3, .stride = 2, .change = 0.07};
+  model.scaling.history = 3;
+  model.bound->tactels = 4;
+  return model;
+}
+
+TEST(LiveEstimator, DeviceGivesTheBitsOfTheHost) {
+  const std::vector<nn::Model> models{with_history()};
+  for (const std::size_t sensors : {1u, 2u, 17u, 33u})  // around the kernel's vectors and tiles
+    expect_the_hosts_bits(device("basic"), models, std::vector<std::size_t>(sensors, 0));
+  for (const Device& other : {device("basic").as_gpu(), device("pthread")})
+    expect_the_hosts_bits(other, models, {0, 0, 0});
+}
+
+// Networks of one topology share a launch; one of another is between them.
+TEST(LiveEstimator, EachSensorHasItsOwnNetwork) {
+  std::vector<nn::Model> models{with_history(), plain("8-5-1"), with_history()};
+  for (float& w : models[2].weights.values) w *= 0.7f;
+  models[2].bound->unlike_above *= 0.5f;
+  expect_the_hosts_bits(device("basic"), models, {0, 1, 2, 0, 2});
+}
+
+}  // namespace
+}  // namespace tactel::host
