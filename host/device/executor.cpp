@@ -13,6 +13,7 @@
 #include "host/device/thread_team.h"
 #include "host/support/host_threads.h"
 #include "host/support/seconds.h"
+#include "host/support/stop_scope.h"
 
 namespace tactel::host {
 namespace {
@@ -38,8 +39,14 @@ struct Run {
   Run(std::span<const Job> jobs, const std::vector<std::size_t>& groups, const RunOptions& options, int threads)
       : jobs(jobs), options(options), threads(threads), supply(groups), times(jobs.size()) {}
 
+  const StopScope::Asked* const asked = StopScope::current();
+
   // In the thread that started the run, between chunks: false when the run shall end.
   bool go_on() {
+    if (asked && (*asked)()) {
+      supply.stop();
+      return false;
+    }
     const std::size_t so_far = done;
     if (!options.progress || so_far == supply.total() || options.progress(so_far, supply.total())) return true;
     supply.stop();
@@ -147,7 +154,8 @@ void Executor::State::run_on_device(Run& run) {
 // A job on a device that schedules itself; false when progress ended the run.
 bool Executor::State::run_slices(Run& run, std::size_t job) {
   std::size_t slice = launcher.widest_launch();
-  if (run.options.progress) slice = std::clamp(run.jobs[job].groups / progress_slices, smallest_slice, slice);
+  if (run.options.progress || run.asked)
+    slice = std::clamp(run.jobs[job].groups / progress_slices, smallest_slice, slice);
   for (std::size_t left = run.jobs[job].groups; left > 0;) {
     const Chunk chunk = run.supply.draw([&](std::size_t) { return std::min(slice, left); }).value();
     const auto start = Clock::now();
@@ -182,7 +190,14 @@ std::optional<RunReport> Executor::State::run_beside(std::span<const Job> jobs, 
   const std::unique_lock use(*state.use, std::try_to_lock);
   if (!use.owns_lock() || !state.compiled || !state.program.takes_group(state.kernel)) return {};
   const auto start = Clock::now();
-  launcher.launch_beside(state, 0, groups);
+  ChunkPace pace(options.largest_chunk, 1, state.seconds_per_group);
+  for (std::size_t first = 0, count = groups; first < groups; first += count) {
+    StopScope::check();
+    if (StopScope::current()) count = pace.next(groups - first);
+    const auto begun = Clock::now();
+    launcher.launch_beside(state, first, count);
+    pace.measured(count, seconds_since(begun));
+  }
   const double seconds = seconds_since(start);
   const std::lock_guard lock(beside_turn);
   beside[state.kernel] += KernelTime{1, groups, seconds};
@@ -250,6 +265,7 @@ RunReport Executor::run(std::span<const Job> jobs, const RunOptions& options) {
     if (const auto report = state_->run_beside(jobs, options)) return *report;
     lock.lock();
   }
+  StopScope::check();
   const auto uses = State::used(jobs);
   const auto start = Clock::now();
   Run run(jobs, groups, options, threads());
@@ -257,6 +273,7 @@ RunReport Executor::run(std::span<const Job> jobs, const RunOptions& options) {
   if (run.supply.total() > 0) device().info().low_latency ? state_->run_on_threads(run) : state_->run_on_device(run);
   state_->finish(run);
   run.report.seconds = seconds_since(start);
+  if (run.report.cancelled) StopScope::check();
   return run.report;
 }
 
