@@ -154,6 +154,7 @@ void append_tangential(const Load& load, LoadPath& path) {
 }  // namespace
 
 void Scene::validate() const {
+  check_title(title);
   sensor.validate();
   if (model == SurfaceModel::mesh) require_compressible(sensor);
   indenter.validate();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 
@@ -16,5 +17,16 @@ class ValueError : public std::invalid_argument {
         allowed(std::move(allowed)) {}
   std::string key, value, allowed;
 };
+
+/// Throws where a title holds control characters, which terminals obey and pages and pictures cannot hold.
+inline void check_title(const std::string& title) {
+  for (std::size_t k = 0; k < title.size(); ++k) {
+    const auto byte = static_cast<unsigned char>(title[k]);
+    const bool second =
+        byte == 0xC2 && k + 1 < title.size() && static_cast<unsigned char>(title[k + 1]) < 0xA0;  // UTF-8
+    if (byte < 0x20 || byte == 0x7F || second)
+      throw ValueError("title", "(text)", "a text without control characters such as ESC and line breaks");
+  }
+}
 
 }  // namespace tactel

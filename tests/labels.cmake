@@ -11,7 +11,7 @@
 foreach(program fem layer pad nn hw support figures scenes)
   set(unit_${program} ".")
 endforeach()
-set(unit_device "^(ThreadTeam|Cache|CachePlace|GroupSupply|Pace|LayoutList)[.]|/(DamagedCache|Balance)[.]|^Embedded[.][EI]|OfADoubleProgram|GoesOnWithTheThreads")
+set(unit_device "^(ThreadTeam|Cache|CachePlace|GroupSupply|Pace|LayoutList)[.]|/(LeftFolder|Balance)[.]|^Embedded[.][EI]|OfADoubleProgram|GoesOnWithTheThreads")
 set(unit_networks "^(OnnxChain[.]|OnnxFile[.][^MK])")
 set(unit_contact "^(Ladder|RungError|Extrapolation|PadConvergence)[.]|^Planner[.][^K]|AccuracyAndTolerance")
 set(unit_sets "^(CheckSet|MeasuringChains)[.]|ThirtyTwoTaylor|^TransducerTable[.][GP]")
@@ -30,7 +30,7 @@ set(program_training "^[^AB]")
 set(program_studies "[.]Reproduce")
 set(program_commands "^([^D]|Du|Dem)")  # all but DevicesCommand
 
-set(slow "SaidAndMade|^CraftedNetworks[.]NoChange|^SolveWithCache[.](Nobody|Killed|Little|Two|Inter)|^(ClosedForms|GapReferenceRandom|IndependentContact|Extremes|InverseProblem|DirectProblem|StreamTraining|RankTraining)[.]|^Planner[.]K|OverTheEnd|^Demo[.]S|EveryShape|^(PadReference|PadCalibration|PadConvergence)[.]|CondensationCache.AnyFlippedByte|/100000$")
+set(slow "SaidAndMade|^CraftedNetworks[.]NoChange|^SolveWithCache[.](Nobody|Killed|Little|Two|Inter|Locks)|^(ClosedForms|GapReferenceRandom|IndependentContact|Extremes|InverseProblem|DirectProblem|StreamTraining|RankTraining)[.]|^Planner[.]K|OverTheEnd|^Demo[.]S|EveryShape|^(PadReference|PadCalibration|PadConvergence)[.]|CondensationCache.AnyFlippedByte|/100000$")
 
 # What scripts/test leaves to scripts/nightly, because another test of its kind stays: more numbers of lanes, elements and layers, more moments of
 # a kill, larger campaigns, a second runtime, a second precision.

@@ -278,6 +278,7 @@ void PadLoad::validate() const {
 }
 
 void PadScene::validate() const {
+  check_title(title);
   sensor.validate();
   indenter.validate();
   load.validate();

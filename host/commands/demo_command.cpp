@@ -90,7 +90,7 @@ int run_shown(const Step& step) {
   std::vector<std::string> command = {"tactel"};
   command.insert(command.end(), step.words.begin(), step.words.end());
   const int code = run_attached("/proc/self/exe", command);
-  if (code == 128 + SIGINT || code == 128 + SIGTERM) return interrupted;
+  if (code == 128 + SIGINT || code == 128 + SIGTERM || code == 128 + SIGHUP) return interrupted;
   return code > 128 ? static_cast<int>(device_failed) : code;
 }
 

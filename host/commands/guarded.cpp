@@ -10,6 +10,7 @@
 
 #include "host/figures/plot.h"
 #include "host/support/errors.h"
+#include "host/support/host_threads.h"
 #include "host/support/interrupt.h"
 #include "host/support/terminal.h"
 #include "hw/frame_source.h"
@@ -56,7 +57,9 @@ int guarded(const Action& action) try { return action(); } catch (const ConfigEr
                   error.path1().string() + ": must be a path that can be used (" + error.code().message() + ")");
 } catch (const std::system_error& error) {
   if (std::ferror(stdout) != 0) return wrong_input;  // lost_output says why
-  return unless_stopped(device_failed, error.what());
+  const bool no_thread = error.code() == std::errc::resource_unavailable_try_again;
+  return unless_stopped(device_failed,
+                        error.what() + std::string(no_thread ? "; " : "") + (no_thread ? thread_advice : ""));
 } catch (const std::exception& error) {
   return unless_stopped(device_failed, error.what());
 }

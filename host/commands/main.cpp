@@ -152,7 +152,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc == 2 && argv[1] == compile_word) return compile_for_parent();
+  if (argc == 4 && argv[1] == compile_word) return compile_for_parent(argv[2], argv[3]);
   set_compiler({"/proc/self/exe", compile_word});
   prepare_standard_streams();
   return finished(run(argc, argv));

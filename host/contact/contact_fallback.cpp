@@ -12,6 +12,7 @@
 #include "fem/layer/patch_reference.h"
 #include "fem/layer/patch_solver.h"
 #include "host/contact/gap_sweep_audit.h"
+#include "host/support/stop_scope.h"
 #include "kernels/shared/contact_layout.h"
 #include "kernels/shared/patch_layout.h"
 
@@ -131,6 +132,7 @@ std::vector<fem::ContactSolution> solve_patch_contact(const PatchContact<Real>& 
     if (growths == 0) said.grown = which.size();
   }
   for (std::size_t i = 0; i < scenes.size(); ++i) {
+    StopScope::check();
     if (known[i].linear)
       solutions[i] = on_linear_elements(contact, scenes[i]);
     else if (every_step_converged(solutions[i]))
@@ -157,6 +159,7 @@ std::vector<fem::ContactSolution> solve_gap_sweep(const GapSweep<Real>& sweep, s
   const typename ContactBatch<Real>::View view(batch);
   std::vector<fem::ContactSolution> solutions;
   for (const fem::Scene& scene : scenes) {
+    StopScope::check();
     fem::ContactSolution& solution = solutions.emplace_back(view.solution(solutions.size()));
     if (options.audit && options.nodes && options.base_forces) {
       audit_in_fp64(scene, sweep.condensation(), options.accept, solution);

@@ -29,7 +29,7 @@ cl::Program built_program(const Device& device, const ProgramText& program);
 
 /// Returns the cache of this process; none where the user says where kernels are kept, or where no folder can be used.
 const CompileCache* compile_cache();
-/// Makes this folder the cache of this process, before its first device; POCL_CACHE_DIR names it already.
-void compile_in(const std::filesystem::path& folder);
+/// Makes this the cache of this process, which compiles for another, before its first device.
+void compile_in(const std::filesystem::path& folder, const std::filesystem::path& own);
 
 }  // namespace tactel::host

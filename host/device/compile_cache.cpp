@@ -15,11 +15,6 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
-#include <map>
-#include <optional>
-#include <set>
-#include <sstream>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -36,22 +31,16 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-constexpr const char* list_name = "sealed";
 constexpr const char* lock_name = "compiling";
-constexpr const char* presence_name = "processes";
-constexpr const char* programs_name = "programs";                 // a folder that PoCL does not know
-constexpr auto patience = 2s;                                     // far more than a check takes
+constexpr const char* programs_name = "programs";
+constexpr std::string_view own_prefix = "process.";
 constexpr std::uintmax_t largest_file = std::uintmax_t{1} << 30;  // a compiled kernel takes some MB
 
-/// A file as the list knows it.
-struct Sealed {
-  std::uint64_t size = 0, changed = 0, sum = 0;  ///< bytes; ns since 1970, 0: no longer listed; checksum of the content
-};
-using List = std::map<std::string, Sealed>;  ///< by path within the folder
+std::error_code last_error() { return {errno, std::generic_category()}; }
 
 class Descriptor {
  public:
-  Descriptor(const fs::path& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC, 0600)) {}
+  Descriptor(const fs::path& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC)) {}
   ~Descriptor() {
     if (fd_ >= 0) ::close(fd_);
   }
@@ -63,87 +52,11 @@ class Descriptor {
   int fd_;
 };
 
-bool sync(const fs::path& path) {
-  const Descriptor file(path, O_RDONLY);
-  return file.get() >= 0 && ::fsync(file.get()) == 0;
-}
-
 /// Empty where it cannot be read.
 std::string content_of(const fs::path& path) try {
   return read_bounded_file(path, largest_file);
 } catch (const UnreadableFile&) {
   return "";
-}
-
-std::uint64_t content_sum(const fs::path& path) { return checksum(content_of(path)); }
-
-std::optional<Sealed> stat_of(const fs::path& path) {
-  struct stat status {};
-  if (::lstat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return {};
-  return Sealed{static_cast<std::uint64_t>(status.st_size),
-                static_cast<std::uint64_t>(status.st_mtim.tv_sec) * 1'000'000'000u +
-                    static_cast<std::uint64_t>(status.st_mtim.tv_nsec),
-                0};
-}
-
-std::string line_of(const std::string& path, const Sealed& file) {
-  const std::string text = fmt::format("{} {} {:016x} {}", file.size, file.changed, file.sum, path);
-  return fmt::format("{:016x} {}\n", checksum(text), text);
-}
-
-/// Lines that are torn or damaged are passed over: their files count as not listed.
-List read_list(const fs::path& folder) {
-  List list;
-  std::istringstream in(content_of(folder / list_name));
-  for (std::string line; std::getline(in, line);) {
-    std::istringstream words(line);
-    std::uint64_t sum = 0;
-    Sealed file;
-    std::string path;
-    words >> std::hex >> sum >> std::dec >> file.size >> file.changed >> std::hex >> file.sum;
-    words.get();
-    if (!words || !std::getline(words, path) || line_of(path, file) != line + "\n") continue;
-    if (file.changed == 0)
-      list.erase(path);
-    else
-      list[path] = file;
-  }
-  return list;
-}
-
-/// Adds lines to the list and brings it to the disk.
-bool append(const fs::path& folder, std::string lines) {
-  const Descriptor out(folder / list_name, O_WRONLY | O_CREAT | O_APPEND);
-  if (out.get() < 0) return false;
-  lines.insert(0, "\n");  // after a line that a power cut has torn
-  return ::write(out.get(), lines.data(), lines.size()) >= 0 && ::fsync(out.get()) == 0;
-}
-
-/// The files of each program: PoCL keeps them in XX/REST, two letters and the rest of a hash. Left out are the stamp
-/// that PoCL touches at each use, and whatever lies elsewhere.
-std::map<fs::path, std::vector<fs::path>> programs_in(const fs::path& folder) {
-  std::map<fs::path, std::vector<fs::path>> programs;
-  std::error_code error;
-  for (const fs::directory_entry& first : fs::directory_iterator(folder, error)) {
-    if (first.path().filename().native().size() != 2 || !first.is_directory(error)) continue;
-    for (const fs::directory_entry& program : fs::directory_iterator(first.path(), error)) {
-      std::vector<fs::path>& files = programs[program.path()];
-      for (fs::recursive_directory_iterator entry(program.path(), error), end; entry != end; entry.increment(error))
-        if (!entry->is_directory(error) && entry->path().filename() != "last_accessed") files.push_back(entry->path());
-    }
-  }
-  return programs;
-}
-
-enum class Verdict { good, unlisted, damaged };
-
-Verdict judge(const fs::path& path, const std::string& name, const List& list) {
-  const auto listed = list.find(name);
-  if (listed == list.end()) return Verdict::unlisted;
-  const auto now = stat_of(path);
-  const bool same = now && now->size == listed->second.size &&
-                    (now->changed == listed->second.changed || content_sum(path) == listed->second.sum);
-  return same ? Verdict::good : Verdict::damaged;
 }
 
 bool full(const struct statvfs& disk, std::size_t room) {
@@ -222,21 +135,51 @@ void AbortNotice::explain(int) {
   ::_exit(device_failed);
 }
 
-CompileCache::CompileCache(fs::path folder, bool enter)
-    : folder_(std::move(folder)),
-      presence_(enter ? ::open((folder_ / presence_name).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600) : -1),
-      compiling_(::open((folder_ / lock_name).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)) {
-  if (presence_ < 0) return;
-  if (::flock(presence_, LOCK_EX | LOCK_NB) == 0) check();
-  // Another process may be at its check, which is short, unless that process is stopped.
-  const auto end = std::chrono::steady_clock::now() + patience;
-  while (::flock(presence_, LOCK_SH | LOCK_NB) != 0 && std::chrono::steady_clock::now() < end)
-    std::this_thread::sleep_for(10ms);
+namespace {
+
+/// Removes what processes left that are gone.
+void remove_abandoned(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> others;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+    if (entry->path().filename().native().starts_with(own_prefix)) others.push_back(entry->path());
+  for (const fs::path& other : others) {
+    const std::string kernel = other.filename().string().substr(own_prefix.size(), running_kernel().size());
+    if (const Descriptor open(other, O_RDONLY | O_DIRECTORY); is_abandoned(open.get(), kernel, 1h))
+      fs::remove_all(other, error);
+  }
+}
+
+}  // namespace
+
+CompileCache::CompileCache(fs::path folder)
+    : folder_(fs::absolute(folder)),
+      compiling_(::open((folder_ / lock_name).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)),
+      process_(::getpid()) {
+  remove_abandoned(folder_);
+  std::string own = folder_ / fmt::format("{}{}.{}.XXXXXX", own_prefix, running_kernel(), process_);
+  if (::mkdtemp(own.data()) == nullptr) throw fs::filesystem_error("mkdtemp", own, last_error());
+  own_ = own;
+  presence_ = ::open(own.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  ::flock(presence_, LOCK_EX | LOCK_NB);
+}
+
+CompileCache::CompileCache(fs::path folder, fs::path own)
+    : folder_(std::move(folder)), own_(std::move(own)), process_(::getpid()) {
+  std::error_code error;
+  fs::remove_all(own_, error);  // of an earlier one that was killed
+  if (::mkdir(own_.c_str(), S_IRWXU) != 0) throw fs::filesystem_error("mkdir", own_, last_error());
 }
 
 CompileCache::~CompileCache() {
+  leave();
   for (const int each : {presence_, compiling_})
     if (each >= 0) ::close(each);
+}
+
+void CompileCache::leave() const noexcept {
+  std::error_code error;
+  if (process_ == ::getpid()) fs::remove_all(own_, error);  // a fork does not own it
 }
 
 namespace {
@@ -276,7 +219,7 @@ fs::path program_path(const fs::path& folder, std::string_view key) {
 
 /// What the file of a program begins with.
 std::string program_line(std::string_view key, std::string_view binary) {
-  return fmt::format("tactel program {} {} {}\n", checksum_text(key), binary.size(), checksum_text(binary));
+  return fmt::format("tactel program 2 {} {} {}\n", checksum_text(key), binary.size(), checksum_text(binary));
 }
 
 }  // namespace
@@ -297,45 +240,6 @@ void CompileCache::keep_program(std::string_view key, std::string_view binary) c
 
 std::string CompileCache::advice() const {
   return lacks_room(folder_) ? full_disk_text(folder_) : address_space_advice();
-}
-
-void CompileCache::check() {
-  const List list = read_list(folder_);
-  std::error_code error;
-  std::string no_longer;
-  for (const auto& [program, files] : programs_in(folder_)) {
-    Verdict worst = Verdict::good;
-    for (const fs::path& file : files)
-      worst = std::max(worst, judge(file, file.lexically_relative(folder_).string(), list));
-    if (worst == Verdict::good) continue;
-    damaged_ += worst == Verdict::damaged;
-    fs::remove_all(program, error);
-    for (const fs::path& file : files)
-      if (const std::string name = file.lexically_relative(folder_).string(); list.contains(name))
-        no_longer += line_of(name, {});
-  }
-  if (!no_longer.empty()) append(folder_, no_longer);
-}
-
-void CompileCache::seal() const noexcept try {
-  const List list = read_list(folder_);
-  std::string lines;
-  std::set<fs::path> folders;
-  for (const auto& [program, files] : programs_in(folder_))
-    for (const fs::path& file : files) {
-      const std::string name = file.lexically_relative(folder_).string();
-      auto now = stat_of(file);
-      if (!now || list.contains(name) || !sync(file)) continue;
-      for (fs::path parent = file.parent_path(); parent != folder_; parent = parent.parent_path())
-        folders.insert(parent);
-      now->sum = content_sum(file);
-      lines += line_of(name, *now);
-    }
-  if (lines.empty()) return;
-  folders.insert(folder_);
-  for (const fs::path& folder : folders) sync(folder);
-  append(folder_, lines);
-} catch (...) {  // the next run compiles again
 }
 
 }  // namespace tactel::host

@@ -39,30 +39,22 @@ class AbortNotice {
   const std::string text_;
 };
 
-/// PoCL's cache of compiled kernels, guarded: PoCL loads what it finds there and aborts on a damaged file. A list of
-/// the files in it, with sizes and checksums, stands in `sealed`. Files are listed after they have reached the disk, so
-/// that a power cut leaves files that are not listed, never a listed file that is damaged.
-///
-/// PoCL and tactel give a file its name when it is whole. Compilations may therefore go on side by side, and a cached
-/// program is read without waiting for anyone.
-///
-/// A process is in the folder from the construction of its CompileCache to its end. Files are removed only by a process
-/// that is alone in the folder: PoCL compiles some kernels at their first launch and loads files at any time, so no
-/// other moment is safe.
+/// Compiled programs, kept between runs. Each process gives PoCL a folder of its own for the files that PoCL compiles
+/// and loads: PoCL aborts where another process removes one, or where one is half written. Processes share whole
+/// programs alone. These get their names when they are on the disk, with a checksum. Nothing of this rests on locks,
+/// which do not reach other hosts on some network file systems.
 class CompileCache {
  public:
-  /// Enters the folder, unless the process works for another that is in it. Where no other process is in it, removes
-  /// the programs with a file that is damaged or not listed. Cost: one stat a file; content is read only where the time
-  /// of change differs.
-  explicit CompileCache(std::filesystem::path folder, bool enter = true);
+  /// Makes a folder for this process, and removes those of processes that are gone. Throws std::filesystem_error.
+  explicit CompileCache(std::filesystem::path folder);
+  /// The same in `own`, for a process that compiles for another.
+  CompileCache(std::filesystem::path folder, std::filesystem::path own);
   ~CompileCache();
   CompileCache(const CompileCache&) = delete;
   CompileCache& operator=(const CompileCache&) = delete;
 
-  std::size_t damaged() const { return damaged_; }  ///< programs removed because a listed file had changed
-
-  /// Brings new files to the disk and lists them. Failure costs the next run a compilation, nothing else.
-  void seal() const noexcept;
+  /// Removes the folder of this process. PoCL must not compile or load afterwards.
+  void leave() const noexcept;
 
   /// Returns the binary that keep_program stored under this key, by any process; empty where there is none, or where
   /// its file is damaged. Takes no lock: files are whole when they get their names.
@@ -76,6 +68,7 @@ class CompileCache {
   std::string advice() const;
 
   const std::filesystem::path& folder() const { return folder_; }
+  const std::filesystem::path& own() const { return own_; }  ///< PoCL's folder of this process
 
   /// The turn to compile the program of a key, among processes. Other programs are not concerned. A process that dies
   /// gives its turn back. Threads of a process must not compete for one.
@@ -94,12 +87,10 @@ class CompileCache {
   };
 
  private:
-  void check();
-
-  std::filesystem::path folder_;
-  int presence_ = -1;   ///< descriptor with the lock of a process in the folder; -1: none can be had
+  std::filesystem::path folder_, own_;
+  int presence_ = -1;   ///< descriptor with the lock of `own_`; -1: none can be had
   int compiling_ = -1;  ///< descriptor of the turns; -1: none can be had
-  std::size_t damaged_ = 0;
+  int process_;
 };
 
 }  // namespace tactel::host

@@ -29,6 +29,7 @@
 #include "host/device/launcher.h"
 #include "host/support/address_space.h"
 #include "host/support/errors.h"
+#include "host/support/host_threads.h"
 #include "host/support/interrupt.h"
 #include "kernels/shared/group.h"
 
@@ -71,6 +72,8 @@ std::optional<cl::Program> load(const Device& device, const ProgramText& program
   const cl::Program::Binaries binaries = {{binary.begin(), binary.end()}};
   cl::Program built(device.context(), {device.cl_device()}, binaries);
   built.build(program.options.c_str());
+  std::vector<cl::Kernel> kernels;
+  built.createKernels(&kernels);
   return built;
 } catch (const cl::Error&) {
   return std::nullopt;
@@ -116,12 +119,13 @@ cl::Program compile(const Device& device, const ProgramText& program) {
   return built;
 }
 
-/// The binary comes last: where it is, all else is in the cache and listed.
-void keep(const CompileCache& cache, const std::string& key, const cl::Program& built) {
+/// Keeps the binary of a program where the device makes all kernels of it again.
+void keep(const CompileCache& cache, const std::string& key, const Device& device, const ProgramText& program,
+          const cl::Program& built) {
   const auto binaries = built.getInfo<CL_PROGRAM_BINARIES>();
-  cache.seal();
   if (binaries.size() != 1) return;
-  cache.keep_program(key, {reinterpret_cast<const char*>(binaries[0].data()), binaries[0].size()});
+  const std::string binary(binaries[0].begin(), binaries[0].end());
+  if (load(device, program, binary)) cache.keep_program(key, binary);
 }
 
 // Messages between the two processes: strings, each behind its length.
@@ -172,11 +176,11 @@ class CompilingProcess {
  public:
   std::vector<std::string> words;  ///< that start it; none: there is no such process
 
-  /// Compiles a program into the cache.
-  void compile(const Device& device, const ProgramText& program, const CompileCache& cache) {
-    const bool asked_before = Interrupt::seen();
+  /// Compiles a program into the cache. `asked_before`: a stop was requested before, and goes on being disregarded.
+  void compile(const Device& device, const ProgramText& program, const CompileCache& cache, bool asked_before) {
     for (bool again : {true, false}) {
-      if (child_ < 0) start();
+      if (!asked_before && Interrupt::seen()) throw Stopped("stopped before kernels were compiled");
+      if (child_ < 0) start(cache);
       const bool sent = send_text(socket_, std::to_string(device.info().index)) && send_text(socket_, program.name) &&
                         send_text(socket_, program.options) && send_text(socket_, program.text);
       const std::optional<std::string> answer = sent ? await_answer(asked_before) : std::nullopt;
@@ -207,7 +211,7 @@ class CompilingProcess {
     }
   }
 
-  void start() {
+  void start(const CompileCache& cache) {
     int ends[2];
     if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
       throw DeviceError("socketpair", std::strerror(errno), "");
@@ -221,8 +225,10 @@ class CompilingProcess {
     posix_spawnattr_init(&attributes);
     posix_spawnattr_setflags(&attributes,
                              POSIX_SPAWN_SETPGROUP);  // Ctrl-C is for this process, and the linker's end a failure
+    std::vector<std::string> all = words;
+    all.push_back(cache.folder()), all.push_back(cache.own() / "compiler");
     std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
+    for (std::string& word : all) arguments.push_back(word.data());
     arguments.push_back(nullptr);
     const int error = ::posix_spawn(&child_, arguments[0], &actions, &attributes, arguments.data(), environ);
     posix_spawnattr_destroy(&attributes);
@@ -232,7 +238,8 @@ class CompilingProcess {
     if (error == 0) return;
     child_ = -1;
     ::close(socket_);
-    throw DeviceError("starting " + words[0], std::strerror(error), "", address_space_advice());
+    throw DeviceError("starting " + words[0], std::strerror(error), "",
+                      error == EAGAIN ? thread_advice : address_space_advice());
   }
 
   /// Returns how the process ended.
@@ -266,8 +273,7 @@ bool is_stopped(int process) {
 /// process's turn, or where the other one was stopped or takes too long.
 std::optional<cl::Program> await_turn(const Device& device, const ProgramText& program, const CompileCache& cache,
                                       const std::string& key, CompileCache::Turn& turn,
-                                      std::unique_lock<std::mutex>& threads) {
-  const bool asked_before = Interrupt::seen();
+                                      std::unique_lock<std::mutex>& threads, bool asked_before) {
   std::optional<BusyMessage> busy;
   for (const auto end = Clock::now() + longest_turn;;) {
     threads.lock();
@@ -292,17 +298,19 @@ void check_space(const Device& device, const ProgramText& program) {
 cl::Program compile_for_all(const Device& device, const ProgramText& program, const CompileCache& cache,
                             const std::string& key) {
   static std::mutex one_thread;
+  const bool asked_before = Interrupt::seen();
   CompileCache::Turn turn(cache, key);
   std::unique_lock threads(one_thread, std::defer_lock);
-  if (std::optional<cl::Program> built = await_turn(device, program, cache, key, turn, threads)) return *built;
+  if (std::optional<cl::Program> built = await_turn(device, program, cache, key, turn, threads, asked_before))
+    return *built;
   const BusyMessage busy(device, "compiling " + program.name + " for this device (once)");
   if (!compiling_process().words.empty()) {
-    compiling_process().compile(device, program, cache);
+    compiling_process().compile(device, program, cache, asked_before);
     if (std::optional<cl::Program> built = load(device, program, cache.program(key))) return *built;
   }
   check_space(device, program);
   cl::Program built = compile(device, program);
-  keep(cache, key, built);
+  keep(cache, key, device, program, built);
   return built;
 }
 
@@ -319,17 +327,15 @@ cl::Program built_program(const Device& device, const ProgramText& program) {
     return compile(device, program);
   }
   const std::string key = key_of(device, program);
-  std::optional<cl::Program> built = load(device, program, cache->program(key));
-  if (!built) built = compile_for_all(device, program, *cache, key);
-  cache->seal();
-  return *built;
+  if (const std::optional<cl::Program> built = load(device, program, cache->program(key))) return *built;
+  return compile_for_all(device, program, *cache, key);
 }
 
 void set_compiler(std::vector<std::string> words) { compiling_process().words = std::move(words); }
 
-int compile_for_parent() {
+int compile_for_parent(const std::filesystem::path& folder, const std::filesystem::path& own) {
   std::set_new_handler(give_up);
-  compile_in(std::getenv("POCL_CACHE_DIR"));
+  compile_in(folder, own);
   std::optional<Device> device;
   for (pollfd wait{STDIN_FILENO, POLLIN, 0}; ::poll(&wait, 1, idle_milliseconds) > 0;) {
     const auto index = receive_text(STDIN_FILENO), name = receive_text(STDIN_FILENO),
@@ -343,7 +349,7 @@ int compile_for_parent() {
         static const int at_exit = std::atexit(give_up);  // before LLVM's own
         (void)at_exit;
       }
-      keep(*compile_cache(), key_of(*device, program), compile(*device, program));
+      keep(*compile_cache(), key_of(*device, program), *device, program, compile(*device, program));
     } catch (const KernelBuildError& error) {
       answer = build_failed + error.log;
     } catch (const std::exception& error) {
@@ -351,6 +357,7 @@ int compile_for_parent() {
     }
     if (!send_text(STDIN_FILENO, answer)) break;
   }
+  compile_cache()->leave();
   ::_exit(0);
 }
 

@@ -13,8 +13,10 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <latch>
 #include <mutex>
 #include <optional>
+#include <system_error>
 #include <thread>
 
 #include "fem/cache_directory.h"
@@ -22,11 +24,14 @@
 #include "host/device/compile_cache.h"
 #include "host/device/opencl.h"
 #include "host/support/address_space.h"
+#include "host/support/host_threads.h"
 #include "host/support/interrupt.h"
 #include "kernels/shared/interleaved.h"
 
 namespace tactel::host {
 namespace {
+
+constexpr const char* our_pocl_devices = "basic pthread";
 
 struct FoundDevice {
   DeviceInfo info;
@@ -61,18 +66,44 @@ void set_up_cache() {
   const CachePlace place = choose_cache(named.empty() ? named : named / "pocl", shared);
   process().trouble = place.trouble;
   if (place.folder.empty()) return;
-  process().cache = std::make_unique<CompileCache>(place.folder);
-  setenv("POCL_CACHE_DIR", place.folder.c_str(), 0);
+  try {
+    process().cache = std::make_unique<CompileCache>(place.folder);
+  } catch (const fs::filesystem_error& failed) {
+    process().trouble += place.folder.string() + " (" + failed.code().message() + ")";
+    return;
+  }
+  std::atexit([] { process().cache->leave(); });  // before the driver is loaded: it ends first
 }
 
 // By default PoCL offers only its `pthread` device; its `basic` device launches in under a microsecond.
 // What the user has set stays.
 void set_up_pocl() {
   std::call_once(process().once, [] {
-    setenv("POCL_DEVICES", "basic pthread", 0);
-    set_up_cache();
+    setenv("POCL_DEVICES", our_pocl_devices, 0);
+    if (!shows_processors()) {  // hwloc, with which PoCL looks for them, takes this for the machine
+      const std::size_t memory = static_cast<std::size_t>(::sysconf(_SC_PHYS_PAGES)) * ::sysconf(_SC_PAGESIZE);
+      const std::string seen =
+          "numa:1(memory=" + std::to_string(memory) + ") pu:" + std::to_string(::sysconf(_SC_NPROCESSORS_ONLN));
+      setenv("HWLOC_SYNTHETIC", seen.c_str(), 0);
+      setenv("HWLOC_THISSYSTEM", "1", 0);
+    }
+    if (!process().cache) set_up_cache();
   });
 }
+
+/// While it lives, PoCL is told where this process keeps what it compiles. PoCL reads that once; the programs that this
+/// one starts must not.
+class ToldFolder {
+ public:
+  ToldFolder() {
+    if (process().cache) setenv("POCL_CACHE_DIR", process().cache->own().c_str(), 1);
+  }
+  ~ToldFolder() {
+    if (process().cache) unsetenv("POCL_CACHE_DIR");
+  }
+  ToldFolder(const ToldFolder&) = delete;
+  ToldFolder& operator=(const ToldFolder&) = delete;
+};
 
 std::string no_cache() {
   return "compiled kernels need a folder, and none can be used: " + process().trouble +
@@ -87,12 +118,9 @@ void report_cache(const LogSink& log) {
     if (!all.trouble.empty()) log(LogLevel::warning, no_cache());
     return;
   }
-  const std::string folder = std::getenv("POCL_CACHE_DIR");
   if (!all.trouble.empty())
-    log(LogLevel::warning, "compiled kernels are kept in " + folder + ", because of " + all.trouble);
-  if (all.cache->damaged() > 0)
-    log(LogLevel::warning, "the cache of compiled kernels " + folder + " was damaged: " +
-                               std::to_string(all.cache->damaged()) + " programs were removed and are compiled again");
+    log(LogLevel::warning,
+        "compiled kernels are kept in " + all.cache->folder().string() + ", because of " + all.trouble);
 }
 
 DeviceType type_of(cl_device_type type) {
@@ -151,11 +179,29 @@ void expect_files() {
                           ": allow more (ulimit -n 1024), or close some");
 }
 
+/// PoCL starts a thread a core, and aborts where there is none.
+void expect_threads() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    std::latch all(1);
+    std::vector<std::jthread> threads;
+    try {
+      for (long k = ::sysconf(_SC_NPROCESSORS_ONLN); k > 0; --k) threads.emplace_back([&] { all.wait(); });
+      all.count_down();
+    } catch (const std::system_error& error) {
+      all.count_down();
+      throw DeviceError("pthread_create", error.code().message(), "", thread_advice);
+    }
+  });
+}
+
 std::vector<FoundDevice> find_devices() {
   expect_files();
   set_up_pocl();
   if (address_space_left() < opencl_space + std::thread::hardware_concurrency() * stack_size()) return {};
+  expect_threads();
   const HeldSignals held(HeldSignals::always);  // PoCL's threads are made here, and compile later: they keep it
+  const ToldFolder told;
   std::vector<cl::Platform> platforms;
   try {
     cl::Platform::get(&platforms);
@@ -242,6 +288,10 @@ std::string no_device_advice() {
     return "POCL_CACHE_DIR = " + std::string(cache) + " must be a folder that can be written";
   if (cache == nullptr && !process().trouble.empty()) return no_cache();
   if (std::string advice = address_space_advice(); !advice.empty()) return advice;
+  for (const char* name : {"OCL_ICD_VENDORS", "OCL_ICD_FILENAMES", "POCL_DEVICES", "POCL_BUILDING"})
+    if (const char* value = std::getenv(name); value && value != std::string_view(our_pocl_devices))
+      return name + (" = " + std::string(value)) +
+             " is set and may hide the devices: unset it, or name one that is there";
   return "install one, for the processor: apt install pocl-opencl-icd, or for the Python package pip install "
          "intel-opencl-rt intel-cmplr-lib-rt; `clinfo -l` lists the devices";
 }
@@ -364,8 +414,8 @@ bool Device::short_code() const { return state_->short_code; }
 
 const CompileCache* compile_cache() { return process().cache.get(); }
 
-void compile_in(const std::filesystem::path& folder) {
-  process().cache = std::make_unique<CompileCache>(folder, false);
+void compile_in(const std::filesystem::path& folder, const std::filesystem::path& own) {
+  process().cache = std::make_unique<CompileCache>(folder, own);
 }
 
 }  // namespace tactel::host

@@ -13,6 +13,7 @@
 #include "host/device/thread_team.h"
 #include "host/support/host_threads.h"
 #include "host/support/seconds.h"
+#include "host/support/stop_scope.h"
 
 namespace tactel::host {
 namespace {
@@ -39,8 +40,14 @@ struct Run {
   Run(std::span<const Job> jobs, const std::vector<std::size_t>& groups, const RunOptions& options, int threads)
       : jobs(jobs), options(options), threads(threads), supply(groups), times(jobs.size()) {}
 
+  const StopScope::Asked* const asked = StopScope::current();
+
   // In the thread that started the run, between chunks: false when the run shall end.
   bool go_on() {
+    if (asked && (*asked)()) {
+      supply.stop();
+      return false;
+    }
     const std::size_t so_far = done;
     if (!options.progress || so_far == supply.total() || options.progress(so_far, supply.total())) return true;
     supply.stop();
@@ -148,7 +155,7 @@ void Executor::State::run_on_device(Run& run) {
 // A job on a device that schedules itself; false when progress ended the run.
 bool Executor::State::run_slices(Run& run, std::size_t job) {
   std::size_t slice = launcher.widest_launch();
-  if (run.options.progress) {
+  if (run.options.progress || run.asked) {
     const DeviceInfo& info = launcher.device().info();
     const std::size_t smallest =
         std::min(slice, info.type == DeviceType::gpu ? gpu_slice * static_cast<std::size_t>(info.compute_units)
@@ -189,7 +196,14 @@ std::optional<RunReport> Executor::State::run_beside(std::span<const Job> jobs, 
   const std::unique_lock use(*state.use, std::try_to_lock);
   if (!use.owns_lock() || !state.compiled || !state.program.takes_group(state.kernel)) return {};
   const auto start = Clock::now();
-  launcher.launch_beside(state, 0, groups);
+  ChunkPace pace(options.largest_chunk, 1, state.seconds_per_group);
+  for (std::size_t first = 0, count = groups; first < groups; first += count) {
+    StopScope::check();
+    if (StopScope::current()) count = pace.next(groups - first);
+    const auto begun = Clock::now();
+    launcher.launch_beside(state, first, count);
+    pace.measured(count, seconds_since(begun));
+  }
   const double seconds = seconds_since(start);
   const std::lock_guard lock(beside_turn);
   beside[state.kernel] += KernelTime{1, groups, seconds};
@@ -257,6 +271,7 @@ RunReport Executor::run(std::span<const Job> jobs, const RunOptions& options) {
     if (const auto report = state_->run_beside(jobs, options)) return *report;
     lock.lock();
   }
+  StopScope::check();
   const auto uses = State::used(jobs);
   const auto start = Clock::now();
   Run run(jobs, groups, options, threads());
@@ -264,6 +279,7 @@ RunReport Executor::run(std::span<const Job> jobs, const RunOptions& options) {
   if (run.supply.total() > 0) device().info().low_latency ? state_->run_on_threads(run) : state_->run_on_device(run);
   state_->finish(run);
   run.report.seconds = seconds_since(start);
+  if (run.report.cancelled) StopScope::check();
   return run.report;
 }
 

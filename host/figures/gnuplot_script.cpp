@@ -22,9 +22,11 @@ std::string number(double value) { return std::isfinite(value) ? fmt::format("{:
 /// Text in double quotes of a gnuplot program. gnuplot runs `commands` in them; in single quotes it ends the text at a
 /// doubled quote. What has a meaning stands as an octal code of four digits; a control character, which no SVG may
 /// hold, as a blank.
+/// As gnuplot reads it. It writes texts into SVG as they are, between "<![CDATA[" and "]]>": the latter gets a space.
 std::string in_quotes(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
+    if (c == '>' && out.ends_with("]]")) out += ' ';
     if (c == '"' || c == '\\' || c == '`')
       out += fmt::format("\\0{:03o}", static_cast<unsigned>(c));
     else

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "host/python/bindings.h"
@@ -61,9 +62,17 @@ py::array_t<Number> taken(const SlipEstimator& network, const Frames& frames, st
   return all;
 }
 
-std::unique_ptr<Alarm> alarm_of(const py::object& network, float at, double touch, std::optional<float> widest) {
-  AlarmOptions options{.at = at, .touch = touch};
-  options.widest = widest.value_or(options.widest);
+/// A number as float. One beyond its range would become infinity, which means "never".
+float narrow(const char* name, double value) {
+  const auto narrowed = static_cast<float>(value);
+  if (std::isfinite(value) && !std::isfinite(narrowed))
+    throw InputError(name, std::to_string(value), "must be a number of single precision, or infinity");
+  return narrowed;
+}
+
+std::unique_ptr<Alarm> alarm_of(const py::object& network, double at, double touch, std::optional<double> widest) {
+  AlarmOptions options{.at = narrow("at", at), .touch = touch};
+  if (widest) options.widest = narrow("widest", *widest);
   if (py::isinstance<Network>(network))
     return std::make_unique<Alarm>(network.cast<const Network&>().estimator(), options);
   return std::make_unique<Alarm>(network.cast<const SlipEstimator&>(), options);
@@ -174,7 +183,7 @@ void bind_networks(py::module_& m) {
       .def_readonly("cannot_tell", &AlarmAnswer::cannot_tell, "only the width of the interval keeps the alarm off")
       .def("__repr__", &text_of);
   py::class_<Alarm>(m, "Alarm", "The alarm of `tactel monitor`: frames of one sensor in turn, by its rules.")
-      .def(py::init(&alarm_of), "network"_a, py::kw_only(), "at"_a = 0.8f, "touch"_a = 0.0, "widest"_a = py::none(),
+      .def(py::init(&alarm_of), "network"_a, py::kw_only(), "at"_a = 0.8, "touch"_a = 0.0, "widest"_a = py::none(),
            "network: a Network or SlipEstimator. at: upper bound of S (S itself without a bound) at which the alarm "
            "begins; it ends below at - 0.05. touch: MPa; a frame whose normal stresses all stay below is no contact. "
            "widest: no alarm begins at a wider interval of S.")

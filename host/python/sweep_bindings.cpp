@@ -135,7 +135,9 @@ void bind_set(py::module_& m) {
             write_set(set, path);
           },
           "path"_a,
-          "Writes a set file (HDF5): that of `tactel generate` for the rows of a whole sweep. Raises InputError.")
+          "Writes a set file (HDF5), in place of a file of that name: that of `tactel generate` for the rows of a "
+          "whole "
+          "sweep. Raises InputError.")
       .def("__repr__", [](const Set& set) {
         return "<tactel.Set: " + std::to_string(set.rows()) + " rows of " + std::to_string(set.inputs / set.axes) +
                " tactels, " + std::to_string(set.contacts) + " contacts>";

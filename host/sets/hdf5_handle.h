@@ -3,6 +3,8 @@
 #include <hdf5.h>
 
 #include <cstdint>
+#include <cstdlib>
+#include <string>
 #include <utility>
 
 namespace tactel::host {
@@ -27,9 +29,18 @@ class Handle {
 
 /// Call it before any other call of HDF5. Disables the library's own error printing; callers throw ConfigError.
 /// Disables the library's clean-up at exit: where a full disk made a close fail, the clean-up repeats it and
-/// crashes. Every Handle closes itself, so no clean-up is needed.
+/// crashes. Every Handle closes itself, so no clean-up is needed. Takes no locks, whatever HDF5_USE_FILE_LOCKING says,
+/// which the library reads when it starts: sets are written under names of their own, with locks of their own.
 inline void prepare_hdf5() {
-  static const bool once = H5dont_atexit() >= 0;
+  static const bool once = [] {
+    constexpr const char* name = "HDF5_USE_FILE_LOCKING";
+    const char* const value = std::getenv(name);
+    const std::string users = value ? value : "";
+    setenv(name, "FALSE", 1);
+    const bool good = H5dont_atexit() >= 0 && H5open() >= 0;
+    value ? setenv(name, users.c_str(), 1) : unsetenv(name);
+    return good;
+  }();
   static_cast<void>(once);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/sets/set_file.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cstring>
 
@@ -72,12 +75,27 @@ int fletcher_place(hid_t plan) {
   return -1;
 }
 
-/// Opens a file for reading. A pipe or a device is not opened at all: it could wait for ever.
+/// Why the system does not open a file for reading; empty where it does. A pipe or a device is not opened at all: it
+/// could wait for ever.
+std::string unreadable(const std::filesystem::path& path) {
+  if (has_nul(path)) return "its name holds a NUL byte";
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (status.type() == std::filesystem::file_type::not_found) return "missing";
+  if (std::filesystem::is_directory(status)) return "a folder";
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) return "no regular file";
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) return std::strerror(errno);
+  ::close(file);
+  return "";
+}
+
 hid_t open_to_read(const std::filesystem::path& path) {
   prepare_hdf5();
-  std::error_code error;
-  if (has_nul(path) || !std::filesystem::is_regular_file(path, error)) return H5I_INVALID_HID;
-  return H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  if (!unreadable(path).empty()) return H5I_INVALID_HID;
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_file_locking(access, false, true);
+  return H5Fopen(path.c_str(), H5F_ACC_RDONLY, access);
 }
 
 }  // namespace
@@ -88,12 +106,10 @@ SetFile::SetFile(const std::filesystem::path& path) : path_(path), file_(open_to
       !std::filesystem::exists(path, error) && std::filesystem::exists(parts, error))
     refuse("(file)", "unfinished",
            "finished: the command that began it goes on with " + parts.string() + " if --resume is added");
-  if (!file_.open())
-    refuse("(file)",
-           has_nul(path)                          ? "its name holds a NUL byte"
-           : std::filesystem::exists(path, error) ? "not HDF5, or damaged"
-                                                  : "missing",
-           "an HDF5 file written by tactel generate");
+  if (!file_.open()) {
+    const std::string why = unreadable(path);
+    refuse("(file)", why.empty() ? "not HDF5, or damaged" : why, "an HDF5 file written by tactel generate");
+  }
   if (const std::string format = text("format"); format != "tactel contact set 1")
     refuse("format", format.empty() ? "(missing)" : format, "tactel contact set 1: a file written by tactel generate");
 }

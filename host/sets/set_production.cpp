@@ -12,7 +12,9 @@
 #include <thread>
 
 #include "host/sets/stage_seconds.h"
+#include "host/support/errors.h"
 #include "host/support/freed_memory.h"
+#include "host/support/stop_scope.h"
 
 namespace tactel::host {
 namespace {
@@ -122,7 +124,9 @@ class Line {
   const std::string& device_name() const { return executor_.device().info().name; }
 
  private:
-  void produce() {
+  void produce() try {
+    const StopScope::Asked asked = [this] { return production_.stopped(); };
+    const StopScope scope(&asked);
     while (const auto number = production_.next()) {
       const std::uint64_t first = *number * chunk_contacts;
       const auto range =
@@ -132,6 +136,8 @@ class Line {
       if (production_.stopped()) return;
       production_.add(*number, *range, simulator_.collect(*range));
     }
+  } catch (const Stopped&) {
+    if (!production_.stopped()) throw;  // the compiler heard of it first
   }
 
   Production& production_;

@@ -64,8 +64,13 @@ ConfigError output_error(const fs::path& output, const std::string& allowed) {
 }
 
 FileLock locked(const fs::path& folder, const fs::path& output) {
-  return FileLock::of_file("--output", folder / "lock",
-                           "of a set that no other program is writing; another one writes " + output.string());
+  const std::string allowed = "of a set that no other program is writing; another one writes " + output.string();
+  try {
+    return FileLock::of_file("--output", folder / "lock", allowed);
+  } catch (const ConfigError&) {
+    if (fs::exists(folder)) throw;  // else the other one has just ended its set
+    throw output_error(output, allowed);
+  }
 }
 
 /// Errors of the file system while a folder is listed, measured or removed, as errors of --output.

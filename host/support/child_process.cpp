@@ -9,11 +9,14 @@
 
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
+
+#include "host/support/interrupt.h"
 
 extern char** environ;
 
@@ -77,11 +80,13 @@ void drain(const Pipe& out, const Pipe& err, ChildResult& result) {
 }
 
 /// The exit code of a child that has ended, as in ChildResult.
+int exit_code(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status); }
+
 int wait_for(pid_t child) {
   int status = 0;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return exit_code(status);
 }
 
 }  // namespace
@@ -105,7 +110,10 @@ int run_attached(const std::string& path, const std::vector<std::string>& words)
   if (const int error = ::posix_spawn(&child, path.c_str(), nullptr, nullptr, pointers(words).data(), environ);
       error != 0)
     throw std::runtime_error(path + ": " + std::strerror(error));
-  return wait_for(child);
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR)
+    if (Interrupt::seen()) ::kill(child, SIGTERM);  // the signal may have been for this process alone
+  return exit_code(status);
 }
 
 bool program_exists(const std::string& name) {

@@ -7,17 +7,23 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <chrono>
+#include <climits>
 #include <cstring>
+#include <ctime>
+#include <fstream>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include "host/support/bounded_file.h"
+#include "host/support/checksum.h"
 #include "host/support/errors.h"
 
 namespace tactel::host {
@@ -32,8 +38,9 @@ std::string advice(int error) {
   switch (error) {
     case ENOSPC:
     case EDQUOT:
-    case EFBIG:
       return "; make room there or choose another disk";
+    case EFBIG:
+      return "; allow larger files (ulimit -f)";
     case EACCES:
     case EPERM:
     case EROFS:
@@ -70,11 +77,11 @@ bool is_special(const fs::path& path) {
   return fs::exists(status) && !fs::is_regular_file(status);
 }
 
-/// ".NAME.PID.COUNT.tactel-part"; NAME cut off where a file name would become too long.
+/// ".NAME.KERNEL.PID.COUNT.tactel-part"; NAME cut off where a file name would become too long.
 fs::path temporary_beside(const fs::path& path) {
   static std::atomic<unsigned> count{0};
-  return folder_of(path) /
-         fmt::format(".{}.{}.{}{}", path.filename().string().substr(0, 200), ::getpid(), count++, suffix);
+  return folder_of(path) / fmt::format(".{}.{}.{}.{}{}", path.filename().string().substr(0, 190), running_kernel(),
+                                       ::getpid(), count++, suffix);
 }
 
 bool take_number(std::string_view& name) {
@@ -85,10 +92,13 @@ bool take_number(std::string_view& name) {
   return true;
 }
 
-bool is_temporary_name(std::string_view name) {
-  if (!name.starts_with('.') || !name.ends_with(suffix)) return false;
+/// The kernel under which a temporary of this name was made; none of another name.
+std::optional<std::string> kernel_of(std::string_view name) {
+  if (!name.starts_with('.') || !name.ends_with(suffix)) return {};
   name.remove_suffix(suffix.size());
-  return take_number(name) && take_number(name) && name.size() > 1;
+  if (!take_number(name) || !take_number(name) || name.size() < 2) return {};
+  const auto dot = name.rfind('.');
+  return std::string(name.substr(dot + 1));
 }
 
 /// Whether the name still leads to the open file.
@@ -106,12 +116,12 @@ int lock_error(int file, int how) {
 }
 
 /// Removes a temporary whose process has gone; its lock went with it.
-void remove_if_left(const fs::path& path) {
+void remove_if_left(const fs::path& path, const std::string& kernel) {
   const int file = ::open(path.c_str(), O_RDWR | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK);
   if (file < 0) return;
   struct stat status;
   if (::fstat(file, &status) == 0 && S_ISREG(status.st_mode) && status.st_uid == ::geteuid() &&
-      lock_error(file, LOCK_EX | LOCK_NB) == 0)
+      is_abandoned(file, kernel))
     ::unlink(path.c_str());
   ::close(file);
 }
@@ -167,10 +177,29 @@ bool sync_folder(const fs::path& folder) {
 
 void remove_leftovers(const fs::path& folder) {
   std::error_code error;
-  std::vector<fs::path> left;
+  std::vector<std::pair<fs::path, std::string>> left;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
-    if (is_temporary_name(entry->path().filename().native())) left.push_back(entry->path());
-  for (const fs::path& path : left) remove_if_left(path);
+    if (const auto kernel = kernel_of(entry->path().filename().native())) left.emplace_back(entry->path(), *kernel);
+  for (const auto& [path, kernel] : left) remove_if_left(path, kernel);
+}
+
+const std::string& running_kernel() {
+  static const std::string name = [] {
+    std::string id;
+    std::ifstream("/proc/sys/kernel/random/boot_id") >> id;
+    if (id.empty()) id.resize(HOST_NAME_MAX + 1), ::gethostname(id.data(), id.size() - 1);
+    return checksum_text(id);
+  }();
+  return name;
+}
+
+bool is_abandoned(int file, std::string_view kernel, std::chrono::seconds least) {
+  constexpr std::chrono::seconds day = std::chrono::hours(24);
+  struct stat status;
+  if (::fstat(file, &status) != 0) return false;
+  const std::chrono::seconds unchanged(std::time(nullptr) - status.st_mtime);
+  return unchanged >= (kernel == running_kernel() ? least : std::max(least, day)) &&
+         lock_error(file, LOCK_EX | LOCK_NB) == 0;
 }
 
 DurableFile::DurableFile(std::string option, fs::path path)

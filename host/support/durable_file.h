@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <chrono>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -54,8 +55,16 @@ bool sync_folder(const std::filesystem::path& folder);
 bool write_all(int file, std::string_view bytes);
 
 /// Removes the temporaries of killed processes from a folder: regular files of this user with names of
-/// DurableFile that no process holds locked. DurableFile does so once for each folder that it writes to.
+/// DurableFile that are abandoned. DurableFile does so once for each folder that it writes to.
 void remove_leftovers(const std::filesystem::path& folder);
+
+/// Returns 16 letters that the running kernel has until the machine starts again. Processes that have the same see each
+/// other's locks; on some network file systems, others do not.
+const std::string& running_kernel();
+
+/// Whether what a process under `kernel` made, and held locked by flock, has no owner any more: nobody changed it for
+/// `least`, for a day where that was another kernel, and its lock is free.
+bool is_abandoned(int file, std::string_view kernel, std::chrono::seconds least = {});
 
 /// A lock (flock) that ends with its process.
 class FileLock {

@@ -23,4 +23,20 @@ int host_threads() {
   return threads;
 }
 
+bool shows_processors(const std::filesystem::path& sys) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  bool cpus = false, nodes = true;
+  for (const char* folder : {"bus/cpu/devices", "devices/system/cpu"})
+    cpus = cpus || fs::exists(sys / folder / "cpu0/topology", error);
+  for (const char* folder : {"bus/node/devices", "devices/system/node"}) {
+    if (!fs::exists(sys / folder, error)) continue;  // a kernel without them
+    bool any = false;
+    for (const auto& entry : fs::directory_iterator(sys / folder, error))
+      any = any || (entry.path().filename().native().starts_with("node") && entry.exists(error));
+    nodes = nodes && any;
+  }
+  return cpus && nodes;
+}
+
 }  // namespace tactel::host

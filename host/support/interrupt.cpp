@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/support/interrupt.h"
 
+#include <array>
 #include <atomic>
 #include <csignal>
 #include <cstdint>
 #include <ctime>
-#include <initializer_list>
 
 namespace tactel::host {
 namespace {
@@ -16,7 +16,8 @@ constexpr std::int64_t same_wish = 500'000'000;  ///< ns after the first signal 
 // Of the first signal, ns on the monotonic clock. A signal may reach any thread.
 std::atomic<std::int64_t> asked_at = no_signal;
 static_assert(std::atomic<std::int64_t>::is_always_lock_free, "a signal handler takes no lock");
-struct sigaction before_int, before_term;
+constexpr std::array stop_signals = {SIGINT, SIGTERM, SIGHUP};
+std::array<struct sigaction, stop_signals.size()> before;
 
 std::int64_t monotonic_ns() {
   timespec time{};
@@ -40,13 +41,14 @@ Interrupt::Interrupt() {
   struct sigaction action {};
   action.sa_handler = on_signal;
   sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, &before_int);
-  sigaction(SIGTERM, &action, &before_term);
+  for (std::size_t k = 0; k < stop_signals.size(); ++k) {
+    sigaction(stop_signals[k], &action, &before[k]);
+    if (stop_signals[k] == SIGHUP && before[k].sa_handler == SIG_IGN) sigaction(SIGHUP, &before[k], nullptr);  // nohup
+  }
 }
 
 Interrupt::~Interrupt() {
-  sigaction(SIGINT, &before_int, nullptr);
-  sigaction(SIGTERM, &before_term, nullptr);
+  for (std::size_t k = 0; k < stop_signals.size(); ++k) sigaction(stop_signals[k], &before[k], nullptr);
 }
 
 bool Interrupt::requested() const { return seen(); }
@@ -55,7 +57,7 @@ bool Interrupt::seen() { return asked_at != no_signal; }
 HeldSignals::HeldSignals(When when) {
   sigset_t held;
   sigemptyset(&held);
-  for (const int signal : {SIGINT, SIGTERM}) {
+  for (const int signal : stop_signals) {
     struct sigaction current {};
     sigaction(signal, nullptr, &current);
     const bool second = current.sa_handler == on_signal && Interrupt::seen();

@@ -4,7 +4,8 @@
 
 namespace tactel::host {
 
-/// During its life, Ctrl-C (SIGINT) and SIGTERM request a clean stop instead of ending the program. Signals within
+/// During its life, Ctrl-C (SIGINT), SIGTERM and SIGHUP request a clean stop instead of ending the program; a SIGHUP
+/// that nohup has ignored stays so. Signals within
 /// 0.5 s of the first are the same request: `timeout -s INT` sends one to the program and one to its group. A later
 /// one ends the program at once. One object at a time.
 class Interrupt {
@@ -18,7 +19,7 @@ class Interrupt {
   static bool seen();
 };
 
-/// During its life, blocks SIGINT and SIGTERM in this thread and in the programs and threads that it starts. Ctrl-C
+/// During its life, blocks these signals in this thread and in the programs and threads that it starts. Ctrl-C
 /// reaches all processes of a terminal, and a compiler whose linker it ends reports a failure. Another thread, or
 /// this one later, receives the signal.
 class HeldSignals {

@@ -9,15 +9,18 @@
 #include <thread>
 #include <vector>
 
+#include "host/support/stop_scope.h"
+
 namespace tactel::host {
 
 void side_by_side(std::size_t count, int threads, const std::function<void(std::size_t)>& work) {
   std::atomic<std::size_t> next = 0;
   std::mutex mutex;
   std::exception_ptr error;
-  const auto work_on = [&] {
+  const auto work_on = [&, asked = StopScope::current()] {
+    const StopScope scope(asked);
     try {
-      for (std::size_t k = next++; k < count; k = next++) work(k);
+      for (std::size_t k = next++; k < count; k = next++) StopScope::check(), work(k);
     } catch (...) {
       const std::lock_guard lock(mutex);
       if (!error) error = std::current_exception();

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <iostream>
@@ -30,6 +31,7 @@ ssize_t write_and_forget(void*, const char* text, std::size_t size) {
 }  // namespace
 
 void prepare_standard_streams() {
+  std::signal(SIGXFSZ, SIG_IGN);
   open_if_closed(STDIN_FILENO, O_WRONLY);
   open_if_closed(STDOUT_FILENO, O_RDONLY);
   open_if_closed(STDERR_FILENO, O_RDONLY);

@@ -507,6 +507,28 @@ class SetsAndNetworks(unittest.TestCase):
                 tactel.read_set(there).save(saved)
                 self.assertTrue(saved.read_bytes() == there.read_bytes())
 
+    def test_batches_of_several_processes_are_not_the_same(self):
+        read, write = os.pipe()
+        child = os.fork()
+        if child == 0:
+            try:
+                self.sweep.batches(10)
+            except tactel.InputError as error:
+                os.write(write, str(error).encode())
+            self.sweep.batches(10, seed=4), self.sweep.batches(10, first=0)
+            os._exit(0)
+        os.close(write)
+        with os.fdopen(read) as said:
+            self.assertIn("each would draw the same contacts", said.read())
+        self.assertEqual(os.waitpid(child, 0)[1], 0)
+        workers = mock.Mock(get_worker_info=lambda: mock.Mock(num_workers=2))
+        with mock.patch.dict("sys.modules", {"torch.utils.data": workers}), self.assertRaises(tactel.InputError):
+            self.sweep.batches(10)
+
+    def test_counts_and_numbers_have_a_range(self):
+        with self.assertRaisesRegex(tactel.InputError, "100000"):
+            tactel.Press(0.2).drag((0.05, 0.02), 10**9)
+
     def test_saves_what_a_set_has(self):
         place = pathlib.Path(self.folder.name)
         some, again, own = place / "some.h5", place / "some_again.h5", place / "own_rubber.toml"

@@ -139,6 +139,7 @@ class Sweep(_tactel.Sweep):
         """seed, tactels and thickness (mm) take the place of the file's."""
         super().__init__(path, seed, tactels, thickness)
         self.path = _os.fspath(path)
+        self._process = _os.getpid()
         self._sensor = {"tactels": tactels, "thickness": thickness}
 
     def generate(self, contacts=None, *, accuracy=None, rung="", precision="", device="", progress=None):
@@ -146,13 +147,24 @@ class Sweep(_tactel.Sweep):
         with _Progress(progress, "contacts", "contacts") as told:
             return self._generate(contacts, accuracy, rung, precision, device, told)
 
-    def batches(self, contacts=8192, *, seed=None, first=0, sets=False, accuracy=None, rung="", precision="", device=""):
+    def batches(self, contacts=8192, *, seed=None, first=None, sets=False, accuracy=None, rung="", precision="", device=""):
         """Iterates over the rows of so many contacts a time, which are never stored: (frames, slip_index), or Sets.
 
-        frames: [rows, 2 tactels] MPa, fp32; slip_index: [rows].
+        frames: [rows, 2 tactels] MPa, fp32; slip_index: [rows]. In one of several processes, as the workers of a DataLoader,
+        seed or first must be given: all would draw the same contacts.
         """
+        if seed is None and first is None and self._shared():
+            raise _calls.input_error("Sweep.batches", "this process is one of several, and each would draw the same contacts",
+                                     "give each a seed or a first contact, or take one process: the device has threads")
+        first = first or 0
         sweep = self if seed is None else Sweep(self.path, seed, **self._sensor)
         return sweep._batches(contacts, first, sets, accuracy, rung, precision, device)
+
+    def _shared(self):
+        """Whether other processes may hold this sweep, too: it came by a fork, or a DataLoader of PyTorch has several workers."""
+        data = _sys.modules.get("torch.utils.data")
+        worker = data.get_worker_info() if data else None
+        return worker.num_workers > 1 if worker else self._process != _os.getpid()
 
 
 def _widths(layers):

@@ -149,6 +149,20 @@ TEST_F(Generate, InterruptKeepsWhatIsDoneAndSaysHowToGoOn) {
   EXPECT_THAT(run({"--output", output("set.h5"), "--resume"}).out, HasSubstr("complete already"));
 }
 
+// A chunk of fine pads takes minutes. Batch systems send SIGTERM, a terminal that closes SIGHUP.
+TEST_F(Generate, ASignalEndsItInTheMidstOfAChunk) {
+  const std::string pads = output("pads.toml");
+  std::ofstream(pads) << "[sweep]\ncontacts = 4000\n[sensor]\nkind = \"pad\"\nthickness = 4.0\n[[indenter]]\nshape = \"sphere\"\n"
+                         "radius = { uniform = [5, 20] }\n[contact]\nfriction = 0.6\n[load]\nindentation = 0.4\n"
+                         "tangential_step = [0.05, 0.02]\ntangential_steps = 40\n";
+  for (const char* signal : {"TERM", "HUP"}) {
+    const ChildResult result = run_child({"timeout", "--preserve-status", "-k", "20", "-s", signal, "3", TACTEL_PROGRAM,
+                                          "generate", pads, "--rung", "pad-24", "--output", output(signal)});
+    EXPECT_EQ(result.exit_code, 130) << signal << ": " << result.err;
+    EXPECT_THAT(result.err, HasSubstr("stopped"));
+  }
+}
+
 // `timeout -s INT` sends the signal to the program and to its group. Sent a moment apart, so that the kernel does not
 // make one of them.
 TEST_F(Generate, TwoSignalsInARowStopAsOneDoes) {
@@ -164,7 +178,7 @@ TEST_F(Generate, TwoSignalsInARowStopAsOneDoes) {
 
 // A limit on the size of files (in blocks of 512 bytes) stands for a full disk: 6 MB hold one chunk of 4.5 MB.
 TEST_F(Generate, FullDiskKeepsWholeChunks) {
-  EXPECT_TRUE(is_refused(shell("trap '' XFSZ; ulimit -f 12000;", output("set.h5")), {"room"}));
+  EXPECT_TRUE(is_refused(shell("ulimit -f 12000;", output("set.h5")), {"room"}));
   EXPECT_FALSE(std::filesystem::exists(output("set.h5")));
   const ChildResult rest = run({"--output", output("set.h5"), "--resume"});
   ASSERT_EQ(rest.exit_code, 0) << rest.err;
@@ -175,7 +189,7 @@ TEST_F(Generate, FullDiskKeepsWholeChunks) {
 
 TEST_F(Generate, DamagedChunksAreMadeAgain) {
   ASSERT_EQ(run({"--output", output("whole.h5")}).exit_code, 0);
-  shell("trap '' XFSZ; ulimit -f 12000;", output("set.h5"));
+  shell("ulimit -f 12000;", output("set.h5"));
   const auto rows = SetSpool::folder(output("set.h5")) / "set";
   ASSERT_GT(std::filesystem::file_size(rows), 10000);
   std::fstream file(rows, std::ios::in | std::ios::out | std::ios::binary);
@@ -188,7 +202,7 @@ TEST_F(Generate, DamagedChunksAreMadeAgain) {
 
 TEST_F(Generate, RefusesOtherPlansOtherFilesAndOtherWriters) {
   const std::string set = output("set.h5");
-  shell("trap '' XFSZ; ulimit -f 6000;", set);
+  shell("ulimit -f 6000;", set);
   EXPECT_THAT(run({"--output", set, "--resume", "--precision", "fp64"}).err,
               HasSubstr("another sweep file, seed, precision"));
   {
@@ -291,9 +305,7 @@ TEST_F(Generate, WarnsOnceOfDeepIndentersWithTheirCount) {
   EXPECT_THAT(whole.err, HasSubstr(said));
   EXPECT_EQ(whole.err.find("warning"), whole.err.rfind("warning"));
   EXPECT_EQ(run_tactel({"generate", deep, "--output", output("quiet.h5"), "--quiet"}).err, "");
-  run_child(
-      {"sh", "-c",
-       "trap '' XFSZ; ulimit -f 3250; " TACTEL_PROGRAM " generate " + deep + " --output " + output("resumed.h5")});
+  run_child({"sh", "-c", "ulimit -f 3250; " TACTEL_PROGRAM " generate " + deep + " --output " + output("resumed.h5")});
   ASSERT_FALSE(std::filesystem::exists(output("resumed.h5")));
   const ChildResult resumed = run_tactel({"generate", deep, "--output", output("resumed.h5"), "--resume"});
   EXPECT_THAT(resumed.out, HasSubstr("1 of 2 chunks exist"));
@@ -367,8 +379,7 @@ class SmallSet : public ::testing::Test {
   /// Stopped with one chunk of two in the spool: 8192 contacts of two rows of 89 bytes and at most five parameters fit
   /// under the limit of 1.664 MB for a file, 9000 do not.
   void stop_half_way(const std::string& sweep, const std::string& output) const {
-    run_child({"sh", "-c",
-               "trap '' XFSZ; ulimit -f 3250; " TACTEL_PROGRAM " generate " + sweep + " --output " + (*this / output)});
+    run_child({"sh", "-c", "ulimit -f 3250; " TACTEL_PROGRAM " generate " + sweep + " --output " + (*this / output)});
     ASSERT_GT(std::filesystem::file_size(SetSpool::folder(*this / output) / "0000.placed"), 0);
   }
 
@@ -453,8 +464,8 @@ TEST_F(SmallSet, AFullDiskInTheAssemblyIsAnErrorAndKeepsTheChunks) {
   ASSERT_EQ(run(narrow, "whole.h5").exit_code, 0);
   const std::string blocks = std::to_string(std::filesystem::file_size(*this / "whole.h5") / 512 - 2);
   EXPECT_TRUE(is_refused(run_child({"sh", "-c",
-                                    "trap '' XFSZ; ulimit -f " + blocks + "; " TACTEL_PROGRAM " generate " + narrow +
-                                        " --output " + (*this / "set.h5")}),
+                                    "ulimit -f " + blocks + "; " TACTEL_PROGRAM " generate " + narrow + " --output " +
+                                        (*this / "set.h5")}),
                          {"on a disk with room for it"}));
   const ChildResult rest = run(narrow, "set.h5", {"--resume"});
   EXPECT_EQ(rest.exit_code, 0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// The cache of compiled kernels: what PoCL would abort on is found first, and nothing else is removed.
+// The cache of compiled kernels: processes share whole programs alone, and a damaged one is not believed.
 #include "host/device/compile_cache.h"
 
 #include <fcntl.h>
@@ -16,6 +16,7 @@
 #include <functional>
 #include <stdexcept>
 
+#include "host/support/durable_file.h"
 #include "tests/host/support/run_tactel.h"
 
 namespace tactel::host {
@@ -24,92 +25,11 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-/// A folder as PoCL fills it: two programs, and what lies beside them.
 class Cache : public testing::Test {
  protected:
-  void SetUp() override {
-    add("AB/FIRST/program.bc", "first");
-    add("AB/FIRST/kernel/1-1-1/kernel.so", "object");
-    add("AB/FIRST/last_accessed", "now");
-    add("CD/SECOND/program.bc", "second");
-    add("tempfile_x", "");
-  }
-  void add(const std::string& name, const std::string& content) {
-    fs::create_directories((folder_ / name).parent_path());
-    folder_.write(name, content);
-  }
-  bool there(const std::string& name) const { return fs::exists(folder_ / name); }
   fs::path folder() const { return folder_ / "."; }
-  /// As a process that compiles both programs.
-  void fill() {
-    const CompileCache cache(folder());
-    SetUp();
-    cache.seal();
-  }
-  std::size_t damaged() const { return CompileCache(folder()).damaged(); }
-
   ScratchFolder folder_;
 };
-
-TEST_F(Cache, KeepsWhatIsListedAndWhole) {
-  EXPECT_EQ(damaged(), 0u);
-  EXPECT_FALSE(there("AB/FIRST"));  // nothing is listed: two programs go
-  fill();
-  add("AB/FIRST/last_accessed", "later");  // PoCL's own stamp counts for nothing
-  EXPECT_EQ(damaged(), 0u);
-  EXPECT_TRUE(there("AB/FIRST/kernel/1-1-1/kernel.so"));
-  EXPECT_TRUE(there("CD/SECOND/program.bc"));
-}
-
-struct Damage {
-  const char* name;
-  void (*to)(const fs::path& file);
-};
-class DamagedCache : public Cache, public testing::WithParamInterface<Damage> {};
-
-TEST_P(DamagedCache, LosesThatProgramAlone) {
-  fill();
-  GetParam().to(folder_ / "AB/FIRST/kernel/1-1-1/kernel.so");
-  {
-    const CompileCache found(folder());
-    EXPECT_EQ(found.damaged(), 1u);
-    EXPECT_FALSE(there("AB/FIRST"));
-    EXPECT_TRUE(there("CD/SECOND/program.bc"));
-    add("AB/FIRST/program.bc", "compiled anew");
-    found.seal();
-  }
-  EXPECT_EQ(damaged(), 0u);
-  EXPECT_EQ(text_of(folder_ / "AB/FIRST/program.bc"), "compiled anew");
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    By, DamagedCache,
-    testing::Values(Damage{"truncation", [](const fs::path& file) { fs::resize_file(file, 2); }},
-                    Damage{"growth", [](const fs::path& file) { fs::resize_file(file, 4096); }},
-                    Damage{"other_bytes", [](const fs::path& file) { std::ofstream(file) << "OBJECT"; }},
-                    Damage{"a_link",
-                           [](const fs::path& file) { fs::remove(file), fs::create_symlink("/etc/hostname", file); }}),
-    [](const auto& info) { return info.param.name; });
-
-// A copied cache has other times of change, but the same content.
-TEST_F(Cache, ReadsTheContentWhereTheTimeDiffers) {
-  fill();
-  fs::last_write_time(folder_ / "AB/FIRST/program.bc", fs::file_time_type::clock::now() + std::chrono::hours(1));
-  EXPECT_EQ(damaged(), 0u);
-  EXPECT_TRUE(there("AB/FIRST/program.bc"));
-}
-
-// A list that a power cut has torn, or that holds anything: its files count as not listed.
-TEST_F(Cache, BelievesNoDamagedList) {
-  fill();
-  const std::string list = text_of(folder_ / "sealed");
-  add("sealed", list.substr(0, list.size() - 3));
-  EXPECT_EQ(damaged(), 0u);
-  EXPECT_NE(there("AB/FIRST"), there("CD/SECOND"));  // the last line was one of theirs
-  add("sealed", std::string(1000, '\0').append("\nno list\n\n0 0 0 0\n"));
-  EXPECT_EQ(damaged(), 0u);
-  EXPECT_FALSE(there("AB/FIRST") || there("CD/SECOND"));
-}
 
 /// Another process in the folder, which compiles and ends when it is told to.
 class Other {
@@ -143,37 +63,62 @@ class Other {
   pid_t child_;
 };
 
-// PoCL loads and compiles outside of any lock of ours: what another process has is left alone, whatever its state.
-TEST_F(Cache, LeavesTheFilesOfOtherProcesses) {
-  fill();
-  {
-    const Other other(
-        [&](const CompileCache&) {
-          add("EF/THIRD/program.bc", "not listed");
-          add("AB/FIRST/program.bc", "changed by another process");
-        },
-        folder());
-    EXPECT_EQ(damaged(), 0u);
-    EXPECT_TRUE(there("EF/THIRD/program.bc"));
-    EXPECT_TRUE(there("AB/FIRST/program.bc"));
-  }
-  EXPECT_EQ(damaged(), 1u);  // now alone
-  EXPECT_FALSE(there("EF/THIRD"));
-  EXPECT_FALSE(there("AB/FIRST"));
+// PoCL aborts where another process removes what it compiled, or has half written it. So each has files of its own,
+// whatever locks there are.
+TEST_F(Cache, ProcessesShareNoFilesOfPoCL) {
+  const CompileCache first(folder()), second(folder());
+  EXPECT_NE(first.own(), second.own());
+  EXPECT_TRUE(fs::is_directory(first.own()));
+  first.leave();
+  EXPECT_FALSE(fs::exists(first.own()));
+  EXPECT_TRUE(fs::is_directory(second.own()));
 }
 
-// A file that was listed while another process wrote it counts as damaged later; that costs a compilation.
-TEST_F(Cache, AFileListedTooEarlyIsCompiledAnew) {
-  fill();
-  {
-    const CompileCache cache(folder());
-    add("EF/THIRD/kernel.so", "half");
-    cache.seal();
-    add("EF/THIRD/kernel.so", "half and half");
+// What a fork of this process does at its end.
+TEST_F(Cache, AForkLeavesTheFolderToItsParent) {
+  const CompileCache cache(folder());
+  if (const pid_t child = fork(); child == 0) {
+    cache.leave();
+    _exit(0);
+  } else {
+    waitpid(child, nullptr, 0);
   }
-  EXPECT_EQ(damaged(), 1u);
-  EXPECT_FALSE(there("EF/THIRD"));
-  EXPECT_TRUE(there("AB/FIRST/program.bc"));
+  EXPECT_TRUE(fs::is_directory(cache.own()));
+}
+
+struct Left {
+  const char* name;
+  std::string kernel;  ///< under which the process ran
+  int hours;           ///< since the last change
+  bool removed;
+};
+class LeftFolder : public Cache, public testing::WithParamInterface<Left> {};
+
+// Nobody holds these locked. Where locks do not reach other hosts, that says nothing of a process there.
+TEST_P(LeftFolder, GoesWhereItsProcessCannotLive) {
+  const fs::path left = folder_ / ("process." + GetParam().kernel + ".1.abcdef");
+  fs::create_directories(left / "AB/PROGRAM");
+  fs::last_write_time(left, fs::file_time_type::clock::now() - std::chrono::hours(GetParam().hours));
+  const CompileCache cache(folder());
+  EXPECT_EQ(fs::exists(left), !GetParam().removed);
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, LeftFolder,
+                         testing::Values(Left{"this_kernel_now", running_kernel(), 0, false},
+                                         Left{"this_kernel_earlier", running_kernel(), 2, true},
+                                         Left{"another_kernel_earlier", "0123456789abcdef", 2, false},
+                                         Left{"another_kernel_long_ago", "0123456789abcdef", 25, true}),
+                         [](const auto& info) { return info.param.name; });
+
+TEST_F(Cache, LeavesTheFolderOfALivingProcess) {
+  const Other other([](const CompileCache& its) { fs::create_directory(its.own() / "AB"); }, folder());
+  for (const auto& entry : fs::directory_iterator(folder_ / ""))
+    if (entry.is_directory())
+      fs::last_write_time(entry.path(), fs::file_time_type::clock::now() - std::chrono::hours(100));
+  const CompileCache cache(folder());
+  int there = 0;
+  for (const auto& entry : fs::directory_iterator(folder_ / "")) there += fs::exists(entry.path() / "AB");
+  EXPECT_EQ(there, 1);
 }
 
 // Only who needs the same program waits, and knows for whom.
@@ -201,35 +146,6 @@ TEST_F(Cache, AKilledProcessGivesItsTurnBack) {
   kill(other.process(), SIGKILL);
   waitpid(other.process(), nullptr, 0);
   EXPECT_EQ(turn.take(), 0);
-}
-
-// A process that is stopped in the middle of its check keeps the folder for itself.
-TEST_F(Cache, AStoppedProcessHoldsUpNobody) {
-  fill();
-  const int held = open((folder_ / "processes").c_str(), O_RDWR);
-  ASSERT_EQ(flock(held, LOCK_EX), 0);
-  const auto start = std::chrono::steady_clock::now();
-  {
-    const CompileCache cache(folder());
-    cache.keep_program("key", "binary");
-    cache.seal();
-    EXPECT_EQ(cache.program("key"), "binary");
-    EXPECT_TRUE(there("AB/FIRST/program.bc"));
-  }
-  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));  // 2 s, on a machine with other work
-  close(held);
-}
-
-// What a process leaves that is killed as it compiles is not loaded.
-TEST_F(Cache, DropsWhatAKilledCompilationLeft) {
-  fill();
-  {
-    const CompileCache killed(folder());
-    add("CD/SECOND/kernel/1-1-1/kernel.so", "obj");
-  }
-  EXPECT_EQ(damaged(), 0u);
-  EXPECT_FALSE(there("CD/SECOND"));
-  EXPECT_TRUE(there("AB/FIRST/program.bc"));
 }
 
 /// The only file of a built program.

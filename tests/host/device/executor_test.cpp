@@ -7,12 +7,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cstring>
 #include <numeric>
 #include <stdexcept>
 #include <thread>
 
 #include "host/device/buffer.h"
+#include "host/support/errors.h"
+#include "host/support/stop_scope.h"
 #include "tests/host/device/test_device.h"
 
 namespace tactel::host {
@@ -215,6 +218,16 @@ TEST_P(ProgressOn, FalseCancels) {
   EXPECT_GE(report.groups_done, 20u);
   EXPECT_LT(report.groups_done, slow_groups);
   EXPECT_EQ(marks.done(), report.groups_done);  // what was not done was left alone
+}
+
+TEST_P(ProgressOn, AStopOfTheCallerEndsTheRun) {
+  Executor executor(device(GetParam()), {.threads = 2});
+  Marks marks(executor.device(), slow_groups);
+  std::atomic<int> looks = 0;
+  const StopScope::Asked asked = [&] { return ++looks > 2; };
+  const StopScope scope(&asked);
+  EXPECT_THROW(executor.run(program(executor.device()), "mark_slowly", slow_groups, marks.bind()), Stopped);
+  EXPECT_LT(marks.done(), slow_groups);
 }
 
 TEST_P(ProgressOn, AnExceptionEndsTheRun) {

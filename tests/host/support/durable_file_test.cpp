@@ -9,6 +9,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "host/support/errors.h"
@@ -82,8 +83,8 @@ TEST(DurableFile, NeverWritesThroughALinkInPlaceOfItsTemporary) {
   const ScratchFolder folder;
   folder.write("victim", "untouched");
   for (int count = 0; count < 200; ++count)
-    std::filesystem::create_symlink(
-        "victim", folder / (".a." + std::to_string(::getpid()) + "." + std::to_string(count) + ".tactel-part"));
+    std::filesystem::create_symlink("victim", folder / (".a." + running_kernel() + "." + std::to_string(::getpid()) +
+                                                        "." + std::to_string(count) + ".tactel-part"));
   write_file("--output", folder / "a", "new");
   EXPECT_EQ(text_of(folder / "victim"), "untouched");
   EXPECT_EQ(text_of(folder / "a"), "new");
@@ -92,17 +93,30 @@ TEST(DurableFile, NeverWritesThroughALinkInPlaceOfItsTemporary) {
 // flock tells a temporary in use from one that a killed process left.
 TEST(DurableFile, RemovesWhatKilledProcessesLeftAndNothingElse) {
   const ScratchFolder folder;
-  for (const char* name :
-       {".set.h5.4711.0.tactel-part", ".used.4711.3.tactel-part", ".a.b.tactel-part", "notes.1.2.part"})
+  const std::string left = ".set.h5." + running_kernel() + ".4711.0.tactel-part",
+                    used_name = ".used." + running_kernel() + ".4711.3.tactel-part";
+  for (const std::string& name : {left, used_name, std::string(".a.b.tactel-part"), std::string("notes.1.2.part")})
     folder.write(name, "x");
-  const int used = ::open((folder / ".used.4711.3.tactel-part").c_str(), O_RDWR);
+  const int used = ::open((folder / used_name).c_str(), O_RDWR);
   ASSERT_EQ(::flock(used, LOCK_EX), 0);
   remove_leftovers(folder / "");
-  EXPECT_THAT(names_in(folder),
-              testing::UnorderedElementsAre(".used.4711.3.tactel-part", ".a.b.tactel-part", "notes.1.2.part"));
+  EXPECT_THAT(names_in(folder), testing::UnorderedElementsAre(used_name, ".a.b.tactel-part", "notes.1.2.part"));
   ::close(used);
   write_file("--output", folder / "a", "new");  // the first writing into a folder looks for leftovers
   EXPECT_THAT(names_in(folder), testing::UnorderedElementsAre("a", ".a.b.tactel-part", "notes.1.2.part"));
+}
+
+// On some network file systems a lock is seen by its own host alone: a file of another one has to be old.
+TEST(DurableFile, LeavesTheTemporariesOfOtherHosts) {
+  const ScratchFolder folder;
+  const std::string young = ".set.h5.0123456789abcdef.4711.0.tactel-part",
+                    old = ".set.h5.0123456789abcdef.4711.1.tactel-part";
+  for (const std::string& name : {young, old}) folder.write(name, "x");
+  const auto now = std::filesystem::file_time_type::clock::now();
+  std::filesystem::last_write_time(folder / young, now - std::chrono::hours(23));
+  std::filesystem::last_write_time(folder / old, now - std::chrono::hours(25));
+  remove_leftovers(folder / "");
+  EXPECT_THAT(names_in(folder), testing::ElementsAre(young));
 }
 
 TEST(DurableFile, MakesFoldersAndRefusesFilesInTheirPlace) {

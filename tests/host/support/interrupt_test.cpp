@@ -24,7 +24,8 @@ TEST(InterruptDeathTest, NothingIsRequestedWithoutASignal) {
 
 // As coreutils' `timeout -s INT` does: one to the program, one to its process group.
 TEST(InterruptDeathTest, SignalsInARowAreOneRequest) {
-  for (const auto& [first, second] : {std::pair{SIGINT, SIGINT}, {SIGTERM, SIGTERM}, {SIGINT, SIGTERM}})
+  for (const auto& [first, second] :
+       {std::pair{SIGINT, SIGINT}, {SIGTERM, SIGTERM}, {SIGINT, SIGTERM}, {SIGHUP, SIGHUP}})
     EXPECT_EXIT(
         {
           const Interrupt interrupt;
@@ -37,8 +38,20 @@ TEST(InterruptDeathTest, SignalsInARowAreOneRequest) {
         testing::ExitedWithCode(0), "");
 }
 
+// As nohup does.
+TEST(InterruptDeathTest, ASignalOfAClosedTerminalMayBeIgnored) {
+  EXPECT_EXIT(
+      {
+        std::signal(SIGHUP, SIG_IGN);
+        const Interrupt interrupt;
+        std::raise(SIGHUP);
+        report(interrupt);
+      },
+      testing::ExitedWithCode(1), "");
+}
+
 TEST(InterruptDeathTest, ALaterSignalEndsTheProgram) {
-  for (const int second : {SIGINT, SIGTERM})
+  for (const int second : {SIGINT, SIGTERM, SIGHUP})
     EXPECT_EXIT(
         {
           const Interrupt interrupt;

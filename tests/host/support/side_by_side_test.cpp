@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "host/support/stop_scope.h"
+
 namespace tactel::host {
 namespace {
 
@@ -30,6 +32,17 @@ TEST(SideBySide, ThrowsTheErrorAndStops) {
                             }),
                std::runtime_error);
   EXPECT_LT(calls, 100000);
+}
+
+// Also of the threads that help.
+TEST(SideBySide, StopsWhereTheCallerIsToStop) {
+  for (const int threads : {1, 3}) {
+    std::atomic<int> calls = 0;
+    const StopScope::Asked asked = [&] { return calls >= 5; };
+    const StopScope scope(&asked);
+    EXPECT_THROW(side_by_side(100000, threads, [&](std::size_t) { ++calls; }), Stopped);
+    EXPECT_LT(calls, 5 + threads);
+  }
 }
 
 }  // namespace

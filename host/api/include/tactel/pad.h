@@ -81,8 +81,9 @@ struct PadLoad {
   std::vector<Move> moves{};  ///< instead of drags, as irregular sweeps draw them
 
   /// Return this load with more drags: `steps` equal steps of `step` mm and `twist_step` degrees; to explicit
-  /// positions, mm, and twists, degrees.
+  /// positions, mm, and twists, degrees. Throw InputError for more than 100000 steps.
   PadLoad drag(std::array<double, 2> step, int steps, double twist_step = 0) const {
+    if (steps < 0 || steps > 100000) throw InputError("steps", std::to_string(steps), "must be 0 to 100000 drags");
     const std::array<double, 2> from = tangential.empty() ? std::array{0.0, 0.0} : tangential.back();
     const double turned = twist.empty() ? 0 : twist.back();
     PadLoad load = *this;
