@@ -33,11 +33,14 @@ PadReference::PadReference(const PadLayer& layer, const PadReferenceOptions& opt
 
 /// With `parts` times the increments of the options.
 PadSolution PadReference::solve_on(int cells, int parts, const PadScene& scene) const {
-  PadOptions options{.cells = cells, .tolerance = options_.tolerance, .ladder = false};
-  options.halve_turns = false;
-  options.pressing_increments = parts * options_.pressing_increments;
-  options.drag_increments = parts * options_.drag_increments;
-  return PadSolver(layer_, options).solve(scene);
+  return PadSolver(layer_, {.cells = cells,
+                            .tolerance = options_.tolerance,
+                            .pressing_increments = options_.pressing_increments,
+                            .drag_increments = options_.drag_increments,
+                            .limit_increments = options_.limit_increments,
+                            .parts = parts,
+                            .ladder = false})
+      .solve(scene);
 }
 
 PadReferenceSolution PadReference::solve(const PadScene& scene) const {

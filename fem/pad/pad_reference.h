@@ -8,7 +8,8 @@ struct PadReferenceOptions {
   int cells = 64;               ///< along a side
   double tolerance = 1e-5;      ///< of the sweeps
   int pressing_increments = 8;  ///< of the path; a second one on half as many cells has twice as many
-  int drag_increments = 2;      ///< of each drag, alike
+  int drag_increments = 2;      ///< of each drag at least, alike
+  int limit_increments = 3;     ///< of a drag to the sliding limit (pad_increments), alike
 };
 
 /// An answer and what it may be off by.

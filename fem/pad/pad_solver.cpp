@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "fem/angles.h"
 #include "fem/layer/legendre_points.h"
@@ -14,7 +15,6 @@ namespace tactel::fem {
 namespace {
 
 constexpr int most_force_trials = 60;
-const double turn_cosine = std::cos(radians(20));
 
 Eigen::Matrix2d own_to_pad(const PadIndenter& indenter) {
   return Eigen::Rotation2Dd(radians(indenter.yaw)).toRotationMatrix();
@@ -26,6 +26,16 @@ Eigen::Vector2d position(const PadIndenter& indenter) { return {indenter.positio
 /// one, over that; at most 2.
 double growth(const Eigen::Vector4d& change, const Eigen::Vector4d& last) {
   return last.squaredNorm() > 0 ? std::clamp(change.dot(last) / last.squaredNorm(), 0.0, 2.0) : 0;
+}
+
+/// Parts of a drag along `way` after one along `last` (mm), by pad_increments.
+int substeps(const Eigen::Vector3d& way, const Eigen::Vector3d& last, double limit, double to_limit) {
+  constexpr double turn_weight = 3, most_limits = 2;
+  const double along = last.squaredNorm() > 0 ? way.dot(last) / last.norm() : way.norm();
+  const double turned = way.squaredNorm() - along * along, length = way.norm();
+  if (!(length > 0 && limit > 0)) return 1;
+  const double limits = length * (1 + turn_weight * turned / (length * length)) / limit;
+  return std::max(1, static_cast<int>(std::ceil(to_limit * std::min(limits, most_limits) - 1e-9)));
 }
 
 /// Search for the depth that gives a force, by secants in the logarithms of depth and force inside a bracket.
@@ -163,7 +173,7 @@ PadSolution PadWalk::walk() {
   PadSolution solution;
   solution.cells = cells_;
   solution.places = (own_places_ * turn_.transpose()).rowwise() + position(scene_.indenter).transpose();
-  for (const PadIncrement& increment : pad_increments(scene_.load, options_, cells_.half_size())) {
+  for (const PadIncrement& increment : pad_increments(scene_, options_, cells_)) {
     move_to(increment.target);
     if (increment.asked) {
       solution.steps.push_back(step_here(solution.outside));
@@ -177,7 +187,15 @@ PadSolution PadWalk::walk() {
 
 }  // namespace
 
-std::vector<PadIncrement> pad_increments(const PadLoad& load, const PadOptions& options, double half_size) {
+double sliding_limit(const PadScene& scene, double normal, const PadCells& cells) {
+  const double nu = scene.sensor.poisson, mu = scene.friction;
+  if (!by_force(scene)) return mu * normal * (2 - nu) / (2 * (1 - nu));
+  const double G = scene.sensor.young / (2 * (1 + nu)), area = cells.count() * cells.area();
+  return 1.5 * mu * normal / (G * (8 * std::sqrt(area / std::numbers::pi) / (2 - nu) + area / scene.sensor.thickness));
+}
+
+std::vector<PadIncrement> pad_increments(const PadScene& scene, const PadOptions& options, const PadCells& cells) {
+  const PadLoad& load = scene.load;
   const int parts = (options.increments() + load.indentation_steps - 1) / load.indentation_steps;
   const std::vector<PadTarget> targets = pad_targets(load);
   const std::size_t pressing = pressing_targets(load);
@@ -186,9 +204,11 @@ std::vector<PadIncrement> pad_increments(const PadLoad& load, const PadOptions& 
   Eigen::Vector3d last = Eigen::Vector3d::Zero();
   for (std::size_t k = 0; k < targets.size(); ++k) {
     const PadTarget& to = targets[k];
-    const Eigen::Vector3d way(to.x - from.x, to.y - from.y, half_size * (to.twist - from.twist));
-    const bool turns = options.halve_turns && way.dot(last) < turn_cosine * way.norm() * last.norm();
-    const int count = k < pressing ? (to.normal == from.normal ? 1 : parts) : options.drag_increments * (turns ? 2 : 1);
+    const Eigen::Vector3d way(to.x - from.x, to.y - from.y, cells.half_size() * (to.twist - from.twist));
+    const double limit = sliding_limit(scene, std::max(from.normal, to.normal), cells);
+    const int presses = to.normal == from.normal ? 1 : parts;
+    const int drags = std::max(options.drag_increments, substeps(way, last, limit, options.to_limit()));
+    const int count = options.parts * (k < pressing ? presses : drags);
     const auto between = [](double a, double b, double part) { return a + (b - a) * part; };
     for (int i = 1; i < count; ++i) {
       const double part = static_cast<double>(i) / count;
@@ -198,7 +218,7 @@ std::vector<PadIncrement> pad_increments(const PadLoad& load, const PadOptions& 
     }
     increments.push_back({to, true});
     from = to;
-    last = way;
+    if (!way.isZero(0)) last = way;
   }
   return increments;
 }

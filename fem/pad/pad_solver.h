@@ -19,14 +19,16 @@ struct PadOptions {
       1e-3;           ///< of the sweeps (PadSweepOptions); of given forces, which a tenth of it serves in the sweeps
   double accept = 0;  ///< largest residual of a solved step; 0: as the kernel in fp32
   int pressing_increments = 0;  ///< least number of increments to each pressing target; 0: cells / 3, at least 2
-  int drag_increments = 1;      ///< of each drag
-  bool halve_turns = true;      ///< a drag that turns by more than 20 degrees takes twice as many increments
+  int drag_increments = 1;      ///< of each drag, at least
+  int limit_increments = -1;    ///< of a drag as long as sliding_limit(), at least; -1: cells / 3
+  int parts = 1;                ///< of each of these increments
   bool ladder = true;           ///< cell sizes that scenes share (pad_cells)
   int most_sweeps = 2000;       ///< an increment that needs more is not converged
   int most_growths = 4;         ///< times that the grid may grow
 
   double accepted() const { return accept > 0 ? accept : std::min(slow_on_patch * tolerance, largest_accept<float>); }
   int increments() const { return pressing_increments > 0 ? pressing_increments : std::max(2, cells / 3); }
+  double to_limit() const { return limit_increments < 0 ? cells / 3.0 : limit_increments; }
 };
 
 /// The state at the end of an asked increment, in the frame of the pad. Forces are those of the indenter on the rubber.
@@ -65,9 +67,20 @@ struct PadIncrement {
   bool asked = true;  ///< the load has it, and the answer a step for it
 };
 
-/// Returns the increments of a load on cells whose half size turns twists into paths.
-std::vector<PadIncrement> pad_increments(const PadLoad& load, const PadOptions& options, double half_size);
+/// Returns about how far a drag goes before all of the contact slides, mm, at a depth or force. On a half-space that is
+/// mu P over the tangential stiffness 8 G a / (2 - nu) of a flat or (as 3/2 mu P) curved contact of radius a, and with
+/// P by the depth d for both
+///
+///     mu d (2 - nu) / (2 (1 - nu))
+///
+/// (R. D. Mindlin, J. Appl. Mech. 16, 1949, 259-268). A layer bears more at a depth, and is stiffer by G area / H.
+double sliding_limit(const PadScene& scene, double normal, const PadCells& cells);
 
+/// Returns the increments of a scene's load on cells. Where the slip of a cell turns within an increment, its traction
+/// is wrong by that turn. So a drag takes limit_increments for each sliding limit of its length (a twist moves by
+/// the half size of the cells), up to four times as many where it turns off the last one. Once all slides steadily more
+/// would change nothing: it never takes more than for two limits.
+std::vector<PadIncrement> pad_increments(const PadScene& scene, const PadOptions& options, const PadCells& cells);
 /// Returns the middles of the tactels on the pad, [tactels, x fastest] mm.
 Eigen::MatrixX2d tactel_places(const PadSensor& sensor);
 

@@ -104,7 +104,12 @@ PadPress::PadPress(const fem::PadScene& scene, const PressTiming& timing, const 
                    int drag_increments)
     : PressModel(timing), scene_(scene) {
   const int steps = scene.load.indentation_steps;
-  options_ = {.cells = cells, .tolerance = pad_tolerance, .drag_increments = drag_increments, .ladder = false};
+  // A number that follows friction or depth would make derivatives by differences jump.
+  options_ = {.cells = cells,
+              .tolerance = pad_tolerance,
+              .drag_increments = drag_increments,
+              .limit_increments = 0,
+              .ladder = false};
   options_.pressing_increments = (options_.increments() + steps - 1) / steps;
   std::vector<double>& normals = fem::by_force(scene) ? scene_.load.normal_force : scene_.load.indentation;
   const std::vector<fem::PadTarget> targets = fem::pad_targets(scene.load);

@@ -101,7 +101,7 @@ Buffer<Real> buffer_of(const Device& device, std::vector<Real> numbers) {
 
 fem::PadOptions PadContactOptions::twin() const {
   fem::PadOptions o;
-  o.cells = cells, o.pressing_increments = increments, o.ladder = ladder, o.halve_turns = halve_turns;
+  o.cells = cells, o.pressing_increments = increments, o.ladder = ladder, o.limit_increments = limit_increments;
   o.accept = accept;
   return o;
 }
@@ -226,7 +226,7 @@ LaneScenes<Real> PadContact<Real>::State::numbers(const std::vector<OnCells>& on
   const auto put = [](std::vector<Real>& to, double number) { to.push_back(static_cast<Real>(number)); };
   for (std::size_t i = 0; i < on_cells.size(); ++i) {
     const auto& [scene, cells, size] = on_cells[i];
-    const std::vector<fem::PadIncrement> path = fem::pad_increments(scene.load, options.twin(), cells.half_size());
+    const std::vector<fem::PadIncrement> path = fem::pad_increments(scene, options.twin(), cells);
     const int steps = static_cast<int>(scenes.all_[i].path.steps.size());
     all.add({}, {.steps = steps,
                  .indentation_steps = static_cast<int>(fem::pressing_targets(scene.load)),

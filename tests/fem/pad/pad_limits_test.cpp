@@ -81,7 +81,7 @@ TEST(PadLimits, IncrementsConvergeAtFirstOrder) {
     std::array<PadSolution, 3> paths;
     for (const int k : {0, 1, 2}) {
       const PadOptions options{
-          .tolerance = 1e-6, .pressing_increments = 4 << k, .drag_increments = 1 << k, .halve_turns = false};
+          .tolerance = 1e-6, .pressing_increments = 4 << k, .drag_increments = 1 << k, .limit_increments = 0};
       paths[k] = PadSolver(layer, options).solve_on(laid.cells, scene);
     }
     for (const int k : {0, 1}) off[k] += pad_difference(paths[k], paths[k + 1]).slip_index;

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "fem/pad/pad_mix.h"
+#include "fem/pad/pad_reference.h"
 #include "fem/pad/pad_search.h"
 #include "tests/fem/pad/named_pad_scenes.h"
 
@@ -22,7 +23,7 @@ class NamedPadScene : public testing::TestWithParam<NamedScene> {};
 TEST_P(NamedPadScene, HasTheTotalsOfAnIndependentProgram) {
   const NamedScene& named = GetParam();
   const PadLayer layer(named.scene.sensor.poisson);
-  const PadSolver solver(layer, {.cells = 16, .tolerance = 1e-8, .pressing_increments = 2, .halve_turns = false});
+  const PadSolver solver(layer, {.cells = 16, .tolerance = 1e-8, .pressing_increments = 2, .limit_increments = 0});
   const PadSolution solution = solver.solve_on(named.cells(), named.scene);
   ASSERT_EQ(solution.steps.size(), named.steps.size());
   for (std::size_t k = 0; k < named.steps.size(); ++k) {
@@ -228,12 +229,102 @@ TEST(PadSolver, GrowsWhereTheSurfaceIsPenetratedBeyondTheCells) {
   EXPECT_NEAR(more.box().y.right, small.box().y.right + 0.3, 1e-12);
 }
 
-TEST(PadSolver, TurningDragsTakeTwiceAsManyIncrements) {
-  const PadLoad load{.indentation = {.2}, .drags = {{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {2, 2, 0.1}}};
-  const PadOptions options{.cells = 12};
-  std::vector<bool> asked;
-  for (const PadIncrement& i : pad_increments(load, options, 1)) asked.push_back(i.asked);
-  EXPECT_EQ(asked, (std::vector{false, false, false, true, true, true, false, true, true}));
+/// Drags inside which the slip turns, by an independent program: 40 x 40 cells, increments extrapolated, S to 0.003.
+struct TurningSlip {
+  const char* name;
+  PadScene scene;
+  double yaw, error;  ///< of 12 x 12 cells where slip does not turn, 95 % of such shapes
+  std::vector<double> S;
+};
+
+const std::vector<TurningSlip>& turning_slips() {
+  static const std::vector<TurningSlip> all = {
+      {"twisted",
+       scene_of(Paraboloid{{73.98, 71.1558}}, 0.2407, 3.175, 0.5, 0.1137,
+                {{0.0, 0.0, 0.00833246},
+                 {0.0, 0.0, 0.0149985},
+                 {0.0, 0.0, 0.0216644},
+                 {0.0, 0.0, 0.0283304},
+                 {0.0, 0.0, 0.0349964},
+                 {0.0, 0.0, 0.0416624}}),
+       132.04,
+       0.0107,
+       {0.466, 0.6618, 0.7816, 0.8572, 0.9059, 0.9375}},
+      {"on_a_loop",
+       scene_of(Paraboloid{{4.4514, 2.0021}}, 0.4095, 2.093, 0.4, 0.133,
+                {{0.0408007, 0.0172503, 0.0365479},
+                 {0.0541792, 0.074184, -0.0211973},
+                 {0.0102717, 0.1128178, -0.0129893},
+                 {-0.0444965, 0.0923024, 0.0356336},
+                 {-0.0522166, 0.0343297, -0.0266138},
+                 {-0.0047258, 0.0001967, -0.00605507}}),
+       -171.13,
+       0.0107,
+       {0.8071, 0.9655, 0.971, 0.9484, 0.8329, 0.6368}},
+      {"back",
+       scene_of(Punch{0.9012, 0.222}, 0.9498, 4.803, 0.3, 0.162,
+                {{-0.1229579, 0.1102933, 0},
+                 {-0.2459158, 0.2205866, 0},
+                 {-0.1475495, 0.1323519, 0},
+                 {-0.0245916, 0.0220587, 0},
+                 {0.0983663, -0.0882346, 0},
+                 {-0.0, 0.0, 0}}),
+       68.89,
+       0.0131,
+       {0.693, 0.9911, 0.2844, 0.5204, 0.9984, 0.291}},
+  };
+  return all;
+}
+
+TEST(PadSolver, SubstepsFollowSlipThatTurnsWithinADrag) {
+  for (const auto& [name, given, yaw, error, S] : turning_slips()) {
+    PadScene scene = given;
+    scene.indenter.yaw = yaw;
+    scene.load.indentation_steps = 1;
+    const PadLayer layer(scene.sensor.poisson);
+    const PadSolution solution = PadSolver(layer).solve(scene);
+    ASSERT_EQ(solution.steps.size(), S.size() + 1);
+    for (std::size_t k = 0; k < S.size(); ++k) EXPECT_NEAR(*solution.steps[k + 1].slip_index, S[k], error) << name << k;
+  }
+}
+
+TEST(PadSolver, SubstepsConvergeAtFirstOrder) {
+  double off[2] = {};
+  for (const TurningSlip& of : turning_slips()) {
+    const PadLayer layer(of.scene.sensor.poisson);
+    const PadLayout laid = lay_cells(of.scene, layer, 8, true);
+    const auto solved = [&](int limit_increments) {
+      return PadSolver(layer, {.cells = 8, .tolerance = 1e-6, .limit_increments = limit_increments})
+          .solve_on(laid.cells, of.scene);
+    };
+    const std::array paths = {solved(8), solved(16), solved(32)};
+    for (const int k : {0, 1}) off[k] += pad_difference(paths[k], paths[k + 1]).slip_index;
+  }
+  EXPECT_NEAR(off[0] / off[1], 2, 0.4);  // errors c / increments; numbers of increments are rounded up
+}
+
+TEST(PadSolver, ADragTakesAsManyIncrementsAsItMovesAgainstTheSlidingLimit) {
+  // Half a side of the cells is 1 mm; mu d (2 - nu) / (2 (1 - nu)) = 0.3 mm, for which 12 cells take four increments.
+  PadScene scene = scene_of(Sphere{8}, .2, 2, .5, 1, {});
+  const PadCells cells{.n = 12, .hx = 1. / 6, .hy = 1. / 6};
+  scene.load.drags = {{.06, 0, 0}, {.36, 0, 0}, {.36, 0, .15}, {10, 0, .15}, {10, 0, .15}, {9.85, 0, .15}};
+  const auto counts = [&](const PadOptions& options) {
+    std::vector<int> all(1);
+    for (const PadIncrement& i : pad_increments(scene, options, cells)) {
+      ++all.back();
+      if (i.asked) all.push_back(0);
+    }
+    return all;
+  };
+  // Pressing; less than a quarter; one limit; half of one, across; far; a pause; half of one, back.
+  EXPECT_EQ(counts({.cells = 12}), (std::vector{2, 2, 1, 4, 8, 8, 1, 2, 0}));
+  EXPECT_EQ(counts({.cells = 12, .limit_increments = 0}), (std::vector{2, 2, 1, 1, 1, 1, 1, 1, 0}));
+  EXPECT_EQ(counts({.cells = 12, .drag_increments = 2, .parts = 2}), (std::vector{4, 4, 4, 8, 16, 16, 4, 4, 0}));
+  scene.friction = 0;
+  EXPECT_EQ(counts({.cells = 12}), (std::vector{2, 2, 1, 1, 1, 1, 1, 1, 0}));
+  // By a force of 1 N on a half-space, G = 1 MPa, a = 2 / sqrt(pi): 1.5 (2 - nu) / (8 G a).
+  scene.friction = 1, scene.sensor.young = 3, scene.sensor.thickness = 1e9, scene.load.normal_force = {1};
+  EXPECT_NEAR(sliding_limit(scene, 1, cells), 0.249251, 1e-6);
 }
 
 }  // namespace

@@ -65,8 +65,11 @@ struct PadAs {
 inline fem::PadSolution true_press(const SimulatedPad& of, const KnownPress& press, const PadAs& as) {
   fem::PadScene scene = pad(press);
   scene.sensor.young = 1, scene.sensor.poisson = of.poisson, scene.sensor.thickness = of.thickness;
-  const fem::PadOptions options{
-      .cells = as.cells, .tolerance = 1e-4, .drag_increments = as.drag_increments, .ladder = false};
+  const fem::PadOptions options{.cells = as.cells,
+                                .tolerance = 1e-4,
+                                .drag_increments = as.drag_increments,
+                                .limit_increments = 0,
+                                .ladder = false};
   return fem::PadSolver(fem::pad_layer(of.poisson), options).solve(scene);
 }
 

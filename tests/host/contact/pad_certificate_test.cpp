@@ -89,7 +89,7 @@ class Audit {
 };
 
 TEST(PadCertificate, IsThatOfTheForcesInFp64) {
-  const PadContact<float> contact(executor(), {.cells = 8, .halve_turns = false});
+  const PadContact<float> contact(executor(), {.cells = 8, .limit_increments = 0});
   const fem::PadSensor sensor{.thickness = 1.5, .poisson = 0.49};
   fem::PadMix draw(5, &sensor);
   std::vector<fem::PadScene> scenes(90);
