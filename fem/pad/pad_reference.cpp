@@ -8,12 +8,12 @@ namespace tactel::fem {
 
 PadReferenceSolution::Errors pad_difference(const PadSolution& a, const PadSolution& b) {
   PadReferenceSolution::Errors e;
-  double tangential = 0, sigma = 0, tau = 0;
+  double pressing = 0, tangential = 0, sigma = 0, tau = 0;
   const double size = b.cells.half_size();
   for (std::size_t k = 0; k < b.steps.size(); ++k) {
     const PadStep &p = a.steps[k], &q = b.steps[k];
     e.slip_index = std::max(e.slip_index, std::abs(p.slip_index.value_or(0) - q.slip_index.value_or(0)));
-    if (q.P > 0) e.P = std::max(e.P, std::abs(p.P / q.P - 1));
+    e.P = std::max(e.P, std::abs(p.P - q.P)), pressing = std::max(pressing, q.P);
     e.Q = std::max(e.Q, (p.Q - q.Q).norm());
     e.M = std::max(e.M, std::abs(p.M - q.M) / size);
     tangential = std::max({tangential, q.Q.norm(), std::abs(q.M) / size});
@@ -22,6 +22,7 @@ PadReferenceSolution::Errors pad_difference(const PadSolution& a, const PadSolut
     sigma = std::max(sigma, q.stress.col(0).cwiseAbs().maxCoeff());
     tau = std::max(tau, q.stress.rightCols<2>().cwiseAbs().maxCoeff());
   }
+  if (pressing > 0) e.P /= pressing;
   if (tangential > 0) e.Q /= tangential, e.M /= tangential;
   if (sigma > 0) e.sigma /= sigma;
   if (tau > 0) e.tau /= tau;
@@ -48,7 +49,7 @@ PadReferenceSolution PadReference::solve(const PadScene& scene) const {
   const PadSolution a = solve_on(options_.cells / 2, 1, scene), b = solve_on(options_.cells / 2, 2, scene);
   answer.error = pad_difference(a, answer.solution);
   auto& e = answer.error;
-  for (double* error : {&e.slip_index, &e.P, &e.Q, &e.M, &e.sigma, &e.tau}) *error /= std::exp2(1.5) - 1;
+  for (const auto member : pad_error_members) e.*member /= std::exp2(1.5) - 1;
   for (std::size_t k = 0; k < a.steps.size(); ++k) {
     const PadStep &few = a.steps[k], &many = b.steps[k];
     PadStep& step = answer.solution.steps[k];

@@ -56,7 +56,11 @@ PadPath pad_path_of(const host::PadOutcome& outcome) {
   path.fell_back = outcome.solution.fell_back;
   path.rung = outcome.rung.name, path.model = host::model_name(outcome);
   path.solver = outcome.solver, path.precision = outcome.precision, path.device = outcome.device;
-  if (const auto& error = outcome.error) path.error = {error->S, error->largest, error->scenes, error->outside};
+  if (const auto& error = outcome.error) {
+    const auto& e = error->most95;
+    path.error = {e.slip_index, error->largest, error->scenes, error->outside, e.P, e.Q,
+                  e.M,          e.sigma,        e.tau,         error->from};
+  }
   path.warnings = host::warnings(outcome);
   return path;
 }
@@ -163,9 +167,8 @@ host::PadRung rung_for_pads(host::Executor& executor, const host::SolveOptions& 
       host::solve_pad_contact(rough, std::span<const fem::PadScene>(sample));
   const auto keeps = [&](const host::PadRung& rung) {
     for (std::size_t k = 0; k < count; ++k) {
-      double depth = 0;
-      for (const fem::PadStep& step : solutions[k].steps) depth = std::max(depth, step.indentation);
-      if (host::expected_pad_error(rung, sample[k], depth).S > *options.accuracy) return false;
+      const double depth = host::deepest(solutions[k]);
+      if (host::expected_pad_error(rung, sample[k], depth).most95.slip_index > *options.accuracy) return false;
     }
     return true;
   };

@@ -62,7 +62,7 @@ int run_solve_pad(const SolveRequest& request, const fem::PadScene& scene) {
   judge(request, outcome);
   if (outcome.accuracy && !request.shared.quiet)
     fmt::print(stderr, "rung {} ({}): expected error in S {:.2g}, requested {:g}\n", outcome.rung.name,
-               description(outcome.rung), outcome.error ? outcome.error->S : 0, *outcome.accuracy);
+               description(outcome.rung), outcome.error ? outcome.error->most95.slip_index : 0, *outcome.accuracy);
   for (const std::string& warning : warnings(outcome)) warn(request, warning);
   write_pad_results(request, outcome);
   const bool converged = std::ranges::all_of(outcome.solution.steps, &fem::PadStep::converged);

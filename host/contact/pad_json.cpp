@@ -93,7 +93,12 @@ PadJson pad_step_json(const fem::PadStep& step, int axes) {
 }
 
 PadJson pad_error_json(const PadError& error) {
-  return {{"slip_index", error.S}, {"largest", error.largest}, {"scenes", error.scenes}, {"outside", error.outside}};
+  const auto& e = error.most95;
+  PadJson out = {{"slip_index", e.slip_index}, {"P", e.P},    {"Q", e.Q}, {"M", e.M},
+                 {"sigma_z", e.sigma},         {"tau", e.tau}};
+  out.update({{"largest", error.largest}, {"scenes", error.scenes}, {"outside", error.outside}});
+  if (!error.from.empty()) out["from"] = error.from;
+  return out;
 }
 
 }  // namespace

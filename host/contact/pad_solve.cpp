@@ -9,9 +9,12 @@
 #include <tuple>
 
 #include "fem/number_text.h"
+#include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_reference.h"
 #include "fem/value_error.h"
+#include "host/contact/pad_judge.h"
 #include "host/contact/pad_stream.h"
+#include "host/contact/solution_table.h"
 #include "host/scenes/unit_warnings.h"
 #include "host/support/errors.h"
 
@@ -20,10 +23,8 @@ namespace {
 
 constexpr double near_edge = 2, at_edge = 1;               ///< thicknesses from an edge: warned of, refused
 constexpr double smallest_cell = 1e-5, largest_cell = 50;  ///< sides over the thickness
-/// Where nu is above this and cells are wider, P depends on few of them: it rises with the sixth power of a contact's
-/// radius. It came out up to 7 % wrong with cells of 3 H, 13 to 24 % with 4 to 10 H at 8 cells.
-constexpr double nearly_incompressible = 0.49, wide_cell = 3;
-constexpr double twin_tolerance = 1e-7;  ///< of sweeps, as the kernel in fp64
+constexpr double large_error = 0.05;                       ///< of S, and of P
+constexpr double twin_tolerance = 1e-7;                    ///< of sweeps, as the kernel in fp64
 
 void check_pad_options(const SolveOptions& options) {
   if (options.solver != "batched" && options.solver != "twin")
@@ -54,11 +55,14 @@ void solve_on_device(PadOutcome& outcome, const SolveOptions& options) {
 
 void solve_on_host(PadOutcome& outcome, const SolveOptions& options) {
   outcome.precision = "fp64", outcome.device = "host";
-  const fem::PadLayer layer(outcome.scene.sensor.poisson);
+  const fem::PadLayer layer = fem::pad_layer(outcome.scene.sensor.poisson);
   if (outcome.rung.exact) {
     outcome.solver = "reference";
     fem::PadReferenceSolution answer = fem::PadReference(layer).solve(outcome.scene);
-    outcome.error = PadError{answer.error.slip_index, answer.error.slip_index, "this scene"};
+    outcome.error = PadError{.most95 = answer.error,
+                             .largest = answer.error.slip_index,
+                             .scenes = "this scene",
+                             .from = "half as many cells"};
     outcome.solution = std::move(answer.solution);
     return;
   }
@@ -68,12 +72,6 @@ void solve_on_host(PadOutcome& outcome, const SolveOptions& options) {
   twin.tolerance = options.tolerance ? *options.tolerance / fem::slow_on_patch : twin_tolerance;
   if (options.tolerance) twin.accept = *options.tolerance;
   outcome.solution = fem::PadSolver(layer, twin).solve(outcome.scene);
-}
-
-double deepest(const fem::PadSolution& solution) {
-  double depth = 0;
-  for (const fem::PadStep& step : solution.steps) depth = std::max(depth, step.indentation);
-  return depth;
 }
 
 bool touches(const fem::PadSolution& solution) {
@@ -114,13 +112,11 @@ std::optional<std::string> edge_warning(const PadOutcome& outcome) {
       *distance, over, error_at_edge(over));
 }
 
-std::optional<std::string> wide_cells_warning(const PadOutcome& outcome) {
-  const double widest = widest_cell(outcome.scene, outcome.solution);
-  if (outcome.scene.sensor.poisson <= nearly_incompressible || widest <= wide_cell) return std::nullopt;
-  return fmt::format(
-      "cells of {:.3g} thicknesses are wide for nearly incompressible rubber: P may be 10 to 25 % wrong; take a rung "
-      "with more cells",
-      widest);
+std::optional<std::string> error_warning(const PadOutcome& outcome) {
+  if (!outcome.error) return std::nullopt;
+  const auto& e = outcome.error->most95;
+  if (e.slip_index <= large_error && e.P <= large_error) return std::nullopt;
+  return fmt::format("S may be off by {:.2g} and P by {}: take a rung with more cells", e.slip_index, percent(e.P));
 }
 
 std::optional<std::string> pad_slip_warning(const PadOutcome& outcome) {
@@ -166,22 +162,23 @@ PadOutcome solve(const fem::PadScene& scene, const SolveOptions& options) {
                  : options.accuracy    ? pad_rungs().front()
                                        : usual_pad_rung();
   outcome.accuracy = options.accuracy;
+  PadJudge judge(scene, outcome.rung);
   const auto on_rung = [&] {
     if (outcome.rung.exact || options.solver == "twin")
       solve_on_host(outcome, options);
     else
       solve_on_device(outcome, options);
     refuse_degenerate(scene, outcome.solution);
-    if (!outcome.rung.exact) outcome.error = expected_pad_error(outcome.rung, scene, deepest(outcome.solution));
+    if (outcome.rung.exact || !touches(outcome.solution)) return;
+    outcome.error = judge.error(outcome.rung, outcome.solution);
+    if (!outcome.error) outcome.error = expected_pad_error(outcome.rung, scene, deepest(outcome.solution));
   };
   on_rung();
   refuse_at_edge(scene, distance_to_edge(scene, outcome.solution));
-  if (options.accuracy) {  // the depth of a force is known now
-    const auto keeps = [&](const PadRung& rung) {
-      return rung.exact || expected_pad_error(rung, scene, deepest(outcome.solution)).S <= *options.accuracy;
-    };
-    const PadRung& cheapest = *std::ranges::find_if(pad_rungs(), keeps);
-    if (cheapest.name != outcome.rung.name) outcome.rung = cheapest, on_rung();
+  if (options.accuracy && touches(outcome.solution)) {  // the depth of a force is known now
+    const PadRung* rung = &first_pad_rung(scene, *options.accuracy);
+    if (rung->name != outcome.rung.name) outcome.rung = *rung, on_rung();
+    while (!outcome.kept() && !outcome.rung.exact) outcome.rung = *++rung, on_rung();
   }
   if (!touches(outcome.solution)) outcome.error.reset();
   return outcome;
@@ -238,7 +235,7 @@ std::vector<std::string> warnings(const PadOutcome& outcome) {
   };
   add(depth_warning(outcome.scene.sensor.thickness, deepest(outcome.solution)));
   add(pad_slip_warning(outcome));
-  add(wide_cells_warning(outcome));
+  add(error_warning(outcome));
   add(edge_warning(outcome));
   add(pitch_warning(outcome));
   if (outcome.error)

@@ -22,7 +22,7 @@ struct PadOutcome {
   std::optional<double> accuracy{};                  ///< that was asked for and decided the rung
   std::shared_ptr<const Convergence> convergence{};  ///< none: not asked for
 
-  bool kept() const { return !accuracy || !error || error->S <= *accuracy; }
+  bool kept() const { return !accuracy || !error || error->most95.slip_index <= *accuracy; }
 };
 
 /// Returns the solvers of pads: "batched" and "twin", which needs no device and computes in fp64.
@@ -51,7 +51,7 @@ bool too_near_edge(const fem::PadSensor& sensor, const std::optional<double>& di
 void refuse_at_edge(const fem::PadScene& scene, const std::optional<double>& distance);
 
 /// Returns the warnings about an answer, one line each; usually none. They concern units, depth, slip, edges of the
-/// pad, a contact that the tactels hardly see, and an error that was not measured.
+/// pad, a contact that the tactels hardly see, and errors that are large or were not measured.
 std::vector<std::string> warnings(const PadOutcome& outcome);
 
 }  // namespace tactel::host

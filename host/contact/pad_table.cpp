@@ -38,10 +38,10 @@ std::string pad_row(std::size_t number, const fem::PadStep& step) {
 }
 
 std::string error_line(const PadError& error) {
-  std::string out = fmt::format("error in S to expect: {:.2g}", error.S);
-  if (error.scenes == "this scene") return out + ", estimated by half as many cells\n";
-  if (!error.outside.empty()) return out + ", three times that of the scenes that were measured\n";
-  return out + fmt::format(" (95 % of scenes, {}), at most {:.2g}\n", error.scenes, error.largest);
+  const auto& e = error.most95;
+  return fmt::format("error in S to expect: {:.2g} ({})\n  P {}, Q {}, M {}, sigma_z {}, tau {} of the largest\n",
+                     e.slip_index, judged_by(error), percent(e.P), percent(e.Q), percent(e.M), percent(e.sigma),
+                     percent(e.tau));
 }
 
 }  // namespace

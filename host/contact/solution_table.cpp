@@ -24,6 +24,10 @@ std::string short_number(double value) {
   return size >= 100 && size < 1000 ? fixed(value, 2) : fmt::format("{:.3e}", value);
 }
 
+std::string percent(double share) {
+  return share < 0.995 ? fmt::format("{:.2g} %", 100 * share) : fmt::format("{:.0f} %", 100 * share);
+}
+
 double without_rounding(double Q, double P) { return std::abs(Q) < 1e-6 * P ? 0 : Q; }
 
 namespace {
@@ -46,9 +50,6 @@ std::string row(std::size_t number, const fem::ContactStep& step) {
                      count(fem::GapStatus::stick), count(fem::GapStatus::slip), step.iterations,
                      step.converged ? "yes" : "NO", fem::largest(step.residual));
 }
-
-/// Two digits, as a share of the largest: 2.7 %.
-std::string percent(double share) { return fmt::format("{:.2g} %", 100 * share); }
 
 std::string mesh_error_line(const SolveOutcome& outcome) {
   const AnswerError& e = outcome.mesh_error->expected;

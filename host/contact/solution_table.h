@@ -14,6 +14,8 @@ std::string solution_table(const fem::Scene& scene, const SolveOutcome& outcome)
 std::string fixed(double value, int digits);
 /// Returns a number with four or five digits, in seven letters where its size is between 0.001 and 1000.
 std::string short_number(double value);
+/// Returns a share as two digits: "2.7 %".
+std::string percent(double share);
 /// Returns Q beside P: what rounding and tolerance leave of 0, below a millionth of P, is 0.
 double without_rounding(double Q, double P);
 

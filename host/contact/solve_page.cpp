@@ -60,9 +60,9 @@ void add_findings(Page& page, const SolveOutcome& outcome) {
     const AnswerError& e = outcome.mesh_error->expected;
     page.finding(
         Tone::fact, "error",
-        fmt::format("To expect from the model: {:.2g} in S, {:.2g} % of the largest P, {:.2g} % of the largest "
-                    "σ_y and {:.2g} % of the largest τ_xy at the tactels (beside {}).",
-                    e.S, 100 * e.P, 100 * e.sigma, 100 * e.tau, outcome.mesh_error->finer));
+        fmt::format("To expect from the model: {:.2g} in S, {} of the largest P, {} of the largest σ_y and {} of the "
+                    "largest τ_xy at the tactels (beside {}).",
+                    e.S, percent(e.P), percent(e.sigma), percent(e.tau), outcome.mesh_error->finer));
   }
   page.finding(Tone::fact, "model",
                model_name(outcome) + (outcome.model_reason.empty() ? "" : ": " + outcome.model_reason) + ".");
@@ -120,12 +120,14 @@ void add_findings(Page& page, const PadOutcome& outcome) {
   std::vector<double> residuals(steps.size());
   std::ranges::transform(steps, residuals.begin(), [](const PadStep& step) { return step.residual.largest(); });
   add_certificate(page, residuals, std::ranges::count_if(steps, &PadStep::converged));
-  if (outcome.error)
-    page.finding(Tone::fact, "error",
-                 fmt::format("To expect in S: {:.2g}, {}.", outcome.error->S,
-                             outcome.error->scenes == "this scene"
-                                 ? "estimated by half as many cells"
-                                 : "what 95 % of measured scenes stay below (" + outcome.error->scenes + ")"));
+  if (outcome.error) {
+    const auto& e = outcome.error->most95;
+    page.finding(
+        Tone::fact, "error",
+        fmt::format("To expect from the model: {:.2g} in S, {} of the largest P, {} of the largest σ_z and {} of the "
+                    "largest τ at the tactels ({}).",
+                    e.slip_index, percent(e.P), percent(e.sigma), percent(e.tau), judged_by(*outcome.error)));
+  }
   page.finding(Tone::fact, "model", fmt::format("{} ({}).", model_name(outcome), outcome.rung.name));
   for (const std::string& warning : warnings(outcome)) page.finding(Tone::fair, "warning", warning);
 }

@@ -155,12 +155,15 @@ struct PadStep {
   PadResidual residual;
 };
 
-/// Error of S to expect of an answer.
+/// Errors to expect of an answer: 95 % of scenes stay below them.
 struct PadError {
-  double S = 0;                      ///< 95 % of the scenes of this kind stay below it
-  double largest = 0;                ///< the largest of them
-  std::string scenes;                ///< "smooth": the kind; "this scene" where the reference measured it
+  double S = 0;
+  double largest = 0;                ///< of S: almost all scenes stay below it
+  std::string scenes;                ///< "this scene"; "smooth": the kind of scene, where this one was not solved twice
   std::vector<std::string> outside;  ///< what lies outside the scenes that were measured
+  double P = 0, Q = 0, M = 0;        ///< over the largest P, and the larger of Q and M over half the contact's size
+  double sigma = 0, tau = 0;         ///< of sigma_z, and of tau_x and tau_y, at any tactel over the largest
+  std::string from{};                ///< the second solution of this scene, "24 x 24 cells"; empty: by the kind
 };
 
 /// The answer to a scene: one PadStep for each load increment, those of the pressing first.

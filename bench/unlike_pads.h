@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "fem/pad/pad_scene.h"
+
+namespace tactel::host {
+
+/// How the indenter moves after pressing. Long drags go on far beyond sliding.
+enum class PadWay { straight, long_drag, curved, back, loop, twist, twisting_drag };
+inline constexpr int pad_ways = 7;
+const char* name(PadWay way);
+
+inline constexpr int pad_kinds = 12;  ///< of indenters, of which three are height maps
+
+/// A random scene and its way.
+struct UnlikePad {
+  fem::PadScene scene;
+  PadWay way;
+};
+
+/// Returns scene k of a seed: pad_kinds indenters in turn with every way in turn; H 1 to 4 mm, mu 0.1 to 1.5, 2 to 20 %
+/// of H deep, nu 0.3 to 0.5, contacts of 0.2 to 1.5 H to a side of the axis. With `wide` as no table was measured: mu
+/// from 0.05, 1 to 20 % deep, nu from 0, contacts of 0.15 to 10 H; some by force.
+UnlikePad unlike_pad(unsigned seed, int k, bool wide);
+
+}  // namespace tactel::host

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <future>
+#include <map>
+#include <optional>
+
+#include "host/contact/pad_rung.h"
+
+namespace tactel::host {
+
+/// Solves a scene a second time to state the errors of its answers: by the twin, on 24 or more cells with twice as many
+/// increments of pressing and drags.
+class PadJudge {
+ public:
+  /// Begins, in a thread of its own, what an answer of `rung` is compared with.
+  PadJudge(const fem::PadScene& scene, const PadRung& rung);
+
+  /// Returns the errors to expect of an answer: its differences from the second solution, times factors, and a little.
+  /// They cover 95 % of scenes (bench/pad_study.cpp). None beyond 100 load steps, which would take seconds.
+  std::optional<PadError> error(const PadRung& rung, const fem::PadSolution& answer);
+
+ private:
+  std::shared_future<fem::PadSolution> finer(int cells);
+
+  fem::PadScene scene_;
+  std::map<int, std::shared_future<fem::PadSolution>> finer_;  ///< by their cells
+};
+
+}  // namespace tactel::host
