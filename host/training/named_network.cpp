@@ -76,6 +76,7 @@ NetworkResult judge(const nn::Recall<Real>& answer, const nn::Model& model, cons
   if (!model.bound) return result;
   std::vector<nn::BoundAnswer> bounds = bounds_of(model, answer, set);
   result.bound = report_bound(bounds, errors, set);
+  if (model.bound->calibrated()) result.bound->holds = holds(result.bound->all, model.bound->level);
   if (keep_rows) result.bounds = std::move(bounds);
   return result;
 }
