@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "nn/frame_set.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -64,6 +65,31 @@ InputScaling fit_scaling(ScalingKind kind, const FrameSet& set) {
   InputScaling scaling{kind, kind == ScalingKind::set ? set.largest_stress() : 1.0f, set.history, set.axes};
   scaling.validate();
   return scaling;
+}
+
+std::vector<float> peaks(const FrameSet& set) {
+  std::vector<float> all(static_cast<std::size_t>(set.rows()));
+  const Eigen::Index normals = set.frames.cols() / (set.axes * set.history);
+  for (Eigen::Index row = 0; row < set.rows(); ++row)
+    all[static_cast<std::size_t>(row)] = set.frames.row(row).head(normals).cwiseAbs().maxCoeff();
+  return all;
+}
+
+Learnt learnt_ranges(const FrameSet& set) {
+  Learnt learnt;
+  std::vector<float> touching = peaks(set);
+  std::erase_if(touching, [](float peak) { return !(peak >= InputScaling::smallest_stress); });
+  if (!touching.empty()) {
+    std::ranges::sort(touching);
+    learnt.smallest_peak = touching[touching.size() / 100], learnt.largest_peak = touching.back();
+  }
+  std::vector<float> friction = set.friction;
+  std::erase_if(friction, [](float mu) { return !std::isfinite(mu); });  // bonded contacts have none
+  if (!friction.empty()) {
+    const auto [least, most] = std::ranges::minmax(friction);
+    learnt.least_friction = least, learnt.most_friction = most;
+  }
+  return learnt;
 }
 
 FrameSet with_history(const FrameSet& set, const InputHistory& history) {

@@ -18,6 +18,7 @@ struct FrameSet {
   std::vector<std::uint8_t> torque{};       ///< [rows] or empty, of pads: class of torque_class
   std::vector<std::uint64_t> contact{};     ///< [rows] or empty: which contact; rows of a contact are in its order
   std::vector<std::uint32_t> step{};        ///< [rows] or empty: load step of the contact
+  std::vector<float> friction{};            ///< [rows] or empty: mu
   bool press_rows = false;                  ///< the rows of a contact begin with its pressing
   int history = 1;                          ///< frames in a row of `frames`, the newest first (with_history)
   int axes = 2;                             ///< stresses of a tactel; of a pad 3, or 1
@@ -33,6 +34,11 @@ struct FrameSet {
 
 /// Returns the scaling for this learning set.
 InputScaling fit_scaling(ScalingKind kind, const FrameSet& set);
+
+/// Returns the largest |normal stress| of each row's newest frame [rows] MPa.
+std::vector<float> peaks(const FrameSet& set);
+/// Returns the ranges of a set that a network learns from.
+Learnt learnt_ranges(const FrameSet& set);
 
 /// Returns a noise-added copy, as the paper's learning sets (section V.B): each stress plus Gaussian noise with a
 /// standard deviation of `fraction` of the set's largest |stress|. The noise is drawn once: the paper speaks of

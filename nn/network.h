@@ -129,6 +129,14 @@ struct Bound {
   void validate(int inputs) const;  ///< throws ValueError, keys "bound. ..."
 };
 
+/// Ranges of what a network learnt; of a stream of its first block. 0: not known.
+struct Learnt {
+  /// MPa, of the largest |normal stress| of a frame: 1 % of the rows with any were below the first, none above the
+  /// second.
+  float smallest_peak = 0, largest_peak = 0;
+  float least_friction = 0, most_friction = 0;  ///< mu
+};
+
 /// A network with its scaling and origin: the contents of a model file. scaling.history equals history.frames.
 struct Model {
   Weights<float> weights;
@@ -142,6 +150,7 @@ struct Model {
   bool magnitude = false;              ///< its answer is |S|: it learnt from drags to both sides
   Target target = Target::slip_index;  ///< its answer; S stands for it in the comments
   std::optional<Bound> bound{};        ///< of a network with the heads of a bound
+  Learnt learnt{};
 };
 
 }  // namespace tactel::nn

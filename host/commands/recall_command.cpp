@@ -12,7 +12,6 @@
 #include "host/support/json_text.h"
 #include "host/support/progress_line.h"
 #include "host/training/decision.h"
-#include "host/training/frame_floor.h"
 #include "host/training/network_report.h"
 #include "host/training/recall_page.h"
 
@@ -24,7 +23,7 @@ using Json = nlohmann::ordered_json;
 struct RecallRequest {
   NetworkOptions shared;
   std::string networks, set, json, rows, html, decision_csv;
-  bool decision = false, no_floor = false;
+  bool decision = false;
   DecisionOptions alarms;
 
   bool decides() const { return decision || !decision_csv.empty(); }
@@ -56,6 +55,17 @@ nn::Target target_of(const RecallRequest& request, std::span<const NamedNetwork>
   return target;
 }
 
+/// Warns of stresses that are far from all that the network learnt, as of another unit.
+void warn_of_unit(const RecallRequest& request, const NamedNetwork& network, const nn::FrameSet& set) {
+  const nn::Learnt &learnt = network.model.learnt, here = nn::learnt_ranges(set);
+  if (request.shared.quiet || learnt.largest_peak == 0 || here.largest_peak == 0) return;
+  if (here.largest_peak <= 10 * learnt.largest_peak && here.largest_peak >= learnt.smallest_peak / 10) return;
+  print_warning(
+      fmt::format("{}: its normal stresses reach {:.3g} MPa, where {} learnt peaks of {:.3g} to {:.3g} MPa; "
+                  "are they MPa?",
+                  request.set, here.largest_peak, network.file, learnt.smallest_peak, learnt.largest_peak));
+}
+
 /// All networks on all rows; nothing after Ctrl-C.
 std::optional<std::vector<NetworkResult>> recall(const RecallRequest& request, const Device& device,
                                                  std::span<const NamedNetwork> networks, const nn::FrameSet& set) {
@@ -71,35 +81,22 @@ std::optional<std::vector<NetworkResult>> recall(const RecallRequest& request, c
   return recall_networks<float>(executor, networks, set, keep_rows, progress);
 }
 
-/// Of the input with the most frames; none where S is not judged.
-std::optional<FrameFloor> floor_of(const RecallRequest& request, std::span<const NamedNetwork> networks,
-                                   const ContactSet& set, nn::Target target) {
-  if (request.no_floor || target != nn::Target::slip_index) return std::nullopt;
-  const StageLine stage("floor", request.shared.quiet);
-  Executor executor{Device(request.shared.device)};
-  const auto most =
-      std::ranges::max_element(networks, {}, [](const NamedNetwork& network) { return network.model.history.frames; });
-  return frame_floor(executor, set, request.set, most->model.history);
-}
-
 Json report_json(const RecallRequest& request, std::span<const NamedNetwork> networks,
                  std::span<const NetworkResult> results, const ContactSet& set, const AnsweredRows& rows,
-                 const Decisions& decisions, const std::optional<FrameFloor>& floor, const std::string& device) {
+                 const Decisions& decisions, const std::string& device) {
   Json list = Json::array();
   for (std::size_t i = 0; i < networks.size(); ++i) {
     list.push_back(to_json(networks[i]));
     list.back().update(to_json(results[i], set.indenter_names));
     if (!decisions.empty()) list.back()["decision"] = to_json(decisions[i], request.alarms);
   }
-  Json report{{"tactel", TACTEL_VERSION},
-              {"set", request.set},
-              {"rows", rows.frames.rows()},
-              {"rows_left_out", rows.left_out},
-              {"device", device},
-              {"precision", request.shared.precision},
-              {"networks", list}};
-  if (floor) report["floor"] = to_json(*floor);
-  return report;
+  return {{"tactel", TACTEL_VERSION},
+          {"set", request.set},
+          {"rows", rows.frames.rows()},
+          {"rows_left_out", rows.left_out},
+          {"device", device},
+          {"precision", request.shared.precision},
+          {"networks", list}};
 }
 
 // An empty field where a network gave no answer.
@@ -129,7 +126,7 @@ std::string rows_csv(std::span<const NamedNetwork> networks, std::span<const Net
 
 std::string tables(const RecallRequest& request, std::span<const NamedNetwork> networks,
                    std::span<const NetworkResult> results, const ContactSet& set, const AnsweredRows& rows,
-                   const Decisions& decisions, const std::optional<FrameFloor>& floor, const std::string& device) {
+                   const Decisions& decisions, const std::string& device) {
   std::string text = fmt::format("{} of {} networks on {} rows of {}\n", errors_of(rows.target), networks.size(),
                                  rows.frames.rows(), request.set);
   if (rows.left_out > 0)
@@ -137,12 +134,13 @@ std::string tables(const RecallRequest& request, std::span<const NamedNetwork> n
         fmt::format("{} rows of the set were left out: over tolerance, or without a slippage index\n", rows.left_out);
   text += "\n" + error_table(networks, results) + "\n" + error_table_by_kind(networks, results, set.indenter_names);
   for (std::size_t i = 0; i < networks.size(); ++i)
-    if (results[i].bound)
-      text += fmt::format("\n{}, {}\n{}", networks[i].file, bound_line(*networks[i].model.bound),
-                          coverage_table(*results[i].bound, set.indenter_names));
+    if (results[i].bound) {
+      const std::string doubt = doubt_text(networks[i].model, *results[i].bound, rows.frames);
+      text += fmt::format("\n{}, {}\n{}{}{}", networks[i].file, bound_line(*networks[i].model.bound), doubt,
+                          doubt.empty() ? "" : "\n", coverage_table(*results[i].bound, set.indenter_names));
+    }
   for (std::size_t i = 0; i < decisions.size(); ++i)
     text += fmt::format("\n{}\n{}", networks[i].file, decision_table(decisions[i], request.alarms));
-  if (floor) text += fmt::format("\n{}\n", floor->text());
   return text + "\ndevice: " + device + "\n";
 }
 
@@ -170,6 +168,7 @@ int run_recall(const RecallRequest& request) {
   }();
   const AnsweredRows rows = answered_rows(set, request.set, target);
   const Device device(request.shared.device);
+  warn_of_unit(request, networks.front(), rows.frames);
   const auto results = recall(request, device, networks, rows.frames);
   if (!results) return interrupted;
   Decisions decisions;
@@ -178,20 +177,19 @@ int run_recall(const RecallRequest& request) {
     for (const NetworkResult& result : *results)
       decisions.push_back(decide(result, set, rows, positions, request.set, request.alarms));
   }
-  const std::optional<FrameFloor> floor = floor_of(request, networks, set, target);
   if (!request.decision_csv.empty())
     write_file("--decision-csv", request.decision_csv, all_curves(networks, decisions, request.alarms));
   if (!request.rows.empty()) write_file("--rows", request.rows, rows_csv(networks, *results, rows));
   if (!request.html.empty())
     write_file("--html", request.html,
-               recall_page(networks, *results, rows, set.indenter_names, request.set, decisions, floor).html());
-  const Json report = report_json(request, networks, *results, set, rows, decisions, floor, device.info().name);
+               recall_page(networks, *results, rows, set.indenter_names, request.set, decisions).html());
+  const Json report = report_json(request, networks, *results, set, rows, decisions, device.info().name);
   if (request.json == "-") {
     fmt::print("{}", json_text(report));
     return done;
   }
   if (!request.json.empty()) write_file("--json", request.json, json_text(report));
-  fmt::print("{}", tables(request, networks, *results, set, rows, decisions, floor, device.info().name));
+  fmt::print("{}", tables(request, networks, *results, set, rows, decisions, device.info().name));
   return done;
 }
 
@@ -240,8 +238,7 @@ void add_recall_command(CLI::App& app, Action& action) {
                    "with --decision: no alarm begins at a frame with a wider interval of S; it cannot tell, no unit "
                    "(default: none)")
       ->check(CLI::NonNegativeNumber);
-  command->add_flag("--no-floor", request->no_floor,
-                    "leave out the last line, the least error that the frames allow: about a second on pads");
+  command->add_flag("--no-floor")->description("without effect, kept for scripts: no floor is printed");
   add_network_options(*command, request->shared);
   command->callback([command, request, &action] {
     action = [command, request] {

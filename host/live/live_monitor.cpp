@@ -40,19 +40,22 @@ void check_networks(std::span<const nn::Model> networks, const SensorProfile& pr
                       "networks that all have a bound, or none");
 }
 
-/// The answer of the pad with the largest number to act on; S and its upper bound are the largest of all pads.
+/// The answer of the pad with the largest number to act on; S and its upper bound are the largest of all pads. A pad
+/// whose alarm is on keeps it on, also in frames without an answer of that pad.
 void take_largest(MonitorLine& line) {
   float most = -std::numeric_limits<float>::infinity();
   Answer largest = line.pads.front().answer;
+  line.acted_on = line.pads.front().acted_on;
   for (const AlarmAnswer& pad : line.pads) {
+    line.alarm |= pad.on, line.cannot_tell |= pad.cannot_tell, line.no_answer |= std::isnan(pad.acted_on);
     if (pad.contact) line.contact = line.contact.value_or(false) || *pad.contact;
     if (pad.contact == false) continue;
-    if (pad.acted_on > most) most = pad.acted_on, largest = pad.answer;
+    if (pad.acted_on > most) line.acted_on = most = pad.acted_on, largest = pad.answer;
   }
   for (const AlarmAnswer& pad : line.pads) {
     largest.slip_index = std::fmax(largest.slip_index, pad.answer.slip_index);
     largest.slip_upper = std::fmax(largest.slip_upper, pad.answer.slip_upper);
-    largest.unlike |= pad.answer.unlike;
+    largest.unlike |= pad.answer.unlike, largest.beyond_learnt |= pad.answer.beyond_learnt;
   }
   line.answer = largest;
 }
@@ -97,7 +100,13 @@ LiveMonitor::Sensor::Sensor(const SlipEstimator& network, const SensorProfile& p
                             std::size_t count, const MonitorOptions& options)
     : first(first_tactel),
       tactels(count),
-      alarm(network, {options.at, options.touch.value_or(profile.map.touch(first, count)), options.widest}) {}
+      touch(options.touch.value_or(profile.map.touch(first, count))),
+      alarm(network, {options.at, options.touch.value_or(std::max<double>(touch, network.smallest_peak())),
+                      options.widest, options.hold, options.ignore_unlike}) {}
+
+bool LiveMonitor::Sensor::rests() const {
+  return std::ranges::all_of(std::span(stresses).first(tactels), [&](float s) { return std::abs(s) < touch; });
+}
 
 LiveMonitor::LiveMonitor(std::span<const nn::Model> networks, const SensorProfile& profile,
                          const MonitorOptions& options, const std::optional<Device>& device)
@@ -106,6 +115,7 @@ LiveMonitor::LiveMonitor(std::span<const nn::Model> networks, const SensorProfil
       drift_(options.drift > 0 ? std::optional<DriftWatch>(std::in_place, profile.map, options.drift) : std::nullopt),
       decoder_((check_networks(networks, profile), profile.format())),
       has_bound_(networks.front().bound.has_value()),
+      magnitude_(networks.front().magnitude),
       stresses_(profile.map.places()) {
   std::vector<SlipEstimator> estimators, of_sensors;
   for (const nn::Model& network : networks) estimators.push_back(estimator_of(network));
@@ -168,19 +178,28 @@ void LiveMonitor::answer(const hw::DecodedFrame& frame, double arrival, const Mo
     ++summary_.late;
     return;
   }
+  for (std::size_t i = 0; i < sensors_.size(); ++i) line.pads[i] = sensors_[i].alarm.judge(line.pads[i]);
   take_largest(line);
-  const AlarmAnswer judged = sensors_.front().alarm.judge({.answer = line.answer, .contact = line.contact});
-  line.acted_on = judged.acted_on, line.alarm = judged.on, line.cannot_tell = judged.cannot_tell;
   if (line.pads.size() == 1) line.pads.clear();
   const double now = source_->now();
   line.latency = 1e6 * (now - arrival), line.answer_time = 1e6 * (now - decoded);
   summary_.latency.add(line.latency);
-  if (drift_) line.drift = drift_->next(stresses_, line.contact.value_or(true), arrival);
+  const bool rest = std::ranges::all_of(sensors_, &Sensor::rests);
+  if (drift_) line.drift = drift_->next(stresses_, !rest, arrival);
   for (Sensor& sensor : sensors_)
     if (auto turned = sensor.mounting ? sensor.mounting->next(sensor.stresses) : std::nullopt)
       line.drift.push_back(std::move(*turned));
-  summary_.drifts += line.drift.size();
+  count(line, rest);
   if (events.line) events.line(line);
+}
+
+void LiveMonitor::count(MonitorLine& line, bool rest) {
+  const bool contact = line.contact.value_or(true);
+  summary_.drifts += line.drift.size(), summary_.contacts += contact, summary_.faint += !contact && !rest;
+  if (!options_.true_slip_index) return;
+  const float truth = *(line.true_slip_index = options_.true_slip_index(line.frame.number));
+  const float error = std::abs(line.answer.slip_index - (magnitude_ ? std::abs(truth) : truth));
+  if (!std::isnan(error)) summary_.error_sum += error, ++summary_.judged;
 }
 
 void LiveMonitor::refresh() {

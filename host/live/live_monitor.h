@@ -19,11 +19,14 @@ namespace tactel::host {
 
 struct MonitorOptions {
   double late = 0.1;  ///< s: a live frame older than this is dropped and counted
-  /// MPa: a frame whose normal stresses all stay below is no contact; none: ChannelMap::touch() of the profile, 0: all
-  /// frames are contacts
+  /// MPa: a frame whose normal stresses all stay below is no contact; none: ChannelMap::touch() of the profile, and at
+  /// least the smallest peak that the network learnt; 0: all frames are contacts
   std::optional<double> touch{};
-  /// As of AlarmOptions.
+  /// As of AlarmOptions, up to ignore_unlike.
   float at = std::numeric_limits<float>::infinity(), widest = std::numeric_limits<float>::infinity();
+  int hold = 1;
+  bool ignore_unlike = false;
+  std::function<float(std::uint64_t frame)> true_slip_index{};  ///< of OpenSource, for a network of S
   double silence = 1.0;  ///< s of listening to a live source without a frame before a warning
   double drift = 2.0;    ///< s of rest that are compared with the calibration at once (DriftWatch); 0: no watch
 };
@@ -31,16 +34,18 @@ struct MonitorOptions {
 /// The answer to a frame.
 struct MonitorLine {
   LiveFrame frame;
-  std::span<const float> stresses;  ///< [places of the channel map] MPa
-  Answer answer{};                  ///< of several pads: of the one with the largest number to act on
-  bool has_bound = false;           ///< the network has a bound
-  std::optional<bool> contact{};    ///< as of AlarmAnswer; of several pads whether one touches
-  float acted_on = 0;               ///< as of AlarmAnswer, and the next two
-  bool alarm = false, cannot_tell = false;
-  std::vector<AlarmAnswer> pads{};  ///< of several pads, without alarms of their own; none: `answer` is all
-  std::vector<Drift> drift{};       ///< what this frame showed to have moved; mostly nothing
-  double latency = 0;               ///< us from the frame's last byte to S
-  double answer_time = 0;           ///< us of the latency, from the decoded frame to S
+  std::span<const float> stresses;          ///< [places of the channel map] MPa
+  Answer answer{};                          ///< of several pads: of the one with the largest number to act on
+  bool has_bound = false;                   ///< the network has a bound
+  std::optional<bool> contact{};            ///< as of AlarmAnswer; of several pads whether one touches
+  float acted_on = 0;                       ///< as of AlarmAnswer, and the next two
+  bool alarm = false, cannot_tell = false;  ///< of several pads those of one
+  bool no_answer = false;                   ///< a pad touches and has none
+  std::optional<float> true_slip_index{};   ///< of a simulation; NaN without contact
+  std::vector<AlarmAnswer> pads{};          ///< of several pads; none: `answer` is all
+  std::vector<Drift> drift{};               ///< what this frame showed to have moved; mostly nothing
+  double latency = 0;                       ///< us from the frame's last byte to S
+  double answer_time = 0;                   ///< us of the latency, from the decoded frame to S
 };
 
 struct MonitorSummary {
@@ -49,6 +54,11 @@ struct MonitorSummary {
   std::uint64_t late = 0;
   std::uint64_t silences = 0;  ///< each counts once, regardless of its length
   std::uint64_t drifts = 0;    ///< each counts once
+  std::uint64_t contacts = 0;  ///< frames in contact
+  std::uint64_t faint = 0;     ///< frames that touch by the profile's threshold, but by no peak that was learnt
+  /// Of a simulation: sum of |S - true S|, and its frames.
+  double error_sum = 0;
+  std::uint64_t judged = 0;
   LatencyHistogram latency;
   std::string device;  ///< that evaluated the networks; empty: host code
 };
@@ -87,14 +97,17 @@ class LiveMonitor {
   struct Sensor {
     Sensor(const SlipEstimator& network, const SensorProfile& profile, std::size_t first, std::size_t tactels,
            const MonitorOptions& options);
+    bool rests() const;
 
     std::size_t first, tactels;
-    Alarm alarm;  ///< has the frames answered, or dropped as late; that of the first pad judges all
+    double touch;                             ///< MPa, of options or profile, without that of the network
+    Alarm alarm;                              ///< has the frames answered, or dropped as late
     std::optional<MountingWatch> mounting{};  ///< of a pad
     std::span<float> stresses{};              ///< [axes tactels] MPa, of frames_
   };
   void answer(const hw::DecodedFrame& frame, double arrival, const MonitorEvents& events);
   void estimate();
+  void count(MonitorLine& line, bool rest);
   void refresh();
   void watch(const MonitorEvents& events);
   void listen(double now, const MonitorEvents& events);
@@ -103,7 +116,7 @@ class LiveMonitor {
   hw::ChannelMap map_;
   std::optional<DriftWatch> drift_;
   hw::Decoder decoder_;
-  bool has_bound_;
+  bool has_bound_, magnitude_;
   std::deque<Sensor> sensors_;
   std::unique_ptr<LiveEstimator> estimator_;
   std::vector<float> frames_;                           ///< [sensors][axes tactels] MPa, of the newest frame

@@ -180,10 +180,12 @@ std::string view_text(const MonitorLine& line, const SlipTrace& history, float l
       fmt::format("S {} {}", std::isfinite(s) ? fmt::format("{:.3f}", s) : "  -  ", bar(s, options.alarm, width - 8));
   if (options.colour && std::isfinite(s)) index = painted(index, colour_of(line.acted_on, options.alarm));
   const std::string words = fmt::format(
-      "{}{}frame {}, {:.0f} us, full block {:.3g} MPa, history {:.0f} s", note.empty() ? "" : note + "; ",
+      "{}{}{}frame {}, {:.0f} us, full block {:.3g} MPa, history {:.0f} s", note.empty() ? "" : note + "; ",
       line.contact == false ? "no contact; "
+      : line.cannot_tell    ? (line.alarm ? "ALARM: cannot tell; " : "cannot tell; ")
       : line.alarm          ? "ALARM: slip is near; "
                             : "",
+      std::isfinite(line.true_slip_index.value_or(NAN)) ? fmt::format("true S {:.3f}; ", *line.true_slip_index) : "",
       line.frame.number, line.latency, largest_stress, static_cast<double>(room) * SlipTrace::seconds_per_column);
   return fmt::format("{}\nhistory|{}|\n{}{}\n", index, history_text(history, room),
                      options.pads.empty()

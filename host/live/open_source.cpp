@@ -118,7 +118,8 @@ OpenSource open(const std::string& kind, const std::string& rest, Files profiles
     throw ConfigError("command line", "--profile", profile, "left out with simulate:, which brings its own");
   auto sensor = open_simulation(rest);
   SensorProfile own = parse_profile(sensor->profile_text(), "simulated sensor");
-  return {std::move(sensor), std::move(own)};
+  const SimulatedSensor* played = sensor.get();
+  return {std::move(sensor), std::move(own), "", [played](std::uint64_t n) { return played->true_slip_index(n); }};
 }
 
 }  // namespace

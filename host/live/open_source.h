@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -14,6 +15,8 @@ struct OpenSource {
   std::unique_ptr<hw::FrameSource> source;
   SensorProfile profile;
   std::string note{};  ///< note for the user: the chosen one of several devices; may be empty
+  std::function<float(std::uint64_t frame)>
+      true_slip_index{};  ///< of a simulation: S of its frame, NaN without contact
 };
 
 /// Opens the source of --source: "usb:glove", "usb:VID:PID" with a profile, both with "?serial=NUMBER&port=1-2"

@@ -71,8 +71,12 @@ void SimulationOptions::validate() const {
 ScenePlay::ScenePlay(const fem::ContactSolution& solution, int indentation_steps, const SimulationOptions& options)
     : map_{axis_channels(0, solution.tactel_x.size()), axis_channels(1, solution.tactel_x.size()), {}} {
   stress_ = Eigen::MatrixXd::Zero(2 * solution.tactel_x.size(), static_cast<Eigen::Index>(solution.steps.size()));
-  for (std::size_t i = 0; i < solution.steps.size(); ++i)
-    stress_.col(static_cast<Eigen::Index>(i)) << solution.steps[i].sigma_y, solution.steps[i].tau_xy;
+  load_.resize(2, stress_.cols());
+  for (std::size_t i = 0; i < solution.steps.size(); ++i) {
+    const fem::ContactStep& step = solution.steps[i];
+    stress_.col(static_cast<Eigen::Index>(i)) << step.sigma_y, step.tau_xy;
+    load_.col(static_cast<Eigen::Index>(i)) << step.slip_index.value_or(0) * step.P, step.P;
+  }
   set_times(indentation_steps, options);
 }
 
@@ -82,17 +86,23 @@ ScenePlay::ScenePlay(const fem::PadSolution& solution, const fem::PadScene& scen
   map_.normal = axis_channels(0, tactels);
   if (scene.sensor.axes == 3) map_.shear = axis_channels(1, tactels), map_.shear_y = axis_channels(2, tactels);
   stress_ = Eigen::MatrixXd::Zero(scene.sensor.axes * tactels, static_cast<Eigen::Index>(solution.steps.size()));
-  for (std::size_t i = 0; i < solution.steps.size(); ++i)
-    stress_.col(static_cast<Eigen::Index>(i)) = solution.steps[i].stress.leftCols(scene.sensor.axes).reshaped();
+  load_.resize(2, stress_.cols());
+  for (std::size_t i = 0; i < solution.steps.size(); ++i) {
+    const fem::PadStep& step = solution.steps[i];
+    stress_.col(static_cast<Eigen::Index>(i)) = step.stress.leftCols(scene.sensor.axes).reshaped();
+    load_.col(static_cast<Eigen::Index>(i)) << step.slip_index.value_or(0) * step.P, step.P;
+  }
   set_times(static_cast<int>(fem::pressing_targets(scene.load)), options);
 }
 
 /// Knots: rest, each load step, and after the last step of pressing and of all it is held.
 void ScenePlay::set_times(int pressing_steps, const SimulationOptions& options) {
   const Eigen::MatrixXd steps = std::exchange(stress_, Eigen::MatrixXd::Zero(stress_.rows(), stress_.cols() + 3));
+  const Eigen::Matrix2Xd loads = std::exchange(load_, Eigen::Matrix2Xd::Zero(2, stress_.cols()));
   time_ = {0.0};
   const auto add = [&](double time, Eigen::Index step) {
     stress_.col(static_cast<Eigen::Index>(time_.size())) = steps.col(step);
+    load_.col(static_cast<Eigen::Index>(time_.size())) = loads.col(step);
     time_.push_back(time);
   };
   for (int i = 0; i < pressing_steps; ++i) add(options.press * (i + 1) / pressing_steps, i);
@@ -104,12 +114,22 @@ void ScenePlay::set_times(int pressing_steps, const SimulationOptions& options) 
   add(time_.back() + options.slip, steps.cols() - 1);
 }
 
-void ScenePlay::at(double t, Eigen::VectorXd& stress) const {
+ScenePlay::Place ScenePlay::place(double t) const {
   const auto after = std::ranges::upper_bound(time_, t);
   const auto next = std::clamp<std::ptrdiff_t>(after - time_.begin(), 1, static_cast<std::ptrdiff_t>(time_.size()) - 1);
   const double from = time_[static_cast<std::size_t>(next - 1)], to = time_[static_cast<std::size_t>(next)];
-  const double share = to > from ? std::clamp((t - from) / (to - from), 0.0, 1.0) : 1.0;
+  return {next, to > from ? std::clamp((t - from) / (to - from), 0.0, 1.0) : 1.0};
+}
+
+void ScenePlay::at(double t, Eigen::VectorXd& stress) const {
+  const auto [next, share] = place(t);
   stress = (1 - share) * stress_.col(next - 1) + share * stress_.col(next);
+}
+
+float ScenePlay::slip_index(double t) const {
+  const auto [next, share] = place(t);
+  const Eigen::Vector2d load = (1 - share) * load_.col(next - 1) + share * load_.col(next);
+  return load[1] > 0 ? static_cast<float>(load[0] / load[1]) : std::nanf("");
 }
 
 SimulatedSensor::SimulatedSensor(ScenePlay play, const SimulationOptions& options)
@@ -172,12 +192,16 @@ std::optional<hw::Packet> SimulatedSensor::wait(double timeout) {
   return hw::Packet{packet_, overdue ? due(frame_ - 1) : now()};
 }
 
+double SimulatedSensor::time_of(std::uint64_t frame) const {
+  const double played =
+      std::min(std::floor(due(frame) / play_.duration()), options_.repeat - 1.0);  // the end is not a new start
+  return due(frame) - played * play_.duration();
+}
+
 void SimulatedSensor::append_frame() {
   std::normal_distribution<double> noise(0.0, 1.0);
   const double t = due(frame_);
-  const double played =
-      std::min(std::floor(t / play_.duration()), options_.repeat - 1.0);  // the end is not a new start
-  play_.at(t - played * play_.duration(), stress_);
+  play_.at(time_of(frame_), stress_);
   for (std::size_t i = 0; i < codes_.size(); ++i) {
     const double measured = amplifiers_[i](gain_[i] * stress_[static_cast<Eigen::Index>(i)]);
     codes_[i] = converter_(measured + options_.noise * converter_.full_scale * noise(random_));

@@ -44,14 +44,22 @@ class ScenePlay {
   double largest() const { return stress_.cwiseAbs().maxCoeff(); }  ///< MPa
   /// Computes stress [channels] MPa at time t, normal stresses first.
   void at(double t, Eigen::VectorXd& stress) const;
+  /// Returns S at time t: the quotient of S P and P, each linear between load steps as the stress; NaN where P is 0.
+  float slip_index(double t) const;
   /// Returns the channels of the stresses, and of a pad its layout.
   std::string channels_text() const { return host::channels_text(map_, pads_); }
 
  private:
+  struct Place {
+    Eigen::Index next;  ///< the knot at or after a time
+    double share;       ///< of it, the rest of the knot before
+  };
+  Place place(double t) const;
   void set_times(int pressing_steps, const SimulationOptions& options);
 
   std::vector<double> time_;  ///< [knots] s
   Eigen::MatrixXd stress_;    ///< [channels, knots] MPa
+  Eigen::Matrix2Xd load_;     ///< [2, knots] S P and P, N/mm, or N of a pad
   hw::ChannelMap map_;
   std::vector<PadLayout> pads_;
 };
@@ -62,6 +70,8 @@ class SimulatedSensor final : public hw::FrameSource {
   SimulatedSensor(ScenePlay play, const SimulationOptions& options);
   /// Returns the profile of these frames, with nominal gains and the noise at rest.
   std::string profile_text() const;
+  /// Returns S of frame n of the source; NaN without contact.
+  float true_slip_index(std::uint64_t n) const { return play_.slip_index(time_of(n)); }
 
   std::optional<hw::Packet> wait(double timeout) override;
   bool finished() const override { return frame_ >= frames_; }
@@ -72,6 +82,7 @@ class SimulatedSensor final : public hw::FrameSource {
  private:
   void append_frame();
   double due(std::uint64_t frame) const { return static_cast<double>(frame) / options_.rate; }
+  double time_of(std::uint64_t frame) const;  ///< s, in its play of the scene
 
   ScenePlay play_;
   SimulationOptions options_;

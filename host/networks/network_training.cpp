@@ -55,6 +55,7 @@ NetworkTraining<Real>::NetworkTraining(Executor& executor, FrameStream* stream, 
     set_ = *set;
   set_.validate();
   scaling_ = nn::fit_scaling(plan.scaling, set_);
+  learnt_ = nn::learnt_ranges(set_);
   if (stream != nullptr && std::ranges::any_of(plan.topologies, &nn::Topology::has_bound))
     bound_ = bound_of(plan.noises[0], plan.seeds[0]);
   std::vector<OnlineMember> members;  // of each topology: the clean rows serve every seed, noise is drawn for each
@@ -299,6 +300,7 @@ nn::Model NetworkTraining<Real>::model(std::size_t i, const std::string& learnin
                   plan_.history,
                   plan_.magnitude,
                   plan_.target};
+  model.learnt = learnt_;
   if (network.topology.has_bound()) model.bound = bound_ ? *bound_ : bound_of(network.noise, network.seed);
   return model;
 }

@@ -109,6 +109,7 @@ class NetworkTraining {
   std::uint64_t first_ = 0, block_ = 0;  ///< the stream's first block that has rows, and its next
   double first_seconds_ = 0;             ///< s until the first rows were there
   nn::InputScaling scaling_;
+  nn::Learnt learnt_;
   std::optional<nn::Bound> bound_;        ///< of a stream, before its calibration
   std::vector<TrainedNetwork> networks_;  ///< [topologies][noises][seeds]
   std::unique_ptr<TrainingSchedule<Real>> schedule_;

@@ -70,8 +70,9 @@ float narrow(const char* name, double value) {
   return narrowed;
 }
 
-std::unique_ptr<Alarm> alarm_of(const py::object& network, double at, double touch, std::optional<double> widest) {
-  AlarmOptions options{.at = narrow("at", at), .touch = touch};
+std::unique_ptr<Alarm> alarm_of(const py::object& network, double at, std::optional<double> touch,
+                                std::optional<double> widest, int hold, bool ignore_unlike) {
+  AlarmOptions options{.at = narrow("at", at), .touch = touch, .hold = hold, .ignore_unlike = ignore_unlike};
   if (widest) options.widest = narrow("widest", *widest);
   if (py::isinstance<Network>(network))
     return std::make_unique<Alarm>(network.cast<const Network&>().estimator(), options);
@@ -173,20 +174,28 @@ void bind_networks(py::module_& m) {
           [](const AlarmAnswer& said) { return std::pair(said.answer.slip_interval[0], said.answer.slip_interval[1]); },
           "interval of S; NaN without a bound")
       .def_property_readonly(
-          "unlike", [](const AlarmAnswer& said) { return said.answer.unlike != 0; }, "the bound says nothing")
+          "unlike", [](const AlarmAnswer& said) { return said.answer.unlike != 0; }, "unlike all that was learnt")
+      .def_property_readonly(
+          "beyond_learnt", [](const AlarmAnswer& said) { return said.answer.beyond_learnt != 0; },
+          "a normal stress is above 10 times the largest that was learnt: are they MPa?")
       .def_property_readonly(
           "status", [](const AlarmAnswer& said) { return name(said.answer.status); },
           "\"ok\", \"no stress\", \"not finite\" or \"overflow\"")
       .def_readonly("contact", &AlarmAnswer::contact, "whether something touches; None without a threshold of touch")
       .def_readonly("acted_on", &AlarmAnswer::acted_on, "number that the alarm judges")
       .def_readonly("on", &AlarmAnswer::on, "the alarm")
-      .def_readonly("cannot_tell", &AlarmAnswer::cannot_tell, "only the width of the interval keeps the alarm off")
+      .def_readonly("cannot_tell", &AlarmAnswer::cannot_tell,
+                    "no answer though it touches, or unlike all that was learnt, or only the width of the interval "
+                    "keeps the alarm off")
       .def("__repr__", &text_of);
   py::class_<Alarm>(m, "Alarm", "The alarm of `tactel monitor`: frames of one sensor in turn, by its rules.")
-      .def(py::init(&alarm_of), "network"_a, py::kw_only(), "at"_a = 0.8, "touch"_a = 0.0, "widest"_a = py::none(),
+      .def(py::init(&alarm_of), "network"_a, py::kw_only(), "at"_a = 0.8, "touch"_a = py::none(),
+           "widest"_a = py::none(), "hold"_a = 1, "ignore_unlike"_a = false,
            "network: a Network or SlipEstimator. at: upper bound of S (S itself without a bound) at which the alarm "
-           "begins; it ends below at - 0.05. touch: MPa; a frame whose normal stresses all stay below is no contact. "
-           "widest: no alarm begins at a wider interval of S.")
+           "begins; it ends below at - 0.05. touch: MPa; a frame whose normal stresses all stay below is no contact; "
+           "None: the smallest peak that the network learnt. widest: no alarm begins at a wider interval of S. hold: "
+           "it begins at the last of so many frames in a row that ask for it. ignore_unlike: a frame unlike all that "
+           "was learnt asks for the alarm by its S alone.")
       .def("next", &next_answer, "frame"_a,
            "Takes the sensor's next frame [inputs] MPa, normal stresses of all tactels first, then shear.")
       .def("clear", &Alarm::clear, "Ends the alarm and forgets all frames.")

@@ -43,6 +43,7 @@ AnsweredRows find_answered_rows(const ContactSet& set, nn::Target target) {
     frames.contact_nodes.push_back(set.pad ? nn::touching_tactels(frame, set.inputs / set.axes)
                                            : set.contact_nodes[row]);
     if (set.pad) frames.torque.push_back(nn::torque_class(set.slip_index[row], set.force_ratio[row]));
+    if (!set.friction.empty()) frames.friction.push_back(set.friction[row]);
     frames.contact.push_back(set.contact[row]);
     frames.step.push_back(set.step[row]);
   }

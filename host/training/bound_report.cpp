@@ -95,6 +95,12 @@ std::string indenter_name(const std::vector<std::string>& names, int kind) {
   return place < names.size() ? names[place] : fmt::format("kind {}", kind);
 }
 
+bool holds(const Coverage& coverage, double level) {
+  const double allowed = 1 - level, rows = static_cast<double>(coverage.rows);
+  const double missed = 1 - std::min(coverage.upper, coverage.interval);
+  return coverage.rows == 0 || missed <= 2 * allowed + 4 * std::sqrt(allowed * level / rows);
+}
+
 BoundReport report_bound(std::span<const nn::BoundAnswer> bounds, std::span<const double> errors,
                          const nn::FrameSet& set) {
   Rows all, alike;
@@ -128,6 +134,7 @@ Json to_json(const nn::Bound& bound) {
 
 Json to_json(const BoundReport& report, const std::vector<std::string>& indenter_names) {
   Json json = to_json(report.all);
+  if (report.holds) json["holds"] = *report.holds;
   json["alike"] = to_json(report.alike);
   const auto list = [&json](const char* name, const char* key, const std::map<int, Coverage>& classes,
                             const auto& name_of) {
@@ -152,6 +159,18 @@ std::string bound_line(const nn::Bound& bound) {
   if (!bound.calibrated()) return "bound not calibrated (tactel calibrate bound)";
   return fmt::format("bound of {:g} %, calibrated on {} rows of {} (seed {})", 100 * bound.level, bound.rows, bound.set,
                      bound.seed);
+}
+
+std::string doubt_text(const nn::Model& model, const BoundReport& report, const nn::FrameSet& set) {
+  if (report.holds.value_or(true)) return "";
+  std::string text =
+      fmt::format("the bound does not hold here: S of {:.1f} % of the rows is below slip_upper, where {:g} % is stated",
+                  100 * report.all.upper, 100 * model.bound->level);
+  const nn::Learnt &learnt = model.learnt, here = nn::learnt_ranges(set);
+  if (learnt.most_friction > 0 && here.most_friction > 0)
+    text += fmt::format("; learnt at friction {:.3g} to {:.3g}, here it is {:.3g} to {:.3g}", learnt.least_friction,
+                        learnt.most_friction, here.least_friction, here.most_friction);
+  return text;
 }
 
 std::string coverage_table(const BoundReport& report, const std::vector<std::string>& indenter_names) {

@@ -2,6 +2,7 @@
 #pragma once
 #include <map>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -36,6 +37,7 @@ struct BoundReport {
   std::map<int, Coverage> by_torque{};    ///< of pads; key: nn::torque_class
   std::map<int, Coverage> by_slip{};      ///< key: tenths of S, 0 to 9
   std::vector<Answered> answered{};       ///< all rows, then fewer
+  std::optional<bool> holds{};            ///< of a calibrated bound: whether its level holds on these rows
 };
 
 /// Returns the name of a kind of indenter, or "kind 3" where a set has none.
@@ -43,6 +45,10 @@ std::string indenter_name(const std::vector<std::string>& names, int kind);
 
 /// Returns "1", "2", "3 to 4", ..., "17 and more" for a key of BoundReport::by_touching.
 std::string touching_name(int key);
+
+/// Returns false where more than twice as many rows are beyond a bound as its level allows, and 4 standard deviations
+/// of their number more: rows of a contact are alike.
+bool holds(const Coverage& coverage, double level);
 
 /// Judges bounds [rows] by the S of the set. S counts as at most 1: what a solver has beyond is its tolerance. errors:
 /// [rows], as nn::absolute_errors returns them.
@@ -57,6 +63,8 @@ nlohmann::ordered_json to_json(const BoundReport& report, const std::vector<std:
 
 /// Returns what a bound was calibrated on, in a line.
 std::string bound_line(const nn::Bound& bound);
+/// Returns that a bound does not hold on a set, and which friction both have; empty where it does.
+std::string doubt_text(const nn::Model& model, const BoundReport& report, const nn::FrameSet& set);
 /// Returns the report as two tables, a line a class, and a line a share of answered rows.
 std::string coverage_table(const BoundReport& report, const std::vector<std::string>& indenter_names);
 

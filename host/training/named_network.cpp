@@ -75,6 +75,7 @@ NetworkResult judge(const nn::Recall<Real>& answer, const nn::Model& model, cons
   if (keep_rows) result.slip_index.assign(answer.slip_index.begin(), answer.slip_index.end());
   if (!model.bound) return result;
   result.bound = report_bound(answer.bounds, errors, set);
+  if (model.bound->calibrated()) result.bound->holds = holds(result.bound->all, model.bound->level);
   if (keep_rows) result.bounds = answer.bounds;
   return result;
 }

@@ -215,14 +215,16 @@ void add_decisions(Page& page, std::span<const NamedNetwork> networks, const std
 
 Page recall_page(std::span<const NamedNetwork> networks, std::span<const NetworkResult> results,
                  const AnsweredRows& rows, const std::vector<std::string>& indenter_names, const std::string& set,
-                 std::span<const std::vector<DecisionCurve>> decisions, const std::optional<FrameFloor>& floor) {
+                 std::span<const std::vector<DecisionCurve>> decisions) {
   const std::vector<Judged> all = judged(networks, results, rows.frames);
   const Shown shown = Shown(all).first(std::min(best, all.size()));
   Page page("tactel: networks judged by a set",
             fmt::format("{} network{} on {} frames of {}, by tactel {}", networks.size(),
                         networks.size() == 1 ? "" : "s", rows.frames.rows(), set, TACTEL_VERSION));
   report_recall_verdict(page, all, rows, indenter_names);
-  if (floor) page.finding(Tone::fact, "floor", floor->text() + ".");
+  for (std::size_t i = 0; i < networks.size(); ++i)
+    if (const auto& bound = results[i].bound; bound && !bound->holds.value_or(true))
+      page.finding(Tone::poor, networks[i].file, doubt_text(networks[i].model, *bound, rows.frames) + ".");
   page.table(network_table(all));
   page.figure(
       predicted_figure(shown),

@@ -15,7 +15,9 @@ void check(const SlipEstimator& network, const AlarmOptions& options) {
   };
   const bool never = options.at == std::numeric_limits<float>::infinity();
   if (!(never || (options.at >= 0 && options.at <= 1))) refuse("at", options.at, "must be 0 to 1");
-  if (!(options.touch >= 0 && std::isfinite(options.touch))) refuse("touch", options.touch, "must be 0 or above, MPa");
+  const double touch = options.touch.value_or(0);
+  if (!(touch >= 0 && std::isfinite(touch))) refuse("touch", touch, "must be 0 or above, MPa");
+  if (options.hold < 1) refuse("hold", options.hold, "must be 1 frame or more");
   if (!(options.widest >= 0)) refuse("widest", options.widest, "must be 0 or above");
   if (std::isfinite(options.widest) && !network.has_bound())
     refuse("widest", options.widest, "leave it out for a network without a bound: it has no interval");
@@ -33,14 +35,16 @@ struct Alarm::State {
   }
 
   AlarmOptions options;
+  double touch;  ///< MPa
   SlipHistory history;
   std::size_t tactels;
   bool has_bound, on = false;
+  int asking = 0;  ///< frames in a row that asked for the alarm
 };
 
 Alarm::Alarm(const SlipEstimator& network, const AlarmOptions& options)
-    : state_((check(network, options),
-              new State{options, SlipHistory(network), network.tactels(), network.has_bound()})) {}
+    : state_((check(network, options), new State{options, options.touch.value_or(network.smallest_peak()),
+                                                 SlipHistory(network), network.tactels(), network.has_bound()})) {}
 Alarm::~Alarm() { delete state_; }
 
 std::size_t Alarm::inputs() const noexcept { return state_->history.inputs(); }
@@ -51,7 +55,7 @@ AlarmAnswer Alarm::answer(std::span<const float> frame) noexcept {
 
 AlarmAnswer Alarm::answer(std::span<const float> frame, const Answer& estimated) noexcept {
   AlarmAnswer given{.answer = estimated};
-  const double touch = state_->options.touch;
+  const double touch = state_->touch;
   if (touch > 0 && given.answer.status != AnswerStatus::wrong_size) {
     // NaN touches.
     given.contact = given.answer.status == AnswerStatus::not_finite ||
@@ -62,20 +66,30 @@ AlarmAnswer Alarm::answer(std::span<const float> frame, const Answer& estimated)
   return given;
 }
 
+// A frame without an answer neither asks for the alarm nor ends it, nor the row of those that ask.
 AlarmAnswer Alarm::judge(AlarmAnswer given) noexcept {
-  const auto& [at, touch, widest] = state_->options;
-  const float width = state_->has_bound ? given.answer.slip_interval[1] - given.answer.slip_interval[0] : 0;
+  const AlarmOptions& rules = state_->options;
   given.acted_on = state_->number_of(given);
-  if (given.acted_on >= at && width <= widest) state_->on = true;
-  if (given.acted_on < at - release) state_->on = false;
+  const bool none = std::isnan(given.acted_on);
+  const bool nothing = given.answer.status == AnswerStatus::no_stress || given.contact == false;
+  const bool unlike = given.answer.unlike != 0 && !none && !nothing;
+  const float width = state_->has_bound ? given.answer.slip_interval[1] - given.answer.slip_interval[0] : 0;
+  const bool near = given.acted_on >= rules.at, wide = near && !(width <= rules.widest);
+  if (unlike && !rules.ignore_unlike ? rules.at <= 1 : near && !wide) {
+    state_->asking = std::min(state_->asking + 1, rules.hold);
+    if (state_->asking == rules.hold) state_->on = true;
+  } else if (!none) {
+    state_->asking = 0;
+    if (given.acted_on < rules.at - release) state_->on = false;
+  }
   given.on = state_->on;
-  given.cannot_tell = !given.on && given.acted_on >= at;
+  given.cannot_tell = none || unlike || (wide && !given.on);
   return given;
 }
 
 void Alarm::clear() noexcept {
   state_->history.clear();
-  state_->on = false;
+  state_->on = false, state_->asking = 0;
 }
 
 }  // namespace tactel

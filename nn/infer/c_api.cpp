@@ -5,6 +5,7 @@
 #include <tactel/infer.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <exception>
 #include <iterator>
@@ -18,6 +19,10 @@ struct tactel_estimator {
 
 struct tactel_history {
   tactel::SlipHistory history;
+};
+
+struct tactel_alarm {
+  tactel::Alarm alarm;
 };
 
 namespace {
@@ -36,7 +41,7 @@ thread_local std::string load_error;  ///< text of last_error where it is no lit
 tactel_answer refused(const char* error) noexcept {
   constexpr float none = std::numeric_limits<float>::quiet_NaN();
   last_error = error;
-  return {none, none, TACTEL_WRONG_SIZE, {none, none}, 0, {0, 0}};
+  return {none, none, TACTEL_WRONG_SIZE, {none, none}, 0, 0, {0}};
 }
 
 tactel_answer c_answer(const tactel::Answer& answer) noexcept {
@@ -112,6 +117,42 @@ tactel_answer tactel_history_estimate(tactel_history* history, const float* fram
 
 void tactel_history_clear(tactel_history* history) {
   if (history != nullptr) history->history.clear();
+}
+
+tactel_alarm_options tactel_alarm_defaults(void) {
+  const tactel::AlarmOptions rules;
+  return {rules.at, -1, rules.widest, rules.hold, rules.ignore_unlike};
+}
+
+tactel_alarm* tactel_alarm_create(const tactel_estimator* estimator, const tactel_alarm_options* options) {
+  last_error = "";
+  const tactel_alarm_options given = options != nullptr ? *options : tactel_alarm_defaults();
+  try {
+    tactel::AlarmOptions rules{.at = given.at, .widest = given.widest};
+    rules.hold = given.hold, rules.ignore_unlike = given.ignore_unlike != 0;
+    if (!(given.touch < 0)) rules.touch = given.touch;
+    if (estimator != nullptr) return new tactel_alarm{tactel::Alarm(estimator->estimator, rules)};
+    last_error = "tactel_alarm_create: no estimator; give one of tactel_load";
+  } catch (const std::bad_alloc&) {
+    last_error = "tactel_alarm_create: out of memory; free some";
+  } catch (const std::exception& error) {
+    load_error = error.what();
+    last_error = load_error.c_str();
+  }
+  return nullptr;
+}
+
+void tactel_alarm_free(tactel_alarm* alarm) { delete alarm; }
+
+tactel_alarm_answer tactel_alarm_next(tactel_alarm* alarm, const float* frame, size_t count) {
+  if (alarm == nullptr || frame == nullptr)
+    return {refused("tactel_alarm_next: no alarm or frame; give both"), -1, NAN, 0, 1};
+  const tactel::AlarmAnswer said = alarm->alarm.next({frame, count});
+  return {c_answer(said.answer), said.contact ? int{*said.contact} : -1, said.acted_on, said.on, said.cannot_tell};
+}
+
+void tactel_alarm_clear(tactel_alarm* alarm) {
+  if (alarm != nullptr) alarm->alarm.clear();
 }
 
 const char* tactel_error(void) { return last_error; }

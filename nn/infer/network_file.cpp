@@ -5,6 +5,7 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <array>
 #include <cfenv>
 #include <charconv>
 #include <cmath>
@@ -55,6 +56,14 @@ void add_bound_metadata(const nn::Bound& bound, Metadata& metadata) {
                          : "not calibrated: slip_upper and slip_interval hold at no level";
 }
 
+/// The numbers of what was learnt, by their keys in the metadata; absent where they are 0.
+template <class Ranges>
+auto ranges_of(Ranges& learnt) {
+  return std::array{std::pair{"smallest_peak", &learnt.smallest_peak}, std::pair{"largest_peak", &learnt.largest_peak},
+                    std::pair{"least_friction", &learnt.least_friction},
+                    std::pair{"most_friction", &learnt.most_friction}};
+}
+
 Metadata metadata_of(const nn::Model& model, const string& version) {
   Metadata metadata{{"topology", model.weights.topology.text()},
                     {"seed", exact(model.seed)},
@@ -76,6 +85,8 @@ Metadata metadata_of(const nn::Model& model, const string& version) {
   if (model.scaling.axes != 2) metadata["axes"] = exact(model.scaling.axes);
   if (model.magnitude) metadata["magnitude"] = "1";
   if (model.target != nn::Target::slip_index) metadata["target"] = nn::name(model.target);
+  for (const auto& [key, number] : ranges_of(model.learnt))
+    if (*number != 0) metadata[key] = exact(*number);
   if (model.bound) add_bound_metadata(*model.bound, metadata);
   return metadata;
 }
@@ -343,6 +354,8 @@ nn::Model model_of(const Contents& contents) {
   model.cycles = number_of<std::uint32_t>(metadata, "cycles");
   model.learning_errors = {number_of<std::size_t>(metadata, "error_rows"), number_of<double>(metadata, "error_max"),
                            number_of<double>(metadata, "error_mean"), number_of<double>(metadata, "error_std")};
+  for (const auto& [key, number] : ranges_of(model.learnt))
+    if (metadata.contains(key)) *number = number_of<float>(metadata, key);
   read_weights(contents, model.weights);
   if (topology.has_bound()) model.bound = read_bound(contents, topology.inputs());
   return model;

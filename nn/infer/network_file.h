@@ -19,7 +19,7 @@ inline constexpr std::size_t most_network_bytes = 4 << 20;  ///< of a file; the 
 
 /// Returns the file of a network: ONNX, opset 13, the graph of nn/infer/network_graph.h. Metadata: topology, seed,
 /// noise, learning set, cycles, errors, scaling, version and a checksum; history, stride and history_change of several
-/// frames; magnitude; target, where it is not S; what a bound was calibrated on.
+/// frames; magnitude; target, where it is not S; the ranges of nn::Learnt; what a bound was calibrated on.
 std::string network_bytes(const nn::Model& model);
 
 /// Reads what network_bytes wrote. The bytes are read by name, written again, and

@@ -61,6 +61,8 @@ struct SlipEstimator::Network {
   nn::InputHistory history;
   bool by_frame = false;
   float factor = 0;
+  nn::Learnt learnt;
+  float beyond = 0;  ///< MPa: a larger |normal stress| is beyond_learnt
   std::map<std::string, std::string, std::less<>> metadata;
 };
 
@@ -98,6 +100,9 @@ class OwnArithmetic {
 #endif
 };
 
+/// A learning set of other shapes and depths has peaks of a few times; another unit is at least 1000 times.
+constexpr float beyond_times = 10;
+
 using infer::Activations;
 using Network = SlipEstimator::Network;
 
@@ -129,7 +134,14 @@ AnswerStatus scale_frame(const Network& network, const float* frame, float* scal
 Answer answer_of(AnswerStatus status, float slip_index) noexcept {
   constexpr float none = std::numeric_limits<float>::quiet_NaN();
   const bool valid = status == AnswerStatus::ok || status == AnswerStatus::no_stress;
-  return {valid ? slip_index : none, none, status, {none, none}, 0, {}};
+  return {valid ? slip_index : none, none, status, {none, none}, 0, 0, {}};
+}
+
+/// NaN is not beyond.
+bool beyond_learnt(const Network& network, const float* frame) noexcept {
+  bool beyond = false;
+  for (int k = 0; k < network.normals; ++k) beyond |= std::abs(frame[k]) > network.beyond;
+  return beyond;
 }
 
 Answer plain_answer(AnswerStatus status, float output) noexcept {
@@ -171,9 +183,11 @@ void evaluate(const Network& network, int frames, const float* frame, Answer* an
   float o[nn::Topology::heads][infer::most_frames];
   for (int h = 0; h < (network.bound ? nn::Topology::heads : 1); ++h)
     infer::output_neuron(network.output.data() + h * (network.last + 1), network.last, frames, *x, o[h]);
-  for (int f = 0; f < frames; ++f)
+  for (int f = 0; f < frames; ++f) {
     answers[f] = network.bound ? bounded_answer(network, status[f], seen[f], o[0][f], o[1][f], o[2][f])
                                : plain_answer(status[f], o[0][f]);
+    answers[f].beyond_learnt = beyond_learnt(network, frame + f * network.inputs);
+  }
 }
 
 /// Returns the bytes of a file. Throws InputError where it cannot be read.
@@ -219,6 +233,9 @@ SlipEstimator SlipEstimator::parse(std::span<const std::byte> bytes, const std::
   network->normals = model.scaling.normals(network->inputs);
   network->by_frame = model.scaling.kind == nn::ScalingKind::frame;
   network->factor = file.factor;
+  network->learnt = model.learnt;
+  network->beyond =
+      model.learnt.largest_peak > 0 ? beyond_times * model.learnt.largest_peak : std::numeric_limits<float>::infinity();
   network->metadata = std::move(file.metadata);
   const int last = topology.hidden_layers();
   for (int l = 0; l < last; ++l) network->hidden.push_back(infer::hidden_layer(model.weights, l));
@@ -262,6 +279,7 @@ std::size_t SlipEstimator::estimate(std::span<const float> frames, std::span<Ans
 std::size_t SlipEstimator::frames() const noexcept { return static_cast<std::size_t>(network_->history.frames); }
 std::size_t SlipEstimator::tactels() const noexcept { return static_cast<std::size_t>(network_->normals); }
 bool SlipEstimator::has_bound() const noexcept { return network_->bound.has_value(); }
+float SlipEstimator::smallest_peak() const noexcept { return network_->learnt.smallest_peak; }
 
 struct SlipHistory::State {
   explicit State(const SlipEstimator& network)

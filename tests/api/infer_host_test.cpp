@@ -133,6 +133,29 @@ TEST(InferHost, TakesNull) {
   tactel_estimate_all(nullptr, nullptr, 0, nullptr);
   EXPECT_EQ(tactel_inputs(nullptr), 0u);
   EXPECT_THAT(tactel_error(), HasSubstr("tactel_inputs"));
+  EXPECT_EQ(tactel_alarm_create(nullptr, nullptr), nullptr);
+  EXPECT_THAT(tactel_error(), HasSubstr("tactel_alarm_create: no estimator"));
+  tactel_alarm_options rules = tactel_alarm_defaults();
+  rules.hold = 0;
+  EXPECT_EQ(tactel_alarm_create(estimator, &rules), nullptr);
+  EXPECT_THAT(tactel_error(), HasSubstr("hold: 0"));
+  rules = {.at = 0, .touch = 0.1, .widest = INFINITY, .hold = 2, .ignore_unlike = 0};  // at: of any S above 0
+  tactel_alarm* alarm = tactel_alarm_create(estimator, &rules);
+  ASSERT_NE(alarm, nullptr) << tactel_error();
+  refuses(tactel_alarm_next(nullptr, frame, 4).answer, "no alarm");
+  const float touching[4] = {-0.2f, -0.1f, 0.05f, 0.02f}, light[4] = {-0.05f, 0, 0, 0};
+  EXPECT_EQ(tactel_alarm_next(alarm, light, 4).contact, 0);
+  const tactel_alarm_answer first = tactel_alarm_next(alarm, touching, 4),
+                            second = tactel_alarm_next(alarm, touching, 4);
+  EXPECT_EQ(first.contact, 1);
+  EXPECT_EQ(first.answer.slip_index, tactel_estimate(estimator, touching, 4).slip_index);
+  EXPECT_EQ(first.acted_on, first.answer.slip_upper);
+  EXPECT_EQ(second.on, 1);
+  tactel_alarm_clear(alarm);
+  tactel_alarm_clear(nullptr);
+  EXPECT_EQ(tactel_alarm_next(alarm, touching, 4).on, 0) << "one of two frames";
+  tactel_alarm_free(alarm);
+  tactel_alarm_free(nullptr);
   EXPECT_EQ(tactel_history_create(nullptr), nullptr);
   EXPECT_THAT(tactel_error(), HasSubstr("tactel_history_create"));
   EXPECT_EQ(tactel_load(nullptr), nullptr);

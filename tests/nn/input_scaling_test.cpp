@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "fem/value_error.h"
@@ -100,6 +101,27 @@ TEST(InputScaling, RefusesWhatCannotScale) {
     EXPECT_THROW((InputScaling{ScalingKind::set, divisor}.validate()), ValueError) << divisor;
   const FrameSet zeros{.frames = RowMatrix<float>::Zero(3, 4), .slip_index = Vector<float>::Zero(3)};
   EXPECT_THROW(fit_scaling(ScalingKind::set, zeros), ValueError);
+}
+
+// Two frames of two tactels in a row, the newest first. Of 300 peaks of 1 to 300 MPa, three, 1 %, are below 4. A frame
+// without stress has no peak, and a bonded contact no friction.
+TEST(FrameSet, TheRangesThatANetworkLearns) {
+  FrameSet set{RowMatrix<float>::Zero(301, 8), Vector<float>::Zero(301), {}, {}};
+  set.history = 2;
+  for (Eigen::Index row = 0; row < 300; ++row) {
+    const auto peak = static_cast<float>(row + 1);
+    set.frames.row(row) << 0.5f * peak, row % 2 == 0 ? peak : -peak, 1e3f, 1e3f, 1e4f, 0, 0, 0;
+    set.friction.push_back(0.2f + 0.001f * peak);
+  }
+  set.friction.push_back(INFINITY);
+  const Learnt learnt = learnt_ranges(set);
+  EXPECT_EQ(learnt.smallest_peak, 4);
+  EXPECT_EQ(learnt.largest_peak, 300);
+  EXPECT_FLOAT_EQ(learnt.least_friction, 0.201f);
+  EXPECT_FLOAT_EQ(learnt.most_friction, 0.5f);
+  const Learnt none = learnt_ranges({RowMatrix<float>::Zero(2, 4), Vector<float>::Zero(2), {}, {}});
+  EXPECT_EQ(none.smallest_peak, 0);
+  EXPECT_EQ(none.most_friction, 0);
 }
 
 TEST(FrameSet, NamesTheRowThatIsWrong) {

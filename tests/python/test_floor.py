@@ -172,37 +172,6 @@ class Command(unittest.TestCase):
         listed = self.run_floor(str(EXAMPLES / "paper_learning.toml"), exit_code=2)
         self.assertIn("sweep.set", listed.stderr)
 
-    def test_recall_estimates_the_same(self):
-        # Of the same 100 contacts, by recall in fp32, by this program in fp64: their frames and S differ by 1e-4, the means by 1e-3.
-        # Where all contacts meet one sensor its gains can be learned, and count as none.
-        sweep = ('[sweep]\ncontacts = 100\nseed = 3\npress_rows = true\n[contact]\nfriction = { uniform = [0.1, 1.0] }\n[indenter]\nshape = "parabola"\n'
-                 'radius = { log_uniform = [5, 50] }\n[load]\nindentation = { uniform = [0.05, 0.2] }\ntangential_step = 0.03\n'
-                 'tangential_steps = 3\n[transducer]\nnoise_of_largest = 0.02\ngain_spread = 0.1\n')
-        program = os.environ["TACTEL_PROGRAM"]
-        with tempfile.TemporaryDirectory() as folder:
-            def run(*words):
-                return subprocess.run([program, *words], capture_output=True, text=True, check=True, cwd=folder).stdout
-            file = os.path.join(folder, "some.toml")
-            for more, gain, history in (("", 0.1, 1), ("instances = 1\n", 0, 1), ("", 0.1, 3)):
-                with open(file, "w", encoding="utf-8") as text:
-                    text.write(sweep + more)
-                run("generate", file, "--output", "some.h5", "--force")
-                run("train", "some.h5", "--network", f"{42 * history}-2-1", "--history", str(history), "--cycles", "1", "--schedule", "batch",
-                    "--output", "nets", "--force")
-                found = json.loads(run("recall", "nets", "some.h5", "--json", "-"))["floor"]
-                options = floor.Options(noise=0.02, noise_of_contact=True, gain=gain, history=history)
-                changed = Sweep(file)._changed(floor.CHANGE)
-                rows = next(changed._batches(100 * changed._changes, 0, True, None, "", "fp64", "", 1e-8, False))
-                errors = floor._estimates(rows, options, changed._changes)[0]
-                self.assertEqual((found["readings"], found["contacts"], found["history"]), (len(errors), 100, history))
-                self.assertAlmostEqual(found["mean"], errors.mean(), delta=2e-3 * errors.mean())
-                self.assertAlmostEqual(found["noise"], 0.02, delta=1e-9)
-                # A contact's readings are one draw.
-                self.assertAlmostEqual(found["standard_error"], errors.reshape(100, -1).mean(1).std(ddof=1) / 10, delta=1e-4)
-                last = run("recall", "nets", "some.h5").splitlines()[-1]
-                self.assertRegex(last, rf"^these frames allow a mean error of {found['mean']:.3f} at best \(floor: .* of 100 contacts, noise 2 %\)$")
-            self.assertNotIn("at best", run("recall", "nets", "some.h5", "--no-floor"))
-
     def test_takes_the_frames_of_a_networks_input(self):
         # Where no load changes by more than the largest stress, no second frame is kept: four frames are one and zeros, with the
         # estimate of one frame. Where every frame is kept they tell more.

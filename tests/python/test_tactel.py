@@ -297,7 +297,7 @@ class OwnNetworks(unittest.TestCase):
                                        (-0.2, np.nan, True, True), (-0.2, 0.74, True, False), (-0.2, 0.9, True, True),
                                        (-0.09, 0.9, False, False), (-0.2, 0.79, True, False)):
             said = alarm.next([0, normal, np.log(s / (1 - s)) / 10, 0])
-            self.assertEqual((said.contact, said.on, said.cannot_tell), (contact, on, False), (normal, s))
+            self.assertEqual((said.contact, said.on, said.cannot_tell), (contact, on, bool(np.isnan(s))), (normal, s))
             np.testing.assert_allclose(said.slip_index, s if contact else np.nan, atol=1e-6)
             self.assertEqual(said.status, "not finite" if np.isnan(s) else "ok")
             self.assertTrue(np.isnan(said.slip_upper) and np.isnan(said.slip_interval[0]))
@@ -306,9 +306,12 @@ class OwnNetworks(unittest.TestCase):
         alarm.clear()
         self.assertFalse(alarm.next([0, -0.2, np.log(0.77 / 0.23) / 10, 0]).on)
         self.assertIsNone(self.shear_alarm().next(np.zeros(4)).contact)
+        held, near = self.shear_alarm(at=0.8, touch=0, hold=2, ignore_unlike=True), [0, -0.2, 1, 0]
+        self.assertEqual([held.next(near).on for _ in range(3)], [False, True, True])
+        self.assertFalse(held.next(near).beyond_learnt)
 
     def test_an_alarm_refuses_what_it_cannot_mean(self):
-        for options, says in (({"at": 1.1}, "at: 1.1"), ({"touch": -1}, "touch: -1"), ({"widest": 0.4}, "widest: 0.4.*without a bound")):
+        for options, says in (({"at": 1.1}, "at: 1.1"), ({"touch": -1}, "touch: -1"), ({"hold": 0}, "hold: 0"), ({"widest": 0.4}, "widest: 0.4.*without a bound")):
             with self.subTest(says=says), self.assertRaisesRegex(tactel.InputError, says):
                 self.shear_alarm(**options)
         for frame in (np.zeros(3), np.zeros((2, 4)), 0.0):

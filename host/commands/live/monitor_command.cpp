@@ -28,6 +28,7 @@ struct MonitorRequest : SensorRequest {
   int every = 1;
   std::optional<float> alarm;  ///< default_alarm for --view where not given
   std::optional<float> widest;
+  std::string unlike = "alarm";
   MonitorOptions options;
   bool view = false;
 };
@@ -46,16 +47,17 @@ std::string answer_text(const char* target, const Answer& answer, const std::opt
   return text;
 }
 
-/// What a line says beside its answer: that of each of several pads; the alarm and whether the frame can tell, where
-/// they were asked for; what drifted.
+/// What a line says beside its answer: the true S of a simulation; the answer of each of several pads; the alarm, where
+/// it was asked for; whether the frame can tell; what drifted.
 std::string further_text(const MonitorRequest& request, const MonitorLine& line, const char* target) {
   std::string text;
+  if (line.true_slip_index) text += fmt::format(", \"true_slip_index\": {}", json_number(*line.true_slip_index));
   for (const AlarmAnswer& pad : line.pads)
     text +=
         fmt::format("{}{{{}}}{}", &pad == line.pads.data() ? ", \"pads\": [" : ", ",
                     answer_text(target, pad.answer, pad.contact, line.has_bound), &pad == &line.pads.back() ? "]" : "");
   if (request.alarm) text += fmt::format(", \"alarm\": {}", line.alarm);
-  if (request.widest) text += fmt::format(", \"cannot_tell\": {}", line.cannot_tell);
+  if (request.alarm || line.has_bound) text += fmt::format(", \"cannot_tell\": {}", line.cannot_tell);
   for (const Drift& drift : line.drift)
     text += fmt::format("{}{{\"kind\": \"{}\", \"channels\": [{}], \"size\": {}, \"text\": \"{}\"}}{}",
                         &drift == line.drift.data() ? ", \"drift\": [" : ", ", drift.name(),
@@ -79,11 +81,13 @@ std::string summary_text(const MonitorSummary& all, bool cut_short) {
       "{{\"p50\": {:.1f}, "
       "\"p99\": {:.1f}, \"p99.9\": {:.1f}, \"max\": {:.1f}}}, \"duplicated\": {}, \"discarded_bytes\": {}, "
       "\"silences\": {}, \"overruns\": {}, \"stalls\": {}, \"transfer_errors\": {}, "
-      "\"reconnects\": {}, \"drifts\": {}, \"cut_short\": {}, \"device\": \"{}\"}}",
+      "\"reconnects\": {}, \"drifts\": {}, \"cut_short\": {}, \"device\": \"{}\"{}}}",
       d.frames, d.lost, d.bad + all.transport.bad, d.resynchronised, all.late, all.latency.quantile(0.5),
       all.latency.quantile(0.99), all.latency.quantile(0.999), all.latency.largest(), d.duplicated, d.discarded,
       all.silences, all.transport.overruns, all.transport.stalls, all.transport.errors, all.transport.reconnects,
-      all.drifts, cut_short, all.device.empty() ? "host code" : all.device);
+      all.drifts, cut_short, all.device.empty() ? "host code" : all.device,
+      all.judged > 0 ? fmt::format(", \"slip_index_error\": {:.3f}", all.error_sum / static_cast<double>(all.judged))
+                     : "");
 }
 
 /// Standard output, each piece at once. The first failure ends the reading.
@@ -108,18 +112,61 @@ class Output {
   int error_ = 0;
 };
 
+/// The ranges that a network learnt, as far as its file knows them; empty where it knows none.
+std::string learnt_text(const nn::Learnt& learnt) {
+  std::string text;
+  if (learnt.most_friction > 0)
+    text = fmt::format("friction {:.3g} to {:.3g}", learnt.least_friction, learnt.most_friction);
+  if (learnt.largest_peak > 0)
+    text += fmt::format("{}normal stresses with a peak of {:.3g} to {:.3g} MPa", text.empty() ? "" : " and ",
+                        learnt.smallest_peak, learnt.largest_peak);
+  return text;
+}
+
+/// Says once each what keeps a network from an answer that can be trusted.
+class Doubts {
+ public:
+  explicit Doubts(const MonitorRequest& request) : request_(request) {}
+  /// Returns what a line is the first to show; mostly nothing.
+  std::vector<std::string> next(const MonitorLine& line) {
+    std::vector<std::string> found;
+    const auto say_once = [&](bool& said, bool now, const std::string& text) {
+      if (now && !std::exchange(said, said || now))
+        found.push_back(fmt::format("frame {}: {}", line.frame.number, text));
+    };
+    const bool unlike = line.has_bound && line.answer.unlike != 0 && line.contact.value_or(true);
+    const char* then = !request_.alarm               ? ""
+                       : request_.unlike == "ignore" ? "; the alarm goes by S all the same"
+                                                     : "; then the alarm is on (--unlike ignore: by S)";
+    say_once(unlike_, unlike,
+             fmt::format("it is unlike those that the network learnt, which cannot tell its S{}", then));
+    say_once(no_answer_, line.no_answer,
+             "it has no answer, as a stress is NaN or too large; the alarm stays as it is meanwhile");
+    say_once(beyond_, line.answer.beyond_learnt != 0,
+             "a normal stress is above 10 times the largest that the network learnt; gains of the calibration must "
+             "give MPa");
+    return found;
+  }
+
+ private:
+  const MonitorRequest& request_;
+  bool unlike_ = false, no_answer_ = false, beyond_ = false;
+};
+
 /// Where the lines go, and when it ends. later: warnings that would tear a picture.
 MonitorEvents make_events(const MonitorRequest& request, const char* target, LiveView& view, Output& output,
                           const Until& until, std::vector<std::string>& later) {
   MonitorEvents events;
-  events.line = [&, on = false, cannot_tell = false](const MonitorLine& line) mutable {
-    const bool turned = line.alarm != on || line.cannot_tell != cannot_tell;
+  events.line = [&, on = false, cannot_tell = false, doubts = Doubts(request)](const MonitorLine& line) mutable {
+    const bool turned = line.alarm != on || (request.widest && line.cannot_tell != cannot_tell);
     on = line.alarm, cannot_tell = line.cannot_tell;
-    for (const Drift& drift : line.drift) {
+    std::vector<std::string> warnings = doubts.next(line);
+    for (const Drift& drift : line.drift) warnings.push_back(drift.text);
+    for (const std::string& warning : warnings) {
       if (request.view)
-        later.push_back(drift.text);
+        later.push_back(warning);
       else if (!request.quiet)
-        print_warning(drift.text);
+        print_warning(warning);
     }
     // Events are printed, whatever --every says.
     const bool event = (request.alarm && turned) || !line.drift.empty();
@@ -162,12 +209,17 @@ int run_monitor(const MonitorRequest& request) {
   MonitorOptions options = request.options;
   if (request.alarm || (request.view && touch_known)) options.at = request.alarm.value_or(default_alarm);
   options.widest = request.widest.value_or(options.widest);
+  options.ignore_unlike = request.unlike == "ignore";
+  if (target == nn::Target::slip_index) options.true_slip_index = opened.true_slip_index;
   LiveMonitor monitor(networks, opened.profile, options, device);
   if (request.alarm && !touch_known)
     throw ConfigError("command line", "--alarm", fmt::format("{}", *request.alarm),
                       "given with --touch MPa, or with noise in [calibration] (tactel tare measures it): without a "
                       "threshold of touch, noise at rest raises alarms");
   Output output;
+  for (std::size_t i = 0; i < networks.size(); ++i)
+    if (const std::string learnt = learnt_text(networks[i].learnt); !learnt.empty() && !request.quiet)
+      say(fmt::format("note: {} learnt {}; its answers hold for no others", request.networks[i], learnt));
   for (std::size_t i = 0; i < networks.size(); ++i)
     if (networks[i].bound && !networks[i].bound->calibrated() && !request.quiet)
       print_warning(request.networks[i] + ": its bound is not calibrated (tactel calibrate bound)");
@@ -186,6 +238,10 @@ int run_monitor(const MonitorRequest& request) {
   if (const auto picture = view.show_newest(output.columns())) output.put(*picture);
   for (const std::string& warning : later)
     if (!request.quiet) print_warning(warning);
+  if (summary.faint > 0 && summary.contacts == 0 && !request.quiet)
+    print_warning(
+        "something touched, but below the smallest peak that the network learnt: no frame has an answer; gains of the "
+        "calibration must give MPa, or --touch says what is a contact");
   say_if_cut_short(request, *opened.source);
   say_if_nothing_decoded(request, *opened.source, summary.decoder);
   say(summary_text(summary, opened.source->cut_short()));
@@ -221,7 +277,7 @@ void add_monitor_command(CLI::App& app, Action& action) {
       ->add_option("--touch", request->options.touch,
                    "a frame whose normal stresses all stay below this is no contact: its S is null, and it ends an "
                    "alarm; 0: every frame is a contact, MPa (default: 7 standard deviations of the noise in the "
-                   "calibration, see tactel tare)")
+                   "calibration, see tactel tare, and at least the smallest peak that the network learnt)")
       ->check(not_negative_number());
   command
       ->add_option("--drift", request->options.drift,
@@ -243,9 +299,23 @@ void add_monitor_command(CLI::App& app, Action& action) {
           ->type_name("FLOAT")
           ->check(CLI::Range(0.0f, 1.0f));
   command
+      ->add_option("--hold", request->options.hold,
+                   "with --alarm: it begins at the last of so many frames in a row that ask for it")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str()
+      ->needs(alarm);
+  command
+      ->add_option("--unlike", request->unlike,
+                   "with --alarm: what a frame does that is unlike those learnt, of which the network cannot tell S: "
+                   "alarm, or ignore: the alarm goes by S")
+      ->check(CLI::IsMember({"alarm", "ignore"}))
+      ->capture_default_str()
+      ->needs(alarm);
+  command
       ->add_option("--widest", request->widest,
-                   "with --alarm: no alarm begins at a frame with a wider interval of S; adds \"cannot_tell\" to each "
-                   "line, no unit")
+                   "with --alarm: no alarm begins at a frame with a wider interval of S, which is then "
+                   "\"cannot_tell\", no unit")
       ->type_name("FLOAT")
       ->check(CLI::Range(0.0f, 2.0f))
       ->needs(alarm)

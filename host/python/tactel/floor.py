@@ -12,8 +12,9 @@ Above: the same weighted median, of readings of contacts that are not in the ban
 therefore above the floor. Its weights are flattened by a factor, `spread`, that half of the readings choose; the other half
 judge it.
 Estimate: at little noise no bank is dense enough, and the two numbers stand far apart. Each row then has an estimate of its own
-by derivatives of its frames and S by the drawn numbers, each over its range. It is no bound: it takes the shape and what is
-chosen from a list as known, and S as linear. It is too small where two shapes look alike, and where noise is large.
+by derivatives of its frames and S by the drawn numbers, each over its range. It is no bound: it takes the shape, what is
+chosen from a list and normal numbers as told, S as linear and the posterior as local. On pads it is too low by a factor of
+about two; also where two shapes look alike, and where noise is large.
 """
 
 import argparse

@@ -32,8 +32,9 @@ typedef struct tactel_answer {
   float slip_upper;       /* upper bound of S, at most 1; NaN where the network has none */
   uint32_t status;        /* enum tactel_status */
   float slip_interval[2]; /* S is within it, lower end first; NaN where the network has no bound */
-  uint32_t unlike;        /* 1: the frame is unlike those of the learning set, and the bound says nothing */
-  uint32_t reserved[2];
+  uint32_t unlike;        /* 1: the frame is unlike those of the learning set: the network cannot tell */
+  uint32_t beyond_learnt; /* 1: a normal stress is above 10 times the largest that was learnt: are they MPa? */
+  uint32_t reserved[1];
 } tactel_answer;
 
 /* Loads a network file (ONNX) that tactel wrote. Returns NULL where that fails; tactel_error() has the reason. */
@@ -71,8 +72,47 @@ TACTEL_API tactel_answer tactel_history_estimate(tactel_history* history, const 
 /* Forgets all frames: the next one begins a contact. */
 TACTEL_API void tactel_history_clear(tactel_history* history);
 
+/* The alarm of `tactel monitor`: frames of one sensor in turn. For one thread at a time. */
+typedef struct tactel_alarm tactel_alarm;
+
+/* Rules of an alarm, as tactel::AlarmOptions of tactel/infer.h. */
+typedef struct tactel_alarm_options {
+  float at;          /* begins where the upper bound of S (S itself without one) reaches this, and ends 0.05 below */
+  double touch;      /* MPa: below it a frame is no contact; negative: the smallest peak that the network learnt */
+  float widest;      /* no alarm begins at a wider interval of S */
+  int hold;          /* it begins at the last of so many frames in a row that ask for it */
+  int ignore_unlike; /* 0: a frame that is unlike those learnt asks for the alarm; else its S decides */
+} tactel_alarm_options;
+
+/* What an alarm says about a frame. */
+typedef struct tactel_alarm_answer {
+  tactel_answer answer; /* its S and upper bound are NaN without contact */
+  int contact;          /* 0 or 1; -1 without a threshold of touch */
+  float acted_on;       /* number that the alarm judges; 0 without contact */
+  int on;               /* 1: the alarm */
+  int cannot_tell;      /* 1: no answer though it touches, or unlike those learnt, or only the width keeps it off */
+} tactel_alarm_answer;
+
+/* Returns the default rules: at 0.8, the network's own touch, any width, 1 frame, unlike frames ask for it. */
+TACTEL_API tactel_alarm_options tactel_alarm_defaults(void);
+
+/* Creates an alarm; the estimator may be freed before it. `options` may be NULL: the default ones. Returns NULL for
+   rules out of range and without memory; tactel_error() has the reason. */
+TACTEL_API tactel_alarm* tactel_alarm_create(const tactel_estimator* estimator, const tactel_alarm_options* options);
+
+/* Frees an alarm. */
+TACTEL_API void tactel_alarm_free(tactel_alarm* alarm);
+
+/* Takes the sensor's next frame: [count] MPa. Allocates nothing and takes no lock. A frame without an answer leaves the
+   alarm as it is. */
+TACTEL_API tactel_alarm_answer tactel_alarm_next(tactel_alarm* alarm, const float* frame, size_t count);
+
+/* Ends the alarm and forgets all frames. */
+TACTEL_API void tactel_alarm_clear(tactel_alarm* alarm);
+
 /* Returns the message of the last call that failed in this thread, "place: problem; fix"; "" where none did since
-   the last tactel_load or tactel_history_create. The text is valid until the next call of these in this thread. */
+   the last tactel_load or one of the _create functions. The text is valid until the next call of these in this thread.
+ */
 TACTEL_API const char* tactel_error(void);
 
 /* Returns the name of a status: "ok", "no stress", ... */

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <memory>
 
+#include "host/sets/contact_set.h"
 #include "tests/host/commands/live_command.h"
 #include "tests/host/commands/small_sweep.h"
 
@@ -184,6 +185,74 @@ TEST_F(BoundCommand, RecallJudgesDecisions) {
   EXPECT_GT(first["cannot_tell_share"], 0);
 }
 
+// Contacts of another friction: the 95 % are told not to hold there, with both ranges of friction.
+TEST_F(BoundCommand, SaysWhereItDoesNotHold) {
+  const SmallSweep slippery{.contacts = 100,
+                            .sweep = "seed = 3\n",
+                            .friction = "{ uniform = [0.05, 0.1] }",
+                            .drag = "tangential_step = 0.02"};
+  std::ofstream(file("slippery", ".toml")) << slippery.text();
+  ASSERT_EQ(
+      run_tactel({"generate", file("slippery", ".toml"), "--output", file("slippery", ".h5"), "--quiet"}).exit_code, 0);
+  const std::string network = calibrated(), set = file("slippery", ".h5");
+  EXPECT_EQ(json::parse(run_tactel({"recall", network, set, "--json", "-"}).out)["networks"][0]["bound"]["holds"],
+            false);
+  EXPECT_THAT(run_tactel({"recall", network, set}).out,
+              ::testing::ContainsRegex("the bound does not hold here: S of [0-9.]+ % of the rows is below slip_upper, "
+                                       "where 95 % is stated; learnt at friction 0.2[0-9]* to 0.[78][0-9]*, here it is "
+                                       "0.05[0-9]* to 0.[01][0-9]*\n"));
+  EXPECT_EQ(
+      json::parse(
+          run_tactel({"recall", network, file("other", ".h5"), "--json", "-"}).out)["networks"][0]["bound"]["holds"],
+      true);
+  const std::string with = run_tactel({"recall", network, file("other", ".h5")}).out;
+  EXPECT_THAT(with, ::testing::Not(HasSubstr("does not hold")));
+  // No floor is printed; the option that left it out stays.
+  EXPECT_THAT(with, ::testing::Not(HasSubstr("at best")));
+  EXPECT_EQ(run_tactel({"recall", network, file("other", ".h5"), "--no-floor"}).out, with);
+}
+
+// Rows of the set as lines of numbers: as they are, with all shears turned round, which nobody learnt, and in kPa.
+TEST_F(BoundCommand, MonitorSaysWhereItCannotTell) {
+  const ContactSet set = read_contact_set(file("other", ".h5"));
+  const std::string profile = file("line", ".toml"), network = calibrated();
+  std::ofstream(profile) << "[format]\nkind = \"csv\"\nchannels = 10\n[channels]\nnormal = [0, 1, 2, 3, 4]\n"
+                            "shear = [5, 6, 7, 8, 9]\n[calibration]\noffset = 0\ngain = 1\nnoise = 1e-4\n";
+  const auto played = [&](float normal, float shear, const std::vector<std::string>& more) {
+    std::ofstream out(file("played", ".csv"));
+    for (std::size_t row = 0; row < 400; ++row)
+      for (int k = 0; k < 10; ++k)
+        out << set.frames[row * 10 + static_cast<std::size_t>(k)] * (k < 5 ? normal : shear) << (k < 9 ? "," : "\n");
+    out.close();
+    return run_tactel(words("monitor --source csv:" + file("played", ".csv") + " --profile " + profile + " --network " +
+                            network + " --alarm 0.8"),
+                      more);
+  };
+  const auto count = [](const ChildResult& result, const char* key) {
+    return std::ranges::count_if(lines_of(result.out), [&](const json& line) { return line[key] == true; });
+  };
+  const ChildResult turned = played(1, -1, {}), ignored = played(1, -1, {"--unlike", "ignore"}),
+                    kpa = played(1e3f, 1e3f, {});
+  ASSERT_EQ(turned.exit_code, 0) << turned.err;
+  EXPECT_GT(count(turned, "unlike"), 40);
+  for (const json& line : lines_of(turned.out)) {
+    EXPECT_EQ(line["cannot_tell"], line["unlike"]) << line;
+    if (line["unlike"] == true) {
+      EXPECT_EQ(line["alarm"], true) << line;
+    }
+  }
+  EXPECT_EQ(count(ignored, "unlike"), count(turned, "unlike"));
+  EXPECT_LT(count(ignored, "alarm"), count(turned, "alarm"));
+  for (const ChildResult* one : {&turned, &ignored}) {
+    const auto first = one->err.find("which cannot tell its S");
+    ASSERT_NE(first, std::string::npos) << one->err;
+    EXPECT_EQ(one->err.find("which cannot tell its S", first + 1), std::string::npos) << "said once";
+  }
+  EXPECT_THAT(turned.err, HasSubstr("learnt friction 0.2"));
+  EXPECT_THAT(turned.err, ::testing::Not(HasSubstr("10 times the largest")));
+  EXPECT_THAT(kpa.err, HasSubstr("above 10 times the largest that the network learnt"));
+}
+
 TEST_F(BoundCommand, MonitorPrintsBoundAndAlarm) {
   const std::string source = "simulate:" + file("press.toml") + "?rate=100";
   std::ofstream(file("press.toml"))
@@ -206,8 +275,9 @@ TEST_F(BoundCommand, MonitorPrintsBoundAndAlarm) {
     const double upper = line["slip_upper"];
     const bool alarm = line["alarm"];
     if (upper >= 0.7 || upper < 0.65) {
-      EXPECT_EQ(alarm, upper >= 0.7) << line;
+      EXPECT_EQ(alarm, upper >= 0.7 || line["unlike"]) << line;
     }
+    EXPECT_EQ(line["cannot_tell"], line["unlike"]) << line;
     changes += alarm != before;
     before = alarm;
   }
@@ -221,14 +291,14 @@ TEST_F(BoundCommand, MonitorPrintsBoundAndAlarm) {
   for (std::size_t i = 1; i < events.size(); ++i) EXPECT_NE(events[i]["alarm"], events[i - 1]["alarm"]);
   // No interval is narrower than 0: what would be an alarm cannot tell.
   const auto wide = lines_of(run_tactel({"monitor", "--source", source, "--network", file_name, "--late", "100",
-                                         "--alarm", "0.7", "--widest", "0"})
+                                         "--alarm", "0.7", "--unlike", "ignore", "--widest", "0"})
                                  .out);
   ASSERT_EQ(wide.size(), lines.size());
   for (const json& line : wide) {
     EXPECT_EQ(line["alarm"], false);
-    EXPECT_EQ(line["cannot_tell"], !line["slip_upper"].is_null() && line["slip_upper"] >= 0.7) << line;
+    EXPECT_EQ(line["cannot_tell"], !line["slip_upper"].is_null() && (line["slip_upper"] >= 0.7 || line["unlike"]))
+        << line;
   }
-  EXPECT_FALSE(lines[0].contains("cannot_tell"));
   const ChildResult quiet = run_tactel({"monitor", "--source", source, "--network", network()});
   EXPECT_FALSE(lines_of(quiet.out)[0].contains("alarm"));
   EXPECT_THAT(quiet.err, HasSubstr("not calibrated"));

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "nn/infer/network_file.h"
-#include "nn/model.h"
+#include "tests/host/live/shear_network.h"
 #include "tests/host/networks/bounded_model.h"
 #include "tests/thrown_message.h"
 
@@ -15,26 +15,14 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::IsNan;
 
-/// S = 1 / (1 + exp(-10 shear)) of the shear of tactel 0 along the first axis, above 0, in MPa; of two tactels.
-nn::Model shear_network(int axes = 2, int frames = 1) {
-  nn::Weights<float> weights =
-      nn::initial_weights(nn::Topology({2 * axes * frames, 1, 1}, nn::Activation::leaky_relu), 7);
-  std::ranges::fill(weights.values, 0.0f);
-  weights.values[2] = 1;                           // the first shear
-  weights.values[weights.values.size() - 2] = 10;  // behind the hidden neuron, in front of the last bias
-  nn::Model model{weights, {nn::ScalingKind::set, 1.0f, frames, axes}, 7, 0, "", 0, {}};
-  model.history.frames = frames;
-  return model;
-}
-
 SlipEstimator estimator_of(const nn::Model& model) {
   const std::string file = infer::network_bytes(model);
   return SlipEstimator::parse(std::as_bytes(std::span(file)));
 }
 
-float shear_of(float s) { return std::log(s / (1 - s)) / 10; }
-
-AlarmAnswer answer_of(float s, float width = 0) { return {.answer = {s, s, AnswerStatus::ok, {s - width, s}, 0, {}}}; }
+AlarmAnswer answer_of(float s, float width = 0) {
+  return {.answer = {s, s, AnswerStatus::ok, {s - width, s}, 0, 0, {}}};
+}
 
 // Begins at the threshold, holds down to 0.05 below it and over a frame without answer, and begins again at it alone.
 TEST(Alarm, HasHysteresis) {
@@ -84,6 +72,7 @@ TEST(Alarm, JudgesFramesOfLinesAndPads) {
     EXPECT_EQ(nothing.answer.status, AnswerStatus::not_finite);
     EXPECT_EQ(nothing.contact, true);
     EXPECT_TRUE(nothing.on);
+    EXPECT_TRUE(nothing.cannot_tell);
     const AlarmAnswer short_of = alarm.next(std::vector<float>(3));
     EXPECT_EQ(short_of.answer.status, AnswerStatus::wrong_size);
     EXPECT_EQ(short_of.contact, std::nullopt);
@@ -95,6 +84,66 @@ TEST(Alarm, JudgesFramesOfLinesAndPads) {
     EXPECT_FALSE(released.on);
     EXPECT_TRUE(next(0.1f, 0.9f).on) << "a pull of 0.1 MPa touches";
   }
+}
+
+// What is unlike the learning set asks for the alarm, whatever its S, and an S below ends it; `ignore_unlike` leaves it
+// to S. Both say that it cannot tell. Without contact there is nothing to tell.
+TEST(Alarm, AnUnlikeFrameCannotTell) {
+  const SlipEstimator network = estimator_of(testing::bounded_model("8-6-3", nn::ScalingKind::frame));
+  Alarm alarm(network, {.at = 0.8f}), ignoring(network, {.at = 0.8f, .ignore_unlike = true}),
+      never(network, {.at = INFINITY});
+  const float values[] = {0.1f, 0.1f, 0.1f, 0.9f, 0.1f};
+  const bool unlike[] = {false, true, false, true, false};
+  for (std::size_t i = 0; i < std::size(values); ++i) {
+    AlarmAnswer answer = answer_of(values[i]);
+    answer.answer.unlike = unlike[i];
+    const AlarmAnswer judged = alarm.judge(answer);
+    EXPECT_EQ(judged.on, unlike[i]) << i;
+    EXPECT_EQ(judged.cannot_tell, unlike[i]) << i;
+    EXPECT_EQ(ignoring.judge(answer).on, values[i] > 0.8f) << i;
+    EXPECT_EQ(ignoring.judge(answer).cannot_tell, unlike[i]) << i;
+    EXPECT_FALSE(never.judge(answer).on);
+    EXPECT_EQ(never.judge(answer).cannot_tell, unlike[i]) << i;
+    answer.contact = false;
+    EXPECT_FALSE(alarm.judge(answer).on || alarm.judge(answer).cannot_tell) << i;
+  }
+}
+
+// Three frames in a row: a lower one begins the row anew, one without an answer leaves it. It ends at once.
+TEST(Alarm, BeginsAfterFramesInARow) {
+  Alarm alarm(estimator_of(shear_network()), {.at = 0.8f, .hold = 3});
+  const float values[] = {0.9f, 0.9f, 0.78f, 0.9f, NAN, 0.9f, 0.9f, 0.9f, NAN, 0.1f, 0.9f};
+  const bool on[] = {false, false, false, false, false, false, true, true, true, false, false};
+  for (std::size_t i = 0; i < std::size(values); ++i) {
+    const AlarmAnswer judged = alarm.judge(answer_of(values[i]));
+    EXPECT_EQ(judged.on, on[i]) << i;
+    EXPECT_EQ(judged.cannot_tell, std::isnan(values[i])) << i;
+  }
+  alarm.judge(answer_of(0.9f));
+  alarm.clear();
+  EXPECT_FALSE(alarm.judge(answer_of(0.9f)).on) << "the first after clear()";
+}
+
+// Peaks of 0.1 to 2 MPa were learnt: below there is no contact, unless touch says so; above 20 MPa the answer says it.
+TEST(Alarm, KnowsThePeaksThatItsNetworkLearnt) {
+  nn::Model model = shear_network();
+  model.learnt = {.smallest_peak = 0.1f, .largest_peak = 2};
+  const SlipEstimator network = estimator_of(model);
+  EXPECT_EQ(network.smallest_peak(), 0.1f);
+  Alarm alarm(network, {.at = 0.8f}), all(network, {.at = 0.8f, .touch = 0}),
+      light(network, {.at = 0.8f, .touch = 0.01});
+  const auto frame = [](float normal) { return std::vector<float>{0, normal, shear_of(0.9f), 0}; };
+  EXPECT_EQ(alarm.next(frame(-0.09f)).contact, false);
+  EXPECT_FALSE(alarm.next(frame(-0.09f)).on);
+  EXPECT_TRUE(alarm.next(frame(-0.11f)).on);
+  EXPECT_EQ(all.next(frame(-0.09f)).contact, std::nullopt);
+  EXPECT_EQ(light.next(frame(-0.09f)).contact, true);
+  EXPECT_EQ(alarm.next(frame(-19.9f)).answer.beyond_learnt, 0u);
+  EXPECT_EQ(alarm.next(frame(20.1f)).answer.beyond_learnt, 1u);
+  EXPECT_EQ(network.estimate(frame(-20.1f)).beyond_learnt, 1u);
+  EXPECT_EQ(network.estimate(frame(NAN)).beyond_learnt, 0u);
+  EXPECT_EQ(estimator_of(shear_network()).estimate(frame(-1e9f)).beyond_learnt, 0u) << "nothing is known";
+  EXPECT_EQ(estimator_of(shear_network()).smallest_peak(), 0);
 }
 
 // S is that of SlipHistory; answer() alone keeps the alarm off; clear() forgets alarm and frames.
@@ -128,6 +177,7 @@ TEST(Alarm, RefusesWhatItCannotMean) {
   EXPECT_THAT(refused(shear_network(), {.at = 1.1f}), HasSubstr("at: 1.1"));
   EXPECT_THAT(refused(shear_network(), {.at = NAN}), HasSubstr("at: nan"));
   EXPECT_THAT(refused(shear_network(), {.touch = -1}), HasSubstr("touch: -1"));
+  EXPECT_THAT(refused(shear_network(), {.hold = 0}), HasSubstr("hold: 0"));
   EXPECT_THAT(refused(shear_network(), {.widest = 0.4f}), HasSubstr("without a bound"));
   EXPECT_THAT(refused(ratio, {}), HasSubstr("network: estimates force_ratio; give one of S"));
   EXPECT_EQ(refused(ratio, {.at = INFINITY}), "no error");

@@ -9,6 +9,7 @@
 
 #include "host/support/errors.h"
 #include "hw/csv_format.h"
+#include "tests/host/live/shear_network.h"
 #include "tests/host/live/simulated_frames.h"
 #include "tests/thrown_message.h"
 
@@ -265,6 +266,63 @@ TEST(LiveMonitor, BoundsOfTwoPads) {
   }
   EXPECT_GT(right_leads, 0u);
   EXPECT_GT(left_leads, 0u);
+}
+
+// Two pads of two tactels, whose S is known. While the pad that slips has no answer its alarm stays.
+TEST(LiveMonitor, APadWithoutAnAnswerKeepsItsAlarm) {
+  const SensorProfile pad = parse_profile(
+      "[format]\nkind = \"csv\"\nchannels = 6\n[pad]\ntactels = [2, 1]\npitch = 4\n[channels]\nnormal = [0, 1]\n"
+      "shear_x = [2, 3]\nshear_y = [4, 5]\n[calibration]\noffset = 0\ngain = 1\nnoise = 1e-3\n",
+      "pad");
+  struct Frame {
+    float left, right;  ///< S
+    bool alarm, no_answer;
+  };
+  const Frame frames[] = {{0.2f, 0.2f, false, false}, {0.9f, 0.2f, true, false}, {NAN, 0.2f, true, true},
+                          {NAN, 0.9f, true, true},    {0.2f, 0.9f, true, false}, {0.2f, NAN, true, true},
+                          {0.2f, 0.2f, false, false}, {NAN, 0.2f, false, true}};
+  std::vector<std::uint8_t> bytes;
+  for (const Frame& f : frames)
+    hw::append_csv_frame(static_cast<std::uint64_t>(&f - frames), std::nullopt,
+                         std::vector<double>{-0.1, 0, shear_of(f.left), 0, 0, 0, -0.1, 0, shear_of(f.right), 0, 0, 0},
+                         bytes);
+  GivenSource source(bytes, false, 0);
+  LiveMonitor monitor(shear_network(3), joined_profile({pad, pad}), {.at = 0.8f});
+  std::size_t i = 0;
+  monitor.run(source, {.line = [&](const MonitorLine& line) {
+                ASSERT_LT(i, std::size(frames));
+                EXPECT_EQ(line.alarm, frames[i].alarm) << i;
+                EXPECT_EQ(line.no_answer, frames[i].no_answer) << i;
+                EXPECT_EQ(line.cannot_tell, frames[i].no_answer) << i;
+                ++i;
+              }});
+  EXPECT_EQ(i, std::size(frames));
+}
+
+// A peak of 0.05 MPa is no contact for a network that learnt 0.1 and more, but it is no rest, either.
+TEST(LiveMonitor, BelowTheSmallestPeakLearntThereIsNoAnswer) {
+  const SensorProfile pad = parse_profile(
+      "[format]\nkind = \"csv\"\nchannels = 4\n[channels]\nnormal = [0, 1]\nshear = [2, 3]\n[calibration]\noffset = 0\n"
+      "gain = 1\nnoise = 1e-3\n",
+      "line");
+  nn::Model model = shear_network();
+  model.learnt.smallest_peak = 0.1f;
+  std::vector<std::uint8_t> bytes;
+  std::uint64_t n = 0;
+  for (const double normal : {-0.001, -0.05, -0.11})
+    hw::append_csv_frame(n++, std::nullopt, std::vector<double>{normal, 0, shear_of(0.9f), 0}, bytes);
+  const auto contacts = [&](const MonitorOptions& options) {
+    GivenSource source(bytes, false, 0);
+    std::vector<bool> all;
+    const MonitorSummary summary = LiveMonitor(model, pad, options).run(source, {.line = [&](const MonitorLine& line) {
+                                                                          EXPECT_EQ(line.alarm, line.contact == true);
+                                                                          all.push_back(*line.contact);
+                                                                        }});
+    EXPECT_EQ(summary.faint, options.touch ? 0u : 1u);
+    return all;
+  };
+  EXPECT_EQ(contacts({.at = 0.8f}), (std::vector{false, false, true}));
+  EXPECT_EQ(contacts({.touch = 0.01, .at = 0.8f}), (std::vector{false, true, true}));
 }
 
 TEST(LiveMonitor, NetworksThatDoNotFitThePadsAreRefused) {

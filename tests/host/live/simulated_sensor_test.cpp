@@ -39,6 +39,26 @@ TEST(SimulatedSensor, TheChainWithoutItsFaultsGivesTheSceneBack) {
   EXPECT_EQ(decoder.counts().lost, 0u);
 }
 
+// S of a load step where the play reaches it; between two steps the quotient of the means of S P and P; none at rest.
+TEST(SimulatedSensor, KnowsItsTrueS) {
+  const OpenSource opened = open_source("simulate:" + scene + "?rate=1000&paced=0&repeat=2", "", "");
+  const std::vector<fem::ContactStep> steps = solve(read_scene(scene), {}).solution.steps;
+  const auto drags = steps.size() - 1;  // in 2 s, after 0.5 s of pressing and a hold of 0.2 s
+  const auto s = [&](std::size_t step) { return *steps[step].slip_index; };
+  EXPECT_TRUE(std::isnan(opened.true_slip_index(0)));
+  for (const std::uint64_t begin : {0, 3200}) {  // ms, of a play
+    EXPECT_NEAR(opened.true_slip_index(begin + 600), s(0), 1e-6);
+    EXPECT_NEAR(opened.true_slip_index(begin + 3000), s(drags), 1e-6);
+    ASSERT_EQ(2000 % (2 * drags), 0u);
+    for (std::size_t i = 1; i <= drags; ++i) {
+      const std::uint64_t at = begin + 700 + 2000 * i / drags;
+      EXPECT_NEAR(opened.true_slip_index(at), s(i), 1e-5);
+      const double demand = s(i) * steps[i].P + s(i - 1) * steps[i - 1].P;
+      EXPECT_NEAR(opened.true_slip_index(at - 1000 / drags), demand / (steps[i].P + steps[i - 1].P), 1e-5);
+    }
+  }
+}
+
 TEST(SimulatedSensor, GainsSpreadAndNoiseAsAsked) {
   const fem::ContactSolution solution = solve(read_scene(scene), {}).solution;
   const auto readings = [&](SimulationOptions options) {

@@ -167,6 +167,23 @@ TEST_F(OnnxFile, IsReadBackAsItWas) {
   }
 }
 
+TEST_F(OnnxFile, KeepsTheRangesThatWereLearnt) {
+  nn::Model model = some_model("16-9-1", ScalingKind::set);
+  model.learnt = {.smallest_peak = 0.1f, .largest_peak = 1.7f, .least_friction = 0.3f, .most_friction = 0.8f};
+  write_onnx(path_, model);
+  const nn::Learnt read = read_onnx(path_).learnt;
+  EXPECT_EQ(read.smallest_peak, 0.1f);
+  EXPECT_EQ(read.largest_peak, 1.7f);
+  EXPECT_EQ(read.least_friction, 0.3f);
+  EXPECT_EQ(read.most_friction, 0.8f);
+  const SlipEstimator library = SlipEstimator::load(path_.string());
+  EXPECT_EQ(library.metadata("smallest_peak"), "0.1");
+  EXPECT_EQ(library.metadata("most_friction"), "0.8");
+  EXPECT_EQ(library.smallest_peak(), 0.1f);
+  write_onnx(path_, some_model("16-9-1", ScalingKind::set));
+  EXPECT_EQ(SlipEstimator::load(path_.string()).metadata("smallest_peak"), "") << "of a network that does not know it";
+}
+
 TEST_F(OnnxFile, AnotherTargetNamesTheOutput) {
   nn::Model model = some_model("16-9-1", ScalingKind::frame);
   const nn::RowMatrix<float> frames = bumps(20, 16, 9).frames;

@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/training/frame_floor.h"
 
-#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "tests/host/networks/network_cases.h"
-
 namespace tactel::host {
 namespace {
-
-using ::testing::HasSubstr;
 
 /// Contacts of two drawn numbers on two transducers, steps 0 and 1. The first number moves the frame of step 1 by 3 and
 /// 4 MPa and S by 2, that of step 0 by 1 and 0 MPa; the second moves nothing, and its step 1 is missing.
@@ -49,17 +45,6 @@ TEST(FrameFloor, LinearErrorsAreWorkedByHand) {
   // One gain for both frames: transducer 1 has J = (3, 1), covariance 0.25 I + ones, whose inverse is 4 I - 16 / 9
   // ones: 40 - 16 / 9 16. Transducer 2 has J = (4, 0): 64 - 16 / 9 16.
   EXPECT_NEAR(rows.error({1, 0}, 1), of_precision(104 - 2 * 16 * 16 / 9.0 + 12), 1e-12);
-}
-
-TEST(FrameFloor, SetsWithoutDrawnNumbersHaveNone) {
-  ContactSet set(SetColumns(42));
-  set.contact = {0};
-  EXPECT_THAT(frame_floor(testing::executor(), set, "s.h5", {}).text(),
-              HasSubstr("no floor of these frames: the set holds no sweep"));
-  set.sweep = "[sweep]\nset = \"paper-recall\"\n";
-  EXPECT_THAT(frame_floor(testing::executor(), set, "s.h5", {}).text(), HasSubstr("lists its contacts"));
-  set.sweep = "[sweep]\ncontacts = x\n";
-  EXPECT_THAT(frame_floor(testing::executor(), set, "s.h5", {}).text(), HasSubstr("s.h5:2: "));
 }
 
 }  // namespace

@@ -109,7 +109,7 @@ class TACTEL_API Sweep {
 };
 
 /// Returns the error of S of the best reader of each reading, where frames and S are linear in the drawn numbers: the
-/// estimate of `python -m tactel.floor` and of `tactel recall`. rows: of Sweep::changed(shift) with its changes().
+/// estimate of `python -m tactel.floor`. rows: of Sweep::changed(shift) with its changes().
 /// readings: [readings, frames of a reading] their rows, the newest first, -1 for zeros. sigma: [readings] MPa,
 /// standard deviation of the noise. gain: that of the transducers' gains about 1. Throws InputError for rows beyond the
 /// set.

@@ -31,9 +31,10 @@ struct Answer {
                      ///< wrong_size
   float slip_upper;  ///< upper bound of S, at most 1; NaN where the network has none
   AnswerStatus status;
-  float slip_interval[2];     ///< S is within it, lower end first; NaN where the network has no bound
-  std::uint32_t unlike;       ///< 1: the frame is unlike those of the learning set, and the bound says nothing
-  std::uint32_t reserved[2];  ///< 0
+  float slip_interval[2];       ///< S is within it, lower end first; NaN where the network has no bound
+  std::uint32_t unlike;         ///< 1: the frame is unlike those of the learning set: the network cannot tell
+  std::uint32_t beyond_learnt;  ///< 1: a normal stress is above 10 times the largest that was learnt: are they MPa?
+  std::uint32_t reserved[1];    ///< 0
 };
 
 /// A network that reads the slippage index S = Q / (mu P) from the stresses at the tactels.
@@ -61,6 +62,8 @@ class TACTEL_API SlipEstimator {
   std::size_t tactels() const noexcept;
   /// Returns whether answers have an upper bound and an interval of S.
   bool has_bound() const noexcept;
+  /// Returns MPa: 1 % of the learnt frames had a smaller largest normal stress. 0 where the file does not know it.
+  float smallest_peak() const noexcept;
 
   /// Returns S of one frame: [inputs] MPa, the normal stresses of all tactels first, then the shear stresses. At the
   /// base sigma_y < 0 is compression; tau_xy > 0 where the indenter drags the rubber toward +x. Allocates nothing,
@@ -117,11 +120,15 @@ struct AlarmOptions {
   /// The alarm begins where the upper bound of S (S itself of a network without a bound) reaches this, 0 to 1, and ends
   /// below at - 0.05. Infinity: it never begins.
   float at = 0.8f;
-  /// MPa: a frame whose normal stresses all stay below this is no contact. It has no S, and ends an alarm. 0: every
-  /// frame is one, and noise at rest raises alarms.
-  double touch = 0;
+  /// MPa: a frame whose normal stresses all stay below this is no contact. It has no S, and ends an alarm. None:
+  /// smallest_peak() of the network. 0: every frame is one, and noise at rest raises alarms.
+  std::optional<double> touch{};
   /// No alarm begins at a frame whose interval of S is wider than this: it cannot tell.
   float widest = std::numeric_limits<float>::infinity();
+  /// The alarm begins at the last of so many frames in a row of which each asks for it; 1 or more.
+  int hold = 1;
+  /// A frame that is `unlike` asks for the alarm, as the network cannot tell. True: its S decides.
+  bool ignore_unlike = false;
 };
 
 /// What an Alarm says about a frame.
@@ -130,11 +137,14 @@ struct AlarmAnswer {
   std::optional<bool> contact{};  ///< none without a threshold of touch
   float acted_on = 0;             ///< number that the alarm judges: the upper bound of S, or S; 0 without contact
   bool on = false;                ///< the alarm
-  bool cannot_tell = false;       ///< only the width of the interval keeps the alarm off
+  /// The frame has no answer though it touches, or is unlike those learnt, or only the width of its interval keeps the
+  /// alarm off.
+  bool cannot_tell = false;
 };
 
-/// The alarm of `tactel monitor`: its frames of one sensor in turn, by its rules. A frame without an answer changes
-/// nothing. An object is for one thread at a time.
+/// The alarm of `tactel monitor`: its frames of one sensor in turn, by its rules. A frame without an answer leaves the
+/// alarm as it is. Each of several sensors has its Alarm: there is one where one of them is on. An object is for one
+/// thread at a time.
 class TACTEL_API Alarm {
  public:
   /// Throws InputError for options out of range, `widest` without a bound, and a network that does not estimate S.
@@ -148,8 +158,7 @@ class TACTEL_API Alarm {
   /// Takes the sensor's next frame [inputs] MPa. Allocates nothing, takes no lock and throws nothing.
   AlarmAnswer next(std::span<const float> frame) noexcept { return judge(answer(frame)); }
 
-  /// The two parts of next(). answer() gives S and contact and leaves the alarm, as for frames that come too late. Of
-  /// several sensors with one alarm, each has its answer(), and one judges that with the largest acted_on.
+  /// The two parts of next(). answer() gives S and contact and leaves the alarm, as for frames that come too late.
   AlarmAnswer answer(std::span<const float> frame) noexcept;
   /// The same for an answer that was estimated elsewhere, as on a device: takes no frame into its own history.
   AlarmAnswer answer(std::span<const float> frame, const Answer& estimated) noexcept;
