@@ -60,9 +60,8 @@ class Reader {
     const toml::array* array = table_[name].as_array();
     if (array == nullptr) refuse(std::string(name) + " = an array of numbers");
     for (const toml::node& node : *array) {
-      const auto value = node.value<double>();
-      if (!value || !(node.is_integer() || node.is_floating_point()) || !std::isfinite(*value))
-        refuse(std::string(name) + " = an array of finite numbers");
+      const auto value = toml_number(node);
+      if (!value || !std::isfinite(*value)) refuse(std::string(name) + " = an array of finite numbers");
       values.push_back(*value);
     }
     return values;
@@ -74,7 +73,7 @@ class Reader {
   }
   double number(const char* name, double otherwise) const {
     if (!table_.contains(name)) return otherwise;
-    const auto value = table_[name].value<double>();
+    const auto value = toml_number(*table_.get(name));
     if (!value || !std::isfinite(*value)) refuse(std::string(name) + " = a finite number");
     return *value;
   }

@@ -28,7 +28,7 @@ class IrregularReader {
     if (node == nullptr) return ChoiceDraw{{otherwise}, {1}};
     const std::string full = std::string("load.irregular.") + key;
     Distribution read = ChoiceDraw{{0}, {1}};
-    if (const auto value = node->value<double>(); value && (node->is_integer() || node->is_floating_point()))
+    if (const auto value = toml_number(*node))
       read = ChoiceDraw{{*value}, {1}};
     else if (auto drawn = read_distribution(file_, full, *node))
       read = *drawn;
@@ -42,7 +42,7 @@ class IrregularReader {
     known_.emplace_back(key);
     const toml::node* node = table_.get(key);
     if (node == nullptr) return 0;
-    const auto value = node->value<double>();
+    const auto value = toml_number(*node);
     if (!value || !(*value >= 0 && *value <= 1))
       throw file_.error(std::string("load.irregular.") + key, node, "a probability, 0 to 1");
     return *value;

@@ -166,7 +166,7 @@ template <class Scene>
 double SweepReaderOf<Scene>::weight(const string& name, const toml::table& table) const {
   const toml::node* node = table.get("weight");
   if (node == nullptr) return 1;
-  const auto value = node->value<double>();
+  const auto value = toml_number(*node);
   if (!value || !(*value >= 0) || !std::isfinite(*value))
     throw file_.error(name + ".weight", node, "a number, at least 0: relative frequency of this table");
   return *value;
@@ -217,7 +217,7 @@ typename SweepReaderOf<Scene>::NumberDraw SweepReaderOf<Scene>::number_draw(cons
 template <class Scene>
 typename SweepReaderOf<Scene>::NumberDraw SweepReaderOf<Scene>::whole_draw(const string& key, const toml::node* node,
                                                                            const char* allowed) {
-  const auto value = node != nullptr ? node->value<double>() : std::nullopt;
+  const auto value = node != nullptr ? toml_number(*node) : std::nullopt;
   auto distribution = node != nullptr ? read_distribution(file_, key, *node) : std::nullopt;
   if (!distribution && value) distribution = ChoiceDraw{{*value}, {1}};
   if (!distribution) throw file_.error(key, node, string("given, ") + allowed);
@@ -433,6 +433,8 @@ typename SweepReaderOf<Scene>::Source SweepReaderOf<Scene>::read() {
     sweep.refuse("sensors", "a number of sensors, 1 to 10000, drawn from a [sensor] with distributions");
   if (bool rows = false; sweep.read("press_rows", rows, press_rows_words)) source.give_press_rows(rows);
   sweep.finish();
+  for (const char* part : part_names)
+    tables(part);  // refuses what is no table, before one part is read with the others
   source.contacts_ = static_cast<std::uint64_t>(contacts);
   const std::uint64_t chosen = seed_.value_or(static_cast<std::uint64_t>(seed));
   source.measure_with(read_transducer(file_, chosen), chosen);

@@ -126,6 +126,12 @@ void check_depth(const std::string& file, const std::string& text) {
 
 }  // namespace
 
+std::optional<double> toml_number(const toml::node& node) {
+  if (const auto* whole = node.as_integer()) return static_cast<double>(whole->get());
+  if (const auto* number = node.as_floating_point()) return number->get();
+  return std::nullopt;
+}
+
 TomlFile::TomlFile(const std::filesystem::path& path) : TomlFile(path, read_text(path)) {}
 
 TomlFile::TomlFile(const std::filesystem::path& path, std::string text) : path_(path), text_(std::move(text)) {
@@ -184,11 +190,10 @@ void TomlTable::refuse_missing(const std::string& key, const std::string& allowe
 }
 
 double TomlTable::number(const toml::node& node, const std::string& key, const std::string& what) const {
-  const bool numeric = node.is_integer() || node.is_floating_point();
-  const double value = numeric ? *node.value<double>() : 0.0;
-  if (!numeric) throw file_.error(full(key), &node, what);
-  if (!std::isfinite(value)) throw file_.error(full(key), &node, "finite, " + what);
-  return value;
+  const std::optional<double> value = toml_number(node);
+  if (!value) throw file_.error(full(key), &node, what);
+  if (!std::isfinite(*value)) throw file_.error(full(key), &node, "finite, " + what);
+  return *value;
 }
 
 int TomlTable::whole(const toml::node& node, const std::string& key, const std::string& what) const {

@@ -51,6 +51,10 @@ class TomlFile {
   std::unique_ptr<toml::table> root_;
 };
 
+/// Returns the nearest number to a whole or floating-point one; nothing of another type. node::value<double>() is empty
+/// for whole numbers beyond 2^53.
+std::optional<double> toml_number(const toml::node& node);
+
 /// One table of a file, read strictly. A value of the wrong type is an error, and so is a key that was not read.
 /// `read` leaves `value` unchanged where the key is absent; `what` is the allowed range, with its unit.
 class TomlTable {

@@ -115,6 +115,16 @@ TEST(SceneFile, FrictionMayBeBonded) {
   EXPECT_EQ(read_text("[contact]\nfriction = 0.25\n" + rest).friction, 0.25);
 }
 
+// 2^63 - 1 and 2^53 + 1 are no numbers of fp64: the nearest are 2^63 and 2^53.
+TEST(SceneFile, WholeNumbersOfAnySizeAreNumbers) {
+  const std::string scene = "[indenter]\nshape = \"parabola\"\nradius = 10\n[load]\nindentation = 0.1\n[contact]\n";
+  EXPECT_EQ(read_text(scene + "friction = 9223372036854775807\n").friction, 0x1p63);
+  EXPECT_EQ(read_text(scene + "friction = 9007199254740993\n").friction, 0x1p53);
+  EXPECT_EQ(load_of("normal_force = [1, 9007199254740993]").normal_force, (std::vector{1, 0x1p53}));
+  EXPECT_THROW(read_text(scene + "friction = -9223372036854775808\n"), ConfigError);
+  EXPECT_THROW(read_text(scene + "friction = true\n"), ConfigError);
+}
+
 TEST(SceneFile, LoadsMayBeSequences) {
   EXPECT_EQ(load_of("indentation = [0.15, 0.05, 0.15]").indentation, (std::vector{0.15, 0.05, 0.15}));
   const fem::Load force = load_of("normal_force = [1, 0.5]\nangle = 10");

@@ -270,7 +270,11 @@ TEST(SceneSource, RefusesWithFileLineAndKey) {
       {head + load + "[indenter]\nshape = \"profile\"\npoints = 2\nhalf_width = 1\nheight = 1\n", "indenter.points"},
       {head + parabola + "[load]\nindentation = 0.1\nslip_index = 0.5\n", "load.slip_index"},
       {head + load + parabola + "[contact]\nfrction = 1\n", "did you mean friction?"},
-      {head + load, "indenter.shape = (missing)"}};
+      {head + load, "indenter.shape = (missing)"},
+      {"indenter = 3\n" + head + load, "sweep.toml:1: indenter = 3: must be a table"},
+      {"load = []\n" + head + parabola, "sweep.toml:1: load = []: must be a table"},
+      {"load = [1, 2]\n" + head + parabola, "sweep.toml:1: load = [1, 2]: must be a table"},
+      {"contact = \"x\"\n" + head + load + parabola, "sweep.toml:1: contact = \"x\": must be a table"}};
   for (const auto& [text, said] : refused)
     EXPECT_NE(message_of(text).find(said), std::string::npos) << text << message_of(text);
 }
