@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <random>
 
 #include "host/commands/command.h"
@@ -52,6 +53,11 @@ void check_inputs(const ImportRequest& request, const nn::Model& model, const hw
                                   wanted, request.profile));
 }
 
+/// The larger of a difference so far and one more; infinite where an answer is no number.
+double worst(double most, double difference) {
+  return std::isnan(difference) ? std::numeric_limits<double>::infinity() : std::max(most, std::abs(difference));
+}
+
 /// Largest difference to the chain itself on random frames of up to twice the divisor.
 double difference_on_random_frames(const DenseChain& chain, const nn::Model& model) {
   std::mt19937 generator(1);
@@ -62,7 +68,7 @@ double difference_on_random_frames(const DenseChain& chain, const nn::Model& mod
   const nn::Vector<float> answers = nn::recall(model.weights, model.scaling, frames).slip_index;
   double most = 0;
   for (Eigen::Index i = 0; i < frames.rows(); ++i)
-    most = std::max(most, std::abs(answers[i] - evaluate(chain, scaled.row(i).transpose())));
+    most = worst(most, answers[i] - evaluate(chain, scaled.row(i).transpose()));
   return most;
 }
 
@@ -76,7 +82,7 @@ std::pair<double, int> difference_on(const std::string& file, const nn::Model& m
   read_number_file(file, most_bytes_of_frames, "frames", numbers, [&](std::span<const double> line) {
     const nn::RowMatrix<float> frame = Eigen::Map<const nn::RowMatrix<double>>(line.data(), 1, inputs).cast<float>();
     const float answer = nn::recall(model.weights, model.scaling, frame).slip_index[0];
-    most = std::max(most, std::abs(double(answer) - line.back()));
+    most = worst(most, double(answer) - line.back());
     ++lines;
   });
   if (lines == 0) throw ConfigError(file, "frames", "none", "at least one line of an input and its S");
@@ -96,9 +102,13 @@ int run_import(const ImportRequest& request) {
     most = on_frames, where = fmt::format("the {} frames of {}", lines, request.frames);
   }
   if (!(most <= largest_difference)) {
-    complain(not_converged, fmt::format("{}: S differs by {:.2g} on {}; {} was not written; give the scaling that the "
-                                        "network learnt with (--scaling, --largest-stress)",
-                                        request.network, most, where, request.output));
+    complain(not_converged,
+             std::isinf(most)
+                 ? fmt::format("{}: an S on {} is no number, by overflow; {} was not written", request.network, where,
+                               request.output)
+                 : fmt::format("{}: S differs by {:.2g} on {}; {} was not written; give the scaling that the "
+                               "network learnt with (--scaling, --largest-stress)",
+                               request.network, most, where, request.output));
     return not_converged;
   }
   write_onnx(request.output, model);

@@ -28,7 +28,14 @@ enum GraphField : std::uint32_t {
   graph_input = 11,
   graph_output = 12
 };
-enum NodeField : std::uint32_t { node_input = 1, node_output = 2, node_name = 3, node_type = 4, node_attribute = 5 };
+enum NodeField : std::uint32_t {
+  node_input = 1,
+  node_output = 2,
+  node_name = 3,
+  node_type = 4,
+  node_attribute = 5,
+  node_domain = 7
+};
 enum AttributeField : std::uint32_t {
   attribute_name = 1,
   attribute_f = 2,
@@ -38,12 +45,15 @@ enum AttributeField : std::uint32_t {
   attribute_type = 20
 };
 enum AttributeType : std::uint64_t { type_int = 2, type_ints = 7 };
+enum NumberType : std::uint64_t { type_float = 1, type_int64 = 7, type_double = 11 };
 enum TensorField : std::uint32_t {
   tensor_dims = 1,
   tensor_type = 2,
   tensor_floats = 4,
+  tensor_int64s = 7,
   tensor_name = 8,
   tensor_raw = 9,
+  tensor_doubles = 10,
   tensor_external = 13
 };
 enum ValueField : std::uint32_t { value_name = 1, value_type = 2 };

@@ -54,6 +54,12 @@ class Fields {
     field.whole = from.substr(0, from.size() - left_.size());
     return true;
   }
+  /// Reads the next number of a packed list of varints, whose content is the message. As above.
+  bool next(std::uint64_t& number) {
+    if (left_.empty()) return false;
+    number = read_varint();
+    return true;
+  }
 
  private:
   static constexpr std::uint64_t most_field_number = (1u << 29) - 1;

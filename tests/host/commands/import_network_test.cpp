@@ -90,6 +90,16 @@ TEST_F(ImportNetwork, OtherAnswersWriteNoFile) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "new.onnx"));
 }
 
+// Sums beyond fp32, of both signs: infinity less infinity is no number, and agrees with nothing.
+TEST_F(ImportNetwork, AnswersThatAreNoNumbersWriteNoFile) {
+  const std::string given = frames();
+  model_.weights.layer(0).setConstant(3e38f);
+  write_onnx(folder_ / "own.onnx", model_);
+  EXPECT_TRUE(is_refused(run({}), {"an S on 1000 random frames is no number"}, 4));
+  EXPECT_TRUE(is_refused(run({"--frames", given}), {"is no number"}, 4));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "new.onnx"));
+}
+
 TEST_F(ImportNetwork, WrongInputIsNamed) {
   const auto file = [&](const std::string& text) { return folder_.write("wrong.csv", text); };
   EXPECT_TRUE(is_refused(run({"--frames", file("1,2,3,4,0.5\n1,2,3,4\n")}),

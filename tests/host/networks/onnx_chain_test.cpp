@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <fstream>
 #include <random>
 
@@ -60,6 +61,31 @@ class Chain {
   }
   Chain& leaky(float slope) {
     attribute(*add("LeakyRelu", {value_}), "alpha")->set_f(slope);
+    return *this;
+  }
+  Chain& normalized() {
+    std::vector<std::string> inputs{value_};
+    for (int i = 0; i < 4; ++i) inputs.push_back(constant({width_}));
+    std::string& variance = *tensors().rbegin()->mutable_raw_data();
+    for (std::size_t at = 3; at < variance.size(); at += 4) variance[at] &= 0x7f;  // no variance is below 0
+    attribute(*add("BatchNormalization", inputs), "epsilon")->set_f(0.01f);
+    return *this;
+  }
+  Chain& cast(int type) {
+    attribute(*add("Cast", {value_}), "to")->set_i(type);
+    return *this;
+  }
+  Chain& flatten(int axis) {
+    attribute(*add("Flatten", {value_}), "axis")->set_i(axis);
+    return *this;
+  }
+  Chain& reshape(std::initializer_list<std::int64_t> extents) {
+    const std::string name = constant({0});
+    onnx::TensorProto& shape = *tensors().rbegin();
+    shape.clear_raw_data(), shape.set_dims(0, static_cast<std::int64_t>(extents.size()));
+    shape.set_data_type(onnx::TensorProto::INT64);
+    for (const std::int64_t extent : extents) shape.add_int64_data(extent);
+    add("Reshape", {value_, name});
     return *this;
   }
   onnx::ModelProto finished() {
@@ -182,6 +208,100 @@ TEST_F(OnnxChain, ConstantsGoIntoTheLayers) {
       Chain(6).op("Flatten").dense(4).op("Tanh").dense(1).op("Tanh").by("Mul", 0.5f).by("Add", 0.5f).finished());
 }
 
+TEST_F(OnnxChain, NormalizationGoesIntoTheLayers) {
+  expect_the_same(
+      Chain(6).normalized().dense(5).normalized().op("Tanh").normalized().dense(1).op("Sigmoid").finished());
+}
+
+// scikit-learn's networks begin with a Cast and end with a Reshape. Neither changes a number.
+TEST_F(OnnxChain, OperationsThatMoveNothingAreLeftOut) {
+  const auto weights = [&](Chain chain) { return weights_of_chain(read(chain.finished())).values; };
+  const auto plain = weights(Chain(4).dense(3).op("Tanh").dense(1).op("Sigmoid"));
+  EXPECT_EQ(weights(Chain(4).cast(1).dense(3).op("Tanh").cast(11).dense(1).op("Sigmoid").reshape({-1, 1})), plain);
+  EXPECT_EQ(weights(Chain(4).reshape({-1, 4}).dense(3).op("Tanh").reshape({0, 3}).dense(1).op("Sigmoid").reshape({-1})),
+            plain);
+  EXPECT_EQ(weights(Chain(4).flatten(1).dense(3).reshape({1, -1}).op("Tanh").dense(1).op("Sigmoid")), plain);
+  const auto says = [&](Chain chain, const char* text) { EXPECT_THAT(refusal(chain.finished()), HasSubstr(text)); };
+  says(Chain(4).cast(10).dense(3), "a Cast to float16");
+  says(Chain(4).flatten(0).dense(3), "a Flatten along another axis");
+  says(Chain(4).dense(3).reshape({-1, 1}), "a Reshape of a frame");
+  says(Chain(4).dense(3).reshape({3, -1}), "a Reshape of a frame");
+  says(Chain(4).reshape({-1}).dense(3), "a Reshape of a frame");
+}
+
+// Exporters that fold no constants leave operations between a weight and its layer.
+TEST_F(OnnxChain, AWeightBehindOtherOperationsIsFolded) {
+  const onnx::ModelProto plain = Chain(4).dense(3).op("Tanh").dense(1).op("Sigmoid").finished();
+  const auto expected = weights_of_chain(read(plain)).values;
+  const auto behind = [&](const char* type, const char* attribute, std::vector<std::int64_t> values, bool transposes) {
+    onnx::ModelProto model = plain;
+    onnx::GraphProto& graph = *model.mutable_graph();
+    onnx::NodeProto& node = *graph.add_node();
+    node.set_op_type(type);
+    node.add_input("stored"), node.add_output(graph.initializer(0).name());
+    graph.mutable_initializer(0)->set_name("stored");
+    if (*attribute) node.add_attribute()->set_name(attribute);
+    if (values.size() == 1) node.mutable_attribute(0)->set_i(values[0]);
+    if (values.size() > 1)
+      for (const std::int64_t value : values) node.mutable_attribute(0)->add_ints(value);
+    for (int i = graph.node_size() - 1; i > 0; --i) graph.mutable_node()->SwapElements(i, i - 1);
+    if (transposes) graph.mutable_node(1)->mutable_attribute(0)->set_i(0);  // transB
+    EXPECT_EQ(weights_of_chain(read(model)).values, expected) << type;
+  };
+  behind("Identity", "", {}, false);
+  behind("Cast", "to", {1}, false);
+  behind("Transpose", "", {}, true);
+  behind("Transpose", "perm", {1, 0}, true);
+  behind("Transpose", "perm", {0, 1}, false);
+}
+
+TEST_F(OnnxChain, NumbersOfOtherTypes) {
+  onnx::ModelProto model = Chain(4).dense(3).op("Tanh").dense(1).op("Sigmoid").finished();
+  const auto expected = weights_of_chain(read(model)).values;
+  onnx::TensorProto& tensor = *model.mutable_graph()->mutable_initializer(0);
+  const std::string raw = tensor.raw_data();
+  tensor.clear_raw_data();
+  tensor.set_data_type(onnx::TensorProto::DOUBLE);
+  for (std::size_t at = 0; at < raw.size(); at += 4) {
+    float number = 0;
+    std::memcpy(&number, raw.data() + at, 4);
+    tensor.add_double_data(number);
+  }
+  EXPECT_EQ(weights_of_chain(read(model)).values, expected);
+  tensor.clear_double_data();
+  tensor.set_data_type(onnx::TensorProto::FLOAT16);
+  tensor.set_raw_data(raw.substr(0, raw.size() / 2));
+  EXPECT_THAT(refusal(model), HasSubstr("numbers of type float16 in \"constant1\": must be numbers of type float or"));
+}
+
+// A small file may name the same numbers, or a large file, many times.
+TEST_F(OnnxChain, WorkAndMemoryHaveABound) {
+  onnx::ModelProto copies = Chain(4).dense(3).op("Tanh").dense(1).op("Sigmoid").finished();
+  std::ofstream(folder_ / "w.data", std::ios::binary).seekp((4 << 20) - 1).put(0);
+  for (int i = 0; i < 2; ++i) {
+    onnx::TensorProto& tensor = *copies.mutable_graph()->add_initializer();
+    tensor.set_name("copy" + std::to_string(i));
+    tensor.set_data_type(onnx::TensorProto::FLOAT);
+    tensor.add_dims(1024), tensor.add_dims(1000);
+    onnx::StringStringEntryProto* entry = tensor.add_external_data();
+    entry->set_key("location"), entry->set_value("w.data");
+  }
+  EXPECT_THAT(refusal(copies), HasSubstr("constants of more than 1048576 numbers"));
+  const auto repeated = [&](int width, int times) {
+    onnx::ModelProto model = Chain(width).product(width).finished();
+    onnx::GraphProto& graph = *model.mutable_graph();
+    for (int i = 1; i < times; ++i) {
+      onnx::NodeProto& node = *graph.add_node();
+      node = graph.node(0);
+      node.set_input(0, graph.node(i - 1).output(0)), node.set_output(0, "next" + std::to_string(i));
+    }
+    return refusal(model);
+  };
+  EXPECT_THAT(repeated(4, 1001), HasSubstr("more than 1000 operations"));
+  EXPECT_THAT(repeated(400, 7), HasSubstr("products with more than 1048576 numbers"));
+  EXPECT_THAT(refusal(Chain(2).product(1025).finished()), HasSubstr("a product with [2, 1025] numbers"));
+}
+
 // As PyTorch leaves them by default.
 TEST_F(OnnxChain, NumbersInAFileBesideIt) {
   onnx::ModelProto model = Chain(4).dense(3).op("Tanh").dense(1).op("Sigmoid").finished();
@@ -226,6 +346,21 @@ TEST_F(OnnxChain, WhatIsNoSuchChainIsNamed) {
   onnx::ModelProto branches = Chain(4).dense(3).op("Tanh").dense(1).op("Sigmoid").finished();
   branches.mutable_graph()->mutable_node(2)->set_input(0, "value1");
   EXPECT_THAT(refusal(branches), HasSubstr("a graph with branches"));
+  onnx::ModelProto foreign = Chain(4).dense(3).op("Tanh").dense(1).op("Sigmoid").finished();
+  foreign.mutable_graph()->mutable_node(1)->set_domain("com.other");
+  EXPECT_THAT(refusal(foreign), HasSubstr("the operation Tanh of com.other"));
+  foreign.mutable_graph()->mutable_node(1)->set_domain("ai.onnx");
+  EXPECT_EQ(refusal(foreign), "no error");
+  onnx::ModelProto twice = Chain(4).dense(3).op("Tanh").dense(1).op("Sigmoid").finished();
+  twice.mutable_graph()->mutable_initializer(3)->set_name("constant1");
+  EXPECT_THAT(refusal(twice), HasSubstr("two values of the name \"constant1\""));
+  twice = Chain(4).dense(3).op("Tanh").op("Identity").dense(1).op("Sigmoid").finished();
+  twice.mutable_graph()->mutable_node(2)->set_output(0, "value2");
+  twice.mutable_graph()->mutable_node(3)->set_input(0, "value2");
+  EXPECT_THAT(refusal(twice), HasSubstr("two values of the name \"value2\""));
+  onnx::ModelProto list = Chain(4).dense(3).op("Tanh").product(1).op("Sigmoid").finished();
+  list.mutable_graph()->mutable_initializer(2)->mutable_dims()->RemoveLast();
+  EXPECT_THAT(refusal(list), HasSubstr("a product with a list"));
   onnx::ModelProto infinite = Chain(4).dense(3).op("Tanh").dense(1).op("Sigmoid").finished();
   infinite.mutable_graph()->mutable_initializer(0)->mutable_raw_data()->replace(0, 4, "\0\0\x80\x7f", 4);
   EXPECT_THAT(refusal(infinite), HasSubstr("NaN or infinite"));

@@ -148,6 +148,14 @@ class OnnxEvaluator {
     return to == onnx::TensorProto::FLOAT ? in : Tensor(in.unaryExpr([](double value) { return std::trunc(value); }));
   }
 
+  // (x - mean) / sqrt(variance + epsilon) * scale + bias.
+  static Tensor normalize(const onnx::NodeProto& node, const std::vector<Tensor>& in) {
+    const auto* epsilon = attribute(node, "epsilon");
+    return broadcast(in, [e = epsilon ? epsilon->f() : 1e-5f](const Numbers& x) {
+      return (x[0] - x[3]) / std::sqrt(x[4] + e) * x[1] + x[2];
+    });
+  }
+
   static Tensor apply(const onnx::NodeProto& node, const std::vector<Tensor>& in) {
     static const std::map<std::string, double (*)(const Numbers&)> of_elements = {
         {"Greater", [](const Numbers& x) { return x[0] > x[1] ? 1.0 : 0.0; }},
@@ -168,6 +176,7 @@ class OnnxEvaluator {
     const std::string& type = node.op_type();
     if (const auto found = of_elements.find(type); found != of_elements.end()) return broadcast(in, found->second);
     if (type == "Flatten") return in[0];
+    if (type == "BatchNormalization") return normalize(node, in);
     if (type == "Gemm") return gemm(node, in);
     if (type == "Slice") return slice(in);
     if (type == "ReduceMax") return reduce_max(node, in[0]);
