@@ -16,7 +16,7 @@ std::string model_name() {
 #if defined(__x86_64__) || defined(__i386__)
   constexpr unsigned first = 0x80000002, last = 0x80000004;  // leaves with 16 letters each
   unsigned words[12] = {};
-  if (__get_cpuid_max(0x80000000, nullptr) < last) return "";
+  if (static_cast<unsigned>(__get_cpuid_max(0x80000000, nullptr)) < last) return "";
   for (unsigned leaf = first; leaf <= last; ++leaf) {
     unsigned* at = words + 4 * (leaf - first);
     __get_cpuid(leaf, &at[0], &at[1], &at[2], &at[3]);
