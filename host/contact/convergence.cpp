@@ -69,8 +69,8 @@ const std::vector<Measure<fem::PadStep>>& measures_of(const fem::PadSolution&) {
   return all;
 }
 
-bool met(const fem::ContactStep& s, double rounding) { return s.converged || fem::largest(s.residual) <= rounding; }
-bool met(const fem::PadStep& s, double rounding) { return s.converged || s.residual.largest() <= rounding; }
+double residual(const fem::ContactStep& s) { return fem::largest(s.residual); }
+double residual(const fem::PadStep& s) { return s.residual.largest(); }
 
 double cell_size(const fem::ContactSolution& solution) { return solution.surface_width.mean(); }
 double cell_size(const fem::PadSolution& solution) { return std::sqrt(solution.cells.hx * solution.cells.hy); }
@@ -87,8 +87,13 @@ Convergence judged(const Solution& answer, std::size_t step, std::initializer_li
     if (progress) progress(name);
     const auto start = Clock::now();
     Solution solution = solve(cells);
-    if (solution.steps.empty() || !met(solution.steps[std::min(step, solution.steps.size() - 1)], rounding)) {
-      found.missed.push_back(name);
+    if (solution.steps.empty()) {
+      found.missed.push_back({name, std::numeric_limits<double>::quiet_NaN(), rounding});
+      continue;
+    }
+    if (const auto& judged = solution.steps[std::min(step, solution.steps.size() - 1)];
+        !judged.converged && !(residual(judged) <= rounding)) {
+      found.missed.push_back({name, residual(judged), rounding});
       continue;
     }
     found.step = std::min(found.step, solution.steps.size() - 1);  // a drag until sliding ends at a rung's own step
@@ -157,8 +162,19 @@ std::string no_order_text(const ConvergedQuantity& q) {
                      q.fit.scatter);
 }
 
+/// "60 elements missed the tolerance (residual 2e-08, 1e-09 is accepted)".
+std::string missed_text(const Convergence& found) {
+  std::string out;
+  for (const auto& [name, residual, accepted] : found.missed)
+    out += fmt::format(
+        "{}{} missed the tolerance ({})", out.empty() ? "" : ", ", name,
+        std::isnan(residual) ? "no load step" : fmt::format("residual {:.2g}, {:g} is accepted", residual, accepted));
+  return out;
+}
+
 std::string not_judged_text(const Convergence& found) {
-  return fmt::format("convergence is not judged: {} missed the tolerance", fmt::join(found.missed, ", "));
+  return "convergence is not judged: " +
+         (found.missed.empty() ? "the answer's numbers are not finite" : missed_text(found));
 }
 
 Panel panel_of(const Convergence& found, const ConvergedQuantity& q) {
@@ -273,12 +289,14 @@ std::string convergence_table(const Convergence& found) {
       [](const ConvergedQuantity& q) { return fmt::format("{:+.2g}", q.error()); });
   for (const ConvergedQuantity& q : found.quantities)
     if (scatters(q)) out += no_order_text(q) + "\n";
+  if (!found.missed.empty()) out += missed_text(found) + "\n";
   return out;
 }
 
 nlohmann::ordered_json to_json(const Convergence& found) {
   using Json = nlohmann::ordered_json;
-  Json rungs = Json::array(), quantities = Json::array();
+  Json rungs = Json::array(), quantities = Json::array(), missed = Json::array(), residuals = Json::array();
+  for (const Convergence::Missed& m : found.missed) missed.push_back(m.name), residuals.push_back(m.residual);
   for (const Convergence::Rung& r : found.rungs)
     rungs.push_back({{"rung", r.name}, {"h", r.h}, {"seconds", r.seconds}});
   for (const ConvergedQuantity& q : found.quantities)
@@ -296,7 +314,8 @@ nlohmann::ordered_json to_json(const Convergence& found) {
   return {{"step", found.step + 1},
           {"h", found.h},
           {"rungs", std::move(rungs)},
-          {"missed", found.missed},
+          {"missed", std::move(missed)},
+          {"missed_residuals", std::move(residuals)},
           {"quantities", std::move(quantities)}};
 }
 
@@ -328,6 +347,7 @@ void add_convergence(Page& page, const Convergence& found) {
   page.table(table);
   for (const ConvergedQuantity& q : found.quantities)
     if (scatters(q)) page.note(no_order_text(q) + ".");
+  if (!found.missed.empty()) page.note(missed_text(found) + ".");
   Figure figure{.columns = 2, .panel_height = 260};
   for (const ConvergedQuantity& q : found.quantities)
     if (q.fit.scatter > 0) figure.panels.push_back(panel_of(found, q));

@@ -47,10 +47,14 @@ struct Convergence {
     double h = 0;  ///< mm
     double seconds = 0;
   };
+  struct Missed {
+    std::string name;
+    double residual = 0, accepted = 0;  ///< of the step that is judged; NaN where the rung has no step
+  };
   std::size_t step = 0;                         ///< that is judged
   double h = 0;                                 ///< mm, of the answer
   std::vector<Rung> rungs{};                    ///< the largest cells first
-  std::vector<std::string> missed{};            ///< rungs that missed their tolerance
+  std::vector<Missed> missed{};                 ///< rungs that missed their tolerance
   std::vector<ConvergedQuantity> quantities{};  ///< defined in this step on all rungs; none of fewer than least_rungs
 };
 

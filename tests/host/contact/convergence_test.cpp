@@ -179,8 +179,9 @@ TEST(Convergence, TableAndJson) {
   EXPECT_EQ(json["quantities"][0]["error"], 0.5);
   EXPECT_EQ(json["quantities"][0]["order"], 1.5);
   EXPECT_TRUE(json["quantities"][1]["order"].is_null());
-  EXPECT_EQ(convergence_table({.missed = {"60 elements"}}),
-            "convergence is not judged: 60 elements missed the tolerance\n");
+  EXPECT_EQ(convergence_table({.missed = {{"60 elements", 2e-8, 1e-9}}}),
+            "convergence is not judged: 60 elements missed the tolerance (residual 2e-08, 1e-09 is accepted)\n");
+  EXPECT_EQ(convergence_table({}), "convergence is not judged: the answer's numbers are not finite\n");
 }
 
 TEST(PadConvergence, Hertz) {
