@@ -90,9 +90,11 @@ TEST_F(ImportNetwork, OtherAnswersWriteNoFile) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "new.onnx"));
 }
 
-// Sums beyond fp32, of both signs: infinity less infinity is no number, and agrees with nothing.
+// Sums beyond fp32 that the next layer adds with both signs: infinity less infinity is no number, and agrees with
+// nothing.
 TEST_F(ImportNetwork, AnswersThatAreNoNumbersWriteNoFile) {
   const std::string given = frames();
+  model_.weights = nn::initial_weights(nn::Topology::parse("4-6-3-1_leaky-relu"), 3);
   model_.weights.layer(0).setConstant(3e38f);
   write_onnx(folder_ / "own.onnx", model_);
   EXPECT_TRUE(is_refused(run({}), {"an S on 1000 random frames is no number"}, 4));
