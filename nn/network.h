@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -135,6 +136,15 @@ struct Learnt {
   /// second.
   float smallest_peak = 0, largest_peak = 0;
   float least_friction = 0, most_friction = 0;  ///< mu
+
+  /// Returns whether one of the normal stresses [count] MPa is far beyond all that was learnt. A set of other shapes
+  /// and depths has peaks of a few times; another unit is at least 1000 times. NaN is not.
+  bool beyond(const float* normals, int count) const noexcept {
+    bool found = false;
+    for (int k = 0; k < count; ++k) found |= largest_peak > 0 && std::abs(normals[k]) > beyond_times * largest_peak;
+    return found;
+  }
+  static constexpr float beyond_times = 10;
 };
 
 /// A network with its scaling and origin: the contents of a model file. scaling.history equals history.frames.

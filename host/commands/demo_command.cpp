@@ -132,7 +132,7 @@ int run_demo(const DemoRequest& request) {
         "0.001", "--cycles", "300", "--output", file("networks"), "--force"}},
       {"How far off is it on the other contacts? As tables, and as a page.",
        {"recall", file("networks"), file("recall.h5"), "--html", file("networks.html")}},
-      {"A simulated sensor plays the first contact; the network reads S, beside the true S.", live}};
+      {"A simulated sensor plays the first contact; the network reads S live.", live}};
   const Interrupt interrupt;
   for (Step& step : steps) {
     if (!request.device.empty()) step.words.insert(step.words.end(), {"--device", request.device});

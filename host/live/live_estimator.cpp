@@ -69,12 +69,14 @@ class SharedLaunch {
   Answer answer(std::size_t row) const {
     constexpr float none = std::numeric_limits<float>::quiet_NaN();
     const nn::Recall<float>& found = found_[sensors_[row].network];
-    Answer answer{found.slip_index[static_cast<Eigen::Index>(row)],
-                  none,
-                  static_cast<AnswerStatus>(found.status[row]),
-                  {none, none},
-                  0,
-                  {}};
+    Answer answer{
+        found.slip_index[static_cast<Eigen::Index>(row)],
+        none,
+        static_cast<AnswerStatus>(found.status[row]),
+        {none, none},
+        0,
+        sensors_[row].learnt.beyond(inputs_.row(static_cast<Eigen::Index>(row)).data(), sensors_[row].normals),
+        {}};
     if (found.bounds.empty()) return answer;
     const nn::BoundAnswer& bound = found.bounds[row];
     answer.slip_upper = bound.upper;
@@ -95,7 +97,8 @@ class SharedLaunch {
     for (const nn::Model* network : of_sensors) {
       const auto frames = static_cast<std::size_t>(network->history.frames);
       sensors_.push_back({static_cast<std::size_t>(std::ranges::find(networks, network) - networks.begin()),
-                          nn::FrameHistory(static_cast<std::size_t>(inputs_.cols()) / frames, network->history)});
+                          nn::FrameHistory(static_cast<std::size_t>(inputs_.cols()) / frames, network->history),
+                          network->learnt, network->scaling.normals(static_cast<int>(inputs_.cols()))});
     }
     run();  // compiles, and has the answers' memory
   }
@@ -103,6 +106,8 @@ class SharedLaunch {
   struct Sensor {
     std::size_t network;  ///< among those of the launch
     nn::FrameHistory history;
+    nn::Learnt learnt;
+    int normals;  ///< of the newest frame
   };
   Forward<float> forward_;
   nn::RowMatrix<float> inputs_;  ///< [sensors][inputs] MPa

@@ -62,7 +62,6 @@ struct SlipEstimator::Network {
   bool by_frame = false;
   float factor = 0;
   nn::Learnt learnt;
-  float beyond = 0;  ///< MPa: a larger |normal stress| is beyond_learnt
   std::map<std::string, std::string, std::less<>> metadata;
 };
 
@@ -100,9 +99,6 @@ class OwnArithmetic {
 #endif
 };
 
-/// A learning set of other shapes and depths has peaks of a few times; another unit is at least 1000 times.
-constexpr float beyond_times = 10;
-
 using infer::Activations;
 using Network = SlipEstimator::Network;
 
@@ -135,13 +131,6 @@ Answer answer_of(AnswerStatus status, float slip_index) noexcept {
   constexpr float none = std::numeric_limits<float>::quiet_NaN();
   const bool valid = status == AnswerStatus::ok || status == AnswerStatus::no_stress;
   return {valid ? slip_index : none, none, status, {none, none}, 0, 0, {}};
-}
-
-/// NaN is not beyond.
-bool beyond_learnt(const Network& network, const float* frame) noexcept {
-  bool beyond = false;
-  for (int k = 0; k < network.normals; ++k) beyond |= std::abs(frame[k]) > network.beyond;
-  return beyond;
 }
 
 Answer plain_answer(AnswerStatus status, float output) noexcept {
@@ -186,7 +175,7 @@ void evaluate(const Network& network, int frames, const float* frame, Answer* an
   for (int f = 0; f < frames; ++f) {
     answers[f] = network.bound ? bounded_answer(network, status[f], seen[f], o[0][f], o[1][f], o[2][f])
                                : plain_answer(status[f], o[0][f]);
-    answers[f].beyond_learnt = beyond_learnt(network, frame + f * network.inputs);
+    answers[f].beyond_learnt = network.learnt.beyond(frame + f * network.inputs, network.normals);
   }
 }
 
@@ -234,8 +223,6 @@ SlipEstimator SlipEstimator::parse(std::span<const std::byte> bytes, const std::
   network->by_frame = model.scaling.kind == nn::ScalingKind::frame;
   network->factor = file.factor;
   network->learnt = model.learnt;
-  network->beyond =
-      model.learnt.largest_peak > 0 ? beyond_times * model.learnt.largest_peak : std::numeric_limits<float>::infinity();
   network->metadata = std::move(file.metadata);
   const int last = topology.hidden_layers();
   for (int l = 0; l < last; ++l) network->hidden.push_back(infer::hidden_layer(model.weights, l));
