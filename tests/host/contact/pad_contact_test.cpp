@@ -134,7 +134,7 @@ TEST_P(PadTwin, AgreesInFp32) {
 
 TEST(PadContact, TakesTheSubstepsOfItsTwin) {
   const Difference d = from_twin<float>(8, sensor_of(0.5), 27, 1e-3, 1e-7, 4);
-  // As above: with one increment a drag in either of them, S differs by 0.02.
+  // As in AgreesInFp32.
   EXPECT_LE(d.S.back(), 2e-3);
   EXPECT_LE(d.Q.back(), 3e-3);
   EXPECT_LE(d.M.back(), 3e-3);
