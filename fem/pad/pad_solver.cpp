@@ -164,7 +164,8 @@ PadStep PadWalk::step_here(std::array<bool, 4>& outside) const {
   tractions << contact_.n(), contact_.t().col(0), contact_.t().col(1);
   step.stress = young * (stress_ * tractions).reshaped(stress_.rows() / 3, 3);
   step.residual = contact_.residual(options_.accepted(), outside);
-  step.converged = converged_ && step.residual.largest() <= options_.accepted();
+  const bool finite = std::isfinite(step.P + step.Q.sum() + step.M);  // a residual may be 0 beside NaN
+  step.converged = converged_ && finite && step.residual.largest() <= options_.accepted();
   step.sweeps = sweeps_;
   return step;
 }

@@ -334,7 +334,7 @@ TEST(TrainApi, TrainsTheNetworksOfTheProgram) {
   nn::FrameSet frames{nn::RowMatrix<float>(set.rows(), 42), nn::Vector<float>(set.rows()), {}, {}};
   std::ranges::copy(set.frames, frames.frames.data());
   std::ranges::copy(set.slip_index, frames.slip_index.data());
-  frames.shape_class = set.indenter;
+  frames.shape_class = set.indenter, frames.friction = set.friction;
   frames.contact_nodes.assign(set.contact_nodes.begin(), set.contact_nodes.end());
   host::NetworkTraining<float> twin(executor(), frames, host::plan_of(request));
   twin.run();
