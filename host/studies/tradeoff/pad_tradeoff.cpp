@@ -16,7 +16,8 @@ namespace tactel::host {
 namespace {
 
 const char* const pad_definitions =
-    "Errors are the largest over the load steps: of S itself; of P over the largest of the path; of Q, and of M over half the "
+    "Errors are the largest over the load steps: of S itself; of P over the largest of the path; of Q, and of M over "
+    "half the "
     "contact's size, over the larger of both along the path; of σ_z and τ at any tactel over the largest of each along "
     "the path. Median and 95 % are over the scenes. Errors of the reference are its own estimates. Speed counts load "
     "steps over the time in kernels.";

@@ -425,7 +425,8 @@ TEST_F(ProfileFile, ThatIsNoProfileIsNotQuoted) {
   for (const std::string secret : {"root:$6$topsecret:19000", "topsecret,word", "topsecret\n", "x,topsecret"}) {
     const ChildResult result = solve("secret.txt", secret);
     EXPECT_EQ(result.exit_code, 2);
-    EXPECT_THAT(result.err, AllOf(HasSubstr("secret.txt:1: "), Not(HasSubstr("topsecret")), HasSubstr("x and y in mm")));
+    EXPECT_THAT(result.err,
+                AllOf(HasSubstr("secret.txt:1: "), Not(HasSubstr("topsecret")), HasSubstr("x and y in mm")));
   }
 }
 

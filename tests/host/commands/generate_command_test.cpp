@@ -152,9 +152,10 @@ TEST_F(Generate, InterruptKeepsWhatIsDoneAndSaysHowToGoOn) {
 // A chunk of fine pads takes minutes. Batch systems send SIGTERM, a terminal that closes SIGHUP.
 TEST_F(Generate, ASignalEndsItInTheMidstOfAChunk) {
   const std::string pads = output("pads.toml");
-  std::ofstream(pads) << "[sweep]\ncontacts = 4000\n[sensor]\nkind = \"pad\"\nthickness = 4.0\n[[indenter]]\nshape = \"sphere\"\n"
-                         "radius = { uniform = [5, 20] }\n[contact]\nfriction = 0.6\n[load]\nindentation = 0.4\n"
-                         "tangential_step = [0.05, 0.02]\ntangential_steps = 40\n";
+  std::ofstream(pads)
+      << "[sweep]\ncontacts = 4000\n[sensor]\nkind = \"pad\"\nthickness = 4.0\n[[indenter]]\nshape = \"sphere\"\n"
+         "radius = { uniform = [5, 20] }\n[contact]\nfriction = 0.6\n[load]\nindentation = 0.4\n"
+         "tangential_step = [0.05, 0.02]\ntangential_steps = 40\n";
   for (const char* signal : {"TERM", "HUP"}) {
     const ChildResult result = run_child({"timeout", "--preserve-status", "-k", "20", "-s", signal, "3", TACTEL_PROGRAM,
                                           "generate", pads, "--rung", "pad-24", "--output", output(signal)});
