@@ -26,28 +26,19 @@ int finer_increments(int cells) { return cells / 3 * 2; }
 
 }  // namespace
 
-PadJudge::PadJudge(const fem::PadScene& scene, const PadRung& rung) : scene_(scene) {
-  if (!rung.exact) finer(finer_cells(rung));
-}
-
-std::shared_future<fem::PadSolution> PadJudge::finer(int cells) {
-  std::shared_future<fem::PadSolution>& made = finer_[cells];
-  if (made.valid() || fem::pad_targets(scene_.load).size() > most_steps) return made;
+const fem::PadSolution& PadJudge::finer(int cells) {
+  if (const auto made = finer_.find(cells); made != finer_.end()) return made->second;
   const fem::PadOptions options{.cells = cells,
                                 .tolerance = finer_tolerance,
                                 .pressing_increments = finer_increments(cells),
                                 .drag_increments = 2};
-  // The tables of the layer come from the cache here: the device changes the environment while the thread runs.
-  return made =
-             std::async(std::launch::async, [scene = scene_, options, layer = fem::pad_layer(scene_.sensor.poisson)] {
-               return fem::PadSolver(layer, options).solve(scene);
-             }).share();
+  const fem::PadLayer layer = fem::pad_layer(scene_.sensor.poisson);
+  return finer_.emplace(cells, fem::PadSolver(layer, options).solve(scene_)).first->second;
 }
 
 std::optional<PadError> PadJudge::error(const PadRung& rung, const fem::PadSolution& answer) {
-  const auto solved = finer(finer_cells(rung));
-  if (!solved.valid()) return {};
-  const fem::PadSolution& other = solved.get();
+  if (answer.steps.size() > most_steps) return {};
+  const fem::PadSolution& other = finer(finer_cells(rung));
   PadError error{.most95 = fem::pad_difference(answer, other),
                  .scenes = "this scene",
                  .outside = outside(measured_judge, scene_, deepest(answer))};

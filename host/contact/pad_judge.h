@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <future>
 #include <map>
 #include <optional>
 
@@ -12,18 +11,17 @@ namespace tactel::host {
 /// increments of pressing and drags.
 class PadJudge {
  public:
-  /// Begins, in a thread of its own, what an answer of `rung` is compared with.
-  PadJudge(const fem::PadScene& scene, const PadRung& rung);
+  explicit PadJudge(const fem::PadScene& scene) : scene_(scene) {}
 
   /// Returns the errors to expect of an answer: its differences from the second solution, times factors, and a little.
   /// They cover 95 % of scenes (bench/pad_study.cpp). None beyond 100 load steps, which would take seconds.
   std::optional<PadError> error(const PadRung& rung, const fem::PadSolution& answer);
 
  private:
-  std::shared_future<fem::PadSolution> finer(int cells);
+  const fem::PadSolution& finer(int cells);
 
   fem::PadScene scene_;
-  std::map<int, std::shared_future<fem::PadSolution>> finer_;  ///< by their cells
+  std::map<int, fem::PadSolution> finer_;  ///< by their cells
 };
 
 }  // namespace tactel::host

@@ -162,7 +162,7 @@ PadOutcome solve(const fem::PadScene& scene, const SolveOptions& options) {
                  : options.accuracy    ? pad_rungs().front()
                                        : usual_pad_rung();
   outcome.accuracy = options.accuracy;
-  PadJudge judge(scene, outcome.rung);
+  PadJudge judge(scene);  // once the scene is known to be a contact: a needle would take it very long
   const auto on_rung = [&] {
     if (outcome.rung.exact || options.solver == "twin")
       solve_on_host(outcome, options);
