@@ -22,8 +22,8 @@ struct TransportCounts {
   std::uint64_t overruns = 0;    ///< packets dropped because they were not read in time
   std::uint64_t stalls = 0;      ///< endpoint halted, and cleared again
   std::uint64_t errors = 0;      ///< other transfers that failed
-  std::uint64_t bad = 0;         ///< lines of text that were no frame
   std::uint64_t reconnects = 0;  ///< the device came back after it was away
+  std::uint64_t bad = 0;         ///< lines of text that were no frame
 };
 
 /// A device or file that cannot be used, with the reason and a remedy.

@@ -74,7 +74,12 @@ class LibusbSource final : public UsbSource {
   bool live() const override { return true; }
   double now() const override { return std::chrono::duration<double>(Clock::now() - zero_).count(); }
   TransportCounts counts() const override {
-    return {packets_.load(), bytes_.load(), overruns_.load(), stalls_.load(), errors_.load(), reconnects_.load()};
+    return {.packets = packets_,
+            .bytes = bytes_,
+            .overruns = overruns_,
+            .stalls = stalls_,
+            .errors = errors_,
+            .reconnects = reconnects_};
   }
 
  private:
