@@ -298,7 +298,7 @@ def main():
     if measured.mean() <= 0:
         wrong(options.folder, "shear at rest points inward, where a press spreads rubber", "check the order and signs of the axes")
     simulated = chain.simulated_spread()
-    shear_gain = options.shear_gain or simulated / measured.mean()
+    shear_gain = float(options.shear_gain or simulated / measured.mean())  # NumPy 2 would print its type
     print(f"{len(trials)} trials, {sum(trial.gone() is not None for trial in trials)} of which end without the object.\n"
           f"Shear at the outer tactels over mean normal stress at rest: {measured.min():.3f} to {measured.max():.3f} in counts, "
           f"{simulated:.3f} simulated.\nA count of shear is taken as {shear_gain:.2f} counts of z.")

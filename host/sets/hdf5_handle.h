@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <cstdlib>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -29,21 +30,29 @@ class Handle {
 
 /// Call it before any other call of HDF5. Disables the library's own error printing; callers throw ConfigError.
 /// Disables the library's clean-up at exit: where a full disk made a close fail, the clean-up repeats it and
-/// crashes. Every Handle closes itself, so no clean-up is needed. Takes no locks, whatever HDF5_USE_FILE_LOCKING says,
-/// which the library reads when it starts: sets are written under names of their own, with locks of their own.
+/// crashes. Every Handle closes itself, so no clean-up is needed.
 inline void prepare_hdf5() {
-  static const bool once = [] {
-    constexpr const char* name = "HDF5_USE_FILE_LOCKING";
-    const char* const value = std::getenv(name);
-    const std::string users = value ? value : "";
-    setenv(name, "FALSE", 1);
-    const bool good = H5dont_atexit() >= 0 && H5open() >= 0;
-    value ? setenv(name, users.c_str(), 1) : unsetenv(name);
-    return good;
-  }();
+  static const bool once = H5dont_atexit() >= 0;
   static_cast<void>(once);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
+
+/// While it lives, files that HDF5 opens are not locked, whatever HDF5_USE_FILE_LOCKING says, which HDF5 reads then:
+/// sets are written under names of their own, with locks of their own, and never changed.
+class WithoutLocks {
+ public:
+  WithoutLocks() {
+    if (const char* value = std::getenv(name)) users_ = value;
+    setenv(name, "FALSE", 1);
+  }
+  ~WithoutLocks() { users_ ? setenv(name, users_->c_str(), 1) : unsetenv(name); }
+  WithoutLocks(const WithoutLocks&) = delete;
+  WithoutLocks& operator=(const WithoutLocks&) = delete;
+
+ private:
+  static constexpr const char* name = "HDF5_USE_FILE_LOCKING";
+  std::optional<std::string> users_;
+};
 
 /// Returns the HDF5 type of a number.
 template <class T>

@@ -93,9 +93,8 @@ std::string unreadable(const std::filesystem::path& path) {
 hid_t open_to_read(const std::filesystem::path& path) {
   prepare_hdf5();
   if (!unreadable(path).empty()) return H5I_INVALID_HID;
-  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  H5Pset_file_locking(access, false, true);
-  return H5Fopen(path.c_str(), H5F_ACC_RDONLY, access);
+  const WithoutLocks without;
+  return H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
 }
 
 }  // namespace

@@ -149,6 +149,21 @@ TEST_F(Generate, InterruptKeepsWhatIsDoneAndSaysHowToGoOn) {
   EXPECT_THAT(run({"--output", output("set.h5"), "--resume"}).out, HasSubstr("complete already"));
 }
 
+// Clusters set the variable; a set that another program reads or holds is read, too.
+TEST_F(Generate, LocksOfHdf5AreNotTaken) {
+  const std::vector<std::string> generate = {"generate", output("small.toml"), "--force", "--output",
+                                             output("locked.h5")};
+  std::ofstream(output("small.toml")) << SmallSweep{.contacts = 50}.text();
+  for (const char* value : {"FALSE", "TRUE", "1", "BEST_EFFORT"}) {
+    const Environment locks("HDF5_USE_FILE_LOCKING", value);
+    EXPECT_EQ(run_tactel(generate).exit_code, 0) << value;
+    EXPECT_EQ(run_tactel(generate, {"--compress"}).exit_code, 0) << value;
+    EXPECT_EQ(run_child({"flock", "-x", output("locked.h5"), TACTEL_PROGRAM, "check", output("locked.h5")}).exit_code,
+              0);
+  }
+  EXPECT_TRUE(is_refused(run_tactel({"check", output("")}), {"(file) = a folder"}));
+}
+
 // A chunk of fine pads takes minutes. Batch systems send SIGTERM, a terminal that closes SIGHUP.
 TEST_F(Generate, ASignalEndsItInTheMidstOfAChunk) {
   const std::string pads = output("pads.toml");

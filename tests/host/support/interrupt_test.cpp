@@ -28,6 +28,7 @@ TEST(InterruptDeathTest, SignalsInARowAreOneRequest) {
        {std::pair{SIGINT, SIGINT}, {SIGTERM, SIGTERM}, {SIGINT, SIGTERM}, {SIGHUP, SIGHUP}})
     EXPECT_EXIT(
         {
+          std::signal(SIGHUP, SIG_DFL);  // which nohup has changed
           const Interrupt interrupt;
           std::raise(first);
           std::raise(second);
@@ -54,6 +55,7 @@ TEST(InterruptDeathTest, ALaterSignalEndsTheProgram) {
   for (const int second : {SIGINT, SIGTERM, SIGHUP})
     EXPECT_EXIT(
         {
+          std::signal(SIGHUP, SIG_DFL);
           const Interrupt interrupt;
           std::raise(SIGINT);
           wait_ms(600);
