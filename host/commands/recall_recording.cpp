@@ -99,7 +99,7 @@ Said said(const nn::Recall<float>& answer) {
   return all;
 }
 
-Json to_json(const Said& all, bool bound) {
+Json recording_json(const Said& all, bool bound) {
   Json frames;
   for (std::size_t i = 0; i < all.frames.size(); ++i) frames[nn::name(static_cast<nn::FrameStatus>(i))] = all.frames[i];
   Json json{{"frames", frames}, {"mean", all.mean}, {"max", all.most}};
@@ -123,7 +123,7 @@ std::string table(std::span<const NamedNetwork> networks, const Answers& answers
 }
 
 /// An empty field where a network gave no answer.
-std::string rows_csv(std::span<const NamedNetwork> networks, const Answers& answers, const Recorded& all) {
+std::string recording_rows(std::span<const NamedNetwork> networks, const Answers& answers, const Recorded& all) {
   std::string text = "frame,arrival,pad";
   for (const NamedNetwork& network : networks) {
     text += "," + network.file;
@@ -163,16 +163,16 @@ int recall_recording(std::span<const NamedNetwork> networks, const std::string& 
   Answers answers;
   for (const NamedNetwork& network : networks) answers.push_back(answers_of(executor, network, all));
   const std::string& device = executor.device().info().name;
-  if (!rows.empty()) write_file("--rows", rows, rows_csv(networks, answers, all));
+  if (!rows.empty()) write_file("--rows", rows, recording_rows(networks, answers, all));
   Json report{{"tactel", TACTEL_VERSION},
               {"recording", file},
               {"frames", all.arrival.size()},
               {"device", device},
               {"networks", Json::array()}};
   for (std::size_t n = 0; n < networks.size(); ++n) {
-    report["networks"].push_back(to_json(networks[n]));
+    report["networks"].push_back(recording_json(networks[n]));
     for (const auto& answer : answers[n])
-      report["networks"].back()["pads"].push_back(to_json(said(answer), networks[n].model.bound.has_value()));
+      report["networks"].back()["pads"].push_back(recording_json(said(answer), networks[n].model.bound.has_value()));
   }
   if (json == "-") {
     fmt::print("{}", json_text(report));
