@@ -170,7 +170,7 @@ int recall_recording(std::span<const NamedNetwork> networks, const std::string& 
               {"device", device},
               {"networks", Json::array()}};
   for (std::size_t n = 0; n < networks.size(); ++n) {
-    report["networks"].push_back(recording_json(networks[n]));
+    report["networks"].push_back(to_json(networks[n]));
     for (const auto& answer : answers[n])
       report["networks"].back()["pads"].push_back(recording_json(said(answer), networks[n].model.bound.has_value()));
   }
