@@ -93,14 +93,6 @@ TEST_F(Durability, Recording) {
             0);
 }
 
-// The list of compiled kernels: what it names has reached the disk.
-TEST_F(Durability, ListOfCompiledKernels) {
-  EXPECT_EQ(in_order({"content:" + at("kernels/pocl/sealed")}, {"solve", source_file("examples/parabola.toml")},
-                     {"env", "-u", "POCL_CACHE_DIR", "TACTEL_CACHE_DIR=" + at("kernels")})
-                .exit_code,
-            0);
-}
-
 // Of a sensor that moves: --force takes it all the same.
 TEST_F(Durability, Calibration) {
   EXPECT_EQ(in_order({at("cal.toml")}, {"tare", "--source",

@@ -94,7 +94,7 @@ const WrongCall wrong_calls[] = {
     {"PartOfANumber", "solve a.toml --step 1.5", "--step = 1.5: must be a whole number"},
     {"ManyOfWhichOneIsNone", "train --noise 0.1 --noise 0.2x --noise 0.3", "--noise = 0.2x: must be a number"},
     {"MissingFile", "solve", "SCENE.toml = (missing): must be given"},
-    {"MissingSecondFile", "recall net", "SET.h5 = (missing): must be given"},
+    {"MissingSecondFile", "recall net", "SET.h5|RECORDING = (missing): must be given"},
     {"MissingOption", "train a.h5", "--output = (missing): must be given as DIR"},
     {"Contradiction", "train --output a --resume --force", "--resume: must be left out with --force"},
     {"FlagWithAValue", "solve a.toml --quiet=maybe", "--quiet = maybe: must be given without a value"},
