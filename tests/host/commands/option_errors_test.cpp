@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // What the program says of options whose value is wrong or missing: one form for all, of every command.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -46,12 +47,12 @@ TEST(OptionErrors, AChoiceNamesAllThatIsAllowed) {
   for (const std::string& command : commands)
     for (auto [option, type] : options_of(command)) {
       if (!std::regex_match(type, choices)) continue;
-      found.insert(command + " " + option);
+      found.insert(fmt::format("{} {}", command, option));
       const std::string allowed = std::regex_replace(type, std::regex("[|]"), ", ");
       EXPECT_EQ(error_of({command, option, "row"}),
-                "error: command line: " + option + " = row: must be one of " + allowed);
+                fmt::format("error: command line: {} = row: must be one of {}", option, allowed));
       EXPECT_EQ(error_of({command, option}),
-                "error: command line: " + option + " = (missing): must be one of " + allowed);
+                fmt::format("error: command line: {} = (missing): must be one of {}", option, allowed));
     }
   EXPECT_THAT(found,
               testing::IsSupersetOf({"solve --solver", "solve --precision", "generate --precision", "train --scaling",
