@@ -81,6 +81,7 @@ double sliding_limit(const PadScene& scene, double normal, const PadCells& cells
 /// the half size of the cells), up to four times as many where it turns off the last one. Once all slides steadily more
 /// would change nothing: it never takes more than for two limits.
 std::vector<PadIncrement> pad_increments(const PadScene& scene, const PadOptions& options, const PadCells& cells);
+
 /// Returns the middles of the tactels on the pad, [tactels, x fastest] mm.
 Eigen::MatrixX2d tactel_places(const PadSensor& sensor);
 

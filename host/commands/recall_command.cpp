@@ -11,6 +11,7 @@
 #include "host/support/interrupt.h"
 #include "host/support/json_text.h"
 #include "host/support/progress_line.h"
+#include "host/support/terminal.h"
 #include "host/training/decision.h"
 #include "host/training/network_report.h"
 #include "host/training/recall_page.h"
@@ -59,7 +60,8 @@ nn::Target target_of(const RecallRequest& request, std::span<const NamedNetwork>
 void warn_of_unit(const RecallRequest& request, const NamedNetwork& network, const nn::FrameSet& set) {
   const nn::Learnt &learnt = network.model.learnt, here = nn::learnt_ranges(set);
   if (request.shared.quiet || learnt.largest_peak == 0 || here.largest_peak == 0) return;
-  if (here.largest_peak <= 10 * learnt.largest_peak && here.largest_peak >= learnt.smallest_peak / 10) return;
+  constexpr float times = nn::Learnt::beyond_times;
+  if (here.largest_peak <= times * learnt.largest_peak && here.largest_peak >= learnt.smallest_peak / times) return;
   print_warning(
       fmt::format("{}: its normal stresses reach {:.3g} MPa, where {} learnt peaks of {:.3g} to {:.3g} MPa; "
                   "are they MPa?",

@@ -49,14 +49,13 @@ Recorded read_recording(const std::string& file) {
 
 /// Inputs of a network, [frames, inputs] MPa, from the frames of `tactels` tactels from `first` on.
 nn::RowMatrix<float> inputs_of(const Recorded& all, const nn::Model& model, std::size_t first, std::size_t tactels) {
-  const std::size_t every = all.profile.map.tactels(), axes = all.profile.map.places() / every;
+  const std::size_t places = all.profile.map.places(), every = all.profile.map.tactels(), axes = places / every;
   nn::FrameHistory history(axes * tactels, model.history);
   nn::RowMatrix<float> inputs(static_cast<Eigen::Index>(all.arrival.size()),
                               static_cast<Eigen::Index>(history.inputs()));
   std::vector<float> frame(axes * tactels);
   for (std::size_t k = 0; k < all.arrival.size(); ++k) {
-    for (std::size_t axis = 0; axis < axes; ++axis)
-      std::copy_n(&all.stresses[k * axes * every + axis * every + first], tactels, &frame[axis * tactels]);
+    take_pad(std::span(all.stresses).subspan(k * places, places), every, first, tactels, frame.data());
     history.push(frame.data());
     history.write(inputs.row(static_cast<Eigen::Index>(k)).data());
   }

@@ -51,18 +51,20 @@ void add_certificate(Page& page, const std::vector<double>& residuals, std::ptrd
                   residuals.size(), std::ranges::max(residuals)));
 }
 
+void add_errors(Page& page, const AnswerError& e, const char* sigma, const char* tau, const std::string& judge) {
+  page.finding(Tone::fact, "error",
+               fmt::format("To expect from the model: {:.2g} in S, {} of the largest P, {} of the largest {} and {} of "
+                           "the largest {} at the tactels ({}).",
+                           e.S, percent(e.P), percent(e.sigma), sigma, percent(e.tau), tau, judge));
+}
+
 void add_findings(Page& page, const SolveOutcome& outcome) {
   const auto& steps = outcome.solution.steps;
   std::vector<double> residuals(steps.size());
   std::ranges::transform(steps, residuals.begin(), [](const ContactStep& step) { return fem::largest(step.residual); });
   add_certificate(page, residuals, std::ranges::count_if(steps, &ContactStep::converged));
   if (outcome.mesh_error) {
-    const AnswerError& e = outcome.mesh_error->expected;
-    page.finding(
-        Tone::fact, "error",
-        fmt::format("To expect from the model: {:.2g} in S, {} of the largest P, {} of the largest σ_y and {} of the "
-                    "largest τ_xy at the tactels (beside {}).",
-                    e.S, percent(e.P), percent(e.sigma), percent(e.tau), outcome.mesh_error->finer));
+    add_errors(page, outcome.mesh_error->expected, "σ_y", "τ_xy", "beside " + outcome.mesh_error->finer);
   }
   page.finding(Tone::fact, "model",
                model_name(outcome) + (outcome.model_reason.empty() ? "" : ": " + outcome.model_reason) + ".");
@@ -122,11 +124,8 @@ void add_findings(Page& page, const PadOutcome& outcome) {
   add_certificate(page, residuals, std::ranges::count_if(steps, &PadStep::converged));
   if (outcome.error) {
     const auto& e = outcome.error->most95;
-    page.finding(
-        Tone::fact, "error",
-        fmt::format("To expect from the model: {:.2g} in S, {} of the largest P, {} of the largest σ_z and {} of the "
-                    "largest τ at the tactels ({}).",
-                    e.slip_index, percent(e.P), percent(e.sigma), percent(e.tau), judged_by(*outcome.error)));
+    add_errors(page, {.S = e.slip_index, .P = e.P, .sigma = e.sigma, .tau = e.tau}, "σ_z", "τ",
+               judged_by(*outcome.error));
   }
   page.finding(Tone::fact, "model", fmt::format("{} ({}).", model_name(outcome), outcome.rung.name));
   for (const std::string& warning : warnings(outcome)) page.finding(Tone::fair, "warning", warning);

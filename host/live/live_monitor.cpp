@@ -74,6 +74,10 @@ std::vector<std::size_t> tactels_of(const SensorProfile& profile) {
   return tactels;
 }
 
+void take_pad(std::span<const float> all, std::size_t all_tactels, std::size_t first, std::size_t tactels, float* to) {
+  for (; first < all.size(); first += all_tactels, to += tactels) std::copy_n(&all[first], tactels, to);
+}
+
 void check_width(const nn::Model& model, const SensorProfile& profile, std::size_t tactels) {
   const std::size_t axes = profile.map.places() / profile.map.tactels(), inputs = axes * tactels;
   const auto frames = static_cast<std::size_t>(model.history.frames);
@@ -153,10 +157,8 @@ MonitorSummary LiveMonitor::run(hw::FrameSource& source, const MonitorEvents& ev
 
 /// The pads' answers from stresses_, into line_.
 void LiveMonitor::estimate() {
-  const std::size_t all = map_.tactels(), axes = stresses_.size() / all;
   for (const Sensor& sensor : sensors_)
-    for (std::size_t axis = 0; axis < axes; ++axis)
-      std::copy_n(&stresses_[axis * all + sensor.first], sensor.tactels, &sensor.stresses[axis * sensor.tactels]);
+    take_pad(stresses_, map_.tactels(), sensor.first, sensor.tactels, sensor.stresses.data());
   estimator_->estimate(frames_, answers_);
   for (std::size_t i = 0; i < sensors_.size(); ++i)
     line_.pads.push_back(sensors_[i].alarm.answer(sensors_[i].stresses, answers_[i]));

@@ -76,6 +76,8 @@ bool knows_touch(const SensorProfile& profile);
 
 /// Returns the tactels of each pad, or of the line.
 std::vector<std::size_t> tactels_of(const SensorProfile& profile);
+/// Takes the stresses of `tactels` tactels from `first` on, axis by axis, from those of all tactels of a profile's map.
+void take_pad(std::span<const float> all, std::size_t all_tactels, std::size_t first, std::size_t tactels, float* to);
 /// Throws ConfigError where a network's inputs do not match a pad, or a line, of so many tactels.
 void check_width(const nn::Model& model, const SensorProfile& profile, std::size_t tactels);
 

@@ -57,7 +57,7 @@ TEST(ProgressLine, LogGetsALineEachHalfMinute) {
 
 TEST(ProgressLine, JobThatCountsNothingIsSaid) {
   const std::string text = said([] {
-    StageLine line("solving scene.toml", false, soon);
+    StageLine line("solving scene.toml", false, {.first = 0.05, .every = 60, .again = 60});
     wait(0.5);  // a loaded machine takes longer
   });
   EXPECT_EQ(text, "solving scene.toml ...\n");
