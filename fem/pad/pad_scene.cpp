@@ -132,6 +132,12 @@ PadBox pad_edges(const PadShape& shape) {
                  [](const Box& b) {
                    return b.edge > 0 ? centred(infinity, infinity) : centred(b.half_widths[0], b.half_widths[1]);
                  },
+                 [](const HeightMap& m) {
+                   const auto half = [&m](Eigen::Index points) {
+                     return m.pitch * static_cast<double>(points - 1) / 2;
+                   };
+                   return centred(half(m.heights.rows()), half(m.heights.cols()));
+                 },
                  [](const auto&) { return centred(infinity, infinity); }},
       shape);
 }

@@ -97,7 +97,7 @@ struct PadBox {
 };
 inline constexpr Interval nowhere{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
 
-/// Returns the indenter's own edges: infinite where it has none.
+/// Returns the indenter's own edges, of a map its border: infinite where it has none.
 PadBox pad_edges(const PadShape& shape);
 
 /// Returns a box around where the rigid profile lies below a depth, mm.

@@ -226,6 +226,22 @@ TEST(PadCells, ReachPartOfACellBeyondSharpEdges) {
   EXPECT_EQ(h(1, 1), 0);
 }
 
+TEST(PadCells, TheBorderOfAMapIsAnEdge) {
+  PadScene box, map;
+  box.indenter = {Box{{1, 2}, 0}};
+  map.indenter = {HeightMap{0.5, Eigen::MatrixXd::Zero(5, 9)}};  // the same bottom, measured
+  for (PadScene* scene : {&box, &map}) scene->load.drags = {{0.05, 0.02, 0}, {0.1, 0.1, 0}};
+  const PadLayer layer(0.45);
+  const PadSolution one = PadSolver(layer, {.cells = 8}).solve(box), other = PadSolver(layer, {.cells = 8}).solve(map);
+  EXPECT_EQ(other.cells.edge, one.cells.edge);
+  EXPECT_EQ(other.cells.hx, one.cells.hx);
+  EXPECT_EQ(other.cells.hy, one.cells.hy);
+  for (std::size_t k = 0; k < one.steps.size(); ++k) {
+    EXPECT_EQ(other.steps[k].P, one.steps[k].P);
+    EXPECT_EQ(other.steps[k].slip_index, one.steps[k].slip_index);
+  }
+}
+
 TEST(PadCells, BelowASharpRoundEdgeHaveItsArea) {
   for (const int n : {8, 12}) {
     const PadIndenter punch{Punch{1.5, 0}};
