@@ -5,6 +5,8 @@
 #include <pybind11/stl.h>
 #include <tactel/pad.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <initializer_list>
 #include <optional>
@@ -31,6 +33,23 @@ struct AnyScene {
 
 /// Returns a press on a pad. Throws InputError where it drags.
 PadLoad on_pad(const Load& load);
+
+/// The letters of a type of Python.
+template <std::size_t n>
+struct Letters {
+  constexpr Letters(const char (&text)[n]) { std::ranges::copy(text, all); }  // NOLINT: a text is meant
+  char all[n] = {};
+};
+
+/// A value whose type signatures, and so the stub, write in these letters: pybind11's own say less.
+template <class Value, Letters letters>
+struct Typed {
+  Value value = {};
+  operator Value() const { return value; }  // NOLINT: stands for its value
+};
+
+using Precision = Typed<std::string, "Literal['', 'fp32', 'fp64']">;
+using OptionalDict = Typed<py::object, "dict[str, Any] | None">;
 
 /// A file's name, of a str or an os.PathLike.
 struct FileName : std::string {};
@@ -94,9 +113,24 @@ class PythonProgress {
 
 }  // namespace tactel::python
 
+template <class Value, tactel::python::Letters letters>
+struct pybind11::detail::type_caster<tactel::python::Typed<Value, letters>> {
+  using Typed = tactel::python::Typed<Value, letters>;
+  PYBIND11_TYPE_CASTER(Typed, const_name(letters.all));
+  bool load(handle source, bool convert) {
+    make_caster<Value> caster;
+    if (!caster.load(source, convert)) return false;
+    value.value = cast_op<Value>(std::move(caster));
+    return true;
+  }
+  static handle cast(Typed typed, return_value_policy policy, handle parent) {
+    return make_caster<Value>::cast(std::move(typed.value), policy, parent);
+  }
+};
+
 template <>
 struct pybind11::detail::type_caster<tactel::python::FileName> {
-  PYBIND11_TYPE_CASTER(tactel::python::FileName, const_name("str | os.PathLike"));
+  PYBIND11_TYPE_CASTER(tactel::python::FileName, const_name("str | os.PathLike[str]"));
   bool load(handle source, bool convert) {
     const object name = reinterpret_steal<object>(PyOS_FSPath(source.ptr()));
     PyErr_Clear();

@@ -7,6 +7,8 @@
 
 namespace tactel::python {
 
+using namespace pybind11::literals;
+
 // The interpreter's error indicator belongs to the calling thread, in which a ProgressFunction is called: it survives
 // until run().
 bool PythonProgress::operator()(std::uint64_t done, std::uint64_t all) const {
@@ -26,12 +28,14 @@ void bind_errors(py::module_& module) {
   static py::exception<Error> base(module, "Error", PyExc_RuntimeError);
   // A ValueError and a TypeError too: what Python's own functions raise for a wrong value, and for a wrong argument.
   const py::tuple bases = py::make_tuple(base, py::handle(PyExc_ValueError), py::handle(PyExc_TypeError));
+  const py::dict types("place"_a = "str", "problem"_a = "str", "fix"_a = "str");
+  const py::dict members("__annotations__"_a = types);
   // Never freed: the interpreter may be gone when the library is unloaded.
   static const py::handle input = PyErr_NewExceptionWithDoc(
       "tactel.InputError",
       "A file, value or call that cannot be used. place: file and line, or key; problem: the value; fix: "
       "what is allowed.",
-      bases.ptr(), nullptr);
+      bases.ptr(), members.ptr());
   module.attr("InputError") = input;
   static py::exception<HardwareError> hardware(module, "HardwareError", base);
   static py::exception<Cancelled> cancelled(module, "Cancelled", base);

@@ -70,13 +70,13 @@ float narrow(const char* name, double value) {
   return narrowed;
 }
 
-std::unique_ptr<Alarm> alarm_of(const py::object& network, double at, std::optional<double> touch,
-                                std::optional<double> widest, int hold, bool ignore_unlike) {
+std::unique_ptr<Alarm> alarm_of(std::variant<const Network*, const SlipEstimator*> network, double at,
+                                std::optional<double> touch, std::optional<double> widest, int hold,
+                                bool ignore_unlike) {
   AlarmOptions options{.at = narrow("at", at), .touch = touch, .hold = hold, .ignore_unlike = ignore_unlike};
   if (widest) options.widest = narrow("widest", *widest);
-  if (py::isinstance<Network>(network))
-    return std::make_unique<Alarm>(network.cast<const Network&>().estimator(), options);
-  return std::make_unique<Alarm>(network.cast<const SlipEstimator&>(), options);
+  const Network* const* trained = std::get_if<const Network*>(&network);
+  return std::make_unique<Alarm>(trained ? (*trained)->estimator() : *std::get<const SlipEstimator*>(network), options);
 }
 
 AlarmAnswer next_answer(Alarm& alarm, const Frames& frame) {
@@ -129,6 +129,15 @@ Network from_arrays(const std::vector<Frames>& weights, const std::vector<Frames
 }  // namespace
 
 void bind_networks(py::module_& m) {
+  py::class_<Errors>(m, "Errors", "Errors |S of a network - S of a set|.")
+      .def_readonly("mean", &Errors::mean)
+      .def_readonly("largest", &Errors::largest)
+      .def_readonly("deviation", &Errors::deviation)
+      .def_readonly("rows", &Errors::rows)
+      .def("__repr__", [](const Errors& e) {
+        return "<tactel.Errors: mean " + std::to_string(e.mean) + ", largest " + std::to_string(e.largest) + " on " +
+               std::to_string(e.rows) + " rows>";
+      });
   py::class_<SlipEstimator>(m, "SlipEstimator",
                             "A loaded network: frames to S. It never changes: threads may share it.")
       .def_static(
@@ -166,40 +175,6 @@ void bind_networks(py::module_& m) {
       .def_property_readonly("topology", &SlipEstimator::topology, "\"42-42-21-1\"")
       .def("__repr__",
            [](const SlipEstimator& network) { return "<tactel.SlipEstimator " + network.topology() + ">"; });
-  py::class_<AlarmAnswer>(m, "AlarmAnswer", "What an Alarm says about a frame.")
-      .def_property_readonly("slip_index", field(&Answer::slip_index), "S; NaN without contact or answer")
-      .def_property_readonly("slip_upper", field(&Answer::slip_upper), "upper bound of S; NaN without a bound")
-      .def_property_readonly(
-          "slip_interval",
-          [](const AlarmAnswer& said) { return std::pair(said.answer.slip_interval[0], said.answer.slip_interval[1]); },
-          "interval of S; NaN without a bound")
-      .def_property_readonly(
-          "unlike", [](const AlarmAnswer& said) { return said.answer.unlike != 0; }, "unlike all that was learnt")
-      .def_property_readonly(
-          "beyond_learnt", [](const AlarmAnswer& said) { return said.answer.beyond_learnt != 0; },
-          "a normal stress is above 10 times the largest that was learnt: are they MPa?")
-      .def_property_readonly(
-          "status", [](const AlarmAnswer& said) { return name(said.answer.status); },
-          "\"ok\", \"no stress\", \"not finite\" or \"overflow\"")
-      .def_readonly("contact", &AlarmAnswer::contact, "whether something touches; None without a threshold of touch")
-      .def_readonly("acted_on", &AlarmAnswer::acted_on, "number that the alarm judges")
-      .def_readonly("on", &AlarmAnswer::on, "the alarm")
-      .def_readonly("cannot_tell", &AlarmAnswer::cannot_tell,
-                    "no answer though it touches, or unlike all that was learnt, or only the width of the interval "
-                    "keeps the alarm off")
-      .def("__repr__", &text_of);
-  py::class_<Alarm>(m, "Alarm", "The alarm of `tactel monitor`: frames of one sensor in turn, by its rules.")
-      .def(py::init(&alarm_of), "network"_a, py::kw_only(), "at"_a = 0.8, "touch"_a = py::none(),
-           "widest"_a = py::none(), "hold"_a = 1, "ignore_unlike"_a = false,
-           "network: a Network or SlipEstimator. at: upper bound of S (S itself without a bound) at which the alarm "
-           "begins; it ends below at - 0.05. touch: MPa; a frame whose normal stresses all stay below is no contact; "
-           "None: the smallest peak that the network learnt. widest: no alarm begins at a wider interval of S. hold: "
-           "it begins at the last of so many frames in a row that ask for it. ignore_unlike: a frame unlike all that "
-           "was learnt asks for the alarm by its S alone.")
-      .def("next", &next_answer, "frame"_a,
-           "Takes the sensor's next frame [inputs] MPa, normal stresses of all tactels first, then shear.")
-      .def("clear", &Alarm::clear, "Ends the alarm and forgets all frames.")
-      .def_property_readonly("inputs", &Alarm::inputs, "numbers of a frame");
   py::class_<Network>(m, "Network", "A trained network with its origin.")
       .def_static(
           "load", [](const FileName& path) { return Network::load(path); }, "path"_a,
@@ -232,15 +207,40 @@ void bind_networks(py::module_& m) {
       .def("__repr__", [](const Network& network) {
         return "<tactel.Network " + network.topology() + ", seed " + std::to_string(network.seed()) + ">";
       });
-  py::class_<Errors>(m, "Errors", "Errors |S of a network - S of a set|.")
-      .def_readonly("mean", &Errors::mean)
-      .def_readonly("largest", &Errors::largest)
-      .def_readonly("deviation", &Errors::deviation)
-      .def_readonly("rows", &Errors::rows)
-      .def("__repr__", [](const Errors& e) {
-        return "<tactel.Errors: mean " + std::to_string(e.mean) + ", largest " + std::to_string(e.largest) + " on " +
-               std::to_string(e.rows) + " rows>";
-      });
+  py::class_<AlarmAnswer>(m, "AlarmAnswer", "What an Alarm says about a frame.")
+      .def_property_readonly("slip_index", field(&Answer::slip_index), "S; NaN without contact or answer")
+      .def_property_readonly("slip_upper", field(&Answer::slip_upper), "upper bound of S; NaN without a bound")
+      .def_property_readonly(
+          "slip_interval",
+          [](const AlarmAnswer& said) { return std::pair(said.answer.slip_interval[0], said.answer.slip_interval[1]); },
+          "interval of S; NaN without a bound")
+      .def_property_readonly(
+          "unlike", [](const AlarmAnswer& said) { return said.answer.unlike != 0; }, "unlike all that was learnt")
+      .def_property_readonly(
+          "beyond_learnt", [](const AlarmAnswer& said) { return said.answer.beyond_learnt != 0; },
+          "a normal stress is above 10 times the largest that was learnt: are they MPa?")
+      .def_property_readonly(
+          "status", [](const AlarmAnswer& said) { return name(said.answer.status); },
+          "\"ok\", \"no stress\", \"not finite\" or \"overflow\"")
+      .def_readonly("contact", &AlarmAnswer::contact, "whether something touches; None without a threshold of touch")
+      .def_readonly("acted_on", &AlarmAnswer::acted_on, "number that the alarm judges")
+      .def_readonly("on", &AlarmAnswer::on, "the alarm")
+      .def_readonly("cannot_tell", &AlarmAnswer::cannot_tell,
+                    "no answer though it touches, or unlike all that was learnt, or only the width of the interval "
+                    "keeps the alarm off")
+      .def("__repr__", &text_of);
+  py::class_<Alarm>(m, "Alarm", "The alarm of `tactel monitor`: frames of one sensor in turn, by its rules.")
+      .def(py::init(&alarm_of), py::arg("network").none(false), py::kw_only(), "at"_a = 0.8, "touch"_a = py::none(),
+           "widest"_a = py::none(), "hold"_a = 1, "ignore_unlike"_a = false,
+           "network: a Network or SlipEstimator. at: upper bound of S (S itself without a bound) at which the alarm "
+           "begins; it ends below at - 0.05. touch: MPa; a frame whose normal stresses all stay below is no contact; "
+           "None: the smallest peak that the network learnt. widest: no alarm begins at a wider interval of S. hold: "
+           "it begins at the last of so many frames in a row that ask for it. ignore_unlike: a frame unlike all that "
+           "was learnt asks for the alarm by its S alone.")
+      .def("next", &next_answer, "frame"_a,
+           "Takes the sensor's next frame [inputs] MPa, normal stresses of all tactels first, then shear.")
+      .def("clear", &Alarm::clear, "Ends the alarm and forgets all frames.")
+      .def_property_readonly("inputs", &Alarm::inputs, "numbers of a frame");
   m.def(
       "_train",
       [](const Set& set, std::vector<std::string> networks, std::uint64_t seeds, std::uint64_t first_seed,

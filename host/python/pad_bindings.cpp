@@ -17,10 +17,10 @@ HeightMap map_of(const Grid& heights, double pitch) {
   return {pitch, static_cast<std::size_t>(heights.shape(1)), {heights.data(), heights.data() + heights.size()}};
 }
 
-py::object heights_of(const py::object& self) {
+py::array_t<double> heights_of(const py::object& self) {
   const auto& map = self.cast<const HeightMap&>();
   const auto rows = static_cast<py::ssize_t>(map.columns > 0 ? map.heights.size() / map.columns : 0);
-  py::object array = view(map.heights, {rows, static_cast<py::ssize_t>(map.columns)}, self);
+  py::array_t<double> array = view(map.heights, {rows, static_cast<py::ssize_t>(map.columns)}, self);
   array.attr("setflags")("write"_a = false);  // values never change
   return array;
 }
@@ -72,9 +72,9 @@ void bind_pad_shapes(py::module_& m) {
 void bind_pad_sensor(py::module_& m) {
   value_class<Pad>(m, "Pad", "A layer of rubber with tactels along x and y.",
                    {"tactels", "pitch", "tactel_size", "axes", "thickness", "young", "poisson", "length", "width"})
-      .def(py::init([](std::array<int, 2> tactels, std::variant<double, Pair> pitch, double tactel_size, int axes,
-                       double thickness, double young, double poisson, std::optional<double> length,
-                       std::optional<double> width) {
+      .def(py::init([](std::array<int, 2> tactels, std::variant<double, Pair> pitch, double tactel_size,
+                       Typed<int, "Literal[1, 3]"> axes, double thickness, double young, double poisson,
+                       std::optional<double> length, std::optional<double> width) {
              const double* both = std::get_if<double>(&pitch);
              return Pad{tactels,     both ? Pair{*both, *both} : std::get<Pair>(pitch),
                         tactel_size, axes,

@@ -8,11 +8,11 @@ using namespace pybind11::literals;
 
 /// The stresses of the tactels of a pad.
 struct PadTactels {
-  py::object normal, shear_x, shear_y;
+  py::array_t<double> normal, shear_x, shear_y;
 };
 
 /// [steps, tactels along y, along x]
-py::object tactel_grid(const PadPath& path, std::vector<double> PadStep::*stress) {
+py::array_t<double> tactel_grid(const PadPath& path, std::vector<double> PadStep::*stress) {
   return of_steps(path, stress).reshape({path.steps.size(), path.tactel_y.size(), path.tactel_x.size()});
 }
 
@@ -126,11 +126,12 @@ void bind_pad_path(py::module_& m) {
       .def_readonly("device", &PadPath::device)
       .def_property_readonly(
           "error",
-          [](const PadPath& path) -> py::object {
-            if (!path.error) return py::none();
+          [](const PadPath& path) -> OptionalDict {
+            if (!path.error) return {py::none()};
             const PadError& e = *path.error;
-            return py::dict("S"_a = e.S, "P"_a = e.P, "Q"_a = e.Q, "M"_a = e.M, "sigma"_a = e.sigma, "tau"_a = e.tau,
-                            "largest"_a = e.largest, "scenes"_a = e.scenes, "outside"_a = e.outside, "from"_a = e.from);
+            return {py::dict("S"_a = e.S, "P"_a = e.P, "Q"_a = e.Q, "M"_a = e.M, "sigma"_a = e.sigma, "tau"_a = e.tau,
+                             "largest"_a = e.largest, "scenes"_a = e.scenes, "outside"_a = e.outside,
+                             "from"_a = e.from)};
           },
           "errors to expect of S, and of P, Q, M, sigma and tau over the largest: 95 % of scenes stay below them; "
           "\"from\" names the second solution of the scene, \"outside\" what was not measured; None where nothing is "

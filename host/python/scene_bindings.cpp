@@ -62,9 +62,7 @@ AnyScene scene_of(const std::variant<Sensor, Pad>& sensor, const py::object& ind
 /// Getter of a member that scenes of both kinds have, a copy.
 template <class Get>
 auto scene_field(const Get& get) {
-  return [get](const AnyScene& scene) {
-    return std::visit([&](const auto& one) { return py::cast(get(one)); }, scene.of);
-  };
+  return [get](const AnyScene& scene) { return std::visit([&](const auto& one) { return get(one); }, scene.of); };
 }
 
 void bind_shapes(py::module_& m) {
@@ -125,8 +123,8 @@ void bind_shapes(py::module_& m) {
            "x, y: [points] mm, x increasing; smooth: mm, the deepest dent that is filled.")
       .def_static(
           "sampled",
-          [](const py::function& height, double left, double right, int points) {
-            return sampled([&](double x) { return height(x).cast<double>(); }, left, right, points);
+          [](const Typed<py::function, "Callable[[float], float]">& height, double left, double right, int points) {
+            return sampled([&](double x) { return height.value(x).cast<double>(); }, left, right, points);
           },
           "height"_a, "left"_a, "right"_a, "points"_a = 401,
           "Samples a function of x (mm), which returns a height in mm, at equally spaced points from left to right.")
@@ -249,6 +247,21 @@ void bind_load(py::module_& m) {
       "tan(angle) grow together.");
 }
 
+/// The constructor of a scene. Its types are of __new__, whose answer knows the kind of the scene.
+void bind_scene_of(py::class_<AnyScene>& scene) {
+  py::options signatures;
+  signatures.disable_function_signatures();
+  scene.def(py::init(&scene_of), "sensor"_a = Sensor{}, "indenter"_a = py::none(), "friction"_a = 0.5,
+            "load"_a = py::none(), "title"_a = "",
+            "__new__(cls, sensor: Sensor = ..., indenter: Indenter | Shape | None = None, friction: float = 0.5, "
+            "load: Load | None = None, title: str = '') -> _LineScene\n"
+            "__new__(cls, sensor: Pad, indenter: PadIndenter | PadShape | None = None, friction: float = 0.5, "
+            "load: PadLoad | Load | None = None, title: str = '') -> _PadScene\n\n"
+            "sensor: a Sensor or Pad; indenter: an Indenter, of a Pad a PadIndenter, or a shape in the middle, None: "
+            "Parabola(), Sphere(); friction: mu, or bonded on a line; load: Press or Force with drags, None: Load(), "
+            "PadLoad(). Raises InputError for an indenter or load of the other kind.");
+}
+
 }  // namespace
 
 void bind_scenes(py::module_& m) {
@@ -263,24 +276,22 @@ void bind_scenes(py::module_& m) {
            "shape"_a, "position"_a = 0.0, "position: mm along the array, 0 in its middle.")
       .def_readonly("shape", &Indenter::shape)
       .def_readonly("position", &Indenter::position, "mm along the array");
-  value_class<AnyScene>(m, "Scene", "One contact: on a pad where the sensor is a Pad, else on a line.",
-                        {"sensor", "indenter", "friction", "load", "title"})
-      .def(py::init(&scene_of), "sensor"_a = Sensor{}, "indenter"_a = py::none(), "friction"_a = 0.5,
-           "load"_a = py::none(), "title"_a = "",
-           "sensor: a Sensor or Pad; indenter: an Indenter, of a Pad a PadIndenter, or a shape in the middle, None: "
-           "Parabola(), Sphere(); friction: mu, or bonded on a line; load: Press or Force with drags, None: Load(), "
-           "PadLoad(). Raises InputError for an indenter or load of the other kind.")
+  py::class_<AnyScene> scene =
+      value_class<AnyScene>(m, "Scene", "One contact: on a pad where the sensor is a Pad, else on a line.",
+                            {"sensor", "indenter", "friction", "load", "title"});
+  bind_scene_of(scene);
+  scene
       .def(
           "validate", [](const AnyScene& scene) { std::visit([](const auto& one) { validate(one); }, scene.of); },
           "Raises InputError for the first value that the model rejects.")
-      .def_property_readonly("sensor", scene_field([](const auto& scene) { return scene.sensor; }))
-      .def_property_readonly("indenter", scene_field([](const auto& scene) { return scene.indenter; }))
+      .def_property_readonly("sensor", scene_field([](const auto& scene) { return py::cast(scene.sensor); }))
+      .def_property_readonly("indenter", scene_field([](const auto& scene) { return py::cast(scene.indenter); }))
       .def_property_readonly("friction", scene_field([](const auto& scene) { return scene.friction; }),
                              "mu; infinite: bonded")
-      .def_property_readonly("load", scene_field([](const auto& scene) { return scene.load; }))
+      .def_property_readonly("load", scene_field([](const auto& scene) { return py::cast(scene.load); }))
       .def_property_readonly("title", scene_field([](const auto& scene) { return scene.title; }));
   m.def(
-      "read_scene", [](const FileName& path) { return AnyScene{read_any_scene(path)}; }, "path"_a,
+      "read_scene", [](const FileName& path) { return py::cast(AnyScene{read_any_scene(path)}); }, "path"_a,
       "Reads a scene file (TOML) of a line or a pad. Raises InputError with file, line, key and range.");
   m.def(
       "heights",

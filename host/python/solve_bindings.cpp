@@ -22,7 +22,7 @@ SolveOptions solve_options_of(std::optional<double> accuracy, std::string rung, 
 
 /// Both stresses of the tactels.
 struct Tactels {
-  py::object normal, shear;
+  py::array_t<double> normal, shear;
 };
 
 py::dict to_dict(const ExpectedError& error) {
@@ -140,7 +140,7 @@ void bind_path(py::module_& m) {
       .def_readonly("device", &Path::device)
       .def_property_readonly(
           "error",
-          [](const Path& path) -> py::object { return path.error ? py::object(to_dict(*path.error)) : py::none(); },
+          [](const Path& path) -> OptionalDict { return {path.error ? py::object(to_dict(*path.error)) : py::none()}; },
           "expected error: S absolutely, P, Q and stresses of their largest; None without an estimate")
       .def_property_readonly(
           "derivatives", [](const Path& path) { return path.derivatives; },
@@ -200,32 +200,44 @@ std::vector<Kind> copies_of(const std::vector<const AnyScene*>& scenes) {
   return copies;
 }
 
+/// Binds solve for scenes of a kind. All are solved alike; its types are those of the scene, of its solvers and
+/// derivatives, and of the answer.
+template <Letters scene_type, Letters solvers, Letters derivatives_type, Letters answer>
+void bind_solve_of(py::module_& m, const char* doc) {
+  m.def(
+      "solve",
+      [](Typed<const AnyScene*, scene_type> scene, std::optional<double> accuracy, std::string rung,
+         Typed<std::string, solvers> solver, Precision precision, std::string device, std::optional<double> tolerance,
+         bool estimate_error, Typed<bool, derivatives_type> derivatives) {
+        SolveOptions options = solve_options_of(accuracy, std::move(rung), precision, std::move(device));
+        options.solver = solver;
+        options.tolerance = tolerance;
+        options.estimate_error = estimate_error;
+        options.derivatives = derivatives;
+        const py::gil_scoped_release released;
+        return Typed<std::variant<Path, PadPath>, answer>{std::visit(
+            [&](const auto& one) { return std::variant<Path, PadPath>(solve(one, options)); }, scene.value->of)};
+      },
+      py::arg("scene").none(false), py::kw_only(), "accuracy"_a = py::none(), "rung"_a = "", "solver"_a = "batched",
+      "precision"_a = "", "device"_a = "", "tolerance"_a = py::none(), "estimate_error"_a = false,
+      "derivatives"_a = false, doc);
+}
+
 }  // namespace
 
 void bind_solve(py::module_& m) {
   bind_derivatives(m);
   bind_path(m);
   bind_paths(m);
-  m.def(
-      "solve",
-      [](const AnyScene& scene, std::optional<double> accuracy, std::string rung, std::string solver,
-         std::string precision, std::string device, std::optional<double> tolerance, bool estimate_error,
-         bool derivatives) {
-        SolveOptions options = solve_options_of(accuracy, std::move(rung), std::move(precision), std::move(device));
-        options.solver = std::move(solver);
-        options.tolerance = tolerance;
-        options.estimate_error = estimate_error;
-        options.derivatives = derivatives;
-        const py::gil_scoped_release released;
-        return std::visit([&](const auto& one) { return std::variant<Path, PadPath>(solve(one, options)); }, scene.of);
-      },
-      "scene"_a, py::kw_only(), "accuracy"_a = py::none(), "rung"_a = "", "solver"_a = "batched", "precision"_a = "",
-      "device"_a = "", "tolerance"_a = py::none(), "estimate_error"_a = false, "derivatives"_a = false,
+  bind_solve_of<"_LineScene", "Literal['batched', 'full-mesh', 'reference']", "bool", "Path">(
+      m,
       "Solves one contact. Returns a Path, of a pad's scene a PadPath.\n\naccuracy: largest error in S; the planner "
       "chooses the rung. rung: \"patch-12\", \"mesh-81\", \"paper\", \"reference\", ...; of a pad \"pad-8\" to "
       "\"pad-24\", \"reference\".\nsolver: \"batched\" or \"reference\"; of a pad \"batched\" or \"twin\". precision: "
       "\"fp32\" or \"fp64\".\nestimate_error: also solve a finer model, for Path.error; PadPath.error is always there. "
       "derivatives: also differentiate, for Path.derivatives; not of pads.\nRaises InputError, HardwareError.");
+  bind_solve_of<"_PadScene", "Literal['batched', 'twin']", "Literal[False]", "PadPath">(m, "");
+  bind_solve_of<"Scene", "str", "bool", "Any">(m, "");
   m.def(
       "_solve_many",
       [](const std::vector<const AnyScene*>& scenes, std::optional<double> accuracy, std::string rung,

@@ -56,11 +56,13 @@ class Source {
   std::optional<FrameSource> source_;
 };
 
-py::dict counts_of(Source& source) {
+Source& itself(Source& source) { return source; }
+
+Typed<py::dict, "dict[str, int]"> counts_of(Source& source) {
   const FrameCounts counts = source.open().counts();
-  return py::dict("frames"_a = counts.frames, "lost"_a = counts.lost, "bad"_a = counts.bad,
-                  "resynchronised"_a = counts.resynchronised, "overruns"_a = counts.overruns,
-                  "stalls"_a = counts.stalls, "errors"_a = counts.errors, "reconnects"_a = counts.reconnects);
+  return {py::dict("frames"_a = counts.frames, "lost"_a = counts.lost, "bad"_a = counts.bad,
+                   "resynchronised"_a = counts.resynchronised, "overruns"_a = counts.overruns,
+                   "stalls"_a = counts.stalls, "errors"_a = counts.errors, "reconnects"_a = counts.reconnects)};
 }
 
 }  // namespace
@@ -75,9 +77,9 @@ void bind_sources(py::module_& m) {
       .def_readonly("device_time", &OwnFrame::device_time, "s by the device's clock; None without one")
       .def_readonly("arrival", &OwnFrame::arrival, "s since the source was opened");
   py::class_<Source>(m, "Stream", "Frames of a sensor: iterate over it, in a with statement.")
-      .def("__enter__", [](py::object self) { return self; })
+      .def("__enter__", &itself, py::return_value_policy::reference)
       .def("__exit__", [](Source& source, const py::args&) { source.close(); })
-      .def("__iter__", [](py::object self) { return self; })
+      .def("__iter__", &itself, py::return_value_policy::reference)
       .def("__next__", &Source::next)
       .def("read", &Source::read, "seconds"_a = 0.0,
            "Returns the next frame, waiting up to `seconds`; None where none came.")

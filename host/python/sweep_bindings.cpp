@@ -190,7 +190,7 @@ void bind_sweeps(py::module_& m) {
       .def(
           "scene",
           [](const Sweep& sweep, std::uint64_t k) {
-            return sweep.pads() ? AnyScene{sweep.pad_scene(k)} : AnyScene{sweep.scene(k)};
+            return py::cast(sweep.pads() ? AnyScene{sweep.pad_scene(k)} : AnyScene{sweep.scene(k)});
           },
           "k"_a, "Returns contact k as a Scene.")
       .def(

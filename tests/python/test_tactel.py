@@ -666,47 +666,27 @@ class Sensors(unittest.TestCase):
 
 
 class Stubs(unittest.TestCase):
-    """The types name what is there, and all of it."""
+    """The types of the package, which its build writes of the module."""
 
     def setUp(self):
-        tree = ast.parse((pathlib.Path(tactel.__file__).parent / "__init__.pyi").read_text())
-        self.classes = {node.name: {item.name for item in node.body if isinstance(item, ast.FunctionDef)}
-                        for node in tree.body if isinstance(node, ast.ClassDef)}
-        self.functions = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
-
-    def test_every_public_name_has_types(self):
-        public = set(tactel.__all__) - {"bonded"}
-        self.assertEqual(public - set(self.classes) - self.functions, set())
-        self.assertEqual({name for name in self.functions | set(self.classes) if not name.startswith("_")} - public, set())
+        self.text = (pathlib.Path(tactel.__file__).parent / "__init__.pyi").read_text()
+        self.classes = {node.name: node.body for node in ast.parse(self.text).body if isinstance(node, ast.ClassDef)}
 
     def test_members_agree(self):
-        for name, typed in self.classes.items():
-            if name.startswith("_"):
-                continue
-            there = {member for member in dir(getattr(tactel, name)) if not member.startswith("_")}
-            there -= {"with_", "place", "problem", "fix", "add_note", "args", "with_traceback", "name", "value", "path"}
-            typed = {member for member in typed if not member.startswith("_")}
-            if name in ("Element", "StressRecovery"):
-                continue
-            self.assertEqual(there, typed, name)
+        for name in tactel.__all__:
+            if isinstance(public := getattr(tactel, name), type) and not issubclass(public, BaseException):
+                typed = {getattr(member, "name", None) or member.target.id for member in self.classes[name]
+                         if isinstance(member, (ast.FunctionDef, ast.AnnAssign))}
+                there = {member for member in dir(public) if not member.startswith("_")}
+                self.assertEqual(there, {member for member in typed if not member.startswith("_")} - {"path"}, name)
 
-    def test_arguments_agree(self):
-        """Those of the stubs, by which wrong calls are explained, are those of pybind11's signatures."""
-        compared = 0
-        for name, overloads in _calls._signatures().items():
-            of, _, member = name.partition(".")
-            public = getattr(tactel, of, None)
-            called = getattr(public, member or "__init__") if isinstance(public, type) else public
-            written = getattr(getattr(called, "__wrapped__", None), "__doc__", None) or ""
-            there = re.findall(rf"^(?:\d+\. )?(?:{called.__name__})\((.*)\) -> ", written, re.MULTILINE) if written else []
-            if of.startswith("_") or not there:
-                continue
-            compared += 1
-            typed = {tuple(one.arg for one in each.args + each.kwonlyargs) for each in overloads}
-            for arguments in there:
-                names = tuple(one for one in re.findall(r"(\w+): ", re.sub("<.*?>", "", arguments)) if one != "self")
-                self.assertIn(names, typed, name)
-        self.assertGreater(compared, 50)
+    def test_types_are_exact(self):
+        """Any stands where the answer depends on a number, or on what a file says; a new one wants words in the binding."""
+        vague = {name for name, body in self.classes.items() for member in body
+                 if isinstance(member, ast.FunctionDef) and ast.unparse(member.returns or member) == "Any"}
+        self.assertEqual(vague, {"Network", "Scene", "SlipEstimator", "Sweep"})
+        arguments = re.findall(r"(\w+): Any", self.text)
+        self.assertEqual(set(arguments), {"args", "changes", "kwargs"})
 
     def test_everything_is_documented(self):
         for name in tactel.__all__:

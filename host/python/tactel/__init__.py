@@ -10,10 +10,13 @@ On a Pad x and y lie in its plane, z points up from the base, and forces are in 
     path.slip_index, path.tactels.normal
 """
 
+from __future__ import annotations
+
 import html as _html
 import os as _os
 import sys as _sys
 import time as _time
+import typing as _typing
 
 from . import _driver as _driver, _calls, _tactel
 from ._tactel import (
@@ -33,12 +36,45 @@ __all__ = [
     "solve_many", "train",
 ]
 
+if _typing.TYPE_CHECKING:  # names of types, for the functions below and the module; the build makes __init__.pyi of all
+    import os
+    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from typing import Any, Literal, TypeVar, overload
+
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
+    Shape = Parabola | Flat | Wedge | Cylinder | Exponential | Trapezoid | RoundedFlat | Taylor | Profile
+    PadShape = Sphere | Paraboloid | LyingCylinder | Punch | Box | Cone | HeightMap
+    Pair = tuple[float, float] | list[float]
+    Float32 = NDArray[np.float32]
+    Float64 = NDArray[np.float64]
+    Shown = bool | Callable[[int, int], Any] | None
+    Precision = Literal["", "fp32", "fp64"]
+    _Value = TypeVar("_Value")
+
+    class _LineScene(Scene):
+        @property
+        def sensor(self) -> Sensor: ...
+        @property
+        def indenter(self) -> Indenter: ...
+        @property
+        def load(self) -> Load: ...
+
+    class _PadScene(Scene):
+        @property
+        def sensor(self) -> Pad: ...
+        @property
+        def indenter(self) -> PadIndenter: ...
+        @property
+        def load(self) -> PadLoad: ...
+
 
 def _values(self):
     return tuple(getattr(self, name) for name in self._fields)
 
 
-def _with(self, **changes):
+def _with(self: _Value, **changes: Any) -> _Value:
     """Returns a copy with these fields changed."""
     for name in changes:
         if name not in self._fields:
@@ -63,7 +99,7 @@ for _class in (Parabola, Flat, Wedge, Cylinder, Exponential, Trapezoid, RoundedF
     _class.__reduce__ = lambda self: (type(self), _values(self))
 
 
-def _repr_html(self):
+def _repr_html(self) -> str:
     """The page of the answer, in a notebook."""
     return f'<iframe srcdoc="{_html.escape(self.html())}" style="width: 100%; height: 50em; border: 0"></iframe>'
 
@@ -117,6 +153,18 @@ class _Progress:
             self.print("")
 
 
+@_typing.overload
+def solve_many(scenes: Iterable[_LineScene], *, accuracy: float | None = None, rung: str = "", precision: Precision = "",
+               device: str = "", keep: None = None, progress: Shown = None) -> Paths: ...
+@_typing.overload
+def solve_many(scenes: Iterable[_PadScene], *, accuracy: float | None = None, rung: str = "", precision: Precision = "",
+               device: str = "", keep: None = None, progress: Shown = None) -> PadPaths: ...
+@_typing.overload
+def solve_many(scenes: Iterable[Scene], *, accuracy: float | None = None, rung: str = "", precision: Precision = "",
+               device: str = "", keep: None = None, progress: Shown = None) -> Any: ...
+@_typing.overload
+def solve_many(scenes: Iterable[Scene], *, accuracy: float | None = None, rung: str = "", precision: Precision = "",
+               device: str = "", keep: str, progress: Shown = None) -> NDArray[Any]: ...
 def solve_many(scenes, *, accuracy=None, rung="", precision="", device="", keep=None, progress=None):
     """Solves scenes in batches on the device: all on lines, or all on pads with the same tactels.
 
@@ -135,18 +183,29 @@ def solve_many(scenes, *, accuracy=None, rung="", precision="", device="", keep=
 class Sweep(_tactel.Sweep):
     """The contacts of a sweep file (TOML): contact k is a function of the file, its seed and k alone."""
 
-    def __init__(self, path, seed=None, *, tactels=None, thickness=None):
+    path: str
+
+    def __init__(self, path: str | os.PathLike[str], seed: int | None = None, *, tactels: int | None = None,
+                 thickness: float | None = None) -> None:
         """seed, tactels and thickness (mm) take the place of the file's."""
         super().__init__(path, seed, tactels, thickness)
         self.path = _os.fspath(path)
         self._process = _os.getpid()
         self._sensor = {"tactels": tactels, "thickness": thickness}
 
-    def generate(self, contacts=None, *, accuracy=None, rung="", precision="", device="", progress=None):
+    def generate(self, contacts: int | None = None, *, accuracy: float | None = None, rung: str = "", precision: Precision = "",
+                 device: str = "", progress: Shown = None) -> Set:
         """Returns the rows of the first contacts (None: those of the file) as a Set, the same as those of `tactel generate`."""
         with _Progress(progress, "contacts", "contacts") as told:
             return self._generate(contacts, accuracy, rung, precision, device, told)
 
+    @_typing.overload
+    def batches(self, contacts: int = 8192, *, seed: int | None = None, first: int | None = None, sets: Literal[False] = False,
+                accuracy: float | None = None, rung: str = "", precision: Precision = "",
+                device: str = "") -> Iterator[tuple[Float32, Float32]]: ...
+    @_typing.overload
+    def batches(self, contacts: int = 8192, *, seed: int | None = None, first: int | None = None, sets: Literal[True],
+                accuracy: float | None = None, rung: str = "", precision: Precision = "", device: str = "") -> Iterator[Set]: ...
     def batches(self, contacts=8192, *, seed=None, first=None, sets=False, accuracy=None, rung="", precision="", device=""):
         """Iterates over the rows of so many contacts a time, which are never stored: (frames, slip_index), or Sets.
 
@@ -176,8 +235,11 @@ def _widths(layers):
     return [name for one in layers for name in _widths(one)]
 
 
-def train(data, layers=(42, 42, 21, 1), *, seeds=1, first_seed=1, noise=0.0, scaling="set", schedule="batch", optimizer="",
-          cycles=None, batch=None, rate=None, bound=False, level=None, history="", history_change=None, device="", progress=None):
+def train(data: Set, layers: str | Sequence[int] | Sequence[str | Sequence[int]] = (42, 42, 21, 1), *, seeds: int = 1,
+          first_seed: int = 1, noise: float | Sequence[float] = 0.0, scaling: Literal["set", "frame"] = "set",
+          schedule: Literal["batch", "online"] = "batch", optimizer: Literal["", "adam", "delta"] = "", cycles: int | None = None,
+          batch: int | None = None, rate: float | None = None, bound: bool = False, level: float | None = None,
+          history: int | str = "", history_change: float | None = None, device: str = "", progress: Shown = None) -> list[Network]:
     """Trains networks on a Set: every topology, noise and seed. Returns a list of Network.
 
     layers: widths, a name such as "42-42-21-1", "42-96-96-1_leaky-relu" (of schedule "batch") or "6" (of the paper), or a

@@ -115,7 +115,7 @@ def _wrong(name, args, kwargs, error):
         makers = [maker for maker, overloads in _signatures().items() if "._" not in maker
                   and any(re.search(rf"\b{name}\b", one.made) for one in overloads)]
         return input_error(name, "no constructor", f"it is made by {', '.join(makers)}") if makers else None
-    overloads = _signatures().get(name) or _signatures().get("_Fields." + name.rpartition(".")[2], [])
+    overloads = _signatures().get(name) or []
     names = list(dict.fromkeys(one.arg for each in overloads for one in each.args + each.kwonlyargs))
     faults = [_fault(name, arguments, args, kwargs, names) for arguments in overloads]
     if faults and all(faults):
