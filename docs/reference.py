@@ -19,7 +19,7 @@ def text_of(thing):
 
 
 def signature(name, function, width):
-    arguments = re.split(r", (?=\*?\w+:|\*,)", re.sub(r"^(self|cls)(, |$)", "", ast.unparse(function.args)))
+    arguments = re.split(r", (?=\*?\w+:|\*,)", re.sub(r"^(self|cls)(: \w+)?(, |$)", "", ast.unparse(function.args)))
     returns = ast.unparse(function.returns) if function.returns and function.name not in ("__init__", "__new__") else "None"
     end = ")" if returns == "None" else f") -> {returns}"
     line = f"{name}({', '.join(arguments)}{end}"
