@@ -25,7 +25,7 @@ def main(budget, *command):
         print(f"{float(case.get('time')):8.1f} s  {case.get('name')}")
     print(f"{len(cases)} tests took {seconds:.0f} s of a processor; they may take {budget} s")
     if seconds > float(budget):
-        print("over budget: make a test smaller, or leave it to scripts/nightly (tests/labels.cmake)")
+        print("over budget: make a test smaller, or leave it to scripts/nightly (a suite called ...Nightly)")
     return status or int(seconds > float(budget))
 
 

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 
+cmake_policy(VERSION 3.25)
+
 # Read by ctest after the lists of tests that the programs gave: the labels of each.
 #   unit       needs no OpenCL device      device  needs one (PoCL is enough)
 #   program    runs the program `tactel`   slow    takes more than five seconds of a processor
@@ -7,67 +9,56 @@
 #   usb_guest  a kernel in a virtual machine
 #   nightly    run by scripts/nightly alone
 
-# Regular expressions of test names, by test program. A unit test runs without OpenCL platforms (below): it fails where it needs one.
-foreach(program fem layer pad nn hw support figures scenes)
-  set(unit_${program} ".")
-endforeach()
-set(unit_device "^(ThreadTeam|Cache|CachePlace|GroupSupply|Pace|LayoutList)[.]|/(LeftFolder|Balance)[.]|^Embedded[.][EI]|OfADoubleProgram|GoesOnWithTheThreads")
-set(unit_networks "^(OnnxChain[.]|OnnxFile[.][^MK])")
-set(unit_contact "^(Ladder|RungError|Extrapolation|PadConvergence|PadJudge)[.]|PadJudgeOf[.]|^Planner[.][^K]|AccuracyAndTolerance")
-set(unit_sets "^(CheckSet|MeasuringChains)[.]|ThirtyTwoTaylor|^TransducerTable[.][GP]")
-set(unit_calibration ".")
-set(unit_live "^(FrameQueue|LatencyHistogram|SensorProfile|Calibration|OpenSource|LiveView|Alarm|Csv[A-Za-z]+)[.]")
-set(unit_training "StreamAndBlockExclude|^(AlarmCounting|BoundReport)[.]")
-set(unit_api "^(CraftedNetworks[.]|Infer[.][^G]|InferHost[.]|Infer[.]GivesTheS|LiveApi[.]|SceneApi[.]|PadSceneApi[.])")
-set(unit_studies "^(HandPress|LoopDrift|SceneMix|TradeoffReport)[.]|^InverseProblem[.](Spread|Json|Counts)|AllCombinations|SlipIndexIs|DrawsAre|TheAngleAlone")
-set(unit_commands "^(DevicesCommandDeathTest|UnreadableScene|StandardError|Help|Completion|Words|Numbers|Memory|HostileFiles|ProfileFile|Keys)[.]|BadScene|WrongCall|^CommandLine[.][HS]|OutputsThatCannotBe|TimesThatAreNone|FilesItNames|^SolveCommand[.](SlipIndex|JsonNumbers|Missed)")
-# Of these, the calls that a device must judge.
-set(device_commands "WrongCall.*/(UnknownDevice|Step)|APipeWithoutAWriter")
+# A suite is of one kind. Its name, or the prefix of its INSTANTIATE, ends in Nightly, Slow or OnDevice, or a list below has it.
+# What is nightly has another test of its kind in scripts/test: it takes more numbers of lanes, elements and layers, more moments of a kill,
+# larger campaigns, a second runtime, a second precision.
 
-set(program_networks "^OnnxRuntime")
-set(program_sets "OpensInH5py|NamesTheRowsOfADamagedChunk|FindsEveryEdit")
-set(program_training "^[^AB]")
-set(program_studies "[.]Reproduce")
-set(program_commands "^([^D]|Du|Dem)")  # all but DevicesCommand
+# Suites that need no device, by test program; all of these programs. CTest runs them without OpenCL platforms, where one that needs a
+# device fails.
+set(unit_programs fem layer pad nn hw support figures scenes calibration)
+set(unit_device Balance Cache CachePlace Embedded GroupSupply KernelParameters LayoutList LeftFolder Pace ThreadTeam ThreadTeamDeathTest)
+set(unit_networks OnnxChain OnnxFile)
+set(unit_contact Extrapolation Ladder PadConvergence PadJudge PadJudgeOf Planner RungError SolveOptions)
+set(unit_sets CheckSet CheckSetBytes MeasuringChains PaperShapes TransducerTable)
+set(unit_live Alarm Calibration CsvFile CsvPipe CsvTerminal FrameQueue LatencyHistogram LiveView OpenSource SensorProfile)
+set(unit_training AlarmCounting BoundReport TrainingSources)
+set(unit_api CraftedNetworks CraftedNetworksSlow Infer InferHost LiveApi PadSceneApi SceneApi)
+set(unit_studies HandPress InverseReport LoopDrift RealSensorPlan SceneMix TradeoffReport)
+set(unit_commands BadSceneTest CommandLine Completion DevicesCommandDeathTest GenerateOutputs Help HostileFiles Keys Memory MonitorOptions
+    Numbers ProfileFile ReadmeFiles SolveOnHost StandardError UnreadableScene Words WrongCallTest)
 
-set(slow "SaidAndMade|^CraftedNetworks[.]NoChange|^SolveWithCache[.](Nobody|Killed|Little|Two|Inter|Locks)|^(ClosedForms|GapReferenceRandom|IndependentContact|Extremes|InverseProblem|DirectProblem|StreamTraining|RankTraining)[.]|^Planner[.]K|OverTheEnd|^Demo[.]S|EveryShape|^(PadReference|PadCalibration|PadConvergence)[.]|CondensationCache.AnyFlippedByte|/100000$")
+# Suites that run the program; in commands, those that do not.
+set(program_networks OnnxRuntime)
+set(program_sets CheckSet ContactSetInH5py)
+set(program_training FrameFloor RankTraining Stream StreamTraining TrainResume)
+set(program_studies InverseCommand)
+set(no_program DevicesCommand DevicesCommandDeathTest)
 
-# What scripts/test leaves to scripts/nightly, because another test of its kind stays: more numbers of lanes, elements and layers, more moments of
-# a kill, larger campaigns, a second runtime, a second precision.
-set(nightly "Nightly[.]|^(Lanes[.]|PatchBits[.]AreTheSameAt|PatchBits.*Chunks<double>|NetworkLanes[.]T|NetworkLanes.*<double>)"
-  "^(SolveWithCache[.](Inter|Little)|OnAFullDisk[.]ThatFillsD|InverseProblem[.](Goes|Leaves)|Durability[.]NetworksOfS|BadFiles[.]FileOfAFrame)"
-  "Twin[.]Fp64MatchesIt/(16|24)$|/RandomPads.*_cells_100000|/Twin[.]Fp32MatchesIt/16$|MeshAMatchesReference/0(|[.]45|[.]49)$|MatchesReference/\"30-31-33-1\"|OfSeveralFrames"
-  "^(Extremes[.]Every|Planner[.]Keeps|DirectProblem[.]EveryOpen|CalibrationCampaign|PressPlan[.]Ten|PatchSensors[.]AgreeWith|TrainApi[.]TrainsB|BoundCommand[.]MonitorP)")
-list(JOIN nightly "|" nightly)
+# Suites that are slow as a whole.
+set(slow ClosedForms DirectProblem EveryShape EveryShapeOnMeshA Extremes GapReferenceRandom IndependentContact InverseCommand InverseProblem
+    OverTheEnd PadCalibration PadConvergence PadReference RankTraining SaidAndMade StreamTraining)
 
 foreach(program fem layer pad nn hw support figures scenes device networks contact calibration sets live training studies commands api)
   foreach(test IN LISTS tactel_${program}_tests_TESTS)
+    string(REGEX REPLACE "[.<].*" "/" name "${test}")  # PREFIX/SUITE/
+    string(REGEX REPLACE "^.*/(.+)/$" "\\1" suite "/${name}")
     set(labels device)
-    if(test MATCHES "${unit_${program}}")
+    if((program IN_LIST unit_programs OR suite IN_LIST unit_${program}) AND NOT name MATCHES "OnDevice/")
       set(labels unit)
-    endif()
-    if(DEFINED device_${program})
-      if(test MATCHES "${device_${program}}")
-        set(labels device)
-      endif()
-    endif()
-    if(labels STREQUAL "unit")
       set_tests_properties("${test}" PROPERTIES ENVIRONMENT_MODIFICATION OCL_ICD_VENDORS=set:/no/device)
     endif()
-    if(DEFINED program_${program})
-      if(test MATCHES "${program_${program}}")
-        set(labels "${labels};program")
-      endif()
+    if(suite IN_LIST program_${program} OR program STREQUAL "commands" AND NOT suite IN_LIST no_program)
+      list(APPEND labels program)
     endif()
     if(program MATCHES "^(fem|layer|pad|nn)$")
-      set(labels "${labels};reference")
+      list(APPEND labels reference)
     elseif(program STREQUAL "hw")
-      set(labels "${labels};hw")
+      list(APPEND labels hw)
     endif()
-    if(test MATCHES "${slow}")
-      set(labels "${labels};slow")
+    if(name MATCHES "Slow/" OR suite IN_LIST slow)
+      list(APPEND labels slow)
     endif()
-    if(test MATCHES "${nightly}")
+    if(name MATCHES "Nightly/")
       set(labels nightly)
     endif()
     set_tests_properties("${test}" PROPERTIES LABELS "${labels}")

@@ -55,7 +55,7 @@ nn::Model plain_model(ScalingKind kind) {
 }  // namespace
 
 // Texts are free where they name a set. The order of metadata means nothing.
-TEST(CraftedNetworks, NoChangeOfAnyFieldIsAccepted) {
+TEST(CraftedNetworksSlow, NoChangeOfAnyFieldIsAccepted) {
   const host::ScratchFolder folder;
   int changes = 0;
   const std::vector<nn::Model> models = {bounded_model("4-2-3_leaky-relu", ScalingKind::frame),

@@ -100,7 +100,7 @@ std::vector<Answer> answers_of(const SlipEstimator& estimator, const nn::RowMatr
 }  // namespace
 
 // The kernels and the library fuse the same multiply-adds in the same order: equal bits, and equal statuses.
-TEST(Infer, GivesTheBitsOfTheKernels) {
+TEST(InferOnDevice, GivesTheBitsOfTheKernels) {
   for (const char* topology :
        {"1", "42-42-21-1", "8-32-31-1", "2-1-1", "8-33-31-1_leaky-relu"}) {  // each compiles a kernel
     for (const ScalingKind kind : {ScalingKind::set, ScalingKind::frame}) {
@@ -144,7 +144,7 @@ TEST(Infer, AnswersDoNotDependOnTheBatch) {
 
 // S, the bound and the interval have the bits of the kernel, at a processor's lanes and at a GPU's; the distance, too,
 // for both add products in one order without fusing.
-TEST(Infer, GivesTheBoundOfTheProgram) {
+TEST(InferOnDevice, GivesTheBoundOfTheProgram) {
   for (const char* topology : {"42-42-21-3", "8-32-3", "8-33-3_leaky-relu"}) {
     for (const ScalingKind kind : {ScalingKind::set, ScalingKind::frame}) {
       const bool by_distance = std::string_view(topology) != "8-32-3";
@@ -243,7 +243,7 @@ nn::Model model_with_history(ScalingKind kind) {
 }  // namespace
 
 // Frames one after the other give the bits of the kernel on inputs that with_history forms from the same path.
-TEST(Infer, GivesTheBitsOfTheKernelsWithHistory) {
+TEST(InferOnDevice, GivesTheBitsOfTheKernelsWithHistory) {
   nn::FrameSet path = bumps(60, 8, 4);
   for (int row = 0; row < 60; ++row)
     path.frames.row(row) = path.frames.row(row / 20 * 20) * (0.2f + 0.05f * static_cast<float>(row % 20));

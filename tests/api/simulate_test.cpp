@@ -353,7 +353,7 @@ TEST(TrainApi, TrainsTheNetworksOfTheProgram) {
   EXPECT_EQ(networks[1].learning_errors().rows, set.rows());
 }
 
-TEST(TrainApi, TrainsBoundsAndHistory) {
+TEST(TrainApiNightly, TrainsBoundsAndHistory) {
   std::string text = sweep_text;
   text.replace(text.find("seed = 3"), 8, "seed = 3\npress_rows = true");
   const SmallFile file("presses.toml", text);

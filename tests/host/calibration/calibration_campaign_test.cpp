@@ -67,7 +67,7 @@ const Case wrong[] = {{"thickness 10 % larger", 0.01, with_gauge(1.65)},
                       {"thickness 10 % larger, noise 0.1 %", 0.001, with_gauge(1.65)},
                       {"radii 5 % larger, noise 0.1 %", 0.001, with_gauge(1.5, 1.05)}};
 
-TEST(CalibrationCampaign, OfAFewSensors) {
+TEST(CalibrationCampaignNightly, OfAFewSensors) {
   const Tally gauge = run(honest[0], 8);
   EXPECT_EQ(gauge.misfits, 0);
   EXPECT_GE(gauge.gains_within, 0.88 * gauge.gains);  // eight sensors, whose gains share the error of E

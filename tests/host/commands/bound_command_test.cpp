@@ -254,7 +254,8 @@ TEST_F(BoundCommand, MonitorSaysWhereItCannotTell) {
   EXPECT_THAT(kpa.err, HasSubstr("above 10 times the largest that the network learnt"));
 }
 
-TEST_F(BoundCommand, MonitorPrintsBoundAndAlarm) {
+using BoundCommandNightly = BoundCommand;
+TEST_F(BoundCommandNightly, MonitorPrintsBoundAndAlarm) {
   const std::string source = "simulate:" + file("press.toml") + "?rate=100";
   std::ofstream(file("press.toml"))
       << "[sensor]\ncolumns = 11\nrows = 4\ntactels = 5\n[indenter]\nshape = \"parabola\"\n"

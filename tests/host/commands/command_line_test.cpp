@@ -333,7 +333,7 @@ TEST(HostileFiles, EndWithTwo) {
 }
 
 // Every reader of a file ends at once where the name is that of a pipe that nothing writes to.
-TEST(HostileFiles, APipeWithoutAWriterIsRefusedByEveryReader) {
+TEST(HostilePipe, APipeWithoutAWriterIsRefusedByEveryReader) {
   const ScratchFolder folder;
   const std::string pipe = (folder / "pipe").string(), net = (folder / "net").string(), set = folder / "set.h5";
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);

@@ -11,7 +11,7 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(Demo, ShowsEachCommandAndLeavesPagesAndANetwork) {
+TEST(DemoSlow, ShowsEachCommandAndLeavesPagesAndANetwork) {
   const ScratchFolder folder;
   const std::string output = (folder / "demo").string();
   const ChildResult result = run_tactel({"demo", "--output", output});

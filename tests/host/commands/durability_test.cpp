@@ -47,8 +47,9 @@ TEST_F(Durability, NetworksCheckpointAndReportOfATraining) {
             0);
 }
 
+using DurabilityNightly = Durability;
 // Those of two processes, which rank 0 puts together in DIR.
-TEST_F(Durability, NetworksOfSeveralProcesses) {
+TEST_F(DurabilityNightly, NetworksOfSeveralProcesses) {
   const std::string net = at("ranks");
   const ChildResult result = in_order(
       {net + "/training.json", net + "/learning_curves.svg", net + "/10-3-1_noise0_seed1.onnx",

@@ -600,7 +600,8 @@ TEST_F(SmallSet, ErrorsOfThreadsThatCondenseReachTheUser) {
                          {"poisson"}));
 }
 
-TEST_F(SmallSet, OutputsThatCannotBeAreWrongInput) {
+using GenerateOutputs = SmallSet;
+TEST_F(GenerateOutputs, OutputsThatCannotBeAreWrongInput) {
   const std::string text = sweep("a.toml", SmallSweep{}.text());
   for (const std::string& output :
        {std::string(300, 'x') + ".h5", std::string("a.toml/set.h5"), std::string("no/set.h5")}) {

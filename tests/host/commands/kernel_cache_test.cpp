@@ -63,8 +63,9 @@ ChildResult in_shell(const ScratchFolder& folder, const std::string& script) {
                         "all() { kill -$1 $2 $(pgrep -P $2); }; " + script});
 }
 
+using SolveWithCacheSlow = SolveWithCache;
 // A program that compiles, and is stopped in the midst of it, holds up neither a warm start nor another compilation.
-TEST_F(SolveWithCache, NobodyWaitsForAStoppedProgram) {
+TEST_F(SolveWithCacheSlow, NobodyWaitsForAStoppedProgram) {
   const ChildResult result = in_shell(folder_, R"(
     $other > warm 2> log || exit 10
     $solve > first 2>> log & compiling=$!
@@ -80,7 +81,7 @@ TEST_F(SolveWithCache, NobodyWaitsForAStoppedProgram) {
 
 // Programs on hosts that do not see each other's locks: each gets every lock at once. None loses the files that it
 // compiles or loads, and what they keep serves the next one.
-TEST_F(SolveWithCache, LocksThatDoNotReachOtherHosts) {
+TEST_F(SolveWithCacheSlow, LocksThatDoNotReachOtherHosts) {
   const ChildResult result = in_shell(folder_, R"(
     export LD_PRELOAD=)" TACTEL_NO_LOCKS R"(
     for k in 1 2 3; do $solve > answer$k 2> log$k & all="$all $!"; sleep 0.4; done
@@ -92,7 +93,7 @@ TEST_F(SolveWithCache, LocksThatDoNotReachOtherHosts) {
 }
 
 // Two programs that need the same kernels at once: one waits for the other, and answers as ever.
-TEST_F(SolveWithCache, TwoProgramsNeedTheSameKernels) {
+TEST_F(SolveWithCacheSlow, TwoProgramsNeedTheSameKernels) {
   const ChildResult result = in_shell(folder_, R"(
     $solve > first 2> log1 & one=$!
     $solve > second 2> log2 || exit 10
@@ -103,7 +104,7 @@ TEST_F(SolveWithCache, TwoProgramsNeedTheSameKernels) {
 }
 
 // What a kill in the midst of it leaves costs the next program a compilation.
-TEST_F(SolveWithCache, KilledWhileItCompiles) {
+TEST_F(SolveWithCacheSlow, KilledWhileItCompiles) {
   const ChildResult result = in_shell(folder_, R"(
     for wait in 0.1 0.4 0.8 1.2; do
       rm -rf cache
@@ -118,9 +119,10 @@ TEST_F(SolveWithCache, KilledWhileItCompiles) {
   EXPECT_EQ(result.exit_code, 0) << result.out << result.err << text_of(folder_ / "log");
 }
 
+using SolveWithCacheNightly = SolveWithCache;
 // Batch systems limit the address space. Whether the kernels compile within it or not, the program ends in time; warm,
 // it needs little.
-TEST_F(SolveWithCache, LittleAddressSpaceEndsInWords) {
+TEST_F(SolveWithCacheNightly, LittleAddressSpaceEndsInWords) {
   int failed = 0;
   for (const char* megabytes : {"300", "400", "500", "600", "700", "800", "900"}) {
     const ChildResult result =
@@ -209,9 +211,10 @@ TEST_F(OnAFullDisk, WhereNoPlaceIsLeftAWarningSaysWhatToDo) {
   }
 }
 
+using OnAFullDiskNightly = OnAFullDisk;
 // The compiler fails, or PoCL aborts in the middle of it. With room again, the kernel is compiled and the answer as
 // ever.
-TEST_F(OnAFullDisk, ThatFillsDuringACompilationTheErrorSaysSo) {
+TEST_F(OnAFullDiskNightly, ThatFillsDuringACompilationTheErrorSaysSo) {
   const ChildResult expected = solve();
   ASSERT_EQ(expected.exit_code, 0) << expected.err;
   const std::string full = (folder_ / "full").string();
@@ -237,7 +240,7 @@ TEST_F(OnAFullDisk, ThatFillsDuringACompilationTheErrorSaysSo) {
 }
 
 // Ctrl-C reaches the compiler's linker, too: wherever it comes, the run ends as interrupted, or is done.
-TEST_F(SolveWithCache, InterruptedWhileItCompilesEndsAsSuch) {
+TEST_F(SolveWithCacheNightly, InterruptedWhileItCompilesEndsAsSuch) {
   const std::string sweep = folder_.write("sweep.toml", SmallSweep{.contacts = 40000, .indentation = "0.1"}.text());
   for (int tenths = 2; tenths <= 14; tenths += 2) {
     const std::string name = std::to_string(tenths);

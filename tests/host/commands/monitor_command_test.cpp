@@ -214,7 +214,8 @@ TEST_F(Monitor, LosesNoFrameOnItsFirstRun) {
   EXPECT_EQ(lines_of(result.out).size(), summary["frames"]);
 }
 
-TEST_F(Monitor, TimesThatAreNoneAreRefused) {
+using MonitorOptions = Monitor;
+TEST_F(MonitorOptions, TimesThatAreNoneAreRefused) {
   for (const char* option : {"--seconds", "--late"})
     for (const char* value : {"nan", "inf", "0", "-1", "soon"})
       EXPECT_EQ(run_tactel({"monitor", "--source", simulation, "--network", network_, option, value}).exit_code, 2)

@@ -30,7 +30,7 @@ TEST(Readme, TableIsWhatTheProgramPrints) {
   EXPECT_EQ(shown, printed);
 }
 
-TEST(Readme, FilesItNamesAreThere) {
+TEST(ReadmeFiles, FilesItNamesAreThere) {
   const std::string readme = text_of(source_file("README.md"));
   for (const char* name :
        {"docs/contact.webp", "docs/contact-dark.webp", "docs/pages.md", "docs/scenes.md", "docs/networks.md",

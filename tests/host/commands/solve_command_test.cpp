@@ -150,7 +150,7 @@ TEST(SolveCommand, AnswersAlikeWithAndWithoutWhatIsKept) {
   EXPECT_THAT(text_of(kept), Not(HasSubstr(no_binary)));  // stored anew
 }
 
-TEST(SolveCommand, JsonNumbersReadBackToTheSameBits) {
+TEST(SolveOnHost, JsonNumbersReadBackToTheSameBits) {
   const json answer =
       json::parse(run_tactel({"solve", parabola, "--json", "-", "--solver", "reference"}).out);  // the old word
   EXPECT_EQ(answer["solver"], "full-mesh");
@@ -162,7 +162,7 @@ TEST(SolveCommand, JsonNumbersReadBackToTheSameBits) {
   }
 }
 
-TEST(SolveCommand, SlipIndexIsNullWithoutFriction) {
+TEST(SolveOnHost, SlipIndexIsNullWithoutFriction) {
   const ScratchFolder folder;
   const std::string scene = folder.write(
       "scene.toml",
@@ -281,7 +281,7 @@ TEST(SolveCommand, ATitleIsNeverRun) {
   EXPECT_THAT(text_of(page), testing::Not(HasSubstr("</script><b>")));
 }
 
-TEST(SolveCommand, MissedToleranceEndsWithFour) {
+TEST(SolveOnHost, MissedToleranceEndsWithFour) {
   const ChildResult result = run_tactel({"solve", parabola, "--solver", "full-mesh", "--tolerance", "1e-30"});
   EXPECT_EQ(result.exit_code, 4);
   EXPECT_THAT(result.out, HasSubstr(" NO "));
@@ -361,7 +361,7 @@ TEST(CommandLine, HelpAndVersionEndWithZero) {
                                         HasSubstr("MPa"), HasSubstr("default")));
 }
 
-TEST(CommandLine, DevicesAreListed) {
+TEST(CommandLineOnDevice, DevicesAreListed) {
   const ChildResult result = run_tactel({"devices"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("cpu"));
@@ -393,9 +393,6 @@ const WrongCall wrong_calls[] = {
     {"ReferenceInSingle", "solve " + parabola + " --solver full-mesh --precision fp32",
      "--precision = fp32: must be fp64 with --solver full-mesh"},
     {"ReferenceOnADevice", "solve " + parabola + " --solver full-mesh --device 0", "--device = 0: must be left out"},
-    {"UnknownDevice", "solve " + parabola + " --device abacus", "abacus"},
-    {"StepBeyondTheLast", "solve " + parabola + " --step 10", "--step = 10: must be a load step of this scene, 1 to 9"},
-    {"StepZero", "solve " + parabola + " --step 0", "--step = 0: must be a load step of this scene, 1 to 9"},
     {"NoSuchFolder", "solve " + parabola + " --json /no/such/folder/a.json",
      "--json = /no/such/folder/a.json: must be a file that can be written (No such file or directory; make the folder "
      "first)"},
@@ -404,6 +401,13 @@ const WrongCall wrong_calls[] = {
     {"PlotAsPdf", "solve " + parabola + " --plot /tmp/a.pdf",
      "--plot = /tmp/a.pdf: must be a file name that ends in .svg or .png"}};
 INSTANTIATE_TEST_SUITE_P(All, WrongCallTest, testing::ValuesIn(wrong_calls),
+                         [](const auto& info) { return info.param.name; });
+
+const WrongCall wrong_on_device[] = {
+    {"UnknownDevice", "solve " + parabola + " --device abacus", "abacus"},
+    {"StepBeyondTheLast", "solve " + parabola + " --step 10", "--step = 10: must be a load step of this scene, 1 to 9"},
+    {"StepZero", "solve " + parabola + " --step 0", "--step = 0: must be a load step of this scene, 1 to 9"}};
+INSTANTIATE_TEST_SUITE_P(OnDevice, WrongCallTest, testing::ValuesIn(wrong_on_device),
                          [](const auto& info) { return info.param.name; });
 
 TEST(CommandLine, SaysThatGnuplotIsMissing) {

@@ -266,7 +266,7 @@ TEST(HardScenes, AnIndentationDoesNotSlide) {
   for (const char* precision : {"fp32", "fp64"}) EXPECT_TRUE(solve_in(scene, precision).solution.sliding);
 }
 
-TEST(HardScenes, AccuracyAndToleranceMustBeNumbersAboveZero) {
+TEST(SolveOptions, AccuracyAndToleranceMustBeNumbersAboveZero) {
   const fem::Scene scene{.indenter = {.shape = fem::Parabola{10}}};
   for (const double wrong : {std::nan(""), double(INFINITY), 0.0, -0.1}) {
     SolveOptions options{.accuracy = wrong};

@@ -11,9 +11,9 @@ namespace tactel::host {
 namespace {
 
 template <class Real>
-class Lanes : public ::testing::Test {};
+class LanesNightly : public ::testing::Test {};
 using Precisions = ::testing::Types<float, double>;
-TYPED_TEST_SUITE(Lanes, Precisions);
+TYPED_TEST_SUITE(LanesNightly, Precisions);
 
 /// Whether all that a step says is the same, bit for bit.
 bool same(const fem::ContactStep& a, const fem::ContactStep& b) {
@@ -23,7 +23,7 @@ bool same(const fem::ContactStep& a, const fem::ContactStep& b) {
          a.tau_xy == b.tau_xy && a.residual.cone == b.residual.cone && a.residual.drift == b.residual.drift;
 }
 
-TYPED_TEST(Lanes, OfAnyNumberGiveTheSameBits) {
+TYPED_TEST(LanesNightly, OfAnyNumberGiveTheSameBits) {
   for (const bool force : {false, true}) {
     const fem::Sensor sensor = tactel::testing::paper_mesh('B');
     const auto scenes =  // more than one tile of 64 at one lane

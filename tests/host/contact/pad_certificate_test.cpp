@@ -165,11 +165,13 @@ TEST_P(RandomPads, NoneIsUnsettled) {
   EXPECT_GT(sliding, steps / 100);  // the scenes go to the limit
 }
 
-INSTANTIATE_TEST_SUITE_P(CellsAndScenes, RandomPads,
-                         testing::Combine(testing::Values(8, 12), testing::Values(1000, 100000)), [](const auto& of) {
-                           return std::to_string(std::get<0>(of.param)) + "_cells_" +
-                                  std::to_string(std::get<1>(of.param));
-                         });
+std::string cells_and_scenes(const testing::TestParamInfo<std::tuple<int, int>>& pads) {
+  return std::to_string(std::get<0>(pads.param)) + "_cells_" + std::to_string(std::get<1>(pads.param));
+}
+INSTANTIATE_TEST_SUITE_P(CellsAndScenes, RandomPads, testing::Combine(testing::Values(8, 12), testing::Values(1000)),
+                         cells_and_scenes);
+INSTANTIATE_TEST_SUITE_P(Nightly, RandomPads, testing::Combine(testing::Values(8, 12), testing::Values(100000)),
+                         cells_and_scenes);
 
 }  // namespace
 }  // namespace tactel::host

@@ -110,7 +110,7 @@ fem::HeightMap measured_bowl() {
 
 /// Cells from a millionth of the thickness to some of it: sizes on the ladder, between its rungs, and of needles and
 /// blades. Tables between rungs are right to 4e-3 for the widest cells. From 1e-5 H on more depth means more force.
-TEST(PadStream, EveryShapeAtEveryDepth) {
+TEST(PadStreamSlow, EveryShapeAtEveryDepth) {
   constexpr double depths[] = {0, 1e-5, 1e-3, 0.1, 1};
   std::vector<fem::PadScene> scenes;
   for (const fem::PadShape& shape :

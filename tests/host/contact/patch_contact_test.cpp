@@ -126,10 +126,15 @@ void expect_twin(int elements, double poisson, double tolerance) {
 TEST_P(Twin, Fp64MatchesIt) {
   for (const double poisson : {0.3, 0.499}) expect_twin<double>(GetParam(), poisson, agree_fp64);
 }
-TEST_P(Twin, Fp32MatchesIt) { expect_twin<float>(GetParam(), 0.45, agree_fp32); }
-INSTANTIATE_TEST_SUITE_P(PatchContact, Twin, ::testing::Values(8, 12, 16, 24));
+INSTANTIATE_TEST_SUITE_P(PatchContact, Twin, ::testing::Values(8, 12));
+INSTANTIATE_TEST_SUITE_P(Nightly, Twin, ::testing::Values(16, 24));
 
-TEST(PatchContact, EveryShapeMatchesTheTwin) {
+class TwinInFp32 : public Twin {};
+TEST_P(TwinInFp32, MatchesIt) { expect_twin<float>(GetParam(), 0.45, agree_fp32); }
+INSTANTIATE_TEST_SUITE_P(PatchContact, TwinInFp32, ::testing::Values(8, 12, 24));
+INSTANTIATE_TEST_SUITE_P(Nightly, TwinInFp32, ::testing::Values(16));
+
+TEST(PatchContactSlow, EveryShapeMatchesTheTwin) {
   const fem::LayerModel model = fem::layer_model(sensor_of(0.45));
   auto shapes = all_shapes();
   shapes.push_back(fem::Taylor{{2, 4, 5, 9, 20}, 6.0, 0.4, {1, 0.5, 2, 1, 0.25}});
@@ -185,11 +190,26 @@ class PatchBits : public ::testing::Test {
     for (const auto& scenes : by_kind(mixed_scenes(model_.sensor, count, 5))) body(scenes);
   }
   PatchContact<Real> on(Executor& executor) const { return {executor, model_, {.most_sweeps = 200}}; }
+  void expect_same_for_any_threads_and_chunks() const {
+    each_kind(60, [&](const auto& scenes) {
+      Executor one{Device(), {.threads = 1}};
+      const Hashes expected = hashes(on(one), scenes);
+      for (const char* device : {"basic", "pthread"})
+        for (const std::size_t chunk : {1, 4096}) {
+          Executor executor{Device(device), {.threads = 3}};
+          EXPECT_EQ(hashes(on(executor), scenes, chunk), expected) << device << ", chunks of " << chunk;
+        }
+    });
+  }
 };
 using Precisions = ::testing::Types<float, double>;
 TYPED_TEST_SUITE(PatchBits, Precisions);
 
-TYPED_TEST(PatchBits, AreTheSameAtEveryNumberOfLanes) {
+template <class Real>
+class PatchBitsNightly : public PatchBits<Real> {};
+TYPED_TEST_SUITE(PatchBitsNightly, Precisions);
+
+TYPED_TEST(PatchBitsNightly, AreTheSameAtEveryNumberOfLanes) {
   this->each_kind(67, [&](const auto& scenes) {  // more than one tile of 64 at one lane
     Hashes expected;
     for (const Device& device : devices_of_all_lanes()) {
@@ -202,17 +222,10 @@ TYPED_TEST(PatchBits, AreTheSameAtEveryNumberOfLanes) {
   });
 }
 
-TYPED_TEST(PatchBits, AreTheSameForAnyThreadsAndChunks) {
-  this->each_kind(60, [&](const auto& scenes) {
-    Executor one{Device(), {.threads = 1}};
-    const Hashes expected = hashes(this->on(one), scenes);
-    for (const char* device : {"basic", "pthread"})
-      for (const std::size_t chunk : {1, 4096}) {
-        Executor executor{Device(device), {.threads = 3}};
-        EXPECT_EQ(hashes(this->on(executor), scenes, chunk), expected) << device << ", chunks of " << chunk;
-      }
-  });
-}
+using PatchBitsFp32 = PatchBits<float>;
+using PatchBitsFp64Nightly = PatchBits<double>;
+TEST_F(PatchBitsFp32, AreTheSameForAnyThreadsAndChunks) { expect_same_for_any_threads_and_chunks(); }
+TEST_F(PatchBitsFp64Nightly, AreTheSameForAnyThreadsAndChunks) { expect_same_for_any_threads_and_chunks(); }
 
 TYPED_TEST(PatchBits, AreTheSameInAnyOrderAndBatch) {
   this->each_kind(50, [&](const auto& scenes) {

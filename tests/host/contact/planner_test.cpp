@@ -282,7 +282,7 @@ TEST(SolveOnRung, TheMeshAnswersWhatIsNotSolvedOnAPatch) {
 
 /// Scenes that the planner was not measured on, judged by the reference. `tactel tradeoff --verify 1000` does the same
 /// with more of them.
-TEST(Planner, KeepsItsPromiseOnHeldOutScenes) {
+TEST(PlannerNightly, KeepsItsPromiseOnHeldOutScenes) {
   Executor executor(device());
   const std::vector<fem::Scene> scenes = mixed_scenes(4242, 24);
   std::map<std::string, std::vector<fem::ContactSolution>> answers;

@@ -77,18 +77,18 @@ TEST(Embedded, IncludesAreReplacedOnceAndLinesKept) {
   EXPECT_THROW(expand_includes("a.cl", "#include \"shared/nothing.h\""), std::out_of_range);
 }
 
-TEST(Embedded, AnUnknownSourceIsNamed) {
+TEST(EmbeddedOnDevice, AnUnknownSourceIsNamed) {
   EXPECT_THAT([] { Program(device(), "nothing.cl", {}); },
               testing::ThrowsMessage<std::out_of_range>(HasSubstr("nothing.cl")));
 }
 
-TEST(Embedded, BuildLogNamesFileAndLine) {
+TEST(EmbeddedOnDevice, BuildLogNamesFileAndLine) {
   EXPECT_THAT(log_of("#include \"shared/group.h\"\n\nint x = nonsense;\n", {}), HasSubstr("broken.cl:3:"));
   EXPECT_THAT(log_of("#include \"shared/lanes.h\"\n", {{"REAL", "quux"}, {"LANES", "4"}}),
               HasSubstr("shared/lanes.h:"));
 }
 
-TEST(Embedded, BuildErrorNamesTheOptions) {
+TEST(EmbeddedOnDevice, BuildErrorNamesTheOptions) {
   const std::string options = "-cl-std=CL1.2 -cl-denorms-are-zero -DLANES=16 -DREAL=float";
   EXPECT_THAT(
       [] {

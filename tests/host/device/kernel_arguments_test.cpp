@@ -81,7 +81,7 @@ Defines defines_of(const kernels::Source& source) {
 
 // The launchers set arguments by the names and types that are read from the source's text. Here OpenCL's own compiler
 // says what they are, for every kernel.
-TEST(KernelParameters, AreThoseThatTheCompilerSaw) {
+TEST(KernelParametersOnDevice, AreThoseThatTheCompilerSaw) {
   int kernels_seen = 0;
   for (const kernels::Source& source : kernels::sources()) {
     if (!source.name.ends_with(".cl")) continue;

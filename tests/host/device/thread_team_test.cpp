@@ -116,7 +116,7 @@ TEST(ThreadTeamDeathTest, GoesOnWithTheThreadsThereAre) {
   EXPECT_EXIT(few_threads(), testing::ExitedWithCode(0), "");
 }
 
-TEST(ThreadTeamDeathTest, AnExecutorSaysThatItHasFewer) {
+TEST(ExecutorDeathTest, AnExecutorSaysThatItHasFewer) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const auto few_threads = [] {
     const Device device("basic", [](LogLevel level, std::string_view message) {

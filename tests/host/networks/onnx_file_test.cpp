@@ -95,9 +95,10 @@ TEST_F(OnnxFile, IsTheSameInEveryRoundingMode) {
   }
 }
 
+using OnnxFileOnDevice = OnnxFile;
 // Another runtime on the file gives the S of tactel's own recall within 1e-5, on every row, frames without stress
 // included.
-TEST_F(OnnxFile, MeansTheSameToAnotherRuntime) {
+TEST_F(OnnxFileOnDevice, MeansTheSameToAnotherRuntime) {
   for (const char* topology : {"6", "16-16-8-1", "16-16-8-1_leaky-relu"}) {
     for (const ScalingKind kind : {ScalingKind::set, ScalingKind::frame}) {
       const nn::Model model = some_model(topology, kind);
@@ -120,7 +121,7 @@ TEST_F(OnnxFile, MeansTheSameToAnotherRuntime) {
 
 // A network of a pad, four frames of two tactels with three axes: file, kernel and library divide by the two normal
 // stresses of the newest frame.
-TEST_F(OnnxFile, KeepsTheAxesOfAPad) {
+TEST_F(OnnxFileOnDevice, KeepsTheAxesOfAPad) {
   nn::Model model = some_model("24-9-1", ScalingKind::frame);
   model.scaling.axes = 3, model.scaling.history = model.history.frames = 4;
   write_onnx(path_, model);
@@ -167,7 +168,7 @@ TEST_F(OnnxFile, IsReadBackAsItWas) {
   }
 }
 
-TEST_F(OnnxFile, KeepsTheRangesThatWereLearnt) {
+TEST_F(OnnxFileOnDevice, KeepsTheRangesThatWereLearnt) {
   nn::Model model = some_model("16-9-1", ScalingKind::set);
   model.learnt = {.smallest_peak = 0.1f, .largest_peak = 1.7f, .least_friction = 0.3f, .most_friction = 0.8f};
   write_onnx(path_, model);

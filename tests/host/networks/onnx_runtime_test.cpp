@@ -56,7 +56,7 @@ TEST(OnnxRuntime, OpenCvGivesTheSameSlipIndex) {
 
 // Four frames of irregular paths, leaky rectifiers: OpenCV on the inputs that with_history forms, within 1e-5 of
 // `tactel recall`, and of `tactel recall` in one frame's network beside it.
-TEST(OnnxRuntime, OpenCvGivesTheSameSlipIndexOfSeveralFrames) {
+TEST(OnnxRuntimeNightly, OpenCvGivesTheSameSlipIndexOfSeveralFrames) {
   const ScratchFolder folder;
   const std::string sweep = folder.write(
       "sweep.toml",

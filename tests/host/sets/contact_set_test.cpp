@@ -45,7 +45,7 @@ const ContactSet& recall_set() {
 }
 
 /// All sums of the powers 1 ... 5 with coefficient 1, the empty one included: 2^5, each once (section V.C).
-TEST(PaperSets, ThirtyTwoTaylorShapes) {
+TEST(PaperShapes, ThirtyTwoTaylorShapes) {
   const auto family = paper_learning_family(paper_set_scene(), 10, 10);
   std::set<std::vector<int>> powers;
   for (const auto& scene : family.scenes) powers.insert(std::get<fem::Taylor>(scene.indenter.shape).powers);
@@ -103,7 +103,7 @@ TEST(ContactSetFile, GivesBackWhatWasWritten) {
   EXPECT_EQ(back.seed, set.seed);
 }
 
-TEST(ContactSetFile, OpensInH5pyAsDocumented) {
+TEST(ContactSetInH5py, OpensInH5pyAsDocumented) {
   const std::string path = scratch("python.h5");
   ASSERT_EQ(run_tactel({"generate", source_file("examples/paper_recall.toml"), "--output", path, "--force"}).exit_code,
             0);
@@ -258,7 +258,7 @@ TEST(CheckSet, FindsEveryEdit) {
 
 // Any byte of the file, the index of the chunks and the headers included: what is read is what was written, or refused;
 // and what check calls whole is whole.
-TEST(CheckSet, FindsEveryFlippedByte) {
+TEST(CheckSetBytes, FindsEveryFlippedByte) {
   const ScratchFolder folder;
   ContactSet set = several_chunks();
   set.sweep = "contacts = 20000", set.indenter_names = {"a", "b"};

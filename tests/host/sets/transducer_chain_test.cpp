@@ -242,7 +242,7 @@ std::string message_of(const std::string& table) {
   return thrown_message<ConfigError>([&] { simulated(small_sweep + "[transducer]\n" + table); });
 }
 
-TEST(TransducerTable, NamesWhatItRejects) {
+TEST(TransducerTableOnDevice, NamesWhatItRejects) {
   EXPECT_THAT(message_of("noise = -1\n"), ::testing::HasSubstr("transducer.noise"));
   EXPECT_THAT(message_of("noise_fraction = 0.1\n"), ::testing::HasSubstr("given with transducer.range"));
   EXPECT_THAT(message_of("bits = 12\n"), ::testing::HasSubstr("transducer.range"));

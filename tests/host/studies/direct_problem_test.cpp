@@ -35,7 +35,7 @@ TEST(DirectProblem, AMeshHasNoErrorAgainstItself) {
 }
 
 /// The ten figures feel the open parameters: a study in which they did not would say nothing.
-TEST(DirectProblem, EveryOpenParameterMovesTableOne) {
+TEST(DirectProblemNightly, EveryOpenParameterMovesTableOne) {
   const auto rows = sensitivity_study(executor(), paper_preset());
   int chosen = 0;
   for (const SensitivityRow& row : rows) {

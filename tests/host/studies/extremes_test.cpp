@@ -13,7 +13,7 @@ namespace {
 
 using namespace tactel;
 
-TEST(Extremes, EverySceneIsSolvedOrSaysSo) {
+TEST(ExtremesNightly, EverySceneIsSolvedOrSaysSo) {
   host::Executor executor{host::Device()};
   const auto extremes = host::scene_extremes(executor, true);
   std::printf("%s\n", host::extremes_table(extremes).c_str());

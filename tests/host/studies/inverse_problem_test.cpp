@@ -23,7 +23,7 @@ using tactel::testing::executor;
 nn::ErrorReport report_with(double max, double mean, double std) { return {.all = {1, max, mean, std}}; }
 
 // Of 1 ... 5 the median is 3; the 5 % quantile stands a fifth of the way from 1 to 2 (definition 7: place 0.05 x 4).
-TEST(InverseProblem, SpreadIsMedianAndQuantiles) {
+TEST(InverseReport, SpreadIsMedianAndQuantiles) {
   std::vector<nn::ErrorReport> reports;
   for (double mean : {5.0, 1.0, 4.0, 2.0, 3.0}) reports.push_back(report_with(0, mean, 0));
   const Spread s = spread(reports, [](const nn::ErrorReport& r) { return r.all.mean; });
@@ -32,7 +32,7 @@ TEST(InverseProblem, SpreadIsMedianAndQuantiles) {
   EXPECT_DOUBLE_EQ(s.high, 4.8);
 }
 
-TEST(InverseProblem, JsonHoldsMediansWithLowAndHigh) {
+TEST(InverseReport, JsonHoldsMediansWithLowAndHigh) {
   InverseProblem problem;
   NetworkStudy study{.number = 3,
                      .topology = nn::Topology::paper(3),
@@ -78,7 +78,7 @@ TEST(InverseProblem, SetsReachFromStickingToSliding) {
 }
 
 // Two of three learning rows have the same frame, and one of two recall rows has it, too.
-TEST(InverseProblem, CountsRowsThatTheSetsShare) {
+TEST(InverseReport, CountsRowsThatTheSetsShare) {
   nn::FrameSet learning, recall;
   learning.frames.resize(3, 2);
   learning.frames << 1, 2, 1, 2, 1, 3;
@@ -108,7 +108,7 @@ TEST(InverseProblem, OneNumberReadsThePapersSets) {
 }
 
 // Stopped and taken up again, the studies are those of a run that was not stopped.
-TEST(InverseProblem, GoesOnFromItsCheckpoint) {
+TEST(InverseProblemNightly, GoesOnFromItsCheckpoint) {
   const ScratchFolder folder;
   InverseChoice choice = inverse_choice();
   choice.options.cycle_limit = 30;
@@ -131,7 +131,7 @@ TEST(InverseProblem, GoesOnFromItsCheckpoint) {
 }
 
 // Another number of seeds is another training: its checkpoint, hours of work perhaps, is left as it is.
-TEST(InverseProblem, LeavesAForeignCheckpointAlone) {
+TEST(InverseProblemNightly, LeavesAForeignCheckpointAlone) {
   const ScratchFolder folder;
   InverseChoice choice = inverse_choice();
   choice.options.cycle_limit = 30;
@@ -150,7 +150,7 @@ TEST(InverseProblem, LeavesAForeignCheckpointAlone) {
   EXPECT_EQ(text_of(folder / "checkpoint"), kept);
 }
 
-TEST(InverseProblem, ReproduceRefusesAForeignCheckpoint) {
+TEST(InverseCommand, ReproduceRefusesAForeignCheckpoint) {
   const ScratchFolder folder;
   for (const char* name : {"networks-0.checkpoint", "networks-0.1.checkpoint", "networks-fresh-noise.checkpoint"}) {
     const std::string report = folder / name;
@@ -164,7 +164,7 @@ TEST(InverseProblem, ReproduceRefusesAForeignCheckpoint) {
   }
 }
 
-TEST(InverseProblem, ReproduceWritesTableTwo) {
+TEST(InverseCommand, ReproduceWritesTableTwo) {
   const ScratchFolder folder;
   const std::string report = (folder / "report").string();
   ASSERT_EQ(run_tactel({"reproduce", "--output", report, "--seeds", "2", "--cycles", "20"}).exit_code, 0);

@@ -32,7 +32,7 @@ fem::ContactSolution one_tactel() {
   return solution;
 }
 
-TEST(RealSensor, AllCombinationsOfThePaper) {
+TEST(RealSensorPlan, AllCombinationsOfThePaper) {
   std::set<std::tuple<int, double, double, double>> distinct;
   for (const RealContact& c : real_contacts()) {
     EXPECT_LT(c.angle, c.limit_angle);
@@ -43,7 +43,7 @@ TEST(RealSensor, AllCombinationsOfThePaper) {
 }
 
 // tan 15 = 2 - sqrt 3, tan 30 = 1 / sqrt 3; tan 25 and tan 38 from a table of ten digits.
-TEST(RealSensor, SlipIndexIsTheRatioOfTangents) {
+TEST(RealSensorPlan, SlipIndexIsTheRatioOfTangents) {
   constexpr double tan_25 = 0.4663076582, tan_38 = 0.7812856265;
   EXPECT_EQ((RealContact{0, 0, 25, 0}).slip_index(), 0);
   EXPECT_NEAR((RealContact{0, 0, 25, 15}).slip_index(), (2 - std::sqrt(3)) / tan_25, 1e-9);
@@ -175,7 +175,7 @@ TEST(RealSensor, OneUncalibratedSensorForAllContactsOfADraw) {
   EXPECT_NE(gains(1).row(0), gains(2).row(0));
 }
 
-TEST(RealSensorStudy, DrawsAreDisjoint) {
+TEST(RealSensorPlan, DrawsAreDisjoint) {
   std::set<std::vector<std::uint32_t>> distinct;
   for (std::uint64_t number = 1; number <= 20; ++number) {
     const ContactDraw draw = draw_contacts(number, 105);
@@ -193,7 +193,7 @@ TEST(RealSensorStudy, DrawsAreDisjoint) {
 }
 
 // Of 15 degrees S is 0.5746 or 0.3430: half their difference. Of 0 and 30 degrees it is one.
-TEST(RealSensorStudy, TheAngleAloneLeavesTwoChoices) {
+TEST(RealSensorPlan, TheAngleAloneLeavesTwoChoices) {
   const auto contacts = real_contacts();
   const auto errors = errors_by_angle_alone(contacts);
   for (std::size_t i = 0; i < contacts.size(); ++i) EXPECT_NEAR(errors[i], contacts[i].angle == 15 ? 0.11583 : 0, 1e-5);

@@ -283,7 +283,8 @@ TEST_F(BlockTraining, IsForOneProcess) {
                  {"trained by one process"}));
 }
 
-TEST_F(BlockTraining, StreamAndBlockExclude) {
+using TrainingSources = BlockTraining;
+TEST_F(TrainingSources, StreamAndBlockExclude) {
   const std::string sweep = folder_.write("sweep.toml", sweep_text);
   EXPECT_TRUE(is_refused(run_tactel({"train", "--stream", sweep, "--block", "50", "--output", folder_ / "net"}),
                          {"--block = 50: must be left out with --stream"}));
