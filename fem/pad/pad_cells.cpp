@@ -49,6 +49,11 @@ bool PadCells::allowed(int i, int j) const {
   return !(i < 0 && edge[0]) && !(i >= n && edge[1]) && !(j < 0 && edge[2]) && !(j >= n && edge[3]);
 }
 
+bool solvable(const PadCells& cells, double thickness, double depth) {
+  const auto [least, most] = solvable_sides(thickness, depth);
+  return std::min(cells.hx, cells.hy) >= least && std::max(cells.hx, cells.hy) <= most;
+}
+
 PadCells pad_cells(const PadBox& contact, const PadIndenter& indenter, int n, double thickness, bool ladder) {
   if (const auto* punch = std::get_if<Punch>(&indenter.shape); punch && punch->edge == 0)
     return round_cells(punch->radius, n);

@@ -33,6 +33,13 @@ struct PadCells {
 /// punch is 3 to 5 % low at 12 cells, with these 0.3 and 0.6 %.
 inline constexpr double straight_overhang = 0.15, round_overhang = 0.125;
 
+/// Returns the range of sides of cells, mm, on which a contact of this depth is solved: at wider ones it is a plain to
+/// the rubber, at narrower ones a needle.
+inline Interval solvable_sides(double thickness, double depth) {
+  return {std::min(1e-5 * thickness, 1e-3 * depth), 50 * thickness};
+}
+bool solvable(const PadCells& cells, double thickness, double depth);
+
 /// Steps of the ladder of cell sizes in an octave.
 inline constexpr int rungs_an_octave = 4;
 

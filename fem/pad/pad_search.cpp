@@ -35,6 +35,29 @@ Eigen::ArrayXd press(const Eigen::MatrixXd& c, const Eigen::ArrayXd& gap) {
   return p;
 }
 
+/// A box around where measured heights, bilinear between their points, lie below a depth.
+PadBox low_part(const HeightMap& map, double depth) {
+  const Eigen::MatrixXd& h = map.heights;
+  const auto place = [&](double index, Eigen::Index count) {
+    return map.pitch * (index - static_cast<double>(count - 1) / 2);
+  };
+  PadBox box{nowhere, nowhere};
+  const auto cover = [&](double i, double j) {
+    const double x = place(i, h.rows()), y = place(j, h.cols());
+    box.cover({{x, x}, {y, y}});
+  };
+  /// Between two points of which one lies below: where the depth is met.
+  const auto share = [&](double from, double to) { return (depth - from) / (to - from); };
+  for (Eigen::Index i = 0; i < h.rows(); ++i)
+    for (Eigen::Index j = 0; j < h.cols(); ++j) {
+      const auto x = static_cast<double>(i), y = static_cast<double>(j);
+      if (h(i, j) <= depth) cover(x, y);
+      if (i + 1 < h.rows() && (h(i, j) <= depth) != (h(i + 1, j) <= depth)) cover(x + share(h(i, j), h(i + 1, j)), y);
+      if (j + 1 < h.cols() && (h(i, j) <= depth) != (h(i, j + 1) <= depth)) cover(x, y + share(h(i, j), h(i, j + 1)));
+    }
+  return box;
+}
+
 /// One direction of a round: first and last pressed cell.
 struct Extent {
   int first = n, last = -1;
@@ -140,7 +163,7 @@ PadSearch find_pad_contact_at(double depth, const PadScene& scene, const PadLaye
   const PadBox edges = pad_edges(scene.indenter.shape);
   const double H = scene.sensor.thickness;
   // An indenter that touches nothing: some cells below its lowest part.
-  const PadBox section = rigid_section(scene.indenter, std::max(depth, 1e-6 * H));
+  const PadBox section = rigid_section(scene.indenter, depth > 0 ? depth : 1e-6 * H);
   PadBox window{clipped(section.x, edges.x), clipped(section.y, edges.y)}, contact = window;
   double P = 0;
   for (int round = 0; depth > 0 && round < search_rounds; ++round) {
@@ -156,7 +179,12 @@ PadSearch find_pad_contact_at(double depth, const PadScene& scene, const PadLaye
     for (int i = 0; i < n * n; ++i)
       if (p[i] > 0) x.add(i / n), y.add(i % n);
     P = p.sum() * hx * hy;
-    if (x.last < 0) break;  // nothing presses: the section is below a cell of this window
+    if (x.last < 0) {  // nothing presses: the section is below a cell of this window
+      const auto* map = std::get_if<HeightMap>(&scene.indenter.shape);
+      if (map == nullptr || round > 0) break;
+      contact = window = low_part(*map, depth);
+      continue;
+    }
     contact = {x.pressed(window.x), y.pressed(window.y)};
     window = {clipped(x.next(window.x), edges.x), clipped(y.next(window.y), edges.y)};
   }

@@ -13,7 +13,8 @@ namespace tactel::fem {
 //                  cells press, a quarter of the width more instead
 //     contact    = after the last round: 6 % of the width more on each side
 //
-// Everything is clipped to the indenter's edges.
+// Everything is clipped to the indenter's edges. Measured heights whose points lie so far apart that no cell of the
+// first window is pressed get a second first window, around where the bilinear profile lies below the depth.
 
 inline constexpr int pad_search_cells = 12;
 
