@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fem/pad/pad_layer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -51,10 +52,6 @@ double spline_integral(double r) {
   return std::copysign(integral, r);
 }
 
-int parts_of(const std::vector<PadLayer::Share>& shares) {
-  return shares.size() == 1 ? 1 : static_cast<int>(shares.size()) / 5;
-}
-
 }  // namespace
 
 PadLayer::PadLayer(double poisson)
@@ -79,7 +76,7 @@ Eigen::VectorXd PadLayer::places() {
 
 std::vector<PadLayer::Share> PadLayer::shares(double side) {
   if (side <= narrow_cell) return {{0, 1}};
-  const int parts = 2 * static_cast<int>(std::ceil(side - 1e-9)) + 1, last = 5 * parts / 2;
+  const int parts = PadLayer::parts(side), last = 5 * parts / 2;
   const double way = std::min(1.0, (side - narrow_cell) / (wide_cell - narrow_cell)),
                smooth = way * way * (3 - 2 * way);
   std::vector<Share> all;
@@ -159,7 +156,7 @@ std::vector<CellInfluence> PadLayer::uniform_influences(double thickness, double
 std::vector<CellInfluence> PadLayer::influences(double thickness, double hx, double hy, int n) const {
   hx /= thickness, hy /= thickness;
   const std::vector<Share> along_x = shares(hx), along_y = shares(hy);
-  const int mx = parts_of(along_x), my = parts_of(along_y);
+  const int mx = parts(hx), my = parts(hy);
   if (mx == 1 && my == 1) return uniform_influences(thickness, hx, hy, n, n);
   // Of uniform parts, as far as the layer moves.
   const auto reach = [n](double side, int parts) {
@@ -218,11 +215,12 @@ CellInfluence PadLayer::with_rest(double thickness, double hx, double hy, double
 PadBaseStress PadLayer::base_stress(double thickness, double hx, double hy, double x, double y) const {
   hx /= thickness, hy /= thickness, x /= thickness, y /= thickness;
   const std::vector<Share> along_x = shares(hx), along_y = shares(hy);
-  const int mx = parts_of(along_x), my = parts_of(along_y);
+  const int mx = parts(hx), my = parts(hy);
   PadBaseStress sum = PadBaseStress::Zero();
   for (const auto& [px, share_x] : along_x) {
-    if (std::abs(x - px * hx) > range + hx) continue;
-    for (const auto& [py, share_y] : along_y)
+    if (std::abs(x - px * hx) > range + hx / mx) continue;
+    for (const auto& [py, share_y] : along_y) {
+      if (std::abs(y - py * hy) > range + hy / my) continue;
       over_cell(hx / mx, hy / my, x - px * hx, y - py * hy,
                 [&, share = share_x * share_y](double X, double Y, double w) {
                   const double rho = std::hypot(X, Y), cosine = rho > 0 ? X / rho : 1, sine = rho > 0 ? Y / rho : 0;
@@ -236,8 +234,44 @@ PadBaseStress PadLayer::base_stress(double thickness, double hx, double hy, doub
                       -odd, bA + even, -sine * bxz;
                   sum += at;
                 });
+    }
   }
   return hx * hy / (2 * pi) * sum;
+}
+
+std::vector<PadBaseStress> PadLayer::base_stresses(double thickness, double hx, double hy, int n, double x,
+                                                   double y) const {
+  hx /= thickness, hy /= thickness, x /= thickness, y /= thickness;
+  const std::vector<Share> along_x = shares(hx), along_y = shares(hy);
+  const int mx = parts(hx), my = parts(hy);
+  // Part u lies u times its side from the middle of the first cell; those out of range give nothing.
+  struct Parts {
+    Parts(double at, double side, int parts, int cells) {
+      const double least = -5 * parts / 2, most = (cells - 1) * parts - least;
+      first = static_cast<int>(std::clamp(std::floor((at - range) / side), least, most));
+      end = static_cast<int>(std::clamp(std::ceil((at + range) / side), least, most)) + 1;
+    }
+    int first, end;
+  };
+  const Parts u(x, hx / mx, mx, n), v(y, hy / my, my, n);
+  std::vector<PadBaseStress> lines(n * std::max(0, v.end - v.first), PadBaseStress::Zero()),
+      all(n * n, PadBaseStress::Zero());
+  const auto line = [&](int i, int l) -> PadBaseStress& { return lines[i * (v.end - v.first) + l - v.first]; };
+  const auto share_of = [](const std::vector<Share>& shares, int part) {
+    const int last = static_cast<int>(shares.size()) / 2;
+    return std::abs(part) <= last ? shares[part + last].share : 0;
+  };
+  for (int k = u.first; k < u.end; ++k)
+    for (int l = v.first; l < v.end; ++l) {
+      const PadBaseStress part =
+          static_cast<double>(mx * my) * base_stress(1, hx / mx, hy / my, x - k * hx / mx, y - l * hy / my);
+      for (int i = 0; i < n; ++i)
+        if (const double share = share_of(along_x, k - i * mx); share != 0) line(i, l) += share * part;
+    }
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      for (int l = v.first; l < v.end; ++l) all[i * n + j] += share_of(along_y, l - j * my) * line(i, l);
+  return all;
 }
 
 }  // namespace tactel::fem

@@ -2,6 +2,8 @@
 #pragma once
 #include <Eigen/Dense>
 #include <array>
+#include <cmath>
+#include <vector>
 
 #include "fem/pad/pad_integrals.h"
 
@@ -90,6 +92,13 @@ class PadLayer {
 
   /// Returns the base stress under a cell of shares() of unit mean traction at any offset, mm.
   PadBaseStress base_stress(double thickness, double hx, double hy, double x, double y) const;
+
+  /// The same of n x n cells, i along x, j along y, [i n + j], with (x, y) from the middle of the first. Wide cells
+  /// share the parts that they are summed from.
+  std::vector<PadBaseStress> base_stresses(double thickness, double hx, double hy, int n, double x, double y) const;
+
+  /// Returns the number of uniform parts of a side, over H.
+  static int parts(double side) { return side <= narrow_cell ? 1 : 2 * static_cast<int>(std::ceil(side - 1e-9)) + 1; }
 
  private:
   double value(PadIntegral f, double rho) const;

@@ -122,6 +122,20 @@ TEST(PadLayer, BaseStressOfACell) {
   EXPECT_LE((now - expected).cwiseAbs().maxCoeff(), 1e-9) << now;  // 1e-7 of the tables times the cell over 2 pi
 }
 
+// Summed from parts that neighbours share, a wide cell has the stress of its own quadrature.
+TEST(PadLayer, WideCellsShareTheirParts) {
+  const PadLayer layer(0.5);
+  const double H = 2, hx = 6.3 * H, hy = 2.2 * H, x = 4.1, y = -3.3;
+  const int n = 4;
+  const std::vector<PadBaseStress> all = layer.base_stresses(H, hx, hy, n, x, y);
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      EXPECT_LT((all[i * n + j] - layer.base_stress(H, hx, hy, x - i * hx, y - j * hy)).norm(), 1e-12) << i << j;
+  // Beyond the reach of the layer, and so far away that no part could be counted.
+  for (const double far : {300.0, 1e15})
+    for (const PadBaseStress& none : layer.base_stresses(H, hx, hy, n, far, y)) EXPECT_EQ(none.norm(), 0) << far;
+}
+
 TEST(PadLayer, UnderUniformTractionItIsTheOedometerAndSimpleShear) {
   for (const double nu : {0.3, 0.45, 0.5}) {
     const PadLayer layer(nu);
