@@ -15,6 +15,9 @@ double point(int k, int points = PadLayers::points) {
   return 0.25 * (1 - std::cos(std::numbers::pi * k / (points - 1)));
 }
 
+/// Where a ratio lies so near a point that a weight could overflow.
+bool at_point(double from) { return std::abs(from) < 1e-290; }
+
 }  // namespace
 
 PadLayers::PadLayers(const std::filesystem::path& cache_directory) {
@@ -39,7 +42,7 @@ PadLayer PadLayers::layer(double poisson) const {
   double weights = 0;
   for (int k = 0; k < points; ++k) {
     const double from = poisson - point(k);
-    if (from == 0) return {poisson, samples_[static_cast<std::size_t>(k)]};
+    if (at_point(from)) return {poisson, samples_[static_cast<std::size_t>(k)]};
     const double weight = (k % 2 ? -1 : 1) * (k == 0 || k == points - 1 ? 0.5 : 1) / from;
     sum += weight * samples_[static_cast<std::size_t>(k)];
     weights += weight;
@@ -54,7 +57,7 @@ std::vector<double> poisson_shares(double poisson) {
   double sum = 0;
   for (int k = 0; k < poisson_points; ++k) {
     const double from = poisson - poisson_point(k);
-    if (from == 0) {
+    if (at_point(from)) {
       shares.assign(poisson_points, 0);
       shares[static_cast<std::size_t>(k)] = 1;
       return shares;
