@@ -8,6 +8,7 @@
 
 #include "fem/angles.h"
 #include "fem/layer/legendre_points.h"
+#include "fem/pad/pad_presses.h"
 #include "fem/pad/pad_search.h"
 #include "fem/pad/slip_margin.h"
 
@@ -21,6 +22,34 @@ Eigen::Matrix2d own_to_pad(const PadIndenter& indenter) {
 }
 
 Eigen::Vector2d position(const PadIndenter& indenter) { return {indenter.position[0], indenter.position[1]}; }
+
+/// Gauss points along the side of a square tactel, some for each H; 1: it is a point.
+int points_along_tactel(const PadSensor& sensor) {
+  return sensor.tactel_size > 0 ? 3 + static_cast<int>(std::ceil(2 * sensor.tactel_size / sensor.thickness)) : 1;
+}
+
+/// How often the layer's integrals are taken for the base stresses of cells, each from its own parts or from shared
+/// ones.
+double stress_work(const PadScene& scene, const PadCells& cells, bool shared) {
+  constexpr double points_of_part = 20;  // 16 to 36
+  const auto along = [&](double h) {
+    const double side = h / scene.sensor.thickness;
+    const int parts = PadLayer::parts(side);
+    if (!shared) return cells.n * (parts > 1 ? 5.0 * parts : 1.0);
+    return std::min((cells.n + 4.0) * parts, 2 * PadLayer::range * parts / side);
+  };
+  const double tactels = static_cast<double>(scene.sensor.tactels[0]) * scene.sensor.tactels[1];
+  return tactels * std::pow(points_along_tactel(scene.sensor), 2) * points_of_part * along(cells.hx) * along(cells.hy);
+}
+
+/// Whether cells share parts, which takes less where they have many.
+bool shares_parts(const PadScene& scene, const PadCells& cells) {
+  constexpr int many = 25;
+  constexpr double most_work = 2e9;
+  const double H = scene.sensor.thickness;
+  const int parts = PadLayer::parts(cells.hx / H) * PadLayer::parts(cells.hy / H);
+  return parts > many || (parts > 1 && stress_work(scene, cells, false) > most_work);
+}
 
 /// How much of the last change of the tractions to expect again: the part of the new change of the load along the last
 /// one, over that; at most 2.
@@ -152,19 +181,24 @@ PadStep PadWalk::step_here(std::array<bool, 4>& outside) const {
   step.stick_fraction = touch > 0 ? static_cast<double>(stick) / touch : 0;
   step.slip_distance = contact_.slip_distance();
   step.area = touch * cells_.area();
+  std::array<int, 4> ends{cells_.n, -1, cells_.n, -1};
   const Eigen::Vector2d half = turn_.cwiseAbs() * Eigen::Vector2d(cells_.hx / 2, cells_.hy / 2);
   for (Eigen::Index i = 0; i < n.size(); ++i) {
     if (!(n[i] > 0)) continue;
     const Eigen::Vector2d at = turn_ * own_places_.row(i).transpose(), low = at - half, high = at + half;
     step.reach.cover({{low[0], high[0]}, {low[1], high[1]}});
+    const int ix = static_cast<int>(i) / cells_.n, iy = static_cast<int>(i) % cells_.n;
+    ends = {std::min(ends[0], ix), std::max(ends[1], ix), std::min(ends[2], iy), std::max(ends[3], iy)};
   }
+  step.across = touch > 0 ? 1 + std::min(ends[1] - ends[0], ends[3] - ends[2]) : 0;
   step.normal_force = n;
   step.tangential_force = t * turn_.transpose();
   Eigen::VectorXd tractions(3 * n.size());
   tractions << contact_.n(), contact_.t().col(0), contact_.t().col(1);
   step.stress = young * (stress_ * tractions).reshaped(stress_.rows() / 3, 3);
   step.residual = contact_.residual(options_.accepted(), outside);
-  const bool finite = std::isfinite(step.P + step.Q.sum() + step.M);  // a residual may be 0 beside NaN
+  const bool finite =
+      std::isfinite(step.P + step.Q.sum() + step.M) && step.stress.allFinite();  // a residual may be 0 beside NaN
   step.converged = converged_ && finite && step.residual.largest() <= options_.accepted();
   step.sweeps = sweeps_;
   return step;
@@ -234,35 +268,46 @@ Eigen::MatrixX2d tactel_places(const PadSensor& sensor) {
   return places;
 }
 
+double base_stress_work(const PadScene& scene, const PadCells& cells) {
+  return stress_work(scene, cells, shares_parts(scene, cells));
+}
+
 Eigen::MatrixXd base_stress_of_cells(const PadLayer& layer, const PadScene& scene, const PadCells& cells) {
   const Eigen::MatrixX2d tactels = tactel_places(scene.sensor);
   const Eigen::Index count = tactels.rows(), cell_count = cells.count();
   const double H = scene.sensor.thickness, half = scene.sensor.tactel_size / 2;
-  // Gauss points over a square tactel, some for each H of its side.
-  const std::vector<LegendrePoint> points =
-      half > 0 ? legendre_points(3 + static_cast<int>(std::ceil(4 * half / H))) : std::vector<LegendrePoint>{{0, 2}};
+  const int along = points_along_tactel(scene.sensor);
+  const std::vector<LegendrePoint> points = along > 1 ? legendre_points(along) : std::vector<LegendrePoint>{{0, 2}};
   const Eigen::Matrix2d turn = own_to_pad(scene.indenter);
   Eigen::Matrix3d turned = Eigen::Matrix3d::Identity();
   turned.bottomRightCorner<2, 2>() = turn;
   Eigen::MatrixXd stress(3 * count, 3 * cell_count);
-  for (Eigen::Index k = 0; k < count; ++k)
+  const bool shared = shares_parts(scene, cells);
+  std::vector<PadBaseStress> sums(cell_count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    std::ranges::fill(sums, PadBaseStress(PadBaseStress::Zero()));
+    for (const LegendrePoint& p : points)
+      for (const LegendrePoint& q : points) {
+        const Eigen::Vector2d place =
+            tactels.row(k).transpose() + half * Eigen::Vector2d(p.x, q.x) - position(scene.indenter);
+        const Eigen::Vector2d own = turn.transpose() * place;
+        const double weight = p.weight * q.weight / 4;
+        std::vector<PadBaseStress> all;
+        if (shared) all = layer.base_stresses(H, cells.hx, cells.hy, cells.n, own[0] - cells.x(0), own[1] - cells.y(0));
+        for (int i = 0; i < cells.count(); ++i)
+          sums[i] += weight * (shared ? all[i]
+                                      : layer.base_stress(H, cells.hx, cells.hy, own[0] - cells.x(i / cells.n),
+                                                          own[1] - cells.y(i % cells.n)));
+      }
     for (Eigen::Index i = 0; i < cell_count; ++i) {
-      const double x = cells.x(static_cast<int>(i) / cells.n), y = cells.y(static_cast<int>(i) % cells.n);
-      PadBaseStress sum = PadBaseStress::Zero();
-      for (const LegendrePoint& p : points)
-        for (const LegendrePoint& q : points) {
-          const Eigen::Vector2d place =
-              tactels.row(k).transpose() + half * Eigen::Vector2d(p.x, q.x) - position(scene.indenter);
-          const Eigen::Vector2d own = turn.transpose() * place;
-          sum += p.weight * q.weight / 4 * layer.base_stress(H, cells.hx, cells.hy, own[0] - x, own[1] - y);
-        }
-      const PadBaseStress at = turned * sum;
+      const PadBaseStress at = turned * sums[i];
       for (int row = 0; row < 3; ++row) {
         stress(row * count + k, i) = -at(row, 2);  // pressure is the negative of f_z
         stress(row * count + k, cell_count + i) = at(row, 0);
         stress(row * count + k, 2 * cell_count + i) = at(row, 1);
       }
     }
+  }
   return stress;
 }
 
@@ -283,6 +328,13 @@ PadSolution PadSolver::solve_on(const PadCells& cells, const PadScene& scene) co
 
 PadSolution PadSolver::solve(const PadScene& scene) const {
   scene.validate();
+  PadSolution solution = solve_on_grown(scene);
+  for (const std::size_t k : coarse_presses(scene, solution))
+    take_alone(solution, k, solve_on_grown(pressed_alone(scene, k)));
+  return solution;
+}
+
+PadSolution PadSolver::solve_on_grown(const PadScene& scene) const {
   auto [indenter, cells] = lay_cells(scene, layer_, options_.cells, options_.ladder);
   PadScene seen = scene;
   seen.indenter = std::move(indenter);

@@ -43,6 +43,7 @@ struct PadStep {
   double stick_fraction = 0;          ///< cells that stick over those that touch; 0 where none touches
   double slip_distance = 0;           ///< mm: how far the indenter has slid over the rubber at most
   double area = 0;                    ///< mm^2 of the cells that touch
+  int across = 0;                     ///< cells over which it extends, along the shorter side
   PadBox reach{nowhere, nowhere};     ///< around these, along the pad from the indenter's axis
   std::vector<GapStatus> status;      ///< [cells]
   Eigen::VectorXd normal_force;       ///< [cells] N
@@ -85,6 +86,9 @@ std::vector<PadIncrement> pad_increments(const PadScene& scene, const PadOptions
 /// Returns the middles of the tactels on the pad, [tactels, x fastest] mm.
 Eigen::MatrixX2d tactel_places(const PadSensor& sensor);
 
+/// Returns how often the layer's integrals are taken for base_stress_of_cells: some 20 ns each.
+double base_stress_work(const PadScene& scene, const PadCells& cells);
+
 /// Returns by rows [3 tactels] (sigma_z, tau_x, tau_y of each) the base stress, in the frame of the pad, of unit
 /// pressures and tractions in the indenter's own frame: columns [3 cells], n, t_x, t_y of each.
 Eigen::MatrixXd base_stress_of_cells(const PadLayer& layer, const PadScene& scene, const PadCells& cells);
@@ -98,7 +102,8 @@ class PadSolver {
  public:
   explicit PadSolver(const PadLayer& layer, const PadOptions& options = {});
 
-  /// Solves a scene. Where the surface is penetrated beyond the grid, that grows, and the scene is solved again.
+  /// Solves a scene. Where the surface is penetrated beyond the grid, that grows, and the scene is solved again. Coarse
+  /// steps of the pressing are solved alone (pad_presses.h).
   PadSolution solve(const PadScene& scene) const;
 
   /// The same on given cells, which do not grow.
@@ -107,6 +112,8 @@ class PadSolver {
   const PadOptions& options() const { return options_; }
 
  private:
+  PadSolution solve_on_grown(const PadScene& scene) const;
+
   const PadLayer& layer_;
   PadOptions options_;
 };

@@ -8,7 +8,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_mix.h"
+#include "fem/pad/pad_presses.h"
 #include "fem/pad/pad_reference.h"
 #include "fem/pad/pad_search.h"
 #include "tests/fem/pad/named_pad_scenes.h"
@@ -221,6 +223,63 @@ TEST(PadSolver, WhatIsNotFiniteHasNotConverged) {
   const PadLayer layer(scene.sensor.poisson);
   for (const PadStep& step : PadSolver(layer).solve_on({.n = 12, .hx = 0.3, .hy = 0.3}, scene).steps)
     EXPECT_TRUE(std::isfinite(step.P) || !step.converged);
+}
+
+TEST(PadLayers, RatiosNextToAPointAreThoseOfThePoint) {
+  for (const double tiny : {1e-310, 1e-308, 1e-291}) {
+    EXPECT_EQ(pad_layer(tiny).displacements(1.5)[0], pad_layer(0).displacements(1.5)[0]) << tiny;
+    EXPECT_EQ(poisson_shares(tiny), poisson_shares(0)) << tiny;
+  }
+}
+
+// Sneddon: a cone on a half-space, P = 2 E' d^2 tan(angle) / pi. Each depth as exactly as alone: 12 cells leave 0.8 %
+// of P, and H = 100 a some 0.5 % of it.
+TEST(PadSolver, StepsOfThePressingAreAsExactAsAlone) {
+  const double nu = 0.3, angle = 80, deepest = 0.01;
+  PadScene scene = scene_of(Cone{angle}, deepest, 10, nu, 0, {{0.001, 0, 0}});
+  scene.load.indentation.clear();
+  for (const double part : {0.03, 0.07, 0.13, 0.27, 0.5, 1.0}) scene.load.indentation.push_back(part * deepest);
+  scene.load.indentation_steps = 1;
+  const PadLayer layer(nu);
+  const PadSolution solution = PadSolver(layer).solve(scene);
+  ASSERT_EQ(solution.steps.size(), 7u);
+  for (std::size_t k = 0; k < solution.steps.size(); ++k) {
+    const PadStep& step = solution.steps[k];
+    const double d = scene.load.indentation[std::min<std::size_t>(k, 5)];
+    EXPECT_NEAR(step.P / (2 * d * d * std::tan(angle * pi / 180) / (pi * (1 - nu * nu))), 1, 0.015) << k;
+    EXPECT_NEAR(step.normal_force.sum(), step.P, 1e-12 * step.P) << k;
+    EXPECT_EQ(step.normal_force.size(), solution.places.rows());
+    EXPECT_TRUE(step.converged) << k;
+    EXPECT_EQ(step.indentation, d) << k;
+    EXPECT_GE(step.across, least_across(12)) << k;
+  }
+}
+
+// With friction, too, a press in steps leads where one in many leads: what the last of them leaves of the first ones'
+// history, on few cells, is small beside the same on cells of their own.
+TEST(PadSolver, APressOnItsWayIsThatPressAlone) {
+  PadScene scene = scene_of(Sphere{8}, .25, 2, .45, .5, {});
+  scene.load = {.indentation = {.03, .06, .25}};
+  const PadLayer layer(.45);
+  const PadOptions fine{.cells = 48, .tolerance = 1e-5, .ladder = false};
+  const PadLayout laid = lay_cells(scene, layer, 48, false);
+  const PadSolution on_the_way = PadSolver(layer, fine).solve_on(laid.cells, scene);
+  const PadSolution now = PadSolver(layer).solve(scene);
+  for (const std::size_t k : {0u, 1u}) {
+    const PadStep &a = now.steps[k], &b = on_the_way.steps[k];
+    EXPECT_NEAR(a.P / b.P, 1, 0.01) << k;  // 12 cells alone; 16 and 23 of the 48
+    EXPECT_LT((a.stress - b.stress).cwiseAbs().maxCoeff(), 0.02 * b.stress.cwiseAbs().maxCoeff()) << k;
+  }
+}
+
+TEST(PadSolver, ADragHoldsItsCells) {
+  // Lifted after a drag, the contact has a history of friction, and stays on the cells of the deepest step.
+  PadScene scene = scene_of(Cone{80}, .1, 2, .45, .5, {});
+  scene.load = {.indentation = {.1}, .moves = {{.1, .01, 0, 0}, {.02, .01, 0, 0}}};
+  const PadLayer layer(.45);
+  const PadSolution now = PadSolver(layer).solve(scene);
+  EXPECT_LT(now.steps.back().across, least_across(12));
+  EXPECT_TRUE(coarse_presses(scene, now).empty());
 }
 
 TEST(PadSolver, GrowsWhereTheSurfaceIsPenetratedBeyondTheCells) {
