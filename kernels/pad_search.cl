@@ -7,7 +7,8 @@
      p >= 0,   gap = h - d + sum zz p >= 0,   p gap = 0,
    by Gauss-Seidel from zero, until no pressure changes by more than SEARCH_TOLERANCE of the largest. The next window is
    the pressed extent and 1.5 cells more on a side, or a quarter of the extent on a side whose outermost cells press,
-   inside the indenter's edges. The contact is the last extent and MARGIN of it more on a side.
+   inside the indenter's edges. The contact is the last extent and MARGIN of it more on a side. Measured heights of
+   which the first round presses none get a second first window, around where they lie below the depth.
    Driven by force, the rounds are repeated at depths that follow secants in the logarithms of depth and force.
 
    Influence of cells, with rho the distance of their middles and corners [F] as in fem/pad/pad_layer.h:
@@ -195,6 +196,47 @@ static void map_section(const Maps *maps, global const vreal *in, vreal depth, E
   y->left = PICK(measured, pitch * LOAD(from_y), y->left);
   y->right = PICK(measured, pitch * LOAD(to_y), y->right);
 }
+
+/* A box around where measured heights, bilinear between their points, lie below a depth, in lanes with heights. */
+static void low_part(const Maps *maps, global const vreal *in, vreal depth, Extent *x, Extent *y) {
+  real rows[LANES], columns[LANES], below[LANES], from_x[LANES], to_x[LANES], from_y[LANES], to_y[LANES];
+  STORE(in[PAD_MAP_ROWS], rows);
+  STORE(in[PAD_MAP_COLUMNS], columns);
+  STORE(depth / in[PAD_MAP_UNIT], below);
+  for (int l = 0; l < LANES; ++l) {
+    const int along = (int)rows[l], across = (int)columns[l];
+    real first_i = along, last_i = 0, first_j = across, last_j = 0;
+    for (int i = 0; i < along; ++i)
+      for (int j = 0; j < across; ++j) {
+        global const real *h = maps->heights + maps->at[l] + i * across + j;
+        for (int k = 0; k < 3; ++k) { /* the point, and on the way to the next along x and y where the depth is met */
+          const int inside = k == 1 ? i + 1 < along : k == 2 ? j + 1 < across : 1;
+          const real next = inside ? h[k == 1 ? across : k == 2 ? 1 : 0] : h[0];
+          if (k == 0 ? h[0] > below[l] : !inside || (h[0] <= below[l]) == (next <= below[l])) continue;
+          const real share = k == 0 ? 0 : (below[l] - h[0]) / (next - h[0]);
+          const real at_i = (real)i + (k == 1 ? share : 0), at_j = (real)j + (k == 2 ? share : 0);
+          first_i = fmin(first_i, at_i);
+          last_i = fmax(last_i, at_i);
+          first_j = fmin(first_j, at_j);
+          last_j = fmax(last_j, at_j);
+        }
+      }
+    from_x[l] = first_i - (real)0.5 * (real)(along - 1);
+    to_x[l] = last_i - (real)0.5 * (real)(along - 1);
+    from_y[l] = first_j - (real)0.5 * (real)(across - 1);
+    to_y[l] = last_j - (real)0.5 * (real)(across - 1);
+  }
+  const vreal pitch = 1 / in[PAD_MAP_PER_PITCH];
+  x->left = pitch * LOAD(from_x);
+  x->right = pitch * LOAD(to_x);
+  y->left = pitch * LOAD(from_y);
+  y->right = pitch * LOAD(to_y);
+}
+
+INLINE void take(vint lanes, const Extent *from, Extent *to) {
+  to->left = PICK(lanes, from->left, to->left);
+  to->right = PICK(lanes, from->right, to->right);
+}
 #endif
 
 /* The square of what lies beyond a flat, times a curvature. */
@@ -225,7 +267,7 @@ static inline vreal half_section(vreal depth, vreal round_depth, vreal flat, vre
 }
 
 static void rigid_section(const Maps *maps, global const vreal *in, vreal depth, Extent *x, Extent *y) {
-  const vreal d = LARGER(depth, ALL_LANES(LEAST_DEPTH)), round_depth = SMALLER(d, in[PAD_SECTION_MOST]);
+  const vreal d = PICK(depth > 0, depth, ALL_LANES(LEAST_DEPTH)), round_depth = SMALLER(d, in[PAD_SECTION_MOST]);
   x->right = half_section(d, round_depth, in[PAD_SECTION_X], in[PAD_SECTION_WIDE_X], in[PAD_SECTION_LESS_X],
                           in[PAD_SECTION_SLOPE]);
   y->right = half_section(d, round_depth, in[PAD_SECTION_Y], in[PAD_SECTION_WIDE_Y], in[PAD_SECTION_LESS_Y],
@@ -357,9 +399,21 @@ static vreal search_at(const Maps *maps, global const vreal *in, vreal depth, vi
     sum *= 4;
 #endif
     P = PICK(running, sum * hx * hy, P);
+    next_extent(bears_x, hx, running & any, in[PAD_SHAPE_EDGE_X], &window_x, x);
+    next_extent(bears_y, hy, running & any, in[PAD_SHAPE_EDGE_Y], &window_y, y);
+#if !MIRRORED
+    const vint missed = round == 0 && maps->any ? running & NOT(any) & (in[PAD_MAP_ROWS] > 0) : (vint)(0);
+    if (ANY(missed)) {
+      Extent low_x, low_y;
+      low_part(maps, in, depth, &low_x, &low_y);
+      take(missed, &low_x, &window_x);
+      take(missed, &low_x, x);
+      take(missed, &low_y, &window_y);
+      take(missed, &low_y, y);
+      any |= missed;
+    }
+#endif
     running &= any;
-    next_extent(bears_x, hx, running, in[PAD_SHAPE_EDGE_X], &window_x, x);
-    next_extent(bears_y, hy, running, in[PAD_SHAPE_EDGE_Y], &window_y, y);
   }
   return P;
 }

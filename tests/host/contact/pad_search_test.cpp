@@ -226,6 +226,42 @@ TEST(PadSearch, MirrorImages) {
   EXPECT_LT(a[2].contact.x.right, 0.9 * -a[2].contact.x.left);  // tilted: pressed on one side
 }
 
+// Hertz: P = 4/3 E' sqrt(R) d^1.5, a = sqrt(R d). A millionth of the thickness once was the least depth looked at.
+TEST(PadSearch, FindsContactsOfAnyDepth) {
+  fem::PadScene scene;
+  const double nu = scene.sensor.poisson, E = scene.sensor.young / (1 - nu * nu), R = 8;
+  scene.indenter.shape = fem::Sphere{R};
+  for (const double depth : {1e-4, 2e-6, 2e-9}) {
+    scene.load.indentation = {depth};
+    for (const fem::PadSearch& found :
+         {PadSearch<float>(executor()).find(std::span(&scene, 1)).front(), fem::find_pad_contact(scene, layer(nu))}) {
+      EXPECT_NEAR(found.P / (4.0 / 3 * E * std::sqrt(R) * std::pow(depth, 1.5)), 1, 0.05) << depth;
+      EXPECT_NEAR(found.contact.x.right / std::sqrt(R * depth), 1.1, 0.15) << depth;
+    }
+  }
+}
+
+/// A pyramid whose points lie as far apart as that it is touched between them alone: height (|x| + |y|) / 2, so that
+/// the bilinear profile is the pyramid itself, and its section at the depth d reaches to 2 d.
+TEST(PadSearch, FindsContactsBetweenThePointsOfAMap) {
+  for (const int middle : {2, 1}) {  // in the map's middle, and beside it
+    fem::HeightMap map{.pitch = 1, .heights = Eigen::MatrixXd(5, 5)};
+    for (int i = 0; i < 5; ++i)
+      for (int j = 0; j < 5; ++j) map.heights(i, j) = 0.5 * (std::abs(i - middle) + std::abs(j - 2));
+    fem::PadScene scene;
+    scene.indenter.shape = map;
+    scene.load.indentation = {0.01};
+    const double at = middle - 2;
+    for (const fem::PadSearch& found : {PadSearch<float>(executor()).find(std::span(&scene, 1)).front(),
+                                        fem::find_pad_contact(scene, layer(scene.sensor.poisson))}) {
+      EXPECT_GT(found.P, 0);
+      EXPECT_NEAR(found.contact.x.left, at - 0.013, 0.008);
+      EXPECT_NEAR(found.contact.x.right, at + 0.013, 0.008);
+      EXPECT_NEAR(found.contact.y.right, 0.013, 0.008);
+    }
+  }
+}
+
 std::array<double, 6> numbers(const fem::PadSearch& found) {
   return {found.contact.x.left,  found.contact.x.right, found.contact.y.left,
           found.contact.y.right, found.depth,           found.P};
