@@ -483,6 +483,7 @@ OUTLINE void report(const Influence *influence, global const vreal *lane_input, 
     const vreal cosine = in[PAD_COSINE], sine = in[PAD_SINE], force = in[PAD_FORCE], H = in[PAD_THICKNESS];
     vreal P = 0, Qx = 0, Qy = 0, M = 0, sticking = 0, touching = 0, slid = 0;
     vreal left = PAD_OPEN, right = -PAD_OPEN, below = PAD_OPEN, above = -PAD_OPEN;
+    vreal first_x = CELLS, last_x = -1, first_y = CELLS, last_y = -1;
     for (int k = 0; k < c->listed; ++k) {
       const int i = c->list[k];
       const vreal n = c->n[i].v[v], x = c->tx[i].v[v], y = c->ty[i].v[v], edge = INSIDE_CONE * s->mu.v[v] * n;
@@ -500,6 +501,11 @@ OUTLINE void report(const Influence *influence, global const vreal *lane_input, 
       right = PICK(touches, LARGER(pad_x, right), right);
       below = PICK(touches, SMALLER(pad_y, below), below);
       above = PICK(touches, LARGER(pad_y, above), above);
+      const vreal ix = ALL_LANES((real)(i / CELLS)), iy = ALL_LANES((real)(i % CELLS));
+      first_x = PICK(touches, SMALLER(ix, first_x), first_x);
+      last_x = PICK(touches, LARGER(ix, last_x), last_x);
+      first_y = PICK(touches, SMALLER(iy, first_y), first_y);
+      last_y = PICK(touches, LARGER(iy, last_y), last_y);
       touching += PICK(n > 0, ALL_LANES(1), ALL_LANES(0));
       sticking += PICK((n > 0) & (fma(x, x, y * y) < edge * edge), ALL_LANES(1), ALL_LANES(0));
     }
@@ -521,6 +527,8 @@ OUTLINE void report(const Influence *influence, global const vreal *lane_input, 
     to[PAD_RESULT_RIGHT] = (right + half_x) * H;
     to[PAD_RESULT_BELOW] = (below - half_y) * H;
     to[PAD_RESULT_ABOVE] = (above + half_y) * H;
+    to[PAD_RESULT_ACROSS] =
+        PICK(touching > 0, 1 + SMALLER(last_x - first_x, last_y - first_y), ALL_LANES(0));
     const vint reports = slot->v[v] >= 0;
     vreal worst = to[PAD_RESULT_PENETRATION];
     EACH(r, 4) { worst = LARGER(to[PAD_RESULT_COMPLEMENTARITY + r], worst); }

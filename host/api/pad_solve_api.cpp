@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "fem/angles.h"
+#include "fem/pad/pad_presses.h"
 #include "host/api/outcome.h"
 #include "host/api/scene_conversion.h"
 #include "host/contact/pad_solve.h"
@@ -14,6 +15,7 @@
 #include "host/scenes/unit_warnings.h"
 #include "host/support/chosen_row.h"
 #include "host/support/errors.h"
+#include "kernels/shared/pad_layout.h"
 
 namespace tactel {
 namespace {
@@ -110,6 +112,13 @@ class PadArrays {
     }
   }
 
+  /// Puts the answer of a step of the pressing that was solved alone.
+  void put_alone(std::size_t i, std::size_t k, const fem::PadSolution& alone) {
+    const fem::PadStep& step = alone.steps.back();
+    put(i, k, step, std::span(step.stress.data(), 3 * tactels_));
+    paths.fell_back[i] |= static_cast<std::uint8_t>(alone.fell_back);
+  }
+
   PadPaths paths;
   std::vector<fem::PadBox> reach;  ///< [scenes] of the cells that touch, from the indenter's axis
 
@@ -199,11 +208,23 @@ PadPaths solve_many(std::span<const PadScene> scenes, const SolveOptions& option
     const host::Precision precision = asked.precision == "fp64" ? host::Precision::fp64 : host::Precision::fp32;
     const host::PadStream stream(executor, {kernel_of(rung, asked.tolerance), precision});
     PadArrays arrays(all);
+    std::vector<std::pair<std::size_t, std::size_t>> coarse;  // scene, step of the pressing
     const bool solved = stream.solve(
-        all, [&](std::size_t i, const host::LaneAnswer& answer) { arrays.put(i, answer, all[i]); },
+        all,
+        [&](std::size_t i, const host::LaneAnswer& answer) {
+          arrays.put(i, answer, all[i]);
+          const auto across = [&](std::size_t k) {
+            return static_cast<int>(answer.result(static_cast<int>(k), PAD_RESULT_ACROSS));
+          };
+          for (const std::size_t k : fem::coarse_presses(all[i].load, rung.cells, across)) coarse.emplace_back(i, k);
+        },
         [&](std::size_t i, fem::PadSolution&& solution) { arrays.put(i, solution); },
         [&](std::size_t done) { return progress(done, all.size()); });
     if (!solved) throw Cancelled("solve_many: cancelled by progress");
+    std::vector<fem::PadScene> alone;
+    for (const auto& [i, k] : coarse) alone.push_back(fem::pressed_alone(all[i], k));
+    const std::vector<fem::PadSolution> found = stream.solve(alone);
+    for (std::size_t a = 0; a < coarse.size(); ++a) arrays.put_alone(coarse[a].first, coarse[a].second, found[a]);
     for (std::size_t i = 0; i < all.size(); ++i)
       api::with_public_errors(
           [&] {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <list>
 #include <map>
 #include <mutex>
@@ -33,6 +34,7 @@ struct OnCells {
   fem::PadScene scene;
   fem::PadCells cells;
   PadCellSize size;
+  bool solvable = true;  ///< else some cells stand for those that the scene would need
 };
 
 /// Scenes in lanes. First groups of `vectors` vectors that share a table, then groups of a vector whose lanes have
@@ -56,7 +58,7 @@ PadLanes in_lanes(const std::vector<OnCells>& on_cells, const Numbers& scenes, c
   using Cost = std::tuple<int, std::size_t, int, double, std::size_t>;
   std::map<std::tuple<double, PadCellSize>, std::vector<Cost>> by_table;
   for (std::size_t i = 0; i < on_cells.size(); ++i) {
-    const auto& [scene, cells, size] = on_cells[i];
+    const auto& [scene, cells, size, solvable] = on_cells[i];
     by_table[{scene.sensor.poisson, size}].emplace_back(scenes[i].increments, scene.indenter.shape.index(), stratum[i],
                                                         cells.half_size(), i);
   }
@@ -210,12 +212,17 @@ std::vector<OnCells> PadContact<Real>::State::on_cells(Scenes& scenes) {
   std::vector<OnCells> all;
   all.reserve(scenes.all_.size());
   for (auto& [scene, path, cells] : scenes.all_) {
+    double depth = 0;
     if (!cells) {
+      depth = next->depth;
       auto [indenter, laid] = fem::lay_cells(*next++, scene, options.cells, options.ladder);
       scene.indenter = std::move(indenter), cells = laid;
     }
-    const PadCellSize size = cell_size(*cells, scene.sensor.thickness);
-    all.push_back({std::move(scene), *cells, size});
+    const double H = scene.sensor.thickness;
+    const bool solvable = fem::solvable(*cells, H, depth);
+    if (!solvable) cells->hx = cells->hy = H, cells->x_middle = cells->y_middle = 0;
+    const PadCellSize size = cell_size(*cells, H);
+    all.push_back({std::move(scene), *cells, size, solvable});
   }
   return all;
 }
@@ -225,7 +232,7 @@ LaneScenes<Real> PadContact<Real>::State::numbers(const std::vector<OnCells>& on
   LaneScenes<Real> all;
   const auto put = [](std::vector<Real>& to, double number) { to.push_back(static_cast<Real>(number)); };
   for (std::size_t i = 0; i < on_cells.size(); ++i) {
-    const auto& [scene, cells, size] = on_cells[i];
+    const auto& [scene, cells, size, solvable] = on_cells[i];
     const std::vector<fem::PadIncrement> path = fem::pad_increments(scene, options.twin(), cells);
     const int steps = static_cast<int>(scenes.all_[i].path.steps.size());
     all.add({}, {.steps = steps,
@@ -236,7 +243,8 @@ LaneScenes<Real> PadContact<Real>::State::numbers(const std::vector<OnCells>& on
     const double H = scene.sensor.thickness, force = scene.sensor.young * H * H, yaw = fem::radians(scene.indenter.yaw),
                  cosine = std::cos(yaw), sine = std::sin(yaw);
     double input[PAD_INPUT_ROWS] = {};
-    input[PAD_MU] = scene.friction, input[PAD_STEPS] = static_cast<double>(path.size());
+    input[PAD_MU] = solvable ? scene.friction : std::numeric_limits<double>::quiet_NaN();  // which is no scene
+    input[PAD_STEPS] = static_cast<double>(path.size());
     input[PAD_X_MIDDLE] = cells.x_middle / H, input[PAD_Y_MIDDLE] = cells.y_middle / H;
     input[PAD_FORCE] = force, input[PAD_THICKNESS] = H;
     input[PAD_COSINE] = cosine, input[PAD_SINE] = sine, input[PAD_BY_FORCE] = by_force(scene);
@@ -297,7 +305,7 @@ LaneArray<Real> PadContact<Real>::State::heights(const std::vector<OnCells>& on_
   std::ranges::fill(all.view(), Real(0));
   std::vector<Real> numbers;
   for (const std::size_t i : lanes.order) {
-    const auto& [scene, cells, size] = on_cells[i];
+    const auto& [scene, cells, size, solvable] = on_cells[i];
     const Eigen::MatrixXd h = fem::cell_heights(cells, scene.indenter);
     numbers.clear();
     for (int k = 0; k < ring * ring; ++k)
@@ -329,7 +337,7 @@ LaneArray<Real> PadContact<Real>::State::places(const std::vector<OnCells>& on_c
     return at->second;
   };
   for (const std::size_t i : lanes.order) {
-    const auto& [scene, cells, size] = on_cells[i];
+    const auto& [scene, cells, size, solvable] = on_cells[i];
     const auto [row, is_new] = rows.try_emplace(scene.sensor.poisson, rows.size() * PadTables::stress_rows);
     if (is_new) {
       for (const double number : tables(scene.sensor.poisson)->stress())
@@ -514,6 +522,7 @@ fem::PadSolution PadContact<Real>::Batch::solution(const LaneView<Real>& view, s
   const Eigen::Matrix2d turn = Eigen::Rotation2Dd(fem::radians(scene.indenter.yaw)).toRotationMatrix();
   const std::vector<fem::PadTarget> targets = fem::pad_targets(scene.load);
   const LaneAnswer answer = view.answer(i);
+  const bool solvable = laid_->on_cells[i].solvable;  // else nothing was written but the results
   fem::PadSolution solution;
   solution.cells = cells;
   solution.outside = penetrated_sides(answer);
@@ -526,7 +535,7 @@ fem::PadSolution PadContact<Real>::Batch::solution(const LaneView<Real>& view, s
     const auto result = [&](int row) { return answer.result(k, row); };
     const auto forces = [&](Eigen::Index part) {
       return Eigen::VectorXd::NullaryExpr(count, [&, part](Eigen::Index cell) {
-        return static_cast<double>(view.force(i, k, static_cast<int>(part * count + cell)));
+        return solvable ? static_cast<double>(view.force(i, k, static_cast<int>(part * count + cell))) : 0;
       });
     };
     fem::PadStep step = pad_step(result, targets[static_cast<std::size_t>(k)], scene.friction);
@@ -541,8 +550,9 @@ fem::PadSolution PadContact<Real>::Batch::solution(const LaneView<Real>& view, s
                                                                               : fem::GapStatus::slip);
     }
     step.tangential_force = own * turn.transpose();
-    answer.tactels(k, std::span(stress));
+    if (solvable) answer.tactels(k, std::span(stress));
     step.stress = Eigen::Map<const Eigen::MatrixX3d>(stress.data(), laid_->tactels, 3);
+    step.converged = step.converged && step.stress.allFinite();
     solution.steps.push_back(std::move(step));
   }
   return solution;
@@ -563,6 +573,7 @@ fem::PadStep pad_step(const std::function<double(int row)>& row, const fem::PadT
   step.sweeps = static_cast<int>(row(PAD_RESULT_SWEEPS));
   step.slip_distance = row(PAD_RESULT_SLIP_DISTANCE), step.area = row(PAD_RESULT_AREA);
   step.reach = {{row(PAD_RESULT_LEFT), row(PAD_RESULT_RIGHT)}, {row(PAD_RESULT_BELOW), row(PAD_RESULT_ABOVE)}};
+  step.across = static_cast<int>(row(PAD_RESULT_ACROSS));
   const int status = static_cast<int>(row(PAD_RESULT_STATUS));
   step.converged = status == LANE_SOLVED || status == LANE_SLIDING;
   step.residual = {row(PAD_RESULT_PENETRATION), row(PAD_RESULT_COMPLEMENTARITY), row(PAD_RESULT_CONE),

@@ -41,7 +41,8 @@ std::array<bool, 4> penetrated_sides(const LaneAnswer& answer);
 /// Returns the step of a scene with friction mu from its PadResultRow numbers, without forces of cells and stresses.
 fem::PadStep pad_step(const std::function<double(int row)>& row, const fem::PadTarget& target, double mu);
 
-/// Contact of scenes on pads, each on its own cells over what its indenter touches. Sensors may differ in thickness,
+/// Contact of scenes on pads, each on its own cells over what its indenter touches; a scene whose cells are not
+/// fem::solvable gets LANE_INVALID. Sensors may differ in thickness,
 /// E and Poisson's ratio, not in their tactels. Scenes whose cells have one size over the thickness, and one Poisson's
 /// ratio, share a group; others have tables of their own. Tables and programs for one precision. Cheap to copy.
 template <class Real>

@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <numeric>
 
+#include "fem/pad/pad_presses.h"
 #include "host/contact/pad_contact_tables.h"
 #include "host/support/side_by_side.h"
+#include "kernels/shared/contact_layout.h"
+#include "kernels/shared/pad_layout.h"
 
 namespace tactel::host {
 namespace {
@@ -48,6 +51,26 @@ fem::PadSolution by_twin(const PadContact<Real>& contact, const fem::PadScene& s
   return solution;
 }
 
+/// Solves coarse steps of the pressing alone.
+template <class Real>
+void solve_presses_alone(const PadContact<Real>& contact, std::span<const fem::PadScene> scenes,
+                         std::vector<fem::PadSolution>& solutions) {
+  std::vector<fem::PadScene> alone;
+  std::vector<std::pair<std::size_t, std::size_t>> steps;  // scene, step
+  for (std::size_t i = 0; i < scenes.size(); ++i)
+    for (const std::size_t k : fem::coarse_presses(scenes[i], solutions[i])) {
+      alone.push_back(fem::pressed_alone(scenes[i], k));
+      steps.emplace_back(i, k);
+    }
+  if (alone.empty()) return;
+  const std::vector<fem::PadSolution> found = solve_pad_contact(contact, std::span<const fem::PadScene>(alone));
+  for (std::size_t a = 0; a < alone.size(); ++a) {
+    const auto [i, k] = steps[a];
+    fem::take_alone(solutions[i], k, found[a]);
+    solutions[i].fell_back |= found[a].fell_back;
+  }
+}
+
 }  // namespace
 
 PadModel model_of(const PadRung& rung) { return {.options = {.cells = rung.cells, .increments = rung.increments}}; }
@@ -82,6 +105,7 @@ std::vector<fem::PadSolution> solve_pad_contact(const PadContact<Real>& contact,
   std::vector<fem::PadCells> laid(cells.begin(), cells.end());
   std::vector<std::size_t> which(scenes.size());
   std::iota(which.begin(), which.end(), 0);
+  std::vector<char> solvable(scenes.size(), 1);
   for (int growths = 0; !now.empty(); ++growths) {
     auto batch = contact.prepare(now, laid);
     batch.run();
@@ -90,6 +114,7 @@ std::vector<fem::PadSolution> solve_pad_contact(const PadContact<Real>& contact,
     std::vector<std::size_t> others;
     for (std::size_t k = 0; k < which.size(); ++k) {
       fem::PadSolution& solution = solutions[which[k]] = batch.solution(view, k);
+      solvable[which[k]] = static_cast<int>(view.answer(k).result(0, PAD_RESULT_STATUS)) != LANE_INVALID;
       if (!any(solution.outside) || growths == options.most_growths) continue;
       others.push_back(which[k]);
       now.push_back(batch.scene(k));
@@ -99,9 +124,10 @@ std::vector<fem::PadSolution> solve_pad_contact(const PadContact<Real>& contact,
   }
   std::vector<std::size_t> unsolved;
   for (std::size_t i = 0; i < scenes.size(); ++i)
-    if (!every_step_converged(solutions[i])) unsolved.push_back(i);
+    if (solvable[i] && !every_step_converged(solutions[i])) unsolved.push_back(i);
   side_by_side(unsolved.size(), contact.executor().threads(),
                [&](std::size_t k) { solutions[unsolved[k]] = by_twin(contact, scenes[unsolved[k]]); });
+  if (cells.empty()) solve_presses_alone(contact, scenes, solutions);
   return solutions;
 }
 

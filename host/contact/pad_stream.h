@@ -55,7 +55,8 @@ extern template class StreamOf<PadContacts>;
 bool every_step_converged(const fem::PadSolution& solution);
 
 /// Solves scenes in their order; `cells` as PadContact::prepare. Where the surface is penetrated beyond the cells, they
-/// grow, and the scene is solved again. A scene with a step over tolerance after that is solved by the twin in fp64, to
+/// grow, and the scene is solved again. Without `cells`, coarse steps of the pressing are solved alone
+/// (fem/pad/pad_presses.h). A scene with a step over tolerance after that is solved by the twin in fp64, to
 /// a sweep tolerance of 1e-6, if need be on 24 x 24 cells, and has fell_back = true. Steps that still miss their
 /// tolerance have converged = false.
 template <class Real>
