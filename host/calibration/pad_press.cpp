@@ -119,8 +119,8 @@ PadPress::PadPress(const fem::PadScene& scene, const PressTiming& timing, const 
   const fem::PadScene nominal = at_state(scene_, first);
   fem::PadOptions rough = options_;  // where it touches, not how
   rough.tolerance = fem::PadOptions{}.tolerance;
+  refuse_endless(nominal, cells);
   const fem::PadSolution solution = fem::PadSolver(fem::pad_layer(first.poisson), rough).solve(nominal);
-  refuse_degenerate(nominal, solution);
   refuse_at_edge(nominal, distance_to_edge(nominal, solution));
   cells_ = solution.cells;
   scene_.indenter = fem::aligned(scene.indenter);

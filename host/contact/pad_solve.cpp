@@ -11,20 +11,22 @@
 #include "fem/number_text.h"
 #include "fem/pad/pad_layers.h"
 #include "fem/pad/pad_reference.h"
+#include "fem/pad/pad_search.h"
 #include "fem/value_error.h"
 #include "host/contact/pad_judge.h"
 #include "host/contact/pad_stream.h"
 #include "host/contact/solution_table.h"
+#include "host/contact/step_warnings.h"
 #include "host/scenes/unit_warnings.h"
 #include "host/support/errors.h"
 
 namespace tactel::host {
 namespace {
 
-constexpr double near_edge = 2, at_edge = 1;               ///< thicknesses from an edge: warned of, refused
-constexpr double smallest_cell = 1e-5, largest_cell = 50;  ///< sides over the thickness
-constexpr double large_error = 0.05;                       ///< of S, and of P
-constexpr double twin_tolerance = 1e-7;                    ///< of sweeps, as the kernel in fp64
+constexpr double near_edge = 2, at_edge = 1;  ///< thicknesses from an edge: warned of, refused
+constexpr double most_stress_work = 1e9;      ///< fem::base_stress_work
+constexpr double large_error = 0.05;          ///< of S, and of P
+constexpr double twin_tolerance = 1e-7;       ///< of sweeps, as the kernel in fp64
 
 void check_pad_options(const SolveOptions& options) {
   if (options.solver != "batched" && options.solver != "twin")
@@ -84,10 +86,6 @@ void each_touched(const fem::PadSolution& solution, const F& f) {
   for (Eigen::Index i = 0; i < solution.places.rows(); ++i)
     if (std::ranges::any_of(solution.steps, [&](const fem::PadStep& step) { return step.normal_force[i] > 0; }))
       f(Eigen::Vector2d(solution.places.row(i).transpose()));
-}
-
-double widest_cell(const fem::PadScene& scene, const fem::PadSolution& solution) {
-  return std::max(solution.cells.hx, solution.cells.hy) / scene.sensor.thickness;
 }
 
 /// Error in S of lines without free sides, at a distance of the contact from the edge over the thickness: by the free
@@ -162,13 +160,13 @@ PadOutcome solve(const fem::PadScene& scene, const SolveOptions& options) {
                  : options.accuracy    ? pad_rungs().front()
                                        : usual_pad_rung();
   outcome.accuracy = options.accuracy;
-  PadJudge judge(scene);  // once the scene is known to be a contact: a needle would take it very long
+  PadJudge judge(scene);
   const auto on_rung = [&] {
+    refuse_endless(scene, outcome.rung.cells);
     if (outcome.rung.exact || options.solver == "twin")
       solve_on_host(outcome, options);
     else
       solve_on_device(outcome, options);
-    refuse_degenerate(scene, outcome.solution);
     if (outcome.rung.exact || !touches(outcome.solution)) return;
     outcome.error = judge.error(outcome.rung, outcome.solution);
     if (!outcome.error) outcome.error = expected_pad_error(outcome.rung, scene, deepest(outcome.solution));
@@ -189,14 +187,22 @@ std::string model_name(const PadOutcome& outcome) {
   return fmt::format("{0} x {0} cells of {1:.3g} x {2:.3g} mm", cells.n, cells.hx, cells.hy);
 }
 
-void refuse_degenerate(const fem::PadScene& scene, const fem::PadSolution& solution) {
-  const auto& [hx, hy] = std::tie(solution.cells.hx, solution.cells.hy);
-  const double H = scene.sensor.thickness, widest = widest_cell(scene, solution);
-  if (std::min(hx, hy) >= smallest_cell * H && widest <= largest_cell) return;
-  throw ValueError("indenter.shape", fem::shape_name(scene.indenter.shape),
-                   fmt::format("one whose contact measures {:.2g} to {:.2g} mm along a side, not {:.3g} x {:.3g} mm",
-                               solution.cells.n * smallest_cell * H, solution.cells.n * largest_cell * H,
-                               solution.cells.n * hx, solution.cells.n * hy));
+void refuse_endless(const fem::PadScene& scene, int cells) {
+  const double H = scene.sensor.thickness;
+  fem::PadScene seen = scene;
+  seen.indenter = fem::aligned(scene.indenter);
+  const fem::PadSearch found = fem::find_pad_contact(seen, fem::pad_layer(scene.sensor.poisson));
+  const fem::PadCells laid = fem::lay_cells(found, seen, cells, true).cells;
+  const auto [least, most] = fem::solvable_sides(H, found.depth);
+  if (!fem::solvable(laid, H, found.depth))
+    throw ValueError("indenter.shape", fem::shape_name(scene.indenter.shape),
+                     fmt::format("one whose contact measures {:.2g} to {:.2g} mm along a side, not {:.3g} x {:.3g} mm",
+                                 cells * least, cells * most, cells * laid.hx, cells * laid.hy));
+  if (scene.sensor.tactel_size > 0 && fem::base_stress_work(scene, laid) > most_stress_work)
+    throw ValueError("sensor.tactel_size", fem::number_text(scene.sensor.tactel_size),
+                     fmt::format("a side of fewer thicknesses ({:.3g} mm): the stress under {} x {} tactels of {:.3g} "
+                                 "thicknesses takes minutes",
+                                 H, scene.sensor.tactels[0], scene.sensor.tactels[1], scene.sensor.tactel_size / H));
 }
 
 std::optional<double> distance_to_edge(const fem::PadSensor& sensor, const std::array<double, 2>& position,
@@ -234,6 +240,7 @@ std::vector<std::string> warnings(const PadOutcome& outcome) {
     if (warning) all.push_back(std::move(*warning));
   };
   add(depth_warning(outcome.scene.sensor.thickness, deepest(outcome.solution)));
+  add(untouched_warning(outcome.solution.steps));
   add(pad_slip_warning(outcome));
   add(error_warning(outcome));
   add(edge_warning(outcome));

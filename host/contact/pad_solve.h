@@ -42,8 +42,10 @@ std::optional<double> distance_to_edge(const fem::PadScene& scene, const fem::Pa
 std::optional<double> distance_to_edge(const fem::PadSensor& sensor, const std::array<double, 2>& position,
                                        const fem::PadBox& reach);
 
-/// Throws ValueError, key "indenter.shape", for a contact that is a needle or a plain to the rubber.
-void refuse_degenerate(const fem::PadScene& scene, const fem::PadSolution& solution);
+/// Throws ValueError, before any work, for a scene that would have no end on so many cells a side: key
+/// "indenter.shape" for a contact that is a needle or a plain to the rubber, "sensor.tactel_size" for tactels that take
+/// too many points of rubber so thin.
+void refuse_endless(const fem::PadScene& scene, int cells);
 
 /// Returns true where that is less than the thickness.
 bool too_near_edge(const fem::PadSensor& sensor, const std::optional<double>& distance);
@@ -51,7 +53,8 @@ bool too_near_edge(const fem::PadSensor& sensor, const std::optional<double>& di
 void refuse_at_edge(const fem::PadScene& scene, const std::optional<double>& distance);
 
 /// Returns the warnings about an answer, one line each; usually none. They concern units, depth, slip, edges of the
-/// pad, a contact that the tactels hardly see, and errors that are large or were not measured.
+/// pad, steps that touch nothing, a contact that the tactels hardly see, and errors that are large or were
+/// not measured.
 std::vector<std::string> warnings(const PadOutcome& outcome);
 
 }  // namespace tactel::host

@@ -13,6 +13,7 @@
 #include "fem/stress_field.h"
 #include "host/contact/contact_stream.h"
 #include "host/contact/solve_on_rung.h"
+#include "host/contact/step_warnings.h"
 #include "host/scenes/ladder.h"
 #include "host/scenes/unit_warnings.h"
 #include "host/support/errors.h"
@@ -162,6 +163,7 @@ std::vector<std::string> warnings(const SolveOutcome& outcome) {
   std::vector<std::string> all = unit_warnings(scene);
   if (const auto warning = depth_warning(scene, solution)) all.push_back(*warning);
   if (const auto warning = slip_warning(scene, solution)) all.push_back(*warning);
+  if (const auto warning = untouched_warning(solution.steps)) all.push_back(*warning);
   if (never_slid(scene, solution) && !solution.steps.empty() && !(solution.steps.back().P > 0))
     all.push_back("the drag until sliding touches nothing: it ends with its first step");
   else if (never_slid(scene, solution))

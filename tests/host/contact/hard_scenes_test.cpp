@@ -241,6 +241,17 @@ TEST(HardScenes, SlidingFarIsNamed) {
     EXPECT_NEAR(outcome.solution.steps[k].slip_distance, truth.steps[k].slip_distance, 1e-8);
 }
 
+/// Elements are laid for the deepest step: a wedge at a fifteenth of it touches between their middles.
+TEST(HardScenes, StepsThatTouchNothingAreNamed) {
+  fem::Scene scene{.indenter = {.shape = fem::Wedge{160}}, .model = fem::SurfaceModel::patch};
+  scene.load = {.indentation = {0.01, 0.15}};
+  const SolveOutcome outcome = solve(scene, {});
+  EXPECT_EQ(outcome.solution.steps[0].P, 0);
+  EXPECT_THAT(warnings(outcome), Contains(HasSubstr("touches nothing in load step 1; in all of them it should")));
+  scene.load = {.indentation = {0.15}};
+  EXPECT_THAT(warnings(solve(scene, {})), ::testing::IsEmpty());
+}
+
 TEST(HardScenes, WarningsAreInTheJson) {
   const SolveOutcome outcome = solve_in(scene_of("dragged_far"), "fp64");
   const nlohmann::ordered_json json = to_json(outcome.scene, outcome);

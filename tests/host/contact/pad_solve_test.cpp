@@ -7,11 +7,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <tuple>
 
 #include "host/contact/pad_json.h"
+#include "host/contact/pad_stream.h"
 #include "host/contact/pad_table.h"
+#include "host/contact/solve_page.h"
 #include "host/scenes/scene_file.h"
 #include "host/support/errors.h"
 #include "tests/fem/pad/named_pad_scenes.h"
@@ -22,6 +26,7 @@ namespace tactel::host {
 namespace {
 
 using testing::AllOf;
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -210,6 +215,62 @@ TEST(PadSolve, ShapesThatAreNoContact) {
     scene.indenter.shape = shape;
     EXPECT_THAT(thrown_message<ValueError>([&] { solve(scene, {.rung = "pad-8"}); }), HasSubstr("indenter.shape = "));
   }
+}
+
+// Each once took minutes, or had no end.
+TEST(PadSolve, ScenesWithoutAnEndAreRefusedAtOnce) {
+  const auto refused = [](const fem::PadScene& scene) { return thrown_message<ValueError>([&] { solve(scene, {}); }); };
+  fem::PadScene scene = dragged();
+  scene.sensor.thickness = 1e-6;
+  EXPECT_THAT(refused(scene), HasSubstr("indenter.shape = paraboloid: must be one whose contact measures"));
+  scene = dragged();
+  scene.indenter.shape = fem::Cone{89.99};
+  EXPECT_THAT(refused(scene), HasSubstr("indenter.shape = cone"));
+  scene = dragged();
+  scene.sensor.thickness = 0.01, scene.sensor.tactel_size = 2, scene.load.indentation = {1e-4};
+  scene.load.drags.clear();
+  EXPECT_THAT(refused(scene), HasSubstr("sensor.tactel_size = 2: must be a side of fewer thicknesses (0.01 mm)"));
+}
+
+// The same in a set, where each contact has its own: unsolved, not endless.
+TEST(PadSolve, ScenesWithoutAnEndAreUnsolvedInABatch) {
+  fem::PadScene scene = dragged();
+  scene.sensor.thickness = 1e-6;
+  Executor executor{Device("")};
+  const std::vector<fem::PadScene> scenes{dragged(), scene};
+  const auto solutions = PadStream(executor, model_of(pad_rung_named("pad-8"))).solve(scenes);
+  EXPECT_TRUE(every_step_converged(solutions[0]));
+  for (const fem::PadStep& step : solutions[1].steps) EXPECT_TRUE(!step.converged && step.P == 0);
+}
+
+// P = 2 E' d^2 tan(angle) / pi (Sneddon). Depths of 0 and of less than a cell's least side once were refused.
+TEST(PadSolve, ConesAreSolvedAtAnyDepth) {
+  fem::PadScene scene = dragged();
+  scene.indenter.shape = fem::Cone{30};
+  for (const double depth : {0.0, 2e-5, 1e-3}) {
+    scene.load = {.indentation = {depth}};
+    const PadOutcome outcome = solve(scene, {});
+    const double P = 2 * scene.sensor.young * depth * depth * std::tan(std::numbers::pi / 6) /
+                     (std::numbers::pi * (1 - std::pow(scene.sensor.poisson, 2)));
+    EXPECT_NEAR(outcome.solution.steps.front().P, P, 0.015 * P) << depth;
+    EXPECT_EQ(outcome.error.has_value(), depth > 0);
+  }
+}
+
+TEST(PadWarnings, StepsThatTouchNothing) {
+  fem::PadScene scene = dragged();
+  scene.load = {.indentation = {0, 0.2}, .moves = {{0, 0.1, 0, 0}, {0, 0, 0, 0}}};
+  const PadOutcome outcome = solve(scene, {.precision = "fp32", .rung = "pad-8"});
+  EXPECT_THAT(warnings(outcome), Contains("the indenter touches nothing in load steps 1, 3 to 4"));
+  EXPECT_THAT(to_json(outcome)["warnings"].dump(), HasSubstr("touches nothing"));
+  EXPECT_THAT(solve_page(outcome, 0).html(), HasSubstr("touches nothing in load steps 1, 3 to 4"));
+  // Two tips far apart, each smaller than a cell: they are touched, and no cell is.
+  fem::HeightMap map{.pitch = 0.1, .heights = Eigen::MatrixXd::Constant(81, 81, 0.5)};
+  map.heights(1, 1) = map.heights(79, 79) = 0;
+  scene.indenter = {.shape = map};
+  scene.load = {.indentation = {0.01}};
+  EXPECT_THAT(warnings(solve(scene, {.precision = "fp32", .rung = "pad-8"})),
+              Contains(AllOf(HasSubstr("touches nothing in load step 1"), HasSubstr("in all of them it should"))));
 }
 
 TEST(PadSolve, WithoutContactNothingIsToExpect) {
