@@ -17,8 +17,10 @@
      one.
    - Sweeps run over the window, the cells that press or would be penetrated, in the order of their index. A sweep is
      the last when no traction changes by more than the tolerance times the largest pressure. After DAMPED_AFTER
-     sweeps steps are halved.
+     sweeps steps are halved. After an increment that most_sweeps did not settle the others get DAMPED_AFTER.
    - Fresh sums at all cells then find penetrated cells outside the window; they join it, and sweeps go on.
+   - Where the residual of the cells is not accepted yet, sweeps go on with a quarter of the tolerance. Slow modes, of
+     nearly incompressible rubber under wide contacts, change little in a sweep long before they have settled.
    - Driven by force, sweeps go to a tenth of the tolerance, and the depth follows secants in the logarithms of depth
      and force inside a bracket until the force is met to the tolerance.
    - A sticking cell's history is its exact position, that of another one where the fresh sums find it.
@@ -41,6 +43,8 @@
 #define EACH_VECTOR(v) EACH(v, VECTORS)
 #define RELAXATION ((real)0.85)
 #define DAMPED_AFTER 300
+#define FINER ((real)0.25) /* tolerance of sweeps that go on, over that of those before */
+#define LEAST_TOLERANCE (REAL_IS_DOUBLE ? (real)(16 * 0x1p-52) : (real)(16 * 0x1p-23))
 #define MARGIN_ROUNDS 4
 #define MOST_FORCE_TRIALS 60
 #define FIRST_DEPTH ((real)0.05) /* tried first for a force */
@@ -89,7 +93,7 @@ typedef struct {
   Lanes mu;                                         /* of scaled tractions */
   Lanes lowest, x_middle, y_middle;
   Lanes sweeps, trial_sweeps;                             /* of this increment, and since the indenter last moved */
-  Lanes tolerance;                                        /* of the sweeps */
+  Lanes tolerance, first_tolerance;                       /* of the sweeps; those of an increment begin with */
   Lanes target, low, high, power, last_d, last_P, trials; /* the search for the depth that gives a force */
   Masks valid, running, active, failed, lost, by_force, searching;
   side half_size;
@@ -205,7 +209,9 @@ OUTLINE void sweep(const Influence *influence, int most_sweeps, Cells *c, State 
   }
   EACH_VECTOR(v) {
     const vint settled = change.v[v] <= s->tolerance.v[v] * largest.v[v];
-    const vint out = s->active.v[v] & NOT(settled) & (s->trial_sweeps.v[v] >= ALL_LANES((real)most_sweeps));
+    const vreal usual = ALL_LANES((real)most_sweeps),
+                most = PICK(s->lost.v[v], SMALLER(usual, ALL_LANES(DAMPED_AFTER)), usual);
+    const vint out = s->active.v[v] & NOT(settled) & (s->trial_sweeps.v[v] >= most);
     s->failed.v[v] |= out;
     s->active.v[v] &= NOT(settled | out);
   }
@@ -268,6 +274,55 @@ OUTLINE void next_depth(const Influence *influence, global const vreal *heights,
   }
 }
 
+/* Residual of the laws at the cells, relative as in fem/pad/pad_contact.h, from the tractions and the fresh sums alone.
+ */
+typedef struct {
+  Lanes penetration, complementarity, cone, drift, angle;
+} Residual;
+
+OUTLINE void residual_of_cells(const Influence *influence, const Cells *c, const State *s, Residual *r) {
+  Lanes per_d, per_moved, most;
+  EACH_VECTOR(v) {
+    per_d.v[v] = PICK(s->d.v[v] > 0, 1 / s->d.v[v], ALL_LANES(0));
+    const vreal x = s->change_x.v[v], y = s->change_y.v[v];
+    per_moved.v[v] = 1 / LARGER((real)0.1 * s->d.v[v], sqrt(fma(x, x, y * y)) + fabs(s->change_twist.v[v]));
+    per_moved.v[v] = PICK(s->d.v[v] > 0, per_moved.v[v], ALL_LANES(0));
+    r->penetration.v[v] = r->complementarity.v[v] = r->cone.v[v] = r->drift.v[v] = r->angle.v[v] = most.v[v] = 0;
+  }
+  ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) { most.v[v] = LARGER(c->n[i].v[v], most.v[v]); }
+  ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
+    const vreal n = c->n[i].v[v], x = c->tx[i].v[v], y = c->ty[i].v[v],
+                gap = (c->open[i].v[v] - c->uz[i].v[v]) * influence->root_zz * per_d.v[v];
+    const vreal length = sqrt(fma(x, x, y * y)), edge = s->mu.v[v] * n;
+    const vreal sx = c->gx[i].v[v] - c->ux[i].v[v], sy = c->gy[i].v[v] - c->uy[i].v[v];
+    const vreal unit = influence->root_tt * per_moved.v[v], slip = sqrt(fma(sx, sx, sy * sy)) * unit;
+    const vint pressed = n > 0, sticks = pressed & (length < INSIDE_CONE * edge),
+               slips = pressed & NOT(sticks) & (length > 0);
+    const vreal along = fma(sx, x, sy * y) / LARGER(length, ALL_LANES((real)1e-30)) * unit;
+    r->penetration.v[v] = LARGER(-gap, r->penetration.v[v]);
+    r->complementarity.v[v] = PICK(pressed, LARGER(fabs(gap), r->complementarity.v[v]), r->complementarity.v[v]);
+    r->cone.v[v] = PICK(pressed, LARGER((length - edge) / most.v[v], r->cone.v[v]), r->cone.v[v]);
+    r->drift.v[v] = PICK(sticks, LARGER(slip, r->drift.v[v]), r->drift.v[v]);
+    r->angle.v[v] = PICK(slips, LARGER(slip - along, r->angle.v[v]), r->angle.v[v]);
+  }
+}
+
+/* Lanes that have settled, but whose residual is not accepted yet, go on with a finer tolerance. */
+OUTLINE void refine(const Influence *influence, const Masks *solving, real accept, const Cells *c, State *s) {
+  Residual r;
+  residual_of_cells(influence, c, s, &r);
+  EACH_VECTOR(v) {
+    const vreal gap = LARGER(r.penetration.v[v], r.complementarity.v[v]), slip = LARGER(r.drift.v[v], r.angle.v[v]);
+    const vint goes_on = solving->v[v] & NOT(s->failed.v[v] | s->active.v[v] | s->searching.v[v]) &
+                         (LARGER(LARGER(gap, slip), r.cone.v[v]) > accept) &
+                         (s->tolerance.v[v] > ALL_LANES(LEAST_TOLERANCE));
+    s->tolerance.v[v] = PICK(goes_on, FINER * s->tolerance.v[v], s->tolerance.v[v]);
+    s->trial_sweeps.v[v] = PICK(goes_on, ALL_LANES(0), s->trial_sweeps.v[v]);
+    s->active.v[v] |= goes_on;
+    s->searching.v[v] |= goes_on & s->by_force.v[v];
+  }
+}
+
 /* The next target, the first guess and the window. Lanes without a next target, or that it leaves where they are, do
    not solve. */
 OUTLINE void start_increment(const Influence *influence, global const vreal *path, global const vreal *heights,
@@ -301,6 +356,7 @@ OUTLINE void start_increment(const Influence *influence, global const vreal *pat
     solving->v[v] = s->active.v[v] = moves;
     s->failed.v[v] = 0;
     s->sweeps.v[v] = 0;
+    s->tolerance.v[v] = s->first_tolerance.v[v];
     s->d.v[v] = d;
     s->x.v[v] += dx.v[v];
     s->y.v[v] += dy.v[v];
@@ -415,33 +471,15 @@ typedef struct {
   global real *result, *forces;
 } Answers;
 
-/* The certificate of vector v, from the tractions and the fresh sums alone; rows PAD_RESULT_PENETRATION and on. */
+/* The certificate of all vectors: rows PAD_RESULT_PENETRATION to PAD_RESULT_OUTSIDE. */
 OUTLINE void certify(const Influence *influence, global const vreal *heights, real accept, const Cells *c,
                      const State *s, vreal *rows) {
-  Lanes per_d, per_moved, penetration, outside[4], complementarity, cone, drift, angle, most;
+  Residual r;
+  Lanes per_d, outside[4];
+  residual_of_cells(influence, c, s, &r);
   EACH_VECTOR(v) {
     per_d.v[v] = PICK(s->d.v[v] > 0, 1 / s->d.v[v], ALL_LANES(0));
-    const vreal x = s->change_x.v[v], y = s->change_y.v[v];
-    per_moved.v[v] = 1 / LARGER((real)0.1 * s->d.v[v], sqrt(fma(x, x, y * y)) + fabs(s->change_twist.v[v]));
-    per_moved.v[v] = PICK(s->d.v[v] > 0, per_moved.v[v], ALL_LANES(0));
-    penetration.v[v] = complementarity.v[v] = cone.v[v] = drift.v[v] = angle.v[v] = most.v[v] = 0;
     EACH(b, 4) { outside[b].v[v] = 0; }
-  }
-  ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) { most.v[v] = LARGER(c->n[i].v[v], most.v[v]); }
-  ROLLED for (int i = 0; i < COUNT; ++i) EACH_VECTOR(v) {
-    const vreal n = c->n[i].v[v], x = c->tx[i].v[v], y = c->ty[i].v[v],
-                gap = (c->open[i].v[v] - c->uz[i].v[v]) * influence->root_zz * per_d.v[v];
-    const vreal length = sqrt(fma(x, x, y * y)), edge = s->mu.v[v] * n;
-    const vreal sx = c->gx[i].v[v] - c->ux[i].v[v], sy = c->gy[i].v[v] - c->uy[i].v[v];
-    const vreal unit = influence->root_tt * per_moved.v[v], slip = sqrt(fma(sx, sx, sy * sy)) * unit;
-    const vint pressed = n > 0, sticks = pressed & (length < INSIDE_CONE * edge),
-               slips = pressed & NOT(sticks) & (length > 0);
-    const vreal along = fma(sx, x, sy * y) / LARGER(length, ALL_LANES((real)1e-30)) * unit;
-    penetration.v[v] = LARGER(-gap, penetration.v[v]);
-    complementarity.v[v] = PICK(pressed, LARGER(fabs(gap), complementarity.v[v]), complementarity.v[v]);
-    cone.v[v] = PICK(pressed, LARGER((length - edge) / most.v[v], cone.v[v]), cone.v[v]);
-    drift.v[v] = PICK(sticks, LARGER(slip, drift.v[v]), drift.v[v]);
-    angle.v[v] = PICK(slips, LARGER(slip - along, angle.v[v]), angle.v[v]);
   }
   ROLLED for (int k = 0; k < 4 * (CELLS + 1); ++k) {
     const int side = k / (CELLS + 1), along = k % (CELLS + 1); /* once round the ring */
@@ -453,7 +491,7 @@ OUTLINE void certify(const Influence *influence, global const vreal *heights, re
     EACH_VECTOR(v) {
       const vreal inside =
           (uz.v[v] * influence->root_zz - (heights[(v * RING + ix + 1) * RING + iy + 1] - s->d.v[v])) * per_d.v[v];
-      penetration.v[v] = LARGER(inside, penetration.v[v]);
+      r.penetration.v[v] = LARGER(inside, r.penetration.v[v]);
       const vint beyond = inside > accept;
       EACH(b, 4) {
         outside[b].v[v] = PICK(beyond, LARGER(ALL_LANES((real)(sides >> b & 1)), outside[b].v[v]), outside[b].v[v]);
@@ -461,11 +499,11 @@ OUTLINE void certify(const Influence *influence, global const vreal *heights, re
     }
   }
   EACH_VECTOR(v) {
-    rows[PAD_RESULT_ROWS * v + PAD_RESULT_PENETRATION] = penetration.v[v];
-    rows[PAD_RESULT_ROWS * v + PAD_RESULT_COMPLEMENTARITY] = complementarity.v[v];
-    rows[PAD_RESULT_ROWS * v + PAD_RESULT_CONE] = cone.v[v];
-    rows[PAD_RESULT_ROWS * v + PAD_RESULT_DRIFT] = drift.v[v];
-    rows[PAD_RESULT_ROWS * v + PAD_RESULT_ANGLE] = angle.v[v];
+    rows[PAD_RESULT_ROWS * v + PAD_RESULT_PENETRATION] = r.penetration.v[v];
+    rows[PAD_RESULT_ROWS * v + PAD_RESULT_COMPLEMENTARITY] = r.complementarity.v[v];
+    rows[PAD_RESULT_ROWS * v + PAD_RESULT_CONE] = r.cone.v[v];
+    rows[PAD_RESULT_ROWS * v + PAD_RESULT_DRIFT] = r.drift.v[v];
+    rows[PAD_RESULT_ROWS * v + PAD_RESULT_ANGLE] = r.angle.v[v];
     rows[PAD_RESULT_ROWS * v + PAD_RESULT_OUTSIDE] =
         outside[0].v[v] + 2 * outside[1].v[v] + 4 * outside[2].v[v] + 8 * outside[3].v[v];
   }
@@ -619,7 +657,7 @@ kernel void pad_contact(uint first_group, global const side *tables, global cons
         s.change_twist.v[v] = 0;
     s.lost.v[v] = s.failed.v[v] = s.searching.v[v] = 0;
     s.by_force.v[v] = s.valid.v[v] & (in[PAD_BY_FORCE] > 0);
-    s.tolerance.v[v] = PICK(s.by_force.v[v], ALL_LANES((real)0.1 * tolerance), ALL_LANES(tolerance));
+    s.first_tolerance.v[v] = PICK(s.by_force.v[v], ALL_LANES((real)0.1 * tolerance), ALL_LANES(tolerance));
     s.power.v[v] = (real)1.5;
     s.trial_sweeps.v[v] = 0;
     s.mu.v[v] = PICK(s.valid.v[v], in[PAD_MU], ALL_LANES(0)) * (influence.root_tt / influence.root_zz);
@@ -643,7 +681,9 @@ kernel void pad_contact(uint first_group, global const side *tables, global cons
     do {
       while (any_of(&s.active)) sweep(&influence, most_sweeps, &c, &s);
       widen(&influence, &solving, &c, &s);
-      if (!any_of(&s.active) && any_of(&s.searching)) next_depth(&influence, heights, tolerance, &c, &s);
+      if (any_of(&s.active)) continue;
+      if (any_of(&s.searching)) next_depth(&influence, heights, tolerance, &c, &s);
+      refine(&influence, &solving, accept, &c, &s);
     } while (any_of(&s.active));
     Masks asked;
     EACH_VECTOR(v) {

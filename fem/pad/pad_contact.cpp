@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 // The variant is chosen when the program starts. Sanitizers do not go with that.
 #if defined(__x86_64__) && !defined(__FMA__) && !defined(TACTEL_SANITIZED)
@@ -15,8 +16,8 @@ namespace tactel::fem {
 namespace {
 
 constexpr double relaxation = 0.85;
-// Sweeps after which steps are halved: where friction is high they may go round in circles.
-constexpr int damped_after = 300;
+constexpr double finer = 0.25;  ///< tolerance of sweeps that go on, over that of those before
+constexpr double least_tolerance = 16 * std::numeric_limits<double>::epsilon();
 
 /// Shortens a traction to the cone.
 void to_cone(Eigen::Ref<Eigen::RowVector2d, 0, Eigen::InnerStride<>> t, double most) {
@@ -44,7 +45,12 @@ double PadResidual::largest() const { return std::max({penetration, complementar
 
 PadContact::PadContact(const PadInfluence& influence, const PadCells& cells, Eigen::MatrixXd height, double mu,
                        const PadSweepOptions& options)
-    : influence_(influence), cells_(cells), height_(std::move(height)), mu_(mu), options_(options) {
+    : influence_(influence),
+      cells_(cells),
+      height_(std::move(height)),
+      mu_(mu),
+      options_(options),
+      tolerance_(options.tolerance) {
   const int count = cells.count();
   n_ = n_last_ = Eigen::VectorXd::Zero(count);
   t_ = t_last_ = stick_ = Eigen::MatrixX2d::Zero(count, 2);
@@ -90,6 +96,7 @@ void PadContact::extrapolate(double ratio) {
   t_ = t + ratio * (t - t_last_);
   n_last_ = n;
   t_last_ = t;
+  tolerance_ = options_.tolerance;
   const bool touches = depth > height_.minCoeff();
   std::fill(active_.begin(), active_.end(), 0);
   std::fill(columns_.begin(), columns_.end(), std::array{0, 0});
@@ -127,53 +134,69 @@ bool PadContact::widen() {
   for (int i = 0; i < cells_.count(); ++i) u_.row(i) = displacement(i / cells_.n, i % cells_.n);
   for (int i = 0; i < cells_.count(); ++i) {
     const double gap = height_(i / cells_.n + 1, i % cells_.n + 1) - depth - u_(i, 2);
-    if (active_[i] || !(gap < -options_.tolerance * depth)) continue;
+    if (active_[i] || !(gap < -tolerance_ * depth)) continue;
     activate(i);
     more = true;
   }
   return more;
 }
 
-bool PadContact::solve(int& sweeps) {
-  for (int k = 0; k < options_.most_sweeps; ++k) {
+bool PadContact::solve(int most_sweeps, int& sweeps) {
+  for (int k = 0; k < most_sweeps; ++k) {
     ++sweeps;
-    if (sweep(k < damped_after ? relaxation : relaxation / 2) <= options_.tolerance && !widen()) return true;
+    if (options_.between_sweeps) options_.between_sweeps();
+    if (sweep(k < damped_after ? relaxation : relaxation / 2) <= tolerance_ && !widen()) return true;
   }
   widen();
   return false;
 }
 
-PadResidual PadContact::residual(double accept, std::array<bool, 4>& outside) const {
+bool PadContact::refine() {
+  if (tolerance_ <= least_tolerance || residual_of_cells().largest() <= options_.accept) return false;
+  tolerance_ *= finer;
+  return true;
+}
+
+/// By the last fresh sums.
+PadResidual PadContact::residual_of_cells() const {
   PadResidual r;
+  if (!(depth > 0)) return r;
   const double most_n = n_.maxCoeff(),
                moved = std::max(0.1 * depth, (motion - motion_last_).head<2>().norm() +
                                                  std::abs(motion[2] - motion_last_[2]) * cells_.half_size());
+  for (int i = 0; i < cells_.count(); ++i) {
+    const double h = height_(i / cells_.n + 1, i % cells_.n + 1), gap = (h - depth - u_(i, 2)) / depth;
+    if (!std::isfinite(h)) continue;
+    r.penetration = std::max(r.penetration, -gap);
+    if (!(n_[i] > 0)) continue;
+    const double length = t_.row(i).norm();
+    const Eigen::RowVector2d slip =
+        stick_.row(i) + path(i, motion_last_).transpose() - u_.row(i).head<2>();  // of the indenter
+    r.complementarity = std::max(r.complementarity, std::abs(gap));
+    r.cone = std::max(r.cone, (length - mu_ * n_[i]) / most_n);
+    if (sticks(i))
+      r.drift = std::max(r.drift, slip.norm() / moved);
+    else if (length > 0)
+      r.angle = std::max(r.angle, (slip.norm() - t_.row(i).dot(slip) / length) / moved);
+  }
+  return r;
+}
+
+PadResidual PadContact::residual(std::array<bool, 4>& outside) const {
+  PadResidual r = residual_of_cells();
   const int size = cells_.n;
   for (int ix = -1; ix <= size; ++ix)
     for (int iy = -1; iy <= size; ++iy) {
       const double h = height_(ix + 1, iy + 1);
-      if (!(depth > 0) || !std::isfinite(h)) continue;
-      const Eigen::Vector3d u = displacement(ix, iy);
-      const double gap = (h - depth - u[2]) / depth;
+      const bool in_ring = ix < 0 || iy < 0 || ix == size || iy == size;
+      if (!in_ring || !(depth > 0) || !std::isfinite(h)) continue;
+      const double gap = (h - depth - displacement(ix, iy)[2]) / depth;
       r.penetration = std::max(r.penetration, -gap);
-      if (ix < 0 || iy < 0 || ix == size || iy == size) {
-        const bool beyond = gap < -accept;
-        outside[0] |= beyond && ix < 0;
-        outside[1] |= beyond && ix == size;
-        outside[2] |= beyond && iy < 0;
-        outside[3] |= beyond && iy == size;
-        continue;
-      }
-      const Eigen::Index i = ix * size + iy;
-      if (!(n_[i] > 0)) continue;
-      const double length = t_.row(i).norm();
-      const Eigen::Vector2d slip = stick_.row(i).transpose() + path(i, motion_last_) - u.head<2>();  // of the indenter
-      r.complementarity = std::max(r.complementarity, std::abs(gap));
-      r.cone = std::max(r.cone, (length - mu_ * n_[i]) / most_n);
-      if (sticks(i))
-        r.drift = std::max(r.drift, slip.norm() / moved);
-      else if (length > 0)
-        r.angle = std::max(r.angle, (slip.norm() - t_.row(i).dot(slip) / length) / moved);
+      const bool beyond = gap < -options_.accept;
+      outside[0] |= beyond && ix < 0;
+      outside[1] |= beyond && ix == size;
+      outside[2] |= beyond && iy < 0;
+      outside[3] |= beyond && iy == size;
     }
   return r;
 }

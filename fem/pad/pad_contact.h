@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "fem/pad/pad_cells.h"
@@ -9,8 +10,12 @@ namespace tactel::fem {
 
 struct PadSweepOptions {
   double tolerance = 1e-3;  ///< largest change of a traction in the last sweep over the largest pressure, scaled
-  int most_sweeps = 2000;   ///< of an increment
+  double accept = 0.02;     ///< largest residual of the cells; sweeps go on to less than the tolerance where it is more
+  std::function<void()> between_sweeps{};  ///< may throw, which ends the solution
 };
+
+/// Sweeps after which steps are halved: where friction is high they may go round in circles.
+inline constexpr int damped_after = 300;
 
 /// Residual of the contact laws, from the final tractions alone; all members are relative.
 struct PadResidual {
@@ -55,12 +60,17 @@ class PadContact {
   void extrapolate(double ratio);
 
   /// Sweeps over the window, the cells that press or would be penetrated, until no traction changes by more than the
-  /// tolerance; then over more cells where fresh sums find more. Returns false where most_sweeps do not suffice.
-  bool solve(int& sweeps);
+  /// tolerance; then over more cells where fresh sums find more. Returns false where `most_sweeps` do not suffice.
+  bool solve(int most_sweeps, int& sweeps);
+
+  /// After solve(): returns true where the residual of the cells is not accepted yet, and solve() is to go on, with a
+  /// quarter of the tolerance. Slow modes, of nearly incompressible rubber under wide contacts, change little in a
+  /// sweep long before they have settled.
+  bool refine();
 
   /// State of the laws from the tractions alone. `outside` takes the sides -x, +x, -y, +y beyond which the surface is
-  /// penetrated by more than `accept` times the depth.
-  PadResidual residual(double accept, std::array<bool, 4>& outside) const;
+  /// penetrated by more than the accepted residual times the depth.
+  PadResidual residual(std::array<bool, 4>& outside) const;
 
   /// Ends an increment. A sticking cell counts as having followed the indenter, so that what the tolerance left is made
   /// good by the next increment; another one has slipped to where it is.
@@ -75,12 +85,14 @@ class PadContact {
   double sweep(double w);
   void activate(Eigen::Index i);
   bool widen();
+  PadResidual residual_of_cells() const;
 
   const PadInfluence& influence_;
   PadCells cells_;
   Eigen::MatrixXd height_;
   double mu_;
   PadSweepOptions options_;
+  double tolerance_;  ///< of this increment
   Eigen::VectorXd n_, n_last_;
   Eigen::MatrixX2d t_, t_last_;
   Eigen::MatrixX2d stick_;  ///< mm: where a cell was at the last increment; it sticks from there

@@ -102,8 +102,9 @@ class PadWalk {
         cells_(cells),
         turn_(own_to_pad(scene.indenter)),
         influence_(layer, scene.sensor.thickness, cells.hx, cells.hy, cells.n),
-        contact_(influence_, cells, cell_heights(cells, scene.indenter), scene.friction,
-                 {by_force(scene) ? options.tolerance / 10 : options.tolerance, options.most_sweeps}),
+        contact_(
+            influence_, cells, cell_heights(cells, scene.indenter), scene.friction,
+            {by_force(scene) ? options.tolerance / 10 : options.tolerance, options.accepted(), options.between_sweeps}),
         stress_(base_stress_of_cells(layer, scene, cells)) {
     own_places_.resize(cells.count(), 2);
     for (int i = 0; i < cells.count(); ++i) own_places_.row(i) << cells.x(i / cells.n), cells.y(i % cells.n);
@@ -142,16 +143,21 @@ void PadWalk::move_to(const PadTarget& target) {
                          cells_.half_size() * (to[2] - contact_.motion[2]));
   contact_.depth = depth;
   contact_.motion = to;
-  if (!change.isZero(0)) contact_.extrapolate(growth(change, change_));
+  const double ratio = growth(change, change_);
   change_ = change;
-  bool solved = change.isZero(0) || contact_.solve(sweeps_);
-  if (by_force(scene_) && target.normal > 0) {
-    int trial = 0;
-    while (search_.next(contact_.pressing(), options_.tolerance, contact_.depth) && ++trial < most_force_trials)
-      solved = contact_.solve(sweeps_);
-    solved &= trial < most_force_trials;
-  }
-  converged_ &= solved;
+  if (change.isZero(0)) return;
+  contact_.extrapolate(ratio);
+  const bool searches = by_force(scene_) && target.normal > 0;
+  const int most_sweeps = converged_ ? options_.most_sweeps : std::min(options_.most_sweeps, damped_after);
+  const auto solved = [&] { return contact_.solve(most_sweeps, sweeps_); };
+  const auto misses = [&] { return search_.next(contact_.pressing(), options_.tolerance, contact_.depth); };
+  bool settled = false;
+  int trial = 0;
+  do {
+    settled = solved();
+    while (settled && searches && misses()) settled = ++trial < most_force_trials && solved();
+  } while (settled && contact_.refine());
+  converged_ &= settled;
 }
 
 PadStep PadWalk::step_here(std::array<bool, 4>& outside) const {
@@ -196,7 +202,7 @@ PadStep PadWalk::step_here(std::array<bool, 4>& outside) const {
   Eigen::VectorXd tractions(3 * n.size());
   tractions << contact_.n(), contact_.t().col(0), contact_.t().col(1);
   step.stress = young * (stress_ * tractions).reshaped(stress_.rows() / 3, 3);
-  step.residual = contact_.residual(options_.accepted(), outside);
+  step.residual = contact_.residual(outside);
   const bool finite =
       std::isfinite(step.P + step.Q.sum() + step.M) && step.stress.allFinite();  // a residual may be 0 beside NaN
   step.converged = converged_ && finite && step.residual.largest() <= options_.accepted();
@@ -215,8 +221,10 @@ PadSolution PadWalk::walk() {
       converged_ = solution.steps.back().converged;
       sweeps_ = 0;
     }
+    if (!converged_ && !options_.whole_path) break;
     contact_.remember();
   }
+  solution.steps.resize(pad_targets(scene_.load).size());
   return solution;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 #include <Eigen/Dense>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -23,8 +24,10 @@ struct PadOptions {
   int limit_increments = -1;    ///< of a drag as long as sliding_limit(), at least; -1: cells / 3
   int parts = 1;                ///< of each of these increments
   bool ladder = true;           ///< cell sizes that scenes share (pad_cells)
-  int most_sweeps = 2000;       ///< an increment that needs more is not converged
+  int most_sweeps = 2000;       ///< an increment that needs more is not converged; those after it get 300
+  bool whole_path = true;       ///< false: steps after one that is not converged are left out
   int most_growths = 4;         ///< times that the grid may grow
+  std::function<void()> between_sweeps{};  ///< as PadSweepOptions
 
   double accepted() const { return accept > 0 ? accept : std::min(slow_on_patch * tolerance, largest_accept<float>); }
   int increments() const { return pressing_increments > 0 ? pressing_increments : std::max(2, cells / 3); }

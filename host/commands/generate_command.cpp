@@ -234,9 +234,9 @@ int run_generate(const GenerateRequest& request) {
     fmt::print("{} of {} chunks exist{}\n", there, chunks,
                spool->torn() ? "; torn ones, and those behind a gap, are generated again" : "");
 
-  ProgressLine line("contacts", "contacts", request.shared.quiet || !ranks.first(), chunk_contacts);
-  options.progress = [&](std::size_t chunks_done, std::size_t all) {
-    line.show(chunks_done, all);
+  ProgressLine line("contacts", "contacts", request.shared.quiet || !ranks.first());
+  options.progress = [&](std::size_t answered, std::size_t all) {
+    line.show(answered, all);
     return !interrupt->requested();
   };
   const ProductionReport report = produce_set(sweep.source, *spool, options);

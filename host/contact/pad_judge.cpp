@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "fem/pad/pad_layers.h"
+#include "host/contact/pad_stream.h"
 
 namespace tactel::host {
 namespace {
@@ -31,7 +32,8 @@ const fem::PadSolution& PadJudge::finer(int cells) {
   const fem::PadOptions options{.cells = cells,
                                 .tolerance = finer_tolerance,
                                 .pressing_increments = finer_increments(cells),
-                                .drag_increments = 2};
+                                .drag_increments = 2,
+                                .whole_path = false};
   const fem::PadLayer layer = fem::pad_layer(scene_.sensor.poisson);
   return finer_.emplace(cells, fem::PadSolver(layer, options).solve(scene_)).first->second;
 }
@@ -39,6 +41,7 @@ const fem::PadSolution& PadJudge::finer(int cells) {
 std::optional<PadError> PadJudge::error(const PadRung& rung, const fem::PadSolution& answer) {
   if (answer.steps.size() > most_steps) return {};
   const fem::PadSolution& other = finer(finer_cells(rung));
+  if (!every_step_converged(other)) return {};
   PadError error{.most95 = fem::pad_difference(answer, other),
                  .scenes = "this scene",
                  .outside = outside(measured_judge, scene_, deepest(answer))};

@@ -14,7 +14,8 @@ class PadJudge {
   explicit PadJudge(const fem::PadScene& scene) : scene_(scene) {}
 
   /// Returns the errors to expect of an answer: its differences from the second solution, times factors, and a little.
-  /// They cover 95 % of scenes (bench/pad_study.cpp). None beyond 100 load steps, which would take seconds.
+  /// They cover 95 % of scenes (bench/pad_study.cpp). None beyond 100 load steps, which would take seconds,
+  /// and where the second solution misses its tolerance.
   std::optional<PadError> error(const PadRung& rung, const fem::PadSolution& answer);
 
  private:

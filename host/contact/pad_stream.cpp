@@ -7,6 +7,7 @@
 #include "fem/pad/pad_presses.h"
 #include "host/contact/pad_contact_tables.h"
 #include "host/support/side_by_side.h"
+#include "host/support/stop_scope.h"
 #include "kernels/shared/contact_layout.h"
 #include "kernels/shared/pad_layout.h"
 
@@ -40,10 +41,11 @@ template <class Real>
 fem::PadSolution by_twin(const PadContact<Real>& contact, const fem::PadScene& scene) {
   const auto layer = contact.layer(scene.sensor.poisson);
   fem::PadOptions exact = contact.options().twin();
-  exact.tolerance = exact_tolerance;
+  exact.tolerance = std::min(exact_tolerance, contact.options().tolerance);
+  exact.between_sweeps = &StopScope::check;
   fem::PadSolution solution = fem::PadSolver(*layer, exact).solve(scene);
   if (!every_step_converged(solution) && exact.cells < finest_cells) {
-    exact.cells = finest_cells;
+    exact.cells = finest_cells, exact.whole_path = false;
     fem::PadSolution finer = fem::PadSolver(*layer, exact).solve(scene);
     if (every_step_converged(finer)) solution = std::move(finer);
   }

@@ -56,9 +56,9 @@ bool every_step_converged(const fem::PadSolution& solution);
 
 /// Solves scenes in their order; `cells` as PadContact::prepare. Where the surface is penetrated beyond the cells, they
 /// grow, and the scene is solved again. Without `cells`, coarse steps of the pressing are solved alone
-/// (fem/pad/pad_presses.h). A scene with a step over tolerance after that is solved by the twin in fp64, to
-/// a sweep tolerance of 1e-6, if need be on 24 x 24 cells, and has fell_back = true. Steps that still miss their
-/// tolerance have converged = false.
+/// (fem/pad/pad_presses.h). A scene with a step over tolerance after that is solved by the twin in fp64, to a sweep
+/// tolerance of 1e-6 or the kernel's, if that is finer, if need be on 24 x 24 cells, and has fell_back = true. Steps
+/// that still miss their tolerance have converged = false.
 template <class Real>
 std::vector<fem::PadSolution> solve_pad_contact(const PadContact<Real>& contact, std::span<const fem::PadScene> scenes,
                                                 std::span<const fem::PadCells> cells = {});

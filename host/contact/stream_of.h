@@ -207,13 +207,16 @@ class StreamOf {
         others[launch].push_back(i);
     });
     for (std::size_t launch = 0; launch < others.size(); ++launch) {
-      if (others[launch].empty()) continue;
-      std::vector<Scene> scenes;
-      std::vector<LaneAnswer> known;
-      for (const std::size_t i : others[launch]) scenes.push_back(scene(i)), known.push_back(part.answer(i));
-      std::vector<Solution> solutions = part.launches_[launch].solver->solve(scenes, known);
-      contacts_.finish(scenes, solutions);
-      for (std::size_t k = 0; k < scenes.size(); ++k) solution(others[launch][k], std::move(solutions[k]));
+      for (std::span<const std::size_t> rest = others[launch]; !rest.empty();) {
+        const auto some = rest.first(std::min(rest.size(), solved_again_at_once));
+        rest = rest.subspan(some.size());
+        std::vector<Scene> scenes;
+        std::vector<LaneAnswer> known;
+        for (const std::size_t i : some) scenes.push_back(scene(i)), known.push_back(part.answer(i));
+        std::vector<Solution> solutions = part.launches_[launch].solver->solve(scenes, known);
+        contacts_.finish(scenes, solutions);
+        for (std::size_t k = 0; k < some.size(); ++k) solution(some[k], std::move(solutions[k]));
+      }
     }
   }
 
@@ -294,6 +297,7 @@ class StreamOf {
   }
 
   static constexpr std::size_t most_scenes_of_a_part = 8192;
+  static constexpr std::size_t solved_again_at_once = 64;  ///< each may take a second
   /// Contacts between the request of an answer and its use: some 5 kB.
   static constexpr std::size_t fetched_ahead = 2;
 

@@ -26,13 +26,19 @@ constexpr int most_threads = 8;
 class Production {
  public:
   Production(const AnySource& source, SetSpool& spool, const ProductionOptions& options)
-      : source_(source), spool_(spool), options_(options), missing_(spool.missing()) {}
+      : source_(source), spool_(spool), options_(options), missing_(spool.missing()) {
+    for (const std::uint64_t number : missing_) contacts_ += contacts_of(number);
+  }
 
   const AnySource& source() const { return source_; }
   std::optional<std::uint64_t> next() {
     const std::size_t i = next_++;
     return stopped_ || i >= missing_.size() ? std::nullopt : std::optional(missing_[i]);
   }
+  std::uint64_t contacts_of(std::uint64_t number) const {
+    return std::min(chunk_contacts, common(source_).contacts() - number * chunk_contacts);
+  }
+  std::atomic<std::size_t>* answered() { return &answered_; }
   void add(std::uint64_t number, SetSimulator::Range& range, ContactSet rows) {
     if (stopped_) return;
     const auto start = std::chrono::steady_clock::now();
@@ -45,7 +51,6 @@ class Production {
     report_.kernel_seconds += range.kernel_seconds;
     report_.stages += range.seconds;
     report_.rows += made;
-    ++done_;
   }
   void fail(std::exception_ptr error) {
     {
@@ -60,7 +65,7 @@ class Production {
   void write() try {
     while (!failed() && spool_.place(std::chrono::milliseconds(100))) {
       if (spool_.stopped()) stopped_ = true;
-      if (!stopped_ && options_.progress && !options_.progress(done_, missing_.size())) stop();
+      if (!stopped_ && options_.progress && !options_.progress(answered_, contacts_)) stop();
     }
     stopped_ = true;  // or there is nothing left to do
   } catch (...) {
@@ -89,10 +94,11 @@ class Production {
   SetSpool& spool_;
   const ProductionOptions& options_;
   std::vector<std::uint64_t> missing_;
+  std::size_t contacts_ = 0;  ///< of the missing chunks
   std::atomic<std::size_t> next_ = 0;
   std::atomic<bool> stopped_ = false;
   std::mutex mutex_;
-  std::atomic<std::size_t> done_ = 0;
+  std::atomic<std::size_t> answered_ = 0;  ///< contacts
   std::exception_ptr error_;
   ProductionReport report_;
 };
@@ -128,9 +134,8 @@ class Line {
     const StopScope::Asked asked = [this] { return production_.stopped(); };
     const StopScope scope(&asked);
     while (const auto number = production_.next()) {
-      const std::uint64_t first = *number * chunk_contacts;
-      const auto range =
-          simulator_.prepare(first, std::min(chunk_contacts, common(production_.source()).contacts() - first));
+      const auto range = simulator_.prepare(*number * chunk_contacts, production_.contacts_of(*number));
+      range->answered = production_.answered();
       if (production_.stopped()) return;
       simulator_.run(*range);
       if (production_.stopped()) return;

@@ -21,7 +21,7 @@ double expected_bytes(const AnySource& source, const SetColumns& columns);
 struct ProductionOptions {
   std::vector<std::string> devices{""};  ///< names or indices; several share the chunks
   SetOptions set;
-  Progress progress;  ///< chunks of this process; false stops
+  Progress progress;  ///< contacts of this process; false stops
 };
 
 struct ProductionReport {

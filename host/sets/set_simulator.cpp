@@ -446,6 +446,9 @@ ContactSet Simulator<Contacts>::collect(Range& range) {
   ContactSet set(columns_);
   std::vector<std::size_t> rows(chunk.count + 1, 0);  // of contact k: rows[k] ... rows[k + 1] - 1
   Fallen fallen;
+  const auto answered = [&] {
+    if (range.answered) ++*range.answered;
+  };
   std::optional<Clock::time_point> begin_again;
   stream_.collect(
       chunk.part,
@@ -456,6 +459,7 @@ ContactSet Simulator<Contacts>::collect(Range& range) {
       [&](std::size_t k, const LaneAnswer& answer) {
         const auto& contact = chunk.contacts[k];
         rows[k + 1] = survey(set, StepsOfLane<Contacts>{answer, &contact}, contact);
+        answered();
       },
       [&](std::size_t k, typename Contacts::Solution&& solution) {
         const auto& contact = chunk.contacts[k];
@@ -463,6 +467,7 @@ ContactSet Simulator<Contacts>::collect(Range& range) {
         set.unsolved += std::ranges::any_of(solution.steps, [](const auto& step) { return !step.converged; });
         rows[k + 1] = survey(set, StepsOfSolution<Contacts>{solution, &contact}, contact);
         fallen[k] = std::move(solution);
+        answered();
       });
   if (begin_again) range.seconds.solve_again = seconds_since(*begin_again);
   set.contacts = chunk.count;

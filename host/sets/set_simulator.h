@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <atomic>
 #include <vector>
 
 #include "host/contact/gap_sweep.h"
@@ -59,9 +60,10 @@ class SetSimulator {
 class SetSimulator::Range {
  public:
   virtual ~Range() = default;
-  std::uint64_t first = 0, count = 0;  ///< contacts
-  std::uint64_t steps = 0;             ///< load increments, indentation included
-  double kernel_seconds = 0;           ///< in kernels
+  std::uint64_t first = 0, count = 0;            ///< contacts
+  std::uint64_t steps = 0;                       ///< load increments, indentation included
+  std::atomic<std::size_t>* answered = nullptr;  ///< counts contacts as their answers become known; none: nobody asks
+  double kernel_seconds = 0;                     ///< in kernels
   StageSeconds seconds{};
 };
 

@@ -128,6 +128,37 @@ TEST(PadClosedForms, SlidingAsAWholeIsTheLimit) {
   }
 }
 
+/// Nearly incompressible rubber under a contact some H wide, whose slow modes change by less than the sweeps' tolerance
+/// while the laws are still off by 1e-5.
+TEST(PadSolver, SweepsGoOnUntilTheLawsHold) {
+  for (const double nu : {0.49, 0.5}) {
+    const PadScene scene = scene_of(Paraboloid{{100, 100}}, 0.08, 1, nu, 0.5, {{0.1, 0, 0}, {0.3, 0, 0.017}});
+    const PadLayer layer(nu);
+    const PadSolution solution = PadSolver(layer, {.cells = 8, .tolerance = 1e-7, .accept = 1e-6}).solve(scene),
+                      exact = PadSolver(layer, {.cells = 8, .tolerance = 1e-12, .accept = 1e-6}).solve(scene);
+    for (std::size_t k = 0; k < exact.steps.size(); ++k) {
+      const PadStep &step = solution.steps[k], &to = exact.steps[k];
+      EXPECT_TRUE(step.converged) << nu << " " << k << ": " << step.residual.largest();
+      EXPECT_LE(step.residual.largest(), 1e-6) << nu << " " << k;
+      EXPECT_NEAR(step.P / to.P, 1, 2e-5) << nu << " " << k;  // P of a thin layer changes some times as much as gaps
+      EXPECT_NEAR(step.slip_index.value(), to.slip_index.value(), 2e-5) << nu << " " << k;
+    }
+  }
+}
+
+TEST(PadSolver, WhatHoldsAtOnceKeepsItsBits) {
+  const PadScene scene = scene_of(Paraboloid{{12, 4}}, .2, 3, .3, .3, {{.02, .03, 0}, {.05, .06, .02}});
+  const PadLayer layer(scene.sensor.poisson);
+  const PadSolution solution = PadSolver(layer, {.cells = 8, .tolerance = 1e-7, .accept = 1e-6}).solve(scene),
+                    at_once = PadSolver(layer, {.cells = 8, .tolerance = 1e-7, .accept = 1}).solve(scene);
+  for (std::size_t k = 0; k < solution.steps.size(); ++k) {
+    const PadStep &a = solution.steps[k], &b = at_once.steps[k];
+    EXPECT_EQ(a.sweeps, b.sweeps) << k;
+    EXPECT_EQ(a.normal_force, b.normal_force) << k;
+    EXPECT_EQ(a.tangential_force, b.tangential_force) << k;
+  }
+}
+
 PadScene turned(const PadScene& scene) {  // by 90 degrees
   PadScene to = scene;
   const auto& p = std::get<Paraboloid>(scene.indenter.shape);

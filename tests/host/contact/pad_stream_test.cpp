@@ -108,10 +108,10 @@ fem::HeightMap measured_bowl() {
   return map;
 }
 
-/// Cells from a millionth of the thickness to some of it: sizes on the ladder, between its rungs, and of needles and
+/// Cells from a millionth of the thickness to tens of it: sizes on the ladder, between its rungs, and of needles and
 /// blades. Tables between rungs are right to 4e-3 for the widest cells. From 1e-5 H on more depth means more force.
 TEST(PadStreamSlow, EveryShapeAtEveryDepth) {
-  constexpr double depths[] = {0, 1e-5, 1e-3, 0.1, 1};
+  constexpr double depths[] = {0, 1e-5, 1e-3, 0.1, 1, 10};
   std::vector<fem::PadScene> scenes;
   for (const fem::PadShape& shape :
        {fem::PadShape(fem::Sphere{8}), fem::PadShape(fem::Sphere{0.05}), fem::PadShape(fem::Paraboloid{{3, 8}}),
@@ -145,6 +145,34 @@ TEST(PadStreamSlow, EveryShapeAtEveryDepth) {
           << a.residual.largest() << " " << b.residual.largest();
       EXPECT_NEAR(a.P / b.P, 1, 4e-3);
       EXPECT_GT(a.P, single[i - 1].steps.back().P);
+    }
+  }
+}
+
+/// Contacts some thicknesses wide on nearly incompressible rubber, by depth and by force.
+TEST(PadStream, WideContactsAreSolvedInLanes) {
+  std::vector<fem::PadScene> scenes;
+  for (const double nu : {0.48, 0.49, 0.5})
+    for (const fem::PadShape& shape :
+         {fem::PadShape(fem::Sphere{100}), fem::PadShape(fem::Paraboloid{{200, 200}}),
+          fem::PadShape(fem::LyingCylinder{100, 8}), fem::PadShape(fem::Punch{8, 0}), fem::PadShape(fem::Punch{8, 0.5}),
+          fem::PadShape(fem::Box{{8, 6}, 0}), fem::PadShape(fem::Box{{8, 8}, 0.5})})
+      for (const bool force : {false, true}) {
+        fem::PadScene& scene = scenes.emplace_back();
+        scene.sensor.thickness = 2, scene.sensor.poisson = nu;
+        scene.indenter.shape = shape, scene.friction = 0.5;
+        scene.load.drags = {{0.02, 0, 0}, {0.2, 0, 0}, {0.6, 0, 0.02}};
+        (force ? scene.load.normal_force : scene.load.indentation) = {force ? 20 : 0.16};
+      }
+  for (const Precision precision : {Precision::fp32, Precision::fp64}) {
+    if (precision == Precision::fp64 && !executor().device().info().fp64) continue;
+    const auto solutions = PadStream(executor(), {.options = {.cells = 8}, .precision = precision}).solve(scenes);
+    for (std::size_t i = 0; i < scenes.size(); ++i) {
+      SCOPED_TRACE(testing::Message() << fem::shape_name(scenes[i].indenter.shape) << " " << i << " "
+                                      << scenes[i].sensor.poisson << (precision == Precision::fp32 ? " fp32" : ""));
+      EXPECT_FALSE(solutions[i].fell_back);
+      for (const fem::PadStep& step : solutions[i].steps)
+        EXPECT_TRUE(step.converged) << step.residual.largest() << " after " << step.sweeps << " sweeps";
     }
   }
 }
