@@ -146,6 +146,26 @@ TEST(PadSolver, SweepsGoOnUntilTheLawsHold) {
   }
 }
 
+/// Of an increment that does not settle, whose force is then not that of its depth.
+TEST(PadSolver, ASearchForADepthEndsWithTheFirstTrialThatDoesNotSettle) {
+  PadScene scene = scene_of(Paraboloid{{12, 4}}, 0, 3, .3, .3, {{.02, .03, 0}, {.05, .06, .02}});
+  scene.load.indentation.clear(), scene.load.normal_force = {0.5};
+  const PadLayer layer(scene.sensor.poisson);
+  const PadOptions options{.cells = 8, .most_sweeps = 1};
+  const PadSolution solution = PadSolver(layer, options).solve(scene);
+  int sweeps = 0;
+  for (const PadStep& step : solution.steps) {
+    sweeps += step.sweeps;
+    EXPECT_FALSE(step.converged);
+  }
+  EXPECT_EQ(sweeps, static_cast<int>(pad_increments(scene, options, solution.cells).size()));  // one each
+  PadOptions part = options;
+  part.whole_path = false;
+  const PadSolution first = PadSolver(layer, part).solve(scene);
+  ASSERT_EQ(first.steps.size(), solution.steps.size());
+  for (std::size_t k = 0; k < first.steps.size(); ++k) EXPECT_EQ(first.steps[k].sweeps, k == 0 ? 1 : 0) << k;
+}
+
 TEST(PadSolver, WhatHoldsAtOnceKeepsItsBits) {
   const PadScene scene = scene_of(Paraboloid{{12, 4}}, .2, 3, .3, .3, {{.02, .03, 0}, {.05, .06, .02}});
   const PadLayer layer(scene.sensor.poisson);
