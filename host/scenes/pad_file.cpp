@@ -170,7 +170,7 @@ bool is_pad(const TomlFile& file) { return TomlTable(file, "sensor").read_choice
 fem::PadScene read_pad(const TomlFile& file) {
   TomlTable root(file, "");
   fem::PadScene scene;
-  root.read("title", scene.title, "a text");
+  read_title(root, scene.title);
   root.refuse_any({"preset"}, left_out_of_a_pad);
   root.refuse_any({"sweep"}, "left out: a scene is one contact; `tactel generate` takes sweeps");
   for (const char* table : {"sensor", "indenter", "contact", "load"}) root.expect_table(table);

@@ -104,6 +104,15 @@ void read_tangential_load(TomlTable& in, fem::Load& load, bool preset) {
 
 }  // namespace
 
+void read_title(TomlTable& root, std::string& title) {
+  root.read("title", title, "a text");
+  try {
+    check_title(title);
+  } catch (const ValueError& error) {
+    root.refuse("title", error.allowed);
+  }
+}
+
 void read_load(const TomlFile& file, fem::Load& load, bool preset) {
   TomlTable in(file, "load");
   read_normal_load(in, load, preset);
@@ -131,7 +140,7 @@ namespace {
 fem::Scene read_line(const TomlFile& file) {
   TomlTable root(file, "");
   fem::Scene scene;
-  root.read("title", scene.title, "a text");
+  read_title(root, scene.title);
   const bool preset = root.read_choice("preset", {"paper"}).has_value();
   if (preset) {
     std::string title = std::move(scene.title);

@@ -18,7 +18,8 @@ inline constexpr const char* of_a_line = "belongs to a line, and sensor.kind is 
 
 using fem::radians;
 
-/// Read the tables that scene files and sweep files share, each strictly. Absent keys leave `out` unchanged.
+/// Read what scene files and sweep files share, each strictly. Absent keys leave `out` unchanged.
+void read_title(TomlTable& root, std::string& title);
 /// Reads the sensor and the model of the contact. `usual` is the model where the file asks for none and names no mesh.
 void read_sensor(const TomlFile& file, fem::Scene& out, fem::SurfaceModel usual);
 void read_contact(const TomlFile& file, double& friction);

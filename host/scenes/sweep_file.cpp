@@ -19,7 +19,7 @@ fem::Scene base_scene(const TomlFile& file) {
   TomlTable root(file, "");
   fem::Scene base = paper_set_scene();
   if (!root.read_choice("preset", {"paper"})) base.sensor = {};
-  root.read("title", base.title, "a text");
+  read_title(root, base.title);
   for (const char* table : {"sweep", "transducer", "sensor", "contact", "load"}) root.expect_table(table);
   if (root.has("indenter")) root.refuse("indenter", "left out: sweep.set determines the indenters");
   root.finish();

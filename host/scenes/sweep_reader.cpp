@@ -35,8 +35,7 @@ constexpr bool of_lines = SourceOf<Scene>::of_lines;
 template <class Scene>
 bool own_key(const string& table, std::string_view key) {
   if (key == "weight" || (table == "load" && key == "irregular")) return true;
-  return of_lines<Scene> &&
-         ((table == "load" && key == "slip_index") || (table == "indenter" && (key == "points" || key == "name")));
+  return of_lines<Scene> && ((table == "load" && key == "slip_index") || (table == "indenter" && key == "points"));
 }
 
 /// A random profile is read as some profile; its half_width and height belong to the sweep.
@@ -87,7 +86,7 @@ fem::Scene read_plain(const TomlFile& file, const fem::Scene*) {
   fem::Scene scene;
   const bool preset = root.read_choice("preset", {"paper"}).has_value();
   if (preset) scene = paper_preset();
-  root.read("title", scene.title, "a text");
+  read_title(root, scene.title);
   for (const char* table : part_names) root.expect_table(table);
   root.finish();
   read_sensor(file, scene, preset ? fem::SurfaceModel::mesh : usual_model);

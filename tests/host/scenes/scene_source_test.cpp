@@ -271,6 +271,8 @@ TEST(SceneSource, RefusesWithFileLineAndKey) {
       {head + parabola + "[load]\nindentation = 0.1\nslip_index = 0.5\n", "load.slip_index"},
       {head + load + parabola + "[contact]\nfrction = 1\n", "did you mean friction?"},
       {head + load, "indenter.shape = (missing)"},
+      {"title = \"a\\u001b[31m\"\n" + head + load + parabola, "sweep.toml:1: title = "},
+      {head + load + parabola + "name = \"x\"\n", "indenter.name"},
       {"indenter = 3\n" + head + load, "sweep.toml:1: indenter = 3: must be a table"},
       {"load = []\n" + head + parabola, "sweep.toml:1: load = []: must be a table"},
       {"load = [1, 2]\n" + head + parabola, "sweep.toml:1: load = [1, 2]: must be a table"},
