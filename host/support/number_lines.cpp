@@ -17,7 +17,7 @@ namespace tactel::host {
 namespace {
 
 constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // spreadsheets write it before UTF-8
-constexpr std::size_t least_numbered = 4;                     // fields: 0,1 or 1,2,3 may well be numbers
+constexpr std::size_t least_numbered = 4;                     // fields: fewer may well be numbers
 
 std::string_view trimmed(std::string_view text) {
   const auto first = text.find_first_not_of(" \t\r");
@@ -92,6 +92,12 @@ bool NumberLines::is_header() const {
   return std::none_of(fields_.begin() + 1, fields_.end(), is_number) || (fields_.size() > 2 && count_up(fields_, 1));
 }
 
+/// As pandas numbers them, from 0 on, or others from 1. A map of heights may begin with 0,1.
+bool NumberLines::numbers_columns() const {
+  const std::size_t least = fields_.front() == "0" && columns_.count > 0 ? 2 : least_numbered;
+  return fields_.size() >= least && count_up(fields_, 0);
+}
+
 void NumberLines::check_count(const char* key) const {
   const std::size_t count = columns_.count + has_time_;
   if (columns_.count == 0 || fields_.size() == count) return;
@@ -131,7 +137,7 @@ bool NumberLines::read(std::string_view line, std::uint64_t number) {
     take_header();
     return false;
   }
-  if (!begun_ && fields_.size() >= least_numbered && count_up(fields_, 0))
+  if (!begun_ && numbers_columns())
     refuse("line", line, "numbers, or names: this numbers the columns; leave it out, or write 0.0 where it is a 0");
   if (columns_.count == 0) columns_.count = fields_.size();
   check_count("fields");

@@ -24,7 +24,8 @@ struct NumberColumns {
 /// Lines of numbers, by one set of rules for frames, profiles, heights and answers (docs/profiles.md):
 /// - A byte order mark, blank lines and lines that begin with # do not count, but for numpy's header "# time,...".
 /// - The first line that counts may be a header: its first field is no number, and the others are none or count up.
-///   A line 0,1,2,3 or 1,2,3,4 (four or more) in its place numbers the columns and is refused.
+///   A line 0,1,2,3 or 1,2,3,4 (four or more) in its place numbers the columns and is refused; so is 0,1 or 0,1,2 where
+///   the number of columns is known.
 /// - One separator, of the first line: semicolons, else tabs, else commas, else blanks. But for commas, a comma may be
 ///   the decimal point.
 /// - Every line has equally many numbers, all finite decimal ones: no hexadecimals, no text behind them.
@@ -46,6 +47,7 @@ class NumberLines {
  private:
   void split(std::string_view line);
   bool is_header() const;
+  bool numbers_columns() const;
   void take_header();
   void check_count(const char* key) const;
 

@@ -50,6 +50,11 @@ TEST(NumberLines, ALineThatNumbersTheColumnsIsNoLineOfNumbers) {
   for (const char* numbers : {"0.0,1,2,3", "0,1,2", "2,3,4,5", "0,1,2,4", "0,-1,-2,-3", "0,1"})
     EXPECT_EQ(rows_of(std::string(numbers) + "\n").size(), 1u) << numbers;
   EXPECT_EQ(rows_of("1,1,1,1\n0,1,2,3\n").size(), 2u) << "below the first line";
+  for (const auto& [header, count] : {std::pair("0,1", 2), {"0,1,2", 3}}) {
+    const NumberColumns known{.count = static_cast<std::size_t>(count)};
+    EXPECT_THAT(refused(std::string(header) + "\n", known), HasSubstr("this numbers the columns"));
+    EXPECT_EQ(rows_of("0.0" + std::string(header).substr(1) + "\n", known).size(), 1u);
+  }
 }
 
 TEST(NumberLines, WhatIsNoDecimalNumberIsRefused) {
