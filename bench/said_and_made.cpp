@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Errors of S that `solve` says beside those that it makes, on scenes that the ladder was not measured on:
+// Errors of S and of P that `solve` says beside those that it makes, on scenes that the ladder was not measured on:
 //
 //     build/bench/tactel_said_and_made [SCENES OF A CLASS, 100] [SEED, 4077] [CLASS; all]
 //
@@ -32,14 +32,14 @@ namespace {
 
 struct Judged {
   fem::ContactSolution answer;
-  double own_error = 0;  ///< of S
+  AnswerError own_error;
   bool solved = false;
 };
 
-double difference(const fem::ContactSolution& a, const fem::ContactSolution& b) {
+AnswerError difference(const fem::ContactSolution& a, const fem::ContactSolution& b) {
   std::vector<std::size_t> steps(std::min(a.steps.size(), b.steps.size()));
   for (std::size_t k = 0; k < steps.size(); ++k) steps[k] = k;
-  return answer_error(a, steps, b, steps).S;
+  return answer_error(a, steps, b, steps);
 }
 
 Judged judge_inside(const fem::Scene& scene) {
@@ -77,6 +77,8 @@ struct Tally {
   std::size_t answers = 0, open = 0, kept = 0, thrice = 0;
   std::vector<double> said, made;
   double worst = 0;  ///< made over said
+  std::size_t kept_P = 0;
+  double worst_P = 0;
 };
 
 void add(Tally& tally, const SolveOutcome& outcome, const Judged& truth) {
@@ -87,20 +89,26 @@ void add(Tally& tally, const SolveOutcome& outcome, const Judged& truth) {
     ++tally.open;
     return;
   }
-  const double made = std::max(0.0, difference(outcome.solution, truth.answer) - truth.own_error);
+  const AnswerError off = difference(outcome.solution, truth.answer);
+  const double made = std::max(0.0, off.S - truth.own_error.S), made_P = std::max(0.0, off.P - truth.own_error.P);
   const double said = error->expected.S;
   tally.said.push_back(said), tally.made.push_back(made);
   tally.kept += made <= said;
   tally.thrice += made <= 3 * said;
   tally.worst = std::max(tally.worst, made / std::max(said, 1e-12));
+  tally.kept_P += made_P <= error->expected.P;
+  tally.worst_P = std::max(tally.worst_P, made_P / std::max(error->expected.P, 1e-6));
 }
 
 void print(const std::string& what, const std::string& answer, const Tally& t) {
   const double estimated = std::max<double>(1, static_cast<double>(t.said.size()));
-  fmt::print("{:<48} {:<16} {:>4} {:>6} {:>8.4f} {:>8.4f} {:>8.4f} {:>8.4f} {:>6.1f} % {:>6.1f} % {:>6.1f}\n", what,
-             answer, t.answers, t.open, covering_value(t.said, 0.5), covering_value(t.made, 0.5),
-             covering_value(t.said, 0.95), covering_value(t.made, 0.95), 100 * static_cast<double>(t.kept) / estimated,
-             100 * static_cast<double>(t.thrice) / estimated, t.worst);
+  fmt::print(
+      "{:<48} {:<16} {:>4} {:>6} {:>8.4f} {:>8.4f} {:>8.4f} {:>8.4f} {:>6.1f} % {:>6.1f} % {:>6.1f} {:>6.1f} % "
+      "{:>6.1f}\n",
+      what, answer, t.answers, t.open, covering_value(t.said, 0.5), covering_value(t.made, 0.5),
+      covering_value(t.said, 0.95), covering_value(t.made, 0.95), 100 * static_cast<double>(t.kept) / estimated,
+      100 * static_cast<double>(t.thrice) / estimated, t.worst, 100 * static_cast<double>(t.kept_P) / estimated,
+      t.worst_P);
 }
 
 std::vector<std::pair<std::string, SolveOptions>> all_options() {
@@ -117,8 +125,9 @@ std::vector<std::pair<std::string, SolveOptions>> all_options() {
 
 int run(std::size_t scenes, std::uint64_t seed, const std::string& one, bool each) {
   Executor executor{Device("").for_one_contact()};
-  fmt::print("{:<48} {:<16} {:>4} {:>6} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>6}\n", "scenes", "answer", "all", "open",
-             "said 50%", "made 50%", "said 95%", "made 95%", "kept", "thrice", "worst");
+  fmt::print("{:<48} {:<16} {:>4} {:>6} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>6} {:>8} {:>6}\n", "scenes", "answer",
+             "all", "open", "said 50%", "made 50%", "said 95%", "made 95%", "kept", "thrice", "worst", "kept P",
+             "worst");
   std::map<std::string, Tally> all;
   const auto judge_class = [&](const char* class_name, const char* description, bool at_end,
                                const std::vector<fem::Scene>& of_class) {
@@ -133,17 +142,20 @@ int run(std::size_t scenes, std::uint64_t seed, const std::string& one, bool eac
         ++unjudged;
         continue;
       }
-      judges.push_back(truth.own_error);
+      judges.push_back(truth.own_error.S);
       for (const auto& [name, options] : all_options()) {
         const SolveOutcome outcome = solve(scene, options);
         add(own[name], outcome, truth), add(all[name], outcome, truth);
         if (!each) continue;
         const auto error = mesh_error(outcome);
-        fmt::print(stderr, "{}; nu {:g}, mu {:.3g}: {}, {}: said {:.4f} made {:.4f} (judge {:.4f}){}{}\n", scene.title,
-                   scene.sensor.poisson, scene.friction, name, model_name(outcome), error ? error->expected.S : -1,
-                   difference(outcome.solution, truth.answer), truth.own_error,
-                   outcome.plan ? " " + outcome.plan->rung.name : "",
-                   every_step_converged(outcome.solution) ? "" : " NOT SOLVED");
+        fmt::print(
+            stderr,
+            "{}; nu {:g}, mu {:.3g}: {}, {}: said {:.4f} made {:.4f} (judge {:.4f}), P {:.4f} {:.4f} ({:.4f}){}{}\n",
+            scene.title, scene.sensor.poisson, scene.friction, name, model_name(outcome),
+            error ? error->expected.S : -1, difference(outcome.solution, truth.answer).S, truth.own_error.S,
+            error ? error->expected.P : -1, difference(outcome.solution, truth.answer).P, truth.own_error.P,
+            outcome.plan ? " " + outcome.plan->rung.name : "",
+            every_step_converged(outcome.solution) ? "" : " NOT SOLVED");
       }
     }
     for (const auto& [name, tally] : own) print(description, name, tally);

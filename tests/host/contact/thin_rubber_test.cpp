@@ -114,6 +114,22 @@ TEST_P(SaidAndMade, ByThePlanner) {
 
 INSTANTIATE_TEST_SUITE_P(Hard, SaidAndMade, testing::Values(incompressible, nu_0499, nu_0495, small_friction));
 
+/// 12 and 24 elements happen to agree in P. The true P is that of the reference, 120 elements.
+TEST(ThinRubber, ThePOfWideElementsIsCoveredByItsError) {
+  fem::Scene scene = on_thin_rubber(12, 0.146135, 0.49, 10);
+  scene.sensor.young = 2, scene.friction = 0.5082;
+  scene.indenter.shape = fem::Parabola{528.5};
+  scene.load.indentation = {0.016245};
+  scene.load.tangential = {0.00412746, 0.0123824};
+  const double P = solve(scene, {.rung = "reference"}).solution.steps[0].P;
+  for (const char* rung : {"patch-8", "patch-12", "patch-16", "patch-24"}) {
+    const SolveOutcome outcome = solve(scene, {.rung = rung});
+    const auto said = mesh_error(outcome);
+    ASSERT_TRUE(said);
+    EXPECT_NEAR(outcome.solution.steps[0].P, P, said->expected.P * P) << rung;
+  }
+}
+
 /// With elements of constant pressure the default had 272 N/mm and an S of 0.172.
 TEST(ThinRubber, TheDefaultIsNear) {
   const Case c = incompressible();
