@@ -32,4 +32,12 @@ Accuracy by_rule(const Accuracy& given, double slowness) {
   return {tolerance, std::max(std::min(slowness * tolerance, largest_accept<Real>), rounding)};
 }
 
+/// Returns the tolerance of a contact's sweeps: S has mu P below it, and so with little friction what sweeps leave is
+/// to be small beside mu.
+inline double sweep_tolerance(double tolerance, double mu) {
+  constexpr double little_friction = 0.01, least = 1e-5;
+  if (mu == 0 || mu >= little_friction) return tolerance;
+  return std::max(tolerance * mu / little_friction, std::min(tolerance, least));
+}
+
 }  // namespace tactel::fem

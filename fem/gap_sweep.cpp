@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "fem/accuracy.h"
 #include "fem/contact_laws.h"
 #include "fem/value_error.h"
 
@@ -140,7 +141,7 @@ void GapSweep<Real>::step_load_path(const Scene& scene, const Record& record) co
       converged = false;
       while (!converged && sweeps < options_.most_sweeps) {
         ++sweeps;
-        converged = sweep() <= static_cast<Real>(options_.tolerance);
+        converged = sweep() <= static_cast<Real>(sweep_tolerance(options_.tolerance, scene.friction));
       }
     } while (converged && activate_penetrated());
     if (!record(c, step, sweeps, converged, profile)) return;

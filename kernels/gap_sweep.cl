@@ -158,7 +158,10 @@ static inline void sweep(const Rules *rules, Contact *c, const Indenter *in, rea
     }
     if (i < c->first_pressed || i >= c->end_pressed) note_pressed(c, i);
   }
-  EACH_VECTOR { moving[v] = in->active[v] & (change[v] > rules->tolerance * largest[v]); }
+  EACH_VECTOR {
+    const vreal tolerance = FRICTION ? sweep_tolerance(rules->tolerance, in->mu[v]) : ALL_LANES(rules->tolerance);
+    moving[v] = in->active[v] & (change[v] > tolerance * largest[v]);
+  }
 }
 
 /* Sweeps until every iterating lane has converged, or most_sweeps. Leaves in in->active the lanes that did not

@@ -30,7 +30,7 @@
      then go to a tenth of the tolerance, and forces are met to the tolerance.
    - Sweeps go from left to right. The pressure of element i takes the traction of element i - 1 from the sweep before,
      so that it need not wait for it; everything else is the newest. A sweep is the last when no force changed by more
-     than the tolerance times the largest pressure force. After DAMPED_AFTER sweeps a force moves half of its step,
+     than the tolerance (sweep_tolerance) times the largest pressure force. After DAMPED_AFTER sweeps a force moves half of its step,
      after 4 times as many a fifth.
    - The certificate looks for penetration at OUTSIDE places beyond each end, too. Where the patch is too small the host
      gives a larger one.

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fem/accuracy.h"
+
 namespace tactel::fem {
 namespace {
 
@@ -16,6 +18,7 @@ constexpr double damping = 0.5, damping_twice = 0.2;
 PatchContact::PatchContact(const PatchCompliance& compliance, Eigen::VectorXd height, double mu,
                            const PatchSweepOptions& options)
     : compliance_(compliance), height_(std::move(height)), mu_(mu), options_(options) {
+  options_.tolerance = sweep_tolerance(options.tolerance, mu);
   const Eigen::Index elements = compliance.uy_by_n.cols();
   n_ = t_ = n_last_ = t_last_ = ux_last_ = ux_ = ux_before_ = Eigen::VectorXd::Zero(elements);
   gap_ = gap_before_ = height_.segment(rows_beyond, elements);

@@ -57,7 +57,7 @@ typedef struct {
 /* One Gauss-Seidel sweep. Returns the active lanes whose largest change was above tolerance times their largest
    pressure force. Forces are in registers up to 12 elements; those of the last sweep stay in memory until all rows are
    done, and the change is found then. */
-INLINE vint sweep(Contact *c, const Indenter *in, real tolerance) {
+INLINE vint sweep(Contact *c, const Indenter *in, vreal tolerance) {
   vreal n[N], t[N];
   EACH(i, N) {
     n[i] = c->n[i];
@@ -132,7 +132,7 @@ INLINE void row_sums(const Contact *c, const vreal *n, const vreal *t, int i, vr
 }
 
 /* The same sweep with steps shortened to `part`, in a loop: it is rare. */
-static inline vint damped_sweep(Contact *c, const Indenter *in, real part, real tolerance) {
+static inline vint damped_sweep(Contact *c, const Indenter *in, real part, vreal tolerance) {
   vreal change = 0, largest = 0, late = 0;
   for (int i = 0; i < N; ++i) {
     const vreal n_old = c->n[i];
@@ -158,14 +158,15 @@ static inline vint damped_sweep(Contact *c, const Indenter *in, real part, real 
 
 /* Sweeps until every active lane has converged. Leaves in in->active the lanes that ran out of sweeps. */
 OUTLINE void iterate(const Rules *rules, Contact *c, Indenter *in, vreal *sweeps) {
+  const vreal tolerance = FRICTION ? sweep_tolerance(rules->tolerance, in->mu) : ALL_LANES(rules->tolerance);
   int k = 0;
   for (; k < min(rules->most_sweeps, DAMPED_AFTER) && ANY(in->active); ++k) {
     *sweeps += PICK(in->active, ALL_LANES(1), ALL_LANES(0));
-    in->active = sweep(c, in, rules->tolerance);
+    in->active = sweep(c, in, tolerance);
   }
   for (; k < rules->most_sweeps && ANY(in->active); ++k) {
     *sweeps += PICK(in->active, ALL_LANES(1), ALL_LANES(0));
-    in->active = damped_sweep(c, in, k < 4 * DAMPED_AFTER ? (real)0.5 : (real)0.2, rules->tolerance);
+    in->active = damped_sweep(c, in, k < 4 * DAMPED_AFTER ? (real)0.5 : (real)0.2, tolerance);
   }
 }
 

@@ -86,6 +86,13 @@ static inline REAL_INT joined(vint mask) {
 #define LARGER(a, b) PICK((a) > (b), a, b)
 #define SMALLER(a, b) PICK((a) < (b), a, b)
 
+/* The tolerance of sweeps, over the largest pressure force: below mu = 0.01 in proportion to mu, since S has mu P below
+   it, to 1e-5 at least. */
+static inline vreal sweep_tolerance(real tolerance, vreal mu) {
+  const vreal least = SMALLER(ALL_LANES(tolerance), ALL_LANES((real)1e-5));
+  return LARGER(tolerance * SMALLER((real)100 * mu, ALL_LANES(1)), least);
+}
+
 /* Stays a number while every x is finite, and else becomes NaN, which LARGER, SMALLER and fmax would lose. */
 static inline vreal finite_sum(vreal sum, vreal x) { return fma(ALL_LANES(0), x, sum); }
 
