@@ -123,12 +123,13 @@ bool read_numbers(TomlTable& in, const std::string& key, std::vector<double>& va
   return true;
 }
 
-/// A gain without an offset is that of raw counts, whose zero is to be measured.
+/// A gain without an offset, here or before, is that of raw counts, whose zero is to be measured.
 void read_calibration(const TomlFile& file, hw::Calibration& calibration, std::size_t channels) {
   TomlTable in(file, "calibration");
   const bool offset = read_numbers(in, "offset", calibration.offset, channels);
   const bool gain = read_numbers(in, "gain", calibration.gain, channels);
-  calibration.has_zero = offset || (calibration.has_zero && !gain);
+  calibration.zero_told |= offset;
+  calibration.has_zero = calibration.zero_told || (calibration.has_zero && !gain);
   read_numbers(in, "noise", calibration.noise, channels);
   in.finish();
 }
@@ -297,9 +298,7 @@ void read_calibration(const std::filesystem::path& path, SensorProfile& profile)
   root.expect_table("calibration");
   root.finish();
   const std::size_t channels = profile.format()->channels();
-  const bool had_zero = profile.map.calibration.has_zero;
   read_calibration(file, profile.map.calibration, channels);
-  profile.map.calibration.has_zero |= had_zero;
   try {
     profile.map.validate(channels);
   } catch (const ValueError& error) {

@@ -198,6 +198,9 @@ TEST(Calibration, AGainWithoutAnOffsetHasNoZero) {
   EXPECT_TRUE(pad.map.calibration.has_zero);
   read_calibration(folder.write("gain.toml", "[calibration]\ngain = 1e-5\n"), pad);
   EXPECT_TRUE(pad.map.calibration.has_zero);
+  SensorProfile bare = parse_profile(profile_text(two_channels, "[channels]\nnormal = [0]\n"), "p.toml");
+  read_calibration(folder / "gain.toml", bare);
+  EXPECT_FALSE(bare.map.calibration.has_zero) << "what were stresses are counts now";
 }
 
 TEST(OpenSource, RefusesWhatItDoesNotKnow) {
