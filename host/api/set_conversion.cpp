@@ -20,6 +20,7 @@ void each_array(From& from, To& to, const Visit& visit) {
   visit(from.length, to.length);
   if (from.axes == 2) return;  // a line
   visit(from.torque, to.torque), visit(from.twist, to.twist), visit(from.force_ratio, to.force_ratio);
+  visit(from.outside, to.outside);
 }
 
 }  // namespace

@@ -111,7 +111,7 @@ void append(Set& to, Set&& more) {
   join(to.young, more.young), join(to.length, more.length);
   join(to.friction, more.friction), join(to.stick_fraction, more.stick_fraction), join(to.residual, more.residual);
   join(to.contact, more.contact), join(to.step, more.step), join(to.indenter, more.indenter);
-  join(to.contact_nodes, more.contact_nodes), join(to.status, more.status);
+  join(to.contact_nodes, more.contact_nodes), join(to.status, more.status), join(to.outside, more.outside);
   to.fell_back += more.fell_back, to.unsolved += more.unsolved, to.without_rows += more.without_rows;
 }
 

@@ -160,8 +160,19 @@ std::string report_text(const GenerateRequest& request, const ContactSet& set, c
   if (set.near_edge > 0)
     text += fmt::format(
         "{} of {} contacts come nearer than the thickness to an edge of the pad, where the model has no free sides: "
-        "`tactel solve` refuses them (docs/pads.md)\n",
+        "`tactel solve` refuses them; 1 in the column outside (docs/pads.md)\n",
         set.near_edge, set.contacts);
+  if (set.unseen > 0)
+    text += fmt::format(
+        "{} of {} contacts stay farther than the thickness from every tactel, which hardly see them: the pitch exceeds "
+        "two thicknesses; 2 in the column outside\n",
+        set.unseen, set.contacts);
+  if (set.wide_cells > 0)
+    text += fmt::format(
+        "{} of {} contacts have cells wider than the thickness, which put P of sharp and tilted shapes off: `tactel "
+        "solve` "
+        "states by how much; 4 in the column outside\n",
+        set.wide_cells, set.contacts);
   if (work.contacts > 0)
     text += fmt::format(
         "{:.0f} contacts, {} load steps in {:.2f} s: {} steps/s, in kernels {} steps/s; chunks written at {}B/s, set "

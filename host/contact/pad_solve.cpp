@@ -132,15 +132,24 @@ std::optional<std::string> pad_slip_warning(const PadOutcome& outcome) {
 }
 
 /// Below a point load sigma_z falls to a tenth within a thickness: tactels farther apart hardly see what lies between.
+bool wide_pitch(const fem::PadSensor& sensor) {
+  return std::max(sensor.pitch[0], sensor.pitch[1]) > 2 * sensor.thickness;
+}
+/// `distance`: from the contact to the middle of the nearest tactel, mm.
+bool far_from_tactels(const fem::PadSensor& sensor, double distance) {
+  return std::isfinite(distance) && distance - sensor.tactel_size / 2 > sensor.thickness;
+}
+
 std::optional<std::string> pitch_warning(const PadOutcome& outcome) {
   const fem::PadSensor& sensor = outcome.scene.sensor;
+  if (!wide_pitch(sensor)) return std::nullopt;
   const double H = sensor.thickness, pitch = std::max(sensor.pitch[0], sensor.pitch[1]);
   const Eigen::MatrixX2d tactels = fem::tactel_places(sensor);
   double nearest = std::numeric_limits<double>::infinity();
   each_touched(outcome.solution, [&](const Eigen::Vector2d& place) {
     nearest = std::min(nearest, (tactels.rowwise() - place.transpose()).rowwise().norm().minCoeff());
   });
-  if (!(pitch > 2 * H) || !std::isfinite(nearest) || nearest - sensor.tactel_size / 2 <= H) return std::nullopt;
+  if (!far_from_tactels(sensor, nearest)) return std::nullopt;
   return fmt::format(
       "the contact stays {:.3g} mm from the nearest tactel, more than the thickness of {:.3g} mm: with a pitch of "
       "{:.3g} mm the tactels hardly see it",
@@ -232,6 +241,22 @@ void refuse_at_edge(const fem::PadScene& scene, const std::optional<double>& dis
                                "sensor.length and sensor.width give, not {:.3g} mm: the model has no free sides, which "
                                "puts S of lines off by {} at one thickness",
                                scene.sensor.thickness, *distance, error_at_edge(at_edge)));
+}
+
+int outside_model(const fem::PadSensor& sensor, const std::array<double, 2>& position, const fem::PadBox& reach,
+                  double cell) {
+  if (!(reach.x.left < reach.x.right)) return 0;
+  int outside = cell > sensor.thickness ? outside_cells : 0;
+  if (too_near_edge(sensor, distance_to_edge(sensor, position, reach))) outside += outside_edges;
+  if (!wide_pitch(sensor)) return outside;
+  double nearest = std::numeric_limits<double>::infinity();
+  const Eigen::MatrixX2d tactels = fem::tactel_places(sensor);
+  for (Eigen::Index i = 0; i < tactels.rows(); ++i) {
+    const double x = tactels(i, 0) - position[0], y = tactels(i, 1) - position[1];
+    nearest = std::min(nearest, std::hypot(x - std::clamp(x, reach.x.left, reach.x.right),
+                                           y - std::clamp(y, reach.y.left, reach.y.right)));
+  }
+  return outside + (far_from_tactels(sensor, nearest) ? outside_tactels : 0);
 }
 
 std::vector<std::string> warnings(const PadOutcome& outcome) {

@@ -52,6 +52,16 @@ bool too_near_edge(const fem::PadSensor& sensor, const std::optional<double>& di
 /// Throws ValueError, key "indenter.position", there.
 void refuse_at_edge(const fem::PadScene& scene, const std::optional<double>& distance);
 
+/// What a set keeps of contacts that the model or the tactels do not serve, their sum in the dataset `outside`.
+enum PadOutside {
+  outside_edges = 1,    ///< nearer than the thickness H to an edge of the pad: solve() refuses the contact
+  outside_tactels = 2,  ///< a pitch above 2 H, and the contact stays farther than H from every tactel
+  outside_cells = 4,    ///< cells longer than H
+};
+/// Returns the sum for a contact that lies within `reach` from the indenter's axis, on cells of this longer side, mm.
+int outside_model(const fem::PadSensor& sensor, const std::array<double, 2>& position, const fem::PadBox& reach,
+                  double cell);
+
 /// Returns the warnings about an answer, one line each; usually none. They concern units, depth, slip, edges of the
 /// pad, steps that touch nothing, a contact that the tactels hardly see, and errors that are large or were
 /// not measured.

@@ -122,6 +122,9 @@ void bind_set(py::module_& m) {
       .def_property_readonly("contact_nodes", column(&Set::contact_nodes),
                              "[rows] surface nodes or elements that touch")
       .def_property_readonly("status", column(&Set::status), "[rows] 0 solved, 1 sliding, 2 over tolerance")
+      .def_property_readonly("outside", column(&Set::outside),
+                             "[rows] of pads, what the model does not serve: sum of 1 nearer than the thickness H to "
+                             "an edge, 2 farther than H from every tactel at a pitch above 2 H, 4 cells longer than H")
       .def_readonly("indenter_names", &Set::indenter_names)
       .def_readonly("contacts", &Set::contacts)
       .def_readonly("fell_back", &Set::fell_back, "contacts that the exact fallback answered")

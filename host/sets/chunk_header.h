@@ -10,11 +10,11 @@ namespace tactel::host {
 /// Header of the rows of a chunk. The byte order is that of the machine; the folder cannot be moved to another
 /// kind.
 struct ChunkHeader {
-  static constexpr std::uint64_t right_magic = 0x376c6f6f70736c74;  // "tlspool7"
+  static constexpr std::uint64_t right_magic = 0x386c6f6f70736c74;  // "tlspool8"
 
   std::uint64_t magic = 0, plan_sum = 0, chunk = 0, rows = 0, contacts = 0, inputs = 0, bytes = 0;
-  std::uint64_t fell_back = 0, unsolved = 0, too_deep = 0, without_rows = 0, far_slip = 0, near_edge = 0,
-                never_slid = 0;
+  std::uint64_t fell_back = 0, unsolved = 0, too_deep = 0, without_rows = 0, far_slip = 0, near_edge = 0, unseen = 0,
+                wide_cells = 0, never_slid = 0;
   std::uint64_t payload_sum = 0;  ///< checksum of the rows that follow
   std::uint64_t header_sum = 0;   ///< checksum of the preceding members
 

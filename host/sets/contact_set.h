@@ -49,6 +49,7 @@ struct ContactSet : SetColumns {
   std::vector<std::uint16_t> indenter;                   ///< [rows] kind of indenter: an index in indenter_names
   std::vector<std::uint8_t> status;                      ///< [rows] LaneStatus: 0 solved, 1 sliding, 2 over tolerance
   std::vector<float> residual;                           ///< [rows] largest relative residual
+  std::vector<std::uint8_t> outside;                     ///< [rows] of pads: sum of PadOutside of the row's contact
   std::vector<float> poisson, thickness, young, length;  ///< [rows] of the contact's own sensor, mm and MPa; or empty
   std::vector<float> contact_parameters;                 ///< `/parameters` [contacts, parameters]; NaN: has none
 
@@ -66,7 +67,9 @@ struct ContactSet : SetColumns {
   std::string plan;              ///< attribute: conditions of the rows beside the sweep file, SetRecipe::conditions
   std::uint64_t too_deep = 0;    ///< contacts indented beyond the depth to which rubber is linear; not in the file
   std::uint64_t far_slip = 0;    ///< contacts that slide beyond slip_limit; not in the file
-  std::uint64_t near_edge = 0;   ///< contacts nearer than the thickness to an edge of their pad; not in the file
+  std::uint64_t near_edge = 0;   ///< contacts of outside_edges; not in the file
+  std::uint64_t unseen = 0;      ///< of outside_tactels
+  std::uint64_t wide_cells = 0;  ///< of outside_cells
   std::uint64_t never_slid = 0;  ///< contacts with rows whose drag until sliding ends without it; not in the file
 
   std::size_t rows() const { return slip_index.size(); }
@@ -95,6 +98,7 @@ void each_dataset(Set& set, const Visit& visit_any) {
     visit("friction", set.friction, 0, "1");
     visit("stick_fraction", set.stick_fraction, 0, "1; stuck cells over touching cells");
     visit("contact_nodes", set.contact_nodes, 0, "surface cells that touch");
+    visit("outside", set.outside, 0, "1 at an edge, 2 far from tactels, 4 cells wider than the thickness; their sum");
   } else {
     visit("inputs", set.frames, set.inputs, "MPa; normal stress of every tactel, then shear");
     visit("slip_index", set.slip_index, 0, "1; Q / (mu P)");

@@ -50,6 +50,7 @@ struct Contact {
   bool until_sliding = false;
   [[no_unique_address]] std::conditional_t<of_lines, NoPath, PadPath> path{};  ///< of pads: results do not hold it
   std::array<double, 2> position{};                                            ///< of pads, mm
+  int outside = 0;                                                             ///< of pads: sum of PadOutside
 };
 using LineContact = Contact<LineContacts>;
 using PadContactOf = Contact<PadContacts>;
@@ -135,7 +136,10 @@ void put_stress(const fem::PadStep& step, std::span<float> frame) {  // [tactels
 template <class Contacts>
 struct StepsOfLane {
   int count() const { return answer.steps; }
-  double element() const { return answer.element(); }
+  double element() const {
+    if constexpr (Contact<Contacts>::of_lines) return answer.element();
+    return answer.result(0, PAD_RESULT_CELL);
+  }
   Row row(int k) const { return row_of(answer, *contact, k); }
   void stress(int k, std::span<float> frame) const { answer.tactels(k, frame); }
   bool slid() const { return static_cast<int>(answer.result(answer.steps - 1, LANE_STATUS)) >= LANE_SLIDING; }
@@ -149,8 +153,11 @@ template <class Contacts>
 struct StepsOfSolution {
   int count() const { return static_cast<int>(solution.steps.size()); }
   double element() const {
-    return solution.surface_width.size() > 0 ? solution.surface_width[0]
-                                             : contact->sensor.length / (contact->sensor.columns - 1);
+    if constexpr (Contact<Contacts>::of_lines)
+      return solution.surface_width.size() > 0 ? solution.surface_width[0]
+                                               : contact->sensor.length / (contact->sensor.columns - 1);
+    else
+      return std::max(solution.cells.hx, solution.cells.hy);
   }
   Row row(int k) const { return row_of(solution.steps[static_cast<std::size_t>(k)]); }
   void stress(int k, std::span<float> frame) const { put_stress(solution.steps[static_cast<std::size_t>(k)], frame); }
@@ -169,6 +176,7 @@ void resize(ContactSet& set, std::size_t rows) {
     list->resize(rows * static_cast<std::size_t>(set.directions()));
   if (set.pad)
     for (auto* list : {&set.torque, &set.twist, &set.force_ratio}) list->resize(rows);
+  if (set.pad) set.outside.resize(rows);
   set.contact_nodes.resize(rows), set.indenter.resize(rows);
   if (set.sensors)
     for (auto* list : {&set.poisson, &set.thickness, &set.young, &set.length}) list->resize(rows);
@@ -205,6 +213,7 @@ void put_row(ContactSet& set, std::size_t at, const Steps& steps, const Row& row
     set.torque[at] = static_cast<float>(row.torque);
     set.twist[at] = static_cast<float>(row.twist);
     set.force_ratio[at] = static_cast<float>(row.force_ratio);
+    set.outside[at] = static_cast<std::uint8_t>(of.outside);
   }
   set.friction[at] = static_cast<float>(of.friction);
   set.stick_fraction[at] = touching ? static_cast<float>(row.sticking) / static_cast<float>(touching) : 0;
@@ -226,9 +235,8 @@ bool is_row(const Row& row, const Contact& of, int step) {
 
 /// Adds what the steps of a contact say together to the counts of a set. Returns how many of them become rows.
 template <class Steps, class Contact>
-std::size_t survey(ContactSet& set, const Steps& steps, const Contact& of) {
-  double element = 0;  // mm, of lines
-  if constexpr (Contact::of_lines) element = steps.element();
+std::size_t survey(ContactSet& set, const Steps& steps, Contact& of) {
+  const double element = steps.element();  // mm
   std::size_t rows = 0;
   double deepest = 0;  // mm
   bool far = false;    // the indenter slides further over the rubber than displacements are small
@@ -245,8 +253,12 @@ std::size_t survey(ContactSet& set, const Steps& steps, const Contact& of) {
   }
   set.too_deep += too_deep(of.sensor.thickness, deepest);
   set.far_slip += far;
-  if constexpr (!Contact::of_lines)
-    set.near_edge += too_near_edge(of.sensor, distance_to_edge(of.sensor, of.position, reach));
+  if constexpr (!Contact::of_lines) {
+    of.outside = outside_model(of.sensor, of.position, reach, element);
+    set.near_edge += (of.outside & outside_edges) != 0;
+    set.unseen += (of.outside & outside_tactels) != 0;
+    set.wide_cells += (of.outside & outside_cells) != 0;
+  }
   if constexpr (Contact::of_lines) set.never_slid += rows > 0 && of.until_sliding && !steps.slid();
   return rows;
 }
@@ -457,12 +469,12 @@ ContactSet Simulator<Contacts>::collect(Range& range) {
         return source_.contact(chunk.contacts[k].number).scene;
       },
       [&](std::size_t k, const LaneAnswer& answer) {
-        const auto& contact = chunk.contacts[k];
+        auto& contact = chunk.contacts[k];
         rows[k + 1] = survey(set, StepsOfLane<Contacts>{answer, &contact}, contact);
         answered();
       },
       [&](std::size_t k, typename Contacts::Solution&& solution) {
-        const auto& contact = chunk.contacts[k];
+        auto& contact = chunk.contacts[k];
         set.fell_back += solution.fell_back;
         set.unsolved += std::ranges::any_of(solution.steps, [](const auto& step) { return !step.converged; });
         rows[k + 1] = survey(set, StepsOfSolution<Contacts>{solution, &contact}, contact);

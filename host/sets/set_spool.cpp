@@ -232,6 +232,8 @@ ChunkHeader SetSpool::header_of(std::uint64_t chunk, const ContactSet& rows,
                      .without_rows = rows.without_rows,
                      .far_slip = rows.far_slip,
                      .near_edge = rows.near_edge,
+                     .unseen = rows.unseen,
+                     .wide_cells = rows.wide_cells,
                      .never_slid = rows.never_slid,
                      .payload_sum = sum.value()};
   header.header_sum = header.sum();
@@ -381,6 +383,8 @@ void SetSpool::assemble(ContactSet& set, bool compress) {
     set.without_rows += header.without_rows;
     set.far_slip += header.far_slip;
     set.near_edge += header.near_edge;
+    set.unseen += header.unseen;
+    set.wide_cells += header.wide_cells;
     set.never_slid += header.never_slid;
   }
   if (compress || !placed_->fits_hdf5()) {  // a copy

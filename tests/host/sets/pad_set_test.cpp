@@ -221,8 +221,8 @@ TEST_F(PadSet, FilesHoldTheColumnsOfPads) {
   each_dataset(read, [&](const char* name, const auto&, int, const char*) { names.emplace_back(name); });
   EXPECT_THAT(names, testing::ElementsAre("inputs", "slip_index", "normal_force", "tangential_force", "torque",
                                           "force_ratio", "indentation", "tangential", "twist", "friction",
-                                          "stick_fraction", "contact_nodes", "contact", "step", "indenter", "status",
-                                          "residual", "poisson", "thickness", "young"));
+                                          "stick_fraction", "contact_nodes", "outside", "contact", "step", "indenter",
+                                          "status", "residual", "poisson", "thickness", "young"));
   EXPECT_EQ(read.tangential, set.tangential);
   EXPECT_EQ(read.tangential_force, set.tangential_force);
   EXPECT_EQ(read.torque, set.torque);
@@ -280,6 +280,40 @@ TEST_F(PadSet, CountsContactsAtEdgesAndFarSlip) {
   EXPECT_EQ(counts("width = 16\n", "[[0.05, 0]]"), std::pair(0ul, 0ul));
   EXPECT_EQ(counts("width = 10\n", "[[0.05, 0]]"), std::pair(2ul, 0ul));
   EXPECT_EQ(counts("width = 10\n", "[[2, 0]]"), std::pair(2ul, 2ul));
+}
+
+/// The value of `outside` in all rows of a text's first contact.
+class PadOutsideTest : public PadSet {
+ protected:
+  int outside(const std::string& text) {
+    const ContactSet set = SetSimulator(executor_, source(text), options_).simulate(0, 1);
+    EXPECT_EQ(set.outside.size(), set.rows());
+    EXPECT_TRUE(std::ranges::all_of(set.outside, [&](int value) { return value == set.outside[0]; }));
+    EXPECT_EQ(set.near_edge, (set.outside[0] & 1) != 0);
+    EXPECT_EQ(set.unseen, (set.outside[0] & 2) != 0);
+    EXPECT_EQ(set.wide_cells, (set.outside[0] & 4) != 0);
+    return set.outside[0];
+  }
+};
+
+/// A sphere of 5 mm, 0.15 mm deep, touches less than sqrt(2 * 5 * 0.15) = 1.22 mm around its axis at (-1.5, 3); the
+/// layer is 1.5 mm thick. With a pitch of 6 mm the nearest tactel, (-3, 6), is 3.35 mm from the axis.
+TEST_F(PadOutsideTest, MarksWhatTheModelDoesNotServe) {
+  const auto changed = [](const std::string& from, const std::string& to) {
+    std::string text = at_a_tactel;
+    text.replace(text.find(from), from.size(), to);
+    return text;
+  };
+  EXPECT_EQ(outside(at_a_tactel), 0);
+  EXPECT_EQ(outside(changed("pitch", "width = 10\npitch")), 1);
+  EXPECT_EQ(outside(changed("pitch = 3", "pitch = 6")), 2);
+  EXPECT_EQ(outside(changed("pitch = 3", "pitch = 6\ntactel_size = 4")), 0) << "its side reaches the contact";
+  EXPECT_EQ(outside(changed("position = [-1.5, 3]", "position = [-1.5, 1.5]")), 0) << "a pitch of two thicknesses";
+  const std::string box = "shape = \"box\"\nhalf_widths = [";  // 8 cells a side, a little beyond a sharp edge
+  EXPECT_EQ(outside(changed("shape = \"sphere\"\nradius = 5", box + "1, 1]")), 0);
+  EXPECT_EQ(outside(changed("shape = \"sphere\"\nradius = 5", box + "5.5, 1]")), 0);
+  EXPECT_EQ(outside(changed("shape = \"sphere\"\nradius = 5", box + "6.5, 1]")), 4);
+  EXPECT_EQ(outside(changed("shape = \"sphere\"\nradius = 5", box + "1, 6.5]")), 4);
 }
 
 TEST_F(PadSet, TactelsHaveTheirPlaces) {
