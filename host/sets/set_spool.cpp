@@ -82,12 +82,19 @@ auto with_output(const fs::path& output, const Work& work) try {
                                  error.code().message() + ")");
 }
 
-/// Chunks first, then the plan, then the lock: a kill on the way leaves a folder that the next run understands.
+/// Chunks first, then the plan, then the lock: a kill on the way leaves a folder that the next run understands. Without
+/// the lock another program may begin a set in the folder: nothing of its own is removed.
 void remove_spool(const fs::path& folder) {
   for (const fs::path& file : PlacedSet::header_files(folder)) fs::remove(file);
   fs::remove(PlacedSet::set_file(folder));
   fs::remove(folder / "plan");
-  fs::remove_all(folder);
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.path().filename() != "lock") fs::remove_all(entry.path());
+  fs::remove(folder / "lock");
+  std::error_code error;
+  fs::remove(folder, error);
+  if (error && error != std::errc::directory_not_empty && error != std::errc::no_such_file_or_directory)
+    throw fs::filesystem_error("removal", folder, error);
 }
 
 }  // namespace
