@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fem/pad/pad_presses.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace tactel::fem {
@@ -18,9 +19,12 @@ std::vector<std::size_t> coarse_presses(const PadLoad& load, int cells,
   const std::vector<PadTarget> targets = pad_targets(load);
   const double most = largest_normal(load);
   const std::size_t presses = presses_on(load);
+  int widest = 0;
+  for (std::size_t k = 0; k < presses; ++k) widest = std::max(widest, across(k));
   std::vector<std::size_t> found;
   for (std::size_t k = 0; k < presses; ++k)
-    if (targets[k].normal < most && coarse(targets[k].normal, across(k), cells)) found.push_back(k);
+    if (targets[k].normal > 0 && targets[k].normal < most && across(k) < least_across(cells, widest))
+      found.push_back(k);
   return found;
 }
 

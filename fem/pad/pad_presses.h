@@ -14,13 +14,10 @@ namespace tactel::fem {
 // pressing can be solved alone, on cells of its own. A contact that has been dragged or lifted has a history, and stays
 // on the cells that hold it.
 
-/// Returns the least number of so many cells a side that a contact must extend over along its shorter side. Beside
-/// closed forms of spheres and cones, wherever they lie between the cells, P is off by 0.8 % at most from 6 cells on,
-/// by 1.5 % at 5, 8 % at 4 and 3, and up to all of it at fewer.
-constexpr int least_across(int cells) { return std::clamp(cells / 2, 5, 12); }
-
-/// Returns whether a step is coarse, by its target and the cells over which its contact extends.
-constexpr bool coarse(double normal, int across, int cells) { return normal > 0 && across < least_across(cells); }
+/// Returns the least number of so many cells a side over which a contact must extend along its shorter side, as far as
+/// it does in the widest step. Beside closed forms of spheres and cones, wherever they lie between the cells, P is off
+/// by 0.8 % at most from 6 cells on, by 1.5 % at 5, 8 % at 4 and 3, and up to all of it at fewer.
+constexpr int least_across(int cells, int widest) { return std::min(std::clamp(cells / 2, 5, 12), widest); }
 
 /// Returns how many steps of a load press on from first touch, each at least as far as the one before.
 std::size_t presses_on(const PadLoad& load);

@@ -173,6 +173,11 @@ std::string report_text(const GenerateRequest& request, const ContactSet& set, c
         "solve` "
         "states by how much; 4 in the column outside\n",
         set.wide_cells, set.contacts);
+  if (set.coarse > 0)
+    text += fmt::format(
+        "in {} of {} rows the contact covers few of the {} that are laid for its deepest step: status 3 "
+        "(docs/sets.md)\n",
+        set.coarse, rows, set.pad ? "cells" : "elements");
   if (work.contacts > 0)
     text += fmt::format(
         "{:.0f} contacts, {} load steps in {:.2f} s: {} steps/s, in kernels {} steps/s; chunks written at {}B/s, set "

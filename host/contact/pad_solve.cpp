@@ -10,6 +10,7 @@
 
 #include "fem/number_text.h"
 #include "fem/pad/pad_layers.h"
+#include "fem/pad/pad_presses.h"
 #include "fem/pad/pad_reference.h"
 #include "fem/pad/pad_search.h"
 #include "fem/value_error.h"
@@ -115,6 +116,27 @@ std::optional<std::string> error_warning(const PadOutcome& outcome) {
   const auto& e = outcome.error->most95;
   if (e.slip_index <= large_error && e.P <= large_error) return std::nullopt;
   return fmt::format("S may be off by {:.2g} and P by {}: take a rung with more cells", e.slip_index, percent(e.P));
+}
+
+/// Error of P of a step whose contact extends over so few cells: fem::least_across.
+double coarse_error(int across) { return across >= 5 ? 0.02 : across >= 3 ? 0.08 : 1; }
+
+/// Steps that hold a history of friction cannot have cells of their own.
+std::optional<std::string> coarse_warning(const PadOutcome& outcome) {
+  const auto& [cells, places, steps, outside, fell_back] = outcome.solution;
+  std::vector<std::size_t> numbers;
+  int least = cells.n, widest = 0;
+  for (const fem::PadStep& step : steps) widest = std::max(widest, step.across);
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    if (!(steps[k].P > 0) || steps[k].across >= fem::least_across(cells.n, widest)) continue;
+    numbers.push_back(k + 1);
+    least = std::min(least, steps[k].across);
+  }
+  if (numbers.empty()) return std::nullopt;
+  return fmt::format(
+      "in {} the contact extends over {} of {} cells, which are laid for the deepest step: P there may be off by "
+      "{} and S is coarse",
+      steps_text(numbers), least, cells.n, percent(coarse_error(least)));
 }
 
 std::optional<std::string> pad_slip_warning(const PadOutcome& outcome) {
@@ -266,6 +288,7 @@ std::vector<std::string> warnings(const PadOutcome& outcome) {
   };
   add(depth_warning(outcome.scene.sensor.thickness, deepest(outcome.solution)));
   add(untouched_warning(outcome.solution.steps));
+  add(coarse_warning(outcome));
   add(pad_slip_warning(outcome));
   add(error_warning(outcome));
   add(edge_warning(outcome));

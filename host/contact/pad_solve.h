@@ -63,7 +63,7 @@ int outside_model(const fem::PadSensor& sensor, const std::array<double, 2>& pos
                   double cell);
 
 /// Returns the warnings about an answer, one line each; usually none. They concern units, depth, slip, edges of the
-/// pad, steps that touch nothing, a contact that the tactels hardly see, and errors that are large or were
+/// pad, steps that touch nothing or few cells, a contact that the tactels hardly see, and errors that are large or were
 /// not measured.
 std::vector<std::string> warnings(const PadOutcome& outcome);
 

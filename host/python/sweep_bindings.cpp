@@ -121,7 +121,8 @@ void bind_set(py::module_& m) {
       .def_property_readonly("indenter", column(&Set::indenter), "[rows] index in indenter_names")
       .def_property_readonly("contact_nodes", column(&Set::contact_nodes),
                              "[rows] surface nodes or elements that touch")
-      .def_property_readonly("status", column(&Set::status), "[rows] 0 solved, 1 sliding, 2 over tolerance")
+      .def_property_readonly("status", column(&Set::status),
+                             "[rows] 0 solved, 1 sliding, 2 over tolerance, 3 few cells touch")
       .def_property_readonly("outside", column(&Set::outside),
                              "[rows] of pads, what the model does not serve: sum of 1 nearer than the thickness H to "
                              "an edge, 2 farther than H from every tactel at a pitch above 2 H, 4 cells longer than H")

@@ -30,6 +30,10 @@ struct SetColumns {
   int directions() const { return pad ? 2 : 1; }
 };
 
+/// Status of a row whose contact extends over few of the elements or cells that are laid for the deepest
+/// step: its forces are coarse.
+inline constexpr int coarse_row = 3;
+
 /// A set of contacts as in a set file (docs/sets.md): one row a load step; HDF5, plain datasets.
 struct ContactSet : SetColumns {
   ContactSet() = default;
@@ -38,18 +42,18 @@ struct ContactSet : SetColumns {
   std::vector<float> frames;        ///< `/inputs` [rows, inputs] MPa: normal stress of every tactel, then shear
   std::vector<float> slip_index;    ///< [rows] S = Q / (mu P); of pads 1 / lambda
   std::vector<float> normal_force;  ///< [rows] P, N/mm; of pads N
-  std::vector<float> tangential_force, tangential;       ///< [rows, directions] Q; position since first touch, mm
-  std::vector<float> indentation;                        ///< [rows] mm: depth
-  std::vector<float> torque, twist, force_ratio;         ///< [rows] of pads: M, N mm; degrees; |Q| / (mu P)
-  std::vector<float> friction;                           ///< [rows] mu
-  std::vector<float> stick_fraction;                     ///< [rows] stuck share of the contact's length or cells
-  std::vector<std::uint16_t> contact_nodes;              ///< [rows] surface nodes, or cells, that touch
-  std::vector<std::uint64_t> contact;                    ///< [rows] contact of the sweep
-  std::vector<std::uint32_t> step;                       ///< [rows] load step of the contact, from 0
-  std::vector<std::uint16_t> indenter;                   ///< [rows] kind of indenter: an index in indenter_names
-  std::vector<std::uint8_t> status;                      ///< [rows] LaneStatus: 0 solved, 1 sliding, 2 over tolerance
-  std::vector<float> residual;                           ///< [rows] largest relative residual
-  std::vector<std::uint8_t> outside;                     ///< [rows] of pads: sum of PadOutside of the row's contact
+  std::vector<float> tangential_force, tangential;  ///< [rows, directions] Q; position since first touch, mm
+  std::vector<float> indentation;                   ///< [rows] mm: depth
+  std::vector<float> torque, twist, force_ratio;    ///< [rows] of pads: M, N mm; degrees; |Q| / (mu P)
+  std::vector<float> friction;                      ///< [rows] mu
+  std::vector<float> stick_fraction;                ///< [rows] stuck share of the contact's length or cells
+  std::vector<std::uint16_t> contact_nodes;         ///< [rows] surface nodes, or cells, that touch
+  std::vector<std::uint64_t> contact;               ///< [rows] contact of the sweep
+  std::vector<std::uint32_t> step;                  ///< [rows] load step of the contact, from 0
+  std::vector<std::uint16_t> indenter;              ///< [rows] kind of indenter: an index in indenter_names
+  std::vector<std::uint8_t> status;   ///< [rows] LaneStatus: 0 solved, 1 sliding, 2 over tolerance; or coarse_row
+  std::vector<float> residual;        ///< [rows] largest relative residual
+  std::vector<std::uint8_t> outside;  ///< [rows] of pads: sum of PadOutside of the row's contact
   std::vector<float> poisson, thickness, young, length;  ///< [rows] of the contact's own sensor, mm and MPa; or empty
   std::vector<float> contact_parameters;                 ///< `/parameters` [contacts, parameters]; NaN: has none
 
@@ -70,6 +74,7 @@ struct ContactSet : SetColumns {
   std::uint64_t near_edge = 0;   ///< contacts of outside_edges; not in the file
   std::uint64_t unseen = 0;      ///< of outside_tactels
   std::uint64_t wide_cells = 0;  ///< of outside_cells
+  std::uint64_t coarse = 0;      ///< rows that are marked so; not in the file
   std::uint64_t never_slid = 0;  ///< contacts with rows whose drag until sliding ends without it; not in the file
 
   std::size_t rows() const { return slip_index.size(); }
@@ -113,7 +118,7 @@ void each_dataset(Set& set, const Visit& visit_any) {
   visit("contact", set.contact, 0, "which contact");
   visit("step", set.step, 0, "which load step of the contact");
   visit("indenter", set.indenter, 0, "place in the attribute indenter_names");
-  visit("status", set.status, 0, "0 solved, 1 sliding, 2 over tolerance");
+  visit("status", set.status, 0, "0 solved, 1 sliding, 2 over tolerance, 3 few elements or cells touch");
   visit("residual", set.residual, 0, "1; largest relative residual");
   if (!set.sensors) return;
   visit("poisson", set.poisson, 0, "1; of the contact's own sensor");

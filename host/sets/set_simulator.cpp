@@ -10,6 +10,7 @@
 
 #include "fem/angles.h"
 #include "fem/contact_laws.h"
+#include "fem/pad/pad_presses.h"
 #include "host/contact/contact_stream.h"
 #include "host/contact/pad_solve.h"
 #include "host/contact/pad_stream.h"
@@ -33,6 +34,7 @@ struct Row {
   double torque = 0, twist = 0, force_ratio = 0;  ///< of pads; degrees
   double area = 0;                                ///< of pads: mm^2 of the cells that touch
   fem::PadBox reach{fem::nowhere, fem::nowhere};  ///< of pads: around these, from the indenter's axis
+  int across = 0;                                 ///< elements or cells over which they extend, along the shorter side
   int sticking = 0, slipping = 0, status = LANE_SOLVED;
 };
 
@@ -46,6 +48,7 @@ struct Contact {
   typename Contacts::Sensor sensor;
   double friction = 0;
   int first_step = 0;  ///< the first that may be a row
+  int presses = 0;     ///< of pads: steps that press on from first touch (fem/pad/pad_presses.h)
   std::uint16_t kind = 0;
   bool until_sliding = false;
   [[no_unique_address]] std::conditional_t<of_lines, NoPath, PadPath> path{};  ///< of pads: results do not hold it
@@ -54,6 +57,14 @@ struct Contact {
 };
 using LineContact = Contact<LineContacts>;
 using PadContactOf = Contact<PadContacts>;
+
+/// Elements that touch, or cells over which the contact extends along its shorter side.
+int across_of(const LaneAnswer& answer, const LineContact&, int k) {
+  return static_cast<int>(answer.result(k, LANE_STICKING) + answer.result(k, LANE_SLIPPING));
+}
+int across_of(const LaneAnswer& answer, const PadContactOf&, int k) {
+  return static_cast<int>(answer.result(k, PAD_RESULT_ACROSS));
+}
 
 /// What is read of the answer of a kernel, by kind of contact.
 Row row_of(const LaneAnswer& answer, const LineContact& contact, int k) {
@@ -66,6 +77,7 @@ Row row_of(const LaneAnswer& answer, const LineContact& contact, int k) {
                                 result(LANE_DRIFT), result(LANE_BALANCE)}),
           .Q = {result(LANE_Q)},
           .tangential = {result(LANE_TANGENTIAL)},
+          .across = across_of(answer, contact, k),
           .sticking = static_cast<int>(result(LANE_STICKING)),
           .slipping = static_cast<int>(result(LANE_SLIPPING)),
           .status = static_cast<int>(result(LANE_STATUS))};
@@ -87,6 +99,7 @@ Row row_of(const LaneAnswer& answer, const PadContactOf& contact, int k) {
           .area = result(PAD_RESULT_AREA),
           .reach = {{result(PAD_RESULT_LEFT), result(PAD_RESULT_RIGHT)},
                     {result(PAD_RESULT_BELOW), result(PAD_RESULT_ABOVE)}},
+          .across = across_of(answer, contact, k),
           .sticking = static_cast<int>(result(PAD_RESULT_STICKING)),
           .slipping = static_cast<int>(result(PAD_RESULT_SLIPPING)),
           .status = static_cast<int>(result(PAD_RESULT_STATUS))};
@@ -114,13 +127,14 @@ Row row_common(const Step& step) {
 Row row_of(const fem::ContactStep& step) {
   Row row = row_common(step);
   row.Q = {step.Q}, row.tangential = {step.tangential}, row.residual = fem::largest(step.residual);
+  row.across = row.sticking + row.slipping;
   return row;
 }
 Row row_of(const fem::PadStep& step) {
   Row row = row_common(step);
   row.Q = {step.Q[0], step.Q[1]}, row.tangential = {step.x, step.y}, row.residual = step.residual.largest();
   row.torque = step.M, row.twist = fem::degrees(step.twist), row.force_ratio = step.force_ratio.value_or(0);
-  row.area = step.area, row.reach = step.reach;
+  row.area = step.area, row.reach = step.reach, row.across = step.across;
   return row;
 }
 void put_stress(const fem::ContactStep& step, std::span<float> frame) {
@@ -132,7 +146,22 @@ void put_stress(const fem::PadStep& step, std::span<float> frame) {  // [tactels
                  [](double stress) { return static_cast<float>(stress); });
 }
 
-/// The steps of an answer in place.
+/// Steps of the pressing that were solved alone, by the contact's number and the step.
+template <class Contacts>
+using Alone = std::map<std::pair<std::uint64_t, int>, typename Contacts::Solution>;
+
+/// Elements or cells a side of an answer. 0: of a mesh, which is not laid for a contact.
+int along_side(const fem::ContactSolution& solution) { return static_cast<int>(solution.surface_width.size()); }
+int along_side(const fem::PadSolution& solution) { return solution.cells.n; }
+
+/// Marks a row whose contact extends over few of so many; `widest`: the most in any step of the contact.
+Row marked(Row row, int along_side, int widest) {
+  const bool solved = row.status == LANE_SOLVED || row.status == LANE_SLIDING;
+  if (along_side > 0 && solved && row.across < fem::least_across(along_side, widest)) row.status = coarse_row;
+  return row;
+}
+
+/// The steps of an answer in place, but for those that were solved alone.
 template <class Contacts>
 struct StepsOfLane {
   int count() const { return answer.steps; }
@@ -140,12 +169,23 @@ struct StepsOfLane {
     if constexpr (Contact<Contacts>::of_lines) return answer.element();
     return answer.result(0, PAD_RESULT_CELL);
   }
-  Row row(int k) const { return row_of(answer, *contact, k); }
-  void stress(int k, std::span<float> frame) const { answer.tactels(k, frame); }
+  Row row(int k) const {
+    if (const auto own = alone->find({contact->number, k}); own != alone->end())
+      return row_of(own->second.steps.back());
+    return marked(row_of(answer, *contact, k), along_side, widest);
+  }
+  void stress(int k, std::span<float> frame) const {
+    if (const auto own = alone->find({contact->number, k}); own != alone->end())
+      put_stress(own->second.steps.back(), frame);
+    else
+      answer.tactels(k, frame);
+  }
   bool slid() const { return static_cast<int>(answer.result(answer.steps - 1, LANE_STATUS)) >= LANE_SLIDING; }
 
   LaneAnswer answer;
   const Contact<Contacts>* contact;
+  const Alone<Contacts>* alone;
+  int along_side, widest;
 };
 
 /// The steps of a contact that was solved again.
@@ -159,7 +199,11 @@ struct StepsOfSolution {
     else
       return std::max(solution.cells.hx, solution.cells.hy);
   }
-  Row row(int k) const { return row_of(solution.steps[static_cast<std::size_t>(k)]); }
+  Row row(int k) const {
+    int widest = 0;
+    for (const auto& step : solution.steps) widest = std::max(widest, row_of(step).across);
+    return marked(row_of(solution.steps[static_cast<std::size_t>(k)]), host::along_side(solution), widest);
+  }
   void stress(int k, std::span<float> frame) const { put_stress(solution.steps[static_cast<std::size_t>(k)], frame); }
   bool slid() const { return solution.sliding; }
 
@@ -249,7 +293,7 @@ std::size_t survey(ContactSet& set, const Steps& steps, Contact& of) {
       far = far || row.slip_distance > slip_limit(of.sensor, element * (row.sticking + row.slipping));
     else
       far = far || (row.P > 0 && row.slip_distance > slip_limit(std::sqrt(row.area))), reach.cover(row.reach);
-    rows += is_row(row, of, k);
+    if (is_row(row, of, k)) ++rows, set.coarse += row.status == coarse_row;
   }
   set.too_deep += too_deep(of.sensor.thickness, deepest);
   set.far_slip += far;
@@ -317,6 +361,12 @@ ContactModel model_for(Executor& executor, const SceneSource& source, const SetO
   return model;
 }
 
+int along_side(const SceneSource& source, const SetOptions& options) {
+  if (!options.patch && source.model() != fem::SurfaceModel::patch) return 0;
+  return options.patch.value_or(usual_patch()).elements;
+}
+int along_side(const PadSource&, const SetOptions& options) { return options.pad.cells; }
+
 int rows_of_tactels(const fem::Sensor&) { return 1; }
 int rows_of_tactels(const fem::PadSensor& sensor) { return sensor.tactels[1]; }
 
@@ -352,6 +402,7 @@ class Simulator final : public SetSimulator::State {
         source_(source),
         parameters_(source.parameters()),
         columns_(columns_of(source)),
+        along_side_(along_side(source, options)),
         stream_(executor, model_for(executor, source, options)) {
     if (!source.own_sensors()) stream_.keep(source.sensors());  // of others the family has the tables
     if (source.transducer().present())
@@ -369,33 +420,75 @@ class Simulator final : public SetSimulator::State {
   ContactSet collect(Range& range) override;
 
  private:
-  void measure(ContactSet& set, const std::vector<std::size_t>& rows, const Chunk& chunk, const Fallen& fallen);
+  StepsOfLane<Contacts> steps_of(const LaneAnswer& answer, const Contact<Contacts>& contact,
+                                 const Alone<Contacts>& alone) const {
+    int widest = 0;
+    for (int k = 0; along_side_ > 0 && k < answer.steps; ++k) widest = std::max(widest, across_of(answer, contact, k));
+    return {answer, &contact, &alone, along_side_, widest};
+  }
+  std::vector<int> to_solve_alone(const LaneAnswer& answer, const Contact<Contacts>& contact) const;
+  void solve_alone(const std::vector<std::pair<std::uint64_t, int>>& steps, Alone<Contacts>& alone) const;
+  void measure(ContactSet& set, const std::vector<std::size_t>& rows, const Chunk& chunk, const Fallen& fallen,
+               const Alone<Contacts>& alone);
 
   Executor& executor_;
   const Source& source_;
   ContactParametersOf<typename Contacts::Scene> parameters_;
   SetColumns columns_;
+  int along_side_;  ///< elements or cells of a contact; 0: on a mesh
   StreamOf<Contacts> stream_;
   std::optional<TransducerChain> chain_;  ///< where there is more than bare stresses; used by collect alone
   std::mutex chain_turn_;
 };
 
+/// Returns the steps of a contact on a pad that are rows, or that readings of rows depend on, and coarse, and can be
+/// solved alone.
+template <class Contacts>
+std::vector<int> Simulator<Contacts>::to_solve_alone(const LaneAnswer& answer, const Contact<Contacts>& contact) const {
+  std::vector<int> steps;
+  if constexpr (!Contact<Contacts>::of_lines) {
+    const auto across = [&](int k) { return across_of(answer, contact, k); };
+    double most = 0;
+    for (const fem::PadTarget& target : contact.path.steps) most = std::max(most, target.normal);
+    int widest = 0;
+    for (int k = 0; k < contact.presses; ++k) widest = std::max(widest, across(k));
+    for (int k = chain_ ? 0 : contact.first_step; k < contact.presses; ++k) {
+      const double normal = contact.path.steps[static_cast<std::size_t>(k)].normal;
+      if (normal > 0 && normal < most && across(k) < fem::least_across(along_side_, widest)) steps.push_back(k);
+    }
+  }
+  return steps;
+}
+
+template <class Contacts>
+void Simulator<Contacts>::solve_alone(const std::vector<std::pair<std::uint64_t, int>>& steps,
+                                      Alone<Contacts>& alone) const {
+  if constexpr (!Contact<Contacts>::of_lines) {
+    std::vector<fem::PadScene> scenes;
+    for (const auto& [number, k] : steps)
+      scenes.push_back(fem::pressed_alone(source_.contact(number).scene, static_cast<std::size_t>(k)));
+    std::vector<fem::PadSolution> solutions = stream_.solve(scenes);
+    for (std::size_t i = 0; i < steps.size(); ++i) alone.emplace(steps[i], std::move(solutions[i]));
+  }
+}
+
 /// Readings in place of stresses, in the rows of a chunk. They depend on all load steps up to them, so these go through
 /// the chain, rows or not.
 template <class Contacts>
 void Simulator<Contacts>::measure(ContactSet& set, const std::vector<std::size_t>& rows, const Chunk& chunk,
-                                  const Fallen& fallen) {
+                                  const Fallen& fallen, const Alone<Contacts>& alone) {
   const std::size_t inputs = set.inputs;
   std::vector<TransducerChain::Contact> contacts;
   std::vector<float> signal;
   chunk.part.each(true, [&](std::size_t k, const LaneAnswer& answer) {
     contacts.push_back({chunk.first + k, rows[k] == rows[k + 1] ? 0 : set.step[rows[k + 1] - 1] + 1});
     const auto solution = fallen.find(k);
+    const StepsOfLane<Contacts> steps = steps_of(answer, chunk.contacts[k], alone);
     for (std::uint32_t step = 0; step < contacts.back().steps; ++step) {
       signal.resize(signal.size() + inputs);
       const auto frame = std::span(signal).last(inputs);
       if (solution == fallen.end())
-        answer.tactels(static_cast<int>(step), frame);
+        steps.stress(static_cast<int>(step), frame);
       else
         put_stress(solution->second.steps[step], frame);
     }
@@ -439,6 +532,7 @@ std::unique_ptr<SetSimulator::Range> Simulator<Contacts>::prepare(std::uint64_t 
                                .kind = indenter,
                                .until_sliding = until_sliding(path)});
     if constexpr (!Contact<Contacts>::of_lines) {
+      chunk->contacts.back().presses = static_cast<int>(fem::presses_on(scene.load));
       chunk->contacts.back().path = path;
       chunk->contacts.back().position = scene.indenter.position;
     }
@@ -461,6 +555,9 @@ ContactSet Simulator<Contacts>::collect(Range& range) {
   const auto answered = [&] {
     if (range.answered) ++*range.answered;
   };
+  Alone<Contacts> alone;
+  std::vector<std::pair<std::uint64_t, int>> to_solve;  // alone: number of the contact, step
+  std::vector<std::size_t> surveyed_later;              // contacts that have such steps
   std::optional<Clock::time_point> begin_again;
   stream_.collect(
       chunk.part,
@@ -470,7 +567,13 @@ ContactSet Simulator<Contacts>::collect(Range& range) {
       },
       [&](std::size_t k, const LaneAnswer& answer) {
         auto& contact = chunk.contacts[k];
-        rows[k + 1] = survey(set, StepsOfLane<Contacts>{answer, &contact}, contact);
+        const std::vector<int> steps = to_solve_alone(answer, contact);
+        for (const int step : steps) to_solve.emplace_back(contact.number, step);
+        if (!steps.empty()) {
+          surveyed_later.push_back(k);
+          return;
+        }
+        rows[k + 1] = survey(set, steps_of(answer, contact, alone), contact);
         answered();
       },
       [&](std::size_t k, typename Contacts::Solution&& solution) {
@@ -481,6 +584,15 @@ ContactSet Simulator<Contacts>::collect(Range& range) {
         fallen[k] = std::move(solution);
         answered();
       });
+  if (!to_solve.empty()) {
+    if (!begin_again) begin_again = Clock::now();
+    solve_alone(to_solve, alone);
+    for (const std::size_t k : surveyed_later) {
+      auto& contact = chunk.contacts[k];
+      rows[k + 1] = survey(set, steps_of(chunk.part.answer(k), contact, alone), contact);
+      answered();
+    }
+  }
   if (begin_again) range.seconds.solve_again = seconds_since(*begin_again);
   set.contacts = chunk.count;
   set.without_rows = static_cast<std::uint64_t>(std::count(rows.begin() + 1, rows.end(), std::size_t{0}));
@@ -493,7 +605,7 @@ ContactSet Simulator<Contacts>::collect(Range& range) {
   };
   chunk.part.each(true, [&](std::size_t k, const LaneAnswer& answer) {
     if (rows[k] == rows[k + 1] || fallen.contains(k)) return;
-    together.push_back({rows[k], {answer, &chunk.contacts[k]}});
+    together.push_back({rows[k], steps_of(answer, chunk.contacts[k], alone)});
     if (together.size() == std::min(answer.stride, side_by_side_answers)) put();
   });
   put();
@@ -502,7 +614,7 @@ ContactSet Simulator<Contacts>::collect(Range& range) {
     put_rows(set, std::span(&one, 1));
   }
   set.contact_parameters = std::move(chunk.parameters);
-  if (chain_) measure(set, rows, chunk, fallen);
+  if (chain_) measure(set, rows, chunk, fallen, alone);
   chunk.part = {};  // its memory, before the rows are written
   set.indenter_names = source_.kind_names();
   set.transducer = nn::description(source_.transducer());

@@ -242,6 +242,7 @@ ChunkHeader SetSpool::header_of(std::uint64_t chunk, const ContactSet& rows,
                      .unseen = rows.unseen,
                      .wide_cells = rows.wide_cells,
                      .never_slid = rows.never_slid,
+                     .coarse = rows.coarse,
                      .payload_sum = sum.value()};
   header.header_sum = header.sum();
   return header;
@@ -392,6 +393,7 @@ void SetSpool::assemble(ContactSet& set, bool compress) {
     set.near_edge += header.near_edge;
     set.unseen += header.unseen;
     set.wide_cells += header.wide_cells;
+    set.coarse += header.coarse;
     set.never_slid += header.never_slid;
   }
   if (compress || !placed_->fits_hdf5()) {  // a copy

@@ -302,7 +302,7 @@ TEST(PadSolver, StepsOfThePressingAreAsExactAsAlone) {
     EXPECT_EQ(step.normal_force.size(), solution.places.rows());
     EXPECT_TRUE(step.converged) << k;
     EXPECT_EQ(step.indentation, d) << k;
-    EXPECT_GE(step.across, least_across(12)) << k;
+    EXPECT_GE(step.across, least_across(12, 12)) << k;
   }
 }
 
@@ -329,7 +329,7 @@ TEST(PadSolver, ADragHoldsItsCells) {
   scene.load = {.indentation = {.1}, .moves = {{.1, .01, 0, 0}, {.02, .01, 0, 0}}};
   const PadLayer layer(.45);
   const PadSolution now = PadSolver(layer).solve(scene);
-  EXPECT_LT(now.steps.back().across, least_across(12));
+  EXPECT_LT(now.steps.back().across, least_across(12, 12));
   EXPECT_TRUE(coarse_presses(scene, now).empty());
 }
 

@@ -273,6 +273,16 @@ TEST(PadWarnings, StepsThatTouchNothing) {
               Contains(AllOf(HasSubstr("touches nothing in load step 1"), HasSubstr("in all of them it should"))));
 }
 
+// Released to a fifth of its depth, the cone keeps the cells of the deepest step, for they hold its drag.
+TEST(PadWarnings, StepsOnFewCells) {
+  fem::PadScene scene = dragged();
+  scene.indenter.shape = fem::Cone{80};
+  scene.load = {.indentation = {0.02, 0.1}, .moves = {{0.1, 0.01, 0, 0}, {0.02, 0.01, 0, 0}}};
+  const PadOutcome outcome = solve(scene, {.precision = "fp32"});
+  EXPECT_THAT(warnings(outcome), Contains(AllOf(HasSubstr("in load step 4 the contact extends over "),
+                                                HasSubstr(" of 12 cells"), HasSubstr("P there may be off by"))));
+}
+
 TEST(PadSolve, WithoutContactNothingIsToExpect) {
   fem::PadScene scene = dragged();
   scene.load.indentation = {0};

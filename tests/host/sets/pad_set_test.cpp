@@ -201,8 +201,50 @@ TEST_F(PadSet, PathsReleaseAndPressAgain) {
   ASSERT_EQ(set.rows(), 3u * 9);
   const std::vector<std::uint32_t> steps(set.step.begin(), set.step.begin() + 9);
   EXPECT_EQ(steps, (std::vector<std::uint32_t>{0, 1, 2, 3, 4, 6, 7, 8, 9}));
-  EXPECT_TRUE(std::ranges::all_of(set.status, [](int status) { return status < 2; }));
+  EXPECT_TRUE(std::ranges::all_of(set.status, [](int status) { return status != 2; }));
   EXPECT_NEAR(set.normal_force[6] / set.normal_force[1], 1, 0.02);  // at the same depth, but for friction's memory
+}
+
+/// Cells are laid for the deepest step: those of the pressing on few of them are solved alone, those after a release
+/// are marked. Pressed alone, a step has the bits of `solve`.
+TEST_F(PadSet, RowsOnFewCellsAreSolvedAloneOrMarked) {
+  const std::string text =
+      "[sweep]\ncontacts = 4\npress_rows = true\n[sensor]\nkind = \"pad\"\nthickness = 2\n"
+      "[indenter]\nshape = \"cone\"\nangle = 80\n[load]\nindentation = 0.2\n[load.irregular]\n"
+      "press_steps = 4\nstroke = 0.05\nstroke_steps = 2\nrelease = 1\nrelease_to = 0.2\nrelease_steps = 1\n";
+  for (const std::string& chain : {std::string(), std::string("[transducer]\nnoise_of_largest = 1e-9\n")}) {
+    const PadSource sweep = source(text + chain);
+    const ContactSet set = SetSimulator(executor_, sweep, options_).simulate(0, 4);
+    std::size_t alone = 0, marked = 0;
+    for (std::size_t row = 0; row < set.rows(); ++row) {
+      const bool released = set.step[row] >= 4 && set.indentation[row] < 0.1;  // to 0.04 mm, from 0.2
+      EXPECT_EQ(set.status[row] == coarse_row, released) << row;
+      marked += released;
+      fem::PadScene scene = sweep.contact(set.contact[row]).scene;
+      const std::vector<double> depths = scene.load.indentation;
+      if (set.step[row] + 1 >= depths.size()) continue;
+      EXPECT_LT(set.status[row], 2);
+      const double depth = depths[set.step[row]];
+      scene.load = {.indentation = {depth}};
+      if (depth > 0.5 * depths.back()) continue;
+      ++alone;
+      const PadOutcome outcome = solve(scene, {.precision = "fp32", .rung = "pad-8"});
+      const fem::PadStep& expected = outcome.solution.steps.front();
+      EXPECT_EQ(set.normal_force[row], static_cast<float>(expected.P)) << depth;
+      EXPECT_EQ(set.slip_index[row], static_cast<float>(*expected.slip_index)) << depth;
+      for (std::size_t i = 0; i < 48; ++i)
+        EXPECT_NEAR(set.frames[48 * row + i],
+                    expected.stress(static_cast<Eigen::Index>(i % 16), static_cast<Eigen::Index>(i / 16)),
+                    chain.empty() ? 0 : 1e-6)
+            << depth;
+    }
+    EXPECT_GE(alone, 4u);
+    EXPECT_GE(marked, 4u);
+    EXPECT_EQ(set.coarse, marked);
+    const ContactSet part = SetSimulator(executor_, sweep, options_).simulate(2, 1);
+    const auto first = static_cast<std::size_t>(std::ranges::find(set.contact, 2u) - set.contact.begin());
+    for (std::size_t k = 0; k < part.rows(); ++k) EXPECT_EQ(part.normal_force[k], set.normal_force[first + k]);
+  }
 }
 
 TEST_F(PadSet, FilesHoldTheColumnsOfPads) {

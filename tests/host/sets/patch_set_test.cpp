@@ -45,6 +45,24 @@ class PatchSet : public testing::Test {
   Executor executor_;
 };
 
+// Elements are laid for the deepest step, the fourth of each press.
+TEST_F(PatchSet, RowsOnFewElementsAreMarked) {
+  const SceneSource source = SceneSource::read(folder_.write(
+      "presses.toml",
+      "[sweep]\ncontacts = 8\npress_rows = true\n[indenter]\nshape = \"wedge\"\nedge_angle = 160\n[load]\n"
+      "indentation = 0.15\n[load.irregular]\npress_steps = 4\nstroke = 0.01\nstroke_steps = 1\n"));
+  const ContactSet set = SetSimulator(executor_, source, {.patch = rung_named("patch-12")}).simulate(0, 8);
+  std::size_t marked = 0;
+  for (std::size_t row = 0; row < set.rows(); ++row) {
+    const bool few = set.status[row] == coarse_row;
+    marked += few;
+    EXPECT_EQ(few, set.contact_nodes[row] < 6) << row;
+    EXPECT_FALSE(few && set.step[row] >= 3) << row;
+  }
+  EXPECT_GT(marked, 0u);
+  EXPECT_EQ(set.coarse, marked);
+}
+
 // As a GPU has them: work-groups of 64 with a ragged end, and memory of its own.
 TEST_F(PatchSet, OnAGpuTheRowsAreTheSame) {
   Executor gpu{device().as_gpu()};
