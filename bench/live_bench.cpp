@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "host/live/live_estimator.h"
-#include "nn/infer/network_file.h"
 #include "tests/host/networks/bounded_model.h"
 
 namespace {
@@ -25,10 +24,8 @@ bool same(float a, float b) { return a == b || (std::isnan(a) && std::isnan(b));
 void live(benchmark::State& state, bool on_device, bool bound) {
   const auto pads = static_cast<std::size_t>(state.range(0));
   const nn::Model model = model_of(bound);
-  const std::string bytes = infer::network_bytes(model);
-  const std::vector<SlipEstimator> networks(pads, SlipEstimator::parse(std::as_bytes(std::span(bytes))));
   const std::vector<const nn::Model*> models(pads, &model);
-  const auto host = host::host_estimator(networks),
+  const auto host = host::host_estimator(models),
              kernel = host::device_estimator(tactel::testing::executor().device(), models);
   // Some frames in turn, with a sensor's noise.
   constexpr std::size_t turns = 16;

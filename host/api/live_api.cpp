@@ -14,6 +14,8 @@
 #include <utility>
 
 #include "host/api/api_errors.h"
+#include "host/api/network_state.h"
+#include "host/live/live_estimator.h"
 #include "host/live/live_frames.h"
 #include "host/live/open_source.h"
 #include "hw/decoder.h"
@@ -247,6 +249,53 @@ FrameCounts FrameSource::counts() const {
   const hw::TransportCounts transport = state_->source->counts();
   return {frames.frames,      frames.lost,      frames.bad + transport.bad, frames.resynchronised,
           transport.overruns, transport.stalls, transport.errors,           transport.reconnects};
+}
+
+struct LiveEstimator::State {
+  std::unique_ptr<host::LiveEstimator> estimator;
+  std::string device;
+  std::size_t inputs, sensors;
+};
+
+LiveEstimator::LiveEstimator(const std::vector<Network>& networks, const std::string& device)
+    : state_(api::with_public_errors([&] {
+        if (networks.empty()) throw InputError("networks", "none", "one for each sensor");
+        std::vector<const nn::Model*> models;
+        std::size_t inputs = 0;
+        for (const Network& network : networks) {
+          models.push_back(network.state_->model.get());
+          inputs += static_cast<std::size_t>(models.back()->weights.topology.inputs() / models.back()->history.frames);
+        }
+        if (device.empty()) return new State{host::host_estimator(models), "", inputs, models.size()};
+        const host::Device chosen(device);
+        return new State{host::device_estimator(chosen, models), chosen.info().name, inputs, models.size()};
+      })) {}
+
+LiveEstimator::~LiveEstimator() { delete state_; }
+std::size_t LiveEstimator::inputs() const noexcept { return state_->inputs; }
+std::size_t LiveEstimator::sensors() const noexcept { return state_->sensors; }
+std::string LiveEstimator::device() const { return state_->device; }
+void LiveEstimator::clear() { state_->estimator->clear(); }
+
+void LiveEstimator::estimate(std::span<const float> frames, std::span<Answer> answers) {
+  if (frames.size() != inputs())
+    throw InputError("frames", std::to_string(frames.size()) + " numbers", std::to_string(inputs()));
+  if (answers.size() != sensors())
+    throw InputError("answers", std::to_string(answers.size()),
+                     "one for each of " + std::to_string(sensors()) + " sensors");
+  api::with_public_errors([&] { state_->estimator->estimate(frames, answers); });
+}
+
+std::vector<DeviceInfo> devices() {
+  return api::with_public_errors([] {
+    const std::vector<host::DeviceInfo> found = host::list_devices();
+    const int taken = host::default_device(found);
+    std::vector<DeviceInfo> all;
+    for (const host::DeviceInfo& one : found)
+      all.push_back({one.index, one.name, one.platform, host::name(one.type), one.compute_units, one.memory, one.fp64,
+                     one.index == taken});
+    return all;
+  });
 }
 
 }  // namespace tactel

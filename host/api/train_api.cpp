@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "host/api/api_errors.h"
+#include "host/api/network_state.h"
 #include "host/api/scene_conversion.h"
 #include "host/api/set_conversion.h"
 #include "host/networks/dense_chain.h"
@@ -14,10 +15,6 @@
 #include "nn/infer/network_file.h"
 
 namespace tactel {
-
-struct Network::State {
-  nn::Model model;
-};
 
 namespace {
 
@@ -98,31 +95,32 @@ Network Network::from_layers(const std::vector<DenseLayer>& layers, const InputO
                                              inputs.history_change);
     const nn::InputScaling scaling{nn::parse_scaling(inputs.scaling), static_cast<float>(inputs.largest_stress), 1,
                                    inputs.axes};
-    return Network(new State{host::model_of_chain(chain, scaling, history, inputs.name)});
+    return Network(new State{std::make_shared<nn::Model>(host::model_of_chain(chain, scaling, history, inputs.name))});
   });
 }
 Network Network::load(const std::string& path) {
-  return api::with_public_errors([&] { return Network(new State{host::read_onnx(path)}); });
+  return api::with_public_errors(
+      [&] { return Network(new State{std::make_shared<nn::Model>(host::read_onnx(path))}); });
 }
 void Network::to_onnx(const std::string& path) const {
-  api::with_public_errors([&] { host::write_onnx(path, state_->model); }, path);
+  api::with_public_errors([&] { host::write_onnx(path, *state_->model); }, path);
 }
-std::string Network::onnx() const { return infer::network_bytes(state_->model); }
+std::string Network::onnx() const { return infer::network_bytes(*state_->model); }
 SlipEstimator Network::estimator() const {
   const std::string bytes = onnx();
   return SlipEstimator::parse(std::as_bytes(std::span(bytes)), topology());
 }
-std::string Network::topology() const { return state_->model.weights.topology.text(); }
-std::uint64_t Network::seed() const { return state_->model.seed; }
-double Network::noise() const { return state_->model.noise; }
-std::uint32_t Network::cycles() const { return state_->model.cycles; }
+std::string Network::topology() const { return state_->model->weights.topology.text(); }
+std::uint64_t Network::seed() const { return state_->model->seed; }
+double Network::noise() const { return state_->model->noise; }
+std::uint32_t Network::cycles() const { return state_->model->cycles; }
 Errors Network::learning_errors() const {
-  const nn::ErrorSummary& errors = state_->model.learning_errors;
+  const nn::ErrorSummary& errors = state_->model->learning_errors;
   return {errors.max, errors.mean, errors.std, errors.count};
 }
 
 std::vector<Network> train(const Set& set, const TrainOptions& options, const ProgressFunction& progress) {
-  const std::vector<nn::Model> models = api::with_public_errors([&] {
+  std::vector<nn::Model> models = api::with_public_errors([&] {
     const host::TrainRequest request = request_of(options);
     const host::TrainingPlan plan = host::plan_of(request);
     host::NamedSet named{options.name, api::to_host(set), {}};
@@ -135,7 +133,8 @@ std::vector<Network> train(const Set& set, const TrainOptions& options, const Pr
   });
   std::vector<Network> networks;
   networks.reserve(models.size());
-  for (const nn::Model& model : models) networks.push_back(Network(new Network::State{model}));
+  for (nn::Model& model : models)
+    networks.push_back(Network(new Network::State{std::make_shared<nn::Model>(std::move(model))}));
   return networks;
 }
 

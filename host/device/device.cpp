@@ -153,6 +153,7 @@ DeviceInfo describe(const cl::Platform& platform, const cl::Device& device, int 
   info.driver = device.getInfo<CL_DRIVER_VERSION>();
   info.type = type_of(device.getInfo<CL_DEVICE_TYPE>());
   info.compute_units = static_cast<int>(device.getInfo<CL_DEVICE_MAX_COMPUTE_UNITS>());
+  info.memory = device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>();
   info.fp64 = device.getInfo<CL_DEVICE_DOUBLE_FP_CONFIG>() != 0;
   info.lanes_fp32 = explicit_lanes(info.type, device.getInfo<CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT>());
   info.lanes_fp64 = info.fp64 ? explicit_lanes(info.type, device.getInfo<CL_DEVICE_NATIVE_VECTOR_WIDTH_DOUBLE>()) : 0;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -33,9 +34,10 @@ struct DeviceInfo {
   std::string driver;    ///< CL_DRIVER_VERSION
   DeviceType type = DeviceType::other;
   int compute_units = 0;
-  bool fp64 = false;   ///< double precision in kernels
-  int lanes_fp32 = 1;  ///< scenes (frames, networks) that one work-item carries in an explicit vector; 1 on a GPU
-  int lanes_fp64 = 1;  ///< the same for double; 0 without fp64
+  std::uint64_t memory = 0;  ///< CL_DEVICE_GLOBAL_MEM_SIZE, bytes
+  bool fp64 = false;         ///< double precision in kernels
+  int lanes_fp32 = 1;        ///< scenes (frames, networks) that one work-item carries in an explicit vector; 1 on a GPU
+  int lanes_fp64 = 1;        ///< the same for double; 0 without fp64
   bool low_latency =
       false;               ///< runs kernels in the calling thread (PoCL's `basic`): a launch costs under a microsecond
   bool zero_copy = false;  ///< kernels work on host memory in place

@@ -4,23 +4,32 @@
 #include <algorithm>
 #include <deque>
 #include <limits>
+#include <map>
 #include <optional>
 
 #include "host/networks/forward.h"
+#include "nn/infer/network_file.h"
 
 namespace tactel::host {
 namespace {
 
 class HostEstimator final : public LiveEstimator {
  public:
-  explicit HostEstimator(std::span<const SlipEstimator> networks) {
-    for (const SlipEstimator& network : networks) sensors_.emplace_back(network);
+  explicit HostEstimator(std::span<const nn::Model* const> networks) {
+    std::map<const nn::Model*, SlipEstimator> made;
+    for (const nn::Model* network : networks) {
+      if (!made.contains(network)) made.emplace(network, infer::estimator_of(*network));
+      sensors_.emplace_back(made.at(network));
+    }
   }
   void estimate(std::span<const float> frames, std::span<Answer> answers) override {
     for (std::size_t i = 0; i < sensors_.size(); ++i) {
       answers[i] = sensors_[i].estimate(frames.first(sensors_[i].inputs()));
       frames = frames.subspan(sensors_[i].inputs());
     }
+  }
+  void clear() override {
+    for (SlipHistory& sensor : sensors_) sensor.clear();
   }
 
  private:
@@ -60,6 +69,9 @@ class SharedLaunch {
   void take(std::size_t row, const float* frame) {
     sensors_[row].history.push(frame);
     sensors_[row].history.write(inputs_.row(static_cast<Eigen::Index>(row)).data());
+  }
+  void clear() {
+    for (Sensor& sensor : sensors_) sensor.history.clear();
   }
   void run() {
     buffer_.write({inputs_.data(), static_cast<std::size_t>(inputs_.size())});
@@ -140,6 +152,9 @@ class DeviceEstimator final : public LiveEstimator {
     for (SharedLaunch& launch : launches_) launch.run();
     for (std::size_t i = 0; i < answers.size(); ++i) answers[i] = launches_[*places_[i].launch].answer(places_[i].row);
   }
+  void clear() override {
+    for (SharedLaunch& launch : launches_) launch.clear();
+  }
 
  private:
   struct Place {
@@ -153,7 +168,7 @@ class DeviceEstimator final : public LiveEstimator {
 
 }  // namespace
 
-std::unique_ptr<LiveEstimator> host_estimator(std::span<const SlipEstimator> networks) {
+std::unique_ptr<LiveEstimator> host_estimator(std::span<const nn::Model* const> networks) {
   return std::make_unique<HostEstimator>(networks);
 }
 

@@ -60,11 +60,6 @@ void take_largest(MonitorLine& line) {
   line.answer = largest;
 }
 
-SlipEstimator estimator_of(const nn::Model& model) {
-  const std::string bytes = infer::network_bytes(model);
-  return SlipEstimator::parse(std::as_bytes(std::span(bytes)));
-}
-
 }  // namespace
 
 std::vector<std::size_t> tactels_of(const SensorProfile& profile) {
@@ -121,22 +116,21 @@ LiveMonitor::LiveMonitor(std::span<const nn::Model> networks, const SensorProfil
       has_bound_(networks.front().bound.has_value()),
       magnitude_(networks.front().magnitude),
       stresses_(profile.map.places()) {
-  std::vector<SlipEstimator> estimators, of_sensors;
-  for (const nn::Model& network : networks) estimators.push_back(estimator_of(network));
+  std::vector<SlipEstimator> estimators;
+  for (const nn::Model& network : networks) estimators.push_back(infer::estimator_of(network));
   std::vector<const nn::Model*> models;
   std::size_t first = 0;
   for (const std::size_t tactels : tactels_of(profile)) {
     const std::size_t which = networks.size() > 1 ? sensors_.size() : 0;
     check_width(networks[which], profile, tactels);
     models.push_back(&networks[which]);
-    of_sensors.push_back(estimators[which]);
     sensors_.emplace_back(estimators[which], profile, std::exchange(first, first + tactels), tactels, options);
   }
   frames_.resize(stresses_.size()), answers_.resize(sensors_.size());
   const std::size_t axes = frames_.size() / map_.tactels();
   for (Sensor& sensor : sensors_)
     sensor.stresses = std::span(frames_).subspan(axes * sensor.first, axes * sensor.tactels);
-  estimator_ = device ? device_estimator(*device, models) : host_estimator(of_sensors);
+  estimator_ = device ? device_estimator(*device, models) : host_estimator(models);
   if (device) summary_.device = device->info().name;
   for (std::size_t i = 0; i < profile.pads.size() && drift_; ++i)
     sensors_[i].mounting.emplace(profile.pads[i], map_.touch(sensors_[i].first, sensors_[i].tactels),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <tactel/train.h>
+#include <tactel/live.h>
 
 #include <algorithm>
 #include <cmath>
@@ -70,25 +70,74 @@ float narrow(const char* name, double value) {
   return narrowed;
 }
 
-std::unique_ptr<Alarm> alarm_of(std::variant<const Network*, const SlipEstimator*> network, double at,
-                                std::optional<double> touch, std::optional<double> widest, int hold,
-                                bool ignore_unlike) {
+/// The numbers of one frame.
+std::span<const float> numbers_of(const char* name, const Frames& frame, std::size_t inputs) {
+  if (frame.ndim() != 1 || static_cast<std::size_t>(frame.size()) != inputs)
+    throw InputError(name, "an array of another shape", "[" + std::to_string(inputs) + "]");
+  return {frame.data(), inputs};
+}
+
+std::vector<Answer> next_answers(LiveEstimator& estimator, const Frames& frames) {
+  const std::span<const float> numbers = numbers_of("frames", frames, estimator.inputs());
+  std::vector<Answer> answers(estimator.sensors());
+  const py::gil_scoped_release released;
+  estimator.estimate(numbers, answers);
+  return answers;
+}
+
+/// The class Alarm of Python: a device may answer its frames.
+struct OwnAlarm {
+  Alarm alarm;
+  std::unique_ptr<LiveEstimator> estimator{};  ///< on a device; none: host code
+
+  AlarmAnswer next(const Frames& frame, std::optional<Answer> answer) {
+    const std::span<const float> numbers = numbers_of("frame", frame, alarm.inputs());
+    if (!answer && !estimator) return alarm.next(numbers);
+    if (!answer) answer = next_answers(*estimator, frame).front();
+    return alarm.judge(alarm.answer(numbers, *answer));
+  }
+  void clear() {
+    alarm.clear();
+    if (estimator) estimator->clear();
+  }
+};
+
+std::unique_ptr<OwnAlarm> alarm_of(std::variant<const Network*, const SlipEstimator*> network, double at,
+                                   std::optional<double> touch, std::optional<double> widest, int hold,
+                                   bool ignore_unlike, const std::string& device) {
   AlarmOptions options{.at = narrow("at", at), .touch = touch, .hold = hold, .ignore_unlike = ignore_unlike};
   if (widest) options.widest = narrow("widest", *widest);
   const Network* const* trained = std::get_if<const Network*>(&network);
-  return std::make_unique<Alarm>(trained ? (*trained)->estimator() : *std::get<const SlipEstimator*>(network), options);
+  if (!trained && !device.empty())
+    throw InputError("network", "a SlipEstimator on a device", "give a Network: Network.load(path)");
+  std::unique_ptr<OwnAlarm> made(
+      new OwnAlarm{Alarm(trained ? (*trained)->estimator() : *std::get<const SlipEstimator*>(network), options)});
+  if (!device.empty()) made->estimator = std::make_unique<LiveEstimator>(std::vector{**trained}, device);
+  return made;
 }
 
-AlarmAnswer next_answer(Alarm& alarm, const Frames& frame) {
-  if (frame.ndim() != 1 || static_cast<std::size_t>(frame.size()) != alarm.inputs())
-    throw InputError("frame", "an array of another shape", "[" + std::to_string(alarm.inputs()) + "]");
-  return alarm.next({frame.data(), alarm.inputs()});
-}
-
-/// A field of the answer's own Answer.
-template <class Number>
-auto field(Number Answer::*member) {
-  return [member](const AlarmAnswer& said) { return said.answer.*member; };
+/// Binds the fields of an Answer, which `answer_of` takes from an object.
+template <class Said, class Take>
+void bind_answer(py::class_<Said>& bound, const Take& answer_of) {
+  const auto field = [&](const char* name, auto read, const char* doc) {
+    bound.def_property_readonly(
+        name, [=](const Said& said) { return read(answer_of(said)); }, doc);
+  };
+  field(
+      "slip_index", [](const Answer& a) { return a.slip_index; }, "S; NaN without contact or answer");
+  field(
+      "slip_upper", [](const Answer& a) { return a.slip_upper; }, "upper bound of S; NaN without a bound");
+  field(
+      "slip_interval", [](const Answer& a) { return std::pair(a.slip_interval[0], a.slip_interval[1]); },
+      "interval of S; NaN without a bound");
+  field(
+      "unlike", [](const Answer& a) { return a.unlike != 0; }, "unlike all that was learnt");
+  field(
+      "beyond_learnt", [](const Answer& a) { return a.beyond_learnt != 0; },
+      "a normal stress is above 10 times the largest that was learnt: are they MPa?");
+  field(
+      "status", [](const Answer& a) { return name(a.status); },
+      "\"ok\", \"no stress\", \"not finite\" or \"overflow\"");
 }
 
 std::string text_of(const AlarmAnswer& said) {
@@ -207,21 +256,11 @@ void bind_networks(py::module_& m) {
       .def("__repr__", [](const Network& network) {
         return "<tactel.Network " + network.topology() + ", seed " + std::to_string(network.seed()) + ">";
       });
-  py::class_<AlarmAnswer>(m, "AlarmAnswer", "What an Alarm says about a frame.")
-      .def_property_readonly("slip_index", field(&Answer::slip_index), "S; NaN without contact or answer")
-      .def_property_readonly("slip_upper", field(&Answer::slip_upper), "upper bound of S; NaN without a bound")
-      .def_property_readonly(
-          "slip_interval",
-          [](const AlarmAnswer& said) { return std::pair(said.answer.slip_interval[0], said.answer.slip_interval[1]); },
-          "interval of S; NaN without a bound")
-      .def_property_readonly(
-          "unlike", [](const AlarmAnswer& said) { return said.answer.unlike != 0; }, "unlike all that was learnt")
-      .def_property_readonly(
-          "beyond_learnt", [](const AlarmAnswer& said) { return said.answer.beyond_learnt != 0; },
-          "a normal stress is above 10 times the largest that was learnt: are they MPa?")
-      .def_property_readonly(
-          "status", [](const AlarmAnswer& said) { return name(said.answer.status); },
-          "\"ok\", \"no stress\", \"not finite\" or \"overflow\"")
+  py::class_<Answer> answer(m, "Answer", "The answer to a frame.");
+  bind_answer(answer, [](const Answer& a) { return a; });
+  py::class_<AlarmAnswer> alarm_answer(m, "AlarmAnswer", "What an Alarm says about a frame.");
+  bind_answer(alarm_answer, [](const AlarmAnswer& said) { return said.answer; });
+  alarm_answer
       .def_readonly("contact", &AlarmAnswer::contact, "whether something touches; None without a threshold of touch")
       .def_readonly("acted_on", &AlarmAnswer::acted_on, "number that the alarm judges")
       .def_readonly("on", &AlarmAnswer::on, "the alarm")
@@ -229,18 +268,45 @@ void bind_networks(py::module_& m) {
                     "no answer though it touches, or unlike all that was learnt, or only the width of the interval "
                     "keeps the alarm off")
       .def("__repr__", &text_of);
-  py::class_<Alarm>(m, "Alarm", "The alarm of `tactel monitor`: frames of one sensor in turn, by its rules.")
+  py::class_<OwnAlarm>(m, "Alarm", "The alarm of `tactel monitor`: frames of one sensor in turn, by its rules.")
       .def(py::init(&alarm_of), py::arg("network").none(false), py::kw_only(), "at"_a = 0.8, "touch"_a = py::none(),
-           "widest"_a = py::none(), "hold"_a = 1, "ignore_unlike"_a = false,
+           "widest"_a = py::none(), "hold"_a = 1, "ignore_unlike"_a = false, "device"_a = "",
            "network: a Network or SlipEstimator. at: upper bound of S (S itself without a bound) at which the alarm "
            "begins; it ends below at - 0.05. touch: MPa; a frame whose normal stresses all stay below is no contact; "
            "None: the smallest peak that the network learnt. widest: no alarm begins at a wider interval of S. hold: "
            "it begins at the last of so many frames in a row that ask for it. ignore_unlike: a frame unlike all that "
-           "was learnt asks for the alarm by its S alone.")
-      .def("next", &next_answer, "frame"_a,
-           "Takes the sensor's next frame [inputs] MPa, normal stresses of all tactels first, then shear.")
-      .def("clear", &Alarm::clear, "Ends the alarm and forgets all frames.")
-      .def_property_readonly("inputs", &Alarm::inputs, "numbers of a frame");
+           "was learnt asks for the alarm by its S alone. device: one of devices() that answers the frames, by "
+           "\"gpu\", \"cpu\", index or a part of its name; \"\": host code, with the same bits.")
+      .def("next", &OwnAlarm::next, "frame"_a, "answer"_a = py::none(),
+           "Takes the sensor's next frame [inputs] MPa, normal stresses of all tactels first, then shear. answer: that "
+           "of a LiveEstimator, in place of its own.")
+      .def("clear", &OwnAlarm::clear, "Ends the alarm and forgets all frames.")
+      .def_property_readonly(
+          "inputs", [](const OwnAlarm& own) { return own.alarm.inputs(); }, "numbers of a frame");
+  py::class_<LiveEstimator>(m, "LiveEstimator",
+                            "Answers to the frames of several sensors, the pads of a hand, on a device.")
+      .def(py::init<const std::vector<Network>&, const std::string&>(), "networks"_a, "device"_a = "",
+           "networks: that of each sensor; the same one several times shares its work. device: one of devices(), by "
+           "\"gpu\", \"cpu\", index or a part of its name: one launch for all sensors whose networks have one topology "
+           "and scaling; \"\": host code, with the same bits, quicker for a sensor or two.")
+      .def("next", &next_answers, "frames"_a, "Takes the next frame of every sensor, [inputs] MPa, sensor by sensor.")
+      .def("clear", &LiveEstimator::clear, "Forgets all frames.")
+      .def_property_readonly("inputs", &LiveEstimator::inputs, "numbers of one frame of every sensor")
+      .def_property_readonly("sensors", &LiveEstimator::sensors)
+      .def_property_readonly("device", &LiveEstimator::device, "name; empty: host code");
+  py::class_<DeviceInfo>(m, "DeviceInfo", "An OpenCL device, as `tactel devices` lists it.")
+      .def_readonly("index", &DeviceInfo::index)
+      .def_readonly("name", &DeviceInfo::name)
+      .def_readonly("platform", &DeviceInfo::platform)
+      .def_readonly("type", &DeviceInfo::type, "\"cpu\", \"gpu\" or \"other\"")
+      .def_readonly("compute_units", &DeviceInfo::compute_units)
+      .def_readonly("memory", &DeviceInfo::memory, "bytes")
+      .def_readonly("fp64", &DeviceInfo::fp64, "double precision in kernels")
+      .def_readonly("is_default", &DeviceInfo::is_default, "computes where no device is named")
+      .def("__repr__", [](const DeviceInfo& info) {
+        return "<tactel.DeviceInfo " + std::to_string(info.index) + ": " + info.name + ", " + info.type + ">";
+      });
+  m.def("devices", &devices, "Returns the OpenCL devices; where there is none an empty list.");
   m.def(
       "_train",
       [](const Set& set, std::vector<std::string> networks, std::uint64_t seeds, std::uint64_t first_seed,

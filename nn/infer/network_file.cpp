@@ -11,8 +11,11 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <memory>
 
 #include "fem/value_error.h"
+#include "nn/infer/bound.h"
+#include "nn/infer/loaded_network.h"
 #include "nn/infer/network_graph.h"
 #include "nn/infer/onnx_fields.h"
 #include "nn/infer/protobuf.h"
@@ -22,7 +25,6 @@ namespace {
 
 using std::string;
 using std::string_view;
-using Metadata = std::map<string, string, std::less<>>;
 
 constexpr const char* own_network = "a network that tactel wrote, whole and unchanged";
 constexpr const char* checksum_key = "checksum";
@@ -392,8 +394,7 @@ NetworkFile read(string_view bytes) {
   nn::Model model = model_of(contents);
   const string again = bytes_of(model, text_of(contents.metadata, "tactel"));
   if (sorted_fields(bytes) != sorted_fields(again)) throw Refused{"a model of another form"};
-  const float factor = 1.0f / model.scaling.largest_stress;
-  return {std::move(model), factor, std::move(contents.metadata)};
+  return {std::move(model), std::move(contents.metadata)};
 }
 
 }  // namespace
@@ -414,4 +415,34 @@ NetworkFile read_network(string_view bytes) try {
   throw ValueError("network", error.key + " = " + shown(error.value), error.allowed);
 }
 
+SlipEstimator estimator_of(const nn::Model& model) {
+  return SlipEstimator::Network::of(model, metadata_of(model, TACTEL_VERSION));
+}
+
 }  // namespace tactel::infer
+
+namespace tactel {
+
+SlipEstimator SlipEstimator::Network::of(const nn::Model& model, infer::Metadata metadata) {
+  const infer::RoundingToNearest rounding;
+  const nn::Topology& topology = model.weights.topology;
+  auto network = std::make_unique<Network>();
+  network->inputs = topology.inputs();
+  network->history = model.history;
+  network->normals = model.scaling.normals(network->inputs);
+  network->by_frame = model.scaling.kind == nn::ScalingKind::frame;
+  network->factor = 1.0f / model.scaling.largest_stress;
+  network->learnt = model.learnt;
+  network->metadata = std::move(metadata);
+  const int last = topology.hidden_layers();
+  for (int l = 0; l < last; ++l) network->hidden.push_back(infer::hidden_layer(model.weights, l));
+  network->last = topology.fan_in(last);
+  network->output.assign(model.weights.values.end() - topology.outputs() * (network->last + 1),
+                         model.weights.values.end());
+  network->bound = model.bound;
+  if (network->bound)
+    network->bound->whitening = infer::tiled(model.bound->whitening, static_cast<std::size_t>(network->inputs));
+  return SlipEstimator(network.release());
+}
+
+}  // namespace tactel

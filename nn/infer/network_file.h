@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <tactel/infer.h>
+
 #include <map>
 #include <string>
 #include <string_view>
@@ -8,11 +10,12 @@
 
 namespace tactel::infer {
 
+using Metadata = std::map<std::string, std::string, std::less<>>;
+
 /// A network that was read from a file.
 struct NetworkFile {
   nn::Model model;
-  float factor;  ///< 1/MPa: of stresses scaled by the set's largest
-  std::map<std::string, std::string, std::less<>> metadata;
+  Metadata metadata;
 };
 
 inline constexpr std::size_t most_network_bytes = 4 << 20;  ///< of a file; the largest topology's weights take 0.5 MB
@@ -26,5 +29,8 @@ std::string network_bytes(const nn::Model& model);
 /// compared: they hold the one graph that this reader knows, and nothing else of ONNX. Throws ValueError, key
 /// "network", whose value is the problem: truncated or damaged bytes, or another graph.
 NetworkFile read_network(std::string_view bytes);
+
+/// Returns the network for frames one by one, as SlipEstimator::parse does of its file.
+SlipEstimator estimator_of(const nn::Model& model);
 
 }  // namespace tactel::infer

@@ -19,7 +19,7 @@
 #include "fem/value_error.h"
 #include "nn/infer/bound.h"
 #include "nn/infer/layers.h"
-#include "nn/infer/network_file.h"
+#include "nn/infer/loaded_network.h"
 
 namespace tactel {
 
@@ -49,21 +49,6 @@ const char* name(AnswerStatus status) noexcept {
   }
   return "unknown";
 }
-
-struct SlipEstimator::Network {
-  mutable std::atomic<std::size_t> owners = 1;
-  std::vector<infer::HiddenLayer> hidden;
-  std::vector<float> output;       ///< [outputs, inputs of the last layer + 1], the bias last
-  int last = 0;                    ///< inputs of the last layer
-  std::optional<nn::Bound> bound;  ///< its whitening as infer::tiled() returns it
-  int inputs = 0;
-  int normals = 0;  ///< normal stresses of the newest frame
-  nn::InputHistory history;
-  bool by_frame = false;
-  float factor = 0;
-  nn::Learnt learnt;
-  std::map<std::string, std::string, std::less<>> metadata;
-};
 
 namespace {
 
@@ -214,25 +199,7 @@ SlipEstimator& SlipEstimator::operator=(const SlipEstimator& other) noexcept {
 SlipEstimator SlipEstimator::parse(std::span<const std::byte> bytes, const std::string& place) try {
   const OwnArithmetic arithmetic(false);
   infer::NetworkFile file = infer::read_network({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-  const nn::Model& model = file.model;
-  const nn::Topology& topology = model.weights.topology;
-  auto network = std::make_unique<Network>();
-  network->inputs = topology.inputs();
-  network->history = model.history;
-  network->normals = model.scaling.normals(network->inputs);
-  network->by_frame = model.scaling.kind == nn::ScalingKind::frame;
-  network->factor = file.factor;
-  network->learnt = model.learnt;
-  network->metadata = std::move(file.metadata);
-  const int last = topology.hidden_layers();
-  for (int l = 0; l < last; ++l) network->hidden.push_back(infer::hidden_layer(model.weights, l));
-  network->last = topology.fan_in(last);
-  network->output.assign(model.weights.values.end() - topology.outputs() * (network->last + 1),
-                         model.weights.values.end());
-  network->bound = model.bound;
-  if (network->bound)
-    network->bound->whitening = infer::tiled(model.bound->whitening, static_cast<std::size_t>(network->inputs));
-  return SlipEstimator(network.release());
+  return Network::of(file.model, std::move(file.metadata));
 } catch (const ValueError& error) {
   throw InputError(place, error.value, error.allowed);
 }

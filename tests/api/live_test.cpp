@@ -9,15 +9,18 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <new>
 #include <utility>
 
+#include "host/networks/onnx_file.h"
 #include "hw/recording.h"
 #include "test_paths.h"
 #include "tests/fuzz/counted_layout.h"
+#include "tests/host/networks/bounded_model.h"
 #include "tests/scratch.h"
 
 // Every allocation of the program is counted, those inside the libraries too.
@@ -187,4 +190,91 @@ TEST_F(LiveApi, SaysWhatCannotBeOpened) {
   EXPECT_THROW(FrameSource::open("serial:ttyS0"), InputError);
   PipeEnd bytes(pipe_[0]);
   EXPECT_THROW(FrameSource(bytes, "none.toml"), InputError);
+}
+
+namespace {
+
+/// A line, a pad, and three frames of a line; each with a bound.
+std::vector<Network> some_networks(const ScratchFolder& folder) {
+  nn::Model line = testing::bounded_model("8-5-3", nn::ScalingKind::set), pad = line;
+  pad = testing::bounded_model("12-9-3", nn::ScalingKind::frame);
+  pad.scaling.axes = 3, pad.bound->tactels = 4;
+  nn::Model history = testing::bounded_model("24-9-3", nn::ScalingKind::frame);
+  history.history = {.frames = 3, .stride = 2, .change = 0.07};
+  history.scaling.history = 3, history.bound->tactels = 4;
+  std::vector<Network> networks;
+  for (const nn::Model* model : {&line, &pad, &history, &line}) {
+    host::write_onnx(folder / "network.onnx", *model);
+    networks.push_back(Network::load(folder / "network.onnx"));
+  }
+  networks.push_back(networks.front());
+  return networks;
+}
+
+std::vector<std::uint32_t> bits_of(const Answer& a) {
+  const auto bits = [](float x) { return std::isnan(x) ? 0 : std::bit_cast<std::uint32_t>(x); };
+  return {bits(a.slip_index),
+          bits(a.slip_upper),
+          bits(a.slip_interval[0]),
+          bits(a.slip_interval[1]),
+          a.unlike,
+          a.beyond_learnt,
+          static_cast<std::uint32_t>(a.status)};
+}
+
+}  // namespace
+
+// SlipHistory of each sensor is the witness: each device, and host code.
+TEST(LiveEstimatorApi, EveryDeviceAnswersAsTheSensorsByThemselves) {
+  const ScratchFolder folder;
+  const std::vector<Network> networks = some_networks(folder);
+  const std::vector<DeviceInfo> found = devices();
+  std::vector<std::string> choices{""};
+  for (const DeviceInfo& device : found) choices.push_back(std::to_string(device.index));
+  ASSERT_GT(choices.size(), 1u);
+  for (const std::string& choice : choices) {
+    LiveEstimator hand(networks, choice);
+    EXPECT_EQ(hand.device(), choice.empty() ? "" : found[static_cast<std::size_t>(std::stoi(choice))].name);
+    ASSERT_EQ(hand.sensors(), networks.size());
+    ASSERT_EQ(hand.inputs(), 8u + 12u + 8u + 8u + 8u);
+    std::vector<std::unique_ptr<SlipHistory>> alone;
+    for (const Network& network : networks) alone.push_back(std::make_unique<SlipHistory>(network.estimator()));
+    std::vector<Answer> answers(networks.size());
+    std::vector<float> frames(hand.inputs());
+    int answered = 0;
+    for (int k = 0; k < 60; ++k) {
+      for (std::size_t i = 0; i < frames.size(); ++i)
+        frames[i] = k % 7 == 3 ? 0 : 0.4f * std::sin(0.3f * static_cast<float>(k) + 1.7f * static_cast<float>(i * i));
+      if (k % 11 == 5) frames[30] = std::nanf("");  // of the fourth
+      if (k == 40) {
+        hand.clear();
+        for (const auto& sensor : alone) sensor->clear();
+      }
+      hand.estimate(frames, answers);
+      std::span<const float> left = frames;
+      for (std::size_t s = 0; s < alone.size(); ++s) {
+        ASSERT_EQ(bits_of(answers[s]), bits_of(alone[s]->estimate(left.first(alone[s]->inputs()))))
+            << "sensor " << s << ", frame " << k << ", device " << hand.device();
+        left = left.subspan(alone[s]->inputs());
+        answered += answers[s].status == AnswerStatus::ok;
+      }
+    }
+    EXPECT_GT(answered, 200);
+    if (!choice.empty()) continue;
+    const long before = allocations;
+    hand.estimate(frames, answers);
+    EXPECT_EQ(allocations, before);
+  }
+}
+
+TEST(LiveEstimatorApi, RefusesWhatItCannotTake) {
+  const ScratchFolder folder;
+  const std::vector<Network> networks = some_networks(folder);
+  EXPECT_THROW(LiveEstimator({}), InputError);
+  EXPECT_THROW(LiveEstimator(networks, "no such device"), InputError);
+  LiveEstimator hand(networks);
+  std::vector<float> frames(hand.inputs());
+  std::vector<Answer> answers(hand.sensors());
+  EXPECT_THROW(hand.estimate(std::span(frames).first(1), answers), InputError);
+  EXPECT_THROW(hand.estimate(frames, std::span(answers).first(1)), InputError);
 }

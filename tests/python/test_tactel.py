@@ -310,6 +310,33 @@ class OwnNetworks(unittest.TestCase):
         self.assertEqual([held.next(near).on for _ in range(3)], [False, True, True])
         self.assertFalse(held.next(near).beyond_learnt)
 
+    def test_devices_answer_with_the_bits_of_host_code(self):
+        found = tactel.devices()
+        self.assertEqual([device.index for device in found], list(range(len(found))))
+        self.assertEqual(sum(device.is_default for device in found), 1)
+        self.assertTrue(all(device.memory > 1e8 and device.compute_units >= 1 and device.platform for device in found))
+        net = tactel.Network.from_arrays(*self.layers([12, 9, 1]), "tanh", axes=3)
+        frames = np.random.default_rng(5).normal(0, 0.3, (20, 2, 12)).astype(np.float32)
+        frames[3, 0, 1], frames[7] = np.nan, 0
+        for device in found:
+            hand, host = tactel.LiveEstimator([net, net], device.name), tactel.LiveEstimator([net, net])
+            self.assertEqual((hand.device, hand.sensors, hand.inputs, host.device), (device.name, 2, 24, ""))
+            rules = {"at": 0.5, "touch": 0.01}
+            alarm, follows, plain = tactel.Alarm(net, device=str(device.index), **rules), tactel.Alarm(net, **rules), tactel.Alarm(net, **rules)
+            for both in frames:
+                answers, expected = hand.next(both.ravel()), host.next(both.ravel())
+                for answer, wanted in zip(answers, expected):
+                    np.testing.assert_array_equal(answer.slip_index, wanted.slip_index)
+                    self.assertEqual(answer.status, wanted.status)
+                said = repr(plain.next(both[0]))
+                self.assertEqual(repr(alarm.next(both[0])), said)
+                self.assertEqual(repr(follows.next(both[0], answers[0])), said)
+        for wrong in ({"device": "none such"}, {"network": net.estimator, "device": "cpu"}):
+            with self.assertRaises(tactel.InputError):
+                tactel.Alarm(**{"network": net, **wrong})
+        with self.assertRaisesRegex(tactel.InputError, r"frames: an array of another shape; \[24\]"):
+            hand.next(frames[0])
+
     def test_an_alarm_refuses_what_it_cannot_mean(self):
         for options, says in (({"at": 1.1}, "at: 1.1"), ({"touch": -1}, "touch: -1"), ({"hold": 0}, "hold: 0"), ({"widest": 0.4}, "widest: 0.4.*without a bound")):
             with self.subTest(says=says), self.assertRaisesRegex(tactel.InputError, says):

@@ -53,6 +53,10 @@ with tactel.open_sensor("simulate:examples/parabola.toml") as stream:
     for frame in stream:
         print(networks[0](frame), frame.device_time, np.asarray(frame))
 
+hand = tactel.LiveEstimator([networks[0], networks[0]], tactel.devices()[0].name)
+assert_type(hand.next(np.zeros(hand.inputs))[0], tactel.Answer)
+assert_type(tactel.Alarm(networks[0], device="cpu").next(np.zeros(42)).on, bool)
+
 try:
     tactel.solve(scene, precision="fp16")  # type: ignore[call-overload]  # a mistake that the types find
 except tactel.InputError as error:

@@ -20,19 +20,19 @@ import typing as _typing
 
 from . import _driver as _driver, _calls, _tactel
 from ._tactel import (
-    Alarm, AlarmAnswer, Box, Cancelled, Cone, Cylinder, Derivatives, Element, Error, Errors, Exponential, Flat, Force, Frame, HardwareError,
-    HeightMap, Indenter, InputError, Load, LyingCylinder, Mesh, Network, Pad, PadIndenter, PadLoad, PadPath, PadPaths,
+    Alarm, AlarmAnswer, Answer, Box, Cancelled, Cone, Cylinder, Derivatives, DeviceInfo, Element, Error, Errors, Exponential, Flat, Force,
+    Frame, HardwareError, HeightMap, Indenter, InputError, LiveEstimator, Load, LyingCylinder, Mesh, Network, Pad, PadIndenter, PadLoad, PadPath, PadPaths,
     PadTactels, Parabola, Paraboloid, Path, Paths, Press, Profile, Punch, RoundedFlat, Scene, Sensor, Set, SlipEstimator,
-    Sphere, Stream, StressRecovery, Tactels, Taylor, Trapezoid, Wedge, __version__, bonded, heights, open_sensor, read_scene,
+    Sphere, Stream, StressRecovery, Tactels, Taylor, Trapezoid, Wedge, __version__, bonded, devices, heights, open_sensor, read_scene,
     read_set, solve,
 )
 
 __all__ = [
-    "Alarm", "AlarmAnswer", "Box", "Cancelled", "Cone", "Cylinder", "Derivatives", "Element", "Error", "Errors", "Exponential", "Flat", "Force",
-    "Frame", "HardwareError", "HeightMap", "Indenter", "InputError", "Load", "LyingCylinder", "Mesh", "Network", "Pad",
+    "Alarm", "AlarmAnswer", "Answer", "Box", "Cancelled", "Cone", "Cylinder", "Derivatives", "DeviceInfo", "Element", "Error", "Errors", "Exponential", "Flat", "Force",
+    "Frame", "HardwareError", "HeightMap", "Indenter", "InputError", "LiveEstimator", "Load", "LyingCylinder", "Mesh", "Network", "Pad",
     "PadIndenter", "PadLoad", "PadPath", "PadPaths", "PadTactels", "Parabola", "Paraboloid", "Path", "Paths", "Press",
     "Profile", "Punch", "RoundedFlat", "Scene", "Sensor", "Set", "SlipEstimator", "Sphere", "Stream", "StressRecovery", "Sweep",
-    "Tactels", "Taylor", "Trapezoid", "Wedge", "bonded", "heights", "open_sensor", "read_scene", "read_set", "solve",
+    "Tactels", "Taylor", "Trapezoid", "Wedge", "bonded", "devices", "heights", "open_sensor", "read_scene", "read_set", "solve",
     "solve_many", "train",
 ]
 

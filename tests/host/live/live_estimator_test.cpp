@@ -10,7 +10,6 @@
 #include <limits>
 #include <random>
 
-#include "nn/infer/network_file.h"
 #include "tests/host/networks/bounded_model.h"
 
 namespace tactel::host {
@@ -18,11 +17,6 @@ namespace {
 
 using nn::ScalingKind;
 using tactel::testing::bounded_model;
-
-SlipEstimator estimator_of(const nn::Model& model) {
-  const std::string bytes = infer::network_bytes(model);
-  return SlipEstimator::parse(std::as_bytes(std::span(bytes)));
-}
 
 nn::Model plain(const char* topology) {
   nn::Weights<float> weights = nn::initial_weights(nn::Topology::parse(topology), 7);
@@ -40,11 +34,12 @@ bool same(const Answer& a, const Answer& b) {
 /// Presses and drags that end now and then, with noise, frames at rest and frames with NaN; each sensor by itself.
 class Frames {
  public:
-  explicit Frames(std::span<const SlipEstimator> networks) : networks_(networks) {}
+  explicit Frames(std::span<const nn::Model* const> networks) : networks_(networks) {}
   std::vector<float> next() {
     std::vector<float> all;
     for (std::size_t s = 0; s < networks_.size(); ++s) {
-      const std::size_t width = networks_[s].inputs() / networks_[s].frames();
+      const auto width =
+          static_cast<std::size_t>(networks_[s]->weights.topology.inputs() / networks_[s]->history.frames);
       const auto time = static_cast<float>(number_ + 13 * s);
       const bool rest = (number_ + s) % 89 == 0;
       for (std::size_t i = 0; i < width; ++i) {
@@ -58,7 +53,7 @@ class Frames {
   }
 
  private:
-  std::span<const SlipEstimator> networks_;
+  std::span<const nn::Model* const> networks_;
   std::size_t number_ = 0;
   std::mt19937 random_{5};
   std::normal_distribution<float> noise_;
@@ -67,18 +62,15 @@ class Frames {
 /// `sensors`: which network each has.
 void expect_the_hosts_bits(const Device& device, const std::vector<nn::Model>& models,
                            const std::vector<std::size_t>& sensors) {
-  std::vector<SlipEstimator> networks;
   std::vector<const nn::Model*> of_sensors;
-  for (const std::size_t which : sensors) {
-    networks.push_back(estimator_of(models[which]));
-    of_sensors.push_back(&models[which]);
-  }
-  const auto host = host_estimator(networks), kernel = device_estimator(device, of_sensors);
+  for (const std::size_t which : sensors) of_sensors.push_back(&models[which]);
+  const auto host = host_estimator(of_sensors), kernel = device_estimator(device, of_sensors);
   std::vector<Answer> expected(sensors.size()), found(sensors.size());
-  Frames frames(networks);
+  Frames frames(of_sensors);
   std::size_t different = 0, answered = 0;
   for (int k = 0; k < 300; ++k) {
     const std::vector<float> all = frames.next();
+    if (k == 150) host->clear(), kernel->clear();
     host->estimate(all, expected);
     kernel->estimate(all, found);
     for (std::size_t s = 0; s < sensors.size(); ++s) {
@@ -88,6 +80,14 @@ void expect_the_hosts_bits(const Device& device, const std::vector<nn::Model>& m
   }
   EXPECT_EQ(different, 0u) << sensors.size() << " sensors on " << device.info().name;
   EXPECT_GT(answered, 290 * sensors.size() * 9 / 10);
+}
+
+/// A network with a bound on a pad of four tactels.
+nn::Model of_pad() {
+  nn::Model model = bounded_model("12-9-3", ScalingKind::frame);
+  model.scaling.axes = 3;
+  model.bound->tactels = 4;
+  return model;
 }
 
 /// A network with a bound on three frames of four tactels.
@@ -109,10 +109,10 @@ TEST(LiveEstimator, DeviceGivesTheBitsOfTheHost) {
 
 // Networks of one topology share a launch; one of another is between them.
 TEST(LiveEstimator, EachSensorHasItsOwnNetwork) {
-  std::vector<nn::Model> models{with_history(), plain("8-5-1"), with_history()};
+  std::vector<nn::Model> models{with_history(), plain("8-5-1"), with_history(), of_pad()};
   for (float& w : models[2].weights.values) w *= 0.7f;
   models[2].bound->unlike_above *= 0.5f;
-  expect_the_hosts_bits(device("basic"), models, {0, 1, 2, 0, 2});
+  expect_the_hosts_bits(device("basic"), models, {0, 1, 3, 2, 0, 2, 3});
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <tactel/progress.h>
+#include <tactel/train.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-// Frames of a sensor, live, recorded or simulated, for an event loop of your own.
+// Frames of a sensor, live, recorded or simulated, for an event loop of your own; devices that answer them.
 
 namespace tactel {
 
@@ -130,5 +130,47 @@ class TACTEL_API FrameSource {
   explicit FrameSource(State* state) noexcept : state_(state) {}
   State* state_;
 };
+
+/// Answers to the frames of several sensors, the pads of a hand, as `tactel monitor --device` gives them. It keeps
+/// their histories, as SlipHistory does. Alarm::answer takes an answer. An object is for one thread at a time.
+class TACTEL_API LiveEstimator {
+ public:
+  /// networks: that of each sensor, one or more. Networks that are copies of one share its work.
+  /// device: "gpu", "cpu", an index or a part of a name of devices(): one launch for all sensors whose networks have
+  /// one topology and scaling, compiled on return. Empty: host code, with the same bits, which is quicker for a sensor
+  /// or two. Throws InputError without networks and for a device that is none, HardwareError without a device.
+  explicit LiveEstimator(const std::vector<Network>& networks, const std::string& device = {});
+  ~LiveEstimator();
+  LiveEstimator(const LiveEstimator&) = delete;
+  LiveEstimator& operator=(const LiveEstimator&) = delete;
+
+  std::size_t inputs() const noexcept;   ///< numbers of one frame of every sensor
+  std::size_t sensors() const noexcept;  ///< answers to them
+  /// Returns the name of the device; empty: host code.
+  std::string device() const;
+  /// Takes the next frame of every sensor: [inputs()] MPa, sensor by sensor, and writes answers [sensors()]. Allocates
+  /// nothing in host code. Throws InputError for other sizes, HardwareError where the device fails.
+  void estimate(std::span<const float> frames, std::span<Answer> answers);
+  /// Forgets all frames.
+  void clear();
+
+ private:
+  struct State;
+  State* state_;
+};
+
+/// An OpenCL device, as `tactel devices` lists it.
+struct DeviceInfo {
+  int index = 0;               ///< among devices()
+  std::string name, platform;  ///< of the device; of its driver
+  std::string type;            ///< "cpu", "gpu" or "other"
+  int compute_units = 0;
+  std::uint64_t memory = 0;  ///< bytes
+  bool fp64 = false;         ///< double precision in kernels
+  bool is_default = false;   ///< computes where no device is named
+};
+
+/// Returns the OpenCL devices; none is no error. Throws InputError for a wrong TACTEL_LANES.
+TACTEL_API std::vector<DeviceInfo> devices();
 
 }  // namespace tactel

@@ -56,7 +56,7 @@ struct InputOptions {
   std::string name = "own";                ///< of the learning set, in the network's metadata
 };
 
-/// A trained network with its origin.
+/// A trained network with its origin. Copies are cheap and share it.
 class TACTEL_API Network {
  public:
   /// Returns a network of one or two hidden layers, all rectifiers or none, and one output through a sigmoid, which is
@@ -84,6 +84,7 @@ class TACTEL_API Network {
   struct State;
 
  private:
+  friend class LiveEstimator;
   friend TACTEL_API std::vector<Network> train(const Set& set, const TrainOptions& options,
                                                const ProgressFunction& progress);
   explicit Network(State* state) noexcept : state_(state) {}

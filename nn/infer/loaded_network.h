@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <atomic>
+
+#include "nn/infer/layers.h"
+#include "nn/infer/network_file.h"
+
+namespace tactel {
+
+/// A network as SlipEstimator evaluates it.
+struct SlipEstimator::Network {
+  static SlipEstimator of(const nn::Model& model, infer::Metadata metadata);
+
+  mutable std::atomic<std::size_t> owners = 1;
+  std::vector<infer::HiddenLayer> hidden;
+  std::vector<float> output;       ///< [outputs, inputs of the last layer + 1], the bias last
+  int last = 0;                    ///< inputs of the last layer
+  std::optional<nn::Bound> bound;  ///< its whitening as infer::tiled() returns it
+  int inputs = 0;
+  int normals = 0;  ///< normal stresses of the newest frame
+  nn::InputHistory history;
+  bool by_frame = false;
+  float factor = 0;
+  nn::Learnt learnt;
+  infer::Metadata metadata;
+};
+
+}  // namespace tactel
