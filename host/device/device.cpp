@@ -390,8 +390,9 @@ Device Device::with_copies() const {
   return changed([](State& state) { state.info.zero_copy = false; });
 }
 
-Device Device::as_gpu() const {
-  return with_lanes(1).changed([](State& state) {
+Device Device::as_gpu(int compute_units) const {
+  return with_lanes(1).changed([&](State& state) {
+    if (compute_units > 0) state.info.compute_units = compute_units;
     state.info.type = DeviceType::gpu;
     state.info.zero_copy = state.info.low_latency = false;
     state.poisons = true;

@@ -92,8 +92,9 @@ class Device {
   /// Returns the same device with buffers in memory of its own, as a GPU has: for tests. Shares the context.
   Device with_copies() const;
   /// Returns the same device as a GPU is: of this type, with one lane, work-groups of 64, launches as a whole, and
-  /// buffers in memory of its own, which hold NaN at first: for tests. Shares the context.
-  Device as_gpu() const;
+  /// buffers in memory of its own, which hold NaN at first, and with so many compute units (0: its own): for tests.
+  /// Shares the context.
+  Device as_gpu(int compute_units = 0) const;
   bool poisons() const;  ///< whether new buffers hold NaN
   /// Returns the same device for single contacts: kernels give the same bits, and a processor compiles them in half the
   /// time, with one lane and rolled loops. Shares the context.

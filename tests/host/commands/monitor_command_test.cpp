@@ -4,11 +4,14 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "hw/generic_format.h"
 #include "hw/recording.h"
 #include "tests/host/commands/live_command.h"
+#include "tests/host/networks/bounded_model.h"
 
 namespace tactel::host {
 namespace {
@@ -199,6 +202,89 @@ TEST_F(Monitor, AnOffsetThatMovedIsNamedOnce) {
   EXPECT_THAT(view.err, HasSubstr("warning: the offset moved"));
   EXPECT_THAT(with({"--quiet"}).err, ::testing::Not(HasSubstr("warning")));
   EXPECT_THAT(with({}, "0").err, HasSubstr("\"drifts\": 0"));
+}
+
+/// 150 frames of `sensors` times four tactels with so many axes, as stresses in MPa: presses that drag, noise, rest and
+/// NaN. `profile`: what names the channels.
+void record_presses(const std::string& path, int sensors, int axes, const std::string& profile) {
+  const int places = 4 * sensors, channels = axes * places;
+  const hw::GenericLayout layout{
+      .sync = {0xA5, 0x5A}, .header = 2, .channels = channels, .sample = hw::SampleType::f32};
+  hw::RecordingWriter writer(
+      path, fmt::format("[format]\nkind = \"generic\"\nsync = [0xA5, 0x5A]\nchannels = {}\nsample = \"f32\"\n{}"
+                        "[calibration]\noffset = 0\ngain = 1\n",
+                        channels, profile));
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0, 1e-3);
+  std::vector<std::uint8_t> bytes(hw::generic_frame_length(layout));
+  std::vector<double> samples(static_cast<std::size_t>(channels));
+  for (int frame = 0; frame < 150; ++frame) {
+    for (int c = 0; c < channels; ++c) {
+      const int tactel = c % places;
+      const double press = frame % 50 < 5 ? 0 : 0.4 * std::sin(0.05 * frame + 0.7 * tactel * tactel);
+      samples[static_cast<std::size_t>(c)] = press * (c < places ? -1 : 0.01 * (frame % 50)) + noise(random);
+    }
+    if (frame % 31 == 17) samples.back() = std::nan("");
+    hw::write_generic_frame(layout, 0, 0, samples, bytes);
+    writer.write({.bytes = bytes, .arrival = 0.01 * frame});
+  }
+  writer.finish();
+}
+
+/// A network with a bound on three frames of four tactels.
+nn::Model with_history(const char* topology, int axes) {
+  nn::Model model = tactel::testing::bounded_model(topology, nn::ScalingKind::frame);
+  model.history = {.frames = 3, .stride = 2, .change = 0.07};
+  model.scaling.history = 3, model.scaling.axes = axes;
+  model.bound->tactels = 4;
+  return model;
+}
+
+// A line, and two pads by one launch.
+TEST_F(Monitor, ADeviceWritesTheLinesOfHostCode) {
+  write_onnx(folder_ / "line.onnx", with_history("24-9-3", 2));
+  write_onnx(folder_ / "pad.onnx", with_history("36-9-3", 3));
+  record_presses(folder_ / "line.tactel", 1, 2, "[channels]\nnormal = [0, 1, 2, 3]\nshear = [4, 5, 6, 7]\n");
+  record_presses(folder_ / "pad.tactel", 2, 3,
+                 "[pad]\ntactels = [2, 2, 2, 2]\npitch = 4\n[channels]\nnormal = [0, 1, 2, 3, 4, 5, 6, 7]\n"
+                 "shear_x = [8, 9, 10, 11, 12, 13, 14, 15]\nshear_y = [16, 17, 18, 19, 20, 21, 22, 23]\n");
+  for (const std::string sensor : {"line", "pad"}) {
+    const auto lines_on = [&](const std::string& device) {
+      std::vector<std::string> call = {"monitor",
+                                       "--source",
+                                       "replay:" + (folder_ / (sensor + ".tactel")).string(),
+                                       "--network",
+                                       folder_ / (sensor + ".onnx"),
+                                       "--touch",
+                                       "0.05",
+                                       "--alarm",
+                                       "0.6"};
+      if (!device.empty()) call.insert(call.end(), {"--device", device});
+      const ChildResult result = run_tactel(call);
+      EXPECT_EQ(result.exit_code, 0) << result.err;
+      std::vector<nlohmann::json> lines = lines_of(result.out);
+      for (nlohmann::json& line : lines) line.erase("latency_us");
+      EXPECT_THAT(lines_of(result.err).back()["device"].get<std::string>(),
+                  HasSubstr(device.empty() ? "host code" : device));
+      return lines;
+    };
+    const std::vector<nlohmann::json> host = lines_on("");
+    ASSERT_EQ(host.size(), 150u);
+    const auto lines_with = [&](const char* key, const nlohmann::json& value) {
+      return std::ranges::count_if(host, [&](const nlohmann::json& line) { return line[key] == value; });
+    };
+    EXPECT_GT(lines_with("contact", false), 10);
+    EXPECT_GT(lines_with("unlike", false), 10);
+    EXPECT_GT(lines_with("alarm", true), 10);
+    EXPECT_GT(lines_with("alarm", false), 10);
+    EXPECT_EQ(host[17]["slip_index"].is_null(), sensor == "line") << "NaN is in the second pad alone";
+    EXPECT_EQ(host[16].contains("pads"), sensor == "pad");
+    for (const std::string device : {"basic", "pthread"}) {
+      const std::vector<nlohmann::json> kernel = lines_on(device);
+      ASSERT_EQ(kernel.size(), host.size());
+      for (std::size_t i = 0; i < host.size(); ++i) EXPECT_EQ(kernel[i], host[i]) << sensor << " on " << device;
+    }
+  }
 }
 
 // The kernels are compiled before the sensor is opened.

@@ -242,19 +242,25 @@ TEST_P(ProgressOn, AnExceptionEndsTheRun) {
 
 INSTANTIATE_TEST_SUITE_P(Devices, ProgressOn, testing::ValuesIn(tested_devices()));
 
-// With progress a GPU still gets slices that fill it: 2048 groups for each compute unit.
+// With progress a GPU still gets slices that fill it: 2048 groups for each of its 132 compute units, and all of less
+// work.
 TEST(Executor, SlicesFillAGpu) {
-  Executor executor(Device("basic").as_gpu());
-  const std::size_t slice = 2048 * static_cast<std::size_t>(executor.device().info().compute_units);
-  const std::size_t groups = slice + 5;
-  Marks marks(executor.device(), groups);
-  std::vector<std::size_t> shown;
-  executor.run(program(executor.device()), "mark", groups, marks.bind(),
-               {.progress = [&](std::size_t done, std::size_t) {
-                 shown.push_back(done);
-                 return true;
-               }});
-  EXPECT_EQ(shown, (std::vector<std::size_t>{slice, groups}));
+  Executor executor(Device("basic").as_gpu(132));
+  constexpr std::size_t slice = 2048 * 132;
+  using Shown = std::vector<std::size_t>;
+  for (const auto& [groups, expected] : {std::pair(slice + 5, Shown{slice, slice + 5}), {41'000, Shown{41'000}}}) {
+    const Marks marks(executor.device(), groups);
+    Shown shown;
+    executor.clear_times();
+    executor.run(program(executor.device()), "mark", groups, marks.bind(),
+                 {.progress = [&](std::size_t done, std::size_t) {
+                   shown.push_back(done);
+                   return true;
+                 }});
+    EXPECT_EQ(shown, expected);
+    EXPECT_EQ(executor.times().at("mark").launches, expected.size());
+    EXPECT_EQ(marks.done(), groups);
+  }
 }
 
 TEST(Executor, SeveralJobsAreOnePool) {

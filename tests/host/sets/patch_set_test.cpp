@@ -8,6 +8,7 @@
 #include "host/contact/solve_on_rung.h"
 #include "host/sets/set_simulator.h"
 #include "tests/host/device/test_device.h"
+#include "tests/host/sets/same_bytes.h"
 #include "tests/host/support/run_tactel.h"
 
 namespace tactel::host {
@@ -63,15 +64,19 @@ TEST_F(PatchSet, RowsOnFewElementsAreMarked) {
   EXPECT_EQ(set.coarse, marked);
 }
 
-// As a GPU has them: work-groups of 64 with a ragged end, and memory of its own.
-TEST_F(PatchSet, OnAGpuTheRowsAreTheSame) {
+// As a GPU has them: one lane, work-groups of 64 with a ragged end, and memory of its own. On patches, and on a mesh.
+TEST_F(PatchSet, OnAGpuTheBytesAreTheSame) {
   Executor gpu{device().as_gpu()};
-  const SetOptions options{.patch = rung_named("patch-8")};
-  const ContactSet expected = SetSimulator(executor_, source_, options).simulate(0, 150),
-                   found = SetSimulator(gpu, source_, options).simulate(0, 150);
-  EXPECT_GT(expected.rows(), 150u);
-  EXPECT_EQ(found.frames, expected.frames);
-  EXPECT_EQ(found.slip_index, expected.slip_index);
+  std::string mesh = sweep_text;
+  mesh.replace(mesh.find("model = \"patch\""), 15, "columns = 41\nrows = 6\ntactels = 5");
+  const SceneSource on_mesh = SceneSource::read(folder_.write("mesh.toml", mesh));
+  for (const auto& [source, options] :
+       {std::pair(&source_, SetOptions{.patch = rung_named("patch-8")}), std::pair(&on_mesh, SetOptions{})}) {
+    const ContactSet expected = SetSimulator(executor_, *source, options).simulate(0, 70),
+                     found = SetSimulator(gpu, *source, options).simulate(0, 70);
+    EXPECT_GT(expected.rows(), 70u);
+    expect_same_bytes(found, expected);
+  }
 }
 
 // Two sensors, then the one Poisson's ratio of own sensors. Every message ends before the next one.
