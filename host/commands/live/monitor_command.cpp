@@ -203,7 +203,13 @@ int run_monitor(const MonitorRequest& request) {
     throw ConfigError("command line", request.view ? "--view" : "--alarm", request.networks.front(),
                       fmt::format("left out for a network of {}: they are for S", nn::name(target)));
   std::optional<Device> device;
-  if (!request.device.empty()) device.emplace(request.device);
+  std::unique_ptr<LiveEstimator> compiled;  // before the source is opened, whose frames do not wait
+  if (!request.device.empty()) {
+    device.emplace(request.device);
+    std::vector<const nn::Model*> models;
+    for (const nn::Model& network : networks) models.push_back(&network);
+    compiled = device_estimator(*device, models);
+  }
   OpenSource opened = open_for(request);
   const bool touch_known = request.options.touch || knows_touch(opened.profile);
   MonitorOptions options = request.options;
