@@ -292,8 +292,8 @@ std::vector<DeviceInfo> devices() {
     const int taken = host::default_device(found);
     std::vector<DeviceInfo> all;
     for (const host::DeviceInfo& one : found)
-      all.push_back({one.index, one.name, one.platform, host::name(one.type), one.compute_units, one.memory, one.fp64,
-                     one.index == taken});
+      all.push_back({one.index, one.name, one.platform, host::name(one.type), one.compute_units, host::memory_of(one),
+                     one.fp64, one.index == taken});
     return all;
   });
 }

@@ -35,7 +35,7 @@ std::string devices_json(std::span<const DeviceInfo> devices) {
                     {"driver", info.driver},
                     {"type", name(info.type)},
                     {"compute_units", info.compute_units},
-                    {"memory", info.memory},
+                    {"memory", memory_of(info)},
                     {"fp64", info.fp64},
                     {"lanes", {{"fp32", info.lanes_fp32}, {"fp64", info.lanes_fp64}}},
                     {"low_latency", info.low_latency},

@@ -153,7 +153,6 @@ DeviceInfo describe(const cl::Platform& platform, const cl::Device& device, int 
   info.driver = device.getInfo<CL_DRIVER_VERSION>();
   info.type = type_of(device.getInfo<CL_DEVICE_TYPE>());
   info.compute_units = static_cast<int>(device.getInfo<CL_DEVICE_MAX_COMPUTE_UNITS>());
-  info.memory = device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>();
   info.fp64 = device.getInfo<CL_DEVICE_DOUBLE_FP_CONFIG>() != 0;
   info.lanes_fp32 = explicit_lanes(info.type, device.getInfo<CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT>());
   info.lanes_fp64 = info.fp64 ? explicit_lanes(info.type, device.getInfo<CL_DEVICE_NATIVE_VECTOR_WIDTH_DOUBLE>()) : 0;
@@ -328,6 +327,12 @@ std::vector<DeviceInfo> list_devices() {
   return translated("", [] { return infos_of(find_devices()); });
 }
 
+std::uint64_t memory_of(const DeviceInfo& device) {
+  return translated(device.name, [&] {
+    return find_devices().at(static_cast<std::size_t>(device.index)).device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>();
+  });
+}
+
 int default_device(std::span<const DeviceInfo> devices) { return chosen_index(devices, default_choice()); }
 
 struct Device::State {
@@ -390,9 +395,9 @@ Device Device::with_copies() const {
   return changed([](State& state) { state.info.zero_copy = false; });
 }
 
-Device Device::as_gpu(int compute_units) const {
-  return with_lanes(1).changed([&](State& state) {
-    if (compute_units > 0) state.info.compute_units = compute_units;
+Device Device::as_gpu() const {
+  return with_lanes(1).changed([](State& state) {
+    state.info.compute_units = 132;
     state.info.type = DeviceType::gpu;
     state.info.zero_copy = state.info.low_latency = false;
     state.poisons = true;

@@ -34,10 +34,9 @@ struct DeviceInfo {
   std::string driver;    ///< CL_DRIVER_VERSION
   DeviceType type = DeviceType::other;
   int compute_units = 0;
-  std::uint64_t memory = 0;  ///< CL_DEVICE_GLOBAL_MEM_SIZE, bytes
-  bool fp64 = false;         ///< double precision in kernels
-  int lanes_fp32 = 1;        ///< scenes (frames, networks) that one work-item carries in an explicit vector; 1 on a GPU
-  int lanes_fp64 = 1;        ///< the same for double; 0 without fp64
+  bool fp64 = false;   ///< double precision in kernels
+  int lanes_fp32 = 1;  ///< scenes (frames, networks) that one work-item carries in an explicit vector; 1 on a GPU
+  int lanes_fp64 = 1;  ///< the same for double; 0 without fp64
   bool low_latency =
       false;               ///< runs kernels in the calling thread (PoCL's `basic`): a launch costs under a microsecond
   bool zero_copy = false;  ///< kernels work on host memory in place
@@ -55,6 +54,8 @@ void set_default_log(LogSink log);
 /// fem::named_cache_directory(), unless the user has set them. PoCL keeps compiled kernels there; they are
 /// checked first (compile_cache.h). The content of a user's own POCL_CACHE_DIR is not checked.
 std::vector<DeviceInfo> list_devices();
+/// Returns the bytes of a device's memory.
+std::uint64_t memory_of(const DeviceInfo& device);
 /// Returns the index of the default device: $TACTEL_DEVICE, else PoCL's `basic` (on which answers are tested),
 /// another CPU, a GPU. Returns -1 where there is none.
 int default_device(std::span<const DeviceInfo> devices);
@@ -91,10 +92,9 @@ class Device {
   Device with_lanes(int lanes) const;
   /// Returns the same device with buffers in memory of its own, as a GPU has: for tests. Shares the context.
   Device with_copies() const;
-  /// Returns the same device as a GPU is: of this type, with one lane, work-groups of 64, launches as a whole, and
-  /// buffers in memory of its own, which hold NaN at first, and with so many compute units (0: its own): for tests.
-  /// Shares the context.
-  Device as_gpu(int compute_units = 0) const;
+  /// Returns the same device as a GPU is: of this type, with the 132 compute units of an H100, one lane, work-groups of
+  /// 64, launches as a whole, and buffers in memory of its own, which hold NaN at first: for tests. Shares the context.
+  Device as_gpu() const;
   bool poisons() const;  ///< whether new buffers hold NaN
   /// Returns the same device for single contacts: kernels give the same bits, and a processor compiles them in half the
   /// time, with one lane and rolled loops. Shares the context.

@@ -245,7 +245,7 @@ INSTANTIATE_TEST_SUITE_P(Devices, ProgressOn, testing::ValuesIn(tested_devices()
 // With progress a GPU still gets slices that fill it: 2048 groups for each of its 132 compute units, and all of less
 // work.
 TEST(Executor, SlicesFillAGpu) {
-  Executor executor(Device("basic").as_gpu(132));
+  Executor executor(Device("basic").as_gpu());
   constexpr std::size_t slice = 2048 * 132;
   using Shown = std::vector<std::size_t>;
   for (const auto& [groups, expected] : {std::pair(slice + 5, Shown{slice, slice + 5}), {41'000, Shown{41'000}}}) {
