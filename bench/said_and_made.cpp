@@ -32,7 +32,7 @@ namespace {
 
 struct Judged {
   fem::ContactSolution answer;
-  AnswerError own_error;
+  AnswerError own_error{};
   bool solved = false;
 };
 

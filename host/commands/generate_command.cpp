@@ -169,9 +169,8 @@ std::string report_text(const GenerateRequest& request, const ContactSet& set, c
         set.unseen, set.contacts);
   if (set.wide_cells > 0)
     text += fmt::format(
-        "{} of {} contacts have cells wider than the thickness, which put P of sharp and tilted shapes off: `tactel "
-        "solve` "
-        "states by how much; 4 in the column outside\n",
+        "{} of {} contacts have cells wider than the thickness, which put P of sharp and tilted shapes off: "
+        "`tactel solve` states by how much; 4 in the column outside\n",
         set.wide_cells, set.contacts);
   if (set.coarse > 0)
     text += fmt::format(

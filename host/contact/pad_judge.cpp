@@ -20,7 +20,7 @@ constexpr double finer_tolerance = 1e-4;  ///< of its sweeps
 /// twice as many show half of what slip leaves. A fifth or fourth more covers 95 % of scenes (bench/pad_study.cpp).
 constexpr double order = 1.5, more = 1.2, by_increments = 2.5;
 /// Two answers may agree by chance; of pressure below a height map, whose sides cells meet or miss, more often.
-constexpr double least = 0.003, least_of_map = 0.2;  ///< this over the cells along a side
+constexpr double least = 0.004, least_of_map = 0.2;  ///< this over the cells along a side
 
 int finer_cells(const PadRung& rung) { return std::max(24, 4 * rung.cells / 3); }
 int finer_increments(int cells) { return cells / 3 * 2; }
