@@ -38,6 +38,10 @@ struct ContactStep {
   Residual residual;
 };
 
+/// Least number of elements of a patch that a contact must cover: of parabolas, wedges and rounded flats on them P is
+/// off by 11 % at most at 4 elements, by up to 70 % at 2.
+inline constexpr int least_elements = 4;
+
 struct ContactSolution {
   Eigen::VectorXd surface_x, base_x, tactel_x;  ///< mm
   std::vector<ContactStep> steps;

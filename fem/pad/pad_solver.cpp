@@ -82,6 +82,8 @@ class DepthSearch {
       power_ = std::clamp(std::log(P / last_[1]) / std::log(depth / last_[0]), 0.5, 4.0);
     last_ = {depth, P};
     (P < target_ ? low_ : high_) = depth;
+    // So narrow, it would hold no two forces that both miss: one of them was that of sweeps that had not settled.
+    if (high_ - low_ <= 0.1 * tolerance * depth) low_ = 0, high_ = infinity;
     const double trial = depth * (P > 0 ? std::clamp(std::pow(target_ / P, 1 / power_), 0.1, 10.0) : 2);
     depth = trial > low_ && trial < high_ ? trial : std::isfinite(high_) ? (low_ + high_) / 2 : 2 * depth;
     return true;

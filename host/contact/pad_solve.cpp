@@ -122,7 +122,7 @@ std::optional<std::string> error_warning(const PadOutcome& outcome) {
 double coarse_error(int across) { return across >= 5 ? 0.02 : across >= 3 ? 0.08 : 1; }
 
 /// Steps that hold a history of friction cannot have cells of their own.
-std::optional<std::string> coarse_warning(const PadOutcome& outcome) {
+std::optional<std::string> few_cells_warning(const PadOutcome& outcome) {
   const auto& [cells, places, steps, outside, fell_back] = outcome.solution;
   std::vector<std::size_t> numbers;
   int least = cells.n, widest = 0;
@@ -288,7 +288,7 @@ std::vector<std::string> warnings(const PadOutcome& outcome) {
   };
   add(depth_warning(outcome.scene.sensor.thickness, deepest(outcome.solution)));
   add(untouched_warning(outcome.solution.steps));
-  add(coarse_warning(outcome));
+  add(few_cells_warning(outcome));
   add(pad_slip_warning(outcome));
   add(error_warning(outcome));
   add(edge_warning(outcome));

@@ -10,7 +10,6 @@
 
 #include "fem/gap_reference.h"
 #include "fem/layer/patch_solver.h"
-#include "fem/pad/pad_presses.h"
 #include "fem/stress_field.h"
 #include "host/contact/contact_stream.h"
 #include "host/contact/solve_on_rung.h"
@@ -162,25 +161,21 @@ bool never_slid(const fem::Scene& scene, const fem::ContactSolution& solution) {
 namespace {
 
 /// On patches, whose elements are laid for the deepest step.
-std::optional<std::string> coarse_warning(const fem::ContactSolution& solution) {
+std::optional<std::string> few_elements_warning(const fem::ContactSolution& solution) {
   const auto elements = static_cast<std::ptrdiff_t>(solution.surface_width.size());
   if (elements == 0) return std::nullopt;
   std::vector<std::size_t> numbers;
-  std::ptrdiff_t least = elements, widest = 0;
-  const auto touched_in = [](const fem::ContactStep& step) -> std::ptrdiff_t {
-    return (step.normal_force.array() > 0).count();
-  };
-  for (const fem::ContactStep& step : solution.steps) widest = std::max(widest, touched_in(step));
+  std::ptrdiff_t least = elements;
   for (std::size_t k = 0; k < solution.steps.size(); ++k) {
-    const std::ptrdiff_t touched = touched_in(solution.steps[k]);
-    if (touched == 0 || touched >= fem::least_across(static_cast<int>(elements), static_cast<int>(widest))) continue;
+    const std::ptrdiff_t touched = (solution.steps[k].normal_force.array() > 0).count();
+    if (touched == 0 || touched >= fem::least_elements) continue;
     numbers.push_back(k + 1);
     least = std::min(least, touched);
   }
   if (numbers.empty()) return std::nullopt;
   return fmt::format(
-      "in {} the contact covers {} of {} elements or more, which are laid for the deepest step: its forces are coarse; "
-      "a scene of that depth alone is finer",
+      "in {} the contact covers {} of {} elements, which are laid for the deepest step: its forces are coarse; a scene "
+      "of that depth alone is finer",
       steps_text(numbers), least, elements);
 }
 
@@ -192,7 +187,7 @@ std::vector<std::string> warnings(const SolveOutcome& outcome) {
   if (const auto warning = depth_warning(scene, solution)) all.push_back(*warning);
   if (const auto warning = slip_warning(scene, solution)) all.push_back(*warning);
   if (const auto warning = untouched_warning(solution.steps)) all.push_back(*warning);
-  if (const auto warning = coarse_warning(solution)) all.push_back(*warning);
+  if (const auto warning = few_elements_warning(solution)) all.push_back(*warning);
   if (never_slid(scene, solution) && !solution.steps.empty() && !(solution.steps.back().P > 0))
     all.push_back("the drag until sliding touches nothing: it ends with its first step");
   else if (never_slid(scene, solution))

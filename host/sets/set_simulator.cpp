@@ -155,9 +155,11 @@ int along_side(const fem::ContactSolution& solution) { return static_cast<int>(s
 int along_side(const fem::PadSolution& solution) { return solution.cells.n; }
 
 /// Marks a row whose contact extends over few of so many; `widest`: the most in any step of the contact.
+template <bool of_lines>
 Row marked(Row row, int along_side, int widest) {
   const bool solved = row.status == LANE_SOLVED || row.status == LANE_SLIDING;
-  if (along_side > 0 && solved && row.across < fem::least_across(along_side, widest)) row.status = coarse_row;
+  const int least = of_lines ? fem::least_elements : fem::least_across(along_side, widest);
+  if (along_side > 0 && solved && row.across < least) row.status = coarse_row;
   return row;
 }
 
@@ -172,7 +174,7 @@ struct StepsOfLane {
   Row row(int k) const {
     if (const auto own = alone->find({contact->number, k}); own != alone->end())
       return row_of(own->second.steps.back());
-    return marked(row_of(answer, *contact, k), along_side, widest);
+    return marked<Contact<Contacts>::of_lines>(row_of(answer, *contact, k), along_side, widest);
   }
   void stress(int k, std::span<float> frame) const {
     if (const auto own = alone->find({contact->number, k}); own != alone->end())
@@ -202,7 +204,8 @@ struct StepsOfSolution {
   Row row(int k) const {
     int widest = 0;
     for (const auto& step : solution.steps) widest = std::max(widest, row_of(step).across);
-    return marked(row_of(solution.steps[static_cast<std::size_t>(k)]), host::along_side(solution), widest);
+    return marked<Contact<Contacts>::of_lines>(row_of(solution.steps[static_cast<std::size_t>(k)]),
+                                               host::along_side(solution), widest);
   }
   void stress(int k, std::span<float> frame) const { put_stress(solution.steps[static_cast<std::size_t>(k)], frame); }
   bool slid() const { return solution.sliding; }

@@ -57,7 +57,7 @@ TEST_F(PatchSet, RowsOnFewElementsAreMarked) {
   for (std::size_t row = 0; row < set.rows(); ++row) {
     const bool few = set.status[row] == coarse_row;
     marked += few;
-    EXPECT_EQ(few, set.contact_nodes[row] < 6) << row;
+    EXPECT_EQ(few, set.contact_nodes[row] < fem::least_elements) << row;
     EXPECT_FALSE(few && set.step[row] >= 3) << row;
   }
   EXPECT_GT(marked, 0u);
