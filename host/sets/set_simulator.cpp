@@ -468,6 +468,7 @@ void Simulator<Contacts>::solve_alone(const std::vector<std::pair<std::uint64_t,
                                       Alone<Contacts>& alone) const {
   if constexpr (!Contact<Contacts>::of_lines) {
     std::vector<fem::PadScene> scenes;
+    scenes.reserve(steps.size());
     for (const auto& [number, k] : steps)
       scenes.push_back(fem::pressed_alone(source_.contact(number).scene, static_cast<std::size_t>(k)));
     std::vector<fem::PadSolution> solutions = stream_.solve(scenes);
