@@ -565,8 +565,7 @@ OUTLINE void report(const Influence *influence, global const vreal *lane_input, 
     to[PAD_RESULT_RIGHT] = (right + half_x) * H;
     to[PAD_RESULT_BELOW] = (below - half_y) * H;
     to[PAD_RESULT_ABOVE] = (above + half_y) * H;
-    to[PAD_RESULT_ACROSS] =
-        PICK(touching > 0, 1 + SMALLER(last_x - first_x, last_y - first_y), ALL_LANES(0));
+    to[PAD_RESULT_ACROSS] = PICK(touching > 0, 1 + SMALLER(last_x - first_x, last_y - first_y), ALL_LANES(0));
     to[PAD_RESULT_CELL] = LARGER(influence->hx * H, influence->hy * H);
     const vint reports = slot->v[v] >= 0;
     vreal worst = to[PAD_RESULT_PENETRATION];

@@ -80,7 +80,7 @@ enum PadResultRow {
   PAD_RESULT_BELOW, /* y */
   PAD_RESULT_ABOVE,
   PAD_RESULT_ACROSS, /* cells over which they extend, along the shorter side of the own frame */
-  PAD_RESULT_CELL, /* mm: the longer side of a cell */
+  PAD_RESULT_CELL,   /* mm: the longer side of a cell */
   PAD_RESULT_ROWS
 };
 
