@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numbers>
 
 #include "host/studies/extremes/extremes.h"
 
@@ -26,15 +27,33 @@ void press_by_force(fem::Scene& scene, std::vector<double> forces) {
   scene.load.tangential.clear();
 }
 
+/// A sphere that is pressed in, dragged until it nearly slides, along a turn, with a twist, and back.
+fem::PadScene ordinary_pad() {
+  fem::PadScene scene;
+  scene.sensor.tactels = {2, 2}, scene.sensor.pitch = {7, 7};
+  scene.load.drags = {{0.03, 0, 0}, {0.06, 0.03, 0}, {0.06, 0.06, 0.02}, {-0.06, 0, 0}};
+  return scene;
+}
+
 class List {
  public:
+  /// Scenes of lines from here on are solved on patches.
+  void on_patches() { model_ = fem::SurfaceModel::patch; }
   void add(const std::string& group, const std::string& name, const Change& change) {
-    scenes_.push_back({group, name, ordinary_scene()});
-    change(scenes_.back().scene);
+    fem::Scene scene = ordinary_scene();
+    scene.model = model_;
+    change(scene);
+    scenes_.push_back({group, name, std::move(scene)});
+  }
+  void add_pad(const std::string& group, const std::string& name, const std::function<void(fem::PadScene&)>& change) {
+    fem::PadScene scene = ordinary_pad();
+    change(scene);
+    scenes_.push_back({group, name, std::move(scene)});
   }
   std::vector<ExtremeScene> take() { return std::move(scenes_); }
 
  private:
+  fem::SurfaceModel model_ = fem::SurfaceModel::mesh;
   std::vector<ExtremeScene> scenes_;
 };
 
@@ -111,6 +130,17 @@ void add_contact(List& list) {
   });
 }
 
+void add_shapes(List& list) {
+  for (double angle : {0.1, 20.0, 179.0})
+    list.add("contact", fmt::format("wedge of {:g} degrees", angle),
+             [=](fem::Scene& s) { s.indenter.shape = fem::Wedge{angle}; });
+  for (double width : {1e-3, 1.0, 8.0})
+    list.add("contact", fmt::format("flat, {:g} mm to a side", width),
+             [=](fem::Scene& s) { s.indenter.shape = fem::Flat{width}; });
+  list.add("contact", "all of the surface", [](fem::Scene& s) { s.indenter.shape = fem::Flat{}; });
+  list.add("contact", "half off the sensor", [](fem::Scene& s) { s.indenter.position = s.sensor.length / 2; });
+}
+
 void add_loads(List& list) {
   list.add("load", "depth 0", [](fem::Scene& s) { s.load.indentation = {0.0}; });
   list.add("load", "in, out, in again", [](fem::Scene& s) { s.load.indentation = {0.15, 0.0, 0.15}; });
@@ -126,6 +156,69 @@ void add_loads(List& list) {
       press_by_force(s, {0.5});
       s.load.angle = share * std::atan(s.friction) * 45 / std::atan(1.0);
     });
+}
+
+void press(fem::PadScene& scene, double depth) {
+  for (auto& [x, y, twist] : scene.load.drags) x *= depth / 0.2, y *= depth / 0.2, twist *= depth / 0.2;
+  scene.load.indentation = {depth};
+}
+
+void add_pads(List& list) {
+  for (double nu : {0.0, 0.3, 0.45, 0.49, 0.4999, 0.5})
+    list.add_pad("Poisson's ratio", fmt::format("{}", nu), [=](fem::PadScene& s) { s.sensor.poisson = nu; });
+  for (double young : {1e-6, 1e6})
+    list.add_pad("E, MPa", fmt::format("{:g}", young), [=](fem::PadScene& s) { s.sensor.young = young; });
+  for (double mu : {0.0, 1e-6, 0.1, 1.0, 10.0, 100.0})
+    list.add_pad("friction", fmt::format("{:g}", mu), [=](fem::PadScene& s) { s.friction = mu; });
+  for (double depth : {1e-9, 1e-6, 1e-3})
+    list.add_pad("depth, mm", fmt::format("{:g}", depth), [=](fem::PadScene& s) { press(s, depth); });
+  for (double share : {0.2, 0.5, 0.9})
+    list.add_pad("depth", fmt::format("{:g} % of thickness", 100 * share),
+                 [=](fem::PadScene& s) { press(s, share * s.sensor.thickness); });
+  for (double size : {1e-2, 0.1, 1.0, 10.0}) {
+    list.add_pad("radius/thickness", fmt::format("{:g}, punch", size), [=](fem::PadScene& s) {
+      s.indenter.shape = fem::Punch{size * s.sensor.thickness};
+      press(s, 0.02 * std::min(size, 1.0));
+    });
+    list.add_pad("radius/thickness", fmt::format("{:g}, nu 1/2", size), [=](fem::PadScene& s) {
+      s.sensor.poisson = 0.5;
+      s.indenter.shape = fem::Punch{size * s.sensor.thickness, 0.5 * size};
+      press(s, 0.02 * std::min(size, 1.0));
+    });
+  }
+  list.add_pad("size", "of a grain, 20 um", [](fem::PadScene& s) {
+    s.sensor.thickness *= 1e-3, s.sensor.pitch = {1e-3, 1e-3};
+    s.indenter.shape = fem::Sphere{8e-3};
+    press(s, 2e-4);
+  });
+  for (double angle : {20.0, 89.0})
+    list.add_pad("contact", fmt::format("cone of {:g} degrees", angle),
+                 [=](fem::PadScene& s) { s.indenter.shape = fem::Cone{angle}; });
+  list.add_pad("contact", "20 times as long as wide", [](fem::PadScene& s) {
+    s.indenter.shape = fem::Paraboloid{{0.1, 40}};
+  });
+  list.add_pad("contact", "measured pyramid", [](fem::PadScene& s) {
+    const Eigen::ArrayXd far = Eigen::ArrayXd::LinSpaced(21, -1, 1).abs();
+    s.indenter.shape = fem::HeightMap{0.2, (far.replicate(1, 21) + far.transpose().replicate(21, 1)).matrix()};
+  });
+  list.add_pad("contact", "sharp box", [](fem::PadScene& s) { s.indenter.shape = fem::Box{}; });
+  list.add_pad("contact", "box on its edge", [](fem::PadScene& s) {
+    s.indenter.shape = fem::Box{{2, 2}, 0.2};
+    s.indenter.tilt = 10;
+  });
+  list.add_pad("contact", "cylinder, 8 by 0.1 mm", [](fem::PadScene& s) {
+    s.indenter.shape = fem::LyingCylinder{0.1, 4};
+  });
+  list.add_pad("contact", "half beside the tactels", [](fem::PadScene& s) { s.indenter.position = {3.5, 0}; });
+  list.add_pad("load", "depth 0", [](fem::PadScene& s) { s.load.indentation = {0}; });
+  list.add_pad("load", "in, out, in again", [](fem::PadScene& s) { s.load.indentation = {0.2, 0, 0.2}; });
+  for (double P : {0.0, 1e-9, 1e-3, 10.0})
+    list.add_pad("P, N", fmt::format("{:g}", P), [=](fem::PadScene& s) {
+      s.load.indentation.clear();
+      s.load.normal_force = {P};
+    });
+  list.add_pad("load", "twist by 90 degrees", [](fem::PadScene& s) { s.load.drags = {{0, 0, std::numbers::pi / 2}}; });
+  list.add_pad("load", "drag by 8 mm", [](fem::PadScene& s) { s.load.drags = {{8, 0, 0}, {0, 0, 0}}; });
 }
 
 }  // namespace
@@ -145,6 +238,13 @@ std::vector<ExtremeScene> extreme_scenes(bool finest) {
   add_mesh(list, finest);
   add_contact(list);
   add_loads(list);
+  list.on_patches();
+  add_material(list);
+  add_friction(list);
+  add_size(list);
+  add_shapes(list);
+  add_loads(list);
+  add_pads(list);
   return list.take();
 }
 

@@ -7,7 +7,14 @@
 
 #include "fem/contact_laws.h"
 #include "fem/gap_reference.h"
+#include "fem/layer/layer_model.h"
+#include "fem/layer/patch_exact.h"
+#include "fem/layer/patch_solver.h"
+#include "fem/pad/pad_layers.h"
+#include "fem/pad/pad_search.h"
 #include "fem/solution_difference.h"
+#include "host/contact/contact_fallback.h"
+#include "host/contact/pad_stream.h"
 #include "host/contact/solve.h"
 #include "host/contact/solve_on_rung.h"
 
@@ -22,9 +29,8 @@ struct Answered {
   ExtremeAnswer answer;
 };
 
-template <class Solve>
-Answered answered(const Solve& solve) {
-  Answered result{solve(), {}};
+Answered answered(ContactSolution solution) {
+  Answered result{std::move(solution), {}};
   result.answer.solved = std::ranges::all_of(result.solution.steps, &ContactStep::converged);
   result.answer.fell_back = result.solution.fell_back;
   for (const ContactStep& step : result.solution.steps) {
@@ -34,13 +40,95 @@ Answered answered(const Solve& solve) {
   return result;
 }
 
-/// Two answers that are both certified and yet differ by more than rounding can explain.
-constexpr double another_solution = 1e-6;
+struct Answers {
+  std::string model;
+  double thickness;  ///< mm
+  Answered fp32, fp64, reference;
+};
 
-std::string told(const fem::Scene& scene, const Answered& fp32, const Answered& fp64, const Answered& reference) {
+Answered beside(const ContactSolution& reference, const ContactSolution& found) {
+  Answered result = answered(found);
+  result.answer.off = fem::base_force_difference(found, reference);
+  return result;
+}
+
+Answers on_mesh(Executor& executor, const fem::Scene& scene) {
+  const ContactSolution reference = fem::solve_gap_reference(scene);
+  const auto batched = [&](Precision precision) {
+    return beside(reference, solve_on_meshes(executor, std::span(&scene, 1), precision).front());
+  };
+  return {"mesh", scene.sensor.thickness, batched(Precision::fp32), batched(Precision::fp64), answered(reference)};
+}
+
+constexpr double twin_tolerance = 1e-9;
+
+/// With the forces of its elements in place of those of a base, which a patch does not have by nodes.
+ContactSolution by_elements(ContactSolution patch) {
+  for (ContactStep& step : patch.steps)
+    step.base_force_x = step.tangential_force, step.base_force_y = step.normal_force;
+  return patch;
+}
+
+Answers on_patch(Executor& executor, const fem::Scene& scene) {
+  Rung rung = usual_patch();
+  const fem::LayerModel model = fem::layer_model(scene.sensor);
+  const fem::PatchSolver twin(model, {.tolerance = twin_tolerance, .pressing_increments = rung.steps});
+  ContactSolution reference;
+  const auto batched = [&](Precision precision) {
+    rung.precision = precision;
+    const ContactSolution found = solve_on_rung(executor, std::span(&scene, 1), rung).front();
+    const double half = found.surface_width[0] / 2;
+    const fem::Patch patch{found.surface_x[0] - half, found.surface_x[found.surface_x.size() - 1] + half,
+                           static_cast<int>(found.surface_x.size())};
+    reference = twin.solve_on(patch, scene);
+    if (!every_step_converged(reference)) reference = fem::solve_patch_exactly(model, patch, scene, rung.steps);
+    reference = by_elements(std::move(reference));
+    return beside(reference, by_elements(found));
+  };
+  Answered fp32 = batched(Precision::fp32), fp64 = batched(Precision::fp64);
+  return {"patch", scene.sensor.thickness, std::move(fp32), std::move(fp64), answered(reference)};
+}
+
+/// As the answer of a line, with the forces of the cells.
+ContactSolution by_cells(const fem::PadSolution& pad) {
+  ContactSolution line;
+  line.fell_back = pad.fell_back;
+  for (const fem::PadStep& from : pad.steps) {
+    ContactStep step;
+    step.indentation = from.indentation, step.slip_index = from.slip_index, step.converged = from.converged;
+    step.iterations = from.sweeps, step.residual.penetration = from.residual.largest();
+    step.base_force_x = from.tangential_force.reshaped(), step.base_force_y = from.normal_force;
+    line.steps.push_back(std::move(step));
+  }
+  return line;
+}
+
+Answers on_pad(Executor& executor, const fem::PadScene& scene) {
+  PadModel model = model_of(usual_pad_rung());
+  const fem::PadLayer layer = fem::pad_layer(scene.sensor.poisson);
+  const fem::PadSolver twin(layer, {.tolerance = twin_tolerance, .pressing_increments = model.options.increments});
+  ContactSolution reference;
+  const auto batched = [&](Precision precision) {
+    model.precision = precision;
+    const fem::PadSolution found = PadStream(executor, model).solve(std::span(&scene, 1)).front();
+    fem::PadScene seen = scene;
+    seen.indenter = fem::lay_cells(scene, layer, found.cells.n, true).indenter;
+    reference = by_cells(twin.solve_on(found.cells, seen));
+    return beside(reference, by_cells(found));
+  };
+  Answered fp32 = batched(Precision::fp32), fp64 = batched(Precision::fp64);
+  return {"pad", scene.sensor.thickness, std::move(fp32), std::move(fp64), answered(reference)};
+}
+
+/// Two answers that are both certified and yet differ by more than rounding and sweeps can explain.
+constexpr double another_solution = 1e-4;
+
+std::string told(const Answers& answers) {
+  const auto& [model, thickness, fp32, fp64, reference] = answers;
   std::vector<std::string> words;
-  if (auto warning = depth_warning(scene, fp64.solution))
-    words.push_back("warning: depth beyond 20 % of the thickness");
+  double deepest = 0;
+  for (const ContactStep& step : fp64.solution.steps) deepest = std::max(deepest, step.indentation);
+  if (too_deep(thickness, deepest)) words.push_back("warning: depth beyond 20 % of the thickness");
   const auto none = [](const ContactStep& step) { return !step.slip_index; };
   const auto missing = std::ranges::count_if(fp64.solution.steps, none);
   if (missing) words.push_back(fmt::format("S null in {} of {} steps", missing, fp64.solution.steps.size()));
@@ -55,15 +143,13 @@ std::string told(const fem::Scene& scene, const Answered& fp32, const Answered& 
 }
 
 Extreme solve_extreme(Executor& executor, const ExtremeScene& extreme) {
-  const auto batched = [&](Precision precision) {
-    return answered([&] { return solve_on_meshes(executor, std::span(&extreme.scene, 1), precision).front(); });
-  };
-  Answered fp32 = batched(Precision::fp32), fp64 = batched(Precision::fp64);
-  const Answered reference = answered([&] { return fem::solve_gap_reference(extreme.scene); });
-  fp32.answer.off = fem::base_force_difference(fp32.solution, reference.solution);
-  fp64.answer.off = fem::base_force_difference(fp64.solution, reference.solution);
-  return {extreme.group, extreme.name,     fp32.answer,
-          fp64.answer,   reference.answer, told(extreme.scene, fp32, fp64, reference)};
+  const auto* line = std::get_if<fem::Scene>(&extreme.scene);
+  Answers answers = !line                                    ? on_pad(executor, std::get<fem::PadScene>(extreme.scene))
+                    : line->model == fem::SurfaceModel::mesh ? on_mesh(executor, *line)
+                                                             : on_patch(executor, *line);
+  return {answers.model,       extreme.group,       extreme.name,
+          answers.fp32.answer, answers.fp64.answer, answers.reference.answer,
+          told(answers)};
 }
 
 std::string columns_of(const ExtremeAnswer& answer) {
@@ -85,15 +171,16 @@ std::vector<Extreme> scene_extremes(Executor& executor, bool quick, const Progre
 
 std::string extremes_table(const std::vector<Extreme>& extremes) {
   std::string out = fmt::format(
-      "{:<19} {:<22} {:^23} {:^23} {:^14}\n{:<19} {:<22} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>6} {:>8}  {}\n", "", "",
-      "fp32", "fp64", "reference", "what", "how far", "sweeps", "resid.", "off", "sweeps", "resid.", "off", "trials",
-      "resid.", "message to the user");
+      "{:<5} {:<19} {:<22} {:^23} {:^23} {:^14}\n{:<5} {:<19} {:<22} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>6} {:>8}  "
+      "{}\n",
+      "", "", "", "fp32", "fp64", "reference", "model", "what", "how far", "sweeps", "resid.", "off", "sweeps",
+      "resid.", "off", "trials", "resid.", "message to the user");
   for (const Extreme& e : extremes)
-    out += fmt::format("{:<19} {:<22} {} {} {:>6} {:>8.0e}  {}\n", e.group, e.name, columns_of(e.fp32),
+    out += fmt::format("{:<5} {:<19} {:<22} {} {} {:>6} {:>8.0e}  {}\n", e.model, e.group, e.name, columns_of(e.fp32),
                        columns_of(e.fp64), e.reference.iterations, e.reference.residual, e.told);
   return out +
-         "sweeps, trials: most in one load step; resid.: worst of the certificate; off: base forces beside the "
-         "reference's;\n"
+         "sweeps, trials: most in one load step; resid.: worst of the certificate; off: forces on the base (mesh), of "
+         "elements (patch)\nand cells (pad) beside the reference's: the exact solver (mesh), sweeps in fp64 to 1e-9;\n"
          "*: the sweeps did not converge, the exact fallback answered; !: not converged\n";
 }
 
