@@ -10,7 +10,8 @@
 //
 // prints those that `solve` states beside those that it makes, on scenes that are wider than those of the table, and
 // how often --accuracy is kept. It fails where less than 95 % of stated errors hold, one is exceeded twice, or less
-// than 97 % of accuracies are kept. By what the reference may itself be off (printed) counts for the answer.
+// than 97 % of accuracies are kept. By what the reference may itself be off (printed) counts for the answer. A scene
+// whose reference does not settle has no answer to judge by: it is named and left out, and more than one in fifty fail.
 //
 // ANSWERS, a folder, keeps the reference's answers, some seconds each. They have 48 cells a side and so many increments
 // that a path has 24.
@@ -43,6 +44,8 @@ void each_number(fem::PadReferenceSolution& answer, F f) {
   for (const auto member : fem::pad_error_members) f(answer.error.*member);
   for (fem::PadStep& step : answer.solution.steps) {
     if (!step.slip_index) step.slip_index = 0;
+    double converged = step.converged;
+    f(converged), step.converged = converged != 0;
     f(step.P), f(step.Q[0]), f(step.Q[1]), f(step.M), f(*step.slip_index);
     for (double& stress : step.stress.reshaped()) f(stress);
   }
@@ -189,15 +192,22 @@ int judge(int count, unsigned seed, const std::string& answers) {
   };
   std::map<double, Kept> accuracies{{0.05, {}}, {0.02, {}}, {0.01, {}}};
   std::vector<Errors> own;
+  int scene = -1, unsettled = 0;
   each_scene(count, seed, true, answers, [&](const UnlikePad& pad, const fem::PadReferenceSolution& truth) {
+    ++scene;
+    if (!std::ranges::all_of(truth.solution.steps, &fem::PadStep::converged)) {
+      ++unsettled;
+      fmt::print("left out, the reference does not settle: scene {}, {}, {}\n", scene,
+                 fem::shape_name(pad.scene.indenter.shape), name(pad.way));
+      return;
+    }
     own.push_back(truth.error);
     for (const PadRung& rung : pad_rungs()) {
       if (rung.exact) continue;
       const PadOutcome outcome = solve(pad.scene, by_twin(rung.name));
       rungs[rung.name].add(outcome, truth);
       if (std::getenv("TACTEL_EACH") == nullptr) continue;
-      fmt::print(stderr, "{} {} {}: {}", own.size() - 1, fem::shape_name(pad.scene.indenter.shape), name(pad.way),
-                 rung.name);
+      fmt::print(stderr, "{} {} {}: {}", scene, fem::shape_name(pad.scene.indenter.shape), name(pad.way), rung.name);
       for (std::size_t k = 0; k < names.size(); ++k)
         fmt::print(stderr, " {} {:.4f} {:.4f}", names[k], rungs[rung.name].said[k].back(),
                    rungs[rung.name].made[k].back());
@@ -212,11 +222,11 @@ int judge(int count, unsigned seed, const std::string& answers) {
         ++tally.all, tally.kept += rungs[rung->name].made[0].back() <= accuracy;
     }
   });
-  fmt::print("{} scenes of seed {}\n", count, seed);
+  fmt::print("{} scenes of seed {}, {} left out\n", count, seed, unsettled);
   print("reference's own", own);
   fmt::print("{:<8} {:<6} {:>8} {:>8} {:>8} {:>8} {:>8} {:>6}\n", "rung", "error", "said 50%", "made 50%", "said 95%",
              "made 95%", "held", "worst");
-  bool good = true;
+  bool good = 50 * unsettled <= count;
   for (const PadRung& rung : pad_rungs()) {
     if (rung.exact) continue;
     const Tally& t = rungs[rung.name];

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 // The variant is chosen when the program starts. Sanitizers do not go with that.
 #if defined(__x86_64__) && !defined(__FMA__) && !defined(TACTEL_SANITIZED)
@@ -16,7 +17,8 @@ namespace tactel::fem {
 namespace {
 
 constexpr double relaxation = 0.85;
-constexpr double finer = 0.25;  ///< tolerance of sweeps that go on, over that of those before
+constexpr int damped_again_after = 100;  ///< halved steps are halved again where so many sweeps come no nearer
+constexpr double finer = 0.25;           ///< tolerance of sweeps that go on, over that of those before
 constexpr double least_tolerance = 16 * std::numeric_limits<double>::epsilon();
 
 /// Shortens a traction to the cone.
@@ -142,10 +144,18 @@ bool PadContact::widen() {
 }
 
 bool PadContact::solve(int most_sweeps, int& sweeps) {
+  constexpr double infinity = std::numeric_limits<double>::infinity(), progress = 0.9;
+  double w = relaxation, least = infinity, least_before = infinity;  // change of these sweeps, and those before them
   for (int k = 0; k < most_sweeps; ++k) {
     ++sweeps;
     if (options_.between_sweeps) options_.between_sweeps();
-    if (sweep(k < damped_after ? relaxation : relaxation / 2) <= tolerance_ && !widen()) return true;
+    if (k >= damped_after && (k - damped_after) % damped_again_after == 0) {
+      if (k == damped_after || least > progress * least_before) w /= 2;
+      least_before = std::exchange(least, infinity);
+    }
+    const double change = sweep(w);
+    if (change <= tolerance_ && !widen()) return true;
+    if (k >= damped_after) least = std::min(least, change / w);
   }
   widen();
   return false;

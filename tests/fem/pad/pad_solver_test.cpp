@@ -146,6 +146,17 @@ TEST(PadSolver, SweepsGoOnUntilTheLawsHold) {
   }
 }
 
+/// A tilted box on nearly incompressible rubber, whose halved steps still go round in circles. Dragged far, all slides.
+TEST(PadSolver, SweepsThatGoRoundInCirclesAreDampedUntilTheySettle) {
+  PadScene scene = scene_of(Box{{5.4, 2.75}, 0.27}, 0.0286, 2, 0.489, 3, {{0.2, 0, 0}, {0.4, 0, 0}});
+  scene.indenter.tilt = 0.2, scene.indenter.tilt_direction = 312;
+  const PadLayer layer(scene.sensor.poisson);
+  const PadSolution solution = PadSolver(layer, {.cells = 16, .tolerance = 1e-4, .limit_increments = 2}).solve(scene);
+  for (const PadStep& step : solution.steps) EXPECT_TRUE(step.converged) << step.residual.largest();
+  EXPECT_NEAR(solution.steps.back().slip_index.value(), 1, 1e-3);  // of 16 x 16 cells
+  EXPECT_EQ(solution.steps.back().stick_fraction, 0);
+}
+
 /// Of an increment that does not settle, whose force is then not that of its depth.
 TEST(PadSolver, ASearchForADepthEndsWithTheFirstTrialThatDoesNotSettle) {
   PadScene scene = scene_of(Paraboloid{{12, 4}}, 0, 3, .3, .3, {{.02, .03, 0}, {.05, .06, .02}});
