@@ -4,18 +4,12 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "fem/contact_laws.h"
 #include "kernels/shared/contact_layout.h"
 #include "kernels/shared/patch_layout.h"
 
 namespace tactel::host {
 
 ContactKind kind_of(const fem::Scene& scene) { return {.force = by_force(scene), .friction = scene.friction != 0}; }
-
-std::optional<double> slip_index(double mu, double P, double kernel_index) {
-  if (!fem::slip_index(mu, P, 0)) return std::nullopt;
-  return mu < fem::largest_friction ? kernel_index : 0;
-}
 
 fem::ContactStep lane_step(const std::function<double(int)>& row, double mu) {
   const int status = static_cast<int>(row(LANE_STATUS));

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "fem/contact_solution.h"
+#include "fem/contact_laws.h"
 #include "fem/scene.h"
 #include "host/device/buffer.h"
 #include "host/device/executor.h"
@@ -24,7 +24,10 @@ ContactKind kind_of(const fem::Scene& scene);
 
 /// Returns S of an increment in the kernel's precision, from mu, P (N/mm) and LANE_SLIP_INDEX: none where mu P = 0,
 /// 0 where friction is unlimited, as fem::slip_index.
-std::optional<double> slip_index(double mu, double P, double kernel_index);
+inline std::optional<double> slip_index(double mu, double P, double kernel_index) {
+  if (!(mu * P > 0)) return std::nullopt;
+  return mu < fem::largest_friction ? kernel_index : 0;
+}
 
 /// Returns the step of a scene with friction mu from a lane's LaneResultRow numbers, without forces of nodes and
 /// stresses.
@@ -47,9 +50,14 @@ class LaneAnswer {
   /// Returns true where every step that ran met its tolerance.
   bool solved() const;
   /// Asks the memory for the results, and for the stresses, some time before they are read: contacts lie in the order
-  /// of lanes, which no processor foresees. Does nothing where lanes take turns.
+  /// of lanes, which no processor foresees. Does nothing where lanes take turns: there for the share `part` of `parts`
+  /// of a step's numbers.
   void fetch_results() const { fetch(results_); }
   void fetch_stresses() const { fetch(stresses_); }
+  void fetch_step(int step, std::size_t part, std::size_t parts) const {
+    fetch_step(results_, step, part, parts);
+    fetch_step(stresses_, step, part, parts);
+  }
   /// [2 tactels]: sigma_y of every tactel, then tau_xy, MPa. Of pads [3 tactels]: sigma_z, tau_x, tau_y.
   template <class Number>
   void tactels(int step, std::span<Number> stress) const {
@@ -83,6 +91,12 @@ class LaneAnswer {
     const std::size_t bytes = static_cast<std::size_t>(steps) * of.rows * (fp64_ ? sizeof(double) : sizeof(float));
     if (stride == 1)
       for (std::size_t k = 0; k < bytes; k += line) __builtin_prefetch(static_cast<const char*>(of.from) + k);
+  }
+  void fetch_step(const Numbers& of, int step, std::size_t part, std::size_t parts) const {
+    if (stride == 1 || step >= steps) return;
+    const std::size_t bytes = stride * (fp64_ ? sizeof(double) : sizeof(float));
+    for (std::size_t row = part; row < of.rows; row += parts)
+      __builtin_prefetch(static_cast<const char*>(of.from) + (static_cast<std::size_t>(step) * of.rows + row) * bytes);
   }
 
   Numbers results_, stresses_, patch_;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
-#include <numeric>
 
 #include "fem/accuracy.h"
 #include "fem/contact_laws.h"
@@ -220,12 +219,15 @@ std::vector<std::size_t> GapSweep<Real>::Scenes::by_cost() const {
   grips.reserve(costs_.size());
   for (const Cost& cost : costs_) grips.push_back(cost.grip);
   const std::vector<int> stratum = strata(grips, grip_strata);
-  std::vector<std::size_t> order(costs_.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::ranges::sort(order, std::greater<>(), [&](std::size_t i) {
-    const int bin = static_cast<int>(window_bins * std::log(std::max(costs_[i].nodes, 1)));
-    return std::tuple(bin, this->scenes[i].steps, stratum[i], costs_[i].overlap, i);
-  });
+  std::vector<std::tuple<int, int, int, double, std::size_t>> keys;
+  keys.reserve(costs_.size());
+  for (std::size_t i = 0; i < costs_.size(); ++i)
+    keys.emplace_back(static_cast<int>(window_bins * std::log(std::max(costs_[i].nodes, 1))), this->scenes[i].steps,
+                      stratum[i], costs_[i].overlap, i);
+  std::ranges::sort(keys, std::greater<>());
+  std::vector<std::size_t> order;
+  order.reserve(keys.size());
+  for (const auto& key : keys) order.push_back(std::get<4>(key));
   return order;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <future>
@@ -140,11 +141,14 @@ class StreamOf {
     template <class Visit>
     void each(bool stresses, const Visit& visit) const {
       const auto scene_at = [&](std::size_t place) { return order_.empty() ? place : order_[place]; };
-      for (std::size_t place = 0; place < size(); ++place) {
-        const LaneAnswer ahead = answer(scene_at(std::min(place + fetched_ahead, size() - 1)));
-        ahead.fetch_results();
-        if (stresses) ahead.fetch_stresses();
-        visit(scene_at(place), answer(scene_at(place)));
+      std::array<LaneAnswer, fetched_ahead + 1> answers;
+      for (std::size_t place = 0, next = 0; place < size(); ++place) {
+        for (; next < std::min(place + answers.size(), size()); ++next) {
+          LaneAnswer& ahead = answers[next % answers.size()] = answer(scene_at(next));
+          ahead.fetch_results();
+          if (stresses) ahead.fetch_stresses();
+        }
+        visit(scene_at(place), answers[place % answers.size()]);
       }
     }
     LaneAnswer answer(std::size_t i) const { return launches_[places_[i].launch].launch->answer(places_[i].i); }

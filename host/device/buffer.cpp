@@ -3,12 +3,13 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cstdlib>
 #include <cstring>
 #include <new>
 #include <stdexcept>
 
-#include "host/device/opencl.h"
+#include "host/device/built_programs.h"
 
 namespace tactel::host {
 namespace {
@@ -20,30 +21,61 @@ struct FreeAligned {
   void operator()(void* memory) const { ::operator delete(memory, alignment); }
 };
 
+/// The share of a device's memory that spare buffers may take.
+constexpr std::size_t spare_share = 8;
+
+/// Sizes are rounded up by an eighth at most, so that a launch finds the buffers of another of like size.
+std::size_t rounded(std::size_t bytes) {
+  const std::size_t step = std::max<std::size_t>(std::bit_floor(bytes) / 8, 64);
+  return (bytes + step - 1) / step * step;
+}
+
 }  // namespace
 
 struct RawBuffer::State {
   Device device;
   std::unique_ptr<void, FreeAligned> host;  ///< zero copy: what kernels work on; freed after the buffer below
   cl::Buffer buffer;
-  cl::CommandQueue queue;  ///< for transfers; none with zero copy
+  cl::CommandQueue queue;  ///< of all transfers; none with zero copy
   std::uint64_t id;
+  std::size_t bytes;
 
-  State(const Device& device, std::size_t bytes) : device(device) {
+  State(const Device& device, std::size_t wanted)
+      : device(device), bytes(device.info().zero_copy ? wanted : rounded(wanted)) {
     static std::atomic<std::uint64_t> made = 0;
     id = ++made;
     if (device.info().zero_copy) {
       host.reset(::operator new(bytes, alignment));
       buffer = cl::Buffer(device.context(), CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, bytes, host.get());
     } else {
-      buffer = cl::Buffer(device.context(), CL_MEM_READ_WRITE, bytes);
-      queue = device.make_queue();
+      auto& memory = device.built_programs().memory;
+      const std::lock_guard lock(memory.mutex);
+      if (!memory.queue()) memory.queue = device.make_queue();
+      queue = memory.queue;
+      if (auto spare = memory.spare.extract(bytes))
+        buffer = std::move(spare.mapped()), memory.bytes -= bytes;
+      else
+        buffer = cl::Buffer(device.context(), CL_MEM_READ_WRITE, bytes);
       if (device.poisons()) {
         queue.enqueueFillBuffer(buffer, cl_uchar{0xff}, 0, bytes);
         queue.finish();
       }
     }
   }
+  ~State() {
+    if (host) return;
+    auto& memory = device.built_programs().memory;
+    const std::lock_guard lock(memory.mutex);
+    try {
+      if (memory.bytes + bytes > device.cl_device().getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>() / spare_share)
+        memory.spare.clear(), memory.bytes = 0;
+      memory.spare.emplace(bytes, std::move(buffer));
+      memory.bytes += bytes;
+    } catch (const std::exception&) {  // it is released
+    }
+  }
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
 };
 
 RawBuffer::RawBuffer(const Device& device, std::size_t bytes)

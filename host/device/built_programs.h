@@ -7,15 +7,23 @@
 
 #include "host/device/opencl.h"
 
-// Calls of Program to OpenCL; not part of its interface.
+// Calls of Program and Buffer to OpenCL; not part of their interface.
 namespace tactel::host {
 
 class CompileCache;
 
-/// The programs of a context: a launcher that is made again takes its program from here, without PoCL's cache.
+/// What a context keeps. A launcher that is made again takes its program from here, without PoCL's cache.
 struct BuiltPrograms {
   std::mutex mutex;
   std::map<std::string, cl::Program> all;  ///< by options and source
+
+  /// Of buffers that no launch holds any more, for the next, and the queue of all transfers. With memory of its own.
+  struct {
+    std::mutex mutex;
+    cl::CommandQueue queue;
+    std::multimap<std::size_t, cl::Buffer> spare;  ///< by bytes
+    std::size_t bytes = 0;                         ///< of the spare ones
+  } memory;
 };
 
 /// What a program is built from; `text` includes nothing.

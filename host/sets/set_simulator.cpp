@@ -67,7 +67,7 @@ int across_of(const LaneAnswer& answer, const PadContactOf&, int k) {
 }
 
 /// What is read of the answer of a kernel, by kind of contact.
-Row row_of(const LaneAnswer& answer, const LineContact& contact, int k) {
+[[gnu::always_inline]] inline Row row_of(const LaneAnswer& answer, const LineContact& contact, int k) {
   const auto result = [&](int row) { return answer.result(k, row); };
   return {.slip_index = slip_index(contact.friction, result(LANE_P), result(LANE_SLIP_INDEX)),
           .P = result(LANE_P),
@@ -156,11 +156,10 @@ int along_side(const fem::PadSolution& solution) { return solution.cells.n; }
 
 /// Marks a row whose contact extends over few of so many; `widest`: the most in any step of the contact.
 template <bool of_lines>
-Row marked(Row row, int along_side, int widest) {
+void mark(Row& row, int along_side, int widest) {
   const bool solved = row.status == LANE_SOLVED || row.status == LANE_SLIDING;
   const int least = of_lines ? fem::least_elements : fem::least_across(along_side, widest);
   if (along_side > 0 && solved && row.across < least) row.status = coarse_row;
-  return row;
 }
 
 /// The steps of an answer in place, but for those that were solved alone.
@@ -171,18 +170,25 @@ struct StepsOfLane {
     if constexpr (Contact<Contacts>::of_lines) return answer.element();
     return answer.result(0, PAD_RESULT_CELL);
   }
-  Row row(int k) const {
-    if (const auto own = alone->find({contact->number, k}); own != alone->end())
-      return row_of(own->second.steps.back());
-    return marked<Contact<Contacts>::of_lines>(row_of(answer, *contact, k), along_side, widest);
+  [[gnu::always_inline]] Row row(int k) const {  // a row in memory, written by number and copied by vector, stalls
+    const auto* const own = solved_alone(k);
+    Row row = own ? row_of(own->steps.back()) : row_of(answer, *contact, k);
+    if (!own) mark<Contact<Contacts>::of_lines>(row, along_side, widest);
+    return row;
   }
   void stress(int k, std::span<float> frame) const {
-    if (const auto own = alone->find({contact->number, k}); own != alone->end())
-      put_stress(own->second.steps.back(), frame);
+    if (const auto* own = solved_alone(k))
+      put_stress(own->steps.back(), frame);
     else
       answer.tactels(k, frame);
   }
+  const typename Contacts::Solution* solved_alone(int k) const {  ///< none: the step is the answer's; of lines all are
+    if constexpr (!Contact<Contacts>::of_lines)
+      if (const auto own = alone->find({contact->number, k}); own != alone->end()) return &own->second;
+    return nullptr;
+  }
   bool slid() const { return static_cast<int>(answer.result(answer.steps - 1, LANE_STATUS)) >= LANE_SLIDING; }
+  void fetch(int k, std::size_t part, std::size_t parts) const { answer.fetch_step(k, part, parts); }
 
   LaneAnswer answer;
   const Contact<Contacts>* contact;
@@ -204,11 +210,13 @@ struct StepsOfSolution {
   Row row(int k) const {
     int widest = 0;
     for (const auto& step : solution.steps) widest = std::max(widest, row_of(step).across);
-    return marked<Contact<Contacts>::of_lines>(row_of(solution.steps[static_cast<std::size_t>(k)]),
-                                               host::along_side(solution), widest);
+    Row row = row_of(solution.steps[static_cast<std::size_t>(k)]);
+    mark<Contact<Contacts>::of_lines>(row, host::along_side(solution), widest);
+    return row;
   }
   void stress(int k, std::span<float> frame) const { put_stress(solution.steps[static_cast<std::size_t>(k)], frame); }
   bool slid() const { return solution.sliding; }
+  void fetch(int, std::size_t, std::size_t) const {}  ///< it is one
 
   const typename Contacts::Solution& solution;
   const Contact<Contacts>* contact;
@@ -244,7 +252,8 @@ void put_sensor(ContactSet& set, std::size_t at, const fem::PadSensor& sensor) {
 
 /// Puts a step into row `at`.
 template <class Steps, class Contact>
-void put_row(ContactSet& set, std::size_t at, const Steps& steps, const Row& row, const Contact& of, int step) {
+[[gnu::always_inline]] inline void put_row(ContactSet& set, std::size_t at, const Steps& steps, const Row& row,
+                                           const Contact& of, int step) {
   const int touching = row.sticking + row.slipping;
   set.slip_index[at] = static_cast<float>(std::clamp(*row.slip_index, -1.0, 1.0));  // rounding apart, Q <= mu P
   set.normal_force[at] = static_cast<float>(row.P);
@@ -323,8 +332,10 @@ void put_rows(ContactSet& set, std::span<RowsFrom<Steps>> contacts) {
   int most = 0;
   for (const auto& from : contacts) most = std::max(most, from.steps.count());
   for (int k = 0; k < most; ++k)
-    for (auto& from : contacts) {
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+      auto& from = contacts[i];
       const auto& contact = *from.steps.contact;
+      from.steps.fetch(k + 1, i, contacts.size());
       if (k < contact.first_step || k >= from.steps.count()) continue;
       const Row row = from.steps.row(k);
       if (is_row(row, contact, k)) put_row(set, from.at++, from.steps, row, contact, k);
@@ -342,8 +353,8 @@ struct Chunk : SetSimulator::Range {
   typename StreamOf<Contacts>::Part part;
 };
 
-/// Numbers of a cache line, which a processor reads together.
-constexpr std::size_t side_by_side_answers = 16;
+/// Lanes that are read together, at most: those of a group lie side by side.
+constexpr std::size_t side_by_side_answers = 32;
 
 ContactModel model_for(Executor& executor, const SceneSource& source, const SetOptions& options) {
   if (!options.patch && source.model() != fem::SurfaceModel::patch) {
@@ -426,7 +437,8 @@ class Simulator final : public SetSimulator::State {
   StepsOfLane<Contacts> steps_of(const LaneAnswer& answer, const Contact<Contacts>& contact,
                                  const Alone<Contacts>& alone) const {
     int widest = 0;
-    for (int k = 0; along_side_ > 0 && k < answer.steps; ++k) widest = std::max(widest, across_of(answer, contact, k));
+    if constexpr (!Contact<Contacts>::of_lines)
+      for (int k = 0; k < answer.steps; ++k) widest = std::max(widest, across_of(answer, contact, k));
     return {answer, &contact, &alone, along_side_, widest};
   }
   std::vector<int> to_solve_alone(const LaneAnswer& answer, const Contact<Contacts>& contact) const;

@@ -129,6 +129,24 @@ TEST_P(BufferOn, EmptyIsAllowed) {
   EXPECT_TRUE(buffer.map().view().empty());
 }
 
+// Every buffer refers to its context, and so does every queue.
+TEST(Buffer, WithMemoryOfItsOwnSharesAQueueAndKeepsWhatWasAllocated) {
+  const Device on = Device("basic").with_copies();
+  const auto references = [&] { return on.context().getInfo<CL_CONTEXT_REFERENCE_COUNT>(); };
+  std::vector<Buffer<int>> ten{Buffer<int>(on, 1)};
+  const auto before = references();
+  for (int k = 1; k < 10; ++k) ten.emplace_back(on, 1000 + 64 * k);
+  EXPECT_EQ(references() - before, 9);
+  const auto after = references();
+  for (int launch = 0; launch < 3; ++launch) {
+    ten.clear();
+    for (int k = 0; k < 10; ++k) ten.emplace_back(on, k == 0 ? 1 : 999 + 64 * k);  // as large, about
+    EXPECT_EQ(references(), after);
+  }
+  ten.back().write(std::vector{7}, 1574);
+  EXPECT_EQ(ten.back().map(MapFor::reading)[1574], 7);
+}
+
 TEST_P(BufferOn, ALaunchSeesWhatWasWritten) {
   const Device on = device(GetParam());
   Executor executor(on);
