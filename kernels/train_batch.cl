@@ -34,7 +34,7 @@
 /* The rule's numbers; see nn::BatchOptions. */
 typedef struct {
   int adam;
-  real rate, momentum, beta1, beta2, epsilon;
+  real momentum, beta1, beta2, epsilon;
 } Rule;
 
 /* Data of a tile. Lanes beyond the slice's end hold the row of zeros and have no error. */
@@ -208,8 +208,9 @@ INLINE void forward_tile(const int vectors, Tile *t, global const real *w) {
 }
 
 /* Forward, errors, backward, outer products of one tile. errors: sum of squares and largest, by lane. begins: 1 for the
-   slice's first tile. */
-INLINE void learn_tile(int begins, Tile *t, global const real *w, global real *sums, vreal *errors, real level) {
+   slice's first tile. absolute: 1 for the absolute loss, whose error is a sign. */
+INLINE void learn_tile(int begins, Tile *t, global const real *w, global real *sums, vreal *errors, int absolute,
+                       real level) {
   const int vectors = t->vectors;
   if (LANES > 1 && vectors == 1)
     forward_tile(1, t, w);
@@ -234,7 +235,7 @@ INLINE void learn_tile(int begins, Tile *t, global const real *w, global real *s
     quantile_deltas(outputs, t->target[v], level, t->counts[v], delta);
     EACH(h, 3) { t->d_out[h][v] = delta[h]; }
 #else
-    t->d_out[0][v] = error * activation_slope(output);
+    t->d_out[0][v] = (absolute ? sign(error) : error) * activation_slope(output);
 #endif
   }
   ROLLED for (int k = 0; k < LAST; ++k) {
@@ -262,58 +263,68 @@ INLINE void learn_tile(int begins, Tile *t, global const real *w, global real *s
 /* Sums over the frames of one slice, [NUMBERS], and its errors, [2]. */
 static __attribute__((noinline)) void learn_slice(global const real *w, global const real *inputs,
                                                   global const real *targets, global const uint *shown, uint count,
-                                                  uint zero_row, global real *sums, global real *errors, real level) {
+                                                  uint zero_row, global real *sums, global real *errors, int absolute,
+                                                  real level) {
   Tile tile;
   vreal lane_errors[2] = {0, 0};
   for (uint first = 0; first < count; first += TILE) {
     load_tile(&tile, inputs, targets, shown + first, count - first, zero_row);
-    learn_tile(first == 0, &tile, w, sums, lane_errors, level);
+    learn_tile(first == 0, &tile, w, sums, lane_errors, absolute, level);
   }
   errors[0] = lane_sum(lane_errors[0]);
   errors[1] = 0;
   for (int lane = 0; lane < LANES; ++lane) errors[1] = fmax(errors[1], ((const real *)(lane_errors + 1))[lane]);
 }
 
-/* One vector of weights: descent is the mean over the batch; unbias: Adam's 1 / (1 - beta1^t) and 1 / (1 - beta2^t). */
+/* One vector of weights: descent is the mean over the batch.
+   factors: [4] of the update: Adam's 1 / (1 - beta1^t) and 1 / (1 - beta2^t), the learning rate, and the share of the
+   new weights in their mean; without a mean 0, and `mean` is not touched. */
 INLINE void update_vector(const Rule *rule, vreal descent, global real *w, global real *first, global real *second,
-                          global const real *unbias) {
-  vreal m = LOAD(first);
+                          global real *mean, global const real *factors) {
+  const real rate = factors[2], share = factors[3];
+  vreal m = LOAD(first), now;
   if (rule->adam) {
     m = fma(ALL_LANES(rule->beta1), m, (1 - rule->beta1) * descent);
     const vreal s = fma(ALL_LANES(rule->beta2), LOAD(second), (1 - rule->beta2) * descent * descent);
     STORE(s, second);
-    STORE(LOAD(w) + rule->rate * (m * unbias[0]) / (sqrt(s * unbias[1]) + rule->epsilon), w);
+    now = LOAD(w) + rate * (m * factors[0]) / (sqrt(s * factors[1]) + rule->epsilon);
   } else {
-    m = fma(ALL_LANES(rule->momentum), m, rule->rate * descent);
-    STORE(LOAD(w) + m, w);
+    m = fma(ALL_LANES(rule->momentum), m, rate * descent);
+    now = LOAD(w) + m;
   }
+  STORE(now, w);
   STORE(m, first);
+  if (share > 0) STORE(fma(ALL_LANES(share), now - LOAD(mean), LOAD(mean)), mean);
 }
 
 /* Trains network `group` on `batches` batches of at most one slice.
-   weights, first, second: [networks][NUMBERS], changed in place; first: last change or first moment, second: second
-   moment sums:    [networks][NUMBERS]    scratch errors:  [networks][batches][2] sum of squared errors and largest
-   error of each batch, as it was shown unbias:  [batches][2] inputs:  [sets][rows + 1][ROW0] scaled, 1 at place INPUTS,
-   then zeros; row `rows` all zeros;  set_of: [networks] targets: [rows + 1]             S - 0.5; the last unused order:
-   [networks][rows]       rows as this epoch shows them; the launch begins at place `begin` level:   of the upper
-   quantile, where OUTPUTS is 3 */
+   weights, first, second, mean: [networks][NUMBERS], changed in place; first: last change or first moment; second:
+            second moment; mean: of the weights
+   sums:    [networks][NUMBERS], scratch
+   errors:  [networks][batches][2], sum of squared errors and largest error of each batch, as it was shown
+   factors: [batches][4], see update_vector
+   inputs:  [sets][rows + 1][ROW0], scaled, 1 at place INPUTS, then zeros; row `rows` all zeros
+   set_of:  [networks]
+   targets: [rows + 1], S - 0.5; the last unused
+   order:   [networks][rows], rows as this epoch shows them; the launch begins at place `begin`
+   level:   of the upper quantile, where OUTPUTS is 3 */
 kernel void train_batch(uint first_group, global real *weights, global real *first, global real *second,
-                        global real *sums, global real *errors, global const real *unbias, global const real *inputs,
-                        global const uint *set_of, global const real *targets, global const uint *order, uint rows,
-                        uint begin, uint batch, uint batches, real level, int adam, real rate, real momentum,
-                        real beta1, real beta2, real epsilon) {
+                        global real *mean, global real *sums, global real *errors, global const real *factors,
+                        global const real *inputs, global const uint *set_of, global const real *targets,
+                        global const uint *order, uint rows, uint begin, uint batch, uint batches, int absolute,
+                        real level, int adam, real momentum, real beta1, real beta2, real epsilon) {
   TAKE_GROUP(group);
-  const Rule rule = {adam, rate, momentum, beta1, beta2, epsilon};
+  const Rule rule = {adam, momentum, beta1, beta2, epsilon};
   const size_t at = group * NUMBERS;
   inputs += (size_t)set_of[group] * (rows + 1) * ROW0;
   order += group * rows;
   errors += group * batches * 2;
   for (uint b = 0; b < batches; ++b) {
     const uint from = begin + b * batch, count = min(batch, rows - from);
-    learn_slice(weights + at, inputs, targets, order + from, count, rows, sums + at, errors + 2 * b, level);
+    learn_slice(weights + at, inputs, targets, order + from, count, rows, sums + at, errors + 2 * b, absolute, level);
     const real share = 1 / (real)count;
     ROLLED for (size_t i = at; i < at + NUMBERS; i += LANES) {
-      update_vector(&rule, LOAD(sums + i) * share, weights + i, first + i, second + i, unbias + 2 * b);
+      update_vector(&rule, LOAD(sums + i) * share, weights + i, first + i, second + i, mean + i, factors + 4 * b);
     }
   }
 }
@@ -323,27 +334,27 @@ kernel void train_batch(uint first_group, global real *weights, global real *fir
 kernel void batch_descent(uint first_group, global const real *weights, global real *sums, global real *errors,
                           global const real *inputs, global const uint *set_of, global const real *targets,
                           global const uint *order, uint rows, uint network, uint begin, uint count, uint slice,
-                          real level) {
+                          int absolute, real level) {
   TAKE_GROUP(group);
   const uint from = (uint)group * slice;
   inputs += (size_t)set_of[network] * (rows + 1) * ROW0;
   order += (size_t)network * rows + begin + from;
   learn_slice(weights + (size_t)network * NUMBERS, inputs, targets, order, min(slice, count - from), rows,
-              sums + group * NUMBERS, errors + 2 * group, level);
+              sums + group * NUMBERS, errors + 2 * group, absolute, level);
 }
 
-/* Vectors group * UPDATE_VECTORS ... of one network's weights, after the batch's `slices` slices. unbias: [2]. */
+/* Vectors group * UPDATE_VECTORS ... of one network's weights, after the batch's `slices` slices. factors: [4]. */
 kernel void batch_update(uint first_group, global real *weights, global real *first, global real *second,
-                         global const real *sums, uint network, uint slices, uint count, global const real *unbias,
-                         int adam, real rate, real momentum, real beta1, real beta2, real epsilon) {
+                         global real *mean, global const real *sums, uint network, uint slices, uint count,
+                         global const real *factors, int adam, real momentum, real beta1, real beta2, real epsilon) {
   TAKE_GROUP(group);
-  const Rule rule = {adam, rate, momentum, beta1, beta2, epsilon};
+  const Rule rule = {adam, momentum, beta1, beta2, epsilon};
   const size_t at = (size_t)network * NUMBERS;
   const size_t begin = group * UPDATE_VECTORS * LANES, end = min(begin + UPDATE_VECTORS * LANES, (size_t)NUMBERS);
   const real share = 1 / (real)count;
   ROLLED for (size_t i = begin; i < end; i += LANES) {
     vreal sum = LOAD(sums + i);
     for (uint s = 1; s < slices; ++s) sum += LOAD(sums + s * NUMBERS + i);
-    update_vector(&rule, sum * share, weights + at + i, first + at + i, second + at + i, unbias);
+    update_vector(&rule, sum * share, weights + at + i, first + at + i, second + at + i, mean + at + i, factors);
   }
 }

@@ -38,6 +38,8 @@ const char* name(TrainStatus status) {
       return "cycle limit";
     case TrainStatus::not_finite:
       return "not finite";
+    case TrainStatus::early_stop:
+      return "early stop";
   }
   return "unknown";
 }

@@ -14,6 +14,7 @@ enum class TrainStatus : std::uint8_t {
   learnt = 1,       ///< the largest error of a cycle fell below the stop error
   cycle_limit = 2,  ///< the limit of cycles was reached
   not_finite = 3,   ///< an error became NaN or infinite: the learning rate does not suit the set
+  early_stop = 4,   ///< the error on a validation set had not fallen for some cycles
 };
 const char* name(TrainStatus status);
 

@@ -25,12 +25,15 @@ host::TrainRequest request_of(const TrainOptions& options) {
   request.networks = options.networks, request.noises = options.noises;
   request.seeds = options.seeds, request.first_seed = options.first_seed;
   request.scaling = options.scaling, request.order = options.order;
-  if (options.schedule != "online" && options.schedule != "batch")
-    throw ConfigError("command line", "--schedule", options.schedule, "online or batch");
+  if (options.schedule != "online" && options.schedule != "batch" && options.schedule != "cosine")
+    throw ConfigError("command line", "--schedule", options.schedule, "online, batch or cosine");
   request.schedule = options.schedule;
   request.rate = options.rate, request.momentum = options.momentum;
   request.cycles = options.cycles, request.batch = options.batch;
   if (!options.optimizer.empty()) request.optimizer = options.optimizer;
+  if (!options.loss.empty()) request.loss = options.loss;
+  request.warm_up = options.warm_up, request.average = options.average, request.patience = options.patience;
+  if (options.validation != nullptr) request.validation_set = "validation";
   request.stop_error = options.stop_error;
   request.bound = options.bound, request.level = options.level;
   if (!options.history.empty()) request.history = options.history;
@@ -122,14 +125,19 @@ Errors Network::learning_errors() const {
 std::vector<Network> train(const Set& set, const TrainOptions& options, const ProgressFunction& progress) {
   std::vector<nn::Model> models = api::with_public_errors([&] {
     const host::TrainRequest request = request_of(options);
-    const host::TrainingPlan plan = host::plan_of(request);
-    host::NamedSet named{options.name, api::to_host(set), {}};
-    named.rows = host::answered_rows(named.contacts, options.name);
-    host::check_learnable(named.rows, options.name);
-    host::check_width(plan, named);
-    named.rows.frames = host::shown_rows(named.rows.frames, plan.history, plan.magnitude, options.name);
-    return options.precision == "fp64" ? trained<double>(named.rows.frames, plan, options, progress)
-                                       : trained<float>(named.rows.frames, plan, options, progress);
+    host::TrainingPlan plan = host::plan_of(request);
+    const auto shown = [&](const Set& rows, const std::string& name) {
+      host::NamedSet named{name, api::to_host(rows), {}};
+      named.rows = host::answered_rows(named.contacts, name);
+      host::check_learnable(named.rows, name);
+      host::check_width(plan, named);
+      return host::shown_rows(named.rows.frames, plan.history, plan.magnitude, name);
+    };
+    const nn::FrameSet frames = shown(set, options.name);
+    if (options.validation != nullptr)
+      plan.validation = std::make_shared<nn::FrameSet>(shown(*options.validation, "validation"));
+    return options.precision == "fp64" ? trained<double>(frames, plan, options, progress)
+                                       : trained<float>(frames, plan, options, progress);
   });
   std::vector<Network> networks;
   networks.reserve(models.size());

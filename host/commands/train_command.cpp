@@ -88,13 +88,18 @@ int run_train(const TrainRequest& request) {
 void add_training_options(CLI::App& command, TrainRequest& request) {
   command
       .add_option("--schedule", request.schedule,
-                  "online: pattern by pattern (the paper's); batch: mini-batches, for large sets (default: online; "
-                  "with --stream and --block always batch)")
-      ->check(CLI::IsMember({"online", "batch"}));
+                  "online: pattern by pattern (the paper's); batch: mini-batches, for large sets; cosine: mini-batches "
+                  "at a learning rate that warms up and falls to 0 as a cosine (default: online; with --stream and "
+                  "--block batch)")
+      ->check(CLI::IsMember({"online", "batch", "cosine"}));
   command.add_option(
       "--cycles,--epochs", request.cycles,
       "most passes over the set (default: 10000, 15000 with two hidden layers, 1000 with --schedule batch)");
-  command.add_option("--learning-rate", request.rate, "learning rate, no unit (default: 0.1, for adam 0.001)");
+  command.add_option("--learning-rate", request.rate,
+                     "learning rate, no unit (default: 0.1, for adam 0.001, of cosine 0.002)");
+  command.add_option("--warm-up", request.warm_up,
+                     "with --schedule cosine: share of the training in which the learning rate rises from 0 to its "
+                     "largest (default: 0.02)");
   command.add_option("--momentum", request.momentum,
                      "share of the last step in the next one, 0 to 1 (default: 0.9); not for adam");
   command.add_option(
@@ -104,18 +109,34 @@ void add_training_options(CLI::App& command, TrainRequest& request) {
       ->check(CLI::IsMember({"permuted", "sequential"}))
       ->capture_default_str();
   command.add_option("--batch", request.batch,
-                     "rows that a change of the weights learns from, with --schedule batch (default: 64)");
+                     "rows that a change of the weights learns from, in mini-batches (default: 64)");
   command
       .add_option("--optimizer", request.optimizer,
-                  "with --schedule batch: delta (the delta rule with momentum) or adam (default: adam)")
+                  "of mini-batches: delta (the delta rule with momentum) or adam (default: adam)")
       ->check(CLI::IsMember({"delta", "adam"}));
   command
+      .add_option("--loss", request.loss,
+                  "of mini-batches: squared or absolute error of S, whose mean becomes small (default: squared); "
+                  "quantiles have their own")
+      ->check(CLI::IsMember({"squared", "absolute"}));
+  command.add_option("--average", request.average,
+                     "of mini-batches: decay, in a change of the weights, of their exponential mean, which is the "
+                     "network; 0: none (default: 0; 0.9995 takes the mean of some 2000)");
+  command
+      .add_option("--validation", request.validation_set,
+                  "of mini-batches: set that judges the networks after each cycle or block; a network keeps the "
+                  "weights of the smallest mean error")
+      ->type_name("SET.h5");
+  command.add_option("--patience", request.patience,
+                     "with --validation: a network stops after so many cycles or blocks without a smaller error "
+                     "(default: never)");
+  command
       .add_option("--activation", request.activation,
-                  "with --schedule batch: function of the hidden neurons, logistic (the paper's) or leaky-relu, which "
+                  "of mini-batches: function of the hidden neurons, logistic (the paper's) or leaky-relu, which "
                   "learns large sets better (default: logistic)")
       ->check(CLI::IsMember({"logistic", "leaky-relu"}));
   command.add_flag("--bound", request.bound,
-                   "with --schedule batch: three outputs, S and two quantiles, for an upper bound of S; it holds after "
+                   "of mini-batches: three outputs, S and two quantiles, for an upper bound of S; it holds after "
                    "--bound-set or tactel calibrate bound");
   command
       .add_option("--bound-set", request.bound_set,

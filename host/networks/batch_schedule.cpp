@@ -40,7 +40,12 @@ class BatchSchedule : public TrainingSchedule<Real> {
     }
   }
 
-  nn::Weights<Real> weights(std::size_t network) const override { return state(network).weights; }
+  void stop(std::size_t network) override {
+    retire(network);
+    shrink(families_[network / members_.size()]);
+  }
+
+  nn::Weights<Real> weights(std::size_t network) const override { return state(network).result(); }
 
   void store(std::size_t network, NetworkRecord<Real>& record) const override { record.state = state(network); }
 
@@ -71,7 +76,11 @@ class BatchSchedule : public TrainingSchedule<Real> {
     if (family.networks.empty() || !inputs_) return;
     std::vector<OnlineMember> members;
     for (const std::size_t network : family.networks) members.push_back(member_of(network));
-    family.training.emplace(executor_, topology_of(family.networks[0]), *inputs_, members, options_);
+    nn::BatchOptions options = options_;
+    const nn::Topology& topology = topology_of(family.networks[0]);
+    options.planned_rows =
+        plan_.rows.value_or(static_cast<std::uint64_t>(plan_.options.cycles(topology)) * inputs_->rows());
+    family.training.emplace(executor_, topology, *inputs_, members, options);
     for (std::size_t i = 0; i < members.size(); ++i) family.training->set_state(i, states_[family.networks[i]]);
   }
 
@@ -100,11 +109,15 @@ class BatchSchedule : public TrainingSchedule<Real> {
     for (std::size_t i = 0; i < family.networks.size(); ++i) {
       const std::size_t network = family.networks[i];
       if (stopped_[network] || !note_epoch(networks[network], (*errors)[i])) continue;
-      states_[network] = family.training->state(i);
-      stopped_[network] = true;
+      retire(network);
     }
     shrink(family);
     return true;
+  }
+
+  void retire(std::size_t network) {
+    states_[network] = state(network);
+    stopped_[network] = true;
   }
 
   // Returns whether it was the network's last.

@@ -12,6 +12,7 @@
 #include "fem/value_error.h"
 #include "host/networks/forward.h"
 #include "host/networks/training_schedule.h"
+#include "host/networks/validation.h"
 #include "host/support/errors.h"
 #include "host/support/made_ahead.h"
 #include "host/support/seconds.h"
@@ -68,6 +69,7 @@ NetworkTraining<Real>::NetworkTraining(Executor& executor, FrameStream* stream, 
         networks_.push_back({.topology = topology, .seed = seed, .noise = noise});
   schedule_ =
       plan.batch ? batch_schedule<Real>(executor, plan_, members) : online_schedule<Real>(executor, plan_, members);
+  if (plan.validation) validation_ = std::make_unique<Validation<Real>>(executor, plan_, scaling_, networks_.size());
   if (stream == nullptr) schedule_->take(*made_block(0).inputs, 1);
 }
 
@@ -167,13 +169,14 @@ bool NetworkTraining<Real>::run_round(MadeAhead<Block>& blocks, const TrainingRu
   std::function<bool()> go_on;
   if (options.progress && stream_ == nullptr) go_on = [&] { return going = going && options.progress(done, all); };
   auto taken = start;
-  bool rows = true;
+  auto rows = static_cast<std::uint32_t>(set_.rows());
   if (stream_ != nullptr) {
     const Block block = blocks.next();
     taken = Clock::now();
-    rows = take(block, options.log);
+    rows = take(block, options.log) ? block.inputs->rows() : 0;
   }
-  if (rows) schedule_->run_round(networks_, go_on);
+  if (rows > 0) schedule_->run_round(networks_, go_on);
+  if (rows > 0 && validation_) validate(cycles, rows);
   if (options.recall != nullptr) judge(cycles, *options.recall);
   const double seconds = seconds_since(start);
   seconds_ += seconds;
@@ -195,26 +198,49 @@ bool NetworkTraining<Real>::take(const Block& block, const LogSink& log) {
     return false;
   }
   const double left = 1 - static_cast<double>(rows()) / static_cast<double>(*plan_.rows);
-  schedule_->take(*block.inputs, std::max(TrainingPlan::last_rate, left));
+  schedule_->take(*block.inputs, plan_.batch->cosine ? 1 : std::max(TrainingPlan::last_rate, left));
   return true;
+}
+
+// Judges the networks that have a new cycle, of so many rows, by the validation set. `cycles`: before it.
+template <class Real>
+void NetworkTraining<Real>::validate(std::span<const std::uint32_t> cycles, std::uint32_t rows) {
+  for (std::size_t i = 0; i < networks_.size(); ++i) {
+    TrainedNetwork& network = networks_[i];
+    if (network.cycles == cycles[i]) continue;
+    const double error = validation_->judge(i, network, last_weights(i));
+    if (validation_->in_vain(network)) {
+      network.stop_early(rows);
+      schedule_->stop(i);
+    }
+    if (network.curve.back().cycle == network.cycles) network.curve.back().validation = error;
+  }
 }
 
 // Judges the networks whose curves have a new point. `cycles`: before it.
 template <class Real>
 void NetworkTraining<Real>::judge(std::span<const std::uint32_t> cycles, const nn::FrameSet& recall_set) {
-  std::optional<std::vector<nn::ErrorReport>> reports;
+  std::vector<std::vector<double>> errors;
   for (std::size_t i = 0; i < networks_.size(); ++i) {
     TrainedNetwork& network = networks_[i];
     if (network.cycles == cycles[i] || network.curve.empty() || network.curve.back().cycle != network.cycles) continue;
-    if (!reports) reports = recall(recall_set);
+    if (errors.empty()) errors = absolute_errors(recall_set, [this](std::size_t k) { return last_weights(k); });
     const bool good = network.status != nn::TrainStatus::not_finite;
-    network.curve.back().recall = good ? static_cast<float>((*reports)[i].all.mean) : NAN;
+    network.curve.back().recall = good ? static_cast<float>(nn::report_errors(errors[i], recall_set).all.mean) : NAN;
   }
 }
 
 template <class Real>
-nn::Weights<Real> NetworkTraining<Real>::weights(std::size_t network) const {
+nn::Weights<Real> NetworkTraining<Real>::last_weights(std::size_t network) const {
   return nn::weights_of_frames(schedule_->weights(network), plan_.history.frames);
+}
+
+template <class Real>
+nn::Weights<Real> NetworkTraining<Real>::weights(std::size_t network) const {
+  if (!validation_ || validation_->best(network).empty()) return last_weights(network);
+  nn::Weights<Real> best(networks_[network].topology);
+  best.values = validation_->best(network);
+  return best;
 }
 
 template <class Real>
@@ -232,12 +258,19 @@ std::uint64_t NetworkTraining<Real>::rows() const {
 
 template <class Real>
 std::vector<std::vector<double>> NetworkTraining<Real>::absolute_errors(const nn::FrameSet& set) const {
+  return absolute_errors(set, [this](std::size_t network) { return weights(network); });
+}
+
+template <class Real>
+template <class WeightsOf>
+std::vector<std::vector<double>> NetworkTraining<Real>::absolute_errors(const nn::FrameSet& set,
+                                                                        const WeightsOf& weights_of) const {
   const DeviceFrames frames(executor_.device(), set.frames);
   std::vector<std::vector<double>> errors;
   while (errors.size() < networks_.size()) {
     std::vector<nn::Weights<Real>> own;
     for (std::size_t i = 0; i < plan_.noises.size() * plan_.seeds.size(); ++i)
-      own.push_back(weights(errors.size() + i));
+      own.push_back(weights_of(errors.size() + i));
     Forward<Real> forward(executor_, std::span<const nn::Weights<Real>>(own), scaling_);
     forward.run(frames);
     for (std::size_t i = 0; i < own.size(); ++i)
@@ -295,7 +328,7 @@ nn::Model NetworkTraining<Real>::model(std::size_t i, const std::string& learnin
                   network.seed,
                   network.noise,
                   learning_set,
-                  network.cycles,
+                  network.best_cycle > 0 ? network.best_cycle : network.cycles,
                   learning_errors,
                   plan_.history,
                   plan_.magnitude,
@@ -316,18 +349,22 @@ std::vector<NetworkRecord<Real>> NetworkTraining<Real>::records() const {
   for (std::size_t i = 0; i < networks_.size(); ++i) {
     records.push_back({networks_[i], nn::BatchState<Real>(nn::Weights<float>(networks_[i].topology))});
     schedule_->store(i, records.back());
+    if (validation_) records.back().best = validation_->best(i);
   }
   return records;
 }
 
-// Whether a training by this plan can have come there: nothing runs beyond its limit, and networks that still learn by
-// mini-batches are in step: those of a topology, and all those of a stream.
+// Whether a training by this plan can have come there: nothing runs beyond its limit, weights are kept where the plan
+// says so, and networks that still learn by mini-batches are in step: those of a topology, and all those of a stream.
 template <class Real>
 bool NetworkTraining<Real>::possible(std::span<const NetworkRecord<Real>> records) const {
   std::map<std::string, std::tuple<std::uint64_t, std::uint64_t, std::uint64_t, std::uint64_t>> steps;
   for (const NetworkRecord<Real>& record : records) {
     const TrainedNetwork& network = record.network;
     if (!network.curve.empty() && network.curve.back().cycle > network.cycles) return false;
+    const bool averaged = plan_.batch && plan_.batch->average > 0 && record.state.updates > 0;
+    if (record.state.mean.values.empty() == averaged || record.best.empty() != (network.best_cycle == 0)) return false;
+    if (network.best_cycle > (plan_.validation ? network.cycles : 0)) return false;
     if (!network.running()) continue;
     if (plan_.over(network.topology, network.cycles, network.rows)) return false;
     if (!plan_.batch) continue;
@@ -359,6 +396,7 @@ bool NetworkTraining<Real>::load(const std::filesystem::path& checkpoint, const 
   schedule_->restore(all);
   for (std::size_t i = 0; i < all.size(); ++i) {
     networks_[i] = all[i].network;
+    if (validation_) validation_->best(i) = all[i].best;
     seconds_ = std::max(seconds_, networks_[i].seconds);
     if (stream_ != nullptr) block_ = std::max<std::uint64_t>(block_, networks_[i].cycles);
   }

@@ -26,6 +26,8 @@ template <class T>
 class MadeAhead;
 template <class Real>
 class TrainingSchedule;
+template <class Real>
+class Validation;
 
 /// Time of a run, s, summed over threads; the rest of `all` they waited.
 struct TrainingStages {
@@ -51,6 +53,7 @@ class NetworkTraining {
 
   /// In the order topologies, noises, seeds (fastest).
   const std::vector<TrainedNetwork>& networks() const { return networks_; }
+  /// Returns what a network has learnt; with a validation set its best weights by that.
   nn::Weights<Real> weights(std::size_t network) const;
   const nn::InputScaling& scaling() const { return scaling_; }
   /// Returns the patterns shown so far and their seconds, including those before a loaded checkpoint.
@@ -94,7 +97,11 @@ class NetworkTraining {
   Block made_block(std::uint64_t k);
   bool take(const Block& block, const LogSink& log);
   bool run_round(MadeAhead<Block>& blocks, const TrainingRunOptions& options);
+  void validate(std::span<const std::uint32_t> cycles, std::uint32_t rows);
   void judge(std::span<const std::uint32_t> cycles, const nn::FrameSet& recall_set);
+  nn::Weights<Real> last_weights(std::size_t network) const;
+  template <class WeightsOf>
+  std::vector<std::vector<double>> absolute_errors(const nn::FrameSet& set, const WeightsOf& weights_of) const;
   bool running() const;
   std::size_t work(bool of_all) const;
   nn::Bound bound_of(double noise, std::uint64_t seed) const;
@@ -113,6 +120,7 @@ class NetworkTraining {
   std::optional<nn::Bound> bound_;        ///< of a stream, before its calibration
   std::vector<TrainedNetwork> networks_;  ///< [topologies][noises][seeds]
   std::unique_ptr<TrainingSchedule<Real>> schedule_;
+  std::unique_ptr<Validation<Real>> validation_;  ///< none without such a set
   double seconds_ = 0;
   TrainingStages stages_;
 };

@@ -45,9 +45,10 @@ TrainBatch<Real>::TrainBatch(Executor& executor, const nn::Topology& topology, c
   weights_ = Buffer<Real>(device, many * numbers());
   first_ = Buffer<Real>(device, many * numbers());
   second_ = Buffer<Real>(device, many * numbers());
+  mean_ = Buffer<Real>(device, options.average > 0 ? many * numbers() : 1);
   sums_ = Buffer<Real>(device, std::max(many, slices) * numbers());
   errors_ = Buffer<Real>(device, std::max(many * batches, slices) * 2);
-  unbias_ = Buffer<Real>(device, batches * 2);
+  factors_ = Buffer<Real>(device, batches * 4);
   order_ = Buffer<std::uint32_t>(device, many * inputs.rows());
   std::vector<std::uint32_t> set_of;
   for (const OnlineMember& member : members_) set_of.push_back(member.variant);
@@ -61,14 +62,14 @@ template <class Real>
 void TrainBatch<Real>::prepare(const Program& program) {
   const auto set_rule = [&](KernelArguments& kernel) {
     kernel.set("adam", std::int32_t{options_.rule == nn::BatchRule::adam});
-    kernel.set("rate", static_cast<Real>(options_.rate));
     kernel.set("momentum", static_cast<Real>(options_.momentum));
     kernel.set("beta1", static_cast<Real>(options_.beta1));
     kernel.set("beta2", static_cast<Real>(options_.beta2));
     kernel.set("epsilon", static_cast<Real>(options_.epsilon));
     kernel.set("first", first_);
     kernel.set("second", second_);
-    kernel.set("unbias", unbias_);
+    kernel.set("mean", mean_);
+    kernel.set("factors", factors_);
   };
   const auto set_rows = [&](KernelArguments& kernel) {
     kernel.set("errors", errors_);
@@ -78,6 +79,7 @@ void TrainBatch<Real>::prepare(const Program& program) {
     kernel.set("order", order_);
     kernel.set("rows", std::uint32_t{inputs_.rows()});
     kernel.set("begin", std::uint32_t{0});
+    kernel.set("absolute", std::int32_t{options_.loss == nn::Loss::absolute});
     kernel.set("level", static_cast<Real>(options_.level));
   };
   const auto set_weights = [&](KernelArguments& kernel) {
@@ -115,14 +117,18 @@ void TrainBatch<Real>::upload_order() {
   }
 }
 
-// Adam's 1 / (1 - beta^t) for updates t = first_update ... : [count][2].
+// Of the updates after batches first_batch ... of this epoch, [batches][4], as the kernel takes them.
 template <class Real>
-std::vector<Real> TrainBatch<Real>::unbias(std::uint64_t first_update, std::uint32_t count) const {
+std::vector<Real> TrainBatch<Real>::factors(std::uint32_t first_batch, std::uint32_t batches) const {
+  const auto batch = static_cast<std::uint32_t>(options_.batch);
   std::vector<Real> factors;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const double t = static_cast<double>(first_update + i);
-    factors.push_back(static_cast<Real>(1 / (1 - std::pow(options_.beta1, t))));
-    factors.push_back(static_cast<Real>(1 / (1 - std::pow(options_.beta2, t))));
+  for (std::uint32_t i = first_batch; i < first_batch + batches; ++i) {
+    const std::uint64_t update = updates_ + i + 1;
+    const std::uint32_t begin = i * batch, count = std::min(batch, inputs_.rows() - begin);
+    const auto t = static_cast<double>(update);
+    for (const double factor : {1 / (1 - std::pow(options_.beta1, t)), 1 / (1 - std::pow(options_.beta2, t)),
+                                options_.rate_of(shown_ + begin, count), options_.share_of_mean(update)})
+      factors.push_back(static_cast<Real>(factor));
   }
   return factors;
 }
@@ -140,6 +146,7 @@ std::optional<std::vector<nn::CycleErrors>> TrainBatch<Real>::train_epoch(const 
     return std::nullopt;
   }
   updates_ += parts_of(inputs_.rows(), static_cast<std::uint32_t>(options_.batch));
+  shown_ += inputs_.rows();
   ++epoch_;
   return errors;
 }
@@ -147,11 +154,11 @@ std::optional<std::vector<nn::CycleErrors>> TrainBatch<Real>::train_epoch(const 
 template <class Real>
 bool TrainBatch<Real>::run_small_batches(const Progress& progress, std::vector<nn::CycleErrors>& errors) {
   const std::uint32_t rows = inputs_.rows(), batch = static_cast<std::uint32_t>(options_.batch);
-  const std::uint32_t all = parts_of(rows, batch), most = static_cast<std::uint32_t>(unbias_.size() / 2);
+  const std::uint32_t all = parts_of(rows, batch), most = static_cast<std::uint32_t>(factors_.size() / 4);
   std::vector<Real> found(2 * most * size());
   for (std::uint32_t done = 0; done < all;) {
     const std::uint32_t batches = std::min(most, all - done);
-    unbias_.write(unbias(updates_ + done + 1, batches));
+    factors_.write(factors(done, batches));
     small_.set("begin", std::uint32_t{done * batch});
     small_.set("batches", std::uint32_t{batches});
     executor_->run(small_, size(), {.progress = {}, .largest_chunk = 1});
@@ -171,7 +178,7 @@ bool TrainBatch<Real>::run_large_batches(const Progress& progress, std::vector<n
   const std::uint32_t rows = inputs_.rows(), batch = static_cast<std::uint32_t>(options_.batch);
   for (std::uint32_t begin = 0, done = 0; begin < rows; begin += batch, ++done) {
     const std::uint32_t count = std::min(batch, rows - begin);
-    unbias_.write(unbias(updates_ + done + 1, 1));
+    factors_.write(factors(done, 1));
     for (std::uint32_t network = 0; network < size(); ++network)
       run_large_batch(network, begin, count, errors[network]);
     if (progress && !progress((std::size_t{begin} + count) * size(), std::size_t{rows} * size())) return false;
@@ -234,7 +241,8 @@ nn::BatchState<Real> TrainBatch<Real>::state(std::size_t network) const {
   unpack(weights_, network, state.weights);
   unpack(first_, network, state.first);
   unpack(second_, network, state.second);
-  state.updates = updates_;
+  if (options_.average > 0 && updates_ > 0) unpack(mean_, network, state.mean = nn::Weights<Real>(topology_));
+  state.updates = updates_, state.rows = shown_;
   state.epoch = epoch_;
   return state;
 }
@@ -244,7 +252,8 @@ void TrainBatch<Real>::set_state(std::size_t network, const nn::BatchState<Real>
   pack(state.weights, network, weights_);
   pack(state.first, network, first_);
   pack(state.second, network, second_);
-  updates_ = state.updates;
+  if (options_.average > 0) pack(state.result(), network, mean_);
+  updates_ = state.updates, shown_ = state.rows;
   epoch_ = state.epoch;
 }
 

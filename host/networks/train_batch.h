@@ -39,7 +39,7 @@ class TrainBatch {
   std::size_t numbers() const;
   void prepare(const Program& program);
   void upload_order();
-  std::vector<Real> unbias(std::uint64_t first_update, std::uint32_t count) const;
+  std::vector<Real> factors(std::uint32_t first_batch, std::uint32_t batches) const;
   bool run_small_batches(const Progress& progress, std::vector<nn::CycleErrors>& errors);
   bool run_large_batches(const Progress& progress, std::vector<nn::CycleErrors>& errors);
   void run_large_batch(std::uint32_t network, std::uint32_t begin, std::uint32_t count, nn::CycleErrors& errors);
@@ -52,12 +52,13 @@ class TrainBatch {
   LearningInputs<Real> inputs_;
   std::vector<OnlineMember> members_;
   int lanes_;
-  std::uint64_t updates_ = 0;
+  std::uint64_t updates_ = 0, shown_ = 0;  ///< until this epoch; rows
   std::uint32_t epoch_ = 0;
   Buffer<Real> weights_, first_, second_;  ///< [networks][numbers]
+  Buffer<Real> mean_;                      ///< the same; one number where no mean is taken
   Buffer<Real> sums_;                      ///< [networks or slices][numbers]
   Buffer<Real> errors_;                    ///< [networks][batches of a launch][2] or [slices][2]
-  Buffer<Real> unbias_;                    ///< [batches of a launch][2]
+  Buffer<Real> factors_;                   ///< [batches of a launch][4]
   Buffer<std::uint32_t> order_, set_of_;
   Launch small_, descent_, update_;
 };

@@ -19,10 +19,11 @@ namespace tactel::host {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::string_view magic = "tactel checkpoint 4\n";
+constexpr std::string_view magic = "tactel checkpoint 5\n";
 
 // File: magic, checksum of all that follows (8 bytes), then items, each with its number of bytes (8) before it: the
-// plan; for each network its report, seconds, curve, weights, moments. Byte order is the machine's.
+// plan; for each network its report, seconds and best error, counters, curve, weights, moments, mean and best weights
+// (the last two may be empty). Byte order is the machine's.
 class Writer {
  public:
   template <class T>
@@ -108,20 +109,26 @@ void read_record(Reader& reader, NetworkRecord<Real>& record) {
   const std::vector<double> seconds = reader.take<double>();
   const std::vector<std::uint64_t> counters = reader.take<std::uint64_t>();
   network.curve = reader.take<CurvePoint>();
-  if (report.size() != 1 || seconds.size() != 1 || counters.size() != 3 || !rising(network.curve)) reader.damaged();
+  if (report.size() != 1 || seconds.size() != 2 || counters.size() != 4 || !rising(network.curve)) reader.damaged();
   for (auto* numbers : {&state.weights, &state.first, &state.second}) {
     const std::size_t expected = numbers->values.size();
     numbers->values = reader.take<Real>();
     if (numbers->values.size() != expected) reader.damaged();
   }
-  const bool known = report[0].status >= ONLINE_RUNNING && report[0].status <= ONLINE_NOT_FINITE;
-  if (!known || !(seconds[0] >= 0) || !std::isfinite(seconds[0]) ||
-      counters[2] > std::numeric_limits<std::uint32_t>::max())
+  for (std::vector<Real>* numbers : {&state.mean.values, &record.best}) {
+    *numbers = reader.take<Real>();
+    if (!numbers->empty() && numbers->size() != state.weights.values.size()) reader.damaged();
+  }
+  const bool known = report[0].status >= ONLINE_RUNNING && report[0].status <= int(nn::TrainStatus::early_stop);
+  if (!known || !(seconds[0] >= 0) || !std::isfinite(seconds[0]) || !(seconds[1] >= 0) ||
+      std::max(counters[2], counters[3]) > std::numeric_limits<std::uint32_t>::max())
     reader.damaged();
   network.seconds = seconds[0];
-  network.rows = counters[0];
+  network.best_error = seconds[1];
+  network.rows = state.rows = counters[0];
   state.updates = counters[1];
   state.epoch = static_cast<std::uint32_t>(counters[2]);
+  network.best_cycle = static_cast<std::uint32_t>(counters[3]);
   network.status = static_cast<nn::TrainStatus>(report[0].status);
   network.cycles = report[0].cycle;
   network.sse = report[0].sse;
@@ -139,11 +146,13 @@ void write_checkpoint(const fs::path& path, const std::string& plan, std::span<c
     const nn::BatchState<Real>& state = record.state;
     const OnlineReport report{static_cast<std::int32_t>(network.status), network.cycles, network.sse, network.largest};
     writer.put(std::span<const OnlineReport>(&report, 1));
-    writer.put(std::span<const double>(&network.seconds, 1));
-    writer.put(std::span<const std::uint64_t>(std::array{network.rows, state.updates, std::uint64_t{state.epoch}}));
+    writer.put(std::span<const double>(std::array{network.seconds, network.best_error}));
+    writer.put(std::span<const std::uint64_t>(
+        std::array{network.rows, state.updates, std::uint64_t{state.epoch}, std::uint64_t{network.best_cycle}}));
     writer.put(std::span<const CurvePoint>(network.curve));
-    for (const auto* numbers : {&state.weights, &state.first, &state.second})
-      writer.put(std::span<const Real>(numbers->values));
+    for (const auto* numbers :
+         {&state.weights.values, &state.first.values, &state.second.values, &state.mean.values, &record.best})
+      writer.put(std::span<const Real>(*numbers));
   }
   write_file("--output", path, writer.content());
 }
@@ -156,7 +165,7 @@ template <class Real>
 bool read_checkpoint(const fs::path& path, const std::string& plan, std::span<NetworkRecord<Real>> records) {
   std::uintmax_t most = magic.size() + plan.size() + bytes_of_a_network;
   for (const NetworkRecord<Real>& record : records)
-    most += bytes_of_a_network + 3 * sizeof(Real) * record.state.weights.values.size();
+    most += bytes_of_a_network + 5 * sizeof(Real) * record.state.weights.values.size();
   const auto content = content_of(path, most);
   if (!content) return false;
   Reader reader(*content, path.string());

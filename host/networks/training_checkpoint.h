@@ -13,6 +13,7 @@ template <class Real>
 struct NetworkRecord {
   TrainedNetwork network;      ///< topology, seed and noise are the plan's and not stored
   nn::BatchState<Real> state;  ///< pattern by pattern: `first` holds the momentum's steps, `second` is empty
+  std::vector<Real> best{};    ///< weights of network.best_cycle; empty where there is none
 };
 
 /// Writes records under a temporary name, then renames. `plan` is all inputs of the records, as text. Throws

@@ -33,6 +33,11 @@ void TrainedNetwork::note_cycle(const nn::CycleErrors& errors, std::uint32_t its
     curve.push_back({cycles, rows, sse, static_cast<float>(errors.sse / its_rows), largest});
 }
 
+void TrainedNetwork::stop_early(std::uint32_t its_rows) {
+  status = nn::TrainStatus::early_stop;
+  if (curve.back().cycle != cycles) curve.push_back({cycles, rows, sse, sse / static_cast<float>(its_rows), largest});
+}
+
 void TrainingPlan::validate() const {
   if (topologies.empty()) throw ValueError("network", "none", "at least one network");
   if (seeds.empty()) throw ValueError("seeds", "none", "at least one seed");
@@ -49,6 +54,7 @@ void TrainingPlan::validate() const {
   }
   options.validate();
   if (batch) batch->validate();
+  if (validation && !batch) throw ValueError("validation", "given", "left out, or with --schedule batch or cosine");
 }
 
 std::string set_description(const nn::FrameSet& set) {
@@ -70,6 +76,11 @@ std::string training_description(const std::string& source, int lanes, Precision
     text += fmt::format(" batch {} {} {:a} {:a} {:a} {:a} {:a} {}", nn::name(batch.rule), batch.batch, batch.rate,
                         batch.momentum, batch.beta1, batch.beta2, batch.epsilon, nn::name(batch.order));
     if (std::ranges::any_of(plan.topologies, &nn::Topology::has_bound)) text += fmt::format(" level {:a}", batch.level);
+    if (batch.loss != nn::Loss::squared) text += fmt::format(" {}", nn::name(batch.loss));
+    if (batch.cosine) text += fmt::format(" cosine {:a}", batch.warm_up);
+    if (batch.average > 0) text += fmt::format(" average {:a}", batch.average);
+    if (plan.validation)
+      text += fmt::format(" validation {} patience {}", set_description(*plan.validation), plan.patience);
   } else {
     text += fmt::format(" rate {:a} momentum {:a} {}", plan.options.rate, plan.options.momentum,
                         nn::name(plan.options.order));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,6 +30,11 @@ struct TrainingPlan {
   bool magnitude = false;                      ///< learn |S|
   nn::Target target = nn::Target::slip_index;  ///< that the learning set has in the place of S
 
+  /// Rows that judge each network after each of its cycles, of mini-batches alone; its result is then the weights of
+  /// the smallest mean error. A network stops after `patience` cycles without a smaller one; 0: never.
+  std::shared_ptr<const nn::FrameSet> validation{};
+  int patience = 0;
+
   static constexpr double last_rate = 0.01;
   void validate() const;  ///< throws ValueError, keys "network", "seeds", "noise", "training. ..."
   /// Whether a network learns no more after so many cycles and rows, whatever its errors.
@@ -42,6 +49,7 @@ struct CurvePoint {
   std::uint64_t rows = 0;   ///< shown until then
   float sse = 0, mean_square = 0, largest = 0;
   float recall = 0;  ///< mean error on the recall set of a stream; NaN of a network that diverged, 0 without such a set
+  double validation = 0;  ///< the same on the validation set
   bool operator==(const CurvePoint&) const = default;
 };
 
@@ -55,14 +63,18 @@ struct TrainedNetwork {
   double noise = 0;
   nn::TrainStatus status = nn::TrainStatus::running;
   std::uint32_t cycles = 0;
-  std::uint64_t rows = 0;           ///< shown so far
-  float sse = 0, largest = 0;       ///< of its last cycle
-  double seconds = 0;               ///< of training until its last cycle ended, earlier runs included
+  std::uint64_t rows = 0;        ///< shown so far
+  float sse = 0, largest = 0;    ///< of its last cycle
+  double seconds = 0;            ///< of training until its last cycle ended, earlier runs included
+  std::uint32_t best_cycle = 0;  ///< of the smallest mean error on the validation set; 0: none
+  double best_error = std::numeric_limits<double>::infinity();
   std::vector<CurvePoint> curve{};  ///< of the first ten cycles, then of cycles a tenth apart, and of the last
 
   bool running() const { return status == nn::TrainStatus::running; }
   /// Adds a cycle of this many rows.
   void note_cycle(const nn::CycleErrors& errors, std::uint32_t its_rows, bool last);
+  /// Ends the training after the last cycle, of this many rows.
+  void stop_early(std::uint32_t its_rows);
 };
 
 /// Returns all inputs of the networks' bits, as text. Checkpoints of another description are rejected. `source`:

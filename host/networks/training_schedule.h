@@ -21,6 +21,8 @@ class TrainingSchedule {
   /// Trains some cycles of every running network and records the result in `networks`. Calls `go_on`
   /// repeatedly; false ends the round early.
   virtual void run_round(std::vector<TrainedNetwork>& networks, const std::function<bool()>& go_on) = 0;
+  /// Trains a network no more, whose status says why. Pattern by pattern there is no such reason.
+  virtual void stop(std::size_t) {}
   virtual nn::Weights<Real> weights(std::size_t network) const = 0;
   /// Fills in the numbers of a record of a known network.
   virtual void store(std::size_t network, NetworkRecord<Real>& record) const = 0;

@@ -310,8 +310,9 @@ void bind_networks(py::module_& m) {
   m.def(
       "_train",
       [](const Set& set, std::vector<std::string> networks, std::uint64_t seeds, std::uint64_t first_seed,
-         std::vector<double> noises, std::string scaling, std::string schedule, std::string optimizer,
-         std::optional<int> cycles, std::optional<int> batch, std::optional<double> rate, bool bound,
+         std::vector<double> noises, std::string scaling, std::string schedule, std::string optimizer, std::string loss,
+         std::optional<int> cycles, std::optional<int> batch, std::optional<double> rate, std::optional<double> warm_up,
+         std::optional<double> average, const Set* validation, std::optional<int> patience, bool bound,
          std::optional<double> level, std::string history, std::optional<double> history_change, std::string device,
          py::object progress) {
         TrainOptions options;
@@ -322,9 +323,12 @@ void bind_networks(py::module_& m) {
         options.scaling = std::move(scaling);
         options.schedule = std::move(schedule);
         options.optimizer = std::move(optimizer);
+        options.loss = std::move(loss);
         options.cycles = cycles;
         options.batch = batch;
         options.rate = rate;
+        options.warm_up = warm_up, options.average = average;
+        options.validation = validation, options.patience = patience;
         options.bound = bound;
         options.level = level;
         options.history = std::move(history);
@@ -333,8 +337,9 @@ void bind_networks(py::module_& m) {
         const PythonProgress told(std::move(progress));
         return told.run([&](const ProgressFunction& p) { return train(set, options, p); });
       },
-      "set"_a, "networks"_a, "seeds"_a, "first_seed"_a, "noises"_a, "scaling"_a, "schedule"_a, "optimizer"_a,
-      "cycles"_a, "batch"_a, "rate"_a, "bound"_a, "level"_a, "history"_a, "history_change"_a, "device"_a, "progress"_a);
+      "set"_a, "networks"_a, "seeds"_a, "first_seed"_a, "noises"_a, "scaling"_a, "schedule"_a, "optimizer"_a, "loss"_a,
+      "cycles"_a, "batch"_a, "rate"_a, "warm_up"_a, "average"_a, "validation"_a, "patience"_a, "bound"_a, "level"_a,
+      "history"_a, "history_change"_a, "device"_a, "progress"_a);
 }
 
 }  // namespace tactel::python

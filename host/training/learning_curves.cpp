@@ -16,6 +16,10 @@ namespace {
 using Members = std::vector<const TrainedNetwork*>;
 using Place = std::uint64_t CurvePoint::*;
 using Error = double (*)(const CurvePoint&);
+struct Drawn {
+  Error error;
+  Mark mark = Mark::line_dots;
+};
 
 // Networks of one level of noise that differ in their seed alone, in the order given.
 std::vector<Members> members_of(std::span<const TrainedNetwork> networks, double noise) {
@@ -36,16 +40,16 @@ std::vector<Members> members_of(std::span<const TrainedNetwork> networks, double
 double drawable(double value) { return value > 0 && std::isfinite(value) ? value : NAN; }
 
 // None where no error can be drawn: gnuplot draws no axis without any value.
-std::vector<Series> curves_of(const Members& members, Place place, Error error, Ink ink) {
+std::vector<Series> curves_of(const Members& members, Place place, const Drawn& drawn, Ink ink) {
   std::set<std::uint64_t> places;
   for (const TrainedNetwork* network : members)
     for (const CurvePoint& point : network->curve) places.insert(point.*place);
-  Series line{.label = members[0]->topology.text(), .mark = Mark::line_dots, .ink = ink};
+  Series line{.label = members[0]->topology.text(), .mark = drawn.mark, .ink = ink};
   Series band{.mark = Mark::band, .ink = ink};
   for (const std::uint64_t at : places) {
     std::vector<double> values;
     for (const TrainedNetwork* network : members)
-      if (const double value = drawable(error(point_at(network->curve, place, at))); !std::isnan(value))
+      if (const double value = drawable(drawn.error(point_at(network->curve, place, at))); !std::isnan(value))
         values.push_back(value);
     const auto quantile = [&](double q) { return values.empty() ? NAN : nn::quantile(values, q); };
     line.x.push_back(static_cast<double>(at));
@@ -59,7 +63,7 @@ std::vector<Series> curves_of(const Members& members, Place place, Error error, 
   return {band, line};
 }
 
-Panel panel_of(std::span<const Members> all, Place place, Error error, const std::string& title,
+Panel panel_of(std::span<const Members> all, Place place, const std::vector<Drawn>& errors, const std::string& title,
                const std::string& y_label) {
   constexpr int inks = 8;
   Panel panel{.title = title,
@@ -67,9 +71,12 @@ Panel panel_of(std::span<const Members> all, Place place, Error error, const std
               .y_label = y_label,
               .log_x = true,
               .log_y = true};
-  for (std::size_t i = 0; i < all.size(); ++i)
-    for (Series& series : curves_of(all[i], place, error, static_cast<Ink>(i % inks)))
-      panel.series.push_back(std::move(series));
+  for (const Drawn& drawn : errors)
+    for (std::size_t i = 0; i < all.size(); ++i)
+      for (Series& series : curves_of(all[i], place, drawn, static_cast<Ink>(i % inks))) {
+        if (drawn.mark != errors[0].mark) series.label.clear();  // its colour is in the legend
+        panel.series.push_back(std::move(series));
+      }
   if (panel.series.empty()) panel.y_range = {0.1, 1};  // every network diverged at once
   return panel;
 }
@@ -77,7 +84,8 @@ Panel panel_of(std::span<const Members> all, Place place, Error error, const std
 }  // namespace
 
 Figure learning_curves(std::span<const TrainedNetwork> networks, const CurveKind& kind) {
-  Figure figure{.title = "Learning curves", .columns = 2, .width = 1000, .panel_height = 340};
+  const int columns = kind.validated && !kind.stream ? 3 : 2;
+  Figure figure{.title = "Learning curves", .columns = columns, .width = 500 * columns, .panel_height = 340};
   const Place place = kind.stream ? &CurvePoint::rows : &CurvePoint::cycle;
   std::uint64_t first = std::numeric_limits<std::uint64_t>::max(), last = 0;
   std::size_t most_seeds = 0;
@@ -91,22 +99,28 @@ Figure learning_curves(std::span<const TrainedNetwork> networks, const CurveKind
     const std::vector<Members> all = members_of(networks, noise);
     for (const Members& members : all) most_seeds = std::max(most_seeds, members.size());
     const std::string shown = noise == 0 ? ", without noise" : fmt::format(", noise {:g} %", 100 * noise);
-    const auto add = [&](Error error, const std::string& title, const std::string& y_label) {
-      figure.panels.push_back(panel_of(all, place, error, title + shown, y_label));
+    const auto add = [&](const std::vector<Drawn>& errors, const std::string& title, const std::string& y_label) {
+      figure.panels.push_back(panel_of(all, place, errors, title + shown, y_label));
     };
+    const Drawn recall{[](const CurvePoint& p) { return double{p.recall}; }};
+    const Drawn validation{[](const CurvePoint& p) { return p.validation; }, Mark::dashed};
     if (kind.stream) {
-      add([](const CurvePoint& p) { return std::sqrt(double{p.mean_square}); }, "New frames, before they are learnt",
-          "root mean square error of S");
-      if (kind.judged) add([](const CurvePoint& p) { return double{p.recall}; }, "Recall set", "mean error of S");
-      continue;
+      add({{[](const CurvePoint& p) { return std::sqrt(double{p.mean_square}); }}},
+          "New frames, before they are learnt", "root mean square error of S");
+      if (kind.judged && kind.validated)
+        add({recall, validation}, "Recall set; dashed: validation set", "mean error of S");
+      else if (kind.judged)
+        add({recall}, "Recall set", "mean error of S");
+    } else {
+      add({{[](const CurvePoint& p) { return double{p.sse}; }}}, "Sum of squared errors", "SSE of a cycle");
+      add({{[](const CurvePoint& p) { return double{p.largest}; }}}, "Largest error", "largest |error|");
     }
-    add([](const CurvePoint& p) { return double{p.sse}; }, "Sum of squared errors", "SSE of a cycle");
-    add([](const CurvePoint& p) { return double{p.largest}; }, "Largest error", "largest |error|");
-    if (kind.stop_error > 0)
+    if (!kind.stream && kind.stop_error > 0)
       figure.panels.back().series.push_back({.x = {1, std::max(2.0, static_cast<double>(last))},
                                              .y = {kind.stop_error, kind.stop_error},
                                              .mark = Mark::dashed,
                                              .ink = Ink::grey});
+    if (kind.validated && !(kind.stream && kind.judged)) add({validation}, "Validation set", "mean error of S");
   }
   const auto begin = static_cast<double>(std::min(first, last)), end = static_cast<double>(last);
   for (Panel& panel : figure.panels)  // gnuplot draws no axis over a single place

@@ -20,7 +20,8 @@ constexpr int default_epochs = 1000;
   static const std::map<std::string, std::string> options = {
       {"training.rate", "--learning-rate"},    {"training.momentum", "--momentum"},
       {"training.stop_error", "--stop-error"}, {"training.cycle_limit", "--cycles"},
-      {"training.batch", "--batch"},           {"training.level", "--level"}};
+      {"training.batch", "--batch"},           {"training.level", "--level"},
+      {"training.warm_up", "--warm-up"},       {"training.average", "--average"}};
   const auto found = options.find(error.key);
   throw ConfigError("command line", found == options.end() ? "--" + error.key : found->second, error.value,
                     error.allowed);
@@ -39,7 +40,7 @@ void refuse(const std::optional<Value>& given, const std::string& option, const 
 void refuse_beside_stream(const TrainRequest& request) {
   const std::string beside = " with --stream and --block";
   if (!request.stream.empty()) refuse(request.block, "--block", "left out with --stream");
-  if (request.schedule == "online") refuse(request.schedule, "--schedule", "batch, or left out," + beside);
+  if (request.schedule == "online") refuse(request.schedule, "--schedule", "batch, cosine, or left out," + beside);
   refuse(request.cycles, "--cycles", "left out" + beside + ": --rows sets the end");
   refuse(request.stop_error, "--stop-error", "left out" + beside + ": a stream has no cycles");
   if (request.noises.size() > 1) throw ConfigError("command line", "--noise", "several levels", "one level" + beside);
@@ -59,18 +60,31 @@ void refuse_unused(const TrainRequest& request) {
     if (request.bound) throw ConfigError("command line", "--bound", "given", "left out, or with --schedule batch");
     if (request.activation != "logistic")
       refuse(request.activation, "--activation", "logistic, left out, or with --schedule batch");
-    refuse(request.optimizer, "--optimizer", "left out, or with --schedule batch");
-    refuse(request.batch, "--batch", "left out, or with --schedule batch");
+    const std::string allowed = "left out, or with --schedule batch or cosine";
+    refuse(request.optimizer, "--optimizer", allowed);
+    refuse(request.batch, "--batch", allowed);
+    refuse(request.loss, "--loss", allowed);
+    refuse(request.average, "--average", allowed);
+    if (!request.validation_set.empty())
+      throw ConfigError("command line", "--validation", request.validation_set, allowed);
   } else if (request.optimizer.value_or("adam") == "adam") {
     refuse(request.momentum, "--momentum", "left out, or with --optimizer delta or --schedule online");
   }
+  if (!request.cosine()) refuse(request.warm_up, "--warm-up", "left out, or with --schedule cosine");
+  if (request.bound) refuse(request.loss, "--loss", "left out with --bound: quantiles have the pinball loss");
+  if (request.validation_set.empty()) refuse(request.patience, "--patience", "left out, or with --validation");
 }
 
 nn::BatchOptions batch_options(const TrainRequest& request) {
   nn::BatchOptions batch;
   if (request.optimizer) batch.rule = nn::parse_rule(*request.optimizer);
   if (request.batch) batch.batch = *request.batch;
-  batch.rate = request.rate.value_or(batch.rule == nn::BatchRule::adam ? 1e-3 : 0.1);
+  batch.cosine = request.cosine();
+  const double adam = batch.cosine ? 2e-3 : 1e-3;
+  batch.rate = request.rate.value_or(batch.rule == nn::BatchRule::adam ? adam : 0.1);
+  batch.warm_up = request.warm_up.value_or(batch.warm_up);
+  batch.average = request.average.value_or(batch.average);
+  if (request.loss) batch.loss = nn::parse_loss(*request.loss);
   if (request.momentum) batch.momentum = *request.momentum;
   batch.level = request.level.value_or(batch.level);
   batch.order = nn::parse_order(request.order);
@@ -154,6 +168,8 @@ TrainingPlan plan_of(const TrainRequest& request) try {
   plan.options.stop_error = request.stop_error.value_or(plan.options.stop_error);
   plan.options.cycle_limit = request.cycles.value_or(request.batches() ? default_epochs : 0);
   plan.options.order = nn::parse_order(request.order);
+  if (request.patience.value_or(1) < 1) throw ValueError("patience", std::to_string(*request.patience), "at least 1");
+  plan.patience = request.patience.value_or(0);
   if (request.batches()) {
     plan.batch = batch_options(request);
   } else {

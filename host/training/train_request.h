@@ -14,7 +14,7 @@ namespace tactel::host {
 /// The command line of `tactel train`.
 struct TrainRequest {
   NetworkOptions shared;
-  std::string set, stream, recall_set, output;
+  std::string set, stream, recall_set, validation_set, output;
   std::string rung{};                 ///< of the contacts of `stream`; empty: as its file says
   std::optional<std::int64_t> block;  ///< rows of a set file to read at a time
   std::optional<std::uint64_t> rows;  ///< of a stream to learn from; default_rows if not given
@@ -26,10 +26,10 @@ struct TrainRequest {
   std::optional<double> history_change;
   bool magnitude = false;
   std::string target = "slip_index";
-  std::optional<std::string> schedule;  ///< "online" or "batch"; default: batch for a stream, else online
-  std::optional<double> rate, momentum;
-  std::optional<int> cycles, batch;
-  std::optional<std::string> optimizer, activation;
+  std::optional<std::string> schedule;  ///< "online", "batch" or "cosine"; default: batch for a stream, else online
+  std::optional<double> rate, momentum, warm_up, average;
+  std::optional<int> cycles, batch, patience;
+  std::optional<std::string> optimizer, activation, loss;
   std::optional<double> stop_error;
   bool bound = false;           ///< give every network the heads of a bound
   std::string bound_set;        ///< by which it is calibrated; empty: it is not
@@ -39,7 +39,8 @@ struct TrainRequest {
 
   /// Frames block by block: simulated contacts, or a set file larger than memory.
   bool streams() const { return !stream.empty() || block.has_value(); }
-  bool batches() const { return streams() || schedule == "batch"; }
+  bool cosine() const { return schedule == "cosine"; }
+  bool batches() const { return streams() || cosine() || schedule == "batch"; }
 };
 inline constexpr std::uint64_t default_rows = 10'000'000;
 

@@ -30,12 +30,17 @@ constexpr std::uint64_t contacts_a_block = 8192;
 
 Json options_json(const TrainRequest& request, const TrainingPlan& plan) {
   const double rate = plan.batch ? plan.batch->rate : plan.options.rate;
-  Json options = {{"schedule", plan.batch ? "batch" : "online"},
+  const bool cosine = plan.batch && plan.batch->cosine;
+  Json options = {{"schedule", cosine       ? "cosine"
+                               : plan.batch ? "batch"
+                                            : "online"},
                   {"target", nn::name(plan.target)},
                   {"scaling", nn::name(plan.scaling)},
                   {"order", request.order},
                   {"learning_rate", rate},
-                  {"last_learning_rate", plan.rows ? TrainingPlan::last_rate * rate : rate},
+                  {"last_learning_rate", cosine      ? 0
+                                         : plan.rows ? TrainingPlan::last_rate * rate
+                                                     : rate},
                   {"momentum", plan.batch ? plan.batch->momentum : plan.options.momentum},
                   {"noise", plan.noises},
                   {"seeds", request.seeds},
@@ -53,6 +58,10 @@ Json options_json(const TrainRequest& request, const TrainingPlan& plan) {
   if (!plan.batch) return options;
   options["batch"] = plan.batch->batch;
   options["optimizer"] = nn::name(plan.batch->rule);
+  if (cosine) options["warm_up"] = plan.batch->warm_up;
+  if (plan.batch->loss != nn::Loss::squared) options["loss"] = nn::name(plan.batch->loss);
+  if (plan.batch->average > 0) options["average"] = plan.batch->average;
+  if (plan.patience > 0) options["patience"] = plan.patience;
   return options;
 }
 
@@ -63,13 +72,14 @@ Json values_of(const std::vector<CurvePoint>& curve, Value CurvePoint::*value) {
   return values;
 }
 
-Json curve_json(const std::vector<CurvePoint>& curve, bool judged) {
+Json curve_json(const std::vector<CurvePoint>& curve, bool judged, bool validated) {
   Json json = {{"cycle", values_of(curve, &CurvePoint::cycle)},
                {"rows", values_of(curve, &CurvePoint::rows)},
                {"sse", values_of(curve, &CurvePoint::sse)},
                {"mean_squared_error", values_of(curve, &CurvePoint::mean_square)},
                {"largest_error", values_of(curve, &CurvePoint::largest)}};
   if (judged) json["recall_mean_error"] = values_of(curve, &CurvePoint::recall);
+  if (validated) json["validation_mean_error"] = values_of(curve, &CurvePoint::validation);
   return json;
 }
 
@@ -202,6 +212,7 @@ class Training {
     }
     outcome.undrawn = directory_.draw(learning_curves(training_->networks(), {.stream = lesson_.stream != nullptr,
                                                                               .judged = lesson_.recall.has_value(),
+                                                                              .validated = plan_.validation != nullptr,
                                                                               .stop_error = plan_.options.stop_error}));
     write_file("--output", directory_.report(), json_text(report_json(fingerprint, networks, recalled)));
     directory_.remove_checkpoints();
@@ -226,6 +237,7 @@ class Training {
                    {"networks", Json::array()}};
     if (lesson_.set) report["rows_left_out"] = lesson_.set->rows.left_out;
     if (lesson_.recall) report["recall_set"] = lesson_.recall->file;
+    if (plan_.validation) report["validation_set"] = request_.validation_set;
     for (std::size_t i = 0; i < networks.size(); ++i) {
       Json json = network_json(networks[i], training_->networks()[i]);
       if (lesson_.recall) json.update(to_json(recalled[i], lesson_.recall->contacts.indenter_names));
@@ -241,7 +253,11 @@ class Training {
     json["seconds"] = network.seconds;
     json["sse"] = network.sse;
     json["largest_error"] = network.largest;
-    json["curve"] = curve_json(network.curve, lesson_.stream && lesson_.recall);
+    if (plan_.validation) {
+      json["best_cycle"] = network.best_cycle;
+      json["best_validation_mean_error"] = network.best_error;
+    }
+    json["curve"] = curve_json(network.curve, lesson_.stream && lesson_.recall, plan_.validation != nullptr);
     return json;
   }
 
@@ -263,7 +279,23 @@ class Training {
     if (lesson_.set && lesson_.set->rows.left_out > 0)
       text += fmt::format("{} rows of the set were left out: over tolerance, or without a slippage index\n",
                           lesson_.set->rows.left_out);
+    if (plan_.validation)
+      for (const TrainedNetwork& network : training_->networks()) text += kept(network);
     return text + shares();
+  }
+
+  /// Which weights of a network are its result, and why its training ended.
+  std::string kept(const TrainedNetwork& network) const {
+    const char* const unit = lesson_.stream ? "block" : "cycle";
+    std::string text = fmt::format("{} seed {}", network.topology.text(), network.seed);
+    if (plan_.noises.size() > 1) text += fmt::format(" noise {:g}", network.noise);
+    if (network.best_cycle > 0)
+      text += fmt::format(": weights of {} {}, mean error {:.5f} on {}", unit, network.best_cycle, network.best_error,
+                          request_.validation_set);
+    const bool early = network.status == nn::TrainStatus::early_stop;
+    return text +
+           fmt::format("; ended at {} {}: {}\n", unit, network.cycles,
+                       early ? fmt::format("no smaller one for {} {}s", plan_.patience, unit) : status_text(network));
   }
 
   /// "simulation 70 %, ...": shares of the time of all threads of this run on a stream.
@@ -288,8 +320,8 @@ class Training {
   double share_ = 0;
 };
 
-Lesson read_lesson(const TrainRequest& request, const TrainingPlan& plan, const Device& device,
-                   const TrainingWatch& watch) {
+/// Reads the plan's validation set, too.
+Lesson read_lesson(const TrainRequest& request, TrainingPlan& plan, const Device& device, const TrainingWatch& watch) {
   const auto stage = [&](const std::string& file) {
     if (watch.stage) watch.stage(file.empty() ? "" : "reading " + file);
   };
@@ -305,6 +337,14 @@ Lesson read_lesson(const TrainRequest& request, const TrainingPlan& plan, const 
     stage(request.set);
     lesson.set = read_learning_set(request);
     check_width(plan, *lesson.set);
+  }
+  if (!request.validation_set.empty()) {
+    stage(request.validation_set);
+    const NamedSet set = read_set(request.validation_set, plan.target);
+    check_width(plan, set);
+    check_learnable(set.rows, set.file);
+    plan.validation =
+        std::make_shared<nn::FrameSet>(shown_rows(set.rows.frames, plan.history, plan.magnitude, set.file));
   }
   for (const nn::Topology& topology : plan.topologies)
     if (lesson.stream && topology.inputs() != lesson.stream->inputs())
@@ -322,7 +362,7 @@ Lesson read_lesson(const TrainRequest& request, const TrainingPlan& plan, const 
 }  // namespace
 
 TrainingOutcome train(const TrainRequest& request, const Ranks& ranks, const TrainingWatch& watch) try {
-  const TrainingPlan plan = plan_of(request);
+  TrainingPlan plan = plan_of(request);
   if (request.streams() && ranks.count() > 1)
     throw ConfigError("command line", request.stream.empty() ? "--block" : "--stream",
                       fmt::format("with {} processes", ranks.count()), "trained by one process, without mpirun");

@@ -384,6 +384,29 @@ TEST(TrainApiNightly, TrainsBoundsAndHistory) {
   EXPECT_THAT(message_of([&] { errors(estimator, pressed); }), HasSubstr("press_rows"));
 }
 
+TEST(TrainApi, KeepsTheBestWeightsOfAValidationSet) {
+  const SmallFile file("sweep.toml", sweep_text);
+  const Set set = Sweep(file.path()).generate();
+  Set against = set;
+  for (float& s : against.slip_index) s = 1 - s;
+  const TrainOptions options{.networks = {"42-5-1"},
+                             .schedule = "cosine",
+                             .loss = "absolute",
+                             .cycles = 100,
+                             .batch = 8,
+                             .average = 0.5,
+                             .validation = &against,
+                             .patience = 4};
+  const Network early = train(set, options).at(0);
+  EXPECT_LT(early.cycles(), 96u);
+  TrainOptions endless = options;
+  endless.patience = std::nullopt;
+  EXPECT_EQ(train(set, endless).at(0).cycles(), early.cycles());  // its error only rises from there
+  TrainOptions alone = options;
+  alone.validation = nullptr;
+  EXPECT_THAT(message_of([&] { train(set, alone); }), HasSubstr("patience"));
+}
+
 TEST(TrainApi, RefusesWhatCannotTrain) {
   const SmallFile file("sweep.toml", sweep_text);
   Set set = Sweep(file.path()).generate(3);

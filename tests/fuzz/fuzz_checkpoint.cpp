@@ -14,7 +14,7 @@
 namespace tactel::fuzz {
 namespace {
 
-constexpr std::size_t magic_size = 20;  // "tactel checkpoint 4\n"
+constexpr std::size_t magic_size = 20;  // "tactel checkpoint 5\n"
 
 std::string with_right_checksum(std::string bytes) {
   std::uint64_t sum = 0;

@@ -80,7 +80,7 @@ TEST(QuantileHeads, DescentMatchesFiniteDifferences) {
   };
   const std::vector<std::uint32_t> rows = presentation_order(PresentationOrder::sequential, 0, 0, 7);
   CycleErrors errors;
-  const Weights<double> descent = mean_descent(weights, set, rows.data(), rows.size(), errors, level);
+  const Weights<double> descent = mean_descent(weights, set, rows.data(), rows.size(), errors, {.level = level});
   const double h = 1e-6;  // truncation ~ h^2, rounding ~ 1e-16 / h; no target lies within h of a quantile
   for (std::size_t i = 0; i < weights.values.size(); ++i) {
     Weights<double> above = weights, below = weights;

@@ -135,6 +135,96 @@ TEST(TrainBatch, AdamsFirstStepIsKnown) {
   }
 }
 
+// The same of the absolute loss; no error is within h of 0, where it has a corner.
+TEST(TrainBatch, AbsoluteDescentMatchesFiniteDifferences) {
+  const TrainingSet<double> set = random_set(7, 4, 3);
+  Weights<double> weights(initial_weights(Topology({4, 5, 3, 1}), 8));
+  const std::vector<std::uint32_t> rows = presentation_order(PresentationOrder::sequential, 0, 0, 7);
+  CycleErrors errors;
+  const Weights<double> descent =
+      mean_descent(weights, set, rows.data(), rows.size(), errors, {.loss = Loss::absolute});
+  EXPECT_NEAR(errors.sse, 2 * 7 * mean_half_square(weights, set), 1e-14);  // the errors stay errors
+  const auto mean_magnitude = [&](const Weights<double>& its) {
+    double sum = 0;
+    for (int row = 0; row < 7; ++row)
+      sum += std::abs(set.target(row) - forward<double>(its, set.inputs.row(row).transpose()).back()(0));
+    return sum / 7;
+  };
+  const double h = 1e-5;
+  for (std::size_t i = 0; i < weights.values.size(); ++i) {
+    Weights<double> above = weights, below = weights;
+    above.values[i] += h;
+    below.values[i] -= h;
+    EXPECT_NEAR(descent.values[i], -(mean_magnitude(above) - mean_magnitude(below)) / (2 * h), 1e-10);
+  }
+}
+
+// 1000 rows in batches of 100, 20 % of warm-up: the middles of the batches lie at 5 %, 15 %, 25 %, ... of the training.
+// Behind the warm-up the angle of the cosine is 180 degrees * (done - .2) / .8.
+TEST(TrainBatch, RateWarmsUpAndFallsAsACosine) {
+  const BatchOptions options{.rate = 0.002, .cosine = true, .warm_up = 0.2, .planned_rows = 1000};
+  EXPECT_DOUBLE_EQ(options.rate_of(0, 100), 0.0005);
+  EXPECT_DOUBLE_EQ(options.rate_of(100, 100), 0.0015);
+  EXPECT_NEAR(options.rate_of(150, 100), 0.002, 1e-17);                   // 0 degrees
+  EXPECT_NEAR(options.rate_of(550, 100), 0.001, 1e-17);                   // 90 degrees
+  EXPECT_NEAR(options.rate_of(750, 100), 0.00029289321881345254, 1e-17);  // 135 degrees: (1 - sqrt(1/2)) / 1000
+  EXPECT_NEAR(options.rate_of(900, 100), 0.00001921471959676957, 1e-16);  // 168.75 degrees
+  EXPECT_EQ(options.rate_of(5000, 100), 0);                               // a last block may have rows beyond the plan
+  EXPECT_EQ((BatchOptions{.rate = 0.3}.rate_of(900, 100)), 0.3);
+  EXPECT_DOUBLE_EQ((BatchOptions{.rate = 2, .cosine = true, .warm_up = 0, .planned_rows = 4}.rate_of(1, 2)), 1);
+}
+
+// 10 rows in batches of 4: 4, 4 and 2, of an epoch of two. Plain descent without momentum gives the rate of each.
+TEST(TrainBatch, EveryBatchHasItsOwnRate) {
+  const Topology topology({2, 1, 1});
+  BatchState<double> state{initial_weights(topology, 1)};
+  Weights<double> descent(topology);
+  descent.values = {1, 1, 1, 1, 1};
+  const BatchOptions options{.rule = BatchRule::delta,
+                             .batch = 4,
+                             .rate = 1,
+                             .cosine = true,
+                             .warm_up = 0.5,
+                             .planned_rows = 20,
+                             .momentum = 0};
+  // middles 2, 6, 9, 12, 16, 19 of 20: rising by a tenth a row until 10, then cosines of 36, 108 and 162 degrees
+  const double rates[] = {0.2, 0.6, 0.9, 0.9045084971874737, 0.3454915028125263, 0.024471741852423234};
+  const std::size_t counts[] = {4, 4, 2, 4, 4, 2};
+  for (int i = 0; i < 6; ++i) {
+    const double before = state.weights.values[3];
+    apply_update(state, descent, options, counts[i]);
+    EXPECT_NEAR(state.weights.values[3] - before, rates[i], 1e-15) << i;
+  }
+  EXPECT_EQ(state.rows, 20u);
+}
+
+// A network 1-1-1, two updates that add 0.5 and then 0.25 to every weight. With a decay d = 0.6 the mean after the
+// first is that update's weights; after the second (d w1 + w2) / (1 + d) = w1 + 0.25 / 1.6.
+TEST(TrainBatch, MeanOfWeightsWorkedByHand) {
+  const Topology topology({1, 1, 1});
+  BatchState<double> state{initial_weights(topology, 1)};
+  const Weights<double> start = state.weights;
+  EXPECT_EQ(state.result().values, start.values);
+  const BatchOptions options{.rule = BatchRule::delta, .rate = 0.5, .momentum = 0, .average = 0.6};
+  Weights<double> descent(topology);
+  descent.values = {1, 1, 1, 1};
+  apply_update(state, descent, options);
+  EXPECT_EQ(state.result().values, state.weights.values);
+  descent.values = {0.5, 0.5, 0.5, 0.5};
+  apply_update(state, descent, options);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_NEAR(state.weights.values[i], start.values[i] + 0.75, 1e-15);
+    EXPECT_NEAR(state.result().values[i], start.values[i] + 0.5 + 0.15625, 1e-15);
+  }
+}
+
+TEST(TrainBatch, RefusesSharesThatAreNone) {
+  for (const double share : {-0.1, 1.0, std::nan("")}) {
+    EXPECT_THROW((BatchOptions{.warm_up = share}.validate()), ValueError) << share;
+    EXPECT_THROW((BatchOptions{.average = share}.validate()), ValueError) << share;
+  }
+}
+
 TEST(TrainBatch, LearnsWithBothRules) {
   const TrainingSet<double> set = random_set(50, 4, 3);
   for (const BatchOptions& options : {BatchOptions{.rule = BatchRule::adam, .batch = 8, .rate = 0.01},

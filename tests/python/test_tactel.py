@@ -621,6 +621,17 @@ class SetsAndNetworks(unittest.TestCase):
         with self.assertRaisesRegex(tactel.InputError, "42"):
             loaded(np.zeros(41, np.float32))
 
+    def test_training_keeps_the_best_weights(self):
+        """By the learning set itself: no worse than the last ones."""
+        options = dict(layers=(42, 5, 1), schedule="cosine", loss="absolute", rate=0.005, warm_up=0.1, average=0.5, cycles=40)
+        (best,) = tactel.train(self.set, validation=self.set, patience=30, **options)
+        (last,) = tactel.train(self.set, **options)
+        self.assertEqual(last.cycles, 40)
+        self.assertLessEqual(best.cycles, 40)
+        self.assertLessEqual(best.learning_errors.mean, last.learning_errors.mean)
+        with self.assertRaisesRegex(tactel.InputError, "patience"):
+            tactel.train(self.set, patience=3, **options)
+
     def test_bounds_are_those_of_the_file(self):
         """upper, interval and unlike of a loaded network, beside onnxruntime or an evaluation of the graph in NumPy."""
         nets = tactel.train(self.set, layers=(42, 21, 1), scaling="frame", cycles=50, bound=True, level=0.9)

@@ -237,22 +237,27 @@ def _widths(layers):
 
 def train(data: Set, layers: str | Sequence[int] | Sequence[str | Sequence[int]] = (42, 42, 21, 1), *, seeds: int = 1,
           first_seed: int = 1, noise: float | Sequence[float] = 0.0, scaling: Literal["set", "frame"] = "set",
-          schedule: Literal["batch", "online"] = "batch", optimizer: Literal["", "adam", "delta"] = "", cycles: int | None = None,
-          batch: int | None = None, rate: float | None = None, bound: bool = False, level: float | None = None,
-          history: int | str = "", history_change: float | None = None, device: str = "", progress: Shown = None) -> list[Network]:
+          schedule: Literal["batch", "cosine", "online"] = "batch", optimizer: Literal["", "adam", "delta"] = "",
+          loss: Literal["", "absolute", "squared"] = "", cycles: int | None = None, batch: int | None = None,
+          rate: float | None = None, warm_up: float | None = None, average: float | None = None, validation: Set | None = None,
+          patience: int | None = None, bound: bool = False, level: float | None = None, history: int | str = "",
+          history_change: float | None = None, device: str = "", progress: Shown = None) -> list[Network]:
     """Trains networks on a Set: every topology, noise and seed. Returns a list of Network.
 
-    layers: widths, a name such as "42-42-21-1", "42-96-96-1_leaky-relu" (of schedule "batch") or "6" (of the paper), or a
-    list of them. noise: standard deviation of added
-    noise over the set's largest |stress|, or a list. scaling: "set" or "frame". schedule: "batch", or "online", the paper's
-    rule. bound: with the heads of an upper bound of S at `level` (0.95); `tactel calibrate bound` calibrates it. history:
+    layers: widths, a name such as "42-42-21-1", "42-96-96-1_leaky-relu" (of mini-batches) or "6" (of the paper), or a list
+    of them. noise: standard deviation of added noise over the set's largest |stress|, or a list. scaling: "set" or "frame".
+    schedule: "batch"; "cosine", mini-batches at a rate that warms up and falls to 0; or "online", the paper's rule. loss:
+    "squared" (default) or "absolute". average: decay of the exponential mean of the weights (0: none). validation: a Set that
+    judges each cycle; the weights of the smallest mean error are kept, and `patience` cycles without a smaller one end a
+    training. bound: with the heads of an upper bound of S at `level` (0.95); `tactel calibrate bound` calibrates it. history:
     the last k frames kept by change of load (history_change, 0.1) as one input, "k" or "k:stride", of a set with press_rows.
     A network that diverges has no entry.
     """
     noises = [noise] if isinstance(noise, (int, float)) else list(noise)
     with _Progress(progress, "training", "weight updates") as told:
-        return _tactel._train(data, _widths(layers), seeds, first_seed, noises, scaling, schedule, optimizer, cycles, batch,
-                              rate, bound, level, str(history), history_change, device, told)
+        return _tactel._train(data, _widths(layers), seeds, first_seed, noises, scaling, schedule, optimizer, loss, cycles,
+                              batch, rate, warm_up, average, validation, patience, bound, level, str(history),
+                              history_change, device, told)
 
 
 _calls.check(globals(), __all__)

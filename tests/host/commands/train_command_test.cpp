@@ -416,6 +416,37 @@ twist = { uniform = [0, 20] }
   EXPECT_TRUE(is_refused(run_tactel({"recall", folder / "theirs", set}), {"networks of one target"}));
 }
 
+// S of the validation set is that of the learning set turned round: learning makes it worse from some early cycle on.
+TEST(TrainCommand, StopsEarlyAndSaysWhy) {
+  const ScratchFolder folder;
+  ContactSet set = read_contact_set(PaperSetFiles::learning());
+  for (float& s : set.slip_index) s = 1 - s;
+  write_contact_set(folder / "against.h5", set);
+  const auto train_for = [&](const char* name, const char* cycles) {
+    const ChildResult result =
+        run_tactel({"train", PaperSetFiles::learning(), "--output", folder / name, "--network", "42-5-1", "--schedule",
+                    "batch", "--cycles", cycles, "--validation", folder / "against.h5"},
+                   {"--patience", "6", "--force"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.out;
+  };
+  const std::string said = train_for("net", "100");
+  const json network = json::parse(text_of(folder / "net" / "training.json"))["networks"][0];
+  const int best = network["best_cycle"];
+  EXPECT_EQ(network["status"], "early stop");
+  EXPECT_LT(best, 90);
+  EXPECT_EQ(network["curve"]["cycle"].back(), best + 6);
+  EXPECT_GT(network["curve"]["validation_mean_error"].back(), network["best_validation_mean_error"]);
+  EXPECT_THAT(said, HasSubstr("1 early stop"));
+  EXPECT_THAT(said, HasSubstr("42-5-1 seed 1: weights of cycle " + std::to_string(best) + ", mean error "));
+  EXPECT_THAT(said, HasSubstr("ended at cycle " + std::to_string(best + 6) + ": no smaller one for 6 cycles"));
+  EXPECT_NE(text_of(folder / "net" / "learning_curves.svg").find("Validation set"), std::string::npos);
+  // The weights are those that a training of so many cycles ends with.
+  EXPECT_THAT(train_for("best", std::to_string(best).c_str()), HasSubstr("ended at cycle " + std::to_string(best)));
+  const char* const file = "42-5-1_noise0_seed1.onnx";
+  EXPECT_EQ(read_onnx(folder / "net" / file).weights.values, read_onnx(folder / "best" / file).weights.values);
+}
+
 class WrongTrainingTest : public ::testing::TestWithParam<WrongCall> {};
 
 TEST_P(WrongTrainingTest, EndsWithTwoAndSaysWhy) {
@@ -438,7 +469,7 @@ const WrongCall wrong_calls[] = {
     {"MomentumOfAdam", "--schedule batch --momentum 0.5",
      "--momentum = 0.5: must be left out, or with --optimizer delta"},
     {"OnlineBlocks", "--block 50 --schedule online",
-     "--schedule = online: must be batch, or left out, with --stream and --block"},
+     "--schedule = online: must be batch, cosine, or left out, with --stream and --block"},
     {"CyclesOfBlocks", "--block 50 --cycles 7", "--rows sets the end"},
     {"StopErrorOfBlocks", "--block 50 --stop-error 0.1", "--stop-error = 0.1: must be left out"},
     {"NegativeCycles", "--cycles -1", "--cycles"},
@@ -457,6 +488,19 @@ const WrongCall wrong_calls[] = {
     {"BoundOfAnotherTarget", "--schedule batch --bound --target stick_fraction",
      "--target = stick_fraction: must be slip_index with --bound"},
     {"BatchZero", "--schedule batch --batch 0", "--batch = 0"},
+    {"UnknownSchedule", "--schedule linear", "--schedule = linear: must be one of online, batch, cosine"},
+    {"WarmUpOfAConstantRate", "--schedule batch --warm-up 0.1",
+     "--warm-up = 0.1: must be left out, or with --schedule cosine"},
+    {"WarmUpOfTheWholeTraining", "--schedule cosine --warm-up 1", "--warm-up = 1.000000: must be a share"},
+    {"LossOnline", "--loss absolute", "--loss = absolute: must be left out, or with --schedule batch or cosine"},
+    {"LossOfQuantiles", "--schedule batch --bound --loss absolute", "quantiles have the pinball loss"},
+    {"AverageOnline", "--average 0.9", "--average = 0.9: must be left out, or with --schedule batch or cosine"},
+    {"AverageOne", "--schedule batch --average 1", "--average = 1.000000: must be at least 0 and below 1"},
+    {"ValidationOnline", "--validation /nowhere.h5",
+     "--validation = /nowhere.h5: must be left out, or with --schedule batch or cosine"},
+    {"NoValidationSet", "--schedule batch --validation /nowhere.h5", "/nowhere.h5"},
+    {"PatienceAlone", "--schedule batch --patience 3", "--patience = 3: must be left out, or with --validation"},
+    {"NoPatience", "--schedule batch --validation /nowhere.h5 --patience 0", "--patience = 0: must be at least 1"},
     {"NoRecallSet", "--recall /nowhere.h5", "/nowhere.h5"}};
 INSTANTIATE_TEST_SUITE_P(All, WrongTrainingTest, ::testing::ValuesIn(wrong_calls),
                          [](const auto& info) { return info.param.name; });

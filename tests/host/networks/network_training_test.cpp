@@ -9,6 +9,7 @@
 #include <cmath>
 #include <fstream>
 #include <functional>
+#include <memory>
 #include <set>
 
 #include "fem/value_error.h"
@@ -150,6 +151,86 @@ TEST_F(NetworkTrainingTest, MiniBatchesResumeToTheSameBits) {
   EXPECT_THAT(message_of_load(plan, set_), ::testing::HasSubstr("of another training"));
 }
 
+/// Rows whose S is that of the learning set turned round, 1 - S: what helps there is a fault here.
+std::shared_ptr<const nn::FrameSet> contrary(nn::FrameSet set) {
+  set.slip_index = 1 - set.slip_index.array();
+  return std::make_shared<nn::FrameSet>(std::move(set));
+}
+
+// What a training by the reference keeps and where it stops: by the validation set's errors, of the mean of the
+// weights. On a contrary set every network stops early, on the learning set itself some learn to the end.
+TEST_F(NetworkTrainingTest, KeepsTheBestWeightsOfAValidationSet) {
+  for (const bool against : {true, false}) {
+    TrainingPlan plan = small_plan();
+    plan.options.cycle_limit = 60;
+    plan.options.stop_error = 0;
+    plan.batch = nn::BatchOptions{.batch = 16, .rate = 0.02, .cosine = true, .planned_rows = 60 * 40, .average = 0.5};
+    plan.validation = against ? contrary(set_) : std::make_shared<nn::FrameSet>(set_);
+    plan.patience = 7;
+    NetworkTraining<double> training(executor(), set_, plan);
+    EXPECT_TRUE(training.run());
+    std::uint32_t late = 0;
+    for (std::size_t i = 0; i < 12; ++i) {
+      const TrainedNetwork& network = training.networks()[i];
+      const auto shown =
+          nn::training_set<double>(nn::with_noise(set_, network.noise, network.seed), training.scaling());
+      nn::BatchState<double> reference(nn::initial_weights(network.topology, network.seed));
+      nn::Weights<double> best = reference.weights;
+      double least = 1;
+      std::uint32_t at = 0;
+      while (reference.epoch < 60 && reference.epoch - at < 7) {
+        nn::train_epoch(reference, shown, *plan.batch, network.seed);
+        const auto answer = nn::recall(reference.mean, training.scaling(), plan.validation->frames);
+        const double error = nn::summarize(nn::absolute_errors(answer.slip_index, *plan.validation)).mean;
+        if (error < least) least = error, at = reference.epoch, best = reference.mean;
+      }
+      EXPECT_EQ(network.status, reference.epoch < 60 ? nn::TrainStatus::early_stop : nn::TrainStatus::cycle_limit) << i;
+      if (against) EXPECT_LT(network.cycles, 60u) << i;
+      late = std::max(late, network.best_cycle);
+      EXPECT_EQ(network.cycles, reference.epoch) << i;
+      EXPECT_EQ(network.best_cycle, at) << i;
+      EXPECT_NEAR(network.best_error, least, 1e-9) << i;  // as the weights, below
+      EXPECT_LT(tactel::testing::largest_difference(training.weights(i).values, best.values), 1e-9) << i;
+      EXPECT_EQ(network.curve.back().cycle, network.cycles) << i;
+      EXPECT_GE(network.curve.back().validation, network.best_error) << i;
+      EXPECT_EQ(training.model(i, "bumps", {}).cycles, network.best_cycle) << i;
+    }
+    if (!against) EXPECT_GT(late, 50u);
+  }
+}
+
+TEST_F(NetworkTrainingTest, ValidatedTrainingsResumeToTheSameBits) {
+  TrainingPlan plan = small_plan();
+  plan.options.cycle_limit = 40;
+  plan.options.stop_error = 0;
+  plan.batch = nn::BatchOptions{.batch = 16, .rate = 0.02, .cosine = true, .average = 0.9};
+  plan.validation = contrary(set_);
+  plan.patience = 12;
+  NetworkTraining<float> whole(executor(), set_, plan);
+  EXPECT_TRUE(whole.run());
+  std::set<std::uint32_t> ends;
+  for (const TrainedNetwork& network : whole.networks()) ends.insert(network.cycles);
+  for (const int rounds : {1, static_cast<int>(*ends.begin()) - 1, static_cast<int>(*ends.begin()) + 1}) {
+    NetworkTraining<float> stopped(executor(), set_, plan), resumed(executor(), set_, plan);
+    int calls = 0;
+    const auto some = [&](std::size_t, std::size_t) { return ++calls < 2 * rounds; };
+    stopped.run({.progress = some, .checkpoint = checkpoint()});
+    ASSERT_TRUE(resumed.load(checkpoint()));
+    EXPECT_TRUE(resumed.run());
+    for (std::size_t i = 0; i < 12; ++i) {
+      EXPECT_EQ(resumed.weights(i).values, whole.weights(i).values) << rounds << ' ' << i;
+      EXPECT_EQ(resumed.networks()[i].curve, whole.networks()[i].curve) << rounds << ' ' << i;
+      EXPECT_EQ(resumed.networks()[i].status, whole.networks()[i].status) << rounds << ' ' << i;
+      EXPECT_EQ(resumed.networks()[i].best_cycle, whole.networks()[i].best_cycle) << rounds << ' ' << i;
+    }
+  }
+  plan.patience = 13;
+  EXPECT_THAT(message_of_load(plan, set_), ::testing::HasSubstr("of another training"));
+  plan.patience = 12;
+  plan.validation = std::make_shared<nn::FrameSet>(set_);
+  EXPECT_THAT(message_of_load(plan, set_), ::testing::HasSubstr("of another training"));
+}
+
 // A single network is a single group of work: it, too, must hear that it shall stop.
 TEST_F(NetworkTrainingTest, StopsASingleNetwork) {
   TrainingPlan plan = small_plan();
@@ -257,6 +338,14 @@ TEST_F(NetworkTrainingTest, CraftedCheckpointsAreRefused) {
       {"weights of another", false, [](Records& r) { r[0].state.weights.values.pop_back(); }},
       {"no weights", true, [](Records& r) { r[0].state.weights.values.clear(); }},
       {"moments too many", true, [](Records& r) { r[0].state.second.values.resize(10'000); }},
+      {"a mean without one", true, [](Records& r) { r[0].state.mean.values.resize(r[0].state.weights.values.size()); }},
+      {"best weights without a set", true,
+       [](Records& r) {
+         r[0].best.resize(r[0].state.weights.values.size());
+         r[0].network.best_cycle = 1;
+       }},
+      {"best weights too few", true, [](Records& r) { r[0].best.resize(3); }},
+      {"best error NaN", true, [](Records& r) { r[0].network.best_error = std::nan(""); }},
       {"one network less", false, [](Records& r) { r.pop_back(); }},
       {"one network more", false, [](Records& r) { r.push_back(r[0]); }},
   };
@@ -276,7 +365,7 @@ TEST_F(NetworkTrainingTest, CraftedCheckpointsAreRefused) {
 // The length of an item is the file's word: it must not be believed.
 TEST_F(NetworkTrainingTest, LengthsInACheckpointAreNotBelieved) {
   const TrainingPlan plan = small_plan();
-  const std::string magic = "tactel checkpoint 4\n",
+  const std::string magic = "tactel checkpoint 5\n",
                     text = NetworkTraining<float>(executor(), set_, plan).description();
   const auto bytes = [](std::uint64_t number) { return std::string(reinterpret_cast<char*>(&number), sizeof number); };
   for (const std::uint64_t length :
@@ -286,7 +375,7 @@ TEST_F(NetworkTrainingTest, LengthsInACheckpointAreNotBelieved) {
       EXPECT_THAT(message_of_load(plan, set_), ::testing::HasSubstr("cut short"));
     }
   }
-  std::ofstream(checkpoint(), std::ios::binary) << "tactel checkpoint 3\n";
+  std::ofstream(checkpoint(), std::ios::binary) << "tactel checkpoint 4\n";
   EXPECT_THAT(message_of_load(plan, set_), ::testing::HasSubstr("another version"));
   fs::resize_file(checkpoint(), std::uintmax_t{1} << 40);  // a hole: it takes no room
   EXPECT_THAT(message_of_load(plan, set_), ::testing::HasSubstr("larger than"));
@@ -324,6 +413,9 @@ TEST_F(NetworkTrainingTest, JudgesNetworksOnAnotherSet) {
 
 TEST_F(NetworkTrainingTest, RefusesPlansThatCannotWork) {
   TrainingPlan plan = small_plan();
+  plan.validation = std::make_shared<nn::FrameSet>(set_);  // pattern by pattern
+  EXPECT_THROW(NetworkTraining<float>(executor(), set_, plan), ValueError);
+  plan = small_plan();
   plan.seeds.clear();
   EXPECT_THROW(NetworkTraining<float>(executor(), set_, plan), ValueError);
   plan = small_plan();

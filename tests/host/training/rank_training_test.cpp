@@ -50,6 +50,15 @@ TEST_F(RankTraining, SeveralProcessesMakeTheNetworksOfOne) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "three" / "checkpoint-1"));
 }
 
+// The best weights of a validation set and the mean of the weights come from all checkpoints.
+TEST_F(RankTraining, SeveralProcessesKeepTheBestWeightsOfOne) {
+  const std::string more = " --schedule cosine --average 0.9 --patience 5 --validation " + PaperSetFiles::recall();
+  ASSERT_EQ(shell(TACTEL_PROGRAM + arguments("one", 20) + more).exit_code, 0);
+  const ChildResult three = shell(mpirun + TACTEL_PROGRAM + arguments("three", 20) + more);
+  ASSERT_EQ(three.exit_code, 0) << three.err;
+  EXPECT_EQ(networks_in(folder_ / "three"), networks_in(folder_ / "one"));
+}
+
 // All processes are killed, as by a node that fails, once each has kept something; then they are started again.
 TEST_F(RankTraining, GoesOnAfterAKill) {
   const int cycles = 1500;  // some seconds

@@ -296,6 +296,10 @@ TEST_F(BlockTraining, ResumedReportIsThatOfOneRun) {
   for (const bool judged : {false, true}) {
     TrainRequest request{.set = PaperSetFiles::learning(), .block = 50, .rows = 1500};
     if (judged) request.recall_set = PaperSetFiles::recall();
+    if (judged) {
+      request.schedule = "cosine", request.average = 0.9, request.loss = "absolute", request.batch = 16;
+      request.validation_set = PaperSetFiles::recall(), request.patience = 40;
+    }
     request.networks = {"42-5-1"};
     request.seeds = 2;
     const auto run = [&](const std::string& output, int blocks) {
@@ -309,6 +313,13 @@ TEST_F(BlockTraining, ResumedReportIsThatOfOneRun) {
     ASSERT_EQ(run(whole, 1000), TrainingEnd::finished);
     auto expected = report(whole);
     without_times(expected);
+    if (judged) {
+      const auto& curve = expected["networks"][0]["curve"];
+      for (std::size_t i = 0; i < curve["rows"].size(); ++i)  // one set in both places
+        EXPECT_FLOAT_EQ(curve["validation_mean_error"][i], curve["recall_mean_error"][i]);
+      EXPECT_EQ(expected["options"]["last_learning_rate"], 0);
+      EXPECT_THAT(text_of(folder_ / whole / "learning_curves.svg"), HasSubstr("dashed: validation set"));
+    }
     for (const int first : {1, 2, 3, 7, 20}) {
       const std::string stopped = whole + std::to_string(first);
       ASSERT_EQ(run(stopped, first), TrainingEnd::stopped);

@@ -69,7 +69,8 @@ class TrainResume : public ::testing::TestWithParam<ResumeCase> {
  protected:
   std::vector<std::string> command(const std::string& directory, bool resume) const {
     std::vector<std::string> all = {"train", PaperSetFiles::learning(), "--output", folder_ / directory};
-    all.insert(all.end(), GetParam().options.begin(), GetParam().options.end());
+    for (const std::string& option : GetParam().options)
+      all.push_back(option == "RECALL" ? PaperSetFiles::recall() : option);
     for (const char* option : {"--stop-error", "0", "--checkpoint-seconds", "0"}) all.push_back(option);
     if (resume) all.push_back("--resume");
     return all;
@@ -124,16 +125,19 @@ TEST_P(TrainResume, ToTheSameBitsAfterKills) {
     EXPECT_THAT(entry.path().filename().string(), ::testing::Not(HasSubstr("checkpoint")));
 }
 
-INSTANTIATE_TEST_SUITE_P(Schedules, TrainResume,
-                         ::testing::Values(ResumeCase{"Online",
-                                                      {"--network", "6", "--network", "1", "--seeds", "2", "--noise",
-                                                       "0.1", "--cycles", "800"}},
-                                           ResumeCase{"SmallBatches",
-                                                      {"--network", "6", "--network", "1", "--noise", "0", "--noise",
-                                                       "0.1", "--schedule", "batch", "--epochs", "3000"}},
-                                           ResumeCase{"LargeBatches",
-                                                      {"--network", "6", "--schedule", "batch", "--batch", "200",
-                                                       "--optimizer", "delta", "--epochs", "3000"}}),
-                         [](const auto& info) { return info.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    Schedules, TrainResume,
+    ::testing::Values(
+        ResumeCase{"Online", {"--network", "6", "--network", "1", "--seeds", "2", "--noise", "0.1", "--cycles", "800"}},
+        ResumeCase{"SmallBatches",
+                   {"--network", "6", "--network", "1", "--noise", "0", "--noise", "0.1", "--schedule", "batch",
+                    "--epochs", "3000"}},
+        ResumeCase{
+            "LargeBatches",
+            {"--network", "6", "--schedule", "batch", "--batch", "200", "--optimizer", "delta", "--epochs", "3000"}},
+        ResumeCase{"Cosine",
+                   {"--network", "6", "--schedule", "cosine", "--batch", "32", "--loss", "absolute", "--average",
+                    "0.99", "--validation", "RECALL", "--patience", "1400", "--epochs", "1500"}}),
+    [](const auto& info) { return info.param.name; });
 
 }  // namespace

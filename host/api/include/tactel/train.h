@@ -18,11 +18,17 @@ struct TrainOptions {
   std::uint64_t seeds = 1, first_seed = 1;          ///< each topology and noise with each seed
   std::vector<double> noises{0.0};  ///< standard deviation of added noise over the set's largest |stress|
   std::string scaling = "set";      ///< "set" or "frame"
-  std::string schedule = "online";  ///< "online" (the paper's rule) or "batch"
-  std::string optimizer{};          ///< of batch: "adam" (default) or "delta"
+  std::string schedule = "online";  ///< "online" (the paper's rule), "batch", or "cosine": mini-batches at a rate that
+                                    ///< warms up and falls to 0 as a cosine
+  std::string optimizer{};          ///< of mini-batches: "adam" (default) or "delta"
+  std::string loss{};               ///< of mini-batches: "squared" (default) or "absolute"
   std::string order = "permuted";   ///< or "sequential"
   std::optional<int> cycles{}, batch{};
   std::optional<double> rate{}, momentum{}, stop_error{};
+  std::optional<double> warm_up{};  ///< of cosine: share of the training in which the rate rises (0.02)
+  std::optional<double> average{};  ///< of mini-batches: decay of the exponential mean of the weights (0: none)
+  const Set* validation = nullptr;  ///< of mini-batches: judges each cycle; the weights of the smallest error are kept
+  std::optional<int> patience{};    ///< with validation: cycles without a smaller error that end a training (never)
   std::string precision = "fp32", device{};
   std::string name = "set";       ///< of the learning set, in the network's metadata
   bool bound = false;             ///< with the heads of an upper bound of S; of schedule "batch"
