@@ -45,6 +45,8 @@ void ChannelMap::validate(std::size_t channels) const {
   if (!calibration.noise.empty()) validate_numbers("calibration.noise", calibration.noise, channels);
   for (const double noise : calibration.noise)
     require(noise >= 0, "calibration.noise", text_of(noise), "0 or above, in the device's units");
+  require(calibration.moved >= 0 && calibration.moved < 0.5, "calibration.moved", text_of(calibration.moved),
+          "above 0 and below 0.5, as tactel tare --hold writes it");
   for (std::size_t place = 0; place < places(); ++place) {
     if (channel(place) < 0) continue;
     const auto c = static_cast<std::size_t>(channel(place));

@@ -80,7 +80,7 @@ constexpr std::array<OptionGroup, 8> option_groups = {{
     {"Learning",
      "--schedule --cycles --seeds --first-seed --noise-cycles --batch --optimizer --learning-rate --momentum "
      "--stop-error --order "},
-    {"Alarm", "--alarm --decision --decision-csv --touch --hold --unlike --widest --rate "},
+    {"Alarm", "--alarm --signal --rest --decision --decision-csv --touch --hold --unlike --widest --rate "},
     {"Accuracy", "--accuracy --rung --converge --tolerance "},
     {"Device", "--device --also-device --precision --solver --sensors "},
     {"Other", "--quiet --help --version "},

@@ -27,8 +27,9 @@ void check_zero(const SensorProfile& profile) {
                     "write offset = 0 into [calibration]");
 }
 
-void check_networks(std::span<const nn::Model> networks, const SensorProfile& profile) {
+void check_networks(std::span<const nn::Model> networks, const SensorProfile& profile, AlarmSignal signal) {
   check_zero(profile);
+  if (networks.empty() && signal == AlarmSignal::moved) return;
   const std::size_t pads = std::max<std::size_t>(profile.pads.size(), 1);
   const auto bounded = static_cast<std::size_t>(
       std::ranges::count_if(networks, [](const nn::Model& network) { return network.bound.has_value(); }));
@@ -49,6 +50,8 @@ void take_largest(MonitorLine& line) {
   for (const AlarmAnswer& pad : line.pads) {
     line.alarm |= pad.on, line.cannot_tell |= pad.cannot_tell, line.no_answer |= std::isnan(pad.acted_on);
     if (pad.contact) line.contact = line.contact.value_or(false) || *pad.contact;
+    if (pad.rest) line.rest = line.rest.value_or(false) || *pad.rest;
+    line.moved = std::fmax(line.moved, pad.moved);
     if (pad.contact == false) continue;
     if (pad.acted_on > most) line.acted_on = most = pad.acted_on, largest = pad.answer;
   }
@@ -58,6 +61,17 @@ void take_largest(MonitorLine& line) {
     largest.unlike |= pad.answer.unlike, largest.beyond_learnt |= pad.answer.beyond_learnt;
   }
   line.answer = largest;
+}
+
+/// touch: MPa, of options or profile.
+AlarmOptions rules_of(const MonitorOptions& options, const SlipEstimator* network, double touch) {
+  return {options.at,
+          options.touch.value_or(std::max<double>(touch, network ? network->smallest_peak() : 0)),
+          options.widest,
+          options.hold,
+          options.ignore_unlike,
+          options.rest,
+          options.signal};
 }
 
 }  // namespace
@@ -95,13 +109,13 @@ bool knows_touch(const SensorProfile& profile) {
   });
 }
 
-LiveMonitor::Sensor::Sensor(const SlipEstimator& network, const SensorProfile& profile, std::size_t first_tactel,
+LiveMonitor::Sensor::Sensor(const SlipEstimator* network, const SensorProfile& profile, std::size_t first_tactel,
                             std::size_t count, const MonitorOptions& options)
     : first(first_tactel),
       tactels(count),
       touch(options.touch.value_or(profile.map.touch(first, count))),
-      alarm(network, {options.at, options.touch.value_or(std::max<double>(touch, network.smallest_peak())),
-                      options.widest, options.hold, options.ignore_unlike}) {}
+      alarm(network ? Alarm(*network, rules_of(options, network, touch))
+                    : Alarm(count, profile.map.places() / profile.map.tactels(), rules_of(options, network, touch))) {}
 
 bool LiveMonitor::Sensor::rests() const {
   return std::ranges::all_of(std::span(stresses).first(tactels), [&](float s) { return std::abs(s) < touch; });
@@ -112,9 +126,9 @@ LiveMonitor::LiveMonitor(std::span<const nn::Model> networks, const SensorProfil
     : options_(options),
       map_(profile.map),
       drift_(options.drift > 0 ? std::optional<DriftWatch>(std::in_place, profile.map, options.drift) : std::nullopt),
-      decoder_((check_networks(networks, profile), profile.format())),
-      has_bound_(networks.front().bound.has_value()),
-      magnitude_(networks.front().magnitude),
+      decoder_((check_networks(networks, profile, options.signal), profile.format())),
+      has_bound_(!networks.empty() && networks.front().bound.has_value()),
+      magnitude_(!networks.empty() && networks.front().magnitude),
       stresses_(profile.map.places()) {
   std::vector<SlipEstimator> estimators;
   for (const nn::Model& network : networks) estimators.push_back(infer::estimator_of(network));
@@ -122,15 +136,15 @@ LiveMonitor::LiveMonitor(std::span<const nn::Model> networks, const SensorProfil
   std::size_t first = 0;
   for (const std::size_t tactels : tactels_of(profile)) {
     const std::size_t which = networks.size() > 1 ? sensors_.size() : 0;
-    check_width(networks[which], profile, tactels);
-    models.push_back(&networks[which]);
-    sensors_.emplace_back(estimators[which], profile, std::exchange(first, first + tactels), tactels, options);
+    if (!networks.empty()) check_width(networks[which], profile, tactels), models.push_back(&networks[which]);
+    sensors_.emplace_back(networks.empty() ? nullptr : &estimators[which], profile,
+                          std::exchange(first, first + tactels), tactels, options);
   }
   frames_.resize(stresses_.size()), answers_.resize(sensors_.size());
   const std::size_t axes = frames_.size() / map_.tactels();
   for (Sensor& sensor : sensors_)
     sensor.stresses = std::span(frames_).subspan(axes * sensor.first, axes * sensor.tactels);
-  estimator_ = device ? device_estimator(*device, models) : host_estimator(models);
+  if (!networks.empty()) estimator_ = device ? device_estimator(*device, models) : host_estimator(models);
   if (device) summary_.device = device->info().name;
   for (std::size_t i = 0; i < profile.pads.size() && drift_; ++i)
     sensors_[i].mounting.emplace(profile.pads[i], map_.touch(sensors_[i].first, sensors_[i].tactels),
@@ -153,9 +167,12 @@ MonitorSummary LiveMonitor::run(hw::FrameSource& source, const MonitorEvents& ev
 void LiveMonitor::estimate() {
   for (const Sensor& sensor : sensors_)
     take_pad(stresses_, map_.tactels(), sensor.first, sensor.tactels, sensor.stresses.data());
-  estimator_->estimate(frames_, answers_);
-  for (std::size_t i = 0; i < sensors_.size(); ++i)
-    line_.pads.push_back(sensors_[i].alarm.answer(sensors_[i].stresses, answers_[i]));
+  if (estimator_) estimator_->estimate(frames_, answers_);
+  for (std::size_t i = 0; i < sensors_.size(); ++i) {
+    Sensor& sensor = sensors_[i];
+    line_.pads.push_back(estimator_ ? sensor.alarm.answer(sensor.stresses, answers_[i])
+                                    : sensor.alarm.answer(sensor.stresses));
+  }
 }
 
 // A late frame is answered for the history alone.
@@ -204,6 +221,8 @@ void LiveMonitor::refresh() {
 }
 
 void LiveMonitor::watch(const MonitorEvents& events) {
+  if (events.rest && events.rest())
+    for (Sensor& sensor : sensors_) sensor.alarm.rest();
   const double now = source_->now();
   if (now >= next_second_) {
     next_second_ = now + 1;

@@ -22,10 +22,11 @@ struct MonitorOptions {
   /// MPa: a frame whose normal stresses all stay below is no contact; none: ChannelMap::touch() of the profile, and at
   /// least the smallest peak that the network learnt; 0: all frames are contacts
   std::optional<double> touch{};
-  /// As of AlarmOptions, up to ignore_unlike.
+  /// As of AlarmOptions, up to signal.
   float at = std::numeric_limits<float>::infinity(), widest = std::numeric_limits<float>::infinity();
   int hold = 1;
-  bool ignore_unlike = false;
+  bool ignore_unlike = false, rest = false;
+  AlarmSignal signal = AlarmSignal::slip;
   std::function<float(std::uint64_t frame)> true_slip_index{};  ///< of OpenSource, for a network of S
   double silence = 1.0;  ///< s of listening to a live source without a frame before a warning
   double drift = 2.0;    ///< s of rest that are compared with the calibration at once (DriftWatch); 0: no watch
@@ -41,11 +42,13 @@ struct MonitorLine {
   float acted_on = 0;                       ///< as of AlarmAnswer, and the next two
   bool alarm = false, cannot_tell = false;  ///< of several pads those of one
   bool no_answer = false;                   ///< a pad touches and has none
-  std::optional<float> true_slip_index{};   ///< of a simulation; NaN without contact
-  std::vector<AlarmAnswer> pads{};          ///< of several pads; none: `answer` is all
-  std::vector<Drift> drift{};               ///< what this frame showed to have moved; mostly nothing
-  double latency = 0;                       ///< us from the frame's last byte to S
-  double answer_time = 0;                   ///< us of the latency, from the decoded frame to S
+  std::optional<bool> rest{};               ///< as of AlarmAnswer; of several pads whether one has it
+  float moved = std::numeric_limits<float>::quiet_NaN();  ///< the largest of several pads
+  std::optional<float> true_slip_index{};                 ///< of a simulation; NaN without contact
+  std::vector<AlarmAnswer> pads{};                        ///< of several pads; none: `answer` is all
+  std::vector<Drift> drift{};                             ///< what this frame showed to have moved; mostly nothing
+  double latency = 0;                                     ///< us from the frame's last byte to S
+  double answer_time = 0;                                 ///< us of the latency, from the decoded frame to S
 };
 
 struct MonitorSummary {
@@ -69,6 +72,7 @@ struct MonitorEvents {
   std::function<void(const MonitorSummary&)> second{};  ///< about once a second
   std::function<void(double seconds)> silence{};        ///< time without a frame
   std::function<bool()> stop{};                         ///< true ends it
+  std::function<bool()> rest{};                         ///< true: Alarm::rest of all pads, asked between packets
 };
 
 /// Returns whether the calibration gives every pad a threshold of touch.
@@ -84,9 +88,9 @@ void check_width(const nn::Model& model, const SensorProfile& profile, std::size
 /// Turns frames of a source into slippage indices and an alarm, in the calling thread, by tactel::Alarm.
 class LiveMonitor {
  public:
-  /// `networks`: one, or one for each pad of the profile, all with a bound or none. Throws ConfigError where their
-  /// number is another, or the inputs of one do not match the tactels. `device`: evaluates them; none: host code, with
-  /// the same bits.
+  /// `networks`: one, or one for each pad of the profile, all with a bound or none; of AlarmSignal::moved there may be
+  /// none. Throws ConfigError where their number is another, or the inputs of one do not match the tactels. `device`:
+  /// evaluates them; none: host code, with the same bits.
   LiveMonitor(std::span<const nn::Model> networks, const SensorProfile& profile, const MonitorOptions& options,
               const std::optional<Device>& device = {});
   LiveMonitor(const nn::Model& network, const SensorProfile& profile, const MonitorOptions& options)
@@ -97,7 +101,8 @@ class LiveMonitor {
  private:
   /// A line, or a pad: some tactels of the map.
   struct Sensor {
-    Sensor(const SlipEstimator& network, const SensorProfile& profile, std::size_t first, std::size_t tactels,
+    /// network: null without one.
+    Sensor(const SlipEstimator* network, const SensorProfile& profile, std::size_t first, std::size_t tactels,
            const MonitorOptions& options);
     bool rests() const;
 
@@ -120,7 +125,7 @@ class LiveMonitor {
   hw::Decoder decoder_;
   bool has_bound_, magnitude_;
   std::deque<Sensor> sensors_;
-  std::unique_ptr<LiveEstimator> estimator_;
+  std::unique_ptr<LiveEstimator> estimator_;            ///< null without networks
   std::vector<float> frames_;                           ///< [sensors][axes tactels] MPa, of the newest frame
   std::vector<Answer> answers_;                         ///< [sensors]
   MonitorLine line_;                                    ///< the newest, for its memory

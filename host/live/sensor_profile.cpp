@@ -131,6 +131,7 @@ void read_calibration(const TomlFile& file, hw::Calibration& calibration, std::s
   calibration.zero_told |= offset;
   calibration.has_zero = calibration.zero_told || (calibration.has_zero && !gain);
   read_numbers(in, "noise", calibration.noise, channels);
+  in.read("moved", calibration.moved, "a number, above 0 and below 0.5, as tactel tare --hold writes it");
   in.finish();
 }
 
@@ -250,6 +251,7 @@ SensorProfile joined_profile(const std::vector<SensorProfile>& profiles) {
   hw::ChannelMap map;
   std::vector<PadLayout> pads;
   std::size_t channels = 0;
+  double least_moved = 1;
   const SensorProfile& first = profiles.front();
   for (const SensorProfile& profile : profiles) {
     const bool alike = !profile.pads.empty() && profile.kind == "csv" && profile.pads[0].pitch == first.pads[0].pitch &&
@@ -269,10 +271,12 @@ SensorProfile joined_profile(const std::vector<SensorProfile>& profiles) {
         {&map.calibration.noise, &own.noise}};
     for (const auto& [to, from] : numbers) to->insert(to->end(), from->begin(), from->end());
     map.calibration.has_zero &= own.has_zero;
+    least_moved = std::min(least_moved, own.moved), map.calibration.moved = std::max(map.calibration.moved, own.moved);
     pads.insert(pads.end(), profile.pads.begin(), profile.pads.end());
     channels += profile.format()->channels();
   }
   if (map.calibration.noise.size() != channels) map.calibration.noise.clear();
+  if (least_moved == 0) map.calibration.moved = 0;  // of a pad it is not known
   return parse_profile(fmt::format("[format]\nkind = \"csv\"\nchannels = {}\n", channels) + channels_text(map, pads) +
                            calibration_text(map.calibration),
                        "--profile");
@@ -314,6 +318,8 @@ std::string calibration_text(const hw::Calibration& calibration) {
   if (!calibration.noise.empty())
     text += fmt::format("noise = [{}]  # the device's units, standard deviation at rest\n",
                         fmt::join(calibration.noise, ", "));
+  if (calibration.moved > 0)
+    text += fmt::format("moved = {}  # 1.2 times the largest of a recorded hold\n", calibration.moved);
   return text;
 }
 

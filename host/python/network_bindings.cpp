@@ -102,16 +102,26 @@ struct OwnAlarm {
   }
 };
 
-std::unique_ptr<OwnAlarm> alarm_of(std::variant<const Network*, const SlipEstimator*> network, double at,
-                                   std::optional<double> touch, std::optional<double> widest, int hold,
-                                   bool ignore_unlike, const std::string& device) {
-  AlarmOptions options{.at = narrow("at", at), .touch = touch, .hold = hold, .ignore_unlike = ignore_unlike};
+using AnyNetwork = std::optional<std::variant<const Network*, const SlipEstimator*>>;
+
+std::unique_ptr<OwnAlarm> alarm_of(const AnyNetwork& network, std::optional<double> at, std::optional<double> touch,
+                                   std::optional<double> widest, int hold, bool ignore_unlike,
+                                   const std::string& device, bool rest, std::optional<std::string> signal,
+                                   std::optional<std::size_t> tactels, std::size_t axes) {
+  AlarmOptions options{.touch = touch, .hold = hold, .ignore_unlike = ignore_unlike, .rest = rest};
+  if (at) options.at = narrow("at", *at);
   if (widest) options.widest = narrow("widest", *widest);
-  const Network* const* trained = std::get_if<const Network*>(&network);
+  if (signal && *signal != "slip" && *signal != "moved") throw InputError("signal", *signal, "slip or moved");
+  if (signal ? *signal == "moved" : !network) options.signal = AlarmSignal::moved;
+  if (network.has_value() == tactels.has_value())
+    throw InputError("network", network ? "given with tactels" : "none", "give it, or tactels and axes of a frame");
+  if (!network && !device.empty()) throw InputError("device", device, "leave it out without a network");
+  if (!network) return std::unique_ptr<OwnAlarm>(new OwnAlarm{Alarm(*tactels, axes, options)});
+  const Network* const* trained = std::get_if<const Network*>(&*network);
   if (!trained && !device.empty())
     throw InputError("network", "a SlipEstimator on a device", "give a Network: Network.load(path)");
   std::unique_ptr<OwnAlarm> made(
-      new OwnAlarm{Alarm(trained ? (*trained)->estimator() : *std::get<const SlipEstimator*>(network), options)});
+      new OwnAlarm{Alarm(trained ? (*trained)->estimator() : *std::get<const SlipEstimator*>(*network), options)});
   if (!device.empty()) made->estimator = std::make_unique<LiveEstimator>(std::vector{**trained}, device);
   return made;
 }
@@ -149,8 +159,9 @@ std::string text_of(const AlarmAnswer& said) {
   if (!std::isnan(answer.slip_interval[1]))
     all += ", slip_upper=" + number(answer.slip_upper) + ", slip_interval=(" + number(answer.slip_interval[0]) + ", " +
            number(answer.slip_interval[1]) + "), unlike=" + boolean(answer.unlike != 0);
-  all += std::string(", contact=") + (said.contact ? boolean(*said.contact) : "None") + ", on=" + boolean(said.on) +
-         ", cannot_tell=" + boolean(said.cannot_tell);
+  all += std::string(", contact=") + (said.contact ? boolean(*said.contact) : "None");
+  if (said.rest) all += std::string(", rest=") + boolean(*said.rest) + ", moved=" + number(said.moved);
+  all += std::string(", on=") + boolean(said.on) + ", cannot_tell=" + boolean(said.cannot_tell);
   if (answer.status != AnswerStatus::ok) all += std::string(", status='") + name(answer.status) + "'";
   return all + ")";
 }
@@ -266,20 +277,32 @@ void bind_networks(py::module_& m) {
       .def_readonly("on", &AlarmAnswer::on, "the alarm")
       .def_readonly("cannot_tell", &AlarmAnswer::cannot_tell,
                     "no answer though it touches, or unlike all that was learnt, or only the width of the interval "
-                    "keeps the alarm off")
+                    "keeps the alarm off, or the rest that it needs is not found")
+      .def_readonly("rest", &AlarmAnswer::rest, "whether a rest of this grip is known; None where it is not asked for")
+      .def_readonly("moved", &AlarmAnswer::moved,
+                    "change of the stresses since rest: the norm of the differences of all, over the sum of the normal "
+                    "stresses at rest; NaN without contact or rest")
       .def("__repr__", &text_of);
   py::class_<OwnAlarm>(m, "Alarm", "The alarm of `tactel monitor`: frames of one sensor in turn, by its rules.")
-      .def(py::init(&alarm_of), py::arg("network").none(false), py::kw_only(), "at"_a = 0.8, "touch"_a = py::none(),
-           "widest"_a = py::none(), "hold"_a = 1, "ignore_unlike"_a = false, "device"_a = "",
+      .def(py::init(&alarm_of), "network"_a = py::none(), py::kw_only(), "at"_a = py::none(), "touch"_a = py::none(),
+           "widest"_a = py::none(), "hold"_a = 1, "ignore_unlike"_a = false, "device"_a = "", "rest"_a = false,
+           "signal"_a = py::none(), "tactels"_a = py::none(), "axes"_a = 3,
            "network: a Network or SlipEstimator. at: upper bound of S (S itself without a bound) at which the alarm "
-           "begins; it ends below at - 0.05. touch: MPa; a frame whose normal stresses all stay below is no contact; "
+           "begins, 0.8 where not given; it ends below at - 0.05. touch: MPa; a frame whose normal stresses all stay "
+           "below is no contact; "
            "None: the smallest peak that the network learnt. widest: no alarm begins at a wider interval of S. hold: "
            "it begins at the last of so many frames in a row that ask for it. ignore_unlike: a frame unlike all that "
            "was learnt asks for the alarm by its S alone. device: one of devices() that answers the frames, by "
-           "\"gpu\", \"cpu\", index or a part of its name; \"\": host code, with the same bits.")
+           "\"gpu\", \"cpu\", index or a part of its name; \"\": host code, with the same bits. rest: answers have "
+           "`rest` "
+           "and `moved`. signal: \"slip\", or \"moved\", which needs no network, but tactels and axes of a frame, and "
+           "an `at` such as 1.2 times the largest `moved` of a hold; it ends below at / 1.2.")
       .def("next", &OwnAlarm::next, "frame"_a, "answer"_a = py::none(),
            "Takes the sensor's next frame [inputs] MPa, normal stresses of all tactels first, then shear. answer: that "
            "of a LiveEstimator, in place of its own.")
+      .def(
+          "rest", [](OwnAlarm& own) { own.alarm.rest(); },
+          "Seeks rest anew from the next frame on, after a change of the grip; ends an alarm of `moved`.")
       .def("clear", &OwnAlarm::clear, "Ends the alarm and forgets all frames.")
       .def_property_readonly(
           "inputs", [](const OwnAlarm& own) { return own.alarm.inputs(); }, "numbers of a frame");

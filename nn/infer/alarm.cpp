@@ -4,63 +4,117 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nn/infer/rest_reference.h"
+
 namespace tactel {
 namespace {
 
-constexpr float release = 0.05f;  // of S, below `at`
+constexpr float release = 0.05f;      // of S, below `at`
+constexpr float hold_margin = 1.2f;   // of `moved`: `at` over the largest of a hold
+constexpr float most_moved = 0.5f;    // half of P elsewhere is no hold
+constexpr std::size_t most_axes = 3;  // of a tactel
 
-void check(const SlipEstimator& network, const AlarmOptions& options) {
-  const auto refuse = [](const char* place, double value, const char* fix) {
-    throw InputError(place, std::to_string(value), fix);
-  };
+[[noreturn]] void refuse(const char* place, double value, const char* fix) {
+  throw InputError(place, std::to_string(value), fix);
+}
+
+/// touch: MPa.
+void check(const AlarmOptions& options, double touch, bool has_bound) {
   const bool never = options.at == std::numeric_limits<float>::infinity();
-  if (!(never || (options.at >= 0 && options.at <= 1))) refuse("at", options.at, "must be 0 to 1");
-  const double touch = options.touch.value_or(0);
+  const bool moved = options.signal == AlarmSignal::moved;
+  if (moved && !(never || (options.at > 0 && options.at < most_moved)))
+    refuse("at", options.at, "must be above 0 and below 0.5: 1.2 times the largest `moved` of a hold");
+  if (!moved && !(never || (options.at >= 0 && options.at <= 1))) refuse("at", options.at, "must be 0 to 1");
   if (!(touch >= 0 && std::isfinite(touch))) refuse("touch", touch, "must be 0 or above, MPa");
+  if ((moved || options.rest) && touch == 0)
+    refuse("touch", touch, "must be above 0 with a rest, which ends where nothing touches, MPa");
   if (options.hold < 1) refuse("hold", options.hold, "must be 1 frame or more");
   if (!(options.widest >= 0)) refuse("widest", options.widest, "must be 0 or above");
-  if (std::isfinite(options.widest) && !network.has_bound())
+  if (std::isfinite(options.widest) && !has_bound)
     refuse("widest", options.widest, "leave it out for a network without a bound: it has no interval");
+}
+
+/// Returns the threshold of touch, MPa.
+double checked(const SlipEstimator& network, const AlarmOptions& options) {
+  const double touch = options.touch.value_or(network.smallest_peak());
+  check(options, touch, network.has_bound());
   const std::string target = network.metadata("target");
-  if (!never && !target.empty())
+  const bool never = options.at == std::numeric_limits<float>::infinity();
+  if (!never && options.signal == AlarmSignal::slip && !target.empty())
     throw InputError("network", "estimates " + target, "give one of S: the alarm is for S");
+  return touch;
+}
+
+double checked(std::size_t tactels, std::size_t axes, const AlarmOptions& options) {
+  if (options.signal != AlarmSignal::moved) throw InputError("signal", "slip", "must be moved without a network");
+  if (tactels == 0) throw InputError("tactels", "0", "must be 1 or more");
+  if (axes == 0 || axes > most_axes) throw InputError("axes", std::to_string(axes), "must be 1, 2 or 3");
+  const double touch = options.touch.value_or(0);
+  check(options, touch, false);
+  return touch;
 }
 
 }  // namespace
 
 struct Alarm::State {
+  State(const AlarmOptions& rules, double least, std::size_t numbers, std::size_t normals)
+      : options(rules), touch(least), inputs(numbers), tactels(normals) {
+    if (options.rest || by_moved()) rest.emplace(inputs, tactels, touch);
+  }
+  bool by_moved() const noexcept { return options.signal == AlarmSignal::moved; }
+  bool seeks_rest(const AlarmAnswer& given) const noexcept {
+    return by_moved() && given.rest == false && given.answer.status != AnswerStatus::not_finite;
+  }
+  bool nothing(const AlarmAnswer& given) const noexcept {
+    return given.contact == false || (!by_moved() && given.answer.status == AnswerStatus::no_stress);
+  }
   float number_of(const AlarmAnswer& given) const noexcept {
-    if (given.answer.status == AnswerStatus::no_stress || given.contact == false) return 0;
-    return has_bound ? given.answer.slip_upper : given.answer.slip_index;
+    if (nothing(given) || seeks_rest(given)) return 0;
+    return by_moved() ? given.moved : has_bound ? given.answer.slip_upper : given.answer.slip_index;
   }
 
   AlarmOptions options;
   double touch;  ///< MPa
-  SlipHistory history;
-  std::size_t tactels;
-  bool has_bound, on = false;
+  std::optional<SlipHistory> history{};
+  std::optional<infer::RestReference> rest{};
+  std::size_t inputs, tactels;
+  bool has_bound = false, on = false;
   int asking = 0;  ///< frames in a row that asked for the alarm
 };
 
 Alarm::Alarm(const SlipEstimator& network, const AlarmOptions& options)
-    : state_((check(network, options), new State{options, options.touch.value_or(network.smallest_peak()),
-                                                 SlipHistory(network), network.tactels(), network.has_bound()})) {}
+    : state_(new State(options, checked(network, options), network.inputs() / network.frames(), network.tactels())) {
+  state_->history.emplace(network), state_->has_bound = network.has_bound();
+}
+Alarm::Alarm(std::size_t tactels, std::size_t axes, const AlarmOptions& options)
+    : state_(new State(options, checked(tactels, axes, options), tactels * axes, tactels)) {}
 Alarm::~Alarm() { delete state_; }
 
-std::size_t Alarm::inputs() const noexcept { return state_->history.inputs(); }
+std::size_t Alarm::inputs() const noexcept { return state_->inputs; }
 
 AlarmAnswer Alarm::answer(std::span<const float> frame) noexcept {
-  return answer(frame, state_->history.estimate(frame));
+  if (state_->history) return answer(frame, state_->history->estimate(frame));
+  const bool finite = std::ranges::all_of(frame, [](float s) { return std::isfinite(s); });
+  const AnswerStatus status = frame.size() != inputs() ? AnswerStatus::wrong_size
+                              : finite                 ? AnswerStatus::ok
+                                                       : AnswerStatus::not_finite;
+  const float none = std::nanf("");
+  return answer(frame, {none, none, status, {none, none}, 0, 0, {}});
 }
 
 AlarmAnswer Alarm::answer(std::span<const float> frame, const Answer& estimated) noexcept {
   AlarmAnswer given{.answer = estimated};
   const double touch = state_->touch;
-  if (touch > 0 && given.answer.status != AnswerStatus::wrong_size) {
+  const bool whole = given.answer.status != AnswerStatus::wrong_size && frame.size() == inputs();
+  if (touch > 0 && whole) {
     // NaN touches.
     given.contact = given.answer.status == AnswerStatus::not_finite ||
                     !std::ranges::all_of(frame.first(state_->tactels), [&](float s) { return std::abs(s) < touch; });
     if (!*given.contact) given.answer.slip_index = given.answer.slip_upper = std::nanf("");
+  }
+  if (state_->rest && whole) {
+    given.moved = state_->rest->next(frame, *given.contact);
+    given.rest = state_->rest->found();
   }
   given.acted_on = state_->number_of(given);
   return given;
@@ -69,26 +123,33 @@ AlarmAnswer Alarm::answer(std::span<const float> frame, const Answer& estimated)
 // A frame without an answer neither asks for the alarm nor ends it, nor the row of those that ask.
 AlarmAnswer Alarm::judge(AlarmAnswer given) noexcept {
   const AlarmOptions& rules = state_->options;
+  const bool by_moved = state_->by_moved();
   given.acted_on = state_->number_of(given);
-  const bool none = std::isnan(given.acted_on);
-  const bool nothing = given.answer.status == AnswerStatus::no_stress || given.contact == false;
-  const bool unlike = given.answer.unlike != 0 && !none && !nothing;
-  const float width = state_->has_bound ? given.answer.slip_interval[1] - given.answer.slip_interval[0] : 0;
+  const bool none = std::isnan(given.acted_on), nothing = state_->nothing(given);
+  const bool unlike = given.answer.unlike != 0 && !none && !nothing && !by_moved;
+  const float width =
+      state_->has_bound && !by_moved ? given.answer.slip_interval[1] - given.answer.slip_interval[0] : 0;
   const bool near = given.acted_on >= rules.at, wide = near && !(width <= rules.widest);
   if (unlike && !rules.ignore_unlike ? rules.at <= 1 : near && !wide) {
     state_->asking = std::min(state_->asking + 1, rules.hold);
     if (state_->asking == rules.hold) state_->on = true;
   } else if (!none) {
     state_->asking = 0;
-    if (given.acted_on < rules.at - release) state_->on = false;
+    if (given.acted_on < (by_moved ? rules.at / hold_margin : rules.at - release)) state_->on = false;
   }
   given.on = state_->on;
-  given.cannot_tell = none || unlike || (wide && !given.on);
+  given.cannot_tell = none || unlike || (wide && !given.on) || (!nothing && state_->seeks_rest(given));
   return given;
 }
 
+void Alarm::rest() noexcept {
+  if (state_->rest) state_->rest->forget();
+  if (state_->by_moved()) state_->on = false, state_->asking = 0;
+}
+
 void Alarm::clear() noexcept {
-  state_->history.clear();
+  if (state_->history) state_->history->clear();
+  if (state_->rest) state_->rest->forget();
   state_->on = false, state_->asking = 0;
 }
 

@@ -27,6 +27,7 @@ struct tactel_alarm {
 
 namespace {
 
+using tactel::Alarm;
 using tactel::AnswerStatus;
 
 static_assert(sizeof(tactel_answer) == sizeof(tactel::Answer) && sizeof(tactel_answer) == 32);
@@ -48,6 +49,28 @@ tactel_answer c_answer(const tactel::Answer& answer) noexcept {
   tactel_answer same;
   std::memcpy(&same, &answer, sizeof same);
   return same;
+}
+
+/// NULL where `make` throws, with the reason in last_error.
+template <class Make>
+tactel_alarm* new_alarm(const tactel_alarm_options* options, const Make& make) noexcept {
+  last_error = "";
+  const tactel_alarm_options given = options != nullptr ? *options : tactel_alarm_defaults();
+  try {
+    tactel::AlarmOptions rules{.at = given.at, .widest = given.widest};
+    rules.hold = given.hold, rules.ignore_unlike = given.ignore_unlike != 0, rules.rest = given.rest != 0;
+    if (!(given.touch < 0)) rules.touch = given.touch;
+    if (given.signal != TACTEL_SLIP && given.signal != TACTEL_MOVED)
+      throw tactel::InputError("signal", std::to_string(given.signal), "must be TACTEL_SLIP or TACTEL_MOVED");
+    rules.signal = static_cast<tactel::AlarmSignal>(given.signal);
+    return make(rules);
+  } catch (const std::bad_alloc&) {
+    last_error = "tactel_alarm_create: out of memory; free some";
+  } catch (const std::exception& error) {
+    load_error = error.what();
+    last_error = load_error.c_str();
+  }
+  return nullptr;
 }
 
 }  // namespace
@@ -121,34 +144,31 @@ void tactel_history_clear(tactel_history* history) {
 
 tactel_alarm_options tactel_alarm_defaults(void) {
   const tactel::AlarmOptions rules;
-  return {rules.at, -1, rules.widest, rules.hold, rules.ignore_unlike};
+  return {rules.at, -1, rules.widest, rules.hold, rules.ignore_unlike, rules.rest, TACTEL_SLIP};
 }
 
 tactel_alarm* tactel_alarm_create(const tactel_estimator* estimator, const tactel_alarm_options* options) {
-  last_error = "";
-  const tactel_alarm_options given = options != nullptr ? *options : tactel_alarm_defaults();
-  try {
-    tactel::AlarmOptions rules{.at = given.at, .widest = given.widest};
-    rules.hold = given.hold, rules.ignore_unlike = given.ignore_unlike != 0;
-    if (!(given.touch < 0)) rules.touch = given.touch;
-    if (estimator != nullptr) return new tactel_alarm{tactel::Alarm(estimator->estimator, rules)};
-    last_error = "tactel_alarm_create: no estimator; give one of tactel_load";
-  } catch (const std::bad_alloc&) {
-    last_error = "tactel_alarm_create: out of memory; free some";
-  } catch (const std::exception& error) {
-    load_error = error.what();
-    last_error = load_error.c_str();
-  }
-  return nullptr;
+  last_error = "tactel_alarm_create: no estimator; give one of tactel_load";
+  if (estimator == nullptr) return nullptr;
+  return new_alarm(options, [&](const auto& rules) { return new tactel_alarm{Alarm(estimator->estimator, rules)}; });
+}
+
+tactel_alarm* tactel_alarm_create_moved(size_t tactels, size_t axes, const tactel_alarm_options* options) {
+  return new_alarm(options, [&](const auto& rules) { return new tactel_alarm{Alarm(tactels, axes, rules)}; });
 }
 
 void tactel_alarm_free(tactel_alarm* alarm) { delete alarm; }
 
 tactel_alarm_answer tactel_alarm_next(tactel_alarm* alarm, const float* frame, size_t count) {
   if (alarm == nullptr || frame == nullptr)
-    return {refused("tactel_alarm_next: no alarm or frame; give both"), -1, NAN, 0, 1};
+    return {refused("tactel_alarm_next: no alarm or frame; give both"), -1, NAN, 0, 1, -1, NAN};
   const tactel::AlarmAnswer said = alarm->alarm.next({frame, count});
-  return {c_answer(said.answer), said.contact ? int{*said.contact} : -1, said.acted_on, said.on, said.cannot_tell};
+  return {c_answer(said.answer), said.contact ? int{*said.contact} : -1, said.acted_on, said.on,
+          said.cannot_tell,      said.rest ? int{*said.rest} : -1,       said.moved};
+}
+
+void tactel_alarm_rest(tactel_alarm* alarm) {
+  if (alarm != nullptr) alarm->alarm.rest();
 }
 
 void tactel_alarm_clear(tactel_alarm* alarm) {

@@ -148,6 +148,8 @@ TEST(InferHost, TakesNull) {
   const tactel_alarm_answer first = tactel_alarm_next(alarm, touching, 4),
                             second = tactel_alarm_next(alarm, touching, 4);
   EXPECT_EQ(first.contact, 1);
+  EXPECT_EQ(first.rest, -1);
+  EXPECT_TRUE(std::isnan(first.moved));
   EXPECT_EQ(first.answer.slip_index, tactel_estimate(estimator, touching, 4).slip_index);
   EXPECT_EQ(first.acted_on, first.answer.slip_upper);
   EXPECT_EQ(second.on, 1);
@@ -156,6 +158,21 @@ TEST(InferHost, TakesNull) {
   EXPECT_EQ(tactel_alarm_next(alarm, touching, 4).on, 0) << "one of two frames";
   tactel_alarm_free(alarm);
   tactel_alarm_free(nullptr);
+  EXPECT_EQ(tactel_alarm_create_moved(2, 2, nullptr), nullptr);
+  EXPECT_THAT(tactel_error(), HasSubstr("signal: slip"));
+  rules = {.at = 0.05f, .touch = 0.01, .widest = INFINITY, .hold = 1, .signal = TACTEL_MOVED};
+  tactel_alarm* moved = tactel_alarm_create_moved(2, 2, &rules);
+  ASSERT_NE(moved, nullptr) << tactel_error();
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(tactel_alarm_next(moved, frame, 4).rest, i == 9);
+  const float slid[4] = {-0.2f, -0.1f, 0.08f, 0.02f};  // 0.03 over 0.3
+  const tactel_alarm_answer said = tactel_alarm_next(moved, slid, 4);
+  EXPECT_NEAR(said.moved, 0.1, 1e-6);
+  EXPECT_EQ(said.on, 1);
+  tactel_alarm_rest(moved);
+  tactel_alarm_rest(nullptr);
+  EXPECT_EQ(tactel_alarm_next(moved, slid, 4).rest, 0);
+  EXPECT_EQ(tactel_alarm_next(moved, slid, 4).on, 0);
+  tactel_alarm_free(moved);
   EXPECT_EQ(tactel_history_create(nullptr), nullptr);
   EXPECT_THAT(tactel_error(), HasSubstr("tactel_history_create"));
   EXPECT_EQ(tactel_load(nullptr), nullptr);

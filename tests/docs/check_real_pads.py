@@ -31,7 +31,7 @@ def held(drag=-300):
     return load.reshape(16, 3)
 
 
-def write(folder, name, leaves=None, slips_from=None):
+def write(folder, name, leaves=None, moves_from=None):
     """A trial whose net shear, to -x on pad 1 and to x on pad 2, grows by a tenth from frame 60 on, and which ends without load
     from frame `leaves` on."""
     path = folder / f"data_sample_{name}"
@@ -40,12 +40,15 @@ def write(folder, name, leaves=None, slips_from=None):
         load = np.tile(held(drag), (FRAMES, 1, 1))
         load[60:, :, 0] += drag / 10
         load[leaves if leaves is not None else FRAMES:] = 0
+        if leaves is not None:
+            load[leaves:] += (-1.0)**np.arange(FRAMES - leaves)[:, None, None]  # noise
         counts = load + ZERO + 10 * pad + np.arange(48).reshape(16, 3)
         np.savetxt(path / f"xela_sensor{pad}.csv", counts.reshape(FRAMES, 48), delimiter=",", header="names", comments="")
     time = np.arange(FRAMES) / 60
     np.savetxt(path / "robot_state.csv", np.column_stack([0 * time, time]), delimiter=",", header="position,time", comments="")
-    slip = np.arange(FRAMES) >= (FRAMES if slips_from is None else slips_from)
-    np.savetxt(path / "slip_label.csv", np.column_stack([slip, 0 * slip]), delimiter=",", header="slip,fail", comments="")
+    way = 0.003 * (np.arange(FRAMES) >= (FRAMES if moves_from is None else moves_from))
+    pose = np.column_stack([way, 0 * way, 0 * way, 0 * way, 0 * way, 0 * way, 0 * way - 1])
+    np.savetxt(path / "marker.csv", pose, delimiter=",", header="pose", comments="")
     return path
 
 
@@ -61,7 +64,7 @@ class Conversion(unittest.TestCase):
         stays, leaves = real_pads.read_trials(self.folder)
         self.assertIsNone(stays.gone())
         self.assertEqual(leaves.gone(), LEAVES - 15)  # the first frame without load 15 frames later
-        self.assertEqual((leaves.load.shape, len(leaves.time), len(leaves.slip)), ((2, LEAVES - 15, 16, 3), LEAVES - 15, LEAVES - 15))
+        self.assertEqual((leaves.load.shape, len(leaves.time), len(leaves.turn)), ((2, LEAVES - 15, 16, 3), LEAVES - 15, LEAVES - 15))
         for pad, drag in ((0, -300), (1, 300)):
             np.testing.assert_allclose(stays.load[pad, :60], np.broadcast_to(held(drag), (60, 16, 3)), atol=1e-9)
         np.testing.assert_allclose(real_pads.spread(stays.load[:, 0]), 0.05, atol=1e-12)
@@ -89,7 +92,35 @@ class Conversion(unittest.TestCase):
         scores = real_pads.network_scores(S, S + 0.1)
         np.testing.assert_allclose([scores["S"][45], scores["bound"][0]], [0.6, 0.6])
         np.testing.assert_allclose(scores["S less its start"][[0, 45]], [0, 0.4], atol=1e-12)
-        np.testing.assert_allclose(scores["change of S within 5 frames"][[39, 40, 44, 45]], [0, 0.4, 0.4, 0], atol=1e-12)
+        nulls = real_pads.null_scores(np.full((2, 50, 16, 3), 2.0))  # P of a pad is 32
+        np.testing.assert_allclose([nulls["1 / P at rest"][7], nulls["frame number"][7]], [1 / 32, 7])
+
+    def test_events_by_hand(self):
+        way, turn = np.zeros(60), np.zeros(60)
+        way[20:], turn[25:] = 0.6, 2.6  # mm, degrees
+        way[10:14] = 5  # four frames are none
+        trial = real_pads.Trial("a", None, None, turn, way)
+        self.assertEqual((trial.first, trial.moves), (20, 25))
+        self.assertEqual(real_pads.Trial("b", None, None, 0 * turn, way * 0.2).first, None)
+        for begins, said in ((19, "false at 19"), (20, "-5"), (28, "+3"), (60, "none")):
+            self.assertEqual(real_pads.events(trial, np.arange(60) >= begins), said)
+        self.assertEqual(list(real_pads.hysteresis([1, 2.4, 2.1, 1.9, 2.1], 2.4)), [False, True, True, False, False])
+
+    def test_motion_by_hand(self):
+        half = np.radians(3) / 2
+        marker = np.tile([1, 2, 3, 0, 0, 0, 1.0], (30, 1))
+        marker[25] = [1, 2, 3.002, 0, -np.sin(half), 0, -np.cos(half)]  # the same turn as with both signs changed
+        turn, way = real_pads.motion(marker)
+        np.testing.assert_allclose([turn[25], way[25]], [3, 2], atol=1e-6)
+        np.testing.assert_allclose([turn[29], way[29]], [0, 0], atol=1e-5)
+
+    def test_other_sensors_by_hand(self):
+        load = np.tile(held(), (2, 40, 1, 1))
+        np.testing.assert_allclose(real_pads.perturbed("shear x 2.7", load)[..., :2], 2.7 * load[..., :2])
+        np.testing.assert_allclose(real_pads.perturbed("P -20 %", load)[..., 2], 800)
+        turned = real_pads.perturbed("turned by 90 degrees", load)
+        np.testing.assert_allclose(np.linalg.norm(turned.sum(2), axis=-1), np.linalg.norm(load.sum(2), axis=-1))
+        np.testing.assert_allclose(turned.sum(2)[0, 0], [0, 4800, 16000])  # x of -300 is y of 300
 
     def test_area_by_hand(self):
         label = np.array([False, True, False, True])
@@ -110,11 +141,11 @@ class Conversion(unittest.TestCase):
         path = write(self.folder, "a")
         self.assert_wrong(self.folder, "no trial ends without the object")
         write(self.folder, "b", leaves=LEAVES)
-        lines = (path / "slip_label.csv").read_text().splitlines()
-        (path / "slip_label.csv").write_text("\n".join(lines[:-1]))
+        lines = (path / "marker.csv").read_text().splitlines()
+        (path / "marker.csv").write_text("\n".join(lines[:-1]))
         self.assert_wrong(path, "139, 140 frames")
-        (path / "slip_label.csv").unlink()
-        self.assert_wrong(path / "slip_label.csv", "cannot be read")
+        (path / "marker.csv").unlink()
+        self.assert_wrong(path / "marker.csv", "cannot be read")
         (path / "xela_sensor2.csv").write_text("a,b\n1,2\n3,4\n")
         self.assert_wrong(path / "xela_sensor2.csv", "48 numbers")
         (path / "xela_sensor2.csv").write_text("a,b\n1,2\n3\n")
@@ -126,7 +157,7 @@ class Conversion(unittest.TestCase):
 
     def test_from_counts_to_areas(self):
         write(self.folder, "a")
-        write(self.folder, "b", leaves=LEAVES, slips_from=60)
+        write(self.folder, "b", leaves=LEAVES, moves_from=60)
         output, said, arguments = self.folder / "answers", io.StringIO(), sys.argv
         sys.argv = ["real_pads.py", str(self.folder), "--output", str(output), "--build", str(BUILD), "--contacts", "100"]
         try:
@@ -135,14 +166,15 @@ class Conversion(unittest.TestCase):
         finally:
             sys.argv = arguments
         lines = said.getvalue().splitlines()
-        # 35 frames of slip; of 200 frames without, 60 + 60 have lower scores and 80 the same.
-        self.assertIn("| Q / P over its start | 0.800 | 1.000 |", lines)
-        self.assertEqual(sum(line.startswith("| ") for line in lines), 1 + 2 + 1 + 10)
+        # 35 frames have moved; of 200 others, 60 + 60 have lower scores and 80 the same. 16 tactels by 30 of P = 16000: 0.0075.
+        self.assertIn("| moved, without a network | 0.009 | 0.800 1.000 |  | none | 0 |", lines)
+        self.assertIn("| Q / P over its start | 1.32 | 0.800 1.000 |  | none | 0 |", lines)
+        self.assertIn("| b | 95 | 60 | 60 | 0.0 | 3.0 |", lines)
         for name in "ab":
-            self.assertEqual("slip, by the marker" in (output / f"{name}.svg").read_text(), name == "b")
+            self.assertEqual("moved, by the marker" in (output / f"{name}.svg").read_text(), name == "b")
         trial = real_pads.read_trials(self.folder)[0]
-        (network,) = (output / "network").glob("*.onnx")
-        S, upper, unlike, alarm = real_pads.Chain(BUILD, output).answers(trial, 3.0, network)
+        network = sorted((output / "network").glob("*.onnx"))[3]
+        S, upper, unlike, alarm = real_pads.Chain(BUILD, output).answers(trial.load, 3.0, network)
         self.assertEqual((S.shape, unlike.shape, alarm.shape), ((2, FRAMES), (2, FRAMES), (FRAMES,)))
         for pad in (0, 1):
             load = trial.load[pad] * 1e-5

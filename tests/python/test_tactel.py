@@ -310,6 +310,22 @@ class OwnNetworks(unittest.TestCase):
         self.assertEqual([held.next(near).on for _ in range(3)], [False, True, True])
         self.assertFalse(held.next(near).beyond_learnt)
 
+    def test_an_alarm_of_moved_needs_no_network(self):
+        alarm = tactel.Alarm(tactels=2, axes=2, at=0.05, touch=0.01)
+        frame = np.array([-0.2, -0.1, 0.05, 0.02])
+        self.assertEqual([alarm.next(frame).rest for _ in range(10)], [False] * 9 + [True])
+        said = alarm.next(frame + [0, 0, 0.03, 0])  # 0.03 over 0.3
+        self.assertAlmostEqual(said.moved, 0.1, places=6)
+        self.assertTrue(said.on and np.isnan(said.slip_index))
+        alarm.rest()
+        self.assertEqual(repr(alarm.next(frame)), "AlarmAnswer(slip_index=nan, contact=True, rest=False, moved=nan, on=False, cannot_tell=True)")
+        beside = self.shear_alarm(touch=0.01, rest=True)
+        self.assertEqual([beside.next(frame).rest for _ in range(10)][-1], True)
+        for options, says in (({}, "network: none"), ({"tactels": 2}, "at: 0.8"), ({"tactels": 2, "at": 0.05}, "touch: 0.0"),
+                              ({"tactels": 2, "at": 0.05, "touch": 0.1, "signal": "slid"}, "signal: slid")):
+            with self.subTest(says=says), self.assertRaisesRegex(tactel.InputError, says):
+                tactel.Alarm(**options)
+
     def test_devices_answer_with_the_bits_of_host_code(self):
         found = tactel.devices()
         self.assertEqual([device.index for device in found], list(range(len(found))))

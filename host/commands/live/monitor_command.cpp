@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <poll.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -26,9 +27,10 @@ struct MonitorRequest : SensorRequest {
   std::vector<std::string> networks;
   std::string device;
   int every = 1;
-  std::optional<float> alarm;  ///< default_alarm for --view where not given
+  std::vector<std::string> alarm_given;  ///< of --alarm: none, or a number, or "" for that of the calibration
+  std::optional<float> alarm;            ///< default_alarm for --view where not given
   std::optional<float> widest;
-  std::string unlike = "alarm";
+  std::string unlike = "alarm", signal;  ///< signal: empty for slip, or without a network for moved
   MonitorOptions options;
   bool view = false;
 };
@@ -37,14 +39,17 @@ struct MonitorRequest : SensorRequest {
 std::string json_number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : "null"; }
 std::string json_number(float value) { return std::isfinite(value) ? fmt::format("{}", value) : "null"; }
 
-/// S, or the network's other target; whether there is a contact, where a threshold is known; the bound of a network
-/// that has one.
-std::string answer_text(const char* target, const Answer& answer, const std::optional<bool>& contact, bool has_bound) {
-  std::string text = fmt::format("\"{}\": {}", target, json_number(answer.slip_index));
+/// Of a network S or its other target; whether there is a contact, where a threshold is known; whether the grip's rest
+/// is known, and how far it has moved; the bound of a network that has one. target: null without a network.
+std::string answer_text(const char* target, const Answer& answer, const std::optional<bool>& contact, bool has_bound,
+                        const std::optional<bool>& rest, float moved) {
+  std::string text;
+  if (target) text += fmt::format(", \"{}\": {}", target, json_number(answer.slip_index));
   if (contact) text += fmt::format(", \"contact\": {}", *contact);
   if (has_bound)
     text += fmt::format(", \"slip_upper\": {}, \"unlike\": {}", json_number(answer.slip_upper), answer.unlike != 0);
-  return text;
+  if (rest) text += fmt::format(", \"rest\": {}, \"moved\": {}", *rest, json_number(moved));
+  return text.substr(2);
 }
 
 /// What a line says beside its answer: the true S of a simulation; the answer of each of several pads; the alarm, where
@@ -53,9 +58,9 @@ std::string further_text(const MonitorRequest& request, const MonitorLine& line,
   std::string text;
   if (line.true_slip_index) text += fmt::format(", \"true_slip_index\": {}", json_number(*line.true_slip_index));
   for (const AlarmAnswer& pad : line.pads)
-    text +=
-        fmt::format("{}{{{}}}{}", &pad == line.pads.data() ? ", \"pads\": [" : ", ",
-                    answer_text(target, pad.answer, pad.contact, line.has_bound), &pad == &line.pads.back() ? "]" : "");
+    text += fmt::format("{}{{{}}}{}", &pad == line.pads.data() ? ", \"pads\": [" : ", ",
+                        answer_text(target, pad.answer, pad.contact, line.has_bound, pad.rest, pad.moved),
+                        &pad == &line.pads.back() ? "]" : "");
   if (request.alarm) text += fmt::format(", \"alarm\": {}", line.alarm);
   if (request.alarm || line.has_bound) text += fmt::format(", \"cannot_tell\": {}", line.cannot_tell);
   for (const Drift& drift : line.drift)
@@ -70,7 +75,8 @@ std::string line_text(const MonitorRequest& request, const MonitorLine& line, co
   const std::string latency = std::isfinite(line.latency) ? fmt::format("{:.1f}", line.latency) : "null";
   return fmt::format("{{\"frame\": {}, \"device_time\": {}, \"arrival\": {}, {}{}, \"latency_us\": {}}}\n",
                      line.frame.number, line.frame.device_time ? json_number(*line.frame.device_time) : "null",
-                     json_number(line.frame.arrival), answer_text(target, line.answer, line.contact, line.has_bound),
+                     json_number(line.frame.arrival),
+                     answer_text(target, line.answer, line.contact, line.has_bound, line.rest, line.moved),
                      further_text(request, line, target), latency);
 }
 
@@ -153,6 +159,41 @@ class Doubts {
   bool unlike_ = false, no_answer_ = false, beyond_ = false;
 };
 
+/// Lines "rest", or empty ones, on standard input.
+class RestLines {
+ public:
+  /// frames: they come by standard input, too.
+  RestLines(bool frames, bool quiet) : open_(!frames), quiet_(quiet) {}
+  /// Returns whether such a line came since the last call. Waits for nothing.
+  bool operator()() {
+    pollfd input{STDIN_FILENO, POLLIN, 0};
+    bool found = false;
+    // Reading a terminal stops a program in its background.
+    while (open_ && !(isatty(STDIN_FILENO) && tcgetpgrp(STDIN_FILENO) != getpgrp()) && ::poll(&input, 1, 0) > 0) {
+      char bytes[256];
+      const ssize_t size = ::read(STDIN_FILENO, bytes, sizeof bytes);
+      if (size < 0 && (errno == EINTR || errno == EAGAIN)) break;
+      open_ = size > 0;
+      for (const char byte : std::string_view(bytes, static_cast<std::size_t>(std::max<ssize_t>(size, 0)))) {
+        if (byte != '\n' && byte != '\r') {
+          if (line_.size() < sizeof bytes) line_ += byte;
+        } else if (byte == '\n') {
+          if (line_.empty() || line_ == "rest")
+            found = true;
+          else if (!quiet_)
+            print_warning("a line of standard input was left out: a new rest is asked for by \"rest\"");
+          line_.clear();
+        }
+      }
+    }
+    return found;
+  }
+
+ private:
+  bool open_, quiet_;
+  std::string line_;
+};
+
 /// Where the lines go, and when it ends. later: warnings that would tear a picture.
 MonitorEvents make_events(const MonitorRequest& request, const char* target, LiveView& view, Output& output,
                           const Until& until, std::vector<std::string>& later) {
@@ -185,23 +226,60 @@ MonitorEvents make_events(const MonitorRequest& request, const char* target, Liv
     if (!request.quiet) print_warning(fmt::format("no frame for {:.1f} s", seconds));
   };
   events.stop = [&] { return output.failed() || until(); };
+  if (request.options.rest)
+    events.rest = [lines = RestLines(request.source.starts_with("csv:-"), request.quiet)]() mutable { return lines(); };
   return events;
 }
 
-int run_monitor(const MonitorRequest& request) {
-  std::vector<nn::Model> networks;
-  for (const std::string& file : request.networks) networks.push_back(read_onnx(file));
-  if (request.widest && !networks.front().bound)
+/// What the options ask for together with the networks.
+void check_request(const MonitorRequest& request, std::span<const nn::Model> networks) {
+  const bool moved = request.options.signal == AlarmSignal::moved, none = networks.empty();
+  if (none && !request.options.rest && request.signal != "slip")
+    throw ConfigError("command line", "--network", "(missing)", "given, or left out with --rest");
+  if (none && !moved) throw ConfigError("command line", "--signal", request.signal, "moved without --network");
+  if (none && !request.device.empty())
+    throw ConfigError("command line", "--device", request.device, "given with --network");
+  if (request.widest && (none || !networks.front().bound))
     throw ConfigError("command line", "--widest", fmt::format("{}", *request.widest),
                       "left out for a network without a bound: it has no interval");
-  const nn::Target target = networks.front().target;
   for (std::size_t i = 1; i < networks.size(); ++i)
-    if (networks[i].target != target)
+    if (networks[i].target != networks.front().target)
       throw ConfigError("command line", "--network", request.networks[i],
-                        fmt::format("a network of {}, as the first", nn::name(target)));
-  if (target != nn::Target::slip_index && (request.alarm || request.view))
+                        fmt::format("a network of {}, as the first", nn::name(networks.front().target)));
+  if (request.view && moved)
+    throw ConfigError("command line", "--view", "", "left out with --signal moved: it shows S");
+  if (!none && networks.front().target != nn::Target::slip_index &&
+      (request.view || (!request.alarm_given.empty() && !moved)))
     throw ConfigError("command line", request.view ? "--view" : "--alarm", request.networks.front(),
-                      fmt::format("left out for a network of {}: they are for S", nn::name(target)));
+                      fmt::format("left out for a network of {}: they are for S", nn::name(networks.front().target)));
+  if (request.options.rest && request.options.touch == 0.0)
+    throw ConfigError("command line", "--touch", "0", "above 0 with --rest: a grip ends where nothing touches");
+}
+
+/// The number of --alarm; of --signal moved without one that of the calibration.
+std::optional<float> alarm_of(const MonitorRequest& request, const hw::Calibration& calibration) {
+  if (request.alarm_given.empty()) return std::nullopt;
+  const std::string& given = request.alarm_given.front();
+  const bool moved = request.options.signal == AlarmSignal::moved;
+  if (!given.empty()) {
+    const float number = std::stof(given);
+    if (moved && !(number > 0 && number < 0.5f))
+      throw ConfigError("command line", "--alarm", given, "a number above 0 and below 0.5 with --signal moved");
+    return number;
+  }
+  if (!moved) return default_alarm;
+  if (calibration.moved > 0) return static_cast<float>(calibration.moved);
+  throw ConfigError("command line", "--alarm", "(missing)",
+                    "given with a number, or after tactel tare --hold, whose --output is the --calibration");
+}
+
+int run_monitor(MonitorRequest request) {
+  std::vector<nn::Model> networks;
+  for (const std::string& file : request.networks) networks.push_back(read_onnx(file));
+  const bool moved = request.signal == "moved" || (networks.empty() && request.options.rest && request.signal.empty());
+  if (moved) request.options.signal = AlarmSignal::moved, request.options.rest = true;
+  check_request(request, networks);
+  const nn::Target target = networks.empty() ? nn::Target::slip_index : networks.front().target;
   std::optional<Device> device;
   std::unique_ptr<LiveEstimator> compiled;  // before the source is opened, whose frames do not wait
   if (!request.device.empty()) {
@@ -213,15 +291,17 @@ int run_monitor(const MonitorRequest& request) {
   OpenSource opened = open_for(request);
   const bool touch_known = request.options.touch || knows_touch(opened.profile);
   MonitorOptions options = request.options;
+  request.alarm = alarm_of(request, opened.profile.map.calibration);
   if (request.alarm || (request.view && touch_known)) options.at = request.alarm.value_or(default_alarm);
   options.widest = request.widest.value_or(options.widest);
   options.ignore_unlike = request.unlike == "ignore";
   if (target == nn::Target::slip_index) options.true_slip_index = opened.true_slip_index;
-  LiveMonitor monitor(networks, opened.profile, options, device);
-  if (request.alarm && !touch_known)
-    throw ConfigError("command line", "--alarm", fmt::format("{}", *request.alarm),
+  if ((request.alarm || options.rest) && !touch_known && opened.profile.map.calibration.has_zero)
+    throw ConfigError("command line", request.alarm ? "--alarm" : "--rest",
+                      request.alarm ? fmt::format("{}", *request.alarm) : "",
                       "given with --touch MPa, or with noise in [calibration] (tactel tare measures it): without a "
                       "threshold of touch, noise at rest raises alarms");
+  LiveMonitor monitor(networks, opened.profile, options, device);
   Output output;
   for (std::size_t i = 0; i < networks.size(); ++i)
     if (const std::string learnt = learnt_text(networks[i].learnt); !learnt.empty() && !request.quiet)
@@ -239,8 +319,8 @@ int run_monitor(const MonitorRequest& request) {
                  .pads = opened.profile.pads});
   const Until until(request.seconds);
   std::vector<std::string> later;
-  const MonitorSummary summary =
-      monitor.run(*opened.source, make_events(request, nn::name(target), view, output, until, later));
+  const MonitorSummary summary = monitor.run(
+      *opened.source, make_events(request, networks.empty() ? nullptr : nn::name(target), view, output, until, later));
   if (const auto picture = view.show_newest(output.columns())) output.put(*picture);
   for (const std::string& warning : later)
     if (!request.quiet) print_warning(warning);
@@ -264,10 +344,10 @@ void add_monitor_command(CLI::App& app, Action& action) {
   add_sensor_options(*command, *request);
   command
       ->add_option("--network", request->networks,
-                   "network that evaluates the frames, see tactel train; of several pads once, or once for each")
+                   "network that evaluates the frames, see tactel train; of several pads once, or once for each; "
+                   "needed but with --rest")
       ->type_name("FILE.onnx")
-      ->allow_extra_args(false)
-      ->required();
+      ->allow_extra_args(false);
   command->add_option("--every", request->every, "print only every N-th frame")
       ->type_name("N")
       ->check(CLI::PositiveNumber)
@@ -298,12 +378,23 @@ void add_monitor_command(CLI::App& app, Action& action) {
   CLI::Option* alarm =
       command
           ->add_option(
-              "--alarm", request->alarm,
+              "--alarm", request->alarm_given,
               "add \"alarm\" to each line: true from this upper bound of S on (S itself where the network has no "
-              "bound), false again 0.05 below; a line where it changes is always printed; --view shows it, too, "
-              "no unit (default of --view: 0.8)")
+              "bound), false again 0.05 below; a line where it changes is always printed; --view shows it, too; with "
+              "--signal moved from this \"moved\" on, no unit (default: 0.8; of moved that of tactel tare --hold)")
           ->type_name("FLOAT")
+          ->expected(0, 1)
           ->check(CLI::Range(0.0f, 1.0f));
+  command->add_flag(
+      "--rest", request->options.rest,
+      "add \"rest\", whether a rest of the grip is known, and \"moved\", the change of all stresses since, "
+      "over the normal force then; a line \"rest\" on standard input seeks rest anew");
+  command
+      ->add_option(
+          "--signal", request->signal,
+          "what --alarm acts on: slip, S or its bound, or moved, with --rest (default: slip, without a network "
+          "moved)")
+      ->check(CLI::IsMember({"slip", "moved"}));
   command
       ->add_option("--hold", request->options.hold,
                    "with --alarm: it begins at the last of so many frames in a row that ask for it")

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "host/commands/command.h"
 #include "host/commands/live/sensor_session.h"
 #include "host/live/frame_reader.h"
+#include "host/live/live_monitor.h"
 #include "host/support/durable_file.h"
 #include "host/support/errors.h"
 #include "host/support/progress_line.h"
@@ -18,7 +20,7 @@ namespace {
 constexpr std::size_t fewest_frames = 8;  // fewer cannot tell rest from motion
 
 struct TareRequest : SensorRequest {
-  std::string output;
+  std::string output, hold;
   bool force = false;
 };
 
@@ -56,6 +58,48 @@ std::string motion(const hw::Tare& tare, const hw::ChannelMap& map) {
   return worst;
 }
 
+constexpr double hold_margin = 1.2;
+
+/// The threshold of `moved`: 1.2 times its largest in a recording of a hold. Throws SourceError where it has no rest,
+/// or ends.
+double threshold_of(const TareRequest& request, const hw::Calibration& calibration) {
+  const std::string& given = request.hold;
+  const bool source = given.starts_with("replay:") || given.starts_with("csv:") || given.starts_with("simulate:");
+  OpenSource hold = open_source(source ? given : "replay:" + given, request.profiles, {});
+  const auto refuse = [&](const std::string& problem, const char* fix) -> hw::SourceError {
+    return hw::SourceError(fmt::format("{}: {}; {}", given, problem, fix));
+  };
+  if (hold.profile.format()->channels() != calibration.offset.size())
+    throw refuse(
+        fmt::format("{} channels, and --source has {}", hold.profile.format()->channels(), calibration.offset.size()),
+        "give a hold of the same sensor");
+  hold.profile.map.calibration = calibration;
+  if (!knows_touch(hold.profile))
+    throw refuse("the readings at rest have no noise, which tells a touch", "take --source from the sensor itself");
+  LiveMonitor monitor({}, hold.profile, {.late = 1e9, .rest = true, .signal = AlarmSignal::moved});
+  float largest = 0;
+  std::size_t found = 0;  // pads whose rest is known
+  std::optional<std::uint64_t> ended;
+  monitor.run(*hold.source, {.line = [&](const MonitorLine& line) {
+    std::size_t rests = line.rest == true, touch = line.contact == true;
+    if (!line.pads.empty())
+      rests = static_cast<std::size_t>(std::ranges::count(line.pads, true, &AlarmAnswer::rest)),
+      touch = static_cast<std::size_t>(std::ranges::count(line.pads, true, &AlarmAnswer::contact));
+    if (rests < found && !ended && touch < found) ended = line.frame.number;
+    if (rests < found) largest = 0;  // the hand tightened its grip
+    largest = std::fmax(largest, line.moved);
+    found = rests;
+  }});
+  if (found == 0 && !ended)
+    throw refuse("no grip at rest in it", "record a hand that grips, holds still, and moves as in use");
+  if (ended)
+    throw refuse(fmt::format("the grip ends at frame {}", *ended), "record a hold that ends before the hand opens");
+  const double threshold = hold_margin * largest;
+  if (!(threshold > 0 && threshold < 0.5))
+    throw refuse(fmt::format("the stresses change by {:.2g} of the normal force", largest), "record a grip that holds");
+  return threshold;
+}
+
 int run_tare(const TareRequest& request) {
   check_writable("--output", request.output);
   OpenSource opened = open_for(request);
@@ -84,8 +128,10 @@ int run_tare(const TareRequest& request) {
   calibration.offset = tare.offset();
   calibration.noise = tare.noise();
   calibration.has_zero = true;
+  if (!request.hold.empty()) calibration.moved = threshold_of(request, calibration);
   write_file("--output", request.output, calibration_text(calibration));
   say(fmt::format("the mean of {} frames is in {}", tare.frames(), request.output));
+  if (!request.hold.empty()) say(fmt::format("the alarm of moved begins at {:.4g}", calibration.moved));
   return done;
 }
 
@@ -103,6 +149,12 @@ void add_tare_command(CLI::App& app, Action& action) {
   command->add_option("--seconds", request->seconds, "time to listen, s")
       ->check(positive_number())
       ->capture_default_str();
+  command
+      ->add_option(
+          "--hold", request->hold,
+          "recording of a grip that holds, moved as in use: 1.2 times its largest \"moved\" is the threshold of "
+          "monitor --signal moved --alarm; of tactel record, or csv:FILE")
+      ->type_name("RECORDING");
   command->add_flag("--force", request->force, "write the file even if the sensor moved");
   command->callback([request, &action] { action = [request] { return run_tare(*request); }; });
 }

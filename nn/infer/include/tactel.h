@@ -75,6 +75,12 @@ TACTEL_API void tactel_history_clear(tactel_history* history);
 /* The alarm of `tactel monitor`: frames of one sensor in turn. For one thread at a time. */
 typedef struct tactel_alarm tactel_alarm;
 
+/* The number that an alarm judges. */
+enum tactel_signal {
+  TACTEL_SLIP = 0, /* the upper bound of S, or S */
+  TACTEL_MOVED = 1 /* `moved` */
+};
+
 /* Rules of an alarm, as tactel::AlarmOptions of tactel/infer.h. */
 typedef struct tactel_alarm_options {
   float at;          /* begins where the upper bound of S (S itself without one) reaches this, and ends 0.05 below */
@@ -82,6 +88,8 @@ typedef struct tactel_alarm_options {
   float widest;      /* no alarm begins at a wider interval of S */
   int hold;          /* it begins at the last of so many frames in a row that ask for it */
   int ignore_unlike; /* 0: a frame that is unlike those learnt asks for the alarm; else its S decides */
+  int rest;          /* 1: answers have `rest` and `moved` */
+  int signal;        /* what `at` is of, enum tactel_signal; TACTEL_MOVED stands for `rest`, too */
 } tactel_alarm_options;
 
 /* What an alarm says about a frame. */
@@ -91,6 +99,8 @@ typedef struct tactel_alarm_answer {
   float acted_on;       /* number that the alarm judges; 0 without contact */
   int on;               /* 1: the alarm */
   int cannot_tell;      /* 1: no answer though it touches, or unlike those learnt, or only the width keeps it off */
+  int rest;             /* 0 or 1: a rest of this grip is known; -1 where it is not asked for */
+  float moved;          /* change of the stresses since rest, over the sum of the normal stresses then; NaN: none */
 } tactel_alarm_answer;
 
 /* Returns the default rules: at 0.8, the network's own touch, any width, 1 frame, unlike frames ask for it. */
@@ -100,12 +110,18 @@ TACTEL_API tactel_alarm_options tactel_alarm_defaults(void);
    rules out of range and without memory; tactel_error() has the reason. */
 TACTEL_API tactel_alarm* tactel_alarm_create(const tactel_estimator* estimator, const tactel_alarm_options* options);
 
+/* The same without a network, by TACTEL_MOVED: frames of `tactels` with 1 to 3 axes each. */
+TACTEL_API tactel_alarm* tactel_alarm_create_moved(size_t tactels, size_t axes, const tactel_alarm_options* options);
+
 /* Frees an alarm. */
 TACTEL_API void tactel_alarm_free(tactel_alarm* alarm);
 
 /* Takes the sensor's next frame: [count] MPa. Allocates nothing and takes no lock. A frame without an answer leaves the
    alarm as it is. */
 TACTEL_API tactel_alarm_answer tactel_alarm_next(tactel_alarm* alarm, const float* frame, size_t count);
+
+/* Seeks rest anew from the next frame on, after a change of the grip; ends an alarm of TACTEL_MOVED. */
+TACTEL_API void tactel_alarm_rest(tactel_alarm* alarm);
 
 /* Ends the alarm and forgets all frames. */
 TACTEL_API void tactel_alarm_clear(tactel_alarm* alarm);

@@ -3,6 +3,7 @@
 #include <tactel/infer.h>
 
 #include <cmath>
+#include <random>
 
 #include "nn/infer/network_file.h"
 #include "tests/host/live/shear_network.h"
@@ -166,6 +167,138 @@ TEST(Alarm, TakesAHistory) {
   EXPECT_NEAR(again.answer.slip_index, 0.77f, 1e-6) << "no frame is before it";
   EXPECT_FALSE(again.on);
   EXPECT_EQ(again.contact, std::nullopt);
+}
+
+/// A frame of two tactels with two axes: normal stresses, then shear.
+std::vector<float> grip(float normal, float other, float shear = 0) { return {-normal, -other, shear, 0}; }
+
+/// Lets the alarm find the rest of a grip at (0.3, 0.1) MPa, P = 0.4.
+void rest_at_a_grip(Alarm& alarm) {
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(alarm.next(grip(0.3f, 0.1f)).rest, i == 9) << i;
+}
+
+// Differences of 0.012 and 0.016 MPa have the norm 0.02, over P = 0.4: 0.05. It begins there, and ends below 0.05
+// / 1.2.
+TEST(Alarm, MovedIsTheChangeSinceRest) {
+  Alarm alarm(2, 2, {.at = 0.0499f, .touch = 0.01, .signal = AlarmSignal::moved});
+  ASSERT_EQ(alarm.inputs(), 4u);
+  EXPECT_EQ(alarm.next(grip(0.005f, 0)).contact, false);
+  EXPECT_TRUE(alarm.next(grip(0.3f, 0.1f)).cannot_tell) << "no rest is known yet";
+  alarm.clear();
+  rest_at_a_grip(alarm);
+  EXPECT_NEAR(alarm.next(grip(0.3f, 0.1f)).moved, 0, 1e-7);
+  const AlarmAnswer said = alarm.next(grip(0.3f - 0.012f, 0.1f, 0.016f));
+  EXPECT_NEAR(said.moved, 0.05, 1e-6);
+  EXPECT_EQ(said.acted_on, said.moved);
+  EXPECT_TRUE(said.on);
+  EXPECT_FALSE(said.cannot_tell);
+  EXPECT_THAT(said.answer.slip_index, IsNan());
+  EXPECT_TRUE(alarm.next(grip(0.3f, 0.1f, 0.0168f)).on) << "0.042 is above 0.0499 / 1.2 = 0.0416";
+  EXPECT_FALSE(alarm.next(grip(0.3f, 0.1f, 0.0164f)).on) << "0.041 is below";
+}
+
+// A NaN and a frame of another size leave rest and alarm.
+TEST(Alarm, AFrameWithoutAnAnswerLeavesTheRest) {
+  Alarm alarm(2, 2, {.at = 0.05f, .touch = 0.01, .signal = AlarmSignal::moved});
+  for (int i = 0; i < 5; ++i) alarm.next(grip(0.3f, 0.1f));
+  EXPECT_EQ(alarm.next(grip(0.3f, NAN)).answer.status, AnswerStatus::not_finite);
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(alarm.next(grip(0.3f, 0.1f)).rest, i == 4) << i;
+  EXPECT_TRUE(alarm.next(grip(0.3f, 0.1f, 0.04f)).on);
+  const AlarmAnswer nothing = alarm.next(grip(0.3f, 0.1f, NAN));
+  EXPECT_TRUE(nothing.on && nothing.cannot_tell && nothing.rest == true);
+  EXPECT_THAT(nothing.moved, IsNan());
+  EXPECT_TRUE(alarm.next(std::vector<float>(3)).on);
+  EXPECT_FALSE(alarm.next(grip(0.3f, 0.1f)).on);
+}
+
+// Each press has 200 frames to 0.4 MPa and is silent; rest comes when nothing moved for as long. Three frames without
+// contact in a row are a release, two are not.
+TEST(Alarm, TouchDownIsSilentAndARegripRestsAnew) {
+  Alarm alarm(2, 2, {.at = 0.03f, .touch = 0.01, .signal = AlarmSignal::moved});
+  for (const float most : {0.4f, 0.2f}) {
+    int rest = 0;
+    for (int i = 1; i <= 500; ++i) {
+      const float normal = most * static_cast<float>(std::min(i, 200)) / 200;
+      const AlarmAnswer said = alarm.next(grip(normal, normal / 3));
+      EXPECT_FALSE(said.on) << i;
+      EXPECT_EQ(std::isnan(said.moved), said.rest == false) << i;
+      if (said.rest == true && rest == 0) rest = i;
+    }
+    EXPECT_GT(rest, 350);
+    EXPECT_LT(rest, 450);
+    EXPECT_TRUE(alarm.next(grip(most, most / 3, 0.1f)).on);
+    for (int i = 0; i < 2; ++i) EXPECT_FALSE(alarm.next(grip(0, 0)).on);
+    EXPECT_EQ(alarm.next(grip(most, most / 3)).rest, true);
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(alarm.next(grip(0, 0)).rest, i < 2);
+  }
+}
+
+// P of 0.4 MPa doubles: it is another grip, whose rest is 0.9 MPa.
+TEST(Alarm, ATighterGripRestsAnew) {
+  Alarm alarm(2, 2, {.at = 0.03f, .touch = 0.01, .signal = AlarmSignal::moved});
+  rest_at_a_grip(alarm);
+  EXPECT_TRUE(alarm.next(grip(0.45f, 0.15f)).on);
+  EXPECT_FALSE(alarm.next(grip(0.675f, 0.225f)).on) << "no rest of this grip is known";
+  for (int i = 0; i < 20; ++i) alarm.next(grip(0.675f, 0.225f));
+  EXPECT_NEAR(alarm.next(grip(0.675f, 0.225f, 0.045f)).moved, 0.05, 1e-6);
+}
+
+TEST(Alarm, RestIsSoughtAnewByACall) {
+  Alarm alarm(2, 2, {.at = 0.03f, .touch = 0.01, .signal = AlarmSignal::moved});
+  rest_at_a_grip(alarm);
+  EXPECT_TRUE(alarm.next(grip(0.3f, 0.1f, 0.08f)).on);
+  alarm.rest();
+  for (int i = 0; i < 10; ++i) {
+    const AlarmAnswer said = alarm.next(grip(0.3f, 0.1f, 0.08f));
+    EXPECT_FALSE(said.on);
+    EXPECT_EQ(said.rest, i == 9) << i;
+  }
+  EXPECT_NEAR(alarm.next(grip(0.3f, 0.1f, 0.06f)).moved, 0.05, 1e-6);
+}
+
+// White noise of 1 % of P on each stress, far above 1 % of P together, hides no rest; its mean is that of the frames.
+TEST(Alarm, NoiseIsNoMotion) {
+  Alarm alarm(16, 3, {.at = 0.4f, .touch = 0.001, .signal = AlarmSignal::moved});
+  std::mt19937 random(4);
+  std::normal_distribution<float> noise(0, 0.004f);
+  std::vector<float> frame(48);
+  float largest = 0;
+  for (int i = 0; i < 200; ++i) {
+    for (std::size_t k = 0; k < 48; ++k) frame[k] = (k < 16 ? -0.025f : 0.0f) + noise(random);
+    const AlarmAnswer said = alarm.next(frame);
+    EXPECT_TRUE(i < 30 || said.rest == true) << i;
+    if (said.rest == true) largest = std::max(largest, said.moved);
+  }
+  EXPECT_LT(largest, 0.12f);  // sqrt(48 1.1) 1 % is 0.073, and its spread a tenth of that
+}
+
+// A network gives S beside; the alarm acts on what it is told to.
+TEST(Alarm, RestBesideANetwork) {
+  Alarm by_slip(estimator_of(shear_network()), {.at = 0.8f, .touch = 0.01, .rest = true}),
+      by_moved(estimator_of(shear_network()), {.at = 0.03f, .touch = 0.01, .signal = AlarmSignal::moved});
+  for (int i = 0; i < 10; ++i) by_slip.next(grip(0.3f, 0.1f)), by_moved.next(grip(0.3f, 0.1f));
+  const std::vector<float> frame = grip(0.3f, 0.1f, 0.04f);
+  const AlarmAnswer slip = by_slip.next(frame), moved = by_moved.next(frame);
+  EXPECT_EQ(slip.answer.slip_index, moved.answer.slip_index);
+  EXPECT_NEAR(slip.moved, 0.1, 1e-6);
+  EXPECT_EQ(slip.acted_on, slip.answer.slip_index);
+  EXPECT_EQ(moved.acted_on, slip.moved);
+  EXPECT_FALSE(slip.on);
+  EXPECT_TRUE(moved.on);
+}
+
+TEST(Alarm, RefusesRulesOfMovedThatMeanNothing) {
+  const auto refused = [](std::size_t tactels, std::size_t axes, const AlarmOptions& options) {
+    return thrown_message<InputError>([&] { Alarm(tactels, axes, options); });
+  };
+  const auto moved = AlarmSignal::moved;
+  EXPECT_THAT(refused(2, 2, {.touch = 0.1, .signal = moved}), HasSubstr("at: 0.8"));
+  EXPECT_THAT(refused(2, 2, {.at = 0, .touch = 0.1, .signal = moved}), HasSubstr("at: 0.0"));
+  EXPECT_THAT(refused(2, 2, {.at = 0.03f, .signal = moved}), HasSubstr("touch: 0.0"));
+  EXPECT_THAT(refused(2, 2, {.at = 0.03f, .touch = 0.1}), HasSubstr("signal: slip; must be moved"));
+  EXPECT_THAT(refused(0, 2, {.at = 0.03f, .touch = 0.1, .signal = moved}), HasSubstr("tactels: 0"));
+  EXPECT_THAT(refused(2, 4, {.at = 0.03f, .touch = 0.1, .signal = moved}), HasSubstr("axes: 4"));
+  EXPECT_EQ(refused(2, 1, {.at = 0.03f, .touch = 0.1, .signal = moved}), "no error");
 }
 
 TEST(Alarm, RefusesWhatItCannotMean) {

@@ -115,10 +115,17 @@ class TACTEL_API SlipHistory {
   State* state_;
 };
 
+/// The number that an Alarm judges.
+enum class AlarmSignal : std::uint32_t {
+  slip = 0,   ///< the upper bound of S, or S
+  moved = 1,  ///< AlarmAnswer::moved
+};
+
 /// Rules of an Alarm.
 struct AlarmOptions {
   /// The alarm begins where the upper bound of S (S itself of a network without a bound) reaches this, 0 to 1, and ends
-  /// below at - 0.05. Infinity: it never begins.
+  /// below at - 0.05. Of AlarmSignal::moved: above 0 and below 0.5, such as 1.2 times the largest `moved` of a hold
+  /// that holds (`tactel tare --hold`); it ends below at / 1.2. Infinity: it never begins.
   float at = 0.8f;
   /// MPa: a frame whose normal stresses all stay below this is no contact. It has no S, and ends an alarm. None:
   /// smallest_peak() of the network. 0: every frame is one, and noise at rest raises alarms.
@@ -129,26 +136,41 @@ struct AlarmOptions {
   int hold = 1;
   /// A frame that is `unlike` asks for the alarm, as the network cannot tell. True: its S decides.
   bool ignore_unlike = false;
+  /// Answers have `rest` and `moved`; needs a threshold of touch above 0.
+  bool rest = false;
+  /// moved: needs no network, and stands for `rest`, too.
+  AlarmSignal signal = AlarmSignal::slip;
 };
 
 /// What an Alarm says about a frame.
 struct AlarmAnswer {
   Answer answer{};                ///< its S and upper bound are NaN without contact
   std::optional<bool> contact{};  ///< none without a threshold of touch
-  float acted_on = 0;             ///< number that the alarm judges: the upper bound of S, or S; 0 without contact
-  bool on = false;                ///< the alarm
+  float acted_on = 0;  ///< number that the alarm judges, AlarmSignal; 0 without contact, or rest where needed
+  bool on = false;     ///< the alarm
   /// The frame has no answer though it touches, or is unlike those learnt, or only the width of its interval keeps the
-  /// alarm off.
+  /// alarm off, or the rest that it needs is not found.
   bool cannot_tell = false;
+  std::optional<bool> rest{};  ///< whether a rest of this grip is known; none where it is not asked for
+  /// Change of the stresses since rest: the Euclidean norm of the differences of all, over the sum of the normal
+  /// stresses at rest. NaN without contact or rest, and where a stress is not finite.
+  float moved = std::numeric_limits<float>::quiet_NaN();
 };
 
 /// The alarm of `tactel monitor`: its frames of one sensor in turn, by its rules. A frame without an answer leaves the
 /// alarm as it is. Each of several sensors has its Alarm: there is one where one of them is on. An object is for one
 /// thread at a time.
+///
+/// Rest is the mean of the first frames after touch-down in which nothing moves: ten or more, and as many as moved
+/// since touch-down; 1000 are enough. It is sought anew after three frames without contact, where the sum of the normal
+/// stresses has doubled, and by rest().
 class TACTEL_API Alarm {
  public:
   /// Throws InputError for options out of range, `widest` without a bound, and a network that does not estimate S.
   explicit Alarm(const SlipEstimator& network, const AlarmOptions& options = {});
+  /// Without a network, by AlarmSignal::moved: frames of 1 or more tactels with 1 to 3 axes each, normal stresses
+  /// first. S and its bound are NaN. Throws InputError for options out of range.
+  Alarm(std::size_t tactels, std::size_t axes, const AlarmOptions& options);
   ~Alarm();
   Alarm(const Alarm&) = delete;
   Alarm& operator=(const Alarm&) = delete;
@@ -163,6 +185,9 @@ class TACTEL_API Alarm {
   /// The same for an answer that was estimated elsewhere, as on a device: takes no frame into its own history.
   AlarmAnswer answer(std::span<const float> frame, const Answer& estimated) noexcept;
   AlarmAnswer judge(AlarmAnswer answer) noexcept;
+  /// Seeks rest anew from the next frame on: call it where the hand has changed its grip and holds still. Ends an alarm
+  /// of AlarmSignal::moved.
+  void rest() noexcept;
   /// Ends the alarm and forgets all frames.
   void clear() noexcept;
 
