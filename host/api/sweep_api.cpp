@@ -16,7 +16,6 @@
 #include "host/sets/set_recipe.h"
 #include "host/sets/set_simulator.h"
 #include "host/support/errors.h"
-#include "host/training/frame_floor.h"
 
 namespace tactel {
 
@@ -182,13 +181,23 @@ PadScene Sweep::pad_scene(std::uint64_t k) const {
   return api::with_public_errors([&] { return api::from_fem(pads->contact(k).scene); }, state_->path);
 }
 
-Sweep Sweep::changed(double shift) const {
-  if (!endless()) throw InputError(state_->path, "a listed set", "a sweep that draws its contacts (sweep.contacts)");
-  auto source = std::visit([&](const auto& of) { return host::AnySource(of.changed(shift)); }, state_->sweep.source);
-  return Sweep(new State{state_->path, host::Sweep{state_->sweep.text, std::move(source)}, false});
+std::vector<bool> Sweep::numbers() const {
+  return std::visit([](const auto& of) { return of.numbers(); }, state_->sweep.source);
 }
-std::uint64_t Sweep::changes() const {
-  return std::visit([](const auto& of) { return of.changes(); }, state_->sweep.source);
+Sweep Sweep::of_quantiles(std::span<const double> quantiles) const {
+  if (!endless()) throw InputError(state_->path, "a listed set", "a sweep that draws its contacts (sweep.contacts)");
+  const std::size_t count = numbers().size();
+  if (quantiles.empty() || quantiles.size() % count != 0)
+    throw InputError("quantiles", std::to_string(quantiles.size()) + " of them",
+                     "give " + std::to_string(count) + " for each contact");
+  if (!std::ranges::all_of(quantiles, [](double u) { return u >= 0 && u < 1; }))
+    throw InputError("quantiles", "one that is NaN, below 0, 1 or above", "give numbers in [0, 1)");
+  auto source = std::visit(
+      [&](const auto& of) {
+        return host::AnySource(of.of_quantiles({quantiles.begin(), quantiles.end()}));
+      },
+      state_->sweep.source);
+  return Sweep(new State{state_->path, host::Sweep{state_->sweep.text, std::move(source)}, false});
 }
 
 Set Sweep::generate(std::optional<std::uint64_t> contacts, const SweepOptions& options,
@@ -203,24 +212,6 @@ Set Sweep::generate(std::optional<std::uint64_t> contacts, const SweepOptions& o
         return set;
       },
       state_->path);
-}
-
-std::vector<double> linear_errors(const Set& rows, std::uint64_t changes, double shift,
-                                  std::span<const std::int64_t> readings, std::span<const double> sigma, double gain) {
-  const auto all = static_cast<std::int64_t>(rows.rows());
-  const std::size_t frames = sigma.empty() ? 1 : readings.size() / sigma.size();
-  for (std::size_t k = 0; k < readings.size(); ++k)
-    if (readings[k] < (k % frames == 0 ? 0 : -1) || readings[k] >= all)
-      throw InputError("readings", std::to_string(readings[k]), "must be rows of the set");
-  return host::linear_errors({.inputs = static_cast<int>(rows.inputs),
-                              .changes = changes,
-                              .shift = shift,
-                              .frames = rows.frames,
-                              .slip_index = rows.slip_index,
-                              .contact = rows.contact,
-                              .step = rows.step,
-                              .status = rows.status},
-                             {{readings.begin(), readings.end()}, {sigma.begin(), sigma.end()}, gain});
 }
 
 struct SweepBatches::State {

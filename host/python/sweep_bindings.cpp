@@ -147,17 +147,6 @@ void bind_set(py::module_& m) {
                " tactels, " + std::to_string(set.contacts) + " contacts>";
       });
   m.def(
-      "_linear_errors",
-      [](const Set& rows, std::uint64_t changes, double shift,
-         const py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>& readings,
-         const py::array_t<double, py::array::c_style | py::array::forcecast>& sigma, double gain) {
-        const std::span<const std::int64_t> places(readings.data(), static_cast<std::size_t>(readings.size()));
-        const std::span<const double> noise(sigma.data(), static_cast<std::size_t>(sigma.size()));
-        const py::gil_scoped_release released;
-        return linear_errors(rows, changes, shift, places, noise, gain);
-      },
-      "rows"_a, "changes"_a, "shift"_a, "readings"_a, "sigma"_a, "gain"_a);
-  m.def(
       "read_set",
       [](const FileName& path) {
         const py::gil_scoped_release released;
@@ -181,8 +170,13 @@ void bind_sweeps(py::module_& m) {
            }),
            "path"_a, "seed"_a = py::none(), "tactels"_a = py::none(), "thickness"_a = py::none(),
            "Reads a sweep file (TOML). seed, tactels and thickness (mm) take the place of the file's.")
-      .def("_changed", &Sweep::changed, "shift"_a)
-      .def_property_readonly("_changes", &Sweep::changes)
+      .def(
+          "_of_quantiles",
+          [](const Sweep& sweep, const py::array_t<double, py::array::c_style | py::array::forcecast>& quantiles) {
+            return sweep.of_quantiles({quantiles.data(), static_cast<std::size_t>(quantiles.size())});
+          },
+          "quantiles"_a)
+      .def("_numbers", &Sweep::numbers)
       .def("__len__", &Sweep::contacts)
       .def_property_readonly("contacts", &Sweep::contacts)
       .def_property_readonly("endless", &Sweep::endless, "contacts beyond `contacts` exist")

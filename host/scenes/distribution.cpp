@@ -26,8 +26,23 @@ double number_of(const LogUniformDraw& d, const DrawKey& key) {
   return std::clamp(std::exp(std::lerp(std::log(d.from), std::log(d.to), uniform_number(key))), d.from, d.to);
 }
 
+/// The number below which a share `quantile` of the distribution lies, by bisection.
+double quantile_of(const NormalDraw& d, double quantile) {
+  const auto below = [&](double value) {
+    return 0.5 * std::erfc((d.mean - value) / (d.deviation * std::numbers::sqrt2));
+  };
+  const double share = std::lerp(below(d.min), below(d.max), quantile);
+  double low = d.min, high = d.max;
+  for (int k = 0; k < 60; ++k) {
+    const double middle = std::midpoint(low, high);
+    (below(middle) < share ? low : high) = middle;
+  }
+  return low;
+}
+
 /// Box and Muller (1958).
 double number_of(const NormalDraw& d, const DrawKey& key) {
+  if (key.quantiles) return quantile_of(d, uniform_number(key));
   for (std::uint32_t attempt = 0; attempt < most_attempts; ++attempt) {
     const nn::PhiloxCounter words = random_words(key, attempt);
     const double radius = std::sqrt(-2 * std::log(1 - unit(words[0], words[1])));
@@ -133,10 +148,9 @@ nn::PhiloxCounter random_words(const DrawKey& key, std::uint32_t attempt) {
 }
 
 double uniform_number(const DrawKey& key) {
+  if (key.quantiles) return key.quantiles[key.draw];
   const nn::PhiloxCounter words = random_words(key);
-  const double u = unit(words[0], words[1]);
-  if (key.draw != key.moved) return u;
-  return u < 0.5 ? u + key.shift : u - key.shift;
+  return unit(words[0], words[1]);
 }
 
 double draw(const Distribution& distribution, const DrawKey& key) {
@@ -147,9 +161,7 @@ std::pair<double, double> ends(const Distribution& distribution) {
   return std::visit([](const auto& d) { return ends_of(d); }, distribution);
 }
 
-bool over_a_range(const Distribution& distribution) {
-  return std::holds_alternative<UniformDraw>(distribution) || std::holds_alternative<LogUniformDraw>(distribution);
-}
+bool continuous(const Distribution& distribution) { return !std::holds_alternative<ChoiceDraw>(distribution); }
 
 std::size_t draw_weighted(const std::vector<double>& weights, const DrawKey& key) {
   double left = uniform_number(key) * std::accumulate(weights.begin(), weights.end(), 0.0);

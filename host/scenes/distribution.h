@@ -17,14 +17,13 @@ struct DrawKey {
   nn::RandomStream stream = nn::RandomStream::contact;
   std::uint64_t item = 0;  ///< contact or sensor
   std::uint32_t draw = 0;  ///< index of the number
-  /// Uniform numbers of this index are moved by `shift` towards the middle of 0 ... 1.
-  std::uint32_t moved = ~std::uint32_t{0};
-  double shift = 0;
+  /// Quantiles [draws] in [0, 1) of the numbers, in place of random ones; null: they are drawn.
+  const double* quantiles = nullptr;
 };
 
 /// Returns four random words. `attempt` counts the attempts of one draw. Below 2^20 draws, 2^12 attempts.
 nn::PhiloxCounter random_words(const DrawKey& key, std::uint32_t attempt = 0);
-/// Returns a number in [0, 1) with 53 random bits.
+/// Returns the quantile of the key, or a number in [0, 1) with 53 random bits.
 double uniform_number(const DrawKey& key);
 
 /// A number of a sweep file that differs between contacts.
@@ -47,8 +46,8 @@ using Distribution = std::variant<UniformDraw, LogUniformDraw, NormalDraw, Choic
 double draw(const Distribution& distribution, const DrawKey& key);
 /// Returns the smallest and the largest possible number.
 std::pair<double, double> ends(const Distribution& distribution);
-/// Returns true for a uniform or log-uniform number: DrawKey::moved may move it over its range.
-bool over_a_range(const Distribution& distribution);
+/// Returns whether the number grows steadily with its quantile: a choice does not.
+bool continuous(const Distribution& distribution);
 /// Returns the index of one of several weights, drawn in proportion to them.
 std::size_t draw_weighted(const std::vector<double>& weights, const DrawKey& key);
 

@@ -65,15 +65,15 @@ double rounded_most(const Distribution& count) { return std::round(ends(count).s
 /// The numbers of one contact, drawn one after the other.
 class PathDraws {
  public:
-  PathDraws(std::uint64_t seed, std::uint64_t contact, std::optional<std::uint32_t> moved, double shift)
-      : key_{.seed = seed, .stream = nn::RandomStream::path, .item = contact, .shift = shift}, moved_(moved) {}
+  explicit PathDraws(const DrawKey& key) : key_(key) { key_.stream = nn::RandomStream::path, key_.draw = 0; }
 
   double number(const Distribution& from) {
-    if (over_a_range(from) && moved_ == numbers_++) key_.moved = key_.draw;
-    return next(from);
+    const double drawn = draw(from, key_);
+    ++key_.draw;
+    return drawn;
   }
-  int count(const Distribution& from) { return static_cast<int>(std::lround(next(from))); }
-  bool happens(double probability) { return next(UniformDraw{}) < probability; }
+  int count(const Distribution& from) { return static_cast<int>(std::lround(number(from))); }
+  bool happens(double probability) { return number(UniformDraw{}) < probability; }
   /// Returns `steps` increasing shares; the last is 1.
   std::vector<double> shares(int steps) {
     std::vector<double> sums;
@@ -86,15 +86,7 @@ class PathDraws {
   }
 
  private:
-  double next(const Distribution& from) {
-    const double drawn = draw(from, key_);
-    ++key_.draw;
-    return drawn;
-  }
-
   DrawKey key_;
-  std::optional<std::uint32_t> moved_;
-  std::uint32_t numbers_ = 0;  ///< uniform and log-uniform ones so far
 };
 
 /// Where a stroke goes: a unit vector, and its twist, rad.
@@ -128,10 +120,10 @@ double IrregularLoad::most_twist() const {
   return rounded_most(presses) * rounded_most(strokes) * std::max(std::abs(low), std::abs(high));
 }
 
-std::uint32_t IrregularLoad::most_numbers() const {
-  const double of_stroke = (turning ? 4 : 2) + rounded_most(release_steps) + rounded_most(stroke_steps);
-  return static_cast<std::uint32_t>(rounded_most(presses) *
-                                    (1 + 2 * rounded_most(press_steps) + rounded_most(strokes) * of_stroke));
+std::uint32_t IrregularLoad::most_draws() const {
+  const double of_stroke = 8 + rounded_most(release_steps) + 2 * rounded_most(stroke_steps);
+  return static_cast<std::uint32_t>(1 + rounded_most(presses) *
+                                            (5 + 2 * rounded_most(press_steps) + rounded_most(strokes) * of_stroke));
 }
 
 IrregularLoad read_irregular_load(const TomlFile& file, const toml::table& table, bool pad) {
@@ -167,9 +159,8 @@ IrregularLoad read_irregular_load(const TomlFile& file, const toml::table& table
 }
 
 template <class Load>
-void draw_irregular_load(const IrregularLoad& irregular, std::uint64_t seed, std::uint64_t contact, Load& load,
-                         std::optional<std::uint32_t> moved, double shift) {
-  PathDraws draws(seed, contact, moved, shift);
+void draw_irregular_load(const IrregularLoad& irregular, const DrawKey& key, Load& load) {
+  PathDraws draws(key);
   std::vector<double>& first = load.normal_force.empty() ? load.indentation : load.normal_force;
   const double nominal = first.front();
   fem::PadTarget at;  // of a line x alone
@@ -212,9 +203,7 @@ void draw_irregular_load(const IrregularLoad& irregular, std::uint64_t seed, std
   load.indentation_steps = 1;
 }
 
-template void draw_irregular_load(const IrregularLoad&, std::uint64_t, std::uint64_t, fem::Load&,
-                                  std::optional<std::uint32_t>, double);
-template void draw_irregular_load(const IrregularLoad&, std::uint64_t, std::uint64_t, fem::PadLoad&,
-                                  std::optional<std::uint32_t>, double);
+template void draw_irregular_load(const IrregularLoad&, const DrawKey&, fem::Load&);
+template void draw_irregular_load(const IrregularLoad&, const DrawKey&, fem::PadLoad&);
 
 }  // namespace tactel::host

@@ -37,19 +37,16 @@ struct IrregularLoad {
   double most_steps() const;
   /// Returns the degrees by which the strokes of the longest path may turn the indenter.
   double most_twist() const;
-  /// Returns the uniform and log-uniform numbers of the longest path, its shares included.
-  std::uint32_t most_numbers() const;
+  /// Returns a bound of the numbers that a path draws.
+  std::uint32_t most_draws() const;
 };
 
 /// Reads the table of a line's or a pad's sweep. Throws ConfigError.
 IrregularLoad read_irregular_load(const TomlFile& file, const toml::table& table, bool pad);
 
 /// Replaces a load of one depth (or force) by an irregular path: the steps of the first press become its indentation,
-/// the others its moves. The path is a function of `seed`, `contact` and the load alone. `moved`: which of the path's
-/// uniform and log-uniform numbers is moved by `shift` of its range (DrawKey::moved), in the order of their drawing;
-/// counts and probabilities stay.
+/// the others its moves. The path is a function of the key's seed and contact, or its quantiles, and the load alone.
 template <class Load>
-void draw_irregular_load(const IrregularLoad& irregular, std::uint64_t seed, std::uint64_t contact, Load& load,
-                         std::optional<std::uint32_t> moved = {}, double shift = 0);
+void draw_irregular_load(const IrregularLoad& irregular, const DrawKey& key, Load& load);
 
 }  // namespace tactel::host

@@ -36,6 +36,8 @@ fem::Profile draw_profile(const SceneSource::RandomProfile& from, DrawKey key) {
   const int pieces = from.points - 1;
   std::vector<double> slopes;
   slopes.reserve(static_cast<std::size_t>(pieces));
+  if (key.quantiles)
+    for (int i = 0; i < pieces; ++i) slopes.push_back(2 * key.quantiles[from.slopes + static_cast<std::size_t>(i)] - 1);
   key.draw = from.number;
   for (std::uint32_t attempt = 0; static_cast<int>(slopes.size()) < pieces; ++attempt)
     for (const std::uint32_t word : random_words(key, attempt))
@@ -134,21 +136,42 @@ void SourceOf<fem::Scene>::model_on(const Rung& rung) {
   }
 }
 
+/// Gives the slopes of profiles and the numbers of paths their quantiles, behind those of the other numbers. Returns
+/// numbers().
 template <class Scene>
-SourceOf<Scene> SourceOf<Scene>::changed(double shift) const {
-  SourceOf source = *this;
-  source.shift_ = shift;
-  const auto take = [&](const NumberDraw& draw) {
-    if (over_a_range(draw.distribution)) source.moved_.push_back(draw.number);
+std::vector<bool> SourceOf<Scene>::lay_out_quantiles() {
+  std::vector<bool> all(draws_, false);
+  const auto take = [&](const NumberDraw& draw) { all[draw.number] = continuous(draw.distribution); };
+  const auto append = [&](std::size_t count) {
+    const auto first = static_cast<std::uint32_t>(all.size());
+    all.resize(all.size() + count, true);
+    return first;
   };
-  for (const Part* part : {&indenter_, &contact_, &load_, &sensor_})
-    for (const Alternative& alternative : part->alternatives) {
+  for (Part* part : {&indenter_, &contact_, &load_, &sensor_})
+    for (Alternative& alternative : part->alternatives) {
       std::ranges::for_each(alternative.draws, take);
-      if (alternative.profile) take(alternative.profile->half_width), take(alternative.profile->height);
+      if (auto& profile = alternative.profile) {
+        take(profile->half_width), take(profile->height);
+        profile->slopes = append(static_cast<std::size_t>(profile->points) - 1);
+      }
       if (alternative.slip_index) take(*alternative.slip_index);
-      if (alternative.irregular)
-        source.moved_of_path_ = std::max(source.moved_of_path_, alternative.irregular->most_numbers());
+      if (alternative.irregular) alternative.path = append(alternative.irregular->most_draws());
     }
+  return all;
+}
+
+template <class Scene>
+std::vector<bool> SourceOf<Scene>::numbers() const {
+  return SourceOf(*this).lay_out_quantiles();
+}
+
+template <class Scene>
+SourceOf<Scene> SourceOf<Scene>::of_quantiles(std::vector<double> quantiles) const {
+  SourceOf source = *this;
+  const std::size_t numbers = source.lay_out_quantiles().size();
+  source.contacts_ = quantiles.size() / numbers;
+  source.endless_ = false;
+  source.quantiles_ = std::move(quantiles);
   return source;
 }
 
@@ -163,13 +186,8 @@ typename SourceOf<Scene>::Contact SourceOf<Scene>::contact(std::uint64_t k) cons
 template <class Scene>
 typename SourceOf<Scene>::Contact SourceOf<Scene>::drawn_contact(std::uint64_t k) const {
   if (!listed_.empty()) return {listed_[k], listed_kinds_[k]};
-  const std::uint64_t item = k / changes(), change = k % changes();
-  DrawKey key{.seed = seed_, .stream = nn::RandomStream::contact, .item = item};
-  std::optional<std::uint32_t> moved_of_path;
-  if (change > moved_.size())
-    moved_of_path = static_cast<std::uint32_t>(change - 1 - moved_.size());
-  else if (change > 0)
-    key.moved = moved_[change - 1], key.shift = shift_;
+  DrawKey key{.seed = seed_, .stream = nn::RandomStream::contact, .item = k};
+  if (!quantiles_.empty()) key.quantiles = &quantiles_[k * (quantiles_.size() / contacts_)];
   const Alternative& indenter = draw_alternative(indenter_, key);
   const Alternative &contact = draw_alternative(contact_, key), &load = draw_alternative(load_, key);
   Contact drawn;
@@ -188,7 +206,10 @@ typename SourceOf<Scene>::Contact SourceOf<Scene>::drawn_contact(std::uint64_t k
   scene.load = load.scene.load;
   for (const Alternative* part : {&indenter, &contact, &load}) draw_numbers(*part, scene, key);
   draw_others(indenter, load, scene, key);
-  if (load.irregular) draw_irregular_load(*load.irregular, seed_, item, scene.load, moved_of_path, shift_);
+  if (load.irregular) {
+    if (key.quantiles) key.quantiles += load.path;
+    draw_irregular_load(*load.irregular, key, scene.load);
+  }
   try {
     scene.validate();
   } catch (const ValueError& error) {

@@ -82,13 +82,12 @@ class SourceOf : public ContactSource {
 
   /// Returns the model of the rung (model_on); without one, that of the file. Of lines.
   fem::SurfaceModel model() const { return model_; }
-  /// Returns the source of this source's contacts with one of their drawn numbers changed, for derivatives by finite
-  /// differences. Its contact k is contact k / n of this source, n = changes(): as it is where k % n = 0, else with the
-  /// (k % n)-th of the numbers that are drawn uniformly or log-uniformly moved by `shift` of its range
-  /// (DrawKey::moved); those of irregular paths come last. What is chosen from a list, counts, normal numbers and the
-  /// slopes of random profiles stay. Of drawn contacts only.
-  SourceOf changed(double shift) const;
-  std::uint64_t changes() const { return 1 + moved_.size() + moved_of_path_; }
+  /// Returns, of each number that a contact draws, whether it grows steadily with its quantile: choices do not. A
+  /// contact needs only the numbers of the alternatives that it draws.
+  std::vector<bool> numbers() const;
+  /// Returns the source of the contacts with these quantiles in [0, 1), [contacts][numbers()], instead of drawn ones.
+  /// Of drawn contacts only.
+  SourceOf of_quantiles(std::vector<double> quantiles) const;
   /// Returns the kinds of indenters: one for each [[indenter]].
   const std::vector<std::string>& kind_names() const { return kind_names_; }
 
@@ -125,6 +124,7 @@ class SourceOf : public ContactSource {
   struct RandomProfile {
     int points = 0;
     std::uint32_t number = 0;
+    std::uint32_t slopes = 0;  ///< the first of their quantiles
     NumberDraw half_width, height;
   };
   /// One of several tables of a name.
@@ -134,6 +134,7 @@ class SourceOf : public ContactSource {
     std::optional<RandomProfile> profile;  ///< of lines, and the next
     std::optional<NumberDraw> slip_index;  ///< load.slip_index: the angle is chosen to give this S
     std::optional<IrregularLoad> irregular;
+    std::uint32_t path = 0;  ///< the first of its quantiles
   };
   /// All tables of a name, with their weights.
   struct Part {
@@ -147,6 +148,7 @@ class SourceOf : public ContactSource {
   SourceOf() = default;
 
   Contact drawn_contact(std::uint64_t k) const;
+  std::vector<bool> lay_out_quantiles();
 
   std::optional<Rung> rung_;  ///< of lines, and the next
   fem::SurfaceModel model_ = fem::SurfaceModel::mesh;
@@ -158,9 +160,8 @@ class SourceOf : public ContactSource {
   std::string file_;  ///< for errors
   std::vector<Sensor> sensors_;
   std::vector<double> sensor_weights_;
-  std::vector<std::uint32_t> moved_;  ///< indices of the numbers that `changed` moves
-  std::uint32_t moved_of_path_ = 0;   ///< numbers of the longest irregular path, where `changed` moves them
-  double shift_ = 0;
+  std::uint32_t draws_ = 0;        ///< of a contact, but for slopes and paths
+  std::vector<double> quantiles_;  ///< [contacts][numbers()], of of_quantiles
 };
 
 template <>

@@ -68,6 +68,20 @@ AnySource read_drawn(TomlFile file, std::optional<std::uint64_t> seed) {
   return SweepReaderOf<fem::Scene>(std::move(file), seed).read();
 }
 
+/// Of a pad so many tactels along each side, on the area that the file's tactels share.
+void put_tactels(toml::table& sensor, int tactels) {
+  if (sensor["kind"].value_or(std::string_view()) != "pad") return void(sensor.insert_or_assign("tactels", tactels));
+  const fem::PadSensor usual;
+  toml::array pitch;
+  for (std::size_t axis : {0, 1}) {
+    const auto& node = sensor["pitch"];
+    const double before = node.is_array() ? node[axis].value_or(usual.pitch[axis]) : node.value_or(usual.pitch[axis]);
+    pitch.push_back(before * sensor["tactels"][axis].value_or(usual.tactels[axis]) / tactels);
+  }
+  sensor.insert_or_assign("tactels", toml::array{tactels, tactels});
+  sensor.insert_or_assign("pitch", std::move(pitch));
+}
+
 }  // namespace
 
 const SceneSource& Sweep::lines(const std::string& file) const {
@@ -95,7 +109,7 @@ Sweep read_sweep_of_sensor(const std::filesystem::path& path, std::optional<std:
   toml::table& root = file.root();
   toml::table* sensor = root.emplace<toml::table>("sensor").first->second.as_table();
   if (sensor == nullptr) return read_sweep(path, seed);  // which names the fault
-  if (tactels) sensor->insert_or_assign("tactels", *tactels);
+  if (tactels) put_tactels(*sensor, *tactels);
   if (thickness) sensor->insert_or_assign("thickness", *thickness);
   std::ostringstream text;
   text << root;

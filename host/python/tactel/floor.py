@@ -3,18 +3,12 @@
 
     python -m tactel.floor SWEEP.toml --noise 0.01
 
-The floor lies between two numbers.
-Below: a bank of rows is drawn from the sweep, and a reading of one of them. The estimator knows the bank and asks only which
-row it was: it answers the weighted median of S, with the density of the reading under each row as its weight, which no
-estimator can beat there. To know the bank is to know more than the sweep: its error is below that of every estimator on the
-sweep, and rises to the floor as the bank grows.
-Above: the same weighted median, of readings of contacts that are not in the bank. That is an estimator, and its error is
-therefore above the floor. Its weights are flattened by a factor, `spread`, that half of the readings choose; the other half
-judge it.
-Estimate: at little noise no bank is dense enough, and the two numbers stand far apart. Each row then has an estimate of its own
-by derivatives of its frames and S by the drawn numbers, each over its range. It is no bound: it takes the shape, what is
-chosen from a list and normal numbers as told, S as linear and the posterior as local. On pads it is too low by a factor of
-about two; also where two shapes look alike, and where noise is large.
+A reading is a row of a contact of the sweep with noise. What it leaves open is the posterior of the contact's numbers, and no
+estimator errs by less than the posterior's median of S does. The posterior is sampled with the simulator in every likelihood:
+a bank of contacts gives each reading its walkers, tempering brings them to the posterior (Neal 2001), and differential evolution
+moves them, one half by the differences of the other (ter Braak 2006).
+Two numbers must meet: the mean of |S - median| over the posterior, and that of the |S - median| of the true S. The rank of the
+true S in the posterior is uniform. Where either fails the sampling has not converged, and there is no floor.
 """
 
 import argparse
@@ -24,18 +18,15 @@ import json
 import os
 import sys
 import time
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
 
-from . import Cancelled, InputError, SlipEstimator, Sweep, __version__, _Progress, _tactel
+from . import Cancelled, InputError, SlipEstimator, Sweep, __version__, _Progress
 
-SPREADS = 4.0 ** np.arange(8)
-CHANGE = 1 / 64  #: of a number's range, for derivatives
 REST = np.float32(0.05)  #: a frame below this share of the contact's largest stress ends the contact (nn/frame_history.h)
 MOST_FRAMES = 64
-CONTACTS = 4096  #: simulated at once
+EFFECTIVE = 60  #: rows of the bank that share the weight at the first temperature
 FAMILIES = {
     "indenter": None,
     "elements that touch": ("1", "2 to 4", "5 to 8", "9 to 15", "16 or more"),
@@ -57,166 +48,169 @@ class Options:
     history: int = 1  #: frames of a reading, as a network's input has them
     stride: int = 1
     change: float = 0.1
-    bank: int = 200_000  #: rows, at least
-    readings: int = 2000
-    seed: int = 1  #: of noise and gains
+    bank: int = 60_000  #: contacts
+    readings: int = 100
+    walkers: int = 48  #: of a reading
+    iterations: int = 100  #: of the tempering, and again of the sampling
+    seed: int = 1
 
 
 @dataclass(frozen=True)
-class Bank:
-    """Rows of contacts with S."""
+class Rows:
+    """Rows of contacts with S, a contact's rows one after the other."""
 
     frames: np.ndarray  #: [rows, history, inputs] MPa, newest frame first
     slip_index: np.ndarray  #: [rows]
     largest: np.ndarray  #: [rows] MPa, over which the noise is
+    contact: np.ndarray  #: [rows] place of the contact among those simulated
     classes: np.ndarray  #: [families, rows] place in the family's classes
 
     def __len__(self):
         return len(self.slip_index)
 
     def take(self, rows):
-        return Bank(self.frames[rows], self.slip_index[rows], self.largest[rows], self.classes[:, rows])
+        return Rows(self.frames[rows], self.slip_index[rows], self.largest[rows], self.contact[rows], self.classes[:, rows])
 
 
-def _joined(banks):
-    return Bank(*(np.concatenate([getattr(bank, name) for bank in banks], axis=-1 if name == "classes" else 0)
-                  for name in ("frames", "slip_index", "largest", "classes")))
-
-
-class LogDensity:
-    """Logarithm of the density of readings under every row of a bank, but for (2 pi)^(-size/2).
+def log_density(readings, frames, sigma, gain):
+    """Logarithm of the density of readings under frames, but for (2 pi)^(-size/2). readings, frames: [rows, history, inputs]
+    MPa; sigma: [rows] MPa. Returns [rows].
 
     Reading m of transducer t is (1 + gain e_t) f_mt + sigma n_mt with normal e and n. For each transducer the covariance is
-    sigma^2 I + gain^2 f f'; inverse and determinant by Sherman, Morrison (1950). With s = 1 / sigma^2, r = x - f and
-    D_t = 1 + gain^2 s f_t.f_t it is
-
-        -1/2 s sum_t (r_t.r_t - gain^2 s (r_t.f_t)^2 / D_t) - 1/2 sum_t ln D_t - size ln sigma,
-
-    whose terms expand into products of what belongs to the reading and what belongs to the row: two or three matrix products,
-    in fp64, which holds the differences of large terms down to a noise of 1e-3. Below that residuals are formed row by row.
-    """
-
-    def __init__(self, frames, sigma, gain):
-        """frames: [rows, history, inputs] MPa; sigma: [rows] MPa."""
-        f, s, gain2 = frames.astype(float), 1 / sigma**2, gain**2
-        ff = np.einsum("bmt,bmt->bt", f, f)
-        determinant = 1 + gain2 * s[:, None] * ff
-        self._frames, self._over_variance, self._gain = f, s, gain2 * s[:, None] / determinant
-        self._constant = -0.5 * np.log(determinant).sum(1) - f[0].size * np.log(sigma)
-        self._expands = gain == 0 or bool(np.all(sigma >= 0.99e-3 * np.abs(f).max((1, 2))))
-        if not self._expands:
-            return
-        linear = f if gain == 0 else f * (1 - (self._gain * ff))[:, None, :]
-        own = ff - self._gain * ff**2
-        self._terms = [s[:, None] * linear.reshape(len(f), -1)]
-        self._constant = self._constant - 0.5 * s * own.sum(1)
-        if gain > 0:
-            self._terms += [0.5 * (s[:, None] * self._gain * f[:, m] * f[:, n] * (1 if m == n else 2)) for m, n in _pairs(f)]
-        self._terms = np.concatenate([*self._terms, -0.5 * s[:, None]], axis=1).T.copy()
-
-    def __call__(self, readings):
-        """readings: [n, history, inputs] MPa. Returns [n, rows]."""
-        x = readings.astype(float)
-        if not self._expands:
-            return np.stack([self._of(one) for one in x])
-        terms = [x.reshape(len(x), -1)]
-        if len(self._terms) > x[0].size + 1:
-            terms += [x[:, m] * x[:, n] for m, n in _pairs(x)]
-        terms.append(np.einsum("nmt,nmt->n", x, x)[:, None])
-        return np.concatenate(terms, axis=1) @ self._terms + self._constant
-
-    def _of(self, x):
-        r = x - self._frames
-        rf = np.einsum("bmt,bmt->bt", r, self._frames)
-        return self._constant - 0.5 * self._over_variance * (np.einsum("bmt,bmt->b", r, r) - (self._gain * rf**2).sum(1))
+    sigma^2 I + gain^2 f f'; inverse and determinant by Sherman, Morrison (1950). Frames of zeros, from before the contact, are
+    read as zeros."""
+    f = frames.astype(float)
+    r = readings - f
+    over_variance = 1 / sigma**2
+    squares = np.einsum("rmt,rmt->r", r, r)
+    log = -np.log(sigma) * f[0].size
+    if gain > 0:
+        gain2 = (gain**2 * over_variance)[:, None]
+        determinant = 1 + gain2 * np.einsum("rmt,rmt->rt", f, f)
+        squares -= (gain2 / determinant * np.einsum("rmt,rmt->rt", r, f) ** 2).sum(1)
+        log -= 0.5 * np.log(determinant).sum(1)
+    log -= 0.5 * over_variance * squares
+    if f.shape[1] > 1:
+        log[(readings.any(2) != f.any(2))[:, 1:].any(1)] = -np.inf
+    return log
 
 
-def _pairs(frames):
-    return list(itertools.combinations_with_replacement(range(frames.shape[1]), 2))
-
-
-def draw_readings(bank, options, seed):
-    """Readings of the bank's rows: [rows, history, inputs]. A frame of zeros, from before the contact, stays one."""
-    random = np.random.default_rng(seed)
-    rows, _, inputs = bank.frames.shape
-    gains = 1 + options.gain * random.standard_normal((rows, 1, inputs))
-    noise = options.noise * bank.largest[:, None, None] * random.standard_normal(bank.frames.shape)
-    before = ~bank.frames.any(2)
+def draw_readings(rows, options, random):
+    """Readings of rows: [rows, history, inputs]. A frame of zeros, from before the contact, stays one."""
+    count, _, inputs = rows.frames.shape
+    gains = 1 + options.gain * random.standard_normal((count, 1, inputs))
+    noise = options.noise * rows.largest[:, None, None] * random.standard_normal(rows.frames.shape)
+    before = ~rows.frames.any(2)
     before[:, 0] = False
-    return np.where(before[:, :, None], 0, gains * bank.frames + noise)
+    return np.where(before[:, :, None], 0, gains * rows.frames + noise)
 
 
-def weighted_median(values, weights):
-    """The smallest value at or below which half of the weight lies. values: [n] increasing; weights: [k, n]. Returns [k]."""
-    block = 512
-    edges = np.arange(0, len(values), block)
-    ends = np.cumsum(np.add.reduceat(weights, edges, axis=1, dtype=float), axis=1)
-    half = 0.5 * ends[:, -1]
-    # The block in which half of the weight is passed, then the row.
-    passed = np.argmax(ends >= half[:, None], axis=1)
-    found = np.empty(len(weights), dtype=int)
-    for k, b in enumerate(passed):
-        before = ends[k, b - 1] if b else 0.0
-        inside = before + np.cumsum(weights[k, b * block:(b + 1) * block], dtype=float)
-        found[k] = b * block + min(np.searchsorted(inside, half[k]), len(inside) - 1)
-    return values[found]
+class _Sampler:
+    """Walkers of every reading, [readings, walkers, numbers]: quantiles of a contact's numbers."""
 
+    def __init__(self, simulate, steady, readings, options, random):
+        """simulate(quantiles [contacts, numbers]) returns Rows; steady: [numbers] of no choice; readings: [readings, history, inputs]."""
+        self._simulate, self._steady, self._readings = simulate, np.asarray(steady), readings
+        self._options, self._random = options, random
 
-def _error(errors):
-    errors = np.asarray(errors)
-    if len(errors) == 0:
-        return {"mean": None, "standard_error": None, "readings": 0}
-    return {"mean": float(errors.mean()), "standard_error": float(errors.std() / np.sqrt(len(errors))), "readings": len(errors)}
+    def _like(self, walkers):
+        """Log likelihood and S [readings, walkers]. Every row of a contact may be the one that was read; S is that of one of
+        them, drawn by the rows' densities."""
+        count, each, numbers = walkers.shape
+        log, S = np.full(count * each, -np.inf), np.full(count * each, np.nan)
+        rows = self._simulate(walkers.reshape(-1, numbers))
+        if len(rows):
+            density = log_density(self._readings[rows.contact // each], rows.frames, self._options.noise * rows.largest, self._options.gain)
+            first = np.flatnonzero(np.diff(rows.contact, prepend=-1))
+            of = np.repeat(np.arange(len(first)), np.diff(first, append=len(rows)))
+            most = np.maximum.reduceat(density, first)
+            share = np.add.reduceat(np.exp(density - np.where(np.isfinite(most), most, 0)[of]), first)
+            with np.errstate(divide="ignore"):
+                log[rows.contact[first]] = np.where(np.isfinite(most), most + np.log(share), -np.inf)
+            drawn = density + self._random.gumbel(size=len(density))
+            chosen = np.lexsort((drawn, of))[np.append(first[1:], len(rows)) - 1]  # the largest of each contact
+            S[rows.contact[first]] = rows.slip_index[chosen]
+        return log.reshape(count, each), S.reshape(count, each)
 
+    def start(self, quantiles, rows):
+        """Walkers from a bank at the temperature at which some of its rows share the weight."""
+        options, count = self._options, len(self._readings)
+        flat = rows.frames.reshape(len(rows), -1).astype(float)
+        squares, size = np.einsum("rk,rk->r", flat, flat), flat.shape[1]
+        variance = (options.noise * rows.largest) ** 2 + options.gain**2 * squares / size
+        self._walkers = np.empty((count, options.walkers, quantiles.shape[1]))
+        self._power = np.empty(count)
+        for q, x in enumerate(self._readings.reshape(count, -1)):
+            log = -0.5 * (squares - 2 * flat @ x + x @ x) / variance - 0.5 * size * np.log(variance)
+            log -= log.max()
 
-class _Sorted:
-    """A bank by increasing S, with the densities of readings under its rows."""
+            def effective(power):
+                weight = np.exp(power * log)
+                return weight.sum() ** 2 / (weight * weight).sum()
+            low, high = 1e-9, 1.0
+            if effective(1.0) >= EFFECTIVE:
+                low = 1.0
+            for _ in range(40):
+                middle = np.sqrt(low * high)
+                low, high = (middle, high) if effective(middle) > EFFECTIVE else (low, middle)
+            weight = np.exp(low * log)
+            self._power[q] = low
+            self._walkers[q] = quantiles[rows.contact[self._random.choice(len(rows), options.walkers, p=weight / weight.sum())]]
+        self._log, self._slip = self._like(self._walkers)
 
-    def __init__(self, bank, options):
-        self.bank = bank.take(np.argsort(bank.slip_index, kind="stable"))
-        self._density = LogDensity(self.bank.frames, options.noise * self.bank.largest, options.gain)
-        self._members = [{kind: np.flatnonzero(family == kind) for kind in np.unique(family)} for family in self.bank.classes]
-        self._at_once = int(np.clip(2**24 // len(bank), 1, 256))
+    def _resample(self, power):
+        """From the temperatures so far to the next ones."""
+        change = (power - self._power)[:, None] * np.where(np.isfinite(self._log), self._log, -1e300)
+        weight = np.exp(change - change.max(1, keepdims=True))
+        weight /= weight.sum(1, keepdims=True)
+        walkers = self._options.walkers
+        for q in np.flatnonzero((power > self._power) & (1 / (weight**2).sum(1) < 0.9 * walkers)):
+            places = np.searchsorted(np.cumsum(weight[q]), (np.arange(walkers) + self._random.random()) / walkers).clip(0, walkers - 1)
+            places = self._random.permutation(places)
+            self._walkers[q], self._log[q], self._slip[q] = self._walkers[q, places], self._log[q, places], self._slip[q, places]
+        self._power = power
 
-    def errors(self, asked, readings, of_chunk, progress):
-        """Calls of_chunk(rows, log densities less their largest, fp32) for chunks of the readings, from several threads."""
-        places = [np.arange(k, min(k + self._at_once, len(asked))) for k in range(0, len(asked), self._at_once)]
+    def _proposal(self, mine, others):
+        """Steps by differences of the other half's walkers; of one proposal in eight a number drawn anew. Numbers are on a
+        circle: a step beyond an end comes in at the other, which is as likely the other way round."""
+        random, (count, each, numbers) = self._random, mine.shape
+        first = random.integers(0, others.shape[1], (count, each))
+        second = (first + random.integers(1, others.shape[1], (count, each))) % others.shape[1]
+        step = np.take_along_axis(others, first[..., None], 1) - np.take_along_axis(others, second[..., None], 1)
+        step = np.where(self._steady, (step + 0.5) % 1 - 0.5, 0)
+        some = random.random(mine.shape) < random.choice([1.0, 0.6, 0.3], (count, each, 1))
+        whole = random.random((count, each, 1))  # a whole step goes from mode to mode
+        scale = np.where(whole < 0.1, 1.0, 2.38 / np.sqrt(2 * np.maximum(some.sum(2, keepdims=True), 1)) * random.uniform(0.3, 1.2, (count, each, 1)))
+        moved = mine + np.where(some, scale * step, 0) + np.where(self._steady, 1e-4 * random.standard_normal(mine.shape), 0)
+        anew = random.random((count, each)) < 0.125
+        which = np.where(anew, random.integers(0, numbers, (count, each)), -1)[..., None] == np.arange(numbers)
+        moved = np.where(anew[..., None], np.where(which, random.random(mine.shape), mine), moved) % 1
+        return np.minimum(moved, np.nextafter(1.0, 0.0))
 
-        def one(rows):
-            logs = self._density(readings[rows])
-            if not np.isfinite(logs).all():
-                raise ArithmeticError("a density is not finite")
-            logs -= logs.max(1, keepdims=True)
-            return of_chunk(rows, logs.astype(np.float32))
+    def _sweep(self):
+        half = self._options.walkers // 2
+        for mine, others in ((slice(0, half), slice(half, None)), (slice(half, None), slice(0, half))):
+            moved = self._proposal(self._walkers[:, mine], self._walkers[:, others])
+            log, S = self._like(moved)
+            old = self._log[:, mine]
+            with np.errstate(invalid="ignore"):
+                better = self._power[:, None] * (log - old)
+            taken = np.isfinite(log) & (~np.isfinite(old) | (np.log(self._random.random(log.shape)) < better))
+            self._walkers[:, mine] = np.where(taken[..., None], moved, self._walkers[:, mine])
+            self._log[:, mine], self._slip[:, mine] = np.where(taken, log, old), np.where(taken, S, self._slip[:, mine])
 
-        with ThreadPoolExecutor(os.cpu_count()) as threads:
-            found = []
-            for rows, part in zip(places, threads.map(one, places)):
-                found.append(part)
-                if not progress(rows[-1] + 1, len(asked)):
-                    raise Cancelled("floor: cancelled by progress")
-        return np.concatenate(found, axis=-1)
-
-    def below(self, asked, readings, progress):
-        """[1 + families, readings]: in all, and told the class."""
-        def of_chunk(rows, logs):
-            weights = np.exp(logs)
-            medians = np.empty((1 + len(self._members), len(rows)))
-            medians[0] = weighted_median(self.bank.slip_index, weights)
-            for f, members in enumerate(self._members):
-                kinds = asked.classes[f, rows]
-                for kind in np.unique(kinds):
-                    those, rows_of_bank = np.flatnonzero(kinds == kind), members[kind]
-                    medians[1 + f, those] = weighted_median(self.bank.slip_index[rows_of_bank], weights[np.ix_(those, rows_of_bank)])
-            return np.abs(medians - asked.slip_index[rows])
-        return self.errors(asked, readings, of_chunk, progress)
-
-    def above(self, asked, readings, progress):
-        """[spreads, readings]"""
-        def of_chunk(rows, logs):
-            medians = [weighted_median(self.bank.slip_index, np.exp(logs / np.float32(spread))) for spread in SPREADS]
-            return np.abs(np.stack(medians) - asked.slip_index[rows])
-        return self.errors(asked, readings, of_chunk, progress)
+    def run(self, progress):
+        """Samples of S of the posterior: [readings, samples]."""
+        first, count, samples = self._power.copy(), self._options.iterations, []
+        for k in range(2 * count):
+            if k < count:
+                self._resample(first ** (1 - min((k + 1) / (0.7 * count), 1)))
+            self._sweep()
+            if k >= count and k % 2 == 0:
+                samples.append(self._slip.copy())
+            if not progress(k + 1, 2 * count):
+                raise Cancelled("floor: cancelled by progress")
+        return np.concatenate(samples, axis=1)
 
 
 def _network_errors(networks, readings, asked, options):
@@ -238,49 +232,52 @@ def _network_errors(networks, readings, asked, options):
     return errors
 
 
-def floor_of(bank, outside, options, families=None, networks=None, progress=None):
-    """The floor of a bank and of readings of rows outside of it: {"all", "classes", "convergence", ...} as `--json` has it.
+def _mean(errors):
+    errors = np.asarray(errors)
+    errors = errors[~np.isnan(errors)]
+    if len(errors) == 0:
+        return {"mean": None, "standard_error": None, "readings": 0}
+    return {"mean": float(errors.mean()), "standard_error": float(errors.std() / np.sqrt(len(errors))), "readings": len(errors)}
 
-    families: {name: names of classes} in the order of Bank.classes. networks: {file: SlipEstimator}."""
-    if min(len(bank), len(outside)) < 2:
-        raise InputError("bank", f"{min(len(bank), len(outside))} rows", "at least 2 rows")
+
+def floor_of(simulate, steady, options, families=None, networks=None, progress=None):
+    """The floor of contacts as functions of uniform numbers: {"all", "classes", "ranks", ...} as `--json` has it.
+
+    simulate, steady: see _Sampler. families: {name: names of classes} in the order of Rows.classes. networks:
+    {file: SlipEstimator}. progress(done, count) -> False: stop."""
     families, networks, start = families or {}, networks or {}, time.monotonic()
-    random = np.random.default_rng(options.seed)
+    random, numbers = np.random.default_rng(options.seed), len(steady)
+    quantiles = random.random((options.bank, numbers))
+    bank = simulate(quantiles)
+    judged = simulate(random.random((4 * options.readings, numbers)))
+    if min(len(bank), len(judged)) < 2:
+        raise InputError("sweep", "no row with normal stress", "contacts that press on a tactel")
+    asked = judged.take(np.sort(random.choice(len(judged), min(options.readings, len(judged)), replace=False)))
+    readings = draw_readings(asked, options, random)
+    sampler = _Sampler(simulate, steady, readings, options, random)
+    sampler.start(quantiles, bank)
+    samples = sampler.run(lambda done, count: progress is None or progress(done, count) is not False)
+    median = np.median(samples, axis=1)
+    posterior, true = np.abs(samples - median[:, None]).mean(1), np.abs(asked.slip_index - median)
+    equal = samples == asked.slip_index[:, None]
+    rank = (samples < asked.slip_index[:, None]).mean(1) + random.random(len(asked)) * equal.mean(1)
+    ranks = np.histogram(rank, np.linspace(0, 1, 6))[0]
+    expected = len(asked) / 5
+    chi2 = ((ranks - expected) ** 2 / expected).sum()
+    difference = _mean(posterior - true)
+    of_networks = _network_errors(networks, readings, asked, options)
 
-    def drawn(rows, count):
-        return random.choice(rows, min(count, rows), replace=False)
-
-    judged = outside.take(drawn(len(outside), 2 * options.readings))
-    readings = draw_readings(judged, options, [options.seed, 1])
-    second = slice(len(judged) // 2, None)  # the first half chooses the spread
-    convergence, shares = [], (16, 4, 1)
-    for part, share in enumerate(shares):
-        def told(done, count, part=2 * part):
-            return progress is None or progress(part * count + done, 2 * len(shares) * count) is not False
-        some = _Sorted(bank.take(slice(max(len(bank) // share, 1))), options)
-        asked = some.bank.take(drawn(len(some.bank), options.readings))
-        below = some.below(asked, draw_readings(asked, options, [options.seed, 2]), told)
-        above = some.above(judged, readings, lambda done, count, part=2 * part + 1: told(done, count, part))
-        best = int(np.argmin(above[:, :len(judged) // 2].sum(1)))
-        above = above[best, second]
-        convergence.append({"bank_rows": len(some.bank), "lower": float(below[0].mean()), "upper": float(above.mean())})
-    of_networks = {file: errors[second] for file, errors in _network_errors(networks, readings, judged, options).items()}
-
-    def line(below, above, those=slice(None)):
-        return {"lower": _error(below), "estimate": _error([]), "upper": _error(above),
-                "networks": {file: _error(e[those][~np.isnan(e[those])]) for file, e in of_networks.items()}}
-
-    classes = []
-    for f, (family, names) in enumerate(families.items()):
-        for kind, name in enumerate(names):
-            told_rows, judged_rows = asked.classes[f] == kind, judged.classes[f, second] == kind
-            if told_rows.any() or judged_rows.any():
-                classes.append({"family": family, "class": name, "_place": (f, kind),
-                                **line(below[1 + f, told_rows], above[judged_rows], judged_rows)})
+    def line(those=slice(None)):
+        return {"estimate": _mean(posterior[those]), "true": _mean(true[those]),
+                "networks": {file: _mean(errors[those]) for file, errors in of_networks.items()}}
+    classes = [{"family": family, "class": name, **line(asked.classes[f] == kind)}
+               for f, (family, names) in enumerate(families.items()) for kind, name in enumerate(names) if (asked.classes[f] == kind).any()]
     return {"noise": options.noise, "gain": options.gain, "noise_of": "contact" if options.noise_of_contact else "frame",
-            "history": options.history, "stride": options.stride, "history_change": options.change, "bank_rows": len(bank),
-            "spread": float(SPREADS[best]), "seed": options.seed, "seconds": time.monotonic() - start,
-            "all": line(below[0], above), "classes": classes, "convergence": convergence}
+            "history": options.history, "stride": options.stride, "history_change": options.change, "bank_contacts": options.bank,
+            "walkers": options.walkers, "iterations": options.iterations, "seed": options.seed, "seconds": time.monotonic() - start,
+            "all": line(), "classes": classes, "ranks": ranks.tolist(),
+            "ranks_p": float(np.exp(-chi2 / 2) * (1 + chi2 / 2)),  # of chi squared with four degrees of freedom
+            "difference": difference, "converged": bool(abs(difference["mean"]) <= 2 * difference["standard_error"])}
 
 
 def _kept(rows, frames, step, options):
@@ -304,28 +301,24 @@ def _kept(rows, frames, step, options):
     return found
 
 
-def _collect(rows, options, every=1):
-    """The bank of a Set's rows whose newest frame has normal stress, and the rows [bank rows, history] of its frames (-1: none).
-    Contacts whose number is a multiple of `every` count."""
+def _collect(rows, options):
+    """The Rows of a Set whose newest frame has normal stress."""
     frames, inputs = rows.frames, rows.frames.shape[1]
     answered = (rows.status != 2) & np.isfinite(rows.slip_index)
     edges = np.flatnonzero(np.diff(rows.contact, prepend=rows.contact[:1] - 1 if len(rows) else [], append=-1 if len(rows) else []))
-    places, largest = [], []
-    for first, end in zip(edges[:-1], edges[1:]):
-        if rows.contact[first] % every:
-            continue
-        those = first + np.flatnonzero(answered[first:end])
-        places.append(_kept(those, frames, rows.step, options) if options.history > 1 else those[:, None])
-        if options.noise_of_contact:
-            largest.append(np.full(len(those), np.abs(frames[first:end]).max()))
-    places = np.concatenate(places) if places else np.empty((0, options.history), int)
-    newest, normals = frames[places[:, 0]], inputs // rows.axes
-    felt = newest[:, :normals].any(1)
-    largest = (np.concatenate(largest) if largest else np.abs(newest).max(1, initial=0))[felt]
-    places, newest = places[felt], newest[felt]
-    normal = np.abs(newest[:, :normals])
+    at = np.flatnonzero(answered)
+    largest = np.abs(frames[at]).max(1, initial=0)
+    if options.noise_of_contact:
+        largest = np.repeat(np.maximum.reduceat(np.abs(frames).max(1), edges[:-1]), np.diff(edges))[at] if len(at) else largest
+    places = at[:, None]
+    if options.history > 1:
+        contacts = np.split(at, np.flatnonzero(np.diff(rows.contact[at])) + 1) if len(at) else []
+        places = np.concatenate([np.empty((0, options.history), int)] + [_kept(those, frames, rows.step, options) for those in contacts])
+    normals = inputs // rows.axes
+    normal = np.abs(frames[at, :normals])
+    felt = normal.any(1)
+    at, places, largest, normal = at[felt], places[felt], largest[felt], normal[felt]
     touching = (normal > 0.05 * normal.max(1, keepdims=True)).sum(1)
-    at = places[:, 0]
     if rows.axes == 2:
         second = np.searchsorted([2, 5, 9, 16], rows.contact_nodes[at], "right")
     else:
@@ -333,14 +326,19 @@ def _collect(rows, options, every=1):
         second = np.where(S < 0.05, 0, 1 + np.searchsorted([1 / 3, 2 / 3], 1 - rows.force_ratio[at] / np.maximum(S, 0.05)))
     classes = np.stack([rows.indenter[at], second, np.searchsorted([4, 7, 11], touching, "right")]).astype(np.int64)
     history = np.where((places >= 0)[:, :, None], frames[places], 0)
-    return Bank(history, rows.slip_index[places[:, 0]].copy(), largest.astype(float), classes), places
+    return Rows(history, rows.slip_index[at].astype(float), largest.astype(float), rows.contact[at].astype(np.int64), classes)
 
 
-def _estimates(rows, options, every):
-    """Estimates of a Set's unchanged contacts: (errors, classes)."""
-    bank, places = _collect(rows, options, every)
-    errors = _tactel._linear_errors(rows, every, CHANGE, places, options.noise * bank.largest, options.gain)
-    return np.asarray(errors), bank.classes
+def _active(simulate, count, random):
+    """Which numbers change a contact: those of a table that is never drawn, or of strokes that a path has not, do not."""
+    contacts = 64
+    quantiles = np.repeat(random.random((contacts, 1, count)), count + 1, axis=1)
+    quantiles[:, np.arange(1, count + 1), np.arange(count)] = random.random((contacts, count))
+    rows = simulate(quantiles.reshape(-1, count))
+    mark = np.zeros(contacts * (count + 1))
+    np.add.at(mark, rows.contact, np.abs(rows.frames).sum((1, 2)) + rows.slip_index)
+    mark = mark.reshape(contacts, count + 1)
+    return (mark[:, 1:] != mark[:, :1]).any(0)
 
 
 def measure(sweep, options=Options(), networks=None, device="", progress=None):
@@ -349,41 +347,29 @@ def measure(sweep, options=Options(), networks=None, device="", progress=None):
     Raises InputError for a listed sweep, or where no row has normal stress."""
     if not sweep.endless:
         raise InputError(sweep.path, "sweep.set: a listed set", "left out: a floor draws its contacts (sweep.contacts)")
-    batches = sweep._batches(CONTACTS, 0, True, None, "", "", device, None, False)
-    contacts = 0
 
-    def collect(count):
-        nonlocal contacts
-        parts, rows = [], 0
-        while rows < count:
-            if len(parts) > 64 and rows == 0:
-                raise InputError(sweep.path, "no row with normal stress", "contacts that press on a tactel")
-            parts.append(_collect(next(batches), options)[0])
-            rows += len(parts[-1])
-            contacts += CONTACTS
-        return _joined(parts)
-
-    bank, outside = collect(options.bank), collect(2 * options.readings)
+    def simulate(quantiles):
+        return _collect(next(sweep._of_quantiles(quantiles)._batches(len(quantiles), 0, True, None, "", "", device, None, False)), options)
     families = {name: names or sweep.indenter_names for name, names in (FAMILIES if sweep.axes == 2 else PAD_FAMILIES).items()}
-    floor = floor_of(bank, outside, options, families, networks, progress)
-    changed = sweep._changed(CHANGE)
-    every = changed._changes
-    errors, classes = np.empty(0), np.empty((len(families), 0), int)
-    at_once = 128
-    for rows in changed._batches(at_once * every, contacts * every, True, None, "", "fp64", device, 1e-8, False):
-        more, kinds = _estimates(rows, options, every)
-        errors, classes = np.concatenate([errors, more]), np.concatenate([classes, kinds], axis=1)
-        if len(errors) >= options.readings:
-            break
-    floor["all"]["estimate"] = _error(errors)
-    for one in floor["classes"]:
-        f, kind = one.pop("_place")
-        one["estimate"] = _error(errors[classes[f] == kind])
-    return floor
+    steady = np.array(sweep._numbers())
+    active = _active(simulate, len(steady), np.random.default_rng(options.seed))
+
+    def simulate_active(quantiles):
+        every = np.full((len(quantiles), len(steady)), 0.5)
+        every[:, active] = quantiles
+        return simulate(every)
+    return floor_of(simulate_active, steady[active], options, families, networks, progress)
 
 
 def _text(error):
     return "-" if error["readings"] == 0 else f"{error['mean']:.4f} +- {error['standard_error']:.4f}"
+
+
+NO_FLOOR = "no floor: the two numbers differ by more than two standard errors; more --iterations or --walkers bring them together"
+
+
+def _verdict(floor):
+    return [] if floor["converged"] else [NO_FLOOR]
 
 
 def table(floor):
@@ -392,37 +378,35 @@ def table(floor):
     networks = list(floor["all"]["networks"])
 
     def line(one, name):
-        texts = [_text(one[key]) for key in ("lower", "estimate", "upper")] + [_text(one["networks"][file]) for file in networks]
+        texts = [_text(one[key]) for key in ("estimate", "true")] + [_text(one["networks"][file]) for file in networks]
         return f"{name:<34}" + "".join(f"{text:>18}" for text in texts)
 
     lines = [
         f"mean |error of S| that the frames allow: noise {floor['noise']:g}, gains {floor['gain']:g}, {frames} "
-        f"frame{'s' if frames > 1 else ''}; a bank of {floor['bank_rows']} rows",
-        'the floor lies between "below" (any estimator) and "above" (one estimator);',
-        '"estimate" is by derivatives, and no bound', "",
-        f"{'contacts':<34}" + "".join(f"{text:>18}" for text in ("below", "estimate", "above", *(f"network {i + 1}" for i in range(len(networks))))),
+        f"frame{'s' if frames > 1 else ''}; {floor['all']['true']['readings']} readings",
+        '"floor" is over the posterior of each reading, "true" of the true S: they must agree', "",
+        f"{'contacts':<34}" + "".join(f"{text:>18}" for text in ("floor", "true", *(f"network {i + 1}" for i in range(len(networks))))),
         line(floor["all"], "all")]
     for family, ones in itertools.groupby(floor["classes"], key=lambda one: one["family"]):
         lines += ["", family] + [line(one, "  " + one["class"]) for one in ones]
-    lines += ["", "rows of the bank        below    above"]
-    lines += [f"{step['bank_rows']:<20}{step['lower']:>9.4f}{step['upper']:>9.4f}" for step in floor["convergence"]]
-    return "\n".join(lines + [f"network {i + 1}: {file}" for i, file in enumerate(networks)])
+    lines += ["", f"ranks of the true S, in fifths: {' '.join(map(str, floor['ranks']))} (p = {floor['ranks_p']:.2g})"]
+    return "\n".join(lines + _verdict(floor) + [f"network {i + 1}: {file}" for i, file in enumerate(networks)])
 
 
 def skin_table(skins):
     """A line a skin: tactels, pitch, thickness, frames, noise, gains and the floor of all contacts."""
     networks = list(skins[0]["all"]["networks"])
     lines = [
-        f"mean |error of S| that the frames allow; a bank of {min(skin['bank_rows'] for skin in skins)} rows or more",
-        'the floor lies between "below" (any estimator) and "above" (one estimator);',
-        '"estimate" is by derivatives, and no bound', "",
-        "tactels  pitch   thickness  frames  noise   gains   below  estimate   above" + "".join(f"{f'network {i + 1}':>11}" for i in range(len(networks))),
-        "            mm          mm"]
+        f"mean |error of S| that the frames allow; {skins[0]['all']['true']['readings']} readings",
+        '"floor" is over the posterior of each reading, "true" of the true S: they must agree', "",
+        "tactels  pitch   thickness  frames  noise   gains" + f"{'floor':>18}{'true':>18}"
+        + "".join(f"{f'network {i + 1}':>11}" for i in range(len(networks))), "            mm          mm"]
     for skin in skins:
-        means = {key: skin["all"][key]["mean"] for key in ("lower", "estimate", "upper")}
         lines.append(f"{skin['tactels']:>7}{skin['pitch']:>7.3g}{skin['thickness']:>12.3g}{skin['history']:>8}{skin['noise']:>7.3g}{skin['gain']:>8.3g}"
-                     f"{means['lower']:>8.4f}{means['estimate']:>10.4f}{means['upper']:>8.4f}"
-                     + "".join(f"{skin['all']['networks'][file]['mean']:>11.4f}" for file in networks))
+                     f"{_text(skin['all']['estimate']):>18}{_text(skin['all']['true']):>18}"
+                     + "".join(f"{skin['all']['networks'][file]['mean']:>11.4f}" for file in networks) + "".join(f"  {text[:8]}" for text in _verdict(skin)))
+    if not all(skin["converged"] for skin in skins):
+        lines.append(NO_FLOOR)
     return "\n".join(lines + [f"network {i + 1}: {file}" for i, file in enumerate(networks)])
 
 
@@ -451,8 +435,8 @@ def _history(text):
 
 def _arguments(words):
     parser = argparse.ArgumentParser(
-        prog="python -m tactel.floor", description="How well S can be read at all from the frames of a sweep: numbers below and "
-        "above the smallest error.", epilog="Example: python -m tactel.floor examples/random_sweep.toml --noise 0.01")
+        prog="python -m tactel.floor", description="How well S can be read at all from the frames of a sweep: the smallest mean "
+        "error, by sampling the posterior of each reading.", epilog="Example: python -m tactel.floor examples/random_sweep.toml --noise 0.01")
     add = parser.add_argument
     add("sweep", metavar="SWEEP.toml", help="sweep file")
     add("--noise", action="append", type=_number(float, 1e-6, 10), help="standard deviation of a reading's noise, over the largest "
@@ -464,12 +448,16 @@ def _arguments(words):
         "repeatable (default: 1)")
     add("--history-change", type=_number(float, 0, 1), help="with --history: change of load from one kept frame to the next, over the "
         "contact's largest stress (default: 0.1)")
-    add("--tactels", action="append", type=_number(int, 2, 4096), help="number of tactels, instead of the file's; repeatable")
+    add("--tactels", action="append", type=_number(int, 2, 4096), help="number of tactels, of a pad along each side of the "
+        "same area, instead of the file's; repeatable")
     add("--thickness", action="append", type=_number(float, 1e-9, 1e6), help="mm of rubber, instead of the file's; repeatable")
     add("--network", action="append", default=[], metavar="DIR|FILE.onnx", help="also judge these networks on the readings; repeatable")
-    add("--bank", type=_number(int, 100, 100_000_000), default=Options.bank, help="rows of the bank; more rows narrow the gap (default: %(default)s)")
     add("--readings", type=_number(int, 10, 10_000_000), default=Options.readings, help="readings that are judged (default: %(default)s)")
-    add("--seed", type=_number(int, 0, 2**64 - 1), default=1, help="of noise and gains (default: 1)")
+    add("--bank", type=_number(int, 100, 100_000_000), default=Options.bank, help="contacts that walkers begin from (default: %(default)s)")
+    add("--walkers", type=_number(int, 8, 10_000), default=Options.walkers, help="of each reading (default: %(default)s)")
+    add("--iterations", type=_number(int, 10, 1_000_000), default=Options.iterations, help="of the tempering, and again of the sampling "
+        "(default: %(default)s)")
+    add("--seed", type=_number(int, 0, 2**64 - 1), default=1, help="of contacts, noise and walkers (default: 1)")
     add("--json", metavar="FILE", help="write all numbers as JSON; - for standard output, instead of the table")
     add("--device", default="", metavar="NAME|INDEX", help="OpenCL device: a part of its name or its index")
     add("--quiet", action="store_true", help="print only errors and the result")
@@ -492,13 +480,13 @@ def _run(given):
         return Sweep(given.sweep, tactels=tactels, thickness=thickness)
 
     options = [Options(noise, gain, given.noise_of == "contact", *history, 0.1 if given.history_change is None else given.history_change,
-                       given.bank, given.readings, given.seed)
+                       given.bank, given.readings, given.walkers, given.iterations, given.seed)
                for history in given.history or [(1, 1)] for noise in given.noise or [0.01] for gain in given.gain or [0.0]]
     skins = list(itertools.product(given.tactels or [None], given.thickness or [None], options))
     sweeps = [sweep_of(tactels, thickness) for tactels, thickness, _ in skins]  # an error before minutes of work
     networks = _networks(given.network)
     floors = []
-    with _Progress(not given.quiet, "floor", "readings") as show:
+    with _Progress(not given.quiet, "floor", "iterations") as show:
         for sweep, (_, _, option) in zip(sweeps, skins):
             def progress(done, count, before=len(floors)):
                 return show and show(before * count + done, len(skins) * count)
@@ -518,23 +506,23 @@ def _run(given):
     text = json.dumps(found, indent=2) + "\n"
     if given.json == "-":
         sys.stdout.write(text)
-        return
+        return 0 if all(one["converged"] for one in floors) else 4
     if given.json:
         with open(given.json, "w", encoding="utf-8") as file:
             file.write(text)
     print(table(found) if len(floors) == 1 else skin_table(floors))
+    return 0 if all(one["converged"] for one in floors) else 4
 
 
 def main(words=None):
     given = _arguments(words)
     try:
-        _run(given)
+        return _run(given)
     except (InputError, OSError) as error:
         print(f"tactel.floor: {error}", file=sys.stderr)
         return 2
     except (KeyboardInterrupt, Cancelled):
         return 130
-    return 0
 
 
 if __name__ == "__main__":

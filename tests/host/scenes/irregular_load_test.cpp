@@ -59,28 +59,6 @@ const std::string random =
     "stroke = { log_uniform = [0.05, 0.3] }\nstroke_steps = { uniform = [2, 6] }\nbackward = 0.5\nreversal = 0.3\n"
     "pause = 0.2\nrelease = 0.3\nrelease_to = { uniform = [0.5, 0.8] }\n";
 
-/// Each contact comes as it is, then with one number of its path moved: the depth, or one press depth, share, stroke or
-/// release. Counts and directions stay. A share moved by 1/8 of 0.1 ... 1 moves the path up to the end of its stroke.
-TEST(IrregularLoad, ChangesOneNumberOfThePathAtATime) {
-  const SceneSource sweep = source(head + random), changed = sweep.changed(0.125);
-  // depth; at most 2 presses of 1 depth, 5 + 5 shares, and 3 strokes of 1 length, 1 release in 2 and 6 shares
-  const std::uint64_t n = changed.changes();
-  ASSERT_EQ(n, 1u + 1 + 2 * (1 + 10 + 3 * (1 + 1 + 2 + 6)));
-  for (std::uint64_t k = 0; k < 20; ++k) {
-    const auto steps = path(sweep, k);
-    EXPECT_EQ(path(changed, n * k), steps);
-    std::size_t others = 0;
-    for (std::uint64_t change = 1; change < n; ++change) {
-      const auto moved = path(changed, n * k + change);
-      ASSERT_EQ(moved.size(), steps.size()) << change;
-      others += moved != steps;
-    }
-    // the depth and at least the sizes of two steps of a press and two of a stroke; not every path is the longest
-    EXPECT_GE(others, 5u);
-    EXPECT_LT(others, n - 1);
-  }
-}
-
 // 300 paths of some 15 steps: a share of 0.5 (or 0.2) spreads by 0.03 at most, four of these.
 TEST(IrregularLoad, NumbersAndSizesOfStepsVaryWithinTheirBounds) {
   const SceneSource sweep = source(head + random);

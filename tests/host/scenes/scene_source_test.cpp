@@ -114,27 +114,51 @@ const std::string mixed =
     "[[load]]\nindentation = { uniform = [0.05, 0.2] }\ntangential = [{ uniform = [0.1, 0.2] }, -0.05]\n"
     "[[load]]\nnormal_force = { choice = [0.5, 1.0] }\nslip_index = { uniform = [0, 0.9] }\n";
 
-// Seven numbers are drawn uniformly: friction, radius, position, half_width, indentation, the first target, slip_index.
-// Each contact comes as it is, then with one of them moved by an eighth of its range, where it has that number.
-TEST(SceneSource, ChangesOneNumberAtATime) {
-  const SceneSource sweep = source(mixed), changed = sweep.changed(0.125);
-  ASSERT_EQ(sweep.changes(), 1u);
-  ASSERT_EQ(changed.changes(), 8u);
-  for (std::uint64_t k = 0; k < 20; ++k) {
-    const double mu = sweep.contact(k).scene.friction;
-    EXPECT_EQ(changed.contact(8 * k).scene.friction, mu);
-    int moved = 0;
-    for (std::uint64_t change = 1; change < 8; ++change) {
-      const auto contact = changed.contact(8 * k + change);
-      EXPECT_EQ(contact.kind, sweep.contact(k).kind);
-      if (contact.scene.friction == mu) continue;
-      ++moved;
-      EXPECT_NEAR(std::abs(contact.scene.friction - mu), 0.125 * 1.4, 1e-12);
-      EXPECT_GE(contact.scene.friction, 0.1);
-      EXPECT_LE(contact.scene.friction, 1.5);
-    }
-    EXPECT_EQ(moved, 1);
-  }
+// Quantiles 0.5 give the middle of each range: of log-uniform numbers the geometric mean, of normal ones the mean. Of
+// two tables with weights 1 and 3 the second begins at 0.25.
+TEST(SceneSource, QuantilesStandForDrawnNumbers) {
+  const SceneSource sweep = source(mixed);
+  const std::vector<bool> numbers = sweep.numbers();
+  EXPECT_EQ(std::ranges::count(numbers, true), 7) << "friction, radius, position, half_width, depth, drag, slip index";
+  std::vector<double> quantiles(2 * numbers.size(), 0.5);
+  std::fill_n(quantiles.begin(), numbers.size(), 0.2);
+  const SceneSource told = sweep.of_quantiles(quantiles);
+  ASSERT_EQ(told.contacts(), 2u);
+  EXPECT_FALSE(told.endless());
+  const auto parabola = told.contact(0), flat = told.contact(1);
+  EXPECT_EQ(parabola.kind, 0);
+  EXPECT_EQ(flat.kind, 1);
+  EXPECT_NEAR(parabola.scene.friction, 0.1 + 0.2 * 1.4, 1e-12);
+  EXPECT_NEAR(std::get<fem::Parabola>(parabola.scene.indenter.shape).radius, std::pow(100, 0.2), 1e-9);
+  EXPECT_NEAR(flat.scene.friction, 0.8, 1e-12);
+  EXPECT_NEAR(std::get<fem::Flat>(flat.scene.indenter.shape).half_width.value(), 2, 1e-12);
+}
+
+// Mean 5 and deviation 2, cut at -2.495 deviations, where 0.00630 of them lie below, and at +4: a quarter of the rest
+// ends at 0.25472 of all, -0.65972 deviations.
+TEST(SceneSource, QuantilesOfNormalNumbers) {
+  const SceneSource sweep =
+      source(head + load + parabola + "[contact]\nfriction = { normal = [5, 2], min = 0.01, max = 13 }\n");
+  const auto friction = [&](double quantile) {
+    return sweep.of_quantiles(std::vector(sweep.numbers().size(), quantile)).contact(0).scene.friction;
+  };
+  EXPECT_NEAR(friction(0.25), 5 - 0.65972 * 2, 1e-4);
+  EXPECT_NEAR(friction(0), 0.01, 1e-9);
+  EXPECT_NEAR(friction(0.9999999), 13, 0.02);
+}
+
+// A path of quantiles is that of the same numbers: drawn shares between the bounds, counts as many as they say.
+TEST(SceneSource, QuantilesOfAPath) {
+  const SceneSource sweep = source(head + parabola +
+                                   "[load]\nindentation = 0.1\n[load.irregular]\nstrokes = { choice = [1, 2] }\n"
+                                   "stroke = { uniform = [0.1, 0.3] }\npress_steps = 2\nstroke_steps = 3\n");
+  const auto scene = [&](double quantile) {
+    return sweep.of_quantiles(std::vector(sweep.numbers().size(), quantile)).contact(0).scene;
+  };
+  ASSERT_EQ(scene(0.25).load.moves.size(), 3u);
+  EXPECT_EQ(scene(0.75).load.moves.size(), 6u);
+  EXPECT_NEAR(scene(0.25).load.moves.back().tangential, 0.1 + 0.25 * 0.2, 1e-12);
+  EXPECT_NEAR(scene(0.25).load.indentation.front(), 0.05, 1e-12) << "two equal shares";
 }
 
 // 2000 draws: shares spread by at most 0.011, four of these.

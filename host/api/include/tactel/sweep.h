@@ -92,11 +92,12 @@ class TACTEL_API Sweep {
   /// The same of a sweep of pads. Both throw InputError for a sweep of the other kind.
   PadScene pad_scene(std::uint64_t k) const;
 
-  /// Returns the sweep of this sweep's contacts with one drawn number changed, for derivatives by finite differences.
-  /// Its contact k is contact k / n of this sweep, n = changes(): unchanged where k % n = 0, else with the (k % n)-th
-  /// of the numbers that are drawn uniformly or log-uniformly moved by `shift` of its range. Of drawn contacts only.
-  Sweep changed(double shift) const;
-  std::uint64_t changes() const;  ///< contacts of changed() to one of its source; 1 for a sweep that is not changed
+  /// Returns, of each number that a contact draws, whether it grows steadily with its quantile: choices do not. A
+  /// contact needs only the numbers of the tables that it draws.
+  std::vector<bool> numbers() const;
+  /// Returns the sweep of the contacts with these quantiles, [contacts][numbers()] in [0, 1), instead of drawn ones: a
+  /// contact as a function of uniform numbers, for samplers. Throws InputError for others, and for a listed sweep.
+  Sweep of_quantiles(std::span<const double> quantiles) const;
 
   /// Returns the rows of contacts 0 ... contacts - 1 (none given: all of the file), the same as those of
   /// `tactel generate`. Throws InputError, HardwareError, and Cancelled where progress (contacts) says so.
@@ -110,15 +111,6 @@ class TACTEL_API Sweep {
   friend class SweepBatches;
   State* state_;
 };
-
-/// Returns the error of S of the best reader of each reading, where frames and S are linear in the drawn numbers: the
-/// estimate of `python -m tactel.floor`. rows: of Sweep::changed(shift) with its changes().
-/// readings: [readings, frames of a reading] their rows, the newest first, -1 for zeros. sigma: [readings] MPa,
-/// standard deviation of the noise. gain: that of the transducers' gains about 1. Throws InputError for rows beyond the
-/// set.
-TACTEL_API std::vector<double> linear_errors(const Set& rows, std::uint64_t changes, double shift,
-                                             std::span<const std::int64_t> readings, std::span<const double> sigma,
-                                             double gain);
 
 /// Rows of a sweep batch after batch, never stored: contacts 0 ... contacts - 1, then the next ones.
 class TACTEL_API SweepBatches {
