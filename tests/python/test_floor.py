@@ -86,7 +86,7 @@ class KnownFloors(unittest.TestCase):
         # u one quarter. The walkers must go from shape to shape.
         def simulate(u):
             return rows_of(np.stack([np.ones(len(u)), u[:, 1]], 1)[:, None, :], np.where(u[:, 0] < 0.5, u[:, 1], 1 - u[:, 1]))
-        found = floor.floor_of(simulate, [False, True], floor.Options(noise=0.001, readings=300, bank=3000, walkers=24, iterations=40))
+        found = floor.floor_of(simulate, [False, True], floor.Options(noise=0.001, readings=200, bank=3000, iterations=60))
         self.near(found, 0.25)
 
     def test_of_a_history(self):
