@@ -72,14 +72,16 @@ class DepthSearch {
  public:
   /// The first depth to try.
   double start(double target, double depth, double P, double first_guess) {
-    target_ = target, low_ = 0, high_ = infinity, last_ = {};
+    target_ = target, low_ = 0, high_ = infinity, last_ = {}, trials_ = 0;
     return P > 0 ? depth * std::clamp(std::pow(target / P, 1 / power_), 0.1, 10.0) : first_guess;
   }
   /// Judges a trial and gives the next depth. Returns false, and leaves it, within `tolerance` of the target.
   bool next(double P, double tolerance, double& depth) {
     if (std::abs(P - target_) <= tolerance * target_) return false;
+    // Below a height map whose plain comes to bear late, P grows with a higher power than under any smooth shape.
+    const double most_power = ++trials_ > usual_trials ? 64 : 4;
     if (last_[1] > 0 && P > 0 && depth != last_[0])
-      power_ = std::clamp(std::log(P / last_[1]) / std::log(depth / last_[0]), 0.5, 4.0);
+      power_ = std::clamp(std::log(P / last_[1]) / std::log(depth / last_[0]), 0.5, most_power);
     last_ = {depth, P};
     (P < target_ ? low_ : high_) = depth;
     // So narrow, it would hold no two forces that both miss: one of them was that of sweeps that had not settled.
@@ -91,6 +93,8 @@ class DepthSearch {
 
  private:
   static constexpr double infinity = std::numeric_limits<double>::infinity();
+  static constexpr int usual_trials = 20;
+  int trials_ = 0;
   double target_ = 0, low_ = 0, high_ = infinity, power_ = 1.5;
   std::array<double, 2> last_{};  ///< depth and P of the last trial
 };

@@ -177,6 +177,22 @@ TEST(PadSolver, ASearchForADepthEndsWithTheFirstTrialThatDoesNotSettle) {
   for (std::size_t k = 0; k < first.steps.size(); ++k) EXPECT_EQ(first.steps[k].sweeps, k == 0 ? 1 : 0) << k;
 }
 
+/// A pillar on a plain, whose force grows with a high power of the depth where the plain begins to bear.
+TEST(PadSolver, ASearchForAForceEndsBelowAPillarOnAPlain) {
+  HeightMap map{.pitch = 0.338, .heights = Eigen::MatrixXd::Constant(21, 21, 0.15)};
+  map.heights.block(6, 8, 3, 3).setZero();
+  PadScene scene = scene_of(map, 0, 2, 0.1, 0.5, {});
+  scene.load.indentation.clear(), scene.load.normal_force = {1.2};
+  const PadLayer layer(scene.sensor.poisson);
+  for (const double tolerance : {1e-3, 1e-7}) {
+    const PadSolution solution = PadSolver(layer, {.cells = 8, .tolerance = tolerance}).solve(scene);
+    for (const auto& [k, P] : {std::pair{0, 0.6}, {1, 1.2}}) {
+      EXPECT_TRUE(solution.steps[k].converged) << tolerance << " " << k;
+      EXPECT_NEAR(solution.steps[k].P / P, 1, tolerance) << k;
+    }
+  }
+}
+
 TEST(PadSolver, WhatHoldsAtOnceKeepsItsBits) {
   const PadScene scene = scene_of(Paraboloid{{12, 4}}, .2, 3, .3, .3, {{.02, .03, 0}, {.05, .06, .02}});
   const PadLayer layer(scene.sensor.poisson);
