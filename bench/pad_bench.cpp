@@ -4,6 +4,7 @@
 // certificate, slip index and the stress under 4 x 4 tactels written out. Beside the multiply-add peak in the same
 // turns.
 #include <benchmark/benchmark.h>
+#include <fmt/format.h>
 
 #include <chrono>
 #include <cmath>
@@ -141,12 +142,12 @@ const bool registered = [] {
       ->Unit(benchmark::kMillisecond)
       ->UseRealTime();
   for (const int cells : {8, 12}) {
-    const std::string name = "contact/pad_" + std::to_string(cells);
+    const std::string name = fmt::format("contact/pad_{}", cells);
     for (const int threads : {1, 2}) {
-      const std::string ending = "/fp32/threads:" + std::to_string(threads);
       for (const bool end_to_end : {false, true})
-        benchmark::RegisterBenchmark((name + (end_to_end ? "_end_to_end" : "") + ending).c_str(),
-                                     [=](benchmark::State& state) { pads(state, cells, threads, end_to_end); })
+        benchmark::RegisterBenchmark(
+            fmt::format("{}{}/fp32/threads:{}", name, end_to_end ? "_end_to_end" : "", threads).c_str(),
+            [=](benchmark::State& state) { pads(state, cells, threads, end_to_end); })
             ->Unit(benchmark::kMillisecond)
             ->UseRealTime();
     }

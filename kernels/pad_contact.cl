@@ -262,6 +262,10 @@ OUTLINE void next_depth(const Influence *influence, global const vreal *heights,
     s->last_P.v[v] = P;
     s->low.v[v] = PICK(P < target, d, s->low.v[v]);
     s->high.v[v] = PICK(P < target, s->high.v[v], d);
+    /* So narrow, it would hold no two forces that both miss: one of them was that of sweeps that had not settled. */
+    const vint stale = s->high.v[v] - s->low.v[v] <= (real)0.1 * tolerance * d;
+    s->low.v[v] = PICK(stale, ALL_LANES(0), s->low.v[v]);
+    s->high.v[v] = PICK(stale, ALL_LANES(NO_BOUND), s->high.v[v]);
     const vreal trial =
         d * PICK(P > 0, depth_factor(target / LARGER(P, ALL_LANES((real)1e-30)), s->power.v[v]), ALL_LANES(2));
     const vreal halved = PICK(s->high.v[v] < NO_BOUND, (s->low.v[v] + s->high.v[v]) / 2, 2 * d);

@@ -167,49 +167,23 @@ static vreal map_heights(const Maps *maps, global const vreal *in, vreal x, vrea
   return LOAD(h);
 }
 
-/* A box around where measured heights lie below a depth: replaces half sides in lanes with heights. */
-static void map_section(const Maps *maps, global const vreal *in, vreal depth, Extent *x, Extent *y) {
+/* A box around where measured heights lie below a depth replaces x and y in `lanes`: around their points and a pitch
+   more, or, `between`, around where the bilinear profile does. */
+static void map_box(const Maps *maps, global const vreal *in, vreal depth, int between, vint lanes, Extent *x,
+                    Extent *y) {
   real rows[LANES], columns[LANES], below[LANES], from_x[LANES], to_x[LANES], from_y[LANES], to_y[LANES];
   STORE(in[PAD_MAP_ROWS], rows);
   STORE(in[PAD_MAP_COLUMNS], columns);
   STORE(depth / in[PAD_MAP_UNIT], below);
-  for (int l = 0; l < LANES; ++l) {
-    const int along = (int)rows[l], across = (int)columns[l];
-    int first_i = along, last_i = 0, first_j = across, last_j = 0;
-    for (int i = 0; i < along; ++i)
-      for (int j = 0; j < across; ++j) {
-        if (maps->heights[maps->at[l] + i * across + j] > below[l]) continue;
-        first_i = min(first_i, i);
-        last_i = max(last_i, i);
-        first_j = min(first_j, j);
-        last_j = max(last_j, j);
-      }
-    from_x[l] = (real)(first_i - 1) - (real)0.5 * (real)(along - 1);
-    to_x[l] = (real)(last_i + 1) - (real)0.5 * (real)(along - 1);
-    from_y[l] = (real)(first_j - 1) - (real)0.5 * (real)(across - 1);
-    to_y[l] = (real)(last_j + 1) - (real)0.5 * (real)(across - 1);
-  }
-  const vint measured = in[PAD_MAP_ROWS] > 0;
-  const vreal pitch = 1 / in[PAD_MAP_PER_PITCH];
-  x->left = PICK(measured, pitch * LOAD(from_x), x->left);
-  x->right = PICK(measured, pitch * LOAD(to_x), x->right);
-  y->left = PICK(measured, pitch * LOAD(from_y), y->left);
-  y->right = PICK(measured, pitch * LOAD(to_y), y->right);
-}
-
-/* A box around where measured heights, bilinear between their points, lie below a depth, in lanes with heights. */
-static void low_part(const Maps *maps, global const vreal *in, vreal depth, Extent *x, Extent *y) {
-  real rows[LANES], columns[LANES], below[LANES], from_x[LANES], to_x[LANES], from_y[LANES], to_y[LANES];
-  STORE(in[PAD_MAP_ROWS], rows);
-  STORE(in[PAD_MAP_COLUMNS], columns);
-  STORE(depth / in[PAD_MAP_UNIT], below);
+  const real more = between ? 0 : 1;
   for (int l = 0; l < LANES; ++l) {
     const int along = (int)rows[l], across = (int)columns[l];
     real first_i = along, last_i = 0, first_j = across, last_j = 0;
     for (int i = 0; i < along; ++i)
       for (int j = 0; j < across; ++j) {
         global const real *h = maps->heights + maps->at[l] + i * across + j;
-        for (int k = 0; k < 3; ++k) { /* the point, and on the way to the next along x and y where the depth is met */
+        /* The point, and on the way to the next along x and y where the depth is met. */
+        for (int k = 0; k < (between ? 3 : 1); ++k) {
           const int inside = k == 1 ? i + 1 < along : k == 2 ? j + 1 < across : 1;
           const real next = inside ? h[k == 1 ? across : k == 2 ? 1 : 0] : h[0];
           if (k == 0 ? h[0] > below[l] : !inside || (h[0] <= below[l]) == (next <= below[l])) continue;
@@ -221,16 +195,16 @@ static void low_part(const Maps *maps, global const vreal *in, vreal depth, Exte
           last_j = fmax(last_j, at_j);
         }
       }
-    from_x[l] = first_i - (real)0.5 * (real)(along - 1);
-    to_x[l] = last_i - (real)0.5 * (real)(along - 1);
-    from_y[l] = first_j - (real)0.5 * (real)(across - 1);
-    to_y[l] = last_j - (real)0.5 * (real)(across - 1);
+    from_x[l] = first_i - more - (real)0.5 * (real)(along - 1);
+    to_x[l] = last_i + more - (real)0.5 * (real)(along - 1);
+    from_y[l] = first_j - more - (real)0.5 * (real)(across - 1);
+    to_y[l] = last_j + more - (real)0.5 * (real)(across - 1);
   }
   const vreal pitch = 1 / in[PAD_MAP_PER_PITCH];
-  x->left = pitch * LOAD(from_x);
-  x->right = pitch * LOAD(to_x);
-  y->left = pitch * LOAD(from_y);
-  y->right = pitch * LOAD(to_y);
+  x->left = PICK(lanes, pitch * LOAD(from_x), x->left);
+  x->right = PICK(lanes, pitch * LOAD(to_x), x->right);
+  y->left = PICK(lanes, pitch * LOAD(from_y), y->left);
+  y->right = PICK(lanes, pitch * LOAD(to_y), y->right);
 }
 
 INLINE void take(vint lanes, const Extent *from, Extent *to) {
@@ -275,7 +249,7 @@ static void rigid_section(const Maps *maps, global const vreal *in, vreal depth,
   x->left = -x->right;
   y->left = -y->right;
 #if !MIRRORED
-  if (maps->any) map_section(maps, in, d, x, y);
+  if (maps->any) map_box(maps, in, d, 0, in[PAD_MAP_ROWS] > 0, x, y);
 #else
   (void)maps;
 #endif
@@ -404,12 +378,9 @@ static vreal search_at(const Maps *maps, global const vreal *in, vreal depth, vi
 #if !MIRRORED
     const vint missed = round == 0 && maps->any ? running & NOT(any) & (in[PAD_MAP_ROWS] > 0) : (vint)(0);
     if (ANY(missed)) {
-      Extent low_x, low_y;
-      low_part(maps, in, depth, &low_x, &low_y);
-      take(missed, &low_x, &window_x);
-      take(missed, &low_x, x);
-      take(missed, &low_y, &window_y);
-      take(missed, &low_y, y);
+      map_box(maps, in, depth, 1, missed, &window_x, &window_y);
+      take(missed, &window_x, x);
+      take(missed, &window_y, y);
       any |= missed;
     }
 #endif

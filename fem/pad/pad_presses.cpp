@@ -14,22 +14,9 @@ std::size_t presses_on(const PadLoad& load) {
   return k;
 }
 
-std::vector<std::size_t> coarse_presses(const PadLoad& load, int cells,
-                                        const std::function<int(std::size_t k)>& across) {
-  const std::vector<PadTarget> targets = pad_targets(load);
-  const double most = largest_normal(load);
-  const std::size_t presses = presses_on(load);
-  int widest = 0;
-  for (std::size_t k = 0; k < presses; ++k) widest = std::max(widest, across(k));
-  std::vector<std::size_t> found;
-  for (std::size_t k = 0; k < presses; ++k)
-    if (targets[k].normal > 0 && targets[k].normal < most && across(k) < least_across(cells, widest))
-      found.push_back(k);
-  return found;
-}
-
 std::vector<std::size_t> coarse_presses(const PadScene& scene, const PadSolution& solution) {
-  return coarse_presses(scene.load, solution.cells.n, [&](std::size_t k) { return solution.steps[k].across; });
+  const auto across = [&](std::size_t k) { return solution.steps[k].across; };
+  return coarse_presses(pad_targets(scene.load), presses_on(scene.load), solution.cells.n, across);
 }
 
 PadScene pressed_alone(const PadScene& scene, std::size_t k) {

@@ -2,7 +2,7 @@
 #pragma once
 #include <algorithm>
 #include <cstddef>
-#include <functional>
+#include <span>
 #include <vector>
 
 #include "fem/pad/pad_solver.h"
@@ -22,10 +22,21 @@ constexpr int least_across(int cells, int widest) { return std::min(std::clamp(c
 /// Returns how many steps of a load press on from first touch, each at least as far as the one before.
 std::size_t presses_on(const PadLoad& load);
 
-/// Returns the coarse ones among them that press less than the load does at most. `across(k)`: the cells over which the
-/// contact extends in step k, of so many along a side.
-std::vector<std::size_t> coarse_presses(const PadLoad& load, int cells,
-                                        const std::function<int(std::size_t k)>& across);
+/// Returns the coarse ones among the first `presses` of a load's targets that press less than the load does at most.
+/// `across(k)`: the cells over which the contact extends in step k, of so many along a side.
+template <class Across>
+std::vector<std::size_t> coarse_presses(std::span<const PadTarget> targets, std::size_t presses, int cells,
+                                        const Across& across) {
+  std::vector<std::size_t> found;
+  double most = 0;
+  for (const PadTarget& target : targets) most = std::max(most, target.normal);
+  int widest = 0;
+  for (std::size_t k = 0; k < presses; ++k) widest = std::max(widest, across(k));
+  for (std::size_t k = 0; k < presses; ++k)
+    if (targets[k].normal > 0 && targets[k].normal < most && across(k) < least_across(cells, widest))
+      found.push_back(k);
+  return found;
+}
 std::vector<std::size_t> coarse_presses(const PadScene& scene, const PadSolution& solution);
 
 /// Returns a scene whose one step is step k of the pressing.

@@ -145,33 +145,24 @@ std::string report_text(const GenerateRequest& request, const ContactSet& set, c
                         double seconds, double assemble_seconds) {
   std::string text = fmt::format("{}: {} rows; {} contacts by the exact fallback, {} unsolved\n", request.output, rows,
                                  set.fell_back, set.unsolved);
-  if (set.without_rows > 0)
-    text += fmt::format(
-        "{} of {} contacts have no row: mu P = 0 in all their load steps, and S = Q / (mu P) is not defined\n",
-        set.without_rows, set.contacts);
-  if (set.never_slid > 0)
-    text += fmt::format("{} of {} contacts do not slide as a whole within {} steps of their drag\n", set.never_slid,
-                        set.contacts, fem::most_tangential_steps);
-  if (set.far_slip > 0)
-    text += fmt::format(
-        "{} of {} contacts slide further than {}a tenth of their width: displacements are taken as small "
-        "(docs/{}.md)\n",
-        set.far_slip, set.contacts, set.pad ? "" : "an element and ", set.pad ? "pads" : "scenes");
-  if (set.near_edge > 0)
-    text += fmt::format(
-        "{} of {} contacts come nearer than the thickness to an edge of the pad, where the model has no free sides: "
-        "`tactel solve` refuses them; 1 in the column outside (docs/pads.md)\n",
-        set.near_edge, set.contacts);
-  if (set.unseen > 0)
-    text += fmt::format(
-        "{} of {} contacts stay farther than the thickness from every tactel, which hardly see them: the pitch exceeds "
-        "two thicknesses; 2 in the column outside\n",
-        set.unseen, set.contacts);
-  if (set.wide_cells > 0)
-    text += fmt::format(
-        "{} of {} contacts have cells wider than the thickness, which put P of sharp and tilted shapes off: "
-        "`tactel solve` states by how much; 4 in the column outside\n",
-        set.wide_cells, set.contacts);
+  const auto of_contacts = [&](std::uint64_t count, const std::string& what) {
+    if (count > 0) text += fmt::format("{} of {} contacts {}\n", count, set.contacts, what);
+  };
+  of_contacts(set.without_rows, "have no row: mu P = 0 in all their load steps, and S = Q / (mu P) is not defined");
+  of_contacts(set.never_slid,
+              fmt::format("do not slide as a whole within {} steps of their drag", fem::most_tangential_steps));
+  of_contacts(set.far_slip,
+              fmt::format("slide further than {}a tenth of their width: displacements are taken as small (docs/{}.md)",
+                          set.pad ? "" : "an element and ", set.pad ? "pads" : "scenes"));
+  of_contacts(set.near_edge,
+              "come nearer than the thickness to an edge of the pad, where the model has no free sides: `tactel solve` "
+              "refuses them; 1 in the column outside (docs/pads.md)");
+  of_contacts(set.unseen,
+              "stay farther than the thickness from every tactel, which hardly see them: the pitch exceeds two "
+              "thicknesses; 2 in the column outside");
+  of_contacts(set.wide_cells,
+              "have cells wider than the thickness, which put P of sharp and tilted shapes off: `tactel solve` states "
+              "by how much; 4 in the column outside");
   if (set.coarse > 0)
     text += fmt::format(
         "in {} of {} rows the contact covers few of the {} that are laid for its deepest step: status 3 "
@@ -231,7 +222,8 @@ int run_generate(const GenerateRequest& request) {
     if (complete && !request.shared.quiet) fmt::print("{}: complete already\n", request.output);
     return done;
   }
-  interrupt.emplace();  // before there is anything to keep
+  for (const std::string& device : options.devices) Device{device};  // without one nothing is begun
+  interrupt.emplace();                                               // before there is anything to keep
   const Ring ring{ranks.rank(), ranks.count(), [&](int to, std::string bytes) { ranks.send(to, std::move(bytes)); },
                   [&] { return ranks.receive(); }};
   const std::uint64_t chunks = chunk_count(contacts);

@@ -123,20 +123,15 @@ double coarse_error(int across) { return across >= 5 ? 0.02 : across >= 3 ? 0.08
 
 /// Steps that hold a history of friction cannot have cells of their own.
 std::optional<std::string> few_cells_warning(const PadOutcome& outcome) {
-  const auto& [cells, places, steps, outside, fell_back] = outcome.solution;
-  std::vector<std::size_t> numbers;
-  int least = cells.n, widest = 0;
-  for (const fem::PadStep& step : steps) widest = std::max(widest, step.across);
-  for (std::size_t k = 0; k < steps.size(); ++k) {
-    if (!(steps[k].P > 0) || steps[k].across >= fem::least_across(cells.n, widest)) continue;
-    numbers.push_back(k + 1);
-    least = std::min(least, steps[k].across);
-  }
-  if (numbers.empty()) return std::nullopt;
+  std::vector<int> across;
+  for (const fem::PadStep& step : outcome.solution.steps) across.push_back(step.across);
+  const int cells = outcome.solution.cells.n, widest = across.empty() ? 0 : std::ranges::max(across);
+  const auto few = few_in_steps(across, fem::least_across(cells, widest));
+  if (!few) return std::nullopt;
   return fmt::format(
       "in {} the contact extends over {} of {} cells, which are laid for the deepest step: P there may be off by "
       "{} and S is coarse",
-      steps_text(numbers), least, cells.n, percent(coarse_error(least)));
+      few->steps, few->fewest, cells, percent(coarse_error(few->fewest)));
 }
 
 std::optional<std::string> pad_slip_warning(const PadOutcome& outcome) {

@@ -162,21 +162,16 @@ namespace {
 
 /// On patches, whose elements are laid for the deepest step.
 std::optional<std::string> few_elements_warning(const fem::ContactSolution& solution) {
-  const auto elements = static_cast<std::ptrdiff_t>(solution.surface_width.size());
-  if (elements == 0) return std::nullopt;
-  std::vector<std::size_t> numbers;
-  std::ptrdiff_t least = elements;
-  for (std::size_t k = 0; k < solution.steps.size(); ++k) {
-    const std::ptrdiff_t touched = (solution.steps[k].normal_force.array() > 0).count();
-    if (touched == 0 || touched >= fem::least_elements) continue;
-    numbers.push_back(k + 1);
-    least = std::min(least, touched);
-  }
-  if (numbers.empty()) return std::nullopt;
+  if (solution.surface_width.size() == 0) return std::nullopt;
+  std::vector<int> touched;
+  for (const fem::ContactStep& step : solution.steps)
+    touched.push_back(static_cast<int>((step.normal_force.array() > 0).count()));
+  const auto few = few_in_steps(touched, fem::least_elements);
+  if (!few) return std::nullopt;
   return fmt::format(
       "in {} the contact covers {} of {} elements, which are laid for the deepest step: its forces are coarse; a scene "
       "of that depth alone is finer",
-      steps_text(numbers), least, elements);
+      few->steps, few->fewest, solution.surface_width.size());
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace tactel::host {
 
 std::string steps_text(const std::vector<std::size_t>& numbers) {
@@ -14,6 +16,18 @@ std::string steps_text(const std::vector<std::size_t>& numbers) {
     if (end > first + 1) text += fmt::format(" to {}", numbers[end - 1]);
   }
   return (numbers.size() > 1 ? "load steps " : "load step ") + text;
+}
+
+std::optional<FewInSteps> few_in_steps(const std::vector<int>& across, int least) {
+  std::vector<std::size_t> numbers;
+  int fewest = least;
+  for (std::size_t k = 0; k < across.size(); ++k) {
+    if (across[k] == 0 || across[k] >= least) continue;
+    numbers.push_back(k + 1);
+    fewest = std::min(fewest, across[k]);
+  }
+  if (numbers.empty()) return std::nullopt;
+  return FewInSteps{steps_text(numbers), fewest};
 }
 
 std::optional<std::string> untouched_warning(const std::vector<std::size_t>& untouched,

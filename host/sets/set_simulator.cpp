@@ -49,6 +49,7 @@ struct Contact {
   double friction = 0;
   int first_step = 0;  ///< the first that may be a row
   int presses = 0;     ///< of pads: steps that press on from first touch (fem/pad/pad_presses.h)
+  int least = 0;       ///< elements or cells over which a step must extend: else its row is marked; known by survey
   std::uint16_t kind = 0;
   bool until_sliding = false;
   [[no_unique_address]] std::conditional_t<of_lines, NoPath, PadPath> path{};  ///< of pads: results do not hold it
@@ -154,12 +155,10 @@ using Alone = std::map<std::pair<std::uint64_t, int>, typename Contacts::Solutio
 int along_side(const fem::ContactSolution& solution) { return static_cast<int>(solution.surface_width.size()); }
 int along_side(const fem::PadSolution& solution) { return solution.cells.n; }
 
-/// Marks a row whose contact extends over few of so many; `widest`: the most in any step of the contact.
-template <bool of_lines>
-void mark(Row& row, int along_side, int widest) {
+/// Marks a row whose contact extends over few elements or cells.
+void mark(Row& row, int least) {
   const bool solved = row.status == LANE_SOLVED || row.status == LANE_SLIDING;
-  const int least = of_lines ? fem::least_elements : fem::least_across(along_side, widest);
-  if (along_side > 0 && solved && row.across < least) row.status = coarse_row;
+  if (solved && row.across < least) row.status = coarse_row;
 }
 
 /// The steps of an answer in place, but for those that were solved alone.
@@ -173,8 +172,18 @@ struct StepsOfLane {
   [[gnu::always_inline]] Row row(int k) const {  // a row in memory, written by number and copied by vector, stalls
     const auto* const own = solved_alone(k);
     Row row = own ? row_of(own->steps.back()) : row_of(answer, *contact, k);
-    if (!own) mark<Contact<Contacts>::of_lines>(row, along_side, widest);
+    if (!own) mark(row, contact->least);
     return row;
+  }
+  int least() const {
+    if (along_side == 0) return 0;
+    if constexpr (Contact<Contacts>::of_lines) {
+      return fem::least_elements;
+    } else {
+      int widest = 0;
+      for (int k = 0; k < answer.steps; ++k) widest = std::max(widest, across_of(answer, *contact, k));
+      return fem::least_across(along_side, widest);
+    }
   }
   void stress(int k, std::span<float> frame) const {
     if (const auto* own = solved_alone(k))
@@ -193,7 +202,7 @@ struct StepsOfLane {
   LaneAnswer answer;
   const Contact<Contacts>* contact;
   const Alone<Contacts>* alone;
-  int along_side, widest;
+  int along_side;
 };
 
 /// The steps of a contact that was solved again.
@@ -208,11 +217,20 @@ struct StepsOfSolution {
       return std::max(solution.cells.hx, solution.cells.hy);
   }
   Row row(int k) const {
-    int widest = 0;
-    for (const auto& step : solution.steps) widest = std::max(widest, row_of(step).across);
     Row row = row_of(solution.steps[static_cast<std::size_t>(k)]);
-    mark<Contact<Contacts>::of_lines>(row, host::along_side(solution), widest);
+    mark(row, contact->least);
     return row;
+  }
+  int least() const {
+    const int along_side = host::along_side(solution);
+    if (along_side == 0) return 0;
+    if constexpr (Contact<Contacts>::of_lines) {
+      return fem::least_elements;
+    } else {
+      int widest = 0;
+      for (const auto& step : solution.steps) widest = std::max(widest, step.across);
+      return fem::least_across(along_side, widest);
+    }
   }
   void stress(int k, std::span<float> frame) const { put_stress(solution.steps[static_cast<std::size_t>(k)], frame); }
   bool slid() const { return solution.sliding; }
@@ -292,6 +310,7 @@ bool is_row(const Row& row, const Contact& of, int step) {
 /// Adds what the steps of a contact say together to the counts of a set. Returns how many of them become rows.
 template <class Steps, class Contact>
 std::size_t survey(ContactSet& set, const Steps& steps, Contact& of) {
+  of.least = steps.least();
   const double element = steps.element();  // mm
   std::size_t rows = 0;
   double deepest = 0;  // mm
@@ -436,12 +455,9 @@ class Simulator final : public SetSimulator::State {
  private:
   StepsOfLane<Contacts> steps_of(const LaneAnswer& answer, const Contact<Contacts>& contact,
                                  const Alone<Contacts>& alone) const {
-    int widest = 0;
-    if constexpr (!Contact<Contacts>::of_lines)
-      for (int k = 0; k < answer.steps; ++k) widest = std::max(widest, across_of(answer, contact, k));
-    return {answer, &contact, &alone, along_side_, widest};
+    return {answer, &contact, &alone, along_side_};
   }
-  std::vector<int> to_solve_alone(const LaneAnswer& answer, const Contact<Contacts>& contact) const;
+  std::vector<std::size_t> to_solve_alone(const LaneAnswer& answer, const Contact<Contacts>& contact) const;
   void solve_alone(const std::vector<std::pair<std::uint64_t, int>>& steps, Alone<Contacts>& alone) const;
   void measure(ContactSet& set, const std::vector<std::size_t>& rows, const Chunk& chunk, const Fallen& fallen,
                const Alone<Contacts>& alone);
@@ -459,20 +475,17 @@ class Simulator final : public SetSimulator::State {
 /// Returns the steps of a contact on a pad that are rows, or that readings of rows depend on, and coarse, and can be
 /// solved alone.
 template <class Contacts>
-std::vector<int> Simulator<Contacts>::to_solve_alone(const LaneAnswer& answer, const Contact<Contacts>& contact) const {
-  std::vector<int> steps;
-  if constexpr (!Contact<Contacts>::of_lines) {
-    const auto across = [&](int k) { return across_of(answer, contact, k); };
-    double most = 0;
-    for (const fem::PadTarget& target : contact.path.steps) most = std::max(most, target.normal);
-    int widest = 0;
-    for (int k = 0; k < contact.presses; ++k) widest = std::max(widest, across(k));
-    for (int k = chain_ ? 0 : contact.first_step; k < contact.presses; ++k) {
-      const double normal = contact.path.steps[static_cast<std::size_t>(k)].normal;
-      if (normal > 0 && normal < most && across(k) < fem::least_across(along_side_, widest)) steps.push_back(k);
-    }
+std::vector<std::size_t> Simulator<Contacts>::to_solve_alone(const LaneAnswer& answer,
+                                                             const Contact<Contacts>& contact) const {
+  if constexpr (Contact<Contacts>::of_lines)
+    return {};
+  else {
+    std::vector<std::size_t> steps =
+        fem::coarse_presses(std::span(contact.path.steps), contact.presses, along_side_,
+                            [&](std::size_t k) { return across_of(answer, contact, static_cast<int>(k)); });
+    if (!chain_) std::erase_if(steps, [&](std::size_t k) { return static_cast<int>(k) < contact.first_step; });
+    return steps;
   }
-  return steps;
 }
 
 template <class Contacts>
@@ -583,8 +596,8 @@ ContactSet Simulator<Contacts>::collect(Range& range) {
       },
       [&](std::size_t k, const LaneAnswer& answer) {
         auto& contact = chunk.contacts[k];
-        const std::vector<int> steps = to_solve_alone(answer, contact);
-        for (const int step : steps) to_solve.emplace_back(contact.number, step);
+        const std::vector<std::size_t> steps = to_solve_alone(answer, contact);
+        for (const std::size_t step : steps) to_solve.emplace_back(contact.number, static_cast<int>(step));
         if (!steps.empty()) {
           surveyed_later.push_back(k);
           return;

@@ -75,6 +75,14 @@ class Generate : public ::testing::Test {
 };
 
 // Three chunks of contacts on pads.
+TEST_F(Generate, WithoutADeviceLeavesNothing) {
+  const std::string set = output("none.h5");
+  EXPECT_EQ(
+      run_child({"env", "OCL_ICD_VENDORS=/nonexistent", TACTEL_PROGRAM, "generate", sweep_, "--output", set}).exit_code,
+      3);
+  EXPECT_FALSE(std::filesystem::exists(set + ".parts"));
+}
+
 TEST_F(Generate, PadsKilledAndResumedGiveTheSameBytes) {
   const std::string pads = folder_.write("pads.toml",
                                          "[sweep]\ncontacts = 20000\n[sensor]\nkind = \"pad\"\nthickness = 2\n"

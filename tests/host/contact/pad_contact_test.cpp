@@ -230,6 +230,39 @@ TEST(PadContact, ReachesGivenForcesAsItsTwin) {
   }
 }
 
+/// A rounded box that is pressed by a force, twisted and dragged back, as in examples/pad_twist.toml.
+template <class Real>
+void expect_twists_by_force(double tolerance) {
+  std::vector<fem::PadScene> scenes;
+  for (const double edge : {0.1, 1.5})
+    for (const double force : {0.5, 5.0}) {
+      fem::PadScene& scene = scenes.emplace_back();
+      scene.sensor = {.thickness = 4, .young = 0.5, .poisson = 0.48};
+      scene.indenter = {.shape = fem::Box{{3, 2}, edge}, .yaw = 30};
+      scene.load = {.normal_force = {0.4 * force, force},
+                    .drags = {{0, 0, 0.05}, {0.1, 0, 0.1}, {0.1, 0.1, 0.1}, {0, 0, 0}}};
+    }
+  const PadContact<Real> contact(executor(), {.cells = 8, .tolerance = tolerance});
+  const auto batch = ran(contact, scenes);
+  fem::PadOptions options;
+  options.cells = 8, options.tolerance = tolerance / 100;
+  const fem::PadSolver twin(*contact.layer(0.48), options);
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const fem::PadSolution a = batch.solution(i), b = twin.solve_on(batch.cells(i), batch.scene(i));
+    for (std::size_t k = 0; k < b.steps.size(); ++k) {
+      const fem::PadStep &p = a.steps[k], &q = b.steps[k];
+      EXPECT_TRUE(p.converged && q.converged) << i << " " << k;
+      EXPECT_NEAR(p.P / q.P, 1, 1.2 * tolerance) << i << " " << k;  // both are asked for the force to their tolerance
+      EXPECT_LE((p.Q - q.Q).norm(), 5 * tolerance * q.P) << i << " " << k;
+    }
+  }
+}
+
+TEST(PadContact, TwistsByForceAsItsTwin) {
+  expect_twists_by_force<float>(1e-3);
+  expect_twists_by_force<double>(1e-7);
+}
+
 TEST(PadContact, AnInvalidSceneDoesNotHarmItsNeighbours) {
   fem::PadSensor sensor = sensor_of(0.45);
   std::vector<fem::PadScene> scenes(3);

@@ -97,6 +97,7 @@ TEST_F(PatchSet, TheLogHearsHowManyTablesAreMade) {
   };
   const auto expected = [](int count) {
     std::vector<std::string> all;
+    all.reserve(count);
     for (int k = 0; k < count; ++k)
       all.push_back("tables of sensors, " + std::to_string(k) + " of " + std::to_string(count));
     return all;

@@ -176,6 +176,8 @@ TEST(AnsweredRowsOfPads, HaveClasses) {
   const nn::FrameSet frames = answered_rows(set, "s.h5").frames;
   EXPECT_EQ(frames.contact_nodes, (std::vector<std::int32_t>{2, 1, 2}));
   EXPECT_EQ(frames.torque, (std::vector<std::uint8_t>{3, 0, 1}));
+  set.status = {2, 3, 1};  // over tolerance, few cells, sliding
+  EXPECT_EQ(answered_rows(set, "s.h5").row, (std::vector<std::size_t>{1, 2}));
   set.left_out = {"force_ratio"};
   EXPECT_THROW(answered_rows(set, "s.h5"), ConfigError);
 }
