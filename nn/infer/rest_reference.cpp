@@ -10,7 +10,7 @@ namespace tactel::infer {
 namespace {
 
 constexpr double still_share = 0.01, noises = 2, tighter = 1.1, another_grip = 2;
-constexpr int fewest = 10, enough = 1000, released = 3;  // frames
+constexpr int fewest = 10, share = 4, enough = 500, released = 3;  // frames
 
 /// Squared Euclidean norm of the difference.
 template <class Number>
@@ -34,7 +34,7 @@ double RestReference::force(std::span<const float> frame) const noexcept {
 void RestReference::forget() noexcept { found_ = false, still_ = moving_ = apart_ = tightening_ = 0; }
 
 void RestReference::begin(std::span<const float> frame) noexcept {
-  moving_ = std::min(moving_ + still_, enough);
+  moving_ = std::min(moving_ + still_, share * enough);
   still_ = 1, steps_ = 0, force_ = force(frame);
   std::ranges::copy(frame, first_.begin());
   std::ranges::copy(frame, sum_.begin());
@@ -47,7 +47,7 @@ void RestReference::seek(std::span<const float> frame) noexcept {
   if (std::sqrt(apart(frame, first_)) > std::max(still_share * force_, noise)) return begin(frame);
   ++still_;
   for (std::size_t k = 0; k < frame.size(); ++k) sum_[k] += frame[k];
-  if (still_ < std::clamp(moving_, fewest, enough)) return;
+  if (still_ < std::clamp(moving_ / share, fewest, enough)) return;
   double sum = 0;
   for (std::size_t k = 0; k < frame.size(); ++k) sum += (sum_[k] /= still_) * (k < normals_ ? 1 : 0);
   force_ = std::abs(sum);
@@ -62,10 +62,10 @@ float RestReference::next(std::span<const float> frame, bool touches) noexcept {
     if (++apart_ >= released) forget();
     return none;
   }
-  apart_ = 0;
+  const double now = force(frame);
+  if (std::exchange(apart_, 0) > 0 && (!found_ || now < force_ / another_grip)) forget();
   if (found_) {
-    const double now = force(frame);
-    tightening_ = now > tighter * force_ ? std::min(tightening_ + 1, enough) : 0;
+    tightening_ = now > tighter * force_ ? std::min(tightening_ + 1, share * enough) : 0;
     if (now > another_grip * force_) found_ = false, still_ = 0, moving_ = std::exchange(tightening_, 0);
   }
   if (!found_) seek(frame);

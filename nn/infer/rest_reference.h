@@ -9,11 +9,11 @@ namespace tactel::infer {
 /// The stresses of a sensor while a grip rests, and how far later frames have moved from them.
 ///
 /// Rest is sought from touch-down on, and is the mean of the first frames in which nothing moves. There are ten or
-/// more, and as many as there were frames since touch-down until then: a slow press has no rest on its way at any rate
-/// of frames; 1000 frames are enough. Nothing moves where a frame differs from the first of them by at most 1 % of P,
-/// or by at most twice the difference of neighbouring frames, which is noise. On two uSkin pads at rest that
-/// difference is at most 0.65 % of P. Rest is sought anew after three frames without contact in a row, and where P has
-/// doubled: then it is another grip.
+/// more, and a quarter as many as there were frames since touch-down until then: a slow press has no rest on its way at
+/// any rate of frames; 500 frames are enough. Nothing moves where a frame differs from the first of them by at most 1 %
+/// of P, or by at most twice the difference of neighbouring frames, which is noise. On two uSkin pads at rest that
+/// difference is at most 0.65 % of P. Rest is sought anew after a release, three frames without contact in a row or
+/// fewer and then less than half of P, and where P has doubled: then it is another grip.
 class RestReference {
  public:
   /// inputs: numbers of a frame, of which the first `normals` are normal stresses. least: MPa, above 0: the sum of the

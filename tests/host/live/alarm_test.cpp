@@ -211,8 +211,8 @@ TEST(Alarm, AFrameWithoutAnAnswerLeavesTheRest) {
   EXPECT_FALSE(alarm.next(grip(0.3f, 0.1f)).on);
 }
 
-// Each press has 200 frames to 0.4 MPa and is silent; rest comes when nothing moved for as long. Three frames without
-// contact in a row are a release, two are not.
+// Each press has 200 frames to 0.4 MPa and is silent; rest comes when nothing moved for a quarter as long. Three frames
+// without contact in a row are a release, two are not.
 TEST(Alarm, TouchDownIsSilentAndARegripRestsAnew) {
   Alarm alarm(2, 2, {.at = 0.03f, .touch = 0.01, .signal = AlarmSignal::moved});
   for (const float most : {0.4f, 0.2f}) {
@@ -224,13 +224,24 @@ TEST(Alarm, TouchDownIsSilentAndARegripRestsAnew) {
       EXPECT_EQ(std::isnan(said.moved), said.rest == false) << i;
       if (said.rest == true && rest == 0) rest = i;
     }
-    EXPECT_GT(rest, 350);
-    EXPECT_LT(rest, 450);
+    EXPECT_GT(rest, 230);
+    EXPECT_LT(rest, 260);
     EXPECT_TRUE(alarm.next(grip(most, most / 3, 0.1f)).on);
     for (int i = 0; i < 2; ++i) EXPECT_FALSE(alarm.next(grip(0, 0)).on);
     EXPECT_EQ(alarm.next(grip(most, most / 3)).rest, true);
     for (int i = 0; i < 3; ++i) EXPECT_EQ(alarm.next(grip(0, 0)).rest, i < 2);
   }
+}
+
+// A frame without contact is a release where a lighter touch follows, and a loss of readings where the grip does.
+TEST(Alarm, AReleaseOfOneFrameIsALighterTouch) {
+  Alarm alarm(2, 2, {.at = 0.03f, .touch = 0.01, .signal = AlarmSignal::moved});
+  rest_at_a_grip(alarm);
+  alarm.next(grip(0, 0));
+  EXPECT_EQ(alarm.next(grip(0.3f, 0.1f)).rest, true);
+  alarm.next(grip(0, 0));
+  EXPECT_EQ(alarm.next(grip(0.12f, 0.04f)).rest, false);
+  EXPECT_FALSE(alarm.next(grip(0.3f, 0.1f, 0.1f)).on);
 }
 
 // P of 0.4 MPa doubles: it is another grip, whose rest is 0.9 MPa.

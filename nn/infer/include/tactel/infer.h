@@ -161,9 +161,9 @@ struct AlarmAnswer {
 /// alarm as it is. Each of several sensors has its Alarm: there is one where one of them is on. An object is for one
 /// thread at a time.
 ///
-/// Rest is the mean of the first frames after touch-down in which nothing moves: ten or more, and as many as moved
-/// since touch-down; 1000 are enough. It is sought anew after three frames without contact, where the sum of the normal
-/// stresses has doubled, and by rest().
+/// Rest is the mean of the first frames after touch-down in which nothing moves: ten or more, and a quarter of those
+/// since touch-down; 500 are enough. It is sought anew after a release, where the sum of the normal stresses has
+/// doubled, and by rest().
 class TACTEL_API Alarm {
  public:
   /// Throws InputError for options out of range, `widest` without a bound, and a network that does not estimate S.
