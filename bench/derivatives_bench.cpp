@@ -46,22 +46,7 @@ BENCHMARK_CAPTURE(solve, loose, {.tolerance = 1e-3})->Name("derivatives/solve_1e
 BENCHMARK_CAPTURE(solve, tight, {.tolerance = 1e-7})->Name("derivatives/solve_1e-7")->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(solve, exact, exact_sweeps({}))->Name("derivatives/solve_exact")->Unit(benchmark::kMicrosecond);
 
-/// The path solved again with its statuses, and one gradient of S by all parameters.
-void time_gradient(benchmark::State& state, const SceneDerivatives& d) {
-  std::vector<PathWeights> weights(d.path.answers().size());
-  weights.back().S = 1;
-  for (auto _ : state) {
-    const PathDerivatives path(d.path.path());
-    const PathDirection gradient = path.adjoint(weights);
-    double sum = 0;
-    for (const PathDirection& direction : d.directions) sum += along(gradient, direction);
-    benchmark::DoNotOptimize(sum);
-  }
-}
-void gradient(benchmark::State& state) { time_gradient(state, shared().derivatives()); }
-BENCHMARK(gradient)->Name("derivatives/gradient")->Unit(benchmark::kMicrosecond);
-
-/// The same on mesh A.
+/// The same scene on mesh A.
 struct MeshCase {
   Scene scene = [] {
     Scene on_mesh = shared().scene;
@@ -91,15 +76,16 @@ void reference_solve(benchmark::State& state) {
 }
 BENCHMARK(reference_solve)->Name("derivatives/reference_solve")->Unit(benchmark::kMicrosecond);
 
-void mesh_gradient(benchmark::State& state) { time_gradient(state, on_mesh().derivatives); }
-BENCHMARK(mesh_gradient)->Name("derivatives/mesh_gradient")->Unit(benchmark::kMicrosecond);
-
-/// The same by one direction, forward.
-void forward(benchmark::State& state) {
-  Case& c = shared();
-  const SceneDerivatives d = c.derivatives();
-  for (auto _ : state) benchmark::DoNotOptimize(d.path.forward(d.directions.front()));
+/// The path solved again with its statuses, and its derivatives by all parameters.
+void time_path(benchmark::State& state, const SceneDerivatives& d) {
+  for (auto _ : state) {
+    const PathDerivatives path(d.path.path());
+    for (const PathDirection& direction : d.directions) benchmark::DoNotOptimize(path.forward(direction));
+  }
 }
-BENCHMARK(forward)->Name("derivatives/forward")->Unit(benchmark::kMicrosecond);
+void patch_path(benchmark::State& state) { time_path(state, shared().derivatives()); }
+BENCHMARK(patch_path)->Name("derivatives/patch")->Unit(benchmark::kMicrosecond);
+void mesh_path(benchmark::State& state) { time_path(state, on_mesh().derivatives); }
+BENCHMARK(mesh_path)->Name("derivatives/mesh")->Unit(benchmark::kMicrosecond);
 
 }  // namespace

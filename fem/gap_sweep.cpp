@@ -158,33 +158,6 @@ void GapSweep<Real>::step_load_path(const Scene& scene, const Record& record) co
 }
 
 template <class Real>
-Eigen::MatrixXd GapSweep<Real>::solve_tactels(const Scene& scene) const {
-  const Eigen::Index rows = condensation_.tactel_stress.rows();
-  const Real young = static_cast<Real>(scene.sensor.young);
-  Eigen::MatrixXd out(load_path(scene.load).steps.size(), 2 + rows);
-  Eigen::Index step = 0;
-  static thread_local Eigen::Matrix<Real, -1, -1> map;  // by n, t instead of by x, y
-  map.resize(rows, condensation_.tactel_stress.cols());
-  for (Eigen::Index j = 0; j < map.cols() / 2; ++j) {
-    map.col(2 * j) = (-condensation_.tactel_stress.col(2 * j + 1)).template cast<Real>();
-    map.col(2 * j + 1) = condensation_.tactel_stress.col(2 * j).template cast<Real>();
-  }
-  step_load_path(scene, [&](const auto& c, const LoadStep&, int, bool, const auto&) {
-    const int first = 2 * c.first, count = 2 * (c.end - c.first);
-    const Vector<Real> stress = map.middleCols(first, count) * c.force.segment(first, count) * young;
-    double p = 0, q = 0;
-    for (int i = c.first; i < c.end; ++i) {
-      p += c.force[2 * i] * young;
-      q += c.force[2 * i + 1] * young;
-    }
-    out.row(step) << p, q, stress.transpose().template cast<double>();
-    ++step;
-    return true;
-  });
-  return out;
-}
-
-template <class Real>
 ContactSolution GapSweep<Real>::solve(const Scene& scene) const {
   ContactSolution solution{condensation_.surface_x, condensation_.base_x, condensation_.tactel_x, {}, false};
   const LoadPath path = load_path(scene.load);

@@ -20,9 +20,6 @@ class GapSweep {
   explicit GapSweep(const Condensation& condensation, const GapSweepOptions& options = {});
   /// Throws ValueError for a scene that is driven by force.
   ContactSolution solve(const Scene& scene) const;
-  /// Returns only P, Q and tactel stresses, as a learning set needs them: [steps, 2 + 2 tactels]; for
-  /// benchmarks.
-  Eigen::MatrixXd solve_tactels(const Scene& scene) const;
 
  private:
   template <class Record>

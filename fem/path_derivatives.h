@@ -57,17 +57,11 @@ struct PathAnswer {
   double distance_to_switch = 0;  ///< of the answer alone: PathDerivatives::answers()
 };
 
-/// Weights of the outputs of an asked increment in a scalar L: dL/dP and so on. `frame` is [2 tactels] or empty.
-struct PathWeights {
-  double P = 0, Q = 0, S = 0, depth = 0, x = 0;
-  Eigen::VectorXd frame;
-};
-
 /// Derivatives of a converged load path, with statuses fixed and the history carried (implicit function theorem). With
 /// the touching elements A and the sticking ones K of an increment, the unknowns z = (n_A, t_K, depth, x) obey
 ///     u_y = h - depth on A,   u_x = u_x of the last increment + x - x of the last increment on K,
 ///     t = sigma mu n on slipping elements,   depth or sum n, x or sum t as the target gives them.
-/// That is linear in z: one factorization an increment answers every derivative, forward or adjoint. Where a status is
+/// That is linear in z: one factorization an increment answers every derivative. Where a status is
 /// about to change, derivatives are one-sided; distance_to_switch tells. Forces are over E inside, so that E changes
 /// frames and given forces alone.
 class PathDerivatives {
@@ -83,12 +77,8 @@ class PathDerivatives {
   /// of statuses that is nearest. Below 0 the statuses are not those of a solution.
   const std::vector<PathAnswer>& answers() const { return answers_; }
 
-  /// Returns the derivatives of answers() along a direction: forward mode. S is none where that of the answer is.
+  /// Returns the derivatives of answers() along a direction. S is none where that of the answer is.
   std::vector<PathAnswer> forward(const PathDirection& direction) const;
-
-  /// Returns dL/d(inputs) of the scalar L with these weights [asked increments]: adjoint mode, one transposed solve an
-  /// increment however many parameters there are. dL/dp is along(gradient, direction of p).
-  PathDirection adjoint(const std::vector<PathWeights>& weights) const;
 
  private:
   struct Entry {
@@ -104,8 +94,6 @@ class PathDerivatives {
     double depth = 0, x = 0;                  ///< mm
     Eigen::PartialPivLU<Eigen::MatrixXd> equations;
   };
-
-  struct Adjoint;
 
   /// Gap of an element at the last increment and the one before, mm, and whether it was open and closing.
   struct Closing {
@@ -135,8 +123,5 @@ class PathDerivatives {
   std::vector<Increment> increments_;
   std::vector<PathAnswer> answers_;
 };
-
-/// Returns the sum over all inputs of gradient times direction.
-double along(const PathDirection& gradient, const PathDirection& direction);
 
 }  // namespace tactel::fem

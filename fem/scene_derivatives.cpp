@@ -58,13 +58,6 @@ void SceneDerivatives::add(SceneParameter parameter, PathDirection direction) {
   directions.push_back(std::move(direction));
 }
 
-std::vector<double> SceneDerivatives::gradient(const std::vector<PathWeights>& weights) const {
-  const PathDirection gradient = path.adjoint(weights);
-  std::vector<double> result;
-  for (const PathDirection& direction : directions) result.push_back(along(gradient, direction));
-  return result;
-}
-
 void add_common_parameters(const Scene& scene, const Eigen::VectorXd& x,
                            const std::function<std::vector<LoadStep>(const Load&)>& targets, SceneDerivatives& result) {
   for (const HeightDerivative& of : height_derivatives(scene.indenter, x))

@@ -32,9 +32,6 @@ struct SceneDerivatives {
 
   /// Adds a parameter and its direction.
   void add(SceneParameter parameter, PathDirection direction);
-
-  /// Returns dL/d(parameter) [parameters] of a scalar with these weights [asked increments], by one adjoint pass.
-  std::vector<double> gradient(const std::vector<PathWeights>& weights) const;
 };
 
 /// Adds the numbers whose directions do not depend on the model of the rubber: those of the shape (of elements that

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Derivatives of a load path on a patch against central differences of the sweeps, which know nothing of them; adjoint
-// against forward mode; closed forms.
+// Derivatives of a load path on a patch against central differences of the sweeps, which know nothing of them; closed
+// forms.
 #include "fem/layer/patch_derivatives.h"
 
 #include <gtest/gtest.h>
@@ -181,34 +181,9 @@ double ladder(const PathCase& c, const Patch& patch, const std::vector<Eigen::Ve
   return best;
 }
 
-/// Adjoint against forward mode: the derivative of a random sum of all outputs, by every parameter.
-void expect_adjoint_is_forward(const SceneDerivatives& d, std::mt19937& random) {
-  std::normal_distribution<double> normal;
-  std::vector<PathWeights> weights;
-  for (const PathAnswer& a : d.path.answers()) {
-    PathWeights w{normal(random), normal(random), normal(random), normal(random), normal(random), a.frame};
-    for (double& x : w.frame) x = normal(random);
-    weights.push_back(w);
-  }
-  const std::vector<double> gradient = d.gradient(weights);
-  for (std::size_t p = 0; p < gradient.size(); ++p) {
-    const std::vector<PathAnswer> forward = d.path.forward(d.directions[p]);
-    double sum = 0, size = 0;
-    for (std::size_t k = 0; k < weights.size(); ++k) {
-      const PathWeights& w = weights[k];
-      const PathAnswer& a = forward[k];
-      for (const double term :
-           {w.P * a.P, w.Q * a.Q, w.S * a.S.value_or(0), w.depth * a.depth, w.x * a.x, w.frame.dot(a.frame)})
-        sum += term, size += std::abs(term);
-    }
-    EXPECT_NEAR(gradient[p], sum, 1e-12 * size) << d.parameters[p].name;  // rounding of sums of some hundred terms
-  }
-}
-
 TEST(PatchDerivatives, AgreeWithCentralDifferencesOnRandomPaths) {
   RandomPaths random;
   std::map<double, std::unique_ptr<LayerDerivatives>> layers;
-  std::mt19937 weights(4);
   int compared = 0, across = 0;
   for (int k = 0; k < 1000; ++k) {
     SCOPED_TRACE(k);
@@ -221,7 +196,6 @@ TEST(PatchDerivatives, AgreeWithCentralDifferencesOnRandomPaths) {
     const SceneDerivatives d = patch_derivatives(model, *layer, c.scene, trace, {});
     EXPECT_LE(difference(outputs(d.path.answers()), outputs(solution), outputs(solution), 1e-3), 1e-11)
         << k;  // what a tolerance of 1e-13 leaves where sweeps converge slowly
-    expect_adjoint_is_forward(d, weights);
     if (d.path.answers().back().distance_to_switch < 1e-6) continue;
     const std::size_t i = index_of(d, c.name);
     const double size = std::max(0.1, std::abs(d.parameters[i].value));
@@ -252,14 +226,6 @@ std::vector<Load> histories() {
   angle.indentation_steps = 3;
   angle.angle = 12;
   return {depths, forces, angle};
-}
-
-TEST(PatchDerivatives, AdjointEqualsForward) {
-  const LayerModel& model = endless(0.45);
-  LayerDerivatives layer(model);
-  std::mt19937 random(3);
-  for (const Load& load : histories())
-    expect_adjoint_is_forward(patch_derivatives(model, layer, scene_on(model, Parabola{8}, 0.7, 0.6, load)), random);
 }
 
 TEST(PatchDerivatives, GivenForcesAndSeveralTargets) {
