@@ -8,6 +8,7 @@ import subprocess
 import sys
 
 import h5py
+import matplotlib.pyplot as plt
 import numpy as np
 
 TACTEL = "build/tactel"
@@ -52,16 +53,12 @@ for exponent in range(2, 8):
     lines.append((rows, np.mean(means), np.mean(several)))
     print(f"| 10^{exponent} | {lines[-1][1]:.4f} | {lines[-1][2]:.4f} |", flush=True)
 
-data = "\n".join(" ".join(map(str, line)) for line in lines)
-subprocess.run(["gnuplot"], check=True, text=True, input=f"""
-$data << END
-{data}
-END
-set terminal svg size 640,400 font "DejaVu Sans,12" background "white"
-set output "docs/set_size.svg"
-set logscale xy
-set xlabel "rows of the learning set"; set ylabel "mean error of S"
-set format x "10^{{%L}}"; set yrange [0.01:0.3]; set grid; set key top right
-plot $data using 1:2 with linespoints pt 7 lc rgb "#1f5fa8" title "recall, all rows", \\
-     $data using 1:3 with linespoints pt 9 lc rgb "#d9660a" title "more than one node in contact"
-""")
+rows, *errors = zip(*lines)
+plt.rcParams["svg.fonttype"] = "none"
+figure, axes = plt.subplots(figsize=(6.4, 4), layout="constrained")
+for error, look, label in zip(errors, ("o-", "^--"), ("recall, all rows", "more than one node in contact")):
+    axes.loglog(rows, error, look, label=label)
+axes.set(xlabel="rows of the learning set", ylabel="mean error of S", ylim=(0.01, 0.3))
+axes.grid(alpha=0.3)
+axes.legend()
+figure.savefig("docs/set_size.svg")

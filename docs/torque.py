@@ -3,7 +3,7 @@
 """What |Q| / (mu P) misses under torque: alarms of networks taught S against those of networks taught |Q| / (mu P).
 
 Simulates drags with twist until sliding on a pad of 4 x 4 tactels, from pure drags to pure twists. Prints the tables of
-docs/notebook/2026-11-23-torque.md; --figure draws its figure with gnuplot. Some minutes on two cores.
+docs/notebook/2026-11-23-torque.md; --figure draws its figure. Some minutes on two cores.
 
 Usage: docs/torque.py [--build build] [--contacts 20000] [--seeds 2] [--history 4] [--figure FILE.svg] [--check]
 --contacts: of the learning set; a fifth as many judge. --check: simulates a few drags, and checks the exact numbers.
@@ -13,7 +13,7 @@ sliding, the first step without a sticking cell (host/training/decision.h). A st
 estimate is not below U. U is chosen on the judged set, so that a share of the steps with S below 0.7 is false. "Of them
 false": of the detected drags, those whose first alarm is at such a step; they have no lead, which is a median.
 The share of torque of a drag is 0 for a pure drag, 1 for a pure twist: arccos(|Q| / (mu P)) over 90 degrees where
-sliding begins. Debian: python3-h5py, python3-numpy, gnuplot-nox."""
+sliding begins. Debian: python3-h5py, python3-numpy, python3-matplotlib."""
 import argparse
 import pathlib
 import subprocess
@@ -184,22 +184,18 @@ def check(drags):
 
 def draw(path, title, curves):
     """ROC curves: {title of a panel: {reader: ([false steps], [detected])}}."""
-    blocks, panels = [], []
-    for panel, readers in curves.items():
-        plots = []
+    import matplotlib.pyplot as plt
+    plt.rcParams["svg.fonttype"] = "none"
+    figure, panels = plt.subplots(1, len(curves), figsize=(9, 3.8), squeeze=False, layout="constrained")
+    figure.suptitle(title)
+    for axes, (panel, readers) in zip(panels[0], curves.items()):
         for k, (reader, points) in enumerate(readers.items()):
-            name = f"$data{len(blocks)}"
-            blocks.append(f"{name} << END\n" + "\n".join(f"{x:.5f} {y:.5f}" for x, y in zip(*points)) + "\nEND")
-            colour, dash = ("#1f5fa8", "#d9660a")[k % 2], 1 + 2 * (k // 2)
-            plots.append(f'{name} using 1:2 with lines lw 2 dt {dash} lc rgb "{colour}" title "{reader}"')
-        panels.append(f'set title "{panel}"\nplot ' + ", ".join(plots))
-    subprocess.run(["gnuplot"], check=True, text=True, input="\n".join(blocks) + f"""
-set terminal svg size 900,380 font "DejaVu Sans,12" background "white"
-set output "{path}"
-set multiplot layout 1,{len(panels)} title "{title}"
-set xlabel "steps with S < 0.7 that are false"; set ylabel "drags detected before sliding"
-set xrange [0:0.3]; set yrange [0:1]; set grid; set key at graph 0.98,0.6
-""" + "\n".join(panels) + "\nunset multiplot\n")
+            axes.plot(*points, ("C0", "C1")[k % 2] + ("-", "--")[k // 2 % 2], label=reader.replace("\\", ""))
+        axes.set(title=panel, xlim=(0, 0.3), ylim=(0, 1), xlabel="steps with S < 0.7 that are false",
+                 ylabel="drags detected before sliding")
+        axes.grid(alpha=0.3)
+        axes.legend(loc="lower right")
+    figure.savefig(path)
 
 
 def main():

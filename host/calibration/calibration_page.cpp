@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "host/calibration/median.h"
-#include "host/figures/gnuplot_script.h"
+#include "host/figures/plot.h"
 
 namespace tactel::host {
 namespace {

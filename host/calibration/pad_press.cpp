@@ -49,14 +49,14 @@ void tilt(fem::PadIndenter& indenter, int axis, double by, fem::PadLoad& load) {
 }
 
 /// Changes a number by a step. Returns the step.
-double change(int number, SensorState& state, fem::PadScene& scene) {
+double change(PressNumber number, SensorState& state, fem::PadScene& scene) {
   const auto add = [](double& value, double step) { return value += step, step; };
   switch (number) {
-    case 0:
+    case young_number:
       return add(state.log_young, step_part);
-    case 1:
+    case poisson_number:
       return add(state.poisson, state.poisson > 0.25 ? -step_part : step_part);  // 0 to 1/2
-    case 2:
+    case thickness_number:
       return add(state.thickness, step_part * state.thickness);
     case shift_number:
       return add(state.shift, step_part * state.thickness);
@@ -97,7 +97,7 @@ fem::PadScene at_state(fem::PadScene scene, const SensorState& state) {
 }  // namespace
 
 Numbers pad_shape_numbers(fem::PadShape& shape) {
-  return std::visit([](auto& of) { return numbers(of); }, shape);
+  return std::visit([](auto& kind) { return numbers(kind); }, shape);
 }
 
 PadPress::PadPress(const fem::PadScene& scene, const PressTiming& timing, const SensorState& first, int cells,
@@ -127,8 +127,8 @@ PadPress::PadPress(const fem::PadScene& scene, const PressTiming& timing, const 
 }
 
 PressFrames PadPress::solve(const SensorState& state, const fem::PadScene& scene) const {
-  const fem::PadScene own = at_state(scene, state);
-  const fem::PadSolution solution = fem::PadSolver(fem::pad_layer(state.poisson), options_).solve_on(cells_, own);
+  const fem::PadScene there = at_state(scene, state);
+  const fem::PadSolution solution = fem::PadSolver(fem::pad_layer(state.poisson), options_).solve_on(cells_, there);
   const auto steps = static_cast<Eigen::Index>(solution.steps.size());
   PressFrames result;
   result.frame.resize(steps, channels_of(scene_));
@@ -142,13 +142,13 @@ PressFrames PadPress::solve(const SensorState& state, const fem::PadScene& scene
   return result;
 }
 
-PressFrames PadPress::stresses(const SensorState& state, double friction, std::span<const int> numbers) const {
+PressFrames PadPress::stresses(const SensorState& state, double friction, std::span<const PressNumber> numbers) const {
   fem::PadScene scene = scene_;
   scene.friction = friction;
   PressFrames result = solve(state, scene);
-  for (const int number : numbers) {
+  for (const PressNumber number : numbers) {
     if (number == time_constant_number) continue;
-    if (number == 0 && !fem::by_force(scene)) {  // stresses over E do not depend on E
+    if (number == young_number && !fem::by_force(scene)) {  // stresses over E do not depend on E
       result.frame_by[number] = result.frame, result.P_by[number] = result.P;
       continue;
     }

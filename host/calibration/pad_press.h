@@ -21,7 +21,7 @@ class PadPress : public PressModel {
            int drag_increments);
 
  private:
-  PressFrames stresses(const SensorState& state, double friction, std::span<const int> numbers) const override;
+  PressFrames stresses(const SensorState& state, double friction, std::span<const PressNumber> numbers) const override;
   PressFrames solve(const SensorState& state, const fem::PadScene& scene) const;
 
   fem::PadScene scene_;  ///< each target of its pressing stands by itself

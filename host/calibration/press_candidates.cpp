@@ -49,25 +49,25 @@ std::vector<fem::Scene> varied(const fem::Scene& scene, const Variation& by) {
   const auto vary = [&all](const std::vector<double>& values, const auto& set) {
     if (values.empty()) return;
     std::vector<fem::Scene> next;
-    for (const fem::Scene& one : all)
-      for (const double value : values) set(next.emplace_back(one), value);
+    for (const fem::Scene& press : all)
+      for (const double value : values) set(next.emplace_back(press), value);
     all = std::move(next);
   };
-  vary(by.position, [](fem::Scene& one, double value) { one.indenter.position = value; });
-  vary(by.indentation, [](fem::Scene& one, double value) {
-    one.load.indentation = {value};
-    one.load.normal_force.clear();
+  vary(by.position, [](fem::Scene& press, double value) { press.indenter.position = value; });
+  vary(by.indentation, [](fem::Scene& press, double value) {
+    press.load.indentation = {value};
+    press.load.normal_force.clear();
   });
-  vary(by.normal_force, [](fem::Scene& one, double value) {
-    one.load.normal_force = {value};
-    one.load.indentation.clear();
+  vary(by.normal_force, [](fem::Scene& press, double value) {
+    press.load.normal_force = {value};
+    press.load.indentation.clear();
   });
-  vary(by.drag, [](fem::Scene& one, double value) {
-    one.load.tangential_step = 0;
-    one.load.tangential_steps.reset();
-    one.load.moves.clear();
-    one.load.angle.reset();
-    one.load.tangential = drag_steps(value);
+  vary(by.drag, [](fem::Scene& press, double value) {
+    press.load.tangential_step = 0;
+    press.load.tangential_steps.reset();
+    press.load.moves.clear();
+    press.load.angle.reset();
+    press.load.tangential = drag_steps(value);
   });
   return all;
 }
@@ -94,11 +94,11 @@ std::vector<fem::Scene> read_candidate_table(const TomlFile& file, const std::st
   if (static_cast<std::size_t>(scene.sensor.tactels) != tactels)
     in.refuse("scene", fmt::format("a scene with the profile's {} tactels", tactels));
   std::vector<fem::Scene> all = varied(scene, by);
-  for (const fem::Scene& one : all) {
-    if (fem::load_path(one.load).until_sliding)
+  for (const fem::Scene& press : all) {
+    if (fem::load_path(press.load).until_sliding)
       in.refuse("scene", "a drag with a number of steps: load.tangential, or drag in this table");
     try {
-      one.validate();
+      press.validate();
     } catch (const ValueError& error) {
       throw file.error(ValueError(name + ": " + error.key, error.value, error.allowed));
     }
@@ -154,7 +154,7 @@ std::vector<PressCandidate> usual_candidates(const fem::Scene& nominal) {
     const double reach = std::min(sensor.span() / 2, sensor.length / 2 - beside - tool.half_width);
     Variation by{.indentation = {deep / 2, deep}, .drag = {0, far, -far}};
     for (int k = -5; k <= 5; ++k) by.position.push_back(rounded(reach * k / 5, 0.1));
-    for (const fem::Scene& one : varied(scene, by)) all.push_back(candidate(shape_text(one), one));
+    for (const fem::Scene& press : varied(scene, by)) all.push_back(candidate(shape_text(press), press));
   }
   return all;
 }

@@ -38,13 +38,13 @@ fem::Condensation rubber_at(const fem::LayerModel& model, const fem::Patch& patc
 }  // namespace
 
 double friction_of(const AnyScene& scene) {
-  return std::visit([](const auto& of) { return of.friction; }, scene);
+  return std::visit([](const auto& press) { return press.friction; }, scene);
 }
 bool by_force(const AnyScene& scene) {
-  return std::visit([](const auto& of) { return fem::by_force(of); }, scene);
+  return std::visit([](const auto& press) { return fem::by_force(press); }, scene);
 }
 Eigen::Index channels_of(const AnyScene& scene) {
-  return std::visit([](const auto& of) { return inputs_of(of.sensor); }, scene);
+  return std::visit([](const auto& press) { return inputs_of(press.sensor); }, scene);
 }
 Eigen::Index tactels_of(const AnyScene& scene) {
   if (const auto* line = std::get_if<fem::Scene>(&scene)) return line->sensor.tactels;
@@ -55,11 +55,12 @@ Eigen::Index tactels_of(const AnyScene& scene) {
 std::vector<ShapeNumber> shape_numbers(const AnyScene& scene) {
   std::vector<ShapeNumber> all;
   if (const auto* line = std::get_if<fem::Scene>(&scene)) {
-    for (const fem::HeightDerivative& of : fem::height_derivatives(line->indenter, Eigen::VectorXd(0)))
-      all.push_back({of.key, of.unit, of.value});
+    for (const fem::HeightDerivative& number : fem::height_derivatives(line->indenter, Eigen::VectorXd(0)))
+      all.push_back({number.key, number.unit, number.value});
   } else {
     fem::PadShape shape = std::get<fem::PadScene>(scene).indenter.shape;
-    for (const PadShapeNumber& of : pad_shape_numbers(shape)) all.push_back({of.key, of.unit, *of.value});
+    for (const PadShapeNumber& number : pad_shape_numbers(shape))
+      all.push_back({number.key, number.unit, *number.value});
   }
   return all;
 }
@@ -87,7 +88,7 @@ fem::Sensor LinePress::sensor_at(const SensorState& state) const {
   return sensor;
 }
 
-PressFrames LinePress::stresses(const SensorState& state, double friction, std::span<const int> numbers) const {
+PressFrames LinePress::stresses(const SensorState& state, double friction, std::span<const PressNumber> numbers) const {
   fem::Scene scene = scene_;
   scene.friction = friction;
   scene.sensor = sensor_at(state);
@@ -128,8 +129,8 @@ PressFrames LinePress::stresses(const SensorState& state, double friction, std::
     }
     return by;
   };
-  const auto direction_of = [&](int number) -> fem::PathDirection {
-    if (number == 0) return {.young = scene.sensor.young};
+  const auto direction_of = [&](PressNumber number) -> fem::PathDirection {
+    if (number == young_number) return {.young = scene.sensor.young};
     if (number == friction_number) return {.mu = 1};
     if (number == tilt_number) {
       const Eigen::ArrayXd away = rubber.surface_x.array() - scene.indenter.position;
@@ -141,33 +142,32 @@ PressFrames LinePress::stresses(const SensorState& state, double friction, std::
                             .at(static_cast<std::size_t>(number - shape_number))
                             .height};
     SensorState plus = state, minus = state;
-    if (number == 1) {  // at an end of the family's range the difference is one-sided
+    if (number == poisson_number) {  // at an end of the family's range the difference is one-sided
       plus.poisson = std::min(state.poisson + poisson_step, family_.range().poisson_high);
       minus.poisson = std::max(state.poisson - poisson_step, family_.range().poisson_low);
       return difference(plus, minus, plus.poisson - minus.poisson);
     }
-    double SensorState::*const member = number == 2 ? &SensorState::thickness : &SensorState::shift;
-    plus.*member += length_step;
-    minus.*member -= length_step;
+    plus.*sensor_members[number] += length_step;  // the thickness or the shift
+    minus.*sensor_members[number] -= length_step;
     return difference(plus, minus, 2 * length_step);
   };
-  for (const int number : numbers)
+  for (const PressNumber number : numbers)
     if (number != time_constant_number)
       table(path.forward(direction_of(number)), result.frame_by[number], result.P_by[number]);
   return result;
 }
 
-PressFrames PressModel::at(const SensorState& state, double friction, std::span<const int> numbers) const {
+PressFrames PressModel::at(const SensorState& state, double friction, std::span<const PressNumber> numbers) const {
   PressFrames frames = stresses(state, friction, numbers);
-  for (const int number : numbers)
+  for (const PressNumber number : numbers)
     if (number == time_constant_number) frames.P_by[number].setZero(frames.P.size());
   if (std::isfinite(state.log_time_constant)) amplify(state.log_time_constant, numbers, frames);
   return frames;
 }
 
-void PressModel::amplify(double log_time_constant, std::span<const int> numbers, PressFrames& frames) const {
+void PressModel::amplify(double log_time_constant, std::span<const PressNumber> numbers, PressFrames& frames) const {
   const auto response = [&](double log) { return amplifier_response(timing_, std::exp(log)); };
-  for (const int number : numbers)
+  for (const PressNumber number : numbers)
     if (number == time_constant_number)
       frames.frame_by[number] = (response(log_time_constant + log_step) - response(log_time_constant - log_step)) *
                                 frames.frame / (2 * log_step);

@@ -24,16 +24,29 @@ struct SensorState {
   double shift_y = 0;                                                  ///< mm along y, of the tactels of a pad
 };
 
-inline constexpr int sensor_numbers = 6;  ///< in the order of SensorState
+/// A number by which frames have derivatives.
+enum PressNumber {
+  young_number,  // of the sensor, in the order of SensorState: its logarithm
+  poisson_number,
+  thickness_number,
+  shift_number,
+  time_constant_number,  // its logarithm
+  shift_y_number,
+  friction_number,  // of the press
+  tilt_number,      // degrees, of the indenter along its x
+  tilt_y_number,    // and on a pad along its y
+  depth_number,     // mm, the zero of the depth
+  load_number,      // its given forces, relative
+  shape_number,     // the first number of its shape
+  second_shape_number,
+  press_numbers  // how many
+};
+inline constexpr int sensor_numbers = friction_number, most_shape_numbers = press_numbers - shape_number;
 inline constexpr const char* sensor_names[sensor_numbers] = {
     "ln E", "sensor.poisson", "sensor.thickness", "shift", "ln transducer.time_constant", "shift along y"};
-inline constexpr int shift_number = 3, time_constant_number = 4, shift_y_number = 5;
-/// Beside them, numbers of the press itself: its friction; tilt of the indenter along its x, and on a pad along its y,
-/// degrees; zero of the depth, mm; its given forces, relative; the first numbers of its shape.
-inline constexpr int friction_number = sensor_numbers, tilt_number = friction_number + 1,
-                     tilt_y_number = tilt_number + 1, depth_number = tilt_y_number + 1, load_number = depth_number + 1,
-                     shape_number = load_number + 1, most_shape_numbers = 2,
-                     press_numbers = shape_number + most_shape_numbers;
+inline constexpr double SensorState::*sensor_members[sensor_numbers] = {
+    &SensorState::log_young, &SensorState::poisson,           &SensorState::thickness,
+    &SensorState::shift,     &SensorState::log_time_constant, &SensorState::shift_y};
 
 /// A number of the indenter's shape.
 struct ShapeNumber {
@@ -69,7 +82,7 @@ class PressModel {
 
   /// Returns frames and forces at a state and a friction, with derivatives by these numbers. Throws fem::PathError
   /// where the sweeps do not converge.
-  PressFrames at(const SensorState& state, double friction, std::span<const int> numbers = {}) const;
+  PressFrames at(const SensorState& state, double friction, std::span<const PressNumber> numbers = {}) const;
 
  protected:
   /// `timing` is asked for where readings decay.
@@ -77,8 +90,9 @@ class PressModel {
 
  private:
   /// Stresses and forces, with derivatives by all of these numbers but the time constant.
-  virtual PressFrames stresses(const SensorState& state, double friction, std::span<const int> numbers) const = 0;
-  void amplify(double log_time_constant, std::span<const int> numbers, PressFrames& frames) const;
+  virtual PressFrames stresses(const SensorState& state, double friction,
+                               std::span<const PressNumber> numbers) const = 0;
+  void amplify(double log_time_constant, std::span<const PressNumber> numbers, PressFrames& frames) const;
 
   PressTiming timing_;
 };
@@ -92,7 +106,7 @@ class LinePress : public PressModel {
             const SensorState& first, int elements);
 
  private:
-  PressFrames stresses(const SensorState& state, double friction, std::span<const int> numbers) const override;
+  PressFrames stresses(const SensorState& state, double friction, std::span<const PressNumber> numbers) const override;
   fem::Sensor sensor_at(const SensorState& state) const;
 
   fem::SensorFamily family_;

@@ -60,7 +60,7 @@ class Planner {
   const std::vector<PressCandidate>& candidates_;
   PlanOptions options_;
   VectorXd noise_;  ///< [channels] MPa
-  std::vector<int> numbers_;
+  std::vector<PressNumber> numbers_;
   std::vector<PressInformation> information_;
   std::vector<double> P_;  ///< [candidates] N/mm, the largest
 };
@@ -74,7 +74,7 @@ Planner::Planner(const fem::SensorFamily& family, const std::vector<PressCandida
   if (options.noise.size() > 0 && options.noise.size() != channels)
     throw ValueError("noise", fmt::format("{} numbers", options.noise.size()), fmt::format("{} numbers", channels));
   choose_numbers();
-  std::vector<int> asked = numbers_;
+  std::vector<PressNumber> asked = numbers_;
   if (with_friction()) asked.push_back(friction_number);
   const SensorState nominal{std::log(sensor.young), sensor.poisson, sensor.thickness, 0,
                             std::log(options.fit.time_constant)};
@@ -92,8 +92,8 @@ Planner::Planner(const fem::SensorFamily& family, const std::vector<PressCandida
   noise_ = options.noise;
   if (noise_.size() == 0) {
     double largest = 0;
-    for (const PressFrames& of : frames)
-      if (of.frame.size() > 0) largest = std::max(largest, of.frame.cwiseAbs().maxCoeff());
+    for (const PressFrames& press : frames)
+      if (press.frame.size() > 0) largest = std::max(largest, press.frame.cwiseAbs().maxCoeff());
     noise_.setConstant(channels, options.noise_of_largest * largest);
   }
   for (std::size_t i = 0; i < candidates.size(); ++i) {
@@ -108,14 +108,11 @@ void Planner::choose_numbers() {
   const auto by_force = std::ranges::count_if(
       candidates_, [](const PressCandidate& candidate) { return fem::by_force(candidate.scene); });
   const bool by_depth = by_force < static_cast<std::ptrdiff_t>(candidates_.size());
-  const bool asked[] = {by_depth && (options_.forces || by_force > 0),
-                        fit.fit_poisson,
-                        fit.fit_thickness,
-                        fit.fit_shift,
-                        fit.fit_time_constant,
-                        false};
-  for (int number = 0; number < sensor_numbers; ++number)
-    if (asked[number]) numbers_.push_back(number);
+  if (by_depth && (options_.forces || by_force > 0)) numbers_.push_back(young_number);
+  if (fit.fit_poisson) numbers_.push_back(poisson_number);
+  if (fit.fit_thickness) numbers_.push_back(thickness_number);
+  if (fit.fit_shift) numbers_.push_back(shift_number);
+  if (fit.fit_time_constant) numbers_.push_back(time_constant_number);
 }
 
 PressInformation Planner::information(const PressCandidate& candidate, const PressFrames& frames) const {
@@ -154,22 +151,22 @@ PressInformation Planner::information(const PressCandidate& candidate, const Pre
 }
 
 Planner::Total Planner::total(const Set& set) const {
-  const Index channels = noise_.size(), m = fitted(), own = m + 1;
+  const Index channels = noise_.size(), m = fitted(), size = m + 1;
   const Index numbers = m + (with_friction() ? static_cast<Index>(set.size()) : 0);
   Total sum{MatrixXd::Zero(channels, 3), MatrixXd::Zero(channels, 2 * numbers), MatrixXd::Zero(numbers, numbers),
             numbers};
   for (std::size_t i = 0; i < set.size(); ++i) {
-    const PressInformation& of = information_[set[i]];
-    sum.sums += of.sums;
+    const PressInformation& press = information_[set[i]];
+    sum.sums += press.sums;
     for (Index part = 0; part < 2; ++part)
-      sum.cross.middleCols(part * numbers, m) += of.cross.middleCols(part * own, m);
-    sum.own.topLeftCorner(m, m) += of.own.topLeftCorner(m, m);
+      sum.cross.middleCols(part * numbers, m) += press.cross.middleCols(part * size, m);
+    sum.own.topLeftCorner(m, m) += press.own.topLeftCorner(m, m);
     if (!with_friction()) continue;
     const Index place = m + static_cast<Index>(i);
-    for (Index part = 0; part < 2; ++part) sum.cross.col(part * numbers + place) = of.cross.col(part * own + m);
-    sum.own.block(0, place, m, 1) = of.own.block(0, m, m, 1);
-    sum.own.block(place, 0, 1, m) = of.own.block(m, 0, 1, m);
-    sum.own(place, place) = of.own(m, m);
+    for (Index part = 0; part < 2; ++part) sum.cross.col(part * numbers + place) = press.cross.col(part * size + m);
+    sum.own.block(0, place, m, 1) = press.own.block(0, m, m, 1);
+    sum.own.block(place, 0, 1, m) = press.own.block(m, 0, 1, m);
+    sum.own(place, place) = press.own(m, m);
   }
   return sum;
 }
@@ -260,10 +257,10 @@ ExpectedDeviations Planner::deviations(const Set& set, MatrixXd* correlation) co
   for (Index c = 0; c < noise_.size(); ++c) {
     const double n = sum.sums(c, 0), sx = sum.sums(c, 1);
     if (!(n > 0)) continue;
-    const double own = weak + sum.sums(c, 2) - sx * sx / n;
+    const double left = weak + sum.sums(c, 2) - sx * sx / n;
     const Eigen::RowVectorXd by =
-        (sum.cross.row(c).tail(sum.numbers) - sx / n * sum.cross.row(c).head(sum.numbers)) / own;
-    result.gain[c] = std::sqrt(1 / own + by * covariance * by.transpose());
+        (sum.cross.row(c).tail(sum.numbers) - sx / n * sum.cross.row(c).head(sum.numbers)) / left;
+    result.gain[c] = std::sqrt(1 / left + by * covariance * by.transpose());
     kinds[c < noise_.size() / 2 ? 0 : 1].push_back(result.gain[c]);
     result.worst_gain = std::max(result.worst_gain, result.gain[c]);
   }
@@ -278,7 +275,7 @@ std::vector<std::string> Planner::lost(const ExpectedDeviations& all, const Matr
     if (std::isnan(P_[i]))
       sentences.push_back(fmt::format("{} at {:g} mm is no candidate: its contact is not solved.",
                                       candidates_[i].indenter, candidates_[i].scene.indenter.position));
-  if (!std::isfinite(all.number[0]))
+  if (!std::isfinite(all.number[young_number]))
     sentences.emplace_back(
         "No plan finds sensor.young without measured forces: a softer rubber reads as smaller gains. Measure P.");
   if (!options_.fit.fit_thickness)

@@ -158,22 +158,22 @@ KnownPress read_press(const TomlFile& file, const std::string& name, const Senso
   for (const auto& [rows, of_channels] : {std::pair{&noise.mean_noise, &readings.mean_noise},
                                           {&noise.noise, &readings.noise},
                                           {&noise.step, &readings.step}}) {
-    const Eigen::MatrixXd own = of_transducers(*of_channels);
-    rows->insert(rows->end(), own.rowwise().begin(), own.rowwise().end());
+    const Eigen::MatrixXd by_transducer = of_transducers(*of_channels);
+    rows->insert(rows->end(), by_transducer.rowwise().begin(), by_transducer.rowwise().end());
   }
   press.P = Eigen::Map<const Eigen::VectorXd>(P.data(), static_cast<Eigen::Index>(P.size()));
   return press;
 }
 
-/// Returns `of` the numbers of each column; NaN where a column has none.
-template <class Of>
-Eigen::VectorXd by_column(const std::vector<Eigen::RowVectorXd>& rows, const Of& of) {
+/// Returns `measure` of the numbers of each column; NaN where a column has none.
+template <class Measure>
+Eigen::VectorXd by_column(const std::vector<Eigen::RowVectorXd>& rows, const Measure& measure) {
   Eigen::VectorXd result(rows.front().size());
   for (Eigen::Index c = 0; c < result.size(); ++c) {
     std::vector<double> values;
     for (const Eigen::RowVectorXd& row : rows)
       if (std::isfinite(row[c])) values.push_back(row[c]);
-    result[c] = values.empty() ? std::numeric_limits<double>::quiet_NaN() : of(values);
+    result[c] = values.empty() ? std::numeric_limits<double>::quiet_NaN() : measure(values);
   }
   return result;
 }
@@ -237,8 +237,8 @@ SensorCalibration calibrate_sensor(const PressRecordings& recordings, int thread
   options.threads = threads;
   const AnyScene& scene = recordings.presses.front().scene;
   const SensorState start = std::visit(
-      [](const auto& of) {
-        return SensorState{std::log(of.sensor.young), of.sensor.poisson, of.sensor.thickness};
+      [](const auto& press) {
+        return SensorState{std::log(press.sensor.young), press.sensor.poisson, press.sensor.thickness};
       },
       scene);
   if (std::holds_alternative<fem::PadScene>(scene)) return calibrate_pad(recordings.presses, start, options);

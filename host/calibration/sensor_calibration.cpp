@@ -31,13 +31,18 @@ constexpr std::size_t error_groups = 16;  ///< of presses, most
 constexpr double misfit_from = 4;         ///< standard deviations of a known number that does not fit
 constexpr double unjudged = 1e-6;         ///< of the information on a number, left by the fitted ones: too little
 constexpr int finer_drags = 2;            ///< increments of a drag on a pad, where the cells are halved
-constexpr int first_friction =
-    sensor_numbers;  ///< numbers of the fit: those of SensorState, then each press's friction
 
 /// What a fit changes.
 struct FitState {
   SensorState sensor;
   std::vector<double> friction;  ///< [presses]
+};
+
+/// A number of the sensor, or the friction of a press.
+struct FitNumber {
+  PressNumber number;
+  std::size_t press = 0;  ///< of a friction
+  bool friction() const { return number == friction_number; }
 };
 
 /// All presses, one below the other.
@@ -50,16 +55,16 @@ struct Stack {
 
 /// A number that the fit takes as known. Its error is in the deviations of all that is fitted.
 struct Known {
-  std::string name, unit;     ///< for messages; without a name it is known to `deviation`, and not judged
-  double value;               ///< as it is taken
-  int number;                 ///< of PressFrames
+  std::string name, unit;  ///< for messages; without a name it is known to `deviation`, and not judged
+  double value;            ///< as it is taken
+  PressNumber number;
   std::vector<bool> presses;  ///< of which it is a number
   double deviation = 0;       ///< of its error
 };
 
 bool same_shape(const AnyScene& a, const AnyScene& b) {
   const auto kind = [](const AnyScene& scene) {
-    return std::visit([](const auto& of) { return of.indenter.shape.index(); }, scene);
+    return std::visit([](const auto& press) { return press.indenter.shape.index(); }, scene);
   };
   return kind(a) == kind(b) && shape_numbers(a) == shape_numbers(b);
 }
@@ -85,11 +90,10 @@ class Fit {
   Stack stack(const FitState& state, bool derivatives, const std::vector<Known>& known = {}) const;
   std::vector<Known> known_numbers() const;
   double nominal_friction(std::size_t press) const { return friction_of(presses_[press].scene); }
-  double friction_deviation(int number) const {
-    return options_.friction_deviation * nominal_friction(static_cast<std::size_t>(number - first_friction));
+  double friction_deviation(std::size_t press) const { return options_.friction_deviation * nominal_friction(press); }
+  std::string name_of(const FitNumber& fitted) const {
+    return fitted.friction() ? "friction of " + presses_[fitted.press].name : sensor_names[fitted.number];
   }
-  static double& number_of(FitState& state, int number);
-  std::string number_name(int number) const;
   double cost(const Stack& at) const;
   void normal_equations(const Stack& at, MatrixXd& H, VectorXd& g) const;
   bool pads() const { return family_ == nullptr; }
@@ -115,7 +119,7 @@ class Fit {
   std::vector<std::unique_ptr<PressModel>> models_;
   Stack model_error_;  ///< twice the elements less the fit's; empty before it is known
   FitState state_;
-  std::vector<int> numbers_;  ///< that are fitted
+  std::vector<FitNumber> numbers_;  ///< that are fitted
   SensorCalibration result_;
 };
 
@@ -147,19 +151,6 @@ void Fit::find_patches() {
   side_by_side(presses_.size(), options_.threads, [&](std::size_t i) { models_[i] = model_of(presses_[i], false); });
 }
 
-double& Fit::number_of(FitState& state, int number) {
-  if (number >= first_friction) return state.friction[static_cast<std::size_t>(number - first_friction)];
-  SensorState& sensor = state.sensor;
-  double* const places[] = {&sensor.log_young, &sensor.poisson,           &sensor.thickness,
-                            &sensor.shift,     &sensor.log_time_constant, &sensor.shift_y};
-  return *places[number];
-}
-
-std::string Fit::number_name(int number) const {
-  if (number < first_friction) return sensor_names[number];
-  return "friction of " + presses_[static_cast<std::size_t>(number - first_friction)].name;
-}
-
 /// At the state, corrected by the model's error where that is known; with derivatives by the fitted numbers, and those
 /// of `known`.
 Stack Fit::stack(const FitState& state, bool derivatives, const std::vector<Known>& known) const {
@@ -167,16 +158,16 @@ Stack Fit::stack(const FitState& state, bool derivatives, const std::vector<Know
   const std::size_t columns = derivatives ? numbers_.size() + known.size() : 0;
   all.by.assign(columns, all.frame), all.P_by.assign(columns, all.P);
   side_by_side(models_.size(), options_.threads, [&](std::size_t i) {
-    const auto of_press = [&, own = first_friction + static_cast<int>(i)](std::size_t k) {
-      if (k >= numbers_.size()) {
-        const Known& one = known[k - numbers_.size()];
-        return one.presses[i] ? one.number : -1;
-      }
-      return numbers_[k] < first_friction ? numbers_[k] : numbers_[k] == own ? friction_number : -1;
+    const auto of_press = [&](std::size_t k) {  // none: the press has another
+      const bool fitted = k < numbers_.size();
+      const bool concerned = fitted ? !numbers_[k].friction() || numbers_[k].press == i
+                                    : static_cast<bool>(known[k - numbers_.size()].presses[i]);
+      const PressNumber number = fitted ? numbers_[k].number : known[k - numbers_.size()].number;
+      return concerned ? std::optional(number) : std::nullopt;
     };
-    std::vector<int> asked;
+    std::vector<PressNumber> asked;
     for (std::size_t k = 0; k < columns; ++k)
-      if (of_press(k) >= 0) asked.push_back(of_press(k));
+      if (const auto number = of_press(k)) asked.push_back(*number);
     const PressFrames frames = models_[i]->at(state.sensor, state.friction[i], asked);
     const Index first = readings_.first_row[i], steps = readings_.steps(i);
     if (frames.frame.rows() != steps)
@@ -185,12 +176,12 @@ Stack Fit::stack(const FitState& state, bool derivatives, const std::vector<Know
     all.frame.middleRows(first, steps) = frames.frame;
     all.P.segment(first, steps) = frames.P;
     for (std::size_t k = 0; k < columns; ++k) {
-      const int number = of_press(k);
+      const auto number = of_press(k);
       auto by = all.by[k].middleRows(first, steps);
       auto P_by = all.P_by[k].segment(first, steps);
       by.setZero();
       P_by.setZero();
-      if (number >= 0) by = frames.frame_by[number], P_by = frames.P_by[number];
+      if (number) by = frames.frame_by[*number], P_by = frames.P_by[*number];
     }
   });
   if (model_error_.P.size() > 0) all.frame += model_error_.frame, all.P += model_error_.P;
@@ -241,12 +232,9 @@ double Fit::cost(const Stack& at) const {
   for (std::size_t i = 0; i < presses_.size(); ++i)
     if (readings_.has_force(i))
       sum += readings_.P_weight[static_cast<Index>(i)] * std::pow(readings_.force_residual(i, at.P), 2);
-  for (const int number : numbers_)
-    if (number >= first_friction)
-      sum += std::pow((state_.friction[static_cast<std::size_t>(number - first_friction)] -
-                       nominal_friction(static_cast<std::size_t>(number - first_friction))) /
-                          friction_deviation(number),
-                      2);
+  for (const FitNumber& fitted : numbers_)
+    if (const std::size_t press = fitted.press; fitted.friction())
+      sum += std::pow((state_.friction[press] - nominal_friction(press)) / friction_deviation(press), 2);
   return sum;
 }
 
@@ -258,7 +246,7 @@ void Fit::normal_equations(const Stack& at, MatrixXd& H, VectorXd& g) const {
   for (Index c = 0; c < readings_.count(); ++c) {
     const Channel& channel = readings_.channel(c);
     if (!channel.used) continue;
-    MatrixXd cross = MatrixXd::Zero(2, size), own = MatrixXd::Zero(size, size);
+    MatrixXd cross = MatrixXd::Zero(2, size), squares = MatrixXd::Zero(size, size);
     for (Index row = 0; row < readings_.rows(); ++row) {
       if (!readings_.takes(row, c)) continue;
       VectorXd by(size);
@@ -266,10 +254,10 @@ void Fit::normal_equations(const Stack& at, MatrixXd& H, VectorXd& g) const {
       const double weight = readings_.weight(row, c) / (channel.noise * channel.noise);
       cross.row(0) += weight * by;
       cross.row(1) += weight * at.frame(row, c) * by;
-      own += weight * by * by.transpose();
+      squares += weight * by * by.transpose();
       g += weight * by * (readings_.residual(row, c, at.frame(row, c)) * channel.noise);
     }
-    H += own - cross.transpose() * channel.inverse * cross;
+    H += squares - cross.transpose() * channel.inverse * cross;
   }
   for (std::size_t i = 0; i < presses_.size(); ++i) {
     if (!readings_.has_force(i)) continue;
@@ -280,10 +268,9 @@ void Fit::normal_equations(const Stack& at, MatrixXd& H, VectorXd& g) const {
     g += weight * by * readings_.force_residual(i, at.P);
   }
   for (Index k = 0; k < static_cast<Index>(numbers_.size()); ++k) {
-    const int number = numbers_[static_cast<std::size_t>(k)];
-    if (number < first_friction) continue;
-    const auto press = static_cast<std::size_t>(number - first_friction);
-    const double weight = 1 / std::pow(friction_deviation(number), 2);
+    const auto& [number, press] = numbers_[static_cast<std::size_t>(k)];
+    if (number != friction_number) continue;
+    const double weight = 1 / std::pow(friction_deviation(press), 2);
     H(k, k) += weight;
     g[k] += weight * (nominal_friction(press) - state_.friction[press]);
   }
@@ -291,7 +278,10 @@ void Fit::normal_equations(const Stack& at, MatrixXd& H, VectorXd& g) const {
 
 FitState Fit::moved(const VectorXd& step) const {
   FitState next = state_;
-  for (Index k = 0; k < step.size(); ++k) number_of(next, numbers_[static_cast<std::size_t>(k)]) += step[k];
+  for (Index k = 0; k < step.size(); ++k) {
+    const auto& [number, press] = numbers_[static_cast<std::size_t>(k)];
+    (number == friction_number ? next.friction[press] : next.sensor.*sensor_members[number]) += step[k];
+  }
   SensorState& sensor = next.sensor;
   const SensorState& last = state_.sensor;
   const auto [lowest, highest] =
@@ -320,46 +310,46 @@ void Fit::choose_numbers() {
   numbers_.clear();
   result_.held.clear();
   if (both || (depth_given && force_given))
-    numbers_.push_back(0);
+    numbers_.push_back({young_number});
   else
     result_.held.emplace_back(
         "sensor.young is held: no press has both depth and force, and a softer rubber reads as smaller gains");
   if (options_.fit_poisson)
-    numbers_.push_back(1);
+    numbers_.push_back({poisson_number});
   else
     result_.held.emplace_back("sensor.poisson is held: not asked for");
   if (options_.fit_thickness)
-    numbers_.push_back(2);
+    numbers_.push_back({thickness_number});
   else
     result_.held.emplace_back(
         pads() ? "sensor.thickness is held: not asked for"
                : "sensor.thickness is held: it and sensor.poisson change frames nearly alike, so measure it");
-  if (options_.fit_shift) numbers_.push_back(shift_number);
-  if (options_.fit_shift && pads()) numbers_.push_back(shift_y_number);
-  if (options_.fit_time_constant) numbers_.push_back(time_constant_number);
+  if (options_.fit_shift) numbers_.push_back({shift_number});
+  if (options_.fit_shift && pads()) numbers_.push_back({shift_y_number});
+  if (options_.fit_time_constant) numbers_.push_back({time_constant_number});
   for (std::size_t i = 0; i < presses_.size(); ++i) {
     const double mu = nominal_friction(i);
     if (options_.friction_deviation > 0 && readings_.press_used[i] && mu > 0 && std::isfinite(mu))
-      numbers_.push_back(first_friction + static_cast<int>(i));
+      numbers_.push_back({friction_number, i});
   }
 }
 
 bool Fit::iterate(int& iterations) {
-  Stack now = stack(state_, true);
-  readings_.fit_channels(now.frame, true, result_.faults);
+  Stack current = stack(state_, true);
+  readings_.fit_channels(current.frame, true, result_.faults);
   if (numbers_.empty()) {
-    readings_.reweight(now.frame, now.P);
-    readings_.fit_channels(now.frame, true, result_.faults);
+    readings_.reweight(current.frame, current.P);
+    readings_.fit_channels(current.frame, true, result_.faults);
     return true;
   }
   double damping = 1e-3;
   for (; iterations < options_.most_iterations; ++iterations) {
-    readings_.reweight(now.frame, now.P);
-    readings_.fit_channels(now.frame, true, result_.faults);
+    readings_.reweight(current.frame, current.P);
+    readings_.fit_channels(current.frame, true, result_.faults);
     MatrixXd H;
     VectorXd g;
-    normal_equations(now, H, g);
-    const double before = cost(now);
+    normal_equations(current, H, g);
+    const double before = cost(current);
     for (;;) {
       MatrixXd damped = H;
       damped.diagonal() *= 1 + damping;
@@ -373,10 +363,10 @@ bool Fit::iterate(int& iterations) {
       const double size = (step.array() * H.diagonal().array().sqrt()).abs().maxCoeff();
       if (after <= before || size < converged_step) {
         damping = std::max(damping / 10, 1e-9);
-        now = std::move(next);
+        current = std::move(next);
         if (size < converged_step) {
-          readings_.reweight(now.frame, now.P);
-          readings_.fit_channels(now.frame, true, result_.faults);
+          readings_.reweight(current.frame, current.P);
+          readings_.fit_channels(current.frame, true, result_.faults);
           return true;
         }
         break;
@@ -411,21 +401,19 @@ double Fit::cost_of_friction(std::size_t press, double mu) const {
   return sum;
 }
 
-/// Information on the fitted number k, all else held.
+/// Information on the friction that is the fitted number k, all else held.
 double Fit::held_information(const Stack& at, Index k) const {
   const auto place = static_cast<std::size_t>(k);
-  double sum = 1 / std::pow(friction_deviation(numbers_[place]), 2);
+  const std::size_t press = numbers_[place].press;
+  double sum = 1 / std::pow(friction_deviation(press), 2);
   for (Index row = 0; row < readings_.rows(); ++row)
     for (Index c = 0; c < readings_.count(); ++c) {
       const Channel& channel = readings_.channel(c);
       if (readings_.takes(row, c))
         sum += readings_.weight(row, c) * std::pow(channel.sensitivity * at.by[place](row, c) / channel.noise, 2);
     }
-  const int press = numbers_[place] - first_friction;
-  return sum +
-         readings_.P_weight[press] *
-             std::pow(readings_.over_measured(static_cast<std::size_t>(press), at.P_by[place]) / readings_.force_noise,
-                      2);
+  const double force = readings_.over_measured(press, at.P_by[place]) / readings_.force_noise;
+  return sum + readings_.P_weight[static_cast<Index>(press)] * std::pow(force, 2);
 }
 
 /// Returns how much wider a friction may be off than its covariance says, 1 or more. Where the contact no longer
@@ -448,41 +436,38 @@ double Fit::friction_spread(std::size_t press, double deviation) const {
 
 /// Values, deviations and correlation of the fitted numbers, and which of them are not told.
 void Fit::report_numbers(const Stack& at, const MatrixXd& covariance) {
-  const double E = std::exp(state_.sensor.log_young), time_constant = std::exp(state_.sensor.log_time_constant);
-  result_.young.value = E, result_.poisson.value = state_.sensor.poisson;
-  result_.thickness.value = state_.sensor.thickness, result_.shift.value = state_.sensor.shift;
-  result_.shift_y.value = state_.sensor.shift_y;
-  result_.time_constant.value = time_constant;
+  Fitted* const fitted[sensor_numbers] = {&result_.young, &result_.poisson,       &result_.thickness,
+                                          &result_.shift, &result_.time_constant, &result_.shift_y};
+  const auto by_logarithm = [](int number) { return number == young_number || number == time_constant_number; };
+  for (int number = 0; number < sensor_numbers; ++number) {
+    const double value = state_.sensor.*sensor_members[number];
+    fitted[number]->value = by_logarithm(number) ? std::exp(value) : value;
+  }
   for (const double friction : state_.friction) result_.friction.push_back({friction, 0});
-  double* const deviations[] = {&result_.young.deviation,         &result_.poisson.deviation,
-                                &result_.thickness.deviation,     &result_.shift.deviation,
-                                &result_.time_constant.deviation, &result_.shift_y.deviation};
   std::string hardly_sliding;
   const auto size = static_cast<Index>(numbers_.size());
   result_.correlation = MatrixXd::Identity(size, size);
   for (Index k = 0; k < size; ++k) {
-    const int number = numbers_[static_cast<std::size_t>(k)];
+    const auto& [number, press] = numbers_[static_cast<std::size_t>(k)];
     double deviation = std::sqrt(covariance(k, k));
-    if (number >= first_friction) {
-      const auto press = static_cast<std::size_t>(number - first_friction);
-      const double before_fit = friction_deviation(number);
+    if (number == friction_number) {
+      const double before_fit = friction_deviation(press);
       deviation = std::min(before_fit, deviation * friction_spread(press, 1 / std::sqrt(held_information(at, k))));
       result_.friction[press].deviation = deviation;
       if (deviation > not_told * before_fit)
         hardly_sliding += (hardly_sliding.empty() ? "" : ", ") + presses_[press].name;
     } else {
-      *deviations[number] = deviation * (number == 0 ? E : number == time_constant_number ? time_constant : 1);
+      fitted[number]->deviation = deviation * (by_logarithm(number) ? fitted[number]->value : 1);
     }
     if (number == time_constant_number && deviation > 0.5)
       result_.held.emplace_back("transducer.time_constant is not told: readings decay too little within these presses");
-    result_.fitted.push_back(number_name(number));
+    result_.fitted.push_back(name_of(numbers_[static_cast<std::size_t>(k)]));
     for (Index j = 0; j < k; ++j) {
       const double rho = covariance(k, j) / std::sqrt(covariance(k, k) * covariance(j, j));
       result_.correlation(k, j) = result_.correlation(j, k) = rho;
       if (std::abs(rho) > degenerate)
         result_.held.push_back(fmt::format("{} and {} are not told apart (correlation {:.3f}): hold one of them",
-                                           number_name(numbers_[static_cast<std::size_t>(j)]), number_name(number),
-                                           rho));
+                                           name_of(numbers_[static_cast<std::size_t>(j)]), result_.fitted.back(), rho));
     }
   }
   if (!hardly_sliding.empty())
@@ -511,10 +496,10 @@ void Fit::report_channels(const Stack& at, const MatrixXd& covariance) {
       }
     }
     const MatrixXd by_rubber = channel.inverse * cross;
-    const MatrixXd own = channel.inverse + by_rubber * covariance * by_rubber.transpose();
+    const MatrixXd total = channel.inverse + by_rubber * covariance * by_rubber.transpose();
     const double s = channel.sensitivity;
-    result_.gain.push_back({1 / s, std::sqrt(own(1, 1)) / (s * s)});
-    result_.offset.push_back({channel.offset, std::sqrt(own(0, 0))});
+    result_.gain.push_back({1 / s, std::sqrt(total(1, 1)) / (s * s)});
+    result_.offset.push_back({channel.offset, std::sqrt(total(0, 0))});
   }
 }
 
@@ -523,15 +508,16 @@ std::vector<Known> Fit::known_numbers() const {
   std::vector<Known> all;
   const std::vector<bool> every = readings_.press_used;
   const auto presses_of = [&](const auto& belongs) {
-    std::vector<bool> of = every;
-    for (std::size_t i = 0; i < of.size(); ++i) of[i] = of[i] && belongs(presses_[i].scene);
-    return of;
+    std::vector<bool> concerned = every;
+    for (std::size_t i = 0; i < concerned.size(); ++i) concerned[i] = concerned[i] && belongs(presses_[i].scene);
+    return concerned;
   };
-  const auto add = [&](std::string name, const char* unit, double value, int number, std::vector<bool> presses) {
+  const auto add = [&](std::string name, const char* unit, double value, PressNumber number,
+                       std::vector<bool> presses) {
     if (std::ranges::find(presses, true) != presses.end())
       all.push_back({std::move(name), unit, value, number, std::move(presses)});
   };
-  if (!options_.fit_thickness) add("sensor.thickness", " mm", state_.sensor.thickness, 2, every);
+  if (!options_.fit_thickness) add("sensor.thickness", " mm", state_.sensor.thickness, thickness_number, every);
   if (!options_.fit_shift) {
     add(pads() ? "shift of the tactels along x" : "shift of the tactels", " mm", state_.sensor.shift, shift_number,
         every);
@@ -561,15 +547,15 @@ std::vector<Known> Fit::known_numbers() const {
     if (once(i, same_shape)) {
       const std::vector<ShapeNumber> numbers = shape_numbers(scene);
       for (int k = 0; k < std::min(most_shape_numbers, static_cast<int>(numbers.size())); ++k) {
-        const ShapeNumber& of = numbers[static_cast<std::size_t>(k)];
-        add("indenter." + of.key, of.unit.empty() ? "" : (" " + of.unit).c_str(), of.value, shape_number + k,
-            like_this(same_shape));
+        const ShapeNumber& shape = numbers[static_cast<std::size_t>(k)];
+        add("indenter." + shape.key, shape.unit.empty() ? "" : (" " + shape.unit).c_str(), shape.value,
+            static_cast<PressNumber>(shape_number + k), like_this(same_shape));
       }
     }
     if (by_force(scene) && readings_.press_used[i]) {
-      std::vector<bool> own(presses_.size(), false);
-      own[i] = true;
-      all.push_back({"", "", 0, load_number, std::move(own), readings_.force_noise});
+      std::vector<bool> alone(presses_.size(), false);
+      alone[i] = true;
+      all.push_back({"", "", 0, load_number, std::move(alone), readings_.force_noise});
     }
   }
   return all;
@@ -587,12 +573,12 @@ void Fit::weaken_forces(const Stack& at) {
 /// Of all numbers in the normal equations: the fitted ones, which answer to errors of the known ones, `deviations`.
 MatrixXd Fit::covariance(const MatrixXd& H, const VectorXd& deviations) const {
   const auto fitted = static_cast<Index>(numbers_.size()), known = deviations.size();
-  MatrixXd own = MatrixXd::Zero(fitted, fitted);
-  if (fitted > 0) own = H.topLeftCorner(fitted, fitted).ldlt().solve(MatrixXd::Identity(fitted, fitted));
+  MatrixXd alone = MatrixXd::Zero(fitted, fitted);
+  if (fitted > 0) alone = H.topLeftCorner(fitted, fitted).ldlt().solve(MatrixXd::Identity(fitted, fitted));
   MatrixXd answer(fitted + known, known);
-  answer << -own * H.topRightCorner(fitted, known), MatrixXd::Identity(known, known);
+  answer << -alone * H.topRightCorner(fitted, known), MatrixXd::Identity(known, known);
   MatrixXd all = answer * deviations.array().square().matrix().asDiagonal() * answer.transpose();
-  all.topLeftCorner(fitted, fitted) += own;
+  all.topLeftCorner(fitted, fitted) += alone;
   return all;
 }
 
@@ -621,20 +607,20 @@ VectorXd Fit::judge(std::vector<Known>& known, const MatrixXd& H, const VectorXd
   VectorXd deviations = VectorXd::Constant(others, model_error_left);
   std::vector<std::pair<double, std::string>> found;
   for (Index j = 0; j < count; ++j) {
-    Known& one = known[static_cast<std::size_t>(j)];
-    if (!one.name.empty() && left(j, j) > unjudged * H(fitted + j, fitted + j)) {
+    Known& number = known[static_cast<std::size_t>(j)];
+    if (!number.name.empty() && left(j, j) > unjudged * H(fitted + j, fitted + j)) {
       const double step = slope[j] / left(j, j);
       const double over =
           std::abs(slope[j]) / std::hypot(std::sqrt(left(j, j)), model_error_left * left.row(j).tail(errors).norm());
       if (over > misfit_from) {
-        one.deviation = std::abs(step);
+        number.deviation = std::abs(step);
         found.emplace_back(
-            over,
-            fmt::format("{}{}? the readings ask for {:.3g}{}, not {:.3g}{} ({:.0f} standard deviations)", one.name,
-                        name_presses(one.presses), one.value + step, one.unit, one.value, one.unit, over));
+            over, fmt::format("{}{}? the readings ask for {:.3g}{}, not {:.3g}{} ({:.0f} standard deviations)",
+                              number.name, name_presses(number.presses), number.value + step, number.unit, number.value,
+                              number.unit, over));
       }
     }
-    deviations[j] = one.deviation;
+    deviations[j] = number.deviation;
   }
   std::ranges::sort(found, std::greater());
   for (const auto& [over, sentence] : found) better.push_back(sentence);
@@ -672,19 +658,19 @@ SensorCalibration Fit::run() {
   settled = settled && iterate(result_.iterations);
   result_.converged = settled;
   std::vector<Known> known = known_numbers();
-  Stack now = stack(state_, true, known);
-  append_model_error(now);
-  weaken_forces(now);
+  Stack solved = stack(state_, true, known);
+  append_model_error(solved);
+  weaken_forces(solved);
   MatrixXd H;
   VectorXd g;
-  normal_equations(now, H, g);
+  normal_equations(solved, H, g);
   std::vector<std::string> better;
   const MatrixXd all = covariance(H, judge(known, H, g, better));
-  report_numbers(now, all);
-  report_channels(now, all);
-  report_residuals(now);
-  find_misfit(readings_, now.frame, options_, better, result_.faults);
-  find_wrong_indenter(readings_, now.frame, options_, result_.faults);
+  report_numbers(solved, all);
+  report_channels(solved, all);
+  report_residuals(solved);
+  find_misfit(readings_, solved.frame, options_, better, result_.faults);
+  find_wrong_indenter(readings_, solved.frame, options_, result_.faults);
   return result_;
 }
 

@@ -67,11 +67,12 @@ constexpr DeviationRow rows[] = {
     {"gain of normal stress, median", "normal_gain", 100, " %", [](const auto& d) { return d.normal_gain; }},
     {"gain of shear stress, median", "shear_gain", 100, " %", [](const auto& d) { return d.shear_gain; }},
     {"gain, worst transducer", "worst_gain", 100, " %", [](const auto& d) { return d.worst_gain; }},
-    {"sensor.young", "young", 100, " %", [](const auto& d) { return d.number[0]; }},
-    {"sensor.poisson", "poisson", 1, "", [](const auto& d) { return d.number[1]; }},
-    {"sensor.thickness", "thickness", 1, " mm", [](const auto& d) { return d.number[2]; }},
-    {"shift of the tactels", "shift", 1, " mm", [](const auto& d) { return d.number[3]; }},
-    {"transducer.time_constant", "time_constant", 100, " %", [](const auto& d) { return d.number[4]; }},
+    {"sensor.young", "young", 100, " %", [](const auto& d) { return d.number[young_number]; }},
+    {"sensor.poisson", "poisson", 1, "", [](const auto& d) { return d.number[poisson_number]; }},
+    {"sensor.thickness", "thickness", 1, " mm", [](const auto& d) { return d.number[thickness_number]; }},
+    {"shift of the tactels", "shift", 1, " mm", [](const auto& d) { return d.number[shift_number]; }},
+    {"transducer.time_constant", "time_constant", 100, " %",
+     [](const auto& d) { return d.number[time_constant_number]; }},
 };
 
 /// The last position of a drag.

@@ -132,7 +132,7 @@ void add_solve_command(CLI::App& app, Action& action) {
       ->add_option(
           "--plot", request->plot,
           "draw tractions on the surface (MPa), stress at the tactels (MPa) and S, over x (mm); of a pad from above")
-      ->type_name("FILE.svg|FILE.png");
+      ->type_name("FILE.svg|png|pdf");
   command
       ->add_option("--field", request->field,
                    "write displacement (mm) and stress (MPa) in the block, for ParaView; of a pad the cells of its "

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/figures/gnuplot_script.h"
+#include "host/figures/plot.h"
 #include "host/figures/view_parts.h"
 
 namespace tactel::host {

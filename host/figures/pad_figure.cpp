@@ -7,9 +7,8 @@
 #include <cmath>
 
 #include "fem/angles.h"
-#include "host/figures/figure_layout.h"
-#include "host/figures/gnuplot_script.h"
 #include "host/figures/pad_view.h"
+#include "host/figures/plot.h"
 
 namespace tactel::host {
 namespace {
@@ -49,7 +48,8 @@ void fit(const Figure& figure, Panel& panel, const std::vector<Eigen::MatrixX2d>
   Eigen::RowVector2d low(INFINITY, INFINITY), high = -low;
   for (const Eigen::MatrixX2d& points : parts)
     for (const auto& point : points.rowwise()) low = low.cwiseMin(point), high = high.cwiseMax(point);
-  const Eigen::RowVector2d pixels(axes_width(figure, panel), axes_height(figure, panel)), middle = (low + high) / 2;
+  const auto [width, height] = axes_size(figure, panel);
+  const Eigen::RowVector2d pixels(width, height), middle = (low + high) / 2;
   const double pixel = room * (high - low).cwiseQuotient(pixels).maxCoeff();
   const auto range = [&](int axis) {
     return Range(middle[axis] - pixel * pixels[axis] / 2, middle[axis] + pixel * pixels[axis] / 2);

@@ -6,7 +6,6 @@
 
 #include <cstdlib>
 
-#include "host/figures/gnuplot_script.h"
 #include "host/support/bounded_file.h"
 #include "host/support/child_process.h"
 #include "host/support/durable_file.h"
@@ -37,42 +36,43 @@ class TemporaryFolder {
   std::string path_;
 };
 
-/// Empty where gnuplot drew nothing.
+/// Empty where none was made.
 std::string read_picture(const fs::path& path) try {
   return read_bounded_file(path, largest_picture);
 } catch (const UnreadableFile&) {
   return "";
 }
 
-/// The bytes of the picture that gnuplot makes.
-std::string render(const Figure& figure, const std::string& terminal) {
+/// The bytes of the figure as "png", two pixels for one, to stay sharp; or as "pdf".
+std::string converted(const Figure& figure, const std::string& format) {
   const TemporaryFolder folder;
-  const fs::path script = folder / "figure.gp", picture = folder / "figure.out";
-  write_file("figure", script, gnuplot_script(figure, terminal, picture.string()));
-  const ChildResult result = run_child({"gnuplot", script.string()});
+  const fs::path svg = folder / "figure.svg", picture = folder / "figure.out";
+  write_file("figure", svg, render_svg(figure));
+  const ChildResult result = run_child({"rsvg-convert", "--format", format, "--zoom", format == "png" ? "2" : "1",
+                                        "--output", picture.string(), svg.string()});
   const std::string drawn = read_picture(picture);
-  if (result.exit_code == 127) throw PlotError("gnuplot is not installed (apt-get install gnuplot-nox)");
   if (result.exit_code != 0 || drawn.empty())
-    throw PlotError(fmt::format("gnuplot ended with {}: {}", result.exit_code, result.err));
+    throw PlotError(fmt::format("rsvg-convert ended with {}: {}", result.exit_code, result.err));
   return drawn;
 }
 
 }  // namespace
 
-std::string render_svg(const Figure& figure) { return render(figure, "svg"); }
-
 void check_figure_path(const std::string& option, const fs::path& path) {
   const std::string ending = path.extension().string();
   const auto refuse = [&](const char* allowed) { throw ConfigError("command line", option, path.string(), allowed); };
-  if (ending != ".svg" && ending != ".png") refuse("a file name that ends in .svg or .png");
-  if (!program_exists("gnuplot"))
-    refuse("left out, or gnuplot installed (apt-get install gnuplot-nox): it draws the plots");
+  if (ending != ".svg" && ending != ".png" && ending != ".pdf") refuse("a file name that ends in .svg, .png or .pdf");
+  if (ending != ".svg" && !program_exists("rsvg-convert"))
+    refuse(
+        "a file name that ends in .svg, or rsvg-convert installed (apt-get install librsvg2-bin): it makes .png and "
+        ".pdf");
   check_writable(option, path);
 }
 
 void write_figure(const std::string& option, const fs::path& path, const Figure& figure) {
   check_figure_path(option, path);
-  write_file(option, path, render(figure, path.extension() == ".png" ? "pngcairo" : "svg"));
+  const std::string ending = path.extension().string();
+  write_file(option, path, ending == ".svg" ? render_svg(figure) : converted(figure, ending.substr(1)));
 }
 
 }  // namespace tactel::host

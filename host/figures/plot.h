@@ -9,10 +9,10 @@
 
 namespace tactel::host {
 
-/// Figures: panels in rows. A panel is series over a pair of axes, on top of an optional map. gnuplot draws a figure
-/// as a file (this header), a page draws it in the browser (page.h).
+/// Figures: panels in rows. A panel is series over a pair of axes, on top of an optional map. This header draws a
+/// figure as a file, a page draws it in the browser (page.h).
 
-/// `diamonds` are the numbers of the paper.
+/// `diamonds` are the numbers of the paper. Pages alone draw thin lines, dots, crosses, bars and whiskers.
 enum class Mark { line, thin, dashed, dots, circles, triangles, crosses, diamonds, line_dots, bars, band, whiskers };
 
 /// Colours of series, distinguishable by the colour-blind.
@@ -40,7 +40,7 @@ struct Raster {
   int isolines = 0;                                   ///< lines of equal value over a smooth image; 0: plain cells
 };
 
-/// Quadrangles coloured by their values, below the series. gnuplot alone draws them.
+/// Quadrangles coloured by their values, below the series. Files alone show them.
 struct Mosaic {
   std::vector<double> x{}, y{};  ///< [tiles, 4] corners in their order around, in axis units
   std::vector<double> values{};  ///< [tiles]
@@ -64,22 +64,32 @@ struct Figure {
   std::string title{};
   std::vector<Panel> panels{};
   int columns = 1;         ///< panels side by side
-  int width = 820;         ///< pixels, of the whole figure of gnuplot; a page uses its own
+  int width = 820;         ///< pixels, of the whole figure in a file; a page uses its own
   int panel_height = 300;  ///< pixels
 };
 
-/// Returns the figure as text of an SVG file. Throws PlotError, also for a raster.
+/// Returns text with the characters of markup ( _ ^ { } @ & ~ \ ) escaped.
+std::string plain(const std::string& text);
+
+/// Returns the distance of ticks, 1, 2 or 5 times a power of ten, at which at most `most` intervals fit; 0 for an empty
+/// range.
+double tick_distance(std::pair<double, double> range, int most);
+
+/// Returns width and height of the axes of a panel of the figure in a file, pixels.
+std::pair<double, double> axes_size(const Figure& figure, const Panel& panel);
+
+/// Returns the figure as text of an SVG file. Throws PlotError for what pages alone draw.
 std::string render_svg(const Figure& figure);
 
-/// Writes FILE.svg or FILE.png, by the extension. `option` is its name in errors, such as --plot. Throws
+/// Writes FILE.svg, FILE.png or FILE.pdf, by the extension. `option` is its name in errors, such as --plot. Throws
 /// ConfigError, PlotError.
 void write_figure(const std::string& option, const std::filesystem::path& path, const Figure& figure);
 
-/// Throws ConfigError where write_figure could not draw to this name: gnuplot is missing, or the extension is
-/// unknown.
+/// Throws ConfigError where write_figure could not draw to this name: the extension is unknown, or needs rsvg-convert,
+/// which is missing.
 void check_figure_path(const std::string& option, const std::filesystem::path& path);
 
-/// gnuplot failed; the message contains its output.
+/// A figure could not be drawn; of rsvg-convert the message contains its output.
 class PlotError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

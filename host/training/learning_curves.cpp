@@ -39,7 +39,7 @@ std::vector<Members> members_of(std::span<const TrainedNetwork> networks, double
 // A logarithmic axis has no place for zero, NaN or infinity.
 double drawable(double value) { return value > 0 && std::isfinite(value) ? value : NAN; }
 
-// None where no error can be drawn: gnuplot draws no axis without any value.
+// None where no error can be drawn.
 std::vector<Series> curves_of(const Members& members, Place place, const Drawn& drawn, Ink ink) {
   std::set<std::uint64_t> places;
   for (const TrainedNetwork* network : members)
@@ -123,7 +123,7 @@ Figure learning_curves(std::span<const TrainedNetwork> networks, const CurveKind
     if (kind.validated && !(kind.stream && kind.judged)) add({validation}, "Validation set", "mean error of S");
   }
   const auto begin = static_cast<double>(std::min(first, last)), end = static_cast<double>(last);
-  for (Panel& panel : figure.panels)  // gnuplot draws no axis over a single place
+  for (Panel& panel : figure.panels)
     panel.x_range = begin < end ? std::pair{begin, end} : std::pair{std::max(0.5, end / 2), std::max(2.0, 2 * end)};
   if (most_seeds > 1) figure.title += fmt::format(": median of up to {} seeds, 5 to 95 %", most_seeds);
   return figure;

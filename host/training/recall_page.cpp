@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "host/figures/error_panels.h"
-#include "host/figures/gnuplot_script.h"
+#include "host/figures/plot.h"
 
 namespace tactel::host {
 namespace {

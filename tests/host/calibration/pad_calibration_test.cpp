@@ -133,8 +133,8 @@ TEST(PadPress, DerivativesFollowTheAnswers) {
   const std::vector<KnownPress> all = pad_presses();
   const SensorState state = nominal_pad();
   constexpr int cells = 16;
-  constexpr int numbers[] = {
-      0, 1, 2, shift_number, shift_y_number, friction_number, tilt_number, tilt_y_number, depth_number, shape_number};
+  constexpr PressNumber numbers[] = {young_number,    poisson_number, thickness_number, shift_number, shift_y_number,
+                                     friction_number, tilt_number,    tilt_y_number,    depth_number, shape_number};
   for (const KnownPress* press : {&all[6], &all[17]}) {  // a sphere, a flat
     const fem::PadScene scene = pad(*press);
     const bool flat = std::holds_alternative<fem::Punch>(scene.indenter.shape);
@@ -155,9 +155,9 @@ TEST(PadPress, DerivativesFollowTheAnswers) {
       at.*member += step;
       return at;
     };
-    check("E", 0, 0.02, scene, moved(&SensorState::log_young, 0.02), 0.03);
-    check("nu", 1, 0.01, scene, moved(&SensorState::poisson, 0.01), 0.25);
-    check("H", 2, 0.1, scene, moved(&SensorState::thickness, 0.1), 0.25);
+    check("E", young_number, 0.02, scene, moved(&SensorState::log_young, 0.02), 0.03);
+    check("nu", poisson_number, 0.01, scene, moved(&SensorState::poisson, 0.01), 0.25);
+    check("H", thickness_number, 0.1, scene, moved(&SensorState::thickness, 0.1), 0.25);
     fem::PadScene there = scene;
     there.indenter.position[0] -= 0.05;  // as tactels that lie farther along x
     check("shift", shift_number, 0.05, there, state, 0.06);

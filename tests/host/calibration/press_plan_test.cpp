@@ -196,7 +196,7 @@ TEST(PressPlan, SaysWhatNoPlanFinds) {
   EXPECT_THAT(plan.lost, testing::Contains(testing::HasSubstr("No plan finds sensor.young")));
   EXPECT_THAT(plan.lost, testing::Contains(testing::HasSubstr("loads the normal stress of tactel 0 enough")));
   EXPECT_THAT(plan.lost, testing::Not(testing::Contains(testing::HasSubstr("normal stress of tactel 10 "))));
-  EXPECT_TRUE(std::isnan(plan.planned.number[0]));
+  EXPECT_TRUE(std::isnan(plan.planned.number[young_number]));
 }
 
 TEST(PressPlan, WrongOptionsAreRefused) {

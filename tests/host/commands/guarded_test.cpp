@@ -73,10 +73,10 @@ TEST(Guarded, TheStopIsKnownAfterTheCommandHasUnwound) {
   EXPECT_EQ(result.code, 130);
 }
 
-// gnuplot belongs to the terminal's group, too, and ends by the same signal.
+// rsvg-convert belongs to the terminal's group, too, and ends by the same signal.
 TEST(Guarded, APlotThatTheStopPreventedEndsAsInterrupted) {
   const Interrupt interrupt;
-  const Action plot = []() -> int { throw PlotError("gnuplot ended with 130"); };
+  const Action plot = []() -> int { throw PlotError("rsvg-convert ended with 130"); };
   EXPECT_EQ(outcome(plot).code, 2);
   std::raise(SIGINT);
   EXPECT_EQ(outcome(plot).code, 130);

@@ -268,7 +268,7 @@ TEST(SolveCommand, WarnsOfOtherUnits) {
   EXPECT_THAT(json::parse(result.out)["warnings"].dump(), HasSubstr("sensor.young"));
 }
 
-// The title of a scene and the name of a press are written into programs of gnuplot.
+// The title of a scene is written into plots and pages.
 TEST(SolveCommand, ATitleIsNeverRun) {
   const ScratchFolder folder;
   const std::string scene = folder.write("scene.toml", "title = \"`touch " + (folder / "made").string() +
@@ -398,8 +398,8 @@ const WrongCall wrong_calls[] = {
      "first)"},
     {"OutputIsFolder", "solve " + parabola + " --field /tmp",
      "--field = /tmp: must be a file that can be written (it names a folder)"},
-    {"PlotAsPdf", "solve " + parabola + " --plot /tmp/a.pdf",
-     "--plot = /tmp/a.pdf: must be a file name that ends in .svg or .png"}};
+    {"PlotAsGif", "solve " + parabola + " --plot /tmp/a.gif",
+     "--plot = /tmp/a.gif: must be a file name that ends in .svg, .png or .pdf"}};
 INSTANTIATE_TEST_SUITE_P(All, WrongCallTest, testing::ValuesIn(wrong_calls),
                          [](const auto& info) { return info.param.name; });
 
@@ -410,12 +410,12 @@ const WrongCall wrong_on_device[] = {
 INSTANTIATE_TEST_SUITE_P(OnDevice, WrongCallTest, testing::ValuesIn(wrong_on_device),
                          [](const auto& info) { return info.param.name; });
 
-TEST(CommandLine, SaysThatGnuplotIsMissing) {
-  const Environment without_gnuplot("PATH", "/nowhere");
+TEST(CommandLine, SaysThatAConverterIsMissing) {
+  const Environment without_converter("PATH", "/nowhere");
   const ScratchFolder folder;
-  const ChildResult result = run_tactel({"solve", parabola, "--plot", folder / "a.svg"});
+  const ChildResult result = run_tactel({"solve", parabola, "--plot", folder / "a.png"});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.err, HasSubstr("gnuplot installed (apt-get install gnuplot-nox)"));
+  EXPECT_THAT(result.err, HasSubstr("ends in .svg, or rsvg-convert installed (apt-get install librsvg2-bin)"));
   EXPECT_EQ(folder.files(), 0u);
 }
 

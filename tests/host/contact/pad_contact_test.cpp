@@ -141,7 +141,7 @@ TEST(PadContact, TakesTheSubstepsOfItsTwin) {
 }
 
 TEST(PadContact, AgreesWithItsTwinInFp64) {
-  if (!executor().device().info().fp64) return;
+  ASSERT_TRUE(executor().device().info().fp64);
   for (const double poisson : {0.3, 0.5}) {
     const Difference d = from_twin<double>(8, sensor_of(poisson), 36, 1e-8, 1e-8);
     EXPECT_LE(d.S.back(), 1e-3);  // four rounds of the margin

@@ -99,7 +99,7 @@ TEST(PadSearch, FindsTheTwinsContactsInFp32) {
 }
 
 TEST(PadSearch, FindsTheTwinsContactsInFp64) {
-  if (!executor().device().info().fp64) return;
+  ASSERT_TRUE(executor().device().info().fp64);
   const auto scenes = mix(180, 22);
   expect_like_the_twin(Difference(scenes, PadSearch<double>(executor()).find(scenes)), 1e-13);
 }
