@@ -185,7 +185,8 @@ void add_calibrate_sensor_command(CLI::App& calibrate, Action& action) {
   command->add_option("--json", request->json, "write all numbers, with deviations and residuals")->type_name("FILE");
   command->add_option("--html", request->html, "write a page: gains with deviations, residuals, faults")
       ->type_name("FILE.html");
-  command->add_option("--plot", request->plot, "draw the residuals by press and by tactel")->type_name("FILE.svg|png|pdf");
+  command->add_option("--plot", request->plot, "draw the residuals by press and by tactel")
+      ->type_name("FILE.svg|png|pdf");
   command->add_flag("--quiet", request->quiet, "no progress, no warnings and no summary");
   command->callback([request, &action] { action = [request] { return run_calibrate_sensor(*request); }; });
 }

@@ -21,8 +21,8 @@ namespace {
 constexpr const char* too_large =
     "not enough memory for what this asks; take a coarser mesh, fewer load steps, fewer rows or a smaller network";
 
-/// An error of the device, its compiler, a sensor or rsvg-convert. Once a stop was requested it is the effect of the stop:
-/// the signal also ends the programs that they start, and interrupts their calls.
+/// An error of the device, its compiler, a sensor or rsvg-convert. Once a stop was requested it is the effect of the
+/// stop: the signal also ends the programs that they start, and interrupts their calls.
 int unless_stopped(ExitCode code, const std::string& message) {
   if (!Interrupt::seen()) return complain(code, message);
   const std::string first = message.substr(0, message.find('\n'));

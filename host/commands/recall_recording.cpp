@@ -178,8 +178,9 @@ int recall_recording(std::span<const NamedNetwork> networks, const std::string& 
     return done;
   }
   if (!json.empty()) write_file("--json", json, json_text(report));
-  fmt::print("{} of {} networks on {} frames of {}, those at rest among them\n\n{}\ndevice: {}\n", nn::name(networks.front().model.target),
-             networks.size(), all.arrival.size(), file, table(networks, answers), device);
+  fmt::print("{} of {} networks on {} frames of {}, those at rest among them\n\n{}\ndevice: {}\n",
+             nn::name(networks.front().model.target), networks.size(), all.arrival.size(), file,
+             table(networks, answers), device);
   return done;
 }
 

@@ -61,7 +61,8 @@ TEST_F(RecallRecording, GivesTheAnswersOfTheMonitor) {
 TEST_F(RecallRecording, PrintsALineForEachPad) {
   const ChildResult result = recall({});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_THAT(result.out, HasSubstr("slip_index of 1 networks on 321 frames of " + recording_ + ", those at rest among them"));
+  EXPECT_THAT(result.out,
+              HasSubstr("slip_index of 1 networks on 321 frames of " + recording_ + ", those at rest among them"));
   EXPECT_THAT(result.out, HasSubstr("device: "));
 }
 
