@@ -181,7 +181,7 @@ TEST(Plot, TicksAreRoundAndFit) {
 TEST(Plot, ALegendTakesTheRowsItNeeds) {
   Figure figure = line_figure();
   const double one_row = axes_size(figure, figure.panels[0]).second;
-  for (int k = 0; k < 20; ++k) figure.panels[0].series.push_back({.label = "another of many"});
+  for (int k = 0; k < 20; ++k) figure.panels[0].series.push_back({.label = "another of many", .x = {0}, .y = {0}});
   EXPECT_LT(axes_size(figure, figure.panels[0]).second, one_row - 30);
   figure.panels[0].series.clear();
   EXPECT_GT(axes_size(figure, figure.panels[0]).second, one_row);
