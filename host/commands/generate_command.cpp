@@ -222,6 +222,7 @@ int run_generate(const GenerateRequest& request) {
     if (complete && !request.shared.quiet) fmt::print("{}: complete already\n", request.output);
     return done;
   }
+  if (ranks.first()) check_writable("--output", request.output);
   for (const std::string& device : options.devices) Device{device};  // without one nothing is begun
   interrupt.emplace();                                               // before there is anything to keep
   const Ring ring{ranks.rank(), ranks.count(), [&](int to, std::string bytes) { ranks.send(to, std::move(bytes)); },
@@ -229,7 +230,6 @@ int run_generate(const GenerateRequest& request) {
   const std::uint64_t chunks = chunk_count(contacts);
   std::optional<SetSpool> spool;
   if (ranks.first()) {
-    check_writable("--output", request.output);
     if (request.force) SetSpool::discard(request.output);
     check_room(request.output, expected_bytes(sweep.source, columns));
     spool.emplace(request.output, recipe.text(), columns, chunks,

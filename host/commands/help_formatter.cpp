@@ -78,7 +78,8 @@ constexpr std::array<OptionGroup, 8> option_groups = {{
     {"Network",
      "--network --history --history-change --scaling --largest-stress --activation --bound --bound-set --level "},
     {"Learning",
-     "--schedule --cycles --seeds --first-seed --noise-cycles --batch --optimizer --learning-rate --momentum "
+     "--schedule --cycles --seeds --first-seed --noise-cycles --batch --optimizer --learning-rate --warm-up --momentum "
+     "--loss --average --validation --patience "
      "--stop-error --order "},
     {"Alarm", "--alarm --signal --rest --decision --decision-csv --touch --hold --unlike --widest --rate "},
     {"Accuracy", "--accuracy --rung --converge --tolerance "},

@@ -71,11 +71,13 @@ TEST(OptionErrors, ManyChoicesAreListedByTheError) {
 
 TEST(OptionErrors, EveryOptionWithoutItsValueSaysWhatItTakes) {
   for (const std::string& command : commands)
-    for (const auto& [option, type] : options_of(command))
+    for (const auto& [option, type] : options_of(command)) {
+      if (command == "monitor" && option == "--alarm") continue;  // without a number it has that of tare
       EXPECT_THAT(error_of({command, option}),
                   AllOf(HasSubstr("error: command line: " + option + " = (missing): must be "), Not(HasSubstr("TEXT")),
                         Not(HasSubstr("FLOAT")), Not(HasSubstr("INT")), Not(HasSubstr("POSITIVE"))))
           << command << " " << type;
+    }
 }
 
 class WrongOptionTest : public testing::TestWithParam<WrongCall> {};
