@@ -241,6 +241,7 @@ void check_writable(const std::string& option, const fs::path& path) {
   const fs::path target = behind_links(option, path);
   std::error_code error;
   if (fs::is_directory(target, error) || !path.has_filename()) refuse(option, path, "it names a folder");
+  if (error == std::errc::filename_too_long) refuse(option, path, ENAMETOOLONG);
   const fs::path asked = is_special(target) ? target : folder_of(target);
   if (::access(asked.c_str(), W_OK) != 0) refuse(option, path, errno);
   if (!is_special(target) && !fs::is_directory(asked, error)) refuse(option, path, ENOTDIR);

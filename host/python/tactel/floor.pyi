@@ -8,11 +8,10 @@ from numpy.typing import NDArray
 
 from . import SlipEstimator, Sweep
 
-SPREADS: NDArray[np.float64]
-CHANGE: float
 REST: np.float32
 MOST_FRAMES: int
-CONTACTS: int
+EFFECTIVE: int
+NO_FLOOR: str
 FAMILIES: dict[str, tuple[str, ...] | None]
 PAD_FAMILIES: dict[str, tuple[str, ...] | None]
 
@@ -26,26 +25,25 @@ class Options:
     change: float = ...
     bank: int = ...
     readings: int = ...
+    walkers: int = ...
+    iterations: int = ...
     seed: int = ...
 
 @dataclass(frozen=True)
-class Bank:
+class Rows:
     frames: NDArray[Any]
     slip_index: NDArray[Any]
     largest: NDArray[np.float64]
+    contact: NDArray[np.int64]
     classes: NDArray[np.int64]
     def __len__(self) -> int: ...
-    def take(self, rows: Any) -> Bank: ...
+    def take(self, rows: Any) -> Rows: ...
 
-class LogDensity:
-    def __init__(self, frames: NDArray[Any], sigma: NDArray[np.float64], gain: float) -> None: ...
-    def __call__(self, readings: NDArray[Any]) -> NDArray[np.float64]: ...
-
-def draw_readings(bank: Bank, options: Options, seed: int | Sequence[int]) -> NDArray[np.float64]: ...
-def weighted_median(values: NDArray[Any], weights: NDArray[Any]) -> NDArray[Any]: ...
+def log_density(readings: NDArray[Any], frames: NDArray[Any], sigma: NDArray[np.float64], gain: float) -> NDArray[np.float64]: ...
+def draw_readings(rows: Rows, options: Options, random: np.random.Generator) -> NDArray[np.float64]: ...
 def floor_of(
-    bank: Bank,
-    outside: Bank,
+    simulate: Callable[[NDArray[np.float64]], Rows],
+    steady: Sequence[bool] | NDArray[np.bool_],
     options: Options,
     families: Mapping[str, Sequence[str]] | None = None,
     networks: Mapping[str, SlipEstimator] | None = None,
