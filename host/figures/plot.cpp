@@ -50,7 +50,7 @@ std::string converted(const Figure& figure, const std::string& format) {
   write_file("figure", svg, render_svg(figure));
   const ChildResult result = run_child({"rsvg-convert", "--format", format, "--zoom", format == "png" ? "2" : "1",
                                         "--output", picture.string(), svg.string()});
-  const std::string drawn = read_picture(picture);
+  std::string drawn = read_picture(picture);
   if (result.exit_code != 0 || drawn.empty())
     throw PlotError(fmt::format("rsvg-convert ended with {}: {}", result.exit_code, result.err));
   return drawn;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "host/figures/plot.h"
 
@@ -140,7 +141,7 @@ struct Axis {
 
   /// At most so many; on a logarithmic axis powers of ten, of three or less with their 2 and 5.
   std::vector<Tick> ticks(double most) const {
-    const auto [low, high] = range;
+    const double low = range.first, high = range.second;
     std::vector<Tick> out;
     const auto add = [&](double at) {
       if (at >= low - 1e-9 * (high - low) && at <= high + 1e-9 * (high - low)) out.push_back({at, number(at)});
@@ -154,7 +155,8 @@ struct Axis {
     const double step = tick_distance(range, static_cast<int>(most));
     if (out.size() > 2 || (log && high > 5 * low) || !(step > 0)) return out;
     out.clear();
-    for (double k = std::ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; ++k) add(k * step + 0.0);  // no -0
+    const double start = std::ceil(low / step - 1e-9);
+    for (int k = 0; k <= most + 1; ++k) add((start + k) * step + 0.0);  // no -0
     return out;
   }
 };
@@ -162,7 +164,7 @@ struct Axis {
 /// The given range, where it has a place on the axis, or that of numbers with room around them.
 Range range_of(const std::vector<double>& values, const std::optional<Range>& given, bool log, double room) {
   if (given && (!log || given->first > 0)) return *given;
-  double low = INFINITY, high = -INFINITY;
+  double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const double value : values)
     if (std::isfinite(value) && (!log || value > 0)) low = std::min(low, value), high = std::max(high, value);
   if (!(low <= high)) return log ? Range(0.1, 1) : Range(0, 1);
@@ -221,7 +223,7 @@ struct Axes {
 
 Axes axes_of(const Figure& f, const Panel& p) {
   constexpr double margin = 24, colour_scale = 56, longest_name = 110;
-  Axes axes{.right = f.width / std::max(1, f.columns) - margin - (p.mosaic ? colour_scale : 0),
+  Axes axes{.right = static_cast<double>(f.width) / std::max(1, f.columns) - margin - (p.mosaic ? colour_scale : 0),
             .floor = f.panel_height - 54.0};
   const double width = axes.right - axes.left;
   if (const std::vector<Entry> entries = legend(p, width); !entries.empty())
@@ -262,9 +264,9 @@ class PanelPainter {
  public:
   PanelPainter(const Figure& f, std::size_t index) : p_(f.panels[index]), index_(index), axes_(axes_of(f, p_)) {
     if (p_.raster) throw PlotError("no file shows a raster; a page does");
-    const int columns = std::max(1, f.columns), place = static_cast<int>(index);
-    width_ = f.width / columns, height_ = f.panel_height;
-    left_ = width_ * (place % columns), top_ = (f.title.empty() ? 0 : title_height) + height_ * (place / columns);
+    const int columns = std::max(1, f.columns), place = static_cast<int>(index), row = place / columns;
+    width_ = static_cast<double>(f.width) / columns, height_ = f.panel_height;
+    left_ = width_ * (place % columns), top_ = (f.title.empty() ? 0 : title_height) + height_ * row;
     x_ = {x_range(p_), {axes_.left, axes_.right}, p_.log_x}, y_ = {y_range(p_), {axes_.floor, axes_.top}, p_.log_y};
   }
 
