@@ -192,11 +192,8 @@ Sweep Sweep::of_quantiles(std::span<const double> quantiles) const {
                      "give " + std::to_string(count) + " for each contact");
   if (!std::ranges::all_of(quantiles, [](double u) { return u >= 0 && u < 1; }))
     throw InputError("quantiles", "one that is NaN, below 0, 1 or above", "give numbers in [0, 1)");
-  auto source = std::visit(
-      [&](const auto& of) {
-        return host::AnySource(of.of_quantiles({quantiles.begin(), quantiles.end()}));
-      },
-      state_->sweep.source);
+  auto source =
+      std::visit([&](const auto& of) { return host::AnySource(of.of_quantiles(quantiles)); }, state_->sweep.source);
   return Sweep(new State{state_->path, host::Sweep{state_->sweep.text, std::move(source)}, false});
 }
 

@@ -136,15 +136,14 @@ void SourceOf<fem::Scene>::model_on(const Rung& rung) {
   }
 }
 
-/// Gives the slopes of profiles and the numbers of paths their quantiles, behind those of the other numbers. Returns
-/// numbers().
+/// Gives each number its quantile: those of slopes and of paths are behind the `draws` others.
 template <class Scene>
-std::vector<bool> SourceOf<Scene>::lay_out_quantiles() {
-  std::vector<bool> all(draws_, false);
-  const auto take = [&](const NumberDraw& draw) { all[draw.number] = continuous(draw.distribution); };
+void SourceOf<Scene>::lay_out_quantiles(std::size_t draws) {
+  numbers_.assign(draws, false);
+  const auto take = [&](const NumberDraw& draw) { numbers_[draw.number] = continuous(draw.distribution); };
   const auto append = [&](std::size_t count) {
-    const auto first = static_cast<std::uint32_t>(all.size());
-    all.resize(all.size() + count, true);
+    const auto first = static_cast<std::uint32_t>(numbers_.size());
+    numbers_.resize(numbers_.size() + count, true);
     return first;
   };
   for (Part* part : {&indenter_, &contact_, &load_, &sensor_})
@@ -157,21 +156,14 @@ std::vector<bool> SourceOf<Scene>::lay_out_quantiles() {
       if (alternative.slip_index) take(*alternative.slip_index);
       if (alternative.irregular) alternative.path = append(alternative.irregular->most_draws());
     }
-  return all;
 }
 
 template <class Scene>
-std::vector<bool> SourceOf<Scene>::numbers() const {
-  return SourceOf(*this).lay_out_quantiles();
-}
-
-template <class Scene>
-SourceOf<Scene> SourceOf<Scene>::of_quantiles(std::vector<double> quantiles) const {
+SourceOf<Scene> SourceOf<Scene>::of_quantiles(std::span<const double> quantiles) const {
   SourceOf source = *this;
-  const std::size_t numbers = source.lay_out_quantiles().size();
-  source.contacts_ = quantiles.size() / numbers;
+  source.contacts_ = quantiles.size() / numbers_.size();
   source.endless_ = false;
-  source.quantiles_ = std::move(quantiles);
+  source.quantiles_.assign(quantiles.begin(), quantiles.end());
   return source;
 }
 
@@ -187,7 +179,7 @@ template <class Scene>
 typename SourceOf<Scene>::Contact SourceOf<Scene>::drawn_contact(std::uint64_t k) const {
   if (!listed_.empty()) return {listed_[k], listed_kinds_[k]};
   DrawKey key{.seed = seed_, .stream = nn::RandomStream::contact, .item = k};
-  if (!quantiles_.empty()) key.quantiles = &quantiles_[k * (quantiles_.size() / contacts_)];
+  if (!quantiles_.empty()) key.quantiles = &quantiles_[k * numbers_.size()];
   const Alternative& indenter = draw_alternative(indenter_, key);
   const Alternative &contact = draw_alternative(contact_, key), &load = draw_alternative(load_, key);
   Contact drawn;

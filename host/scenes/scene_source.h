@@ -2,6 +2,7 @@
 #pragma once
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -84,10 +85,10 @@ class SourceOf : public ContactSource {
   fem::SurfaceModel model() const { return model_; }
   /// Returns, of each number that a contact draws, whether it grows steadily with its quantile: choices do not. A
   /// contact needs only the numbers of the alternatives that it draws.
-  std::vector<bool> numbers() const;
+  const std::vector<bool>& numbers() const { return numbers_; }
   /// Returns the source of the contacts with these quantiles in [0, 1), [contacts][numbers()], instead of drawn ones.
   /// Of drawn contacts only.
-  SourceOf of_quantiles(std::vector<double> quantiles) const;
+  SourceOf of_quantiles(std::span<const double> quantiles) const;
   /// Returns the kinds of indenters: one for each [[indenter]].
   const std::vector<std::string>& kind_names() const { return kind_names_; }
 
@@ -148,7 +149,7 @@ class SourceOf : public ContactSource {
   SourceOf() = default;
 
   Contact drawn_contact(std::uint64_t k) const;
-  std::vector<bool> lay_out_quantiles();
+  void lay_out_quantiles(std::size_t draws);
 
   std::optional<Rung> rung_;  ///< of lines, and the next
   fem::SurfaceModel model_ = fem::SurfaceModel::mesh;
@@ -160,7 +161,7 @@ class SourceOf : public ContactSource {
   std::string file_;  ///< for errors
   std::vector<Sensor> sensors_;
   std::vector<double> sensor_weights_;
-  std::uint32_t draws_ = 0;        ///< of a contact, but for slopes and paths
+  std::vector<bool> numbers_;
   std::vector<double> quantiles_;  ///< [contacts][numbers()], of of_quantiles
 };
 

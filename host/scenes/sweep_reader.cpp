@@ -442,7 +442,7 @@ typename SweepReaderOf<Scene>::Source SweepReaderOf<Scene>::read() {
   source.indenter_ = part("indenter");
   source.contact_ = part("contact");
   source.load_ = part("load");
-  source.draws_ = next_;
+  source.lay_out_quantiles(next_);
   for (const Alternative& kind : source.indenter_.alternatives) {
     const auto& shape = kind.scene.indenter.shape;
     source.kind_names_.emplace_back(kind.profile ? "random profile" : fem::shape_name(shape));
