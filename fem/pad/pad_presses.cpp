@@ -15,8 +15,7 @@ std::size_t presses_on(const PadLoad& load) {
 }
 
 std::vector<std::size_t> coarse_presses(const PadScene& scene, const PadSolution& solution) {
-  const auto across = [&](std::size_t k) { return solution.steps[k].across; };
-  return coarse_presses(pad_targets(scene.load), presses_on(scene.load), solution.cells.n, across);
+  return coarse_presses(scene.load, solution.cells.n, [&](std::size_t k) { return solution.steps[k].across; });
 }
 
 PadScene pressed_alone(const PadScene& scene, std::size_t k) {

@@ -37,6 +37,10 @@ std::vector<std::size_t> coarse_presses(std::span<const PadTarget> targets, std:
       found.push_back(k);
   return found;
 }
+template <class Across>
+std::vector<std::size_t> coarse_presses(const PadLoad& load, int cells, const Across& across) {
+  return coarse_presses(pad_targets(load), presses_on(load), cells, across);
+}
 std::vector<std::size_t> coarse_presses(const PadScene& scene, const PadSolution& solution);
 
 /// Returns a scene whose one step is step k of the pressing.

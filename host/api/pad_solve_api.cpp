@@ -216,10 +216,7 @@ PadPaths solve_many(std::span<const PadScene> scenes, const SolveOptions& option
           const auto across = [&](std::size_t k) {
             return static_cast<int>(answer.result(static_cast<int>(k), PAD_RESULT_ACROSS));
           };
-          const fem::PadLoad& load = all[i].load;
-          for (const std::size_t k :
-               fem::coarse_presses(fem::pad_targets(load), fem::presses_on(load), rung.cells, across))
-            coarse.emplace_back(i, k);
+          for (const std::size_t k : fem::coarse_presses(all[i].load, rung.cells, across)) coarse.emplace_back(i, k);
         },
         [&](std::size_t i, fem::PadSolution&& solution) { arrays.put(i, solution); },
         [&](std::size_t done) { return progress(done, all.size()); });

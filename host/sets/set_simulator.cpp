@@ -155,6 +155,19 @@ using Alone = std::map<std::pair<std::uint64_t, int>, typename Contacts::Solutio
 int along_side(const fem::ContactSolution& solution) { return static_cast<int>(solution.surface_width.size()); }
 int along_side(const fem::PadSolution& solution) { return solution.cells.n; }
 
+/// Returns over how many elements or cells, of so many, a step must extend. across(k): of a pad's step k.
+template <bool of_lines, class Across>
+int least_across_of(int along_side, int steps, const Across& across) {
+  if (along_side == 0) return 0;
+  if constexpr (of_lines) {
+    return fem::least_elements;
+  } else {
+    int widest = 0;
+    for (int k = 0; k < steps; ++k) widest = std::max(widest, across(k));
+    return fem::least_across(along_side, widest);
+  }
+}
+
 /// Marks a row whose contact extends over few elements or cells.
 void mark(Row& row, int least) {
   const bool solved = row.status == LANE_SOLVED || row.status == LANE_SLIDING;
@@ -176,14 +189,8 @@ struct StepsOfLane {
     return row;
   }
   int least() const {
-    if (along_side == 0) return 0;
-    if constexpr (Contact<Contacts>::of_lines) {
-      return fem::least_elements;
-    } else {
-      int widest = 0;
-      for (int k = 0; k < answer.steps; ++k) widest = std::max(widest, across_of(answer, *contact, k));
-      return fem::least_across(along_side, widest);
-    }
+    return least_across_of<Contact<Contacts>::of_lines>(along_side, answer.steps,
+                                                        [&](int k) { return across_of(answer, *contact, k); });
   }
   void stress(int k, std::span<float> frame) const {
     if (const auto* own = solved_alone(k))
@@ -222,15 +229,9 @@ struct StepsOfSolution {
     return row;
   }
   int least() const {
-    const int along_side = host::along_side(solution);
-    if (along_side == 0) return 0;
-    if constexpr (Contact<Contacts>::of_lines) {
-      return fem::least_elements;
-    } else {
-      int widest = 0;
-      for (const auto& step : solution.steps) widest = std::max(widest, step.across);
-      return fem::least_across(along_side, widest);
-    }
+    return least_across_of<Contact<Contacts>::of_lines>(along_side(solution), count(), [&](int k) {
+      return row_of(solution.steps[static_cast<std::size_t>(k)]).across;
+    });
   }
   void stress(int k, std::span<float> frame) const { put_stress(solution.steps[static_cast<std::size_t>(k)], frame); }
   bool slid() const { return solution.sliding; }
