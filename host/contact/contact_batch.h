@@ -25,7 +25,7 @@ ContactKind kind_of(const fem::Scene& scene);
 /// Returns S of an increment in the kernel's precision, from mu, P (N/mm) and LANE_SLIP_INDEX: none where mu P = 0,
 /// 0 where friction is unlimited, as fem::slip_index.
 inline std::optional<double> slip_index(double mu, double P, double kernel_index) {
-  if (!(mu * P > 0)) return std::nullopt;
+  if (!fem::slip_index(mu, P, 0)) return std::nullopt;
   return mu < fem::largest_friction ? kernel_index : 0;
 }
 
