@@ -10,8 +10,6 @@ namespace tactel {
 namespace {
 
 constexpr float release = 0.05f;      // of S, below `at`
-constexpr float hold_margin = 1.2f;   // of `moved`: `at` over the largest of a hold
-constexpr float most_moved = 0.5f;    // half of P elsewhere is no hold
 constexpr std::size_t most_axes = 3;  // of a tactel
 
 [[noreturn]] void refuse(const char* place, double value, const char* fix) {
@@ -22,7 +20,7 @@ constexpr std::size_t most_axes = 3;  // of a tactel
 void check(const AlarmOptions& options, double touch, bool has_bound) {
   const bool never = options.at == std::numeric_limits<float>::infinity();
   const bool moved = options.signal == AlarmSignal::moved;
-  if (moved && !(never || (options.at > 0 && options.at < most_moved)))
+  if (moved && !(never || (options.at > 0 && options.at < infer::most_moved)))
     refuse("at", options.at, "must be above 0 and below 0.5: 1.2 times the largest `moved` of a hold");
   if (!moved && !(never || (options.at >= 0 && options.at <= 1))) refuse("at", options.at, "must be 0 to 1");
   if (!(touch >= 0 && std::isfinite(touch))) refuse("touch", touch, "must be 0 or above, MPa");
@@ -135,7 +133,8 @@ AlarmAnswer Alarm::judge(AlarmAnswer given) noexcept {
     if (state_->asking == rules.hold) state_->on = true;
   } else if (!none) {
     state_->asking = 0;
-    if (given.acted_on < (by_moved ? rules.at / hold_margin : rules.at - release)) state_->on = false;
+    if (given.acted_on < (by_moved ? rules.at / static_cast<float>(infer::hold_margin) : rules.at - release))
+      state_->on = false;
   }
   given.on = state_->on;
   given.cannot_tell = none || unlike || (wide && !given.on) || (!nothing && state_->seeks_rest(given));

@@ -6,6 +6,9 @@
 
 namespace tactel::infer {
 
+/// `at` of an alarm of `moved` over the largest of a hold; half of P elsewhere is no hold.
+inline constexpr double hold_margin = 1.2, most_moved = 0.5;
+
 /// The stresses of a sensor while a grip rests, and how far later frames have moved from them.
 ///
 /// Rest is sought from touch-down on, and is the mean of the first frames in which nothing moves. There are ten or

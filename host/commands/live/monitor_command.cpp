@@ -17,6 +17,7 @@
 #include "host/networks/onnx_file.h"
 #include "host/support/errors.h"
 #include "host/support/terminal.h"
+#include "nn/infer/rest_reference.h"
 
 namespace tactel::host {
 namespace {
@@ -263,7 +264,7 @@ std::optional<float> alarm_of(const MonitorRequest& request, const hw::Calibrati
   const bool moved = request.options.signal == AlarmSignal::moved;
   if (!given.empty()) {
     const float number = std::stof(given);
-    if (moved && !(number > 0 && number < 0.5f))
+    if (moved && !(number > 0 && number < infer::most_moved))
       throw ConfigError("command line", "--alarm", given, "a number above 0 and below 0.5 with --signal moved");
     return number;
   }

@@ -13,6 +13,7 @@
 #include "host/support/errors.h"
 #include "host/support/progress_line.h"
 #include "hw/tare.h"
+#include "nn/infer/rest_reference.h"
 
 namespace tactel::host {
 namespace {
@@ -58,8 +59,6 @@ std::string motion(const hw::Tare& tare, const hw::ChannelMap& map) {
   return worst;
 }
 
-constexpr double hold_margin = 1.2;
-
 /// The threshold of `moved`: 1.2 times its largest in a recording of a hold. Throws SourceError where it has no rest,
 /// or ends.
 double threshold_of(const TareRequest& request, const hw::Calibration& calibration) {
@@ -94,8 +93,8 @@ double threshold_of(const TareRequest& request, const hw::Calibration& calibrati
     throw refuse("no grip at rest in it", "record a hand that grips, holds still, and moves as in use");
   if (ended)
     throw refuse(fmt::format("the grip ends at frame {}", *ended), "record a hold that ends before the hand opens");
-  const double threshold = hold_margin * largest;
-  if (!(threshold > 0 && threshold < 0.5))
+  const double threshold = infer::hold_margin * largest;
+  if (!(threshold > 0 && threshold < infer::most_moved))
     throw refuse(fmt::format("the stresses change by {:.2g} of the normal force", largest), "record a grip that holds");
   return threshold;
 }
