@@ -51,21 +51,14 @@ tactel_answer c_answer(const tactel::Answer& answer) noexcept {
   return same;
 }
 
-/// NULL where `make` throws, with the reason in last_error.
+/// What `make` returns; NULL where it throws, with the reason in last_error.
 template <class Make>
-tactel_alarm* new_alarm(const tactel_alarm_options* options, const Make& make) noexcept {
+auto made(const char* out_of_memory, const Make& make) noexcept -> decltype(make()) {
   last_error = "";
-  const tactel_alarm_options given = options != nullptr ? *options : tactel_alarm_defaults();
   try {
-    tactel::AlarmOptions rules{.at = given.at, .widest = given.widest};
-    rules.hold = given.hold, rules.ignore_unlike = given.ignore_unlike != 0, rules.rest = given.rest != 0;
-    if (!(given.touch < 0)) rules.touch = given.touch;
-    if (given.signal != TACTEL_SLIP && given.signal != TACTEL_MOVED)
-      throw tactel::InputError("signal", std::to_string(given.signal), "must be TACTEL_SLIP or TACTEL_MOVED");
-    rules.signal = static_cast<tactel::AlarmSignal>(given.signal);
-    return make(rules);
+    return make();
   } catch (const std::bad_alloc&) {
-    last_error = "tactel_alarm_create: out of memory; free some";
+    last_error = out_of_memory;
   } catch (const std::exception& error) {
     load_error = error.what();
     last_error = load_error.c_str();
@@ -73,20 +66,27 @@ tactel_alarm* new_alarm(const tactel_alarm_options* options, const Make& make) n
   return nullptr;
 }
 
+template <class Make>
+tactel_alarm* new_alarm(const tactel_alarm_options* options, const Make& make) noexcept {
+  const tactel_alarm_options given = options != nullptr ? *options : tactel_alarm_defaults();
+  return made("tactel_alarm_create: out of memory; free some", [&] {
+    tactel::AlarmOptions rules{.at = given.at, .widest = given.widest};
+    rules.hold = given.hold, rules.ignore_unlike = given.ignore_unlike != 0, rules.rest = given.rest != 0;
+    if (!(given.touch < 0)) rules.touch = given.touch;
+    if (given.signal != TACTEL_SLIP && given.signal != TACTEL_MOVED)
+      throw tactel::InputError("signal", std::to_string(given.signal), "must be TACTEL_SLIP or TACTEL_MOVED");
+    rules.signal = static_cast<tactel::AlarmSignal>(given.signal);
+    return make(rules);
+  });
+}
+
 }  // namespace
 
 tactel_estimator* tactel_load(const char* path) {
-  last_error = "";
-  try {
-    if (path != nullptr) return new tactel_estimator{tactel::SlipEstimator::load(path)};
-    last_error = "tactel_load: no path; give the name of a network file";
-  } catch (const std::bad_alloc&) {
-    last_error = "tactel_load: out of memory; free some";
-  } catch (const std::exception& error) {
-    load_error = error.what();
-    last_error = load_error.c_str();
-  }
-  return nullptr;
+  last_error = "tactel_load: no path; give the name of a network file";
+  if (path == nullptr) return nullptr;
+  return made("tactel_load: out of memory; free some",
+              [&] { return new tactel_estimator{tactel::SlipEstimator::load(path)}; });
 }
 
 void tactel_free(tactel_estimator* estimator) { delete estimator; }
