@@ -49,7 +49,11 @@ function(tactel_install_libraries)
   file(RELATIVE_PATH TACTEL_PC_PREFIX /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)  # the tree may be moved
   foreach(component ${ARGN})
     get_target_property(folder tactel_${component} SOURCE_DIR)
-    install(DIRECTORY ${folder}/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
+    set(headers ${folder}/include/)
+    if(component STREQUAL "simulate")
+      list(APPEND headers ${PROJECT_SOURCE_DIR}/fem/include/)
+    endif()
+    install(DIRECTORY ${headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
     install(TARGETS tactel_${component} EXPORT tactel-${component}
             LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libraries NAMELINK_COMPONENT development
             INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})

@@ -42,7 +42,7 @@ std::array<std::span<Number>, 6> arrays_of(Result& c) {
 }  // namespace
 
 Condensation condense_cached(const Sensor& sensor, const std::filesystem::path& directory) {
-  sensor.validate();
+  validate(sensor);
   const CacheFile file = cache_file(directory, "block", "condensation", key_text(sensor));
   Condensation result = empty_condensation(sensor);
   if (read_arrays(file, arrays_of<double>(result))) return result;

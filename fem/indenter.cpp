@@ -8,19 +8,13 @@
 
 #include "fem/measured_profile.h"
 #include "fem/number_text.h"
+#include "fem/shape_numbers.h"
 #include "fem/value_error.h"
 
 namespace tactel::fem {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-template <class... Functions>
-struct Overload : Functions... {
-  using Functions::operator()...;
-};
-template <class... Functions>
-Overload(Functions...) -> Overload<Functions...>;  // clang 14 does not find it by itself
 
 // Heights at signed distance d from the indenter's position; all but the measured profile are even. mm
 double height(const Flat& s, double d) {
@@ -112,9 +106,9 @@ void check_shape(const Profile& s) { fem::validate(s); }
 
 }  // namespace
 
-void Indenter::validate() const {
-  check(std::abs(position) <= 1e6, "position", position, "a position in mm, between -1e6 and 1e6");
-  std::visit([](const auto& s) { check_shape(s); }, shape);
+void validate(const Indenter& indenter) {
+  check(std::abs(indenter.position) <= 1e6, "position", indenter.position, "a position in mm, between -1e6 and 1e6");
+  std::visit([](const auto& s) { check_shape(s); }, indenter.shape);
 }
 
 double profile_height(const Indenter& indenter, double x) {
@@ -137,13 +131,8 @@ Interval lowest_part(const Indenter& indenter) {
 }
 
 const char* shape_name(const Shape& shape) {
-  return std::visit(
-      Overload{[](const Flat&) { return "flat"; }, [](const Wedge&) { return "wedge"; },
-               [](const Parabola&) { return "parabola"; }, [](const Cylinder&) { return "cylinder"; },
-               [](const Exponential&) { return "exponential"; }, [](const Trapezoid&) { return "trapezoid"; },
-               [](const RoundedFlat&) { return "rounded_flat"; }, [](const Taylor&) { return "taylor"; },
-               [](const Profile&) { return "profile"; }},
-      shape);
+  static_assert(line_shapes.size() == std::variant_size_v<Shape>);
+  return line_shapes[shape.index()];
 }
 
 }  // namespace tactel::fem

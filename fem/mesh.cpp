@@ -55,7 +55,7 @@ void connect(const Numbering& number, bool mid_sides, Mesh& mesh) {
 }  // namespace
 
 Mesh make_mesh(const Sensor& sensor) {
-  sensor.validate();
+  validate(sensor);
   const bool mid_sides = sensor.element == Element::q8;
   const Numbering number{sensor.columns, sensor.rows};
   const Eigen::VectorXd x = surface_positions(sensor), y = row_heights(sensor);

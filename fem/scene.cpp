@@ -155,9 +155,9 @@ void append_tangential(const Load& load, LoadPath& path) {
 
 void Scene::validate() const {
   check_title(title);
-  sensor.validate();
+  fem::validate(sensor);
   if (model == SurfaceModel::mesh) require_compressible(sensor);
-  indenter.validate();
+  fem::validate(indenter);
   check(friction >= 0, "contact.friction", friction, "a coefficient of friction, not below 0, or \"bonded\"");
   check_normal(load);
   check_thickness(load, sensor.thickness);

@@ -9,25 +9,7 @@
 
 namespace tactel::fem {
 
-/// Target of an increment after the indentation.
-struct LoadMove {
-  double normal = 0.0;      ///< indentation, mm, or P, N/mm: as the load has it
-  double tangential = 0.0;  ///< indenter position along x since first touch, mm
-  bool operator==(const LoadMove&) const = default;
-};
-
-/// Targets of the load. The normal direction has depths or forces, the tangential one positions or an angle.
-struct Load {
-  std::vector<double> indentation{
-      0.15};  ///< mm: targets, each reached in indentation_steps equal increments (usually one target)
-  std::vector<double> normal_force;  ///< N/mm: instead of indentation
-  int indentation_steps = 1;
-  std::vector<double> tangential;       ///< mm: explicit positions after the indentation; or
-  double tangential_step = 0.0;         ///< mm: equal steps (0: none)
-  std::optional<int> tangential_steps;  ///< number of them; none with a tangential_step: until the whole contact slides
-  std::vector<LoadMove> moves;          ///< instead of the drag: one increment each, normal and tangential together
-  std::optional<double> angle;          ///< degrees, with normal_force: P and Q = P tan(angle) grow together
-};
+using tactel::Load, tactel::LoadMove;
 
 /// Target of one load increment.
 struct LoadStep {

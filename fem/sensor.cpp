@@ -20,26 +20,30 @@ bool within(double value, double least, double most) { return value >= least && 
 
 }  // namespace
 
-void Sensor::validate() const {
+void validate(const Sensor& sensor) {
   // The bounds on sizes are far outside what a tactile skin can be; they keep every later product finite.
-  check(within(length, 1e-6, 1e6), "length", length, "a length in mm, between 1e-6 and 1e6");
-  check(within(thickness, 1e-6, 1e6), "thickness", thickness, "a thickness in mm, between 1e-6 and 1e6");
-  check(positive(young), "young", young, "a Young's modulus in MPa, finite and above 0");
-  check(within(poisson, 0, 0.5), "poisson", poisson, "a Poisson's ratio, 0 <= poisson <= 0.5");
-  check(within(columns, 3, most_columns), "columns", columns, "a number of mesh nodes along x, 3 to 2001");
-  check(within(rows, 2, most_rows), "rows", rows, "a number of mesh nodes through the thickness, 2 to 1001");
-  check(within(grading, 0.01, 100), "grading", grading,
+  check(within(sensor.length, 1e-6, 1e6), "length", sensor.length, "a length in mm, between 1e-6 and 1e6");
+  check(within(sensor.thickness, 1e-6, 1e6), "thickness", sensor.thickness, "a thickness in mm, between 1e-6 and 1e6");
+  check(positive(sensor.young), "young", sensor.young, "a Young's modulus in MPa, finite and above 0");
+  check(within(sensor.poisson, 0, 0.5), "poisson", sensor.poisson, "a Poisson's ratio, 0 <= poisson <= 0.5");
+  check(within(sensor.columns, 3, most_columns), "columns", sensor.columns,
+        "a number of mesh nodes along x, 3 to 2001");
+  check(within(sensor.rows, 2, most_rows), "rows", sensor.rows,
+        "a number of mesh nodes through the thickness, 2 to 1001");
+  check(within(sensor.grading, 0.01, 100), "grading", sensor.grading,
         "the bottom row's height over the top row's, 0.01 to 100 (1 is uniform)");
-  check(within(tactels, 2, most_tactels), "tactels", tactels, "a number of tactels, 2 to 10000");
-  check(within(tactel_width, 0, length / tactels), "tactel_width", tactel_width,
+  check(within(sensor.tactels, 2, most_tactels), "tactels", sensor.tactels, "a number of tactels, 2 to 10000");
+  check(within(sensor.tactel_width, 0, sensor.length / sensor.tactels), "tactel_width", sensor.tactel_width,
         "a width in mm, 0 (a point) to the sensor's length over the number of tactels");
   // Transducers side by side, on the rubber; a hair's breadth for what decimal numbers lose in binary.
-  const double hair = 1e-12 * length;
-  check(within(span(), tactel_width * (tactels - 1) - hair, length - tactel_width + hair) && span() > 0, "tactel_span",
-        span(),
+  const double hair = 1e-12 * sensor.length;
+  check(within(sensor.span(), sensor.tactel_width * (sensor.tactels - 1) - hair,
+               sensor.length - sensor.tactel_width + hair) &&
+            sensor.span() > 0,
+        "tactel_span", sensor.span(),
         "a length in mm between the middles of the first and last tactel: no tactels overlap, none leaves the rubber");
-  name(element);  // throws on a number that is no element
-  name(stress);
+  name(sensor.element);  // throws on a number that is no element
+  name(sensor.stress);
 }
 
 const char* name(Element element) {

@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <tactel/line_scene.h>
+
 #include <optional>
 
 namespace tactel::fem {
 
-/// Finite elements of the block. `bbar`: Q4 with mean dilatation (Hughes 1980); `q4`: full 2x2 integration; `q4i`: Q4
-/// with incompatible modes (Taylor, Beresford and Wilson 1976); `q8`: serendipity, 3x3 integration.
-enum class Element { bbar, q4, q4i, q8 };
-
-/// Recovery of stress at the base: from nodal reactions through the consistent mass of the base edge, or from
-/// stresses extrapolated from the 2x2 Gauss points and averaged at nodes.
-enum class StressRecovery { reaction, element };
+using tactel::Element, tactel::StressRecovery;
 
 /// The rubber layer and its transducers: all inputs of the condensation. Plane strain; x runs along the array
 /// from -length/2 to length/2, y up from the base.
@@ -30,8 +26,9 @@ struct Sensor {
 
   bool operator==(const Sensor&) const = default;
   double span() const { return tactel_span.value_or(length - tactel_width); }
-  void validate() const;  ///< throws ValueError, key "sensor.<member>"
 };
+/// Throws ValueError, key "sensor.<member>".
+void validate(const Sensor& sensor);
 
 // Largest block: a mistyped number beyond these would need more memory than a machine has.
 inline constexpr int most_columns = 2001, most_rows = 1001, most_tactels = 10000;

@@ -24,7 +24,7 @@ void require_sensor_of(const LayerModel& model, const Sensor& sensor) {
 namespace {
 
 void check(const Sensor& sensor) {
-  sensor.validate();
+  validate(sensor);
   if (!(sensor.length <= longest_sensor * sensor.thickness))
     throw ValueError("sensor.length", number_text(sensor.length),
                      "at most " + number_text(longest_sensor) +

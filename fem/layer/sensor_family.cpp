@@ -280,7 +280,7 @@ double SensorFamily::place(double poisson) const {
 }
 
 void SensorFamily::require(const Sensor& sensor) const {
-  sensor.validate();
+  validate(sensor);
   const SensorRange& r = range();
   constexpr double rounding = 1e-12;
   if (!(sensor.poisson >= r.poisson_low && sensor.poisson <= r.poisson_high))
@@ -298,7 +298,7 @@ void SensorFamily::require(const Sensor& sensor) const {
 }
 
 LayerModel SensorFamily::model(const Sensor& sensor) const {
-  sensor.validate();
+  validate(sensor);
   Sensor points = sensor;
   points.tactel_span = sensor.span();
   points.tactel_width = 0;

@@ -9,6 +9,7 @@
 #include "fem/angles.h"
 #include "fem/measured_profile.h"
 #include "fem/number_text.h"
+#include "fem/shape_numbers.h"
 #include "fem/value_error.h"
 
 namespace tactel::fem {
@@ -95,8 +96,8 @@ PadBox centred(double x, double y) { return {{-x, x}, {-y, y}}; }
 }  // namespace
 
 const char* shape_name(const PadShape& shape) {
-  static constexpr const char* names[] = {"sphere", "paraboloid", "cylinder", "punch", "box", "cone", "heightmap"};
-  return names[shape.index()];
+  static_assert(pad_shapes.size() == std::variant_size_v<PadShape>);
+  return pad_shapes[shape.index()];
 }
 
 double pad_height(const PadIndenter& indenter, double x, double y, bool beyond_edges) {
@@ -187,25 +188,27 @@ void check_edge(double value) {
 
 }  // namespace
 
-void PadSensor::validate() const {
-  check_length("sensor.thickness", thickness);
-  check(young >= 1e-9 && young <= 1e12, "sensor.young", young, "a Young's modulus in MPa, 1e-9 to 1e12");
-  check(poisson >= 0 && poisson <= 0.5, "sensor.poisson", poisson, "a Poisson's ratio, 0 <= poisson <= 0.5");
-  for (const int count : tactels)
+void validate(const PadSensor& sensor) {
+  check_length("sensor.thickness", sensor.thickness);
+  check(sensor.young >= 1e-9 && sensor.young <= 1e12, "sensor.young", sensor.young,
+        "a Young's modulus in MPa, 1e-9 to 1e12");
+  check(sensor.poisson >= 0 && sensor.poisson <= 0.5, "sensor.poisson", sensor.poisson,
+        "a Poisson's ratio, 0 <= poisson <= 0.5");
+  for (const int count : sensor.tactels)
     check(count >= 1 && count <= 100, "sensor.tactels", count, "numbers of tactels along x and y, 1 to 100 each");
-  for (const double p : pitch) check_length("sensor.pitch", p);
-  check(tactel_size >= 0 && tactel_size <= std::min(pitch[0], pitch[1]), "sensor.tactel_size", tactel_size,
-        "a side in mm, 0 (a point) to the pitch");
-  check(axes == 1 || axes == 3, "sensor.axes", axes, "3, or 1 (normal stress only)");
+  for (const double p : sensor.pitch) check_length("sensor.pitch", p);
+  check(sensor.tactel_size >= 0 && sensor.tactel_size <= std::min(sensor.pitch[0], sensor.pitch[1]),
+        "sensor.tactel_size", sensor.tactel_size, "a side in mm, 0 (a point) to the pitch");
+  check(sensor.axes == 1 || sensor.axes == 3, "sensor.axes", sensor.axes, "3, or 1 (normal stress only)");
   const auto check_side = [&](const char* member, const std::optional<double>& side, int axis) {
     if (!side) return;
     check_length(member, *side);
-    const double array = std::round(1e6 * ((tactels[axis] - 1) * pitch[axis] + tactel_size)) / 1e6;
+    const double array = std::round(1e6 * ((sensor.tactels[axis] - 1) * sensor.pitch[axis] + sensor.tactel_size)) / 1e6;
     check(*side >= array, member, *side,
           ("a length in mm that holds the tactels, " + number_text(array) + " or more").c_str());
   };
-  check_side("sensor.length", length, 0);
-  check_side("sensor.width", width, 1);
+  check_side("sensor.length", sensor.length, 0);
+  check_side("sensor.width", sensor.width, 1);
 }
 
 void PadIndenter::validate() const {
@@ -242,8 +245,7 @@ void PadIndenter::validate() const {
   for (const double p : position)
     check(std::abs(p) <= 1e6, "indenter.position", p, "a place in mm, at most 1e6 from the middle");
   check(std::abs(yaw) <= 360, "indenter.yaw", yaw, "degrees, -360 to 360");
-  const bool flat = std::holds_alternative<Punch>(shape) || std::holds_alternative<Box>(shape);
-  check(tilt == 0 || (flat && tilt > 0 && tilt <= 45), "indenter.tilt", tilt,
+  check(tilt == 0 || (tilts(shape) && tilt > 0 && tilt <= 45), "indenter.tilt", tilt,
         "degrees, 0 to 45, and 0 but for punch and box");
   check(std::abs(tilt_direction) <= 360, "indenter.tilt_direction", tilt_direction, "degrees, -360 to 360");
 }
@@ -285,7 +287,7 @@ void PadLoad::validate() const {
 
 void PadScene::validate() const {
   check_title(title);
-  sensor.validate();
+  fem::validate(sensor);
   indenter.validate();
   load.validate();
   check(friction >= 0 && friction <= 100, "contact.friction", friction, "a coefficient of friction, 0 to 100");

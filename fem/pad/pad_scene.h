@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <tactel/pad_scene.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
@@ -16,48 +18,13 @@ namespace tactel::fem {
 // A pad is a layer of rubber, bonded to a rigid base, with tactels in two directions. x and y lie in its plane with 0
 // in its middle, z points up from the base. A rigid indenter presses it, drags it along x and y and turns about z.
 
-/// The rubber and its tactels.
-struct PadSensor {
-  double thickness = 2.0;                    ///< mm
-  double young = 2.0;                        ///< MPa
-  double poisson = 0.45;                     ///< 0 <= nu <= 0.5
-  std::array<int, 2> tactels = {4, 4};       ///< along x and y
-  std::array<double, 2> pitch = {4.7, 4.7};  ///< mm, from tactel to tactel; the array is centred
-  double tactel_size = 0;                    ///< mm: side of the square over which a tactel takes the mean; 0: a point
-  int axes = 3;                              ///< 3, or 1: tactels that measure sigma_z only
-  std::optional<double> length, width;       ///< mm: the rubber along x and y; the model has no free sides
-
-  bool operator==(const PadSensor&) const = default;
-  void validate() const;  ///< throws ValueError, key "sensor.<member>"
-};
+using PadSensor = Pad;
+/// Throws ValueError, key "sensor.<member>".
+void validate(const PadSensor& sensor);
 
 // Profiles: height [mm] above the lowest point at (x, y) from the indenter's axis, in the indenter's own frame.
 
-/// radius - sqrt(radius^2 - r^2), no indenter beyond r = radius.
-struct Sphere {
-  double radius = 8.0;  ///< mm
-};
-/// x^2 / (2 radii[0]) + y^2 / (2 radii[1]).
-struct Paraboloid {
-  std::array<double, 2> radii = {10.0, 10.0};  ///< mm
-};
-/// A lying cylinder: radius - sqrt(radius^2 - x^2) for |y| <= half_length.
-struct LyingCylinder {
-  double radius = 8.0, half_length = 4.0;  ///< mm
-};
-/// max(0, r - radius)^2 / (2 edge); edge 0: sharp, no indenter beyond the radius.
-struct Punch {
-  double radius = 2.0, edge = 0.0;  ///< mm
-};
-/// The sum of max(0, |x| - half_widths[0])^2 / (2 edge) and the same along y; edge 0: sharp.
-struct Box {
-  std::array<double, 2> half_widths = {2.0, 2.0};  ///< mm
-  double edge = 0.0;                               ///< mm
-};
-/// r / tan(angle), angle between axis and surface.
-struct Cone {
-  double angle = 75.0;  ///< degrees, above 0 and below 90
-};
+using tactel::Box, tactel::Cone, tactel::LyingCylinder, tactel::Paraboloid, tactel::Punch, tactel::Sphere;
 /// Measured: bilinear between heights on a grid whose middle is the axis; no indenter beyond it.
 struct HeightMap {
   double pitch = 0.1;       ///< mm
@@ -68,6 +35,10 @@ using PadShape = std::variant<Sphere, Paraboloid, LyingCylinder, Punch, Box, Con
 
 /// Returns the name of a shape in scene files: "sphere".
 const char* shape_name(const PadShape& shape);
+/// Whether an indenter of this shape, with a flat bottom, may be tilted.
+inline bool tilts(const PadShape& shape) {
+  return std::holds_alternative<Punch>(shape) || std::holds_alternative<Box>(shape);
+}
 
 struct PadIndenter {
   PadShape shape = Sphere{};

@@ -11,12 +11,10 @@
 namespace tactel::api {
 namespace {
 
-fem::PadShape pad_shape_to_fem(const Sphere& s) { return fem::Sphere{s.radius}; }
-fem::PadShape pad_shape_to_fem(const Paraboloid& s) { return fem::Paraboloid{s.radii}; }
-fem::PadShape pad_shape_to_fem(const LyingCylinder& s) { return fem::LyingCylinder{s.radius, s.half_length}; }
-fem::PadShape pad_shape_to_fem(const Punch& s) { return fem::Punch{s.radius, s.edge}; }
-fem::PadShape pad_shape_to_fem(const Box& s) { return fem::Box{s.half_widths, s.edge}; }
-fem::PadShape pad_shape_to_fem(const Cone& s) { return fem::Cone{s.angle}; }
+template <class S>
+fem::PadShape pad_shape_to_fem(const S& shape) {
+  return shape;
+}
 fem::PadShape pad_shape_to_fem(const HeightMap& s) {
   const std::size_t rows = s.columns > 0 ? s.heights.size() / s.columns : 0;
   if (rows < 2 || s.columns < 2 || rows * s.columns != s.heights.size())
@@ -29,25 +27,13 @@ fem::PadShape pad_shape_to_fem(const HeightMap& s) {
   return map;
 }
 
-PadShape pad_shape_from_fem(const fem::Sphere& s) { return Sphere{s.radius}; }
-PadShape pad_shape_from_fem(const fem::Paraboloid& s) { return Paraboloid{s.radii}; }
-PadShape pad_shape_from_fem(const fem::LyingCylinder& s) { return LyingCylinder{s.radius, s.half_length}; }
-PadShape pad_shape_from_fem(const fem::Punch& s) { return Punch{s.radius, s.edge}; }
-PadShape pad_shape_from_fem(const fem::Box& s) { return Box{s.half_widths, s.edge}; }
-PadShape pad_shape_from_fem(const fem::Cone& s) { return Cone{s.angle}; }
+template <class S>
+PadShape pad_shape_from_fem(const S& shape) {
+  return shape;
+}
 PadShape pad_shape_from_fem(const fem::HeightMap& s) {
   return HeightMap{
       s.pitch, static_cast<std::size_t>(s.heights.rows()), {s.heights.data(), s.heights.data() + s.heights.size()}};
-}
-
-/// The members of a pad have the same names on both sides.
-template <class To, class From>
-To pad_as(const From& from) {
-  To pad;
-  pad.tactels = from.tactels, pad.pitch = from.pitch, pad.tactel_size = from.tactel_size, pad.axes = from.axes;
-  pad.thickness = from.thickness, pad.young = from.young, pad.poisson = from.poisson;
-  pad.length = from.length, pad.width = from.width;
-  return pad;
 }
 
 /// Returns degrees that radians() turns into exactly these radians, so that a file's twist survives reading; those of
@@ -64,7 +50,7 @@ double degrees(double from) {
 fem::PadScene to_fem(const PadScene& scene) {
   fem::PadScene made;
   made.title = scene.title;
-  made.sensor = pad_as<fem::PadSensor>(scene.sensor);
+  made.sensor = scene.sensor;
   const PadIndenter& indenter = scene.indenter;
   made.indenter = {std::visit([](const auto& shape) { return pad_shape_to_fem(shape); }, indenter.shape),
                    indenter.position, indenter.yaw, indenter.tilt, indenter.tilt_direction};
@@ -87,7 +73,7 @@ fem::PadScene to_fem(const PadScene& scene) {
 PadScene from_fem(const fem::PadScene& scene) {
   PadScene made;
   made.title = scene.title;
-  made.sensor = pad_as<Pad>(scene.sensor);
+  made.sensor = scene.sensor;
   const fem::PadIndenter& indenter = scene.indenter;
   made.indenter = {std::visit([](const auto& shape) { return pad_shape_from_fem(shape); }, indenter.shape),
                    indenter.position, indenter.yaw, indenter.tilt, indenter.tilt_direction};

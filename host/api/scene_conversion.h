@@ -12,7 +12,6 @@ namespace tactel::api {
 /// Returns the scene as the mechanics have it.
 fem::Scene to_fem(const Scene& scene);
 fem::PadScene to_fem(const PadScene& scene);
-fem::Indenter to_fem(const Indenter& indenter);
 /// Returns the scene as users have it.
 Scene from_fem(const fem::Scene& scene);
 PadScene from_fem(const fem::PadScene& scene);

@@ -9,7 +9,7 @@
 
 #include "fem/value_error.h"
 #include "host/calibration/press_recordings.h"
-#include "host/contact/scene_json.h"
+#include "host/scenes/scene_json.h"
 #include "host/scenes/scene_file.h"
 
 namespace tactel::host {

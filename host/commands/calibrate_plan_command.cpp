@@ -7,7 +7,7 @@
 #include "host/calibration/press_candidates.h"
 #include "host/calibration/press_recordings.h"
 #include "host/commands/command.h"
-#include "host/contact/scene_json.h"
+#include "host/scenes/scene_json.h"
 #include "host/scenes/scene_file.h"
 #include "host/support/durable_file.h"
 #include "host/support/host_threads.h"

@@ -14,12 +14,6 @@ inline nlohmann::ordered_json json_numbers(const Eigen::VectorXd& values) {
   return std::vector<double>(values.begin(), values.end());
 }
 
-/// A number alone, or an array.
-inline nlohmann::ordered_json one_or_more(const std::vector<double>& values) {
-  if (values.size() == 1) return values.front();
-  return values;
-}
-
 inline nlohmann::ordered_json json_statuses(const std::vector<fem::GapStatus>& statuses) {
   auto names = nlohmann::ordered_json::array();
   for (const fem::GapStatus status : statuses)

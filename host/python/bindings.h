@@ -11,7 +11,11 @@
 #include <initializer_list>
 #include <optional>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
+
+#include "fem/shape_numbers.h"
 
 namespace tactel::python {
 
@@ -71,6 +75,29 @@ py::class_<Value> value_class(py::module_& module, const char* name, const char*
   for (const char* field : fields) names.append(field);
   bound.attr("_fields") = py::tuple(names);
   return bound;
+}
+
+/// Binds a struct whose fields, units and defaults its table has (fem/shape_numbers.h).
+template <class T>
+py::class_<T> numbers_class(py::module_& module, const char* name, const char* doc) {
+  return [&]<std::size_t... i>(std::index_sequence<i...>) {
+    constexpr auto& all = fem::numbers<T>;
+    std::string fields;
+    const auto describe = [&](const std::string& key, const std::string& meaning) {
+      if (!meaning.empty()) fields += (fields.empty() ? "" : "; ") + key + ": " + meaning;
+    };
+    (describe(std::get<i>(all).key, std::get<i>(all).meaning), ...);
+    auto bound = value_class<T>(module, name, doc, {std::get<i>(all).key...});
+    bound.def(py::init([](typename std::tuple_element_t<i, std::remove_cvref_t<decltype(all)>>::Value... values) {
+                T made;
+                ((made.*std::get<i>(fem::numbers<T>).member = std::move(values)), ...);
+                return made;
+              }),
+              (py::arg(std::get<i>(all).key) = T{}.*std::get<i>(all).member)..., (fields + ".").c_str());
+    (bound.def_readonly(std::get<i>(all).key, std::get<i>(all).member, std::get<i>(all).meaning), ...);
+    return bound;
+  }
+  (std::make_index_sequence<std::tuple_size_v<std::remove_cvref_t<decltype(fem::numbers<T>)>>>{});
 }
 
 /// Returns the numbers of a vector as an array [shape] without a copy. `owner` holds the vector, and lives as long as

@@ -26,41 +26,13 @@ py::array_t<double> heights_of(const py::object& self) {
 }
 
 void bind_pad_shapes(py::module_& m) {
-  value_class<Sphere>(m, "Sphere", "A sphere on a pad; no indenter beyond r = radius.", {"radius"})
-      .def(py::init([](double radius) { return Sphere{radius}; }), "radius"_a = 8.0, "radius: mm.")
-      .def_readonly("radius", &Sphere::radius, "mm");
-  value_class<Paraboloid>(m, "Paraboloid", "x^2 / (2 radii[0]) + y^2 / (2 radii[1]).", {"radii"})
-      .def(py::init([](Pair radii) { return Paraboloid{radii}; }), "radii"_a = Pair{10.0, 10.0},
-           "radii: mm, along x and y.")
-      .def_readonly("radii", &Paraboloid::radii, "mm, along x and y");
-  value_class<LyingCylinder>(m, "LyingCylinder",
-                             "A cylinder along y on a pad; no indenter beyond |x| = radius and |y| = half_length.",
-                             {"radius", "half_length"})
-      .def(py::init([](double radius, double half_length) {
-             return LyingCylinder{radius, half_length};
-           }),
-           "radius"_a = 8.0, "half_length"_a = 4.0, "radius, half_length: mm.")
-      .def_readonly("radius", &LyingCylinder::radius, "mm")
-      .def_readonly("half_length", &LyingCylinder::half_length, "mm");
-  value_class<Punch>(m, "Punch", "A round punch: max(0, r - radius)^2 / (2 edge); edge 0: sharp.", {"radius", "edge"})
-      .def(py::init([](double radius, double edge) {
-             return Punch{radius, edge};
-           }),
-           "radius"_a = 2.0, "edge"_a = 0.0, "radius, edge: mm.")
-      .def_readonly("radius", &Punch::radius, "mm")
-      .def_readonly("edge", &Punch::edge, "mm, radius of the rounding; 0: sharp");
-  value_class<Box>(m, "Box", "max(0, |x| - half_widths[0])^2 / (2 edge), and the same along y; edge 0: sharp.",
-                   {"half_widths", "edge"})
-      .def(py::init([](Pair half_widths, double edge) {
-             return Box{half_widths, edge};
-           }),
-           "half_widths"_a = Pair{2.0, 2.0}, "edge"_a = 0.0, "half_widths: mm, along x and y; edge: mm.")
-      .def_readonly("half_widths", &Box::half_widths, "mm, along x and y")
-      .def_readonly("edge", &Box::edge, "mm, radius of the rounding; 0: sharp");
-  value_class<Cone>(m, "Cone", "r / tan(angle).", {"angle"})
-      .def(py::init([](double angle) { return Cone{angle}; }), "angle"_a = 75.0,
-           "angle: degrees between surface and axis, above 0 and below 90.")
-      .def_readonly("angle", &Cone::angle, "degrees between surface and axis");
+  numbers_class<Sphere>(m, "Sphere", "A sphere on a pad; no indenter beyond r = radius.");
+  numbers_class<Paraboloid>(m, "Paraboloid", "x^2 / (2 radii[0]) + y^2 / (2 radii[1]).");
+  numbers_class<LyingCylinder>(m, "LyingCylinder",
+                               "A cylinder along y on a pad; no indenter beyond |x| = radius and |y| = half_length.");
+  numbers_class<Punch>(m, "Punch", "A round punch: max(0, r - radius)^2 / (2 edge); edge 0: sharp.");
+  numbers_class<Box>(m, "Box", "max(0, |x| - half_widths[0])^2 / (2 edge), and the same along y; edge 0: sharp.");
+  numbers_class<Cone>(m, "Cone", "r / tan(angle).");
   value_class<HeightMap>(m, "HeightMap", "Heights on a grid, bilinear between them; no indenter beyond.",
                          {"heights", "pitch"})
       .def(py::init(&map_of), "heights"_a, "pitch"_a = 0.1,

@@ -66,55 +66,14 @@ auto scene_field(const Get& get) {
 }
 
 void bind_shapes(py::module_& m) {
-  value_class<Parabola>(m, "Parabola", "y = r^2 / (2 radius); r: distance from the indenter's position.", {"radius"})
-      .def(py::init([](double radius) { return Parabola{radius}; }), "radius"_a = 10.0, "radius: mm.")
-      .def_readonly("radius", &Parabola::radius, "mm");
-  value_class<Flat>(m, "Flat", "0 up to half_width, no indenter beyond.", {"half_width"})
-      .def(py::init([](std::optional<double> half_width) { return Flat{half_width}; }), "half_width"_a = py::none(),
-           "half_width: mm; None: wider than the sensor.")
-      .def_readonly("half_width", &Flat::half_width, "mm; None: wider than the sensor");
-  value_class<Wedge>(m, "Wedge", "y = r / tan(edge_angle / 2).", {"edge_angle"})
-      .def(py::init([](double edge_angle) { return Wedge{edge_angle}; }), "edge_angle"_a = 120.0,
-           "edge_angle: full angle, degrees.")
-      .def_readonly("edge_angle", &Wedge::edge_angle, "full angle, degrees");
-  value_class<Cylinder>(m, "Cylinder", "A circle; no indenter beyond r = radius.", {"radius"})
-      .def(py::init([](double radius) { return Cylinder{radius}; }), "radius"_a = 10.0, "radius: mm.")
-      .def_readonly("radius", &Cylinder::radius, "mm");
-  value_class<Exponential>(m, "Exponential", "y = height (e^(rate r) - 1).", {"height", "rate"})
-      .def(py::init([](double height, double rate) {
-             return Exponential{height, rate};
-           }),
-           "height"_a = 0.1, "rate"_a = 0.5, "height: mm; rate: 1/mm.")
-      .def_readonly("height", &Exponential::height, "mm")
-      .def_readonly("rate", &Exponential::rate, "1/mm");
-  value_class<Trapezoid>(m, "Trapezoid", "0 up to half_width, then slope (r - half_width).", {"half_width", "slope"})
-      .def(py::init([](double half_width, double slope) {
-             return Trapezoid{half_width, slope};
-           }),
-           "half_width"_a = 2.0, "slope"_a = 1.0, "half_width: mm; slope: height over distance.")
-      .def_readonly("half_width", &Trapezoid::half_width, "mm")
-      .def_readonly("slope", &Trapezoid::slope, "height over distance");
-  value_class<RoundedFlat>(m, "RoundedFlat", "0 up to half_width, then (r - half_width)^2 / (2 radius).",
-                           {"half_width", "radius"})
-      .def(py::init([](double half_width, double radius) {
-             return RoundedFlat{half_width, radius};
-           }),
-           "half_width"_a = 2.0, "radius"_a = 10.0, "half_width, radius: mm.")
-      .def_readonly("half_width", &RoundedFlat::half_width, "mm")
-      .def_readonly("radius", &RoundedFlat::radius, "mm");
-  value_class<Taylor>(m, "Taylor", "y = height * sum of coefficients (r / scale)^powers.",
-                      {"powers", "scale", "height", "coefficients"})
-      .def(py::init([](std::vector<int> powers, double scale, std::optional<double> height,
-                       std::vector<double> coefficients) {
-             return Taylor{std::move(powers), scale, height, std::move(coefficients)};
-           }),
-           "powers"_a = std::vector<int>{1}, "scale"_a = 1.0, "height"_a = py::none(),
-           "coefficients"_a = std::vector<double>{},
-           "scale: mm; height: mm, None: scale; coefficients: one a power, empty: all 1.")
-      .def_readonly("powers", &Taylor::powers)
-      .def_readonly("scale", &Taylor::scale, "mm")
-      .def_readonly("height", &Taylor::height, "mm; None: scale")
-      .def_readonly("coefficients", &Taylor::coefficients, "one a power; empty: all 1");
+  numbers_class<Parabola>(m, "Parabola", "y = r^2 / (2 radius); r: distance from the indenter's position.");
+  numbers_class<Flat>(m, "Flat", "0 up to half_width, no indenter beyond.");
+  numbers_class<Wedge>(m, "Wedge", "y = r / tan(edge_angle / 2).");
+  numbers_class<Cylinder>(m, "Cylinder", "A circle; no indenter beyond r = radius.");
+  numbers_class<Exponential>(m, "Exponential", "y = height (e^(rate r) - 1).");
+  numbers_class<Trapezoid>(m, "Trapezoid", "0 up to half_width, then slope (r - half_width).");
+  numbers_class<RoundedFlat>(m, "RoundedFlat", "0 up to half_width, then (r - half_width)^2 / (2 radius).");
+  numbers_class<Taylor>(m, "Taylor", "y = height * sum of coefficients (r / scale)^powers.");
   value_class<Profile>(m, "Profile", "Points, linear between them; no indenter beyond the ends.", {"x", "y", "smooth"})
       .def(py::init([](std::vector<double> x, std::vector<double> y, double smooth) {
              return Profile{std::move(x), std::move(y), smooth};
@@ -174,24 +133,7 @@ void bind_sensor(py::module_& m) {
 }
 
 void bind_load(py::module_& m) {
-  value_class<Load>(m, "Load", "The path of the indenter: a depth or normal force, then a drag.",
-                    {"indentation", "normal_force", "indentation_steps", "tangential", "tangential_step",
-                     "tangential_steps", "angle"})
-      .def(py::init([](std::vector<double> indentation, std::vector<double> normal_force, int indentation_steps,
-                       std::vector<double> tangential, double tangential_step, std::optional<int> tangential_steps,
-                       std::optional<double> angle) {
-             return Load{std::move(indentation),
-                         std::move(normal_force),
-                         indentation_steps,
-                         std::move(tangential),
-                         tangential_step,
-                         tangential_steps,
-                         angle};
-           }),
-           "indentation"_a = std::vector<double>{0.15}, "normal_force"_a = std::vector<double>{},
-           "indentation_steps"_a = 1, "tangential"_a = std::vector<double>{}, "tangential_step"_a = 0.0,
-           "tangential_steps"_a = py::none(), "angle"_a = py::none(),
-           "indentation, tangential: mm; normal_force: N/mm; angle: degrees. See Press and Force.")
+  numbers_class<Load>(m, "Load", "The path of the indenter: a depth or normal force, then a drag. See Press and Force.")
       .def("drag", &Load::drag, "step"_a, "steps"_a, "Returns this load with `steps` equal drags of `step` mm.")
       .def(
           "drag",
@@ -213,14 +155,7 @@ void bind_load(py::module_& m) {
           "Of a pad: returns the PadLoad with drags to these positions (x, y) mm, and to these twists, degrees.")
       .def(
           "turn", [](const Load& load, double twist, int steps) { return on_pad(load).turn(twist, steps); }, "twist"_a,
-          "steps"_a, "Of a pad: returns the PadLoad with `steps` twists of `twist` degrees in place.")
-      .def_readonly("indentation", &Load::indentation, "mm: targets")
-      .def_readonly("normal_force", &Load::normal_force, "N/mm: targets in place of depths")
-      .def_readonly("indentation_steps", &Load::indentation_steps)
-      .def_readonly("tangential", &Load::tangential, "mm: positions")
-      .def_readonly("tangential_step", &Load::tangential_step, "mm; 0: none")
-      .def_readonly("tangential_steps", &Load::tangential_steps, "None with a tangential_step: until sliding")
-      .def_readonly("angle", &Load::angle, "degrees; None: no angle");
+          "steps"_a, "Of a pad: returns the PadLoad with `steps` twists of `twist` degrees in place.");
   m.def(
       "Press",
       [](Targets indentation, int steps) {

@@ -4,107 +4,66 @@
 #include <algorithm>
 #include <limits>
 #include <set>
+#include <string_view>
+
+#include "fem/scene_numbers.h"
 
 namespace tactel::host {
 namespace {
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
-struct Number {
-  const char* key = nullptr;
-  const char* unit = "";
-  double value = none;
-};
-using ShapeNumbers = std::array<Number, 3>;
+double as_number(double value) { return value; }
+double as_number(const std::optional<double>& value) { return value.value_or(none); }
 
-// The numbers of a shape but for the coefficients of a Taylor shape. Their keys depend on the type alone.
-ShapeNumbers numbers(const fem::Flat& s) { return {{{"half_width", "mm", s.half_width.value_or(none)}}}; }
-ShapeNumbers numbers(const fem::Wedge& s) { return {{{"edge_angle", "degrees", s.edge_angle}}}; }
-ShapeNumbers numbers(const fem::Parabola& s) { return {{{"radius", "mm", s.radius}}}; }
-ShapeNumbers numbers(const fem::Cylinder& s) { return {{{"radius", "mm", s.radius}}}; }
-ShapeNumbers numbers(const fem::Exponential& s) { return {{{"height", "mm", s.height}, {"rate", "1/mm", s.rate}}}; }
-ShapeNumbers numbers(const fem::Trapezoid& s) {
-  return {{{"half_width", "mm", s.half_width}, {"slope", "1", s.slope}}};
-}
-ShapeNumbers numbers(const fem::RoundedFlat& s) {
-  return {{{"half_width", "mm", s.half_width}, {"radius", "mm", s.radius}}};
-}
-ShapeNumbers numbers(const fem::Taylor& s) {
-  return {{{"scale", "mm", s.scale}, {"height", "mm", s.height.value_or(s.scale)}}};
-}
-ShapeNumbers numbers(const fem::Profile& s) {
-  if (s.x.empty() || s.y.empty()) return {{{"half_width", "mm"}, {"height", "mm"}}};
-  const auto [least, most] = std::ranges::minmax(s.y);
-  return {{{"half_width", "mm", 0.5 * (s.x.back() - s.x.front())}, {"height", "mm", most - least}}};
+/// Calls use(key, axis, unit, value) for the columns of a struct: what sweeps draw, of a pair "_x" and "_y".
+template <class T, class Use>
+void each_column(const T& from, const Use& use) {
+  fem::each_number<T>([&]<class Value>(const fem::Number<T, Value>& number) {
+    const Value& value = from.*number.member;
+    if (!number.drawn) return;
+    if constexpr (std::is_same_v<Value, std::array<double, 2>>)
+      use(number.each, "_x", number.unit, value[0]), use(number.each, "_y", number.unit, value[1]);
+    else if constexpr (requires { as_number(value); })
+      use(number.key, "", number.unit, as_number(value));
+  });
 }
 
-ShapeNumbers numbers(const fem::Sphere& s) { return {{{"radius", "mm", s.radius}}}; }
-ShapeNumbers numbers(const fem::Paraboloid& s) {
-  return {{{"radius_x", "mm", s.radii[0]}, {"radius_y", "mm", s.radii[1]}}};
+/// The columns of a shape but for the coefficients of a Taylor shape. Their keys depend on the type alone.
+template <class S, class Use>
+void shape_columns(const S& shape, const Use& use) {
+  each_column(shape, use);
 }
-ShapeNumbers numbers(const fem::LyingCylinder& s) {
-  return {{{"radius", "mm", s.radius}, {"half_length", "mm", s.half_length}}};
+template <class Use>
+void shape_columns(const fem::Taylor& shape, const Use& use) {
+  each_column(fem::with_height(shape), use);
 }
-ShapeNumbers numbers(const fem::Punch& s) { return {{{"radius", "mm", s.radius}, {"edge", "mm", s.edge}}}; }
-ShapeNumbers numbers(const fem::Box& s) {
-  return {{{"half_width_x", "mm", s.half_widths[0]}, {"half_width_y", "mm", s.half_widths[1]}, {"edge", "mm", s.edge}}};
-}
-ShapeNumbers numbers(const fem::Cone& s) { return {{{"angle", "degrees", s.angle}}}; }
-ShapeNumbers numbers(const fem::HeightMap&) { return {}; }
-
-template <class Shape>
-ShapeNumbers shape_numbers(const Shape& shape) {
-  return std::visit([](const auto& s) { return numbers(s); }, shape);
+template <class Use>
+void shape_columns(const fem::Profile& shape, const Use& use) {
+  const bool points = !shape.x.empty() && !shape.y.empty();
+  const auto [least, most] = points ? std::ranges::minmax(shape.y) : std::ranges::minmax_result<double>{none, none};
+  use("half_width", "", "mm", points ? 0.5 * (shape.x.back() - shape.x.front()) : none);
+  use("height", "", "mm", most - least);
 }
 
-/// A number that any scene has.
-template <class Of>
-struct NumberOf {
-  const char *key, *unit;
-  double (*value)(const Of&);
-};
-
-constexpr std::array<NumberOf<fem::Sensor>, 7> sensor_numbers_of(const fem::Scene*) {
-  return {{
-      {"length", "mm", [](const fem::Sensor& s) { return s.length; }},
-      {"thickness", "mm", [](const fem::Sensor& s) { return s.thickness; }},
-      {"young", "MPa", [](const fem::Sensor& s) { return s.young; }},
-      {"poisson", "1", [](const fem::Sensor& s) { return s.poisson; }},
-      {"tactel_span", "mm", [](const fem::Sensor& s) { return s.span(); }},
-      {"tactel_width", "mm", [](const fem::Sensor& s) { return s.tactel_width; }},
-      {"grading", "1", [](const fem::Sensor& s) { return s.grading; }},
-  }};
+template <class Use>
+void sensor_columns(const fem::Sensor& sensor, const Use& use) {
+  each_column(fem::with_span(sensor), use);
 }
-constexpr std::array<NumberOf<fem::PadSensor>, 3> sensor_numbers_of(const fem::PadScene*) {
-  return {{
-      {"thickness", "mm", [](const fem::PadSensor& s) { return s.thickness; }},
-      {"young", "MPa", [](const fem::PadSensor& s) { return s.young; }},
-      {"poisson", "1", [](const fem::PadSensor& s) { return s.poisson; }},
-  }};
-}
-constexpr std::size_t numbers_of_own_sensors = 5;  // of a line, and where its tactels are; of a pad all
-
-constexpr std::array<NumberOf<fem::Indenter>, 1> place_numbers_of(const fem::Scene*) {
-  return {{{"position", "mm", [](const fem::Indenter& i) { return i.position; }}}};
-}
-constexpr std::array<NumberOf<fem::PadIndenter>, 5> place_numbers_of(const fem::PadScene*) {
-  return {{
-      {"position_x", "mm", [](const fem::PadIndenter& i) { return i.position[0]; }},
-      {"position_y", "mm", [](const fem::PadIndenter& i) { return i.position[1]; }},
-      {"yaw", "degrees", [](const fem::PadIndenter& i) { return i.yaw; }},
-      {"tilt", "degrees", [](const fem::PadIndenter& i) { return i.tilt; }},
-      {"tilt_direction", "degrees", [](const fem::PadIndenter& i) { return i.tilt_direction; }},
-  }};
+template <class Use>
+void sensor_columns(const fem::PadSensor& sensor, const Use& use) {
+  each_column(sensor, use);
 }
 
-template <class Scene>
-constexpr auto sensor_numbers = sensor_numbers_of(static_cast<const Scene*>(nullptr));
-template <class Scene>
-constexpr auto place_numbers = place_numbers_of(static_cast<const Scene*>(nullptr));
+/// Numbers of a line that differ between sensors of one array alone: contacts never draw their own.
+bool of_the_array(std::string_view key) { return key == "grading" || key == "tactel_width"; }
 
+/// [columns] the sensor's numbers.
 template <class Sensor>
-bool differ(std::span<const Sensor> sensors, const NumberOf<Sensor>& number) {
-  return std::ranges::any_of(sensors, [&](const Sensor& s) { return number.value(s) != number.value(sensors[0]); });
+std::vector<double> sensor_values(const Sensor& sensor) {
+  std::vector<double> values;
+  sensor_columns(sensor, [&](auto, auto, auto, double value) { values.push_back(value); });
+  return values;
 }
 
 }  // namespace
@@ -121,14 +80,21 @@ template <class Scene>
 ContactParametersOf<Scene>::ContactParametersOf(std::span<const Scene> scenes, std::span<const Sensor> sensors,
                                                 bool own_sensors)
     : columns_{{"indenter", "place in the attribute indenter_names"}} {
-  for (const auto& number : place_numbers<Scene>) add(std::string("indenter.") + number.key, number.unit);
+  const auto add_to = [this](const std::string& table) {
+    return [this, table](const char* key, const char* axis, const char* unit, double) {
+      return add(table + key + axis, unit);
+    };
+  };
+  each_column(scenes[0].indenter, add_to("indenter."));
   add("contact.friction", "1");
   std::set<int> powers;
   for (const Scene& scene : scenes) {
     const Shape& shape = scene.indenter.shape;
-    const ShapeNumbers its = shape_numbers(shape);
-    for (std::size_t k = 0; k < its.size(); ++k)
-      if (its[k].key) of_shape_[shape.index()][k] = add(std::string("indenter.") + its[k].key, its[k].unit);
+    std::size_t k = 0;
+    const auto put = [&, add_column = add_to("indenter.")](auto... of) {
+      of_shape_[shape.index()][k++] = add_column(of...);
+    };
+    std::visit([&](const auto& s) { shape_columns(s, put); }, shape);
     if constexpr (std::is_same_v<Shape, fem::Shape>)
       if (const auto* taylor = std::get_if<fem::Taylor>(&shape))
         powers.insert(taylor->powers.begin(), taylor->powers.end());
@@ -137,12 +103,14 @@ ContactParametersOf<Scene>::ContactParametersOf(std::span<const Scene> scenes, s
   coefficients_ = columns_.size();
   for (const int power : powers_) add("indenter.coefficient_" + std::to_string(power), "1");
   sensor_ = columns_.size();
-  for (std::size_t k = 0; k < sensor_numbers<Scene>.size(); ++k) {
-    const auto& number = sensor_numbers<Scene>[k];
-    if (!(own_sensors && k < numbers_of_own_sensors) && !differ(sensors, number)) continue;
-    add(std::string("sensor.") + number.key, number.unit);
-    sensor_numbers_.push_back(static_cast<int>(k));
-  }
+  std::vector<std::vector<double>> values;
+  for (const Sensor& sensor : sensors) values.push_back(sensor_values(sensor));
+  sensor_columns(sensors[0], [&](const char* key, const char* axis, const char* unit, double first) {
+    const std::size_t k = sensor_numbers_.size();
+    const bool differs = std::ranges::any_of(values, [&](const auto& of) { return of[k] != first; });
+    sensor_numbers_.push_back(differs || (own_sensors && !of_the_array(key)));
+    if (sensor_numbers_.back()) add(std::string("sensor.") + key + axis, unit);
+  });
 }
 
 template <class Scene>
@@ -151,12 +119,12 @@ void ContactParametersOf<Scene>::put(const Scene& scene, std::uint16_t kind, std
   const auto put = [&](std::size_t column, double value) { row[column] = static_cast<float>(value); };
   std::size_t next = 0;
   put(next++, kind);
-  for (const auto& number : place_numbers<Scene>) put(next++, number.value(scene.indenter));
+  each_column(scene.indenter, [&](auto, auto, auto, double value) { put(next++, value); });
   put(next, scene.friction);
   const Shape& shape = scene.indenter.shape;
-  const ShapeNumbers its = shape_numbers(shape);
-  for (std::size_t k = 0; k < its.size(); ++k)
-    if (its[k].key) put(of_shape_[shape.index()][k], its[k].value);
+  const auto* column = of_shape_[shape.index()].data();
+  std::visit([&](const auto& s) { shape_columns(s, [&](auto, auto, auto, double value) { put(*column++, value); }); },
+             shape);
   if constexpr (std::is_same_v<Shape, fem::Shape>)
     if (const auto* taylor = std::get_if<fem::Taylor>(&shape)) {
       std::fill_n(row.begin() + static_cast<std::ptrdiff_t>(coefficients_), powers_.size(), 0.0f);
@@ -166,8 +134,10 @@ void ContactParametersOf<Scene>::put(const Scene& scene, std::uint16_t kind, std
             static_cast<float>(taylor->coefficients.empty() ? 1 : taylor->coefficients[k]);
       }
     }
-  for (std::size_t k = 0; k < sensor_numbers_.size(); ++k)
-    put(sensor_ + k, sensor_numbers<Scene>[static_cast<std::size_t>(sensor_numbers_[k])].value(scene.sensor));
+  std::size_t sensor_column = sensor_, k = 0;
+  sensor_columns(scene.sensor, [&](auto, auto, auto, double value) {
+    if (sensor_numbers_[k++]) put(sensor_column++, value);
+  });
 }
 
 template class ContactParametersOf<fem::Scene>;

@@ -37,12 +37,12 @@ class ContactParametersOf {
   std::size_t add(const std::string& name, const std::string& unit);
 
   std::vector<Column> columns_;
-  /// [shapes] columns of the numbers of a shape, in the order of shape_numbers
+  /// [shapes] columns of the numbers of a shape, in their order
   std::array<std::array<std::size_t, most_of_a_shape>, std::variant_size_v<Shape>> of_shape_{};
-  std::vector<int> powers_;          ///< of Taylor shapes, increasing
-  std::size_t coefficients_ = 0;     ///< column of the first power
-  std::size_t sensor_ = 0;           ///< column of the first number of the sensor
-  std::vector<int> sensor_numbers_;  ///< which of them
+  std::vector<int> powers_;           ///< of Taylor shapes, increasing
+  std::size_t coefficients_ = 0;      ///< column of the first power
+  std::size_t sensor_ = 0;            ///< column of the first number of the sensor
+  std::vector<bool> sensor_numbers_;  ///< which of them have a column
 };
 
 using ContactParameters = ContactParametersOf<fem::Scene>;

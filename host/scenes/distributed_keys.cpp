@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "fem/scene_numbers.h"
 #include "host/scenes/scene_tables.h"
 
 namespace tactel::host {
@@ -15,44 +16,59 @@ struct Entry {
   NumberPlace<Scene> place;
 };
 
-template <class Shape, class Scene>
-Shape& as(Scene& scene) {
-  return std::get<Shape>(scene.indenter.shape);
+void put(double& number, int, double value) { number = value; }
+void put(std::optional<double>& number, int, double value) { number.value() = value; }
+template <class Several>
+void put(Several& numbers, int index, double value) {
+  numbers[static_cast<std::size_t>(index)] = value;
+}
+
+/// The part of a scene that has the numbers of T.
+template <class T, class Scene>
+T& part(Scene& scene) {
+  if constexpr (std::is_same_v<T, decltype(scene.sensor)>)
+    return scene.sensor;
+  else if constexpr (std::is_same_v<T, decltype(scene.indenter)>)
+    return scene.indenter;
+  else if constexpr (std::is_same_v<T, decltype(scene.load)>)
+    return scene.load;
+  else
+    return std::get<T>(scene.indenter.shape);
+}
+
+/// Adds what sweeps may draw of T, whose keys stand in this table.
+template <class T, class Scene>
+void add(std::vector<Entry<Scene>>& all, const std::string& table, const char* shape = "") {
+  [&]<std::size_t... i>(std::index_sequence<i...>) {
+    [[maybe_unused]] const auto add_one = [&]<std::size_t k>(std::integral_constant<std::size_t, k>) {
+      constexpr auto number = std::get<k>(fem::numbers<T>);
+      if constexpr (number.drawn)
+        all.push_back({shape, table + "." + number.key, [](Scene& scene, int index, double value) {
+                         put(part<T>(scene).*std::get<k>(fem::numbers<T>).member, index, value);
+                       }});
+    };
+    (add_one(std::integral_constant<std::size_t, i>{}), ...);
+  }
+  (std::make_index_sequence<std::tuple_size_v<std::remove_cvref_t<decltype(fem::numbers<T>)>>>{});
+}
+template <class Scene, class... Shapes>
+void add_shapes(std::vector<Entry<Scene>>& all, const std::variant<Shapes...>&) {
+  (add<Shapes>(all, "indenter", fem::shape_name(std::variant<Shapes...>(Shapes{}))), ...);
 }
 
 using S = fem::Scene;
 using P = fem::PadScene;
 
 const std::vector<Entry<S>>& entries(const S*) {
-  static const std::vector<Entry<S>> all = {
-      {"", "sensor.length", [](S& s, int, double v) { s.sensor.length = v; }},
-      {"", "sensor.thickness", [](S& s, int, double v) { s.sensor.thickness = v; }},
-      {"", "sensor.young", [](S& s, int, double v) { s.sensor.young = v; }},
-      {"", "sensor.poisson", [](S& s, int, double v) { s.sensor.poisson = v; }},
-      {"", "sensor.grading", [](S& s, int, double v) { s.sensor.grading = v; }},
-      {"", "sensor.tactel_span", [](S& s, int, double v) { s.sensor.tactel_span.value() = v; }},
-      {"", "sensor.tactel_width", [](S& s, int, double v) { s.sensor.tactel_width = v; }},
-      {"", "indenter.position", [](S& s, int, double v) { s.indenter.position = v; }},
-      {"flat", "indenter.half_width", [](S& s, int, double v) { as<fem::Flat>(s).half_width.value() = v; }},
-      {"wedge", "indenter.edge_angle", [](S& s, int, double v) { as<fem::Wedge>(s).edge_angle = v; }},
-      {"parabola", "indenter.radius", [](S& s, int, double v) { as<fem::Parabola>(s).radius = v; }},
-      {"cylinder", "indenter.radius", [](S& s, int, double v) { as<fem::Cylinder>(s).radius = v; }},
-      {"exponential", "indenter.height", [](S& s, int, double v) { as<fem::Exponential>(s).height = v; }},
-      {"exponential", "indenter.rate", [](S& s, int, double v) { as<fem::Exponential>(s).rate = v; }},
-      {"trapezoid", "indenter.half_width", [](S& s, int, double v) { as<fem::Trapezoid>(s).half_width = v; }},
-      {"trapezoid", "indenter.slope", [](S& s, int, double v) { as<fem::Trapezoid>(s).slope = v; }},
-      {"rounded_flat", "indenter.half_width", [](S& s, int, double v) { as<fem::RoundedFlat>(s).half_width = v; }},
-      {"rounded_flat", "indenter.radius", [](S& s, int, double v) { as<fem::RoundedFlat>(s).radius = v; }},
-      {"taylor", "indenter.scale", [](S& s, int, double v) { as<fem::Taylor>(s).scale = v; }},
-      {"taylor", "indenter.height", [](S& s, int, double v) { as<fem::Taylor>(s).height.value() = v; }},
-      {"taylor", "indenter.coefficients", [](S& s, int i, double v) { as<fem::Taylor>(s).coefficients[i] = v; }},
-      {"", "contact.friction", [](S& s, int, double v) { s.friction = v; }},
-      {"", "load.indentation", [](S& s, int i, double v) { s.load.indentation[i] = v; }},
-      {"", "load.normal_force", [](S& s, int i, double v) { s.load.normal_force[i] = v; }},
-      {"", "load.tangential", [](S& s, int i, double v) { s.load.tangential[i] = v; }},
-      {"", "load.tangential_step", [](S& s, int, double v) { s.load.tangential_step = v; }},
-      {"", "load.angle", [](S& s, int, double v) { s.load.angle.value() = v; }},
-  };
+  static const std::vector<Entry<S>> all = [] {
+    std::vector<Entry<S>> made;
+    add<fem::Sensor>(made, "sensor");
+    add<fem::Indenter>(made, "indenter");
+    add_shapes(made, fem::Shape{});
+    made.push_back({"", "contact.friction", [](S& s, int, double v) { s.friction = v; }});
+    add<fem::Load>(made, "load");
+    return made;
+  }();
   return all;
 }
 
@@ -63,38 +79,29 @@ void put_step(P& scene, int axis, double step) {
 }
 
 const std::vector<Entry<P>>& entries(const P*) {
-  static const std::vector<Entry<P>> all = {
-      {"", "sensor.thickness", [](P& s, int, double v) { s.sensor.thickness = v; }},
-      {"", "sensor.young", [](P& s, int, double v) { s.sensor.young = v; }},
-      {"", "sensor.poisson", [](P& s, int, double v) { s.sensor.poisson = v; }},
-      {"", "indenter.position", [](P& s, int i, double v) { s.indenter.position[i] = v; }},
-      {"", "indenter.yaw", [](P& s, int, double v) { s.indenter.yaw = v; }},
-      {"punch", "indenter.tilt", [](P& s, int, double v) { s.indenter.tilt = v; }},
-      {"punch", "indenter.tilt_direction", [](P& s, int, double v) { s.indenter.tilt_direction = v; }},
-      {"box", "indenter.tilt", [](P& s, int, double v) { s.indenter.tilt = v; }},
-      {"box", "indenter.tilt_direction", [](P& s, int, double v) { s.indenter.tilt_direction = v; }},
-      {"sphere", "indenter.radius", [](P& s, int, double v) { as<fem::Sphere>(s).radius = v; }},
-      {"paraboloid", "indenter.radii", [](P& s, int i, double v) { as<fem::Paraboloid>(s).radii[i] = v; }},
-      {"cylinder", "indenter.radius", [](P& s, int, double v) { as<fem::LyingCylinder>(s).radius = v; }},
-      {"cylinder", "indenter.half_length", [](P& s, int, double v) { as<fem::LyingCylinder>(s).half_length = v; }},
-      {"punch", "indenter.radius", [](P& s, int, double v) { as<fem::Punch>(s).radius = v; }},
-      {"punch", "indenter.edge", [](P& s, int, double v) { as<fem::Punch>(s).edge = v; }},
-      {"box", "indenter.half_widths", [](P& s, int i, double v) { as<fem::Box>(s).half_widths[i] = v; }},
-      {"box", "indenter.edge", [](P& s, int, double v) { as<fem::Box>(s).edge = v; }},
-      {"cone", "indenter.angle", [](P& s, int, double v) { as<fem::Cone>(s).angle = v; }},
-      {"", "contact.friction", [](P& s, int, double v) { s.friction = v; }},
-      {"", "load.indentation", [](P& s, int i, double v) { s.load.indentation[i] = v; }},
-      {"", "load.normal_force", [](P& s, int i, double v) { s.load.normal_force[i] = v; }},
-      {"", "load.tangential", [](P& s, int i, double v) { s.load.drags[i / 2][i % 2] = v; }},
-      {"", "load.tangential_step", put_step},
-      {"", "load.twist", [](P& s, int i, double v) { s.load.drags[i][2] = radians(v); }},
-      {"", "load.twist_step", [](P& s, int, double v) { put_step(s, 2, radians(v)); }},
-  };
+  static const std::vector<Entry<P>> all = [] {
+    std::vector<Entry<P>> made;
+    add<fem::PadSensor>(made, "sensor");
+    add<fem::PadIndenter>(made, "indenter");
+    add_shapes(made, fem::PadShape{});
+    const Entry<P> others[] = {
+        {"", "contact.friction", [](P& s, int, double v) { s.friction = v; }},
+        {"", "load.indentation", [](P& s, int i, double v) { s.load.indentation[i] = v; }},
+        {"", "load.normal_force", [](P& s, int i, double v) { s.load.normal_force[i] = v; }},
+        {"", "load.tangential", [](P& s, int i, double v) { s.load.drags[i / 2][i % 2] = v; }},
+        {"", "load.tangential_step", put_step},
+        {"", "load.twist", [](P& s, int i, double v) { s.load.drags[i][2] = radians(v); }},
+        {"", "load.twist_step", [](P& s, int, double v) { put_step(s, 2, radians(v)); }},
+    };
+    made.insert(made.end(), std::begin(others), std::end(others));
+    return made;
+  }();
   return all;
 }
 
 template <class Scene>
 bool fits(const Entry<Scene>& entry, const std::string& shape) {
+  if (entry.key.starts_with("indenter.tilt")) return shape == "punch" || shape == "box";
   return entry.shape.empty() || entry.shape == shape;
 }
 

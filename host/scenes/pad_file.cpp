@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/scenes/pad_file.h"
 
+#include "host/scenes/number_reader.h"
 #include "host/scenes/profile_csv.h"
 #include "host/scenes/scene_tables.h"
-#include "host/scenes/shape_choice.h"
 
 namespace tactel::host {
 namespace {
 
-constexpr const char *length_words = "a number of mm above 0", *two_mm = "two numbers of mm above 0, along x and y",
-                     *some_edge = "the radius of its rounding in mm, 0 for a sharp edge";
 const std::string left_out_of_a_pad = std::string("left out: it ") + of_a_line;
 
 void read_pad_sensor(const TomlFile& file, fem::PadSensor& sensor) {
@@ -17,87 +15,34 @@ void read_pad_sensor(const TomlFile& file, fem::PadSensor& sensor) {
   in.refuse_any({"model", "columns", "rows", "grading", "element", "stress", "tactel_span", "tactel_width"},
                 left_out_of_a_pad);
   in.read_choice("kind", sensor_kinds);
-  if (std::vector<int> tactels; in.read("tactels", tactels, "two whole numbers [nx, ny] of tactels along x and y")) {
-    if (tactels.size() != 2) in.refuse("tactels", "two whole numbers [nx, ny] of tactels along x and y");
-    sensor.tactels = {tactels[0], tactels[1]};
-  }
-  const char* pitch_words = "a number of mm, or two [px, py] along x and y";
-  if (std::vector<double> pitch; in.read_one_or_more("pitch", pitch, pitch_words)) {
-    if (pitch.size() > 2) in.refuse("pitch", pitch_words);
-    sensor.pitch = {pitch.front(), pitch.back()};
-  }
-  in.read("tactel_size", sensor.tactel_size, "the side of a square in mm, 0 for a point");
-  in.read("axes", sensor.axes, "3, or 1 (normal stress only)");
-  const bool thick = in.read("thickness", sensor.thickness, length_words);
-  in.read("young", sensor.young, "a number of MPa above 0");
-  in.read("poisson", sensor.poisson, "a number with 0 <= poisson <= 0.5");
-  if (double side = 0; in.read("length", side, "a number of mm along x")) sensor.length = side;
-  if (double side = 0; in.read("width", side, "a number of mm along y")) sensor.width = side;
+  const bool thick = in.has("thickness");
+  read_numbers(in, sensor, false);
   in.finish();
   if (!thick) in.refuse_missing("thickness", "given, the thickness of the rubber in mm");
 }
 
-/// Reads the keys of one shape.
-struct PadShapeKeys {
-  TomlTable& in;
-  const TomlFile& file;
-
-  template <class T>
-  void need(const std::string& key, T& value, const std::string& what) {
+template <class S>
+void read_pad_shape(TomlTable& in, const TomlFile&, S& shape) {
+  read_numbers(in, shape, true);
+}
+void read_pad_shape(TomlTable& in, const TomlFile& file, fem::HeightMap& map) {
+  const auto need = [&](const char* key, auto& value, const std::string& what) {
     if (!in.read(key, value, what)) in.refuse_missing(key, "given, " + what);
-  }
-  void read(fem::Sphere& sphere) { need("radius", sphere.radius, length_words); }
-  void read(fem::Paraboloid& paraboloid) { need("radii", paraboloid.radii, two_mm); }
-  void read(fem::LyingCylinder& cylinder) {
-    need("radius", cylinder.radius, length_words);
-    need("half_length", cylinder.half_length, length_words);
-  }
-  void read(fem::Punch& punch) {
-    need("radius", punch.radius, length_words);
-    in.read("edge", punch.edge, some_edge);
-  }
-  void read(fem::Box& box) {
-    need("half_widths", box.half_widths, two_mm);
-    in.read("edge", box.edge, some_edge);
-  }
-  void read(fem::Cone& cone) { need("angle", cone.angle, "degrees between surface and axis, above 0 and below 90"); }
-  void read(fem::HeightMap& map) {
-    std::string name;
-    need("pitch", map.pitch, "the distance of the grid's points in mm");
-    need("file", name, "the name of a CSV file with a grid of heights in mm");
-    const std::filesystem::path path = file.path().parent_path() / name;
-    read_heights_csv(path, map);
-    map.file = path.string();
-  }
-};
-
-const std::vector<ShapeName<fem::PadShape>>& pad_shapes() {
-  static const std::vector<ShapeName<fem::PadShape>> all = {
-      {"sphere", {"radius"}, fem::Sphere{}},
-      {"paraboloid", {"radii"}, fem::Paraboloid{}},
-      {"cylinder", {"radius", "half_length"}, fem::LyingCylinder{}},
-      {"punch", {"radius", "edge", "tilt", "tilt_direction"}, fem::Punch{}},
-      {"box", {"half_widths", "edge", "tilt", "tilt_direction"}, fem::Box{}},
-      {"cone", {"angle"}, fem::Cone{}},
-      {"heightmap", {"file", "pitch"}, fem::HeightMap{}},
   };
-  return all;
+  std::string name;
+  need("pitch", map.pitch, "the distance of the grid's points in mm");
+  need("file", name, "the name of a CSV file with a grid of heights in mm");
+  const std::filesystem::path path = file.path().parent_path() / name;
+  read_heights_csv(path, map);
+  map.file = path.string();
 }
 
 void read_pad_indenter(const TomlFile& file, fem::PadIndenter& indenter) {
   TomlTable in(file, "indenter");
-  OtherKind{
-      {"edge_angle", "height", "rate", "half_width", "slope", "powers", "scale", "coefficients", "x", "y", "smooth"},
-      {"flat", "wedge", "parabola", "exponential", "trapezoid", "rounded_flat", "taylor", "profile"},
-      of_a_line}
-      .refuse(in);
-  indenter.shape = choose_shape(in, pad_shapes(), {"shape", "position", "yaw"}).made;
-  PadShapeKeys keys{in, file};
-  std::visit([&](auto& shape) { keys.read(shape); }, indenter.shape);
-  in.read("position", indenter.position, "two numbers [x, y] of mm on the pad, [0, 0] in its middle");
-  in.read("yaw", indenter.yaw, "a number of degrees about z");
-  in.read("tilt", indenter.tilt, "a number of degrees, 0 to 45");
-  in.read("tilt_direction", indenter.tilt_direction, "the direction in degrees in which the bottom rises");
+  refuse_other_kind<fem::PadShape, fem::Shape>(in, {}, of_a_line);
+  indenter.shape = choose_shape<fem::PadShape>(in, {"shape", "position", "yaw"}).made;
+  std::visit([&](auto& shape) { read_pad_shape(in, file, shape); }, indenter.shape);
+  read_numbers(in, indenter, false);
   in.finish();
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <limits>
 
+#include "host/scenes/number_reader.h"
 #include "host/scenes/pad_file.h"
 #include "host/scenes/scene_tables.h"
 #include "host/scenes/shape_reader.h"
@@ -20,7 +21,6 @@ const std::string left_out_of_a_line = std::string("left out: it ") + of_a_pad;
 
 void read_sensor(const TomlFile& file, fem::Scene& scene, fem::SurfaceModel usual) {
   TomlTable in(file, "sensor");
-  fem::Sensor& sensor = scene.sensor;
   if (in.read_choice("kind", sensor_kinds) == 1u)
     in.refuse("kind", "\"line\" here: scenes of pads are for solve, simulate: and calibrate sensor");
   in.refuse_any({"pitch", "tactel_size", "axes", "width"}, left_out_of_a_line);
@@ -29,23 +29,7 @@ void read_sensor(const TomlFile& file, fem::Scene& scene, fem::SurfaceModel usua
   const auto model = in.read_choice("model", {"auto", "mesh", "patch"});
   if (names_mesh && model == 2u) in.refuse("model", "auto or mesh, because the table names a mesh");
   scene.model = names_mesh || model == 1u ? fem::SurfaceModel::mesh : model == 2u ? fem::SurfaceModel::patch : usual;
-  in.read("length", sensor.length, "a number of mm above 0");
-  in.read("thickness", sensor.thickness, "a number of mm above 0");
-  in.read("young", sensor.young, "a number of MPa above 0");
-  in.read("poisson", sensor.poisson, "a number with 0 <= poisson <= 0.5");
-  in.read("columns", sensor.columns, "a whole number of mesh nodes along x");
-  in.read("rows", sensor.rows, "a whole number of mesh nodes through the thickness");
-  in.read("grading", sensor.grading, "a number above 0 (bottom row height over top row height)");
-  if (const auto choice = in.read_choice("element", {"bbar", "q4", "q4i", "q8"})) {
-    sensor.element = std::array{fem::Element::bbar, fem::Element::q4, fem::Element::q4i, fem::Element::q8}[*choice];
-  }
-  in.read("tactels", sensor.tactels, "a whole number of tactels, at least 2");
-  if (double span = 0; in.read("tactel_span", span, "a number of mm, from the first tactel's middle to the last one's"))
-    sensor.tactel_span = span;
-  in.read("tactel_width", sensor.tactel_width, "a number of mm, 0 (a point) or more");
-  if (const auto choice = in.read_choice("stress", {"reaction", "element"})) {
-    sensor.stress = std::array{fem::StressRecovery::reaction, fem::StressRecovery::element}[*choice];
-  }
+  read_numbers(in, scene.sensor, false);
   in.finish();
 }
 

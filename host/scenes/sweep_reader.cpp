@@ -406,7 +406,7 @@ void SweepReaderOf<Scene>::read_sensors(Source& source, int count) {
       for (const NumberDraw& d : from.draws)
         d.put(scene, draw(d.distribution,
                           {source.seed_, nn::RandomStream::sensor, static_cast<std::uint64_t>(copy), d.number}));
-      scene.sensor.validate();
+      fem::validate(scene.sensor);
       source.sensors_.push_back(scene.sensor);
       source.sensor_weights_.push_back(part.weights[i] / copies);
     }

@@ -156,7 +156,7 @@ TEST(MeasuredProfile, DecimalRoundingIsNoDent) {
 TEST(MeasuredProfile, NamesBadPoints) {
   const auto rejects = [](std::vector<double> x, std::vector<double> y, const char* key, const char* value,
                           const char* allowed) {
-    expect_value_error([&] { Indenter{Profile{x, y, 0, ""}, 0}.validate(); }, key, value, allowed);
+    expect_value_error([&] { validate(Indenter{Profile{x, y, 0, ""}, 0}); }, key, value, allowed);
   };
   rejects({}, {}, "indenter.x", "[]", "at least two points");
   rejects({1}, {1}, "indenter.x", "[1]", "at least two points");
@@ -170,7 +170,7 @@ TEST(MeasuredProfile, NamesBadPoints) {
 
 TEST(Indenter, NamesWhatItRejects) {
   const auto rejects = [](const Shape& shape, const char* key, const char* value, const char* allowed) {
-    expect_value_error([&] { Indenter{shape, 0}.validate(); }, key, value, allowed);
+    expect_value_error([&] { validate(Indenter{shape, 0}); }, key, value, allowed);
   };
   rejects(Flat{0.0}, "indenter.half_width", "0", "length in mm");
   rejects(Wedge{0}, "indenter.edge_angle", "0", "above 0 and below 180");
@@ -189,13 +189,13 @@ TEST(Indenter, NamesWhatItRejects) {
   rejects(Trapezoid{-1, 1}, "indenter.half_width", "-1", "0 or a length");
   rejects(RoundedFlat{-1, 1}, "indenter.half_width", "-1", "0 or a length");
   rejects(Taylor{{1, 0}, 1, {}}, "indenter.powers", "0", "1 to 100");
-  expect_value_error([] { Indenter{Parabola{}, nan}.validate(); }, "indenter.position", "nan", "position in mm");
+  expect_value_error([] { validate(Indenter{Parabola{}, nan}); }, "indenter.position", "nan", "position in mm");
 }
 
 TEST(Indenter, DefaultsAreValid) {
   for (const Shape& shape : {Shape{Flat{}}, Shape{Wedge{}}, Shape{Parabola{}}, Shape{Cylinder{}}, Shape{Exponential{}},
                              Shape{Trapezoid{}}, Shape{RoundedFlat{}}, Shape{Taylor{}}})
-    EXPECT_NO_THROW((Indenter{shape, 0}.validate())) << shape_name(shape);
+    EXPECT_NO_THROW((validate(Indenter{shape, 0}))) << shape_name(shape);
 }
 
 }  // namespace

@@ -13,12 +13,12 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std:
 
 TEST(Sensor, AcceptsThePapersMeshesAndTheSmallest) {
   for (Element element : all_elements) {
-    EXPECT_NO_THROW(mesh_a(element, 0.4999).validate());
-    EXPECT_NO_THROW(mesh_b(element, 0).validate());
+    EXPECT_NO_THROW(validate(mesh_a(element, 0.4999)));
+    EXPECT_NO_THROW(validate(mesh_b(element, 0)));
     Sensor smallest = mesh_b(element);
     smallest.columns = 3;
     smallest.rows = smallest.tactels = 2;
-    EXPECT_NO_THROW(smallest.validate());
+    EXPECT_NO_THROW(validate(smallest));
   }
 }
 
@@ -26,7 +26,7 @@ TEST(Sensor, NamesWhatItRejects) {
   const auto rejects = [](auto member, auto value, const char* key, const char* printed, const char* allowed) {
     Sensor sensor;
     sensor.*member = value;
-    expect_value_error([&] { sensor.validate(); }, key, printed, allowed);
+    expect_value_error([&] { validate(sensor); }, key, printed, allowed);
   };
   for (double bad : {0.0, -1.0, nan, infinity}) {
     rejects(&Sensor::length, bad, "sensor.length", "", "length in mm");

@@ -18,6 +18,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   fem::Indenter indenter;
   indenter.shape = profile;
-  fuzz::accepts<ValueError>([&] { indenter.validate(); });
+  fuzz::accepts<ValueError>([&] { fem::validate(indenter); });
   return 0;
 }

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "host/contact/scene_json.h"
+#include "host/scenes/scene_json.h"
 #include "host/support/errors.h"
 #include "tests/host/support/run_tactel.h"
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <tactel/pad_scene.h>
 #include <tactel/solve.h>
-
-#include <array>
 
 // Contacts on a pad, a layer of rubber with tactels in two directions, as in scene files of pads (docs/pads.md):
 // lengths in mm, stresses in MPa, forces in N, angles in degrees. x and y lie in the plane with 0 in the pad's middle,
@@ -10,45 +9,6 @@
 
 namespace tactel {
 
-/// The rubber and its tactels.
-struct Pad {
-  std::array<int, 2> tactels{4, 4};         ///< along x and y
-  std::array<double, 2> pitch{4.7, 4.7};    ///< mm, from tactel to tactel; the array is centred
-  double tactel_size = 0;                   ///< mm: side of the square over which a tactel takes the mean; 0: a point
-  int axes = 3;                             ///< 3, or 1: tactels that measure the normal stress alone
-  double thickness = 2.0;                   ///< mm
-  double young = 2.0;                       ///< MPa
-  double poisson = 0.45;                    ///< 0 <= poisson <= 0.5
-  std::optional<double> length{}, width{};  ///< mm: the rubber along x and y; none: not known
-};
-
-// Shapes of a rigid indenter: height [mm] above its lowest point at (x, y) from its axis, r = |(x, y)| [mm].
-
-/// radius - sqrt(radius^2 - r^2), no indenter beyond r = radius.
-struct Sphere {
-  double radius = 8.0;  ///< mm
-};
-/// x^2 / (2 radii[0]) + y^2 / (2 radii[1]).
-struct Paraboloid {
-  std::array<double, 2> radii{10.0, 10.0};  ///< mm
-};
-/// A cylinder along y: radius - sqrt(radius^2 - x^2), no indenter beyond |x| = radius and |y| = half_length.
-struct LyingCylinder {
-  double radius = 8.0, half_length = 4.0;  ///< mm
-};
-/// max(0, r - radius)^2 / (2 edge); edge 0: sharp, no indenter beyond the radius.
-struct Punch {
-  double radius = 2.0, edge = 0.0;  ///< mm
-};
-/// The sum of max(0, |x| - half_widths[0])^2 / (2 edge) and the same along y; edge 0: sharp.
-struct Box {
-  std::array<double, 2> half_widths{2.0, 2.0};  ///< mm
-  double edge = 0.0;                            ///< mm
-};
-/// r / tan(angle).
-struct Cone {
-  double angle = 75.0;  ///< degrees between surface and axis, above 0 and below 90
-};
 /// Heights on a grid whose middle is the axis: bilinear between them, no indenter beyond. The lowest counts as 0.
 struct HeightMap {
   double pitch = 0.1;             ///< mm, from point to point

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/contact/scene_json.h"
+#include "host/scenes/scene_json.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

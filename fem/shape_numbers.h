@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <tactel/line_scene.h>
+#include <tactel/pad_scene.h>
+
+#include <array>
+#include <tuple>
+
+// Every number of the parts of scenes that users see, once. Files, draws of sweeps, columns of sets, JSON and Python
+// are made of these tables; scene_numbers.h has those of the other parts.
+
+namespace tactel::fem {
+
+/// A number of a struct, or several under one key.
+template <class T, class M>
+struct Number {
+  using Value = M;
+  const char *key, *unit;  ///< "radius", "mm"; "1": of none
+  M T::*member;
+  const char* allowed;         ///< what a file may hold: "a number of mm above 0"
+  const char* meaning;         ///< of Python: "mm, radius of the rounding; 0: sharp"
+  bool needed = true;          ///< no file may leave it out
+  bool drawn = true;           ///< sweeps may draw it
+  const char* each = nullptr;  ///< of a pair: what each of both is called: "radius", of radius_x and radius_y
+};
+
+/// The table of a struct: a tuple of Numbers, in the order of files and JSON.
+template <class T>
+inline constexpr std::tuple<> numbers{};
+
+// What shapes are called in files, in the order of their variants.
+inline constexpr std::array line_shapes{"flat",      "wedge",        "parabola", "cylinder", "exponential",
+                                        "trapezoid", "rounded_flat", "taylor",   "profile"};
+inline constexpr std::array pad_shapes{"sphere", "paraboloid", "cylinder", "punch", "box", "cone", "heightmap"};
+
+inline constexpr const char *some_mm = "a number of mm above 0", *two_mm = "two numbers of mm above 0, along x and y",
+                            *some_edge = "the radius of its rounding in mm, 0 for a sharp edge",
+                            *sharp_or_round = "mm, radius of the rounding; 0: sharp";
+
+// A line.
+template <>
+inline constexpr auto numbers<Flat> =
+    std::tuple{Number{"half_width", "mm", &Flat::half_width, some_mm, "mm; None: wider than the sensor", false}};
+template <>
+inline constexpr auto numbers<Wedge> =
+    std::tuple{Number{"edge_angle", "degrees", &Wedge::edge_angle,
+                      "a number of degrees, the full angle, above 0 and below 180", "full angle, degrees"}};
+template <>
+inline constexpr auto numbers<Parabola> = std::tuple{Number{"radius", "mm", &Parabola::radius, some_mm, "mm"}};
+template <>
+inline constexpr auto numbers<Cylinder> = std::tuple{Number{"radius", "mm", &Cylinder::radius, some_mm, "mm"}};
+template <>
+inline constexpr auto numbers<Exponential> =
+    std::tuple{Number{"height", "mm", &Exponential::height, some_mm, "mm"},
+               Number{"rate", "1/mm", &Exponential::rate, "a number of 1/mm above 0", "1/mm"}};
+template <>
+inline constexpr auto numbers<Trapezoid> = std::tuple{
+    Number{"half_width", "mm", &Trapezoid::half_width, some_mm, "mm"},
+    Number{"slope", "1", &Trapezoid::slope, "a number above 0 (mm of height per mm)", "height over distance"}};
+template <>
+inline constexpr auto numbers<RoundedFlat> =
+    std::tuple{Number{"half_width", "mm", &RoundedFlat::half_width, some_mm, "mm"},
+               Number{"radius", "mm", &RoundedFlat::radius, some_mm, "mm"}};
+template <>
+inline constexpr auto numbers<Taylor> = std::tuple{
+    Number{"powers", "", &Taylor::powers, "an array of whole numbers, each at least 1, such as [1, 3] ([] is flat)",
+           "whole numbers, each at least 1", true, false},
+    Number{"scale", "mm", &Taylor::scale, some_mm, "mm", false},
+    Number{"height", "mm", &Taylor::height, some_mm, "mm; None: scale", false},
+    Number{"coefficients", "1", &Taylor::coefficients, "an array of numbers not below 0, one for each power",
+           "one a power; empty: all 1", false}};
+template <>
+inline constexpr auto numbers<Indenter> =
+    std::tuple{Number{"position", "mm", &Indenter::position, "a number of mm along the array, 0 at its middle",
+                      "mm along the array", false}};
+
+// A pad.
+template <>
+inline constexpr auto numbers<Sphere> = std::tuple{Number{"radius", "mm", &Sphere::radius, some_mm, "mm"}};
+template <>
+inline constexpr auto numbers<Paraboloid> =
+    std::tuple{Number{"radii", "mm", &Paraboloid::radii, two_mm, "mm, along x and y", true, true, "radius"}};
+template <>
+inline constexpr auto numbers<LyingCylinder> =
+    std::tuple{Number{"radius", "mm", &LyingCylinder::radius, some_mm, "mm"},
+               Number{"half_length", "mm", &LyingCylinder::half_length, some_mm, "mm"}};
+template <>
+inline constexpr auto numbers<Punch> = std::tuple{Number{"radius", "mm", &Punch::radius, some_mm, "mm"},
+                                                  Number{"edge", "mm", &Punch::edge, some_edge, sharp_or_round, false}};
+template <>
+inline constexpr auto numbers<Box> =
+    std::tuple{Number{"half_widths", "mm", &Box::half_widths, two_mm, "mm, along x and y", true, true, "half_width"},
+               Number{"edge", "mm", &Box::edge, some_edge, sharp_or_round, false}};
+template <>
+inline constexpr auto numbers<Cone> =
+    std::tuple{Number{"angle", "degrees", &Cone::angle, "degrees between surface and axis, above 0 and below 90",
+                      "degrees between surface and axis, above 0 and below 90"}};
+template <>
+inline constexpr auto numbers<Pad> = std::tuple{
+    Number{"tactels", "", &Pad::tactels, "two whole numbers [nx, ny] of tactels along x and y", "along x and y", false,
+           false},
+    Number{"pitch", "mm", &Pad::pitch, "a number of mm, or two [px, py] along x and y", "mm, along x and y", false,
+           false},
+    Number{"tactel_size", "mm", &Pad::tactel_size, "the side of a square in mm, 0 for a point",
+           "mm: side of a square; 0: points", false, false},
+    Number{"axes", "", &Pad::axes, "3, or 1 (normal stress only)", "3, or 1: normal stress alone", false, false},
+    Number{"thickness", "mm", &Pad::thickness, some_mm, "mm"},
+    Number{"young", "MPa", &Pad::young, "a number of MPa above 0", "MPa", false},
+    Number{"poisson", "1", &Pad::poisson, "a number with 0 <= poisson <= 0.5", "", false},
+    Number{"length", "mm", &Pad::length, "a number of mm along x", "mm along x; None: not known", false, false},
+    Number{"width", "mm", &Pad::width, "a number of mm along y", "mm along y; None: not known", false, false}};
+template <>
+inline constexpr auto numbers<Load> =
+    std::tuple{Number{"indentation", "mm", &Load::indentation, "", "mm: targets"},
+               Number{"normal_force", "N/mm", &Load::normal_force, "", "N/mm: targets in place of depths"},
+               Number{"indentation_steps", "", &Load::indentation_steps, "", "", false, false},
+               Number{"tangential", "mm", &Load::tangential, "", "mm: positions"},
+               Number{"tangential_step", "mm", &Load::tangential_step, "", "mm; 0: none"},
+               Number{"tangential_steps", "", &Load::tangential_steps, "", "None with a tangential_step: until sliding",
+                      false, false},
+               Number{"angle", "degrees", &Load::angle, "", "degrees; None: no angle"}};
+
+/// Calls use(number) for every number of a struct.
+template <class T, class Use>
+constexpr void each_number(const Use& use) {
+  std::apply([&](const auto&... number) { (use(number), ...); }, numbers<T>);
+}
+
+/// Returns the shape with the height that it has where none is given.
+inline Taylor with_height(Taylor shape) {
+  shape.height = shape.height.value_or(shape.scale);
+  return shape;
+}
+}  // namespace tactel::fem

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/scenes/scene_json.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "fem/angles.h"
+#include "fem/scene_numbers.h"
+
+namespace tactel::host {
+namespace {
+
+using SceneJson = nlohmann::ordered_json;
+
+template <class Value>
+void put(SceneJson& out, const char* key, const Value& value) {
+  out[key] = value;
+}
+void put(SceneJson& out, const char* key, fem::Element element) { out[key] = fem::name(element); }
+void put(SceneJson& out, const char* key, fem::StressRecovery recovery) { out[key] = fem::name(recovery); }
+template <class Value>
+void put(SceneJson& out, const char* key, const std::optional<Value>& value) {
+  if (value) out[key] = *value;
+}
+
+template <class T>
+void add_numbers(SceneJson& out, const T& from) {
+  fem::each_number<T>([&](const auto& number) { put(out, number.key, from.*number.member); });
+}
+
+template <class S>
+void add_shape(SceneJson& out, const S& shape) {
+  add_numbers(out, shape);
+}
+void add_shape(SceneJson& out, const fem::Taylor& shape) {
+  add_numbers(out, fem::with_height(shape));
+  if (shape.coefficients.empty()) out.erase("coefficients");
+}
+void add_shape(SceneJson& out, const fem::Profile& shape) {
+  if (!shape.file.empty()) out["file"] = shape.file;
+  out.update({{"x", shape.x}, {"y", shape.y}, {"smooth", shape.smooth}});
+}
+void add_shape(SceneJson& out, const fem::HeightMap& shape) {
+  out.update({{"file", shape.file}, {"pitch", shape.pitch}});
+}
+
+template <class Indenter>
+SceneJson indenter_json(const Indenter& indenter) {
+  SceneJson out = {{"shape", fem::shape_name(indenter.shape)}};
+  std::visit([&](const auto& shape) { add_shape(out, shape); }, indenter.shape);
+  add_numbers(out, indenter);
+  if constexpr (requires { indenter.tilt; })
+    if (!fem::tilts(indenter.shape)) out.erase("tilt"), out.erase("tilt_direction");
+  return out;
+}
+
+SceneJson sensor_json(const fem::Scene& scene) {
+  SceneJson out = {{"model", scene.model == fem::SurfaceModel::patch ? "patch" : "mesh"}};
+  add_numbers(out, fem::with_span(scene.sensor));
+  return out;
+}
+SceneJson sensor_json(const fem::PadScene& scene) {
+  SceneJson out = {{"kind", "pad"}};
+  add_numbers(out, scene.sensor);
+  return out;
+}
+
+/// A number alone, or an array.
+SceneJson one_or_more(const std::vector<double>& values) {
+  if (values.size() == 1) return values.front();
+  return values;
+}
+
+template <class Load>
+SceneJson pressing_json(const Load& load) {
+  SceneJson out;
+  if (load.normal_force.empty())
+    out["indentation"] = one_or_more(load.indentation);
+  else
+    out["normal_force"] = one_or_more(load.normal_force);
+  out["indentation_steps"] = load.indentation_steps;
+  return out;
+}
+
+SceneJson load_json(const fem::Load& load) {
+  SceneJson out = pressing_json(load);
+  if (!load.tangential.empty()) out["tangential"] = load.tangential;
+  if (load.tangential_step != 0.0) out["tangential_step"] = load.tangential_step;
+  put(out, "tangential_steps", load.tangential_steps);
+  for (const fem::LoadMove& move : load.moves) out["moves"].push_back(SceneJson::array({move.normal, move.tangential}));
+  put(out, "angle", load.angle);
+  return out;
+}
+SceneJson load_json(const fem::PadLoad& load) {
+  SceneJson out = pressing_json(load);
+  for (const auto& [x, y, twist] : load.drags) {
+    out["tangential"].push_back({x, y});
+    out["twist"].push_back(fem::clean_degrees(twist));
+  }
+  return out;
+}
+
+template <class Scene>
+SceneJson scene_json(const Scene& scene) {
+  return {{"title", scene.title},
+          {"sensor", sensor_json(scene)},
+          {"indenter", indenter_json(scene.indenter)},
+          {"contact", {{"friction", std::isinf(scene.friction) ? SceneJson("bonded") : SceneJson(scene.friction)}}},
+          {"load", load_json(scene.load)}};
+}
+
+}  // namespace
+
+SceneJson to_json(const fem::Scene& scene) { return scene_json(scene); }
+SceneJson to_json(const fem::PadScene& scene) { return scene_json(scene); }
+
+}  // namespace tactel::host

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <nlohmann/json_fwd.hpp>
+
+#include "fem/pad/pad_scene.h"
+#include "fem/scene.h"
+
+namespace tactel::host {
+
+/// Returns a scene as in its file, with every default filled in (of a measured profile: its file and its points; of a
+/// height map: its file).
+nlohmann::ordered_json to_json(const fem::Scene& scene);
+nlohmann::ordered_json to_json(const fem::PadScene& scene);
+
+}  // namespace tactel::host
