@@ -5,7 +5,8 @@
 
    Built with -D REAL, LANES, INPUTS, HIDDEN1, HIDDEN2 (0: one hidden layer), OUTPUTS (3: S, its upper and its lower
    quantile), LEAKY_RELU (1: hidden neurons are leaky rectifiers), BOUND (1: the bound instead of the quantiles), and
-   NORMALS where they are not INPUTS / 2: the normal stresses of the first frame. */
+   NORMALS where they are not INPUTS / 2: the normal stresses of the first frame; with features (0: none) what
+   shared/features.h names, and STRESSES, the numbers of an input before them. */
 // defines: INPUTS=42 HIDDEN1=42 HIDDEN2=21 OUTPUTS=3 LEAKY_RELU=0 BOUND=1
 #include "shared/forward_layer.h"
 #include "shared/frame_status.h"
@@ -15,6 +16,11 @@
 
 #ifndef NORMALS
 #define NORMALS (INPUTS / 2)
+#endif
+#if FEATURES
+#include "shared/features.h"
+#else
+#define STRESSES INPUTS
 #endif
 #define TILE (FRAME_VECTORS * LANES)  /* frames in a group */
 #define ANSWERS (BOUND ? 4 : OUTPUTS) /* numbers of a frame: S; upper and lower quantile, or upper bound and interval */
@@ -42,6 +48,7 @@
 typedef struct {
   int by_frame; /* divide by the frame's own largest |normal stress|; else by the set's largest stress */
   real factor;  /* 1 / the set's largest stress, 1/MPa */
+  real usual;   /* usual peak, MPa, of features */
 } Scaling;
 
 /* NaN or infinite where any of the numbers was. */
@@ -52,17 +59,17 @@ INLINE vreal note_not_finite(vreal noted, vreal x) { return fma(x, ALL_LANES(0),
 INLINE vint load_frames(global const float *frames, uint first, uint rows, vreal factor, int v,
                         vreal (*x)[FRAME_VECTORS]) {
   vreal noted[4] = {0, 0, 0, 0};
-#if INPUTS >= LANES
+#if STRESSES >= LANES
   first = min(first, rows - 1);
-  global const float *from = frames + (size_t)first * INPUTS;
+  global const float *from = frames + (size_t)first * STRESSES;
   const uint last = rows - 1 - first;
   uint place[LANES];
-  EACH(lane, LANES) { place[lane] = min((uint)lane, last) * INPUTS; }
-  ROLLED for (int begin = 0; begin < INPUTS; begin += LANES) {
-    const int column = min(begin, INPUTS - LANES); /* the last block overlaps the one before */
+  EACH(lane, LANES) { place[lane] = min((uint)lane, last) * STRESSES; }
+  ROLLED for (int begin = 0; begin < STRESSES; begin += LANES) {
+    const int column = min(begin, STRESSES - LANES); /* the last block overlaps the one before */
     vreal block[LANES];
     EACH(lane, LANES) { block[lane] = LOAD_FLOATS(from + place[lane] + column); }
-    EACH(lane, LANES) { PREFETCH(from + place[lane] + column + TILE * INPUTS); }
+    EACH(lane, LANES) { PREFETCH(from + place[lane] + column + TILE * STRESSES); }
     transpose(block);
     EACH(k, LANES) {
       noted[k % 4] = note_not_finite(noted[k % 4], block[k]);
@@ -70,10 +77,10 @@ INLINE vint load_frames(global const float *frames, uint first, uint rows, vreal
     }
   }
 #else
-  for (int k = 0; k < INPUTS; ++k) {
+  for (int k = 0; k < STRESSES; ++k) {
     vreal input;
     for (uint lane = 0; lane < LANES; ++lane)
-      ((real *)&input)[lane] = frames[(size_t)min(first + lane, rows - 1) * INPUTS + k];
+      ((real *)&input)[lane] = frames[(size_t)min(first + lane, rows - 1) * STRESSES + k];
     noted[k % 4] = note_not_finite(noted[k % 4], input);
     x[k][v] = input * factor;
   }
@@ -82,19 +89,20 @@ INLINE vint load_frames(global const float *frames, uint first, uint rows, vreal
   return sum != sum;
 }
 
-/* Scales LANES frames in MPa by the frame's own largest normal stress. Returns the lanes that carry no stress. */
-INLINE vint scale_by_frame(int v, vreal (*x)[FRAME_VECTORS]) {
+/* Scales LANES frames in MPa by the frame's own largest normal stress, the peak. Returns the lanes that carry no stress. */
+INLINE vint scale_by_frame(int v, vreal (*x)[FRAME_VECTORS], vreal *peak) {
   vreal most[4] = {0, 0, 0, 0};
   UNROLL for (int k = 0; k < NORMALS; ++k) most[k % 4] = fmax(most[k % 4], fabs(x[k][v]));
   vreal largest = fmax(fmax(most[0], most[1]), fmax(most[2], most[3]));
+  *peak = largest;
   const vint large = largest > ALL_LANES(LARGE_STRESS);
   if (ANY(large)) {
     const vreal scale = PICK(large, ALL_LANES(LARGE_SCALE), ALL_LANES(1));
-    ROLLED for (int k = 0; k < INPUTS; ++k) x[k][v] *= scale;
+    ROLLED for (int k = 0; k < STRESSES; ++k) x[k][v] *= scale;
     largest *= scale;
   }
   const vreal factor = ALL_LANES(1) / largest;
-  ROLLED for (int k = 0; k < INPUTS; ++k) x[k][v] *= factor;
+  ROLLED for (int k = 0; k < STRESSES; ++k) x[k][v] *= factor;
   return largest < ALL_LANES(SMALLEST_STRESS);
 }
 
@@ -104,7 +112,11 @@ INLINE vint scaled_frames(global const float *frames, uint first, uint rows, Sca
   const vint not_finite =
       load_frames(frames, first, rows, ALL_LANES(scaling.by_frame ? (real)1 : scaling.factor), v, x);
   vint no_stress = 0;
-  if (scaling.by_frame) no_stress = scale_by_frame(v, x);
+  vreal peak = 0;
+  if (scaling.by_frame) no_stress = scale_by_frame(v, x, &peak);
+#if FEATURES
+  add_features(v, peak, scaling.usual, x);
+#endif
   const vint zero = not_finite | no_stress;
   if (ANY(zero)) {
     ROLLED for (int k = 0; k < INPUTS; ++k) x[k][v] = PICK(zero, ALL_LANES(0), x[k][v]);
@@ -218,17 +230,17 @@ INLINE void hidden_layers(const int vectors, global const real *w, const vreal (
 
 /* Group g: tile g % tiles of the frames, for network g / tiles.
    weights: [networks][NETWORK_WEIGHTS], each [layer][out][in + 1] with the bias last
-   frames:  [rows][INPUTS] MPa, normal stresses first
+   frames:  [rows][STRESSES] MPa, normal stresses first
    bounds:  [networks][bound_numbers], see BOUND_CENTRE; unused without BOUND
    slip_index: [networks][ANSWERS][rows];  status: [networks][rows] FRAME_OK ..., plus FRAME_UNLIKE */
 kernel void forward(uint first_group, global const real *weights, global const float *frames, global real *slip_index,
-                    global uchar *status, uint rows, uint tiles, int by_frame, real factor, global const real *bounds,
-                    uint bound_numbers) {
+                    global uchar *status, uint rows, uint tiles, int by_frame, real factor, real usual,
+                    global const real *bounds, uint bound_numbers) {
   TAKE_GROUP(group);
   const size_t network = group / tiles;
   const uint first = (uint)(group % tiles) * TILE, end = min(first + TILE, rows);
   global const real *w = weights + network * NETWORK_WEIGHTS;
-  const Scaling scaling = {by_frame, factor};
+  const Scaling scaling = {by_frame, factor, usual};
   slip_index += network * ANSWERS * rows;
   status += network * rows;
   vreal x[INPUTS][FRAME_VECTORS], o1[HIDDEN1][FRAME_VECTORS];

@@ -61,12 +61,6 @@ void FrameSet::validate() const {
   }
 }
 
-InputScaling fit_scaling(ScalingKind kind, const FrameSet& set) {
-  InputScaling scaling{kind, kind == ScalingKind::set ? set.largest_stress() : 1.0f, set.history, set.axes};
-  scaling.validate();
-  return scaling;
-}
-
 std::vector<float> peaks(const FrameSet& set) {
   std::vector<float> all(static_cast<std::size_t>(set.rows()));
   const Eigen::Index normals = set.frames.cols() / (set.axes * set.history);
@@ -75,12 +69,34 @@ std::vector<float> peaks(const FrameSet& set) {
   return all;
 }
 
-Learnt learnt_ranges(const FrameSet& set) {
-  Learnt learnt;
+namespace {
+
+/// The peaks of rows that carry a stress, in ascending order.
+std::vector<float> touching_peaks(const FrameSet& set) {
   std::vector<float> touching = peaks(set);
   std::erase_if(touching, [](float peak) { return !(peak >= InputScaling::smallest_stress); });
+  std::ranges::sort(touching);
+  return touching;
+}
+
+}  // namespace
+
+InputScaling fit_scaling(ScalingKind kind, const FrameSet& set, Features features) {
+  InputScaling scaling{kind, kind == ScalingKind::set ? set.largest_stress() : 1.0f, set.history, set.axes, features};
+  if (features != Features::frame) {
+    if (set.columns < 1) throw ValueError("features", name(features), "frame for a set without places of its tactels");
+    scaling.columns = set.columns, scaling.square = set.square;
+    const std::vector<float> touching = touching_peaks(set);
+    if (!touching.empty()) scaling.usual_stress = touching[touching.size() / 2];
+  }
+  scaling.validate();
+  return scaling;
+}
+
+Learnt learnt_ranges(const FrameSet& set) {
+  Learnt learnt;
+  const std::vector<float> touching = touching_peaks(set);
   if (!touching.empty()) {
-    std::ranges::sort(touching);
     learnt.smallest_peak = touching[touching.size() / 100], learnt.largest_peak = touching.back();
   }
   std::vector<float> friction = set.friction;
@@ -147,7 +163,9 @@ FrameSet with_frame_noise(const FrameSet& set, double fraction, std::uint64_t se
                  .shape_class = repeated(set.shape_class, copies),
                  .contact_nodes = repeated(set.contact_nodes, copies),
                  .torque = repeated(set.torque, copies),
-                 .axes = set.axes};
+                 .axes = set.axes,
+                 .columns = set.columns,
+                 .square = set.square};
   const Eigen::Index inputs = set.frames.cols();
   for (Eigen::Index row = 0; row < noisy.rows(); ++row) {
     auto frame = noisy.frames.row(row);

@@ -22,6 +22,8 @@ struct FrameSet {
   bool press_rows = false;                  ///< the rows of a contact begin with its pressing
   int history = 1;                          ///< frames in a row of `frames`, the newest first (with_history)
   int axes = 2;                             ///< stresses of a tactel; of a pad 3, or 1
+  int columns = 0;                          ///< tactels along x; 0: not known
+  bool square = false;                      ///< the tactels of a pad lie along x as along y
 
   static constexpr float largest_slip_index = 1e3f;  ///< more is an error of the set
 
@@ -32,8 +34,9 @@ struct FrameSet {
   void validate() const;
 };
 
-/// Returns the scaling for this learning set.
-InputScaling fit_scaling(ScalingKind kind, const FrameSet& set);
+/// Returns the scaling for this learning set. Throws ValueError, keys "scaling" and "features", where they do not fit
+/// the set.
+InputScaling fit_scaling(ScalingKind kind, const FrameSet& set, Features features = Features::frame);
 
 /// Returns the largest |normal stress| of each row's newest frame [rows] MPa.
 std::vector<float> peaks(const FrameSet& set);

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "fem/value_error.h"
+#include "nn/features.h"
 
 namespace tactel::nn {
 
@@ -24,29 +25,31 @@ const char* name(FrameStatus status) {
 }
 
 template <class Scalar>
-FrameStatus scale_frame(const InputScaling& scaling, const float* frame, int inputs, Scalar* scaled) {
+FrameStatus scale_frame(const InputScaling& scaling, const float* frame, int stresses, Scalar* scaled) {
   const auto not_finite = [](float x) { return !std::isfinite(x); };
-  std::fill(scaled, scaled + inputs, Scalar(0));
-  if (std::any_of(frame, frame + inputs, not_finite)) return FrameStatus::not_finite;
+  std::fill(scaled, scaled + scaling.inputs(stresses), Scalar(0));
+  if (std::any_of(frame, frame + stresses, not_finite)) return FrameStatus::not_finite;
   float divisor = scaling.largest_stress;
   Scalar scale(1);
   if (scaling.kind == ScalingKind::frame) {
     divisor = 0.0f;
-    for (int k = 0; k < scaling.normals(inputs); ++k) divisor = std::max(divisor, std::abs(frame[k]));
+    for (int k = 0; k < scaling.normals(stresses); ++k) divisor = std::max(divisor, std::abs(frame[k]));
     if (divisor < InputScaling::smallest_stress) return FrameStatus::no_stress;
     if (divisor > InputScaling::large_stress) scale = Scalar(InputScaling::large_scale);
   }
   const Scalar factor = Scalar(1) / (Scalar(divisor) * scale);
-  std::transform(frame, frame + inputs, scaled, [=](float x) { return Scalar(x) * scale * factor; });
+  std::transform(frame, frame + stresses, scaled, [=](float x) { return Scalar(x) * scale * factor; });
+  if (scaling.features != Features::frame) add_features(scaling, stresses, Scalar(divisor), scaled);
   return FrameStatus::ok;
 }
 
 template <class Scalar>
 void scale_frames(const InputScaling& scaling, const RowMatrix<float>& frames, Scalar* scaled, Eigen::Index stride) {
-  const auto inputs = static_cast<int>(frames.cols());
+  const auto stresses = static_cast<int>(frames.cols());
   for (Eigen::Index row = 0; row < frames.rows(); ++row, scaled += stride) {
-    const FrameStatus status = scale_frame(scaling, frames.row(row).data(), inputs, scaled);
-    const bool finite = (Eigen::Map<const Vector<Scalar>>(scaled, inputs).array() * Scalar(0)).sum() == Scalar(0);
+    const FrameStatus status = scale_frame(scaling, frames.row(row).data(), stresses, scaled);
+    const bool finite =
+        (Eigen::Map<const Vector<Scalar>>(scaled, scaling.inputs(stresses)).array() * Scalar(0)).sum() == Scalar(0);
     if (status == FrameStatus::not_finite || !finite)
       throw ValueError("inputs[" + std::to_string(row) + "]", "NaN or infinity", "finite, also after scaling");
   }
@@ -54,7 +57,7 @@ void scale_frames(const InputScaling& scaling, const RowMatrix<float>& frames, S
 
 template <class Scalar>
 RowMatrix<Scalar> scale_frames(const InputScaling& scaling, const RowMatrix<float>& frames) {
-  RowMatrix<Scalar> scaled(frames.rows(), frames.cols());
+  RowMatrix<Scalar> scaled(frames.rows(), scaling.inputs(static_cast<int>(frames.cols())));
   scale_frames(scaling, frames, scaled.data(), scaled.cols());
   return scaled;
 }

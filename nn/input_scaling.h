@@ -5,12 +5,14 @@
 
 namespace tactel::nn {
 
-/// Scales one input [inputs] MPa, of each frame the normal stresses first, as the kernels do: times the reciprocal of
-/// the divisor, both in Scalar. A frame that is not finite, or carries no stress, becomes zeros.
+/// Scales one input [stresses] MPa, of each frame the normal stresses first, as the kernels do: times the reciprocal of
+/// the divisor, both in Scalar; then its features. A frame that is not finite, or carries no stress, becomes zeros.
+/// scaled: [scaling.inputs(stresses)].
 template <class Scalar>
-FrameStatus scale_frame(const InputScaling& scaling, const float* frame, int inputs, Scalar* scaled);
+FrameStatus scale_frame(const InputScaling& scaling, const float* frame, int stresses, Scalar* scaled);
 
-/// The same for every row of [rows, inputs]. Throws ValueError, key "inputs[row]", at the first row that is not finite.
+/// The same for every row of [rows, stresses]. Throws ValueError, key "inputs[row]", at the first row that is not
+/// finite.
 template <class Scalar>
 RowMatrix<Scalar> scale_frames(const InputScaling& scaling, const RowMatrix<float>& frames);
 /// The same into rows that begin `stride` numbers apart.

@@ -37,6 +37,16 @@ ScalingKind parse_scaling(std::string_view text) {
                    "set (by the learning set's largest stress) or frame (by each frame's own)");
 }
 
+const char* name(Features features) {
+  return features == Features::frame ? "frame" : features == Features::line ? "line" : "pad";
+}
+
+Features parse_features(std::string_view text) {
+  for (const Features features : {Features::frame, Features::line, Features::pad})
+    if (text == name(features)) return features;
+  throw ValueError("features", std::string(text), "frame, line or pad");
+}
+
 const char* name(Target target) {
   switch (target) {
     case Target::slip_index:
@@ -60,6 +70,14 @@ void InputScaling::validate() const {
     throw ValueError("scaling.largest_stress", std::to_string(largest_stress), "1e-12 to 8.5e37 MPa");
   if (history < 1) throw ValueError("scaling.history", std::to_string(history), "at least 1 frame");
   if (axes < 1 || axes > 3) throw ValueError("scaling.axes", std::to_string(axes), "1, 2 or 3 stresses of a tactel");
+  if (features == Features::frame) return;
+  if (kind != ScalingKind::frame)
+    throw ValueError("scaling", name(kind), std::string("frame with the features ") + name(features));
+  if (axes != (features == Features::pad ? 3 : 2))
+    throw ValueError("features", name(features), "line for tactels with two stresses, pad for those with three");
+  if (columns < 1) throw ValueError("scaling.columns", std::to_string(columns), "at least 1 tactel along x");
+  if (!(usual_stress >= smallest_stress && usual_stress <= large_stress))
+    throw ValueError("scaling.usual_stress", std::to_string(usual_stress), "1e-12 to 8.5e37 MPa");
 }
 
 std::size_t Bound::class_of(int touching_tactels, const Quantiles<float>& q, float squared_distance) const noexcept {
@@ -100,8 +118,8 @@ void Bound::validate(int inputs) const {
   if (centre.size() != count || whitening.size() != count * count || !all_finite(centre) || !all_finite(whitening))
     throw ValueError("bound.whitening", std::to_string(whitening.size()) + " numbers",
                      "finite, as many rows and columns as the network has inputs");
-  if (tactels < 1 || inputs % tactels != 0)
-    throw ValueError("bound.tactels", std::to_string(tactels), "such that the network has whole frames of them");
+  if (tactels < 1 || inputs < tactels)
+    throw ValueError("bound.tactels", std::to_string(tactels), "1 to the inputs of the network");
   if (!(unlike_above > 0) || !std::isfinite(unlike_above))
     throw ValueError("bound.unlike_above", std::to_string(unlike_above), "finite and above 0");
   if (!(level > 0.5 && level < 1)) throw ValueError("bound.level", std::to_string(level), "above 0.5 and below 1");

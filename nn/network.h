@@ -38,11 +38,24 @@ const char* name(ScalingKind kind);
 /// Returns the kind named "set" or "frame". Throws ValueError, key "scaling".
 ScalingKind parse_scaling(std::string_view text);
 
+/// A fixed layer between scaled frames and the network (nn/features.h). `frame`: none. `line` and `pad`: all images of
+/// a frame become one, and sums of it are further inputs.
+enum class Features { frame, line, pad };
+
+const char* name(Features features);
+/// Returns the layer named "frame", "line" or "pad". Throws ValueError, key "features".
+Features parse_features(std::string_view text);
+
+/// What becomes of the stresses of an input, frames in MPa, before the network; part of the network's file.
 struct InputScaling {
   ScalingKind kind = ScalingKind::set;
   float largest_stress = 1.0f;  ///< MPa, > 0: the divisor of `set`; unused by `frame`
   int history = 1;              ///< frames in an input; `frame` divides all of them by the newest's, which is the first
   int axes = 2;                 ///< stresses of a tactel; of a pad 3, or 1
+  Features features = Features::frame;
+  int columns = 0;            ///< of features: tactels along x
+  bool square = false;        ///< of features: the pad's tactels lie along x as along y
+  float usual_stress = 1.0f;  ///< MPa, > 0: an input of features is peak / (peak + usual_stress), of the newest frame
 
   /// MPa: below it, a normal stress counts as none. A frame without larger ones carries no stress (`frame`
   /// only).
@@ -51,8 +64,13 @@ struct InputScaling {
   /// is first taken times large_scale (`frame`), which keeps its bits.
   static constexpr float large_stress = 0x1p126f, large_scale = 0x1p-8f;
   bool operator==(const InputScaling&) const = default;
-  /// Returns the normal stresses of the newest frame, with which an input begins.
-  int normals(int inputs) const { return inputs / (axes * history); }
+  /// Returns how many sums the features add for each frame.
+  int sums() const { return features == Features::pad ? 17 : features == Features::line ? 8 : 0; }
+  /// Returns the network's inputs for so many stresses, of all frames of an input; and those stresses.
+  int inputs(int stresses) const { return features == Features::frame ? stresses : stresses + history * sums() + 1; }
+  int stresses(int inputs) const { return features == Features::frame ? inputs : inputs - history * sums() - 1; }
+  /// Returns the normal stresses of the newest frame, with which the stresses of an input begin.
+  int normals(int stresses) const { return stresses / (axes * history); }
   void validate() const;  ///< throws ValueError, key "scaling"
 };
 
@@ -161,6 +179,9 @@ struct Model {
   Target target = Target::slip_index;  ///< its answer; S stands for it in the comments
   std::optional<Bound> bound{};        ///< of a network with the heads of a bound
   Learnt learnt{};
+
+  /// Returns the stresses of an input, of all its frames.
+  int stresses() const { return scaling.stresses(weights.topology.inputs()); }
 };
 
 }  // namespace tactel::nn

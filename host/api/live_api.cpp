@@ -264,7 +264,7 @@ LiveEstimator::LiveEstimator(const std::vector<Network>& networks, const std::st
         std::size_t inputs = 0;
         for (const Network& network : networks) {
           models.push_back(network.state_->model.get());
-          inputs += static_cast<std::size_t>(models.back()->weights.topology.inputs() / models.back()->history.frames);
+          inputs += static_cast<std::size_t>(models.back()->stresses() / models.back()->history.frames);
         }
         if (device.empty()) return new State{host::host_estimator(models), "", inputs, models.size()};
         const host::Device chosen(device);

@@ -24,7 +24,7 @@ host::TrainRequest request_of(const TrainOptions& options) {
   request.shared = {options.device, options.precision, true};
   request.networks = options.networks, request.noises = options.noises;
   request.seeds = options.seeds, request.first_seed = options.first_seed;
-  request.scaling = options.scaling, request.order = options.order;
+  request.scaling = options.scaling, request.features = options.features, request.order = options.order;
   if (options.schedule != "online" && options.schedule != "batch" && options.schedule != "cosine")
     throw ConfigError("command line", "--schedule", options.schedule, "online, batch or cosine");
   request.schedule = options.schedule;

@@ -188,6 +188,12 @@ void add_train_command(CLI::App& app, Action& action) {
                       "stress from the last kept one, 0 to 1 (default: 0.1)");
   command->add_flag("--magnitude", request->magnitude, "learn |S|: for drags to both sides");
   command
+      ->add_option("--features", request->features,
+                   "fixed layer before the network, with --scaling frame: line or pad, one of all mirror images of a "
+                   "frame and its sums; line learns |S|; frame: none")
+      ->check(CLI::IsMember({"frame", "line", "pad"}))
+      ->capture_default_str();
+  command
       ->add_option("--target", request->target,
                    "column of the set to learn: slip_index, S; force_ratio, |Q| / (mu P) of pads; stick_fraction")
       ->check(CLI::IsMember({"slip_index", "force_ratio", "stick_fraction"}))

@@ -102,7 +102,7 @@ class SharedLaunch {
                const std::vector<const nn::Model*>& networks)
       : forward_(forward_of(executor, networks)),
         inputs_(nn::RowMatrix<float>::Zero(static_cast<Eigen::Index>(of_sensors.size()),
-                                           networks.front()->weights.topology.inputs())),
+                                           networks.front()->stresses())),
         frames_(executor.device(), inputs_),
         buffer_(frames_.buffer()),
         found_(networks.size()) {

@@ -90,7 +90,7 @@ void take_pad(std::span<const float> all, std::size_t all_tactels, std::size_t f
 void check_width(const nn::Model& model, const SensorProfile& profile, std::size_t tactels) {
   const std::size_t axes = profile.map.places() / profile.map.tactels(), inputs = axes * tactels;
   const auto frames = static_cast<std::size_t>(model.history.frames);
-  if (static_cast<std::size_t>(model.weights.topology.inputs()) == inputs * frames) return;
+  if (static_cast<std::size_t>(model.stresses()) == inputs * frames) return;
   throw ConfigError(
       "command line", "--network", model.weights.topology.text(),
       fmt::format(

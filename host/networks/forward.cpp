@@ -18,10 +18,10 @@ static_assert(nn::Bound::touching_share == TOUCHING_SHARE);
 static_assert(nn::InputScaling::smallest_stress == SMALLEST_STRESS);
 static_assert(nn::InputScaling::large_stress == LARGE_STRESS && nn::InputScaling::large_scale == LARGE_SCALE);
 
-void check_width(const nn::Topology& topology, std::size_t inputs) {
-  if (inputs != static_cast<std::size_t>(topology.inputs()))
-    throw ValueError("inputs", std::to_string(inputs) + " a frame",
-                     std::to_string(topology.inputs()) + " for the network " + topology.text());
+void check_width(const nn::Topology& topology, int stresses, int given) {
+  if (given != stresses)
+    throw ValueError("inputs", std::to_string(given) + " a frame",
+                     std::to_string(stresses) + " for the network " + topology.text());
 }
 
 template <class Real>
@@ -37,17 +37,30 @@ const nn::Topology& common_topology(std::span<const nn::Weights<Real>> networks)
   return networks[0].topology;
 }
 
-/// network_defines, whether there is a bound, and the normal stresses of the newest frame where they are not half of
-/// the input.
+/// network_defines, whether there is a bound, the normal stresses of the newest frame where they are not half of the
+/// input, and the features.
 Defines forward_defines(const nn::Topology& topology, const nn::InputScaling& scaling, bool bound, int lanes,
                         Precision precision) {
   Defines defines = network_defines(topology, lanes, precision);
   defines.push_back({"BOUND", bound ? "1" : "0"});
-  if (topology.inputs() % (scaling.axes * scaling.history) != 0)
+  const int stresses = scaling.stresses(topology.inputs());
+  if (stresses < 1 || stresses % (scaling.axes * scaling.history) != 0)
     throw ValueError("history", std::to_string(scaling.history),
                      "frames of equal width in the network " + topology.text());
   if (scaling.history > 1 || scaling.axes != 2)
-    defines.push_back({"NORMALS", std::to_string(scaling.normals(topology.inputs()))});
+    defines.push_back({"NORMALS", std::to_string(scaling.normals(stresses))});
+  if (scaling.features == nn::Features::frame) return defines;
+  const int tactels = scaling.normals(stresses);
+  if (tactels % scaling.columns != 0)
+    throw ValueError("scaling.columns", std::to_string(scaling.columns),
+                     "a divisor of the " + std::to_string(tactels) + " tactels");
+  for (const auto& [key, number] : {std::pair{"FEATURES", scaling.features == nn::Features::pad ? 2 : 1},
+                                    {"HISTORY", scaling.history},
+                                    {"GRID_COLUMNS", scaling.columns},
+                                    {"GRID_ROWS", tactels / scaling.columns},
+                                    {"SQUARE", int{scaling.square}},
+                                    {"STRESSES", stresses}})
+    defines.push_back({key, std::to_string(number)});
   return defines;
 }
 
@@ -113,7 +126,8 @@ Forward<Real>::Forward(Executor& executor, std::span<const nn::Weights<Real>> ne
     : executor_(&executor),
       topology_(common_topology(networks)),
       networks_(networks.size()),
-      answers_(bounds.empty() ? static_cast<std::size_t>(topology_.outputs()) : 4) {
+      answers_(bounds.empty() ? static_cast<std::size_t>(topology_.outputs()) : 4),
+      stresses_(scaling.stresses(topology_.inputs())) {
   scaling.validate();
   if (!bounds.empty() && (bounds.size() != networks_ || !topology_.has_bound()))
     throw std::invalid_argument("bounds of other networks");
@@ -138,6 +152,7 @@ Forward<Real>::Forward(Executor& executor, std::span<const nn::Weights<Real>> ne
     kernel.set("tiles", std::uint32_t{1});
     kernel.set("by_frame", std::int32_t{scaling.kind == nn::ScalingKind::frame});
     kernel.set("factor", factor_of<Real>(scaling));
+    kernel.set("usual", static_cast<Real>(scaling.usual_stress));
     kernel.set("bounds", bounds_);
     kernel.set("bound_numbers", static_cast<std::uint32_t>(bound.size() / networks_));
   });
@@ -151,7 +166,7 @@ void Forward<Real>::set_network(std::size_t network, const nn::Weights<Real>& we
 
 template <class Real>
 void Forward<Real>::run(const DeviceFrames& frames, const RunOptions& options) {
-  check_width(topology_, static_cast<std::size_t>(frames.inputs()));
+  check_width(topology_, stresses_, frames.inputs());
   const std::uint32_t tile = FRAME_VECTORS * static_cast<std::uint32_t>(executor_->device().lanes(precision_of<Real>));
   const std::uint32_t tiles = (frames.rows() + tile - 1) / tile;
   const std::size_t numbers = networks_ * answers_ * frames.rows();

@@ -20,23 +20,24 @@ std::uint32_t checked_rows(const nn::FrameSet& set) {
 
 template <class Real>
 LearningInputs<Real>::LearningInputs(const Device& device, const nn::FrameSet& set, const nn::InputScaling& scaling,
-                                     std::span<const SetVariant> variants)
+                                     std::span<const SetVariant> variants, const nn::LearningView& learning_view)
     : rows_(checked_rows(set)),
       variants_(static_cast<std::uint32_t>(variants.size())),
-      inputs_(static_cast<int>(set.frames.cols())) {
+      inputs_(scaling.inputs(static_cast<int>(set.frames.cols()))) {
   const int lanes = device.lanes(precision_of<Real>);
   row_size_ = (inputs_ + 1 + lanes - 1) / lanes * lanes;
   const std::size_t variant_size = std::size_t{rows_ + zero_rows} * row_size_;
   values_ = Buffer<Real>(device, variants.size() * variant_size);
   const auto view = values_.map(MapFor::writing);
+  const bool differences = set.history > 1 && learning_view.empty();
   for (std::size_t v = 0; v < variants.size(); ++v) {
     Real* const rows = &view[v * variant_size];
-    if (variants[v].noise == 0 && set.history == 1) {
-      put_rows(scaling, set.frames, rows);
+    if (variants[v].noise == 0 && !differences) {
+      put_rows(scaling, set.frames, learning_view, rows);
     } else {
       nn::FrameSet noisy = nn::with_noise(set, variants[v].noise, variants[v].seed);
-      nn::take_differences(noisy.frames, set.history);
-      put_rows(scaling, noisy.frames, rows);
+      if (differences) nn::take_differences(noisy.frames, set.history);
+      put_rows(scaling, noisy.frames, learning_view, rows);
     }
   }
   targets_ = Buffer<Real>(device, rows_ + zero_rows);
@@ -49,9 +50,10 @@ LearningInputs<Real>::LearningInputs(const Device& device, const nn::FrameSet& s
 // The rows of one variant, [rows + 1][row_size].
 template <class Real>
 void LearningInputs<Real>::put_rows(const nn::InputScaling& scaling, const nn::RowMatrix<float>& frames,
-                                    Real* rows) const {
+                                    const nn::LearningView& learning_view, Real* rows) const {
   nn::scale_frames(scaling, frames, rows, row_size_);
   for (std::uint32_t row = 0; row < rows_; ++row) {
+    learning_view.apply(rows + std::size_t{row} * row_size_);
     Real* const rest = rows + std::size_t{row} * row_size_ + inputs_;
     rest[0] = 1;
     std::fill(rest + 1, rest + row_size_ - inputs_, Real(0));

@@ -7,6 +7,7 @@
 #include "host/device/buffer.h"
 #include "host/device/device.h"
 #include "nn/frame_set.h"
+#include "nn/learning_view.h"
 
 namespace tactel::host {
 
@@ -18,13 +19,13 @@ struct SetVariant {
 
 /// Learning sets on a device in the layout of the training kernels: rows scaled and padded to whole vectors. Frames
 /// behind the newest are differences to it (nn::take_differences); nn::weights_of_frames undoes that in the weights.
-/// Cheap to copy.
+/// With features they are as nn::LearningView shows them. Cheap to copy.
 template <class Real>
 class LearningInputs {
  public:
   /// Uploads the variants of one set, with equal scaling. Throws ValueError for an unusable set.
   LearningInputs(const Device& device, const nn::FrameSet& set, const nn::InputScaling& scaling,
-                 std::span<const SetVariant> variants);
+                 std::span<const SetVariant> variants, const nn::LearningView& learning_view = {});
 
   std::uint32_t rows() const { return rows_; }
   std::uint32_t variants() const { return variants_; }
@@ -34,7 +35,8 @@ class LearningInputs {
   const Buffer<Real>& targets_buffer() const { return targets_; }  ///< [rows + 1] S - 0.5; the last unused
 
  private:
-  void put_rows(const nn::InputScaling& scaling, const nn::RowMatrix<float>& frames, Real* rows) const;
+  void put_rows(const nn::InputScaling& scaling, const nn::RowMatrix<float>& frames,
+                const nn::LearningView& learning_view, Real* rows) const;
 
   std::uint32_t rows_, variants_;
   int inputs_, row_size_;

@@ -55,7 +55,9 @@ NetworkTraining<Real>::NetworkTraining(Executor& executor, FrameStream* stream, 
   else
     set_ = *set;
   set_.validate();
-  scaling_ = nn::fit_scaling(plan.scaling, set_);
+  scaling_ = nn::fit_scaling(plan.scaling, set_, plan.features);
+  view_ = nn::LearningView(scaling_, set_.frames);
+  for (nn::Topology& topology : plan_.topologies) topology = topology.with_inputs(scaling_.inputs(topology.inputs()));
   learnt_ = nn::learnt_ranges(set_);
   if (stream != nullptr && std::ranges::any_of(plan.topologies, &nn::Topology::has_bound))
     bound_ = bound_of(plan.noises[0], plan.seeds[0]);
@@ -63,7 +65,7 @@ NetworkTraining<Real>::NetworkTraining(Executor& executor, FrameStream* stream, 
   std::uint32_t noisy = std::ranges::count(plan.noises, 0.0) > 0 ? 1 : 0;
   for (const double noise : plan.noises)
     for (const std::uint64_t seed : plan.seeds) members.push_back({seed, noise == 0 ? 0 : noisy++});
-  for (const nn::Topology& topology : plan.topologies)
+  for (const nn::Topology& topology : plan_.topologies)
     for (const double noise : plan.noises)
       for (const std::uint64_t seed : plan.seeds)
         networks_.push_back({.topology = topology, .seed = seed, .noise = noise});
@@ -101,7 +103,7 @@ typename NetworkTraining<Real>::Block NetworkTraining<Real>::made_block(std::uin
   for (const double noise : plan_.noises)
     for (const std::uint64_t seed : plan_.seeds)
       if (noise != 0) variants.push_back({noise, seed + (k << 20)});
-  block.inputs.emplace(executor_.device(), shown, scaling_, variants);
+  block.inputs.emplace(executor_.device(), shown, scaling_, variants, view_);
   block.inputs_seconds = seconds_since(start) - block.rows_seconds;
   return block;
 } catch (const ValueError& error) {
@@ -232,7 +234,8 @@ void NetworkTraining<Real>::judge(std::span<const std::uint32_t> cycles, const n
 
 template <class Real>
 nn::Weights<Real> NetworkTraining<Real>::last_weights(std::size_t network) const {
-  return nn::weights_of_frames(schedule_->weights(network), plan_.history.frames);
+  const nn::Weights<Real> learnt = schedule_->weights(network);
+  return view_.empty() ? nn::weights_of_frames(learnt, plan_.history.frames) : view_.weights_of_inputs(learnt);
 }
 
 template <class Real>

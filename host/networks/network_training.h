@@ -109,13 +109,14 @@ class NetworkTraining {
   bool possible(std::span<const NetworkRecord<Real>> records) const;
 
   Executor& executor_;
-  const TrainingPlan plan_;
+  TrainingPlan plan_;                    ///< its topologies as networks have them, behind their features
   FrameStream* stream_;                  ///< none: a set
   std::string source_;                   ///< description of the set or stream
   nn::FrameSet set_;                     ///< the learning set; of a stream its first rows, until they are learnt
   std::uint64_t first_ = 0, block_ = 0;  ///< the stream's first block that has rows, and its next
   double first_seconds_ = 0;             ///< s until the first rows were there
   nn::InputScaling scaling_;
+  nn::LearningView view_;
   nn::Learnt learnt_;
   std::optional<nn::Bound> bound_;        ///< of a stream, before its calibration
   std::vector<TrainedNetwork> networks_;  ///< [topologies][noises][seeds]

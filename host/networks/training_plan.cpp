@@ -52,6 +52,8 @@ void TrainingPlan::validate() const {
     if (topology.hidden_activation() != nn::Activation::logistic)
       throw ValueError("network", topology.text(), "logistic neurons, or --schedule batch");
   }
+  if (features != nn::Features::frame && scaling != nn::ScalingKind::frame)
+    throw ValueError("scaling", nn::name(scaling), std::string("frame with --features ") + nn::name(features));
   options.validate();
   if (batch) batch->validate();
   if (validation && !batch) throw ValueError("validation", "given", "left out, or with --schedule batch or cosine");
@@ -66,6 +68,7 @@ std::string set_description(const nn::FrameSet& set) {
 std::string training_description(const std::string& source, int lanes, Precision precision, const TrainingPlan& plan) {
   std::string text = fmt::format("{} lanes {} scaling {} networks", name(precision), lanes, nn::name(plan.scaling));
   for (const nn::Topology& topology : plan.topologies) text += ' ' + topology.text();
+  if (plan.features != nn::Features::frame) text += fmt::format(" features {}", nn::name(plan.features));
   text += fmt::format(" seeds {} noises {:a}", fmt::join(plan.seeds, " "), fmt::join(plan.noises, " "));
   if (plan.rows)
     text += fmt::format(" rows {}", *plan.rows);

@@ -26,9 +26,10 @@ struct TrainingPlan {
   /// Rows of a stream to learn from. The learning rate falls linearly to last_rate of its start by then. Of the other
   /// options only `batch` then applies.
   std::optional<std::uint64_t> rows{};
-  nn::InputHistory history{};                  ///< of the inputs; the learning set has them already (nn::with_history)
-  bool magnitude = false;                      ///< learn |S|
-  nn::Target target = nn::Target::slip_index;  ///< that the learning set has in the place of S
+  nn::InputHistory history{};                   ///< of the inputs; the learning set has them already (nn::with_history)
+  bool magnitude = false;                       ///< learn |S|
+  nn::Target target = nn::Target::slip_index;   ///< that the learning set has in the place of S
+  nn::Features features = nn::Features::frame;  ///< before networks, whose topologies have the inputs without them
 
   /// Rows that judge each network after each of its cycles, of mini-batches alone; its result is then the weights of
   /// the smallest mean error. A network stops after `patience` cycles without a smaller one; 0: never.

@@ -333,17 +333,18 @@ void bind_networks(py::module_& m) {
   m.def(
       "_train",
       [](const Set& set, std::vector<std::string> networks, std::uint64_t seeds, std::uint64_t first_seed,
-         std::vector<double> noises, std::string scaling, std::string schedule, std::string optimizer, std::string loss,
-         std::optional<int> cycles, std::optional<int> batch, std::optional<double> rate, std::optional<double> warm_up,
-         std::optional<double> average, const Set* validation, std::optional<int> patience, bool bound,
-         std::optional<double> level, std::string history, std::optional<double> history_change, std::string device,
-         py::object progress) {
+         std::vector<double> noises, std::string scaling, std::string features, std::string schedule,
+         std::string optimizer, std::string loss, std::optional<int> cycles, std::optional<int> batch,
+         std::optional<double> rate, std::optional<double> warm_up, std::optional<double> average,
+         const Set* validation, std::optional<int> patience, bool bound, std::optional<double> level,
+         std::string history, std::optional<double> history_change, std::string device, py::object progress) {
         TrainOptions options;
         options.networks = std::move(networks);
         options.seeds = seeds;
         options.first_seed = first_seed;
         options.noises = std::move(noises);
         options.scaling = std::move(scaling);
+        options.features = std::move(features);
         options.schedule = std::move(schedule);
         options.optimizer = std::move(optimizer);
         options.loss = std::move(loss);
@@ -360,9 +361,9 @@ void bind_networks(py::module_& m) {
         const PythonProgress told(std::move(progress));
         return told.run([&](const ProgressFunction& p) { return train(set, options, p); });
       },
-      "set"_a, "networks"_a, "seeds"_a, "first_seed"_a, "noises"_a, "scaling"_a, "schedule"_a, "optimizer"_a, "loss"_a,
-      "cycles"_a, "batch"_a, "rate"_a, "warm_up"_a, "average"_a, "validation"_a, "patience"_a, "bound"_a, "level"_a,
-      "history"_a, "history_change"_a, "device"_a, "progress"_a);
+      "set"_a, "networks"_a, "seeds"_a, "first_seed"_a, "noises"_a, "scaling"_a, "features"_a, "schedule"_a,
+      "optimizer"_a, "loss"_a, "cycles"_a, "batch"_a, "rate"_a, "warm_up"_a, "average"_a, "validation"_a, "patience"_a,
+      "bound"_a, "level"_a, "history"_a, "history_change"_a, "device"_a, "progress"_a);
 }
 
 }  // namespace tactel::python

@@ -19,6 +19,12 @@ const std::vector<float>& column_of(const ContactSet& set, nn::Target target) {
                                              : set.stick_fraction;
 }
 
+/// Tactels of a pad along x; 0 where the set does not have their places.
+int columns_of(const ContactSet& set) {
+  if (set.tactel_x.size() != set.tactel_y.size() || set.tactel_x.empty()) return 0;
+  return static_cast<int>(std::ranges::count(set.tactel_y, set.tactel_y.front()));
+}
+
 }  // namespace
 
 AnsweredRows find_answered_rows(const ContactSet& set, nn::Target target) {
@@ -49,6 +55,11 @@ AnsweredRows find_answered_rows(const ContactSet& set, nn::Target target) {
   }
   frames.press_rows = set.press_rows;
   frames.axes = set.axes;
+  const auto tactels = static_cast<std::size_t>(set.inputs / set.axes);
+  frames.columns = set.pad ? columns_of(set) : static_cast<int>(tactels);
+  const auto columns = static_cast<std::size_t>(frames.columns);
+  if (set.pad && columns > 1 && columns * columns == tactels)  // places of both axes have the same roundings
+    frames.square = set.tactel_x[1] - set.tactel_x[0] == set.tactel_y[columns] - set.tactel_y[0];
   return answered;
 }
 

@@ -45,7 +45,7 @@ std::vector<fs::path> onnx_files(const fs::path& path) {
 }
 
 void check_width(const NamedNetwork& network, const nn::FrameSet& set) {
-  const int frames = network.model.history.frames, inputs = network.model.weights.topology.inputs();
+  const int frames = network.model.history.frames, inputs = network.model.stresses();
   if (inputs != frames * set.frames.cols())
     throw ConfigError(network.file, "topology", network.model.weights.topology.text(),
                       frames == 1 ? fmt::format("a network with {} inputs, as many as the set has", set.frames.cols())

@@ -143,9 +143,9 @@ NamedSet read_set(const std::string& file, nn::Target target) {
 NamedSet read_learning_set(const TrainRequest& request) try {
   NamedSet set = read_set(request.set, nn::parse_target(request.target));
   check_learnable(set.rows, request.set);
-  set.rows.frames = shown_rows(set.rows.frames, history_of(request), request.magnitude, request.set);
+  set.rows.frames = shown_rows(set.rows.frames, history_of(request), request.learns_magnitude(), request.set);
   set.rows.frames.validate();
-  nn::fit_scaling(nn::parse_scaling(request.scaling), set.rows.frames);
+  nn::fit_scaling(nn::parse_scaling(request.scaling), set.rows.frames, nn::parse_features(request.features));
   return set;
 } catch (const ValueError& error) {
   throw ConfigError(request.set, error);
@@ -155,7 +155,8 @@ TrainingPlan plan_of(const TrainRequest& request) try {
   refuse_unused(request);
   TrainingPlan plan;
   plan.history = history_of(request);
-  plan.magnitude = request.magnitude;
+  plan.magnitude = request.learns_magnitude();
+  plan.features = nn::parse_features(request.features);
   plan.target = nn::parse_target(request.target);
   plan.topologies = topologies_of(request, plan.history.frames);
   if (request.seeds > 1'000'000) throw ValueError("seeds", std::to_string(request.seeds), "at most a million");

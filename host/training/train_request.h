@@ -25,6 +25,7 @@ struct TrainRequest {
   std::optional<std::string> history;  ///< "k" or "k:stride"
   std::optional<double> history_change;
   bool magnitude = false;
+  std::string features = "frame";
   std::string target = "slip_index";
   std::optional<std::string> schedule;  ///< "online", "batch" or "cosine"; default: batch for a stream, else online
   std::optional<double> rate, momentum, warm_up, average;
@@ -39,6 +40,8 @@ struct TrainRequest {
 
   /// Frames block by block: simulated contacts, or a set file larger than memory.
   bool streams() const { return !stream.empty() || block.has_value(); }
+  /// Images of a line's frame have S of both signs.
+  bool learns_magnitude() const { return magnitude || features == "line"; }
   bool cosine() const { return schedule == "cosine"; }
   bool batches() const { return streams() || cosine() || schedule == "batch"; }
 };

@@ -51,6 +51,7 @@ Json options_json(const TrainRequest& request, const TrainingPlan& plan) {
     options["stop_error"] = plan.options.stop_error;
     options["cycles"] = plan.options.cycle_limit > 0 ? Json(plan.options.cycle_limit) : Json(nullptr);
   }
+  if (plan.features != nn::Features::frame) options["features"] = nn::name(plan.features);
   if (plan.history.frames > 1)
     options["history"] = {
         {"frames", plan.history.frames}, {"stride", plan.history.stride}, {"change", plan.history.change}};

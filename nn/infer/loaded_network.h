@@ -16,8 +16,9 @@ struct SlipEstimator::Network {
   std::vector<float> output;       ///< [outputs, inputs of the last layer + 1], the bias last
   int last = 0;                    ///< inputs of the last layer
   std::optional<nn::Bound> bound;  ///< its whitening as infer::tiled() returns it
-  int inputs = 0;
-  int normals = 0;  ///< normal stresses of the newest frame
+  int inputs = 0;                  ///< stresses of an input, of all its frames
+  int normals = 0;                 ///< normal stresses of the newest frame
+  nn::InputScaling scaling;
   nn::InputHistory history;
   bool by_frame = false;
   float factor = 0;

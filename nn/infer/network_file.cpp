@@ -85,6 +85,12 @@ Metadata metadata_of(const nn::Model& model, const string& version) {
     metadata["history_change"] = exact(model.history.change);
   }
   if (model.scaling.axes != 2) metadata["axes"] = exact(model.scaling.axes);
+  if (model.scaling.features != nn::Features::frame) {
+    metadata["features"] = nn::name(model.scaling.features);
+    metadata["tactel_columns"] = exact(model.scaling.columns);
+    metadata["tactel_square"] = model.scaling.square ? "1" : "0";
+    metadata["usual_stress"] = exact(model.scaling.usual_stress);
+  }
   if (model.magnitude) metadata["magnitude"] = "1";
   if (model.target != nn::Target::slip_index) metadata["target"] = nn::name(model.target);
   for (const auto& [key, number] : ranges_of(model.learnt))
@@ -303,13 +309,13 @@ void read_weights(const Contents& contents, nn::Weights<float>& weights) {
     throw Refused{"a weight that is NaN or infinite", "a network with finite weights"};
 }
 
-nn::InputHistory read_history(const Metadata& metadata, const nn::Topology& topology) {
+nn::InputHistory read_history(const Metadata& metadata) {
   if (!metadata.contains("history")) return {};
   const nn::InputHistory history{number_of<int>(metadata, "history"), number_of<int>(metadata, "stride"),
                                  number_of<double>(metadata, "history_change")};
-  if (!history.valid() || history.frames < 2 || topology.inputs() % history.frames != 0)
-    throw Refused{"history " + shown(text_of(metadata, "history")) + " of the network " + topology.text(),
-                  "2 frames or more that divide its inputs, a stride of 1 to 1000, a change of 0 to 1"};
+  if (!history.valid() || history.frames < 2)
+    throw Refused{"history " + shown(text_of(metadata, "history")),
+                  "2 to 128 frames, a stride of 1 to 1000, a change of 0 to 1"};
   return history;
 }
 
@@ -337,17 +343,33 @@ nn::Bound read_bound(const Contents& contents, int inputs) {
   return bound;
 }
 
+/// The inputs of a network are whole frames of whole tactels, and their sums.
+void check_frames(const nn::Model& model) {
+  const nn::InputScaling& scaling = model.scaling;
+  const int stresses = model.stresses(), tactels = scaling.normals(stresses);
+  const bool grid = scaling.features == nn::Features::frame || tactels % scaling.columns == 0;
+  const bool turns = !scaling.square || tactels == scaling.columns * scaling.columns;
+  if (stresses > 0 && stresses % (scaling.axes * scaling.history) == 0 && grid && turns) return;
+  throw Refused{std::to_string(scaling.axes) + " axes and a history of " + std::to_string(scaling.history) +
+                    " of the network " + model.weights.topology.text(),
+                "stresses of a tactel and frames that divide its inputs, in columns that divide its tactels"};
+}
+
 nn::Model model_of(const Contents& contents) {
   const Metadata& metadata = contents.metadata;
   nn::Model model{nn::Weights<float>(nn::Topology::parse(text_of(metadata, "topology"))), {}, 0, 0, "", 0, {}};
   const nn::Topology& topology = model.weights.topology;
-  model.history = read_history(metadata, topology);
+  model.history = read_history(metadata);
   model.scaling = {nn::parse_scaling(text_of(metadata, "scaling")), number_of<float>(metadata, "largest_stress"),
                    model.history.frames, metadata.contains("axes") ? number_of<int>(metadata, "axes") : 2};
+  if (metadata.contains("features")) {
+    model.scaling.features = nn::parse_features(text_of(metadata, "features"));
+    model.scaling.columns = number_of<int>(metadata, "tactel_columns");
+    model.scaling.square = text_of(metadata, "tactel_square") == "1";
+    model.scaling.usual_stress = number_of<float>(metadata, "usual_stress");
+  }
   model.scaling.validate();
-  if (topology.inputs() % (model.scaling.axes * model.history.frames) != 0)
-    throw Refused{std::to_string(model.scaling.axes) + " axes of the network " + topology.text(),
-                  "stresses of a tactel that divide its frames"};
+  check_frames(model);
   model.magnitude = metadata.contains("magnitude");
   if (metadata.contains("target")) model.target = nn::parse_target(text_of(metadata, "target"));
   model.seed = number_of<std::uint64_t>(metadata, "seed");
@@ -427,7 +449,8 @@ SlipEstimator SlipEstimator::Network::of(const nn::Model& model, infer::Metadata
   const infer::RoundingToNearest rounding;
   const nn::Topology& topology = model.weights.topology;
   auto network = std::make_unique<Network>();
-  network->inputs = topology.inputs();
+  network->inputs = model.stresses();
+  network->scaling = model.scaling;
   network->history = model.history;
   network->normals = model.scaling.normals(network->inputs);
   network->by_frame = model.scaling.kind == nn::ScalingKind::frame;
@@ -441,7 +464,7 @@ SlipEstimator SlipEstimator::Network::of(const nn::Model& model, infer::Metadata
                          model.weights.values.end());
   network->bound = model.bound;
   if (network->bound)
-    network->bound->whitening = infer::tiled(model.bound->whitening, static_cast<std::size_t>(network->inputs));
+    network->bound->whitening = infer::tiled(model.bound->whitening, static_cast<std::size_t>(topology.inputs()));
   return SlipEstimator(network.release());
 }
 

@@ -2,7 +2,10 @@
 #include "nn/infer/network_graph.h"
 
 #include <bit>
+#include <set>
 #include <utility>
+
+#include "nn/features.h"
 
 namespace tactel::infer {
 namespace {
@@ -27,8 +30,9 @@ class Builder {
     numbers(name, {static_cast<std::int64_t>(list.size())}, list);
   }
   void scalar(const string& name, float value) { numbers(name, {}, {value}); }
-  void integer(const string& name, std::int64_t value) {
-    tensor(name, TensorType::integers, {1}, std::vector<std::int64_t>{value});
+  void integer(const string& name, std::int64_t value) { integers(name, {1}, {value}); }
+  void integers(const string& name, std::vector<std::int64_t> dims, const std::vector<std::int64_t>& values) {
+    tensor(name, TensorType::integers, std::move(dims), values);
   }
 
  private:
@@ -51,7 +55,7 @@ void add_set_scaling(Builder& graph, const nn::InputScaling& scaling) {
 
 /// Each input by the largest |normal stress| of its first `normals` numbers, the newest frame's; zeros where there is
 /// none.
-void add_frame_scaling(Builder& graph, int normals) {
+void add_frame_scaling(Builder& graph, int normals, const string& output) {
   graph.integer("first_normal", 0);
   graph.integer("end_of_normal", normals);
   graph.integer("along_frame", 1);
@@ -64,7 +68,183 @@ void add_frame_scaling(Builder& graph, int normals) {
   graph.node("Less", {"largest_normal", "smallest_stress"}, "no_stress");
   graph.node("Where", {"no_stress", "one", "largest_normal"}, "divisor");
   graph.node("Div", {"frame", "divisor"}, "relative");
-  graph.node("Where", {"no_stress", "zero", "relative"}, "scaled");
+  graph.node("Where", {"no_stress", "zero", "relative"}, output);
+}
+
+/// Where each stress of an image comes from, and its sign: of all images, [images][stresses].
+void add_image_tables(Builder& graph, const nn::InputScaling& scaling, int stresses) {
+  const int n = scaling.normals(stresses), columns = scaling.columns, rows = n / columns;
+  const int images = scaling.features == nn::Features::line ? 2 : scaling.square ? 8 : 4;
+  std::vector<std::int64_t> places;
+  std::vector<float> signs;
+  for (int image = 0; image < images; ++image)
+    for (int k = 0; k < stresses; ++k) {
+      const bool mirror_x = image & 1, mirror_y = image & 2, turn = image & 4;
+      const int frame = k / (scaling.axes * n), axis = k / n % scaling.axes;
+      const int i = turn ? k % n / columns : k % columns, j = turn ? k % columns : k % n / columns;
+      const int from = turn && axis > 0 ? 3 - axis : axis;
+      const int x = mirror_x ? columns - 1 - i : i, y = mirror_y ? rows - 1 - j : j;
+      places.push_back((frame * scaling.axes + from) * n + y * columns + x);
+      signs.push_back((from == 1 && mirror_x) || (from == 2 && mirror_y) ? -1.0f : 1.0f);
+    }
+  graph.integers("image_places", {images, stresses}, places);
+  graph.numbers("image_signs", {images, stresses}, signs);
+}
+
+/// Slices of [batch, numbers], and sums over them, [batch, 1].
+class Rows {
+ public:
+  explicit Rows(Builder& graph) : graph_(graph) {}
+  void slice(const string& from, int first, int end, const string& output) {
+    for (const int place : {first, end})
+      if (known_.insert(place).second) graph_.integer("place" + std::to_string(place), place);
+    graph_.node("Slice", {from, "place" + std::to_string(first), "place" + std::to_string(end), "along_frame"}, output);
+  }
+  void sum(const string& of, const string& output) {
+    graph_.node("ReduceSum", {of, "along_frame"}, output, sum_of_row);
+  }
+  /// The sum of products of the factors.
+  void sum_of(std::vector<string> factors, const string& output) {
+    string product = factors[0];
+    for (std::size_t k = 1; k < factors.size(); ++k) {
+      const string next = output + "_product" + std::to_string(k);
+      graph_.node("Mul", {product, factors[k]}, next);
+      product = next;
+    }
+    sum(product, output);
+  }
+  /// At least nn::least_divisor.
+  void divisor(const string& of, const string& output) { graph_.node("Max", {of, "least_divisor"}, output); }
+
+ private:
+  Builder& graph_;
+  std::set<int> known_;
+};
+
+/// The image of `relative_frame`, [batch, stresses], that its newest frame's Q chooses.
+void add_image(Builder& graph, Rows& rows, const nn::InputScaling& scaling, int stresses) {
+  const int n = scaling.normals(stresses);
+  add_image_tables(graph, scaling, stresses);
+  const auto is_negative = [&](int axis, const string& name) {
+    rows.slice("relative_frame", axis * n, (axis + 1) * n, name + "_newest");
+    rows.sum(name + "_newest", name + "_force");
+    graph.node("Less", {name + "_force", "zero"}, name + "_negative");
+    graph.node("Cast", {name + "_negative"}, name + "_bit", to_float);
+  };
+  string image = "x_bit";
+  const auto add_bit = [&](const string& bit, float weight, const string& name) {
+    graph.scalar(bit + "_weight", weight);
+    graph.node("Mul", {bit, bit + "_weight"}, bit + "_weighted");
+    graph.node("Add", {image, bit + "_weighted"}, name);
+    image = name;
+  };
+  is_negative(1, "x");
+  if (scaling.features == nn::Features::pad) {
+    is_negative(2, "y");
+    add_bit("y_bit", 2, "image_xy");
+  }
+  if (scaling.square) {
+    for (const string axis : {"x", "y"}) graph.node("Abs", {axis + "_force"}, axis + "_force_size");
+    graph.node("Greater", {"y_force_size", "x_force_size"}, "turned");
+    graph.node("Cast", {"turned"}, "turn_bit", to_float);
+    add_bit("turn_bit", 4, "image_xyt");
+  }
+  graph.node("Cast", {image}, "image_column", to_integer);
+  graph.node("Squeeze", {"image_column", "along_frame"}, "image");
+  graph.node("Gather", {"image_places", "image"}, "its_places", {{"axis", 0}});
+  graph.node("Gather", {"image_signs", "image"}, "its_signs", {{"axis", 0}});
+  graph.node("GatherElements", {"relative_frame", "its_places"}, "placed", {{"axis", 1}});
+  graph.node("Mul", {"placed", "its_signs"}, "canonical");
+}
+
+/// The sums of frames, [batch * history, numbers of a frame], in the order of nn/features.h.
+std::vector<string> add_sums(Builder& graph, Rows& rows, const nn::InputScaling& scaling, int n) {
+  const bool pad = scaling.features == nn::Features::pad;
+  std::vector<float> x, y;
+  for (int k = 0; k < n; ++k) {
+    x.push_back(static_cast<float>(k % scaling.columns) - static_cast<float>(scaling.columns - 1) / 2);
+    y.push_back(static_cast<float>(k / scaling.columns) - static_cast<float>(n / scaling.columns - 1) / 2);
+  }
+  graph.numbers("x", x);
+  rows.slice("one_frame", 0, n, "normals");
+  rows.slice("one_frame", n, 2 * n, "tx");
+  graph.node("Neg", {"normals"}, "pressures");
+  graph.node("Max", {"pressures", "zero"}, "p");
+  rows.sum("pressures", "P");
+  rows.sum("tx", "Qx");
+  rows.sum("p", "w");
+  rows.divisor("P", "by_p");
+  rows.divisor("w", "by_w");
+  const auto centre = [&](const string& axis) {
+    rows.sum_of({"p", axis}, "w" + axis);
+    graph.node("Div", {"w" + axis, "by_w"}, "c" + axis);
+    graph.node("Sub", {axis, "c" + axis}, "d" + axis);
+  };
+  const auto over = [&](const string& sum, const string& divisor, const string& output) {
+    graph.node("Div", {sum, divisor}, output);
+  };
+  const auto second_moment = [&](const string& weight, const string& divisor, const string& a, const string& b) {
+    const string name = weight + "_d" + a + "d" + b;
+    rows.sum_of({weight, "d" + a, "d" + b}, name + "_sum");
+    over(name + "_sum", divisor, name);
+    return name;
+  };
+  centre("x");
+  if (!pad) {
+    graph.node("Abs", {"tx"}, "t");
+    rows.sum("t", "T");
+    rows.divisor("T", "by_t");
+    over("Qx", "by_p", "Qx_P"), over("T", "by_p", "T_P");
+    rows.sum_of({"tx", "dx"}, "tx_dx");
+    const string pxx = second_moment("p", "by_w", "x", "x"), txx = second_moment("t", "by_t", "x", "x");
+    return {"P", "Qx", "Qx_P", "cx", pxx, "T_P", txx, "tx_dx"};
+  }
+  graph.numbers("y", y);
+  rows.slice("one_frame", 2 * n, 3 * n, "ty");
+  rows.sum("ty", "Qy");
+  centre("y");
+  const auto length = [&](const string& a, const string& b, const string& output) {
+    graph.node("Mul", {a, a}, output + "_a2");
+    graph.node("Mul", {b, b}, output + "_b2");
+    graph.node("Add", {output + "_a2", output + "_b2"}, output + "_2");
+    graph.node("Sqrt", {output + "_2"}, output);
+  };
+  length("tx", "ty", "t");
+  length("Qx", "Qy", "Q");
+  rows.sum("t", "T");
+  rows.divisor("T", "by_t"), rows.divisor("Q", "by_q");
+  over("Q", "by_p", "Q_P"), over("Qx", "by_p", "Qx_P"), over("Qy", "by_p", "Qy_P"), over("T", "by_p", "T_P");
+  over("Qx", "by_q", "ux"), over("Qy", "by_q", "uy");
+  graph.node("Mul", {"dx", "ty"}, "M_left"), graph.node("Mul", {"dy", "tx"}, "M_right");
+  graph.node("Sub", {"M_left", "M_right"}, "M_parts");
+  rows.sum("M_parts", "M");
+  over("M", "by_p", "M_P");
+  graph.node("Mul", {"tx", "ux"}, "along_x"), graph.node("Mul", {"ty", "uy"}, "along_y");
+  graph.node("Add", {"along_x", "along_y"}, "along");
+  rows.sum_of({"along", "dx"}, "along_dx"), rows.sum_of({"along", "dy"}, "along_dy");
+  const string pxx = second_moment("p", "by_w", "x", "x"), pyy = second_moment("p", "by_w", "y", "y");
+  const string pxy = second_moment("p", "by_w", "x", "y");
+  const string txx = second_moment("t", "by_t", "x", "x"), tyy = second_moment("t", "by_t", "y", "y");
+  return {"P", "Qx", "Qy", "Q_P", "Qx_P", "Qy_P", "M_P",      "cx",      "cy",
+          pxx, pyy,  pxy,  "T_P", txx,    tyy,    "along_dx", "along_dy"};
+}
+
+/// nn::add_features, from `relative_frame` and `largest_normal` to `scaled`.
+void add_features(Builder& graph, const nn::InputScaling& scaling, int stresses) {
+  const int n = scaling.normals(stresses);
+  Rows rows(graph);
+  graph.scalar("least_divisor", nn::least_divisor);
+  graph.scalar("usual_stress", scaling.usual_stress);
+  add_image(graph, rows, scaling, stresses);
+  graph.integers("shape_of_frames", {2}, {-1, scaling.axes * n});
+  graph.integers("shape_of_sums", {2}, {-1, scaling.history * scaling.sums()});
+  graph.node("Reshape", {"canonical", "shape_of_frames"}, "one_frame");
+  graph.node("Concat", add_sums(graph, rows, scaling, n), "sums_of_frame", {{"axis", 1}});
+  graph.node("Reshape", {"sums_of_frame", "shape_of_sums"}, "sums");
+  graph.node("Add", {"largest_normal", "usual_stress"}, "peak_and_usual");
+  graph.node("Div", {"largest_normal", "peak_and_usual"}, "peak_share_of_any");
+  graph.node("Where", {"no_stress", "zero", "peak_share_of_any"}, "peak_share");
+  graph.node("Concat", {"canonical", "sums", "peak_share"}, "scaled", {{"axis", 1}});
 }
 
 /// f(z) = 1/2 tanh(z/2). The halving has a node of its own, because not every runtime heeds Gemm's alpha and beta
@@ -213,12 +393,14 @@ string bias_name(int l) { return "bias" + std::to_string(l + 1); }
 
 Graph graph_of(const nn::Model& model) {
   const nn::Topology& topology = model.weights.topology;
-  Graph graph{"tactel_" + topology.text(), {}, {}, {"frame", topology.inputs()}, {{nn::name(model.target), 1}}};
+  const bool features = model.scaling.features != nn::Features::frame;
+  Graph graph{"tactel_" + topology.text(), {}, {}, {"frame", model.stresses()}, {{nn::name(model.target), 1}}};
   Builder builder(graph);
   if (model.scaling.kind == nn::ScalingKind::set)
     add_set_scaling(builder, model.scaling);
   else
-    add_frame_scaling(builder, model.scaling.normals(topology.inputs()));
+    add_frame_scaling(builder, model.scaling.normals(model.stresses()), features ? "relative_frame" : "scaled");
+  if (features) add_features(builder, model.scaling, model.stresses());
   builder.scalar("half", 0.5f);
   string last = "scaled";
   for (int l = 0; l < topology.layers(); ++l) {

@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "fem/value_error.h"
+#include "nn/features.h"
 #include "nn/infer/bound.h"
 #include "nn/infer/layers.h"
 #include "nn/infer/loaded_network.h"
@@ -98,17 +99,17 @@ bool all_finite(const float* numbers, int count) noexcept {
 /// Scales a frame as nn/input_scaling.cpp does. A frame that is not finite, or carries no stress, becomes zeros.
 AnswerStatus scale_frame(const Network& network, const float* frame, float* scaled) noexcept {
   const int inputs = network.inputs;
-  std::fill_n(scaled, inputs, 0.0f);
+  std::fill_n(scaled, network.scaling.inputs(inputs), 0.0f);
   if (!all_finite(frame, inputs)) return AnswerStatus::not_finite;
-  float factor = network.factor, scale = 1;
+  float factor = network.factor, scale = 1, largest = 0;
   if (network.by_frame) {
-    float largest = 0;
     for (int k = 0; k < network.normals; ++k) largest = std::max(largest, std::abs(frame[k]));
     if (largest < nn::InputScaling::smallest_stress) return AnswerStatus::no_stress;
     if (largest > nn::InputScaling::large_stress) scale = nn::InputScaling::large_scale;
     factor = 1.0f / (largest * scale);
   }
   for (int k = 0; k < inputs; ++k) scaled[k] = frame[k] * scale * factor;
+  if (network.scaling.features != nn::Features::frame) nn::add_features(network.scaling, inputs, largest, scaled);
   return AnswerStatus::ok;
 }
 
@@ -149,7 +150,8 @@ void evaluate(const Network& network, int frames, const float* frame, Answer* an
     status[f] = scale_frame(network, frame + f * network.inputs, x->values[f]);
     if (network.bound) seen[f] = infer::classify(*network.bound, x->values[f]);
   }
-  for (int f = frames; f < infer::most_frames && frames > 1; ++f) std::fill_n(x->values[f], network.inputs, 0.0f);
+  for (int f = frames; f < infer::most_frames && frames > 1; ++f)
+    std::fill_n(x->values[f], network.scaling.inputs(network.inputs), 0.0f);
   for (const infer::HiddenLayer& layer : network.hidden) {
     infer::hidden_outputs(layer, frames, *x, *next);
     std::swap(x, next);

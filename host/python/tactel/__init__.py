@@ -237,6 +237,7 @@ def _widths(layers):
 
 def train(data: Set, layers: str | Sequence[int] | Sequence[str | Sequence[int]] = (42, 42, 21, 1), *, seeds: int = 1,
           first_seed: int = 1, noise: float | Sequence[float] = 0.0, scaling: Literal["set", "frame"] = "set",
+          features: Literal["frame", "line", "pad"] = "frame",
           schedule: Literal["batch", "cosine", "online"] = "batch", optimizer: Literal["", "adam", "delta"] = "",
           loss: Literal["", "absolute", "squared"] = "", cycles: int | None = None, batch: int | None = None,
           rate: float | None = None, warm_up: float | None = None, average: float | None = None, validation: Set | None = None,
@@ -246,6 +247,7 @@ def train(data: Set, layers: str | Sequence[int] | Sequence[str | Sequence[int]]
 
     layers: widths, a name such as "42-42-21-1", "42-96-96-1_leaky-relu" (of mini-batches) or "6" (of the paper), or a list
     of them. noise: standard deviation of added noise over the set's largest |stress|, or a list. scaling: "set" or "frame".
+    features: of scaling "frame"; "line" or "pad": one of all mirror images of a frame, and its sums, before the network.
     schedule: "batch"; "cosine", mini-batches at a rate that warms up and falls to 0; or "online", the paper's rule. loss:
     "squared" (default) or "absolute". average: decay of the exponential mean of the weights (0: none). validation: a Set that
     judges each cycle; the weights of the smallest mean error are kept, and `patience` cycles without a smaller one end a
@@ -255,7 +257,7 @@ def train(data: Set, layers: str | Sequence[int] | Sequence[str | Sequence[int]]
     """
     noises = [noise] if isinstance(noise, (int, float)) else list(noise)
     with _Progress(progress, "training", "weight updates") as told:
-        return _tactel._train(data, _widths(layers), seeds, first_seed, noises, scaling, schedule, optimizer, loss, cycles,
+        return _tactel._train(data, _widths(layers), seeds, first_seed, noises, scaling, features, schedule, optimizer, loss, cycles,
                               batch, rate, warm_up, average, validation, patience, bound, level, str(history),
                               history_change, device, told)
 

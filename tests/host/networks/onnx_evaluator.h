@@ -124,21 +124,53 @@ class OnnxEvaluator {
     return in[0].rowwise().sum();
   }
 
-  // Of a list: an element for each index, in the shape of the indices.
+  // Of a list: an element for each index, in the shape of the indices. Of a matrix: a row for each index of a list.
   static Tensor gather(const onnx::NodeProto& node, const std::vector<Tensor>& in) {
     const auto* axis = attribute(node, "axis");
-    expect(in[0].rows() == 1 && (!axis || axis->i() == 0), "Gather");
+    expect(!axis || axis->i() == 0, "Gather");
+    if (in[0].rows() > 1) {
+      expect(in[1].rows() == 1 && in[1].minCoeff() >= 0 && in[1].maxCoeff() < static_cast<double>(in[0].rows()),
+             "Gather");
+      Tensor rows(in[1].size(), in[0].cols());
+      for (Eigen::Index i = 0; i < rows.rows(); ++i) rows.row(i) = in[0].row(static_cast<Eigen::Index>(in[1](i)));
+      return rows;
+    }
     expect(in[1].minCoeff() >= 0 && in[1].maxCoeff() < static_cast<double>(in[0].size()), "an index beyond the list");
     return in[1].unaryExpr([&](double index) { return in[0](static_cast<Eigen::Index>(index)); });
   }
 
-  // Of two columns.
+  // Of matrices, side by side.
   static Tensor concat(const onnx::NodeProto& node, const std::vector<Tensor>& in) {
-    expect(in.size() == 2 && in[0].rows() == in[1].rows() && in[0].cols() == 1 && in[1].cols() == 1, "Concat");
     expect(attribute(node, "axis")->i() == 1, "Concat");
-    Tensor out(in[0].rows(), 2);
-    out << in[0], in[1];
+    Tensor out(in[0].rows(), 0);
+    for (const Tensor& t : in) {
+      expect(t.rows() == out.rows(), "Concat");
+      out.conservativeResize(Eigen::NoChange, out.cols() + t.cols());
+      out.rightCols(t.cols()) = t;
+    }
     return out;
+  }
+
+  // Of each row the elements at the indices of this row.
+  static Tensor gather_elements(const onnx::NodeProto& node, const std::vector<Tensor>& in) {
+    expect(attribute(node, "axis")->i() == 1 && in[0].rows() == in[1].rows(), "GatherElements");
+    return Tensor::NullaryExpr(in[1].rows(), in[1].cols(), [&](Eigen::Index i, Eigen::Index k) {
+      return in[0](i, static_cast<Eigen::Index>(in[1](i, k)));
+    });
+  }
+
+  // To rows of so many elements.
+  static Tensor reshape(const std::vector<Tensor>& in) {
+    expect(in[1].size() == 2 && in[1](0) == -1, "Reshape");
+    const auto columns = static_cast<Eigen::Index>(in[1](1));
+    expect(in[0].size() % columns == 0, "Reshape");
+    return Eigen::Map<const Tensor>(in[0].data(), in[0].size() / columns, columns);
+  }
+
+  // A column becomes a list.
+  static Tensor squeeze(const std::vector<Tensor>& in) {
+    expect(in.size() == 2 && in[1].size() == 1 && in[1](0) == 1 && in[0].cols() == 1, "Squeeze");
+    return in[0].transpose();
   }
 
   // To an integer or a number; towards zero.
@@ -170,6 +202,8 @@ class OnnxEvaluator {
         {"Div", [](const Numbers& x) { return x[0] / x[1]; }},
         {"Where", [](const Numbers& x) { return x[0] != 0 ? x[1] : x[2]; }},
         {"Abs", [](const Numbers& x) { return std::abs(x[0]); }},
+        {"Neg", [](const Numbers& x) { return -x[0]; }},
+        {"Sqrt", [](const Numbers& x) { return std::sqrt(x[0]); }},
         {"Tanh", [](const Numbers& x) { return std::tanh(x[0]); }},
         {"Relu", [](const Numbers& x) { return std::max(x[0], 0.0); }},
         {"Sigmoid", [](const Numbers& x) { return 1 / (1 + std::exp(-x[0])); }}};
@@ -182,6 +216,9 @@ class OnnxEvaluator {
     if (type == "ReduceMax") return reduce_max(node, in[0]);
     if (type == "ReduceSum") return reduce_sum(node, in);
     if (type == "Gather") return gather(node, in);
+    if (type == "GatherElements") return gather_elements(node, in);
+    if (type == "Squeeze") return squeeze(in);
+    if (type == "Reshape") return reshape(in);
     if (type == "Concat") return concat(node, in);
     if (type == "MatMul") return product(in[0], in[1]);
     if (type == "Cast") return cast(node, in[0]);

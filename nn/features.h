@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "nn/network.h"
+
+namespace tactel::nn {
+
+/// The fixed layer of networks with features; kernels/shared/features.h is its twin, operation by operation.
+///
+/// x: [scaling.inputs(stresses)], of which the first `stresses` are scaled frames, the newest first: of each the normal
+/// stresses of its tactels, x fastest, then those along x, then of a pad those along y. `peak`: the newest frame's
+/// largest |normal stress|, MPa. On return x holds
+///
+/// - the frames' image, [frames][axes][tactels]: mirrored so that the newest frame's Q points to +x (of a pad to +x and
+///   +y, and closer to x than to y where it is square). The contact of a mirrored frame has the mirrored forces, so all
+///   images of an input have one answer;
+/// - the sums of each frame, [frames][sums]: with pressures p = -normal stress, shear t, places x from the middle in
+///   tactels, P = sum p, Q = sum t, T = sum |t|, the centre c of the pressures and d = x - c
+///
+///       P, Qx, Qy, |Q| / P, Qx / P, Qy / P, M / P about c, cx, cy, second moments of p / P: dx dx, dy dy, dx dy,
+///       T / P, second moments of |t| / T: dx dx, dy dy, sum of t along Q times dx and dy
+///
+///   Of a line: P, Q, Q / P, c, second moment of p / P, T / P, that of |t| / T, sum t d. Divisors are at least 0.2;
+/// - peak / (peak + usual_stress).
+///
+/// The last one alone depends on E and on a common factor of all stresses.
+template <class Real>
+void add_features(const InputScaling& scaling, int stresses, Real peak, Real* x) noexcept;
+
+inline constexpr float least_divisor = 0.2f;
+
+extern template void add_features(const InputScaling&, int, float, float*) noexcept;
+extern template void add_features(const InputScaling&, int, double, double*) noexcept;
+
+}  // namespace tactel::nn
