@@ -100,18 +100,12 @@ constexpr std::uint64_t most_looked_at = 100;  ///< contacts of a sweep
 /// Warns of each number once.
 class UnitWarnings {
  public:
-  void look_at(const fem::Scene& scene, const std::string& place = "") {
+  template <class Scene>
+  void look_at(const Scene& scene, const std::string& place = "") {
     look(usual_young, scene.sensor.young, place);
     look(usual_thickness, scene.sensor.thickness, place);
     look(usual_length, scene.sensor.length, place);
-    look(usual_radius, radius_of(scene.indenter.shape), place);
-    look(measured(scene.indenter.shape), depth_of(scene.load), place);
-  }
-  void look_at(const fem::PadScene& scene, const std::string& place = "") {
-    look(usual_young, scene.sensor.young, place);
-    look(usual_thickness, scene.sensor.thickness, place);
-    look(usual_length, scene.sensor.length, place);
-    look(usual_width, scene.sensor.width, place);
+    if constexpr (requires { scene.sensor.width; }) look(usual_width, scene.sensor.width, place);
     look(usual_radius, radius_of(scene.indenter.shape), place);
     look(measured(scene.indenter.shape), depth_of(scene.load), place);
   }

@@ -9,6 +9,7 @@
 
 #include "fem/value_error.h"
 #include "nn/forward.h"
+#include "nn/frame_set.h"
 #include "nn/learning_view.h"
 #include "nn/network.h"
 
@@ -92,8 +93,9 @@ TEST(Features, AllImagesOfAFrameAreOneInput) {
         const std::vector<double> other = inputs_of(c.scaling, image(frame, c.scaling.columns, c.scaling.axes, which));
         ASSERT_EQ(first, other) << c.tactels << " tactels, image " << which;
       }
-      if (c.images == 4 && c.tactels == 16)
-        EXPECT_NE(first, inputs_of(c.scaling, image(frame, 4, 3, 4)));  // it is not square
+      if (c.images == 4 && c.tactels == 16) {  // not square
+        EXPECT_NE(first, inputs_of(c.scaling, image(frame, 4, 3, 4)));
+      }
     }
 }
 

@@ -83,6 +83,31 @@ TEST(TrainCommand, WritesNetworksReportAndFigure) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder / "net"), {}), 10);  // and no checkpoint
 }
 
+TEST(TrainCommand, PadsLearnWithFeatures) {
+  const ScratchFolder folder;
+  const std::string sweep = folder.write("pads.toml",
+                                         "[sweep]\ncontacts = 20\n[sensor]\nkind = \"pad\"\nthickness = 4\n"
+                                         "[indenter]\nshape = \"sphere\"\nradius = { uniform = [5, 9] }\n"
+                                         "position = [{ uniform = [-5, 5] }, { uniform = [-5, 5] }]\n"
+                                         "[load]\nindentation = 0.3\ntangential = [[0.1, 0.05], [0.2, 0.1]]\n");
+  const std::string set = folder / "pads.h5", nets = folder / "nets";
+  ASSERT_EQ(run_tactel({"generate", sweep, "--output", set}).exit_code, 0);
+  const std::vector<std::string> own{"train", set, "--output", nets, "--features"};
+  EXPECT_TRUE(is_refused(run_tactel(own, {"pad", "--network", "48-8-1"}), {"--scaling = set", "--features pad"}));
+  EXPECT_TRUE(is_refused(run_tactel(own, {"line", "--scaling", "frame", "--network", "48-8-1"}), {"features = line"}));
+  const ChildResult result = run_tactel(own, {"pad", "--scaling", "frame", "--network", "48-8-1", "--schedule", "batch",
+                                              "--cycles", "20", "--bound", "--bound-set", set});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(json::parse(text_of(folder / "nets" / "training.json"))["options"]["features"], "pad");
+  const auto files = networks_in(nets);
+  ASSERT_EQ(files.size(), 1u);
+  const nn::Model model = read_onnx(folder / "nets" / files.begin()->first);
+  EXPECT_EQ(model.weights.topology.text(), "66-8-3");  // 48 stresses, 17 sums, the share of the peak
+  EXPECT_EQ(model.scaling.columns, 4);
+  EXPECT_TRUE(model.scaling.square);
+  EXPECT_GT(recall_json(nets, set)["networks"][0]["bound"]["coverage"].get<double>(), 0.5);
+}
+
 TEST(TrainCommand, GoesOnWithoutItsFigure) {
   const ScratchFolder folder;
   fs::create_directories(folder / "net" / "learning_curves.svg" / "mine");
