@@ -67,7 +67,7 @@ class PathArrays {
     bool sliding = false;
     for (int made = 0; made < answer.steps; ++made) {
       const auto result = [&](int row) { return answer.result(made, row); };
-      const int status = static_cast<int>(result(LANE_STATUS));
+      const int status = static_cast<int>(result(RESULT_STATUS));
       if (status == LANE_NOT_RUN) break;
       const bool pressing = made < answer.indentation_steps;
       sliding = status == LANE_SLIDING && !pressing;

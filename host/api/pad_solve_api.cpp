@@ -38,7 +38,7 @@ PadStep pad_step_of(const fem::PadStep& from) {
   step.normal_force = list(from.normal_force);
   for (const auto& force : from.tangential_force.rowwise()) step.tangential_force.push_back({force[0], force[1]});
   step.sigma_z = list(from.stress.col(0)), step.tau_x = list(from.stress.col(1)), step.tau_y = list(from.stress.col(2));
-  step.converged = from.converged, step.iterations = from.sweeps;
+  step.converged = from.converged, step.iterations = from.iterations;
   const fem::PadResidual& r = from.residual;
   step.residual = {r.penetration, r.complementarity, r.cone, r.drift, r.angle};
   return step;

@@ -82,7 +82,7 @@ PadJson pad_step_json(const fem::PadStep& step, int axes) {
               {"normal_force", json_numbers(step.normal_force)},
               {"tangential_force", std::move(traction)},
               {"converged", step.converged},
-              {"iterations", step.sweeps},
+              {"iterations", step.iterations},
               {"residual",
                {{"penetration", step.residual.penetration},
                 {"complementarity", step.residual.complementarity},

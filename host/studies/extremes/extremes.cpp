@@ -96,7 +96,7 @@ ContactSolution by_cells(const fem::PadSolution& pad) {
   for (const fem::PadStep& from : pad.steps) {
     ContactStep step;
     step.indentation = from.indentation, step.slip_index = from.slip_index, step.converged = from.converged;
-    step.iterations = from.sweeps, step.residual.penetration = from.residual.largest();
+    step.iterations = from.iterations, step.residual.penetration = from.residual.largest();
     step.base_force_x = from.tangential_force.reshaped(), step.base_force_y = from.normal_force;
     line.steps.push_back(std::move(step));
   }

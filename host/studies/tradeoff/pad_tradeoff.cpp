@@ -41,7 +41,7 @@ MeasuredModel judged_model(const PadRung& rung, const std::vector<fem::PadSoluti
     for (const fem::PadStep& step : answer.steps) {
       steps += 1;
       model.unsolved += !step.converged;
-      model.sweeps += step.sweeps;
+      model.sweeps += step.iterations;
     }
   model.unsolved /= steps;
   model.sweeps /= steps;
