@@ -4,9 +4,9 @@
 #include <optional>
 
 #include "fem/stress_field.h"
+#include "host/answers/rung_for_many.h"
 #include "host/commands/shared_options.h"
 #include "host/contact/pad_rung.h"
-#include "host/contact/rung_for_many.h"
 #include "host/scenes/end_tactels.h"
 #include "host/scenes/sweep_file.h"
 #include "host/scenes/unit_warnings.h"

@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "fem/angles.h"
-#include "host/contact/convergence.h"
 #include "host/contact/json_values.h"
 
 namespace tactel::host {
@@ -57,50 +56,6 @@ PadJson pad_load_json(const fem::PadLoad& load) {
   return out;
 }
 
-template <class T>
-PadJson or_null(const std::optional<T>& value) {
-  return value ? PadJson(*value) : PadJson();
-}
-
-PadJson pad_step_json(const fem::PadStep& step, int axes) {
-  PadJson traction = PadJson::array();
-  for (Eigen::Index i = 0; i < step.tangential_force.rows(); ++i)
-    traction.push_back({step.tangential_force(i, 0), step.tangential_force(i, 1)});
-  PadJson out = {{"indentation", step.indentation},
-                 {"tangential", {step.x, step.y}},
-                 {"twist", fem::clean_degrees(step.twist)},
-                 {"P", step.P},
-                 {"Q", {step.Q[0], step.Q[1]}},
-                 {"M", step.M},
-                 {"slip_index", or_null(step.slip_index)},
-                 {"force_ratio", or_null(step.force_ratio)},
-                 {"stick_fraction", step.stick_fraction},
-                 {"slip_distance", step.slip_distance},
-                 {"sigma_z", json_numbers(step.stress.col(0))}};
-  if (axes == 3) out.update({{"tau_x", json_numbers(step.stress.col(1))}, {"tau_y", json_numbers(step.stress.col(2))}});
-  out.update({{"status", json_statuses(step.status)},
-              {"normal_force", json_numbers(step.normal_force)},
-              {"tangential_force", std::move(traction)},
-              {"converged", step.converged},
-              {"iterations", step.iterations},
-              {"residual",
-               {{"penetration", step.residual.penetration},
-                {"complementarity", step.residual.complementarity},
-                {"cone", step.residual.cone},
-                {"drift", step.residual.drift},
-                {"angle", step.residual.angle}}}});
-  return out;
-}
-
-PadJson pad_error_json(const PadError& error) {
-  const auto& e = error.most95;
-  PadJson out = {{"slip_index", e.slip_index}, {"P", e.P},    {"Q", e.Q}, {"M", e.M},
-                 {"sigma_z", e.sigma},         {"tau", e.tau}};
-  out.update({{"largest", error.largest}, {"scenes", error.scenes}, {"outside", error.outside}});
-  if (!error.from.empty()) out["from"] = error.from;
-  return out;
-}
-
 }  // namespace
 
 PadJson to_json(const fem::PadScene& scene) {
@@ -109,32 +64,6 @@ PadJson to_json(const fem::PadScene& scene) {
           {"indenter", pad_indenter_json(scene.indenter)},
           {"contact", {{"friction", scene.friction}}},
           {"load", pad_load_json(scene.load)}};
-}
-
-PadJson to_json(const PadOutcome& outcome) {
-  const fem::PadSolution& solution = outcome.solution;
-  const Eigen::MatrixX2d tactels = fem::tactel_places(outcome.scene.sensor);
-  PadJson steps = PadJson::array();
-  for (const fem::PadStep& step : solution.steps) steps.push_back(pad_step_json(step, outcome.scene.sensor.axes));
-  PadJson out = {{"tactel", TACTEL_VERSION},
-                 {"scene", to_json(outcome.scene)},
-                 {"solver", outcome.solver},
-                 {"precision", outcome.precision},
-                 {"device", outcome.device},
-                 {"model", model_name(outcome)},
-                 {"rung", outcome.rung.name},
-                 {"tactel_x", json_numbers(tactels.col(0))},
-                 {"tactel_y", json_numbers(tactels.col(1))},
-                 {"cell_x", json_numbers(solution.places.col(0))},
-                 {"cell_y", json_numbers(solution.places.col(1))},
-                 {"cell_width", {solution.cells.hx, solution.cells.hy}},
-                 {"fallback", outcome.solution.fell_back},
-                 {"warnings", warnings(outcome)},
-                 {"steps", std::move(steps)}};
-  if (outcome.error) out["discretisation_error"] = pad_error_json(*outcome.error);
-  if (outcome.convergence) out["converge"] = to_json(*outcome.convergence);
-  if (outcome.accuracy) out["accuracy"] = {{"asked", *outcome.accuracy}, {"kept", outcome.kept()}};
-  return out;
 }
 
 }  // namespace tactel::host

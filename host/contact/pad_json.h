@@ -2,14 +2,11 @@
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 
-#include "host/contact/pad_solve.h"
+#include "fem/pad/pad_scene.h"
 
 namespace tactel::host {
 
 /// Returns a pad's scene as in its file, with every default filled in (of a height map: its file).
 nlohmann::ordered_json to_json(const fem::PadScene& scene);
-
-/// Returns the whole answer, with the keys and units of docs/answers.md. Numbers read back to the same bits.
-nlohmann::ordered_json to_json(const PadOutcome& outcome);
 
 }  // namespace tactel::host

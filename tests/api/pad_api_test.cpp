@@ -7,7 +7,8 @@
 
 #include <cmath>
 
-#include "host/contact/pad_solve.h"
+#include "host/answers/solve.h"
+#include "host/answers/warnings.h"
 #include "host/scenes/scene_file.h"
 #include "tests/scratch.h"
 #include "tests/thrown_message.h"

@@ -14,8 +14,8 @@
 #include "fem/pad/pad_search.h"
 #include "fem/solution_difference.h"
 #include "host/contact/contact_fallback.h"
+#include "host/contact/limits.h"
 #include "host/contact/pad_stream.h"
-#include "host/contact/solve.h"
 #include "host/contact/solve_on_rung.h"
 
 namespace tactel::host {
