@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <cstddef>
 #include <tuple>
-#include <utility>
+
+#include "host/support/each_of.h"
 
 // Every number of a load step of an answer, once. `steps` of the JSON, steps and arrays of the C++ API and attributes
 // of the Python API are made from these tables. A table serves all structs with its members: of a line
@@ -111,20 +111,6 @@ auto residuals(Residual& r) {
   return std::tuple{Quantity{"penetration", "", "", "", r.penetration},
                     Quantity{"complementarity", "", "", "", r.complementarity}, Quantity{"cone", "", "", "", r.cone},
                     Quantity{"drift", "", "", "", r.drift}, Quantity{"angle", "", "", "", r.angle}};
-}
-
-/// Calls visit(quantity) for each of a table.
-template <class Table, class Visit>
-void each(Table&& table, const Visit& visit) {
-  std::apply([&](auto&&... all) { (visit(all), ...); }, std::forward<Table>(table));
-}
-
-/// Calls visit(to, from) for the values of a table of two structs.
-template <class... To, class... From, class Visit>
-void each_pair(const std::tuple<To...>& to, const std::tuple<From...>& from, const Visit& visit) {
-  static_assert(sizeof...(To) == sizeof...(From));
-  [&]<std::size_t... i>(std::index_sequence<i...>) { (visit(std::get<i>(to).value, std::get<i>(from).value), ...); }
-  (std::index_sequence_for<To...>());
 }
 
 }  // namespace tactel::host

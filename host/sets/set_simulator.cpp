@@ -227,31 +227,17 @@ struct StepsOfSolution {
 };
 
 void resize(ContactSet& set, std::size_t rows) {
-  set.frames.resize(rows * set.inputs);
-  for (auto* list :
-       {&set.slip_index, &set.normal_force, &set.indentation, &set.friction, &set.stick_fraction, &set.residual})
-    list->resize(rows);
-  for (auto* list : {&set.tangential_force, &set.tangential})
-    list->resize(rows * static_cast<std::size_t>(set.directions()));
-  if (set.pad)
-    for (auto* list : {&set.torque, &set.twist, &set.force_ratio}) list->resize(rows);
-  if (set.pad) set.outside.resize(rows);
-  set.contact_nodes.resize(rows), set.indenter.resize(rows);
-  if (set.sensors)
-    for (auto* list : {&set.poisson, &set.thickness, &set.young, &set.length}) list->resize(rows);
-  set.contact.resize(rows), set.step.resize(rows), set.status.resize(rows);
+  each_column(set, [rows](const char*, auto& values, int columns, const char*) {
+    values.resize(rows * static_cast<std::size_t>(std::max(columns, 1)));
+  });
 }
 
-void put_sensor(ContactSet& set, std::size_t at, const fem::Sensor& sensor) {
+void put_sensor(ContactSet& set, std::size_t at, const auto& sensor) {
   set.poisson[at] = static_cast<float>(sensor.poisson);
   set.thickness[at] = static_cast<float>(sensor.thickness);
   set.young[at] = static_cast<float>(sensor.young);
-  set.length[at] = static_cast<float>(sensor.length);
-}
-void put_sensor(ContactSet& set, std::size_t at, const fem::PadSensor& sensor) {
-  set.poisson[at] = static_cast<float>(sensor.poisson);
-  set.thickness[at] = static_cast<float>(sensor.thickness);
-  set.young[at] = static_cast<float>(sensor.young);
+  if constexpr (std::is_same_v<decltype(sensor), const fem::Sensor&>)
+    set.length[at] = static_cast<float>(sensor.length);
 }
 
 /// Puts a step into row `at`.
